@@ -1,0 +1,65 @@
+/* accel: bounding volume hierarchies over triangles and over instances, and rays through them.
+ * Promises: binned-SAH builds in O(n log n) with bounded depth whatever the input; traversal that never misses a box by
+ * rounding; the same hit on every instruction set. Rays are turned into each object's space, never objects into the world's. */
+#ifndef DAFT_ACCEL_H
+#define DAFT_ACCEL_H
+
+#include "base/base.h"
+#include "geometry/mesh.h"
+#include "math/vec.h"
+
+typedef struct daft_bvh daft_bvh;
+
+/* Over a mesh's triangles. The mesh must outlive it. NULL when memory is out. A mesh without triangles is fine. */
+daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error);
+void daft_bvh_free(daft_bvh *bvh);
+size_t daft_bvh_bytes(const daft_bvh *bvh);
+
+enum { DAFT_INSTANCE_CASTS_SHADOW = 1 };
+
+/* One thing to be drawn or hit: a mesh or, with mesh NULL, a sphere around to_frame's translation. */
+typedef struct daft_instance {
+    const daft_trimesh *mesh;
+    const daft_bvh *bvh;
+    daft_affine to_frame;      /* object space to frame space */
+    daft_affine to_object;     /* its inverse */
+    float radius;              /* sphere, in frame space (scale applied) */
+    daft_vec3 low, high;       /* bounds in frame space */
+    const uint32_t *materials; /* material index of each of the mesh's slots; a sphere has one slot */
+    uint32_t entity;           /* the caller's id, only carried */
+    uint32_t flags;
+} daft_instance;
+
+/* Computes low and high. */
+void daft_instance_bound(daft_instance *instance);
+
+/* Two-level: a BVH over instances. Built anew each frame; memory from the arena. */
+typedef struct daft_tlas daft_tlas;
+const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instances, uint32_t count, daft_error *error);
+
+typedef struct daft_ray {
+    daft_vec3 origin;
+    float tmin;
+    daft_vec3 direction; /* any length; t is in units of it */
+    float tmax;
+} daft_ray;
+
+typedef struct daft_hit {
+    float t;           /* the ray's tmax when nothing was hit */
+    float u, v;        /* barycentric weights of the triangle's second and third corner */
+    uint32_t instance; /* UINT32_MAX: nothing */
+    uint32_t triangle;
+    daft_vec3 normal; /* geometric, frame space, not normalised, not turned to the ray */
+} daft_hit;
+
+/* Kernels, compiled once per instruction set and picked by daft_accel_kernels(isa). */
+typedef struct daft_accel_kernels {
+    /* Nearest hit in tmin <= t <= tmax. `ignore`: an instance index to pass through, or UINT32_MAX. */
+    bool (*closest)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit);
+    /* Whether any shadow-casting instance stops the ray. Stops at the first. */
+    bool (*occluded)(const daft_tlas *tlas, const daft_ray *ray);
+} daft_accel_kernels;
+
+const daft_accel_kernels *daft_accel_kernels_for(int isa);
+
+#endif

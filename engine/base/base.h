@@ -1,0 +1,85 @@
+/* base: what every room stands on: errors as values, memory, parallel loops, the clock, hashes.
+ * Promises: no global state; every allocation goes through the caller's allocator; a parallel loop's results do not
+ * depend on the number of workers as long as its tasks write only to what their index owns. */
+#ifndef DAFT_BASE_H
+#define DAFT_BASE_H
+
+#include "daft.h"
+
+/* A definition carries this, so that one which did not come from its daft_default_…() maker is refused. */
+#define DAFT_COOKIE 0xDAF7C0DEu
+
+#define DAFT_COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
+
+static inline int daft_min_i(int a, int b) { return a < b ? a : b; }
+static inline int daft_max_i(int a, int b) { return a > b ? a : b; }
+static inline uint32_t daft_min_u(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+/* ---- errors (error.c) ---- */
+
+/* Both fill *error (if it is not NULL) and return false, so that `return daft_fail(...)` reads well. */
+bool daft_fail(daft_error *error, daft_status code, const char *format, ...) __attribute__((format(printf, 3, 4)));
+bool daft_fail_at(daft_error *error, daft_status code, const char *file, int line, int column, const char *format, ...)
+    __attribute__((format(printf, 6, 7)));
+/* An error that says memory ran out for `what`. */
+bool daft_fail_memory(daft_error *error, const char *what);
+/* Sets *error to DAFT_OK. */
+void daft_error_clear(daft_error *error);
+
+/* Where warnings go. A zero value swallows them. */
+typedef struct daft_log {
+    daft_warning_callback *warn;
+    void *user;
+} daft_log;
+
+void daft_warn_at(const daft_log *log, daft_status code, const char *file, int line, int column, const char *format, ...)
+    __attribute__((format(printf, 6, 7)));
+
+/* ---- memory (memory.c) ---- */
+
+daft_allocator daft_malloc_allocator(void);
+/* 64-byte aligned (one cache line, one AVX-512 register); NULL when size overflows or memory is out. */
+void *daft_alloc(const daft_allocator *allocator, size_t count, size_t size);
+void *daft_alloc_zero(const daft_allocator *allocator, size_t count, size_t size);
+void daft_release(const daft_allocator *allocator, void *pointer);
+/* Makes room for `needed` elements of `size` bytes in *array, doubling. False and unchanged when memory is out. */
+bool daft_grow(const daft_allocator *allocator, void *array_pointer, size_t *capacity, size_t needed, size_t used,
+               size_t size);
+/* A copy of a string; NULL when memory is out. */
+char *daft_copy_string(const daft_allocator *allocator, const char *text);
+
+/* Bump allocation in blocks that are kept across resets: a settled frame allocates nothing. */
+typedef struct daft_arena_block daft_arena_block;
+typedef struct daft_arena {
+    const daft_allocator *allocator;
+    daft_arena_block *first, *current;
+    size_t bytes; /* handed out since the last reset */
+} daft_arena;
+
+void daft_arena_init(daft_arena *arena, const daft_allocator *allocator);
+void *daft_arena_alloc(daft_arena *arena, size_t count, size_t size); /* 64-byte aligned, NULL when memory is out */
+void daft_arena_reset(daft_arena *arena);
+void daft_arena_free(daft_arena *arena);
+
+/* ---- parallel loops (parallel.c) ---- */
+
+/* worker: 0 .. workers-1, stable for the length of one task; use it to pick scratch memory. */
+typedef void daft_task(void *context, uint32_t index, uint32_t worker);
+/* Runs task(context, i, worker) for every i < count, handing out indices in order; worker 0 is the calling thread. */
+void daft_parallel_for(int workers, uint32_t count, daft_task *task, void *context);
+int daft_processor_count(void);
+
+/* ---- clock (clock.c) ---- */
+
+double daft_clock_ms(void); /* monotonic, milliseconds */
+
+/* ---- files (file.c) ---- */
+
+/* Reads a whole file into memory and appends a zero byte that *size does not count. A directory, a missing or an
+ * unreadable file fails with a message that names it. Release with daft_release. */
+char *daft_file_read(const daft_allocator *allocator, const char *path, size_t *size, daft_error *error);
+/* Joins the folder of `base` (a file's path) and `path` (left alone where absolute) into out. False if it is too long. */
+bool daft_path_beside(const char *base, const char *path, char *out, size_t size);
+bool daft_file_exists(const char *path);
+
+#endif

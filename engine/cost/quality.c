@@ -1,0 +1,31 @@
+#include "cost/cost.h"
+
+#include <string.h>
+
+static const daft_preset PRESETS[] = {
+    [DAFT_QUALITY_DRAFT] = {"draft", 1, 0, false, false},
+    [DAFT_QUALITY_GAME] = {"game", 1, 2, true, false},
+    [DAFT_QUALITY_HIGH] = {"high", 4, 6, true, false},
+    [DAFT_QUALITY_REFERENCE] = {"reference", 16, 10, true, true},
+};
+
+const daft_preset *daft_quality_preset(daft_quality quality)
+{
+    return (unsigned)quality < DAFT_COUNT_OF(PRESETS) ? &PRESETS[quality] : NULL;
+}
+
+const char *daft_quality_name(daft_quality quality)
+{
+    const daft_preset *preset = daft_quality_preset(quality);
+    return preset ? preset->name : "unknown";
+}
+
+bool daft_quality_parse(const char *name, daft_quality *out)
+{
+    for (unsigned i = 0; i < DAFT_COUNT_OF(PRESETS); i++) {
+        if (strcmp(name, PRESETS[i].name) != 0) continue;
+        *out = (daft_quality)i;
+        return true;
+    }
+    return false;
+}

@@ -1,0 +1,385 @@
+/* DAFT: a 3D engine in C that needs no GPU. The one public header of libdaft.
+ *
+ * Life of a program: make an engine, make a scene in it, fill the scene (from a file or by calls), render views of it
+ * into images, cast rays, step it, destroy the scene, destroy the engine..
+ *
+ * Conventions: right-handed, Y up; metres, seconds, kilograms, radians. Colours are linear light, 1 is white. Images
+ * have the top row first. Counter-clockwise triangles face the viewer. A quaternion is (x, y, z, w) with w real.
+ *
+ * Errors: a call that can fail returns false, NULL or a null handle and fills `error` (which may be NULL). It leaves
+ * everything as it was before the call. Warnings go to the callback of the engine's definition.
+ *
+ * Handles are 32 bits of index and generation: 0 is "none", a handle of something destroyed is stale and every call
+ * that takes it fails with DAFT_ERROR_HANDLE.
+ *
+ * Threads: an engine and everything in it belongs to one calling thread at a time; the library uses its own worker
+ * threads inside a call. Results do not depend on how many, bit for bit. Different engines are independent. */
+#ifndef DAFT_H
+#define DAFT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define DAFT_API __attribute__((visibility("default")))
+#else
+#define DAFT_API
+#endif
+
+#define DAFT_VERSION_MAJOR 0
+#define DAFT_VERSION_MINOR 1
+#define DAFT_VERSION_PATCH 0
+
+/* ---- plain values ------------------------------------------------------------------------------------------------ */
+
+typedef struct daft_vec2 { float x, y; } daft_vec2;
+typedef struct daft_vec3 { float x, y, z; } daft_vec3;
+typedef struct daft_dvec3 { double x, y, z; } daft_dvec3; /* a position in the world */
+typedef struct daft_quat { float x, y, z, w; } daft_quat;
+
+/* ---- errors and warnings ----------------------------------------------------------------------------------------- */
+
+typedef enum daft_status {
+    DAFT_OK = 0,
+    DAFT_ERROR_ARGUMENT,    /* a value the call does not accept: the message names it */
+    DAFT_ERROR_HANDLE,      /* a null or stale handle */
+    DAFT_ERROR_IO,          /* a file that cannot be opened, read or written */
+    DAFT_ERROR_SYNTAX,      /* a file whose text or bytes are not what its format says */
+    DAFT_ERROR_UNSUPPORTED, /* a format or option this build does not have */
+    DAFT_ERROR_MEMORY,      /* the allocator returned NULL */
+    DAFT_ERROR_CANCELLED    /* a progress callback asked to stop */
+} daft_status;
+
+typedef struct daft_error {
+    daft_status code;
+    int line;          /* 1-based, 0 where it means nothing */
+    int column;        /* 1-based, 0 where it means nothing */
+    char file[512];    /* empty where it means nothing */
+    char message[512]; /* one line of English, no full stop */
+} daft_error;
+
+/* Writes "file:line:column: message", leaving out what is not known. Returns `buffer`. */
+DAFT_API const char *daft_error_text(const daft_error *error, char *buffer, size_t size);
+
+/* ---- engine ------------------------------------------------------------------------------------------------------ */
+
+typedef struct daft_engine daft_engine;
+
+typedef struct daft_allocator {
+    void *user;
+    void *(*allocate)(void *user, size_t size, size_t alignment); /* alignment: a power of two up to 64 */
+    void (*release)(void *user, void *pointer);                   /* pointer may be NULL */
+} daft_allocator;
+
+typedef void daft_warning_callback(void *user, const daft_error *warning);
+
+typedef struct daft_engine_def {
+    uint32_t cookie;
+    int threads;              /* worker threads; 0: one for each processor */
+    const char *isa;          /* "sse2", "avx2", "avx512"; NULL: the best this processor has */
+    daft_allocator allocator; /* all zero: malloc */
+    daft_warning_callback *warn;
+    void *warn_user;
+} daft_engine_def;
+
+DAFT_API daft_engine_def daft_default_engine_def(void);
+DAFT_API daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error);
+DAFT_API void daft_engine_destroy(daft_engine *engine); /* NULL is fine; its scenes must be gone */
+DAFT_API int daft_engine_threads(const daft_engine *engine);
+DAFT_API const char *daft_engine_isa(const daft_engine *engine);
+
+/* ---- images ------------------------------------------------------------------------------------------------------ */
+
+/* RGBA, 8 bits each, sRGB, top row first, rows packed. Owned by the caller; freed with daft_image_destroy. */
+typedef struct daft_image daft_image;
+
+DAFT_API daft_image *daft_image_create(daft_engine *engine, int width, int height, daft_error *error);
+DAFT_API daft_image *daft_image_load(daft_engine *engine, const char *path, daft_error *error);
+DAFT_API void daft_image_destroy(daft_image *image);
+DAFT_API int daft_image_width(const daft_image *image);
+DAFT_API int daft_image_height(const daft_image *image);
+DAFT_API uint8_t *daft_image_pixels(daft_image *image); /* 4·width·height bytes */
+/* By the extension: .png, .ppm. Written to a temporary file first, so a failure leaves no half file. */
+DAFT_API bool daft_image_write(const daft_image *image, const char *path, daft_error *error);
+
+/* ---- scenes: assets ---------------------------------------------------------------------------------------------- */
+
+typedef struct daft_scene daft_scene;
+typedef struct daft_mesh { uint32_t id; } daft_mesh;
+typedef struct daft_texture { uint32_t id; } daft_texture;
+typedef struct daft_material { uint32_t id; } daft_material;
+typedef struct daft_light { uint32_t id; } daft_light;
+typedef struct daft_entity { uint32_t id; } daft_entity;
+
+DAFT_API daft_scene *daft_scene_create(daft_engine *engine, daft_error *error);
+DAFT_API void daft_scene_destroy(daft_scene *scene);
+/* Adds what a .scene file describes. On failure the scene is as it was. */
+DAFT_API bool daft_scene_load(daft_scene *scene, const char *path, daft_error *error);
+
+/* Assets live as long as the scene. Loading the same path twice gives the same handle. */
+DAFT_API daft_mesh daft_mesh_load(daft_scene *scene, const char *path, daft_error *error); /* OBJ with its MTL */
+
+typedef struct daft_mesh_def {
+    uint32_t cookie;
+    const daft_vec3 *positions;
+    const daft_vec3 *normals; /* one a position, or NULL: smooth across edges flatter than 40 degrees */
+    const daft_vec2 *uvs;     /* one a position, or NULL: no texture coordinates */
+    uint32_t vertex_count;
+    const uint32_t *indices; /* three a triangle */
+    uint32_t triangle_count;
+} daft_mesh_def;
+
+DAFT_API daft_mesh_def daft_default_mesh_def(void);
+DAFT_API daft_mesh daft_mesh_create(daft_scene *scene, const daft_mesh_def *def, daft_error *error);
+
+typedef struct daft_mesh_info {
+    uint32_t vertex_count, triangle_count, material_count;
+    daft_vec3 low, high; /* bounds in the mesh's own space */
+    size_t bytes;        /* mesh, attributes and BVH */
+} daft_mesh_info;
+
+DAFT_API bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info, daft_error *error);
+
+/* PNG, JPEG, TGA, BMP, GIF, PSD, HDR: what stb_image reads. */
+DAFT_API daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *error);
+
+typedef struct daft_material_def {
+    uint32_t cookie;
+    daft_vec3 ambient;     /* Ka: share of the ambient light that is reflected */
+    daft_vec3 diffuse;     /* Kd */
+    daft_vec3 specular;    /* Ks */
+    float shininess;       /* Ns: Phong exponent, 0..1000 */
+    float mirror;          /* 0..1: share of the mirrored ray's light, tinted by `mirror_tint` */
+    daft_vec3 mirror_tint; /* 1, 1, 1 */
+    daft_vec3 emission;    /* light it gives off by itself; lights nothing else */
+    daft_texture diffuse_map;
+    daft_vec2 map_scale; /* repeats of the texture over one unit of u and v */
+} daft_material_def;
+
+DAFT_API daft_material_def daft_default_material_def(void); /* a light grey, slightly shiny */
+DAFT_API daft_material daft_material_create(daft_scene *scene, const daft_material_def *def, daft_error *error);
+DAFT_API bool daft_material_get(daft_scene *scene, daft_material material, daft_material_def *def, daft_error *error);
+DAFT_API bool daft_material_set(daft_scene *scene, daft_material material, const daft_material_def *def,
+                                daft_error *error);
+/* "file.mtl": its first material. "file.mtl#name": the one with that name. */
+DAFT_API daft_material daft_material_load(daft_scene *scene, const char *path, daft_error *error);
+
+/* ---- scenes: entities -------------------------------------------------------------------------------------------- */
+
+typedef enum daft_shape { DAFT_SHAPE_NONE = 0, DAFT_SHAPE_MESH, DAFT_SHAPE_SPHERE, DAFT_SHAPE_BOX } daft_shape;
+
+typedef enum daft_body_kind {
+    DAFT_BODY_NONE = 0,  /* not in the simulation */
+    DAFT_BODY_STATIC,    /* stands still */
+    DAFT_BODY_KINEMATIC, /* moved by the game; pushes, is not pushed */
+    DAFT_BODY_DYNAMIC    /* moved by forces and contacts; spheres only */
+} daft_body_kind;
+
+typedef struct daft_entity_def {
+    uint32_t cookie;
+    daft_shape shape;
+    daft_mesh mesh;         /* DAFT_SHAPE_MESH */
+    float radius;           /* DAFT_SHAPE_SPHERE, metres */
+    daft_vec3 size;         /* DAFT_SHAPE_BOX: full edge lengths, metres */
+    daft_material material; /* none: the mesh's own, or the default material */
+    daft_entity parent;     /* none: the world; position, rotation and scale are then the parent's */
+    daft_dvec3 position;
+    daft_quat rotation;
+    daft_vec3 scale; /* spheres take only equal scales */
+    bool visible;
+    bool casts_shadow;
+    daft_body_kind body;      /* spheres and boxes without a parent, unscaled */
+    float density;            /* kg/m³ */
+    float friction;           /* Coulomb's coefficient; two bodies: the geometric mean */
+    float restitution;        /* 0..1; two bodies: the larger */
+    float rolling_resistance; /* share of the normal load times the radius that brakes rolling; the larger */
+} daft_entity_def;
+
+DAFT_API daft_entity_def daft_default_entity_def(void);
+DAFT_API daft_entity daft_entity_create(daft_scene *scene, const daft_entity_def *def, daft_error *error);
+DAFT_API bool daft_entity_destroy(daft_scene *scene, daft_entity entity, daft_error *error); /* and its children */
+DAFT_API bool daft_entity_is_valid(const daft_scene *scene, daft_entity entity);
+DAFT_API uint32_t daft_entity_count(const daft_scene *scene);
+
+typedef struct daft_transform {
+    daft_dvec3 position;
+    daft_quat rotation;
+    daft_vec3 scale;
+} daft_transform;
+
+/* Local to the parent. Setting keeps the pose of the last tick, so drawing interpolates; `teleport` drops it. */
+DAFT_API bool daft_entity_get_transform(daft_scene *scene, daft_entity entity, daft_transform *out, daft_error *error);
+DAFT_API bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft_transform *transform,
+                                        bool teleport, daft_error *error);
+DAFT_API bool daft_entity_set_material(daft_scene *scene, daft_entity entity, daft_material material, daft_error *error);
+DAFT_API bool daft_entity_set_visible(daft_scene *scene, daft_entity entity, bool visible, daft_error *error);
+
+/* Bodies. Velocities in m/s and rad/s, in world axes; an impulse in kg·m/s acts at the centre; a force in newtons acts
+ * over the next tick only. */
+DAFT_API bool daft_entity_get_velocity(daft_scene *scene, daft_entity entity, daft_vec3 *linear, daft_vec3 *angular,
+                                       daft_error *error);
+DAFT_API bool daft_entity_set_velocity(daft_scene *scene, daft_entity entity, daft_vec3 linear, daft_vec3 angular,
+                                       daft_error *error);
+DAFT_API bool daft_entity_apply_force(daft_scene *scene, daft_entity entity, daft_vec3 force, daft_error *error);
+DAFT_API bool daft_entity_apply_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_error *error);
+
+/* What touched in the last tick, in a fixed order. The normal points from a to b; the impulse is its sum over the tick. */
+typedef struct daft_contact {
+    daft_entity a, b;
+    daft_dvec3 point;
+    daft_vec3 normal;
+    float impulse; /* kg·m/s */
+} daft_contact;
+
+DAFT_API uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out, uint32_t capacity); /* all there are */
+
+/* ---- scenes: camera, lights, sky --------------------------------------------------------------------------------- */
+
+/* yaw 0 looks along +X, positive yaw turns right (towards +Z), positive pitch looks down, positive roll leans right. */
+typedef struct daft_camera {
+    daft_dvec3 position;
+    float yaw, pitch, roll;
+    float fov; /* horizontal, radians, 0 < fov < pi */
+} daft_camera;
+
+DAFT_API daft_camera daft_default_camera(void); /* at the origin, fov 90 degrees */
+DAFT_API daft_camera daft_camera_look_at(daft_dvec3 from, daft_dvec3 at, float fov);
+/* The cameras a scene file names, in its order; the first is the one that is set. */
+DAFT_API uint32_t daft_scene_camera_count(const daft_scene *scene);
+DAFT_API bool daft_scene_get_camera(const daft_scene *scene, uint32_t index, daft_camera *out, daft_error *error);
+/* The camera in use, interpolated between the last two ticks (alpha 1: now). */
+DAFT_API daft_camera daft_scene_camera(const daft_scene *scene, float alpha);
+DAFT_API bool daft_scene_set_camera(daft_scene *scene, const daft_camera *camera, bool teleport, daft_error *error);
+
+typedef enum daft_light_kind { DAFT_LIGHT_POINT = 0, DAFT_LIGHT_SUN } daft_light_kind;
+
+typedef struct daft_light_def {
+    uint32_t cookie;
+    daft_light_kind kind;
+    daft_dvec3 position; /* point: where; no falloff with distance */
+    daft_vec3 direction; /* sun: the way its light travels; any length but zero */
+    daft_vec3 color;
+    bool casts_shadow;
+} daft_light_def;
+
+DAFT_API daft_light_def daft_default_light_def(void);
+DAFT_API daft_light daft_light_create(daft_scene *scene, const daft_light_def *def, daft_error *error);
+DAFT_API bool daft_light_get(daft_scene *scene, daft_light light, daft_light_def *def, daft_error *error);
+DAFT_API bool daft_light_set(daft_scene *scene, daft_light light, const daft_light_def *def, daft_error *error);
+DAFT_API bool daft_light_destroy(daft_scene *scene, daft_light light, daft_error *error);
+DAFT_API void daft_scene_set_ambient(daft_scene *scene, daft_vec3 color); /* default 0.2 grey */
+
+DAFT_API void daft_scene_set_sky_color(daft_scene *scene, daft_vec3 color);
+DAFT_API void daft_scene_set_sky_gradient(daft_scene *scene, daft_vec3 zenith, daft_vec3 horizon);
+/* One equirectangular image; u = 0.5 + atan2(dz, dx)/2pi, v = 0.5 + asin(dy)/pi, v = 1 the top row. */
+DAFT_API bool daft_scene_set_sky_image(daft_scene *scene, const char *path, daft_error *error);
+
+/* ---- time -------------------------------------------------------------------------------------------------------- */
+
+DAFT_API void daft_scene_set_gravity(daft_scene *scene, daft_vec3 gravity); /* m/s², default 0, -9.81, 0 */
+/* One tick is: begin_tick (remembers poses for interpolation), the game's own changes, then step (moves bodies). */
+DAFT_API void daft_scene_begin_tick(daft_scene *scene);
+DAFT_API bool daft_scene_step(daft_scene *scene, float dt, daft_error *error);
+/* 64 bits over every entity, body, light and the camera: equal states, equal hashes. */
+DAFT_API uint64_t daft_scene_hash(const daft_scene *scene);
+DAFT_API uint64_t daft_hash(const void *bytes, size_t size, uint64_t seed); /* FNV-1a */
+
+/* ---- rendering --------------------------------------------------------------------------------------------------- */
+
+typedef enum daft_quality {
+    DAFT_QUALITY_DRAFT = 0, /* one sample, no shadows, no reflections */
+    DAFT_QUALITY_GAME,      /* one sample, shadows, reflections two deep */
+    DAFT_QUALITY_HIGH,      /* four samples, reflections six deep */
+    DAFT_QUALITY_REFERENCE  /* sixteen samples, every camera ray alone through the BVH, reflections ten deep */
+} daft_quality;
+
+DAFT_API bool daft_quality_parse(const char *name, daft_quality *out);
+DAFT_API const char *daft_quality_name(daft_quality quality);
+
+/* What a pixel's first sample saw. All arrays are the caller's, width·height long, and may be NULL. */
+typedef struct daft_aov {
+    float *depth;        /* distance along the ray, metres; infinity where the sky is */
+    daft_vec3 *normal;   /* shading normal, world axes; zero where the sky is */
+    daft_entity *entity; /* none where the sky is */
+    uint32_t *triangle;  /* of the entity's mesh; 0 for spheres */
+} daft_aov;
+
+typedef struct daft_view {
+    uint32_t cookie;
+    daft_camera camera;
+    float alpha; /* between the last two ticks: 0 the one before, 1 now */
+    daft_quality quality;
+    int samples;       /* per pixel; 0: the quality's; else 1, 4 or 16 */
+    bool reference;    /* camera rays alone through the BVH, as in DAFT_QUALITY_REFERENCE */
+    daft_aov aov;
+    bool (*progress)(void *user, float done); /* done 0..1; return false to stop; called from the calling thread */
+    void *progress_user;
+} daft_view;
+
+DAFT_API daft_view daft_default_view(void);
+DAFT_API bool daft_render(daft_scene *scene, const daft_view *view, daft_image *target, daft_error *error);
+
+/* ---- ray queries ------------------------------------------------------------------------------------------------- */
+
+typedef struct daft_ray_hit {
+    daft_entity entity;
+    uint32_t triangle; /* of the entity's mesh; 0 for spheres */
+    float distance;    /* metres along the normalised direction */
+    daft_dvec3 position;
+    daft_vec3 normal; /* geometric, towards the ray's origin */
+    daft_vec2 uv;
+} daft_ray_hit;
+
+/* The nearest hit of a visible entity within max_distance. `ignore` may be none. False with error->code DAFT_OK: a miss. */
+DAFT_API bool daft_scene_cast_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, float max_distance,
+                                  daft_entity ignore, daft_ray_hit *hit, daft_error *error);
+
+/* ---- counters ---------------------------------------------------------------------------------------------------- */
+
+typedef enum daft_effect_kind {
+    DAFT_EFFECT_VISIBILITY = 0,
+    DAFT_EFFECT_SURFACE, /* positions, normals, texture coordinates of what is seen */
+    DAFT_EFFECT_TEXTURE,
+    DAFT_EFFECT_SHADOW,
+    DAFT_EFFECT_LIGHTING,
+    DAFT_EFFECT_REFLECTION,
+    DAFT_EFFECT_SKY,
+    DAFT_EFFECT_RESOLVE,
+    DAFT_EFFECT_COUNT
+} daft_effect_kind;
+
+typedef struct daft_effect {
+    const char *name;
+    bool ran;
+    const char *why; /* why it ran, or why it did not */
+    uint32_t tiles;
+    uint64_t rays;
+    uint64_t bytes; /* of working memory it took */
+    double ms;      /* summed over threads, divided by their number */
+} daft_effect;
+
+typedef struct daft_counters {
+    int width, height, threads;
+    const char *isa;
+    double frame_ms;
+    uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays, query_rays;
+    uint64_t instances_seen, triangles_tested, triangles_binned, spheres_binned;
+    uint64_t exact_edges;  /* edge tests that floats could not decide */
+    uint64_t exact_depths; /* depth comparisons that floats could not decide */
+    uint64_t shadow_points_kept; /* lit points under some occluder's bound: the only ones that cast a ray */
+    uint64_t mesh_builds;  /* BVHs built since the scene was made */
+    daft_effect effects[DAFT_EFFECT_COUNT];
+} daft_counters;
+
+/* Of the last daft_render; query_rays and mesh_builds since the scene was made. */
+DAFT_API const daft_counters *daft_scene_counters(const daft_scene *scene);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,77 @@
+/* geometry: triangle meshes and where they come from: OBJ/MTL files, arrays, boxes.
+ * Promises: a mesh that stands has only finite positions, indices in range and no triangle with two equal corners;
+ * triangles that share an edge in the file share its two vertex numbers here, whatever their normals and uvs do. */
+#ifndef DAFT_GEOMETRY_H
+#define DAFT_GEOMETRY_H
+
+#include "base/base.h"
+#include "math/vec.h"
+
+/* Triangle indices into the three attribute arrays are kept apart, so that a seam in the uvs is no seam in the surface.
+ * Vertices: x, y, z arrays, each padded with zeros to a multiple of 16 so that kernels may read whole lanes. */
+typedef struct daft_trimesh {
+    uint32_t vertex_count, triangle_count, normal_count, uv_count, slot_count;
+    float *x, *y, *z;
+    uint32_t *indices;        /* 3·triangle_count, into x, y, z */
+    daft_vec3 *normals;       /* unit length */
+    uint32_t *normal_indices; /* 3·triangle_count; NULL: same as indices */
+    daft_vec2 *uvs;           /* NULL: no texture coordinates (then uv_count is 0) */
+    uint32_t *uv_indices;     /* 3·triangle_count, DAFT_NO_UV for a corner without; NULL: same as indices */
+    uint16_t *slots;          /* a triangle's material slot; NULL: all 0 */
+    daft_vec3 low, high;      /* bounds; low > high when there is no triangle */
+} daft_trimesh;
+
+#define DAFT_NO_UV UINT32_MAX
+
+void daft_trimesh_free(const daft_allocator *allocator, daft_trimesh *mesh);
+size_t daft_trimesh_bytes(const daft_trimesh *mesh);
+
+/* Copies arrays in (a triangle with an index out of range is an error; one with a non-finite or repeated corner is dropped
+ * with a warning). Without normals, smooth ones are computed across edges flatter than 40 degrees. */
+bool daft_trimesh_from_arrays(const daft_allocator *allocator, const daft_mesh_def *def, const daft_log *log,
+                              daft_trimesh *out, daft_error *error);
+
+/* A box around the origin with the given full edge lengths. Flat normals; each side's uvs are metres from its lower
+ * left corner, so textures keep their size. 8 vertices, 12 triangles. */
+bool daft_trimesh_box(const daft_allocator *allocator, daft_vec3 size, daft_trimesh *out, daft_error *error);
+
+/* Fills normals and normal_indices: at each corner the angle-weighted mean of the faces around the vertex that meet this
+ * one across edges flatter than `crease` radians. */
+bool daft_trimesh_smooth(const daft_allocator *allocator, daft_trimesh *mesh, float crease, daft_error *error);
+
+/* ---- OBJ and MTL ---- */
+
+typedef struct daft_mtl {
+    char name[256];
+    daft_vec3 ambient, diffuse, specular, emission; /* Ka Kd Ks Ke */
+    float shininess, index, opacity;                /* Ns Ni d */
+    int illum;
+    char diffuse_map[1024]; /* path as opened (folder of the MTL joined), empty: none */
+    int diffuse_map_line, diffuse_map_column; /* where the file names it, for warnings */
+} daft_mtl;
+
+typedef struct daft_mtl_list {
+    daft_mtl *items;
+    size_t count, capacity;
+} daft_mtl_list;
+
+/* Appends the materials of a file. On failure the list is as it was. */
+bool daft_mtl_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_mtl_list *list,
+                   daft_error *error);
+void daft_mtl_list_free(const daft_allocator *allocator, daft_mtl_list *list);
+/* The default material: Kd 0.8, no map, illum 2. */
+daft_mtl daft_mtl_default(void);
+
+typedef struct daft_obj {
+    daft_trimesh mesh;
+    daft_mtl_list slots; /* slot i of the mesh has the material slots.items[i] */
+} daft_obj;
+
+bool daft_obj_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
+                   daft_error *error);
+/* The same from memory; `path` names the source in messages and is where mtllib looks. `text` ends with a zero byte. */
+bool daft_obj_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
+                    const daft_log *log, daft_obj *out, daft_error *error);
+void daft_obj_free(const daft_allocator *allocator, daft_obj *obj);
+
+#endif

@@ -1,0 +1,48 @@
+/* image: pixels in memory, files in and out, textures with their mip chains, skies.
+ * Promises: linear light inside, sRGB at the edges; a texture that cannot be had is a visible checker, never a crash. */
+#ifndef DAFT_IMAGE_ROOM_H
+#define DAFT_IMAGE_ROOM_H
+
+#include "base/base.h"
+#include "math/vec.h"
+
+struct daft_image {
+    daft_allocator allocator;
+    int width, height;
+    uint8_t *pixels; /* RGBA, sRGB, top row first */
+};
+
+/* Decodes PNG, JPEG, TGA, BMP, GIF (first frame), PSD, HDR (tone-clamped). At most 16384 pixels a side. */
+bool daft_image_read(const daft_allocator *allocator, const char *path, daft_image *out, daft_error *error);
+void daft_image_free(daft_image *image);
+
+float daft_srgb_to_linear(float encoded);
+float daft_linear_to_srgb(float linear); /* clamps to 0..1 */
+
+/* Level 0 is the full image; each level halves both sides (at least 1), box filtered in linear light. Texels are sRGB
+ * bytes, RGBA; `linear` turns a byte into linear light. Row 0 is the TOP row; v = 0 is the bottom (OBJ's convention). */
+enum { DAFT_MAX_MIPS = 15 };
+typedef struct daft_texture_data {
+    int levels;
+    int width[DAFT_MAX_MIPS], height[DAFT_MAX_MIPS];
+    uint8_t *texels[DAFT_MAX_MIPS]; /* all inside texels[0]'s allocation */
+    bool missing;                   /* stands in for a file that could not be read */
+} daft_texture_data;
+
+bool daft_texture_build(const daft_allocator *allocator, const uint8_t *rgba, int width, int height,
+                        daft_texture_data *out, daft_error *error);
+bool daft_texture_read(const daft_allocator *allocator, const char *path, daft_texture_data *out, daft_error *error);
+/* The magenta and black checker that stands for a missing file. */
+bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *out, daft_error *error);
+void daft_texture_free(const daft_allocator *allocator, daft_texture_data *texture);
+
+/* An equirectangular sky in linear light, RGB floats, top row first. */
+typedef struct daft_sky_image {
+    int width, height;
+    float *texels; /* 3·width·height */
+} daft_sky_image;
+
+bool daft_sky_read(const daft_allocator *allocator, const char *path, daft_sky_image *out, daft_error *error);
+void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky);
+
+#endif

@@ -1,0 +1,56 @@
+/* render: a picture from a snapshot. Plan, visibility, surfaces, light visibility, shading, reflections, resolve.
+ * Promises: reads only the snapshot; the same snapshot gives the same bytes for any number of threads and any
+ * instruction set; what the scene does not call for is not run, and the counters say so.
+ *
+ * The snapshot is flat arrays in frame space: world axes, origin at the camera, floats. The caller rebases (in double). */
+#ifndef DAFT_RENDER_H
+#define DAFT_RENDER_H
+
+#include "accel/accel.h"
+#include "base/base.h"
+#include "geometry/mesh.h"
+#include "image/image.h"
+#include "shade/shade.h"
+
+typedef struct daft_renderer daft_renderer; /* scratch memory that outlives a frame */
+
+typedef struct daft_snapshot {
+    int width, height;
+    daft_vec3 right, up, forward; /* camera axes, unit, in frame space */
+    float focal;                  /* pixels: (width/2) / tan(fov/2) */
+    int samples;                  /* 1, 4 or 16 */
+    bool reference;               /* camera rays one by one through the BVH */
+    daft_quality quality;
+    const daft_instance *instances; /* visible ones, in entity order */
+    uint32_t instance_count;
+    const daft_surface *materials;
+    uint32_t material_count;
+    const daft_texture_data *textures;
+    uint32_t texture_count;
+    const daft_lamp *lamps;
+    uint32_t lamp_count;
+    daft_vec3 ambient;
+    daft_sky sky;
+} daft_snapshot;
+
+/* Arrays of width·height or NULL; ids index the snapshot's instances, UINT32_MAX for the sky. */
+typedef struct daft_frame_aov {
+    float *depth;
+    daft_vec3 *normal;
+    uint32_t *instance, *triangle;
+} daft_frame_aov;
+
+typedef struct daft_frame_target {
+    uint8_t *pixels; /* RGBA, sRGB */
+    daft_frame_aov aov;
+    bool (*progress)(void *user, float done);
+    void *progress_user;
+} daft_frame_target;
+
+daft_renderer *daft_renderer_create(const daft_allocator *allocator, int threads, int isa, daft_error *error);
+void daft_renderer_destroy(daft_renderer *renderer);
+/* counters: the renderer adds to nothing, it sets every field but query_rays, mesh_builds, threads and isa. */
+bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, const daft_frame_target *target,
+                       daft_counters *counters, daft_error *error);
+
+#endif
