@@ -1,0 +1,132 @@
+/* Image files to pixels, through stb_image. The decoder reads from memory by callbacks, for one reason: stb_image fills
+ * what a cut-off file lacks with zeros and calls it a picture. The callbacks notice that it asked for a byte after the
+ * last one, and that makes the file a truncated one. */
+#include "image/decode.h"
+
+#include <limits.h>
+#include <string.h>
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_NO_STDIO
+#define STBI_FAILURE_USERMSG
+#define STBI_MAX_DIMENSIONS 16384
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_ONLY_TGA
+#define STBI_ONLY_BMP
+#define STBI_ONLY_GIF
+#define STBI_ONLY_PSD
+#define STBI_ONLY_HDR
+#pragma GCC diagnostic ignored "-Wunused-function" /* reported at the end of the file, so it is not popped */
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wunused-but-set-variable"
+#pragma GCC diagnostic ignored "-Wsign-compare"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#include <stb_image.h>
+#pragma GCC diagnostic pop
+
+typedef struct source {
+    const char *bytes;
+    size_t size, position;
+    bool starved; /* a byte after the last was asked for */
+} source;
+
+static int source_read(void *user, char *data, int size)
+{
+    source *from = user;
+    size_t wanted = (size_t)size, left = from->size - from->position;
+    if (left == 0 && wanted > 0) from->starved = true;
+    if (wanted > left) wanted = left;
+    memcpy(data, from->bytes + from->position, wanted);
+    from->position += wanted;
+    return (int)wanted;
+}
+
+static void source_skip(void *user, int count)
+{
+    source *from = user;
+    if (count < 0) {
+        size_t back = (size_t)-(int64_t)count;
+        from->position -= back < from->position ? back : from->position;
+        return;
+    }
+    size_t left = from->size - from->position;
+    from->position += (size_t)count < left ? (size_t)count : left;
+}
+
+static int source_at_end(void *user)
+{
+    const source *from = user;
+    return from->position >= from->size;
+}
+
+static const stbi_io_callbacks source_callbacks = {source_read, source_skip, source_at_end};
+
+static bool fail_decoding(const char *path, daft_error *error)
+{
+    const char *reason = stbi_failure_reason();
+    daft_status code = DAFT_ERROR_SYNTAX;
+    if (reason && strcmp(reason, "Out of memory") == 0) code = DAFT_ERROR_MEMORY;
+    return daft_fail_at(error, code, path, 0, 0, "cannot decode the image: %s", reason ? reason : "unknown reason");
+}
+
+/* Looks at the header before pixels are allocated. */
+static bool check_size(source *from, const char *path, daft_error *error)
+{
+    int width = 0, height = 0, channels = 0;
+    if (!stbi_info_from_callbacks(&source_callbacks, from, &width, &height, &channels)) return fail_decoding(path, error);
+    if (width <= 0 || height <= 0)
+        return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image has no pixels (%d by %d)", width, height);
+    if (width > DAFT_MAX_IMAGE_SIDE || height > DAFT_MAX_IMAGE_SIDE)
+        return daft_fail_at(error, DAFT_ERROR_UNSUPPORTED, path, 0, 0, "the image is %d by %d pixels; %d a side is the most",
+                            width, height, DAFT_MAX_IMAGE_SIDE);
+    return true;
+}
+
+static bool decode(source *from, const char *path, daft_decoded *out, daft_error *error)
+{
+    if (!check_size(from, path, error)) return false;
+    int channels;
+    *from = (source){from->bytes, from->size, 0, false};
+    if (stbi_is_hdr_from_memory((const stbi_uc *)from->bytes, (int)from->size))
+        out->floats = stbi_loadf_from_callbacks(&source_callbacks, from, &out->width, &out->height, &channels, 3);
+    else
+        out->bytes = stbi_load_from_callbacks(&source_callbacks, from, &out->width, &out->height, &channels, 4);
+    if (!out->floats && !out->bytes) {
+        if (from->starved) return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image is truncated");
+        return fail_decoding(path, error);
+    }
+    if (from->starved) {
+        daft_decoded_free(out);
+        return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image is truncated");
+    }
+    return true;
+}
+
+bool daft_decode_file(const daft_allocator *allocator, const char *path, daft_decoded *out, daft_error *error)
+{
+    *out = (daft_decoded){0};
+    size_t size;
+    char *bytes = daft_file_read(allocator, path, &size, error);
+    if (!bytes) return false;
+    bool done = false;
+    if (size == 0)
+        daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the file is empty, not an image");
+    else if (size > INT_MAX)
+        daft_fail_at(error, DAFT_ERROR_UNSUPPORTED, path, 0, 0, "image files over 2 GiB are not read");
+    else
+        done = decode(&(source){bytes, size, 0, false}, path, out, error);
+    daft_release(allocator, bytes);
+    return done;
+}
+
+void daft_decoded_free(daft_decoded *decoded)
+{
+    stbi_image_free(decoded->bytes);
+    stbi_image_free(decoded->floats);
+    *decoded = (daft_decoded){0};
+}

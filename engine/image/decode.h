@@ -1,0 +1,21 @@
+/* Decoding image files: the only place that sees stb_image. */
+#ifndef DAFT_DECODE_H
+#define DAFT_DECODE_H
+
+#include "image/image.h"
+
+enum { DAFT_MAX_IMAGE_SIDE = 16384 };
+
+/* Exactly one of the two is set: 4 bytes a pixel, or 3 floats of linear light a pixel for an HDR file. */
+typedef struct daft_decoded {
+    int width, height;
+    uint8_t *bytes;
+    float *floats;
+} daft_decoded;
+
+/* The file's bytes live in the caller's allocator while they are decoded. The pixels, and what the decoder needs in
+ * between, come from malloc, since stb_image knows no other memory; daft_decoded_free gives them back. */
+bool daft_decode_file(const daft_allocator *allocator, const char *path, daft_decoded *out, daft_error *error);
+void daft_decoded_free(daft_decoded *decoded);
+
+#endif

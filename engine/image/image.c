@@ -1,0 +1,163 @@
+/* Images in memory: reading them from any file we decode, writing PNG and PPM. */
+#include "image/image.h"
+
+#include "image/color.h"
+#include "image/decode.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
+#pragma GCC diagnostic ignored "-Wunused-function" /* reported at the end of the file, so it is not popped */
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wsign-compare"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#include <stb_image_write.h>
+#pragma GCC diagnostic pop
+
+/* Light over 1 is clamped: a picture of a bright sky is white there. */
+static void bytes_from_light(const float *light, size_t pixels, uint8_t *rgba)
+{
+    daft_srgb_table table;
+    daft_srgb_table_make(&table);
+    for (size_t i = 0; i < pixels; i++) {
+        for (int c = 0; c < 3; c++) rgba[4 * i + (size_t)c] = daft_srgb_byte(&table, light[3 * i + (size_t)c]);
+        rgba[4 * i + 3] = 255;
+    }
+}
+
+bool daft_image_read(const daft_allocator *allocator, const char *path, daft_image *out, daft_error *error)
+{
+    daft_decoded decoded;
+    if (!daft_decode_file(allocator, path, &decoded, error)) return false;
+    size_t pixels = (size_t)decoded.width * (size_t)decoded.height;
+    uint8_t *rgba = daft_alloc(allocator, pixels, 4);
+    if (rgba && decoded.bytes) memcpy(rgba, decoded.bytes, 4 * pixels);
+    if (rgba && decoded.floats) bytes_from_light(decoded.floats, pixels, rgba);
+    if (rgba) *out = (daft_image){*allocator, decoded.width, decoded.height, rgba};
+    daft_decoded_free(&decoded);
+    return rgba || daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for the image");
+}
+
+void daft_image_free(daft_image *image)
+{
+    daft_release(&image->allocator, image->pixels);
+    image->pixels = NULL;
+    image->width = image->height = 0;
+}
+
+void daft_image_destroy(daft_image *image)
+{
+    if (!image) return;
+    daft_allocator allocator = image->allocator;
+    daft_image_free(image);
+    daft_release(&allocator, image);
+}
+
+int daft_image_width(const daft_image *image) { return image ? image->width : 0; }
+int daft_image_height(const daft_image *image) { return image ? image->height : 0; }
+uint8_t *daft_image_pixels(daft_image *image) { return image ? image->pixels : NULL; }
+
+/* ---- writing ---- */
+
+typedef struct writer {
+    FILE *file;
+    bool failed;
+} writer;
+
+static void write_bytes(void *context, void *bytes, int size)
+{
+    writer *to = context;
+    if (fwrite(bytes, 1, (size_t)size, to->file) != (size_t)size) to->failed = true;
+}
+
+static bool is_opaque(const daft_image *image)
+{
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    for (size_t i = 0; i < pixels; i++)
+        if (image->pixels[4 * i + 3] != 255) return false;
+    return true;
+}
+
+/* RGB, tightly packed; NULL when memory is out. */
+static uint8_t *drop_alpha(const daft_image *image)
+{
+    size_t pixels = (size_t)image->width * (size_t)image->height;
+    uint8_t *rgb = daft_alloc(&image->allocator, pixels, 3);
+    for (size_t i = 0; rgb && i < pixels; i++) memcpy(rgb + 3 * i, image->pixels + 4 * i, 3);
+    return rgb;
+}
+
+/* Both return false without a message when memory is out; a write that fails shows in to->failed. */
+static bool write_png(const daft_image *image, writer *to)
+{
+    if (!is_opaque(image))
+        return stbi_write_png_to_func(write_bytes, to, image->width, image->height, 4, image->pixels, 4 * image->width);
+    uint8_t *rgb = drop_alpha(image);
+    bool done = rgb && stbi_write_png_to_func(write_bytes, to, image->width, image->height, 3, rgb, 3 * image->width);
+    daft_release(&image->allocator, rgb);
+    return done;
+}
+
+static bool write_ppm(const daft_image *image, writer *to)
+{
+    uint8_t *rgb = drop_alpha(image);
+    if (!rgb) return false;
+    size_t size = 3 * (size_t)image->width * (size_t)image->height;
+    if (fprintf(to->file, "P6\n%d %d\n255\n", image->width, image->height) < 0) to->failed = true;
+    if (fwrite(rgb, 1, size, to->file) != size) to->failed = true;
+    daft_release(&image->allocator, rgb);
+    return true;
+}
+
+typedef bool write_function(const daft_image *image, writer *to);
+
+static write_function *format_of(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
+    if (!dot || (slash && dot < slash)) return NULL;
+    if (strcasecmp(dot, ".png") == 0) return write_png;
+    if (strcasecmp(dot, ".ppm") == 0) return write_ppm;
+    return NULL;
+}
+
+/* Writes, flushes and closes `temporary`; what went wrong is in *error. */
+static bool write_file(const daft_image *image, write_function *write, const char *temporary, const char *path,
+                       daft_error *error)
+{
+    writer to = {fopen(temporary, "wb"), false};
+    if (!to.file)
+        return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "cannot open for writing: %s", strerror(errno));
+    bool had_memory = write(image, &to);
+    if (fclose(to.file) != 0) to.failed = true;
+    if (!had_memory) return daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for encoding the image");
+    if (to.failed) return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "cannot write: %s", strerror(errno));
+    return true;
+}
+
+bool daft_image_write(const daft_image *image, const char *path, daft_error *error)
+{
+    if (!image || !image->pixels) return daft_fail(error, DAFT_ERROR_ARGUMENT, "no image to write");
+    if (!path || !path[0]) return daft_fail(error, DAFT_ERROR_ARGUMENT, "no file name to write the image to");
+    write_function *write = format_of(path);
+    if (!write)
+        return daft_fail_at(error, DAFT_ERROR_UNSUPPORTED, path, 0, 0,
+                            "images are written as .png or .ppm, by the extension of the name");
+    size_t size = strlen(path) + sizeof ".tmp~";
+    char *temporary = daft_alloc(&image->allocator, size, 1);
+    if (!temporary) return daft_fail_memory(error, "a file name");
+    snprintf(temporary, size, "%s.tmp~", path);
+    bool done = write_file(image, write, temporary, path, error);
+    if (done && rename(temporary, path) != 0)
+        done = daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "cannot write: %s", strerror(errno));
+    if (!done) remove(temporary);
+    daft_release(&image->allocator, temporary);
+    return done;
+}
