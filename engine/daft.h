@@ -42,6 +42,18 @@ typedef struct daft_vec3 { float x, y, z; } daft_vec3;
 typedef struct daft_dvec3 { double x, y, z; } daft_dvec3; /* a position in the world */
 typedef struct daft_quat { float x, y, z, w; } daft_quat;
 
+/* ---- numbers: the same bits on every machine, where libm's differ ------------------------------------------------- */
+
+DAFT_API double daft_sin(double x); /* radians up to 1e6; absolute error below 1e-15 */
+DAFT_API double daft_cos(double x);
+DAFT_API double daft_tan(double x);
+DAFT_API double daft_atan2(double y, double x);
+DAFT_API double daft_asin(double x); /* clamps x to -1..1 */
+DAFT_API double daft_acos(double x);
+DAFT_API double daft_exp2(double x); /* relative error below 5e-14 */
+DAFT_API double daft_log2(double x);
+DAFT_API double daft_pow(double base, double exponent); /* base >= 0 */
+
 /* ---- errors and warnings ----------------------------------------------------------------------------------------- */
 
 typedef enum daft_status {
