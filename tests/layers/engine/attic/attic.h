@@ -1,0 +1,2 @@
+/* expect: engine/ has no room called attic */
+#include "daft.h"

@@ -1,0 +1,2 @@
+#include <stdbool.h>
+#include "base/base.h" /* expect: daft.h stands alone */

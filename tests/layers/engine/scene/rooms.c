@@ -1,0 +1,4 @@
+#include "render/render.h"
+#include "sim/sim.h"
+#include "base/base.h"
+#include "../attic/attic.h" /* expect: engine/ has no room called attic */
