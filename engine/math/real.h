@@ -11,7 +11,7 @@ double daft_tan(double x);
 double daft_atan2(double y, double x);
 double daft_asin(double x); /* clamps x to -1..1 */
 double daft_acos(double x);
-/* Relative error below 1e-14 for results in the normal range. daft_log2 of 0 or less is -infinity. */
+/* Relative error below 5e-14 for results in the normal range. daft_log2 of 0 or less is -infinity. */
 double daft_exp2(double x);
 double daft_log2(double x);
 double daft_pow(double base, double exponent); /* base >= 0 */

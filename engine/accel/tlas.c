@@ -1,0 +1,77 @@
+/* The top level: a tree over instances, built anew each frame into the frame's arena. */
+#include "accel/bvh.h"
+
+/* The bounds hold every vertex as daft_affine_point rounds it: the exact image of the object-space box, widened by the
+ * error of that formula (3 products, 3 sums: below 4·2^-24 of the sum of magnitudes). */
+void daft_instance_bound(daft_instance *instance)
+{
+    float *low = &instance->low.x, *high = &instance->high.x;
+    const daft_affine *map = &instance->to_frame;
+    if (!instance->mesh) {
+        for (int k = 0; k < 3; k++) {
+            float slack = (fabsf(map->t[k]) + instance->radius) * 0x1p-22f;
+            low[k] = map->t[k] - instance->radius - slack;
+            high[k] = map->t[k] + instance->radius + slack;
+        }
+        return;
+    }
+    const float *a = &instance->mesh->low.x, *b = &instance->mesh->high.x;
+    for (int k = 0; k < 3; k++) {
+        double centre = (double)map->t[k], half = 0, size = fabs(centre);
+        for (int j = 0; j < 3; j++) {
+            double m = (double)map->m[3 * k + j], l = (double)a[j], h = (double)b[j];
+            centre += m * (l + h) * 0.5;
+            half += fabs(m) * (h - l) * 0.5;
+            size += fabs(m) * (fabs(l) > fabs(h) ? fabs(l) : fabs(h));
+        }
+        low[k] = (float)(centre - half - size * 0x1p-21);
+        high[k] = (float)(centre + half + size * 0x1p-21);
+    }
+}
+
+static uint32_t instance_leaf(void *context, const daft_build_prim *prims, uint32_t count)
+{
+    (void)context, (void)count;
+    return DAFT_CHILD_LEAF | prims[0].id;
+}
+
+/* The tree's node array grows through an allocator; this one hands out the arena's memory and never takes it back. */
+static void *arena_allocate(void *user, size_t size, size_t alignment)
+{
+    (void)alignment;
+    return daft_arena_alloc(user, size, 1);
+}
+static void arena_release(void *user, void *pointer) { (void)user, (void)pointer; }
+
+static bool hittable(const daft_instance *instance)
+{
+    if (instance->mesh && instance->mesh->triangle_count == 0) return false;
+    return daft_finite3(instance->low) && daft_finite3(instance->high);
+}
+
+const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instances, uint32_t count, daft_error *error)
+{
+    daft_tlas *tlas = daft_arena_alloc(arena, 1, sizeof *tlas);
+    daft_build_prim *prims = daft_arena_alloc(arena, count, sizeof *prims);
+    if (!tlas || !prims) {
+        daft_fail_memory(error, "the tree over instances");
+        return NULL;
+    }
+    uint32_t used = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!hittable(&instances[i])) continue;
+        const daft_vec3 l = instances[i].low, h = instances[i].high;
+        prims[used++] = (daft_build_prim){{l.x, l.y, l.z}, i, {h.x, h.y, h.z}, 0};
+    }
+    *tlas = (daft_tlas){.instances = instances, .instance_count = count};
+    daft_allocator allocator = {arena, arena_allocate, arena_release};
+    daft_builder builder = {.allocator = &allocator,
+                            .prims = prims,
+                            .nodes = &tlas->nodes,
+                            .leaf_size = 1,
+                            .block_size = 1,
+                            .leaf = instance_leaf};
+    if (daft_build_tree(&builder, used)) return tlas;
+    daft_fail_memory(error, "the tree over instances");
+    return NULL;
+}

@@ -1,0 +1,122 @@
+/* See exact.h. Products of two floats are exact in double; sums are kept as expansions: lists of doubles that do not
+ * overlap, smallest first, whose sum is the number. */
+#include "math/exact.h"
+
+/* 2^-53: half a unit in the last place of 1 in double. */
+static const double ROUNDOFF = 0x1p-53;
+
+/* x + y = *sum + *error exactly (Knuth). */
+static void two_sum(double x, double y, double *sum, double *error)
+{
+    double s = x + y, bb = s - x;
+    *error = (x - (s - bb)) + (y - bb);
+    *sum = s;
+}
+
+/* x·y = *product + *error exactly, for |x·y| well inside the range: x is split at 27 bits (Dekker), y is a float and
+ * fits 24 bits, so each partial product is exact. */
+static void two_product_float(double x, double y, double *product, double *error)
+{
+    double p = x * y, c = 134217729.0 * x, high = c - (c - x), low = x - high;
+    *error = (high * y - p) + low * y;
+    *product = p;
+}
+
+/* Adds y to the expansion e[0..n). Returns the new length, n + 1. */
+static int grow(double *e, int n, double y)
+{
+    double q = y;
+    for (int i = 0; i < n; i++) {
+        double h;
+        two_sum(q, e[i], &q, &h);
+        e[i] = h;
+    }
+    e[n] = q;
+    return n + 1;
+}
+
+static int exact_det_sign(const double a[3], const double b[3], const double c[3])
+{
+    double e[12];
+    int n = 0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double terms[2] = {a[j] * b[k], -(a[k] * b[j])}; /* exact: 24 + 24 bits */
+        for (int t = 0; t < 2; t++) {
+            double product, error;
+            two_product_float(terms[t], c[i], &product, &error);
+            n = grow(e, n, error);
+            n = grow(e, n, product);
+        }
+    }
+    for (int i = n - 1; i >= 0; i--)
+        if (e[i] != 0) return e[i] > 0 ? 1 : -1;
+    return 0;
+}
+
+int daft_det_sign(daft_vec3 a, daft_vec3 b, daft_vec3 c)
+{
+    double p[3] = {(double)a.x, (double)a.y, (double)a.z}, q[3] = {(double)b.x, (double)b.y, (double)b.z};
+    double r[3] = {(double)c.x, (double)c.y, (double)c.z};
+    double det = 0, size = 0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double left = p[j] * q[k], right = p[k] * q[j];
+        det += (left - right) * r[i];
+        size += (fabs(left) + fabs(right)) * fabs(r[i]);
+    }
+    /* left and right are exact; the difference, the product and two sums round: 4 roundings, and 8 leaves room for
+     * those of `size` itself. */
+    double bound = 8 * ROUNDOFF * size;
+    if (det > bound) return 1;
+    if (det < -bound) return -1;
+    return exact_det_sign(p, q, r);
+}
+
+/* The sign of x·w - y·z for floats: both products are exact in double. */
+static int minor_sign(float x, float w, float y, float z)
+{
+    double left = (double)x * (double)w, right = (double)y * (double)z;
+    return (left > right) - (left < right);
+}
+
+int daft_ray_side(daft_vec3 a, daft_vec3 b, daft_vec3 d)
+{
+    int side = daft_det_sign(a, b, d);
+    if (side == 0) side = minor_sign(a.y, b.z, a.z, b.y);
+    if (side == 0) side = minor_sign(a.z, b.x, a.x, b.z);
+    if (side == 0) side = minor_sign(a.x, b.y, a.y, b.x);
+    return side;
+}
+
+bool daft_pencil_hits(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
+{
+    int facing = daft_det_sign(a, b, c);
+    return facing != 0 && daft_ray_side(b, c, d) == facing && daft_ray_side(c, a, d) == facing &&
+           daft_ray_side(a, b, d) == facing;
+}
+
+static double det(daft_dvec3 a, daft_dvec3 b, daft_dvec3 d) { return daft_ddot(daft_dcross(a, b), d); }
+
+double daft_pencil_depth(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
+{
+    daft_dvec3 p = daft_to_double(a), q = daft_to_double(b), r = daft_to_double(c), ray = daft_to_double(d);
+    double sign = det(p, q, r) < 0 ? -1 : 1;
+    double u = sign * det(q, r, ray), v = sign * det(r, p, ray), w = sign * det(p, q, ray);
+    u = u > 0 ? u : 0, v = v > 0 ? v : 0, w = w > 0 ? w : 0;
+    double sum = u + v + w;
+    if (!(sum > 0)) return p.z < q.z ? (p.z < r.z ? p.z : r.z) : (q.z < r.z ? q.z : r.z);
+    return (u * p.z + v * q.z + w * r.z) / sum;
+}
+
+bool daft_pencil_sphere(daft_vec3 centre, float radius, daft_vec3 d, double *t)
+{
+    daft_dvec3 c = daft_to_double(centre), ray = daft_to_double(d);
+    double dd = daft_ddot(ray, ray), along = daft_ddot(c, ray) / dd, r = (double)radius;
+    daft_dvec3 aside = daft_dsub(c, daft_dscale(ray, along));
+    double discriminant = r * r - daft_ddot(aside, aside);
+    if (!(discriminant >= 0)) return false;
+    double half = sqrt(discriminant / dd);
+    *t = along - half > 0 ? along - half : along + half;
+    return *t > 0;
+}

@@ -1,0 +1,228 @@
+/* SIMD lanes for the *_kernel.c sources. Three widths:
+ *   vf / vi / vm   the widest the instruction set has: DAFT_VL lanes (4 SSE2 and plain, 8 AVX2, 16 AVX-512);
+ *   v8             always 8 lanes, for 8-wide tree nodes;     v4   always 4, for leaves of triangles.
+ * Arithmetic is written with the operators of GCC's vector extensions; what they do not have (comparison to a mask, select,
+ * square root, gather) is here, with a plain twin for machines without intrinsics. No fused operations: every lane
+ * computes exactly what the scalar code would, so all widths give the same bits. */
+#ifndef DAFT_SIMD_H
+#define DAFT_SIMD_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifdef DAFT_HAVE_X86
+#include <immintrin.h>
+#endif
+
+#if defined(DAFT_ISA_avx512)
+#define DAFT_VL 16
+#elif defined(DAFT_ISA_avx2)
+#define DAFT_VL 8
+#else
+#define DAFT_VL 4
+#endif
+
+#define DAFT_INLINE static inline __attribute__((always_inline, unused))
+
+typedef float vf __attribute__((vector_size(DAFT_VL * 4)));
+typedef int32_t vi __attribute__((vector_size(DAFT_VL * 4)));
+typedef float vf_unaligned __attribute__((vector_size(DAFT_VL * 4), aligned(4), may_alias));
+typedef int32_t vi_unaligned __attribute__((vector_size(DAFT_VL * 4), aligned(4), may_alias));
+
+/* A mask of lanes, as bits: bit i is lane i. Cheap on AVX-512, one movemask elsewhere. */
+typedef uint32_t vbits;
+#define DAFT_ALL_LANES ((vbits)((1u << DAFT_VL) - 1))
+
+DAFT_INLINE vf vf_load(const float *p) { return *(const vf_unaligned *)p; }
+DAFT_INLINE void vf_store(float *p, vf v) { *(vf_unaligned *)p = v; }
+DAFT_INLINE vi vi_load(const void *p) { return *(const vi_unaligned *)p; }
+DAFT_INLINE void vi_store(void *p, vi v) { *(vi_unaligned *)p = v; }
+
+#if defined(DAFT_ISA_avx512)
+typedef __mmask16 vm;
+DAFT_INLINE vf vf_set(float s) { return (vf)_mm512_set1_ps(s); }
+DAFT_INLINE vi vi_set(int32_t s) { return (vi)_mm512_set1_epi32(s); }
+DAFT_INLINE vm vf_lt(vf a, vf b) { return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ); }
+DAFT_INLINE vm vf_le(vf a, vf b) { return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LE_OQ); }
+DAFT_INLINE vm vi_eq(vi a, vi b) { return _mm512_cmpeq_epi32_mask((__m512i)a, (__m512i)b); }
+DAFT_INLINE vm vm_and(vm a, vm b) { return (vm)(a & b); }
+DAFT_INLINE vm vm_or(vm a, vm b) { return (vm)(a | b); }
+DAFT_INLINE vm vm_not(vm a) { return (vm)~a; }
+DAFT_INLINE vbits vm_bits(vm m) { return m; }
+DAFT_INLINE vm vm_from_bits(vbits b) { return (vm)b; }
+DAFT_INLINE vf vf_select(vm m, vf a, vf b) { return (vf)_mm512_mask_blend_ps(m, (__m512)b, (__m512)a); }
+DAFT_INLINE vi vi_select(vm m, vi a, vi b) { return (vi)_mm512_mask_blend_epi32(m, (__m512i)b, (__m512i)a); }
+DAFT_INLINE vf vf_min(vf a, vf b) { return (vf)_mm512_min_ps((__m512)a, (__m512)b); }
+DAFT_INLINE vf vf_max(vf a, vf b) { return (vf)_mm512_max_ps((__m512)a, (__m512)b); }
+DAFT_INLINE vf vf_sqrt(vf a) { return (vf)_mm512_sqrt_ps((__m512)a); }
+DAFT_INLINE vf vf_gather(const float *base, vi index) { return (vf)_mm512_i32gather_ps((__m512i)index, base, 4); }
+DAFT_INLINE vi vi_gather(const void *base, vi index) { return (vi)_mm512_i32gather_epi32((__m512i)index, base, 4); }
+DAFT_INLINE vi vi_truncate(vf a) { return (vi)_mm512_cvttps_epi32((__m512)a); }
+DAFT_INLINE vf vf_from_int(vi a) { return (vf)_mm512_cvtepi32_ps((__m512i)a); }
+DAFT_INLINE vf vf_iota(void) { return (vf){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}; }
+#else
+typedef vi vm; /* all ones or all zeros in a lane */
+DAFT_INLINE vm vf_lt(vf a, vf b) { return (vm)(a < b); }
+DAFT_INLINE vm vf_le(vf a, vf b) { return (vm)(a <= b); }
+DAFT_INLINE vm vi_eq(vi a, vi b) { return (vm)(a == b); }
+DAFT_INLINE vm vm_and(vm a, vm b) { return a & b; }
+DAFT_INLINE vm vm_or(vm a, vm b) { return a | b; }
+DAFT_INLINE vm vm_not(vm a) { return ~a; }
+#if defined(DAFT_ISA_avx2)
+DAFT_INLINE vf vf_set(float s) { return (vf)_mm256_set1_ps(s); }
+DAFT_INLINE vi vi_set(int32_t s) { return (vi)_mm256_set1_epi32(s); }
+DAFT_INLINE vbits vm_bits(vm m) { return (vbits)_mm256_movemask_ps((__m256)m); }
+DAFT_INLINE vf vf_select(vm m, vf a, vf b) { return (vf)_mm256_blendv_ps((__m256)b, (__m256)a, (__m256)m); }
+DAFT_INLINE vi vi_select(vm m, vi a, vi b) { return (vi)_mm256_blendv_epi8((__m256i)b, (__m256i)a, (__m256i)m); }
+DAFT_INLINE vf vf_min(vf a, vf b) { return (vf)_mm256_min_ps((__m256)a, (__m256)b); }
+DAFT_INLINE vf vf_max(vf a, vf b) { return (vf)_mm256_max_ps((__m256)a, (__m256)b); }
+DAFT_INLINE vf vf_sqrt(vf a) { return (vf)_mm256_sqrt_ps((__m256)a); }
+DAFT_INLINE vf vf_gather(const float *base, vi index) { return (vf)_mm256_i32gather_ps(base, (__m256i)index, 4); }
+DAFT_INLINE vi vi_gather(const void *base, vi index) { return (vi)_mm256_i32gather_epi32((const int *)base, (__m256i)index, 4); }
+DAFT_INLINE vi vi_truncate(vf a) { return (vi)_mm256_cvttps_epi32((__m256)a); }
+DAFT_INLINE vf vf_from_int(vi a) { return (vf)_mm256_cvtepi32_ps((__m256i)a); }
+DAFT_INLINE vf vf_iota(void) { return (vf){0, 1, 2, 3, 4, 5, 6, 7}; }
+#else
+DAFT_INLINE vf vf_set(float s) { return (vf){s, s, s, s}; }
+DAFT_INLINE vi vi_set(int32_t s) { return (vi){s, s, s, s}; }
+DAFT_INLINE vf vf_select(vm m, vf a, vf b) { return (vf)((m & (vi)a) | (~m & (vi)b)); }
+DAFT_INLINE vi vi_select(vm m, vi a, vi b) { return (m & a) | (~m & b); }
+DAFT_INLINE vf vf_iota(void) { return (vf){0, 1, 2, 3}; }
+#ifdef DAFT_HAVE_X86
+DAFT_INLINE vbits vm_bits(vm m) { return (vbits)_mm_movemask_ps((__m128)m); }
+DAFT_INLINE vf vf_min(vf a, vf b) { return (vf)_mm_min_ps((__m128)a, (__m128)b); }
+DAFT_INLINE vf vf_max(vf a, vf b) { return (vf)_mm_max_ps((__m128)a, (__m128)b); }
+DAFT_INLINE vf vf_sqrt(vf a) { return (vf)_mm_sqrt_ps((__m128)a); }
+DAFT_INLINE vi vi_truncate(vf a) { return (vi)_mm_cvttps_epi32((__m128)a); }
+DAFT_INLINE vf vf_from_int(vi a) { return (vf)_mm_cvtepi32_ps((__m128i)a); }
+#else
+DAFT_INLINE vbits vm_bits(vm m) { return (vbits)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }
+DAFT_INLINE vf vf_min(vf a, vf b) { return vf_select(vf_lt(a, b), a, b); }
+DAFT_INLINE vf vf_max(vf a, vf b) { return vf_select(vf_lt(b, a), a, b); }
+DAFT_INLINE vf vf_sqrt(vf a) { return (vf){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])}; }
+DAFT_INLINE vi vi_truncate(vf a) { return __builtin_convertvector(a, vi); }
+DAFT_INLINE vf vf_from_int(vi a) { return __builtin_convertvector(a, vf); }
+#endif
+DAFT_INLINE vf vf_gather(const float *base, vi i) { return (vf){base[i[0]], base[i[1]], base[i[2]], base[i[3]]}; }
+DAFT_INLINE vi vi_gather(const void *p, vi i)
+{
+    const int32_t *base = p;
+    return (vi){base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
+}
+#endif
+DAFT_INLINE vi vi_iota(void);
+DAFT_INLINE vm vm_from_bits(vbits b)
+{
+    vi lane = vi_set(1) << vi_iota();
+    return (vm)((vi_set((int32_t)b) & lane) == lane);
+}
+#endif
+
+DAFT_INLINE vi vi_iota(void) { return vi_truncate(vf_iota()); }
+DAFT_INLINE vf vf_abs(vf a) { return (vf)((vi)a & vi_set(0x7fffffff)); }
+/* a with its sign flipped where the sign bit of s is set */
+DAFT_INLINE vf vf_xor_sign(vf a, vi sign) { return (vf)((vi)a ^ sign); }
+DAFT_INLINE vf vf_clamp01(vf a) { return vf_min(vf_max(a, vf_set(0)), vf_set(1)); }
+/* Largest whole number not above a, for |a| < 2^31. */
+DAFT_INLINE vf vf_floor(vf a)
+{
+    vf whole = vf_from_int(vi_truncate(a));
+    return vf_select(vf_lt(a, whole), whole - vf_set(1), whole);
+}
+/* The lanes of a mask that i < count; count may be over DAFT_VL. */
+DAFT_INLINE vbits vbits_first(int count) { return count >= DAFT_VL ? DAFT_ALL_LANES : (vbits)((1u << count) - 1); }
+DAFT_INLINE float vf_reduce_min(vf a)
+{
+    float least = a[0];
+    for (int i = 1; i < DAFT_VL; i++) least = a[i] < least ? a[i] : least;
+    return least;
+}
+DAFT_INLINE float vf_reduce_max(vf a)
+{
+    float most = a[0];
+    for (int i = 1; i < DAFT_VL; i++) most = a[i] > most ? a[i] : most;
+    return most;
+}
+
+typedef struct vf3 {
+    vf x, y, z;
+} vf3;
+DAFT_INLINE vf vf3_dot(vf3 a, vf3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+/* ---- 8 lanes ---- */
+
+typedef float v8 __attribute__((vector_size(32)));
+typedef int32_t v8i __attribute__((vector_size(32)));
+typedef float v8_unaligned __attribute__((vector_size(32), aligned(4), may_alias));
+
+DAFT_INLINE v8 v8_load(const float *p) { return *(const v8_unaligned *)p; }
+#if defined(DAFT_ISA_avx2) || defined(DAFT_ISA_avx512)
+DAFT_INLINE v8 v8_set(float s) { return (v8)_mm256_set1_ps(s); }
+DAFT_INLINE v8 v8_min(v8 a, v8 b) { return (v8)_mm256_min_ps((__m256)a, (__m256)b); }
+DAFT_INLINE v8 v8_max(v8 a, v8 b) { return (v8)_mm256_max_ps((__m256)a, (__m256)b); }
+DAFT_INLINE uint32_t v8_le_bits(v8 a, v8 b)
+{
+    return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LE_OQ));
+}
+#else
+DAFT_INLINE v8 v8_set(float s) { return (v8){s, s, s, s, s, s, s, s}; }
+#ifdef DAFT_HAVE_X86
+typedef union v8_halves {
+    v8 whole;
+    __m128 half[2];
+} v8_halves;
+DAFT_INLINE v8 v8_min(v8 a, v8 b)
+{
+    v8_halves x = {a}, y = {b}, r;
+    r.half[0] = _mm_min_ps(x.half[0], y.half[0]), r.half[1] = _mm_min_ps(x.half[1], y.half[1]);
+    return r.whole;
+}
+DAFT_INLINE v8 v8_max(v8 a, v8 b)
+{
+    v8_halves x = {a}, y = {b}, r;
+    r.half[0] = _mm_max_ps(x.half[0], y.half[0]), r.half[1] = _mm_max_ps(x.half[1], y.half[1]);
+    return r.whole;
+}
+DAFT_INLINE uint32_t v8_le_bits(v8 a, v8 b)
+{
+    v8_halves x = {a}, y = {b};
+    return (uint32_t)(_mm_movemask_ps(_mm_cmple_ps(x.half[0], y.half[0])) |
+                      _mm_movemask_ps(_mm_cmple_ps(x.half[1], y.half[1])) << 4);
+}
+#else
+DAFT_INLINE v8 v8_min(v8 a, v8 b) { return (v8)(((v8i)a & (a < b)) | ((v8i)b & ~(a < b))); }
+DAFT_INLINE v8 v8_max(v8 a, v8 b) { return (v8)(((v8i)a & (a > b)) | ((v8i)b & ~(a > b))); }
+DAFT_INLINE uint32_t v8_le_bits(v8 a, v8 b)
+{
+    uint32_t bits = 0;
+    for (int i = 0; i < 8; i++) bits |= (uint32_t)(a[i] <= b[i]) << i;
+    return bits;
+}
+#endif
+#endif
+
+/* ---- 4 lanes ---- */
+
+typedef float v4 __attribute__((vector_size(16)));
+typedef int32_t v4i __attribute__((vector_size(16)));
+
+DAFT_INLINE v4 v4_set(float s) { return (v4){s, s, s, s}; }
+DAFT_INLINE v4 v4_load(const float *p)
+{
+    v4 v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+DAFT_INLINE v4 v4_select(v4i m, v4 a, v4 b) { return (v4)((m & (v4i)a) | (~m & (v4i)b)); }
+DAFT_INLINE v4 v4_min(v4 a, v4 b) { return v4_select(a < b, a, b); }
+DAFT_INLINE v4 v4_max(v4 a, v4 b) { return v4_select(a > b, a, b); }
+DAFT_INLINE v4 v4_abs(v4 a) { return (v4)((v4i)a & (v4i){0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff}); }
+#ifdef DAFT_HAVE_X86
+DAFT_INLINE uint32_t v4_bits(v4i m) { return (uint32_t)_mm_movemask_ps((__m128)m); }
+#else
+DAFT_INLINE uint32_t v4_bits(v4i m) { return (uint32_t)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }
+#endif
+
+#endif
