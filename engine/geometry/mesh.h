@@ -48,6 +48,7 @@ typedef struct daft_mtl {
     int illum;
     char diffuse_map[1024]; /* path as opened (folder of the MTL joined), empty: none */
     int diffuse_map_line, diffuse_map_column; /* where the file names it, for warnings */
+    char file[1024]; /* the MTL file it came from, for warnings; empty: none */
 } daft_mtl;
 
 typedef struct daft_mtl_list {
