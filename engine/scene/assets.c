@@ -1,0 +1,337 @@
+/* Meshes and textures: loading, caches by path, boxes shared by size, and taking back what a failed load added. */
+#include "scene/scene.h"
+
+#include <string.h>
+
+uint64_t daft_path_hash(const char *path) { return daft_hash(path, strlen(path), 0); }
+
+bool daft_assets_init(daft_scene *scene, daft_error *error)
+{
+    daft_slots_init(&scene->assets.box_slots);
+    daft_material_def def = daft_default_material_def();
+    return daft_material_create(scene, &def, error).id != 0;
+}
+
+static void mesh_free(const daft_scene *scene, daft_mesh_item *item)
+{
+    if (item->bvh) daft_bvh_free(item->bvh);
+    daft_trimesh_free(scene->allocator, &item->mesh);
+    daft_release(scene->allocator, item->materials);
+    daft_release(scene->allocator, item->path);
+}
+
+daft_assets_mark daft_assets_remember(const daft_scene *scene)
+{
+    const daft_assets *assets = &scene->assets;
+    return (daft_assets_mark){assets->mesh_count, assets->texture_count, assets->material_count,
+                              assets->material_key_count};
+}
+
+void daft_assets_roll_back(daft_scene *scene, daft_assets_mark mark)
+{
+    daft_assets *assets = &scene->assets;
+    while (assets->mesh_count > mark.meshes) {
+        daft_mesh_item *item = assets->meshes[--assets->mesh_count];
+        daft_map_remove(&assets->mesh_map, item->hash, assets->mesh_count);
+        mesh_free(scene, item);
+        daft_release(scene->allocator, item);
+    }
+    while (assets->material_key_count > mark.material_keys) {
+        daft_asset_key *key = &assets->material_keys[--assets->material_key_count];
+        daft_map_remove(&assets->material_map, key->hash, assets->material_key_count);
+        daft_release(scene->allocator, key->path);
+    }
+    while (assets->texture_count > mark.textures) {
+        daft_asset_key *key = &assets->texture_keys[--assets->texture_count];
+        daft_map_remove(&assets->texture_map, key->hash, assets->texture_count);
+        daft_texture_free(scene->allocator, &assets->textures[assets->texture_count]);
+        daft_release(scene->allocator, key->path);
+    }
+    assets->material_count = mark.materials;
+}
+
+void daft_assets_free(daft_scene *scene)
+{
+    daft_assets *assets = &scene->assets;
+    const daft_allocator *allocator = scene->allocator;
+    daft_assets_roll_back(scene, (daft_assets_mark){0, 0, 0, 0});
+    for (uint32_t i = 0; i < assets->box_slots.count; i++) {
+        if (!assets->box_slots.items[i].live) continue;
+        mesh_free(scene, &assets->boxes[i]->shape);
+        daft_release(allocator, assets->boxes[i]);
+    }
+    daft_slots_free(&assets->box_slots, allocator);
+    daft_map_free(&assets->mesh_map, allocator);
+    daft_map_free(&assets->texture_map, allocator);
+    daft_map_free(&assets->material_map, allocator);
+    daft_map_free(&assets->box_map, allocator);
+    void *arrays[] = {assets->meshes,   assets->textures,      assets->texture_keys, assets->materials,
+                      assets->surfaces, assets->material_keys, assets->boxes};
+    for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(allocator, arrays[i]);
+}
+
+/* ---- meshes ---- */
+
+/* Builds what a mesh needs beside its triangles. On failure the item is still to be freed. */
+static bool mesh_finish(daft_scene *scene, daft_mesh_item *item, daft_error *error)
+{
+    uint32_t slots = item->mesh.slot_count ? item->mesh.slot_count : 1;
+    item->materials = daft_alloc_zero(scene->allocator, slots, sizeof *item->materials);
+    if (!item->materials) return daft_fail_memory(error, "a mesh's materials");
+    item->bvh = daft_bvh_build_mesh(scene->allocator, &item->mesh, scene->engine->threads, error);
+    if (!item->bvh) return false;
+    scene->counters.mesh_builds++;
+    return true;
+}
+
+static bool mesh_reserve(daft_scene *scene, daft_error *error)
+{
+    daft_assets *assets = &scene->assets;
+    return (daft_grow(scene->allocator, &assets->meshes, &assets->mesh_capacity, assets->mesh_count + 1,
+                      assets->mesh_count, sizeof *assets->meshes) &&
+            daft_map_reserve(&assets->mesh_map, scene->allocator, 1)) ||
+           daft_fail_memory(error, "the list of meshes");
+}
+
+/* Reads an OBJ into a fresh item; its materials are created. */
+static bool mesh_read(daft_scene *scene, const char *path, daft_mesh_item *item, daft_error *error)
+{
+    item->path = daft_copy_string(scene->allocator, path);
+    if (!item->path) return daft_fail_memory(error, "a path");
+    item->hash = daft_path_hash(path);
+    daft_obj obj = {0};
+    if (!daft_obj_load(scene->allocator, path, &scene->engine->log, &obj, error)) return false;
+    item->mesh = obj.mesh; /* from here on the item owns the triangles */
+    memset(&obj.mesh, 0, sizeof obj.mesh);
+    bool done = mesh_finish(scene, item, error);
+    for (size_t i = 0; done && i < obj.slots.count && i < item->mesh.slot_count; i++) {
+        daft_material material = daft_material_from_mtl(scene, path, &obj.slots.items[i], error);
+        item->materials[i] = material.id - 1;
+        done = material.id != 0;
+    }
+    daft_obj_free(scene->allocator, &obj);
+    return done;
+}
+
+static uint32_t mesh_cached(const daft_scene *scene, const char *path, uint64_t hash)
+{
+    const daft_assets *assets = &scene->assets;
+    for (uint32_t cursor = 0, i; (i = daft_map_next(&assets->mesh_map, hash, &cursor)) != DAFT_NONE;)
+        if (strcmp(assets->meshes[i]->path, path) == 0) return i + 1;
+    return 0;
+}
+
+static daft_mesh mesh_add(daft_scene *scene, daft_mesh_item *item)
+{
+    daft_assets *assets = &scene->assets;
+    if (item->path) daft_map_add(&assets->mesh_map, item->hash, assets->mesh_count);
+    assets->meshes[assets->mesh_count++] = item;
+    return (daft_mesh){assets->mesh_count};
+}
+
+daft_mesh daft_mesh_load(daft_scene *scene, const char *path, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path)) return (daft_mesh){0};
+    uint32_t cached = mesh_cached(scene, path, daft_path_hash(path));
+    if (cached || !mesh_reserve(scene, error)) return (daft_mesh){cached};
+    daft_mesh_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
+    if (!item) {
+        daft_fail_memory(error, "a mesh");
+        return (daft_mesh){0};
+    }
+    daft_assets_mark mark = daft_assets_remember(scene);
+    if (mesh_read(scene, path, item, error)) return mesh_add(scene, item);
+    mesh_free(scene, item);
+    daft_release(scene->allocator, item);
+    daft_assets_roll_back(scene, mark);
+    return (daft_mesh){0};
+}
+
+daft_mesh_def daft_default_mesh_def(void)
+{
+    return (daft_mesh_def){.cookie = DAFT_COOKIE};
+}
+
+static bool mesh_def_check(const daft_mesh_def *def, daft_error *error)
+{
+    return daft_check_pointer(error, "def", def) && daft_check_cookie(error, def->cookie, "daft_default_mesh_def") &&
+           (def->vertex_count == 0 || daft_check_pointer(error, "positions", def->positions)) &&
+           (def->triangle_count == 0 || daft_check_pointer(error, "indices", def->indices));
+}
+
+daft_mesh daft_mesh_create(daft_scene *scene, const daft_mesh_def *def, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene) || !mesh_def_check(def, error) || !mesh_reserve(scene, error))
+        return (daft_mesh){0};
+    daft_mesh_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
+    if (!item) {
+        daft_fail_memory(error, "a mesh");
+        return (daft_mesh){0};
+    }
+    if (daft_trimesh_from_arrays(scene->allocator, def, &scene->engine->log, &item->mesh, error) &&
+        mesh_finish(scene, item, error))
+        return mesh_add(scene, item);
+    mesh_free(scene, item);
+    daft_release(scene->allocator, item);
+    return (daft_mesh){0};
+}
+
+daft_mesh_item *daft_mesh_find(const daft_scene *scene, daft_mesh mesh, daft_error *error)
+{
+    if (mesh.id > 0 && mesh.id <= scene->assets.mesh_count) return scene->assets.meshes[mesh.id - 1];
+    daft_fail(error, DAFT_ERROR_HANDLE, mesh.id ? "mesh %u is not one of this scene" : "the mesh is none (0)", mesh.id);
+    return NULL;
+}
+
+bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "info", info)) return false;
+    const daft_mesh_item *item = daft_mesh_find(scene, mesh, error);
+    if (!item) return false;
+    *info = (daft_mesh_info){.vertex_count = item->mesh.vertex_count,
+                             .triangle_count = item->mesh.triangle_count,
+                             .material_count = item->mesh.slot_count ? item->mesh.slot_count : 1,
+                             .low = item->mesh.low,
+                             .high = item->mesh.high,
+                             .bytes = daft_trimesh_bytes(&item->mesh) + daft_bvh_bytes(item->bvh)};
+    return true;
+}
+
+/* ---- boxes ---- */
+
+static uint64_t size_hash(daft_vec3 size)
+{
+    float components[3] = {size.x, size.y, size.z};
+    return daft_hash(components, sizeof components, 0);
+}
+
+static bool box_reserve(daft_scene *scene)
+{
+    daft_assets *assets = &scene->assets;
+    return daft_slots_reserve(&assets->box_slots, scene->allocator, 1) &&
+           daft_map_reserve(&assets->box_map, scene->allocator, 1) &&
+           daft_grow(scene->allocator, &assets->boxes, &assets->box_capacity, daft_slots_needed(&assets->box_slots, 1),
+                     assets->box_slots.count, sizeof *assets->boxes);
+}
+
+uint32_t daft_box_acquire(daft_scene *scene, daft_vec3 size, daft_error *error)
+{
+    daft_assets *assets = &scene->assets;
+    uint64_t hash = size_hash(size);
+    for (uint32_t cursor = 0, i; (i = daft_map_next(&assets->box_map, hash, &cursor)) != DAFT_NONE;) {
+        daft_box_item *box = assets->boxes[i];
+        if (box->size.x != size.x || box->size.y != size.y || box->size.z != size.z) continue;
+        box->users++;
+        return i;
+    }
+    daft_box_item *box = box_reserve(scene) ? daft_alloc_zero(scene->allocator, 1, sizeof *box) : NULL;
+    if (!box) {
+        daft_fail_memory(error, "a box");
+        return DAFT_NONE;
+    }
+    *box = (daft_box_item){.size = size, .users = 1};
+    if (daft_trimesh_box(scene->allocator, size, &box->shape.mesh, error) && mesh_finish(scene, &box->shape, error)) {
+        uint32_t index = daft_handle_index(daft_slots_add(&assets->box_slots));
+        assets->boxes[index] = box;
+        daft_map_add(&assets->box_map, hash, index);
+        return index;
+    }
+    mesh_free(scene, &box->shape);
+    daft_release(scene->allocator, box);
+    return DAFT_NONE;
+}
+
+void daft_box_drop(daft_scene *scene, uint32_t index)
+{
+    daft_assets *assets = &scene->assets;
+    daft_box_item *box = assets->boxes[index];
+    if (--box->users > 0) return;
+    daft_map_remove(&assets->box_map, size_hash(box->size), index);
+    daft_slots_remove(&assets->box_slots, index);
+    mesh_free(scene, &box->shape);
+    daft_release(scene->allocator, box);
+}
+
+/* ---- textures ---- */
+
+static bool texture_reserve(daft_scene *scene, daft_error *error)
+{
+    daft_assets *assets = &scene->assets;
+    size_t count = assets->texture_count;
+    return (daft_grow(scene->allocator, &assets->textures, &assets->texture_capacity, count + 1, count,
+                      sizeof *assets->textures) &&
+            daft_grow(scene->allocator, &assets->texture_keys, &assets->texture_key_capacity, count + 1, count,
+                      sizeof *assets->texture_keys) &&
+            daft_map_reserve(&assets->texture_map, scene->allocator, 1)) ||
+           daft_fail_memory(error, "the list of textures");
+}
+
+static uint32_t texture_cached(const daft_scene *scene, const char *path, uint64_t hash)
+{
+    const daft_assets *assets = &scene->assets;
+    for (uint32_t cursor = 0, i; (i = daft_map_next(&assets->texture_map, hash, &cursor)) != DAFT_NONE;)
+        if (strcmp(assets->texture_keys[i].path, path) == 0) return i + 1;
+    return 0;
+}
+
+/* Takes the data, also on failure. */
+static daft_texture texture_add(daft_scene *scene, const char *path, daft_texture_data *data, daft_error *error)
+{
+    daft_assets *assets = &scene->assets;
+    char *copy = texture_reserve(scene, error) ? daft_copy_string(scene->allocator, path) : NULL;
+    if (!copy) {
+        daft_fail_memory(error, "a texture's path");
+        daft_texture_free(scene->allocator, data);
+        return (daft_texture){0};
+    }
+    uint64_t hash = daft_path_hash(path);
+    assets->textures[assets->texture_count] = *data;
+    assets->texture_keys[assets->texture_count] = (daft_asset_key){copy, hash, assets->texture_count};
+    daft_map_add(&assets->texture_map, hash, assets->texture_count);
+    return (daft_texture){++assets->texture_count};
+}
+
+daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path))
+        return (daft_texture){0};
+    uint32_t cached = texture_cached(scene, path, daft_path_hash(path));
+    if (cached && !scene->assets.textures[cached - 1].missing) return (daft_texture){cached};
+    daft_texture_data data = {0};
+    if (!daft_texture_read(scene->allocator, path, &data, error)) return (daft_texture){0};
+    if (!cached) return texture_add(scene, path, &data, error);
+    /* a material has asked for it before it was there: the checker gives way */
+    daft_texture_free(scene->allocator, &scene->assets.textures[cached - 1]);
+    scene->assets.textures[cached - 1] = data;
+    return (daft_texture){cached};
+}
+
+daft_texture daft_texture_of_map(daft_scene *scene, const char *mtl_path, const daft_mtl *mtl, daft_error *error)
+{
+    uint32_t cached = texture_cached(scene, mtl->diffuse_map, daft_path_hash(mtl->diffuse_map));
+    if (cached) return (daft_texture){cached};
+    daft_texture_data data = {0};
+    daft_error why = {0};
+    if (daft_texture_read(scene->allocator, mtl->diffuse_map, &data, &why))
+        return texture_add(scene, mtl->diffuse_map, &data, error);
+    if (why.code == DAFT_ERROR_MEMORY) {
+        if (error) *error = why;
+        return (daft_texture){0};
+    }
+    if (!daft_texture_missing(scene->allocator, &data, error)) return (daft_texture){0};
+    daft_texture texture = texture_add(scene, mtl->diffuse_map, &data, error);
+    if (texture.id)
+        daft_warn_at(&scene->engine->log, why.code, mtl_path, mtl->diffuse_map_line, mtl->diffuse_map_column,
+                     "a checker stands in for the texture %s: %s", mtl->diffuse_map, why.message);
+    return texture;
+}
+
+bool daft_texture_check(const daft_scene *scene, daft_texture texture, daft_error *error)
+{
+    return texture.id <= scene->assets.texture_count ||
+           daft_fail(error, DAFT_ERROR_HANDLE, "texture %u is not one of this scene", texture.id);
+}

@@ -1,0 +1,163 @@
+/* The engine, its images, and scenes as a whole. */
+#include "math/isa.h"
+#include "scene/scene.h"
+
+#include <string.h>
+
+enum { MAX_THREADS = 64, MAX_IMAGE_SIDE = 16384 };
+
+daft_engine_def daft_default_engine_def(void)
+{
+    return (daft_engine_def){.cookie = DAFT_COOKIE};
+}
+
+static bool choose_isa(const char *name, int *isa, daft_error *error)
+{
+    if (daft_isa_parse(name, isa)) return true;
+    if (*isa >= 0)
+        return daft_fail(error, DAFT_ERROR_UNSUPPORTED, "this processor has no %s; the best it has is %s", name,
+                         daft_isa_name(daft_isa_best()));
+    char known[128] = "";
+    for (int i = 0; i < DAFT_ISA_COUNT; i++) {
+        if (i > 0) strcat(known, ", ");
+        strcat(known, daft_isa_name(i));
+    }
+    return daft_fail(error, DAFT_ERROR_ARGUMENT, "unknown instruction set '%.64s'; known are %s", name, known);
+}
+
+daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error)
+{
+    daft_error_clear(error);
+    int isa;
+    if (!daft_check_pointer(error, "def", def) || !daft_check_cookie(error, def->cookie, "daft_default_engine_def") ||
+        !choose_isa(def->isa, &isa, error))
+        return NULL;
+    daft_allocator allocator = def->allocator;
+    if (!allocator.allocate && !allocator.release) {
+        allocator = daft_malloc_allocator();
+    } else if (!allocator.allocate || !allocator.release) {
+        daft_fail(error, DAFT_ERROR_ARGUMENT, "allocator.%s is NULL; give both functions or none",
+                  allocator.allocate ? "release" : "allocate");
+        return NULL;
+    }
+    daft_engine *engine = daft_alloc_zero(&allocator, 1, sizeof *engine);
+    if (!engine) {
+        daft_fail_memory(error, "an engine");
+        return NULL;
+    }
+    engine->allocator = allocator;
+    engine->log = (daft_log){def->warn, def->warn_user};
+    engine->threads = def->threads == 0 ? daft_processor_count() : daft_min_i(daft_max_i(def->threads, 1), MAX_THREADS);
+    engine->isa = isa;
+    return engine;
+}
+
+void daft_engine_destroy(daft_engine *engine)
+{
+    if (!engine) return;
+    if (engine->scenes > 0) {
+        /* A leak is better than scenes whose engine is gone. */
+        daft_warn_at(&engine->log, DAFT_ERROR_ARGUMENT, NULL, 0, 0,
+                     "the engine is not destroyed: %d of its scenes still stand", engine->scenes);
+        return;
+    }
+    daft_renderer_destroy(engine->renderer);
+    daft_allocator allocator = engine->allocator;
+    daft_release(&allocator, engine);
+}
+
+int daft_engine_threads(const daft_engine *engine) { return engine->threads; }
+const char *daft_engine_isa(const daft_engine *engine) { return daft_isa_name(engine->isa); }
+
+/* ---- images ---- */
+
+static daft_image *image_new(daft_engine *engine, daft_error *error)
+{
+    daft_image *image = daft_alloc_zero(&engine->allocator, 1, sizeof *image);
+    if (image)
+        image->allocator = engine->allocator;
+    else
+        daft_fail_memory(error, "an image");
+    return image;
+}
+
+daft_image *daft_image_create(daft_engine *engine, int width, int height, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "engine", engine) ||
+        !daft_check_range(error, "width", width, 1, MAX_IMAGE_SIDE, "1 to 16384 pixels") ||
+        !daft_check_range(error, "height", height, 1, MAX_IMAGE_SIDE, "1 to 16384 pixels"))
+        return NULL;
+    daft_image *image = image_new(engine, error);
+    if (!image) return NULL;
+    image->width = width;
+    image->height = height;
+    image->pixels = daft_alloc_zero(&engine->allocator, (size_t)width * (size_t)height, 4);
+    if (image->pixels) return image;
+    daft_release(&engine->allocator, image);
+    daft_fail(error, DAFT_ERROR_MEMORY, "out of memory for an image of %d x %d pixels", width, height);
+    return NULL;
+}
+
+daft_image *daft_image_load(daft_engine *engine, const char *path, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "engine", engine) || !daft_check_pointer(error, "path", path)) return NULL;
+    daft_image *image = image_new(engine, error);
+    if (!image) return NULL;
+    if (daft_image_read(&engine->allocator, path, image, error)) {
+        image->allocator = engine->allocator;
+        return image;
+    }
+    daft_release(&engine->allocator, image);
+    return NULL;
+}
+
+/* ---- scenes ---- */
+
+daft_scene *daft_scene_create(daft_engine *engine, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "engine", engine)) return NULL;
+    daft_scene *scene = daft_alloc_zero(&engine->allocator, 1, sizeof *scene);
+    if (!scene) {
+        daft_fail_memory(error, "a scene");
+        return NULL;
+    }
+    scene->engine = engine;
+    scene->allocator = &engine->allocator;
+    daft_slots_init(&scene->entity_slots);
+    daft_slots_init(&scene->light_slots);
+    scene->ambient = daft_v3(0.2f, 0.2f, 0.2f);
+    scene->camera = scene->camera_before = daft_default_camera();
+    scene->gravity = daft_v3(0, -9.81f, 0);
+    daft_arena_init(&scene->frame, scene->allocator);
+    daft_arena_init(&scene->query.arena, scene->allocator);
+    scene->counters.threads = engine->threads;
+    scene->counters.isa = daft_isa_name(engine->isa);
+    engine->scenes++;
+    if (daft_assets_init(scene, error)) return scene;
+    daft_scene_destroy(scene);
+    return NULL;
+}
+
+void daft_scene_destroy(daft_scene *scene)
+{
+    if (!scene) return;
+    const daft_allocator *allocator = scene->allocator;
+    if (scene->world) daft_world_destroy(scene->world);
+    daft_assets_free(scene);
+    daft_sky_free(allocator, &scene->sky_image);
+    daft_slots_free(&scene->entity_slots, allocator);
+    daft_slots_free(&scene->light_slots, allocator);
+    daft_release(allocator, scene->entities);
+    daft_release(allocator, scene->lights);
+    daft_release(allocator, scene->cameras);
+    daft_release(allocator, scene->dynamic);
+    daft_arena_free(&scene->frame);
+    daft_arena_free(&scene->query.arena);
+    scene->engine->scenes--;
+    daft_release(allocator, scene);
+}
+
+const daft_counters *daft_scene_counters(const daft_scene *scene) { return &scene->counters; }

@@ -1,0 +1,209 @@
+/* Materials: their definition as users see it, the surface that the kernels read, and what an MTL entry becomes. */
+#include "scene/scene.h"
+
+#include <stdio.h>
+#include <string.h>
+
+daft_material_def daft_default_material_def(void)
+{
+    return (daft_material_def){
+        .cookie = DAFT_COOKIE,
+        .ambient = {0.8f, 0.8f, 0.8f},
+        .diffuse = {0.8f, 0.8f, 0.8f},
+        .specular = {0.2f, 0.2f, 0.2f},
+        .shininess = 30,
+        .mirror_tint = {1, 1, 1},
+        .map_scale = {1, 1},
+    };
+}
+
+static daft_surface surface_from(const daft_material_def *def)
+{
+    return (daft_surface){
+        .ambient = def->ambient,
+        .diffuse = def->diffuse,
+        .specular = def->specular,
+        .emission = def->emission,
+        .mirror = daft_scale(def->mirror_tint, def->mirror),
+        .shininess = def->shininess,
+        .texture = def->diffuse_map.id ? def->diffuse_map.id - 1 : DAFT_NO_TEXTURE,
+        .map_scale = def->map_scale,
+    };
+}
+
+static bool def_check(const daft_scene *scene, const daft_material_def *def, daft_error *error)
+{
+    return daft_check_pointer(error, "def", def) && daft_check_cookie(error, def->cookie, "daft_default_material_def") &&
+           daft_check_color(error, "ambient", def->ambient) && daft_check_color(error, "diffuse", def->diffuse) &&
+           daft_check_color(error, "specular", def->specular) && daft_check_color(error, "emission", def->emission) &&
+           daft_check_color(error, "mirror_tint", def->mirror_tint) &&
+           daft_check_range(error, "shininess", (double)def->shininess, 0, 1000, "between 0 and 1000") &&
+           daft_check_range(error, "mirror", (double)def->mirror, 0, 1, "between 0 and 1") &&
+           daft_check_finite(error, "map_scale.x", (double)def->map_scale.x) &&
+           daft_check_finite(error, "map_scale.y", (double)def->map_scale.y) &&
+           daft_texture_check(scene, def->diffuse_map, error);
+}
+
+static bool material_reserve(daft_scene *scene, daft_error *error)
+{
+    daft_assets *assets = &scene->assets;
+    size_t count = assets->material_count;
+    return (daft_grow(scene->allocator, &assets->materials, &assets->material_capacity, count + 1, count,
+                      sizeof *assets->materials) &&
+            daft_grow(scene->allocator, &assets->surfaces, &assets->surface_capacity, count + 1, count,
+                      sizeof *assets->surfaces)) ||
+           daft_fail_memory(error, "the list of materials");
+}
+
+daft_material daft_material_create(daft_scene *scene, const daft_material_def *def, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene) || !def_check(scene, def, error) || !material_reserve(scene, error))
+        return (daft_material){0};
+    daft_assets *assets = &scene->assets;
+    assets->materials[assets->material_count] = *def;
+    assets->surfaces[assets->material_count] = surface_from(def);
+    return (daft_material){++assets->material_count};
+}
+
+bool daft_material_check(const daft_scene *scene, daft_material material, daft_error *error)
+{
+    if (material.id > 0 && material.id <= scene->assets.material_count) return true;
+    return daft_fail(error, DAFT_ERROR_HANDLE,
+                     material.id ? "material %u is not one of this scene" : "the material is none (0)", material.id);
+}
+
+bool daft_material_get(daft_scene *scene, daft_material material, daft_material_def *def, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "def", def) ||
+        !daft_material_check(scene, material, error))
+        return false;
+    *def = scene->assets.materials[material.id - 1];
+    return true;
+}
+
+bool daft_material_set(daft_scene *scene, daft_material material, const daft_material_def *def, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene) || !daft_material_check(scene, material, error) ||
+        !def_check(scene, def, error))
+        return false;
+    scene->assets.materials[material.id - 1] = *def;
+    scene->assets.surfaces[material.id - 1] = surface_from(def);
+    return true;
+}
+
+/* ---- from MTL files ---- */
+
+static float largest(daft_vec3 v)
+{
+    float most = v.x > v.y ? v.x : v.y;
+    return most > v.z ? most : v.z;
+}
+
+/* MTL's illumination models: 0 and 1 have no highlight, 2 has, 3 and above reflect as well, by Ks's share. */
+static void illuminate(const daft_mtl *mtl, daft_material_def *def)
+{
+    def->specular = mtl->illum <= 1 ? daft_v3(0, 0, 0) : mtl->specular;
+    float share = mtl->illum >= 3 && mtl->illum <= 9 ? largest(mtl->specular) : 0;
+    if (!(share > 0)) return;
+    def->mirror = share < 1 ? share : 1;
+    def->mirror_tint = daft_scale(mtl->specular, 1 / share);
+}
+
+daft_material daft_material_from_mtl(daft_scene *scene, const char *mtl_path, const daft_mtl *mtl, daft_error *error)
+{
+    daft_material_def def = daft_default_material_def();
+    def.ambient = mtl->ambient;
+    def.diffuse = mtl->diffuse;
+    def.emission = mtl->emission;
+    def.shininess = mtl->shininess < 1000 ? mtl->shininess : 1000;
+    illuminate(mtl, &def);
+    if (mtl->diffuse_map[0]) {
+        def.diffuse_map = daft_texture_of_map(scene, mtl_path, mtl, error);
+        if (!def.diffuse_map.id) return (daft_material){0};
+    }
+    return daft_material_create(scene, &def, error);
+}
+
+/* Splits "file.mtl#name" unless a file has just that name. NULL: no name, the first material is meant. */
+static bool split_path(const char *path, char *file, size_t size, const char **name, daft_error *error)
+{
+    const char *hash = strrchr(path, '#');
+    if (hash && daft_file_exists(path)) hash = NULL;
+    size_t length = hash ? (size_t)(hash - path) : strlen(path);
+    if (length >= size) return daft_fail(error, DAFT_ERROR_IO, "the path has more than %zu characters", size - 1);
+    memcpy(file, path, length);
+    file[length] = 0;
+    *name = hash ? hash + 1 : NULL;
+    return true;
+}
+
+static const daft_mtl *pick(const daft_mtl_list *list, const char *file, const char *name, daft_error *error)
+{
+    char known[256] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < list->count; i++) {
+        if (!name || strcmp(list->items[i].name, name) == 0) return &list->items[i];
+        if (used < sizeof known)
+            used += (size_t)snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", list->items[i].name);
+    }
+    if (list->count == 0)
+        daft_fail_at(error, DAFT_ERROR_SYNTAX, file, 0, 0, "has no material (no newmtl line)");
+    else
+        daft_fail_at(error, DAFT_ERROR_ARGUMENT, file, 0, 0, "has no material '%.100s'; it has %s", name, known);
+    return NULL;
+}
+
+static daft_material load_new(daft_scene *scene, const char *path, daft_error *error)
+{
+    char file[1024];
+    const char *name = NULL;
+    daft_mtl_list list = {0};
+    daft_material material = {0};
+    if (!split_path(path, file, sizeof file, &name, error)) return material;
+    if (daft_mtl_load(scene->allocator, file, &scene->engine->log, &list, error)) {
+        const daft_mtl *mtl = pick(&list, file, name, error);
+        if (mtl) material = daft_material_from_mtl(scene, file, mtl, error);
+    }
+    daft_mtl_list_free(scene->allocator, &list);
+    return material;
+}
+
+static bool key_reserve(daft_scene *scene, daft_error *error)
+{
+    daft_assets *assets = &scene->assets;
+    size_t count = assets->material_key_count;
+    return (daft_grow(scene->allocator, &assets->material_keys, &assets->material_key_capacity, count + 1, count,
+                      sizeof *assets->material_keys) &&
+            daft_map_reserve(&assets->material_map, scene->allocator, 1)) ||
+           daft_fail_memory(error, "the list of materials");
+}
+
+daft_material daft_material_load(daft_scene *scene, const char *path, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path))
+        return (daft_material){0};
+    daft_assets *assets = &scene->assets;
+    uint64_t hash = daft_path_hash(path);
+    for (uint32_t cursor = 0, i; (i = daft_map_next(&assets->material_map, hash, &cursor)) != DAFT_NONE;)
+        if (strcmp(assets->material_keys[i].path, path) == 0) return (daft_material){assets->material_keys[i].asset};
+    if (!key_reserve(scene, error)) return (daft_material){0};
+    daft_assets_mark mark = daft_assets_remember(scene);
+    char *copy = daft_copy_string(scene->allocator, path);
+    daft_material material = {0};
+    if (copy)
+        material = load_new(scene, path, error);
+    else
+        daft_fail_memory(error, "a path");
+    if (!material.id) {
+        daft_release(scene->allocator, copy);
+        daft_assets_roll_back(scene, mark);
+        return material;
+    }
+    daft_map_add(&assets->material_map, hash, assets->material_key_count);
+    assets->material_keys[assets->material_key_count++] = (daft_asset_key){copy, hash, material.id};
+    return material;
+}

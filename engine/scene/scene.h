@@ -1,0 +1,208 @@
+/* scene: what daft.h promises, on top of the rooms below: entities, transforms, assets, cameras, lights, the .scene
+ * format, ray queries. Pulls moves from sim/, fills the frame snapshot, asks render/ for pictures.
+ * Promises: a call that fails changes nothing; a scene without bodies has no simulation, one that casts no rays has no
+ * query structure, one that is never rendered has no renderer.
+ *
+ * This header is private to the room. Data: assets are append-only arrays (a handle is index + 1; a failed load cuts
+ * them back to where they were), entities and lights are slot maps with parallel arrays of items. */
+#ifndef DAFT_SCENE_H
+#define DAFT_SCENE_H
+
+#include "accel/accel.h"
+#include "base/base.h"
+#include "geometry/mesh.h"
+#include "image/image.h"
+#include "math/vec.h"
+#include "render/render.h"
+#include "scene/check.h"
+#include "scene/handles.h"
+#include "sim/sim.h"
+
+struct daft_engine {
+    daft_allocator allocator;
+    daft_log log;
+    int threads, isa;
+    int scenes;              /* alive */
+    daft_renderer *renderer; /* made by the first daft_render */
+};
+
+/* An affine map in double, for composing; rounded to daft_affine once, relative to a frame's origin. */
+typedef struct daft_daffine {
+    double m[9], t[3];
+} daft_daffine;
+
+typedef struct daft_mesh_item {
+    char *path; /* NULL: not from a file */
+    uint64_t hash;
+    daft_trimesh mesh;
+    daft_bvh *bvh;
+    uint32_t *materials; /* index of each slot's material */
+} daft_mesh_item;
+
+/* A box's mesh, shared by the entities of the same size, gone with the last of them. */
+typedef struct daft_box_item {
+    daft_vec3 size;
+    uint32_t users;
+    daft_mesh_item shape;
+} daft_box_item;
+
+typedef struct daft_asset_key {
+    char *path;
+    uint64_t hash;
+    uint32_t asset;
+} daft_asset_key;
+
+typedef struct daft_assets {
+    daft_mesh_item **meshes; /* pointers: a BVH keeps the address of its mesh */
+    size_t mesh_capacity;
+    uint32_t mesh_count;
+    daft_texture_data *textures;
+    daft_asset_key *texture_keys;
+    size_t texture_capacity, texture_key_capacity;
+    uint32_t texture_count;
+    daft_material_def *materials; /* 0: the default material */
+    daft_surface *surfaces;       /* the same as render/ reads them */
+    size_t material_capacity, surface_capacity;
+    uint32_t material_count;
+    daft_asset_key *material_keys; /* materials that came from a path */
+    size_t material_key_capacity;
+    uint32_t material_key_count;
+    daft_map mesh_map, texture_map, material_map, box_map;
+    daft_slots box_slots;
+    daft_box_item **boxes;
+    size_t box_capacity;
+} daft_assets;
+
+typedef struct daft_entity_item {
+    daft_entity_def def; /* its transform is not kept up to date: `now` is */
+    daft_transform now, before;
+    uint64_t moved_tick; /* `before` means something in this tick alone */
+    uint32_t parent, first_child, next, previous; /* indices; next and previous: the parent's other children */
+    uint32_t box;          /* DAFT_SHAPE_BOX: index into assets.boxes */
+    uint32_t body;         /* of the world, 0: none */
+    uint32_t dynamic_slot; /* DAFT_BODY_DYNAMIC: index into scene.dynamic */
+    uint32_t walk;         /* scratch of daft_entity_world */
+    uint64_t world_stamp;  /* world and shown are those of this pass */
+    daft_daffine world;
+    bool shown; /* visible, and so is every ancestor */
+    bool warned;
+} daft_entity_item;
+
+/* The two-level tree that ray queries go through, kept until the scene changes or the rays move on. */
+typedef struct daft_query_cache {
+    daft_arena arena;
+    bool valid;
+    uint64_t revision;
+    double cell;             /* metres: the origin is a multiple */
+    daft_dvec3 origin;
+    const daft_instance *instances;
+    uint32_t instance_count;
+    uint32_t *instance_of; /* of each entity index, or DAFT_NONE */
+    const daft_tlas *tlas;
+} daft_query_cache;
+
+struct daft_scene {
+    daft_engine *engine;
+    const daft_allocator *allocator; /* the engine's */
+    daft_assets assets;
+
+    daft_slots entity_slots;
+    daft_entity_item *entities;
+    size_t entity_capacity;
+    uint64_t tick;     /* counts begin_tick */
+    uint64_t revision; /* counts changes of what a ray could hit */
+    uint64_t pass;     /* counts walks over all world transforms */
+
+    daft_slots light_slots;
+    daft_light_def *lights;
+    size_t light_capacity;
+    daft_vec3 ambient;
+    daft_sky sky;
+    daft_sky_image sky_image;
+
+    daft_camera camera, camera_before;
+    daft_camera *cameras; /* those that scene files name */
+    size_t camera_capacity;
+    uint32_t camera_count;
+
+    daft_world *world; /* made by the first body */
+    daft_vec3 gravity;
+    uint32_t *dynamic; /* entity indices */
+    size_t dynamic_capacity;
+    uint32_t dynamic_count;
+
+    daft_arena frame; /* one picture's snapshot */
+    daft_query_cache query;
+    daft_counters counters;
+};
+
+/* ---- assets.c ---- */
+
+bool daft_assets_init(daft_scene *scene, daft_error *error);
+void daft_assets_free(daft_scene *scene);
+typedef struct daft_assets_mark {
+    uint32_t meshes, textures, materials, material_keys;
+} daft_assets_mark;
+daft_assets_mark daft_assets_remember(const daft_scene *scene);
+/* Takes back every asset that was added since. */
+void daft_assets_roll_back(daft_scene *scene, daft_assets_mark mark);
+daft_mesh_item *daft_mesh_find(const daft_scene *scene, daft_mesh mesh, daft_error *error);
+bool daft_texture_check(const daft_scene *scene, daft_texture texture, daft_error *error);
+/* The texture of an MTL's map: what cannot be read becomes a checker and one warning. 0: memory is out. */
+daft_texture daft_texture_of_map(daft_scene *scene, const char *mtl_path, const daft_mtl *mtl, daft_error *error);
+/* The mesh of a box of this size; counts a user. DAFT_NONE: memory is out. */
+uint32_t daft_box_acquire(daft_scene *scene, daft_vec3 size, daft_error *error);
+void daft_box_drop(daft_scene *scene, uint32_t box);
+uint64_t daft_path_hash(const char *path);
+
+/* ---- materials.c ---- */
+
+bool daft_material_check(const daft_scene *scene, daft_material material, daft_error *error);
+/* The material of an MTL entry; with_path names the MTL file in warnings. 0 on failure. */
+daft_material daft_material_from_mtl(daft_scene *scene, const char *mtl_path, const daft_mtl *mtl, daft_error *error);
+
+/* ---- entities.c ---- */
+
+bool daft_entities_reserve(daft_scene *scene, uint32_t more, daft_error *error);
+bool daft_entity_check(daft_scene *scene, const daft_entity_def *def, daft_error *error);
+daft_entity_item *daft_entity_find(const daft_scene *scene, daft_entity entity, daft_error *error);
+/* The slot takes what was checked; room was reserved. box and body belong to the entity from now on. */
+daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, uint32_t box, uint32_t body);
+
+/* ---- pose.c ---- */
+
+daft_daffine daft_daffine_from(const daft_transform *transform);
+daft_daffine daft_daffine_compose(const daft_daffine *outer, const daft_daffine *inner);
+/* False when it is singular or not finite. */
+bool daft_daffine_invert(const daft_daffine *a, daft_daffine *out);
+daft_transform daft_transform_mix(const daft_transform *before, const daft_transform *now, float alpha);
+/* Fills world and shown of the entity. All calls of one pass use one scene->pass and one alpha. */
+daft_entity_item *daft_entity_world(daft_scene *scene, uint32_t index, float alpha);
+bool daft_scale_is_uniform(daft_vec3 scale);
+
+/* ---- bodies.c ---- */
+
+bool daft_body_check(const daft_entity_def *def, daft_error *error);
+bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, uint32_t *body, daft_error *error);
+void daft_body_destroy(daft_scene *scene, daft_entity_item *item);
+
+/* ---- lights.c, camera.c ---- */
+
+bool daft_lights_reserve(daft_scene *scene, uint32_t more, daft_error *error);
+bool daft_light_check(const daft_light_def *def, daft_error *error);
+daft_light daft_light_insert(daft_scene *scene, const daft_light_def *def); /* room was reserved */
+void daft_sky_image_adopt(daft_scene *scene, daft_sky_image *image);        /* takes the texels */
+bool daft_cameras_reserve(daft_scene *scene, uint32_t more, daft_error *error);
+void daft_camera_insert(daft_scene *scene, const daft_camera *camera); /* room was reserved; the first one is set */
+/* Unit axes of a camera. */
+void daft_camera_axes(const daft_camera *camera, daft_vec3 *right, daft_vec3 *up, daft_vec3 *forward);
+
+/* ---- snapshot.c ---- */
+
+/* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena. */
+bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
+                             daft_instance **instances, uint32_t *count, daft_error *error);
+bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_snapshot *out,
+                        daft_error *error);
+
+#endif

@@ -1,0 +1,400 @@
+/* The .scene format (docs have the whole): every line becomes an item of a list, then all files are loaded that the
+ * items name, then room is made for everything, and only then, when nothing can fail any more, the scene changes.
+ * Angles are degrees here and nowhere else. */
+#include "math/real.h"
+#include "scene/scene.h"
+#include "scene/scene_text.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { MAX_INCLUDES = 16, MAX_PATH = 1024 };
+
+typedef enum item_kind { ITEM_CAMERA, ITEM_SKYBOX, ITEM_LIGHT, ITEM_AMBIENT, ITEM_SPHERE, ITEM_MESH } item_kind;
+
+typedef struct item {
+    item_kind kind;
+    const char *source; /* the .scene file */
+    int line, column;   /* of the path, if there is one; else of the keyword */
+    const char *path;   /* joined to the source's folder */
+    union {
+        daft_camera camera;
+        daft_light_def light;
+        daft_vec3 ambient;
+        daft_entity_def entity;
+    };
+} item;
+
+/* A file that is being read, and the one that includes it. */
+typedef struct source {
+    const char *path;
+    dev_t device;
+    ino_t inode;
+    const struct source *parent;
+    int depth;
+} source;
+
+typedef struct loader {
+    daft_scene *scene;
+    daft_arena arena; /* paths */
+    item *items;
+    size_t count, capacity;
+    daft_sky_image sky;
+    bool has_sky;
+    daft_error error;
+} loader;
+
+typedef struct reader {
+    loader *loader;
+    daft_scene_text text;
+    const source *source;
+    int column; /* of the keyword */
+} reader;
+
+static bool read_file(loader *load, const char *path, const source *parent);
+
+/* ---- fields ---- */
+
+static bool read_position(reader *read, daft_dvec3 *out)
+{
+    const char *allowed = "a finite number";
+    return daft_scene_text_number(&read->text, "x", -DBL_MAX, DBL_MAX, allowed, &out->x) &&
+           daft_scene_text_number(&read->text, "y", -DBL_MAX, DBL_MAX, allowed, &out->y) &&
+           daft_scene_text_number(&read->text, "z", -DBL_MAX, DBL_MAX, allowed, &out->z);
+}
+
+static bool read_float(reader *read, const char *what, double low, double high, const char *allowed, float *out)
+{
+    double value;
+    if (!daft_scene_text_number(&read->text, what, low, high, allowed, &value)) return false;
+    *out = (float)value;
+    return true;
+}
+
+static bool read_color(reader *read, daft_vec3 *out)
+{
+    const char *allowed = "0 or more (1 is full)";
+    return read_float(read, "r", 0, DAFT_ANY_FLOAT, allowed, &out->x) &&
+           read_float(read, "g", 0, DAFT_ANY_FLOAT, allowed, &out->y) &&
+           read_float(read, "b", 0, DAFT_ANY_FLOAT, allowed, &out->z);
+}
+
+static bool read_degrees(reader *read, const char *what, double *radians)
+{
+    double degrees;
+    if (!daft_scene_text_number(&read->text, what, -1e7, 1e7, "between -1e7 and 1e7 degrees", &degrees)) return false;
+    *radians = degrees * (DAFT_PI / 180);
+    return true;
+}
+
+/* A path, joined to the folder of the file that names it and kept in the arena. */
+static bool read_path(reader *read, const char *what, item *into)
+{
+    daft_token token;
+    char name[MAX_PATH], joined[MAX_PATH];
+    if (!daft_scene_text_word(&read->text, what, &token)) return false;
+    into->column = token.column;
+    bool fits = token.length < sizeof name;
+    if (fits) {
+        memcpy(name, token.text, token.length);
+        name[token.length] = 0;
+        fits = daft_path_beside(read->source->path, name, joined, sizeof joined);
+    }
+    if (!fits) return daft_scene_text_fail(&read->text, token.column, "the path has more than %d characters", MAX_PATH - 1);
+    size_t size = strlen(joined) + 1;
+    char *copy = daft_arena_alloc(&read->loader->arena, size, 1);
+    if (!copy) return daft_fail_memory(&read->loader->error, "a scene file's paths");
+    into->path = memcpy(copy, joined, size);
+    return true;
+}
+
+/* ---- items ---- */
+
+static bool read_camera(reader *read, item *out)
+{
+    out->kind = ITEM_CAMERA;
+    out->camera = daft_default_camera();
+    if (!read_position(read, &out->camera.position)) return false;
+    if (daft_scene_text_ends(&read->text)) return true;
+    double pitch, yaw, fov;
+    if (!read_degrees(read, "pitch", &pitch) || !read_degrees(read, "yaw", &yaw)) return false;
+    out->camera.pitch = (float)pitch;
+    out->camera.yaw = (float)yaw;
+    if (daft_scene_text_ends(&read->text)) return true;
+    if (!daft_scene_text_number(&read->text, "fov", 1e-4, 179.99, "above 0 and below 180 degrees", &fov)) return false;
+    out->camera.fov = (float)(fov * (DAFT_PI / 180));
+    return true;
+}
+
+static bool read_skybox(reader *read, item *out)
+{
+    out->kind = ITEM_SKYBOX;
+    return read_path(read, "the path of an image", out);
+}
+
+static bool read_light(reader *read, item *out)
+{
+    out->kind = ITEM_LIGHT;
+    out->light = daft_default_light_def();
+    return read_position(read, &out->light.position) && read_color(read, &out->light.color);
+}
+
+static bool read_sun(reader *read, item *out)
+{
+    out->kind = ITEM_LIGHT;
+    out->light = daft_default_light_def();
+    out->light.kind = DAFT_LIGHT_SUN;
+    daft_vec3 *d = &out->light.direction;
+    const char *allowed = "a finite number";
+    daft_scene_text_ends(&read->text);
+    int column = (int)(read->text.at - read->text.line_start) + 1;
+    if (!read_float(read, "dx", -DAFT_ANY_FLOAT, DAFT_ANY_FLOAT, allowed, &d->x) ||
+        !read_float(read, "dy", -DAFT_ANY_FLOAT, DAFT_ANY_FLOAT, allowed, &d->y) ||
+        !read_float(read, "dz", -DAFT_ANY_FLOAT, DAFT_ANY_FLOAT, allowed, &d->z))
+        return false;
+    if (d->x == 0 && d->y == 0 && d->z == 0)
+        return daft_scene_text_fail(&read->text, column, "the sun's direction is 0 0 0; it must have a length");
+    return read_color(read, &out->light.color);
+}
+
+static bool read_ambient(reader *read, item *out)
+{
+    out->kind = ITEM_AMBIENT;
+    return read_color(read, &out->ambient);
+}
+
+static bool read_sphere(reader *read, item *out)
+{
+    out->kind = ITEM_SPHERE;
+    out->entity = daft_default_entity_def();
+    out->entity.shape = DAFT_SHAPE_SPHERE;
+    return read_position(read, &out->entity.position) &&
+           read_float(read, "r", DAFT_ABOVE_ZERO, DAFT_ANY_FLOAT, "above 0 (metres)", &out->entity.radius) &&
+           read_path(read, "the path of an .mtl file", out);
+}
+
+static daft_quat axis_turn(int axis, double angle)
+{
+    float s = (float)daft_sin(angle / 2), c = (float)daft_cos(angle / 2);
+    return (daft_quat){axis == 0 ? s : 0, axis == 1 ? s : 0, axis == 2 ? s : 0, c};
+}
+
+static bool read_scale(reader *read, float *out)
+{
+    const char *allowed = "a finite number that is not 0";
+    daft_scene_text_ends(&read->text);
+    int column = (int)(read->text.at - read->text.line_start) + 1;
+    if (!read_float(read, "scale", -DAFT_ANY_FLOAT, DAFT_ANY_FLOAT, allowed, out)) return false;
+    return *out != 0 || daft_scene_text_fail(&read->text, column, "scale is 0; it must be %s", allowed);
+}
+
+static bool read_mesh(reader *read, item *out)
+{
+    out->kind = ITEM_MESH;
+    out->entity = daft_default_entity_def();
+    out->entity.shape = DAFT_SHAPE_MESH;
+    if (!read_path(read, "the path of a mesh", out) || !read_position(read, &out->entity.position)) return false;
+    if (daft_scene_text_ends(&read->text)) return true;
+    float scale;
+    if (!read_scale(read, &scale)) return false;
+    out->entity.scale = daft_v3(scale, scale, scale);
+    if (daft_scene_text_ends(&read->text)) return true;
+    double x, y, z;
+    if (!read_degrees(read, "rot_x", &x) || !read_degrees(read, "rot_y", &y) || !read_degrees(read, "rot_z", &z))
+        return false;
+    /* about X first: the rightmost factor turns the mesh first */
+    out->entity.rotation = daft_quat_mul(axis_turn(2, z), daft_quat_mul(axis_turn(1, y), axis_turn(0, x)));
+    return true;
+}
+
+static const struct {
+    const char *word, *usage;
+    bool (*read)(reader *read, item *out);
+} KEYWORDS[] = {
+    {"camera", "camera x y z [pitch yaw [fov]]", read_camera},
+    {"skybox", "skybox path", read_skybox},
+    {"light", "light x y z r g b", read_light},
+    {"sphere", "sphere x y z r material_path", read_sphere},
+    {"mesh", "mesh mesh_path x y z [scale [rot_x rot_y rot_z]]", read_mesh},
+    {"sun", "sun dx dy dz r g b", read_sun},
+    {"ambient", "ambient r g b", read_ambient},
+    {"include", "include path", NULL},
+};
+
+static bool fail_unknown(reader *read, daft_token word)
+{
+    char known[256] = "";
+    for (size_t i = 0; i < DAFT_COUNT_OF(KEYWORDS); i++) {
+        if (i > 0) strcat(known, ", ");
+        strcat(known, KEYWORDS[i].word);
+    }
+    return daft_scene_text_fail(&read->text, word.column, "unknown item '%s'; known are %s", daft_token_show(word).text,
+                                known);
+}
+
+/* ---- files ---- */
+
+/* An error about a file as a whole is told where the .scene file names it; one with a line of its own stays. */
+static bool fail_inside(loader *load, const item *named)
+{
+    daft_error inner = load->error;
+    if (inner.code == DAFT_ERROR_MEMORY || inner.line > 0) return false;
+    return daft_fail_at(&load->error, inner.code, named->source, named->line, named->column, "%s%s%s", inner.file,
+                        inner.file[0] ? ": " : "", inner.message);
+}
+
+static bool read_include(reader *read, item *named)
+{
+    if (!read_path(read, "the path of a .scene file", named) || !daft_scene_text_finish(&read->text)) return false;
+    if (read->source->depth == MAX_INCLUDES)
+        return daft_scene_text_fail(&read->text, named->column, "includes are more than %d deep", MAX_INCLUDES);
+    struct stat status;
+    bool exists = stat(named->path, &status) == 0;
+    for (const source *above = read->source; exists && above; above = above->parent)
+        if (above->device == status.st_dev && above->inode == status.st_ino)
+            return daft_scene_text_fail(&read->text, named->column, "%.300s includes itself", named->path);
+    return read_file(read->loader, named->path, read->source) || fail_inside(read->loader, named);
+}
+
+static bool keep_item(loader *load, const item *made)
+{
+    if (!daft_grow(load->scene->allocator, &load->items, &load->capacity, load->count + 1, load->count, sizeof *made))
+        return daft_fail_memory(&load->error, "a scene file");
+    load->items[load->count++] = *made;
+    return true;
+}
+
+static bool read_line(reader *read)
+{
+    daft_token word;
+    read->text.usage = "an item and its values";
+    if (!daft_scene_text_word(&read->text, "an item", &word)) return false;
+    item made = {.source = read->source->path, .line = read->text.line, .column = word.column};
+    for (size_t i = 0; i < DAFT_COUNT_OF(KEYWORDS); i++) {
+        if (strlen(KEYWORDS[i].word) != word.length || memcmp(KEYWORDS[i].word, word.text, word.length) != 0) continue;
+        read->text.usage = KEYWORDS[i].usage;
+        if (!KEYWORDS[i].read) return read_include(read, &made);
+        return KEYWORDS[i].read(read, &made) && daft_scene_text_finish(&read->text) && keep_item(read->loader, &made);
+    }
+    return fail_unknown(read, word);
+}
+
+static bool read_lines(reader *read)
+{
+    bool any = false;
+    while (daft_scene_text_line(&read->text)) {
+        if (!read_line(read)) return false;
+        any = true;
+    }
+    return any || daft_fail_at(&read->loader->error, DAFT_ERROR_SYNTAX, read->source->path, read->text.line, 1,
+                               "no item in the file; expected at least one, as in: camera 0 0 0");
+}
+
+static bool read_file(loader *load, const char *path, const source *parent)
+{
+    const daft_allocator *allocator = load->scene->allocator;
+    source self = {.path = path, .parent = parent, .depth = parent ? parent->depth + 1 : 0};
+    struct stat status;
+    if (stat(path, &status) == 0) {
+        self.device = status.st_dev;
+        self.inode = status.st_ino;
+    }
+    size_t size;
+    char *bytes = daft_file_read(allocator, path, &size, &load->error);
+    if (!bytes) return false;
+    reader read = {.loader = load, .source = &self};
+    read.text = daft_scene_text_open(path, bytes, size, &load->error);
+    bool done = read_lines(&read);
+    daft_release(allocator, bytes);
+    return done;
+}
+
+/* ---- assets, then the scene itself ---- */
+
+static bool load_sky(loader *load, const char *path)
+{
+    daft_sky_image image = {0};
+    if (!daft_sky_read(load->scene->allocator, path, &image, &load->error)) return false;
+    daft_sky_free(load->scene->allocator, &load->sky);
+    load->sky = image;
+    load->has_sky = true;
+    return true;
+}
+
+static bool load_asset(loader *load, item *named)
+{
+    daft_scene *scene = load->scene;
+    daft_entity_def *entity = &named->entity;
+    switch (named->kind) {
+    case ITEM_SKYBOX: return load_sky(load, named->path);
+    case ITEM_SPHERE:
+        entity->material = daft_material_load(scene, named->path, &load->error);
+        return entity->material.id && daft_entity_check(scene, entity, &load->error);
+    case ITEM_MESH:
+        entity->mesh = daft_mesh_load(scene, named->path, &load->error);
+        return entity->mesh.id && daft_entity_check(scene, entity, &load->error);
+    case ITEM_LIGHT: return daft_light_check(&named->light, &load->error);
+    case ITEM_CAMERA: return daft_check_camera(&load->error, "camera", &named->camera);
+    case ITEM_AMBIENT: break;
+    }
+    return true;
+}
+
+static bool reserve(loader *load)
+{
+    uint32_t cameras = 0, lights = 0, entities = 0;
+    for (size_t i = 0; i < load->count; i++) {
+        cameras += load->items[i].kind == ITEM_CAMERA;
+        lights += load->items[i].kind == ITEM_LIGHT;
+        entities += load->items[i].kind == ITEM_SPHERE || load->items[i].kind == ITEM_MESH;
+    }
+    return daft_cameras_reserve(load->scene, cameras, &load->error) &&
+           daft_lights_reserve(load->scene, lights, &load->error) &&
+           daft_entities_reserve(load->scene, entities, &load->error);
+}
+
+/* Cannot fail. */
+static void commit(loader *load)
+{
+    daft_scene *scene = load->scene;
+    for (size_t i = 0; i < load->count; i++) {
+        const item *made = &load->items[i];
+        switch (made->kind) {
+        case ITEM_CAMERA: daft_camera_insert(scene, &made->camera); break;
+        case ITEM_LIGHT: daft_light_insert(scene, &made->light); break;
+        case ITEM_AMBIENT: scene->ambient = made->ambient; break;
+        case ITEM_SPHERE:
+        case ITEM_MESH: daft_entity_insert(scene, &made->entity, DAFT_NONE, 0); break;
+        case ITEM_SKYBOX: break;
+        }
+    }
+    if (load->has_sky) daft_sky_image_adopt(scene, &load->sky);
+}
+
+static bool load_all(loader *load, const char *path)
+{
+    if (!read_file(load, path, NULL)) return false;
+    for (size_t i = 0; i < load->count; i++)
+        if (!load_asset(load, &load->items[i])) return fail_inside(load, &load->items[i]);
+    return reserve(load);
+}
+
+bool daft_scene_load(daft_scene *scene, const char *path, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path)) return false;
+    loader load = {.scene = scene};
+    daft_arena_init(&load.arena, scene->allocator);
+    daft_assets_mark mark = daft_assets_remember(scene);
+    bool done = load_all(&load, path);
+    if (done)
+        commit(&load);
+    else
+        daft_assets_roll_back(scene, mark);
+    daft_sky_free(scene->allocator, &load.sky);
+    daft_release(scene->allocator, load.items);
+    daft_arena_free(&load.arena);
+    if (!done && error) *error = load.error;
+    return done;
+}

@@ -1,0 +1,166 @@
+/* The frame snapshot: what render/ and the ray queries see of a scene. Positions are subtracted from the frame's origin
+ * in double and rounded to float once, so precision is the same wherever in the world the frame is. */
+#include "cost/cost.h"
+#include "math/real.h"
+#include "scene/scene.h"
+
+static bool finite_affine(const daft_affine *a)
+{
+    bool finite = true;
+    for (int i = 0; i < 9; i++) finite = finite && isfinite(a->m[i]);
+    for (int i = 0; i < 3; i++) finite = finite && isfinite(a->t[i]);
+    return finite;
+}
+
+static daft_affine rounded(const daft_daffine *a)
+{
+    daft_affine out;
+    for (int i = 0; i < 9; i++) out.m[i] = (float)a->m[i];
+    for (int i = 0; i < 3; i++) out.t[i] = (float)a->t[i];
+    return out;
+}
+
+/* False: the transform is singular, or does not fit floats. */
+static bool place(const daft_daffine *world, daft_dvec3 origin, daft_instance *instance)
+{
+    daft_daffine frame = *world, inverse;
+    frame.t[0] -= origin.x, frame.t[1] -= origin.y, frame.t[2] -= origin.z;
+    if (!daft_daffine_invert(&frame, &inverse)) return false;
+    instance->to_frame = rounded(&frame);
+    instance->to_object = rounded(&inverse);
+    return finite_affine(&instance->to_frame) && finite_affine(&instance->to_object);
+}
+
+/* A sphere's scale is the same in every direction: the length of any column. */
+static float world_radius(const daft_daffine *world, float radius)
+{
+    const double *m = world->m;
+    return (float)(sqrt(m[0] * m[0] + m[3] * m[3] + m[6] * m[6]) * (double)radius);
+}
+
+static const daft_mesh_item *shape_of(const daft_scene *scene, const daft_entity_item *item)
+{
+    switch (item->def.shape) {
+    case DAFT_SHAPE_MESH: return scene->assets.meshes[item->def.mesh.id - 1];
+    case DAFT_SHAPE_BOX: return &scene->assets.boxes[item->box]->shape;
+    case DAFT_SHAPE_SPHERE:
+    case DAFT_SHAPE_NONE: break;
+    }
+    return NULL;
+}
+
+/* The mesh's own materials, unless the entity has one, which then goes to every slot. NULL: memory is out. */
+static const uint32_t *materials_of(const daft_entity_item *item, const daft_mesh_item *shape, daft_arena *arena)
+{
+    if (!item->def.material.id && shape) return shape->materials;
+    uint32_t count = shape && shape->mesh.slot_count ? shape->mesh.slot_count : 1;
+    uint32_t *materials = daft_arena_alloc(arena, count, sizeof *materials);
+    if (!materials) return NULL;
+    for (uint32_t i = 0; i < count; i++) materials[i] = item->def.material.id ? item->def.material.id - 1 : 0;
+    return materials;
+}
+
+static void warn_once(daft_scene *scene, daft_entity_item *item, uint32_t id)
+{
+    if (item->warned) return;
+    item->warned = true;
+    daft_warn_at(&scene->engine->log, DAFT_ERROR_ARGUMENT, NULL, 0, 0,
+                 "entity 0x%x is not drawn: its transform, with its parents', is singular or does not fit floats", id);
+}
+
+/* Adds the entity's instance if it has one to show. False: memory is out. */
+static bool add_instance(daft_scene *scene, uint32_t index, daft_dvec3 origin, float alpha, daft_arena *arena,
+                         daft_instance *instances, uint32_t *count)
+{
+    if (!scene->entity_slots.items[index].live || scene->entities[index].def.shape == DAFT_SHAPE_NONE ||
+        !scene->entities[index].def.visible)
+        return true;
+    daft_entity_item *item = daft_entity_world(scene, index, alpha);
+    if (!item->shown) return true;
+    daft_instance *instance = &instances[*count];
+    const daft_mesh_item *shape = shape_of(scene, item);
+    *instance = (daft_instance){.entity = daft_slots_handle(&scene->entity_slots, index)};
+    bool fits = place(&item->world, origin, instance);
+    if (fits && !shape) {
+        instance->radius = world_radius(&item->world, item->def.radius);
+        fits = isfinite(instance->radius) && instance->radius > 0;
+    }
+    if (!fits) {
+        warn_once(scene, item, instance->entity);
+        return true;
+    }
+    instance->mesh = shape ? &shape->mesh : NULL;
+    instance->bvh = shape ? shape->bvh : NULL;
+    instance->flags = item->def.casts_shadow ? DAFT_INSTANCE_CASTS_SHADOW : 0;
+    instance->materials = materials_of(item, shape, arena);
+    daft_instance_bound(instance);
+    ++*count;
+    return instance->materials != NULL;
+}
+
+bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
+                             daft_instance **instances, uint32_t *count, daft_error *error)
+{
+    *count = 0;
+    *instances = daft_arena_alloc(arena, scene->entity_slots.live, sizeof **instances);
+    if (!*instances) return daft_fail_memory(error, "a snapshot's instances");
+    scene->pass++;
+    for (uint32_t i = 0; i < scene->entity_slots.count; i++)
+        if (!add_instance(scene, i, origin, alpha, arena, *instances, count))
+            return daft_fail_memory(error, "a snapshot's materials");
+    return true;
+}
+
+/* Against the sun's direction, unit; in double, so that no length is too short or too long. */
+static daft_vec3 to_sun(daft_vec3 direction)
+{
+    daft_dvec3 d = daft_to_double(direction);
+    return daft_to_float(daft_dscale(d, -1 / sqrt(daft_ddot(d, d))));
+}
+
+static bool fill_lamps(daft_scene *scene, daft_dvec3 origin, daft_snapshot *out, daft_error *error)
+{
+    daft_lamp *lamps = daft_arena_alloc(&scene->frame, scene->light_slots.live, sizeof *lamps);
+    if (!lamps) return daft_fail_memory(error, "a snapshot's lights");
+    for (uint32_t i = 0; i < scene->light_slots.count; i++) {
+        if (!scene->light_slots.items[i].live) continue;
+        const daft_light_def *def = &scene->lights[i];
+        daft_lamp *lamp = &lamps[out->lamp_count];
+        *lamp = (daft_lamp){.sun = def->kind == DAFT_LIGHT_SUN, .casts_shadow = def->casts_shadow, .color = def->color};
+        if (lamp->sun)
+            lamp->to_light = to_sun(def->direction);
+        else
+            lamp->position = daft_to_float(daft_dsub(def->position, origin));
+        if (daft_finite3(lamp->position)) out->lamp_count++; /* beyond all floats it lights nothing */
+    }
+    out->lamps = lamps;
+    return true;
+}
+
+bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_snapshot *out,
+                        daft_error *error)
+{
+    const daft_preset *preset = daft_quality_preset(view->quality);
+    *out = (daft_snapshot){
+        .width = width,
+        .height = height,
+        .focal = (float)(width / 2.0 / daft_tan((double)view->camera.fov / 2)),
+        .samples = view->samples ? view->samples : preset->samples,
+        .reference = view->reference || preset->reference,
+        .quality = view->quality,
+        .materials = scene->assets.surfaces,
+        .material_count = scene->assets.material_count,
+        .textures = scene->assets.textures,
+        .texture_count = scene->assets.texture_count,
+        .ambient = scene->ambient,
+        .sky = scene->sky,
+    };
+    daft_camera_axes(&view->camera, &out->right, &out->up, &out->forward);
+    daft_arena_reset(&scene->frame);
+    daft_instance *instances;
+    if (!daft_snapshot_instances(scene, view->camera.position, view->alpha, &scene->frame, &instances,
+                                 &out->instance_count, error))
+        return false;
+    out->instances = instances;
+    return fill_lamps(scene, view->camera.position, out, error);
+}
