@@ -9,8 +9,8 @@
 static const double PI = 3.141592653589793;
 enum { WIDTH = 1536, HEIGHT = 768 };
 
-/* Towards the sun: the games' sunlight travels the other way. */
-static const double SUN[3] = {0.424, 0.566, 0.707};
+/* Towards the sun: scenes that use this sky have sunlight along (0.35, -0.75, 0.55). */
+static const double SUN[3] = {-0.352, 0.755, -0.553};
 
 /* How thick the clouds are in a direction above the horizon, 0..1, and how much light comes through them. */
 static double clouds(const double d[3], double *light)
