@@ -1,0 +1,174 @@
+/* A dynamic tree of bounding boxes, height-balanced like an AVL tree, so that its depth is at most 1.44·log2 of its leaves
+ * even when ten thousand bodies share one spot. Inserting descends where the summed surface area grows least (after Box2D's
+ * b2DynamicTree). Nodes are an array with a free list; nothing is ordered by address. */
+#include "sim/internal.h"
+
+/* A tree of 2^32 leaves is at most 46 deep, and each level leaves one sibling on the stack. */
+enum { STACK_DEPTH = 64 };
+
+void daft_sim_tree_init(daft_sim_tree *tree)
+{
+    *tree = (daft_sim_tree){.root = DAFT_SIM_NONE, .free_list = DAFT_SIM_NONE};
+}
+
+bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator)
+{
+    size_t needed = 2 * ((size_t)tree->leaf_count + 1); /* n leaves have n - 1 inner nodes */
+    return daft_grow(allocator, &tree->nodes, &tree->capacity, needed, tree->used, sizeof *tree->nodes);
+}
+
+static uint32_t take_node(daft_sim_tree *tree)
+{
+    uint32_t node = tree->free_list;
+    if (node == DAFT_SIM_NONE) return (uint32_t)tree->used++;
+    tree->free_list = tree->nodes[node].parent;
+    return node;
+}
+
+static void free_node(daft_sim_tree *tree, uint32_t node)
+{
+    tree->nodes[node].parent = tree->free_list;
+    tree->free_list = node;
+}
+
+static daft_sim_bounds joined(const daft_sim_bounds *a, const daft_sim_bounds *b)
+{
+    return (daft_sim_bounds){daft_sim_dmin(a->low, b->low), daft_sim_dmax(a->high, b->high)};
+}
+
+/* Half the surface area. */
+static double area(const daft_sim_bounds *b)
+{
+    daft_dvec3 d = daft_dsub(b->high, b->low);
+    return d.x * d.y + d.y * d.z + d.z * d.x;
+}
+
+static double joined_area(const daft_sim_bounds *a, const daft_sim_bounds *b)
+{
+    daft_sim_bounds both = joined(a, b);
+    return area(&both);
+}
+
+static void refit(daft_sim_tree *tree, uint32_t index)
+{
+    daft_sim_node *node = &tree->nodes[index];
+    const daft_sim_node *left = &tree->nodes[node->child[0]], *right = &tree->nodes[node->child[1]];
+    node->bounds = joined(&left->bounds, &right->bounds);
+    node->height = 1 + daft_max_i(left->height, right->height);
+}
+
+static void replace_child(daft_sim_tree *tree, uint32_t parent, uint32_t old, uint32_t new)
+{
+    tree->nodes[new].parent = parent;
+    if (parent == DAFT_SIM_NONE)
+        tree->root = new;
+    else
+        tree->nodes[parent].child[tree->nodes[parent].child[1] == old] = new;
+}
+
+/* The taller child of `index`, on `side`, takes its place; returns it. */
+static uint32_t rotate(daft_sim_tree *tree, uint32_t index, int side)
+{
+    uint32_t up = tree->nodes[index].child[side];
+    daft_sim_node *raised = &tree->nodes[up];
+    int taller = tree->nodes[raised->child[1]].height > tree->nodes[raised->child[0]].height;
+    uint32_t keep = raised->child[taller], give = raised->child[1 - taller];
+    replace_child(tree, tree->nodes[index].parent, index, up);
+    raised->child[0] = index;
+    raised->child[1] = keep;
+    tree->nodes[index].parent = up;
+    tree->nodes[index].child[side] = give;
+    tree->nodes[give].parent = index;
+    refit(tree, index);
+    refit(tree, up);
+    return up;
+}
+
+static uint32_t balance(daft_sim_tree *tree, uint32_t index)
+{
+    const daft_sim_node *node = &tree->nodes[index];
+    int lean = tree->nodes[node->child[1]].height - tree->nodes[node->child[0]].height;
+    if (lean > 1) return rotate(tree, index, 1);
+    if (lean < -1) return rotate(tree, index, 0);
+    return index;
+}
+
+static void refit_upwards(daft_sim_tree *tree, uint32_t index)
+{
+    while (index != DAFT_SIM_NONE) {
+        refit(tree, index);
+        index = tree->nodes[balance(tree, index)].parent;
+    }
+}
+
+/* How much the areas below `node` grow if the new leaf goes there. */
+static double descend_cost(const daft_sim_tree *tree, uint32_t node, const daft_sim_bounds *bounds)
+{
+    const daft_sim_node *n = &tree->nodes[node];
+    double grown = joined_area(&n->bounds, bounds);
+    return n->height == 0 ? grown : grown - area(&n->bounds);
+}
+
+static uint32_t best_sibling(const daft_sim_tree *tree, const daft_sim_bounds *bounds)
+{
+    uint32_t index = tree->root;
+    while (tree->nodes[index].height > 0) {
+        const daft_sim_node *node = &tree->nodes[index];
+        double grown = joined_area(&node->bounds, bounds);
+        double here = 2 * grown, inherited = 2 * (grown - area(&node->bounds));
+        double left = inherited + descend_cost(tree, node->child[0], bounds);
+        double right = inherited + descend_cost(tree, node->child[1], bounds);
+        if (here < left && here < right) break;
+        index = node->child[right < left];
+    }
+    return index;
+}
+
+uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds, uint32_t body)
+{
+    uint32_t leaf = take_node(tree);
+    tree->nodes[leaf] = (daft_sim_node){*bounds, DAFT_SIM_NONE, {DAFT_SIM_NONE, DAFT_SIM_NONE}, body, 0};
+    tree->leaf_count++;
+    if (tree->root == DAFT_SIM_NONE) return tree->root = leaf;
+    uint32_t sibling = best_sibling(tree, bounds);
+    uint32_t inner = take_node(tree);
+    tree->nodes[inner] = (daft_sim_node){.child = {sibling, leaf}, .body = DAFT_SIM_NONE};
+    replace_child(tree, tree->nodes[sibling].parent, sibling, inner);
+    tree->nodes[sibling].parent = inner;
+    tree->nodes[leaf].parent = inner;
+    refit_upwards(tree, inner);
+    return leaf;
+}
+
+void daft_sim_tree_remove(daft_sim_tree *tree, uint32_t leaf)
+{
+    uint32_t parent = tree->nodes[leaf].parent;
+    free_node(tree, leaf);
+    tree->leaf_count--;
+    if (parent == DAFT_SIM_NONE) {
+        tree->root = DAFT_SIM_NONE;
+        return;
+    }
+    const daft_sim_node *node = &tree->nodes[parent];
+    uint32_t sibling = node->child[node->child[0] == leaf], above = node->parent;
+    replace_child(tree, above, parent, sibling);
+    free_node(tree, parent);
+    refit_upwards(tree, above);
+}
+
+void daft_sim_tree_query(const daft_sim_tree *tree, const daft_sim_bounds *bounds, daft_sim_visit *visit, void *context)
+{
+    uint32_t stack[STACK_DEPTH];
+    int depth = 0;
+    if (tree->root != DAFT_SIM_NONE) stack[depth++] = tree->root;
+    while (depth > 0) {
+        const daft_sim_node *node = &tree->nodes[stack[--depth]];
+        if (!daft_sim_overlap(&node->bounds, bounds)) continue;
+        if (node->height == 0) {
+            visit(context, node->body);
+        } else {
+            stack[depth++] = node->child[0];
+            stack[depth++] = node->child[1];
+        }
+    }
+}
