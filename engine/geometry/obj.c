@@ -1,0 +1,64 @@
+/* OBJ files (Wavefront's "Object Files", appendix B1 of the Advanced Visualizer manual): polygons, materials, normals.
+ *
+ * What is an error (nothing is loaded; the message has line and column) and what a warning (the rest is loaded):
+ *
+ *   error     a number or a corner that is none; too few numbers; a face whose position index is larger than the
+ *             number of positions in the whole file; an empty file; a file without any OBJ statement; a file none of
+ *             whose faces can be used; an error in a material file that is there
+ *   dropped   a face, with a warning: fewer than 3 corners; position index 0; a negative index that reaches before the
+ *             first position; a NaN or infinite position; fewer than 3 different corners
+ *   absent    a uv or normal, with a warning: its index beyond the array. Index 0 and an empty place mean "none" and
+ *             are quiet
+ *   warning   a material file that is not there, a material that no file defines, an unknown statement, a file
+ *             without faces
+ *
+ * At most ten warnings of a file are told, then how many more there were. `v` may carry w or a colour, which are not
+ * used; `o g l p vw vp mg` and display hints are skipped. `s` and `usemtl` hold until the next of their kind. Faces may
+ * refer to positions that come later in the file. */
+#include "geometry/obj.h"
+
+static void source_free(daft_obj_source *source)
+{
+    const daft_allocator *allocator = source->allocator;
+    daft_release(allocator, source->positions);
+    daft_release(allocator, source->normals);
+    daft_release(allocator, source->uvs);
+    daft_release(allocator, source->corners);
+    daft_release(allocator, source->faces);
+    daft_release(allocator, source->runs);
+    daft_release(allocator, source->slots);
+    daft_release(allocator, source->libraries);
+}
+
+bool daft_obj_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
+                    const daft_log *log, daft_obj *out, daft_error *error)
+{
+    daft_obj obj = {0};
+    daft_obj_source source = {.text = daft_text_open(path, text, size, log), .allocator = allocator};
+    bool done = daft_obj_read(&source, error) && daft_obj_make_mesh(&source, &obj.mesh, error) &&
+                daft_obj_make_slots(&source, &obj.slots, error);
+    if (done) daft_text_close(&source.text);
+    source_free(&source);
+    if (done)
+        *out = obj;
+    else
+        daft_obj_free(allocator, &obj);
+    return done;
+}
+
+bool daft_obj_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
+                   daft_error *error)
+{
+    size_t size;
+    char *text = daft_file_read(allocator, path, &size, error);
+    if (!text) return false;
+    bool done = daft_obj_parse(allocator, path, text, size, log, out, error);
+    daft_release(allocator, text);
+    return done;
+}
+
+void daft_obj_free(const daft_allocator *allocator, daft_obj *obj)
+{
+    daft_trimesh_free(allocator, &obj->mesh);
+    daft_mtl_list_free(allocator, &obj->slots);
+}

@@ -1,0 +1,60 @@
+/* What the parts of the OBJ loader share: the statements as read, before they are a mesh. */
+#ifndef DAFT_OBJ_H
+#define DAFT_OBJ_H
+
+#include "geometry/mesh.h"
+#include "geometry/text.h"
+
+#define DAFT_OBJ_ABSENT UINT32_MAX       /* a corner without uv or normal */
+#define DAFT_OBJ_MAX_INDEX (UINT32_MAX - 1) /* what larger indices are cut to: beyond any array */
+
+/* Smoothing groups of `s`: 0 is flat. */
+#define DAFT_OBJ_GROUP_NONE UINT32_MAX /* no `s` seen yet: smooth */
+
+typedef struct daft_obj_corner {
+    uint32_t position, uv, normal; /* from 0; positions may lie beyond the file's last, as forward references do */
+} daft_obj_corner;
+
+/* The state of `usemtl` and `s` from a face on. */
+typedef struct daft_obj_run {
+    uint32_t first_face, slot, group;
+} daft_obj_run;
+
+typedef struct daft_obj_name {
+    const char *at; /* in the text */
+    size_t length;
+} daft_obj_name;
+
+typedef struct daft_obj_source {
+    daft_text text;
+    const daft_allocator *allocator;
+    daft_vec3 *positions, *normals;
+    daft_vec2 *uvs;
+    daft_obj_corner *corners;
+    uint32_t *faces; /* corners of each `f` statement; 0: dropped */
+    daft_obj_run *runs;
+    daft_obj_name *slots;     /* materials by first use; length 0: none named */
+    daft_obj_name *libraries; /* what follows each mtllib */
+    size_t position_count, normal_count, uv_count, corner_count, face_count, run_count, slot_count, library_count;
+    size_t position_room, normal_room, uv_room, corner_room, face_room, run_room, slot_room, library_room;
+    size_t triangle_count;       /* at most so many come from the faces */
+    uint32_t largest_face;       /* corners */
+    bool bad_position, bad_uv;   /* some is NaN or infinite */
+    const char *first_drop;      /* where the first face was dropped, and why */
+    const char *first_drop_reason;
+} daft_obj_source;
+
+/* Statements to arrays (obj_read.c). On failure the source still has to be freed. */
+bool daft_obj_read(daft_obj_source *source, daft_error *error);
+/* The `f` statement of a face, for messages. */
+const char *daft_obj_find_face(const daft_obj_source *source, size_t face);
+/* Warns that a face is left out. `reason` is a constant string. */
+void daft_obj_drop(daft_obj_source *source, const char *at, const char *reason);
+
+/* Arrays to a mesh (obj_mesh.c). */
+bool daft_obj_make_mesh(daft_obj_source *source, daft_trimesh *mesh, daft_error *error);
+
+/* The material of every slot, from the libraries (obj_slots.c). */
+bool daft_obj_make_slots(daft_obj_source *source, daft_mtl_list *slots, daft_error *error);
+
+#endif

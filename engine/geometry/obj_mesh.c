@@ -1,0 +1,306 @@
+/* From the arrays of an OBJ file to a mesh: indices are checked against the final counts, faces are cut into triangles,
+ * uvs and normals are brought into shape. */
+#include "geometry/obj.h"
+#include "geometry/polygon.h"
+#include "geometry/trimesh.h"
+
+typedef struct builder {
+    daft_obj_source *source;
+    daft_trimesh *mesh;
+    daft_error *error;
+    uint32_t *groups; /* of each triangle, where some `s` was seen */
+    daft_polygon polygon;
+    uint32_t *kept; /* corners of a polygon without repeated ones, relative to its first */
+    uint32_t kept_room;
+} builder;
+
+/* Where a face stands, for a message; nowhere once messages are only counted, so that time stays linear. */
+static const char *place_of(const builder *b, size_t face)
+{
+    const daft_obj_source *s = b->source;
+    if (s->text.warnings >= DAFT_TEXT_WARNINGS && s->first_drop) return s->text.begin;
+    return daft_obj_find_face(s, face);
+}
+
+static bool fail_position(const builder *b, size_t face, uint32_t corner)
+{
+    const daft_text *text = &b->source->text;
+    const char *p = daft_obj_find_face(b->source, face) + 1;
+    for (p = daft_skip_blanks(p); corner > 0; corner--) p = daft_skip_blanks(daft_skip_token(text, p));
+    size_t length = 0;
+    while ((unsigned)(p[length] - '0') < 10 || p[length] == '+') length++;
+    return daft_text_fail(text, p, b->error, "vertex %s does not exist: the file has %zu",
+                          daft_text_quote(p, length).text, b->source->position_count);
+}
+
+static void check_attribute(builder *b, size_t face, uint32_t *index, size_t count, const char *what)
+{
+    if (*index == DAFT_OBJ_ABSENT || *index < count) return;
+    const char *place = b->source->text.warnings < DAFT_TEXT_WARNINGS ? daft_obj_find_face(b->source, face) : NULL;
+    daft_text_warn(&b->source->text, place, "%s %u does not exist (the file has %zu), so the corner has none", what,
+                   *index + 1, count);
+    *index = DAFT_OBJ_ABSENT;
+}
+
+/* Makes every index of a face's corners fit its array. False: an error. */
+static bool check_corners(builder *b, size_t face, daft_obj_corner *corners, uint32_t count)
+{
+    daft_obj_source *s = b->source;
+    for (uint32_t k = 0; k < count; k++) {
+        daft_obj_corner *corner = &corners[k];
+        if (corner->position >= s->position_count) return fail_position(b, face, k);
+        check_attribute(b, face, &corner->uv, s->uv_count, "texture coordinate");
+        check_attribute(b, face, &corner->normal, s->normal_count, "normal");
+        if (!s->bad_uv || corner->uv == DAFT_OBJ_ABSENT) continue;
+        daft_vec2 uv = s->uvs[corner->uv];
+        if (!isfinite(uv.x) || !isfinite(uv.y)) corner->uv = DAFT_OBJ_ABSENT;
+    }
+    return true;
+}
+
+static bool has_bad_position(const builder *b, const daft_obj_corner *corners, uint32_t count)
+{
+    for (uint32_t k = 0; b->source->bad_position && k < count; k++)
+        if (!daft_finite3(b->source->positions[corners[k].position])) return true;
+    return false;
+}
+
+static inline void put_triangle(builder *b, const daft_obj_corner *i, const daft_obj_corner *j, const daft_obj_corner *k,
+                                const daft_obj_run *run)
+{
+    daft_trimesh *mesh = b->mesh;
+    size_t at = 3 * (size_t)mesh->triangle_count;
+    mesh->indices[at] = i->position, mesh->indices[at + 1] = j->position, mesh->indices[at + 2] = k->position;
+    if (mesh->uv_indices)
+        mesh->uv_indices[at] = i->uv, mesh->uv_indices[at + 1] = j->uv, mesh->uv_indices[at + 2] = k->uv;
+    if (mesh->normal_indices) {
+        mesh->normal_indices[at] = i->normal;
+        mesh->normal_indices[at + 1] = j->normal;
+        mesh->normal_indices[at + 2] = k->normal;
+    }
+    if (mesh->slots) mesh->slots[mesh->triangle_count] = (uint16_t)run->slot;
+    if (b->groups) b->groups[mesh->triangle_count] = run->group;
+    mesh->triangle_count++;
+}
+
+static bool repeats(const daft_obj_corner *i, const daft_obj_corner *j, const daft_obj_corner *k)
+{
+    return i->position == j->position || j->position == k->position || k->position == i->position;
+}
+
+/* The corners of a polygon without those that repeat the vertex before; fills kept, returns how many are left. */
+static uint32_t keep_corners(builder *b, const daft_obj_corner *corners, uint32_t count)
+{
+    uint32_t kept = 0;
+    for (uint32_t k = 0; k < count; k++)
+        if (kept == 0 || corners[b->kept[kept - 1]].position != corners[k].position) b->kept[kept++] = k;
+    while (kept > 1 && corners[b->kept[kept - 1]].position == corners[b->kept[0]].position) kept--;
+    return kept;
+}
+
+static bool reserve(builder *b, uint32_t count)
+{
+    const daft_allocator *allocator = b->source->allocator;
+    if (count > b->kept_room) {
+        daft_release(allocator, b->kept);
+        b->kept_room = 0;
+        b->kept = daft_alloc(allocator, b->source->largest_face, sizeof *b->kept);
+        if (!b->kept) return daft_fail_memory(b->error, "a face of many corners");
+        b->kept_room = b->source->largest_face;
+    }
+    return daft_polygon_reserve(allocator, &b->polygon, count) ||
+           daft_fail_memory(b->error, "a face of many corners");
+}
+
+static bool put_polygon(builder *b, size_t face, const daft_obj_corner *corners, uint32_t count, const daft_obj_run *run)
+{
+    if (!reserve(b, count)) return false;
+    daft_obj_source *s = b->source;
+    uint32_t kept = keep_corners(b, corners, count), before = b->mesh->triangle_count;
+    daft_dvec3 first = daft_to_double(s->positions[corners[b->kept[0]].position]);
+    for (uint32_t k = 0; k < kept; k++)
+        b->polygon.points[k] = daft_dsub(daft_to_double(s->positions[corners[b->kept[k]].position]), first);
+    if (kept >= 3 && !daft_polygon_triangulate(&b->polygon, kept))
+        daft_text_warn(&s->text, place_of(b, face), "a face of %u corners is too intricate: it was cut roughly", count);
+    for (uint32_t t = 0; t + 2 < kept; t++) {
+        const uint32_t *local = b->polygon.triangles + 3 * (size_t)t;
+        const daft_obj_corner *i = &corners[b->kept[local[0]]], *j = &corners[b->kept[local[1]]];
+        const daft_obj_corner *k = &corners[b->kept[local[2]]];
+        if (!repeats(i, j, k)) put_triangle(b, i, j, k, run);
+    }
+    if (b->mesh->triangle_count == before) daft_obj_drop(s, place_of(b, face), "it has fewer than 3 different vertices");
+    return true;
+}
+
+static bool put_face(builder *b, size_t face, daft_obj_corner *corners, uint32_t count, const daft_obj_run *run)
+{
+    if (!check_corners(b, face, corners, count)) return false;
+    if (has_bad_position(b, corners, count)) {
+        daft_obj_drop(b->source, place_of(b, face), "a vertex of it is not finite");
+        return true;
+    }
+    if (count > 3) return put_polygon(b, face, corners, count, run);
+    if (repeats(&corners[0], &corners[1], &corners[2]))
+        daft_obj_drop(b->source, place_of(b, face), "it has fewer than 3 different vertices");
+    else
+        put_triangle(b, &corners[0], &corners[1], &corners[2], run);
+    return true;
+}
+
+static bool put_faces(builder *b)
+{
+    daft_obj_source *s = b->source;
+    const daft_obj_run *run = s->runs, *last = s->runs + s->run_count;
+    daft_obj_corner *corners = s->corners;
+    for (size_t face = 0; face < s->face_count; face++) {
+        uint32_t count = s->faces[face];
+        if (count == 0) continue; /* dropped while reading */
+        while (run + 1 < last && run[1].first_face <= face) run++;
+        if (!put_face(b, face, corners, count, run)) return false;
+        corners += count;
+    }
+    if (s->face_count == 0) daft_text_warn(&s->text, s->text.begin, "the file has no faces: the mesh is empty");
+    if (s->face_count > 0 && b->mesh->triangle_count == 0)
+        return daft_text_fail(&s->text, s->first_drop, b->error, "no face of the file can be used: %s",
+                              s->first_drop_reason);
+    return true;
+}
+
+static bool reserve_triangles(builder *b)
+{
+    daft_obj_source *s = b->source;
+    size_t corners = 3 * s->triangle_count;
+    bool grouped = s->run_count > 1 || (s->run_count == 1 && s->runs[0].group != DAFT_OBJ_GROUP_NONE);
+    b->mesh->indices = daft_alloc(s->allocator, corners, sizeof(uint32_t));
+    bool done = b->mesh->indices != NULL;
+    if (s->uv_count) done &= (b->mesh->uv_indices = daft_alloc(s->allocator, corners, sizeof(uint32_t))) != NULL;
+    if (s->normal_count) done &= (b->mesh->normal_indices = daft_alloc(s->allocator, corners, sizeof(uint32_t))) != NULL;
+    if (s->slot_count > 1) done &= (b->mesh->slots = daft_alloc(s->allocator, s->triangle_count, sizeof(uint16_t))) != NULL;
+    if (grouped) done &= (b->groups = daft_alloc(s->allocator, s->triangle_count, sizeof(uint32_t))) != NULL;
+    return done || daft_fail_memory(b->error, "a mesh's triangles");
+}
+
+/* ---- uvs and normals ---- */
+
+/* Lists that say the same as the vertices' cost nothing. */
+static void drop_if_same(const builder *b, uint32_t **list)
+{
+    size_t bytes = 3 * (size_t)b->mesh->triangle_count * sizeof(uint32_t);
+    if (!*list || memcmp(*list, b->mesh->indices, bytes) != 0) return;
+    daft_release(b->source->allocator, *list);
+    *list = NULL;
+}
+
+static bool any_present(const uint32_t *list, size_t count)
+{
+    for (size_t i = 0; list && i < count; i++)
+        if (list[i] != DAFT_OBJ_ABSENT) return true;
+    return false;
+}
+
+static bool finish_uvs(builder *b)
+{
+    daft_obj_source *s = b->source;
+    daft_trimesh *mesh = b->mesh;
+    if (!any_present(mesh->uv_indices, 3 * (size_t)mesh->triangle_count)) {
+        daft_release(s->allocator, mesh->uv_indices);
+        mesh->uv_indices = NULL;
+        return true;
+    }
+    mesh->uvs = daft_alloc(s->allocator, s->uv_count, sizeof *mesh->uvs);
+    if (!mesh->uvs) return daft_fail_memory(b->error, "a mesh's texture coordinates");
+    for (size_t i = 0; i < s->uv_count; i++) {
+        daft_vec2 uv = s->uvs[i];
+        mesh->uvs[i] = isfinite(uv.x) && isfinite(uv.y) ? uv : (daft_vec2){0, 0};
+    }
+    mesh->uv_count = (uint32_t)s->uv_count;
+    drop_if_same(b, &mesh->uv_indices);
+    return true;
+}
+
+/* Unit length in place; a normal that has no direction becomes zero. Returns whether there is one. */
+static bool normalize_all(daft_obj_source *s)
+{
+    bool any_zero = false;
+    for (size_t i = 0; i < s->normal_count; i++) {
+        daft_vec3 n = s->normals[i];
+        double x = (double)n.x, y = (double)n.y, z = (double)n.z;
+        double length = sqrt(x * x + y * y + z * z);
+        bool good = length > 0 && isfinite(length);
+        s->normals[i] = good ? daft_v3((float)(x / length), (float)(y / length), (float)(z / length)) : daft_v3(0, 0, 0);
+        any_zero |= !good;
+    }
+    return any_zero;
+}
+
+/* Corners with a zero normal are as if they had none. Returns whether some corner has none. */
+static bool find_absent(builder *b, bool any_zero)
+{
+    bool any = false;
+    uint32_t *list = b->mesh->normal_indices;
+    for (size_t i = 0; i < 3 * (size_t)b->mesh->triangle_count; i++) {
+        if (any_zero && list[i] != DAFT_OBJ_ABSENT) {
+            daft_vec3 n = b->source->normals[list[i]];
+            if (n.x == 0 && n.y == 0 && n.z == 0) list[i] = DAFT_OBJ_ABSENT;
+        }
+        any |= list[i] == DAFT_OBJ_ABSENT;
+    }
+    return any;
+}
+
+/* The normals of the file, then those that were computed for corners without. */
+static bool merge_normals(builder *b, const daft_trimesh *computed)
+{
+    daft_obj_source *s = b->source;
+    daft_trimesh *mesh = b->mesh;
+    size_t total = s->normal_count + computed->normal_count;
+    mesh->normals = total <= UINT32_MAX ? daft_alloc(s->allocator, total, sizeof *mesh->normals) : NULL;
+    if (!mesh->normals) return daft_fail_memory(b->error, "a mesh's normals");
+    memcpy(mesh->normals, s->normals, s->normal_count * sizeof *s->normals);
+    if (computed->normal_count > 0)
+        memcpy(mesh->normals + s->normal_count, computed->normals, computed->normal_count * sizeof *s->normals);
+    /* A normal without direction that no corner uses any more still has to be a unit vector. */
+    for (size_t i = 0; i < s->normal_count; i++)
+        if (daft_dot(mesh->normals[i], mesh->normals[i]) < 0.5f) mesh->normals[i] = daft_v3(0, 1, 0);
+    mesh->normal_count = (uint32_t)total;
+    for (size_t i = 0; computed->normal_count > 0 && i < 3 * (size_t)mesh->triangle_count; i++)
+        if (mesh->normal_indices[i] == DAFT_OBJ_ABSENT)
+            mesh->normal_indices[i] = (uint32_t)s->normal_count + computed->normal_indices[i];
+    drop_if_same(b, &mesh->normal_indices);
+    return true;
+}
+
+static bool finish_normals(builder *b)
+{
+    daft_obj_source *s = b->source;
+    daft_trimesh *mesh = b->mesh;
+    bool any_zero = normalize_all(s);
+    bool any_absent = mesh->normal_indices && find_absent(b, any_zero);
+    if (!any_present(mesh->normal_indices, 3 * (size_t)mesh->triangle_count))
+        return daft_trimesh_smooth_groups(s->allocator, mesh, DAFT_SMOOTH_CREASE, b->groups, b->error);
+    daft_trimesh computed = *mesh;
+    computed.normals = NULL;
+    computed.normal_indices = NULL;
+    computed.normal_count = 0;
+    if (any_absent &&
+        !daft_trimesh_smooth_groups(s->allocator, &computed, DAFT_SMOOTH_CREASE, b->groups, b->error))
+        return false;
+    bool done = merge_normals(b, &computed);
+    daft_release(s->allocator, computed.normals);
+    daft_release(s->allocator, computed.normal_indices);
+    return done;
+}
+
+bool daft_obj_make_mesh(daft_obj_source *source, daft_trimesh *mesh, daft_error *error)
+{
+    builder b = {.source = source, .mesh = mesh, .error = error};
+    bool done = reserve_triangles(&b) && put_faces(&b) &&
+                daft_trimesh_set_positions(source->allocator, mesh, source->positions, (uint32_t)source->position_count,
+                                           error) &&
+                finish_uvs(&b) && finish_normals(&b);
+    if (done) daft_trimesh_set_bounds(mesh);
+    daft_polygon_free(source->allocator, &b.polygon);
+    daft_release(source->allocator, b.kept);
+    daft_release(source->allocator, b.groups);
+    return done;
+}
