@@ -15,7 +15,10 @@ daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimes
 void daft_bvh_free(daft_bvh *bvh);
 size_t daft_bvh_bytes(const daft_bvh *bvh);
 
-enum { DAFT_INSTANCE_CASTS_SHADOW = 1 };
+enum {
+    DAFT_INSTANCE_CASTS_SHADOW = 1,
+    DAFT_INSTANCE_CONVEX = 2 /* no point of it that faces a lamp lies in its own shadow */
+};
 
 /* One thing to be drawn or hit: a mesh or, with mesh NULL, a sphere around to_frame's translation. */
 typedef struct daft_instance {

@@ -1,5 +1,5 @@
 /* shade: what a surface does with light: materials, lamps, sky, and the arithmetic of Lambert and Phong over batches.
- * Promises: linear light; the same bits on every instruction set. */
+ * Promises: linear light; the same bits on every instruction set; no rays: who asks for light says what is visible. */
 #ifndef DAFT_SHADE_H
 #define DAFT_SHADE_H
 
@@ -9,7 +9,7 @@
 
 #define DAFT_NO_TEXTURE UINT32_MAX
 
-/* A material as the kernels read it. */
+/* A material as the kernels read it: words in this order, gathered by their number. */
 typedef struct daft_surface {
     daft_vec3 ambient, diffuse, specular, emission, mirror; /* mirror: share times tint */
     float shininess;
@@ -20,8 +20,8 @@ typedef struct daft_surface {
 typedef struct daft_lamp {
     bool sun;
     bool casts_shadow;
-    daft_vec3 position;  /* point, frame space */
-    daft_vec3 to_light;  /* sun: unit, against its direction */
+    daft_vec3 position; /* point, frame space */
+    daft_vec3 to_light; /* sun: unit, against its direction */
     daft_vec3 color;
 } daft_lamp;
 
@@ -32,5 +32,53 @@ typedef struct daft_sky {
     daft_vec3 zenith, horizon; /* colour: zenith alone */
     const daft_sky_image *image;
 } daft_sky;
+
+enum {
+    DAFT_BATCH = 1024,                  /* points in one batch: a tile's pixels */
+    DAFT_BATCH_ROOM = DAFT_BATCH + 16, /* one whole SIMD store past the end */
+    DAFT_BATCH_WORDS = DAFT_BATCH / 32 + 1
+};
+
+typedef struct daft_lanes3 {
+    float x[DAFT_BATCH_ROOM], y[DAFT_BATCH_ROOM], z[DAFT_BATCH_ROOM];
+} daft_lanes3;
+
+/* Points to be shaded, in frame space. Bit sets have point i at bit i % 32 of word i / 32. */
+typedef struct daft_batch {
+    uint32_t count;
+    daft_lanes3 point;   /* rays that leave the surface start here: on its outer side by more than the error of the hit */
+    daft_lanes3 lifted;  /* the same for shadow rays: raised off the facets to where the smooth surface would be */
+    daft_lanes3 normal;  /* shading normal, unit */
+    daft_lanes3 outward; /* geometric normal, unit, towards the viewer */
+    daft_lanes3 view;    /* to the viewer, unit */
+    float u[DAFT_BATCH_ROOM], v[DAFT_BATCH_ROOM];
+    float footprint[DAFT_BATCH_ROOM]; /* side of the pixel's patch on the surface, in units of u and v */
+    float spread[DAFT_BATCH_ROOM];    /* side of the pixel's patch across the ray, metres */
+    float reach[DAFT_BATCH_ROOM];     /* metres travelled from the camera to here */
+    uint32_t material[DAFT_BATCH_ROOM];
+    uint32_t instance[DAFT_BATCH_ROOM];
+    uint32_t pixel[DAFT_BATCH_ROOM]; /* where in the tile it counts */
+    daft_lanes3 weight;              /* how much of its light arrives there */
+    daft_lanes3 albedo;              /* the texture's colour, or 1 */
+    daft_lanes3 light;               /* what it sends to the viewer */
+} daft_batch;
+
+typedef struct daft_shade_kernels {
+    /* albedo: white, or the texture's colour, trilinear in linear light. True if any point has a texture. */
+    bool (*albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures);
+    /* light = emission + ambient. */
+    void (*ambient)(daft_batch *batch, const daft_surface *materials, daft_vec3 ambient);
+    /* Sets the bits of the points that the lamp could light (it is on the side the normals face); gives their number. */
+    uint32_t (*facing)(const daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS]);
+    /* Adds Lambert and Phong of one lamp for the points whose bits are set. */
+    void (*lamp)(daft_batch *batch, const daft_surface *materials, const daft_lamp *lamp,
+                 const uint32_t lit[DAFT_BATCH_WORDS]);
+    /* The sky's colour in `count` directions of any length. */
+    void (*sky)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
+    /* `count` pixels from linear light to sRGB bytes with alpha 255. */
+    void (*encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba);
+} daft_shade_kernels;
+
+const daft_shade_kernels *daft_shade_kernels_for(int isa);
 
 #endif

@@ -1,0 +1,198 @@
+/* The serial part of the pencil: instances against the camera's frustum, front to back, into work items. */
+#include "raster/raster.h"
+#include "math/exact.h"
+#include "math/isa.h"
+#include "raster/kernels.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { CLUSTERS_A_WORK_ITEM = 16 };
+
+const daft_raster_kernels *daft_raster_kernels_for(int isa)
+{
+    static const daft_raster_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_raster);
+    return TABLE[isa];
+}
+
+bool daft_raster_init(daft_raster *raster, const daft_allocator *allocator, int workers, daft_error *error)
+{
+    *raster = (daft_raster){.allocator = allocator, .workers = workers};
+    raster->bins = daft_alloc_zero(allocator, (size_t)workers, sizeof *raster->bins);
+    return raster->bins ? true : daft_fail_memory(error, "the renderer");
+}
+
+void daft_raster_free(daft_raster *raster)
+{
+    if (!raster->allocator) return;
+    for (int i = 0; raster->bins && i < raster->workers; i++) {
+        daft_release(raster->allocator, raster->bins[i].records);
+        daft_release(raster->allocator, raster->bins[i].blocks);
+        daft_release(raster->allocator, raster->bins[i].tiles);
+    }
+    daft_release(raster->allocator, raster->bins);
+    daft_release(raster->allocator, raster->seen);
+    daft_release(raster->allocator, raster->seen_of);
+    daft_release(raster->allocator, raster->work);
+}
+
+/* The map to camera space: axes times to_frame, in double, rounded once. */
+static daft_affine camera_map(const daft_pencil *p, const daft_affine *frame)
+{
+    const daft_vec3 axes[3] = {p->right, p->up, p->forward};
+    daft_affine map;
+    for (int i = 0; i < 3; i++) {
+        daft_dvec3 axis = daft_to_double(axes[i]);
+        for (int j = 0; j < 3; j++)
+            map.m[3 * i + j] = (float)(axis.x * (double)frame->m[j] + axis.y * (double)frame->m[3 + j] +
+                                       axis.z * (double)frame->m[6 + j]);
+        map.t[i] = (float)(axis.x * (double)frame->t[0] + axis.y * (double)frame->t[1] + axis.z * (double)frame->t[2]);
+    }
+    return map;
+}
+
+static void seen_box(const daft_seen *seen, daft_vec3 *low, daft_vec3 *high)
+{
+    daft_instance moved = *seen->instance;
+    moved.to_frame = seen->to_camera;
+    daft_instance_bound(&moved);
+    *low = moved.low;
+    *high = moved.high;
+}
+
+/* The pixels whose rays may meet a box: exclusive of those whose ray lies beyond a side of it. False: none. */
+static bool pixel_range(float low, float high, float near_z, float far_z, double focal, double centre, int size, int *first,
+                        int *last)
+{
+    double a = 0, b = size - 1;
+    if (near_z > 0) {
+        double l = (double)low, h = (double)high, nz = (double)near_z, fz = (double)far_z;
+        a = focal * (l < 0 ? l / nz : l / fz) + centre;
+        b = focal * (h < 0 ? h / fz : h / nz) + centre;
+        a = ceil((a < 0 ? 0 : a) - 1e-3);
+        b = floor((b > size - 1 ? size - 1 : b) + 1e-3);
+    }
+    if (!(a <= b) || a > size - 1 || b < 0) return false;
+    *first = a < 0 ? 0 : (int)a;
+    *last = b > size - 1 ? size - 1 : (int)b;
+    return true;
+}
+
+/* A box with corners in front of and behind the camera's plane: is all of it beyond one side of the frustum? */
+static bool outside_sides(const daft_pencil *p, daft_vec3 low, daft_vec3 high)
+{
+    double half_x = (double)p->width * 0.5 + 1, half_y = (double)p->height * 0.5 + 1;
+    double f = (double)p->focal, z = (double)high.z;
+    return (double)low.x * f > z * half_x || -(double)high.x * f > z * half_x || (double)low.y * f > z * half_y ||
+           -(double)high.y * f > z * half_y;
+}
+
+static bool seen_setup(const daft_pencil *p, const daft_instance *instance, uint32_t index, daft_seen *seen)
+{
+    if (instance->mesh && instance->mesh->triangle_count == 0) return false;
+    *seen = (daft_seen){.instance = instance, .index = index, .to_camera = camera_map(p, &instance->to_frame)};
+    daft_vec3 low, high;
+    seen_box(seen, &low, &high);
+    if (!daft_finite3(low) || !daft_finite3(high) || high.z <= 0 || outside_sides(p, low, high)) return false;
+    seen->near_z = low.z;
+    double f = (double)p->focal;
+    double cx = (double)p->width * 0.5 - 0.5 - (double)p->shift_x, cy = (double)p->height * 0.5 - 0.5 + (double)p->shift_y;
+    return pixel_range(low.x, high.x, low.z, high.z, f, cx, p->width, &seen->x0, &seen->x1) &&
+           pixel_range(-high.y, -low.y, low.z, high.z, f, cy, p->height, &seen->y0, &seen->y1);
+}
+
+static int nearer_first(const void *a, const void *b)
+{
+    const daft_seen *x = a, *y = b;
+    if (x->near_z != y->near_z) return x->near_z < y->near_z ? -1 : 1;
+    return x->index < y->index ? -1 : x->index > y->index;
+}
+
+static bool list_work(daft_raster *raster)
+{
+    raster->work_count = 0;
+    for (uint32_t i = 0; i < raster->seen_count; i++) {
+        const daft_instance *instance = raster->seen[i].instance;
+        uint32_t clusters = instance->mesh ? (uint32_t)instance->bvh->cluster_count : 0, first = 0;
+        do {
+            uint32_t count = daft_min_u(clusters - first, CLUSTERS_A_WORK_ITEM);
+            if (!daft_grow(raster->allocator, &raster->work, &raster->work_capacity, raster->work_count + 1,
+                           raster->work_count, sizeof *raster->work))
+                return false;
+            raster->work[raster->work_count++] = (daft_work){i, first, count};
+            first += count;
+        } while (first < clusters);
+    }
+    return true;
+}
+
+static bool clear_bins(daft_raster *raster)
+{
+    size_t tiles = (size_t)raster->tiles_x * (size_t)raster->tiles_y;
+    for (int i = 0; i < raster->workers; i++) {
+        daft_bins *bins = &raster->bins[i];
+        if (!daft_grow(raster->allocator, &bins->tiles, &bins->tile_capacity, tiles, 0, sizeof *bins->tiles)) return false;
+        memset(bins->tiles, 0, tiles * sizeof *bins->tiles);
+        bins->record_count = bins->block_count = 0;
+        bins->tested = bins->binned = bins->spheres = bins->exact_edges = bins->exact_depths = 0;
+        bins->out_of_memory = false;
+    }
+    return true;
+}
+
+bool daft_raster_begin(daft_raster *raster, const daft_pencil *pencil, const daft_instance *instances, uint32_t count,
+                       daft_error *error)
+{
+    raster->pencil = *pencil;
+    raster->instances = instances;
+    raster->instance_count = count;
+    raster->tiles_x = (pencil->width + DAFT_TILE - 1) / DAFT_TILE;
+    raster->tiles_y = (pencil->height + DAFT_TILE - 1) / DAFT_TILE;
+    raster->seen_count = 0;
+    const daft_allocator *a = raster->allocator;
+    if (!daft_grow(a, &raster->seen, &raster->seen_capacity, count, 0, sizeof *raster->seen) ||
+        !daft_grow(a, &raster->seen_of, &raster->seen_of_capacity, count, 0, sizeof *raster->seen_of) ||
+        !clear_bins(raster))
+        return daft_fail_memory(error, "the list of visible things");
+    for (uint32_t i = 0; i < count; i++) {
+        raster->seen_of[i] = DAFT_NOTHING;
+        if (seen_setup(pencil, &instances[i], i, &raster->seen[raster->seen_count])) raster->seen_count++;
+    }
+    if (raster->seen_count) qsort(raster->seen, raster->seen_count, sizeof *raster->seen, nearer_first);
+    for (uint32_t i = 0; i < raster->seen_count; i++) raster->seen_of[raster->seen[i].index] = i;
+    return list_work(raster) ? true : daft_fail_memory(error, "the list of visible things");
+}
+
+void daft_seen_corners(const daft_seen *seen, uint32_t triangle, daft_vec3 corner[3])
+{
+    const daft_trimesh *mesh = seen->instance->mesh;
+    const uint32_t *index = &mesh->indices[3 * (size_t)triangle];
+    for (int k = 0; k < 3; k++)
+        corner[k] = daft_affine_point(&seen->to_camera, daft_v3(mesh->x[index[k]], mesh->y[index[k]], mesh->z[index[k]]));
+}
+
+double daft_seen_depth(const daft_seen *seen, uint32_t triangle, daft_vec3 ray)
+{
+    if (!seen->instance->mesh) {
+        const float *c = seen->to_camera.t;
+        double t;
+        if (!daft_pencil_sphere(daft_v3(c[0], c[1], c[2]), seen->instance->radius, ray, &t)) return INFINITY;
+        return t * (double)ray.z;
+    }
+    daft_vec3 corner[3];
+    daft_seen_corners(seen, triangle, corner);
+    return daft_pencil_depth(corner[0], corner[1], corner[2], ray);
+}
+
+void daft_tile_clear(const daft_raster *raster, uint32_t tile, daft_tile *out)
+{
+    out->x = (int)(tile % (uint32_t)raster->tiles_x) * DAFT_TILE;
+    out->y = (int)(tile / (uint32_t)raster->tiles_x) * DAFT_TILE;
+    out->width = daft_min_i(DAFT_TILE, raster->pencil.width - out->x);
+    out->height = daft_min_i(DAFT_TILE, raster->pencil.height - out->y);
+    for (int i = 0; i < DAFT_TILE_ROOM; i++) {
+        out->z_low[i] = out->z_high[i] = INFINITY;
+        out->instance[i] = DAFT_NOTHING;
+        out->triangle[i] = 0;
+    }
+}

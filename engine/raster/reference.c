@@ -1,0 +1,176 @@
+/* The reference path: one ray at a time, scalar, double. It shares with the pencil what defines the answer (how vertices
+ * are moved, the predicates, the depth) and nothing of how candidates are found: boxes here are only ever too large. */
+#include "math/exact.h"
+#include "raster/raster.h"
+
+typedef struct double_ray {
+    double origin[3], inverse[3]; /* inverse of a zero component: 1e300, so that no 0·inf arises */
+} double_ray;
+
+typedef struct best {
+    double z;
+    uint32_t instance, triangle;
+} best;
+
+static double_ray ray_setup(daft_dvec3 origin, daft_dvec3 direction)
+{
+    const double o[3] = {origin.x, origin.y, origin.z}, d[3] = {direction.x, direction.y, direction.z};
+    double_ray ray;
+    for (int k = 0; k < 3; k++) {
+        ray.origin[k] = o[k];
+        ray.inverse[k] = fabs(d[k]) > 1e-300 ? 1 / d[k] : 1e300;
+    }
+    return ray;
+}
+
+/* Whether the ray meets the child's box grown by pad, anywhere in front of the origin. */
+static bool box_met(const daft_node *node, int child, const double_ray *ray, double pad)
+{
+    double near = 0, far = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        double a = ((double)node->bounds[k][child] - pad - ray->origin[k]) * ray->inverse[k];
+        double b = ((double)node->bounds[k + 3][child] + pad - ray->origin[k]) * ray->inverse[k];
+        double low = a < b ? a : b, high = a < b ? b : a;
+        low -= fabs(low) * 1e-12, high += fabs(high) * 1e-12;
+        if (low > near) near = low;
+        if (high < far) far = high;
+    }
+    return near <= far;
+}
+
+static void offer(best *nearest, double z, uint32_t instance, uint32_t triangle)
+{
+    bool wins = z < nearest->z ||
+                (z == nearest->z && (instance < nearest->instance ||
+                                     (instance == nearest->instance && triangle < nearest->triangle)));
+    if (wins) *nearest = (best){z, instance, triangle};
+}
+
+static void test_triangle(const daft_seen *seen, uint32_t triangle, daft_vec3 ray, best *nearest)
+{
+    daft_vec3 c[3];
+    daft_seen_corners(seen, triangle, c);
+    if (!daft_pencil_hits(c[0], c[1], c[2], ray)) return;
+    offer(nearest, daft_pencil_depth(c[0], c[1], c[2], ray), seen->index, triangle);
+}
+
+/* The inverse of the map to camera space, in double, and how far a moved vertex may be from where the exact map would
+ * put it, measured back in object space. */
+static double invert(const daft_seen *seen, double inverse[9])
+{
+    const float *m = seen->to_camera.m, *t = seen->to_camera.t;
+    double a[9];
+    for (int i = 0; i < 9; i++) a[i] = (double)m[i];
+    double c0 = a[4] * a[8] - a[5] * a[7], c1 = a[5] * a[6] - a[3] * a[8], c2 = a[3] * a[7] - a[4] * a[6];
+    double scale = 1 / (a[0] * c0 + a[1] * c1 + a[2] * c2);
+    inverse[0] = c0 * scale, inverse[1] = (a[2] * a[7] - a[1] * a[8]) * scale, inverse[2] = (a[1] * a[5] - a[2] * a[4]) * scale;
+    inverse[3] = c1 * scale, inverse[4] = (a[0] * a[8] - a[2] * a[6]) * scale, inverse[5] = (a[2] * a[3] - a[0] * a[5]) * scale;
+    inverse[6] = c2 * scale, inverse[7] = (a[1] * a[6] - a[0] * a[7]) * scale, inverse[8] = (a[0] * a[4] - a[1] * a[3]) * scale;
+    const daft_trimesh *mesh = seen->instance->mesh;
+    double reach = 0, size = 0, stretch = 0;
+    const float *low = &mesh->low.x, *high = &mesh->high.x;
+    for (int k = 0; k < 3; k++) {
+        reach = fmax(reach, fmax(fabs((double)low[k]), fabs((double)high[k])));
+        stretch = fmax(stretch, fabs(inverse[3 * k]) + fabs(inverse[3 * k + 1]) + fabs(inverse[3 * k + 2]));
+    }
+    for (int k = 0; k < 3; k++)
+        size = fmax(size, (fabs(a[3 * k]) + fabs(a[3 * k + 1]) + fabs(a[3 * k + 2])) * reach + fabs((double)t[k]));
+    return stretch * size * 0x1p-20; /* 4 roundings of 2^-24, with room to spare */
+}
+
+static daft_dvec3 apply(const double m[9], daft_dvec3 v)
+{
+    return daft_dv3(m[0] * v.x + m[1] * v.y + m[2] * v.z, m[3] * v.x + m[4] * v.y + m[5] * v.z,
+                    m[6] * v.x + m[7] * v.y + m[8] * v.z);
+}
+
+static void test_mesh(const daft_seen *seen, daft_vec3 ray, best *nearest)
+{
+    double inverse[9];
+    double pad = invert(seen, inverse);
+    const float *t = seen->to_camera.t;
+    daft_dvec3 origin = apply(inverse, daft_dv3(-(double)t[0], -(double)t[1], -(double)t[2]));
+    double_ray r = ray_setup(origin, apply(inverse, daft_to_double(ray)));
+    const daft_bvh *bvh = seen->instance->bvh;
+    uint32_t stack[DAFT_STACK];
+    int top = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+        uint32_t child = stack[--top];
+        if (child & DAFT_CHILD_LEAF) {
+            const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+            for (uint32_t i = 0; i < ((child & 3) + 1) * DAFT_BLOCK; i++) {
+                uint32_t triangle = block[i / DAFT_BLOCK].triangle[i % DAFT_BLOCK];
+                if (triangle != DAFT_NO_TRIANGLE) test_triangle(seen, triangle, ray, nearest);
+            }
+            continue;
+        }
+        const daft_node *node = &bvh->nodes.items[child];
+        for (int i = 0; i < DAFT_WIDTH; i++)
+            if (node->child[i] != DAFT_CHILD_NONE && box_met(node, i, &r, pad)) stack[top++] = node->child[i];
+    }
+}
+
+static void test_instance(const daft_raster *raster, uint32_t index, daft_vec3 ray, best *nearest)
+{
+    uint32_t place = raster->seen_of[index];
+    if (place == DAFT_NOTHING) return;
+    const daft_seen *seen = &raster->seen[place];
+    if (seen->instance->mesh) {
+        test_mesh(seen, ray, nearest);
+        return;
+    }
+    const float *c = seen->to_camera.t;
+    double t;
+    if (daft_pencil_sphere(daft_v3(c[0], c[1], c[2]), seen->instance->radius, ray, &t))
+        offer(nearest, t * (double)ray.z, index, 0);
+}
+
+static double largest(const daft_node *node, int child)
+{
+    double most = 0;
+    for (int k = 0; k < 6; k++) most = fmax(most, fabs((double)node->bounds[k][child]));
+    return most;
+}
+
+static best trace(const daft_raster *raster, const daft_tlas *tlas, daft_vec3 ray)
+{
+    best nearest = {INFINITY, DAFT_NOTHING, 0};
+    if (tlas->nodes.count == 0) return nearest;
+    const daft_pencil *p = &raster->pencil;
+    daft_dvec3 direction = daft_dadd(daft_dscale(daft_to_double(p->right), (double)ray.x),
+                                     daft_dadd(daft_dscale(daft_to_double(p->up), (double)ray.y),
+                                               daft_dscale(daft_to_double(p->forward), (double)ray.z)));
+    double_ray r = ray_setup(daft_dv3(0, 0, 0), direction);
+    uint32_t stack[DAFT_STACK];
+    int top = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+        uint32_t child = stack[--top];
+        if (child & DAFT_CHILD_LEAF) {
+            test_instance(raster, child & ~DAFT_CHILD_LEAF, ray, &nearest);
+            continue;
+        }
+        const daft_node *node = &tlas->nodes.items[child];
+        for (int i = 0; i < DAFT_WIDTH; i++) {
+            if (node->child[i] == DAFT_CHILD_NONE) continue;
+            /* camera axes and maps are rounded to floats: a few parts in 2^24 of the distance */
+            if (box_met(node, i, &r, largest(node, i) * 0x1p-19)) stack[top++] = node->child[i];
+        }
+    }
+    return nearest;
+}
+
+void daft_reference_tile(const daft_raster *raster, const daft_tlas *tlas, uint32_t tile, daft_tile *out)
+{
+    daft_tile_clear(raster, tile, out);
+    for (int row = 0; row < out->height; row++) {
+        for (int column = 0; column < out->width; column++) {
+            best nearest = trace(raster, tlas, daft_pencil_ray(&raster->pencil, out->x + column, out->y + row));
+            int at = row * DAFT_TILE_STRIDE + column;
+            out->z_low[at] = out->z_high[at] = (float)nearest.z;
+            out->instance[at] = nearest.instance;
+            out->triangle[at] = nearest.triangle;
+        }
+    }
+}

@@ -1,0 +1,177 @@
+/* A frame: the plan, then for each sample the pencil's three passes and the tiles. */
+#include "render/internal.h"
+
+#include <string.h>
+
+static const char *const EFFECT_NAMES[DAFT_EFFECT_COUNT] = {"visibility", "surface",    "texture", "shadow",
+                                                            "lighting",   "reflection", "sky",     "resolve"};
+
+static const daft_render_kernels *kernels_for(int isa)
+{
+    static const daft_render_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_render);
+    return TABLE[isa];
+}
+
+daft_renderer *daft_renderer_create(const daft_allocator *allocator, int threads, int isa, daft_error *error)
+{
+    daft_renderer *r = daft_alloc_zero(allocator, 1, sizeof *r);
+    if (!r) {
+        daft_fail_memory(error, "the renderer");
+        return NULL;
+    }
+    r->allocator = *allocator;
+    r->threads = threads;
+    r->accel = daft_accel_kernels_for(isa);
+    r->raster_kernels = daft_raster_kernels_for(isa);
+    r->shade = daft_shade_kernels_for(isa);
+    r->kernels = kernels_for(isa);
+    daft_arena_init(&r->arena, &r->allocator);
+    r->scratch = daft_alloc_zero(allocator, (size_t)threads, sizeof *r->scratch);
+    if (r->scratch && daft_raster_init(&r->raster, &r->allocator, threads, error)) return r;
+    if (!r->scratch) daft_fail_memory(error, "the renderer");
+    daft_renderer_destroy(r);
+    return NULL;
+}
+
+void daft_renderer_destroy(daft_renderer *r)
+{
+    if (!r) return;
+    daft_allocator allocator = r->allocator;
+    daft_raster_free(&r->raster);
+    daft_arena_free(&r->arena);
+    daft_release(&allocator, r->scratch);
+    daft_release(&allocator, r->sum);
+    daft_release(&allocator, r);
+}
+
+/* Where in the pixel a sample lies. Four: a rotated grid; sixteen: each column and each row of a 16 × 16 grid holds one. */
+static void sample_shift(int samples, int i, float *x, float *y)
+{
+    static const float FOUR[4][2] = {{-0.125f, -0.375f}, {0.375f, -0.125f}, {0.125f, 0.375f}, {-0.375f, 0.125f}};
+    *x = *y = 0;
+    if (samples == 4) *x = FOUR[i][0], *y = FOUR[i][1];
+    if (samples == 16) {
+        *x = (float)(i % 4) / 4 + (float)(i / 4) / 16 - 0.46875f;
+        *y = (float)(i / 4) / 4 + (float)(i % 4) / 16 - 0.46875f;
+    }
+}
+
+static void bin_task(void *context, uint32_t index, uint32_t worker)
+{
+    const daft_frame *frame = context;
+    if (!atomic_load_explicit(&frame->cancelled, memory_order_relaxed))
+        frame->renderer->raster_kernels->bin(&frame->renderer->raster, index, worker);
+}
+
+static void count_bins(const daft_renderer *r, daft_counters *c)
+{
+    for (int i = 0; i < r->threads; i++) {
+        const daft_bins *bins = &r->raster.bins[i];
+        c->triangles_tested += bins->tested;
+        c->triangles_binned += bins->binned;
+        c->spheres_binned += bins->spheres;
+        c->exact_edges += bins->exact_edges;
+        c->exact_depths += bins->exact_depths;
+        c->effects[DAFT_EFFECT_VISIBILITY].bytes += bins->record_capacity * sizeof *bins->records +
+                                                    bins->block_capacity * sizeof *bins->blocks +
+                                                    bins->tile_capacity * sizeof *bins->tiles;
+    }
+    c->instances_seen += r->raster.seen_count;
+}
+
+static bool out_of_memory(const daft_renderer *r)
+{
+    for (int i = 0; i < r->threads; i++)
+        if (r->raster.bins[i].out_of_memory) return true;
+    return false;
+}
+
+static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error *error)
+{
+    daft_renderer *r = frame->renderer;
+    const daft_snapshot *s = frame->snapshot;
+    double start = daft_clock_ms();
+    frame->pencil = (daft_pencil){s->right, s->up, s->forward, s->focal, s->width, s->height, 0, 0};
+    sample_shift(s->samples, frame->sample, &frame->pencil.shift_x, &frame->pencil.shift_y);
+    if (!daft_raster_begin(&r->raster, &frame->pencil, s->instances, s->instance_count, error)) return false;
+    if (!s->reference) daft_parallel_for(r->threads, (uint32_t)r->raster.work_count, bin_task, frame);
+    if (out_of_memory(r)) return daft_fail_memory(error, "the visible triangles");
+    counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
+    frame->tile_count = (uint32_t)(r->raster.tiles_x * r->raster.tiles_y);
+    daft_parallel_for(r->threads, frame->tile_count, daft_render_tile, frame);
+    count_bins(r, counters);
+    if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
+    return true;
+}
+
+static bool prepare(daft_frame *frame, daft_error *error)
+{
+    daft_renderer *r = frame->renderer;
+    const daft_snapshot *s = frame->snapshot;
+    daft_arena_reset(&r->arena);
+    for (int i = 0; i < r->threads; i++) {
+        daft_scratch *scratch = &r->scratch[i];
+        memset(scratch->ms, 0, sizeof scratch->ms);
+        memset(scratch->tiles, 0, sizeof scratch->tiles);
+        memset(scratch->rays_cast, 0, sizeof scratch->rays_cast);
+        scratch->shadow_points = 0;
+    }
+    if (frame->plan.shadows || frame->plan.reflections || s->reference) {
+        frame->tlas = daft_tlas_build(&r->arena, s->instances, s->instance_count, error);
+        if (!frame->tlas) return false;
+    }
+    size_t floats = s->samples > 1 ? 3 * (size_t)s->width * (size_t)s->height : 0;
+    if (daft_grow(&r->allocator, &r->sum, &r->sum_capacity, floats, 0, sizeof *r->sum)) return true;
+    return daft_fail_memory(error, "the samples of a picture");
+}
+
+static void sum_effects(const daft_frame *frame, daft_counters *c)
+{
+    const daft_renderer *r = frame->renderer;
+    for (int e = 0; e < DAFT_EFFECT_COUNT; e++) {
+        daft_effect *effect = &c->effects[e];
+        double ms = 0;
+        effect->name = EFFECT_NAMES[e];
+        for (int i = 0; i < r->threads; i++) {
+            ms += r->scratch[i].ms[e];
+            effect->tiles += r->scratch[i].tiles[e];
+            effect->rays += r->scratch[i].rays_cast[e];
+        }
+        effect->ms += ms / r->threads;
+        effect->ran = effect->tiles > 0;
+        effect->why = effect->ran ? frame->plan.why[e] : frame->plan.why_not_seen[e];
+        if (!effect->ran) effect->ms = 0; /* what it took to find out belongs to nobody */
+    }
+    for (int i = 0; i < r->threads; i++) c->shadow_points_kept += r->scratch[i].shadow_points;
+    c->camera_rays = c->effects[DAFT_EFFECT_VISIBILITY].rays;
+    c->shadow_rays = c->effects[DAFT_EFFECT_SHADOW].rays;
+    c->reflection_rays = c->effects[DAFT_EFFECT_REFLECTION].rays;
+    daft_effect *on_tree = &c->effects[c->effects[DAFT_EFFECT_SHADOW].ran ? DAFT_EFFECT_SHADOW : DAFT_EFFECT_REFLECTION];
+    if (on_tree->ran) on_tree->bytes = r->arena.bytes;
+    if (frame->snapshot->samples > 1) c->effects[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
+    c->effects[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch;
+}
+
+/* Keeps what the caller counts across frames. */
+static void counters_begin(daft_counters *c, const daft_snapshot *s, const daft_renderer *r)
+{
+    const char *isa = c->isa;
+    uint64_t queries = c->query_rays, builds = c->mesh_builds;
+    memset(c, 0, sizeof *c);
+    c->width = s->width, c->height = s->height, c->threads = r->threads;
+    c->isa = isa, c->query_rays = queries, c->mesh_builds = builds;
+}
+
+bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, const daft_frame_target *target,
+                       daft_counters *counters, daft_error *error)
+{
+    double start = daft_clock_ms();
+    daft_frame frame = {.renderer = renderer, .snapshot = snapshot, .target = target, .plan = daft_plan_make(snapshot)};
+    counters_begin(counters, snapshot, renderer);
+    if (!prepare(&frame, error)) return false;
+    for (frame.sample = 0; frame.sample < snapshot->samples; frame.sample++)
+        if (!render_sample(&frame, counters, error)) return false;
+    sum_effects(&frame, counters);
+    counters->frame_ms = daft_clock_ms() - start;
+    return true;
+}

@@ -1,0 +1,72 @@
+/* What the files of render/ share: the plan of a frame and a worker's scratch. */
+#ifndef DAFT_RENDER_INTERNAL_H
+#define DAFT_RENDER_INTERNAL_H
+
+#include "cost/cost.h"
+#include "render/kernels.h"
+
+#include <stdatomic.h>
+
+enum { DAFT_MAX_CANDIDATES = 512 };
+
+/* What a frame may need at all, before anything is known to be visible. */
+typedef struct daft_plan {
+    const daft_preset *preset;
+    bool shadows, reflections;                /* some lamp casts them onto something; some material mirrors */
+    const char *why[DAFT_EFFECT_COUNT];       /* what calls for the effect, or why nothing can */
+    const char *why_not_seen[DAFT_EFFECT_COUNT]; /* the reason if no tile runs it after all */
+} daft_plan;
+
+/* A worker's own: no lock, no allocation in a settled frame. */
+typedef struct daft_scratch {
+    daft_tile tile;
+    daft_batch points, next;
+    daft_ray_batch rays, sky;
+    daft_lanes3 sky_color;
+    daft_lanes3 color; /* of the tile's pixels: row · DAFT_TILE + column */
+    uint32_t candidates[DAFT_MAX_CANDIDATES];
+    uint32_t lit[DAFT_BATCH_WORDS];
+    double ms[DAFT_EFFECT_COUNT];
+    uint32_t tiles[DAFT_EFFECT_COUNT];
+    uint64_t rays_cast[DAFT_EFFECT_COUNT];
+    uint64_t shadow_points;
+} daft_scratch;
+
+struct daft_renderer {
+    daft_allocator allocator;
+    int threads;
+    const daft_accel_kernels *accel;
+    const daft_raster_kernels *raster_kernels;
+    const daft_shade_kernels *shade;
+    const daft_render_kernels *kernels;
+    daft_raster raster;
+    daft_arena arena;
+    daft_scratch *scratch; /* one for each worker */
+    float *sum;            /* linear light of all samples so far: 3·width·height; NULL until more than one is asked for */
+    size_t sum_capacity;
+};
+
+/* One sample of one frame, as its tiles see it. */
+typedef struct daft_frame {
+    daft_renderer *renderer;
+    const daft_snapshot *snapshot;
+    const daft_frame_target *target;
+    daft_plan plan;
+    daft_pencil pencil;
+    const daft_tlas *tlas; /* NULL: nothing asks for rays */
+    int sample;
+    uint32_t tile_count;
+    atomic_uint tiles_done;
+    atomic_bool cancelled;
+} daft_frame;
+
+/* plan.c */
+daft_plan daft_plan_make(const daft_snapshot *snapshot);
+/* shaft.c: the shadow casters whose bounds may lie between the points whose bits are set and the lamp. UINT32_MAX: more than
+ * `capacity`. */
+uint32_t daft_shaft_candidates(const daft_tlas *tlas, const daft_batch *points, const uint32_t *bits,
+                               const daft_lamp *lamp, uint32_t *out, uint32_t capacity);
+/* tile.c: a daft_task */
+void daft_render_tile(void *frame, uint32_t tile, uint32_t worker);
+
+#endif

@@ -1,0 +1,43 @@
+/* The kernels of each instruction set; frame.c picks. */
+#ifndef DAFT_RENDER_KERNELS_H
+#define DAFT_RENDER_KERNELS_H
+
+#include "math/isa.h"
+#include "raster/raster.h"
+#include "render/render.h"
+
+/* Rays, side by side, with where they came from. */
+typedef struct daft_ray_batch {
+    uint32_t count;
+    daft_lanes3 origin, direction; /* directions are unit */
+    daft_lanes3 weight;
+    float reach[DAFT_BATCH_ROOM];
+    uint32_t pixel[DAFT_BATCH_ROOM];
+} daft_ray_batch;
+
+typedef struct daft_render_kernels {
+    /* The surfaces that a tile's pixels see become points of weight 1; the other pixels become rays into the sky. */
+    void (*surfaces)(const daft_snapshot *snapshot, const daft_pencil *pencil, const daft_tile *tile, daft_batch *points,
+                     daft_ray_batch *sky);
+    /* Appends the point where a ray hit. */
+    void (*hit_point)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray, const daft_hit *hit,
+                      daft_batch *points);
+    /* Takes away the bits of the points that a candidate hides from the lamp. Gives the number of points that lay under
+     * some candidate's bounds: the only ones for which rays were cast. */
+    uint32_t (*shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_instance *instances,
+                        const uint32_t *candidates, uint32_t candidate_count, const daft_accel_kernels *accel,
+                        uint32_t bits[DAFT_BATCH_WORDS]);
+    /* Mirrored rays of the points whose material mirrors and whose weight still counts. */
+    void (*reflections)(const daft_batch *points, const daft_surface *materials, daft_ray_batch *rays);
+} daft_render_kernels;
+
+DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);
+
+#ifdef DAFT_ISA
+void DAFT_KERNEL(daft_surfaces)(const daft_snapshot *snapshot, const daft_pencil *pencil, const daft_tile *tile,
+                                daft_batch *points, daft_ray_batch *sky);
+void DAFT_KERNEL(daft_hit_point)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray,
+                                 const daft_hit *hit, daft_batch *points);
+#endif
+
+#endif

@@ -1,0 +1,257 @@
+/* A tile from visibility to bytes. Points are shaded in batches: first what the pixels see, then what mirrors see in it,
+ * and so on; each batch runs only the effects that its own points call for. */
+#include "render/internal.h"
+
+#include <string.h>
+
+typedef struct job {
+    const daft_frame *frame;
+    const daft_renderer *r;
+    const daft_snapshot *snapshot;
+    daft_scratch *s;
+    double since;                 /* when the running effect began */
+    bool ran[DAFT_EFFECT_COUNT];
+} job;
+
+/* Books the time since the last call on an effect. */
+static void book(job *j, daft_effect_kind effect)
+{
+    double now = daft_clock_ms();
+    j->s->ms[effect] += now - j->since;
+    j->since = now;
+}
+
+static void ran(job *j, daft_effect_kind effect)
+{
+    if (!j->ran[effect]) j->s->tiles[effect]++;
+    j->ran[effect] = true;
+}
+
+static void see(job *j, uint32_t tile, uint32_t worker)
+{
+    const daft_frame *frame = j->frame;
+    if (j->snapshot->reference)
+        daft_reference_tile(&j->r->raster, frame->tlas, tile, &j->s->tile);
+    else
+        j->r->raster_kernels->tile(&j->r->raster, tile, worker, &j->s->tile);
+    ran(j, DAFT_EFFECT_VISIBILITY);
+    j->s->rays_cast[DAFT_EFFECT_VISIBILITY] += (uint64_t)(j->s->tile.width * j->s->tile.height);
+    book(j, DAFT_EFFECT_VISIBILITY);
+}
+
+/* Too many candidates for a list: every lit point alone through the tree. */
+static uint32_t shadow_rays(const job *j, const daft_batch *points, const daft_lamp *lamp, uint32_t *lit)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < points->count; i++) {
+        if (!(lit[i / 32] >> (i % 32) & 1)) continue;
+        daft_ray ray = {.origin = {points->lifted.x[i], points->lifted.y[i], points->lifted.z[i]}};
+        ray.direction = lamp->sun ? lamp->to_light : daft_sub(lamp->position, ray.origin);
+        ray.tmax = lamp->sun ? INFINITY : 1;
+        if (j->r->accel->occluded(j->frame->tlas, &ray)) lit[i / 32] &= ~((uint32_t)1 << (i % 32));
+        count++;
+    }
+    return count;
+}
+
+static void cast_shadows(job *j, const daft_batch *points, const daft_lamp *lamp)
+{
+    daft_scratch *s = j->s;
+    uint32_t rays;
+    uint32_t count = daft_shaft_candidates(j->frame->tlas, points, s->lit, lamp, s->candidates, DAFT_MAX_CANDIDATES);
+    if (count == UINT32_MAX)
+        rays = shadow_rays(j, points, lamp, s->lit);
+    else
+        rays = j->r->kernels->shadows(points, lamp, j->snapshot->instances, s->candidates, count, j->r->accel, s->lit);
+    s->rays_cast[DAFT_EFFECT_SHADOW] += rays;
+    s->shadow_points += rays;
+    if (rays) ran(j, DAFT_EFFECT_SHADOW);
+    book(j, DAFT_EFFECT_SHADOW);
+}
+
+static void light_points(job *j, daft_batch *points)
+{
+    const daft_snapshot *snapshot = j->snapshot;
+    if (j->r->shade->albedo(points, snapshot->materials, snapshot->textures)) ran(j, DAFT_EFFECT_TEXTURE);
+    book(j, DAFT_EFFECT_TEXTURE);
+    j->r->shade->ambient(points, snapshot->materials, snapshot->ambient);
+    for (uint32_t i = 0; i < snapshot->lamp_count; i++) {
+        const daft_lamp *lamp = &snapshot->lamps[i];
+        if (j->r->shade->facing(points, lamp, j->s->lit) == 0) continue;
+        ran(j, DAFT_EFFECT_LIGHTING);
+        book(j, DAFT_EFFECT_LIGHTING);
+        if (j->frame->plan.shadows && lamp->casts_shadow) cast_shadows(j, points, lamp);
+        j->r->shade->lamp(points, snapshot->materials, lamp, j->s->lit);
+    }
+    daft_lanes3 *color = &j->s->color;
+    for (uint32_t i = 0; i < points->count; i++) {
+        uint32_t at = points->pixel[i];
+        color->x[at] += points->weight.x[i] * points->light.x[i];
+        color->y[at] += points->weight.y[i] * points->light.y[i];
+        color->z[at] += points->weight.z[i] * points->light.z[i];
+    }
+    book(j, DAFT_EFFECT_LIGHTING);
+}
+
+/* Adds the sky along rays; pixels' own rays have weight 1. */
+static void add_sky(job *j, const daft_ray_batch *rays, bool weighted)
+{
+    if (rays->count == 0) return;
+    daft_scratch *s = j->s;
+    daft_lanes3 *color = &s->color;
+    j->r->shade->sky(&j->snapshot->sky, &rays->direction, rays->count, &s->sky_color);
+    for (uint32_t i = 0; i < rays->count; i++) {
+        uint32_t at = rays->pixel[i];
+        color->x[at] += (weighted ? rays->weight.x[i] : 1) * s->sky_color.x[i];
+        color->y[at] += (weighted ? rays->weight.y[i] : 1) * s->sky_color.y[i];
+        color->z[at] += (weighted ? rays->weight.z[i] : 1) * s->sky_color.z[i];
+    }
+    ran(j, DAFT_EFFECT_SKY);
+    book(j, DAFT_EFFECT_SKY);
+}
+
+/* Hits of s->rays become the next batch; misses are moved to the front and see the sky. */
+static void trace(job *j, daft_batch *next)
+{
+    daft_scratch *s = j->s;
+    daft_ray_batch *rays = &s->rays;
+    next->count = 0;
+    s->sky.count = 0;
+    for (uint32_t i = 0; i < rays->count; i++) {
+        daft_ray ray = {.origin = {rays->origin.x[i], rays->origin.y[i], rays->origin.z[i]},
+                        .direction = {rays->direction.x[i], rays->direction.y[i], rays->direction.z[i]},
+                        .tmax = INFINITY};
+        daft_hit hit;
+        if (j->r->accel->closest(j->frame->tlas, &ray, UINT32_MAX, &hit)) {
+            j->r->kernels->hit_point(j->snapshot, rays, i, &hit, next);
+            continue;
+        }
+        uint32_t at = s->sky.count++;
+        s->sky.direction.x[at] = ray.direction.x, s->sky.direction.y[at] = ray.direction.y;
+        s->sky.direction.z[at] = ray.direction.z;
+        s->sky.weight.x[at] = rays->weight.x[i], s->sky.weight.y[at] = rays->weight.y[i];
+        s->sky.weight.z[at] = rays->weight.z[i];
+        s->sky.pixel[at] = rays->pixel[i];
+    }
+    s->rays_cast[DAFT_EFFECT_REFLECTION] += rays->count;
+    ran(j, DAFT_EFFECT_REFLECTION);
+    book(j, DAFT_EFFECT_REFLECTION);
+}
+
+static void shade(job *j)
+{
+    daft_scratch *s = j->s;
+    daft_batch *points = &s->points, *next = &s->next;
+    memset(&s->color, 0, sizeof s->color);
+    add_sky(j, &s->sky, false);
+    for (int depth = 0; points->count; depth++) {
+        light_points(j, points);
+        if (!j->frame->plan.reflections || depth >= j->frame->plan.preset->reflections) return;
+        j->r->kernels->reflections(points, j->snapshot->materials, &s->rays);
+        if (s->rays.count == 0) return;
+        trace(j, next);
+        add_sky(j, &s->sky, true);
+        daft_batch *done = points;
+        points = next, next = done;
+    }
+}
+
+/* ---- out ---- */
+
+static float clamp_unit(float x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
+
+/* Samples are clamped to what a display shows before they are averaged: one very bright sample must not win an edge. */
+static void add_sample(const job *j, int row)
+{
+    const daft_tile *tile = &j->s->tile;
+    const daft_lanes3 *color = &j->s->color;
+    float *sum = j->r->sum + 3 * ((size_t)(tile->y + row) * (size_t)j->snapshot->width + (size_t)tile->x);
+    for (int x = 0; x < tile->width; x++) {
+        int at = row * DAFT_TILE + x;
+        const float sample[3] = {color->x[at], color->y[at], color->z[at]};
+        for (int k = 0; k < 3; k++) sum[3 * x + k] = (j->frame->sample ? sum[3 * x + k] : 0) + clamp_unit(sample[k]);
+    }
+}
+
+static void mean_row(const job *j, int row, float share)
+{
+    const daft_tile *tile = &j->s->tile;
+    daft_lanes3 *color = &j->s->color;
+    const float *sum = j->r->sum + 3 * ((size_t)(tile->y + row) * (size_t)j->snapshot->width + (size_t)tile->x);
+    for (int x = 0; x < tile->width; x++) {
+        int at = row * DAFT_TILE + x;
+        color->x[at] = sum[3 * x] * share, color->y[at] = sum[3 * x + 1] * share, color->z[at] = sum[3 * x + 2] * share;
+    }
+}
+
+static void resolve(job *j)
+{
+    const daft_snapshot *snapshot = j->snapshot;
+    const daft_tile *tile = &j->s->tile;
+    bool last = j->frame->sample == snapshot->samples - 1;
+    for (int row = 0; row < tile->height; row++) {
+        if (snapshot->samples > 1) add_sample(j, row);
+        if (!last) continue;
+        if (snapshot->samples > 1) mean_row(j, row, 1 / (float)snapshot->samples);
+        const daft_lanes3 *color = &j->s->color;
+        int at = row * DAFT_TILE;
+        size_t pixel = (size_t)(tile->y + row) * (size_t)snapshot->width + (size_t)tile->x;
+        j->r->shade->encode(&color->x[at], &color->y[at], &color->z[at], (uint32_t)tile->width,
+                            j->frame->target->pixels + 4 * pixel);
+    }
+    ran(j, DAFT_EFFECT_RESOLVE);
+    book(j, DAFT_EFFECT_RESOLVE);
+}
+
+static size_t tile_pixel(const job *j, uint32_t number)
+{
+    const daft_tile *tile = &j->s->tile;
+    size_t x = number % DAFT_TILE, y = number / DAFT_TILE;
+    return ((size_t)tile->y + y) * (size_t)j->snapshot->width + (size_t)tile->x + x;
+}
+
+static void write_aov(job *j)
+{
+    const daft_frame_aov *aov = &j->frame->target->aov;
+    const daft_scratch *s = j->s;
+    for (uint32_t i = 0; i < s->sky.count; i++) {
+        size_t at = tile_pixel(j, s->sky.pixel[i]);
+        if (aov->depth) aov->depth[at] = INFINITY;
+        if (aov->normal) aov->normal[at] = daft_v3(0, 0, 0);
+        if (aov->instance) aov->instance[at] = DAFT_NOTHING;
+        if (aov->triangle) aov->triangle[at] = 0;
+    }
+    for (uint32_t i = 0; i < s->points.count; i++) {
+        uint32_t number = s->points.pixel[i];
+        uint32_t place = number / DAFT_TILE * DAFT_TILE_STRIDE + number % DAFT_TILE;
+        size_t at = tile_pixel(j, number);
+        if (aov->depth) aov->depth[at] = s->points.reach[i];
+        if (aov->normal) aov->normal[at] = daft_v3(s->points.normal.x[i], s->points.normal.y[i], s->points.normal.z[i]);
+        if (aov->instance) aov->instance[at] = s->tile.instance[place];
+        if (aov->triangle) aov->triangle[at] = s->tile.triangle[place];
+    }
+}
+
+/* The calling thread's tiles tell the user how far the picture is. */
+static void report(daft_frame *frame, uint32_t worker)
+{
+    uint32_t done = atomic_fetch_add(&frame->tiles_done, 1) + 1;
+    if (worker != 0 || !frame->target->progress) return;
+    float total = (float)frame->tile_count * (float)frame->snapshot->samples;
+    if (!frame->target->progress(frame->target->progress_user, (float)done / total)) atomic_store(&frame->cancelled, true);
+}
+
+void daft_render_tile(void *context, uint32_t tile, uint32_t worker)
+{
+    daft_frame *frame = context;
+    if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
+    job j = {frame, frame->renderer, frame->snapshot, &frame->renderer->scratch[worker], daft_clock_ms(), {false}};
+    see(&j, tile, worker);
+    j.r->kernels->surfaces(j.snapshot, &frame->pencil, &j.s->tile, &j.s->points, &j.s->sky);
+    if (j.s->points.count) ran(&j, DAFT_EFFECT_SURFACE);
+    if (frame->sample == 0) write_aov(&j);
+    book(&j, DAFT_EFFECT_SURFACE);
+    shade(&j);
+    resolve(&j);
+    report(frame, worker);
+}

@@ -1,0 +1,96 @@
+/* Ambient, Lambert and Phong light over batches, and the way out to bytes.
+ * Phong, "Illumination for Computer Generated Pictures" (1975): the specular term is the cosine between the mirrored light
+ * and the viewer, raised to the material's shininess. */
+#include "shade/kernels.h"
+#include "shade/parts.h"
+
+static void ambient(daft_batch *batch, const daft_surface *materials, daft_vec3 color)
+{
+    for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
+        material_reader m = read_materials(batch, materials, i);
+        vf3 share = MATERIAL_COLOR(&m, ambient), glow = MATERIAL_COLOR(&m, emission), albedo = lanes_load(&batch->albedo, i);
+        vf3 light = {glow.x + share.x * albedo.x * vf_set(color.x), glow.y + share.y * albedo.y * vf_set(color.y),
+                     glow.z + share.z * albedo.z * vf_set(color.z)};
+        lanes_store(&batch->light, i, light);
+    }
+}
+
+/* Unit vectors to the lamp. */
+DAFT_INLINE vf3 to_lamp(const daft_batch *batch, const daft_lamp *lamp, uint32_t i)
+{
+    if (lamp->sun) return (vf3){vf_set(lamp->to_light.x), vf_set(lamp->to_light.y), vf_set(lamp->to_light.z)};
+    vf3 p = lanes_load(&batch->point, i);
+    vf3 l = {vf_set(lamp->position.x) - p.x, vf_set(lamp->position.y) - p.y, vf_set(lamp->position.z) - p.z};
+    vf length2 = vf3_dot(l, l);
+    vf scale = vf_select(vf_lt(vf_set(0), length2), vf_set(1) / vf_sqrt(length2), vf_set(0));
+    return (vf3){l.x * scale, l.y * scale, l.z * scale};
+}
+
+static uint32_t facing(const daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS])
+{
+    uint32_t total = 0;
+    memset(bits, 0, DAFT_BATCH_WORDS * sizeof bits[0]);
+    for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
+        vf cosine = vf3_dot(lanes_load(&batch->normal, i), to_lamp(batch, lamp, i));
+        vbits lit = vm_bits(vf_lt(vf_set(0), cosine)) & vbits_first((int)(batch->count - i));
+        bits[i / 32] |= lit << (i % 32);
+        total += (uint32_t)__builtin_popcount(lit);
+    }
+    return total;
+}
+
+DAFT_INLINE void add_scaled(vf3 *sum, vf3 color, vf scale)
+{
+    sum->x = sum->x + color.x * scale;
+    sum->y = sum->y + color.y * scale;
+    sum->z = sum->z + color.z * scale;
+}
+
+static void add_lamp(daft_batch *batch, const daft_surface *materials, const daft_lamp *lamp,
+                     const uint32_t lit[DAFT_BATCH_WORDS])
+{
+    vf zero = vf_set(0), two = vf_set(2);
+    for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
+        vbits bits = bits_at(lit, i);
+        if (!bits) continue;
+        material_reader m = read_materials(batch, materials, i);
+        vf3 l = to_lamp(batch, lamp, i), n = lanes_load(&batch->normal, i), view = lanes_load(&batch->view, i);
+        vf cosine = vf3_dot(n, l);
+        vf3 diffuse = MATERIAL_COLOR(&m, diffuse), specular = MATERIAL_COLOR(&m, specular), sum = {zero, zero, zero};
+        vf3 albedo = lanes_load(&batch->albedo, i);
+        add_scaled(&sum, (vf3){diffuse.x * albedo.x, diffuse.y * albedo.y, diffuse.z * albedo.z}, cosine);
+        vf mirrored = two * cosine * vf3_dot(n, view) - vf3_dot(l, view);
+        vf power = vf_pow(vf_clamp01(mirrored), MATERIAL_WORD(&m, shininess));
+        add_scaled(&sum, specular, vf_select(vf_lt(zero, mirrored), power, zero));
+        vm mask = vm_from_bits(bits);
+        vf3 light = lanes_load(&batch->light, i);
+        light.x = light.x + vf_select(mask, sum.x * vf_set(lamp->color.x), zero);
+        light.y = light.y + vf_select(mask, sum.y * vf_set(lamp->color.y), zero);
+        light.z = light.z + vf_select(mask, sum.z * vf_set(lamp->color.z), zero);
+        lanes_store(&batch->light, i, light);
+    }
+}
+
+/* IEC 61966-2-1. NaN becomes 0. */
+DAFT_INLINE vi encode_lanes(vf x)
+{
+    x = vf_clamp01(x);
+    vf curve = vf_set(1.055f) * vf_pow(x, vf_set(1 / 2.4f)) - vf_set(0.055f);
+    vf encoded = vf_select(vf_le(x, vf_set(0.0031308f)), x * vf_set(12.92f), curve);
+    return vi_truncate(encoded * vf_set(255) + vf_set(0.5f));
+}
+
+static void encode(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba)
+{
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        vi bytes = encode_lanes(vf_load(&r[i])) | encode_lanes(vf_load(&g[i])) << 8 | encode_lanes(vf_load(&b[i])) << 16 |
+                   vi_set((int32_t)0xff000000);
+        int32_t packed[DAFT_VL];
+        vi_store(packed, bytes);
+        uint32_t left = count - i < DAFT_VL ? count - i : DAFT_VL;
+        memcpy(rgba + 4 * (size_t)i, packed, 4 * (size_t)left);
+    }
+}
+
+const daft_shade_kernels DAFT_KERNEL(daft_shade) = {DAFT_KERNEL(daft_albedo),    ambient, facing, add_lamp,
+                                                    DAFT_KERNEL(daft_sky_color), encode};

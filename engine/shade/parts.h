@@ -1,0 +1,52 @@
+/* What the kernel sources of one instruction set share. */
+#ifndef DAFT_SHADE_PARTS_H
+#define DAFT_SHADE_PARTS_H
+
+#include "math/isa.h"
+#include "math/simd_real.h"
+#include "shade/shade.h"
+
+bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures);
+void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
+
+DAFT_INLINE vf3 lanes_load(const daft_lanes3 *a, uint32_t i)
+{
+    return (vf3){vf_load(&a->x[i]), vf_load(&a->y[i]), vf_load(&a->z[i])};
+}
+DAFT_INLINE void lanes_store(daft_lanes3 *a, uint32_t i, vf3 v)
+{
+    vf_store(&a->x[i], v.x), vf_store(&a->y[i], v.y), vf_store(&a->z[i], v.z);
+}
+
+/* The bits of DAFT_VL points from point i on; i is a multiple of DAFT_VL. */
+DAFT_INLINE vbits bits_at(const uint32_t *bits, uint32_t i) { return bits[i / 32] >> (i % 32) & DAFT_ALL_LANES; }
+
+/* Reads a member of the points' materials: one broadcast where all DAFT_VL points share one, else a gather. */
+typedef struct material_reader {
+    const float *base;
+    vi offset;
+    bool same;
+    uint32_t first;
+} material_reader;
+
+enum { SURFACE_WORDS = sizeof(daft_surface) / sizeof(float) };
+
+DAFT_INLINE material_reader read_materials(const daft_batch *batch, const daft_surface *materials, uint32_t i)
+{
+    uint32_t left = batch->count - i, first = batch->material[i];
+    vi numbers = vi_load(&batch->material[i]);
+    vbits used = vbits_first(left > DAFT_VL ? DAFT_VL : (int)left);
+    bool same = (vm_bits(vi_eq(numbers, vi_set((int32_t)first))) & used) == used;
+    numbers = vi_select(vm_from_bits(used), numbers, vi_set((int32_t)first));
+    return (material_reader){(const float *)materials, numbers * vi_set(SURFACE_WORDS), same, first};
+}
+DAFT_INLINE vf material_word(const material_reader *r, size_t word)
+{
+    if (r->same) return vf_set(r->base[r->first * SURFACE_WORDS + word]);
+    return vf_gather(r->base + word, r->offset);
+}
+#define MATERIAL_WORD(reader, member) material_word(reader, offsetof(daft_surface, member) / sizeof(float))
+#define MATERIAL_COLOR(reader, member)                                                                                  \
+    ((vf3){MATERIAL_WORD(reader, member.x), MATERIAL_WORD(reader, member.y), MATERIAL_WORD(reader, member.z)})
+
+#endif
