@@ -1,0 +1,103 @@
+/* bench: the harness of the benchmarks. A benchmark is two functions that return one sample each, ours and a peer's on the
+ * same work; the harness runs them in turns, so that a slow moment of the machine meets both, and reports the medians.
+ *
+ *   harness.c   options, sampling, the table, the JSON
+ *   models.c    meshes: files of an optional folder, and generated ones that are always there
+ *   render.c, load.c, game.c   the benchmarks
+ *   embree.c, tinyobj.cpp      the peers, built where their libraries are installed */
+#ifndef DAFT_BENCH_H
+#define DAFT_BENCH_H
+
+#include "base/base.h"
+#include "geometry/mesh.h"
+
+typedef struct bench_row {
+    char scene[48], what[48], counters[96];
+    const char *unit, *isa, *peer_name;
+    int threads;
+    double ours, peer; /* medians; peer is negative where there is none */
+} bench_row;
+
+typedef struct bench {
+    const char *only, *json, *isa; /* isa: NULL for the best there is */
+    int threads;                   /* 0: one, and all there are */
+    int rounds;
+    bool peers, list;
+    daft_allocator allocator;
+    bench_row *rows;
+    size_t count, capacity;
+    bool failed;
+} bench;
+
+/* A sample in the row's unit, or a negative number if the work failed. */
+typedef double bench_sample(void *context);
+
+typedef struct bench_subject {
+    const char *scene, *what;
+    const char *unit; /* "ms": smaller is better; everything else: larger is */
+    const char *isa;
+    int threads;
+    bench_sample *ours, *peer; /* peer: NULL where there is none, or it is not installed */
+    void *context;
+    const char *peer_name; /* NULL: nothing to compare with */
+    void (*describe)(void *context, char *out, size_t size); /* counters, after the last round; may be NULL */
+} bench_subject;
+
+/* Whether the user asked for it. With --list it prints the name, and the answer is no. */
+bool bench_wants(bench *self, const char *scene, const char *what);
+void bench_measure(bench *self, const bench_subject *subject);
+/* Fills in the thread counts to measure, returns how many. */
+int bench_thread_counts(const bench *self, int out[2]);
+/* Says on stderr why something is left out or went wrong; `fatal` makes the exit status 1. */
+void bench_note(bench *self, bool fatal, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* ---- models.c ---- */
+
+/* A mesh scaled so that its longest side is 1 m, standing on y = 0 around the y axis. */
+typedef struct bench_model {
+    const char *name;
+    const char *file; /* in the models folder; NULL: generated */
+} bench_model;
+
+extern const bench_model BENCH_MODELS[];
+extern const size_t BENCH_MODEL_COUNT;
+
+/* The file of a model; false when it is not there. */
+bool bench_model_path(const bench_model *model, char *out, size_t size);
+bool bench_model_load(bench *self, const bench_model *model, daft_trimesh *out);
+/* A copy of the positions as the public API takes them. Released with daft_release. */
+daft_vec3 *bench_positions(bench *self, const daft_trimesh *mesh);
+
+/* ---- peers ---- */
+
+/* What both sides look at: a mesh on a ground plane, seen by a pinhole camera. */
+typedef struct bench_view {
+    int width, height;
+    daft_vec3 from, right, up, forward;
+    float focal; /* pixels */
+} bench_view;
+
+enum { BENCH_GROUND = 20 }; /* half the ground's edge, metres */
+
+/* NULL where Embree is not part of this build. */
+typedef struct bench_embree bench_embree;
+typedef struct bench_embree_api {
+    const char *name;
+    bench_embree *(*create)(const daft_trimesh *mesh, bool ground, int threads);
+    void (*destroy)(bench_embree *self);
+    double (*build_ms)(bench_embree *self); /* builds anew */
+    double (*camera_ms)(bench_embree *self, const bench_view *view, uint64_t *hits);
+} bench_embree_api;
+const bench_embree_api *bench_find_embree(void);
+
+/* Milliseconds to load an OBJ with triangulation, negative on failure. NULL where tinyobjloader is not there. */
+typedef double bench_obj_loader(const char *path, size_t *triangles);
+bench_obj_loader *bench_find_tinyobj(void);
+
+/* ---- benchmarks ---- */
+
+void bench_render(bench *self);
+void bench_load(bench *self);
+void bench_game(bench *self);
+
+#endif

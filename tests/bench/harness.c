@@ -1,0 +1,269 @@
+/* Options, sampling in turns, the table and the JSON. */
+#include "bench.h"
+
+#include "math/isa.h"
+
+#include <ctype.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_ROUNDS = 101 };
+
+/* ---- sampling ---- */
+
+static bool contains(const char *text, const char *pattern)
+{
+    for (; *text; text++) {
+        size_t i = 0;
+        while (pattern[i] && tolower((unsigned char)text[i]) == tolower((unsigned char)pattern[i])) i++;
+        if (!pattern[i]) return true;
+    }
+    return !*pattern;
+}
+
+bool bench_wants(bench *self, const char *scene, const char *what)
+{
+    char name[128];
+    snprintf(name, sizeof name, "%s %s", scene, what);
+    if (self->only && !contains(name, self->only)) return false;
+    if (!self->list) return true;
+    printf("%s\n", name);
+    return false;
+}
+
+int bench_thread_counts(const bench *self, int out[2])
+{
+    int all = daft_processor_count();
+    out[0] = self->threads ? self->threads : 1;
+    out[1] = all;
+    return self->threads || all == 1 ? 1 : 2;
+}
+
+void bench_note(bench *self, bool fatal, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fprintf(stderr, "daft bench: ");
+    vfprintf(stderr, format, arguments);
+    fprintf(stderr, "\n");
+    va_end(arguments);
+    self->failed |= fatal;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *values, int count)
+{
+    qsort(values, (size_t)count, sizeof *values, by_value);
+    return count % 2 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2;
+}
+
+/* One round of warming up, then rounds of ours and the peer's in turns, until there are enough or, past the third, they
+ * have taken ten seconds. False if a sample failed. */
+static bool sample(const bench *self, const bench_subject *subject, bool peer, bench_row *row)
+{
+    double ours[MAX_ROUNDS], theirs[MAX_ROUNDS], start = daft_clock_ms();
+    int count = 0;
+    for (int round = self->rounds > 1 ? -1 : 0; round < self->rounds; round++) {
+        double a = subject->ours(subject->context), b = peer ? subject->peer(subject->context) : 0;
+        if (a < 0 || b < 0) return false;
+        if (round < 0) continue;
+        ours[count] = a;
+        theirs[count++] = b;
+        if (count >= 3 && daft_clock_ms() - start > 10e3) break;
+    }
+    row->ours = median(ours, count);
+    row->peer = peer ? median(theirs, count) : -1;
+    return true;
+}
+
+void bench_measure(bench *self, const bench_subject *subject)
+{
+    bool peer = self->peers && subject->peer;
+    if (!daft_grow(&self->allocator, &self->rows, &self->capacity, self->count + 1, self->count, sizeof *self->rows)) {
+        bench_note(self, true, "out of memory");
+        return;
+    }
+    bench_row *row = &self->rows[self->count];
+    *row = (bench_row){.unit = subject->unit, .isa = subject->isa, .threads = subject->threads};
+    row->peer_name = self->peers ? subject->peer_name : NULL;
+    snprintf(row->scene, sizeof row->scene, "%s", subject->scene);
+    snprintf(row->what, sizeof row->what, "%s", subject->what);
+    fprintf(stderr, "%s %s, %d thread%s\n", row->scene, row->what, row->threads, row->threads == 1 ? "" : "s");
+    if (!sample(self, subject, peer, row)) {
+        bench_note(self, true, "%s %s failed", row->scene, row->what);
+        return;
+    }
+    if (subject->describe) subject->describe(subject->context, row->counters, sizeof row->counters);
+    self->count++;
+}
+
+/* Larger than 1: ours is better. Negative where there is no peer. */
+static double ratio_of(const bench_row *row)
+{
+    if (row->peer < 0) return -1;
+    return strcmp(row->unit, "ms") == 0 ? row->peer / row->ours : row->ours / row->peer;
+}
+
+/* ---- output ---- */
+
+static const char *peer_cell(const bench_row *row, char *out, size_t size)
+{
+    if (row->peer >= 0)
+        snprintf(out, size, "%.4g", row->peer);
+    else
+        snprintf(out, size, "%s", row->peer_name ? "not installed" : "-");
+    return out;
+}
+
+static void print_table(const bench *self)
+{
+    int scene = 5, what = 4;
+    for (size_t i = 0; i < self->count; i++) {
+        scene = daft_max_i(scene, (int)strlen(self->rows[i].scene));
+        what = daft_max_i(what, (int)strlen(self->rows[i].what));
+    }
+    printf("%-*s  %-*s  %7s  %-6s  %9s  %-6s", scene, "scene", what, "what", "threads", "isa", "ours", "unit");
+    if (self->peers) printf("  %13s  %6s  %-16s", "peer", "ratio", "peer's name");
+    printf("  counters\n");
+    for (size_t i = 0; i < self->count; i++) {
+        const bench_row *row = &self->rows[i];
+        char peer[32], ratio[32] = "-";
+        if (ratio_of(row) >= 0) snprintf(ratio, sizeof ratio, "%.2f", ratio_of(row));
+        printf("%-*s  %-*s  %7d  %-6s  %9.4g  %-6s", scene, row->scene, what, row->what, row->threads, row->isa, row->ours,
+               row->unit);
+        if (self->peers)
+            printf("  %13s  %6s  %-16s", peer_cell(row, peer, sizeof peer), ratio, row->peer_name ? row->peer_name : "-");
+        printf("  %s\n", row->counters);
+    }
+}
+
+static void write_number(FILE *file, const char *name, double value)
+{
+    if (value < 0)
+        fprintf(file, ", \"%s\": null", name);
+    else
+        fprintf(file, ", \"%s\": %.6g", name, value);
+}
+
+/* Names are ours and plain: nothing in them needs escaping. */
+static bool write_json(const bench *self)
+{
+    FILE *file = fopen(self->json, "w");
+    if (!file) return false;
+    fprintf(file, "[");
+    for (size_t i = 0; i < self->count; i++) {
+        const bench_row *row = &self->rows[i];
+        fprintf(file, "%s\n  {\"scene\": \"%s\", \"what\": \"%s\", \"threads\": %d, \"isa\": \"%s\"", i ? "," : "",
+                row->scene, row->what, row->threads, row->isa);
+        write_number(file, "ours", row->ours);
+        write_number(file, "peer", row->peer);
+        if (row->peer_name)
+            fprintf(file, ", \"peer_name\": \"%s\"", row->peer_name);
+        else
+            fprintf(file, ", \"peer_name\": null");
+        fprintf(file, ", \"unit\": \"%s\"", row->unit);
+        write_number(file, "ratio", ratio_of(row));
+        fprintf(file, ", \"counters\": \"%s\"}", row->counters);
+    }
+    fprintf(file, "\n]\n");
+    bool written = !ferror(file);
+    return (fclose(file) == 0) && written;
+}
+
+/* ---- command line ---- */
+
+static const char USAGE[] =
+    "usage: daft bench [--peers] [--only PATTERN] [--json FILE] [options]\n"
+    "\n"
+    "Measures speed and prints a table: the median of several rounds, and what was counted beside it.\n"
+    "\n"
+    "  --peers         run other libraries on the same work, in turns with ours (ratio > 1: ours is better)\n"
+    "  --only PATTERN  only benchmarks with PATTERN in their name\n"
+    "  --json FILE     write the results as JSON, too\n"
+    "  --threads N     measure with N threads (default: with one, and with all)\n"
+    "  --isa X         sse2, avx2 or avx512 (default: the best there is)\n"
+    "  --rounds N      samples to take the median of (default 9)\n"
+    "  --list          print the names of the benchmarks\n"
+    "  --help          this text\n"
+    "\n"
+    "Meshes that are not part of DAFT are read from the folder ../shared/data beside the checkout, or from $DAFT_DATA.\n";
+
+static int refuse(const char *message, const char *detail)
+{
+    fprintf(stderr, "daft bench: %s '%s'\nTry 'daft bench --help'.\n", message, detail);
+    return 2;
+}
+
+static bool parse_count(const char *text, int high, int *out)
+{
+    char *end;
+    long value = strtol(text, &end, 10);
+    if (end == text || *end || value < 1 || value > high) return false;
+    *out = (int)value;
+    return true;
+}
+
+/* Takes "--name VALUE" and "--name=VALUE"; *value is NULL when the argument is not `name`. 0 or an exit status. */
+static int take_value(const char *name, int argc, char **argv, int *index, const char **value)
+{
+    size_t length = strlen(name);
+    *value = NULL;
+    if (strncmp(argv[*index], name, length) != 0) return 0;
+    if (argv[*index][length] == '=') *value = argv[*index] + length + 1;
+    if (argv[*index][length] != 0) return 0;
+    if (*index + 1 >= argc) return refuse("a value is missing after", name);
+    *value = argv[++*index];
+    return 0;
+}
+
+static int take_argument(bench *self, int argc, char **argv, int *index)
+{
+    const char *value, *argument = argv[*index];
+    if (strcmp(argument, "--peers") == 0) return self->peers = true, 0;
+    if (strcmp(argument, "--list") == 0) return self->list = true, 0;
+    int status = take_value("--only", argc, argv, index, &value);
+    if (status || value) return self->only = value, status;
+    status = take_value("--json", argc, argv, index, &value);
+    if (status || value) return self->json = value, status;
+    status = take_value("--isa", argc, argv, index, &value);
+    if (status || value) return self->isa = value, status;
+    status = take_value("--threads", argc, argv, index, &value);
+    if (status || value)
+        return !status && !parse_count(value, 64, &self->threads) ? refuse("--threads: 1 to 64 expected, got", value) : status;
+    status = take_value("--rounds", argc, argv, index, &value);
+    if (status || value)
+        return !status && !parse_count(value, MAX_ROUNDS, &self->rounds) ? refuse("--rounds: 1 to 101 expected, got", value)
+                                                                        : status;
+    return refuse("there is no option", argument);
+}
+
+int main(int argc, char **argv)
+{
+    bench self = {.rounds = 9, .allocator = daft_malloc_allocator()};
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) return fputs(USAGE, stdout), 0;
+        int status = take_argument(&self, argc, argv, &i);
+        if (status) return status;
+    }
+    int isa;
+    if (!daft_isa_parse(self.isa, &isa))
+        return refuse(isa < 0 ? "--isa: sse2, avx2 or avx512 expected, got" : "this processor does not have", self.isa);
+    self.isa = daft_isa_name(isa);
+
+    bench_render(&self);
+    bench_load(&self);
+    bench_game(&self);
+    if (!self.list && self.count > 0) print_table(&self);
+    if (!self.list && self.count == 0 && !self.failed)
+        bench_note(&self, true, "no benchmark has '%s' in its name; --list names them all", self.only ? self.only : "");
+    if (self.json && !self.list && !write_json(&self)) bench_note(&self, true, "cannot write %s", self.json);
+    daft_release(&self.allocator, self.rows);
+    return self.failed ? 1 : 0;
+}

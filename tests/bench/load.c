@@ -1,0 +1,162 @@
+/* What stands before the first frame: reading an OBJ file, and building the BVH. */
+#include "bench.h"
+
+#include "accel/accel.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- OBJ ---- */
+
+typedef struct obj_job {
+    bench *self;
+    const char *path;
+    double megabytes;
+    size_t triangles, peer_triangles;
+    bench_obj_loader *peer;
+} obj_job;
+
+static double obj_ours(void *context)
+{
+    obj_job *job = context;
+    daft_obj obj;
+    daft_log log = {0};
+    double start = daft_clock_ms();
+    if (!daft_obj_load(&job->self->allocator, job->path, &log, &obj, NULL)) return -1;
+    double ms = daft_clock_ms() - start;
+    job->triangles = obj.mesh.triangle_count;
+    daft_obj_free(&job->self->allocator, &obj);
+    return job->megabytes / ms * 1e3;
+}
+
+static double obj_peer(void *context)
+{
+    obj_job *job = context;
+    double ms = job->peer(job->path, &job->peer_triangles);
+    return ms < 0 ? -1 : job->megabytes / ms * 1e3;
+}
+
+static void obj_describe(void *context, char *out, size_t size)
+{
+    obj_job *job = context;
+    int used = snprintf(out, size, "%.2f MB, %zu triangles", job->megabytes, job->triangles);
+    if (job->peer_triangles && used > 0 && (size_t)used < size)
+        snprintf(out + used, size - (size_t)used, ", peer %zu", job->peer_triangles);
+}
+
+/* The generated mesh as a file: v, vt, vn and faces that name all three. */
+static bool write_obj(const daft_trimesh *mesh, const char *path)
+{
+    FILE *file = fopen(path, "w");
+    if (!file) return false;
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        double x = (double)mesh->x[i], y = (double)mesh->y[i], z = (double)mesh->z[i];
+        fprintf(file, "v %.6f %.6f %.6f\nvt %.5f %.5f\nvn %.4f %.4f %.4f\n", x, y, z, x + 0.5, z + 0.5, -y, 1 - y * y, y);
+    }
+    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+        const uint32_t *v = &mesh->indices[3 * (size_t)i];
+        fprintf(file, "f %u/%u/%u %u/%u/%u %u/%u/%u\n", v[0] + 1, v[0] + 1, v[0] + 1, v[1] + 1, v[1] + 1, v[1] + 1,
+                v[2] + 1, v[2] + 1, v[2] + 1);
+    }
+    bool written = !ferror(file);
+    return fclose(file) == 0 && written;
+}
+
+static bool obj_path(bench *self, const bench_model *model, char *out, size_t size, bool *temporary)
+{
+    *temporary = !model->file;
+    if (model->file) {
+        if (bench_model_path(model, out, size)) return true;
+        bench_note(self, false, "%s left out: there is no %s", model->name, out);
+        return false;
+    }
+    const char *folder = getenv("TMPDIR");
+    snprintf(out, size, "%s/daft_bench_%ld.obj", folder ? folder : "/tmp", (long)getpid());
+    daft_trimesh mesh;
+    if (!bench_model_load(self, model, &mesh)) return false;
+    bool written = write_obj(&mesh, out);
+    daft_trimesh_free(&self->allocator, &mesh);
+    if (!written) bench_note(self, true, "cannot write %s", out);
+    return written;
+}
+
+static void measure_obj(bench *self, const bench_model *model)
+{
+    char path[1024];
+    bool temporary;
+    struct stat status;
+    if (!obj_path(self, model, path, sizeof path, &temporary)) return;
+    if (stat(path, &status) == 0) {
+        obj_job job = {self, path, (double)status.st_size / 1e6, 0, 0, self->peers ? bench_find_tinyobj() : NULL};
+        bench_subject subject = {.scene = model->name, .what = "OBJ load", .unit = "MB/s", .isa = self->isa, .threads = 1,
+                                 .ours = obj_ours, .peer = job.peer ? obj_peer : NULL, .context = &job,
+                                 .peer_name = "tinyobjloader", .describe = obj_describe};
+        bench_measure(self, &subject);
+    }
+    if (temporary) unlink(path);
+}
+
+/* ---- BVH ---- */
+
+typedef struct build_job {
+    bench *self;
+    daft_trimesh mesh;
+    int threads;
+    size_t bytes;
+    const bench_embree_api *api;
+    bench_embree *embree;
+} build_job;
+
+static double build_ours(void *context)
+{
+    build_job *job = context;
+    double start = daft_clock_ms();
+    daft_bvh *bvh = daft_bvh_build_mesh(&job->self->allocator, &job->mesh, job->threads, NULL);
+    double ms = daft_clock_ms() - start;
+    if (!bvh) return -1;
+    job->bytes = daft_bvh_bytes(bvh) + daft_trimesh_bytes(&job->mesh);
+    daft_bvh_free(bvh);
+    return job->mesh.triangle_count / ms / 1e3;
+}
+
+static double build_peer(void *context)
+{
+    build_job *job = context;
+    return job->mesh.triangle_count / job->api->build_ms(job->embree) / 1e3;
+}
+
+static void build_describe(void *context, char *out, size_t size)
+{
+    build_job *job = context;
+    snprintf(out, size, "%u triangles, %.1f bytes each with the mesh", job->mesh.triangle_count,
+             (double)job->bytes / job->mesh.triangle_count);
+}
+
+static void measure_build(bench *self, const bench_model *model)
+{
+    build_job job = {.self = self, .api = self->peers ? bench_find_embree() : NULL};
+    if (!bench_model_load(self, model, &job.mesh)) return;
+    int threads[2], count = bench_thread_counts(self, threads);
+    for (int t = 0; t < count; t++) {
+        job.threads = threads[t];
+        if (job.api) job.embree = job.api->create(&job.mesh, false, threads[t]);
+        bench_subject subject = {.scene = model->name, .what = "BVH build", .unit = "Mtri/s", .isa = self->isa,
+                                 .threads = threads[t], .ours = build_ours, .peer = job.embree ? build_peer : NULL,
+                                 .context = &job, .peer_name = job.api ? job.api->name : "Embree",
+                                 .describe = build_describe};
+        bench_measure(self, &subject);
+        if (job.api) job.api->destroy(job.embree);
+        job.embree = NULL;
+    }
+    daft_trimesh_free(&self->allocator, &job.mesh);
+}
+
+void bench_load(bench *self)
+{
+    for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
+        if (bench_wants(self, BENCH_MODELS[i].name, "OBJ load")) measure_obj(self, &BENCH_MODELS[i]);
+    for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
+        if (bench_wants(self, BENCH_MODELS[i].name, "BVH build")) measure_build(self, &BENCH_MODELS[i]);
+}

@@ -1,0 +1,40 @@
+#!/bin/sh
+# usage: check_symbols.sh STATIC_LIBRARY SHARED_LIBRARY
+# The shared library exports daft.h's functions and nothing else. The archive needs no terminal and never ends the process,
+# and has no data that anyone writes to: two engines in one process are independent.
+set -eu
+
+archive=$1
+shared=$2
+header=$(dirname -- "$0")/../engine/daft.h
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+bad=0
+
+# What is defined and exported, against what the header declares.
+nm -D --defined-only "$shared" | awk '$2 != "A" { print $3 }' | sort -u >"$out/exported"
+grep '^DAFT_API' "$header" | sed 's/.*[ *]\(daft_[a-z0-9_]*\)(.*/\1/' | sort -u >"$out/declared"
+comm -13 "$out/declared" "$out/exported" >"$out/extra"
+comm -23 "$out/declared" "$out/exported" >"$out/lacking"
+[ ! -s "$out/extra" ] || { echo "exported, but not in daft.h:" && cat "$out/extra" && bad=1; }
+[ ! -s "$out/lacking" ] || { echo "in daft.h, but not exported:" && cat "$out/lacking" && bad=1; }
+
+# What a library leaves to its caller.
+nm -A --undefined-only "$archive" 2>/dev/null | awk '{ print $NF " in " $1 }' |
+    grep -E '^(stdout|stderr|stdin|printf|vprintf|puts|putchar|perror|exit|_exit|_Exit|quick_exit|abort|__printf_chk|SDL_.*|lua.*) ' \
+        >"$out/forbidden" || true
+[ ! -s "$out/forbidden" ] || { echo "the library must not use:" && cat "$out/forbidden" && bad=1; }
+
+# Sections that stay writable. .data.rel.ro is not: the loader seals it. stb's own switches, which nobody turns, may stay.
+objdump -t "$archive" | awk '
+    /file format/ { object = $1; next }
+    {
+        section = ""
+        for (i = 2; i <= NF; i++) if ($i ~ /^\.(data|bss|tdata|tbss)/ || $i == "*COM*") section = $i
+        if (section == "" || section ~ /^\.data\.rel\.ro/ || $NF ~ /^\./ || $NF ~ /^stbiw?_/) next
+        print object ": " $NF " in " section
+    }' >"$out/writable"
+[ ! -s "$out/writable" ] || { echo "data that can be written:" && cat "$out/writable" && bad=1; }
+
+[ "$bad" = 0 ] || exit 1
+echo "$(wc -l <"$out/exported") functions exported, no terminal, no exit, no writable data"

@@ -1,0 +1,29 @@
+#!/bin/sh
+# usage: determinism.sh PROGRAM
+# Replays the marble game's demo with 1 and with 2 threads, and with every program that DAFT_OTHER_PROGRAMS names, one
+# a line (other compilers and build types of the same sources). State and pictures must be the same to the bit.
+set -eu
+
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+
+demo=$root/games/marble/demo.rec
+[ -f "$demo" ] || { echo "$demo is missing" && exit 1; }
+number=0
+printf '%s\n%s' "$1" "${DAFT_OTHER_PROGRAMS:-}" >"$out/programs"
+while IFS= read -r program; do
+    [ -n "$program" ] || continue
+    for threads in 1 2; do
+        number=$((number + 1))
+        DAFT_HOME=$root "$program" play marble --headless --replay "$demo" --hash --threads "$threads" </dev/null >"$out/all" ||
+            { echo "$program failed with $threads threads" && exit 1; }
+        grep '^tick [0-9]* state 0x[0-9a-f]* frame 0x[0-9a-f]*$' "$out/all" >"$out/$number" ||
+            { echo "$program prints no hashes" && exit 1; }
+        echo "$(wc -l <"$out/$number") states and pictures of $program, $threads threads: $(tail -n 1 "$out/$number")"
+        cmp -s "$out/1" "$out/$number" && continue
+        diff "$out/1" "$out/$number" | head -n 4
+        exit 1
+    done
+done <"$out/programs"
+echo "[  PASSED  ] $number test(s)"

@@ -1,0 +1,63 @@
+#!/bin/sh
+# usage: docs.sh PROGRAM BUILD_FOLDER C_COMPILER SANITIZERS
+# The examples of README.md and docs/ do what they say: Lua is played, scenes are rendered, C is compiled and run.
+# And the manual leaves out no function that a game can call.
+set -eu
+
+program=$1
+build=$2
+cc=$3
+extra=${4:+-fsanitize=$4}
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+passed=0
+
+fail() { echo "$*" && cat "$out/log" && exit 1; }
+
+# Every block between ```LANGUAGE and ``` becomes FILE-NUMBER.LANGUAGE.
+for page in "$root/README.md" "$root"/docs/*.md; do
+    awk -v out="$out/$(basename "$page" .md)" '
+        /^```$/ { name = "" }
+        name != "" { print > name }
+        /^```(lua|scene|c)$/ { name = sprintf("%s-%d.%s", out, ++count, substr($0, 4)) }' "$page"
+done
+
+for example in "$out"/*.lua; do
+    game=${example%.lua}
+    mkdir "$game" && mv "$example" "$game/main.lua"
+    DAFT_HOME=$root "$program" play "$game" --headless --ticks 90 >"$out/log" 2>&1 ||
+        fail "the example $(basename "$game") fails: $(cat "$game/main.lua")"
+    passed=$((passed + 1))
+done
+
+mkdir -p "$out/assets/scenes"
+ln -s "$root/assets/meshes" "$root/assets/sky" "$out/assets/"
+for example in "$out"/*.scene; do
+    mv "$example" "$out/assets/scenes/"
+    "$program" render "$out/assets/scenes/$(basename "$example")" -o "$out/picture.png" --size 64x36 >"$out/log" 2>&1 ||
+        fail "the scene $(basename "$example") does not render"
+    passed=$((passed + 1))
+done
+
+cmake --install "$build" --prefix "$out/usr" >"$out/log"
+PKG_CONFIG_PATH=$(dirname "$(find "$out/usr" -name daft.pc)")
+export PKG_CONFIG_PATH
+for example in "$out"/*.c; do
+    # shellcheck disable=SC2046,SC2086 # lists of flags
+    "$cc" -std=c11 -Wall -Wextra -Werror $extra -o "$out/example" "$example" $(pkg-config --cflags --libs daft) \
+        >"$out/log" 2>&1 || fail "$(basename "$example") does not compile"
+    (cd "$out" && ./example >"$out/log" 2>&1) || fail "$(basename "$example") fails"
+    passed=$((passed + 1))
+done
+
+# `daft help lua` is printed from the tables that the functions are registered from.
+"$program" help lua >"$out/log"
+sed -n 's/^  \(daft\.[a-z_.]*\|[a-z]*:[a-z_]*\).*/\1/p' "$out/log" | sort -u >"$out/names"
+while read -r name; do
+    case $name in *:*) name=:${name#*:} ;; esac
+    grep -qF -- "$name" "$root/docs/lua-api.md" || fail "docs/lua-api.md leaves out $name"
+    passed=$((passed + 1))
+done <"$out/names"
+[ "$(wc -l <"$out/names")" -gt 50 ] || fail "the program names too few functions"
+echo "[  PASSED  ] $passed test(s)"
