@@ -3,6 +3,8 @@
  * IEEE 754 fixes every bit. */
 #include "math/real.h"
 
+#include "daft.h" /* exports them */
+
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
