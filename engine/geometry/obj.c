@@ -37,6 +37,7 @@ bool daft_obj_parse(const daft_allocator *allocator, const char *path, const cha
     daft_obj_source source = {.text = daft_text_open(path, text, size, log), .allocator = allocator};
     bool done = daft_obj_read(&source, error) && daft_obj_make_mesh(&source, &obj.mesh, error) &&
                 daft_obj_make_slots(&source, &obj.slots, error);
+    obj.mesh.slot_count = (uint32_t)obj.slots.count;
     if (done) daft_text_close(&source.text);
     source_free(&source);
     if (done)
