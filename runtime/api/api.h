@@ -1,0 +1,113 @@
+/* api: the functions a game sees as `daft`. Each area is one file and one table of functions, with their form and what
+ * they do beside them: registration, messages and the reference (`daft help lua`) all come from these tables.
+ *
+ * A binding reads its arguments, calls libdaft, and only then may raise an error. */
+#ifndef RUNTIME_API_H
+#define RUNTIME_API_H
+
+#include "host.h"
+
+#include <lauxlib.h>
+#include <lua.h>
+#include <lualib.h>
+
+enum {
+    API_CHANGES = 1, /* changes the game, so daft.draw must not call it */
+    API_DRAWS = 2    /* only within daft.draw */
+};
+
+/* Names: "light.sun" is daft.light.sun; "entity:push" is a method of the type "entity". */
+struct api_function {
+    const char *name;
+    const char *form; /* the arguments and what comes back */
+    const char *doc;
+    int (*call)(lua_State *L, host *h);
+    unsigned flags;
+};
+
+typedef struct api_area {
+    const char *title;
+    const api_function *functions;
+    size_t count;
+} api_area;
+
+extern const api_area api_entity, api_material, api_light, api_camera, api_input, api_hud, api_world;
+/* All areas, for registration and for the reference. */
+const api_area *const *api_areas(size_t *count);
+
+/* Builds the table `daft` and leaves it as a global and in the registry. */
+void api_register(lua_State *L, host *h);
+/* Pushes the table `daft`. */
+void api_push(lua_State *L);
+/* The host of a state. */
+host *api_host(lua_State *L);
+void api_print_reference(void);
+
+/* The library tables a script gets, with what would break determinism taken out or replaced (sandbox.c). */
+void sandbox_open(lua_State *L);
+
+/* ---- errors: none of these return ---- */
+
+/* "daft.NAME: message", with the script's file and line before it. */
+int api_error(lua_State *L, host *h, const char *format, ...) __attribute__((format(printf, 3, 4), noreturn));
+/* "WHAT: WANTED expected, got TYPE" for the value at index. */
+int api_wrong(lua_State *L, host *h, int index, const char *what, const char *wanted) __attribute__((noreturn));
+int api_engine_error(lua_State *L, host *h, const daft_error *error) __attribute__((noreturn));
+
+/* ---- arguments: `what` is the argument's name in messages ---- */
+
+double api_number(lua_State *L, host *h, int index, const char *what); /* finite */
+float api_float(lua_State *L, host *h, int index, const char *what);   /* fits a float */
+lua_Integer api_whole(lua_State *L, host *h, int index, const char *what);
+bool api_boolean(lua_State *L, host *h, int index, const char *what);
+const char *api_text(lua_State *L, host *h, int index, const char *what); /* without zero bytes */
+/* {x, y, z} or {x =, y =, z =}. */
+daft_dvec3 api_dvec3(lua_State *L, host *h, int index, const char *what);
+daft_vec3 api_vec3(lua_State *L, host *h, int index, const char *what);
+/* Like api_dvec3, or three numbers from index on; or, with an entity there, its position. */
+daft_dvec3 api_place(lua_State *L, host *h, int index, const char *what);
+daft_vec3 api_triple(lua_State *L, host *h, int index, const char *what); /* a table or three numbers */
+/* "#rgb", "#rrggbb" (sRGB) or {r, g, b} (linear light). */
+daft_vec3 api_color(lua_State *L, host *h, int index, const char *what);
+/* The same and "#rrggbbaa" or {r, g, b, a}, for the HUD. */
+canvas_color api_hud_color(lua_State *L, host *h, int index, const char *what);
+/* {yaw, pitch, roll} or a quaternion {x, y, z, w}. */
+daft_quat api_rotation(lua_State *L, host *h, int index, const char *what);
+daft_quat api_quat_from_angles(double yaw, double pitch, double roll);
+/* One of the names; its place. */
+size_t api_choice(lua_State *L, host *h, int index, const char *what, const char *const *names, size_t count);
+int api_key(lua_State *L, host *h, int index, const char *what);
+
+/* The value at index is a table that has no key but these; otherwise an error that names a near miss. */
+void api_fields(lua_State *L, host *h, int index, const char *what, const char *const *names, size_t count);
+/* Pushes the field and is true; or pushes nothing and is false where it is nil. */
+bool api_field(lua_State *L, int table, const char *name);
+
+int api_push_vec3(lua_State *L, double x, double y, double z); /* as a table */
+int api_push_numbers(lua_State *L, double x, double y, double z); /* as three values */
+
+/* ---- handles ---- */
+
+typedef enum api_type { API_ENTITY, API_LIGHT, API_MATERIAL, API_MESH, API_TYPES } api_type;
+
+/* What a userdata of any of these types holds. */
+typedef struct api_handle {
+    uint32_t id;
+    bool visible; /* of an entity, as last set */
+} api_handle;
+
+/* Pushes a new userdata of the type. */
+api_handle *api_new_handle(lua_State *L, api_type type, uint32_t id);
+/* The handle at index, or NULL when it is no such thing. */
+api_handle *api_test_handle(lua_State *L, int index, api_type type);
+api_handle *api_check_handle(lua_State *L, host *h, int index, api_type type, const char *what);
+const char *api_type_name(lua_State *L, int index);
+
+/* Pushes the userdata of an entity, always the same one for the same entity; nil for none. */
+void api_push_entity(lua_State *L, uint32_t id);
+daft_entity api_entity_at(lua_State *L, host *h, int index, const char *what);
+/* A texture name, "#colour", file.mtl#name, a table or a material. */
+daft_material api_material_at(lua_State *L, host *h, int index, const char *what);
+daft_mesh api_mesh_at(lua_State *L, host *h, int index, const char *what);
+
+#endif

@@ -1,0 +1,364 @@
+/* daft.entity and the methods of entities. */
+#include "api/api.h"
+
+#include "util.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const FIELDS[] = {
+    "mesh", "sphere", "box", "position", "rotation", "scale", "material", "parent", "visible", "casts_shadow", "body",
+    "density", "mass", "friction", "restitution", "rolling_resistance", "velocity", "angular_velocity", "name", "data"};
+
+static const char *const BODIES[] = {"static", "kinematic", "dynamic"};
+
+daft_entity api_entity_at(lua_State *L, host *h, int index, const char *what)
+{
+    return (daft_entity){api_check_handle(L, h, index, API_ENTITY, what)->id};
+}
+
+/* ---- creation ---- */
+
+static void read_shape(lua_State *L, host *h, daft_entity_def *def)
+{
+    int shapes = 0;
+    if (api_field(L, 1, "mesh")) {
+        def->shape = DAFT_SHAPE_MESH, shapes++;
+        def->mesh = api_mesh_at(L, h, -1, "mesh");
+    }
+    if (api_field(L, 1, "sphere")) {
+        def->shape = DAFT_SHAPE_SPHERE, shapes++;
+        def->radius = api_float(L, h, -1, "sphere");
+        if (!(def->radius > 0)) api_wrong(L, h, -1, "sphere", "radius above 0");
+    }
+    if (api_field(L, 1, "box")) {
+        def->shape = DAFT_SHAPE_BOX, shapes++;
+        def->size = api_vec3(L, h, -1, "box");
+        if (!(def->size.x > 0) || !(def->size.y > 0) || !(def->size.z > 0))
+            api_error(L, h, "box: edge lengths above 0 expected");
+    }
+    if (shapes > 1) api_error(L, h, "only one of mesh, sphere and box expected");
+}
+
+static daft_vec3 read_scale(lua_State *L, host *h, int index)
+{
+    if (lua_type(L, index) != LUA_TNUMBER) return api_vec3(L, h, index, "scale");
+    float scale = api_float(L, h, index, "scale");
+    return (daft_vec3){scale, scale, scale};
+}
+
+static float read_positive(lua_State *L, host *h, const char *name, float otherwise, bool zero_too)
+{
+    if (!api_field(L, 1, name)) return otherwise;
+    float value = api_float(L, h, -1, name);
+    if (!(zero_too ? value >= 0 : value > 0))
+        api_wrong(L, h, -1, name, zero_too ? "number of 0 or more" : "number above 0");
+    return value;
+}
+
+static void read_body(lua_State *L, host *h, daft_entity_def *def)
+{
+    if (api_field(L, 1, "body"))
+        def->body = (daft_body_kind)(DAFT_BODY_STATIC + api_choice(L, h, -1, "body", BODIES, COUNT_OF(BODIES)));
+    def->density = read_positive(L, h, "density", def->density, false);
+    def->friction = read_positive(L, h, "friction", def->friction, true);
+    def->restitution = read_positive(L, h, "restitution", def->restitution, true);
+    def->rolling_resistance = read_positive(L, h, "rolling_resistance", def->rolling_resistance, true);
+    if (api_field(L, 1, "mass")) {
+        double mass = (double)read_positive(L, h, "mass", 0, false), volume;
+        if (def->shape == DAFT_SHAPE_SPHERE) {
+            double r = (double)def->radius;
+            volume = 4.0 / 3.0 * 3.14159265358979323846 * r * r * r;
+        } else if (def->shape == DAFT_SHAPE_BOX) {
+            volume = (double)def->size.x * (double)def->size.y * (double)def->size.z;
+        } else {
+            api_error(L, h, "mass: only spheres and boxes have one");
+        }
+        def->density = (float)(mass / volume);
+    }
+}
+
+static void read_place(lua_State *L, host *h, daft_entity_def *def)
+{
+    if (api_field(L, 1, "position")) def->position = api_dvec3(L, h, -1, "position");
+    if (api_field(L, 1, "rotation")) def->rotation = api_rotation(L, h, -1, "rotation");
+    if (api_field(L, 1, "scale")) def->scale = read_scale(L, h, -1);
+    if (api_field(L, 1, "parent")) def->parent = api_entity_at(L, h, -1, "parent");
+    if (api_field(L, 1, "visible")) def->visible = api_boolean(L, h, -1, "visible");
+    if (api_field(L, 1, "casts_shadow")) def->casts_shadow = api_boolean(L, h, -1, "casts_shadow");
+}
+
+static int create(lua_State *L, host *h)
+{
+    api_fields(L, h, 1, "its table", FIELDS, COUNT_OF(FIELDS));
+    luaL_checkstack(L, COUNT_OF(FIELDS) + 8, NULL);
+    daft_entity_def def = daft_default_entity_def();
+    read_shape(L, h, &def);
+    read_place(L, h, &def);
+    read_body(L, h, &def);
+    daft_vec3 linear = {0, 0, 0}, angular = {0, 0, 0};
+    bool moves = api_field(L, 1, "velocity");
+    if (moves) linear = api_vec3(L, h, -1, "velocity");
+    bool turns = api_field(L, 1, "angular_velocity");
+    if (turns) angular = api_vec3(L, h, -1, "angular_velocity");
+    if ((moves || turns) && def.body != DAFT_BODY_DYNAMIC && def.body != DAFT_BODY_KINEMATIC)
+        api_error(L, h, "velocity: only a body that is \"dynamic\" or \"kinematic\" has one");
+    if (api_field(L, 1, "name")) api_text(L, h, -1, "name");
+    if (api_field(L, 1, "material")) def.material = api_material_at(L, h, -1, "material");
+
+    daft_error error;
+    daft_entity entity = daft_entity_create(h->def.scene, &def, &error);
+    if (entity.id == 0) api_engine_error(L, h, &error);
+    if ((moves || turns) && !daft_entity_set_velocity(h->def.scene, entity, linear, angular, &error)) {
+        daft_entity_destroy(h->def.scene, entity, NULL);
+        api_engine_error(L, h, &error);
+    }
+    api_push_entity(L, entity.id);
+    ((api_handle *)lua_touserdata(L, -1))->visible = def.visible;
+    lua_getiuservalue(L, -1, 1);
+    for (int i = 0; i < 2; i++) {
+        const char *name = i == 0 ? "name" : "data";
+        if (!api_field(L, 1, name)) continue;
+        lua_setfield(L, -2, name);
+    }
+    lua_pop(L, 1);
+    return 1;
+}
+
+/* ---- transforms ---- */
+
+static daft_transform get_transform(lua_State *L, host *h)
+{
+    daft_transform transform;
+    daft_error error;
+    if (!daft_entity_get_transform(h->def.scene, api_entity_at(L, h, 1, "entity"), &transform, &error))
+        api_engine_error(L, h, &error);
+    return transform;
+}
+
+static int set_transform(lua_State *L, host *h, const daft_transform *transform, bool teleport)
+{
+    daft_error error;
+    if (!daft_entity_set_transform(h->def.scene, api_entity_at(L, h, 1, "entity"), transform, teleport, &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
+/* Getters that set when they have arguments may not set within daft.draw. */
+static void check_may_change(lua_State *L, host *h)
+{
+    if (h->picture) api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
+}
+
+static int position(lua_State *L, host *h)
+{
+    daft_transform transform = get_transform(L, h);
+    if (lua_gettop(L) < 2)
+        return api_push_numbers(L, transform.position.x, transform.position.y, transform.position.z);
+    check_may_change(L, h);
+    transform.position = api_place(L, h, 2, "position");
+    return set_transform(L, h, &transform, false);
+}
+
+static int teleport(lua_State *L, host *h)
+{
+    daft_transform transform = get_transform(L, h);
+    transform.position = api_place(L, h, 2, "position");
+    return set_transform(L, h, &transform, true);
+}
+
+static int rotation(lua_State *L, host *h)
+{
+    daft_transform transform = get_transform(L, h);
+    if (lua_gettop(L) < 2) {
+        daft_quat q = transform.rotation;
+        api_push_numbers(L, (double)q.x, (double)q.y, (double)q.z);
+        lua_pushnumber(L, (double)q.w);
+        return 4;
+    }
+    check_may_change(L, h);
+    if (lua_type(L, 2) == LUA_TNUMBER) {
+        int count = lua_gettop(L) - 1;
+        if (count != 3 && count != 4) api_error(L, h, "rotation: 3 or 4 numbers expected, got %d", count);
+        lua_createtable(L, count, 0);
+        for (int i = 0; i < count; i++) {
+            lua_pushvalue(L, 2 + i);
+            lua_rawseti(L, -2, i + 1);
+        }
+        lua_replace(L, 2);
+    }
+    transform.rotation = api_rotation(L, h, 2, "rotation");
+    return set_transform(L, h, &transform, false);
+}
+
+static int scale(lua_State *L, host *h)
+{
+    daft_transform transform = get_transform(L, h);
+    if (lua_gettop(L) < 2)
+        return api_push_numbers(L, (double)transform.scale.x, (double)transform.scale.y, (double)transform.scale.z);
+    check_may_change(L, h);
+    transform.scale = lua_gettop(L) >= 4 ? api_triple(L, h, 2, "scale") : read_scale(L, h, 2);
+    return set_transform(L, h, &transform, false);
+}
+
+/* ---- looks ---- */
+
+static int material(lua_State *L, host *h)
+{
+    daft_entity entity = api_entity_at(L, h, 1, "entity");
+    daft_error error;
+    if (!daft_entity_set_material(h->def.scene, entity, api_material_at(L, h, 2, "material"), &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int visible(lua_State *L, host *h)
+{
+    api_handle *handle = api_check_handle(L, h, 1, API_ENTITY, "entity");
+    get_transform(L, h); /* refuses an entity that is gone */
+    if (lua_gettop(L) < 2) {
+        lua_pushboolean(L, handle->visible);
+        return 1;
+    }
+    check_may_change(L, h);
+    bool wish = api_boolean(L, h, 2, "visible");
+    daft_error error;
+    if (!daft_entity_set_visible(h->def.scene, (daft_entity){handle->id}, wish, &error)) api_engine_error(L, h, &error);
+    handle->visible = wish;
+    return 0;
+}
+
+/* ---- motion ---- */
+
+static void get_velocity(lua_State *L, host *h, daft_vec3 *linear, daft_vec3 *angular)
+{
+    daft_error error;
+    if (!daft_entity_get_velocity(h->def.scene, api_entity_at(L, h, 1, "entity"), linear, angular, &error))
+        api_engine_error(L, h, &error);
+}
+
+static int set_velocity(lua_State *L, host *h, daft_vec3 linear, daft_vec3 angular)
+{
+    daft_error error;
+    if (!daft_entity_set_velocity(h->def.scene, api_entity_at(L, h, 1, "entity"), linear, angular, &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int velocity(lua_State *L, host *h)
+{
+    daft_vec3 linear, angular;
+    get_velocity(L, h, &linear, &angular);
+    if (lua_gettop(L) < 2) return api_push_numbers(L, (double)linear.x, (double)linear.y, (double)linear.z);
+    check_may_change(L, h);
+    return set_velocity(L, h, api_triple(L, h, 2, "velocity"), angular);
+}
+
+static int angular_velocity(lua_State *L, host *h)
+{
+    daft_vec3 linear, angular;
+    get_velocity(L, h, &linear, &angular);
+    if (lua_gettop(L) < 2) return api_push_numbers(L, (double)angular.x, (double)angular.y, (double)angular.z);
+    check_may_change(L, h);
+    return set_velocity(L, h, linear, api_triple(L, h, 2, "angular_velocity"));
+}
+
+static int push(lua_State *L, host *h)
+{
+    daft_error error;
+    if (!daft_entity_apply_force(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "force"), &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int impulse(lua_State *L, host *h)
+{
+    daft_error error;
+    if (!daft_entity_apply_impulse(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "impulse"),
+                                   &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
+/* Pushes {other =, point =, normal =, impulse =}; `sign` turns the normal to point away from the other. */
+static void push_contact(lua_State *L, const daft_contact *contact, uint32_t other, double sign)
+{
+    lua_createtable(L, 0, 4);
+    api_push_entity(L, other);
+    lua_setfield(L, -2, "other");
+    api_push_vec3(L, contact->point.x, contact->point.y, contact->point.z);
+    lua_setfield(L, -2, "point");
+    api_push_vec3(L, sign * (double)contact->normal.x, sign * (double)contact->normal.y,
+                  sign * (double)contact->normal.z);
+    lua_setfield(L, -2, "normal");
+    lua_pushnumber(L, (double)contact->impulse);
+    lua_setfield(L, -2, "impulse");
+}
+
+static int contacts(lua_State *L, host *h)
+{
+    get_transform(L, h); /* refuses an entity that is gone */
+    uint32_t self = api_entity_at(L, h, 1, "entity").id;
+    uint32_t count = daft_scene_contacts(h->def.scene, NULL, 0);
+    lua_newtable(L);
+    if (count == 0) return 1;
+    daft_contact *all = lua_newuserdatauv(L, count * sizeof *all, 0);
+    count = daft_scene_contacts(h->def.scene, all, count);
+    lua_Integer found = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (all[i].a.id != self && all[i].b.id != self) continue;
+        bool first = all[i].a.id == self;
+        push_contact(L, &all[i], first ? all[i].b.id : all[i].a.id, first ? -1 : 1);
+        lua_rawseti(L, -3, ++found);
+    }
+    lua_pop(L, 1);
+    return 1;
+}
+
+/* ---- life ---- */
+
+static int destroy(lua_State *L, host *h)
+{
+    daft_error error;
+    if (!daft_entity_destroy(h->def.scene, api_entity_at(L, h, 1, "entity"), &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int valid(lua_State *L, host *h)
+{
+    lua_pushboolean(L, daft_entity_is_valid(h->def.scene, api_entity_at(L, h, 1, "entity")));
+    return 1;
+}
+
+static const api_function FUNCTIONS[] = {
+    {"entity", "{...} -> entity",
+     "Makes a thing. Shape, one of: mesh = \"file.obj\", sphere = radius, box = {x, y, z} (edge lengths); none: a group.\n"
+     "position = {x, y, z}, rotation = {yaw, pitch, roll} or {x, y, z, w}, scale = s or {x, y, z}, parent = entity,\n"
+     "material = see daft.material, visible = true, casts_shadow = true,\n"
+     "body = \"static\", \"kinematic\" or \"dynamic\" (dynamic: spheres), mass or density, friction, restitution,\n"
+     "rolling_resistance, velocity = {x, y, z}, angular_velocity = {x, y, z}, name = \"...\", data = anything.\n"
+     "The fields e.name and e.data can be read and set.",
+     create, API_CHANGES},
+    {"entity:position", "([x, y, z]) -> x, y, z",
+     "Where it is, or puts it there (also {x, y, z}). Drawing glides from the last place to this one.", position, 0},
+    {"entity:teleport", "(x, y, z)", "Puts it there at once, without a glide.", teleport, API_CHANGES},
+    {"entity:rotation", "([yaw, pitch, roll]) -> x, y, z, w",
+     "The rotation as a quaternion, or sets it from three angles or a quaternion's four numbers.", rotation, 0},
+    {"entity:scale", "([s | x, y, z]) -> x, y, z", "The scale, or sets it.", scale, 0},
+    {"entity:material", "(material)", "Gives it another material, as in daft.entity.", material, API_CHANGES},
+    {"entity:visible", "([on]) -> on", "Whether it is drawn and hit by rays, or sets it.", visible, 0},
+    {"entity:velocity", "([x, y, z]) -> x, y, z", "Metres a second; of a body.", velocity, 0},
+    {"entity:angular_velocity", "([x, y, z]) -> x, y, z", "Radians a second about each axis; of a body.",
+     angular_velocity, 0},
+    {"entity:push", "(x, y, z)", "A force in newtons over the next step, at the centre of a dynamic body.", push,
+     API_CHANGES},
+    {"entity:impulse", "(x, y, z)", "A kick in kilograms times metres a second.", impulse, API_CHANGES},
+    {"entity:contacts", "() -> list",
+     "What touched it in the last step: a list of {other = entity, point = {x, y, z}, normal = {x, y, z}, impulse = n};\n"
+     "the normal points away from the other.",
+     contacts, 0},
+    {"entity:destroy", "()", "Takes it and its children out of the world.", destroy, API_CHANGES},
+    {"entity:valid", "() -> boolean", "False once it has been destroyed.", valid, 0},
+};
+
+const api_area api_entity = {"Entities", FUNCTIONS, COUNT_OF(FUNCTIONS)};

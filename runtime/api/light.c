@@ -1,0 +1,157 @@
+/* daft.light, daft.ambient and daft.sky. */
+#include "api/api.h"
+
+#include "util.h"
+
+#include <string.h>
+
+static const char *const SUN_FIELDS[] = {"direction", "color", "shadow"};
+static const char *const POINT_FIELDS[] = {"position", "color", "shadow"};
+
+/* Changes what the table at `table` names. */
+static void read_light(lua_State *L, host *h, int table, daft_light_def *def)
+{
+    if (def->kind == DAFT_LIGHT_SUN)
+        api_fields(L, h, table, "its table", SUN_FIELDS, COUNT_OF(SUN_FIELDS));
+    else
+        api_fields(L, h, table, "its table", POINT_FIELDS, COUNT_OF(POINT_FIELDS));
+    if (api_field(L, table, "position")) def->position = api_place(L, h, -1, "position");
+    if (api_field(L, table, "direction")) def->direction = api_vec3(L, h, -1, "direction");
+    if (api_field(L, table, "color")) def->color = api_color(L, h, -1, "color");
+    if (api_field(L, table, "shadow")) def->casts_shadow = api_boolean(L, h, -1, "shadow");
+}
+
+static int create(lua_State *L, host *h, daft_light_kind kind)
+{
+    daft_light_def def = daft_default_light_def();
+    def.kind = kind;
+    read_light(L, h, 1, &def);
+    daft_error error;
+    daft_light light = daft_light_create(h->def.scene, &def, &error);
+    if (light.id == 0) api_engine_error(L, h, &error);
+    api_new_handle(L, API_LIGHT, light.id);
+    return 1;
+}
+
+static int sun(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_SUN); }
+static int point(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_POINT); }
+
+static daft_light_def get(lua_State *L, host *h)
+{
+    daft_light_def def;
+    daft_error error;
+    if (!daft_light_get(h->def.scene, (daft_light){api_check_handle(L, h, 1, API_LIGHT, "light")->id}, &def, &error))
+        api_engine_error(L, h, &error);
+    return def;
+}
+
+static int put(lua_State *L, host *h, const daft_light_def *def)
+{
+    daft_error error;
+    if (!daft_light_set(h->def.scene, (daft_light){api_check_handle(L, h, 1, API_LIGHT, "light")->id}, def, &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int set(lua_State *L, host *h)
+{
+    daft_light_def def = get(L, h);
+    read_light(L, h, 2, &def);
+    return put(L, h, &def);
+}
+
+static int set_position(lua_State *L, host *h)
+{
+    daft_light_def def = get(L, h);
+    if (def.kind != DAFT_LIGHT_POINT) api_error(L, h, "a sun has a direction, not a position");
+    def.position = api_place(L, h, 2, "position");
+    return put(L, h, &def);
+}
+
+static int set_direction(lua_State *L, host *h)
+{
+    daft_light_def def = get(L, h);
+    if (def.kind != DAFT_LIGHT_SUN) api_error(L, h, "a point light has a position, not a direction");
+    def.direction = api_triple(L, h, 2, "direction");
+    return put(L, h, &def);
+}
+
+static int set_color(lua_State *L, host *h)
+{
+    daft_light_def def = get(L, h);
+    def.color = api_color(L, h, 2, "color");
+    return put(L, h, &def);
+}
+
+static int set_shadow(lua_State *L, host *h)
+{
+    daft_light_def def = get(L, h);
+    def.casts_shadow = api_boolean(L, h, 2, "shadow");
+    return put(L, h, &def);
+}
+
+static int destroy(lua_State *L, host *h)
+{
+    daft_error error;
+    if (!daft_light_destroy(h->def.scene, (daft_light){api_check_handle(L, h, 1, API_LIGHT, "light")->id}, &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int valid(lua_State *L, host *h)
+{
+    daft_light_def def;
+    daft_light light = {api_check_handle(L, h, 1, API_LIGHT, "light")->id};
+    lua_pushboolean(L, daft_light_get(h->def.scene, light, &def, NULL));
+    return 1;
+}
+
+static int ambient(lua_State *L, host *h)
+{
+    daft_scene_set_ambient(h->def.scene, api_color(L, h, 1, "color"));
+    return 0;
+}
+
+static int sky_color(lua_State *L, host *h)
+{
+    daft_scene_set_sky_color(h->def.scene, api_color(L, h, 1, "color"));
+    return 0;
+}
+
+static int sky_gradient(lua_State *L, host *h)
+{
+    daft_vec3 zenith = api_color(L, h, 1, "zenith"), horizon = api_color(L, h, 2, "horizon");
+    daft_scene_set_sky_gradient(h->def.scene, zenith, horizon);
+    return 0;
+}
+
+static int sky_image(lua_State *L, host *h)
+{
+    const char *name = api_text(L, h, 1, "path");
+    char path[PATH_SIZE];
+    daft_error error;
+    if (!host_find_file(h, name, path, sizeof path, &error)) api_engine_error(L, h, &error);
+    if (!daft_scene_set_sky_image(h->def.scene, path, &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static const api_function FUNCTIONS[] = {
+    {"light.sun", "{direction =, color =, shadow =} -> light",
+     "Light from infinitely far; direction is the way it travels. shadow = false casts none.", sun, API_CHANGES},
+    {"light.point", "{position =, color =, shadow =} -> light", "Light from a point, equally bright at any distance.",
+     point, API_CHANGES},
+    {"light:set", "{...}", "Changes what the table names.", set, API_CHANGES},
+    {"light:position", "(x, y, z)", "Moves a point light.", set_position, API_CHANGES},
+    {"light:direction", "(x, y, z)", "Turns a sun.", set_direction, API_CHANGES},
+    {"light:color", "(color)", "Values above 1 are brighter.", set_color, API_CHANGES},
+    {"light:shadow", "(on)", "Whether things cast shadows in it.", set_shadow, API_CHANGES},
+    {"light:destroy", "()", "Puts it out for good.", destroy, API_CHANGES},
+    {"light:valid", "() -> boolean", "False once it has been destroyed.", valid, 0},
+    {"ambient", "(color)", "Light from everywhere.", ambient, API_CHANGES},
+    {"sky.color", "(color)", "The same sky everywhere.", sky_color, API_CHANGES},
+    {"sky.gradient", "(zenith, horizon)", "A sky from one colour above to another at the horizon.", sky_gradient,
+     API_CHANGES},
+    {"sky.image", "(\"file\")", "One equirectangular image around the world.", sky_image, API_CHANGES},
+};
+
+const api_area api_light = {"Lights and sky", FUNCTIONS, COUNT_OF(FUNCTIONS)};

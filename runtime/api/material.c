@@ -1,0 +1,372 @@
+/* daft.material and daft.mesh: what entities look like. */
+#include "api/api.h"
+
+#include "util.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const FIELDS[] = {"color",     "texture", "texture_scale", "ambient", "specular",
+                                     "shininess", "mirror",  "mirror_tint",   "emission"};
+
+/* Registry key of the table from a material's description to its handle. */
+static const char MATERIALS_KEY;
+
+/* ---- textures ---- */
+
+static const char *const EXTENSIONS[] = {"", ".png", ".jpg", ".jpeg", ".tga", ".bmp"};
+
+/* NAME, textures/NAME and their usual extensions, in the game's folder and in assets/. */
+static bool find_texture(const host *h, const char *name, char *out, size_t size)
+{
+    for (size_t i = 0; i < COUNT_OF(EXTENSIONS); i++) {
+        char file[PATH_SIZE];
+        snprintf(file, sizeof file, "textures/%.480s%s", name, EXTENSIONS[i]);
+        if (host_find_file(h, file, out, size, NULL) || host_find_file(h, file + 9, out, size, NULL)) return true;
+    }
+    return false;
+}
+
+static int by_text(const void *a, const void *b) { return strcmp(*(char *const *)a, *(char *const *)b); }
+
+/* Adds the names in FOLDER/textures, without their extensions. */
+static size_t list_textures(const char *folder, char **names, size_t count, size_t capacity)
+{
+    char path[PATH_SIZE];
+    DIR *entries = path_join(path, sizeof path, folder, "textures") ? opendir(path) : NULL;
+    if (!entries) return count;
+    for (struct dirent *entry; count < capacity && (entry = readdir(entries));) {
+        char *dot = strrchr(entry->d_name, '.');
+        if (entry->d_name[0] == '.' || !dot) continue;
+        names[count] = strndup(entry->d_name, (size_t)(dot - entry->d_name));
+        if (names[count]) count++;
+    }
+    closedir(entries);
+    return count;
+}
+
+/* Says which textures there are. Everything is freed before the error is raised. */
+static void no_texture(lua_State *L, host *h, const char *what, const char *name)
+{
+    char *names[64], message[700];
+    size_t count = list_textures(h->def.folder, names, 0, COUNT_OF(names));
+    count = list_textures(h->def.where->assets, names, count, COUNT_OF(names));
+    qsort(names, count, sizeof *names, by_text);
+    const char *near = nearest_name(name, (const char *const *)names, count);
+    int used = snprintf(message, sizeof message, "%s: there is no texture '%.200s'", what, name);
+    if (near) used += snprintf(message + used, sizeof message - (size_t)used, ": did you mean '%.80s'?", near);
+    used += snprintf(message + used, sizeof message - (size_t)used, " (there are: ");
+    for (size_t i = 0; i < count; i++) {
+        if ((size_t)used < sizeof message)
+            used += snprintf(message + used, sizeof message - (size_t)used, "%s%s", i ? ", " : "", names[i]);
+        free(names[i]);
+    }
+    api_error(L, h, "%s)", message);
+}
+
+static daft_texture load_texture(lua_State *L, host *h, const char *what, const char *name)
+{
+    char path[PATH_SIZE];
+    if (!find_texture(h, name, path, sizeof path)) no_texture(L, h, what, name);
+    daft_error error;
+    daft_texture texture = daft_texture_load(h->def.scene, path, &error);
+    if (texture.id == 0) api_engine_error(L, h, &error);
+    return texture;
+}
+
+/* ---- materials ---- */
+
+static float share(lua_State *L, host *h, const char *name, float high)
+{
+    float value = api_float(L, h, -1, name);
+    if (value < 0 || value > high) {
+        char wanted[64];
+        snprintf(wanted, sizeof wanted, "number from 0 to %g", (double)high);
+        api_wrong(L, h, -1, name, wanted);
+    }
+    return value;
+}
+
+/* A colour, or one number for all three. */
+static daft_vec3 color_or_number(lua_State *L, host *h, const char *name)
+{
+    if (lua_type(L, -1) != LUA_TNUMBER) return api_color(L, h, -1, name);
+    float value = share(L, h, name, 1e6f);
+    return (daft_vec3){value, value, value};
+}
+
+/* Changes what the table at `table` names. */
+static void read_material(lua_State *L, host *h, int table, daft_material_def *def)
+{
+    table = lua_absindex(L, table);
+    api_fields(L, h, table, "material", FIELDS, COUNT_OF(FIELDS));
+    luaL_checkstack(L, COUNT_OF(FIELDS) + 8, NULL);
+    int top = lua_gettop(L);
+    if (api_field(L, table, "color")) {
+        def->diffuse = api_color(L, h, -1, "color");
+        def->ambient = def->diffuse;
+    }
+    if (api_field(L, table, "texture")) {
+        def->diffuse_map = load_texture(L, h, "texture", api_text(L, h, -1, "texture"));
+        lua_pop(L, 1);
+        if (!api_field(L, table, "color")) def->diffuse = def->ambient = (daft_vec3){1, 1, 1};
+    }
+    if (api_field(L, table, "texture_scale")) {
+        if (lua_type(L, -1) == LUA_TNUMBER) {
+            def->map_scale.x = def->map_scale.y = api_float(L, h, -1, "texture_scale");
+        } else {
+            if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 2)
+                api_wrong(L, h, -1, "texture_scale", "number or {u, v}");
+            lua_rawgeti(L, -1, 1);
+            lua_rawgeti(L, -2, 2);
+            def->map_scale = (daft_vec2){api_float(L, h, -2, "texture_scale"), api_float(L, h, -1, "texture_scale")};
+        }
+    }
+    if (api_field(L, table, "ambient")) def->ambient = color_or_number(L, h, "ambient");
+    if (api_field(L, table, "specular")) def->specular = color_or_number(L, h, "specular");
+    if (api_field(L, table, "shininess")) def->shininess = share(L, h, "shininess", 1000);
+    if (api_field(L, table, "mirror")) def->mirror = share(L, h, "mirror", 1);
+    if (api_field(L, table, "mirror_tint")) def->mirror_tint = api_color(L, h, -1, "mirror_tint");
+    if (api_field(L, table, "emission")) def->emission = color_or_number(L, h, "emission");
+    lua_settop(L, top);
+}
+
+static daft_material create(lua_State *L, host *h, const daft_material_def *def)
+{
+    daft_error error;
+    daft_material material = daft_material_create(h->def.scene, def, &error);
+    if (material.id == 0) api_engine_error(L, h, &error);
+    return material;
+}
+
+/* Materials of equal description are one, so that making entities in a loop does not make materials without end. They
+ * are found by a text; returns false and leaves nothing, or true and the handle in *out. */
+static bool find_shared(lua_State *L, const char *key, size_t length, daft_material *out)
+{
+    if (lua_rawgetp(L, LUA_REGISTRYINDEX, &MATERIALS_KEY) == LUA_TNIL) {
+        lua_pop(L, 1);
+        lua_newtable(L);
+        lua_pushvalue(L, -1);
+        lua_rawsetp(L, LUA_REGISTRYINDEX, &MATERIALS_KEY);
+    }
+    lua_pushlstring(L, key, length);
+    bool found = lua_rawget(L, -2) == LUA_TNUMBER;
+    out->id = (uint32_t)lua_tointeger(L, -1);
+    lua_pop(L, 2);
+    return found;
+}
+
+static void keep_shared(lua_State *L, const char *key, size_t length, daft_material material)
+{
+    lua_rawgetp(L, LUA_REGISTRYINDEX, &MATERIALS_KEY);
+    lua_pushlstring(L, key, length);
+    lua_pushinteger(L, (lua_Integer)material.id);
+    lua_rawset(L, -3);
+    lua_pop(L, 1);
+}
+
+static daft_material shared_material(lua_State *L, host *h, const daft_material_def *def)
+{
+    /* Field by field: the bytes between fields are not defined. */
+    float key[20] = {def->ambient.x,       def->ambient.y,     def->ambient.z,     def->diffuse.x,     def->diffuse.y,
+                     def->diffuse.z,       def->specular.x,    def->specular.y,    def->specular.z,    def->shininess,
+                     def->mirror,          def->mirror_tint.x, def->mirror_tint.y, def->mirror_tint.z, def->emission.x,
+                     def->emission.y,      def->emission.z,    def->map_scale.x,   def->map_scale.y,   0};
+    memcpy(&key[19], &def->diffuse_map.id, sizeof key[19]);
+    daft_material material;
+    if (find_shared(L, (const char *)key, sizeof key, &material)) return material;
+    material = create(L, h, def);
+    keep_shared(L, (const char *)key, sizeof key, material);
+    return material;
+}
+
+static daft_material material_file(lua_State *L, host *h, const char *name)
+{
+    const char *hash = strchr(name, '#');
+    char file[PATH_SIZE / 2], path[PATH_SIZE], full[PATH_SIZE * 2];
+    snprintf(file, sizeof file, "%.*s", (int)(hash ? hash - name : (long)strlen(name)), name);
+    daft_error error;
+    if (!host_find_file(h, file, path, sizeof path, &error)) api_engine_error(L, h, &error);
+    snprintf(full, sizeof full, "%s%s", path, hash ? hash : "");
+    daft_material material = daft_material_load(h->def.scene, full, &error);
+    if (material.id == 0) api_engine_error(L, h, &error);
+    return material;
+}
+
+daft_material api_material_at(lua_State *L, host *h, int index, const char *what)
+{
+    index = lua_absindex(L, index);
+    const api_handle *handle = api_test_handle(L, index, API_MATERIAL);
+    if (handle) return (daft_material){handle->id};
+    daft_material_def def = daft_default_material_def();
+    if (lua_type(L, index) == LUA_TTABLE) {
+        read_material(L, h, index, &def);
+        return shared_material(L, h, &def);
+    }
+    if (lua_type(L, index) != LUA_TSTRING)
+        api_wrong(L, h, index, what, "texture name, \"#rrggbb\", \"file.mtl#name\", table or material");
+    const char *name = api_text(L, h, index, what);
+    if (name[0] == '#') {
+        def.diffuse = def.ambient = api_color(L, h, index, what);
+    } else if (strstr(name, ".mtl")) {
+        return material_file(L, h, name);
+    } else {
+        def.diffuse = def.ambient = (daft_vec3){1, 1, 1};
+        def.diffuse_map = load_texture(L, h, what, name);
+    }
+    return shared_material(L, h, &def);
+}
+
+static int new_material(lua_State *L, host *h)
+{
+    daft_material_def def = daft_default_material_def();
+    daft_material material;
+    if (lua_type(L, 1) == LUA_TSTRING && strstr(lua_tostring(L, 1), ".mtl")) {
+        daft_error error;
+        if (!daft_material_get(h->def.scene, api_material_at(L, h, 1, "material"), &def, &error))
+            api_engine_error(L, h, &error);
+    } else {
+        if (lua_type(L, 1) != LUA_TTABLE) api_wrong(L, h, 1, "material", "table or \"file.mtl#name\"");
+        read_material(L, h, 1, &def);
+    }
+    material = create(L, h, &def);
+    api_new_handle(L, API_MATERIAL, material.id);
+    return 1;
+}
+
+static int set_material(lua_State *L, host *h)
+{
+    daft_material material = {api_check_handle(L, h, 1, API_MATERIAL, "material")->id};
+    daft_material_def def;
+    daft_error error;
+    if (!daft_material_get(h->def.scene, material, &def, &error)) api_engine_error(L, h, &error);
+    if (lua_type(L, 2) != LUA_TTABLE) api_wrong(L, h, 2, "material", "table");
+    read_material(L, h, 2, &def);
+    if (!daft_material_set(h->def.scene, material, &def, &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+/* ---- meshes ---- */
+
+daft_mesh api_mesh_at(lua_State *L, host *h, int index, const char *what)
+{
+    const api_handle *handle = api_test_handle(L, index, API_MESH);
+    if (handle) return (daft_mesh){handle->id};
+    if (lua_type(L, index) != LUA_TSTRING) api_wrong(L, h, index, what, "file name or mesh");
+    const char *name = api_text(L, h, index, what);
+    char path[PATH_SIZE], file[PATH_SIZE];
+    snprintf(file, sizeof file, "meshes/%.900s", name);
+    daft_error error;
+    if (!host_find_file(h, name, path, sizeof path, &error) && !host_find_file(h, file, path, sizeof path, NULL))
+        api_engine_error(L, h, &error);
+    daft_mesh mesh = daft_mesh_load(h->def.scene, path, &error);
+    if (mesh.id == 0) api_engine_error(L, h, &error);
+    return mesh;
+}
+
+static const char *const MESH_FIELDS[] = {"positions", "normals", "uvs", "triangles"};
+
+/* A list of lists of `width` numbers as floats, in a userdata that stays on the stack. NULL where the field is nil. */
+static float *read_list(lua_State *L, host *h, const char *name, int width, size_t *count)
+{
+    if (!api_field(L, 1, name)) {
+        lua_pushnil(L);
+        return NULL;
+    }
+    if (lua_type(L, -1) != LUA_TTABLE) api_wrong(L, h, -1, name, "list");
+    *count = lua_rawlen(L, -1);
+    float *out = lua_newuserdatauv(L, (*count + 1) * (size_t)width * sizeof *out, 0);
+    for (size_t i = 0; i < *count; i++) {
+        char what[48];
+        snprintf(what, sizeof what, "%s[%zu]", name, i + 1);
+        lua_rawgeti(L, -2, (lua_Integer)i + 1);
+        if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != (size_t)width)
+            api_wrong(L, h, -1, what, width == 2 ? "{u, v}" : "{x, y, z}");
+        for (int k = 0; k < width; k++) {
+            lua_rawgeti(L, -1, k + 1);
+            out[i * (size_t)width + (size_t)k] = api_float(L, h, -1, what);
+            lua_pop(L, 1);
+        }
+        lua_pop(L, 1);
+    }
+    lua_remove(L, -2);
+    return out;
+}
+
+static uint32_t *read_triangles(lua_State *L, host *h, size_t vertices, size_t *count)
+{
+    if (!api_field(L, 1, "triangles") || lua_type(L, -1) != LUA_TTABLE)
+        api_error(L, h, "triangles: a list of {a, b, c} expected");
+    *count = lua_rawlen(L, -1);
+    uint32_t *out = lua_newuserdatauv(L, (*count + 1) * 3 * sizeof *out, 0);
+    for (size_t i = 0; i < *count * 3; i++) {
+        char what[48];
+        snprintf(what, sizeof what, "triangles[%zu]", i / 3 + 1);
+        lua_rawgeti(L, -2, (lua_Integer)(i / 3) + 1);
+        if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 3) api_wrong(L, h, -1, what, "{a, b, c}");
+        lua_rawgeti(L, -1, (lua_Integer)(i % 3) + 1);
+        lua_Integer vertex = api_whole(L, h, -1, what);
+        if (vertex < 1 || (size_t)vertex > vertices)
+            api_error(L, h, "%s: a position from 1 to %zu expected, got %lld", what, vertices, (long long)vertex);
+        out[i] = (uint32_t)(vertex - 1);
+        lua_pop(L, 2);
+    }
+    lua_remove(L, -2);
+    return out;
+}
+
+static int new_mesh(lua_State *L, host *h)
+{
+    daft_mesh mesh;
+    if (lua_type(L, 1) == LUA_TTABLE) {
+        api_fields(L, h, 1, "mesh", MESH_FIELDS, COUNT_OF(MESH_FIELDS));
+        size_t positions = 0, normals = 0, uvs = 0, triangles = 0;
+        daft_mesh_def def = daft_default_mesh_def();
+        def.positions = (daft_vec3 *)read_list(L, h, "positions", 3, &positions);
+        def.normals = (daft_vec3 *)read_list(L, h, "normals", 3, &normals);
+        def.uvs = (daft_vec2 *)read_list(L, h, "uvs", 2, &uvs);
+        if (!def.positions) api_error(L, h, "positions: a list of {x, y, z} expected, got nil");
+        if ((def.normals && normals != positions) || (def.uvs && uvs != positions))
+            api_error(L, h, "as many normals and uvs as positions expected");
+        def.indices = read_triangles(L, h, positions, &triangles);
+        def.vertex_count = (uint32_t)positions;
+        def.triangle_count = (uint32_t)triangles;
+        daft_error error;
+        mesh = daft_mesh_create(h->def.scene, &def, &error);
+        if (mesh.id == 0) api_engine_error(L, h, &error);
+    } else {
+        mesh = api_mesh_at(L, h, 1, "mesh");
+    }
+    api_new_handle(L, API_MESH, mesh.id);
+    return 1;
+}
+
+static int mesh_bounds(lua_State *L, host *h)
+{
+    daft_mesh_info info;
+    daft_error error;
+    if (!daft_mesh_get_info(h->def.scene, api_mesh_at(L, h, 1, "mesh"), &info, &error)) api_engine_error(L, h, &error);
+    api_push_vec3(L, (double)info.low.x, (double)info.low.y, (double)info.low.z);
+    api_push_vec3(L, (double)info.high.x, (double)info.high.y, (double)info.high.z);
+    return 2;
+}
+
+static const api_function FUNCTIONS[] = {
+    {"material", "{...} -> material",
+     "color = \"#rrggbb\" or {r, g, b}, texture = \"checker\" (an image in the game's folder or textures/),\n"
+     "texture_scale = repeats or {u, v}, specular = colour or number, shininess = 0 to 1000,\n"
+     "mirror = 0 to 1, mirror_tint = colour, emission = colour or number, ambient = colour or number.\n"
+     "Or \"file.mtl#name\". Where a material is wanted, such a table, a texture's name or a colour do too.",
+     new_material, API_CHANGES},
+    {"material:set", "{...}", "Changes what the table names, for everything that has this material.", set_material,
+     API_CHANGES},
+    {"mesh", "(\"file.obj\") or {positions =, triangles =, normals =, uvs =} -> mesh",
+     "Loads a mesh, or makes one: positions is a list of {x, y, z}, triangles of {a, b, c} counted from 1,\n"
+     "counter-clockwise seen from the front; normals and uvs are optional, one a position.",
+     new_mesh, API_CHANGES},
+    {"mesh:bounds", "() -> {x, y, z}, {x, y, z}", "The lowest and highest coordinates.", mesh_bounds, 0},
+};
+
+const api_area api_material = {"Materials and meshes", FUNCTIONS, COUNT_OF(FUNCTIONS)};

@@ -1,0 +1,81 @@
+/* host: one Lua 5.4 state that runs one game: its files, its callbacks, its errors.
+ *
+ * The game may set daft.load(), daft.update(dt), daft.draw(), daft.keypressed(key) and daft.keyreleased(key).
+ * It runs in a sandbox in which the same input gives the same game everywhere: no clock, no files, no addresses; random
+ * numbers from a seed; pairs() in a fixed order; sin and its kin from libdaft and not from libm.
+ *
+ * Promises: a script's error is a message and a trace, never a crash; longjmp never crosses a frame of libdaft, which
+ * calls nothing here back. A call that runs too long is stopped, and memory is bounded. */
+#ifndef RUNTIME_HOST_H
+#define RUNTIME_HOST_H
+
+#include "canvas.h"
+#include "home.h"
+#include "input.h"
+
+#include <lua.h>
+
+typedef struct api_function api_function;
+
+/* xoshiro256**: Blackman & Vigna 2018. */
+typedef struct random_state {
+    uint64_t s[4];
+} random_state;
+
+enum { HOST_MESSAGE = 1024, HOST_TRACE = 4096 };
+
+typedef struct host_def {
+    const home *where;
+    const char *folder; /* the game's */
+    const char *name;   /* the game's, in messages */
+    daft_engine *engine;
+    daft_scene *scene;
+    input *keys;
+    font *face;
+    uint64_t seed;
+    /* Asked now and then while a script runs; true stops the script with an error. May be NULL. */
+    bool (*interrupted)(void *user);
+    void *user;
+} host_def;
+
+/* Open to runtime/api/ and the game only. */
+typedef struct host {
+    lua_State *L;
+    host_def def;
+    random_state random;      /* of the game */
+    random_state draw_random; /* of daft.draw, which must not change what the game does */
+    uint64_t tick;
+    const canvas *picture; /* while daft.draw runs */
+    float hud_width;       /* of the last picture */
+    bool replaying;        /* daft.input.set does nothing: the recording has what it did */
+    bool quit, restart;    /* wishes of the script */
+    const api_function *calling; /* the binding that runs, for messages */
+    const char *callback;        /* the callback that runs, for messages */
+    uint64_t call_began;   /* clock_now_ns */
+    bool stopped;          /* by the watchdog: every protected call in the script passes the error on */
+    size_t memory;         /* bytes Lua holds */
+    char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */
+} host;
+
+/* Seconds one callback may run, and bytes the scripts of a game may hold. */
+enum { HOST_CALL_SECONDS = 10 };
+static const size_t HOST_MEMORY = (size_t)1 << 30;
+
+/* Opens a state with the API and runs main.lua. On failure message and trace are filled, and so is the host: call
+ * host_close all the same. `state` must not move afterwards. */
+bool host_open(host *state, const host_def *def);
+void host_close(host *state);
+
+/* Each is true when the game does not have the callback. */
+bool host_load(host *state);
+bool host_update(host *state, double dt);
+bool host_key(host *state, int key, bool down);
+bool host_draw(host *state, const canvas *picture);
+
+void random_seed(random_state *state, uint64_t seed);
+uint64_t random_next(random_state *state);
+
+/* Where a file that a game names is: the game's folder first, then assets/. False with a message. */
+bool host_find_file(const host *state, const char *name, char *out, size_t size, daft_error *error);
+
+#endif

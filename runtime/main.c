@@ -1,0 +1,4 @@
+/* The daft program. */
+#include "commands.h"
+
+int main(int argc, char **argv) { return run_program(argc, argv); }

@@ -1,0 +1,125 @@
+/* The program: which command, and what they share. */
+#include "commands.h"
+
+#include "api/api.h"
+#include "cli.h"
+#include "home.h"
+#include "util.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- the engine ---- */
+
+static void print_warning(void *unused, const daft_error *warning)
+{
+    (void)unused;
+    char text[1200];
+    fprintf(stderr, "warning: %s\n", daft_error_text(warning, text, sizeof text));
+}
+
+daft_engine *open_engine(int threads, const char *isa)
+{
+    daft_engine_def def = daft_default_engine_def();
+    def.threads = threads;
+    def.isa = isa;
+    def.warn = print_warning;
+    daft_error error;
+    daft_engine *engine = daft_engine_create(&def, &error);
+    if (!engine) report(&error);
+    return engine;
+}
+
+/* ---- daft bench ---- */
+
+/* The benchmarks are a program of their own beside this one, so that the peers they link stay out of it. */
+int command_bench(int argc, char **argv)
+{
+    (void)argc;
+    char folder[PATH_SIZE], program[PATH_SIZE];
+    if (!home_program_folder(folder, sizeof folder) ||
+        !path_join(program, sizeof program, folder, "tests/daft_bench")) {
+        fprintf(stderr, "daft bench: cannot tell where the program is\n");
+        return STATUS_BAD_INPUT;
+    }
+    argv[0] = program;
+    execv(program, argv);
+    fprintf(stderr, "daft bench: %s: %s\n", program, strerror(errno));
+    fprintf(stderr, "The benchmarks are built with the tests: './daft test' in the checkout builds them.\n");
+    return STATUS_BAD_INPUT;
+}
+
+/* ---- which command ---- */
+
+static int command_help(int argc, char **argv);
+static int command_version(int argc, char **argv);
+
+static const struct {
+    const char *name, *summary;
+    int (*run)(int argc, char **argv);
+} COMMANDS[] = {{"play", "play a game, or choose one from a menu", command_play},
+                {"render", "render a scene to a picture", command_render},
+                {"check", "check scenes, meshes, pictures and games for mistakes", command_check},
+                {"bench", "run the benchmarks", command_bench},
+                {"help", "this text; 'help COMMAND'; 'help lua': what games can call", command_help},
+                {"version", "the version", command_version}};
+
+static void print_usage(FILE *out)
+{
+    fprintf(out, "usage: daft COMMAND [...]\n\nDAFT, a 3D engine that needs no GPU.\n\n");
+    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++)
+        fprintf(out, "  %-8s  %s\n", COMMANDS[i].name, COMMANDS[i].summary);
+    fprintf(out, "\n'daft COMMAND --help' tells more. Exit status: 0 done, 1 the input is bad, 2 wrong usage.\n");
+}
+
+static int command_version(int argc, char **argv)
+{
+    (void)argc, (void)argv;
+    printf("daft %d.%d.%d\n", DAFT_VERSION_MAJOR, DAFT_VERSION_MINOR, DAFT_VERSION_PATCH);
+    return STATUS_DONE;
+}
+
+static int unknown_command(const char *name)
+{
+    const char *names[COUNT_OF(COMMANDS)];
+    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++) names[i] = COMMANDS[i].name;
+    const char *near = nearest_name(name, names, COUNT_OF(names));
+    fprintf(stderr, "daft: there is no command '%s'%s%s%s\nTry 'daft help'.\n", name, near ? ": did you mean '" : "",
+            near ? near : "", near ? "'?" : "");
+    return STATUS_BAD_USAGE;
+}
+
+static int run_command(const char *name, int argc, char **argv)
+{
+    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++)
+        if (strcmp(name, COMMANDS[i].name) == 0) return COMMANDS[i].run(argc, argv);
+    return unknown_command(name);
+}
+
+static int command_help(int argc, char **argv)
+{
+    if (argc > 1 && strcmp(argv[1], "lua") == 0) {
+        api_print_reference();
+        return STATUS_DONE;
+    }
+    if (argc > 1 && argv[1][0] != '-' && strcmp(argv[1], "help") != 0 && strcmp(argv[1], "version") != 0) {
+        char help[] = "--help", *arguments[] = {argv[1], help, NULL};
+        return run_command(argv[1], 2, arguments);
+    }
+    print_usage(stdout);
+    return STATUS_DONE;
+}
+
+int run_program(int argc, char **argv)
+{
+    if (argc < 2) {
+        print_usage(stderr);
+        return STATUS_BAD_USAGE;
+    }
+    const char *name = argv[1];
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) name = "help";
+    if (strcmp(name, "--version") == 0 || strcmp(name, "-V") == 0) name = "version";
+    return run_command(name, argc - 1, argv + 1);
+}
