@@ -1,0 +1,450 @@
+/* .scene files: what each line means, and that every mistake is told with its line and column and changes nothing. */
+#include "math/real.h"
+#include "scene/scene.h"
+#include "scene/scene_text.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+typedef struct fixture {
+    daft_engine *engine;
+    daft_scene *scene;
+    char folder[64];
+    int warnings;
+    daft_error last_warning;
+    long live, allocations, fail_at; /* of the engine's allocator; fail_at 0: never */
+} fixture;
+
+static void on_warning(void *user, const daft_error *warning)
+{
+    fixture *f = user;
+    f->warnings++;
+    f->last_warning = *warning;
+}
+
+static void *counted_allocate(void *user, size_t size, size_t alignment)
+{
+    fixture *f = user;
+    if (++f->allocations == f->fail_at) return NULL;
+    void *memory = aligned_alloc(alignment, (size + alignment - 1) & ~(alignment - 1));
+    f->live += memory != NULL;
+    return memory;
+}
+
+static void counted_release(void *user, void *pointer)
+{
+    fixture *f = user;
+    f->live -= pointer != NULL;
+    free(pointer);
+}
+
+static const char *path_of(const fixture *f, const char *name)
+{
+    static char path[256];
+    snprintf(path, sizeof path, "%s/%s", f->folder, name);
+    return path;
+}
+
+static void write_bytes(const fixture *f, const char *name, const void *bytes, size_t size)
+{
+    FILE *file = fopen(path_of(f, name), "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    fclose(file);
+}
+
+static void write_text(const fixture *f, const char *name, const char *text) { write_bytes(f, name, text, strlen(text)); }
+
+static const char TRIANGLE[] = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl red\nf 1/1 2/2 3/3\n";
+static const char MATERIALS[] = "newmtl red\nKd 1 0 0\nKs 0.5 0.5 0.5\nNs 50\nillum 2\nmap_Kd missing.png\n"
+                                "newmtl shiny one\nKa 0 0 0\nKd 0 0 0\nKs 0.8 0.4 0\nNs 100\nillum 3\n"
+                                "newmtl matt\nKd 0 0 1\nKs 1 1 1\nillum 1\nd 0.5\n";
+
+static void set_up_engine(fixture *f)
+{
+    daft_engine_def def = daft_default_engine_def();
+    def.threads = 1;
+    def.warn = on_warning;
+    def.warn_user = f;
+    def.allocator = (daft_allocator){f, counted_allocate, counted_release};
+    f->engine = daft_engine_create(&def, NULL);
+    f->scene = daft_scene_create(f->engine, NULL);
+}
+
+static int set_up(void **state)
+{
+    static fixture f;
+    f = (fixture){0};
+    *state = &f;
+    strcpy(f.folder, "/tmp/daft-test-XXXXXX");
+    if (!mkdtemp(f.folder)) return -1;
+    mkdir(path_of(&f, "sub folder"), 0777);
+    write_text(&f, "t.obj", TRIANGLE);
+    write_text(&f, "m.mtl", MATERIALS);
+    write_text(&f, "sub folder/t.obj", TRIANGLE);
+    write_text(&f, "sub folder/m.mtl", MATERIALS);
+    write_bytes(&f, "sky.tga", "\0\0\2\0\0\0\0\0\0\0\0\0\2\0\1\0\x18\0\0\0\xff\xff\0\0", 24);
+    set_up_engine(&f);
+    return f.scene ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    fixture *f = *state;
+    daft_scene_destroy(f->scene);
+    daft_engine_destroy(f->engine);
+    assert_int_equal(f->live, 0);
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf '%s'", f->folder);
+    return system(command);
+}
+
+static bool load(fixture *f, const char *text, daft_error *error)
+{
+    write_text(f, "s.scene", text);
+    return daft_scene_load(f->scene, path_of(f, "s.scene"), error);
+}
+
+static void load_good(fixture *f, const char *text)
+{
+    daft_error error;
+    char buffer[1100];
+    if (!load(f, text, &error)) fail_msg("%s", daft_error_text(&error, buffer, sizeof buffer));
+}
+
+static const daft_entity_item *entity(const fixture *f, uint32_t index) { return &f->scene->entities[index]; }
+static double degrees(double radians) { return radians * 180 / DAFT_PI; }
+
+/* ---- good files ---- */
+
+static void every_line_means_what_the_manual_says(void **state)
+{
+    fixture *f = *state;
+    load_good(f, "# a comment\n"
+                 "camera 1 2.5 -3e0 10 -20 60 # trailing\r\n"
+                 "\n"
+                 "  camera 0 0 0\t30 40\n"
+                 "camera +1 .5 1.\n"
+                 "skybox sky.tga\n"
+                 "light 1 2 3 0.5 1 2\n"
+                 "sun 0 -2 0 1 1 0.9\n"
+                 "ambient 0.1 0.2 0.3#comment after a number\n"
+                 "sphere 4 5 6 0.25 m.mtl\n"
+                 "sphere 4 5 6 7 \"m.mtl#shiny one\"\n"
+                 "mesh t.obj 1 2 3\n"
+                 "mesh \"sub folder/t.obj\" 0 0 0 -2\n"
+                 "mesh t.obj 0 0 0 2 90 0 90");
+    daft_camera camera;
+    assert_int_equal(daft_scene_camera_count(f->scene), 3);
+    assert_true(daft_scene_get_camera(f->scene, 0, &camera, NULL));
+    assert_true(camera.position.x == 1 && camera.position.y == 2.5 && camera.position.z == -3);
+    assert_true(fabs(degrees((double)camera.pitch) - 10) < 1e-5 && fabs(degrees((double)camera.yaw) + 20) < 1e-5);
+    assert_true(fabs(degrees((double)camera.fov) - 60) < 1e-5 && camera.roll == 0);
+    assert_memory_equal(&f->scene->camera, &camera, sizeof camera); /* the first is the one that is set */
+    assert_true(daft_scene_get_camera(f->scene, 1, &camera, NULL));
+    assert_true(fabs(degrees((double)camera.pitch) - 30) < 1e-5 && fabs(degrees((double)camera.fov) - 90) < 1e-5);
+    assert_true(daft_scene_get_camera(f->scene, 2, &camera, NULL) && camera.position.y == 0.5);
+    assert_false(daft_scene_get_camera(f->scene, 3, &camera, NULL));
+    assert_int_equal(f->scene->sky.kind, DAFT_SKY_IMAGE);
+    assert_int_equal(f->scene->light_slots.live, 2);
+    assert_true(f->scene->lights[0].kind == DAFT_LIGHT_POINT && f->scene->lights[0].color.z == 2);
+    assert_true(f->scene->lights[1].kind == DAFT_LIGHT_SUN && f->scene->lights[1].direction.y == -2);
+    assert_true(f->scene->ambient.y == 0.2f);
+    assert_int_equal(daft_entity_count(f->scene), 5);
+    assert_true(entity(f, 0)->def.shape == DAFT_SHAPE_SPHERE && entity(f, 0)->def.radius == 0.25f);
+    assert_true(entity(f, 2)->def.mesh.id == entity(f, 4)->def.mesh.id); /* one path, one mesh */
+    assert_true(entity(f, 2)->def.mesh.id != entity(f, 3)->def.mesh.id);
+    assert_true(entity(f, 3)->now.scale.x == -2 && entity(f, 2)->now.scale.x == 1);
+    /* about X then Z: +Y goes to +Z and stays; +X stays and goes to +Y; +Z goes to -Y and then to +X */
+    daft_daffine map = daft_daffine_from(&entity(f, 4)->now);
+    const double want[9] = {0, 0, 2, 2, 0, 0, 0, 2, 0};
+    for (int i = 0; i < 9; i++) assert_true(fabs(map.m[i] - want[i]) < 1e-6);
+}
+
+static void materials_keep_their_meaning(void **state)
+{
+    fixture *f = *state;
+    load_good(f, "sphere 0 0 0 1 m.mtl\nsphere 0 0 0 1 \"m.mtl#shiny one\"\nsphere 0 0 0 1 m.mtl#matt\n"
+                 "sphere 0 0 0 1 m.mtl#red\nmesh t.obj 0 0 0\n");
+    daft_material_def def;
+    assert_true(daft_material_get(f->scene, entity(f, 0)->def.material, &def, NULL));
+    assert_true(def.diffuse.x == 1 && def.specular.x == 0.5f && def.mirror == 0 && def.shininess == 50);
+    assert_true(f->scene->assets.textures[def.diffuse_map.id - 1].missing);
+    assert_true(daft_material_get(f->scene, entity(f, 1)->def.material, &def, NULL));
+    assert_true(def.mirror == 0.8f && def.mirror_tint.x == 1 && def.mirror_tint.y == 0.5f && def.mirror_tint.z == 0);
+    assert_true(def.specular.x == 0.8f);
+    assert_true(daft_material_get(f->scene, entity(f, 2)->def.material, &def, NULL));
+    assert_true(def.specular.x == 0 && def.mirror == 0 && def.diffuse.z == 1);
+    /* the missing texture is told once, where the MTL names it, though three materials ask for it */
+    assert_int_equal(f->warnings, 1);
+    assert_int_equal(f->last_warning.line, 6);
+    assert_int_equal(f->last_warning.column, 8);
+    assert_string_equal(f->last_warning.file, path_of(f, "m.mtl"));
+    assert_non_null(strstr(f->last_warning.message, "missing.png"));
+    daft_error error;
+    daft_texture texture = daft_texture_load(f->scene, path_of(f, "missing.png"), &error);
+    assert_int_equal(texture.id, 0); /* asked for by itself it is an error */
+    assert_int_equal(error.code, DAFT_ERROR_IO);
+    daft_material again = daft_material_load(f->scene, path_of(f, "m.mtl"), &error);
+    assert_int_equal(again.id, entity(f, 0)->def.material.id);
+    assert_int_equal(daft_material_load(f->scene, path_of(f, "m.mtl#blue"), &error).id, 0);
+    assert_non_null(strstr(error.message, "no material 'blue'; it has red, shiny one, matt"));
+}
+
+static void includes_are_relative_to_their_file(void **state)
+{
+    fixture *f = *state;
+    write_text(f, "sub folder/inner.scene", "mesh t.obj 0 0 0\ncamera 9 9 9\n");
+    write_text(f, "empty.scene", "# nothing\n");
+    load_good(f, "include \"sub folder/inner.scene\"\ninclude \"sub folder/inner.scene\"\ncamera 1 1 1");
+    assert_int_equal(daft_entity_count(f->scene), 2);
+    assert_int_equal(daft_scene_camera_count(f->scene), 3);
+    assert_true(daft_scene_camera(f->scene, 1).position.x == 9);
+    /* a second load adds; the camera in use stays */
+    load_good(f, "camera 5 5 5\nlight 0 0 0 1 1 1\n");
+    assert_int_equal(daft_scene_camera_count(f->scene), 4);
+    assert_true(daft_scene_camera(f->scene, 1).position.x == 9);
+}
+
+static void byte_order_mark_is_skipped(void **state)
+{
+    fixture *f = *state;
+    daft_error error;
+    load_good(f, "\xef\xbb\xbf" "camera 1 2 3");
+    assert_false(load(f, "\xef\xbb\xbf" "camra 1 2 3", &error));
+    assert_int_equal(error.column, 1);
+}
+
+/* ---- bad files ---- */
+
+static const struct {
+    const char *text;
+    int line, column;
+    const char *says;
+} BAD[] = {
+    {"camera 0 0 0\nspher 0 0 0 1 m.mtl\n", 2, 1, "unknown item 'spher'; known are camera, skybox, light, sphere, mesh"},
+    {"camera 0 0\n", 1, 11, "expected z, but the line ends"},
+    {"camera 0 0 x\n", 1, 12, "expected z (a number), 'x' came"},
+    {"camera 0 0 0 1\n", 1, 15, "expected yaw"},
+    {"camera 0 0 0 1 2 3 4\n", 1, 20, "unexpected '4'"},
+    {"camera 0 0 0 1 2 180\n", 1, 18, "fov is 180; it must be above 0 and below 180"},
+    {"camera 0 0 0 1 2 0\n", 1, 18, "fov is 0"},
+    {"camera 0 nan 0\n", 1, 10, "'nan' came"},
+    {"camera 0 inf 0\n", 1, 10, "'inf' came"},
+    {"camera 0 0x10 0\n", 1, 10, "'0x10' came"},
+    {"camera 0 1e999 0\n", 1, 10, "y is 1e999; it must be a finite number"},
+    {"camera 1,5 0 0\n", 1, 8, "'1,5' came"},
+    {"camera 0 0 0 1e8 0\n", 1, 14, "pitch is 1e8"},
+    {"light 1 2 3 1 1\n", 1, 16, "expected b"},
+    {"  light 1 2 3 1 -1 1\n", 1, 17, "g is -1; it must be 0 or more"},
+    {"light 1 2 3 1 1e39 1\n", 1, 15, "g is 1e39"},
+    {"sphere 1 2 3 0 m.mtl\n", 1, 14, "r is 0; it must be above 0"},
+    {"sphere 1 2 3 -1 m.mtl\n", 1, 14, "r is -1"},
+    {"sphere 1 2 3 1\n", 1, 15, "expected the path of an .mtl file"},
+    {"sphere 1 2 3 1 m.mtl x\n", 1, 22, "unexpected 'x'; the form is: sphere x y z r material_path"},
+    {"sphere 1 2 3 1 no.mtl\n", 1, 16, "no.mtl: cannot open: No such file"},
+    {"sphere 1 2 3 1 m.mtl#none\n", 1, 16, "no material 'none'"},
+    {"sphere 1 2 3 1 \"m.mtl\n", 1, 16, "the quote is not closed"},
+    {"sphere 1 2 3 1 \"m.mtl\"x\n", 1, 23, "expected a blank after the closing quote"},
+    {"sphere 1 2 3 1 \"\"\n", 1, 16, "but it is empty"},
+    {"mesh no.obj 0 0 0\n", 1, 6, "no.obj: cannot open"},
+    {"mesh . 0 0 0\n", 1, 6, "is a directory"},
+    {"mesh t.obj 0 0 0 0\n", 1, 18, "scale is 0; it must be a finite number that is not 0"},
+    {"mesh t.obj 0 0 0 1 90\n", 1, 22, "expected rot_y"},
+    {"mesh t.obj 0 0 0 1 0 0 0 0\n", 1, 26, "unexpected '0'"},
+    {"mesh\n", 1, 5, "expected the path of a mesh"},
+    {"skybox no.png\n", 1, 8, "no.png"},
+    {"skybox sky.tga sky.tga\n", 1, 16, "unexpected 'sky.tga'; the form is: skybox path"},
+    {"sun 0 0 0 1 1 1\n", 1, 5, "direction is 0 0 0"},
+    {"ambient 1 1\n", 1, 12, "expected b"},
+    {"include no.scene\n", 1, 9, "no.scene: cannot open"},
+    {"camera 0 0 0\ninclude s.scene\n", 2, 9, "s.scene includes itself"},
+    {"", 1, 1, "no item in the file"},
+    {"# only\n\n# comments\n", 4, 1, "no item in the file"},
+    {"\x01\x02 0 0\n", 1, 1, "unknown item '?\?'"},
+    {"light 0 0 0 1 1 1\nmesh t.obj 0 0 0\nskybox sky.tga\ncamera 9 9 9\nsphere 0 0 0 1 m.mtl\nx\n", 6, 1, "unknown item 'x'"},
+};
+
+static void every_mistake_has_its_place(void **state)
+{
+    fixture *f = *state;
+    load_good(f, "camera 1 2 3\nlight 0 5 0 1 1 1\nsphere 0 0 0 1 \"m.mtl#shiny one\"\n");
+    uint64_t before = daft_scene_hash(f->scene);
+    daft_assets_mark assets = daft_assets_remember(f->scene);
+    char path[256];
+    strcpy(path, path_of(f, "s.scene"));
+    for (size_t i = 0; i < DAFT_COUNT_OF(BAD); i++) {
+        daft_error error;
+        char text[1100];
+        if (load(f, BAD[i].text, &error)) fail_msg("accepted: %s", BAD[i].text);
+        daft_error_text(&error, text, sizeof text);
+        if (error.line != BAD[i].line || error.column != BAD[i].column || !strstr(error.message, BAD[i].says))
+            fail_msg("wanted %d:%d %s\n     got %s", BAD[i].line, BAD[i].column, BAD[i].says, text);
+        assert_string_equal(error.file, path);
+        assert_true(daft_scene_hash(f->scene) == before);
+        daft_assets_mark after = daft_assets_remember(f->scene);
+        assert_memory_equal(&after, &assets, sizeof assets);
+        assert_int_equal(daft_scene_camera_count(f->scene), 1);
+        assert_int_equal(f->scene->sky.kind, DAFT_SKY_COLOR);
+    }
+    /* what failed leaves nothing behind that would spoil the next load */
+    load_good(f, "mesh t.obj 0 0 0\nskybox sky.tga\nsphere 0 0 0 1 m.mtl\n");
+}
+
+static void mistakes_inside_files_keep_their_own_place(void **state)
+{
+    fixture *f = *state;
+    daft_error error;
+    write_text(f, "bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    assert_false(load(f, "camera 0 0 0\nmesh bad.obj 0 0 0\n", &error));
+    assert_int_equal(error.line, 4);
+    assert_non_null(strstr(error.file, "bad.obj"));
+    write_text(f, "bad.scene", "camera 0 0 0\nlight 1\n");
+    assert_false(load(f, "include bad.scene\n", &error));
+    assert_int_equal(error.line, 2);
+    assert_int_equal(error.column, 8);
+    assert_non_null(strstr(error.file, "bad.scene"));
+    write_text(f, "bad.mtl", "newmtl a\nKd 1 x 1\n");
+    assert_false(load(f, "sphere 0 0 0 1 bad.mtl\n", &error));
+    assert_int_equal(error.line, 2);
+    assert_non_null(strstr(error.file, "bad.mtl"));
+    write_text(f, "bad.png", "this is no picture");
+    assert_false(load(f, "skybox bad.png\n", &error));
+    assert_non_null(strstr(error.message, "bad.png"));
+    assert_int_equal(error.line, 1);
+    assert_int_equal(error.column, 8);
+}
+
+static void missing_scene_files_are_named(void **state)
+{
+    fixture *f = *state;
+    daft_error error;
+    assert_false(daft_scene_load(f->scene, path_of(f, "none.scene"), &error));
+    assert_int_equal(error.code, DAFT_ERROR_IO);
+    assert_non_null(strstr(error.file, "none.scene"));
+    assert_false(daft_scene_load(f->scene, f->folder, &error));
+    assert_int_equal(error.code, DAFT_ERROR_IO);
+    assert_non_null(strstr(error.message, "directory"));
+    assert_false(daft_scene_load(f->scene, NULL, &error));
+    assert_int_equal(error.code, DAFT_ERROR_ARGUMENT);
+}
+
+static void include_cycles_end(void **state)
+{
+    fixture *f = *state;
+    daft_error error;
+    write_text(f, "a.scene", "include b.scene\n");
+    write_text(f, "b.scene", "camera 0 0 0\ninclude ./a.scene\n");
+    assert_false(daft_scene_load(f->scene, path_of(f, "a.scene"), &error));
+    assert_int_equal(error.line, 2);
+    assert_non_null(strstr(error.file, "b.scene"));
+    assert_non_null(strstr(error.message, "includes itself"));
+    for (int i = 0; i < 20; i++) {
+        char name[32], text[64];
+        snprintf(name, sizeof name, "d%d.scene", i);
+        snprintf(text, sizeof text, i < 19 ? "include d%d.scene\n" : "camera 0 0 0\n", i + 1);
+        write_text(f, name, text);
+    }
+    assert_false(daft_scene_load(f->scene, path_of(f, "d0.scene"), &error));
+    assert_non_null(strstr(error.message, "more than 16 deep"));
+    assert_non_null(strstr(error.file, "d16.scene"));
+    assert_true(daft_scene_load(f->scene, path_of(f, "d3.scene"), &error));
+}
+
+/* Whatever bytes come, the answer is true or an error with a place, and never a crash (this runs under sanitizers too). */
+static void garbage_is_survived(void **state)
+{
+    fixture *f = *state;
+    static const char *const parts[] = {"camera ", "light ", "sphere ", "mesh t.obj ", "sun ", "0 ", "1e5 ", "-3 ", "\n",
+                                        "\"", "#", "m.mtl ", "\xff", "include ", "1.5.5 ", "\t", "s.scene ", "ambient "};
+    uint64_t random = 12345;
+    int good = 0;
+    for (int round = 0; round < 2000; round++) {
+        char text[512] = "";
+        for (int i = 0; i < 2 + round % 19; i++) {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            strcat(text, parts[(random >> 33) % DAFT_COUNT_OF(parts)]);
+        }
+        daft_error error;
+        bool done = load(f, text, &error);
+        good += done;
+        assert_true(done || error.line > 0);
+    }
+    print_message("%d of 2000 were scenes\n", good);
+}
+
+/* ---- memory ---- */
+
+static void running_out_of_memory_is_an_error(void **state)
+{
+    fixture *f = *state;
+    write_text(f, "s.scene", "camera 0 0 0\nskybox sky.tga\nlight 1 1 1 1 1 1\nsphere 0 0 0 1 m.mtl\nmesh t.obj 0 0 0 2\n");
+    char path[256];
+    strcpy(path, path_of(f, "s.scene"));
+    uint64_t empty = daft_scene_hash(f->scene);
+    for (long n = 1;; n++) {
+        daft_error error;
+        f->fail_at = f->allocations + n;
+        bool done = daft_scene_load(f->scene, path, &error);
+        f->fail_at = 0;
+        if (done) {
+            print_message("%ld allocations\n", n - 1);
+            assert_true(n > 20);
+            break;
+        }
+        assert_int_equal(error.code, DAFT_ERROR_MEMORY);
+        assert_true(daft_scene_hash(f->scene) == empty);
+        daft_assets_mark mark = daft_assets_remember(f->scene);
+        assert_true(mark.meshes == 0 && mark.textures == 0 && mark.materials == 1);
+    }
+    assert_int_equal(daft_entity_count(f->scene), 2);
+}
+
+/* ---- the real thing ---- */
+
+static void hand_scene_loads(void **state)
+{
+    fixture *f = *state;
+    const char *path = DAFT_ROOT "/../shared/data/models/hand/hand.scene";
+    if (!daft_file_exists(path)) {
+        print_message("skipped: no %s\n", path);
+        skip();
+    }
+    daft_error error = {0};
+    char text[1100];
+    if (!daft_scene_load(f->scene, path, &error)) fail_msg("%s", daft_error_text(&error, text, sizeof text));
+    assert_int_equal(daft_scene_camera_count(f->scene), 1);
+    assert_int_equal(f->scene->light_slots.live, 3);
+    assert_int_equal(daft_entity_count(f->scene), 1);
+    daft_ray_hit hit;
+    daft_camera camera = daft_scene_camera(f->scene, 1);
+    assert_true(daft_scene_cast_ray(f->scene, camera.position, daft_v3(1, 0, 0), 10, (daft_entity){0}, &hit, NULL));
+    assert_int_equal(f->warnings, 0);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(every_line_means_what_the_manual_says),
+        TEST(materials_keep_their_meaning),
+        TEST(includes_are_relative_to_their_file),
+        TEST(byte_order_mark_is_skipped),
+        TEST(every_mistake_has_its_place),
+        TEST(mistakes_inside_files_keep_their_own_place),
+        TEST(missing_scene_files_are_named),
+        TEST(include_cycles_end),
+        TEST(garbage_is_survived),
+        TEST(running_out_of_memory_is_an_error),
+        TEST(hand_scene_loads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
