@@ -116,6 +116,7 @@ const glyph font_glyphs[] = {
     {'}', OPEN, OPEN, "E 0 590 90 90 90 0 L 90 365 L 170 285 L 90 205 L 90 -20 E 0 -20 90 90 0 -90"},
     {'~', OPEN, OPEN, "E 100 230 100 90 180 45 E 320 288 100 90 225 360"},
     {0xb0, OPEN, OPEN, "O 100 515 100 100"},                                          /* degree */
+    {0xb7, OPEN, OPEN, "D 56 240 56"},                                               /* middle dot */
     {0xc4, SLANT, SLANT, BIG_A " ; D 160 770 56 ; D 360 770 56"},                     /* Ä */
     {0xd6, ROUND, ROUND, BIG_O " ; D 210 770 56 ; D 420 770 56"},                     /* Ö */
     {0xd7, OPEN, OPEN, "M 0 100 L 330 430 ; M 0 430 L 330 100"},                      /* × */

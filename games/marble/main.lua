@@ -11,7 +11,7 @@ local JUMP = 5.6      -- metres a second upwards
 local AIR = 0.4       -- how much of ROLL and DRAG is left in the air
 local KICK = 7        -- metres a second from a bumper
 local FALL_COST = 2   -- seconds
-local FAR, HIGH = 6.5, 3.2 -- the camera, behind and above the marble
+local FAR, HIGH = 6.8, 2.7 -- the camera, behind and above the marble
 
 local marble
 local state           -- "ready", "rolling" or "won"
@@ -48,7 +48,7 @@ local function put_marble(place)
     marble:teleport(place[1], place[2] + 0.6, place[3])
     marble:velocity(0, 0, 0)
     marble:angular_velocity(0, 0, 0)
-    eye.x, eye.y, eye.z = place[1] - FAR, place[2] + HIGH, place[3]
+    eye.x, eye.y, eye.z, eye.jump = place[1] - FAR, place[2] + HIGH, place[3], true
     ground = 1
 end
 
@@ -167,7 +167,8 @@ local function follow(dt)
     far = FAR / math.sqrt(ox * ox + oz * oz)
     eye.x, eye.z = x + ox * far, z + oz * far
     eye.y = eye.y + (y + HIGH - eye.y) * math.min(1, 5 * dt)
-    daft.camera.look { from = { eye.x, eye.y, eye.z }, at = { x, y + 0.7, z }, fov = math.rad(75) }
+    daft.camera.look { from = { eye.x, eye.y, eye.z }, at = { x, y + 1.1, z }, fov = math.rad(75), teleport = eye.jump }
+    eye.jump = false
 end
 
 function daft.update(dt)
@@ -200,6 +201,8 @@ function daft.keypressed(name)
     end
 end
 
+local function panel(top, height) daft.rect(daft.width() / 2 - 400, top, 800, height, "#10203060") end
+
 local function centred(text, y, size, color)
     daft.text(text, daft.width() / 2, y, { size = size, color = color or "#ffffff", align = "center" })
 end
@@ -211,13 +214,15 @@ function daft.draw()
     daft.text(("%.1f s"):format(time), daft.width() - 34, 22, { size = 34, align = "right" })
 
     if state == "ready" then
-        centred("Marble Run", 150, 84)
-        centred(("Collect %d gems and roll through the golden ring"):format(level.gems_needed), 250, 30)
-        centred("← ↑ ↓ → or WASD roll · space jumps · R again · B shows how", 640, 26)
+        panel(110, 190)
+        centred("Marble Run", 120, 84)
+        centred(("Collect %d gems and roll through the golden ring"):format(level.gems_needed), 220, 28)
+        centred("← ↑ ↓ → or WASD roll · space jumps · R again · B shows how", 258, 24)
     elseif state == "won" then
-        centred("You made it!", 150, 84, "#ffe27a")
-        centred(("%.1f seconds, %d of %d gems"):format(time, taken, #course.gems), 250, 34)
-        centred("R plays again", 640, 26)
+        panel(110, 190)
+        centred("You made it!", 120, 84, "#ffe27a")
+        centred(("%.1f seconds, %d of %d gems"):format(time, taken, #course.gems), 220, 30)
+        centred("R plays again", 258, 24)
     elseif message_left > 0 then
         centred(message, 180, 48)
     end
