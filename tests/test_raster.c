@@ -1,0 +1,294 @@
+/* raster: the pencil sees at every pixel exactly what the reference path sees, on every instruction set, for any number of
+ * workers; both are also compared with brute force over all triangles. */
+#include "fixtures.h"
+
+#include "math/exact.h"
+#include "raster/raster.h"
+
+enum { WIDTH = 150, HEIGHT = 97 }; /* neither a multiple of a tile nor of a lane count */
+
+typedef struct ids {
+    uint32_t instance[WIDTH * HEIGHT], triangle[WIDTH * HEIGHT];
+} ids;
+
+typedef struct setting {
+    daft_pencil pencil;
+    const daft_instance *instances;
+    uint32_t count;
+} setting;
+
+static daft_pencil pencil_make(float yaw, float pitch, float fov)
+{
+    double cy = daft_cos((double)yaw), sy = daft_sin((double)yaw), cp = daft_cos((double)pitch), sp = daft_sin((double)pitch);
+    daft_pencil p = {.focal = (float)(WIDTH / 2.0 / daft_tan((double)fov / 2)), .width = WIDTH, .height = HEIGHT};
+    p.forward = daft_v3((float)(cp * cy), (float)-sp, (float)(cp * sy));
+    p.right = daft_v3((float)-sy, 0, (float)cy);
+    p.up = daft_cross(p.right, p.forward);
+    return p;
+}
+
+static void keep_tile(const daft_tile *tile, ids *out)
+{
+    for (int y = 0; y < tile->height; y++)
+        for (int x = 0; x < tile->width; x++) {
+            int from = y * DAFT_TILE_STRIDE + x, to = (tile->y + y) * WIDTH + tile->x + x;
+            out->instance[to] = tile->instance[from];
+            out->triangle[to] = tile->triangle[from];
+        }
+}
+
+/* isa < 0: the reference path. Work is dealt to the workers in turn, as threads might take it. */
+static void see(const setting *s, int isa, int workers, ids *out)
+{
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_raster raster;
+    daft_error error = {0};
+    daft_arena arena;
+    daft_arena_init(&arena, &allocator);
+    assert_true(daft_raster_init(&raster, &allocator, workers, &error));
+    assert_true(daft_raster_begin(&raster, &s->pencil, s->instances, s->count, &error));
+    const daft_tlas *tlas = daft_tlas_build(&arena, s->instances, s->count, &error);
+    assert_non_null(tlas);
+    daft_tile *tile = malloc(sizeof *tile);
+    if (isa >= 0)
+        for (uint32_t i = 0; i < raster.work_count; i++)
+            daft_raster_kernels_for(isa)->bin(&raster, i, i % (uint32_t)workers);
+    for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) {
+        if (isa >= 0)
+            daft_raster_kernels_for(isa)->tile(&raster, i, i % (uint32_t)workers, tile);
+        else
+            daft_reference_tile(&raster, tlas, i, tile);
+        keep_tile(tile, out);
+    }
+    free(tile);
+    daft_raster_free(&raster);
+    daft_arena_free(&arena);
+}
+
+static uint32_t pixels_seen(const ids *a)
+{
+    uint32_t count = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++) count += a->instance[i] != DAFT_NOTHING;
+    return count;
+}
+
+/* Gives how many pixels see something. */
+static uint32_t agree(const setting *s, const char *name)
+{
+    ids *reference = malloc(sizeof *reference), *pencil = malloc(sizeof *pencil);
+    see(s, -1, 1, reference);
+    for (int isa = 0; isa <= daft_isa_best(); isa++) {
+        for (int workers = 1; workers <= 3; workers += 2) {
+            see(s, isa, workers, pencil);
+            int wrong = 0, first = -1;
+            for (int i = 0; i < WIDTH * HEIGHT; i++)
+                if (reference->instance[i] != pencil->instance[i] || reference->triangle[i] != pencil->triangle[i]) {
+                    if (first < 0) first = i;
+                    wrong++;
+                }
+            if (wrong)
+                fail_msg("%s, %s, %d workers: %d pixels differ, first (%d, %d): reference %u/%u, pencil %u/%u", name,
+                         daft_isa_name(isa), workers, wrong, first % WIDTH, first / WIDTH, reference->instance[first],
+                         reference->triangle[first], pencil->instance[first], pencil->triangle[first]);
+        }
+    }
+    uint32_t seen = pixels_seen(reference);
+    free(reference);
+    free(pencil);
+    return seen;
+}
+
+static daft_affine still(void) { return affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0)); }
+
+static void soups(void **unused)
+{
+    (void)unused;
+    fixture_seed(20261);
+    for (int round = 0; round < 12; round++) {
+        float spread = round % 3 == 0 ? 0.02f : round % 3 == 1 ? 0.5f : 4;
+        fixture_mesh mesh = mesh_soup(round % 3 == 0 ? 5000 : 300, 3, spread);
+        daft_instance instances[3] = {
+            instance_make(&mesh, affine_make(random_rotation(), daft_v3(1, 1, 1), random_vec3(-1, 1))),
+            instance_make(&mesh, affine_make(random_rotation(), daft_v3(2, 0.5f, 1), random_vec3(-4, 4))),
+            instance_make(&mesh, affine_make(random_rotation(), daft_v3(1, -1, 1), random_vec3(-4, 4))),
+        };
+        setting s = {pencil_make(random_float(-3, 3), random_float(-1, 1), random_float(0.3f, 2.5f)), instances, 3};
+        assert_true(agree(&s, "soup") > 100);
+        mesh_drop(&mesh);
+    }
+}
+
+static void closed_from_inside(void **unused)
+{
+    (void)unused;
+    fixture_seed(7);
+    for (int round = 0; round < 8; round++) {
+        fixture_mesh mesh = mesh_ball(round < 4 ? 6 : 60, 1, 0.2f);
+        daft_instance instance = instance_make(&mesh, affine_make(random_rotation(), daft_v3(2, 2, 2), random_vec3(-0.3f, 0.3f)));
+        setting s = {pencil_make(random_float(-3, 3), 0, 2), &instance, 1};
+        assert_int_equal(agree(&s, "inside a ball"), WIDTH * HEIGHT);
+        mesh_drop(&mesh);
+    }
+}
+
+/* Edges, vertices and whole triangles that lie exactly on rays, on the axes and on the camera's plane. */
+static void on_the_grid(void **unused)
+{
+    (void)unused;
+    enum { SIDE = 13 };
+    daft_vec3 p[SIDE * SIDE];
+    uint32_t index[6 * (SIDE - 1) * (SIDE - 1)], n = 0;
+    for (int y = 0; y < SIDE; y++)
+        for (int x = 0; x < SIDE; x++) p[y * SIDE + x] = daft_v3(64, (float)(y - 6) * 2.5f, (float)(x - 6) * 2.5f);
+    for (uint32_t y = 0; y + 1 < SIDE; y++)
+        for (uint32_t x = 0; x + 1 < SIDE; x++) {
+            uint32_t a = y * SIDE + x;
+            const uint32_t quad[6] = {a, a + 1, a + SIDE, a + 1, a + SIDE + 1, a + SIDE};
+            memcpy(index + n, quad, sizeof quad);
+            n += 6;
+        }
+    fixture_mesh mesh = mesh_make(p, SIDE * SIDE, index, n / 3);
+    daft_instance instance = instance_make(&mesh, still());
+    setting s = {pencil_make(0, 0, 1), &instance, 1};
+    s.pencil.focal = 64; /* a step of the grid is then 2.5 pixels: vertices fall on pixel centres */
+    uint32_t seen = agree(&s, "grid");
+    assert_int_equal(seen, 30 * 30); /* 12 cells of 2.5 pixels, no pixel lost or seen twice along the closed rim's two sides */
+    s.pencil.shift_x = 0.5f;
+    agree(&s, "grid, shifted");
+    mesh_drop(&mesh);
+}
+
+static void spheres(void **unused)
+{
+    (void)unused;
+    fixture_seed(99);
+    for (int round = 0; round < 10; round++) {
+        enum { COUNT = 40 };
+        daft_instance instances[COUNT];
+        for (int i = 0; i < COUNT; i++) {
+            float size = i % 4 == 0 ? 100 : i % 4 == 1 ? 0.01f : 1;
+            instances[i] = sphere_make(random_vec3(-8, 8), size * random_float(0.01f, 1));
+        }
+        setting s = {pencil_make(random_float(-3, 3), random_float(-1, 1), 1.5f), instances, COUNT};
+        agree(&s, "spheres");
+        setting far = {s.pencil, instances, 1};
+        instances[0] = sphere_make(daft_v3(1e5f * s.pencil.forward.x, 1e5f * s.pencil.forward.y, 1e5f * s.pencil.forward.z), 2e4f);
+        assert_true(agree(&far, "far sphere") > 100);
+    }
+}
+
+/* Layers closer than floats can tell apart, a triangle twice, planes that cut each other. */
+static void ties(void **unused)
+{
+    (void)unused;
+    fixture_seed(5);
+    fixture_mesh mesh = mesh_soup(60, 2, 3);
+    daft_affine a = affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(6, 0, 0)), b = a;
+    b.t[0] += 2e-7f;
+    daft_instance instances[3] = {instance_make(&mesh, b), instance_make(&mesh, a), instance_make(&mesh, a)};
+    setting s = {pencil_make(0, 0, 1.2f), instances, 3};
+    assert_true(agree(&s, "ties") > 1000);
+    mesh_drop(&mesh);
+}
+
+static void huge_and_tiny(void **unused)
+{
+    (void)unused;
+    fixture_seed(3);
+    const float scales[] = {1e-12f, 1e-4f, 1e4f, 1e9f, 1e15f};
+    for (size_t i = 0; i < DAFT_COUNT_OF(scales); i++) {
+        float k = scales[i];
+        fixture_mesh mesh = mesh_ball(20, 1, 0.3f);
+        daft_instance instances[2] = {
+            instance_make(&mesh, affine_make(random_rotation(), daft_v3(k, k, k), daft_v3(3 * k, 0, 0))),
+            instance_make(&mesh, affine_make(random_rotation(), daft_v3(k, k, k), daft_v3(3.5f * k, 0.5f * k, 0.2f * k))),
+        };
+        setting s = {pencil_make(0, 0, 1), instances, 2};
+        assert_true(agree(&s, "scaled") > 1000);
+        mesh_drop(&mesh);
+    }
+}
+
+/* A ground plane of two triangles under the camera, to the horizon, and slivers along it. */
+static void through_the_camera_plane(void **unused)
+{
+    (void)unused;
+    fixture_seed(11);
+    const daft_vec3 p[] = {{-1e7f, -1, -1e7f}, {1e7f, -1, -1e7f}, {1e7f, -1, 1e7f}, {-1e7f, -1, 1e7f}, {1e7f, -0.999f, 3}, {-1e6f, 2, -1}};
+    const uint32_t index[] = {0, 2, 1, 0, 3, 2, 4, 5, 0, 1, 4, 5};
+    fixture_mesh mesh = mesh_make(p, 6, index, 4);
+    daft_instance instance = instance_make(&mesh, still());
+    for (int i = 0; i < 12; i++) {
+        setting s = {pencil_make(random_float(-3, 3), random_float(-1.2f, 1.2f), 1.6f), &instance, 1};
+        agree(&s, "ground");
+    }
+    mesh_drop(&mesh);
+}
+
+static void brute_force(void **unused)
+{
+    (void)unused;
+    fixture_seed(77);
+    fixture_mesh mesh = mesh_soup(400, 3, 0.7f);
+    daft_instance instance = instance_make(&mesh, affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(4, 0, 0)));
+    setting s = {pencil_make(0, 0, 1.4f), &instance, 1};
+    ids *pencil = malloc(sizeof *pencil);
+    see(&s, daft_isa_best(), 1, pencil);
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_raster raster;
+    daft_error error;
+    assert_true(daft_raster_init(&raster, &allocator, 1, &error) && daft_raster_begin(&raster, &s.pencil, &instance, 1, &error));
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        daft_vec3 ray = daft_pencil_ray(&s.pencil, i % WIDTH, i / WIDTH), c[3];
+        double nearest = INFINITY;
+        uint32_t triangle = 0;
+        for (uint32_t k = 0; k < mesh.mesh.triangle_count; k++) {
+            daft_seen_corners(&raster.seen[0], k, c);
+            if (!daft_pencil_hits(c[0], c[1], c[2], ray)) continue;
+            double z = daft_pencil_depth(c[0], c[1], c[2], ray);
+            if (z < nearest) nearest = z, triangle = k;
+        }
+        assert_int_equal(pencil->instance[i], nearest < INFINITY ? 0 : DAFT_NOTHING);
+        if (nearest < INFINITY) assert_int_equal(pencil->triangle[i], triangle);
+    }
+    free(pencil);
+    daft_raster_free(&raster);
+    mesh_drop(&mesh);
+}
+
+/* What cannot be seen is not tested: behind the camera, beside it, between the pixels' rays. */
+static void culling(void **unused)
+{
+    (void)unused;
+    fixture_mesh mesh = mesh_ball(40, 1, 0);
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_raster raster;
+    daft_error error;
+    assert_true(daft_raster_init(&raster, &allocator, 1, &error));
+    daft_pencil pencil = pencil_make(0, 0, 1);
+    const daft_vec3 hidden[] = {{-5, 0, 0}, {5, 0, 40}, {5, 40, 0}, {-1e6f, 3, 0}};
+    for (size_t i = 0; i < DAFT_COUNT_OF(hidden); i++) {
+        daft_instance instance = instance_make(&mesh, affine_make(daft_quat_identity(), daft_v3(1, 1, 1), hidden[i]));
+        assert_true(daft_raster_begin(&raster, &pencil, &instance, 1, &error));
+        assert_int_equal(raster.seen_count, 0);
+    }
+    daft_instance speck = instance_make(&mesh, affine_make(daft_quat_identity(), daft_v3(1e-3f, 1e-3f, 1e-3f), daft_v3(5, 0, 0)));
+    pencil.shift_x = pencil.shift_y = 0.25f; /* WIDTH is even, HEIGHT odd: the speck lies between rays in x alone */
+    assert_true(daft_raster_begin(&raster, &pencil, &speck, 1, &error));
+    for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_kernels_for(0)->bin(&raster, i, 0);
+    assert_int_equal(raster.bins[0].tested, 0);
+    daft_raster_free(&raster);
+    mesh_drop(&mesh);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(soups),         cmocka_unit_test(closed_from_inside),
+        cmocka_unit_test(on_the_grid),   cmocka_unit_test(spheres),
+        cmocka_unit_test(ties),          cmocka_unit_test(huge_and_tiny),
+        cmocka_unit_test(through_the_camera_plane), cmocka_unit_test(brute_force),
+        cmocka_unit_test(culling),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
