@@ -60,6 +60,17 @@ static const uint32_t *materials_of(const daft_entity_item *item, const daft_mes
     return materials;
 }
 
+/* A box seen from outside shadows none of its points that face a lamp; with the camera inside, its walls do. */
+static uint32_t flags_of(const daft_entity_item *item, const daft_instance *instance)
+{
+    uint32_t flags = item->def.casts_shadow ? DAFT_INSTANCE_CASTS_SHADOW : 0;
+    if (item->def.shape != DAFT_SHAPE_BOX) return flags;
+    const float *camera = instance->to_object.t, margin = 0.50001f;
+    bool outside = fabsf(camera[0]) > margin * item->def.size.x || fabsf(camera[1]) > margin * item->def.size.y ||
+                   fabsf(camera[2]) > margin * item->def.size.z;
+    return outside ? flags | DAFT_INSTANCE_CONVEX : flags;
+}
+
 static void warn_once(daft_scene *scene, daft_entity_item *item, uint32_t id)
 {
     if (item->warned) return;
@@ -91,7 +102,7 @@ static bool add_instance(daft_scene *scene, uint32_t index, daft_dvec3 origin, f
     }
     instance->mesh = shape ? &shape->mesh : NULL;
     instance->bvh = shape ? shape->bvh : NULL;
-    instance->flags = item->def.casts_shadow ? DAFT_INSTANCE_CASTS_SHADOW : 0;
+    instance->flags = flags_of(item, instance);
     instance->materials = materials_of(item, shape, arena);
     daft_instance_bound(instance);
     ++*count;
