@@ -232,8 +232,8 @@ static const char materials[] =
     "newmtl gold\nKa 0.75 0.55 0.15\nKd 0.62 0.42 0.08\nKs 0.45 0.36 0.16\nNs 120\nillum 3\n\n"
     "newmtl silver\nKa 0.6 0.6 0.62\nKd 0.45 0.46 0.48\nKs 0.4 0.4 0.42\nNs 150\nillum 3\n\n"
     "newmtl gem\nKa 0.1 0.75 0.8\nKd 0.08 0.62 0.70\nKs 0.35 0.4 0.4\nNs 200\nillum 3\n\n"
-    "newmtl leaf\nKa 0.36 0.62 0.24\nKd 0.36 0.62 0.24\nKs 0 0 0\nNs 1\nillum 1\n\n"
-    "newmtl leaf_dark\nKa 0.24 0.50 0.25\nKd 0.24 0.50 0.25\nKs 0 0 0\nNs 1\nillum 1\n\n"
+    "newmtl leaf\nKa 0.24 0.54 0.13\nKd 0.24 0.54 0.13\nKs 0 0 0\nNs 1\nillum 1\n\n"
+    "newmtl leaf_dark\nKa 0.13 0.42 0.16\nKd 0.13 0.42 0.16\nKs 0 0 0\nNs 1\nillum 1\n\n"
     "newmtl bark\nKa 0.40 0.27 0.17\nKd 0.40 0.27 0.17\nKs 0 0 0\nNs 1\nillum 1\n\n"
     "newmtl rock\nKa 0.48 0.46 0.44\nKd 0.48 0.46 0.44\nKs 0.03 0.03 0.03\nNs 10\nillum 2\n\n"
     "newmtl grass\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nNs 1\nillum 1\nmap_Kd ../textures/grass.png\n\n"
@@ -243,7 +243,7 @@ static const char materials[] =
     "newmtl chrome\nKa 0.02 0.02 0.02\nKd 0.04 0.04 0.05\nKs 0.88 0.89 0.92\nNs 400\nillum 3\n\n"
     "newmtl ruby\nKa 0.6 0.04 0.08\nKd 0.6 0.04 0.08\nKs 0.25 0.2 0.2\nNs 200\nillum 3\n\n"
     "newmtl jade\nKa 0.1 0.5 0.3\nKd 0.1 0.5 0.3\nKs 0.2 0.25 0.2\nNs 150\nillum 3\n\n"
-    "newmtl cloth\nKa 0.85 0.16 0.14\nKd 0.85 0.16 0.14\nKs 0 0 0\nNs 1\nillum 1\n";
+    "newmtl cloth\nKa 0.9 0.10 0.08\nKd 0.9 0.10 0.08\nKs 0 0 0\nNs 1\nillum 1\n";
 
 static bool write_materials(const char *root)
 {
