@@ -9,7 +9,7 @@
 static const canvas_color WHITE = {245, 247, 250, 255}, GREY = {176, 188, 206, 255}, DARK = {12, 17, 30, 205},
                           CHOSEN = {64, 132, 255, 235};
 
-static const float ROW = 84, TOP = 176, LEFT = 64, WIDTH = 560;
+static const float ROW = 104, TOP = 176, LEFT = 64, WIDTH = 560;
 
 typedef struct menu {
     const session_def *def;
@@ -50,6 +50,7 @@ static bool build_scene(menu *m, daft_error *error)
 
     daft_material_def paint = daft_default_material_def();
     paint.diffuse = paint.ambient = (daft_vec3){1, 1, 1};
+    paint.map_scale = (daft_vec2){0.25f, 0.25f}; /* squares of two metres */
     char path[PATH_SIZE];
     if (path_join(path, sizeof path, m->def->where->assets, "textures/checker.png") && path_is_file(path))
         paint.diffuse_map = daft_texture_load(m->scene, path, NULL);
@@ -90,9 +91,23 @@ static size_t visible_rows(const menu *m)
     return m->count < rows ? m->count : rows;
 }
 
+/* As many whole words as fit in two lines. */
+static void draw_description(const canvas *over, font *face, const char *description, float y, const text_style *style)
+{
+    char text[512];
+    snprintf(text, sizeof text, "%s", description);
+    const float room = 2.5f * text_line_height(style->size);
+    for (char *blank; text_draw_wrapped(NULL, face, text, 0, 0, WIDTH - 40, style) > room;) {
+        if (!(blank = strrchr(text, ' '))) return;
+        blank[0] = 0;
+    }
+    text_draw_wrapped(over, face, text, LEFT + 20, y, WIDTH - 40, style);
+}
+
 static void draw_list(menu *m)
 {
     canvas over = canvas_over(m->picture);
+    canvas_rect(&over, 0, 0, LEFT + WIDTH + LEFT, CANVAS_HEIGHT, (canvas_color){12, 17, 30, 110});
     font *face = m->def->face;
     text_style title = {76, WHITE, TEXT_LEFT, true}, style = {22, GREY, TEXT_LEFT, true};
     text_draw(&over, face, "DAFT", LEFT, 44, &title);
@@ -106,18 +121,12 @@ static void draw_list(menu *m)
         style = (text_style){28, WHITE, TEXT_LEFT, false};
         text_draw(&over, face, game->title, LEFT + 20, y + 10, &style);
         style.size = 18, style.color = chosen ? WHITE : GREY;
-        char line[80]; /* what fits in one line */
-        snprintf(line, sizeof line, "%s", game->description);
-        while (line[0] && text_width(face, line, style.size) > WIDTH - 40) {
-            char *blank = strrchr(line, ' ');
-            if (!blank) break;
-            blank[0] = 0;
-        }
-        text_draw(&over, face, line, LEFT + 20, y + 45, &style);
+        draw_description(&over, face, game->description, y + 45, &style);
     }
+    canvas_rect(&over, 0, CANVAS_HEIGHT - 56, canvas_hud_width(&over), 56, DARK);
     style = (text_style){18, WHITE, TEXT_LEFT, true};
     text_draw(&over, face, "Up / Down  choose      Return  play      F11  full screen      Esc  leave", LEFT + 4,
-              CANVAS_HEIGHT - 44, &style);
+              CANVAS_HEIGHT - 40, &style);
 }
 
 /* ---- choosing ---- */

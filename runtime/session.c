@@ -21,11 +21,11 @@ typedef struct session {
     daft_image *picture;
     loop clock;
     uint64_t last_ns;
-    bool left, closed, overlay, reported, picture_is_new;
+    bool left, closed, overlay, reported;
     bool wants_reload, wants_shot;
     frame_times times;
-    double update_ms, frame_ms, frames_per_second; /* smoothed, for the overlay */
-    uint64_t hashed, shot_done;
+    double update_ms, frame_ms, turn_ms; /* smoothed, for the overlay */
+    uint64_t hashed, shot_done, turns;
     progress_bar bar;
 } session;
 
@@ -67,7 +67,7 @@ void session_scale_mouse(platform *screen, input_event *event)
 
 static void draw_overlay(session *s)
 {
-    overlay_figures figures = {s->frames_per_second, s->frame_ms, s->update_ms, s->clock.dropped,
+    overlay_figures figures = {s->turn_ms > 0 ? 1000 / s->turn_ms : 0, s->frame_ms, s->update_ms, s->clock.dropped,
                                daft_scene_counters(s->play.scene)};
     canvas over = canvas_over(s->picture);
     screen_overlay(&over, s->def->face, &figures);
@@ -232,7 +232,7 @@ static bool turn(session *s, daft_error *error)
     uint64_t now = screen->now_ns(screen);
     uint64_t elapsed = now - s->last_ns;
     s->last_ns = now;
-    if (elapsed > 0) s->frames_per_second = smooth(s->frames_per_second, 1e9 / (double)elapsed);
+    if (s->turns++ > 1) s->turn_ms = smooth(s->turn_ms, (double)elapsed / 1e6); /* the first ones have no past */
     if (!run_updates(s, loop_advance(&s->clock, elapsed), error)) return false;
     if (s->def->every_frame || screen->wants_frame(screen)) {
         if (!draw(s, loop_alpha(&s->clock), error) || !screen->present(screen, s->picture, error)) return false;
