@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <strings.h>
 
 typedef struct reader {
@@ -325,6 +326,7 @@ static bool read_newmtl(reader *r, const char *word, const char *p)
         return daft_text_fail(&r->text, name, r->error, "a material's name has at most %zu characters",
                               sizeof material.name - 1);
     memcpy(material.name, name, length);
+    snprintf(material.file, sizeof material.file, "%s", r->text.path);
     daft_mtl_list *list = r->list;
     if (!daft_grow(r->allocator, &list->items, &list->capacity, list->count + 1, list->count, sizeof material))
         return daft_fail_at(r->error, DAFT_ERROR_MEMORY, r->text.path, 0, 0, "out of memory for the materials");

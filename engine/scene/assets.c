@@ -105,7 +105,7 @@ static bool mesh_read(daft_scene *scene, const char *path, daft_mesh_item *item,
     memset(&obj.mesh, 0, sizeof obj.mesh);
     bool done = mesh_finish(scene, item, error);
     for (size_t i = 0; done && i < obj.slots.count && i < item->mesh.slot_count; i++) {
-        daft_material material = daft_material_from_mtl(scene, path, &obj.slots.items[i], error);
+        daft_material material = daft_material_from_mtl(scene, &obj.slots.items[i], error);
         item->materials[i] = material.id - 1;
         done = material.id != 0;
     }
@@ -310,7 +310,7 @@ daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *
     return (daft_texture){cached};
 }
 
-daft_texture daft_texture_of_map(daft_scene *scene, const char *mtl_path, const daft_mtl *mtl, daft_error *error)
+daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_error *error)
 {
     uint32_t cached = texture_cached(scene, mtl->diffuse_map, daft_path_hash(mtl->diffuse_map));
     if (cached) return (daft_texture){cached};
@@ -325,7 +325,7 @@ daft_texture daft_texture_of_map(daft_scene *scene, const char *mtl_path, const 
     if (!daft_texture_missing(scene->allocator, &data, error)) return (daft_texture){0};
     daft_texture texture = texture_add(scene, mtl->diffuse_map, &data, error);
     if (texture.id)
-        daft_warn_at(&scene->engine->log, why.code, mtl_path, mtl->diffuse_map_line, mtl->diffuse_map_column,
+        daft_warn_at(&scene->engine->log, why.code, mtl->file, mtl->diffuse_map_line, mtl->diffuse_map_column,
                      "a checker stands in for the texture %s: %s", mtl->diffuse_map, why.message);
     return texture;
 }

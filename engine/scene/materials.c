@@ -112,7 +112,7 @@ static void illuminate(const daft_mtl *mtl, daft_material_def *def)
     def->mirror_tint = daft_scale(mtl->specular, 1 / share);
 }
 
-daft_material daft_material_from_mtl(daft_scene *scene, const char *mtl_path, const daft_mtl *mtl, daft_error *error)
+daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daft_error *error)
 {
     daft_material_def def = daft_default_material_def();
     def.ambient = mtl->ambient;
@@ -121,7 +121,7 @@ daft_material daft_material_from_mtl(daft_scene *scene, const char *mtl_path, co
     def.shininess = mtl->shininess < 1000 ? mtl->shininess : 1000;
     illuminate(mtl, &def);
     if (mtl->diffuse_map[0]) {
-        def.diffuse_map = daft_texture_of_map(scene, mtl_path, mtl, error);
+        def.diffuse_map = daft_texture_of_map(scene, mtl, error);
         if (!def.diffuse_map.id) return (daft_material){0};
     }
     return daft_material_create(scene, &def, error);
@@ -165,7 +165,7 @@ static daft_material load_new(daft_scene *scene, const char *path, daft_error *e
     if (!split_path(path, file, sizeof file, &name, error)) return material;
     if (daft_mtl_load(scene->allocator, file, &scene->engine->log, &list, error)) {
         const daft_mtl *mtl = pick(&list, file, name, error);
-        if (mtl) material = daft_material_from_mtl(scene, file, mtl, error);
+        if (mtl) material = daft_material_from_mtl(scene, mtl, error);
     }
     daft_mtl_list_free(scene->allocator, &list);
     return material;

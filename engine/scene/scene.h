@@ -149,7 +149,7 @@ void daft_assets_roll_back(daft_scene *scene, daft_assets_mark mark);
 daft_mesh_item *daft_mesh_find(const daft_scene *scene, daft_mesh mesh, daft_error *error);
 bool daft_texture_check(const daft_scene *scene, daft_texture texture, daft_error *error);
 /* The texture of an MTL's map: what cannot be read becomes a checker and one warning. 0: memory is out. */
-daft_texture daft_texture_of_map(daft_scene *scene, const char *mtl_path, const daft_mtl *mtl, daft_error *error);
+daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_error *error);
 /* The mesh of a box of this size; counts a user. DAFT_NONE: memory is out. */
 uint32_t daft_box_acquire(daft_scene *scene, daft_vec3 size, daft_error *error);
 void daft_box_drop(daft_scene *scene, uint32_t box);
@@ -158,8 +158,8 @@ uint64_t daft_path_hash(const char *path);
 /* ---- materials.c ---- */
 
 bool daft_material_check(const daft_scene *scene, daft_material material, daft_error *error);
-/* The material of an MTL entry; with_path names the MTL file in warnings. 0 on failure. */
-daft_material daft_material_from_mtl(daft_scene *scene, const char *mtl_path, const daft_mtl *mtl, daft_error *error);
+/* The material of an MTL entry. 0 on failure. */
+daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daft_error *error);
 
 /* ---- entities.c ---- */
 
