@@ -4,10 +4,14 @@
  * arises; the far distance is widened by 2·gamma(3) (Ize, "Robust BVH Ray Traversal", 2013), so rounding never misses a box.
  *
  * Triangles: corners relative to the ray's origin, edge planes (a - b) × (a + b) = 2·a × b. Exchanging a and b negates every
- * bit of it, so the two triangles at an edge see opposite values of one number and no ray passes between them (Davidovič
- * et al., "3D rasterization", 2012; Woop et al., "Watertight Ray/Triangle Intersection", 2013). */
+ * bit of it, so the two triangles at an edge see opposite values of one number (Davidovič et al., "3D rasterization", 2012;
+ * Woop et al., "Watertight Ray/Triangle Intersection", 2013). That alone still loses rays at vertices, where rounding can
+ * put a ray on the same side of every spoke of a fan; so lanes within the error bound are decided by the exact predicates.
+ * As in the pencil, 7u·Σ M·|d| with u = 2^-24 bounds a side's error; M is taken coarsely here, as the product of the sums of
+ * magnitudes of the two factors, and 8u covers the roundings of the bound itself. */
 #include "accel/bvh.h"
 #include "accel/traverse.h"
+#include "math/exact.h"
 #include "math/isa.h"
 #include "math/simd.h"
 
@@ -94,35 +98,71 @@ DAFT_INLINE v43 block_corner(const daft_block *b, int k, v43 origin)
     return v43_sub(corner, origin);
 }
 
-/* Bits of the triangles hit in tmin..tmax; *t the distances, *v and *w the weights of corners 1 and 2. */
-DAFT_INLINE uint32_t block_test(const daft_block *b, v43 o, v43 d, float tmin, float tmax, v4 *t, v4 *v, v4 *w)
+typedef struct block_hits {
+    v4 t, v, w; /* distances; weights of corners 1 and 2 */
+} block_hits;
+
+DAFT_INLINE v4 v43_sum(v43 a) { return v4_abs(a.x) + v4_abs(a.y) + v4_abs(a.z); }
+
+DAFT_INLINE daft_vec3 v43_lane(v43 a, int i) { return daft_v3(a.x[i], a.y[i], a.z[i]); }
+
+/* Lanes that floats could not decide: their bits if they hit, with distances and weights in double. */
+static __attribute__((noinline)) uint32_t block_exact(uint32_t unsure, const v43 p[3], daft_vec3 d, float tmin, float tmax,
+                                                      block_hits *out)
 {
-    v43 p0 = block_corner(b, 0, o), p1 = block_corner(b, 1, o), p2 = block_corner(b, 2, o);
-    v43 e0 = v43_sub(p2, p0), e1 = v43_sub(p0, p1), e2 = v43_sub(p1, p2);
-    v4 side1 = v43_dot(v43_cross(e0, v43_add(p2, p0)), d);
-    v4 side2 = v43_dot(v43_cross(e1, v43_add(p0, p1)), d);
-    v4 side0 = v43_dot(v43_cross(e2, v43_add(p1, p2)), d);
+    uint32_t hits = 0;
+    for (; unsure; unsure &= unsure - 1) {
+        int i = __builtin_ctz(unsure);
+        daft_vec3 a = v43_lane(p[0], i), b = v43_lane(p[1], i), c = v43_lane(p[2], i);
+        if (!daft_pencil_hits(a, b, c, d)) continue;
+        double w[3];
+        daft_pencil_weights(a, b, c, d, w);
+        daft_dvec3 ray = daft_to_double(d);
+        double t = (w[0] * daft_ddot(daft_to_double(a), ray) + w[1] * daft_ddot(daft_to_double(b), ray) +
+                    w[2] * daft_ddot(daft_to_double(c), ray)) / daft_ddot(ray, ray);
+        out->t[i] = (float)t, out->v[i] = (float)w[1], out->w[i] = (float)w[2];
+        hits |= (uint32_t)(out->t[i] >= tmin && out->t[i] <= tmax) << i;
+    }
+    return hits;
+}
+
+/* Bits of the triangles hit in tmin..tmax. The distance is the mean of the corners' along the ray, weighted by the sides,
+ * so it stays among them however flat the triangle is seen. */
+DAFT_INLINE uint32_t block_test(const daft_block *b, v43 o, daft_vec3 direction, float tmin, float tmax, block_hits *out)
+{
+    v43 p[3] = {block_corner(b, 0, o), block_corner(b, 1, o), block_corner(b, 2, o)}, d = v43_set(direction);
+    v43 e0 = v43_sub(p[1], p[2]), e1 = v43_sub(p[2], p[0]), e2 = v43_sub(p[0], p[1]);
+    v43 s0 = v43_add(p[1], p[2]), s1 = v43_add(p[2], p[0]), s2 = v43_add(p[0], p[1]);
+    v4 side0 = v43_dot(v43_cross(e0, s0), d), side1 = v43_dot(v43_cross(e1, s1), d), side2 = v43_dot(v43_cross(e2, s2), d);
     v4 least = v4_min(v4_min(side0, side1), side2), most = v4_max(v4_max(side0, side1), side2);
-    v43 normal = v43_cross(e1, e0);
-    v4 slope = v43_dot(normal, d), sum = side0 + side1 + side2;
-    *t = v43_dot(normal, p0) / slope;
-    *v = side1 / sum;
-    *w = side2 / sum;
-    v4i one_side = (v4i)(least >= v4_set(0)) | (v4i)(most <= v4_set(0));
-    v4i within = (v4i)(*t >= v4_set(tmin)) & (v4i)(*t <= v4_set(tmax)) & (v4i)(slope != v4_set(0)) & (v4i)(sum != v4_set(0));
-    return v4_bits(one_side & within);
+    v4 size = v4_max(v4_max(v43_sum(e0) * v43_sum(s0), v43_sum(e1) * v43_sum(s1)), v43_sum(e2) * v43_sum(s2));
+    v4 bound = size * (v43_sum(d) * v4_set(8 * 0x1p-24f)) + v4_set(1e-36f);
+    /* written so that a NaN, from an overflow, is neither outside nor sure */
+    v4i outside = (v4i)(least < -bound) & (v4i)(most > bound);
+    uint32_t maybe = v4_bits(~outside);
+    if (!maybe) return 0;
+    v4 sum = side0 + side1 + side2;
+    v4 along = side0 * v43_dot(p[0], d) + side1 * v43_dot(p[1], d) + side2 * v43_dot(p[2], d);
+    out->t = along / (sum * v43_dot(d, d));
+    out->v = side1 / sum;
+    out->w = side2 / sum;
+    uint32_t sure = v4_bits(((v4i)(least > bound) | (v4i)(most < -bound)) & (v4i)(v4_abs(sum) < v4_set(INFINITY)));
+    uint32_t within = v4_bits((v4i)(out->t >= v4_set(tmin)) & (v4i)(out->t <= v4_set(tmax)));
+    uint32_t unsure = maybe & ~sure, hits = sure & within;
+    if (unsure) hits |= block_exact(unsure, p, direction, tmin, tmax, out);
+    return hits;
 }
 
 DAFT_INLINE float unit(float s) { return s > 0 ? (s < 1 ? s : 1) : 0; }
 
-static void take_hits(const daft_block *b, uint32_t bits, v4 t, v4 v, v4 w, daft_hit *hit)
+static void take_hits(const daft_block *b, uint32_t bits, const block_hits *h, daft_hit *hit)
 {
     while (bits) {
         int i = __builtin_ctz(bits);
         bits &= bits - 1;
-        bool nearer = t[i] < hit->t || (t[i] == hit->t && b->triangle[i] < hit->triangle);
+        bool nearer = h->t[i] < hit->t || (h->t[i] == hit->t && b->triangle[i] < hit->triangle);
         if (!nearer) continue;
-        hit->t = t[i], hit->u = unit(v[i]), hit->v = unit(w[i]), hit->triangle = b->triangle[i];
+        hit->t = h->t[i], hit->u = unit(h->v[i]), hit->v = unit(h->w[i]), hit->triangle = b->triangle[i];
     }
 }
 
@@ -131,7 +171,7 @@ static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tm
 {
     entry stack[DAFT_STACK];
     slab_ray r = slab_setup(o, d);
-    v43 origin = v43_set(o), direction = v43_set(d);
+    v43 origin = v43_set(o);
     uint32_t before = hit->triangle;
     float before_t = hit->t;
     int top = 0;
@@ -142,9 +182,9 @@ static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tm
         if (e.child & DAFT_CHILD_LEAF) {
             const daft_block *block = &bvh->blocks[(e.child & ~DAFT_CHILD_LEAF) >> 2];
             for (uint32_t k = 0; k <= (e.child & 3); k++) {
-                v4 t, v, w;
-                uint32_t bits = block_test(&block[k], origin, direction, tmin, hit->t, &t, &v, &w);
-                if (bits) take_hits(&block[k], bits, t, v, w, hit);
+                block_hits hits;
+                uint32_t bits = block_test(&block[k], origin, d, tmin, hit->t, &hits);
+                if (bits) take_hits(&block[k], bits, &hits, hit);
             }
         } else {
             v8 near;
@@ -160,7 +200,7 @@ static bool mesh_occluded(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float t
 {
     entry stack[DAFT_STACK];
     slab_ray r = slab_setup(o, d);
-    v43 origin = v43_set(o), direction = v43_set(d);
+    v43 origin = v43_set(o);
     int top = 0;
     stack[top++].child = 0;
     while (top > 0) {
@@ -168,8 +208,8 @@ static bool mesh_occluded(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float t
         if (child & DAFT_CHILD_LEAF) {
             const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
             for (uint32_t k = 0; k <= (child & 3); k++) {
-                v4 t, v, w;
-                if (block_test(&block[k], origin, direction, tmin, tmax, &t, &v, &w)) return true;
+                block_hits hits;
+                if (block_test(&block[k], origin, d, tmin, tmax, &hits)) return true;
             }
         } else {
             v8 near;

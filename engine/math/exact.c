@@ -98,15 +98,24 @@ bool daft_pencil_hits(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
 
 static double det(daft_dvec3 a, daft_dvec3 b, daft_dvec3 d) { return daft_ddot(daft_dcross(a, b), d); }
 
-double daft_pencil_depth(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
+void daft_pencil_weights(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d, double weight[3])
 {
     daft_dvec3 p = daft_to_double(a), q = daft_to_double(b), r = daft_to_double(c), ray = daft_to_double(d);
     double sign = det(p, q, r) < 0 ? -1 : 1;
     double u = sign * det(q, r, ray), v = sign * det(r, p, ray), w = sign * det(p, q, ray);
     u = u > 0 ? u : 0, v = v > 0 ? v : 0, w = w > 0 ? w : 0;
     double sum = u + v + w;
-    if (!(sum > 0)) return p.z < q.z ? (p.z < r.z ? p.z : r.z) : (q.z < r.z ? q.z : r.z);
-    return (u * p.z + v * q.z + w * r.z) / sum;
+    bool some = sum > 0;
+    weight[0] = some ? u / sum : 1;
+    weight[1] = some ? v / sum : 0;
+    weight[2] = some ? w / sum : 0;
+}
+
+double daft_pencil_depth(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
+{
+    double w[3];
+    daft_pencil_weights(a, b, c, d, w);
+    return w[0] * (double)a.z + w[1] * (double)b.z + w[2] * (double)c.z;
 }
 
 bool daft_pencil_sphere(daft_vec3 centre, float radius, daft_vec3 d, double *t)

@@ -20,8 +20,11 @@ int daft_ray_side(daft_vec3 a, daft_vec3 b, daft_vec3 d);
 /* Whether the ray d from the origin hits the triangle, decided by the two predicates above. Edge-on triangles are missed. */
 bool daft_pencil_hits(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d);
 
-/* The z of the point where a ray that hits meets the triangle, in double: the mean of the corners' z weighted by the three
- * determinants (negative ones, which are rounding errors, count as 0). Always within the corners' range of z. */
+/* The weights of the corners at the point where a ray that hits meets the triangle, in double: the three determinants over
+ * their sum; negative ones, which are rounding errors, count as 0. They are 0 or more and add up to 1. */
+void daft_pencil_weights(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d, double weight[3]);
+
+/* The z of that point: always within the corners' range of z. */
 double daft_pencil_depth(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d);
 
 /* A ray from the origin against a sphere: false for a miss; else *t in units of d, of the nearest hit in front. The
