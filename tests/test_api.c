@@ -167,7 +167,8 @@ static bool run(program *p, const daft_engine_def *def, daft_error *error)
     daft_scene_begin_tick(p->scene);
     if (!daft_scene_step(p->scene, 1.0f / 60, error)) return false;
     daft_ray_hit hit;
-    bool found = daft_scene_cast_ray(p->scene, (daft_dvec3){0, 0, 0}, (daft_vec3){1, 0, 0}, 10, (daft_entity){0}, &hit, error);
+    bool found =
+        daft_scene_cast_ray(p->scene, (daft_dvec3){0, 0, 0}, (daft_vec3){1, 0, 0}, 10, (daft_entity){0}, &hit, error);
     if (!found) return false;
     p->image = daft_image_create(p->engine, 32, 32, error);
     daft_view view = daft_default_view();
@@ -241,8 +242,8 @@ static void views_are_checked(void **state)
     daft_engine_def def = daft_default_engine_def();
     assert_true(run(&p, &def, &error));
     daft_view bad[8];
-    const char *says[] = {"daft_default_view()", "camera.fov", "camera.yaw", "camera.position.y", "alpha", "samples is 2",
-                          "quality is 9", "camera.fov is 3.2"};
+    const char *says[] = {"daft_default_view()", "camera.fov",   "camera.yaw",       "camera.position.y", "alpha",
+                          "samples is 2",        "quality is 9", "camera.fov is 3.2"};
     for (size_t i = 0; i < 8; i++) bad[i] = daft_default_view();
     bad[0].cookie = 0;
     bad[1].camera.fov = NAN;
@@ -336,7 +337,8 @@ static void every_allocation_may_fail(void **state)
             break;
         }
         /* the call may go on without what it wanted, but then it succeeds; if it fails, it says why */
-        if (!done && error.code != DAFT_ERROR_MEMORY) fail_msg("allocation %ld: %d %s", n, (int)error.code, error.message);
+        if (!done && error.code != DAFT_ERROR_MEMORY)
+            fail_msg("allocation %ld: %d %s", n, (int)error.code, error.message);
     }
 }
 

@@ -154,7 +154,8 @@ static float drop(fixture *f, double x, double z)
 {
     daft_ray_hit hit;
     daft_error error;
-    bool found = daft_scene_cast_ray(f->scene, daft_dv3(x, 50, z), daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, &error);
+    bool found =
+        daft_scene_cast_ray(f->scene, daft_dv3(x, 50, z), daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, &error);
     assert_int_equal(error.code, DAFT_OK);
     return found ? hit.distance : -1;
 }
@@ -445,7 +446,8 @@ static void far_is_as_good_as_near(void **state)
     daft_vec3 directions[] = {{1, 0, 0}, {1, 0.125f, 0.0625f}, {0, 0, 1}, {0.0625f, 0.03125f, 1}};
     for (size_t d = 0; d < DAFT_COUNT_OF(directions); d++) {
         daft_ray_hit near;
-        assert_true(daft_scene_cast_ray(f->scene, daft_dv3(0, 0, 0), directions[d], 10, (daft_entity){0}, &near, &error));
+        assert_true(
+            daft_scene_cast_ray(f->scene, daft_dv3(0, 0, 0), directions[d], 10, (daft_entity){0}, &near, &error));
         for (int i = 1; i < 3; i++) {
             daft_ray_hit hit;
             daft_dvec3 from = daft_dv3(i * far, 0, -i * far);
@@ -461,7 +463,8 @@ static void rays_meet_spheres(void **state)
     fixture *f = *state;
     daft_ray_hit hit;
     daft_error error;
-    daft_entity none = {0}, small = make_sphere(f->scene, 5, 0, 0, 1, none), big = make_sphere(f->scene, 0, 0, 0, 100, none);
+    daft_entity none = {0}, small = make_sphere(f->scene, 5, 0, 0, 1, none),
+                big = make_sphere(f->scene, 0, 0, 0, 100, none);
     daft_dvec3 origin = daft_dv3(0, 0, 0);
     assert_true(daft_scene_cast_ray(f->scene, origin, daft_v3(3, 0, 0), 100, none, &hit, &error));
     assert_true(hit.entity.id == small.id && fabsf(hit.distance - 4) < 1e-6f && hit.normal.x == -1);
@@ -513,7 +516,8 @@ static void queries_have_no_memory(void **state)
 {
     fixture *f = *state;
     random_state = 77;
-    for (int i = 0; i < 50; i++) make_sphere(f->scene, uniform(-5, 5), uniform(-5, 5), uniform(-5, 5), 0.4f, (daft_entity){0});
+    for (int i = 0; i < 50; i++)
+        make_sphere(f->scene, uniform(-5, 5), uniform(-5, 5), uniform(-5, 5), 0.4f, (daft_entity){0});
     daft_ray_hit first[64], again;
     bool found[64];
     for (int round = 0; round < 2; round++)
@@ -524,7 +528,8 @@ static void queries_have_no_memory(void **state)
             memset(&again, 0, sizeof again);
             bool hit = daft_scene_cast_ray(f->scene, origin, direction, INFINITY, (daft_entity){0}, &again, NULL);
             if (round == 0) first[i] = again, found[i] = hit;
-            assert_true(hit == found[i] && again.distance == first[i].distance && again.entity.id == first[i].entity.id);
+            assert_true(hit == found[i] && again.distance == first[i].distance &&
+                        again.entity.id == first[i].entity.id);
         }
 }
 

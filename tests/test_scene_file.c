@@ -60,9 +60,13 @@ static void write_bytes(const fixture *f, const char *name, const void *bytes, s
     fclose(file);
 }
 
-static void write_text(const fixture *f, const char *name, const char *text) { write_bytes(f, name, text, strlen(text)); }
+static void write_text(const fixture *f, const char *name, const char *text)
+{
+    write_bytes(f, name, text, strlen(text));
+}
 
-static const char TRIANGLE[] = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl red\nf 1/1 2/2 3/3\n";
+static const char TRIANGLE[] =
+    "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl red\nf 1/1 2/2 3/3\n";
 static const char MATERIALS[] = "newmtl red\nKd 1 0 0\nKs 0.5 0.5 0.5\nNs 50\nillum 2\nmap_Kd missing.png\n"
                                 "newmtl shiny one\nKa 0 0 0\nKd 0 0 0\nKs 0.8 0.4 0\nNs 100\nillum 3\n"
                                 "newmtl matt\nKd 0 0 1\nKs 1 1 1\nillum 1\nd 0.5\n";
@@ -232,7 +236,8 @@ static const struct {
     int line, column;
     const char *says;
 } BAD[] = {
-    {"camera 0 0 0\nspher 0 0 0 1 m.mtl\n", 2, 1, "unknown item 'spher'; known are camera, skybox, light, sphere, mesh"},
+    {"camera 0 0 0\nspher 0 0 0 1 m.mtl\n", 2, 1,
+     "unknown item 'spher'; known are camera, skybox, light, sphere, mesh"},
     {"camera 0 0\n", 1, 11, "expected z, but the line ends"},
     {"camera 0 0 x\n", 1, 12, "expected z (a number), 'x' came"},
     {"camera 0 0 0 1\n", 1, 15, "expected yaw"},
@@ -272,7 +277,8 @@ static const struct {
     {"", 1, 1, "no item in the file"},
     {"# only\n\n# comments\n", 4, 1, "no item in the file"},
     {"\x01\x02 0 0\n", 1, 1, "unknown item '?\?'"},
-    {"light 0 0 0 1 1 1\nmesh t.obj 0 0 0\nskybox sky.tga\ncamera 9 9 9\nsphere 0 0 0 1 m.mtl\nx\n", 6, 1, "unknown item 'x'"},
+    {"light 0 0 0 1 1 1\nmesh t.obj 0 0 0\nskybox sky.tga\ncamera 9 9 9\nsphere 0 0 0 1 m.mtl\nx\n", 6, 1,
+     "unknown item 'x'"},
 };
 
 static void every_mistake_has_its_place(void **state)
@@ -361,7 +367,8 @@ static void include_cycles_end(void **state)
     assert_true(daft_scene_load(f->scene, path_of(f, "d3.scene"), &error));
 }
 
-/* Whatever bytes come, the answer is true or an error with a place, and never a crash (this runs under sanitizers too). */
+/* Whatever bytes come, the answer is true or an error with a place, and never a crash (this runs under sanitizers too).
+ */
 static void garbage_is_survived(void **state)
 {
     fixture *f = *state;
@@ -392,7 +399,8 @@ static void garbage_is_survived(void **state)
 static void running_out_of_memory_is_an_error(void **state)
 {
     fixture *f = *state;
-    write_text(f, "s.scene", "camera 0 0 0\nskybox sky.tga\nlight 1 1 1 1 1 1\nsphere 0 0 0 1 m.mtl\nmesh t.obj 0 0 0 2\n");
+    write_text(f, "s.scene",
+               "camera 0 0 0\nskybox sky.tga\nlight 1 1 1 1 1 1\nsphere 0 0 0 1 m.mtl\nmesh t.obj 0 0 0 2\n");
     char path[256];
     strcpy(path, path_of(f, "s.scene"));
     uint64_t empty = daft_scene_hash(f->scene);

@@ -25,9 +25,11 @@ bool daft_body_check(const daft_entity_def *def, daft_error *error)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the shape is %s; a body must be a sphere or a box",
                          kind, def->shape == DAFT_SHAPE_MESH ? "a mesh" : "none");
     if (def->body == DAFT_BODY_DYNAMIC && def->shape != DAFT_SHAPE_SPHERE)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is dynamic but the shape is a box; a dynamic body must be a sphere");
+        return daft_fail(error, DAFT_ERROR_ARGUMENT,
+                         "body is dynamic but the shape is a box; a dynamic body must be a sphere");
     if (def->parent.id)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the entity has a parent; a body must have none", kind);
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the entity has a parent; a body must have none",
+                         kind);
     if (def->scale.x != 1 || def->scale.y != 1 || def->scale.z != 1)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "scale is %g, %g, %g; a body's must be 1, 1, 1: size it by its %s",
                          (double)def->scale.x, (double)def->scale.y, (double)def->scale.z,

@@ -79,7 +79,8 @@ bool daft_check_camera(daft_error *error, const char *name, const daft_camera *c
     /* daft_sin states its error up to a million radians */
     for (size_t i = 0; i < DAFT_COUNT_OF(angles); i++) {
         snprintf(field, sizeof field, "%s.%s", name, angles[i].name);
-        if (!daft_check_range(error, field, (double)angles[i].value, -1e6, 1e6, "finite and between -1e6 and 1e6 radians"))
+        if (!daft_check_range(error, field, (double)angles[i].value, -1e6, 1e6,
+                              "finite and between -1e6 and 1e6 radians"))
             return false;
     }
     snprintf(field, sizeof field, "%s.fov", name);

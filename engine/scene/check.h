@@ -1,4 +1,5 @@
-/* What enters through daft.h is checked here. Every message names the field, the value that came and what is allowed. */
+/* What enters through daft.h is checked here. Every message names the field, the value that came and what is allowed.
+ */
 #ifndef DAFT_CHECK_H
 #define DAFT_CHECK_H
 

@@ -28,7 +28,8 @@ daft_entity_item *daft_entity_find(const daft_scene *scene, daft_entity entity, 
     if (entity.id == 0)
         daft_fail(error, DAFT_ERROR_HANDLE, "the entity is none (0)");
     else
-        daft_fail(error, DAFT_ERROR_HANDLE, "entity 0x%x is stale: it was destroyed, or is not one of this scene", entity.id);
+        daft_fail(error, DAFT_ERROR_HANDLE, "entity 0x%x is stale: it was destroyed, or is not one of this scene",
+                  entity.id);
     return NULL;
 }
 
@@ -64,7 +65,8 @@ static bool shape_check(const daft_scene *scene, const daft_entity_def *def, daf
 static bool parent_check(const daft_scene *scene, const daft_entity_def *def, daft_error *error)
 {
     if (def->parent.id && daft_slots_find(&scene->entity_slots, def->parent.id) == DAFT_NONE)
-        return daft_fail(error, DAFT_ERROR_HANDLE, "the parent, entity 0x%x, is stale: it was destroyed, or is not one of this scene",
+        return daft_fail(error, DAFT_ERROR_HANDLE,
+                         "the parent, entity 0x%x, is stale: it was destroyed, or is not one of this scene",
                          def->parent.id);
     if (def->shape != DAFT_SHAPE_SPHERE) return true;
     if (!daft_scale_is_uniform(def->scale))

@@ -103,7 +103,8 @@ bool daft_map_reserve(daft_map *map, const daft_allocator *allocator, uint32_t m
     if (!grown.entries) return false;
     for (uint32_t i = 0; i < size; i++) grown.entries[i] = (daft_map_entry){0, DAFT_NONE};
     for (uint32_t i = 0; i < map->size; i++)
-        if (map->entries[i].value < (uint32_t)REMOVED) daft_map_add(&grown, map->entries[i].hash, map->entries[i].value);
+        if (map->entries[i].value < (uint32_t)REMOVED)
+            daft_map_add(&grown, map->entries[i].hash, map->entries[i].value);
     daft_map_free(map, allocator);
     *map = grown;
     return true;
@@ -125,7 +126,8 @@ void daft_map_remove(daft_map *map, uint64_t hash, uint32_t value)
 {
     if (map->size == 0) return;
     uint32_t mask = map->size - 1;
-    for (uint32_t at = (uint32_t)(hash ^ hash >> 32) & mask; map->entries[at].value != DAFT_NONE; at = (at + 1) & mask) {
+    for (uint32_t at = (uint32_t)(hash ^ hash >> 32) & mask; map->entries[at].value != DAFT_NONE;
+         at = (at + 1) & mask) {
         if (map->entries[at].hash != hash || map->entries[at].value != value) continue;
         map->entries[at].value = (uint32_t)REMOVED;
         return;

@@ -59,7 +59,8 @@ static uint32_t light_find(const daft_scene *scene, daft_light light, daft_error
     if (light.id == 0)
         daft_fail(error, DAFT_ERROR_HANDLE, "the light is none (0)");
     else
-        daft_fail(error, DAFT_ERROR_HANDLE, "light 0x%x is stale: it was destroyed, or is not one of this scene", light.id);
+        daft_fail(error, DAFT_ERROR_HANDLE, "light 0x%x is stale: it was destroyed, or is not one of this scene",
+                  light.id);
     return DAFT_NONE;
 }
 

@@ -33,7 +33,8 @@ static daft_surface surface_from(const daft_material_def *def)
 
 static bool def_check(const daft_scene *scene, const daft_material_def *def, daft_error *error)
 {
-    return daft_check_pointer(error, "def", def) && daft_check_cookie(error, def->cookie, "daft_default_material_def") &&
+    return daft_check_pointer(error, "def", def) &&
+           daft_check_cookie(error, def->cookie, "daft_default_material_def") &&
            daft_check_color(error, "ambient", def->ambient) && daft_check_color(error, "diffuse", def->diffuse) &&
            daft_check_color(error, "specular", def->specular) && daft_check_color(error, "emission", def->emission) &&
            daft_check_color(error, "mirror_tint", def->mirror_tint) &&

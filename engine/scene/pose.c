@@ -58,7 +58,8 @@ static double mix(double before, double now, float alpha)
 
 static daft_vec3 mix3(daft_vec3 before, daft_vec3 now, float alpha)
 {
-    return daft_v3((float)mix((double)before.x, (double)now.x, alpha), (float)mix((double)before.y, (double)now.y, alpha),
+    return daft_v3((float)mix((double)before.x, (double)now.x, alpha),
+                   (float)mix((double)before.y, (double)now.y, alpha),
                    (float)mix((double)before.z, (double)now.z, alpha));
 }
 
@@ -67,8 +68,9 @@ daft_transform daft_transform_mix(const daft_transform *before, const daft_trans
     if (alpha >= 1) return *now;
     if (alpha <= 0) return *before;
     return (daft_transform){
-        .position = daft_dv3(mix(before->position.x, now->position.x, alpha), mix(before->position.y, now->position.y, alpha),
-                             mix(before->position.z, now->position.z, alpha)),
+        .position =
+            daft_dv3(mix(before->position.x, now->position.x, alpha), mix(before->position.y, now->position.y, alpha),
+                     mix(before->position.z, now->position.z, alpha)),
         .rotation = daft_quat_nlerp(before->rotation, now->rotation, alpha),
         .scale = mix3(before->scale, now->scale, alpha),
     };

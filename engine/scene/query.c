@@ -1,10 +1,10 @@
 /* Ray queries. A two-level tree in floats finds which triangle or sphere is hit; distance, position and normal are then
  * computed again from that one shape in double.
  *
- * The tree is kept until something moves. Its frame's origin is the ray's origin rounded to a grid whose cell is a power
- * of two of about 1,024 times the smallest thing in the scene, so rays from nearby share a tree, an origin is off by at
- * most 2^-24 · 0.87 · 1024, about 5e-5, of that smallest thing, and the answer depends on the scene and the ray alone,
- * not on the rays before it. */
+ * The tree is kept until something moves. Its frame's origin is the ray's origin rounded to a grid whose cell is a
+ * power of two of about 1,024 times the smallest thing in the scene, so rays from nearby share a tree, an origin is off
+ * by at most 2^-24 · 0.87 · 1024, about 5e-5, of that smallest thing, and the answer depends on the scene and the ray
+ * alone, not on the rays before it. */
 #include "math/real.h"
 #include "scene/scene.h"
 
@@ -94,8 +94,8 @@ static daft_dvec3 daffine_point(const daft_daffine *a, daft_dvec3 p)
 }
 
 /* `frame`: the triangle's transform relative to the ray's origin. */
-static exact_hit triangle_hit(const daft_daffine *frame, const daft_trimesh *mesh, uint32_t triangle, daft_dvec3 direction,
-                              float t)
+static exact_hit triangle_hit(const daft_daffine *frame, const daft_trimesh *mesh, uint32_t triangle,
+                              daft_dvec3 direction, float t)
 {
     daft_dvec3 corner[3];
     for (int i = 0; i < 3; i++) {
@@ -148,7 +148,8 @@ static daft_vec2 sphere_uv(const daft_daffine *world, daft_dvec3 normal)
                        (float)(0.5 + daft_asin(d.y / length) / DAFT_PI)};
 }
 
-static void fill_hit(daft_scene *scene, const daft_hit *found, daft_dvec3 origin, daft_dvec3 direction, daft_ray_hit *out)
+static void fill_hit(daft_scene *scene, const daft_hit *found, daft_dvec3 origin, daft_dvec3 direction,
+                     daft_ray_hit *out)
 {
     const daft_instance *instance = &scene->query.instances[found->instance];
     scene->pass++;

@@ -4,7 +4,8 @@
 
 daft_view daft_default_view(void)
 {
-    return (daft_view){.cookie = DAFT_COOKIE, .camera = daft_default_camera(), .alpha = 1, .quality = DAFT_QUALITY_GAME};
+    return (daft_view){
+        .cookie = DAFT_COOKIE, .camera = daft_default_camera(), .alpha = 1, .quality = DAFT_QUALITY_GAME};
 }
 
 static bool view_check(const daft_view *view, daft_error *error)
@@ -23,12 +24,14 @@ static bool view_check(const daft_view *view, daft_error *error)
 
 static bool target_check(const daft_image *target, daft_error *error)
 {
-    return daft_check_pointer(error, "target", target) && daft_check_pointer(error, "target's pixels", target->pixels) &&
+    return daft_check_pointer(error, "target", target) &&
+           daft_check_pointer(error, "target's pixels", target->pixels) &&
            daft_check_range(error, "target's width", target->width, 1, 16384, "1 to 16384") &&
            daft_check_range(error, "target's height", target->height, 1, 16384, "1 to 16384");
 }
 
-/* The renderer writes instance numbers where the caller wants entities: both are 32 bits, so they are turned in place. */
+/* The renderer writes instance numbers where the caller wants entities: both are 32 bits, so they are turned in place.
+ */
 static void name_entities(const daft_snapshot *snapshot, uint32_t *ids, bool drawn)
 {
     if (!ids) return;
@@ -44,7 +47,8 @@ bool daft_render(daft_scene *scene, const daft_view *view, daft_image *target, d
     if (!daft_check_pointer(error, "scene", scene) || !view_check(view, error) || !target_check(target, error))
         return false;
     daft_engine *engine = scene->engine;
-    if (!engine->renderer) engine->renderer = daft_renderer_create(scene->allocator, engine->threads, engine->isa, error);
+    if (!engine->renderer)
+        engine->renderer = daft_renderer_create(scene->allocator, engine->threads, engine->isa, error);
     daft_snapshot snapshot;
     if (!engine->renderer || !daft_snapshot_fill(scene, view, target->width, target->height, &snapshot, error))
         return false;

@@ -183,7 +183,8 @@ bool daft_scale_is_uniform(daft_vec3 scale);
 /* ---- bodies.c ---- */
 
 bool daft_body_check(const daft_entity_def *def, daft_error *error);
-bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, uint32_t *body, daft_error *error);
+bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, uint32_t *body,
+                      daft_error *error);
 void daft_body_destroy(daft_scene *scene, daft_entity_item *item);
 
 /* ---- lights.c, camera.c ---- */

@@ -101,7 +101,8 @@ static bool read_path(reader *read, const char *what, item *into)
         name[token.length] = 0;
         fits = daft_path_beside(read->source->path, name, joined, sizeof joined);
     }
-    if (!fits) return daft_scene_text_fail(&read->text, token.column, "the path has more than %d characters", MAX_PATH - 1);
+    if (!fits)
+        return daft_scene_text_fail(&read->text, token.column, "the path has more than %d characters", MAX_PATH - 1);
     size_t size = strlen(joined) + 1;
     char *copy = daft_arena_alloc(&read->loader->arena, size, 1);
     if (!copy) return daft_fail_memory(&read->loader->error, "a scene file's paths");

@@ -1,5 +1,5 @@
-/* Reading a line of a .scene file. A '#' begins a comment where a word could begin, and after a number; inside a word it
- * is a character like any other, since "file.mtl#name" is a path. Columns count bytes from 1. */
+/* Reading a line of a .scene file. A '#' begins a comment where a word could begin, and after a number; inside a word
+ * it is a character like any other, since "file.mtl#name" is a path. Columns count bytes from 1. */
 #include "scene/scene_text.h"
 
 #include <locale.h>
@@ -13,7 +13,8 @@ daft_scene_text daft_scene_text_open(const char *path, const char *text, size_t 
 {
     const char *start = text;
     if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) start += 3; /* UTF-8's byte order mark */
-    return (daft_scene_text){.path = path, .end = text + size, .line_start = start, .at = start, .line = 1, .usage = "", .error = error};
+    return (daft_scene_text){
+        .path = path, .end = text + size, .line_start = start, .at = start, .line = 1, .usage = "", .error = error};
 }
 
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
@@ -59,8 +60,8 @@ daft_shown daft_token_show(daft_token token)
 
 static bool fail_missing(daft_scene_text *text, const char *what)
 {
-    return daft_scene_text_fail(text, column_of(text, text->at), "expected %s, but the line ends; the form is: %s", what,
-                                text->usage);
+    return daft_scene_text_fail(text, column_of(text, text->at), "expected %s, but the line ends; the form is: %s",
+                                what, text->usage);
 }
 
 static bool read_quoted(daft_scene_text *text, daft_token *out)
@@ -152,7 +153,8 @@ bool daft_scene_text_number(daft_scene_text *text, const char *what, double low,
                                     daft_token_show(token).text, text->usage);
     *out = to_double(token);
     if (*out >= low && *out <= high) return true;
-    return daft_scene_text_fail(text, token.column, "%s is %s; it must be %s", what, daft_token_show(token).text, allowed);
+    return daft_scene_text_fail(text, token.column, "%s is %s; it must be %s", what, daft_token_show(token).text,
+                                allowed);
 }
 
 bool daft_scene_text_finish(daft_scene_text *text)
@@ -161,5 +163,6 @@ bool daft_scene_text_finish(daft_scene_text *text)
     daft_token token;
     int column = column_of(text, text->at);
     if (!daft_scene_text_word(text, "the rest of the line", &token)) return false;
-    return daft_scene_text_fail(text, column, "unexpected '%s'; the form is: %s", daft_token_show(token).text, text->usage);
+    return daft_scene_text_fail(text, column, "unexpected '%s'; the form is: %s", daft_token_show(token).text,
+                                text->usage);
 }
