@@ -126,6 +126,14 @@ static __attribute__((noinline)) uint32_t block_exact(uint32_t unsure, const v43
     return hits;
 }
 
+/* Unused places hold zeros, which floats cannot decide. */
+DAFT_INLINE uint32_t block_used(const daft_block *b)
+{
+    uint32_t used = 0;
+    for (int i = 0; i < DAFT_BLOCK; i++) used |= (uint32_t)(b->triangle[i] != DAFT_NO_TRIANGLE) << i;
+    return used;
+}
+
 /* Bits of the triangles hit in tmin..tmax. The distance is the mean of the corners' along the ray, weighted by the sides,
  * so it stays among them however flat the triangle is seen. */
 DAFT_INLINE uint32_t block_test(const daft_block *b, v43 o, daft_vec3 direction, float tmin, float tmax, block_hits *out)
@@ -148,7 +156,7 @@ DAFT_INLINE uint32_t block_test(const daft_block *b, v43 o, daft_vec3 direction,
     out->w = side2 / sum;
     uint32_t sure = v4_bits(((v4i)(least > bound) | (v4i)(most < -bound)) & (v4i)(v4_abs(sum) < v4_set(INFINITY)));
     uint32_t within = v4_bits((v4i)(out->t >= v4_set(tmin)) & (v4i)(out->t <= v4_set(tmax)));
-    uint32_t unsure = maybe & ~sure, hits = sure & within;
+    uint32_t unsure = maybe & ~sure & block_used(b), hits = sure & within;
     if (unsure) hits |= block_exact(unsure, p, direction, tmin, tmax, out);
     return hits;
 }

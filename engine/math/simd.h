@@ -216,12 +216,14 @@ DAFT_INLINE v4 v4_load(const float *p)
     return v;
 }
 DAFT_INLINE v4 v4_select(v4i m, v4 a, v4 b) { return (v4)((m & (v4i)a) | (~m & (v4i)b)); }
-DAFT_INLINE v4 v4_min(v4 a, v4 b) { return v4_select(a < b, a, b); }
-DAFT_INLINE v4 v4_max(v4 a, v4 b) { return v4_select(a > b, a, b); }
 DAFT_INLINE v4 v4_abs(v4 a) { return (v4)((v4i)a & (v4i){0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff}); }
 #ifdef DAFT_HAVE_X86
 DAFT_INLINE uint32_t v4_bits(v4i m) { return (uint32_t)_mm_movemask_ps((__m128)m); }
+DAFT_INLINE v4 v4_min(v4 a, v4 b) { return (v4)_mm_min_ps((__m128)a, (__m128)b); }
+DAFT_INLINE v4 v4_max(v4 a, v4 b) { return (v4)_mm_max_ps((__m128)a, (__m128)b); }
 #else
+DAFT_INLINE v4 v4_min(v4 a, v4 b) { return v4_select(a < b, a, b); }
+DAFT_INLINE v4 v4_max(v4 a, v4 b) { return v4_select(a > b, a, b); }
 DAFT_INLINE uint32_t v4_bits(v4i m) { return (uint32_t)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }
 #endif
 
