@@ -247,6 +247,38 @@ static void singular_transforms_are_skipped(void **state)
     assert_non_null(strstr(f->last_warning.message, "singular"));
 }
 
+static uint32_t flags_from(fixture *f, double x)
+{
+    daft_arena arena;
+    daft_instance *instances;
+    uint32_t count;
+    daft_arena_init(&arena, f->scene->allocator);
+    assert_true(daft_snapshot_instances(f->scene, daft_dv3(x, 0, 0), 1, &arena, &instances, &count, NULL));
+    assert_int_equal(count, 1);
+    uint32_t flags = instances[0].flags;
+    daft_arena_free(&arena);
+    return flags;
+}
+
+/* Only what is seen from outside is told to cast no shadow on itself. */
+static void walls_shadow_rooms(void **state)
+{
+    fixture *f = *state;
+    const daft_shape shapes[] = {DAFT_SHAPE_BOX, DAFT_SHAPE_SPHERE};
+    for (int i = 0; i < 2; i++) {
+        daft_entity_def def = daft_default_entity_def();
+        def.shape = shapes[i];
+        def.rotation = (daft_quat){0, 0, sqrtf(0.5f), sqrtf(0.5f)};
+        def.size = daft_v3(1, 4, 1);
+        def.radius = 2;
+        daft_entity entity = daft_entity_create(f->scene, &def, NULL);
+        assert_int_equal(flags_from(f, 1.99), DAFT_INSTANCE_CASTS_SHADOW);
+        assert_int_equal(flags_from(f, 2), DAFT_INSTANCE_CASTS_SHADOW);
+        assert_int_equal(flags_from(f, 2.01), DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_CONVEX);
+        assert_true(daft_entity_destroy(f->scene, entity, NULL));
+    }
+}
+
 /* ---- interpolation ---- */
 
 static float drawn_x(fixture *f, float alpha)
@@ -712,6 +744,36 @@ static void a_ball_falls_and_rests(void **state)
     assert_non_null(strstr(error.message, "body"));
 }
 
+/* A kinematic body goes where it is put, or on at the velocity it was given; a static one has none. */
+static void kinematic_bodies_move(void **state)
+{
+    fixture *f = *state;
+    daft_error error;
+    daft_vec3 none = {0, 0, 0}, linear;
+    daft_entity_def def = body_def(DAFT_SHAPE_BOX, DAFT_BODY_KINEMATIC);
+    daft_entity lift = daft_entity_create(f->scene, &def, &error);
+    def.body = DAFT_BODY_STATIC;
+    daft_entity wall = (def.position.x = 50, daft_entity_create(f->scene, &def, &error));
+    daft_scene_begin_tick(f->scene);
+    move_to(f->scene, lift, 0.5, false);
+    assert_true(daft_scene_step(f->scene, 1.0f / 60, &error));
+    assert_true(transform_of(f->scene, lift).position.x == 0.5);
+    assert_true(daft_entity_set_velocity(f->scene, lift, daft_v3(0, 6, 0), none, &error));
+    for (int i = 0; i < 60; i++) {
+        daft_scene_begin_tick(f->scene);
+        assert_true(daft_scene_step(f->scene, 1.0f / 60, &error));
+    }
+    assert_true(fabs(transform_of(f->scene, lift).position.y - 6) < 1e-4);
+    assert_true(daft_entity_get_velocity(f->scene, lift, &linear, NULL, &error) && linear.y == 6);
+    assert_false(daft_entity_set_velocity(f->scene, wall, linear, none, &error));
+    assert_string_equal(error.message, "the entity's body is static; it must be dynamic or kinematic");
+    assert_false(daft_entity_apply_impulse(f->scene, lift, linear, &error));
+    daft_transform far = transform_of(f->scene, wall);
+    far.position.z = 1e13;
+    assert_false(daft_entity_set_transform(f->scene, wall, &far, true, &error));
+    assert_non_null(strstr(error.message, "position.z is 1e+13"));
+}
+
 static void bodies_die_with_their_entities(void **state)
 {
     fixture *f = *state;
@@ -908,6 +970,7 @@ int main(void)
         TEST(siblings_die_alone),
         TEST(spheres_keep_equal_scales),
         TEST(singular_transforms_are_skipped),
+        TEST(walls_shadow_rooms),
         TEST(drawing_interpolates),
         TEST(camera_interpolates),
         TEST(axes_follow_the_convention),
@@ -922,6 +985,7 @@ int main(void)
         TEST(hash_sees_every_change),
         TEST(bodies_say_what_they_may_be),
         TEST(a_ball_falls_and_rests),
+        TEST(kinematic_bodies_move),
         TEST(bodies_die_with_their_entities),
         TEST(only_numbers_get_in),
         TEST(rays_are_checked),

@@ -30,11 +30,23 @@ bool daft_body_check(const daft_entity_def *def, daft_error *error)
     if (def->parent.id)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the entity has a parent; a body must have none",
                          kind);
+    if (!daft_body_check_position(def->position, error)) return false;
     if (def->scale.x != 1 || def->scale.y != 1 || def->scale.z != 1)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "scale is %g, %g, %g; a body's must be 1, 1, 1: size it by its %s",
                          (double)def->scale.x, (double)def->scale.y, (double)def->scale.z,
                          def->shape == DAFT_SHAPE_SPHERE ? "radius" : "size");
     return true;
+}
+
+bool daft_body_moves(daft_body_kind kind) { return kind == DAFT_BODY_DYNAMIC || kind == DAFT_BODY_KINEMATIC; }
+
+/* Beyond 1e12 m even doubles are coarser than 0.1 mm, and sim/ takes no such body. */
+bool daft_body_check_position(daft_dvec3 position, daft_error *error)
+{
+    const char *allowed = "between -1e12 and 1e12 metres for a body";
+    return daft_check_range(error, "position.x", position.x, -1e12, 1e12, allowed) &&
+           daft_check_range(error, "position.y", position.y, -1e12, 1e12, allowed) &&
+           daft_check_range(error, "position.z", position.z, -1e12, 1e12, allowed);
 }
 
 bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, uint32_t *body, daft_error *error)
@@ -65,23 +77,24 @@ void daft_body_destroy(daft_scene *scene, daft_entity_item *item)
 {
     if (!item->body) return;
     daft_world_remove(scene->world, item->body);
-    if (item->def.body != DAFT_BODY_DYNAMIC) return;
-    uint32_t moved = scene->dynamic[--scene->dynamic_count];
-    scene->dynamic[item->dynamic_slot] = moved;
-    scene->entities[moved].dynamic_slot = item->dynamic_slot;
+    if (!daft_body_moves(item->def.body)) return;
+    uint32_t moved = scene->moving[--scene->moving_count];
+    scene->moving[item->moving_slot] = moved;
+    scene->entities[moved].moving_slot = item->moving_slot;
 }
 
 /* ---- velocities, forces ---- */
 
-static daft_entity_item *body_find(daft_scene *scene, daft_entity entity, bool dynamic, daft_error *error)
+/* Finds an entity whose body is of `least` kind or of one that obeys more: static, kinematic, dynamic. */
+static daft_entity_item *body_find(daft_scene *scene, daft_entity entity, daft_body_kind least, daft_error *error)
 {
     daft_entity_item *item = daft_entity_find(scene, entity, error);
-    if (!item || (item->body && (!dynamic || item->def.body == DAFT_BODY_DYNAMIC))) return item;
+    if (!item || (item->body && item->def.body >= least)) return item;
     if (!item->body)
         daft_fail(error, DAFT_ERROR_ARGUMENT, "the entity has no body");
     else
-        daft_fail(error, DAFT_ERROR_ARGUMENT, "the entity's body is %s; only a dynamic one can be pushed",
-                  KINDS[item->def.body]);
+        daft_fail(error, DAFT_ERROR_ARGUMENT, "the entity's body is %s; it must be %s", KINDS[item->def.body],
+                  least == DAFT_BODY_DYNAMIC ? "dynamic" : "dynamic or kinematic");
     return NULL;
 }
 
@@ -89,7 +102,7 @@ bool daft_entity_get_velocity(daft_scene *scene, daft_entity entity, daft_vec3 *
                               daft_error *error)
 {
     daft_error_clear(error);
-    const daft_entity_item *item = body_find(scene, entity, false, error);
+    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_STATIC, error);
     if (!item) return false;
     daft_sim_state state;
     daft_world_get(scene->world, item->body, &state);
@@ -102,7 +115,7 @@ bool daft_entity_set_velocity(daft_scene *scene, daft_entity entity, daft_vec3 l
                               daft_error *error)
 {
     daft_error_clear(error);
-    const daft_entity_item *item = body_find(scene, entity, true, error);
+    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_KINEMATIC, error);
     if (!item || !daft_check_finite3(error, "linear", linear) || !daft_check_finite3(error, "angular", angular))
         return false;
     daft_world_set_velocity(scene->world, item->body, linear, angular);
@@ -112,7 +125,7 @@ bool daft_entity_set_velocity(daft_scene *scene, daft_entity entity, daft_vec3 l
 bool daft_entity_apply_force(daft_scene *scene, daft_entity entity, daft_vec3 force, daft_error *error)
 {
     daft_error_clear(error);
-    const daft_entity_item *item = body_find(scene, entity, true, error);
+    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
     if (!item || !daft_check_finite3(error, "force", force)) return false;
     daft_world_apply_force(scene->world, item->body, force);
     return true;
@@ -121,7 +134,7 @@ bool daft_entity_apply_force(daft_scene *scene, daft_entity entity, daft_vec3 fo
 bool daft_entity_apply_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_error *error)
 {
     daft_error_clear(error);
-    const daft_entity_item *item = body_find(scene, entity, true, error);
+    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
     if (!item || !daft_check_finite3(error, "impulse", impulse)) return false;
     daft_world_apply_impulse(scene->world, item->body, impulse);
     return true;
@@ -156,8 +169,8 @@ static bool same_pose(const daft_transform *a, const daft_sim_state *b)
 
 static void pull_poses(daft_scene *scene)
 {
-    for (uint32_t i = 0; i < scene->dynamic_count; i++) {
-        daft_entity_item *item = &scene->entities[scene->dynamic[i]];
+    for (uint32_t i = 0; i < scene->moving_count; i++) {
+        daft_entity_item *item = &scene->entities[scene->moving[i]];
         daft_sim_state state;
         daft_world_get(scene->world, item->body, &state);
         if (same_pose(&item->now, &state)) continue;

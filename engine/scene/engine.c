@@ -153,7 +153,7 @@ void daft_scene_destroy(daft_scene *scene)
     daft_release(allocator, scene->entities);
     daft_release(allocator, scene->lights);
     daft_release(allocator, scene->cameras);
-    daft_release(allocator, scene->dynamic);
+    daft_release(allocator, scene->moving);
     daft_arena_free(&scene->frame);
     daft_arena_free(&scene->query.arena);
     scene->engine->scenes--;

@@ -103,8 +103,8 @@ bool daft_entities_reserve(daft_scene *scene, uint32_t more, daft_error *error)
     return (daft_slots_reserve(&scene->entity_slots, scene->allocator, more) &&
             daft_grow(scene->allocator, &scene->entities, &scene->entity_capacity, needed, scene->entity_slots.count,
                       sizeof *scene->entities) &&
-            daft_grow(scene->allocator, &scene->dynamic, &scene->dynamic_capacity, needed, scene->dynamic_count,
-                      sizeof *scene->dynamic)) ||
+            daft_grow(scene->allocator, &scene->moving, &scene->moving_capacity, needed, scene->moving_count,
+                      sizeof *scene->moving)) ||
            daft_fail_memory(error, "the list of entities");
 }
 
@@ -138,9 +138,9 @@ daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, ui
     item->before = item->now;
     item->moved_tick = scene->tick;
     if (def->parent.id) link_child(scene, daft_slots_find(&scene->entity_slots, def->parent.id), index);
-    if (def->body == DAFT_BODY_DYNAMIC) {
-        item->dynamic_slot = scene->dynamic_count;
-        scene->dynamic[scene->dynamic_count++] = index;
+    if (daft_body_moves(def->body)) {
+        item->moving_slot = scene->moving_count;
+        scene->moving[scene->moving_count++] = index;
     }
     scene->revision++;
     return entity;
@@ -258,7 +258,8 @@ bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft
     daft_error_clear(error);
     daft_entity_item *item = daft_entity_find(scene, entity, error);
     if (!item || !daft_check_pointer(error, "transform", transform) || !transform_check(transform, error) ||
-        !scale_check(scene, daft_handle_index(entity.id), &item->def, transform->scale, error))
+        !scale_check(scene, daft_handle_index(entity.id), &item->def, transform->scale, error) ||
+        (item->body && !daft_body_check_position(transform->position, error)))
         return false;
     if (item->moved_tick != scene->tick) item->before = item->now;
     item->moved_tick = scene->tick;

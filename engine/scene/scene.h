@@ -80,7 +80,7 @@ typedef struct daft_entity_item {
     uint32_t parent, first_child, next, previous; /* indices; next and previous: the parent's other children */
     uint32_t box;          /* DAFT_SHAPE_BOX: index into assets.boxes */
     uint32_t body;         /* of the world, 0: none */
-    uint32_t dynamic_slot; /* DAFT_BODY_DYNAMIC: index into scene.dynamic */
+    uint32_t moving_slot;  /* dynamic and kinematic bodies: index into scene.moving */
     uint32_t walk;         /* scratch of daft_entity_world */
     uint64_t world_stamp;  /* world and shown are those of this pass */
     daft_daffine world;
@@ -127,9 +127,9 @@ struct daft_scene {
 
     daft_world *world; /* made by the first body */
     daft_vec3 gravity;
-    uint32_t *dynamic; /* entity indices */
-    size_t dynamic_capacity;
-    uint32_t dynamic_count;
+    uint32_t *moving; /* indices of the entities that a step may move: those with dynamic and kinematic bodies */
+    size_t moving_capacity;
+    uint32_t moving_count;
 
     daft_arena frame; /* one picture's snapshot */
     daft_query_cache query;
@@ -186,6 +186,10 @@ bool daft_body_check(const daft_entity_def *def, daft_error *error);
 bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, uint32_t *body,
                       daft_error *error);
 void daft_body_destroy(daft_scene *scene, daft_entity_item *item);
+/* Whether a step may move such a body. */
+bool daft_body_moves(daft_body_kind kind);
+/* Where the simulation can hold a body. */
+bool daft_body_check_position(daft_dvec3 position, daft_error *error);
 
 /* ---- lights.c, camera.c ---- */
 

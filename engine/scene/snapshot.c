@@ -60,15 +60,22 @@ static const uint32_t *materials_of(const daft_entity_item *item, const daft_mes
     return materials;
 }
 
-/* A box seen from outside shadows none of its points that face a lamp; with the camera inside, its walls do. */
+/* Whether the camera is outside a box or a sphere, with a margin for rounding. Its points that face a lamp then lie in no
+ * shadow of its own; with the camera inside, the walls that are seen may. */
+static bool seen_from_outside(const daft_entity_item *item, const daft_instance *instance)
+{
+    const float *camera = instance->to_object.t, half = 0.50001f;
+    daft_vec3 size = item->def.size,
+              center = daft_v3(instance->to_frame.t[0], instance->to_frame.t[1], instance->to_frame.t[2]);
+    if (item->def.shape == DAFT_SHAPE_SPHERE) return daft_length(center) > 1.00001f * instance->radius;
+    return item->def.shape == DAFT_SHAPE_BOX &&
+           (fabsf(camera[0]) > half * size.x || fabsf(camera[1]) > half * size.y || fabsf(camera[2]) > half * size.z);
+}
+
 static uint32_t flags_of(const daft_entity_item *item, const daft_instance *instance)
 {
-    uint32_t flags = item->def.casts_shadow ? DAFT_INSTANCE_CASTS_SHADOW : 0;
-    if (item->def.shape != DAFT_SHAPE_BOX) return flags;
-    const float *camera = instance->to_object.t, margin = 0.50001f;
-    bool outside = fabsf(camera[0]) > margin * item->def.size.x || fabsf(camera[1]) > margin * item->def.size.y ||
-                   fabsf(camera[2]) > margin * item->def.size.z;
-    return outside ? flags | DAFT_INSTANCE_CONVEX : flags;
+    uint32_t shadow = item->def.casts_shadow ? DAFT_INSTANCE_CASTS_SHADOW : 0;
+    return shadow | (seen_from_outside(item, instance) ? DAFT_INSTANCE_CONVEX : 0);
 }
 
 static void warn_once(daft_scene *scene, daft_entity_item *item, uint32_t id)
