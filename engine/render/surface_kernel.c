@@ -208,17 +208,25 @@ static void facet_run(const view *v, int at, int length, daft_batch *b)
     }
 }
 
+/* How far along rays from the origin, which are known to hit, the sphere is. As daft_pencil_sphere, in lanes. */
+DAFT_INLINE vf sphere_way(const daft_instance *s, vf3 d)
+{
+    vf3 centre = set3(daft_v3(s->to_frame.t[0], s->to_frame.t[1], s->to_frame.t[2]));
+    vf dd = vf3_dot(d, d), along = vf3_dot(centre, d) / dd;
+    vf3 aside = sub3(centre, scale3(d, along));
+    vf half = vf_sqrt(vf_max(vf_set(s->radius * s->radius) - vf3_dot(aside, aside), vf_set(0)) / dd), near = along - half;
+    return vf_select(vf_lt(vf_set(0), near), near, along + half);
+}
+
 static void sphere_run(const view *v, int at, int length, daft_batch *b)
 {
     const daft_pencil *p = v->pencil;
     uint32_t index = v->tile->instance[at];
+    const daft_instance *s = &v->snapshot->instances[index];
     daft_vec3 first = daft_pencil_ray(p, v->tile->x + at % DAFT_TILE_STRIDE, v->tile->y + at / DAFT_TILE_STRIDE);
     for (int i = 0; i < length; i += DAFT_VL) {
         rays r = {pixel_rays(p, first, i), vf_set(0), p->focal};
-        vf low = vf_load(&v->tile->z_low[at + i]), high = vf_load(&v->tile->z_high[at + i]);
-        vf t = (low + high) * vf_set(0.5f) / vf_set(p->focal);
-        sphere_points(&v->snapshot->instances[index], index, &r, all3(0), scale3(r.direction, t), b,
-                      b->count + (uint32_t)i);
+        sphere_points(s, index, &r, all3(0), scale3(r.direction, sphere_way(s, r.direction)), b, b->count + (uint32_t)i);
     }
 }
 

@@ -1,0 +1,339 @@
+/* render: what a picture promises: the same bytes however it is computed, light and shadow where the textbook puts them,
+ * and no work for effects that nothing in sight calls for. */
+#include "daft.h"
+
+#include "math/isa.h"
+#include "math/vec.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 200, HEIGHT = 120, PIXELS = WIDTH * HEIGHT };
+
+typedef struct stage {
+    daft_engine *engine;
+    daft_scene *scene;
+    daft_image *image;
+    daft_view view;
+    float depth[PIXELS];
+    daft_vec3 normal[PIXELS];
+    daft_entity entity[PIXELS];
+    uint32_t triangle[PIXELS];
+} stage;
+
+static stage *stage_make(const char *isa, int threads)
+{
+    stage *s = calloc(1, sizeof *s);
+    daft_error error = {0};
+    daft_engine_def def = daft_default_engine_def();
+    def.isa = isa, def.threads = threads;
+    s->engine = daft_engine_create(&def, &error);
+    if (!s->engine) fail_msg("%s", error.message);
+    s->scene = daft_scene_create(s->engine, &error);
+    s->image = daft_image_create(s->engine, WIDTH, HEIGHT, &error);
+    assert_true(s->scene && s->image);
+    s->view = daft_default_view();
+    s->view.aov = (daft_aov){s->depth, s->normal, s->entity, s->triangle};
+    return s;
+}
+
+static void stage_drop(stage *s)
+{
+    daft_image_destroy(s->image);
+    daft_scene_destroy(s->scene);
+    daft_engine_destroy(s->engine);
+    free(s);
+}
+
+static const daft_counters *draw(stage *s)
+{
+    daft_error error = {0};
+    if (!daft_render(s->scene, &s->view, s->image, &error)) fail_msg("%s", error.message);
+    return daft_scene_counters(s->scene);
+}
+
+static const uint8_t *pixel(stage *s, int x, int y) { return daft_image_pixels(s->image) + 4 * (y * WIDTH + x); }
+
+static daft_entity add(stage *s, daft_entity_def def)
+{
+    daft_error error = {0};
+    daft_entity entity = daft_entity_create(s->scene, &def, &error);
+    if (!entity.id) fail_msg("%s", error.message);
+    return entity;
+}
+
+static daft_entity_def box(daft_dvec3 position, daft_vec3 size, daft_material material)
+{
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_BOX, def.position = position, def.size = size, def.material = material;
+    return def;
+}
+
+static daft_entity_def sphere(daft_dvec3 position, float radius, daft_material material)
+{
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_SPHERE, def.position = position, def.radius = radius, def.material = material;
+    return def;
+}
+
+static daft_material matte(stage *s, float diffuse, float ambient, float mirror)
+{
+    daft_material_def def = daft_default_material_def();
+    def.diffuse = daft_v3(diffuse, diffuse, diffuse), def.ambient = daft_v3(ambient, ambient, ambient);
+    def.specular = daft_v3(0, 0, 0), def.mirror = mirror;
+    return daft_material_create(s->scene, &def, NULL);
+}
+
+static void sun(stage *s, daft_vec3 direction)
+{
+    daft_light_def def = daft_default_light_def();
+    def.kind = DAFT_LIGHT_SUN, def.direction = direction, def.color = daft_v3(1, 1, 1);
+    assert_true(daft_light_create(s->scene, &def, NULL).id);
+}
+
+static int encoded(double linear)
+{
+    double e = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
+    return (int)floor(255 * e + 0.5);
+}
+
+static void same_bytes_however_computed(void **unused)
+{
+    (void)unused;
+    const char *scenes[] = {"assets/scenes/hello.scene", "assets/scenes/temple.scene", "assets/scenes/islands.scene"};
+    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
+        uint64_t expected = 0;
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            for (int kind = 0; kind < 4; kind++) {
+                stage *s = stage_make(daft_isa_name(isa), kind == 0 ? 1 : kind == 1 ? 2 : 5);
+                char path[512];
+                daft_error error = {0};
+                snprintf(path, sizeof path, "%s/%s", DAFT_ROOT, scenes[i]);
+                if (!daft_scene_load(s->scene, path, &error)) fail_msg("%s", error.message);
+                assert_true(daft_scene_get_camera(s->scene, 0, &s->view.camera, &error));
+                s->view.reference = kind == 3;
+                draw(s);
+                uint64_t hash = daft_hash(daft_image_pixels(s->image), 4 * PIXELS, 0);
+                hash = daft_hash(s->depth, sizeof s->depth, hash);
+                hash = daft_hash(s->triangle, sizeof s->triangle, hash);
+                if (!expected) expected = hash;
+                if (hash != expected) fail_msg("%s: %s, way %d gives other bytes", scenes[i], daft_isa_name(isa), kind);
+                stage_drop(s);
+            }
+        }
+    }
+}
+
+static void lambert_and_ambient(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(NULL, 1);
+    daft_scene_set_ambient(s->scene, daft_v3(0.25f, 0.25f, 0.25f));
+    add(s, box(daft_dv3(5, 0, 0), daft_v3(1, 100, 100), matte(s, 0.6f, 0.4f, 0)));
+    sun(s, daft_v3(1, 0, 1)); /* 45 degrees to the wall */
+    draw(s);
+    int expected = encoded(0.4 * 0.25 + 0.6 * sqrt(0.5));
+    assert_in_range(pixel(s, 100, 60)[0], expected - 1, expected + 1);
+    assert_true(fabsf(s->depth[60 * WIDTH + 100] - 4.5f) < 1e-3f);
+    assert_true(s->normal[0].x == -1);
+    stage_drop(s);
+}
+
+static void phong_highlight(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(NULL, 1);
+    daft_material_def def = daft_default_material_def();
+    def.ambient = def.diffuse = daft_v3(0, 0, 0), def.specular = daft_v3(0.5f, 0.5f, 0.5f), def.shininess = 20;
+    add(s, box(daft_dv3(5, 0, 0), daft_v3(1, 100, 100), daft_material_create(s->scene, &def, NULL)));
+    sun(s, daft_v3(1, 0, 0)); /* mirrored straight back: at a pixel, the cosine is that of its own ray */
+    draw(s);
+    daft_vec3 ray = daft_normalize(daft_v3(WIDTH / 2.0f, 0.5f - 60 + 80, 150.5f - 100)); /* pixel (150, 39): d = (f, y, x) */
+    int expected = encoded(0.5 * pow((double)ray.x, 20));
+    assert_in_range(pixel(s, 150, 39)[0], expected - 1, expected + 1);
+    stage_drop(s);
+}
+
+/* The shadow of a box on the ground, pixel by pixel: lit where the ray to the sun misses the box. */
+static void box_shadow(daft_vec3 to_sun, bool lamp)
+{
+    stage *s = stage_make(NULL, 2);
+    daft_scene_set_ambient(s->scene, daft_v3(0, 0, 0));
+    daft_material white = matte(s, 0.8f, 0, 0);
+    daft_entity ground = add(s, box(daft_dv3(0, -1.5, 0), daft_v3(60, 1, 60), white));
+    add(s, box(daft_dv3(6, 0.5, 0.3), daft_v3(1, 2, 3), white));
+    s->view.camera = daft_camera_look_at(daft_dv3(-2, 5, 1), daft_dv3(6, 0, 0), 1.2f);
+    daft_light_def def = daft_default_light_def();
+    def.kind = lamp ? DAFT_LIGHT_POINT : DAFT_LIGHT_SUN;
+    def.position = daft_to_double(to_sun), def.direction = daft_neg(to_sun), def.color = daft_v3(1, 1, 1);
+    daft_light_create(s->scene, &def, NULL);
+    draw(s);
+    daft_error error;
+    int wrong = 0, shadowed = 0, looked = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        if (s->entity[i].id != ground.id || s->normal[i].y < 0.5f) continue;
+        double f = WIDTH / 2.0 / tan(0.6);
+        double px = i % WIDTH + 0.5 - WIDTH / 2.0, py = HEIGHT / 2.0 - (double)(i / WIDTH) - 0.5;
+        double cp = cos((double)s->view.camera.pitch), sp = sin((double)s->view.camera.pitch);
+        double cy = cos((double)s->view.camera.yaw), sy = sin((double)s->view.camera.yaw);
+        daft_dvec3 forward = daft_dv3(cp * cy, -sp, cp * sy), right = daft_dv3(-sy, 0, cy), up = daft_dcross(right, forward);
+        daft_dvec3 d = daft_dadd(daft_dscale(right, px), daft_dadd(daft_dscale(up, py), daft_dscale(forward, f)));
+        daft_dvec3 at = daft_dadd(s->view.camera.position, daft_dscale(d, (double)s->depth[i] / sqrt(daft_ddot(d, d))));
+        at.y = -0.999;
+        daft_vec3 way = lamp ? daft_to_float(daft_dsub(def.position, at)) : to_sun;
+        daft_ray_hit hit;
+        bool dark = daft_scene_cast_ray(s->scene, at, way, lamp ? daft_length(way) : 1000, ground, &hit, &error);
+        wrong += dark != (pixel(s, i % WIDTH, i / WIDTH)[0] == 0);
+        shadowed += dark, looked++;
+    }
+    assert_true(looked > 5000 && shadowed > 200);
+    assert_true(wrong * 100 < shadowed); /* only along the border, where a thousandth of a metre decides */
+    stage_drop(s);
+}
+
+static void shadows(void **unused)
+{
+    (void)unused;
+    box_shadow(daft_v3(-1, 2, -0.7f), false);
+    box_shadow(daft_v3(0.2f, 1, 1), false);
+    box_shadow(daft_v3(2, 4, -2), true);
+    box_shadow(daft_v3(9, 0.5f, 4), true);
+}
+
+/* A floor mirror shows what a camera below the floor would see. */
+static void plane_mirror(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(NULL, 1);
+    daft_scene_set_ambient(s->scene, daft_v3(1, 1, 1));
+    daft_scene_set_sky_color(s->scene, daft_v3(0.1f, 0.2f, 0.4f));
+    daft_entity floor = add(s, box(daft_dv3(0, -0.5, 0), daft_v3(100, 1, 100), matte(s, 0, 0, 1)));
+    add(s, sphere(daft_dv3(6, 2, 0), 1, matte(s, 0, 0.5f, 0)));
+    s->view.camera.position = daft_dv3(0, 2, 0);
+    const daft_counters *c = draw(s);
+    assert_true(c->reflection_rays > 5000 && c->shadow_rays == 0);
+    int same = 0, looked = 0;
+    for (int y = HEIGHT / 2; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            double f = WIDTH / 2.0, dx = x + 0.5 - WIDTH / 2.0, dy = y + 0.5 - HEIGHT / 2.0; /* from (0, -2, 0), upwards */
+            double b = 6 * f + 4 * dy, dd = f * f + dx * dx + dy * dy, disc = b * b - dd * (36 + 16 - 1);
+            if (s->entity[y * WIDTH + x].id != floor.id || fabs(disc) < 0.02 * dd) continue; /* at the rim */
+            same += pixel(s, x, y)[0] == encoded(disc > 0 ? 0.5 : 0.1);
+            looked++;
+        }
+    assert_true(looked > 10000);
+    assert_int_equal(same, looked);
+    stage_drop(s);
+}
+
+static void only_what_is_called_for(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(NULL, 2);
+    const daft_counters *c = draw(s);
+    for (int e = 0; e < DAFT_EFFECT_COUNT; e++) {
+        bool always = e == DAFT_EFFECT_VISIBILITY || e == DAFT_EFFECT_SKY || e == DAFT_EFFECT_RESOLVE;
+        assert_int_equal(c->effects[e].ran, always);
+        assert_true(c->effects[e].why != NULL && c->effects[e].name != NULL);
+    }
+    add(s, box(daft_dv3(5, -2, 0), daft_v3(10, 1, 10), matte(s, 0.8f, 0.8f, 0)));
+    c = draw(s);
+    assert_true(c->shadow_rays == 0 && !c->effects[DAFT_EFFECT_SHADOW].ran && !c->effects[DAFT_EFFECT_LIGHTING].ran);
+    assert_true(c->effects[DAFT_EFFECT_SURFACE].ran && c->reflection_rays == 0 && !c->effects[DAFT_EFFECT_TEXTURE].ran);
+    sun(s, daft_v3(0, -1, 0));
+    c = draw(s);
+    assert_true(c->effects[DAFT_EFFECT_LIGHTING].ran && c->shadow_rays == 0); /* one convex thing shadows nothing */
+    add(s, sphere(daft_dv3(5, 0, 0), 0.5f, matte(s, 0.8f, 0.8f, 0)));
+    c = draw(s);
+    assert_true(c->shadow_rays > 0 && c->shadow_rays < PIXELS / 4);
+    assert_int_equal(c->shadow_points_kept, c->shadow_rays);
+    uint64_t builds = c->mesh_builds;
+    s->view.quality = DAFT_QUALITY_DRAFT;
+    c = draw(s);
+    assert_true(c->shadow_rays == 0 && c->mesh_builds == builds); /* nothing is rebuilt for a frame */
+    stage_drop(s);
+}
+
+static void many_instances(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(NULL, 2), *plain = stage_make("sse2", 1);
+    for (int i = 0; i < 900; i++) { /* more shadow casters over a tile than a list of candidates holds */
+        daft_dvec3 at = daft_dv3(4 + i % 30 * 0.2, i / 30 * 0.1, (i * 7 % 31 - 15) * 0.2);
+        add(s, sphere(at, 0.06f, matte(s, 0.8f, 0.2f, 0)));
+        add(plain, sphere(at, 0.06f, matte(plain, 0.8f, 0.2f, 0)));
+    }
+    stage *both[2] = {s, plain};
+    for (int i = 0; i < 2; i++) {
+        add(both[i], box(daft_dv3(8, -1, 0), daft_v3(20, 0.5f, 20), matte(both[i], 0.8f, 0.2f, 0)));
+        sun(both[i], daft_v3(0.01f, -1, 0.01f));
+        both[i]->view.camera.pitch = 0.2f;
+        assert_true(draw(both[i])->shadow_rays > 100);
+    }
+    assert_memory_equal(daft_image_pixels(s->image), daft_image_pixels(plain->image), 4 * PIXELS);
+    stage_drop(s);
+    stage_drop(plain);
+}
+
+static void samples_soften_edges(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(NULL, 2);
+    daft_scene_set_ambient(s->scene, daft_v3(1, 1, 1));
+    daft_scene_set_sky_color(s->scene, daft_v3(0, 0, 0));
+    add(s, sphere(daft_dv3(3, 0, 0), 1, matte(s, 0, 1, 0)));
+    const int samples[] = {1, 4, 16};
+    for (int k = 0; k < 3; k++) {
+        s->view.samples = samples[k];
+        draw(s);
+        int between = 0, white = 0;
+        for (int i = 0; i < PIXELS; i++) {
+            int value = pixel(s, i % WIDTH, i / WIDTH)[0];
+            between += value > 0 && value < 255, white += value == 255;
+        }
+        assert_true(k == 0 ? between == 0 : between > 60 && between < 400);
+        assert_true(white > 3000);
+    }
+    stage_drop(s);
+}
+
+static bool stop_half_way(void *user, float done)
+{
+    *(float *)user = done;
+    return done < 0.5f;
+}
+
+static void progress_and_cancel(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(NULL, 1);
+    float done = 0;
+    daft_error error;
+    s->view.progress = stop_half_way, s->view.progress_user = &done;
+    assert_false(daft_render(s->scene, &s->view, s->image, &error));
+    assert_int_equal(error.code, DAFT_ERROR_CANCELLED);
+    assert_true(done >= 0.5f && done < 0.6f);
+    stage_drop(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(same_bytes_however_computed),
+        cmocka_unit_test(lambert_and_ambient),
+        cmocka_unit_test(phong_highlight),
+        cmocka_unit_test(shadows),
+        cmocka_unit_test(plane_mirror),
+        cmocka_unit_test(only_what_is_called_for),
+        cmocka_unit_test(many_instances),
+        cmocka_unit_test(samples_soften_edges),
+        cmocka_unit_test(progress_and_cancel),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
