@@ -1,6 +1,7 @@
-/* The broad phase: which bodies may meet within a step. Static bodies stand in one tree with their exact bounds, the others
- * in a second one with fattened bounds, so that a body that moves a little does not touch the tree. A body's own bounds
- * (swept over the step, not fattened) decide in the end, so that pairs do not depend on the history of a tree. */
+/* The broad phase: which bodies may meet within a step. Static bodies stand in one tree with their exact bounds, the
+ * others in a second one with fattened bounds, so that a body that moves a little does not touch the tree. A body's own
+ * bounds (swept over the step, not fattened) decide in the end, so that pairs do not depend on the history of a tree.
+ */
 #include "sim/internal.h"
 
 /* Fat on each side, as a share of the reach. A leaf is entered anew when the body leaves it, or has grown much smaller
@@ -27,17 +28,12 @@ daft_sim_bounds daft_sim_shape_bounds(const daft_sim_body *body)
     return (daft_sim_bounds){daft_dsub(body->position, half), daft_dadd(body->position, half)};
 }
 
-static daft_sim_tree *tree_of(daft_world *world, const daft_sim_body *body)
-{
-    return body->kind == DAFT_BODY_STATIC ? &world->still : &world->moving;
-}
-
 static void enter(daft_world *world, uint32_t index)
 {
     daft_sim_body *body = &world->bodies[index];
     double fat = body->kind == DAFT_BODY_STATIC ? 0 : FAT * (double)body->reach;
     daft_sim_bounds bounds = grown(&body->bounds, fat);
-    body->leaf = daft_sim_tree_insert(tree_of(world, body), &bounds, index);
+    body->leaf = daft_sim_tree_insert(&world->trees[body->kind], &bounds, index);
 }
 
 void daft_sim_broad_add(daft_world *world, uint32_t index)
@@ -48,7 +44,7 @@ void daft_sim_broad_add(daft_world *world, uint32_t index)
 
 void daft_sim_broad_remove(daft_world *world, uint32_t index)
 {
-    daft_sim_tree_remove(tree_of(world, &world->bodies[index]), world->bodies[index].leaf);
+    daft_sim_tree_remove(&world->trees[world->bodies[index].kind], world->bodies[index].leaf);
 }
 
 static bool contains(const daft_sim_bounds *outer, const daft_sim_bounds *inner)
@@ -85,7 +81,7 @@ static void update(daft_world *world, uint32_t index, float dt)
 {
     daft_sim_body *body = &world->bodies[index];
     body->bounds = swept_bounds(body, &world->motions[index], dt);
-    const daft_sim_bounds *fat = &world->moving.nodes[body->leaf].bounds;
+    const daft_sim_bounds *fat = &world->trees[body->kind].nodes[body->leaf].bounds;
     if (contains(fat, &body->bounds) && longest_side(fat) <= SLIM * longest_side(&body->bounds)) return;
     daft_sim_broad_remove(world, index);
     enter(world, index);

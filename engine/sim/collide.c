@@ -1,13 +1,13 @@
 /* Where a sphere touches another shape: now, or on its way through the step.
  *
- * Both come from one function, the signed distance of a point from a shape. Along a straight line the distance to a convex
- * shape is a convex function of time, so Newton's method that starts outside approaches the first touch from before it and
- * never oversteps; the plane through that touch separates the shape from the sphere's path up to it. A further convex shape
- * needs its distance function and nothing else. */
+ * Both come from one function, the signed distance of a point from a shape. Along a straight line the distance to a
+ * convex shape is a convex function of time, so Newton's method that starts outside approaches the first touch from
+ * before it and never oversteps; the plane through that touch separates the shape from the sphere's path up to it. A
+ * further convex shape needs its distance function and nothing else. */
 #include "sim/internal.h"
 
-/* Newton's method stops when the gap is below this share of the radius. Along a face it needs one iteration, at a grazing
- * edge the gap still quarters each time. */
+/* Newton's method stops when the gap is below this share of the radius. Along a face it needs one iteration, at a
+ * grazing edge the gap still quarters each time. */
 #define SWEEP_TOLERANCE 1e-7
 enum { SWEEP_ITERATIONS = 32 };
 
@@ -80,8 +80,8 @@ double daft_sim_distance(const daft_sim_body *body, daft_dvec3 p, daft_dvec3 *po
                                             : distance_to_box(body, p, point, normal);
 }
 
-bool daft_sim_touch_sphere(const daft_sim_body *other, daft_dvec3 centre, double radius, daft_dvec3 motion, double margin,
-                           daft_sim_touch *touch)
+bool daft_sim_touch_sphere(const daft_sim_body *other, daft_dvec3 centre, double radius, daft_dvec3 motion,
+                           double margin, daft_sim_touch *touch)
 {
     daft_dvec3 normal;
     touch->centre = centre;

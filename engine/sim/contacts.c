@@ -1,13 +1,13 @@
 /* Which pairs touch in the coming step, and how: one contact point a pair.
  *
- * No ghost hits. A marble that rolls over boxes side by side must not feel their edges. A body's nearest point matters only
- * if it is nearest on the union of all bodies near it: if it lies on another, convex body that is at least as near, then
- * the distance falls from it all the way to that body's own nearest point, so it is no edge of the union but an inner one,
- * and its contact is dropped. The same holds for what the sphere will touch later in the step, judged where the sphere is
- * then.
+ * No ghost hits. A marble that rolls over boxes side by side must not feel their edges. A body's nearest point matters
+ * only if it is nearest on the union of all bodies near it: if it lies on another, convex body that is at least as
+ * near, then the distance falls from it all the way to that body's own nearest point, so it is no edge of the union but
+ * an inner one, and its contact is dropped. The same holds for what the sphere will touch later in the step, judged
+ * where the sphere is then.
  *
- * Order. Contacts are sorted by the indices of their bodies, those between yielding bodies first: the solver ends with what
- * cannot give way. The tree's order never shows. */
+ * Order. Contacts are sorted by the indices of their bodies, those between yielding bodies first: the solver ends with
+ * what cannot give way. The tree's order never shows. */
 #include "sim/internal.h"
 
 #include <stdlib.h>
@@ -17,8 +17,8 @@
  * their plans do not meet: another contact may deflect one into the other. */
 #define MARGIN     0.02
 #define MAX_MARGIN 0.01
-/* How near to a body's surface a point counts as on it: a share of the sphere's radius, and what rounding of its size and
- * rotation to floats may shift its surface by, as a share of its reach. */
+/* How near to a body's surface a point counts as on it: a share of the sphere's radius, and what rounding of its size
+ * and rotation to floats may shift its surface by, as a share of its reach. */
 #define ON_SURFACE       1e-3
 #define SURFACE_ROUNDING 2e-7
 
@@ -35,7 +35,8 @@ typedef struct search {
     double margin;
     candidate near[DAFT_SIM_MAX_FIXED_CONTACTS]; /* bodies that do not yield: what is touched first, first */
     int near_count;
-    uint32_t partners[DAFT_SIM_MAX_PARTNERS]; /* yielding bodies whose pair counts for this sphere, lowest index first */
+    uint32_t
+        partners[DAFT_SIM_MAX_PARTNERS]; /* yielding bodies whose pair counts for this sphere, lowest index first */
     int partner_count;
 } search;
 
@@ -59,19 +60,6 @@ static void keep_near(search *s, const candidate *c)
     }
     for (; i > 0 && comes_before(c, &s->near[i - 1]); i--) s->near[i] = s->near[i - 1];
     s->near[i] = *c;
-}
-
-static void keep_partner(search *s, uint32_t index)
-{
-    int i = s->partner_count;
-    if (i == DAFT_SIM_MAX_PARTNERS) {
-        if (index > s->partners[i - 1]) return;
-        i--;
-    } else {
-        s->partner_count++;
-    }
-    for (; i > 0 && index < s->partners[i - 1]; i--) s->partners[i] = s->partners[i - 1];
-    s->partners[i] = index;
 }
 
 /* How far a turning body's surface may move beside its centre's movement, near the sphere. */
@@ -109,14 +97,17 @@ static bool counts_here(const search *s, uint32_t other)
     return mine < theirs || (mine == theirs && s->sphere < other);
 }
 
-static void visit_moving(void *context, uint32_t index)
+/* Keeps the partners of lowest index; the first test is all that most of ten thousand in one spot cost. */
+static void visit_dynamic(void *context, uint32_t index)
 {
     search *s = context;
-    if (s->world->bodies[index].kind == DAFT_BODY_KINEMATIC)
-        visit_fixed(context, index);
-    else if (index != s->sphere && counts_here(s, index) &&
-             daft_sim_overlap(&s->world->bodies[index].bounds, &s->body->bounds))
-        keep_partner(s, index);
+    bool full = s->partner_count == DAFT_SIM_MAX_PARTNERS;
+    if (full && index > s->partners[DAFT_SIM_MAX_PARTNERS - 1]) return;
+    if (index == s->sphere || !counts_here(s, index)) return;
+    if (!daft_sim_overlap(&s->world->bodies[index].bounds, &s->body->bounds)) return;
+    int i = full ? DAFT_SIM_MAX_PARTNERS - 1 : s->partner_count++;
+    for (; i > 0 && index < s->partners[i - 1]; i--) s->partners[i] = s->partners[i - 1];
+    s->partners[i] = index;
 }
 
 /* Does candidate c's point lie on another body that the sphere meets no later? */
@@ -162,20 +153,21 @@ static void set_materials(daft_sim_point *p, const daft_sim_body *a, const daft_
     p->friction = sqrtf(a->friction * b->friction);
     p->restitution = a->restitution > b->restitution ? a->restitution : b->restitution;
     float rolling = a->rolling_resistance > b->rolling_resistance ? a->rolling_resistance : b->rolling_resistance;
-    float radius = a->shape != DAFT_SHAPE_SPHERE                             ? b->radius
+    float radius = a->shape != DAFT_SHAPE_SPHERE                            ? b->radius
                    : b->shape != DAFT_SHAPE_SPHERE || a->radius < b->radius ? a->radius
-                                                                             : b->radius;
+                                                                            : b->radius;
     p->rolling = rolling * radius;
 }
 
 static void set_masses(daft_sim_point *p, const daft_sim_motion *a, const daft_sim_motion *b)
 {
-    p->normal_mass = 1 / inverse_mass(p, a, b, p->normal);
+    p->held_mass = p->normal_mass = 1 / inverse_mass(p, a, b, p->normal);
     p->tangent_mass = 1 / inverse_mass(p, a, b, any_perpendicular(p->normal));
     p->rolling_mass = 1 / (a->inv_inertia + b->inv_inertia);
 }
 
-/* Spheres that share a centre part along a direction of their own, so that many in one spot leave it in all directions. */
+/* Spheres that share a centre part along a direction of their own, so that many in one spot leave it in all directions.
+ */
 static daft_vec3 parting(uint32_t a, uint32_t b)
 {
     uint64_t h = (((uint64_t)a << 32 | b) + 1) * 0x9E3779B97F4A7C15u;
@@ -229,8 +221,9 @@ static bool search_sphere(search *s, uint32_t sphere)
     s->near_count = s->partner_count = 0;
     s->margin = MARGIN * (double)s->body->radius;
     if (s->margin > MAX_MARGIN) s->margin = MAX_MARGIN;
-    daft_sim_tree_query(&s->world->still, &s->body->bounds, visit_fixed, s);
-    daft_sim_tree_query(&s->world->moving, &s->body->bounds, visit_moving, s);
+    daft_sim_tree_query(&s->world->trees[DAFT_BODY_STATIC], &s->body->bounds, visit_fixed, s);
+    daft_sim_tree_query(&s->world->trees[DAFT_BODY_KINEMATIC], &s->body->bounds, visit_fixed, s);
+    daft_sim_tree_query(&s->world->trees[DAFT_BODY_DYNAMIC], &s->body->bounds, visit_dynamic, s);
     for (int i = 0; i < s->near_count; i++)
         if (!hidden(s, i) && !add_point(s, s->near[i].body, &s->near[i].touch)) return false;
     for (int i = 0; i < s->partner_count; i++) {
@@ -280,7 +273,8 @@ bool daft_sim_find_contacts(daft_world *world, float dt)
     for (size_t i = 0; i < world->dynamics.count; i++)
         if (!search_sphere(&s, world->dynamics.items[i])) return false;
     if (world->point_count == 0) return true;
-    qsort(world->points, world->point_count, sizeof *world->points, by_key); /* keys differ: the order is theirs alone */
+    qsort(world->points, world->point_count, sizeof *world->points,
+          by_key); /* keys differ: the order is theirs alone */
     inherit_impulses(world);
     return true;
 }

@@ -67,7 +67,8 @@ bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator)
 uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds, uint32_t body);
 void daft_sim_tree_remove(daft_sim_tree *tree, uint32_t leaf);
 /* Calls visit for every leaf that overlaps, in an order that callers must not depend on. */
-void daft_sim_tree_query(const daft_sim_tree *tree, const daft_sim_bounds *bounds, daft_sim_visit *visit, void *context);
+void daft_sim_tree_query(const daft_sim_tree *tree, const daft_sim_bounds *bounds, daft_sim_visit *visit,
+                         void *context);
 
 /* ---- bodies ---- */
 
@@ -108,6 +109,10 @@ typedef struct daft_sim_motion {
     daft_vec3 gain;            /* of linear velocity from them, in this substep */
     float inv_mass, inv_inertia;
     bool pushed; /* a contact acted in this substep */
+    /* The hardest of the contacts with bodies that do not yield: its impulse in the last substep, and which way it
+     * pushes. */
+    float support_impulse;
+    daft_vec3 support;
 } daft_sim_motion;
 
 /* ---- contacts ---- */
@@ -122,19 +127,20 @@ typedef struct daft_sim_touch {
 } daft_sim_touch;
 
 typedef struct daft_sim_point {
-    uint64_t key; /* contacts are in the order of keys: yielding pairs first, then by a and b */
-    uint32_t a, b; /* body indices, a < b */
+    uint64_t key;     /* contacts are in the order of keys: yielding pairs first, then by a and b */
+    uint32_t a, b;    /* body indices, a < b */
     daft_vec3 normal; /* from a to b */
-    /* From a body's centre. The core turns with the body and the rounding around it does not, so a rolling sphere (core:
-     * its centre) keeps its separation. Impulses act at the anchor. */
+    /* From a body's centre. The core turns with the body and the rounding around it does not, so a rolling sphere
+     * (core: its centre) keeps its separation. Impulses act at the anchor. */
     daft_vec3 core_a, core_b, anchor_a, anchor_b;
     float separation; /* as the step began */
     float friction, restitution;
     float rolling; /* metres: torque at most this times the normal force */
     float normal_mass, tangent_mass, rolling_mass;
-    float approach; /* speed at which they meet, along the normal; m/s, 0 or more */
-    bool turns;     /* a core moves by turning */
-    bool fixed;     /* one of the two does not yield */
+    float held_mass; /* along the normal, with what supports the two bodies */
+    float approach;  /* speed at which they meet, along the normal; m/s, 0 or more */
+    bool turns;      /* a core moves by turning */
+    bool fixed;      /* one of the two does not yield */
     /* Of the last substep; the next one starts with them. */
     float normal_impulse;
     daft_vec3 friction_impulse, rolling_impulse;
@@ -158,7 +164,7 @@ struct daft_world {
     daft_sim_list dynamics; /* in no particular order */
     daft_sim_list movers;   /* kinematic bodies with a target or a velocity, in no particular order */
 
-    daft_sim_tree still, moving; /* static bodies; the others, in fattened bounds */
+    daft_sim_tree trees[DAFT_BODY_DYNAMIC + 1]; /* one for each kind; of what can move, in fattened bounds */
 
     daft_sim_point *points, *old_points; /* of this step and of the last */
     size_t point_count, point_capacity, old_count, old_capacity;
@@ -195,8 +201,8 @@ daft_quat daft_sim_turn(daft_quat q, daft_vec3 angular, float h);
  * normal there. */
 double daft_sim_distance(const daft_sim_body *body, daft_dvec3 p, daft_dvec3 *point, daft_dvec3 *normal);
 /* How a sphere that moves by `motion` relative to `other` touches it: now, if no farther than margin, or on its way. */
-bool daft_sim_touch_sphere(const daft_sim_body *other, daft_dvec3 centre, double radius, daft_dvec3 motion, double margin,
-                           daft_sim_touch *touch);
+bool daft_sim_touch_sphere(const daft_sim_body *other, daft_dvec3 centre, double radius, daft_dvec3 motion,
+                           double margin, daft_sim_touch *touch);
 
 /* ---- broad.c ---- */
 

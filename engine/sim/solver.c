@@ -1,18 +1,27 @@
-/* The solver: substeps of soft contact constraints, each followed by a relaxation ("soft step", Catto, "Solver2D", 2024;
- * Macklin et al., "Small Steps in Physics Simulation", 2019). In a substep: forces change velocities, the impulses of the
- * last substep are applied, constraints are solved with a spring that pushes overlap apart, bodies move, and constraints
- * are solved again without the spring, which takes out the speed it gave. Bounces come last, at the speed with which the
- * surfaces truly met. */
+/* The solver: substeps of soft contact constraints, each followed by a relaxation ("soft step", Catto, "Solver2D",
+ * 2024; Macklin et al., "Small Steps in Physics Simulation", 2019). In a substep: forces change velocities, the
+ * impulses of the last substep are applied, constraints are solved with a spring that pushes overlap apart, bodies
+ * move, and constraints are solved again without the spring, which takes out the speed it gave. Bounces come last, at
+ * the speed with which the surfaces truly met.
+ *
+ * A light body between a heavy one and the floor is where such solvers fail: an impulse that is right for the light one
+ * hardly slows the heavy one. So a contact between yielding bodies is solved together with the contact that holds each
+ * of them up: eliminating that one (the Schur complement) leaves the body's inverse mass without its part along the
+ * support. The light body then weighs, downwards, as much as the floor. */
 #include "sim/internal.h"
 
 #include <stdlib.h>
 
-/* The spring of a contact: at most CONTACT_HERTZ and a quarter of the substeps' rate, heavily overdamped; twice as stiff
- * against what does not yield. Overlap is undone at PUSH_SPEED at most, so that deep overlap does not explode. */
+/* The spring of a contact: at most CONTACT_HERTZ and a quarter of the substeps' rate, heavily overdamped. Against what
+ * does not yield, overlap is undone twice as fast and the impulse is rigid. PUSH_SPEED bounds how fast overlap is
+ * undone, so that deep overlap does not explode. */
 #define CONTACT_HERTZ   30.0f
 #define CONTACT_DAMPING 10.0f
 #define PUSH_SPEED      3.0f
 #define BOUNCE_SPEED    1.0f /* m/s; slower contacts do not bounce */
+/* How much of a body's give towards its support is eliminated. All of it would leave a body between two supports with
+ * no give at all, and an impulse without bound. */
+#define SUPPORT 0.999f
 
 /* Shares of a rigid constraint's impulse and of the accumulated one, and speed per metre of overlap. */
 typedef struct softness {
@@ -102,7 +111,7 @@ static void solve_normal(daft_sim_point *p, daft_sim_motion *a, daft_sim_motion 
         bias = separation * soft.rate > -PUSH_SPEED ? separation * soft.rate : -PUSH_SPEED;
     }
     float speed = daft_dot(relative_velocity(p, a, b), p->normal);
-    float wanted = p->normal_impulse - p->normal_mass * soft.mass * (speed + bias) - soft.impulse * p->normal_impulse;
+    float wanted = p->normal_impulse - p->held_mass * soft.mass * (speed + bias) - soft.impulse * p->normal_impulse;
     if (!(wanted > 0)) wanted = 0;
     apply(p, a, b, daft_scale(p->normal, wanted - p->normal_impulse));
     p->normal_impulse = wanted;
@@ -126,6 +135,39 @@ static void warm_start(daft_world *world)
         daft_sim_motion *a = &world->motions[p->a], *b = &world->motions[p->b];
         apply(p, a, b, daft_add(daft_scale(p->normal, p->normal_impulse), p->friction_impulse));
         apply_torque(a, b, p->rolling_impulse);
+    }
+}
+
+static void note_support(daft_sim_motion *m, daft_vec3 push, float impulse)
+{
+    if (impulse <= m->support_impulse) return;
+    m->support_impulse = impulse;
+    m->support = push;
+}
+
+/* The inverse mass of a body pushed along a unit vector, with its support. */
+static float held_inverse_mass(const daft_sim_motion *m, daft_vec3 along)
+{
+    float against = m->support_impulse > 0 ? -daft_dot(along, m->support) : 0;
+    return against > 0 ? m->inv_mass * (1 - SUPPORT * against * against) : m->inv_mass;
+}
+
+static void find_supports(daft_world *world)
+{
+    for (size_t i = 0; i < world->dynamics.count; i++) world->motions[world->dynamics.items[i]].support_impulse = 0;
+    for (size_t i = 0; i < world->point_count; i++) {
+        const daft_sim_point *p = &world->points[i];
+        daft_sim_motion *a = &world->motions[p->a], *b = &world->motions[p->b];
+        if (!p->fixed) continue;
+        if (a->inv_mass > 0)
+            note_support(a, daft_neg(p->normal), p->normal_impulse);
+        else
+            note_support(b, p->normal, p->normal_impulse);
+    }
+    for (size_t i = 0; i < world->point_count && !world->points[i].fixed; i++) {
+        daft_sim_point *p = &world->points[i];
+        p->held_mass = 1 / (held_inverse_mass(&world->motions[p->a], daft_neg(p->normal)) +
+                            held_inverse_mass(&world->motions[p->b], p->normal));
     }
 }
 
@@ -192,17 +234,19 @@ void daft_sim_solve(daft_world *world, float dt)
     substep s = {.h = dt / DAFT_SIM_SUBSTEPS, .inv_h = DAFT_SIM_SUBSTEPS / dt};
     float hertz = 0.25f * s.inv_h < CONTACT_HERTZ ? 0.25f * s.inv_h : CONTACT_HERTZ;
     s.yielding = make_soft(hertz, CONTACT_DAMPING, s.h);
-    s.fixed = make_soft(2 * hertz, CONTACT_DAMPING, s.h);
+    s.fixed = (softness){make_soft(2 * hertz, CONTACT_DAMPING, s.h).rate, 1, 0};
     for (int i = 0; i < DAFT_SIM_SUBSTEPS; i++) {
         integrate_velocities(world, s.h);
         warm_start(world);
+        find_supports(world);
         s.biased = true;
         solve_points(world, &s);
         mark_pushed(world);
         integrate_poses(world, s.h);
         s.biased = false;
         solve_points(world, &s);
-        for (size_t p = 0; p < world->point_count; p++) world->points[p].total_impulse += world->points[p].normal_impulse;
+        for (size_t p = 0; p < world->point_count; p++)
+            world->points[p].total_impulse += world->points[p].normal_impulse;
     }
     bounce_points(world);
 }

@@ -1,11 +1,11 @@
-/* One step of the world: plans, contacts, solver, poses, report. A world without a dynamic body only moves its kinematic
- * bodies, and a world in which none of those move does nothing. */
+/* One step of the world: plans, contacts, solver, poses, report. A world without a dynamic body only moves its
+ * kinematic bodies, and a world in which none of those move does nothing. */
 #include "sim/internal.h"
 
 #include "math/real.h"
 
-/* A body that moved this much, and this much off its plan, in radii, is swept along its true path. The core that is swept,
- * as a share of the radius, is smaller than the sphere so that what it rolls on does not stop it. */
+/* A body that moved this much, and this much off its plan, in radii, is swept along its true path. The core that is
+ * swept, as a share of the radius, is smaller than the sphere so that what it rolls on does not stop it. */
 #define FAST_MOVE  0.5f
 #define OFF_PLAN   0.25f
 #define SWEPT_CORE 0.5
@@ -101,8 +101,8 @@ static void visit_sweep(void *context, uint32_t index)
         s->share = touch.time;
 }
 
-/* Contacts cover what a body meets on its plan. One that was deflected at speed may meet something else: it stops there,
- * and the next step finds the contact. */
+/* Contacts cover what a body meets on its plan. One that was deflected at speed may meet something else: it stops
+ * there, and the next step finds the contact. */
 static daft_dvec3 free_way(const daft_world *world, uint32_t index)
 {
     const daft_sim_body *body = &world->bodies[index];
@@ -115,7 +115,7 @@ static daft_dvec3 free_way(const daft_world *world, uint32_t index)
     bounds.low = daft_dadd(bounds.low, daft_sim_dmin(way, daft_dv3(0, 0, 0)));
     bounds.high = daft_dadd(bounds.high, daft_sim_dmax(way, daft_dv3(0, 0, 0)));
     sweep s = {world, body, way, 1};
-    daft_sim_tree_query(&world->still, &bounds, visit_sweep, &s);
+    daft_sim_tree_query(&world->trees[DAFT_BODY_STATIC], &bounds, visit_sweep, &s);
     return daft_dscale(way, s.share);
 }
 
@@ -161,9 +161,8 @@ static void fill_report(daft_world *world)
         world->bodies[p->a].fresh = world->bodies[p->b].fresh = false;
         if (!(p->total_impulse > 0) && daft_sim_separation(p, a, b) > 0) continue;
         world->report_keys[world->report_count] = (uint64_t)p->a << 32 | p->b;
-        world->report[world->report_count++] =
-            (daft_sim_contact){world->bodies[p->a].user, world->bodies[p->b].user, contact_point(world, p), p->normal,
-                               p->total_impulse};
+        world->report[world->report_count++] = (daft_sim_contact){world->bodies[p->a].user, world->bodies[p->b].user,
+                                                                  contact_point(world, p), p->normal, p->total_impulse};
     }
 }
 

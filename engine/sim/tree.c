@@ -1,6 +1,6 @@
-/* A dynamic tree of bounding boxes, height-balanced like an AVL tree, so that its depth is at most 1.44·log2 of its leaves
- * even when ten thousand bodies share one spot. Inserting descends where the summed surface area grows least (after Box2D's
- * b2DynamicTree). Nodes are an array with a free list; nothing is ordered by address. */
+/* A dynamic tree of bounding boxes, height-balanced like an AVL tree, so that its depth is at most 1.44·log2 of its
+ * leaves even when ten thousand bodies share one spot. Inserting descends where the summed surface area grows least
+ * (after Box2D's b2DynamicTree). Nodes are an array with a free list; nothing is ordered by address. */
 #include "sim/internal.h"
 
 /* A tree of 2^32 leaves is at most 46 deep, and each level leaves one sibling on the stack. */

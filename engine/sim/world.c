@@ -1,6 +1,6 @@
 /* The world's bodies: slots, definitions, poses, velocities. What a caller passes is checked here, so that the step may
- * rely on finite numbers within the bounds of internal.h: a definition beyond them is refused, a call with a number that
- * is not finite or a body that is not there does nothing, a velocity beyond them is clamped. */
+ * rely on finite numbers within the bounds of internal.h: a definition beyond them is refused, a call with a number
+ * that is not finite or a body that is not there does nothing, a velocity beyond them is clamped. */
 #include "sim/internal.h"
 
 #include <string.h>
@@ -15,8 +15,7 @@ daft_world *daft_world_create(const daft_allocator *allocator, daft_error *error
     world->allocator = *allocator;
     world->gravity = daft_v3(0, -9.81f, 0);
     world->free_list = DAFT_SIM_NONE;
-    daft_sim_tree_init(&world->still);
-    daft_sim_tree_init(&world->moving);
+    for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_init(&world->trees[i]);
     return world;
 }
 
@@ -24,10 +23,10 @@ void daft_world_destroy(daft_world *world)
 {
     if (!world) return;
     daft_allocator allocator = world->allocator;
-    void *arrays[] = {world->bodies,      world->motions,   world->dynamics.items, world->movers.items,
-                      world->still.nodes, world->moving.nodes, world->points,      world->old_points,
-                      world->report,      world->report_keys};
+    void *arrays[] = {world->bodies, world->motions,    world->dynamics.items, world->movers.items,
+                      world->points, world->old_points, world->report,         world->report_keys};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&allocator, arrays[i]);
+    for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_release(&allocator, world->trees[i].nodes);
     daft_release(&allocator, world);
 }
 
@@ -63,8 +62,8 @@ void daft_world_set_gravity(daft_world *world, daft_vec3 gravity)
 static bool pose_is_good(daft_dvec3 p, daft_quat q)
 {
     double limit = DAFT_SIM_MAX_DISTANCE;
-    double norm = (double)q.x * (double)q.x + (double)q.y * (double)q.y + (double)q.z * (double)q.z +
-                  (double)q.w * (double)q.w;
+    double norm =
+        (double)q.x * (double)q.x + (double)q.y * (double)q.y + (double)q.z * (double)q.z + (double)q.w * (double)q.w;
     return fabs(p.x) <= limit && fabs(p.y) <= limit && fabs(p.z) <= limit && norm > 1e-12 && norm < 1e12;
 }
 
@@ -102,10 +101,11 @@ static bool check_def(const daft_sim_body_def *def, daft_error *error)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: its kind must be static, kinematic or dynamic");
     if (!check_shape(def, error)) return false;
     if (!pose_is_good(def->position, def->rotation))
-        return daft_fail(error, DAFT_ERROR_ARGUMENT,
-                         "body: position (%g, %g, %g) or rotation (%g, %g, %g, %g) is not finite, or too large, or zero",
-                         def->position.x, def->position.y, def->position.z, (double)def->rotation.x,
-                         (double)def->rotation.y, (double)def->rotation.z, (double)def->rotation.w);
+        return daft_fail(
+            error, DAFT_ERROR_ARGUMENT,
+            "body: position (%g, %g, %g) or rotation (%g, %g, %g, %g) is not finite, or too large, or zero",
+            def->position.x, def->position.y, def->position.z, (double)def->rotation.x, (double)def->rotation.y,
+            (double)def->rotation.z, (double)def->rotation.w);
     if (!(def->friction >= 0 && def->friction <= 1e6f))
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: friction %g is not within 0 to 1e6", (double)def->friction);
     if (!(def->restitution >= 0 && def->restitution <= 1))
@@ -123,10 +123,9 @@ static bool check_def(const daft_sim_body_def *def, daft_error *error)
 
 /* ---- slots and lists ---- */
 
-static bool reserve_list(daft_world *world, daft_sim_list *list)
+static bool reserve_list(daft_world *world, daft_sim_list *list, size_t needed)
 {
-    return daft_grow(&world->allocator, &list->items, &list->capacity, list->count + 1, list->count,
-                     sizeof *list->items);
+    return daft_grow(&world->allocator, &list->items, &list->capacity, needed, list->count, sizeof *list->items);
 }
 
 static void list_add(daft_world *world, daft_sim_list *list, uint32_t index)
@@ -143,22 +142,25 @@ static void list_remove(daft_world *world, daft_sim_list *list, uint32_t index)
     world->bodies[index].list_slot = DAFT_SIM_NONE;
 }
 
-static bool reserve_body(daft_world *world, daft_body_kind kind)
+static bool reserve_slot(daft_world *world)
 {
     size_t count = world->body_count;
-    bool slot = world->free_list != DAFT_SIM_NONE ||
-                (count < INT32_MAX && /* contacts keep one bit of an index for their order */
-                 daft_grow(&world->allocator, &world->bodies, &world->body_capacity, count + 1, count,
-                           sizeof *world->bodies) &&
-                 daft_grow(&world->allocator, &world->motions, &world->motion_capacity, count + 1, count,
-                           sizeof *world->motions));
-    if (!slot) return false;
-    if (kind == DAFT_BODY_STATIC) return daft_sim_tree_reserve(&world->still, &world->allocator);
-    return daft_sim_tree_reserve(&world->moving, &world->allocator) &&
-           (kind == DAFT_BODY_DYNAMIC ? reserve_list(world, &world->dynamics)
-                                      : daft_grow(&world->allocator, &world->movers.items, &world->movers.capacity,
-                                                  world->moving.leaf_count + 1, world->movers.count,
-                                                  sizeof *world->movers.items));
+    if (world->free_list != DAFT_SIM_NONE) return true;
+    return count < INT32_MAX && /* the keys of contacts leave 31 bits for the first body */
+           daft_grow(&world->allocator, &world->bodies, &world->body_capacity, count + 1, count,
+                     sizeof *world->bodies) &&
+           daft_grow(&world->allocator, &world->motions, &world->motion_capacity, count + 1, count,
+                     sizeof *world->motions);
+}
+
+/* After this, adding a body and starting to move a kinematic one cannot fail. */
+static bool reserve_body(daft_world *world, daft_body_kind kind)
+{
+    daft_sim_tree *tree = &world->trees[kind];
+    if (!reserve_slot(world) || !daft_sim_tree_reserve(tree, &world->allocator)) return false;
+    if (kind == DAFT_BODY_STATIC) return true;
+    daft_sim_list *list = kind == DAFT_BODY_DYNAMIC ? &world->dynamics : &world->movers;
+    return reserve_list(world, list, (size_t)tree->leaf_count + 1);
 }
 
 static uint32_t take_slot(daft_world *world)
