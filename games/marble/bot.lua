@@ -12,8 +12,8 @@ local path = {
     { 12, 0 }, { 22, 0 }, { 25, 0.1, speed = 6 }, { 27.2, 2.4, speed = 6 }, { 29.5, 5, speed = 5 },
     { 29.5, 11.2, jump = true, near = 0.6 }, { 29.5, 17 }, { 30.6, 20, speed = 4 }, { 32.5, 20.5, speed = 4 },
     { 43, 20.5, speed = 6 }, { 47.8, 20.5, near = 0.5, stop = true, wait = true },
-    { 51.2, 20.5, speed = 5, near = 0.5 }, { 54.5, 20.5, ride = true }, { 61, 20.5 }, { 72, 20.5 },
-    { 79, 20.5, near = 0.5, stop = true },
+    { 51.2, 20.5, speed = 5, near = 0.5 }, { 54.5, 20.5, ride = true }, { 61, 20.5 }, { 71.8, 20.5, near = 0.8 },
+    { 73.4, 20.5, near = 0.7, jump = true }, { 83, 20.5, near = 0.5, stop = true },
 }
 
 local step

@@ -1,6 +1,6 @@
 -- Builds the course from level.lua: turns each piece of data into an entity.
 
-local course = { gems = {}, platforms = {}, bumpers = {} }
+local course = { gems = {}, platforms = {}, sweepers = {}, bumpers = {} }
 
 -- Materials by name. On boxes a texture repeats texture_scale times on one metre.
 local looks = {
@@ -11,6 +11,7 @@ local looks = {
     marble = { texture = "marble", texture_scale = 0.25, specular = 0.3, shininess = 60 },
     metal = { texture = "metal", texture_scale = 0.5 },
     target = { texture = "target", texture_scale = 0.25 },
+    hazard = { texture = "hazard", texture_scale = 0.6 },
     bumper = { color = "#ff5a4d", specular = 0.5, shininess = 80 },
     bumped = { color = "#ff5a4d", emission = "#ff8a5a" },
 }
@@ -66,6 +67,13 @@ function course.build(level)
             rolling_resistance = 0.2 }
         table.insert(course.platforms, p)
     end
+    for _, s in ipairs(level.sweepers) do
+        local x, y, z = table.unpack(s.at)
+        daft.entity { box = { 0.5, 0.9, 0.5 }, position = { x, y + 0.45, z }, material = looks.metal, body = "static" }
+        s.entity = daft.entity { box = { s.length, 0.4, 0.3 }, position = { x, y + 0.45, z }, material = looks.hazard,
+            body = "kinematic" }
+        table.insert(course.sweepers, s)
+    end
     for _, at in ipairs(level.bumpers) do
         local bumper = { glow = 0 } -- seconds it still glows after a hit
         bumper.entity = daft.entity { sphere = 0.7, position = { at[1], at[2] + 0.4, at[3] }, material = looks.bumper,
@@ -92,6 +100,7 @@ end
 -- Moves what moves by itself.
 function course.update(time, dt)
     for _, p in ipairs(course.platforms) do p.entity:position(glide(p, time)) end
+    for _, s in ipairs(course.sweepers) do s.entity:rotation(time * s.speed, 0, 0) end
     for i, gem in ipairs(course.gems) do gem.entity:rotation(time * 2 + i, 0, 0) end
     for _, bumper in ipairs(course.bumpers) do
         bumper.glow = math.max(0, bumper.glow - dt)

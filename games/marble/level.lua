@@ -4,7 +4,7 @@
 return {
     start = { 0, 0, 0 },
     gems_needed = 6,
-    lowest = -14, -- below this the marble has fallen
+    lowest = -8, -- this far below the last checkpoint the marble has fallen
 
     -- Straight pieces between two points on the surface. Slopes, turns and all lie in the two points.
     -- look: see course.lua. kerbs: low walls along both sides.
@@ -21,13 +21,16 @@ return {
         -- a platform goes to and fro here
         { from = { 60, -2.9, 20.5 }, to = { 63, -2.9, 20.5 }, width = 4, look = "tiles" },
         { from = { 63, -2.9, 20.5 }, to = { 72, 0, 20.5 }, width = 4, look = "arrows", kerbs = true },
-        { from = { 72, 0, 20.5 }, to = { 84, 0, 20.5 }, width = 9, look = "marble" },
+        { from = { 72, 0, 20.5 }, to = { 88, 0, 20.5 }, width = 9, look = "marble" },
     },
 
     -- Boxes that glide to and fro between two points. `period`: seconds there and back.
     platforms = {
         { size = { 3.6, 0.5, 3.6 }, from = { 51, -2.9, 20.5 }, to = { 58, -2.9, 20.5 }, period = 6 },
     },
+
+    -- Arms that turn on the spot, in radians a second. Wait for the gap, or jump.
+    sweepers = { { at = { 76.3, 0, 20.5 }, length = 6.4, speed = 1.5 } },
 
     -- They push the marble away.
     bumpers = { { 24.5, -2.6, -1.9 }, { 24.5, -2.6, 1.9 }, { 27.5, -2.6, 0 } },
@@ -40,16 +43,16 @@ return {
     -- Reaching one makes it the place to come back to.
     checkpoints = { { 29.5, -2.9, 17.5 }, { 46, -2.9, 20.5 } },
 
-    goal = { 79, 0, 20.5 },
+    goal = { 83, 0, 20.5 },
 
     -- mesh, place, then scale and turn (degrees) where wanted.
     scenery = {
         { "column", { -4.3, 0, -3.8 } }, { "column", { -4.3, 0, 3.8 } },
         { "column", { 4.3, 0, -3.8 } }, { "column", { 4.3, 0, 3.8 } },
-        { "column", { 73, 0, 17 } }, { "column", { 73, 0, 24 } },
-        { "column", { 77, 0, 17 } }, { "column", { 77, 0, 24 } },
-        { "column", { 81, 0, 17 } }, { "column", { 81, 0, 24 } },
-        { "cup", { 82.3, 0, 20.5 }, 1.6, 90 },
+        { "column", { 73, 0, 16.6 } }, { "column", { 73, 0, 24.4 } },
+        { "column", { 80, 0, 16.6 } }, { "column", { 80, 0, 24.4 } },
+        { "column", { 87, 0, 16.6 } }, { "column", { 87, 0, 24.4 } },
+        { "cup", { 86.3, 0, 20.5 }, 1.6, 90 },
         { "flag", { 48.5, -2.9, 18 }, 1, 30 }, { "flag", { 32, -2.9, 15.6 }, 1, 60 },
         { "island", { 11, -5, -9 }, 1.3 }, { "tree", { 10, -5, -8 }, 1.6 }, { "pine", { 12.6, -5, -10 }, 1.5 },
         { "rock", { 12.4, -5, -7 }, 1, 70 },

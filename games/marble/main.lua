@@ -17,6 +17,7 @@ local marble
 local state           -- "ready", "rolling" or "won"
 local clock, time     -- seconds since the start of the course, and since the first key
 local home            -- where a fall brings the marble back to
+local best            -- the shortest time of this sitting
 local taken           -- gems
 local ground          -- seconds since the marble last touched something it can jump from
 local drift_x, drift_z = 0, 0 -- how fast that moves: platforms carry the marble along
@@ -132,8 +133,14 @@ local function finish(x, y, z)
         return
     end
     state = "won"
-    sparkle(x, y + 1, z, "#ffd34d", 40)
+    best = math.min(best or time, time)
     print(("marble: won in %.1f s, %d of %d gems"):format(time, taken, #course.gems))
+end
+
+local function celebrate(x, y, z)
+    if state ~= "won" or daft.tick() % 24 ~= 0 then return end
+    local colors = { "#ffd34d", "#60f0ff", "#ff7a6b", "#8dff8a" }
+    sparkle(x, y + 1, z, colors[daft.random(#colors)], 14)
 end
 
 local function fly_sparks(dt)
@@ -166,7 +173,8 @@ local function follow(dt)
     end
     far = FAR / math.sqrt(ox * ox + oz * oz)
     eye.x, eye.z = x + ox * far, z + oz * far
-    eye.y = eye.y + (y + HIGH - eye.y) * math.min(1, 5 * dt)
+    local low = math.max(y, home[2] - 3) -- does not fall after the marble
+    eye.y = eye.y + (low + HIGH - eye.y) * math.min(1, 5 * dt)
     daft.camera.look { from = { eye.x, eye.y, eye.z }, at = { x, y + 1.1, z }, fov = math.rad(75), teleport = eye.jump }
     eye.jump = false
 end
@@ -181,6 +189,7 @@ function daft.update(dt)
     course.update(clock, dt)
     collect(x, y, z)
     finish(x, y, z)
+    celebrate(x, y, z)
     if y < level.lowest + home[2] then
         time = time + FALL_COST
         put_marble(home)
@@ -221,9 +230,9 @@ function daft.draw()
     elseif state == "won" then
         panel(110, 190)
         centred("You made it!", 120, 84, "#ffe27a")
-        centred(("%.1f seconds, %d of %d gems"):format(time, taken, #course.gems), 220, 30)
+        centred(("%.1f s with %d of %d gems   best: %.1f s"):format(time, taken, #course.gems, best), 220, 28)
         centred("R plays again", 258, 24)
     elseif message_left > 0 then
-        centred(message, 180, 48)
+        centred(message, 96, 48)
     end
 end
