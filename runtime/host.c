@@ -146,7 +146,11 @@ static int on_error(lua_State *L)
     if (!message) message = lua_pushfstring(L, "(an error that is a %s)", luaL_typename(L, 1));
     snprintf(state->message, sizeof state->message, "%s", message);
     luaL_traceback(L, L, NULL, 1);
-    snprintf(state->trace, sizeof state->trace, "%s", lua_tostring(L, -1));
+    const char *trace = lua_tostring(L, -1), *last = strrchr(trace, '\n');
+    /* The last line is this file's own call, which tells the author of a game nothing. */
+    size_t length = last && strcmp(last, "\n\t[C]: in ?") == 0 ? (size_t)(last - trace) : strlen(trace);
+    if (!memchr(trace, '\n', length)) length = 0;
+    snprintf(state->trace, sizeof state->trace, "%.*s", (int)length, trace);
     return 1;
 }
 

@@ -4,6 +4,7 @@
 
 #include "util.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -49,8 +50,33 @@ const char *api_type_name(lua_State *L, int index)
     return luaL_typename(L, index);
 }
 
+/* What is in a table, as far as it helps to see the mistake: most tables stand for numbers. */
+static void describe_table(lua_State *L, int index, char *out, size_t size)
+{
+    index = lua_absindex(L, index);
+    size_t count = lua_rawlen(L, index);
+    for (size_t i = 1; i <= count && i <= 4; i++) {
+        int type = lua_rawgeti(L, index, (lua_Integer)i);
+        bool finite = type == LUA_TNUMBER && isfinite(lua_tonumber(L, -1));
+        lua_pop(L, 1);
+        if (finite) continue;
+        snprintf(out, size, "a list with %s in place %zu",
+                 type == LUA_TNUMBER ? "a number that is not finite" : lua_typename(L, type), i);
+        return;
+    }
+    if (count > 0)
+        snprintf(out, size, "a list of %zu", count);
+    else
+        snprintf(out, size, "a table without that");
+}
+
 int api_wrong(lua_State *L, host *h, int index, const char *what, const char *wanted)
 {
+    if (lua_type(L, index) == LUA_TTABLE) {
+        char text[80];
+        describe_table(L, index, text, sizeof text);
+        api_error(L, h, "%s: %s expected, got %s", what, wanted, text);
+    }
     const char *type = api_type_name(L, index);
     if (lua_type(L, index) == LUA_TSTRING) {
         char text[40];

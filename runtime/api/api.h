@@ -78,7 +78,8 @@ daft_quat api_quat_from_angles(double yaw, double pitch, double roll);
 size_t api_choice(lua_State *L, host *h, int index, const char *what, const char *const *names, size_t count);
 int api_key(lua_State *L, host *h, int index, const char *what);
 
-/* The value at index is a table that has no key but these; otherwise an error that names a near miss. */
+/* The value at index is a table that has no key but these; otherwise an error that names a near miss. what may be NULL:
+ * the function's one argument. */
 void api_fields(lua_State *L, host *h, int index, const char *what, const char *const *names, size_t count);
 /* Pushes the field and is true; or pushes nothing and is false where it is nil. */
 bool api_field(lua_State *L, int table, const char *name);

@@ -239,17 +239,18 @@ int api_key(lua_State *L, host *h, int index, const char *what)
 void api_fields(lua_State *L, host *h, int index, const char *what, const char *const *names, size_t count)
 {
     index = lua_absindex(L, index);
-    if (lua_type(L, index) != LUA_TTABLE) api_wrong(L, h, index, what, "table");
+    if (lua_type(L, index) != LUA_TTABLE) api_wrong(L, h, index, what ? what : "its argument", "table {...}");
+    const char *before = what ? what : "", *colon = what ? ": " : "";
     for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
-        if (lua_type(L, -2) != LUA_TSTRING) api_error(L, h, "%s: keys with names expected, got a %s as a key", what,
-                                                      luaL_typename(L, -2));
+        if (lua_type(L, -2) != LUA_TSTRING)
+            api_error(L, h, "%s%sfields with names expected, got one with a %s", before, colon, luaL_typename(L, -2));
         const char *key = lua_tostring(L, -2);
         bool known = false;
         for (size_t i = 0; i < count && !known; i++) known = strcmp(key, names[i]) == 0;
         if (known) continue;
         const char *near = nearest_name(key, names, count);
-        if (near) api_error(L, h, "%s: there is no '%s': did you mean '%s'?", what, key, near);
-        api_error(L, h, "%s: there is no '%s'", what, key);
+        if (near) api_error(L, h, "%s%sthere is no '%s': did you mean '%s'?", before, colon, key, near);
+        api_error(L, h, "%s%sthere is no '%s'", before, colon, key);
     }
 }
 

@@ -29,7 +29,7 @@ static int put(lua_State *L, host *h, const daft_camera *camera, bool teleport)
 
 static int look(lua_State *L, host *h)
 {
-    api_fields(L, h, 1, "its table", LOOK_FIELDS, COUNT_OF(LOOK_FIELDS));
+    api_fields(L, h, 1, NULL, LOOK_FIELDS, COUNT_OF(LOOK_FIELDS));
     daft_camera now = daft_scene_camera(h->def.scene, 1);
     daft_dvec3 from = now.position;
     float fov = now.fov;
@@ -51,7 +51,7 @@ static float read_angle(lua_State *L, host *h, const char *name, float otherwise
 
 static int set(lua_State *L, host *h)
 {
-    api_fields(L, h, 1, "its table", SET_FIELDS, COUNT_OF(SET_FIELDS));
+    api_fields(L, h, 1, NULL, SET_FIELDS, COUNT_OF(SET_FIELDS));
     daft_camera camera = daft_scene_camera(h->def.scene, 1);
     if (api_field(L, 1, "position")) camera.position = api_place(L, h, -1, "position");
     camera.yaw = read_angle(L, h, "yaw", camera.yaw);

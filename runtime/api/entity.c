@@ -90,7 +90,7 @@ static void read_place(lua_State *L, host *h, daft_entity_def *def)
 
 static int create(lua_State *L, host *h)
 {
-    api_fields(L, h, 1, "its table", FIELDS, COUNT_OF(FIELDS));
+    api_fields(L, h, 1, NULL, FIELDS, COUNT_OF(FIELDS));
     luaL_checkstack(L, COUNT_OF(FIELDS) + 8, NULL);
     daft_entity_def def = daft_default_entity_def();
     read_shape(L, h, &def);

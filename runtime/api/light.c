@@ -12,9 +12,9 @@ static const char *const POINT_FIELDS[] = {"position", "color", "shadow"};
 static void read_light(lua_State *L, host *h, int table, daft_light_def *def)
 {
     if (def->kind == DAFT_LIGHT_SUN)
-        api_fields(L, h, table, "its table", SUN_FIELDS, COUNT_OF(SUN_FIELDS));
+        api_fields(L, h, table, NULL, SUN_FIELDS, COUNT_OF(SUN_FIELDS));
     else
-        api_fields(L, h, table, "its table", POINT_FIELDS, COUNT_OF(POINT_FIELDS));
+        api_fields(L, h, table, NULL, POINT_FIELDS, COUNT_OF(POINT_FIELDS));
     if (api_field(L, table, "position")) def->position = api_place(L, h, -1, "position");
     if (api_field(L, table, "direction")) def->direction = api_vec3(L, h, -1, "direction");
     if (api_field(L, table, "color")) def->color = api_color(L, h, -1, "color");

@@ -1,0 +1,190 @@
+-- Api: every binding does what its line in the reference says. An assertion that fails is the game's error.
+
+local near = function(a, b, tolerance) return math.abs(a - b) <= (tolerance or 1e-5) end
+local function expect_error(pattern, f, ...)
+    local good, message = pcall(f, ...)
+    assert(not good, "no error where one was due: " .. pattern)
+    assert(message:find(pattern, 1, true), ("'%s' is not in '%s'"):format(pattern, message))
+end
+
+local ball, floor, child, sun, lamp
+local drawn = 0
+
+local function entities()
+    floor = daft.entity { box = { 20, 1, 20 }, position = { 0, -0.5, 0 }, material = "checker", body = "static", name = "floor" }
+    ball = daft.entity { sphere = 0.5, position = { 0, 0.5, 0 }, mass = 2, body = "dynamic", material = { mirror = 0.8 },
+        velocity = { 0, 0, 0 }, restitution = 0, data = { lives = 3 } }
+    child = daft.entity { box = { 1, 2, 3 }, parent = floor, position = { 1, 2, 3 }, material = "#ff8800" }
+    assert(floor.name == "floor" and ball.name == nil and ball.data.lives == 3)
+    ball.name = "ball"
+    assert(ball.name == "ball" and tostring(ball):find("entity"))
+    local x, y, z = child:position()
+    assert(x == 1 and y == 2 and z == 3)
+    child:position(4, 5, 6)
+    child:position { 4, 5, 7 }
+    child:teleport { x = 4, y = 5, z = 8 }
+    assert(select(3, child:position()) == 8)
+    child:position(ball)
+    assert(select(2, child:position()) == 0.5)
+    child:scale(2)
+    assert(select(2, child:scale()) == 2)
+    child:scale(1, 2, 3)
+    child:scale { 3, 2, 1 }
+    assert(child:scale() == 3)
+    assert(child:visible() == true)
+    child:visible(false)
+    assert(child:visible() == false)
+    child:material { color = { 1, 0, 0 }, texture = "checker", texture_scale = { 2, 3 }, shininess = 20, specular = 0.4,
+        emission = "#111", ambient = 0.5, mirror_tint = "#ffffff" }
+    child:destroy()
+    assert(not child:valid())
+    expect_error("stale", child.position, child)
+end
+
+-- What faced +X must face where a camera of the same yaw and pitch looks.
+local function rotations()
+    local e = daft.entity { box = { 1, 1, 1 }, rotation = { math.pi / 2, 0, 0 } }
+    local x, y, z, w = e:rotation()
+    assert(near(x, 0) and near(y, -math.sqrt(0.5)) and near(z, 0) and near(w, math.sqrt(0.5)))
+    e:rotation(0, 0, 0, 2)
+    assert(select(4, e:rotation()) == 1)
+    e:rotation { 0, 0, 0.3 }
+    e:rotation(0.1, 0.2, 0.3)
+    expect_error("rotation: a quaternion of length 0", e.rotation, e, 0, 0, 0, 0)
+    expect_error("{yaw, pitch, roll} or a quaternion", e.rotation, e, "left")
+    e:destroy()
+end
+
+local function lights()
+    sun = daft.light.sun { direction = { -1, -2, -0.5 }, color = { 1, 0.96, 0.9 } }
+    lamp = daft.light.point { position = { 0, 5, 0 }, color = "#ffeecc", shadow = false }
+    sun:direction(0, -1, 0)
+    lamp:position(ball)
+    lamp:color("#fff")
+    lamp:shadow(true)
+    lamp:set { position = { 1, 5, 1 }, color = { 2, 2, 2 } }
+    expect_error("a sun has a direction", sun.position, sun, 0, 0, 0)
+    expect_error("no 'positon': did you mean 'position'?", daft.light.point, { positon = { 0, 1, 0 } })
+    local short = daft.light.point { position = { 0, 1, 0 } }
+    short:destroy()
+    assert(not short:valid() and sun:valid())
+    daft.ambient("#333")
+    daft.sky.color("#80a0ff")
+    daft.sky.gradient("#6fb7ff", { 0.9, 0.95, 1 })
+end
+
+local function cameras()
+    daft.camera.look { from = { -8, 4, 0 }, at = ball, fov = 1.2, teleport = true }
+    local c = daft.camera.get()
+    assert(c.position[1] == -8 and near(c.yaw, 0) and c.pitch > 0 and near(c.fov, 1.2))
+    daft.camera.look { from = { 0, 0.5, -8 }, at = { 0, 0.5, 0 } }
+    assert(near(daft.camera.get().yaw, math.pi / 2), "positive yaw turns right, from +X to +Z")
+    daft.camera.set { yaw = 0.5, position = { 1, 2, 3 } }
+    assert(near(daft.camera.get().yaw, 0.5) and near(daft.camera.get().fov, 1.2))
+    expect_error("cannot look at the place", daft.camera.look, { from = { 1, 1, 1 }, at = { 1, 1, 1 } })
+    expect_error("fov", daft.camera.set, { fov = 4 })
+    daft.camera.look { from = { -8, 4, 0 }, at = ball, teleport = true }
+end
+
+local function materials()
+    local m = daft.material { color = "#808080" }
+    m:set { mirror = 0.5 }
+    local e = daft.entity { sphere = 1, material = m, position = { 50, 0, 0 } }
+    e:material(m)
+    e:material("checker")
+    expect_error("there is no texture 'cheker': did you mean 'checker'?", e.material, e, "cheker")
+    expect_error("mirror: number from 0 to 1 expected, got the number 2", daft.material, { mirror = 2 })
+    expect_error("\"#rgb\", \"#rrggbb\" or {r, g, b} expected, got the string '#12345'", daft.material, { color = "#12345" })
+    local mesh = daft.mesh { positions = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } },
+        uvs = { { 0, 0 }, { 1, 0 }, { 0, 1 } } }
+    local low, high = mesh:bounds()
+    assert(low[1] == 0 and high[2] == 1)
+    daft.entity { mesh = mesh, position = { 0, 0, 30 } }
+    expect_error("triangles[1]: a position from 1 to 3 expected, got 4", daft.mesh,
+        { positions = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 4 } } })
+    expect_error("there is no file 'nothing.obj'", daft.entity, { mesh = "nothing.obj" })
+end
+
+local function rays()
+    local hit = daft.raycast({ 0, 10, 0 }, { 0, -1, 0 })
+    assert(hit.entity == ball and near(hit.distance, 9, 1e-4) and near(hit.normal[2], 1, 1e-4))
+    hit = daft.raycast({ 0, 10, 0 }, { 0, -2, 0 }, 100, ball)
+    assert(hit.entity == floor and near(hit.position[2], 0, 1e-4))
+    assert(daft.raycast({ 0, 10, 0 }, { 0, -1, 0 }, 5) == nil)
+    assert(daft.raycast(ball, { 0, 1, 0 }, 5, ball) == nil)
+    expect_error("direction: it has no length", daft.raycast, { 0, 0, 0 }, { 0, 0, 0 })
+end
+
+local function messages()
+    expect_error("daft.entity: position: {x, y, z} expected, got a table without that", function() daft.entity { sphere = 1, position = { nil } } end)
+    expect_error("position: {x, y, z} expected, got nil", ball.position, ball, nil)
+    expect_error("position: {x, y, z} expected, got a list with string in place 2", ball.position, ball, { 1, "2", 3 })
+    expect_error("position: {x, y, z} expected, got a list of 2", ball.position, ball, { 1, 2 })
+    expect_error("daft.entity: there is no 'spere': did you mean 'sphere'?", function() daft.entity { spere = 1 } end)
+    expect_error("sphere: radius above 0 expected, got the number -1", daft.entity, { sphere = -1 })
+    expect_error("only one of mesh, sphere and box", daft.entity, { sphere = 1, box = { 1, 1, 1 } })
+    expect_error("body: \"static\", \"kinematic\" or \"dynamic\" expected, got the string 'dynamc'", daft.entity,
+        { sphere = 1, body = "dynamc" })
+    expect_error("there is no key 'lefft': did you mean 'left'?", daft.input.down, "lefft")
+    expect_error("daft has no 'entiti': did you mean 'entity'?", function() return daft.entiti end)
+    expect_error("daft.light has no 'son': did you mean 'sun'?", function() return daft.light.son end)
+    expect_error("daft calls no function 'updat': did you mean 'update'?", function() daft.updat = print end)
+    expect_error("entity has no 'postion': did you mean 'position'?", function() return ball.postion end)
+    expect_error("cannot be set", function() ball.speed = 3 end)
+    expect_error("entity expected before the colon, got nothing", ball.push)
+    expect_error("only within daft.draw", daft.text, "hello", 1, 1)
+    expect_error("finite number expected", daft.entity, { sphere = 0 / 0 })
+end
+
+function daft.load()
+    entities() rotations() lights() cameras() materials() rays() messages()
+    assert(daft.tick() == 0 and daft.time() == 0)
+    assert(daft.height() == 720 and daft.width() > 300)
+    assert(daft.text_width("iii") < daft.text_width("mmm") and daft.text_width("a\nbb", 10) == daft.text_width("bb", 10))
+    daft.gravity(0, -9.81, 0)
+    daft.input.set("space", true)
+end
+
+local pressed_in, released_in, key_seen
+function daft.keypressed(key) key_seen = key end
+function daft.keyreleased(key) released_in = key end
+
+function daft.update(dt)
+    assert(near(dt, 1 / 60))
+    local tick = daft.tick()
+    if tick == 0 then
+        assert(daft.input.pressed("space") and daft.input.down("space") and key_seen == "space")
+        assert(daft.input.axis("left", "space") == 1 and daft.input.axis("space", "left") == -1)
+        daft.input.set("space", false)
+    elseif tick == 1 then
+        assert(daft.input.released("space") and not daft.input.down("space") and released_in == "space")
+    end
+    local x, y = daft.input.mouse()
+    assert(x == 0 and y == 0 and not daft.input.mouse.down(1) and daft.input.mouse.wheel() == 0)
+    if tick == 20 then
+        local list = ball:contacts()
+        assert(#list == 1 and list[1].other == floor and near(list[1].normal[2], 1, 1e-3) and list[1].impulse > 0)
+        assert(list[1].other.name == "floor")
+        ball:impulse(4, 0, 0)
+    elseif tick == 21 then
+        assert(near(ball:velocity(), 2, 0.2), "an impulse of 4 on 2 kg is 2 m/s, less what friction takes")
+        ball:velocity { 0, 0, 0 }
+        ball:angular_velocity(0, 0, 0)
+        ball:push(0, 40, 0)
+    elseif tick == 22 then
+        assert(near(select(2, ball:velocity()), (40 / 2 - 9.81) / 60, 0.02), "a force acts over one step")
+    end
+end
+
+function daft.draw()
+    drawn = drawn + 1
+    daft.text("score 12 äöü", 16, 16)
+    daft.text("right", daft.width(), 40, { size = 40, color = "#ff0000", align = "right", shadow = false })
+    daft.text(12, 16, 200)
+    daft.rect(10, 10, 100, 20, "#00ff0080")
+    daft.rect(-1e9, -1e9, 2e9, 10)
+    expect_error("not within daft.draw", ball.push, ball, 1, 0, 0)
+    expect_error("not within daft.draw", ball.position, ball, 1, 0, 0)
+    expect_error("not within daft.draw", daft.entity, { sphere = 1 })
+    assert(type(ball:position()) == "number")
+end

@@ -1,0 +1,92 @@
+-- Sandbox: what a game gets of Lua is the same on every machine and reaches nothing outside.
+
+local function expect_error(pattern, f, ...)
+    local good, message = pcall(f, ...)
+    assert(not good and tostring(message):find(pattern, 1, true), tostring(message))
+end
+
+-- pairs() goes in a fixed order.
+local mixed = { z = 1, a = 2, [10] = 3, [2.5] = 4, [true] = 5, [false] = 6, [-1] = 7, ab = 8, "one", "two" }
+local order = {}
+for key in pairs(mixed) do order[#order + 1] = tostring(key) end
+assert(table.concat(order, " ") == "-1 1 2 2.5 10 a ab z false true", table.concat(order, " "))
+
+-- Keys taken out on the way are passed over; values changed on the way are seen.
+local seen, t = {}, { a = 1, b = 2, c = 3, d = 4 }
+for key, value in pairs(t) do
+    seen[#seen + 1] = key .. value
+    t.b, t.c = nil, 30
+end
+assert(table.concat(seen, " ") == "a1 c30 d4")
+for _ in pairs({}) do error("an empty table has no pairs") end
+local custom = setmetatable({}, { __pairs = function() return function(_, k) if not k then return 1, 2 end end, nil, nil end })
+for k, v in pairs(custom) do assert(k == 1 and v == 2) end
+expect_error("table expected", pairs, nil)
+
+-- table.sort is stable, and leaves the table alone when a comparison fails.
+local list = {}
+for i = 1, 200 do list[i] = { key = (i * 7) % 5, i = i } end
+table.sort(list, function(a, b) return a.key < b.key end)
+for i = 2, 200 do
+    local a, b = list[i - 1], list[i]
+    assert(a.key < b.key or (a.key == b.key and a.i < b.i))
+end
+local words = { "pear", "apple", "fig" }
+table.sort(words)
+assert(table.concat(words, " ") == "apple fig pear")
+expect_error("attempt to compare", table.sort, { 3, "a", 1 })
+table.sort({})
+
+-- Random numbers: from a seed, one sequence, in their range.
+math.randomseed(7)
+local a, b = math.random(), daft.random(1, 1000000)
+daft.randomseed(7)
+assert(math.random() == a and math.random(1, 1000000) == b)
+for _ = 1, 1000 do
+    local n, x = math.random(3), math.random()
+    assert(n >= 1 and n <= 3 and x >= 0 and x < 1)
+end
+assert(math.random(5, 5) == 5)
+math.random(math.mininteger, math.maxinteger)
+expect_error("high", math.random, 2, 1)
+
+-- math is close to what it should be, and a number's text is its own.
+assert(math.abs(math.sin(1) - 0.8414709848078965) < 1e-14 and math.abs(math.atan(1, -1) - 2.356194490192345) < 1e-14)
+assert(math.abs(math.exp(1) - 2.718281828459045) < 1e-12 and math.abs(math.log(10) - 2.302585092994046) < 1e-12)
+assert(math.abs(math.pow(2, 0.5) - math.sqrt(2)) < 1e-12 and math.pow(-2, 3) == -8 and math.log(8, 2) == 3)
+assert(math.log(-1) ~= math.log(-1) and 3 ^ 2 == 9)
+
+-- Nothing leads outside.
+assert(dofile == nil and loadfile == nil and package == nil and string.dump == nil and debug.getregistry == nil)
+assert(type(debug.traceback()) == "string")
+expect_error("io is not there in games", function() return io.open end)
+expect_error("os is not there in games", function() return os.time() end)
+assert(load("return 1 + 1")() == 2)
+assert(load("return x", "chunk", "t", { x = 3 })() == 3)
+assert(select(2, load("return +")):find("unexpected symbol"))
+assert(load("\27Lua") == nil)
+expect_error("not a module's name", require, "../outside")
+expect_error("there is no 'nothing.lua'", require, "nothing")
+expect_error("did you mean", function() return daft.camera.lok end)
+assert(getmetatable(daft) == false)
+
+-- Modules: the game's own folder first, loaded once; a loop is an error.
+assert(require("part").value == 5 and require("part") == require("part") and require("daft") == daft)
+expect_error("requires itself", require, "ring")
+
+-- Coroutines and errors that are not strings work as ever.
+local co = coroutine.wrap(function(x) local y = coroutine.yield(x + 1) return y * 2 end)
+assert(co(1) == 2 and co(5) == 10)
+local good, value = pcall(function() local c = coroutine.wrap(function() error({ code = 3 }) end) c() end)
+assert(not good and value.code == 3)
+assert(select("#", pcall(function() return 1, nil, nil end)) == 4)
+local inner = coroutine.create(function() local ok, got = pcall(coroutine.yield, 1) return ok, got end)
+assert(select(2, coroutine.resume(inner)) == 1)
+local _, ok, got = coroutine.resume(inner, "back")
+assert(ok == true and got == "back")
+assert(xpcall(function() error("x") end, function(m) return m end) == false)
+
+-- Memory has an end, and running into it is an error like any other.
+expect_error("not enough memory", function() local s = ("x"):rep(1 << 28) local all = {} for i = 1, 16 do all[i] = s .. i end end)
+
+function daft.update() end

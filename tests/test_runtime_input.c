@@ -1,0 +1,245 @@
+/* runtime: input between ticks, and recordings: what is written reads back the same, and bad files say where. */
+#include "input.h"
+#include "recording.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <unistd.h>
+
+static uint64_t state;
+static uint64_t next(uint64_t below)
+{
+    state ^= state << 13, state ^= state >> 7, state ^= state << 17;
+    return (state >> 20) % below;
+}
+
+static const char *temporary(void)
+{
+    static char path[64];
+    snprintf(path, sizeof path, "/tmp/daft-recording-%d.rec", (int)getpid());
+    return path;
+}
+
+static int key(const char *name)
+{
+    int found = input_key_find(name);
+    assert_true(found >= 0);
+    return found;
+}
+
+/* ---- input ---- */
+
+static void a_tap_between_two_ticks_is_seen(void **unused)
+{
+    (void)unused;
+    input keys = {0};
+    int space = key("space");
+    input_push(&keys, &(input_event){.kind = INPUT_KEY, .key = space, .down = true});
+    input_push(&keys, &(input_event){.kind = INPUT_KEY, .key = space, .down = false});
+    input_begin_tick(&keys);
+    input_apply_queue(&keys);
+    assert_true(keys.pressed[space] && keys.released[space] && !keys.down[space]);
+    assert_int_equal(keys.applied_count, 2);
+    input_begin_tick(&keys);
+    input_apply_queue(&keys);
+    assert_false(keys.pressed[space] || keys.released[space]);
+}
+
+static void repeats_and_nonsense_change_nothing(void **unused)
+{
+    (void)unused;
+    input keys = {0};
+    const input_event events[] = {{.kind = INPUT_KEY, .key = 3, .down = true},
+                                  {.kind = INPUT_KEY, .key = 3, .down = true},
+                                  {.kind = INPUT_KEY, .key = -1, .down = true},
+                                  {.kind = INPUT_KEY, .key = 100000, .down = true},
+                                  {.kind = INPUT_MOVE, .x = 0.0f / 0.0f, .y = 1},
+                                  {.kind = INPUT_WHEEL, .x = 0, .y = 0}};
+    input_begin_tick(&keys);
+    for (size_t i = 0; i < 6; i++) input_apply(&keys, &events[i]);
+    assert_int_equal(keys.applied_count, 1);
+    assert_true(keys.mouse_x == 0);
+}
+
+static void losing_the_focus_releases_what_is_held(void **unused)
+{
+    (void)unused;
+    input keys = {0};
+    input_begin_tick(&keys);
+    input_apply(&keys, &(input_event){.kind = INPUT_KEY, .key = key("left"), .down = true});
+    input_push(&keys, &(input_event){.kind = INPUT_KEY, .key = key("up"), .down = true});
+    for (int i = 0; i < 1000; i++) /* a full queue must not leave a key stuck */
+        input_push(&keys, &(input_event){.kind = INPUT_WHEEL, .y = 1});
+    input_push_release_all(&keys);
+    input_begin_tick(&keys);
+    input_apply_queue(&keys);
+    for (int i = 0; i < INPUT_KEYS; i++) assert_false(keys.down[i]);
+    assert_true(keys.released[key("left")]);
+}
+
+static void every_key_name_finds_its_key(void **unused)
+{
+    (void)unused;
+    size_t count;
+    const char *const *names = input_key_names(&count);
+    for (size_t i = 0; i < count; i++) {
+        assert_int_equal(input_key_find(names[i]), (int)i);
+        assert_string_equal(input_key_name((int)i), names[i]);
+    }
+    assert_int_equal(input_key_find("Left"), -1);
+    assert_null(input_key_name((int)count));
+    assert_null(input_key_name(-1));
+}
+
+/* ---- recordings ---- */
+
+static void what_is_recorded_reads_back_to_the_bit(void **unused)
+{
+    (void)unused;
+    state = 0x2545F4914F6CDD1Du;
+    print_message("seed %#llx\n", (unsigned long long)state);
+    enum { EVENTS = 3000 };
+    static recording_item items[EVENTS];
+    size_t keys;
+    input_key_names(&keys);
+    daft_error error;
+    recorder *writer = recorder_open(temporary(), "some game", 1234567890123u, &error);
+    assert_non_null(writer);
+    uint64_t tick = 0;
+    for (int i = 0; i < EVENTS; i++) {
+        tick += next(3);
+        input_event event = {.kind = (input_kind)next(3)};
+        if (event.kind == INPUT_KEY)
+            event.key = (int)next(keys), event.down = next(2);
+        else
+            event.x = (float)next(1u << 30) / 12345.0f - 3000, event.y = -(float)next(1u << 30) * 1e-20f;
+        items[i] = (recording_item){tick, event};
+        recorder_add(writer, tick, &event);
+    }
+    assert_true(recorder_close(writer, tick + 10, &error));
+    recording record;
+    assert_true(recording_load(&record, temporary(), &error));
+    assert_string_equal(record.game, "some game");
+    assert_int_equal(record.seed, 1234567890123u);
+    assert_int_equal(record.end, tick + 10);
+    assert_int_equal(record.count, EVENTS);
+    for (int i = 0; i < EVENTS; i++) {
+        const input_event *a = &items[i].event, *b = &record.items[i].event;
+        assert_int_equal(items[i].tick, record.items[i].tick);
+        assert_true(a->kind == b->kind && a->key == b->key && a->down == b->down && a->x == b->x && a->y == b->y);
+    }
+    recording_free(&record);
+    unlink(temporary());
+}
+
+static void playing_gives_each_tick_its_events(void **unused)
+{
+    (void)unused;
+    FILE *file = fopen(temporary(), "w");
+    fputs("daft-recording 1\n\n# a comment\ngame x\nrate 60\n0 +left\n3 -left\n3 +left shift\n7 mouse 1.5 2\nend 9\n", file);
+    fclose(file);
+    daft_error error;
+    recording record;
+    assert_true(recording_load(&record, temporary(), &error));
+    assert_int_equal(record.seed, 1);
+    input keys = {0};
+    for (uint64_t tick = 0; tick < record.end; tick++) {
+        input_begin_tick(&keys);
+        recording_play(&record, tick, &keys);
+        assert_int_equal(keys.down[key("left")], tick < 3);
+        assert_int_equal(keys.pressed[key("left shift")], tick == 3);
+        assert_true(keys.mouse_x == (tick >= 7 ? 1.5f : 0));
+    }
+    recording_free(&record);
+    unlink(temporary());
+}
+
+static void bad_files_say_where(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *text;
+        int line, column;
+        const char *message;
+    } bad[] = {
+        {"", 1, 1, "not a recording"},
+        {"daft-recording 2\nend 1\n", 1, 16, "not a recording of this version"},
+        {"daft-recording 1\n", 3, 1, "'end' line is missing"},
+        {"daft-recording 1\ngame\nend 1\n", 2, 5, "a game's name"},
+        {"daft-recording 1\nrate 30\nend 1\n", 2, 8, "60 ticks"},
+        {"daft-recording 1\nseed x\nend 1\n", 2, 6, "whole number"},
+        {"daft-recording 1\n5 +left\n4 -left\nend 9\n", 3, 3, "must not go back"},
+        {"daft-recording 1\n5 +lefft\nend 9\n", 2, 4, "did you mean 'left'?"},
+        {"daft-recording 1\n5 left\nend 9\n", 2, 3, "+key, -key, mouse or wheel"},
+        {"daft-recording 1\n5 mouse 1\nend 9\n", 2, 10, "a number expected"},
+        {"daft-recording 1\n5 mouse 1 nan\nend 9\n", 2, 11, "a number expected"},
+        {"daft-recording 1\n5 wheel 1 2 3\nend 9\n", 2, 13, "unexpected text '3'"},
+        {"daft-recording 1\nmove\nend 9\n", 2, 1, "a tick"},
+        {"daft-recording 1\n99999999999999999999 +left\nend 9\n", 2, 1, "a tick"},
+        {"daft-recording 1\n5 +left\nend 5\n", 3, 6, "before its last event"},
+        {"daft-recording 1\nend 5\n6 +left\n", 3, 1, "after the 'end' line"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        FILE *file = fopen(temporary(), "w");
+        fputs(bad[i].text, file);
+        fclose(file);
+        daft_error error = {0};
+        recording record;
+        assert_false(recording_load(&record, temporary(), &error));
+        if (!strstr(error.message, bad[i].message)) fail_msg("case %zu: '%s'", i, error.message);
+        if (error.line != bad[i].line || error.column != bad[i].column)
+            fail_msg("case %zu: %d:%d, not %d:%d", i, error.line, error.column, bad[i].line, bad[i].column);
+        assert_string_equal(error.file, temporary());
+    }
+    unlink(temporary());
+    daft_error error = {0};
+    recording record;
+    assert_false(recording_load(&record, "/nowhere/at/all.rec", &error));
+    assert_int_equal(error.code, DAFT_ERROR_IO);
+    assert_false(recording_load(&record, "/tmp", &error));
+    assert_non_null(strstr(error.message, "folder"));
+    assert_null(recorder_open("/nowhere/at/all.rec", "x", 1, &error));
+}
+
+/* Any bytes are refused or read, and never do harm. */
+static void random_bytes_do_no_harm(void **unused)
+{
+    (void)unused;
+    state = 0xD1B54A32D192ED03u;
+    print_message("seed %#llx\n", (unsigned long long)state);
+    static const char *const words[] = {"daft-recording", " ", "1", "\n", "game", "rate", "60", "seed", "end", "+", "-", "left",
+                                        "mouse", "wheel", "1e30", "nan", "-5", "#", "\t", "\xff", "999999999999999"};
+    for (int i = 0; i < 500; i++) {
+        FILE *file = fopen(temporary(), "w");
+        if (next(4)) fputs("daft-recording 1\n", file);
+        for (uint64_t n = next(60); n > 0; n--) fputs(words[next(sizeof words / sizeof words[0])], file);
+        if (next(8) == 0) fputc(0, file);
+        fclose(file);
+        daft_error error;
+        recording record;
+        if (recording_load(&record, temporary(), &error)) recording_free(&record);
+    }
+    unlink(temporary());
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_tap_between_two_ticks_is_seen),
+                                       cmocka_unit_test(repeats_and_nonsense_change_nothing),
+                                       cmocka_unit_test(losing_the_focus_releases_what_is_held),
+                                       cmocka_unit_test(every_key_name_finds_its_key),
+                                       cmocka_unit_test(what_is_recorded_reads_back_to_the_bit),
+                                       cmocka_unit_test(playing_gives_each_tick_its_events),
+                                       cmocka_unit_test(bad_files_say_where),
+                                       cmocka_unit_test(random_bytes_do_no_harm)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
