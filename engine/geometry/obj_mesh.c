@@ -263,9 +263,10 @@ static bool merge_normals(builder *b, const daft_trimesh *computed)
     for (size_t i = 0; i < s->normal_count; i++)
         if (daft_dot(mesh->normals[i], mesh->normals[i]) < 0.5f) mesh->normals[i] = daft_v3(0, 1, 0);
     mesh->normal_count = (uint32_t)total;
+    const uint32_t *own = computed->normal_indices ? computed->normal_indices : mesh->indices;
     for (size_t i = 0; computed->normal_count > 0 && i < 3 * (size_t)mesh->triangle_count; i++)
         if (mesh->normal_indices[i] == DAFT_OBJ_ABSENT)
-            mesh->normal_indices[i] = (uint32_t)s->normal_count + computed->normal_indices[i];
+            mesh->normal_indices[i] = (uint32_t)s->normal_count + own[i];
     drop_if_same(b, &mesh->normal_indices);
     return true;
 }
@@ -282,10 +283,9 @@ static bool finish_normals(builder *b)
     computed.normals = NULL;
     computed.normal_indices = NULL;
     computed.normal_count = 0;
-    if (any_absent &&
-        !daft_trimesh_smooth_groups(s->allocator, &computed, DAFT_SMOOTH_CREASE, b->groups, b->error))
-        return false;
-    bool done = merge_normals(b, &computed);
+    bool done = !any_absent ||
+                daft_trimesh_smooth_groups(s->allocator, &computed, DAFT_SMOOTH_CREASE, b->groups, b->error);
+    done = done && merge_normals(b, &computed);
     daft_release(s->allocator, computed.normals);
     daft_release(s->allocator, computed.normal_indices);
     return done;

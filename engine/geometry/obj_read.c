@@ -372,6 +372,17 @@ static bool check_content(const reader *r)
                           daft_text_quote(r->first_unknown, length).text);
 }
 
+/* Room for what a file of this size usually holds: a position and two triangles in 72 bytes. Less grows, more is given
+ * back soon. */
+static bool reserve(const reader *r)
+{
+    daft_obj_source *s = r->source;
+    size_t lines = (size_t)(s->text.end - s->text.begin) / 36;
+    return grow(r, &s->positions, &s->position_room, lines / 2, 0, sizeof *s->positions) &&
+           grow(r, &s->corners, &s->corner_room, 3 * lines, 0, sizeof *s->corners) &&
+           grow(r, &s->faces, &s->face_room, lines, 0, sizeof *s->faces);
+}
+
 bool daft_obj_read(daft_obj_source *source, daft_error *error)
 {
     reader r = {.source = source,
@@ -379,7 +390,7 @@ bool daft_obj_read(daft_obj_source *source, daft_error *error)
                 .group = DAFT_OBJ_GROUP_NONE,
                 .material = {source->text.begin, 0},
                 .run_is_stale = true};
-    bool done = read_lines(&r) && check_content(&r);
+    bool done = reserve(&r) && read_lines(&r) && check_content(&r);
     daft_release(source->allocator, r.buckets);
     return done;
 }

@@ -57,10 +57,14 @@ static void note_missing(slots *s, const char *name, size_t length)
     s->any_missing = true;
 }
 
+/* A backslash before a line end joins the two lines. */
+static bool is_joint(const char *p, const char *end) { return *p == '\\' && p + 1 < end && daft_is_break(p[1]); }
+
 /* One name of several: up to a blank that no backslash precedes. */
 static const char *skip_name(const char *p, const char *end)
 {
-    while (p < end && !daft_is_blank(*p) && !daft_is_break(*p)) p += *p == '\\' && p + 1 < end && p[1] == ' ' ? 2 : 1;
+    while (p < end && !daft_is_blank(*p) && !daft_is_break(*p) && !is_joint(p, end))
+        p += *p == '\\' && p + 1 < end && p[1] == ' ' ? 2 : 1;
     return p;
 }
 
@@ -75,13 +79,11 @@ static bool load_library(slots *s, const daft_obj_name *library)
     while (p < end && *p != '#') {
         const char *last = skip_name(p, end);
         size_t length = (size_t)(last - p);
-        if (length > 0 && !(length == 1 && *p == '\\')) { /* not the backslash that joins two lines */
-            if (!find_file(s, p, length, path, sizeof path))
-                note_missing(s, p, length);
-            else if (!load(s, path))
-                return false;
-        }
-        for (p = last; p < end && (daft_is_blank(*p) || daft_is_break(*p));) p++;
+        if (length > 0 && !find_file(s, p, length, path, sizeof path))
+            note_missing(s, p, length);
+        else if (length > 0 && !load(s, path))
+            return false;
+        for (p = last; p < end && (daft_is_blank(*p) || daft_is_break(*p) || is_joint(p, end));) p++;
     }
     if (s->missing[0])
         daft_text_warn(&s->source->text, library->at, "no such material file: %s (looked beside the OBJ file)", s->missing);
