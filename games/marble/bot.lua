@@ -20,13 +20,16 @@ local step
 
 function bot.start() step = 1 end
 
-function bot.toggle() playing = not playing end
-
 local function press(ahead, aside)
     daft.input.set("up", ahead > 0)
     daft.input.set("down", ahead < 0)
     daft.input.set("right", aside > 0)
     daft.input.set("left", aside < 0)
+end
+
+function bot.toggle()
+    playing = not playing
+    if not playing then press(0, 0) end
 end
 
 -- -1, 0 or 1: full throttle or none, as keys are.

@@ -3,6 +3,7 @@
 
 local level = require "level"   -- the course as data
 local course = require "course" -- makes entities of it, moves what moves
+local sparks = require "sparks" -- little lights that fly about for a moment
 local bot = require "bot"       -- plays by itself: press B to watch
 
 local ROLL = 17       -- newtons from a key; the marble has 1 kg
@@ -23,7 +24,6 @@ local ground          -- seconds since the marble last touched something it can 
 local drift_x, drift_z = 0, 0 -- how fast that moves: platforms carry the marble along
 local message, message_left = "", 0
 local eye = {}        -- the camera's place
-local sparks = {}     -- little lights that fly about for a moment
 
 local function say(text, seconds) message, message_left = text, seconds end
 
@@ -34,16 +34,6 @@ local function axis(minus, plus, minus_letter, plus_letter)
 end
 
 local function distance(x, y, z, p) return math.sqrt((x - p[1]) ^ 2 + (y - p[2]) ^ 2 + (z - p[3]) ^ 2) end
-
-local function sparkle(x, y, z, color, count)
-    for _ = 1, count do
-        local light = daft.entity { sphere = 0.07, position = { x, y, z }, casts_shadow = false,
-            material = { color = color, emission = color } }
-        local turn = daft.random() * 2 * math.pi
-        table.insert(sparks, { entity = light, left = 0.5 + daft.random() * 0.4,
-            vx = 2.5 * math.cos(turn), vy = 2 + 3 * daft.random(), vz = 2.5 * math.sin(turn) })
-    end
-end
 
 local function put_marble(place)
     marble:teleport(place[1], place[2] + 0.6, place[3])
@@ -104,7 +94,7 @@ local function feel(dt)
         if bumper and bumper.glow == 0 then
             bumper.glow = 0.25
             marble:impulse(n[1] * KICK, 1.5, n[3] * KICK)
-            sparkle(contact.point[1], contact.point[2], contact.point[3], "#ffb080", 6)
+            sparks.burst(contact.point, "#ffb080", 6)
         end
     end
 end
@@ -115,7 +105,7 @@ local function collect(x, y, z)
             gem.taken = true
             gem.entity:visible(false)
             taken = taken + 1
-            sparkle(gem.place[1], gem.place[2], gem.place[3], "#60f0ff", 12)
+            sparks.burst(gem.place, "#60f0ff", 12)
         end
     end
     for _, place in ipairs(level.checkpoints) do
@@ -140,21 +130,7 @@ end
 local function celebrate(x, y, z)
     if state ~= "won" or daft.tick() % 24 ~= 0 then return end
     local colors = { "#ffd34d", "#60f0ff", "#ff7a6b", "#8dff8a" }
-    sparkle(x, y + 1, z, colors[daft.random(#colors)], 14)
-end
-
-local function fly_sparks(dt)
-    for i = #sparks, 1, -1 do
-        local s = sparks[i]
-        s.left, s.vy = s.left - dt, s.vy - 9.8 * dt
-        if s.left <= 0 then
-            s.entity:destroy()
-            table.remove(sparks, i)
-        else
-            local x, y, z = s.entity:position()
-            s.entity:position(x + s.vx * dt, y + s.vy * dt, z + s.vz * dt)
-        end
-    end
+    sparks.burst({ x, y + 1, z }, colors[daft.random(#colors)], 14)
 end
 
 -- The camera hangs behind the marble as on a rope, and swings round to where the marble goes.
@@ -191,11 +167,11 @@ function daft.update(dt)
     finish(x, y, z)
     celebrate(x, y, z)
     if y < level.lowest + home[2] then
-        time = time + FALL_COST
+        if state == "rolling" then time = time + FALL_COST end
         put_marble(home)
         say(("Fallen: +%d s"):format(FALL_COST), 1.5)
     end
-    fly_sparks(dt)
+    sparks.update(dt)
     follow(dt)
 end
 
@@ -207,13 +183,19 @@ function daft.keypressed(name)
         start_again()
     elseif name == "b" then
         bot.toggle()
+        start_again()
     end
 end
 
-local function panel(top, height) daft.rect(daft.width() / 2 - 400, top, 800, height, "#10203060") end
-
 local function centred(text, y, size, color)
     daft.text(text, daft.width() / 2, y, { size = size, color = color or "#ffffff", align = "center" })
+end
+
+local function banner(title, line, hint)
+    daft.rect(daft.width() / 2 - 400, 110, 800, 190, "#10203060")
+    centred(title, 120, 84, "#fff0c0")
+    centred(line, 220, 28)
+    centred(hint, 258, 24)
 end
 
 function daft.draw()
@@ -223,15 +205,11 @@ function daft.draw()
     daft.text(("%.1f s"):format(time), daft.width() - 34, 22, { size = 34, align = "right" })
 
     if state == "ready" then
-        panel(110, 190)
-        centred("Marble Run", 120, 84)
-        centred(("Collect %d gems and roll through the golden ring"):format(level.gems_needed), 220, 28)
-        centred("← ↑ ↓ → or WASD roll · space jumps · R again · B shows how", 258, 24)
+        banner("Marble Run", ("Collect %d gems and roll through the golden ring"):format(level.gems_needed),
+            "← ↑ ↓ → or WASD roll · space jumps · R again · B shows how")
     elseif state == "won" then
-        panel(110, 190)
-        centred("You made it!", 120, 84, "#ffe27a")
-        centred(("%.1f s with %d of %d gems   best: %.1f s"):format(time, taken, #course.gems, best), 220, 28)
-        centred("R plays again", 258, 24)
+        banner("You made it!", ("%.1f s with %d of %d gems · best %.1f s"):format(time, taken, #course.gems, best),
+            "R plays again")
     elseif message_left > 0 then
         centred(message, 96, 48)
     end
