@@ -29,9 +29,10 @@ static bool check_components(daft_error *error, const char *name, const double *
                              const char *allowed)
 {
     for (int i = 0; i < count; i++) {
+        if (value[i] >= low && value[i] <= DBL_MAX) continue; /* names are put together only for a message */
         char component[96];
         snprintf(component, sizeof component, "%s.%c", name, "xyzw"[i]);
-        if (!daft_check_range(error, component, value[i], low, DBL_MAX, allowed)) return false;
+        return daft_check_range(error, component, value[i], low, DBL_MAX, allowed);
     }
     return true;
 }
