@@ -70,11 +70,7 @@ static bool check_path(const checker *c, const char *path, daft_error *error)
 static int check_all(checker *c, const char *const *paths, size_t count)
 {
     daft_error error;
-    char font_path[PATH_SIZE];
-    if (!home_find(&c->where, &error)) return report(&error);
-    if (!path_join(font_path, sizeof font_path, c->where.assets, "fonts/daft.ttf") ||
-        !(c->face = font_open(font_path, &error)))
-        return report(&error);
+    if (!home_find(&c->where, &error) || !(c->face = open_font(&c->where, &error))) return report(&error);
     c->engine = open_engine(0, NULL);
     if (!c->engine) return STATUS_BAD_INPUT;
     int status = STATUS_DONE;

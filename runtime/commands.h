@@ -2,7 +2,8 @@
 #ifndef RUNTIME_COMMANDS_H
 #define RUNTIME_COMMANDS_H
 
-#include "daft.h"
+#include "canvas.h"
+#include "home.h"
 
 int command_play(int argc, char **argv);
 int command_render(int argc, char **argv);
@@ -14,5 +15,8 @@ int run_program(int argc, char **argv);
 
 /* An engine whose warnings go to stderr. NULL with the message on stderr. */
 daft_engine *open_engine(int threads, const char *isa);
+
+/* The font of everything on the screen. NULL with the message in *error. */
+font *open_font(const home *where, daft_error *error);
 
 #endif

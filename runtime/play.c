@@ -144,11 +144,10 @@ static int play(player *p)
 {
     daft_error error;
     if (!home_find(&p->where, &error)) return report(&error);
-    char path[PATH_SIZE];
     game_info game;
     if (p->options.game && !find_game(p, &game)) return STATUS_BAD_INPUT; /* before a window flashes up */
-    if (!path_join(path, sizeof path, p->where.assets, "fonts/daft.ttf") || !(p->face = font_open(path, &error)))
-        return report(&error);
+    p->face = open_font(&p->where, &error);
+    if (!p->face) return report(&error);
     p->engine = open_engine((int)p->options.threads, p->options.isa);
     if (!p->engine) return STATUS_BAD_INPUT;
     if (p->options.headless) return play_headless(p);

@@ -32,6 +32,14 @@ daft_engine *open_engine(int threads, const char *isa)
     return engine;
 }
 
+font *open_font(const home *where, daft_error *error)
+{
+    char path[PATH_SIZE];
+    if (path_join(path, sizeof path, where->assets, "fonts/daft.ttf")) return font_open(path, error);
+    fail(error, DAFT_ERROR_IO, "the path of assets/ is too long");
+    return NULL;
+}
+
 /* ---- daft bench ---- */
 
 /* The benchmarks are a program of their own beside this one, so that the peers they link stay out of it. */

@@ -1,0 +1,236 @@
+/* runtime: the command line: exit statuses, messages that help, and what `daft render` writes. */
+#include "daft.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <unistd.h>
+
+#include "runtime_program.h"
+
+static char output[OUTPUT_SIZE];
+
+static void wrong_usage_is_status_2_with_a_hint(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *arguments, *says;
+    } wrong[] = {{"", "usage: daft COMMAND"},
+                 {"plya", "did you mean 'play'?"},
+                 {"frobnicate", "there is no command 'frobnicate'"},
+                 {"render", "SCENE is missing"},
+                 {"render a.scene", "-o IMG is missing"},
+                 {"render a.scene b.scene -o c.png", "'b.scene' is one operand too many"},
+                 {"render a.scene -o", "--output: IMG is missing"},
+                 {"render a.scene -o c.gif", "ends in .png or .ppm"},
+                 {"render a.scene -o c.png --szie 10x10", "did you mean '--size'?"},
+                 {"render a.scene -o c.png --size 10", "WIDTHxHEIGHT expected"},
+                 {"render a.scene -o c.png --size 0x10", "each from 1 to 16384"},
+                 {"render a.scene -o c.png --size 10x10x10", "got '10x10x10'"},
+                 {"render a.scene -o c.png --size 99999999999999999999x1", "WIDTHxHEIGHT expected"},
+                 {"render a.scene -o c.png --size", "--size: WxH is missing"},
+                 {"render a.scene -o c.png --size --explain", "--size: WxH is missing"},
+                 {"render a.scene -o c.png --quality hihg", "did you mean 'high'?"},
+                 {"render a.scene -o c.png --quality=", "one of draft, game, high, reference"},
+                 {"render a.scene -o c.png --threads -1", "a whole number from 0 to 256 expected, got '-1'"},
+                 {"render a.scene -o c.png --threads two", "got 'two'"},
+                 {"render a.scene -o c.png --camera 1.5", "got '1.5'"},
+                 {"render a.scene -o c.png --isa avx1024", "one of sse2, avx2, avx512"},
+                 {"render a.scene -o c.png --explain=yes", "--explain takes no value"},
+                 {"render README.md -o c.png", "neither a .scene nor an .obj"},
+                 {"play a b", "'b' is one operand too many"},
+                 {"play --ticks 0", "a whole number from 1"},
+                 {"play --ticks 12x", "got '12x'"},
+                 {"play --headles", "did you mean '--headless'?"},
+                 {"play --scale nan", "--scale: a number"},
+                 {"play --shot-tick 5", "--shot FILE is missing"},
+                 {"play -z", "there is no option '-z'"},
+                 {"check", "PATH... is missing"}};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        int status = run_daft(output, "%s", wrong[i].arguments);
+        if (status != 2) fail_msg("daft %s: exit status %d\n%s", wrong[i].arguments, status, output);
+        assert_says(output, wrong[i].says);
+        if (wrong[i].arguments[0]) assert_says(output, "Try 'daft");
+    }
+}
+
+static void bad_input_is_status_1_with_a_message(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *arguments, *says;
+    } bad[] = {{"render no/such.scene -o /tmp/daft-x.png", "no/such.scene"},
+               {"render no/such.obj -o /tmp/daft-x.png", "no/such.obj"},
+               {"render assets -o /tmp/daft-x.png", "assets"},
+               {"render assets/scenes/hello.scene --size 8x8 -o /no/such/folder/x.png", "/no/such/folder/x.png"},
+               {"render assets/scenes/hello.scene --size 8x8 -o /tmp/daft-x.png --camera 99", "counted from 0"},
+               {"render assets/scenes/hello.scene --size 8x8 -o /tmp/daft-x.png --stats /no/such/x.json", "/no/such/x.json"},
+               {"play no_such_game --headless", "there is no game 'no_such_game'; games/ has:"},
+               {"play mrable --headless", "did you mean 'marble'?"},
+               {"play assets --headless", "there is no main.lua"},
+               {"play tests/games/bot --headless --replay no/such.rec", "no/such.rec"},
+               {"play tests/games/bot --headless --replay CMakeLists.txt", "CMakeLists.txt:1:1: 'daft-recording 1' expected"},
+               {"play tests/games/bot --headless --record /no/such/x.rec", "/no/such/x.rec"},
+               {"play tests/games/bot --headless --ticks 1 --shot /no/such/x.png", "/no/such/x.png"},
+               {"play tests/games/bot --headless --ticks 5 --shot /tmp/daft-x.png --shot-tick 9", "the game ended at tick 5"},
+               {"check no/such.obj", "no/such.obj"},
+               {"check tests/games/broken_load", "broken_load/main.lua:2: daft.entity: position"}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        int status = run_daft(output, "%s", bad[i].arguments);
+        if (status != 1) fail_msg("daft %s: exit status %d\n%s", bad[i].arguments, status, output);
+        assert_says(output, bad[i].says);
+    }
+    unlink("/tmp/daft-x.png");
+}
+
+static void help_is_status_0(void **unused)
+{
+    (void)unused;
+    static const char *const helps[] = {"help", "--help", "-h", "--version", "help lua", "play --help", "render -h",
+                                        "check --help", "help play", "help render"};
+    for (size_t i = 0; i < sizeof helps / sizeof helps[0]; i++) {
+        int status = run_daft(output, "%s", helps[i]);
+        assert_status(status, 0, output);
+        assert_true(strlen(output) > 8);
+    }
+    run_daft(output, "--version");
+    assert_string_equal(output, "daft 0.1.0\n");
+    run_daft(output, "render --help");
+    assert_says(output, "counted from 0");
+    run_daft(output, "help lua");
+    assert_says(output, "daft.raycast(from, direction");
+    assert_says(output, "entity:push(x, y, z)");
+}
+
+/* ---- JSON: a checker of its grammar, no more ---- */
+
+static const char *blanks(const char *c) { return c + strspn(c, " \t\r\n"); }
+static const char *json_value(const char *c);
+
+static const char *json_string(const char *c)
+{
+    if (*c++ != '"') return NULL;
+    for (; *c && *c != '"'; c++) {
+        if ((unsigned char)*c < 0x20) return NULL;
+        if (*c == '\\' && !strchr("\"\\/bfnrtu", *++c)) return NULL;
+    }
+    return *c == '"' ? c + 1 : NULL;
+}
+
+static const char *json_object(const char *c)
+{
+    c = blanks(c + 1);
+    if (*c == '}') return c + 1;
+    for (;;) {
+        c = json_string(blanks(c));
+        if (!c || *(c = blanks(c)) != ':') return NULL;
+        c = json_value(blanks(c + 1));
+        if (!c) return NULL;
+        c = blanks(c);
+        if (*c == '}') return c + 1;
+        if (*c++ != ',') return NULL;
+    }
+}
+
+static const char *json_value(const char *c)
+{
+    if (*c == '{') return json_object(c);
+    if (*c == '"') return json_string(c);
+    if (strncmp(c, "true", 4) == 0) return c + 4;
+    if (strncmp(c, "false", 5) == 0) return c + 5;
+    char *end;
+    if (!strchr("-0123456789", *c)) return NULL; /* NaN and infinity are not JSON */
+    strtod(c, &end);
+    return end > c ? end : NULL;
+}
+
+static void stats_are_json_with_the_promised_names(void **unused)
+{
+    (void)unused;
+    int status = run_daft(output, "render assets/scenes/hello.scene -o /tmp/daft-stats.png --size 64x36 --threads 2 --repeat 3 --stats -");
+    assert_status(status, 0, output);
+    const char *end = json_value(output);
+    if (!end || *blanks(end)) fail_msg("not JSON:\n%s", output);
+    static const char *const names[] = {"\"width\": 64", "\"height\": 36", "\"threads\": 2", "\"isa\": \"", "\"frame_ms\"", "\"median\"",
+                                        "\"p95\"", "\"rays\"", "\"camera\"", "\"shadow\"", "\"reflection\"", "\"refraction\"", "\"query\"",
+                                        "\"effects\"", "\"ran\"", "\"why\"", "\"tiles\"", "\"bytes\"", "\"ms\"", "\"frames\": 3"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) assert_says(output, names[i]);
+    unlink("/tmp/daft-stats.png");
+}
+
+static void explain_prints_the_plan_and_nothing_draws_a_bar_in_a_pipe(void **unused)
+{
+    (void)unused;
+    int status = run_daft(output, "render assets/scenes/hello.scene -o /tmp/daft-plan.png --size 64x36 --explain");
+    assert_status(status, 0, output);
+    assert_says(output, "visibility");
+    assert_says(output, "why");
+    assert_null(strchr(output, '\r'));
+    unlink("/tmp/daft-plan.png");
+}
+
+/* The same picture for any number of threads and any instruction set, and of the size that was asked for. */
+static void pictures_do_not_depend_on_threads(void **unused)
+{
+    (void)unused;
+    static const char *const ways[] = {"--threads 1", "--threads 2", "--threads 3 --isa sse2"};
+    char first[4 * 97 * 55];
+    daft_engine_def def = daft_default_engine_def();
+    daft_engine *engine = daft_engine_create(&def, NULL);
+    for (size_t i = 0; i < 3; i++) {
+        int status = run_daft(output, "render assets/scenes/hello.scene -o /tmp/daft-threads.png --size 97x55 %s", ways[i]);
+        assert_status(status, 0, output);
+        daft_error error;
+        daft_image *image = daft_image_load(engine, "/tmp/daft-threads.png", &error);
+        assert_non_null(image);
+        assert_int_equal(daft_image_width(image), 97);
+        assert_int_equal(daft_image_height(image), 55);
+        if (i == 0) memcpy(first, daft_image_pixels(image), sizeof first);
+        assert_memory_equal(first, daft_image_pixels(image), sizeof first);
+        daft_image_destroy(image);
+    }
+    daft_engine_destroy(engine);
+    unlink("/tmp/daft-threads.png");
+}
+
+/* A mesh by itself gets a sky, a sun and a camera that has all of it in view. */
+static void a_mesh_is_framed(void **unused)
+{
+    (void)unused;
+    static const char *const sizes[] = {"80x45", "45x80"};
+    for (size_t i = 0; i < 2; i++) {
+        int status = run_daft(output, "render assets/meshes/gem.obj -o /tmp/daft-mesh.ppm --size %s --stats -", sizes[i]);
+        assert_status(status, 0, output);
+        assert_says(output, "\"instances_seen\": 1");
+    }
+    unlink("/tmp/daft-mesh.ppm");
+}
+
+static void check_finds_nothing_wrong_with_what_ships(void **unused)
+{
+    (void)unused;
+    int status = run_daft(output, "check assets/scenes/*.scene assets/meshes/*.obj assets/textures/*.png marble");
+    assert_status(status, 0, output);
+    assert_says(output, "marble: good");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_usage_is_status_2_with_a_hint),
+                                       cmocka_unit_test(bad_input_is_status_1_with_a_message),
+                                       cmocka_unit_test(help_is_status_0),
+                                       cmocka_unit_test(stats_are_json_with_the_promised_names),
+                                       cmocka_unit_test(explain_prints_the_plan_and_nothing_draws_a_bar_in_a_pipe),
+                                       cmocka_unit_test(pictures_do_not_depend_on_threads),
+                                       cmocka_unit_test(a_mesh_is_framed),
+                                       cmocka_unit_test(check_finds_nothing_wrong_with_what_ships)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,252 @@
+/* runtime: playing games without a window: the Lua API by games that check it from inside, script errors, recordings,
+ * the same hashes on any number of threads, and the demo where there is no display. */
+#include "commands.h"
+#include "game.h"
+#include "home.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <unistd.h>
+
+#include "runtime_program.h"
+
+static char output[OUTPUT_SIZE], again[OUTPUT_SIZE];
+
+/* ---- games that check the API from inside: a failed assertion is exit status 1 ---- */
+
+static void play_through(const char *game, int ticks)
+{
+    int status = run_daft(output, "play tests/games/%s --headless --hash --ticks %d", game, ticks);
+    if (status != 0) fail_msg("%s: exit status %d\n%s", game, status, output);
+}
+
+static void the_api_does_what_it_says(void **unused) { (void)unused, play_through("api", 61); }
+static void the_sandbox_holds(void **unused) { (void)unused, play_through("sandbox", 1); }
+static void the_library_works(void **unused) { (void)unused, play_through("library", 210); }
+static void nonsense_never_crashes(void **unused) { (void)unused, play_through("nonsense", 10); }
+
+static void the_games_of_the_design_and_of_the_house_play(void **unused)
+{
+    (void)unused;
+    play_through("sample", 180);
+    assert_says(output, "tick 60 state 0x");
+    assert_says(output, "tick 180 state 0x");
+    int status = run_daft(output, "play marble --headless --ticks 60");
+    assert_status(status, 0, output);
+}
+
+static void restarting_starts_afresh(void **unused)
+{
+    (void)unused;
+    play_through("restart", 100);
+    char *first = strstr(output, "first\t"), *second = strstr(output, "second\t");
+    assert_non_null(first);
+    assert_non_null(second);
+    assert_int_equal(atoi(first + 6), atoi(second + 7));
+    assert_says(output, "tick 43 "); /* daft.quit ended it there */
+}
+
+/* ---- errors ---- */
+
+static void script_errors_are_status_1_with_place_and_trace(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *game, *says, *trace;
+    } broken[] = {
+        {"broken_syntax", "broken_syntax/main.lua:3: unexpected symbol near '='", ""},
+        {"broken_load", "broken_load/main.lua:2: daft.entity: position: {x, y, z} expected, got the string 'here'",
+         "broken_load/main.lua:5: in function 'daft.load'"},
+        {"broken_update", "broken_update/main.lua:5: attempt to index a nil value", "in function 'daft.update'"},
+        {"broken_draw", "broken_draw/main.lua:3: daft.text: x: number expected", "in function 'daft.draw'"},
+        {"broken_key", "broken_key/main.lua:4: pressed space", "in function 'daft.keypressed'"},
+    };
+    for (size_t i = 0; i < sizeof broken / sizeof broken[0]; i++) {
+        int status = run_daft(output, "play tests/games/%s --headless --hash", broken[i].game);
+        assert_status(status, 1, output);
+        assert_says(output, broken[i].says);
+        assert_says(output, broken[i].trace);
+    }
+    int status = run_daft(output, "play tests/games/broken_update --headless --hash");
+    assert_status(status, 1, output);
+    assert_null(strstr(output, "tick ")); /* a game that failed has no hash */
+}
+
+typedef struct stage {
+    home where;
+    game_info info;
+    daft_engine *engine;
+    font *face;
+    int asked;
+} stage;
+
+static void set_up(stage *s, const char *game)
+{
+    char path[PATH_SIZE];
+    daft_error error;
+    *s = (stage){0};
+    snprintf(path, sizeof path, "%s/tests/games/%s", DAFT_ROOT, game);
+    assert_true(home_find(&s->where, &error));
+    assert_true(home_find_game(&s->where, path, &s->info, &error));
+    daft_engine_def def = daft_default_engine_def();
+    assert_non_null(s->engine = daft_engine_create(&def, &error));
+    assert_non_null(s->face = open_font(&s->where, &error));
+}
+
+static void tear_down(stage *s)
+{
+    font_close(s->face);
+    daft_engine_destroy(s->engine);
+}
+
+static bool give_up(void *user) { return ++((stage *)user)->asked > 0; }
+
+/* A script that never ends, and catches every error, is stopped when the user asks for it. */
+static void an_endless_script_can_be_stopped(void **unused)
+{
+    (void)unused;
+    stage s;
+    set_up(&s, "endless");
+    game_state play;
+    game_def def = {.where = &s.where, .info = &s.info, .engine = s.engine, .face = s.face,
+                    .quality = DAFT_QUALITY_DRAFT, .interrupted = give_up, .user = &s};
+    daft_error error;
+    assert_true(game_open(&play, &def, &error));
+    assert_false(game_tick(&play));
+    assert_true(play.failed && s.asked > 0);
+    assert_says(play.scripts.message, "daft.update was stopped");
+    game_close(&play);
+    tear_down(&s);
+}
+
+/* What is shown after an error can be reloaded any number of times. */
+static void a_broken_game_reloads(void **unused)
+{
+    (void)unused;
+    stage s;
+    set_up(&s, "broken_update");
+    game_state play;
+    game_def def = {.where = &s.where, .info = &s.info, .engine = s.engine, .face = s.face, .quality = DAFT_QUALITY_DRAFT};
+    daft_error error;
+    assert_true(game_open(&play, &def, &error));
+    daft_image *picture = daft_image_create(s.engine, 64, 36, &error);
+    for (int round = 0; round < 3; round++) {
+        for (int tick = 0; tick < 9; tick++) assert_true(game_tick(&play));
+        assert_true(game_draw(&play, picture, 0.5f));
+        assert_false(game_tick(&play));
+        assert_false(game_tick(&play));
+        assert_false(game_draw(&play, picture, 0.5f));
+        assert_true(play.failed);
+        assert_true(game_reload(&play, &error));
+        assert_false(play.failed);
+    }
+    daft_image_destroy(picture);
+    game_close(&play);
+    tear_down(&s);
+}
+
+/* ---- determinism ---- */
+
+static void hashes_do_not_depend_on_threads_or_instruction_set(void **unused)
+{
+    (void)unused;
+    static const char *const ways[] = {"--threads 2", "--threads 5", "--isa sse2"};
+    int status = run_daft(again, "play tests/games/bot --headless --hash --ticks 150 --threads 1");
+    assert_status(status, 0, again);
+    assert_says(again, "tick 150 state 0x");
+    for (size_t i = 0; i < 3; i++) {
+        status = run_daft(output, "play tests/games/bot --headless --hash --ticks 150 %s", ways[i]);
+        assert_status(status, 0, output);
+        assert_string_equal(output, again);
+    }
+    /* Drawing every frame, or none, does not change the game. */
+    status = run_daft(output, "play tests/games/bot --headless --hash --ticks 150 --every-frame");
+    assert_status(status, 0, output);
+    assert_string_equal(output, again);
+    /* Another seed is another game. */
+    status = run_daft(output, "play tests/games/bot --headless --hash --ticks 150 --seed 2");
+    assert_status(status, 0, output);
+    assert_true(strcmp(output, again) != 0);
+}
+
+static void a_recording_plays_the_same_game(void **unused)
+{
+    (void)unused;
+    char file[64];
+    snprintf(file, sizeof file, "/tmp/daft-bot-%d.rec", (int)getpid());
+    int status = run_daft(again, "play tests/games/bot --headless --hash --ticks 200 --seed 7 --record %s", file);
+    assert_status(status, 0, again);
+    /* The seed comes from the recording, and so does the end. */
+    status = run_daft(output, "play tests/games/bot --headless --hash --replay %s", file);
+    assert_status(status, 0, output);
+    assert_string_equal(output, again);
+    /* A recording of a replay is the recording. */
+    status = run_daft(output, "play tests/games/bot --headless --replay %s --record %s.2", file, file);
+    assert_status(status, 0, output);
+    char command[256];
+    snprintf(command, sizeof command, "cmp %s %s.2", file, file);
+    assert_int_equal(system(command), 0);
+    status = run_daft(output, "play tests/games/sample --headless --replay %s", file);
+    assert_status(status, 1, output);
+    assert_says(output, "a recording of the game 'bot', not of 'sample'");
+    unlink(file);
+    snprintf(command, sizeof command, "%s.2", file);
+    unlink(command);
+}
+
+/* ---- no display ---- */
+
+static void without_a_display_the_demo_plays_and_leaves_a_picture(void **unused)
+{
+    (void)unused;
+    char folder[] = "/tmp/daft-demo-XXXXXX", command[1024], picture[64];
+    assert_non_null(mkdtemp(folder));
+    snprintf(command, sizeof command,
+             "cd %s && env -u DISPLAY -u WAYLAND_DISPLAY -u SDL_VIDEODRIVER '%s' play '%s/tests/games/sample' 2>&1", folder,
+             DAFT_PROGRAM, DAFT_ROOT);
+    FILE *pipe = popen(command, "r");
+    assert_non_null(pipe);
+    output[fread(output, 1, OUTPUT_SIZE - 1, pipe)] = 0;
+    int status = pclose(pipe);
+    assert_status(status, 0, output);
+    assert_says(output, "there is no display");
+    assert_says(output, "wrote daft-demo.png");
+    snprintf(picture, sizeof picture, "%s/daft-demo.png", folder);
+    daft_engine_def def = daft_default_engine_def();
+    daft_engine *engine = daft_engine_create(&def, NULL);
+    daft_image *image = daft_image_load(engine, picture, NULL);
+    assert_non_null(image);
+    assert_int_equal(daft_image_width(image), 1280);
+    assert_int_equal(daft_image_height(image), 720);
+    daft_image_destroy(image);
+    daft_engine_destroy(engine);
+    unlink(picture);
+    rmdir(folder);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_api_does_what_it_says),
+        cmocka_unit_test(the_sandbox_holds),
+        cmocka_unit_test(the_library_works),
+        cmocka_unit_test(nonsense_never_crashes),
+        cmocka_unit_test(the_games_of_the_design_and_of_the_house_play),
+        cmocka_unit_test(restarting_starts_afresh),
+        cmocka_unit_test(script_errors_are_status_1_with_place_and_trace),
+        cmocka_unit_test(an_endless_script_can_be_stopped),
+        cmocka_unit_test(a_broken_game_reloads),
+        cmocka_unit_test(hashes_do_not_depend_on_threads_or_instruction_set),
+        cmocka_unit_test(a_recording_plays_the_same_game),
+        cmocka_unit_test(without_a_display_the_demo_plays_and_leaves_a_picture)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
