@@ -98,8 +98,9 @@ void bench_game(bench *self)
     snprintf(job.stats, sizeof job.stats, "%s/daft_bench_%ld.json", folder ? folder : "/tmp", (long)getpid());
     for (int t = 0; t < count; t++) {
         snprintf(threads, sizeof threads, "%d", counts[t]);
-        const char *const words[] = {"daft", "play", "marble", "--headless", "--replay", DAFT_ROOT "/games/marble/demo.rec",
-                                     "--size", "1280x720", "--stats", job.stats, "--threads", threads, "--isa", self->isa};
+        const char *const words[] = {"daft", "play", "marble", "--headless", "--every-frame", "--replay",
+                                     DAFT_ROOT "/games/marble/demo.rec", "--size", "1280x720", "--stats", job.stats,
+                                     "--threads", threads, "--isa", self->isa};
         set_arguments(&job, words, DAFT_COUNT_OF(words));
         bench_subject subject = {.scene = "marble", .what = "frame at 1280x720", .unit = "ms", .isa = self->isa,
                                  .threads = counts[t], .ours = frames, .context = &job, .describe = frames_describe};
