@@ -1,0 +1,273 @@
+/* MTL files: every statement, the options of maps, the rules for what is wrong, damaged files. */
+#include "geometry/mesh.h"
+#include "support_content.h"
+
+static counting memory;
+static memo warnings;
+static daft_mtl_list list;
+
+static bool read_bytes(const char *bytes, size_t size, daft_error *error)
+{
+    const char *path = write_test_file("a.mtl", bytes, size);
+    daft_allocator allocator = counting_allocator(&memory);
+    daft_log log = memo_log(&warnings);
+    list = (daft_mtl_list){0};
+    return daft_mtl_load(&allocator, path, &log, &list, error);
+}
+
+static void done(void)
+{
+    daft_allocator allocator = {&memory, counting_allocate, counting_release};
+    daft_mtl_list_free(&allocator, &list);
+    assert_int_equal(memory.live, 0);
+}
+
+static const daft_mtl *read_text(const char *text)
+{
+    daft_error error;
+    char shown[1100];
+    if (!read_bytes(text, strlen(text), &error)) fail_msg("%s", daft_error_text(&error, shown, sizeof shown));
+    return list.items;
+}
+
+static void refuse(const char *text, const char *message)
+{
+    daft_error error;
+    char shown[1100];
+    if (read_bytes(text, strlen(text), &error)) fail_msg("accepted: %s", text);
+    assert_int_equal(list.count, 0);
+    done();
+    assert_contains(daft_error_text(&error, shown, sizeof shown), message);
+}
+
+static bool is_color(daft_vec3 c, float r, float g, float b) { return c.x == r && c.y == g && c.z == b; }
+
+static void all_properties(void **unused)
+{
+    (void)unused;
+    const daft_mtl *m = read_text("# exported\r\n newmtl  two words \r\n\tKa .1 .2 .3\r\nKd 1 0 .5 # red\r\nKs .25\r\nKe 9 8 7\r\n"
+                                  "Ns 96.5\r\nNi 1.45\r\nd 0.25\r\nillum 5\r\nmap_Kd  textures\\wood one.png \r\n"
+                                  "newmtl b\r\nkd 1 1 1\r\nTr 0.25\r\nTf 1 1 1\r\nmap_Ks x.png\r\nPr 0.5\r\nbump -bm 2 b.png");
+    assert_int_equal(list.count, 2);
+    assert_int_equal(warnings.count, 0);
+    assert_string_equal(m[0].name, "two words");
+    assert_true(is_color(m[0].ambient, .1f, .2f, .3f) && is_color(m[0].diffuse, 1, 0, .5f));
+    assert_true(is_color(m[0].specular, .25f, .25f, .25f) && is_color(m[0].emission, 9, 8, 7));
+    assert_true(m[0].shininess == 96.5f && m[0].index == 1.45f && m[0].opacity == .25f && m[0].illum == 5);
+    assert_string_equal(m[0].diffuse_map, test_path("textures/wood one.png"));
+    assert_int_equal(m[0].diffuse_map_line, 11);
+    assert_int_equal(m[0].diffuse_map_column, 9);
+    assert_true(m[1].opacity == .75f && is_color(m[1].ambient, 1, 1, 1));
+    assert_string_equal(m[1].diffuse_map, "");
+    done();
+}
+
+static void defaults(void **unused)
+{
+    (void)unused;
+    daft_mtl m = daft_mtl_default();
+    assert_true(is_color(m.diffuse, .8f, .8f, .8f) && m.illum == 2 && m.opacity == 1 && !m.diffuse_map[0]);
+    const daft_mtl *read = read_text("newmtl a");
+    assert_true(is_color(read->diffuse, .8f, .8f, .8f) && is_color(read->specular, 0, 0, 0) && read->opacity == 1);
+    done();
+}
+
+static void map_options(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *line, *name;
+    } maps[] = {{"-texres 512 input.jpg", "input.jpg"},
+                {"-o 0.1 diffuse.jpg", "diffuse.jpg"},
+                {"-s 1 2 diffuse.jpg", "diffuse.jpg"},
+                {"-t 0.1 0.2 0.3 x.png", "x.png"},
+                {"-t 0.1 0.2 0.3 4", "4"},
+                {"-o 1 2nd.png", "2nd.png"},
+                {"-mm 0.1 0.3 x.png", "x.png"},
+                {"-blendu on -blendv off -clamp on -cc off x y.png", "x y.png"},
+                {"-type cube_left -imfchan r -colorspace sRGB -boost 2 -bm -1.5 x.png", "x.png"},
+                {"x.png -bm 1.5", "x.png"},
+                {"x one.png   -o 1 2 -clamp on", "x one.png"},
+                {"x -bm y.png", "x -bm y.png"},
+                {"a-b -c.png", "a-b -c.png"},
+                {"\"quoted name.png\"", "quoted name.png"},
+                {".\\sub\\x.png", "./sub/x.png"}};
+    for (size_t i = 0; i < DAFT_COUNT_OF(maps); i++) {
+        char text[256];
+        snprintf(text, sizeof text, "newmtl a\nmap_Kd %s\nKd 1 1 1\n", maps[i].line);
+        const daft_mtl *m = read_text(text);
+        assert_string_equal(m->diffuse_map, test_path(maps[i].name));
+        bool moved = strstr(text, "-o ") || strstr(text, "-s ") || strstr(text, "-t ") || strstr(text, "-mm ");
+        if (!strstr(text, "png ")) assert_int_equal(warnings.count, moved);
+        done();
+    }
+    const daft_mtl *m = read_text("newmtl a\nmap_Kd /abs/x.png\nnewmtl b\nmap_Kd -what 1 2 y.png\n");
+    assert_string_equal(m[0].diffuse_map, "/abs/x.png");
+    assert_string_equal(m[1].diffuse_map, test_path("y.png"));
+    assert_true(memo_has(&warnings, "a.mtl:4:8: unknown map option '-what' is skipped"));
+    done();
+}
+
+static void paths_of_other_machines(void **unused)
+{
+    (void)unused;
+    write_test_text("there.png", "x");
+    const daft_mtl *m = read_text("newmtl a\nmap_Kd C:\\artist\\there.png\nnewmtl b\nmap_Kd C:\\artist\\not there.png\n");
+    assert_string_equal(m[0].diffuse_map, test_path("there.png"));
+    assert_string_equal(m[1].diffuse_map, test_path("C:/artist/not there.png"));
+    done();
+}
+
+static void d_wins_over_tr(void **unused)
+{
+    (void)unused;
+    const daft_mtl *m = read_text("newmtl a\nd 0.75\nTr 0.5\nnewmtl b\nTr 0.5\nd 0.75\nnewmtl c\nd 1\nTr 0\nnewmtl e\nd -halo .5");
+    assert_true(m[0].opacity == .75f && m[1].opacity == .75f && m[2].opacity == 1 && m[3].opacity == .5f);
+    assert_int_equal(warnings.count, 2);
+    assert_contains(warnings.text[0], "a.mtl:3:1: d and Tr contradict each other: d is used");
+    assert_contains(warnings.text[1], "a.mtl:6:1: ");
+    done();
+}
+
+static void out_of_range_is_cut(void **unused)
+{
+    (void)unused;
+    const daft_mtl *m = read_text("newmtl a\nd 2\nNs 5000\nKd -1 0 0\nillum 77\nKs 1 1 1 1\nfoo\nfoo\nKa xyz 1 1 1\nNi 0");
+    assert_true(m->opacity == 1 && m->shininess == 1000 && is_color(m->diffuse, 0, 0, 0) && m->illum == 10);
+    assert_true(m->index > 0);
+    assert_true(memo_has(&warnings, "a.mtl:2:1: 2 is out of range, and is taken as 1"));
+    assert_true(memo_has(&warnings, "a.mtl:6:10: '1' is more than is needed here"));
+    assert_true(memo_has(&warnings, "a.mtl:7:1: unknown statement 'foo'"));
+    assert_true(memo_has(&warnings, "a.mtl:9:4: colours given as 'xyz' are skipped"));
+    assert_int_equal(warnings.count, 8);
+    done();
+}
+
+static void errors_say_where(void **unused)
+{
+    (void)unused;
+    refuse("", "a.mtl: the file is empty");
+    refuse(" \r\n\t\n", "a.mtl: the file is empty");
+    refuse("\x89PNG\r\n", "a.mtl:1:1: not an MTL file");
+    refuse("newmtl a\nKd 1 0\n", "a.mtl:2:7: 'Kd' needs more numbers");
+    refuse("newmtl a\nKd\n", "a.mtl:2:3: 'Kd' needs more numbers");
+    refuse("newmtl a\nKd 1 zero 0\n", "a.mtl:2:6: 'zero' is not a number");
+    refuse("newmtl a\nNs 1,5\n", "a.mtl:2:4: '1,5' is not a number");
+    refuse("newmtl a\nKe nan 0 0\n", "a.mtl:2:4: a finite number is needed");
+    refuse("newmtl a\nd 1e99\n", "a.mtl:2:3: a finite number is needed");
+    refuse("newmtl a\nTf x\n", "a.mtl:2:4: 'x' is not a number");
+    refuse("newmtl a\nillum\n", "'illum' needs more numbers");
+    refuse("newmtl a\nmap_Kd \n", "a.mtl:2:1: the map has no file name");
+    refuse("newmtl a\nmap_Kd -bm x.png\n", "a.mtl:2:12: the map option before this lacks its value");
+    refuse("newmtl a\nmap_Kd -clamp\n", "lacks its value");
+    refuse("newmtl \n", "a.mtl:1:1: newmtl needs a name");
+    refuse("\xEF\xBB\xBF# c\rKd 1 0 0\rnewmtl a\r", "a.mtl:2:1: 'Kd' before the first newmtl");
+    daft_error error;
+    daft_allocator allocator = counting_allocator(&memory);
+    assert_false(daft_mtl_load(&allocator, test_path("none.mtl"), NULL, &list, &error));
+    assert_int_equal(error.code, DAFT_ERROR_IO);
+    assert_contains(error.file, "none.mtl");
+    assert_false(daft_mtl_load(&allocator, test_folder, NULL, &list, &error));
+    assert_contains(error.message, "directory");
+    done();
+}
+
+static void comments_alone_are_no_material(void **unused)
+{
+    (void)unused;
+    read_text("# Material Count: 0\n");
+    assert_int_equal(list.count, 0);
+    assert_int_equal(warnings.count, 1);
+    done();
+}
+
+static void a_failure_keeps_the_list(void **unused)
+{
+    (void)unused;
+    read_text("newmtl a\nnewmtl b\n");
+    daft_allocator allocator = {&memory, counting_allocate, counting_release};
+    const char *path = write_test_text("bad.mtl", "newmtl c\nnewmtl d\nnewmtl e\nnewmtl f\nnewmtl g\nnewmtl h\nnewmtl i\nKd x\n");
+    assert_false(daft_mtl_load(&allocator, path, NULL, &list, NULL));
+    assert_int_equal(list.count, 2);
+    assert_string_equal(list.items[1].name, "b");
+    path = write_test_text("good.mtl", "newmtl c\n");
+    assert_true(daft_mtl_load(&allocator, path, NULL, &list, NULL));
+    assert_int_equal(list.count, 3);
+    assert_string_equal(list.items[2].name, "c");
+    done();
+}
+
+static void hard_files(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *name, *map;
+        size_t count;
+        int warnings;
+    } files[] = {{"issue-248-texres-texopt.mtl", "/input.jpg", 5, 0}, {"norm-texopt.mtl", "", 1, 0},
+                 {"texture-options-issue-85.mtl", "/diffuse.jpg", 3, 1}, {"colorspace-issue-184.mtl", "/diffuse.jpg", 1, 1},
+                 {"issue-246-usemtl-whitespace.mtl", "", 1, 0}, {"issue-356-leading-spaces-newmtl.mtl", "", 1, 0},
+                 {"issue-95-2.mtl", "", 1, 0}, {"tr-and-d-issue-43.mtl", "", 2, 2}, {"pbr-mat-ext.mtl", "", 1, 0},
+                 {"texture-filename-with-whitespace.mtl", "/texture 01.png", 5, 0},
+                 {"mtllib-multiple-files-issue-112.mtl", "/tmp.png", 1, 0}};
+    for (size_t i = 0; i < DAFT_COUNT_OF(files); i++) {
+        char name[256];
+        snprintf(name, sizeof name, "obj_hard/models/%s", files[i].name);
+        const char *path = shared_file(name);
+        if (!path) continue;
+        daft_allocator allocator = counting_allocator(&memory);
+        daft_log log = memo_log(&warnings);
+        list = (daft_mtl_list){0};
+        assert_true(daft_mtl_load(&allocator, path, &log, &list, NULL));
+        assert_int_equal(list.count, files[i].count);
+        assert_int_equal(warnings.count, files[i].warnings);
+        const char *map = list.items[0].diffuse_map, *slash = strrchr(map, '/');
+        assert_string_equal(slash ? slash : "", files[i].map);
+        done();
+    }
+}
+
+static void damaged_files_never_crash(void **unused)
+{
+    (void)unused;
+    static const char specimen[] = "newmtl a\nKa 1 1 1\nKd .5 0.25 1e-1\nKs 0\nNs 10\nd -halo 1\nTr 0\nillum 2\nmap_Kd -s 1 1 1 -bm 2 "
+                                   "x y.png -o 1\nbump b.png\nnewmtl b \\\n\nKe 0 0 0\nTf xyz 1 1 1\nmap_Kd \"q.png\"\n";
+    print_message("seed %llu\n", (unsigned long long)random_state);
+    for (int run = 0; run < 3000; run++) {
+        char text[sizeof specimen];
+        size_t size = sizeof specimen - 1;
+        memcpy(text, specimen, size);
+        for (uint32_t edit = random_below(5) + 1; edit > 0; edit--) {
+            size_t at = random_below((uint32_t)size);
+            if (random_below(2))
+                text[at] = random_below(2) ? (char)random_below(256) : "0-.\\ \n#\""[random_below(8)];
+            else
+                memmove(text + at, text + at + 1, --size - at);
+        }
+        daft_error error;
+        read_bytes(text, size, &error);
+        for (size_t i = 0; i < list.count; i++) {
+            const daft_mtl *m = &list.items[i];
+            assert_true(daft_finite3(m->diffuse) && m->opacity >= 0 && m->opacity <= 1 && m->name[0] && isfinite(m->shininess));
+        }
+        done();
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_properties),
+        cmocka_unit_test(defaults),
+        cmocka_unit_test(map_options),
+        cmocka_unit_test(paths_of_other_machines),
+        cmocka_unit_test(d_wins_over_tr),
+        cmocka_unit_test(out_of_range_is_cut),
+        cmocka_unit_test(errors_say_where),
+        cmocka_unit_test(comments_alone_are_no_material),
+        cmocka_unit_test(a_failure_keeps_the_list),
+        cmocka_unit_test(hard_files),
+        cmocka_unit_test(damaged_files_never_crash),
+    };
+    return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);
+}
