@@ -61,8 +61,6 @@ typedef struct daft_accel_kernels {
     bool (*closest)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit);
     /* Whether any shadow-casting instance stops the ray. Stops at the first. */
     bool (*occluded)(const daft_tlas *tlas, const daft_ray *ray);
-    /* The same for one instance, whose bounds the caller has tested. */
-    bool (*instance_occluded)(const daft_instance *instance, const daft_ray *ray);
 } daft_accel_kernels;
 
 const daft_accel_kernels *daft_accel_kernels_for(int isa);

@@ -338,4 +338,4 @@ static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
     return false;
 }
 
-const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest, occluded, instance_occluded};
+const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest, occluded};

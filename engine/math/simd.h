@@ -40,6 +40,9 @@ DAFT_INLINE void vf_store(float *p, vf v) { *(vf_unaligned *)p = v; }
 DAFT_INLINE vi vi_load(const void *p) { return *(const vi_unaligned *)p; }
 DAFT_INLINE void vi_store(void *p, vi v) { *(vi_unaligned *)p = v; }
 
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wsign-conversion" /* in gcc's own macros for gathers, which -O0 shows */
+
 #if defined(DAFT_ISA_avx512)
 typedef __mmask16 vm;
 DAFT_INLINE vf vf_set(float s) { return (vf)_mm512_set1_ps(s); }
@@ -119,6 +122,8 @@ DAFT_INLINE vm vm_from_bits(vbits b)
     return (vm)((vi_set((int32_t)b) & lane) == lane);
 }
 #endif
+
+#pragma GCC diagnostic pop
 
 DAFT_INLINE vi vi_iota(void) { return vi_truncate(vf_iota()); }
 DAFT_INLINE vf vf_abs(vf a) { return (vf)((vi)a & vi_set(0x7fffffff)); }

@@ -7,8 +7,6 @@
 
 #include <stdatomic.h>
 
-enum { DAFT_MAX_CANDIDATES = 512 };
-
 /* What a frame may need at all, before anything is known to be visible. */
 typedef struct daft_plan {
     const daft_preset *preset;

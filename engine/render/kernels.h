@@ -6,6 +6,9 @@
 #include "raster/raster.h"
 #include "render/render.h"
 
+enum { DAFT_MAX_CANDIDATES = 512 };
+#define DAFT_NO_PENCIL UINT32_MAX
+
 /* Rays, side by side, with where they came from. */
 typedef struct daft_ray_batch {
     uint32_t count;
@@ -23,10 +26,10 @@ typedef struct daft_render_kernels {
     void (*hit_point)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray, const daft_hit *hit,
                       daft_batch *points);
     /* Takes away the bits of the points that a candidate hides from the lamp. Gives the number of points that lay under
-     * some candidate's bounds: the only ones for which rays were cast. */
+     * some candidate's bounds, the only ones whose rays were tested; or DAFT_NO_PENCIL, with the bits as they were, where
+     * the lamp stands among the points and no pencil holds them. */
     uint32_t (*shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_instance *instances,
-                        const uint32_t *candidates, uint32_t candidate_count, const daft_accel_kernels *accel,
-                        uint32_t bits[DAFT_BATCH_WORDS]);
+                        const uint32_t *candidates, uint32_t candidate_count, uint32_t bits[DAFT_BATCH_WORDS]);
     /* Mirrored rays of the points whose material mirrors and whose weight still counts. */
     void (*reflections)(const daft_batch *points, const daft_surface *materials, daft_ray_batch *rays);
 } daft_render_kernels;
@@ -38,6 +41,8 @@ void DAFT_KERNEL(daft_surfaces)(const daft_snapshot *snapshot, const daft_pencil
                                 daft_batch *points, daft_ray_batch *sky);
 void DAFT_KERNEL(daft_hit_point)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray,
                                  const daft_hit *hit, daft_batch *points);
+uint32_t DAFT_KERNEL(daft_shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_instance *instances,
+                                   const uint32_t *candidates, uint32_t candidate_count, uint32_t bits[DAFT_BATCH_WORDS]);
 #endif
 
 #endif

@@ -39,7 +39,7 @@ static void see(job *j, uint32_t tile, uint32_t worker)
     book(j, DAFT_EFFECT_VISIBILITY);
 }
 
-/* Too many candidates for a list: every lit point alone through the tree. */
+/* Too many candidates for a list, or the lamp among the points: every lit point alone through the tree. */
 static uint32_t shadow_rays(const job *j, const daft_batch *points, const daft_lamp *lamp, uint32_t *lit)
 {
     uint32_t count = 0;
@@ -57,12 +57,11 @@ static uint32_t shadow_rays(const job *j, const daft_batch *points, const daft_l
 static void cast_shadows(job *j, const daft_batch *points, const daft_lamp *lamp)
 {
     daft_scratch *s = j->s;
-    uint32_t rays;
+    uint32_t rays = DAFT_NO_PENCIL;
     uint32_t count = daft_shaft_candidates(j->frame->tlas, points, s->lit, lamp, s->candidates, DAFT_MAX_CANDIDATES);
-    if (count == UINT32_MAX)
-        rays = shadow_rays(j, points, lamp, s->lit);
-    else
-        rays = j->r->kernels->shadows(points, lamp, j->snapshot->instances, s->candidates, count, j->r->accel, s->lit);
+    if (count != UINT32_MAX)
+        rays = j->r->kernels->shadows(points, lamp, j->snapshot->instances, s->candidates, count, s->lit);
+    if (rays == DAFT_NO_PENCIL) rays = shadow_rays(j, points, lamp, s->lit);
     s->rays_cast[DAFT_EFFECT_SHADOW] += rays;
     s->shadow_points += rays;
     if (rays) ran(j, DAFT_EFFECT_SHADOW);
