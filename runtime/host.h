@@ -48,7 +48,7 @@ typedef struct host {
     const canvas *picture; /* while daft.draw runs */
     float hud_width;       /* of the last picture */
     bool replaying;        /* daft.input.set does nothing: the recording has what it did */
-    bool quit, restart;    /* wishes of the script */
+    bool quit, restart, grab; /* wishes of the script */
     const api_function *calling; /* the binding that runs, for messages */
     const char *callback;        /* the callback that runs, for messages */
     uint64_t call_began;   /* clock_now_ns */

@@ -35,12 +35,14 @@ const char *const *input_key_names(size_t *count)
 
 void input_push(input *state, const input_event *event)
 {
-    if (state->queued > 0 && event->kind == INPUT_MOVE) {
-        input_event *last = &state->queue[state->queued - 1];
-        if (last->kind == INPUT_MOVE) {
-            *last = *event;
-            return;
-        }
+    input_event *last = state->queued > 0 ? &state->queue[state->queued - 1] : NULL;
+    if (last && last->kind == INPUT_MOVE && event->kind == INPUT_MOVE) {
+        *last = *event;
+        return;
+    }
+    if (last && last->kind == INPUT_MOTION && event->kind == INPUT_MOTION) {
+        last->x += event->x, last->y += event->y;
+        return;
     }
     if (state->queued < INPUT_QUEUE) state->queue[state->queued++] = *event;
 }
@@ -61,13 +63,14 @@ void input_begin_tick(input *state)
 {
     memset(state->pressed, 0, sizeof state->pressed);
     memset(state->released, 0, sizeof state->released);
-    state->wheel_x = state->wheel_y = 0;
+    state->wheel_x = state->wheel_y = state->motion_x = state->motion_y = 0;
     state->applied_count = 0;
 }
 
 /* Carries the event out; false when it changed nothing. */
 static bool carry_out(input *state, const input_event *event)
 {
+    bool moves = isfinite(event->x) && isfinite(event->y) && (event->x != 0 || event->y != 0);
     switch (event->kind) {
     case INPUT_KEY:
         if (event->key < 0 || event->key >= KEY_COUNT || state->down[event->key] == event->down) return false;
@@ -79,10 +82,12 @@ static bool carry_out(input *state, const input_event *event)
         if (event->x == state->mouse_x && event->y == state->mouse_y) return false;
         state->mouse_x = event->x, state->mouse_y = event->y;
         return true;
+    case INPUT_MOTION:
+        if (moves) state->motion_x += event->x, state->motion_y += event->y;
+        return moves;
     case INPUT_WHEEL:
-        if (!isfinite(event->x) || !isfinite(event->y) || (event->x == 0 && event->y == 0)) return false;
-        state->wheel_x += event->x, state->wheel_y += event->y;
-        return true;
+        if (moves) state->wheel_x += event->x, state->wheel_y += event->y;
+        return moves;
     }
     return false;
 }

@@ -16,25 +16,27 @@ const char *input_key_name(int key);
 /* All names, for hints. */
 const char *const *input_key_names(size_t *count);
 
-typedef enum input_kind { INPUT_KEY, INPUT_MOVE, INPUT_WHEEL } input_kind;
+typedef enum input_kind { INPUT_KEY, INPUT_MOVE, INPUT_MOTION, INPUT_WHEEL } input_kind;
 
 typedef struct input_event {
     input_kind kind;
     int key;    /* INPUT_KEY */
     bool down;  /* INPUT_KEY */
-    float x, y; /* INPUT_MOVE: HUD units from the top left; INPUT_WHEEL: notches, right and up positive */
+    /* INPUT_MOVE: HUD units from the top left; INPUT_MOTION: HUD units right and down, while the mouse is grabbed;
+     * INPUT_WHEEL: notches, right and up positive. */
+    float x, y;
 } input_event;
 
 typedef struct input {
     bool down[INPUT_KEYS], pressed[INPUT_KEYS], released[INPUT_KEYS];
-    float mouse_x, mouse_y, wheel_x, wheel_y;
+    float mouse_x, mouse_y, motion_x, motion_y, wheel_x, wheel_y;
     input_event queue[INPUT_QUEUE]; /* for the next tick */
     size_t queued;
     input_event applied[INPUT_QUEUE]; /* what changed something in this tick, in order */
     size_t applied_count;
 } input;
 
-/* Movements coalesce; when the queue is full the event is lost. */
+/* Places of the mouse and its motions coalesce; when the queue is full the event is lost. */
 void input_push(input *state, const input_event *event);
 /* Queues a release of every key that is down: for when the window loses the focus. */
 void input_push_release_all(input *state);

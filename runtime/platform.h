@@ -9,7 +9,7 @@
 #include "input.h"
 
 typedef enum platform_event_kind {
-    PLATFORM_INPUT,     /* a key, the mouse (x, y from 0 to 1 across the window) or the wheel */
+    PLATFORM_INPUT,     /* a key, the mouse (x, y in shares of the window's width and height) or the wheel */
     PLATFORM_FOCUS_LOST,
     PLATFORM_CLOSE
 } platform_event_kind;
@@ -31,7 +31,7 @@ struct platform {
     void (*end_frame)(platform *self); /* after each turn of the loop, with a picture or without */
     uint64_t (*now_ns)(platform *self);
     void (*set_title)(platform *self, const char *title);
-    void (*grab_mouse)(platform *self, bool grab); /* hidden and kept in the window, for looking around */
+    void (*grab_mouse)(platform *self, bool grab); /* hidden, kept in the window; gives motions instead of places */
 };
 
 /* NULL with a message when there is no display or the window cannot be made. */

@@ -16,7 +16,7 @@ typedef struct sdl_platform {
     SDL_Renderer *renderer;
     SDL_Texture *texture;
     int texture_width, texture_height;
-    bool vsync;
+    bool vsync, grabbed;
     uint64_t last_frame_ns;
 } sdl_platform;
 
@@ -81,6 +81,9 @@ static bool mouse_event(sdl_platform *sdl, const SDL_Event *event, input_event *
     case SDL_MOUSEMOTION:
         *out = (input_event){.kind = INPUT_MOVE, .x = (float)event->motion.x / (float)width,
                              .y = (float)event->motion.y / (float)height};
+        if (sdl->grabbed)
+            *out = (input_event){.kind = INPUT_MOTION, .x = (float)event->motion.xrel / (float)width,
+                                 .y = (float)event->motion.yrel / (float)height};
         return true;
     case SDL_MOUSEWHEEL:
         *out = (input_event){.kind = INPUT_WHEEL, .x = (float)event->wheel.x, .y = (float)event->wheel.y};
@@ -172,8 +175,7 @@ static void set_title_sdl(platform *self, const char *title) { SDL_SetWindowTitl
 
 static void grab_sdl(platform *self, bool grab)
 {
-    (void)self;
-    SDL_SetRelativeMouseMode(grab ? SDL_TRUE : SDL_FALSE);
+    ((sdl_platform *)self)->grabbed = SDL_SetRelativeMouseMode(grab ? SDL_TRUE : SDL_FALSE) == 0 && grab;
 }
 
 /* On Linux SDL may find a way to draw on a console that nobody looks at: without a display server there is no window. */

@@ -101,10 +101,12 @@ static bool read_event(reader *in, recording *out, size_t *capacity)
         good = read_key(in, &item.event);
     } else if (take_word(in, "mouse")) {
         good = read_pair(in, INPUT_MOVE, &item.event);
+    } else if (take_word(in, "motion")) {
+        good = read_pair(in, INPUT_MOTION, &item.event);
     } else if (take_word(in, "wheel")) {
         good = read_pair(in, INPUT_WHEEL, &item.event);
     } else {
-        good = bad(in, "+key, -key, mouse or wheel expected", NULL);
+        good = bad(in, "+key, -key, mouse, motion or wheel expected", NULL);
     }
     if (!good) return false;
     if (out->count == *capacity) {
@@ -217,12 +219,13 @@ recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_
 
 void recorder_add(recorder *writer, uint64_t tick, const input_event *event)
 {
+    static const char *const names[] = {
+        [INPUT_MOVE] = "mouse", [INPUT_MOTION] = "motion", [INPUT_WHEEL] = "wheel"};
     fprintf(writer->file, "%" PRIu64 " ", tick);
     if (event->kind == INPUT_KEY)
         fprintf(writer->file, "%c%s\n", event->down ? '+' : '-', input_key_name(event->key));
     else /* nine digits bring a float back to the bit */
-        fprintf(writer->file, "%s %.9g %.9g\n", event->kind == INPUT_MOVE ? "mouse" : "wheel", (double)event->x,
-                (double)event->y);
+        fprintf(writer->file, "%s %.9g %.9g\n", names[event->kind], (double)event->x, (double)event->y);
 }
 
 bool recorder_close(recorder *writer, uint64_t end, daft_error *error)

@@ -7,6 +7,7 @@
  *     12 +right                 at the start of tick 12 (counted from 0) the key goes down
  *     40 -right                 … and up
  *     41 mouse 640.5 360        the mouse, in HUD units from the top left
+ *     41 motion -3 0.5          the grabbed mouse, in HUD units right and down
  *     41 wheel 0 1              notches, right and up positive
  *     end 600                   ticks in all; the last line
  *

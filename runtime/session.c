@@ -22,7 +22,7 @@ typedef struct session {
     loop clock;
     uint64_t last_ns;
     bool left, closed, overlay, reported;
-    bool wants_reload, wants_shot;
+    bool wants_reload, wants_shot, grabbed;
     frame_times times;
     double update_ms, frame_ms, turn_ms; /* smoothed, for the overlay */
     uint64_t hashed, shot_done, turns;
@@ -58,7 +58,7 @@ bool session_fit_picture(const session_def *def, daft_image **picture, daft_erro
 
 void session_scale_mouse(platform *screen, input_event *event)
 {
-    if (event->kind != INPUT_MOVE) return;
+    if (event->kind != INPUT_MOVE && event->kind != INPUT_MOTION) return;
     int width, height;
     screen->get_size(screen, &width, &height);
     event->x *= (float)CANVAS_HEIGHT * (float)width / (float)height;
@@ -221,6 +221,13 @@ static bool run_updates(session *s, int updates, daft_error *error)
     return true;
 }
 
+/* The mouse is the game's while it asks for it, and the user's while an error is shown. */
+static void grab_mouse(session *s, bool grab)
+{
+    if (grab != s->grabbed) s->def->screen->grab_mouse(s->def->screen, grab);
+    s->grabbed = grab;
+}
+
 static bool turn(session *s, daft_error *error)
 {
     platform *screen = s->def->screen;
@@ -229,6 +236,7 @@ static bool turn(session *s, daft_error *error)
         s->wants_reload = s->reported = false;
         if (!game_reload(&s->play, error)) return false;
     }
+    grab_mouse(s, s->play.scripts.grab && !s->play.failed);
     uint64_t now = screen->now_ns(screen);
     uint64_t elapsed = now - s->last_ns;
     s->last_ns = now;
@@ -277,6 +285,7 @@ static bool run(session *s, daft_error *error)
     s->last_ns = def->screen->now_ns(def->screen);
     bool good = true;
     while (good && !is_over(s)) good = turn(s, error);
+    grab_mouse(s, false);
     progress_end(&s->bar);
     report_script(s);
     good = good && at_end(s, error);

@@ -117,7 +117,7 @@ static void what_is_recorded_reads_back_to_the_bit(void **unused)
     uint64_t tick = 0;
     for (int i = 0; i < EVENTS; i++) {
         tick += next(3);
-        input_event event = {.kind = (input_kind)next(3)};
+        input_event event = {.kind = (input_kind)next(4)};
         if (event.kind == INPUT_KEY)
             event.key = (int)next(keys), event.down = next(2);
         else
@@ -145,7 +145,7 @@ static void playing_gives_each_tick_its_events(void **unused)
 {
     (void)unused;
     FILE *file = fopen(temporary(), "w");
-    fputs("daft-recording 1\n\n# a comment\ngame x\nrate 60\n0 +left\n3 -left\n3 +left shift\n7 mouse 1.5 2\nend 9\n", file);
+    fputs("daft-recording 1\n\n# a comment\ngame x\nrate 60\n0 +left\n3 -left\n3 +left shift\n7 mouse 1.5 2\n7 motion 3 4\n7 motion 1 0\nend 9\n", file);
     fclose(file);
     daft_error error;
     recording record;
@@ -158,6 +158,7 @@ static void playing_gives_each_tick_its_events(void **unused)
         assert_int_equal(keys.down[key("left")], tick < 3);
         assert_int_equal(keys.pressed[key("left shift")], tick == 3);
         assert_true(keys.mouse_x == (tick >= 7 ? 1.5f : 0));
+        assert_true(keys.motion_x == (tick == 7 ? 4 : 0));
     }
     recording_free(&record);
     unlink(temporary());
@@ -179,7 +180,7 @@ static void bad_files_say_where(void **unused)
         {"daft-recording 1\nseed x\nend 1\n", 2, 6, "whole number"},
         {"daft-recording 1\n5 +left\n4 -left\nend 9\n", 3, 3, "must not go back"},
         {"daft-recording 1\n5 +lefft\nend 9\n", 2, 4, "did you mean 'left'?"},
-        {"daft-recording 1\n5 left\nend 9\n", 2, 3, "+key, -key, mouse or wheel"},
+        {"daft-recording 1\n5 left\nend 9\n", 2, 3, "+key, -key, mouse, motion or wheel"},
         {"daft-recording 1\n5 mouse 1\nend 9\n", 2, 10, "a number expected"},
         {"daft-recording 1\n5 mouse 1 nan\nend 9\n", 2, 11, "a number expected"},
         {"daft-recording 1\n5 wheel 1 2 3\nend 9\n", 2, 13, "unexpected text '3'"},
@@ -217,7 +218,7 @@ static void random_bytes_do_no_harm(void **unused)
     state = 0xD1B54A32D192ED03u;
     print_message("seed %#llx\n", (unsigned long long)state);
     static const char *const words[] = {"daft-recording", " ", "1", "\n", "game", "rate", "60", "seed", "end", "+", "-", "left",
-                                        "mouse", "wheel", "1e30", "nan", "-5", "#", "\t", "\xff", "999999999999999"};
+                                        "mouse", "motion", "wheel", "1e30", "nan", "-5", "#", "\t", "\xff", "999999999999999"};
     for (int i = 0; i < 500; i++) {
         FILE *file = fopen(temporary(), "w");
         if (next(4)) fputs("daft-recording 1\n", file);

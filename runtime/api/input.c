@@ -59,6 +59,19 @@ static int wheel(lua_State *L, host *h)
     return 2;
 }
 
+static int motion(lua_State *L, host *h)
+{
+    lua_pushnumber(L, (double)h->def.keys->motion_x);
+    lua_pushnumber(L, (double)h->def.keys->motion_y);
+    return 2;
+}
+
+static int grab(lua_State *L, host *h)
+{
+    h->grab = api_boolean(L, h, 1, "grab");
+    return 0;
+}
+
 static const api_function FUNCTIONS[] = {
     {"input.down", "(key) -> boolean",
      "Keys have SDL's names in lower case: \"a\", \"left\", \"space\", \"return\", \"left shift\", \"f1\", \"mouse1\".", down,
@@ -72,6 +85,9 @@ static const api_function FUNCTIONS[] = {
     {"input.mouse.pressed", "(button) -> boolean", "It went down in this tick.", mouse_pressed, 0},
     {"input.mouse.released", "(button) -> boolean", "It went up in this tick.", mouse_released, 0},
     {"input.mouse.wheel", "() -> x, y", "Notches turned in this tick; up and right are positive.", wheel, 0},
+    {"input.mouse.grab", "(on)", "Hides the mouse and keeps it in the window, to look around with its motion.", grab,
+     API_CHANGES},
+    {"input.mouse.motion", "() -> x, y", "HUD units it went right and down in this tick, while it is grabbed.", motion, 0},
     {"input.mouse", "() -> x, y", "In HUD units from the top left: 0, 0 to daft.width(), daft.height().", mouse, 0},
 };
 

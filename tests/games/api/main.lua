@@ -161,6 +161,8 @@ function daft.update(dt)
     end
     local x, y = daft.input.mouse()
     assert(x == 0 and y == 0 and not daft.input.mouse.down(1) and daft.input.mouse.wheel() == 0)
+    assert(daft.input.mouse.motion() == 0)
+    daft.input.mouse.grab(tick < 10)
     if tick == 20 then
         local list = ball:contacts()
         assert(#list == 1 and list[1].other == floor and near(list[1].normal[2], 1, 1e-3) and list[1].impulse > 0)
