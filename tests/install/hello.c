@@ -13,7 +13,7 @@ int main(void)
     if (!image) return fprintf(stderr, "%s\n", daft_error_text(&error, text, sizeof text)), 1;
 
     daft_material_def paint = daft_default_material_def();
-    paint.diffuse = (daft_vec3){0.8f, 0.05f, 0.05f};
+    paint.diffuse = paint.ambient = (daft_vec3){0.8f, 0.05f, 0.05f};
     daft_entity_def ball = daft_default_entity_def();
     ball.shape = DAFT_SHAPE_SPHERE, ball.radius = 1, ball.position.x = 3;
     ball.material = daft_material_create(scene, &paint, &error);
