@@ -168,11 +168,37 @@ DAFT_INLINE void sphere_points(const daft_instance *s, uint32_t index, const ray
 
 /* ---- pixels ---- */
 
+enum { FACETS = 64 };
+
+/* A facet seen from the camera. edge[k]: the plane of the eye and the edge opposite corner k; a ray's share of it, among
+ * the three, is the corner's weight. */
+typedef struct seen_facet {
+    uint32_t instance, triangle;
+    facet facet;
+    daft_vec3 edge[3];
+} seen_facet;
+
+/* A triangle's runs are in rows below each other: the facets of the last rows are kept, each at its number's place. */
 typedef struct view {
     const daft_snapshot *snapshot;
     const daft_pencil *pencil;
     const daft_tile *tile;
+    seen_facet facets[FACETS];
 } view;
+
+static const seen_facet *find_facet(view *v, uint32_t instance, uint32_t triangle)
+{
+    seen_facet *seen = &v->facets[(triangle + 7 * instance) % FACETS];
+    if (seen->instance == instance && seen->triangle == triangle) return seen;
+    const daft_vec3 eye = {0, 0, 0};
+    seen->instance = instance, seen->triangle = triangle;
+    facet_setup(v->snapshot, instance, triangle, eye, v->pencil->forward, &seen->facet);
+    for (int k = 0; k < 3; k++) {
+        daft_vec3 a = seen->facet.corner[(k + 1) % 3], c = seen->facet.corner[(k + 2) % 3];
+        seen->edge[k] = daft_cross(daft_sub(a, c), daft_add(a, c));
+    }
+    return seen;
+}
 
 DAFT_INLINE vf3 pixel_rays(const daft_pencil *p, daft_vec3 first, int skip)
 {
@@ -183,18 +209,12 @@ DAFT_INLINE vf3 pixel_rays(const daft_pencil *p, daft_vec3 first, int skip)
 }
 
 /* One run of `length` pixels from `at` that all see the same triangle. */
-static void facet_run(const view *v, int at, int length, daft_batch *b)
+static void facet_run(view *v, int at, int length, daft_batch *b)
 {
     const daft_pencil *p = v->pencil;
-    const daft_vec3 eye = {0, 0, 0};
     daft_vec3 first = daft_pencil_ray(p, v->tile->x + at % DAFT_TILE_STRIDE, v->tile->y + at / DAFT_TILE_STRIDE);
-    facet f;
-    facet_setup(v->snapshot, v->tile->instance[at], v->tile->triangle[at], eye, p->forward, &f);
-    daft_vec3 edge[3];
-    for (int k = 0; k < 3; k++) {
-        daft_vec3 a = f.corner[(k + 1) % 3], c = f.corner[(k + 2) % 3];
-        edge[k] = daft_cross(daft_sub(a, c), daft_add(a, c));
-    }
+    const seen_facet *seen = find_facet(v, v->tile->instance[at], v->tile->triangle[at]);
+    const daft_vec3 *edge = seen->edge;
     for (int i = 0; i < length; i += DAFT_VL) {
         rays r = {pixel_rays(p, first, i), vf_set(0), p->focal};
         vf w[3], zero = vf_set(0);
@@ -204,7 +224,7 @@ static void facet_run(const view *v, int at, int length, daft_batch *b)
         sum = w[0] + w[1] + w[2];
         vm some = vf_lt(zero, sum);
         for (int k = 0; k < 3; k++) w[k] = vf_select(some, w[k] / sum, vf_set(1.0f / 3));
-        facet_points(&f, &r, all3(0), w, b, b->count + (uint32_t)i);
+        facet_points(&seen->facet, &r, all3(0), w, b, b->count + (uint32_t)i);
     }
 }
 
@@ -247,7 +267,9 @@ static uint32_t number_pixels(uint32_t *pixel, uint32_t count, int at, int lengt
 void DAFT_KERNEL(daft_surfaces)(const daft_snapshot *snapshot, const daft_pencil *pencil, const daft_tile *tile,
                                 daft_batch *points, daft_ray_batch *sky)
 {
-    view v = {snapshot, pencil, tile};
+    view v;
+    v.snapshot = snapshot, v.pencil = pencil, v.tile = tile;
+    for (int i = 0; i < FACETS; i++) v.facets[i].instance = DAFT_NOTHING;
     points->count = sky->count = 0;
     for (int row = 0; row < tile->height; row++) {
         const int base = row * DAFT_TILE_STRIDE;
