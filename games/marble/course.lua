@@ -53,6 +53,7 @@ local function mesh(name, place, scale, degrees)
         mesh = name .. ".obj",
         position = place,
         scale = scale or 1,
+        casts_shadow = name ~= "island", -- they float below everything, so their shadows fall on nothing
         rotation = { math.rad(degrees or 0), 0, 0 },
     }
 end
