@@ -9,7 +9,10 @@ canvas canvas_over(daft_image *image)
     return (canvas){daft_image_pixels(image), daft_image_width(image), height, (float)height / CANVAS_HEIGHT};
 }
 
-float canvas_hud_width(const canvas *target) { return (float)target->width / target->unit; }
+float canvas_hud_width(const canvas *target)
+{
+    return (float)target->width / target->unit;
+}
 
 /* Clamped to where coverage can still differ; NaN becomes `low`. */
 static float clamp(float value, float low, float high)

@@ -8,8 +8,12 @@
 #include <stdio.h>
 
 static const cli_command COMMAND = {
-    "check", "PATH...", "Checks scenes (.scene), meshes (.obj), materials (.mtl), pictures, recordings (.rec) and games.",
-    "A game is loaded, and runs for one second without a window. Exit status 1 when anything is wrong.", 1, CLI_OPERANDS};
+    "check",
+    "PATH...",
+    "Checks scenes (.scene), meshes (.obj), materials (.mtl), pictures, recordings (.rec) and games.",
+    "A game is loaded, and runs for one second without a window. Exit status 1 when anything is wrong.",
+    1,
+    CLI_OPERANDS};
 
 typedef struct checker {
     daft_engine *engine;
@@ -22,8 +26,12 @@ static bool check_game(const checker *c, const char *path, daft_error *error)
     game_info info;
     if (!home_find_game(&c->where, path, &info, error)) return false;
     game_state play;
-    game_def def = {.where = &c->where, .info = &info, .engine = c->engine, .face = c->face,
-                    .quality = DAFT_QUALITY_DRAFT, .seed = 1};
+    game_def def = {.where = &c->where,
+                    .info = &info,
+                    .engine = c->engine,
+                    .face = c->face,
+                    .quality = DAFT_QUALITY_DRAFT,
+                    .seed = 1};
     if (!game_open(&play, &def, error)) return false;
     for (int tick = 0; tick < 60 && !play.over; tick++)
         if (!game_tick(&play)) break;
@@ -77,8 +85,10 @@ static int check_all(checker *c, const char *const *paths, size_t count)
     for (size_t i = 0; i < count; i++) {
         error = (daft_error){0};
         bool good = check_path(c, paths[i], &error);
-        if (good) printf("%s: good\n", paths[i]);
-        else status = report(&error);
+        if (good)
+            printf("%s: good\n", paths[i]);
+        else
+            status = report(&error);
     }
     return status;
 }

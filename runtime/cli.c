@@ -78,7 +78,8 @@ static bool parse_number(const cli_option *option, const char *text, double *out
 {
     char *after;
     *out = strtod(text, &after);
-    return after != text && *after == 0 && isfinite(*out) && *out >= (double)option->low && *out <= (double)option->high;
+    return after != text && *after == 0 && isfinite(*out) && *out >= (double)option->low &&
+           *out <= (double)option->high;
 }
 
 static bool parse_value(const char *command, const cli_option *option, const char *text)

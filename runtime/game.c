@@ -22,7 +22,10 @@ static bool stop_with(game_state *state, const char *what, const daft_error *err
     return stop(state);
 }
 
-bool game_is_replaying(const game_state *state) { return state->def.replay && state->ticks < state->def.replay->end; }
+bool game_is_replaying(const game_state *state)
+{
+    return state->def.replay && state->ticks < state->def.replay->end;
+}
 
 static bool start(game_state *state, daft_error *error)
 {
@@ -60,7 +63,10 @@ bool game_open(game_state *state, const game_def *def, daft_error *error)
     return false;
 }
 
-void game_close(game_state *state) { end(state); }
+void game_close(game_state *state)
+{
+    end(state);
+}
 
 bool game_reload(game_state *state, daft_error *error)
 {
@@ -106,7 +112,8 @@ bool game_tick(game_state *state)
     state->ticks++;
     state->scripts.tick++;
     state->over = state->scripts.quit;
-    if (state->scripts.restart && !state->over && !game_reload(state, &error)) return stop_with(state, "restart", &error);
+    if (state->scripts.restart && !state->over && !game_reload(state, &error))
+        return stop_with(state, "restart", &error);
     return !state->failed;
 }
 

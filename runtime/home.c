@@ -67,8 +67,7 @@ static void describe(game_info *game)
             text[0] = (char)toupper((unsigned char)text[0]);
         }
         size_t used = strlen(game->description);
-        if (text[0])
-            snprintf(game->description + used, sizeof game->description - used, "%s%s", used ? " " : "", text);
+        if (text[0]) snprintf(game->description + used, sizeof game->description - used, "%s%s", used ? " " : "", text);
     }
     fclose(file);
 }

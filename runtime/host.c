@@ -10,7 +10,10 @@
 
 /* ---- random numbers ---- */
 
-static uint64_t rotate(uint64_t x, int k) { return x << k | x >> (64 - k); }
+static uint64_t rotate(uint64_t x, int k)
+{
+    return x << k | x >> (64 - k);
+}
 
 uint64_t random_next(random_state *state)
 {
@@ -158,7 +161,7 @@ static int on_error(lua_State *L)
 typedef struct request {
     const char *callback; /* daft.NAME; NULL: function */
     lua_CFunction function;
-    const char *key; /* an argument, or NULL */
+    const char *key;  /* an argument, or NULL */
     const double *dt; /* an argument, or NULL */
 } request;
 
@@ -187,7 +190,8 @@ static bool call(host *state, const char *shown, request what)
     lua_pushcfunction(L, carry_out);
     lua_pushlightuserdata(L, &what);
     int status = lua_pcall(L, 1, 0, 1);
-    if (status != LUA_OK && state->message[0] == 0) /* out of memory, or an error in on_error: the handler did not run */
+    if (status != LUA_OK &&
+        state->message[0] == 0) /* out of memory, or an error in on_error: the handler did not run */
         snprintf(state->message, sizeof state->message, "%s: %s", shown,
                  lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "an error while handling an error");
     state->calling = NULL;
@@ -195,7 +199,10 @@ static bool call(host *state, const char *shown, request what)
     return status == LUA_OK;
 }
 
-bool host_load(host *state) { return call(state, "daft.load", (request){.callback = "load"}); }
+bool host_load(host *state)
+{
+    return call(state, "daft.load", (request){.callback = "load"});
+}
 
 bool host_update(host *state, double dt)
 {
@@ -252,7 +259,8 @@ bool host_open(host *state, const host_def *def)
         return false;
     }
     *(host **)lua_getextraspace(state->L) = state;
-    return call(state, "daft", (request){.function = build}) && call(state, "main.lua", (request){.function = run_main});
+    return call(state, "daft", (request){.function = build}) &&
+           call(state, "main.lua", (request){.function = run_main});
 }
 
 void host_close(host *state)

@@ -45,15 +45,15 @@ typedef struct host {
     random_state random;      /* of the game */
     random_state draw_random; /* of daft.draw, which must not change what the game does */
     uint64_t tick;
-    const canvas *picture; /* while daft.draw runs */
-    float hud_width;       /* of the last picture */
-    bool replaying;        /* daft.input.set does nothing: the recording has what it did */
-    bool quit, restart, grab; /* wishes of the script */
+    const canvas *picture;       /* while daft.draw runs */
+    float hud_width;             /* of the last picture */
+    bool replaying;              /* daft.input.set does nothing: the recording has what it did */
+    bool quit, restart, grab;    /* wishes of the script */
     const api_function *calling; /* the binding that runs, for messages */
     const char *callback;        /* the callback that runs, for messages */
-    uint64_t call_began;   /* clock_now_ns */
-    bool stopped;          /* by the watchdog: every protected call in the script passes the error on */
-    size_t memory;         /* bytes Lua holds */
+    uint64_t call_began;         /* clock_now_ns */
+    bool stopped;                /* by the watchdog: every protected call in the script passes the error on */
+    size_t memory;               /* bytes Lua holds */
     char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */
 } host;
 

@@ -6,14 +6,20 @@
 
 /* The order is never stored anywhere; recordings hold names. */
 static const char *const KEYS[] = {
-    "a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o", "p", "q", "r", "s", "t", "u", "v", "w",
-    "x", "y", "z", "0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "left", "right", "up", "down", "space", "return",
-    "escape", "backspace", "tab", "delete", "insert", "home", "end", "pageup", "pagedown", "left shift", "right shift",
-    "left ctrl", "right ctrl", "left alt", "right alt", "left gui", "right gui", "menu", "capslock", "numlock",
-    "scrolllock", "printscreen", "pause", "f1", "f2", "f3", "f4", "f5", "f6", "f7", "f8", "f9", "f10", "f11", "f12",
-    "-", "=", "[", "]", "\\", ";", "'", "`", ",", ".", "/", "keypad 0", "keypad 1", "keypad 2", "keypad 3", "keypad 4",
-    "keypad 5", "keypad 6", "keypad 7", "keypad 8", "keypad 9", "keypad .", "keypad /", "keypad *", "keypad -",
-    "keypad +", "keypad enter", "mouse1", "mouse2", "mouse3", "mouse4", "mouse5"};
+    "a",         "b",        "c",         "d",          "e",           "f",         "g",          "h",
+    "i",         "j",        "k",         "l",          "m",           "n",         "o",          "p",
+    "q",         "r",        "s",         "t",          "u",           "v",         "w",          "x",
+    "y",         "z",        "0",         "1",          "2",           "3",         "4",          "5",
+    "6",         "7",        "8",         "9",          "left",        "right",     "up",         "down",
+    "space",     "return",   "escape",    "backspace",  "tab",         "delete",    "insert",     "home",
+    "end",       "pageup",   "pagedown",  "left shift", "right shift", "left ctrl", "right ctrl", "left alt",
+    "right alt", "left gui", "right gui", "menu",       "capslock",    "numlock",   "scrolllock", "printscreen",
+    "pause",     "f1",       "f2",        "f3",         "f4",          "f5",        "f6",         "f7",
+    "f8",        "f9",       "f10",       "f11",        "f12",         "-",         "=",          "[",
+    "]",         "\\",       ";",         "'",          "`",           ",",         ".",          "/",
+    "keypad 0",  "keypad 1", "keypad 2",  "keypad 3",   "keypad 4",    "keypad 5",  "keypad 6",   "keypad 7",
+    "keypad 8",  "keypad 9", "keypad .",  "keypad /",   "keypad *",    "keypad -",  "keypad +",   "keypad enter",
+    "mouse1",    "mouse2",   "mouse3",    "mouse4",     "mouse5"};
 
 enum { KEY_COUNT = sizeof KEYS / sizeof KEYS[0] };
 _Static_assert(sizeof KEYS / sizeof KEYS[0] <= (size_t)INPUT_KEYS, "the state arrays hold every key");
@@ -25,7 +31,10 @@ int input_key_find(const char *name)
     return -1;
 }
 
-const char *input_key_name(int key) { return key >= 0 && key < KEY_COUNT ? KEYS[key] : NULL; }
+const char *input_key_name(int key)
+{
+    return key >= 0 && key < KEY_COUNT ? KEYS[key] : NULL;
+}
 
 const char *const *input_key_names(size_t *count)
 {
@@ -104,4 +113,7 @@ void input_apply_queue(input *state)
     state->queued = 0;
 }
 
-void input_drop_queue(input *state) { state->queued = 0; }
+void input_drop_queue(input *state)
+{
+    state->queued = 0;
+}

@@ -20,8 +20,8 @@ typedef enum input_kind { INPUT_KEY, INPUT_MOVE, INPUT_MOTION, INPUT_WHEEL } inp
 
 typedef struct input_event {
     input_kind kind;
-    int key;    /* INPUT_KEY */
-    bool down;  /* INPUT_KEY */
+    int key;   /* INPUT_KEY */
+    bool down; /* INPUT_KEY */
     /* INPUT_MOVE: HUD units from the top left; INPUT_MOTION: HUD units right and down, while the mouse is grabbed;
      * INPUT_WHEEL: notches, right and up positive. */
     float x, y;

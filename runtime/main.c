@@ -1,4 +1,7 @@
 /* The daft program. */
 #include "commands.h"
 
-int main(int argc, char **argv) { return run_program(argc, argv); }
+int main(int argc, char **argv)
+{
+    return run_program(argc, argv);
+}

@@ -23,7 +23,8 @@ typedef struct menu {
 
 /* ---- the scene behind ---- */
 
-static bool add_ball(daft_scene *scene, double x, double z, float radius, daft_vec3 color, float mirror, daft_error *error)
+static bool add_ball(daft_scene *scene, double x, double z, float radius, daft_vec3 color, float mirror,
+                     daft_error *error)
 {
     daft_material_def look = daft_default_material_def();
     look.diffuse = look.ambient = color;
@@ -67,7 +68,8 @@ static bool build_scene(menu *m, daft_error *error)
     for (size_t i = 0; i < COUNT_OF(colors); i++) {
         double angle = 6.283185307179586 * (double)i / (double)COUNT_OF(colors);
         float radius = i % 2 ? 0.55f : 0.8f;
-        if (!add_ball(m->scene, 3 * daft_cos(angle), 3 * daft_sin(angle), radius, colors[i], 0.15f, error)) return false;
+        if (!add_ball(m->scene, 3 * daft_cos(angle), 3 * daft_sin(angle), radius, colors[i], 0.15f, error))
+            return false;
     }
     return true;
 }

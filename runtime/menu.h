@@ -6,7 +6,7 @@
 
 typedef enum menu_end {
     MENU_CHOSEN,
-    MENU_LEFT,  /* Esc, or the window was closed */
+    MENU_LEFT, /* Esc, or the window was closed */
     MENU_FAILED
 } menu_end;
 

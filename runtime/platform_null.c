@@ -12,7 +12,10 @@ typedef struct null_platform {
     uint64_t frames;
 } null_platform;
 
-static void close_null(platform *self) { free(self); }
+static void close_null(platform *self)
+{
+    free(self);
+}
 
 static bool poll_null(platform *self, platform_event *out)
 {
@@ -38,7 +41,10 @@ static bool present_null(platform *self, const daft_image *picture, daft_error *
     return true;
 }
 
-static void end_frame_null(platform *self) { ((null_platform *)self)->frames++; }
+static void end_frame_null(platform *self)
+{
+    ((null_platform *)self)->frames++;
+}
 
 /* Rounded up, so that exactly one update is due at each frame. */
 static uint64_t now_null(platform *self)
@@ -46,8 +52,14 @@ static uint64_t now_null(platform *self)
     return (((null_platform *)self)->frames * 1000000000u + LOOP_RATE - 1) / LOOP_RATE;
 }
 
-static void set_title_null(platform *self, const char *title) { (void)self, (void)title; }
-static void grab_null(platform *self, bool grab) { (void)self, (void)grab; }
+static void set_title_null(platform *self, const char *title)
+{
+    (void)self, (void)title;
+}
+static void grab_null(platform *self, bool grab)
+{
+    (void)self, (void)grab;
+}
 
 platform *platform_open_null(int width, int height, daft_error *error)
 {

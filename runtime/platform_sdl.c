@@ -79,18 +79,20 @@ static bool mouse_event(sdl_platform *sdl, const SDL_Event *event, input_event *
     SDL_GetWindowSize(sdl->window, &width, &height);
     switch (event->type) {
     case SDL_MOUSEMOTION:
-        *out = (input_event){.kind = INPUT_MOVE, .x = (float)event->motion.x / (float)width,
+        *out = (input_event){.kind = INPUT_MOVE,
+                             .x = (float)event->motion.x / (float)width,
                              .y = (float)event->motion.y / (float)height};
         if (sdl->grabbed)
-            *out = (input_event){.kind = INPUT_MOTION, .x = (float)event->motion.xrel / (float)width,
+            *out = (input_event){.kind = INPUT_MOTION,
+                                 .x = (float)event->motion.xrel / (float)width,
                                  .y = (float)event->motion.yrel / (float)height};
         return true;
     case SDL_MOUSEWHEEL:
         *out = (input_event){.kind = INPUT_WHEEL, .x = (float)event->wheel.x, .y = (float)event->wheel.y};
         return true;
     default:
-        *out = (input_event){.kind = INPUT_KEY, .key = button_of(event->button.button),
-                             .down = event->type == SDL_MOUSEBUTTONDOWN};
+        *out = (input_event){
+            .kind = INPUT_KEY, .key = button_of(event->button.button), .down = event->type == SDL_MOUSEBUTTONDOWN};
         return out->key >= 0;
     }
 }
@@ -142,8 +144,8 @@ static bool present_sdl(platform *self, const daft_image *picture, daft_error *e
     int width = daft_image_width(picture), height = daft_image_height(picture);
     if (!sdl->texture || width != sdl->texture_width || height != sdl->texture_height) {
         if (sdl->texture) SDL_DestroyTexture(sdl->texture);
-        sdl->texture = SDL_CreateTexture(sdl->renderer, SDL_PIXELFORMAT_RGBA32, SDL_TEXTUREACCESS_STREAMING, width,
-                                         height);
+        sdl->texture =
+            SDL_CreateTexture(sdl->renderer, SDL_PIXELFORMAT_RGBA32, SDL_TEXTUREACCESS_STREAMING, width, height);
         if (!sdl->texture) return fail(error, DAFT_ERROR_UNSUPPORTED, "no texture for the window: %s", SDL_GetError());
         SDL_SetTextureBlendMode(sdl->texture, SDL_BLENDMODE_NONE);
         sdl->texture_width = width, sdl->texture_height = height;
@@ -171,14 +173,18 @@ static uint64_t now_sdl(platform *self)
     return clock_now_ns();
 }
 
-static void set_title_sdl(platform *self, const char *title) { SDL_SetWindowTitle(((sdl_platform *)self)->window, title); }
+static void set_title_sdl(platform *self, const char *title)
+{
+    SDL_SetWindowTitle(((sdl_platform *)self)->window, title);
+}
 
 static void grab_sdl(platform *self, bool grab)
 {
     ((sdl_platform *)self)->grabbed = SDL_SetRelativeMouseMode(grab ? SDL_TRUE : SDL_FALSE) == 0 && grab;
 }
 
-/* On Linux SDL may find a way to draw on a console that nobody looks at: without a display server there is no window. */
+/* On Linux SDL may find a way to draw on a console that nobody looks at: without a display server there is no window.
+ */
 static bool has_display(void)
 {
 #if defined(__linux__) || defined(__FreeBSD__)

@@ -11,10 +11,13 @@
 #include <string.h>
 
 static const cli_command COMMAND = {
-    "play", "[GAME]", "Plays a game: a folder with a main.lua, or the name of one in games/. Without GAME: a menu.",
+    "play",
+    "[GAME]",
+    "Plays a game: a folder with a main.lua, or the name of one in games/. Without GAME: a menu.",
     "In a window: Esc leaves, F1 shows what a frame costs, F11 or Alt+Enter fills the screen, F12 writes a picture.\n"
     "Without a display it plays the game's recorded demo (marble's, without GAME) and writes daft-demo.png.",
-    0, 1};
+    0,
+    1};
 
 static const char DEFAULT_GAME[] = "marble", DEMO_PICTURE[] = "daft-demo.png";
 enum { DEMO_TICKS = 600 };
@@ -165,11 +168,14 @@ int command_play(int argc, char **argv)
     play_options *o = &p.options;
     const cli_option options[] = {
         {"headless", 0, CLI_FLAG, NULL, &o->headless, 0, 0, "no window: as fast as it can, for tests and servers"},
-        {"ticks", 0, CLI_COUNT, "N", &o->ticks, 1, 1000000000, "end after N updates of 1/60 s (headless: 600, or the replay's)"},
+        {"ticks", 0, CLI_COUNT, "N", &o->ticks, 1, 1000000000,
+         "end after N updates of 1/60 s (headless: 600, or the replay's)"},
         {"record", 0, CLI_TEXT, "FILE", &o->record, 0, 0, "write what is pressed to FILE"},
         {"replay", 0, CLI_TEXT, "FILE", &o->replay, 0, 0, "play what FILE recorded; in a window, then it is your turn"},
-        {"hash", 0, CLI_FLAG, NULL, &o->hash, 0, 0, "print 'tick N state 0x... frame 0x...' every 60 ticks and at the end"},
-        {"size", 0, CLI_SIZE, "WxH", &o->size, 16, 8192, "the window's size (1280x720); headless: the picture's (320x180)"},
+        {"hash", 0, CLI_FLAG, NULL, &o->hash, 0, 0,
+         "print 'tick N state 0x... frame 0x...' every 60 ticks and at the end"},
+        {"size", 0, CLI_SIZE, "WxH", &o->size, 16, 8192,
+         "the window's size (1280x720); headless: the picture's (320x180)"},
         {"scale", 0, CLI_NUMBER, "F", &o->scale, 0, 4, "pixels of the picture to pixels of the window (1)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o->quality, 0, 0, "draft, game (default), high or reference"},
         {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 256, "worker threads; 0, the default: one for each processor"},

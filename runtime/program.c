@@ -77,8 +77,7 @@ static const struct {
 static void print_usage(FILE *out)
 {
     fprintf(out, "usage: daft COMMAND [...]\n\nDAFT, a 3D engine that needs no GPU.\n\n");
-    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++)
-        fprintf(out, "  %-8s  %s\n", COMMANDS[i].name, COMMANDS[i].summary);
+    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++) fprintf(out, "  %-8s  %s\n", COMMANDS[i].name, COMMANDS[i].summary);
     fprintf(out, "\n'daft COMMAND --help' tells more. Exit status: 0 done, 1 the input is bad, 2 wrong usage.\n");
 }
 

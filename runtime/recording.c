@@ -16,9 +16,9 @@
 
 typedef struct reader {
     const char *path;
-    char *line;   /* the line being read, ended by a zero byte */
-    char *at;     /* in it */
-    int number;   /* of the line */
+    char *line; /* the line being read, ended by a zero byte */
+    char *at;   /* in it */
+    int number; /* of the line */
     daft_error *error;
 } reader;
 
@@ -66,7 +66,10 @@ static bool take_float(reader *in, float *out)
     return true;
 }
 
-static bool line_ends(reader *in) { return *in->at == 0 || bad(in, "unexpected text", in->at); }
+static bool line_ends(reader *in)
+{
+    return *in->at == 0 || bad(in, "unexpected text", in->at);
+}
 
 static bool read_key(reader *in, input_event *event)
 {
@@ -219,8 +222,7 @@ recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_
 
 void recorder_add(recorder *writer, uint64_t tick, const input_event *event)
 {
-    static const char *const names[] = {
-        [INPUT_MOVE] = "mouse", [INPUT_MOTION] = "motion", [INPUT_WHEEL] = "wheel"};
+    static const char *const names[] = {[INPUT_MOVE] = "mouse", [INPUT_MOTION] = "motion", [INPUT_WHEEL] = "wheel"};
     fprintf(writer->file, "%" PRIu64 " ", tick);
     if (event->kind == INPUT_KEY)
         fprintf(writer->file, "%c%s\n", event->down ? '+' : '-', input_key_name(event->key));

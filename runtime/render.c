@@ -9,9 +9,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const cli_command COMMAND = {
-    "render", "SCENE", "Renders a .scene file, or a mesh (.obj) in front of a sky, to a picture.",
-    "The picture's format goes by its name: .png or .ppm.", 1, 1};
+static const cli_command COMMAND = {"render",
+                                    "SCENE",
+                                    "Renders a .scene file, or a mesh (.obj) in front of a sky, to a picture.",
+                                    "The picture's format goes by its name: .png or .ppm.",
+                                    1,
+                                    1};
 
 typedef struct render_options {
     const char *scene, *out, *isa, *stats;
@@ -21,7 +24,8 @@ typedef struct render_options {
     bool camera_given, explain;
 } render_options;
 
-/* Sky, sun and a camera for a mesh that comes alone: seen from the front left and above, filling most of the picture. */
+/* Sky, sun and a camera for a mesh that comes alone: seen from the front left and above, filling most of the picture.
+ */
 static bool frame_mesh(daft_scene *scene, const render_options *o, daft_camera *camera, daft_error *error)
 {
     daft_mesh mesh = daft_mesh_load(scene, o->scene, error);
@@ -64,8 +68,8 @@ static bool choose_camera(const daft_scene *scene, const render_options *o, daft
         *camera = daft_default_camera();
         return true;
     }
-    return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: %s has %u camera%s, counted from 0", o->camera, o->scene, count,
-                count == 1 ? "" : "s");
+    return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: %s has %u camera%s, counted from 0", o->camera, o->scene,
+                count, count == 1 ? "" : "s");
 }
 
 typedef struct progress_state {

@@ -69,7 +69,8 @@ void screen_overlay(const canvas *target, font *face, const overlay_figures *fig
     const struct {
         const char *name;
         uint64_t rays;
-    } rays[] = {{"camera rays", c->camera_rays}, {"shadow rays", c->shadow_rays}, {"reflection rays", c->reflection_rays}};
+    } rays[] = {
+        {"camera rays", c->camera_rays}, {"shadow rays", c->shadow_rays}, {"reflection rays", c->reflection_rays}};
     for (size_t i = 0; i < COUNT_OF(rays); i++) {
         snprintf(value, sizeof value, "%" PRIu64, rays[i].rays);
         overlay_line(target, face, &y, rays[i].name, value);

@@ -73,7 +73,10 @@ static void draw_overlay(session *s)
     screen_overlay(&over, s->def->face, &figures);
 }
 
-static double smooth(double before, double now) { return before > 0 ? before * 0.95 + now * 0.05 : now; }
+static double smooth(double before, double now)
+{
+    return before > 0 ? before * 0.95 + now * 0.05 : now;
+}
 
 /* Draws the game, or what stopped it. */
 static bool draw(session *s, float alpha, daft_error *error)
@@ -191,7 +194,8 @@ static void report_script(session *s)
     if (!s->play.failed || s->reported) return;
     progress_end(&s->bar);
     fflush(stdout);
-    fprintf(stderr, "daft: %s\n%s%s", s->play.scripts.message, s->play.scripts.trace, s->play.scripts.trace[0] ? "\n" : "");
+    fprintf(stderr, "daft: %s\n%s%s", s->play.scripts.message, s->play.scripts.trace,
+            s->play.scripts.trace[0] ? "\n" : "");
     s->reported = true;
 }
 

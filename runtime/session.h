@@ -14,13 +14,13 @@ typedef struct session_def {
     const home *where;
     font *face;
     daft_quality quality;
-    double scale;         /* pixels of the picture to pixels of the window */
-    bool fixed_size;      /* the picture is as large as the window, however large that is */
+    double scale;    /* pixels of the picture to pixels of the window */
+    bool fixed_size; /* the picture is as large as the window, however large that is */
     uint64_t seed;
-    uint64_t ticks;       /* end after so many; 0: the recording's end, or never */
-    bool hash;            /* print a line every 60 ticks and at the end */
-    bool every_frame;     /* draw each frame, though nobody looks */
-    bool progress;        /* a bar on stderr */
+    uint64_t ticks;              /* end after so many; 0: the recording's end, or never */
+    bool hash;                   /* print a line every 60 ticks and at the end */
+    bool every_frame;            /* draw each frame, though nobody looks */
+    bool progress;               /* a bar on stderr */
     const char *record, *replay; /* files, or NULL */
     const char *shot;            /* a picture's file, or NULL */
     uint64_t shot_tick;          /* after so many ticks; 0: at the end */

@@ -65,7 +65,10 @@ static void put_string(FILE *out, const char *text)
 }
 
 /* JSON has no NaN and no infinity. */
-static void put_number(FILE *out, double value) { fprintf(out, "%.4f", isfinite(value) ? value : 0.0); }
+static void put_number(FILE *out, double value)
+{
+    fprintf(out, "%.4f", isfinite(value) ? value : 0.0);
+}
 
 static void put_effect(FILE *out, const daft_effect *effect, bool last)
 {
@@ -81,7 +84,8 @@ static void put_effect(FILE *out, const daft_effect *effect, bool last)
 
 void stats_print_json(FILE *out, const daft_counters *c, const frame_times *times)
 {
-    fprintf(out, "{\n  \"width\": %d,\n  \"height\": %d,\n  \"threads\": %d,\n  \"isa\": ", c->width, c->height, c->threads);
+    fprintf(out, "{\n  \"width\": %d,\n  \"height\": %d,\n  \"threads\": %d,\n  \"isa\": ", c->width, c->height,
+            c->threads);
     put_string(out, c->isa);
     fputs(",\n  \"frame_ms\": {\"median\": ", out);
     put_number(out, frame_times_share(times, 0.5));
@@ -99,10 +103,14 @@ void stats_print_json(FILE *out, const daft_counters *c, const frame_times *time
     const struct {
         const char *name;
         uint64_t value;
-    } counts[] = {{"instances_seen", c->instances_seen},     {"triangles_tested", c->triangles_tested},
-                  {"triangles_binned", c->triangles_binned}, {"spheres_binned", c->spheres_binned},
-                  {"exact_edges", c->exact_edges},           {"exact_depths", c->exact_depths},
-                  {"shadow_points_kept", c->shadow_points_kept}, {"mesh_builds", c->mesh_builds}};
+    } counts[] = {{"instances_seen", c->instances_seen},
+                  {"triangles_tested", c->triangles_tested},
+                  {"triangles_binned", c->triangles_binned},
+                  {"spheres_binned", c->spheres_binned},
+                  {"exact_edges", c->exact_edges},
+                  {"exact_depths", c->exact_depths},
+                  {"shadow_points_kept", c->shadow_points_kept},
+                  {"mesh_builds", c->mesh_builds}};
     fputs("  },\n  \"counters\": {", out);
     for (size_t i = 0; i < COUNT_OF(counts); i++)
         fprintf(out, "%s\"%s\": %" PRIu64, i ? ", " : "", counts[i].name, counts[i].value);
@@ -127,8 +135,8 @@ bool stats_write(const char *path, const daft_counters *counters, const frame_ti
 
 void stats_print_plan(FILE *out, const daft_counters *c)
 {
-    fprintf(out, "%dx%d, %d thread%s, %s, %.2f ms\n", c->width, c->height, c->threads, c->threads == 1 ? "" : "s", c->isa,
-            c->frame_ms);
+    fprintf(out, "%dx%d, %d thread%s, %s, %.2f ms\n", c->width, c->height, c->threads, c->threads == 1 ? "" : "s",
+            c->isa, c->frame_ms);
     fprintf(out, "%-12s %-4s %7s %10s %10s %9s  %s\n", "effect", "ran", "tiles", "rays", "bytes", "ms", "why");
     for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++) {
         const daft_effect *effect = &c->effects[i];
@@ -157,7 +165,8 @@ void progress_show(progress_bar *bar, double done)
     char cells[WIDTH + 1];
     for (int i = 0; i < WIDTH; i++) cells[i] = i < full ? '#' : '.';
     cells[WIDTH] = 0;
-    fprintf(stderr, "\r%s [%s] %3d%%  %.1f s", bar->label, cells, (int)(done * 100), (double)(now - bar->began_ns) / 1e9);
+    fprintf(stderr, "\r%s [%s] %3d%%  %.1f s", bar->label, cells, (int)(done * 100),
+            (double)(now - bar->began_ns) / 1e9);
     fflush(stderr);
 }
 

@@ -72,8 +72,10 @@ static uint32_t next_code_point(const char **text)
     int extra = *at < 0x80 ? 0 : (*at & 0xE0) == 0xC0 ? 1 : (*at & 0xF0) == 0xE0 ? 2 : (*at & 0xF8) == 0xF0 ? 3 : -1;
     uint32_t code = extra <= 0 ? *at : *at & (0x3Fu >> extra);
     for (int i = 1; i <= extra; i++) {
-        if ((at[i] & 0xC0) != 0x80) extra = -1;
-        else code = code << 6 | (at[i] & 0x3F);
+        if ((at[i] & 0xC0) != 0x80)
+            extra = -1;
+        else
+            code = code << 6 | (at[i] & 0x3F);
     }
     *text += extra < 0 ? 1 : extra + 1;
     return extra < 0 || code > 0x10FFFF || code == 0 ? 0xFFFD : code;
@@ -97,8 +99,7 @@ static const glyph *find_glyph(font *face, uint32_t code, int pixels)
     int x1, y1;
     stbtt_GetGlyphBitmapBox(&face->info, index, scale, scale, &found->x, &found->y, &x1, &y1);
     found->width = x1 - found->x, found->height = y1 - found->y;
-    if (found->width > 0 && found->height > 0)
-        found->coverage = calloc((size_t)found->width, (size_t)found->height);
+    if (found->width > 0 && found->height > 0) found->coverage = calloc((size_t)found->width, (size_t)found->height);
     if (found->coverage)
         stbtt_MakeGlyphBitmap(&face->info, found->coverage, found->width, found->height, found->width, scale, scale,
                               index);
@@ -126,9 +127,15 @@ static int line_advance(const font *face, const char *text, const char *end)
     return width;
 }
 
-static float units_scale(const font *face, float size) { return size / (float)(face->ascent - face->descent); }
+static float units_scale(const font *face, float size)
+{
+    return size / (float)(face->ascent - face->descent);
+}
 
-float text_line_height(float size) { return size * 1.2f; }
+float text_line_height(float size)
+{
+    return size * 1.2f;
+}
 
 float text_width(const font *face, const char *text, float size)
 {
@@ -214,8 +221,8 @@ static const char *break_line(const font *face, const char *text, float width, f
     /* A single word may be too long by itself: it is cut between two letters, after the first at least. */
     const char *least = text;
     next_code_point(&least);
-    while (fit > least && (float)line_advance(face, text, fit) * scale > width)
-        do fit--;
+    while (fit > least && (float)line_advance(face, text, fit) * scale > width) do
+            fit--;
         while (fit > least && (*fit & 0xC0) == 0x80);
     return fit;
 }

@@ -47,7 +47,8 @@ int report(const daft_error *error)
     return STATUS_BAD_INPUT;
 }
 
-/* Optimal string alignment: insertions, deletions, changes and swaps of neighbours. Words over 63 letters count as far. */
+/* Optimal string alignment: insertions, deletions, changes and swaps of neighbours. Words over 63 letters count as far.
+ */
 static size_t edit_distance(const char *a, const char *b)
 {
     enum { LIMIT = 64 };

@@ -1,5 +1,5 @@
-/* util: the small things every file of the runtime needs: errors in the engine's form, near misses of names, paths, time.
- * Promises: nothing here keeps state. */
+/* util: the small things every file of the runtime needs: errors in the engine's form, near misses of names, paths,
+ * time. Promises: nothing here keeps state. */
 #ifndef RUNTIME_UTIL_H
 #define RUNTIME_UTIL_H
 

@@ -25,18 +25,19 @@ static inline int run_daft(char *output, const char *format, ...)
     size_t used = fread(output, 1, OUTPUT_SIZE - 1, pipe);
     output[used] = 0;
     char rest[4096];
-    while (fread(rest, 1, sizeof rest, pipe) > 0) {}
+    while (fread(rest, 1, sizeof rest, pipe) > 0) {
+    }
     int status = pclose(pipe);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 /* Fails the test, and shows what the program said. */
-#define assert_says(output, wanted)                                                                                     \
-    do {                                                                                                                \
+#define assert_says(output, wanted)                                                                                    \
+    do {                                                                                                               \
         if (!strstr(output, wanted)) fail_msg("'%s' is not in:\n%s", wanted, output);                                  \
     } while (0)
-#define assert_status(status, wanted, output)                                                                           \
-    do {                                                                                                                \
+#define assert_status(status, wanted, output)                                                                          \
+    do {                                                                                                               \
         if ((status) != (wanted)) fail_msg("exit status %d, not %d:\n%s", status, wanted, output);                     \
     } while (0)
 

@@ -67,22 +67,23 @@ static void bad_input_is_status_1_with_a_message(void **unused)
     (void)unused;
     static const struct {
         const char *arguments, *says;
-    } bad[] = {{"render no/such.scene -o /tmp/daft-x.png", "no/such.scene"},
-               {"render no/such.obj -o /tmp/daft-x.png", "no/such.obj"},
-               {"render assets -o /tmp/daft-x.png", "assets"},
-               {"render assets/scenes/hello.scene --size 8x8 -o /no/such/folder/x.png", "/no/such/folder/x.png"},
-               {"render assets/scenes/hello.scene --size 8x8 -o /tmp/daft-x.png --camera 99", "counted from 0"},
-               {"render assets/scenes/hello.scene --size 8x8 -o /tmp/daft-x.png --stats /no/such/x.json", "/no/such/x.json"},
-               {"play no_such_game --headless", "there is no game 'no_such_game'; games/ has:"},
-               {"play mrable --headless", "did you mean 'marble'?"},
-               {"play assets --headless", "there is no main.lua"},
-               {"play tests/games/bot --headless --replay no/such.rec", "no/such.rec"},
-               {"play tests/games/bot --headless --replay CMakeLists.txt", "CMakeLists.txt:1:1: 'daft-recording 1' expected"},
-               {"play tests/games/bot --headless --record /no/such/x.rec", "/no/such/x.rec"},
-               {"play tests/games/bot --headless --ticks 1 --shot /no/such/x.png", "/no/such/x.png"},
-               {"play tests/games/bot --headless --ticks 5 --shot /tmp/daft-x.png --shot-tick 9", "the game ended at tick 5"},
-               {"check no/such.obj", "no/such.obj"},
-               {"check tests/games/broken_load", "broken_load/main.lua:2: daft.entity: position"}};
+    } bad[] = {
+        {"render no/such.scene -o /tmp/daft-x.png", "no/such.scene"},
+        {"render no/such.obj -o /tmp/daft-x.png", "no/such.obj"},
+        {"render assets -o /tmp/daft-x.png", "assets"},
+        {"render assets/scenes/hello.scene --size 8x8 -o /no/such/folder/x.png", "/no/such/folder/x.png"},
+        {"render assets/scenes/hello.scene --size 8x8 -o /tmp/daft-x.png --camera 99", "counted from 0"},
+        {"render assets/scenes/hello.scene --size 8x8 -o /tmp/daft-x.png --stats /no/such/x.json", "/no/such/x.json"},
+        {"play no_such_game --headless", "there is no game 'no_such_game'; games/ has:"},
+        {"play mrable --headless", "did you mean 'marble'?"},
+        {"play assets --headless", "there is no main.lua"},
+        {"play tests/games/bot --headless --replay no/such.rec", "no/such.rec"},
+        {"play tests/games/bot --headless --replay CMakeLists.txt", "CMakeLists.txt:1:1: 'daft-recording 1' expected"},
+        {"play tests/games/bot --headless --record /no/such/x.rec", "/no/such/x.rec"},
+        {"play tests/games/bot --headless --ticks 1 --shot /no/such/x.png", "/no/such/x.png"},
+        {"play tests/games/bot --headless --ticks 5 --shot /tmp/daft-x.png --shot-tick 9", "the game ended at tick 5"},
+        {"check no/such.obj", "no/such.obj"},
+        {"check tests/games/broken_load", "broken_load/main.lua:2: daft.entity: position"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         int status = run_daft(output, "%s", bad[i].arguments);
         if (status != 1) fail_msg("daft %s: exit status %d\n%s", bad[i].arguments, status, output);
@@ -94,8 +95,8 @@ static void bad_input_is_status_1_with_a_message(void **unused)
 static void help_is_status_0(void **unused)
 {
     (void)unused;
-    static const char *const helps[] = {"help", "--help", "-h", "--version", "help lua", "play --help", "render -h",
-                                        "check --help", "help play", "help render"};
+    static const char *const helps[] = {"help",        "--help",    "-h",           "--version", "help lua",
+                                        "play --help", "render -h", "check --help", "help play", "help render"};
     for (size_t i = 0; i < sizeof helps / sizeof helps[0]; i++) {
         int status = run_daft(output, "%s", helps[i]);
         assert_status(status, 0, output);
@@ -112,7 +113,10 @@ static void help_is_status_0(void **unused)
 
 /* ---- JSON: a checker of its grammar, no more ---- */
 
-static const char *blanks(const char *c) { return c + strspn(c, " \t\r\n"); }
+static const char *blanks(const char *c)
+{
+    return c + strspn(c, " \t\r\n");
+}
 static const char *json_value(const char *c);
 
 static const char *json_string(const char *c)
@@ -155,13 +159,17 @@ static const char *json_value(const char *c)
 static void stats_are_json_with_the_promised_names(void **unused)
 {
     (void)unused;
-    int status = run_daft(output, "render assets/scenes/hello.scene -o /tmp/daft-stats.png --size 64x36 --threads 2 --repeat 3 --stats -");
+    int status = run_daft(
+        output,
+        "render assets/scenes/hello.scene -o /tmp/daft-stats.png --size 64x36 --threads 2 --repeat 3 --stats -");
     assert_status(status, 0, output);
     const char *end = json_value(output);
     if (!end || *blanks(end)) fail_msg("not JSON:\n%s", output);
-    static const char *const names[] = {"\"width\": 64", "\"height\": 36", "\"threads\": 2", "\"isa\": \"", "\"frame_ms\"", "\"median\"",
-                                        "\"p95\"", "\"rays\"", "\"camera\"", "\"shadow\"", "\"reflection\"", "\"refraction\"", "\"query\"",
-                                        "\"effects\"", "\"ran\"", "\"why\"", "\"tiles\"", "\"bytes\"", "\"ms\"", "\"frames\": 3"};
+    static const char *const names[] = {"\"width\": 64", "\"height\": 36", "\"threads\": 2", "\"isa\": \"",
+                                        "\"frame_ms\"",  "\"median\"",     "\"p95\"",        "\"rays\"",
+                                        "\"camera\"",    "\"shadow\"",     "\"reflection\"", "\"refraction\"",
+                                        "\"query\"",     "\"effects\"",    "\"ran\"",        "\"why\"",
+                                        "\"tiles\"",     "\"bytes\"",      "\"ms\"",         "\"frames\": 3"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) assert_says(output, names[i]);
     unlink("/tmp/daft-stats.png");
 }
@@ -186,7 +194,8 @@ static void pictures_do_not_depend_on_threads(void **unused)
     daft_engine_def def = daft_default_engine_def();
     daft_engine *engine = daft_engine_create(&def, NULL);
     for (size_t i = 0; i < 3; i++) {
-        int status = run_daft(output, "render assets/scenes/hello.scene -o /tmp/daft-threads.png --size 97x55 %s", ways[i]);
+        int status =
+            run_daft(output, "render assets/scenes/hello.scene -o /tmp/daft-threads.png --size 97x55 %s", ways[i]);
         assert_status(status, 0, output);
         daft_error error;
         daft_image *image = daft_image_load(engine, "/tmp/daft-threads.png", &error);
@@ -207,7 +216,8 @@ static void a_mesh_is_framed(void **unused)
     (void)unused;
     static const char *const sizes[] = {"80x45", "45x80"};
     for (size_t i = 0; i < 2; i++) {
-        int status = run_daft(output, "render assets/meshes/gem.obj -o /tmp/daft-mesh.ppm --size %s --stats -", sizes[i]);
+        int status =
+            run_daft(output, "render assets/meshes/gem.obj -o /tmp/daft-mesh.ppm --size %s --stats -", sizes[i]);
         assert_status(status, 0, output);
         assert_says(output, "\"instances_seen\": 1");
     }

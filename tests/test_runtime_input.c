@@ -58,12 +58,10 @@ static void repeats_and_nonsense_change_nothing(void **unused)
 {
     (void)unused;
     input keys = {0};
-    const input_event events[] = {{.kind = INPUT_KEY, .key = 3, .down = true},
-                                  {.kind = INPUT_KEY, .key = 3, .down = true},
-                                  {.kind = INPUT_KEY, .key = -1, .down = true},
-                                  {.kind = INPUT_KEY, .key = 100000, .down = true},
-                                  {.kind = INPUT_MOVE, .x = 0.0f / 0.0f, .y = 1},
-                                  {.kind = INPUT_WHEEL, .x = 0, .y = 0}};
+    const input_event events[] = {
+        {.kind = INPUT_KEY, .key = 3, .down = true},    {.kind = INPUT_KEY, .key = 3, .down = true},
+        {.kind = INPUT_KEY, .key = -1, .down = true},   {.kind = INPUT_KEY, .key = 100000, .down = true},
+        {.kind = INPUT_MOVE, .x = 0.0f / 0.0f, .y = 1}, {.kind = INPUT_WHEEL, .x = 0, .y = 0}};
     input_begin_tick(&keys);
     for (size_t i = 0; i < 6; i++) input_apply(&keys, &events[i]);
     assert_int_equal(keys.applied_count, 1);
@@ -145,7 +143,9 @@ static void playing_gives_each_tick_its_events(void **unused)
 {
     (void)unused;
     FILE *file = fopen(temporary(), "w");
-    fputs("daft-recording 1\n\n# a comment\ngame x\nrate 60\n0 +left\n3 -left\n3 +left shift\n7 mouse 1.5 2\n7 motion 3 4\n7 motion 1 0\nend 9\n", file);
+    fputs("daft-recording 1\n\n# a comment\ngame x\nrate 60\n0 +left\n3 -left\n3 +left shift\n7 mouse 1.5 2\n7 motion "
+          "3 4\n7 motion 1 0\nend 9\n",
+          file);
     fclose(file);
     daft_error error;
     recording record;
@@ -217,8 +217,9 @@ static void random_bytes_do_no_harm(void **unused)
     (void)unused;
     state = 0xD1B54A32D192ED03u;
     print_message("seed %#llx\n", (unsigned long long)state);
-    static const char *const words[] = {"daft-recording", " ", "1", "\n", "game", "rate", "60", "seed", "end", "+", "-", "left",
-                                        "mouse", "motion", "wheel", "1e30", "nan", "-5", "#", "\t", "\xff", "999999999999999"};
+    static const char *const words[] = {
+        "daft-recording", " ",     "1",      "\n",    "game", "rate", "60", "seed", "end", "+",    "-",
+        "left",           "mouse", "motion", "wheel", "1e30", "nan",  "-5", "#",    "\t",  "\xff", "999999999999999"};
     for (int i = 0; i < 500; i++) {
         FILE *file = fopen(temporary(), "w");
         if (next(4)) fputs("daft-recording 1\n", file);

@@ -29,10 +29,22 @@ static void play_through(const char *game, int ticks)
     if (status != 0) fail_msg("%s: exit status %d\n%s", game, status, output);
 }
 
-static void the_api_does_what_it_says(void **unused) { (void)unused, play_through("api", 61); }
-static void the_sandbox_holds(void **unused) { (void)unused, play_through("sandbox", 1); }
-static void the_library_works(void **unused) { (void)unused, play_through("library", 210); }
-static void nonsense_never_crashes(void **unused) { (void)unused, play_through("nonsense", 10); }
+static void the_api_does_what_it_says(void **unused)
+{
+    (void)unused, play_through("api", 61);
+}
+static void the_sandbox_holds(void **unused)
+{
+    (void)unused, play_through("sandbox", 1);
+}
+static void the_library_works(void **unused)
+{
+    (void)unused, play_through("library", 210);
+}
+static void nonsense_never_crashes(void **unused)
+{
+    (void)unused, play_through("nonsense", 10);
+}
 
 static void the_games_of_the_design_and_of_the_house_play(void **unused)
 {
@@ -108,7 +120,10 @@ static void tear_down(stage *s)
     daft_engine_destroy(s->engine);
 }
 
-static bool give_up(void *user) { return ++((stage *)user)->asked > 0; }
+static bool give_up(void *user)
+{
+    return ++((stage *)user)->asked > 0;
+}
 
 /* A script that never ends, and catches every error, is stopped when the user asks for it. */
 static void an_endless_script_can_be_stopped(void **unused)
@@ -117,8 +132,13 @@ static void an_endless_script_can_be_stopped(void **unused)
     stage s;
     set_up(&s, "endless");
     game_state play;
-    game_def def = {.where = &s.where, .info = &s.info, .engine = s.engine, .face = s.face,
-                    .quality = DAFT_QUALITY_DRAFT, .interrupted = give_up, .user = &s};
+    game_def def = {.where = &s.where,
+                    .info = &s.info,
+                    .engine = s.engine,
+                    .face = s.face,
+                    .quality = DAFT_QUALITY_DRAFT,
+                    .interrupted = give_up,
+                    .user = &s};
     daft_error error;
     assert_true(game_open(&play, &def, &error));
     assert_false(game_tick(&play));
@@ -135,7 +155,8 @@ static void a_broken_game_reloads(void **unused)
     stage s;
     set_up(&s, "broken_update");
     game_state play;
-    game_def def = {.where = &s.where, .info = &s.info, .engine = s.engine, .face = s.face, .quality = DAFT_QUALITY_DRAFT};
+    game_def def = {
+        .where = &s.where, .info = &s.info, .engine = s.engine, .face = s.face, .quality = DAFT_QUALITY_DRAFT};
     daft_error error;
     assert_true(game_open(&play, &def, &error));
     daft_image *picture = daft_image_create(s.engine, 64, 36, &error);
@@ -211,8 +232,8 @@ static void without_a_display_the_demo_plays_and_leaves_a_picture(void **unused)
     char folder[] = "/tmp/daft-demo-XXXXXX", command[1024], picture[64];
     assert_non_null(mkdtemp(folder));
     snprintf(command, sizeof command,
-             "cd %s && env -u DISPLAY -u WAYLAND_DISPLAY -u SDL_VIDEODRIVER '%s' play '%s/tests/games/sample' 2>&1", folder,
-             DAFT_PROGRAM, DAFT_ROOT);
+             "cd %s && env -u DISPLAY -u WAYLAND_DISPLAY -u SDL_VIDEODRIVER '%s' play '%s/tests/games/sample' 2>&1",
+             folder, DAFT_PROGRAM, DAFT_ROOT);
     FILE *pipe = popen(command, "r");
     assert_non_null(pipe);
     output[fread(output, 1, OUTPUT_SIZE - 1, pipe)] = 0;
@@ -235,18 +256,17 @@ static void without_a_display_the_demo_plays_and_leaves_a_picture(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_api_does_what_it_says),
-        cmocka_unit_test(the_sandbox_holds),
-        cmocka_unit_test(the_library_works),
-        cmocka_unit_test(nonsense_never_crashes),
-        cmocka_unit_test(the_games_of_the_design_and_of_the_house_play),
-        cmocka_unit_test(restarting_starts_afresh),
-        cmocka_unit_test(script_errors_are_status_1_with_place_and_trace),
-        cmocka_unit_test(an_endless_script_can_be_stopped),
-        cmocka_unit_test(a_broken_game_reloads),
-        cmocka_unit_test(hashes_do_not_depend_on_threads_or_instruction_set),
-        cmocka_unit_test(a_recording_plays_the_same_game),
-        cmocka_unit_test(without_a_display_the_demo_plays_and_leaves_a_picture)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_api_does_what_it_says),
+                                       cmocka_unit_test(the_sandbox_holds),
+                                       cmocka_unit_test(the_library_works),
+                                       cmocka_unit_test(nonsense_never_crashes),
+                                       cmocka_unit_test(the_games_of_the_design_and_of_the_house_play),
+                                       cmocka_unit_test(restarting_starts_afresh),
+                                       cmocka_unit_test(script_errors_are_status_1_with_place_and_trace),
+                                       cmocka_unit_test(an_endless_script_can_be_stopped),
+                                       cmocka_unit_test(a_broken_game_reloads),
+                                       cmocka_unit_test(hashes_do_not_depend_on_threads_or_instruction_set),
+                                       cmocka_unit_test(a_recording_plays_the_same_game),
+                                       cmocka_unit_test(without_a_display_the_demo_plays_and_leaves_a_picture)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -25,9 +25,15 @@ const api_area *const *api_areas(size_t *count)
     return AREAS;
 }
 
-host *api_host(lua_State *L) { return *(host **)lua_getextraspace(L); }
+host *api_host(lua_State *L)
+{
+    return *(host **)lua_getextraspace(L);
+}
 
-void api_push(lua_State *L) { lua_rawgetp(L, LUA_REGISTRYINDEX, &DAFT_KEY); }
+void api_push(lua_State *L)
+{
+    lua_rawgetp(L, LUA_REGISTRYINDEX, &DAFT_KEY);
+}
 
 /* ---- errors ---- */
 
@@ -161,8 +167,9 @@ static int refuse(lua_State *L)
         return 0;
     }
     const char *near = nearest_name(name, CALLBACKS, COUNT_OF(CALLBACKS));
-    return luaL_error(L, near ? "daft calls no function '%s': did you mean '%s'?"
-                              : "daft calls no function '%s': it has load, update, draw, keypressed and keyreleased",
+    return luaL_error(L,
+                      near ? "daft calls no function '%s': did you mean '%s'?"
+                           : "daft calls no function '%s': it has load, update, draw, keypressed and keyreleased",
                       name, near);
 }
 
@@ -387,9 +394,10 @@ void api_push_entity(lua_State *L, uint32_t id)
 
 void api_print_reference(void)
 {
-    printf("The functions of a DAFT game. It may define daft.load(), daft.update(dt), daft.draw(),\n"
-           "daft.keypressed(key) and daft.keyreleased(key); dt is always 1/60 s.\n"
-           "Metres, seconds, kilograms, radians; Y is up. Colours: \"#rgb\" or \"#rrggbb\" (sRGB), {r, g, b} (linear).\n");
+    printf(
+        "The functions of a DAFT game. It may define daft.load(), daft.update(dt), daft.draw(),\n"
+        "daft.keypressed(key) and daft.keyreleased(key); dt is always 1/60 s.\n"
+        "Metres, seconds, kilograms, radians; Y is up. Colours: \"#rgb\" or \"#rrggbb\" (sRGB), {r, g, b} (linear).\n");
     for (size_t area = 0; area < COUNT_OF(AREAS); area++) {
         printf("\n%s\n", AREAS[area]->title);
         for (size_t i = 0; i < AREAS[area]->count; i++) {

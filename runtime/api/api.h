@@ -84,7 +84,7 @@ void api_fields(lua_State *L, host *h, int index, const char *what, const char *
 /* Pushes the field and is true; or pushes nothing and is false where it is nil. */
 bool api_field(lua_State *L, int table, const char *name);
 
-int api_push_vec3(lua_State *L, double x, double y, double z); /* as a table */
+int api_push_vec3(lua_State *L, double x, double y, double z);    /* as a table */
 int api_push_numbers(lua_State *L, double x, double y, double z); /* as three values */
 
 /* ---- handles ---- */

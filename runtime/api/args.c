@@ -182,8 +182,8 @@ static daft_quat quat_mul(daft_quat a, daft_quat b)
                        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
 
-/* The camera's angles: what faces +X faces where a camera of this yaw and pitch looks. Yaw turns from +X to +Z, which is
- * a negative turn about Y; pitch down is a negative turn about Z; roll to the right a positive one about X. */
+/* The camera's angles: what faces +X faces where a camera of this yaw and pitch looks. Yaw turns from +X to +Z, which
+ * is a negative turn about Y; pitch down is a negative turn about Z; roll to the right a positive one about X. */
 daft_quat api_quat_from_angles(double yaw, double pitch, double roll)
 {
     daft_quat y = {0, (float)-daft_sin(yaw / 2), 0, (float)daft_cos(yaw / 2)};
@@ -233,7 +233,8 @@ int api_key(lua_State *L, host *h, int index, const char *what)
     const char *const *names = input_key_names(&count);
     const char *near = nearest_name(name, names, count);
     if (near) api_error(L, h, "%s: there is no key '%s': did you mean '%s'?", what, name, near);
-    api_error(L, h, "%s: there is no key '%s': they are named as in \"a\", \"left\", \"space\", \"left shift\"", what, name);
+    api_error(L, h, "%s: there is no key '%s': they are named as in \"a\", \"left\", \"space\", \"left shift\"", what,
+              name);
 }
 
 void api_fields(lua_State *L, host *h, int index, const char *what, const char *const *names, size_t count)

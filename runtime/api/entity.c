@@ -7,8 +7,9 @@
 #include <string.h>
 
 static const char *const FIELDS[] = {
-    "mesh", "sphere", "box", "position", "rotation", "scale", "material", "parent", "visible", "casts_shadow", "body",
-    "density", "mass", "friction", "restitution", "rolling_resistance", "velocity", "angular_velocity", "name", "data"};
+    "mesh",     "sphere",           "box",  "position", "rotation", "scale",    "material",    "parent",
+    "visible",  "casts_shadow",     "body", "density",  "mass",     "friction", "restitution", "rolling_resistance",
+    "velocity", "angular_velocity", "name", "data"};
 
 static const char *const BODIES[] = {"static", "kinematic", "dynamic"};
 
@@ -147,14 +148,14 @@ static int set_transform(lua_State *L, host *h, const daft_transform *transform,
 /* Getters that set when they have arguments may not set within daft.draw. */
 static void check_may_change(lua_State *L, host *h)
 {
-    if (h->picture) api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
+    if (h->picture)
+        api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
 }
 
 static int position(lua_State *L, host *h)
 {
     daft_transform transform = get_transform(L, h);
-    if (lua_gettop(L) < 2)
-        return api_push_numbers(L, transform.position.x, transform.position.y, transform.position.z);
+    if (lua_gettop(L) < 2) return api_push_numbers(L, transform.position.x, transform.position.y, transform.position.z);
     check_may_change(L, h);
     transform.position = api_place(L, h, 2, "position");
     return set_transform(L, h, &transform, false);
@@ -332,7 +333,7 @@ static int valid(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"entity", "{...} -> entity",
-     "Makes a thing. Shape, one of: mesh = \"file.obj\", sphere = radius, box = {x, y, z} (edge lengths); none: a group.\n"
+     "Makes a thing. One shape: mesh = \"file.obj\", sphere = radius, box = {x, y, z} (edge lengths); none: a group.\n"
      "position = {x, y, z}, rotation = {yaw, pitch, roll} or {x, y, z, w}, scale = s or {x, y, z}, parent = entity,\n"
      "material = see daft.material, visible = true, casts_shadow = true,\n"
      "body = \"static\", \"kinematic\" or \"dynamic\" (dynamic: spheres), mass or density, friction, restitution,\n"
@@ -354,8 +355,8 @@ static const api_function FUNCTIONS[] = {
      API_CHANGES},
     {"entity:impulse", "(x, y, z)", "A kick in kilograms times metres a second.", impulse, API_CHANGES},
     {"entity:contacts", "() -> list",
-     "What touched it in the last step: a list of {other = entity, point = {x, y, z}, normal = {x, y, z}, impulse = n};\n"
-     "the normal points away from the other.",
+     "What touched it in the last step: a list of {other = entity, point = {x, y, z}, normal = {x, y, z},\n"
+     "impulse = n}; the normal points away from the other.",
      contacts, 0},
     {"entity:destroy", "()", "Takes it and its children out of the world.", destroy, API_CHANGES},
     {"entity:valid", "() -> boolean", "False once it has been destroyed.", valid, 0},

@@ -74,8 +74,8 @@ static int height(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"text", "(string, x, y [, {size =, color =, align =, shadow =}])",
-     "Within daft.draw. align is \"left\", \"center\" or \"right\" of x; y is the top. size 28, white, with a shadow.", text,
-     API_DRAWS},
+     "Within daft.draw. align is \"left\", \"center\" or \"right\" of x; y is the top. size 28, white, with a shadow.",
+     text, API_DRAWS},
     {"rect", "(x, y, width, height [, color])", "A filled rectangle; \"#rrggbbaa\" shines through.", rect, API_DRAWS},
     {"text_width", "(string [, size]) -> number", "Of the widest line.", width_of_text, 0},
     {"width", "() -> number", "The picture is 720 units high and as wide as its shape makes it.", width, 0},

@@ -11,9 +11,18 @@ static int push_state(lua_State *L, host *h, const bool *states)
     return 1;
 }
 
-static int down(lua_State *L, host *h) { return push_state(L, h, h->def.keys->down); }
-static int pressed(lua_State *L, host *h) { return push_state(L, h, h->def.keys->pressed); }
-static int released(lua_State *L, host *h) { return push_state(L, h, h->def.keys->released); }
+static int down(lua_State *L, host *h)
+{
+    return push_state(L, h, h->def.keys->down);
+}
+static int pressed(lua_State *L, host *h)
+{
+    return push_state(L, h, h->def.keys->pressed);
+}
+static int released(lua_State *L, host *h)
+{
+    return push_state(L, h, h->def.keys->released);
+}
 
 static int axis(lua_State *L, host *h)
 {
@@ -48,9 +57,18 @@ static int button(lua_State *L, host *h, const bool *states)
     return 1;
 }
 
-static int mouse_down(lua_State *L, host *h) { return button(L, h, h->def.keys->down); }
-static int mouse_pressed(lua_State *L, host *h) { return button(L, h, h->def.keys->pressed); }
-static int mouse_released(lua_State *L, host *h) { return button(L, h, h->def.keys->released); }
+static int mouse_down(lua_State *L, host *h)
+{
+    return button(L, h, h->def.keys->down);
+}
+static int mouse_pressed(lua_State *L, host *h)
+{
+    return button(L, h, h->def.keys->pressed);
+}
+static int mouse_released(lua_State *L, host *h)
+{
+    return button(L, h, h->def.keys->released);
+}
 
 static int wheel(lua_State *L, host *h)
 {
@@ -74,8 +92,8 @@ static int grab(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"input.down", "(key) -> boolean",
-     "Keys have SDL's names in lower case: \"a\", \"left\", \"space\", \"return\", \"left shift\", \"f1\", \"mouse1\".", down,
-     0},
+     "Keys have SDL's names in lower case: \"a\", \"left\", \"space\", \"return\", \"left shift\", \"f1\", \"mouse1\".",
+     down, 0},
     {"input.pressed", "(key) -> boolean", "It went down in this tick.", pressed, 0},
     {"input.released", "(key) -> boolean", "It went up in this tick.", released, 0},
     {"input.axis", "(negative, positive) -> -1, 0 or 1", "Two keys as an axis.", axis, 0},
@@ -87,7 +105,8 @@ static const api_function FUNCTIONS[] = {
     {"input.mouse.wheel", "() -> x, y", "Notches turned in this tick; up and right are positive.", wheel, 0},
     {"input.mouse.grab", "(on)", "Hides the mouse and keeps it in the window, to look around with its motion.", grab,
      API_CHANGES},
-    {"input.mouse.motion", "() -> x, y", "HUD units it went right and down in this tick, while it is grabbed.", motion, 0},
+    {"input.mouse.motion", "() -> x, y", "HUD units it went right and down in this tick, while it is grabbed.", motion,
+     0},
     {"input.mouse", "() -> x, y", "In HUD units from the top left: 0, 0 to daft.width(), daft.height().", mouse, 0},
 };
 

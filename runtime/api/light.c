@@ -33,8 +33,14 @@ static int create(lua_State *L, host *h, daft_light_kind kind)
     return 1;
 }
 
-static int sun(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_SUN); }
-static int point(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_POINT); }
+static int sun(lua_State *L, host *h)
+{
+    return create(L, h, DAFT_LIGHT_SUN);
+}
+static int point(lua_State *L, host *h)
+{
+    return create(L, h, DAFT_LIGHT_POINT);
+}
 
 static daft_light_def get(lua_State *L, host *h)
 {

@@ -29,7 +29,10 @@ static bool find_texture(const host *h, const char *name, char *out, size_t size
     return false;
 }
 
-static int by_text(const void *a, const void *b) { return strcmp(*(char *const *)a, *(char *const *)b); }
+static int by_text(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
 
 /* Adds the names in FOLDER/textures, without their extensions. */
 static size_t list_textures(const char *folder, char **names, size_t count, size_t capacity)
@@ -170,10 +173,10 @@ static void keep_shared(lua_State *L, const char *key, size_t length, daft_mater
 static daft_material shared_material(lua_State *L, host *h, const daft_material_def *def)
 {
     /* Field by field: the bytes between fields are not defined. */
-    float key[20] = {def->ambient.x,       def->ambient.y,     def->ambient.z,     def->diffuse.x,     def->diffuse.y,
-                     def->diffuse.z,       def->specular.x,    def->specular.y,    def->specular.z,    def->shininess,
-                     def->mirror,          def->mirror_tint.x, def->mirror_tint.y, def->mirror_tint.z, def->emission.x,
-                     def->emission.y,      def->emission.z,    def->map_scale.x,   def->map_scale.y,   0};
+    float key[20] = {def->ambient.x,  def->ambient.y,     def->ambient.z,     def->diffuse.x,     def->diffuse.y,
+                     def->diffuse.z,  def->specular.x,    def->specular.y,    def->specular.z,    def->shininess,
+                     def->mirror,     def->mirror_tint.x, def->mirror_tint.y, def->mirror_tint.z, def->emission.x,
+                     def->emission.y, def->emission.z,    def->map_scale.x,   def->map_scale.y,   0};
     memcpy(&key[19], &def->diffuse_map.id, sizeof key[19]);
     daft_material material;
     if (find_shared(L, (const char *)key, sizeof key, &material)) return material;

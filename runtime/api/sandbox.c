@@ -2,11 +2,11 @@
  * reach beyond its folder. So:
  *   - io, os, package and most of debug are not there (debug.traceback is); using io or os says so;
  *   - load takes text only; dofile and loadfile are not there;
- *   - math's functions come from libdaft, since libm's last bits differ between systems; `^` with the exponent 2 is exact,
- *     other exponents are libm's: use math.pow where a replay depends on it;
+ *   - math's functions come from libdaft, since libm's last bits differ between systems; `^` with the exponent 2
+ *     is exact, other exponents are libm's: use math.pow where a replay depends on it;
  *   - math.random and math.randomseed are daft.random and daft.randomseed;
- *   - pairs() goes in a fixed order: numbers rising, then strings in the order of their bytes, then false and true, then
- *     the rest in no fixed order (Lua's own order hangs on addresses);
+ *   - pairs() goes in a fixed order: numbers rising, strings in the order of their bytes, false and true, then the
+ *     rest in no fixed order (Lua's own order hangs on addresses);
  *   - table.sort is a stable merge sort (Lua's own picks pivots by the clock);
  *   - pcall, xpcall and coroutines pass on the error with which the watchdog stops a script. */
 #include "api/api.h"
@@ -47,8 +47,8 @@ static key_entry describe_key(lua_State *L, int index, lua_Integer place)
     switch (lua_type(L, index)) {
     case LUA_TNUMBER:
         entry.kind = KEY_NUMBER;
-        entry.number = lua_isinteger(L, index) ? (long double)lua_tointeger(L, index)
-                                               : (long double)lua_tonumber(L, index);
+        entry.number =
+            lua_isinteger(L, index) ? (long double)lua_tointeger(L, index) : (long double)lua_tonumber(L, index);
         break;
     case LUA_TSTRING:
         entry.kind = KEY_STRING;
@@ -149,8 +149,10 @@ static void merge(lua_State *L, int from, int to, lua_Integer low, lua_Integer m
         if (!take_right) lua_pop(L, 1);
         lua_rawseti(L, to, out);
         if (take_right) lua_pop(L, 1);
-        if (take_right) right++;
-        else left++;
+        if (take_right)
+            right++;
+        else
+            left++;
     }
 }
 
@@ -187,7 +189,10 @@ static int sort(lua_State *L)
 
 /* ---- math ---- */
 
-static double argument(lua_State *L, int index) { return luaL_checknumber(L, index); }
+static double argument(lua_State *L, int index)
+{
+    return luaL_checknumber(L, index);
+}
 
 static int push_number(lua_State *L, double value)
 {
@@ -197,14 +202,38 @@ static int push_number(lua_State *L, double value)
 
 static const double LOG2_E = 1.4426950408889634;
 
-static int m_sin(lua_State *L) { return push_number(L, daft_sin(argument(L, 1))); }
-static int m_cos(lua_State *L) { return push_number(L, daft_cos(argument(L, 1))); }
-static int m_tan(lua_State *L) { return push_number(L, daft_tan(argument(L, 1))); }
-static int m_asin(lua_State *L) { return push_number(L, daft_asin(argument(L, 1))); }
-static int m_acos(lua_State *L) { return push_number(L, daft_acos(argument(L, 1))); }
-static int m_atan(lua_State *L) { return push_number(L, daft_atan2(argument(L, 1), luaL_optnumber(L, 2, 1))); }
-static int m_exp(lua_State *L) { return push_number(L, daft_exp2(argument(L, 1) * LOG2_E)); }
-static int m_sqrt(lua_State *L) { return push_number(L, sqrt(argument(L, 1))); }
+static int m_sin(lua_State *L)
+{
+    return push_number(L, daft_sin(argument(L, 1)));
+}
+static int m_cos(lua_State *L)
+{
+    return push_number(L, daft_cos(argument(L, 1)));
+}
+static int m_tan(lua_State *L)
+{
+    return push_number(L, daft_tan(argument(L, 1)));
+}
+static int m_asin(lua_State *L)
+{
+    return push_number(L, daft_asin(argument(L, 1)));
+}
+static int m_acos(lua_State *L)
+{
+    return push_number(L, daft_acos(argument(L, 1)));
+}
+static int m_atan(lua_State *L)
+{
+    return push_number(L, daft_atan2(argument(L, 1), luaL_optnumber(L, 2, 1)));
+}
+static int m_exp(lua_State *L)
+{
+    return push_number(L, daft_exp2(argument(L, 1) * LOG2_E));
+}
+static int m_sqrt(lua_State *L)
+{
+    return push_number(L, sqrt(argument(L, 1)));
+}
 
 static int m_log(lua_State *L)
 {
@@ -223,9 +252,9 @@ static int m_pow(lua_State *L)
     return push_number(L, fmod(exponent, 2) == 0 ? size : -size);
 }
 
-static const luaL_Reg MATH[] = {{"sin", m_sin},   {"cos", m_cos}, {"tan", m_tan},   {"asin", m_asin}, {"acos", m_acos},
-                                {"atan", m_atan}, {"exp", m_exp}, {"sqrt", m_sqrt}, {"log", m_log},   {"pow", m_pow},
-                                {NULL, NULL}};
+static const luaL_Reg MATH[] = {{"sin", m_sin},   {"cos", m_cos},   {"tan", m_tan}, {"asin", m_asin},
+                                {"acos", m_acos}, {"atan", m_atan}, {"exp", m_exp}, {"sqrt", m_sqrt},
+                                {"log", m_log},   {"pow", m_pow},   {NULL, NULL}};
 
 /* ---- code and protected calls ---- */
 
@@ -316,9 +345,9 @@ static int random_from_daft(lua_State *L)
 
 void sandbox_open(lua_State *L)
 {
-    const luaL_Reg libraries[] = {{LUA_GNAME, luaopen_base},          {LUA_COLIBNAME, luaopen_coroutine},
-                                  {LUA_TABLIBNAME, luaopen_table},    {LUA_STRLIBNAME, luaopen_string},
-                                  {LUA_MATHLIBNAME, luaopen_math},    {LUA_UTF8LIBNAME, luaopen_utf8}};
+    const luaL_Reg libraries[] = {{LUA_GNAME, luaopen_base},       {LUA_COLIBNAME, luaopen_coroutine},
+                                  {LUA_TABLIBNAME, luaopen_table}, {LUA_STRLIBNAME, luaopen_string},
+                                  {LUA_MATHLIBNAME, luaopen_math}, {LUA_UTF8LIBNAME, luaopen_utf8}};
     for (size_t i = 0; i < COUNT_OF(libraries); i++) {
         luaL_requiref(L, libraries[i].name, libraries[i].func, 1);
         lua_pop(L, 1);

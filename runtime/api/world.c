@@ -82,7 +82,8 @@ static int random_number(lua_State *L, host *h)
         return 1;
     }
     lua_Integer low = count > 1 ? api_whole(L, h, 1, "low") : 1, high = api_whole(L, h, count > 1 ? 2 : 1, "high");
-    if (low > high) api_error(L, h, "high: a number of %lld or more expected, got %lld", (long long)low, (long long)high);
+    if (low > high)
+        api_error(L, h, "high: a number of %lld or more expected, got %lld", (long long)low, (long long)high);
     lua_pushinteger(L, (lua_Integer)((uint64_t)low + pick(state, (uint64_t)high - (uint64_t)low)));
     return 1;
 }
