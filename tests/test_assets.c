@@ -85,8 +85,14 @@ static bool load_mesh(fixture *f, const char *path)
     daft_mesh_info info;
     return mesh.id && daft_mesh_get_info(f->scene, mesh, &info, &f->error) && info.triangle_count > 0;
 }
-static bool load_texture(fixture *f, const char *path) { return daft_texture_load(f->scene, path, &f->error).id != 0; }
-static bool load_sky(fixture *f, const char *path) { return daft_scene_set_sky_image(f->scene, path, &f->error); }
+static bool load_texture(fixture *f, const char *path)
+{
+    return daft_texture_load(f->scene, path, &f->error).id != 0;
+}
+static bool load_sky(fixture *f, const char *path)
+{
+    return daft_scene_set_sky_image(f->scene, path, &f->error);
+}
 static bool load_scene(fixture *f, const char *path)
 {
     return daft_scene_load(f->scene, path, &f->error) && daft_scene_camera_count(f->scene) > 0;
@@ -127,8 +133,8 @@ static void font_checksum(void **state)
 static void font_has_the_letters(void **state)
 {
     (void)state;
-    static const int extra[] = {0xb0, 0xd7, 0x2013, 0x2014, 0x2026, 0x201c, 0x201d, 0x2019, 0xe9, 0xe4, 0xf6, 0xfc,
-                                0xdf, 0x20ac, 0x2192, 0x2190, 0x2191, 0x2193, 0x25cf, 0x2605, 0x25c6};
+    static const int extra[] = {0xb0, 0xd7, 0x2013, 0x2014, 0x2026, 0x201c, 0x201d, 0x2019, 0xe9,   0xe4,  0xf6,
+                                0xfc, 0xdf, 0x20ac, 0x2192, 0x2190, 0x2191, 0x2193, 0x25cf, 0x2605, 0x25c6};
     unsigned char *bytes = read_font();
     stbtt_fontinfo font;
     assert_true(stbtt_InitFont(&font, bytes, 0));

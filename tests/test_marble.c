@@ -1,4 +1,5 @@
-/* games/marble: its recorded demo wins, and the same game comes out for any number of threads and any instruction set. */
+/* games/marble: its recorded demo wins, and the same game comes out for any number of threads and any instruction set.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,8 +15,9 @@
 static char *play(const char *options)
 {
     char command[2048];
-    snprintf(command, sizeof command, "'%s' play '%s/games/marble' --headless --replay '%s/games/marble/demo.rec' --hash %s",
-             DAFT_PROGRAM, DAFT_ROOT, DAFT_ROOT, options);
+    snprintf(command, sizeof command,
+             "'%s' play '%s/games/marble' --headless --replay '%s/games/marble/demo.rec' --hash %s", DAFT_PROGRAM,
+             DAFT_ROOT, DAFT_ROOT, options);
     FILE *pipe = popen(command, "r");
     assert_non_null(pipe);
     size_t used = 0, capacity = 1 << 16;

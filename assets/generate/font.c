@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PEN = 44;     /* half the stroke width, of 1000 to the em */
-static const double SCALE = 2;    /* font units in a skeleton's unit: 2000 to the em */
+static const double PEN = 44;  /* half the stroke width, of 1000 to the em */
+static const double SCALE = 2; /* font units in a skeleton's unit: 2000 to the em */
 static const int ASCENDER = 1800, DESCENDER = -500;
 static const double DIGIT_ADVANCE = 590; /* all digits alike, so that clocks and scores do not shake */
 
@@ -23,10 +23,22 @@ static void put8(table *t, int v)
 {
     if (t->size < MAX_FILE) t->bytes[t->size++] = (uint8_t)v;
 }
-static void put16(table *t, int v) { put8(t, v >> 8 & 255), put8(t, v & 255); }
-static void put32(table *t, uint32_t v) { put16(t, (int)(v >> 16)), put16(t, (int)(v & 65535)); }
-static void put64(table *t, uint64_t v) { put32(t, (uint32_t)(v >> 32)), put32(t, (uint32_t)v); }
-static void put_text(table *t, const char *s) { while (*s) put8(t, *s++); }
+static void put16(table *t, int v)
+{
+    put8(t, v >> 8 & 255), put8(t, v & 255);
+}
+static void put32(table *t, uint32_t v)
+{
+    put16(t, (int)(v >> 16)), put16(t, (int)(v & 65535));
+}
+static void put64(table *t, uint64_t v)
+{
+    put32(t, (uint32_t)(v >> 32)), put32(t, (uint32_t)v);
+}
+static void put_text(table *t, const char *s)
+{
+    while (*s) put8(t, *s++);
+}
 
 typedef struct metrics {
     int advance, left;
@@ -47,7 +59,10 @@ static const char *const tags[TABLES] = {"OS/2", "cmap", "glyf", "head", "hhea",
 
 /* ---- outlines ---- */
 
-static int units(double v) { return (int)floor(v * SCALE + 0.5); }
+static int units(double v)
+{
+    return (int)floor(v * SCALE + 0.5);
+}
 
 static void ink_box(const outline *o, double *low_x, double *high_x)
 {
@@ -204,7 +219,8 @@ static void put_head(font *f)
     put32(t, 0);          /* the whole file's checksum goes here */
     put32(t, 0x5f0f3cf5); /* magic */
     put16(t, 0x000b), put16(t, (int)(1000 * SCALE));
-    put64(t, 3786912000u), put64(t, 3786912000u); /* 2024-01-01, seconds since 1904: a fixed date keeps the bytes fixed */
+    put64(t, 3786912000u); /* made: seconds from 1904 to 2024-01-01; a fixed date keeps the bytes fixed */
+    put64(t, 3786912000u); /* and changed */
     put16(t, f->box.x0), put16(t, f->box.y0), put16(t, f->box.x1), put16(t, f->box.y1);
     put16(t, 0), put16(t, 8), put16(t, 2), put16(t, 1), put16(t, 0);
 }
@@ -254,9 +270,17 @@ static void put_os2(font *f)
 
 static void put_name(table *t)
 {
-    static const struct { int id; const char *text; } names[] = {
-        {0, "Made by daft_generate; CC0, no rights reserved"}, {1, "DAFT"}, {2, "Regular"}, {3, "DAFT Regular 1.0"},
-        {4, "DAFT Regular"}, {5, "Version 1.0"}, {6, "DAFT-Regular"},
+    static const struct {
+        int id;
+        const char *text;
+    } names[] = {
+        {0, "Made by daft_generate; CC0, no rights reserved"},
+        {1, "DAFT"},
+        {2, "Regular"},
+        {3, "DAFT Regular 1.0"},
+        {4, "DAFT Regular"},
+        {5, "Version 1.0"},
+        {6, "DAFT-Regular"},
     };
     int count = (int)(sizeof names / sizeof names[0]), offset = 0;
     put16(t, 0), put16(t, count), put16(t, 6 + 12 * count);

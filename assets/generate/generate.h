@@ -1,6 +1,6 @@
 /* The generator of everything in assets/ that is not written by hand: a font, textures, a sky, meshes and their
- * materials. What it makes is committed, so nobody needs it to play; it is here so that nothing in assets/ is of unknown
- * origin. Same program, same libm, same bytes: noise comes from hashes of lattice points, not from a clock. */
+ * materials. What it makes is committed, so nobody needs it to play; it is here so that nothing in assets/ is of
+ * unknown origin. Same program, same libm, same bytes: noise comes from hashes of lattice points, not from a clock. */
 #ifndef DAFT_GENERATE_H
 #define DAFT_GENERATE_H
 
@@ -34,7 +34,7 @@ typedef struct picture {
 /* What a texture is at u, v in 0..1, v = 0 at the bottom. */
 typedef color painter(double u, double v);
 
-color rgb(int hex); /* 0xrrggbb */
+color rgb(int hex);                    /* 0xrrggbb */
 color mix(color a, color b, double t); /* t is clamped to 0..1 */
 color shade(color c, double factor);
 double clamp01(double x);

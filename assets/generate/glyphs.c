@@ -1,5 +1,5 @@
 /* The letters of our own font, "DAFT": a geometric sans of one stroke width. Skeletons are in the language of stroke.c;
- * capitals are 610 high, small letters 420, ascenders 650, descenders -200 (between the pen's centres, of 1000 to the em).
+ * capitals are 610 high, small letters 420, ascenders 650, descenders -200 (pen's centres, 1000 to the em).
  * Round letters overshoot by 8, as the eye wants it. */
 #include "generate.h"
 

@@ -7,11 +7,26 @@
 
 static const double TAU = 6.283185307179586;
 
-vec add(vec a, vec b) { return v3(a.x + b.x, a.y + b.y, a.z + b.z); }
-vec sub(vec a, vec b) { return v3(a.x - b.x, a.y - b.y, a.z - b.z); }
-vec times(vec a, double s) { return v3(a.x * s, a.y * s, a.z * s); }
-vec cross(vec a, vec b) { return v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x); }
-double length(vec a) { return sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
+vec add(vec a, vec b)
+{
+    return v3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+vec sub(vec a, vec b)
+{
+    return v3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+vec times(vec a, double s)
+{
+    return v3(a.x * s, a.y * s, a.z * s);
+}
+vec cross(vec a, vec b)
+{
+    return v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+double length(vec a)
+{
+    return sqrt(a.x * a.x + a.y * a.y + a.z * a.z);
+}
 vec normal_of(vec a)
 {
     double l = length(a);
@@ -45,7 +60,10 @@ void add_flat(mesh *m, const vec *points, int count)
     add_face(m, corners, count, false);
 }
 
-static bool same_point(const double *a, const double *b) { return fabs(a[0] - b[0]) + fabs(a[1] - b[1]) < 1e-9; }
+static bool same_point(const double *a, const double *b)
+{
+    return fabs(a[0] - b[0]) + fabs(a[1] - b[1]) < 1e-9;
+}
 
 /* The profile's outward normal at the end `i` of the piece between i and i + step. */
 static void profile_normal(const double (*p)[2], int count, int i, int step, double out[2])
@@ -79,8 +97,7 @@ void add_lathe(mesh *m, const double (*profile)[2], int count, int sides, double
                 c[j].at = v3(a[0] * x, a[1], a[0] * z), c[j].normal = v3(n[0] * x, n[1], n[0] * z);
                 c[j].u = repeat * turn / sides, c[j].v = travelled + (j < 2 ? 0 : step);
             }
-            if (p[0] < 1e-9)
-                c[1] = c[2], c[2] = c[3];
+            if (p[0] < 1e-9) c[1] = c[2], c[2] = c[3];
             bool triangle = p[0] < 1e-9 || q[0] < 1e-9;
             add_face(m, c, triangle ? 3 : 4, repeat > 0);
         }
@@ -137,11 +154,11 @@ static void split(const blob *b, vec p, vec q, vec r, int level)
 void add_blob(mesh *m, vec center, vec radius, int level, double rough, int seed)
 {
     static const double g = 1.618033988749895;
-    const vec v[12] = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                       {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-    static const int f[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+    const vec v[12] = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                       {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+    static const int f[20][3] = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                                 {3, 8, 9},  {4, 9, 5},  {2, 4, 11},  {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
+                                 {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
     blob b = {m, center, radius, rough, seed};
     for (int i = 0; i < 20; i++) split(&b, normal_of(v[f[i][0]]), normal_of(v[f[i][1]]), normal_of(v[f[i][2]]), level);
 }

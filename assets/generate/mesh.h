@@ -1,4 +1,5 @@
-/* Building meshes for assets/meshes: faces with corners, written as OBJ. Y up, metres, counter-clockwise from outside. */
+/* Building meshes for assets/meshes: faces with corners, written as OBJ. Y up, metres, counter-clockwise from outside.
+ */
 #ifndef DAFT_GENERATE_MESH_H
 #define DAFT_GENERATE_MESH_H
 
@@ -8,7 +9,10 @@ typedef struct vec {
     double x, y, z;
 } vec;
 
-static inline vec v3(double x, double y, double z) { return (vec){x, y, z}; }
+static inline vec v3(double x, double y, double z)
+{
+    return (vec){x, y, z};
+}
 vec add(vec a, vec b);
 vec sub(vec a, vec b);
 vec times(vec a, double s);

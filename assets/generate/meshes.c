@@ -58,9 +58,9 @@ static void tip_over(mesh *m)
 
 static void coin(mesh *m)
 {
-    static const double rim[][2] = {{0, -0.025}, {0.26, -0.025}, {0.26, -0.025}, {0.28, -0.045}, {0.28, -0.045},
-                                    {0.33, -0.045}, {0.35, -0.025}, {0.35, 0.025}, {0.33, 0.045}, {0.28, 0.045},
-                                    {0.28, 0.045}, {0.26, 0.025}, {0.26, 0.025}, {0, 0.025}};
+    static const double rim[][2] = {{0, -0.025},    {0.26, -0.025}, {0.26, -0.025}, {0.28, -0.045}, {0.28, -0.045},
+                                    {0.33, -0.045}, {0.35, -0.025}, {0.35, 0.025},  {0.33, 0.045},  {0.28, 0.045},
+                                    {0.28, 0.045},  {0.26, 0.025},  {0.26, 0.025},  {0, 0.025}};
     use_material(m, "gold");
     add_lathe(m, rim, 14, 32, 0);
     tip_over(m);
@@ -77,10 +77,10 @@ static void ring(mesh *m)
 
 static void cup(mesh *m)
 {
-    static const double profile[][2] = {{0, 0},        {0.26, 0},     {0.26, 0},     {0.27, 0.05},  {0.22, 0.09},
-                                        {0.08, 0.14},  {0.055, 0.22}, {0.06, 0.30},  {0.12, 0.36},  {0.24, 0.44},
-                                        {0.31, 0.58},  {0.34, 0.76},  {0.36, 0.80},  {0.36, 0.80},  {0.33, 0.80},
-                                        {0.33, 0.80},  {0.28, 0.58},  {0.20, 0.47},  {0, 0.44}};
+    static const double profile[][2] = {{0, 0},       {0.26, 0},     {0.26, 0},    {0.27, 0.05}, {0.22, 0.09},
+                                        {0.08, 0.14}, {0.055, 0.22}, {0.06, 0.30}, {0.12, 0.36}, {0.24, 0.44},
+                                        {0.31, 0.58}, {0.34, 0.76},  {0.36, 0.80}, {0.36, 0.80}, {0.33, 0.80},
+                                        {0.33, 0.80}, {0.28, 0.58},  {0.20, 0.47}, {0, 0.44}};
     use_material(m, "gold");
     add_lathe(m, profile, 19, 28, 0);
     add_torus(m, v3(-0.355, 0.62, 0), 0.13, 0.028, 12, 8, TAU * 0.22, TAU * 0.88);
@@ -141,10 +141,10 @@ static void rock(mesh *m)
 static void column(mesh *m)
 {
     static const double profile[][2] = {
-        {0.44, 0},    {0.44, 0.14}, {0.44, 0.14}, {0.40, 0.14}, {0.40, 0.14}, {0.425, 0.18}, {0.42, 0.24}, {0.36, 0.28},
-        {0.32, 0.31}, {0.325, 0.9}, {0.315, 1.6}, {0.285, 2.5}, {0.28, 2.62}, {0.28, 2.62},  {0.31, 2.64}, {0.31, 2.68},
-        {0.29, 2.70}, {0.29, 2.70}, {0.38, 2.82}, {0.42, 2.86}, {0.42, 2.86}, {0.46, 2.86},  {0.46, 2.86}, {0.46, 3.0},
-        {0.46, 3.0},  {0, 3.0}};
+        {0.44, 0},    {0.44, 0.14}, {0.44, 0.14}, {0.40, 0.14}, {0.40, 0.14}, {0.425, 0.18}, {0.42, 0.24},
+        {0.36, 0.28}, {0.32, 0.31}, {0.325, 0.9}, {0.315, 1.6}, {0.285, 2.5}, {0.28, 2.62},  {0.28, 2.62},
+        {0.31, 2.64}, {0.31, 2.68}, {0.29, 2.70}, {0.29, 2.70}, {0.38, 2.82}, {0.42, 2.86},  {0.42, 2.86},
+        {0.46, 2.86}, {0.46, 2.86}, {0.46, 3.0},  {0.46, 3.0},  {0, 3.0}};
     use_material(m, "marble");
     add_lathe(m, profile, 26, 20, 2);
 }
@@ -159,8 +159,8 @@ static vec cloth(double u, double v, double side)
 
 static void flag(mesh *m)
 {
-    static const double pole[][2] = {{0.04, 0}, {0.035, 2.6}, {0.035, 2.6}, {0.07, 2.62}, {0.085, 2.69}, {0.06, 2.75},
-                                     {0, 2.78}};
+    static const double pole[][2] = {{0.04, 0},     {0.035, 2.6}, {0.035, 2.6}, {0.07, 2.62},
+                                     {0.085, 2.69}, {0.06, 2.75}, {0, 2.78}};
     enum { NU = 12, NV = 4 };
     use_material(m, "silver");
     add_lathe(m, pole, 7, 12, 0);
@@ -168,9 +168,11 @@ static void flag(mesh *m)
     for (int i = 0; i < NU; i++) {
         for (int k = 0; k < NV; k++) {
             double u = (double)i / NU, v = (double)k / NV, s = 1.0 / NU, t = 1.0 / NV;
-            add_flat(m, (const vec[]){cloth(u, v, 1), cloth(u + s, v, 1), cloth(u + s, v + t, 1), cloth(u, v + t, 1)}, 4);
-            add_flat(m, (const vec[]){cloth(u, v, -1), cloth(u, v + t, -1), cloth(u + s, v + t, -1),
-                                      cloth(u + s, v, -1)}, 4);
+            add_flat(m, (const vec[]){cloth(u, v, 1), cloth(u + s, v, 1), cloth(u + s, v + t, 1), cloth(u, v + t, 1)},
+                     4);
+            add_flat(m,
+                     (const vec[]){cloth(u, v, -1), cloth(u, v + t, -1), cloth(u + s, v + t, -1), cloth(u + s, v, -1)},
+                     4);
         }
     }
 }
@@ -193,7 +195,8 @@ static void island(mesh *m)
         for (int i = 0; i < N; i++) {
             double a = (double)i / N, b = (double)((i + 1) % N) / N;
             double low = (k + 1.0) / LAYERS, high = (double)k / LAYERS;
-            vec p = island_point(a, low), q = island_point(b, low), r = island_point(b, high), s = island_point(a, high);
+            vec p = island_point(a, low), q = island_point(b, low), r = island_point(b, high),
+                s = island_point(a, high);
             if (k == LAYERS - 1) p = v3(0, -3.4, 0);
             if (k < LAYERS - 1) add_flat(m, (const vec[]){p, q, r}, 3);
             add_flat(m, (const vec[]){p, r, s}, 3);
@@ -256,12 +259,14 @@ static bool write_materials(const char *root)
 
 bool generate_meshes(const char *root)
 {
-    static const struct { const char *path; void (*make)(mesh *); } list[] = {
-        {"assets/meshes/gem.obj", gem},       {"assets/meshes/star.obj", star},   {"assets/meshes/coin.obj", coin},
-        {"assets/meshes/ring.obj", ring},     {"assets/meshes/cup.obj", cup},     {"assets/meshes/pine.obj", pine},
-        {"assets/meshes/tree.obj", tree},     {"assets/meshes/rock.obj", rock},   {"assets/meshes/column.obj", column},
-        {"assets/meshes/flag.obj", flag},     {"assets/meshes/island.obj", island},
-        {"assets/meshes/slab.obj", slab},
+    static const struct {
+        const char *path;
+        void (*make)(mesh *);
+    } list[] = {
+        {"assets/meshes/gem.obj", gem},   {"assets/meshes/star.obj", star},     {"assets/meshes/coin.obj", coin},
+        {"assets/meshes/ring.obj", ring}, {"assets/meshes/cup.obj", cup},       {"assets/meshes/pine.obj", pine},
+        {"assets/meshes/tree.obj", tree}, {"assets/meshes/rock.obj", rock},     {"assets/meshes/column.obj", column},
+        {"assets/meshes/flag.obj", flag}, {"assets/meshes/island.obj", island}, {"assets/meshes/slab.obj", slab},
     };
     if (!write_materials(root)) return false;
     mesh *m = malloc(sizeof *m);

@@ -15,11 +15,23 @@ static uint32_t hash3(int x, int y, int z)
     return mix_bits((uint32_t)x + mix_bits((uint32_t)y + mix_bits((uint32_t)z + 0x9e3779b9u)));
 }
 
-double hash01(int x, int y, int seed) { return hash3(x, y, seed) / 4294967296.0; }
+double hash01(int x, int y, int seed)
+{
+    return hash3(x, y, seed) / 4294967296.0;
+}
 
-static double fade(double t) { return t * t * t * (t * (t * 6 - 15) + 10); }
-static double lerp(double a, double b, double t) { return a + (b - a) * t; }
-static int wrap(int i, int period) { return ((i % period) + period) % period; }
+static double fade(double t)
+{
+    return t * t * t * (t * (t * 6 - 15) + 10);
+}
+static double lerp(double a, double b, double t)
+{
+    return a + (b - a) * t;
+}
+static int wrap(int i, int period)
+{
+    return ((i % period) + period) % period;
+}
 
 static double gradient2(int x, int y, int period, int seed, double dx, double dy)
 {
@@ -32,8 +44,8 @@ double noise(double x, double y, int period, int seed)
     int ix = (int)floor(x), iy = (int)floor(y);
     double dx = x - ix, dy = y - iy, u = fade(dx), v = fade(dy);
     double low = lerp(gradient2(ix, iy, period, seed, dx, dy), gradient2(ix + 1, iy, period, seed, dx - 1, dy), u);
-    double high =
-        lerp(gradient2(ix, iy + 1, period, seed, dx, dy - 1), gradient2(ix + 1, iy + 1, period, seed, dx - 1, dy - 1), u);
+    double high = lerp(gradient2(ix, iy + 1, period, seed, dx, dy - 1),
+                       gradient2(ix + 1, iy + 1, period, seed, dx - 1, dy - 1), u);
     return 1.4 * lerp(low, high, v);
 }
 

@@ -1,6 +1,6 @@
 /* assets/sky/day.jpg: an equirectangular day sky, u = 0.5 + atan2(dz, dx)/2pi, v = 0.5 + asin(dy)/pi, v = 1 on top.
- * A gradient from the zenith to a hazy horizon, the sun's glow, clouds on a plane high above, and a soft sea of mist below:
- * the games' courses float in it. JPEG, since a sky is smooth and PNG would be eight times as large. */
+ * A gradient from the zenith to a hazy horizon, the sun's glow, clouds on a plane high above, and a soft sea of mist
+ * below: the games' courses float in it. JPEG, since a sky is smooth and PNG would be eight times as large. */
 #include "generate.h"
 
 #include <math.h>
@@ -47,7 +47,10 @@ static color above(const double d[3])
     return mix(c, rgb(0xffffff), smoothstep(0.075, 0.045, angle));
 }
 
-static color sky(const double d[3]) { return d[1] >= 0 ? above(d) : below(d); }
+static color sky(const double d[3])
+{
+    return d[1] >= 0 ? above(d) : below(d);
+}
 
 static void paint_row(int y, uint8_t *out)
 {

@@ -10,8 +10,8 @@
  *     D cx cy r               a dot of radius r
  *
  * Each side of a stroke becomes one run of points: straight offsets of lines, and for arcs quadratic curves through
- * offset points with the skeleton's tangents, which stay within 0.2 % of the radius at 30 degrees a curve. Outer corners
- * are round, inner ones are where the two offset tangents meet. */
+ * offset points with the skeleton's tangents, which stay within 0.2 % of the radius at 30 degrees a curve. Outer
+ * corners are round, inner ones are where the two offset tangents meet. */
 #include "generate.h"
 
 #include <math.h>
@@ -60,7 +60,10 @@ static point start_tangent(const segment *s)
     return s->arc ? arc_tangent(s, s->a0) : unit(s->to.x - s->from.x, s->to.y - s->from.y);
 }
 
-static point end_tangent(const segment *s) { return s->arc ? arc_tangent(s, s->a1) : start_tangent(s); }
+static point end_tangent(const segment *s)
+{
+    return s->arc ? arc_tangent(s, s->a1) : start_tangent(s);
+}
 
 static point left_of(point p, point tangent, double radius)
 {

@@ -5,11 +5,18 @@
 
 static const double TAU = 6.283185307179586;
 
-static double cell(double x, int count) { return x * count - floor(x * count); }
+static double cell(double x, int count)
+{
+    return x * count - floor(x * count);
+}
 /* The distance to the nearest edge of a cell, 0 at the edge and 0.5 in the middle. */
-static double edge(double f) { return f < 0.5 ? f : 1 - f; }
+static double edge(double f)
+{
+    return f < 0.5 ? f : 1 - f;
+}
 
-/* A light that falls on bevelled tiles from the upper left: brighter on the left and upper rim, darker on the others. */
+/* A light that falls on bevelled tiles from the upper left: brighter on the left and upper rim, darker on the others.
+ */
 static double bevel(double fu, double fv, double width)
 {
     double light = 0;
@@ -73,7 +80,8 @@ static color stone(double u, double v)
 /* Brushed plates with a rivet in each corner. */
 static color metal(double u, double v)
 {
-    double fu = cell(u, 2), fv = cell(v, 2), brush = noise(u * 6, v * 160, 960, 8) + 0.6 * noise(u * 20, v * 320, 960, 9);
+    double fu = cell(u, 2), fv = cell(v, 2),
+           brush = noise(u * 6, v * 160, 960, 8) + 0.6 * noise(u * 20, v * 320, 960, 9);
     color c = shade(rgb(0x9aa3ab), 1 + 0.06 * brush + 0.08 * noise(u * 2, v * 2, 2, 3));
     double border = fmin(edge(fu), edge(fv));
     c = mix(rgb(0x545b62), c, smoothstep(0.008, 0.02, border));
@@ -98,7 +106,8 @@ static color marble(double u, double v)
 
 static color grass(double u, double v)
 {
-    double patch = fractal(u * 4, v * 4, 4, 3, 91), blade = noise(u * 90, v * 45, 90, 95), tip = noise(u * 45, v * 90, 90, 97);
+    double patch = fractal(u * 4, v * 4, 4, 3, 91), blade = noise(u * 90, v * 45, 90, 95),
+           tip = noise(u * 45, v * 90, 90, 97);
     color c = mix(rgb(0x5f9e3a), rgb(0x8cc152), 0.5 + 0.9 * patch);
     c = shade(c, 1 + 0.16 * blade + 0.12 * tip);
     return mix(c, rgb(0xd6e487), 0.6 * smoothstep(0.55, 0.8, blade * tip * 3));
@@ -148,7 +157,11 @@ static color brick(double u, double v)
 
 bool generate_textures(const char *root)
 {
-    static const struct { const char *path; int size; painter *paint; } list[] = {
+    static const struct {
+        const char *path;
+        int size;
+        painter *paint;
+    } list[] = {
         {"assets/textures/checker.png", 512, checker}, {"assets/textures/grid.png", 256, grid},
         {"assets/textures/wood.png", 256, wood},       {"assets/textures/stone.png", 256, stone},
         {"assets/textures/metal.png", 256, metal},     {"assets/textures/marble.png", 256, marble},
