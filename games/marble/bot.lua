@@ -1,5 +1,5 @@
 -- Plays the course by pressing keys, as a player would: it never touches the marble itself.
--- B in the game lets it play. demo.rec was recorded so, from a copy of this folder with `playing = true` below:
+-- B in the game lets it play. demo.rec was recorded from a copy of this folder, named marble too, with `playing = true`:
 --     daft play COPY --headless --ticks N --record demo.rec
 
 local bot = {}
