@@ -98,7 +98,8 @@ static void a_box_is_right_on_every_side(void **unused)
     for (uint32_t t = 0; t < 12; t++) {
         daft_dvec3 p[3], gradient_u, gradient_v;
         daft_vec2 uv[3];
-        for (uint32_t k = 0; k < 3; k++) p[k] = position(&mesh, 3 * t + k), uv[k] = mesh.uvs[mesh.uv_indices[3 * t + k]];
+        for (uint32_t k = 0; k < 3; k++)
+            p[k] = position(&mesh, 3 * t + k), uv[k] = mesh.uvs[mesh.uv_indices[3 * t + k]];
         daft_dvec3 e = daft_dsub(p[1], p[0]), f = daft_dsub(p[2], p[0]), twice = daft_dcross(e, f);
         daft_dvec3 outward = daft_to_double(normal_at(&mesh, 3 * t));
         total += sqrt(daft_ddot(twice, twice)) / 2;
@@ -108,7 +109,8 @@ static void a_box_is_right_on_every_side(void **unused)
                d = (double)(uv[2].y - uv[0].y), det = a * d - b * c;
         gradient_u = daft_dscale(daft_dsub(daft_dscale(e, d), daft_dscale(f, b)), 1 / det);
         gradient_v = daft_dscale(daft_dsub(daft_dscale(f, a), daft_dscale(e, c)), 1 / det);
-        assert_true(fabs(daft_ddot(gradient_u, gradient_u) - 1) < 1e-12 && fabs(daft_ddot(gradient_v, gradient_v) - 1) < 1e-12);
+        assert_true(fabs(daft_ddot(gradient_u, gradient_u) - 1) < 1e-12 &&
+                    fabs(daft_ddot(gradient_v, gradient_v) - 1) < 1e-12);
         daft_dvec3 cross = daft_dcross(gradient_u, gradient_v);
         assert_true(fabs(daft_ddot(cross, outward) - 1) < 1e-12); /* not mirrored */
         if (outward.y == 0) assert_true(gradient_v.y == 1);
@@ -175,7 +177,8 @@ static void check_against_twin(const daft_trimesh *mesh, double crease, uint32_t
 {
     for (uint32_t i = 0; i < 3 * mesh->triangle_count; i += step) {
         daft_dvec3 difference = daft_dsub(expected_normal(mesh, i, crease), daft_to_double(normal_at(mesh, i)));
-        if (daft_ddot(difference, difference) > 1e-10) fail_msg("corner %u: off by %g", i, sqrt(daft_ddot(difference, difference)));
+        if (daft_ddot(difference, difference) > 1e-10)
+            fail_msg("corner %u: off by %g", i, sqrt(daft_ddot(difference, difference)));
     }
 }
 
@@ -237,7 +240,8 @@ static void unusual_fans(void **unused)
             positions[0] = daft_v3(0, 1, 0);
             for (uint32_t i = 0; i < count; i++) {
                 double angle = 2 * DAFT_PI * i / count, radius = 1 + random_below(4) * (random_below(4) == 0);
-                positions[i + 1] = daft_v3((float)(cos(angle) * radius), (float)random_below(2) / 4, (float)(-sin(angle) * radius));
+                positions[i + 1] =
+                    daft_v3((float)(cos(angle) * radius), (float)random_below(2) / 4, (float)(-sin(angle) * radius));
                 const uint32_t triangle[3] = {0, i + 1, (i + 1) % count + 1};
                 memcpy(indices + 3 * i, triangle, sizeof triangle);
             }
@@ -298,7 +302,8 @@ static void slivers_get_some_unit_normal(void **unused)
 static void memory_may_run_out_anywhere(void **unused)
 {
     (void)unused;
-    daft_vec3 positions[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, normals[4] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+    daft_vec3 positions[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+              normals[4] = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
     daft_vec2 uvs[4] = {{0, 0}};
     uint32_t indices[] = {0, 1, 2, 0, 2, 3};
     for (int kind = 0; kind < 3; kind++)

@@ -40,14 +40,18 @@ static void refuse(const char *text, const char *message)
     assert_contains(daft_error_text(&error, shown, sizeof shown), message);
 }
 
-static bool is_color(daft_vec3 c, float r, float g, float b) { return c.x == r && c.y == g && c.z == b; }
+static bool is_color(daft_vec3 c, float r, float g, float b)
+{
+    return c.x == r && c.y == g && c.z == b;
+}
 
 static void all_properties(void **unused)
 {
     (void)unused;
-    const daft_mtl *m = read_text("# exported\r\n newmtl  two words \r\n\tKa .1 .2 .3\r\nKd 1 0 .5 # red\r\nKs .25\r\nKe 9 8 7\r\n"
-                                  "Ns 96.5\r\nNi 1.45\r\nd 0.25\r\nillum 5\r\nmap_Kd  textures\\wood one.png \r\n"
-                                  "newmtl b\r\nkd 1 1 1\r\nTr 0.25\r\nTf 1 1 1\r\nmap_Ks x.png\r\nPr 0.5\r\nbump -bm 2 b.png");
+    const daft_mtl *m =
+        read_text("# exported\r\n newmtl  two words \r\n\tKa .1 .2 .3\r\nKd 1 0 .5 # red\r\nKs .25\r\nKe 9 8 7\r\n"
+                  "Ns 96.5\r\nNi 1.45\r\nd 0.25\r\nillum 5\r\nmap_Kd  textures\\wood one.png \r\n"
+                  "newmtl b\r\nkd 1 1 1\r\nTr 0.25\r\nTf 1 1 1\r\nmap_Ks x.png\r\nPr 0.5\r\nbump -bm 2 b.png");
     assert_int_equal(list.count, 2);
     assert_int_equal(warnings.count, 0);
     assert_string_equal(m[0].name, "two words");
@@ -112,7 +116,8 @@ static void paths_of_other_machines(void **unused)
 {
     (void)unused;
     write_test_text("there.png", "x");
-    const daft_mtl *m = read_text("newmtl a\nmap_Kd C:\\artist\\there.png\nnewmtl b\nmap_Kd C:\\artist\\not there.png\n");
+    const daft_mtl *m =
+        read_text("newmtl a\nmap_Kd C:\\artist\\there.png\nnewmtl b\nmap_Kd C:\\artist\\not there.png\n");
     assert_string_equal(m[0].diffuse_map, test_path("there.png"));
     assert_string_equal(m[1].diffuse_map, test_path("C:/artist/not there.png"));
     done();
@@ -121,7 +126,8 @@ static void paths_of_other_machines(void **unused)
 static void d_wins_over_tr(void **unused)
 {
     (void)unused;
-    const daft_mtl *m = read_text("newmtl a\nd 0.75\nTr 0.5\nnewmtl b\nTr 0.5\nd 0.75\nnewmtl c\nd 1\nTr 0\nnewmtl e\nd -halo .5");
+    const daft_mtl *m =
+        read_text("newmtl a\nd 0.75\nTr 0.5\nnewmtl b\nTr 0.5\nd 0.75\nnewmtl c\nd 1\nTr 0\nnewmtl e\nd -halo .5");
     assert_true(m[0].opacity == .75f && m[1].opacity == .75f && m[2].opacity == 1 && m[3].opacity == .5f);
     assert_int_equal(warnings.count, 2);
     assert_contains(warnings.text[0], "a.mtl:3:1: d and Tr contradict each other: d is used");
@@ -132,7 +138,8 @@ static void d_wins_over_tr(void **unused)
 static void out_of_range_is_cut(void **unused)
 {
     (void)unused;
-    const daft_mtl *m = read_text("newmtl a\nd 2\nNs 5000\nKd -1 0 0\nillum 77\nKs 1 1 1 1\nfoo\nfoo\nKa xyz 1 1 1\nNi 0");
+    const daft_mtl *m =
+        read_text("newmtl a\nd 2\nNs 5000\nKd -1 0 0\nillum 77\nKs 1 1 1 1\nfoo\nfoo\nKa xyz 1 1 1\nNi 0");
     assert_true(m->opacity == 1 && m->shininess == 1000 && is_color(m->diffuse, 0, 0, 0) && m->illum == 10);
     assert_true(m->index > 0);
     assert_true(memo_has(&warnings, "a.mtl:2:1: 2 is out of range, and is taken as 1"));
@@ -186,7 +193,8 @@ static void a_failure_keeps_the_list(void **unused)
     (void)unused;
     read_text("newmtl a\nnewmtl b\n");
     daft_allocator allocator = {&memory, counting_allocate, counting_release};
-    const char *path = write_test_text("bad.mtl", "newmtl c\nnewmtl d\nnewmtl e\nnewmtl f\nnewmtl g\nnewmtl h\nnewmtl i\nKd x\n");
+    const char *path =
+        write_test_text("bad.mtl", "newmtl c\nnewmtl d\nnewmtl e\nnewmtl f\nnewmtl g\nnewmtl h\nnewmtl i\nKd x\n");
     assert_false(daft_mtl_load(&allocator, path, NULL, &list, NULL));
     assert_int_equal(list.count, 2);
     assert_string_equal(list.items[1].name, "b");
@@ -204,10 +212,15 @@ static void hard_files(void **unused)
         const char *name, *map;
         size_t count;
         int warnings;
-    } files[] = {{"issue-248-texres-texopt.mtl", "/input.jpg", 5, 0}, {"norm-texopt.mtl", "", 1, 0},
-                 {"texture-options-issue-85.mtl", "/diffuse.jpg", 3, 1}, {"colorspace-issue-184.mtl", "/diffuse.jpg", 1, 1},
-                 {"issue-246-usemtl-whitespace.mtl", "", 1, 0}, {"issue-356-leading-spaces-newmtl.mtl", "", 1, 0},
-                 {"issue-95-2.mtl", "", 1, 0}, {"tr-and-d-issue-43.mtl", "", 2, 2}, {"pbr-mat-ext.mtl", "", 1, 0},
+    } files[] = {{"issue-248-texres-texopt.mtl", "/input.jpg", 5, 0},
+                 {"norm-texopt.mtl", "", 1, 0},
+                 {"texture-options-issue-85.mtl", "/diffuse.jpg", 3, 1},
+                 {"colorspace-issue-184.mtl", "/diffuse.jpg", 1, 1},
+                 {"issue-246-usemtl-whitespace.mtl", "", 1, 0},
+                 {"issue-356-leading-spaces-newmtl.mtl", "", 1, 0},
+                 {"issue-95-2.mtl", "", 1, 0},
+                 {"tr-and-d-issue-43.mtl", "", 2, 2},
+                 {"pbr-mat-ext.mtl", "", 1, 0},
                  {"texture-filename-with-whitespace.mtl", "/texture 01.png", 5, 0},
                  {"mtllib-multiple-files-issue-112.mtl", "/tmp.png", 1, 0}};
     for (size_t i = 0; i < DAFT_COUNT_OF(files); i++) {
@@ -230,8 +243,9 @@ static void hard_files(void **unused)
 static void damaged_files_never_crash(void **unused)
 {
     (void)unused;
-    static const char specimen[] = "newmtl a\nKa 1 1 1\nKd .5 0.25 1e-1\nKs 0\nNs 10\nd -halo 1\nTr 0\nillum 2\nmap_Kd -s 1 1 1 -bm 2 "
-                                   "x y.png -o 1\nbump b.png\nnewmtl b \\\n\nKe 0 0 0\nTf xyz 1 1 1\nmap_Kd \"q.png\"\n";
+    static const char specimen[] =
+        "newmtl a\nKa 1 1 1\nKd .5 0.25 1e-1\nKs 0\nNs 10\nd -halo 1\nTr 0\nillum 2\nmap_Kd -s 1 1 1 -bm 2 "
+        "x y.png -o 1\nbump b.png\nnewmtl b \\\n\nKe 0 0 0\nTf xyz 1 1 1\nmap_Kd \"q.png\"\n";
     print_message("seed %llu\n", (unsigned long long)random_state);
     for (int run = 0; run < 3000; run++) {
         char text[sizeof specimen];
@@ -248,7 +262,8 @@ static void damaged_files_never_crash(void **unused)
         read_bytes(text, size, &error);
         for (size_t i = 0; i < list.count; i++) {
             const daft_mtl *m = &list.items[i];
-            assert_true(daft_finite3(m->diffuse) && m->opacity >= 0 && m->opacity <= 1 && m->name[0] && isfinite(m->shininess));
+            assert_true(daft_finite3(m->diffuse) && m->opacity >= 0 && m->opacity <= 1 && m->name[0] &&
+                        isfinite(m->shininess));
         }
         done();
     }

@@ -15,8 +15,8 @@ typedef struct reader {
     const daft_allocator *allocator;
     daft_error *error;
     daft_mtl_list *list;
-    daft_mtl *current;                /* NULL before the first newmtl */
-    bool has_ambient, has_d, has_tr;  /* in the current material */
+    daft_mtl *current;               /* NULL before the first newmtl */
+    bool has_ambient, has_d, has_tr; /* in the current material */
     float tr;
     const char *first_unknown;
     bool any_known;
@@ -209,10 +209,10 @@ typedef struct map_option {
 } map_option;
 
 static const map_option map_options[] = {
-    {"-blendu", 0, 0, false}, {"-blendv", 0, 0, false}, {"-cc", 0, 0, false},     {"-clamp", 0, 0, false},
-    {"-imfchan", 0, 0, false}, {"-type", 0, 0, false},  {"-colorspace", 0, 0, false}, {"-boost", 1, 1, false},
-    {"-bm", 1, 1, false},     {"-texres", 1, 1, false}, {"-mm", 1, 2, true},      {"-o", 1, 3, true},
-    {"-s", 1, 3, true},       {"-t", 1, 3, true},
+    {"-blendu", 0, 0, false},  {"-blendv", 0, 0, false}, {"-cc", 0, 0, false},         {"-clamp", 0, 0, false},
+    {"-imfchan", 0, 0, false}, {"-type", 0, 0, false},   {"-colorspace", 0, 0, false}, {"-boost", 1, 1, false},
+    {"-bm", 1, 1, false},      {"-texres", 1, 1, false}, {"-mm", 1, 2, true},          {"-o", 1, 3, true},
+    {"-s", 1, 3, true},        {"-t", 1, 3, true},
 };
 
 static const map_option *find_option(const char *at, size_t length)
@@ -338,19 +338,32 @@ static bool read_newmtl(reader *r, const char *word, const char *p)
 
 static const struct {
     const char *word;
-    statement_function *read; /* NULL: known and not used */
+    statement_function *read;
 } statements[] = {
-    {"Ka", read_ka},       {"Kd", read_kd},      {"Ks", read_ks},       {"Ke", read_ke},     {"Kt", read_tf},
-    {"Tf", read_tf},       {"Ns", read_ns},      {"Ni", read_ni},       {"d", read_d},       {"Tr", read_tr},
-    {"illum", read_illum}, {"newmtl", read_newmtl}, {"map_Kd", read_map_kd}, {"map_Ka", NULL}, {"map_Ks", NULL},
-    {"map_Ke", NULL},      {"map_Ns", NULL},     {"map_d", NULL},       {"map_Tr", NULL},    {"map_bump", NULL},
-    {"bump", NULL},        {"disp", NULL},       {"map_disp", NULL},    {"decal", NULL},     {"refl", NULL},
-    {"map_refl", NULL},    {"norm", NULL},       {"map_norm", NULL},    {"map_Kn", NULL},    {"map_aat", NULL},
-    {"sharpness", NULL},   {"Pr", NULL},         {"Pm", NULL},          {"Ps", NULL},        {"Pc", NULL},
-    {"Pcr", NULL},         {"aniso", NULL},      {"anisor", NULL},      {"map_Pr", NULL},    {"map_Pm", NULL},
-    {"map_Ps", NULL},      {"map_Pc", NULL},     {"map_Pcr", NULL},     {"map_aniso", NULL}, {"map_RMA", NULL},
-    {"map_ORM", NULL},
+    {"newmtl", read_newmtl}, {"Ka", read_ka},         {"Kd", read_kd},       {"Ks", read_ks}, {"Ke", read_ke},
+    {"Kt", read_tf},         {"Tf", read_tf},         {"Ns", read_ns},       {"Ni", read_ni}, {"d", read_d},
+    {"Tr", read_tr},         {"map_Kd", read_map_kd}, {"illum", read_illum},
 };
+
+/* Known and not used. */
+static const char *const quiet_statements[] = {
+    "map_Ka",   "map_Ks",  "map_Ke",    "map_Ns",   "map_d",   "map_Tr",    "map_bump", "bump",    "disp",
+    "map_disp", "decal",   "refl",      "map_refl", "norm",    "map_norm",  "map_Kn",   "map_aat", "Pr",
+    "Pm",       "Ps",      "Pc",        "Pcr",      "aniso",   "anisor",    "map_Pr",   "map_Pm",  "map_Ps",
+    "map_Pc",   "map_Pcr", "map_aniso", "map_RMA",  "map_ORM", "sharpness",
+};
+
+static bool is_word(const char *word, size_t length, const char *keyword)
+{
+    return strlen(keyword) == length && strncasecmp(keyword, word, length) == 0;
+}
+
+static bool is_skipped_quietly(const char *word, size_t length)
+{
+    for (size_t i = 0; i < DAFT_COUNT_OF(quiet_statements); i++)
+        if (is_word(word, length, quiet_statements[i])) return true;
+    return false;
+}
 
 /* Reads the statement at *cursor and moves it to the end of its line. */
 static bool read_statement(reader *r, const char **cursor)
@@ -359,13 +372,15 @@ static bool read_statement(reader *r, const char **cursor)
     size_t length = (size_t)(p - word);
     *cursor = daft_skip_statement(&r->text, p);
     for (size_t i = 0; i < DAFT_COUNT_OF(statements); i++) {
-        if (strlen(statements[i].word) != length || strncasecmp(statements[i].word, word, length) != 0) continue;
-        r->any_known = true;
-        if (!statements[i].read) return true;
+        if (!is_word(word, length, statements[i].word)) continue;
         if (!r->current && statements[i].read != read_newmtl)
             return daft_text_fail(&r->text, word, r->error, "'%s' before the first newmtl",
                                   daft_text_quote(word, length).text);
         return statements[i].read(r, word, daft_skip_blanks(p));
+    }
+    if (is_skipped_quietly(word, length)) {
+        r->any_known = true;
+        return true;
     }
     if (!r->first_unknown) r->first_unknown = word;
     daft_text_warn_unknown(&r->text, word, length, "statement");

@@ -5,7 +5,7 @@
 #include "geometry/mesh.h"
 #include "geometry/text.h"
 
-#define DAFT_OBJ_ABSENT UINT32_MAX       /* a corner without uv or normal */
+#define DAFT_OBJ_ABSENT    UINT32_MAX       /* a corner without uv or normal */
 #define DAFT_OBJ_MAX_INDEX (UINT32_MAX - 1) /* what larger indices are cut to: beyond any array */
 
 /* Smoothing groups of `s`: 0 is flat. */
@@ -37,10 +37,10 @@ typedef struct daft_obj_source {
     daft_obj_name *libraries; /* what follows each mtllib */
     size_t position_count, normal_count, uv_count, corner_count, face_count, run_count, slot_count, library_count;
     size_t position_room, normal_room, uv_room, corner_room, face_room, run_room, slot_room, library_room;
-    size_t triangle_count;       /* at most so many come from the faces */
-    uint32_t largest_face;       /* corners */
-    bool bad_position, bad_uv;   /* some is NaN or infinite */
-    const char *first_drop;      /* where the first face was dropped, and why */
+    size_t triangle_count;     /* at most so many come from the faces */
+    uint32_t largest_face;     /* corners */
+    bool bad_position, bad_uv; /* some is NaN or infinite */
+    const char *first_drop;    /* where the first face was dropped, and why */
     const char *first_drop_reason;
 } daft_obj_source;
 

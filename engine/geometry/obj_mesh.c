@@ -65,8 +65,8 @@ static bool has_bad_position(const builder *b, const daft_obj_corner *corners, u
     return false;
 }
 
-static inline void put_triangle(builder *b, const daft_obj_corner *i, const daft_obj_corner *j, const daft_obj_corner *k,
-                                const daft_obj_run *run)
+static inline void put_triangle(builder *b, const daft_obj_corner *i, const daft_obj_corner *j,
+                                const daft_obj_corner *k, const daft_obj_run *run)
 {
     daft_trimesh *mesh = b->mesh;
     size_t at = 3 * (size_t)mesh->triangle_count;
@@ -108,11 +108,11 @@ static bool reserve(builder *b, uint32_t count)
         if (!b->kept) return daft_fail_memory(b->error, "a face of many corners");
         b->kept_room = b->source->largest_face;
     }
-    return daft_polygon_reserve(allocator, &b->polygon, count) ||
-           daft_fail_memory(b->error, "a face of many corners");
+    return daft_polygon_reserve(allocator, &b->polygon, count) || daft_fail_memory(b->error, "a face of many corners");
 }
 
-static bool put_polygon(builder *b, size_t face, const daft_obj_corner *corners, uint32_t count, const daft_obj_run *run)
+static bool put_polygon(builder *b, size_t face, const daft_obj_corner *corners, uint32_t count,
+                        const daft_obj_run *run)
 {
     if (!reserve(b, count)) return false;
     daft_obj_source *s = b->source;
@@ -128,7 +128,8 @@ static bool put_polygon(builder *b, size_t face, const daft_obj_corner *corners,
         const daft_obj_corner *k = &corners[b->kept[local[2]]];
         if (!repeats(i, j, k)) put_triangle(b, i, j, k, run);
     }
-    if (b->mesh->triangle_count == before) daft_obj_drop(s, place_of(b, face), "it has fewer than 3 different vertices");
+    if (b->mesh->triangle_count == before)
+        daft_obj_drop(s, place_of(b, face), "it has fewer than 3 different vertices");
     return true;
 }
 
@@ -150,13 +151,13 @@ static bool put_face(builder *b, size_t face, daft_obj_corner *corners, uint32_t
 static bool put_faces(builder *b)
 {
     daft_obj_source *s = b->source;
-    const daft_obj_run *run = s->runs, *last = s->runs + s->run_count;
+    size_t run = 0;
     daft_obj_corner *corners = s->corners;
     for (size_t face = 0; face < s->face_count; face++) {
         uint32_t count = s->faces[face];
         if (count == 0) continue; /* dropped while reading */
-        while (run + 1 < last && run[1].first_face <= face) run++;
-        if (!put_face(b, face, corners, count, run)) return false;
+        while (run + 1 < s->run_count && s->runs[run + 1].first_face <= face) run++;
+        if (!put_face(b, face, corners, count, &s->runs[run])) return false;
         corners += count;
     }
     if (s->face_count == 0) daft_text_warn(&s->text, s->text.begin, "the file has no faces: the mesh is empty");
@@ -174,8 +175,10 @@ static bool reserve_triangles(builder *b)
     b->mesh->indices = daft_alloc(s->allocator, corners, sizeof(uint32_t));
     bool done = b->mesh->indices != NULL;
     if (s->uv_count) done &= (b->mesh->uv_indices = daft_alloc(s->allocator, corners, sizeof(uint32_t))) != NULL;
-    if (s->normal_count) done &= (b->mesh->normal_indices = daft_alloc(s->allocator, corners, sizeof(uint32_t))) != NULL;
-    if (s->slot_count > 1) done &= (b->mesh->slots = daft_alloc(s->allocator, s->triangle_count, sizeof(uint16_t))) != NULL;
+    if (s->normal_count)
+        done &= (b->mesh->normal_indices = daft_alloc(s->allocator, corners, sizeof(uint32_t))) != NULL;
+    if (s->slot_count > 1)
+        done &= (b->mesh->slots = daft_alloc(s->allocator, s->triangle_count, sizeof(uint16_t))) != NULL;
     if (grouped) done &= (b->groups = daft_alloc(s->allocator, s->triangle_count, sizeof(uint32_t))) != NULL;
     return done || daft_fail_memory(b->error, "a mesh's triangles");
 }
@@ -227,7 +230,8 @@ static bool normalize_all(daft_obj_source *s)
         double x = (double)n.x, y = (double)n.y, z = (double)n.z;
         double length = sqrt(x * x + y * y + z * z);
         bool good = length > 0 && isfinite(length);
-        s->normals[i] = good ? daft_v3((float)(x / length), (float)(y / length), (float)(z / length)) : daft_v3(0, 0, 0);
+        s->normals[i] =
+            good ? daft_v3((float)(x / length), (float)(y / length), (float)(z / length)) : daft_v3(0, 0, 0);
         any_zero |= !good;
     }
     return any_zero;
@@ -265,8 +269,7 @@ static bool merge_normals(builder *b, const daft_trimesh *computed)
     mesh->normal_count = (uint32_t)total;
     const uint32_t *own = computed->normal_indices ? computed->normal_indices : mesh->indices;
     for (size_t i = 0; computed->normal_count > 0 && i < 3 * (size_t)mesh->triangle_count; i++)
-        if (mesh->normal_indices[i] == DAFT_OBJ_ABSENT)
-            mesh->normal_indices[i] = (uint32_t)s->normal_count + own[i];
+        if (mesh->normal_indices[i] == DAFT_OBJ_ABSENT) mesh->normal_indices[i] = (uint32_t)s->normal_count + own[i];
     drop_if_same(b, &mesh->normal_indices);
     return true;
 }
@@ -283,8 +286,8 @@ static bool finish_normals(builder *b)
     computed.normals = NULL;
     computed.normal_indices = NULL;
     computed.normal_count = 0;
-    bool done = !any_absent ||
-                daft_trimesh_smooth_groups(s->allocator, &computed, DAFT_SMOOTH_CREASE, b->groups, b->error);
+    bool done =
+        !any_absent || daft_trimesh_smooth_groups(s->allocator, &computed, DAFT_SMOOTH_CREASE, b->groups, b->error);
     done = done && merge_normals(b, &computed);
     daft_release(s->allocator, computed.normals);
     daft_release(s->allocator, computed.normal_indices);

@@ -296,9 +296,9 @@ static bool read_library(const reader *r, const char *p)
 /* Statements that neither change the triangles nor deserve a word. */
 static bool is_skipped_quietly(const char *at, size_t length)
 {
-    static const char *const known[] = {"o",     "g",   "l",        "p",        "vw",         "vp",        "mg",
-                                        "bevel", "lod", "c_interp", "d_interp", "shadow_obj", "trace_obj", "usemap",
-                                        "maplib"};
+    static const char *const known[] = {"o",        "g",          "l",         "p",      "vw",
+                                        "vp",       "mg",         "bevel",     "lod",    "c_interp",
+                                        "d_interp", "shadow_obj", "trace_obj", "usemap", "maplib"};
     for (size_t i = 0; i < DAFT_COUNT_OF(known); i++)
         if (daft_word_is(at, length, known[i])) return true;
     return false;

@@ -53,12 +53,16 @@ static bool load(slots *s, const char *path)
 static void note_missing(slots *s, const char *name, size_t length)
 {
     size_t used = strlen(s->missing);
-    snprintf(s->missing + used, sizeof s->missing - used, "%s'%s'", used ? ", " : "", daft_text_quote(name, length).text);
+    snprintf(s->missing + used, sizeof s->missing - used, "%s'%s'", used ? ", " : "",
+             daft_text_quote(name, length).text);
     s->any_missing = true;
 }
 
 /* A backslash before a line end joins the two lines. */
-static bool is_joint(const char *p, const char *end) { return *p == '\\' && p + 1 < end && daft_is_break(p[1]); }
+static bool is_joint(const char *p, const char *end)
+{
+    return *p == '\\' && p + 1 < end && daft_is_break(p[1]);
+}
 
 /* One name of several: up to a blank that no backslash precedes. */
 static const char *skip_name(const char *p, const char *end)
@@ -86,7 +90,8 @@ static bool load_library(slots *s, const daft_obj_name *library)
         for (p = last; p < end && (daft_is_blank(*p) || daft_is_break(*p) || is_joint(p, end));) p++;
     }
     if (s->missing[0])
-        daft_text_warn(&s->source->text, library->at, "no such material file: %s (looked beside the OBJ file)", s->missing);
+        daft_text_warn(&s->source->text, library->at, "no such material file: %s (looked beside the OBJ file)",
+                       s->missing);
     return true;
 }
 
@@ -163,7 +168,8 @@ static bool fill(slots *s, daft_mtl_list *out)
     if (undefined == 0 || s->any_missing) return true;
     daft_quoted shown = daft_text_quote(first_undefined->at, first_undefined->length);
     if (undefined == 1)
-        daft_text_warn(&source->text, first_undefined->at, "no material file defines '%s': the default is used", shown.text);
+        daft_text_warn(&source->text, first_undefined->at, "no material file defines '%s': the default is used",
+                       shown.text);
     else
         daft_text_warn(&source->text, first_undefined->at,
                        "no material file defines '%s' and %zu more: the default is used", shown.text, undefined - 1);

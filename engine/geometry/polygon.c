@@ -1,8 +1,8 @@
 /* Polygons to triangles, in double, relative to the first corner.
  *
  * Ear clipping (Meisters 1975; with each corner's convexity kept up to date as in Eberly, "Triangulation by ear
- * clipping"): an ear is a convex corner whose triangle holds no other corner. Only reflex corners can lie in it; they are
- * sorted along one axis, so that a test looks at those beside the triangle only. */
+ * clipping"): an ear is a convex corner whose triangle holds no other corner. Only reflex corners can lie in it; they
+ * are sorted along one axis, so that a test looks at those beside the triangle only. */
 #include "geometry/polygon.h"
 
 #include <string.h>
@@ -81,7 +81,8 @@ static double cross_at(const daft_polygon *polygon, uint32_t a, uint32_t b, uint
     return (u[b] - u[a]) * (v[c] - v[a]) - (v[b] - v[a]) * (u[c] - u[a]);
 }
 
-/* Drops the coordinate in which the polygon's vector area (Newell) is largest, keeping the winding counter-clockwise. */
+/* Drops the coordinate in which the polygon's vector area (Newell) is largest, keeping the winding counter-clockwise.
+ */
 static void project(daft_polygon *polygon, uint32_t count)
 {
     const daft_dvec3 *p = polygon->points;
@@ -165,7 +166,8 @@ static uint32_t first_from(const daft_polygon *polygon, uint32_t count, double l
 static bool is_inside(const daft_polygon *polygon, uint32_t a, uint32_t b, uint32_t c, uint32_t p)
 {
     if (p == a || p == b || p == c || !polygon->reflex[p]) return false;
-    if (cross_at(polygon, a, b, p) < 0 || cross_at(polygon, b, c, p) < 0 || cross_at(polygon, c, a, p) < 0) return false;
+    if (cross_at(polygon, a, b, p) < 0 || cross_at(polygon, b, c, p) < 0 || cross_at(polygon, c, a, p) < 0)
+        return false;
     return !same_point(polygon, p, a) && !same_point(polygon, p, b) && !same_point(polygon, p, c);
 }
 

@@ -46,9 +46,9 @@ typedef struct smoother {
     const daft_allocator *allocator;
     daft_trimesh *mesh;
     const uint32_t *groups;
-    float cosine;     /* of the crease; above 1 where nothing is joined */
+    float cosine; /* of the crease; above 1 where nothing is joined */
     face *faces;
-    uint32_t *first;  /* of each vertex in `corners`; vertex_count + 1 */
+    uint32_t *first; /* of each vertex in `corners`; vertex_count + 1 */
     uint32_t *corners;
     spoke *spokes;    /* as many as the vertex with most corners has */
     daft_dvec3 *sums; /* of each set of them */
@@ -82,7 +82,8 @@ static face face_of(const daft_trimesh *mesh, uint32_t triangle)
     double ab2 = daft_ddot(ab, ab), ac2 = daft_ddot(ac, ac), bc2 = daft_ddot(bc, bc);
     face f = {daft_to_float(daft_unit(daft_dcross(ab, ac))), {0, 0, 0}};
     if (!(ab2 > 0 && ac2 > 0 && bc2 > 0)) return f; /* a corner without an angle weighs nothing */
-    double at_a = arc_cosine(daft_ddot(ab, ac) / sqrt(ab2 * ac2)), at_b = arc_cosine(-daft_ddot(ab, bc) / sqrt(ab2 * bc2));
+    double at_a = arc_cosine(daft_ddot(ab, ac) / sqrt(ab2 * ac2)),
+           at_b = arc_cosine(-daft_ddot(ab, bc) / sqrt(ab2 * bc2));
     f.angles[0] = (float)at_a;
     f.angles[1] = (float)at_b;
     f.angles[2] = (float)fmax(0, DAFT_PI - at_a - at_b);
@@ -138,7 +139,10 @@ static void join_small(smoother *s, uint32_t count)
         }
 }
 
-static bool is_before(edge a, edge b) { return a.vertex < b.vertex || (a.vertex == b.vertex && a.spoke < b.spoke); }
+static bool is_before(edge a, edge b)
+{
+    return a.vertex < b.vertex || (a.vertex == b.vertex && a.spoke < b.spoke);
+}
 
 static void sift_down(edge *heap, uint32_t at, uint32_t count)
 {
@@ -218,7 +222,8 @@ static bool is_smooth_ring(const smoother *s, const ring *r, uint32_t count)
         unsigned match = lanes_with(r->next, r->previous[at / 4][at % 4]);
         if (match == 0 || (match & (match - 1)) || ++passed > count) return false;
         uint32_t to = (uint32_t)__builtin_ctz(match);
-        bool flat = daft_dot(r->normals[at], r->normals[to]) > s->cosine && r->groups[at] == r->groups[to] && r->groups[at];
+        bool flat =
+            daft_dot(r->normals[at], r->normals[to]) > s->cosine && r->groups[at] == r->groups[to] && r->groups[at];
         creases += !flat;
         at = to;
     } while (at != 0);
@@ -280,9 +285,9 @@ static bool prepare(smoother *s)
     s->spokes = daft_alloc(s->allocator, most, sizeof *s->spokes);
     s->sums = daft_alloc(s->allocator, most, sizeof *s->sums);
     s->edges = daft_alloc(s->allocator, most > SMALL_FAN ? 2 * (size_t)most : 1, sizeof *s->edges);
-    return s->spokes && s->sums && s->edges && daft_grow(s->allocator, &mesh->normals, &s->normal_room,
-                                              (size_t)mesh->vertex_count + mesh->vertex_count / 8 + 1, 0,
-                                              sizeof *mesh->normals);
+    return s->spokes && s->sums && s->edges &&
+           daft_grow(s->allocator, &mesh->normals, &s->normal_room,
+                     (size_t)mesh->vertex_count + mesh->vertex_count / 8 + 1, 0, sizeof *mesh->normals);
 }
 
 static bool smooth_vertex(smoother *s, uint32_t vertex)

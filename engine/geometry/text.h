@@ -45,8 +45,14 @@ daft_quoted daft_text_quote(const char *at, size_t length);
 /* Fails with "'x' is not a number", or with "missing" where the line ends. */
 bool daft_text_fail_number(const daft_text *text, const char *at, const char *keyword, daft_error *error);
 
-static inline bool daft_is_blank(char c) { return c == ' ' || c == '\t'; }
-static inline bool daft_is_break(char c) { return c == '\n' || c == '\r'; }
+static inline bool daft_is_blank(char c)
+{
+    return c == ' ' || c == '\t';
+}
+static inline bool daft_is_break(char c)
+{
+    return c == '\n' || c == '\r';
+}
 
 static inline const char *daft_skip_blanks(const char *p)
 {
@@ -112,7 +118,8 @@ static inline const char *daft_scan_digits(const char *p, const char *end, uint6
         eight = eight << shift << shift;
         eight = eight * 10 + (eight >> 8);
         eight = ((eight & 0x000000FF000000FFu) * 0x000F424000000064u +
-                 ((eight >> 16) & 0x000000FF000000FFu) * 0x0000271000000001u) >> 32;
+                 ((eight >> 16) & 0x000000FF000000FFu) * 0x0000271000000001u) >>
+                32;
         if (count < 8) {
             *value = *value * powers[count] + eight;
             return p + count;

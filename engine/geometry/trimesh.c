@@ -19,7 +19,10 @@ void daft_trimesh_free(const daft_allocator *allocator, daft_trimesh *mesh)
     *mesh = (daft_trimesh){0};
 }
 
-static size_t padded(size_t count) { return (count + LANES - 1) / LANES * LANES; }
+static size_t padded(size_t count)
+{
+    return (count + LANES - 1) / LANES * LANES;
+}
 
 size_t daft_trimesh_bytes(const daft_trimesh *mesh)
 {
@@ -88,8 +91,8 @@ static bool check_arrays(const daft_mesh_def *def, daft_error *error)
                          def->triangle_count, UINT32_MAX / 3);
     for (size_t i = 0; i < 3 * (size_t)def->triangle_count; i++)
         if (def->indices[i] >= def->vertex_count)
-            return daft_fail(error, DAFT_ERROR_ARGUMENT, "triangle %zu uses vertex %u, but there are %u vertices", i / 3,
-                             def->indices[i], def->vertex_count);
+            return daft_fail(error, DAFT_ERROR_ARGUMENT, "triangle %zu uses vertex %u, but there are %u vertices",
+                             i / 3, def->indices[i], def->vertex_count);
     return true;
 }
 
@@ -100,7 +103,8 @@ static bool copy_triangles(const daft_allocator *allocator, const daft_mesh_def 
     if (!mesh->indices) return daft_fail_memory(error, "a mesh's triangles");
     for (uint32_t i = 0; i < def->triangle_count; i++) {
         const uint32_t *corner = def->indices + 3 * (size_t)i;
-        if (is_usable(def, corner)) memcpy(mesh->indices + 3 * (size_t)mesh->triangle_count++, corner, 3 * sizeof *corner);
+        if (is_usable(def, corner))
+            memcpy(mesh->indices + 3 * (size_t)mesh->triangle_count++, corner, 3 * sizeof *corner);
     }
     uint32_t dropped = def->triangle_count - mesh->triangle_count;
     if (dropped > 0)
@@ -156,7 +160,8 @@ static bool copy_uvs(const daft_allocator *allocator, const daft_mesh_def *def, 
     }
     mesh->uv_count = def->vertex_count;
     if (bad > 0)
-        daft_warn_at(log, DAFT_ERROR_ARGUMENT, NULL, 0, 0, "%u texture coordinates are not finite and become 0, 0", bad);
+        daft_warn_at(log, DAFT_ERROR_ARGUMENT, NULL, 0, 0, "%u texture coordinates are not finite and become 0, 0",
+                     bad);
     return true;
 }
 
@@ -169,9 +174,8 @@ bool daft_trimesh_from_arrays(const daft_allocator *allocator, const daft_mesh_d
                 copy_triangles(allocator, def, log, &mesh, error);
     if (done && def->uvs && def->vertex_count > 0) done = copy_uvs(allocator, def, log, &mesh, error);
     if (done)
-        done = def->normals && def->vertex_count > 0
-                   ? copy_normals(allocator, def, &mesh, error)
-                   : daft_trimesh_smooth(allocator, &mesh, DAFT_SMOOTH_CREASE, error);
+        done = def->normals && def->vertex_count > 0 ? copy_normals(allocator, def, &mesh, error)
+                                                     : daft_trimesh_smooth(allocator, &mesh, DAFT_SMOOTH_CREASE, error);
     if (!done) {
         daft_trimesh_free(allocator, &mesh);
         return false;

@@ -6,8 +6,8 @@
 
 /* 6 KB; made on the stack of whoever converts many pixels (the engine keeps no globals). */
 typedef struct daft_srgb_table {
-    float linear[256];      /* of each byte */
-    float threshold[257];   /* byte b stands for threshold[b] <= light < threshold[b + 1] */
+    float linear[256];       /* of each byte */
+    float threshold[257];    /* byte b stands for threshold[b] <= light < threshold[b + 1] */
     uint8_t guess[4096 + 1]; /* the byte of light i/4096: at most a few steps below the right one */
 } daft_srgb_table;
 

@@ -50,7 +50,7 @@ static void source_skip(void *user, int count)
 {
     source *from = user;
     if (count < 0) {
-        size_t back = (size_t)-(int64_t)count;
+        size_t back = (size_t) - (int64_t)count;
         from->position -= back < from->position ? back : from->position;
         return;
     }
@@ -78,12 +78,13 @@ static bool fail_decoding(const char *path, daft_error *error)
 static bool check_size(source *from, const char *path, daft_error *error)
 {
     int width = 0, height = 0, channels = 0;
-    if (!stbi_info_from_callbacks(&source_callbacks, from, &width, &height, &channels)) return fail_decoding(path, error);
+    if (!stbi_info_from_callbacks(&source_callbacks, from, &width, &height, &channels))
+        return fail_decoding(path, error);
     if (width <= 0 || height <= 0)
         return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image has no pixels (%d by %d)", width, height);
     if (width > DAFT_MAX_IMAGE_SIDE || height > DAFT_MAX_IMAGE_SIDE)
-        return daft_fail_at(error, DAFT_ERROR_UNSUPPORTED, path, 0, 0, "the image is %d by %d pixels; %d a side is the most",
-                            width, height, DAFT_MAX_IMAGE_SIDE);
+        return daft_fail_at(error, DAFT_ERROR_UNSUPPORTED, path, 0, 0,
+                            "the image is %d by %d pixels; %d a side is the most", width, height, DAFT_MAX_IMAGE_SIDE);
     return true;
 }
 

@@ -61,9 +61,18 @@ void daft_image_destroy(daft_image *image)
     daft_release(&allocator, image);
 }
 
-int daft_image_width(const daft_image *image) { return image ? image->width : 0; }
-int daft_image_height(const daft_image *image) { return image ? image->height : 0; }
-uint8_t *daft_image_pixels(daft_image *image) { return image ? image->pixels : NULL; }
+int daft_image_width(const daft_image *image)
+{
+    return image ? image->width : 0;
+}
+int daft_image_height(const daft_image *image)
+{
+    return image ? image->height : 0;
+}
+uint8_t *daft_image_pixels(daft_image *image)
+{
+    return image ? image->pixels : NULL;
+}
 
 /* ---- writing ---- */
 
@@ -133,8 +142,7 @@ static bool write_file(const daft_image *image, write_function *write, const cha
                        daft_error *error)
 {
     writer to = {fopen(temporary, "wb"), false};
-    if (!to.file)
-        return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "cannot open for writing: %s", strerror(errno));
+    if (!to.file) return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "cannot open for writing: %s", strerror(errno));
     bool had_memory = write(image, &to);
     if (fclose(to.file) != 0) to.failed = true;
     if (!had_memory) return daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for encoding the image");

@@ -65,7 +65,8 @@ static void halve_bytes(const daft_srgb_table *table, const daft_texture_data *t
         }
         for (size_t i = 0; i < 4 * (size_t)width; i++) {
             rows[i] = 0;
-            for (int j = 0; j < down.count; j++) rows[i] += down.weight[j] * rows[i + 4 * (size_t)width * (size_t)(j + 1)];
+            for (int j = 0; j < down.count; j++)
+                rows[i] += down.weight[j] * rows[i + 4 * (size_t)width * (size_t)(j + 1)];
         }
         halve(&(plane){width, 1, rows}, &(plane){to->width, 1, to->texels + 4 * (size_t)y * (size_t)to->width});
     }
@@ -98,7 +99,8 @@ static bool fill_levels(const daft_allocator *allocator, daft_texture_data *text
 {
     if (texture->levels == 1) return true;
     size_t texels = (size_t)texture->width[1] * (size_t)texture->height[1];
-    float *planes[2] = {daft_alloc(allocator, 4 * texels, sizeof(float)), daft_alloc(allocator, 4 * texels, sizeof(float))};
+    float *planes[2] = {daft_alloc(allocator, 4 * texels, sizeof(float)),
+                        daft_alloc(allocator, 4 * texels, sizeof(float))};
     float *rows = daft_alloc(allocator, 4 * 4 * (size_t)texture->width[0], sizeof(float));
     bool done = planes[0] && planes[1] && rows;
     if (done) {

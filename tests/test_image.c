@@ -1,0 +1,448 @@
+/* Images: what is read, what is refused and why, writing, the sRGB curve, mip chains, skies. */
+#include "image/color.h"
+#include "image/image.h"
+#include "math/real.h"
+#include "support_content.h"
+
+static counting memory;
+
+static daft_image make_image(const daft_allocator *allocator, int width, int height)
+{
+    daft_image image = {*allocator, width, height, daft_alloc(allocator, (size_t)(width * height), 4)};
+    for (int i = 0; i < 4 * width * height; i++) image.pixels[i] = (i & 3) == 3 ? 255 : (uint8_t)random_below(256);
+    return image;
+}
+
+static void refuse(const char *path, daft_status code, const char *message)
+{
+    daft_allocator allocator = counting_allocator(&memory);
+    daft_image image;
+    daft_error error;
+    char shown[1100];
+    if (daft_image_read(&allocator, path, &image, &error)) fail_msg("read: %s", path);
+    assert_int_equal(memory.live, 0);
+    assert_string_equal(error.file, path);
+    assert_contains(daft_error_text(&error, shown, sizeof shown), message);
+    assert_int_equal(error.code, code);
+    daft_sky_image sky;
+    assert_false(daft_sky_read(&allocator, path, &sky, &error));
+    daft_texture_data texture;
+    assert_false(daft_texture_read(&allocator, path, &texture, NULL));
+    assert_int_equal(memory.live, 0);
+}
+
+static void pictures_come_back_as_they_were(void **unused)
+{
+    (void)unused;
+    static const int sizes[][2] = {{1, 1}, {7, 5}, {64, 64}, {3, 200}};
+    for (size_t i = 0; i < DAFT_COUNT_OF(sizes); i++)
+        for (int alpha = 0; alpha < 2; alpha++) {
+            daft_allocator allocator = counting_allocator(&memory);
+            daft_image image = make_image(&allocator, sizes[i][0], sizes[i][1]), back;
+            if (alpha) image.pixels[3] = 17;
+            daft_error error;
+            assert_true(daft_image_write(&image, test_path("a.PNG"), &error));
+            assert_true(daft_image_read(&allocator, test_path("a.PNG"), &back, &error));
+            assert_true(back.width == image.width && back.height == image.height);
+            assert_memory_equal(back.pixels, image.pixels, 4 * (size_t)(image.width * image.height));
+            daft_image_free(&back);
+            daft_image_free(&image);
+            assert_int_equal(memory.live, 0);
+        }
+}
+
+static void ppm_is_what_it_says(void **unused)
+{
+    (void)unused;
+    daft_allocator allocator = counting_allocator(&memory);
+    uint8_t pixels[8] = {1, 2, 3, 255, 4, 5, 6, 0};
+    daft_image image = {allocator, 2, 1, pixels};
+    assert_true(daft_image_write(&image, test_path("a.ppm"), NULL));
+    size_t size;
+    char *bytes = daft_file_read(&allocator, test_path("a.ppm"), &size, NULL);
+    assert_int_equal(size, 17);
+    assert_memory_equal(bytes, "P6\n2 1\n255\n\1\2\3\4\5\6", 17);
+    daft_release(&allocator, bytes);
+    assert_false(daft_file_exists(test_path("a.ppm.tmp~")));
+    assert_int_equal(memory.live, 0);
+}
+
+static void writing_says_what_is_wrong(void **unused)
+{
+    (void)unused;
+    daft_allocator allocator = counting_allocator(&memory);
+    daft_image image = make_image(&allocator, 2, 2);
+    static const char *const names[] = {"a.jpg", "a", ".png/a", "a.png.", ""};
+    daft_error error;
+    for (size_t i = 0; i < DAFT_COUNT_OF(names); i++) assert_false(daft_image_write(&image, names[i], &error));
+    assert_false(daft_image_write(&image, "a.jpg", &error));
+    assert_int_equal(error.code, DAFT_ERROR_UNSUPPORTED);
+    assert_contains(error.message, ".png or .ppm");
+    assert_false(daft_image_write(&image, test_path("no folder/a.png"), &error));
+    assert_int_equal(error.code, DAFT_ERROR_IO);
+    assert_contains(error.message, "No such file or directory");
+    char command[256];
+    snprintf(command, sizeof command, "mkdir '%s'", test_path("folder.png"));
+    assert_int_equal(system(command), 0);
+    assert_false(daft_image_write(&image, test_path("folder.png"), &error)); /* the rename fails */
+    assert_false(daft_file_exists(test_path("folder.png.tmp~")));
+    if (daft_file_exists("/dev/full")) {
+        snprintf(command, sizeof command, "ln -s /dev/full '%s'", test_path("full.ppm.tmp~"));
+        assert_int_equal(system(command), 0);
+        assert_false(daft_image_write(&image, test_path("full.ppm"), &error));
+        assert_int_equal(error.code, DAFT_ERROR_IO);
+    }
+    assert_false(daft_image_write(NULL, "a.png", &error));
+    daft_image_free(&image);
+    assert_int_equal(memory.live, 0);
+}
+
+/* ---- reading ---- */
+
+static void what_is_no_image_is_refused(void **unused)
+{
+    (void)unused;
+    refuse(test_path("none.png"), DAFT_ERROR_IO, "cannot open");
+    refuse(test_folder, DAFT_ERROR_IO, "is a directory");
+    refuse(write_test_text("empty.png", ""), DAFT_ERROR_SYNTAX, "the file is empty");
+    refuse(write_test_text("text.png", "hello, this is not an image at all"), DAFT_ERROR_SYNTAX,
+           "cannot decode the image: ");
+    refuse(write_test_text("x.ppm", "P6 1 1 255 abc"), DAFT_ERROR_SYNTAX, "cannot decode the image: ");
+    refuse(write_test_file("magic.png", "\x89PNG\r\n\x1a\n", 8), DAFT_ERROR_SYNTAX, "cannot decode the image: ");
+    static const unsigned char wide[] = {0, 0, 2, 0,    0,    0, 0, 0,  0,
+                                         0, 0, 0, 0xff, 0x7f, 1, 0, 24, 0}; /* TGA, 32767 wide */
+    refuse(write_test_file("wide.tga", wide, sizeof wide), DAFT_ERROR_UNSUPPORTED, "32767 by 1 pixels; 16384 a side");
+    static const unsigned char none[] = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 24, 0};
+    refuse(write_test_file("none.tga", none, sizeof none), DAFT_ERROR_SYNTAX, "image");
+}
+
+/* A 2x2 TGA, top row first, and its colours as RGBA. */
+static const unsigned char small_tga[] = {0, 0,  2,    0, 0, 0, 0, 0, 0, 0, 0, 0, 2,  0,  2,
+                                          0, 24, 0x20, 3, 2, 1, 6, 5, 4, 9, 8, 7, 12, 11, 10};
+
+static void other_formats(void **unused)
+{
+    (void)unused;
+    static const unsigned char expected[] = {1, 2, 3, 255, 4, 5, 6, 255, 7, 8, 9, 255, 10, 11, 12, 255};
+    static const unsigned char bmp[] = {'B', 'M', 70, 0,  0,  0,  0, 0, 0, 0, 54, 0, 0, 0, 40, 0, 0,  0,
+                                        2,   0,   0,  0,  2,  0,  0, 0, 1, 0, 24, 0, 0, 0, 0,  0, 16, 0,
+                                        0,   0,   0,  0,  0,  0,  0, 0, 0, 0, 0,  0, 0, 0, 0,  0, 0,  0,
+                                        9,   8,   7,  12, 11, 10, 0, 0, 3, 2, 1,  6, 5, 4, 0,  0};
+    static const unsigned char gif[] = {'G', 'I',  'F', '8', '9', 'a', 1, 0, 1, 0, 0x80, 0, 0, 255,  0, 0, 0,   0,
+                                        0,   0x2c, 0,   0,   0,   0,   1, 0, 1, 0, 0,    2, 2, 0x44, 1, 0, 0x3b};
+    daft_allocator allocator = counting_allocator(&memory);
+    daft_image image;
+    assert_true(daft_image_read(&allocator, write_test_file("a.tga", small_tga, sizeof small_tga), &image, NULL));
+    assert_memory_equal(image.pixels, expected, sizeof expected);
+    daft_image_free(&image);
+    assert_true(daft_image_read(&allocator, write_test_file("a.bmp", bmp, sizeof bmp), &image, NULL));
+    assert_memory_equal(image.pixels, expected, sizeof expected);
+    daft_image_free(&image);
+    assert_true(daft_image_read(&allocator, write_test_file("a.gif", gif, sizeof gif), &image, NULL));
+    assert_true(image.width == 1 && image.pixels[0] == 255 && image.pixels[1] == 0 && image.pixels[3] == 255);
+    daft_image_free(&image);
+    assert_int_equal(memory.live, 0);
+}
+
+static void check_truncated(const char *bytes, size_t size, const char *name, size_t step)
+{
+    for (size_t cut = 0; cut + 1 < size; cut += step) {
+        daft_allocator allocator = counting_allocator(&memory);
+        const char *path = write_test_file(name, bytes, cut);
+        daft_image image;
+        daft_error error;
+        if (daft_image_read(&allocator, path, &image, &error))
+            fail_msg("%s was read from %zu of %zu bytes", name, cut, size);
+        assert_int_equal(memory.live, 0);
+        assert_string_equal(error.file, path);
+    }
+}
+
+static void files_that_were_cut_off(void **unused)
+{
+    (void)unused;
+    daft_allocator allocator = counting_allocator(&memory);
+    check_truncated((const char *)small_tga, sizeof small_tga, "cut.tga", 1);
+    refuse(write_test_file("cut.tga", small_tga, sizeof small_tga - 1), DAFT_ERROR_SYNTAX, "truncated");
+    daft_image image = make_image(&allocator, 9, 9);
+    assert_true(daft_image_write(&image, test_path("whole.png"), NULL));
+    daft_image_free(&image);
+    size_t size;
+    char *bytes = daft_file_read(&allocator, test_path("whole.png"), &size, NULL);
+    check_truncated(bytes, size, "cut.png", 3);
+    daft_allocator plain = counting_allocator(&memory);
+    memory.live = 1;
+    daft_release(&plain, bytes);
+    const char *jpeg = shared_file("models/hand/hand_mapNew.jpg");
+    if (!jpeg) return;
+    bytes = daft_file_read(&plain, jpeg, &size, NULL);
+    assert_non_null(bytes);
+    check_truncated(bytes, size, "cut.jpg", size / 7);
+    daft_release(&plain, bytes);
+}
+
+static void damaged_files_never_crash(void **unused)
+{
+    (void)unused;
+    daft_allocator allocator = counting_allocator(&memory);
+    daft_image image = make_image(&allocator, 12, 7);
+    assert_true(daft_image_write(&image, test_path("whole.png"), NULL));
+    daft_image_free(&image);
+    size_t sizes[2] = {0, sizeof small_tga};
+    char *bytes = daft_file_read(&allocator, test_path("whole.png"), &sizes[0], NULL);
+    const char *const sources[2] = {bytes, (const char *)small_tga};
+    print_message("seed %llu\n", (unsigned long long)random_state);
+    for (int run = 0; run < 1000; run++) {
+        char damaged[1024];
+        int which = run & 1;
+        assert_true(sizes[which] <= sizeof damaged);
+        memcpy(damaged, sources[which], sizes[which]);
+        for (uint32_t edit = random_below(4) + 1; edit > 0; edit--)
+            damaged[random_below((uint32_t)sizes[which])] = (char)random_below(256);
+        if (which) damaged[13] = damaged[15] = 0; /* keep it small */
+        const char *path = write_test_file("damaged", damaged, sizes[which]);
+        if (daft_image_read(&allocator, path, &image, NULL)) daft_image_free(&image);
+        assert_int_equal(memory.live, 1);
+    }
+    daft_release(&allocator, bytes);
+}
+
+/* ---- colour ---- */
+
+static void the_srgb_curve(void **unused)
+{
+    (void)unused;
+    assert_true(daft_srgb_to_linear(0) == 0 && daft_srgb_to_linear(1) == 1 && daft_linear_to_srgb(1) == 1);
+    assert_true(daft_linear_to_srgb(-1) == 0 && daft_linear_to_srgb(7) == 1 && daft_linear_to_srgb(NAN) == 0);
+    assert_true(fabsf(daft_srgb_to_linear(0.5f) - 0.21404114f) < 1e-7f);
+    assert_true(fabsf(daft_linear_to_srgb(0.5f) - 0.73535698f) < 1e-7f);
+    daft_srgb_table table;
+    daft_srgb_table_make(&table);
+    for (int i = 0; i < 256; i++) {
+        assert_true(fabsf(table.linear[i] - daft_srgb_to_linear((float)(i / 255.0))) < 1e-7f);
+        assert_int_equal(daft_srgb_byte(&table, table.linear[i]), i);
+        assert_true(fabsf(daft_linear_to_srgb(table.linear[i]) * 255 - (float)i) < 1e-4f);
+    }
+    for (int i = 0; i <= 1000000; i++) {
+        float light = (float)i / 1000000;
+        double exact = (double)daft_linear_to_srgb(light) * 255;
+        int byte = daft_srgb_byte(&table, light);
+        if (fabs(exact - byte) > 0.5001) fail_msg("%g: byte %d for %g", (double)light, byte, exact);
+    }
+    assert_int_equal(daft_srgb_byte(&table, NAN), 0);
+    assert_int_equal(daft_srgb_byte(&table, INFINITY), 255);
+}
+
+/* ---- textures ---- */
+
+static daft_texture_data build(const uint8_t *rgba, int width, int height)
+{
+    daft_allocator allocator = counting_allocator(&memory);
+    daft_texture_data texture;
+    daft_error error;
+    if (!daft_texture_build(&allocator, rgba, width, height, &texture, &error)) fail_msg("%s", error.message);
+    return texture;
+}
+
+static void free_texture(daft_texture_data *texture)
+{
+    daft_allocator allocator = {&memory, counting_allocate, counting_release};
+    daft_texture_free(&allocator, texture);
+    assert_int_equal(memory.live, 0);
+}
+
+static void levels_halve_down_to_one_texel(void **unused)
+{
+    (void)unused;
+    static const int sizes[][3] = {{1, 1, 1}, {2, 1, 2},      {4, 4, 3},     {5, 3, 3},
+                                   {1, 9, 4}, {640, 333, 10}, {16384, 1, 15}};
+    static uint8_t rgba[4 * 640 * 333];
+    for (size_t i = 0; i < DAFT_COUNT_OF(sizes); i++) {
+        daft_texture_data texture = build(rgba, sizes[i][0], sizes[i][1]);
+        assert_int_equal(texture.levels, sizes[i][2]);
+        for (int level = 1; level < texture.levels; level++) {
+            assert_int_equal(texture.width[level], daft_max_i(1, texture.width[level - 1] / 2));
+            assert_int_equal(texture.height[level], daft_max_i(1, texture.height[level - 1] / 2));
+        }
+        assert_true(texture.width[texture.levels - 1] == 1 && texture.height[texture.levels - 1] == 1 &&
+                    !texture.missing);
+        free_texture(&texture);
+    }
+}
+
+/* The share of source texel `s` in target texel `t`, along one axis, by overlap of intervals. */
+static double overlap(int t, int target, int s, int source)
+{
+    double low = fmax((double)t * source / target, s), high = fmin((t + 1.0) * source / target, s + 1.0);
+    return high > low ? (high - low) * target / source : 0;
+}
+
+/* Level 1 against the plain definition: the mean of the light over each texel's area, in double, rounded once. */
+static void filtering_is_in_linear_light(void **unused)
+{
+    (void)unused;
+    static const uint8_t checker[16] = {0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 255};
+    daft_texture_data texture = build(checker, 2, 2);
+    const uint8_t *grey = texture.texels[1];
+    assert_true(grey[0] == 188 && grey[1] == 188 && grey[2] == 188 && grey[3] == 255); /* half the light, not 128 */
+    free_texture(&texture);
+    print_message("seed %llu\n", (unsigned long long)random_state);
+    static const int sizes[][2] = {{2, 2}, {3, 3}, {7, 4}, {4, 9}, {1, 5}, {13, 1}, {64, 31}};
+    static uint8_t rgba[4 * 64 * 64];
+    for (size_t i = 0; i < sizeof rgba; i++) rgba[i] = (uint8_t)random_below(256);
+    for (size_t k = 0; k < DAFT_COUNT_OF(sizes); k++) {
+        int w = sizes[k][0], h = sizes[k][1];
+        texture = build(rgba, w, h);
+        assert_memory_equal(texture.texels[0], rgba, 4 * (size_t)(w * h));
+        for (int y = 0; y < texture.height[1]; y++)
+            for (int x = 0; x < texture.width[1]; x++)
+                for (int c = 0; c < 4; c++) {
+                    double sum = 0;
+                    for (int j = 0; j < h; j++)
+                        for (int i = 0; i < w; i++) {
+                            double value = rgba[4 * (j * w + i) + c] / 255.0;
+                            if (c < 3) value = (double)daft_srgb_to_linear((float)value);
+                            sum += value * overlap(x, texture.width[1], i, w) * overlap(y, texture.height[1], j, h);
+                        }
+                    double expected = (c < 3 ? (double)daft_linear_to_srgb((float)sum) : sum) * 255;
+                    int got = texture.texels[1][4 * (y * texture.width[1] + x) + c];
+                    if (fabs(got - expected) > 0.501) fail_msg("%dx%d at %d,%d: %d, not %g", w, h, x, y, got, expected);
+                }
+        free_texture(&texture);
+    }
+}
+
+static void one_colour_stays_that_colour(void **unused)
+{
+    (void)unused;
+    static uint8_t rgba[4 * 37 * 53];
+    for (int value = 0; value < 256; value += 15) {
+        memset(rgba, value, sizeof rgba);
+        daft_texture_data texture = build(rgba, 37, 53);
+        for (int level = 0; level < texture.levels; level++)
+            for (int i = 0; i < 4 * texture.width[level] * texture.height[level]; i++)
+                assert_int_equal(texture.texels[level][i], value);
+        free_texture(&texture);
+    }
+}
+
+static void the_missing_texture_is_a_checker(void **unused)
+{
+    (void)unused;
+    daft_allocator allocator = counting_allocator(&memory);
+    daft_texture_data texture;
+    assert_true(daft_texture_missing(&allocator, &texture, NULL));
+    assert_true(texture.missing && texture.levels > 1);
+    const uint8_t *first = texture.texels[0], *other = first + 4 * 8;
+    assert_true(first[0] == 255 && first[1] == 0 && first[2] == 255 && first[3] == 255 && other[0] == 0 &&
+                other[2] == 0);
+    free_texture(&texture);
+    daft_error error;
+    uint8_t pixel[4] = {0};
+    assert_false(daft_texture_build(&allocator, pixel, 0, 1, &texture, &error));
+    assert_false(daft_texture_build(&allocator, pixel, 1, 16385, &texture, &error));
+    assert_int_equal(error.code, DAFT_ERROR_ARGUMENT);
+}
+
+/* ---- skies ---- */
+
+static void skies_are_linear(void **unused)
+{
+    (void)unused;
+    daft_allocator allocator = counting_allocator(&memory);
+    daft_sky_image sky;
+    assert_true(daft_sky_read(&allocator, write_test_file("a.tga", small_tga, sizeof small_tga), &sky, NULL));
+    assert_true(sky.width == 2 && sky.height == 2);
+    for (int i = 0; i < 12; i++) assert_true(fabsf(sky.texels[i] - daft_srgb_to_linear((float)(i + 1) / 255)) < 1e-9f);
+    daft_sky_free(&allocator, &sky);
+    /* two RGBE pixels: 128, 64, 32 with exponent 129 is 1, 0.5, 0.25; exponent 137 is 256 times that */
+    static const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x40\x20\x81\x80\x40\x20\x89";
+    const char *path = write_test_file("a.hdr", hdr, sizeof hdr - 1);
+    assert_true(daft_sky_read(&allocator, path, &sky, NULL));
+    const float expected[6] = {1, .5f, .25f, 256, 128, 64};
+    assert_memory_equal(sky.texels, expected, sizeof expected);
+    daft_sky_free(&allocator, &sky);
+    daft_image image;
+    assert_true(daft_image_read(&allocator, path, &image, NULL));
+    const uint8_t bytes[8] = {255, 188, 137, 255, 255, 255, 255, 255};
+    assert_memory_equal(image.pixels, bytes, sizeof bytes);
+    daft_image_free(&image);
+    assert_int_equal(memory.live, 0);
+    refuse(write_test_file("cut.hdr", hdr, sizeof hdr - 4), DAFT_ERROR_SYNTAX, "truncated");
+}
+
+static void real_files(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *name;
+        int width, height;
+    } files[] = {{"models/hand/hand_mapNew.jpg", 0, 0},
+                 {"models/plane/plane_diffuse.png", 0, 0},
+                 {"models/spider/wal67ar_small.jpg", 0, 0},
+                 {"sky/dresden_square_1k.hdr", 1024, 512}};
+    for (size_t i = 0; i < DAFT_COUNT_OF(files); i++) {
+        const char *path = shared_file(files[i].name);
+        if (!path) continue;
+        daft_allocator allocator = counting_allocator(&memory);
+        daft_texture_data texture;
+        daft_sky_image sky;
+        daft_error error;
+        if (!daft_texture_read(&allocator, path, &texture, &error)) fail_msg("%s: %s", path, error.message);
+        if (files[i].width) assert_true(texture.width[0] == files[i].width && texture.height[0] == files[i].height);
+        assert_true(daft_sky_read(&allocator, path, &sky, &error));
+        for (int k = 0; k < 3 * sky.width * sky.height; k++) assert_true(isfinite(sky.texels[k]) && sky.texels[k] >= 0);
+        daft_sky_free(&allocator, &sky);
+        daft_texture_free(&allocator, &texture);
+        assert_int_equal(memory.live, 0);
+    }
+}
+
+static void memory_may_run_out_anywhere(void **unused)
+{
+    (void)unused;
+    const char *path = write_test_file("a.tga", small_tga, sizeof small_tga);
+    for (int kind = 0; kind < 4; kind++)
+        for (long fail_at = 0;; fail_at++) {
+            daft_allocator allocator = counting_allocator(&memory);
+            memory.fail_at = fail_at;
+            daft_texture_data texture;
+            daft_sky_image sky;
+            daft_image image;
+            daft_error error;
+            bool made = false;
+            if (kind == 0 && (made = daft_texture_read(&allocator, path, &texture, &error)))
+                daft_texture_free(&allocator, &texture);
+            if (kind == 1 && (made = daft_sky_read(&allocator, path, &sky, &error))) daft_sky_free(&allocator, &sky);
+            if (kind == 2 && (made = daft_image_read(&allocator, path, &image, &error))) daft_image_free(&image);
+            uint8_t pixel[4] = {0};
+            image = (daft_image){allocator, 1, 1, pixel};
+            if (kind == 3) made = daft_image_write(&image, test_path("out.png"), &error);
+            assert_int_equal(memory.live, 0);
+            if (!made) assert_int_equal(error.code, DAFT_ERROR_MEMORY);
+            if (!made && kind == 3) assert_false(daft_file_exists(test_path("out.png.tmp~")));
+            if (memory.calls <= fail_at) break;
+        }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pictures_come_back_as_they_were),
+        cmocka_unit_test(ppm_is_what_it_says),
+        cmocka_unit_test(writing_says_what_is_wrong),
+        cmocka_unit_test(what_is_no_image_is_refused),
+        cmocka_unit_test(other_formats),
+        cmocka_unit_test(files_that_were_cut_off),
+        cmocka_unit_test(damaged_files_never_crash),
+        cmocka_unit_test(the_srgb_curve),
+        cmocka_unit_test(levels_halve_down_to_one_texel),
+        cmocka_unit_test(filtering_is_in_linear_light),
+        cmocka_unit_test(one_colour_stays_that_colour),
+        cmocka_unit_test(the_missing_texture_is_a_checker),
+        cmocka_unit_test(skies_are_linear),
+        cmocka_unit_test(real_files),
+        cmocka_unit_test(memory_may_run_out_anywhere),
+    };
+    return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);
+}
