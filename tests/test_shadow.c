@@ -1,0 +1,133 @@
+/* The shadow pencil against single rays: for points anywhere, suns, lamps far off, close by, inside the scene and among the
+ * points, meshes, spheres and mirrored instances, both say the same but for points on a shadow's very edge; and every
+ * instruction set says exactly the same. */
+#include "fixtures.h"
+
+#include "render/internal.h"
+
+typedef struct stage {
+    daft_instance instances[8];
+    uint32_t count;
+    fixture_mesh soup, ball;
+    daft_arena arena;
+    daft_allocator allocator;
+    const daft_tlas *tlas;
+} stage;
+
+static void stage_make(stage *s)
+{
+    s->soup = mesh_soup(700, 2, 0.35f);
+    s->ball = mesh_ball(24, 1, 0.1f);
+    s->count = 8;
+    for (int i = 0; i < 8; i++) {
+        daft_vec3 scale = i % 4 == 3 ? daft_v3(1, -0.6f, 1.3f) : daft_v3(1, 1, 1), at = random_vec3(-5, 5);
+        s->instances[i] = i % 4 == 0 ? sphere_make(at, random_float(0.2f, 1))
+                                     : instance_make(i % 2 ? &s->soup : &s->ball, affine_make(random_rotation(), scale, at));
+    }
+    s->instances[7].flags = 0; /* casts none */
+    s->allocator = daft_malloc_allocator();
+    daft_arena_init(&s->arena, &s->allocator);
+    s->tlas = daft_tlas_build(&s->arena, s->instances, s->count, NULL);
+    assert_non_null(s->tlas);
+}
+
+static void stage_drop(stage *s)
+{
+    daft_arena_free(&s->arena);
+    mesh_drop(&s->soup);
+    mesh_drop(&s->ball);
+}
+
+/* Points of a patch, as a tile would see one: on a slanted plane of the given size around a place. */
+static void fill_points(daft_batch *b, daft_vec3 place, float size)
+{
+    daft_vec3 u = daft_scale(random_vec3(-1, 1), size), v = daft_scale(random_vec3(-1, 1), size);
+    b->count = 700 + random_bits() % 300;
+    for (uint32_t i = 0; i < b->count; i++) {
+        daft_vec3 p = daft_add(place, daft_add(daft_scale(u, random_float(-1, 1)), daft_scale(v, random_float(-1, 1))));
+        b->lifted.x[i] = p.x, b->lifted.y[i] = p.y, b->lifted.z[i] = p.z;
+        b->instance[i] = UINT32_MAX;
+    }
+}
+
+static bool lit_by_ray(const stage *s, const daft_batch *b, const daft_lamp *lamp, uint32_t i)
+{
+    daft_ray ray = {.origin = {b->lifted.x[i], b->lifted.y[i], b->lifted.z[i]}, .direction = lamp->to_light, .tmax = INFINITY};
+    if (!lamp->sun) ray.direction = daft_sub(lamp->position, ray.origin), ray.tmax = 1;
+    return !daft_accel_kernels_for(0)->occluded(s->tlas, &ray);
+}
+
+DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);
+static const daft_render_kernels *kernels(int isa)
+{
+    static const daft_render_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_render);
+    return TABLE[isa];
+}
+
+typedef struct tally {
+    int lit, dark, edge, pencils;
+} tally;
+
+static void compare(const stage *s, const daft_batch *b, const daft_lamp *lamp, tally *sum)
+{
+    uint32_t asked[DAFT_BATCH_WORDS] = {0}, bits[DAFT_ISA_COUNT][DAFT_BATCH_WORDS], candidates[DAFT_MAX_CANDIDATES];
+    for (uint32_t i = 0; i < b->count; i++)
+        if (i % 7) asked[i / 32] |= (uint32_t)1 << (i % 32);
+    uint32_t count = daft_shaft_candidates(s->tlas, b, asked, lamp, candidates, DAFT_MAX_CANDIDATES), kept = 0;
+    assert_true(count <= s->count);
+    for (int isa = 0; isa <= daft_isa_best(); isa++) {
+        memcpy(bits[isa], asked, sizeof asked);
+        uint32_t under = kernels(isa)->shadows(b, lamp, s->instances, candidates, count, bits[isa]);
+        if (isa) assert_int_equal(under, kept);
+        kept = under;
+        assert_memory_equal(bits[isa], bits[0], sizeof asked);
+    }
+    if (kept == DAFT_NO_PENCIL) {
+        assert_memory_equal(bits[0], asked, sizeof asked);
+        return;
+    }
+    sum->pencils++;
+    for (uint32_t i = 0; i < b->count; i++) {
+        bool was = asked[i / 32] >> (i % 32) & 1, lit = bits[0][i / 32] >> (i % 32) & 1;
+        if (!was) assert_false(lit);
+        if (!was) continue;
+        if (lit != lit_by_ray(s, b, lamp, i)) sum->edge++;
+        if (lit) sum->lit++;
+        else sum->dark++;
+    }
+}
+
+static void run(bool sun, float lamp_distance, float patch)
+{
+    daft_batch *b = calloc(1, sizeof *b);
+    tally sum = {0};
+    for (int round = 0; round < 25; round++) {
+        stage s;
+        stage_make(&s);
+        for (int i = 0; i < 4; i++) {
+            fill_points(b, random_vec3(-5, 5), patch);
+            daft_lamp lamp = {.sun = sun, .casts_shadow = true};
+            lamp.to_light = daft_normalize(random_vec3(-1, 1));
+            lamp.position = daft_scale(random_vec3(-1, 1), lamp_distance);
+            compare(&s, b, &lamp, &sum);
+        }
+        stage_drop(&s);
+    }
+    print_message("%d pencils: %d lit, %d dark, %d at an edge\n", sum.pencils, sum.lit, sum.dark, sum.edge);
+    assert_true(sum.pencils > 10 && sum.lit > 1000 && sum.dark > 1000);
+    assert_true(sum.edge * 2000 < sum.lit + sum.dark);
+    free(b);
+}
+
+static void suns(void **unused) { (void)unused, fixture_seed(61), run(true, 0, 1); }
+static void large_patches(void **unused) { (void)unused, fixture_seed(62), run(true, 0, 8); }
+static void far_lamps(void **unused) { (void)unused, fixture_seed(63), run(false, 1000, 1); }
+static void lamps_in_the_scene(void **unused) { (void)unused, fixture_seed(64), run(false, 4, 1); }
+static void lamps_among_the_points(void **unused) { (void)unused, fixture_seed(65), run(false, 3, 4); }
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(suns), cmocka_unit_test(large_patches), cmocka_unit_test(far_lamps),
+                                       cmocka_unit_test(lamps_in_the_scene), cmocka_unit_test(lamps_among_the_points)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
