@@ -70,8 +70,23 @@ static void watch(lua_State *L, lua_Debug *unused)
 
 /* ---- files ---- */
 
+/* Neither absolute nor with a part "..": a game that somebody was sent must not read what else is on the machine. */
+static bool stays_inside(const char *name)
+{
+    if (name[0] == '/') return false;
+    for (const char *part = name; part;) {
+        if (strncmp(part, "..", 2) == 0 && (part[2] == 0 || part[2] == '/')) return false;
+        part = strchr(part, '/');
+        if (part) part++;
+    }
+    return true;
+}
+
 bool host_find_file(const host *state, const char *name, char *out, size_t size, daft_error *error)
 {
+    if (!stays_inside(name))
+        return fail(error, DAFT_ERROR_ARGUMENT, "'%s' leads outside: files are in the game's folder or in assets/",
+                    name);
     if (path_join(out, size, state->def.folder, name) && path_is_file(out)) return true;
     if (path_join(out, size, state->def.where->assets, name) && path_is_file(out)) return true;
     return fail(error, DAFT_ERROR_IO, "there is no file '%s', neither in the game's folder nor in assets/", name);

@@ -1,0 +1,361 @@
+/* runtime: a session and the menu on a platform made for tests: keys and clicks come from a list, a frame is 1/60 s. */
+#include "commands.h"
+#include "loop.h"
+#include "menu.h"
+#include "session.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <unistd.h>
+
+/* ---- the platform: what happens in which frame ---- */
+
+typedef struct happening {
+    uint64_t frame;
+    const char *key; /* "+left", "-left", "focus", "close", "click" at x, y, or "size" x by y */
+    float x, y;
+} happening;
+
+typedef struct script_platform {
+    platform face;
+    const happening *script;
+    size_t count, next;
+    uint64_t frame, presented;
+    int width, height;
+    bool click; /* the press that follows the move of a click */
+    int picture_width, picture_height;
+    uint8_t corner[4]; /* of the last picture */
+    char title[200];
+} script_platform;
+
+static void close_script(platform *self)
+{
+    (void)self;
+}
+
+static bool poll_script(platform *self, platform_event *out)
+{
+    script_platform *p = (script_platform *)self;
+    *out = (platform_event){.kind = PLATFORM_INPUT};
+    if (p->click) {
+        p->click = false;
+        out->input = (input_event){.kind = INPUT_KEY, .key = input_key_find("mouse1"), .down = true};
+        return true;
+    }
+    if (p->next == p->count || p->script[p->next].frame > p->frame) return false;
+    const happening *now = &p->script[p->next++];
+    if (strcmp(now->key, "close") == 0) {
+        out->kind = PLATFORM_CLOSE;
+    } else if (strcmp(now->key, "focus") == 0) {
+        out->kind = PLATFORM_FOCUS_LOST;
+    } else if (strcmp(now->key, "click") == 0) {
+        out->input = (input_event){.kind = INPUT_MOVE, .x = now->x, .y = now->y};
+        p->click = true;
+    } else if (strcmp(now->key, "size") == 0) {
+        p->width = (int)now->x, p->height = (int)now->y;
+        return poll_script(self, out);
+    } else {
+        int key = input_key_find(now->key + 1);
+        assert_true(key >= 0);
+        out->input = (input_event){.kind = INPUT_KEY, .key = key, .down = now->key[0] == '+'};
+    }
+    return true;
+}
+
+static void size_script(platform *self, int *width, int *height)
+{
+    *width = ((script_platform *)self)->width, *height = ((script_platform *)self)->height;
+}
+
+static bool wants_frame_script(platform *self)
+{
+    (void)self;
+    return true;
+}
+
+static bool present_script(platform *self, const daft_image *picture, daft_error *error)
+{
+    (void)error;
+    script_platform *p = (script_platform *)self;
+    p->presented++;
+    p->picture_width = daft_image_width(picture), p->picture_height = daft_image_height(picture);
+    memcpy(p->corner, daft_image_pixels((daft_image *)(uintptr_t)picture), 4);
+    return true;
+}
+
+static void end_frame_script(platform *self)
+{
+    /* A script without an end is a bug of the test. */
+    assert_true(((script_platform *)self)->frame++ < 2000);
+}
+
+static uint64_t now_script(platform *self)
+{
+    return (((script_platform *)self)->frame * 1000000000u + LOOP_RATE - 1) / LOOP_RATE;
+}
+
+static void set_title_script(platform *self, const char *title)
+{
+    snprintf(((script_platform *)self)->title, sizeof((script_platform *)self)->title, "%s", title);
+}
+
+static void grab_script(platform *self, bool grab)
+{
+    (void)self, (void)grab;
+}
+
+/* ---- the stage ---- */
+
+typedef struct stage {
+    home where;
+    daft_engine *engine;
+    font *face;
+    script_platform screen;
+    session_def def;
+} stage;
+
+static stage s;
+
+static void set_up(const happening *script, size_t count)
+{
+    daft_error error;
+    memset(&s, 0, sizeof s);
+    assert_true(home_find(&s.where, &error));
+    assert_non_null(s.face = open_font(&s.where, &error));
+    daft_engine_def engine = daft_default_engine_def();
+    assert_non_null(s.engine = daft_engine_create(&engine, &error));
+    s.screen = (script_platform){.face = {.close = close_script,
+                                          .poll = poll_script,
+                                          .get_size = size_script,
+                                          .wants_frame = wants_frame_script,
+                                          .present = present_script,
+                                          .end_frame = end_frame_script,
+                                          .now_ns = now_script,
+                                          .set_title = set_title_script,
+                                          .grab_mouse = grab_script},
+                                 .script = script,
+                                 .count = count,
+                                 .width = 160,
+                                 .height = 90};
+    s.def = (session_def){.screen = &s.screen.face,
+                          .engine = s.engine,
+                          .where = &s.where,
+                          .face = s.face,
+                          .quality = DAFT_QUALITY_DRAFT,
+                          .scale = 1,
+                          .seed = 1};
+}
+
+static void tear_down(void)
+{
+    font_close(s.face);
+    daft_engine_destroy(s.engine);
+}
+
+static session_end play(const char *game)
+{
+    char path[PATH_SIZE];
+    game_info info;
+    daft_error error = {0};
+    snprintf(path, sizeof path, "%s/tests/games/%s", DAFT_ROOT, game);
+    assert_true(home_find_game(&s.where, path, &info, &error));
+    session_end end = session_play(&s.def, &info, &error);
+    if (end == SESSION_FAILED) fail_msg("%s", error.message);
+    return end;
+}
+
+#define PLAY(script) set_up(script, sizeof script / sizeof script[0])
+
+/* ---- tests ---- */
+
+static void escape_leaves_and_the_window_closes(void **unused)
+{
+    (void)unused;
+    const happening leave[] = {{5, "+escape", 0, 0}};
+    PLAY(leave);
+    assert_int_equal(play("sample"), SESSION_LEFT);
+    assert_in_range(s.screen.presented, 5, 7);
+    assert_string_equal(s.screen.title, "Sample - DAFT");
+    tear_down();
+    const happening close[] = {{5, "close", 0, 0}};
+    PLAY(close);
+    assert_int_equal(play("sample"), SESSION_CLOSED);
+    tear_down();
+}
+
+static void the_picture_follows_the_window(void **unused)
+{
+    (void)unused;
+    const happening script[] = {{3, "size", 321, 123}, {6, "+escape", 0, 0}};
+    PLAY(script);
+    play("sample");
+    assert_int_equal(s.screen.picture_width, 321);
+    assert_int_equal(s.screen.picture_height, 123);
+    tear_down();
+    const happening huge[] = {{0, "size", 7680, 2160}, {2, "+escape", 0, 0}};
+    PLAY(huge);
+    play("sample");
+    assert_int_equal(s.screen.picture_width, 1920);
+    assert_int_equal(s.screen.picture_height, 540);
+    tear_down();
+    const happening half[] = {{2, "+escape", 0, 0}};
+    PLAY(half);
+    s.def.scale = 0.5;
+    play("sample");
+    assert_int_equal(s.screen.picture_width, 80);
+    tear_down();
+}
+
+/* A broken game shows its error and stays; R reloads it; Esc leaves as ever. */
+static void a_script_error_is_shown_and_r_reloads(void **unused)
+{
+    (void)unused;
+    const happening script[] = {{40, "+r", 0, 0}, {41, "-r", 0, 0}, {48, "+f1", 0, 0}, {80, "+escape", 0, 0}};
+    PLAY(script);
+    assert_int_equal(play("broken_update"), SESSION_LEFT);
+    assert_true(s.screen.presented >= 80);
+    assert_true(s.screen.corner[0] > 150 &&
+                s.screen.corner[0] > s.screen.corner[2] + 50); /* the error screen's red edge */
+    tear_down();
+}
+
+static void count_lines(const char *path, const char *wanted, int *count)
+{
+    char line[128];
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    for (*count = 0; fgets(line, sizeof line, file);)
+        if (strstr(line, wanted)) ++*count;
+    fclose(file);
+}
+
+static void what_is_pressed_is_recorded_and_focus_loss_releases_it(void **unused)
+{
+    (void)unused;
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/daft-window-%d.rec", (int)getpid());
+    const happening script[] = {
+        {5, "+left", 0, 0}, {10, "focus", 0, 0}, {20, "click", 0.5f, 0.25f}, {30, "+escape", 0, 0}};
+    PLAY(script);
+    s.def.record = path;
+    play("sample");
+    tear_down();
+    static const struct {
+        const char *text;
+        int count;
+    } wanted[] = {{"+left", 1}, {"-left", 1}, {" mouse 640 180", 1}, {"+mouse1", 1}, {"game sample", 1}, {"end ", 1}};
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        int count;
+        count_lines(path, wanted[i].text, &count);
+        if (count != wanted[i].count) fail_msg("%d lines with '%s'", count, wanted[i].text);
+    }
+    unlink(path);
+}
+
+/* While a recording plays the keyboard is not heard; when it ends, it is the player's turn. */
+static void a_replay_hands_control_back(void **unused)
+{
+    (void)unused;
+    char path[64], second[72];
+    snprintf(path, sizeof path, "/tmp/daft-window-%d.rec", (int)getpid());
+    snprintf(second, sizeof second, "%s.2", path);
+    FILE *file = fopen(path, "w");
+    fputs("daft-recording 1\ngame sample\n2 +up\nend 20\n", file);
+    fclose(file);
+    const happening script[] = {{5, "+left", 0, 0}, {6, "-left", 0, 0}, {40, "+right", 0, 0}, {60, "+escape", 0, 0}};
+    PLAY(script);
+    s.def.replay = path;
+    s.def.record = second;
+    assert_int_equal(play("sample"), SESSION_LEFT);
+    tear_down();
+    static const char *const wanted[] = {"2 +up", "20 -up", "+right"};
+    int count;
+    for (size_t i = 0; i < 3; i++) {
+        count_lines(second, wanted[i], &count);
+        assert_int_equal(count, 1);
+    }
+    count_lines(second, "left", &count);
+    assert_int_equal(count, 0);
+    unlink(path);
+    unlink(second);
+}
+
+static game_info games[12];
+
+static menu_end choose(size_t count, size_t *chosen)
+{
+    daft_error error = {0};
+    for (size_t i = 0; i < count; i++) {
+        snprintf(games[i].name, sizeof games[i].name, "game%zu", i);
+        snprintf(games[i].title, sizeof games[i].title, "Game number %zu", i);
+        snprintf(games[i].description, sizeof games[i].description, "%0500d", 7); /* one long word */
+    }
+    menu_end end = menu_show(&s.def, games, count, chosen, &error);
+    if (end == MENU_FAILED) fail_msg("%s", error.message);
+    return end;
+}
+
+static void the_menu_goes_by_keys(void **unused)
+{
+    (void)unused;
+    const happening script[] = {{1, "+down", 0, 0}, {2, "+down", 0, 0}, {3, "+up", 0, 0}, {4, "+return", 0, 0}};
+    size_t chosen = 0;
+    PLAY(script);
+    assert_int_equal(choose(12, &chosen), MENU_CHOSEN);
+    assert_int_equal(chosen, 1);
+    tear_down();
+    const happening up[] = {{1, "+up", 0, 0}, {3, "+space", 0, 0}}; /* round to the last, which scrolls */
+    chosen = 0;
+    PLAY(up);
+    assert_int_equal(choose(12, &chosen), MENU_CHOSEN);
+    assert_int_equal(chosen, 11);
+    tear_down();
+    const happening leave[] = {{2, "+escape", 0, 0}};
+    PLAY(leave);
+    assert_int_equal(choose(3, &chosen), MENU_LEFT);
+    tear_down();
+}
+
+static void the_menu_goes_by_mouse(void **unused)
+{
+    (void)unused;
+    /* The third row is at 384 to 480 of 720 units, and at 64 to 624 of 1280. */
+    const happening script[] = {{1, "click", 0.9f, 0.6f}, {3, "click", 0.2f, 0.6f}};
+    size_t chosen = 0;
+    PLAY(script);
+    assert_int_equal(choose(4, &chosen), MENU_CHOSEN);
+    assert_int_equal(chosen, 2);
+    tear_down();
+}
+
+static void a_menu_without_games_can_be_left(void **unused)
+{
+    (void)unused;
+    const happening script[] = {{1, "+down", 0, 0}, {2, "+return", 0, 0}, {3, "click", 0.2f, 0.5f}, {5, "close", 0, 0}};
+    size_t chosen = 0;
+    PLAY(script);
+    assert_int_equal(choose(0, &chosen), MENU_LEFT);
+    tear_down();
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(escape_leaves_and_the_window_closes),
+                                       cmocka_unit_test(the_picture_follows_the_window),
+                                       cmocka_unit_test(a_script_error_is_shown_and_r_reloads),
+                                       cmocka_unit_test(what_is_pressed_is_recorded_and_focus_loss_releases_it),
+                                       cmocka_unit_test(a_replay_hands_control_back),
+                                       cmocka_unit_test(the_menu_goes_by_keys),
+                                       cmocka_unit_test(the_menu_goes_by_mouse),
+                                       cmocka_unit_test(a_menu_without_games_can_be_left)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
