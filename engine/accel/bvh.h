@@ -21,7 +21,8 @@ typedef struct daft_node {
     uint32_t child[DAFT_WIDTH];
 } daft_node;
 
-/* corner[k][axis][i]: corner k of triangle i. Unused places repeat DAFT_NO_TRIANGLE and zeros, which no ray hits. */
+/* corner[k][axis][i]: corner k of triangle i. Unused places have the number DAFT_NO_TRIANGLE, the largest, and the corners of
+ * the last triangle: a ray that hits them hits that one as well, at the same distance, and lower numbers win ties. */
 typedef struct daft_block {
     float corner[3][3][DAFT_BLOCK];
     uint32_t triangle[DAFT_BLOCK];

@@ -62,12 +62,11 @@ static void mesh_leave(void *context, uint32_t count)
 
 static void block_fill(const daft_trimesh *mesh, const daft_build_prim *prims, uint32_t count, daft_block *block)
 {
-    memset(block, 0, sizeof *block);
     for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
-        block->triangle[i] = i < count ? prims[i].id : DAFT_NO_TRIANGLE;
-        if (i >= count) continue;
+        uint32_t triangle = prims[i < count ? i : count - 1].id;
+        block->triangle[i] = i < count ? triangle : DAFT_NO_TRIANGLE;
         for (int k = 0; k < 3; k++) {
-            uint32_t vertex = mesh->indices[3 * (size_t)prims[i].id + (size_t)k];
+            uint32_t vertex = mesh->indices[3 * (size_t)triangle + (size_t)k];
             block->corner[k][0][i] = mesh->x[vertex];
             block->corner[k][1][i] = mesh->y[vertex];
             block->corner[k][2][i] = mesh->z[vertex];

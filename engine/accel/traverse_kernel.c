@@ -3,12 +3,17 @@
  * Boxes: slab test of eight children at once. A direction component too small to invert counts as 1e-18, so no 0·inf
  * arises; the far distance is widened by 2·gamma(3) (Ize, "Robust BVH Ray Traversal", 2013), so rounding never misses a box.
  *
- * Triangles: corners relative to the ray's origin, edge planes (a - b) × (a + b) = 2·a × b. Exchanging a and b negates every
- * bit of it, so the two triangles at an edge see opposite values of one number (Davidovič et al., "3D rasterization", 2012;
- * Woop et al., "Watertight Ray/Triangle Intersection", 2013). That alone still loses rays at vertices, where rounding can
- * put a ray on the same side of every spoke of a fan; so lanes within the error bound are decided by the exact predicates.
- * As in the pencil, 7u·Σ M·|d| with u = 2^-24 bounds a side's error; M is taken coarsely here, as the product of the sums of
- * magnitudes of the two factors, and 8u covers the roundings of the bound itself. */
+ * Triangles: with the corners a, b relative to the ray's origin, an edge's plane is (a - b) × (a + b) = 2·a × b, a - b being
+ * taken from the corners as given. Exchanging a and b negates every bit of it, so the two triangles at an edge see opposite
+ * values of one number (Davidovič et al., "3D rasterization", 2012; Woop et al., "Watertight Ray/Triangle Intersection",
+ * 2013). That alone still loses rays at vertices, where rounding can put a ray on the same side of every spoke of a fan; so
+ * lanes within the error bound are decided by the exact predicates. With u = 2^-24 and S = |a| + |b| by component: a - b
+ * rounds once; a + b is off by at most 2u·S; the products, their difference and the dot product with d round five times.
+ * Together 8u·Σ |a - b|·S·|d| over the six products; the bound takes 9u of the product of the three sums of magnitudes,
+ * which is larger and cheaper.
+ *
+ * Distances: the mean of the corners' along the ray, weighted by the sides, so they stay among them however flat the
+ * triangle is seen. Where the sides' errors could move that mean by 2^-18 of itself, it is taken in double. */
 #include "accel/bvh.h"
 #include "accel/traverse.h"
 #include "math/exact.h"
@@ -92,72 +97,71 @@ DAFT_INLINE v43 v43_cross(v43 a, v43 b)
 }
 DAFT_INLINE v4 v43_dot(v43 a, v43 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 DAFT_INLINE v43 v43_set(daft_vec3 a) { return (v43){v4_set(a.x), v4_set(a.y), v4_set(a.z)}; }
-DAFT_INLINE v43 block_corner(const daft_block *b, int k, v43 origin)
-{
-    v43 corner = {v4_load(b->corner[k][0]), v4_load(b->corner[k][1]), v4_load(b->corner[k][2])};
-    return v43_sub(corner, origin);
-}
-
 typedef struct block_hits {
     v4 t, v, w; /* distances; weights of corners 1 and 2 */
 } block_hits;
 
-DAFT_INLINE v4 v43_sum(v43 a) { return v4_abs(a.x) + v4_abs(a.y) + v4_abs(a.z); }
+DAFT_INLINE v43 v43_abs(v43 a) { return (v43){v4_abs(a.x), v4_abs(a.y), v4_abs(a.z)}; }
+DAFT_INLINE v4 v43_sum(v43 a) { return a.x + a.y + a.z; }
 
-DAFT_INLINE daft_vec3 v43_lane(v43 a, int i) { return daft_v3(a.x[i], a.y[i], a.z[i]); }
+static daft_vec3 block_lane(const daft_block *b, int k, int i)
+{
+    return daft_v3(b->corner[k][0][i], b->corner[k][1][i], b->corner[k][2][i]);
+}
 
-/* Lanes that floats could not decide: their bits if they hit, with distances and weights in double. */
-static __attribute__((noinline)) uint32_t block_exact(uint32_t unsure, const v43 p[3], daft_vec3 d, float tmin, float tmax,
-                                                      block_hits *out)
+/* Lanes that floats could not decide, or measure: their bits if they hit, with distances and weights in double. */
+static __attribute__((noinline)) uint32_t block_exact(uint32_t unsure, const daft_block *b, daft_vec3 o, daft_vec3 d,
+                                                      float tmin, float tmax, block_hits *out)
 {
     uint32_t hits = 0;
+    daft_dvec3 ray = daft_to_double(d), origin = daft_to_double(o);
     for (; unsure; unsure &= unsure - 1) {
         int i = __builtin_ctz(unsure);
-        daft_vec3 a = v43_lane(p[0], i), b = v43_lane(p[1], i), c = v43_lane(p[2], i);
-        if (!daft_pencil_hits(a, b, c, d)) continue;
-        double w[3];
-        daft_pencil_weights(a, b, c, d, w);
-        daft_dvec3 ray = daft_to_double(d);
-        double t = (w[0] * daft_ddot(daft_to_double(a), ray) + w[1] * daft_ddot(daft_to_double(b), ray) +
-                    w[2] * daft_ddot(daft_to_double(c), ray)) / daft_ddot(ray, ray);
-        out->t[i] = (float)t, out->v[i] = (float)w[1], out->w[i] = (float)w[2];
+        daft_vec3 c[3] = {block_lane(b, 0, i), block_lane(b, 1, i), block_lane(b, 2, i)};
+        if (b->triangle[i] == DAFT_NO_TRIANGLE || !daft_ray_hits(o, c[0], c[1], c[2], d)) continue;
+        daft_dvec3 p[3];
+        double w[3], along = 0;
+        for (int k = 0; k < 3; k++) p[k] = daft_dsub(daft_to_double(c[k]), origin);
+        daft_pencil_weights(p[0], p[1], p[2], d, w);
+        for (int k = 0; k < 3; k++) along += w[k] * daft_ddot(p[k], ray);
+        out->t[i] = (float)(along / daft_ddot(ray, ray)), out->v[i] = (float)w[1], out->w[i] = (float)w[2];
         hits |= (uint32_t)(out->t[i] >= tmin && out->t[i] <= tmax) << i;
     }
     return hits;
 }
 
-/* Unused places hold zeros, which floats cannot decide. */
-DAFT_INLINE uint32_t block_used(const daft_block *b)
+/* Bits of the triangles hit in tmin..tmax. */
+DAFT_INLINE uint32_t block_test(const daft_block *b, daft_vec3 o, daft_vec3 direction, float tmin, float tmax, block_hits *out)
 {
-    uint32_t used = 0;
-    for (int i = 0; i < DAFT_BLOCK; i++) used |= (uint32_t)(b->triangle[i] != DAFT_NO_TRIANGLE) << i;
-    return used;
-}
-
-/* Bits of the triangles hit in tmin..tmax. The distance is the mean of the corners' along the ray, weighted by the sides,
- * so it stays among them however flat the triangle is seen. */
-DAFT_INLINE uint32_t block_test(const daft_block *b, v43 o, daft_vec3 direction, float tmin, float tmax, block_hits *out)
-{
-    v43 p[3] = {block_corner(b, 0, o), block_corner(b, 1, o), block_corner(b, 2, o)}, d = v43_set(direction);
-    v43 e0 = v43_sub(p[1], p[2]), e1 = v43_sub(p[2], p[0]), e2 = v43_sub(p[0], p[1]);
-    v43 s0 = v43_add(p[1], p[2]), s1 = v43_add(p[2], p[0]), s2 = v43_add(p[0], p[1]);
-    v4 side0 = v43_dot(v43_cross(e0, s0), d), side1 = v43_dot(v43_cross(e1, s1), d), side2 = v43_dot(v43_cross(e2, s2), d);
-    v4 least = v4_min(v4_min(side0, side1), side2), most = v4_max(v4_max(side0, side1), side2);
-    v4 size = v4_max(v4_max(v43_sum(e0) * v43_sum(s0), v43_sum(e1) * v43_sum(s1)), v43_sum(e2) * v43_sum(s2));
-    v4 bound = size * (v43_sum(d) * v4_set(8 * 0x1p-24f)) + v4_set(1e-36f);
+    v43 c[3], p[3], e[3], s[3], origin = v43_set(o), d = v43_set(direction);
+    for (int k = 0; k < 3; k++) {
+        c[k] = (v43){v4_load(b->corner[k][0]), v4_load(b->corner[k][1]), v4_load(b->corner[k][2])};
+        p[k] = v43_sub(c[k], origin);
+    }
+    v4 side[3], size[3], reach[3] = {v43_sum(v43_abs(p[0])), v43_sum(v43_abs(p[1])), v43_sum(v43_abs(p[2]))};
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        e[k] = v43_sub(c[i], c[j]);
+        s[k] = v43_add(p[i], p[j]);
+        side[k] = v43_dot(v43_cross(e[k], s[k]), d);
+        size[k] = v43_sum(v43_abs(e[k])) * (reach[i] + reach[j]);
+    }
+    v4 least = v4_min(v4_min(side[0], side[1]), side[2]), most = v4_max(v4_max(side[0], side[1]), side[2]);
+    v4 bound = v4_max(v4_max(size[0], size[1]), size[2]) * (v43_sum(v43_abs(d)) * v4_set(9 * 0x1p-24f)) + v4_set(1e-36f);
     /* written so that a NaN, from an overflow, is neither outside nor sure */
     v4i outside = (v4i)(least < -bound) & (v4i)(most > bound);
     uint32_t maybe = v4_bits(~outside);
     if (!maybe) return 0;
-    v4 sum = side0 + side1 + side2;
-    v4 along = side0 * v43_dot(p[0], d) + side1 * v43_dot(p[1], d) + side2 * v43_dot(p[2], d);
-    out->t = along / (sum * v43_dot(d, d));
-    out->v = side1 / sum;
-    out->w = side2 / sum;
-    uint32_t sure = v4_bits(((v4i)(least > bound) | (v4i)(most < -bound)) & (v4i)(v4_abs(sum) < v4_set(INFINITY)));
-    uint32_t within = v4_bits((v4i)(out->t >= v4_set(tmin)) & (v4i)(out->t <= v4_set(tmax)));
-    uint32_t unsure = maybe & ~sure & block_used(b), hits = sure & within;
-    if (unsure) hits |= block_exact(unsure, p, direction, tmin, tmax, out);
+    v4 q[3] = {v43_dot(p[0], d), v43_dot(p[1], d), v43_dot(p[2], d)}, sum = side[0] + side[1] + side[2];
+    v4 scale = sum * v43_dot(d, d), range = v4_max(v4_max(q[0], q[1]), q[2]) - v4_min(v4_min(q[0], q[1]), q[2]);
+    out->t = (side[0] * q[0] + side[1] * q[1] + side[2] * q[2]) / scale;
+    out->v = side[1] / sum;
+    out->w = side[2] / sum;
+    v4 error = v4_set(3) * bound * range / v4_abs(scale);
+    v4i sure = ((v4i)(least > bound) | (v4i)(most < -bound)) & (v4i)(error < v4_abs(out->t) * v4_set(0x1p-18f));
+    uint32_t hits = v4_bits(sure & (v4i)(out->t >= v4_set(tmin)) & (v4i)(out->t <= v4_set(tmax)));
+    uint32_t unsure = maybe & ~v4_bits(sure);
+    if (unsure) hits |= block_exact(unsure, b, o, direction, tmin, tmax, out);
     return hits;
 }
 
@@ -179,7 +183,6 @@ static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tm
 {
     entry stack[DAFT_STACK];
     slab_ray r = slab_setup(o, d);
-    v43 origin = v43_set(o);
     uint32_t before = hit->triangle;
     float before_t = hit->t;
     int top = 0;
@@ -191,7 +194,7 @@ static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tm
             const daft_block *block = &bvh->blocks[(e.child & ~DAFT_CHILD_LEAF) >> 2];
             for (uint32_t k = 0; k <= (e.child & 3); k++) {
                 block_hits hits;
-                uint32_t bits = block_test(&block[k], origin, d, tmin, hit->t, &hits);
+                uint32_t bits = block_test(&block[k], o, d, tmin, hit->t, &hits);
                 if (bits) take_hits(&block[k], bits, &hits, hit);
             }
         } else {
@@ -208,7 +211,6 @@ static bool mesh_occluded(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float t
 {
     entry stack[DAFT_STACK];
     slab_ray r = slab_setup(o, d);
-    v43 origin = v43_set(o);
     int top = 0;
     stack[top++].child = 0;
     while (top > 0) {
@@ -217,7 +219,7 @@ static bool mesh_occluded(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float t
             const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
             for (uint32_t k = 0; k <= (child & 3); k++) {
                 block_hits hits;
-                if (block_test(&block[k], origin, d, tmin, tmax, &hits)) return true;
+                if (block_test(&block[k], o, d, tmin, tmax, &hits)) return true;
             }
         } else {
             v8 near;
@@ -281,12 +283,19 @@ static void finish_hit(const daft_tlas *tlas, const daft_ray *ray, daft_hit *hit
     hit->normal = daft_sub(daft_add(ray->origin, daft_scale(ray->direction, hit->t)), centre);
 }
 
+/* A ray that is not finite, goes nowhere or ends before it begins hits nothing. */
+static bool usable(const daft_ray *ray)
+{
+    daft_vec3 d = ray->direction;
+    return ray->tmin <= ray->tmax && daft_finite3(ray->origin) && daft_finite3(d) && (d.x != 0 || d.y != 0 || d.z != 0);
+}
+
 static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit)
 {
     entry stack[DAFT_STACK];
     slab_ray r = slab_setup(ray->origin, ray->direction);
     *hit = (daft_hit){.t = ray->tmax, .instance = UINT32_MAX};
-    if (tlas->nodes.count == 0 || !(ray->tmin <= ray->tmax)) return false;
+    if (tlas->nodes.count == 0 || !usable(ray)) return false;
     int top = 0;
     stack[top++] = (entry){0, ray->tmin};
     while (top > 0) {
@@ -321,7 +330,7 @@ static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
 {
     entry stack[DAFT_STACK];
     slab_ray r = slab_setup(ray->origin, ray->direction);
-    if (tlas->nodes.count == 0) return false;
+    if (tlas->nodes.count == 0 || !usable(ray)) return false;
     int top = 0;
     stack[top++].child = 0;
     while (top > 0) {

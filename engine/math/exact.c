@@ -96,11 +96,116 @@ bool daft_pencil_hits(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
            daft_ray_side(a, b, d) == facing;
 }
 
+/* ---- rays from anywhere ---- */
+
+/* x·y = *product + *error exactly (Dekker). */
+static void two_product(double x, double y, double *product, double *error)
+{
+    double p = x * y, cx = 134217729.0 * x, cy = 134217729.0 * y;
+    double xh = cx - (cx - x), xl = x - xh, yh = cy - (cy - y), yl = y - yh;
+    *error = ((xh * yh - p) + xh * yl + xl * yh) + xl * yl;
+    *product = p;
+}
+
+/* A difference of two floats, exactly: high + low. */
+typedef struct difference {
+    double high, low;
+} difference;
+
+static void subtract(daft_vec3 a, daft_vec3 o, difference out[3])
+{
+    two_sum((double)a.x, -(double)o.x, &out[0].high, &out[0].low);
+    two_sum((double)a.y, -(double)o.y, &out[1].high, &out[1].low);
+    two_sum((double)a.z, -(double)o.z, &out[2].high, &out[2].low);
+}
+
+/* Adds x·y·z to the expansion. */
+static int add_product(double *e, int n, double x, double y, double z)
+{
+    if (x == 0 || y == 0 || z == 0) return n;
+    double xy[2], term, error;
+    two_product(x, y, &xy[0], &xy[1]);
+    for (int i = 0; i < 2; i++) {
+        if (xy[i] == 0) continue;
+        two_product(xy[i], z, &term, &error);
+        if (error != 0) n = grow(e, n, error);
+        n = grow(e, n, term);
+    }
+    return n;
+}
+
+static int add_differences(double *e, int n, difference x, difference y, difference z, double sign)
+{
+    const double xs[2] = {sign * x.high, sign * x.low}, ys[2] = {y.high, y.low}, zs[2] = {z.high, z.low};
+    for (int i = 0; i < 8; i++) n = add_product(e, n, xs[i & 1], ys[i >> 1 & 1], zs[i >> 2]);
+    return n;
+}
+
+static int exact_differences_sign(const difference a[3], const difference b[3], const difference c[3])
+{
+    double e[6 * 8 * 4];
+    int n = 0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        n = add_differences(e, n, a[j], b[k], c[i], 1);
+        n = add_differences(e, n, a[k], b[j], c[i], -1);
+    }
+    for (int i = n - 1; i >= 0; i--)
+        if (e[i] != 0) return e[i] > 0 ? 1 : -1;
+    return 0;
+}
+
+/* The sign of det(a, b, c) of differences: in double with an error bound, then exactly. */
+static int differences_sign(const difference a[3], const difference b[3], const difference c[3])
+{
+    double value = 0, size = 0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double left = a[j].high * b[k].high, right = a[k].high * b[j].high;
+        value += (left - right) * c[i].high;
+        size += (fabs(left) + fabs(right)) * fabs(c[i].high);
+    }
+    /* three rounded factors, two products, a difference and two sums: 8 roundings; 16 leaves room for those of `size` */
+    double bound = 16 * ROUNDOFF * size;
+    if (value > bound) return 1;
+    if (value < -bound) return -1;
+    return exact_differences_sign(a, b, c);
+}
+
+static int side_of(const difference a[3], const difference b[3], daft_vec3 d)
+{
+    const difference directions[4][3] = {{{(double)d.x, 0}, {(double)d.y, 0}, {(double)d.z, 0}},
+                                         {{1, 0}, {0, 0}, {0, 0}}, {{0, 0}, {1, 0}, {0, 0}}, {{0, 0}, {0, 0}, {1, 0}}};
+    int side = 0;
+    for (int i = 0; i < 4 && side == 0; i++) side = differences_sign(a, b, directions[i]);
+    return side;
+}
+
+int daft_ray_side_from(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 d)
+{
+    difference p[3], q[3];
+    subtract(a, o, p);
+    subtract(b, o, q);
+    return side_of(p, q, d);
+}
+
+bool daft_ray_hits(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
+{
+    difference p[3], q[3], r[3];
+    subtract(a, o, p);
+    subtract(b, o, q);
+    subtract(c, o, r);
+    int facing = differences_sign(p, q, r);
+    return facing != 0 && side_of(q, r, d) == facing && side_of(r, p, d) == facing && side_of(p, q, d) == facing;
+}
+
+/* ---- distances ---- */
+
 static double det(daft_dvec3 a, daft_dvec3 b, daft_dvec3 d) { return daft_ddot(daft_dcross(a, b), d); }
 
-void daft_pencil_weights(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d, double weight[3])
+void daft_pencil_weights(daft_dvec3 p, daft_dvec3 q, daft_dvec3 r, daft_vec3 d, double weight[3])
 {
-    daft_dvec3 p = daft_to_double(a), q = daft_to_double(b), r = daft_to_double(c), ray = daft_to_double(d);
+    daft_dvec3 ray = daft_to_double(d);
     double sign = det(p, q, r) < 0 ? -1 : 1;
     double u = sign * det(q, r, ray), v = sign * det(r, p, ray), w = sign * det(p, q, ray);
     u = u > 0 ? u : 0, v = v > 0 ? v : 0, w = w > 0 ? w : 0;
@@ -114,7 +219,7 @@ void daft_pencil_weights(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d, dou
 double daft_pencil_depth(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
 {
     double w[3];
-    daft_pencil_weights(a, b, c, d, w);
+    daft_pencil_weights(daft_to_double(a), daft_to_double(b), daft_to_double(c), d, w);
     return w[0] * (double)a.z + w[1] * (double)b.z + w[2] * (double)c.z;
 }
 

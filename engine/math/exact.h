@@ -17,12 +17,18 @@ int daft_det_sign(daft_vec3 a, daft_vec3 b, daft_vec3 c);
  * "Simulation of Simplicity", 1990). 0 only where a and b are parallel. daft_ray_side(b, a, d) = -daft_ray_side(a, b, d). */
 int daft_ray_side(daft_vec3 a, daft_vec3 b, daft_vec3 d);
 
+/* The same for a ray from o, all four points as given: a - o and b - o are not rounded. */
+int daft_ray_side_from(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 d);
+
+/* Whether the ray d from o hits the triangle, exactly. */
+bool daft_ray_hits(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d);
+
 /* Whether the ray d from the origin hits the triangle, decided by the two predicates above. Edge-on triangles are missed. */
 bool daft_pencil_hits(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d);
 
 /* The weights of the corners at the point where a ray that hits meets the triangle, in double: the three determinants over
  * their sum; negative ones, which are rounding errors, count as 0. They are 0 or more and add up to 1. */
-void daft_pencil_weights(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d, double weight[3]);
+void daft_pencil_weights(daft_dvec3 a, daft_dvec3 b, daft_dvec3 c, daft_vec3 d, double weight[3]);
 
 /* The z of that point: always within the corners' range of z. */
 double daft_pencil_depth(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d);
