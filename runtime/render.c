@@ -24,8 +24,34 @@ typedef struct render_options {
     bool camera_given, explain;
 } render_options;
 
-/* Sky, sun and a camera for a mesh that comes alone: seen from the front left and above, filling most of the picture.
+/* Seen from the front right and above, so near that the corners of the mesh's bounds just fit. A corner c, relative to
+ * the middle, is at depth D + forward·c; it is in the picture where |right·c| <= tan·(D + forward·c), and the same up.
  */
+static daft_camera frame_box(const daft_mesh_info *info, double aspect)
+{
+    const double fov = 0.8, across = daft_tan(fov / 2), back[3] = {0.42, 0.34, 0.8414};
+    const double flat = sqrt(back[0] * back[0] + back[2] * back[2]);
+    const double right[3] = {back[2] / flat, 0, -back[0] / flat};
+    const double up[3] = {-back[0] * back[1] / flat, flat, -back[2] * back[1] / flat};
+    const double low[3] = {(double)info->low.x, (double)info->low.y, (double)info->low.z};
+    const double high[3] = {(double)info->high.x, (double)info->high.y, (double)info->high.z};
+    double middle[3], distance = 0;
+    for (int i = 0; i < 3; i++) middle[i] = (low[i] + high[i]) / 2;
+    for (int corner = 0; corner < 8; corner++) {
+        double x = 0, y = 0, depth = 0;
+        for (int i = 0; i < 3; i++) {
+            double c = (corner >> i & 1 ? high[i] : low[i]) - middle[i];
+            x += right[i] * c, y += up[i] * c, depth -= back[i] * c;
+        }
+        distance = fmax(distance, fmax(fabs(x) / across, fabs(y) / (across * aspect)) - depth);
+    }
+    distance = distance > 0 ? distance * 1.06 : 1;
+    daft_dvec3 at = {middle[0], middle[1], middle[2]};
+    daft_dvec3 from = {at.x + distance * back[0], at.y + distance * back[1], at.z + distance * back[2]};
+    return daft_camera_look_at(from, at, (float)fov);
+}
+
+/* Sky, sun and a camera for a mesh that comes alone. */
 static bool frame_mesh(daft_scene *scene, const render_options *o, daft_camera *camera, daft_error *error)
 {
     daft_mesh mesh = daft_mesh_load(scene, o->scene, error);
@@ -38,22 +64,12 @@ static bool frame_mesh(daft_scene *scene, const render_options *o, daft_camera *
     daft_light_def sun = daft_default_light_def();
     sun.kind = DAFT_LIGHT_SUN;
     sun.direction = (daft_vec3){-0.35f, -1, -0.9f};
-    sun.color = (daft_vec3){0.9f, 0.88f, 0.84f};
+    sun.color = (daft_vec3){0.75f, 0.73f, 0.7f};
     if (!daft_light_create(scene, &sun, error).id) return false;
-    daft_scene_set_ambient(scene, (daft_vec3){0.28f, 0.3f, 0.34f});
+    daft_scene_set_ambient(scene, (daft_vec3){0.22f, 0.24f, 0.28f});
     daft_scene_set_sky_gradient(scene, (daft_vec3){0.16f, 0.35f, 0.72f}, (daft_vec3){0.8f, 0.88f, 0.95f});
 
-    daft_dvec3 middle = {((double)info.low.x + (double)info.high.x) / 2, ((double)info.low.y + (double)info.high.y) / 2,
-                         ((double)info.low.z + (double)info.high.z) / 2};
-    double x = (double)info.high.x - middle.x, y = (double)info.high.y - middle.y, z = (double)info.high.z - middle.z;
-    double radius = sqrt(x * x + y * y + z * z);
-    if (!(radius > 0)) radius = 1;
-    /* The bounding sphere touches the shorter side of the picture. */
-    double fov = 0.8, half = daft_tan(fov / 2), aspect = (double)o->size.height / (double)o->size.width;
-    if (aspect < 1) half *= aspect;
-    double distance = radius * sqrt(1 + 1 / (half * half)) * 0.95;
-    daft_dvec3 from = {middle.x + distance * 0.42, middle.y + distance * 0.34, middle.z + distance * 0.84};
-    *camera = daft_camera_look_at(from, middle, (float)fov);
+    *camera = frame_box(&info, (double)o->size.height / (double)o->size.width);
     return true;
 }
 
