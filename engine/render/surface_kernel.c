@@ -1,9 +1,10 @@
 /* From "this pixel sees that triangle" to points with normals, texture coordinates and places to spawn rays from. A run of
  * neighbouring pixels that see the same triangle shares its set-up and is filled in lanes.
  *
- * Rays that leave a surface start off it by more than the point's error: the point is a mean of the corners, so it is off
- * the plane by a few 2^-24 of the largest coordinate; its way into an instance's space adds a few more. No constant depends
- * on the scene's scale. Shadow rays start from a point lifted to where the smooth surface would be, so that facets do not
+ * Points lie where their ray meets the triangle's plane, whose normal and height are taken in double once a triangle: so a
+ * point's error is a few 2^-24 of its own distance along the ray, and less across the plane, even on a triangle that
+ * reaches to the horizon. Rays that leave start off the surface by more than that, and than the rounding on their way
+ * into an instance's space. No constant depends on the scene's scale. Shadow rays start from a point lifted to where the smooth surface would be, so that facets do not
  * show in the terminator (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021, chapter 4). */
 #include "math/simd_real.h"
 #include "render/kernels.h"
@@ -14,6 +15,7 @@ typedef struct facet {
     daft_vec3 corner[3], normal[3], outward; /* frame space; normals unit, on the viewer's side */
     daft_vec2 uv[3];
     bool smooth;
+    float height;  /* of the plane over the rays' origin, against `outward`: 0 or less */
     float density; /* units of uv a metre */
     float size;    /* sum of the instance's translation, for the spawn error */
     uint32_t instance, material;
@@ -60,13 +62,17 @@ static void facet_setup(const daft_snapshot *snapshot, uint32_t index, uint32_t 
     const uint32_t *corner = &mesh->indices[at];
     for (int k = 0; k < 3; k++)
         f->corner[k] = daft_affine_point(&instance->to_frame, daft_v3(mesh->x[corner[k]], mesh->y[corner[k]], mesh->z[corner[k]]));
-    daft_vec3 cross = daft_cross(daft_sub(f->corner[1], f->corner[0]), daft_sub(f->corner[2], f->corner[0]));
-    float area = daft_length(cross);
-    f->outward = area > 0 ? daft_scale(cross, 1 / area) : daft_neg(daft_normalize(direction));
+    daft_dvec3 first = daft_to_double(f->corner[0]), cross = daft_dcross(daft_dsub(daft_to_double(f->corner[1]), first),
+                                                                        daft_dsub(daft_to_double(f->corner[2]), first));
+    double length = sqrt(daft_ddot(cross, cross));
+    float area = (float)length;
+    f->outward = length > 0 ? daft_to_float(daft_dscale(cross, 1 / length)) : daft_neg(daft_normalize(direction));
     facet_normals(instance, mesh->normal_indices ? &mesh->normal_indices[at] : corner, f);
     facet_uvs(mesh, mesh->uv_indices ? &mesh->uv_indices[at] : corner, area, f);
-    if (daft_dot(f->outward, daft_sub(f->corner[0], origin)) > 0) {
+    f->height = (float)daft_ddot(daft_to_double(f->outward), daft_dsub(first, daft_to_double(origin)));
+    if (f->height > 0) {
         f->outward = daft_neg(f->outward);
+        f->height = -f->height;
         for (int k = 0; k < 3; k++) f->normal[k] = daft_neg(f->normal[k]);
     }
     const float *t = instance->to_frame.t;
@@ -132,9 +138,23 @@ DAFT_INLINE vf3 lift_point(const facet *f, vf3 point, const vf w[3])
     return lifted;
 }
 
+/* Where the rays meet the plane, but no further than the triangle's nearest and farthest corners are along them: seen
+ * edge-on, a plane says little. */
+DAFT_INLINE vf3 plane_point(const facet *f, const rays *r, vf3 from)
+{
+    vf3 d = r->direction;
+    vf dd = vf3_dot(d, d), least = vf_set(INFINITY), most = vf_set(-INFINITY);
+    for (int k = 0; k < 3; k++) {
+        vf along = vf3_dot(sub3(set3(f->corner[k]), from), d) / dd;
+        least = vf_min(along, least), most = vf_max(along, most);
+    }
+    vf t = vf_set(f->height) / vf3_dot(set3(f->outward), d);
+    return add3(from, scale3(d, vf_min(vf_max(t, least), most)));
+}
+
 DAFT_INLINE void facet_points(const facet *f, const rays *r, vf3 from, const vf w[3], daft_batch *b, uint32_t at)
 {
-    vf3 point = mean3(f->corner, w), outward = set3(f->outward), normal = outward, lifted = point;
+    vf3 outward = set3(f->outward), normal = outward, point = plane_point(f, r, from), lifted = point;
     if (f->smooth) {
         normal = unit3(mean3(f->normal, w));
         lifted = lift_point(f, point, w);
