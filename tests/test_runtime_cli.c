@@ -190,15 +190,15 @@ static void pictures_do_not_depend_on_threads(void **unused)
 {
     (void)unused;
     static const char *const ways[] = {"--threads 1", "--threads 2", "--threads 3 --isa sse2"};
-    char first[4 * 97 * 55];
+    char first[4 * 97 * 55], path[64];
+    snprintf(path, sizeof path, "/tmp/daft-threads-%d.png", (int)getpid());
     daft_engine_def def = daft_default_engine_def();
     daft_engine *engine = daft_engine_create(&def, NULL);
     for (size_t i = 0; i < 3; i++) {
-        int status =
-            run_daft(output, "render assets/scenes/hello.scene -o /tmp/daft-threads.png --size 97x55 %s", ways[i]);
+        int status = run_daft(output, "render assets/scenes/hello.scene -o %s --size 97x55 %s", path, ways[i]);
         assert_status(status, 0, output);
         daft_error error;
-        daft_image *image = daft_image_load(engine, "/tmp/daft-threads.png", &error);
+        daft_image *image = daft_image_load(engine, path, &error);
         assert_non_null(image);
         assert_int_equal(daft_image_width(image), 97);
         assert_int_equal(daft_image_height(image), 55);
@@ -207,7 +207,7 @@ static void pictures_do_not_depend_on_threads(void **unused)
         daft_image_destroy(image);
     }
     daft_engine_destroy(engine);
-    unlink("/tmp/daft-threads.png");
+    unlink(path);
 }
 
 /* A mesh by itself gets a sky, a sun and a camera that has all of it in view. */
