@@ -14,6 +14,8 @@
 /* Around a vertex of up to so many corners every pair is compared; above, neighbours are sorted. */
 enum { SMALL_FAN = 16 };
 
+#define SEVERAL UINT32_MAX
+
 typedef struct face {
     daft_vec3 normal; /* unit length, zero without area */
     float angles[3];  /* at the corners, radians */
@@ -50,6 +52,7 @@ typedef struct smoother {
     face *faces;
     uint32_t *first; /* of each vertex in `corners`; vertex_count + 1 */
     uint32_t *corners;
+    uint32_t *single; /* the normal that all corners of a vertex share, or SEVERAL */
     spoke *spokes;    /* as many as the vertex with most corners has */
     daft_dvec3 *sums; /* of each set of them */
     edge *edges;      /* twice as many, for fans that are not small */
@@ -244,17 +247,16 @@ static bool append_normal(smoother *s, daft_dvec3 sum)
 static bool put_ring_normal(smoother *s, uint32_t vertex, uint32_t count, const ring *r)
 {
     daft_dvec3 sum = {0, 0, 0};
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; i++)
         sum = daft_dadd(sum, daft_dscale(daft_to_double(r->normals[i]), (double)r->angles[i]));
-        s->mesh->normal_indices[s->corners[s->first[vertex] + i]] = s->mesh->normal_count;
-    }
+    s->single[vertex] = s->mesh->normal_count;
     return append_normal(s, sum);
 }
 
 /* ---- the general case ---- */
 
 /* Gives every set a normal. A set whose faces have no area takes some unit vector. */
-static bool put_normals(smoother *s, uint32_t count)
+static bool put_normals(smoother *s, uint32_t vertex, uint32_t count)
 {
     daft_trimesh *mesh = s->mesh;
     uint32_t sets = 0;
@@ -266,6 +268,7 @@ static bool put_normals(smoother *s, uint32_t count)
         s->sums[set] = daft_dadd(s->sums[set], daft_dscale(daft_to_double(f->normal), (double)f->angles[corner % 3]));
         mesh->normal_indices[corner] = mesh->normal_count + set;
     }
+    s->single[vertex] = sets == 1 ? mesh->normal_count : SEVERAL;
     for (uint32_t i = 0; i < sets; i++)
         if (!append_normal(s, s->sums[i])) return false;
     return true;
@@ -277,9 +280,11 @@ static bool prepare(smoother *s)
     size_t corners = 3 * (size_t)mesh->triangle_count;
     s->faces = daft_alloc(s->allocator, mesh->triangle_count, sizeof *s->faces);
     s->first = daft_alloc(s->allocator, (size_t)mesh->vertex_count + 1, sizeof *s->first);
-    s->corners = daft_alloc_zero(s->allocator, corners + AHEAD, sizeof *s->corners);
+    s->corners = daft_alloc(s->allocator, corners + AHEAD, sizeof *s->corners);
+    s->single = daft_alloc(s->allocator, mesh->vertex_count, sizeof *s->single);
     mesh->normal_indices = daft_alloc(s->allocator, corners, sizeof *mesh->normal_indices);
-    if (!s->faces || !s->first || !s->corners || !mesh->normal_indices) return false;
+    if (!s->faces || !s->first || !s->corners || !s->single || !mesh->normal_indices) return false;
+    memset(s->corners + corners, 0, AHEAD * sizeof *s->corners);
     for (uint32_t i = 0; i < mesh->triangle_count; i++) s->faces[i] = face_of(mesh, i);
     uint32_t most = list_corners(s);
     s->spokes = daft_alloc(s->allocator, most, sizeof *s->spokes);
@@ -303,19 +308,26 @@ static bool smooth_vertex(smoother *s, uint32_t vertex)
         join_small(s, count);
     else
         join_large(s, count);
-    return put_normals(s, count);
+    return put_normals(s, vertex, count);
 }
 
 static bool smooth_vertices(smoother *s)
 {
-    bool same = true; /* every vertex has one normal, with the vertex's own number */
+    bool same = true; /* so far every vertex has one normal, with the vertex's own number */
     for (uint32_t vertex = 0; vertex < s->mesh->vertex_count; vertex++) {
         if (!smooth_vertex(s, vertex)) return false;
-        same = same && s->mesh->normal_count == vertex + 1;
+        same = same && s->single[vertex] == vertex;
     }
-    if (!same) return true;
-    daft_release(s->allocator, s->mesh->normal_indices);
-    s->mesh->normal_indices = NULL;
+    uint32_t *out = s->mesh->normal_indices;
+    if (same) {
+        daft_release(s->allocator, out);
+        s->mesh->normal_indices = NULL;
+        return true;
+    }
+    for (size_t i = 0; i < 3 * (size_t)s->mesh->triangle_count; i++) {
+        uint32_t normal = s->single[s->mesh->indices[i]];
+        if (normal != SEVERAL) out[i] = normal;
+    }
     return true;
 }
 
@@ -333,6 +345,7 @@ bool daft_trimesh_smooth_groups(const daft_allocator *allocator, daft_trimesh *m
     daft_release(allocator, s.faces);
     daft_release(allocator, s.first);
     daft_release(allocator, s.corners);
+    daft_release(allocator, s.single);
     daft_release(allocator, s.spokes);
     daft_release(allocator, s.sums);
     daft_release(allocator, s.edges);
