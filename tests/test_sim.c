@@ -185,15 +185,7 @@ static void a_bounce_house_keeps_its_ball_and_its_energy(void **unused)
     (void)unused;
     daft_world *world = new_world();
     daft_world_set_gravity(world, daft_v3(0, 0, 0));
-    for (int axis = 0; axis < 3; axis++)
-        for (int side = -1; side <= 1; side += 2) {
-            daft_vec3 half = daft_v3(axis == 0 ? 0.1f : 5, axis == 1 ? 0.1f : 5, axis == 2 ? 0.1f : 5);
-            daft_sim_body_def wall =
-                box(half, axis == 0 ? 5.0 * side : 0, axis == 1 ? 5.0 * side : 0, axis == 2 ? 5.0 * side : 0);
-            wall.restitution = 1;
-            wall.friction = 0;
-            add(world, wall);
-        }
+    add_room(world, 5, 0.1f, 1, 0);
     uint32_t ball = add(world, sphere(0.2, 0.3, 0.1, -0.7));
     daft_world_set_velocity(world, ball, daft_v3(120, 7, 120), daft_v3(0, 0, 0));
     double start = speed_of(state_of(world, ball));

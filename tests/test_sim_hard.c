@@ -51,6 +51,38 @@ static void no_shot_passes_a_thin_wall(void **unused)
     assert_true(worst < 1e-3);
 }
 
+/* A room of thin walls with tilted plates in it: deflected shots must not leave it. */
+static void no_shot_leaves_a_cluttered_room(void **unused)
+{
+    (void)unused;
+    seed_random(77);
+    for (int round = 0; round < 40; round++) {
+        daft_world *world = new_world();
+        add_room(world, 5, 0.05f, (float)uniform(0, 1), 0.5f);
+        for (int i = 0; i < 12; i++) {
+            daft_dvec3 at = random_in(-4, 4), axis = random_in(-1, 1);
+            daft_sim_body_def plate = box(daft_v3(1.5f, 0.05f, 1.5f), at.x, at.y, at.z);
+            plate.rotation = turned(axis.x, axis.y + 2, axis.z, uniform(0, 3));
+            plate.restitution = (float)uniform(0, 1);
+            add(world, plate);
+        }
+        uint32_t balls[6];
+        for (int i = 0; i < 6; i++) {
+            daft_dvec3 at = random_in(-4, 4);
+            balls[i] = add(world, sphere(uniform(0.05, 0.3), at.x, at.y, at.z));
+            daft_world_set_velocity(world, balls[i], daft_scale(random_direction(), 180), daft_v3(0, 0, 0));
+        }
+        for (int tick = 0; tick < 300; tick++) {
+            steps(world, 1);
+            for (int i = 0; i < 6; i++) {
+                daft_dvec3 p = state_of(world, balls[i]).position;
+                assert_true(fabs(p.x) < 5 && fabs(p.y) < 5 && fabs(p.z) < 5);
+            }
+        }
+        daft_world_destroy(world);
+    }
+}
+
 /* Speculative contacts must not stop what only passes by. */
 static void a_near_miss_is_a_miss(void **unused)
 {
@@ -281,7 +313,7 @@ static void deep_overlap_parts_gently(void **unused)
     daft_world_destroy(world);
 }
 
-/* Spawned inside boxes that touch, one beside the other: it must come out, not shuttle between them. */
+/* Spawned inside boxes that touch, one beside the other: it must come out at the top, not shuttle between them. */
 static void a_sphere_inside_boxes_comes_out(void **unused)
 {
     (void)unused;
@@ -291,16 +323,19 @@ static void a_sphere_inside_boxes_comes_out(void **unused)
         for (int x = 0; x < 4; x++)
             for (int z = 0; z < 4; z++) add(world, box(daft_v3(0.5f, 0.5f, 0.5f), x, -0.5, z));
         daft_dvec3 at = random_in(0, 3);
-        uint32_t ball = add(world, sphere(0.2, at.x, -0.2 * at.y, at.z));
+        if (i % 4 == 0) at.x = 1.5; /* on a seam */
+        at.y *= -0.15;
+        uint32_t ball = add(world, sphere(0.2, at.x, at.y, at.z));
         double fastest = 0;
         for (int tick = 0; tick < 120; tick++) {
             steps(world, 1);
             fastest = fmax(fastest, speed_of(state_of(world, ball)));
         }
         daft_dvec3 p = state_of(world, ball).position;
-        bool above = p.y > 0.19, beside = p.x < -0.6 || p.x > 3.6 || p.z < -0.6 || p.z > 3.6, below = p.y < -1.19;
-        if (!above && !beside && !below) fail_msg("still inside at %g %g %g", p.x, p.y, p.z);
-        if (above) assert_true(fastest < 3);
+        assert_near(p.y, 0.2, 1e-3);
+        assert_near(p.x, at.x, 1e-3);
+        assert_near(p.z, at.z, 1e-3);
+        assert_true(fastest < 3);
         daft_world_destroy(world);
     }
 }
@@ -365,7 +400,7 @@ static void ten_thousand_in_one_spot_end(void **unused)
     daft_world *world = new_world();
     add_floor(world, 100);
     for (int i = 0; i < 10000; i++) add(world, sphere(0.25, 0, 0.3, 0));
-    steps(world, 5);
+    steps(world, 2);
     for (uint32_t id = 2; id < 10002; id++) {
         daft_sim_state s = state_of(world, id);
         assert_true(daft_dfinite3(s.position) && speed_of(s) < 100);
@@ -604,7 +639,7 @@ static uint64_t run_everything(int ticks, int unrelated)
 }
 
 /* The same for gcc and clang, debug and release, every machine: change it only together with the simulation. */
-#define GOLDEN_HASH 0x63abadf6e44c5ca1u
+#define GOLDEN_HASH 0x015e58a196648a0eu
 
 static void the_same_calls_give_the_same_bits(void **unused)
 {
@@ -620,6 +655,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_shot_passes_a_thin_wall),
+        cmocka_unit_test(no_shot_leaves_a_cluttered_room),
         cmocka_unit_test(a_near_miss_is_a_miss),
         cmocka_unit_test(fast_spheres_hit_each_other),
         cmocka_unit_test(seams_between_boxes_are_not_felt),

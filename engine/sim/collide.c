@@ -37,24 +37,29 @@ static double clamp(double x, double limit)
     return x > limit ? limit : x < -limit ? -limit : x;
 }
 
-/* p inside the box: out through the nearest face. On equal depths y wins, then x: up is the likeliest way out. */
-static double exit_box(daft_dvec3 p, daft_dvec3 h, daft_dvec3 *point, daft_dvec3 *normal)
+/* Depth of a local point under one of the six faces: 0 and 1 are high and low in y, then x, then z. */
+static double face_depth(daft_dvec3 p, daft_dvec3 h, int face)
 {
-    daft_dvec3 depth = daft_dv3(h.x - fabs(p.x), h.y - fabs(p.y), h.z - fabs(p.z));
-    *point = p;
-    if (depth.y <= depth.x && depth.y <= depth.z) {
-        *normal = daft_dv3(0, p.y < 0 ? -1 : 1, 0);
-        point->y = normal->y * h.y;
-        return -depth.y;
-    }
-    if (depth.x <= depth.z) {
-        *normal = daft_dv3(p.x < 0 ? -1 : 1, 0, 0);
-        point->x = normal->x * h.x;
-        return -depth.x;
-    }
-    *normal = daft_dv3(0, 0, p.z < 0 ? -1 : 1);
-    point->z = normal->z * h.z;
-    return -depth.z;
+    double sign = face & 1 ? -1 : 1;
+    return face < 2 ? h.y - sign * p.y : face < 4 ? h.x - sign * p.x : h.z - sign * p.z;
+}
+
+/* p inside the box: out through a face. */
+static double exit_box(daft_dvec3 p, daft_dvec3 h, int face, daft_dvec3 *point, daft_dvec3 *normal)
+{
+    double depth = face_depth(p, h, face), sign = face & 1 ? -1 : 1;
+    *normal = daft_dv3(face >> 1 == 1 ? sign : 0, face >> 1 == 0 ? sign : 0, face >> 1 == 2 ? sign : 0);
+    *point = daft_dadd(p, daft_dscale(*normal, depth));
+    return -depth;
+}
+
+/* Of equal depths the first counts, so y before the others: up is the likeliest way out. */
+static int nearest_face(daft_dvec3 p, daft_dvec3 h)
+{
+    int best = 0;
+    for (int face = 1; face < 6; face++)
+        if (face_depth(p, h, face) < face_depth(p, h, best)) best = face;
+    return best;
 }
 
 static double distance_to_box(const daft_sim_body *body, daft_dvec3 p, daft_dvec3 *point, daft_dvec3 *normal)
@@ -68,7 +73,7 @@ static double distance_to_box(const daft_sim_body *body, daft_dvec3 p, daft_dvec
     if (length > 0)
         n = daft_dscale(d, 1 / length);
     else
-        distance = exit_box(local, h, &nearest, &n);
+        distance = exit_box(local, h, nearest_face(local, h), &nearest, &n);
     *normal = to_world(body->basis, n);
     *point = daft_dadd(body->position, to_world(body->basis, nearest));
     return distance;
@@ -78,6 +83,17 @@ double daft_sim_distance(const daft_sim_body *body, daft_dvec3 p, daft_dvec3 *po
 {
     return body->shape == DAFT_SHAPE_SPHERE ? distance_to_sphere(body, p, point, normal)
                                             : distance_to_box(body, p, point, normal);
+}
+
+bool daft_sim_exit(const daft_sim_body *body, daft_dvec3 p, int face, daft_dvec3 *point, daft_dvec3 *normal,
+                   double *distance)
+{
+    if (body->shape != DAFT_SHAPE_BOX || face >= 6) return false;
+    daft_dvec3 local = to_local(body->basis, daft_dsub(p, body->position)), nearest, n;
+    *distance = exit_box(local, daft_to_double(body->half_extent), face, &nearest, &n);
+    *normal = to_world(body->basis, n);
+    *point = daft_dadd(body->position, to_world(body->basis, nearest));
+    return true;
 }
 
 bool daft_sim_touch_sphere(const daft_sim_body *other, daft_dvec3 centre, double radius, daft_dvec3 motion,

@@ -97,17 +97,45 @@ static bool counts_here(const search *s, uint32_t other)
     return mine < theirs || (mine == theirs && s->sphere < other);
 }
 
-/* Keeps the partners of lowest index; the first test is all that most of ten thousand in one spot cost. */
+static bool is_partner(const search *s, uint32_t other)
+{
+    return counts_here(s, other) && daft_sim_overlap(&s->world->bodies[other].bounds, &s->body->bounds);
+}
+
+/* Keeps the partners of lowest index. */
 static void visit_dynamic(void *context, uint32_t index)
 {
     search *s = context;
     bool full = s->partner_count == DAFT_SIM_MAX_PARTNERS;
     if (full && index > s->partners[DAFT_SIM_MAX_PARTNERS - 1]) return;
-    if (index == s->sphere || !counts_here(s, index)) return;
-    if (!daft_sim_overlap(&s->world->bodies[index].bounds, &s->body->bounds)) return;
+    if (index == s->sphere || !is_partner(s, index)) return;
     int i = full ? DAFT_SIM_MAX_PARTNERS - 1 : s->partner_count++;
     for (; i > 0 && index < s->partners[i - 1]; i--) s->partners[i] = s->partners[i - 1];
     s->partners[i] = index;
+}
+
+/* Thousands of bodies in one spot would each visit all the others to find as many partners as it may have. They were
+ * most likely made one after the other: if enough of the bodies that follow are partners, they are taken, and none is
+ * searched for. Elsewhere the bodies that follow miss at once. */
+static bool crowded(search *s)
+{
+    const daft_world *world = s->world;
+    int misses = 0;
+    for (uint32_t i = s->sphere + 1; i < world->body_count && misses < 8 + 4 * s->partner_count; i++) {
+        if (world->bodies[i].kind == DAFT_BODY_DYNAMIC && is_partner(s, i))
+            s->partners[s->partner_count++] = i;
+        else
+            misses++;
+        if (s->partner_count == DAFT_SIM_MAX_PARTNERS) return true;
+    }
+    s->partner_count = 0;
+    return false;
+}
+
+/* How near to its surface a point counts as on it. */
+static double surface_margin(const search *s, const daft_sim_body *body)
+{
+    return ON_SURFACE * (double)s->body->radius + SURFACE_ROUNDING * (double)body->reach;
 }
 
 /* Does candidate c's point lie on another body that the sphere meets no later? */
@@ -117,10 +145,51 @@ static bool hidden(const search *s, int c)
     for (int i = 0; i < c; i++) {
         const daft_sim_body *other = &s->world->bodies[s->near[i].body];
         daft_dvec3 point, normal;
-        double on = ON_SURFACE * (double)s->body->radius + SURFACE_ROUNDING * (double)other->reach;
-        if (daft_sim_distance(other, mine->touch.point, &point, &normal) <= on) return true;
+        if (daft_sim_distance(other, mine->touch.point, &point, &normal) <= surface_margin(s, other)) return true;
     }
     return false;
+}
+
+typedef struct probe {
+    const daft_world *world;
+    daft_dvec3 at;
+    double margin;
+    bool hit;
+} probe;
+
+static void visit_probe(void *context, uint32_t index)
+{
+    probe *p = context;
+    daft_dvec3 point, normal;
+    p->hit = p->hit || daft_sim_distance(&p->world->bodies[index], p->at, &point, &normal) <= p->margin;
+}
+
+/* Is a point inside some body that does not yield, or on it? */
+static bool walled_up(const daft_world *world, daft_dvec3 at, double margin)
+{
+    probe p = {world, at, margin, false};
+    daft_dvec3 reach = daft_dv3(margin, margin, margin);
+    daft_sim_bounds bounds = {daft_dsub(at, reach), daft_dadd(at, reach)};
+    daft_sim_tree_query(&world->trees[DAFT_BODY_STATIC], &bounds, visit_probe, &p);
+    daft_sim_tree_query(&world->trees[DAFT_BODY_KINEMATIC], &bounds, visit_probe, &p);
+    return p.hit;
+}
+
+/* A sphere whose centre is inside a body leaves it by the nearest face, but not through one that leads into a
+ * neighbour: it would be sent to and fro between the two. */
+static void find_way_out(const search *s, candidate *c)
+{
+    const daft_sim_body *body = &s->world->bodies[c->body];
+    daft_dvec3 point, normal;
+    double distance, best = -INFINITY, margin = surface_margin(s, body);
+    for (int face = 0; daft_sim_exit(body, s->body->position, face, &point, &normal, &distance); face++) {
+        if (distance <= best) continue;
+        if (walled_up(s->world, daft_dadd(point, daft_dscale(normal, 2 * margin)), margin)) continue;
+        best = distance;
+        c->touch.point = point;
+        c->touch.normal = daft_normalize(daft_to_float(normal));
+        c->touch.separation = distance - (double)s->body->radius;
+    }
 }
 
 /* ---- contact points ---- */
@@ -223,7 +292,11 @@ static bool search_sphere(search *s, uint32_t sphere)
     if (s->margin > MAX_MARGIN) s->margin = MAX_MARGIN;
     daft_sim_tree_query(&s->world->trees[DAFT_BODY_STATIC], &s->body->bounds, visit_fixed, s);
     daft_sim_tree_query(&s->world->trees[DAFT_BODY_KINEMATIC], &s->body->bounds, visit_fixed, s);
-    daft_sim_tree_query(&s->world->trees[DAFT_BODY_DYNAMIC], &s->body->bounds, visit_dynamic, s);
+    if (!crowded(s)) daft_sim_tree_query(&s->world->trees[DAFT_BODY_DYNAMIC], &s->body->bounds, visit_dynamic, s);
+    for (int i = 0; i < s->near_count; i++) {
+        const daft_sim_touch *touch = &s->near[i].touch;
+        if (touch->time == 0 && touch->separation <= -(double)s->body->radius) find_way_out(s, &s->near[i]);
+    }
     for (int i = 0; i < s->near_count; i++)
         if (!hidden(s, i) && !add_point(s, s->near[i].body, &s->near[i].touch)) return false;
     for (int i = 0; i < s->partner_count; i++) {

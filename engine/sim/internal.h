@@ -200,6 +200,9 @@ daft_quat daft_sim_turn(daft_quat q, daft_vec3 angular, float h);
 /* Signed distance of p from the surface of a body's shape, negative inside; the surface's nearest point and the outward
  * normal there. */
 double daft_sim_distance(const daft_sim_body *body, daft_dvec3 p, daft_dvec3 *point, daft_dvec3 *normal);
+/* The ways out for a point inside a shape, by the number of the face; false when there are no more. */
+bool daft_sim_exit(const daft_sim_body *body, daft_dvec3 p, int face, daft_dvec3 *point, daft_dvec3 *normal,
+                   double *distance);
 /* How a sphere that moves by `motion` relative to `other` touches it: now, if no farther than margin, or on its way. */
 bool daft_sim_touch_sphere(const daft_sim_body *other, daft_dvec3 centre, double radius, daft_dvec3 motion,
                            double margin, daft_sim_touch *touch);
