@@ -44,7 +44,7 @@ static void numbers_are_read_right(void **unused)
     static const char *const none[] = {"", "-", ".", "e5", "+-1", "x", "-.", "1e", "1e+", "infx"};
     for (size_t i = 0; i < DAFT_COUNT_OF(none); i++) {
         const char *cursor = none[i];
-        double value;
+        double value = 0;
         bool all = daft_scan_number(&cursor, none[i] + strlen(none[i]), &value) && *cursor == 0;
         if (all) fail_msg("'%s' was read as %g", none[i], value);
     }
@@ -78,7 +78,7 @@ static void integers_saturate(void **unused)
     (void)unused;
     static const struct {
         const char *text;
-        int64_t value;
+        int64_t value = 0;
         size_t length;
     } cases[] = {{"7", 7, 1},
                  {"-12/3", -12, 3},
@@ -90,12 +90,12 @@ static void integers_saturate(void **unused)
                  {"1234567a", 1234567, 7}};
     for (size_t i = 0; i < DAFT_COUNT_OF(cases); i++) {
         const char *cursor = cases[i].text;
-        int64_t value;
+        int64_t value = 0;
         assert_true(daft_scan_integer(&cursor, cursor + strlen(cursor), &value));
         assert_true(value == cases[i].value && cursor == cases[i].text + cases[i].length);
     }
     const char *cursor = "-/1";
-    int64_t value;
+    int64_t value = 0;
     assert_false(daft_scan_integer(&cursor, cursor + 3, &value));
 }
 
@@ -104,7 +104,7 @@ static void places_count_every_kind_of_line(void **unused)
     (void)unused;
     static const char text[] = "\xEF\xBB\xBFone\ntwo\rthree\r\n\nfive";
     daft_text t = daft_text_open("x", text, sizeof text - 1, NULL);
-    int line, column;
+    int line = 0, column = 0;
     daft_text_place(&t, strstr(text, "one"), &line, &column);
     assert_true(line == 1 && column == 1);
     daft_text_place(&t, strstr(text, "wo"), &line, &column);
