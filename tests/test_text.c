@@ -78,7 +78,7 @@ static void integers_saturate(void **unused)
     (void)unused;
     static const struct {
         const char *text;
-        int64_t value = 0;
+        int64_t value;
         size_t length;
     } cases[] = {{"7", 7, 1},
                  {"-12/3", -12, 3},
