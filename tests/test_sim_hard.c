@@ -253,19 +253,19 @@ static void a_heap_stays_in_its_tray(void **unused)
     daft_world *world = new_world();
     add_tray(world, daft_dv3(0, 0, 0), 1.5f);
     uint32_t first = 0, last = 0;
-    for (int i = 0; i < 250; i++) {
+    for (int i = 0; i < 150; i++) {
         daft_dvec3 at = random_in(-1, 1);
         last = add(world, sphere(uniform(0.1, 0.25), at.x, 1 + 0.06 * i, at.z));
         if (!first) first = last;
     }
-    steps(world, 900);
+    steps(world, 600);
     double fastest = 0;
     for (uint32_t id = first; id <= last; id++) {
         daft_sim_state s = state_of(world, id);
         assert_true(fabs(s.position.x) < 1.45 && fabs(s.position.z) < 1.45 && s.position.y > 0.09 && s.position.y < 4);
         fastest = fmax(fastest, speed_of(s));
     }
-    print_message("fastest after 15 s: %g m/s\n", fastest);
+    print_message("fastest after 10 s: %g m/s\n", fastest);
     assert_true(fastest < 0.5);
     daft_world_destroy(world);
 }
@@ -609,7 +609,7 @@ static uint64_t run_everything(int ticks, int unrelated)
     bar.kind = DAFT_BODY_KINEMATIC;
     uint32_t spinner = add(world, bar), platform = add(world, bar);
     daft_world_set_velocity(world, spinner, daft_v3(0, 0, 0), daft_v3(0, 2, 0));
-    for (int i = 0; i < 120; i++) {
+    for (int i = 0; i < 60; i++) {
         daft_dvec3 at = random_in(-3, 3);
         daft_sim_body_def ball = sphere(uniform(0.1, 0.4), at.x, 11.5 + 2.8 * at.y, at.z);
         ball.restitution = (float)uniform(0, 0.9);
@@ -626,7 +626,7 @@ static uint64_t run_everything(int ticks, int unrelated)
         steps(world, 1);
     }
     uint64_t hash = 0;
-    for (uint32_t id = 1; id <= platform + 120; id++) {
+    for (uint32_t id = 1; id <= platform + 60; id++) {
         daft_sim_state s = state_of(world, id);
         double position[] = {s.position.x, s.position.y, s.position.z};
         float rest[] = {s.rotation.x, s.rotation.y, s.rotation.z, s.rotation.w, s.linear.x,
@@ -639,7 +639,7 @@ static uint64_t run_everything(int ticks, int unrelated)
 }
 
 /* The same for gcc and clang, debug and release, every machine: change it only together with the simulation. */
-#define GOLDEN_HASH 0x015e58a196648a0eu
+#define GOLDEN_HASH 0xccf2184d96930aa2u
 
 static void the_same_calls_give_the_same_bits(void **unused)
 {
