@@ -1,7 +1,7 @@
 /* sim: rigid bodies and contacts. Knows shapes, not entities.
  * Promises: the same calls give the same bits on every machine; no NaN ever enters the state; a world without dynamic
  * bodies costs nothing. Dynamic bodies are spheres; static and kinematic ones are spheres and oriented boxes.
- * Fast spheres do not pass through anything, and seams between boxes whose faces lie in one plane are not felt.
+ * Fast spheres do not pass through what stands still, and seams between boxes whose faces lie in one plane are not felt.
  * Definitions: sizes 1e-4 to 1e7 m, masses 1e-15 to 1e24 kg, within 1e12 m of the origin, friction and rolling
  * resistance 0 to 1e6, restitution 0 to 1; others are refused. Velocities are clamped to 1e4 m/s and 1e6 rad/s. A call
  * that takes a body which is not there, or a number which is not finite, does nothing. */
