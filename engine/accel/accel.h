@@ -38,6 +38,7 @@ void daft_instance_bound(daft_instance *instance);
 
 /* Two-level: a BVH over instances. Built anew each frame; memory from the arena. */
 typedef struct daft_tlas daft_tlas;
+typedef struct daft_node daft_node; /* bvh.h */
 const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instances, uint32_t count, daft_error *error);
 
 typedef struct daft_ray {
@@ -61,6 +62,8 @@ typedef struct daft_accel_kernels {
     bool (*closest)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit);
     /* Whether any shadow-casting instance stops the ray. Stops at the first. */
     bool (*occluded)(const daft_tlas *tlas, const daft_ray *ray);
+    /* Bits of the node's children that the ray meets in its interval, by their bounds; never those of an empty box. */
+    uint32_t (*boxes)(const daft_node *node, const daft_ray *ray);
 } daft_accel_kernels;
 
 const daft_accel_kernels *daft_accel_kernels_for(int isa);

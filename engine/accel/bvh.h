@@ -16,10 +16,10 @@ enum { DAFT_WIDTH = 8, DAFT_BLOCK = 4, DAFT_CLUSTER = 128, DAFT_MAX_LEAF_BLOCKS 
 
 /* bounds[0..2] are the children's lows in x, y, z, bounds[3..5] their highs; an empty child has low = inf, high = -inf.
  * child: a node's number; or LEAF | block << 2 | (blocks - 1) in a mesh, LEAF | instance in a top level; or NONE. */
-typedef struct daft_node {
+struct daft_node {
     float bounds[6][DAFT_WIDTH];
     uint32_t child[DAFT_WIDTH];
-} daft_node;
+};
 
 /* corner[k][axis][i]: corner k of triangle i. Unused places have the number DAFT_NO_TRIANGLE, the largest, and the corners of
  * the last triangle: a ray that hits them hits that one as well, at the same distance, and lower numbers win ties. */

@@ -1,13 +1,15 @@
 /* Single rays through the two levels.
  *
- * Boxes: slab test of eight children at once. A direction component too small to invert counts as 1e-18, so no 0·inf
- * arises; the far distance is widened by 2·gamma(3) (Ize, "Robust BVH Ray Traversal", 2013), so rounding never misses a box.
+ * Boxes: slab test of eight children at once. A zero component's inverse is infinite: planes then lie at plus or minus
+ * infinity, and the NaN of a ray within a plane loses every comparison, so that plane says nothing, which is right. The far
+ * distance is widened by 2·gamma(3) (Ize, "Robust BVH Ray Traversal", 2013), so rounding never misses a box.
  *
  * Triangles: with the corners a, b relative to the ray's origin, an edge's plane is (a - b) × (a + b) = 2·a × b, a - b being
  * taken from the corners as given. Exchanging a and b negates every bit of it, so the two triangles at an edge see opposite
  * values of one number (Davidovič et al., "3D rasterization", 2012; Woop et al., "Watertight Ray/Triangle Intersection",
  * 2013). That alone still loses rays at vertices, where rounding can put a ray on the same side of every spoke of a fan; so
- * lanes within the error bound are decided by the exact predicates. With u = 2^-24 and S = |a| + |b| by component: a - b
+ * lanes within the error bound are decided by the exact predicates: triangles are closed, and where a ray touches several
+ * at one distance the lowest number is the hit. With u = 2^-24 and S = |a| + |b| by component: a - b
  * rounds once; a + b is off by at most 2u·S; the products, their difference and the dot product with d round five times.
  * Together 8u·Σ |a - b|·S·|d| over the six products; the bound takes 9u of the product of the three sums of magnitudes,
  * which is larger and cheaper.
@@ -21,6 +23,7 @@
 #include "math/simd.h"
 
 #define WIDEN (1.0f + 6 * 0x1p-24f)
+#define NARROW (1.0f - 6 * 0x1p-24f) /* widens where distances are negative */
 
 typedef struct slab_ray {
     v8 ox, oy, oz, ix, iy, iz; /* origin, inverse direction */
@@ -32,16 +35,9 @@ typedef struct entry {
     float near;
 } entry;
 
-DAFT_INLINE float safe_inverse(float d)
-{
-    const float least = 1e-18f;
-    if (!(fabsf(d) >= least)) d = copysignf(least, d);
-    return 1 / d;
-}
-
 DAFT_INLINE slab_ray slab_setup(daft_vec3 o, daft_vec3 d)
 {
-    float x = safe_inverse(d.x), y = safe_inverse(d.y), z = safe_inverse(d.z);
+    float x = 1 / d.x, y = 1 / d.y, z = 1 / d.z;
     return (slab_ray){v8_set(o.x), v8_set(o.y), v8_set(o.z), v8_set(x), v8_set(y), v8_set(z),
                       x < 0 ? 3 : 0,   y < 0 ? 4 : 1,   z < 0 ? 5 : 2};
 }
@@ -55,9 +51,10 @@ DAFT_INLINE uint32_t slab_test(const daft_node *node, const slab_ray *r, float t
     v8 x1 = (v8_load(node->bounds[3 - r->near_x]) - r->ox) * r->ix;
     v8 y1 = (v8_load(node->bounds[5 - r->near_y]) - r->oy) * r->iy;
     v8 z1 = (v8_load(node->bounds[7 - r->near_z]) - r->oz) * r->iz;
-    *near = v8_max(v8_max(x0, y0), v8_max(z0, v8_set(tmin)));
-    v8 far = v8_min(v8_min(x1, y1), v8_min(z1, v8_set(tmax)));
-    return v8_le_bits(*near, far * v8_set(WIDEN));
+    /* v8_max and v8_min give their second argument when the first is NaN */
+    *near = v8_max(x0, v8_max(y0, v8_max(z0, v8_set(tmin))));
+    v8 far = v8_min(x1, v8_min(y1, v8_min(z1, v8_set(tmax))));
+    return v8_le_bits(*near, v8_max(far * v8_set(WIDEN), far * v8_set(NARROW)));
 }
 
 /* Pushes the children nearest last. */
@@ -118,7 +115,7 @@ static __attribute__((noinline)) uint32_t block_exact(uint32_t unsure, const daf
     for (; unsure; unsure &= unsure - 1) {
         int i = __builtin_ctz(unsure);
         daft_vec3 c[3] = {block_lane(b, 0, i), block_lane(b, 1, i), block_lane(b, 2, i)};
-        if (b->triangle[i] == DAFT_NO_TRIANGLE || !daft_ray_hits(o, c[0], c[1], c[2], d)) continue;
+        if (b->triangle[i] == DAFT_NO_TRIANGLE || !daft_line_touches(o, c[0], c[1], c[2], d)) continue;
         daft_dvec3 p[3];
         double w[3], along = 0;
         for (int k = 0; k < 3; k++) p[k] = daft_dsub(daft_to_double(c[k]), origin);
@@ -189,7 +186,7 @@ static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tm
     stack[top++] = (entry){0, tmin};
     while (top > 0) {
         entry e = stack[--top];
-        if (e.near > hit->t * WIDEN) continue;
+        if (e.near > fmaxf(hit->t * WIDEN, hit->t * NARROW)) continue;
         if (e.child & DAFT_CHILD_LEAF) {
             const daft_block *block = &bvh->blocks[(e.child & ~DAFT_CHILD_LEAF) >> 2];
             for (uint32_t k = 0; k <= (e.child & 3); k++) {
@@ -231,15 +228,19 @@ static bool mesh_occluded(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float t
     return false;
 }
 
-/* The distance to a sphere, or a negative number for a miss. See daft_pencil_sphere for the method. */
+/* The distance to a sphere, or a negative number for a miss; in double, since a tree holds few of them and tangents need
+ * it. See daft_pencil_sphere for the method. */
 static float sphere_distance(const daft_instance *s, const daft_ray *ray, float tmin, float tmax)
 {
-    daft_vec3 centre = daft_sub(daft_v3(s->to_frame.t[0], s->to_frame.t[1], s->to_frame.t[2]), ray->origin);
-    float dd = daft_dot(ray->direction, ray->direction), along = daft_dot(centre, ray->direction) / dd;
-    daft_vec3 aside = daft_sub(centre, daft_scale(ray->direction, along));
-    float discriminant = s->radius * s->radius - daft_dot(aside, aside);
-    if (!(discriminant >= 0)) return -1;
-    float half = sqrtf(discriminant / dd), near = along - half, far = along + half;
+    const float *at = s->to_frame.t;
+    daft_dvec3 d = daft_to_double(ray->direction);
+    daft_dvec3 centre = daft_dsub(daft_dv3((double)at[0], (double)at[1], (double)at[2]), daft_to_double(ray->origin));
+    double dd = daft_ddot(d, d), along = daft_ddot(centre, d) / dd, r = (double)s->radius;
+    daft_dvec3 aside = daft_dsub(centre, daft_dscale(d, along));
+    double discriminant = r * r - daft_ddot(aside, aside);
+    if (!(discriminant >= 0) || !(r > 0)) return -1;
+    double half = sqrt(discriminant / dd);
+    float near = (float)(along - half), far = (float)(along + half);
     if (near >= tmin && near <= tmax) return near;
     return far >= tmin && far <= tmax ? far : -1;
 }
@@ -300,7 +301,7 @@ static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore,
     stack[top++] = (entry){0, ray->tmin};
     while (top > 0) {
         entry e = stack[--top];
-        if (e.near > hit->t * WIDEN) continue;
+        if (e.near > fmaxf(hit->t * WIDEN, hit->t * NARROW)) continue;
         if (e.child & DAFT_CHILD_LEAF) {
             uint32_t index = e.child & ~DAFT_CHILD_LEAF;
             if (index != ignore) instance_closest(tlas, index, ray, hit);
@@ -347,4 +348,14 @@ static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
     return false;
 }
 
-const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest, occluded};
+static uint32_t boxes(const daft_node *node, const daft_ray *ray)
+{
+    slab_ray r = slab_setup(ray->origin, ray->direction);
+    v8 near;
+    if (!usable(ray)) return 0;
+    uint32_t real = 0xff;
+    for (int k = 0; k < 3; k++) real &= v8_le_bits(v8_load(node->bounds[k]), v8_load(node->bounds[k + 3]));
+    return real & slab_test(node, &r, ray->tmin, ray->tmax, &near);
+}
+
+const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest, occluded, boxes};

@@ -189,14 +189,26 @@ int daft_ray_side_from(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 d)
     return side_of(p, q, d);
 }
 
-bool daft_ray_hits(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
+bool daft_line_hits(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
 {
     difference p[3], q[3], r[3];
     subtract(a, o, p);
     subtract(b, o, q);
     subtract(c, o, r);
-    int facing = differences_sign(p, q, r);
-    return facing != 0 && side_of(q, r, d) == facing && side_of(r, p, d) == facing && side_of(p, q, d) == facing;
+    int side = side_of(q, r, d);
+    return side != 0 && side_of(r, p, d) == side && side_of(p, q, d) == side && differences_sign(p, q, r) != 0;
+}
+
+bool daft_line_touches(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
+{
+    const difference ray[3] = {{(double)d.x, 0}, {(double)d.y, 0}, {(double)d.z, 0}};
+    difference p[3], q[3], r[3];
+    subtract(a, o, p);
+    subtract(b, o, q);
+    subtract(c, o, r);
+    int u = differences_sign(q, r, ray), v = differences_sign(r, p, ray), w = differences_sign(p, q, ray);
+    bool left = u >= 0 && v >= 0 && w >= 0, right = u <= 0 && v <= 0 && w <= 0;
+    return left != right && differences_sign(p, q, r) != 0;
 }
 
 /* ---- distances ---- */
@@ -206,8 +218,8 @@ static double det(daft_dvec3 a, daft_dvec3 b, daft_dvec3 d) { return daft_ddot(d
 void daft_pencil_weights(daft_dvec3 p, daft_dvec3 q, daft_dvec3 r, daft_vec3 d, double weight[3])
 {
     daft_dvec3 ray = daft_to_double(d);
-    double sign = det(p, q, r) < 0 ? -1 : 1;
-    double u = sign * det(q, r, ray), v = sign * det(r, p, ray), w = sign * det(p, q, ray);
+    double u = det(q, r, ray), v = det(r, p, ray), w = det(p, q, ray), sign = u + v + w < 0 ? -1 : 1;
+    u *= sign, v *= sign, w *= sign;
     u = u > 0 ? u : 0, v = v > 0 ? v : 0, w = w > 0 ? w : 0;
     double sum = u + v + w;
     bool some = sum > 0;

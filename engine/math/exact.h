@@ -20,8 +20,12 @@ int daft_ray_side(daft_vec3 a, daft_vec3 b, daft_vec3 d);
 /* The same for a ray from o, all four points as given: a - o and b - o are not rounded. */
 int daft_ray_side_from(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 d);
 
-/* Whether the ray d from o hits the triangle, exactly. */
-bool daft_ray_hits(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d);
+/* Whether the line through o along d hits the triangle, in front of o or behind, exactly. */
+bool daft_line_hits(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d);
+
+/* The same for the closed triangle: a line exactly through an edge or a vertex touches all triangles there, and so also one
+ * whose edge belongs to no other. What a line hits it touches. */
+bool daft_line_touches(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d);
 
 /* Whether the ray d from the origin hits the triangle, decided by the two predicates above. Edge-on triangles are missed. */
 bool daft_pencil_hits(daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d);

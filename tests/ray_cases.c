@@ -1,0 +1,339 @@
+/* Runs hard rays from a CSV file, whose answers were decided with exact rational arithmetic, through every kernel that
+ * applies and on every instruction set: ray_cases FILE.csv. Ends with the line `N passed, M failed`; exit status 1 if any failed,
+ * 2 for wrong usage. The format is that of a file with the columns
+ *   id,category,kind,group,mesh,g0..g8,ox,oy,oz,dx,dy,dz,tmin,tmax,expect,must,where,t,…
+ * kind tri | sphere | aabb | mesh; numbers as strtof reads them, hex floats among them; mesh files are beside the CSV.
+ *
+ * What is ours to choose (must = policy): triangles are closed, so their edges and corners are hit; one without area, or seen
+ * exactly edge-on, is missed; tmin and tmax belong to the interval; a tangent sphere is hit; a radius of 0 or less and a
+ * direction of zero are missed. Such rows pass when all kernels agree and no hit holds a NaN. A group, the triangles around
+ * an edge or a vertex, passes when some triangle is hit, and at most one by daft_line_hits, which counts crossings. */
+#include "accel/bvh.h"
+#include "geometry/mesh.h"
+#include "math/exact.h"
+#include "math/isa.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_COLUMNS = 64, MAX_LINE = 8192, MAX_GROUPS = 4096 };
+
+typedef struct row {
+    char line[MAX_LINE];
+    char *field[MAX_COLUMNS];
+    int count;
+} row;
+
+typedef struct table {
+    char folder[1024];
+    row header;
+    int passed, failed;
+    struct {
+        char name[64];
+        int rows, hits, crossed;
+        daft_vec3 seen[16]; /* sums of corners: some files list a triangle twice */
+        int seen_count;
+    } groups[MAX_GROUPS]; /* a fan's rows need not stand together */
+    int group_count;
+} table;
+
+/* Splits in place at commas; a field may be in double quotes, "" inside them stands for one. */
+static void split(row *r)
+{
+    char *in = r->line;
+    r->count = 0;
+    while (r->count < MAX_COLUMNS) {
+        char *out = in;
+        r->field[r->count++] = out;
+        bool quoted = *in == '"';
+        if (quoted) in++;
+        while (*in && (quoted || (*in != ',' && *in != '\n' && *in != '\r'))) {
+            if (quoted && *in == '"' && *++in != '"') quoted = false;
+            else *out++ = *in++;
+        }
+        char end = *in;
+        *out = 0;
+        if (end != ',') return;
+        in++;
+    }
+}
+
+static const char *text(const table *t, const row *r, const char *name)
+{
+    for (int i = 0; i < t->header.count && i < r->count; i++)
+        if (strcmp(t->header.field[i], name) == 0) return r->field[i];
+    return "";
+}
+
+static float number(const table *t, const row *r, const char *name) { return strtof(text(t, r, name), NULL); }
+
+static daft_vec3 vector(const table *t, const row *r, const char *x, const char *y, const char *z)
+{
+    return daft_v3(number(t, r, x), number(t, r, y), number(t, r, z));
+}
+
+/* ---- things ---- */
+
+typedef struct thing {
+    daft_trimesh mesh;
+    daft_bvh *bvh;
+    daft_instance instance;
+    daft_arena arena;
+    const daft_tlas *tlas;
+    daft_allocator allocator;
+} thing;
+
+static const uint32_t MATERIAL[1] = {0};
+
+static bool thing_finish(thing *s)
+{
+    daft_error error;
+    s->instance.to_frame = s->instance.to_object = (daft_affine){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {s->instance.to_frame.t[0], s->instance.to_frame.t[1], s->instance.to_frame.t[2]}};
+    s->instance.materials = MATERIAL, s->instance.flags = DAFT_INSTANCE_CASTS_SHADOW;
+    daft_instance_bound(&s->instance);
+    daft_arena_init(&s->arena, &s->allocator);
+    s->tlas = daft_tlas_build(&s->arena, &s->instance, 1, &error);
+    return s->tlas != NULL;
+}
+
+static bool thing_mesh(thing *s)
+{
+    s->bvh = daft_bvh_build_mesh(&s->allocator, &s->mesh, 1, NULL);
+    s->instance.mesh = &s->mesh, s->instance.bvh = s->bvh;
+    return s->bvh && thing_finish(s);
+}
+
+/* Through the door that users have: what is not finite is dropped there. */
+static bool thing_triangle(thing *s, const table *t, const row *r)
+{
+    const daft_vec3 p[3] = {vector(t, r, "g0", "g1", "g2"), vector(t, r, "g3", "g4", "g5"), vector(t, r, "g6", "g7", "g8")};
+    const uint32_t index[3] = {0, 1, 2};
+    daft_mesh_def def = {.cookie = DAFT_COOKIE, .positions = p, .vertex_count = 3, .indices = index, .triangle_count = 1};
+    return daft_trimesh_from_arrays(&s->allocator, &def, NULL, &s->mesh, NULL) && thing_mesh(s);
+}
+
+static bool thing_file(thing *s, const table *t, const row *r)
+{
+    char path[2048];
+    daft_obj obj;
+    daft_error error = {0};
+    snprintf(path, sizeof path, "%s%s", t->folder, text(t, r, "mesh"));
+    if (!daft_obj_load(&s->allocator, path, NULL, &obj, &error)) {
+        fprintf(stderr, "%s: %s\n", path, error.message);
+        return false;
+    }
+    s->mesh = obj.mesh;
+    memset(&obj.mesh, 0, sizeof obj.mesh);
+    daft_obj_free(&s->allocator, &obj);
+    return thing_mesh(s);
+}
+
+static void thing_drop(thing *s)
+{
+    daft_arena_free(&s->arena);
+    daft_bvh_free(s->bvh);
+    daft_trimesh_free(&s->allocator, &s->mesh);
+}
+
+/* ---- answers ---- */
+
+typedef struct answer {
+    bool hit;
+    float t;
+    bool agree; /* all kernels and instruction sets */
+} answer;
+
+static answer ask(const thing *s, const daft_ray *ray)
+{
+    answer out = {.agree = true};
+    for (int isa = 0; isa <= daft_isa_best(); isa++) {
+        daft_hit hit;
+        bool found = daft_accel_kernels_for(isa)->closest(s->tlas, ray, UINT32_MAX, &hit);
+        bool stopped = daft_accel_kernels_for(isa)->occluded(s->tlas, ray);
+        bool sound = !found || (!isnan(hit.t) && isfinite(hit.u) && isfinite(hit.v) && !isnan(hit.normal.x));
+        out.agree &= sound && stopped == found && (isa == 0 || (found == out.hit && (!found || hit.t == out.t)));
+        out.hit = found, out.t = found ? hit.t : 0;
+    }
+    return out;
+}
+
+static daft_ray ray_of(const table *t, const row *r)
+{
+    return (daft_ray){.origin = vector(t, r, "ox", "oy", "oz"), .direction = vector(t, r, "dx", "dy", "dz"),
+                      .tmin = number(t, r, "tmin"), .tmax = number(t, r, "tmax")};
+}
+
+static void verdict(table *t, const row *r, bool pass, const char *why)
+{
+    if (pass) {
+        t->passed++;
+        return;
+    }
+    t->failed++;
+    printf("FAILED %s (%s %s, expect %s): %s\n", text(t, r, "id"), text(t, r, "kind"), text(t, r, "must"), text(t, r, "expect"), why);
+}
+
+static bool near_enough(const table *t, const row *r, float found, double tolerance)
+{
+    const char *expected = text(t, r, "t");
+    if (isinf(found)) return strtod(expected, NULL) > 3.4e38; /* further than floats reach */
+    return !*expected || fabs((double)found - strtod(expected, NULL)) <= tolerance * fmax(1e-30, fabs(strtod(expected, NULL)));
+}
+
+static void judge(table *t, const row *r, answer a)
+{
+    const char *must = text(t, r, "must");
+    bool expect = strcmp(text(t, r, "expect"), "hit") == 0;
+    if (!a.agree) verdict(t, r, false, "the kernels do not agree, or a hit holds a NaN");
+    else if (strcmp(must, "policy") == 0) verdict(t, r, true, "");
+    else if (a.hit != expect) verdict(t, r, false, a.hit ? "hit" : "missed");
+    else verdict(t, r, !a.hit || near_enough(t, r, a.t, 1e-3), "the distance is off");
+}
+
+static bool seen_before(table *t, int group, daft_vec3 sum)
+{
+    for (int i = 0; i < t->groups[group].seen_count; i++)
+        if (memcmp(&t->groups[group].seen[i], &sum, sizeof sum) == 0) return true;
+    if (t->groups[group].seen_count < 16) t->groups[group].seen[t->groups[group].seen_count++] = sum;
+    return false;
+}
+
+static void group_add(table *t, const row *r, const daft_ray *ray, bool hit)
+{
+    const char *name = text(t, r, "group");
+    int i = 0;
+    while (i < t->group_count && strcmp(t->groups[i].name, name) != 0) i++;
+    if (i == MAX_GROUPS) return;
+    if (i == t->group_count) snprintf(t->groups[t->group_count++].name, sizeof t->groups[i].name, "%s", name);
+    t->groups[i].rows++, t->groups[i].hits += hit;
+    daft_vec3 a = vector(t, r, "g0", "g1", "g2"), b = vector(t, r, "g3", "g4", "g5"), c = vector(t, r, "g6", "g7", "g8");
+    if (seen_before(t, i, daft_add(a, daft_add(b, c)))) return;
+    t->groups[i].crossed += daft_line_hits(ray->origin, a, b, c, ray->direction);
+}
+
+/* A fan's rows pass together. */
+static void judge_groups(table *t)
+{
+    for (int i = 0; i < t->group_count; i++) {
+        if (t->groups[i].hits >= 1 && t->groups[i].crossed <= 1) {
+            t->passed += t->groups[i].rows;
+            continue;
+        }
+        t->failed += t->groups[i].rows;
+        printf("FAILED group %s: %d triangles of the fan are hit, %d crossed\n", t->groups[i].name, t->groups[i].hits,
+               t->groups[i].crossed);
+    }
+}
+
+static void run_triangle(table *t, const row *r)
+{
+    thing s = {.allocator = daft_malloc_allocator()};
+    if (!thing_triangle(&s, t, r)) {
+        verdict(t, r, false, "cannot be built");
+        return;
+    }
+    daft_ray ray = ray_of(t, r);
+    answer a = ask(&s, &ray);
+    if (a.agree && strcmp(text(t, r, "must"), "group") == 0) group_add(t, r, &ray, a.hit);
+    else judge(t, r, a);
+    thing_drop(&s);
+}
+
+static void run_mesh(table *t, const row *r)
+{
+    thing s = {.allocator = daft_malloc_allocator()};
+    if (!thing_file(&s, t, r)) {
+        verdict(t, r, false, "cannot be loaded");
+        return;
+    }
+    daft_ray ray = ray_of(t, r);
+    answer a = ask(&s, &ray);
+    uint32_t crossings = 0;
+    for (uint32_t i = 0; i < s.mesh.triangle_count; i++) {
+        daft_vec3 p[3];
+        for (int k = 0; k < 3; k++) {
+            uint32_t v = s.mesh.indices[3 * i + (uint32_t)k];
+            p[k] = daft_v3(s.mesh.x[v], s.mesh.y[v], s.mesh.z[v]);
+        }
+        double w[3], along = 0;
+        if (!daft_line_hits(ray.origin, p[0], p[1], p[2], ray.direction)) continue;
+        daft_dvec3 q[3];
+        for (int k = 0; k < 3; k++) q[k] = daft_dsub(daft_to_double(p[k]), daft_to_double(ray.origin));
+        daft_pencil_weights(q[0], q[1], q[2], ray.direction, w);
+        for (int k = 0; k < 3; k++) along += w[k] * daft_ddot(q[k], daft_to_double(ray.direction));
+        crossings += along > 0;
+    }
+    if (crossings % 2 == 0) verdict(t, r, false, "an even number of crossings");
+    else judge(t, r, a);
+    thing_drop(&s);
+}
+
+static void run_sphere(table *t, const row *r)
+{
+    thing s = {.allocator = daft_malloc_allocator()};
+    daft_vec3 centre = vector(t, r, "g0", "g1", "g2");
+    s.instance.to_frame.t[0] = centre.x, s.instance.to_frame.t[1] = centre.y, s.instance.to_frame.t[2] = centre.z;
+    s.instance.radius = number(t, r, "g3");
+    daft_ray ray = ray_of(t, r);
+    if (thing_finish(&s)) judge(t, r, ask(&s, &ray));
+    else verdict(t, r, false, "cannot be built");
+    thing_drop(&s);
+}
+
+static void run_box(table *t, const row *r)
+{
+    daft_node node;
+    daft_vec3 low = vector(t, r, "g0", "g1", "g2"), high = vector(t, r, "g3", "g4", "g5");
+    const float bounds[6] = {low.x, low.y, low.z, high.x, high.y, high.z};
+    for (int k = 0; k < 6; k++)
+        for (int i = 0; i < DAFT_WIDTH; i++) node.bounds[k][i] = bounds[k];
+    daft_ray ray = ray_of(t, r);
+    bool expect = strcmp(text(t, r, "expect"), "hit") == 0, agree = true, hit = false;
+    for (int isa = 0; isa <= daft_isa_best(); isa++) {
+        uint32_t bits = daft_accel_kernels_for(isa)->boxes(&node, &ray);
+        agree &= (bits == 0 || bits == 0xff) && (isa == 0 || hit == (bits != 0));
+        hit = bits != 0;
+    }
+    if (!agree) verdict(t, r, false, "the kernels do not agree");
+    else if (strcmp(text(t, r, "must"), "culls") == 0) verdict(t, r, true, "");
+    else verdict(t, r, hit == expect, hit ? "hit" : "missed");
+}
+
+static void run_row(table *t, const row *r)
+{
+    const char *kind = text(t, r, "kind");
+    if (strcmp(kind, "tri") == 0) run_triangle(t, r);
+    else if (strcmp(kind, "sphere") == 0) run_sphere(t, r);
+    else if (strcmp(kind, "aabb") == 0) run_box(t, r);
+    else if (strcmp(kind, "mesh") == 0) run_mesh(t, r);
+    else verdict(t, r, false, "unknown kind");
+}
+
+int main(int argc, char **argv)
+{
+    static table t;
+    static row r;
+    if (argc != 2) {
+        fprintf(stderr, "usage: ray_cases FILE.csv\n");
+        return 2;
+    }
+    FILE *file = fopen(argv[1], "r");
+    if (!file || !fgets(t.header.line, sizeof t.header.line, file)) {
+        fprintf(stderr, "%s: cannot be read\n", argv[1]);
+        return 1;
+    }
+    split(&t.header);
+    const char *slash = strrchr(argv[1], '/');
+    snprintf(t.folder, sizeof t.folder, "%.*s", slash ? (int)(slash - argv[1]) + 1 : 0, argv[1]);
+    while (fgets(r.line, sizeof r.line, file)) {
+        if (isspace((unsigned char)r.line[0])) continue;
+        split(&r);
+        run_row(&t, &r);
+    }
+    judge_groups(&t);
+    fclose(file);
+    printf("%d passed, %d failed\n", t.passed, t.failed);
+    return t.failed ? 1 : 0;
+}
