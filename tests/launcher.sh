@@ -112,6 +112,8 @@ sleep 0.01
 touch "$root/engine/base/base.c" "$out/broken"
 run play
 check 'a broken build is status 1' [ "$status" = 1 ] && check 'and is shown' says err 'base.c:1: error: broken'
+run test
+check 'tests that cannot be built are one failure' [ "$(tail -n 1 "$out/out")" = '0 passed, 1 failed' ]
 rm "$out/broken"
 run play
 check 'and is tried again' builds 1 0
