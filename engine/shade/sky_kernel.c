@@ -28,9 +28,9 @@ static void sky_gradient(const daft_sky *sky, const daft_lanes3 *direction, uint
 
 static void fetch(const daft_sky_image *image, float x, float y, float color[3])
 {
-    int x0 = (int)floorf(x), y0 = (int)floorf(y);
+    int x0 = (int)(x + 1) - 1, y0 = (int)(y + 1) - 1; /* x and y are -0.5 or more */
     float fx = x - (float)x0, fy = y - (float)y0;
-    int xa = (x0 + image->width) % image->width, xb = (x0 + 1) % image->width;
+    int xa = x0 < 0 ? image->width - 1 : x0, xb = x0 + 1 < image->width ? x0 + 1 : 0;
     int ya = y0 < 0 ? 0 : y0, yb = y0 + 1 < image->height ? y0 + 1 : image->height - 1;
     const float *above = image->texels + 3 * (size_t)ya * (size_t)image->width;
     const float *below = image->texels + 3 * (size_t)yb * (size_t)image->width;

@@ -4,18 +4,18 @@
 
 #include "shade/srgb_table.h"
 
-DAFT_INLINE int wrap(int i, int size)
-{
-    i %= size;
-    return i < 0 ? i + size : i;
-}
+/* Of -1..size. */
+DAFT_INLINE int wrap(int i, int size) { return i < 0 ? size - 1 : i < size ? i : 0; }
+
+/* Rounds down what is above -1. */
+DAFT_INLINE int floor_small(float x) { return (int)(x + 1) - 1; }
 
 /* u, v in 0..1. The top row has v = 1. */
 static void bilinear(const daft_texture_data *t, int level, float u, float v, float weight, float color[3])
 {
     int width = t->width[level], height = t->height[level];
     float x = u * (float)width - 0.5f, y = (1 - v) * (float)height - 0.5f;
-    int x0 = (int)floorf(x), y0 = (int)floorf(y);
+    int x0 = floor_small(x), y0 = floor_small(y);
     float fx = x - (float)x0, fy = y - (float)y0;
     int xa = wrap(x0, width), xb = wrap(x0 + 1, width);
     const uint8_t *above = t->texels[level] + 4 * (size_t)wrap(y0, height) * (size_t)width;
@@ -34,8 +34,10 @@ static void sample(const daft_texture_data *t, float u, float v, float level, fl
     float last = (float)(t->levels - 1);
     level = level > 0 ? (level < last ? level : last) : 0;
     int fine = (int)level;
-    float share = level - (float)fine;
-    bilinear(t, fine, u, v, 1 - share, color);
+    /* the middle half of a level's range blends; at its ends one level does, which halves the fetches and is not seen */
+    float share = (level - (float)fine) * 2 - 0.5f;
+    if (share >= 1) fine++, share = 0;
+    bilinear(t, fine, u, v, share > 0 ? 1 - share : 1, color);
     if (share > 0) bilinear(t, fine + 1, u, v, share, color);
 }
 
