@@ -25,6 +25,8 @@
 #define WIDEN (1.0f + 6 * 0x1p-24f)
 #define NARROW (1.0f - 6 * 0x1p-24f) /* widens where distances are negative */
 
+DAFT_INLINE float widened(float far) { return far > 0 ? far * WIDEN : far * NARROW; }
+
 typedef struct slab_ray {
     v8 ox, oy, oz, ix, iy, iz; /* origin, inverse direction */
     int near_x, near_y, near_z; /* which of bounds[] the ray enters by */
@@ -186,7 +188,7 @@ static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tm
     stack[top++] = (entry){0, tmin};
     while (top > 0) {
         entry e = stack[--top];
-        if (e.near > fmaxf(hit->t * WIDEN, hit->t * NARROW)) continue;
+        if (e.near > widened(hit->t)) continue;
         if (e.child & DAFT_CHILD_LEAF) {
             const daft_block *block = &bvh->blocks[(e.child & ~DAFT_CHILD_LEAF) >> 2];
             for (uint32_t k = 0; k <= (e.child & 3); k++) {
@@ -301,7 +303,7 @@ static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore,
     stack[top++] = (entry){0, ray->tmin};
     while (top > 0) {
         entry e = stack[--top];
-        if (e.near > fmaxf(hit->t * WIDEN, hit->t * NARROW)) continue;
+        if (e.near > widened(hit->t)) continue;
         if (e.child & DAFT_CHILD_LEAF) {
             uint32_t index = e.child & ~DAFT_CHILD_LEAF;
             if (index != ignore) instance_closest(tlas, index, ray, hit);

@@ -20,7 +20,7 @@ static void reflections(const daft_batch *b, const daft_surface *materials, daft
     rays->count = 0;
     for (uint32_t i = 0; i < b->count; i++) {
         daft_vec3 weight = daft_mul(lane3(&b->weight, i), materials[b->material[i]].mirror);
-        if (!(fmaxf(weight.x, fmaxf(weight.y, weight.z)) > LEAST_WEIGHT)) continue;
+        if (!(weight.x > LEAST_WEIGHT || weight.y > LEAST_WEIGHT || weight.z > LEAST_WEIGHT)) continue;
         daft_vec3 d = mirrored(lane3(&b->view, i), lane3(&b->normal, i), lane3(&b->outward, i));
         uint32_t at = rays->count++;
         rays->origin.x[at] = b->point.x[i], rays->origin.y[at] = b->point.y[i], rays->origin.z[at] = b->point.z[i];

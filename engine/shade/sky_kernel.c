@@ -26,19 +26,30 @@ static void sky_gradient(const daft_sky *sky, const daft_lanes3 *direction, uint
     }
 }
 
-static void fetch(const daft_sky_image *image, float x, float y, float color[3])
+/* Places of the four texels around each lane's point, in floats from the image's first, and the weights between them. */
+typedef struct taps {
+    vi above_left, above_right, below_left, below_right;
+    vf across, down;
+} taps;
+
+/* x in -0.5..width - 0.5, y in -0.5..height - 1: the image wraps around, and ends at its poles. */
+DAFT_INLINE taps place_taps(const daft_sky_image *image, vf x, vf y)
 {
-    int x0 = (int)(x + 1) - 1, y0 = (int)(y + 1) - 1; /* x and y are -0.5 or more */
-    float fx = x - (float)x0, fy = y - (float)y0;
-    int xa = x0 < 0 ? image->width - 1 : x0, xb = x0 + 1 < image->width ? x0 + 1 : 0;
-    int ya = y0 < 0 ? 0 : y0, yb = y0 + 1 < image->height ? y0 + 1 : image->height - 1;
-    const float *above = image->texels + 3 * (size_t)ya * (size_t)image->width;
-    const float *below = image->texels + 3 * (size_t)yb * (size_t)image->width;
-    for (int k = 0; k < 3; k++) {
-        float a = above[3 * xa + k], b = above[3 * xb + k], c = below[3 * xa + k], d = below[3 * xb + k];
-        float top = a + (b - a) * fx, bottom = c + (d - c) * fx;
-        color[k] = top + (bottom - top) * fy;
-    }
+    vf x0 = vf_floor(x), y0 = vf_floor(y), zero = vf_set(0), one = vf_set(1);
+    vf right = vf_set((float)(image->width - 1)), bottom = vf_set((float)(image->height - 1));
+    vi xa = vi_truncate(vf_select(vf_lt(x0, zero), right, x0)), xb = vi_truncate(vf_select(vf_lt(x0, right), x0 + one, zero));
+    vi width = vi_set(image->width), three = vi_set(3);
+    vi ya = vi_truncate(vf_max(y0, zero)) * width, yb = vi_truncate(vf_min(y0 + one, bottom)) * width;
+    return (taps){(ya + xa) * three, (ya + xb) * three, (yb + xa) * three, (yb + xb) * three, x - x0, y - y0};
+}
+
+DAFT_INLINE vf fetch(const daft_sky_image *image, const taps *t, int channel)
+{
+    const float *texels = image->texels + channel;
+    vf a = vf_gather(texels, t->above_left), b = vf_gather(texels, t->above_right);
+    vf c = vf_gather(texels, t->below_left), d = vf_gather(texels, t->below_right);
+    vf top = a + (b - a) * t->across, bottom = c + (d - c) * t->across;
+    return top + (bottom - top) * t->down;
 }
 
 static void sky_image(const daft_sky_image *image, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *out)
@@ -47,15 +58,11 @@ static void sky_image(const daft_sky_image *image, const daft_lanes3 *direction,
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
         vf3 d = unit_lanes(lanes_load(direction, i));
         vf u = half + vf_atan2(d.z, d.x) * vf_set(0.159154943f), v = half + vf_asin(d.y) * vf_set(0.318309886f);
-        float x[DAFT_VL], y[DAFT_VL];
-        vf_store(x, vf_min(vf_max(u * width - half, -half), width - half));
-        vf_store(y, vf_min(vf_max((vf_set(1) - v) * height - half, -half), height - vf_set(1)));
-        uint32_t used = count - i < DAFT_VL ? count - i : DAFT_VL;
-        for (uint32_t k = 0; k < used; k++) {
-            float color[3];
-            fetch(image, x[k], y[k], color);
-            out->x[i + k] = color[0], out->y[i + k] = color[1], out->z[i + k] = color[2];
-        }
+        /* a NaN direction, or lanes past the last, end up at a corner */
+        vf x = vf_min(vf_max(u * width - half, -half), width - half);
+        vf y = vf_min(vf_max((vf_set(1) - v) * height - half, -half), height - vf_set(1));
+        taps t = place_taps(image, x, y);
+        lanes_store(out, i, (vf3){fetch(image, &t, 0), fetch(image, &t, 1), fetch(image, &t, 2)});
     }
 }
 
