@@ -5,6 +5,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -297,8 +298,10 @@ static void a_picture_can_be_stopped(void **state)
 
 /* ---- memory ---- */
 
+/* Worker threads allocate, too. */
 typedef struct meter {
-    long live, calls, fail_at;
+    atomic_long live, calls;
+    long fail_at;
 } meter;
 
 static void *metered_allocate(void *user, size_t size, size_t alignment)
