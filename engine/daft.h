@@ -82,6 +82,7 @@ DAFT_API const char *daft_error_text(const daft_error *error, char *buffer, size
 
 typedef struct daft_engine daft_engine;
 
+/* Called from the library's worker threads too, at the same time: it must be thread-safe, as malloc is. */
 typedef struct daft_allocator {
     void *user;
     void *(*allocate)(void *user, size_t size, size_t alignment); /* alignment: a power of two up to 64 */
@@ -156,6 +157,21 @@ typedef struct daft_mesh_info {
 } daft_mesh_info;
 
 DAFT_API bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info, daft_error *error);
+
+/* What is odd about a mesh. None of it stops rendering. Edges and triangles are told apart by where their corners are,
+ * whatever the vertices' numbers. */
+typedef struct daft_mesh_report {
+    uint32_t left_out;            /* triangles of the source that are not in the mesh: a corner repeated or not finite */
+    uint32_t without_area;        /* triangles lower than a millionth of their longest edge */
+    uint32_t duplicate_triangles; /* with the three corners of an earlier one */
+    uint32_t duplicate_vertices;  /* used ones, in the place of an earlier one */
+    uint32_t unused_vertices;
+    uint32_t open_edges;         /* of one triangle. None: the mesh is closed */
+    uint32_t non_manifold_edges; /* of three triangles or more */
+    uint32_t turned_edges;       /* of two triangles that face opposite ways */
+} daft_mesh_report;
+
+DAFT_API bool daft_mesh_check(daft_scene *scene, daft_mesh mesh, daft_mesh_report *report, daft_error *error);
 
 /* PNG, JPEG, TGA, BMP, GIF, PSD, HDR: what stb_image reads. */
 DAFT_API daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *error);
@@ -313,6 +329,16 @@ typedef enum daft_quality {
 DAFT_API bool daft_quality_parse(const char *name, daft_quality *out);
 DAFT_API const char *daft_quality_name(daft_quality quality);
 
+/* How rays and triangles meet; what each costs is measured by `daft bench --only intersection`. */
+typedef enum daft_intersection {
+    DAFT_INTERSECT_EXACT = 0,  /* the true answer for the vertices as they are: no cracks, no double hits */
+    DAFT_INTERSECT_WATERTIGHT, /* floats alone, but the same ones for both triangles at an edge: cracks at vertices only */
+    DAFT_INTERSECT_FAST        /* floats alone: a few rays slip through along edges */
+} daft_intersection;
+
+DAFT_API bool daft_intersection_parse(const char *name, daft_intersection *out);
+DAFT_API const char *daft_intersection_name(daft_intersection intersection);
+
 /* What a pixel's first sample saw. All arrays are the caller's, width·height long, and may be NULL. */
 typedef struct daft_aov {
     float *depth;        /* distance along the ray, metres; infinity where the sky is */
@@ -327,6 +353,7 @@ typedef struct daft_view {
     float alpha; /* between the last two ticks: 0 the one before, 1 now */
     daft_quality quality;
     int samples;       /* per pixel; 0: the quality's; else 1, 4 or 16 */
+    daft_intersection intersection;
     bool reference;    /* camera rays alone through the BVH, as in DAFT_QUALITY_REFERENCE */
     daft_aov aov;
     bool (*progress)(void *user, float done); /* done 0..1; return false to stop; called from the calling thread */
@@ -350,6 +377,22 @@ typedef struct daft_ray_hit {
 /* The nearest hit of a visible entity within max_distance. `ignore` may be none. False with error->code DAFT_OK: a miss. */
 DAFT_API bool daft_scene_cast_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, float max_distance,
                                   daft_entity ignore, daft_ray_hit *hit, daft_error *error);
+
+/* ---- checking files ---------------------------------------------------------------------------------------------- */
+
+typedef enum daft_severity {
+    DAFT_SEVERITY_NOTE = 0, /* worth knowing: open edges, materials that nothing uses */
+    DAFT_SEVERITY_WARNING,  /* it is drawn, but perhaps not as it was meant */
+    DAFT_SEVERITY_ERROR     /* the engine refuses the file */
+} daft_severity;
+
+typedef void daft_problem_callback(void *user, daft_severity severity, const daft_error *problem);
+
+/* Reads a .scene, .obj or .mtl file, or a picture, as loading does, but looks closer and goes on after errors where it
+ * can; each problem goes to `found`, with its place. The engine's warnings about these files go there too. False when
+ * the check itself failed (an argument, memory), not when the file is bad. */
+DAFT_API bool daft_check_file(daft_engine *engine, const char *path, daft_problem_callback *found, void *user,
+                              daft_error *error);
 
 /* ---- counters ---------------------------------------------------------------------------------------------------- */
 

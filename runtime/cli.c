@@ -12,6 +12,7 @@
 #include <string.h>
 
 static const char *const ISAS[] = {"sse2", "avx2", "avx512"};
+static const char *const INTERSECTIONS[] = {"exact", "watertight", "fast"};
 static const char *const QUALITIES[] = {"draft", "game", "high", "reference"};
 
 int cli_refuse(const char *command, const char *format, ...)
@@ -112,6 +113,9 @@ static bool parse_value(const char *command, const cli_option *option, const cha
     case CLI_QUALITY:
         if (!parse_word(command, option, text, QUALITIES, COUNT_OF(QUALITIES), &word)) return false;
         return daft_quality_parse(QUALITIES[word], option->target);
+    case CLI_INTERSECT:
+        if (!parse_word(command, option, text, INTERSECTIONS, COUNT_OF(INTERSECTIONS), &word)) return false;
+        return daft_intersection_parse(INTERSECTIONS[word], option->target);
     case CLI_ISA:
         if (!parse_word(command, option, text, ISAS, COUNT_OF(ISAS), &word)) return false;
         *(const char **)option->target = ISAS[word];

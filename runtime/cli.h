@@ -13,6 +13,7 @@ typedef enum cli_kind {
     CLI_NUMBER,  /* double, low..high */
     CLI_SIZE,    /* cli_size: WIDTHxHEIGHT, each low..high */
     CLI_QUALITY, /* daft_quality */
+    CLI_INTERSECT, /* daft_intersection */
     CLI_ISA      /* const char *: sse2, avx2, avx512 */
 } cli_kind;
 

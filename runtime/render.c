@@ -20,6 +20,7 @@ typedef struct render_options {
     const char *scene, *out, *isa, *stats;
     cli_size size;
     daft_quality quality;
+    daft_intersection intersection;
     long camera, threads, repeat;
     bool camera_given, explain;
 } render_options;
@@ -109,6 +110,7 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
     if (is_mesh && o->camera_given && o->camera > 0)
         return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", o->camera);
     view.quality = o->quality;
+    view.intersection = o->intersection;
     progress_state progress = {.frames = o->repeat};
     progress_begin(&progress.bar, "rendering");
     view.progress = show_progress;
@@ -143,6 +145,8 @@ int command_render(int argc, char **argv)
         {"output", 'o', CLI_TEXT, "IMG", &o.out, 0, 0, "the picture to write: .png or .ppm (must be given)"},
         {"size", 0, CLI_SIZE, "WxH", &o.size, 1, 16384, "of the picture (1280x720)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0, "draft, game (default), high or reference"},
+        {"intersect", 0, CLI_INTERSECT, "HOW", &o.intersection, 0, 0,
+         "how rays meet triangles: exact (default), watertight or fast"},
         {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the file, counted from 0 (0)"},
         {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256, "worker threads; 0, the default: one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "sse2, avx2 or avx512; default: the best there is"},

@@ -40,6 +40,9 @@ void daft_instance_bound(daft_instance *instance);
 typedef struct daft_tlas daft_tlas;
 typedef struct daft_node daft_node; /* bvh.h */
 const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instances, uint32_t count, daft_error *error);
+/* The same, for rays that meet triangles in another way than exactly. */
+const daft_tlas *daft_tlas_build_for(daft_arena *arena, const daft_instance *instances, uint32_t count,
+                                     daft_intersection intersection, daft_error *error);
 
 typedef struct daft_ray {
     daft_vec3 origin;

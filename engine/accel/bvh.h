@@ -51,6 +51,7 @@ struct daft_tlas {
     daft_node_list nodes; /* empty: no instance */
     const daft_instance *instances;
     uint32_t instance_count;
+    daft_intersection intersection;
 };
 
 /* ---- the builder (build.c) ---- */

@@ -51,6 +51,12 @@ static bool hittable(const daft_instance *instance)
 
 const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instances, uint32_t count, daft_error *error)
 {
+    return daft_tlas_build_for(arena, instances, count, DAFT_INTERSECT_EXACT, error);
+}
+
+const daft_tlas *daft_tlas_build_for(daft_arena *arena, const daft_instance *instances, uint32_t count,
+                                     daft_intersection intersection, daft_error *error)
+{
     daft_tlas *tlas = daft_arena_alloc(arena, 1, sizeof *tlas);
     daft_build_prim *prims = daft_arena_alloc(arena, count, sizeof *prims);
     if (!tlas || !prims) {
@@ -63,7 +69,7 @@ const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instanc
         const daft_vec3 l = instances[i].low, h = instances[i].high;
         prims[used++] = (daft_build_prim){{l.x, l.y, l.z}, i, {h.x, h.y, h.z}, 0};
     }
-    *tlas = (daft_tlas){.instances = instances, .instance_count = count};
+    *tlas = (daft_tlas){.instances = instances, .instance_count = count, .intersection = intersection};
     daft_allocator allocator = {arena, arena_allocate, arena_release};
     daft_builder builder = {.allocator = &allocator,
                             .prims = prims,

@@ -129,9 +129,42 @@ static __attribute__((noinline)) uint32_t block_exact(uint32_t unsure, const daf
     return hits;
 }
 
-/* Bits of the triangles hit in tmin..tmax. */
-DAFT_INLINE uint32_t block_test(const daft_block *b, daft_vec3 o, daft_vec3 direction, float tmin, float tmax, block_hits *out)
+/* Distances and weights from the sides; returns the sum that the sides were divided by, times the ray's square. */
+DAFT_INLINE v4 block_measure(const v4 side[3], const v4 q[3], v43 d, block_hits *out)
 {
+    v4 sum = side[0] + side[1] + side[2], scale = sum * v43_dot(d, d);
+    out->t = (side[0] * q[0] + side[1] * q[1] + side[2] * q[2]) / scale;
+    out->v = side[1] / sum;
+    out->w = side[2] / sum;
+    return scale;
+}
+
+/* The floats' word alone; `fast` takes the edges' planes as the corners come. */
+DAFT_INLINE uint32_t block_test_floats(const daft_block *b, daft_vec3 o, daft_vec3 direction, float tmin, float tmax, bool fast,
+                                       block_hits *out)
+{
+    v43 p[3], origin = v43_set(o), d = v43_set(direction);
+    v4 side[3], q[3], zero = v4_set(0);
+    for (int k = 0; k < 3; k++)
+        p[k] = v43_sub((v43){v4_load(b->corner[k][0]), v4_load(b->corner[k][1]), v4_load(b->corner[k][2])}, origin);
+    for (int k = 0; k < 3; k++) {
+        v43 x = p[(k + 1) % 3], y = p[(k + 2) % 3];
+        side[k] = v43_dot(fast ? v43_cross(x, y) : v43_cross(v43_sub(x, y), v43_add(x, y)), d);
+    }
+    v4 least = v4_min(v4_min(side[0], side[1]), side[2]), most = v4_max(v4_max(side[0], side[1]), side[2]);
+    v4i in = (v4i)(least >= zero) | (v4i)(most <= zero);
+    if (!v4_bits(in)) return 0;
+    for (int k = 0; k < 3; k++) q[k] = v43_dot(p[k], d);
+    block_measure(side, q, d, out);
+    return v4_bits(in & (v4i)(out->t >= v4_set(tmin)) & (v4i)(out->t <= v4_set(tmax)));
+}
+
+/* Bits of the triangles hit in tmin..tmax. */
+DAFT_INLINE uint32_t block_test(const daft_block *b, daft_vec3 o, daft_vec3 direction, float tmin, float tmax,
+                                daft_intersection how, block_hits *out)
+{
+    if (how != DAFT_INTERSECT_EXACT)
+        return block_test_floats(b, o, direction, tmin, tmax, how == DAFT_INTERSECT_FAST, out);
     v43 c[3], p[3], e[3], s[3], origin = v43_set(o), d = v43_set(direction);
     for (int k = 0; k < 3; k++) {
         c[k] = (v43){v4_load(b->corner[k][0]), v4_load(b->corner[k][1]), v4_load(b->corner[k][2])};
@@ -151,11 +184,8 @@ DAFT_INLINE uint32_t block_test(const daft_block *b, daft_vec3 o, daft_vec3 dire
     v4i outside = (v4i)(least < -bound) & (v4i)(most > bound);
     uint32_t maybe = v4_bits(~outside);
     if (!maybe) return 0;
-    v4 q[3] = {v43_dot(p[0], d), v43_dot(p[1], d), v43_dot(p[2], d)}, sum = side[0] + side[1] + side[2];
-    v4 scale = sum * v43_dot(d, d), range = v4_max(v4_max(q[0], q[1]), q[2]) - v4_min(v4_min(q[0], q[1]), q[2]);
-    out->t = (side[0] * q[0] + side[1] * q[1] + side[2] * q[2]) / scale;
-    out->v = side[1] / sum;
-    out->w = side[2] / sum;
+    v4 q[3] = {v43_dot(p[0], d), v43_dot(p[1], d), v43_dot(p[2], d)};
+    v4 range = v4_max(v4_max(q[0], q[1]), q[2]) - v4_min(v4_min(q[0], q[1]), q[2]), scale = block_measure(side, q, d, out);
     v4 error = v4_set(3) * bound * range / v4_abs(scale);
     v4i sure = ((v4i)(least > bound) | (v4i)(most < -bound)) & (v4i)(error < v4_abs(out->t) * v4_set(0x1p-18f));
     uint32_t hits = v4_bits(sure & (v4i)(out->t >= v4_set(tmin)) & (v4i)(out->t <= v4_set(tmax)));
@@ -178,7 +208,7 @@ static void take_hits(const daft_block *b, uint32_t bits, const block_hits *h, d
 }
 
 /* In object space; hit->t limits the search and hit->triangle breaks ties, so the order of traversal does not matter. */
-static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tmin, daft_hit *hit)
+static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tmin, daft_intersection how, daft_hit *hit)
 {
     entry stack[DAFT_STACK];
     slab_ray r = slab_setup(o, d);
@@ -193,7 +223,7 @@ static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tm
             const daft_block *block = &bvh->blocks[(e.child & ~DAFT_CHILD_LEAF) >> 2];
             for (uint32_t k = 0; k <= (e.child & 3); k++) {
                 block_hits hits;
-                uint32_t bits = block_test(&block[k], o, d, tmin, hit->t, &hits);
+                uint32_t bits = block_test(&block[k], o, d, tmin, hit->t, how, &hits);
                 if (bits) take_hits(&block[k], bits, &hits, hit);
             }
         } else {
@@ -206,7 +236,7 @@ static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tm
     return hit->t < before_t || hit->triangle != before;
 }
 
-static bool mesh_occluded(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tmin, float tmax)
+static bool mesh_occluded(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tmin, float tmax, daft_intersection how)
 {
     entry stack[DAFT_STACK];
     slab_ray r = slab_setup(o, d);
@@ -218,7 +248,7 @@ static bool mesh_occluded(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float t
             const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
             for (uint32_t k = 0; k <= (child & 3); k++) {
                 block_hits hits;
-                if (block_test(&block[k], o, d, tmin, tmax, &hits)) return true;
+                if (block_test(&block[k], o, d, tmin, tmax, how, &hits)) return true;
             }
         } else {
             v8 near;
@@ -265,7 +295,7 @@ static void instance_closest(const daft_tlas *tlas, uint32_t index, const daft_r
         daft_vec3 d = daft_affine_vector(&instance->to_object, ray->direction);
         daft_hit local = *hit;
         local.triangle = index < hit->instance ? DAFT_NO_TRIANGLE : 0; /* a tie goes to the lower instance */
-        if (!mesh_closest(instance->bvh, o, d, ray->tmin, &local)) return;
+        if (!mesh_closest(instance->bvh, o, d, ray->tmin, tlas->intersection, &local)) return;
         *hit = local;
         hit->instance = index;
         return;
@@ -319,14 +349,14 @@ static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore,
     return true;
 }
 
-static bool instance_occluded(const daft_instance *instance, const daft_ray *ray)
+static bool instance_occluded(const daft_instance *instance, const daft_ray *ray, daft_intersection how)
 {
     if (!(instance->flags & DAFT_INSTANCE_CASTS_SHADOW)) return false;
     if (!instance->mesh) return sphere_distance(instance, ray, ray->tmin, ray->tmax) >= 0;
     if (instance->mesh->triangle_count == 0) return false;
     daft_vec3 o = daft_affine_point(&instance->to_object, ray->origin);
     daft_vec3 d = daft_affine_vector(&instance->to_object, ray->direction);
-    return mesh_occluded(instance->bvh, o, d, ray->tmin, ray->tmax);
+    return mesh_occluded(instance->bvh, o, d, ray->tmin, ray->tmax, how);
 }
 
 static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
@@ -339,7 +369,7 @@ static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
     while (top > 0) {
         uint32_t child = stack[--top].child;
         if (child & DAFT_CHILD_LEAF) {
-            if (instance_occluded(&tlas->instances[child & ~DAFT_CHILD_LEAF], ray)) return true;
+            if (instance_occluded(&tlas->instances[child & ~DAFT_CHILD_LEAF], ray, tlas->intersection)) return true;
         } else {
             v8 near;
             const daft_node *node = &tlas->nodes.items[child];

@@ -14,6 +14,24 @@ const daft_preset *daft_quality_preset(daft_quality quality)
     return (unsigned)quality < DAFT_COUNT_OF(PRESETS) ? &PRESETS[quality] : NULL;
 }
 
+static const char *const INTERSECTIONS[] = {
+    [DAFT_INTERSECT_EXACT] = "exact", [DAFT_INTERSECT_WATERTIGHT] = "watertight", [DAFT_INTERSECT_FAST] = "fast"};
+
+const char *daft_intersection_name(daft_intersection intersection)
+{
+    return (unsigned)intersection < DAFT_COUNT_OF(INTERSECTIONS) ? INTERSECTIONS[intersection] : "unknown";
+}
+
+bool daft_intersection_parse(const char *name, daft_intersection *out)
+{
+    for (unsigned i = 0; i < DAFT_COUNT_OF(INTERSECTIONS); i++) {
+        if (strcmp(name, INTERSECTIONS[i]) != 0) continue;
+        *out = (daft_intersection)i;
+        return true;
+    }
+    return false;
+}
+
 const char *daft_quality_name(daft_quality quality)
 {
     const daft_preset *preset = daft_quality_preset(quality);

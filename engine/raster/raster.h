@@ -26,6 +26,7 @@ typedef struct daft_pencil {
     daft_vec3 right, up, forward; /* camera axes in frame space */
     float focal;
     int width, height;
+    daft_intersection intersection;
     float shift_x, shift_y; /* of the sample, in pixels, multiples of 1/32 within -0.5..0.5 */
 } daft_pencil;
 

@@ -29,6 +29,7 @@ typedef struct batch {
     float bound[DAFT_VL], z[3][DAFT_VL], slack[DAFT_VL], rounding[DAFT_VL], z_min[DAFT_VL];
     const daft_record *record[DAFT_VL];
     vbits live;
+    bool exact;
 } batch;
 
 typedef struct job {
@@ -113,6 +114,13 @@ DAFT_INLINE edge edge_setup(vf3 a, vf3 b)
     return (edge){{yz - zy, zx - xz, xy - yx}, vf_abs(yz) + vf_abs(zy), vf_abs(zx) + vf_abs(xz), vf_abs(xy) + vf_abs(yx)};
 }
 
+/* The plane as the corners come: its bits are not those that the neighbour sees. */
+DAFT_INLINE edge edge_setup_fast(vf3 a, vf3 b)
+{
+    vf zero = vf_set(0);
+    return (edge){{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}, zero, zero, zero};
+}
+
 DAFT_INLINE vf edge_bound(const edge *e, vf dx, vf dy, vf dz)
 {
     return vf_set(8 * UNIT) * (e->mx * dx + e->my * dy + e->mz * dz) + vf_set(TINY);
@@ -126,7 +134,7 @@ static vi facing(const batch *b, const edge *e, const vf3 corner[3], vbits *live
     vf bound = edge_bound(&e[2], vf_abs(c.x), vf_abs(c.y), vf_abs(c.z));
     vbits sure = vm_bits(vf_lt(bound, vf_abs(det)));
     vi sign = (vi)det & vi_set(INT32_MIN);
-    vbits unsure = *live & ~sure;
+    vbits unsure = b->exact ? *live & ~sure : 0;
     while (unsure) {
         int i = __builtin_ctz(unsure);
         unsure &= unsure - 1;
@@ -159,7 +167,11 @@ static void batch_setup(const job *j, batch *b, const float *base, vi offset, in
         corner[k].y = vf_gather(base, offset + vi_set(3 * k + 1));
         corner[k].z = vf_gather(base, offset + vi_set(3 * k + 2));
     }
-    for (int k = 0; k < 3; k++) e[k] = edge_setup(corner[(k + 1) % 3], corner[(k + 2) % 3]);
+    bool fast = j->raster->pencil.intersection == DAFT_INTERSECT_FAST;
+    b->exact = j->raster->pencil.intersection == DAFT_INTERSECT_EXACT;
+    for (int k = 0; k < 3; k++)
+        e[k] = fast ? edge_setup_fast(corner[(k + 1) % 3], corner[(k + 2) % 3])
+                    : edge_setup(corner[(k + 1) % 3], corner[(k + 2) % 3]);
     vbits live = vbits_first(count), spheres = 0;
     for (int i = 0; i < count; i++) spheres |= (vbits)(b->record[i]->triangle == DAFT_SPHERE) << i;
     live &= ~spheres;
@@ -224,13 +236,15 @@ DAFT_INLINE void offer(job *j, int at, const daft_record *r, vbits hits, vbits u
     }
 }
 
-DAFT_INLINE void triangle_rows(job *j, const batch *b, int i)
+/* exact: as the head of this file says. Otherwise the floats' word is taken: inside is e >= 0, and depths have no error. */
+DAFT_INLINE void triangle_rows(job *j, const batch *b, int i, bool exact)
 {
     const daft_record *r = b->record[i];
     rect box = record_rect(j, r);
     vf nx0 = vf_set(b->nx[0][i]), nx1 = vf_set(b->nx[1][i]), nx2 = vf_set(b->nx[2][i]);
     vf z0 = vf_set(b->z[0][i]), z1 = vf_set(b->z[1][i]), z2 = vf_set(b->z[2][i]);
     vf bound = vf_set(b->bound[i]), slack = vf_set(b->slack[i]), rounding = vf_set(b->rounding[i]), zero = vf_set(0);
+    vf z_min = vf_set(b->z_min[i]);
     for (int y = box.y0; y <= box.y1; y++) {
         float dy = j->top - (float)y;
         vf row0 = vf_set(b->ny[0][i] * dy + b->nz[0][i]), row1 = vf_set(b->ny[1][i] * dy + b->nz[1][i]),
@@ -240,6 +254,13 @@ DAFT_INLINE void triangle_rows(job *j, const batch *b, int i)
             vf e0 = nx0 * dx + row0, e1 = nx1 * dx + row1, e2 = nx2 * dx + row2;
             vf least = vf_min(vf_min(e0, e1), e2); /* NaN in e0 or e1 falls through to e2's test or below */
             vbits lanes = vbits_first(box.x1 - x + 1);
+            if (!exact) {
+                vbits inside = lanes & vm_bits(vf_le(zero, least));
+                if (!inside) continue;
+                vf depth = vf_max((e0 * z0 + e1 * z1 + e2 * z2) / (e0 + e1 + e2), z_min);
+                offer(j, y * DAFT_TILE_STRIDE + x, r, inside, 0, depth, depth);
+                continue;
+            }
             vf sum = e0 + e1 + e2;
             vbits out = vm_bits(vf_lt(least, -bound)), whole = vm_bits(vf_lt(vf_abs(sum), vf_set(INFINITY)));
             vbits hits = lanes & ~(out & whole);
@@ -310,7 +331,7 @@ static void batch_draw(job *j, const batch *b)
         if (b->record[i]->triangle == DAFT_SPHERE)
             sphere_rows(j, b->record[i]);
         else if (!(b->z_min[i] > j->farthest))
-            triangle_rows(j, b, i);
+            b->exact ? triangle_rows(j, b, i, true) : triangle_rows(j, b, i, false);
     }
     if (!j->stale) return;
     j->farthest = find_farthest(j->tile);

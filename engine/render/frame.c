@@ -91,7 +91,7 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     daft_renderer *r = frame->renderer;
     const daft_snapshot *s = frame->snapshot;
     double start = daft_clock_ms();
-    frame->pencil = (daft_pencil){s->right, s->up, s->forward, s->focal, s->width, s->height, 0, 0};
+    frame->pencil = (daft_pencil){s->right, s->up, s->forward, s->focal, s->width, s->height, s->intersection, 0, 0};
     sample_shift(s->samples, frame->sample, &frame->pencil.shift_x, &frame->pencil.shift_y);
     if (!daft_raster_begin(&r->raster, &frame->pencil, s->instances, s->instance_count, error)) return false;
     if (!s->reference) daft_parallel_for(r->threads, (uint32_t)r->raster.work_count, bin_task, frame);
@@ -117,7 +117,7 @@ static bool prepare(daft_frame *frame, daft_error *error)
         scratch->shadow_points = 0;
     }
     if (frame->plan.shadows || frame->plan.reflections || s->reference) {
-        frame->tlas = daft_tlas_build(&r->arena, s->instances, s->instance_count, error);
+        frame->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, s->intersection, error);
         if (!frame->tlas) return false;
     }
     size_t floats = s->samples > 1 ? 3 * (size_t)s->width * (size_t)s->height : 0;

@@ -19,6 +19,7 @@ typedef struct daft_snapshot {
     daft_vec3 right, up, forward; /* camera axes, unit, in frame space */
     float focal;                  /* pixels: (width/2) / tan(fov/2) */
     int samples;                  /* 1, 4 or 16 */
+    daft_intersection intersection;
     bool reference;               /* camera rays one by one through the BVH */
     daft_quality quality;
     const daft_instance *instances; /* visible ones, in entity order */

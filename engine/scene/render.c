@@ -17,6 +17,9 @@ static bool view_check(const daft_view *view, daft_error *error)
     if (!daft_quality_preset(view->quality))
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "quality is %d; it must be draft, game, high or reference",
                          (int)view->quality);
+    if ((unsigned)view->intersection > DAFT_INTERSECT_FAST)
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "intersection is %d; it must be exact, watertight or fast",
+                         (int)view->intersection);
     int n = view->samples;
     return n == 0 || n == 1 || n == 4 || n == 16 ||
            daft_fail(error, DAFT_ERROR_ARGUMENT, "samples is %d; it must be 0 (the quality's), 1, 4 or 16", n);

@@ -164,6 +164,7 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
         .height = height,
         .focal = (float)(width / 2.0 / daft_tan((double)view->camera.fov / 2)),
         .samples = view->samples ? view->samples : preset->samples,
+        .intersection = view->intersection,
         .reference = view->reference || preset->reference,
         .quality = view->quality,
         .materials = scene->assets.surfaces,
