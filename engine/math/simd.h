@@ -126,6 +126,9 @@ DAFT_INLINE vm vm_from_bits(vbits b)
 #pragma GCC diagnostic pop
 
 DAFT_INLINE vi vi_iota(void) { return vi_truncate(vf_iota()); }
+/* Lanes as a block four wide: the lane's column and row. */
+DAFT_INLINE vf vf_column(void) { return vf_from_int(vi_iota() & vi_set(3)); }
+DAFT_INLINE vf vf_row(void) { return vf_from_int(vi_iota() >> 2); }
 DAFT_INLINE vf vf_abs(vf a) { return (vf)((vi)a & vi_set(0x7fffffff)); }
 /* a with its sign flipped where the sign bit of s is set */
 DAFT_INLINE vf vf_xor_sign(vf a, vi sign) { return (vf)((vi)a ^ sign); }

@@ -184,15 +184,10 @@ double daft_seen_depth(const daft_seen *seen, uint32_t triangle, daft_vec3 ray)
     return daft_pencil_depth(corner[0], corner[1], corner[2], ray);
 }
 
-void daft_tile_clear(const daft_raster *raster, uint32_t tile, daft_tile *out)
+void daft_tile_place(const daft_raster *raster, uint32_t tile, daft_tile *out)
 {
     out->x = (int)(tile % (uint32_t)raster->tiles_x) * DAFT_TILE;
     out->y = (int)(tile / (uint32_t)raster->tiles_x) * DAFT_TILE;
     out->width = daft_min_i(DAFT_TILE, raster->pencil.width - out->x);
     out->height = daft_min_i(DAFT_TILE, raster->pencil.height - out->y);
-    for (int i = 0; i < DAFT_TILE_ROOM; i++) {
-        out->z_low[i] = out->z_high[i] = INFINITY;
-        out->instance[i] = DAFT_NOTHING;
-        out->triangle[i] = 0;
-    }
 }

@@ -77,10 +77,9 @@ typedef struct daft_bins {
     bool out_of_memory;
 } daft_bins;
 
-/* Visibility of one tile. Row r starts at r·DAFT_TILE_STRIDE. z is the true depth's interval along the camera axis. */
+/* Visibility of one tile. Row r starts at r·DAFT_TILE_STRIDE. */
 typedef struct daft_tile {
     int x, y, width, height; /* in the picture */
-    float z_low[DAFT_TILE_ROOM], z_high[DAFT_TILE_ROOM];
     uint32_t instance[DAFT_TILE_ROOM], triangle[DAFT_TILE_ROOM];
 } daft_tile;
 
@@ -124,6 +123,7 @@ static inline daft_vec3 daft_pencil_ray(const daft_pencil *p, int x, int y)
 void daft_seen_corners(const daft_seen *seen, uint32_t triangle, daft_vec3 corner[3]);
 /* The exact depth of something that the ray is known to hit. */
 double daft_seen_depth(const daft_seen *seen, uint32_t triangle, daft_vec3 ray);
-void daft_tile_clear(const daft_raster *raster, uint32_t tile, daft_tile *out);
+/* Sets the tile's place and size. */
+void daft_tile_place(const daft_raster *raster, uint32_t tile, daft_tile *out);
 
 #endif

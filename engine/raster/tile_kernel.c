@@ -1,5 +1,5 @@
 /* Resolving a tile. The triangles binned into it are set up DAFT_VL at a time, then each is tested against the rays of the
- * rows its box covers, DAFT_VL rays at a time.
+ * blocks its box touches: a block is 4 pixels wide and DAFT_VL / 4 high, one SIMD register, and stays together in memory.
  *
  * Edge functions. The plane of the origin and an edge a, b has the normal n = (a - b) × (a + b) = 2·a × b; exchanging a and
  * b negates each bit, so neighbours see the same number. e = n·d is positive on the inner side after all three are turned
@@ -8,8 +8,10 @@
  * sums add 3u·|n|·|d|. Together |error(e)| <= 7u·(Mx·|dx| + My·|dy| + Mz·|dz|) to first order; the bound takes 8u, which
  * covers its own roundings, and adds TINY for underflow. An e that is NaN or infinite is never "sure".
  *
- * Depth. z = Σ e·z / Σ e with negative e as 0, so it lies within the corners' z; off by at most 6·bound·range / Σ e (each e
- * is off by at most bound) plus rounding, 2^-20 of the largest |z|. */
+ * Depth. The inverse depth w = 1/z is linear over the picture: with the triangle's normal N = (b - a) × (c - a) and
+ * D = N·a, w·focal = N·d / D. N is off by 4u·M as above, N·d by 3u more, D by 3u·Σ M·|a| and the quotients by 2u each; so
+ * |error(w)| <= 9u·(Σ M·|d| + w·Σ M·|a|) / |D|, taken with 12u at the triangle's largest w. Where D is 0 in floats the
+ * bound is infinite. Pixels keep the interval of their nearest w: those that are apart need no closer look. */
 #include "math/exact.h"
 #include "math/isa.h"
 #include "math/simd.h"
@@ -19,34 +21,50 @@ void DAFT_KERNEL(daft_bin)(const daft_raster *raster, uint32_t work, uint32_t wo
 
 #define UNIT 0x1p-24f
 #define TINY 1e-36f
-#define DEPTH_ROUNDING 0x1p-20f
+#define SPHERE_ROUNDING 0x1p-18f
 
-enum { RECORD_WORDS = sizeof(daft_record) / sizeof(float) };
+enum {
+    RECORD_WORDS = sizeof(daft_record) / sizeof(float),
+    BLOCK_W = 4,
+    BLOCK_H = DAFT_VL / BLOCK_W,
+    BLOCKS_X = DAFT_TILE / BLOCK_W,
+    BLOCKS_Y = DAFT_TILE / BLOCK_H,
+    PIXELS = DAFT_TILE * DAFT_TILE
+};
 
 /* Up to DAFT_VL triangles, set up. Edge k is opposite corner k. */
 typedef struct batch {
     float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL]; /* nz times the focal length */
-    float bound[DAFT_VL], z[3][DAFT_VL], slack[DAFT_VL], rounding[DAFT_VL], z_min[DAFT_VL];
+    float wx[DAFT_VL], wy[DAFT_VL], wz[DAFT_VL];          /* w = wx·dx + wy·dy + wz */
+    float bound[DAFT_VL], error[DAFT_VL], w_max[DAFT_VL];
     const daft_record *record[DAFT_VL];
     vbits live;
     bool exact;
 } batch;
 
+/* Pixels in blocks; pixel i % DAFT_VL of block i / DAFT_VL. */
 typedef struct job {
     const daft_raster *raster;
     daft_bins *counters;
     daft_tile *tile;
     float left, top;      /* ray of the tile's first pixel */
     float max_dx, max_dy; /* of any ray in the tile */
-    float farthest;       /* no pixel of the tile sees further; +inf while one sees nothing */
+    float farthest;       /* every pixel's w is at least this */
     bool stale;           /* farthest may have come nearer */
+    _Alignas(64) float w_low[PIXELS];
+    _Alignas(64) float w_high[PIXELS];
+    _Alignas(64) uint32_t instance[PIXELS];
+    _Alignas(64) uint32_t triangle[PIXELS];
 } job;
+
+static int pixel_x(int at) { return at / DAFT_VL % BLOCKS_X * BLOCK_W + at % BLOCK_W; }
+static int pixel_y(int at) { return at / DAFT_VL / BLOCKS_X * BLOCK_H + at % DAFT_VL / BLOCK_W; }
 
 /* ---- single lanes that floats could not decide ---- */
 
 static daft_vec3 lane_ray(const job *j, int at)
 {
-    return daft_pencil_ray(&j->raster->pencil, j->tile->x + at % DAFT_TILE_STRIDE, j->tile->y + at / DAFT_TILE_STRIDE);
+    return daft_pencil_ray(&j->raster->pencil, j->tile->x + pixel_x(at), j->tile->y + pixel_y(at));
 }
 
 static daft_vec3 record_corner(const daft_record *r, int k)
@@ -61,36 +79,36 @@ static double record_depth(const daft_record *r, daft_vec3 ray)
     return daft_pencil_sphere(record_corner(r, 0), r->corner[3], ray, &t) ? t * (double)ray.z : INFINITY;
 }
 
-static void lane_write(daft_tile *tile, int at, const daft_record *r, float low, float high)
+static uint32_t record_triangle(const daft_record *r) { return r->triangle == DAFT_SPHERE ? 0 : r->triangle; }
+
+static void lane_write(job *j, int at, const daft_record *r, float low, float high)
 {
-    tile->z_low[at] = low;
-    tile->z_high[at] = high;
-    tile->instance[at] = r->instance;
-    tile->triangle[at] = r->triangle == DAFT_SPHERE ? 0 : r->triangle;
+    j->w_low[at] = low;
+    j->w_high[at] = high;
+    j->instance[at] = r->instance;
+    j->triangle[at] = record_triangle(r);
 }
 
 /* The depths are too close for floats: compare the true ones, then the numbers. */
 static void lane_compare(job *j, int at, const daft_record *r, float low, float high)
 {
-    daft_tile *tile = j->tile;
     daft_vec3 ray = lane_ray(j, at);
-    uint32_t triangle = r->triangle == DAFT_SPHERE ? 0 : r->triangle;
-    const daft_seen *seen = &j->raster->seen[j->raster->seen_of[tile->instance[at]]];
-    double mine = record_depth(r, ray), other = daft_seen_depth(seen, tile->triangle[at], ray);
+    uint32_t triangle = record_triangle(r);
+    const daft_seen *seen = &j->raster->seen[j->raster->seen_of[j->instance[at]]];
+    double mine = record_depth(r, ray), other = daft_seen_depth(seen, j->triangle[at], ray);
     j->counters->exact_depths++;
-    bool wins = mine < other || (mine == other && (r->instance < tile->instance[at] ||
-                                                   (r->instance == tile->instance[at] && triangle < tile->triangle[at])));
-    if (wins) lane_write(tile, at, r, low, high);
+    bool wins = mine < other || (mine == other && (r->instance < j->instance[at] ||
+                                                   (r->instance == j->instance[at] && triangle < j->triangle[at])));
+    if (wins) lane_write(j, at, r, low, high);
 }
 
-/* A hit with its depth interval: nearer, farther, or to be looked at closely. */
+/* A hit with the interval of its w: nearer, farther, or to be looked at closely. */
 static void lane_offer(job *j, int at, const daft_record *r, float low, float high)
 {
-    daft_tile *tile = j->tile;
     if (!(low <= high)) low = -INFINITY, high = INFINITY; /* an overflow: nothing is known */
-    if (tile->instance[at] == DAFT_NOTHING || high < tile->z_low[at])
-        lane_write(tile, at, r, low, high);
-    else if (!(low > tile->z_high[at]))
+    if (j->instance[at] == DAFT_NOTHING || low > j->w_high[at])
+        lane_write(j, at, r, low, high);
+    else if (!(high < j->w_low[at]))
         lane_compare(j, at, r, low, high);
 }
 
@@ -158,6 +176,24 @@ DAFT_INLINE vbits beyond_tile(const job *j, const vf3 n[3], vf bound)
     return vm_bits(out);
 }
 
+/* The plane of w, its error bound and its largest value. */
+DAFT_INLINE void depth_setup(const job *j, batch *b, const vf3 corner[3])
+{
+    vf3 a = corner[0];
+    vf3 p = {corner[1].x - a.x, corner[1].y - a.y, corner[1].z - a.z}, q = {corner[2].x - a.x, corner[2].y - a.y, corner[2].z - a.z};
+    vf yz = p.y * q.z, zy = p.z * q.y, zx = p.z * q.x, xz = p.x * q.z, xy = p.x * q.y, yx = p.y * q.x;
+    vf3 n = {yz - zy, zx - xz, xy - yx};
+    vf3 m = {vf_abs(yz) + vf_abs(zy), vf_abs(zx) + vf_abs(xz), vf_abs(xy) + vf_abs(yx)};
+    vf focal = vf_set(j->raster->pencil.focal), inverse = vf_set(1) / (vf3_dot(n, a) * focal);
+    vf least = vf_min(corner[0].z, vf_min(corner[1].z, corner[2].z));
+    vf w_max = vf_select(vf_lt(vf_set(0), least), vf_set(1 + 4 * UNIT) / least, vf_set(INFINITY));
+    vf rays = m.x * vf_set(j->max_dx) + m.y * vf_set(j->max_dy) + m.z * focal;
+    vf corners = (m.x * vf_abs(a.x) + m.y * vf_abs(a.y) + m.z * vf_abs(a.z)) * focal;
+    vf_store(b->wx, n.x * inverse), vf_store(b->wy, n.y * inverse), vf_store(b->wz, n.z * inverse * focal);
+    vf_store(b->error, vf_set(12 * UNIT) * (rays + corners * w_max) * vf_abs(inverse) + vf_set(TINY));
+    vf_store(b->w_max, w_max);
+}
+
 static void batch_setup(const job *j, batch *b, const float *base, vi offset, int count)
 {
     vf3 corner[3];
@@ -182,52 +218,46 @@ static void batch_setup(const job *j, batch *b, const float *base, vi offset, in
     for (int k = 0; k < 3; k++) {
         n[k] = (vf3){vf_xor_sign(e[k].n.x, sign), vf_xor_sign(e[k].n.y, sign), vf_xor_sign(e[k].n.z, sign) * dz};
         vf_store(b->nx[k], n[k].x), vf_store(b->ny[k], n[k].y), vf_store(b->nz[k], n[k].z);
-        vf_store(b->z[k], corner[k].z);
     }
-    vf low = vf_min(corner[0].z, vf_min(corner[1].z, corner[2].z)), high = vf_max(corner[0].z, vf_max(corner[1].z, corner[2].z));
-    vf largest = vf_max(vf_abs(low), vf_abs(high));
     vf_store(b->bound, bound);
-    vf_store(b->slack, vf_set(6) * bound * (high - low));
-    vf_store(b->rounding, largest * vf_set(DEPTH_ROUNDING) + vf_set(TINY));
-    vf_store(b->z_min, low);
+    depth_setup(j, b, corner);
     b->live = (live & ~beyond_tile(j, n, bound)) | spheres;
 }
 
-/* ---- rows ---- */
+/* ---- blocks ---- */
 
 typedef struct rect {
-    int x0, x1, y0, y1; /* within the tile, inclusive */
+    int x0, x1, y0, y1; /* blocks, inclusive */
 } rect;
 
 DAFT_INLINE rect record_rect(const job *j, const daft_record *r)
 {
     const daft_tile *t = j->tile;
-    return (rect){daft_max_i(r->x0 - t->x, 0), daft_min_i(r->x1 - t->x, t->width - 1), daft_max_i(r->y0 - t->y, 0),
-                  daft_min_i(r->y1 - t->y, t->height - 1)};
+    return (rect){daft_max_i(r->x0 - t->x, 0) / BLOCK_W, daft_min_i(r->x1 - t->x, t->width - 1) / BLOCK_W,
+                  daft_max_i(r->y0 - t->y, 0) / BLOCK_H, daft_min_i(r->y1 - t->y, t->height - 1) / BLOCK_H};
 }
 
-/* Offers `hits` lanes with depth intervals to the tile: decided in lanes where the intervals are apart. */
+DAFT_INLINE vf block_dx(const job *j, int x) { return vf_set(j->left + (float)(x * BLOCK_W)) + vf_column(); }
+DAFT_INLINE vf block_dy(const job *j, int y) { return vf_set(j->top - (float)(y * BLOCK_H)) - vf_row(); }
+
+/* Offers lanes with intervals of w to a block: decided in lanes where the intervals are apart. */
 DAFT_INLINE void offer(job *j, int at, const daft_record *r, vbits hits, vbits unsure, vf low, vf high)
 {
-    daft_tile *tile = j->tile;
-    vf old_low = vf_load(&tile->z_low[at]), old_high = vf_load(&tile->z_high[at]);
-    vbits nearer = vm_bits(vf_lt(high, old_low)), farther = vm_bits(vf_lt(old_high, low));
+    vf old_low = vf_load(&j->w_low[at]), old_high = vf_load(&j->w_high[at]);
+    vbits nearer = vm_bits(vf_lt(old_high, low)), farther = vm_bits(vf_lt(high, old_low));
     unsure &= ~farther;
-    vbits close = hits & ~nearer & ~farther;
     vbits take = hits & nearer & ~unsure;
     if (take) {
         vm m = vm_from_bits(take);
-        vi instance = vi_set((int32_t)r->instance), triangle = vi_set((int32_t)(r->triangle == DAFT_SPHERE ? 0 : r->triangle));
-        vf_store(&tile->z_low[at], vf_select(m, low, old_low));
-        vf_store(&tile->z_high[at], vf_select(m, high, old_high));
-        vi_store(&tile->instance[at], vi_select(m, instance, vi_load(&tile->instance[at])));
-        vi_store(&tile->triangle[at], vi_select(m, triangle, vi_load(&tile->triangle[at])));
+        vi instance = vi_set((int32_t)r->instance), triangle = vi_set((int32_t)record_triangle(r));
+        vf_store(&j->w_low[at], vf_select(m, low, old_low));
+        vf_store(&j->w_high[at], vf_select(m, high, old_high));
+        vi_store(&j->instance[at], vi_select(m, instance, vi_load(&j->instance[at])));
+        vi_store(&j->triangle[at], vi_select(m, triangle, vi_load(&j->triangle[at])));
         j->stale = true;
     }
-    vbits look = (close | unsure) & hits;
-    while (look) {
+    for (vbits look = hits & (unsure | ~(nearer | farther)); look; look &= look - 1) {
         int i = __builtin_ctz(look);
-        look &= look - 1;
         if ((unsure >> i & 1) && (r->triangle == DAFT_SPHERE ? isinf(record_depth(r, lane_ray(j, at + i)))
                                                               : !lane_inside(j, at + i, r)))
             continue;
@@ -237,61 +267,55 @@ DAFT_INLINE void offer(job *j, int at, const daft_record *r, vbits hits, vbits u
 }
 
 /* exact: as the head of this file says. Otherwise the floats' word is taken: inside is e >= 0, and depths have no error. */
-DAFT_INLINE void triangle_rows(job *j, const batch *b, int i, bool exact)
+DAFT_INLINE void triangle_blocks(job *j, const batch *b, int i, bool exact)
 {
     const daft_record *r = b->record[i];
     rect box = record_rect(j, r);
-    vf nx0 = vf_set(b->nx[0][i]), nx1 = vf_set(b->nx[1][i]), nx2 = vf_set(b->nx[2][i]);
-    vf z0 = vf_set(b->z[0][i]), z1 = vf_set(b->z[1][i]), z2 = vf_set(b->z[2][i]);
-    vf bound = vf_set(b->bound[i]), slack = vf_set(b->slack[i]), rounding = vf_set(b->rounding[i]), zero = vf_set(0);
-    vf z_min = vf_set(b->z_min[i]);
+    vf nx0 = vf_set(b->nx[0][i]), nx1 = vf_set(b->nx[1][i]), nx2 = vf_set(b->nx[2][i]), wx = vf_set(b->wx[i]);
+    vf bound = vf_set(b->bound[i]), error = vf_set(b->error[i]), zero = vf_set(0), w_max = vf_set(b->w_max[i]);
     for (int y = box.y0; y <= box.y1; y++) {
-        float dy = j->top - (float)y;
-        vf row0 = vf_set(b->ny[0][i] * dy + b->nz[0][i]), row1 = vf_set(b->ny[1][i] * dy + b->nz[1][i]),
-           row2 = vf_set(b->ny[2][i] * dy + b->nz[2][i]);
-        for (int x = box.x0; x <= box.x1; x += DAFT_VL) {
-            vf dx = vf_set(j->left + (float)x) + vf_iota();
+        vf dy = block_dy(j, y), w_row = vf_set(b->wy[i]) * dy + vf_set(b->wz[i]);
+        vf row0 = vf_set(b->ny[0][i]) * dy + vf_set(b->nz[0][i]), row1 = vf_set(b->ny[1][i]) * dy + vf_set(b->nz[1][i]),
+           row2 = vf_set(b->ny[2][i]) * dy + vf_set(b->nz[2][i]);
+        for (int x = box.x0; x <= box.x1; x++) {
+            vf dx = block_dx(j, x);
             vf e0 = nx0 * dx + row0, e1 = nx1 * dx + row1, e2 = nx2 * dx + row2;
-            vf least = vf_min(vf_min(e0, e1), e2); /* NaN in e0 or e1 falls through to e2's test or below */
-            vbits lanes = vbits_first(box.x1 - x + 1);
+            vf least = vf_min(vf_min(e0, e1), e2), w = wx * dx + w_row;
+            int at = (y * BLOCKS_X + x) * DAFT_VL;
             if (!exact) {
-                vbits inside = lanes & vm_bits(vf_le(zero, least));
-                if (!inside) continue;
-                vf depth = vf_max((e0 * z0 + e1 * z1 + e2 * z2) / (e0 + e1 + e2), z_min);
-                offer(j, y * DAFT_TILE_STRIDE + x, r, inside, 0, depth, depth);
+                vbits inside = vm_bits(vf_le(zero, least));
+                w = vf_min(w, w_max);
+                if (inside) offer(j, at, r, inside, 0, w, w);
                 continue;
             }
-            vf sum = e0 + e1 + e2;
-            vbits out = vm_bits(vf_lt(least, -bound)), whole = vm_bits(vf_lt(vf_abs(sum), vf_set(INFINITY)));
-            vbits hits = lanes & ~(out & whole);
+            /* a NaN, from an overflow, may hide in the minimum: then nothing is sure, nor outside */
+            vbits whole = vm_bits(vf_lt(vf_abs(e0 + e1 + e2), vf_set(INFINITY)));
+            vbits hits = DAFT_ALL_LANES & ~(vm_bits(vf_lt(least, -bound)) & whole);
             if (!hits) continue;
             vbits unsure = hits & ~(vm_bits(vf_lt(bound, least)) & whole);
-            e0 = vf_max(e0, zero), e1 = vf_max(e1, zero), e2 = vf_max(e2, zero);
-            vf inverse = vf_set(1) / (e0 + e1 + e2);
-            vf z = (e0 * z0 + e1 * z1 + e2 * z2) * inverse, error = slack * inverse + rounding;
-            /* where nothing can be said, the interval is everything: NaN compares as neither nearer nor farther */
-            offer(j, y * DAFT_TILE_STRIDE + x, r, hits, unsure, z - error, z + error);
+            offer(j, at, r, hits, unsure, w - error, w + error);
         }
     }
 }
 
 /* |error(discriminant)| <= 32u·(|c| + r)², from a projection that is off by a few u·|c| and is squared. Its root is then off
- * by less than 2·error / max(root, sqrt(error)). */
-static void sphere_rows(job *j, const daft_record *r)
+ * by less than 2·error / max(root, sqrt(error)); z by that and a few u of the sphere's reach. */
+static void sphere_blocks(job *j, const daft_record *r)
 {
     rect box = record_rect(j, r);
     float cx = r->corner[0], cy = r->corner[1], cz = r->corner[2], radius = r->corner[3], f = j->raster->pencil.focal;
     float reach = sqrtf(cx * cx + cy * cy + cz * cz) + radius, limit = 32 * UNIT * reach * reach + TINY;
     vf vx = vf_set(cx), vy = vf_set(cy), vz = vf_set(cz), vfocal = vf_set(f), doubt = vf_set(limit), one = vf_set(1);
-    vf r2 = vf_set(radius * radius), root_doubt = vf_set(sqrtf(limit)), rounding = vf_set(reach * 4 * DEPTH_ROUNDING);
+    vf r2 = vf_set(radius * radius), root_doubt = vf_set(sqrtf(limit)), rounding = vf_set(reach * SPHERE_ROUNDING);
+    vf inf = vf_set(INFINITY), tiny = vf_set(TINY);
     for (int y = box.y0; y <= box.y1; y++) {
-        vf dy = vf_set(j->top - (float)y);
-        for (int x = box.x0; x <= box.x1; x += DAFT_VL) {
-            vf dx = vf_set(j->left + (float)x) + vf_iota();
+        vf dy = block_dy(j, y);
+        for (int x = box.x0; x <= box.x1; x++) {
+            vf dx = block_dx(j, x);
             vf inverse = one / (dx * dx + dy * dy + vfocal * vfocal), along = (dx * vx + dy * vy + vfocal * vz) * inverse;
             vf ax = vx - dx * along, ay = vy - dy * along, az = vz - vfocal * along;
             vf disc = r2 - (ax * ax + ay * ay + az * az);
-            vbits lanes = vbits_first(box.x1 - x + 1) & ~vm_bits(vf_lt(disc, -doubt));
+            vbits lanes = DAFT_ALL_LANES & ~vm_bits(vf_lt(disc, -doubt));
             if (!lanes) continue;
             vbits unsure = lanes & ~vm_bits(vf_lt(doubt, disc));
             vf chord = vf_sqrt(vf_max(disc, vf_set(0))), half = chord * vf_sqrt(inverse);
@@ -301,27 +325,22 @@ static void sphere_rows(job *j, const daft_record *r)
             vbits inside = vm_bits(vf_lt(error, far)) & behind;
             unsure |= lanes & ~ahead & ~inside;
             lanes &= ~(behind & vm_bits(vf_lt(far, -error)));
-            vf z = vf_select(vm_from_bits(ahead), near, far);
-            vm known = vm_from_bits(ahead | inside);
-            vf low = vf_select(known, z - error, vf_min(near, far) - error), high = vf_select(known, z + error, far + error);
-            offer(j, y * DAFT_TILE_STRIDE + x, r, lanes, unsure & lanes, low, high);
+            vf z = vf_select(vm_from_bits(ahead), near, far), low = z - error, high = z + error;
+            vm known = vm_from_bits(ahead | inside); /* then both are positive */
+            vf w_low = vf_select(known, vf_set(1 - 4 * UNIT) / vf_max(high, tiny), -inf);
+            vf w_high = vf_select(known, vf_set(1 + 4 * UNIT) / vf_max(low, tiny), inf);
+            offer(j, (y * BLOCKS_X + x) * DAFT_VL, r, lanes, unsure & lanes, w_low, w_high);
         }
     }
 }
 
 /* ---- the tile ---- */
 
-static float find_farthest(const daft_tile *tile)
+static float find_farthest(const job *j)
 {
-    vf most = vf_set(-INFINITY);
-    for (int y = 0; y < tile->height; y++) {
-        for (int x = 0; x < tile->width; x += DAFT_VL) {
-            vf z = vf_load(&tile->z_high[y * DAFT_TILE_STRIDE + x]);
-            vm lanes = vm_from_bits(vbits_first(tile->width - x));
-            most = vf_max(most, vf_select(lanes, z, vf_set(-INFINITY)));
-        }
-    }
-    return vf_reduce_max(most);
+    vf least = vf_set(INFINITY);
+    for (int i = 0; i < PIXELS; i += DAFT_VL) least = vf_min(least, vf_load(&j->w_low[i]));
+    return vf_reduce_min(least);
 }
 
 static void batch_draw(job *j, const batch *b)
@@ -329,12 +348,12 @@ static void batch_draw(job *j, const batch *b)
     for (vbits live = b->live; live; live &= live - 1) {
         int i = __builtin_ctz(live);
         if (b->record[i]->triangle == DAFT_SPHERE)
-            sphere_rows(j, b->record[i]);
-        else if (!(b->z_min[i] > j->farthest))
-            b->exact ? triangle_rows(j, b, i, true) : triangle_rows(j, b, i, false);
+            sphere_blocks(j, b->record[i]);
+        else if (!(b->w_max[i] < j->farthest))
+            b->exact ? triangle_blocks(j, b, i, true) : triangle_blocks(j, b, i, false);
     }
     if (!j->stale) return;
-    j->farthest = find_farthest(j->tile);
+    j->farthest = find_farthest(j);
     j->stale = false;
 }
 
@@ -358,19 +377,42 @@ static void draw_list(job *j, const daft_bins *bins, daft_bin_list list)
     }
 }
 
+/* Pixels beyond the picture count as infinitely near: nothing is offered to them in vain, nor do they look far. */
+static void clear_pixels(job *j)
+{
+    bool whole = j->tile->width == DAFT_TILE && j->tile->height == DAFT_TILE;
+    for (int i = 0; i < PIXELS; i += DAFT_VL) {
+        vf_store(&j->w_low[i], vf_set(-INFINITY)), vf_store(&j->w_high[i], vf_set(-INFINITY));
+        vi_store(&j->instance[i], vi_set(-1)), vi_store(&j->triangle[i], vi_set(0));
+    }
+    for (int i = 0; !whole && i < PIXELS; i++)
+        if (pixel_x(i) >= j->tile->width || pixel_y(i) >= j->tile->height) j->w_low[i] = j->w_high[i] = INFINITY;
+}
+
+static void write_rows(const job *j, daft_tile *out)
+{
+    for (int block = 0; block < BLOCKS_X * BLOCKS_Y; block++)
+        for (int row = 0; row < BLOCK_H; row++) {
+            int from = block * DAFT_VL + row * BLOCK_W;
+            int to = (block / BLOCKS_X * BLOCK_H + row) * DAFT_TILE_STRIDE + block % BLOCKS_X * BLOCK_W;
+            memcpy(&out->instance[to], &j->instance[from], BLOCK_W * sizeof out->instance[0]);
+            memcpy(&out->triangle[to], &j->triangle[from], BLOCK_W * sizeof out->triangle[0]);
+        }
+}
+
 static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_tile *out)
 {
-    daft_tile_clear(raster, tile, out);
+    daft_tile_place(raster, tile, out);
     daft_vec3 first = daft_pencil_ray(&raster->pencil, out->x, out->y);
-    job j = {.raster = raster,
-             .counters = &raster->bins[worker],
-             .tile = out,
-             .left = first.x,
-             .top = first.y,
-             .max_dx = fmaxf(fabsf(first.x), fabsf(first.x + DAFT_TILE)),
-             .max_dy = fmaxf(fabsf(first.y), fabsf(first.y - DAFT_TILE)),
-             .farthest = INFINITY};
+    job j;
+    j.raster = raster, j.counters = &raster->bins[worker], j.tile = out;
+    j.left = first.x, j.top = first.y;
+    j.max_dx = fmaxf(fabsf(first.x), fabsf(first.x + DAFT_TILE));
+    j.max_dy = fmaxf(fabsf(first.y), fabsf(first.y - DAFT_TILE));
+    j.farthest = -INFINITY, j.stale = false;
+    clear_pixels(&j);
     for (int i = 0; i < raster->workers; i++) draw_list(&j, &raster->bins[i], raster->bins[i].tiles[tile]);
+    write_rows(&j, out);
 }
 
 const daft_raster_kernels DAFT_KERNEL(daft_raster) = {DAFT_KERNEL(daft_bin), resolve_tile};
