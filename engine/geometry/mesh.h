@@ -18,6 +18,7 @@ typedef struct daft_trimesh {
     daft_vec2 *uvs;           /* NULL: no texture coordinates (then uv_count is 0) */
     uint32_t *uv_indices;     /* 3·triangle_count, DAFT_NO_UV for a corner without; NULL: same as indices */
     uint16_t *slots;          /* a triangle's material slot; NULL: all 0 */
+    uint32_t left_out;        /* triangles of the source that are not here */
     daft_vec3 low, high;      /* bounds; low > high when there is no triangle */
 } daft_trimesh;
 
@@ -59,6 +60,9 @@ typedef struct daft_mtl_list {
 /* Appends the materials of a file. On failure the list is as it was. */
 bool daft_mtl_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_mtl_list *list,
                    daft_error *error);
+/* The same from memory; `path` names the source in messages and is what maps are beside. `text` ends with a zero byte. */
+bool daft_mtl_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
+                    const daft_log *log, daft_mtl_list *list, daft_error *error);
 void daft_mtl_list_free(const daft_allocator *allocator, daft_mtl_list *list);
 /* The default material: Kd 0.8, no map, illum 2. */
 daft_mtl daft_mtl_default(void);
@@ -74,5 +78,36 @@ bool daft_obj_load(const daft_allocator *allocator, const char *path, const daft
 bool daft_obj_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
                     const daft_log *log, daft_obj *out, daft_error *error);
 void daft_obj_free(const daft_allocator *allocator, daft_obj *obj);
+
+/* ---- what is odd: mesh_check.c, obj_check.c ---- */
+
+typedef enum daft_flaw {
+    DAFT_FLAW_NO_AREA,
+    DAFT_FLAW_DUPLICATE,
+    DAFT_FLAW_OPEN,
+    DAFT_FLAW_NON_MANIFOLD,
+    DAFT_FLAW_TURNED,
+    DAFT_FLAW_COUNT
+} daft_flaw;
+
+/* Called once for each triangle without area, each duplicate, and each odd edge (with a triangle that has it). */
+typedef void daft_flaw_callback(void *user, daft_flaw flaw, uint32_t triangle);
+
+/* Time and memory are linear in the size of the mesh. `found` may be NULL. */
+bool daft_trimesh_check(const daft_allocator *allocator, const daft_trimesh *mesh, daft_flaw_callback *found,
+                        void *user, daft_mesh_report *report, daft_error *error);
+
+/* Where problems of a file go. */
+typedef struct daft_problems {
+    daft_problem_callback *found;
+    void *user;
+} daft_problems;
+
+void daft_problem_at(const daft_problems *problems, daft_severity severity, daft_status code, const char *file, int line,
+                     int column, const char *format, ...) __attribute__((format(printf, 7, 8)));
+
+/* daft_obj_load that also tells what is odd about the file. What loading itself warns of goes to `log`. */
+bool daft_obj_check(const daft_allocator *allocator, const char *path, const daft_log *log,
+                    const daft_problems *problems, daft_obj *out, daft_error *error);
 
 #endif

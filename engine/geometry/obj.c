@@ -17,7 +17,7 @@
  * refer to positions that come later in the file. */
 #include "geometry/obj.h"
 
-static void source_free(daft_obj_source *source)
+void daft_obj_source_free(daft_obj_source *source)
 {
     const daft_allocator *allocator = source->allocator;
     daft_release(allocator, source->positions);
@@ -28,6 +28,7 @@ static void source_free(daft_obj_source *source)
     daft_release(allocator, source->runs);
     daft_release(allocator, source->slots);
     daft_release(allocator, source->libraries);
+    daft_release(allocator, source->face_of);
 }
 
 bool daft_obj_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
@@ -39,7 +40,7 @@ bool daft_obj_parse(const daft_allocator *allocator, const char *path, const cha
                 daft_obj_make_slots(&source, &obj.slots, error);
     obj.mesh.slot_count = (uint32_t)obj.slots.count;
     if (done) daft_text_close(&source.text);
-    source_free(&source);
+    daft_obj_source_free(&source);
     if (done)
         *out = obj;
     else

@@ -42,6 +42,9 @@ typedef struct daft_obj_source {
     bool bad_position, bad_uv; /* some is NaN or infinite */
     const char *first_drop;    /* where the first face was dropped, and why */
     const char *first_drop_reason;
+    uint32_t drops;   /* faces left out */
+    uint32_t *face_of; /* the face that each triangle comes from; NULL: nobody asks. Room for triangle_count */
+    const daft_problems *problems; /* NULL: only what loading warns of */
 } daft_obj_source;
 
 /* Statements to arrays (obj_read.c). On failure the source still has to be freed. */
@@ -50,6 +53,8 @@ bool daft_obj_read(daft_obj_source *source, daft_error *error);
 const char *daft_obj_find_face(const daft_obj_source *source, size_t face);
 /* Warns that a face is left out. `reason` is a constant string. */
 void daft_obj_drop(daft_obj_source *source, const char *at, const char *reason);
+
+void daft_obj_source_free(daft_obj_source *source);
 
 /* Arrays to a mesh (obj_mesh.c). */
 bool daft_obj_make_mesh(daft_obj_source *source, daft_trimesh *mesh, daft_error *error);

@@ -10,6 +10,7 @@ typedef struct builder {
     daft_error *error;
     uint32_t *groups; /* of each triangle, where some `s` was seen */
     daft_polygon polygon;
+    size_t face;    /* whose triangles are put */
     uint32_t *kept; /* corners of a polygon without repeated ones, relative to its first */
     uint32_t kept_room;
 } builder;
@@ -80,6 +81,7 @@ static inline void put_triangle(builder *b, const daft_obj_corner *i, const daft
     }
     if (mesh->slots) mesh->slots[mesh->triangle_count] = (uint16_t)run->slot;
     if (b->groups) b->groups[mesh->triangle_count] = run->group;
+    if (b->source->face_of) b->source->face_of[mesh->triangle_count] = (uint32_t)b->face;
     mesh->triangle_count++;
 }
 
@@ -135,6 +137,7 @@ static bool put_polygon(builder *b, size_t face, const daft_obj_corner *corners,
 
 static bool put_face(builder *b, size_t face, daft_obj_corner *corners, uint32_t count, const daft_obj_run *run)
 {
+    b->face = face;
     if (!check_corners(b, face, corners, count)) return false;
     if (has_bad_position(b, corners, count)) {
         daft_obj_drop(b->source, place_of(b, face), "a vertex of it is not finite");
@@ -302,6 +305,7 @@ bool daft_obj_make_mesh(daft_obj_source *source, daft_trimesh *mesh, daft_error 
                                            error) &&
                 finish_uvs(&b) && finish_normals(&b);
     if (done) daft_trimesh_set_bounds(mesh);
+    mesh->left_out = source->drops;
     daft_polygon_free(source->allocator, &b.polygon);
     daft_release(source->allocator, b.kept);
     daft_release(source->allocator, b.groups);

@@ -27,6 +27,7 @@ static inline bool grow(const reader *r, void *array_pointer, size_t *room, size
 
 void daft_obj_drop(daft_obj_source *source, const char *at, const char *reason)
 {
+    source->drops++;
     if (!source->first_drop) source->first_drop = at, source->first_drop_reason = reason;
     daft_text_warn(&source->text, at, "the face is left out: %s", reason);
 }

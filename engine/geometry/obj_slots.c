@@ -176,10 +176,32 @@ static bool fill(slots *s, daft_mtl_list *out)
     return true;
 }
 
+/* Libraries are shared between meshes, so materials that this one leaves unused are one note, not many warnings. */
+static void note_unused(const slots *s, const daft_mtl_list *used)
+{
+    char names[200] = "";
+    size_t unused = 0, length = 0;
+    for (size_t i = 0; i < s->materials.count; i++) {
+        const char *name = s->materials.items[i].name;
+        bool is_used = false;
+        for (size_t k = 0; k < used->count && !is_used; k++) is_used = strcmp(used->items[k].name, name) == 0;
+        if (is_used) continue;
+        if (unused++ < 5 && length < sizeof names)
+            length += (size_t)snprintf(names + length, sizeof names - length, "%s%.60s", length ? ", " : "", name);
+    }
+    if (unused == 0) return;
+    int line, column;
+    daft_text_place(&s->source->text, s->source->libraries[0].at, &line, &column);
+    daft_problem_at(s->source->problems, DAFT_SEVERITY_NOTE, DAFT_OK, s->source->text.path, line, column,
+                    "%zu of the %zu materials that are loaded are not used: %s%s", unused, s->materials.count, names,
+                    unused > 5 ? ", ..." : "");
+}
+
 bool daft_obj_make_slots(daft_obj_source *source, daft_mtl_list *out, daft_error *error)
 {
     slots s = {.source = source, .error = error};
     bool done = load_libraries(&s) && index_materials(&s) && fill(&s, out);
+    if (done && source->problems) note_unused(&s, out);
     daft_mtl_list_free(source->allocator, &s.materials);
     daft_release(source->allocator, s.buckets);
     return done;

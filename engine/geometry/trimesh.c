@@ -106,7 +106,7 @@ static bool copy_triangles(const daft_allocator *allocator, const daft_mesh_def 
         if (is_usable(def, corner))
             memcpy(mesh->indices + 3 * (size_t)mesh->triangle_count++, corner, 3 * sizeof *corner);
     }
-    uint32_t dropped = def->triangle_count - mesh->triangle_count;
+    uint32_t dropped = mesh->left_out = def->triangle_count - mesh->triangle_count;
     if (dropped > 0)
         daft_warn_at(log, DAFT_ERROR_ARGUMENT, NULL, 0, 0,
                      "%u of %u triangles are left out: two equal corners, or a corner that is not finite", dropped,

@@ -2,7 +2,7 @@
  * items name, then room is made for everything, and only then, when nothing can fail any more, the scene changes.
  * Angles are degrees here and nowhere else. */
 #include "math/real.h"
-#include "scene/scene.h"
+#include "scene/scene_file.h"
 #include "scene/scene_text.h"
 
 #include <stdio.h>
@@ -11,20 +11,7 @@
 
 enum { MAX_INCLUDES = 16, MAX_PATH = 1024 };
 
-typedef enum item_kind { ITEM_CAMERA, ITEM_SKYBOX, ITEM_LIGHT, ITEM_AMBIENT, ITEM_SPHERE, ITEM_MESH } item_kind;
-
-typedef struct item {
-    item_kind kind;
-    const char *source; /* the .scene file */
-    int line, column;   /* of the path, if there is one; else of the keyword */
-    const char *path;   /* joined to the source's folder */
-    union {
-        daft_camera camera;
-        daft_light_def light;
-        daft_vec3 ambient;
-        daft_entity_def entity;
-    };
-} item;
+typedef daft_scene_item item;
 
 /* A file that is being read, and the one that includes it. */
 typedef struct source {
@@ -42,6 +29,7 @@ typedef struct loader {
     size_t count, capacity;
     daft_sky_image sky;
     bool has_sky;
+    const daft_scene_watch *watch; /* or NULL */
     daft_error error;
 } loader;
 
@@ -114,7 +102,7 @@ static bool read_path(reader *read, const char *what, item *into)
 
 static bool read_camera(reader *read, item *out)
 {
-    out->kind = ITEM_CAMERA;
+    out->kind = DAFT_ITEM_CAMERA;
     out->camera = daft_default_camera();
     if (!read_position(read, &out->camera.position)) return false;
     if (daft_scene_text_ends(&read->text)) return true;
@@ -130,20 +118,20 @@ static bool read_camera(reader *read, item *out)
 
 static bool read_skybox(reader *read, item *out)
 {
-    out->kind = ITEM_SKYBOX;
+    out->kind = DAFT_ITEM_SKYBOX;
     return read_path(read, "the path of an image", out);
 }
 
 static bool read_light(reader *read, item *out)
 {
-    out->kind = ITEM_LIGHT;
+    out->kind = DAFT_ITEM_LIGHT;
     out->light = daft_default_light_def();
     return read_position(read, &out->light.position) && read_color(read, &out->light.color);
 }
 
 static bool read_sun(reader *read, item *out)
 {
-    out->kind = ITEM_LIGHT;
+    out->kind = DAFT_ITEM_LIGHT;
     out->light = daft_default_light_def();
     out->light.kind = DAFT_LIGHT_SUN;
     daft_vec3 *d = &out->light.direction;
@@ -161,13 +149,13 @@ static bool read_sun(reader *read, item *out)
 
 static bool read_ambient(reader *read, item *out)
 {
-    out->kind = ITEM_AMBIENT;
+    out->kind = DAFT_ITEM_AMBIENT;
     return read_color(read, &out->ambient);
 }
 
 static bool read_sphere(reader *read, item *out)
 {
-    out->kind = ITEM_SPHERE;
+    out->kind = DAFT_ITEM_SPHERE;
     out->entity = daft_default_entity_def();
     out->entity.shape = DAFT_SHAPE_SPHERE;
     return read_position(read, &out->entity.position) &&
@@ -192,7 +180,7 @@ static bool read_scale(reader *read, float *out)
 
 static bool read_mesh(reader *read, item *out)
 {
-    out->kind = ITEM_MESH;
+    out->kind = DAFT_ITEM_MESH;
     out->entity = daft_default_entity_def();
     out->entity.shape = DAFT_SHAPE_MESH;
     if (!read_path(read, "the path of a mesh", out) || !read_position(read, &out->entity.position)) return false;
@@ -245,6 +233,14 @@ static bool fail_inside(loader *load, const item *named)
                         inner.file[0] ? ": " : "", inner.message);
 }
 
+/* Whether a watch takes the error, so that the load goes on. Memory that is out ends it. */
+static bool goes_on(loader *load)
+{
+    if (!load->watch || load->error.code == DAFT_ERROR_MEMORY) return false;
+    load->watch->refused(load->watch->user, &load->error);
+    return true;
+}
+
 static bool read_include(reader *read, item *named)
 {
     if (!read_path(read, "the path of a .scene file", named) || !daft_scene_text_finish(&read->text)) return false;
@@ -285,7 +281,10 @@ static bool read_lines(reader *read)
 {
     bool any = false;
     while (daft_scene_text_line(&read->text)) {
-        if (!read_line(read)) return false;
+        if (!read_line(read)) {
+            if (!goes_on(read->loader)) return false;
+            daft_scene_text_skip_line(&read->text);
+        }
         any = true;
     }
     return any || daft_fail_at(&read->loader->error, DAFT_ERROR_SYNTAX, read->source->path, read->text.line, 1,
@@ -328,16 +327,17 @@ static bool load_asset(loader *load, item *named)
     daft_scene *scene = load->scene;
     daft_entity_def *entity = &named->entity;
     switch (named->kind) {
-    case ITEM_SKYBOX: return load_sky(load, named->path);
-    case ITEM_SPHERE:
+    case DAFT_ITEM_SKYBOX: return load_sky(load, named->path);
+    case DAFT_ITEM_SPHERE:
         entity->material = daft_material_load(scene, named->path, &load->error);
         return entity->material.id && daft_entity_check(scene, entity, &load->error);
-    case ITEM_MESH:
+    case DAFT_ITEM_MESH:
         entity->mesh = daft_mesh_load(scene, named->path, &load->error);
         return entity->mesh.id && daft_entity_check(scene, entity, &load->error);
-    case ITEM_LIGHT: return daft_light_check(&named->light, &load->error);
-    case ITEM_CAMERA: return daft_check_camera(&load->error, "camera", &named->camera);
-    case ITEM_AMBIENT: break;
+    case DAFT_ITEM_LIGHT: return daft_light_check(&named->light, &load->error);
+    case DAFT_ITEM_CAMERA: return daft_check_camera(&load->error, "camera", &named->camera);
+    case DAFT_ITEM_AMBIENT:
+    case DAFT_ITEM_REFUSED: break;
     }
     return true;
 }
@@ -346,9 +346,9 @@ static bool reserve(loader *load)
 {
     uint32_t cameras = 0, lights = 0, entities = 0;
     for (size_t i = 0; i < load->count; i++) {
-        cameras += load->items[i].kind == ITEM_CAMERA;
-        lights += load->items[i].kind == ITEM_LIGHT;
-        entities += load->items[i].kind == ITEM_SPHERE || load->items[i].kind == ITEM_MESH;
+        cameras += load->items[i].kind == DAFT_ITEM_CAMERA;
+        lights += load->items[i].kind == DAFT_ITEM_LIGHT;
+        entities += load->items[i].kind == DAFT_ITEM_SPHERE || load->items[i].kind == DAFT_ITEM_MESH;
     }
     return daft_cameras_reserve(load->scene, cameras, &load->error) &&
            daft_lights_reserve(load->scene, lights, &load->error) &&
@@ -362,12 +362,13 @@ static void commit(loader *load)
     for (size_t i = 0; i < load->count; i++) {
         const item *made = &load->items[i];
         switch (made->kind) {
-        case ITEM_CAMERA: daft_camera_insert(scene, &made->camera); break;
-        case ITEM_LIGHT: daft_light_insert(scene, &made->light); break;
-        case ITEM_AMBIENT: scene->ambient = made->ambient; break;
-        case ITEM_SPHERE:
-        case ITEM_MESH: daft_entity_insert(scene, &made->entity, DAFT_NONE, 0); break;
-        case ITEM_SKYBOX: break;
+        case DAFT_ITEM_CAMERA: daft_camera_insert(scene, &made->camera); break;
+        case DAFT_ITEM_LIGHT: daft_light_insert(scene, &made->light); break;
+        case DAFT_ITEM_AMBIENT: scene->ambient = made->ambient; break;
+        case DAFT_ITEM_SPHERE:
+        case DAFT_ITEM_MESH: daft_entity_insert(scene, &made->entity, DAFT_NONE, 0); break;
+        case DAFT_ITEM_SKYBOX:
+        case DAFT_ITEM_REFUSED: break;
         }
     }
     if (load->has_sky) daft_sky_image_adopt(scene, &load->sky);
@@ -376,8 +377,12 @@ static void commit(loader *load)
 static bool load_all(loader *load, const char *path)
 {
     if (!read_file(load, path, NULL)) return false;
-    for (size_t i = 0; i < load->count; i++)
-        if (!load_asset(load, &load->items[i])) return fail_inside(load, &load->items[i]);
+    for (size_t i = 0; i < load->count; i++) {
+        if (load_asset(load, &load->items[i])) continue;
+        fail_inside(load, &load->items[i]);
+        if (!goes_on(load)) return false;
+        load->items[i].kind = DAFT_ITEM_REFUSED;
+    }
     return reserve(load);
 }
 
@@ -385,7 +390,12 @@ bool daft_scene_load(daft_scene *scene, const char *path, daft_error *error)
 {
     daft_error_clear(error);
     if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path)) return false;
-    loader load = {.scene = scene};
+    return daft_scene_load_watched(scene, path, NULL, error);
+}
+
+bool daft_scene_load_watched(daft_scene *scene, const char *path, const daft_scene_watch *watch, daft_error *error)
+{
+    loader load = {.scene = scene, .watch = watch};
     daft_arena_init(&load.arena, scene->allocator);
     daft_assets_mark mark = daft_assets_remember(scene);
     bool done = load_all(&load, path);
@@ -393,6 +403,7 @@ bool daft_scene_load(daft_scene *scene, const char *path, daft_error *error)
         commit(&load);
     else
         daft_assets_roll_back(scene, mark);
+    if (done && watch) watch->loaded(watch->user, load.items, load.count);
     daft_sky_free(scene->allocator, &load.sky);
     daft_release(scene->allocator, load.items);
     daft_arena_free(&load.arena);

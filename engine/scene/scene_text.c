@@ -27,6 +27,12 @@ bool daft_scene_text_ends(daft_scene_text *text)
     return text->at == text->end || *text->at == '\n' || *text->at == '#';
 }
 
+void daft_scene_text_skip_line(daft_scene_text *text)
+{
+    const char *newline = memchr(text->at, '\n', (size_t)(text->end - text->at));
+    text->at = newline ? newline : text->end;
+}
+
 bool daft_scene_text_line(daft_scene_text *text)
 {
     while (daft_scene_text_ends(text)) {

@@ -22,6 +22,8 @@ typedef struct daft_token {
 daft_scene_text daft_scene_text_open(const char *path, const char *text, size_t size, daft_error *error);
 /* Goes to the next line that has something on it. False at the end of the file. */
 bool daft_scene_text_line(daft_scene_text *text);
+/* Leaves what is left of the line unread. */
+void daft_scene_text_skip_line(daft_scene_text *text);
 /* Whether nothing but blanks and a comment is left on the line. */
 bool daft_scene_text_ends(daft_scene_text *text);
 /* A word up to the next blank, or what stands between quotes. `what` names it in messages. */

@@ -1,0 +1,119 @@
+/* daft_check_file and daft_mesh_check: files are read as loading reads them, into a scene that is thrown away, with the
+ * engine's warnings turned to whoever asked; what loading has no reason to look at is looked at here. */
+#include "scene/check_file.h"
+
+#include <string.h>
+#include <strings.h>
+
+bool daft_mesh_check(daft_scene *scene, daft_mesh mesh, daft_mesh_report *report, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "report", report)) return false;
+    const daft_mesh_item *item = daft_mesh_find(scene, mesh, error);
+    daft_mesh_report found;
+    if (!item || !daft_trimesh_check(scene->allocator, &item->mesh, NULL, NULL, &found, error)) return false;
+    *report = found;
+    return true;
+}
+
+/* ---- materials and pictures ---- */
+
+static void on_warning(void *user, const daft_error *warning)
+{
+    const daft_problems *problems = user;
+    problems->found(problems->user, DAFT_SEVERITY_WARNING, warning);
+}
+
+/* The file's own error is a problem; memory that is out is this call's. */
+static bool refuse(const daft_problems *problems, const daft_error *why, daft_error *error)
+{
+    if (why->code == DAFT_ERROR_MEMORY) {
+        if (error) *error = *why;
+        return false;
+    }
+    problems->found(problems->user, DAFT_SEVERITY_ERROR, why);
+    return true;
+}
+
+static bool map_is_repeated(const daft_mtl_list *list, size_t index)
+{
+    for (size_t i = 0; i < index; i++)
+        if (strcmp(list->items[i].diffuse_map, list->items[index].diffuse_map) == 0) return true;
+    return false;
+}
+
+static void check_maps(const daft_allocator *allocator, const daft_problems *problems, const daft_mtl_list *list)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        const daft_mtl *mtl = &list->items[i];
+        if (!mtl->diffuse_map[0] || map_is_repeated(list, i)) continue;
+        daft_texture_data texture = {0};
+        daft_error why = {0};
+        if (daft_texture_read(allocator, mtl->diffuse_map, &texture, &why))
+            daft_texture_free(allocator, &texture);
+        else
+            daft_problem_at(problems, DAFT_SEVERITY_WARNING, why.code, mtl->file, mtl->diffuse_map_line,
+                            mtl->diffuse_map_column, "a checker stands in for the texture %s: %s", mtl->diffuse_map,
+                            why.message);
+    }
+}
+
+static bool check_obj(daft_engine *engine, const char *path, const daft_problems *problems, daft_error *error)
+{
+    daft_obj obj;
+    daft_error why = {0};
+    if (!daft_obj_check(&engine->allocator, path, &engine->log, problems, &obj, &why))
+        return refuse(problems, &why, error);
+    check_maps(&engine->allocator, problems, &obj.slots);
+    daft_obj_free(&engine->allocator, &obj);
+    return true;
+}
+
+static bool check_mtl(daft_engine *engine, const char *path, const daft_problems *problems, daft_error *error)
+{
+    daft_mtl_list list = {0};
+    daft_error why = {0};
+    if (!daft_mtl_load(&engine->allocator, path, &engine->log, &list, &why)) return refuse(problems, &why, error);
+    for (size_t i = 0; i < list.count; i++)
+        for (size_t k = 0; k < i; k++)
+            if (strcmp(list.items[i].name, list.items[k].name) == 0) {
+                daft_problem_at(problems, DAFT_SEVERITY_WARNING, DAFT_ERROR_SYNTAX, path, 0, 0,
+                                "the material '%s' is there twice: the first counts", list.items[i].name);
+                break;
+            }
+    check_maps(&engine->allocator, problems, &list);
+    daft_mtl_list_free(&engine->allocator, &list);
+    return true;
+}
+
+static bool check_picture(daft_engine *engine, const char *path, const daft_problems *problems, daft_error *error)
+{
+    daft_error why = {0};
+    daft_image *image = daft_image_load(engine, path, &why);
+    daft_image_destroy(image);
+    return image || refuse(problems, &why, error);
+}
+
+/* ---- which file ---- */
+
+static bool ends_in(const char *path, const char *extension)
+{
+    size_t length = strlen(path), tail = strlen(extension);
+    return length > tail && strcasecmp(path + length - tail, extension) == 0;
+}
+
+bool daft_check_file(daft_engine *engine, const char *path, daft_problem_callback *found, void *user, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "engine", engine) || !daft_check_pointer(error, "path", path)) return false;
+    if (!found) return daft_fail(error, DAFT_ERROR_ARGUMENT, "found is NULL");
+    daft_problems problems = {found, user};
+    daft_log kept = engine->log;
+    engine->log = (daft_log){on_warning, &problems};
+    bool done = (ends_in(path, ".obj")     ? check_obj
+                 : ends_in(path, ".mtl")   ? check_mtl
+                 : ends_in(path, ".scene") ? daft_check_scene
+                                           : check_picture)(engine, path, &problems, error);
+    engine->log = kept;
+    return done;
+}
