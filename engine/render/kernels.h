@@ -22,9 +22,10 @@ typedef struct daft_render_kernels {
     /* The surfaces that a tile's pixels see become points of weight 1; the other pixels become rays into the sky. */
     void (*surfaces)(const daft_snapshot *snapshot, const daft_pencil *pencil, const daft_tile *tile, daft_batch *points,
                      daft_ray_batch *sky);
-    /* Appends the point where a ray hit. */
+    /* Appends the point where a ray hit; `finish_hits` completes the batch after the last. */
     void (*hit_point)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray, const daft_hit *hit,
                       daft_batch *points);
+    void (*finish_hits)(const daft_snapshot *snapshot, daft_batch *points);
     /* Takes away the bits of the points that a candidate hides from the lamp. Gives the number of points that lay under
      * some candidate's bounds, the only ones whose rays were tested; or DAFT_NO_PENCIL, with the bits as they were, where
      * the lamp stands among the points and no pencil holds them. */
@@ -41,6 +42,7 @@ void DAFT_KERNEL(daft_surfaces)(const daft_snapshot *snapshot, const daft_pencil
                                 daft_batch *points, daft_ray_batch *sky);
 void DAFT_KERNEL(daft_hit_point)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray,
                                  const daft_hit *hit, daft_batch *points);
+void DAFT_KERNEL(daft_finish_hits)(const daft_snapshot *snapshot, daft_batch *points);
 uint32_t DAFT_KERNEL(daft_shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_instance *instances,
                                    const uint32_t *candidates, uint32_t candidate_count, uint32_t bits[DAFT_BATCH_WORDS]);
 #endif

@@ -32,4 +32,5 @@ static void reflections(const daft_batch *b, const daft_surface *materials, daft
 }
 
 const daft_render_kernels DAFT_KERNEL(daft_render) = {DAFT_KERNEL(daft_surfaces), DAFT_KERNEL(daft_hit_point),
+                                                      DAFT_KERNEL(daft_finish_hits),
                                                       DAFT_KERNEL(daft_shadows), reflections};

@@ -1,5 +1,6 @@
 /* From "this pixel sees that triangle" to points with normals, texture coordinates and places to spawn rays from. A run of
- * neighbouring pixels that see the same triangle shares its set-up and is filled in lanes.
+ * neighbouring pixels that see the same triangle shares its set-up; what depends on the triangle is filled in for the run,
+ * and what does not (unit vectors, distances, offsets) for the whole batch after, with all lanes at work.
  *
  * Points lie where their ray meets the triangle's plane, whose normal and height are taken in double once a triangle: so a
  * point's error is a few 2^-24 of its own distance along the ray, and less across the plane, even on a triangle that
@@ -15,18 +16,12 @@ typedef struct facet {
     daft_vec3 corner[3], normal[3], outward; /* frame space; normals unit, on the viewer's side */
     daft_vec2 uv[3];
     bool smooth;
-    float height;  /* of the plane over the rays' origin, against `outward`: 0 or less */
+    float least, most; /* a ray's t lies between: the corners' range along it */
+    float height;      /* of the plane over the rays' origin, against `outward`: 0 or less */
     float density; /* units of uv a metre */
     float size;    /* sum of the instance's translation, for the spawn error */
     uint32_t instance, material;
 } facet;
-
-/* Where the lanes' points come from. */
-typedef struct rays {
-    vf3 direction; /* any length, from the viewer */
-    vf reach;      /* metres before these rays began */
-    float focal;
-} rays;
 
 static void facet_normals(const daft_instance *instance, const uint32_t *corner, facet *f)
 {
@@ -81,6 +76,17 @@ static void facet_setup(const daft_snapshot *snapshot, uint32_t index, uint32_t 
     f->material = instance->materials[mesh->slots ? mesh->slots[triangle] : 0];
 }
 
+/* Sets the range of t of rays along `unit`, on which t is the way along it. */
+static void facet_limit(facet *f, daft_vec3 origin, daft_vec3 unit)
+{
+    f->least = INFINITY, f->most = -INFINITY;
+    for (int k = 0; k < 3; k++) {
+        float along = daft_dot(daft_sub(f->corner[k], origin), unit);
+        if (along < f->least) f->least = along;
+        if (along > f->most) f->most = along;
+    }
+}
+
 DAFT_INLINE vf3 set3(daft_vec3 a) { return (vf3){vf_set(a.x), vf_set(a.y), vf_set(a.z)}; }
 DAFT_INLINE vf3 all3(float s) { return (vf3){vf_set(s), vf_set(s), vf_set(s)}; }
 DAFT_INLINE vf3 add3(vf3 a, vf3 b) { return (vf3){a.x + b.x, a.y + b.y, a.z + b.z}; }
@@ -97,27 +103,45 @@ DAFT_INLINE vf3 unit3(vf3 a)
     vf length2 = vf3_dot(a, a);
     return scale3(a, vf_select(vf_lt(vf_set(0), length2), vf_set(1) / vf_sqrt(length2), vf_set(0)));
 }
+DAFT_INLINE vf3 load3(const daft_lanes3 *a, uint32_t at)
+{
+    return (vf3){vf_load(&a->x[at]), vf_load(&a->y[at]), vf_load(&a->z[at])};
+}
 DAFT_INLINE void store3(daft_lanes3 *out, uint32_t at, vf3 v)
 {
     vf_store(&out->x[at], v.x), vf_store(&out->y[at], v.y), vf_store(&out->z[at], v.z);
 }
 
-/* What all kinds of points have in common. `from`: where the rays began, relative to the frame's origin. */
-DAFT_INLINE void store_point(daft_batch *b, uint32_t at, const rays *r, vf3 from, vf3 point, vf3 lifted, vf3 normal,
-                             vf3 outward, float size, float density)
+/* A batch between the two passes: `normal` and `view` are not unit yet, `point` and `lifted` lie on the surface, `spread`
+ * holds the size that the spawn error adds to the point's own, `footprint` the density of uv. */
+DAFT_INLINE void store_point(daft_batch *b, uint32_t at, vf3 direction, vf3 point, vf3 lifted, vf3 normal, vf3 outward,
+                             float size, float density)
 {
-    vf error = (vf_abs(point.x) + vf_abs(point.y) + vf_abs(point.z) + vf_set(size)) * vf_set(SPAWN_ERROR);
-    vf3 view = scale3(unit3(r->direction), vf_set(-1)), way = sub3(point, from);
-    vf reach = r->reach + vf_sqrt(vf3_dot(way, way)), spread = reach / vf_set(r->focal);
-    vf cosine = vf_max(vf_abs(vf3_dot(outward, view)), vf_set(0.01f));
-    store3(&b->point, at, add3(point, scale3(outward, error)));
-    store3(&b->lifted, at, add3(lifted, scale3(outward, error)));
+    store3(&b->point, at, point);
+    store3(&b->lifted, at, lifted);
     store3(&b->normal, at, normal);
     store3(&b->outward, at, outward);
-    store3(&b->view, at, view);
-    vf_store(&b->reach[at], reach);
-    vf_store(&b->spread[at], spread);
-    vf_store(&b->footprint[at], spread * vf_set(density) / vf_sqrt(cosine));
+    store3(&b->view, at, direction);
+    vf_store(&b->spread[at], vf_set(size));
+    vf_store(&b->footprint[at], vf_set(density));
+}
+
+/* The second pass. Points seen from the camera have come as far as they are from the frame's origin. */
+static void finish_points(daft_batch *b, float focal, bool seen_by_camera)
+{
+    for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
+        vf3 point = load3(&b->point, i), outward = load3(&b->outward, i), view = scale3(unit3(load3(&b->view, i)), vf_set(-1));
+        vf error = (vf_abs(point.x) + vf_abs(point.y) + vf_abs(point.z) + vf_load(&b->spread[i])) * vf_set(SPAWN_ERROR);
+        vf reach = seen_by_camera ? vf_sqrt(vf3_dot(point, point)) : vf_load(&b->reach[i]), spread = reach / vf_set(focal);
+        vf cosine = vf_max(vf_abs(vf3_dot(outward, view)), vf_set(0.01f));
+        store3(&b->point, i, add3(point, scale3(outward, error)));
+        store3(&b->lifted, i, add3(load3(&b->lifted, i), scale3(outward, error)));
+        store3(&b->normal, i, unit3(load3(&b->normal, i)));
+        store3(&b->view, i, view);
+        vf_store(&b->reach[i], reach);
+        vf_store(&b->spread[i], spread);
+        vf_store(&b->footprint[i], spread * vf_load(&b->footprint[i]) / vf_sqrt(cosine));
+    }
 }
 
 DAFT_INLINE void store_ids(daft_batch *b, uint32_t at, uint32_t instance, uint32_t material)
@@ -140,34 +164,27 @@ DAFT_INLINE vf3 lift_point(const facet *f, vf3 point, const vf w[3])
 
 /* Where the rays meet the plane, but no further than the triangle's nearest and farthest corners are along them: seen
  * edge-on, a plane says little. */
-DAFT_INLINE vf3 plane_point(const facet *f, const rays *r, vf3 from)
+DAFT_INLINE vf plane_way(const facet *f, vf3 direction)
 {
-    vf3 d = r->direction;
-    vf dd = vf3_dot(d, d), least = vf_set(INFINITY), most = vf_set(-INFINITY);
-    for (int k = 0; k < 3; k++) {
-        vf along = vf3_dot(sub3(set3(f->corner[k]), from), d) / dd;
-        least = vf_min(along, least), most = vf_max(along, most);
-    }
-    vf t = vf_set(f->height) / vf3_dot(set3(f->outward), d);
-    return add3(from, scale3(d, vf_min(vf_max(t, least), most)));
+    vf t = vf_set(f->height) / vf3_dot(set3(f->outward), direction);
+    return vf_min(vf_max(t, vf_set(f->least)), vf_set(f->most));
 }
 
-DAFT_INLINE void facet_points(const facet *f, const rays *r, vf3 from, const vf w[3], daft_batch *b, uint32_t at)
+DAFT_INLINE void facet_points(const facet *f, vf3 direction, vf3 point, const vf w[3], daft_batch *b, uint32_t at)
 {
-    vf3 outward = set3(f->outward), normal = outward, point = plane_point(f, r, from), lifted = point;
+    vf3 outward = set3(f->outward), normal = outward, lifted = point;
     if (f->smooth) {
-        normal = unit3(mean3(f->normal, w));
+        normal = mean3(f->normal, w);
         lifted = lift_point(f, point, w);
     }
-    store_point(b, at, r, from, point, lifted, normal, outward, f->size, f->density);
+    store_point(b, at, direction, point, lifted, normal, outward, f->size, f->density);
     vf_store(&b->u[at], vf_set(f->uv[0].x) * w[0] + vf_set(f->uv[1].x) * w[1] + vf_set(f->uv[2].x) * w[2]);
     vf_store(&b->v[at], vf_set(f->uv[0].y) * w[0] + vf_set(f->uv[1].y) * w[1] + vf_set(f->uv[2].y) * w[2]);
     store_ids(b, at, f->instance, f->material);
 }
 
 /* near: the points as first found; they are pushed onto the sphere along its normal. */
-DAFT_INLINE void sphere_points(const daft_instance *s, uint32_t index, const rays *r, vf3 from, vf3 near, daft_batch *b,
-                               uint32_t at)
+DAFT_INLINE void sphere_points(const daft_instance *s, uint32_t index, vf3 direction, vf3 near, daft_batch *b, uint32_t at)
 {
     vf3 centre = set3(daft_v3(s->to_frame.t[0], s->to_frame.t[1], s->to_frame.t[2]));
     vf3 normal = unit3(sub3(near, centre)), point = add3(centre, scale3(normal, vf_set(s->radius)));
@@ -177,12 +194,12 @@ DAFT_INLINE void sphere_points(const daft_instance *s, uint32_t index, const ray
                             vf_set(m[6]) * normal.x + vf_set(m[7]) * normal.y + vf_set(m[8]) * normal.z});
     vf_store(&b->u[at], vf_set(0.5f) + vf_atan2(local.z, local.x) * vf_set(0.159154943f));
     vf_store(&b->v[at], vf_set(0.5f) + vf_asin(local.y) * vf_set(0.318309886f));
-    vm inside = vf_lt(vf_set(0), vf3_dot(normal, r->direction));
+    vm inside = vf_lt(vf_set(0), vf3_dot(normal, direction));
     vf side = vf_select(inside, vf_set(-1), vf_set(1));
     normal = scale3(normal, side);
     float size = fabsf(s->to_frame.t[0]) + fabsf(s->to_frame.t[1]) + fabsf(s->to_frame.t[2]) + s->radius;
     /* the map's area is 2·pi·r by pi·r: its mean density is 1 / (sqrt(2)·pi·r) */
-    store_point(b, at, r, from, point, point, normal, normal, size, 0.225079079f / s->radius);
+    store_point(b, at, direction, point, point, normal, normal, size, 0.225079079f / s->radius);
     store_ids(b, at, index, s->materials[0]);
 }
 
@@ -212,7 +229,9 @@ static const seen_facet *find_facet(view *v, uint32_t instance, uint32_t triangl
     if (seen->instance == instance && seen->triangle == triangle) return seen;
     const daft_vec3 eye = {0, 0, 0};
     seen->instance = instance, seen->triangle = triangle;
-    facet_setup(v->snapshot, instance, triangle, eye, v->pencil->forward, &seen->facet);
+    const daft_pencil *p = v->pencil;
+    facet_setup(v->snapshot, instance, triangle, eye, p->forward, &seen->facet);
+    facet_limit(&seen->facet, eye, daft_scale(p->forward, 1 / p->focal)); /* all rays go `focal` forwards */
     for (int k = 0; k < 3; k++) {
         daft_vec3 a = seen->facet.corner[(k + 1) % 3], c = seen->facet.corner[(k + 2) % 3];
         seen->edge[k] = daft_cross(daft_sub(a, c), daft_add(a, c));
@@ -236,15 +255,17 @@ static void facet_run(view *v, int at, int length, daft_batch *b)
     const seen_facet *seen = find_facet(v, v->tile->instance[at], v->tile->triangle[at]);
     const daft_vec3 *edge = seen->edge;
     for (int i = 0; i < length; i += DAFT_VL) {
-        rays r = {pixel_rays(p, first, i), vf_set(0), p->focal};
+        vf3 direction = pixel_rays(p, first, i);
         vf w[3], zero = vf_set(0);
-        for (int k = 0; k < 3; k++) w[k] = vf3_dot(set3(edge[k]), r.direction);
+        for (int k = 0; k < 3; k++) w[k] = vf3_dot(set3(edge[k]), direction);
         vf sum = w[0] + w[1] + w[2], sign = vf_select(vf_lt(sum, zero), vf_set(-1), vf_set(1));
         for (int k = 0; k < 3; k++) w[k] = vf_max(w[k] * sign, zero);
         sum = w[0] + w[1] + w[2];
         vm some = vf_lt(zero, sum);
-        for (int k = 0; k < 3; k++) w[k] = vf_select(some, w[k] / sum, vf_set(1.0f / 3));
-        facet_points(&seen->facet, &r, all3(0), w, b, b->count + (uint32_t)i);
+        vf share = vf_set(1) / sum;
+        for (int k = 0; k < 3; k++) w[k] = vf_select(some, w[k] * share, vf_set(1.0f / 3));
+        vf3 point = scale3(direction, plane_way(&seen->facet, direction));
+        facet_points(&seen->facet, direction, point, w, b, b->count + (uint32_t)i);
     }
 }
 
@@ -265,8 +286,8 @@ static void sphere_run(const view *v, int at, int length, daft_batch *b)
     const daft_instance *s = &v->snapshot->instances[index];
     daft_vec3 first = daft_pencil_ray(p, v->tile->x + at % DAFT_TILE_STRIDE, v->tile->y + at / DAFT_TILE_STRIDE);
     for (int i = 0; i < length; i += DAFT_VL) {
-        rays r = {pixel_rays(p, first, i), vf_set(0), p->focal};
-        sphere_points(s, index, &r, all3(0), scale3(r.direction, sphere_way(s, r.direction)), b, b->count + (uint32_t)i);
+        vf3 direction = pixel_rays(p, first, i);
+        sphere_points(s, index, direction, scale3(direction, sphere_way(s, direction)), b, b->count + (uint32_t)i);
     }
 }
 
@@ -311,6 +332,7 @@ void DAFT_KERNEL(daft_surfaces)(const daft_snapshot *snapshot, const daft_pencil
         }
     }
     for (uint32_t i = 0; i < points->count; i += DAFT_VL) store3(&points->weight, i, all3(1));
+    finish_points(points, snapshot->focal, true);
 }
 
 /* ---- hits of single rays ---- */
@@ -321,18 +343,24 @@ void DAFT_KERNEL(daft_hit_point)(const daft_snapshot *snapshot, const daft_ray_b
     uint32_t at = points->count++;
     daft_vec3 o = daft_v3(from->origin.x[ray], from->origin.y[ray], from->origin.z[ray]);
     daft_vec3 d = daft_v3(from->direction.x[ray], from->direction.y[ray], from->direction.z[ray]);
-    rays r = {set3(d), vf_set(from->reach[ray]), snapshot->focal};
     const daft_instance *instance = &snapshot->instances[hit->instance];
     if (instance->mesh) {
         facet f;
         facet_setup(snapshot, hit->instance, hit->triangle, o, d, &f);
+        facet_limit(&f, o, d);
         vf w[3] = {vf_set(1 - hit->u - hit->v), vf_set(hit->u), vf_set(hit->v)};
-        facet_points(&f, &r, set3(o), w, points, at);
+        facet_points(&f, set3(d), add3(set3(o), scale3(set3(d), plane_way(&f, set3(d)))), w, points, at);
     } else {
-        sphere_points(instance, hit->instance, &r, set3(o), set3(daft_add(o, daft_scale(d, hit->t))), points, at);
+        sphere_points(instance, hit->instance, set3(d), set3(daft_add(o, daft_scale(d, hit->t))), points, at);
     }
+    points->reach[at] = from->reach[ray] + hit->t;
     points->pixel[at] = from->pixel[ray];
     points->weight.x[at] = from->weight.x[ray];
     points->weight.y[at] = from->weight.y[ray];
     points->weight.z[at] = from->weight.z[ray];
+}
+
+void DAFT_KERNEL(daft_finish_hits)(const daft_snapshot *snapshot, daft_batch *points)
+{
+    finish_points(points, snapshot->focal, false);
 }

@@ -132,6 +132,7 @@ static void trace(job *j, daft_batch *next)
         s->sky.weight.z[at] = rays->weight.z[i];
         s->sky.pixel[at] = rays->pixel[i];
     }
+    j->r->kernels->finish_hits(j->snapshot, next);
     s->rays_cast[DAFT_EFFECT_REFLECTION] += rays->count;
     ran(j, DAFT_EFFECT_REFLECTION);
     book(j, DAFT_EFFECT_REFLECTION);
