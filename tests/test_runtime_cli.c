@@ -83,7 +83,7 @@ static void bad_input_is_status_1_with_a_message(void **unused)
         {"play tests/games/bot --headless --ticks 1 --shot /no/such/x.png", "/no/such/x.png"},
         {"play tests/games/bot --headless --ticks 5 --shot /tmp/daft-x.png --shot-tick 9", "the game ended at tick 5"},
         {"check no/such.obj", "no/such.obj"},
-        {"check tests/games/broken_load", "broken_load/main.lua:2: daft.entity: position"}};
+        {"check tests/games/broken_load", "broken_load/main.lua:2: error: daft.entity: position"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         int status = run_daft(output, "%s", bad[i].arguments);
         if (status != 1) fail_msg("daft %s: exit status %d\n%s", bad[i].arguments, status, output);
@@ -229,7 +229,7 @@ static void check_finds_nothing_wrong_with_what_ships(void **unused)
     (void)unused;
     int status = run_daft(output, "check assets/scenes/*.scene assets/meshes/*.obj assets/textures/*.png marble");
     assert_status(status, 0, output);
-    assert_says(output, "marble: good");
+    assert_says(output, ": 0 errors, 0 warnings");
 }
 
 int main(void)

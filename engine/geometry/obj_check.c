@@ -153,9 +153,9 @@ static void tell_sums(const checker *c, const daft_mesh_report *report)
                "edge lies between triangles that face opposite ways (the first is here)",
                "edges lie between triangles that face opposite ways (the first is here)");
     char message[160];
-    snprintf(message, sizeof message, "%u vertices are in the place of an earlier one", report->duplicate_vertices);
+    snprintf(message, sizeof message, "vertices in the place of an earlier one: %u", report->duplicate_vertices);
     if (report->duplicate_vertices) tell(c, DAFT_SEVERITY_NOTE, NULL, 0, message);
-    snprintf(message, sizeof message, "%u vertices are used by no triangle", report->unused_vertices);
+    snprintf(message, sizeof message, "vertices that no triangle uses: %u", report->unused_vertices);
     if (report->unused_vertices) tell(c, DAFT_SEVERITY_NOTE, NULL, 0, message);
 }
 
