@@ -107,7 +107,7 @@ typedef struct sight {
 
 static daft_pencil file_pencil(void)
 {
-    return (daft_pencil){{1, 0, 0}, {0, 1, 0}, {0, 0, -1}, 24, WIDTH, HEIGHT, 0, 0};
+    return (daft_pencil){.right = {1, 0, 0}, .up = {0, 1, 0}, .forward = {0, 0, -1}, .focal = 24, .width = WIDTH, .height = HEIGHT};
 }
 
 static void keep_boxes(const daft_raster *raster, sight *out)
