@@ -46,6 +46,11 @@ char *daft_file_read(const daft_allocator *allocator, const char *path, size_t *
         daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "is a directory, not a file");
         return NULL;
     }
+    /* A scene that somebody was sent may name anything; /dev/zero has no end. */
+    if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode)) {
+        daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "is a device, not a file");
+        return NULL;
+    }
     FILE *file = fopen(path, "rb");
     if (!file) {
         daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "cannot open: %s", strerror(errno));

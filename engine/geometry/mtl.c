@@ -416,18 +416,26 @@ static bool check_content(reader *r)
     return true;
 }
 
-bool daft_mtl_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_mtl_list *list,
-                   daft_error *error)
+bool daft_mtl_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
+                    const daft_log *log, daft_mtl_list *list, daft_error *error)
 {
-    size_t size, before = list->count;
-    char *bytes = daft_file_read(allocator, path, &size, error);
-    if (!bytes) return false;
-    reader r = {.text = daft_text_open(path, bytes, size, log), .allocator = allocator, .error = error, .list = list};
+    size_t before = list->count;
+    reader r = {.text = daft_text_open(path, text, size, log), .allocator = allocator, .error = error, .list = list};
     bool done = read_lines(&r) && check_content(&r);
     if (done)
         daft_text_close(&r.text);
     else
         list->count = before;
-    daft_release(allocator, bytes);
+    return done;
+}
+
+bool daft_mtl_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_mtl_list *list,
+                   daft_error *error)
+{
+    size_t size;
+    char *text = daft_file_read(allocator, path, &size, error);
+    if (!text) return false;
+    bool done = daft_mtl_parse(allocator, path, text, size, log, list, error);
+    daft_release(allocator, text);
     return done;
 }
