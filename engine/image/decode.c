@@ -74,23 +74,77 @@ static bool fail_decoding(const char *path, daft_error *error)
     return daft_fail_at(error, code, path, 0, 0, "cannot decode the image: %s", reason ? reason : "unknown reason");
 }
 
-/* Looks at the header before pixels are allocated. */
-static bool check_size(source *from, const char *path, daft_error *error)
+/* ---- JPEG ---- */
+
+/* The tables of a DHT segment of `length` bytes, of the `left` bytes of the file: a class, 16 counts of codes, and a symbol
+ * for each code. Symbols are bytes, so that there are at most 256; stb_image (until 2.28) trusts the counts, also those
+ * beyond the segment's end, and writes behind its array. */
+static bool are_huffman_tables_good(const uint8_t *at, size_t length, size_t left)
 {
-    int width = 0, height = 0, channels = 0;
-    if (!stbi_info_from_callbacks(&source_callbacks, from, &width, &height, &channels))
-        return fail_decoding(path, error);
-    if (width <= 0 || height <= 0)
-        return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image has no pixels (%d by %d)", width, height);
-    if (width > DAFT_MAX_IMAGE_SIDE || height > DAFT_MAX_IMAGE_SIDE)
+    for (;;) {
+        size_t codes = 0;
+        for (size_t i = 1; i <= 16 && i < left; i++) codes += at[i];
+        if (codes > 256) return false;
+        size_t used = 17 + codes;
+        if (used >= length || used >= left) return true;
+        at += used;
+        length -= used;
+        left -= used;
+    }
+}
+
+/* Goes through the segments of a JPEG file as stb_image does: anything up to 0xff is skipped between them (and is the
+ * picture after SOS), and each but the bare markers has its length in front. */
+static bool is_jpeg_safe(const uint8_t *bytes, size_t size)
+{
+    if (size < 2 || bytes[0] != 0xff || bytes[1] != 0xd8) return true;
+    for (size_t at = 2; at + 4 <= size;) {
+        uint8_t marker = bytes[at + 1];
+        if (bytes[at] != 0xff || marker == 0xff || marker == 0) {
+            at += bytes[at] == 0xff && marker == 0 ? 2 : 1;
+            continue;
+        }
+        at += 2;
+        if (marker == 0xd9) return true;
+        if (marker >= 0xd0 && marker <= 0xd8) continue;
+        size_t length = (size_t)bytes[at] << 8 | bytes[at + 1];
+        if (length < 2) return true; /* an error to stb_image too */
+        if (length > 2 && marker == 0xc4 && !are_huffman_tables_good(bytes + at + 2, length - 2, size - at - 2))
+            return false;
+        at += length; /* may lead beyond the end, which ends the loop */
+    }
+    return true;
+}
+
+/* ---- the header ---- */
+
+/* No format packs more pixels into a byte: 1-bit PNG comes nearest, with 1032 times 8. A header that says more is a
+ * lie which would cost gigabytes. */
+enum { PIXELS_PER_BYTE = 16384 };
+
+bool daft_decode_size(const char *path, const void *bytes, size_t size, int *width, int *height, daft_error *error)
+{
+    source from = {bytes, size, 0, false};
+    int w = 0, h = 0, channels = 0;
+    if (!is_jpeg_safe(bytes, size))
+        return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "cannot decode the image: bad Huffman table");
+    if (!stbi_info_from_callbacks(&source_callbacks, &from, &w, &h, &channels)) return fail_decoding(path, error);
+    if (w <= 0 || h <= 0)
+        return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image has no pixels (%d by %d)", w, h);
+    if (w > DAFT_MAX_IMAGE_SIDE || h > DAFT_MAX_IMAGE_SIDE)
         return daft_fail_at(error, DAFT_ERROR_UNSUPPORTED, path, 0, 0,
-                            "the image is %d by %d pixels; %d a side is the most", width, height, DAFT_MAX_IMAGE_SIDE);
+                            "the image is %d by %d pixels; %d a side is the most", w, h, DAFT_MAX_IMAGE_SIDE);
+    if ((uint64_t)w * (uint64_t)h / PIXELS_PER_BYTE > size)
+        return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "a file of %zu bytes cannot hold %d by %d pixels",
+                            size, w, h);
+    *width = w, *height = h;
     return true;
 }
 
 static bool decode(source *from, const char *path, daft_decoded *out, daft_error *error)
 {
-    if (!check_size(from, path, error)) return false;
+    int width, height;
+    if (!daft_decode_size(path, from->bytes, from->size, &width, &height, error)) return false;
     int channels;
     *from = (source){from->bytes, from->size, 0, false};
     if (stbi_is_hdr_from_memory((const stbi_uc *)from->bytes, (int)from->size))
