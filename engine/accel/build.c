@@ -68,7 +68,9 @@ static uint32_t bin_of(float c, float low, float scale)
 static float bin_scale(const range *r, int axis)
 {
     float extent = r->centroids[axis + 3] - r->centroids[axis];
-    return extent > 0 && extent <= FLT_MAX ? (float)BINS * 0.999f / extent : 0;
+    if (!(extent > 0 && extent <= FLT_MAX)) return 0;
+    float scale = (float)BINS * 0.999f / extent;
+    return scale <= FLT_MAX ? scale : 0; /* among denormals it overflows */
 }
 
 typedef struct split {

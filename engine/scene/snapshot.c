@@ -12,6 +12,29 @@ static bool finite_affine(const daft_affine *a)
     return finite;
 }
 
+/* Products of three coordinates are the largest numbers that kernels make of them, so 1e12 metres stay inside floats; the
+ * square of a radius must not underflow. Beyond that nothing is drawn, instead of something wrong. */
+#define FARTHEST       1e12f
+#define SMALLEST_RADIUS 1e-15f
+
+static bool is_near(daft_vec3 p)
+{
+    return fabsf(p.x) <= FARTHEST && fabsf(p.y) <= FARTHEST && fabsf(p.z) <= FARTHEST; /* no NaN is */
+}
+
+/* In the frame, and in the mesh's own space, to which rays are turned. */
+static bool fits_kernels(const daft_instance *instance)
+{
+    const daft_trimesh *mesh = instance->mesh;
+    const float *eye = instance->to_object.t;
+    if (mesh && mesh->triangle_count == 0) return true;
+    if (!is_near(instance->low) || !is_near(instance->high)) return false;
+    if (!mesh) return instance->radius >= SMALLEST_RADIUS;
+    for (int i = 0; i < 9; i++)
+        if (!(fabsf(instance->to_object.m[i]) <= FARTHEST)) return false;
+    return is_near(mesh->low) && is_near(mesh->high) && is_near(daft_v3(eye[0], eye[1], eye[2]));
+}
+
 static daft_affine rounded(const daft_daffine *a)
 {
     daft_affine out;
@@ -99,19 +122,16 @@ static bool add_instance(daft_scene *scene, uint32_t index, daft_dvec3 origin, f
     const daft_mesh_item *shape = shape_of(scene, item);
     *instance = (daft_instance){.entity = daft_slots_handle(&scene->entity_slots, index)};
     bool fits = place(&item->world, origin, instance);
-    if (fits && !shape) {
-        instance->radius = world_radius(&item->world, item->def.radius);
-        fits = isfinite(instance->radius) && instance->radius > 0;
-    }
-    if (!fits) {
+    instance->mesh = shape ? &shape->mesh : NULL;
+    instance->bvh = shape ? shape->bvh : NULL;
+    if (fits && !shape) instance->radius = world_radius(&item->world, item->def.radius);
+    if (fits) daft_instance_bound(instance);
+    if (!fits || !fits_kernels(instance)) {
         warn_once(scene, item, instance->entity);
         return true;
     }
-    instance->mesh = shape ? &shape->mesh : NULL;
-    instance->bvh = shape ? shape->bvh : NULL;
     instance->flags = flags_of(item, instance);
     instance->materials = materials_of(item, shape, arena);
-    daft_instance_bound(instance);
     ++*count;
     return instance->materials != NULL;
 }
@@ -149,7 +169,7 @@ static bool fill_lamps(daft_scene *scene, daft_dvec3 origin, daft_snapshot *out,
             lamp->to_light = to_sun(def->direction);
         else
             lamp->position = daft_to_float(daft_dsub(def->position, origin));
-        if (daft_finite3(lamp->position)) out->lamp_count++; /* beyond all floats it lights nothing */
+        if (is_near(lamp->position)) out->lamp_count++; /* farther away it lights nothing */
     }
     out->lamps = lamps;
     return true;
