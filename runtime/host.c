@@ -45,19 +45,27 @@ static void *allocate(void *user, void *pointer, size_t old_size, size_t new_siz
         state->memory -= held;
         return NULL;
     }
-    if (new_size > held && state->memory - held + new_size > HOST_MEMORY) return NULL;
+    size_t most = state->def.memory ? state->def.memory : HOST_MEMORY;
+    if (new_size > held && state->memory - held + new_size > most) return NULL;
     void *grown = realloc(pointer, new_size);
     if (grown) state->memory += new_size - held;
     return grown;
 }
 
-/* Called every so many instructions: a game in an endless loop must not take the window with it. */
+enum { WATCH_STEP = 200000 };
+
+/* Called every WATCH_STEP instructions: a game in an endless loop must not take the window with it. */
 static void watch(lua_State *L, lua_Debug *unused)
 {
     (void)unused;
     host *state = api_host(L);
     uint64_t ran = clock_now_ns() - state->call_began;
     const char *name = state->callback;
+    state->call_ran += WATCH_STEP;
+    if (state->def.instructions && state->call_ran > state->def.instructions) {
+        state->stopped = true;
+        luaL_error(L, "%s ran too long", name);
+    }
     if (ran > (uint64_t)HOST_CALL_SECONDS * 1000000000u) {
         state->stopped = true;
         luaL_error(L, "%s ran for %d s without coming to an end", name, (int)HOST_CALL_SECONDS);
@@ -200,6 +208,7 @@ static bool call(host *state, const char *shown, request what)
     state->message[0] = state->trace[0] = 0;
     state->callback = shown;
     state->call_began = clock_now_ns();
+    state->call_ran = 0;
     lua_settop(L, 0);
     lua_pushcfunction(L, on_error);
     lua_pushcfunction(L, carry_out);
@@ -248,7 +257,7 @@ static int build(lua_State *L)
     api_register(L, api_host(L));
     lua_pushcfunction(L, require);
     lua_setglobal(L, "require");
-    lua_sethook(L, watch, LUA_MASKCOUNT, 200000);
+    lua_sethook(L, watch, LUA_MASKCOUNT, WATCH_STEP);
     return 0;
 }
 
@@ -282,6 +291,7 @@ void host_close(host *state)
 {
     if (!state->L) return;
     state->call_began = clock_now_ns(); /* finalizers run now */
+    state->call_ran = 0;
     state->callback = "closing the game";
     lua_close(state->L);
     state->L = NULL;

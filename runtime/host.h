@@ -33,6 +33,8 @@ typedef struct host_def {
     input *keys;
     font *face;
     uint64_t seed;
+    uint64_t instructions; /* one call may run so many, about; 0: only time counts */
+    size_t memory;         /* bytes the scripts may hold; 0: HOST_MEMORY */
     /* Asked now and then while a script runs; true stops the script with an error. May be NULL. */
     bool (*interrupted)(void *user);
     void *user;
@@ -52,6 +54,7 @@ typedef struct host {
     const api_function *calling; /* the binding that runs, for messages */
     const char *callback;        /* the callback that runs, for messages */
     uint64_t call_began;         /* clock_now_ns */
+    uint64_t call_ran;           /* instructions, in steps of the watchdog's */
     bool stopped;                /* by the watchdog: every protected call in the script passes the error on */
     size_t memory;               /* bytes Lua holds */
     char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */

@@ -8,7 +8,8 @@
  *   - pairs() goes in a fixed order: numbers rising, strings in the order of their bytes, false and true, then the
  *     rest in no fixed order (Lua's own order hangs on addresses);
  *   - table.sort is a stable merge sort (Lua's own picks pivots by the clock);
- *   - pcall, xpcall and coroutines pass on the error with which the watchdog stops a script. */
+ *   - pcall, xpcall and coroutines pass on the error with which the watchdog stops a script;
+ *   - there is no __gc, and functions that would loop for ever out of the watchdog's sight refuse to. */
 #include "api/api.h"
 
 #include "util.h"
@@ -292,11 +293,67 @@ static int guarded(lua_State *L)
     return pass_on(L, LUA_OK, 0);
 }
 
-/* Replaces the function `name` of the table on top by one that passes on the watchdog's error. */
-static void guard(lua_State *L, const char *name)
+/* ---- what the watchdog cannot see ---- */
+
+/* Lua calls no hook within a finalizer; and when finalizers run depends on memory, so that replays could differ. */
+static int set_metatable(lua_State *L)
+{
+    luaL_checktype(L, 1, LUA_TTABLE);
+    luaL_argexpected(L, lua_istable(L, 2) || lua_isnil(L, 2), 2, "nil or table");
+    if (luaL_getmetafield(L, 1, "__metatable") != LUA_TNIL) return luaL_error(L, "cannot change a protected metatable");
+    lua_settop(L, 2);
+    if (lua_istable(L, 2)) {
+        lua_pushliteral(L, "__gc");
+        if (lua_rawget(L, 2) != LUA_TNIL) return luaL_error(L, "setmetatable: __gc is not there in games");
+        lua_pop(L, 1);
+    }
+    lua_setmetatable(L, 1);
+    return 1;
+}
+
+/* Nor within these functions, which loop as often as their arguments say. What fits into memory stays far below. */
+static const lua_Integer MOST_ELEMENTS = 100000000;
+
+static int call_original(lua_State *L)
+{
+    lua_pushvalue(L, lua_upvalueindex(1));
+    lua_insert(L, 1);
+    lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
+    return lua_gettop(L);
+}
+
+/* table.insert and table.remove move the rest of a list, whose length may come from __len. */
+static int with_short_list(lua_State *L)
+{
+    if (lua_istable(L, 1) && luaL_len(L, 1) > MOST_ELEMENTS) return luaL_argerror(L, 1, "the list is too long");
+    return call_original(L);
+}
+
+static int move(lua_State *L)
+{
+    lua_Integer first = luaL_checkinteger(L, 2), last = luaL_checkinteger(L, 3);
+    if (last >= first && (lua_Unsigned)last - (lua_Unsigned)first > (lua_Unsigned)MOST_ELEMENTS)
+        return luaL_argerror(L, 3, "too many elements to move");
+    return call_original(L);
+}
+
+/* string.rep copies an empty string as often as it is told. */
+static int repeat(lua_State *L)
+{
+    size_t length, between = 0;
+    luaL_checklstring(L, 1, &length);
+    luaL_checkinteger(L, 2);
+    luaL_optlstring(L, 3, "", &between);
+    if (length + between > 0) return call_original(L);
+    lua_pushliteral(L, "");
+    return 1;
+}
+
+/* Replaces the function `name` of the table on top by `wrapper`, whose upvalue is the original. */
+static void wrap(lua_State *L, const char *name, lua_CFunction wrapper)
 {
     lua_getfield(L, -1, name);
-    lua_pushcclosure(L, guarded, 1);
+    lua_pushcclosure(L, wrapper, 1);
     lua_setfield(L, -2, name);
 }
 
@@ -353,11 +410,11 @@ void sandbox_open(lua_State *L)
         lua_pop(L, 1);
     }
     open_debug(L);
-    const luaL_Reg globals[] = {{"pairs", pairs}, {"load", load}, {NULL, NULL}};
+    const luaL_Reg globals[] = {{"pairs", pairs}, {"load", load}, {"setmetatable", set_metatable}, {NULL, NULL}};
     lua_pushglobaltable(L);
     luaL_setfuncs(L, globals, 0);
-    guard(L, "pcall");
-    guard(L, "xpcall");
+    wrap(L, "pcall", guarded);
+    wrap(L, "xpcall", guarded);
     lua_pushnil(L);
     lua_setfield(L, -2, "dofile");
     lua_pushnil(L);
@@ -374,11 +431,15 @@ void sandbox_open(lua_State *L)
     lua_getfield(L, -1, LUA_TABLIBNAME);
     lua_pushcfunction(L, sort);
     lua_setfield(L, -2, "sort");
+    wrap(L, "insert", with_short_list);
+    wrap(L, "remove", with_short_list);
+    wrap(L, "move", move);
     lua_pop(L, 1);
     lua_getfield(L, -1, LUA_COLIBNAME);
-    guard(L, "resume");
+    wrap(L, "resume", guarded);
     lua_pop(L, 1);
     lua_getfield(L, -1, LUA_STRLIBNAME);
+    wrap(L, "rep", repeat);
     lua_pushnil(L);
     lua_setfield(L, -2, "dump");
     lua_pop(L, 2);

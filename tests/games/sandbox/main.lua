@@ -90,6 +90,14 @@ local _, ok, got = coroutine.resume(inner, "back")
 assert(ok == true and got == "back")
 assert(xpcall(function() error("x") end, function(m) return m end) == false)
 
+-- What could run for ever where no watchdog looks.
+expect_error("__gc is not there", setmetatable, {}, { __gc = print })
+expect_error("too many elements", table.move, {}, 1, 1 << 62, 2)
+expect_error("the list is too long", table.insert, setmetatable({}, { __len = function() return 1 << 61 end }), 1, 0)
+assert(("").rep("", 1 << 62) == "" and ("ab"):rep(2, ",") == "ab,ab")
+assert(getmetatable(setmetatable({}, { __index = {} })).__index and #table.move({ 1, 2, 3 }, 1, 3, 2) == 4)
+expect_error("protected", setmetatable, setmetatable({}, { __metatable = 1 }), {})
+
 -- Memory has an end, and running into it is an error like any other.
 expect_error("not enough memory", function() return ("x"):rep(1 << 30) end)
 
