@@ -1,0 +1,43 @@
+/* Fuzzing: each target is one function that takes any bytes as the input of one door of the engine and comes back. It
+ * aborts (FUZZ_CHECK) when a promise is broken; crashes, leaks and undefined behaviour are the sanitizers' to find.
+ * The same functions run under libFuzzer (main.c; ./daft test --fuzz) and over the seeds and the museum of past crashes
+ * in every test run (tests/test_corpus.c). They keep nothing from one call to the next that could change a result. */
+#ifndef DAFT_FUZZ_H
+#define DAFT_FUZZ_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "daft.h"
+
+typedef int fuzz_input(const uint8_t *data, size_t size);
+
+fuzz_input obj_input;       /* an OBJ file, from memory */
+fuzz_input mtl_input;       /* an MTL file, from memory */
+fuzz_input scene_input;     /* a .scene file beside a mesh, a material, a picture and another scene; then a picture of it */
+fuzz_input image_input;     /* an image file: as a picture, a texture and a sky */
+fuzz_input render_input;    /* calls of daft.h, then pictures, rays and ticks */
+fuzz_input lua_input;       /* main.lua of a game */
+fuzz_input recording_input; /* a recording of a game's input */
+
+#define FUZZ_CHECK(condition)                                                                                          \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);                                    \
+            abort();                                                                                                   \
+        }                                                                                                              \
+    } while (0)
+
+/* Every error has a code and a message that fits and ends; a success has neither. */
+void fuzz_check_error(bool good, const daft_error *error);
+
+/* A folder of this process with small assets: thing.obj, paint.mtl, picture.png, other.scene, self.scene (includes
+ * itself). Made at the first call, removed when the process ends. */
+const char *fuzz_folder(void);
+/* Writes a file there and returns its path, which the next call overwrites. */
+const char *fuzz_write(const char *name, const void *data, size_t size);
+
+#endif

@@ -1,0 +1,1 @@
+function daft.update() while true do pcall(error) end end
