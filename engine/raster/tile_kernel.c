@@ -10,8 +10,10 @@
  *
  * Depth. The inverse depth w = 1/z is linear over the picture: with the triangle's normal N = (b - a) × (c - a) and
  * D = N·a, w·focal = N·d / D. N is off by 4u·M as above, N·d by 3u more, D by 3u·Σ M·|a| and the quotients by 2u each; so
- * |error(w)| <= 9u·(Σ M·|d| + w·Σ M·|a|) / |D|, taken with 12u at the triangle's largest w. Where D is 0 in floats the
- * bound is infinite. Pixels keep the interval of their nearest w: those that are apart need no closer look. */
+ * |error(w)| <= 9u·(Σ M·|d| + w·Σ M·|a|) / |D|, taken with 12u at the largest w of the triangle in the tile. Where that is
+ * more than 2^-16 of w itself (a floor under the camera, an edge-on sliver) N and D are taken in double, and what is left
+ * is the rounding of w's own three terms. Pixels keep the interval of their nearest w: those that are apart need no
+ * closer look. */
 #include "math/exact.h"
 #include "math/isa.h"
 #include "math/simd.h"
@@ -176,22 +178,42 @@ DAFT_INLINE vbits beyond_tile(const job *j, const vf3 n[3], vf bound)
     return vm_bits(out);
 }
 
+/* One triangle's plane of w in double, and its error bound. */
+static void depth_setup_double(const job *j, batch *b, int i)
+{
+    const daft_record *r = b->record[i];
+    double f = (double)j->raster->pencil.focal, dx = (double)j->max_dx, dy = (double)j->max_dy;
+    daft_dvec3 a = daft_to_double(record_corner(r, 0)), p = daft_dsub(daft_to_double(record_corner(r, 1)), a),
+               q = daft_dsub(daft_to_double(record_corner(r, 2)), a), n = daft_dcross(p, q);
+    double inverse = 1 / (daft_ddot(n, a) * f);
+    double m[3] = {fabs(p.y * q.z) + fabs(p.z * q.y), fabs(p.z * q.x) + fabs(p.x * q.z), fabs(p.x * q.y) + fabs(p.y * q.x)};
+    double w = (fabs(n.x) * dx + fabs(n.y) * dy + fabs(n.z) * f) * fabs(inverse);
+    double rays = m[0] * dx + m[1] * dy + m[2] * f, corners = (m[0] * fabs(a.x) + m[1] * fabs(a.y) + m[2] * fabs(a.z)) * f;
+    b->wx[i] = (float)(n.x * inverse), b->wy[i] = (float)(n.y * inverse), b->wz[i] = (float)(n.z * inverse * f);
+    b->error[i] = (float)(w * (4 * (double)UNIT) + (rays + corners * w) * fabs(inverse) * 0x1p-48) + TINY;
+}
+
 /* The plane of w, its error bound and its largest value. */
-DAFT_INLINE void depth_setup(const job *j, batch *b, const vf3 corner[3])
+static void depth_setup(const job *j, batch *b, const vf3 corner[3], vbits live)
 {
     vf3 a = corner[0];
     vf3 p = {corner[1].x - a.x, corner[1].y - a.y, corner[1].z - a.z}, q = {corner[2].x - a.x, corner[2].y - a.y, corner[2].z - a.z};
     vf yz = p.y * q.z, zy = p.z * q.y, zx = p.z * q.x, xz = p.x * q.z, xy = p.x * q.y, yx = p.y * q.x;
     vf3 n = {yz - zy, zx - xz, xy - yx};
     vf3 m = {vf_abs(yz) + vf_abs(zy), vf_abs(zx) + vf_abs(xz), vf_abs(xy) + vf_abs(yx)};
-    vf focal = vf_set(j->raster->pencil.focal), inverse = vf_set(1) / (vf3_dot(n, a) * focal);
+    vf dx = vf_set(j->max_dx), dy = vf_set(j->max_dy), focal = vf_set(j->raster->pencil.focal);
+    vf inverse = vf_set(1) / (vf3_dot(n, a) * focal), scale = vf_abs(inverse);
     vf least = vf_min(corner[0].z, vf_min(corner[1].z, corner[2].z));
     vf w_max = vf_select(vf_lt(vf_set(0), least), vf_set(1 + 4 * UNIT) / least, vf_set(INFINITY));
-    vf rays = m.x * vf_set(j->max_dx) + m.y * vf_set(j->max_dy) + m.z * focal;
+    vf w = vf_min((vf_abs(n.x) * dx + vf_abs(n.y) * dy + vf_abs(n.z) * focal) * scale, w_max);
+    vf rays = m.x * dx + m.y * dy + m.z * focal;
     vf corners = (m.x * vf_abs(a.x) + m.y * vf_abs(a.y) + m.z * vf_abs(a.z)) * focal;
+    vf error = vf_set(12 * UNIT) * (rays + corners * w) * scale + vf_set(TINY);
     vf_store(b->wx, n.x * inverse), vf_store(b->wy, n.y * inverse), vf_store(b->wz, n.z * inverse * focal);
-    vf_store(b->error, vf_set(12 * UNIT) * (rays + corners * w_max) * vf_abs(inverse) + vf_set(TINY));
+    vf_store(b->error, error);
     vf_store(b->w_max, w_max);
+    for (vbits coarse = live & ~vm_bits(vf_lt(error, w * vf_set(0x1p-16f))); coarse; coarse &= coarse - 1)
+        depth_setup_double(j, b, __builtin_ctz(coarse));
 }
 
 static void batch_setup(const job *j, batch *b, const float *base, vi offset, int count)
@@ -220,8 +242,9 @@ static void batch_setup(const job *j, batch *b, const float *base, vi offset, in
         vf_store(b->nx[k], n[k].x), vf_store(b->ny[k], n[k].y), vf_store(b->nz[k], n[k].z);
     }
     vf_store(b->bound, bound);
-    depth_setup(j, b, corner);
-    b->live = (live & ~beyond_tile(j, n, bound)) | spheres;
+    live &= ~beyond_tile(j, n, bound);
+    depth_setup(j, b, corner, live);
+    b->live = live | spheres;
 }
 
 /* ---- blocks ---- */

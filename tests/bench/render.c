@@ -57,6 +57,8 @@ typedef struct camera_job {
     daft_instance instances[2]; /* frame space: the origin is at the camera */
     daft_tile *tiles;           /* one for each worker */
     uint64_t hits[64], peer_hits;
+    daft_intersection other; /* what the exact test is compared with */
+    uint32_t *seen;          /* which triangle each pixel sees, where it is asked for */
     const bench_embree_api *api;
     bench_embree *embree;
 } camera_job;
@@ -74,24 +76,35 @@ static void tile_task(void *context, uint32_t index, uint32_t worker)
     job->kernels->tile(&job->raster, index, worker, tile);
     uint64_t hits = 0;
     for (int y = 0; y < tile->height; y++)
-        for (int x = 0; x < tile->width; x++) hits += tile->instance[y * DAFT_TILE_STRIDE + x] != DAFT_NOTHING;
+        for (int x = 0; x < tile->width; x++) {
+            uint32_t instance = tile->instance[y * DAFT_TILE_STRIDE + x], triangle = tile->triangle[y * DAFT_TILE_STRIDE + x];
+            hits += instance != DAFT_NOTHING;
+            if (job->seen) job->seen[(tile->y + y) * WIDTH + tile->x + x] = instance == DAFT_NOTHING ? instance : 2 * triangle + instance;
+        }
     job->hits[worker] += hits;
 }
 
 static double mrays(double ms) { return WIDTH * HEIGHT / ms / 1e3; }
 
-static double camera_ours(void *context)
+static double camera_rays(camera_job *job, daft_intersection intersection)
 {
-    camera_job *job = context;
     const bench_view *view = job->view;
     memset(job->hits, 0, sizeof job->hits);
     double start = daft_clock_ms();
     daft_pencil pencil = {.right = view->right, .up = view->up, .forward = view->forward,
-                          .focal = view->focal, .width = view->width, .height = view->height};
+                          .focal = view->focal, .width = view->width, .height = view->height, .intersection = intersection};
     if (!daft_raster_begin(&job->raster, &pencil, job->instances, 2, NULL)) return -1;
     daft_parallel_for(job->raster.workers, (uint32_t)job->raster.work_count, bin_task, job);
     daft_parallel_for(job->raster.workers, (uint32_t)(job->raster.tiles_x * job->raster.tiles_y), tile_task, job);
     return mrays(daft_clock_ms() - start);
+}
+
+static double camera_ours(void *context) { return camera_rays(context, DAFT_INTERSECT_EXACT); }
+
+static double camera_other(void *context)
+{
+    camera_job *job = context;
+    return camera_rays(job, job->other);
 }
 
 static double camera_peer(void *context)
@@ -113,6 +126,27 @@ static void camera_describe(void *context, char *out, size_t size)
         snprintf(out + used, size - (size_t)used, ", peer %+lld hits", (long long)(job->peer_hits - hits));
 }
 
+/* What the other way gets wrong, against the exact one. */
+static void other_describe(void *context, char *out, size_t size)
+{
+    camera_job *job = context;
+    const daft_allocator allocator = daft_malloc_allocator();
+    uint32_t *ids[2] = {daft_alloc(&allocator, WIDTH * HEIGHT, 4), daft_alloc(&allocator, WIDTH * HEIGHT, 4)};
+    uint32_t wrong = 0, holes = 0;
+    for (int i = 0; i < 2 && ids[0] && ids[1]; i++) {
+        job->seen = ids[i];
+        camera_rays(job, i ? job->other : DAFT_INTERSECT_EXACT);
+    }
+    for (int i = 0; ids[0] && ids[1] && i < WIDTH * HEIGHT; i++) {
+        wrong += ids[0][i] != ids[1][i];
+        holes += ids[0][i] != DAFT_NOTHING && ids[1][i] == DAFT_NOTHING;
+    }
+    job->seen = NULL;
+    snprintf(out, size, "%s: %u pixels wrong, %u of them holes", daft_intersection_name(job->other), wrong, holes);
+    daft_release(&allocator, ids[0]);
+    daft_release(&allocator, ids[1]);
+}
+
 static daft_instance instance_of(const daft_trimesh *mesh, const daft_bvh *bvh, daft_vec3 eye)
 {
     static const uint32_t material = 0;
@@ -121,6 +155,21 @@ static daft_instance instance_of(const daft_trimesh *mesh, const daft_bvh *bvh, 
     instance.to_object = (daft_affine){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {eye.x, eye.y, eye.z}};
     daft_instance_bound(&instance);
     return instance;
+}
+
+/* The price of exactness: a ratio of 0.95 says that the exact test runs at 95 % of the other's speed. */
+static void measure_intersections(bench *self, const char *scene, camera_job *job)
+{
+    static const char *const WHAT[] = {[DAFT_INTERSECT_WATERTIGHT] = "intersection, exact to watertight",
+                                       [DAFT_INTERSECT_FAST] = "intersection, exact to fast"};
+    for (daft_intersection other = DAFT_INTERSECT_WATERTIGHT; other <= DAFT_INTERSECT_FAST; other++) {
+        if (!bench_wants(self, scene, WHAT[other])) continue;
+        job->other = other;
+        bench_subject subject = {.scene = scene, .what = WHAT[other], .unit = "Mray/s", .isa = self->isa,
+                                 .threads = job->raster.workers, .ours = camera_ours, .peer = camera_other, .context = job,
+                                 .peer_name = daft_intersection_name(other), .describe = other_describe};
+        bench_measure(self, &subject);
+    }
 }
 
 static void measure_camera(bench *self, const char *scene, const bench_view *view, const daft_trimesh *mesh[2],
@@ -139,7 +188,8 @@ static void measure_camera(bench *self, const char *scene, const bench_view *vie
         bench_subject subject = {.scene = scene, .what = "camera rays", .unit = "Mray/s", .isa = self->isa,
                                  .threads = threads, .ours = camera_ours, .peer = job.embree ? camera_peer : NULL,
                                  .context = &job, .peer_name = api ? api->name : "Embree", .describe = camera_describe};
-        bench_measure(self, &subject);
+        if (bench_wants(self, scene, "camera rays")) bench_measure(self, &subject);
+        measure_intersections(self, scene, &job);
         if (api) api->destroy(job.embree);
     }
     daft_raster_free(&job.raster);
@@ -258,7 +308,8 @@ void bench_render(bench *self)
         for (size_t d = 0; d < 2; d++) {
             char scene[64];
             snprintf(scene, sizeof scene, "%s, %s", BENCH_MODELS[i].name, DISTANCES[d].name);
-            wanted[d][0] = bench_wants(self, scene, "camera rays");
+            wanted[d][0] = bench_wants(self, scene, "camera rays") | bench_wants(self, scene, "intersection, exact to watertight") |
+                           bench_wants(self, scene, "intersection, exact to fast");
             wanted[d][1] = bench_wants(self, scene, "frame, sun and point light");
             any |= wanted[d][0] || wanted[d][1];
         }
