@@ -14,6 +14,7 @@ bool generate_font(const char *root);
 bool generate_textures(const char *root);
 bool generate_sky(const char *root);
 bool generate_meshes(const char *root);
+bool generate_hard(const char *root);
 
 /* Opens root/path for writing in binary; NULL after a message on stderr. */
 FILE *open_output(const char *root, const char *path);
