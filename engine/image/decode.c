@@ -97,8 +97,10 @@ static bool are_huffman_tables_good(const uint8_t *at, size_t length, size_t lef
  * picture after SOS), and each but the bare markers has its length in front. */
 static bool is_jpeg_safe(const uint8_t *bytes, size_t size)
 {
-    if (size < 2 || bytes[0] != 0xff || bytes[1] != 0xd8) return true;
-    for (size_t at = 2; at + 4 <= size;) {
+    size_t at = 0;
+    while (at < size && bytes[at] == 0xff) at++;
+    if (at == 0 || at == size || bytes[at++] != 0xd8) return true; /* no JPEG */
+    while (at + 4 <= size) {
         uint8_t marker = bytes[at + 1];
         if (bytes[at] != 0xff || marker == 0xff || marker == 0) {
             at += bytes[at] == 0xff && marker == 0 ? 2 : 1;
