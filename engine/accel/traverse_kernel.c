@@ -2,28 +2,32 @@
  *
  * Boxes: slab test of eight children at once. A zero component's inverse is infinite: planes then lie at plus or minus
  * infinity, and the NaN of a ray within a plane loses every comparison, so that plane says nothing, which is right. The far
- * distance is widened by 2·gamma(3) (Ize, "Robust BVH Ray Traversal", 2013), so rounding never misses a box.
+ * distance is widened (Ize, "Robust BVH Ray Traversal", 2013), so rounding never misses a box: with u = 2^-24, a difference,
+ * an inverse and a product move each distance by 3u, and the product that widens by u: 7u to first order, and 8u is taken.
  *
  * Triangles: with the corners a, b relative to the ray's origin, an edge's plane is (a - b) × (a + b) = 2·a × b, a - b being
  * taken from the corners as given. Exchanging a and b negates every bit of it, so the two triangles at an edge see opposite
  * values of one number (Davidovič et al., "3D rasterization", 2012; Woop et al., "Watertight Ray/Triangle Intersection",
  * 2013). That alone still loses rays at vertices, where rounding can put a ray on the same side of every spoke of a fan; so
  * lanes within the error bound are decided by the exact predicates: triangles are closed, and where a ray touches several
- * at one distance the lowest number is the hit. With u = 2^-24 and S = |a| + |b| by component: a - b
+ * at one distance the lowest number is the hit. With S = |a| + |b| by component: a - b
  * rounds once; a + b is off by at most 2u·S; the products, their difference and the dot product with d round five times.
  * Together 8u·Σ |a - b|·S·|d| over the six products; the bound takes 9u of the product of the three sums of magnitudes,
  * which is larger and cheaper.
  *
  * Distances: the mean of the corners' along the ray, weighted by the sides, so they stay among them however flat the
- * triangle is seen. Where the sides' errors could move that mean by 2^-18 of itself, it is taken in double. */
+ * triangle is seen. The corners' are off by 4u of Σ |p|·|d|, taking their mean by as much again; where that, or the sides'
+ * errors, or what underflows (TINY), could move the mean by 2^-18 of itself, it is taken in double. */
 #include "accel/bvh.h"
 #include "accel/traverse.h"
 #include "math/exact.h"
 #include "math/isa.h"
 #include "math/simd.h"
 
-#define WIDEN (1.0f + 6 * 0x1p-24f)
-#define NARROW (1.0f - 6 * 0x1p-24f) /* widens where distances are negative */
+#define WIDEN (1.0f + 8 * 0x1p-24f)
+#define NARROW (1.0f - 8 * 0x1p-24f) /* widens where distances are negative */
+#define TINY 1e-36f                  /* over the sum of a few underflowing products */
+#define SHORT 1e-30f                 /* squares of shorter directions underflow */
 
 DAFT_INLINE float widened(float far) { return far > 0 ? far * WIDEN : far * NARROW; }
 
@@ -129,14 +133,19 @@ static __attribute__((noinline)) uint32_t block_exact(uint32_t unsure, const daf
     return hits;
 }
 
-/* Distances and weights from the sides; returns the sum that the sides were divided by, times the ray's square. */
-DAFT_INLINE v4 block_measure(const v4 side[3], const v4 q[3], v43 d, block_hits *out)
+typedef struct block_mean {
+    v4 inverse, along; /* one over the sides' sum; the corners' mean of p·d */
+} block_mean;
+
+/* Distances and weights from the sides. */
+DAFT_INLINE block_mean block_measure(const v4 side[3], const v4 q[3], v4 dd, block_hits *out)
 {
-    v4 sum = side[0] + side[1] + side[2], scale = sum * v43_dot(d, d);
-    out->t = (side[0] * q[0] + side[1] * q[1] + side[2] * q[2]) / scale;
-    out->v = side[1] / sum;
-    out->w = side[2] / sum;
-    return scale;
+    v4 inverse = v4_set(1) / (side[0] + side[1] + side[2]);
+    out->v = side[1] * inverse;
+    out->w = side[2] * inverse;
+    v4 along = side[0] * inverse * q[0] + out->v * q[1] + out->w * q[2];
+    out->t = along / dd;
+    return (block_mean){inverse, along};
 }
 
 /* The floats' word alone; `fast` takes the edges' planes as the corners come. */
@@ -155,7 +164,7 @@ DAFT_INLINE uint32_t block_test_floats(const daft_block *b, daft_vec3 o, daft_ve
     v4i in = (v4i)(least >= zero) | (v4i)(most <= zero);
     if (!v4_bits(in)) return 0;
     for (int k = 0; k < 3; k++) q[k] = v43_dot(p[k], d);
-    block_measure(side, q, d, out);
+    block_measure(side, q, v43_dot(d, d), out);
     return v4_bits(in & (v4i)(out->t >= v4_set(tmin)) & (v4i)(out->t <= v4_set(tmax)));
 }
 
@@ -179,15 +188,17 @@ DAFT_INLINE uint32_t block_test(const daft_block *b, daft_vec3 o, daft_vec3 dire
         size[k] = v43_sum(v43_abs(e[k])) * (reach[i] + reach[j]);
     }
     v4 least = v4_min(v4_min(side[0], side[1]), side[2]), most = v4_max(v4_max(side[0], side[1]), side[2]);
-    v4 bound = v4_max(v4_max(size[0], size[1]), size[2]) * (v43_sum(v43_abs(d)) * v4_set(9 * 0x1p-24f)) + v4_set(1e-36f);
-    /* written so that a NaN, from an overflow, is neither outside nor sure */
-    v4i outside = (v4i)(least < -bound) & (v4i)(most > bound);
+    v4 speed = v43_sum(v43_abs(d)), bound = v4_max(v4_max(size[0], size[1]), size[2]) * (speed * v4_set(9 * 0x1p-24f)) + v4_set(TINY);
+    /* a side that overflowed may be of the wrong sign; written so that a NaN is neither outside nor sure */
+    v4i outside = (v4i)(least < -bound) & (v4i)(most > bound) & (v4i)(bound < v4_set(9 * 0x1p-24f * 1e38f));
     uint32_t maybe = v4_bits(~outside);
     if (!maybe) return 0;
     v4 q[3] = {v43_dot(p[0], d), v43_dot(p[1], d), v43_dot(p[2], d)};
-    v4 range = v4_max(v4_max(q[0], q[1]), q[2]) - v4_min(v4_min(q[0], q[1]), q[2]), scale = block_measure(side, q, d, out);
-    v4 error = v4_set(3) * bound * range / v4_abs(scale);
-    v4i sure = ((v4i)(least > bound) | (v4i)(most < -bound)) & (v4i)(error < v4_abs(out->t) * v4_set(0x1p-18f));
+    v4 range = v4_max(v4_max(q[0], q[1]), q[2]) - v4_min(v4_min(q[0], q[1]), q[2]), dd = v43_dot(d, d);
+    block_mean mean = block_measure(side, q, dd, out);
+    v4 doubt = v4_set(3) * bound * range * v4_abs(mean.inverse) + v4_set(TINY) +
+               v4_max(v4_max(reach[0], reach[1]), reach[2]) * (speed * v4_set(8 * 0x1p-24f));
+    v4i sure = ((v4i)(least > bound) | (v4i)(most < -bound)) & (v4i)(doubt < v4_abs(mean.along) * v4_set(0x1p-18f)) & (v4i)(dd > v4_set(SHORT));
     uint32_t hits = v4_bits(sure & (v4i)(out->t >= v4_set(tmin)) & (v4i)(out->t <= v4_set(tmax)));
     uint32_t unsure = maybe & ~v4_bits(sure);
     if (unsure) hits |= block_exact(unsure, b, o, direction, tmin, tmax, out);
