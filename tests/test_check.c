@@ -198,6 +198,9 @@ static void odd_scenes_are_told(void **unused)
                 ":3:6: note: a negative scale mirrors the mesh");
     EXPECT_FILE("tiny.scene", "camera 9 0 0\nlight 9 9 9 1 1 1\nmesh solid.obj 0 0 0 1e-42\n", 0,
                 ":3:6: warning: it is not drawn");
+    EXPECT_FILE("large.scene",
+                "camera 9 0 0\nlight 9 9 9 1 1 1\nsphere 0 1e20 0 1e15 red.mtl\nsphere 9 9 0 1e-20 red.mtl\n", 0,
+                ":3:22: warning: it is not drawn", ":4:20: warning: it is not drawn");
     EXPECT_FILE("black.scene", "ambient 0 0 0\nsphere 5 0 0 1 red.mtl\n", 0, ": note: no camera",
                 ": warning: no light, and no ambient light: everything is black");
 }

@@ -85,6 +85,6 @@ bool daft_check_camera(daft_error *error, const char *name, const daft_camera *c
             return false;
     }
     snprintf(field, sizeof field, "%s.fov", name);
-    return daft_check_range(error, field, (double)camera->fov, 1e-6, 3.1415,
+    return daft_check_range(error, field, (double)camera->fov, (double)1e-6f, 3.1415,
                             "between 1e-6 and 3.1415 radians (below pi)");
 }

@@ -95,21 +95,26 @@ static void check_inside(const checker *c, const daft_scene_item *at, daft_dvec3
 
 /* ---- things ---- */
 
-/* As the frame snapshot sees it: the transform and its inverse have to fit floats. */
-static bool can_be_drawn(const daft_scene_item *item)
+/* The frame snapshot leaves out what reaches farther than 1e12 metres, in the world or in the mesh's own space, and
+ * spheres whose squared radius would underflow. */
+static bool can_be_drawn(const checker *c, const daft_scene_item *item)
 {
-    daft_daffine pose = pose_of(item), inverse;
-    pose.t[0] = pose.t[1] = pose.t[2] = 0;
-    if (!daft_daffine_invert(&pose, &inverse)) return false;
-    for (int i = 0; i < 9; i++)
-        if (fabs(pose.m[i]) > DAFT_ANY_FLOAT || fabs(inverse.m[i]) > DAFT_ANY_FLOAT) return false;
-    return true;
+    const double farthest = 1e12;
+    if (item->kind == DAFT_ITEM_SPHERE)
+        return (double)item->entity.radius >= 1e-15 && (double)item->entity.radius <= farthest;
+    const daft_trimesh *mesh = &c->scene->assets.meshes[item->entity.mesh.id - 1]->mesh;
+    if (mesh->triangle_count == 0) return true;
+    daft_dvec3 low = daft_to_double(mesh->low), high = daft_to_double(mesh->high);
+    double reach =
+        fmax(fmax(fmax(fabs(low.x), fabs(low.y)), fabs(low.z)), fmax(fmax(fabs(high.x), fabs(high.y)), fabs(high.z)));
+    double scale = fabs((double)item->entity.scale.x);
+    return reach <= farthest && reach * scale <= farthest && 1 / scale <= farthest;
 }
 
 static void check_thing(const checker *c, const daft_scene_item *item)
 {
-    if (!can_be_drawn(item))
-        tell(c, DAFT_SEVERITY_WARNING, item, "it is not drawn: its scale, or one over it, does not fit floats");
+    if (!can_be_drawn(c, item))
+        tell(c, DAFT_SEVERITY_WARNING, item, "it is not drawn: it is larger than 1e12 metres, or too small for floats");
     if (item->kind != DAFT_ITEM_MESH) return;
     if (item->entity.scale.x < 0) tell(c, DAFT_SEVERITY_NOTE, item, "a negative scale mirrors the mesh");
     if (c->scene->assets.meshes[item->entity.mesh.id - 1]->mesh.triangle_count == 0)
