@@ -5,7 +5,8 @@
  * b negates each bit, so neighbours see the same number. e = n·d is positive on the inner side after all three are turned
  * by the sign of det(a, b, c). With u = 2^-24: a - b and a + b round once, each product once, their difference once, so a
  * component of n is off by at most 4u·M with M = |x|·|y'| + |y|·|x'| of its two products; the three products with d and two
- * sums add 3u·|n|·|d|. Together |error(e)| <= 7u·(Mx·|dx| + My·|dy| + Mz·|dz|) to first order; the bound takes 8u, which
+ * sums add 3u·|n|·|d|. Together |error(e)| <= 7u·(Mx·|dx| + My·|dy| + Mz·|dz|) to first order. n is then divided by
+ * that bound, which adds one more u, so that e is sure beyond 1 whatever the size of its edge; the bound takes 9u, which
  * covers its own roundings, and adds TINY for underflow. An e that is NaN or infinite is never "sure".
  *
  * Depth. The inverse depth w = 1/z is linear over the picture: with the triangle's normal N = (b - a) × (c - a) and
@@ -36,9 +37,9 @@ enum {
 
 /* Up to DAFT_VL triangles, set up. Edge k is opposite corner k. */
 typedef struct batch {
-    float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL]; /* nz times the focal length */
+    float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL]; /* over the bound of e; nz times the focal length */
     float wx[DAFT_VL], wy[DAFT_VL], wz[DAFT_VL];          /* w = wx·dx + wy·dy + wz */
-    float bound[DAFT_VL], error[DAFT_VL], w_max[DAFT_VL];
+    float error[DAFT_VL], w_max[DAFT_VL];
     const daft_record *record[DAFT_VL];
     vbits live;
     bool exact;
@@ -143,7 +144,7 @@ DAFT_INLINE edge edge_setup_fast(vf3 a, vf3 b)
 
 DAFT_INLINE vf edge_bound(const edge *e, vf dx, vf dy, vf dz)
 {
-    return vf_set(8 * UNIT) * (e->mx * dx + e->my * dy + e->mz * dz) + vf_set(TINY);
+    return vf_set(9 * UNIT) * (e->mx * dx + e->my * dy + e->mz * dz) + vf_set(TINY);
 }
 
 /* Sign bits that turn the edges so that inside is positive; lanes seen edge-on drop out of *live. */
@@ -167,13 +168,13 @@ static vi facing(const batch *b, const edge *e, const vf3 corner[3], vbits *live
 }
 
 /* Lanes of which some edge has the whole tile on its outer side. */
-DAFT_INLINE vbits beyond_tile(const job *j, const vf3 n[3], vf bound)
+DAFT_INLINE vbits beyond_tile(const job *j, const vf3 n[3])
 {
     vf x0 = vf_set(j->left), x1 = vf_set(j->left + DAFT_TILE - 1), y0 = vf_set(j->top - DAFT_TILE + 1), y1 = vf_set(j->top);
     vm out = vm_from_bits(0);
     for (int k = 0; k < 3; k++) {
         vf most = vf_max(n[k].x * x0, n[k].x * x1) + (vf_max(n[k].y * y0, n[k].y * y1) + n[k].z);
-        out = vm_or(out, vf_lt(most, -bound));
+        out = vm_or(out, vf_lt(most, vf_set(-1)));
     }
     return vm_bits(out);
 }
@@ -235,14 +236,13 @@ static void batch_setup(const job *j, batch *b, const float *base, vi offset, in
     live &= ~spheres;
     vi sign = facing(b, e, corner, &live);
     vf dx = vf_set(j->max_dx), dy = vf_set(j->max_dy), dz = vf_set(j->raster->pencil.focal);
-    vf bound = vf_max(edge_bound(&e[0], dx, dy, dz), vf_max(edge_bound(&e[1], dx, dy, dz), edge_bound(&e[2], dx, dy, dz)));
     vf3 n[3];
     for (int k = 0; k < 3; k++) {
-        n[k] = (vf3){vf_xor_sign(e[k].n.x, sign), vf_xor_sign(e[k].n.y, sign), vf_xor_sign(e[k].n.z, sign) * dz};
+        vf scale = vf_xor_sign(b->exact ? vf_set(1) / edge_bound(&e[k], dx, dy, dz) : vf_set(1), sign);
+        n[k] = (vf3){e[k].n.x * scale, e[k].n.y * scale, e[k].n.z * scale * dz};
         vf_store(b->nx[k], n[k].x), vf_store(b->ny[k], n[k].y), vf_store(b->nz[k], n[k].z);
     }
-    vf_store(b->bound, bound);
-    live &= ~beyond_tile(j, n, bound);
+    live &= ~beyond_tile(j, n);
     depth_setup(j, b, corner, live);
     b->live = live | spheres;
 }
@@ -295,7 +295,7 @@ DAFT_INLINE void triangle_blocks(job *j, const batch *b, int i, bool exact)
     const daft_record *r = b->record[i];
     rect box = record_rect(j, r);
     vf nx0 = vf_set(b->nx[0][i]), nx1 = vf_set(b->nx[1][i]), nx2 = vf_set(b->nx[2][i]), wx = vf_set(b->wx[i]);
-    vf bound = vf_set(b->bound[i]), error = vf_set(b->error[i]), zero = vf_set(0), w_max = vf_set(b->w_max[i]);
+    vf one = vf_set(1), error = vf_set(b->error[i]), zero = vf_set(0), w_max = vf_set(b->w_max[i]);
     for (int y = box.y0; y <= box.y1; y++) {
         vf dy = block_dy(j, y), w_row = vf_set(b->wy[i]) * dy + vf_set(b->wz[i]);
         vf row0 = vf_set(b->ny[0][i]) * dy + vf_set(b->nz[0][i]), row1 = vf_set(b->ny[1][i]) * dy + vf_set(b->nz[1][i]),
@@ -313,9 +313,9 @@ DAFT_INLINE void triangle_blocks(job *j, const batch *b, int i, bool exact)
             }
             /* a NaN, from an overflow, may hide in the minimum: then nothing is sure, nor outside */
             vbits whole = vm_bits(vf_lt(vf_abs(e0 + e1 + e2), vf_set(INFINITY)));
-            vbits hits = DAFT_ALL_LANES & ~(vm_bits(vf_lt(least, -bound)) & whole);
+            vbits hits = DAFT_ALL_LANES & ~(vm_bits(vf_lt(least, -one)) & whole);
             if (!hits) continue;
-            vbits unsure = hits & ~(vm_bits(vf_lt(bound, least)) & whole);
+            vbits unsure = hits & ~(vm_bits(vf_lt(one, least)) & whole);
             offer(j, at, r, hits, unsure, w - error, w + error);
         }
     }
