@@ -73,6 +73,8 @@ run test --preset nonsense
 check 'an unknown preset is wrong usage' [ "$status" = 2 ] && check 'and is named' says err "'nonsense'"
 run test --filter
 check 'a filter needs its value' [ "$status" = 2 ]
+run test --fuzz --seconds 0
+check 'a fuzzer needs its time' [ "$status" = 2 ] && check 'and says so' says err "not '0'"
 
 cd "$out/else where"
 run play 'a game' --ticks 3

@@ -206,6 +206,17 @@ static void set_camera(player *p)
     daft_scene_set_camera(p->scene, &camera, kind & 4, NULL);
 }
 
+/* From beside an entity, however far away and small it is. */
+static void look_at_entity(player *p)
+{
+    daft_transform pose;
+    if (!daft_entity_get_transform(p->scene, PICK(p, p->entities, p->entity_count), &pose, NULL)) return;
+    daft_dvec3 from = place(p);
+    from.x += pose.position.x, from.y += pose.position.y, from.z += pose.position.z;
+    daft_camera camera = daft_camera_look_at(from, pose.position, 1.5f);
+    daft_scene_set_camera(p->scene, &camera, true, NULL);
+}
+
 static void set_surroundings(player *p)
 {
     switch (take(p) & 3) {
@@ -327,7 +338,7 @@ static void draw_both_ways(player *p)
 
 static void play(player *p)
 {
-    for (int i = 0; i < CALLS && p->at < p->end; i++) switch (take(p) % 10) {
+    for (int i = 0; i < CALLS && p->at < p->end; i++) switch (take(p) % 11) {
         case 0: make_mesh(p); break;
         case 1: make_material(p); break;
         case 2:
@@ -337,6 +348,7 @@ static void play(player *p)
         case 6: set_surroundings(p); break;
         case 7: change_entity(p); break;
         case 8: cast_ray(p); break;
+        case 10: look_at_entity(p); break;
         default: step(p);
         }
     draw_both_ways(p);
