@@ -3,80 +3,89 @@
  * (Wald, Benthin, Boulos, "Getting Rid of Packets", 2008). Below MEDIAN_DEPTH, and where all centroids are equal, ranges
  * are halved by count, so the depth is bounded for any input and the time is O(n log n). */
 #include "accel/bvh.h"
+#include "math/simd.h"
 
 #include <float.h>
 #include <string.h>
 
-enum { BINS = 16, MEDIAN_DEPTH = 40 };
+enum { MAX_BINS = 16, FEW_BINS = 8, FEW_PRIMS = 48, MEDIAN_DEPTH = 40 };
+
+/* Lows and highs in lanes 0 to 2; lane 3 holds a prim's number and padding, and means nothing. */
+typedef struct box {
+    v4 low, high;
+} box;
 
 typedef struct range {
     uint32_t first, count;
-    float box[6];       /* low x y z, high x y z */
-    float centroids[6]; /* bounds of low + high */
+    box box;
+    box centroids; /* bounds of the middles */
     bool leaf;
 } range;
 
 typedef struct bin {
-    float box[6];
+    box box;
     uint32_t count;
 } bin;
 
-static void box_clear(float box[6])
-{
-    for (int k = 0; k < 3; k++) box[k] = FLT_MAX, box[k + 3] = -FLT_MAX;
-}
+static box box_empty(void) { return (box){v4_set(FLT_MAX), v4_set(-FLT_MAX)}; }
 
-static void box_add(float box[6], const float low[3], const float high[3])
+DAFT_INLINE void box_add(box *b, box other)
 {
-    for (int k = 0; k < 3; k++) {
-        if (low[k] < box[k]) box[k] = low[k];
-        if (high[k] > box[k + 3]) box[k + 3] = high[k];
-    }
+    b->low = v4_min(other.low, b->low);
+    b->high = v4_max(other.high, b->high);
 }
 
 /* Half the surface, in double: coordinates of 1e20 must not overflow. */
-static double box_area(const float box[6])
+static double box_area(const box *b)
 {
-    double x = (double)box[3] - (double)box[0], y = (double)box[4] - (double)box[1], z = (double)box[5] - (double)box[2];
+    double x = (double)b->high[0] - (double)b->low[0], y = (double)b->high[1] - (double)b->low[1];
+    double z = (double)b->high[2] - (double)b->low[2];
     return x < 0 ? 0 : x * y + y * z + z * x;
 }
 
-static void centroid(const daft_build_prim *prim, float out[3])
-{
-    for (int k = 0; k < 3; k++) out[k] = prim->low[k] * 0.5f + prim->high[k] * 0.5f;
-}
+DAFT_INLINE box prim_box(const daft_build_prim *prim) { return (box){v4_load(prim->low), v4_load(prim->high)}; }
+DAFT_INLINE v4 middle(box b) { return b.low * v4_set(0.5f) + b.high * v4_set(0.5f); }
 
 static void range_measure(const daft_build_prim *prims, range *r)
 {
-    box_clear(r->box);
-    box_clear(r->centroids);
+    r->box = r->centroids = box_empty();
     for (uint32_t i = r->first; i < r->first + r->count; i++) {
-        float c[3];
-        centroid(&prims[i], c);
-        box_add(r->box, prims[i].low, prims[i].high);
-        box_add(r->centroids, c, c);
+        box b = prim_box(&prims[i]);
+        v4 c = middle(b);
+        box_add(&r->box, b);
+        box_add(&r->centroids, (box){c, c});
     }
 }
 
-/* The bin of a centroid: the one formula that counting and partitioning share. */
-static uint32_t bin_of(float c, float low, float scale)
+/* From middles to bins: the one formula that counting and partitioning share. */
+typedef struct binning {
+    v4 low, scale;
+    int count;
+} binning;
+
+static binning binning_of(const range *r)
 {
-    float place = (c - low) * scale;
-    return place < 0 ? 0 : place >= BINS ? BINS - 1 : (uint32_t)place;
+    binning b = {.low = r->centroids.low, .count = r->count < FEW_PRIMS ? FEW_BINS : MAX_BINS};
+    for (int k = 0; k < 3; k++) {
+        float extent = r->centroids.high[k] - r->centroids.low[k];
+        float scale = extent > 0 && extent <= FLT_MAX ? (float)b.count * 0.999f / extent : 0;
+        b.scale[k] = scale <= FLT_MAX ? scale : 0; /* among denormals it overflows */
+    }
+    b.scale[3] = 0;
+    return b;
 }
 
-static float bin_scale(const range *r, int axis)
+DAFT_INLINE v4i bins_of(const binning *b, box prim)
 {
-    float extent = r->centroids[axis + 3] - r->centroids[axis];
-    if (!(extent > 0 && extent <= FLT_MAX)) return 0;
-    float scale = (float)BINS * 0.999f / extent;
-    return scale <= FLT_MAX ? scale : 0; /* among denormals it overflows */
+    v4 place = (middle(prim) - b->low) * b->scale;
+    place = v4_min(v4_max(place, v4_set(0)), v4_set((float)(b->count - 1)));
+    return __builtin_convertvector(place, v4i);
 }
 
 typedef struct split {
     double cost;
     int axis;
-    uint32_t at; /* bins below it go left */
+    int at; /* bins below it go left */
 } split;
 
 static double block_count(const daft_builder *builder, uint32_t count)
@@ -84,63 +93,54 @@ static double block_count(const daft_builder *builder, uint32_t count)
     return (double)((count + builder->block_size - 1) / builder->block_size);
 }
 
-static void sweep(const daft_builder *builder, const bin bins[BINS], int axis, split *best)
+static void sweep(const daft_builder *builder, const bin *bins, int bin_count, int axis, split *best)
 {
-    double right_cost[BINS];
-    float box[6];
+    double right_cost[MAX_BINS];
+    box sum = box_empty();
     uint32_t count = 0;
-    box_clear(box);
-    for (int i = BINS - 1; i > 0; i--) {
+    for (int i = bin_count - 1; i > 0; i--) {
         count += bins[i].count;
-        if (bins[i].count) box_add(box, bins[i].box, bins[i].box + 3);
-        right_cost[i] = count ? box_area(box) * block_count(builder, count) : -1;
+        box_add(&sum, bins[i].box);
+        right_cost[i] = count ? box_area(&sum) * block_count(builder, count) : -1;
     }
-    box_clear(box);
+    sum = box_empty();
     count = 0;
-    for (uint32_t i = 1; i < BINS; i++) {
+    for (int i = 1; i < bin_count; i++) {
         count += bins[i - 1].count;
-        if (bins[i - 1].count) box_add(box, bins[i - 1].box, bins[i - 1].box + 3);
+        box_add(&sum, bins[i - 1].box);
         if (count == 0 || right_cost[i] < 0) continue;
-        double cost = box_area(box) * block_count(builder, count) + right_cost[i];
+        double cost = box_area(&sum) * block_count(builder, count) + right_cost[i];
         if (cost < best->cost) *best = (split){cost, axis, i};
     }
 }
 
-static split find_split(const daft_builder *builder, const range *r)
+static split find_split(const daft_builder *builder, const range *r, const binning *how)
 {
-    bin bins[3][BINS];
-    float scale[3];
-    memset(bins, 0, sizeof bins);
-    for (int k = 0; k < 3; k++) {
-        scale[k] = bin_scale(r, k);
-        for (int i = 0; i < BINS; i++) box_clear(bins[k][i].box);
-    }
+    bin bins[3][MAX_BINS];
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < how->count; i++) bins[k][i] = (bin){box_empty(), 0};
     for (uint32_t i = r->first; i < r->first + r->count; i++) {
-        const daft_build_prim *prim = &builder->prims[i];
-        float c[3];
-        centroid(prim, c);
+        box prim = prim_box(&builder->prims[i]);
+        v4i at = bins_of(how, prim);
         for (int k = 0; k < 3; k++) {
-            bin *target = &bins[k][bin_of(c[k], r->centroids[k], scale[k])];
+            bin *target = &bins[k][at[k]];
             target->count++;
-            box_add(target->box, prim->low, prim->high);
+            box_add(&target->box, prim);
         }
     }
     split best = {DBL_MAX, -1, 0};
     for (int k = 0; k < 3; k++)
-        if (scale[k] > 0) sweep(builder, bins[k], k, &best);
+        if (how->scale[k] > 0) sweep(builder, bins[k], how->count, k, &best);
     return best;
 }
 
-/* Moves the prims of the left side to the front and measures both sides on the way. */
-static uint32_t partition(const daft_builder *builder, const range *r, split s)
+/* Moves the prims of the left side to the front; gives their number. */
+static uint32_t partition(const daft_builder *builder, const range *r, const binning *how, split s)
 {
     daft_build_prim *prims = builder->prims;
-    float scale = bin_scale(r, s.axis), low = r->centroids[s.axis];
     uint32_t i = r->first, j = r->first + r->count;
     while (i < j) {
-        float c[3];
-        centroid(&prims[i], c);
-        if (bin_of(c[s.axis], low, scale) < s.at) {
+        if (bins_of(how, prim_box(&prims[i]))[s.axis] < s.at) {
             i++;
         } else {
             daft_build_prim moved = prims[--j];
@@ -157,11 +157,12 @@ static bool split_range(const daft_builder *builder, range *r, int depth, range 
     if (r->leaf || r->count <= 1) return false;
     uint32_t left = 0;
     if (depth < MEDIAN_DEPTH) {
-        split s = find_split(builder, r);
-        double leaf_cost = box_area(r->box) * block_count(builder, r->count);
+        binning how = binning_of(r);
+        split s = find_split(builder, r, &how);
+        double leaf_cost = box_area(&r->box) * block_count(builder, r->count);
         bool may_stay = r->count <= builder->leaf_size;
-        if (may_stay && (s.axis < 0 || s.cost + box_area(r->box) >= leaf_cost)) return false;
-        if (s.axis >= 0) left = partition(builder, r, s);
+        if (may_stay && (s.axis < 0 || s.cost + box_area(&r->box) >= leaf_cost)) return false;
+        if (s.axis >= 0) left = partition(builder, r, &how, s);
     }
     if (left == 0 || left == r->count) {
         if (r->count <= builder->block_size && r->count <= builder->leaf_size) return false;
@@ -180,7 +181,7 @@ static int largest_open(const range *parts, int count)
     double area = -1;
     for (int i = 0; i < count; i++) {
         if (parts[i].leaf) continue;
-        double a = box_area(parts[i].box);
+        double a = box_area(&parts[i].box);
         if (a > area) area = a, best = i;
     }
     return best;
@@ -227,7 +228,9 @@ static uint32_t build_node(daft_builder *builder, const range *whole, int depth)
     range parts[DAFT_WIDTH];
     uint32_t self = node_add(builder);
     if (self == DAFT_CHILD_NONE) return self;
-    if (builder->enter && !builder->enter(builder->context, whole->count, whole->box)) return DAFT_CHILD_NONE;
+    const float bounds[6] = {whole->box.low[0],  whole->box.low[1],  whole->box.low[2],
+                             whole->box.high[0], whole->box.high[1], whole->box.high[2]};
+    if (builder->enter && !builder->enter(builder->context, whole->count, bounds)) return DAFT_CHILD_NONE;
     int count = split_eight(builder, whole, depth, parts);
     for (int i = 0; i < count; i++) {
         bool small = parts[i].count <= builder->block_size && parts[i].count <= builder->leaf_size;
@@ -236,7 +239,7 @@ static uint32_t build_node(daft_builder *builder, const range *whole, int depth)
         if (child == DAFT_CHILD_NONE) return child;
         daft_node *node = &builder->nodes->items[self]; /* the array may have moved */
         node->child[i] = child;
-        for (int k = 0; k < 6; k++) node->bounds[k][i] = parts[i].box[k];
+        for (int k = 0; k < 3; k++) node->bounds[k][i] = parts[i].box.low[k], node->bounds[k + 3][i] = parts[i].box.high[k];
     }
     if (builder->leave) builder->leave(builder->context, whole->count);
     return self;
