@@ -163,7 +163,7 @@ DAFT_API bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_in
 typedef struct daft_mesh_report {
     uint32_t left_out;            /* triangles of the source that are not in the mesh: a corner repeated or not finite */
     uint32_t without_area;        /* triangles lower than a millionth of their longest edge */
-    uint32_t duplicate_triangles; /* with the three corners of an earlier one */
+    uint32_t duplicate_triangles; /* with the corners of an earlier one, in the same sense */
     uint32_t duplicate_vertices;  /* used ones, in the place of an earlier one */
     uint32_t unused_vertices;
     uint32_t open_edges;         /* of one triangle. None: the mesh is closed */

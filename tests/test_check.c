@@ -156,7 +156,7 @@ static void odd_materials_are_told(void **unused)
                 ":7:1: warning: 5000 is out of range, and is taken as 1000");
     EXPECT_FILE("bad.mtl", "newmtl red\nKd 1 nan 0\n", 1, ":2:6: error: a finite number is needed here");
     EXPECT_FILE("painted.obj", "mtllib paint.mtl\nusemtl blue\n" SOLID, 0,
-                ":1:8: note: 2 of the 3 materials that are loaded are not used: red, red");
+                ":1:8: note: materials that no face uses, 2 of 3: red, red");
     EXPECT_FILE("unpainted.obj", "mtllib none.mtl\nusemtl blue\n" SOLID, 0,
                 ":1:8: warning: no such material file: 'none.mtl'");
     EXPECT_FILE("green.obj", "mtllib paint.mtl\nusemtl green\n" SOLID, 0,
@@ -359,6 +359,9 @@ static void meshes_are_counted(void **unused)
     r = report_of(scene, p, 5, seam, 4);
     assert_int_equal(r.duplicate_vertices, 1);
     assert_int_equal(r.open_edges + r.non_manifold_edges + r.turned_edges, 0);
+    const uint32_t two_sided[] = {0, 1, 2, 0, 2, 1};
+    r = report_of(scene, p, 3, two_sided, 2);
+    assert_memory_equal(&r, &none, sizeof r);
     const uint32_t odd[] = {0, 2, 1, 0, 1, 5, 1, 0, 2, 0, 0, 1, 0, 1, 6};
     r = report_of(scene, p, 7, odd, 5);
     assert_int_equal(r.left_out, 2);

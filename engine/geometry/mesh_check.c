@@ -1,8 +1,8 @@
 /* What is odd about a mesh: triangles without area, duplicates, edges that are open, crowded or turned.
  *
- * Vertices in one place are one vertex here. Three hash tables give each place, each edge and each set of three corners
- * the number of the first item that has it; how often an edge is run along, and which way, is counted at its first
- * corner. Open addressing, at most half full: linear in the size of the mesh. */
+ * Vertices in one place are one vertex here. Three hash tables give each place, each edge and each turn around three
+ * corners the number of the first item that has it; how often an edge is run along, and which way, is counted at its
+ * first corner. Open addressing, at most half full: linear in the size of the mesh. */
 #include "geometry/trimesh.h"
 
 #include <stdarg.h>
@@ -115,15 +115,13 @@ static bool has_area(const daft_trimesh *mesh, const uint32_t *corner)
     return sqrt(daft_ddot(cross, cross)) > 1e-6 * longest;
 }
 
-static void sort3(uint32_t v[3])
+/* The smallest corner first: the same triangle, seen from the same side, whichever corner it began with. */
+static void turn_smallest_first(uint32_t v[3])
 {
-    for (int pass = 0; pass < 2; pass++)
-        for (int i = 0; i < 2; i++)
-            if (v[i] > v[i + 1]) {
-                uint32_t swap = v[i];
-                v[i] = v[i + 1];
-                v[i + 1] = swap;
-            }
+    while (v[1] < v[0] || v[2] < v[0]) {
+        uint32_t first = v[0];
+        v[0] = v[1], v[1] = v[2], v[2] = first;
+    }
 }
 
 static void count_edges(checker *c, uint32_t triangle, const uint32_t at[3])
@@ -144,11 +142,11 @@ static void look_at_triangles(checker *c)
 {
     for (uint32_t i = 0; i < c->mesh->triangle_count; i++) {
         const uint32_t *corner = c->mesh->indices + 3 * (size_t)i;
-        uint32_t at[3] = {c->place[corner[0]], c->place[corner[1]], c->place[corner[2]]}, sorted[3];
-        memcpy(sorted, at, sizeof at);
-        sort3(sorted);
-        if (!has_area(c->mesh, corner)) tell(c, DAFT_FLAW_NO_AREA, i, &c->report->without_area);
-        if (table_first(&c->triangles, sorted[0], sorted[1], sorted[2], i) != i)
+        uint32_t at[3] = {c->place[corner[0]], c->place[corner[1]], c->place[corner[2]]};
+        turn_smallest_first(at);
+        if (!has_area(c->mesh, corner))
+            tell(c, DAFT_FLAW_NO_AREA, i, &c->report->without_area);
+        else if (table_first(&c->triangles, at[0], at[1], at[2], i) != i)
             tell(c, DAFT_FLAW_DUPLICATE, i, &c->report->duplicate_triangles);
         count_edges(c, i, at);
     }

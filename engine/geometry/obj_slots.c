@@ -193,7 +193,7 @@ static void note_unused(const slots *s, const daft_mtl_list *used)
     int line, column;
     daft_text_place(&s->source->text, s->source->libraries[0].at, &line, &column);
     daft_problem_at(s->source->problems, DAFT_SEVERITY_NOTE, DAFT_OK, s->source->text.path, line, column,
-                    "%zu of the %zu materials that are loaded are not used: %s%s", unused, s->materials.count, names,
+                    "materials that no face uses, %zu of %zu: %s%s", unused, s->materials.count, names,
                     unused > 5 ? ", ..." : "");
 }
 

@@ -73,7 +73,7 @@ static bool check_mtl(daft_engine *engine, const char *path, const daft_problems
 {
     daft_mtl_list list = {0};
     daft_error why = {0};
-    if (!daft_mtl_load(&engine->allocator, path, &engine->log, &list, &why)) return refuse(problems, &why, error);
+    bool read = daft_mtl_load(&engine->allocator, path, &engine->log, &list, &why);
     for (size_t i = 0; i < list.count; i++)
         for (size_t k = 0; k < i; k++)
             if (strcmp(list.items[i].name, list.items[k].name) == 0) {
@@ -82,8 +82,8 @@ static bool check_mtl(daft_engine *engine, const char *path, const daft_problems
                 break;
             }
     check_maps(&engine->allocator, problems, &list);
-    daft_mtl_list_free(&engine->allocator, &list);
-    return true;
+    daft_mtl_list_free(&engine->allocator, &list); /* after a failure too: it keeps its room */
+    return read || refuse(problems, &why, error);
 }
 
 static bool check_picture(daft_engine *engine, const char *path, const daft_problems *problems, daft_error *error)
