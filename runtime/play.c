@@ -39,6 +39,13 @@ typedef struct player {
     platform *screen;
 } player;
 
+static const daft_quality UNSAID = (daft_quality)-1;
+
+static daft_quality quality_or(const play_options *o, daft_quality usual)
+{
+    return o->quality == UNSAID ? usual : o->quality;
+}
+
 static session_def base_session(const player *p)
 {
     const play_options *o = &p->options;
@@ -46,7 +53,7 @@ static session_def base_session(const player *p)
                          .engine = p->engine,
                          .where = &p->where,
                          .face = p->face,
-                         .quality = o->quality,
+                         .quality = quality_or(o, DAFT_QUALITY_GAME),
                          .scale = o->scale,
                          .fixed_size = p->screen->headless,
                          .seed = (uint64_t)o->seed,
@@ -115,6 +122,7 @@ static int play_demo(player *p, const char *why)
         if (def.replay) recording_free(&replay);
     }
     def.progress = true;
+    if (!def.hash && !def.every_frame) def.quality = quality_or(&p->options, DAFT_QUALITY_HIGH); /* it draws one frame */
     if (!def.shot) def.shot = DEMO_PICTURE, def.shot_tick = 0;
     uint64_t began = clock_now_ns();
     session_end end = session_play(&def, &game, &error);
@@ -164,7 +172,7 @@ static int play(player *p)
 
 int command_play(int argc, char **argv)
 {
-    player p = {.options = {.scale = 1, .quality = DAFT_QUALITY_GAME, .seed = 1}};
+    player p = {.options = {.scale = 1, .quality = UNSAID, .seed = 1}};
     play_options *o = &p.options;
     const cli_option options[] = {
         {"headless", 0, CLI_FLAG, NULL, &o->headless, 0, 0, "no window: as fast as it can, for tests and servers"},
