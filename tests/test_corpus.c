@@ -14,9 +14,9 @@ typedef struct target {
     fuzz_input *input;
 } target;
 
-static const target targets[] = {{"obj", obj_input},     {"mtl", mtl_input}, {"scene", scene_input},
-                                 {"image", image_input}, {"render", render_input}, {"lua", lua_input},
-                                 {"recording", recording_input}};
+static const target targets[] = {
+    {"obj", obj_input},       {"mtl", mtl_input}, {"scene", scene_input},        {"image", image_input},
+    {"render", render_input}, {"lua", lua_input}, {"recording", recording_input}};
 
 enum { LARGEST = 1 << 20 };
 static uint8_t bytes[LARGEST];

@@ -76,9 +76,9 @@ static bool fail_decoding(const char *path, daft_error *error)
 
 /* ---- JPEG ---- */
 
-/* The tables of a DHT segment of `length` bytes, of the `left` bytes of the file: a class, 16 counts of codes, and a symbol
- * for each code. Symbols are bytes, so that there are at most 256; stb_image (until 2.28) trusts the counts, also those
- * beyond the segment's end, and writes behind its array. */
+/* The tables of a DHT segment of `length` bytes, of the `left` bytes of the file: a class, 16 counts of codes, and a
+ * symbol for each code. Symbols are bytes, so that there are at most 256; stb_image (until 2.28) trusts the counts,
+ * also those beyond the segment's end, and writes behind its array. */
 static bool are_huffman_tables_good(const uint8_t *at, size_t length, size_t left)
 {
     for (;;) {

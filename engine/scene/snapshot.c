@@ -12,9 +12,9 @@ static bool finite_affine(const daft_affine *a)
     return finite;
 }
 
-/* Products of three coordinates are the largest numbers that kernels make of them, so 1e12 metres stay inside floats; the
- * square of a radius must not underflow. Beyond that nothing is drawn, instead of something wrong. */
-#define FARTHEST       1e12f
+/* Products of three coordinates are the largest numbers that kernels make of them, so 1e12 metres stay inside floats;
+ * the square of a radius must not underflow. Beyond that nothing is drawn, instead of something wrong. */
+#define FARTHEST        1e12f
 #define SMALLEST_RADIUS 1e-15f
 
 static bool is_near(daft_vec3 p)
@@ -83,8 +83,8 @@ static const uint32_t *materials_of(const daft_entity_item *item, const daft_mes
     return materials;
 }
 
-/* Whether the camera is outside a box or a sphere, with a margin for rounding. Its points that face a lamp then lie in no
- * shadow of its own; with the camera inside, the walls that are seen may. */
+/* Whether the camera is outside a box or a sphere, with a margin for rounding. Its points that face a lamp then lie in
+ * no shadow of its own; with the camera inside, the walls that are seen may. */
 static bool seen_from_outside(const daft_entity_item *item, const daft_instance *instance)
 {
     const float *camera = instance->to_object.t, half = 0.50001f;

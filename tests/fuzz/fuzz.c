@@ -6,13 +6,14 @@
 
 static char folder[256];
 
-static const char *const names[] = {"thing.obj", "paint.mtl",   "picture.png", "other.scene", "self.scene",
-                                    "input.obj", "input.scene", "input.image", "main.lua",    "input.rec",
-                                    "again.rec"};
+static const char *const names[] = {"thing.obj",  "paint.mtl", "picture.png", "other.scene",
+                                    "self.scene", "input.obj", "input.scene", "input.image",
+                                    "main.lua",   "input.rec", "again.rec"};
 
 static const char thing[] = "mtllib paint.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
                             "usemtl red\nf 1/1 3/3 2/2\nf 1/1 2/2 4/3\nusemtl glass\nf 1 4 3\nf 2 3 4\n";
-static const char paint[] = "newmtl red\nKd 0.8 0.1 0.1\nmap_Kd picture.png\nnewmtl glass\nKd 0 0 0\nKs 1 1 1\nillum 3\n";
+static const char paint[] =
+    "newmtl red\nKd 0.8 0.1 0.1\nmap_Kd picture.png\nnewmtl glass\nKd 0 0 0\nKs 1 1 1\nillum 3\n";
 static const char other[] = "light 0 5 0 1 1 1\nmesh thing.obj 2 0 0\n";
 static const char self[] = "include self.scene\n";
 

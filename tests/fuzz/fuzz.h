@@ -15,10 +15,10 @@
 
 typedef int fuzz_input(const uint8_t *data, size_t size);
 
-fuzz_input obj_input;       /* an OBJ file, from memory */
-fuzz_input mtl_input;       /* an MTL file, from memory */
-fuzz_input scene_input;     /* a .scene file beside a mesh, a material, a picture and another scene; then a picture of it */
-fuzz_input image_input;     /* an image file: as a picture, a texture and a sky */
+fuzz_input obj_input;   /* an OBJ file, from memory */
+fuzz_input mtl_input;   /* an MTL file, from memory */
+fuzz_input scene_input; /* a .scene file beside a mesh, a material, a picture and another scene; then a picture of it */
+fuzz_input image_input; /* an image file: as a picture, a texture and a sky */
 fuzz_input render_input;    /* calls of daft.h, then pictures, rays and ticks */
 fuzz_input lua_input;       /* main.lua of a game */
 fuzz_input recording_input; /* a recording of a game's input */

@@ -1,5 +1,5 @@
-/* Any text as a game's main.lua: its callbacks run for a few ticks, whatever it does to the scene, the picture and itself.
- * A call may run a million instructions and hold 64 MiB, so that endless scripts end soon. */
+/* Any text as a game's main.lua: its callbacks run for a few ticks, whatever it does to the scene, the picture and
+ * itself. A call may run a million instructions and hold 64 MiB, so that endless scripts end soon. */
 #include "fuzz.h"
 
 #include "host.h"

@@ -31,8 +31,8 @@ static void check_mesh(const daft_trimesh *mesh)
         FUZZ_CHECK(fabsf(daft_dot(mesh->normals[i], mesh->normals[i]) - 1) < 1e-4f);
     for (uint32_t i = 0; i < mesh->uv_count; i++) FUZZ_CHECK(isfinite(mesh->uvs[i].x) && isfinite(mesh->uvs[i].y));
     check_corners(mesh);
-    FUZZ_CHECK(mesh->triangle_count == 0 || (mesh->low.x <= mesh->high.x && mesh->low.y <= mesh->high.y &&
-                                             mesh->low.z <= mesh->high.z));
+    FUZZ_CHECK(mesh->triangle_count == 0 ||
+               (mesh->low.x <= mesh->high.x && mesh->low.y <= mesh->high.y && mesh->low.z <= mesh->high.z));
 }
 
 int obj_input(const uint8_t *data, size_t size)

@@ -32,7 +32,8 @@ static void check_equal(const recording *a, const recording *b)
     FUZZ_CHECK(strcmp(a->game, b->game) == 0 && a->seed == b->seed && a->end == b->end && a->count == b->count);
     for (size_t i = 0; i < a->count; i++) {
         const input_event *x = &a->items[i].event, *y = &b->items[i].event;
-        FUZZ_CHECK(a->items[i].tick == b->items[i].tick && x->kind == y->kind && x->key == y->key && x->down == y->down);
+        FUZZ_CHECK(a->items[i].tick == b->items[i].tick && x->kind == y->kind && x->key == y->key &&
+                   x->down == y->down);
         FUZZ_CHECK(memcmp(&x->x, &y->x, sizeof x->x) == 0 && memcmp(&x->y, &y->y, sizeof x->y) == 0);
     }
 }

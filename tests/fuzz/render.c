@@ -1,5 +1,5 @@
-/* Any bytes as calls of daft.h: what they make, move and destroy, with numbers of every size, is then drawn, hit by rays
- * and simulated. Promises tested:
+/* Any bytes as calls of daft.h: what they make, move and destroy, with numbers of every size, is then drawn, hit by
+ * rays and simulated. Promises tested:
  *   - calls take or refuse anything; afterwards nothing that comes out is NaN;
  *   - the pencil and single rays through the BVH see the same entity and triangle in every pixel;
  *   - two instruction sets give the same picture and the same state.
@@ -40,7 +40,7 @@ static void take_bytes(player *p, void *out, size_t size)
 /* Mostly of a size with which something can be seen; also any float, any double, and the ends of their ranges. */
 static double number(player *p)
 {
-    static const double special[16] = {0,      -0.0,   1,      -1,          NAN,    INFINITY, -INFINITY, 3.4e38,
+    static const double special[16] = {0,       -0.0,  1,     -1,     NAN,     INFINITY, -INFINITY, 3.4e38,
                                        -3.4e38, 1e-38, 1e-45, 5e-324, 1.7e308, -1.7e308, 16777217,  1e7};
     float single;
     double whole;
@@ -330,8 +330,8 @@ static void draw_both_ways(player *p)
     for (int i = 0; i < PIXELS; i++) {
         if (pencil.entity[i].id == single.entity[i].id && pencil.triangle[i] == single.triangle[i]) continue;
         fprintf(stderr, "pixel %d, %d: pencil %08x %u at %.9g, single ray %08x %u at %.9g\n", i % WIDTH, i / WIDTH,
-                pencil.entity[i].id, pencil.triangle[i], (double)pencil.depth[i], single.entity[i].id, single.triangle[i],
-                (double)single.depth[i]);
+                pencil.entity[i].id, pencil.triangle[i], (double)pencil.depth[i], single.entity[i].id,
+                single.triangle[i], (double)single.depth[i]);
         FUZZ_CHECK(pencil.entity[i].id == single.entity[i].id && pencil.triangle[i] == single.triangle[i]);
     }
 }
