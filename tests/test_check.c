@@ -333,7 +333,7 @@ static daft_mesh_report report_of(daft_scene *scene, const daft_vec3 *positions,
                                   const uint32_t *indices, uint32_t triangles)
 {
     daft_error error;
-    daft_mesh_report report;
+    daft_mesh_report report = {0};
     daft_mesh_def def = daft_default_mesh_def();
     def.positions = positions;
     def.vertex_count = vertices;
@@ -379,6 +379,51 @@ static void meshes_are_counted(void **unused)
     daft_engine_destroy(engine);
 }
 
+/* ---- memory that is out, at every allocation in turn ---- */
+
+static void *scarce_allocate(void *user, size_t size, size_t alignment)
+{
+    int *left = user;
+    if ((*left)-- <= 0) return NULL;
+    return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+}
+
+static void scarce_release(void *user, void *pointer)
+{
+    (void)user;
+    free(pointer);
+}
+
+static void checks_end_well_without_memory(void **unused)
+{
+    (void)unused;
+    put("paint.mtl", "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n");
+    put("solid.obj", "mtllib paint.mtl\nusemtl red\n" SOLID "f 1 2 4\n");
+    put("room.scene", "camera 0 0 0\nmesh solid.obj 1 0 0\nsphere 0 0 0 1 paint.mtl\nlihgt\n");
+    for (size_t i = 0; i < 3; i++) {
+        int left = 1 << 20;
+        daft_engine_def def = daft_default_engine_def();
+        def.threads = 1;
+        def.allocator = (daft_allocator){&left, scarce_allocate, scarce_release};
+        daft_engine *engine = daft_engine_create(&def, NULL);
+        assert_non_null(engine);
+        daft_error error;
+        found f;
+        int given = 0;
+        for (bool done = false; !done; given++) {
+            f = (found){0};
+            left = given;
+            done = daft_check_file(engine, files[file_count - 1 - i], on_problem, &f, &error);
+            if (!done) assert_int_equal(error.code, DAFT_ERROR_MEMORY);
+            assert_true(given < 1000);
+        }
+        assert_true(given > 2);
+        assert_int_equal(f.errors, i == 0);
+        left = 1 << 20;
+        daft_engine_destroy(engine);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -393,6 +438,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(folders_are_walked, set_up, tear_down),
         cmocka_unit_test_setup_teardown(strict_counts_warnings_and_json_lists_them, set_up, tear_down),
         cmocka_unit_test_setup_teardown(files_are_checked_through_the_library, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(checks_end_well_without_memory, set_up, tear_down),
         cmocka_unit_test(meshes_are_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
