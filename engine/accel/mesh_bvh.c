@@ -98,6 +98,26 @@ static uint32_t mesh_leaf(void *context, const daft_build_prim *prims, uint32_t 
     return DAFT_CHILD_LEAF | first << 2 | (blocks - 1);
 }
 
+/* Arrays grow by doubling; a mesh lives long, so what it does not use is given back. Without memory for it nothing changes. */
+static void trim(const daft_allocator *allocator, void *array_pointer, size_t *capacity, size_t count, size_t size)
+{
+    void *array, *exact = count && count < *capacity ? daft_alloc(allocator, count, size) : NULL;
+    if (!exact) return;
+    memcpy(&array, array_pointer, sizeof array);
+    memcpy(exact, array, count * size);
+    daft_release(allocator, array);
+    memcpy(array_pointer, &exact, sizeof exact);
+    *capacity = count;
+}
+
+static void trim_tree(daft_bvh *bvh)
+{
+    const daft_allocator *a = &bvh->allocator;
+    trim(a, &bvh->nodes.items, &bvh->nodes.capacity, bvh->nodes.count, sizeof(daft_node));
+    trim(a, &bvh->blocks, &bvh->block_capacity, bvh->block_count, sizeof(daft_block));
+    trim(a, &bvh->clusters, &bvh->cluster_capacity, bvh->cluster_count, sizeof(daft_cluster));
+}
+
 enum { FILL_CHUNK = 16384 };
 
 typedef struct fill_job {
@@ -135,7 +155,10 @@ daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimes
         built = daft_build_tree(&builder, mesh->triangle_count);
     }
     daft_release(allocator, prims);
-    if (built) return bvh;
+    if (built) {
+        trim_tree(bvh);
+        return bvh;
+    }
     if (bvh) bvh->allocator = *allocator, daft_bvh_free(bvh);
     daft_fail_memory(error, "the BVH of a mesh");
     return NULL;
