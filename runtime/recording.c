@@ -128,7 +128,8 @@ static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
     if (*ended) return bad(in, "text after the 'end' line", NULL);
     if (take_word(in, "game")) {
         if (!*in->at) return bad(in, "a game's name expected", NULL);
-        snprintf(out->game, sizeof out->game, "%s", in->at);
+        if (strlen(in->at) >= sizeof out->game) return bad(in, "the game's name is too long", NULL);
+        strcpy(out->game, in->at);
         return true;
     }
     if (take_word(in, "rate")) {
