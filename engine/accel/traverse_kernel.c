@@ -32,7 +32,7 @@
 DAFT_INLINE float widened(float far) { return far > 0 ? far * WIDEN : far * NARROW; }
 
 typedef struct slab_ray {
-    v8 ox, oy, oz, ix, iy, iz; /* origin, inverse direction */
+    v8 nx, ny, nz, fx, fy, fz, ix, iy, iz; /* origin as the near and as the far planes see it, inverse direction */
     int near_x, near_y, near_z; /* which of bounds[] the ray enters by */
 } slab_ray;
 
@@ -41,22 +41,33 @@ typedef struct entry {
     float near;
 } entry;
 
-DAFT_INLINE slab_ray slab_setup(daft_vec3 o, daft_vec3 d)
+/* All boxes are grown by `pad` on each side. */
+DAFT_INLINE slab_ray slab_setup(daft_vec3 o, daft_vec3 d, float pad)
 {
     float x = 1 / d.x, y = 1 / d.y, z = 1 / d.z;
-    return (slab_ray){v8_set(o.x), v8_set(o.y), v8_set(o.z), v8_set(x), v8_set(y), v8_set(z),
-                      x < 0 ? 3 : 0,   y < 0 ? 4 : 1,   z < 0 ? 5 : 2};
+    float px = x < 0 ? -pad : pad, py = y < 0 ? -pad : pad, pz = z < 0 ? -pad : pad;
+    return (slab_ray){v8_set(o.x + px), v8_set(o.y + py), v8_set(o.z + pz), v8_set(o.x - px), v8_set(o.y - py), v8_set(o.z - pz),
+                      v8_set(x),        v8_set(y),        v8_set(z),        x < 0 ? 3 : 0,    y < 0 ? 4 : 1,    z < 0 ? 5 : 2};
+}
+
+/* The rays of the upper level. An instance's own ray, moved into its space and seen from outside again, is off by 5u of the
+ * magnitudes of the origin and of the instance's place, |R|·|R^-1| being at most 1 by entry for a rotation and a scale; and
+ * by 8u of the way, which is no longer than both. The instance's bounds are wide enough for its place; this is for the rest. */
+DAFT_INLINE slab_ray slab_setup_upper(const daft_ray *ray)
+{
+    daft_vec3 o = ray->origin;
+    return slab_setup(o, ray->direction, (fabsf(o.x) + fabsf(o.y) + fabsf(o.z)) * 0x1p-20f);
 }
 
 /* Bits of the children the ray meets in tmin..tmax; their entry distances in near. */
 DAFT_INLINE uint32_t slab_test(const daft_node *node, const slab_ray *r, float tmin, float tmax, v8 *near)
 {
-    v8 x0 = (v8_load(node->bounds[r->near_x]) - r->ox) * r->ix;
-    v8 y0 = (v8_load(node->bounds[r->near_y]) - r->oy) * r->iy;
-    v8 z0 = (v8_load(node->bounds[r->near_z]) - r->oz) * r->iz;
-    v8 x1 = (v8_load(node->bounds[3 - r->near_x]) - r->ox) * r->ix;
-    v8 y1 = (v8_load(node->bounds[5 - r->near_y]) - r->oy) * r->iy;
-    v8 z1 = (v8_load(node->bounds[7 - r->near_z]) - r->oz) * r->iz;
+    v8 x0 = (v8_load(node->bounds[r->near_x]) - r->nx) * r->ix;
+    v8 y0 = (v8_load(node->bounds[r->near_y]) - r->ny) * r->iy;
+    v8 z0 = (v8_load(node->bounds[r->near_z]) - r->nz) * r->iz;
+    v8 x1 = (v8_load(node->bounds[3 - r->near_x]) - r->fx) * r->ix;
+    v8 y1 = (v8_load(node->bounds[5 - r->near_y]) - r->fy) * r->iy;
+    v8 z1 = (v8_load(node->bounds[7 - r->near_z]) - r->fz) * r->iz;
     /* v8_max and v8_min give their second argument when the first is NaN */
     *near = v8_max(x0, v8_max(y0, v8_max(z0, v8_set(tmin))));
     v8 far = v8_min(x1, v8_min(y1, v8_min(z1, v8_set(tmax))));
@@ -222,7 +233,7 @@ static void take_hits(const daft_block *b, uint32_t bits, const block_hits *h, d
 static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tmin, daft_intersection how, daft_hit *hit)
 {
     entry stack[DAFT_STACK];
-    slab_ray r = slab_setup(o, d);
+    slab_ray r = slab_setup(o, d, 0);
     uint32_t before = hit->triangle;
     float before_t = hit->t;
     int top = 0;
@@ -250,7 +261,7 @@ static bool mesh_closest(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tm
 static bool mesh_occluded(const daft_bvh *bvh, daft_vec3 o, daft_vec3 d, float tmin, float tmax, daft_intersection how)
 {
     entry stack[DAFT_STACK];
-    slab_ray r = slab_setup(o, d);
+    slab_ray r = slab_setup(o, d, 0);
     int top = 0;
     stack[top++].child = 0;
     while (top > 0) {
@@ -337,7 +348,7 @@ static bool usable(const daft_ray *ray)
 static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit)
 {
     entry stack[DAFT_STACK];
-    slab_ray r = slab_setup(ray->origin, ray->direction);
+    slab_ray r = slab_setup_upper(ray);
     *hit = (daft_hit){.t = ray->tmax, .instance = UINT32_MAX};
     if (tlas->nodes.count == 0 || !usable(ray)) return false;
     int top = 0;
@@ -373,7 +384,7 @@ static bool instance_occluded(const daft_instance *instance, const daft_ray *ray
 static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
 {
     entry stack[DAFT_STACK];
-    slab_ray r = slab_setup(ray->origin, ray->direction);
+    slab_ray r = slab_setup_upper(ray);
     if (tlas->nodes.count == 0 || !usable(ray)) return false;
     int top = 0;
     stack[top++].child = 0;
@@ -393,7 +404,7 @@ static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
 
 static uint32_t boxes(const daft_node *node, const daft_ray *ray)
 {
-    slab_ray r = slab_setup(ray->origin, ray->direction);
+    slab_ray r = slab_setup(ray->origin, ray->direction, 0);
     v8 near;
     if (!usable(ray)) return 0;
     uint32_t real = 0xff;
