@@ -540,6 +540,17 @@ typedef struct pencil_job {
     uint32_t pixels, seen, ties, touches, wrong;
 } pencil_job;
 
+/* In camera space, whose axes are the frame's z, y and x: ties are broken there. */
+static bool pencil_crosses(const daft_trimesh *mesh, uint32_t t, daft_vec3 r)
+{
+    daft_vec3 c[3];
+    for (uint32_t k = 0; k < 3; k++) {
+        daft_vec3 p = mesh_corner(mesh, t, k);
+        c[k] = daft_v3(p.z, p.y, p.x);
+    }
+    return daft_pencil_hits(c[0], c[1], c[2], r);
+}
+
 /* The eye is where the frame begins and looks along an axis: camera space holds the frame's numbers in another order,
  * so both see the same triangles to the last bit. Single rays also hit what they only touch. */
 static void pixel_as_ray(void *context, int x, int y, uint32_t instance, uint32_t triangle)
@@ -558,7 +569,7 @@ static void pixel_as_ray(void *context, int x, int y, uint32_t instance, uint32_
         job->ties++;
         return;
     }
-    if (found && (double)hit.t < other && !crosses(&s->shape.mesh, hit.triangle, &ray))
+    if (found && (double)hit.t < other && !pencil_crosses(&s->shape.mesh, hit.triangle, r))
         job->touches++;
     else if (job->wrong++ == 0)
         print_error("%s: pixel %d, %d\n", s->shape.name, x, y);
