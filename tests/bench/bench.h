@@ -99,5 +99,6 @@ bench_obj_loader *bench_find_tinyobj(void);
 void bench_render(bench *self);
 void bench_load(bench *self);
 void bench_game(bench *self);
+void bench_robust(bench *self); /* how often wrong, not how fast */
 
 #endif

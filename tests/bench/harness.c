@@ -260,6 +260,7 @@ int main(int argc, char **argv)
     bench_render(&self);
     bench_load(&self);
     bench_game(&self);
+    bench_robust(&self);
     if (!self.list && self.count > 0) print_table(&self);
     if (!self.list && self.count == 0 && !self.failed)
         bench_note(&self, true, "no benchmark has '%s' in its name; --list names them all", self.only ? self.only : "");
