@@ -8,8 +8,12 @@
  * is z. Sun: x and y across the light, relative to the middle of the points; the ray is (x, y, 1) and the depth is measured
  * along the light. One edge test serves both: n = (a - b) × (a + b), e = n·ray, with the bound of raster/tile_kernel.c.
  *
- * A point is in shadow when no edge has it surely outside and the triangle is surely nearer to the lamp. So no light leaks
- * between triangles, and a surface does not shadow itself by rounding: its own depth is never "surely nearer". */
+ * A point is in shadow when no edge has it surely outside and the triangle is surely nearer to the lamp. Depths are off by
+ * some 2^-18 of the way to the lamp, which is much where it is far: triangles whose depth is that close to the point's are
+ * decided again, in double, from the point and the corners in frame space, where they are off only by the spawn error, and
+ * the point was put off its surface by more than that. A point's own triangle is left out, unless it faces away from the
+ * lamp, as the smooth inside of a vessel may. So no light leaks between triangles or through the walls of a corner, and a
+ * surface does not shadow itself by rounding. */
 #include "accel/bvh.h"
 #include "math/simd.h"
 #include "render/kernels.h"
@@ -33,6 +37,8 @@ typedef struct cells {
     uint32_t count;
     float x[DAFT_BATCH_ROOM], y[DAFT_BATCH_ROOM], z[DAFT_BATCH_ROOM], depth[DAFT_BATCH_ROOM]; /* -inf: in shadow */
     uint32_t source[DAFT_BATCH_ROOM];
+    uint32_t instance[DAFT_BATCH_ROOM], own[DAFT_BATCH_ROOM]; /* the triangle that a point lies on and that cannot shadow
+                                                               * it, or DAFT_NO_TRIANGLE */
     uint32_t start[CELLS + 1]; /* cells are rows of GRID, so a run of cells is a run of points */
 } cells;
 
@@ -106,6 +112,10 @@ static bool measure(light *l, const cells *c)
     l->near = vf_reduce_min(ld), l->far = vf_reduce_max(hd);
     l->max_x = vf_reduce_max(ax), l->max_y = vf_reduce_max(ay), l->max_z = vf_reduce_max(az);
     l->slack_u = widen(l->low_u, l->high_u), l->slack_v = widen(l->low_v, l->high_v);
+    if (!l->sun) { /* x, y and z are off by a few 2^-24 of the largest of them */
+        float off = (l->max_x + l->max_y + l->max_z) / l->near * 0x1p-21f;
+        l->slack_u += off, l->slack_v += off;
+    }
     l->cell_u = GRID * 0.999f / (l->high_u - l->low_u + TINY), l->cell_v = GRID * 0.999f / (l->high_v - l->low_v + TINY);
     return l->sun || (l->near > 0 && fmaxf(l->max_x, l->max_y) < 8 * l->near);
 }
@@ -188,8 +198,17 @@ static uint32_t cell_of(const light *l, float x, float y, float z)
     return (uint32_t)(v * GRID + u);
 }
 
+static daft_vec3 lane3(const daft_lanes3 *a, uint32_t i) { return daft_v3(a->x[i], a->y[i], a->z[i]); }
+
+static uint32_t own_triangle(const daft_batch *b, const daft_lamp *lamp, uint32_t i)
+{
+    daft_vec3 way = lamp->sun ? lamp->to_light : daft_sub(lamp->position, lane3(&b->lifted, i));
+    return daft_dot(lane3(&b->outward, i), way) > 0 ? b->triangle[i] : DAFT_NO_TRIANGLE;
+}
+
 /* Counting sort of the marked points into cells. */
-static void fill_cells(const light *l, const cells *from, const uint8_t *under, cells *to)
+static void fill_cells(const light *l, const daft_batch *b, const daft_lamp *lamp, const cells *from, const uint8_t *under,
+                       cells *to)
 {
     uint8_t cell[DAFT_BATCH_ROOM];
     uint32_t next[CELLS] = {0}, sum = 0;
@@ -209,6 +228,8 @@ static void fill_cells(const light *l, const cells *from, const uint8_t *under, 
         uint32_t at = next[cell[i]]++;
         to->x[at] = from->x[i], to->y[at] = from->y[i], to->z[at] = from->z[i], to->depth[at] = from->depth[i];
         to->source[at] = from->source[i];
+        to->instance[at] = b->instance[from->source[i]];
+        to->own[at] = own_triangle(b, lamp, from->source[i]);
     }
 }
 
@@ -216,6 +237,10 @@ static void fill_cells(const light *l, const cells *from, const uint8_t *under, 
 
 typedef struct caster {
     const light *light;
+    const daft_lamp *lamp;
+    const daft_batch *batch;
+    const daft_instance *instance;
+    uint32_t number; /* of the instance */
     cells *points;
     daft_affine map; /* object space to light space */
     float plane[PLANES][4];
@@ -238,7 +263,7 @@ DAFT_INLINE vf row(const daft_affine *a, int k, vf3 p)
 
 typedef struct lanes {
     float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL], depth[3][DAFT_VL];
-    float bound[DAFT_VL], slack[DAFT_VL], rounding[DAFT_VL];
+    float bound[DAFT_VL], wide[DAFT_VL], slack[DAFT_VL], rounding[DAFT_VL];
     int32_t u0[DAFT_VL], u1[DAFT_VL], v0[DAFT_VL], v1[DAFT_VL]; /* cells, inclusive */
 } lanes;
 
@@ -274,14 +299,18 @@ static vbits lanes_place(const caster *c, const corners *t, lanes *out)
     const light *l = c->light;
     vf zero = vf_set(0), inf = vf_set(INFINITY), lu = inf, hu = -inf, lv = inf, hv = -inf;
     vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])), far = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
+    vf size = vf_set(0); /* corners are off by a few 2^-24 of it, in units of the points' coordinates */
     for (int k = 0; k < 3; k++) {
         vf u = t->p[k].x / t->p[k].z, v = t->p[k].y / t->p[k].z;
         lu = vf_min(u, lu), hu = vf_max(u, hu), lv = vf_min(v, lv), hv = vf_max(v, hv);
+        size = vf_max(vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]), size);
     }
+    vf wobble = (l->sun ? size : size / near) * vf_set(0x1p-20f);
+    lu = lu - wobble, hu = hu + wobble, lv = lv - wobble, hv = hv + wobble;
     vm whole = l->sun ? vm_from_bits(0) : vf_le(near, zero);
     vm in = vm_and(cell_span(lu, hu, whole, l->low_u, l->cell_u, l->slack_u, out->u0, out->u1),
                    cell_span(lv, hv, whole, l->low_v, l->cell_v, l->slack_v, out->v0, out->v1));
-    in = vm_and(in, vf_lt(near, vf_set(l->far)));
+    in = vm_and(in, vf_lt(near - size * vf_set(0x1p-20f), vf_set(l->far + fabsf(l->far) * 0x1p-20f)));
     if (!l->sun) in = vm_and(in, vf_lt(zero, far));
     return vm_bits(in);
 }
@@ -289,42 +318,108 @@ static vbits lanes_place(const caster *c, const corners *t, lanes *out)
 static void lanes_setup(const caster *c, const corners *t, lanes *out)
 {
     const light *l = c->light;
-    vf bound = vf_set(0), dx = vf_set(l->max_x), dy = vf_set(l->max_y), dz = vf_set(l->max_z);
+    vf bound = vf_set(0), widest = vf_set(0), size = vf_set(0), dx = vf_set(l->max_x), dy = vf_set(l->max_y), dz = vf_set(l->max_z);
     for (int k = 0; k < 3; k++) {
         vf3 a = t->p[(k + 1) % 3], b = t->p[(k + 2) % 3];
         vf3 e = {a.x - b.x, a.y - b.y, a.z - b.z}, s = {a.x + b.x, a.y + b.y, a.z + b.z};
         vf yz = e.y * s.z, zy = e.z * s.y, zx = e.z * s.x, xz = e.x * s.z, xy = e.x * s.y, yx = e.y * s.x;
-        vf_store(out->nx[k], yz - zy), vf_store(out->ny[k], zx - xz), vf_store(out->nz[k], xy - yx);
+        vf nx = yz - zy, ny = zx - xz, nz = xy - yx;
+        vf_store(out->nx[k], nx), vf_store(out->ny[k], ny), vf_store(out->nz[k], nz);
         vf_store(out->depth[k], t->depth[k]);
         vf m = (vf_abs(yz) + vf_abs(zy)) * dx + (vf_abs(zx) + vf_abs(xz)) * dy + (vf_abs(xy) + vf_abs(yx)) * dz;
-        bound = vf_max(bound, m);
+        bound = vf_max(bound, m), widest = vf_max(widest, vf_abs(nx) + vf_abs(ny) + (l->sun ? vf_set(0) : vf_abs(nz)));
+        size = vf_max(size, vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]));
     }
     bound = bound * vf_set(8 * UNIT) + vf_set(TINY);
+    /* Points and corners are rounded themselves. Neighbours agree on how, so this matters only for not passing over what
+     * look_closely would find to stand between. */
+    size = size + vf_set(l->max_x + l->max_y + (l->sun ? 0 : l->max_z));
+    vf wide = bound + widest * size * vf_set(8 * UNIT);
     vf low = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])), high = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
     vf_store(out->bound, bound);
-    vf_store(out->slack, vf_set(6) * bound * (high - low));
+    vf_store(out->wide, wide);
+    vf_store(out->slack, vf_set(6) * wide * (high - low));
     vf_store(out->rounding, (vf_max(vf_abs(low), vf_abs(high)) + vf_set(fabsf(l->near) + fabsf(l->far))) * vf_set(0x1p-20f));
 }
 
-/* Puts points first..end that the triangle shadows to depth -inf. An overflow gives NaN, which is in front of nothing. */
-DAFT_INLINE void test_points(cells *p, const lanes *t, int i, vf behind, uint32_t first, uint32_t end)
+/* From a point to the lamp, in double; a sun is one length of its direction away, and counts from there on. */
+typedef struct way {
+    daft_dvec3 from, direction;
+    bool endless;
+} way;
+
+static way way_to(const daft_batch *b, const daft_lamp *lamp, uint32_t i)
 {
+    daft_dvec3 from = daft_to_double(lane3(&b->lifted, i));
+    return (way){from, lamp->sun ? daft_to_double(lamp->to_light) : daft_dsub(daft_to_double(lamp->position), from), lamp->sun};
+}
+
+static bool on_way(const way *w, double t) { return t > 0 && (w->endless || t < 1); }
+
+/* A multiple of a × b that is negated, bit for bit, where a and b are exchanged. */
+static double edge_side(daft_dvec3 a, daft_dvec3 b, daft_dvec3 d) { return daft_ddot(daft_dcross(daft_dsub(a, b), daft_dadd(a, b)), d); }
+
+/* Whether the triangle, closed, stands between the point and the lamp, by frame space's own numbers. */
+static bool stands_between(const caster *c, const daft_block *block, int lane, uint32_t point)
+{
+    way w = way_to(c->batch, c->lamp, point);
+    const float *m = c->instance->to_frame.m, *t = c->instance->to_frame.t;
+    daft_dvec3 q[3];
+    for (int k = 0; k < 3; k++) {
+        double v[3], moved[3];
+        for (int i = 0; i < 3; i++) v[i] = (double)block->corner[k][i][lane];
+        for (int i = 0; i < 3; i++)
+            moved[i] = (double)m[3 * i] * v[0] + (double)m[3 * i + 1] * v[1] + (double)m[3 * i + 2] * v[2] + (double)t[i];
+        q[k] = daft_dsub(daft_dv3(moved[0], moved[1], moved[2]), w.from);
+    }
+    daft_dvec3 normal = daft_dcross(daft_dsub(q[1], q[0]), daft_dsub(q[2], q[0]));
+    double along = daft_ddot(normal, w.direction);
+    if (along == 0 || !on_way(&w, daft_ddot(normal, q[0]) / along)) return false;
+    double u = edge_side(q[1], q[2], w.direction), v = edge_side(q[2], q[0], w.direction), s = edge_side(q[0], q[1], w.direction);
+    return (u >= 0 && v >= 0 && s >= 0) || (u <= 0 && v <= 0 && s <= 0);
+}
+
+static __attribute__((noinline)) void look_closely(const caster *c, const daft_block *block, int lane, uint32_t first, vbits doubt)
+{
+    cells *p = c->points;
+    for (; doubt; doubt &= doubt - 1) {
+        uint32_t at = first + (uint32_t)__builtin_ctz(doubt);
+        if (stands_between(c, block, lane, p->source[at])) p->depth[at] = -INFINITY;
+    }
+}
+
+/* The lanes whose point lies on this very triangle. */
+DAFT_INLINE vbits lie_on(const caster *c, uint32_t triangle, uint32_t first)
+{
+    vm instance = vi_eq(vi_load(&c->points->instance[first]), vi_set((int32_t)c->number));
+    return vm_bits(vm_and(instance, vi_eq(vi_load(&c->points->own[first]), vi_set((int32_t)triangle))));
+}
+
+/* Puts points first..end that the triangle shadows to depth -inf. An overflow gives NaN, which is in front of nothing. */
+DAFT_INLINE void test_points(const caster *c, const lanes *t, int i, const daft_block *block, int lane, uint32_t first,
+                             uint32_t end)
+{
+    cells *p = c->points;
+    vf behind = vf_set(c->light->sun ? -INFINITY : 0); /* hits at or beyond the lamp lie there */
     vf nx0 = vf_set(t->nx[0][i]), nx1 = vf_set(t->nx[1][i]), nx2 = vf_set(t->nx[2][i]);
     vf ny0 = vf_set(t->ny[0][i]), ny1 = vf_set(t->ny[1][i]), ny2 = vf_set(t->ny[2][i]);
     vf nz0 = vf_set(t->nz[0][i]), nz1 = vf_set(t->nz[1][i]), nz2 = vf_set(t->nz[2][i]);
     vf d0 = vf_set(t->depth[0][i]), d1 = vf_set(t->depth[1][i]), d2 = vf_set(t->depth[2][i]);
-    vf bound = vf_set(t->bound[i]), slack = vf_set(t->slack[i]), rounding = vf_set(t->rounding[i]);
+    vf bound = vf_set(t->bound[i]), wide = vf_set(t->wide[i]), slack = vf_set(t->slack[i]), rounding = vf_set(t->rounding[i]);
     for (uint32_t k = first; k < end; k += DAFT_VL) {
         vf x = vf_load(&p->x[k]), y = vf_load(&p->y[k]), z = vf_load(&p->z[k]);
         vf e0 = nx0 * x + ny0 * y + nz0 * z, e1 = nx1 * x + ny1 * y + nz1 * z, e2 = nx2 * x + ny2 * y + nz2 * z;
         vf least = vf_min(e0, vf_min(e1, e2)), most = vf_max(e0, vf_max(e1, e2));
-        vm side = vm_or(vf_le(-bound, least), vf_le(most, bound));
+        vm side = vm_or(vf_le(-wide, least), vf_le(most, wide)), sure = vm_or(vf_le(-bound, least), vf_le(most, bound));
         vbits hits = vm_bits(side) & vbits_first((int)(end - k));
         if (!hits) continue;
         vf inverse = vf_set(1) / (e0 + e1 + e2), depth = (e0 * d0 + e1 * d1 + e2 * d2) * inverse;
         vf error = vf_abs(slack * inverse) + rounding, limit = vf_load(&p->depth[k]);
-        vm dark = vm_and(vm_from_bits(hits), vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)));
+        vm dark = vm_and(vm_and(vm_from_bits(hits), sure), vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)));
         vf_store(&p->depth[k], vf_select(dark, vf_set(-INFINITY), limit));
+        vbits doubt = hits & vm_bits(vf_lt(depth - error, limit)) & ~vm_bits(dark);
+        if (doubt) doubt &= ~lie_on(c, block->triangle[lane], k);
+        if (doubt) look_closely(c, block, lane, k, doubt);
     }
 }
 
@@ -335,12 +430,12 @@ static void test_blocks(const caster *c, const daft_block *const *blocks, vbits 
     vbits live = lanes_place(c, &moved, &t) & used;
     if (!live) return;
     lanes_setup(c, &moved, &t);
-    vf behind = vf_set(c->light->sun ? -INFINITY : 0); /* hits at or beyond the lamp lie there */
     for (; live; live &= live - 1) {
         int i = __builtin_ctz(live);
+        const daft_block *block = blocks[i / DAFT_BLOCK];
         for (int v = t.v0[i]; v <= t.v1[i]; v++) {
             uint32_t first = c->points->start[v * GRID + t.u0[i]], end = c->points->start[v * GRID + t.u1[i] + 1];
-            if (first < end) test_points(c->points, &t, i, behind, first, end);
+            if (first < end) test_points(c, &t, i, block, i % DAFT_BLOCK, first, end);
         }
     }
 }
@@ -357,12 +452,13 @@ static void set_planes(caster *c)
     int last = l->sun ? 3 : 2;
     f[0][last] = u[0], f[1][last] = -u[1], f[2][last] = v[0], f[3][last] = -v[1];
     for (int k = 0; k < PLANES; k++) {
-        double o = (double)f[k][3];
+        double o = (double)f[k][3], size = fabs(o);
         for (int j = 0; j < 3; j++) {
+            double part = (double)f[k][j] * (double)c->map.t[j];
             c->plane[k][j] = f[k][0] * c->map.m[j] + f[k][1] * c->map.m[3 + j] + f[k][2] * c->map.m[6 + j];
-            o += (double)f[k][j] * (double)c->map.t[j];
+            o += part, size += fabs(part);
         }
-        c->plane[k][3] = (float)o;
+        c->plane[k][3] = (float)(o - size * 0x1p-20); /* what cancels in the sum leaves its rounding */
     }
 }
 
@@ -427,12 +523,29 @@ static void walk(const caster *c, const daft_bvh *bvh)
 
 /* ---- spheres ---- */
 
-/* |error(discriminant)| as in raster/tile_kernel.c, of a ray from the point to the lamp. */
-static void test_sphere(const light *l, const daft_instance *s, daft_vec3 origin, cells *p)
+/* Whether the sphere's surface lies between the point and the lamp, in double. */
+static bool ball_between(const daft_instance *s, const way *w)
 {
+    const float *at = s->to_frame.t;
+    daft_dvec3 centre = daft_dsub(daft_dv3((double)at[0], (double)at[1], (double)at[2]), w->from);
+    double dd = daft_ddot(w->direction, w->direction), along = daft_ddot(centre, w->direction) / dd, r = (double)s->radius;
+    daft_dvec3 aside = daft_dsub(centre, daft_dscale(w->direction, along));
+    double square = r * r - daft_ddot(aside, aside);
+    if (!(square > 0)) return false;
+    double half = sqrt(square / dd);
+    return on_way(w, along - half) || on_way(w, along + half);
+}
+
+/* |error(discriminant)| as in raster/tile_kernel.c, of a ray from the point to the lamp. A sphere is a surface: with the
+ * lamp within, it is its far side that may stand between. */
+static void test_sphere(const caster *c, daft_vec3 origin)
+{
+    const light *l = c->light;
+    const daft_instance *s = c->instance;
+    cells *p = c->points;
     daft_affine at = compose(&l->map, &s->to_frame, origin);
     float r = s->radius, reach = sqrtf(at.t[0] * at.t[0] + at.t[1] * at.t[1] + at.t[2] * at.t[2]) + r;
-    vf cx = vf_set(at.t[0]), cy = vf_set(at.t[1]), cz = vf_set(at.t[2]), r2 = vf_set(r * r);
+    vf cx = vf_set(at.t[0]), cy = vf_set(at.t[1]), cz = vf_set(at.t[2]), r2 = vf_set(r * r), zero = vf_set(0), blur = vf_set(32 * UNIT * reach * reach);
     for (uint32_t k = 0; k < p->count; k += DAFT_VL) {
         vf x = vf_load(&p->x[k]), y = vf_load(&p->y[k]), z = vf_load(&p->depth[k]), limit = z, one = vf_set(1);
         vf away, disc, scale; /* the sphere's middle as seen along the ray; depths in units of the ray's */
@@ -444,11 +557,21 @@ static void test_sphere(const light *l, const daft_instance *s, daft_vec3 origin
             vf ax = cx - x * along, ay = cy - y * along, az = cz - z * along;
             disc = r2 - (ax * ax + ay * ay + az * az), away = along * z, scale = z / vf_sqrt(dd);
         }
-        vf half = vf_sqrt(vf_max(disc, vf_set(0))) * scale, error = vf_set(reach * 0x1p-19f);
+        vf half = vf_sqrt(vf_max(disc, zero)) * scale, error = vf_set(reach * 0x1p-19f);
         vf near = away - half, far = away + half;
-        vm ahead = l->sun ? vf_lt(near + error, limit) : vm_and(vf_lt(near + error, limit), vf_lt(error, far));
-        vm dark = vm_and(vf_lt(vf_set(0), disc), ahead);
+        error = error + vf_set(2) * blur / vf_max(half, vf_sqrt(blur)); /* of the root */
+        vm met = vm_and(vf_lt(-blur, disc), vm_from_bits(vbits_first((int)(p->count - k))));
+        vm dark = vm_and(vm_and(met, vf_lt(blur, disc)), vf_lt(near + error, limit)), apart = vf_lt(limit + error, near); /* beyond the point */
+        if (!l->sun) {
+            dark = vm_and(dark, vf_lt(error, near));
+            apart = vm_or(apart, vm_or(vf_lt(far, -error), vm_and(vf_lt(near, -error), vf_lt(limit + error, far))));
+        }
         vf_store(&p->depth[k], vf_select(dark, vf_set(-INFINITY), limit));
+        for (vbits doubt = vm_bits(vm_and(met, vf_lt(vf_set(-INFINITY), limit))) & ~vm_bits(vm_or(dark, apart)); doubt; doubt &= doubt - 1) {
+            uint32_t i = k + (uint32_t)__builtin_ctz(doubt);
+            way w = way_to(c->batch, c->lamp, p->source[i]);
+            if (ball_between(s, &w)) p->depth[i] = -INFINITY;
+        }
     }
 }
 
@@ -478,15 +601,16 @@ uint32_t DAFT_KERNEL(daft_shadows)(const daft_batch *points, const daft_lamp *la
         any |= active[i];
     }
     if (!any) return 0;
-    fill_cells(&l, &all, under, &kept);
+    fill_cells(&l, points, lamp, &all, under, &kept);
     for (uint32_t i = 0; i < candidate_count; i++) {
         const daft_instance *instance = &instances[candidates[i]];
         if (!active[i]) continue;
+        caster c = {.light = &l, .lamp = lamp, .batch = points, .instance = instance, .number = candidates[i], .points = &kept};
         if (!instance->mesh) {
-            test_sphere(&l, instance, origin, &kept);
+            test_sphere(&c, origin);
             continue;
         }
-        caster c = {.light = &l, .points = &kept, .map = compose(&l.map, &instance->to_frame, origin)};
+        c.map = compose(&l.map, &instance->to_frame, origin);
         set_planes(&c);
         walk(&c, instance->bvh);
     }

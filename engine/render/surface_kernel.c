@@ -5,12 +5,15 @@
  * Points lie where their ray meets the triangle's plane, whose normal and height are taken in double once a triangle: so a
  * point's error is a few 2^-24 of its own distance along the ray, and less across the plane, even on a triangle that
  * reaches to the horizon. Rays that leave start off the surface by more than that, and than the rounding on their way
- * into an instance's space. No constant depends on the scene's scale. Shadow rays start from a point lifted to where the smooth surface would be, so that facets do not
- * show in the terminator (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021, chapter 4). */
+ * into an instance's space. They start towards the viewer by as much again: in a concave corner a point may lie across the
+ * other wall by its error, where going off its own surface, which runs along that wall, does not bring it back; the way
+ * that its ray came is free. No constant depends on the scene's scale. Shadow rays start from a point lifted to where the
+ * smooth surface would be, so that facets do not show in the terminator (Hanika, "Hacking the Shadow Terminator", Ray
+ * Tracing Gems II, 2021, chapter 4). */
 #include "math/simd_real.h"
 #include "render/kernels.h"
 
-#define SPAWN_ERROR (32 * 0x1p-24f)
+#define SPAWN_ERROR (16 * 0x1p-24f)
 
 typedef struct facet {
     daft_vec3 corner[3], normal[3], outward; /* frame space; normals unit, on the viewer's side */
@@ -20,7 +23,7 @@ typedef struct facet {
     float height;      /* of the plane over the rays' origin, against `outward`: 0 or less */
     float density; /* units of uv a metre */
     float size;    /* sum of the instance's translation, for the spawn error */
-    uint32_t instance, material;
+    uint32_t instance, triangle, material;
 } facet;
 
 static void facet_normals(const daft_instance *instance, const uint32_t *corner, facet *f)
@@ -73,6 +76,7 @@ static void facet_setup(const daft_snapshot *snapshot, uint32_t index, uint32_t 
     const float *t = instance->to_frame.t;
     f->size = fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2]);
     f->instance = index;
+    f->triangle = triangle;
     f->material = instance->materials[mesh->slots ? mesh->slots[triangle] : 0];
 }
 
@@ -134,8 +138,9 @@ static void finish_points(daft_batch *b, float focal, bool seen_by_camera)
         vf error = (vf_abs(point.x) + vf_abs(point.y) + vf_abs(point.z) + vf_load(&b->spread[i])) * vf_set(SPAWN_ERROR);
         vf reach = seen_by_camera ? vf_sqrt(vf3_dot(point, point)) : vf_load(&b->reach[i]), spread = reach / vf_set(focal);
         vf cosine = vf_max(vf_abs(vf3_dot(outward, view)), vf_set(0.01f));
-        store3(&b->point, i, add3(point, scale3(outward, error)));
-        store3(&b->lifted, i, add3(load3(&b->lifted, i), scale3(outward, error)));
+        vf3 off = scale3(add3(outward, view), error);
+        store3(&b->point, i, add3(point, off));
+        store3(&b->lifted, i, add3(load3(&b->lifted, i), off));
         store3(&b->normal, i, unit3(load3(&b->normal, i)));
         store3(&b->view, i, view);
         vf_store(&b->reach[i], reach);
@@ -144,9 +149,10 @@ static void finish_points(daft_batch *b, float focal, bool seen_by_camera)
     }
 }
 
-DAFT_INLINE void store_ids(daft_batch *b, uint32_t at, uint32_t instance, uint32_t material)
+DAFT_INLINE void store_ids(daft_batch *b, uint32_t at, uint32_t instance, uint32_t triangle, uint32_t material)
 {
     vi_store(&b->instance[at], vi_set((int32_t)instance));
+    vi_store(&b->triangle[at], vi_set((int32_t)triangle));
     vi_store(&b->material[at], vi_set((int32_t)material));
 }
 
@@ -180,7 +186,7 @@ DAFT_INLINE void facet_points(const facet *f, vf3 direction, vf3 point, const vf
     store_point(b, at, direction, point, lifted, normal, outward, f->size, f->density);
     vf_store(&b->u[at], vf_set(f->uv[0].x) * w[0] + vf_set(f->uv[1].x) * w[1] + vf_set(f->uv[2].x) * w[2]);
     vf_store(&b->v[at], vf_set(f->uv[0].y) * w[0] + vf_set(f->uv[1].y) * w[1] + vf_set(f->uv[2].y) * w[2]);
-    store_ids(b, at, f->instance, f->material);
+    store_ids(b, at, f->instance, f->triangle, f->material);
 }
 
 /* near: the points as first found; they are pushed onto the sphere along its normal. */
@@ -200,7 +206,7 @@ DAFT_INLINE void sphere_points(const daft_instance *s, uint32_t index, vf3 direc
     float size = fabsf(s->to_frame.t[0]) + fabsf(s->to_frame.t[1]) + fabsf(s->to_frame.t[2]) + s->radius;
     /* the map's area is 2·pi·r by pi·r: its mean density is 1 / (sqrt(2)·pi·r) */
     store_point(b, at, direction, point, point, normal, normal, size, 0.225079079f / s->radius);
-    store_ids(b, at, index, s->materials[0]);
+    store_ids(b, at, index, 0, s->materials[0]);
 }
 
 /* ---- pixels ---- */

@@ -57,6 +57,7 @@ typedef struct daft_batch {
     float reach[DAFT_BATCH_ROOM];     /* metres travelled from the camera to here */
     uint32_t material[DAFT_BATCH_ROOM];
     uint32_t instance[DAFT_BATCH_ROOM];
+    uint32_t triangle[DAFT_BATCH_ROOM]; /* of the instance's mesh; 0 on a sphere */
     uint32_t pixel[DAFT_BATCH_ROOM]; /* where in the tile it counts */
     daft_lanes3 weight;              /* how much of its light arrives there */
     daft_lanes3 albedo;              /* the texture's colour, or 1 */
