@@ -118,6 +118,43 @@ static bool is_jpeg_safe(const uint8_t *bytes, size_t size)
     return true;
 }
 
+/* ---- HDR ---- */
+
+static size_t skip_line(const uint8_t *bytes, size_t size, size_t at)
+{
+    while (at < size && bytes[at] != '\n') at++;
+    return at < size ? at + 1 : size;
+}
+
+/* One channel of a run-length encoded row. False where the file ends before it does. */
+static bool skip_hdr_channel(const uint8_t *bytes, size_t size, size_t *at, int width)
+{
+    for (int x = 0; x < width;) {
+        if (*at >= size) return false;
+        int count = bytes[(*at)++], pixels = count > 128 ? count - 128 : count;
+        *at += count > 128 ? 1 : (size_t)count; /* one value for all, or one for each */
+        x += pixels;
+    }
+    return *at <= size;
+}
+
+/* Where the file ends within a row, stb_image (20220908) reads runs of length 0 for ever. */
+static bool is_hdr_complete(const uint8_t *bytes, size_t size, int width, int height)
+{
+    if (width < 8 || width >= 32768) return true; /* stored as it is */
+    size_t at = 0;
+    while (at < size && bytes[at] != '\n' && bytes[at] != 0) at = skip_line(bytes, size, at);
+    at = skip_line(bytes, size, skip_line(bytes, size, at)); /* the empty line, and the one with the size */
+    for (int y = 0; y < height; y++) {
+        if (size - at < 4) return false;
+        if (bytes[at] != 2 || bytes[at + 1] != 2 || bytes[at + 2] & 0x80) return true; /* nor is this encoded */
+        at += 4;
+        for (int channel = 0; channel < 4; channel++)
+            if (!skip_hdr_channel(bytes, size, &at, width)) return false;
+    }
+    return true;
+}
+
 /* ---- the header ---- */
 
 /* No format packs more pixels into a byte: 1-bit PNG comes nearest, with 1032 times 8. A header that says more is a
@@ -149,7 +186,11 @@ static bool decode(source *from, const char *path, daft_decoded *out, daft_error
     if (!daft_decode_size(path, from->bytes, from->size, &width, &height, error)) return false;
     int channels;
     *from = (source){from->bytes, from->size, 0, false};
-    if (stbi_is_hdr_from_memory((const stbi_uc *)from->bytes, (int)from->size))
+    const uint8_t *bytes = (const uint8_t *)from->bytes;
+    bool is_hdr = stbi_is_hdr_from_memory(bytes, (int)from->size);
+    if (is_hdr && !is_hdr_complete(bytes, from->size, width, height))
+        return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image is truncated");
+    if (is_hdr)
         out->floats = stbi_loadf_from_callbacks(&source_callbacks, from, &out->width, &out->height, &channels, 3);
     else
         out->bytes = stbi_load_from_callbacks(&source_callbacks, from, &out->width, &out->height, &channels, 4);

@@ -13,13 +13,21 @@ static bool finite_affine(const daft_affine *a)
 }
 
 /* Products of three coordinates are the largest numbers that kernels make of them, so 1e12 metres stay inside floats;
- * the square of a radius must not underflow. Beyond that nothing is drawn, instead of something wrong. */
-#define FARTHEST        1e12f
-#define SMALLEST_RADIUS 1e-15f
+ * and what is smaller than 1e-15 metres vanishes among denormals. Beyond that nothing is drawn, instead of something
+ * wrong.
+ */
+#define FARTHEST 1e12f
+#define SMALLEST 1e-15f
 
 static bool is_near(daft_vec3 p)
 {
     return fabsf(p.x) <= FARTHEST && fabsf(p.y) <= FARTHEST && fabsf(p.z) <= FARTHEST; /* no NaN is */
+}
+
+static bool fits_bounds(daft_vec3 low, daft_vec3 high)
+{
+    daft_vec3 size = daft_sub(high, low);
+    return is_near(low) && is_near(high) && (size.x >= SMALLEST || size.y >= SMALLEST || size.z >= SMALLEST);
 }
 
 /* In the frame, and in the mesh's own space, to which rays are turned. */
@@ -28,11 +36,11 @@ static bool fits_kernels(const daft_instance *instance)
     const daft_trimesh *mesh = instance->mesh;
     const float *eye = instance->to_object.t;
     if (mesh && mesh->triangle_count == 0) return true;
-    if (!is_near(instance->low) || !is_near(instance->high)) return false;
-    if (!mesh) return instance->radius >= SMALLEST_RADIUS;
+    if (!fits_bounds(instance->low, instance->high)) return false;
+    if (!mesh) return instance->radius >= SMALLEST;
     for (int i = 0; i < 9; i++)
         if (!(fabsf(instance->to_object.m[i]) <= FARTHEST)) return false;
-    return is_near(mesh->low) && is_near(mesh->high) && is_near(daft_v3(eye[0], eye[1], eye[2]));
+    return fits_bounds(mesh->low, mesh->high) && is_near(daft_v3(eye[0], eye[1], eye[2]));
 }
 
 static daft_affine rounded(const daft_daffine *a)
