@@ -136,7 +136,7 @@ static void make_box(arrays *a, uint32_t n)
 
 bool closed_shape_make(const daft_allocator *allocator, int kind, uint64_t *state, closed_shape *out)
 {
-    static const char *const NAMES[CLOSED_KINDS] = {"ball",  "bumpy ball", "grid box", "cube",
+    static const char *const NAMES[CLOSED_KINDS] = {"ball",  "bumpy ball", "grid box", "block",
                                                     "torus", "cone",       "needle",   "slab"};
     arrays a = {0};
     daft_vec3 stretch = {1, 1, 1};
