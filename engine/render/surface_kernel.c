@@ -13,6 +13,9 @@
 #include "math/simd_real.h"
 #include "render/kernels.h"
 
+/* In units of u = 2^-24 and of S = |x| + |y| + |z| of the point plus that of the instance's translation: the point is off by
+ * 6 (height, normal, their quotient with the ray, and the product), corners moved by to_frame in another order by 4, and the
+ * way into object space by 6 (a rounded map, three products, three sums). Sixteen covers their sum. */
 #define SPAWN_ERROR (16 * 0x1p-24f)
 
 typedef struct facet {
