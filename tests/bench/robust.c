@@ -161,7 +161,7 @@ static void describe(void *context, char *out, size_t size)
 /* One row for each peer that there is; one without a peer otherwise. */
 static void report(bench *self, const robust_tracer *tracers, const robust_score *score)
 {
-    bool alone = !tracers[1].name[0];
+    bool alone = !tracers[1].name;
     int kept = self->rounds;
     self->rounds = 1; /* counts are the same each time */
     for (int peer = alone ? 0 : 1; peer < (alone ? 1 : ROBUST_TRACERS); peer++) {
@@ -188,7 +188,7 @@ static void measure_shape(bench *self, const robust_tracer *tracers, closed_shap
     uint32_t count = make_rays(&shape->mesh, state, rays);
     score.asked = count;
     for (int i = 0; i < ROBUST_TRACERS; i++)
-        if (tracers[i].name[0]) score.wrong[i] = count_leaks(&tracers[i], &shape->mesh, rays, count);
+        if (tracers[i].name) score.wrong[i] = count_leaks(&tracers[i], &shape->mesh, rays, count);
     report(self, tracers, &score);
 }
 
@@ -221,12 +221,12 @@ void bench_robust(bench *self)
         return;
     }
     for (int i = 1; i < ROBUST_TRACERS && self->peers; i++)
-        if (!robust_open_embree(i == 2, &tracers[i])) tracers[i].name[0] = 0;
+        if (!robust_open_embree(i == 2, &tracers[i])) tracers[i].name = NULL;
     measure_shapes(self, tracers);
     if (bench_wants(self, "ray_cases.csv", "robust: rows")) {
         size_t count = robust_cases(self, tracers, scores);
         for (size_t i = 0; i < count; i++) report(self, tracers, &scores[i]);
     }
     for (int i = 0; i < ROBUST_TRACERS; i++)
-        if (tracers[i].name[0]) tracers[i].close(tracers[i].self);
+        if (tracers[i].name) tracers[i].close(tracers[i].self);
 }

@@ -8,7 +8,7 @@
 
 /* Something that traces single rays through a mesh or a sphere. */
 typedef struct robust_tracer {
-    char name[32];
+    const char *name; /* lives as long as the program; NULL: not there */
     void *self;
     void *(*mesh)(void *self, const daft_trimesh *mesh); /* a scene; NULL on failure. The mesh outlives it. */
     void *(*sphere)(void *self, daft_vec3 centre, float radius);
@@ -30,7 +30,7 @@ typedef struct robust_score {
 } robust_score;
 
 /* The classes of ../shared/cases/ray_cases.csv that are about meshes, triangles and spheres: fills in `scores`, returns
- * how many; 0 where the file is missing. Untried tracers have a name of length 0. */
+ * how many; 0 where the file is missing. Tracers without a name are left out. */
 enum { ROBUST_CLASSES = 5 };
 size_t robust_cases(bench *self, const robust_tracer *tracers, robust_score scores[ROBUST_CLASSES]);
 

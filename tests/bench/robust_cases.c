@@ -165,7 +165,7 @@ static void run_row(const bench *self, const robust_tracer *tracers, const row *
     }
     scores[class].asked += class != FANS;
     for (int i = 0; i < ROBUST_TRACERS; i++) {
-        if (!tracers[i].name[0]) continue;
+        if (!tracers[i].name) continue;
         answer a = ask(&tracers[i], header, r, sphere ? NULL : &mesh, &ray);
         if (class == FANS)
             find_fan(f, text(header, r, "group"))->hit[i] |= a.hit;

@@ -7,7 +7,6 @@
 #else
 #include <embree3/rtcore.h>
 #endif
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -92,7 +91,7 @@ bool robust_open_embree(bool robust, robust_tracer *out)
                            .drop = drop,
                            .closest = closest,
                            .close = close_device};
-    snprintf(out->name, sizeof out->name, "Embree %s %s", RTC_VERSION_STRING, robust ? "robust" : "fast");
+    out->name = robust ? "Embree " RTC_VERSION_STRING " robust" : "Embree " RTC_VERSION_STRING " fast";
     return true;
 }
 #else
