@@ -345,7 +345,8 @@ static void every_allocation_may_fail(void **state)
     }
 }
 
-/* A settled scene's second picture takes nothing from the allocator, nor do its ticks and its rays. */
+/* A settled scene's second picture takes nothing from the allocator, nor do its ticks and its rays. With one worker: how
+ * many share the work is settled at once, how they share it only when each has had its largest share. */
 static void a_settled_frame_allocates_nothing(void **state)
 {
     (void)state;
@@ -354,7 +355,7 @@ static void a_settled_frame_allocates_nothing(void **state)
     daft_error error;
     daft_ray_hit hit;
     daft_engine_def def = daft_default_engine_def();
-    def.threads = 2;
+    def.threads = 1;
     def.allocator = (daft_allocator){&m, metered_allocate, metered_release};
     assert_true(run(&p, &def, &error));
     daft_view view = daft_default_view();
