@@ -308,7 +308,7 @@ void bench_render(bench *self)
         for (size_t d = 0; d < 2; d++) {
             char scene[64];
             snprintf(scene, sizeof scene, "%s, %s", BENCH_MODELS[i].name, DISTANCES[d].name);
-            wanted[d][0] = bench_wants(self, scene, "camera rays") | bench_wants(self, scene, "intersection, exact to watertight") |
+            wanted[d][0] = bench_wants(self, scene, "camera rays") || bench_wants(self, scene, "intersection, exact to watertight") ||
                            bench_wants(self, scene, "intersection, exact to fast");
             wanted[d][1] = bench_wants(self, scene, "frame, sun and point light");
             any |= wanted[d][0] || wanted[d][1];
