@@ -181,14 +181,6 @@ static int side_of(const difference a[3], const difference b[3], daft_vec3 d)
     return side;
 }
 
-int daft_ray_side_from(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 d)
-{
-    difference p[3], q[3];
-    subtract(a, o, p);
-    subtract(b, o, q);
-    return side_of(p, q, d);
-}
-
 bool daft_line_hits(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d)
 {
     difference p[3], q[3], r[3];

@@ -17,10 +17,8 @@ int daft_det_sign(daft_vec3 a, daft_vec3 b, daft_vec3 c);
  * "Simulation of Simplicity", 1990). 0 only where a and b are parallel. daft_ray_side(b, a, d) = -daft_ray_side(a, b, d). */
 int daft_ray_side(daft_vec3 a, daft_vec3 b, daft_vec3 d);
 
-/* The same for a ray from o, all four points as given: a - o and b - o are not rounded. */
-int daft_ray_side_from(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 d);
-
-/* Whether the line through o along d hits the triangle, in front of o or behind, exactly. */
+/* Whether the line through o along d hits the triangle, in front of o or behind, exactly: all points as given, a - o not
+ * rounded. Lines exactly through an edge are moved as above, so crossings of a closed mesh are even in number. */
 bool daft_line_hits(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_vec3 d);
 
 /* The same for the closed triangle: a line exactly through an edge or a vertex touches all triangles there, and so also one

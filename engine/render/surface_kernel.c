@@ -119,7 +119,7 @@ DAFT_INLINE void store3(daft_lanes3 *out, uint32_t at, vf3 v)
     vf_store(&out->x[at], v.x), vf_store(&out->y[at], v.y), vf_store(&out->z[at], v.z);
 }
 
-/* A batch between the two passes: `normal` and `view` are not unit yet, `point` and `lifted` lie on the surface, `spread`
+/* A batch between the two passes: `normal` and `view` are not unit yet, `point` and `lifted` lie on the surface, `extent`
  * holds the size that the spawn error adds to the point's own, `footprint` the density of uv. */
 DAFT_INLINE void store_point(daft_batch *b, uint32_t at, vf3 direction, vf3 point, vf3 lifted, vf3 normal, vf3 outward,
                              float size, float density)
@@ -129,7 +129,7 @@ DAFT_INLINE void store_point(daft_batch *b, uint32_t at, vf3 direction, vf3 poin
     store3(&b->normal, at, normal);
     store3(&b->outward, at, outward);
     store3(&b->view, at, direction);
-    vf_store(&b->spread[at], vf_set(size));
+    vf_store(&b->extent[at], vf_set(size));
     vf_store(&b->footprint[at], vf_set(density));
 }
 
@@ -138,7 +138,7 @@ static void finish_points(daft_batch *b, float focal, bool seen_by_camera)
 {
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vf3 point = load3(&b->point, i), outward = load3(&b->outward, i), view = scale3(unit3(load3(&b->view, i)), vf_set(-1));
-        vf error = (vf_abs(point.x) + vf_abs(point.y) + vf_abs(point.z) + vf_load(&b->spread[i])) * vf_set(SPAWN_ERROR);
+        vf error = (vf_abs(point.x) + vf_abs(point.y) + vf_abs(point.z) + vf_load(&b->extent[i])) * vf_set(SPAWN_ERROR);
         vf reach = seen_by_camera ? vf_sqrt(vf3_dot(point, point)) : vf_load(&b->reach[i]), spread = reach / vf_set(focal);
         vf cosine = vf_max(vf_abs(vf3_dot(outward, view)), vf_set(0.01f));
         vf3 off = scale3(add3(outward, view), error);
@@ -147,7 +147,6 @@ static void finish_points(daft_batch *b, float focal, bool seen_by_camera)
         store3(&b->normal, i, unit3(load3(&b->normal, i)));
         store3(&b->view, i, view);
         vf_store(&b->reach[i], reach);
-        vf_store(&b->spread[i], spread);
         vf_store(&b->footprint[i], spread * vf_load(&b->footprint[i]) / vf_sqrt(cosine));
     }
 }

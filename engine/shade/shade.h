@@ -53,7 +53,7 @@ typedef struct daft_batch {
     daft_lanes3 view;    /* to the viewer, unit */
     float u[DAFT_BATCH_ROOM], v[DAFT_BATCH_ROOM];
     float footprint[DAFT_BATCH_ROOM]; /* side of the pixel's patch on the surface, in units of u and v */
-    float spread[DAFT_BATCH_ROOM];    /* side of the pixel's patch across the ray, metres */
+    float extent[DAFT_BATCH_ROOM];    /* metres that the spawn error counts beside the point's own coordinates */
     float reach[DAFT_BATCH_ROOM];     /* metres travelled from the camera to here */
     uint32_t material[DAFT_BATCH_ROOM];
     uint32_t instance[DAFT_BATCH_ROOM];
