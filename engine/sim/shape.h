@@ -73,7 +73,7 @@ typedef enum daft_geometry {
     DAFT_GEOMETRY_SPHERE,  /* around the origin */
     DAFT_GEOMETRY_CAPSULE, /* around a segment on the y axis, centred */
     DAFT_GEOMETRY_BOX,     /* around the origin */
-    DAFT_XGEOULL,          /* convex; vertices wherever they were given */
+    DAFT_GEOMETRY_HULL,    /* convex; vertices wherever they were given */
     DAFT_GEOMETRY_MESH,    /* triangles; static or kinematic bodies only: a surface, no inside, no mass */
     DAFT_GEOMETRY_FIELD,   /* height field; static or kinematic bodies only */
     DAFT_GEOMETRY_COMPOUND /* children of the kinds above, not of this one */
@@ -111,7 +111,7 @@ daft_sim_shape daft_shape_compound(const daft_compound *compound);
 /* Whether it is sphere, capsule, box or hull. */
 static inline bool daft_shape_is_convex(const daft_sim_shape *s)
 {
-    return s->type >= DAFT_GEOMETRY_SPHERE && s->type <= DAFT_XGEOULL;
+    return s->type >= DAFT_GEOMETRY_SPHERE && s->type <= DAFT_GEOMETRY_HULL;
 }
 /* Whether it can be dynamic: convex, or a compound of convex children. */
 bool daft_shape_has_mass(const daft_sim_shape *s);
