@@ -1,27 +1,36 @@
 /* bench: the harness of the benchmarks. A benchmark is two functions that return one sample each, ours and a peer's on the
  * same work; the harness runs them in turns, so that a slow moment of the machine meets both, and reports the medians.
  *
- *   harness.c   options, sampling, the table, the JSON
+ *   harness.c   options, sampling
+ *   report.c    the table with its budgets, the summary, the JSON
  *   models.c    meshes: files of an optional folder, and generated ones that are always there
- *   render.c, load.c, game.c   the benchmarks
- *   embree.c, tinyobj.cpp      the peers, built where their libraries are installed */
+ *   render.c, load.c, game.c, robust.c   the benchmarks
+ *   embree.c, tinyobj.cpp                the peers, built where their libraries are installed */
 #ifndef DAFT_BENCH_H
 #define DAFT_BENCH_H
 
+#include "accel/accel.h"
 #include "base/base.h"
 #include "geometry/mesh.h"
 
+/* What a row should reach: the floor, and the aim. Both zero: the row has none. */
+typedef struct bench_budget {
+    double floor, aim;
+    bool of_value; /* they are about our own figure, in the row's unit; else about the ratio */
+} bench_budget;
+
 typedef struct bench_row {
-    char scene[48], what[48], counters[96];
+    char scene[64], what[64], counters[128];
     const char *unit, *isa, *peer_name;
     int threads;
     double ours, peer; /* medians; peer is negative where there is none */
+    bench_budget budget;
 } bench_row;
 
 typedef struct bench {
     const char *only, *json, *isa; /* isa: NULL for the best there is */
     int threads;                   /* 0: one, and all there are */
-    int rounds;
+    int rounds;                    /* 0: as many as it takes */
     bool peers, list;
     daft_allocator allocator;
     bench_row *rows;
@@ -34,37 +43,59 @@ typedef double bench_sample(void *context);
 
 typedef struct bench_subject {
     const char *scene, *what;
-    const char *unit; /* "ms": smaller is better; everything else: larger is */
+    const char *unit; /* "ms" and "B/...": smaller is better; everything else: larger is */
     const char *isa;
     int threads;
     bench_sample *ours, *peer; /* peer: NULL where there is none, or it is not installed */
     void *context;
     const char *peer_name; /* NULL: nothing to compare with */
     void (*describe)(void *context, char *out, size_t size); /* counters, after the last round; may be NULL */
+    bench_budget budget;
+    bool own_peer; /* the peer is ours, too: it runs without --peers */
 } bench_subject;
 
 /* Whether the user asked for it. With --list it prints the name, and the answer is no. */
 bool bench_wants(bench *self, const char *scene, const char *what);
-void bench_measure(bench *self, const bench_subject *subject);
+/* Samples both sides and adds the row; gives it, or NULL on failure. It is valid until the next one. */
+const bench_row *bench_measure(bench *self, const bench_subject *subject);
+/* The same, and a second row of the same figures, without the peer, under another name and budget. */
+void bench_measure_twice(bench *self, const bench_subject *subject, const char *what, bench_budget budget);
+/* A row whose figures are known already. False when memory is out. */
+bool bench_add(bench *self, const bench_row *row);
 /* Fills in the thread counts to measure, returns how many. */
 int bench_thread_counts(const bench *self, int out[2]);
 /* Says on stderr why something is left out or went wrong; `fatal` makes the exit status 1. */
 void bench_note(bench *self, bool fatal, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* ---- report.c ---- */
+
+/* Larger than 1: ours is better. Negative where there is no peer. */
+double bench_ratio(const bench_row *row);
+void bench_print(const bench *self);
+bool bench_write_json(const bench *self);
 
 /* ---- models.c ---- */
 
 /* A mesh scaled so that its longest side is 1 m, standing on y = 0 around the y axis. */
 typedef struct bench_model {
     const char *name;
-    const char *file; /* in the models folder; NULL: generated */
+    const char *file;   /* in the models folder; NULL: generated */
+    uint32_t triangles; /* of the file, and about those of what stands in where it is missing */
 } bench_model;
 
 extern const bench_model BENCH_MODELS[];
 extern const size_t BENCH_MODEL_COUNT;
 
-/* The file of a model; false when it is not there. */
+const bench_model *bench_model_named(const char *name);
+/* The file of a model; false when it has none or it is not there. */
 bool bench_model_path(const bench_model *model, char *out, size_t size);
 bool bench_model_load(bench *self, const bench_model *model, daft_trimesh *out);
+/* The scene's name as it is shown: it says where something stands in for a model. */
+void bench_label(const char *scene, char *out, size_t size);
+/* A grid of columns by rows cells over u, v in 0..1, two triangles each, counter-clockwise seen from where u × v points
+ * away. */
+typedef daft_vec3 bench_surface(double u, double v);
+bool bench_grid(bench *self, uint32_t columns, uint32_t rows, bench_surface *point, daft_trimesh *out);
 /* A copy of the positions as the public API takes them. Released with daft_release. */
 daft_vec3 *bench_positions(bench *self, const daft_trimesh *mesh);
 

@@ -90,7 +90,7 @@ void bench_game(bench *self)
         set_arguments(&job, words, DAFT_COUNT_OF(words));
         bench_subject subject = {.scene = "marble", .what = "start-up", .unit = "ms", .isa = self->isa,
                                  .threads = counts[count - 1], .ours = start_up, .context = &job,
-                                 .describe = start_up_describe};
+                                 .describe = start_up_describe, .budget = {200, 80, true}};
         bench_measure(self, &subject);
     }
     if (!bench_wants(self, "marble", "frame at 1280x720")) return;
@@ -103,7 +103,8 @@ void bench_game(bench *self)
                                      "--stats", job.stats, "--threads", threads, "--isa", self->isa};
         set_arguments(&job, words, DAFT_COUNT_OF(words));
         bench_subject subject = {.scene = "marble", .what = "frame at 1280x720", .unit = "ms", .isa = self->isa,
-                                 .threads = counts[t], .ours = frames, .context = &job, .describe = frames_describe};
+                                 .threads = counts[t], .ours = frames, .context = &job, .describe = frames_describe,
+                                 .budget = {counts[t] == 2 ? 1e3 / 60 : 0, counts[t] == 2 ? 1e3 / 120 : 0, true}};
         bench_measure(self, &subject);
     }
 }

@@ -1,4 +1,4 @@
-/* Options, sampling in turns, the table and the JSON. */
+/* Options, and sampling in turns. */
 #include "bench.h"
 
 #include "math/isa.h"
@@ -64,117 +64,69 @@ static double median(double *values, int count)
     return count % 2 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2;
 }
 
-/* One round of warming up, then rounds of ours and the peer's in turns, until there are enough or, past the third, they
- * have taken ten seconds. A first round of two seconds has no need of warming up and counts. False if a sample failed. */
+/* Samples are enough when there are as many as asked for, or else nine, and then more for up to a third of a second, since
+ * short ones are the noisy ones; or, past the third, when they have taken ten seconds. */
+static bool enough(const bench *self, int count, double ms)
+{
+    if (count >= 3 && ms > 10e3) return true;
+    if (self->rounds) return count >= self->rounds;
+    return count >= MAX_ROUNDS || (count >= 9 && ms > 333);
+}
+
+/* One round of warming up, then rounds of ours and the peer's in turns. A first round of two seconds has no need of
+ * warming up and counts. False if a sample failed. */
 static bool sample(const bench *self, const bench_subject *subject, bool peer, bench_row *row)
 {
     double ours[MAX_ROUNDS], theirs[MAX_ROUNDS], start = daft_clock_ms();
     int count = 0;
-    for (int round = self->rounds > 1 ? -1 : 0; round < self->rounds; round++) {
+    for (bool warm = self->rounds == 1; !enough(self, count, daft_clock_ms() - start);) {
         double a = subject->ours(subject->context), b = peer ? subject->peer(subject->context) : 0;
         if (a < 0 || b < 0) return false;
-        if (round < 0 && daft_clock_ms() - start < 2e3) continue;
+        bool cold = !warm && daft_clock_ms() - start < 2e3;
+        warm = true;
+        if (cold) continue;
         ours[count] = a;
         theirs[count++] = b;
-        if (count >= 3 && daft_clock_ms() - start > 10e3) break;
     }
     row->ours = median(ours, count);
     row->peer = peer ? median(theirs, count) : -1;
     return true;
 }
 
-void bench_measure(bench *self, const bench_subject *subject)
+bool bench_add(bench *self, const bench_row *row)
 {
-    bool peer = self->peers && subject->peer;
     if (!daft_grow(&self->allocator, &self->rows, &self->capacity, self->count + 1, self->count, sizeof *self->rows)) {
         bench_note(self, true, "out of memory");
-        return;
+        return false;
     }
-    bench_row *row = &self->rows[self->count];
-    *row = (bench_row){.unit = subject->unit, .isa = subject->isa, .threads = subject->threads};
-    row->peer_name = self->peers ? subject->peer_name : NULL;
-    snprintf(row->scene, sizeof row->scene, "%s", subject->scene);
-    snprintf(row->what, sizeof row->what, "%s", subject->what);
-    fprintf(stderr, "%s %s, %d thread%s\n", row->scene, row->what, row->threads, row->threads == 1 ? "" : "s");
-    if (!sample(self, subject, peer, row)) {
-        bench_note(self, true, "%s %s failed", row->scene, row->what);
-        return;
-    }
-    if (subject->describe) subject->describe(subject->context, row->counters, sizeof row->counters);
-    self->count++;
+    self->rows[self->count++] = *row;
+    return true;
 }
 
-/* Larger than 1: ours is better. Negative where there is no peer. */
-static double ratio_of(const bench_row *row)
+const bench_row *bench_measure(bench *self, const bench_subject *subject)
 {
-    if (row->peer < 0) return -1;
-    return strcmp(row->unit, "ms") == 0 ? row->peer / row->ours : row->ours / row->peer;
-}
-
-/* ---- output ---- */
-
-static const char *peer_cell(const bench_row *row, char *out, size_t size)
-{
-    if (row->peer >= 0)
-        snprintf(out, size, "%.4g", row->peer);
-    else
-        snprintf(out, size, "%s", row->peer_name ? "not installed" : "-");
-    return out;
-}
-
-static void print_table(const bench *self)
-{
-    int scene = 5, what = 4;
-    for (size_t i = 0; i < self->count; i++) {
-        scene = daft_max_i(scene, (int)strlen(self->rows[i].scene));
-        what = daft_max_i(what, (int)strlen(self->rows[i].what));
+    bool peers = self->peers || subject->own_peer;
+    bench_row row = {.unit = subject->unit, .isa = subject->isa, .threads = subject->threads, .budget = subject->budget};
+    row.peer_name = peers ? subject->peer_name : NULL;
+    bench_label(subject->scene, row.scene, sizeof row.scene);
+    snprintf(row.what, sizeof row.what, "%s", subject->what);
+    fprintf(stderr, "%s %s, %d thread%s\n", row.scene, row.what, row.threads, row.threads == 1 ? "" : "s");
+    if (!sample(self, subject, peers && subject->peer, &row)) {
+        bench_note(self, true, "%s %s failed", row.scene, row.what);
+        return NULL;
     }
-    printf("%-*s  %-*s  %7s  %-6s  %9s  %-6s", scene, "scene", what, "what", "threads", "isa", "ours", "unit");
-    if (self->peers) printf("  %13s  %6s  %-16s", "peer", "ratio", "peer's name");
-    printf("  counters\n");
-    for (size_t i = 0; i < self->count; i++) {
-        const bench_row *row = &self->rows[i];
-        char peer[32], ratio[32] = "-";
-        if (ratio_of(row) >= 0) snprintf(ratio, sizeof ratio, "%.2f", ratio_of(row));
-        printf("%-*s  %-*s  %7d  %-6s  %9.4g  %-6s", scene, row->scene, what, row->what, row->threads, row->isa, row->ours,
-               row->unit);
-        if (self->peers)
-            printf("  %13s  %6s  %-16s", peer_cell(row, peer, sizeof peer), ratio, row->peer_name ? row->peer_name : "-");
-        printf("  %s\n", row->counters);
-    }
+    if (subject->describe) subject->describe(subject->context, row.counters, sizeof row.counters);
+    return bench_add(self, &row) ? &self->rows[self->count - 1] : NULL;
 }
 
-static void write_number(FILE *file, const char *name, double value)
+void bench_measure_twice(bench *self, const bench_subject *subject, const char *what, bench_budget budget)
 {
-    if (value < 0)
-        fprintf(file, ", \"%s\": null", name);
-    else
-        fprintf(file, ", \"%s\": %.6g", name, value);
-}
-
-/* Names are ours and plain: nothing in them needs escaping. */
-static bool write_json(const bench *self)
-{
-    FILE *file = fopen(self->json, "w");
-    if (!file) return false;
-    fprintf(file, "[");
-    for (size_t i = 0; i < self->count; i++) {
-        const bench_row *row = &self->rows[i];
-        fprintf(file, "%s\n  {\"scene\": \"%s\", \"what\": \"%s\", \"threads\": %d, \"isa\": \"%s\"", i ? "," : "",
-                row->scene, row->what, row->threads, row->isa);
-        write_number(file, "ours", row->ours);
-        write_number(file, "peer", row->peer);
-        if (row->peer_name)
-            fprintf(file, ", \"peer_name\": \"%s\"", row->peer_name);
-        else
-            fprintf(file, ", \"peer_name\": null");
-        fprintf(file, ", \"unit\": \"%s\"", row->unit);
-        write_number(file, "ratio", ratio_of(row));
-        fprintf(file, ", \"counters\": \"%s\"}", row->counters);
-    }
-    fprintf(file, "\n]\n");
-    bool written = !ferror(file);
-    return (fclose(file) == 0) && written;
+    const bench_row *measured = bench_measure(self, subject);
+    if (!measured) return;
+    bench_row row = *measured;
+    snprintf(row.what, sizeof row.what, "%s", what);
+    row.peer = -1, row.peer_name = NULL, row.budget = budget;
+    bench_add(self, &row);
 }
 
 /* ---- command line ---- */
@@ -182,18 +134,20 @@ static bool write_json(const bench *self)
 static const char USAGE[] =
     "usage: daft bench [--peers] [--only PATTERN] [--json FILE] [options]\n"
     "\n"
-    "Measures speed and prints a table: the median of several rounds, and what was counted beside it.\n"
+    "Measures speed and prints a table: the median of several rounds, and what was counted beside it. Rows with a\n"
+    "budget show its floor, its aim, and how much of the aim is reached; the rows under their floor are listed below.\n"
     "\n"
     "  --peers         run other libraries on the same work, in turns with ours (ratio > 1: ours is better)\n"
     "  --only PATTERN  only benchmarks with PATTERN in their name\n"
     "  --json FILE     write the results as JSON, too\n"
     "  --threads N     measure with N threads (default: with one, and with all)\n"
     "  --isa X         sse2, avx2 or avx512 (default: the best there is)\n"
-    "  --rounds N      samples to take the median of (default 9)\n"
+    "  --rounds N      samples to take the median of (default: 9, and more of short ones)\n"
     "  --list          print the names of the benchmarks\n"
     "  --help          this text\n"
     "\n"
-    "Meshes that are not part of DAFT are read from the folder ../shared/data beside the checkout, or from $DAFT_DATA.\n";
+    "Meshes that are not part of DAFT are read from the folder ../shared/data beside the checkout, or from $DAFT_DATA;\n"
+    "where one is missing, a generated mesh of its size stands in, and the row says so.\n";
 
 static int refuse(const char *message, const char *detail)
 {
@@ -246,7 +200,7 @@ static int take_argument(bench *self, int argc, char **argv, int *index)
 
 int main(int argc, char **argv)
 {
-    bench self = {.rounds = 9, .allocator = daft_malloc_allocator()};
+    bench self = {.allocator = daft_malloc_allocator()};
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) return fputs(USAGE, stdout), 0;
         int status = take_argument(&self, argc, argv, &i);
@@ -261,10 +215,10 @@ int main(int argc, char **argv)
     bench_load(&self);
     bench_game(&self);
     bench_robust(&self);
-    if (!self.list && self.count > 0) print_table(&self);
+    if (!self.list && self.count > 0) bench_print(&self);
     if (!self.list && self.count == 0 && !self.failed)
         bench_note(&self, true, "no benchmark has '%s' in its name; --list names them all", self.only ? self.only : "");
-    if (self.json && !self.list && !write_json(&self)) bench_note(&self, true, "cannot write %s", self.json);
+    if (self.json && !self.list && !bench_write_json(&self)) bench_note(&self, true, "cannot write %s", self.json);
     daft_release(&self.allocator, self.rows);
     return self.failed ? 1 : 0;
 }

@@ -1,4 +1,4 @@
-/* What stands before the first frame: reading an OBJ file, and building the BVH. */
+/* What stands before the first frame: reading an OBJ file, building the BVH, and the memory that both take. */
 #include "bench.h"
 
 #include "accel/accel.h"
@@ -66,12 +66,8 @@ static bool write_obj(const daft_trimesh *mesh, const char *path)
 
 static bool obj_path(bench *self, const bench_model *model, char *out, size_t size, bool *temporary)
 {
-    *temporary = !model->file;
-    if (model->file) {
-        if (bench_model_path(model, out, size)) return true;
-        bench_note(self, false, "%s left out: there is no %s", model->name, out);
-        return false;
-    }
+    *temporary = !bench_model_path(model, out, size);
+    if (!*temporary) return true;
     const char *folder = getenv("TMPDIR");
     snprintf(out, size, "%s/daft_bench_%ld.obj", folder ? folder : "/tmp", (long)getpid());
     daft_trimesh mesh;
@@ -92,8 +88,8 @@ static void measure_obj(bench *self, const bench_model *model)
         obj_job job = {self, path, (double)status.st_size / 1e6, 0, 0, self->peers ? bench_find_tinyobj() : NULL};
         bench_subject subject = {.scene = model->name, .what = "OBJ load", .unit = "MB/s", .isa = self->isa, .threads = 1,
                                  .ours = obj_ours, .peer = job.peer ? obj_peer : NULL, .context = &job,
-                                 .peer_name = "tinyobjloader", .describe = obj_describe};
-        bench_measure(self, &subject);
+                                 .peer_name = "tinyobjloader", .describe = obj_describe, .budget = {4, 0, false}};
+        bench_measure_twice(self, &subject, "OBJ load, throughput", (bench_budget){200, 500, true});
     }
     if (temporary) unlink(path);
 }
@@ -145,7 +141,7 @@ static void measure_build(bench *self, const bench_model *model)
         bench_subject subject = {.scene = model->name, .what = "BVH build", .unit = "Mtri/s", .isa = self->isa,
                                  .threads = threads[t], .ours = build_ours, .peer = job.embree ? build_peer : NULL,
                                  .context = &job, .peer_name = job.api ? job.api->name : "Embree",
-                                 .describe = build_describe};
+                                 .describe = build_describe, .budget = {1, 2, false}};
         bench_measure(self, &subject);
         if (job.api) job.api->destroy(job.embree);
         job.embree = NULL;
@@ -153,10 +149,29 @@ static void measure_build(bench *self, const bench_model *model)
     daft_trimesh_free(&self->allocator, &job.mesh);
 }
 
+static void measure_memory(bench *self, const bench_model *model)
+{
+    daft_trimesh mesh;
+    if (!bench_model_load(self, model, &mesh)) return;
+    daft_bvh *bvh = daft_bvh_build_mesh(&self->allocator, &mesh, 1, NULL);
+    if (bvh) {
+        double count = mesh.triangle_count, own = (double)daft_trimesh_bytes(&mesh), tree = (double)daft_bvh_bytes(bvh);
+        bench_row row = {.what = "memory", .unit = "B/tri", .isa = self->isa, .threads = 1, .ours = (own + tree) / count,
+                         .peer = -1, .budget = {96, 64, true}};
+        bench_label(model->name, row.scene, sizeof row.scene);
+        snprintf(row.counters, sizeof row.counters, "mesh %.1f, BVH %.1f bytes a triangle", own / count, tree / count);
+        bench_add(self, &row);
+        daft_bvh_free(bvh);
+    }
+    daft_trimesh_free(&self->allocator, &mesh);
+}
+
 void bench_load(bench *self)
 {
     for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
         if (bench_wants(self, BENCH_MODELS[i].name, "OBJ load")) measure_obj(self, &BENCH_MODELS[i]);
+    for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
+        if (bench_wants(self, BENCH_MODELS[i].name, "memory")) measure_memory(self, &BENCH_MODELS[i]);
     for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
         if (bench_wants(self, BENCH_MODELS[i].name, "BVH build")) measure_build(self, &BENCH_MODELS[i]);
 }

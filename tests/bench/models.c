@@ -1,4 +1,5 @@
-/* The meshes of the benchmarks: real ones from a folder beside the checkout, where it is there, and two made up here. */
+/* The meshes of the benchmarks: real ones from a folder beside the checkout, and generated ones, which also stand in for
+ * what is missing there. */
 #include "bench.h"
 
 #include "math/real.h"
@@ -8,16 +9,43 @@
 #include <string.h>
 
 const bench_model BENCH_MODELS[] = {
-    {"sphere 130k", NULL},        {"terrain 180k", NULL},           {"cow", "cow.obj"},
-    {"bunny", "stanford-bunny.obj"}, {"nefertiti", "nefertiti.obj"},
+    {"sphere 130k", NULL, 0},
+    {"terrain 180k", NULL, 0},
+    {"cow", "cow.obj", 5804},
+    {"bunny", "stanford-bunny.obj", 69451},
+    {"nefertiti", "nefertiti.obj", 99938},
 };
 const size_t BENCH_MODEL_COUNT = DAFT_COUNT_OF(BENCH_MODELS);
 
+const bench_model *bench_model_named(const char *name)
+{
+    for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
+        if (strcmp(BENCH_MODELS[i].name, name) == 0) return &BENCH_MODELS[i];
+    return NULL;
+}
+
 bool bench_model_path(const bench_model *model, char *out, size_t size)
 {
+    out[0] = 0;
+    if (!model->file) return false;
     const char *data = getenv("DAFT_DATA");
     snprintf(out, size, "%s/models/%s", data && data[0] ? data : DAFT_ROOT "/../shared/data", model->file);
     return daft_file_exists(out);
+}
+
+void bench_label(const char *scene, char *out, size_t size)
+{
+    char path[1024];
+    for (size_t i = 0; i < BENCH_MODEL_COUNT; i++) {
+        const bench_model *model = &BENCH_MODELS[i];
+        size_t length = strlen(model->name);
+        const char *at = strstr(scene, model->name);
+        if (!at || !model->file || bench_model_path(model, path, sizeof path)) continue;
+        int head = (int)(at - scene) + (int)length;
+        snprintf(out, size, "%.*s stand-in%s", head, scene, at + length);
+        return;
+    }
+    snprintf(out, size, "%s", scene);
 }
 
 /* A point of a grid over (0..1, 0..1): bumpy ground of 1 m by 1 m. */
@@ -38,9 +66,7 @@ static daft_vec3 sphere_point(double u, double v)
                    (float)(0.5 * daft_sin(polar) * daft_sin(yaw)));
 }
 
-/* A grid of columns by rows cells, two triangles each, counter-clockwise seen from above (from outside). */
-static bool make_grid(bench *self, uint32_t columns, uint32_t rows, daft_vec3 (*point)(double u, double v),
-                      daft_trimesh *out)
+bool bench_grid(bench *self, uint32_t columns, uint32_t rows, bench_surface *point, daft_trimesh *out)
 {
     daft_vec3 *positions = daft_alloc(&self->allocator, (size_t)(columns + 1) * (rows + 1), sizeof *positions);
     uint32_t *indices = daft_alloc(&self->allocator, (size_t)columns * rows * 6, sizeof *indices);
@@ -67,12 +93,25 @@ static bool make_grid(bench *self, uint32_t columns, uint32_t rows, daft_vec3 (*
     return made;
 }
 
+/* A statue, roughly: a ball with bumps of several sizes, longer than wide. */
+static daft_vec3 statue_point(double u, double v)
+{
+    double yaw = -2 * DAFT_PI * u, polar = DAFT_PI * v, bumps = 0, amplitude = 0.08;
+    for (int octave = 0, waves = 3; octave < 4; octave++, waves = 2 * waves + 1, amplitude *= 0.5)
+        bumps += amplitude * daft_sin(waves * yaw + octave) * daft_sin(waves * polar);
+    double radius = 0.35 * (1 + bumps * daft_sin(polar));
+    return daft_v3((float)(radius * daft_sin(polar) * daft_cos(yaw)), (float)(-0.5 * daft_cos(polar) * (1 + bumps * daft_sin(polar))),
+                   (float)(radius * daft_sin(polar) * daft_sin(yaw)));
+}
+
 static bool load_file(bench *self, const bench_model *model, daft_trimesh *out)
 {
     char path[1024], text[1200];
     if (!bench_model_path(model, path, sizeof path)) {
-        bench_note(self, false, "%s left out: there is no %s", model->name, path);
-        return false;
+        uint32_t rows = (uint32_t)(sqrt(model->triangles / 4.0) + 0.5);
+        bench_note(self, false, "there is no %s: a generated mesh of %u triangles stands in for the %s", path, 4 * rows * rows,
+                   model->name);
+        return bench_grid(self, 2 * rows, rows, statue_point, out);
     }
     daft_obj obj;
     daft_error error;
@@ -105,8 +144,8 @@ static void normalise(daft_trimesh *mesh)
 bool bench_model_load(bench *self, const bench_model *model, daft_trimesh *out)
 {
     bool loaded = model->file               ? load_file(self, model, out)
-                  : model->name[0] == 't' ? make_grid(self, 300, 300, terrain_point, out)
-                                            : make_grid(self, 360, 180, sphere_point, out);
+                  : model->name[0] == 't' ? bench_grid(self, 300, 300, terrain_point, out)
+                                            : bench_grid(self, 360, 180, sphere_point, out);
     if (loaded) normalise(out);
     return loaded;
 }
