@@ -1,11 +1,14 @@
 /* bench: the harness of the benchmarks. A benchmark is two functions that return one sample each, ours and a peer's on the
- * same work; the harness runs them in turns, so that a slow moment of the machine meets both, and reports the medians.
+ * same work; the harness runs them in turns, so that a slow moment of the machine meets both, and reports the best of
+ * each: what disturbs a sample only ever makes it slower.
  *
  *   harness.c   options, sampling
  *   report.c    the table with its budgets, the summary, the JSON
  *   models.c    meshes: files of an optional folder, and generated ones that are always there
- *   render.c, load.c, game.c, robust.c   the benchmarks
- *   embree.c, tinyobj.cpp                the peers, built where their libraries are installed */
+ *   scenes.c    what both sides look at: meshes, instances, spheres, a room (scenes.h)
+ *   camera.c    our camera rays
+ *   render.c, frames.c, load.c, game.c, robust.c   the benchmarks
+ *   embree.c, embree_frame.c, tinyobj.cpp          the peers, built where their libraries are installed */
 #ifndef DAFT_BENCH_H
 #define DAFT_BENCH_H
 
@@ -23,7 +26,7 @@ typedef struct bench_row {
     char scene[64], what[64], counters[128];
     const char *unit, *isa, *peer_name;
     int threads;
-    double ours, peer; /* medians; peer is negative where there is none */
+    double ours, peer; /* the best samples; peer is negative where there is none */
     bench_budget budget;
 } bench_row;
 
@@ -69,6 +72,7 @@ void bench_note(bench *self, bool fatal, const char *format, ...) __attribute__(
 
 /* ---- report.c ---- */
 
+bool bench_smaller_is_better(const bench_row *row);
 /* Larger than 1: ours is better. Negative where there is no peer. */
 double bench_ratio(const bench_row *row);
 void bench_print(const bench *self);
@@ -92,8 +96,7 @@ bool bench_model_path(const bench_model *model, char *out, size_t size);
 bool bench_model_load(bench *self, const bench_model *model, daft_trimesh *out);
 /* The scene's name as it is shown: it says where something stands in for a model. */
 void bench_label(const char *scene, char *out, size_t size);
-/* A grid of columns by rows cells over u, v in 0..1, two triangles each, counter-clockwise seen from where u × v points
- * away. */
+/* A grid of columns by rows cells over u, v in 0..1, two triangles each, counter-clockwise where u, v is clockwise. */
 typedef daft_vec3 bench_surface(double u, double v);
 bool bench_grid(bench *self, uint32_t columns, uint32_t rows, bench_surface *point, daft_trimesh *out);
 /* A copy of the positions as the public API takes them. Released with daft_release. */
@@ -101,12 +104,13 @@ daft_vec3 *bench_positions(bench *self, const daft_trimesh *mesh);
 
 /* ---- peers ---- */
 
-/* What both sides look at: a mesh on a ground plane, seen by a pinhole camera. */
+/* What both sides see: through a pinhole camera. */
 typedef struct bench_view {
     int width, height;
-    daft_vec3 from, right, up, forward;
-    float focal; /* pixels */
+    daft_vec3 from, at, right, up, forward;
+    float focal, fov; /* pixels; radians across */
 } bench_view;
+typedef struct bench_scene bench_scene; /* scenes.h */
 
 enum { BENCH_GROUND = 20 }; /* half the ground's edge, metres */
 
@@ -115,9 +119,12 @@ typedef struct bench_embree bench_embree;
 typedef struct bench_embree_api {
     const char *name;
     bench_embree *(*create)(const daft_trimesh *mesh, bool ground, int threads);
+    bench_embree *(*create_scene)(const bench_scene *scene, int threads);
     void (*destroy)(bench_embree *self);
     double (*build_ms)(bench_embree *self); /* builds anew */
     double (*camera_ms)(bench_embree *self, const bench_view *view, uint64_t *hits);
+    /* Camera, one lamp with shadows, Lambert, sRGB: RGBA bytes. */
+    double (*frame_ms)(bench_embree *self, const bench_scene *scene, uint8_t *pixels);
 } bench_embree_api;
 const bench_embree_api *bench_find_embree(void);
 
@@ -127,7 +134,8 @@ bench_obj_loader *bench_find_tinyobj(void);
 
 /* ---- benchmarks ---- */
 
-void bench_render(bench *self);
+void bench_render(bench *self); /* camera rays */
+void bench_frames(bench *self);
 void bench_load(bench *self);
 void bench_game(bench *self);
 void bench_robust(bench *self); /* how often wrong, not how fast */

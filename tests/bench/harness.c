@@ -52,44 +52,38 @@ void bench_note(bench *self, bool fatal, const char *format, ...)
     self->failed |= fatal;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, int count)
-{
-    qsort(values, (size_t)count, sizeof *values, by_value);
-    return count % 2 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2;
-}
-
 /* Samples are enough when there are as many as asked for, or else nine, and then more for up to a third of a second, since
- * short ones are the noisy ones; or, past the third, when they have taken ten seconds. */
-static bool enough(const bench *self, int count, double ms)
+ * short ones are the noisy ones (a second and a half where ours stands against ours, and percents are looked for); or, past
+ * the third, when they have taken ten seconds. */
+static bool enough(const bench *self, const bench_subject *subject, int count, double ms)
 {
     if (count >= 3 && ms > 10e3) return true;
     if (self->rounds) return count >= self->rounds;
-    return count >= MAX_ROUNDS || (count >= 9 && ms > 333);
+    return count >= MAX_ROUNDS || (count >= 9 && ms > (subject->own_peer ? 1500 : 333));
+}
+
+static double better(const bench_row *row, double a, double b)
+{
+    return bench_smaller_is_better(row) == (a < b) ? a : b;
 }
 
 /* One round of warming up, then rounds of ours and the peer's in turns. A first round of two seconds has no need of
  * warming up and counts. False if a sample failed. */
 static bool sample(const bench *self, const bench_subject *subject, bool peer, bench_row *row)
 {
-    double ours[MAX_ROUNDS], theirs[MAX_ROUNDS], start = daft_clock_ms();
+    double start = daft_clock_ms();
     int count = 0;
-    for (bool warm = self->rounds == 1; !enough(self, count, daft_clock_ms() - start);) {
+    for (bool warm = self->rounds == 1; !enough(self, subject, count, daft_clock_ms() - start);) {
         double a = subject->ours(subject->context), b = peer ? subject->peer(subject->context) : 0;
         if (a < 0 || b < 0) return false;
         bool cold = !warm && daft_clock_ms() - start < 2e3;
         warm = true;
         if (cold) continue;
-        ours[count] = a;
-        theirs[count++] = b;
+        row->ours = count ? better(row, a, row->ours) : a;
+        row->peer = count ? better(row, b, row->peer) : b;
+        count++;
     }
-    row->ours = median(ours, count);
-    row->peer = peer ? median(theirs, count) : -1;
+    if (!peer) row->peer = -1;
     return true;
 }
 
@@ -134,7 +128,7 @@ void bench_measure_twice(bench *self, const bench_subject *subject, const char *
 static const char USAGE[] =
     "usage: daft bench [--peers] [--only PATTERN] [--json FILE] [options]\n"
     "\n"
-    "Measures speed and prints a table: the median of several rounds, and what was counted beside it. Rows with a\n"
+    "Measures speed and prints a table: the best of several rounds, and what was counted beside it. Rows with a\n"
     "budget show its floor, its aim, and how much of the aim is reached; the rows under their floor are listed below.\n"
     "\n"
     "  --peers         run other libraries on the same work, in turns with ours (ratio > 1: ours is better)\n"
@@ -142,7 +136,7 @@ static const char USAGE[] =
     "  --json FILE     write the results as JSON, too\n"
     "  --threads N     measure with N threads (default: with one, and with all)\n"
     "  --isa X         sse2, avx2 or avx512 (default: the best there is)\n"
-    "  --rounds N      samples to take the median of (default: 9, and more of short ones)\n"
+    "  --rounds N      samples to take the best of (default: 9, and more of short ones)\n"
     "  --list          print the names of the benchmarks\n"
     "  --help          this text\n"
     "\n"
@@ -212,6 +206,7 @@ int main(int argc, char **argv)
     self.isa = daft_isa_name(isa);
 
     bench_render(&self);
+    bench_frames(&self);
     bench_load(&self);
     bench_game(&self);
     bench_robust(&self);

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static bool smaller_is_better(const bench_row *row)
+bool bench_smaller_is_better(const bench_row *row)
 {
     return strcmp(row->unit, "ms") == 0 || strncmp(row->unit, "B/", 2) == 0;
 }
@@ -12,7 +12,7 @@ static bool smaller_is_better(const bench_row *row)
 double bench_ratio(const bench_row *row)
 {
     if (row->peer < 0) return -1;
-    return smaller_is_better(row) ? row->peer / row->ours : row->ours / row->peer;
+    return bench_smaller_is_better(row) ? row->peer / row->ours : row->ours / row->peer;
 }
 
 /* ---- budgets ---- */
@@ -22,7 +22,7 @@ static double share_of(const bench_row *row, double goal)
 {
     if (!(goal > 0)) return -1;
     if (!row->budget.of_value) return row->peer < 0 ? -1 : bench_ratio(row) / goal;
-    return smaller_is_better(row) ? goal / row->ours : row->ours / goal;
+    return bench_smaller_is_better(row) ? goal / row->ours : row->ours / goal;
 }
 
 static bool under_floor(const bench_row *row)

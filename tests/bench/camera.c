@@ -1,0 +1,135 @@
+/* Our camera rays, as render.c and accuracy.c measure them: the pencil's three passes around a scene's instances, and the
+ * slow twin that tells what is true. All that the benchmarks know of raster/ is here. */
+#include "scenes.h"
+
+#include "math/isa.h"
+#include "raster/raster.h"
+
+#include <string.h>
+
+struct bench_camera {
+    daft_allocator allocator;
+    const bench_scene *scene;
+    daft_raster raster;
+    const daft_raster_kernels *kernels;
+    daft_instance *instances;
+    daft_tile *tiles; /* one for each worker */
+    uint64_t hits[64];
+    uint64_t *seen; /* where what each pixel sees is asked for */
+    const daft_tlas *tlas;
+};
+
+static void bin_task(void *context, uint32_t index, uint32_t worker)
+{
+    bench_camera *camera = context;
+    camera->kernels->bin(&camera->raster, index, worker);
+}
+
+static void keep_tile(bench_camera *camera, const daft_tile *tile, uint32_t worker)
+{
+    uint64_t hits = 0;
+    for (int y = 0; y < tile->height; y++)
+        for (int x = 0; x < tile->width; x++) {
+            uint32_t instance = tile->instance[y * DAFT_TILE_STRIDE + x], triangle = tile->triangle[y * DAFT_TILE_STRIDE + x];
+            hits += instance != DAFT_NOTHING;
+            if (!camera->seen) continue;
+            size_t at = (size_t)(tile->y + y) * (size_t)camera->scene->view.width + (size_t)(tile->x + x);
+            camera->seen[at] = instance == DAFT_NOTHING ? BENCH_NOTHING : (uint64_t)instance << 32 | triangle;
+        }
+    camera->hits[worker] += hits;
+}
+
+static void tile_task(void *context, uint32_t index, uint32_t worker)
+{
+    bench_camera *camera = context;
+    daft_tile *tile = &camera->tiles[worker];
+    if (camera->tlas)
+        daft_reference_tile(&camera->raster, camera->tlas, index, tile);
+    else
+        camera->kernels->tile(&camera->raster, index, worker, tile);
+    keep_tile(camera, tile, worker);
+}
+
+static bool begin(bench_camera *camera, daft_intersection intersection)
+{
+    const bench_view *view = &camera->scene->view;
+    memset(camera->hits, 0, sizeof camera->hits);
+    daft_pencil pencil = {.right = view->right, .up = view->up, .forward = view->forward, .focal = view->focal,
+                          .width = view->width, .height = view->height, .intersection = intersection};
+    return daft_raster_begin(&camera->raster, &pencil, camera->instances, camera->scene->thing_count, NULL);
+}
+
+double bench_camera_ms(bench_camera *camera, daft_intersection intersection)
+{
+    double start = daft_clock_ms();
+    if (!begin(camera, intersection)) return -1;
+    daft_raster *raster = &camera->raster;
+    daft_parallel_for(raster->workers, (uint32_t)raster->work_count, bin_task, camera);
+    daft_parallel_for(raster->workers, (uint32_t)(raster->tiles_x * raster->tiles_y), tile_task, camera);
+    return daft_clock_ms() - start;
+}
+
+double bench_camera_see(bench_camera *camera, daft_intersection intersection, uint64_t *seen)
+{
+    camera->seen = seen;
+    double ms = bench_camera_ms(camera, intersection);
+    camera->seen = NULL;
+    return ms;
+}
+
+double bench_camera_oracle(bench_camera *camera, uint64_t *seen)
+{
+    daft_arena arena;
+    daft_arena_init(&arena, &camera->allocator);
+    double start = daft_clock_ms();
+    camera->tlas = daft_tlas_build(&arena, camera->instances, camera->scene->thing_count, NULL);
+    bool good = camera->tlas && begin(camera, DAFT_INTERSECT_EXACT);
+    camera->seen = seen;
+    uint32_t tiles = good ? (uint32_t)(camera->raster.tiles_x * camera->raster.tiles_y) : 0;
+    daft_parallel_for(camera->raster.workers, tiles, tile_task, camera);
+    double ms = daft_clock_ms() - start;
+    camera->seen = NULL;
+    camera->tlas = NULL;
+    daft_arena_free(&arena);
+    return good ? ms : -1;
+}
+
+bench_camera_counts bench_camera_counted(const bench_camera *camera)
+{
+    bench_camera_counts counts = {0};
+    for (size_t i = 0; i < DAFT_COUNT_OF(camera->hits); i++) counts.hits += camera->hits[i];
+    for (int i = 0; i < camera->raster.workers; i++) {
+        counts.triangles_tested += camera->raster.bins[i].tested;
+        counts.exact_edges += camera->raster.bins[i].exact_edges;
+    }
+    return counts;
+}
+
+bench_camera *bench_camera_create(bench *self, const bench_scene *scene, int threads)
+{
+    int isa;
+    daft_isa_parse(self->isa, &isa);
+    bench_camera *camera = daft_alloc_zero(&self->allocator, 1, sizeof *camera);
+    if (!camera) return NULL;
+    camera->allocator = self->allocator;
+    camera->scene = scene;
+    camera->kernels = daft_raster_kernels_for(isa);
+    camera->tiles = daft_alloc(&self->allocator, (size_t)threads, sizeof *camera->tiles);
+    camera->instances = daft_alloc(&self->allocator, scene->thing_count, sizeof *camera->instances);
+    if (!camera->tiles || !camera->instances || !daft_raster_init(&camera->raster, &camera->allocator, threads, NULL)) {
+        bench_camera_destroy(camera);
+        return NULL;
+    }
+    for (uint32_t i = 0; i < scene->thing_count; i++) camera->instances[i] = bench_thing_instance(scene, i);
+    return camera;
+}
+
+void bench_camera_destroy(bench_camera *camera)
+{
+    if (!camera) return;
+    daft_allocator allocator = camera->allocator;
+    daft_raster_free(&camera->raster);
+    daft_release(&allocator, camera->tiles);
+    daft_release(&allocator, camera->instances);
+    daft_release(&allocator, camera);
+}

@@ -1,0 +1,262 @@
+/* Whole frames through the public API: camera rays, shadows, Lambert's law, sRGB bytes; against the same written with
+ * Embree. And what an effect costs that the scene does not call for. */
+#include "scenes.h"
+
+#include "math/real.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct bench_frame {
+    daft_allocator allocator;
+    daft_engine *engine;
+    daft_scene *scene;
+    daft_image *image;
+    daft_view view;
+    const bench_scene *shown;
+    const bench_embree_api *api; /* NULL: there is no peer */
+    bench_embree *embree;
+    uint8_t *peer_pixels;
+};
+
+/* ---- filling a scene ---- */
+
+static daft_mesh copy_mesh(bench *self, daft_scene *scene, const daft_trimesh *mesh, daft_error *error)
+{
+    daft_mesh_def def = daft_default_mesh_def();
+    daft_vec3 *positions = bench_positions(self, mesh);
+    if (!positions) return (daft_mesh){0};
+    def.positions = positions, def.vertex_count = mesh->vertex_count;
+    def.indices = mesh->indices, def.triangle_count = mesh->triangle_count;
+    daft_mesh made = daft_mesh_create(scene, &def, error);
+    daft_release(&self->allocator, positions);
+    return made;
+}
+
+static bool add_things(bench *self, daft_scene *scene, const bench_scene *from, daft_error *error)
+{
+    daft_mesh mesh[2] = {{0}, {0}};
+    for (int i = 0; i < from->mesh_count; i++) {
+        mesh[i] = copy_mesh(self, scene, &from->mesh[i], error);
+        if (!mesh[i].id) return false;
+    }
+    daft_material_def material = daft_default_material_def();
+    material.diffuse = daft_v3(BENCH_ALBEDO, BENCH_ALBEDO, BENCH_ALBEDO);
+    material.ambient = material.diffuse, material.specular = daft_v3(0, 0, 0);
+    daft_entity_def def = daft_default_entity_def();
+    def.material = daft_material_create(scene, &material, error);
+    for (uint32_t i = 0; def.material.id && i < from->thing_count; i++) {
+        const bench_thing *thing = &from->things[i];
+        bool sphere = thing->mesh == BENCH_SPHERE;
+        def.shape = sphere ? DAFT_SHAPE_SPHERE : DAFT_SHAPE_MESH;
+        def.mesh = sphere ? (daft_mesh){0} : mesh[thing->mesh];
+        def.radius = thing->scale;
+        def.scale = sphere ? daft_v3(1, 1, 1) : daft_v3(thing->scale, thing->scale, thing->scale);
+        def.position = daft_to_double(thing->position), def.rotation = thing->rotation;
+        if (!daft_entity_create(scene, &def, error).id) return false;
+    }
+    return def.material.id != 0;
+}
+
+static bool add_lamps(daft_scene *scene, const bench_scene *from, int lamps, daft_error *error)
+{
+    daft_light_def lamp = daft_default_light_def();
+    float bright = BENCH_LAMP_COLOR / (float)(lamps ? lamps : 1);
+    lamp.color = daft_v3(bright, bright, bright);
+    for (int i = 0; i < lamps; i++) {
+        double turn = 2 * DAFT_PI * i / lamps, c = daft_cos(turn), s = daft_sin(turn);
+        daft_dvec3 at = daft_to_double(from->lamp);
+        lamp.position = daft_dv3(c * at.x - s * at.z, at.y, s * at.x + c * at.z);
+        if (!daft_light_create(scene, &lamp, error).id) return false;
+    }
+    daft_scene_set_ambient(scene, daft_v3(BENCH_AMBIENT, BENCH_AMBIENT, BENCH_AMBIENT));
+    daft_scene_set_sky_color(scene, daft_v3(BENCH_SKY, BENCH_SKY, BENCH_SKY));
+    return true;
+}
+
+bench_frame *bench_frame_create(bench *self, const bench_scene *scene, int threads, int lamps)
+{
+    daft_error error = {0};
+    char text[1200];
+    bench_frame *frame = daft_alloc_zero(&self->allocator, 1, sizeof *frame);
+    if (!frame) return NULL;
+    frame->allocator = self->allocator;
+    frame->shown = scene;
+    daft_engine_def def = daft_default_engine_def();
+    def.threads = threads, def.isa = self->isa;
+    frame->view = daft_default_view();
+    frame->view.camera = daft_camera_look_at(daft_to_double(scene->view.from), daft_to_double(scene->view.at), scene->view.fov);
+    frame->engine = daft_engine_create(&def, &error);
+    if (frame->engine) frame->scene = daft_scene_create(frame->engine, &error);
+    if (frame->scene) frame->image = daft_image_create(frame->engine, scene->view.width, scene->view.height, &error);
+    if (frame->image && add_things(self, frame->scene, scene, &error) && add_lamps(frame->scene, scene, lamps, &error)) return frame;
+    bench_note(self, true, "%s: %s", scene->name, daft_error_text(&error, text, sizeof text));
+    bench_frame_destroy(frame);
+    return NULL;
+}
+
+void bench_frame_destroy(bench_frame *frame)
+{
+    if (!frame) return;
+    daft_allocator allocator = frame->allocator;
+    daft_image_destroy(frame->image);
+    if (frame->scene) daft_scene_destroy(frame->scene);
+    daft_engine_destroy(frame->engine);
+    daft_release(&allocator, frame->peer_pixels);
+    daft_release(&allocator, frame);
+}
+
+double bench_frame_ms(bench_frame *frame)
+{
+    double start = daft_clock_ms();
+    if (!daft_render(frame->scene, &frame->view, frame->image, NULL)) return -1;
+    return daft_clock_ms() - start;
+}
+
+const daft_counters *bench_frame_counters(const bench_frame *frame) { return daft_scene_counters(frame->scene); }
+const uint8_t *bench_frame_pixels(const bench_frame *frame) { return daft_image_pixels(frame->image); }
+
+/* ---- against Embree, and against raylib's published figures ---- */
+
+static double frame_ours(void *context) { return bench_frame_ms(context); }
+
+static double frame_peer(void *context)
+{
+    bench_frame *frame = context;
+    return frame->api->frame_ms(frame->embree, frame->shown, frame->peer_pixels);
+}
+
+/* Milliseconds of each part; and whether both drew the same picture: pixels more than 8 of 255 steps apart. */
+static void frame_describe(void *context, char *out, size_t size)
+{
+    bench_frame *frame = context;
+    const daft_counters *c = bench_frame_counters(frame);
+    int used = snprintf(out, size, "visibility %.2f, surface %.2f, shadow %.2f, lighting %.2f ms, %llu shadow rays",
+                        c->effects[DAFT_EFFECT_VISIBILITY].ms, c->effects[DAFT_EFFECT_SURFACE].ms,
+                        c->effects[DAFT_EFFECT_SHADOW].ms, c->effects[DAFT_EFFECT_LIGHTING].ms, (unsigned long long)c->shadow_rays);
+    if (!frame->embree || used < 0 || (size_t)used >= size) return;
+    size_t apart = 0, pixels = (size_t)(c->width * c->height);
+    const uint8_t *ours = bench_frame_pixels(frame);
+    for (size_t i = 0; i < pixels; i++) apart += abs(ours[4 * i] - frame->peer_pixels[4 * i]) > 8;
+    snprintf(out + used, size - (size_t)used, ", %zu pixels differ", apart);
+}
+
+/* raylib 5.5 on Mesa's llvmpipe with a shadow map of 1024 by 1024, two threads, as measured once on another machine: it is
+ * not a peer that runs beside ours. */
+static double raylib_ms(const bench_scene *scene)
+{
+    if (strcmp(scene->name, "bunny, whole") == 0) return 29.6;
+    return strcmp(scene->name, "1,000 instances of the cow") == 0 ? 814 : -1;
+}
+
+static const char AGAINST_RAYLIB[] = "frame, one lamp, against raylib";
+
+static void add_raylib_row(bench *self, const bench_row *measured, const bench_scene *scene)
+{
+    if (!measured || raylib_ms(scene) < 0 || measured->threads != 2) return;
+    bench_row row = *measured;
+    snprintf(row.what, sizeof row.what, "%s", AGAINST_RAYLIB);
+    snprintf(row.counters, sizeof row.counters, "the peer's figure is a published one, from another machine");
+    row.peer = raylib_ms(scene), row.peer_name = "raylib, elsewhere", row.budget = (bench_budget){5, 10, false};
+    bench_add(self, &row);
+}
+
+static void measure_frame(bench *self, const bench_scene *scene, int threads)
+{
+    bench_frame *frame = bench_frame_create(self, scene, threads, 1);
+    if (!frame) return;
+    frame->api = self->peers ? bench_find_embree() : NULL;
+    frame->peer_pixels = daft_alloc_zero(&self->allocator, (size_t)(BENCH_WIDTH * BENCH_HEIGHT), 4);
+    if (frame->api && frame->peer_pixels) frame->embree = frame->api->create_scene(scene, threads);
+    bench_subject subject = {.scene = scene->name, .what = "frame, one lamp", .unit = "ms", .isa = self->isa,
+                             .threads = threads, .ours = frame_ours, .peer = frame->embree ? frame_peer : NULL,
+                             .context = frame, .peer_name = frame->api ? frame->api->name : "Embree",
+                             .describe = frame_describe, .budget = {2.5, 4, false}};
+    add_raylib_row(self, bench_measure(self, &subject), scene);
+    if (frame->api) frame->api->destroy(frame->embree);
+    bench_frame_destroy(frame);
+}
+
+/* ---- not called for ---- */
+
+/* The same picture twice: `plain`, and `laden` with a mirror that nobody sees, since it is behind the camera. */
+typedef struct unseen_job {
+    bench_frame *plain, *laden;
+} unseen_job;
+
+static double unseen_ours(void *context)
+{
+    unseen_job *job = context;
+    return bench_frame_ms(job->laden);
+}
+
+static double unseen_peer(void *context)
+{
+    unseen_job *job = context;
+    return bench_frame_ms(job->plain);
+}
+
+static void unseen_describe(void *context, char *out, size_t size)
+{
+    unseen_job *job = context;
+    const daft_counters *c = bench_frame_counters(job->laden);
+    const daft_effect *mirrors = &c->effects[DAFT_EFFECT_REFLECTION], *shadows = &c->effects[DAFT_EFFECT_SHADOW];
+    bool same = memcmp(bench_frame_pixels(job->plain), bench_frame_pixels(job->laden), (size_t)(4 * c->width * c->height)) == 0;
+    snprintf(out, size, "%llu rays and %llu bytes for mirrors, %llu and %llu for shadows, %s picture",
+             (unsigned long long)mirrors->rays, (unsigned long long)mirrors->bytes, (unsigned long long)shadows->rays,
+             (unsigned long long)shadows->bytes, same ? "the same" : "ANOTHER");
+}
+
+static const char UNSEEN[] = "frame, unseen mirror, no lamp";
+static const char *const UNSEEN_SCENES[] = {"cow, whole", "1,000 instances of the cow", "interior"};
+
+static bool wants_unseen(bench *self, const char *scene)
+{
+    for (size_t i = 0; i < DAFT_COUNT_OF(UNSEEN_SCENES); i++)
+        if (strcmp(scene, UNSEEN_SCENES[i]) == 0) return bench_wants(self, scene, UNSEEN);
+    return false;
+}
+
+static bool add_unseen(bench_frame *frame, const bench_scene *scene)
+{
+    daft_vec3 behind = daft_sub(scene->view.from, daft_scale(scene->view.forward, 3));
+    daft_material_def material = daft_default_material_def();
+    material.mirror = 0.9f;
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_SPHERE, def.radius = 1, def.position = daft_to_double(behind);
+    def.material = daft_material_create(frame->scene, &material, NULL);
+    return def.material.id && daft_entity_create(frame->scene, &def, NULL).id;
+}
+
+static void measure_unseen(bench *self, const bench_scene *scene, int threads)
+{
+    unseen_job job = {bench_frame_create(self, scene, threads, 0), bench_frame_create(self, scene, threads, 0)};
+    if (job.plain && job.laden && add_unseen(job.laden, scene)) {
+        bench_subject subject = {.scene = scene->name, .what = UNSEEN, .unit = "ms", .isa = self->isa,
+                                 .threads = threads, .ours = unseen_ours, .peer = unseen_peer, .context = &job,
+                                 .peer_name = "without it", .describe = unseen_describe, .budget = {0.99, 1, false},
+                                 .own_peer = true};
+        bench_measure(self, &subject);
+    }
+    bench_frame_destroy(job.plain);
+    bench_frame_destroy(job.laden);
+}
+
+/* ---- all of them ---- */
+
+void bench_frames(bench *self)
+{
+    int threads[2], count = bench_thread_counts(self, threads);
+    for (size_t i = 0; i < bench_scene_count(); i++) {
+        const char *name = bench_scene_name(i);
+        bool frames = bench_wants(self, name, "frame, one lamp"), unseen = wants_unseen(self, name);
+        bench_scene scene;
+        if (!(frames || unseen) || !bench_scene_make(self, i, &scene)) continue;
+        for (int t = 0; t < count; t++) {
+            if (frames) measure_frame(self, &scene, threads[t]);
+            if (unseen) measure_unseen(self, &scene, threads[t]);
+        }
+        bench_scene_free(self, &scene);
+    }
+}
