@@ -1,6 +1,7 @@
 /* daft render: one picture of a scene or a mesh, and what it cost. */
 #include "commands.h"
 
+#include "aov.h"
 #include "cli.h"
 #include "stats.h"
 #include "util.h"
@@ -12,7 +13,8 @@
 static const cli_command COMMAND = {"render",
                                     "SCENE",
                                     "Renders a .scene file, or a mesh (.obj) in front of a sky, to a picture.",
-                                    "The picture's format goes by its name: .png or .ppm.",
+                                    "The picture's format goes by its name: .png or .ppm. With -o a.png, --aov writes a.depth.pfm (metres along\n"
+                                    "the ray), a.normal.pfm (world axes), a.id.png and a.triangle.png (numbers: red + 256 green + 65536 blue).",
                                     1,
                                     1};
 
@@ -23,6 +25,8 @@ typedef struct render_options {
     daft_intersection intersection;
     long camera, threads, repeat;
     bool camera_given, explain;
+    const char *aov_list;
+    aov_set aov;
 } render_options;
 
 /* Seen from the front right and above, so near that the corners of the mesh's bounds just fit. A corner c, relative to
@@ -111,6 +115,7 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
         return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", o->camera);
     view.quality = o->quality;
     view.intersection = o->intersection;
+    view.aov = o->aov.arrays;
     progress_state progress = {.frames = o->repeat};
     progress_begin(&progress.bar, "rendering");
     view.progress = show_progress;
@@ -124,16 +129,18 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
     return good;
 }
 
-static bool run(daft_engine *engine, const render_options *o, daft_error *error)
+static bool run(daft_engine *engine, render_options *o, daft_error *error)
 {
     frame_times times = {0};
     daft_image *image = daft_image_create(engine, o->size.width, o->size.height, error);
-    daft_scene *scene = image ? daft_scene_create(engine, error) : NULL;
-    bool good = scene && render(scene, o, image, &times, error) && daft_image_write(image, o->out, error);
+    daft_scene *scene = image && aov_allocate(&o->aov, o->size.width, o->size.height, error) ? daft_scene_create(engine, error) : NULL;
+    bool good = scene && render(scene, o, image, &times, error) && daft_image_write(image, o->out, error) &&
+                aov_write(&o->aov, engine, o->out, error);
     if (good && o->explain) stats_print_plan(stdout, daft_scene_counters(scene));
     if (good && o->stats) good = stats_write(o->stats, daft_scene_counters(scene), &times, error);
     daft_scene_destroy(scene);
     daft_image_destroy(image);
+    aov_free(&o->aov);
     frame_times_free(&times);
     return good;
 }
@@ -150,6 +157,8 @@ int command_render(int argc, char **argv)
         {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the file, counted from 0 (0)"},
         {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256, "worker threads; 0, the default: one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "sse2, avx2 or avx512; default: the best there is"},
+        {"aov", 0, CLI_TEXT, "LIST", &o.aov_list, 0, 0,
+         "also write depth,normal,id,triangle or some of them, in files beside IMG"},
         {"explain", 0, CLI_FLAG, NULL, &o.explain, 0, 0, "print the plan: what ran and why, rays, milliseconds"},
         {"stats", 0, CLI_TEXT, "FILE", &o.stats, 0, 0, "write what it cost as JSON; - is the terminal"},
         {"repeat", 0, CLI_COUNT, "N", &o.repeat, 1, 100000, "render N times, for the figures of --stats (1)"}};
@@ -163,6 +172,7 @@ int command_render(int argc, char **argv)
         return cli_refuse("render", "-o: a name that ends in .png or .ppm expected, got '%s'", o.out);
     if (!has_extension(o.scene, ".scene") && !has_extension(o.scene, ".obj") && path_is_file(o.scene))
         return cli_refuse("render", "'%s' is neither a .scene nor an .obj file", o.scene);
+    if (o.aov_list && !aov_parse(o.aov_list, &o.aov)) return STATUS_BAD_USAGE;
     o.camera_given = o.camera >= 0;
     if (!o.camera_given) o.camera = 0;
     daft_engine *engine = open_engine((int)o.threads, o.isa);

@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "runtime_program.h"
@@ -44,6 +45,9 @@ static void wrong_usage_is_status_2_with_a_hint(void **unused)
                  {"render a.scene -o c.png --threads two", "got 'two'"},
                  {"render a.scene -o c.png --camera 1.5", "got '1.5'"},
                  {"render a.scene -o c.png --isa avx1024", "one of sse2, avx2, avx512"},
+                 {"render a.scene -o c.png --aov depth,nromal", "did you mean 'normal'?"},
+                 {"render a.scene -o c.png --aov depth,", "a list of depth, normal, id, triangle expected, got ''"},
+                 {"render a.scene -o c.png --aov", "--aov: LIST is missing"},
                  {"render a.scene -o c.png --explain=yes", "--explain takes no value"},
                  {"render README.md -o c.png", "neither a .scene nor an .obj"},
                  {"play a b", "'b' is one operand too many"},
@@ -210,6 +214,100 @@ static void pictures_do_not_depend_on_threads(void **unused)
     unlink(path);
 }
 
+/* ---- AOVs ---- */
+
+enum { AOV_WIDTH = 61, AOV_HEIGHT = 35, AOV_PIXELS = AOV_WIDTH * AOV_HEIGHT };
+
+/* Reads a PFM of the size above; the rows are turned, so that the top one is first. */
+static void read_pfm(const char *path, const char *magic, size_t channels, float *out)
+{
+    char head[64], wanted[64];
+    FILE *file = fopen(path, "rb");
+    if (!file) fail_msg("there is no %s", path);
+    int length = snprintf(wanted, sizeof wanted, "%s\n%d %d\n-1.0\n", magic, AOV_WIDTH, AOV_HEIGHT);
+    assert_int_equal(fread(head, 1, (size_t)length, file), length);
+    assert_memory_equal(head, wanted, (size_t)length);
+    for (size_t y = AOV_HEIGHT; y-- > 0;)
+        assert_int_equal(fread(out + y * AOV_WIDTH * channels, sizeof(float), AOV_WIDTH * channels, file), AOV_WIDTH * channels);
+    assert_int_equal(fgetc(file), EOF);
+    fclose(file);
+}
+
+static void assert_numbers(daft_engine *engine, const char *path, const uint32_t *numbers)
+{
+    daft_image *image = daft_image_load(engine, path, NULL);
+    assert_non_null(image);
+    assert_int_equal(daft_image_width(image), AOV_WIDTH);
+    assert_int_equal(daft_image_height(image), AOV_HEIGHT);
+    const uint8_t *p = daft_image_pixels(image);
+    for (size_t i = 0; i < AOV_PIXELS; i++)
+        assert_int_equal(p[4 * i] | (uint32_t)p[4 * i + 1] << 8 | (uint32_t)p[4 * i + 2] << 16, numbers[i]);
+    daft_image_destroy(image);
+}
+
+/* The files hold what the library says of the same view, bit for bit. */
+static void aov_files_hold_what_the_library_says(void **unused)
+{
+    (void)unused;
+    static float depth[AOV_PIXELS], got[3 * AOV_PIXELS];
+    static daft_vec3 normal[AOV_PIXELS];
+    static daft_entity entity[AOV_PIXELS];
+    static uint32_t triangle[AOV_PIXELS];
+    char stem[64], path[96];
+    snprintf(stem, sizeof stem, "/tmp/daft-aov-%d", (int)getpid());
+    int status = run_daft(output, "render assets/scenes/temple.scene -o %s.png --size %dx%d --aov triangle,depth,normal,id", stem,
+                          AOV_WIDTH, AOV_HEIGHT);
+    assert_status(status, 0, output);
+
+    daft_engine_def def = daft_default_engine_def();
+    daft_engine *engine = daft_engine_create(&def, NULL);
+    daft_scene *scene = daft_scene_create(engine, NULL);
+    daft_image *image = daft_image_create(engine, AOV_WIDTH, AOV_HEIGHT, NULL);
+    assert_true(daft_scene_load(scene, DAFT_ROOT "/assets/scenes/temple.scene", NULL));
+    daft_view view = daft_default_view();
+    view.aov = (daft_aov){depth, normal, entity, triangle};
+    assert_true(daft_scene_get_camera(scene, 0, &view.camera, NULL));
+    assert_true(daft_render(scene, &view, image, NULL));
+
+    snprintf(path, sizeof path, "%s.depth.pfm", stem);
+    read_pfm(path, "Pf", 1, got);
+    assert_memory_equal(got, depth, sizeof depth);
+    unlink(path);
+    snprintf(path, sizeof path, "%s.normal.pfm", stem);
+    read_pfm(path, "PF", 3, got);
+    assert_memory_equal(got, normal, sizeof normal);
+    unlink(path);
+    snprintf(path, sizeof path, "%s.id.png", stem);
+    assert_numbers(engine, path, &entity[0].id);
+    unlink(path);
+    snprintf(path, sizeof path, "%s.triangle.png", stem);
+    assert_numbers(engine, path, triangle);
+    unlink(path);
+    snprintf(path, sizeof path, "%s.png", stem);
+    assert_int_equal(unlink(path), 0);
+    daft_image_destroy(image);
+    daft_scene_destroy(scene);
+    daft_engine_destroy(engine);
+}
+
+static void aov_writes_what_is_asked_for_and_says_what_it_cannot(void **unused)
+{
+    (void)unused;
+    char path[96];
+    int status = run_daft(output, "render assets/scenes/hello.scene -o /tmp/daft-aov-one.ppm --size 32x18 --aov depth");
+    assert_status(status, 0, output);
+    snprintf(path, sizeof path, "/tmp/daft-aov-one.normal.pfm");
+    assert_int_not_equal(access(path, F_OK), 0);
+    assert_int_equal(unlink("/tmp/daft-aov-one.depth.pfm"), 0);
+    assert_int_equal(mkdir("/tmp/daft-aov-one.normal.pfm", 0700), 0);
+    status = run_daft(output, "render assets/scenes/hello.scene -o /tmp/daft-aov-one.ppm --size 32x18 --aov normal");
+    assert_status(status, 1, output);
+    assert_says(output, "/tmp/daft-aov-one.normal.pfm: cannot write");
+    assert_int_not_equal(access("/tmp/daft-aov-one.normal.pfm.tmp~", F_OK), 0);
+    assert_int_equal(rmdir("/tmp/daft-aov-one.normal.pfm"), 0);
+    unlink("/tmp/daft-aov-one.ppm");
+}
+
 /* A mesh by itself gets a sky, a sun and a camera that has all of it in view. */
 static void a_mesh_is_framed(void **unused)
 {
@@ -240,6 +338,8 @@ int main(void)
                                        cmocka_unit_test(stats_are_json_with_the_promised_names),
                                        cmocka_unit_test(explain_prints_the_plan_and_nothing_draws_a_bar_in_a_pipe),
                                        cmocka_unit_test(pictures_do_not_depend_on_threads),
+                                       cmocka_unit_test(aov_files_hold_what_the_library_says),
+                                       cmocka_unit_test(aov_writes_what_is_asked_for_and_says_what_it_cannot),
                                        cmocka_unit_test(a_mesh_is_framed),
                                        cmocka_unit_test(check_finds_nothing_wrong_with_what_ships)};
     return cmocka_run_group_tests(tests, NULL, NULL);
