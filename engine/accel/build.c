@@ -1,254 +1,319 @@
-/* The builder: top-down binned SAH (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007), straight
- * into eight-wide nodes: a range is split in two until it has eight parts, always the part with the largest area next
- * (Wald, Benthin, Boulos, "Getting Rid of Packets", 2008). Below MEDIAN_DEPTH, and where all centroids are equal, ranges
- * are halved by count, so the depth is bounded for any input and the time is O(n log n). */
-#include "accel/bvh.h"
-#include "math/simd.h"
+/* The builder's threads: prims into cells, the top of the tree over cells, and the tasks below it. */
+#include "accel/build.h"
 
 #include <float.h>
-#include <string.h>
 
-enum { MAX_BINS = 16, FEW_BINS = 8, FEW_PRIMS = 48, MEDIAN_DEPTH = 40 };
+/* Passes over prims go by slices, whose number depends on nothing; each counts its own cells, so that prims keep their
+ * order within a cell. */
+enum { GRID_MIN = 2048, SLICES = 8 };
 
-/* Lows and highs in lanes 0 to 2; lane 3 holds a prim's number and padding, and means nothing. */
-typedef struct box {
-    v4 low, high;
-} box;
-
-typedef struct range {
-    uint32_t first, count;
-    box box;
-    box centroids; /* bounds of the middles */
-    bool leaf;
-} range;
-
-typedef struct bin {
-    box box;
-    uint32_t count;
-} bin;
-
-static box box_empty(void) { return (box){v4_set(FLT_MAX), v4_set(-FLT_MAX)}; }
-
-DAFT_INLINE void box_add(box *b, box other)
+static const daft_build_kernels *kernels_for(int isa)
 {
-    b->low = v4_min(other.low, b->low);
-    b->high = v4_max(other.high, b->high);
+    static const daft_build_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_build);
+    return TABLE[isa];
 }
 
-/* Half the surface, in double: coordinates of 1e20 must not overflow. */
-static double box_area(const box *b)
+static uint32_t slice_first(uint32_t count, uint32_t slice) { return (uint32_t)((uint64_t)count * slice / SLICES); }
+
+/* ---- the whole ---- */
+
+typedef struct measure_job {
+    const daft_build *build;
+    daft_build_range slices[SLICES];
+} measure_job;
+
+static void measure_slice(void *context, uint32_t slice, uint32_t worker)
 {
-    double x = (double)b->high[0] - (double)b->low[0], y = (double)b->high[1] - (double)b->low[1];
-    double z = (double)b->high[2] - (double)b->low[2];
-    return x < 0 ? 0 : x * y + y * z + z * x;
+    (void)worker;
+    measure_job *job = context;
+    uint32_t first = slice_first(job->build->count, slice), end = slice_first(job->build->count, slice + 1);
+    job->slices[slice] = (daft_build_range){.first = first, .count = end - first};
+    job->build->kernels->measure(job->build->prims, &job->slices[slice]);
 }
 
-DAFT_INLINE box prim_box(const daft_build_prim *prim) { return (box){v4_load(prim->low), v4_load(prim->high)}; }
-DAFT_INLINE v4 middle(box b) { return b.low * v4_set(0.5f) + b.high * v4_set(0.5f); }
-
-static void range_measure(const daft_build_prim *prims, range *r)
+static daft_build_range measure_whole(const daft_build *build)
 {
-    r->box = r->centroids = box_empty();
-    for (uint32_t i = r->first; i < r->first + r->count; i++) {
-        box b = prim_box(&prims[i]);
-        v4 c = middle(b);
-        box_add(&r->box, b);
-        box_add(&r->centroids, (box){c, c});
+    measure_job job = {.build = build};
+    daft_team_for(build->team, SLICES, measure_slice, &job);
+    daft_build_range whole = job.slices[0];
+    whole.count = whole.weight = build->count;
+    for (int i = 1; i < SLICES; i++) {
+        whole.box = v8_min(whole.box, job.slices[i].box);
+        whole.middles = v8_min(whole.middles, job.slices[i].middles);
     }
+    return whole;
 }
 
-/* From middles to bins: the one formula that counting and partitioning share. */
-typedef struct binning {
-    v4 low, scale;
-    int count;
-} binning;
+/* ---- the grid ---- */
 
-static binning binning_of(const range *r)
+typedef struct grid_job {
+    daft_build *build;
+    daft_build_grid grid;
+    uint32_t total;    /* cells, empty ones too */
+    uint32_t *counts;  /* of each slice; then where its prims of a cell go */
+} grid_job;
+
+/* About ten prims to a cell of a surface: enough for the top of a tree, and few enough to count. False: no grid parts the
+ * middles. */
+static bool grid_of(const daft_build_range *whole, daft_build_grid *grid)
 {
-    binning b = {.low = r->centroids.low, .count = r->count < FEW_PRIMS ? FEW_BINS : MAX_BINS};
+    *grid = (daft_build_grid){.low = v8_low(whole->middles), .side = whole->count < 16384 ? 16 : whole->count < 524288 ? 32 : 64};
+    v4 extent = -(grid->low + v8_high(whole->middles));
+    bool parts = false;
+    grid->low[3] = 0, grid->scale = v4_set(0);
     for (int k = 0; k < 3; k++) {
-        float extent = r->centroids.high[k] - r->centroids.low[k];
-        float scale = extent > 0 && extent <= FLT_MAX ? (float)b.count * 0.999f / extent : 0;
-        b.scale[k] = scale <= FLT_MAX ? scale : 0; /* among denormals it overflows */
+        if (!(extent[k] <= FLT_MAX)) return false;
+        float scale = extent[k] > 0 ? (float)grid->side * 0.999f / extent[k] : 0;
+        grid->scale[k] = scale <= FLT_MAX ? scale : 0;
+        parts |= grid->scale[k] > 0;
     }
-    b.scale[3] = 0;
-    return b;
+    return parts;
 }
 
-DAFT_INLINE v4i bins_of(const binning *b, box prim)
+static void count_slice(void *context, uint32_t slice, uint32_t worker)
 {
-    v4 place = (middle(prim) - b->low) * b->scale;
-    place = v4_min(v4_max(place, v4_set(0)), v4_set((float)(b->count - 1)));
-    return __builtin_convertvector(place, v4i);
+    (void)worker;
+    grid_job *job = context;
+    uint32_t first = slice_first(job->build->count, slice), end = slice_first(job->build->count, slice + 1);
+    uint32_t *counts = job->counts + (size_t)slice * job->total;
+    memset(counts, 0, job->total * sizeof *counts);
+    job->build->kernels->count(&job->grid, job->build->prims + first, end - first, counts);
 }
 
-typedef struct split {
-    double cost;
-    int axis;
-    int at; /* bins below it go left */
-} split;
-
-static double block_count(const daft_builder *builder, uint32_t count)
+static void scatter_slice(void *context, uint32_t slice, uint32_t worker)
 {
-    return (double)((count + builder->block_size - 1) / builder->block_size);
+    (void)worker;
+    grid_job *job = context;
+    uint32_t first = slice_first(job->build->count, slice), end = slice_first(job->build->count, slice + 1);
+    job->build->kernels->scatter(&job->grid, job->build->prims + first, end - first, job->counts + (size_t)slice * job->total,
+                                 job->build->other);
 }
 
-static void sweep(const daft_builder *builder, const bin *bins, int bin_count, int axis, split *best)
+/* From counts to places; notes where each cell that holds something begins. */
+static void place_cells(grid_job *job)
 {
-    double right_cost[MAX_BINS];
-    box sum = box_empty();
-    uint32_t count = 0;
-    for (int i = bin_count - 1; i > 0; i--) {
-        count += bins[i].count;
-        box_add(&sum, bins[i].box);
-        right_cost[i] = count ? box_area(&sum) * block_count(builder, count) : -1;
-    }
-    sum = box_empty();
-    count = 0;
-    for (int i = 1; i < bin_count; i++) {
-        count += bins[i - 1].count;
-        box_add(&sum, bins[i - 1].box);
-        if (count == 0 || right_cost[i] < 0) continue;
-        double cost = box_area(&sum) * block_count(builder, count) + right_cost[i];
-        if (cost < best->cost) *best = (split){cost, axis, i};
-    }
-}
-
-static split find_split(const daft_builder *builder, const range *r, const binning *how)
-{
-    bin bins[3][MAX_BINS];
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < how->count; i++) bins[k][i] = (bin){box_empty(), 0};
-    for (uint32_t i = r->first; i < r->first + r->count; i++) {
-        box prim = prim_box(&builder->prims[i]);
-        v4i at = bins_of(how, prim);
-        for (int k = 0; k < 3; k++) {
-            bin *target = &bins[k][at[k]];
-            target->count++;
-            box_add(&target->box, prim);
+    daft_build *build = job->build;
+    uint32_t next = 0, number = 0;
+    for (uint32_t cell = 0; cell < job->total; cell++) {
+        uint32_t first = next;
+        for (uint32_t slice = 0; slice < SLICES; slice++) {
+            uint32_t *count = &job->counts[(size_t)slice * job->total + cell], here = *count;
+            *count = next;
+            next += here;
         }
+        if (next > first) build->cell_first[number++] = first;
     }
-    split best = {DBL_MAX, -1, 0};
-    for (int k = 0; k < 3; k++)
-        if (how->scale[k] > 0) sweep(builder, bins[k], how->count, k, &best);
-    return best;
+    build->cell_first[number] = next;
+    build->cell_count = number;
 }
 
-/* Moves the prims of the left side to the front; gives their number. */
-static uint32_t partition(const daft_builder *builder, const range *r, const binning *how, split s)
+static void make_cells(void *context, uint32_t slice, uint32_t worker)
 {
-    daft_build_prim *prims = builder->prims;
-    uint32_t i = r->first, j = r->first + r->count;
-    while (i < j) {
-        if (bins_of(how, prim_box(&prims[i]))[s.axis] < s.at) {
-            i++;
-        } else {
-            daft_build_prim moved = prims[--j];
-            prims[j] = prims[i];
-            prims[i] = moved;
-        }
+    (void)worker;
+    daft_build *build = ((grid_job *)context)->build;
+    for (uint32_t i = slice_first(build->cell_count, slice); i < slice_first(build->cell_count, slice + 1); i++) {
+        daft_build_range cell = {.first = build->cell_first[i], .count = build->cell_first[i + 1] - build->cell_first[i]};
+        build->kernels->measure(build->other, &cell);
+        daft_build_prim *out = &build->cells[i];
+        memcpy(out->low, &cell.box, sizeof cell.box);
+        out->id = i, out->weight = cell.weight;
     }
-    return i - r->first;
 }
 
-/* False: the range is to stay a leaf. */
-static bool split_range(const daft_builder *builder, range *r, int depth, range *right)
+static bool sort_into_cells(daft_build *build, const daft_build_grid *grid)
 {
-    if (r->leaf || r->count <= 1) return false;
-    uint32_t left = 0;
-    if (depth < MEDIAN_DEPTH) {
-        binning how = binning_of(r);
-        split s = find_split(builder, r, &how);
-        double leaf_cost = box_area(&r->box) * block_count(builder, r->count);
-        bool may_stay = r->count <= builder->leaf_size;
-        if (may_stay && (s.axis < 0 || s.cost + box_area(&r->box) >= leaf_cost)) return false;
-        if (s.axis >= 0) left = partition(builder, r, &how, s);
+    grid_job job = {.build = build, .grid = *grid, .total = grid->side * grid->side * grid->side};
+    job.counts = daft_alloc(build->allocator, (size_t)SLICES * job.total, sizeof *job.counts);
+    uint32_t most = daft_min_u(job.total, build->count); /* cells that hold something */
+    build->cell_first = daft_alloc(build->allocator, (size_t)most + 1, sizeof *build->cell_first);
+    bool done = job.counts && build->cell_first;
+    if (done) {
+        daft_team_for(build->team, SLICES, count_slice, &job);
+        place_cells(&job);
+        daft_team_for(build->team, SLICES, scatter_slice, &job);
+        build->cells = daft_alloc(build->allocator, 2 * (size_t)build->cell_count, sizeof *build->cells);
+        done = build->cells != NULL;
+        if (done) daft_team_for(build->team, SLICES, make_cells, &job);
     }
-    if (left == 0 || left == r->count) {
-        if (r->count <= builder->block_size && r->count <= builder->leaf_size) return false;
-        left = r->count / 2;
+    daft_release(build->allocator, job.counts);
+    return done;
+}
+
+/* ---- the top, and its tasks ---- */
+
+static bool split_cells(daft_build *build)
+{
+    daft_build_branch branch = {.rule = &build->rule,
+                                .prims = {build->cells, build->cells + build->cell_count},
+                                .sink = &build->top,
+                                .allocator = build->allocator,
+                                .defer = true};
+    daft_build_range whole = {.count = build->cell_count};
+    build->kernels->measure(build->cells, &whole);
+    bool done = build->kernels->branch(&branch, &whole, true) != DAFT_CHILD_NONE;
+    build->tasks = branch.tasks, build->task_count = branch.task_count;
+    uint32_t first = 0; /* tasks are in depth-first order; from cells to their prims */
+    for (size_t i = 0; i < build->task_count; i++) build->tasks[i].node_base = first, first += build->tasks[i].range.weight;
+    return done;
+}
+
+/* A task's prims, cell by cell, to where the task works on them. */
+static void gather_task(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    daft_build *build = context;
+    daft_build_task *task = &build->tasks[index];
+    const daft_build_prim *cells = build->cells + (task->range.side ? build->cell_count : 0) + task->range.first;
+    uint32_t first = (uint32_t)task->node_base, next = first;
+    for (uint32_t i = 0; i < task->range.count; i++) {
+        uint32_t from = build->cell_first[cells[i].id];
+        memcpy(build->prims + next, build->other + from, cells[i].weight * sizeof *build->prims);
+        next += cells[i].weight;
     }
-    *right = (range){.first = r->first + left, .count = r->count - left};
-    r->count = left;
-    range_measure(builder->prims, r);
-    range_measure(builder->prims, right);
+    task->range = (daft_build_range){.first = first, .count = next - first, .depth = task->range.depth};
+    build->kernels->measure(build->prims, &task->range);
+}
+
+static void run_task(void *context, uint32_t index, uint32_t worker)
+{
+    daft_build *build = context;
+    daft_build_task *task = &build->tasks[index];
+    daft_build_sink *sink = &build->sinks[build->fixed ? index : worker];
+    daft_build_branch branch = {.rule = &build->rule, .prims = {build->prims, build->other}, .sink = sink};
+    sink->in_cluster = false;
+    task->sink = sink;
+    task->node_first = sink->nodes.count, task->block_first = sink->block_count, task->cluster_first = sink->cluster_count;
+    task->code = build->kernels->branch(&branch, &task->range, build->top.nodes.count == 0);
+    task->node_count = sink->nodes.count - task->node_first;
+    task->block_count = sink->block_count - task->block_first;
+    task->cluster_count = sink->cluster_count - task->cluster_first;
+}
+
+/* Nodes of a tree whose leaves hold one of count prims each, where all nodes but those over eight or fewer have eight
+ * children: most when the lowest hold two. */
+static size_t most_nodes(uint32_t count) { return (size_t)count * 4 / 7 + 1; }
+
+static bool make_sinks(daft_build *build)
+{
+    build->sink_count = build->fixed ? build->task_count : (size_t)daft_max_i(build->threads, 1);
+    build->sinks = daft_alloc_zero(build->allocator, build->sink_count, sizeof *build->sinks);
+    if (!build->sinks) return false;
+    for (size_t i = 0; i < build->sink_count; i++) {
+        daft_build_sink *sink = &build->sinks[i];
+        sink->allocator = build->fixed ? NULL : build->allocator;
+        if (!build->fixed) continue;
+        sink->nodes.capacity = most_nodes(build->tasks[i].range.weight);
+        sink->nodes.items = daft_alloc(build->allocator, sink->nodes.capacity, sizeof(daft_node));
+        if (!sink->nodes.items) return false;
+    }
     return true;
 }
 
-static int largest_open(const range *parts, int count)
+static bool single_task(daft_build *build, const daft_build_range *whole)
 {
-    int best = -1;
-    double area = -1;
-    for (int i = 0; i < count; i++) {
-        if (parts[i].leaf) continue;
-        double a = box_area(&parts[i].box);
-        if (a > area) area = a, best = i;
+    build->tasks = daft_alloc_zero(build->allocator, 1, sizeof *build->tasks);
+    if (!build->tasks) return false;
+    build->tasks[0].range = *whole;
+    build->task_count = 1;
+    return true;
+}
+
+/* Where each task's part lies in the whole. False: some task's memory was out. */
+static bool place_tasks(daft_build *build)
+{
+    bool done = true;
+    build->node_count = build->top.nodes.count;
+    for (size_t i = 0; i < build->task_count; i++) {
+        daft_build_task *task = &build->tasks[i];
+        done &= task->code != DAFT_CHILD_NONE;
+        task->node_base = build->node_count, task->block_base = build->block_count, task->cluster_base = build->cluster_count;
+        build->node_count += task->node_count, build->block_count += task->block_count;
+        build->cluster_count += task->cluster_count;
     }
-    return best;
+    return done;
 }
 
-static int split_eight(const daft_builder *builder, const range *whole, int depth, range parts[DAFT_WIDTH])
+bool daft_build_run(daft_build *build)
 {
-    int count = 1;
-    parts[0] = *whole;
-    while (count < DAFT_WIDTH) {
-        int i = largest_open(parts, count);
-        if (i < 0) break;
-        if (split_range(builder, &parts[i], depth, &parts[count]))
-            count++;
-        else
-            parts[i].leaf = true;
+    build->kernels = kernels_for(build->isa);
+    build->top.allocator = build->allocator;
+    build->other = daft_alloc(build->allocator, build->count, sizeof *build->other);
+    if (!build->other) return false;
+    daft_build_range whole = measure_whole(build);
+    daft_build_grid grid;
+    if (build->count >= GRID_MIN && grid_of(&whole, &grid)) {
+        if (!sort_into_cells(build, &grid) || !split_cells(build)) return false;
+        daft_team_for(build->team, (uint32_t)build->task_count, gather_task, build);
+    } else if (!single_task(build, &whole)) {
+        return false;
     }
-    return count;
+    if (!make_sinks(build)) return false;
+    daft_team_for(build->team, (uint32_t)build->task_count, run_task, build);
+    return place_tasks(build);
 }
 
-static uint32_t node_add(const daft_builder *builder)
+/* ---- the whole again ---- */
+
+/* A child's code in its task to its code in the whole. */
+static uint32_t code_of(const daft_build *build, const daft_build_task *task, uint32_t code)
 {
-    daft_node_list *nodes = builder->nodes;
-    if (!daft_grow(builder->allocator, &nodes->items, &nodes->capacity, nodes->count + 1, nodes->count, sizeof(daft_node)))
-        return DAFT_CHILD_NONE;
-    daft_node *node = &nodes->items[nodes->count];
-    for (int i = 0; i < DAFT_WIDTH; i++) {
-        node->child[i] = DAFT_CHILD_NONE;
-        for (int k = 0; k < 3; k++) node->bounds[k][i] = INFINITY, node->bounds[k + 3][i] = -INFINITY;
+    if (code == DAFT_CHILD_NONE) return code;
+    if (!(code & DAFT_CHILD_LEAF)) return (uint32_t)(code - task->node_first + task->node_base);
+    return build->rule.block_size == 1 ? code : code + (uint32_t)((task->block_base - task->block_first) << 2);
+}
+
+typedef struct write_job {
+    const daft_build *build;
+    daft_node *nodes;
+    void (*write)(void *context, const daft_build_task *task);
+    void *context;
+} write_job;
+
+static void write_task(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    const write_job *job = context;
+    const daft_build_task *task = &job->build->tasks[index];
+    for (size_t i = 0; i < task->node_count; i++) {
+        daft_node *node = &job->nodes[task->node_base + i];
+        *node = task->sink->nodes.items[task->node_first + i];
+        for (int k = 0; k < DAFT_WIDTH; k++) node->child[k] = code_of(job->build, task, node->child[k]);
     }
-    return (uint32_t)nodes->count++;
+    if (job->write) job->write(job->context, task);
 }
 
-static uint32_t build_node(daft_builder *builder, const range *whole, int depth);
-
-static uint32_t build_child(daft_builder *builder, const range *part, int depth)
+void daft_build_write(daft_build *build, daft_node *nodes, void (*write)(void *context, const daft_build_task *task),
+                      void *context)
 {
-    if (part->leaf || part->count <= 1) return builder->leaf(builder->context, builder->prims + part->first, part->count);
-    return build_node(builder, part, depth);
-}
-
-static uint32_t build_node(daft_builder *builder, const range *whole, int depth)
-{
-    range parts[DAFT_WIDTH];
-    uint32_t self = node_add(builder);
-    if (self == DAFT_CHILD_NONE) return self;
-    const float bounds[6] = {whole->box.low[0],  whole->box.low[1],  whole->box.low[2],
-                             whole->box.high[0], whole->box.high[1], whole->box.high[2]};
-    if (builder->enter && !builder->enter(builder->context, whole->count, bounds)) return DAFT_CHILD_NONE;
-    int count = split_eight(builder, whole, depth, parts);
-    for (int i = 0; i < count; i++) {
-        bool small = parts[i].count <= builder->block_size && parts[i].count <= builder->leaf_size;
-        parts[i].leaf = parts[i].leaf || small;
-        uint32_t child = build_child(builder, &parts[i], depth + 3);
-        if (child == DAFT_CHILD_NONE) return child;
-        daft_node *node = &builder->nodes->items[self]; /* the array may have moved */
-        node->child[i] = child;
-        for (int k = 0; k < 3; k++) node->bounds[k][i] = parts[i].box.low[k], node->bounds[k + 3][i] = parts[i].box.high[k];
+    const daft_node_list *top = &build->top.nodes;
+    for (size_t i = 0; i < top->count; i++) {
+        nodes[i] = top->items[i];
+        for (int k = 0; k < DAFT_WIDTH; k++) {
+            uint32_t code = nodes[i].child[k];
+            if (!(code & DAFT_CHILD_LEAF) || code == DAFT_CHILD_NONE) continue;
+            const daft_build_task *task = &build->tasks[code & ~DAFT_CHILD_LEAF];
+            nodes[i].child[k] = code_of(build, task, task->code);
+        }
     }
-    if (builder->leave) builder->leave(builder->context, whole->count);
-    return self;
+    write_job job = {build, nodes, write, context};
+    daft_team_for(build->team, (uint32_t)build->task_count, write_task, &job);
 }
 
-bool daft_build_tree(daft_builder *builder, uint32_t count)
+static void sink_free(daft_build_sink *sink, const daft_allocator *allocator)
 {
-    if (count == 0) return true;
-    range whole = {.first = 0, .count = count};
-    range_measure(builder->prims, &whole);
-    return build_node(builder, &whole, 0) != DAFT_CHILD_NONE;
+    daft_release(allocator, sink->nodes.items);
+    daft_release(allocator, sink->blocks);
+    daft_release(allocator, sink->clusters);
+}
+
+void daft_build_free(daft_build *build)
+{
+    const daft_allocator *allocator = build->allocator;
+    for (size_t i = 0; build->sinks && i < build->sink_count; i++) sink_free(&build->sinks[i], allocator);
+    sink_free(&build->top, allocator);
+    daft_release(allocator, build->sinks);
+    daft_release(allocator, build->tasks);
+    daft_release(allocator, build->other);
+    daft_release(allocator, build->cells);
+    daft_release(allocator, build->cell_first);
 }

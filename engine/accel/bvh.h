@@ -42,9 +42,9 @@ struct daft_bvh {
     daft_allocator allocator;
     daft_node_list nodes; /* empty: no triangle */
     daft_block *blocks;
-    size_t block_count, block_capacity;
+    size_t block_count;
     daft_cluster *clusters;
-    size_t cluster_count, cluster_capacity;
+    size_t cluster_count;
 };
 
 struct daft_tlas {
@@ -53,31 +53,5 @@ struct daft_tlas {
     uint32_t instance_count;
     daft_intersection intersection;
 };
-
-/* ---- the builder (build.c) ---- */
-
-typedef struct daft_build_prim {
-    float low[3];
-    uint32_t id;
-    float high[3];
-    uint32_t pad;
-} daft_build_prim;
-
-typedef struct daft_builder {
-    const daft_allocator *allocator;
-    daft_build_prim *prims;
-    daft_node_list *nodes;
-    uint32_t leaf_size;  /* ranges up to this may become leaves */
-    uint32_t block_size; /* items that cost as much as one */
-    void *context;
-    /* Writes a leaf; gives its child code or DAFT_CHILD_NONE when memory is out. */
-    uint32_t (*leaf)(void *context, const daft_build_prim *prims, uint32_t count);
-    /* Told of every inner node's range before its children are built and after. May be NULL. */
-    bool (*enter)(void *context, uint32_t count, const float box[6]);
-    void (*leave)(void *context, uint32_t count);
-} daft_builder;
-
-/* Binned SAH over prims[0..count), which are reordered. The root becomes nodes[0]. False when memory is out. */
-bool daft_build_tree(daft_builder *builder, uint32_t count);
 
 #endif

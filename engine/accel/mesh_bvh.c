@@ -1,15 +1,7 @@
 /* The bottom level: a tree over a mesh's triangles, their corners copied into blocks, and the clusters of the pencil. */
-#include "accel/bvh.h"
+#include "accel/build.h"
 
-#include <float.h>
 #include <string.h>
-
-typedef struct mesh_build {
-    daft_bvh *bvh;
-    const daft_trimesh *mesh;
-    bool inside; /* a cluster is open */
-    uint32_t open_count;
-} mesh_build;
 
 static void prim_fill(const daft_trimesh *mesh, uint32_t triangle, daft_build_prim *prim)
 {
@@ -19,106 +11,13 @@ static void prim_fill(const daft_trimesh *mesh, uint32_t triangle, daft_build_pr
         float a = axes[k][corner[0]], b = axes[k][corner[1]], c = axes[k][corner[2]];
         float low = a < b ? a : b, high = a < b ? b : a;
         prim->low[k] = c < low ? c : low;
-        prim->high[k] = c > high ? c : high;
+        prim->high[k] = -(c > high ? c : high);
     }
     prim->id = triangle;
-    prim->pad = 0;
+    prim->weight = 1;
 }
 
-static bool cluster_open(mesh_build *build, const float box[6])
-{
-    daft_bvh *bvh = build->bvh;
-    if (!daft_grow(&bvh->allocator, &bvh->clusters, &bvh->cluster_capacity, bvh->cluster_count + 1, bvh->cluster_count,
-                   sizeof(daft_cluster)))
-        return false;
-    bvh->clusters[bvh->cluster_count++] = (daft_cluster){.low = daft_v3(box[0], box[1], box[2]),
-                                                         .high = daft_v3(box[3], box[4], box[5]),
-                                                         .first_block = (uint32_t)bvh->block_count};
-    return true;
-}
-
-static void cluster_close(mesh_build *build)
-{
-    daft_cluster *cluster = &build->bvh->clusters[build->bvh->cluster_count - 1];
-    cluster->block_count = (uint32_t)build->bvh->block_count - cluster->first_block;
-}
-
-static bool mesh_enter(void *context, uint32_t count, const float box[6])
-{
-    mesh_build *build = context;
-    if (build->inside || count > DAFT_CLUSTER) return true;
-    build->inside = true;
-    build->open_count = count;
-    return cluster_open(build, box);
-}
-
-static void mesh_leave(void *context, uint32_t count)
-{
-    mesh_build *build = context;
-    if (!build->inside || count != build->open_count) return; /* nodes inside the cluster hold fewer triangles */
-    build->inside = false;
-    cluster_close(build);
-}
-
-static void block_fill(const daft_trimesh *mesh, const daft_build_prim *prims, uint32_t count, daft_block *block)
-{
-    for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
-        uint32_t triangle = prims[i < count ? i : count - 1].id;
-        block->triangle[i] = i < count ? triangle : DAFT_NO_TRIANGLE;
-        for (int k = 0; k < 3; k++) {
-            uint32_t vertex = mesh->indices[3 * (size_t)triangle + (size_t)k];
-            block->corner[k][0][i] = mesh->x[vertex];
-            block->corner[k][1][i] = mesh->y[vertex];
-            block->corner[k][2][i] = mesh->z[vertex];
-        }
-    }
-}
-
-static uint32_t mesh_leaf(void *context, const daft_build_prim *prims, uint32_t count)
-{
-    mesh_build *build = context;
-    daft_bvh *bvh = build->bvh;
-    uint32_t blocks = (count + DAFT_BLOCK - 1) / DAFT_BLOCK, first = (uint32_t)bvh->block_count;
-    if (!daft_grow(&bvh->allocator, &bvh->blocks, &bvh->block_capacity, bvh->block_count + blocks, bvh->block_count,
-                   sizeof(daft_block)))
-        return DAFT_CHILD_NONE;
-    bool alone = !build->inside; /* a leaf right below a range that is too large for a cluster */
-    if (alone) {
-        float box[6] = {FLT_MAX, FLT_MAX, FLT_MAX, -FLT_MAX, -FLT_MAX, -FLT_MAX};
-        for (uint32_t i = 0; i < count; i++)
-            for (int k = 0; k < 3; k++) {
-                if (prims[i].low[k] < box[k]) box[k] = prims[i].low[k];
-                if (prims[i].high[k] > box[k + 3]) box[k + 3] = prims[i].high[k];
-            }
-        if (!cluster_open(build, box)) return DAFT_CHILD_NONE;
-    }
-    for (uint32_t b = 0; b < blocks; b++)
-        block_fill(build->mesh, prims + b * DAFT_BLOCK, count - b * DAFT_BLOCK, &bvh->blocks[bvh->block_count++]);
-    if (alone) cluster_close(build);
-    return DAFT_CHILD_LEAF | first << 2 | (blocks - 1);
-}
-
-/* Arrays grow by doubling; a mesh lives long, so what it does not use is given back. Without memory for it nothing changes. */
-static void trim(const daft_allocator *allocator, void *array_pointer, size_t *capacity, size_t count, size_t size)
-{
-    void *array, *exact = count && count < *capacity ? daft_alloc(allocator, count, size) : NULL;
-    if (!exact) return;
-    memcpy(&array, array_pointer, sizeof array);
-    memcpy(exact, array, count * size);
-    daft_release(allocator, array);
-    memcpy(array_pointer, &exact, sizeof exact);
-    *capacity = count;
-}
-
-static void trim_tree(daft_bvh *bvh)
-{
-    const daft_allocator *a = &bvh->allocator;
-    trim(a, &bvh->nodes.items, &bvh->nodes.capacity, bvh->nodes.count, sizeof(daft_node));
-    trim(a, &bvh->blocks, &bvh->block_capacity, bvh->block_count, sizeof(daft_block));
-    trim(a, &bvh->clusters, &bvh->cluster_capacity, bvh->cluster_count, sizeof(daft_cluster));
-}
-
-enum { FILL_CHUNK = 16384 };
+enum { FILL_CHUNK = 16384, TOO_FEW = 2048 }; /* fewer triangles are not worth waking others for */
 
 typedef struct fill_job {
     const daft_trimesh *mesh;
@@ -133,33 +32,96 @@ static void fill_chunk(void *context, uint32_t index, uint32_t worker)
     for (uint32_t i = first; i < end; i++) prim_fill(job->mesh, i, &job->prims[i]);
 }
 
+/* ---- out ---- */
+
+typedef struct out_job {
+    daft_bvh *bvh;
+    const daft_trimesh *mesh;
+} out_job;
+
+static void block_fill(const daft_trimesh *mesh, const uint32_t triangles[DAFT_BLOCK], daft_block *block)
+{
+    const uint32_t *corner = NULL;
+    for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
+        block->triangle[i] = triangles[i];
+        if (triangles[i] != DAFT_NO_TRIANGLE) corner = &mesh->indices[3 * (size_t)triangles[i]];
+        for (int k = 0; k < 3; k++) {
+            uint32_t vertex = corner[k];
+            block->corner[k][0][i] = mesh->x[vertex];
+            block->corner[k][1][i] = mesh->y[vertex];
+            block->corner[k][2][i] = mesh->z[vertex];
+        }
+    }
+}
+
+static void write_part(void *context, const daft_build_task *task)
+{
+    const out_job *job = context;
+    daft_bvh *bvh = job->bvh;
+    for (size_t i = 0; i < task->block_count; i++)
+        block_fill(job->mesh, task->sink->blocks[task->block_first + i], &bvh->blocks[task->block_base + i]);
+    for (size_t i = 0; i < task->cluster_count; i++) {
+        daft_cluster *cluster = &bvh->clusters[task->cluster_base + i];
+        *cluster = task->sink->clusters[task->cluster_first + i];
+        cluster->first_block += (uint32_t)(task->block_base - task->block_first);
+    }
+}
+
+static bool write_tree(daft_build *build, const daft_trimesh *mesh, daft_bvh *bvh)
+{
+    const daft_allocator *a = &bvh->allocator;
+    daft_release(a, build->other);
+    build->other = NULL;
+    bvh->nodes.items = daft_alloc(a, build->node_count, sizeof(daft_node));
+    bvh->blocks = daft_alloc(a, build->block_count, sizeof(daft_block));
+    bvh->clusters = daft_alloc(a, build->cluster_count, sizeof(daft_cluster));
+    if (!bvh->nodes.items || !bvh->blocks || !bvh->clusters) return false;
+    bvh->nodes.count = bvh->nodes.capacity = build->node_count;
+    bvh->block_count = build->block_count;
+    bvh->cluster_count = build->cluster_count;
+    out_job job = {bvh, mesh};
+    daft_build_write(build, bvh->nodes.items, write_part, &job);
+    return true;
+}
+
+typedef struct mesh_job {
+    const daft_trimesh *mesh;
+    daft_bvh *bvh;
+    int threads;
+    bool done;
+} mesh_job;
+
+static void build_mesh(void *context, daft_team *team)
+{
+    mesh_job *job = context;
+    const daft_allocator *a = &job->bvh->allocator;
+    uint32_t count = job->mesh->triangle_count;
+    daft_build build = {.allocator = a,
+                        .team = team,
+                        .threads = job->threads,
+                        .isa = daft_isa_best(),
+                        .rule = {.leaf_size = DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK, .block_size = DAFT_BLOCK},
+                        .prims = daft_alloc(a, count, sizeof *build.prims),
+                        .count = count};
+    if (!build.prims) return;
+    fill_job fill = {job->mesh, build.prims};
+    daft_team_for(team, (count + FILL_CHUNK - 1) / FILL_CHUNK, fill_chunk, &fill);
+    job->done = daft_build_run(&build);
+    daft_release(a, build.prims);
+    if (job->done) job->done = write_tree(&build, job->mesh, job->bvh);
+    daft_build_free(&build);
+}
+
 daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error)
 {
     daft_bvh *bvh = daft_alloc_zero(allocator, 1, sizeof *bvh);
-    daft_build_prim *prims = daft_alloc(allocator, mesh->triangle_count, sizeof *prims);
-    bool built = false;
-    if (bvh && prims) {
+    mesh_job job = {mesh, bvh, threads, mesh->triangle_count == 0};
+    if (bvh) {
         bvh->allocator = *allocator;
-        fill_job job = {mesh, prims};
-        daft_parallel_for(threads, (mesh->triangle_count + FILL_CHUNK - 1) / FILL_CHUNK, fill_chunk, &job);
-        mesh_build build = {.bvh = bvh, .mesh = mesh};
-        daft_builder builder = {.allocator = allocator,
-                                .prims = prims,
-                                .nodes = &bvh->nodes,
-                                .leaf_size = DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK,
-                                .block_size = DAFT_BLOCK,
-                                .context = &build,
-                                .leaf = mesh_leaf,
-                                .enter = mesh_enter,
-                                .leave = mesh_leave};
-        built = daft_build_tree(&builder, mesh->triangle_count);
+        if (!job.done) daft_parallel_script(mesh->triangle_count < TOO_FEW ? 1 : threads, build_mesh, &job);
+        if (job.done) return bvh;
     }
-    daft_release(allocator, prims);
-    if (built) {
-        trim_tree(bvh);
-        return bvh;
-    }
-    if (bvh) bvh->allocator = *allocator, daft_bvh_free(bvh);
+    daft_bvh_free(bvh);
     daft_fail_memory(error, "the BVH of a mesh");
     return NULL;
 }
@@ -176,6 +138,6 @@ void daft_bvh_free(daft_bvh *bvh)
 
 size_t daft_bvh_bytes(const daft_bvh *bvh)
 {
-    return sizeof *bvh + bvh->nodes.capacity * sizeof(daft_node) + bvh->block_capacity * sizeof(daft_block) +
-           bvh->cluster_capacity * sizeof(daft_cluster);
+    return sizeof *bvh + bvh->nodes.capacity * sizeof(daft_node) + bvh->block_count * sizeof(daft_block) +
+           bvh->cluster_count * sizeof(daft_cluster);
 }

@@ -1,5 +1,5 @@
 /* The top level: a tree over instances, built anew each frame into the frame's arena. */
-#include "accel/bvh.h"
+#include "accel/build.h"
 
 /* The bounds hold every vertex as daft_affine_point rounds it: the exact image of the object-space box, widened by the
  * error of that formula (3 products, 3 sums: below 4·2^-24 of the sum of magnitudes), and by what rays are off that are
@@ -33,12 +33,6 @@ void daft_instance_bound(daft_instance *instance)
     }
 }
 
-static uint32_t instance_leaf(void *context, const daft_build_prim *prims, uint32_t count)
-{
-    (void)context, (void)count;
-    return DAFT_CHILD_LEAF | prims[0].id;
-}
-
 /* The tree's node array grows through an allocator; this one hands out the arena's memory and never takes it back. */
 static void *arena_allocate(void *user, size_t size, size_t alignment)
 {
@@ -51,6 +45,34 @@ static bool hittable(const daft_instance *instance)
 {
     if (instance->mesh && instance->mesh->triangle_count == 0) return false;
     return daft_finite3(instance->low) && daft_finite3(instance->high);
+}
+
+typedef struct nodes_job {
+    daft_arena *arena;
+    daft_build_prim *prims;
+    uint32_t count;
+    daft_node_list *out;
+    bool done;
+} nodes_job;
+
+static void build_nodes(void *context, daft_team *team)
+{
+    nodes_job *job = context;
+    daft_allocator allocator = {job->arena, arena_allocate, arena_release};
+    daft_build build = {.allocator = &allocator,
+                        .team = team,
+                        .threads = 1,
+                        .isa = daft_isa_best(),
+                        .rule = {.leaf_size = 1, .block_size = 1},
+                        .prims = job->prims,
+                        .count = job->count,
+                        .fixed = true};
+    if (!daft_build_run(&build)) return;
+    job->out->items = daft_arena_alloc(job->arena, build.node_count, sizeof(daft_node));
+    if (!job->out->items) return;
+    job->out->count = job->out->capacity = build.node_count;
+    daft_build_write(&build, job->out->items, NULL, NULL);
+    job->done = true;
 }
 
 const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instances, uint32_t count, daft_error *error)
@@ -71,17 +93,12 @@ const daft_tlas *daft_tlas_build_for(daft_arena *arena, const daft_instance *ins
     for (uint32_t i = 0; i < count; i++) {
         if (!hittable(&instances[i])) continue;
         const daft_vec3 l = instances[i].low, h = instances[i].high;
-        prims[used++] = (daft_build_prim){{l.x, l.y, l.z}, i, {h.x, h.y, h.z}, 0};
+        prims[used++] = (daft_build_prim){{l.x, l.y, l.z}, i, {-h.x, -h.y, -h.z}, 1};
     }
     *tlas = (daft_tlas){.instances = instances, .instance_count = count, .intersection = intersection};
-    daft_allocator allocator = {arena, arena_allocate, arena_release};
-    daft_builder builder = {.allocator = &allocator,
-                            .prims = prims,
-                            .nodes = &tlas->nodes,
-                            .leaf_size = 1,
-                            .block_size = 1,
-                            .leaf = instance_leaf};
-    if (daft_build_tree(&builder, used)) return tlas;
+    nodes_job job = {arena, prims, used, &tlas->nodes, used == 0};
+    if (used > 0) daft_parallel_script(1, build_nodes, &job);
+    if (job.done) return tlas;
     daft_fail_memory(error, "the tree over instances");
     return NULL;
 }

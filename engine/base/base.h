@@ -67,6 +67,13 @@ void daft_arena_free(daft_arena *arena);
 typedef void daft_task(void *context, uint32_t index, uint32_t worker);
 /* Runs task(context, i, worker) for every i < count, handing out indices in order; worker 0 is the calling thread. */
 void daft_parallel_for(int workers, uint32_t count, daft_task *task, void *context);
+/* Several loops with serial work between them, without waking and joining the workers for each: daft_parallel_script runs
+ * script(context, team) on the calling thread, and within it daft_team_for(team, …) is a loop over all workers, which ends
+ * when its tasks are done, whether or not every worker came for one. */
+typedef struct daft_team daft_team;
+typedef void daft_script(void *context, daft_team *team);
+void daft_parallel_script(int workers, daft_script *script, void *context);
+void daft_team_for(daft_team *team, uint32_t count, daft_task *task, void *context);
 int daft_processor_count(void);
 
 /* ---- clock (clock.c) ---- */

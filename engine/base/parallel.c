@@ -2,8 +2,57 @@
  * see the barriers of libgomp and would report every one of them as a race. */
 #include "base/base.h"
 
+#include <sched.h>
 #include <stdatomic.h>
 #include <unistd.h>
+
+typedef struct crew {
+    void (*work)(void *context, uint32_t worker);
+    void *context;
+} crew;
+
+#ifdef DAFT_PLAIN_THREADS
+#include <pthread.h>
+
+enum { MAX_WORKERS = 64 };
+
+typedef struct plain_worker {
+    const crew *all;
+    uint32_t worker;
+} plain_worker;
+
+static void *plain_main(void *argument)
+{
+    plain_worker *self = argument;
+    self->all->work(self->all->context, self->worker);
+    return NULL;
+}
+
+static void run(const crew *all, int workers)
+{
+    pthread_t threads[MAX_WORKERS];
+    plain_worker arguments[MAX_WORKERS];
+    int started = 0;
+    if (workers > MAX_WORKERS) workers = MAX_WORKERS;
+    for (int i = 1; i < workers; i++) {
+        arguments[started] = (plain_worker){all, (uint32_t)i};
+        if (pthread_create(&threads[started], NULL, plain_main, &arguments[started]) != 0) break;
+        started++;
+    }
+    all->work(all->context, 0);
+    for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
+}
+#else
+#include <omp.h>
+
+static void run(const crew *all, int workers)
+{
+#pragma omp parallel num_threads(workers)
+    all->work(all->context, (uint32_t)omp_get_thread_num());
+}
+#endif
+
+/* ---- one loop ---- */
 
 typedef struct loop {
     atomic_uint next;
@@ -12,8 +61,9 @@ typedef struct loop {
     void *context;
 } loop;
 
-static void work(loop *shared, uint32_t worker)
+static void work(void *context, uint32_t worker)
 {
+    loop *shared = context;
     for (;;) {
         uint32_t index = atomic_fetch_add_explicit(&shared->next, 1, memory_order_relaxed);
         if (index >= shared->count) return;
@@ -21,55 +71,90 @@ static void work(loop *shared, uint32_t worker)
     }
 }
 
-#ifdef DAFT_PLAIN_THREADS
-#include <pthread.h>
-
-enum { MAX_WORKERS = 64 };
-
-typedef struct plain_worker {
-    loop *shared;
-    uint32_t worker;
-} plain_worker;
-
-static void *plain_main(void *argument)
-{
-    plain_worker *self = argument;
-    work(self->shared, self->worker);
-    return NULL;
-}
-
-static void run(loop *shared, int workers)
-{
-    pthread_t threads[MAX_WORKERS];
-    plain_worker arguments[MAX_WORKERS];
-    int started = 0;
-    if (workers > MAX_WORKERS) workers = MAX_WORKERS;
-    for (int i = 1; i < workers; i++) {
-        arguments[started] = (plain_worker){shared, (uint32_t)i};
-        if (pthread_create(&threads[started], NULL, plain_main, &arguments[started]) != 0) break;
-        started++;
-    }
-    work(shared, 0);
-    for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
-}
-#else
-#include <omp.h>
-
-static void run(loop *shared, int workers)
-{
-#pragma omp parallel num_threads(workers)
-    work(shared, (uint32_t)omp_get_thread_num());
-}
-#endif
-
 void daft_parallel_for(int workers, uint32_t count, daft_task *task, void *context)
 {
     loop shared = {0, count, task, context};
-    if (workers > (int)count) workers = (int)count;
+    if ((uint32_t)daft_max_i(workers, 1) > count) workers = (int)count;
     if (workers <= 1)
         work(&shared, 0);
     else
-        run(&shared, workers);
+        run(&(crew){work, &shared}, workers);
+}
+
+/* ---- a script ---- */
+
+enum { SPINS = 2000 };
+
+/* A task belongs to whoever lowers `waiting`; its loop is not over before `unfinished` is zero, so what the loop is can be
+ * read after that without a race. */
+struct daft_team {
+    atomic_uint waiting, unfinished;
+    atomic_bool over;
+    uint32_t count;
+    daft_task *task;
+    void *context;
+    daft_script *script;
+    void *script_context;
+};
+
+static bool take_one(daft_team *team, uint32_t worker)
+{
+    unsigned waiting = atomic_load_explicit(&team->waiting, memory_order_relaxed);
+    while (waiting && !atomic_compare_exchange_weak_explicit(&team->waiting, &waiting, waiting - 1, memory_order_acquire,
+                                                             memory_order_relaxed))
+        ;
+    if (!waiting) return false;
+    team->task(team->context, team->count - waiting, worker);
+    atomic_fetch_sub_explicit(&team->unfinished, 1, memory_order_release);
+    return true;
+}
+
+/* Spins for a little while, then lets others run. */
+static void pause_for(int *spins)
+{
+    if (++*spins > SPINS) sched_yield();
+#if defined(__x86_64__) || defined(__i386__)
+    else
+        __builtin_ia32_pause();
+#endif
+}
+
+void daft_team_for(daft_team *team, uint32_t count, daft_task *task, void *context)
+{
+    int spins = 0;
+    if (count == 0) return;
+    team->count = count, team->task = task, team->context = context;
+    atomic_store_explicit(&team->unfinished, count, memory_order_relaxed);
+    atomic_store_explicit(&team->waiting, count, memory_order_release);
+    while (take_one(team, 0))
+        ;
+    while (atomic_load_explicit(&team->unfinished, memory_order_acquire)) pause_for(&spins);
+}
+
+static void join_in(void *context, uint32_t worker)
+{
+    daft_team *team = context;
+    int spins = 0;
+    if (worker == 0) {
+        team->script(team->script_context, team);
+        atomic_store_explicit(&team->over, true, memory_order_release);
+        return;
+    }
+    while (!atomic_load_explicit(&team->over, memory_order_acquire)) {
+        if (take_one(team, worker))
+            spins = 0;
+        else
+            pause_for(&spins);
+    }
+}
+
+void daft_parallel_script(int workers, daft_script *script, void *context)
+{
+    daft_team team = {.script = script, .script_context = context};
+    if (workers <= 1)
+        join_in(&team, 0);
+    else
+        run(&(crew){join_in, &team}, workers);
 }
 
 int daft_processor_count(void)

@@ -235,4 +235,36 @@ DAFT_INLINE v4 v4_max(v4 a, v4 b) { return v4_select(a > b, a, b); }
 DAFT_INLINE uint32_t v4_bits(v4i m) { return (uint32_t)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }
 #endif
 
+/* Lanes 0 to 2 of three vectors by lane: x has the three lanes 0. Lane 3 means nothing. */
+#ifdef DAFT_HAVE_X86
+DAFT_INLINE void v4_transpose3(v4 a, v4 b, v4 c, v4 *x, v4 *y, v4 *z)
+{
+    __m128 low = _mm_unpacklo_ps((__m128)a, (__m128)b), high = _mm_unpackhi_ps((__m128)a, (__m128)b);
+    *x = (v4)_mm_movelh_ps(low, (__m128)c);
+    *y = (v4)_mm_shuffle_ps(low, (__m128)c, _MM_SHUFFLE(1, 1, 3, 2));
+    *z = (v4)_mm_shuffle_ps(high, (__m128)c, _MM_SHUFFLE(2, 2, 1, 0));
+}
+#else
+DAFT_INLINE void v4_transpose3(v4 a, v4 b, v4 c, v4 *x, v4 *y, v4 *z)
+{
+    *x = (v4){a[0], b[0], c[0], 0}, *y = (v4){a[1], b[1], c[1], 0}, *z = (v4){a[2], b[2], c[2], 0};
+}
+#endif
+
+/* ---- eight lanes as two times four ---- */
+
+#if defined(DAFT_ISA_avx2) || defined(DAFT_ISA_avx512)
+DAFT_INLINE v4 v8_low(v8 a) { return (v4)_mm256_castps256_ps128((__m256)a); }
+DAFT_INLINE v4 v8_high(v8 a) { return (v4)_mm256_extractf128_ps((__m256)a, 1); }
+DAFT_INLINE v8 v8_join(v4 low, v4 high) { return (v8)_mm256_set_m128((__m128)high, (__m128)low); }
+#else
+typedef union v8_pair {
+    v8 whole;
+    v4 half[2];
+} v8_pair;
+DAFT_INLINE v4 v8_low(v8 a) { return ((v8_pair){a}).half[0]; }
+DAFT_INLINE v4 v8_high(v8 a) { return ((v8_pair){a}).half[1]; }
+DAFT_INLINE v8 v8_join(v4 low, v4 high) { return ((v8_pair){.half = {low, high}}).whole; }
+#endif
+
 #endif

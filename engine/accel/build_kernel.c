@@ -1,0 +1,404 @@
+/* The builder's loops: top-down binned SAH (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007),
+ * straight into eight-wide nodes: a range is split in two until it has eight parts, always the part with the largest area
+ * next (Wald, Benthin, Boulos, "Getting Rid of Packets", 2008). Below MEDIAN_DEPTH, and where no plane parts the middles,
+ * ranges are halved by count, so the depth is bounded for any input and the time is O(n log n).
+ *
+ * Prims are moved between two buffers, the left side from the front and the right side from the back, without a branch.
+ * Areas are those of sides longer by a little, so that boxes without area are still told apart by their length and their
+ * number. */
+#include "accel/build.h"
+
+#include <float.h>
+
+enum { MAX_BINS = 16, FEW_BINS = 8, FEW_PRIMS = 48, MEDIAN_DEPTH = 40, TASK_CELLS = 64, TASK_WEIGHT = 512, FEW_CELLS = 8 };
+#define LITTLE 1e-6f                    /* of the longest side */
+#define LEAST_SIDE 1e-12f               /* between these, areas neither underflow nor overflow; ranges beyond are halved */
+#define MOST_SIDE 1e15f
+
+typedef daft_build_range range;
+typedef daft_build_prim prim;
+
+static const union {
+    int32_t bits[4];
+    v4i lanes;
+} XYZ = {{-1, -1, -1, 0}};
+
+DAFT_INLINE v8 box_empty(void) { return v8_set(FLT_MAX); }
+DAFT_INLINE v8 prim_box(const prim *p) { return v8_load(p->low); }
+DAFT_INLINE v4 prim_middle(const prim *p) { return (v4)((v4i)(v4_load(p->low) - v4_load(p->high)) & XYZ.lanes); }
+
+static void measure(const prim *prims, range *r)
+{
+    v8 box = box_empty(), middles = box_empty();
+    uint32_t weight = 0;
+    for (uint32_t i = r->first; i < r->first + r->count; i++) {
+        v4 c = prim_middle(&prims[i]);
+        box = v8_min(box, prim_box(&prims[i]));
+        middles = v8_min(middles, v8_join(c, -c));
+        weight += prims[i].weight;
+    }
+    r->box = box, r->middles = middles, r->weight = weight;
+}
+
+/* ---- where to split ---- */
+
+/* From middles to bins: the one formula that counting and partitioning share. */
+typedef struct binning {
+    v4 low, scale;
+    int count;
+    float little; /* added to sides; 0: areas tell nothing apart */
+} binning;
+
+typedef struct bins {
+    v8 box[3][MAX_BINS];
+    int32_t weight[MAX_BINS][4]; /* by axis */
+} bins;
+
+typedef struct split {
+    float cost;
+    int axis;
+    int at; /* bins below it go left */
+} split;
+
+static binning binning_of(const range *r)
+{
+    binning b = {.low = v8_low(r->middles), .count = r->count < FEW_PRIMS ? FEW_BINS : MAX_BINS};
+    v4 extent = -(b.low + v8_high(r->middles)), side = -(v8_low(r->box) + v8_high(r->box));
+    float longest = 0;
+    b.low[3] = 0, b.scale = v4_set(0);
+    for (int k = 0; k < 3; k++) {
+        if (!(extent[k] <= FLT_MAX && side[k] <= FLT_MAX)) return b; /* overflows: in the middle, then */
+        float scale = extent[k] > 0 ? (float)b.count * 0.999f / extent[k] : 0;
+        b.scale[k] = scale <= FLT_MAX ? scale : 0; /* among denormals it overflows */
+        longest = side[k] > longest ? side[k] : longest;
+    }
+    b.little = longest >= LEAST_SIDE && longest <= MOST_SIDE ? longest * LITTLE : 0;
+    return b;
+}
+
+DAFT_INLINE v4 place_of(const binning *b, const prim *p) { return (prim_middle(p) - b->low) * b->scale; }
+
+static void fill_bins(const range *r, const prim *prims, const binning *how, bins *out)
+{
+    for (int i = 0; i < how->count; i++) {
+        for (int k = 0; k < 3; k++) out->box[k][i] = box_empty();
+        for (int k = 0; k < 4; k++) out->weight[i][k] = 0;
+    }
+    for (uint32_t i = r->first; i < r->first + r->count; i++) {
+        v8 box = prim_box(&prims[i]);
+        v4i at = __builtin_convertvector(place_of(how, &prims[i]), v4i);
+        for (int k = 0; k < 3; k++) {
+            out->box[k][at[k]] = v8_min(out->box[k][at[k]], box);
+            out->weight[at[k]][k] += (int32_t)prims[i].weight;
+        }
+    }
+}
+
+DAFT_INLINE v4 box_sides(v8 box, float little) { return v4_set(little) - (v8_low(box) + v8_high(box)); }
+
+/* Half the surface. */
+DAFT_INLINE float box_area(v8 box, float little)
+{
+    v4 e = box_sides(box, little);
+    return e[0] * (e[1] + e[2]) + e[1] * e[2];
+}
+
+/* Lane k: of box k. */
+DAFT_INLINE v4 box_areas(const v8 box[3], float little)
+{
+    v4 x, y, z;
+    v4_transpose3(box_sides(box[0], little), box_sides(box[1], little), box_sides(box[2], little), &x, &y, &z);
+    return x * (y + z) + y * z;
+}
+
+typedef struct cost_rule {
+    v4i round;
+    int shift;
+} cost_rule;
+
+/* Only the block sizes 1 and 4 occur. */
+DAFT_INLINE cost_rule cost_rule_of(const daft_build_rule *rule)
+{
+    int32_t round = (int32_t)rule->block_size - 1;
+    return (cost_rule){{round, round, round, round}, rule->block_size == 1 ? 0 : 2};
+}
+
+DAFT_INLINE v4 costs(const v8 box[3], float little, v4i weight, cost_rule rule)
+{
+    v4 cost = box_areas(box, little) * __builtin_convertvector((weight + rule.round) >> rule.shift, v4);
+    return v4_select((v4i)(weight == (v4i){0, 0, 0, 0}), v4_set(INFINITY), cost);
+}
+
+static split find_split(const daft_build_rule *build_rule, const bins *in, const binning *how)
+{
+    v4 right[MAX_BINS], best = v4_set(INFINITY);
+    v4i weight = {0, 0, 0, 0}, best_at = {0, 0, 0, 0};
+    v8 sum[3] = {box_empty(), box_empty(), box_empty()};
+    cost_rule rule = cost_rule_of(build_rule);
+    for (int i = how->count - 1; i > 0; i--) {
+        weight += *(const v4i *)in->weight[i];
+        for (int k = 0; k < 3; k++) sum[k] = v8_min(sum[k], in->box[k][i]);
+        right[i] = costs(sum, how->little, weight, rule);
+    }
+    weight = (v4i){0, 0, 0, 0};
+    for (int k = 0; k < 3; k++) sum[k] = box_empty();
+    for (int i = 1; i < how->count; i++) {
+        weight += *(const v4i *)in->weight[i - 1];
+        for (int k = 0; k < 3; k++) sum[k] = v8_min(sum[k], in->box[k][i - 1]);
+        v4 cost = costs(sum, how->little, weight, rule) + right[i];
+        v4i better = (v4i)(cost < best);
+        best = v4_select(better, cost, best);
+        best_at = (better & (v4i){i, i, i, i}) | (~better & best_at);
+    }
+    split s = {INFINITY, -1, 0};
+    for (int k = 0; k < 3; k++)
+        if (best[k] < s.cost) s = (split){best[k], k, best_at[k]};
+    return s;
+}
+
+/* ---- splitting ---- */
+
+static const union {
+    float push[2][8];
+    v8 lanes[2];
+} SIDE = {{{-INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY},
+           {INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY}}};
+
+/* Into the other buffer; counts, middles and weights of both sides. */
+static void partition(daft_build_prim *const prims[2], range *r, const binning *how, split s, range *right)
+{
+    const prim *in = prims[r->side] + r->first;
+    prim *out = prims[1 - r->side] + r->first, *front = out, *back = out + r->count - 1;
+    v8 middles[2] = {box_empty(), box_empty()};
+    v4 limit = v4_set(INFINITY);
+    limit[s.axis] = (float)s.at;
+    for (uint32_t i = 0; i < r->count; i++) {
+        v8 box = prim_box(&in[i]);
+        v4 c = prim_middle(&in[i]);
+        v8 both = v8_join(c, -c);
+        uint32_t goes_right = v4_bits((v4i)((c - how->low) * how->scale >= limit)) != 0;
+        memcpy(front, &box, sizeof box);
+        memcpy(back, &box, sizeof box);
+        middles[0] = v8_min(middles[0], v8_max(both, SIDE.lanes[goes_right]));
+        middles[1] = v8_min(middles[1], v8_max(both, SIDE.lanes[1 - goes_right]));
+        front += 1 - goes_right, back -= goes_right;
+    }
+    uint32_t left = (uint32_t)(front - out);
+    *right = (range){.first = r->first + left, .count = r->count - left, .side = (uint8_t)(1 - r->side), .middles = middles[1]};
+    r->count = left, r->side = (uint8_t)(1 - r->side), r->middles = middles[0];
+}
+
+static void share_bins(const bins *in, const binning *how, split s, range *left, range *right)
+{
+    uint32_t whole = left->weight;
+    left->box = right->box = box_empty();
+    left->weight = 0;
+    for (int i = 0; i < how->count; i++) {
+        range *to = i < s.at ? left : right;
+        to->box = v8_min(to->box, in->box[s.axis][i]);
+        if (i < s.at) left->weight += (uint32_t)in->weight[i][s.axis];
+    }
+    right->weight = whole - left->weight;
+}
+
+static void halve(daft_build_prim *const prims[2], range *r, range *right)
+{
+    uint32_t left = r->count / 2;
+    *right = (range){.first = r->first + left, .count = r->count - left, .side = r->side};
+    r->count = left;
+    measure(prims[r->side], r);
+    measure(prims[r->side], right);
+}
+
+/* Which part is split next: that with the largest area; where ranges are only halved, the heaviest. */
+static void range_weigh(range *r)
+{
+    v4 side = -(v8_low(r->box) + v8_high(r->box));
+    r->area = r->depth < MEDIAN_DEPTH ? side[0] * (side[1] + side[2]) + side[1] * side[2] : (float)r->weight;
+    if (!(r->area <= FLT_MAX)) r->area = FLT_MAX;
+}
+
+/* False: the range is to stay as it is. */
+static __attribute__((noinline)) bool split_range(const daft_build_branch *branch, range *r, range *right)
+{
+    const daft_build_rule *rule = branch->rule;
+    bool may_stay = r->weight <= rule->leaf_size;
+    if (r->count <= 1 || (may_stay && r->weight <= rule->block_size)) return false;
+    if (branch->defer && r->count < FEW_CELLS) return false;
+    uint8_t depth = r->depth;
+    split s = {INFINITY, -1, 0};
+    if (depth < MEDIAN_DEPTH) {
+        binning how = binning_of(r);
+        bins sorted;
+        if (how.little > 0) {
+            fill_bins(r, branch->prims[r->side], &how, &sorted);
+            s = find_split(rule, &sorted, &how);
+        }
+        float area = box_area(r->box, how.little);
+        float blocks = (float)((r->weight + rule->block_size - 1) / rule->block_size);
+        if (may_stay && (s.axis < 0 || s.cost + area >= area * blocks)) return false;
+        if (s.axis >= 0) {
+            partition(branch->prims, r, &how, s, right);
+            share_bins(&sorted, &how, s, r, right);
+        }
+    }
+    if (s.axis < 0) halve(branch->prims, r, right);
+    right->depth = depth;
+    range_weigh(r);
+    range_weigh(right);
+    return true;
+}
+
+static int next_open(const range *parts, int count)
+{
+    int best = -1;
+    float most = -1;
+    for (int i = 0; i < count; i++)
+        if (!parts[i].leaf && parts[i].area > most) most = parts[i].area, best = i;
+    return best;
+}
+
+static int split_eight(const daft_build_branch *branch, const range *whole, range parts[DAFT_WIDTH])
+{
+    int count = 1;
+    parts[0] = *whole;
+    parts[0].area = 0;
+    while (count < DAFT_WIDTH) {
+        int i = next_open(parts, count);
+        if (i < 0) break;
+        if (split_range(branch, &parts[i], &parts[count]))
+            count++;
+        else
+            parts[i].leaf = true;
+    }
+    return count;
+}
+
+/* Few prims that are leaves each need no search. */
+static int take_each(const daft_build_branch *branch, const range *whole, range parts[DAFT_WIDTH])
+{
+    const prim *prims = branch->prims[whole->side] + whole->first;
+    for (uint32_t i = 0; i < whole->count; i++)
+        parts[i] = (range){.box = prim_box(&prims[i]), .first = whole->first + i, .count = 1, .weight = 1, .side = whole->side, .leaf = true};
+    return (int)whole->count;
+}
+
+/* ---- what is written ---- */
+
+static uint32_t node_add(daft_build_sink *sink)
+{
+    daft_node_list *nodes = &sink->nodes;
+    if (sink->allocator && !daft_grow(sink->allocator, &nodes->items, &nodes->capacity, nodes->count + 1, nodes->count, sizeof(daft_node)))
+        return DAFT_CHILD_NONE;
+    return (uint32_t)nodes->count++;
+}
+
+static void node_fill(daft_node *node, const range *parts, const uint32_t *codes, int count)
+{
+    for (int i = 0; i < DAFT_WIDTH; i++) {
+        v4 low = v4_set(INFINITY), high = low;
+        if (i < count) low = v8_low(parts[i].box), high = v8_high(parts[i].box);
+        node->child[i] = i < count ? codes[i] : DAFT_CHILD_NONE;
+        for (int k = 0; k < 3; k++) node->bounds[k][i] = low[k], node->bounds[k + 3][i] = -high[k];
+    }
+}
+
+static bool cluster_open(daft_build_sink *sink, const range *r)
+{
+    if (!daft_grow(sink->allocator, &sink->clusters, &sink->cluster_capacity, sink->cluster_count + 1, sink->cluster_count,
+                   sizeof(daft_cluster)))
+        return false;
+    v4 low = v8_low(r->box), high = v8_high(r->box);
+    sink->clusters[sink->cluster_count++] = (daft_cluster){.low = daft_v3(low[0], low[1], low[2]),
+                                                           .high = daft_v3(-high[0], -high[1], -high[2]),
+                                                           .first_block = (uint32_t)sink->block_count};
+    sink->in_cluster = true;
+    return true;
+}
+
+static void cluster_close(daft_build_sink *sink)
+{
+    daft_cluster *cluster = &sink->clusters[sink->cluster_count - 1];
+    cluster->block_count = (uint32_t)sink->block_count - cluster->first_block;
+    sink->in_cluster = false;
+}
+
+static __attribute__((noinline)) uint32_t leaf_add(daft_build_branch *branch, const range *r)
+{
+    const prim *prims = branch->prims[r->side] + r->first;
+    daft_build_sink *sink = branch->sink;
+    if (branch->rule->block_size == 1) return DAFT_CHILD_LEAF | prims[0].id;
+    uint32_t blocks = (r->count + DAFT_BLOCK - 1) / DAFT_BLOCK, first = (uint32_t)sink->block_count;
+    bool alone = !sink->in_cluster; /* right below a range that is too large for a cluster */
+    if (!daft_grow(sink->allocator, &sink->blocks, &sink->block_capacity, sink->block_count + blocks, sink->block_count,
+                   sizeof *sink->blocks) ||
+        (alone && !cluster_open(sink, r)))
+        return DAFT_CHILD_NONE;
+    for (uint32_t i = 0; i < blocks * DAFT_BLOCK; i++)
+        sink->blocks[first + i / DAFT_BLOCK][i % DAFT_BLOCK] = i < r->count ? prims[i].id : DAFT_NO_TRIANGLE;
+    sink->block_count += blocks;
+    if (alone) cluster_close(sink);
+    return DAFT_CHILD_LEAF | first << 2 | (blocks - 1);
+}
+
+static uint32_t defer(daft_build_branch *branch, const range *r)
+{
+    if (!daft_grow(branch->allocator, &branch->tasks, &branch->task_capacity, branch->task_count + 1, branch->task_count,
+                   sizeof *branch->tasks))
+        return DAFT_CHILD_NONE;
+    branch->tasks[branch->task_count] = (daft_build_task){.range = *r};
+    return DAFT_CHILD_LEAF | (uint32_t)branch->task_count++;
+}
+
+static uint32_t build_child(daft_build_branch *branch, const range *r);
+
+static uint32_t build_node(daft_build_branch *branch, const range *whole)
+{
+    range parts[DAFT_WIDTH];
+    uint32_t codes[DAFT_WIDTH], self = node_add(branch->sink);
+    bool blocks = branch->rule->block_size > 1;
+    bool cluster = blocks && !branch->defer && !branch->sink->in_cluster && whole->weight <= DAFT_CLUSTER;
+    if (self == DAFT_CHILD_NONE || (cluster && !cluster_open(branch->sink, whole))) return DAFT_CHILD_NONE;
+    bool few = !blocks && !branch->defer && whole->count <= DAFT_WIDTH;
+    int count = few ? take_each(branch, whole, parts) : split_eight(branch, whole, parts);
+    for (int i = 0; i < count; i++) {
+        parts[i].depth = (uint8_t)(whole->depth + 3);
+        codes[i] = build_child(branch, &parts[i]);
+        if (codes[i] == DAFT_CHILD_NONE) return DAFT_CHILD_NONE;
+    }
+    node_fill(&branch->sink->nodes.items[self], parts, codes, count);
+    if (cluster) cluster_close(branch->sink);
+    return self;
+}
+
+static uint32_t build_child(daft_build_branch *branch, const range *r)
+{
+    if (branch->defer && (r->count < TASK_CELLS || r->weight <= TASK_WEIGHT)) return defer(branch, r);
+    bool small = r->weight <= branch->rule->block_size && r->weight <= branch->rule->leaf_size;
+    return !branch->defer && (r->leaf || small) ? leaf_add(branch, r) : build_node(branch, r);
+}
+
+/* ---- cells ---- */
+
+DAFT_INLINE uint32_t cell_of(const daft_build_grid *grid, const prim *p)
+{
+    v4i at = __builtin_convertvector((prim_middle(p) - grid->low) * grid->scale, v4i);
+    return (uint32_t)at[0] + grid->side * ((uint32_t)at[1] + grid->side * (uint32_t)at[2]);
+}
+
+static void count_cells(const daft_build_grid *grid, const prim *prims, uint32_t count, uint32_t *counts)
+{
+    for (uint32_t i = 0; i < count; i++) counts[cell_of(grid, &prims[i])]++;
+}
+
+static void scatter(const daft_build_grid *grid, const prim *prims, uint32_t count, uint32_t *next, prim *out)
+{
+    for (uint32_t i = 0; i < count; i++) out[next[cell_of(grid, &prims[i])]++] = prims[i];
+}
+
+static uint32_t build_branch(daft_build_branch *branch, const range *r, bool root)
+{
+    return root ? build_node(branch, r) : build_child(branch, r);
+}
+
+const daft_build_kernels DAFT_KERNEL(daft_build) = {measure, build_branch, count_cells, scatter};
