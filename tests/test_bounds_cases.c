@@ -110,19 +110,28 @@ static daft_pencil file_pencil(void)
     return (daft_pencil){.right = {1, 0, 0}, .up = {0, 1, 0}, .forward = {0, 0, -1}, .focal = 24, .width = WIDTH, .height = HEIGHT};
 }
 
-static void keep_boxes(const daft_raster *raster, sight *out)
+static void keep_box(sight *out, int x0, int x1, int y0, int y1)
 {
-    out->found = false, out->x0 = WIDTH, out->y0 = HEIGHT, out->x1 = out->y1 = -1;
-    for (size_t i = 0; i < raster->bins[0].record_count; i++) {
-        const daft_record *r = &raster->bins[0].records[i];
-        out->found = true;
-        out->x0 = daft_min_i(out->x0, r->x0), out->x1 = daft_max_i(out->x1, r->x1);
-        out->y0 = daft_min_i(out->y0, r->y0), out->y1 = daft_max_i(out->y1, r->y1);
-    }
-    out->seen = raster->seen_count > 0;
-    if (!out->seen) return;
+    if (x0 > x1 || y0 > y1) return;
+    out->found = true;
+    out->x0 = daft_min_i(out->x0, x0), out->x1 = daft_max_i(out->x1, x1);
+    out->y0 = daft_min_i(out->y0, y0), out->y1 = daft_max_i(out->y1, y1);
+}
+
+static void keep_boxes(const daft_raster *raster, int isa, sight *out)
+{
+    daft_screen_box boxes[12];
     const daft_seen *s = &raster->seen[0];
+    out->found = false, out->x0 = WIDTH, out->y0 = HEIGHT, out->x1 = out->y1 = -1;
+    out->seen = s->instance != NULL;
+    if (!out->seen) return;
     out->seen_x0 = s->x0, out->seen_x1 = s->x1, out->seen_y0 = s->y0, out->seen_y1 = s->y1;
+    if (!s->instance->mesh)
+        keep_box(out, s->x0, s->x1, s->y0, s->y1);
+    else if (isa >= 0)
+        daft_raster_kernels_for(isa)->boxes(raster, 0, boxes);
+    for (uint32_t i = 0; isa >= 0 && s->instance->mesh && i < s->instance->mesh->triangle_count; i++)
+        keep_box(out, boxes[i].x0, boxes[i].x1, boxes[i].y0, boxes[i].y1);
 }
 
 /* isa < 0: the reference path, which has no candidate boxes. */
@@ -138,7 +147,7 @@ static void see(const daft_instance *instance, int isa, sight *out)
     assert_true(daft_raster_begin(&raster, &pencil, instance, 1, NULL));
     const daft_tlas *tlas = daft_tlas_build(&arena, instance, 1, NULL);
     assert_non_null(tlas);
-    for (uint32_t i = 0; isa >= 0 && i < raster.work_count; i++) daft_raster_kernels_for(isa)->bin(&raster, i, 0);
+    for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
     for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) {
         if (isa >= 0)
             daft_raster_kernels_for(isa)->tile(&raster, i, 0, &tile);
@@ -149,7 +158,7 @@ static void see(const daft_instance *instance, int isa, sight *out)
             out->hit[(tile.y + y) * WIDTH + tile.x + x] = tile.instance[y * DAFT_TILE_STRIDE + x] != DAFT_NOTHING;
         }
     }
-    keep_boxes(&raster, out);
+    keep_boxes(&raster, isa, out);
     daft_raster_free(&raster);
     daft_arena_free(&arena);
 }

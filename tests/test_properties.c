@@ -179,7 +179,7 @@ static void pencil_see(const daft_instance *instances, uint32_t count, const daf
     assert_true(daft_raster_init(&raster, memory(), 1, &error));
     assert_true(daft_raster_begin(&raster, pencil, instances, count, &error));
     const daft_raster_kernels *kernels = daft_raster_kernels_for(daft_isa_best());
-    for (uint32_t i = 0; i < raster.work_count; i++) kernels->bin(&raster, i, 0);
+    for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
     daft_tile *tile = malloc(sizeof *tile);
     for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) {
         kernels->tile(&raster, i, 0, tile);

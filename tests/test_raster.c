@@ -50,9 +50,7 @@ static void see(const setting *s, int isa, int workers, ids *out)
     const daft_tlas *tlas = daft_tlas_build(&arena, s->instances, s->count, &error);
     assert_non_null(tlas);
     daft_tile *tile = malloc(sizeof *tile);
-    if (isa >= 0)
-        for (uint32_t i = 0; i < raster.work_count; i++)
-            daft_raster_kernels_for(isa)->bin(&raster, i, i % (uint32_t)workers);
+    for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, i % (uint32_t)workers);
     for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) {
         if (isa >= 0)
             daft_raster_kernels_for(isa)->tile(&raster, i, i % (uint32_t)workers, tile);
@@ -238,6 +236,7 @@ static void brute_force(void **unused)
     daft_raster raster;
     daft_error error;
     assert_true(daft_raster_init(&raster, &allocator, 1, &error) && daft_raster_begin(&raster, &s.pencil, &instance, 1, &error));
+    daft_raster_bin(&raster, 0, 0);
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         daft_vec3 ray = daft_pencil_ray(&s.pencil, i % WIDTH, i / WIDTH), c[3];
         double nearest = INFINITY;
@@ -270,13 +269,18 @@ static void culling(void **unused)
     for (size_t i = 0; i < DAFT_COUNT_OF(hidden); i++) {
         daft_instance instance = instance_make(&mesh, affine_make(daft_quat_identity(), daft_v3(1, 1, 1), hidden[i]));
         assert_true(daft_raster_begin(&raster, &pencil, &instance, 1, &error));
-        assert_int_equal(raster.seen_count, 0);
+        daft_raster_bin(&raster, 0, 0);
+        assert_int_equal(raster.bins[0].seen, 0);
+        assert_null(raster.seen[0].instance);
     }
     daft_instance speck = instance_make(&mesh, affine_make(daft_quat_identity(), daft_v3(1e-3f, 1e-3f, 1e-3f), daft_v3(5, 0, 0)));
     pencil.shift_x = pencil.shift_y = 0.25f; /* WIDTH is even, HEIGHT odd: the speck lies between rays in x alone */
     assert_true(daft_raster_begin(&raster, &pencil, &speck, 1, &error));
-    for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_kernels_for(0)->bin(&raster, i, 0);
+    daft_tile *tile = malloc(sizeof *tile);
+    for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
+    for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) daft_raster_kernels_for(0)->tile(&raster, i, 0, tile);
     assert_int_equal(raster.bins[0].tested, 0);
+    free(tile);
     daft_raster_free(&raster);
     mesh_drop(&mesh);
 }

@@ -154,6 +154,43 @@ DAFT_INLINE float vf_reduce_max(vf a)
     return most;
 }
 
+/* DAFT_VL / 4 rows of four floats side by side, from where each begins. */
+DAFT_INLINE vf vf_gather_rows(const float *const row[DAFT_VL / 4])
+{
+#if defined(DAFT_ISA_avx512)
+    __m512 v = _mm512_castps128_ps512(_mm_loadu_ps(row[0]));
+    v = _mm512_insertf32x4(v, _mm_loadu_ps(row[1]), 1);
+    v = _mm512_insertf32x4(v, _mm_loadu_ps(row[2]), 2);
+    return (vf)_mm512_insertf32x4(v, _mm_loadu_ps(row[3]), 3);
+#elif defined(DAFT_ISA_avx2)
+    return (vf)_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(row[0])), _mm_loadu_ps(row[1]), 1);
+#else
+    return vf_load(row[0]);
+#endif
+}
+/* A window of such rows, `stride` floats apart. */
+DAFT_INLINE vf vf_load_rows(const float *p, int stride)
+{
+    const float *row[DAFT_VL / 4];
+    for (int i = 0; i < DAFT_VL / 4; i++) row[i] = p + i * stride;
+    return vf_gather_rows(row);
+}
+DAFT_INLINE void vf_store_rows(float *p, int stride, vf v)
+{
+#if defined(DAFT_ISA_avx512)
+    _mm_storeu_ps(p, _mm512_castps512_ps128((__m512)v));
+    _mm_storeu_ps(p + stride, _mm512_extractf32x4_ps((__m512)v, 1));
+    _mm_storeu_ps(p + 2 * stride, _mm512_extractf32x4_ps((__m512)v, 2));
+    _mm_storeu_ps(p + 3 * stride, _mm512_extractf32x4_ps((__m512)v, 3));
+#elif defined(DAFT_ISA_avx2)
+    _mm_storeu_ps(p, _mm256_castps256_ps128((__m256)v));
+    _mm_storeu_ps(p + stride, _mm256_extractf128_ps((__m256)v, 1));
+#else
+    (void)stride;
+    vf_store(p, v);
+#endif
+}
+
 typedef struct vf3 {
     vf x, y, z;
 } vf3;

@@ -1,4 +1,4 @@
-/* The kernels of each instruction set; raster.c picks. */
+/* What the pencil's kernels share: a tile at work and a batch of triangles that are set up for it. raster.c picks. */
 #ifndef DAFT_RASTER_KERNELS_H
 #define DAFT_RASTER_KERNELS_H
 
@@ -6,5 +6,66 @@
 #include "raster/raster.h"
 
 DAFT_KERNEL_DECLARE(daft_raster_kernels, daft_raster);
+
+#ifdef DAFT_ISA
+#include "math/simd.h"
+
+enum {
+    DAFT_WINDOW_W = 4, /* pixels of a SIMD register */
+    DAFT_WINDOW_H = DAFT_VL / DAFT_WINDOW_W,
+    DAFT_BATCH_BLOCKS = DAFT_VL / DAFT_BLOCK,
+    DAFT_CELL = 8, /* pixels a side of the parts of a tile for which the farthest is kept */
+    DAFT_CELLS_X = DAFT_TILE / DAFT_CELL,
+    DAFT_CELLS = DAFT_CELLS_X * DAFT_CELLS_X
+};
+
+/* A pixel's place is its row · DAFT_TILE_STRIDE + its column. w is the inverse depth; w_low..w_high holds that of what the
+ * pixel sees. Pixels beyond the picture count as infinitely near: nothing is offered to them in vain, nor do they look far. */
+typedef struct daft_tile_job {
+    const daft_raster *raster;
+    daft_bins *counters;
+    daft_tile *tile;
+    float left, top;      /* ray of the tile's first pixel */
+    float last_x, last_y; /* its last column and row in the picture */
+    float max_dx, max_dy; /* of any ray in the tile */
+    bool exact;
+    uint32_t stale;                        /* cells in which some pixel has come nearer */
+    _Alignas(64) float farthest[DAFT_CELLS]; /* every pixel's w in the cell is at least this */
+    _Alignas(64) float w_low[DAFT_TILE_ROOM];
+    _Alignas(64) float w_high[DAFT_TILE_ROOM];
+} daft_tile_job;
+
+/* Up to DAFT_VL triangles of one instance, set up. Edge k is opposite corner k. */
+typedef struct daft_pencil_batch {
+    const daft_seen *seen;
+    const daft_block *block[DAFT_BATCH_BLOCKS];
+    vbits live, covers;                                   /* lanes that may be hit; that every ray of the tile hits */
+    float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL]; /* over the bound of e; nz times the focal length */
+    float wx[DAFT_VL], wy[DAFT_VL], wz[DAFT_VL];          /* w = wx·dx + wy·dy + wz */
+    float error[DAFT_VL], w_cap[DAFT_VL];
+    int32_t x0[DAFT_VL], x1[DAFT_VL], y0[DAFT_VL], y1[DAFT_VL]; /* pixels of the tile */
+} daft_pencil_batch;
+
+/* setup_kernel.c: fills the batch from `count` of its blocks. False: nothing of them is to be drawn. */
+bool DAFT_KERNEL(daft_batch_setup)(const daft_tile_job *job, daft_pencil_batch *batch, uint32_t count);
+/* The candidate boxes of its blocks' triangles, by the triangles' numbers. */
+void DAFT_KERNEL(daft_batch_boxes)(const daft_tile_job *job, daft_pencil_batch *batch, uint32_t count,
+                                   daft_screen_box *out);
+/* draw_kernel.c */
+void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
+/* The pixels x0..x1, y0..y1 of the tile against a sphere. */
+void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_seen *seen, int x0, int x1, int y0, int y1);
+
+/* The cells that hold some of the pixels, as bits. */
+DAFT_INLINE uint32_t daft_cells_of(int x0, int x1, int y0, int y1)
+{
+    uint32_t columns = (2u << x1 / DAFT_CELL) - (1u << x0 / DAFT_CELL);
+    uint32_t rows = (uint32_t)((UINT64_C(1) << (y1 / DAFT_CELL + 1) * DAFT_CELLS_X) - (UINT64_C(1) << y0 / DAFT_CELL * DAFT_CELLS_X));
+    return columns * 0x1111u & rows & 0xffffu;
+}
+
+/* A screen box is widened by this many pixels: over the error of three roundings of coordinates up to 2^13. */
+#define DAFT_SCREEN_SLACK 0.004f
+#endif
 
 #endif

@@ -1,13 +1,12 @@
-/* The serial part of the pencil: instances against the camera's frustum, front to back, into work items. */
+/* The pencil's first pass: instances against the camera's frustum, and into tiles by their projected bounds. */
 #include "raster/raster.h"
 #include "math/exact.h"
 #include "math/isa.h"
 #include "raster/kernels.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-enum { CLUSTERS_A_WORK_ITEM = 16 };
+enum { INSTANCES_A_WORK_ITEM = 128 };
 
 const daft_raster_kernels *daft_raster_kernels_for(int isa)
 {
@@ -26,14 +25,12 @@ void daft_raster_free(daft_raster *raster)
 {
     if (!raster->allocator) return;
     for (int i = 0; raster->bins && i < raster->workers; i++) {
-        daft_release(raster->allocator, raster->bins[i].records);
         daft_release(raster->allocator, raster->bins[i].blocks);
         daft_release(raster->allocator, raster->bins[i].tiles);
+        daft_release(raster->allocator, raster->bins[i].order);
     }
     daft_release(raster->allocator, raster->bins);
     daft_release(raster->allocator, raster->seen);
-    daft_release(raster->allocator, raster->seen_of);
-    daft_release(raster->allocator, raster->work);
 }
 
 /* The map to camera space: axes times to_frame, in double, rounded once. */
@@ -87,6 +84,27 @@ static bool outside_sides(const daft_pencil *p, daft_vec3 low, daft_vec3 high)
            -(double)high.y * f > z * half_y;
 }
 
+/* The slopes low..high of the rays that touch a sphere in the plane of z and another axis (Mara and McGuire, "2D Polyhedral
+ * Bounds of a Clipped, Perspective-Projected 3D Sphere", JCGT 2(2), 2013); the sphere is in front of the camera's plane. */
+static void sphere_slopes(double c, double z, double r, double *low, double *high)
+{
+    double t = sqrt(c * c + z * z - r * r);
+    *low = (c * t - z * r) / (z * t + c * r);
+    *high = (c * t + z * r) / (z * t - c * r);
+}
+
+static bool sphere_range(const daft_pencil *p, daft_seen *seen, double cx, double cy)
+{
+    const float *c = seen->to_camera.t;
+    double z = (double)c[2], r = (double)seen->instance->radius * (1 + 0x1p-20) + fabs(z) * 0x1p-20, f = (double)p->focal;
+    if (!(z > r * 1.001)) return true; /* around the camera or through its plane: the whole picture */
+    double x0, x1, y0, y1;
+    sphere_slopes((double)c[0], z, r, &x0, &x1);
+    sphere_slopes(-(double)c[1], z, r, &y0, &y1);
+    return pixel_range((float)x0, (float)x1, 1, 1, f, cx, p->width, &seen->x0, &seen->x1) &&
+           pixel_range((float)y0, (float)y1, 1, 1, f, cy, p->height, &seen->y0, &seen->y1);
+}
+
 static bool seen_setup(const daft_pencil *p, const daft_instance *instance, uint32_t index, daft_seen *seen)
 {
     if (instance->mesh && instance->mesh->triangle_count == 0) return false;
@@ -97,33 +115,53 @@ static bool seen_setup(const daft_pencil *p, const daft_instance *instance, uint
     seen->near_z = low.z;
     double f = (double)p->focal;
     double cx = (double)p->width * 0.5 - 0.5 - (double)p->shift_x, cy = (double)p->height * 0.5 - 0.5 + (double)p->shift_y;
-    return pixel_range(low.x, high.x, low.z, high.z, f, cx, p->width, &seen->x0, &seen->x1) &&
-           pixel_range(-high.y, -low.y, low.z, high.z, f, cy, p->height, &seen->y0, &seen->y1);
+    if (!pixel_range(low.x, high.x, low.z, high.z, f, cx, p->width, &seen->x0, &seen->x1) ||
+        !pixel_range(-high.y, -low.y, low.z, high.z, f, cy, p->height, &seen->y0, &seen->y1))
+        return false;
+    return instance->mesh || sphere_range(p, seen, cx, cy);
 }
 
-static int nearer_first(const void *a, const void *b)
+static bool tile_add(const daft_raster *raster, daft_bins *bins, uint32_t tile, uint32_t instance)
 {
-    const daft_seen *x = a, *y = b;
-    if (x->near_z != y->near_z) return x->near_z < y->near_z ? -1 : 1;
-    return x->index < y->index ? -1 : x->index > y->index;
-}
-
-static bool list_work(daft_raster *raster)
-{
-    raster->work_count = 0;
-    for (uint32_t i = 0; i < raster->seen_count; i++) {
-        const daft_instance *instance = raster->seen[i].instance;
-        uint32_t clusters = instance->mesh ? (uint32_t)instance->bvh->cluster_count : 0, first = 0;
-        do {
-            uint32_t count = daft_min_u(clusters - first, CLUSTERS_A_WORK_ITEM);
-            if (!daft_grow(raster->allocator, &raster->work, &raster->work_capacity, raster->work_count + 1,
-                           raster->work_count, sizeof *raster->work))
-                return false;
-            raster->work[raster->work_count++] = (daft_work){i, first, count};
-            first += count;
-        } while (first < clusters);
+    daft_bin_list *list = &bins->tiles[tile];
+    uint32_t place = list->count % DAFT_BIN_ITEMS;
+    if (place == 0) {
+        if (!daft_grow(raster->allocator, &bins->blocks, &bins->block_capacity, bins->block_count + 1, bins->block_count,
+                       sizeof *bins->blocks))
+            return false;
+        uint32_t fresh = (uint32_t)bins->block_count++;
+        if (list->count)
+            bins->blocks[list->last].next = fresh;
+        else
+            list->first = fresh;
+        list->last = fresh;
     }
+    bins->blocks[list->last].items[place] = instance;
+    list->count++;
     return true;
+}
+
+static void add_to_tiles(const daft_raster *raster, daft_bins *bins, const daft_seen *seen)
+{
+    for (int y = seen->y0 / DAFT_TILE; y <= seen->y1 / DAFT_TILE; y++)
+        for (int x = seen->x0 / DAFT_TILE; x <= seen->x1 / DAFT_TILE; x++)
+            if (!bins->out_of_memory && !tile_add(raster, bins, (uint32_t)(y * raster->tiles_x + x), seen->index))
+                bins->out_of_memory = true;
+}
+
+void daft_raster_bin(daft_raster *raster, uint32_t work, uint32_t worker)
+{
+    daft_bins *bins = &raster->bins[worker];
+    uint32_t first = work * INSTANCES_A_WORK_ITEM, end = daft_min_u(raster->instance_count, first + INSTANCES_A_WORK_ITEM);
+    for (uint32_t i = first; i < end; i++) {
+        daft_seen *seen = &raster->seen[i];
+        if (!seen_setup(&raster->pencil, &raster->instances[i], i, seen)) {
+            seen->instance = NULL;
+            continue;
+        }
+        bins->seen++;
+        add_to_tiles(raster, bins, seen);
+    }
 }
 
 static bool clear_bins(daft_raster *raster)
@@ -131,10 +169,12 @@ static bool clear_bins(daft_raster *raster)
     size_t tiles = (size_t)raster->tiles_x * (size_t)raster->tiles_y;
     for (int i = 0; i < raster->workers; i++) {
         daft_bins *bins = &raster->bins[i];
-        if (!daft_grow(raster->allocator, &bins->tiles, &bins->tile_capacity, tiles, 0, sizeof *bins->tiles)) return false;
+        if (!daft_grow(raster->allocator, &bins->tiles, &bins->tile_capacity, tiles, 0, sizeof *bins->tiles) ||
+            !daft_grow(raster->allocator, &bins->order, &bins->order_capacity, raster->instance_count, 0, sizeof *bins->order))
+            return false;
         memset(bins->tiles, 0, tiles * sizeof *bins->tiles);
-        bins->record_count = bins->block_count = 0;
-        bins->tested = bins->binned = bins->spheres = bins->exact_edges = bins->exact_depths = 0;
+        bins->block_count = 0;
+        bins->seen = bins->nodes = bins->tested = bins->binned = bins->spheres = bins->exact_edges = bins->exact_depths = 0;
         bins->out_of_memory = false;
     }
     return true;
@@ -148,19 +188,11 @@ bool daft_raster_begin(daft_raster *raster, const daft_pencil *pencil, const daf
     raster->instance_count = count;
     raster->tiles_x = (pencil->width + DAFT_TILE - 1) / DAFT_TILE;
     raster->tiles_y = (pencil->height + DAFT_TILE - 1) / DAFT_TILE;
-    raster->seen_count = 0;
-    const daft_allocator *a = raster->allocator;
-    if (!daft_grow(a, &raster->seen, &raster->seen_capacity, count, 0, sizeof *raster->seen) ||
-        !daft_grow(a, &raster->seen_of, &raster->seen_of_capacity, count, 0, sizeof *raster->seen_of) ||
-        !clear_bins(raster))
-        return daft_fail_memory(error, "the list of visible things");
-    for (uint32_t i = 0; i < count; i++) {
-        raster->seen_of[i] = DAFT_NOTHING;
-        if (seen_setup(pencil, &instances[i], i, &raster->seen[raster->seen_count])) raster->seen_count++;
-    }
-    if (raster->seen_count) qsort(raster->seen, raster->seen_count, sizeof *raster->seen, nearer_first);
-    for (uint32_t i = 0; i < raster->seen_count; i++) raster->seen_of[raster->seen[i].index] = i;
-    return list_work(raster) ? true : daft_fail_memory(error, "the list of visible things");
+    raster->work_count = (count + INSTANCES_A_WORK_ITEM - 1) / INSTANCES_A_WORK_ITEM;
+    if (daft_grow(raster->allocator, &raster->seen, &raster->seen_capacity, count, 0, sizeof *raster->seen) &&
+        clear_bins(raster))
+        return true;
+    return daft_fail_memory(error, "the list of visible things");
 }
 
 void daft_seen_corners(const daft_seen *seen, uint32_t triangle, daft_vec3 corner[3])

@@ -6,8 +6,10 @@
  * Camera space: x right, y up, z forward. The ray of pixel (x, y) is d = (x + 0.5 - width/2 + shift_x,
  * height/2 - y - 0.5 + shift_y, focal): halves and thirty-seconds, exact in floats.
  *
- * Passes: daft_raster_begin culls instances and lists clusters; daft_raster_bin (once for each work item, in parallel)
- * tests triangles' screen boxes and puts what is left into tiles; daft_raster_tile (once for each tile, in parallel) decides. */
+ * Passes: daft_raster_begin; daft_raster_bin (once for each work item, in parallel) puts the instances that may be seen into
+ * tiles by their projected bounds; a kernel's `tile` (once for each tile, in parallel) walks the trees of its instances front
+ * to back, by the screen boxes of their nodes: what lies beside the tile, between the rays of its pixels or behind what
+ * they see already is left out by whole subtrees. What is left is set up some triangles at a time, and rays decide. */
 #ifndef DAFT_RASTER_H
 #define DAFT_RASTER_H
 
@@ -15,9 +17,10 @@
 #include "base/base.h"
 
 enum {
-    DAFT_TILE = 32,             /* pixels a side */
-    DAFT_TILE_STRIDE = 32 + 16, /* a row, with room for one whole SIMD store past its end */
-    DAFT_TILE_ROOM = DAFT_TILE * DAFT_TILE_STRIDE + 16
+    DAFT_TILE = 32, /* pixels a side */
+    DAFT_TILE_STRIDE = DAFT_TILE,
+    DAFT_TILE_ROWS = DAFT_TILE + 3, /* room for a window of four rows that begins in the last one */
+    DAFT_TILE_ROOM = DAFT_TILE_ROWS * DAFT_TILE_STRIDE
 };
 
 #define DAFT_NOTHING UINT32_MAX /* instance of a pixel that sees the sky */
@@ -30,30 +33,14 @@ typedef struct daft_pencil {
     float shift_x, shift_y; /* of the sample, in pixels, multiples of 1/32 within -0.5..0.5 */
 } daft_pencil;
 
-/* An instance that may be seen. */
+/* An instance as the camera sees it. */
 typedef struct daft_seen {
-    const daft_instance *instance;
-    uint32_t index; /* in the snapshot */
+    const daft_instance *instance; /* NULL: none of it can be seen */
+    uint32_t index;                /* in the snapshot */
     daft_affine to_camera;
-    float near_z;           /* of its box in camera space */
-    int x0, x1, y0, y1;     /* pixels its box may cover, inclusive */
+    float near_z;       /* of its bounds in camera space */
+    int x0, x1, y0, y1; /* pixels its bounds may cover, inclusive */
 } daft_seen;
-
-typedef struct daft_work {
-    uint32_t seen;
-    uint32_t first, count; /* clusters; a sphere has count 0 */
-} daft_work;
-
-/* A triangle (camera-space corners) or sphere (corner[0..2] centre, corner[3] radius) that covers some pixel's ray by
- * its box. Thirteen words: kernels gather with this stride. */
-typedef struct daft_record {
-    float corner[9];
-    uint32_t instance;
-    uint32_t triangle; /* DAFT_SPHERE for a sphere */
-    int16_t x0, x1, y0, y1;
-} daft_record;
-
-#define DAFT_SPHERE UINT32_MAX
 
 enum { DAFT_BIN_ITEMS = 31 };
 typedef struct daft_bin_block {
@@ -67,20 +54,23 @@ typedef struct daft_bin_list {
 
 /* What one worker found: no locks, since each worker fills its own and a tile reads them all. */
 typedef struct daft_bins {
-    daft_record *records;
-    size_t record_count, record_capacity;
-    daft_bin_block *blocks;
+    daft_bin_block *blocks; /* of instances' numbers */
     size_t block_count, block_capacity;
     daft_bin_list *tiles; /* one for each tile */
     size_t tile_capacity;
-    uint64_t tested, binned, spheres, exact_edges, exact_depths;
+    uint64_t *order; /* a tile's instances, front to back: distance << 32 | number */
+    size_t order_capacity;
+    /* Instances in the picture; nodes and triangles whose boxes were tested (a triangle once for each tile); triangles set
+     * up; spheres in tiles; decisions that floats could not make. */
+    uint64_t seen, nodes, tested, binned, spheres, exact_edges, exact_depths;
     bool out_of_memory;
 } daft_bins;
 
 /* Visibility of one tile. Row r starts at r·DAFT_TILE_STRIDE. */
 typedef struct daft_tile {
     int x, y, width, height; /* in the picture */
-    uint32_t instance[DAFT_TILE_ROOM], triangle[DAFT_TILE_ROOM];
+    _Alignas(64) uint32_t instance[DAFT_TILE_ROOM];
+    _Alignas(64) uint32_t triangle[DAFT_TILE_ROOM];
 } daft_tile;
 
 typedef struct daft_raster {
@@ -89,12 +79,9 @@ typedef struct daft_raster {
     const daft_instance *instances;
     uint32_t instance_count;
     int tiles_x, tiles_y, workers;
-    daft_seen *seen;
-    size_t seen_count, seen_capacity;
-    uint32_t *seen_of; /* instance -> its place in seen, or DAFT_NOTHING */
-    size_t seen_of_capacity;
-    daft_work *work;
-    size_t work_count, work_capacity;
+    daft_seen *seen; /* one for each instance, filled by daft_raster_bin */
+    size_t seen_capacity;
+    uint32_t work_count;
     daft_bins *bins; /* one for each worker */
 } daft_raster;
 
@@ -103,9 +90,17 @@ void daft_raster_free(daft_raster *raster);
 bool daft_raster_begin(daft_raster *raster, const daft_pencil *pencil, const daft_instance *instances, uint32_t count,
                        daft_error *error);
 
+void daft_raster_bin(daft_raster *raster, uint32_t work, uint32_t worker);
+
+/* Pixels that a triangle's projected bounds may cover, inclusive; x0 > x1: none. */
+typedef struct daft_screen_box {
+    int16_t x0, x1, y0, y1;
+} daft_screen_box;
+
 typedef struct daft_raster_kernels {
-    void (*bin)(const daft_raster *raster, uint32_t work, uint32_t worker);
     void (*tile)(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_tile *out);
+    /* The candidate boxes of a mesh's triangles, by their numbers, within the picture. */
+    void (*boxes)(const daft_raster *raster, uint32_t instance, daft_screen_box *out);
 } daft_raster_kernels;
 
 const daft_raster_kernels *daft_raster_kernels_for(int isa);

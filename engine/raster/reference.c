@@ -113,9 +113,8 @@ static void test_mesh(const daft_seen *seen, daft_vec3 ray, best *nearest)
 
 static void test_instance(const daft_raster *raster, uint32_t index, daft_vec3 ray, best *nearest)
 {
-    uint32_t place = raster->seen_of[index];
-    if (place == DAFT_NOTHING) return;
-    const daft_seen *seen = &raster->seen[place];
+    const daft_seen *seen = &raster->seen[index];
+    if (!seen->instance) return;
     if (seen->instance->mesh) {
         test_mesh(seen, ray, nearest);
         return;

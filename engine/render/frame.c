@@ -60,7 +60,7 @@ static void bin_task(void *context, uint32_t index, uint32_t worker)
 {
     const daft_frame *frame = context;
     if (!atomic_load_explicit(&frame->cancelled, memory_order_relaxed))
-        frame->renderer->raster_kernels->bin(&frame->renderer->raster, index, worker);
+        daft_raster_bin(&frame->renderer->raster, index, worker);
 }
 
 static void count_bins(const daft_renderer *r, daft_counters *c)
@@ -72,11 +72,12 @@ static void count_bins(const daft_renderer *r, daft_counters *c)
         c->spheres_binned += bins->spheres;
         c->exact_edges += bins->exact_edges;
         c->exact_depths += bins->exact_depths;
-        c->effects[DAFT_EFFECT_VISIBILITY].bytes += bins->record_capacity * sizeof *bins->records +
+        c->instances_seen += bins->seen;
+        c->effects[DAFT_EFFECT_VISIBILITY].bytes += bins->order_capacity * sizeof *bins->order +
                                                     bins->block_capacity * sizeof *bins->blocks +
                                                     bins->tile_capacity * sizeof *bins->tiles;
     }
-    c->instances_seen += r->raster.seen_count;
+    c->effects[DAFT_EFFECT_VISIBILITY].bytes += r->raster.seen_capacity * sizeof *r->raster.seen;
 }
 
 static bool out_of_memory(const daft_renderer *r)
@@ -94,7 +95,7 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     frame->pencil = (daft_pencil){s->right, s->up, s->forward, s->focal, s->width, s->height, s->intersection, 0, 0};
     sample_shift(s->samples, frame->sample, &frame->pencil.shift_x, &frame->pencil.shift_y);
     if (!daft_raster_begin(&r->raster, &frame->pencil, s->instances, s->instance_count, error)) return false;
-    if (!s->reference) daft_parallel_for(r->threads, (uint32_t)r->raster.work_count, bin_task, frame);
+    daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
     if (out_of_memory(r)) return daft_fail_memory(error, "the visible triangles");
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
     frame->tile_count = (uint32_t)(r->raster.tiles_x * r->raster.tiles_y);

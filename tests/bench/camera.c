@@ -22,7 +22,7 @@ struct bench_camera {
 static void bin_task(void *context, uint32_t index, uint32_t worker)
 {
     bench_camera *camera = context;
-    camera->kernels->bin(&camera->raster, index, worker);
+    daft_raster_bin(&camera->raster, index, worker);
 }
 
 static void keep_tile(bench_camera *camera, const daft_tile *tile, uint32_t worker)
@@ -56,7 +56,9 @@ static bool begin(bench_camera *camera, daft_intersection intersection)
     memset(camera->hits, 0, sizeof camera->hits);
     daft_pencil pencil = {.right = view->right, .up = view->up, .forward = view->forward, .focal = view->focal,
                           .width = view->width, .height = view->height, .intersection = intersection};
-    return daft_raster_begin(&camera->raster, &pencil, camera->instances, camera->scene->thing_count, NULL);
+    if (!daft_raster_begin(&camera->raster, &pencil, camera->instances, camera->scene->thing_count, NULL)) return false;
+    daft_parallel_for(camera->raster.workers, camera->raster.work_count, bin_task, camera);
+    return true;
 }
 
 double bench_camera_ms(bench_camera *camera, daft_intersection intersection)
@@ -64,7 +66,6 @@ double bench_camera_ms(bench_camera *camera, daft_intersection intersection)
     double start = daft_clock_ms();
     if (!begin(camera, intersection)) return -1;
     daft_raster *raster = &camera->raster;
-    daft_parallel_for(raster->workers, (uint32_t)raster->work_count, bin_task, camera);
     daft_parallel_for(raster->workers, (uint32_t)(raster->tiles_x * raster->tiles_y), tile_task, camera);
     return daft_clock_ms() - start;
 }

@@ -1,0 +1,197 @@
+/* Set-up triangles and spheres against the rays of a tile. Pixels are looked at through windows four wide and DAFT_VL / 4
+ * high, one SIMD register; a window begins at a multiple of four in its row and anywhere in its column, so a small triangle
+ * needs one or two.
+ *
+ * A lane whose e is beyond 1 for every edge is inside, below -1 for one outside (setup_kernel.c has the bounds); between,
+ * the exact predicates decide. Pixels keep the interval of their nearest w: those that are apart need no closer look. */
+#include "math/exact.h"
+#include "raster/kernels.h"
+
+#define UNIT 0x1p-24f
+#define TINY 1e-36f
+#define SPHERE_ROUNDING 0x1p-18f
+
+/* What is drawn: a triangle or a sphere. */
+typedef struct thing {
+    const daft_seen *seen;
+    uint32_t triangle; /* 0 for a sphere */
+} thing;
+
+/* ---- single lanes that floats could not decide ---- */
+
+static int lane_place(int at, int lane) { return at + lane / DAFT_WINDOW_W * DAFT_TILE_STRIDE + lane % DAFT_WINDOW_W; }
+
+static daft_vec3 place_ray(const daft_tile_job *j, int place)
+{
+    return daft_pencil_ray(&j->raster->pencil, j->tile->x + place % DAFT_TILE_STRIDE, j->tile->y + place / DAFT_TILE_STRIDE);
+}
+
+static void lane_write(daft_tile_job *j, int place, const thing *t, float low, float high)
+{
+    j->w_low[place] = low;
+    j->w_high[place] = high;
+    j->tile->instance[place] = t->seen->index;
+    j->tile->triangle[place] = t->triangle;
+}
+
+/* The depths are too close for floats: compare the true ones, then the numbers. */
+static void lane_compare(daft_tile_job *j, int place, const thing *t, float low, float high)
+{
+    daft_vec3 ray = place_ray(j, place);
+    uint32_t instance = j->tile->instance[place], triangle = j->tile->triangle[place];
+    double mine = daft_seen_depth(t->seen, t->triangle, ray), other = daft_seen_depth(&j->raster->seen[instance], triangle, ray);
+    j->counters->exact_depths++;
+    bool wins = mine < other || (mine == other && (t->seen->index < instance || (t->seen->index == instance && t->triangle < triangle)));
+    if (wins) lane_write(j, place, t, low, high);
+}
+
+/* A hit with the interval of its w: nearer, farther, or to be looked at closely. */
+static void lane_offer(daft_tile_job *j, int place, const thing *t, float low, float high)
+{
+    if (!(low <= high)) low = -INFINITY, high = INFINITY; /* an overflow: nothing is known */
+    if (j->tile->instance[place] == DAFT_NOTHING || low > j->w_high[place])
+        lane_write(j, place, t, low, high);
+    else if (!(high < j->w_low[place]))
+        lane_compare(j, place, t, low, high);
+}
+
+static bool lane_hit(daft_tile_job *j, int place, const thing *t)
+{
+    daft_vec3 ray = place_ray(j, place);
+    if (!t->seen->instance->mesh) return daft_seen_depth(t->seen, 0, ray) < INFINITY;
+    daft_vec3 corner[3];
+    daft_seen_corners(t->seen, t->triangle, corner);
+    j->counters->exact_edges++;
+    return daft_pencil_hits(corner[0], corner[1], corner[2], ray);
+}
+
+/* ---- windows ---- */
+
+DAFT_INLINE vf window_load(const float *p) { return vf_load_rows(p, DAFT_TILE_STRIDE); }
+DAFT_INLINE void window_store(float *p, vf v) { vf_store_rows(p, DAFT_TILE_STRIDE, v); }
+DAFT_INLINE void window_put(void *p, vm m, uint32_t value)
+{
+    window_store(p, vf_select(m, (vf)vi_set((int32_t)value), window_load(p)));
+}
+
+/* The cells that a window at a place lies in. */
+DAFT_INLINE uint32_t window_cells(int at)
+{
+    int x = at % DAFT_TILE_STRIDE / DAFT_CELL, y = at / DAFT_TILE_STRIDE;
+    uint32_t cells = (1u << (y / DAFT_CELL * DAFT_CELLS_X + x)) | 1u << ((y + DAFT_WINDOW_H - 1) / DAFT_CELL * DAFT_CELLS_X + x);
+    return cells & ((1u << DAFT_CELLS) - 1);
+}
+
+/* Offers lanes with intervals of w to a window: decided in lanes where the intervals are apart. */
+DAFT_INLINE void offer(daft_tile_job *j, int at, const thing *t, vbits hits, vbits unsure, vf low, vf high)
+{
+    vf old_low = window_load(&j->w_low[at]), old_high = window_load(&j->w_high[at]);
+    vbits nearer = vm_bits(vf_lt(old_high, low)), farther = vm_bits(vf_lt(high, old_low));
+    hits &= ~farther;
+    if (!hits) return;
+    unsure &= hits;
+    j->stale |= window_cells(at);
+    vbits take = hits & nearer & ~unsure;
+    if (take) {
+        vm m = vm_from_bits(take);
+        window_store(&j->w_low[at], vf_select(m, low, old_low));
+        window_store(&j->w_high[at], vf_select(m, high, old_high));
+        window_put(&j->tile->instance[at], m, t->seen->index);
+        window_put(&j->tile->triangle[at], m, t->triangle);
+    }
+    for (vbits look = hits & ~take; look; look &= look - 1) {
+        int i = __builtin_ctz(look), place = lane_place(at, i);
+        if ((unsure >> i & 1) && !lane_hit(j, place, t)) continue;
+        lane_offer(j, place, t, low[i], high[i]);
+    }
+}
+
+/* ---- triangles ---- */
+
+/* Every ray of the tile hits: only depths are to be compared. */
+static void draw_covering(daft_tile_job *j, const daft_pencil_batch *b, int i, const thing *t)
+{
+    vf wx = vf_set(b->wx[i]), wy = vf_set(b->wy[i]), wz = vf_set(b->wz[i]), error = vf_set(b->error[i]);
+    for (int y = 0; y <= b->y1[i]; y += DAFT_WINDOW_H) {
+        vf row = wy * (vf_set(j->top - (float)y) - vf_row()) + wz;
+        for (int x = 0; x <= b->x1[i]; x += DAFT_WINDOW_W) {
+            vf w = wx * (vf_set(j->left + (float)x) + vf_column()) + row;
+            offer(j, y * DAFT_TILE_STRIDE + x, t, DAFT_ALL_LANES, 0, w - error, w + error);
+        }
+    }
+}
+
+/* Inside is e >= -outer, and sure beyond `sure`. */
+static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, const thing *t)
+{
+    vf outer = vf_set(j->exact ? -1.0f : 0.0f), sure = vf_set(j->exact ? 1 : -INFINITY);
+    vf nx0 = vf_set(b->nx[0][i]), nx1 = vf_set(b->nx[1][i]), nx2 = vf_set(b->nx[2][i]);
+    vf ny0 = vf_set(b->ny[0][i]), ny1 = vf_set(b->ny[1][i]), ny2 = vf_set(b->ny[2][i]);
+    vf nz0 = vf_set(b->nz[0][i]), nz1 = vf_set(b->nz[1][i]), nz2 = vf_set(b->nz[2][i]);
+    vf wx = vf_set(b->wx[i]), wy = vf_set(b->wy[i]), wz = vf_set(b->wz[i]);
+    int x0 = b->x0[i] & -DAFT_WINDOW_W, x1 = b->x1[i], y1 = b->y1[i];
+    for (int y = b->y0[i]; y <= y1; y += DAFT_WINDOW_H) {
+        vf dy = vf_set(j->top - (float)y) - vf_row();
+        vf row0 = ny0 * dy + nz0, row1 = ny1 * dy + nz1, row2 = ny2 * dy + nz2, row_w = wy * dy + wz;
+        for (int x = x0; x <= x1; x += DAFT_WINDOW_W) {
+            vf dx = vf_set(j->left + (float)x) + vf_column();
+            vf least = vf_min(vf_min(nx0 * dx + row0, nx1 * dx + row1), nx2 * dx + row2);
+            vbits hits = vm_bits(vf_le(outer, least));
+            if (!hits) continue;
+            vf w = vf_min(wx * dx + row_w, vf_set(b->w_cap[i])), error = vf_set(b->error[i]);
+            offer(j, y * DAFT_TILE_STRIDE + x, t, hits, hits & ~vm_bits(vf_lt(sure, least)), w - error, w + error);
+        }
+    }
+}
+
+void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
+{
+    for (vbits live = b->live; live; live &= live - 1) {
+        int i = __builtin_ctz(live);
+        const thing t = {b->seen, b->block[i / DAFT_BLOCK]->triangle[i % DAFT_BLOCK]};
+        if (b->covers >> i & 1)
+            draw_covering(j, b, i, &t);
+        else
+            draw_triangle(j, b, i, &t);
+    }
+}
+
+/* ---- spheres ---- */
+
+/* |error(discriminant)| <= 32u·(|c| + r)², from a projection that is off by a few u·|c| and is squared. Its root is then off
+ * by less than 2·error / max(root, sqrt(error)); z by that and a few u of the sphere's reach. */
+void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_seen *seen, int x0, int x1, int y0, int y1)
+{
+    const thing t = {seen, 0};
+    const float *c = seen->to_camera.t;
+    float radius = seen->instance->radius, focal = j->raster->pencil.focal;
+    float reach = sqrtf(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + radius, limit = 32 * UNIT * reach * reach + TINY;
+    vf vx = vf_set(c[0]), vy = vf_set(c[1]), vz = vf_set(c[2]), vfocal = vf_set(focal), doubt = vf_set(limit), one = vf_set(1);
+    vf r2 = vf_set(radius * radius), root_doubt = vf_set(sqrtf(limit)), rounding = vf_set(reach * SPHERE_ROUNDING);
+    vf inf = vf_set(INFINITY), tiny = vf_set(TINY);
+    x0 &= -DAFT_WINDOW_W;
+    for (int y = y0; y <= y1; y += DAFT_WINDOW_H) {
+        vf dy = vf_set(j->top - (float)y) - vf_row();
+        for (int x = x0; x <= x1; x += DAFT_WINDOW_W) {
+            vf dx = vf_set(j->left + (float)x) + vf_column();
+            vf inverse = one / (dx * dx + dy * dy + vfocal * vfocal), along = (dx * vx + dy * vy + vfocal * vz) * inverse;
+            vf ax = vx - dx * along, ay = vy - dy * along, az = vz - vfocal * along;
+            vf disc = r2 - (ax * ax + ay * ay + az * az);
+            vbits lanes = DAFT_ALL_LANES & ~vm_bits(vf_lt(disc, -doubt));
+            if (!lanes) continue;
+            vbits unsure = lanes & ~vm_bits(vf_lt(doubt, disc));
+            vf chord = vf_sqrt(vf_max(disc, vf_set(0))), half = chord * vf_sqrt(inverse);
+            vf error = vf_set(2) * doubt / vf_max(chord, root_doubt) + rounding;
+            vf near = (along - half) * vfocal, far = (along + half) * vfocal;
+            vbits ahead = vm_bits(vf_lt(error, near)), behind = vm_bits(vf_lt(near, -error));
+            vbits inside = vm_bits(vf_lt(error, far)) & behind;
+            unsure |= lanes & ~ahead & ~inside;
+            lanes &= ~(behind & vm_bits(vf_lt(far, -error)));
+            vf z = vf_select(vm_from_bits(ahead), near, far), low = z - error, high = z + error;
+            vm known = vm_from_bits(ahead | inside); /* then both are positive */
+            vf w_low = vf_select(known, vf_set(1 - 4 * UNIT) / vf_max(high, tiny), -inf);
+            vf w_high = vf_select(known, vf_set(1 + 4 * UNIT) / vf_max(low, tiny), inf);
+            offer(j, y * DAFT_TILE_STRIDE + x, &t, lanes, unsure & lanes, w_low, w_high);
+        }
+    }
+}

@@ -1,0 +1,255 @@
+/* Triangles set up for a tile, DAFT_VL at a time: moved to camera space, projected, dropped when their screen box holds no
+ * pixel's ray or an edge has all of it on its outer side; then the planes of their edges and of their inverse depth.
+ *
+ * Edge functions. The plane of the origin and an edge a, b has the normal n = (a - b) × (a + b) = 2·a × b; exchanging a and
+ * b negates each bit, so neighbours see the same number. e = n·d is positive on the inner side after all three are turned
+ * by the sign of det(a, b, c). With u = 2^-24: a - b and a + b round once, each product once, their difference once, so a
+ * component of n is off by at most 4u·M with M = |x|·|y'| + |y|·|x'| of its two products; the three products with d and two
+ * sums add 3u·|n|·|d|. Together |error(e)| <= 7u·(Mx·|dx| + My·|dy| + Mz·|dz|) to first order. n is then divided by
+ * that bound, which adds one more u, so that e is sure beyond 1 whatever the size of its edge; the bound takes 9u, which
+ * covers its own roundings, and adds TINY for underflow. Where the numbers overflow, n becomes 0 and nothing is sure.
+ *
+ * Depth. The inverse depth w = 1/z is linear over the picture: with the triangle's normal N = (b - a) × (c - a) and
+ * D = N·a, w·focal = N·d / D. N is off by 4u·M as above, N·d by 3u more, D by 3u·Σ M·|a| and the quotients by 2u each; so
+ * |error(w)| <= 9u·(Σ M·|d| + w·Σ M·|a|) / |D|, taken with 12u at the largest w of the triangle in the tile. Where that is
+ * more than 2^-16 of w itself (a floor under the camera, an edge-on sliver) N and D are taken in double, and what is left
+ * is the rounding of w's own three terms. */
+#include "math/exact.h"
+#include "raster/kernels.h"
+
+#define UNIT 0x1p-24f
+#define TINY 1e-36f
+
+/* ---- projection ---- */
+
+/* One axis of one corner of the batch's blocks, side by side. */
+DAFT_INLINE vf blocks_load(const daft_pencil_batch *b, int corner, int axis)
+{
+    const float *four[DAFT_BATCH_BLOCKS];
+    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) four[i] = b->block[i]->corner[corner][axis];
+    return vf_gather_rows(four);
+}
+
+/* The same operations in the same order as daft_affine_point. */
+DAFT_INLINE vf3 move(const daft_affine *a, vf3 p)
+{
+    const float *m = a->m, *t = a->t;
+    return (vf3){((vf_set(m[0]) * p.x + vf_set(m[1]) * p.y) + vf_set(m[2]) * p.z) + vf_set(t[0]),
+                 ((vf_set(m[3]) * p.x + vf_set(m[4]) * p.y) + vf_set(m[5]) * p.z) + vf_set(t[1]),
+                 ((vf_set(m[6]) * p.x + vf_set(m[7]) * p.y) + vf_set(m[8]) * p.z) + vf_set(t[2])};
+}
+
+/* Triangles in the tile: their box is that of the pixels whose rays may meet them. */
+typedef struct lanes {
+    vf3 corner[3];
+    vf x0, x1, y0, y1; /* whole numbers within the tile */
+    vf nearest;        /* the largest w; infinite where a corner is not in front */
+    vbits some;
+} lanes;
+
+/* The whole numbers within low..high, clamped to 0..last. */
+DAFT_INLINE vm pixel_span(vf low, vf high, float last, vf *first, vf *end)
+{
+    vf zero = vf_set(0), one = vf_set(1);
+    vf a = vf_max(low - vf_set(DAFT_SCREEN_SLACK), zero), b = vf_min(high + vf_set(DAFT_SCREEN_SLACK), vf_set(last));
+    vf floor_a = vf_from_int(vi_truncate(a)); /* a >= 0; NaN was turned to 0 by vf_max */
+    *first = floor_a + vf_select(vf_lt(floor_a, a), one, zero);
+    *end = vf_from_int(vi_truncate(b));
+    return vm_and(vf_le(zero, b), vf_le(*first, *end));
+}
+
+DAFT_INLINE void project(const daft_tile_job *job, const daft_pencil_batch *batch, lanes *l)
+{
+    vf zero = vf_set(0), focal = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
+    vf left = vf_set(job->left), top = vf_set(job->top);
+    vf x0 = inf, x1 = -inf, y0 = inf, y1 = -inf, least = inf, most = -inf;
+    for (int k = 0; k < 3; k++) {
+        vf3 p = {blocks_load(batch, k, 0), blocks_load(batch, k, 1), blocks_load(batch, k, 2)};
+        vf3 c = l->corner[k] = move(&batch->seen->to_camera, p);
+        vf scale = focal / c.z, x = c.x * scale - left, y = top - c.y * scale;
+        x0 = vf_min(x, x0), x1 = vf_max(x, x1), y0 = vf_min(y, y0), y1 = vf_max(y, y1);
+        least = vf_min(c.z, least), most = vf_max(c.z, most);
+    }
+    /* A triangle through the camera's plane may reach anywhere. */
+    vm front = vf_lt(zero, least), some = vf_lt(zero, most);
+    x0 = vf_select(front, x0, zero), x1 = vf_select(front, x1, vf_set(job->last_x));
+    y0 = vf_select(front, y0, zero), y1 = vf_select(front, y1, vf_set(job->last_y));
+    some = vm_and(some, pixel_span(x0, x1, job->last_x, &l->x0, &l->x1));
+    some = vm_and(some, pixel_span(y0, y1, job->last_y, &l->y0, &l->y1));
+    l->nearest = vf_select(front, vf_set(1 + 4 * UNIT) / least, inf);
+    l->some = vm_bits(some);
+}
+
+DAFT_INLINE vbits blocks_used(const daft_pencil_batch *b, uint32_t count)
+{
+    vbits used = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        vbits four = 0;
+        for (uint32_t k = 0; k < DAFT_BLOCK; k++) four |= (vbits)(b->block[i]->triangle[k] != DAFT_NO_TRIANGLE) << k;
+        used |= four << i * DAFT_BLOCK;
+    }
+    return used;
+}
+
+/* Places without a block take the first, so that nothing is computed from what is not there. */
+DAFT_INLINE void fill_up(daft_pencil_batch *b, uint32_t count)
+{
+    for (uint32_t i = 1; i < DAFT_BATCH_BLOCKS; i++)
+        if (i >= count) b->block[i] = b->block[0];
+}
+
+void DAFT_KERNEL(daft_batch_boxes)(const daft_tile_job *job, daft_pencil_batch *batch, uint32_t count,
+                                   daft_screen_box *out)
+{
+    lanes l;
+    fill_up(batch, count);
+    project(job, batch, &l);
+    for (vbits used = blocks_used(batch, count); used; used &= used - 1) {
+        int i = __builtin_ctz(used);
+        uint32_t triangle = batch->block[i / DAFT_BLOCK]->triangle[i % DAFT_BLOCK];
+        out[triangle] = l.some >> i & 1 ? (daft_screen_box){(int16_t)l.x0[i], (int16_t)l.x1[i], (int16_t)l.y0[i], (int16_t)l.y1[i]}
+                                        : (daft_screen_box){1, 0, 1, 0};
+    }
+}
+
+/* ---- edges ---- */
+
+typedef struct edge {
+    vf3 n;
+    vf mx, my, mz; /* the M of the bound */
+} edge;
+
+DAFT_INLINE edge edge_setup(vf3 a, vf3 b)
+{
+    vf3 e = {a.x - b.x, a.y - b.y, a.z - b.z}, s = {a.x + b.x, a.y + b.y, a.z + b.z};
+    vf yz = e.y * s.z, zy = e.z * s.y, zx = e.z * s.x, xz = e.x * s.z, xy = e.x * s.y, yx = e.y * s.x;
+    return (edge){{yz - zy, zx - xz, xy - yx}, vf_abs(yz) + vf_abs(zy), vf_abs(zx) + vf_abs(xz), vf_abs(xy) + vf_abs(yx)};
+}
+
+/* The plane as the corners come: its bits are not those that the neighbour sees. */
+DAFT_INLINE edge edge_setup_fast(vf3 a, vf3 b)
+{
+    vf zero = vf_set(0);
+    return (edge){{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}, zero, zero, zero};
+}
+
+DAFT_INLINE vf edge_bound(const edge *e, vf dx, vf dy, vf dz)
+{
+    return vf_set(9 * UNIT) * (e->mx * dx + e->my * dy + e->mz * dz) + vf_set(TINY);
+}
+
+static uint32_t lane_triangle(const daft_pencil_batch *b, int i)
+{
+    return b->block[i / DAFT_BLOCK]->triangle[i % DAFT_BLOCK];
+}
+
+/* Sign bits that turn the edges so that inside is positive; lanes seen edge-on drop out of *live. */
+DAFT_INLINE vi facing(const daft_tile_job *job, const daft_pencil_batch *b, const edge *e, const vf3 *c, vbits *live)
+{
+    vf det = vf3_dot(e[2].n, *c);
+    vf bound = edge_bound(&e[2], vf_abs(c->x), vf_abs(c->y), vf_abs(c->z));
+    vbits unsure = job->exact ? *live & ~vm_bits(vf_lt(bound, vf_abs(det))) : 0;
+    vi sign = (vi)det & vi_set(INT32_MIN);
+    for (; unsure; unsure &= unsure - 1) {
+        int i = __builtin_ctz(unsure);
+        daft_vec3 corner[3];
+        daft_seen_corners(b->seen, lane_triangle(b, i), corner);
+        int exact = daft_det_sign(corner[0], corner[1], corner[2]);
+        if (exact == 0) *live &= ~((vbits)1 << i);
+        sign[i] = exact < 0 ? INT32_MIN : 0;
+    }
+    return sign;
+}
+
+/* The three planes, turned inwards and scaled; lanes with all of their box on the outer side of one drop out of *live. */
+DAFT_INLINE void edges_setup(const daft_tile_job *job, daft_pencil_batch *b, const lanes *l, vbits *live)
+{
+    edge e[3];
+    bool fast = job->raster->pencil.intersection == DAFT_INTERSECT_FAST;
+    for (int k = 0; k < 3; k++)
+        e[k] = fast ? edge_setup_fast(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3])
+                    : edge_setup(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3]);
+    vi sign = facing(job, b, e, &l->corner[2], live);
+    vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), dz = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
+    vf x0 = vf_set(job->left) + l->x0, x1 = vf_set(job->left) + l->x1, y0 = vf_set(job->top) - l->y1, y1 = vf_set(job->top) - l->y0;
+    vf outer = vf_set(job->exact ? -1.0f : 0.0f), hopeless = vf_set(job->exact ? 0.0f : -1.0f), zero = vf_set(0);
+    vbits out = 0, covers = DAFT_ALL_LANES;
+    for (int k = 0; k < 3; k++) {
+        vf scale = vf_xor_sign(job->exact ? vf_set(1) / edge_bound(&e[k], dx, dy, dz) : vf_set(1), sign);
+        vf3 n = {e[k].n.x * scale, e[k].n.y * scale, e[k].n.z * scale * dz};
+        vm whole = vf_lt(vf_abs(n.x) * dx + vf_abs(n.y) * dy + vf_abs(n.z), inf);
+        n = (vf3){vf_select(whole, n.x, zero), vf_select(whole, n.y, zero), vf_select(whole, n.z, hopeless)};
+        vf xa = n.x * x0, xb = n.x * x1, ya = n.y * y0 + n.z, yb = n.y * y1 + n.z;
+        out |= vm_bits(vf_lt(vf_max(xa, xb) + vf_max(ya, yb), outer));
+        covers &= vm_bits(vf_lt(vf_set(1), vf_min(xa, xb) + vf_min(ya, yb)));
+        vf_store(b->nx[k], n.x), vf_store(b->ny[k], n.y), vf_store(b->nz[k], n.z);
+    }
+    vm whole_tile = vm_and(vm_and(vf_le(l->x0, zero), vf_le(vf_set(job->last_x), l->x1)),
+                           vm_and(vf_le(l->y0, zero), vf_le(vf_set(job->last_y), l->y1)));
+    *live &= ~out;
+    b->covers = job->exact ? covers & vm_bits(whole_tile) & *live : 0;
+}
+
+/* ---- depth ---- */
+
+/* One triangle's plane of w in double, and its error bound. */
+static void depth_setup_double(const daft_tile_job *job, daft_pencil_batch *b, int i)
+{
+    daft_vec3 corner[3];
+    daft_seen_corners(b->seen, lane_triangle(b, i), corner);
+    double f = (double)job->raster->pencil.focal, dx = (double)job->max_dx, dy = (double)job->max_dy;
+    daft_dvec3 a = daft_to_double(corner[0]), p = daft_dsub(daft_to_double(corner[1]), a),
+               q = daft_dsub(daft_to_double(corner[2]), a), n = daft_dcross(p, q);
+    double inverse = 1 / (daft_ddot(n, a) * f);
+    double m[3] = {fabs(p.y * q.z) + fabs(p.z * q.y), fabs(p.z * q.x) + fabs(p.x * q.z), fabs(p.x * q.y) + fabs(p.y * q.x)};
+    double w = (fabs(n.x) * dx + fabs(n.y) * dy + fabs(n.z) * f) * fabs(inverse);
+    double rays = m[0] * dx + m[1] * dy + m[2] * f, corners = (m[0] * fabs(a.x) + m[1] * fabs(a.y) + m[2] * fabs(a.z)) * f;
+    b->wx[i] = (float)(n.x * inverse), b->wy[i] = (float)(n.y * inverse), b->wz[i] = (float)(n.z * inverse * f);
+    b->error[i] = (float)(w * (4 * (double)UNIT) + (rays + corners * w) * fabs(inverse) * 0x1p-48) + TINY;
+    if (b->error[i] < INFINITY) return;
+    b->wx[i] = b->wy[i] = b->wz[i] = 0; /* nothing is known */
+    b->error[i] = INFINITY;
+}
+
+/* The plane of w and its error bound. */
+DAFT_INLINE void depth_setup(const daft_tile_job *job, daft_pencil_batch *b, const lanes *l, vbits live)
+{
+    vf3 a = l->corner[0];
+    vf3 p = {l->corner[1].x - a.x, l->corner[1].y - a.y, l->corner[1].z - a.z};
+    vf3 q = {l->corner[2].x - a.x, l->corner[2].y - a.y, l->corner[2].z - a.z};
+    vf yz = p.y * q.z, zy = p.z * q.y, zx = p.z * q.x, xz = p.x * q.z, xy = p.x * q.y, yx = p.y * q.x;
+    vf3 n = {yz - zy, zx - xz, xy - yx};
+    vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), focal = vf_set(job->raster->pencil.focal);
+    vf inverse = vf_set(1) / (vf3_dot(n, a) * focal), scale = vf_abs(inverse);
+    vf_store(b->wx, n.x * inverse), vf_store(b->wy, n.y * inverse), vf_store(b->wz, n.z * inverse * focal);
+    vf_store(b->w_cap, job->exact ? vf_set(INFINITY) : l->nearest);
+    vf_store(b->error, vf_set(0));
+    if (!job->exact) return;
+    vf3 m = {vf_abs(yz) + vf_abs(zy), vf_abs(zx) + vf_abs(xz), vf_abs(xy) + vf_abs(yx)};
+    vf w = vf_min((vf_abs(n.x) * dx + vf_abs(n.y) * dy + vf_abs(n.z) * focal) * scale, l->nearest);
+    vf rays = m.x * dx + m.y * dy + m.z * focal;
+    vf corners = (m.x * vf_abs(a.x) + m.y * vf_abs(a.y) + m.z * vf_abs(a.z)) * focal;
+    vf error = vf_set(12 * UNIT) * (rays + corners * w) * scale + vf_set(TINY);
+    vf_store(b->error, error);
+    for (vbits coarse = live & ~vm_bits(vf_lt(error, w * vf_set(0x1p-16f))); coarse; coarse &= coarse - 1)
+        depth_setup_double(job, b, __builtin_ctz(coarse));
+}
+
+bool DAFT_KERNEL(daft_batch_setup)(const daft_tile_job *job, daft_pencil_batch *batch, uint32_t count)
+{
+    lanes l;
+    fill_up(batch, count);
+    vbits live = blocks_used(batch, count);
+    job->counters->tested += (uint64_t)__builtin_popcount(live);
+    project(job, batch, &l);
+    live &= l.some;
+    if (!live) return false;
+    edges_setup(job, batch, &l, &live);
+    if (!live) return false;
+    depth_setup(job, batch, &l, live);
+    vi_store(batch->x0, vi_truncate(l.x0)), vi_store(batch->x1, vi_truncate(l.x1));
+    vi_store(batch->y0, vi_truncate(l.y0)), vi_store(batch->y1, vi_truncate(l.y1));
+    batch->live = live;
+    job->counters->binned += (uint64_t)__builtin_popcount(live);
+    return true;
+}
