@@ -75,34 +75,43 @@ DAFT_INLINE void window_put(void *p, vm m, uint32_t value)
 }
 
 /* The cells that a window at a place lies in. */
-DAFT_INLINE uint32_t window_cells(int at)
+DAFT_INLINE uint32_t window_cells(uint32_t at)
 {
-    int x = at % DAFT_TILE_STRIDE / DAFT_CELL, y = at / DAFT_TILE_STRIDE;
+    uint32_t x = at % DAFT_TILE_STRIDE / DAFT_CELL, y = at / DAFT_TILE_STRIDE;
     uint32_t cells = (1u << (y / DAFT_CELL * DAFT_CELLS_X + x)) | 1u << ((y + DAFT_WINDOW_H - 1) / DAFT_CELL * DAFT_CELLS_X + x);
     return cells & ((1u << DAFT_CELLS) - 1);
 }
 
-/* Offers lanes with intervals of w to a window: decided in lanes where the intervals are apart. */
-DAFT_INLINE void offer(daft_tile_job *j, int at, const thing *t, vbits hits, vbits unsure, vf low, vf high)
+/* The lanes that floats leave open: one by one. */
+static __attribute__((noinline)) void look_closely(daft_tile_job *j, uint32_t at, const thing *t, vbits look, vbits unsure,
+                                                   const float *low, const float *high)
 {
-    vf old_low = window_load(&j->w_low[at]), old_high = window_load(&j->w_high[at]);
-    vbits nearer = vm_bits(vf_lt(old_high, low)), farther = vm_bits(vf_lt(high, old_low));
-    hits &= ~farther;
-    if (!hits) return;
-    unsure &= hits;
-    j->stale |= window_cells(at);
-    vbits take = hits & nearer & ~unsure;
-    if (take) {
-        vm m = vm_from_bits(take);
-        window_store(&j->w_low[at], vf_select(m, low, old_low));
-        window_store(&j->w_high[at], vf_select(m, high, old_high));
-        window_put(&j->tile->instance[at], m, t->seen->index);
-        window_put(&j->tile->triangle[at], m, t->triangle);
-    }
-    for (vbits look = hits & ~take; look; look &= look - 1) {
-        int i = __builtin_ctz(look), place = lane_place(at, i);
+    for (; look; look &= look - 1) {
+        int i = __builtin_ctz(look), place = lane_place((int)at, i);
         if ((unsure >> i & 1) && !lane_hit(j, place, t)) continue;
         lane_offer(j, place, t, low[i], high[i]);
+    }
+}
+
+/* Offers lanes with intervals of w to a window: decided in lanes where the intervals are apart. One branch: whether there
+ * is anything to do is hard to predict, the rest is not. */
+DAFT_INLINE void offer(daft_tile_job *j, uint32_t at, const thing *t, vbits hits, vbits unsure, vf low, vf high)
+{
+    vf old_low = window_load(&j->w_low[at]);
+    hits &= ~vm_bits(vf_lt(high, old_low));
+    if (!hits) return;
+    vf old_high = window_load(&j->w_high[at]);
+    vbits take = hits & vm_bits(vf_lt(old_high, low)) & ~unsure, look = hits & ~take;
+    vm m = vm_from_bits(take);
+    j->stale |= window_cells(at);
+    window_store(&j->w_low[at], vf_select(m, low, old_low));
+    window_store(&j->w_high[at], vf_select(m, high, old_high));
+    window_put(&j->tile->instance[at], m, t->seen->index);
+    window_put(&j->tile->triangle[at], m, t->triangle);
+    if (__builtin_expect(look != 0, 0)) {
+        float lows[DAFT_VL], highs[DAFT_VL];
+        vf_store(lows, low), vf_store(highs, high);
+        look_closely(j, at, t, look, unsure, lows, highs);
     }
 }
 
@@ -115,8 +124,8 @@ static void draw_covering(daft_tile_job *j, const daft_pencil_batch *b, int i, c
     for (int y = 0; y <= b->y1[i]; y += DAFT_WINDOW_H) {
         vf row = wy * (vf_set(j->top - (float)y) - vf_row()) + wz;
         for (int x = 0; x <= b->x1[i]; x += DAFT_WINDOW_W) {
-            vf w = wx * (vf_set(j->left + (float)x) + vf_column()) + row;
-            offer(j, y * DAFT_TILE_STRIDE + x, t, DAFT_ALL_LANES, 0, w - error, w + error);
+            vf w = wx * vf_load(j->dx[x / DAFT_WINDOW_W]) + row;
+            offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, DAFT_ALL_LANES, 0, w - error, w + error);
         }
     }
 }
@@ -129,17 +138,17 @@ static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, c
     vf ny0 = vf_set(b->ny[0][i]), ny1 = vf_set(b->ny[1][i]), ny2 = vf_set(b->ny[2][i]);
     vf nz0 = vf_set(b->nz[0][i]), nz1 = vf_set(b->nz[1][i]), nz2 = vf_set(b->nz[2][i]);
     vf wx = vf_set(b->wx[i]), wy = vf_set(b->wy[i]), wz = vf_set(b->wz[i]);
+    vf cap = vf_set(b->w_cap[i]), error = vf_set(b->error[i]);
     int x0 = b->x0[i] & -DAFT_WINDOW_W, x1 = b->x1[i], y1 = b->y1[i];
     for (int y = b->y0[i]; y <= y1; y += DAFT_WINDOW_H) {
         vf dy = vf_set(j->top - (float)y) - vf_row();
         vf row0 = ny0 * dy + nz0, row1 = ny1 * dy + nz1, row2 = ny2 * dy + nz2, row_w = wy * dy + wz;
         for (int x = x0; x <= x1; x += DAFT_WINDOW_W) {
-            vf dx = vf_set(j->left + (float)x) + vf_column();
+            vf dx = vf_load(j->dx[x / DAFT_WINDOW_W]);
             vf least = vf_min(vf_min(nx0 * dx + row0, nx1 * dx + row1), nx2 * dx + row2);
             vbits hits = vm_bits(vf_le(outer, least));
-            if (!hits) continue;
-            vf w = vf_min(wx * dx + row_w, vf_set(b->w_cap[i])), error = vf_set(b->error[i]);
-            offer(j, y * DAFT_TILE_STRIDE + x, t, hits, hits & ~vm_bits(vf_lt(sure, least)), w - error, w + error);
+            vf w = vf_min(wx * dx + row_w, cap);
+            offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vm_bits(vf_lt(sure, least)), w - error, w + error);
         }
     }
 }
@@ -173,7 +182,7 @@ void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_seen *seen, int 
     for (int y = y0; y <= y1; y += DAFT_WINDOW_H) {
         vf dy = vf_set(j->top - (float)y) - vf_row();
         for (int x = x0; x <= x1; x += DAFT_WINDOW_W) {
-            vf dx = vf_set(j->left + (float)x) + vf_column();
+            vf dx = vf_load(j->dx[x / DAFT_WINDOW_W]);
             vf inverse = one / (dx * dx + dy * dy + vfocal * vfocal), along = (dx * vx + dy * vy + vfocal * vz) * inverse;
             vf ax = vx - dx * along, ay = vy - dy * along, az = vz - vfocal * along;
             vf disc = r2 - (ax * ax + ay * ay + az * az);
@@ -191,7 +200,7 @@ void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_seen *seen, int 
             vm known = vm_from_bits(ahead | inside); /* then both are positive */
             vf w_low = vf_select(known, vf_set(1 - 4 * UNIT) / vf_max(high, tiny), -inf);
             vf w_high = vf_select(known, vf_set(1 + 4 * UNIT) / vf_max(low, tiny), inf);
-            offer(j, y * DAFT_TILE_STRIDE + x, &t, lanes, unsure & lanes, w_low, w_high);
+            offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), &t, lanes, unsure & lanes, w_low, w_high);
         }
     }
 }

@@ -29,6 +29,7 @@ typedef struct daft_tile_job {
     float last_x, last_y; /* its last column and row in the picture */
     float max_dx, max_dy; /* of any ray in the tile */
     bool exact;
+    _Alignas(64) float dx[DAFT_TILE / DAFT_WINDOW_W][DAFT_VL]; /* of the rays of windows, by column */
     uint32_t stale;                        /* cells in which some pixel has come nearer */
     _Alignas(64) float farthest[DAFT_CELLS]; /* every pixel's w in the cell is at least this */
     _Alignas(64) float w_low[DAFT_TILE_ROOM];
