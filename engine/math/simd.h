@@ -154,6 +154,19 @@ DAFT_INLINE float vf_reduce_max(vf a)
     return most;
 }
 
+/* 1/a but for a part in 2^11, another one on each machine: only for what no result depends on. */
+DAFT_INLINE vf vf_rough_reciprocal(vf a)
+{
+#if defined(DAFT_ISA_avx512)
+    return (vf)_mm512_rcp14_ps((__m512)a);
+#elif defined(DAFT_ISA_avx2)
+    return (vf)_mm256_rcp_ps((__m256)a);
+#elif defined(DAFT_HAVE_X86)
+    return (vf)_mm_rcp_ps((__m128)a);
+#else
+    return 1 / a;
+#endif
+}
 /* DAFT_VL / 4 rows of four floats side by side, from where each begins. */
 DAFT_INLINE vf vf_gather_rows(const float *const row[DAFT_VL / 4])
 {

@@ -7,12 +7,12 @@
  * component of n is off by at most 4u·M with M = |x|·|y'| + |y|·|x'| of its two products; the three products with d and two
  * sums add 3u·|n|·|d|. Together |error(e)| <= 7u·(Mx·|dx| + My·|dy| + Mz·|dz|) to first order. n is then divided by
  * that bound, which adds one more u, so that e is sure beyond 1 whatever the size of its edge; the bound takes 9u, which
- * covers its own roundings, and adds TINY for underflow. Where the numbers overflow, n becomes 0 and nothing is sure.
+ * covers its own roundings and that its reciprocal is rough, and adds TINY for underflow. Where the numbers overflow, n becomes 0 and nothing is sure.
  *
  * Depth. The inverse depth w = 1/z is linear over the picture: with the triangle's normal N = (b - a) × (c - a) and
  * D = N·a, w·focal = N·d / D. N is off by 4u·M as above, N·d by 3u more, D by 3u·Σ M·|a| and the quotients by 2u each; so
  * |error(w)| <= 9u·(Σ M·|d| + w·Σ M·|a|) / |D|, taken with 12u at the largest w of the triangle in the tile. Where that is
- * more than 2^-16 of w itself (a floor under the camera, an edge-on sliver) N and D are taken in double, and what is left
+ * more than 2^-12 of w itself (a floor under the camera, an edge-on sliver) N and D are taken in double, and what is left
  * is the rounding of w's own three terms. */
 #include "math/exact.h"
 #include "raster/kernels.h"
@@ -80,15 +80,12 @@ DAFT_INLINE void project(const daft_tile_job *job, const daft_pencil_batch *batc
     l->some = vm_bits(some);
 }
 
+/* Lanes of the first `count` blocks that hold a triangle. */
 DAFT_INLINE vbits blocks_used(const daft_pencil_batch *b, uint32_t count)
 {
-    vbits used = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        vbits four = 0;
-        for (uint32_t k = 0; k < DAFT_BLOCK; k++) four |= (vbits)(b->block[i]->triangle[k] != DAFT_NO_TRIANGLE) << k;
-        used |= four << i * DAFT_BLOCK;
-    }
-    return used;
+    const float *four[DAFT_BATCH_BLOCKS];
+    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) four[i] = (const float *)(const void *)b->block[i]->triangle;
+    return ~vm_bits(vi_eq((vi)vf_gather_rows(four), vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(count * DAFT_BLOCK));
 }
 
 /* Places without a block take the first, so that nothing is computed from what is not there. */
@@ -175,7 +172,7 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, daft_pencil_batch *b, con
     vf outer = vf_set(job->exact ? -1.0f : 0.0f), hopeless = vf_set(job->exact ? 0.0f : -1.0f), zero = vf_set(0);
     vbits out = 0, covers = DAFT_ALL_LANES;
     for (int k = 0; k < 3; k++) {
-        vf scale = vf_xor_sign(job->exact ? vf_set(1) / edge_bound(&e[k], dx, dy, dz) : vf_set(1), sign);
+        vf scale = vf_xor_sign(job->exact ? vf_rough_reciprocal(edge_bound(&e[k], dx, dy, dz)) : vf_set(1), sign);
         vf3 n = {e[k].n.x * scale, e[k].n.y * scale, e[k].n.z * scale * dz};
         vm whole = vf_lt(vf_abs(n.x) * dx + vf_abs(n.y) * dy + vf_abs(n.z), inf);
         n = (vf3){vf_select(whole, n.x, zero), vf_select(whole, n.y, zero), vf_select(whole, n.z, hopeless)};
@@ -231,7 +228,7 @@ DAFT_INLINE void depth_setup(const daft_tile_job *job, daft_pencil_batch *b, con
     vf corners = (m.x * vf_abs(a.x) + m.y * vf_abs(a.y) + m.z * vf_abs(a.z)) * focal;
     vf error = vf_set(12 * UNIT) * (rays + corners * w) * scale + vf_set(TINY);
     vf_store(b->error, error);
-    for (vbits coarse = live & ~vm_bits(vf_lt(error, w * vf_set(0x1p-16f))); coarse; coarse &= coarse - 1)
+    for (vbits coarse = live & ~vm_bits(vf_lt(error, w * vf_set(0x1p-12f))); coarse; coarse &= coarse - 1)
         depth_setup_double(job, b, __builtin_ctz(coarse));
 }
 

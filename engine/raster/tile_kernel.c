@@ -112,6 +112,15 @@ DAFT_INLINE boxes children(const walk *w, const daft_node *node)
     return b;
 }
 
+/* What a visit will read first. */
+DAFT_INLINE void prefetch(const daft_bvh *bvh, uint32_t child)
+{
+    const char *at = child & DAFT_CHILD_LEAF ? (const char *)&bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2]
+                                             : (const char *)&bvh->nodes.items[child];
+    size_t bytes = child & DAFT_CHILD_LEAF ? ((child & 3) + 1) * sizeof(daft_block) : sizeof(daft_node);
+    for (size_t i = 0; i < bytes; i += 64) __builtin_prefetch(at + i);
+}
+
 /* Pushes the children that may be seen, the nearest last. */
 static int push_children(walk *w, const daft_node *node, visit *stack, int top)
 {
@@ -125,6 +134,7 @@ static int push_children(walk *w, const daft_node *node, visit *stack, int top)
         for (; at > base && stack[at - 1].nearest > v.nearest; at--) stack[at] = stack[at - 1];
         stack[at] = v;
         top++;
+        prefetch(w->seen->instance->bvh, v.child);
     }
     return top;
 }
