@@ -50,6 +50,7 @@ DAFT_INLINE vi vi_set(int32_t s) { return (vi)_mm512_set1_epi32(s); }
 DAFT_INLINE vm vf_lt(vf a, vf b) { return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ); }
 DAFT_INLINE vm vf_le(vf a, vf b) { return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LE_OQ); }
 DAFT_INLINE vm vi_eq(vi a, vi b) { return _mm512_cmpeq_epi32_mask((__m512i)a, (__m512i)b); }
+DAFT_INLINE vm vi_lt(vi a, vi b) { return _mm512_cmplt_epi32_mask((__m512i)a, (__m512i)b); }
 DAFT_INLINE vm vm_and(vm a, vm b) { return (vm)(a & b); }
 DAFT_INLINE vm vm_or(vm a, vm b) { return (vm)(a | b); }
 DAFT_INLINE vm vm_not(vm a) { return (vm)~a; }
@@ -70,6 +71,7 @@ typedef vi vm; /* all ones or all zeros in a lane */
 DAFT_INLINE vm vf_lt(vf a, vf b) { return (vm)(a < b); }
 DAFT_INLINE vm vf_le(vf a, vf b) { return (vm)(a <= b); }
 DAFT_INLINE vm vi_eq(vi a, vi b) { return (vm)(a == b); }
+DAFT_INLINE vm vi_lt(vi a, vi b) { return (vm)(a < b); }
 DAFT_INLINE vm vm_and(vm a, vm b) { return a & b; }
 DAFT_INLINE vm vm_or(vm a, vm b) { return a | b; }
 DAFT_INLINE vm vm_not(vm a) { return ~a; }

@@ -74,12 +74,12 @@ DAFT_INLINE void window_put(void *p, vm m, uint32_t value)
     window_store(p, vf_select(m, (vf)vi_set((int32_t)value), window_load(p)));
 }
 
-/* The cells that a window at a place lies in. */
-DAFT_INLINE uint32_t window_cells(uint32_t at)
+/* The pixels of a window at a place have come nearer. */
+DAFT_INLINE void mark_stale(daft_tile_job *j, uint32_t at)
 {
-    uint32_t x = at % DAFT_TILE_STRIDE / DAFT_CELL, y = at / DAFT_TILE_STRIDE;
-    uint32_t cells = (1u << (y / DAFT_CELL * DAFT_CELLS_X + x)) | 1u << ((y + DAFT_WINDOW_H - 1) / DAFT_CELL * DAFT_CELLS_X + x);
-    return cells & ((1u << DAFT_CELLS) - 1);
+    uint32_t cell = 1u << at % DAFT_TILE_STRIDE / DAFT_CELL, y = at / DAFT_TILE_STRIDE;
+    j->stale[y / DAFT_CELL] |= cell;
+    if (DAFT_WINDOW_H > 1) j->stale[(y + DAFT_WINDOW_H - 1) / DAFT_CELL] |= cell;
 }
 
 /* The lanes that floats leave open: one by one. */
@@ -103,7 +103,7 @@ DAFT_INLINE void offer(daft_tile_job *j, uint32_t at, const thing *t, vbits hits
     vf old_high = window_load(&j->w_high[at]);
     vbits take = hits & vm_bits(vf_lt(old_high, low)) & ~unsure, look = hits & ~take;
     vm m = vm_from_bits(take);
-    j->stale |= window_cells(at);
+    mark_stale(j, at);
     window_store(&j->w_low[at], vf_select(m, low, old_low));
     window_store(&j->w_high[at], vf_select(m, high, old_high));
     window_put(&j->tile->instance[at], m, t->seen->index);
@@ -153,9 +153,42 @@ static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, c
     }
 }
 
+/* Triangles whose boxes are at most two pixels wide and high, side by side: in each of four steps every lane looks at a pixel
+ * of its own. */
+static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
+{
+    vi x0 = vi_load(b->x0), y0 = vi_load(b->y0), wide = vi_load(b->x1) - x0, high = vi_load(b->y1) - y0, one = vi_set(1);
+    vbits tiny = b->live & ~b->covers & ~vm_bits(vm_or(vi_lt(one, wide), vi_lt(one, high)));
+    if (!tiny) return 0;
+    vm some = vm_from_bits(tiny); /* the others' places may be anywhere */
+    x0 = vi_select(some, x0, vi_set(0)), y0 = vi_select(some, y0, vi_set(0));
+    vbits two_wide = vm_bits(vi_eq(wide, one)), two_high = vm_bits(vi_eq(high, one));
+    vf outer = vf_set(j->exact ? -1.0f : 0.0f), sure = vf_set(j->exact ? 1 : -INFINITY), error = vf_load(b->error);
+    for (int step = 0; step < 4; step++) {
+        vbits lanes = tiny & (step & 1 ? two_wide : DAFT_ALL_LANES) & (step & 2 ? two_high : DAFT_ALL_LANES);
+        if (!lanes) continue;
+        vi x = x0 + vi_set(step & 1), y = y0 + vi_set(step >> 1), place = y * DAFT_TILE_STRIDE + x;
+        vf dx = vf_set(j->left) + vf_from_int(x), dy = vf_set(j->top) - vf_from_int(y), least = vf_set(INFINITY);
+        for (int k = 0; k < 3; k++)
+            least = vf_min(vf_load(b->nx[k]) * dx + (vf_load(b->ny[k]) * dy + vf_load(b->nz[k])), least);
+        vf w = vf_min(vf_load(b->wx) * dx + (vf_load(b->wy) * dy + vf_load(b->wz)), vf_load(b->w_cap));
+        vf low = w - error, high_w = w + error;
+        lanes &= vm_bits(vf_le(outer, least)) & ~vm_bits(vf_lt(high_w, vf_gather(j->w_low, place)));
+        vbits unsure = ~vm_bits(vf_lt(sure, least));
+        for (; lanes; lanes &= lanes - 1) {
+            int i = __builtin_ctz(lanes), at = place[i];
+            const thing t = {b->seen, b->block[i / DAFT_BLOCK]->triangle[i % DAFT_BLOCK]};
+            if ((unsure >> i & 1) && !lane_hit(j, at, &t)) continue;
+            lane_offer(j, at, &t, low[i], high_w[i]);
+            j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
+        }
+    }
+    return tiny;
+}
+
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
 {
-    for (vbits live = b->live; live; live &= live - 1) {
+    for (vbits live = b->live & ~draw_tiny(j, b); live; live &= live - 1) {
         int i = __builtin_ctz(live);
         const thing t = {b->seen, b->block[i / DAFT_BLOCK]->triangle[i % DAFT_BLOCK]};
         if (b->covers >> i & 1)

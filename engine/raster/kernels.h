@@ -14,9 +14,8 @@ enum {
     DAFT_WINDOW_W = 4, /* pixels of a SIMD register */
     DAFT_WINDOW_H = DAFT_VL / DAFT_WINDOW_W,
     DAFT_BATCH_BLOCKS = DAFT_VL / DAFT_BLOCK,
-    DAFT_CELL = 8, /* pixels a side of the parts of a tile for which the farthest is kept */
-    DAFT_CELLS_X = DAFT_TILE / DAFT_CELL,
-    DAFT_CELLS = DAFT_CELLS_X * DAFT_CELLS_X
+    DAFT_CELL = 4, /* pixels a side of the parts of a tile for which the farthest is kept */
+    DAFT_CELLS_X = DAFT_TILE / DAFT_CELL
 };
 
 /* A pixel's place is its row · DAFT_TILE_STRIDE + its column. w is the inverse depth; w_low..w_high holds that of what the
@@ -30,8 +29,9 @@ typedef struct daft_tile_job {
     float max_dx, max_dy; /* of any ray in the tile */
     bool exact;
     _Alignas(64) float dx[DAFT_TILE / DAFT_WINDOW_W][DAFT_VL]; /* of the rays of windows, by column */
-    uint32_t stale;                        /* cells in which some pixel has come nearer */
-    _Alignas(64) float farthest[DAFT_CELLS]; /* every pixel's w in the cell is at least this */
+    /* Every pixel's w in the cell is at least this; stale, by rows of cells: some pixel has come nearer since it was found. */
+    _Alignas(64) float farthest[DAFT_CELLS_X][DAFT_CELLS_X];
+    uint32_t stale[DAFT_CELLS_X + 1]; /* one more for windows that begin in the last row */
     _Alignas(64) float w_low[DAFT_TILE_ROOM];
     _Alignas(64) float w_high[DAFT_TILE_ROOM];
 } daft_tile_job;
@@ -56,14 +56,6 @@ void DAFT_KERNEL(daft_batch_boxes)(const daft_tile_job *job, daft_pencil_batch *
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
 /* The pixels x0..x1, y0..y1 of the tile against a sphere. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_seen *seen, int x0, int x1, int y0, int y1);
-
-/* The cells that hold some of the pixels, as bits. */
-DAFT_INLINE uint32_t daft_cells_of(int x0, int x1, int y0, int y1)
-{
-    uint32_t columns = (2u << x1 / DAFT_CELL) - (1u << x0 / DAFT_CELL);
-    uint32_t rows = (uint32_t)((UINT64_C(1) << (y1 / DAFT_CELL + 1) * DAFT_CELLS_X) - (UINT64_C(1) << y0 / DAFT_CELL * DAFT_CELLS_X));
-    return columns * 0x1111u & rows & 0xffffu;
-}
 
 /* A screen box is widened by this many pixels: over the error of three roundings of coordinates up to 2^13. */
 #define DAFT_SCREEN_SLACK 0.004f

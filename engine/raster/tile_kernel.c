@@ -1,13 +1,14 @@
 /* Resolving a tile: its instances front to back; for each the tree, by the screen boxes of eight nodes at a time. A node is
  * left out when its box lies beside the tile, between the rays of its pixels, or behind what all pixels in reach of it see
- * already (the farthest w is kept for each cell of 8 × 8 pixels). Leaves' blocks of triangles are set up and drawn
+ * already (the farthest w is kept for each cell of 4 × 4 pixels). Leaves' blocks of triangles are set up and drawn
  * DAFT_VL / 4 at a time. */
 #include "raster/kernels.h"
 
 /* A subtree to be looked at. */
 typedef struct visit {
-    uint32_t child, cells;
-    float nearest; /* no w in it is larger */
+    uint32_t child;
+    float nearest;          /* no w in it is larger */
+    uint8_t x0, x1, y0, y1; /* cells */
 } visit;
 
 /* An instance's map to the tile: x and y come out in pixels times z. */
@@ -22,25 +23,29 @@ typedef struct walk {
 
 /* ---- what is hidden ---- */
 
-static void refresh_cell(daft_tile_job *j, int cell)
+static void refresh_cell(daft_tile_job *j, uint32_t x, uint32_t y)
 {
-    const float *w = &j->w_low[cell / DAFT_CELLS_X * DAFT_CELL * DAFT_TILE_STRIDE + cell % DAFT_CELLS_X * DAFT_CELL];
-    v8 least = v8_load(w);
-    for (int row = 1; row < DAFT_CELL; row++) least = v8_min(v8_load(w + row * DAFT_TILE_STRIDE), least);
-    float farthest = least[0];
-    for (int i = 1; i < 8; i++) farthest = least[i] < farthest ? least[i] : farthest;
-    j->farthest[cell] = farthest;
+    const float *w = &j->w_low[y * DAFT_CELL * DAFT_TILE_STRIDE + x * DAFT_CELL];
+    v4 least = v4_min(v4_min(v4_load(w), v4_load(w + DAFT_TILE_STRIDE)),
+                      v4_min(v4_load(w + 2 * DAFT_TILE_STRIDE), v4_load(w + 3 * DAFT_TILE_STRIDE)));
+    float a = least[0] < least[1] ? least[0] : least[1], b = least[2] < least[3] ? least[2] : least[3];
+    j->farthest[y][x] = a < b ? a : b;
 }
 
-/* Whether all pixels of the cells see something nearer than w. */
-DAFT_INLINE bool hidden(daft_tile_job *j, uint32_t cells, float w)
+/* Whether all pixels of the cells see something nearer than the visit's w. */
+DAFT_INLINE bool hidden(daft_tile_job *j, const visit *v)
 {
-    vf limit = vf_set(w);
-    uint32_t open = 0;
-    for (uint32_t stale = j->stale & cells; stale; stale &= stale - 1) refresh_cell(j, __builtin_ctz(stale));
-    j->stale &= ~cells;
-    for (int i = 0; i < DAFT_CELLS; i += DAFT_VL) open |= vm_bits(vf_le(vf_load(&j->farthest[i]), limit)) << i;
-    return !(open & cells);
+    v8 nearest = v8_set(v->nearest);
+    uint32_t columns = (2u << v->x1) - (1u << v->x0);
+    for (uint32_t y = v->y0; y <= v->y1; y++) {
+        uint32_t open = v8_le_bits(v8_load(j->farthest[y]), nearest) & columns;
+        if (!open) continue;
+        if (open & ~j->stale[y]) return false;
+        for (uint32_t left = open; left; left &= left - 1) refresh_cell(j, (uint32_t)__builtin_ctz(left), y);
+        j->stale[y] &= ~open;
+        if (v8_le_bits(v8_load(j->farthest[y]), nearest) & open) return false;
+    }
+    return true;
 }
 
 /* ---- a mesh ---- */
@@ -61,7 +66,7 @@ static void add_leaf(walk *w, uint32_t child)
     }
 }
 
-/* A node's children in the tile: pixels and the largest w. */
+/* A node's children in the tile: cells and the largest w. */
 typedef struct boxes {
     v8i x0, x1, y0, y1;
     v8 nearest;
@@ -108,6 +113,7 @@ DAFT_INLINE boxes children(const walk *w, const daft_node *node)
     uint32_t empty = 0;
     for (int i = 0; i < DAFT_WIDTH; i++) empty |= (uint32_t)(node->child[i] == DAFT_CHILD_NONE) << i;
     b.some = x & y & ~v8_le_bits(high[2], zero) & ~empty;
+    b.x0 /= DAFT_CELL, b.x1 /= DAFT_CELL, b.y0 /= DAFT_CELL, b.y1 /= DAFT_CELL;
     b.nearest = pick(front, inverse_near * (1 + 0x1p-20f), v8_set(INFINITY));
     return b;
 }
@@ -129,8 +135,8 @@ static int push_children(walk *w, const daft_node *node, visit *stack, int top)
     w->job->counters->nodes++;
     for (uint32_t some = b.some; some; some &= some - 1) {
         int i = __builtin_ctz(some), at = top;
-        visit v = {node->child[i], daft_cells_of(b.x0[i], b.x1[i], b.y0[i], b.y1[i]), b.nearest[i]};
-        if (hidden(w->job, v.cells, v.nearest)) continue;
+        visit v = {node->child[i], b.nearest[i], (uint8_t)b.x0[i], (uint8_t)b.x1[i], (uint8_t)b.y0[i], (uint8_t)b.y1[i]};
+        if (hidden(w->job, &v)) continue;
         for (; at > base && stack[at - 1].nearest > v.nearest; at--) stack[at] = stack[at - 1];
         stack[at] = v;
         top++;
@@ -171,11 +177,11 @@ static void draw_mesh(daft_tile_job *job, const daft_seen *seen)
     int top = push_children(&w, &bvh->nodes.items[0], stack, 0);
     while (top) {
         visit v = stack[--top];
-        if (v.child & DAFT_CHILD_LEAF) {
+        if (hidden(job, &v)) continue;
+        if (v.child & DAFT_CHILD_LEAF)
             add_leaf(&w, v.child);
-        } else if (!hidden(job, v.cells, v.nearest)) {
+        else
             top = push_children(&w, &bvh->nodes.items[v.child], stack, top);
-        }
     }
     flush(&w);
 }
@@ -187,8 +193,9 @@ static void draw_instance(daft_tile_job *j, const daft_seen *seen)
     const daft_tile *t = j->tile;
     int x0 = daft_max_i(seen->x0 - t->x, 0), x1 = daft_min_i(seen->x1 - t->x, t->width - 1);
     int y0 = daft_max_i(seen->y0 - t->y, 0), y1 = daft_min_i(seen->y1 - t->y, t->height - 1);
-    float nearest = seen->near_z > 0 ? 1 / seen->near_z * (1 + 0x1p-20f) : INFINITY;
-    if (hidden(j, daft_cells_of(x0, x1, y0, y1), nearest)) return;
+    visit all = {0, seen->near_z > 0 ? 1 / seen->near_z * (1 + 0x1p-20f) : INFINITY, (uint8_t)(x0 / DAFT_CELL),
+                 (uint8_t)(x1 / DAFT_CELL), (uint8_t)(y0 / DAFT_CELL), (uint8_t)(y1 / DAFT_CELL)};
+    if (hidden(j, &all)) return;
     if (seen->instance->mesh) {
         draw_mesh(j, seen);
         return;
@@ -245,11 +252,13 @@ static void clear_pixels(daft_tile_job *j)
         vf_store(&j->w_low[i], vf_set(w)), vf_store(&j->w_high[i], vf_set(w));
         vi_store(&t->instance[i], vi_set(-1)), vi_store(&t->triangle[i], vi_set(0));
     }
-    for (int cell = 0; cell < DAFT_CELLS; cell++) j->farthest[cell] = -INFINITY;
+    for (int y = 0; y < DAFT_CELLS_X; y++)
+        for (int x = 0; x < DAFT_CELLS_X; x++) j->farthest[y][x] = -INFINITY;
+    memset(j->stale, 0, sizeof j->stale);
     if (t->width == DAFT_TILE && t->height == DAFT_TILE) return;
     for (int i = 0; i < DAFT_TILE * DAFT_TILE_STRIDE; i++)
         if (i % DAFT_TILE_STRIDE >= t->width || i / DAFT_TILE_STRIDE >= t->height) j->w_low[i] = j->w_high[i] = INFINITY;
-    j->stale = (1u << DAFT_CELLS) - 1;
+    memset(j->stale, 0xff, sizeof j->stale);
 }
 
 static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *counters, daft_tile *tile)
@@ -262,7 +271,6 @@ static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *co
     j->max_dy = fmaxf(fabsf(first.y), fabsf(first.y - j->last_y - 3));
     j->exact = raster->pencil.intersection == DAFT_INTERSECT_EXACT;
     for (int x = 0; x < DAFT_TILE; x += DAFT_WINDOW_W) vf_store(j->dx[x / DAFT_WINDOW_W], vf_set(j->left + (float)x) + vf_column());
-    j->stale = 0;
 }
 
 static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_tile *out)
