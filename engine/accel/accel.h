@@ -10,7 +10,14 @@
 
 typedef struct daft_bvh daft_bvh;
 
+typedef struct daft_bvh_def {
+    int threads;
+    int isa; /* of the builder's kernels; the tree is the same for any */
+} daft_bvh_def;
+
 /* Over a mesh's triangles. The mesh must outlive it. NULL when memory is out. A mesh without triangles is fine. */
+daft_bvh *daft_bvh_build(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_bvh_def *def, daft_error *error);
+/* The same with the best instruction set. */
 daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error);
 void daft_bvh_free(daft_bvh *bvh);
 size_t daft_bvh_bytes(const daft_bvh *bvh);
@@ -36,13 +43,19 @@ typedef struct daft_instance {
 /* Computes low and high. */
 void daft_instance_bound(daft_instance *instance);
 
+typedef struct daft_tlas_def {
+    daft_intersection intersection; /* how rays meet triangles */
+    int threads;
+    int isa; /* as in daft_bvh_def */
+} daft_tlas_def;
+
 /* Two-level: a BVH over instances. Built anew each frame; memory from the arena. */
 typedef struct daft_tlas daft_tlas;
 typedef struct daft_node daft_node; /* bvh.h */
-const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instances, uint32_t count, daft_error *error);
-/* The same, for rays that meet triangles in another way than exactly. */
 const daft_tlas *daft_tlas_build_for(daft_arena *arena, const daft_instance *instances, uint32_t count,
-                                     daft_intersection intersection, daft_error *error);
+                                     const daft_tlas_def *def, daft_error *error);
+/* The same, for exact intersection, with one thread. */
+const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instances, uint32_t count, daft_error *error);
 
 typedef struct daft_ray {
     daft_vec3 origin;

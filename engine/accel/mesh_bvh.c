@@ -87,7 +87,7 @@ static bool write_tree(daft_build *build, const daft_trimesh *mesh, daft_bvh *bv
 typedef struct mesh_job {
     const daft_trimesh *mesh;
     daft_bvh *bvh;
-    int threads;
+    const daft_bvh_def *def;
     bool done;
 } mesh_job;
 
@@ -98,8 +98,8 @@ static void build_mesh(void *context, daft_team *team)
     uint32_t count = job->mesh->triangle_count;
     daft_build build = {.allocator = a,
                         .team = team,
-                        .threads = job->threads,
-                        .isa = daft_isa_best(),
+                        .threads = job->def->threads,
+                        .isa = job->def->isa,
                         .rule = {.leaf_size = DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK, .block_size = DAFT_BLOCK},
                         .prims = daft_alloc(a, count, sizeof *build.prims),
                         .count = count};
@@ -112,18 +112,23 @@ static void build_mesh(void *context, daft_team *team)
     daft_build_free(&build);
 }
 
-daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error)
+daft_bvh *daft_bvh_build(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_bvh_def *def, daft_error *error)
 {
     daft_bvh *bvh = daft_alloc_zero(allocator, 1, sizeof *bvh);
-    mesh_job job = {mesh, bvh, threads, mesh->triangle_count == 0};
+    mesh_job job = {mesh, bvh, def, mesh->triangle_count == 0};
     if (bvh) {
         bvh->allocator = *allocator;
-        if (!job.done) daft_parallel_script(mesh->triangle_count < TOO_FEW ? 1 : threads, build_mesh, &job);
+        if (!job.done) daft_parallel_script(mesh->triangle_count < TOO_FEW ? 1 : def->threads, build_mesh, &job);
         if (job.done) return bvh;
     }
     daft_bvh_free(bvh);
     daft_fail_memory(error, "the BVH of a mesh");
     return NULL;
+}
+
+daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error)
+{
+    return daft_bvh_build(allocator, mesh, &(daft_bvh_def){threads, daft_isa_best()}, error);
 }
 
 void daft_bvh_free(daft_bvh *bvh)

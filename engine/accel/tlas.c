@@ -33,7 +33,9 @@ void daft_instance_bound(daft_instance *instance)
     }
 }
 
-/* The tree's node array grows through an allocator; this one hands out the arena's memory and never takes it back. */
+enum { TOO_FEW = 2048 }; /* fewer instances are not worth waking others for */
+
+/* The builder takes memory from an allocator; this one hands out the arena's and never takes it back. */
 static void *arena_allocate(void *user, size_t size, size_t alignment)
 {
     (void)alignment;
@@ -51,6 +53,7 @@ typedef struct nodes_job {
     daft_arena *arena;
     daft_build_prim *prims;
     uint32_t count;
+    const daft_tlas_def *def;
     daft_node_list *out;
     bool done;
 } nodes_job;
@@ -61,8 +64,8 @@ static void build_nodes(void *context, daft_team *team)
     daft_allocator allocator = {job->arena, arena_allocate, arena_release};
     daft_build build = {.allocator = &allocator,
                         .team = team,
-                        .threads = 1,
-                        .isa = daft_isa_best(),
+                        .threads = job->def->threads,
+                        .isa = job->def->isa,
                         .rule = {.leaf_size = 1, .block_size = 1},
                         .prims = job->prims,
                         .count = job->count,
@@ -77,11 +80,11 @@ static void build_nodes(void *context, daft_team *team)
 
 const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instances, uint32_t count, daft_error *error)
 {
-    return daft_tlas_build_for(arena, instances, count, DAFT_INTERSECT_EXACT, error);
+    return daft_tlas_build_for(arena, instances, count, &(daft_tlas_def){DAFT_INTERSECT_EXACT, 1, daft_isa_best()}, error);
 }
 
 const daft_tlas *daft_tlas_build_for(daft_arena *arena, const daft_instance *instances, uint32_t count,
-                                     daft_intersection intersection, daft_error *error)
+                                     const daft_tlas_def *def, daft_error *error)
 {
     daft_tlas *tlas = daft_arena_alloc(arena, 1, sizeof *tlas);
     daft_build_prim *prims = daft_arena_alloc(arena, count, sizeof *prims);
@@ -95,9 +98,9 @@ const daft_tlas *daft_tlas_build_for(daft_arena *arena, const daft_instance *ins
         const daft_vec3 l = instances[i].low, h = instances[i].high;
         prims[used++] = (daft_build_prim){{l.x, l.y, l.z}, i, {-h.x, -h.y, -h.z}, 1};
     }
-    *tlas = (daft_tlas){.instances = instances, .instance_count = count, .intersection = intersection};
-    nodes_job job = {arena, prims, used, &tlas->nodes, used == 0};
-    if (used > 0) daft_parallel_script(1, build_nodes, &job);
+    *tlas = (daft_tlas){.instances = instances, .instance_count = count, .intersection = def->intersection};
+    nodes_job job = {arena, prims, used, def, &tlas->nodes, used == 0};
+    if (used > 0) daft_parallel_script(used < TOO_FEW ? 1 : def->threads, build_nodes, &job);
     if (job.done) return tlas;
     daft_fail_memory(error, "the tree over instances");
     return NULL;

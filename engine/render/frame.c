@@ -21,6 +21,7 @@ daft_renderer *daft_renderer_create(const daft_allocator *allocator, int threads
     }
     r->allocator = *allocator;
     r->threads = threads;
+    r->isa = isa;
     r->accel = daft_accel_kernels_for(isa);
     r->raster_kernels = daft_raster_kernels_for(isa);
     r->shade = daft_shade_kernels_for(isa);
@@ -118,7 +119,8 @@ static bool prepare(daft_frame *frame, daft_error *error)
         scratch->shadow_points = 0;
     }
     if (frame->plan.shadows || frame->plan.reflections || s->reference) {
-        frame->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, s->intersection, error);
+        const daft_tlas_def def = {s->intersection, r->threads, r->isa};
+        frame->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, &def, error);
         if (!frame->tlas) return false;
     }
     size_t floats = s->samples > 1 ? 3 * (size_t)s->width * (size_t)s->height : 0;

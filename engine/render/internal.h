@@ -32,7 +32,7 @@ typedef struct daft_scratch {
 
 struct daft_renderer {
     daft_allocator allocator;
-    int threads;
+    int threads, isa;
     const daft_accel_kernels *accel;
     const daft_raster_kernels *raster_kernels;
     const daft_shade_kernels *shade;

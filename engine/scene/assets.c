@@ -78,7 +78,8 @@ static bool mesh_finish(daft_scene *scene, daft_mesh_item *item, daft_error *err
     uint32_t slots = item->mesh.slot_count ? item->mesh.slot_count : 1;
     item->materials = daft_alloc_zero(scene->allocator, slots, sizeof *item->materials);
     if (!item->materials) return daft_fail_memory(error, "a mesh's materials");
-    item->bvh = daft_bvh_build_mesh(scene->allocator, &item->mesh, scene->engine->threads, error);
+    const daft_bvh_def def = {scene->engine->threads, scene->engine->isa};
+    item->bvh = daft_bvh_build(scene->allocator, &item->mesh, &def, error);
     if (!item->bvh) return false;
     scene->counters.mesh_builds++;
     return true;

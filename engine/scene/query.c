@@ -59,7 +59,8 @@ static bool cache_build(daft_scene *scene, daft_dvec3 origin, daft_error *error)
     for (uint32_t i = 0; i < scene->entity_slots.count; i++) cache->instance_of[i] = DAFT_NONE;
     for (uint32_t i = 0; i < cache->instance_count; i++)
         cache->instance_of[daft_handle_index(instances[i].entity)] = i;
-    cache->tlas = daft_tlas_build(&cache->arena, instances, cache->instance_count, error);
+    const daft_tlas_def def = {DAFT_INTERSECT_EXACT, scene->engine->threads, scene->engine->isa};
+    cache->tlas = daft_tlas_build_for(&cache->arena, instances, cache->instance_count, &def, error);
     if (!cache->tlas) return false;
     cache->origin = origin;
     cache->revision = scene->revision;
