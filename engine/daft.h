@@ -150,6 +150,13 @@ typedef struct daft_mesh_def {
 DAFT_API daft_mesh_def daft_default_mesh_def(void);
 DAFT_API daft_mesh daft_mesh_create(daft_scene *scene, const daft_mesh_def *def, daft_error *error);
 
+/* Moves a mesh's vertices: `count`, daft_mesh_info.vertex_count of them, positions that are all finite, and as many normals,
+ * or NULL: smooth across edges flatter than 40 degrees, which takes longer than all the rest. Triangles, texture coordinates
+ * and materials stay. The boxes of the BVH are fitted anew; once that has made rays 1.4 times as costly as they were when
+ * it was built, it is built anew (Lauterbach et al., "RT-DEFORM", 2006). */
+DAFT_API bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 *positions, const daft_vec3 *normals,
+                                      uint32_t count, daft_error *error);
+
 typedef struct daft_mesh_info {
     uint32_t vertex_count, triangle_count, material_count;
     daft_vec3 low, high; /* bounds in the mesh's own space */
@@ -428,10 +435,11 @@ typedef struct daft_counters {
     uint64_t exact_depths; /* depth comparisons that floats could not decide */
     uint64_t shadow_points_kept; /* lit points under some occluder's bound: the only ones that cast a ray */
     uint64_t mesh_builds;  /* BVHs built since the scene was made */
+    uint64_t mesh_refits;  /* BVHs fitted to moved vertices since the scene was made */
     daft_effect effects[DAFT_EFFECT_COUNT];
 } daft_counters;
 
-/* Of the last daft_render; query_rays and mesh_builds since the scene was made. */
+/* Of the last daft_render; query_rays, mesh_builds and mesh_refits since the scene was made. */
 DAFT_API const daft_counters *daft_scene_counters(const daft_scene *scene);
 
 #ifdef __cplusplus

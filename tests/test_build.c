@@ -205,6 +205,65 @@ static void memory_may_run_out_at_any_moment(void **unused)
     mesh_drop(&m);
 }
 
+/* ---- refit ---- */
+
+static void bend(const daft_trimesh *mesh, float amount, daft_vec3 *out)
+{
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        float angle = amount * mesh->y[i], c = (float)daft_cos((double)angle), s = (float)daft_sin((double)angle);
+        out[i] = daft_v3(mesh->x[i] * c - mesh->z[i] * s, mesh->y[i] + 0.1f * amount * s, mesh->x[i] * s + mesh->z[i] * c);
+    }
+}
+
+/* Rays through a fitted tree find, bit for bit, what rays through a tree that is built anew find. */
+static void same_hits(const fixture_mesh *fitted, const daft_bvh *fresh)
+{
+    daft_instance a = instance_make(fitted, affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0))), b = a;
+    b.bvh = fresh;
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_arena arena;
+    daft_arena_init(&arena, &allocator);
+    const daft_tlas *top[2] = {daft_tlas_build(&arena, &a, 1, NULL), daft_tlas_build(&arena, &b, 1, NULL)};
+    const daft_accel_kernels *kernels = daft_accel_kernels_for(daft_isa_best());
+    int hits = 0;
+    for (int i = 0; i < 4000; i++) {
+        uint32_t v = random_bits() % fitted->mesh.vertex_count;
+        daft_vec3 at = daft_v3(fitted->mesh.x[v], fitted->mesh.y[v], fitted->mesh.z[v]);
+        daft_ray ray = {.origin = random_vec3(-3, 3), .tmax = INFINITY};
+        ray.direction = daft_sub(daft_add(at, random_vec3(-0.1f, 0.1f)), ray.origin);
+        daft_hit hit[2];
+        bool found = kernels->closest(top[0], &ray, UINT32_MAX, &hit[0]);
+        assert_int_equal(kernels->closest(top[1], &ray, UINT32_MAX, &hit[1]), found);
+        assert_memory_equal(&hit[0], &hit[1], sizeof hit[0]);
+        hits += found;
+    }
+    assert_true(hits > 500);
+    daft_arena_free(&arena);
+}
+
+static void refit_finds_what_a_fresh_tree_finds(void **unused)
+{
+    (void)unused;
+    fixture_seed(41);
+    daft_allocator allocator = daft_malloc_allocator();
+    fixture_mesh m = mesh_ball(60, 1, 0.05f);
+    daft_vec3 *moved = malloc(m.mesh.vertex_count * sizeof *moved);
+    int rebuilt = 0;
+    for (int step = 0; step < 12; step++) {
+        bend(&m.mesh, step < 6 ? 0.1f : 1.5f, moved);
+        assert_true(daft_trimesh_deform(&allocator, &m.mesh, moved, NULL, NULL));
+        rebuilt += daft_bvh_update(m.bvh, &m.mesh, &(daft_bvh_def){1 + step % 3, daft_isa_best()});
+        check_tree(m.bvh, &m.mesh);
+        daft_bvh *fresh = build(&m.mesh, 1, 0);
+        same_hits(&m, fresh);
+        daft_bvh_free(fresh);
+        if (step == 2) assert_int_equal(rebuilt, 0); /* gentle bends keep the tree */
+    }
+    assert_true(rebuilt > 0 && rebuilt < 12);
+    free(moved);
+    mesh_drop(&m);
+}
+
 /* ---- the top level ---- */
 
 static void check_top(const daft_node_list *nodes, const daft_instance *instances, uint32_t number, uint32_t *seen)
@@ -264,6 +323,7 @@ int main(void)
         cmocka_unit_test(hard_inputs_build_shallow),
         cmocka_unit_test(one_huge_among_a_million_tiny),
         cmocka_unit_test(memory_may_run_out_at_any_moment),
+        cmocka_unit_test(refit_finds_what_a_fresh_tree_finds),
         cmocka_unit_test(the_top_level_holds_each_instance_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -543,6 +543,40 @@ static void rays_meet_meshes(void **state)
     assert_true(info.high.x == 1 && info.low.x == 0);
 }
 
+static void moved_vertices_are_seen(void **state)
+{
+    fixture *f = *state;
+    daft_vec3 positions[] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}};
+    const uint32_t indices[] = {0, 1, 2};
+    daft_mesh_def mesh_def = daft_default_mesh_def();
+    mesh_def.positions = positions, mesh_def.vertex_count = 3;
+    mesh_def.indices = indices, mesh_def.triangle_count = 1;
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH;
+    def.mesh = daft_mesh_create(f->scene, &mesh_def, NULL);
+    assert_true(daft_entity_create(f->scene, &def, NULL).id != 0);
+    const daft_vec3 normals[] = {{0, 2, 0}, {0, 2, 0}, {0, 2, 0}};
+    daft_ray_hit hit;
+    for (int i = 1; i <= 4; i++) {
+        for (int k = 0; k < 3; k++) positions[k].y = (float)i;
+        assert_true(daft_mesh_set_positions(f->scene, def.mesh, positions, i % 2 ? normals : NULL, 3, NULL));
+        assert_true(daft_scene_cast_ray(f->scene, daft_dv3(0.2, 10, 0.2), daft_v3(0, -1, 0), 20, (daft_entity){0}, &hit, NULL));
+        assert_true(hit.position.y == i);
+        assert_true(daft_scene_counters(f->scene)->mesh_refits == (uint64_t)i);
+    }
+    assert_int_equal(daft_scene_counters(f->scene)->mesh_builds, 1);
+    daft_error error;
+    assert_false(daft_mesh_set_positions(f->scene, def.mesh, positions, NULL, 2, &error));
+    assert_int_equal(error.code, DAFT_ERROR_ARGUMENT);
+    positions[1].x = NAN;
+    assert_false(daft_mesh_set_positions(f->scene, def.mesh, positions, NULL, 3, &error));
+    assert_int_equal(error.code, DAFT_ERROR_ARGUMENT);
+    assert_false(daft_mesh_set_positions(f->scene, (daft_mesh){0}, positions, NULL, 3, &error));
+    assert_int_equal(error.code, DAFT_ERROR_HANDLE);
+    assert_true(daft_scene_cast_ray(f->scene, daft_dv3(0.2, 10, 0.2), daft_v3(0, -1, 0), 20, (daft_entity){0}, &hit, NULL));
+    assert_true(hit.position.y == 4); /* what failed has changed nothing */
+}
+
 /* The answer depends on the scene and the ray, not on the rays before it. */
 static void queries_have_no_memory(void **state)
 {
@@ -978,6 +1012,7 @@ int main(void)
         TEST(far_is_as_good_as_near),
         TEST(rays_meet_spheres),
         TEST(rays_meet_meshes),
+        TEST(moved_vertices_are_seen),
         TEST(queries_have_no_memory),
         TEST(materials_are_kept),
         TEST(lights_come_and_go),

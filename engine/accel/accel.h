@@ -19,6 +19,9 @@ typedef struct daft_bvh_def {
 daft_bvh *daft_bvh_build(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_bvh_def *def, daft_error *error);
 /* The same with the best instruction set. */
 daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error);
+/* The mesh's vertices have moved, its triangles are the same: fits the boxes anew, or builds the tree anew where that has
+ * become slow (then true). Cannot fail: without memory the fitted tree stays. */
+bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def *def);
 void daft_bvh_free(daft_bvh *bvh);
 size_t daft_bvh_bytes(const daft_bvh *bvh);
 

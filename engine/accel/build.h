@@ -113,4 +113,7 @@ void daft_build_write(daft_build *build, daft_node *nodes, void (*write)(void *c
                       void *context);
 void daft_build_free(daft_build *build);
 
+/* Corners of a block whose triangles are known (mesh_bvh.c). */
+void daft_block_fill(const daft_trimesh *mesh, daft_block *block);
+
 #endif

@@ -45,6 +45,7 @@ struct daft_bvh {
     size_t block_count;
     daft_cluster *clusters;
     size_t cluster_count;
+    double cost; /* of the tree as it was built (refit.c); negative: not known yet */
 };
 
 struct daft_tlas {

@@ -39,12 +39,11 @@ typedef struct out_job {
     const daft_trimesh *mesh;
 } out_job;
 
-static void block_fill(const daft_trimesh *mesh, const uint32_t triangles[DAFT_BLOCK], daft_block *block)
+void daft_block_fill(const daft_trimesh *mesh, daft_block *block)
 {
     const uint32_t *corner = NULL;
     for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
-        block->triangle[i] = triangles[i];
-        if (triangles[i] != DAFT_NO_TRIANGLE) corner = &mesh->indices[3 * (size_t)triangles[i]];
+        if (block->triangle[i] != DAFT_NO_TRIANGLE) corner = &mesh->indices[3 * (size_t)block->triangle[i]];
         for (int k = 0; k < 3; k++) {
             uint32_t vertex = corner[k];
             block->corner[k][0][i] = mesh->x[vertex];
@@ -58,8 +57,11 @@ static void write_part(void *context, const daft_build_task *task)
 {
     const out_job *job = context;
     daft_bvh *bvh = job->bvh;
-    for (size_t i = 0; i < task->block_count; i++)
-        block_fill(job->mesh, task->sink->blocks[task->block_first + i], &bvh->blocks[task->block_base + i]);
+    for (size_t i = 0; i < task->block_count; i++) {
+        daft_block *block = &bvh->blocks[task->block_base + i];
+        memcpy(block->triangle, task->sink->blocks[task->block_first + i], sizeof block->triangle);
+        daft_block_fill(job->mesh, block);
+    }
     for (size_t i = 0; i < task->cluster_count; i++) {
         daft_cluster *cluster = &bvh->clusters[task->cluster_base + i];
         *cluster = task->sink->clusters[task->cluster_first + i];
@@ -118,6 +120,7 @@ daft_bvh *daft_bvh_build(const daft_allocator *allocator, const daft_trimesh *me
     mesh_job job = {mesh, bvh, def, mesh->triangle_count == 0};
     if (bvh) {
         bvh->allocator = *allocator;
+        bvh->cost = -1;
         if (!job.done) daft_parallel_script(mesh->triangle_count < TOO_FEW ? 1 : def->threads, build_mesh, &job);
         if (job.done) return bvh;
     }

@@ -32,6 +32,11 @@ size_t daft_trimesh_bytes(const daft_trimesh *mesh);
 bool daft_trimesh_from_arrays(const daft_allocator *allocator, const daft_mesh_def *def, const daft_log *log,
                               daft_trimesh *out, daft_error *error);
 
+/* The same triangles with their vertices moved: vertex_count positions, all finite, and as many normals or NULL, for smooth
+ * ones as above. On failure the mesh is as it was. */
+bool daft_trimesh_deform(const daft_allocator *allocator, daft_trimesh *mesh, const daft_vec3 *positions,
+                         const daft_vec3 *normals, daft_error *error);
+
 /* A box around the origin with the given full edge lengths. Flat normals; each side's uvs are metres from its lower
  * left corner, so textures keep their size. 8 vertices, 12 triangles. */
 bool daft_trimesh_box(const daft_allocator *allocator, daft_vec3 size, daft_trimesh *out, daft_error *error);

@@ -185,6 +185,31 @@ bool daft_trimesh_from_arrays(const daft_allocator *allocator, const daft_mesh_d
     return true;
 }
 
+bool daft_trimesh_deform(const daft_allocator *allocator, daft_trimesh *mesh, const daft_vec3 *positions,
+                         const daft_vec3 *normals, daft_error *error)
+{
+    for (uint32_t i = 0; i < mesh->vertex_count; i++)
+        if (!daft_finite3(positions[i])) return daft_fail(error, DAFT_ERROR_ARGUMENT, "position %u is not finite", i);
+    daft_mesh_def def = {.normals = normals, .vertex_count = mesh->vertex_count};
+    daft_trimesh fresh = *mesh, *rest = &fresh;
+    fresh.x = fresh.y = fresh.z = NULL;
+    fresh.normals = NULL, fresh.normal_indices = NULL;
+    bool done = daft_trimesh_set_positions(allocator, &fresh, positions, mesh->vertex_count, error);
+    if (done && normals && mesh->vertex_count > 0)
+        done = copy_normals(allocator, &def, &fresh, error);
+    else if (done)
+        done = daft_trimesh_smooth(allocator, &fresh, DAFT_SMOOTH_CREASE, error);
+    if (done) {
+        daft_trimesh old = *mesh;
+        daft_trimesh_set_bounds(&fresh);
+        *mesh = fresh;
+        fresh = old;
+    }
+    void *gone[] = {rest->x, rest->y, rest->z, rest->normals, rest->normal_indices};
+    for (size_t i = 0; i < DAFT_COUNT_OF(gone); i++) daft_release(allocator, gone[i]);
+    return done;
+}
+
 /* ---- box ---- */
 
 enum { SIDES = 6 };

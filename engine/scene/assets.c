@@ -186,6 +186,22 @@ daft_mesh_item *daft_mesh_find(const daft_scene *scene, daft_mesh mesh, daft_err
     return NULL;
 }
 
+bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 *positions, const daft_vec3 *normals,
+                             uint32_t count, daft_error *error)
+{
+    daft_error_clear(error);
+    daft_mesh_item *item = daft_check_pointer(error, "scene", scene) ? daft_mesh_find(scene, mesh, error) : NULL;
+    if (!item || !daft_check_pointer(error, "positions", positions)) return false;
+    if (count != item->mesh.vertex_count)
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "%u positions for a mesh of %u vertices", count, item->mesh.vertex_count);
+    if (!daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
+    const daft_bvh_def def = {scene->engine->threads, scene->engine->isa};
+    if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
+    scene->counters.mesh_refits++;
+    scene->revision++;
+    return true;
+}
+
 bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info, daft_error *error)
 {
     daft_error_clear(error);
