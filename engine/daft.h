@@ -192,6 +192,11 @@ typedef struct daft_material_def {
     float mirror;          /* 0..1: share of the mirrored ray's light, tinted by `mirror_tint` */
     daft_vec3 mirror_tint; /* 1, 1, 1 */
     daft_vec3 emission;    /* light it gives off by itself; lights nothing else */
+    /* Light that passes through, 0..1: the rest is left to `ambient` and `diffuse`. At each surface Fresnel's equations
+     * divide it between a mirrored and a refracted ray. What is outside a thing, or between two, counts as air. */
+    float transmission;
+    daft_vec3 transmission_tint; /* 0..1 each: the refracted ray's light is multiplied by it, at each surface; 1, 1, 1 */
+    float refractive_index;      /* 0.001..10; 1: no bending and no mirroring; water 1.33, glass 1.5 (the default) */
     daft_texture diffuse_map;
     daft_vec2 map_scale; /* repeats of the texture over one unit of u and v */
 } daft_material_def;
@@ -227,7 +232,7 @@ typedef struct daft_entity_def {
     daft_quat rotation;
     daft_vec3 scale; /* spheres take only equal scales */
     bool visible;
-    bool casts_shadow;
+    bool casts_shadow; /* where all of its materials transmit, light comes through times their mean share and tint */
     daft_body_kind body;      /* spheres and boxes without a parent, unscaled */
     float density;            /* kg/m³ */
     float friction;           /* Coulomb's coefficient; two bodies: the geometric mean */
@@ -327,10 +332,10 @@ DAFT_API uint64_t daft_hash(const void *bytes, size_t size, uint64_t seed); /* F
 /* ---- rendering --------------------------------------------------------------------------------------------------- */
 
 typedef enum daft_quality {
-    DAFT_QUALITY_DRAFT = 0, /* one sample, no shadows, no reflections */
-    DAFT_QUALITY_GAME,      /* one sample, shadows, reflections two deep */
-    DAFT_QUALITY_HIGH,      /* four samples, reflections six deep */
-    DAFT_QUALITY_REFERENCE  /* sixteen samples, every camera ray alone through the BVH, reflections ten deep */
+    DAFT_QUALITY_DRAFT = 0, /* one sample, no shadows, no reflections, through four surfaces that transmit */
+    DAFT_QUALITY_GAME,      /* one sample, shadows, reflections two deep, through eight surfaces */
+    DAFT_QUALITY_HIGH,      /* four samples, reflections six deep, through twelve surfaces */
+    DAFT_QUALITY_REFERENCE  /* sixteen samples, every camera ray alone through the BVH, reflections ten deep, through sixteen */
 } daft_quality;
 
 DAFT_API bool daft_quality_parse(const char *name, daft_quality *out);
@@ -410,6 +415,7 @@ typedef enum daft_effect_kind {
     DAFT_EFFECT_SHADOW,
     DAFT_EFFECT_LIGHTING,
     DAFT_EFFECT_REFLECTION,
+    DAFT_EFFECT_REFRACTION,
     DAFT_EFFECT_SKY,
     DAFT_EFFECT_RESOLVE,
     DAFT_EFFECT_COUNT

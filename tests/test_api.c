@@ -147,7 +147,7 @@ static bool build(program *p, daft_error *error)
     p->box = daft_entity_create(p->scene, &def, error);
     if (!p->box.id) return false;
     daft_material_def chrome = daft_default_material_def();
-    chrome.mirror = 0.5f;
+    chrome.mirror = 0.5f, chrome.transmission = 0.4f; /* so that all kinds of rays are cast */
     def = daft_default_entity_def();
     def.shape = DAFT_SHAPE_SPHERE;
     def.radius = 1;

@@ -205,6 +205,24 @@ static void odd_scenes_are_told(void **unused)
                 ": warning: no light, and no ambient light: everything is black");
 }
 
+static void odd_glass_is_told(void **unused)
+{
+    (void)unused;
+    put("glass.mtl", "newmtl a\nillum 7\nNi 1.5\nTf .5 .5 1\nnewmtl b\nd 0.3\nNi 1.45\nTf 0 0 0\n");
+    expect(files[file_count - 1], 0, "1 file checked: 0 errors, 0 warnings\n");
+    EXPECT_FILE("flat.mtl", "newmtl a\nillum 7\n", 0,
+                ": note: the material 'a' should bend light (illum 7), but its Ni is 1");
+    EXPECT_FILE("dark.mtl", "newmtl a\nillum 4\nd 0.5\nTf 0 0 0\n", 0,
+                ": warning: the material 'a' should let light through (illum 4), but its Tf is black");
+    EXPECT_FILE("gone.mtl", "newmtl a\nTr 1\n", 0, ": warning: the material 'a' lets all light through");
+    EXPECT_FILE("bad.mtl", "newmtl a\nNi 0\nTf 2 0 -1\nNi 11\n", 0, ":2:1: warning: 0 is no index of refraction",
+                ":3:1: warning: 2 is out of range, and is taken as 1", ":3:1: warning: -1 is out of range",
+                ":4:1: warning: 11 is out of range, and is taken as 10");
+    put("lens.mtl", "newmtl lens\nillum 7\nNi 1.5\n");
+    EXPECT_FILE("open.obj", "mtllib lens.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl lens\nf 1 2 3\n", 0,
+                ": warning: light is bent where it enters, and the mesh is not closed");
+}
+
 static void scripts_are_read(void **unused)
 {
     (void)unused;
@@ -433,6 +451,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(odd_materials_are_told, set_up, tear_down),
         cmocka_unit_test_setup_teardown(every_bad_line_of_a_scene_is_told, set_up, tear_down),
         cmocka_unit_test_setup_teardown(odd_scenes_are_told, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(odd_glass_is_told, set_up, tear_down),
         cmocka_unit_test_setup_teardown(scripts_are_read, set_up, tear_down),
         cmocka_unit_test_setup_teardown(games_are_checked_and_run, set_up, tear_down),
         cmocka_unit_test_setup_teardown(folders_are_walked, set_up, tear_down),

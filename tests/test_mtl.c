@@ -51,7 +51,7 @@ static void all_properties(void **unused)
     const daft_mtl *m =
         read_text("# exported\r\n newmtl  two words \r\n\tKa .1 .2 .3\r\nKd 1 0 .5 # red\r\nKs .25\r\nKe 9 8 7\r\n"
                   "Ns 96.5\r\nNi 1.45\r\nd 0.25\r\nillum 5\r\nmap_Kd  textures\\wood one.png \r\n"
-                  "newmtl b\r\nkd 1 1 1\r\nTr 0.25\r\nTf 1 1 1\r\nmap_Ks x.png\r\nPr 0.5\r\nbump -bm 2 b.png");
+                  "newmtl b\r\nkd 1 1 1\r\nTr 0.25\r\nTf 1 .5 1\r\nmap_Ks x.png\r\nPr 0.5\r\nbump -bm 2 b.png");
     assert_int_equal(list.count, 2);
     assert_int_equal(warnings.count, 0);
     assert_string_equal(m[0].name, "two words");
@@ -62,6 +62,7 @@ static void all_properties(void **unused)
     assert_int_equal(m[0].diffuse_map_line, 11);
     assert_int_equal(m[0].diffuse_map_column, 9);
     assert_true(m[1].opacity == .75f && is_color(m[1].ambient, 1, 1, 1));
+    assert_true(m[1].has_filter && is_color(m[1].filter, 1, .5f, 1) && !m[0].has_filter && is_color(m[0].filter, 1, 1, 1));
     assert_string_equal(m[1].diffuse_map, "");
     done();
 }

@@ -192,6 +192,7 @@ static void materials_keep_their_meaning(void **state)
     assert_int_equal(f->last_warning.column, 8);
     assert_string_equal(f->last_warning.file, path_of(f, "m.mtl"));
     assert_non_null(strstr(f->last_warning.message, "missing.png"));
+    assert_true(def.transmission == 0.5f && def.refractive_index == 1);
     daft_error error;
     daft_texture texture = daft_texture_load(f->scene, path_of(f, "missing.png"), &error);
     assert_int_equal(texture.id, 0); /* asked for by itself it is an error */
@@ -203,6 +204,33 @@ static void materials_keep_their_meaning(void **state)
     assert_int_equal(again.id, entity(f, 0)->def.material.id);
     assert_int_equal(daft_material_load(f->scene, path_of(f, "m.mtl#blue"), &error).id, 0);
     assert_non_null(strstr(error.message, "no material 'blue'; it has red, shiny one, matt"));
+}
+
+/* What d, Tf, Ni and illum make of light that passes. Exporters write Ni and Tf beside any model: only 4, 6, 7, 9 mean it. */
+static void glass_keeps_its_meaning(void **state)
+{
+    fixture *f = *state;
+    static const struct {
+        const char *lines;
+        float transmission, tint, index, mirror;
+    } rows[] = {{"illum 2\nNi 1.5\nTf 0 0 0", 0, 1, 1, 0},      {"illum 2\nNi 1.5\nd 0.25\nTf 1 .5 1", .75f, 1, 1, 0},
+                {"illum 7\nNi 1.5\nKs 1", 1, 1, 1.5f, 0},         {"illum 6\nNi 1.33\nTf 1 0.5 0.25", 1, .5f, 1.33f, 0},
+                {"illum 7\nNi 1.5\nd 0.5\nKs .5", .5f, 1, 1.5f, .25f}, {"illum 6\nd 1\nTf 0 0 0", 0, 0, 1, 0},
+                {"illum 4\nNi 1.5\nKs 1", 0, 1, 1.5f, 1},         {"illum 4\nNi 1.5\nTr 0.5\nTf 1 .25 1", .5f, .25f, 1.5f, 0},
+                {"illum 9\nNi 1.4\nTf .9 .8 .7", 1, .8f, 1.4f, 0}, {"illum 3\nNi 9\nKs 1\nTr 0.5", .5f, 1, 1, .5f}};
+    for (size_t i = 0; i < DAFT_COUNT_OF(rows); i++) {
+        char text[256], name[32];
+        snprintf(text, sizeof text, "newmtl a\n%s\n", rows[i].lines);
+        snprintf(name, sizeof name, "glass%zu.mtl", i);
+        write_text(f, name, text);
+        daft_material_def def;
+        daft_material material = daft_material_load(f->scene, path_of(f, name), NULL);
+        assert_true(material.id && daft_material_get(f->scene, material, &def, NULL));
+        if (def.transmission != rows[i].transmission || def.transmission_tint.y != rows[i].tint ||
+            def.refractive_index != rows[i].index || def.mirror != rows[i].mirror)
+            fail_msg("%s: %g %g %g %g", rows[i].lines, (double)def.transmission, (double)def.transmission_tint.y,
+                     (double)def.refractive_index, (double)def.mirror);
+    }
 }
 
 static void includes_are_relative_to_their_file(void **state)
@@ -451,6 +479,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(every_line_means_what_the_manual_says),
         TEST(materials_keep_their_meaning),
+        TEST(glass_keeps_its_meaning),
         TEST(includes_are_relative_to_their_file),
         TEST(byte_order_mark_is_skipped),
         TEST(every_mistake_has_its_place),

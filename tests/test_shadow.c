@@ -73,7 +73,9 @@ static void compare(const stage *s, const daft_batch *b, const daft_lamp *lamp, 
     uint32_t asked[DAFT_BATCH_WORDS] = {0}, bits[DAFT_ISA_COUNT][DAFT_BATCH_WORDS], candidates[DAFT_MAX_CANDIDATES];
     for (uint32_t i = 0; i < b->count; i++)
         if (i % 7) asked[i / 32] |= (uint32_t)1 << (i % 32);
-    uint32_t count = daft_shaft_candidates(s->tlas, b, asked, lamp, candidates, DAFT_MAX_CANDIDATES), kept = 0;
+    uint32_t count = daft_shaft_candidates(s->tlas, b, asked, lamp, DAFT_INSTANCE_CASTS_SHADOW, candidates,
+                                           DAFT_MAX_CANDIDATES),
+             kept = 0;
     assert_true(count <= s->count);
     for (int isa = 0; isa <= daft_isa_best(); isa++) {
         memcpy(bits[isa], asked, sizeof asked);

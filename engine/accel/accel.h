@@ -27,7 +27,8 @@ size_t daft_bvh_bytes(const daft_bvh *bvh);
 
 enum {
     DAFT_INSTANCE_CASTS_SHADOW = 1,
-    DAFT_INSTANCE_CONVEX = 2 /* no point of it that faces a lamp lies in its own shadow */
+    DAFT_INSTANCE_CONVEX = 2, /* no point of it that faces a lamp lies in its own shadow */
+    DAFT_INSTANCE_TINTS_SHADOW = 4 /* in place of CASTS_SHADOW: some of the light comes through */
 };
 
 /* One thing to be drawn or hit: a mesh or, with mesh NULL, a sphere around to_frame's translation. */
@@ -81,6 +82,8 @@ typedef struct daft_accel_kernels {
     bool (*closest)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit);
     /* Whether any shadow-casting instance stops the ray. Stops at the first. */
     bool (*occluded)(const daft_tlas *tlas, const daft_ray *ray);
+    /* Whether this one instance, whatever its flags, stops the ray. */
+    bool (*stopped_by)(const daft_tlas *tlas, uint32_t instance, const daft_ray *ray);
     /* Bits of the node's children that the ray meets in its interval, by their bounds; never those of an empty box. */
     uint32_t (*boxes)(const daft_node *node, const daft_ray *ray);
 } daft_accel_kernels;

@@ -225,7 +225,6 @@ static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore,
 
 static bool instance_occluded(const daft_instance *instance, const daft_ray *ray, daft_intersection how)
 {
-    if (!(instance->flags & DAFT_INSTANCE_CASTS_SHADOW)) return false;
     if (!instance->mesh) return sphere_distance(instance, ray, ray->tmin, ray->tmax) >= 0;
     if (instance->mesh->triangle_count == 0) return false;
     daft_vec3 o = daft_affine_point(&instance->to_object, ray->origin);
@@ -243,7 +242,9 @@ static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
     while (top > 0) {
         uint32_t child = stack[--top].child;
         if (child & DAFT_CHILD_LEAF) {
-            if (instance_occluded(&tlas->instances[child & ~DAFT_CHILD_LEAF], ray, tlas->intersection)) return true;
+            const daft_instance *instance = &tlas->instances[child & ~DAFT_CHILD_LEAF];
+            if (!(instance->flags & DAFT_INSTANCE_CASTS_SHADOW)) continue;
+            if (instance_occluded(instance, ray, tlas->intersection)) return true;
         } else {
             v8 near;
             const daft_node *node = &tlas->nodes.items[child];
@@ -252,6 +253,11 @@ static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
         }
     }
     return false;
+}
+
+static bool stopped_by(const daft_tlas *tlas, uint32_t instance, const daft_ray *ray)
+{
+    return usable(ray) && instance_occluded(&tlas->instances[instance], ray, tlas->intersection);
 }
 
 static uint32_t boxes(const daft_node *node, const daft_ray *ray)
@@ -264,4 +270,4 @@ static uint32_t boxes(const daft_node *node, const daft_ray *ray)
     return real & slab_test(node, &r, ray->tmin, ray->tmax, &near);
 }
 
-const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest, occluded, boxes};
+const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest, occluded, stopped_by, boxes};

@@ -51,6 +51,8 @@ typedef struct daft_mtl {
     char name[256];
     daft_vec3 ambient, diffuse, specular, emission; /* Ka Kd Ks Ke */
     float shininess, index, opacity;                /* Ns Ni d */
+    daft_vec3 filter; /* Tf: 0..1 each */
+    bool has_filter;  /* the file names it */
     int illum;
     char diffuse_map[1024]; /* path as opened (folder of the MTL joined), empty: none */
     int diffuse_map_line, diffuse_map_column; /* where the file names it, for warnings */

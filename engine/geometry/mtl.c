@@ -31,6 +31,7 @@ daft_mtl daft_mtl_default(void)
                       .shininess = 32,
                       .index = 1,
                       .opacity = 1,
+                      .filter = {1, 1, 1},
                       .illum = 2};
 }
 
@@ -139,11 +140,18 @@ static bool read_ke(reader *r, const char *word, const char *p)
     return read_color_into(r, word, p, &r->current->emission);
 }
 
-/* Tf, also written Kt: the colour of what shines through. Checked, and not used: opacity is one number. */
+
+/* Tf, also written Kt: what comes through, by colour. */
 static bool read_tf(reader *r, const char *word, const char *p)
 {
-    daft_vec3 ignored;
-    return read_color_into(r, word, p, &ignored);
+    bool known;
+    daft_vec3 tf;
+    if (!read_color(r, word, p, &tf, &known)) return false;
+    if (!known) return true;
+    r->current->filter =
+        daft_v3(clamp(r, word, tf.x, 0, 1), clamp(r, word, tf.y, 0, 1), clamp(r, word, tf.z, 0, 1));
+    r->current->has_filter = true;
+    return true;
 }
 
 static bool read_ns(reader *r, const char *word, const char *p)
@@ -158,6 +166,10 @@ static bool read_ni(reader *r, const char *word, const char *p)
 {
     float value;
     if (!read_last_number(r, word, p, &value)) return false;
+    if (!(value > 0)) { /* some write 0 for "not known" */
+        daft_text_warn(&r->text, word, "%g is no index of refraction, and is taken as 1", (double)value);
+        value = 1;
+    }
     r->current->index = clamp(r, word, value, 0.001f, 10);
     return true;
 }

@@ -3,8 +3,8 @@
 
 #include <string.h>
 
-static const char *const EFFECT_NAMES[DAFT_EFFECT_COUNT] = {"visibility", "surface",    "texture", "shadow",
-                                                            "lighting",   "reflection", "sky",     "resolve"};
+static const char *const EFFECT_NAMES[DAFT_EFFECT_COUNT] = {"visibility", "surface",    "texture", "shadow", "lighting",
+                                                            "reflection", "refraction", "sky",     "resolve"};
 
 static const daft_render_kernels *kernels_for(int isa)
 {
@@ -41,6 +41,8 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_raster_free(&r->raster);
     daft_arena_free(&r->arena);
     daft_release(&allocator, r->scratch);
+    daft_release(&allocator, r->passed);
+    daft_release(&allocator, r->refracted);
     daft_release(&allocator, r->sum);
     daft_release(&allocator, r);
 }
@@ -88,6 +90,20 @@ static bool out_of_memory(const daft_renderer *r)
     return false;
 }
 
+/* Rays wait in one batch for each depth, since what is mirrored is followed before what is refracted. */
+static bool prepare_refractions(daft_frame *frame, daft_error *error)
+{
+    daft_renderer *r = frame->renderer;
+    frame->refractions = daft_plan_may_refract(&frame->plan, frame->snapshot, &r->raster);
+    if (!frame->refractions) return true;
+    size_t depths = (size_t)frame->plan.preset->refractions, all = depths * (size_t)r->threads;
+    if (!daft_grow(&r->allocator, &r->refracted, &r->refracted_capacity, all, 0, sizeof *r->refracted))
+        return daft_fail_memory(error, "refracted rays");
+    for (size_t i = 0; i < all; i++) r->refracted[i].count = 0;
+    for (int i = 0; i < r->threads; i++) r->scratch[i].refracted = r->refracted + (size_t)i * depths;
+    return true;
+}
+
 static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
@@ -96,6 +112,7 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     frame->pencil = (daft_pencil){s->right, s->up, s->forward, s->focal, s->width, s->height, s->intersection, 0, 0};
     sample_shift(s->samples, frame->sample, &frame->pencil.shift_x, &frame->pencil.shift_y);
     if (!daft_raster_begin(&r->raster, &frame->pencil, s->instances, s->instance_count, error)) return false;
+    if (!prepare_refractions(frame, error)) return false;
     daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
     if (out_of_memory(r)) return daft_fail_memory(error, "the visible triangles");
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
@@ -103,6 +120,14 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     daft_parallel_for(r->threads, frame->tile_count, daft_render_tile, frame);
     count_bins(r, counters);
     if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
+    return true;
+}
+
+static bool prepare_tints(daft_renderer *r, daft_error *error)
+{
+    if (!daft_grow(&r->allocator, &r->passed, &r->passed_capacity, (size_t)r->threads, 0, sizeof *r->passed))
+        return daft_fail_memory(error, "the light that comes through");
+    for (int i = 0; i < r->threads; i++) r->scratch[i].passed = &r->passed[i];
     return true;
 }
 
@@ -118,7 +143,8 @@ static bool prepare(daft_frame *frame, daft_error *error)
         memset(scratch->rays_cast, 0, sizeof scratch->rays_cast);
         scratch->shadow_points = 0;
     }
-    if (frame->plan.shadows || frame->plan.reflections || s->reference) {
+    if (frame->plan.tints && !prepare_tints(r, error)) return false;
+    if (frame->plan.shadows || frame->plan.reflections || frame->plan.refractions || s->reference) {
         const daft_tlas_def def = {s->intersection, r->threads, r->isa};
         frame->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, &def, error);
         if (!frame->tlas) return false;
@@ -126,6 +152,23 @@ static bool prepare(daft_frame *frame, daft_error *error)
     size_t floats = s->samples > 1 ? 3 * (size_t)s->width * (size_t)s->height : 0;
     if (daft_grow(&r->allocator, &r->sum, &r->sum_capacity, floats, 0, sizeof *r->sum)) return true;
     return daft_fail_memory(error, "the samples of a picture");
+}
+
+/* The tree over instances is the first one's of the effects that ask for rays. */
+static void count_bytes(const daft_frame *frame, daft_counters *c)
+{
+    static const daft_effect_kind ON_TREE[] = {DAFT_EFFECT_SHADOW, DAFT_EFFECT_REFLECTION, DAFT_EFFECT_REFRACTION};
+    const daft_renderer *r = frame->renderer;
+    daft_effect *e = c->effects;
+    for (size_t i = 0; i < DAFT_COUNT_OF(ON_TREE); i++) {
+        if (!e[ON_TREE[i]].ran) continue;
+        e[ON_TREE[i]].bytes = r->arena.bytes;
+        break;
+    }
+    if (e[DAFT_EFFECT_SHADOW].ran && frame->plan.tints) e[DAFT_EFFECT_SHADOW].bytes += r->passed_capacity * sizeof *r->passed;
+    if (e[DAFT_EFFECT_REFRACTION].ran) e[DAFT_EFFECT_REFRACTION].bytes += r->refracted_capacity * sizeof *r->refracted;
+    if (frame->snapshot->samples > 1) e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
+    e[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch;
 }
 
 static void sum_effects(const daft_frame *frame, daft_counters *c)
@@ -149,10 +192,8 @@ static void sum_effects(const daft_frame *frame, daft_counters *c)
     c->camera_rays = c->effects[DAFT_EFFECT_VISIBILITY].rays;
     c->shadow_rays = c->effects[DAFT_EFFECT_SHADOW].rays;
     c->reflection_rays = c->effects[DAFT_EFFECT_REFLECTION].rays;
-    daft_effect *on_tree = &c->effects[c->effects[DAFT_EFFECT_SHADOW].ran ? DAFT_EFFECT_SHADOW : DAFT_EFFECT_REFLECTION];
-    if (on_tree->ran) on_tree->bytes = r->arena.bytes;
-    if (frame->snapshot->samples > 1) c->effects[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
-    c->effects[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch;
+    c->refraction_rays = c->effects[DAFT_EFFECT_REFRACTION].rays;
+    count_bytes(frame, c);
 }
 
 /* Keeps what the caller counts across frames. */

@@ -11,6 +11,7 @@
 typedef struct daft_plan {
     const daft_preset *preset;
     bool shadows, reflections;                /* some lamp casts them onto something; some material mirrors */
+    bool tints, refractions;                  /* some of these shadows let light through; some material transmits */
     const char *why[DAFT_EFFECT_COUNT];       /* what calls for the effect, or why nothing can */
     const char *why_not_seen[DAFT_EFFECT_COUNT]; /* the reason if no tile runs it after all */
 } daft_plan;
@@ -23,7 +24,9 @@ typedef struct daft_scratch {
     daft_lanes3 sky_color;
     daft_lanes3 color; /* of the tile's pixels: row · DAFT_TILE + column */
     uint32_t candidates[DAFT_MAX_CANDIDATES];
-    uint32_t lit[DAFT_BATCH_WORDS];
+    uint32_t lit[DAFT_BATCH_WORDS], under[DAFT_BATCH_WORDS];
+    daft_lanes3 *passed;       /* of the running lamp's light; NULL until some shadow lets light through */
+    daft_ray_batch *refracted; /* waiting, of each depth; NULL until something is seen that light may pass */
     double ms[DAFT_EFFECT_COUNT];
     uint32_t tiles[DAFT_EFFECT_COUNT];
     uint64_t rays_cast[DAFT_EFFECT_COUNT];
@@ -40,6 +43,10 @@ struct daft_renderer {
     daft_raster raster;
     daft_arena arena;
     daft_scratch *scratch; /* one for each worker */
+    daft_lanes3 *passed;   /* the workers' */
+    size_t passed_capacity;
+    daft_ray_batch *refracted; /* the workers' */
+    size_t refracted_capacity;
     float *sum;            /* linear light of all samples so far: 3·width·height; NULL until more than one is asked for */
     size_t sum_capacity;
 };
@@ -52,6 +59,7 @@ typedef struct daft_frame {
     daft_plan plan;
     daft_pencil pencil;
     const daft_tlas *tlas; /* NULL: nothing asks for rays */
+    bool refractions; /* what is seen may send rays on through it */
     int sample;
     uint32_t tile_count;
     atomic_uint tiles_done;
@@ -60,10 +68,12 @@ typedef struct daft_frame {
 
 /* plan.c */
 daft_plan daft_plan_make(const daft_snapshot *snapshot);
-/* shaft.c: the shadow casters whose bounds may lie between the points whose bits are set and the lamp. UINT32_MAX: more than
- * `capacity`. */
+/* Whether what the pencil may see (the instances that it did not cull) transmits, or shows in a mirror what may. */
+bool daft_plan_may_refract(const daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster);
+/* shaft.c: the instances with that flag whose bounds may lie between the points whose bits are set and the lamp. UINT32_MAX:
+ * more than `capacity`. */
 uint32_t daft_shaft_candidates(const daft_tlas *tlas, const daft_batch *points, const uint32_t *bits,
-                               const daft_lamp *lamp, uint32_t *out, uint32_t capacity);
+                               const daft_lamp *lamp, uint32_t flag, uint32_t *out, uint32_t capacity);
 /* tile.c: a daft_task */
 void daft_render_tile(void *frame, uint32_t tile, uint32_t worker);
 

@@ -7,6 +7,12 @@
 #include "render/render.h"
 
 enum { DAFT_MAX_CANDIDATES = 512 };
+
+/* How far off a surface rays start. In units of u = 2^-24 and of S = |x| + |y| + |z| of the point plus that of the instance's
+ * translation: the point is off by 6 (height, normal, their quotient with the ray, and the product), corners moved by to_frame
+ * in another order by 4, and the way into object space by 6 (a rounded map, three products, three sums). Sixteen covers their
+ * sum. */
+#define DAFT_SPAWN_ERROR (16 * 0x1p-24f)
 #define DAFT_NO_PENCIL UINT32_MAX
 
 /* Rays, side by side, with where they came from. */
@@ -16,7 +22,17 @@ typedef struct daft_ray_batch {
     daft_lanes3 weight;
     float reach[DAFT_BATCH_ROOM];
     uint32_t pixel[DAFT_BATCH_ROOM];
+    uint32_t instance[DAFT_BATCH_ROOM]; /* that transmits and that the ray leaves, or DAFT_NOTHING */
+    bool inside[DAFT_BATCH_ROOM];       /* of that instance */
+    float doubt[DAFT_BATCH_ROOM];       /* metres within which it may meet that instance's surface by rounding alone */
 } daft_ray_batch;
+
+/* What points may still send on: rays that are mirrored as a material or Fresnel's equations ask; and which rays, by their
+ * share of the pixel, do not count any more. */
+typedef struct daft_spawning {
+    bool mirrors;
+    float least;
+} daft_spawning;
 
 typedef struct daft_render_kernels {
     /* The surfaces that a tile's pixels see become points of weight 1; the other pixels become rays into the sky. */
@@ -25,14 +41,20 @@ typedef struct daft_render_kernels {
     /* Appends the point where a ray hit; `finish_hits` completes the batch after the last. */
     void (*hit_point)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray, const daft_hit *hit,
                       daft_batch *points);
+    /* Whether the last point added lies on the surface that its ray left, on a side that the ray cannot be on, and so close
+     * to where it began that rounding put it there. */
+    bool (*false_hit)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray, const daft_hit *hit,
+                      const daft_batch *points);
     void (*finish_hits)(const daft_snapshot *snapshot, daft_batch *points);
     /* Takes away the bits of the points that a candidate hides from the lamp. Gives the number of points that lay under
      * some candidate's bounds, the only ones whose rays were tested; or DAFT_NO_PENCIL, with the bits as they were, where
      * the lamp stands among the points and no pencil holds them. */
     uint32_t (*shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_instance *instances,
                         const uint32_t *candidates, uint32_t candidate_count, uint32_t bits[DAFT_BATCH_WORDS]);
-    /* Mirrored rays of the points whose material mirrors and whose weight still counts. */
-    void (*reflections)(const daft_batch *points, const daft_surface *materials, daft_ray_batch *rays);
+    /* The rays that points send on. `refracted` may be NULL: then nothing is seen that transmits, or it is not followed
+     * any more. Both are overwritten. */
+    void (*spawn)(const daft_snapshot *snapshot, const daft_batch *points, const daft_spawning *allowed,
+                  daft_ray_batch *mirrored, daft_ray_batch *refracted);
 } daft_render_kernels;
 
 DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);

@@ -1,10 +1,10 @@
 /* The plan: which effects a frame can need. Tiles then decide by what they see. */
 #include "render/internal.h"
 
-static bool casts(const daft_snapshot *snapshot)
+static bool some_flag(const daft_snapshot *snapshot, uint32_t flags)
 {
     for (uint32_t i = 0; i < snapshot->instance_count; i++)
-        if (snapshot->instances[i].flags & DAFT_INSTANCE_CASTS_SHADOW) return true;
+        if (snapshot->instances[i].flags & flags) return true;
     return false;
 }
 
@@ -17,14 +17,25 @@ static bool lamp_casts(const daft_snapshot *snapshot)
 
 static bool mirrors(const daft_surface *m) { return m->mirror.x > 0 || m->mirror.y > 0 || m->mirror.z > 0; }
 
-static bool some_mirror(const daft_snapshot *snapshot)
+static bool transmits(const daft_surface *m) { return m->transmission > 0; }
+
+/* Where light is bent, some of it is mirrored. */
+static bool bends(const daft_surface *m) { return m->transmission > 0 && m->index != 1; }
+
+typedef bool surface_test(const daft_surface *surface);
+
+static bool has(const daft_snapshot *snapshot, const daft_instance *instance, surface_test *test)
 {
-    for (uint32_t i = 0; i < snapshot->instance_count; i++) {
-        const daft_instance *instance = &snapshot->instances[i];
-        uint32_t slots = instance->mesh ? instance->mesh->slot_count : 1;
-        for (uint32_t k = 0; k < (slots ? slots : 1); k++)
-            if (mirrors(&snapshot->materials[instance->materials[k]])) return true;
-    }
+    uint32_t slots = instance->mesh ? instance->mesh->slot_count : 1;
+    for (uint32_t k = 0; k < (slots ? slots : 1); k++)
+        if (test(&snapshot->materials[instance->materials[k]])) return true;
+    return false;
+}
+
+static bool some_has(const daft_snapshot *snapshot, surface_test *test)
+{
+    for (uint32_t i = 0; i < snapshot->instance_count; i++)
+        if (has(snapshot, &snapshot->instances[i], test)) return true;
     return false;
 }
 
@@ -34,7 +45,7 @@ static const char *shadow_reason(const daft_snapshot *snapshot, const daft_prese
     if (!preset->shadows) return "this quality has no shadows";
     if (snapshot->lamp_count == 0) return "the scene has no light";
     if (!lamp_casts(snapshot)) return "no light casts shadows";
-    if (!casts(snapshot)) return "nothing visible casts shadows";
+    if (!some_flag(snapshot, DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_TINTS_SHADOW)) return "nothing visible casts shadows";
     *run = true;
     return "lit points lie under something's bounds, seen from a light";
 }
@@ -43,9 +54,8 @@ static const char *reflection_reason(const daft_snapshot *snapshot, const daft_p
 {
     *run = false;
     if (preset->reflections == 0) return "this quality has no reflections";
-    if (!some_mirror(snapshot)) return "no material mirrors";
-    *run = true;
-    return "a mirror is seen";
+    *run = some_has(snapshot, mirrors) || some_has(snapshot, bends);
+    return *run ? "a mirror is seen" : "no material mirrors";
 }
 
 daft_plan daft_plan_make(const daft_snapshot *snapshot)
@@ -61,7 +71,20 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     none[DAFT_EFFECT_LIGHTING] = snapshot->lamp_count ? "no surface that faces a light is seen" : "the scene has no light";
     why[DAFT_EFFECT_REFLECTION] = reflection_reason(snapshot, plan.preset, &plan.reflections);
     none[DAFT_EFFECT_REFLECTION] = plan.reflections ? "no mirror is seen" : why[DAFT_EFFECT_REFLECTION];
+    plan.tints = plan.shadows && some_flag(snapshot, DAFT_INSTANCE_TINTS_SHADOW);
+    plan.refractions = some_has(snapshot, transmits);
+    why[DAFT_EFFECT_REFRACTION] = "something that transmits is seen";
+    none[DAFT_EFFECT_REFRACTION] = plan.refractions ? "nothing that transmits is seen" : "no material transmits";
     why[DAFT_EFFECT_SKY] = "the sky is seen", none[DAFT_EFFECT_SKY] = "the sky is not seen";
     why[DAFT_EFFECT_RESOLVE] = "every picture";
     return plan;
+}
+
+bool daft_plan_may_refract(const daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster)
+{
+    for (size_t i = 0; plan->refractions && i < raster->seen_count; i++) {
+        const daft_instance *instance = raster->seen[i].instance;
+        if (has(snapshot, instance, transmits) || (plan->reflections && has(snapshot, instance, mirrors))) return true;
+    }
+    return false;
 }

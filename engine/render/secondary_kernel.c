@@ -1,8 +1,13 @@
-/* Mirrored rays from surfaces, and the kernels of render/ in one table. */
+/* Rays that surfaces send on, mirrored and refracted, and the kernels of render/ in one table.
+ *
+ * Where a surface transmits, Fresnel's equations (for light that is not polarised) divide what is transmitted between the
+ * mirrored and the refracted ray, and Snell's law bends the latter; past the critical angle all of it is mirrored. Which
+ * index lies on which side follows from the hit alone, by the surface's outer side, so nothing is carried along a path: a
+ * camera may stand in glass, and parts may cross each other; what lies beyond a surface that is left counts as air. Radiance
+ * is not scaled by the square of the index: it would be scaled back where the light leaves again. */
 #include "render/kernels.h"
 
-/* Mirrored light below this share of white is left out: half a step of 8-bit sRGB is 1/3300. */
-#define LEAST_WEIGHT (1.0f / 2048)
+#define GRAZING 1e-3f /* the sine of the least angle between a facet and a ray that leaves it */
 
 static daft_vec3 lane3(const daft_lanes3 *a, uint32_t i) { return daft_v3(a->x[i], a->y[i], a->z[i]); }
 
@@ -11,26 +16,163 @@ static daft_vec3 mirrored(daft_vec3 view, daft_vec3 normal, daft_vec3 outward)
 {
     daft_vec3 d = daft_sub(daft_scale(normal, 2 * daft_dot(normal, view)), view);
     float under = daft_dot(d, outward);
-    if (under < 1e-3f) d = daft_add(d, daft_scale(outward, 1e-3f - under));
+    if (under < GRAZING) d = daft_add(d, daft_scale(outward, GRAZING - under));
     return daft_normalize(d);
 }
 
-static void reflections(const daft_batch *b, const daft_surface *materials, daft_ray_batch *rays)
+/* What happens to a ray at a surface between two indices. */
+typedef struct interface {
+    float eta;     /* the index on the viewer's side over the one beyond */
+    float cosine;  /* between the normal and the way to the viewer, up to 1; more than 0, though smooth normals may face away */
+    float beyond;  /* between the normal and the refracted ray; 0 where all is mirrored */
+    float fresnel; /* share that is mirrored */
+} interface;
+
+static interface interface_at(float eta, float cosine)
 {
-    rays->count = 0;
+    interface f = {eta, cosine > GRAZING ? (cosine < 1 ? cosine : 1) : GRAZING, 0, 1};
+    if (eta == 1) f.beyond = f.cosine, f.fresnel = 0;
+    float sine2 = eta * eta * (1 - f.cosine * f.cosine);
+    if (eta == 1 || !(sine2 < 1)) return f;
+    f.beyond = sqrtf(1 - sine2);
+    float across = (eta * f.cosine - f.beyond) / (eta * f.cosine + f.beyond);
+    float along = (f.cosine - eta * f.beyond) / (f.cosine + eta * f.beyond);
+    f.fresnel = 0.5f * (across * across + along * along);
+    return f;
+}
+
+/* By Snell's law; not bent at all between equal indices, to the bit. */
+static daft_vec3 refracted(const interface *f, daft_vec3 view, daft_vec3 normal, daft_vec3 outward)
+{
+    if (f->eta == 1) return daft_neg(view);
+    daft_vec3 d = daft_sub(daft_scale(normal, f->eta * f->cosine - f->beyond), daft_scale(view, f->eta));
+    float over = daft_dot(d, outward);
+    if (over > -GRAZING) d = daft_sub(d, daft_scale(outward, over + GRAZING));
+    return daft_normalize(d);
+}
+
+/* Whether a mesh's facet is seen from its inner side: the outer one is where its normals point, as for shading, or where
+ * its corners run counter-clockwise if it has none. */
+static bool facet_from_inside(const daft_instance *instance, uint32_t triangle, daft_vec3 outward)
+{
+    const daft_trimesh *mesh = instance->mesh;
+    const uint32_t *corner = &mesh->indices[3 * (size_t)triangle];
+    if (mesh->normals) {
+        const uint32_t *at = mesh->normal_indices ? &mesh->normal_indices[3 * (size_t)triangle] : corner;
+        daft_vec3 sum = {0, 0, 0};
+        for (int k = 0; k < 3; k++)
+            sum = daft_add(sum, daft_normalize(daft_affine_transposed(&instance->to_object, mesh->normals[at[k]])));
+        return daft_dot(sum, outward) < 0;
+    }
+    daft_vec3 p[3];
+    for (int k = 0; k < 3; k++) p[k] = daft_v3(mesh->x[corner[k]], mesh->y[corner[k]], mesh->z[corner[k]]);
+    daft_vec3 local = daft_cross(daft_sub(p[1], p[0]), daft_sub(p[2], p[0]));
+    return daft_dot(daft_affine_transposed(&instance->to_object, local), outward) < 0;
+}
+
+static bool from_inside(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i)
+{
+    const daft_instance *instance = &snapshot->instances[b->instance[i]];
+    daft_vec3 outward = lane3(&b->outward, i);
+    if (instance->mesh) return facet_from_inside(instance, b->triangle[i], outward);
+    const float *centre = instance->to_frame.t;
+    return daft_dot(daft_sub(lane3(&b->point, i), daft_v3(centre[0], centre[1], centre[2])), outward) < 0;
+}
+
+/* Gives the ray's place. */
+static uint32_t add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3 d, daft_vec3 weight,
+                        daft_ray_batch *rays)
+{
+    uint32_t at = rays->count++;
+    rays->origin.x[at] = origin.x, rays->origin.y[at] = origin.y, rays->origin.z[at] = origin.z;
+    rays->direction.x[at] = d.x, rays->direction.y[at] = d.y, rays->direction.z[at] = d.z;
+    rays->weight.x[at] = weight.x, rays->weight.y[at] = weight.y, rays->weight.z[at] = weight.z;
+    rays->reach[at] = b->reach[i];
+    rays->pixel[at] = b->pixel[i];
+    rays->instance[at] = DAFT_NOTHING;
+    return at;
+}
+
+static bool counts(daft_vec3 weight, float least) { return weight.x > least || weight.y > least || weight.z > least; }
+
+static float spawn_error(const daft_batch *b, uint32_t i)
+{
+    return (fabsf(b->point.x[i]) + fabsf(b->point.y[i]) + fabsf(b->point.z[i]) + b->extent[i]) * DAFT_SPAWN_ERROR;
+}
+
+/* The place beyond the surface that mirrors the place before it: batches hold points that lie off the surface by e along
+ * `outward` and e along `view`, which is (1 + c)·e across it, c their cosine. It keeps the way towards the viewer along the
+ * surface, so that the ray does not begin beyond the next side of something thin; and lies e across the surface, and a
+ * quarter more for the roundings on the way. */
+static daft_vec3 place_beyond(const daft_batch *b, uint32_t i)
+{
+    daft_vec3 outward = lane3(&b->outward, i);
+    float far = (2.25f + daft_dot(outward, lane3(&b->view, i))) * spawn_error(b, i);
+    return daft_sub(lane3(&b->point, i), daft_scale(outward, far));
+}
+
+/* Close to an edge that way may lead across the neighbouring side, whose plane the ray then meets again, at e over the cosine
+ * to it: from outside, when it is inside already. That is no surface that it passes. A surface that is met from the side
+ * that the ray is on is one, however close. */
+static void add_ray_near(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3 d, daft_vec3 weight, bool inside,
+                         daft_ray_batch *rays)
+{
+    uint32_t at = add_ray(b, i, origin, d, weight, rays);
+    rays->instance[at] = b->instance[i];
+    rays->inside[at] = inside;
+    rays->doubt[at] = 32 * spawn_error(b, i);
+}
+
+static bool false_hit(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray, const daft_hit *hit,
+                      const daft_batch *points)
+{
+    if (hit->instance != rays->instance[ray] || hit->t > rays->doubt[ray]) return false;
+    uint32_t last = points->count - 1;
+    /* a place so close may lie on either side of the plane: the way says from where it is met */
+    bool turned = daft_dot(lane3(&points->outward, last), lane3(&rays->direction, ray)) > 0;
+    return from_inside(snapshot, points, last) != (rays->inside[ray] != turned);
+}
+
+/* A point that transmits: `mirror` is what its material mirrors besides. Where mirrored rays are not followed any more, what
+ * can be refracted is, in full; what cannot still is mirrored, since that is the only way the light has. */
+static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, daft_vec3 mirror,
+                   const daft_spawning *allowed, daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays)
+{
+    const daft_surface *material = &snapshot->materials[b->material[i]];
+    daft_vec3 weight = lane3(&b->weight, i), view = lane3(&b->view, i), normal = lane3(&b->normal, i);
+    daft_vec3 outward = lane3(&b->outward, i);
+    bool inside = from_inside(snapshot, b, i);
+    float eta = inside ? material->index : 1 / material->index;
+    interface f = interface_at(eta, daft_dot(normal, view));
+    if (!allowed->mirrors && f.fresnel < 1) f.fresnel = 0;
+    float share = material->transmission * f.fresnel;
+    daft_vec3 back = daft_mul(weight, daft_add(mirror, daft_v3(share, share, share)));
+    if (counts(back, allowed->least))
+        add_ray_near(b, i, lane3(&b->point, i), mirrored(view, normal, outward), back, inside, mirror_rays);
+    daft_vec3 on = daft_mul(weight, daft_scale(material->through, 1 - f.fresnel));
+    if (counts(on, allowed->least))
+        add_ray_near(b, i, place_beyond(b, i), refracted(&f, view, normal, outward), on, !inside, refracted_rays);
+}
+
+static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft_spawning *allowed, daft_ray_batch *mirror_rays,
+                  daft_ray_batch *refracted_rays)
+{
+    mirror_rays->count = 0;
+    if (refracted_rays) refracted_rays->count = 0;
     for (uint32_t i = 0; i < b->count; i++) {
-        daft_vec3 weight = daft_mul(lane3(&b->weight, i), materials[b->material[i]].mirror);
-        if (!(weight.x > LEAST_WEIGHT || weight.y > LEAST_WEIGHT || weight.z > LEAST_WEIGHT)) continue;
+        const daft_surface *material = &snapshot->materials[b->material[i]];
+        daft_vec3 mirror = allowed->mirrors ? material->mirror : daft_v3(0, 0, 0);
+        if (refracted_rays && material->transmission > 0) {
+            divide(snapshot, b, i, mirror, allowed, mirror_rays, refracted_rays);
+            continue;
+        }
+        daft_vec3 weight = daft_mul(lane3(&b->weight, i), mirror);
+        if (!counts(weight, allowed->least)) continue;
         daft_vec3 d = mirrored(lane3(&b->view, i), lane3(&b->normal, i), lane3(&b->outward, i));
-        uint32_t at = rays->count++;
-        rays->origin.x[at] = b->point.x[i], rays->origin.y[at] = b->point.y[i], rays->origin.z[at] = b->point.z[i];
-        rays->direction.x[at] = d.x, rays->direction.y[at] = d.y, rays->direction.z[at] = d.z;
-        rays->weight.x[at] = weight.x, rays->weight.y[at] = weight.y, rays->weight.z[at] = weight.z;
-        rays->reach[at] = b->reach[i];
-        rays->pixel[at] = b->pixel[i];
+        add_ray(b, i, lane3(&b->point, i), d, weight, mirror_rays);
     }
 }
 
 const daft_render_kernels DAFT_KERNEL(daft_render) = {DAFT_KERNEL(daft_surfaces), DAFT_KERNEL(daft_hit_point),
-                                                      DAFT_KERNEL(daft_finish_hits),
-                                                      DAFT_KERNEL(daft_shadows), reflections};
+                                                      false_hit, DAFT_KERNEL(daft_finish_hits),
+                                                      DAFT_KERNEL(daft_shadows), spawn};

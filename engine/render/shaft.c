@@ -86,7 +86,7 @@ static bool child_touches(const shaft *s, const daft_node *node, int child)
 }
 
 uint32_t daft_shaft_candidates(const daft_tlas *tlas, const daft_batch *points, const uint32_t *bits,
-                               const daft_lamp *lamp, uint32_t *out, uint32_t capacity)
+                               const daft_lamp *lamp, uint32_t flag, uint32_t *out, uint32_t capacity)
 {
     if (tlas->nodes.count == 0) return 0;
     shaft s = shaft_setup(points, bits, lamp);
@@ -103,7 +103,7 @@ uint32_t daft_shaft_candidates(const daft_tlas *tlas, const daft_batch *points, 
                 continue;
             }
             uint32_t instance = child & ~DAFT_CHILD_LEAF;
-            if (!(tlas->instances[instance].flags & DAFT_INSTANCE_CASTS_SHADOW)) continue;
+            if (!(tlas->instances[instance].flags & flag)) continue;
             if (count == capacity) return UINT32_MAX;
             out[count++] = instance;
         }

@@ -13,11 +13,6 @@
 #include "math/simd_real.h"
 #include "render/kernels.h"
 
-/* In units of u = 2^-24 and of S = |x| + |y| + |z| of the point plus that of the instance's translation: the point is off by
- * 6 (height, normal, their quotient with the ray, and the product), corners moved by to_frame in another order by 4, and the
- * way into object space by 6 (a rounded map, three products, three sums). Sixteen covers their sum. */
-#define SPAWN_ERROR (16 * 0x1p-24f)
-
 typedef struct facet {
     daft_vec3 corner[3], normal[3], outward; /* frame space; normals unit, on the viewer's side */
     daft_vec2 uv[3];
@@ -138,7 +133,7 @@ static void finish_points(daft_batch *b, float focal, bool seen_by_camera)
 {
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vf3 point = load3(&b->point, i), outward = load3(&b->outward, i), view = scale3(unit3(load3(&b->view, i)), vf_set(-1));
-        vf error = (vf_abs(point.x) + vf_abs(point.y) + vf_abs(point.z) + vf_load(&b->extent[i])) * vf_set(SPAWN_ERROR);
+        vf error = (vf_abs(point.x) + vf_abs(point.y) + vf_abs(point.z) + vf_load(&b->extent[i])) * vf_set(DAFT_SPAWN_ERROR);
         vf reach = seen_by_camera ? vf_sqrt(vf3_dot(point, point)) : vf_load(&b->reach[i]), spread = reach / vf_set(focal);
         vf cosine = vf_max(vf_abs(vf3_dot(outward, view)), vf_set(0.01f));
         vf3 off = scale3(add3(outward, view), error);

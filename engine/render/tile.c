@@ -1,5 +1,6 @@
 /* A tile from visibility to bytes. Points are shaded in batches: first what the pixels see, then what mirrors see in it,
- * and so on; each batch runs only the effects that its own points call for. */
+ * and so on; each batch runs only the effects that its own points call for. Where a batch sends on both mirrored and
+ * refracted rays, the refracted ones wait until the mirrored ones have been followed to their end. */
 #include "render/internal.h"
 
 #include <string.h>
@@ -39,16 +40,20 @@ static void see(job *j, uint32_t tile, uint32_t worker)
     book(j, DAFT_EFFECT_VISIBILITY);
 }
 
-/* Too many candidates for a list, or the lamp among the points: every lit point alone through the tree. */
-static uint32_t shadow_rays(const job *j, const daft_batch *points, const daft_lamp *lamp, uint32_t *lit)
+/* Too many candidates for a list, or the lamp among the points: every lit point alone through the tree, or against the
+ * one instance that is asked for. */
+static uint32_t shadow_rays(const job *j, const daft_batch *points, const daft_lamp *lamp, uint32_t instance, uint32_t *lit)
 {
+    const daft_tlas *tlas = j->frame->tlas;
     uint32_t count = 0;
     for (uint32_t i = 0; i < points->count; i++) {
         if (!(lit[i / 32] >> (i % 32) & 1)) continue;
         daft_ray ray = {.origin = {points->lifted.x[i], points->lifted.y[i], points->lifted.z[i]}};
         ray.direction = lamp->sun ? lamp->to_light : daft_sub(lamp->position, ray.origin);
         ray.tmax = lamp->sun ? INFINITY : 1;
-        if (j->r->accel->occluded(j->frame->tlas, &ray)) lit[i / 32] &= ~((uint32_t)1 << (i % 32));
+        bool dark = instance == DAFT_NOTHING ? j->r->accel->occluded(tlas, &ray)
+                                             : j->r->accel->stopped_by(tlas, instance, &ray);
+        if (dark) lit[i / 32] &= ~((uint32_t)1 << (i % 32));
         count++;
     }
     return count;
@@ -58,14 +63,61 @@ static void cast_shadows(job *j, const daft_batch *points, const daft_lamp *lamp
 {
     daft_scratch *s = j->s;
     uint32_t rays = DAFT_NO_PENCIL;
-    uint32_t count = daft_shaft_candidates(j->frame->tlas, points, s->lit, lamp, s->candidates, DAFT_MAX_CANDIDATES);
+    uint32_t count = daft_shaft_candidates(j->frame->tlas, points, s->lit, lamp, DAFT_INSTANCE_CASTS_SHADOW, s->candidates,
+                                           DAFT_MAX_CANDIDATES);
     if (count != UINT32_MAX)
         rays = j->r->kernels->shadows(points, lamp, j->snapshot->instances, s->candidates, count, s->lit);
-    if (rays == DAFT_NO_PENCIL) rays = shadow_rays(j, points, lamp, s->lit);
+    if (rays == DAFT_NO_PENCIL) rays = shadow_rays(j, points, lamp, DAFT_NOTHING, s->lit);
     s->rays_cast[DAFT_EFFECT_SHADOW] += rays;
     s->shadow_points += rays;
     if (rays) ran(j, DAFT_EFFECT_SHADOW);
     book(j, DAFT_EFFECT_SHADOW);
+}
+
+/* How much of a lamp's light comes through a thing: the mean of its materials. */
+static daft_vec3 through(const daft_snapshot *snapshot, const daft_instance *instance)
+{
+    uint32_t slots = instance->mesh && instance->mesh->slot_count ? instance->mesh->slot_count : 1;
+    daft_vec3 sum = {0, 0, 0};
+    for (uint32_t i = 0; i < slots; i++) sum = daft_add(sum, snapshot->materials[instance->materials[i]].through);
+    return daft_scale(sum, 1 / (float)slots);
+}
+
+/* The lit points that the thing hides from the lamp keep of its light what comes through. */
+static void tint_points(job *j, const daft_batch *points, const daft_lamp *lamp, uint32_t instance)
+{
+    daft_scratch *s = j->s;
+    daft_lanes3 *passed = s->passed;
+    memcpy(s->under, s->lit, sizeof s->under);
+    uint32_t rays = j->r->kernels->shadows(points, lamp, j->snapshot->instances, &instance, 1, s->under);
+    if (rays == DAFT_NO_PENCIL) rays = shadow_rays(j, points, lamp, instance, s->under);
+    s->rays_cast[DAFT_EFFECT_SHADOW] += rays;
+    s->shadow_points += rays;
+    if (rays) ran(j, DAFT_EFFECT_SHADOW);
+    daft_vec3 share = through(j->snapshot, &j->snapshot->instances[instance]);
+    for (uint32_t i = 0; i < points->count; i++) {
+        if (!((s->lit[i / 32] & ~s->under[i / 32]) >> (i % 32) & 1)) continue;
+        passed->x[i] *= share.x, passed->y[i] *= share.y, passed->z[i] *= share.z;
+    }
+}
+
+/* The share of the lamp's light that comes through what transmits, once for each thing on the way, however thick. NULL:
+ * nothing is in the way. */
+static const daft_lanes3 *tint_light(job *j, const daft_batch *points, const daft_lamp *lamp)
+{
+    daft_scratch *s = j->s;
+    uint32_t count = daft_shaft_candidates(j->frame->tlas, points, s->lit, lamp, DAFT_INSTANCE_TINTS_SHADOW, s->candidates,
+                                           DAFT_MAX_CANDIDATES);
+    if (count == 0) return NULL;
+    for (uint32_t i = 0; i < points->count + 16; i++) s->passed->x[i] = s->passed->y[i] = s->passed->z[i] = 1;
+    if (count != UINT32_MAX) {
+        for (uint32_t i = 0; i < count; i++) tint_points(j, points, lamp, s->candidates[i]);
+    } else {
+        for (uint32_t i = 0; i < j->snapshot->instance_count; i++)
+            if (j->snapshot->instances[i].flags & DAFT_INSTANCE_TINTS_SHADOW) tint_points(j, points, lamp, i);
+    }
+    book(j, DAFT_EFFECT_SHADOW);
+    return s->passed;
 }
 
 static void light_points(job *j, daft_batch *points)
@@ -80,7 +132,8 @@ static void light_points(job *j, daft_batch *points)
         ran(j, DAFT_EFFECT_LIGHTING);
         book(j, DAFT_EFFECT_LIGHTING);
         if (j->frame->plan.shadows && lamp->casts_shadow) cast_shadows(j, points, lamp);
-        j->r->shade->lamp(points, snapshot->materials, lamp, j->s->lit);
+        const daft_lanes3 *passed = j->frame->plan.tints && lamp->casts_shadow ? tint_light(j, points, lamp) : NULL;
+        j->r->shade->lamp(points, snapshot->materials, lamp, j->s->lit, passed);
     }
     daft_lanes3 *color = &j->s->color;
     for (uint32_t i = 0; i < points->count; i++) {
@@ -109,22 +162,30 @@ static void add_sky(job *j, const daft_ray_batch *rays, bool weighted)
     book(j, DAFT_EFFECT_SKY);
 }
 
-/* Hits of s->rays become the next batch; misses are moved to the front and see the sky. */
-static void trace(job *j, daft_batch *next)
+/* Adds the point that the ray hits to the next batch; what it meets by rounding alone is passed by. False: none. */
+static bool hit_something(const job *j, const daft_ray_batch *rays, uint32_t i, daft_ray *ray, daft_batch *next)
+{
+    daft_hit hit;
+    while (j->r->accel->closest(j->frame->tlas, ray, UINT32_MAX, &hit)) {
+        j->r->kernels->hit_point(j->snapshot, rays, i, &hit, next);
+        if (rays->instance[i] == DAFT_NOTHING || !j->r->kernels->false_hit(j->snapshot, rays, i, &hit, next)) return true;
+        next->count--;
+        ray->tmin = nextafterf(hit.t, INFINITY);
+    }
+    return false;
+}
+
+/* Hits become the next batch; misses see the sky. */
+static void trace(job *j, const daft_ray_batch *rays, daft_effect_kind effect, daft_batch *next)
 {
     daft_scratch *s = j->s;
-    daft_ray_batch *rays = &s->rays;
     next->count = 0;
     s->sky.count = 0;
     for (uint32_t i = 0; i < rays->count; i++) {
         daft_ray ray = {.origin = {rays->origin.x[i], rays->origin.y[i], rays->origin.z[i]},
                         .direction = {rays->direction.x[i], rays->direction.y[i], rays->direction.z[i]},
                         .tmax = INFINITY};
-        daft_hit hit;
-        if (j->r->accel->closest(j->frame->tlas, &ray, UINT32_MAX, &hit)) {
-            j->r->kernels->hit_point(j->snapshot, rays, i, &hit, next);
-            continue;
-        }
+        if (hit_something(j, rays, i, &ray, next)) continue;
         uint32_t at = s->sky.count++;
         s->sky.direction.x[at] = ray.direction.x, s->sky.direction.y[at] = ray.direction.y;
         s->sky.direction.z[at] = ray.direction.z;
@@ -133,9 +194,30 @@ static void trace(job *j, daft_batch *next)
         s->sky.pixel[at] = rays->pixel[i];
     }
     j->r->kernels->finish_hits(j->snapshot, next);
-    s->rays_cast[DAFT_EFFECT_REFLECTION] += rays->count;
-    ran(j, DAFT_EFFECT_REFLECTION);
-    book(j, DAFT_EFFECT_REFLECTION);
+    s->rays_cast[effect] += rays->count;
+    ran(j, effect);
+    book(j, effect);
+}
+
+/* The rays that points `depth` surfaces away send on: s->rays, and s->refracted[depth] where some of them transmit. */
+static void spawn(job *j, const daft_batch *points, int depth)
+{
+    const daft_plan *plan = &j->frame->plan;
+    daft_spawning allowed = {plan->reflections && depth < plan->preset->reflections, plan->preset->least_weight};
+    bool through = j->frame->refractions && depth < plan->preset->refractions;
+    j->s->rays.count = 0;
+    if (allowed.mirrors || through)
+        j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, through ? &j->s->refracted[depth] : NULL);
+}
+
+/* The deepest of the refracted rays that wait for points at `depth` or less to be done. Deeper ones have been followed, so
+ * one batch for each depth is room enough. -1: none. */
+static int deepest_waiting(const job *j, int depth)
+{
+    if (!j->frame->refractions) return -1;
+    depth = daft_min_i(depth, j->frame->plan.preset->refractions - 1);
+    while (depth >= 0 && j->s->refracted[depth].count == 0) depth--;
+    return depth;
 }
 
 static void shade(job *j)
@@ -144,12 +226,17 @@ static void shade(job *j)
     daft_batch *points = &s->points, *next = &s->next;
     memset(&s->color, 0, sizeof s->color);
     add_sky(j, &s->sky, false);
-    for (int depth = 0; points->count; depth++) {
-        light_points(j, points);
-        if (!j->frame->plan.reflections || depth >= j->frame->plan.preset->reflections) return;
-        j->r->kernels->reflections(points, j->snapshot->materials, &s->rays);
-        if (s->rays.count == 0) return;
-        trace(j, next);
+    for (int depth = 0;; depth++) {
+        if (points->count) light_points(j, points);
+        spawn(j, points, depth);
+        if (s->rays.count) {
+            trace(j, &s->rays, DAFT_EFFECT_REFLECTION, next);
+        } else {
+            depth = deepest_waiting(j, depth);
+            if (depth < 0) return;
+            trace(j, &s->refracted[depth], DAFT_EFFECT_REFRACTION, next);
+            s->refracted[depth].count = 0;
+        }
         add_sky(j, &s->sky, true);
         daft_batch *done = points;
         points = next, next = done;

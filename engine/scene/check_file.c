@@ -58,6 +58,42 @@ static void check_maps(const daft_allocator *allocator, const daft_problems *pro
     }
 }
 
+/* What an MTL says of light that passes and that does not go together. */
+static void check_transmission(const daft_problems *problems, const daft_mtl *mtl)
+{
+    daft_material_def def = daft_default_material_def();
+    daft_material_transmit(mtl, &def);
+    bool refracts = mtl->illum == 6 || mtl->illum == 7, glass = mtl->illum == 4 || mtl->illum == 9;
+    if ((refracts || glass) && mtl->has_filter && mtl->filter.x == 0 && mtl->filter.y == 0 && mtl->filter.z == 0)
+        daft_problem_at(problems, DAFT_SEVERITY_WARNING, DAFT_ERROR_ARGUMENT, mtl->file, 0, 0,
+                        "the material '%s' should let light through (illum %d), but its Tf is black", mtl->name, mtl->illum);
+    else if (refracts && def.refractive_index == 1)
+        daft_problem_at(problems, DAFT_SEVERITY_NOTE, DAFT_ERROR_ARGUMENT, mtl->file, 0, 0,
+                        "the material '%s' should bend light (illum %d), but its Ni is 1", mtl->name, mtl->illum);
+    else if (def.transmission == 1 && def.refractive_index == 1)
+        daft_problem_at(problems, DAFT_SEVERITY_WARNING, DAFT_ERROR_ARGUMENT, mtl->file, 0, 0,
+                        "the material '%s' lets all light through: nothing but its highlights is seen", mtl->name);
+}
+
+/* Light that is bent on its way in is bent back on its way out, if there is one. */
+static bool check_solid(const daft_allocator *allocator, const char *path, const daft_problems *problems, const daft_obj *obj,
+                        daft_error *error)
+{
+    bool bends = false;
+    for (size_t i = 0; i < obj->slots.count; i++) {
+        daft_material_def def = daft_default_material_def();
+        daft_material_transmit(&obj->slots.items[i], &def);
+        bends |= def.transmission > 0 && def.refractive_index != 1;
+    }
+    daft_mesh_report report;
+    if (!bends) return true;
+    if (!daft_trimesh_check(allocator, &obj->mesh, NULL, NULL, &report, error)) return false;
+    if (report.open_edges)
+        daft_problem_at(problems, DAFT_SEVERITY_WARNING, DAFT_ERROR_ARGUMENT, path, 0, 0,
+                        "light is bent where it enters, and the mesh is not closed: some may not come out again");
+    return true;
+}
+
 static bool check_obj(daft_engine *engine, const char *path, const daft_problems *problems, daft_error *error)
 {
     daft_obj obj;
@@ -65,8 +101,10 @@ static bool check_obj(daft_engine *engine, const char *path, const daft_problems
     if (!daft_obj_check(&engine->allocator, path, &engine->log, problems, &obj, &why))
         return refuse(problems, &why, error);
     check_maps(&engine->allocator, problems, &obj.slots);
+    for (size_t i = 0; i < obj.slots.count; i++) check_transmission(problems, &obj.slots.items[i]);
+    bool done = check_solid(&engine->allocator, path, problems, &obj, error);
     daft_obj_free(&engine->allocator, &obj);
-    return true;
+    return done;
 }
 
 static bool check_mtl(daft_engine *engine, const char *path, const daft_problems *problems, daft_error *error)
@@ -74,13 +112,15 @@ static bool check_mtl(daft_engine *engine, const char *path, const daft_problems
     daft_mtl_list list = {0};
     daft_error why = {0};
     bool read = daft_mtl_load(&engine->allocator, path, &engine->log, &list, &why);
-    for (size_t i = 0; i < list.count; i++)
+    for (size_t i = 0; i < list.count; i++) {
+        check_transmission(problems, &list.items[i]);
         for (size_t k = 0; k < i; k++)
             if (strcmp(list.items[i].name, list.items[k].name) == 0) {
                 daft_problem_at(problems, DAFT_SEVERITY_WARNING, DAFT_ERROR_SYNTAX, path, 0, 0,
                                 "the material '%s' is there twice: the first counts", list.items[i].name);
                 break;
             }
+    }
     check_maps(&engine->allocator, problems, &list);
     daft_mtl_list_free(&engine->allocator, &list); /* after a failure too: it keeps its room */
     return read || refuse(problems, &why, error);

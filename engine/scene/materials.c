@@ -13,22 +13,36 @@ daft_material_def daft_default_material_def(void)
         .specular = {0.2f, 0.2f, 0.2f},
         .shininess = 30,
         .mirror_tint = {1, 1, 1},
+        .transmission_tint = {1, 1, 1},
+        .refractive_index = 1.5f,
         .map_scale = {1, 1},
     };
 }
 
 static daft_surface surface_from(const daft_material_def *def)
 {
+    float kept = 1 - def->transmission;
     return (daft_surface){
-        .ambient = def->ambient,
-        .diffuse = def->diffuse,
+        .ambient = daft_scale(def->ambient, kept),
+        .diffuse = daft_scale(def->diffuse, kept),
         .specular = def->specular,
         .emission = def->emission,
         .mirror = daft_scale(def->mirror_tint, def->mirror),
+        .through = daft_scale(def->transmission_tint, def->transmission),
+        .transmission = def->transmission,
+        .index = def->refractive_index,
         .shininess = def->shininess,
         .texture = def->diffuse_map.id ? def->diffuse_map.id - 1 : DAFT_NO_TEXTURE,
         .map_scale = def->map_scale,
     };
+}
+
+/* A filter that gave more light than it gets would let light grow without end between two panes. */
+static bool filter_check(daft_vec3 tint, daft_error *error)
+{
+    return daft_check_range(error, "transmission_tint.x", (double)tint.x, 0, 1, "between 0 and 1") &&
+           daft_check_range(error, "transmission_tint.y", (double)tint.y, 0, 1, "between 0 and 1") &&
+           daft_check_range(error, "transmission_tint.z", (double)tint.z, 0, 1, "between 0 and 1");
 }
 
 static bool def_check(const daft_scene *scene, const daft_material_def *def, daft_error *error)
@@ -40,6 +54,10 @@ static bool def_check(const daft_scene *scene, const daft_material_def *def, daf
            daft_check_color(error, "mirror_tint", def->mirror_tint) &&
            daft_check_range(error, "shininess", (double)def->shininess, 0, 1000, "between 0 and 1000") &&
            daft_check_range(error, "mirror", (double)def->mirror, 0, 1, "between 0 and 1") &&
+           daft_check_range(error, "transmission", (double)def->transmission, 0, 1, "between 0 and 1") &&
+           filter_check(def->transmission_tint, error) &&
+           daft_check_range(error, "refractive_index", (double)def->refractive_index, (double)0.001f, 10,
+                            "between 0.001 and 10") &&
            daft_check_finite(error, "map_scale.x", (double)def->map_scale.x) &&
            daft_check_finite(error, "map_scale.y", (double)def->map_scale.y) &&
            daft_texture_check(scene, def->diffuse_map, error);
@@ -103,13 +121,27 @@ static float largest(daft_vec3 v)
     return most > v.z ? most : v.z;
 }
 
-/* MTL's illumination models: 0 and 1 have no highlight, 2 has, 3 and above reflect as well, by Ks's share. */
+/* How much light passes: what d says is missing. Models 6 and 7 ("refraction on") let all of it pass where d says nothing,
+ * 4 and 9 ("glass on") so only where there is a Tf; unless that is black. Other models are seen straight through, and their
+ * Tf, which exporters write without meaning it, is left alone. */
+void daft_material_transmit(const daft_mtl *mtl, daft_material_def *def)
+{
+    bool refracts = mtl->illum == 6 || mtl->illum == 7, glass = mtl->illum == 4 || mtl->illum == 9;
+    def->transmission = 1 - mtl->opacity;
+    def->refractive_index = refracts || glass ? mtl->index : 1;
+    if (!refracts && !glass) return;
+    def->transmission_tint = mtl->filter;
+    if (mtl->opacity == 1 && (refracts || mtl->has_filter) && largest(mtl->filter) > 0) def->transmission = 1;
+}
+
+/* MTL's illumination models: 0 and 1 have no highlight, 2 has, 3 and above reflect as well, by Ks's share. What passes
+ * light is mirrored by Fresnel's equations, and only what does not pass by Ks. */
 static void illuminate(const daft_mtl *mtl, daft_material_def *def)
 {
     def->specular = mtl->illum <= 1 ? daft_v3(0, 0, 0) : mtl->specular;
     float share = mtl->illum >= 3 && mtl->illum <= 9 ? largest(mtl->specular) : 0;
     if (!(share > 0)) return;
-    def->mirror = share < 1 ? share : 1;
+    def->mirror = (share < 1 ? share : 1) * (1 - def->transmission);
     def->mirror_tint = daft_scale(mtl->specular, 1 / share);
 }
 
@@ -120,6 +152,7 @@ daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daf
     def.diffuse = mtl->diffuse;
     def.emission = mtl->emission;
     def.shininess = mtl->shininess < 1000 ? mtl->shininess : 1000;
+    daft_material_transmit(mtl, &def);
     illuminate(mtl, &def);
     if (mtl->diffuse_map[0]) {
         def.diffuse_map = daft_texture_of_map(scene, mtl, error);

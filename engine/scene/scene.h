@@ -158,6 +158,8 @@ uint64_t daft_path_hash(const char *path);
 /* ---- materials.c ---- */
 
 bool daft_material_check(const daft_scene *scene, daft_material material, daft_error *error);
+/* Fills the members of the definition that say how light passes. */
+void daft_material_transmit(const daft_mtl *mtl, daft_material_def *def);
 /* The material of an MTL entry. 0 on failure. */
 daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daft_error *error);
 

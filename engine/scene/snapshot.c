@@ -103,10 +103,25 @@ static bool seen_from_outside(const daft_entity_item *item, const daft_instance 
            (fabsf(camera[0]) > half * size.x || fabsf(camera[1]) > half * size.y || fabsf(camera[2]) > half * size.z);
 }
 
-static uint32_t flags_of(const daft_entity_item *item, const daft_instance *instance)
+/* A shadow is whole as long as some material lets no light pass, and none where all let all of it pass. */
+static uint32_t shadow_of(const daft_scene *scene, const daft_instance *instance)
 {
-    uint32_t shadow = item->def.casts_shadow ? DAFT_INSTANCE_CASTS_SHADOW : 0;
-    return shadow | (seen_from_outside(item, instance) ? DAFT_INSTANCE_CONVEX : 0);
+    uint32_t slots = instance->mesh && instance->mesh->slot_count ? instance->mesh->slot_count : 1;
+    bool dims = false;
+    for (uint32_t i = 0; i < slots; i++) {
+        const daft_surface *surface = &scene->assets.surfaces[instance->materials[i]];
+        if (surface->transmission == 0) return DAFT_INSTANCE_CASTS_SHADOW;
+        dims |= surface->through.x < 1 || surface->through.y < 1 || surface->through.z < 1;
+    }
+    return dims ? DAFT_INSTANCE_TINTS_SHADOW : 0;
+}
+
+/* Light comes to the inner side of what transmits: its points may lie in its own shadow. */
+static uint32_t flags_of(const daft_scene *scene, const daft_entity_item *item, const daft_instance *instance)
+{
+    uint32_t shadow = shadow_of(scene, instance);
+    bool convex = shadow == DAFT_INSTANCE_CASTS_SHADOW && seen_from_outside(item, instance);
+    return (item->def.casts_shadow ? shadow : 0) | (convex ? DAFT_INSTANCE_CONVEX : 0);
 }
 
 static void warn_once(daft_scene *scene, daft_entity_item *item, uint32_t id)
@@ -138,10 +153,11 @@ static bool add_instance(daft_scene *scene, uint32_t index, daft_dvec3 origin, f
         warn_once(scene, item, instance->entity);
         return true;
     }
-    instance->flags = flags_of(item, instance);
     instance->materials = materials_of(item, shape, arena);
+    if (!instance->materials) return false;
+    instance->flags = flags_of(scene, item, instance);
     ++*count;
-    return instance->materials != NULL;
+    return true;
 }
 
 bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,

@@ -47,7 +47,7 @@ DAFT_INLINE void add_scaled(vf3 *sum, vf3 color, vf scale)
 }
 
 static void add_lamp(daft_batch *batch, const daft_surface *materials, const daft_lamp *lamp,
-                     const uint32_t lit[DAFT_BATCH_WORDS])
+                     const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *passed)
 {
     vf zero = vf_set(0), two = vf_set(2);
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
@@ -62,6 +62,10 @@ static void add_lamp(daft_batch *batch, const daft_surface *materials, const daf
         vf mirrored = two * cosine * vf3_dot(n, view) - vf3_dot(l, view);
         vf power = vf_pow(vf_clamp01(mirrored), MATERIAL_WORD(&m, shininess));
         add_scaled(&sum, specular, vf_select(vf_lt(zero, mirrored), power, zero));
+        if (passed) {
+            vf3 share = lanes_load(passed, i);
+            sum = (vf3){sum.x * share.x, sum.y * share.y, sum.z * share.z};
+        }
         vm mask = vm_from_bits(bits);
         vf3 light = lanes_load(&batch->light, i);
         light.x = light.x + vf_select(mask, sum.x * vf_set(lamp->color.x), zero);

@@ -11,7 +11,11 @@
 
 /* A material as the kernels read it: words in this order, gathered by their number. */
 typedef struct daft_surface {
-    daft_vec3 ambient, diffuse, specular, emission, mirror; /* mirror: share times tint */
+    daft_vec3 ambient, diffuse; /* what is not transmitted of them */
+    daft_vec3 specular, emission;
+    daft_vec3 mirror; /* share times tint */
+    daft_vec3 through; /* transmission times its tint */
+    float transmission, index;
     float shininess;
     uint32_t texture; /* index into the snapshot's textures, or DAFT_NO_TEXTURE */
     daft_vec2 map_scale;
@@ -71,9 +75,10 @@ typedef struct daft_shade_kernels {
     void (*ambient)(daft_batch *batch, const daft_surface *materials, daft_vec3 ambient);
     /* Sets the bits of the points that the lamp could light (it is on the side the normals face); gives their number. */
     uint32_t (*facing)(const daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS]);
-    /* Adds Lambert and Phong of one lamp for the points whose bits are set. */
+    /* Adds Lambert and Phong of one lamp for the points whose bits are set; of its light the share `passed` arrives, or
+     * all of it where that is NULL. */
     void (*lamp)(daft_batch *batch, const daft_surface *materials, const daft_lamp *lamp,
-                 const uint32_t lit[DAFT_BATCH_WORDS]);
+                 const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *passed);
     /* The sky's colour in `count` directions of any length. */
     void (*sky)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
     /* `count` pixels from linear light to sRGB bytes with alpha 255. */

@@ -9,7 +9,8 @@
 #include <string.h>
 
 static const char *const FIELDS[] = {"color",     "texture", "texture_scale", "ambient", "specular",
-                                     "shininess", "mirror",  "mirror_tint",   "emission"};
+                                     "shininess", "mirror",  "mirror_tint",   "emission",
+                                     "transmission", "transmission_tint", "refractive_index"};
 
 /* Registry key of the table from a material's description to its handle. */
 static const char MATERIALS_KEY;
@@ -132,6 +133,9 @@ static void read_material(lua_State *L, host *h, int table, daft_material_def *d
     if (api_field(L, table, "shininess")) def->shininess = share(L, h, "shininess", 1000);
     if (api_field(L, table, "mirror")) def->mirror = share(L, h, "mirror", 1);
     if (api_field(L, table, "mirror_tint")) def->mirror_tint = api_color(L, h, -1, "mirror_tint");
+    if (api_field(L, table, "transmission")) def->transmission = share(L, h, "transmission", 1);
+    if (api_field(L, table, "transmission_tint")) def->transmission_tint = api_color(L, h, -1, "transmission_tint");
+    if (api_field(L, table, "refractive_index")) def->refractive_index = api_float(L, h, -1, "refractive_index");
     if (api_field(L, table, "emission")) def->emission = color_or_number(L, h, "emission");
     lua_settop(L, top);
 }
@@ -173,11 +177,13 @@ static void keep_shared(lua_State *L, const char *key, size_t length, daft_mater
 static daft_material shared_material(lua_State *L, host *h, const daft_material_def *def)
 {
     /* Field by field: the bytes between fields are not defined. */
-    float key[20] = {def->ambient.x,  def->ambient.y,     def->ambient.z,     def->diffuse.x,     def->diffuse.y,
+    float key[25] = {def->ambient.x,  def->ambient.y,     def->ambient.z,     def->diffuse.x,     def->diffuse.y,
                      def->diffuse.z,  def->specular.x,    def->specular.y,    def->specular.z,    def->shininess,
                      def->mirror,     def->mirror_tint.x, def->mirror_tint.y, def->mirror_tint.z, def->emission.x,
-                     def->emission.y, def->emission.z,    def->map_scale.x,   def->map_scale.y,   0};
-    memcpy(&key[19], &def->diffuse_map.id, sizeof key[19]);
+                     def->emission.y, def->emission.z,    def->map_scale.x,   def->map_scale.y,   def->transmission,
+                     def->transmission_tint.x, def->transmission_tint.y, def->transmission_tint.z,
+                     def->refractive_index, 0};
+    memcpy(&key[24], &def->diffuse_map.id, sizeof key[24]);
     daft_material material;
     if (find_shared(L, (const char *)key, sizeof key, &material)) return material;
     material = create(L, h, def);
@@ -360,7 +366,8 @@ static const api_function FUNCTIONS[] = {
     {"material", "{...} -> material",
      "color = \"#rrggbb\" or {r, g, b}, texture = \"checker\" (an image in the game's folder or textures/),\n"
      "texture_scale = repeats or {u, v}, specular = colour or number, shininess = 0 to 1000,\n"
-     "mirror = 0 to 1, mirror_tint = colour, emission = colour or number, ambient = colour or number.\n"
+     "mirror = 0 to 1, mirror_tint = colour, emission = colour or number, ambient = colour or number,\n"
+     "transmission = 0 to 1, transmission_tint = colour, refractive_index = 1.5 (glass), 1.33 (water), 1 (no bending).\n"
      "Or \"file.mtl#name\". Where a material is wanted, such a table, a texture's name or a colour do too.",
      new_material, API_CHANGES},
     {"material:set", "{...}", "Changes what the table names, for everything that has this material.", set_material,

@@ -135,6 +135,8 @@ static void make_material(player *p)
     if (kind & 4) def.specular = color(p), def.shininess = single_number(p);
     if (kind & 8) def.emission = color(p);
     if (kind & 16) def.mirror_tint = color(p), def.ambient = color(p);
+    if (kind & 32) def.transmission = kind & 64 ? 1 : single_number(p), def.transmission_tint = color(p);
+    if (kind & 128) def.refractive_index = single_number(p);
     daft_material made = {0};
     if (p->material_count < MATERIALS - 1) made = daft_material_create(p->scene, &def, NULL);
     if (made.id)

@@ -35,7 +35,8 @@ local function entities()
     child:visible(false)
     assert(child:visible() == false)
     child:material { color = { 1, 0, 0 }, texture = "checker", texture_scale = { 2, 3 }, shininess = 20, specular = 0.4,
-        emission = "#111", ambient = 0.5, mirror_tint = "#ffffff" }
+        emission = "#111", ambient = 0.5, mirror_tint = "#ffffff", transmission = 0.5, transmission_tint = "#cfc",
+        refractive_index = 1.33 }
     child:destroy()
     assert(not child:valid())
     expect_error("stale", child.position, child)
@@ -94,6 +95,9 @@ local function materials()
     e:material("checker")
     expect_error("there is no texture 'cheker': did you mean 'checker'?", e.material, e, "cheker")
     expect_error("mirror: number from 0 to 1 expected, got the number 2", daft.material, { mirror = 2 })
+    expect_error("transmission: number from 0 to 1 expected, got the number 2", daft.material, { transmission = 2 })
+    expect_error("refractive_index is 0; it must be between 0.001 and 10", daft.material, { refractive_index = 0 })
+    expect_error("transmission_tint.x is 2; it must be between 0 and 1", daft.material, { transmission_tint = { 2, 0, 0 } })
     expect_error("\"#rgb\", \"#rrggbb\" or {r, g, b} expected, got the string '#12345'", daft.material, { color = "#12345" })
     local mesh = daft.mesh { positions = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } },
         uvs = { { 0, 0 }, { 1, 0 }, { 0, 1 } } }

@@ -17,7 +17,8 @@ local values = { 0, 1, -1, 1.5, 1e300, -1e300, 1e-300, NAN, HUGE, -HUGE, math.ma
 local fields = { "mesh", "sphere", "box", "position", "rotation", "scale", "material", "parent", "visible", "casts_shadow",
     "body", "density", "mass", "friction", "restitution", "rolling_resistance", "velocity", "angular_velocity", "name", "data",
     "direction", "color", "shadow", "from", "at", "fov", "teleport", "yaw", "pitch", "roll", "texture", "texture_scale", "ambient",
-    "specular", "shininess", "mirror", "mirror_tint", "emission", "size", "align", "positions", "normals", "uvs", "triangles" }
+    "specular", "shininess", "mirror", "mirror_tint", "transmission", "transmission_tint",
+    "refractive_index", "emission", "size", "align", "positions", "normals", "uvs", "triangles" }
 
 local functions = {}
 local leave_out = { quit = true, restart = true, load = true, update = true, draw = true }
