@@ -112,9 +112,9 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     frame->pencil = (daft_pencil){s->right, s->up, s->forward, s->focal, s->width, s->height, s->intersection, 0, 0};
     sample_shift(s->samples, frame->sample, &frame->pencil.shift_x, &frame->pencil.shift_y);
     if (!daft_raster_begin(&r->raster, &frame->pencil, s->instances, s->instance_count, error)) return false;
-    if (!prepare_refractions(frame, error)) return false;
     daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
     if (out_of_memory(r)) return daft_fail_memory(error, "the visible triangles");
+    if (!prepare_refractions(frame, error)) return false;
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
     frame->tile_count = (uint32_t)(r->raster.tiles_x * r->raster.tiles_y);
     daft_parallel_for(r->threads, frame->tile_count, daft_render_tile, frame);

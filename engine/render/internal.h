@@ -68,7 +68,7 @@ typedef struct daft_frame {
 
 /* plan.c */
 daft_plan daft_plan_make(const daft_snapshot *snapshot);
-/* Whether what the pencil may see (the instances that it did not cull) transmits, or shows in a mirror what may. */
+/* Whether what the pencil may see (the instances in its bins) transmits, or shows in a mirror what may. */
 bool daft_plan_may_refract(const daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster);
 /* shaft.c: the instances with that flag whose bounds may lie between the points whose bits are set and the lamp. UINT32_MAX:
  * more than `capacity`. */

@@ -82,8 +82,9 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
 
 bool daft_plan_may_refract(const daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster)
 {
-    for (size_t i = 0; plan->refractions && i < raster->seen_count; i++) {
+    for (uint32_t i = 0; plan->refractions && i < raster->instance_count; i++) {
         const daft_instance *instance = raster->seen[i].instance;
+        if (!instance) continue;
         if (has(snapshot, instance, transmits) || (plan->reflections && has(snapshot, instance, mirrors))) return true;
     }
     return false;
