@@ -206,6 +206,18 @@ DAFT_INLINE void vf_store_rows(float *p, int stride, vf v)
 #endif
 }
 
+/* The lanes of a mask, side by side; up to DAFT_VL numbers from `out` on may be written. */
+DAFT_INLINE void vf_compress(float *out, vbits lanes, vf v)
+{
+#if defined(DAFT_ISA_avx512)
+    vf_store(out, (vf)_mm512_maskz_compress_ps((__mmask16)lanes, (__m512)v));
+#else
+    float all[DAFT_VL];
+    vf_store(all, v);
+    for (; lanes; lanes &= lanes - 1) *out++ = all[__builtin_ctz(lanes)];
+#endif
+}
+
 typedef struct vf3 {
     vf x, y, z;
 } vf3;
@@ -262,6 +274,11 @@ DAFT_INLINE uint32_t v8_le_bits(v8 a, v8 b)
 }
 #endif
 #endif
+
+typedef int32_t v8i_unaligned __attribute__((vector_size(32), aligned(4), may_alias));
+DAFT_INLINE v8i v8i_load(const void *p) { return *(const v8i_unaligned *)p; }
+/* One bit for each lane of a comparison. */
+DAFT_INLINE uint32_t v8i_bits(v8i mask) { return v8_le_bits((v8)(mask & 0x3f800000), v8_set(0)) ^ 0xff; }
 
 /* ---- 4 lanes ---- */
 

@@ -177,7 +177,7 @@ static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
         vbits unsure = ~vm_bits(vf_lt(sure, least));
         for (; lanes; lanes &= lanes - 1) {
             int i = __builtin_ctz(lanes), at = place[i];
-            const thing t = {b->seen, b->block[i / DAFT_BLOCK]->triangle[i % DAFT_BLOCK]};
+            const thing t = {&j->raster->seen[b->instance[i]], b->triangle[i]};
             if ((unsure >> i & 1) && !lane_hit(j, at, &t)) continue;
             lane_offer(j, at, &t, low[i], high_w[i]);
             j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
@@ -190,7 +190,7 @@ void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
 {
     for (vbits live = b->live & ~draw_tiny(j, b); live; live &= live - 1) {
         int i = __builtin_ctz(live);
-        const thing t = {b->seen, b->block[i / DAFT_BLOCK]->triangle[i % DAFT_BLOCK]};
+        const thing t = {&j->raster->seen[b->instance[i]], b->triangle[i]};
         if (b->covers >> i & 1)
             draw_covering(j, b, i, &t);
         else

@@ -36,21 +36,34 @@ typedef struct daft_tile_job {
     _Alignas(64) float w_high[DAFT_TILE_ROOM];
 } daft_tile_job;
 
-/* Up to DAFT_VL triangles of one instance, set up. Edge k is opposite corner k. */
+/* Triangles whose screen boxes hold some ray of the tile, waiting until there are enough to be set up. */
+enum { DAFT_WAITING_ROOM = 2 * DAFT_VL };
+typedef struct daft_waiting {
+    uint32_t count;
+    float corner[9][DAFT_WAITING_ROOM]; /* x, y, z of corner 0, then of 1 and 2, in camera space */
+    float nearest[DAFT_WAITING_ROOM];   /* the largest w; infinite where a corner is not in front */
+    float x0[DAFT_WAITING_ROOM], x1[DAFT_WAITING_ROOM], y0[DAFT_WAITING_ROOM], y1[DAFT_WAITING_ROOM]; /* pixels of the tile */
+    uint32_t instance[DAFT_WAITING_ROOM], triangle[DAFT_WAITING_ROOM];
+} daft_waiting;
+
+/* Up to DAFT_VL triangles, set up. Edge k is opposite corner k. */
 typedef struct daft_pencil_batch {
-    const daft_seen *seen;
-    const daft_block *block[DAFT_BATCH_BLOCKS];
     vbits live, covers;                                   /* lanes that may be hit; that every ray of the tile hits */
     float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL]; /* over the bound of e; nz times the focal length */
     float wx[DAFT_VL], wy[DAFT_VL], wz[DAFT_VL];          /* w = wx·dx + wy·dy + wz */
     float error[DAFT_VL], w_cap[DAFT_VL];
     int32_t x0[DAFT_VL], x1[DAFT_VL], y0[DAFT_VL], y1[DAFT_VL]; /* pixels of the tile */
+    uint32_t instance[DAFT_VL], triangle[DAFT_VL];
 } daft_pencil_batch;
 
-/* setup_kernel.c: fills the batch from `count` of its blocks. False: nothing of them is to be drawn. */
-bool DAFT_KERNEL(daft_batch_setup)(const daft_tile_job *job, daft_pencil_batch *batch, uint32_t count);
-/* The candidate boxes of its blocks' triangles, by the triangles' numbers. */
-void DAFT_KERNEL(daft_batch_boxes)(const daft_tile_job *job, daft_pencil_batch *batch, uint32_t count,
+/* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks of one instance. True: many of their triangles may be seen and make a batch.
+ * False: few, and those wait for others. */
+bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
+                                    daft_waiting *waiting, daft_pencil_batch *batch);
+/* A batch from the last of those waiting. False: nothing of them is to be drawn. */
+bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *from, daft_pencil_batch *batch);
+/* The candidate boxes of one block's triangles, by the triangles' numbers. */
+void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *seen, const daft_block *block,
                                    daft_screen_box *out);
 /* draw_kernel.c */
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);

@@ -22,12 +22,19 @@
 
 /* ---- projection ---- */
 
-/* One axis of one corner of the batch's blocks, side by side. */
-DAFT_INLINE vf blocks_load(const daft_pencil_batch *b, int corner, int axis)
+/* One axis of one corner of the blocks, side by side. */
+DAFT_INLINE vf blocks_load(const daft_block **blocks, int corner, int axis)
 {
     const float *four[DAFT_BATCH_BLOCKS];
-    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) four[i] = b->block[i]->corner[corner][axis];
+    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) four[i] = blocks[i]->corner[corner][axis];
     return vf_gather_rows(four);
+}
+
+DAFT_INLINE vi blocks_triangles(const daft_block **blocks)
+{
+    const float *four[DAFT_BATCH_BLOCKS];
+    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) four[i] = (const float *)(const void *)blocks[i]->triangle;
+    return (vi)vf_gather_rows(four);
 }
 
 /* The same operations in the same order as daft_affine_point. */
@@ -58,14 +65,14 @@ DAFT_INLINE vm pixel_span(vf low, vf high, float last, vf *first, vf *end)
     return vm_and(vf_le(zero, b), vf_le(*first, *end));
 }
 
-DAFT_INLINE void project(const daft_tile_job *job, const daft_pencil_batch *batch, lanes *l)
+DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, lanes *l)
 {
     vf zero = vf_set(0), focal = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
     vf left = vf_set(job->left), top = vf_set(job->top);
     vf x0 = inf, x1 = -inf, y0 = inf, y1 = -inf, least = inf, most = -inf;
     for (int k = 0; k < 3; k++) {
-        vf3 p = {blocks_load(batch, k, 0), blocks_load(batch, k, 1), blocks_load(batch, k, 2)};
-        vf3 c = l->corner[k] = move(&batch->seen->to_camera, p);
+        vf3 p = {blocks_load(blocks, k, 0), blocks_load(blocks, k, 1), blocks_load(blocks, k, 2)};
+        vf3 c = l->corner[k] = move(&seen->to_camera, p);
         vf scale = focal / c.z, x = c.x * scale - left, y = top - c.y * scale;
         x0 = vf_min(x, x0), x1 = vf_max(x, x1), y0 = vf_min(y, y0), y1 = vf_max(y, y1);
         least = vf_min(c.z, least), most = vf_max(c.z, most);
@@ -80,32 +87,17 @@ DAFT_INLINE void project(const daft_tile_job *job, const daft_pencil_batch *batc
     l->some = vm_bits(some);
 }
 
-/* Lanes of the first `count` blocks that hold a triangle. */
-DAFT_INLINE vbits blocks_used(const daft_pencil_batch *b, uint32_t count)
-{
-    const float *four[DAFT_BATCH_BLOCKS];
-    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) four[i] = (const float *)(const void *)b->block[i]->triangle;
-    return ~vm_bits(vi_eq((vi)vf_gather_rows(four), vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(count * DAFT_BLOCK));
-}
-
-/* Places without a block take the first, so that nothing is computed from what is not there. */
-DAFT_INLINE void fill_up(daft_pencil_batch *b, uint32_t count)
-{
-    for (uint32_t i = 1; i < DAFT_BATCH_BLOCKS; i++)
-        if (i >= count) b->block[i] = b->block[0];
-}
-
-void DAFT_KERNEL(daft_batch_boxes)(const daft_tile_job *job, daft_pencil_batch *batch, uint32_t count,
+void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *seen, const daft_block *block,
                                    daft_screen_box *out)
 {
+    const daft_block *blocks[DAFT_BATCH_BLOCKS];
     lanes l;
-    fill_up(batch, count);
-    project(job, batch, &l);
-    for (vbits used = blocks_used(batch, count); used; used &= used - 1) {
-        int i = __builtin_ctz(used);
-        uint32_t triangle = batch->block[i / DAFT_BLOCK]->triangle[i % DAFT_BLOCK];
-        out[triangle] = l.some >> i & 1 ? (daft_screen_box){(int16_t)l.x0[i], (int16_t)l.x1[i], (int16_t)l.y0[i], (int16_t)l.y1[i]}
-                                        : (daft_screen_box){1, 0, 1, 0};
+    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) blocks[i] = block;
+    project(job, seen, blocks, &l);
+    for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
+        daft_screen_box box = {(int16_t)l.x0[i], (int16_t)l.x1[i], (int16_t)l.y0[i], (int16_t)l.y1[i]};
+        if (block->triangle[i] == DAFT_NO_TRIANGLE) continue;
+        out[block->triangle[i]] = l.some >> i & 1 ? box : (daft_screen_box){1, 0, 1, 0};
     }
 }
 
@@ -135,9 +127,9 @@ DAFT_INLINE vf edge_bound(const edge *e, vf dx, vf dy, vf dz)
     return vf_set(9 * UNIT) * (e->mx * dx + e->my * dy + e->mz * dz) + vf_set(TINY);
 }
 
-static uint32_t lane_triangle(const daft_pencil_batch *b, int i)
+static void lane_corners(const daft_tile_job *job, const daft_pencil_batch *b, int i, daft_vec3 corner[3])
 {
-    return b->block[i / DAFT_BLOCK]->triangle[i % DAFT_BLOCK];
+    daft_seen_corners(&job->raster->seen[b->instance[i]], b->triangle[i], corner);
 }
 
 /* Sign bits that turn the edges so that inside is positive; lanes seen edge-on drop out of *live. */
@@ -150,7 +142,7 @@ DAFT_INLINE vi facing(const daft_tile_job *job, const daft_pencil_batch *b, cons
     for (; unsure; unsure &= unsure - 1) {
         int i = __builtin_ctz(unsure);
         daft_vec3 corner[3];
-        daft_seen_corners(b->seen, lane_triangle(b, i), corner);
+        lane_corners(job, b, i, corner);
         int exact = daft_det_sign(corner[0], corner[1], corner[2]);
         if (exact == 0) *live &= ~((vbits)1 << i);
         sign[i] = exact < 0 ? INT32_MIN : 0;
@@ -193,7 +185,7 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, daft_pencil_batch *b, con
 static void depth_setup_double(const daft_tile_job *job, daft_pencil_batch *b, int i)
 {
     daft_vec3 corner[3];
-    daft_seen_corners(b->seen, lane_triangle(b, i), corner);
+    lane_corners(job, b, i, corner);
     double f = (double)job->raster->pencil.focal, dx = (double)job->max_dx, dy = (double)job->max_dy;
     daft_dvec3 a = daft_to_double(corner[0]), p = daft_dsub(daft_to_double(corner[1]), a),
                q = daft_dsub(daft_to_double(corner[2]), a), n = daft_dcross(p, q);
@@ -232,21 +224,75 @@ DAFT_INLINE void depth_setup(const daft_tile_job *job, daft_pencil_batch *b, con
         depth_setup_double(job, b, __builtin_ctz(coarse));
 }
 
-bool DAFT_KERNEL(daft_batch_setup)(const daft_tile_job *job, daft_pencil_batch *batch, uint32_t count)
+/* ---- batches ---- */
+
+DAFT_INLINE bool set_up(const daft_tile_job *job, const lanes *l, vbits live, daft_pencil_batch *batch)
 {
-    lanes l;
-    fill_up(batch, count);
-    vbits live = blocks_used(batch, count);
-    job->counters->tested += (uint64_t)__builtin_popcount(live);
-    project(job, batch, &l);
-    live &= l.some;
+    edges_setup(job, batch, l, &live);
     if (!live) return false;
-    edges_setup(job, batch, &l, &live);
-    if (!live) return false;
-    depth_setup(job, batch, &l, live);
-    vi_store(batch->x0, vi_truncate(l.x0)), vi_store(batch->x1, vi_truncate(l.x1));
-    vi_store(batch->y0, vi_truncate(l.y0)), vi_store(batch->y1, vi_truncate(l.y1));
+    depth_setup(job, batch, l, live);
+    vi_store(batch->x0, vi_truncate(l->x0)), vi_store(batch->x1, vi_truncate(l->x1));
+    vi_store(batch->y0, vi_truncate(l->y0)), vi_store(batch->y1, vi_truncate(l->y1));
     batch->live = live;
     job->counters->binned += (uint64_t)__builtin_popcount(live);
     return true;
+}
+
+static void keep(daft_waiting *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
+{
+    uint32_t at = out->count;
+    for (int k = 0; k < 3; k++) {
+        vf_compress(&out->corner[3 * k][at], some, l->corner[k].x);
+        vf_compress(&out->corner[3 * k + 1][at], some, l->corner[k].y);
+        vf_compress(&out->corner[3 * k + 2][at], some, l->corner[k].z);
+    }
+    vf_compress(&out->x0[at], some, l->x0), vf_compress(&out->x1[at], some, l->x1);
+    vf_compress(&out->y0[at], some, l->y0), vf_compress(&out->y1[at], some, l->y1);
+    vf_compress(&out->nearest[at], some, l->nearest);
+    vf_compress((float *)(void *)&out->triangle[at], some, (vf)triangle);
+    vi_store(&out->instance[at], vi_set((int32_t)instance));
+    out->count += (uint32_t)__builtin_popcount(some);
+}
+
+/* Lanes that cover little: what is behind them waits for nobody. */
+DAFT_INLINE vbits small(const lanes *l)
+{
+    vf two = vf_set(2);
+    return vm_bits(vm_and(vf_le(l->x1 - l->x0, two), vf_le(l->y1 - l->y0, two)));
+}
+
+bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
+                                    daft_waiting *waiting, daft_pencil_batch *batch)
+{
+    lanes l;
+    for (uint32_t i = 1; i < DAFT_BATCH_BLOCKS; i++)
+        if (i >= count) blocks[i] = blocks[0]; /* nothing is computed from what is not there */
+    vi triangle = blocks_triangles(blocks);
+    vbits used = ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(count * DAFT_BLOCK));
+    project(job, seen, blocks, &l);
+    job->counters->tested += (uint64_t)__builtin_popcount(used);
+    used &= l.some;
+    if (!used) return false;
+    if (__builtin_popcount(used) <= DAFT_VL / 2 && !(used & ~small(&l))) {
+        keep(waiting, &l, used, seen->index, triangle);
+        return false;
+    }
+    vi_store(batch->instance, vi_set((int32_t)seen->index));
+    vi_store(batch->triangle, triangle);
+    return set_up(job, &l, used, batch);
+}
+
+bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *from, daft_pencil_batch *batch)
+{
+    lanes l;
+    uint32_t count = daft_min_u(from->count, DAFT_VL), at = from->count - count;
+    for (int k = 0; k < 3; k++)
+        l.corner[k] = (vf3){vf_load(&from->corner[3 * k][at]), vf_load(&from->corner[3 * k + 1][at]), vf_load(&from->corner[3 * k + 2][at])};
+    l.x0 = vf_load(&from->x0[at]), l.x1 = vf_load(&from->x1[at]);
+    l.y0 = vf_load(&from->y0[at]), l.y1 = vf_load(&from->y1[at]);
+    l.nearest = vf_load(&from->nearest[at]);
+    vi_store(batch->instance, vi_load(&from->instance[at]));
+    vi_store(batch->triangle, vi_load(&from->triangle[at]));
+    from->count = at;
+    return set_up(job, &l, vbits_first((int)count), batch);
 }

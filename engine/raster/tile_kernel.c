@@ -8,17 +8,18 @@
 typedef struct visit {
     uint32_t child;
     float nearest;          /* no w in it is larger */
-    uint8_t x0, x1, y0, y1; /* cells */
+    uint8_t x0, x1, y0, y1; /* pixels of the tile */
 } visit;
 
 /* An instance's map to the tile: x and y come out in pixels times z. */
 typedef struct walk {
     daft_tile_job *job;
+    daft_waiting *waiting;
     const daft_seen *seen;
     float m[9], t[3];
     float pad[3]; /* over the error of a moved vertex */
-    daft_pencil_batch batch;
-    uint32_t blocks; /* in the batch */
+    const daft_block *blocks[DAFT_BATCH_BLOCKS];
+    uint32_t block_count;
 } walk;
 
 /* ---- what is hidden ---- */
@@ -32,12 +33,19 @@ static void refresh_cell(daft_tile_job *j, uint32_t x, uint32_t y)
     j->farthest[y][x] = a < b ? a : b;
 }
 
-/* Whether all pixels of the cells see something nearer than the visit's w. */
+/* Whether all pixels of a visit see something nearer: by the pixels themselves where they are few. */
 DAFT_INLINE bool hidden(daft_tile_job *j, const visit *v)
 {
     v8 nearest = v8_set(v->nearest);
-    uint32_t columns = (2u << v->x1) - (1u << v->x0);
-    for (uint32_t y = v->y0; y <= v->y1; y++) {
+    uint32_t width = (uint32_t)(v->x1 - v->x0), height = (uint32_t)(v->y1 - v->y0);
+    if (width < 8 && height < 8) {
+        const float *w = &j->w_low[v->y0 * DAFT_TILE_STRIDE + v->x0];
+        uint32_t columns = (2u << width) - 1, open = 0;
+        for (uint32_t y = 0; y <= height; y++) open |= v8_le_bits(v8_load(w + y * DAFT_TILE_STRIDE), nearest);
+        return !(open & columns);
+    }
+    uint32_t columns = (2u << v->x1 / DAFT_CELL) - (1u << v->x0 / DAFT_CELL), last = v->y1 / DAFT_CELL;
+    for (uint32_t y = v->y0 / DAFT_CELL; y <= last; y++) {
         uint32_t open = v8_le_bits(v8_load(j->farthest[y]), nearest) & columns;
         if (!open) continue;
         if (open & ~j->stale[y]) return false;
@@ -50,23 +58,32 @@ DAFT_INLINE bool hidden(daft_tile_job *j, const visit *v)
 
 /* ---- a mesh ---- */
 
-static void flush(walk *w)
+static void draw_waiting(daft_tile_job *job, daft_waiting *waiting)
 {
-    if (w->blocks && DAFT_KERNEL(daft_batch_setup)(w->job, &w->batch, w->blocks))
-        DAFT_KERNEL(daft_batch_draw)(w->job, &w->batch);
-    w->blocks = 0;
+    daft_pencil_batch batch;
+    if (DAFT_KERNEL(daft_waiting_setup)(job, waiting, &batch)) DAFT_KERNEL(daft_batch_draw)(job, &batch);
+}
+
+static void draw_blocks(walk *w)
+{
+    daft_pencil_batch batch;
+    if (!w->block_count) return;
+    if (DAFT_KERNEL(daft_blocks_setup)(w->job, w->seen, w->blocks, w->block_count, w->waiting, &batch))
+        DAFT_KERNEL(daft_batch_draw)(w->job, &batch);
+    w->block_count = 0;
+    if (w->waiting->count >= DAFT_VL) draw_waiting(w->job, w->waiting);
 }
 
 static void add_leaf(walk *w, uint32_t child)
 {
     const daft_block *block = &w->seen->instance->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     for (uint32_t count = (child & 3) + 1; count; count--) {
-        w->batch.block[w->blocks++] = block++;
-        if (w->blocks == DAFT_BATCH_BLOCKS) flush(w);
+        w->blocks[w->block_count++] = block++;
+        if (w->block_count == DAFT_BATCH_BLOCKS) draw_blocks(w);
     }
 }
 
-/* A node's children in the tile: cells and the largest w. */
+/* A node's children in the tile: pixels and the largest w. */
 typedef struct boxes {
     v8i x0, x1, y0, y1;
     v8 nearest;
@@ -110,21 +127,19 @@ DAFT_INLINE boxes children(const walk *w, const daft_node *node)
     boxes b;
     uint32_t x = box_span(low[0], high[0], inverse_near, inverse_far, front, w->job->last_x, &b.x0, &b.x1);
     uint32_t y = box_span(low[1], high[1], inverse_near, inverse_far, front, w->job->last_y, &b.y0, &b.y1);
-    uint32_t empty = 0;
-    for (int i = 0; i < DAFT_WIDTH; i++) empty |= (uint32_t)(node->child[i] == DAFT_CHILD_NONE) << i;
-    b.some = x & y & ~v8_le_bits(high[2], zero) & ~empty;
-    b.x0 /= DAFT_CELL, b.x1 /= DAFT_CELL, b.y0 /= DAFT_CELL, b.y1 /= DAFT_CELL;
+    v8i empty = v8i_load(node->child) == (int32_t)DAFT_CHILD_NONE;
+    b.some = x & y & ~v8_le_bits(high[2], zero) & ~v8i_bits(empty);
     b.nearest = pick(front, inverse_near * (1 + 0x1p-20f), v8_set(INFINITY));
     return b;
 }
 
-/* What a visit will read first. */
+/* What a visit will read: trees of large meshes do not stay in the nearer caches. */
 DAFT_INLINE void prefetch(const daft_bvh *bvh, uint32_t child)
 {
-    const char *at = child & DAFT_CHILD_LEAF ? (const char *)&bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2]
-                                             : (const char *)&bvh->nodes.items[child];
-    size_t bytes = child & DAFT_CHILD_LEAF ? ((child & 3) + 1) * sizeof(daft_block) : sizeof(daft_node);
-    for (size_t i = 0; i < bytes; i += 64) __builtin_prefetch(at + i);
+    bool leaf = child & DAFT_CHILD_LEAF;
+    const char *at = leaf ? (const char *)&bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2] : (const char *)&bvh->nodes.items[child];
+    const char *end = at + (leaf ? ((child & 3) + 1) * sizeof(daft_block) : sizeof(daft_node));
+    for (; at < end; at += 64) __builtin_prefetch(at);
 }
 
 /* Pushes the children that may be seen, the nearest last. */
@@ -145,11 +160,11 @@ static int push_children(walk *w, const daft_node *node, visit *stack, int top)
     return top;
 }
 
-static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen)
+static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
 {
     const daft_affine *map = &seen->to_camera;
     const float *low = &seen->instance->mesh->low.x, *high = &seen->instance->mesh->high.x, focal = job->raster->pencil.focal;
-    w->job = job, w->seen = w->batch.seen = seen, w->blocks = 0;
+    w->job = job, w->seen = seen, w->waiting = waiting, w->block_count = 0;
     for (int k = 0; k < 3; k++) {
         float size = fabsf(map->t[k]);
         for (int i = 0; i < 3; i++) size += fabsf(map->m[3 * k + i]) * fmaxf(fabsf(low[i]), fabsf(high[i]));
@@ -168,12 +183,12 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen)
     w->pad[1] = w->pad[1] * focal + w->pad[2] * fabsf(job->top);
 }
 
-static void draw_mesh(daft_tile_job *job, const daft_seen *seen)
+static void draw_mesh(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
 {
     walk w;
     visit stack[DAFT_STACK];
     const daft_bvh *bvh = seen->instance->bvh;
-    walk_begin(&w, job, seen);
+    walk_begin(&w, job, seen, waiting);
     int top = push_children(&w, &bvh->nodes.items[0], stack, 0);
     while (top) {
         visit v = stack[--top];
@@ -183,21 +198,21 @@ static void draw_mesh(daft_tile_job *job, const daft_seen *seen)
         else
             top = push_children(&w, &bvh->nodes.items[v.child], stack, top);
     }
-    flush(&w);
+    draw_blocks(&w);
 }
 
 /* ---- the tile ---- */
 
-static void draw_instance(daft_tile_job *j, const daft_seen *seen)
+static void draw_instance(daft_tile_job *j, const daft_seen *seen, daft_waiting *waiting)
 {
     const daft_tile *t = j->tile;
     int x0 = daft_max_i(seen->x0 - t->x, 0), x1 = daft_min_i(seen->x1 - t->x, t->width - 1);
     int y0 = daft_max_i(seen->y0 - t->y, 0), y1 = daft_min_i(seen->y1 - t->y, t->height - 1);
-    visit all = {0, seen->near_z > 0 ? 1 / seen->near_z * (1 + 0x1p-20f) : INFINITY, (uint8_t)(x0 / DAFT_CELL),
-                 (uint8_t)(x1 / DAFT_CELL), (uint8_t)(y0 / DAFT_CELL), (uint8_t)(y1 / DAFT_CELL)};
+    visit all = {0, seen->near_z > 0 ? 1 / seen->near_z * (1 + 0x1p-20f) : INFINITY, (uint8_t)x0, (uint8_t)x1,
+                 (uint8_t)y0, (uint8_t)y1};
     if (hidden(j, &all)) return;
     if (seen->instance->mesh) {
-        draw_mesh(j, seen);
+        draw_mesh(j, seen, waiting);
         return;
     }
     DAFT_KERNEL(daft_sphere_draw)(j, seen, x0, x1, y0, y1);
@@ -281,21 +296,21 @@ static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t work
     job_begin(&j, raster, bins, out);
     clear_pixels(&j);
     uint32_t count = front_to_back(raster, tile, bins->order);
-    for (uint32_t i = 0; i < count; i++) draw_instance(&j, &raster->seen[(uint32_t)bins->order[i]]);
+    daft_waiting waiting;
+    waiting.count = 0;
+    for (uint32_t i = 0; i < count; i++) draw_instance(&j, &raster->seen[(uint32_t)bins->order[i]], &waiting);
+    while (waiting.count) draw_waiting(&j, &waiting);
 }
 
 /* The whole picture counts as one tile. */
 static void find_boxes(const daft_raster *raster, uint32_t instance, daft_screen_box *out)
 {
     daft_tile_job j;
-    daft_pencil_batch batch = {.seen = &raster->seen[instance]};
     daft_tile picture = {.width = raster->pencil.width, .height = raster->pencil.height};
     const daft_bvh *bvh = raster->instances[instance].bvh;
     job_begin(&j, raster, &raster->bins[0], &picture);
-    for (size_t i = 0; i < bvh->block_count; i++) {
-        batch.block[0] = &bvh->blocks[i];
-        DAFT_KERNEL(daft_batch_boxes)(&j, &batch, 1, out);
-    }
+    for (size_t i = 0; i < bvh->block_count; i++)
+        DAFT_KERNEL(daft_block_boxes)(&j, &raster->seen[instance], &bvh->blocks[i], out);
 }
 
 const daft_raster_kernels DAFT_KERNEL(daft_raster) = {resolve_tile, find_boxes};
