@@ -19,7 +19,7 @@
 enum {
     DAFT_TILE = 32, /* pixels a side */
     DAFT_TILE_STRIDE = DAFT_TILE,
-    DAFT_TILE_ROWS = DAFT_TILE + 3, /* room for a window of four rows that begins in the last one */
+    DAFT_TILE_ROWS = DAFT_TILE + 8, /* room for eight rows from the last one on */
     DAFT_TILE_ROOM = DAFT_TILE_ROWS * DAFT_TILE_STRIDE
 };
 

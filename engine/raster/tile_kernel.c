@@ -33,17 +33,17 @@ static void refresh_cell(daft_tile_job *j, uint32_t x, uint32_t y)
     j->farthest[y][x] = a < b ? a : b;
 }
 
-/* Whether all pixels of a visit see something nearer: by the pixels themselves where they are few. */
-DAFT_INLINE bool hidden(daft_tile_job *j, const visit *v)
+/* Four rows of eight pixels: bits of those that do not see something nearer. */
+DAFT_INLINE uint32_t open_pixels(const float *w, v8 nearest)
+{
+    uint32_t open = v8_le_bits(v8_load(w), nearest) | v8_le_bits(v8_load(w + DAFT_TILE_STRIDE), nearest) << 8;
+    w += 2 * DAFT_TILE_STRIDE;
+    return open | v8_le_bits(v8_load(w), nearest) << 16 | v8_le_bits(v8_load(w + DAFT_TILE_STRIDE), nearest) << 24;
+}
+
+static bool cells_hidden(daft_tile_job *j, const visit *v)
 {
     v8 nearest = v8_set(v->nearest);
-    uint32_t width = (uint32_t)(v->x1 - v->x0), height = (uint32_t)(v->y1 - v->y0);
-    if (width < 8 && height < 8) {
-        const float *w = &j->w_low[v->y0 * DAFT_TILE_STRIDE + v->x0];
-        uint32_t columns = (2u << width) - 1, open = 0;
-        for (uint32_t y = 0; y <= height; y++) open |= v8_le_bits(v8_load(w + y * DAFT_TILE_STRIDE), nearest);
-        return !(open & columns);
-    }
     uint32_t columns = (2u << v->x1 / DAFT_CELL) - (1u << v->x0 / DAFT_CELL), last = v->y1 / DAFT_CELL;
     for (uint32_t y = v->y0 / DAFT_CELL; y <= last; y++) {
         uint32_t open = v8_le_bits(v8_load(j->farthest[y]), nearest) & columns;
@@ -54,6 +54,18 @@ DAFT_INLINE bool hidden(daft_tile_job *j, const visit *v)
         if (v8_le_bits(v8_load(j->farthest[y]), nearest) & open) return false;
     }
     return true;
+}
+
+/* Whether all pixels of a visit see something nearer: by the pixels themselves where they are few. */
+DAFT_INLINE bool hidden(daft_tile_job *j, const visit *v)
+{
+    uint32_t width = (uint32_t)(v->x1 - v->x0), height = (uint32_t)(v->y1 - v->y0);
+    if (width >= 8 || height >= 8) return cells_hidden(j, v);
+    v8 nearest = v8_set(v->nearest);
+    const float *w = &j->w_low[v->y0 * DAFT_TILE_STRIDE + v->x0];
+    uint64_t open = open_pixels(w, nearest), columns = ((2u << width) - 1) * UINT64_C(0x0101010101010101);
+    if (height >= 4) open |= (uint64_t)open_pixels(w + 4 * DAFT_TILE_STRIDE, nearest) << 32;
+    return !(open & columns & UINT64_MAX >> (56 - 8 * height));
 }
 
 /* ---- a mesh ---- */
@@ -133,26 +145,25 @@ DAFT_INLINE boxes children(const walk *w, const daft_node *node)
     return b;
 }
 
-/* What a visit will read: trees of large meshes do not stay in the nearer caches. */
+/* What a visit will read first: trees of large meshes do not stay in the nearer caches. */
 DAFT_INLINE void prefetch(const daft_bvh *bvh, uint32_t child)
 {
-    bool leaf = child & DAFT_CHILD_LEAF;
-    const char *at = leaf ? (const char *)&bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2] : (const char *)&bvh->nodes.items[child];
-    const char *end = at + (leaf ? ((child & 3) + 1) * sizeof(daft_block) : sizeof(daft_node));
-    for (; at < end; at += 64) __builtin_prefetch(at);
+    const char *block = (const char *)&bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2], *node = (const char *)&bvh->nodes.items[child];
+    const char *at = child & DAFT_CHILD_LEAF ? block : node;
+    for (int i = 0; i < 256; i += 64) __builtin_prefetch(at + i);
 }
 
 /* Pushes the children that may be seen, the nearest last. */
 static int push_children(walk *w, const daft_node *node, visit *stack, int top)
 {
     boxes b = children(w, node);
-    int base = top;
+    int first = top;
     w->job->counters->nodes++;
     for (uint32_t some = b.some; some; some &= some - 1) {
         int i = __builtin_ctz(some), at = top;
         visit v = {node->child[i], b.nearest[i], (uint8_t)b.x0[i], (uint8_t)b.x1[i], (uint8_t)b.y0[i], (uint8_t)b.y1[i]};
         if (hidden(w->job, &v)) continue;
-        for (; at > base && stack[at - 1].nearest > v.nearest; at--) stack[at] = stack[at - 1];
+        for (; at > first && stack[at - 1].nearest > v.nearest; at--) stack[at] = stack[at - 1];
         stack[at] = v;
         top++;
         prefetch(w->seen->instance->bvh, v.child);
