@@ -1,6 +1,6 @@
-/* Depth and normals go to PFM files, which keep every bit of a float: "Pf" or "PF", width and height, -1.0 for little-endian
- * floats, then the rows from the lowest up (Debevec's format, as OpenCV and ImageMagick read it). Numbers go to PNG files of
- * three bytes a pixel: red + 256·green + 65536·blue. */
+/* Depth and normals go to PFM files, which keep every bit of a float: "Pf" or "PF", width and height, -1.0 for
+ * little-endian floats, then the rows from the lowest up (Debevec's format, as OpenCV and ImageMagick read it). Numbers
+ * go to PNG files of three bytes a pixel: red + 256·green + 65536·blue. */
 #include "aov.h"
 
 #include "cli.h"
@@ -121,8 +121,9 @@ static bool write_numbers(const aov_set *set, int kind, daft_engine *engine, con
         for (size_t k = 0; k < 3; k++) pixels[4 * i + k] = (uint8_t)(number >> (8 * k));
         pixels[4 * i + 3] = 255;
     }
-    bool good = largest < 1u << 24 ? daft_image_write(image, path, error)
-                                   : fail_at(error, path, 0, 0, "number %u does not fit the 24 bits of a pixel", largest);
+    bool good = largest < 1u << 24
+                    ? daft_image_write(image, path, error)
+                    : fail_at(error, path, 0, 0, "number %u does not fit the 24 bits of a pixel", largest);
     daft_image_destroy(image);
     return good;
 }

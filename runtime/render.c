@@ -10,13 +10,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const cli_command COMMAND = {"render",
-                                    "SCENE",
-                                    "Renders a .scene file, or a mesh (.obj) in front of a sky, to a picture.",
-                                    "The picture's format goes by its name: .png or .ppm. With -o a.png, --aov writes a.depth.pfm (metres along\n"
-                                    "the ray), a.normal.pfm (world axes), a.id.png and a.triangle.png (numbers: red + 256 green + 65536 blue).",
-                                    1,
-                                    1};
+static const cli_command COMMAND = {
+    "render",
+    "SCENE",
+    "Renders a .scene file, or a mesh (.obj) in front of a sky, to a picture.",
+    "The picture's format goes by its name: .png or .ppm. With -o a.png, --aov writes a.depth.pfm (metres along\n"
+    "the ray), a.normal.pfm (world axes), a.id.png and a.triangle.png (numbers: red + 256 green + 65536 blue).",
+    1,
+    1};
 
 typedef struct render_options {
     const char *scene, *out, *isa, *stats;
@@ -133,7 +134,8 @@ static bool run(daft_engine *engine, render_options *o, daft_error *error)
 {
     frame_times times = {0};
     daft_image *image = daft_image_create(engine, o->size.width, o->size.height, error);
-    daft_scene *scene = image && aov_allocate(&o->aov, o->size.width, o->size.height, error) ? daft_scene_create(engine, error) : NULL;
+    daft_scene *scene =
+        image && aov_allocate(&o->aov, o->size.width, o->size.height, error) ? daft_scene_create(engine, error) : NULL;
     bool good = scene && render(scene, o, image, &times, error) && daft_image_write(image, o->out, error) &&
                 aov_write(&o->aov, engine, o->out, error);
     if (good && o->explain) stats_print_plan(stdout, daft_scene_counters(scene));

@@ -6,9 +6,9 @@
  *   report.c    the table with its budgets, the summary, the JSON
  *   models.c    meshes: files of an optional folder, and generated ones that are always there
  *   scenes.c    what both sides look at: meshes, instances, spheres, a room (scenes.h)
- *   camera.c    our camera rays
- *   render.c, frames.c, load.c, game.c, robust.c   the benchmarks
- *   embree.c, embree_frame.c, tinyobj.cpp          the peers, built where their libraries are installed */
+ *   camera.c    our camera rays; boxes.c: what becomes of them without the ray test
+ *   render.c, frames.c, load.c, game.c, accuracy.c (svg.c), robust.c   the benchmarks
+ *   embree.c, embree_frame.c, tinyobj.cpp   the peers, built where their libraries are installed */
 #ifndef DAFT_BENCH_H
 #define DAFT_BENCH_H
 
@@ -32,6 +32,7 @@ typedef struct bench_row {
 
 typedef struct bench {
     const char *only, *json, *isa; /* isa: NULL for the best there is */
+    const char *csv, *svg;         /* where visibility-accuracy is written; NULL: nowhere */
     int threads;                   /* 0: one, and all there are */
     int rounds;                    /* 0: as many as it takes */
     bool peers, list;
@@ -138,6 +139,7 @@ void bench_render(bench *self); /* camera rays */
 void bench_frames(bench *self);
 void bench_load(bench *self);
 void bench_game(bench *self);
+void bench_accuracy(bench *self); /* what a right pixel costs */
 void bench_robust(bench *self); /* how often wrong, not how fast */
 
 #endif

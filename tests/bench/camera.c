@@ -1,7 +1,8 @@
-/* Our camera rays, as render.c and accuracy.c measure them: the pencil's three passes around a scene's instances, and the
- * slow twin that tells what is true. All that the benchmarks know of raster/ is here. */
+/* Our camera rays, as render.c and accuracy.c measure them: the pencil's three passes around a scene's instances, and
+ * the slow twin that tells what is true. All that the benchmarks know of raster/ is here. */
 #include "scenes.h"
 
+#include "accel/accel.h"
 #include "math/isa.h"
 #include "raster/raster.h"
 
@@ -12,6 +13,7 @@ struct bench_camera {
     const bench_scene *scene;
     daft_raster raster;
     const daft_raster_kernels *kernels;
+    const daft_accel_kernels *accel;
     daft_instance *instances;
     daft_tile *tiles; /* one for each worker */
     uint64_t hits[64];
@@ -30,7 +32,8 @@ static void keep_tile(bench_camera *camera, const daft_tile *tile, uint32_t work
     uint64_t hits = 0;
     for (int y = 0; y < tile->height; y++)
         for (int x = 0; x < tile->width; x++) {
-            uint32_t instance = tile->instance[y * DAFT_TILE_STRIDE + x], triangle = tile->triangle[y * DAFT_TILE_STRIDE + x];
+            uint32_t instance = tile->instance[y * DAFT_TILE_STRIDE + x],
+                     triangle = tile->triangle[y * DAFT_TILE_STRIDE + x];
             hits += instance != DAFT_NOTHING;
             if (!camera->seen) continue;
             size_t at = (size_t)(tile->y + y) * (size_t)camera->scene->view.width + (size_t)(tile->x + x);
@@ -54,8 +57,13 @@ static bool begin(bench_camera *camera, daft_intersection intersection)
 {
     const bench_view *view = &camera->scene->view;
     memset(camera->hits, 0, sizeof camera->hits);
-    daft_pencil pencil = {.right = view->right, .up = view->up, .forward = view->forward, .focal = view->focal,
-                          .width = view->width, .height = view->height, .intersection = intersection};
+    daft_pencil pencil = {.right = view->right,
+                          .up = view->up,
+                          .forward = view->forward,
+                          .focal = view->focal,
+                          .width = view->width,
+                          .height = view->height,
+                          .intersection = intersection};
     if (!daft_raster_begin(&camera->raster, &pencil, camera->instances, camera->scene->thing_count, NULL)) return false;
     daft_parallel_for(camera->raster.workers, camera->raster.work_count, bin_task, camera);
     return true;
@@ -95,6 +103,40 @@ double bench_camera_oracle(bench_camera *camera, uint64_t *seen)
     return good ? ms : -1;
 }
 
+static void trace_row(void *context, uint32_t row, uint32_t worker)
+{
+    bench_camera *camera = context;
+    const bench_view *view = &camera->scene->view;
+    uint64_t *seen = camera->seen + (size_t)row * (size_t)view->width;
+    (void)worker;
+    for (int x = 0; x < view->width; x++) {
+        float dx = (float)x + 0.5f - (float)view->width * 0.5f, dy = (float)view->height * 0.5f - (float)row - 0.5f;
+        daft_ray ray = {.tmax = INFINITY};
+        ray.direction = daft_add(daft_add(daft_scale(view->right, dx), daft_scale(view->up, dy)),
+                                 daft_scale(view->forward, view->focal));
+        daft_hit hit;
+        bool met = camera->accel->closest(camera->tlas, &ray, UINT32_MAX, &hit);
+        bool sphere = met && !camera->instances[hit.instance].mesh;
+        seen[x] = met ? (uint64_t)hit.instance << 32 | (sphere ? 0 : hit.triangle) : BENCH_NOTHING;
+    }
+}
+
+double bench_camera_trees(bench_camera *camera, daft_intersection intersection, uint64_t *seen)
+{
+    daft_arena arena;
+    daft_arena_init(&arena, &camera->allocator);
+    double start = daft_clock_ms();
+    camera->tlas = daft_tlas_build_for(&arena, camera->instances, camera->scene->thing_count, intersection, NULL);
+    bool good = camera->tlas != NULL;
+    camera->seen = seen;
+    if (good) daft_parallel_for(camera->raster.workers, (uint32_t)camera->scene->view.height, trace_row, camera);
+    double ms = daft_clock_ms() - start;
+    camera->seen = NULL;
+    camera->tlas = NULL;
+    daft_arena_free(&arena);
+    return good ? ms : -1;
+}
+
 bench_camera_counts bench_camera_counted(const bench_camera *camera)
 {
     bench_camera_counts counts = {0};
@@ -114,6 +156,7 @@ bench_camera *bench_camera_create(bench *self, const bench_scene *scene, int thr
     if (!camera) return NULL;
     camera->allocator = self->allocator;
     camera->scene = scene;
+    camera->accel = daft_accel_kernels_for(isa);
     camera->kernels = daft_raster_kernels_for(isa);
     camera->tiles = daft_alloc(&self->allocator, (size_t)threads, sizeof *camera->tiles);
     camera->instances = daft_alloc(&self->allocator, scene->thing_count, sizeof *camera->instances);

@@ -1,6 +1,6 @@
-/* Embree on the same work: medium build quality, packets of 16 rays, the same threads. A mesh that stands once is its own
- * geometry; one that stands often is instanced, two levels. Shadow packets are marked coherent, but for instances, where
- * version 3.13 does not come back from some coherent packets. */
+/* Embree on the same work: medium build quality, packets of 16 rays, the same threads. A mesh that stands once is its
+ * own geometry; one that stands often is instanced, two levels. Shadow packets are marked coherent, but for instances,
+ * where version 3.13 does not come back from some coherent packets. */
 #include "embree.h"
 
 #ifdef DAFT_EMBREE
@@ -20,8 +20,8 @@ static void attach(RTCScene scene, RTCGeometry geometry, uint32_t number)
 static void add_mesh(const bench_embree *self, RTCScene scene, const daft_trimesh *mesh, uint32_t number)
 {
     RTCGeometry geometry = rtcNewGeometry(self->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                               mesh->vertex_count);
+    float *positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                               3 * sizeof(float), mesh->vertex_count);
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         positions[3 * i] = mesh->x[i];
         positions[3 * i + 1] = mesh->y[i];
@@ -40,8 +40,8 @@ static void add_ground(const bench_embree *self)
                                       BENCH_GROUND,  0, BENCH_GROUND,  BENCH_GROUND,  0, -BENCH_GROUND};
     static const uint32_t triangles[6] = {0, 1, 2, 0, 2, 3};
     RTCGeometry geometry = rtcNewGeometry(self->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 4), corners,
-           sizeof corners);
+    memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 4),
+           corners, sizeof corners);
     memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), 2),
            triangles, sizeof triangles);
     attach(self->scene, geometry, 1);
@@ -111,7 +111,8 @@ static void add_spheres(bench_embree *self, const bench_scene *scene)
 {
     size_t count = scene->thing_count - self->first_sphere;
     RTCGeometry geometry = rtcNewGeometry(self->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-    float *spheres = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), count);
+    float *spheres =
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), count);
     for (size_t i = 0; i < count; i++) {
         const bench_thing *thing = &scene->things[self->first_sphere + i];
         const float sphere[4] = {thing->position.x, thing->position.y, thing->position.z, thing->scale};
@@ -197,7 +198,13 @@ static double camera_ms(bench_embree *self, const bench_view *view, uint64_t *hi
 static const bench_embree_api API = {"Embree " RTC_VERSION_STRING, create, create_scene, destroy, build_ms, camera_ms,
                                      bench_embree_frame_ms};
 
-const bench_embree_api *bench_find_embree(void) { return &API; }
+const bench_embree_api *bench_find_embree(void)
+{
+    return &API;
+}
 #else
-const bench_embree_api *bench_find_embree(void) { return NULL; }
+const bench_embree_api *bench_find_embree(void)
+{
+    return NULL;
+}
 #endif

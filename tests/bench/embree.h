@@ -38,8 +38,8 @@ static inline struct RTCRayHit16 *bench_embree_rays(const bench_view *view, int 
     return packet;
 }
 
-static const int BENCH_EMBREE_ALL[16] __attribute__((aligned(64))) = {-1, -1, -1, -1, -1, -1, -1, -1,
-                                                                      -1, -1, -1, -1, -1, -1, -1, -1};
+static const int BENCH_EMBREE_ALL[16]
+    __attribute__((aligned(64))) = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
 
 static inline void bench_embree_intersect(const bench_embree *self, bool coherent, struct RTCRayHit16 *packet)
 {
@@ -56,7 +56,8 @@ static inline void bench_embree_intersect(const bench_embree *self, bool coheren
 #endif
 }
 
-static inline void bench_embree_occluded(const bench_embree *self, bool coherent, const int *valid, struct RTCRay16 *rays)
+static inline void bench_embree_occluded(const bench_embree *self, bool coherent, const int *valid,
+                                         struct RTCRay16 *rays)
 {
 #if DAFT_EMBREE == 4
     struct RTCOccludedArguments arguments;

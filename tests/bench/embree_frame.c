@@ -1,5 +1,5 @@
-/* A frame as one would write it with Embree: packets of 16 camera rays, smooth normals, packets of 16 shadow rays to the
- * lamp from what faces it, Lambert's law, sRGB bytes by table. The same picture as frames.c's, but for rounding. */
+/* A frame as one would write it with Embree: packets of 16 camera rays, smooth normals, packets of 16 shadow rays to
+ * the lamp from what faces it, Lambert's law, sRGB bytes by table. The same picture as frames.c's, but for rounding. */
 #include "embree.h"
 
 #ifdef DAFT_EMBREE
@@ -21,9 +21,13 @@ typedef struct surface16 {
     int hit[16] __attribute__((aligned(64)));
 } surface16;
 
-static daft_vec3 turned(const bench_thing *thing, daft_vec3 n) { return daft_quat_rotate(thing->rotation, n); }
+static daft_vec3 turned(const bench_thing *thing, daft_vec3 n)
+{
+    return daft_quat_rotate(thing->rotation, n);
+}
 
-static daft_vec3 smooth_normal(const bench_embree *self, const bench_scene *scene, const struct RTCRayHit16 *packet, int i)
+static daft_vec3 smooth_normal(const bench_embree *self, const bench_scene *scene, const struct RTCRayHit16 *packet,
+                               int i)
 {
     uint32_t instance = packet->hit.instID[0][i], geometry = packet->hit.geomID[i], triangle = packet->hit.primID[i];
     if (instance == RTC_INVALID_GEOMETRY_ID && geometry == self->first_sphere)
@@ -71,9 +75,12 @@ static void light(const frame_job *job, const surface16 *s, float cosine[16])
         float x = lamp.x - s->x[i], y = lamp.y - s->y[i], z = lamp.z - s->z[i], length = sqrtf(x * x + y * y + z * z);
         cosine[i] = (s->nx[i] * x + s->ny[i] * y + s->nz[i] * z) / length;
         float off = (length + 1) * 1e-5f; /* away from the surface */
-        rays.org_x[i] = s->x[i] + s->nx[i] * off, rays.org_y[i] = s->y[i] + s->ny[i] * off, rays.org_z[i] = s->z[i] + s->nz[i] * off;
-        rays.dir_x[i] = lamp.x - rays.org_x[i], rays.dir_y[i] = lamp.y - rays.org_y[i], rays.dir_z[i] = lamp.z - rays.org_z[i];
-        rays.tnear[i] = 0, rays.tfar[i] = 1, rays.time[i] = 0, rays.mask[i] = UINT32_MAX, rays.id[i] = 0, rays.flags[i] = 0;
+        rays.org_x[i] = s->x[i] + s->nx[i] * off, rays.org_y[i] = s->y[i] + s->ny[i] * off,
+        rays.org_z[i] = s->z[i] + s->nz[i] * off;
+        rays.dir_x[i] = lamp.x - rays.org_x[i], rays.dir_y[i] = lamp.y - rays.org_y[i],
+        rays.dir_z[i] = lamp.z - rays.org_z[i];
+        rays.tnear[i] = 0, rays.tfar[i] = 1, rays.time[i] = 0, rays.mask[i] = UINT32_MAX, rays.id[i] = 0,
+        rays.flags[i] = 0;
         valid[i] = s->hit[i] && cosine[i] > 0 ? -1 : 0;
     }
     for (int i = 0; i < 16; i++) asked += valid[i];
@@ -85,7 +92,8 @@ static void write_pixels(const frame_job *job, const surface16 *s, const float c
 {
     int step[16];
     for (int i = 0; i < 16; i++) {
-        float surface = BENCH_ALBEDO * (BENCH_AMBIENT + BENCH_LAMP_COLOR * cosine[i]), value = s->hit[i] ? surface : BENCH_SKY;
+        float surface = BENCH_ALBEDO * (BENCH_AMBIENT + BENCH_LAMP_COLOR * cosine[i]),
+              value = s->hit[i] ? surface : BENCH_SKY;
         step[i] = (int)((value < 1 ? value : 1) * (SRGB_STEPS - 1) + 0.5f);
     }
     for (int i = 0; i < 16; i++) {

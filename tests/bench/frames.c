@@ -86,11 +86,13 @@ bench_frame *bench_frame_create(bench *self, const bench_scene *scene, int threa
     daft_engine_def def = daft_default_engine_def();
     def.threads = threads, def.isa = self->isa;
     frame->view = daft_default_view();
-    frame->view.camera = daft_camera_look_at(daft_to_double(scene->view.from), daft_to_double(scene->view.at), scene->view.fov);
+    frame->view.camera =
+        daft_camera_look_at(daft_to_double(scene->view.from), daft_to_double(scene->view.at), scene->view.fov);
     frame->engine = daft_engine_create(&def, &error);
     if (frame->engine) frame->scene = daft_scene_create(frame->engine, &error);
     if (frame->scene) frame->image = daft_image_create(frame->engine, scene->view.width, scene->view.height, &error);
-    if (frame->image && add_things(self, frame->scene, scene, &error) && add_lamps(frame->scene, scene, lamps, &error)) return frame;
+    if (frame->image && add_things(self, frame->scene, scene, &error) && add_lamps(frame->scene, scene, lamps, &error))
+        return frame;
     bench_note(self, true, "%s: %s", scene->name, daft_error_text(&error, text, sizeof text));
     bench_frame_destroy(frame);
     return NULL;
@@ -114,12 +116,21 @@ double bench_frame_ms(bench_frame *frame)
     return daft_clock_ms() - start;
 }
 
-const daft_counters *bench_frame_counters(const bench_frame *frame) { return daft_scene_counters(frame->scene); }
-const uint8_t *bench_frame_pixels(const bench_frame *frame) { return daft_image_pixels(frame->image); }
+const daft_counters *bench_frame_counters(const bench_frame *frame)
+{
+    return daft_scene_counters(frame->scene);
+}
+const uint8_t *bench_frame_pixels(const bench_frame *frame)
+{
+    return daft_image_pixels(frame->image);
+}
 
 /* ---- against Embree, and against raylib's published figures ---- */
 
-static double frame_ours(void *context) { return bench_frame_ms(context); }
+static double frame_ours(void *context)
+{
+    return bench_frame_ms(context);
+}
 
 static double frame_peer(void *context)
 {
@@ -134,7 +145,8 @@ static void frame_describe(void *context, char *out, size_t size)
     const daft_counters *c = bench_frame_counters(frame);
     int used = snprintf(out, size, "visibility %.2f, surface %.2f, shadow %.2f, lighting %.2f ms, %llu shadow rays",
                         c->effects[DAFT_EFFECT_VISIBILITY].ms, c->effects[DAFT_EFFECT_SURFACE].ms,
-                        c->effects[DAFT_EFFECT_SHADOW].ms, c->effects[DAFT_EFFECT_LIGHTING].ms, (unsigned long long)c->shadow_rays);
+                        c->effects[DAFT_EFFECT_SHADOW].ms, c->effects[DAFT_EFFECT_LIGHTING].ms,
+                        (unsigned long long)c->shadow_rays);
     if (!frame->embree || used < 0 || (size_t)used >= size) return;
     size_t apart = 0, pixels = (size_t)(c->width * c->height);
     const uint8_t *ours = bench_frame_pixels(frame);
@@ -142,8 +154,8 @@ static void frame_describe(void *context, char *out, size_t size)
     snprintf(out + used, size - (size_t)used, ", %zu pixels differ", apart);
 }
 
-/* raylib 5.5 on Mesa's llvmpipe with a shadow map of 1024 by 1024, two threads, as measured once on another machine: it is
- * not a peer that runs beside ours. */
+/* raylib 5.5 on Mesa's llvmpipe with a shadow map of 1024 by 1024, two threads, as measured once on another machine: it
+ * is not a peer that runs beside ours. */
 static double raylib_ms(const bench_scene *scene)
 {
     if (strcmp(scene->name, "bunny, whole") == 0) return 29.6;
@@ -169,10 +181,17 @@ static void measure_frame(bench *self, const bench_scene *scene, int threads)
     frame->api = self->peers ? bench_find_embree() : NULL;
     frame->peer_pixels = daft_alloc_zero(&self->allocator, (size_t)(BENCH_WIDTH * BENCH_HEIGHT), 4);
     if (frame->api && frame->peer_pixels) frame->embree = frame->api->create_scene(scene, threads);
-    bench_subject subject = {.scene = scene->name, .what = "frame, one lamp", .unit = "ms", .isa = self->isa,
-                             .threads = threads, .ours = frame_ours, .peer = frame->embree ? frame_peer : NULL,
-                             .context = frame, .peer_name = frame->api ? frame->api->name : "Embree",
-                             .describe = frame_describe, .budget = {2.5, 4, false}};
+    bench_subject subject = {.scene = scene->name,
+                             .what = "frame, one lamp",
+                             .unit = "ms",
+                             .isa = self->isa,
+                             .threads = threads,
+                             .ours = frame_ours,
+                             .peer = frame->embree ? frame_peer : NULL,
+                             .context = frame,
+                             .peer_name = frame->api ? frame->api->name : "Embree",
+                             .describe = frame_describe,
+                             .budget = {2.5, 4, false}};
     add_raylib_row(self, bench_measure(self, &subject), scene);
     if (frame->api) frame->api->destroy(frame->embree);
     bench_frame_destroy(frame);
@@ -202,7 +221,8 @@ static void unseen_describe(void *context, char *out, size_t size)
     unseen_job *job = context;
     const daft_counters *c = bench_frame_counters(job->laden);
     const daft_effect *mirrors = &c->effects[DAFT_EFFECT_REFLECTION], *shadows = &c->effects[DAFT_EFFECT_SHADOW];
-    bool same = memcmp(bench_frame_pixels(job->plain), bench_frame_pixels(job->laden), (size_t)(4 * c->width * c->height)) == 0;
+    bool same =
+        memcmp(bench_frame_pixels(job->plain), bench_frame_pixels(job->laden), (size_t)(4 * c->width * c->height)) == 0;
     snprintf(out, size, "%llu rays and %llu bytes for mirrors, %llu and %llu for shadows, %s picture",
              (unsigned long long)mirrors->rays, (unsigned long long)mirrors->bytes, (unsigned long long)shadows->rays,
              (unsigned long long)shadows->bytes, same ? "the same" : "ANOTHER");
@@ -233,9 +253,17 @@ static void measure_unseen(bench *self, const bench_scene *scene, int threads)
 {
     unseen_job job = {bench_frame_create(self, scene, threads, 0), bench_frame_create(self, scene, threads, 0)};
     if (job.plain && job.laden && add_unseen(job.laden, scene)) {
-        bench_subject subject = {.scene = scene->name, .what = UNSEEN, .unit = "ms", .isa = self->isa,
-                                 .threads = threads, .ours = unseen_ours, .peer = unseen_peer, .context = &job,
-                                 .peer_name = "without it", .describe = unseen_describe, .budget = {0.99, 1, false},
+        bench_subject subject = {.scene = scene->name,
+                                 .what = UNSEEN,
+                                 .unit = "ms",
+                                 .isa = self->isa,
+                                 .threads = threads,
+                                 .ours = unseen_ours,
+                                 .peer = unseen_peer,
+                                 .context = &job,
+                                 .peer_name = "without it",
+                                 .describe = unseen_describe,
+                                 .budget = {0.99, 1, false},
                                  .own_peer = true};
         bench_measure(self, &subject);
     }

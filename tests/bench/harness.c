@@ -52,9 +52,9 @@ void bench_note(bench *self, bool fatal, const char *format, ...)
     self->failed |= fatal;
 }
 
-/* Samples are enough when there are as many as asked for, or else nine, and then more for up to a third of a second, since
- * short ones are the noisy ones (a second and a half where ours stands against ours, and percents are looked for); or, past
- * the third, when they have taken ten seconds. */
+/* Samples are enough when there are as many as asked for, or else nine, and then more for up to a third of a second,
+ * since short ones are the noisy ones (a second and a half where ours stands against ours, and percents are looked
+ * for); or, past the third, when they have taken ten seconds. */
 static bool enough(const bench *self, const bench_subject *subject, int count, double ms)
 {
     if (count >= 3 && ms > 10e3) return true;
@@ -100,7 +100,8 @@ bool bench_add(bench *self, const bench_row *row)
 const bench_row *bench_measure(bench *self, const bench_subject *subject)
 {
     bool peers = self->peers || subject->own_peer;
-    bench_row row = {.unit = subject->unit, .isa = subject->isa, .threads = subject->threads, .budget = subject->budget};
+    bench_row row = {
+        .unit = subject->unit, .isa = subject->isa, .threads = subject->threads, .budget = subject->budget};
     row.peer_name = peers ? subject->peer_name : NULL;
     bench_label(subject->scene, row.scene, sizeof row.scene);
     snprintf(row.what, sizeof row.what, "%s", subject->what);
@@ -134,13 +135,16 @@ static const char USAGE[] =
     "  --peers         run other libraries on the same work, in turns with ours (ratio > 1: ours is better)\n"
     "  --only PATTERN  only benchmarks with PATTERN in their name\n"
     "  --json FILE     write the results as JSON, too\n"
+    "  --csv FILE      of visibility-accuracy: write its points as CSV, too\n"
+    "  --svg FILE      of visibility-accuracy: plot wrong pixels against milliseconds\n"
     "  --threads N     measure with N threads (default: with one, and with all)\n"
     "  --isa X         sse2, avx2 or avx512 (default: the best there is)\n"
     "  --rounds N      samples to take the best of (default: 9, and more of short ones)\n"
     "  --list          print the names of the benchmarks\n"
     "  --help          this text\n"
     "\n"
-    "Meshes that are not part of DAFT are read from the folder ../shared/data beside the checkout, or from $DAFT_DATA;\n"
+    "Meshes that are not part of DAFT are read from the folder ../shared/data beside the checkout, or from "
+    "$DAFT_DATA;\n"
     "where one is missing, a generated mesh of its size stands in, and the row says so.\n";
 
 static int refuse(const char *message, const char *detail)
@@ -180,15 +184,21 @@ static int take_argument(bench *self, int argc, char **argv, int *index)
     if (status || value) return self->only = value, status;
     status = take_value("--json", argc, argv, index, &value);
     if (status || value) return self->json = value, status;
+    status = take_value("--csv", argc, argv, index, &value);
+    if (status || value) return self->csv = value, status;
+    status = take_value("--svg", argc, argv, index, &value);
+    if (status || value) return self->svg = value, status;
     status = take_value("--isa", argc, argv, index, &value);
     if (status || value) return self->isa = value, status;
     status = take_value("--threads", argc, argv, index, &value);
     if (status || value)
-        return !status && !parse_count(value, 64, &self->threads) ? refuse("--threads: 1 to 64 expected, got", value) : status;
+        return !status && !parse_count(value, 64, &self->threads) ? refuse("--threads: 1 to 64 expected, got", value)
+                                                                  : status;
     status = take_value("--rounds", argc, argv, index, &value);
     if (status || value)
-        return !status && !parse_count(value, MAX_ROUNDS, &self->rounds) ? refuse("--rounds: 1 to 101 expected, got", value)
-                                                                        : status;
+        return !status && !parse_count(value, MAX_ROUNDS, &self->rounds)
+                   ? refuse("--rounds: 1 to 101 expected, got", value)
+                   : status;
     return refuse("there is no option", argument);
 }
 
@@ -209,6 +219,7 @@ int main(int argc, char **argv)
     bench_frames(&self);
     bench_load(&self);
     bench_game(&self);
+    bench_accuracy(&self);
     bench_robust(&self);
     if (!self.list && self.count > 0) bench_print(&self);
     if (!self.list && self.count == 0 && !self.failed)

@@ -1,5 +1,5 @@
-/* The meshes of the benchmarks: real ones from a folder beside the checkout, and generated ones, which also stand in for
- * what is missing there. */
+/* The meshes of the benchmarks: real ones from a folder beside the checkout, and generated ones, which also stand in
+ * for what is missing there. */
 #include "bench.h"
 
 #include "math/real.h"
@@ -100,7 +100,8 @@ static daft_vec3 statue_point(double u, double v)
     for (int octave = 0, waves = 3; octave < 4; octave++, waves = 2 * waves + 1, amplitude *= 0.5)
         bumps += amplitude * daft_sin(waves * yaw + octave) * daft_sin(waves * polar);
     double radius = 0.35 * (1 + bumps * daft_sin(polar));
-    return daft_v3((float)(radius * daft_sin(polar) * daft_cos(yaw)), (float)(-0.5 * daft_cos(polar) * (1 + bumps * daft_sin(polar))),
+    return daft_v3((float)(radius * daft_sin(polar) * daft_cos(yaw)),
+                   (float)(-0.5 * daft_cos(polar) * (1 + bumps * daft_sin(polar))),
                    (float)(radius * daft_sin(polar) * daft_sin(yaw)));
 }
 
@@ -109,8 +110,8 @@ static bool load_file(bench *self, const bench_model *model, daft_trimesh *out)
     char path[1024], text[1200];
     if (!bench_model_path(model, path, sizeof path)) {
         uint32_t rows = (uint32_t)(sqrt(model->triangles / 4.0) + 0.5);
-        bench_note(self, false, "there is no %s: a generated mesh of %u triangles stands in for the %s", path, 4 * rows * rows,
-                   model->name);
+        bench_note(self, false, "there is no %s: a generated mesh of %u triangles stands in for the %s", path,
+                   4 * rows * rows, model->name);
         return bench_grid(self, 2 * rows, rows, statue_point, out);
     }
     daft_obj obj;
@@ -143,9 +144,9 @@ static void normalise(daft_trimesh *mesh)
 
 bool bench_model_load(bench *self, const bench_model *model, daft_trimesh *out)
 {
-    bool loaded = model->file               ? load_file(self, model, out)
+    bool loaded = model->file             ? load_file(self, model, out)
                   : model->name[0] == 't' ? bench_grid(self, 300, 300, terrain_point, out)
-                                            : bench_grid(self, 360, 180, sphere_point, out);
+                                          : bench_grid(self, 360, 180, sphere_point, out);
     if (loaded) normalise(out);
     return loaded;
 }

@@ -1,5 +1,5 @@
-/* Camera rays a second: the exact test and the fast one against Embree's packets, and what the exact one costs beside our
- * own others. Both sides are timed on the wall clock around all they do in a frame. */
+/* Camera rays a second: the exact test and the fast one against Embree's packets, and what the exact one costs beside
+ * our own others. Both sides are timed on the wall clock around all they do in a frame. */
 #include "scenes.h"
 
 #include <stdio.h>
@@ -14,7 +14,10 @@ typedef struct camera_job {
     bench_embree *embree;
 } camera_job;
 
-static double mrays(double ms) { return ms < 0 ? -1 : BENCH_WIDTH * BENCH_HEIGHT / ms / 1e3; }
+static double mrays(double ms)
+{
+    return ms < 0 ? -1 : BENCH_WIDTH * BENCH_HEIGHT / ms / 1e3;
+}
 
 static double camera_exact(void *context)
 {
@@ -80,9 +83,17 @@ static void measure_intersections(bench *self, camera_job *job, int threads)
     for (daft_intersection other = DAFT_INTERSECT_WATERTIGHT; other <= DAFT_INTERSECT_FAST; other++) {
         if (!bench_wants(self, job->scene->name, EXACT_TO[other])) continue;
         job->other = other;
-        bench_subject subject = {.scene = job->scene->name, .what = EXACT_TO[other], .unit = "Mray/s", .isa = self->isa,
-                                 .threads = threads, .ours = camera_exact, .peer = camera_other, .context = job,
-                                 .peer_name = daft_intersection_name(other), .describe = other_describe, .own_peer = true};
+        bench_subject subject = {.scene = job->scene->name,
+                                 .what = EXACT_TO[other],
+                                 .unit = "Mray/s",
+                                 .isa = self->isa,
+                                 .threads = threads,
+                                 .ours = camera_exact,
+                                 .peer = camera_other,
+                                 .context = job,
+                                 .peer_name = daft_intersection_name(other),
+                                 .describe = other_describe,
+                                 .own_peer = true};
         if (other == DAFT_INTERSECT_FAST) subject.budget = (bench_budget){1 / 1.10, 1 / 1.03, false};
         bench_measure(self, &subject);
     }
@@ -98,12 +109,20 @@ static void measure_scene(bench *self, const bench_scene *scene, int threads)
     bool many = scene->thing_count > 2;
     if (self->peers) job.api = bench_find_embree();
     if (job.api) job.embree = job.api->create_scene(scene, threads);
-    bench_subject subject = {.scene = scene->name, .what = CAMERA, .unit = "Mray/s", .isa = self->isa, .threads = threads,
-                             .ours = camera_exact, .peer = job.embree ? camera_peer : NULL, .context = &job,
-                             .peer_name = job.api ? job.api->name : "Embree", .describe = camera_describe};
+    bench_subject subject = {.scene = scene->name,
+                             .what = CAMERA,
+                             .unit = "Mray/s",
+                             .isa = self->isa,
+                             .threads = threads,
+                             .ours = camera_exact,
+                             .peer = job.embree ? camera_peer : NULL,
+                             .context = &job,
+                             .peer_name = job.api ? job.api->name : "Embree",
+                             .describe = camera_describe};
     if (bench_wants(self, scene->name, CAMERA)) bench_measure(self, &subject);
     subject.what = FAST, subject.ours = camera_fast;
-    subject.budget = many && scene->things[1].mesh != BENCH_SPHERE ? (bench_budget){8, 20, false} : (bench_budget){4, 8, false};
+    subject.budget =
+        many && scene->things[1].mesh != BENCH_SPHERE ? (bench_budget){8, 20, false} : (bench_budget){4, 8, false};
     if (bench_wants(self, scene->name, FAST)) bench_measure(self, &subject);
     measure_intersections(self, &job, threads);
     if (job.api) job.api->destroy(job.embree);

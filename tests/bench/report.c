@@ -59,13 +59,14 @@ static void print_summary(const bench *self)
         aims += share_of(row, row->budget.aim) >= 1;
     }
     if (judged == 0) return;
-    printf("\n%zu rows have a budget: %zu reach their aim, %zu are under their floor%s\n", judged, aims, under, under ? ":" : "");
+    printf("\n%zu rows have a budget: %zu reach their aim, %zu are under their floor%s\n", judged, aims, under,
+           under ? ":" : "");
     for (size_t i = 0; i < self->count; i++) {
         const bench_row *row = &self->rows[i];
         if (!under_floor(row)) continue;
-        printf("  %s %s, %d thread%s: %.3g%s%s, floor %.3g\n", row->scene, row->what, row->threads, row->threads == 1 ? "" : "s",
-               row->budget.of_value ? row->ours : bench_ratio(row), row->budget.of_value ? " " : "x",
-               row->budget.of_value ? row->unit : "", row->budget.floor);
+        printf("  %s %s, %d thread%s: %.3g%s%s, floor %.3g\n", row->scene, row->what, row->threads,
+               row->threads == 1 ? "" : "s", row->budget.of_value ? row->ours : bench_ratio(row),
+               row->budget.of_value ? " " : "x", row->budget.of_value ? row->unit : "", row->budget.floor);
     }
 }
 
@@ -103,10 +104,11 @@ static void print_row(const bench_row *row, const columns *c)
 {
     char peer[32], ratio[32] = "-", floor[32], aim[32], reached[32];
     if (bench_ratio(row) >= 0) snprintf(ratio, sizeof ratio, "%.2f", bench_ratio(row));
-    printf("%-*s  %-*s  %7d  %-6s  %9.4g  %-7s", c->scene, row->scene, c->what, row->what, row->threads, row->isa, row->ours,
-           row->unit);
+    printf("%-*s  %-*s  %7d  %-6s  %9.4g  %-7s", c->scene, row->scene, c->what, row->what, row->threads, row->isa,
+           row->ours, row->unit);
     if (c->peers)
-        printf("  %13s  %6s  %-*s", peer_cell(row, peer, sizeof peer), ratio, c->name, row->peer_name ? row->peer_name : "-");
+        printf("  %13s  %6s  %-*s", peer_cell(row, peer, sizeof peer), ratio, c->name,
+               row->peer_name ? row->peer_name : "-");
     if (c->budgets) {
         goal_cell(row->budget.floor, floor, sizeof floor);
         goal_cell(row->budget.aim, aim, sizeof aim);
@@ -141,8 +143,8 @@ static void write_number(FILE *file, const char *name, double value)
 static void write_row(FILE *file, const bench_row *row)
 {
     bool budget = row->budget.floor > 0;
-    fprintf(file, "\n  {\"scene\": \"%s\", \"what\": \"%s\", \"threads\": %d, \"isa\": \"%s\"", row->scene, row->what, row->threads,
-            row->isa);
+    fprintf(file, "\n  {\"scene\": \"%s\", \"what\": \"%s\", \"threads\": %d, \"isa\": \"%s\"", row->scene, row->what,
+            row->threads, row->isa);
     write_number(file, "ours", row->ours);
     write_number(file, "peer", row->peer);
     if (row->peer_name)

@@ -1,5 +1,5 @@
-/* What the benchmarks look at. Meshes of 1 m on a ground plane, close up (the mesh fills the picture), whole (from 2.2 m)
- * and far (100 pixels tall); cows and spheres strewn about with random rotations; a room around the camera. */
+/* What the benchmarks look at. Meshes of 1 m on a ground plane, close up (the mesh fills the picture), whole (from 2.2
+ * m) and far (100 pixels tall); cows and spheres strewn about with random rotations; a room around the camera. */
 #include "scenes.h"
 
 #include "math/real.h"
@@ -42,14 +42,19 @@ static const scene_entry SCENES[] = {
     {"interior", NULL, INTERIOR, 1},
 };
 
-size_t bench_scene_count(void) { return DAFT_COUNT_OF(SCENES); }
-const char *bench_scene_name(size_t index) { return SCENES[index].name; }
+size_t bench_scene_count(void)
+{
+    return DAFT_COUNT_OF(SCENES);
+}
+const char *bench_scene_name(size_t index)
+{
+    return SCENES[index].name;
+}
 
 /* ---- views ---- */
 
-static void look(bench_scene *scene, daft_vec3 from, daft_vec3 at)
+void bench_look(bench_view *view, daft_vec3 from, daft_vec3 at)
 {
-    bench_view *view = &scene->view;
     view->from = from, view->at = at;
     view->forward = daft_normalize(daft_sub(at, from));
     view->right = daft_normalize(daft_cross(view->forward, daft_v3(0, 1, 0)));
@@ -71,7 +76,7 @@ static void look_at_model(bench_scene *scene, scene_kind kind)
     daft_vec3 at = daft_scale(daft_add(mesh->low, mesh->high), 0.5f);
     double focal = BENCH_WIDTH / 2.0 / daft_tan(FIELD_OF_VIEW / 2), tall = (double)(mesh->high.y - mesh->low.y);
     float metres = kind == CLOSE_UP ? 0.7f : kind == WHOLE ? 2.2f : (float)(focal * tall / 100);
-    look(scene, daft_add(at, daft_scale(daft_normalize(daft_v3(0.45f, 0.3f, 0.84f)), metres)), at);
+    bench_look(&scene->view, daft_add(at, daft_scale(daft_normalize(daft_v3(0.45f, 0.3f, 0.84f)), metres)), at);
     scene->lamp = daft_v3(-1.5f, 2, 1.5f);
 }
 
@@ -84,17 +89,22 @@ static float random_unit(uint64_t *state)
     return (float)(*state >> 40) * 0x1p-24f;
 }
 
-static float random_between(uint64_t *state, float low, float high) { return low + (high - low) * random_unit(state); }
+static float random_between(uint64_t *state, float low, float high)
+{
+    return low + (high - low) * random_unit(state);
+}
 
 /* Uniform over all rotations: Shoemake, "Uniform Random Rotations" (Graphics Gems III, 1992). */
 static daft_quat random_rotation(uint64_t *state)
 {
-    double u = (double)random_unit(state), v = 2 * DAFT_PI * (double)random_unit(state), w = 2 * DAFT_PI * (double)random_unit(state);
+    double u = (double)random_unit(state), v = 2 * DAFT_PI * (double)random_unit(state),
+           w = 2 * DAFT_PI * (double)random_unit(state);
     double a = sqrt(1 - u), b = sqrt(u);
-    return (daft_quat){(float)(a * daft_sin(v)), (float)(a * daft_cos(v)), (float)(b * daft_sin(w)), (float)(b * daft_cos(w))};
+    return (daft_quat){(float)(a * daft_sin(v)), (float)(a * daft_cos(v)), (float)(b * daft_sin(w)),
+                       (float)(b * daft_cos(w))};
 }
 
-static bool add_mesh_things(bench *self, bench_scene *scene, uint32_t count)
+bool bench_add_meshes(bench *self, bench_scene *scene, uint32_t count)
 {
     scene->things = daft_alloc(&self->allocator, count, sizeof *scene->things);
     if (!scene->things) return false;
@@ -107,7 +117,7 @@ static bool add_mesh_things(bench *self, bench_scene *scene, uint32_t count)
 /* Things strewn over a block that stands on the ground, seen from one of its sides: thing 0 is the ground. */
 static bool strew(bench *self, bench_scene *scene, uint32_t count, bool spheres)
 {
-    if (!add_mesh_things(self, scene, count + 1)) return false;
+    if (!bench_add_meshes(self, scene, count + 1)) return false;
     double edge = cbrt((double)count / (spheres ? 40 : 0.4)); /* so many a cubic metre */
     float half = (float)(edge * 0.8), high = (float)(edge * 0.625);
     uint64_t state = 20261121;
@@ -120,7 +130,7 @@ static bool strew(bench *self, bench_scene *scene, uint32_t count, bool spheres)
         float x = random_between(&state, -half, half), y = random_between(&state, 0.7f, high);
         thing->position = daft_v3(x, y, random_between(&state, -half, half));
     }
-    look(scene, daft_v3(0.1f * half, high * 1.1f, 1.9f * half), daft_v3(0, 0.4f * high, 0));
+    bench_look(&scene->view, daft_v3(0.1f * half, high * 1.1f, 1.9f * half), daft_v3(0, 0.4f * high, 0));
     scene->lamp = daft_v3(-half, 3 * high, 1.5f * half);
     return true;
 }
@@ -152,7 +162,8 @@ typedef struct heap {
 
 static void heap_add(heap *to, const daft_trimesh *mesh, daft_vec3 at)
 {
-    for (uint32_t i = 0; i < 3 * mesh->triangle_count; i++) to->indices[3 * to->triangles + i] = to->vertices + mesh->indices[i];
+    for (uint32_t i = 0; i < 3 * mesh->triangle_count; i++)
+        to->indices[3 * to->triangles + i] = to->vertices + mesh->indices[i];
     for (uint32_t i = 0; i < mesh->vertex_count; i++)
         to->positions[to->vertices + i] = daft_add(at, daft_v3(mesh->x[i], mesh->y[i], mesh->z[i]));
     to->vertices += mesh->vertex_count;
@@ -190,9 +201,9 @@ static bool make_room(bench *self, bench_scene *scene)
     daft_trimesh_free(&self->allocator, &room);
     daft_trimesh_free(&self->allocator, &column);
     scene->mesh_count = made;
-    look(scene, daft_v3(-4.6f, 1.7f, 0.6f), daft_v3(3, 1.5f, -0.6f));
+    bench_look(&scene->view, daft_v3(-4.6f, 1.7f, 0.6f), daft_v3(3, 1.5f, -0.6f));
     scene->lamp = daft_v3(1, 3.4f, 0.3f);
-    return made && add_mesh_things(self, scene, 1);
+    return made && bench_add_meshes(self, scene, 1);
 }
 
 /* ---- making and freeing ---- */
@@ -215,7 +226,7 @@ static bool make_kind(bench *self, const scene_entry *entry, bench_scene *out)
     if (made) out->mesh_count = 2;
     if (made && entry->kind >= COWS) return strew(self, out, entry->count, entry->kind == SPHERES);
     if (made) look_at_model(out, entry->kind);
-    return made && add_mesh_things(self, out, 2);
+    return made && bench_add_meshes(self, out, 2);
 }
 
 bool bench_scene_build(bench *self, bench_scene *scene)

@@ -34,6 +34,9 @@ bool bench_scene_make(bench *self, size_t index, bench_scene *out); /* false: a 
 bool bench_scene_build(bench *self, bench_scene *scene);
 void bench_scene_free(bench *self, bench_scene *scene);
 void bench_view_size(bench_view *view, int width, int height);
+void bench_look(bench_view *view, daft_vec3 from, daft_vec3 at);
+/* Meshes that stand where their coordinates say: things 0 to count - 1. */
+bool bench_add_meshes(bench *self, bench_scene *scene, uint32_t count);
 daft_affine bench_thing_map(const bench_thing *thing);
 /* In frame space: the origin is at the camera. */
 daft_instance bench_thing_instance(const bench_scene *scene, uint32_t index);
@@ -54,7 +57,16 @@ double bench_camera_ms(bench_camera *camera, daft_intersection intersection);
 double bench_camera_see(bench_camera *camera, daft_intersection intersection, uint64_t *seen);
 /* Every ray alone through the trees, in double and exactly: what is true for the vertices as floats move them. */
 double bench_camera_oracle(bench_camera *camera, uint64_t *seen);
+/* One ray a pixel through the trees over things and triangles, single and coherent only by chance. */
+double bench_camera_trees(bench_camera *camera, daft_intersection intersection, uint64_t *seen);
 bench_camera_counts bench_camera_counted(const bench_camera *camera);
+
+/* ---- boxes.c: visibility by projected boxes alone ---- */
+
+typedef struct bench_boxes bench_boxes;
+bench_boxes *bench_boxes_create(bench *self, const bench_scene *scene, int threads); /* NULL: memory is out */
+void bench_boxes_destroy(bench_boxes *boxes);
+double bench_boxes_see(bench_boxes *boxes, uint64_t *seen); /* milliseconds; negative on failure */
 
 /* ---- frames.c: a scene through the public API ---- */
 
@@ -68,9 +80,9 @@ const daft_counters *bench_frame_counters(const bench_frame *frame);
 const uint8_t *bench_frame_pixels(const bench_frame *frame);
 
 /* What the lamp and the surfaces are like, for ours and the peer's. */
-#define BENCH_ALBEDO 0.8f
-#define BENCH_AMBIENT 0.2f
+#define BENCH_ALBEDO     0.8f
+#define BENCH_AMBIENT    0.2f
 #define BENCH_LAMP_COLOR 0.9f
-#define BENCH_SKY 0.5f
+#define BENCH_SKY        0.5f
 
 #endif
