@@ -11,6 +11,7 @@
 struct bench_camera {
     daft_allocator allocator;
     const bench_scene *scene;
+    int isa;
     daft_raster raster;
     const daft_raster_kernels *kernels;
     const daft_accel_kernels *accel;
@@ -126,7 +127,8 @@ double bench_camera_trees(bench_camera *camera, daft_intersection intersection, 
     daft_arena arena;
     daft_arena_init(&arena, &camera->allocator);
     double start = daft_clock_ms();
-    camera->tlas = daft_tlas_build_for(&arena, camera->instances, camera->scene->thing_count, intersection, NULL);
+    const daft_tlas_def def = {intersection, camera->raster.workers, camera->isa};
+    camera->tlas = daft_tlas_build_for(&arena, camera->instances, camera->scene->thing_count, &def, NULL);
     bool good = camera->tlas != NULL;
     camera->seen = seen;
     if (good) daft_parallel_for(camera->raster.workers, (uint32_t)camera->scene->view.height, trace_row, camera);
@@ -156,6 +158,7 @@ bench_camera *bench_camera_create(bench *self, const bench_scene *scene, int thr
     if (!camera) return NULL;
     camera->allocator = self->allocator;
     camera->scene = scene;
+    camera->isa = isa;
     camera->accel = daft_accel_kernels_for(isa);
     camera->kernels = daft_raster_kernels_for(isa);
     camera->tiles = daft_alloc(&self->allocator, (size_t)threads, sizeof *camera->tiles);
