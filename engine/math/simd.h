@@ -298,7 +298,9 @@ DAFT_INLINE v4 v4_abs(v4 a) { return (v4)((v4i)a & (v4i){0x7fffffff, 0x7fffffff,
 DAFT_INLINE uint32_t v4_bits(v4i m) { return (uint32_t)_mm_movemask_ps((__m128)m); }
 DAFT_INLINE v4 v4_min(v4 a, v4 b) { return (v4)_mm_min_ps((__m128)a, (__m128)b); }
 DAFT_INLINE v4 v4_max(v4 a, v4 b) { return (v4)_mm_max_ps((__m128)a, (__m128)b); }
+DAFT_INLINE v4 v4_sqrt(v4 a) { return (v4)_mm_sqrt_ps((__m128)a); }
 #else
+DAFT_INLINE v4 v4_sqrt(v4 a) { return (v4){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])}; }
 DAFT_INLINE v4 v4_min(v4 a, v4 b) { return v4_select(a < b, a, b); }
 DAFT_INLINE v4 v4_max(v4 a, v4 b) { return v4_select(a > b, a, b); }
 DAFT_INLINE uint32_t v4_bits(v4i m) { return (uint32_t)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }

@@ -201,7 +201,8 @@ struct daft_mesh_shape {
     daft_allocator allocator;
     const daft_trimesh *mesh;
     const struct daft_bvh *bvh;
-    uint32_t *neighbours; /* 3 a triangle: across the edge corner k to k + 1; DAFT_NO_FEATURE at borders */
+    uint32_t *neighbours; /* of 3·triangle + k, the edge from corner k to k + 1: the same of the edge across, or
+                             DAFT_NO_FEATURE */
     uint8_t
         *edges; /* a triangle's three edge kinds, two bits each; seen from the front. 255: a triangle without area */
     bool one_sided;
@@ -219,7 +220,8 @@ void daft_mesh_shape_free(daft_mesh_shape *shape);
 
 /* Heights on a grid: sample (column, row) is at x = column·spacing_x, y = heights[row·columns + column], z =
  * row·spacing_z. A cell whose corners are not all finite is a hole. Each cell is two triangles, 2·cell and 2·cell + 1,
- * cut from (0, 0) to (1, 1), with cell = row·(columns - 1) + column. The front is up; what is below is pushed up. */
+ * cut from (0, 0) to (1, 1), with cell = row·(columns - 1) + column. The front is up; a body
+ * that touches the ground is pushed up however deep it is. */
 struct daft_field {
     daft_allocator allocator;
     uint32_t columns, rows;
@@ -247,6 +249,7 @@ typedef struct daft_child {
 typedef struct daft_compound_node {
     daft_aabb bounds;
     uint32_t second; /* the second child; 0: a leaf */
+    uint32_t skip;   /* the node after this one's subtree */
     uint32_t child;  /* leaf: index into children */
 } daft_compound_node;
 

@@ -1,0 +1,94 @@
+/* The inside of manifold making: polygons in the plane of a reference face, and convex cores posed in a's frame. */
+#ifndef DAFT_SIM_MANIFOLD_PARTS_H
+#define DAFT_SIM_MANIFOLD_PARTS_H
+
+#include "sim/manifold.h"
+
+/* ---- clipping (manifold_clip.c) ---- */
+
+/* A corner of the incident polygon over the reference face: u, v in its plane, w the height above it; metres. */
+typedef struct daft_clip_point {
+    float u, v, w;
+    uint32_t id; /* a feature of the incident one; where clipped, with the clipping edge */
+} daft_clip_point;
+
+enum { DAFT_CLIP_MAX = 136 }; /* a face of 64 corners clipped by another */
+
+/* Clips a polygon (or a segment, count 2) by u·a + v·b <= c; edge names the clipping line in new ids. Gives the new
+ * count. */
+uint32_t daft_clip(const daft_clip_point *in, uint32_t count, float a, float b, float c, uint32_t edge,
+                   daft_clip_point *out);
+/* Leaves at most four points that matter: of the deepest (within `even` of each other) one on the rim, the one farthest
+ * from it, and the farthest to each side of the line between. Gives the count; the points keep their order. */
+uint32_t daft_clip_reduce(daft_clip_point *points, uint32_t count, float even);
+
+/* ---- box against box (manifold_box.c) ---- */
+
+uint32_t daft_collide_boxes(daft_vec3 half_a, daft_vec3 half_b, const daft_relpose *pose, float margin,
+                            daft_manifold *out, daft_pair_cache *cache);
+
+/* ---- convex cores (poly.c) ---- */
+
+typedef enum daft_core { DAFT_CORE_POINT, DAFT_CORE_SEGMENT, DAFT_CORE_TRIANGLE, DAFT_CORE_SOLID } daft_core;
+
+/* What a shape is without its rounding, posed in a's frame. A triangle has two faces, its front (0) and its back (1),
+ * and half-edges like a solid's; a segment one pair of half-edges, no face. */
+typedef struct daft_poly {
+    daft_core core;
+    float radius;                /* rounding */
+    float size;                  /* of the core: no vertex is farther from the centre */
+    daft_vec3 centre, low, high; /* of the core */
+    uint32_t vertex_count, face_count, half_edge_count;
+    const daft_half_edge *half_edges;
+    const uint16_t *first_half_edges;
+    daft_vec3 vertices[DAFT_HULL_MAX_VERTICES];
+    daft_plane planes[DAFT_HULL_MAX_FACES];
+} daft_poly;
+
+/* pose: NULL for a itself. */
+void daft_poly_set(daft_poly *poly, const daft_sim_shape *shape, const daft_relpose *pose);
+/* In a's frame already; the normal is that of its front, unit. */
+void daft_poly_set_triangle(daft_poly *poly, const daft_vec3 corners[3], daft_vec3 normal);
+
+/* The point of a solid or a triangle nearest to p. Gives the distance; 0 inside a solid. */
+float daft_poly_closest(const daft_poly *poly, daft_vec3 p, daft_vec3 *on_poly);
+/* Closest points of the segments p0 p1 and q0 q1, as shares of their lengths (Ericson, "Real-Time Collision Detection",
+ * 2005, 5.1.9). */
+void daft_segments_closest(daft_vec3 p0, daft_vec3 p1, daft_vec3 q0, daft_vec3 q1, float *s, float *t);
+
+static inline daft_vec3 daft_poly_edge_start(const daft_poly *p, uint32_t half_edge)
+{
+    return p->vertices[p->half_edges[half_edge].origin];
+}
+
+static inline daft_vec3 daft_poly_edge_end(const daft_poly *p, uint32_t half_edge)
+{
+    return p->vertices[p->half_edges[half_edge ^ 1].origin];
+}
+
+/* ---- separating axes of cores (sat.c) ---- */
+
+typedef enum daft_axis_kind { DAFT_AXIS_NONE = 0, DAFT_AXIS_FACE_A, DAFT_AXIS_FACE_B, DAFT_AXIS_EDGES } daft_axis_kind;
+
+typedef struct daft_axis {
+    daft_axis_kind kind;
+    uint32_t a, b;    /* face of either, or half-edges of both */
+    float separation; /* of the cores */
+    daft_vec3 normal; /* unit, from a to b */
+} daft_axis;
+
+/* The axis of greatest separation of two cores, at least one of them a solid or a triangle. Stops early where one is
+ * over `enough`. Of about equal axes a face comes before edges and the one in the cache before others. `sides`: which
+ * faces of a triangle count: 1 front, 2 back, 3 both. */
+daft_axis daft_sat(const daft_poly *a, const daft_poly *b, float enough, uint32_t sides, const daft_pair_cache *cache);
+
+/* ---- manifolds of cores (manifold_poly.c) ---- */
+
+/* The contact along one of SAT's axes: by clipping for a face, where the edges cross for edges. 0 or 1 manifolds. */
+uint32_t daft_manifold_along(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin,
+                             daft_manifold *out);
+/* The whole of a convex pair that is not special. */
+uint32_t daft_collide_polys(const daft_poly *a, const daft_poly *b, float margin, uint32_t sides, daft_manifold *out,
+                            daft_pair_cache *cache);
+
+#endif

@@ -1,0 +1,287 @@
+/* Manifolds of convex cores along an axis, and of all convex pairs that have no code of their own. */
+#include "sim/manifold_parts.h"
+
+/* The reference face reaches this share of the smaller core's size farther when it clips; points within this share of
+ * it count as equally deep. */
+#define OVERHANG 1e-3f
+/* A normal whose cosine with a face's is over this is that face's. */
+#define SAME 0.9999f
+
+/* ---- along a face ---- */
+
+typedef struct basis {
+    daft_vec3 origin, u, v, n;
+} basis;
+
+static basis basis_on(daft_vec3 n, daft_vec3 origin)
+{
+    daft_vec3 other = fabsf(n.x) < 0.6f ? daft_v3(1, 0, 0) : daft_v3(0, 1, 0);
+    daft_vec3 u = daft_normalize(daft_cross(other, n));
+    return (basis){origin, u, daft_cross(n, u), n};
+}
+
+static daft_clip_point laid(const basis *s, daft_vec3 p, float offset, uint32_t id)
+{
+    daft_vec3 d = daft_sub(p, s->origin);
+    return (daft_clip_point){daft_dot(s->u, d), daft_dot(s->v, d), daft_dot(s->n, p) - offset, id};
+}
+
+/* The face that looks most against n. */
+static uint32_t facing(const daft_poly *p, daft_vec3 n)
+{
+    uint32_t best = 0;
+    float least = INFINITY;
+    for (uint32_t f = 0; f < p->face_count; f++) {
+        float d = daft_dot(p->planes[f].normal, n);
+        if (d < least) least = d, best = f;
+    }
+    return best;
+}
+
+static uint32_t lay_incident(const basis *s, const daft_poly *p, uint32_t face, float offset, daft_clip_point *out)
+{
+    uint32_t count = 0;
+    if (p->core == DAFT_CORE_POINT || p->core == DAFT_CORE_SEGMENT) {
+        for (; count < p->vertex_count; count++) out[count] = laid(s, p->vertices[count], offset, count);
+        return count;
+    }
+    uint32_t first = p->first_half_edges[face], e = first;
+    do {
+        uint32_t vertex = p->half_edges[e].origin;
+        out[count++] = laid(s, p->vertices[vertex], offset, vertex);
+        e = p->half_edges[e].next;
+    } while (e != first);
+    return count;
+}
+
+/* Clips by the sides of a face. Gives where the points are. */
+static daft_clip_point *clip_sides(const basis *s, const daft_poly *p, uint32_t face, float overhang,
+                                   daft_clip_point *from, daft_clip_point *to, uint32_t *count)
+{
+    uint32_t first = p->first_half_edges[face], e = first;
+    do {
+        daft_clip_point q0 = laid(s, daft_poly_edge_start(p, e), 0, 0), q1 = laid(s, daft_poly_edge_end(p, e), 0, 0);
+        float a = q1.v - q0.v, b = q0.u - q1.u, length = sqrtf(a * a + b * b);
+        if (length > 0) {
+            a /= length, b /= length;
+            *count = daft_clip(from, *count, a, b, a * q0.u + b * q0.v + overhang, e, to);
+            daft_clip_point *swapped = from;
+            from = to, to = swapped;
+        }
+        e = p->half_edges[e].next;
+    } while (e != first && *count > 0);
+    return from;
+}
+
+static uint32_t along_face(const daft_poly *mine, const daft_poly *other, uint32_t face, bool is_b, float margin,
+                           daft_manifold *out)
+{
+    daft_clip_point buffers[2][DAFT_CLIP_MAX];
+    daft_plane plane = mine->planes[face];
+    basis s = basis_on(plane.normal, other->centre);
+    float size = mine->size < other->size ? mine->size : other->size, rounding = mine->radius + other->radius;
+    if (other->core == DAFT_CORE_POINT) size = other->radius < mine->size ? other->radius : mine->size;
+    uint32_t incident = other->face_count ? facing(other, plane.normal) : 0, kept = 0;
+    uint32_t count = lay_incident(&s, other, incident, plane.offset, buffers[0]);
+    daft_clip_point *p = clip_sides(&s, mine, face, OVERHANG * size, buffers[0], buffers[1], &count);
+    for (uint32_t i = 0; i < count; i++)
+        if (p[i].w - rounding <= margin) p[kept++] = p[i];
+    if (kept == 0) return 0;
+    kept = daft_clip_reduce(p, kept, OVERHANG * size);
+    out->count = kept;
+    for (uint32_t i = 0; i < kept; i++) {
+        float height = plane.offset + mine->radius + 0.5f * (p[i].w - rounding);
+        height -= daft_dot(s.n, s.origin);
+        daft_vec3 at = daft_add(daft_add(s.origin, daft_scale(s.n, height)),
+                                daft_add(daft_scale(s.u, p[i].u), daft_scale(s.v, p[i].v)));
+        out->points[i] = (daft_manifold_point){at, p[i].w - rounding, p[i].id | (is_b ? 1u << 30 : 0)};
+    }
+    daft_vec3 look = other->face_count ? other->planes[incident].normal : daft_neg(plane.normal);
+    bool flat = other->face_count && daft_dot(look, plane.normal) < -SAME;
+    daft_feature_kind kind = flat ? DAFT_FEATURE_FACE : kept == 1 ? DAFT_FEATURE_VERTEX : DAFT_FEATURE_EDGE;
+    out->feature_a = is_b ? kind : DAFT_FEATURE_FACE;
+    out->feature_b = is_b ? DAFT_FEATURE_FACE : kind;
+    out->normal = is_b ? daft_neg(plane.normal) : plane.normal;
+    out->face_b = is_b ? plane.normal : look;
+    return 1;
+}
+
+/* ---- one point ---- */
+
+static daft_vec3 face_towards(const daft_poly *p, daft_vec3 n)
+{
+    return p->face_count ? p->planes[facing(p, n)].normal : daft_neg(n);
+}
+
+static uint32_t one_point(const daft_poly *b, daft_vec3 n, daft_vec3 point, float separation, uint32_t id,
+                          daft_feature_kind kind_a, daft_feature_kind kind_b, daft_manifold *out)
+{
+    out->normal = n;
+    out->count = 1;
+    out->points[0] = (daft_manifold_point){point, separation, id};
+    out->feature_a = kind_a, out->feature_b = kind_b;
+    out->face_b = face_towards(b, n);
+    return 1;
+}
+
+static daft_vec3 between(daft_vec3 p, daft_vec3 q, float t)
+{
+    return daft_add(p, daft_scale(daft_sub(q, p), t));
+}
+
+static uint32_t along_edges(const daft_poly *a, const daft_poly *b, const daft_axis *axis, daft_manifold *out)
+{
+    daft_vec3 p0 = daft_poly_edge_start(a, axis->a), p1 = daft_poly_edge_end(a, axis->a);
+    daft_vec3 q0 = daft_poly_edge_start(b, axis->b), q1 = daft_poly_edge_end(b, axis->b);
+    float s, t;
+    daft_segments_closest(p0, p1, q0, q1, &s, &t);
+    daft_vec3 on_a = daft_add(between(p0, p1, s), daft_scale(axis->normal, a->radius));
+    daft_vec3 on_b = daft_sub(between(q0, q1, t), daft_scale(axis->normal, b->radius));
+    daft_vec3 point = daft_scale(daft_add(on_a, on_b), 0.5f);
+    uint32_t id = 3u << 29 | axis->a << 10 | axis->b;
+    return one_point(b, axis->normal, point, axis->separation - (a->radius + b->radius), id, DAFT_FEATURE_EDGE,
+                     DAFT_FEATURE_EDGE, out);
+}
+
+/* Deep in each other, the incident face may miss the reference face altogether: the vertex that is farthest in, then.
+ */
+static uint32_t along_support(const daft_poly *a, const daft_poly *b, const daft_axis *axis, daft_manifold *out)
+{
+    bool of_a = axis->kind == DAFT_AXIS_FACE_A;
+    const daft_poly *mine = of_a ? a : b, *other = of_a ? b : a;
+    daft_vec3 n = of_a ? axis->normal : daft_neg(axis->normal), on;
+    uint32_t best = 0;
+    for (uint32_t i = 1; i < other->vertex_count; i++)
+        if (daft_dot(n, other->vertices[i]) < daft_dot(n, other->vertices[best])) best = i;
+    on = other->vertices[best];
+    if (mine->core == DAFT_CORE_TRIANGLE) {
+        daft_poly_closest(mine, other->vertices[best], &on);
+        on = daft_add(on, daft_scale(n, axis->separation));
+    }
+    float separation = axis->separation - (a->radius + b->radius);
+    daft_vec3 point = daft_sub(on, daft_scale(n, other->radius + 0.5f * separation));
+    return one_point(b, axis->normal, point, separation, 7u << 28 | best,
+                     of_a ? DAFT_FEATURE_FACE : DAFT_FEATURE_VERTEX, of_a ? DAFT_FEATURE_VERTEX : DAFT_FEATURE_FACE,
+                     out);
+}
+
+uint32_t daft_manifold_along(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin,
+                             daft_manifold *out)
+{
+    switch (axis->kind) {
+    case DAFT_AXIS_FACE_A: return along_face(a, b, axis->a, false, margin, out);
+    case DAFT_AXIS_FACE_B: return along_face(b, a, axis->b, true, margin, out);
+    case DAFT_AXIS_EDGES: return along_edges(a, b, axis, out);
+    default: return 0;
+    }
+}
+
+/* ---- round cores outside of a solid or triangle: the closest points decide ---- */
+
+/* From `round` (a point or a segment) to `other`; both on the cores. */
+typedef struct closest {
+    float distance;
+    daft_vec3 on_round, on_other;
+    bool edges; /* the inside of the segment and an edge */
+} closest;
+
+static void try_closest(closest *best, daft_vec3 on_round, daft_vec3 on_other, bool edges)
+{
+    float d = daft_length(daft_sub(on_other, on_round));
+    if (d < best->distance) *best = (closest){d, on_round, on_other, edges};
+}
+
+static closest find_closest(const daft_poly *round, const daft_poly *other)
+{
+    closest best = {.distance = INFINITY};
+    for (uint32_t i = 0; i < round->vertex_count; i++) {
+        daft_vec3 on;
+        daft_poly_closest(other, round->vertices[i], &on);
+        try_closest(&best, round->vertices[i], on, false);
+    }
+    for (uint32_t e = 0; round->core == DAFT_CORE_SEGMENT && e < other->half_edge_count; e += 2) {
+        daft_vec3 q0 = daft_poly_edge_start(other, e), q1 = daft_poly_edge_end(other, e);
+        float s, t;
+        daft_segments_closest(round->vertices[0], round->vertices[1], q0, q1, &s, &t);
+        try_closest(&best, between(round->vertices[0], round->vertices[1], s), between(q0, q1, t), true);
+    }
+    return best;
+}
+
+/* Which face has this normal, if one has. */
+static bool face_of_normal(const daft_poly *p, daft_vec3 n, uint32_t sides, uint32_t *face)
+{
+    *face = facing(p, daft_neg(n));
+    if (p->core == DAFT_CORE_TRIANGLE && !(sides >> *face & 1)) return false;
+    return daft_dot(p->planes[*face].normal, n) > SAME;
+}
+
+/* is_b: `other` is b. */
+static uint32_t round_outside(const daft_poly *round, const daft_poly *other, bool is_b, float margin, uint32_t sides,
+                              daft_manifold *out)
+{
+    closest c = find_closest(round, other);
+    float separation = c.distance - round->radius;
+    if (separation > margin) return 0;
+    daft_vec3 away = daft_scale(daft_sub(c.on_round, c.on_other), 1 / c.distance); /* from other */
+    uint32_t face;
+    if (face_of_normal(other, away, sides, &face) && along_face(other, round, face, is_b, margin, out)) return 1;
+    daft_vec3 n = is_b ? daft_neg(away) : away;
+    daft_vec3 point = daft_add(c.on_other, daft_scale(away, 0.5f * separation));
+    daft_feature_kind mine = c.edges ? DAFT_FEATURE_EDGE : DAFT_FEATURE_VERTEX, theirs = DAFT_FEATURE_EDGE;
+    for (uint32_t i = 0; i < other->vertex_count; i++) {
+        daft_vec3 d = daft_sub(other->vertices[i], c.on_other);
+        if (daft_dot(d, d) <= 1e-8f * other->size * other->size) theirs = DAFT_FEATURE_VERTEX;
+    }
+    return one_point(is_b ? other : round, n, point, separation, 5u << 28 | (uint32_t)c.edges, is_b ? mine : theirs,
+                     is_b ? theirs : mine, out);
+}
+
+static bool is_round(const daft_poly *p)
+{
+    return p->core == DAFT_CORE_POINT || p->core == DAFT_CORE_SEGMENT;
+}
+
+static bool is_apart(const daft_poly *a, const daft_poly *b, float reach)
+{
+    return a->low.x > b->high.x + reach || a->low.y > b->high.y + reach || a->low.z > b->high.z + reach ||
+           b->low.x > a->high.x + reach || b->low.y > a->high.y + reach || b->low.z > a->high.z + reach;
+}
+
+/* Whether a segment goes through a triangle. */
+static bool pierces(const daft_poly *segment, const daft_poly *triangle)
+{
+    daft_plane plane = triangle->planes[0];
+    float h0 = daft_dot(plane.normal, segment->vertices[0]) - plane.offset;
+    float h1 = daft_dot(plane.normal, segment->vertices[1]) - plane.offset;
+    if ((h0 > 0) == (h1 > 0)) return false;
+    daft_vec3 at = between(segment->vertices[0], segment->vertices[1], h0 / (h0 - h1));
+    for (uint32_t e = 0; e < 6; e += 2) {
+        daft_vec3 from = daft_poly_edge_start(triangle, e), d = daft_sub(daft_poly_edge_end(triangle, e), from);
+        if (daft_dot(daft_cross(plane.normal, d), daft_sub(at, from)) < 0) return false;
+    }
+    return true;
+}
+
+/* Whether the closest points give a good normal: the cores are apart by more than rounding blurs. */
+static bool clear_of(const daft_poly *round, const daft_poly *other, float separation)
+{
+    float blur = 1e-3f * round->radius + 1e-6f * other->size;
+    if (other->core != DAFT_CORE_TRIANGLE) return separation > blur;
+    /* Beside a triangle's edge, in its plane, no axis separates. */
+    return (round->core == DAFT_CORE_POINT || !pierces(round, other)) && find_closest(round, other).distance > blur;
+}
+
+uint32_t daft_collide_polys(const daft_poly *a, const daft_poly *b, float margin, uint32_t sides, daft_manifold *out,
+                            daft_pair_cache *cache)
+{
+    float enough = margin + (a->radius + b->radius);
+    if (is_apart(a, b, enough)) return 0;
+    daft_axis axis = daft_sat(a, b, enough, sides, cache);
+    if (cache) *cache = (daft_pair_cache){.kind = (uint8_t)axis.kind, .a = (uint16_t)axis.a, .b = (uint16_t)axis.b};
+    if (axis.separation > enough) return 0;
+    if (is_round(a) && clear_of(a, b, axis.separation)) return round_outside(a, b, true, margin, sides, out);
+    if (is_round(b) && clear_of(b, a, axis.separation)) return round_outside(b, a, false, margin, sides, out);
+    if (daft_manifold_along(a, b, &axis, margin, out)) return 1;
+    return axis.separation < 0 && axis.kind != DAFT_AXIS_NONE ? along_support(a, b, &axis, out) : 0;
+}

@@ -1,0 +1,185 @@
+/* The separating-axis test between convex cores: faces of either, and pairs of edges whose arcs on the Gauss map cross
+ * (Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013). A triangle's edge has half a great circle
+ * for an arc and a segment's a whole one: there the third corner decides, or nothing. */
+#include "sim/manifold_parts.h"
+
+/* Axes within this share of the smaller core's size count as equally good. */
+#define EVEN 1e-3f
+/* Edges whose angle's square sine is less are parallel: a face has their axis. */
+#define PARALLEL 1e-5f
+/* A core over this many times as large as the other has the more exact faces. */
+#define LARGE 4.0f
+
+static float lowest(const daft_poly *p, daft_vec3 n)
+{
+    float least = INFINITY;
+    for (uint32_t i = 0; i < p->vertex_count; i++) {
+        float d = daft_dot(n, p->vertices[i]);
+        if (d < least) least = d;
+    }
+    return least;
+}
+
+static float face_separation(const daft_poly *mine, uint32_t face, const daft_poly *other)
+{
+    return lowest(other, mine->planes[face].normal) - mine->planes[face].offset;
+}
+
+static bool face_counts(const daft_poly *p, uint32_t face, uint32_t sides)
+{
+    return p->core != DAFT_CORE_TRIANGLE || (sides >> face & 1);
+}
+
+static void try_faces(const daft_poly *mine, const daft_poly *other, bool is_b, uint32_t sides, float enough,
+                      daft_axis *best)
+{
+    best->separation = -INFINITY;
+    best->kind = DAFT_AXIS_NONE;
+    for (uint32_t f = 0; f < mine->face_count; f++) {
+        if (!face_counts(mine, f, sides)) continue;
+        float s = face_separation(mine, f, other);
+        if (s <= best->separation) continue;
+        daft_vec3 n = mine->planes[f].normal;
+        *best = is_b ? (daft_axis){DAFT_AXIS_FACE_B, 0, f, s, daft_neg(n)} : (daft_axis){DAFT_AXIS_FACE_A, f, 0, s, n};
+        if (s > enough) return;
+    }
+}
+
+/* ---- edges ---- */
+
+typedef struct edge {
+    uint32_t number; /* half-edge */
+    daft_vec3 from, d;
+    daft_vec3 n1, n2; /* of the faces on both sides; solids */
+} edge;
+
+enum { MAX_EDGES = DAFT_HULL_MAX_HALF_EDGES / 2 };
+
+/* The edges that are near enough to the other core to cross one of its edges at the least depth: those whose bounds
+ * come within `reach` of the other's. */
+static uint32_t gather_edges(const daft_poly *p, const daft_poly *other, float reach, edge *out)
+{
+    daft_vec3 r = daft_v3(reach, reach, reach), low = daft_sub(other->low, r), high = daft_add(other->high, r);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < p->half_edge_count; i += 2) {
+        daft_vec3 from = daft_poly_edge_start(p, i), to = daft_poly_edge_end(p, i);
+        daft_vec3 least = daft_min3(from, to), most = daft_max3(from, to);
+        if (least.x > high.x || least.y > high.y || least.z > high.z) continue;
+        if (most.x < low.x || most.y < low.y || most.z < low.z) continue;
+        edge *e = &out[count++];
+        *e = (edge){.number = i, .from = from, .d = daft_sub(to, from)};
+        if (p->core != DAFT_CORE_SOLID) continue;
+        e->n1 = p->planes[p->half_edges[i].face].normal;
+        e->n2 = p->planes[p->half_edges[i ^ 1].face].normal;
+    }
+    return count;
+}
+
+/* Where the arc between the faces' normals crosses the plane across `d`: the direction in which this edge is extreme.
+ */
+static daft_vec3 arc_crossing(const edge *e, float t1, float t2)
+{
+    return daft_add(daft_scale(e->n1, fabsf(t2)), daft_scale(e->n2, fabsf(t1)));
+}
+
+/* A point of the core that is not on the edge, which tells on which side of the edge a triangle is. */
+static daft_vec3 third(const daft_poly *p, const edge *e)
+{
+    uint32_t next = p->half_edges[p->half_edges[e->number].next].next;
+    return p->vertices[p->half_edges[next].origin];
+}
+
+/* Whether, with `out` as the direction away from the core, the edge is extreme. May turn `out` round once, where
+ * nothing has fixed its sign yet. */
+static bool is_extreme(const daft_poly *p, const edge *e, daft_vec3 crossing, float sign, daft_vec3 *out, bool *fixed)
+{
+    float along = 0; /* of the core beyond the edge; must be negative */
+    if (p->core == DAFT_CORE_SEGMENT) return true;
+    if (p->core == DAFT_CORE_SOLID)
+        along = -sign * daft_dot(*out, crossing);
+    else
+        along = sign * daft_dot(*out, daft_sub(third(p, e), e->from));
+    if (along > 0 && !*fixed) *out = daft_neg(*out), along = -along;
+    *fixed = true;
+    return along <= 0;
+}
+
+static void try_edge_pair(const daft_poly *a, const daft_poly *b, const edge *ea, const edge *eb, daft_axis *best)
+{
+    daft_vec3 crossing_a = {0, 0, 0}, crossing_b = {0, 0, 0};
+    if (a->core == DAFT_CORE_SOLID) {
+        float t1 = daft_dot(ea->n1, eb->d), t2 = daft_dot(ea->n2, eb->d);
+        if (t1 * t2 >= 0) return;
+        crossing_a = arc_crossing(ea, t1, t2);
+    }
+    if (b->core == DAFT_CORE_SOLID) {
+        float t1 = daft_dot(eb->n1, ea->d), t2 = daft_dot(eb->n2, ea->d);
+        if (t1 * t2 >= 0) return;
+        crossing_b = arc_crossing(eb, t1, t2);
+    }
+    daft_vec3 n = daft_cross(ea->d, eb->d);
+    float square = daft_dot(n, n);
+    if (square <= PARALLEL * daft_dot(ea->d, ea->d) * daft_dot(eb->d, eb->d)) return;
+    bool fixed = false;
+    if (!is_extreme(a, ea, crossing_a, 1, &n, &fixed) || !is_extreme(b, eb, crossing_b, -1, &n, &fixed)) return;
+    n = daft_scale(n, 1 / sqrtf(square));
+    float s = daft_dot(n, daft_sub(eb->from, ea->from));
+    if (s > best->separation) *best = (daft_axis){DAFT_AXIS_EDGES, ea->number, eb->number, s, n};
+}
+
+static void try_edges(const daft_poly *a, const daft_poly *b, float face, float enough, daft_axis *best)
+{
+    edge ea[MAX_EDGES], eb[MAX_EDGES];
+    best->separation = -INFINITY;
+    best->kind = DAFT_AXIS_NONE;
+    float reach = face < 0 ? -face : 0;
+    if (reach < enough) reach = enough;
+    uint32_t count_a = gather_edges(a, b, reach, ea), count_b = gather_edges(b, a, reach, eb);
+    for (uint32_t i = 0; i < count_a; i++)
+        for (uint32_t j = 0; j < count_b; j++) {
+            try_edge_pair(a, b, &ea[i], &eb[j], best);
+            if (best->separation > enough) return;
+        }
+}
+
+/* ---- all ---- */
+
+/* The separation along the cached face, if there is one that still exists. */
+static bool cached_apart(const daft_poly *a, const daft_poly *b, float enough, uint32_t sides,
+                         const daft_pair_cache *cache, daft_axis *out)
+{
+    if (!cache) return false;
+    if (cache->kind == DAFT_AXIS_FACE_A && cache->a < a->face_count && face_counts(a, cache->a, sides)) {
+        daft_vec3 n = a->planes[cache->a].normal;
+        *out = (daft_axis){DAFT_AXIS_FACE_A, cache->a, 0, face_separation(a, cache->a, b), n};
+        return out->separation > enough;
+    }
+    if (cache->kind == DAFT_AXIS_FACE_B && cache->b < b->face_count && face_counts(b, cache->b, sides)) {
+        daft_vec3 n = daft_neg(b->planes[cache->b].normal);
+        *out = (daft_axis){DAFT_AXIS_FACE_B, 0, cache->b, face_separation(b, cache->b, a), n};
+        return out->separation > enough;
+    }
+    return false;
+}
+
+daft_axis daft_sat(const daft_poly *a, const daft_poly *b, float enough, uint32_t sides, const daft_pair_cache *cache)
+{
+    daft_axis axis_a, axis_b, axis_e;
+    if (cached_apart(a, b, enough, sides, cache, &axis_a)) return axis_a;
+    try_faces(a, b, false, sides, enough, &axis_a);
+    if (axis_a.separation > enough) return axis_a;
+    try_faces(b, a, true, sides, enough, &axis_b);
+    if (axis_b.separation > enough) return axis_b;
+    float face = axis_a.separation > axis_b.separation ? axis_a.separation : axis_b.separation;
+    try_edges(a, b, face, enough, &axis_e);
+    if (axis_e.separation > enough) return axis_e;
+
+    float size = a->size < b->size ? a->size : b->size, even = EVEN * size;
+    uint8_t before = cache ? cache->kind : DAFT_AXIS_NONE;
+    float bias = before == DAFT_AXIS_EDGES ? -even : before == DAFT_AXIS_NONE ? even : 2 * even;
+    if (axis_e.kind == DAFT_AXIS_EDGES && axis_e.separation > face + bias) return axis_e;
+    bool prefer_b = before == DAFT_AXIS_FACE_B || (before != DAFT_AXIS_FACE_A && b->size > LARGE * a->size);
+    if (axis_a.kind == DAFT_AXIS_NONE) return axis_b;
+    if (axis_b.kind == DAFT_AXIS_NONE) return axis_a;
+    return axis_b.separation > axis_a.separation + (prefer_b ? -even : even) ? axis_b : axis_a;
+}

@@ -1,0 +1,354 @@
+/* Manifolds of convex pairs, against axes and distances found the slow way. */
+#include "shape_cases.h"
+
+enum { KINDS = 4 };
+
+static daft_hull *owned[4096];
+static uint32_t owned_count;
+
+static void drop_hulls(void)
+{
+    while (owned_count > 0) daft_hull_free(owned[--owned_count]);
+}
+
+static daft_sim_shape random_shape(uint32_t kind, float size)
+{
+    switch (kind) {
+    case 0: return must_sphere(size * random_float(0.3f, 1));
+    case 1: return must_capsule(size * random_float(0.2f, 1), size * random_float(0.1f, 0.6f));
+    case 2: return must_box(size * random_float(0.2f, 1), size * random_float(0.2f, 1), size * random_float(0.2f, 1));
+    default:
+        owned[owned_count] = random_hull(5 + random_bits() % 20, daft_v3(size, size * random_float(0.3f, 1), size));
+        return daft_shape_hull(owned[owned_count++]);
+    }
+}
+
+static const char *const NAMES[KINDS] = {"sphere", "capsule", "box", "hull"};
+
+typedef struct sample {
+    daft_sim_shape a, b;
+    daft_rigid pose_a, pose_b;
+    cloud ca, cb; /* in a's frame */
+    double size;  /* of the smaller */
+    double truth; /* separation: distance, or minus the least way out */
+    char name[64];
+} sample;
+
+static double extent(const daft_sim_shape *s)
+{
+    return (double)daft_shape_reach(s, daft_v3(0, 0, 0));
+}
+
+static double truth_of(const cloud *a, const cloud *b)
+{
+    double rounding = a->radius + b->radius;
+    double sat = a->axis_count + b->axis_count > 0 ? oracle_sat(a, b) + rounding : INFINITY;
+    return (sat < 0 ? sat : oracle_distance(a, b)) - rounding;
+}
+
+/* b touches a about as deep as `depth` times the smaller's size says, at some place. */
+static sample random_sample(uint32_t kind_a, uint32_t kind_b, float ratio, float depth, double far)
+{
+    sample s = {.a = random_shape(kind_a, 1), .b = random_shape(kind_b, ratio)};
+    double ea = extent(&s.a), eb = extent(&s.b);
+    s.size = fmin(ea, eb);
+    s.pose_a = random_rigid((float)far);
+    daft_rigid relative = random_rigid((float)(0.5 * fmax(ea, eb))), identity = daft_rigid_identity();
+    s.ca = cloud_of(&s.a, &identity), s.cb = cloud_of(&s.b, &relative);
+    daft_dvec3 n = random_unit();
+    relative.p = daft_dadd(relative.p, daft_dscale(n, -apart_along(&s.ca, &s.cb, n) - (double)depth * s.size));
+    s.pose_b = daft_rigid_mul(&s.pose_a, &relative);
+    relative = daft_rigid_relative(&s.pose_a, &s.pose_b);
+    s.cb = cloud_of(&s.b, &relative);
+    s.truth = truth_of(&s.ca, &s.cb);
+    snprintf(s.name, sizeof s.name, "%s and %s, %g as large, %g deep", NAMES[kind_a], NAMES[kind_b], (double)ratio,
+             (double)depth);
+    return s;
+}
+
+/* How far x is outside of a cloud, from below: over its axes only. */
+static double outside(const cloud *c, daft_dvec3 x)
+{
+    double most = -INFINITY;
+    for (uint32_t i = 0; i < c->axis_count; i++) {
+        double top = -INFINITY, bottom = INFINITY, at = daft_ddot(c->axes[i], x);
+        for (uint32_t k = 0; k < c->count; k++) {
+            top = fmax(top, daft_ddot(c->axes[i], c->points[k]));
+            bottom = fmin(bottom, daft_ddot(c->axes[i], c->points[k]));
+        }
+        most = fmax(most, fmax(at - top, bottom - at));
+    }
+    if (c->axis_count == 0) {
+        cloud point = {.points = {x}, .count = 1};
+        most = oracle_distance(c, &point) - c->radius;
+    }
+    return most;
+}
+
+static void check_points(const sample *s, const daft_manifold *m, double tolerance)
+{
+    assert_true(m->count >= 1 && m->count <= 4);
+    double least = INFINITY, length = (double)daft_length(m->normal);
+    if (!(fabs(length - 1) < 1e-5)) fail_msg("%s: a normal of %g", s->name, length);
+    for (uint32_t i = 0; i < m->count; i++) {
+        const daft_manifold_point *p = &m->points[i];
+        least = fmin(least, (double)p->separation);
+        double room = fabs((double)p->separation) / 2 + tolerance, oa = outside(&s->ca, daft_to_double(p->point)),
+               ob = outside(&s->cb, daft_to_double(p->point));
+        if (!(oa <= room && ob <= room))
+            fail_msg("%s: a point %g outside of a, %g of b, separation %g", s->name, oa, ob, (double)p->separation);
+        for (uint32_t k = 0; k < i; k++) assert_int_not_equal(p->id, m->points[k].id);
+    }
+    double along = apart_along(&s->ca, &s->cb, daft_to_double(m->normal));
+    if (s->truth < 0 && !(fabs(least - along) <= tolerance))
+        fail_msg("%s: deepest point %g, along the normal %g (truth %g)", s->name, least, along, s->truth);
+    if (s->truth < 0 && !(along >= s->truth - tolerance))
+        fail_msg("%s: %g along the normal, but %g is enough", s->name, along, s->truth);
+}
+
+static uint32_t collide(const sample *s, float margin, daft_manifold *m, daft_pair_cache *cache)
+{
+    daft_relpose pose = daft_relpose_make(&s->pose_a, &s->pose_b);
+    return daft_collide(&s->a, &s->b, &pose, margin, m, 1, cache);
+}
+
+static void check_sample(const sample *s, double tolerance)
+{
+    daft_manifold m, again;
+    daft_pair_cache cache = {0};
+    double margin = 0.05 * s->size;
+    bool solids = s->ca.axis_count > 0 && s->cb.axis_count > 0;
+    uint32_t count = collide(s, (float)margin, &m, &cache);
+    if (s->truth < -tolerance && count != 1) fail_msg("%s: no contact at %g", s->name, s->truth);
+    if (!solids && s->truth < margin - tolerance && count != 1) fail_msg("%s: none at %g", s->name, s->truth);
+    if (!solids && s->truth > margin + tolerance && count != 0) fail_msg("%s: one at %g", s->name, s->truth);
+    if (count) check_points(s, &m, tolerance);
+    /* With what is now in the cache: the same. */
+    if (collide(s, (float)margin, &again, &cache) != count) fail_msg("%s: the cache changes the answer", s->name);
+    if (count) check_points(s, &again, tolerance);
+
+    sample swapped = {.a = s->b, .b = s->a, .pose_a = s->pose_b, .pose_b = s->pose_a};
+    daft_manifold other;
+    if (collide(&swapped, (float)margin, &other, NULL) != count && (s->truth < -tolerance || !solids) &&
+        fabs(s->truth - margin) > tolerance)
+        fail_msg("%s: swapped, %u contacts become %u at %g", s->name, count, 1 - count, s->truth);
+}
+
+static void pairs_touch_as_they_should(void **unused)
+{
+    (void)unused;
+    fixture_seed(601);
+    static const float depths[] = {-0.04f, -0.01f, 0.001f, 0.01f, 0.1f, 0.4f};
+    for (uint32_t a = 0; a < KINDS; a++)
+        for (uint32_t b = 0; b < KINDS; b++)
+            for (int round = 0; round < 90; round++) {
+                float ratio = round % 3 == 0 ? 1 : round % 3 == 1 ? 0.1f : 8;
+                sample s = random_sample(a, b, ratio, depths[round % 6], 5);
+                check_sample(&s, 4e-3 * s.size);
+                drop_hulls();
+            }
+}
+
+/* ---- what a resting body needs ---- */
+
+/* A crate on one corner of a huge floor, at any place and turn: the contact is as good as on a small one. */
+static void a_crate_on_a_huge_floor(void **unused)
+{
+    (void)unused;
+    fixture_seed(602);
+    for (int round = 0; round < 2000; round++) {
+        daft_sim_shape crate = must_box(0.5f, 0.5f, 0.5f), floor = must_box(500, 50, 500);
+        double angle = (double)random_float(-3, 3), depth = 0.003;
+        daft_rigid world = random_rigid(1000);
+        daft_rigid ground = daft_rigid_make(daft_dv3(0, -50, 0), (daft_quat){0, 0, 0, 1});
+        daft_quat turn = {0, (float)daft_sin(angle / 2), 0, (float)daft_cos(angle / 2)};
+        daft_rigid body = daft_rigid_make(
+            daft_dv3((double)random_float(-499, 499), 0.5 - depth, (double)random_float(-499, 499)), turn);
+        ground = daft_rigid_mul(&world, &ground), body = daft_rigid_mul(&world, &body);
+        daft_relpose pose = daft_relpose_make(&body, &ground);
+        daft_manifold m;
+        assert_int_equal(daft_collide(&crate, &floor, &pose, 0.01f, &m, 1, NULL), 1);
+        assert_int_equal(m.count, 4);
+        for (int i = 0; i < 4; i++) {
+            assert_float_equal(m.points[i].separation, -depth, 2e-6);
+            assert_float_equal(fabsf(m.points[i].point.x), 0.5f, 2e-6);
+            assert_float_equal(fabsf(m.points[i].point.z), 0.5f, 2e-6);
+        }
+        assert_true(m.normal.y < -0.999999f);
+        assert_int_equal(m.feature_b, DAFT_FEATURE_FACE);
+        assert_true(m.face_b.y > 0.999999f);
+    }
+}
+
+/* Two crates of one size, one upon the other with last bits of noise: always the four corners, with the same ids. */
+static void a_stack_keeps_its_corners(void **unused)
+{
+    (void)unused;
+    fixture_seed(603);
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_trimesh mesh;
+    assert_true(daft_trimesh_box(&allocator, daft_v3(1, 1, 1), &mesh, NULL));
+    daft_hull *hull = daft_hull_create_mesh(&allocator, &mesh, daft_v3(1, 1, 1), 0, NULL);
+    for (int kind = 0; kind < 2; kind++) {
+        uint32_t ids[4] = {0};
+        daft_sim_shape crate = kind ? daft_shape_hull(hull) : must_box(0.5f, 0.5f, 0.5f);
+        daft_pair_cache cache = {0};
+        for (int round = 0; round < 500; round++) {
+            daft_quat tilt = {random_float(-1e-5f, 1e-5f), random_float(-1e-5f, 1e-5f), random_float(-1e-5f, 1e-5f), 1};
+            daft_rigid low = daft_rigid_identity();
+            daft_rigid top = daft_rigid_make(daft_dv3((double)random_float(-1e-5f, 1e-5f), 0.999, 1e-5), tilt);
+            daft_relpose pose = daft_relpose_make(&low, &top);
+            daft_manifold m;
+            assert_int_equal(daft_collide(&crate, &crate, &pose, 0.01f, &m, 1, &cache), 1);
+            assert_int_equal(m.count, 4);
+            for (int i = 0; i < 4; i++) {
+                if (round == 0) ids[i] = m.points[i].id;
+                assert_int_equal(m.points[i].id, ids[i]);
+                assert_float_equal(fabsf(m.points[i].point.x), 0.5f, 1e-3);
+            }
+        }
+    }
+    daft_hull_free(hull);
+    daft_trimesh_free(&allocator, &mesh);
+}
+
+/* A box and the same box as a hull are the same thing. */
+static void boxes_are_hulls(void **unused)
+{
+    (void)unused;
+    fixture_seed(604);
+    daft_allocator allocator = daft_malloc_allocator();
+    int contacts = 0, faces = 0, same = 0;
+    for (int round = 0; round < 2000; round++) {
+        sample s = random_sample(2, 2, 1, 0.3f, 0);
+        if (s.truth > -2e-3) continue;
+        daft_trimesh mesh;
+        daft_trimesh_box(&allocator, daft_scale(s.a.half, 2), &mesh, NULL);
+        daft_hull *hull = daft_hull_create_mesh(&allocator, &mesh, daft_v3(1, 1, 1), 0, NULL);
+        daft_sim_shape as_hull = daft_shape_hull(hull);
+        daft_relpose pose = daft_relpose_make(&s.pose_a, &s.pose_b);
+        daft_manifold m, n;
+        uint32_t count = daft_collide(&s.a, &s.b, &pose, 0.01f, &m, 1, NULL);
+        assert_int_equal(daft_collide(&as_hull, &s.b, &pose, 0.01f, &n, 1, NULL), count);
+        contacts += count > 0;
+        if (count && daft_dot(m.normal, n.normal) > 0.9999f) {
+            faces++;
+            same += m.count == n.count;
+            float deep_m = INFINITY, deep_n = INFINITY;
+            for (uint32_t i = 0; i < m.count; i++) deep_m = fminf(deep_m, m.points[i].separation);
+            for (uint32_t i = 0; i < n.count; i++) deep_n = fminf(deep_n, n.points[i].separation);
+            assert_float_equal(deep_m, deep_n, 2e-3);
+        }
+        daft_hull_free(hull);
+        daft_trimesh_free(&allocator, &mesh);
+    }
+    print_message("%d contacts, %d with one normal, %d with as many points\n", contacts, faces, same);
+    assert_true(contacts > 100 && faces > 0.97 * contacts && same > 0.97 * faces);
+}
+
+static void capsules_lie_on_two_points(void **unused)
+{
+    (void)unused;
+    daft_sim_shape capsule = must_capsule(1, 0.25f), box = must_box(3, 1, 3), other = must_capsule(2, 0.5f);
+    daft_rigid ground = daft_rigid_identity();
+    daft_rigid lying = daft_rigid_make(daft_dv3(0.3, 1.25 - 0.01, 0.2), (daft_quat){0, 0, 1, 1});
+    daft_relpose pose = daft_relpose_make(&lying, &ground);
+    daft_manifold m;
+    assert_int_equal(daft_collide(&capsule, &box, &pose, 0.02f, &m, 1, NULL), 1);
+    assert_int_equal(m.count, 2);
+    for (int i = 0; i < 2; i++) {
+        assert_float_equal(m.points[i].separation, -0.01f, 1e-6);
+        assert_float_equal(fabsf(m.points[i].point.y), 1, 1e-5);
+    }
+    lying = daft_rigid_make(daft_dv3(0.7, 0.4, 0), (daft_quat){0, 0, 0, 1});
+    pose = daft_relpose_make(&lying, &ground);
+    assert_int_equal(daft_collide(&capsule, &other, &pose, 0.02f, &m, 1, NULL), 1);
+    assert_int_equal(m.count, 2);
+    assert_float_equal(m.points[0].separation, -0.05f, 1e-6);
+    assert_float_equal(m.normal.x, -1, 1e-6);
+}
+
+/* What lies exactly in the middle of another leaves it somehow. */
+static void nothing_is_undecided_in_the_middle(void **unused)
+{
+    (void)unused;
+    fixture_seed(605);
+    for (uint32_t a = 0; a < KINDS; a++)
+        for (uint32_t b = 0; b < KINDS; b++)
+            for (int round = 0; round < 30; round++) {
+                daft_sim_shape sa = random_shape(a, 1), sb = round % 2 ? random_shape(b, 1) : sa;
+                daft_rigid pa = daft_rigid_identity(), pb = round % 4 > 1 ? random_rigid(0) : pa;
+                if (sa.type == DAFT_GEOMETRY_HULL) pa.p = daft_dscale(daft_to_double(sa.hull->centre), -1);
+                if (sb.type == DAFT_GEOMETRY_HULL)
+                    pb.p = daft_dscale(daft_rigid_vector(&pb, daft_to_double(sb.hull->centre)), -1);
+                daft_relpose pose = daft_relpose_make(&pa, &pb);
+                daft_manifold m;
+                if (daft_collide(&sa, &sb, &pose, 0.01f, &m, 1, NULL) != 1) fail_msg("%s and %s", NAMES[a], NAMES[b]);
+                assert_true(m.count >= 1 && fabsf(daft_length(m.normal) - 1) < 1e-4f);
+                for (uint32_t i = 0; i < m.count; i++)
+                    assert_true(daft_finite3(m.points[i].point) && m.points[i].separation < 0);
+                drop_hulls();
+            }
+}
+
+static void sizes_from_ants_to_planets(void **unused)
+{
+    (void)unused;
+    fixture_seed(606);
+    for (float scale = 2e-4f; scale < 1e7f; scale *= 10)
+        for (int round = 0; round < 100; round++) {
+            daft_sim_shape a = must_box(scale * 0.9f, scale * 0.6f, scale * 0.7f),
+                           b = must_box(scale, scale, scale * 0.5f);
+            daft_sim_shape big_a = must_box(0.9f, 0.6f, 0.7f), big_b = must_box(1, 1, 0.5f);
+            daft_rigid pa = daft_rigid_identity(), pb = random_rigid(0.8f);
+            daft_relpose one = daft_relpose_make(&pa, &pb);
+            pb.p = daft_dscale(pb.p, (double)scale);
+            daft_relpose scaled = daft_relpose_make(&pa, &pb);
+            daft_manifold m = {0}, n = {0};
+            assert_int_equal(daft_collide(&big_a, &big_b, &one, 0.01f, &m, 1, NULL),
+                             daft_collide(&a, &b, &scaled, 0.01f * scale, &n, 1, NULL));
+            float deep_m = INFINITY, deep_n = INFINITY;
+            for (uint32_t i = 0; i < m.count; i++) deep_m = fminf(deep_m, m.points[i].separation);
+            for (uint32_t i = 0; i < n.count; i++) deep_n = fminf(deep_n, n.points[i].separation / scale);
+            assert_true(m.count == 0 || fabsf(deep_m - deep_n) < 1e-4f);
+        }
+}
+
+static void odd_poses_give_nothing(void **unused)
+{
+    (void)unused;
+    daft_sim_shape a = must_box(1, 1, 1), b = must_sphere(1);
+    daft_rigid pa = daft_rigid_identity(), pb = pa;
+    daft_manifold m;
+    pb.p.x = NAN;
+    daft_relpose pose = daft_relpose_make(&pa, &pb);
+    assert_int_equal(daft_collide(&a, &b, &pose, 0.1f, &m, 1, NULL), 0);
+    pb.p.x = INFINITY;
+    pose = daft_relpose_make(&pa, &pb);
+    assert_int_equal(daft_collide(&a, &b, &pose, 0.1f, &m, 1, NULL), 0);
+    pb.p.x = 1e30;
+    pose = daft_relpose_make(&pa, &pb);
+    assert_int_equal(daft_collide(&a, &a, &pose, 0.1f, &m, 1, NULL), 0);
+    assert_int_equal(daft_collide(&a, &b, &pose, 0.1f, &m, 1, NULL), 0);
+    pb.p.x = 0;
+    pose = daft_relpose_make(&pa, &pb);
+    assert_int_equal(daft_collide(&a, &b, &pose, NAN, &m, 1, NULL), 0);
+    daft_sim_shape s;
+    daft_error error = {0};
+    assert_false(daft_shape_sphere(NAN, &s, &error) || daft_shape_sphere(0, &s, &error) ||
+                 daft_shape_sphere(-1, &s, &error) || daft_shape_sphere(1e8f, &s, &error) ||
+                 daft_shape_capsule(-1, 1, &s, &error) || daft_shape_capsule(1, 0, &s, &error) ||
+                 daft_shape_box(daft_v3(1, 0, 1), &s, &error) || daft_shape_box(daft_v3(1, INFINITY, 1), &s, &error));
+    assert_int_equal(error.code, DAFT_ERROR_ARGUMENT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pairs_touch_as_they_should), cmocka_unit_test(a_crate_on_a_huge_floor),
+        cmocka_unit_test(a_stack_keeps_its_corners),  cmocka_unit_test(boxes_are_hulls),
+        cmocka_unit_test(capsules_lie_on_two_points), cmocka_unit_test(nothing_is_undecided_in_the_middle),
+        cmocka_unit_test(sizes_from_ants_to_planets), cmocka_unit_test(odd_poses_give_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
