@@ -82,8 +82,6 @@ typedef struct daft_accel_kernels {
     bool (*closest)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit);
     /* Whether any shadow-casting instance stops the ray. Stops at the first. */
     bool (*occluded)(const daft_tlas *tlas, const daft_ray *ray);
-    /* Whether this one instance, whatever its flags, stops the ray. */
-    bool (*stopped_by)(const daft_tlas *tlas, uint32_t instance, const daft_ray *ray);
     /* Bits of the node's children that the ray meets in its interval, by their bounds; never those of an empty box. */
     uint32_t (*boxes)(const daft_node *node, const daft_ray *ray);
 } daft_accel_kernels;

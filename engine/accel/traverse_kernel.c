@@ -255,11 +255,6 @@ static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
     return false;
 }
 
-static bool stopped_by(const daft_tlas *tlas, uint32_t instance, const daft_ray *ray)
-{
-    return usable(ray) && instance_occluded(&tlas->instances[instance], ray, tlas->intersection);
-}
-
 static uint32_t boxes(const daft_node *node, const daft_ray *ray)
 {
     slab_ray r = slab_setup(ray->origin, ray->direction, 0);
@@ -270,4 +265,4 @@ static uint32_t boxes(const daft_node *node, const daft_ray *ray)
     return real & slab_test(node, &r, ray->tmin, ray->tmax, &near);
 }
 
-const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest, occluded, stopped_by, boxes};
+const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest, occluded, boxes};

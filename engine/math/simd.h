@@ -128,6 +128,20 @@ DAFT_INLINE vm vm_from_bits(vbits b)
 #pragma GCC diagnostic pop
 
 DAFT_INLINE vi vi_iota(void) { return vi_truncate(vf_iota()); }
+/* Four floats from each of DAFT_VL / 4 places. */
+DAFT_INLINE vf vf_load_fours(const float *const from[DAFT_VL / 4])
+{
+#if defined(DAFT_ISA_avx512)
+    __m512 v = _mm512_castps128_ps512(_mm_loadu_ps(from[0]));
+    v = _mm512_insertf32x4(v, _mm_loadu_ps(from[1]), 1);
+    v = _mm512_insertf32x4(v, _mm_loadu_ps(from[2]), 2);
+    return (vf)_mm512_insertf32x4(v, _mm_loadu_ps(from[3]), 3);
+#elif defined(DAFT_ISA_avx2)
+    return (vf)_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(from[0])), _mm_loadu_ps(from[1]), 1);
+#else
+    return vf_load(from[0]);
+#endif
+}
 /* Lanes as a block four wide: the lane's column and row. */
 DAFT_INLINE vf vf_column(void) { return vf_from_int(vi_iota() & vi_set(3)); }
 DAFT_INLINE vf vf_row(void) { return vf_from_int(vi_iota() >> 2); }
@@ -143,18 +157,28 @@ DAFT_INLINE vf vf_floor(vf a)
 }
 /* The lanes of a mask that i < count; count may be over DAFT_VL. */
 DAFT_INLINE vbits vbits_first(int count) { return count >= DAFT_VL ? DAFT_ALL_LANES : (vbits)((1u << count) - 1); }
+/* The least and the largest lane, none of them NaN: halves are compared until one lane is left. */
+#if defined(DAFT_ISA_avx512)
+DAFT_INLINE float vf_reduce_min(vf a) { return _mm512_reduce_min_ps((__m512)a); }
+DAFT_INLINE float vf_reduce_max(vf a) { return _mm512_reduce_max_ps((__m512)a); }
+#else
 DAFT_INLINE float vf_reduce_min(vf a)
 {
-    float least = a[0];
-    for (int i = 1; i < DAFT_VL; i++) least = a[i] < least ? a[i] : least;
-    return least;
+    float lane[DAFT_VL];
+    vf_store(lane, a);
+    for (int half = DAFT_VL / 2; half; half /= 2)
+        for (int i = 0; i < half; i++) lane[i] = lane[i + half] < lane[i] ? lane[i + half] : lane[i];
+    return lane[0];
 }
 DAFT_INLINE float vf_reduce_max(vf a)
 {
-    float most = a[0];
-    for (int i = 1; i < DAFT_VL; i++) most = a[i] > most ? a[i] : most;
-    return most;
+    float lane[DAFT_VL];
+    vf_store(lane, a);
+    for (int half = DAFT_VL / 2; half; half /= 2)
+        for (int i = 0; i < half; i++) lane[i] = lane[i + half] > lane[i] ? lane[i + half] : lane[i];
+    return lane[0];
 }
+#endif
 
 /* 1/a but for a part in 2^11, another one on each machine: only for what no result depends on. */
 DAFT_INLINE vf vf_rough_reciprocal(vf a)
@@ -230,6 +254,7 @@ typedef int32_t v8i __attribute__((vector_size(32)));
 typedef float v8_unaligned __attribute__((vector_size(32), aligned(4), may_alias));
 
 DAFT_INLINE v8 v8_load(const float *p) { return *(const v8_unaligned *)p; }
+DAFT_INLINE void v8_store(float *p, v8 v) { *(v8_unaligned *)p = v; }
 #if defined(DAFT_ISA_avx2) || defined(DAFT_ISA_avx512)
 DAFT_INLINE v8 v8_set(float s) { return (v8)_mm256_set1_ps(s); }
 DAFT_INLINE v8 v8_min(v8 a, v8 b) { return (v8)_mm256_min_ps((__m256)a, (__m256)b); }

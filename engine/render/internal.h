@@ -23,7 +23,7 @@ typedef struct daft_scratch {
     daft_ray_batch rays, sky;
     daft_lanes3 sky_color;
     daft_lanes3 color; /* of the tile's pixels: row · DAFT_TILE + column */
-    uint32_t candidates[DAFT_MAX_CANDIDATES];
+    uint32_t candidates[DAFT_MAX_CASTERS];
     uint32_t lit[DAFT_BATCH_WORDS], under[DAFT_BATCH_WORDS];
     daft_lanes3 *passed;       /* of the running lamp's light; NULL until some shadow lets light through */
     daft_ray_batch *refracted; /* waiting, of each depth; NULL until something is seen that light may pass */
@@ -70,10 +70,6 @@ typedef struct daft_frame {
 daft_plan daft_plan_make(const daft_snapshot *snapshot);
 /* Whether what the pencil may see (the instances in its bins) transmits, or shows in a mirror what may. */
 bool daft_plan_may_refract(const daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster);
-/* shaft.c: the instances with that flag whose bounds may lie between the points whose bits are set and the lamp. UINT32_MAX:
- * more than `capacity`. */
-uint32_t daft_shaft_candidates(const daft_tlas *tlas, const daft_batch *points, const uint32_t *bits,
-                               const daft_lamp *lamp, uint32_t flag, uint32_t *out, uint32_t capacity);
 /* tile.c: a daft_task */
 void daft_render_tile(void *frame, uint32_t tile, uint32_t worker);
 

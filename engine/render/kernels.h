@@ -6,14 +6,13 @@
 #include "raster/raster.h"
 #include "render/render.h"
 
-enum { DAFT_MAX_CANDIDATES = 512 };
+enum { DAFT_MAX_CASTERS = 256 };
 
 /* How far off a surface rays start. In units of u = 2^-24 and of S = |x| + |y| + |z| of the point plus that of the instance's
  * translation: the point is off by 6 (height, normal, their quotient with the ray, and the product), corners moved by to_frame
  * in another order by 4, and the way into object space by 6 (a rounded map, three products, three sums). Sixteen covers their
  * sum. */
 #define DAFT_SPAWN_ERROR (16 * 0x1p-24f)
-#define DAFT_NO_PENCIL UINT32_MAX
 
 /* Rays, side by side, with where they came from. */
 typedef struct daft_ray_batch {
@@ -46,11 +45,14 @@ typedef struct daft_render_kernels {
     bool (*false_hit)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray, const daft_hit *hit,
                       const daft_batch *points);
     void (*finish_hits)(const daft_snapshot *snapshot, daft_batch *points);
-    /* Takes away the bits of the points that a candidate hides from the lamp. Gives the number of points that lay under
-     * some candidate's bounds, the only ones whose rays were tested; or DAFT_NO_PENCIL, with the bits as they were, where
-     * the lamp stands among the points and no pencil holds them. */
-    uint32_t (*shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_instance *instances,
-                        const uint32_t *candidates, uint32_t candidate_count, uint32_t bits[DAFT_BATCH_WORDS]);
+    /* Takes away the bits of the points that the instance hides from the lamp, or, with DAFT_NOTHING, that any shadow
+     * caster does. Gives the number of points whose ray met its bounds, the only ones that were tested. */
+    uint32_t (*shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, uint32_t instance,
+                        uint32_t bits[DAFT_BATCH_WORDS]);
+    /* The instances of DAFT_INSTANCE_TINTS_SHADOW whose bounds some point's ray meets; their number, or UINT32_MAX where
+     * there are more or the lamp is among the points. */
+    uint32_t (*tints)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas,
+                      const uint32_t bits[DAFT_BATCH_WORDS], uint32_t out[DAFT_MAX_CASTERS]);
     /* The rays that points send on. `refracted` may be NULL: then nothing is seen that transmits, or it is not followed
      * any more. Both are overwritten. */
     void (*spawn)(const daft_snapshot *snapshot, const daft_batch *points, const daft_spawning *allowed,
@@ -65,8 +67,10 @@ void DAFT_KERNEL(daft_surfaces)(const daft_snapshot *snapshot, const daft_pencil
 void DAFT_KERNEL(daft_hit_point)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray,
                                  const daft_hit *hit, daft_batch *points);
 void DAFT_KERNEL(daft_finish_hits)(const daft_snapshot *snapshot, daft_batch *points);
-uint32_t DAFT_KERNEL(daft_shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_instance *instances,
-                                   const uint32_t *candidates, uint32_t candidate_count, uint32_t bits[DAFT_BATCH_WORDS]);
+uint32_t DAFT_KERNEL(daft_shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, uint32_t instance,
+                                   uint32_t bits[DAFT_BATCH_WORDS]);
+uint32_t DAFT_KERNEL(daft_tints)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas,
+                                 const uint32_t bits[DAFT_BATCH_WORDS], uint32_t out[DAFT_MAX_CASTERS]);
 #endif
 
 #endif

@@ -40,34 +40,10 @@ static void see(job *j, uint32_t tile, uint32_t worker)
     book(j, DAFT_EFFECT_VISIBILITY);
 }
 
-/* Too many candidates for a list, or the lamp among the points: every lit point alone through the tree, or against the
- * one instance that is asked for. */
-static uint32_t shadow_rays(const job *j, const daft_batch *points, const daft_lamp *lamp, uint32_t instance, uint32_t *lit)
-{
-    const daft_tlas *tlas = j->frame->tlas;
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < points->count; i++) {
-        if (!(lit[i / 32] >> (i % 32) & 1)) continue;
-        daft_ray ray = {.origin = {points->lifted.x[i], points->lifted.y[i], points->lifted.z[i]}};
-        ray.direction = lamp->sun ? lamp->to_light : daft_sub(lamp->position, ray.origin);
-        ray.tmax = lamp->sun ? INFINITY : 1;
-        bool dark = instance == DAFT_NOTHING ? j->r->accel->occluded(tlas, &ray)
-                                             : j->r->accel->stopped_by(tlas, instance, &ray);
-        if (dark) lit[i / 32] &= ~((uint32_t)1 << (i % 32));
-        count++;
-    }
-    return count;
-}
-
 static void cast_shadows(job *j, const daft_batch *points, const daft_lamp *lamp)
 {
     daft_scratch *s = j->s;
-    uint32_t rays = DAFT_NO_PENCIL;
-    uint32_t count = daft_shaft_candidates(j->frame->tlas, points, s->lit, lamp, DAFT_INSTANCE_CASTS_SHADOW, s->candidates,
-                                           DAFT_MAX_CANDIDATES);
-    if (count != UINT32_MAX)
-        rays = j->r->kernels->shadows(points, lamp, j->snapshot->instances, s->candidates, count, s->lit);
-    if (rays == DAFT_NO_PENCIL) rays = shadow_rays(j, points, lamp, DAFT_NOTHING, s->lit);
+    uint32_t rays = j->r->kernels->shadows(points, lamp, j->frame->tlas, DAFT_NOTHING, s->lit);
     s->rays_cast[DAFT_EFFECT_SHADOW] += rays;
     s->shadow_points += rays;
     if (rays) ran(j, DAFT_EFFECT_SHADOW);
@@ -89,8 +65,7 @@ static void tint_points(job *j, const daft_batch *points, const daft_lamp *lamp,
     daft_scratch *s = j->s;
     daft_lanes3 *passed = s->passed;
     memcpy(s->under, s->lit, sizeof s->under);
-    uint32_t rays = j->r->kernels->shadows(points, lamp, j->snapshot->instances, &instance, 1, s->under);
-    if (rays == DAFT_NO_PENCIL) rays = shadow_rays(j, points, lamp, instance, s->under);
+    uint32_t rays = j->r->kernels->shadows(points, lamp, j->frame->tlas, instance, s->under);
     s->rays_cast[DAFT_EFFECT_SHADOW] += rays;
     s->shadow_points += rays;
     if (rays) ran(j, DAFT_EFFECT_SHADOW);
@@ -106,8 +81,7 @@ static void tint_points(job *j, const daft_batch *points, const daft_lamp *lamp,
 static const daft_lanes3 *tint_light(job *j, const daft_batch *points, const daft_lamp *lamp)
 {
     daft_scratch *s = j->s;
-    uint32_t count = daft_shaft_candidates(j->frame->tlas, points, s->lit, lamp, DAFT_INSTANCE_TINTS_SHADOW, s->candidates,
-                                           DAFT_MAX_CANDIDATES);
+    uint32_t count = j->r->kernels->tints(points, lamp, j->frame->tlas, s->lit, s->candidates);
     if (count == 0) return NULL;
     for (uint32_t i = 0; i < points->count + 16; i++) s->passed->x[i] = s->passed->y[i] = s->passed->z[i] = 1;
     if (count != UINT32_MAX) {

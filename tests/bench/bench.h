@@ -137,6 +137,7 @@ bench_obj_loader *bench_find_tinyobj(void);
 
 void bench_render(bench *self); /* camera rays */
 void bench_frames(bench *self);
+void bench_shadow(bench *self);
 void bench_load(bench *self);
 void bench_game(bench *self);
 void bench_accuracy(bench *self); /* what a right pixel costs */

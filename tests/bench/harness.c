@@ -217,6 +217,7 @@ int main(int argc, char **argv)
 
     bench_render(&self);
     bench_frames(&self);
+    bench_shadow(&self);
     bench_load(&self);
     bench_game(&self);
     bench_accuracy(&self);
