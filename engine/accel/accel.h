@@ -25,6 +25,12 @@ bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def
 void daft_bvh_free(daft_bvh *bvh);
 size_t daft_bvh_bytes(const daft_bvh *bvh);
 
+/* The other accelerator, for single rays alone: finds the same hits, bit for bit. The same for any number of threads. */
+typedef struct daft_kdtree daft_kdtree;
+daft_kdtree *daft_kdtree_build(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error);
+void daft_kdtree_free(daft_kdtree *tree);
+size_t daft_kdtree_bytes(const daft_kdtree *tree);
+
 enum {
     DAFT_INSTANCE_CASTS_SHADOW = 1,
     DAFT_INSTANCE_CONVEX = 2, /* no point of it that faces a lamp lies in its own shadow */
@@ -35,6 +41,7 @@ enum {
 typedef struct daft_instance {
     const daft_trimesh *mesh;
     const daft_bvh *bvh;
+    const daft_kdtree *kdtree; /* NULL: single rays go through bvh */
     daft_affine to_frame;      /* object space to frame space */
     daft_affine to_object;     /* its inverse */
     float radius;              /* sphere, in frame space (scale applied) */

@@ -5,6 +5,7 @@
  * distance is widened (Ize, "Robust BVH Ray Traversal", 2013), so rounding never misses a box: with u = 2^-24, a difference,
  * an inverse and a product move each distance by 3u, and the product that widens by u: 7u to first order, and 8u is taken. */
 #include "accel/block_test.h"
+#include "accel/kdtree.h"
 #include "accel/traverse.h"
 #include "math/isa.h"
 
@@ -169,7 +170,9 @@ static void instance_closest(const daft_tlas *tlas, uint32_t index, const daft_r
         daft_vec3 d = daft_affine_vector(&instance->to_object, ray->direction);
         daft_hit local = *hit;
         local.triangle = index < hit->instance ? DAFT_NO_TRIANGLE : 0; /* a tie goes to the lower instance */
-        if (!mesh_closest(instance->bvh, o, d, ray->tmin, tlas->intersection, &local)) return;
+        if (!(instance->kdtree ? DAFT_KERNEL(daft_kd_closest)(instance->kdtree, o, d, ray->tmin, tlas->intersection, &local)
+                               : mesh_closest(instance->bvh, o, d, ray->tmin, tlas->intersection, &local)))
+            return;
         *hit = local;
         hit->instance = index;
         return;
@@ -229,7 +232,8 @@ static bool instance_occluded(const daft_instance *instance, const daft_ray *ray
     if (instance->mesh->triangle_count == 0) return false;
     daft_vec3 o = daft_affine_point(&instance->to_object, ray->origin);
     daft_vec3 d = daft_affine_vector(&instance->to_object, ray->direction);
-    return mesh_occluded(instance->bvh, o, d, ray->tmin, ray->tmax, how);
+    return instance->kdtree ? DAFT_KERNEL(daft_kd_occluded)(instance->kdtree, o, d, ray->tmin, ray->tmax, how)
+                            : mesh_occluded(instance->bvh, o, d, ray->tmin, ray->tmax, how);
 }
 
 static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
