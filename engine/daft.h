@@ -91,10 +91,20 @@ typedef struct daft_allocator {
 
 typedef void daft_warning_callback(void *user, const daft_error *warning);
 
+/* What rays search meshes by. Pictures and hits are the same, bit for bit. */
+typedef enum daft_accel {
+    DAFT_ACCEL_BVH = 0, /* bounding volume hierarchies; camera and light rays go through them as pencils */
+    DAFT_ACCEL_KDTREE   /* kd-trees besides: camera, mirror and query rays go through them one by one; shadows stay pencils */
+} daft_accel;
+
+DAFT_API bool daft_accel_parse(const char *name, daft_accel *out); /* "bvh", "kdtree" */
+DAFT_API const char *daft_accel_name(daft_accel accel);
+
 typedef struct daft_engine_def {
     uint32_t cookie;
     int threads;              /* worker threads; 0: one for each processor */
     const char *isa;          /* "sse2", "avx2", "avx512"; NULL: the best this processor has */
+    daft_accel accel;
     daft_allocator allocator; /* all zero: malloc */
     daft_warning_callback *warn;
     void *warn_user;

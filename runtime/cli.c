@@ -12,6 +12,7 @@
 #include <string.h>
 
 static const char *const ISAS[] = {"sse2", "avx2", "avx512"};
+static const char *const ACCELS[] = {"bvh", "kdtree"};
 static const char *const INTERSECTIONS[] = {"exact", "watertight", "fast"};
 static const char *const QUALITIES[] = {"draft", "game", "high", "reference"};
 
@@ -120,6 +121,9 @@ static bool parse_value(const char *command, const cli_option *option, const cha
         if (!parse_word(command, option, text, ISAS, COUNT_OF(ISAS), &word)) return false;
         *(const char **)option->target = ISAS[word];
         return true;
+    case CLI_ACCEL:
+        if (!parse_word(command, option, text, ACCELS, COUNT_OF(ACCELS), &word)) return false;
+        return daft_accel_parse(ACCELS[word], option->target);
     }
     return false;
 }

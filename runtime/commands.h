@@ -14,7 +14,7 @@ int command_bench(int argc, char **argv);
 int run_program(int argc, char **argv);
 
 /* An engine whose warnings go to stderr. NULL with the message on stderr. */
-daft_engine *open_engine(int threads, const char *isa);
+daft_engine *open_engine(int threads, const char *isa, daft_accel accel);
 
 /* The font of everything on the screen. NULL with the message in *error. */
 font *open_font(const home *where, daft_error *error);

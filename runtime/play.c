@@ -159,7 +159,7 @@ static int play(player *p)
     if (p->options.game && !find_game(p, &game)) return STATUS_BAD_INPUT; /* before a window flashes up */
     p->face = open_font(&p->where, &error);
     if (!p->face) return report(&error);
-    p->engine = open_engine((int)p->options.threads, p->options.isa);
+    p->engine = open_engine((int)p->options.threads, p->options.isa, DAFT_ACCEL_BVH);
     if (!p->engine) return STATUS_BAD_INPUT;
     if (p->options.headless) return play_headless(p);
     cli_size size = p->options.size.width ? p->options.size : (cli_size){1280, 720};

@@ -20,11 +20,12 @@ static void print_warning(void *unused, const daft_error *warning)
     fprintf(stderr, "warning: %s\n", daft_error_text(warning, text, sizeof text));
 }
 
-daft_engine *open_engine(int threads, const char *isa)
+daft_engine *open_engine(int threads, const char *isa, daft_accel accel)
 {
     daft_engine_def def = daft_default_engine_def();
     def.threads = threads;
     def.isa = isa;
+    def.accel = accel;
     def.warn = print_warning;
     daft_error error;
     daft_engine *engine = daft_engine_create(&def, &error);

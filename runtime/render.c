@@ -21,6 +21,7 @@ static const cli_command COMMAND = {
 
 typedef struct render_options {
     const char *scene, *out, *isa, *stats;
+    daft_accel accel;
     cli_size size;
     daft_quality quality;
     daft_intersection intersection;
@@ -159,6 +160,8 @@ int command_render(int argc, char **argv)
         {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the file, counted from 0 (0)"},
         {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256, "worker threads; 0, the default: one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "sse2, avx2 or avx512; default: the best there is"},
+        {"accel", 0, CLI_ACCEL, "X", &o.accel, 0, 0,
+         "bvh (default) or kdtree: what rays search meshes by; the picture is the same"},
         {"aov", 0, CLI_TEXT, "LIST", &o.aov_list, 0, 0,
          "also write depth,normal,id,triangle or some of them, in files beside IMG"},
         {"explain", 0, CLI_FLAG, NULL, &o.explain, 0, 0, "print the plan: what ran and why, rays, milliseconds"},
@@ -177,7 +180,7 @@ int command_render(int argc, char **argv)
     if (o.aov_list && !aov_parse(o.aov_list, &o.aov)) return STATUS_BAD_USAGE;
     o.camera_given = o.camera >= 0;
     if (!o.camera_given) o.camera = 0;
-    daft_engine *engine = open_engine((int)o.threads, o.isa);
+    daft_engine *engine = open_engine((int)o.threads, o.isa, o.accel);
     if (!engine) return STATUS_BAD_INPUT;
     daft_error error;
     int status = run(engine, &o, &error) ? STATUS_DONE : report(&error);

@@ -33,6 +33,23 @@ bool daft_intersection_parse(const char *name, daft_intersection *out)
     return false;
 }
 
+static const char *const ACCELS[] = {"bvh", "kdtree"};
+
+const char *daft_accel_name(daft_accel accel)
+{
+    return (unsigned)accel < DAFT_COUNT_OF(ACCELS) ? ACCELS[accel] : "unknown";
+}
+
+bool daft_accel_parse(const char *name, daft_accel *out)
+{
+    for (unsigned i = 0; i < DAFT_COUNT_OF(ACCELS); i++) {
+        if (strcmp(name, ACCELS[i]) != 0) continue;
+        *out = (daft_accel)i;
+        return true;
+    }
+    return false;
+}
+
 const char *daft_quality_name(daft_quality quality)
 {
     const daft_preset *preset = daft_quality_preset(quality);

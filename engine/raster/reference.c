@@ -1,5 +1,6 @@
 /* The reference path: one ray at a time, scalar, double. It shares with the pencil what defines the answer (how vertices
  * are moved, the predicates, the depth) and nothing of how candidates are found: boxes here are only ever too large. */
+#include "accel/kdtree.h"
 #include "math/exact.h"
 #include "raster/raster.h"
 
@@ -84,6 +85,36 @@ static daft_dvec3 apply(const double m[9], daft_dvec3 v)
                     m[6] * v.x + m[7] * v.y + m[8] * v.z);
 }
 
+typedef struct cell_entry {
+    uint32_t node;
+    double near, far;
+} cell_entry;
+
+/* Every cell within pad of the ray. A plane that the ray runs along lies 1e300 away, or at hand where it is within pad. */
+static void test_cells(const daft_seen *seen, const double_ray *r, double pad, daft_vec3 ray, best *nearest)
+{
+    const daft_kdtree *tree = seen->instance->kdtree;
+    cell_entry stack[DAFT_KD_DEPTH + 4];
+    int top = 0;
+    stack[top++] = (cell_entry){0, 0, 1e280};
+    while (top > 0) {
+        cell_entry at = stack[--top];
+        const daft_kd_node *node = &tree->nodes[at.node];
+        uint32_t axis = node->code & 3, pair = node->code >> 2;
+        if (axis == DAFT_KD_LEAF) {
+            for (uint32_t i = 0; i < node->count; i++) test_triangle(seen, tree->items[pair + i], ray, nearest);
+            continue;
+        }
+        double plane = (double)node->split - r->origin[axis];
+        double a = (plane - pad) * r->inverse[axis], b = (plane + pad) * r->inverse[axis];
+        double from = a < b ? a : b, until = a < b ? b : a;
+        from -= fabs(from) * 1e-12, until += fabs(until) * 1e-12;
+        uint32_t first = pair + (r->inverse[axis] < 0), second = pair + (r->inverse[axis] > 0);
+        if (at.far >= from) stack[top++] = (cell_entry){second, from > at.near ? from : at.near, at.far};
+        if (at.near <= until) stack[top++] = (cell_entry){first, at.near, until < at.far ? until : at.far};
+    }
+}
+
 static void test_mesh(const daft_seen *seen, daft_vec3 ray, best *nearest)
 {
     double inverse[9];
@@ -91,6 +122,10 @@ static void test_mesh(const daft_seen *seen, daft_vec3 ray, best *nearest)
     const float *t = seen->to_camera.t;
     daft_dvec3 origin = apply(inverse, daft_dv3(-(double)t[0], -(double)t[1], -(double)t[2]));
     double_ray r = ray_setup(origin, apply(inverse, daft_to_double(ray)));
+    if (seen->instance->kdtree) {
+        test_cells(seen, &r, pad, ray, nearest);
+        return;
+    }
     const daft_bvh *bvh = seen->instance->bvh;
     uint32_t stack[DAFT_STACK];
     int top = 0;

@@ -20,7 +20,7 @@ typedef struct daft_snapshot {
     float focal;                  /* pixels: (width/2) / tan(fov/2) */
     int samples;                  /* 1, 4 or 16 */
     daft_intersection intersection;
-    bool reference;               /* camera rays one by one through the BVH */
+    bool reference;               /* camera rays one by one through the accelerator */
     daft_quality quality;
     const daft_instance *instances; /* visible ones, in entity order */
     uint32_t instance_count;

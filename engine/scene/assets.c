@@ -15,6 +15,7 @@ bool daft_assets_init(daft_scene *scene, daft_error *error)
 static void mesh_free(const daft_scene *scene, daft_mesh_item *item)
 {
     if (item->bvh) daft_bvh_free(item->bvh);
+    daft_kdtree_free(item->kdtree);
     daft_trimesh_free(scene->allocator, &item->mesh);
     daft_release(scene->allocator, item->materials);
     daft_release(scene->allocator, item->path);
@@ -82,7 +83,9 @@ static bool mesh_finish(daft_scene *scene, daft_mesh_item *item, daft_error *err
     item->bvh = daft_bvh_build(scene->allocator, &item->mesh, &def, error);
     if (!item->bvh) return false;
     scene->counters.mesh_builds++;
-    return true;
+    if (scene->engine->accel != DAFT_ACCEL_KDTREE) return true;
+    item->kdtree = daft_kdtree_build(scene->allocator, &item->mesh, scene->engine->threads, error);
+    return item->kdtree != NULL;
 }
 
 static bool mesh_reserve(daft_scene *scene, daft_error *error)
@@ -197,6 +200,10 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
     if (!daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
     const daft_bvh_def def = {scene->engine->threads, scene->engine->isa};
     if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
+    if (item->kdtree) { /* without memory for another, rays go through the BVH, to the same hits */
+        daft_kdtree_free(item->kdtree);
+        item->kdtree = daft_kdtree_build(scene->allocator, &item->mesh, scene->engine->threads, NULL);
+    }
     scene->counters.mesh_refits++;
     scene->revision++;
     return true;
@@ -213,7 +220,8 @@ bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info,
                              .material_count = item->mesh.slot_count ? item->mesh.slot_count : 1,
                              .low = item->mesh.low,
                              .high = item->mesh.high,
-                             .bytes = daft_trimesh_bytes(&item->mesh) + daft_bvh_bytes(item->bvh)};
+                             .bytes = daft_trimesh_bytes(&item->mesh) + daft_bvh_bytes(item->bvh) +
+                                      (item->kdtree ? daft_kdtree_bytes(item->kdtree) : 0)};
     return true;
 }
 

@@ -32,6 +32,10 @@ daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error)
     if (!daft_check_pointer(error, "def", def) || !daft_check_cookie(error, def->cookie, "daft_default_engine_def") ||
         !choose_isa(def->isa, &isa, error))
         return NULL;
+    if (def->accel != DAFT_ACCEL_BVH && def->accel != DAFT_ACCEL_KDTREE) {
+        daft_fail(error, DAFT_ERROR_ARGUMENT, "accel is %d; it must be bvh or kdtree", (int)def->accel);
+        return NULL;
+    }
     daft_allocator allocator = def->allocator;
     if (!allocator.allocate && !allocator.release) {
         allocator = daft_malloc_allocator();
@@ -49,6 +53,7 @@ daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error)
     engine->log = (daft_log){def->warn, def->warn_user};
     engine->threads = def->threads == 0 ? daft_processor_count() : daft_min_i(daft_max_i(def->threads, 1), MAX_THREADS);
     engine->isa = isa;
+    engine->accel = def->accel;
     return engine;
 }
 

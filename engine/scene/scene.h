@@ -22,6 +22,7 @@ struct daft_engine {
     daft_allocator allocator;
     daft_log log;
     int threads, isa;
+    daft_accel accel;
     int scenes;              /* alive */
     daft_renderer *renderer; /* made by the first daft_render */
 };
@@ -36,6 +37,7 @@ typedef struct daft_mesh_item {
     uint64_t hash;
     daft_trimesh mesh;
     daft_bvh *bvh;
+    daft_kdtree *kdtree; /* NULL: the engine's accelerator is the BVH */
     uint32_t *materials; /* index of each slot's material */
 } daft_mesh_item;
 

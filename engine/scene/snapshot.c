@@ -147,6 +147,7 @@ static bool add_instance(daft_scene *scene, uint32_t index, daft_dvec3 origin, f
     bool fits = place(&item->world, origin, instance);
     instance->mesh = shape ? &shape->mesh : NULL;
     instance->bvh = shape ? shape->bvh : NULL;
+    instance->kdtree = shape ? shape->kdtree : NULL;
     if (fits && !shape) instance->radius = world_radius(&item->world, item->def.radius);
     if (fits) daft_instance_bound(instance);
     if (!fits || !fits_kernels(instance)) {
@@ -209,7 +210,7 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
         .focal = (float)(width / 2.0 / daft_tan((double)view->camera.fov / 2)),
         .samples = view->samples ? view->samples : preset->samples,
         .intersection = view->intersection,
-        .reference = view->reference || preset->reference,
+        .reference = view->reference || preset->reference || scene->engine->accel == DAFT_ACCEL_KDTREE,
         .quality = view->quality,
         .materials = scene->assets.surfaces,
         .material_count = scene->assets.material_count,
