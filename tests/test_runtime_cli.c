@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "json.h"
 #include "runtime_program.h"
 
 static char output[OUTPUT_SIZE];
@@ -115,51 +116,6 @@ static void help_is_status_0(void **unused)
     assert_says(output, "entity:push(x, y, z)");
 }
 
-/* ---- JSON: a checker of its grammar, no more ---- */
-
-static const char *blanks(const char *c)
-{
-    return c + strspn(c, " \t\r\n");
-}
-static const char *json_value(const char *c);
-
-static const char *json_string(const char *c)
-{
-    if (*c++ != '"') return NULL;
-    for (; *c && *c != '"'; c++) {
-        if ((unsigned char)*c < 0x20) return NULL;
-        if (*c == '\\' && !strchr("\"\\/bfnrtu", *++c)) return NULL;
-    }
-    return *c == '"' ? c + 1 : NULL;
-}
-
-static const char *json_object(const char *c)
-{
-    c = blanks(c + 1);
-    if (*c == '}') return c + 1;
-    for (;;) {
-        c = json_string(blanks(c));
-        if (!c || *(c = blanks(c)) != ':') return NULL;
-        c = json_value(blanks(c + 1));
-        if (!c) return NULL;
-        c = blanks(c);
-        if (*c == '}') return c + 1;
-        if (*c++ != ',') return NULL;
-    }
-}
-
-static const char *json_value(const char *c)
-{
-    if (*c == '{') return json_object(c);
-    if (*c == '"') return json_string(c);
-    if (strncmp(c, "true", 4) == 0) return c + 4;
-    if (strncmp(c, "false", 5) == 0) return c + 5;
-    char *end;
-    if (!strchr("-0123456789", *c)) return NULL; /* NaN and infinity are not JSON */
-    strtod(c, &end);
-    return end > c ? end : NULL;
-}
-
 static void stats_are_json_with_the_promised_names(void **unused)
 {
     (void)unused;
@@ -168,7 +124,7 @@ static void stats_are_json_with_the_promised_names(void **unused)
         "render assets/scenes/hello.scene -o /tmp/daft-stats.png --size 64x36 --threads 2 --repeat 3 --stats -");
     assert_status(status, 0, output);
     const char *end = json_value(output);
-    if (!end || *blanks(end)) fail_msg("not JSON:\n%s", output);
+    if (!end || *json_blanks(end)) fail_msg("not JSON:\n%s", output);
     static const char *const names[] = {"\"width\": 64", "\"height\": 36", "\"threads\": 2", "\"isa\": \"",
                                         "\"frame_ms\"",  "\"median\"",     "\"p95\"",        "\"rays\"",
                                         "\"camera\"",    "\"shadow\"",     "\"reflection\"", "\"refraction\"",

@@ -247,6 +247,16 @@ bool bench_scene_make(bench *self, size_t index, bench_scene *out)
     return false;
 }
 
+bool bench_scene_cows(bench *self, uint32_t count, bench_scene *out)
+{
+    const scene_entry entry = {"cows", "cow", COWS, count};
+    *out = (bench_scene){.name = entry.name};
+    if (make_kind(self, &entry, out)) return true;
+    bench_note(self, true, "%u cows cannot be made", count);
+    bench_scene_free(self, out);
+    return false;
+}
+
 void bench_scene_free(bench *self, bench_scene *scene)
 {
     for (int i = 0; i < scene->mesh_count; i++) {

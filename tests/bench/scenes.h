@@ -32,6 +32,8 @@ const char *bench_scene_name(size_t index);
 bool bench_scene_make(bench *self, size_t index, bench_scene *out); /* false: a note says why */
 /* Builds the trees of a scene whose meshes are there. */
 bool bench_scene_build(bench *self, bench_scene *scene);
+/* So many instances of the cow; without trees, since frames build their own. */
+bool bench_scene_cows(bench *self, uint32_t count, bench_scene *out);
 void bench_scene_free(bench *self, bench_scene *scene);
 void bench_view_size(bench_view *view, int width, int height);
 void bench_look(bench_view *view, daft_vec3 from, daft_vec3 at);

@@ -1,0 +1,265 @@
+/* Only what the picture calls for: counters prove that nothing is done for effects that nobody sees. What is seen is
+ * worked out here from the depths of the picture, by the geometry of each scene. */
+#include "daft.h"
+
+#include "math/vec.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 240, HEIGHT = 135, PIXELS = WIDTH * HEIGHT };
+
+typedef struct stage {
+    daft_engine *engine;
+    daft_scene *scene;
+    daft_image *image;
+    daft_view view;
+    float depth[PIXELS];
+    daft_entity entity[PIXELS];
+} stage;
+
+static stage *stage_make(int threads)
+{
+    stage *s = calloc(1, sizeof *s);
+    daft_engine_def def = daft_default_engine_def();
+    def.threads = threads;
+    s->engine = daft_engine_create(&def, NULL);
+    s->scene = daft_scene_create(s->engine, NULL);
+    s->image = daft_image_create(s->engine, WIDTH, HEIGHT, NULL);
+    assert_true(s->scene && s->image);
+    s->view = daft_default_view();
+    s->view.aov = (daft_aov){.depth = s->depth, .entity = s->entity};
+    s->view.camera = daft_camera_look_at(daft_dv3(-8, 6, 2), daft_dv3(0, 0, 0), 1.2f);
+    return s;
+}
+
+static void stage_drop(stage *s)
+{
+    daft_image_destroy(s->image);
+    daft_scene_destroy(s->scene);
+    daft_engine_destroy(s->engine);
+    free(s);
+}
+
+static const daft_counters *draw(stage *s)
+{
+    daft_error error = {0};
+    if (!daft_render(s->scene, &s->view, s->image, &error)) fail_msg("%s", error.message);
+    return daft_scene_counters(s->scene);
+}
+
+static daft_entity add(stage *s, const daft_entity_def *def)
+{
+    daft_error error = {0};
+    daft_entity entity = daft_entity_create(s->scene, def, &error);
+    if (!entity.id) fail_msg("%s", error.message);
+    return entity;
+}
+
+/* Its upper side is the plane y = 0. */
+static daft_entity add_floor(stage *s)
+{
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_BOX, def.size = daft_v3(40, 1, 40), def.position = daft_dv3(0, -0.5, 0);
+    return add(s, &def);
+}
+
+static daft_entity add_ball(stage *s, daft_dvec3 at, float radius, daft_material material)
+{
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_SPHERE, def.radius = radius, def.position = at, def.material = material;
+    return add(s, &def);
+}
+
+static daft_mesh make_tetrahedron(stage *s)
+{
+    static const daft_vec3 corners[4] = {{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}};
+    static const uint32_t indices[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    daft_mesh_def def = daft_default_mesh_def();
+    def.positions = corners, def.vertex_count = 4, def.indices = indices, def.triangle_count = 4;
+    daft_mesh mesh = daft_mesh_create(s->scene, &def, NULL);
+    assert_true(mesh.id);
+    return mesh;
+}
+
+static void add_lamp(stage *s, daft_light_kind kind, daft_dvec3 at, daft_vec3 direction)
+{
+    daft_light_def def = daft_default_light_def();
+    def.kind = kind, def.position = at, def.direction = direction;
+    assert_true(daft_light_create(s->scene, &def, NULL).id);
+}
+
+static void assert_nothing_done(const daft_effect *effect)
+{
+    assert_false(effect->ran);
+    assert_true(effect->rays == 0 && effect->tiles == 0 && effect->bytes == 0 && effect->ms == 0);
+    assert_non_null(effect->why);
+}
+
+/* ---- shadows ---- */
+
+static void without_lights_no_shadow_ray(void **unused)
+{
+    (void)unused;
+    for (daft_quality quality = DAFT_QUALITY_DRAFT; quality <= DAFT_QUALITY_REFERENCE; quality++) {
+        stage *s = stage_make(2);
+        daft_material_def mirror = daft_default_material_def();
+        mirror.mirror = 0.7f; /* what is seen in it casts none either */
+        add_floor(s);
+        add_ball(s, daft_dv3(0, 1, 0), 1, daft_material_create(s->scene, &mirror, NULL));
+        s->view.quality = quality;
+        const daft_counters *c = draw(s);
+        assert_true(c->shadow_rays == 0 && c->shadow_points_kept == 0);
+        assert_nothing_done(&c->effects[DAFT_EFFECT_SHADOW]);
+        assert_nothing_done(&c->effects[DAFT_EFFECT_LIGHTING]);
+        assert_int_equal(c->effects[DAFT_EFFECT_REFLECTION].ran, quality != DAFT_QUALITY_DRAFT);
+        stage_drop(s);
+    }
+}
+
+/* Where the ray of a pixel is after its depth, from the camera. */
+static daft_dvec3 point_of(const stage *s, int at)
+{
+    const daft_camera *camera = &s->view.camera;
+    double cy = daft_cos((double)camera->yaw), sy = daft_sin((double)camera->yaw), cp = daft_cos((double)camera->pitch),
+           sp = daft_sin((double)camera->pitch);
+    daft_dvec3 forward = daft_dv3(cp * cy, -sp, cp * sy), right = daft_dv3(-sy, 0, cy),
+               up = daft_dcross(right, forward);
+    double focal = WIDTH / 2.0 / daft_tan((double)camera->fov / 2);
+    daft_dvec3 ray =
+        daft_dadd(daft_dscale(right, at % WIDTH + 0.5 - WIDTH / 2.0),
+                  daft_dadd(daft_dscale(up, HEIGHT / 2.0 - at / WIDTH - 0.5), daft_dscale(forward, focal)));
+    return daft_dadd(camera->position, daft_dscale(ray, (double)s->depth[at] / sqrt(daft_ddot(ray, ray))));
+}
+
+/* How many pixels see the floor within a square around (x, z). */
+static uint64_t floor_within(const stage *s, daft_entity floor, double x, double z, double half)
+{
+    uint64_t count = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        if (s->entity[i].id != floor.id) continue;
+        daft_dvec3 p = point_of(s, i);
+        assert_true(fabs(p.y) < 1e-3);
+        count += fabs(p.x - x) <= half && fabs(p.z - z) <= half;
+    }
+    return count;
+}
+
+/* Under the sun at noon, the bounds of a thing are the square below it. A ball also has points of its own; they face
+ * the sun or lie in its own shade, and it is convex, so none of them is kept. */
+static void only_points_under_an_occluders_bounds_are_tested(void **unused)
+{
+    (void)unused;
+    for (int shape = 0; shape < 2; shape++) {
+        stage *s = stage_make(2);
+        daft_entity floor = add_floor(s);
+        add_lamp(s, DAFT_LIGHT_SUN, daft_dv3(0, 0, 0), daft_v3(0, -1, 0));
+        if (shape == 0) {
+            add_ball(s, daft_dv3(1, 3, -1), 1, (daft_material){0});
+        } else {
+            daft_entity_def def = daft_default_entity_def();
+            def.shape = DAFT_SHAPE_MESH, def.mesh = make_tetrahedron(s), def.position = daft_dv3(1, 3, -1);
+            add(s, &def);
+        }
+        const daft_counters *c = draw(s);
+        uint64_t under = floor_within(s, floor, 1, -1, 1), around = floor_within(s, floor, 1, -1, 1.5);
+        uint64_t own = 0; /* points of the mesh, which may lie in its shadow */
+        for (int i = 0; shape == 1 && i < PIXELS; i++) own += s->entity[i].id && s->entity[i].id != floor.id;
+        assert_true(under > 300 && around < PIXELS / 4);
+        assert_int_equal(c->shadow_points_kept, c->shadow_rays);
+        print_message("%llu kept; %llu of the floor under the bounds, %llu around them, %llu of its own\n",
+                      (unsigned long long)c->shadow_points_kept, (unsigned long long)under, (unsigned long long)around,
+                      (unsigned long long)own);
+        assert_true(c->shadow_points_kept >= under * 3 / 4); /* a ball's round shadow is 78 % of its square */
+        assert_true(c->shadow_points_kept <= around + own);
+        stage_drop(s);
+    }
+}
+
+/* Off to the side, behind the lamp, under the floor: nothing that could hide the lamp from a point that is seen. */
+static void occluders_elsewhere_are_never_tested(void **unused)
+{
+    (void)unused;
+    const daft_dvec3 balls[] = {{0, 3, 60}, {0, 14, 0}, {3, -5, 3}};
+    for (size_t i = 0; i < sizeof balls / sizeof balls[0]; i++) {
+        stage *s = stage_make(1);
+        add_floor(s);
+        if (i == 1)
+            add_lamp(s, DAFT_LIGHT_POINT, daft_dv3(0, 7, 0), daft_v3(0, -1, 0));
+        else
+            add_lamp(s, DAFT_LIGHT_SUN, daft_dv3(0, 0, 0), daft_v3(0, -1, 0));
+        add_ball(s, balls[i], 1, (daft_material){0});
+        const daft_counters *c = draw(s);
+        assert_true(c->effects[DAFT_EFFECT_LIGHTING].ran);
+        assert_true(c->shadow_rays == 0 && c->shadow_points_kept == 0);
+        assert_false(c->effects[DAFT_EFFECT_SHADOW].ran);
+        stage_drop(s);
+    }
+}
+
+/* ---- mirrors ---- */
+
+static void mirrors_out_of_sight_cast_no_ray(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(2);
+    daft_material_def mirror = daft_default_material_def();
+    mirror.mirror = 0.9f;
+    daft_material shiny = daft_material_create(s->scene, &mirror, NULL);
+    add_floor(s);
+    add_ball(s, daft_dv3(-30, 20, 8), 2, shiny); /* behind the camera */
+    add_ball(s, daft_dv3(2, -4, 0), 2, shiny);   /* under the floor */
+    const daft_counters *c = draw(s);
+    assert_int_equal(c->reflection_rays, 0);
+    assert_nothing_done(&c->effects[DAFT_EFFECT_REFLECTION]);
+    add_ball(s, daft_dv3(0, 1, 0), 1, shiny);
+    assert_true(draw(s)->reflection_rays > 100);
+    stage_drop(s);
+}
+
+/* ---- meshes ---- */
+
+/* Frames, moves, other cameras, lights, materials and rays leave the trees of meshes as they are. */
+static void a_mesh_that_keeps_its_shape_is_built_once(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(2);
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH, def.mesh = make_tetrahedron(s);
+    daft_entity first = add(s, &def);
+    def.position = daft_dv3(3, 2, 0);
+    add(s, &def);
+    assert_int_equal(draw(s)->mesh_builds, 1);
+    for (int i = 0; i < 5; i++) {
+        daft_transform moved = {daft_dv3(i, 1, -i), daft_quat_normalize((daft_quat){1, (float)i, 2, 3}),
+                                daft_v3(1, 1 + (float)i, 1)};
+        daft_scene_begin_tick(s->scene);
+        assert_true(daft_entity_set_transform(s->scene, first, &moved, false, NULL));
+        assert_true(daft_scene_step(s->scene, 1.0f / 60, NULL));
+        daft_material_def material = daft_default_material_def();
+        assert_true(daft_entity_set_material(s->scene, first, daft_material_create(s->scene, &material, NULL), NULL));
+        add_lamp(s, DAFT_LIGHT_POINT, daft_dv3(i, 9, 0), daft_v3(0, -1, 0));
+        daft_ray_hit hit;
+        daft_scene_cast_ray(s->scene, daft_dv3(0, 9, 0), daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, NULL);
+        s->view.camera = daft_camera_look_at(daft_dv3(-8 + i, 6, 2), daft_dv3(0, 0, 0), 1.2f);
+        assert_int_equal(draw(s)->mesh_builds, 1);
+    }
+    stage_drop(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(without_lights_no_shadow_ray),
+        cmocka_unit_test(only_points_under_an_occluders_bounds_are_tested),
+        cmocka_unit_test(occluders_elsewhere_are_never_tested),
+        cmocka_unit_test(mirrors_out_of_sight_cast_no_ray),
+        cmocka_unit_test(a_mesh_that_keeps_its_shape_is_built_once),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
