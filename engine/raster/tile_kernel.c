@@ -162,7 +162,6 @@ static int push_children(walk *w, const daft_node *node, visit *stack, int top)
     for (uint32_t some = b.some; some; some &= some - 1) {
         int i = __builtin_ctz(some), at = top;
         visit v = {node->child[i], b.nearest[i], (uint8_t)b.x0[i], (uint8_t)b.x1[i], (uint8_t)b.y0[i], (uint8_t)b.y1[i]};
-        if (hidden(w->job, &v)) continue;
         for (; at > first && stack[at - 1].nearest > v.nearest; at--) stack[at] = stack[at - 1];
         stack[at] = v;
         top++;
