@@ -16,8 +16,9 @@ typedef struct walk {
     daft_tile_job *job;
     daft_waiting *waiting;
     const daft_seen *seen;
-    float m[9], t[3];
-    float pad[3]; /* over the error of a moved vertex */
+    float m[9];
+    float low_t[3], high_t[3];  /* the translation, less and more a pad over the error of a moved vertex */
+    int low_at[9], high_at[9]; /* which of a node's bounds makes m's product least, and most */
     const daft_block *blocks[DAFT_BATCH_BLOCKS];
     uint32_t block_count;
 } walk;
@@ -102,7 +103,6 @@ typedef struct boxes {
     uint32_t some;
 } boxes;
 
-DAFT_INLINE v8 v8_fabs(v8 a) { return (v8)((v8i)a & 0x7fffffff); }
 DAFT_INLINE v8 pick(v8i m, v8 a, v8 b) { return (v8)((m & (v8i)a) | (~m & (v8i)b)); }
 
 /* One axis of eight boxes, over z: low..high before the division by z within near..far, both positive. */
@@ -117,23 +117,20 @@ DAFT_INLINE uint32_t box_span(v8 low, v8 high, v8 inverse_near, v8 inverse_far, 
     return v8_le_bits(zero, b) & v8_le_bits(a, v8_set(last)) & v8_le_bits(__builtin_convertvector(*first, v8), b);
 }
 
-DAFT_INLINE void axis(const walk *w, int k, const v8 c[3], const v8 h[3], v8 *low, v8 *high)
+/* The least and the largest value of one axis over eight boxes. */
+DAFT_INLINE void axis(const walk *w, int k, const daft_node *node, v8 *low, v8 *high)
 {
-    const float *m = &w->m[3 * k];
-    v8 centre = m[0] * c[0] + m[1] * c[1] + m[2] * c[2] + w->t[k];
-    v8 half = fabsf(m[0]) * h[0] + fabsf(m[1]) * h[1] + fabsf(m[2]) * h[2] + w->pad[k];
-    *low = centre - half, *high = centre + half;
+    const float *m = &w->m[3 * k], *bounds = node->bounds[0];
+    const int *a = &w->low_at[3 * k], *b = &w->high_at[3 * k];
+    *low = m[0] * v8_load(bounds + a[0]) + m[1] * v8_load(bounds + a[1]) + m[2] * v8_load(bounds + a[2]) + w->low_t[k];
+    *high = m[0] * v8_load(bounds + b[0]) + m[1] * v8_load(bounds + b[1]) + m[2] * v8_load(bounds + b[2]) + w->high_t[k];
 }
 
 /* Comparisons are written so that a NaN, from an overflow, leaves a box in. */
 DAFT_INLINE boxes children(const walk *w, const daft_node *node)
 {
-    v8 c[3], h[3], low[3], high[3], zero = v8_set(0);
-    for (int k = 0; k < 3; k++) {
-        v8 l = v8_load(node->bounds[k]), u = v8_load(node->bounds[k + 3]);
-        c[k] = l * 0.5f + u * 0.5f, h[k] = u * 0.5f - l * 0.5f;
-    }
-    for (int k = 0; k < 3; k++) axis(w, k, c, h, &low[k], &high[k]);
+    v8 low[3], high[3], zero = v8_set(0);
+    for (int k = 0; k < 3; k++) axis(w, k, node, &low[k], &high[k]);
     v8i front = low[2] > zero;
     v8 inverse_near = 1 / low[2], inverse_far = 1 / high[2];
     boxes b;
@@ -175,22 +172,27 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_
     const daft_affine *map = &seen->to_camera;
     const float *low = &seen->instance->mesh->low.x, *high = &seen->instance->mesh->high.x, focal = job->raster->pencil.focal;
     w->job = job, w->seen = seen, w->waiting = waiting, w->block_count = 0;
+    float pad[3];
     for (int k = 0; k < 3; k++) {
         float size = fabsf(map->t[k]);
         for (int i = 0; i < 3; i++) size += fabsf(map->m[3 * k + i]) * fmaxf(fabsf(low[i]), fabsf(high[i]));
-        w->pad[k] = size * 0x1p-20f;
+        pad[k] = size * 0x1p-20f;
     }
+    pad[0] = pad[0] * focal + pad[2] * fabsf(job->left);
+    pad[1] = pad[1] * focal + pad[2] * fabsf(job->top);
     /* column = focal·x/z - left and row = top - focal·y/z, so their multiples by z are linear in the point. */
     for (int i = 0; i < 4; i++) {
         const float x = i < 3 ? map->m[i] : map->t[0], y = i < 3 ? map->m[3 + i] : map->t[1], z = i < 3 ? map->m[6 + i] : map->t[2];
-        float column = x * focal - z * job->left, row = z * job->top - y * focal;
-        if (i < 3)
-            w->m[i] = column, w->m[3 + i] = row, w->m[6 + i] = z;
-        else
-            w->t[0] = column, w->t[1] = row, w->t[2] = z;
+        const float row[3] = {x * focal - z * job->left, z * job->top - y * focal, z};
+        for (int k = 0; k < 3; k++) {
+            if (i == 3) {
+                w->low_t[k] = row[k] - pad[k], w->high_t[k] = row[k] + pad[k];
+                continue;
+            }
+            w->m[3 * k + i] = row[k];
+            w->low_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i + 3 : i), w->high_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i : i + 3);
+        }
     }
-    w->pad[0] = w->pad[0] * focal + w->pad[2] * fabsf(job->left);
-    w->pad[1] = w->pad[1] * focal + w->pad[2] * fabsf(job->top);
 }
 
 static void draw_mesh(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
