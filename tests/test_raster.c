@@ -280,6 +280,12 @@ static void culling(void **unused)
     for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
     for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) daft_raster_kernels_for(0)->tile(&raster, i, 0, tile);
     assert_int_equal(raster.bins[0].tested, 0);
+    /* Around the camera: what lies beside a tile is left out, though much of it reaches behind the camera's plane. */
+    daft_instance around = instance_make(&mesh, affine_make(daft_quat_identity(), daft_v3(9, 9, 9), daft_v3(0.1f, 0.2f, 0)));
+    assert_true(daft_raster_begin(&raster, &pencil, &around, 1, &error));
+    daft_raster_bin(&raster, 0, 0);
+    for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) daft_raster_kernels_for(0)->tile(&raster, i, 0, tile);
+    assert_in_range(raster.bins[0].tested, 1, mesh.mesh.triangle_count);
     free(tile);
     daft_raster_free(&raster);
     mesh_drop(&mesh);

@@ -302,6 +302,14 @@ DAFT_INLINE uint32_t v8_le_bits(v8 a, v8 b)
 
 typedef int32_t v8i_unaligned __attribute__((vector_size(32), aligned(4), may_alias));
 DAFT_INLINE v8i v8i_load(const void *p) { return *(const v8i_unaligned *)p; }
+DAFT_INLINE uint32_t v8_lt_bits(v8 a, v8 b)
+{
+#if defined(DAFT_ISA_avx2) || defined(DAFT_ISA_avx512)
+    return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ));
+#else
+    return v8_le_bits(a, b) & ~v8_le_bits(b, a);
+#endif
+}
 /* One bit for each lane of a comparison. */
 DAFT_INLINE uint32_t v8i_bits(v8i mask) { return v8_le_bits((v8)(mask & 0x3f800000), v8_set(0)) ^ 0xff; }
 

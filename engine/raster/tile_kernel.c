@@ -105,16 +105,19 @@ typedef struct boxes {
 
 DAFT_INLINE v8 pick(v8i m, v8 a, v8 b) { return (v8)((m & (v8i)a) | (~m & (v8i)b)); }
 
-/* One axis of eight boxes, over z: low..high before the division by z within near..far, both positive. */
-DAFT_INLINE uint32_t box_span(v8 low, v8 high, v8 inverse_near, v8 inverse_far, v8i front, float last, v8i *first, v8i *end)
+/* One axis of eight boxes, over z: low..high before the division by z within near..far, where both are positive. Boxes that
+ * reach behind the camera are out where all that is in front of it lies beside the tile. */
+DAFT_INLINE uint32_t box_span(v8 low, v8 high, v8 far, v8 inverse_near, v8 inverse_far, v8i front, float last, v8i *first,
+                              v8i *end)
 {
+    uint32_t beside = v8_lt_bits(high, far * -DAFT_SCREEN_SLACK) | v8_lt_bits(far * (last + DAFT_SCREEN_SLACK), low);
     v8 zero = v8_set(0), slack = v8_set(DAFT_SCREEN_SLACK);
     v8 a = low * pick(low < zero, inverse_near, inverse_far) - slack, b = high * pick(high < zero, inverse_far, inverse_near) + slack;
     a = v8_max(pick(front, a, zero), zero), b = v8_min(pick(front, b, v8_set(last)), v8_set(last));
     v8i whole = __builtin_convertvector(a, v8i);
     whole -= __builtin_convertvector(whole, v8) < a; /* a comparison gives -1 */
     *first = whole, *end = __builtin_convertvector(b, v8i);
-    return v8_le_bits(zero, b) & v8_le_bits(a, v8_set(last)) & v8_le_bits(__builtin_convertvector(*first, v8), b);
+    return v8_le_bits(zero, b) & v8_le_bits(__builtin_convertvector(*first, v8), b) & ~beside;
 }
 
 /* The least and the largest value of one axis over eight boxes. */
@@ -134,8 +137,8 @@ DAFT_INLINE boxes children(const walk *w, const daft_node *node)
     v8i front = low[2] > zero;
     v8 inverse_near = 1 / low[2], inverse_far = 1 / high[2];
     boxes b;
-    uint32_t x = box_span(low[0], high[0], inverse_near, inverse_far, front, w->job->last_x, &b.x0, &b.x1);
-    uint32_t y = box_span(low[1], high[1], inverse_near, inverse_far, front, w->job->last_y, &b.y0, &b.y1);
+    uint32_t x = box_span(low[0], high[0], high[2], inverse_near, inverse_far, front, w->job->last_x, &b.x0, &b.x1);
+    uint32_t y = box_span(low[1], high[1], high[2], inverse_near, inverse_far, front, w->job->last_y, &b.y0, &b.y1);
     v8i empty = v8i_load(node->child) == (int32_t)DAFT_CHILD_NONE;
     b.some = x & y & ~v8_le_bits(high[2], zero) & ~v8i_bits(empty);
     b.nearest = pick(front, inverse_near * (1 + 0x1p-20f), v8_set(INFINITY));
