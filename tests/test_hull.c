@@ -121,7 +121,7 @@ static void too_many_points_are_thinned_by_what_sticks_out(void **unused)
         check_all(h, points, COUNT);
         double outside = 0;
         for (int i = 0; i < COUNT; i++) outside = fmax(outside, most_outside(h, points[i]));
-        assert_float_equal(outside, (double)h->deviation, 1e-5);
+        assert_near(outside, (double)h->deviation, 1e-5);
         assert_true(h->deviation < before);
         before = h->deviation;
         print_message("%u vertices: off by %g of the radius\n", most, (double)h->deviation);
@@ -225,18 +225,13 @@ static void memory_may_run_out_at_any_time(void **unused)
 
 /* ---- mass ---- */
 
-static void near_to(double is, double should, double tolerance)
-{
-    if (!(fabs(is - should) <= tolerance)) fail_msg("%.12g is not %.12g within %g", is, should, tolerance);
-}
-
 static void same_mass(const daft_mass *a, const daft_mass *b, double share)
 {
-    near_to(a->mass, b->mass, share * b->mass);
+    assert_near(a->mass, b->mass, share * b->mass);
     double length = sqrt((b->inertia[0] + b->inertia[4] + b->inertia[8]) / b->mass), far = 0;
     for (int k = 0; k < 3; k++) far = fmax(far, fabs((&b->centre.x)[k]));
-    for (int k = 0; k < 3; k++) near_to((&a->centre.x)[k], (&b->centre.x)[k], share * (length + far));
-    for (int k = 0; k < 9; k++) near_to(a->inertia[k], b->inertia[k], share * b->mass * length * length);
+    for (int k = 0; k < 3; k++) assert_near((&a->centre.x)[k], (&b->centre.x)[k], share * (length + far));
+    for (int k = 0; k < 9; k++) assert_near(a->inertia[k], b->inertia[k], share * b->mass * length * length);
 }
 
 static void a_hull_weighs_what_its_box_does(void **unused)
@@ -256,7 +251,7 @@ static void a_hull_weighs_what_its_box_does(void **unused)
         assert_true(daft_shape_mass(&hull, 700, &mine) && daft_shape_mass(&box, 700, &should));
         should = daft_mass_moved(&should, &pose);
         same_mass(&mine, &should, 3e-6);
-        near_to(should.mass, 700 * 8 * (double)half.x * (double)half.y * (double)half.z, 1e-3);
+        assert_near(should.mass, 700 * 8 * (double)half.x * (double)half.y * (double)half.z, 1e-3);
         daft_hull_free(h);
     }
 }
@@ -279,10 +274,10 @@ static void a_capsule_weighs_its_integral(void **unused)
     daft_sim_shape s = must_capsule((float)half, (float)r);
     daft_mass m;
     assert_true(daft_shape_mass(&s, 1, &m));
-    near_to(m.mass, sum * v, 2e-3 * m.mass);
-    near_to(m.inertia[4], along * v, 4e-3 * m.inertia[4]);
-    near_to(m.inertia[0], across * v, 4e-3 * m.inertia[0]);
-    near_to(m.inertia[8], m.inertia[0], 1e-12);
+    assert_near(m.mass, sum * v, 2e-3 * m.mass);
+    assert_near(m.inertia[4], along * v, 4e-3 * m.inertia[4]);
+    assert_near(m.inertia[0], across * v, 4e-3 * m.inertia[0]);
+    assert_near(m.inertia[8], m.inertia[0], 1e-12);
 }
 
 /* A box sawn into parts weighs what it did. */
@@ -324,7 +319,7 @@ static void principal_axes_are_found(void **unused)
                               .inertia = {[0] = (double)moments.x, [4] = (double)moments.y, [8] = (double)moments.z}};
         diagonal = daft_mass_moved(&diagonal, &back);
         for (int k = 0; k < 9; k++)
-            near_to(diagonal.inertia[k], m.inertia[k], 1e-6 * (before[0] + before[1] + before[2]));
+            assert_near(diagonal.inertia[k], m.inertia[k], 1e-6 * (before[0] + before[1] + before[2]));
     }
 }
 

@@ -335,13 +335,15 @@ typedef struct daft_impact {
     daft_shape_part part_a, part_b;
 } daft_impact;
 
-/* Time of impact by conservative advancement (Mirtich 1996): the two are never nearer than `target` - `tolerance`
- * before t. Without rotation this is a shape cast. a: convex or a compound of such; b: anything. target: metres, more
- * than tolerance; tolerance > 0, say 0.25·slop. */
+/* Time of impact by conservative advancement (Mirtich 1996): the two are never nearer than `target` before t, and
+ * within `target` + `tolerance` at t. Without rotation this is a shape cast. a: convex or a compound of such; b:
+ * anything. Both are metres, more than 0. A part that is nearer than the target at the start, such as the ground
+ * something rests on, is left to contacts and hides no other part: DAFT_IMPACT_OVERLAP means that nothing else is hit.
+ */
 daft_impact_kind daft_shape_impact(const daft_sim_shape *a, const daft_sweep *sweep_a, const daft_sim_shape *b,
                                    const daft_sweep *sweep_b, double target, double tolerance, daft_impact *out);
-/* a, posed in b's frame, moves by `motion` without turning: daft_shape_impact with target 0. Of parts that are hit at
- * the same time the lowest counts. Result in b's frame. An overlap at the start is DAFT_IMPACT_OVERLAP with t = 0. */
+/* a, posed in b's frame, moves by `motion` without turning, and stops a millionth of its size before b. Result in b's
+ * frame. An overlap with any part at the start is DAFT_IMPACT_OVERLAP with t = 0. */
 daft_impact_kind daft_shape_cast(const daft_sim_shape *a, const daft_rigid *a_in_b, daft_dvec3 motion,
                                  const daft_sim_shape *b, daft_impact *out);
 
