@@ -265,11 +265,17 @@ static float any(float low, float high)
     return low + (high - low) * (float)(state >> 40) * 0x1p-24f;
 }
 
-static daft_quat any_turn(void) { return daft_quat_normalize((daft_quat){any(-1, 1), any(-1, 1), any(-1, 1), any(-1, 1)}); }
+/* One number after the other: in which order arguments are taken, compilers decide for themselves. */
+static daft_quat any_turn(void)
+{
+    float x = any(-1, 1), y = any(-1, 1), z = any(-1, 1), w = any(-1, 1);
+    return daft_quat_normalize((daft_quat){x, y, z, w});
+}
 
 static daft_dvec3 any_way(void)
 {
-    daft_dvec3 d = daft_dv3((double)any(-1, 1), (double)any(-1, 1), (double)any(-1, 1));
+    float x = any(-1, 1), y = any(-1, 1), z = any(-1, 1);
+    daft_dvec3 d = daft_to_double(daft_v3(x, y, z));
     double length = sqrt(daft_ddot(d, d));
     return length > 0.1 ? daft_dscale(d, 1 / length) : daft_dv3(0.6, 0.8, 0);
 }
@@ -281,7 +287,8 @@ static daft_mesh ball_mesh(stage *s, uint32_t rings)
     static uint32_t index[12 * RINGS * RINGS];
     uint32_t columns = 2 * rings, n = 0, south = rings * columns, north = south + 1;
     for (uint32_t i = 0; i < south; i++) {
-        double latitude = DAFT_PI * ((i / columns + 1.0) / (rings + 1.0) - 0.5), longitude = 2 * DAFT_PI * (i % columns) / columns;
+        double latitude = DAFT_PI * ((i / columns + 1.0) / (rings + 1.0) - 0.5);
+        double longitude = 2 * DAFT_PI * (i % columns) / columns;
         p[i] = daft_to_float(daft_dv3(daft_cos(latitude) * daft_cos(longitude), daft_sin(latitude),
                                       daft_cos(latitude) * daft_sin(longitude)));
     }
@@ -304,13 +311,17 @@ static daft_mesh ball_mesh(stage *s, uint32_t rings)
 }
 
 enum { SPHERE, BOX, FLAT, SMOOTH, MIRRORED, SQUASHED, KINDS };
-static const char *const KIND_NAMES[KINDS] = {"spheres", "boxes", "flat balls", "smooth balls", "mirrored balls", "squashed balls"};
+static const char *const KIND_NAMES[KINDS] = {"spheres",      "boxes",          "flat balls",
+                                              "smooth balls", "mirrored balls", "squashed balls"};
 
 static daft_entity_def thing(stage *s, int kind, daft_dvec3 position, double radius, daft_material material)
 {
     if (kind == SPHERE) return sphere(position, (float)radius, material);
     daft_entity_def def = box(position, daft_to_float(daft_dv3(radius, radius, 1.2 * radius)), material);
-    if (kind >= FLAT) def = instance(ball_mesh(s, kind == SMOOTH ? RINGS : 3), position, (float)radius, daft_quat_identity(), material);
+    if (kind >= FLAT) {
+        daft_mesh mesh = ball_mesh(s, kind == SMOOTH ? RINGS : 3);
+        def = instance(mesh, position, (float)radius, daft_quat_identity(), material);
+    }
     if (kind == MIRRORED) def.scale.z = -def.scale.z;
     if (kind == SQUASHED) def.scale.x *= 0.5f, def.scale.y *= -0.8f;
     def.rotation = any_turn();

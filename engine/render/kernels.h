@@ -21,9 +21,6 @@ typedef struct daft_ray_batch {
     daft_lanes3 weight;
     float reach[DAFT_BATCH_ROOM];
     uint32_t pixel[DAFT_BATCH_ROOM];
-    uint32_t instance[DAFT_BATCH_ROOM]; /* that transmits and that the ray leaves, or DAFT_NOTHING */
-    bool inside[DAFT_BATCH_ROOM];       /* of that instance */
-    float doubt[DAFT_BATCH_ROOM];       /* metres within which it may meet that instance's surface by rounding alone */
 } daft_ray_batch;
 
 /* What points may still send on: rays that are mirrored as a material or Fresnel's equations ask; and which rays, by their
@@ -40,10 +37,6 @@ typedef struct daft_render_kernels {
     /* Appends the point where a ray hit; `finish_hits` completes the batch after the last. */
     void (*hit_point)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray, const daft_hit *hit,
                       daft_batch *points);
-    /* Whether the last point added lies on the surface that its ray left, on a side that the ray cannot be on, and so close
-     * to where it began that rounding put it there. */
-    bool (*false_hit)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray, const daft_hit *hit,
-                      const daft_batch *points);
     void (*finish_hits)(const daft_snapshot *snapshot, daft_batch *points);
     /* Takes away the bits of the points that the instance hides from the lamp, or, with DAFT_NOTHING, that any shadow
      * caster does. Gives the number of points whose ray met its bounds, the only ones that were tested. */

@@ -79,9 +79,7 @@ static bool from_inside(const daft_snapshot *snapshot, const daft_batch *b, uint
     return daft_dot(daft_sub(lane3(&b->point, i), daft_v3(centre[0], centre[1], centre[2])), outward) < 0;
 }
 
-/* Gives the ray's place. */
-static uint32_t add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3 d, daft_vec3 weight,
-                        daft_ray_batch *rays)
+static void add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3 d, daft_vec3 weight, daft_ray_batch *rays)
 {
     uint32_t at = rays->count++;
     rays->origin.x[at] = origin.x, rays->origin.y[at] = origin.y, rays->origin.z[at] = origin.z;
@@ -89,48 +87,39 @@ static uint32_t add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_
     rays->weight.x[at] = weight.x, rays->weight.y[at] = weight.y, rays->weight.z[at] = weight.z;
     rays->reach[at] = b->reach[i];
     rays->pixel[at] = b->pixel[i];
-    rays->instance[at] = DAFT_NOTHING;
-    return at;
 }
 
 static bool counts(daft_vec3 weight, float least) { return weight.x > least || weight.y > least || weight.z > least; }
 
-static float spawn_error(const daft_batch *b, uint32_t i)
+/* What moves a point that lies closer than `margin` to the sides of its triangle, or beyond one by rounding, away from them. */
+static daft_vec3 off_sides(const daft_instance *instance, uint32_t triangle, daft_vec3 p, daft_vec3 normal, float margin)
 {
-    return (fabsf(b->point.x[i]) + fabsf(b->point.y[i]) + fabsf(b->point.z[i]) + b->extent[i]) * DAFT_SPAWN_ERROR;
+    const daft_trimesh *mesh = instance->mesh;
+    const uint32_t *corner = &mesh->indices[3 * (size_t)triangle];
+    daft_vec3 c[3], shift = {0, 0, 0};
+    for (int k = 0; k < 3; k++)
+        c[k] = daft_affine_point(&instance->to_frame, daft_v3(mesh->x[corner[k]], mesh->y[corner[k]], mesh->z[corner[k]]));
+    for (int k = 0; k < 3; k++) {
+        daft_vec3 a = c[k], in = daft_normalize(daft_cross(normal, daft_sub(c[(k + 1) % 3], a)));
+        if (daft_dot(in, daft_sub(c[(k + 2) % 3], a)) < 0) in = daft_neg(in);
+        float inside = daft_dot(in, daft_sub(p, a));
+        if (inside < margin) shift = daft_add(shift, daft_scale(in, margin - inside));
+    }
+    return shift;
 }
 
-/* The place beyond the surface that mirrors the place before it: batches hold points that lie off the surface by e along
- * `outward` and e along `view`, which is (1 + c)·e across it, c their cosine. It keeps the way towards the viewer along the
- * surface, so that the ray does not begin beyond the next side of something thin; and lies e across the surface, and a
- * quarter more for the roundings on the way. */
-static daft_vec3 place_beyond(const daft_batch *b, uint32_t i)
+/* Batches hold points that lie off the surface by e along `outward` and e along `view`; this one lies e beyond it, and half
+ * as much again for the roundings on the way. Within e of a facet's side it may lie across the neighbouring one, inside
+ * when it is meant to be outside or the other way round; so it is moved away from sides by as much. */
+static daft_vec3 place_beyond(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i)
 {
+    const daft_instance *instance = &snapshot->instances[b->instance[i]];
     daft_vec3 outward = lane3(&b->outward, i);
-    float far = (2.25f + daft_dot(outward, lane3(&b->view, i))) * spawn_error(b, i);
-    return daft_sub(lane3(&b->point, i), daft_scale(outward, far));
-}
-
-/* Close to an edge that way may lead across the neighbouring side, whose plane the ray then meets again, at e over the cosine
- * to it: from outside, when it is inside already. That is no surface that it passes. A surface that is met from the side
- * that the ray is on is one, however close. */
-static void add_ray_near(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3 d, daft_vec3 weight, bool inside,
-                         daft_ray_batch *rays)
-{
-    uint32_t at = add_ray(b, i, origin, d, weight, rays);
-    rays->instance[at] = b->instance[i];
-    rays->inside[at] = inside;
-    rays->doubt[at] = 32 * spawn_error(b, i);
-}
-
-static bool false_hit(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray, const daft_hit *hit,
-                      const daft_batch *points)
-{
-    if (hit->instance != rays->instance[ray] || hit->t > rays->doubt[ray]) return false;
-    uint32_t last = points->count - 1;
-    /* a place so close may lie on either side of the plane: the way says from where it is met */
-    bool turned = daft_dot(lane3(&points->outward, last), lane3(&rays->direction, ray)) > 0;
-    return from_inside(snapshot, points, last) != (rays->inside[ray] != turned);
+    daft_vec3 p = lane3(&b->point, i);
+    float error = (fabsf(p.x) + fabsf(p.y) + fabsf(p.z) + b->extent[i]) * DAFT_SPAWN_ERROR;
+    daft_vec3 on = daft_sub(p, daft_scale(daft_add(outward, lane3(&b->view, i)), error));
+    if (instance->mesh) on = daft_add(on, off_sides(instance, b->triangle[i], on, outward, error));
+    return daft_sub(on, daft_scale(outward, 1.5f * error));
 }
 
 /* A point that transmits: `mirror` is what its material mirrors besides. Where mirrored rays are not followed any more, what
@@ -141,17 +130,16 @@ static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t 
     const daft_surface *material = &snapshot->materials[b->material[i]];
     daft_vec3 weight = lane3(&b->weight, i), view = lane3(&b->view, i), normal = lane3(&b->normal, i);
     daft_vec3 outward = lane3(&b->outward, i);
-    bool inside = from_inside(snapshot, b, i);
-    float eta = inside ? material->index : 1 / material->index;
+    float eta = from_inside(snapshot, b, i) ? material->index : 1 / material->index;
     interface f = interface_at(eta, daft_dot(normal, view));
     if (!allowed->mirrors && f.fresnel < 1) f.fresnel = 0;
     float share = material->transmission * f.fresnel;
     daft_vec3 back = daft_mul(weight, daft_add(mirror, daft_v3(share, share, share)));
     if (counts(back, allowed->least))
-        add_ray_near(b, i, lane3(&b->point, i), mirrored(view, normal, outward), back, inside, mirror_rays);
+        add_ray(b, i, lane3(&b->point, i), mirrored(view, normal, outward), back, mirror_rays);
     daft_vec3 on = daft_mul(weight, daft_scale(material->through, 1 - f.fresnel));
     if (counts(on, allowed->least))
-        add_ray_near(b, i, place_beyond(b, i), refracted(&f, view, normal, outward), on, !inside, refracted_rays);
+        add_ray(b, i, place_beyond(snapshot, b, i), refracted(&f, view, normal, outward), on, refracted_rays);
 }
 
 static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft_spawning *allowed, daft_ray_batch *mirror_rays,
@@ -174,5 +162,5 @@ static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft
 }
 
 const daft_render_kernels DAFT_KERNEL(daft_render) = {DAFT_KERNEL(daft_surfaces), DAFT_KERNEL(daft_hit_point),
-                                                      false_hit, DAFT_KERNEL(daft_finish_hits),
+                                                      DAFT_KERNEL(daft_finish_hits),
                                                       DAFT_KERNEL(daft_shadows), DAFT_KERNEL(daft_tints), spawn};

@@ -136,19 +136,6 @@ static void add_sky(job *j, const daft_ray_batch *rays, bool weighted)
     book(j, DAFT_EFFECT_SKY);
 }
 
-/* Adds the point that the ray hits to the next batch; what it meets by rounding alone is passed by. False: none. */
-static bool hit_something(const job *j, const daft_ray_batch *rays, uint32_t i, daft_ray *ray, daft_batch *next)
-{
-    daft_hit hit;
-    while (j->r->accel->closest(j->frame->tlas, ray, UINT32_MAX, &hit)) {
-        j->r->kernels->hit_point(j->snapshot, rays, i, &hit, next);
-        if (rays->instance[i] == DAFT_NOTHING || !j->r->kernels->false_hit(j->snapshot, rays, i, &hit, next)) return true;
-        next->count--;
-        ray->tmin = nextafterf(hit.t, INFINITY);
-    }
-    return false;
-}
-
 /* Hits become the next batch; misses see the sky. */
 static void trace(job *j, const daft_ray_batch *rays, daft_effect_kind effect, daft_batch *next)
 {
@@ -159,7 +146,11 @@ static void trace(job *j, const daft_ray_batch *rays, daft_effect_kind effect, d
         daft_ray ray = {.origin = {rays->origin.x[i], rays->origin.y[i], rays->origin.z[i]},
                         .direction = {rays->direction.x[i], rays->direction.y[i], rays->direction.z[i]},
                         .tmax = INFINITY};
-        if (hit_something(j, rays, i, &ray, next)) continue;
+        daft_hit hit;
+        if (j->r->accel->closest(j->frame->tlas, &ray, UINT32_MAX, &hit)) {
+            j->r->kernels->hit_point(j->snapshot, rays, i, &hit, next);
+            continue;
+        }
         uint32_t at = s->sky.count++;
         s->sky.direction.x[at] = ray.direction.x, s->sky.direction.y[at] = ray.direction.y;
         s->sky.direction.z[at] = ray.direction.z;
