@@ -33,7 +33,7 @@ void daft_instance_bound(daft_instance *instance)
     }
 }
 
-enum { TOO_FEW = 2048 }; /* fewer instances are not worth waking others for */
+enum { TOO_FEW = 20000 }; /* fewer instances are not worth waking others for */
 
 /* The builder takes memory from an allocator; this one hands out the arena's and never takes it back. */
 static void *arena_allocate(void *user, size_t size, size_t alignment)

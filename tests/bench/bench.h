@@ -7,7 +7,7 @@
  *   models.c    meshes: files of an optional folder, and generated ones that are always there
  *   scenes.c    what both sides look at: meshes, instances, spheres, a room (scenes.h)
  *   camera.c    our camera rays; boxes.c: what becomes of them without the ray test
- *   render.c, frames.c, load.c, game.c, growth.c, accuracy.c (svg.c), robust.c   the benchmarks
+ *   render.c, frames.c, load.c, trees.c, game.c, growth.c, accuracy.c (svg.c), robust.c   the benchmarks
  *   embree.c, embree_frame.c, tinyobj.cpp   the peers, built where their libraries are installed */
 #ifndef DAFT_BENCH_H
 #define DAFT_BENCH_H
@@ -139,6 +139,7 @@ void bench_render(bench *self); /* camera rays */
 void bench_frames(bench *self);
 void bench_shadow(bench *self);
 void bench_load(bench *self);
+void bench_trees(bench *self);
 void bench_game(bench *self);
 void bench_growth(bench *self);   /* time against triangles, instances, pixels, lamps, threads */
 void bench_accuracy(bench *self); /* what a right pixel costs */

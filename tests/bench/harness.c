@@ -222,6 +222,7 @@ int main(int argc, char **argv)
     bench_frames(&self);
     bench_shadow(&self);
     bench_load(&self);
+    bench_trees(&self);
     bench_game(&self);
     bench_growth(&self);
     bench_accuracy(&self);
