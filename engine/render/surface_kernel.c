@@ -16,7 +16,7 @@
 typedef struct facet {
     daft_vec3 corner[3], normal[3], outward; /* frame space; normals unit, on the viewer's side */
     daft_vec2 uv[3];
-    bool smooth;
+    bool smooth, textured;
     float least, most; /* a ray's t lies between: the corners' range along it */
     float height;      /* of the plane over the rays' origin, against `outward`: 0 or less */
     float density; /* units of uv a metre */
@@ -64,7 +64,6 @@ static void facet_setup(const daft_snapshot *snapshot, uint32_t index, uint32_t 
     float area = (float)length;
     f->outward = length > 0 ? daft_to_float(daft_dscale(cross, 1 / length)) : daft_neg(daft_normalize(direction));
     facet_normals(instance, mesh->normal_indices ? &mesh->normal_indices[at] : corner, f);
-    facet_uvs(mesh, mesh->uv_indices ? &mesh->uv_indices[at] : corner, area, f);
     f->height = (float)daft_ddot(daft_to_double(f->outward), daft_dsub(first, daft_to_double(origin)));
     if (f->height > 0) {
         f->outward = daft_neg(f->outward);
@@ -76,6 +75,9 @@ static void facet_setup(const daft_snapshot *snapshot, uint32_t index, uint32_t 
     f->instance = index;
     f->triangle = triangle;
     f->material = instance->materials[mesh->slots ? mesh->slots[triangle] : 0];
+    f->textured = snapshot->materials[f->material].texture != DAFT_NO_TEXTURE;
+    f->density = 0;
+    if (f->textured) facet_uvs(mesh, mesh->uv_indices ? &mesh->uv_indices[at] : corner, area, f);
 }
 
 /* Sets the range of t of rays along `unit`, on which t is the way along it. */
@@ -181,9 +183,10 @@ DAFT_INLINE void facet_points(const facet *f, vf3 direction, vf3 point, const vf
         lifted = lift_point(f, point, w);
     }
     store_point(b, at, direction, point, lifted, normal, outward, f->size, f->density);
+    store_ids(b, at, f->instance, f->triangle, f->material);
+    if (!f->textured) return;
     vf_store(&b->u[at], vf_set(f->uv[0].x) * w[0] + vf_set(f->uv[1].x) * w[1] + vf_set(f->uv[2].x) * w[2]);
     vf_store(&b->v[at], vf_set(f->uv[0].y) * w[0] + vf_set(f->uv[1].y) * w[1] + vf_set(f->uv[2].y) * w[2]);
-    store_ids(b, at, f->instance, f->triangle, f->material);
 }
 
 /* near: the points as first found; they are pushed onto the sphere along its normal. */

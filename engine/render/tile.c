@@ -109,13 +109,7 @@ static void light_points(job *j, daft_batch *points)
         const daft_lanes3 *passed = j->frame->plan.tints && lamp->casts_shadow ? tint_light(j, points, lamp) : NULL;
         j->r->shade->lamp(points, snapshot->materials, lamp, j->s->lit, passed);
     }
-    daft_lanes3 *color = &j->s->color;
-    for (uint32_t i = 0; i < points->count; i++) {
-        uint32_t at = points->pixel[i];
-        color->x[at] += points->weight.x[i] * points->light.x[i];
-        color->y[at] += points->weight.y[i] * points->light.y[i];
-        color->z[at] += points->weight.z[i] * points->light.z[i];
-    }
+    j->r->shade->add(&j->s->color, points->pixel, points->count, &points->weight, &points->light);
     book(j, DAFT_EFFECT_LIGHTING);
 }
 
@@ -124,14 +118,8 @@ static void add_sky(job *j, const daft_ray_batch *rays, bool weighted)
 {
     if (rays->count == 0) return;
     daft_scratch *s = j->s;
-    daft_lanes3 *color = &s->color;
     j->r->shade->sky(&j->snapshot->sky, &rays->direction, rays->count, &s->sky_color);
-    for (uint32_t i = 0; i < rays->count; i++) {
-        uint32_t at = rays->pixel[i];
-        color->x[at] += (weighted ? rays->weight.x[i] : 1) * s->sky_color.x[i];
-        color->y[at] += (weighted ? rays->weight.y[i] : 1) * s->sky_color.y[i];
-        color->z[at] += (weighted ? rays->weight.z[i] : 1) * s->sky_color.z[i];
-    }
+    j->r->shade->add(&s->color, rays->pixel, rays->count, weighted ? &rays->weight : NULL, &s->sky_color);
     ran(j, DAFT_EFFECT_SKY);
     book(j, DAFT_EFFECT_SKY);
 }
@@ -266,6 +254,7 @@ static void write_aov(job *j)
 {
     const daft_frame_aov *aov = &j->frame->target->aov;
     const daft_scratch *s = j->s;
+    if (!aov->depth && !aov->normal && !aov->instance && !aov->triangle) return;
     for (uint32_t i = 0; i < s->sky.count; i++) {
         size_t at = tile_pixel(j, s->sky.pixel[i]);
         if (aov->depth) aov->depth[at] = INFINITY;

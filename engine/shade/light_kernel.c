@@ -75,6 +75,27 @@ static void add_lamp(daft_batch *batch, const daft_surface *materials, const daf
     }
 }
 
+static void add(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,
+                const daft_lanes3 *light)
+{
+    vf one = vf_set(1);
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        vf3 l = lanes_load(light, i), w = weight ? lanes_load(weight, i) : (vf3){one, one, one};
+        vf3 part = {l.x * w.x, l.y * w.y, l.z * w.z};
+        uint32_t at = pixel[i], left = count - i;
+        vi row = vi_iota() + vi_set((int32_t)at);
+        if (left >= DAFT_VL && vm_bits(vi_eq(vi_load(&pixel[i]), row)) == DAFT_ALL_LANES) {
+            vf3 c = lanes_load(color, at);
+            lanes_store(color, at, (vf3){c.x + part.x, c.y + part.y, c.z + part.z});
+            continue;
+        }
+        for (uint32_t k = 0; k < left && k < DAFT_VL; k++) {
+            at = pixel[i + k];
+            color->x[at] += part.x[k], color->y[at] += part.y[k], color->z[at] += part.z[k];
+        }
+    }
+}
+
 /* IEC 61966-2-1. NaN becomes 0. */
 DAFT_INLINE vi encode_lanes(vf x)
 {
@@ -97,4 +118,4 @@ static void encode(const float *r, const float *g, const float *b, uint32_t coun
 }
 
 const daft_shade_kernels DAFT_KERNEL(daft_shade) = {DAFT_KERNEL(daft_albedo),    ambient, facing, add_lamp,
-                                                    DAFT_KERNEL(daft_sky_color), encode};
+                                                    DAFT_KERNEL(daft_sky_color), add,     encode};

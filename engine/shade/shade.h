@@ -55,7 +55,7 @@ typedef struct daft_batch {
     daft_lanes3 normal;  /* shading normal, unit */
     daft_lanes3 outward; /* geometric normal, unit, towards the viewer */
     daft_lanes3 view;    /* to the viewer, unit */
-    float u[DAFT_BATCH_ROOM], v[DAFT_BATCH_ROOM];
+    float u[DAFT_BATCH_ROOM], v[DAFT_BATCH_ROOM]; /* of points whose material has a texture */
     float footprint[DAFT_BATCH_ROOM]; /* side of the pixel's patch on the surface, in units of u and v */
     float extent[DAFT_BATCH_ROOM];    /* metres that the spawn error counts beside the point's own coordinates */
     float reach[DAFT_BATCH_ROOM];     /* metres travelled from the camera to here */
@@ -81,6 +81,9 @@ typedef struct daft_shade_kernels {
                  const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *passed);
     /* The sky's colour in `count` directions of any length. */
     void (*sky)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
+    /* Adds light, times its weight where that is not NULL, to the colors at the pixels' numbers. */
+    void (*add)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,
+                const daft_lanes3 *light);
     /* `count` pixels from linear light to sRGB bytes with alpha 255. */
     void (*encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba);
 } daft_shade_kernels;
