@@ -179,10 +179,10 @@ static int depth_of(const daft_bvh *bvh, uint32_t child)
     return most + 1;
 }
 
-/* Every triangle is in exactly one block, every block in exactly one cluster, and the stack holds any path. */
+/* Every triangle is in exactly one block, and the stack holds any path. */
 static void check_tree(const fixture_mesh *m)
 {
-    uint32_t *seen = calloc(m->mesh.triangle_count + 1, sizeof *seen), total = 0, blocks = 0;
+    uint32_t *seen = calloc(m->mesh.triangle_count + 1, sizeof *seen), total = 0;
     for (size_t b = 0; b < m->bvh->block_count; b++)
         for (int i = 0; i < DAFT_BLOCK; i++) {
             uint32_t t = m->bvh->blocks[b].triangle[i];
@@ -191,11 +191,6 @@ static void check_tree(const fixture_mesh *m)
             total++;
         }
     assert_int_equal(total, m->mesh.triangle_count);
-    for (size_t c = 0; c < m->bvh->cluster_count; c++) {
-        assert_int_equal(m->bvh->clusters[c].first_block, blocks);
-        blocks += m->bvh->clusters[c].block_count;
-    }
-    assert_int_equal(blocks, m->bvh->block_count);
     if (m->bvh->nodes.count) assert_true(depth_of(m->bvh, 0) * (DAFT_WIDTH - 1) + DAFT_WIDTH < DAFT_STACK);
     free(seen);
 }

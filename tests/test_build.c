@@ -14,10 +14,8 @@ static void assert_same_tree(const daft_bvh *a, const daft_bvh *b)
 {
     assert_int_equal(a->nodes.count, b->nodes.count);
     assert_int_equal(a->block_count, b->block_count);
-    assert_int_equal(a->cluster_count, b->cluster_count);
     assert_memory_equal(a->nodes.items, b->nodes.items, a->nodes.count * sizeof(daft_node));
     assert_memory_equal(a->blocks, b->blocks, a->block_count * sizeof(daft_block));
-    assert_memory_equal(a->clusters, b->clusters, a->cluster_count * sizeof(daft_cluster));
 }
 
 static void one_tree_for_any_threads_and_isa(void **unused)

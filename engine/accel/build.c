@@ -180,13 +180,11 @@ static void run_task(void *context, uint32_t index, uint32_t worker)
     daft_build_task *task = &build->tasks[index];
     daft_build_sink *sink = &build->sinks[build->fixed ? index : worker];
     daft_build_branch branch = {.rule = &build->rule, .prims = {build->prims, build->other}, .sink = sink};
-    sink->in_cluster = false;
     task->sink = sink;
-    task->node_first = sink->nodes.count, task->block_first = sink->block_count, task->cluster_first = sink->cluster_count;
+    task->node_first = sink->nodes.count, task->block_first = sink->block_count;
     task->code = build->kernels->branch(&branch, &task->range, build->top.nodes.count == 0);
     task->node_count = sink->nodes.count - task->node_first;
     task->block_count = sink->block_count - task->block_first;
-    task->cluster_count = sink->cluster_count - task->cluster_first;
 }
 
 /* Nodes of a tree whose leaves hold one of count prims each, where all nodes but those over eight or fewer have eight
@@ -226,9 +224,8 @@ static bool place_tasks(daft_build *build)
     for (size_t i = 0; i < build->task_count; i++) {
         daft_build_task *task = &build->tasks[i];
         done &= task->code != DAFT_CHILD_NONE;
-        task->node_base = build->node_count, task->block_base = build->block_count, task->cluster_base = build->cluster_count;
+        task->node_base = build->node_count, task->block_base = build->block_count;
         build->node_count += task->node_count, build->block_count += task->block_count;
-        build->cluster_count += task->cluster_count;
     }
     return done;
 }
@@ -303,7 +300,6 @@ static void sink_free(daft_build_sink *sink, const daft_allocator *allocator)
 {
     daft_release(allocator, sink->nodes.items);
     daft_release(allocator, sink->blocks);
-    daft_release(allocator, sink->clusters);
 }
 
 void daft_build_free(daft_build *build)

@@ -40,9 +40,6 @@ typedef struct daft_build_sink {
     daft_node_list nodes;
     uint32_t (*blocks)[DAFT_BLOCK];
     size_t block_count, block_capacity;
-    daft_cluster *clusters;
-    size_t cluster_count, cluster_capacity;
-    bool in_cluster;
 } daft_build_sink;
 
 /* A part of the tree that is built by itself, and where it lies: in its sink, and at last in the whole. */
@@ -50,8 +47,8 @@ typedef struct daft_build_task {
     daft_build_range range;
     daft_build_sink *sink;
     uint32_t code; /* of its root: a node of the sink's, a leaf's, or DAFT_CHILD_NONE when memory was out */
-    size_t node_first, node_count, block_first, block_count, cluster_first, cluster_count;
-    size_t node_base, block_base, cluster_base;
+    size_t node_first, node_count, block_first, block_count;
+    size_t node_base, block_base;
 } daft_build_task;
 
 typedef struct daft_build_branch {
@@ -97,7 +94,7 @@ typedef struct daft_build {
     size_t sink_count;
     daft_build_task *tasks;
     size_t task_count;
-    size_t node_count, block_count, cluster_count; /* of the whole */
+    size_t node_count, block_count; /* of the whole */
     /* within */
     const daft_build_kernels *kernels;
     daft_build_prim *other; /* as many as prims */

@@ -304,41 +304,18 @@ static void node_fill(daft_node *node, const range *parts, const uint32_t *codes
     }
 }
 
-static bool cluster_open(daft_build_sink *sink, const range *r)
-{
-    if (!daft_grow(sink->allocator, &sink->clusters, &sink->cluster_capacity, sink->cluster_count + 1, sink->cluster_count,
-                   sizeof(daft_cluster)))
-        return false;
-    v4 low = v8_low(r->box), high = v8_high(r->box);
-    sink->clusters[sink->cluster_count++] = (daft_cluster){.low = daft_v3(low[0], low[1], low[2]),
-                                                           .high = daft_v3(-high[0], -high[1], -high[2]),
-                                                           .first_block = (uint32_t)sink->block_count};
-    sink->in_cluster = true;
-    return true;
-}
-
-static void cluster_close(daft_build_sink *sink)
-{
-    daft_cluster *cluster = &sink->clusters[sink->cluster_count - 1];
-    cluster->block_count = (uint32_t)sink->block_count - cluster->first_block;
-    sink->in_cluster = false;
-}
-
 static __attribute__((noinline)) uint32_t leaf_add(daft_build_branch *branch, const range *r)
 {
     const prim *prims = branch->prims[r->side] + r->first;
     daft_build_sink *sink = branch->sink;
     if (branch->rule->block_size == 1) return DAFT_CHILD_LEAF | prims[0].id;
     uint32_t blocks = (r->count + DAFT_BLOCK - 1) / DAFT_BLOCK, first = (uint32_t)sink->block_count;
-    bool alone = !sink->in_cluster; /* right below a range that is too large for a cluster */
     if (!daft_grow(sink->allocator, &sink->blocks, &sink->block_capacity, sink->block_count + blocks, sink->block_count,
-                   sizeof *sink->blocks) ||
-        (alone && !cluster_open(sink, r)))
+                   sizeof *sink->blocks))
         return DAFT_CHILD_NONE;
     for (uint32_t i = 0; i < blocks * DAFT_BLOCK; i++)
         sink->blocks[first + i / DAFT_BLOCK][i % DAFT_BLOCK] = i < r->count ? prims[i].id : DAFT_NO_TRIANGLE;
     sink->block_count += blocks;
-    if (alone) cluster_close(sink);
     return DAFT_CHILD_LEAF | first << 2 | (blocks - 1);
 }
 
@@ -353,22 +330,22 @@ static uint32_t defer(daft_build_branch *branch, const range *r)
 
 static uint32_t build_child(daft_build_branch *branch, const range *r);
 
-static uint32_t build_node(daft_build_branch *branch, const range *whole)
+/* A range that turns out to be one leaf is that, unless it is the root. */
+static uint32_t build_node(daft_build_branch *branch, const range *whole, bool root)
 {
     range parts[DAFT_WIDTH];
-    uint32_t codes[DAFT_WIDTH], self = node_add(branch->sink);
-    bool blocks = branch->rule->block_size > 1;
-    bool cluster = blocks && !branch->defer && !branch->sink->in_cluster && whole->weight <= DAFT_CLUSTER;
-    if (self == DAFT_CHILD_NONE || (cluster && !cluster_open(branch->sink, whole))) return DAFT_CHILD_NONE;
-    bool few = !blocks && !branch->defer && whole->count <= DAFT_WIDTH;
+    uint32_t codes[DAFT_WIDTH];
+    bool few = branch->rule->block_size == 1 && !branch->defer && whole->count <= DAFT_WIDTH;
     int count = few ? take_each(branch, whole, parts) : split_eight(branch, whole, parts);
+    if (count == 1 && !root && !branch->defer) return leaf_add(branch, &parts[0]);
+    uint32_t self = node_add(branch->sink);
+    if (self == DAFT_CHILD_NONE) return self;
     for (int i = 0; i < count; i++) {
         parts[i].depth = (uint8_t)(whole->depth + 3);
         codes[i] = build_child(branch, &parts[i]);
         if (codes[i] == DAFT_CHILD_NONE) return DAFT_CHILD_NONE;
     }
     node_fill(&branch->sink->nodes.items[self], parts, codes, count);
-    if (cluster) cluster_close(branch->sink);
     return self;
 }
 
@@ -376,7 +353,7 @@ static uint32_t build_child(daft_build_branch *branch, const range *r)
 {
     if (branch->defer && (r->count < TASK_CELLS || r->weight <= TASK_WEIGHT)) return defer(branch, r);
     bool small = r->weight <= branch->rule->block_size && r->weight <= branch->rule->leaf_size;
-    return !branch->defer && (r->leaf || small) ? leaf_add(branch, r) : build_node(branch, r);
+    return !branch->defer && (r->leaf || small) ? leaf_add(branch, r) : build_node(branch, r, false);
 }
 
 /* ---- cells ---- */
@@ -399,7 +376,7 @@ static void scatter(const daft_build_grid *grid, const prim *prims, uint32_t cou
 
 static uint32_t build_branch(daft_build_branch *branch, const range *r, bool root)
 {
-    return root ? build_node(branch, r) : build_child(branch, r);
+    return root ? build_node(branch, r, true) : build_child(branch, r);
 }
 
 const daft_build_kernels DAFT_KERNEL(daft_build) = {measure, build_branch, count_cells, scatter};

@@ -1,8 +1,8 @@
 /* The trees themselves, for accel/ and for raster/, which culls by them.
  *
  * A node holds up to eight children as arrays, so one SIMD test answers for all. Leaves are blocks of four triangles with
- * their corners copied in, so a ray touches nothing but the tree. Blocks stand in depth-first order; a cluster is a whole
- * subtree of at most DAFT_CLUSTER triangles and so a run of blocks: the pencil culls by clusters before it touches triangles. */
+ * their corners copied in, so a ray touches nothing but the tree. Blocks stand in depth-first
+ * order, and a node before those below it. */
 #ifndef DAFT_BVH_H
 #define DAFT_BVH_H
 
@@ -12,7 +12,7 @@
 #define DAFT_CHILD_NONE 0xffffffffu
 #define DAFT_NO_TRIANGLE 0xffffffffu
 
-enum { DAFT_WIDTH = 8, DAFT_BLOCK = 4, DAFT_CLUSTER = 128, DAFT_MAX_LEAF_BLOCKS = 4, DAFT_STACK = 512 };
+enum { DAFT_WIDTH = 8, DAFT_BLOCK = 4, DAFT_MAX_LEAF_BLOCKS = 4, DAFT_STACK = 512 };
 
 /* bounds[0..2] are the children's lows in x, y, z, bounds[3..5] their highs; an empty child has low = inf, high = -inf.
  * child: a node's number; or LEAF | block << 2 | (blocks - 1) in a mesh, LEAF | instance in a top level; or NONE. */
@@ -28,11 +28,6 @@ typedef struct daft_block {
     uint32_t triangle[DAFT_BLOCK];
 } daft_block;
 
-typedef struct daft_cluster {
-    daft_vec3 low, high;
-    uint32_t first_block, block_count;
-} daft_cluster;
-
 typedef struct daft_node_list {
     daft_node *items; /* items[0] is the root */
     size_t count, capacity;
@@ -43,8 +38,6 @@ struct daft_bvh {
     daft_node_list nodes; /* empty: no triangle */
     daft_block *blocks;
     size_t block_count;
-    daft_cluster *clusters;
-    size_t cluster_count;
     double cost; /* of the tree as it was built (refit.c); negative: not known yet */
 };
 

@@ -1,4 +1,4 @@
-/* The bottom level: a tree over a mesh's triangles, their corners copied into blocks, and the clusters of the pencil. */
+/* The bottom level: a tree over a mesh's triangles, their corners copied into blocks. */
 #include "accel/build.h"
 
 #include <string.h>
@@ -62,11 +62,6 @@ static void write_part(void *context, const daft_build_task *task)
         memcpy(block->triangle, task->sink->blocks[task->block_first + i], sizeof block->triangle);
         daft_block_fill(job->mesh, block);
     }
-    for (size_t i = 0; i < task->cluster_count; i++) {
-        daft_cluster *cluster = &bvh->clusters[task->cluster_base + i];
-        *cluster = task->sink->clusters[task->cluster_first + i];
-        cluster->first_block += (uint32_t)(task->block_base - task->block_first);
-    }
 }
 
 static bool write_tree(daft_build *build, const daft_trimesh *mesh, daft_bvh *bvh)
@@ -76,11 +71,9 @@ static bool write_tree(daft_build *build, const daft_trimesh *mesh, daft_bvh *bv
     build->other = NULL;
     bvh->nodes.items = daft_alloc(a, build->node_count, sizeof(daft_node));
     bvh->blocks = daft_alloc(a, build->block_count, sizeof(daft_block));
-    bvh->clusters = daft_alloc(a, build->cluster_count, sizeof(daft_cluster));
-    if (!bvh->nodes.items || !bvh->blocks || !bvh->clusters) return false;
+    if (!bvh->nodes.items || !bvh->blocks) return false;
     bvh->nodes.count = bvh->nodes.capacity = build->node_count;
     bvh->block_count = build->block_count;
-    bvh->cluster_count = build->cluster_count;
     out_job job = {bvh, mesh};
     daft_build_write(build, bvh->nodes.items, write_part, &job);
     return true;
@@ -140,12 +133,10 @@ void daft_bvh_free(daft_bvh *bvh)
     daft_allocator allocator = bvh->allocator;
     daft_release(&allocator, bvh->nodes.items);
     daft_release(&allocator, bvh->blocks);
-    daft_release(&allocator, bvh->clusters);
     daft_release(&allocator, bvh);
 }
 
 size_t daft_bvh_bytes(const daft_bvh *bvh)
 {
-    return sizeof *bvh + bvh->nodes.capacity * sizeof(daft_node) + bvh->block_count * sizeof(daft_block) +
-           bvh->cluster_count * sizeof(daft_cluster);
+    return sizeof *bvh + bvh->nodes.capacity * sizeof(daft_node) + bvh->block_count * sizeof(daft_block);
 }

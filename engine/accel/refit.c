@@ -5,7 +5,7 @@
 
 #include <float.h>
 
-enum { NODES_A_TASK = 256, CLUSTERS_A_TASK = 64, TOO_FEW_BLOCKS = 1024 };
+enum { NODES_A_TASK = 256, BLOCKS_A_TASK = 1024, TOO_FEW_BLOCKS = 1024 };
 #define WORSE 1.4 /* the share: theirs */
 
 typedef struct refit_job {
@@ -36,22 +36,12 @@ static void add_block(block_box *box, const daft_block *block)
 static float least(v4 a) { return fminf(fminf(a[0], a[1]), fminf(a[2], a[3])); }
 static float most(v4 a) { return fmaxf(fmaxf(a[0], a[1]), fmaxf(a[2], a[3])); }
 
-static void move_cluster(void *context, uint32_t index, uint32_t worker)
+static void move_blocks(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
     const refit_job *job = context;
-    size_t end = daft_min_u((index + 1) * CLUSTERS_A_TASK, (uint32_t)job->bvh->cluster_count);
-    for (size_t c = (size_t)index * CLUSTERS_A_TASK; c < end; c++) {
-        daft_cluster *cluster = &job->bvh->clusters[c];
-        block_box box = block_box_empty();
-        for (uint32_t b = cluster->first_block; b < cluster->first_block + cluster->block_count; b++) {
-            daft_block *block = &job->bvh->blocks[b];
-            daft_block_fill(job->mesh, block);
-            add_block(&box, block);
-        }
-        cluster->low = daft_v3(least(box.low[0]), least(box.low[1]), least(box.low[2]));
-        cluster->high = daft_v3(most(box.high[0]), most(box.high[1]), most(box.high[2]));
-    }
+    size_t end = daft_min_u((index + 1) * BLOCKS_A_TASK, (uint32_t)job->bvh->block_count);
+    for (size_t b = (size_t)index * BLOCKS_A_TASK; b < end; b++) daft_block_fill(job->mesh, &job->bvh->blocks[b]);
 }
 
 /* The boxes of children that are leaves. */
@@ -128,7 +118,7 @@ bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def
     if (bvh->cost < 0) bvh->cost = tree_cost(bvh);
     refit_job job = {bvh, mesh};
     int threads = bvh->block_count < TOO_FEW_BLOCKS ? 1 : def->threads;
-    daft_parallel_for(threads, (uint32_t)((bvh->cluster_count + CLUSTERS_A_TASK - 1) / CLUSTERS_A_TASK), move_cluster, &job);
+    daft_parallel_for(threads, (uint32_t)((bvh->block_count + BLOCKS_A_TASK - 1) / BLOCKS_A_TASK), move_blocks, &job);
     daft_parallel_for(threads, (uint32_t)((bvh->nodes.count + NODES_A_TASK - 1) / NODES_A_TASK), fit_leaves, &job);
     fit_nodes(bvh);
     if (!(tree_cost(bvh) > WORSE * bvh->cost)) return false;
