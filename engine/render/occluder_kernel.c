@@ -170,10 +170,16 @@ uint32_t DAFT_KERNEL(daft_node_project)(const light *l, const daft_affine *map, 
 
 /* ---- triangles ---- */
 
-DAFT_INLINE vf blocks_load(const daft_block *const *b, int corner, int axis)
+/* Leaf blocks, waiting to be tested against the points behind their leaf's box. */
+typedef struct leaf {
+    const daft_block *block;
+    block_set behind;
+} leaf;
+
+DAFT_INLINE vf blocks_load(const leaf *const *leaves, int corner, int axis)
 {
     const float *from[DAFT_VL / 4];
-    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = b[i]->corner[corner][axis];
+    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = leaves[i]->block->corner[corner][axis];
     return vf_load_fours(from);
 }
 
@@ -195,11 +201,11 @@ typedef struct corners {
     vf depth[3];
 } corners;
 
-DAFT_INLINE corners corners_move(const caster *c, const daft_block *const *blocks)
+DAFT_INLINE corners corners_move(const caster *c, const leaf *const *leaves)
 {
     corners out;
     for (int k = 0; k < 3; k++) {
-        vf3 p = {blocks_load(blocks, k, 0), blocks_load(blocks, k, 1), blocks_load(blocks, k, 2)};
+        vf3 p = {blocks_load(leaves, k, 0), blocks_load(leaves, k, 1), blocks_load(leaves, k, 2)};
         out.depth[k] = row(&c->map, 2, p);
         out.p[k] = (vf3){row(&c->map, 0, p), row(&c->map, 1, p),
                          c->light->sun ? vf_set(1) : out.depth[k] + vf_set(c->light->away)};
@@ -418,82 +424,77 @@ DAFT_INLINE void test_block(const caster *c, const spread *t, const daft_block *
     if (changed) block_darkened(p, b);
 }
 
-/* Lanes whose box a group meets. */
-DAFT_INLINE vbits lanes_before(const lanes *t, const shadow_points *p, uint32_t g)
-{
-    vm u = vm_and(vf_le(vf_load(t->low_u), vf_set(p->group_high_u[g])),
-                  vf_le(vf_set(p->group_low_u[g]), vf_load(t->high_u)));
-    vm v = vm_and(vf_le(vf_load(t->low_v), vf_set(p->group_high_v[g])),
-                  vf_le(vf_set(p->group_low_v[g]), vf_load(t->high_v)));
-    return vm_bits(vm_and(vm_and(u, v), vf_le(vf_load(t->near), vf_set(p->group_far[g]))));
-}
-
-static void test_lane(const caster *c, const lanes *t, int i, const daft_block *block, int lane, uint32_t group,
-                      vbits meet)
+static void test_lane(const caster *c, const lanes *t, int i, const leaf *from, const block_set *behind)
 {
     spread s = lane_spread(c, t, i);
-    for (; meet; meet &= meet - 1) test_block(c, &s, block, lane, group * DAFT_VL + (uint32_t)__builtin_ctz(meet));
+    for (uint32_t word = 0; word < SHADOW_SET_WORDS; word++)
+        for (uint64_t left = behind->bits[word]; left; left &= left - 1)
+            test_block(c, &s, from->block, i % DAFT_BLOCK, word * 64 + (uint32_t)__builtin_ctzll(left));
 }
 
-static void test_blocks(const caster *c, const daft_block *const *blocks, vbits used)
+static void test_leaves(const caster *c, const leaf *const *leaves, vbits used)
 {
     lanes t;
     bool ready = false;
-    corners moved = corners_move(c, blocks);
-    vbits live = lanes_place(c, &moved, &t) & used;
-    for (uint32_t g = 0; g < c->points->groups && live; g++)
-        for (vbits some = lanes_before(&t, c->points, g) & live; some; some &= some - 1) {
-            int i = __builtin_ctz(some);
-            const picture_box box = {t.low_u[i], t.high_u[i], t.low_v[i], t.high_v[i], t.near[i]};
-            vbits meet = 0;
-            for (vbits maybe = blocks_behind(&box, c->points, g); maybe; maybe &= maybe - 1) {
-                int b = __builtin_ctz(maybe);
-                meet |= (vbits)points_behind(&box, c->points, g * DAFT_VL + (uint32_t)b) << b;
-            }
-            if (!meet) continue;
-            if (!ready) lanes_setup(c, &moved, &t);
-            ready = true;
-            test_lane(c, &t, i, blocks[i / DAFT_BLOCK], i % DAFT_BLOCK, g, meet);
-        }
+    corners moved = corners_move(c, leaves);
+    for (vbits live = lanes_place(c, &moved, &t) & used; live; live &= live - 1) {
+        int i = __builtin_ctz(live);
+        const leaf *from = leaves[i / DAFT_BLOCK];
+        const picture_box box = {t.low_u[i], t.high_u[i], t.low_v[i], t.high_v[i], t.near[i]};
+        block_set behind;
+        if (!blocks_narrow(&box, c->points, &from->behind, &behind)) continue;
+        if (!ready) lanes_setup(c, &moved, &t);
+        ready = true;
+        test_lane(c, &t, i, from, &behind);
+    }
 }
 
 /* ---- trees ---- */
 
-static void flush(const caster *c, const daft_block *const *list, uint32_t count)
+static void flush(const caster *c, const leaf *list, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i += DAFT_VL / 4) {
-        const daft_block *blocks[DAFT_VL / 4];
+        const leaf *leaves[DAFT_VL / 4];
         vbits used = 0;
         for (uint32_t k = 0; k < DAFT_VL / 4; k++) {
             bool real = i + k < count;
-            blocks[k] = list[real ? i + k : i];
+            leaves[k] = &list[real ? i + k : i];
             for (uint32_t j = 0; real && j < DAFT_BLOCK; j++)
-                used |= (vbits)(blocks[k]->triangle[j] != DAFT_NO_TRIANGLE) << (k * DAFT_BLOCK + j);
+                used |= (vbits)(leaves[k]->block->triangle[j] != DAFT_NO_TRIANGLE) << (k * DAFT_BLOCK + j);
         }
-        test_blocks(c, blocks, used);
+        test_leaves(c, leaves, used);
     }
 }
 
-static void walk(const caster *c, const daft_bvh *bvh)
+typedef struct entry {
+    uint32_t node;
+    block_set behind;
+} entry;
+
+static void walk(const caster *c, const daft_bvh *bvh, const block_set *behind)
 {
-    uint32_t stack[DAFT_STACK], count = 0;
-    const daft_block *list[LIST + DAFT_MAX_LEAF_BLOCKS];
+    entry stack[DAFT_STACK];
+    leaf list[LIST + DAFT_MAX_LEAF_BLOCKS];
+    uint32_t count = 0;
     int top = 0;
-    stack[top++] = 0;
+    stack[top++] = (entry){0, *behind};
     while (top > 0 && c->points->live) {
         node_boxes boxes;
-        const daft_node *node = &bvh->nodes.items[stack[--top]];
+        const entry at = stack[--top];
+        const daft_node *node = &bvh->nodes.items[at.node];
         for (uint32_t in = DAFT_KERNEL(daft_node_project)(c->light, &c->map, node, &boxes); in; in &= in - 1) {
             int i = __builtin_ctz(in);
             uint32_t child = node->child[i];
             picture_box box = node_child(&boxes, i);
-            if (child == DAFT_CHILD_NONE || !box_has_points(&box, c->points)) continue;
+            entry next;
+            if (child == DAFT_CHILD_NONE || !blocks_narrow(&box, c->points, &at.behind, &next.behind)) continue;
             if (!(child & DAFT_CHILD_LEAF)) {
-                stack[top++] = child;
+                next.node = child;
+                stack[top++] = next;
                 continue;
             }
             const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
-            for (uint32_t k = 0; k <= (child & 3); k++) list[count++] = &block[k];
+            for (uint32_t k = 0; k <= (child & 3); k++) list[count++] = (leaf){&block[k], next.behind};
             if (count < LIST) continue;
             flush(c, list, count);
             count = 0;
@@ -573,16 +574,16 @@ static void ball_block(const caster *c, const ball *s, uint32_t b)
     block_darkened(p, b);
 }
 
-static void test_sphere(const caster *c, const picture_box *box)
+static void test_sphere(const caster *c, const block_set *behind)
 {
     const ball s = ball_setup(c);
-    for (uint32_t g = 0; g < c->points->groups; g++)
-        for (vbits meet = blocks_behind(box, c->points, g); meet; meet &= meet - 1)
-            ball_block(c, &s, g * DAFT_VL + (uint32_t)__builtin_ctz(meet));
+    for (uint32_t word = 0; word < SHADOW_SET_WORDS; word++)
+        for (uint64_t left = behind->bits[word]; left; left &= left - 1)
+            ball_block(c, &s, word * 64 + (uint32_t)__builtin_ctzll(left));
 }
 
 void DAFT_KERNEL(daft_cast_shadow)(const light *l, const daft_lamp *lamp, const daft_batch *batch,
-                                   const daft_instance *instance, uint32_t number, const picture_box *box,
+                                   const daft_instance *instance, uint32_t number, const block_set *behind,
                                    shadow_points *points)
 {
     caster c = {.light = l, .lamp = lamp, .batch = batch, .instance = instance, .number = number, .points = points};
@@ -590,7 +591,7 @@ void DAFT_KERNEL(daft_cast_shadow)(const light *l, const daft_lamp *lamp, const 
     c.map = DAFT_KERNEL(daft_light_compose)(&l->map, &instance->to_frame, l->origin);
     c.size = fabsf(c.map.t[0]) + fabsf(c.map.t[1]) + fabsf(c.map.t[2]);
     if (instance->mesh)
-        walk(&c, instance->bvh);
+        walk(&c, instance->bvh, behind);
     else
-        test_sphere(&c, box);
+        test_sphere(&c, behind);
 }

@@ -11,7 +11,7 @@ enum {
     SHADOW_TILE_BLOCKS = DAFT_BATCH / SHADOW_BLOCK, /* patches of 4 by 4 pixels in a tile */
     SHADOW_BLOCKS = 2 * SHADOW_TILE_BLOCKS + 16,    /* each patch begins a block, and so does what is left of them */
     SHADOW_LANES = SHADOW_BLOCKS * SHADOW_BLOCK,
-    SHADOW_GROUPS = SHADOW_BLOCKS / DAFT_VL /* of DAFT_VL blocks, which stand side by side */
+    SHADOW_SET_WORDS = (SHADOW_BLOCKS + 63) / 64
 };
 
 /* A lamp's view of some points. Light space has its origin in their middle, so its coordinates are as precise as the
@@ -40,10 +40,6 @@ typedef struct picture_box {
  * each group's. */
 typedef struct shadow_points {
     uint32_t count, live; /* blocks, and those with a lit point; the boxes of the others are empty */
-    uint32_t groups;
-    float group_low_u[SHADOW_GROUPS], group_high_u[SHADOW_GROUPS], group_low_v[SHADOW_GROUPS],
-        group_high_v[SHADOW_GROUPS];
-    float group_far[SHADOW_GROUPS];
     _Alignas(64) float low_u[SHADOW_BLOCKS], high_u[SHADOW_BLOCKS], low_v[SHADOW_BLOCKS], high_v[SHADOW_BLOCKS];
     _Alignas(64) float far[SHADOW_BLOCKS];
     _Alignas(64) float u[SHADOW_LANES], v[SHADOW_LANES];
@@ -73,13 +69,6 @@ DAFT_INLINE vbits blocks_behind(const picture_box *box, const shadow_points *p, 
     return vm_bits(vm_and(vm_and(u, v), vf_le(vf_set(box->near), vf_load(&p->far[b]))));
 }
 
-DAFT_INLINE bool group_behind(const picture_box *box, const shadow_points *p, uint32_t group)
-{
-    return box->low_u <= p->group_high_u[group] && p->group_low_u[group] <= box->high_u &&
-           box->low_v <= p->group_high_v[group] && p->group_low_v[group] <= box->high_v &&
-           box->near <= p->group_far[group];
-}
-
 /* Whether a lit point of the block lies behind the box. */
 DAFT_INLINE bool points_behind(const picture_box *box, const shadow_points *p, uint32_t b)
 {
@@ -93,17 +82,31 @@ DAFT_INLINE bool points_behind(const picture_box *box, const shadow_points *p, u
     return any != 0;
 }
 
-/* Whether a lit point lies behind the box, or many blocks do. */
-DAFT_INLINE bool box_has_points(const picture_box *box, const shadow_points *p)
+/* A set of blocks, by bits. */
+typedef struct block_set {
+    uint64_t bits[SHADOW_SET_WORDS];
+} block_set;
+
+/* The blocks of `from` that have a lit point behind the box, as far as that is quickly known; false where there is none. As a
+ * walk goes down a tree fewer blocks are left, and only these are looked at. */
+DAFT_INLINE bool blocks_narrow(const picture_box *box, const shadow_points *p, const block_set *from, block_set *to)
 {
-    for (uint32_t g = 0; g < p->groups; g++) {
-        if (!group_behind(box, p, g)) continue;
-        vbits blocks = blocks_behind(box, p, g);
-        if (__builtin_popcount(blocks) > 4) return true;
-        for (; blocks; blocks &= blocks - 1)
-            if (points_behind(box, p, g * DAFT_VL + (uint32_t)__builtin_ctz(blocks))) return true;
+    uint64_t any = 0;
+    for (uint32_t word = 0; word < SHADOW_SET_WORDS; word++) {
+        to->bits[word] = 0;
+        for (uint64_t left = from->bits[word]; left;) {
+            uint32_t shift = (uint32_t)__builtin_ctzll(left) / DAFT_VL * DAFT_VL, first = word * 64 + shift;
+            vbits in = (vbits)(left >> shift) & DAFT_ALL_LANES;
+            left &= ~((uint64_t)DAFT_ALL_LANES << shift);
+            if (__builtin_popcount(in) > 2) in &= blocks_behind(box, p, first / DAFT_VL);
+            if (__builtin_popcount(in) <= 4)
+                for (vbits each = in; each; each &= each - 1)
+                    if (!points_behind(box, p, first + (uint32_t)__builtin_ctz(each))) in &= ~(each & -each);
+            to->bits[word] |= (uint64_t)in << shift;
+        }
+        any |= to->bits[word];
     }
-    return false;
+    return any != 0;
 }
 
 /* A mesh of no thickness: none of its triangles hides those of its points from a lamp that face it. */
@@ -121,9 +124,9 @@ daft_affine DAFT_KERNEL(daft_light_compose)(const daft_affine *a, const daft_aff
  * extent. */
 uint32_t DAFT_KERNEL(daft_node_project)(const light *l, const daft_affine *map, const daft_node *node, node_boxes *out);
 
-/* Puts the points that the instance, whose bounds have this box, hides from the lamp to depth -inf. */
+/* Puts the points that the instance hides from the lamp to depth -inf; only those of the blocks behind its bounds. */
 void DAFT_KERNEL(daft_cast_shadow)(const light *l, const daft_lamp *lamp, const daft_batch *batch,
-                                   const daft_instance *instance, uint32_t number, const picture_box *box,
+                                   const daft_instance *instance, uint32_t number, const block_set *behind,
                                    shadow_points *points);
 
 #endif

@@ -23,7 +23,8 @@ typedef struct cast {
     uint32_t flag, only;     /* of the casters; the only one, or DAFT_NOTHING */
     const uint32_t *asked; /* bits of the points */
     light light;
-    bool ways_known;
+    daft_vec3 low, high; /* of the points, in frame space */
+    bool ways_known, own_known;
     uint32_t caster_count; /* beyond DAFT_MAX_CASTERS: more than are remembered */
     struct {
         uint32_t number;
@@ -59,12 +60,13 @@ static void light_axes(light *l, daft_vec3 z)
                            {-daft_dot(x, o), -daft_dot(y, o), -daft_dot(z, o)}};
 }
 
-static daft_vec3 middle_of(const daft_batch *b, const uint32_t *bits)
+static void find_extent(cast *c)
 {
+    const daft_batch *b = c->batch;
     const vf inf = vf_set(INFINITY);
     vf3 low = {inf, inf, inf}, high = {-inf, -inf, -inf};
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
-        vbits in = bits_at(bits, i);
+        vbits in = bits_at(c->asked, i);
         if (!in) continue;
         vm used = vm_from_bits(in);
         vf3 p = load3(&b->lifted, i);
@@ -72,9 +74,8 @@ static daft_vec3 middle_of(const daft_batch *b, const uint32_t *bits)
         low.y = vf_min(vf_select(used, p.y, inf), low.y), high.y = vf_max(vf_select(used, p.y, -inf), high.y);
         low.z = vf_min(vf_select(used, p.z, inf), low.z), high.z = vf_max(vf_select(used, p.z, -inf), high.z);
     }
-    daft_vec3 l = {vf_reduce_min(low.x), vf_reduce_min(low.y), vf_reduce_min(low.z)};
-    daft_vec3 h = {vf_reduce_max(high.x), vf_reduce_max(high.y), vf_reduce_max(high.z)};
-    return daft_scale(daft_add(l, h), 0.5f);
+    c->low = daft_v3(vf_reduce_min(low.x), vf_reduce_min(low.y), vf_reduce_min(low.z));
+    c->high = daft_v3(vf_reduce_max(high.x), vf_reduce_max(high.y), vf_reduce_max(high.z));
 }
 
 /* Points are moved by differences, so that far from the frame's origin as much of their precision is left as they have.
@@ -126,22 +127,69 @@ static bool measure(light *l, const daft_batch *b, const uint32_t *bits)
 
 /* ---- which points lie under something's bounds ---- */
 
+DAFT_INLINE vf3 way_to_lamp(const daft_lamp *lamp, vf3 p)
+{
+    daft_vec3 l = lamp->sun ? lamp->to_light : lamp->position;
+    vf3 to = {vf_set(l.x), vf_set(l.y), vf_set(l.z)};
+    return lamp->sun ? to : (vf3){to.x - p.x, to.y - p.y, to.z - p.z};
+}
+
 static void know_ways(cast *c)
 {
     const daft_batch *b = c->batch;
-    const daft_lamp *lamp = c->lamp;
     const vf one = vf_set(1);
+    if (c->ways_known) return;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
-        vf3 p = load3(&b->lifted, i), out = load3(&b->outward, i), d;
-        if (lamp->sun)
-            d = (vf3){vf_set(lamp->to_light.x), vf_set(lamp->to_light.y), vf_set(lamp->to_light.z)};
-        else
-            d = (vf3){vf_set(lamp->position.x) - p.x, vf_set(lamp->position.y) - p.y, vf_set(lamp->position.z) - p.z};
+        vf3 d = way_to_lamp(c->lamp, load3(&b->lifted, i));
         vf_store(&c->way.x[i], one / d.x), vf_store(&c->way.y[i], one / d.y), vf_store(&c->way.z[i], one / d.z);
-        vm faces = vf_lt(vf_set(0), vf3_dot(out, d));
-        vi_store(&c->own[i], vi_select(faces, vi_load(&b->triangle[i]), vi_set((int32_t)DAFT_NO_TRIANGLE)));
     }
     c->ways_known = true;
+}
+
+static void know_own(cast *c)
+{
+    const daft_batch *b = c->batch;
+    if (c->own_known) return;
+    for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
+        vf3 d = way_to_lamp(c->lamp, load3(&b->lifted, i));
+        vm faces = vf_lt(vf_set(0), vf3_dot(load3(&b->outward, i), d));
+        vi_store(&c->own[i], vi_select(faces, vi_load(&b->triangle[i]), vi_set((int32_t)DAFT_NO_TRIANGLE)));
+    }
+    c->own_known = true;
+}
+
+typedef struct bound {
+    daft_vec3 low, high;
+} bound;
+
+/* The bound is grown by 2^-20 of what there is in coordinates: over the roundings of rays, planes and distances, each a few
+ * 2^-24 of them. */
+static bound grown_bound(const cast *c, const daft_instance *s)
+{
+    daft_vec3 h = daft_max3(daft_neg(s->low), s->high);
+    float pad = (c->light.reach + fabsf(h.x) + fabsf(h.y) + fabsf(h.z)) * 0x1p-20f;
+    daft_vec3 by = daft_v3(pad, pad, pad);
+    return (bound){daft_sub(s->low, by), daft_add(s->high, by)};
+}
+
+/* Whether the box around all the rays stays clear of the bound. */
+static bool rays_clear(const cast *c, const bound *s)
+{
+    const daft_lamp *lamp = c->lamp;
+    const float *to = lamp->sun ? &lamp->to_light.x : &lamp->position.x, *low = &c->low.x, *high = &c->high.x;
+    for (int k = 0; k < 3; k++) {
+        float from = lamp->sun ? (to[k] < 0 ? -INFINITY : low[k]) : fminf(low[k], to[k]);
+        float end = lamp->sun ? (to[k] > 0 ? INFINITY : high[k]) : fmaxf(high[k], to[k]);
+        if ((&s->high.x)[k] < from || (&s->low.x)[k] > end) return true;
+    }
+    return false;
+}
+
+static bool holds_points(const cast *c, const bound *s)
+{
+    daft_vec3 low = daft_min3(s->low, c->low), high = daft_max3(s->high, c->high);
+    return low.x == s->low.x && low.y == s->low.y && low.z == s->low.z && high.x == s->high.x && high.y == s->high.y &&
+           high.z == s->high.z;
 }
 
 typedef struct slab {
@@ -156,33 +204,34 @@ DAFT_INLINE void slab_axis(slab *s, vf low, vf high, vf p, vf inverse)
     s->far = vf_min(vf_max(a, b), s->far);
 }
 
-/* Marks the points whose ray to the lamp meets the bound; gives whether there is one. Neither a convex thing nor a flat
- * one shadows its own points. The bound is grown by 2^-20 of what there is in coordinates: over the roundings of ray,
- * planes and distances, each a few 2^-24 of them. */
+/* The bits of the DAFT_VL points from i on whose rays meet the bound. */
+DAFT_INLINE vbits rays_meet(const cast *c, const bound *s, uint32_t i)
+{
+    const daft_lanes3 *p = &c->batch->lifted;
+    slab t = {vf_set(0), vf_set(c->lamp->sun ? INFINITY : 1.00001f)};
+    slab_axis(&t, vf_set(s->low.x), vf_set(s->high.x), vf_load(&p->x[i]), vf_load(&c->way.x[i]));
+    slab_axis(&t, vf_set(s->low.y), vf_set(s->high.y), vf_load(&p->y[i]), vf_load(&c->way.y[i]));
+    slab_axis(&t, vf_set(s->low.z), vf_set(s->high.z), vf_load(&p->z[i]), vf_load(&c->way.z[i]));
+    return vm_bits(vf_le(t.near, t.far));
+}
+
+/* Marks the points whose ray to the lamp meets the bound; gives whether there is one. Neither a convex thing nor a flat one
+ * shadows its own points. */
 static bool mark_under(cast *c, const daft_instance *s, uint32_t number)
 {
     const daft_batch *b = c->batch;
-    daft_vec3 lamp = c->lamp->sun ? daft_v3(0, 0, 0) : c->lamp->position, h = daft_max3(daft_neg(s->low), s->high);
-    if (!c->ways_known) know_ways(c);
-    float pad =
-        (c->light.reach + fabsf(lamp.x) + fabsf(lamp.y) + fabsf(lamp.z) + fabsf(h.x) + fabsf(h.y) + fabsf(h.z)) *
-        0x1p-20f;
-    vf lx = vf_set(s->low.x - pad), ly = vf_set(s->low.y - pad), lz = vf_set(s->low.z - pad),
-       hx = vf_set(s->high.x + pad), hy = vf_set(s->high.y + pad), hz = vf_set(s->high.z + pad);
-    const vf end = vf_set(c->lamp->sun ? INFINITY : 1.00001f);
-    bool any = false, convex = s->flags & DAFT_INSTANCE_CONVEX, flat = is_flat(s);
-    const vi none = vi_set((int32_t)DAFT_NO_TRIANGLE);
+    const bound box = grown_bound(c, s);
+    bool any = false, convex = s->flags & DAFT_INSTANCE_CONVEX, flat = is_flat(s), all = holds_points(c, &box);
+    if (rays_clear(c, &box)) return false;
+    if (!all) know_ways(c);
+    if (flat) know_own(c);
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = bits_at(c->asked, i);
         if (!in) continue;
-        slab t = {vf_set(0), end};
-        slab_axis(&t, lx, hx, vf_load(&b->lifted.x[i]), vf_load(&c->way.x[i]));
-        slab_axis(&t, ly, hy, vf_load(&b->lifted.y[i]), vf_load(&c->way.y[i]));
-        slab_axis(&t, lz, hz, vf_load(&b->lifted.z[i]), vf_load(&c->way.z[i]));
-        in &= vm_bits(vf_le(t.near, t.far));
+        if (!all) in &= rays_meet(c, &box, i);
         if (convex || flat) {
             vbits on = vm_bits(vi_eq(vi_load(&b->instance[i]), vi_set((int32_t)number)));
-            in &= ~(convex ? on : on & ~vm_bits(vi_eq(vi_load(&c->own[i]), none)));
+            in &= ~(convex ? on : on & ~vm_bits(vi_eq(vi_load(&c->own[i]), vi_set((int32_t)DAFT_NO_TRIANGLE))));
         }
         c->under[i / 32] |= in << (i % 32);
         any |= in != 0;
@@ -497,26 +546,9 @@ static void fill_places(const cast *c, const places *from, uint32_t first, shado
     to->count = from->count;
 }
 
-static void group_blocks(shadow_points *p)
+static void fill_blocks(cast *c, shadow_points *to)
 {
-    p->live = p->count;
-    p->groups = (p->count + DAFT_VL - 1) / DAFT_VL;
-    for (uint32_t b = p->count; b < p->groups * DAFT_VL; b++) { /* what is read past the end meets nothing */
-        p->low_u[b] = p->low_v[b] = INFINITY, p->high_u[b] = p->high_v[b] = -INFINITY;
-        p->far[b] = -INFINITY;
-    }
-    for (uint32_t g = 0; g < p->groups; g++) {
-        uint32_t b = g * DAFT_VL;
-        p->group_low_u[g] = vf_reduce_min(vf_load(&p->low_u[b])),
-        p->group_high_u[g] = vf_reduce_max(vf_load(&p->high_u[b]));
-        p->group_low_v[g] = vf_reduce_min(vf_load(&p->low_v[b])),
-        p->group_high_v[g] = vf_reduce_max(vf_load(&p->high_v[b]));
-        p->group_far[g] = vf_reduce_max(vf_load(&p->far[b]));
-    }
-}
-
-static void fill_blocks(const cast *c, shadow_points *to)
-{
+    know_own(c);
     places from;
     strays apart;
     if (is_whole_tile(c->batch))
@@ -530,20 +562,40 @@ static void fill_blocks(const cast *c, shadow_points *to)
         place_strays(&apart, to->count, &from);
         fill_places(c, &from, to->count, to);
     }
-    group_blocks(to);
+    to->live = to->count;
+    for (uint32_t b = to->count; b % DAFT_VL; b++) { /* what is read past the end meets nothing */
+        to->low_u[b] = to->low_v[b] = INFINITY, to->high_u[b] = to->high_v[b] = -INFINITY;
+        to->far[b] = -INFINITY;
+    }
 }
 
 /* ---- the tile ---- */
 
-static void cast_one(const cast *c, uint32_t number, const picture_box *box, shadow_points *points)
+static block_set all_blocks(const shadow_points *p)
 {
-    if (!points->live || !box_has_points(box, points)) return;
-    DAFT_KERNEL(daft_cast_shadow)(&c->light, c->lamp, c->batch, &c->tlas->instances[number], number, box, points);
+    block_set all = {{0}};
+    for (uint32_t b = 0; b < p->count; b++) all.bits[b / 64] |= (uint64_t)1 << (b % 64);
+    return all;
+}
+
+static void cast_one(const cast *c, uint32_t number, const block_set *behind, shadow_points *points)
+{
+    DAFT_KERNEL(daft_cast_shadow)(&c->light, c->lamp, c->batch, &c->tlas->instances[number], number, behind, points);
+}
+
+static void cast_remembered(const cast *c, shadow_points *points)
+{
+    const block_set all = all_blocks(points);
+    for (uint32_t i = 0; i < c->caster_count && points->live; i++) {
+        block_set behind;
+        if (blocks_narrow(&c->caster[i].box, points, &all, &behind)) cast_one(c, c->caster[i].number, &behind, points);
+    }
 }
 
 /* More than are remembered. */
 static void cast_all(const cast *c, shadow_points *points)
 {
+    const block_set all = all_blocks(points);
     uint32_t stack[DAFT_STACK];
     int top = 0;
     stack[top++] = 0;
@@ -554,11 +606,12 @@ static void cast_all(const cast *c, shadow_points *points)
             int i = __builtin_ctz(in);
             uint32_t child = node->child[i], number = child & ~DAFT_CHILD_LEAF;
             picture_box box = node_child(&boxes, i);
-            if (child == DAFT_CHILD_NONE || !box_has_points(&box, points)) continue;
+            block_set behind;
+            if (child == DAFT_CHILD_NONE || !blocks_narrow(&box, points, &all, &behind)) continue;
             if (!(child & DAFT_CHILD_LEAF))
                 stack[top++] = child;
             else if (c->tlas->instances[number].flags & c->flag)
-                cast_one(c, number, &box, points);
+                cast_one(c, number, &behind, points);
         }
     }
 }
@@ -582,9 +635,10 @@ static uint32_t cast_pencil(cast *c, uint32_t *bits)
     if (c->caster_count == 0) return 0;
     shadow_points points;
     fill_blocks(c, &points);
-    for (uint32_t i = 0; i < c->caster_count && c->caster_count <= DAFT_MAX_CASTERS; i++)
-        cast_one(c, c->caster[i].number, &c->caster[i].box, &points);
-    if (c->caster_count > DAFT_MAX_CASTERS) cast_all(c, &points);
+    if (c->caster_count <= DAFT_MAX_CASTERS)
+        cast_remembered(c, &points);
+    else
+        cast_all(c, &points);
     take_dark(&points, c->under, bits);
     uint32_t count = 0;
     for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
@@ -634,8 +688,9 @@ static uint32_t cast_faces(cast *c, uint32_t *bits)
 /* Looks at the points from the lamp. False: no picture holds them all. */
 static bool cast_setup(cast *c, const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, const uint32_t *bits)
 {
-    c->batch = points, c->lamp = lamp, c->tlas = tlas, c->asked = bits, c->ways_known = false;
-    daft_vec3 middle = middle_of(points, bits), way = daft_sub(middle, lamp->position);
+    c->batch = points, c->lamp = lamp, c->tlas = tlas, c->asked = bits, c->ways_known = c->own_known = false;
+    find_extent(c);
+    daft_vec3 middle = daft_scale(daft_add(c->low, c->high), 0.5f), way = daft_sub(middle, lamp->position);
     c->light.sun = lamp->sun;
     c->light.origin = middle;
     c->light.away = lamp->sun ? 0 : daft_length(way);
