@@ -7,7 +7,7 @@
  *   models.c    meshes: files of an optional folder, and generated ones that are always there
  *   scenes.c    what both sides look at: meshes, instances, spheres, a room (scenes.h)
  *   camera.c    our camera rays; boxes.c: what becomes of them without the ray test
- *   render.c, frames.c, load.c, trees.c, game.c, growth.c, accuracy.c (svg.c), robust.c   the benchmarks
+ *   render.c, frames.c, load.c, trees.c, game.c, growth.c, accuracy.c (svg.c), robust.c, machine.c   the benchmarks
  *   embree.c, embree_frame.c, tinyobj.cpp   the peers, built where their libraries are installed */
 #ifndef DAFT_BENCH_H
 #define DAFT_BENCH_H
@@ -66,6 +66,9 @@ const bench_row *bench_measure(bench *self, const bench_subject *subject);
 void bench_measure_twice(bench *self, const bench_subject *subject, const char *what, bench_budget budget);
 /* A row whose figures are known already. False when memory is out. */
 bool bench_add(bench *self, const bench_row *row);
+/* The clock for work of so many threads. Of one, the calling one: what it has spent on a processor itself, since the turns
+ * that other programs take would fall on longer samples more than on shorter ones. Of more: the wall clock. */
+double bench_clock_ms(int threads);
 /* Fills in the thread counts to measure, returns how many. */
 int bench_thread_counts(const bench *self, int out[2]);
 /* Says on stderr why something is left out or went wrong; `fatal` makes the exit status 1. */
@@ -143,6 +146,7 @@ void bench_trees(bench *self);
 void bench_game(bench *self);
 void bench_growth(bench *self);   /* time against triangles, instances, pixels, lamps, threads */
 void bench_accuracy(bench *self); /* what a right pixel costs */
+void bench_machine(bench *self);  /* what the machine gives at most */
 void bench_robust(bench *self); /* how often wrong, not how fast */
 
 #endif

@@ -163,12 +163,12 @@ static void draw_task(void *context, uint32_t index, uint32_t worker)
 
 double bench_boxes_see(bench_boxes *job, uint64_t *seen)
 {
-    double start = daft_clock_ms();
+    double start = bench_clock_ms(job->workers);
     job->seen = seen;
     for (int i = 0; i < job->workers * job->bands; i++) job->found[i].count = 0;
     daft_parallel_for(job->workers, job->scene->thing_count, project_task, job);
     daft_parallel_for(job->workers, (uint32_t)job->bands, draw_task, job);
-    return job->failed ? -1 : daft_clock_ms() - start;
+    return job->failed ? -1 : bench_clock_ms(job->workers) - start;
 }
 
 bench_boxes *bench_boxes_create(bench *self, const bench_scene *scene, int threads)

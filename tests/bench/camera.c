@@ -30,17 +30,17 @@ static void bin_task(void *context, uint32_t index, uint32_t worker)
 
 static void keep_tile(bench_camera *camera, const daft_tile *tile, uint32_t worker)
 {
-    uint64_t hits = 0;
+    uint32_t hits = 0;
     for (int y = 0; y < tile->height; y++)
-        for (int x = 0; x < tile->width; x++) {
-            uint32_t instance = tile->instance[y * DAFT_TILE_STRIDE + x],
-                     triangle = tile->triangle[y * DAFT_TILE_STRIDE + x];
-            hits += instance != DAFT_NOTHING;
-            if (!camera->seen) continue;
-            size_t at = (size_t)(tile->y + y) * (size_t)camera->scene->view.width + (size_t)(tile->x + x);
-            camera->seen[at] = instance == DAFT_NOTHING ? BENCH_NOTHING : (uint64_t)instance << 32 | triangle;
-        }
+        for (int x = 0; x < tile->width; x++) hits += tile->instance[y * DAFT_TILE_STRIDE + x] != DAFT_NOTHING;
     camera->hits[worker] += hits;
+    for (int y = 0; camera->seen && y < tile->height; y++)
+        for (int x = 0; x < tile->width; x++) {
+            uint64_t instance = tile->instance[y * DAFT_TILE_STRIDE + x];
+            uint32_t triangle = tile->triangle[y * DAFT_TILE_STRIDE + x];
+            size_t at = (size_t)(tile->y + y) * (size_t)camera->scene->view.width + (size_t)(tile->x + x);
+            camera->seen[at] = instance == DAFT_NOTHING ? BENCH_NOTHING : instance << 32 | triangle;
+        }
 }
 
 static void tile_task(void *context, uint32_t index, uint32_t worker)
@@ -72,11 +72,11 @@ static bool begin(bench_camera *camera, daft_intersection intersection)
 
 double bench_camera_ms(bench_camera *camera, daft_intersection intersection)
 {
-    double start = daft_clock_ms();
+    double start = bench_clock_ms(camera->raster.workers);
     if (!begin(camera, intersection)) return -1;
     daft_raster *raster = &camera->raster;
     daft_parallel_for(raster->workers, (uint32_t)(raster->tiles_x * raster->tiles_y), tile_task, camera);
-    return daft_clock_ms() - start;
+    return bench_clock_ms(camera->raster.workers) - start;
 }
 
 double bench_camera_see(bench_camera *camera, daft_intersection intersection, uint64_t *seen)
@@ -91,13 +91,13 @@ double bench_camera_oracle(bench_camera *camera, uint64_t *seen)
 {
     daft_arena arena;
     daft_arena_init(&arena, &camera->allocator);
-    double start = daft_clock_ms();
+    double start = bench_clock_ms(camera->raster.workers);
     camera->tlas = daft_tlas_build(&arena, camera->instances, camera->scene->thing_count, NULL);
     bool good = camera->tlas && begin(camera, DAFT_INTERSECT_EXACT);
     camera->seen = seen;
     uint32_t tiles = good ? (uint32_t)(camera->raster.tiles_x * camera->raster.tiles_y) : 0;
     daft_parallel_for(camera->raster.workers, tiles, tile_task, camera);
-    double ms = daft_clock_ms() - start;
+    double ms = bench_clock_ms(camera->raster.workers) - start;
     camera->seen = NULL;
     camera->tlas = NULL;
     daft_arena_free(&arena);
@@ -126,13 +126,13 @@ double bench_camera_trees(bench_camera *camera, daft_intersection intersection, 
 {
     daft_arena arena;
     daft_arena_init(&arena, &camera->allocator);
-    double start = daft_clock_ms();
+    double start = bench_clock_ms(camera->raster.workers);
     const daft_tlas_def def = {intersection, camera->raster.workers, camera->isa};
     camera->tlas = daft_tlas_build_for(&arena, camera->instances, camera->scene->thing_count, &def, NULL);
     bool good = camera->tlas != NULL;
     camera->seen = seen;
     if (good) daft_parallel_for(camera->raster.workers, (uint32_t)camera->scene->view.height, trace_row, camera);
-    double ms = daft_clock_ms() - start;
+    double ms = bench_clock_ms(camera->raster.workers) - start;
     camera->seen = NULL;
     camera->tlas = NULL;
     daft_arena_free(&arena);

@@ -187,9 +187,9 @@ static void trace_row(void *context, uint32_t row, uint32_t worker)
 static double camera_ms(bench_embree *self, const bench_view *view, uint64_t *hits)
 {
     camera_job job = {.self = self, .view = view};
-    double start = daft_clock_ms();
+    double start = bench_clock_ms(self->threads);
     daft_parallel_for(self->threads, (uint32_t)view->height / 4, trace_row, &job);
-    double ms = daft_clock_ms() - start;
+    double ms = bench_clock_ms(self->threads) - start;
     *hits = 0;
     for (size_t i = 0; i < DAFT_COUNT_OF(job.hits); i++) *hits += job.hits[i];
     return ms;

@@ -126,8 +126,8 @@ double bench_embree_frame_ms(bench_embree *self, const bench_scene *scene, uint8
         double l = (double)i / (SRGB_STEPS - 1);
         job.srgb[i] = (uint8_t)(255 * (l <= 0.0031308 ? 12.92 * l : 1.055 * pow(l, 1 / 2.4) - 0.055) + 0.5);
     }
-    double start = daft_clock_ms();
+    double start = bench_clock_ms(self->threads);
     daft_parallel_for(self->threads, (uint32_t)scene->view.height / 4, draw_row, &job);
-    return daft_clock_ms() - start;
+    return bench_clock_ms(self->threads) - start;
 }
 #endif

@@ -111,9 +111,9 @@ void bench_frame_destroy(bench_frame *frame)
 
 double bench_frame_ms(bench_frame *frame)
 {
-    double start = daft_clock_ms();
+    double start = bench_clock_ms(daft_engine_threads(frame->engine));
     if (!daft_render(frame->scene, &frame->view, frame->image, NULL)) return -1;
-    return daft_clock_ms() - start;
+    return bench_clock_ms(daft_engine_threads(frame->engine)) - start;
 }
 
 const daft_counters *bench_frame_counters(const bench_frame *frame)

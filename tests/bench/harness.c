@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum { MAX_ROUNDS = 101 };
 
@@ -39,6 +40,13 @@ int bench_thread_counts(const bench *self, int out[2])
     out[0] = self->threads ? self->threads : 1;
     out[1] = all;
     return self->threads || all == 1 ? 1 : 2;
+}
+
+double bench_clock_ms(int threads)
+{
+    struct timespec spent;
+    if (threads > 1 || clock_gettime(CLOCK_THREAD_CPUTIME_ID, &spent) != 0) return daft_clock_ms();
+    return (double)spent.tv_sec * 1e3 + (double)spent.tv_nsec * 1e-6;
 }
 
 void bench_note(bench *self, bool fatal, const char *format, ...)
@@ -227,6 +235,7 @@ int main(int argc, char **argv)
     bench_growth(&self);
     bench_accuracy(&self);
     bench_robust(&self);
+    bench_machine(&self);
     if (!self.list && self.count > 0) bench_print(&self);
     if (!self.list && self.count == 0 && !self.failed)
         bench_note(&self, true, "no benchmark has '%s' in its name; --list names them all", self.only ? self.only : "");

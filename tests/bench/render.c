@@ -73,7 +73,7 @@ static void other_describe(void *context, char *out, size_t size)
     daft_release(&allocator, seen);
 }
 
-static const char CAMERA[] = "camera rays", FAST[] = "camera rays, fast";
+static const char CAMERA[] = "camera rays, exact", FAST[] = "camera rays, fast";
 /* A ratio of 0.95 says that the exact test runs at 95 % of the other's speed. */
 static const char *const EXACT_TO[] = {[DAFT_INTERSECT_WATERTIGHT] = "intersection, exact to watertight",
                                        [DAFT_INTERSECT_FAST] = "intersection, exact to fast"};
