@@ -342,10 +342,10 @@ DAFT_API uint64_t daft_hash(const void *bytes, size_t size, uint64_t seed); /* F
 /* ---- rendering --------------------------------------------------------------------------------------------------- */
 
 typedef enum daft_quality {
-    DAFT_QUALITY_DRAFT = 0, /* one sample, no shadows, no reflections, through four surfaces that transmit */
-    DAFT_QUALITY_GAME,      /* one sample, shadows, reflections two deep, through eight surfaces */
-    DAFT_QUALITY_HIGH,      /* four samples, reflections six deep, through twelve surfaces */
-    DAFT_QUALITY_REFERENCE  /* sixteen samples, every camera ray alone through the BVH, reflections ten deep, through sixteen */
+    DAFT_QUALITY_DRAFT = 0, /* one sample, no shadows, no reflections, through six surfaces that transmit */
+    DAFT_QUALITY_GAME,      /* one sample, shadows, reflections two deep, through twelve surfaces */
+    DAFT_QUALITY_HIGH,      /* four samples, reflections six deep, through sixteen surfaces */
+    DAFT_QUALITY_REFERENCE  /* sixteen samples, every camera ray alone through the BVH, reflections ten deep, through 24 */
 } daft_quality;
 
 DAFT_API bool daft_quality_parse(const char *name, daft_quality *out);

@@ -218,7 +218,7 @@ static void ball_is_a_lens(void **unused)
 {
     (void)unused;
     const ball balls[] = {{{4, 0, 0}, 1, 1.5, {1, 1, 1}}, {{12, 0.35, 0.5}, 0.2, 0, {1, 0, 0}}};
-    world w = {balls, 2, 2, 8};
+    world w = {balls, 2, 2, 12};
     stage *s = stage_make(WIDTH, HEIGHT, NULL, 2);
     s->view.camera.fov = 0.7f;
     compare_with_tracer(s, &w, "ball");
@@ -243,7 +243,7 @@ static void balls_among_balls(void **unused)
     static const struct {
         daft_quality quality;
         int mirrors, surfaces;
-    } kinds[] = {{DAFT_QUALITY_DRAFT, 0, 4}, {DAFT_QUALITY_GAME, 2, 8}, {DAFT_QUALITY_HIGH, 6, 12}};
+    } kinds[] = {{DAFT_QUALITY_DRAFT, 0, 6}, {DAFT_QUALITY_GAME, 2, 12}, {DAFT_QUALITY_HIGH, 6, 16}};
     for (int k = 0; k < 3; k++)
         for (int inside = 0; inside < 2; inside++) {
             world w = {balls, inside ? 7 : 6, kinds[k].mirrors, kinds[k].surfaces};

@@ -106,7 +106,8 @@ static int encoded(double linear)
 static void same_bytes_however_computed(void **unused)
 {
     (void)unused;
-    const char *scenes[] = {"assets/scenes/hello.scene", "assets/scenes/temple.scene", "assets/scenes/islands.scene"};
+    const char *scenes[] = {"assets/scenes/hello.scene", "assets/scenes/temple.scene", "assets/scenes/islands.scene",
+                            "assets/scenes/glass.scene"};
     for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
         uint64_t expected = 0;
         for (int isa = 0; isa <= daft_isa_best(); isa++) {

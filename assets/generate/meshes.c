@@ -87,6 +87,33 @@ static void cup(mesh *m)
     add_torus(m, v3(0.355, 0.62, 0), 0.13, 0.028, 12, 8, -TAU * 0.38, TAU * 0.28);
 }
 
+/* A wine glass with walls, closed: up the outer side, over the lip, and down the inner one. 0.31 wide to each side, 1.12 high. */
+static void goblet(mesh *m)
+{
+    static const double profile[][2] = {{0, 0},        {0.30, 0},     {0.30, 0},     {0.312, 0.012}, {0.27, 0.03},
+                                        {0.12, 0.055}, {0.05, 0.10},  {0.034, 0.20}, {0.034, 0.40},  {0.06, 0.485},
+                                        {0.15, 0.545}, {0.235, 0.63}, {0.288, 0.74}, {0.305, 0.86},  {0.298, 1.0},
+                                        {0.28, 1.11},  {0.272, 1.12}, {0.264, 1.11}, {0.281, 1.0},   {0.287, 0.86},
+                                        {0.27, 0.75},  {0.22, 0.65},  {0.14, 0.575}, {0.06, 0.545},  {0, 0.54}};
+    use_material(m, "glass");
+    add_lathe(m, profile, 25, 40, 0);
+}
+
+/* Three sides, of 0.7, and 1.2 long, lying on one. */
+static void prism(mesh *m)
+{
+    const double half = 0.6, side = 0.7, high = 0.606217783;
+    const vec left[3] = {v3(-half, 0, side / 2), v3(-half, 0, -side / 2), v3(-half, high, 0)};
+    const vec right[3] = {v3(half, 0, side / 2), v3(half, 0, -side / 2), v3(half, high, 0)};
+    use_material(m, "glass");
+    add_flat(m, (const vec[]){left[0], left[2], left[1]}, 3);
+    add_flat(m, (const vec[]){right[0], right[1], right[2]}, 3);
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3;
+        add_flat(m, (const vec[]){left[i], left[j], right[j], right[i]}, 4);
+    }
+}
+
 static void trunk(mesh *m, double height)
 {
     vec low[7], high[7];
@@ -246,6 +273,11 @@ static const char materials[] =
     "newmtl chrome\nKa 0.02 0.02 0.02\nKd 0.04 0.04 0.05\nKs 0.88 0.89 0.92\nNs 400\nillum 3\n\n"
     "newmtl ruby\nKa 0.6 0.04 0.08\nKd 0.6 0.04 0.08\nKs 0.25 0.2 0.2\nNs 200\nillum 3\n\n"
     "newmtl jade\nKa 0.1 0.5 0.3\nKd 0.1 0.5 0.3\nKs 0.2 0.25 0.2\nNs 150\nillum 3\n\n"
+    "newmtl glass\nKa 0 0 0\nKd 0 0 0\nKs 0.6 0.6 0.6\nNs 600\nNi 1.5\nillum 7\n\n"
+    "newmtl bottle\nKa 0 0 0\nKd 0 0 0\nKs 0.6 0.6 0.6\nNs 600\nNi 1.5\nTf 0.55 0.92 0.62\nillum 7\n\n"
+    "newmtl amber\nKa 0 0 0\nKd 0 0 0\nKs 0.6 0.6 0.6\nNs 400\nNi 1.54\nTf 0.98 0.72 0.3\nillum 7\n\n"
+    "newmtl water\nKa 0 0 0\nKd 0 0 0\nKs 0.5 0.5 0.5\nNs 600\nNi 1.33\nTf 0.88 0.96 1\nillum 7\n\n"
+    "newmtl veil\nKa 0.9 0.3 0.35\nKd 0.9 0.3 0.35\nKs 0 0 0\nNs 1\nd 0.4\nillum 1\n\n"
     "newmtl cloth\nKa 0.9 0.10 0.08\nKd 0.9 0.10 0.08\nKs 0 0 0\nNs 1\nillum 1\n";
 
 static bool write_materials(const char *root)
@@ -267,6 +299,7 @@ bool generate_meshes(const char *root)
         {"assets/meshes/ring.obj", ring}, {"assets/meshes/cup.obj", cup},       {"assets/meshes/pine.obj", pine},
         {"assets/meshes/tree.obj", tree}, {"assets/meshes/rock.obj", rock},     {"assets/meshes/column.obj", column},
         {"assets/meshes/flag.obj", flag}, {"assets/meshes/island.obj", island}, {"assets/meshes/slab.obj", slab},
+        {"assets/meshes/goblet.obj", goblet}, {"assets/meshes/prism.obj", prism},
     };
     if (!write_materials(root)) return false;
     mesh *m = malloc(sizeof *m);

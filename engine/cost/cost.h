@@ -5,13 +5,11 @@
 
 #include "base/base.h"
 
-enum { DAFT_MAX_REFRACTIONS = 16 };
-
 typedef struct daft_preset {
     const char *name;
     int samples;      /* per pixel */
     int reflections;  /* mirror bounces followed; 0: none */
-    int refractions;  /* surfaces that a path which passes through some may meet; at most DAFT_MAX_REFRACTIONS */
+    int refractions;  /* surfaces that a path which passes through some may meet */
     float least_weight; /* mirrored and refracted rays whose share of a pixel is less in all colours are not cast */
     bool shadows;
     bool reference;   /* camera rays alone through the BVH */

@@ -4,10 +4,10 @@
 
 /* Half a step of 8-bit sRGB is 1/3300 of white. */
 static const daft_preset PRESETS[] = {
-    [DAFT_QUALITY_DRAFT] = {"draft", 1, 0, 4, 1.0f / 256, false, false},
-    [DAFT_QUALITY_GAME] = {"game", 1, 2, 8, 1.0f / 2048, true, false},
-    [DAFT_QUALITY_HIGH] = {"high", 4, 6, 12, 1.0f / 2048, true, false},
-    [DAFT_QUALITY_REFERENCE] = {"reference", 16, 10, DAFT_MAX_REFRACTIONS, 1.0f / 4096, true, true},
+    [DAFT_QUALITY_DRAFT] = {"draft", 1, 0, 6, 1.0f / 256, false, false},
+    [DAFT_QUALITY_GAME] = {"game", 1, 2, 12, 1.0f / 2048, true, false},
+    [DAFT_QUALITY_HIGH] = {"high", 4, 6, 16, 1.0f / 2048, true, false},
+    [DAFT_QUALITY_REFERENCE] = {"reference", 16, 10, 24, 1.0f / 4096, true, true},
 };
 
 const daft_preset *daft_quality_preset(daft_quality quality)
