@@ -201,7 +201,7 @@ static void accuracy_is_a_table_a_csv_and_a_plot(void **unused)
         if (strcmp(way, "pencil, exact") == 0 || strcmp(way, "oracle") == 0) assert_int_equal(wrong, 0);
         if (strcmp(way, "boxes alone") == 0) assert_true(wrong > 1000);
     }
-    assert_int_equal(rows, 8);
+    assert_int_equal(rows, 11);
     take_file(temporary("svg"));
     assert_int_equal(strncmp(file_text, "<svg ", 5), 0);
     assert_says(file_text, "edge-aligned grid");

@@ -13,24 +13,24 @@
 
 typedef enum way {
     BOXES,
-    PENCIL_FAST,
-    PENCIL_WATERTIGHT,
-    PENCIL_EXACT,
-    TREES_FAST,
-    TREES_WATERTIGHT,
-    TREES_EXACT,
-    ORACLE,
+    PENCIL, /* and the two other tests */
+    BVH = PENCIL + 3,
+    KDTREE = BVH + 3,
+    ORACLE = KDTREE + 3,
     WAYS
 } way;
 
 static const svg_series WAY[WAYS] = {
     [BOXES] = {"boxes alone", "#8c6d46", SVG_DIAMOND},
-    [PENCIL_FAST] = {"pencil, fast", "#1f77b4", SVG_TRIANGLE},
-    [PENCIL_WATERTIGHT] = {"pencil, watertight", "#1f77b4", SVG_SQUARE},
-    [PENCIL_EXACT] = {"pencil, exact", "#1f77b4", SVG_DISC},
-    [TREES_FAST] = {"ray through BVH, fast", "#d9641e", SVG_TRIANGLE},
-    [TREES_WATERTIGHT] = {"ray through BVH, watertight", "#d9641e", SVG_SQUARE},
-    [TREES_EXACT] = {"ray through BVH, exact", "#d9641e", SVG_DISC},
+    [PENCIL + DAFT_INTERSECT_FAST] = {"pencil, fast", "#1f77b4", SVG_TRIANGLE},
+    [PENCIL + DAFT_INTERSECT_WATERTIGHT] = {"pencil, watertight", "#1f77b4", SVG_SQUARE},
+    [PENCIL + DAFT_INTERSECT_EXACT] = {"pencil, exact", "#1f77b4", SVG_DISC},
+    [BVH + DAFT_INTERSECT_FAST] = {"ray through BVH, fast", "#d9641e", SVG_TRIANGLE},
+    [BVH + DAFT_INTERSECT_WATERTIGHT] = {"ray through BVH, watertight", "#d9641e", SVG_SQUARE},
+    [BVH + DAFT_INTERSECT_EXACT] = {"ray through BVH, exact", "#d9641e", SVG_DISC},
+    [KDTREE + DAFT_INTERSECT_FAST] = {"ray through kd-tree, fast", "#2c8a3d", SVG_TRIANGLE},
+    [KDTREE + DAFT_INTERSECT_WATERTIGHT] = {"ray through kd-tree, watertight", "#2c8a3d", SVG_SQUARE},
+    [KDTREE + DAFT_INTERSECT_EXACT] = {"ray through kd-tree, exact", "#2c8a3d", SVG_DISC},
     [ORACLE] = {"oracle", "#333333", SVG_DIAMOND},
 };
 
@@ -49,18 +49,11 @@ typedef struct accuracy_job {
 
 static double look_with(accuracy_job *job, way how, uint64_t *seen)
 {
-    switch (how) {
-    case BOXES: return bench_boxes_see(job->boxes, seen);
-    case PENCIL_FAST: return bench_camera_see(job->camera, DAFT_INTERSECT_FAST, seen);
-    case PENCIL_WATERTIGHT: return bench_camera_see(job->camera, DAFT_INTERSECT_WATERTIGHT, seen);
-    case PENCIL_EXACT: return bench_camera_see(job->camera, DAFT_INTERSECT_EXACT, seen);
-    case TREES_FAST: return bench_camera_trees(job->camera, DAFT_INTERSECT_FAST, seen);
-    case TREES_WATERTIGHT: return bench_camera_trees(job->camera, DAFT_INTERSECT_WATERTIGHT, seen);
-    case TREES_EXACT: return bench_camera_trees(job->camera, DAFT_INTERSECT_EXACT, seen);
-    case ORACLE: return bench_camera_oracle(job->camera, seen);
-    case WAYS: break;
-    }
-    return -1;
+    if (how == BOXES) return bench_boxes_see(job->boxes, seen);
+    if (how == ORACLE) return bench_camera_oracle(job->camera, seen);
+    if (how < BVH) return bench_camera_see(job->camera, (daft_intersection)(how - PENCIL), seen);
+    bool kdtree = how >= KDTREE;
+    return bench_camera_trees(job->camera, kdtree, (daft_intersection)(how - (kdtree ? KDTREE : BVH)), seen);
 }
 
 static void compare(accuracy_job *job, result *r)

@@ -18,7 +18,8 @@ struct bench_camera {
     daft_instance *instances;
     daft_tile *tiles; /* one for each worker */
     uint64_t hits[64];
-    uint64_t *seen; /* where what each pixel sees is asked for */
+    daft_kdtree *kdtree[2]; /* of the scene's meshes, once they are asked for */
+    uint64_t *seen;         /* where what each pixel sees is asked for */
     const daft_tlas *tlas;
 };
 
@@ -122,8 +123,25 @@ static void trace_row(void *context, uint32_t row, uint32_t worker)
     }
 }
 
-double bench_camera_trees(bench_camera *camera, daft_intersection intersection, uint64_t *seen)
+/* Instances of meshes get, or lose, their kd-trees. */
+static bool choose_trees(bench_camera *camera, bool kdtree)
 {
+    const bench_scene *scene = camera->scene;
+    for (int i = 0; kdtree && i < scene->mesh_count; i++) {
+        if (!camera->kdtree[i])
+            camera->kdtree[i] = daft_kdtree_build(&camera->allocator, &scene->mesh[i], daft_processor_count(), NULL);
+        if (!camera->kdtree[i]) return false;
+    }
+    for (uint32_t i = 0; i < scene->thing_count; i++) {
+        int mesh = scene->things[i].mesh;
+        camera->instances[i].kdtree = kdtree && mesh != BENCH_SPHERE ? camera->kdtree[mesh] : NULL;
+    }
+    return true;
+}
+
+double bench_camera_trees(bench_camera *camera, bool kdtree, daft_intersection intersection, uint64_t *seen)
+{
+    if (!choose_trees(camera, kdtree)) return -1;
     daft_arena arena;
     daft_arena_init(&arena, &camera->allocator);
     double start = bench_clock_ms(camera->raster.workers);
@@ -175,6 +193,8 @@ void bench_camera_destroy(bench_camera *camera)
 {
     if (!camera) return;
     daft_allocator allocator = camera->allocator;
+    for (int i = 0; i < 2; i++)
+        if (camera->kdtree[i]) daft_kdtree_free(camera->kdtree[i]);
     daft_raster_free(&camera->raster);
     daft_release(&allocator, camera->tiles);
     daft_release(&allocator, camera->instances);

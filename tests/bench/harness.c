@@ -61,13 +61,13 @@ void bench_note(bench *self, bool fatal, const char *format, ...)
 }
 
 /* Samples are enough when there are as many as asked for, or else nine, and then more for up to a third of a second,
- * since short ones are the noisy ones (a second and a half where ours stands against ours, and percents are looked
- * for); or, past the third, when they have taken ten seconds. */
+ * since short ones are the noisy ones (a second where ours stands against ours, and percents are looked for); or, past
+ * the third, when they have taken five seconds. */
 static bool enough(const bench *self, const bench_subject *subject, int count, double ms)
 {
-    if (count >= 3 && ms > 10e3) return true;
+    if (count >= 3 && ms > 5e3) return true;
     if (self->rounds) return count >= self->rounds;
-    return count >= MAX_ROUNDS || (count >= 9 && ms > (subject->own_peer ? 1500 : 333));
+    return count >= MAX_ROUNDS || (count >= 9 && ms > (subject->own_peer ? 1000 : 333));
 }
 
 static double better(const bench_row *row, double a, double b)

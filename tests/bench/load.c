@@ -23,9 +23,9 @@ static double obj_ours(void *context)
     obj_job *job = context;
     daft_obj obj;
     daft_log log = {0};
-    double start = daft_clock_ms();
+    double start = bench_clock_ms(1);
     if (!daft_obj_load(&job->self->allocator, job->path, &log, &obj, NULL)) return -1;
-    double ms = daft_clock_ms() - start;
+    double ms = bench_clock_ms(1) - start;
     job->triangles = obj.mesh.triangle_count;
     daft_obj_free(&job->self->allocator, &obj);
     return job->megabytes / ms * 1e3;

@@ -1,5 +1,5 @@
 /* Camera rays a second: the exact test and the fast one against Embree's packets, and what the exact one costs beside
- * our own others. Both sides are timed on the wall clock around all they do in a frame. */
+ * our own others. Both sides are timed around all they do in a frame. */
 #include "scenes.h"
 
 #include <stdio.h>

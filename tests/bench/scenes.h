@@ -43,7 +43,7 @@ daft_affine bench_thing_map(const bench_thing *thing);
 /* In frame space: the origin is at the camera. */
 daft_instance bench_thing_instance(const bench_scene *scene, uint32_t index);
 
-/* ---- camera.c: our camera rays, on the wall clock around the pencil's passes ---- */
+/* ---- camera.c: our camera rays, timed around the pencil's passes ---- */
 
 typedef struct bench_camera bench_camera;
 typedef struct bench_camera_counts {
@@ -59,8 +59,8 @@ double bench_camera_ms(bench_camera *camera, daft_intersection intersection);
 double bench_camera_see(bench_camera *camera, daft_intersection intersection, uint64_t *seen);
 /* Every ray alone through the trees, in double and exactly: what is true for the vertices as floats move them. */
 double bench_camera_oracle(bench_camera *camera, uint64_t *seen);
-/* One ray a pixel through the trees over things and triangles, single and coherent only by chance. */
-double bench_camera_trees(bench_camera *camera, daft_intersection intersection, uint64_t *seen);
+/* One ray a pixel through the tree over things and those over triangles: BVHs, or kd-trees. */
+double bench_camera_trees(bench_camera *camera, bool kdtree, daft_intersection intersection, uint64_t *seen);
 bench_camera_counts bench_camera_counted(const bench_camera *camera);
 
 /* ---- boxes.c: visibility by projected boxes alone ---- */
