@@ -306,15 +306,19 @@ DAFT_API bool daft_scene_get_camera(const daft_scene *scene, uint32_t index, daf
 DAFT_API daft_camera daft_scene_camera(const daft_scene *scene, float alpha);
 DAFT_API bool daft_scene_set_camera(daft_scene *scene, const daft_camera *camera, bool teleport, daft_error *error);
 
-typedef enum daft_light_kind { DAFT_LIGHT_POINT = 0, DAFT_LIGHT_SUN } daft_light_kind;
+typedef enum daft_light_kind { DAFT_LIGHT_POINT = 0, DAFT_LIGHT_SUN, DAFT_LIGHT_SPOT } daft_light_kind;
 
 typedef struct daft_light_def {
     uint32_t cookie;
     daft_light_kind kind;
-    daft_dvec3 position; /* point: where; no falloff with distance */
-    daft_vec3 direction; /* sun: the way its light travels; any length but zero */
+    daft_dvec3 position; /* point and spot: where; no falloff with distance */
+    daft_vec3 direction; /* sun and spot: the way its light travels, a spot's in the middle; any length but zero */
     daft_vec3 color;
     bool casts_shadow;
+    /* Spot: radians from the direction, 0 <= inner_angle <= outer_angle <= pi, outer_angle > 0. All of the light within the
+     * inner angle, none beyond the outer; between, a cubic of the angle's cosine (Pharr, Jakob, Humphreys, "Physically
+     * Based Rendering", 4th edition, 12.2.1). Default pi/8 and pi/6. */
+    float inner_angle, outer_angle;
 } daft_light_def;
 
 DAFT_API daft_light_def daft_default_light_def(void);

@@ -170,12 +170,14 @@ static void every_bad_line_of_a_scene_is_told(void **unused)
     put("red.mtl", "newmtl red\nKd 1 0 0\n");
     EXPECT_FILE("bad.scene",
                 "camera 0 0\nlihgt 1 2 3 1 1 1\nsphere 0 0 0 0 red.mtl\nsphere 0 0 0 -1 red.mtl\n"
-                "sphere 0 0 0 nan red.mtl\nmesh none.obj 0 0 0\nmesh solid.obj 0 0 0 0\nsun 0 0 0 1 1 1\n",
+                "sphere 0 0 0 nan red.mtl\nmesh none.obj 0 0 0\nmesh solid.obj 0 0 0 0\nsun 0 0 0 1 1 1\n"
+                "spot 0 0 0 0 0 0 1 1 1\nspot 0 0 0 0 1 0 1 1 1 0\nspot 0 0 0 0 1 0 1 1 1 20 30\n",
                 1, ":1:11: error: expected z", ":2:1: error: unknown item 'lihgt'",
                 ":3:14: error: r is 0; it must be above", ":4:14: error: r is -1",
                 ":5:14: error: expected r (a number), 'nan' came", ":6:6: error: ", ":7:22: error: scale is 0",
-                ":8:5: error: the sun's direction is 0 0 0");
-    assert_says(output, "1 file checked: 8 errors, 0 warnings");
+                ":8:5: error: the sun's direction is 0 0 0", ":9:12: error: the spot's direction is 0 0 0",
+                ":10:26: error: angle is 0", ":11:29: error: inner is 30; it must be 0 or more and at most the angle before it");
+    assert_says(output, "1 file checked: 11 errors, 0 warnings");
 }
 
 static void odd_scenes_are_told(void **unused)

@@ -161,6 +161,48 @@ static void phong_highlight(void **unused)
     stage_drop(s);
 }
 
+/* A wall in the light of a spot, pixel by pixel; only what lies in its cone asks for rays. */
+static void spot_cone(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(NULL, 2);
+    daft_scene_set_ambient(s->scene, daft_v3(0, 0, 0));
+    daft_material white = matte(s, 0.8f, 0, 0);
+    daft_entity wall = add(s, box(daft_dv3(5, 0, 0), daft_v3(1, 100, 100), white));
+    daft_light_def def = daft_default_light_def();
+    def.kind = DAFT_LIGHT_SPOT, def.position = daft_dv3(-1, 1, 0.5), def.direction = daft_v3(2, -0.3f, 0.4f);
+    def.inner_angle = 0.3f, def.outer_angle = 0.5f;
+    daft_light light = daft_light_create(s->scene, &def, NULL);
+    assert_true(light.id != 0);
+    assert_true(draw(s)->shadow_rays == 0);
+    daft_dvec3 axis = daft_to_double(daft_normalize(def.direction));
+    int bright = 0, dim = 0, dark = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        double f = WIDTH / 2.0, px = i % WIDTH + 0.5 - WIDTH / 2.0, py = HEIGHT / 2.0 - (double)(i / WIDTH) - 0.5;
+        daft_dvec3 way = daft_dsub(daft_dscale(daft_dv3(f, py, px), 4.5 / f), def.position);
+        way = daft_dscale(way, 1 / sqrt(daft_ddot(way, way)));
+        double t = (daft_ddot(way, axis) - cos(0.5)) / (cos(0.3) - cos(0.5));
+        t = t < 0 ? 0 : t > 1 ? 1 : t;
+        int expected = encoded(0.8 * way.x * t * t * (3 - 2 * t));
+        assert_in_range(pixel(s, i % WIDTH, i / WIDTH)[0], expected > 0 ? expected - 1 : 0, expected + 1);
+        bright += t == 1, dim += t > 0 && t < 1, dark += t == 0;
+    }
+    assert_true(s->entity[0].id == wall.id && bright > 1000 && dim > 1000 && dark > 1000);
+    daft_entity ball = add(s, sphere(daft_dv3(4, -3, -3), 0.3f, white)); /* where the spot does not shine */
+    assert_true(draw(s)->shadow_rays == 0);
+    daft_entity_destroy(s->scene, ball, NULL);
+    add(s, sphere(daft_dv3(3.5, 0.3, 1.2), 0.3f, white));
+    uint64_t rays = draw(s)->shadow_rays;
+    assert_true(rays > 100 && rays < (uint64_t)(bright + dim));
+    def.inner_angle = def.outer_angle = (float)DAFT_PI; /* as good as a point light */
+    assert_true(daft_light_set(s->scene, light, &def, NULL));
+    uint64_t hash = daft_hash((draw(s), daft_image_pixels(s->image)), 4 * PIXELS, 0);
+    def.kind = DAFT_LIGHT_POINT;
+    assert_true(daft_light_set(s->scene, light, &def, NULL));
+    assert_true(hash == daft_hash((draw(s), daft_image_pixels(s->image)), 4 * PIXELS, 0));
+    stage_drop(s);
+}
+
 /* The shadow of a box on the ground, pixel by pixel: lit where the ray to the sun misses the box. */
 static void box_shadow(daft_vec3 to_sun, bool lamp)
 {
@@ -345,6 +387,7 @@ int main(void)
         cmocka_unit_test(same_bytes_however_computed),
         cmocka_unit_test(lambert_and_ambient),
         cmocka_unit_test(phong_highlight),
+        cmocka_unit_test(spot_cone),
         cmocka_unit_test(shadows),
         cmocka_unit_test(plane_mirror),
         cmocka_unit_test(only_what_is_called_for),

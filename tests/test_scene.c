@@ -318,6 +318,18 @@ static void lights_come_and_go(void **state)
     def.direction = daft_v3(0, -3, 0);
     assert_true(daft_light_set(f->scene, light, &def, &error));
     assert_true(daft_light_get(f->scene, light, &back, &error) && back.kind == DAFT_LIGHT_SUN);
+    def.kind = DAFT_LIGHT_SPOT;
+    const float cones[6][2] = {{0.5f, 0.4f}, {-0.1f, 1}, {NAN, 1}, {0, 0}, {1, 4}, {0, NAN}};
+    for (int i = 0; i < 6; i++) {
+        def.inner_angle = cones[i][0], def.outer_angle = cones[i][1];
+        assert_false(daft_light_set(f->scene, light, &def, &error));
+        assert_non_null(strstr(error.message, i < 3 ? "inner_angle" : "outer_angle"));
+    }
+    def.inner_angle = def.outer_angle = 1;
+    assert_true(daft_light_set(f->scene, light, &def, &error));
+    uint64_t hash = daft_scene_hash(f->scene);
+    def.inner_angle = 0.5f;
+    assert_true(daft_light_set(f->scene, light, &def, &error) && daft_scene_hash(f->scene) != hash);
     assert_true(daft_light_destroy(f->scene, light, &error));
     assert_false(daft_light_get(f->scene, light, &back, &error));
     assert_int_equal(error.code, DAFT_ERROR_HANDLE);

@@ -139,6 +139,9 @@ static void every_line_means_what_the_manual_says(void **state)
                  "skybox sky.tga\n"
                  "light 1 2 3 0.5 1 2\n"
                  "sun 0 -2 0 1 1 0.9\n"
+                 "spot 1 2 3 0 -2 0 1 1 1\n"
+                 "spot 1 2 3 0 -2 0 1 1 1 40\n"
+                 "spot 1 2 3 0 -2 0 1 1 1 180 90\n"
                  "ambient 0.1 0.2 0.3#comment after a number\n"
                  "sphere 4 5 6 0.25 m.mtl\n"
                  "sphere 4 5 6 7 \"m.mtl#shiny one\"\n"
@@ -157,9 +160,16 @@ static void every_line_means_what_the_manual_says(void **state)
     assert_true(daft_scene_get_camera(f->scene, 2, &camera, NULL) && camera.position.y == 0.5);
     assert_false(daft_scene_get_camera(f->scene, 3, &camera, NULL));
     assert_int_equal(f->scene->sky.kind, DAFT_SKY_IMAGE);
-    assert_int_equal(f->scene->light_slots.live, 2);
+    assert_int_equal(f->scene->light_slots.live, 5);
     assert_true(f->scene->lights[0].kind == DAFT_LIGHT_POINT && f->scene->lights[0].color.z == 2);
     assert_true(f->scene->lights[1].kind == DAFT_LIGHT_SUN && f->scene->lights[1].direction.y == -2);
+    const double cones[3][2] = {{22.5, 30}, {30, 40}, {90, 180}}; /* degrees, from the axis */
+    for (int i = 0; i < 3; i++) {
+        const daft_light_def *spot = &f->scene->lights[2 + i];
+        assert_true(spot->kind == DAFT_LIGHT_SPOT && spot->position.z == 3 && spot->direction.y == -2);
+        assert_true(fabs(degrees((double)spot->inner_angle) - cones[i][0]) < 1e-4);
+        assert_true(fabs(degrees((double)spot->outer_angle) - cones[i][1]) < 1e-4);
+    }
     assert_true(f->scene->ambient.y == 0.2f);
     assert_int_equal(daft_entity_count(f->scene), 5);
     assert_true(entity(f, 0)->def.shape == DAFT_SHAPE_SPHERE && entity(f, 0)->def.radius == 0.25f);

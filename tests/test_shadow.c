@@ -116,12 +116,92 @@ static void run(bool sun, float lamp_distance, float patch)
 static void suns(void **unused) { (void)unused, fixture_seed(61), run(true, 0, 1); }
 static void large_patches(void **unused) { (void)unused, fixture_seed(62), run(true, 0, 8); }
 static void far_lamps(void **unused) { (void)unused, fixture_seed(63), run(false, 1000, 1); }
+static void lamps_beyond_the_hills(void **unused) { (void)unused, fixture_seed(66), run(false, 1e5f, 1); }
 static void lamps_in_the_scene(void **unused) { (void)unused, fixture_seed(64), run(false, 4, 1); }
 static void lamps_among_the_points(void **unused) { (void)unused, fixture_seed(65), run(false, 3, 4); }
 
+/* Instance by instance, as tinted shadows ask, takes away what all together do; and who tints is found. */
+static void one_at_a_time(void **unused)
+{
+    (void)unused;
+    fixture_seed(67);
+    daft_batch *b = calloc(1, sizeof *b);
+    int dark = 0, found = 0;
+    for (int round = 0; round < 20; round++) {
+        stage s;
+        stage_make(&s);
+        fill_points(b, random_vec3(-5, 5), 2);
+        daft_lamp lamp = {.sun = round % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
+        lamp.position = daft_scale(random_vec3(-1, 1), 9);
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            uint32_t all[DAFT_BATCH_WORDS] = {0}, each[DAFT_BATCH_WORDS], tints[DAFT_MAX_CASTERS];
+            for (uint32_t i = 0; i < b->count; i++) all[i / 32] |= (uint32_t)1 << (i % 32);
+            memcpy(each, all, sizeof all);
+            for (uint32_t i = 0; i < s.count; i++) {
+                uint32_t alone[DAFT_BATCH_WORDS], gone = 0;
+                if (!(s.instances[i].flags & DAFT_INSTANCE_CASTS_SHADOW)) continue;
+                for (int word = 0; word < DAFT_BATCH_WORDS; word++) alone[word] = all[word];
+                kernels(isa)->shadows(b, &lamp, s.tlas, i, alone);
+                for (int word = 0; word < DAFT_BATCH_WORDS; word++) gone |= all[word] & ~alone[word], each[word] &= alone[word];
+                s.instances[i].flags = DAFT_INSTANCE_TINTS_SHADOW;
+                uint32_t count = kernels(isa)->tints(b, &lamp, s.tlas, all, tints);
+                assert_true(count <= 1 || count == UINT32_MAX);
+                if (gone) assert_true(count == UINT32_MAX || (count == 1 && tints[0] == i));
+                s.instances[i].flags = DAFT_INSTANCE_CASTS_SHADOW;
+                found += gone != 0;
+            }
+            kernels(isa)->shadows(b, &lamp, s.tlas, DAFT_NOTHING, all);
+            assert_memory_equal(all, each, sizeof all);
+            for (uint32_t i = 0; i < b->count; i++) dark += !(all[i / 32] >> (i % 32) & 1);
+        }
+        stage_drop(&s);
+    }
+    assert_true(dark > 1000 && found > 20);
+    free(b);
+}
+
+/* Points of a mesh of no thickness that face the lamp are asked for only under other things; those that face away are dark. */
+static void flat_ground(void **unused)
+{
+    (void)unused;
+    fixture_seed(68);
+    const daft_vec3 corners[4] = {{-9, 0, -9}, {-9, 0, 9}, {9, 0, 9}, {9, 0, -9}};
+    const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    fixture_mesh ground = mesh_make(corners, 4, indices, 2);
+    daft_instance instance = instance_make(&ground, affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(3, -2, 5)));
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_arena arena;
+    daft_arena_init(&arena, &allocator);
+    const daft_tlas *tlas = daft_tlas_build(&arena, &instance, 1, NULL);
+    daft_vec3 up = daft_affine_vector(&instance.to_frame, daft_v3(0, 1, 0));
+    daft_batch *b = calloc(1, sizeof *b);
+    b->count = 900;
+    for (uint32_t i = 0; i < b->count; i++) {
+        float x = random_float(-8, 8), z = random_float(-8, 8);
+        daft_vec3 p = daft_add(daft_affine_point(&instance.to_frame, daft_v3(x, 0, z)), daft_scale(up, 1e-5f));
+        b->lifted.x[i] = p.x, b->lifted.y[i] = p.y, b->lifted.z[i] = p.z;
+        b->outward.x[i] = up.x, b->outward.y[i] = up.y, b->outward.z[i] = up.z;
+        b->triangle[i] = x > z ? 1 : 0; /* either: which one matters to nobody */
+        b->pixel[i] = i;
+    }
+    for (int side = -1; side <= 1; side += 2)
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            uint32_t bits[DAFT_BATCH_WORDS] = {0}, lit = 0;
+            daft_lamp lamp = {.casts_shadow = true, .position = daft_add(daft_v3(3, -2, 5), daft_scale(up, 4 * (float)side))};
+            for (uint32_t i = 0; i < b->count; i++) bits[i / 32] |= (uint32_t)1 << (i % 32);
+            assert_int_equal(kernels(isa)->shadows(b, &lamp, tlas, DAFT_NOTHING, bits), side > 0 ? 0 : 900);
+            for (int word = 0; word < DAFT_BATCH_WORDS; word++) lit += (uint32_t)__builtin_popcount(bits[word]);
+            assert_int_equal(lit, side > 0 ? 900 : 0);
+        }
+    free(b);
+    daft_arena_free(&arena);
+    mesh_drop(&ground);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(suns), cmocka_unit_test(large_patches), cmocka_unit_test(far_lamps),
-                                       cmocka_unit_test(lamps_in_the_scene), cmocka_unit_test(lamps_among_the_points)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(suns), cmocka_unit_test(large_patches), cmocka_unit_test(far_lamps), cmocka_unit_test(lamps_beyond_the_hills),
+                                       cmocka_unit_test(lamps_in_the_scene), cmocka_unit_test(lamps_among_the_points),
+                                       cmocka_unit_test(one_at_a_time), cmocka_unit_test(flat_ground)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

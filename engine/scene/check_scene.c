@@ -194,7 +194,7 @@ static void on_loaded(void *user, const daft_scene_item *items, size_t count)
         if (item->kind == DAFT_ITEM_CAMERA) check_inside(c, item, item->camera.position, "camera");
         if (item->kind != DAFT_ITEM_LIGHT) continue;
         if (is_black(item->light.color)) tell(c, DAFT_SEVERITY_NOTE, item, "a black light lights nothing");
-        if (item->light.kind == DAFT_LIGHT_POINT) check_inside(c, item, item->light.position, "light");
+        if (item->light.kind != DAFT_LIGHT_SUN) check_inside(c, item, item->light.position, "light");
     }
     c->out_of_memory = !check_twins(c);
     check_whole(c);

@@ -24,6 +24,7 @@ static uint64_t hash_light(const daft_light_def *def, uint64_t hash)
 {
     uint32_t kinds[] = {(uint32_t)def->kind, def->casts_shadow};
     HASH(kinds), HASH(def->position), HASH(def->direction), HASH(def->color);
+    if (def->kind == DAFT_LIGHT_SPOT) HASH(def->inner_angle), HASH(def->outer_angle);
     return hash;
 }
 

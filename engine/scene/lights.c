@@ -9,18 +9,31 @@ daft_light_def daft_default_light_def(void)
         .direction = {0, -1, 0},
         .color = {1, 1, 1},
         .casts_shadow = true,
+        .inner_angle = (float)(DAFT_PI / 8),
+        .outer_angle = (float)(DAFT_PI / 6),
     };
+}
+
+static bool check_cone(const daft_light_def *def, daft_error *error)
+{
+    float inner = def->inner_angle, outer = def->outer_angle;
+    if (!(outer > 0 && outer <= (float)DAFT_PI))
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "outer_angle is %g; it must be above 0 and at most pi, in radians", (double)outer);
+    if (inner >= 0 && inner <= outer) return true;
+    return daft_fail(error, DAFT_ERROR_ARGUMENT, "inner_angle is %g; it must be 0 or more and at most outer_angle, which is %g",
+                     (double)inner, (double)outer);
 }
 
 bool daft_light_check(const daft_light_def *def, daft_error *error)
 {
     if (!daft_check_pointer(error, "def", def) || !daft_check_cookie(error, def->cookie, "daft_default_light_def"))
         return false;
-    if ((unsigned)def->kind > DAFT_LIGHT_SUN)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "kind is %d; it must be point or sun", (int)def->kind);
+    if ((unsigned)def->kind > DAFT_LIGHT_SPOT)
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "kind is %d; it must be point, sun or spot", (int)def->kind);
     return daft_check_finite_position(error, "position", def->position) &&
            daft_check_finite3(error, "direction", def->direction) &&
-           (def->kind != DAFT_LIGHT_SUN || daft_check_direction(error, "direction", def->direction)) &&
+           (def->kind == DAFT_LIGHT_POINT || daft_check_direction(error, "direction", def->direction)) &&
+           (def->kind != DAFT_LIGHT_SPOT || check_cone(def, error)) &&
            daft_check_color(error, "color", def->color);
 }
 

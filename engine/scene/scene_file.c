@@ -129,12 +129,9 @@ static bool read_light(reader *read, item *out)
     return read_position(read, &out->light.position) && read_color(read, &out->light.color);
 }
 
-static bool read_sun(reader *read, item *out)
+/* name: of the light, for what is said. */
+static bool read_direction(reader *read, const char *name, daft_vec3 *d)
 {
-    out->kind = DAFT_ITEM_LIGHT;
-    out->light = daft_default_light_def();
-    out->light.kind = DAFT_LIGHT_SUN;
-    daft_vec3 *d = &out->light.direction;
     const char *allowed = "a finite number";
     daft_scene_text_ends(&read->text);
     int column = (int)(read->text.at - read->text.line_start) + 1;
@@ -142,9 +139,39 @@ static bool read_sun(reader *read, item *out)
         !read_float(read, "dy", -DAFT_ANY_FLOAT, DAFT_ANY_FLOAT, allowed, &d->y) ||
         !read_float(read, "dz", -DAFT_ANY_FLOAT, DAFT_ANY_FLOAT, allowed, &d->z))
         return false;
-    if (d->x == 0 && d->y == 0 && d->z == 0)
-        return daft_scene_text_fail(&read->text, column, "the sun's direction is 0 0 0; it must have a length");
-    return read_color(read, &out->light.color);
+    if (d->x != 0 || d->y != 0 || d->z != 0) return true;
+    return daft_scene_text_fail(&read->text, column, "the %s's direction is 0 0 0; it must have a length", name);
+}
+
+static bool read_sun(reader *read, item *out)
+{
+    out->kind = DAFT_ITEM_LIGHT;
+    out->light = daft_default_light_def();
+    out->light.kind = DAFT_LIGHT_SUN;
+    return read_direction(read, "sun", &out->light.direction) && read_color(read, &out->light.color);
+}
+
+static bool read_cone(reader *read, daft_light_def *out)
+{
+    double outer, inner;
+    if (daft_scene_text_ends(&read->text)) return true;
+    if (!daft_scene_text_number(&read->text, "angle", 1e-4, 180, "above 0 and at most 180 degrees", &outer)) return false;
+    inner = 0.75 * outer;
+    if (!daft_scene_text_ends(&read->text) &&
+        !daft_scene_text_number(&read->text, "inner", 0, outer, "0 or more and at most the angle before it", &inner))
+        return false;
+    out->outer_angle = fminf((float)(outer * (DAFT_PI / 180)), (float)DAFT_PI);
+    out->inner_angle = fminf((float)(inner * (DAFT_PI / 180)), out->outer_angle);
+    return true;
+}
+
+static bool read_spot(reader *read, item *out)
+{
+    out->kind = DAFT_ITEM_LIGHT;
+    out->light = daft_default_light_def();
+    out->light.kind = DAFT_LIGHT_SPOT;
+    return read_position(read, &out->light.position) && read_direction(read, "spot", &out->light.direction) &&
+           read_color(read, &out->light.color) && read_cone(read, &out->light);
 }
 
 static bool read_ambient(reader *read, item *out)
@@ -207,6 +234,7 @@ static const struct {
     {"sphere", "sphere x y z r material_path", read_sphere},
     {"mesh", "mesh mesh_path x y z [scale [rot_x rot_y rot_z]]", read_mesh},
     {"sun", "sun dx dy dz r g b", read_sun},
+    {"spot", "spot x y z dx dy dz r g b [angle [inner]]", read_spot},
     {"ambient", "ambient r g b", read_ambient},
     {"include", "include path", NULL},
 };

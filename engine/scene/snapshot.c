@@ -181,6 +181,15 @@ static daft_vec3 to_sun(daft_vec3 direction)
     return daft_to_float(daft_dscale(d, -1 / sqrt(daft_ddot(d, d))));
 }
 
+static void set_cone(const daft_light_def *def, daft_lamp *lamp)
+{
+    double outer = daft_cos((double)def->outer_angle), range = daft_cos((double)def->inner_angle) - outer;
+    lamp->spot = true;
+    lamp->to_light = to_sun(def->direction);
+    lamp->cone_cosine = (float)outer;
+    lamp->cone_scale = (float)(1 / (range > 1e-7 ? range : 1e-7)); /* what floats can tell */
+}
+
 static bool fill_lamps(daft_scene *scene, daft_dvec3 origin, daft_snapshot *out, daft_error *error)
 {
     daft_lamp *lamps = daft_arena_alloc(&scene->frame, scene->light_slots.live, sizeof *lamps);
@@ -190,6 +199,7 @@ static bool fill_lamps(daft_scene *scene, daft_dvec3 origin, daft_snapshot *out,
         const daft_light_def *def = &scene->lights[i];
         daft_lamp *lamp = &lamps[out->lamp_count];
         *lamp = (daft_lamp){.sun = def->kind == DAFT_LIGHT_SUN, .casts_shadow = def->casts_shadow, .color = def->color};
+        if (def->kind == DAFT_LIGHT_SPOT) set_cone(def, lamp);
         if (lamp->sun)
             lamp->to_light = to_sun(def->direction);
         else

@@ -26,13 +26,25 @@ DAFT_INLINE vf3 to_lamp(const daft_batch *batch, const daft_lamp *lamp, uint32_t
     return (vf3){l.x * scale, l.y * scale, l.z * scale};
 }
 
+/* The share of a spot's light that goes the way that comes along l: a cubic between the cosines of its two angles (Pharr,
+ * Jakob, Humphreys, "Physically Based Rendering", 4th edition, 12.2.1). */
+DAFT_INLINE vf cone_share(const daft_lamp *lamp, vf3 l)
+{
+    daft_vec3 a = lamp->to_light;
+    vf cosine = vf3_dot(l, (vf3){vf_set(a.x), vf_set(a.y), vf_set(a.z)});
+    vf t = vf_clamp01((cosine - vf_set(lamp->cone_cosine)) * vf_set(lamp->cone_scale));
+    return t * t * (vf_set(3) - vf_set(2) * t);
+}
+
 static uint32_t facing(const daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS])
 {
     uint32_t total = 0;
     memset(bits, 0, DAFT_BATCH_WORDS * sizeof bits[0]);
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
-        vf cosine = vf3_dot(lanes_load(&batch->normal, i), to_lamp(batch, lamp, i));
+        vf3 l = to_lamp(batch, lamp, i);
+        vf cosine = vf3_dot(lanes_load(&batch->normal, i), l);
         vbits lit = vm_bits(vf_lt(vf_set(0), cosine)) & vbits_first((int)(batch->count - i));
+        if (lamp->spot && lit) lit &= vm_bits(vf_lt(vf_set(0), cone_share(lamp, l)));
         bits[i / 32] |= lit << (i % 32);
         total += (uint32_t)__builtin_popcount(lit);
     }
@@ -62,6 +74,10 @@ static void add_lamp(daft_batch *batch, const daft_surface *materials, const daf
         vf mirrored = two * cosine * vf3_dot(n, view) - vf3_dot(l, view);
         vf power = vf_pow(vf_clamp01(mirrored), MATERIAL_WORD(&m, shininess));
         add_scaled(&sum, specular, vf_select(vf_lt(zero, mirrored), power, zero));
+        if (lamp->spot) {
+            vf share = cone_share(lamp, l);
+            sum = (vf3){sum.x * share, sum.y * share, sum.z * share};
+        }
         if (passed) {
             vf3 share = lanes_load(passed, i);
             sum = (vf3){sum.x * share.x, sum.y * share.y, sum.z * share.z};

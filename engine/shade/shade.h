@@ -24,9 +24,11 @@ typedef struct daft_surface {
 typedef struct daft_lamp {
     bool sun;
     bool casts_shadow;
-    daft_vec3 position; /* point, frame space */
-    daft_vec3 to_light; /* sun: unit, against its direction */
+    daft_vec3 position; /* point and spot, frame space */
+    daft_vec3 to_light; /* sun and spot: unit, against its direction */
     daft_vec3 color;
+    bool spot;
+    float cone_cosine, cone_scale; /* spot: of the outer angle; one over what the inner angle's is larger */
 } daft_lamp;
 
 typedef enum daft_sky_kind { DAFT_SKY_COLOR = 0, DAFT_SKY_GRADIENT, DAFT_SKY_IMAGE } daft_sky_kind;
@@ -73,7 +75,8 @@ typedef struct daft_shade_kernels {
     bool (*albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures);
     /* light = emission + ambient. */
     void (*ambient)(daft_batch *batch, const daft_surface *materials, daft_vec3 ambient);
-    /* Sets the bits of the points that the lamp could light (it is on the side the normals face); gives their number. */
+    /* Sets the bits of the points that the lamp could light (it is on the side the normals face, and they are in its cone);
+     * gives their number. */
     uint32_t (*facing)(const daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS]);
     /* Adds Lambert and Phong of one lamp for the points whose bits are set; of its light the share `passed` arrives, or
      * all of it where that is NULL. */

@@ -7,17 +7,28 @@
 
 static const char *const SUN_FIELDS[] = {"direction", "color", "shadow"};
 static const char *const POINT_FIELDS[] = {"position", "color", "shadow"};
+static const char *const SPOT_FIELDS[] = {"position", "direction", "angle", "inner", "color", "shadow"};
+
+static void read_cone(lua_State *L, host *h, int table, daft_light_def *def)
+{
+    bool wide = api_field(L, table, "angle");
+    if (wide) def->outer_angle = api_float(L, h, -1, "angle"), def->inner_angle = 0.75f * def->outer_angle;
+    if (api_field(L, table, "inner")) def->inner_angle = api_float(L, h, -1, "inner");
+}
 
 /* Changes what the table at `table` names. */
 static void read_light(lua_State *L, host *h, int table, daft_light_def *def)
 {
     if (def->kind == DAFT_LIGHT_SUN)
         api_fields(L, h, table, NULL, SUN_FIELDS, COUNT_OF(SUN_FIELDS));
+    else if (def->kind == DAFT_LIGHT_SPOT)
+        api_fields(L, h, table, NULL, SPOT_FIELDS, COUNT_OF(SPOT_FIELDS));
     else
         api_fields(L, h, table, NULL, POINT_FIELDS, COUNT_OF(POINT_FIELDS));
     if (api_field(L, table, "position")) def->position = api_place(L, h, -1, "position");
     if (api_field(L, table, "direction")) def->direction = api_vec3(L, h, -1, "direction");
     if (api_field(L, table, "color")) def->color = api_color(L, h, -1, "color");
+    if (def->kind == DAFT_LIGHT_SPOT) read_cone(L, h, table, def);
     if (api_field(L, table, "shadow")) def->casts_shadow = api_boolean(L, h, -1, "shadow");
 }
 
@@ -40,6 +51,11 @@ static int sun(lua_State *L, host *h)
 static int point(lua_State *L, host *h)
 {
     return create(L, h, DAFT_LIGHT_POINT);
+}
+
+static int spot(lua_State *L, host *h)
+{
+    return create(L, h, DAFT_LIGHT_SPOT);
 }
 
 static daft_light_def get(lua_State *L, host *h)
@@ -69,7 +85,7 @@ static int set(lua_State *L, host *h)
 static int set_position(lua_State *L, host *h)
 {
     daft_light_def def = get(L, h);
-    if (def.kind != DAFT_LIGHT_POINT) api_error(L, h, "a sun has a direction, not a position");
+    if (def.kind == DAFT_LIGHT_SUN) api_error(L, h, "a sun has a direction, not a position");
     def.position = api_place(L, h, 2, "position");
     return put(L, h, &def);
 }
@@ -77,7 +93,7 @@ static int set_position(lua_State *L, host *h)
 static int set_direction(lua_State *L, host *h)
 {
     daft_light_def def = get(L, h);
-    if (def.kind != DAFT_LIGHT_SUN) api_error(L, h, "a point light has a position, not a direction");
+    if (def.kind == DAFT_LIGHT_POINT) api_error(L, h, "a point light has a position, not a direction");
     def.direction = api_triple(L, h, 2, "direction");
     return put(L, h, &def);
 }
@@ -146,9 +162,12 @@ static const api_function FUNCTIONS[] = {
      "Light from infinitely far; direction is the way it travels. shadow = false casts none.", sun, API_CHANGES},
     {"light.point", "{position =, color =, shadow =} -> light", "Light from a point, equally bright at any distance.",
      point, API_CHANGES},
+    {"light.spot", "{position =, direction =, angle =, inner =, color =, shadow =} -> light",
+     "A point light that shines into a cone: all of it within inner of the direction, none beyond angle, in radians.", spot,
+     API_CHANGES},
     {"light:set", "{...}", "Changes what the table names.", set, API_CHANGES},
-    {"light:position", "(x, y, z)", "Moves a point light.", set_position, API_CHANGES},
-    {"light:direction", "(x, y, z)", "Turns a sun.", set_direction, API_CHANGES},
+    {"light:position", "(x, y, z)", "Moves a point light or a spot.", set_position, API_CHANGES},
+    {"light:direction", "(x, y, z)", "Turns a sun or a spot.", set_direction, API_CHANGES},
     {"light:color", "(color)", "Values above 1 are brighter.", set_color, API_CHANGES},
     {"light:shadow", "(on)", "Whether things cast shadows in it.", set_shadow, API_CHANGES},
     {"light:destroy", "()", "Puts it out for good.", destroy, API_CHANGES},

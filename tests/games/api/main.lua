@@ -66,6 +66,13 @@ local function lights()
     lamp:set { position = { 1, 5, 1 }, color = { 2, 2, 2 } }
     expect_error("a sun has a direction", sun.position, sun, 0, 0, 0)
     expect_error("no 'positon': did you mean 'position'?", daft.light.point, { positon = { 0, 1, 0 } })
+    local spot = daft.light.spot { position = { 0, 5, 0 }, direction = { 0, -1, 0 }, angle = 0.5, inner = 0.4 }
+    spot:direction(1, -1, 0)
+    spot:position(1, 5, 0)
+    spot:set { angle = 0.3 } -- inner follows
+    expect_error("inner_angle is 0.9", spot.set, spot, { inner = 0.9 })
+    expect_error("outer_angle is 4", daft.light.spot, { angle = 4 })
+    spot:destroy()
     local short = daft.light.point { position = { 0, 1, 0 } }
     short:destroy()
     assert(not short:valid() and sun:valid())
