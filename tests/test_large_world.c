@@ -35,7 +35,23 @@ static void turned_column(stage *s, const place *w)
     add(s, instance(cup, at(w, 3.1, 0.03, 1.4), (float)(1.7 * w->scale), (daft_quat){0, 0.38f, 0, 0.92f}, (daft_material){0}));
 }
 
-/* Like a game's: a floor, boxes, balls, turned meshes, a mirror wall and a chrome ball, a sun and a lamp that cast shadows. */
+/* A ball that turns the picture over, a pane that is seen straight through, and a turned block of coloured glass. */
+static void glasses(stage *s, const place *w)
+{
+    daft_material_def clear = daft_default_material_def(), pane, block;
+    clear.transmission = 1;
+    pane = block = clear;
+    pane.refractive_index = 1, pane.transmission_tint = daft_v3(0.7f, 0.8f, 1);
+    block.refractive_index = 1.33f, block.transmission_tint = daft_v3(0.9f, 0.6f, 0.5f);
+    add(s, sphere(at(w, 2.1, 0.52, -0.6), (float)(0.5 * w->scale), daft_material_create(s->scene, &clear, NULL)));
+    add(s, box(at(w, 3.4, 0.9, 1.1), sized(w, 0.05, 1.2, 1.6), daft_material_create(s->scene, &pane, NULL)));
+    daft_entity_def turned = box(at(w, 1.9, 0.5, 0.9), sized(w, 0.4, 0.7, 0.5), daft_material_create(s->scene, &block, NULL));
+    turned.rotation = daft_quat_normalize((daft_quat){0.2f, 0.3f, -0.1f, 0.9f});
+    add(s, turned);
+}
+
+/* Like a game's: a floor, boxes, balls, turned meshes, a mirror wall and a chrome ball, glass, a sun and a lamp that cast
+ * shadows. */
 static void fill(stage *s, const place *w)
 {
     daft_error error = {0};
@@ -55,6 +71,7 @@ static void fill(stage *s, const place *w)
     for (int i = 0; i < 9; i++)
         add(s, sphere(at(w, 2.2 + 0.7 * i, 0.33, 2.9 - 0.63 * ((4 * i) % 9)), (float)(0.33 * w->scale), i % 4 == 1 ? mirror : map));
     turned_column(s, w);
+    glasses(s, w);
     sun(s, daft_v3(0.4f, -1, 0.27f), 0.7f);
     lamp(s, at(w, 4.2, 2.7, 0.4), 0.5f);
     daft_scene_set_sky_gradient(s->scene, daft_v3(0.2f, 0.4f, 0.8f), daft_v3(0.8f, 0.9f, 1));
