@@ -528,6 +528,9 @@ static void definitions_are_checked(void **unused)
 
 int main(void)
 {
+    const char *seed = getenv("DAFT_SEED");
+    if (seed) state = strtoull(seed, NULL, 0);
+    print_message("seed %llu\n", (unsigned long long)state);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pane_shifts_by_snell),
         cmocka_unit_test(window_of_snell),
