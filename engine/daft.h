@@ -227,7 +227,7 @@ typedef enum daft_body_kind {
     DAFT_BODY_NONE = 0,  /* not in the simulation */
     DAFT_BODY_STATIC,    /* stands still */
     DAFT_BODY_KINEMATIC, /* moved by the game; pushes, is not pushed */
-    DAFT_BODY_DYNAMIC    /* moved by forces and contacts; spheres only */
+    DAFT_BODY_DYNAMIC    /* moved by forces and contacts */
 } daft_body_kind;
 
 typedef struct daft_entity_def {

@@ -48,36 +48,71 @@ static inline daft_world *new_world(void)
     return world;
 }
 
-static inline daft_sim_body_def body_def(daft_body_kind kind, daft_shape shape, daft_dvec3 position)
+/* A body of one shape, as most are here. */
+typedef struct one_shape {
+    daft_body_kind kind;
+    daft_sim_shape_def part;
+    daft_dvec3 position;
+    daft_quat rotation;
+    float friction, restitution, rolling_resistance, density;
+    uint32_t user;
+    bool bullet;
+} one_shape;
+
+static inline one_shape body_def(daft_body_kind kind, daft_dvec3 position)
 {
-    return (daft_sim_body_def){.kind = kind,
-                               .shape = shape,
-                               .radius = 0.5f,
-                               .half_extent = {0.5f, 0.5f, 0.5f},
-                               .position = position,
-                               .rotation = {0, 0, 0, 1},
-                               .density = 1000,
-                               .friction = 0.6f};
+    return (one_shape){.kind = kind,
+                       .part = daft_default_sim_shape_def(),
+                       .position = position,
+                       .rotation = {0, 0, 0, 1},
+                       .density = 1000,
+                       .friction = 0.6f};
 }
 
-static inline daft_sim_body_def sphere(double radius, double x, double y, double z)
+static inline one_shape sphere(double radius, double x, double y, double z)
 {
-    daft_sim_body_def def = body_def(DAFT_BODY_DYNAMIC, DAFT_SHAPE_SPHERE, daft_dv3(x, y, z));
-    def.radius = (float)radius;
+    one_shape def = body_def(DAFT_BODY_DYNAMIC, daft_dv3(x, y, z));
+    def.part.shape.radius = (float)radius;
     return def;
 }
 
-static inline daft_sim_body_def box(daft_vec3 half, double x, double y, double z)
+static inline one_shape box(daft_vec3 half, double x, double y, double z)
 {
-    daft_sim_body_def def = body_def(DAFT_BODY_STATIC, DAFT_SHAPE_BOX, daft_dv3(x, y, z));
-    def.half_extent = half;
+    one_shape def = body_def(DAFT_BODY_STATIC, daft_dv3(x, y, z));
+    def.part.shape.type = DAFT_GEOMETRY_BOX;
+    def.part.shape.half = half;
     return def;
 }
 
-static inline uint32_t add(daft_world *world, daft_sim_body_def def)
+static inline one_shape dynamic_box(daft_vec3 half, double x, double y, double z)
+{
+    one_shape def = box(half, x, y, z);
+    def.kind = DAFT_BODY_DYNAMIC;
+    return def;
+}
+
+static inline uint32_t try_add(daft_world *world, const one_shape *def, daft_error *error)
+{
+    daft_sim_shape_def part = def->part;
+    part.density = def->density;
+    part.material.friction = def->friction;
+    part.material.restitution = def->restitution;
+    part.material.rolling_resistance = def->rolling_resistance;
+    daft_sim_body_def body = daft_default_sim_body_def();
+    body.kind = def->kind;
+    body.position = def->position;
+    body.rotation = def->rotation;
+    body.shapes = &part;
+    body.shape_count = 1;
+    body.user = def->user;
+    body.bullet = def->bullet;
+    return daft_world_add(world, &body, error);
+}
+
+static inline uint32_t add(daft_world *world, one_shape def)
 {
     daft_error error = {0};
-    uint32_t body = daft_world_add(world, &def, &error);
+    uint32_t body = try_add(world, &def, &error);
     if (!body) fail_msg("%s", error.message);
     return body;
 }
@@ -135,8 +170,8 @@ static inline void add_room(daft_world *world, float half, float wall_half, floa
     for (int axis = 0; axis < 3; axis++)
         for (int side = -1; side <= 1; side += 2) {
             double at = side * (double)half;
-            daft_sim_body_def wall = box(daft_v3(half, half, half), 0, 0, 0);
-            *(axis == 0 ? &wall.half_extent.x : axis == 1 ? &wall.half_extent.y : &wall.half_extent.z) = wall_half;
+            one_shape wall = box(daft_v3(half, half, half), 0, 0, 0);
+            *(axis == 0 ? &wall.part.shape.half.x : axis == 1 ? &wall.part.shape.half.y : &wall.part.shape.half.z) = wall_half;
             *(axis == 0 ? &wall.position.x : axis == 1 ? &wall.position.y : &wall.position.z) = at;
             wall.restitution = restitution;
             wall.friction = friction;

@@ -59,12 +59,12 @@ static void a_force_lasts_one_step_and_an_impulse_changes_momentum(void **unused
 static double speed_on_slope(double angle, float friction, float rolling)
 {
     daft_world *world = new_world();
-    daft_sim_body_def slope = box(daft_v3(200, 1, 5), 0, 0, 0);
+    one_shape slope = box(daft_v3(200, 1, 5), 0, 0, 0);
     slope.rotation = turned(0, 0, 1, -angle);
     slope.friction = friction;
     add(world, slope);
     double s = daft_sin(angle), c = daft_cos(angle);
-    daft_sim_body_def ball = sphere(0.5, 1.5 * s, 1.5 * c, 0);
+    one_shape ball = sphere(0.5, 1.5 * s, 1.5 * c, 0);
     ball.friction = friction;
     ball.rolling_resistance = rolling;
     uint32_t id = add(world, ball);
@@ -95,7 +95,7 @@ static void sliding_stops_where_friction_says(void **unused)
     for (int heading = 0; heading < 16; heading++) {
         double angle = heading * DAFT_PI / 8, c = daft_cos(angle), s = daft_sin(angle);
         daft_world *world = new_world();
-        daft_sim_body_def ground = box(daft_v3(50, 1, 50), 0, -1, 0), puck = sphere(0.5, 0, 0.5, 0);
+        one_shape ground = box(daft_v3(50, 1, 50), 0, -1, 0), puck = sphere(0.5, 0, 0.5, 0);
         ground.friction = puck.friction = 0.5f;
         puck.rolling_resistance = 1000;
         add(world, ground);
@@ -136,7 +136,7 @@ static void a_ball_rebounds_to_e_squared_h(void **unused)
         double e = 0.05 * i, height = 1 + 0.013 * i, highest = 0;
         daft_world *world = new_world();
         add_floor(world, 10);
-        daft_sim_body_def ball = sphere(0.2, 0, 0.2 + height, 0);
+        one_shape ball = sphere(0.2, 0, 0.2 + height, 0);
         ball.restitution = (float)e;
         uint32_t id = add(world, ball);
         bool hit = false;
@@ -158,7 +158,7 @@ static void a_perfect_bounce_gains_no_energy(void **unused)
     (void)unused;
     daft_world *world = new_world();
     add_floor(world, 10);
-    daft_sim_body_def ball = sphere(0.2, 0, 1.2, 0);
+    one_shape ball = sphere(0.2, 0, 1.2, 0);
     ball.restitution = 1;
     uint32_t id = add(world, ball);
     double before = G * 1.0, first = before;
@@ -169,7 +169,7 @@ static void a_perfect_bounce_gains_no_energy(void **unused)
         daft_sim_state s = state_of(world, id);
         if (last > 0 && s.linear.y <= 0) {
             double energy = G * (s.position.y - 0.2) + 0.5 * (double)s.linear.y * (double)s.linear.y;
-            assert_true(energy < before * 1.001);
+            if (!(energy < before * 1.001)) fail_msg("bounce %d: %g after %g", bounces, energy, before);
             before = energy;
             bounces++;
         }
@@ -205,7 +205,7 @@ static void two_spheres_share_momentum(void **unused)
         double e = 0.25 * i, m1 = 1, m2 = 8; /* radii 0.5 and 1 of one density */
         daft_world *world = new_world();
         daft_world_set_gravity(world, daft_v3(0, 0, 0));
-        daft_sim_body_def a = sphere(0.5, -3, 0, 0), b = sphere(1, 3, 0, 0);
+        one_shape a = sphere(0.5, -3, 0, 0), b = sphere(1, 3, 0, 0);
         a.restitution = b.restitution = (float)e;
         uint32_t one = add(world, a), two = add(world, b);
         daft_world_set_velocity(world, one, daft_v3(6, 0, 0), daft_v3(0, 0, 0));
@@ -226,7 +226,7 @@ static void a_platform_carries_a_marble(void **unused)
 {
     (void)unused;
     daft_world *world = new_world();
-    daft_sim_body_def platform = box(daft_v3(4, 0.25f, 4), 0, -0.25, 0);
+    one_shape platform = box(daft_v3(4, 0.25f, 4), 0, -0.25, 0);
     platform.kind = DAFT_BODY_KINEMATIC;
     platform.rolling_resistance = 0.3f;
     uint32_t floor = add(world, platform), ball = add(world, sphere(0.3, 0.5, 0.3, 0));
@@ -251,7 +251,7 @@ static void a_turntable_takes_its_marble_along(void **unused)
 {
     (void)unused;
     daft_world *world = new_world();
-    daft_sim_body_def table = box(daft_v3(4, 0.5f, 4), 0, -0.5, 0);
+    one_shape table = box(daft_v3(4, 0.5f, 4), 0, -0.5, 0);
     table.kind = DAFT_BODY_KINEMATIC;
     table.rolling_resistance = 0.5f;
     uint32_t id = add(world, table), ball = add(world, sphere(0.3, 1, 0.3, 0));
@@ -272,7 +272,7 @@ static void a_swung_bat_hits(void **unused)
     (void)unused;
     daft_world *world = new_world();
     daft_world_set_gravity(world, daft_v3(0, 0, 0));
-    daft_sim_body_def bat = box(daft_v3(1, 0.2f, 0.05f), 0, 0, 0);
+    one_shape bat = box(daft_v3(1, 0.2f, 0.05f), 0, 0, 0);
     bat.kind = DAFT_BODY_KINEMATIC;
     uint32_t id = add(world, bat), ball = add(world, sphere(0.1, 0.8, 0, -0.6));
     for (int i = 1; i <= 10; i++) {
@@ -289,12 +289,13 @@ static void contacts_tell_who_touched_and_how_hard(void **unused)
 {
     (void)unused;
     daft_world *world = new_world();
-    daft_sim_body_def ground = box(daft_v3(5, 1, 5), 0, -1, 0), def = sphere(0.5, 1, 0.5, 2);
+    one_shape ground = box(daft_v3(5, 1, 5), 0, -1, 0), def = sphere(0.5, 1, 0.5, 2);
     ground.user = 70, def.user = 71;
     add(world, ground);
     uint32_t ball = add(world, def);
     def.user = 72, def.position.y = 50;
     add(world, def);
+    daft_world_set_sleeping(world, false);
     steps(world, 60);
     const daft_sim_contact *contacts;
     assert_int_equal(daft_world_contacts(world, &contacts), 1);
@@ -310,14 +311,15 @@ static void contacts_tell_who_touched_and_how_hard(void **unused)
     daft_world_destroy(world);
 }
 
-/* Marbles that touch each other first, what they touch of the tray last; each in the order of indices, a before b. */
+/* Each pair once, in the order of bodies, a before b. */
 static void contacts_come_in_a_fixed_order(void **unused)
 {
     (void)unused;
     daft_world *world = new_world();
+    daft_world_set_sleeping(world, false);
     add_tray(world, daft_dv3(0, 0, 0), 2);
     for (uint32_t i = 0; i < 20; i++) {
-        daft_sim_body_def ball = sphere(0.5, 0.1 * (i % 4), 1 + i, 0.1 * (i % 3));
+        one_shape ball = sphere(0.5, 0.1 * (i % 4), 1 + i, 0.1 * (i % 3));
         ball.user = 100 + i;
         add(world, ball);
     }
@@ -326,15 +328,13 @@ static void contacts_come_in_a_fixed_order(void **unused)
     uint32_t count = daft_world_contacts(world, &contacts), with_tray = 0, last = 0;
     assert_true(count > 20);
     for (uint32_t i = 0; i < count; i++) {
-        assert_true(contacts[i].user_a < contacts[i].user_b && contacts[i].impulse >= 0);
+        assert_true(contacts[i].body_a < contacts[i].body_b && contacts[i].impulse >= 0);
         assert_near((double)daft_length(contacts[i].normal), 1, 1e-5);
-        if (contacts[i].user_a < 100) {
-            with_tray++;
-        } else {
-            uint32_t order = contacts[i].user_a * 1000 + contacts[i].user_b;
-            assert_true(with_tray == 0 && order > last);
-            last = order;
-        }
+        with_tray += contacts[i].user_a < 100;
+        assert_true(contacts[i].user_b >= 100);
+        uint32_t order = contacts[i].body_a * 1000 + contacts[i].body_b;
+        assert_true(order > last);
+        last = order;
     }
     assert_true(with_tray > 4);
     daft_world_destroy(world);

@@ -247,6 +247,84 @@ typedef struct vf3 {
 } vf3;
 DAFT_INLINE vf vf3_dot(vf3 a, vf3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
+/* ---- rows of eight floats, gathered into lanes and back ---- */
+
+#ifdef DAFT_HAVE_X86
+/* Transposes the 4×4 floats that stand in each 128 bits of r. */
+DAFT_INLINE void vf_transpose4(vf r[4])
+{
+#if defined(DAFT_ISA_avx512)
+#define DAFT_UNPACK(which, a, b) _mm512_unpack##which##_ps((__m512)(a), (__m512)(b))
+#define DAFT_SHUFFLE(a, b, k)    (vf)_mm512_shuffle_ps(a, b, k)
+    typedef __m512 wide;
+#elif defined(DAFT_ISA_avx2)
+#define DAFT_UNPACK(which, a, b) _mm256_unpack##which##_ps((__m256)(a), (__m256)(b))
+#define DAFT_SHUFFLE(a, b, k)    (vf)_mm256_shuffle_ps(a, b, k)
+    typedef __m256 wide;
+#else
+#define DAFT_UNPACK(which, a, b) _mm_unpack##which##_ps((__m128)(a), (__m128)(b))
+#define DAFT_SHUFFLE(a, b, k)    (vf)_mm_shuffle_ps(a, b, k)
+    typedef __m128 wide;
+#endif
+    wide low01 = DAFT_UNPACK(lo, r[0], r[1]), high01 = DAFT_UNPACK(hi, r[0], r[1]);
+    wide low23 = DAFT_UNPACK(lo, r[2], r[3]), high23 = DAFT_UNPACK(hi, r[2], r[3]);
+    r[0] = DAFT_SHUFFLE(low01, low23, 0x44);
+    r[1] = DAFT_SHUFFLE(low01, low23, 0xee);
+    r[2] = DAFT_SHUFFLE(high01, high23, 0x44);
+    r[3] = DAFT_SHUFFLE(high01, high23, 0xee);
+#undef DAFT_UNPACK
+#undef DAFT_SHUFFLE
+}
+#endif
+
+/* out[k]: float k of the rows base + 8·row[lane]. Rows are 16-byte aligned. */
+DAFT_INLINE void vf_load_rows8(const float *base, const int32_t *row, vf out[8])
+{
+#ifdef DAFT_HAVE_X86
+    for (int half = 0; half < 2; half++) {
+        for (int i = 0; i < 4; i++) {
+            const float *from = base + 4 * half;
+#if defined(DAFT_ISA_avx512)
+            __m512 wide = _mm512_castps128_ps512(_mm_load_ps(from + 8 * row[i]));
+            wide = _mm512_mask_broadcast_f32x4(wide, 0x00f0, _mm_load_ps(from + 8 * row[4 + i]));
+            wide = _mm512_mask_broadcast_f32x4(wide, 0x0f00, _mm_load_ps(from + 8 * row[8 + i]));
+            out[4 * half + i] = (vf)_mm512_mask_broadcast_f32x4(wide, 0xf000, _mm_load_ps(from + 8 * row[12 + i]));
+#elif defined(DAFT_ISA_avx2)
+            __m256 wide = _mm256_castps128_ps256(_mm_load_ps(from + 8 * row[i]));
+            out[4 * half + i] = (vf)_mm256_insertf128_ps(wide, _mm_load_ps(from + 8 * row[4 + i]), 1);
+#else
+            out[4 * half + i] = (vf)_mm_load_ps(from + 8 * row[i]);
+#endif
+        }
+        vf_transpose4(out + 4 * half);
+    }
+#else
+    for (int k = 0; k < 8; k++)
+        for (int i = 0; i < DAFT_VL; i++) out[k][i] = base[8 * row[i] + k];
+#endif
+}
+
+/* The way back, for the lanes given; their rows differ. */
+DAFT_INLINE void vf_store_rows8(float *base, const int32_t *row, const vf in[8], vbits lanes)
+{
+    for (int half = 0; half < 2; half++) {
+        float square[4][DAFT_VL] __attribute__((aligned(64)));
+        vf r[4] = {in[4 * half], in[4 * half + 1], in[4 * half + 2], in[4 * half + 3]};
+#ifdef DAFT_HAVE_X86
+        vf_transpose4(r);
+        for (int k = 0; k < 4; k++) vf_store(square[k], r[k]);
+        for (int i = 0; i < DAFT_VL; i++)
+            if (lanes >> i & 1)
+                _mm_store_ps(base + 8 * row[i] + 4 * half, _mm_load_ps(&square[i & 3][i & ~3]));
+#else
+        for (int k = 0; k < 4; k++) vf_store(square[k], r[k]);
+        for (int i = 0; i < DAFT_VL; i++)
+            for (int k = 0; k < 4; k++)
+                if (lanes >> i & 1) base[8 * row[i] + 4 * half + k] = square[k][i];
+#endif
+    }
+}
+
 /* ---- 8 lanes ---- */
 
 typedef float v8 __attribute__((vector_size(32)));

@@ -24,9 +24,6 @@ bool daft_body_check(const daft_entity_def *def, daft_error *error)
     if (def->shape != DAFT_SHAPE_SPHERE && def->shape != DAFT_SHAPE_BOX)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the shape is %s; a body must be a sphere or a box",
                          kind, def->shape == DAFT_SHAPE_MESH ? "a mesh" : "none");
-    if (def->body == DAFT_BODY_DYNAMIC && def->shape != DAFT_SHAPE_SPHERE)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT,
-                         "body is dynamic but the shape is a box; a dynamic body must be a sphere");
     if (def->parent.id)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the entity has a parent; a body must have none",
                          kind);
@@ -49,6 +46,12 @@ bool daft_body_check_position(daft_dvec3 position, daft_error *error)
            daft_check_range(error, "position.z", position.z, -1e12, 1e12, allowed);
 }
 
+static bool shape_of(const daft_entity_def *def, daft_sim_shape *out, daft_error *error)
+{
+    if (def->shape == DAFT_SHAPE_SPHERE) return daft_shape_sphere(def->radius, out, error);
+    return daft_shape_box(daft_scale(def->size, 0.5f), out, error);
+}
+
 bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, uint32_t *body, daft_error *error)
 {
     *body = 0;
@@ -57,18 +60,21 @@ bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t en
         scene->world = daft_world_create(scene->allocator, error);
         if (!scene->world) return false;
         daft_world_set_gravity(scene->world, scene->gravity);
+        daft_world_set_workers(scene->world, scene->engine->threads, scene->engine->isa);
     }
-    daft_sim_body_def sim = {.kind = def->body,
-                             .shape = def->shape,
-                             .radius = def->radius,
-                             .half_extent = daft_scale(def->size, 0.5f),
-                             .position = def->position,
-                             .rotation = def->rotation,
-                             .density = def->density,
-                             .friction = def->friction,
-                             .restitution = def->restitution,
-                             .rolling_resistance = def->rolling_resistance,
-                             .user = entity};
+    daft_sim_shape_def shape = daft_default_sim_shape_def();
+    if (!shape_of(def, &shape.shape, error)) return false;
+    shape.density = def->density;
+    shape.material.friction = def->friction;
+    shape.material.restitution = def->restitution;
+    shape.material.rolling_resistance = def->rolling_resistance;
+    daft_sim_body_def sim = daft_default_sim_body_def();
+    sim.kind = def->body;
+    sim.position = def->position;
+    sim.rotation = def->rotation;
+    sim.shapes = &shape;
+    sim.shape_count = 1;
+    sim.user = entity;
     *body = daft_world_add(scene->world, &sim, error);
     return *body != 0;
 }

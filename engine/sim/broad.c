@@ -1,13 +1,14 @@
-/* The broad phase: which bodies may meet within a step. Static bodies stand in one tree with their exact bounds, the
- * others in a second one with fattened bounds, so that a body that moves a little does not touch the tree. A body's own
- * bounds (swept over the step, not fattened) decide in the end, so that pairs do not depend on the history of a tree.
- */
+/* The broad phase: which parts may meet within a step. Parts stand in the tree of their body's kind: static ones with
+ * their exact bounds, the others with fat ones, wider in the direction they move, so that one which moves a little does
+ * not touch the tree. Touches live as long as fat bounds meet; a part's own bounds over the step (tight) decide whether
+ * geometry is asked at all. */
 #include "sim/internal.h"
 
-/* Fat on each side, as a share of the reach. A leaf is entered anew when the body leaves it, or has grown much smaller
- * than it (a shot that has come to rest). */
-#define FAT  0.25
-#define SLIM 4.0
+/* Fat on each side, as a share of the reach, and how many steps' movement is taken ahead. A leaf is entered anew when
+ * the part leaves it, or has grown much smaller than it (a shot that has come to rest). */
+#define FAT   0.1
+#define AHEAD 3.0
+#define SLIM  4.0
 
 static daft_sim_bounds grown(const daft_sim_bounds *bounds, double by)
 {
@@ -15,59 +16,61 @@ static daft_sim_bounds grown(const daft_sim_bounds *bounds, double by)
     return (daft_sim_bounds){daft_dsub(bounds->low, d), daft_dadd(bounds->high, d)};
 }
 
-daft_sim_bounds daft_sim_shape_bounds(const daft_sim_body *body)
+static daft_sim_bounds stretched(const daft_sim_bounds *bounds, daft_dvec3 by)
 {
-    daft_dvec3 half = daft_dv3((double)body->reach, (double)body->reach, (double)body->reach);
-    if (body->shape == DAFT_SHAPE_BOX) {
-        const double *m = body->basis;
-        daft_dvec3 h = daft_to_double(body->half_extent);
-        half = daft_dv3(fabs(m[0]) * h.x + fabs(m[1]) * h.y + fabs(m[2]) * h.z,
-                        fabs(m[3]) * h.x + fabs(m[4]) * h.y + fabs(m[5]) * h.z,
-                        fabs(m[6]) * h.x + fabs(m[7]) * h.y + fabs(m[8]) * h.z);
-    }
-    return (daft_sim_bounds){daft_dsub(body->position, half), daft_dadd(body->position, half)};
+    daft_dvec3 zero = daft_dv3(0, 0, 0);
+    return (daft_sim_bounds){daft_dadd(bounds->low, daft_sim_dmin(by, zero)),
+                             daft_dadd(bounds->high, daft_sim_dmax(by, zero))};
 }
 
-static void enter(daft_world *world, uint32_t index)
+daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t index)
 {
-    daft_sim_body *body = &world->bodies[index];
-    double fat = body->kind == DAFT_BODY_STATIC ? 0 : FAT * (double)body->reach;
-    daft_sim_bounds bounds = grown(&body->bounds, fat);
-    body->leaf = daft_sim_tree_insert(&world->trees[body->kind], &bounds, index);
+    const daft_sim_part *part = &world->parts[index];
+    daft_rigid frame = daft_sim_part_frame(&world->bodies[part->body], part);
+    return daft_shape_bounds(&part->shape, &frame);
+}
+
+static void enter(daft_world *world, uint32_t index, daft_dvec3 ahead)
+{
+    daft_sim_part *part = &world->parts[index];
+    daft_body_kind kind = world->bodies[part->body].kind;
+    part->fat = part->tight;
+    if (kind != DAFT_BODY_STATIC) {
+        part->fat = grown(&part->tight, FAT * (double)part->reach);
+        part->fat = stretched(&part->fat, ahead);
+    }
+    part->leaf = daft_sim_tree_insert(&world->trees[kind], &part->fat, index);
+    if (part->moved_slot != DAFT_SIM_NONE) return;
+    part->moved_slot = (uint32_t)world->moved.count;
+    world->moved.items[world->moved.count++] = index; /* room for every part was reserved */
 }
 
 void daft_sim_broad_add(daft_world *world, uint32_t index)
 {
-    world->bodies[index].bounds = daft_sim_shape_bounds(&world->bodies[index]);
-    enter(world, index);
+    for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
+        world->parts[i].tight = daft_sim_part_bounds(world, i);
+        enter(world, i, daft_dv3(0, 0, 0));
+    }
 }
 
 void daft_sim_broad_remove(daft_world *world, uint32_t index)
 {
-    daft_sim_tree_remove(&world->trees[world->bodies[index].kind], world->bodies[index].leaf);
+    const daft_sim_body *body = &world->bodies[index];
+    for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
+        daft_sim_tree_remove(&world->trees[body->kind], world->parts[i].leaf);
+        uint32_t slot = world->parts[i].moved_slot;
+        if (slot == DAFT_SIM_NONE) continue;
+        uint32_t last = world->moved.items[--world->moved.count];
+        world->moved.items[slot] = last;
+        world->parts[last].moved_slot = slot;
+        world->parts[i].moved_slot = DAFT_SIM_NONE;
+    }
 }
 
 static bool contains(const daft_sim_bounds *outer, const daft_sim_bounds *inner)
 {
     return outer->low.x <= inner->low.x && outer->low.y <= inner->low.y && outer->low.z <= inner->low.z &&
            outer->high.x >= inner->high.x && outer->high.y >= inner->high.y && outer->high.z >= inner->high.z;
-}
-
-/* A dynamic body goes where its plan leads; a kinematic one that turns may be anywhere within its reach. */
-static daft_sim_bounds swept_bounds(const daft_sim_body *body, const daft_sim_motion *motion, float dt)
-{
-    daft_sim_bounds bounds = daft_sim_shape_bounds(body);
-    daft_vec3 w = motion->angular;
-    if (body->kind == DAFT_BODY_KINEMATIC && (w.x != 0 || w.y != 0 || w.z != 0)) {
-        double swing = (double)daft_length(w) * (double)dt;
-        double reach = (double)body->reach * (1 + (swing < 2 ? swing : 2));
-        daft_sim_bounds point = {body->position, body->position};
-        bounds = grown(&point, reach);
-    }
-    daft_dvec3 d = daft_to_double(motion->planned), zero = daft_dv3(0, 0, 0);
-    bounds.low = daft_dadd(bounds.low, daft_sim_dmin(d, zero));
-    bounds.high = daft_dadd(bounds.high, daft_sim_dmax(d, zero));
-    return bounds;
 }
 
 static double longest_side(const daft_sim_bounds *bounds)
@@ -77,18 +80,42 @@ static double longest_side(const daft_sim_bounds *bounds)
     return longest > d.z ? longest : d.z;
 }
 
-static void update(daft_world *world, uint32_t index, float dt)
+/* The margin of contacts, the way of the centre, and what turning adds: at most the reach from the centre, twice. */
+static void update(daft_world *world, uint32_t index, daft_dvec3 way, float turn)
 {
-    daft_sim_body *body = &world->bodies[index];
-    body->bounds = swept_bounds(body, &world->motions[index], dt);
-    const daft_sim_bounds *fat = &world->trees[body->kind].nodes[body->leaf].bounds;
-    if (contains(fat, &body->bounds) && longest_side(fat) <= SLIM * longest_side(&body->bounds)) return;
-    daft_sim_broad_remove(world, index);
-    enter(world, index);
+    daft_sim_part *part = &world->parts[index];
+    const daft_sim_body *body = &world->bodies[part->body];
+    daft_sim_bounds bounds = daft_sim_part_bounds(world, index);
+    float margin = daft_sim_min(DAFT_SIM_MARGIN * part->reach, DAFT_SIM_MAX_MARGIN);
+    bounds = grown(&bounds, (double)(margin + daft_sim_min(turn, 2) * body->extent));
+    part->tight = stretched(&bounds, way);
+    if (contains(&part->fat, &part->tight) && longest_side(&part->fat) <= SLIM * longest_side(&part->tight)) return;
+    daft_sim_tree_remove(&world->trees[body->kind], part->leaf);
+    enter(world, index, daft_dscale(way, AHEAD));
+}
+
+static void update_body(daft_world *world, uint32_t index, float dt)
+{
+    const daft_sim_body *body = &world->bodies[index];
+    daft_vec3 mean = body->linear;
+    float turn = 0;
+    if (body->kind == DAFT_BODY_DYNAMIC) {
+        daft_vec3 gain = daft_scale(body->force, body->inv_mass);
+        gain = daft_sim_clamp(daft_add(gain, daft_scale(world->gravity, body->gravity_scale)),
+                              DAFT_SIM_MAX_ACCELERATION);
+        mean = daft_add(mean, daft_scale(gain, dt));
+    }
+    if (!daft_sim_is_zero(body->angular)) turn = daft_length(body->angular) * dt;
+    daft_dvec3 way = daft_to_double(daft_scale(daft_sim_clamp(mean, DAFT_SIM_MAX_SPEED), dt));
+    for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
+        update(world, i, way, world->parts[i].round && !world->parts[i].posed &&
+                                      world->parts[i].shape.type == DAFT_GEOMETRY_SPHERE
+                                  ? 0
+                                  : turn);
 }
 
 void daft_sim_broad_update(daft_world *world, float dt)
 {
-    for (size_t i = 0; i < world->dynamics.count; i++) update(world, world->dynamics.items[i], dt);
-    for (size_t i = 0; i < world->movers.count; i++) update(world, world->movers.items[i], dt);
+    for (size_t i = 0; i < world->awake.count; i++) update_body(world, world->awake.items[i], dt);
+    for (size_t i = 0; i < world->movers.count; i++) update_body(world, world->movers.items[i], dt);
 }

@@ -1,24 +1,38 @@
-/* The inside of sim: bodies, the bounding-volume tree, contacts and the solver. No other room includes this.
+/* The inside of sim. No other room includes this.
  *
- * A step runs: tree bounds (broad.c) -> touching pairs (contacts.c, geometry from collide.c) -> substeps (solver.c) ->
- * poses, continuous check, report (step.c). Everything a step computes is a function of the bodies' state and of the
- * impulses kept from the step before: never of the tree's shape, of addresses or of time.
+ * Data. A world is arrays of records under indices:
+ *   body    what it is, where, how fast; its parts, touches and joints hang on it as lists of indices
+ *   part    one shape of a body: a leaf in the tree of the body's kind, in bounds that are wider than it (fat)
+ *   touch   two parts whose fat bounds meet, with the manifolds they have ("patches") and the impulses these carry
+ *           over to the next step. Part a's body is dynamic, except in touches of sensors; normals point from a to b.
+ *   joint   two bodies, a frame in each, and the impulses it carries over
  *
- * A body is two records under one index: `daft_sim_body`, what it is and where, and `daft_sim_motion`, the little that
- * the solver touches in every substep. */
+ * A body is active if it is dynamic and awake, or kinematic and moves. Only what is active is in a list that a step
+ * walks: `awake`, `movers`, and `listed`, the touches that have an active side, in the order of their keys. A body that
+ * sleeps is on a ring with those that fell asleep with it, and is woken with them.
+ *
+ * A step (step.c): fat bounds and new pairs (broad.c, pairs.c) -> manifolds (contacts.c) -> islands that are met wake
+ * (sleep.c) -> colours (colour.c) -> substeps (solver.c, solver_kernel.c, joint_solve.c, spin.c) -> sweeps (sweep.c),
+ * poses -> events (events.c) -> islands fall asleep (sleep.c).
+ *
+ * Everything a step computes is a function of bodies, touches and joints under their indices: never of the tree's
+ * shape, the order of lists, addresses, threads or time. So state can be saved as these records (save.c). */
 #ifndef DAFT_SIM_INTERNAL_H
 #define DAFT_SIM_INTERNAL_H
 
+#include "sim/manifold.h"
 #include "sim/sim.h"
 
 #define DAFT_SIM_NONE UINT32_MAX
 
 enum {
     DAFT_SIM_SUBSTEPS = 4,
-    DAFT_SIM_MAX_FIXED_CONTACTS = 64, /* of one sphere with bodies that do not yield: the nearest ones */
-    /* Pairs that count for the smaller sphere. Twelve equal spheres can touch one, so only overlap meets this bound; it
-     * keeps thousands of bodies in one spot from making millions of contacts. */
-    DAFT_SIM_MAX_PARTNERS = 32
+    DAFT_SIM_MAX_SUBSTEPS = 16,
+    /* Touches between dynamic parts that one part may own; the smaller one does, the one of lower index where they are
+     * equal. Twelve equal spheres can touch one, so only overlap meets this bound; it keeps thousands of bodies in one
+     * spot from making millions of touches. */
+    DAFT_SIM_MAX_PARTNERS = 32,
+    DAFT_SIM_MAX_PATCHES = 24 /* of one touch, with a mesh, field or compound */
 };
 
 /* Bounds that keep every float of the solver finite. Velocities beyond are clamped, definitions beyond refused. */
@@ -26,15 +40,16 @@ enum {
 #define DAFT_SIM_MAX_SPIN         1e6f /* rad/s */
 #define DAFT_SIM_MAX_ACCELERATION 1e9f /* m/s² */
 #define DAFT_SIM_MAX_DISTANCE     1e12 /* m from the origin */
-#define DAFT_SIM_MIN_SIZE         1e-4f
-#define DAFT_SIM_MAX_SIZE         1e7f
 #define DAFT_SIM_MIN_MASS         1e-15
 #define DAFT_SIM_MAX_MASS         1e24
 #define DAFT_SIM_MAX_DT           1.0f
 
-typedef struct daft_sim_bounds {
-    daft_dvec3 low, high;
-} daft_sim_bounds;
+/* Points up to this far apart, as a share of the smaller part's reach, get a contact even where nothing moves:
+ * another contact may push one into the other. Never more than the second, in metres. */
+#define DAFT_SIM_MARGIN     0.02f
+#define DAFT_SIM_MAX_MARGIN 0.02f
+
+typedef daft_daabb daft_sim_bounds;
 
 static inline bool daft_sim_overlap(const daft_sim_bounds *a, const daft_sim_bounds *b)
 {
@@ -44,12 +59,12 @@ static inline bool daft_sim_overlap(const daft_sim_bounds *a, const daft_sim_bou
 
 /* ---- the tree (tree.c) ---- */
 
-/* A height-balanced tree of bounds; leaves are bodies, entered and removed one at a time. */
+/* A height-balanced tree of bounds; leaves are parts, entered and removed one at a time. */
 typedef struct daft_sim_node {
     daft_sim_bounds bounds;
     uint32_t parent; /* the next free node, where this one is free */
     uint32_t child[2];
-    uint32_t body; /* DAFT_SIM_NONE: an inner node */
+    uint32_t part; /* DAFT_SIM_NONE: an inner node */
     int height;    /* 0: a leaf */
 } daft_sim_node;
 
@@ -59,120 +74,202 @@ typedef struct daft_sim_tree {
     uint32_t root, free_list, leaf_count;
 } daft_sim_tree;
 
-typedef void daft_sim_visit(void *context, uint32_t body);
+typedef void daft_sim_visit(void *context, uint32_t part);
 
 void daft_sim_tree_init(daft_sim_tree *tree);
-/* Room for one more leaf; an insert right after cannot fail. */
-bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator);
-uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds, uint32_t body);
+/* Room for `more` leaves; inserts right after cannot fail. */
+bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator, uint32_t more);
+uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds, uint32_t part);
 void daft_sim_tree_remove(daft_sim_tree *tree, uint32_t leaf);
 /* Calls visit for every leaf that overlaps, in an order that callers must not depend on. */
 void daft_sim_tree_query(const daft_sim_tree *tree, const daft_sim_bounds *bounds, daft_sim_visit *visit,
                          void *context);
 
-/* ---- bodies ---- */
-
-typedef struct daft_sim_body {
-    daft_body_kind kind; /* DAFT_BODY_NONE: a free slot */
-    daft_shape shape;
-    float radius; /* spheres */
-    daft_vec3 half_extent;
-    float reach; /* no point of the shape is farther from its centre */
-    float friction, restitution, rolling_resistance;
-    uint32_t user;
-
-    daft_dvec3 position;
-    daft_quat rotation;
-    double basis[9]; /* the rotation's matrix; boxes only */
-    daft_vec3 force; /* over the next step */
-
-    daft_dvec3 target_position; /* kinematic bodies with has_target: the pose at the end of the next step */
-    daft_quat target_rotation;
-    bool has_target;
-    bool follows; /* the velocity came from a target, so it ends with the step */
-    bool fresh;   /* new or teleported: impulses kept from the last step mean nothing */
-
-    daft_sim_bounds bounds; /* where the body will be during this step */
-    uint32_t leaf;          /* in the tree of its kind */
-    uint32_t list_slot;     /* in the list of its kind: dynamics or movers; or DAFT_SIM_NONE */
-    uint32_t next_free;
-} daft_sim_body;
-
-/* Static and kinematic bodies have zero inverse mass and inertia, so impulses leave them alone without a branch.
- * A sphere's inertia is the same about every axis: one number. */
-typedef struct daft_sim_motion {
-    daft_vec3 linear, angular; /* m/s, rad/s, world axes */
-    daft_vec3 delta;           /* movement since the step began; a float, so precision does not fade far out */
-    daft_quat turn;            /* rotation since the step began */
-    daft_vec3 planned;         /* the movement of this step, if nothing is hit */
-    daft_vec3 acceleration;    /* from gravity and forces, over this step */
-    daft_vec3 gain;            /* of linear velocity from them, in this substep */
-    float inv_mass, inv_inertia;
-    bool pushed; /* a contact acted in this substep */
-    /* The hardest of the contacts with bodies that do not yield: its impulse in the last substep, and which way it
-     * pushes. */
-    float support_impulse;
-    daft_vec3 support;
-} daft_sim_motion;
-
-/* ---- contacts ---- */
-
-/* Where a sphere touches another body, or will within the step. */
-typedef struct daft_sim_touch {
-    daft_dvec3 centre; /* of the sphere as it touches: where it is now, or on its way */
-    daft_dvec3 point;  /* on the other body's surface */
-    daft_vec3 normal;  /* from the other body to the sphere */
-    double time;       /* 0: now; else the share of the step after which they meet */
-    double separation; /* now, along the normal */
-} daft_sim_touch;
-
-typedef struct daft_sim_point {
-    uint64_t key;     /* contacts are in the order of keys: yielding pairs first, then by a and b */
-    uint32_t a, b;    /* body indices, a < b */
-    daft_vec3 normal; /* from a to b */
-    /* From a body's centre. The core turns with the body and the rounding around it does not, so a rolling sphere
-     * (core: its centre) keeps its separation. Impulses act at the anchor. */
-    daft_vec3 core_a, core_b, anchor_a, anchor_b;
-    float separation; /* as the step began */
-    float friction, restitution;
-    float rolling; /* metres: torque at most this times the normal force */
-    float normal_mass, tangent_mass, rolling_mass;
-    float held_mass; /* along the normal, with what supports the two bodies */
-    float approach;  /* speed at which they meet, along the normal; m/s, 0 or more */
-    bool turns;      /* a core moves by turning */
-    bool fixed;      /* one of the two does not yield */
-    /* Of the last substep; the next one starts with them. */
-    float normal_impulse;
-    daft_vec3 friction_impulse, rolling_impulse;
-    float total_impulse; /* normal, summed over the step */
-} daft_sim_point;
+/* ---- records ---- */
 
 typedef struct daft_sim_list {
     uint32_t *items;
     size_t count, capacity;
 } daft_sim_list;
 
+typedef struct daft_sim_part {
+    daft_sim_shape shape;
+    daft_rigid pose; /* in the body */
+    daft_vec3 place; /* the same as it was given, */
+    daft_quat turn;
+    daft_sim_material material;
+    float density;
+    uint32_t layers, mask, user, geometry_id;
+    uint32_t body; /* DAFT_SIM_NONE: a free slot */
+    uint32_t next; /* part of the body, in the order of its definition; the next free slot */
+    uint32_t leaf;
+    uint32_t owned; /* touches counted against DAFT_SIM_MAX_PARTNERS */
+    float reach;    /* no point is farther from the part's origin */
+    daft_vec3 middle; /* in the part: of a ball within it, */
+    float inner;      /* its radius; 0: a surface */
+    float roll;     /* radius that rolling resistance counts with */
+    bool round;     /* sphere or capsule */
+    bool posed;     /* pose is not the identity */
+    bool sensor;
+    uint32_t moved_slot; /* in the list of those that entered the tree anew, to be asked for new pairs */
+    daft_sim_bounds fat;
+    daft_sim_bounds tight; /* where it may be during this step, and the margin; of what stands still: where it is */
+} daft_sim_part;
+
+typedef struct daft_sim_body {
+    daft_body_kind kind; /* DAFT_BODY_NONE: a free slot */
+    uint32_t user, locks;
+    bool bullet, may_sleep;
+    bool asleep;  /* dynamic */
+    bool constrained; /* scratch of a step: some constraint acts on it */
+
+    daft_dvec3 position, centre; /* of the origin; of mass */
+    daft_quat rotation;
+    daft_rigid frame; /* position and rotation */
+    daft_vec3 linear, angular;
+    daft_vec3 force, torque; /* over the next step */
+    float gravity_scale, linear_damping, angular_damping;
+
+    float wanted_mass; /* as defined; 0: from densities */
+    float mass, inv_mass;
+    daft_vec3 local_centre;
+    daft_vec3 moments;  /* principal, kg·m² */
+    daft_quat axes;     /* principal axes, in the body */
+    bool round;         /* all three moments are equal */
+    float extent;       /* no point is farther from the centre of mass */
+    float inner;        /* least of its parts': a move up to this is not swept */
+
+    daft_dvec3 target_position; /* kinematic bodies with has_target: the pose at the end of the next step */
+    daft_quat target_rotation;
+    bool has_target;
+    bool follows; /* the velocity came from a target, so it ends with the step */
+
+    uint32_t first_part, first_touch, first_joint; /* touch and joint: index · 2 + side */
+    uint32_t list_slot; /* in awake or movers, or DAFT_SIM_NONE */
+    uint32_t next_free;
+    uint32_t ring; /* asleep: the next body that fell asleep with it */
+    float rest;    /* seconds it has hardly moved */
+
+    uint32_t state;  /* in this step's solver; 0: does not move */
+    uint32_t island; /* scratch: parent in the union-find */
+} daft_sim_body;
+
+typedef struct daft_sim_patch_point {
+    daft_vec3 anchor; /* from a's centre of mass, world axes */
+    float separation;
+    uint32_t id;
+    float impulse; /* of the last substep; the next step starts with it */
+} daft_sim_patch_point;
+
+typedef struct daft_sim_patch {
+    uint32_t count;
+    daft_vec3 normal;
+    daft_sim_patch_point points[DAFT_MANIFOLD_POINTS];
+    daft_vec3 friction_impulse, rolling_impulse; /* world axes */
+    float twist_impulse;
+    /* How far b's surface was dragged along a's since it last slid, and turned about the normal: what sticks is drawn
+     * back by it, so that a stack does not creep. */
+    daft_vec3 slip;
+    float twist_slip;
+    float total_impulse; /* normal, summed over the step */
+    float speed;         /* with which they met, 0 or more */
+    daft_shape_part part_a, part_b;
+    daft_vec3 shift; /* of a against b on the way to where they meet, if they are apart still */
+} daft_sim_patch;
+
+typedef struct daft_sim_touch {
+    uint32_t part_a, part_b; /* part_a == DAFT_SIM_NONE: a free slot */
+    uint32_t body_a, body_b;
+    uint32_t next[2], previous[2]; /* in the lists of body a and b; next[0] of free slots: the next one */
+    bool sensor;
+    bool listed;
+    bool owned_by_a;
+    bool touching; /* as events tell it */
+    bool apart;    /* its fat bounds meet no longer */
+    daft_pair_cache cache;
+    float friction, static_friction, restitution, rolling; /* rolling in metres */
+    uint32_t patch_count;
+    daft_sim_patch own;
+    daft_sim_patch *more; /* DAFT_SIM_MAX_PATCHES of them where a part is not convex */
+} daft_sim_touch;
+
+typedef struct daft_sim_joint {
+    daft_joint_kind kind; /* 0: a free slot */
+    uint32_t body[2];     /* DAFT_SIM_NONE: the world */
+    uint32_t next[2], previous[2];
+    daft_quat frame[2];    /* x: the axis; in the body */
+    daft_vec3 anchor[2];   /* in the body, from its centre of mass; the world: unused */
+    daft_dvec3 fixed;      /* the anchor in the world, or the drag's target */
+    bool limit, motor, spring, collide;
+    float lower, upper, motor_speed, motor_force, hertz, damping, length, break_force, break_torque;
+    uint32_t user;
+    /* of the last substep: linear, angular, and along the axis: motor, low, high */
+    daft_vec3 linear_impulse, angular_impulse;
+    float motor_impulse, lower_impulse, upper_impulse, spring_impulse;
+    float force, torque; /* of the last step */
+} daft_sim_joint;
+
+/* Touches in the order of keys: part a, then part b. */
+typedef struct daft_sim_listed {
+    uint64_t key;
+    uint32_t touch;
+} daft_sim_listed;
+
+typedef struct daft_sim_listing {
+    daft_sim_listed *items;
+    size_t count, capacity;
+} daft_sim_listing;
+
+typedef struct daft_sim_event_list {
+    daft_sim_event *items;
+    size_t count, capacity;
+} daft_sim_event_list;
+
+typedef struct daft_sim_solver daft_sim_solver; /* solver.h: scratch of a step */
+
 struct daft_world {
     daft_allocator allocator;
     daft_vec3 gravity;
+    int substeps, workers, isa;
+    bool sleeping;
 
     daft_sim_body *bodies;
-    daft_sim_motion *motions;
-    size_t body_capacity, motion_capacity;
-    uint32_t body_count; /* high-water mark */
-    uint32_t free_list;
-    daft_sim_list dynamics; /* in no particular order */
-    daft_sim_list movers;   /* kinematic bodies with a target or a velocity, in no particular order */
+    size_t body_capacity;
+    uint32_t body_count, free_body; /* high-water mark */
+    uint32_t live_bodies;
+    daft_sim_part *parts;
+    size_t part_capacity;
+    uint32_t part_count, free_part;
+    daft_sim_touch *touches;
+    size_t touch_capacity;
+    uint32_t touch_count, free_touch;
+    daft_sim_joint *joints;
+    size_t joint_capacity;
+    uint32_t joint_count, free_joint, live_joints;
 
-    daft_sim_tree trees[DAFT_BODY_DYNAMIC + 1]; /* one for each kind; of what can move, in fattened bounds */
+    daft_sim_list awake;  /* dynamic */
+    daft_sim_list movers; /* kinematic bodies with a target or a velocity */
+    daft_sim_list moved;  /* parts to be asked for new pairs */
+    daft_sim_listing listed, fresh_listed, merged;
+    uint32_t *pair_slots; /* hash set of touches by their parts; DAFT_SIM_NONE: empty */
+    size_t pair_slot_count;
+    uint32_t live_touches;
 
-    daft_sim_point *points, *old_points; /* of this step and of the last */
-    size_t point_count, point_capacity, old_count, old_capacity;
+    daft_sim_tree trees[DAFT_BODY_DYNAMIC + 1]; /* one for each kind */
+    daft_sim_pair *pairs; /* DAFT_SIM_MATERIAL_KINDS²; friction < 0: none. NULL: none at all */
 
-    daft_sim_contact *report;
-    uint64_t *report_keys; /* a << 32 | b, to take out the contacts of a removed body */
-    size_t report_count, report_capacity, report_key_capacity;
+    daft_sim_solver *solver;
+    daft_sim_contact *report; /* first the contacts of what sleeps, made anew when some fell asleep or woke */
+    size_t report_count, report_capacity, report_asleep;
+    bool sleep_changed;
+    uint64_t *candidates; /* pairs.c: keys of touches to be made */
+    size_t candidate_count, candidate_capacity;
+    daft_sim_event_list events, pending; /* of the last step; of calls since */
+    daft_sim_counters counters;
+    bool lost_event; /* memory was out: the next step says so */
 };
+
+/* ---- small things ---- */
 
 static inline const daft_sim_body *daft_sim_find(const daft_world *world, uint32_t body)
 {
@@ -180,7 +277,18 @@ static inline const daft_sim_body *daft_sim_find(const daft_world *world, uint32
     const daft_sim_body *found = &world->bodies[body - 1];
     return found->kind == DAFT_BODY_NONE ? NULL : found;
 }
-
+static inline bool daft_sim_is_active(const daft_sim_body *body)
+{
+    return body->list_slot != DAFT_SIM_NONE;
+}
+static inline daft_sim_patch *daft_sim_patches(daft_sim_touch *touch)
+{
+    return touch->more ? touch->more : &touch->own;
+}
+static inline uint64_t daft_sim_touch_key(const daft_sim_touch *touch)
+{
+    return (uint64_t)touch->part_a << 32 | touch->part_b;
+}
 static inline daft_dvec3 daft_sim_dmin(daft_dvec3 a, daft_dvec3 b)
 {
     return daft_dv3(a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z);
@@ -189,44 +297,116 @@ static inline daft_dvec3 daft_sim_dmax(daft_dvec3 a, daft_dvec3 b)
 {
     return daft_dv3(a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z);
 }
+static inline float daft_sim_min(float a, float b) { return a < b ? a : b; }
+static inline float daft_sim_max(float a, float b) { return a > b ? a : b; }
+static inline bool daft_sim_is_zero(daft_vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
 /* A vector no longer than `limit`; NaN components become -limit first. */
 daft_vec3 daft_sim_clamp(daft_vec3 v, float limit);
 /* q turned by angular·h. The angle is right to the fifth order of |angular|·h. */
 daft_quat daft_sim_turn(daft_quat q, daft_vec3 angular, float h);
+/* The frame of a part in the world. */
+daft_rigid daft_sim_part_frame(const daft_sim_body *body, const daft_sim_part *part);
 
-/* ---- collide.c ---- */
+bool daft_sim_list_reserve(daft_world *world, daft_sim_list *list, size_t needed);
+void daft_sim_list_add(daft_world *world, daft_sim_list *list, uint32_t body);    /* room was reserved */
+void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t body); /* of bodies, by list_slot */
 
-/* Signed distance of p from the surface of a body's shape, negative inside; the surface's nearest point and the outward
- * normal there. */
-double daft_sim_distance(const daft_sim_body *body, daft_dvec3 p, daft_dvec3 *point, daft_dvec3 *normal);
-/* The ways out for a point inside a shape, by the number of the face; false when there are no more. */
-bool daft_sim_exit(const daft_sim_body *body, daft_dvec3 p, int face, daft_dvec3 *point, daft_dvec3 *normal,
-                   double *distance);
-/* How a sphere that moves by `motion` relative to `other` touches it: now, if no farther than margin, or on its way. */
-bool daft_sim_touch_sphere(const daft_sim_body *other, daft_dvec3 centre, double radius, daft_dvec3 motion,
-                           double margin, daft_sim_touch *touch);
+/* ---- body.c, mass of bodies ---- */
+
+/* Mass, centre and inertia from the parts. False with a message: no mass, or out of range. */
+bool daft_sim_body_weigh(const daft_world *world, daft_sim_body *body, daft_error *error);
+/* Sets pose and what follows from it. */
+void daft_sim_body_place(daft_sim_body *body, daft_dvec3 position, daft_quat rotation);
+/* The inverse of its inertia in world axes: xx, xy, xz, yy, yz, zz. Zero for what is not dynamic, or locked. */
+void daft_sim_body_inverse_inertia(const daft_sim_body *body, float out[6]);
+/* A kinematic body moves from now on; a dynamic one with its heap is awake. Neither fails: room was reserved. */
+void daft_sim_body_activate(daft_world *world, uint32_t index);
 
 /* ---- broad.c ---- */
 
-/* Bounds of a body's shape where it stands. */
-daft_sim_bounds daft_sim_shape_bounds(const daft_sim_body *body);
-/* Enters a body into its tree, for which there is room. */
-void daft_sim_broad_add(daft_world *world, uint32_t index);
-void daft_sim_broad_remove(daft_world *world, uint32_t index);
-/* Bounds over the coming step of everything that moves. */
+daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t part);
+/* Enters the parts of a body into the tree of its kind, for which there is room, and marks them moved. */
+void daft_sim_broad_add(daft_world *world, uint32_t body);
+void daft_sim_broad_remove(daft_world *world, uint32_t body);
+/* Fat bounds over the coming step of everything that moves. */
 void daft_sim_broad_update(daft_world *world, float dt);
+
+/* ---- pairs.c ---- */
+
+/* New touches of the parts that moved. False when memory is out. */
+bool daft_sim_pairs_find(daft_world *world);
+void daft_sim_touch_remove(daft_world *world, uint32_t touch);
+/* The same between steps: it leaves the listing too. */
+void daft_sim_touches_forget(daft_world *world, uint32_t body); /* the impulses they keep */
+void daft_sim_touch_drop(daft_world *world, uint32_t touch);
+void daft_sim_touches_remove(daft_world *world, uint32_t body);
+/* All touches of a body appear in the next listing. Room was reserved. */
+void daft_sim_touches_list(daft_world *world, uint32_t body);
+/* Takes out what is gone or asleep and merges what is new. False when memory is out. */
+bool daft_sim_listing_update(daft_world *world);
+/* Whether two parts may touch at all. */
+bool daft_sim_may_meet(const daft_world *world, uint32_t part_a, uint32_t part_b);
+/* For loading: enters a touch as it is into lists and set. */
+uint32_t daft_sim_touch_insert(daft_world *world, uint32_t part_a, uint32_t part_b);
+bool daft_sim_pairs_reserve(daft_world *world, size_t more);
 
 /* ---- contacts.c ---- */
 
-/* Fills world->points for the coming step. False when memory is out; the bodies are then as they were. */
-bool daft_sim_find_contacts(daft_world *world, float dt);
+/* Patches of everything listed. False when memory is out. */
+bool daft_sim_contacts_update(daft_world *world, float dt);
+void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch);
 
-/* ---- solver.c ---- */
+/* ---- ghost.c ---- */
 
-/* Moves velocities, deltas and turns over dt, and leaves the impulses in world->points. */
-void daft_sim_solve(daft_world *world, float dt);
-/* Separation now, with the movement since the step began. */
-float daft_sim_separation(const daft_sim_point *point, const daft_sim_motion *a, const daft_sim_motion *b);
+/* Contacts with inner edges and walls go. */
+void daft_sim_ghosts_drop(daft_world *world);
+
+/* ---- sleep.c ---- */
+
+void daft_sim_wake(daft_world *world, uint32_t body);
+/* Wakes what touches a body, and what is joined to it. */
+void daft_sim_wake_neighbours(daft_world *world, uint32_t body);
+void daft_sim_wake_all(daft_world *world);
+/* Heaps asleep that something active touches. */
+void daft_sim_wake_met(daft_world *world);
+/* Rest times, islands, and who falls asleep. */
+void daft_sim_sleep_update(daft_world *world, float dt);
+uint32_t daft_sim_island_count(daft_world *world);
+/* Puts a body's heap to sleep, if all of it may. */
+void daft_sim_sleep_island(daft_world *world, uint32_t body);
+
+/* ---- joint.c ---- */
+
+void daft_sim_joint_remove(daft_world *world, uint32_t joint, bool event);
+bool daft_sim_joints_reserve(daft_world *world, size_t more);
+uint32_t daft_sim_joint_insert(daft_world *world, const daft_sim_joint *joint); /* room was reserved */
+/* Those that the last step's forces break. */
+void daft_sim_joints_break(daft_world *world);
+bool daft_sim_joined(const daft_world *world, uint32_t body_a, uint32_t body_b); /* by one that does not collide */
+
+/* ---- sweep.c ---- */
+
+/* Where the solver puts the body of a row. */
+typedef struct daft_sim_target {
+    daft_dvec3 centre;
+    daft_quat rotation;
+    float share; /* of the way there, that it goes */
+    uint32_t sweeps;
+} daft_sim_target;
+/* The share of its way that a row's body can go before it hits something; 1: all. Changes nothing. */
+double daft_sim_sweep(const daft_world *world, uint32_t row, const daft_sim_target *targets, uint32_t *count);
+
+/* ---- events.c ---- */
+
+void daft_sim_event_end(daft_world *world, const daft_sim_touch *touch); /* it is about to go */
+void daft_sim_event_joint(daft_world *world, daft_sim_event_kind kind, uint32_t joint, float value);
+void daft_sim_event_sleep(daft_world *world, daft_sim_event_kind kind, uint32_t body);
+/* Contacts and events of the step just made. */
+/* A removed body's contacts leave the report. */
+void daft_sim_report_forget(daft_world *world, uint32_t body);
+bool daft_sim_report_reserve(daft_world *world);
+void daft_sim_report(daft_world *world);
+void daft_sim_events_deliver(daft_world *world);
 
 #endif

@@ -1,252 +1,284 @@
-/* The solver: substeps of soft contact constraints, each followed by a relaxation ("soft step", Catto, "Solver2D",
- * 2024; Macklin et al., "Small Steps in Physics Simulation", 2019). In a substep: forces change velocities, the
- * impulses of the last substep are applied, constraints are solved with a spring that pushes overlap apart, bodies
- * move, and constraints are solved again without the spring, which takes out the speed it gave. Bounces come last, at
- * the speed with which the surfaces truly met.
- *
- * A light body between a heavy one and the floor is where such solvers fail: an impulse that is right for the light one
- * hardly slows the heavy one. So a contact between yielding bodies is solved together with the contact that holds each
- * of them up: eliminating that one (the Schur complement) leaves the body's inverse mass without its part along the
- * support. The light body then weighs, downwards, as much as the floor. */
-#include "sim/internal.h"
+/* The order of a step's work on constraints ("soft step", Catto, "Solver2D", 2024). In each substep: forces change
+ * velocities, the impulses of the last substep are applied, joints and contacts are solved with springs that pull
+ * errors out, bodies move, and joints and contacts are solved again without the springs, which takes out the speed
+ * these gave. Bounces come last. */
+#include "sim/solver.h"
 
-#include <stdlib.h>
+enum {
+    BLOCK_GRAIN = 4,
+    ROW_GRAIN = 256,
+    JOINT_GRAIN = 16,
+    SPIN_GRAIN = 32,
+    PARALLEL_BLOCKS = 32, /* fewer are solved faster by one worker */
+    PARALLEL_JOINTS = 128
+};
 
-/* The spring of a contact: at most CONTACT_HERTZ and a quarter of the substeps' rate, heavily overdamped. Against what
- * does not yield, overlap is undone twice as fast and the impulse is rigid. PUSH_SPEED bounds how fast overlap is
- * undone, so that deep overlap does not explode. */
-#define CONTACT_HERTZ   30.0f
-#define CONTACT_DAMPING 10.0f
-#define PUSH_SPEED      3.0f
-#define BOUNCE_SPEED    1.0f /* m/s; slower contacts do not bounce */
-/* How much of a body's give towards its support is eliminated. All of it would leave a body between two supports with
- * no give at all, and an impulse without bound. */
-#define SUPPORT 0.999f
+/* How fast overlap is undone at most, so that deep overlap does not explode. */
+#define PUSH_SPEED 3.0f /* m/s */
 
-/* Shares of a rigid constraint's impulse and of the accumulated one, and speed per metre of overlap. */
-typedef struct softness {
-    float rate, mass, impulse;
-} softness;
+typedef struct context {
+    daft_world *world;
+    daft_sim_solver *s;
+    float dt;
+    daft_sim_substep substep;
+} context;
 
-typedef struct substep {
-    float h, inv_h;
-    softness yielding, fixed;
-    bool biased; /* springs act */
-} substep;
+/* ---- stages ---- */
 
-static softness make_soft(float hertz, float damping, float h)
+static void stage_fill(void *p, int argument, uint32_t first, uint32_t count)
 {
-    float omega = 2 * (float)DAFT_PI * hertz;
-    float a1 = 2 * damping + h * omega, a2 = h * omega * a1, a3 = 1 / (1 + a2);
-    return (softness){omega / a1, a2 * a3, a3};
+    (void)argument;
+    context *c = p;
+    for (uint32_t i = first; i < first + count; i++) daft_sim_block_fill(c->world, i, c->dt);
+    c->s->kernels->prepare(&c->s->rows, c->s->blocks + first, count);
 }
-
-float daft_sim_separation(const daft_sim_point *p, const daft_sim_motion *a, const daft_sim_motion *b)
+static void stage_store(void *p, int argument, uint32_t first, uint32_t count)
 {
-    daft_vec3 d = daft_sub(b->delta, a->delta);
-    if (p->turns) {
-        daft_vec3 turned_a = daft_sub(daft_quat_rotate(a->turn, p->core_a), p->core_a);
-        daft_vec3 turned_b = daft_sub(daft_quat_rotate(b->turn, p->core_b), p->core_b);
-        d = daft_add(d, daft_sub(turned_b, turned_a));
-    }
-    return p->separation + daft_dot(d, p->normal);
+    (void)argument;
+    context *c = p;
+    c->s->kernels->finish(&c->s->rows, c->s->blocks + first, count);
+    for (uint32_t i = first; i < first + count; i++) daft_sim_block_store(c->world, i);
 }
-
-static daft_vec3 relative_velocity(const daft_sim_point *p, const daft_sim_motion *a, const daft_sim_motion *b)
+static void stage_gain(void *p, int argument, uint32_t first, uint32_t count)
 {
-    daft_vec3 va = daft_add(a->linear, daft_cross(a->angular, p->anchor_a));
-    daft_vec3 vb = daft_add(b->linear, daft_cross(b->angular, p->anchor_b));
-    return daft_sub(vb, va);
+    (void)argument;
+    context *c = p;
+    c->s->kernels->gain(&c->s->rows, first, count, c->substep.h);
 }
-
-static void apply(const daft_sim_point *p, daft_sim_motion *a, daft_sim_motion *b, daft_vec3 impulse)
+static void stage_move(void *p, int argument, uint32_t first, uint32_t count)
 {
-    a->linear = daft_sub(a->linear, daft_scale(impulse, a->inv_mass));
-    a->angular = daft_sub(a->angular, daft_scale(daft_cross(p->anchor_a, impulse), a->inv_inertia));
-    b->linear = daft_add(b->linear, daft_scale(impulse, b->inv_mass));
-    b->angular = daft_add(b->angular, daft_scale(daft_cross(p->anchor_b, impulse), b->inv_inertia));
+    (void)argument;
+    context *c = p;
+    c->s->kernels->move(&c->s->rows, first, count, c->substep.h);
 }
-
-static void apply_torque(daft_sim_motion *a, daft_sim_motion *b, daft_vec3 impulse)
+static void stage_warm(void *p, int argument, uint32_t first, uint32_t count)
 {
-    a->angular = daft_sub(a->angular, daft_scale(impulse, a->inv_inertia));
-    b->angular = daft_add(b->angular, daft_scale(impulse, b->inv_inertia));
+    (void)argument;
+    context *c = p;
+    c->s->kernels->warm_start(&c->s->rows, c->s->blocks + first, count);
 }
-
-static daft_vec3 limited(daft_vec3 v, float limit)
+static void stage_solve(void *p, int biased, uint32_t first, uint32_t count)
 {
-    float length = daft_length(v);
-    return length > limit ? daft_scale(v, limit / length) : v;
+    context *c = p;
+    c->s->kernels->solve(&c->s->rows, c->s->blocks + first, count, &c->substep, biased);
 }
-
-/* Coulomb's cone: the friction impulse opposes sliding and is at most friction times the normal impulse. */
-static void solve_friction(daft_sim_point *p, daft_sim_motion *a, daft_sim_motion *b)
+static void stage_bounce(void *p, int argument, uint32_t first, uint32_t count)
 {
-    daft_vec3 v = relative_velocity(p, a, b);
-    v = daft_sub(v, daft_scale(p->normal, daft_dot(v, p->normal)));
-    daft_vec3 wanted = daft_sub(p->friction_impulse, daft_scale(v, p->tangent_mass));
-    wanted = limited(wanted, p->friction * p->normal_impulse);
-    daft_vec3 change = daft_sub(wanted, p->friction_impulse);
-    p->friction_impulse = wanted;
-    apply(p, a, b, change);
+    (void)argument;
+    context *c = p;
+    c->s->kernels->bounce(&c->s->rows, c->s->blocks + first, count);
 }
-
-static void solve_rolling(daft_sim_point *p, daft_sim_motion *a, daft_sim_motion *b)
+static void stage_joint_begin(void *p, int argument, uint32_t first, uint32_t count)
 {
-    daft_vec3 spin = daft_sub(b->angular, a->angular);
-    daft_vec3 wanted = daft_sub(p->rolling_impulse, daft_scale(spin, p->rolling_mass));
-    wanted = limited(wanted, p->rolling * p->normal_impulse);
-    apply_torque(a, b, daft_sub(wanted, p->rolling_impulse));
-    p->rolling_impulse = wanted;
+    (void)argument;
+    context *c = p;
+    for (uint32_t i = first; i < first + count; i++) daft_sim_joint_begin(c->world, &c->s->joint_rows[i]);
 }
-
-static void solve_normal(daft_sim_point *p, daft_sim_motion *a, daft_sim_motion *b, const substep *s)
+static void stage_joint_warm(void *p, int argument, uint32_t first, uint32_t count)
 {
-    float separation = daft_sim_separation(p, a, b), bias = 0;
-    softness soft = {0, 1, 0};
-    if (separation > 0) {
-        bias = separation * s->inv_h; /* they may close the gap within the substep and no more */
-    } else if (s->biased) {
-        soft = p->fixed ? s->fixed : s->yielding;
-        bias = separation * soft.rate > -PUSH_SPEED ? separation * soft.rate : -PUSH_SPEED;
-    }
-    float speed = daft_dot(relative_velocity(p, a, b), p->normal);
-    float wanted = p->normal_impulse - p->held_mass * soft.mass * (speed + bias) - soft.impulse * p->normal_impulse;
-    if (!(wanted > 0)) wanted = 0;
-    apply(p, a, b, daft_scale(p->normal, wanted - p->normal_impulse));
-    p->normal_impulse = wanted;
+    (void)argument;
+    context *c = p;
+    for (uint32_t i = first; i < first + count; i++)
+        daft_sim_joint_warm_start(c->world, &c->s->joint_rows[i], &c->substep);
 }
-
-static void solve_points(daft_world *world, const substep *s)
+static void stage_joint_solve(void *p, int biased, uint32_t first, uint32_t count)
 {
-    for (size_t i = 0; i < world->point_count; i++) {
-        daft_sim_point *p = &world->points[i];
-        daft_sim_motion *a = &world->motions[p->a], *b = &world->motions[p->b];
-        solve_normal(p, a, b, s);
-        solve_friction(p, a, b);
-        if (p->rolling > 0) solve_rolling(p, a, b);
+    context *c = p;
+    for (uint32_t i = first; i < first + count; i++)
+        daft_sim_joint_solve(c->world, &c->s->joint_rows[i], &c->substep, biased);
+}
+static void stage_joint_end(void *p, int argument, uint32_t first, uint32_t count)
+{
+    (void)argument;
+    context *c = p;
+    for (uint32_t i = first; i < first + count; i++) daft_sim_joint_end(c->world, &c->s->joint_rows[i], c->dt);
+}
+enum { SPIN_BEFORE, SPIN_BETWEEN, SPIN_AFTER };
+static void stage_spin(void *p, int when, uint32_t first, uint32_t count)
+{
+    context *c = p;
+    for (uint32_t i = first; i < first + count; i++) {
+        daft_sim_spin *spin = &c->s->spins[i];
+        if (when == SPIN_BEFORE) daft_sim_spin_before(c->world, spin, c->substep.h);
+        if (when == SPIN_BETWEEN) daft_sim_spin_between(c->world, spin);
+        if (when == SPIN_AFTER) daft_sim_spin_after(c->world, spin);
     }
 }
 
-static void warm_start(daft_world *world)
+/* ---- the list ---- */
+
+typedef void stage_run(void *context, int argument, uint32_t first, uint32_t count);
+
+static void add(daft_sim_solver *s, stage_run *run, int argument, uint32_t first, uint32_t count, uint32_t grain)
 {
-    for (size_t i = 0; i < world->point_count; i++) {
-        const daft_sim_point *p = &world->points[i];
-        daft_sim_motion *a = &world->motions[p->a], *b = &world->motions[p->b];
-        apply(p, a, b, daft_add(daft_scale(p->normal, p->normal_impulse), p->friction_impulse));
-        apply_torque(a, b, p->rolling_impulse);
+    daft_sim_stages_add(s->stages, (daft_sim_stage){run, argument, first, count, grain});
+}
+static void add_contacts(daft_sim_solver *s, stage_run *run, int argument)
+{
+    for (uint32_t i = 0; i < s->colour_count; i++)
+        add(s, run, argument, s->colours[i].first, s->colours[i].count, BLOCK_GRAIN);
+}
+static void add_joints(daft_sim_solver *s, stage_run *run, int argument)
+{
+    for (uint32_t i = 0; i < s->joint_colour_count; i++)
+        add(s, run, argument, s->joint_colours[i].first, s->joint_colours[i].count, JOINT_GRAIN);
+}
+
+static void add_substep(daft_sim_solver *s)
+{
+    uint32_t rows = s->row_count - 1, dynamic = 1 + s->mover_count;
+    add(s, stage_gain, 0, dynamic, s->row_count - dynamic, ROW_GRAIN);
+    add(s, stage_spin, SPIN_BEFORE, 0, s->spin_count, SPIN_GRAIN);
+    add_joints(s, stage_joint_warm, 0);
+    add_contacts(s, stage_warm, 0);
+    add_joints(s, stage_joint_solve, true);
+    add_contacts(s, stage_solve, true);
+    add(s, stage_spin, SPIN_BETWEEN, 0, s->spin_count, SPIN_GRAIN);
+    add(s, stage_move, 0, 1, rows, ROW_GRAIN);
+    add(s, stage_spin, SPIN_AFTER, 0, s->spin_count, SPIN_GRAIN);
+    add_joints(s, stage_joint_solve, false);
+    add_contacts(s, stage_solve, false);
+}
+
+static size_t most_stages(const daft_world *world)
+{
+    const daft_sim_solver *s = world->solver;
+    size_t substep = 8 + 3 * ((size_t)s->colour_count + s->joint_colour_count);
+    return 8 + (size_t)world->substeps * substep + s->colour_count;
+}
+
+bool daft_sim_solve_reserve(daft_world *world)
+{
+    daft_sim_solver *s = world->solver;
+    return daft_sim_stages_reserve(s->stages, most_stages(world)) &&
+           daft_grow(&world->allocator, &s->targets, &s->target_capacity, s->row_count, 0, sizeof *s->targets) &&
+           daft_grow(&world->allocator, &s->spins, &s->spin_capacity, s->row_count, 0, sizeof *s->spins);
+}
+
+/* ---- rows ---- */
+
+static void put(float *row, daft_vec3 a, daft_vec3 b)
+{
+    row[0] = a.x, row[1] = a.y, row[2] = a.z, row[3] = b.x, row[4] = b.y, row[5] = b.z, row[6] = row[7] = 0;
+}
+
+static daft_vec3 apply_inertia(const float m[6], daft_vec3 v)
+{
+    return daft_v3(m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z,
+                   m[2] * v.x + m[4] * v.y + m[5] * v.z);
+}
+
+/* A body in free flight moves by the mean of its velocities under gravity, which is exact; a force that the game gives
+ * acts on it at once, so that one that depends on where the body is, like an orbit's, is integrated by the symplectic
+ * Euler method, whose energy does not drift. A body that something holds gets all of it evenly over the substeps. */
+static void fill_row(const daft_world *world, uint32_t row, float dt)
+{
+    const daft_sim_rows *rows = &world->solver->rows;
+    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    size_t at = (size_t)row * DAFT_SIM_ROW;
+    float *velocity = rows->velocity + at, *gain = rows->gain + at, *mass = rows->mass + at, *turn = rows->turn + at;
+    daft_vec3 zero = daft_v3(0, 0, 0), linear = body->linear, angular = body->angular, push = zero, twist = zero;
+    float h = dt / (float)world->substeps;
+    put(rows->moved + at, zero, zero);
+    turn[0] = turn[1] = turn[2] = 0, turn[3] = 1;
+    mass[0] = body->inv_mass;
+    daft_sim_body_inverse_inertia(body, mass + 1);
+    bool dynamic = body->kind == DAFT_BODY_DYNAMIC;
+    if (dynamic) {
+        push = daft_sim_clamp(daft_scale(body->force, body->inv_mass), DAFT_SIM_MAX_ACCELERATION);
+        twist = daft_sim_clamp(apply_inertia(mass + 1, body->torque), DAFT_SIM_MAX_ACCELERATION);
+        if (!body->constrained) {
+            linear = daft_sim_clamp(daft_add(linear, daft_scale(push, dt)), DAFT_SIM_MAX_SPEED);
+            angular = daft_sim_clamp(daft_add(angular, daft_scale(twist, dt)), DAFT_SIM_MAX_SPIN);
+            push = twist = zero;
+        }
+        push = daft_add(push, daft_scale(world->gravity, body->gravity_scale));
+    }
+    put(velocity, linear, angular);
+    put(gain, push, twist);
+    gain[6] = dynamic && !body->constrained ? 1 : 0;
+    gain[7] = 1 / (1 + h * body->linear_damping);
+    mass[7] = 1 / (1 + h * body->angular_damping);
+}
+
+/* Bodies under constraints are left to these where they turn slowly: what is lost is second order in the turn of a
+ * substep. */
+#define SLOW_TURN 0.02f /* rad */
+#define NO_TURN   1e-6f
+#define WILD_TURN 0.8f
+
+static void add_spin(daft_world *world, uint32_t row, float h)
+{
+    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    if (body->kind != DAFT_BODY_DYNAMIC || body->round || body->locks & DAFT_SIM_LOCK_ROTATION) return;
+    float turn = daft_length(body->angular) * h;
+    if (turn > (body->constrained ? SLOW_TURN : NO_TURN) && turn < WILD_TURN)
+        world->solver->spins[world->solver->spin_count++] = (daft_sim_spin){.row = row};
+}
+
+static void fill_rows(daft_world *world, float dt)
+{
+    const daft_sim_rows *rows = &world->solver->rows;
+    float *zero[] = {rows->velocity, rows->moved, rows->gain, rows->turn, rows->mass};
+    for (size_t i = 0; i < DAFT_COUNT_OF(zero); i++)
+        for (int k = 0; k < DAFT_SIM_ROW; k++) zero[i][k] = 0;
+    rows->turn[3] = 1;
+    world->solver->spin_count = 0;
+    for (uint32_t row = 1; row < world->solver->row_count; row++) {
+        fill_row(world, row, dt);
+        add_spin(world, row, dt / (float)world->substeps);
     }
 }
 
-static void note_support(daft_sim_motion *m, daft_vec3 push, float impulse)
-{
-    if (impulse <= m->support_impulse) return;
-    m->support_impulse = impulse;
-    m->support = push;
-}
-
-/* The inverse mass of a body pushed along a unit vector, with its support. */
-static float held_inverse_mass(const daft_sim_motion *m, daft_vec3 along)
-{
-    float against = m->support_impulse > 0 ? -daft_dot(along, m->support) : 0;
-    return against > 0 ? m->inv_mass * (1 - SUPPORT * against * against) : m->inv_mass;
-}
-
-static void find_supports(daft_world *world)
-{
-    for (size_t i = 0; i < world->dynamics.count; i++) world->motions[world->dynamics.items[i]].support_impulse = 0;
-    for (size_t i = 0; i < world->point_count; i++) {
-        const daft_sim_point *p = &world->points[i];
-        daft_sim_motion *a = &world->motions[p->a], *b = &world->motions[p->b];
-        if (!p->fixed) continue;
-        if (a->inv_mass > 0)
-            note_support(a, daft_neg(p->normal), p->normal_impulse);
-        else
-            note_support(b, p->normal, p->normal_impulse);
-    }
-    for (size_t i = 0; i < world->point_count && !world->points[i].fixed; i++) {
-        daft_sim_point *p = &world->points[i];
-        p->held_mass = 1 / (held_inverse_mass(&world->motions[p->a], daft_neg(p->normal)) +
-                            held_inverse_mass(&world->motions[p->b], p->normal));
-    }
-}
-
-static void integrate_velocities(daft_world *world, float h)
-{
-    for (size_t i = 0; i < world->dynamics.count; i++) {
-        daft_sim_motion *m = &world->motions[world->dynamics.items[i]];
-        daft_vec3 before = m->linear;
-        m->linear = daft_sim_clamp(daft_add(before, daft_scale(m->acceleration, h)), DAFT_SIM_MAX_SPEED);
-        m->angular = daft_sim_clamp(m->angular, DAFT_SIM_MAX_SPIN);
-        m->gain = daft_sub(m->linear, before);
-        m->pushed = false;
-    }
-}
-
-static void mark_pushed(daft_world *world)
-{
-    for (size_t i = 0; i < world->point_count; i++) {
-        const daft_sim_point *p = &world->points[i];
-        if (p->normal_impulse > 0) world->motions[p->a].pushed = world->motions[p->b].pushed = true;
-    }
-}
-
-/* A body that nothing pushes moves by the mean of its velocities before and after: exact for a constant force. */
-static void move(daft_sim_motion *m, float h)
-{
-    daft_vec3 mean = m->pushed ? m->linear : daft_sub(m->linear, daft_scale(m->gain, 0.5f));
-    m->delta = daft_add(m->delta, daft_scale(mean, h));
-    if (m->angular.x != 0 || m->angular.y != 0 || m->angular.z != 0) m->turn = daft_sim_turn(m->turn, m->angular, h);
-}
-
-static void integrate_poses(daft_world *world, float h)
-{
-    for (size_t i = 0; i < world->dynamics.count; i++) move(&world->motions[world->dynamics.items[i]], h);
-    for (size_t i = 0; i < world->movers.count; i++) move(&world->motions[world->movers.items[i]], h);
-}
-
-/* The bounce's impulse adds to the step's, and gives friction its share; it is not kept for the next step's start. */
-static void bounce(daft_sim_point *p, daft_sim_motion *a, daft_sim_motion *b)
-{
-    float speed = daft_dot(relative_velocity(p, a, b), p->normal);
-    float impulse = -p->normal_mass * (speed - p->restitution * p->approach);
-    if (!(impulse > 0)) return;
-    apply(p, a, b, daft_scale(p->normal, impulse));
-    p->total_impulse += impulse;
-    p->normal_impulse = impulse;
-    p->friction_impulse = daft_v3(0, 0, 0);
-    solve_friction(p, a, b);
-    p->normal_impulse = 0;
-    p->friction_impulse = p->rolling_impulse = daft_v3(0, 0, 0);
-}
-
-static void bounce_points(daft_world *world)
-{
-    for (size_t i = 0; i < world->point_count; i++) {
-        daft_sim_point *p = &world->points[i];
-        if (p->restitution > 0 && p->approach > BOUNCE_SPEED && p->total_impulse > 0)
-            bounce(p, &world->motions[p->a], &world->motions[p->b]);
-    }
-}
-
+/* Rows of what bodies rotate by: they turn the velocity's other half too. */
 void daft_sim_solve(daft_world *world, float dt)
 {
-    substep s = {.h = dt / DAFT_SIM_SUBSTEPS, .inv_h = DAFT_SIM_SUBSTEPS / dt};
-    float hertz = 0.25f * s.inv_h < CONTACT_HERTZ ? 0.25f * s.inv_h : CONTACT_HERTZ;
-    s.yielding = make_soft(hertz, CONTACT_DAMPING, s.h);
-    s.fixed = (softness){make_soft(2 * hertz, CONTACT_DAMPING, s.h).rate, 1, 0};
-    for (int i = 0; i < DAFT_SIM_SUBSTEPS; i++) {
-        integrate_velocities(world, s.h);
-        warm_start(world);
-        find_supports(world);
-        s.biased = true;
-        solve_points(world, &s);
-        mark_pushed(world);
-        integrate_poses(world, s.h);
-        s.biased = false;
-        solve_points(world, &s);
-        for (size_t p = 0; p < world->point_count; p++)
-            world->points[p].total_impulse += world->points[p].normal_impulse;
+    daft_sim_solver *s = world->solver;
+    context c = {.world = world, .s = s, .dt = dt};
+    c.substep.h = dt / (float)world->substeps;
+    c.substep.inv_h = (float)world->substeps / dt;
+    c.substep.push_speed = PUSH_SPEED;
+    fill_rows(world, dt);
+    daft_sim_stages_clear(s->stages);
+    add(s, stage_fill, 0, 0, s->block_count, BLOCK_GRAIN);
+    add(s, stage_joint_begin, 0, 0, s->joint_count, JOINT_GRAIN);
+    for (int i = 0; i < world->substeps; i++) add_substep(s);
+    add_contacts(s, stage_bounce, 0);
+    add(s, stage_store, 0, 0, s->block_count, BLOCK_GRAIN);
+    add(s, stage_joint_end, 0, 0, s->joint_count, JOINT_GRAIN);
+    bool large = s->block_count >= PARALLEL_BLOCKS || s->joint_count >= PARALLEL_JOINTS;
+    daft_sim_stages_run(s->stages, large ? world->workers : 1, &c);
+}
+
+/* ---- scratch ---- */
+
+bool daft_sim_solver_create(daft_world *world)
+{
+    static const daft_sim_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim);
+    if (!world->solver) {
+        world->solver = daft_alloc_zero(&world->allocator, 1, sizeof *world->solver);
+        if (!world->solver) return false;
+        world->solver->stages = daft_sim_stages_create(&world->allocator);
+        if (!world->solver->stages) {
+            daft_release(&world->allocator, world->solver);
+            world->solver = NULL;
+            return false;
+        }
     }
-    bounce_points(world);
+    world->solver->kernels = TABLE[world->isa];
+    return true;
+}
+
+void daft_sim_solver_destroy(daft_world *world)
+{
+    daft_sim_solver *s = world->solver;
+    if (!s) return;
+    daft_sim_stages_free(s->stages);
+    void *arrays[] = {s->rows.velocity, s->rows.moved, s->rows.gain,    s->rows.turn,     s->rows.mass,
+                      s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_rows,
+                      s->joint_colours, s->masks,      s->levels,       s->constraints,   s->colour_counts,
+                      s->spins,        s->targets};
+    for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
+    daft_release(&world->allocator, s);
+    world->solver = NULL;
 }

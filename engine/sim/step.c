@@ -1,14 +1,10 @@
-/* One step of the world: plans, contacts, solver, poses, report. A world without a dynamic body only moves its
- * kinematic bodies, and a world in which none of those move does nothing. */
-#include "sim/internal.h"
+/* One step of the world. A world without anything active does nothing. */
+#include "sim/solver.h"
 
 #include "math/real.h"
 
-/* A body that moved this much, and this much off its plan, in radii, is swept along its true path. The core that is
- * swept, as a share of the radius, is smaller than the sphere so that what it rolls on does not stop it. */
-#define FAST_MOVE  0.5f
-#define OFF_PLAN   0.25f
-#define SWEPT_CORE 0.5
+/* A body that moves more than this share of its inner radius in a step is swept. */
+#define FAST_MOVE 0.5f
 
 /* ---- kinematic bodies ---- */
 
@@ -23,159 +19,165 @@ static daft_vec3 turning(daft_quat from, daft_quat to, float dt)
     return daft_v3((float)(x * scale), (float)(y * scale), (float)(z * scale));
 }
 
-static bool at_rest(const daft_sim_motion *m)
-{
-    return m->linear.x == 0 && m->linear.y == 0 && m->linear.z == 0 && m->angular.x == 0 && m->angular.y == 0 &&
-           m->angular.z == 0;
-}
-
-static void begin_mover(daft_sim_body *body, daft_sim_motion *m, float dt)
+static void begin_mover(daft_sim_body *body, float dt)
 {
     if (body->has_target) {
         daft_dvec3 way = daft_dsub(body->target_position, body->position);
-        m->linear = daft_sim_clamp(daft_to_float(daft_dscale(way, 1 / (double)dt)), DAFT_SIM_MAX_SPEED);
-        m->angular = daft_sim_clamp(turning(body->rotation, body->target_rotation, dt), DAFT_SIM_MAX_SPIN);
+        body->linear = daft_sim_clamp(daft_to_float(daft_dscale(way, 1 / (double)dt)), DAFT_SIM_MAX_SPEED);
+        body->angular = daft_sim_clamp(turning(body->rotation, body->target_rotation, dt), DAFT_SIM_MAX_SPIN);
         body->follows = true;
     } else if (body->follows) {
-        m->linear = m->angular = daft_v3(0, 0, 0);
+        body->linear = body->angular = daft_v3(0, 0, 0);
         body->follows = false;
     }
-    m->delta = daft_v3(0, 0, 0);
-    m->turn = daft_quat_identity();
-    m->planned = daft_scale(m->linear, dt);
-}
-
-static void set_pose(daft_sim_body *body, daft_dvec3 position, daft_quat rotation)
-{
-    body->position = position;
-    body->rotation = rotation;
-    if (body->shape == DAFT_SHAPE_BOX) daft_quat_matrix(rotation, body->basis);
 }
 
 static void end_movers(daft_world *world, float dt)
 {
-    size_t kept = 0;
-    for (size_t i = 0; i < world->movers.count; i++) {
+    for (size_t i = world->movers.count; i-- > 0;) {
         uint32_t index = world->movers.items[i];
         daft_sim_body *body = &world->bodies[index];
-        daft_sim_motion *m = &world->motions[index];
+        bool still = daft_sim_is_zero(body->linear) && daft_sim_is_zero(body->angular);
         if (body->has_target)
-            set_pose(body, body->target_position, body->target_rotation);
-        else if (!at_rest(m))
-            set_pose(body, daft_dadd(body->position, daft_dscale(daft_to_double(m->linear), (double)dt)),
-                     daft_sim_turn(body->rotation, m->angular, dt));
+            daft_sim_body_place(body, body->target_position, body->target_rotation);
+        else if (!still)
+            daft_sim_body_place(
+                body, daft_dadd(body->position, daft_dscale(daft_to_double(body->linear), (double)dt)),
+                daft_sim_turn(body->rotation, body->angular, dt));
+        if (still && !body->has_target) daft_sim_list_remove(world, &world->movers, index);
         body->has_target = false;
-        m->planned = daft_v3(0, 0, 0);
-        body->list_slot = at_rest(m) ? DAFT_SIM_NONE : (uint32_t)kept;
-        if (body->list_slot != DAFT_SIM_NONE) world->movers.items[kept++] = index;
     }
-    world->movers.count = kept;
 }
 
 /* ---- dynamic bodies ---- */
 
-static void begin_dynamic(const daft_world *world, const daft_sim_body *body, daft_sim_motion *m, float dt)
+static void place_centre(daft_sim_body *body, daft_dvec3 centre, daft_quat rotation)
 {
-    daft_vec3 acceleration = daft_add(world->gravity, daft_scale(body->force, m->inv_mass));
-    m->acceleration = daft_sim_clamp(acceleration, DAFT_SIM_MAX_ACCELERATION);
-    daft_vec3 mean = daft_add(m->linear, daft_scale(m->acceleration, 0.5f * dt));
-    m->planned = daft_scale(daft_sim_clamp(mean, DAFT_SIM_MAX_SPEED), dt);
-    m->delta = daft_v3(0, 0, 0);
-    m->turn = daft_quat_identity();
+    daft_dvec3 position = centre;
+    if (!daft_sim_is_zero(body->local_centre)) {
+        daft_rigid turned = daft_rigid_make(daft_dv3(0, 0, 0), rotation);
+        position = daft_dsub(centre, daft_rigid_vector(&turned, daft_to_double(body->local_centre)));
+    }
+    daft_sim_body_place(body, position, rotation);
+    body->centre = centre;
 }
 
-typedef struct sweep {
-    const daft_world *world;
-    const daft_sim_body *body;
-    daft_dvec3 way;
-    double share; /* of the way that is free */
-} sweep;
-
-static void visit_sweep(void *context, uint32_t index)
+static bool out_of_world(daft_dvec3 p)
 {
-    sweep *s = context;
-    daft_sim_touch touch;
-    double core = SWEPT_CORE * (double)s->body->radius;
-    if (daft_sim_touch_sphere(&s->world->bodies[index], s->body->position, core, s->way, 0, &touch) && touch.time > 0 &&
-        touch.time < s->share)
-        s->share = touch.time;
+    double limit = DAFT_SIM_MAX_DISTANCE;
+    return !(fabs(p.x) <= limit && fabs(p.y) <= limit && fabs(p.z) <= limit);
 }
 
-/* Contacts cover what a body meets on its plan. One that was deflected at speed may meet something else: it stops
- * there, and the next step finds the contact. */
-static daft_dvec3 free_way(const daft_world *world, uint32_t index)
+static daft_vec3 row3(const float *row) { return daft_v3(row[0], row[1], row[2]); }
+
+/* Velocities, and where the body is to go; it is still where it was. */
+static void take_row(daft_world *world, uint32_t row)
 {
-    const daft_sim_body *body = &world->bodies[index];
-    const daft_sim_motion *m = &world->motions[index];
-    daft_dvec3 way = daft_to_double(m->delta);
-    if (daft_length(m->delta) <= FAST_MOVE * body->radius ||
-        daft_length(daft_sub(m->delta, m->planned)) <= OFF_PLAN * body->radius)
-        return way;
-    daft_sim_bounds bounds = daft_sim_shape_bounds(body);
-    bounds.low = daft_dadd(bounds.low, daft_sim_dmin(way, daft_dv3(0, 0, 0)));
-    bounds.high = daft_dadd(bounds.high, daft_sim_dmax(way, daft_dv3(0, 0, 0)));
-    sweep s = {world, body, way, 1};
-    daft_sim_tree_query(&world->trees[DAFT_BODY_STATIC], &bounds, visit_sweep, &s);
-    return daft_dscale(way, s.share);
+    const daft_sim_rows *rows = &world->solver->rows;
+    daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    size_t at = (size_t)row * DAFT_SIM_ROW;
+    const float *v = rows->velocity + at, *t = rows->turn + at;
+    daft_vec3 linear = row3(v), angular = row3(v + 3), way = row3(rows->moved + at);
+    daft_quat turn = {t[0], t[1], t[2], t[3]};
+    daft_sim_target *target = &world->solver->targets[row];
+    *target = (daft_sim_target){body->centre, body->rotation, 1, 0};
+    if (!daft_finite3(linear) || !daft_finite3(angular)) linear = angular = daft_v3(0, 0, 0);
+    body->linear = daft_sim_clamp(linear, DAFT_SIM_MAX_SPEED);
+    body->angular = daft_sim_clamp(angular, DAFT_SIM_MAX_SPIN);
+    body->force = body->torque = daft_v3(0, 0, 0);
+    if (!daft_finite3(way) || !isfinite(turn.x + turn.y + turn.z + turn.w)) return;
+    target->centre = daft_dadd(body->centre, daft_to_double(way));
+    if (out_of_world(target->centre)) {
+        body->linear = daft_v3(0, 0, 0);
+        target->centre = body->centre;
+    }
+    if (turn.x != 0 || turn.y != 0 || turn.z != 0)
+        target->rotation = daft_quat_normalize(daft_quat_mul(turn, body->rotation));
 }
 
+static void sweep_row(daft_world *world, uint32_t row)
+{
+    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    const float *m = world->solver->rows.moved + (size_t)row * DAFT_SIM_ROW;
+    daft_sim_target *target = &world->solver->targets[row];
+    float swing = daft_length(row3(m + 3)) * daft_sim_max(body->extent - body->inner, 0);
+    if (daft_length(row3(m)) + daft_sim_min(swing, 2 * body->extent) <= FAST_MOVE * body->inner) return;
+    target->share = (float)daft_sim_sweep(world, row, world->solver->targets, &target->sweeps);
+}
+
+static void place_row(daft_world *world, uint32_t row)
+{
+    daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    const daft_sim_target *target = &world->solver->targets[row];
+    daft_dvec3 centre = target->centre;
+    daft_quat rotation = target->rotation;
+    if (target->share < 1) {
+        daft_dvec3 way = daft_dsub(centre, body->centre);
+        centre = daft_dadd(body->centre, daft_dscale(way, (double)target->share));
+        rotation = daft_quat_nlerp(body->rotation, rotation, target->share);
+    }
+    world->counters.sweeps += target->sweeps;
+    place_centre(body, centre, rotation);
+}
+
+enum { ROW_GRAIN = 64, PARALLEL_ROWS = 256 };
+
+static void sweep_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    daft_world *world = context;
+    uint32_t first = 1 + world->solver->mover_count + index * ROW_GRAIN, end = first + ROW_GRAIN;
+    for (uint32_t row = first; row < end && row < world->solver->row_count; row++) sweep_row(world, row);
+}
+
+/* All ways are swept before any body moves, so the order does not matter. */
 static void end_dynamics(daft_world *world)
 {
-    for (size_t i = 0; i < world->dynamics.count; i++) {
-        uint32_t index = world->dynamics.items[i];
-        daft_sim_body *body = &world->bodies[index];
-        daft_sim_motion *m = &world->motions[index];
-        m->linear = daft_sim_clamp(m->linear, DAFT_SIM_MAX_SPEED);
-        m->angular = daft_sim_clamp(m->angular, DAFT_SIM_MAX_SPIN);
-        set_pose(body, daft_dadd(body->position, free_way(world, index)),
-                 daft_quat_normalize(daft_quat_mul(m->turn, body->rotation)));
-        body->force = daft_v3(0, 0, 0);
-    }
+    uint32_t first = 1 + world->solver->mover_count, count = world->solver->row_count - first;
+    for (uint32_t row = first; row < first + count; row++) take_row(world, row);
+    daft_parallel_for(count >= PARALLEL_ROWS ? world->workers : 1, (count + ROW_GRAIN - 1) / ROW_GRAIN, sweep_range,
+                      world);
+    for (uint32_t row = first; row < first + count; row++) place_row(world, row);
 }
 
-/* ---- report ---- */
+/* ---- the step ---- */
 
-static bool reserve_report(daft_world *world)
+static void count(daft_world *world, uint32_t sweeps)
 {
-    return daft_grow(&world->allocator, &world->report, &world->report_capacity, world->point_count, 0,
-                     sizeof *world->report) &&
-           daft_grow(&world->allocator, &world->report_keys, &world->report_key_capacity, world->point_count, 0,
-                     sizeof *world->report_keys);
+    const daft_sim_solver *s = world->solver;
+    daft_sim_counters *c = &world->counters;
+    *c = (daft_sim_counters){.sweeps = sweeps, .pairs = (uint32_t)world->listed.count};
+    for (size_t i = 0; i < world->listed.count; i++)
+        c->contacts += world->touches[world->listed.items[i].touch].patch_count > 0;
+    for (uint32_t i = 0; i < s->block_count; i++)
+        for (int lane = 0; lane < s->blocks[i].lanes; lane++) {
+            c->rows += 3;
+            for (int p = 0; p < s->blocks[i].points; p++) c->rows += s->blocks[i].point[p].separation[lane] < 1e19f;
+        }
+    c->rows += 6 * s->joint_count;
+    c->colours = s->colour_count + s->joint_colour_count;
+    c->substeps = c->rows ? (uint32_t)world->substeps : 0;
+    c->islands = daft_sim_island_count(world);
 }
 
-/* Where the contact is after the step: on the sphere's surface. */
-static daft_dvec3 contact_point(const daft_world *world, const daft_sim_point *p)
+/* Finds what is there to be solved. Nothing has moved if it fails. */
+static bool find_work(daft_world *world, float dt)
 {
-    bool a_is_sphere = world->bodies[p->a].kind == DAFT_BODY_DYNAMIC;
-    const daft_sim_body *sphere = &world->bodies[a_is_sphere ? p->a : p->b];
-    return daft_dadd(sphere->position, daft_to_double(a_is_sphere ? p->anchor_a : p->anchor_b));
+    for (size_t i = 0; i < world->movers.count; i++) begin_mover(&world->bodies[world->movers.items[i]], dt);
+    daft_sim_broad_update(world, dt);
+    if (!daft_sim_pairs_find(world) || !daft_sim_listing_update(world)) return false;
+    if (!daft_sim_contacts_update(world, dt)) return false;
+    daft_sim_ghosts_drop(world);
+    daft_sim_wake_met(world);
+    return daft_sim_listing_update(world) && daft_sim_solver_create(world) && daft_sim_colour_all(world) &&
+           daft_sim_solve_reserve(world) && daft_sim_report_reserve(world) && !world->lost_event;
 }
 
-/* A pair is reported if it pressed on each other in the step, or touches at its end. */
-static void fill_report(daft_world *world)
+/* What was added or teleported may wake what sleeps. */
+static bool has_work(const daft_world *world)
 {
-    world->report_count = 0;
-    for (size_t i = 0; i < world->point_count; i++) {
-        const daft_sim_point *p = &world->points[i];
-        const daft_sim_motion *a = &world->motions[p->a], *b = &world->motions[p->b];
-        world->bodies[p->a].fresh = world->bodies[p->b].fresh = false;
-        if (!(p->total_impulse > 0) && daft_sim_separation(p, a, b) > 0) continue;
-        world->report_keys[world->report_count] = (uint64_t)p->a << 32 | p->b;
-        world->report[world->report_count++] = (daft_sim_contact){world->bodies[p->a].user, world->bodies[p->b].user,
-                                                                  contact_point(world, p), p->normal, p->total_impulse};
-    }
-}
-
-static void keep_points(daft_world *world)
-{
-    daft_sim_point *points = world->old_points;
-    size_t capacity = world->old_capacity;
-    world->old_points = world->points;
-    world->old_capacity = world->point_capacity;
-    world->old_count = world->point_count;
-    world->points = points;
-    world->point_capacity = capacity;
-    world->point_count = 0;
+    return world->awake.count + world->movers.count > 0 ||
+           (world->moved.count > 0 && world->trees[DAFT_BODY_DYNAMIC].leaf_count > 0);
 }
 
 bool daft_world_step(daft_world *world, float dt, daft_error *error)
@@ -184,20 +186,23 @@ bool daft_world_step(daft_world *world, float dt, daft_error *error)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "step: %g s is not within 0 to %g s", (double)dt,
                          (double)DAFT_SIM_MAX_DT);
     if (dt < 1e-9f) return true;
-    for (size_t i = 0; i < world->movers.count; i++) {
-        uint32_t index = world->movers.items[i];
-        begin_mover(&world->bodies[index], &world->motions[index], dt);
+    world->counters = (daft_sim_counters){0};
+    if (has_work(world)) {
+        if (!find_work(world, dt)) {
+            world->lost_event = false;
+            return daft_fail_memory(error, "a step of the simulation");
+        }
+        daft_sim_solve(world, dt);
+        world->counters.sweeps = 0;
+        end_dynamics(world);
+        end_movers(world, dt);
+        count(world, world->counters.sweeps);
+        daft_sim_report(world);
+        daft_sim_joints_break(world);
+        daft_sim_sleep_update(world, dt);
     }
-    for (size_t i = 0; i < world->dynamics.count; i++) {
-        uint32_t index = world->dynamics.items[i];
-        begin_dynamic(world, &world->bodies[index], &world->motions[index], dt);
-    }
-    daft_sim_broad_update(world, dt);
-    if (!daft_sim_find_contacts(world, dt) || !reserve_report(world)) return daft_fail_memory(error, "contacts");
-    daft_sim_solve(world, dt);
-    end_dynamics(world);
-    end_movers(world, dt);
-    fill_report(world);
-    keep_points(world);
-    return true;
+    daft_sim_events_deliver(world);
+    bool whole = !world->lost_event;
+    world->lost_event = false;
+    return whole || daft_fail_memory(error, "events");
 }

@@ -11,9 +11,9 @@ void daft_sim_tree_init(daft_sim_tree *tree)
     *tree = (daft_sim_tree){.root = DAFT_SIM_NONE, .free_list = DAFT_SIM_NONE};
 }
 
-bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator)
+bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator, uint32_t more)
 {
-    size_t needed = 2 * ((size_t)tree->leaf_count + 1); /* n leaves have n - 1 inner nodes */
+    size_t needed = 2 * ((size_t)tree->leaf_count + more); /* n leaves have n - 1 inner nodes */
     return daft_grow(allocator, &tree->nodes, &tree->capacity, needed, tree->used, sizeof *tree->nodes);
 }
 
@@ -124,15 +124,15 @@ static uint32_t best_sibling(const daft_sim_tree *tree, const daft_sim_bounds *b
     return index;
 }
 
-uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds, uint32_t body)
+uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds, uint32_t part)
 {
     uint32_t leaf = take_node(tree);
-    tree->nodes[leaf] = (daft_sim_node){*bounds, DAFT_SIM_NONE, {DAFT_SIM_NONE, DAFT_SIM_NONE}, body, 0};
+    tree->nodes[leaf] = (daft_sim_node){*bounds, DAFT_SIM_NONE, {DAFT_SIM_NONE, DAFT_SIM_NONE}, part, 0};
     tree->leaf_count++;
     if (tree->root == DAFT_SIM_NONE) return tree->root = leaf;
     uint32_t sibling = best_sibling(tree, bounds);
     uint32_t inner = take_node(tree);
-    tree->nodes[inner] = (daft_sim_node){.child = {sibling, leaf}, .body = DAFT_SIM_NONE};
+    tree->nodes[inner] = (daft_sim_node){.child = {sibling, leaf}, .part = DAFT_SIM_NONE};
     replace_child(tree, tree->nodes[sibling].parent, sibling, inner);
     tree->nodes[sibling].parent = inner;
     tree->nodes[leaf].parent = inner;
@@ -165,7 +165,7 @@ void daft_sim_tree_query(const daft_sim_tree *tree, const daft_sim_bounds *bound
         const daft_sim_node *node = &tree->nodes[stack[--depth]];
         if (!daft_sim_overlap(&node->bounds, bounds)) continue;
         if (node->height == 0) {
-            visit(context, node->body);
+            visit(context, node->part);
         } else {
             stack[depth++] = node->child[0];
             stack[depth++] = node->child[1];

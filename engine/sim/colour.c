@@ -1,0 +1,359 @@
+/* Rows for the bodies that move in this step, and colours for the constraints between them: constraints of one colour
+ * share no body that yields, so they can be solved side by side (graph colouring as in Box2D v3). Each constraint takes
+ * the lowest colour that is free at both its bodies, in the order of the listing; so the colours of one heap are its
+ * own, whatever else is in the world. Contacts with what does not yield come last: the solver ends with what cannot
+ * give way. */
+#include "sim/solver.h"
+
+#include <string.h>
+
+enum {
+    MASKED = 32, /* colours of each class that a body's mask tells; its further constraints climb level by level */
+    CLASSES = 2  /* 0: both bodies yield; 1: one of them */
+};
+
+#define UNUSED_SEPARATION 1e20f
+
+/* ---- rows ---- */
+
+static bool reserve_rows(daft_world *world, size_t needed)
+{
+    daft_sim_solver *s = world->solver;
+    if (needed <= s->row_capacity) return true;
+    size_t capacity = 0, floats = DAFT_SIM_ROW;
+    float **rows[] = {&s->rows.velocity, &s->rows.moved, &s->rows.gain, &s->rows.turn, &s->rows.mass};
+    needed += needed / 2;
+    for (size_t i = 0; i < DAFT_COUNT_OF(rows); i++) {
+        capacity = s->row_capacity * floats;
+        if (!daft_grow(&world->allocator, rows[i], &capacity, needed * floats, 0, sizeof(float))) {
+            s->row_capacity = 0; /* some are larger than others now: all will be made anew */
+            return false;
+        }
+    }
+    s->row_capacity = needed;
+    return true;
+}
+
+static bool assign_rows(daft_world *world)
+{
+    daft_sim_solver *s = world->solver;
+    size_t count = 1 + world->movers.count + world->awake.count;
+    if (!reserve_rows(world, count) ||
+        !daft_grow(&world->allocator, &s->row_bodies, &s->row_body_capacity, count, 0, sizeof *s->row_bodies) ||
+        !daft_grow(&world->allocator, &s->masks, &s->mask_capacity, count, 0, sizeof *s->masks) ||
+        !daft_grow(&world->allocator, &s->levels, &s->level_capacity, count * CLASSES, 0, sizeof *s->levels))
+        return false;
+    uint32_t row = 1;
+    s->row_bodies[0] = DAFT_SIM_NONE;
+    for (size_t i = 0; i < world->movers.count; i++) s->row_bodies[row++] = world->movers.items[i];
+    for (size_t i = 0; i < world->awake.count; i++) s->row_bodies[row++] = world->awake.items[i];
+    s->mover_count = (uint32_t)world->movers.count;
+    s->row_count = row;
+    for (uint32_t r = 1; r < row; r++) {
+        world->bodies[s->row_bodies[r]].state = r;
+        world->bodies[s->row_bodies[r]].constrained = false;
+    }
+    return true;
+}
+
+static uint32_t row_of(const daft_world *world, uint32_t body)
+{
+    return daft_sim_is_active(&world->bodies[body]) ? world->bodies[body].state : 0;
+}
+
+static bool yields(const daft_world *world, uint32_t row) { return row > world->solver->mover_count; }
+
+/* ---- colours ---- */
+
+/* The lowest colour free at both rows, and takes it. Row 0 and movers are always free. */
+static uint32_t take_colour(daft_sim_solver *s, uint32_t row_a, uint32_t row_b, uint32_t class)
+{
+    uint32_t shift = class * MASKED;
+    uint64_t taken = (s->masks[row_a] | s->masks[row_b]) >> shift & UINT32_MAX, bit;
+    if (taken != UINT32_MAX) {
+        uint32_t colour = (uint32_t)__builtin_ctzll(~taken);
+        bit = (uint64_t)1 << (colour + shift);
+        if (row_a > s->mover_count) s->masks[row_a] |= bit;
+        if (row_b > s->mover_count) s->masks[row_b] |= bit;
+        return colour;
+    }
+    uint32_t *a = &s->levels[row_a * CLASSES + class], *b = &s->levels[row_b * CLASSES + class];
+    uint32_t level = *a > *b ? *a : *b;
+    if (row_a > s->mover_count) *a = level + 1;
+    if (row_b > s->mover_count) *b = level + 1;
+    return MASKED + level;
+}
+
+static bool count_colour(daft_world *world, uint32_t colour, uint32_t class, uint32_t most[CLASSES])
+{
+    daft_sim_solver *s = world->solver;
+    size_t at = (size_t)colour * CLASSES + class, used = (size_t)(most[0] > most[1] ? most[0] : most[1]) * CLASSES;
+    if (colour >= most[class]) {
+        size_t wanted = ((size_t)colour + 1) * CLASSES;
+        if (!daft_grow(&world->allocator, &s->colour_counts, &s->colour_count_capacity, wanted, used,
+                       sizeof *s->colour_counts))
+            return false;
+        for (size_t i = used; i < wanted; i++) s->colour_counts[i] = 0;
+        most[class] = colour + 1;
+    }
+    s->colour_counts[at]++;
+    return true;
+}
+
+static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
+{
+    daft_sim_solver *s = world->solver;
+    s->constraint_count = 0;
+    for (size_t i = 0; i < world->listed.count; i++) {
+        uint32_t index = world->listed.items[i].touch;
+        const daft_sim_touch *touch = &world->touches[index];
+        if (touch->sensor || touch->patch_count == 0) continue;
+        uint32_t a = row_of(world, touch->body_a), b = row_of(world, touch->body_b);
+        if (!yields(world, a)) continue;
+        if (!daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity,
+                       s->constraint_count + touch->patch_count, s->constraint_count, sizeof *s->constraints))
+            return false;
+        world->bodies[touch->body_a].constrained = true;
+        if (yields(world, b)) world->bodies[touch->body_b].constrained = true;
+        for (uint32_t k = 0; k < touch->patch_count; k++) {
+            uint32_t class = !yields(world, b), colour = take_colour(s, a, b, class);
+            if (!count_colour(world, colour, class, most)) return false;
+            s->constraints[s->constraint_count++] = (daft_sim_constraint){index, k, a, b, colour << 1 | class};
+        }
+    }
+    return true;
+}
+
+/* Colours in order, each on whole blocks; colour_counts becomes the next free slot of each. */
+static bool lay_out(daft_world *world, const uint32_t most[CLASSES])
+{
+    daft_sim_solver *s = world->solver;
+    s->colour_count = s->block_count = 0;
+    if (!daft_grow(&world->allocator, &s->colours, &s->colour_capacity, (size_t)most[0] + most[1], 0,
+                   sizeof *s->colours))
+        return false;
+    for (uint32_t class = 0; class < CLASSES; class++)
+        for (uint32_t colour = 0; colour < most[class]; colour++) {
+            uint32_t *count = &s->colour_counts[colour * CLASSES + class];
+            uint32_t blocks = (*count + DAFT_SIM_LANES - 1) / DAFT_SIM_LANES;
+            *count = s->block_count * DAFT_SIM_LANES;
+            if (blocks == 0) continue;
+            s->colours[s->colour_count++] = (daft_sim_colour){s->block_count, blocks};
+            s->block_count += blocks;
+        }
+    return daft_grow(&world->allocator, &s->blocks, &s->block_capacity, s->block_count, 0, sizeof *s->blocks) &&
+           daft_grow(&world->allocator, &s->slots, &s->slot_capacity, (size_t)s->block_count * DAFT_SIM_LANES, 0,
+                     sizeof *s->slots);
+}
+
+static void place_contacts(daft_sim_solver *s)
+{
+    for (size_t i = 0; i < (size_t)s->block_count * DAFT_SIM_LANES; i++) s->slots[i].touch = DAFT_SIM_NONE;
+    for (size_t i = 0; i < s->constraint_count; i++) {
+        const daft_sim_constraint *c = &s->constraints[i];
+        uint32_t *next = &s->colour_counts[(c->colour >> 1) * CLASSES + (c->colour & 1)];
+        s->slots[(*next)++] = (daft_sim_slot){c->touch, c->patch};
+    }
+}
+
+static void clear_masks(daft_sim_solver *s)
+{
+    memset(s->masks, 0, s->row_count * sizeof *s->masks);
+    memset(s->levels, 0, (size_t)s->row_count * CLASSES * sizeof *s->levels);
+}
+
+/* ---- joints ---- */
+
+static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
+{
+    daft_sim_solver *s = world->solver;
+    s->constraint_count = 0;
+    for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
+        const daft_sim_joint *joint = &world->joints[i];
+        if (joint->kind == 0) continue;
+        uint32_t a = joint->body[0] == DAFT_SIM_NONE ? 0 : row_of(world, joint->body[0]);
+        uint32_t b = joint->body[1] == DAFT_SIM_NONE ? 0 : row_of(world, joint->body[1]);
+        if (!yields(world, a) && !yields(world, b)) continue;
+        if (!daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, s->constraint_count + 1,
+                       s->constraint_count, sizeof *s->constraints))
+            return false;
+        if (yields(world, a)) world->bodies[joint->body[0]].constrained = true;
+        if (yields(world, b)) world->bodies[joint->body[1]].constrained = true;
+        uint32_t class = !(yields(world, a) && yields(world, b)), colour = take_colour(s, a, b, class);
+        if (!count_colour(world, colour, class, most)) return false;
+        s->constraints[s->constraint_count++] = (daft_sim_constraint){i, 0, a, b, colour << 1 | class};
+    }
+    return true;
+}
+
+static bool place_joints(daft_world *world, const uint32_t most[CLASSES])
+{
+    daft_sim_solver *s = world->solver;
+    uint32_t first = 0;
+    s->joint_colour_count = 0;
+    s->joint_count = (uint32_t)s->constraint_count;
+    if (!daft_grow(&world->allocator, &s->joint_colours, &s->joint_colour_capacity, (size_t)most[0] + most[1], 0,
+                   sizeof *s->joint_colours) ||
+        !daft_grow(&world->allocator, &s->joint_rows, &s->joint_row_capacity, s->joint_count, 0,
+                   sizeof *s->joint_rows))
+        return false;
+    for (uint32_t class = 0; class < CLASSES; class++)
+        for (uint32_t colour = 0; colour < most[class]; colour++) {
+            uint32_t *count = &s->colour_counts[colour * CLASSES + class], n = *count;
+            *count = first;
+            if (n) s->joint_colours[s->joint_colour_count++] = (daft_sim_colour){first, n};
+            first += n;
+        }
+    for (size_t i = 0; i < s->constraint_count; i++) {
+        const daft_sim_constraint *c = &s->constraints[i];
+        uint32_t *next = &s->colour_counts[(c->colour >> 1) * CLASSES + (c->colour & 1)];
+        s->joint_rows[(*next)++] = (daft_sim_joint_row){.joint = c->touch, .row = {c->row_a, c->row_b}};
+    }
+    return true;
+}
+
+bool daft_sim_colour_all(daft_world *world)
+{
+    uint32_t most[CLASSES] = {0, 0}, joint_most[CLASSES] = {0, 0};
+    if (!assign_rows(world)) return false;
+    clear_masks(world->solver);
+    if (!colour_joints(world, joint_most) || !place_joints(world, joint_most)) return false;
+    clear_masks(world->solver);
+    if (!colour_contacts(world, most) || !lay_out(world, most)) return false;
+    place_contacts(world->solver);
+    return true;
+}
+
+/* ---- blocks ---- */
+
+static void put3(daft_sim_lanes *to, int lane, daft_vec3 v)
+{
+    to[0][lane] = v.x, to[1][lane] = v.y, to[2][lane] = v.z;
+}
+static daft_vec3 get3(daft_sim_lanes *from, int lane) { return daft_v3(from[0][lane], from[1][lane], from[2][lane]); }
+
+static daft_vec3 any_perpendicular(daft_vec3 n)
+{
+    daft_vec3 axis = fabsf(n.x) < 0.6f ? daft_v3(1, 0, 0) : daft_v3(0, 1, 0);
+    return daft_normalize(daft_cross(n, axis));
+}
+
+static daft_vec3 belt_of(const daft_world *world, uint32_t body, uint32_t part)
+{
+    daft_vec3 belt = world->parts[part].material.belt;
+    return daft_sim_is_zero(belt) ? belt : daft_quat_rotate(world->bodies[body].rotation, belt);
+}
+
+/* What sticks has static friction. */
+#define STICK_SPEED 0.02f /* m/s */
+
+static float friction_of(const daft_world *world, const daft_sim_touch *touch, const daft_sim_patch *patch)
+{
+    if (!(touch->static_friction > touch->friction)) return touch->friction;
+    const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
+    daft_vec3 ra = patch->points[0].anchor, rb = daft_add(ra, daft_to_float(daft_dsub(a->centre, b->centre)));
+    daft_vec3 v = daft_sub(daft_add(b->linear, daft_cross(b->angular, rb)),
+                           daft_add(a->linear, daft_cross(a->angular, ra)));
+    v = daft_sub(v, daft_scale(patch->normal, daft_dot(v, patch->normal)));
+    return daft_length(v) < STICK_SPEED ? touch->static_friction : touch->friction;
+}
+
+static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, const daft_sim_slot *slot,
+                      const float soft[2][3])
+{
+    daft_sim_touch *touch = &world->touches[slot->touch];
+    const daft_sim_patch *patch = &daft_sim_patches(touch)[slot->patch];
+    const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
+    uint32_t row_a = row_of(world, touch->body_a), row_b = row_of(world, touch->body_b);
+    bool fixed = !yields(world, row_b);
+    daft_vec3 n = patch->normal, t = any_perpendicular(n), u = daft_cross(n, t);
+    block->a[lane] = (int32_t)row_a, block->b[lane] = (int32_t)row_b;
+    block->writes_a |= 1u << lane;
+    if (!fixed) block->writes_b |= 1u << lane;
+    put3(block->normal, lane, n);
+    put3(block->tangent, lane, t);
+    put3(block->apart, lane, daft_add(daft_to_float(daft_dsub(a->centre, b->centre)), patch->shift));
+    block->rate[lane] = soft[fixed][0], block->soft_mass[lane] = soft[fixed][1];
+    block->soft_impulse[lane] = soft[fixed][2];
+    block->friction[lane] = friction_of(world, touch, patch);
+    block->restitution[lane] = touch->restitution;
+    block->rolling[lane] = touch->rolling;
+    block->rolls |= touch->rolling > 0;
+    block->bounces |= touch->restitution > 0;
+    block->points = daft_max_i(block->points, (int)patch->count);
+    block->tangent_impulse[0][lane] = daft_dot(patch->friction_impulse, t);
+    block->tangent_impulse[1][lane] = daft_dot(patch->friction_impulse, u);
+    block->twist_impulse[lane] = patch->twist_impulse;
+    block->slip[0][lane] = daft_dot(patch->slip, t);
+    block->slip[1][lane] = daft_dot(patch->slip, u);
+    block->twist_slip[lane] = patch->twist_slip;
+    put3(block->rolling_impulse, lane, patch->rolling_impulse);
+    daft_vec3 belt =
+        daft_sub(belt_of(world, touch->body_a, touch->part_a), belt_of(world, touch->body_b, touch->part_b));
+    block->belt[0][lane] = daft_dot(belt, t), block->belt[1][lane] = daft_dot(belt, u);
+    for (uint32_t i = 0; i < patch->count; i++) {
+        daft_sim_block_point *p = &block->point[i];
+        put3(p->arm_a, lane, patch->points[i].anchor);
+        p->separation[lane] = patch->points[i].separation;
+        p->impulse[lane] = patch->points[i].impulse;
+    }
+}
+
+/* The springs of contacts (Catto), heavily overdamped. A column of boxes buckles where they are too soft: its critical
+ * height grows with hertz^(2/3) and is 24 boxes at 60 Hz. Against what does not yield overlap is undone faster and
+ * the impulse is rigid. */
+#define HERTZ_SHARE       0.25f /* of the substeps' rate */
+#define FIXED_HERTZ_SHARE 0.5f
+#define CONTACT_DAMPING   10.0f
+
+static void make_soft(float hertz, float h, float out[3])
+{
+    float omega = 2 * (float)DAFT_PI * hertz;
+    float a1 = 2 * CONTACT_DAMPING + h * omega, a2 = h * omega * a1, a3 = 1 / (1 + a2);
+    out[0] = omega / a1, out[1] = a2 * a3, out[2] = a3;
+}
+
+void daft_sim_block_fill(daft_world *world, uint32_t index, float dt)
+{
+    daft_sim_solver *s = world->solver;
+    daft_sim_block *block = &s->blocks[index];
+    float h = dt / (float)world->substeps, soft[2][3];
+    make_soft(HERTZ_SHARE / h, h, soft[0]);
+    make_soft(FIXED_HERTZ_SHARE / h, h, soft[1]);
+    soft[1][1] = 1, soft[1][2] = 0;
+    const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
+    int lanes = 0;
+    while (lanes < DAFT_SIM_LANES && slots[lanes].touch != DAFT_SIM_NONE) lanes++;
+    memset(block, 0, sizeof *block);
+    block->lanes = lanes;
+    for (int i = 0; i < DAFT_MANIFOLD_POINTS; i++)
+        for (int lane = 0; lane < DAFT_SIM_LANES; lane++) block->point[i].separation[lane] = UNUSED_SEPARATION;
+    for (int lane = 0; lane < lanes; lane++) fill_lane(world, block, lane, &slots[lane], soft);
+}
+
+static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)
+{
+    daft_vec3 n = get3(block->normal, lane), t = get3(block->tangent, lane), u = daft_cross(n, t);
+    patch->friction_impulse = daft_add(daft_scale(t, block->tangent_impulse[0][lane]),
+                                       daft_scale(u, block->tangent_impulse[1][lane]));
+    patch->twist_impulse = block->twist_impulse[lane];
+    patch->slip = daft_add(daft_scale(t, block->slip[0][lane]), daft_scale(u, block->slip[1][lane]));
+    patch->twist_slip = block->twist_slip[lane];
+    patch->rolling_impulse = get3(block->rolling_impulse, lane);
+    patch->total_impulse = 0;
+    patch->speed = 0;
+    for (uint32_t i = 0; i < patch->count; i++) {
+        const daft_sim_block_point *p = &block->point[i];
+        patch->points[i].impulse = p->impulse[lane];
+        patch->total_impulse += p->total[lane];
+        if (p->total[lane] > 0) patch->speed = daft_sim_max(patch->speed, p->approach[lane]);
+    }
+}
+
+void daft_sim_block_store(daft_world *world, uint32_t index)
+{
+    daft_sim_block *block = &world->solver->blocks[index];
+    const daft_sim_slot *slots = &world->solver->slots[(size_t)index * DAFT_SIM_LANES];
+    for (int lane = 0; lane < block->lanes; lane++)
+        store_lane(block, lane, &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch]);
+}

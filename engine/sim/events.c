@@ -1,0 +1,238 @@
+/* What a step tells: contacts, and events in a fixed order. Calls between steps add to a list of their own, which the
+ * next step delivers with its own. */
+#include "sim/internal.h"
+
+#include <stdlib.h>
+
+/* ---- pending events ---- */
+
+static void add_event(daft_world *world, const daft_sim_event *event)
+{
+    daft_sim_event_list *list = &world->pending;
+    if (!daft_grow(&world->allocator, &list->items, &list->capacity, list->count + 1, list->count,
+                   sizeof *list->items)) {
+        world->lost_event = true;
+        return;
+    }
+    list->items[list->count++] = *event;
+}
+
+/* The pair as users see it: lower body first; a sensor first. */
+static daft_sim_event pair_event(const daft_world *world, const daft_sim_touch *touch, daft_sim_event_kind kind,
+                                 bool *swapped)
+{
+    bool swap = touch->sensor ? world->parts[touch->part_b].sensor : touch->body_b < touch->body_a;
+    uint32_t a = swap ? touch->part_b : touch->part_a, b = swap ? touch->part_a : touch->part_b;
+    uint32_t body_a = world->parts[a].body, body_b = world->parts[b].body;
+    *swapped = swap;
+    return (daft_sim_event){.kind = kind,
+                            .body_a = body_a + 1,
+                            .body_b = body_b + 1,
+                            .user_a = world->bodies[body_a].user,
+                            .user_b = world->bodies[body_b].user,
+                            .shape_user_a = world->parts[a].user,
+                            .shape_user_b = world->parts[b].user};
+}
+
+void daft_sim_event_end(daft_world *world, const daft_sim_touch *touch)
+{
+    bool swapped;
+    daft_sim_event event =
+        pair_event(world, touch, touch->sensor ? DAFT_SIM_TRIGGER_LEAVE : DAFT_SIM_CONTACT_END, &swapped);
+    add_event(world, &event);
+}
+
+void daft_sim_event_joint(daft_world *world, daft_sim_event_kind kind, uint32_t index, float value)
+{
+    const daft_sim_joint *joint = &world->joints[index];
+    daft_sim_event event = {.kind = kind,
+                            .joint = index + 1,
+                            .joint_user = joint->user,
+                            .body_a = joint->body[0] + 1,
+                            .body_b = joint->body[1] + 1,
+                            .impulse = value};
+    if (joint->body[0] != DAFT_SIM_NONE) event.user_a = world->bodies[joint->body[0]].user;
+    if (joint->body[1] != DAFT_SIM_NONE) event.user_b = world->bodies[joint->body[1]].user;
+    add_event(world, &event);
+}
+
+void daft_sim_event_sleep(daft_world *world, daft_sim_event_kind kind, uint32_t body)
+{
+    daft_sim_event event = {.kind = kind, .body_a = body + 1, .user_a = world->bodies[body].user};
+    add_event(world, &event);
+}
+
+/* ---- the report ---- */
+
+static daft_dvec3 contact_point(const daft_world *world, const daft_sim_touch *touch, const daft_sim_patch *patch,
+                                uint32_t point)
+{
+    return daft_dadd(world->bodies[touch->body_a].centre, daft_to_double(patch->points[point].anchor));
+}
+
+static void fill_contact(const daft_world *world, daft_sim_touch *touch, daft_sim_contact *out)
+{
+    bool swapped;
+    daft_sim_event e = pair_event(world, touch, DAFT_SIM_CONTACT_BEGIN, &swapped);
+    *out = (daft_sim_contact){.body_a = e.body_a,
+                              .body_b = e.body_b,
+                              .user_a = e.user_a,
+                              .user_b = e.user_b,
+                              .shape_user_a = e.shape_user_a,
+                              .shape_user_b = e.shape_user_b};
+    const daft_sim_patch *patches = daft_sim_patches(touch);
+    float most = -1;
+    for (uint32_t i = 0; i < touch->patch_count; i++) {
+        const daft_sim_patch *patch = &patches[i];
+        out->impulse += patch->total_impulse;
+        if (patch->total_impulse <= most) continue;
+        most = patch->total_impulse;
+        uint32_t best = 0;
+        for (uint32_t k = 1; k < patch->count; k++)
+            if (patch->points[k].impulse > patch->points[best].impulse) best = k;
+        out->point = contact_point(world, touch, patch, best);
+        out->normal = swapped ? daft_neg(patch->normal) : patch->normal;
+    }
+}
+
+/* After the step, along the normal, to first order. */
+static bool is_closed(const daft_world *world, daft_sim_touch *touch, float slack)
+{
+    (void)world;
+    const daft_sim_patch *patches = daft_sim_patches(touch);
+    for (uint32_t i = 0; i < touch->patch_count; i++) {
+        if (patches[i].total_impulse > 0) return true;
+        for (uint32_t k = 0; k < patches[i].count; k++)
+            if (patches[i].points[k].separation <= slack) return true;
+    }
+    return false;
+}
+
+/* A contact ends when the parts are this far apart, so that resting on edge does not flicker. */
+#define END_SLACK 1e-3f /* m */
+
+static void tell_change(daft_world *world, daft_sim_touch *touch)
+{
+    bool was = touch->touching;
+    if (touch->sensor)
+        touch->touching = touch->patch_count > 0;
+    else
+        touch->touching = is_closed(world, touch, was ? END_SLACK : 0);
+    if (touch->touching == was) return;
+    if (was) {
+        daft_sim_event_end(world, touch);
+        return;
+    }
+    bool swapped;
+    daft_sim_event event =
+        pair_event(world, touch, touch->sensor ? DAFT_SIM_TRIGGER_ENTER : DAFT_SIM_CONTACT_BEGIN, &swapped);
+    if (!touch->sensor) {
+        daft_sim_contact contact;
+        fill_contact(world, touch, &contact);
+        event.point = contact.point, event.normal = contact.normal, event.impulse = contact.impulse;
+        const daft_sim_patch *patches = daft_sim_patches(touch);
+        for (uint32_t i = 0; i < touch->patch_count; i++) event.speed = daft_sim_max(event.speed, patches[i].speed);
+    }
+    add_event(world, &event);
+}
+
+bool daft_sim_report_reserve(daft_world *world)
+{
+    size_t touches = world->live_touches, events = world->pending.count + touches + world->awake.count;
+    events += 2 * (size_t)world->live_joints;
+    return daft_grow(&world->allocator, &world->report, &world->report_capacity, touches, 0, sizeof *world->report) &&
+           daft_grow(&world->allocator, &world->pending.items, &world->pending.capacity, events, world->pending.count,
+                     sizeof *world->pending.items);
+}
+
+#define ORDER(x, y) \
+    if ((x) != (y)) return (x) < (y) ? -1 : 1
+
+static int contact_order(const void *p, const void *q)
+{
+    const daft_sim_contact *a = p, *b = q;
+    ORDER(a->body_a, b->body_a);
+    ORDER(a->body_b, b->body_b);
+    ORDER(a->shape_user_a, b->shape_user_a);
+    ORDER(a->shape_user_b, b->shape_user_b);
+    ORDER(a->point.x, b->point.x);
+    ORDER(a->point.y, b->point.y);
+    ORDER(a->point.z, b->point.z);
+    return 0;
+}
+
+static int event_order(const void *p, const void *q)
+{
+    const daft_sim_event *a = p, *b = q;
+    ORDER(a->kind, b->kind);
+    ORDER(a->body_a, b->body_a);
+    ORDER(a->body_b, b->body_b);
+    ORDER(a->shape_user_a, b->shape_user_a);
+    ORDER(a->shape_user_b, b->shape_user_b);
+    ORDER(a->joint, b->joint);
+    ORDER(a->point.x, b->point.x);
+    ORDER(a->point.y, b->point.y);
+    ORDER(a->point.z, b->point.z);
+    return 0;
+}
+
+/* Their impulses are those of their last step awake. */
+static void report_sleepers(daft_world *world)
+{
+    world->report_asleep = 0;
+    for (uint32_t i = 0; i < world->touch_count; i++) {
+        daft_sim_touch *touch = &world->touches[i];
+        if (touch->part_a == DAFT_SIM_NONE || touch->listed || touch->sensor || !touch->touching) continue;
+        fill_contact(world, touch, &world->report[world->report_asleep++]);
+    }
+    qsort(world->report, world->report_asleep, sizeof *world->report, contact_order);
+    world->sleep_changed = false;
+}
+
+void daft_sim_report(daft_world *world)
+{
+    if (world->sleep_changed) report_sleepers(world);
+    world->report_count = world->report_asleep;
+    for (size_t i = 0; i < world->listed.count; i++) {
+        daft_sim_touch *touch = &world->touches[world->listed.items[i].touch];
+        tell_change(world, touch);
+        if (touch->touching && !touch->sensor) fill_contact(world, touch, &world->report[world->report_count++]);
+    }
+    qsort(world->report + world->report_asleep, world->report_count - world->report_asleep, sizeof *world->report,
+          contact_order);
+}
+
+void daft_sim_report_forget(daft_world *world, uint32_t handle)
+{
+    size_t kept = 0, asleep = 0;
+    for (size_t i = 0; i < world->report_count; i++)
+        if (world->report[i].body_a != handle && world->report[i].body_b != handle) {
+            asleep += i < world->report_asleep;
+            world->report[kept++] = world->report[i];
+        }
+    world->report_count = kept;
+    world->report_asleep = asleep;
+}
+
+/* What was pending becomes the step's events. */
+void daft_sim_events_deliver(daft_world *world)
+{
+    daft_sim_event_list swap = world->events;
+    world->events = world->pending;
+    world->pending = swap;
+    world->pending.count = 0;
+    if (world->events.count > 1)
+        qsort(world->events.items, world->events.count, sizeof *world->events.items, event_order);
+}
+
+uint32_t daft_world_contacts(const daft_world *world, const daft_sim_contact **out)
+{
+    *out = world->report;
+    return (uint32_t)world->report_count;
+}
+
+uint32_t daft_world_events(const daft_world *world, const daft_sim_event **out)
+{
+    *out = world->events.items;
+    return (uint32_t)world->events.count;
+}

@@ -1,0 +1,222 @@
+/* Contacts with edges that are none. A marble that rolls over boxes side by side must not feel their edges, nor a crate
+ * that slides over them their sides. A contact with a body that does not yield counts only where it is on the surface of
+ * the union of all such bodies: if all its points lie on another one that is met no later, it is on an inner wall, and
+ * is dropped. Within one mesh the geometry sees to that itself.
+ *
+ * A ball whose centre is inside a box leaves it by the nearest face, but not through one that leads into a neighbour: it
+ * would be sent to and fro between the two. */
+#include "sim/internal.h"
+
+/* How near to a body's surface a point counts as on it: a share of the moving part's size, and what rounding of its size
+ * and rotation to floats may shift its surface by, as a share of its reach. */
+#define ON_SURFACE       1e-3
+#define SURFACE_ROUNDING 2e-7
+
+enum { MAX_NEAR = 64 }; /* patches of one body with what does not yield; of more, those past it are left as they are */
+
+typedef struct candidate {
+    daft_sim_touch *touch;
+    daft_sim_patch *patch;
+    float separation; /* least of its points */
+} candidate;
+
+typedef struct group {
+    const daft_world *world;
+    candidate near[MAX_NEAR]; /* what is met first, first */
+    int count;
+    bool rests; /* on one of them, now */
+} group;
+
+/* Whether it will be met on the way only. */
+static bool is_ahead(const daft_sim_patch *patch) { return !daft_sim_is_zero(patch->shift); }
+
+static bool comes_before(const candidate *a, const candidate *b)
+{
+    if (a->separation != b->separation) return a->separation < b->separation;
+    if (a->touch->part_b != b->touch->part_b) return a->touch->part_b < b->touch->part_b;
+    if (a->touch->part_a != b->touch->part_a) return a->touch->part_a < b->touch->part_a;
+    return a->patch < b->patch;
+}
+
+static void keep(group *g, daft_sim_touch *touch, daft_sim_patch *patch)
+{
+    candidate c = {touch, patch, INFINITY};
+    for (uint32_t i = 0; i < patch->count; i++) c.separation = daft_sim_min(c.separation, patch->points[i].separation);
+    if (g->count == MAX_NEAR) return;
+    g->rests |= !is_ahead(patch);
+    int i = g->count++;
+    for (; i > 0 && comes_before(&c, &g->near[i - 1]); i--) g->near[i] = g->near[i - 1];
+    g->near[i] = c;
+}
+
+static double margin_on(const group *g, const candidate *mine, const daft_sim_part *other)
+{
+    const daft_sim_part *part = &g->world->parts[mine->touch->part_a];
+    return ON_SURFACE * (double)part->reach + SURFACE_ROUNDING * (double)other->reach;
+}
+
+static bool lies_on(const group *g, uint32_t index, daft_dvec3 at, double margin)
+{
+    const daft_sim_part *part = &g->world->parts[index];
+    daft_rigid frame = daft_sim_part_frame(&g->world->bodies[part->body], part);
+    daft_dvec3 nearest;
+    double distance;
+    daft_shape_part where;
+    return daft_shape_closest(&part->shape, daft_rigid_to_local(&frame, at), margin, &nearest, &distance, &where) &&
+           distance <= margin;
+}
+
+/* A contact's point on the surface of body b. */
+static daft_dvec3 point_on_b(const group *g, const candidate *c, uint32_t i)
+{
+    const daft_sim_patch_point *p = &c->patch->points[i];
+    float gap = p->separation - daft_dot(c->patch->shift, c->patch->normal);
+    daft_vec3 at = daft_add(p->anchor, daft_scale(c->patch->normal, 0.5f * gap));
+    return daft_dadd(g->world->bodies[c->touch->body_a].centre, daft_to_double(daft_add(at, c->patch->shift)));
+}
+
+typedef struct probe {
+    const group *g;
+    daft_dvec3 at;
+    double margin;
+    uint32_t but; /* this part */
+    bool hit;
+} probe;
+
+static void visit_probe(void *context, uint32_t part)
+{
+    probe *p = context;
+    p->hit = p->hit || (part != p->but && !p->g->world->parts[part].sensor && lies_on(p->g, part, p->at, p->margin));
+}
+
+/* Is a point inside some body that does not yield, or on it? */
+static bool walled_up(const group *g, daft_dvec3 at, double margin, uint32_t but)
+{
+    probe p = {g, at, margin, but, false};
+    daft_dvec3 reach = daft_dv3(margin, margin, margin);
+    daft_sim_bounds bounds = {daft_dsub(at, reach), daft_dadd(at, reach)};
+    daft_sim_tree_query(&g->world->trees[DAFT_BODY_STATIC], &bounds, visit_probe, &p);
+    daft_sim_tree_query(&g->world->trees[DAFT_BODY_KINEMATIC], &bounds, visit_probe, &p);
+    return p.hit;
+}
+
+/* What rests on one body rolls past the edges of all others that are level with it, also of those it only passes. */
+static bool is_level(const group *g, const candidate *c)
+{
+    if (!g->rests || !is_ahead(c->patch)) return false;
+    for (uint32_t i = 0; i < c->patch->count; i++) {
+        const daft_sim_part *part = &g->world->parts[c->touch->part_b];
+        if (!walled_up(g, point_on_b(g, c, i), margin_on(g, c, part), c->touch->part_b)) return false;
+    }
+    return true;
+}
+
+static bool is_hidden(const group *g, int c)
+{
+    const candidate *mine = &g->near[c];
+    for (uint32_t i = 0; i < mine->patch->count; i++) {
+        daft_dvec3 at = point_on_b(g, mine, i);
+        bool found = false;
+        for (int k = 0; k < c && !found; k++) {
+            const candidate *other = &g->near[k];
+            if (other->touch == mine->touch) continue;
+            const daft_sim_part *part = &g->world->parts[other->touch->part_b];
+            found = lies_on(g, other->touch->part_b, at, margin_on(g, mine, part));
+        }
+        if (!found) return is_level(g, mine);
+    }
+    return true;
+}
+
+/* ---- ways out ---- */
+
+/* Depth of a local point under one of a box's six faces, the outward normal there: high and low in y, then x, then z. */
+static double face_of(daft_dvec3 p, daft_dvec3 h, int face, daft_dvec3 *normal)
+{
+    double sign = face & 1 ? -1 : 1;
+    int axis = face >> 1;
+    *normal = daft_dv3(axis == 1 ? sign : 0, axis == 0 ? sign : 0, axis == 2 ? sign : 0);
+    return axis == 0 ? h.y - sign * p.y : axis == 1 ? h.x - sign * p.x : h.z - sign * p.z;
+}
+
+static void find_way_out(const group *g, candidate *c)
+{
+    const daft_sim_part *a = &g->world->parts[c->touch->part_a], *b = &g->world->parts[c->touch->part_b];
+    if (a->shape.type != DAFT_GEOMETRY_SPHERE || b->shape.type != DAFT_GEOMETRY_BOX) return;
+    const daft_sim_body *body = &g->world->bodies[c->touch->body_a];
+    daft_rigid frame = daft_sim_part_frame(&g->world->bodies[b->body], b);
+    daft_rigid mine = daft_sim_part_frame(body, a);
+    daft_dvec3 local = daft_rigid_to_local(&frame, mine.p), h = daft_to_double(b->shape.half);
+    double best = INFINITY, margin = margin_on(g, c, b);
+    for (int face = 0; face < 6; face++) {
+        daft_dvec3 normal;
+        double depth = face_of(local, h, face, &normal);
+        if (depth < 0 || depth >= best) continue;
+        daft_dvec3 out = daft_rigid_vector(&frame, normal);
+        daft_dvec3 exit = daft_dadd(mine.p, daft_dscale(out, depth + 2 * margin));
+        if (walled_up(g, exit, margin, DAFT_SIM_NONE)) continue;
+        best = depth;
+        c->separation = -(float)depth - a->shape.radius;
+        c->patch->normal = daft_neg(daft_normalize(daft_to_float(out)));
+        c->patch->points[0].separation = c->separation;
+        c->patch->points[0].anchor = daft_to_float(daft_dsub(mine.p, body->centre));
+        c->patch->points[0].anchor =
+            daft_add(c->patch->points[0].anchor, daft_scale(c->patch->normal, 0.5f * (a->shape.radius - (float)depth)));
+    }
+}
+
+/* ---- all of them ---- */
+
+static void drop(candidate *c) { c->patch->count = 0; }
+
+static void squeeze(daft_sim_touch *touch)
+{
+    daft_sim_patch *patches = daft_sim_patches(touch);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < touch->patch_count; i++)
+        if (patches[i].count > 0) {
+            if (kept != i) patches[kept] = patches[i];
+            kept++;
+        }
+    touch->patch_count = kept;
+}
+
+static void filter_body(daft_world *world, uint32_t index)
+{
+    const daft_sim_body *body = &world->bodies[index];
+    group g = {.world = world};
+    uint32_t touches = 0;
+    for (uint32_t e = body->first_touch; e != DAFT_SIM_NONE; e = world->touches[e >> 1].next[e & 1]) {
+        const daft_sim_touch *touch = &world->touches[e >> 1];
+        touches += touch->patch_count > 0 && !touch->sensor && !(e & 1) &&
+                   world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC;
+    }
+    if (touches == 0) return;
+    for (uint32_t e = body->first_touch; e != DAFT_SIM_NONE; e = world->touches[e >> 1].next[e & 1]) {
+        daft_sim_touch *touch = &world->touches[e >> 1];
+        if (touch->sensor || e & 1 || world->bodies[touch->body_b].kind == DAFT_BODY_DYNAMIC) continue;
+        for (uint32_t i = 0; i < touch->patch_count; i++) keep(&g, touch, &daft_sim_patches(touch)[i]);
+    }
+    for (int i = 0; i < g.count; i++)
+        if (g.near[i].separation <= -world->parts[g.near[i].touch->part_a].inner) find_way_out(&g, &g.near[i]);
+    for (int i = g.count - 1; i > 0; i--)
+        if (is_hidden(&g, i)) drop(&g.near[i]);
+    for (int i = 0; i < g.count; i++) squeeze(g.near[i].touch);
+}
+
+enum { GRAIN = 32, PARALLEL_BODIES = 256 };
+
+static void filter_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    daft_world *world = context;
+    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
+    if (end > world->awake.count) end = world->awake.count;
+    for (size_t i = first; i < end; i++) filter_body(world, world->awake.items[i]);
+}
+
+void daft_sim_ghosts_drop(daft_world *world)
+{
+    uint32_t tasks = (uint32_t)((world->awake.count + GRAIN - 1) / GRAIN);
+    daft_parallel_for(world->awake.count >= PARALLEL_BODIES ? world->workers : 1, tasks, filter_range, world);
+}

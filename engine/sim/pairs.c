@@ -1,0 +1,415 @@
+/* Touches: pairs of parts whose fat bounds meet, made when a part enters the tree anew, gone when the bounds part. They
+ * hang on both bodies as lists, in a hash set by their parts, and, while a side is active, in the listing that a step
+ * walks, which is in the order of keys. */
+#include "sim/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the set ---- */
+
+static uint64_t mixed(uint64_t x)
+{
+    x = (x ^ x >> 33) * 0xff51afd7ed558ccdu;
+    x = (x ^ x >> 33) * 0xc4ceb9fe1a85ec53u;
+    return x ^ x >> 33;
+}
+
+static uint64_t key_of(uint32_t part_a, uint32_t part_b) { return (uint64_t)part_a << 32 | part_b; }
+
+/* The pair in either order has one key in the set. */
+static uint64_t set_key(uint32_t part_a, uint32_t part_b)
+{
+    return part_a < part_b ? key_of(part_a, part_b) : key_of(part_b, part_a);
+}
+static uint64_t set_key_of(const daft_sim_touch *touch) { return set_key(touch->part_a, touch->part_b); }
+
+static size_t home(const daft_world *world, uint64_t key) { return mixed(key) & (world->pair_slot_count - 1); }
+
+/* Where the pair is, or the empty slot where it belongs. There is always an empty one. */
+static size_t find_slot(const daft_world *world, uint64_t key)
+{
+    size_t at = home(world, key), mask = world->pair_slot_count - 1;
+    while (world->pair_slots[at] != DAFT_SIM_NONE && set_key_of(&world->touches[world->pair_slots[at]]) != key)
+        at = (at + 1) & mask;
+    return at;
+}
+
+static bool exists(const daft_world *world, uint32_t part_a, uint32_t part_b)
+{
+    return world->pair_slot_count > 0 &&
+           world->pair_slots[find_slot(world, set_key(part_a, part_b))] != DAFT_SIM_NONE;
+}
+
+static bool grow_set(daft_world *world, size_t count)
+{
+    size_t wanted = 64;
+    while (wanted < 2 * count) wanted *= 2;
+    if (wanted <= world->pair_slot_count) return true;
+    uint32_t *slots = daft_alloc(&world->allocator, wanted, sizeof *slots);
+    if (!slots) return false;
+    daft_release(&world->allocator, world->pair_slots);
+    world->pair_slots = slots;
+    world->pair_slot_count = wanted;
+    memset(slots, 0xff, wanted * sizeof *slots);
+    for (uint32_t i = 0; i < world->touch_count; i++)
+        if (world->touches[i].part_a != DAFT_SIM_NONE)
+            slots[find_slot(world, set_key_of(&world->touches[i]))] = i;
+    return true;
+}
+
+/* What follows moves up, so that no search meets a gap. */
+static void take_from_set(daft_world *world, const daft_sim_touch *touch)
+{
+    size_t mask = world->pair_slot_count - 1, gap = find_slot(world, set_key_of(touch)), at = gap;
+    for (;;) {
+        at = (at + 1) & mask;
+        uint32_t next = world->pair_slots[at];
+        if (next == DAFT_SIM_NONE) break;
+        size_t wanted = home(world, set_key_of(&world->touches[next]));
+        if (((at - wanted) & mask) < ((at - gap) & mask)) continue;
+        world->pair_slots[gap] = next;
+        gap = at;
+    }
+    world->pair_slots[gap] = DAFT_SIM_NONE;
+}
+
+/* ---- touches ---- */
+
+bool daft_sim_pairs_reserve(daft_world *world, size_t more)
+{
+    size_t needed = (size_t)world->live_touches + more, slots = (size_t)world->touch_count + more;
+    return slots < INT32_MAX && grow_set(world, needed) &&
+           daft_grow(&world->allocator, &world->touches, &world->touch_capacity, slots, world->touch_count,
+                     sizeof *world->touches) &&
+           daft_grow(&world->allocator, &world->fresh_listed.items, &world->fresh_listed.capacity,
+                     world->touch_capacity, world->fresh_listed.count, sizeof *world->fresh_listed.items) &&
+           daft_grow(&world->allocator, &world->merged.items, &world->merged.capacity, world->touch_capacity, 0,
+                     sizeof *world->merged.items);
+}
+
+static void link_edge(daft_world *world, uint32_t index, int side)
+{
+    daft_sim_touch *touch = &world->touches[index];
+    daft_sim_body *body = &world->bodies[side ? touch->body_b : touch->body_a];
+    uint32_t edge = index << 1 | (uint32_t)side, first = body->first_touch;
+    touch->next[side] = first;
+    touch->previous[side] = DAFT_SIM_NONE;
+    if (first != DAFT_SIM_NONE) world->touches[first >> 1].previous[first & 1] = edge;
+    body->first_touch = edge;
+}
+
+static void unlink_edge(daft_world *world, uint32_t index, int side)
+{
+    daft_sim_touch *touch = &world->touches[index];
+    daft_sim_body *body = &world->bodies[side ? touch->body_b : touch->body_a];
+    uint32_t next = touch->next[side], previous = touch->previous[side];
+    if (next != DAFT_SIM_NONE) world->touches[next >> 1].previous[next & 1] = previous;
+    if (previous != DAFT_SIM_NONE)
+        world->touches[previous >> 1].next[previous & 1] = next;
+    else
+        body->first_touch = next;
+}
+
+static void list_touch(daft_world *world, uint32_t index)
+{
+    daft_sim_touch *touch = &world->touches[index];
+    if (touch->listed) return;
+    touch->listed = true;
+    world->fresh_listed.items[world->fresh_listed.count++] = (daft_sim_listed){daft_sim_touch_key(touch), index};
+}
+
+static bool is_dynamic(const daft_world *world, uint32_t part)
+{
+    return world->bodies[world->parts[part].body].kind == DAFT_BODY_DYNAMIC;
+}
+
+/* Whether part a owns the touch of two dynamic parts. */
+static bool owns(const daft_world *world, uint32_t a, uint32_t b)
+{
+    float mine = world->parts[a].reach, theirs = world->parts[b].reach;
+    return mine < theirs || (mine == theirs && a < b);
+}
+
+uint32_t daft_sim_touch_insert(daft_world *world, uint32_t part_a, uint32_t part_b)
+{
+    uint32_t index = world->free_touch;
+    if (index == DAFT_SIM_NONE)
+        index = world->touch_count++;
+    else
+        world->free_touch = world->touches[index].next[0];
+    daft_sim_touch *touch = &world->touches[index];
+    *touch = (daft_sim_touch){.part_a = part_a,
+                              .part_b = part_b,
+                              .body_a = world->parts[part_a].body,
+                              .body_b = world->parts[part_b].body};
+    touch->sensor = world->parts[part_a].sensor || world->parts[part_b].sensor;
+    if (is_dynamic(world, part_a) && is_dynamic(world, part_b)) {
+        touch->owned_by_a = owns(world, part_a, part_b);
+        world->parts[touch->owned_by_a ? part_a : part_b].owned++;
+    }
+    daft_sim_touch_materials(world, touch);
+    world->pair_slots[find_slot(world, set_key_of(touch))] = index;
+    link_edge(world, index, 0);
+    link_edge(world, index, 1);
+    world->live_touches++;
+    if (daft_sim_is_active(&world->bodies[touch->body_a]) || daft_sim_is_active(&world->bodies[touch->body_b]))
+        list_touch(world, index);
+    return index;
+}
+
+/* Its place in the listing is cleared when that is next updated. */
+void daft_sim_touch_remove(daft_world *world, uint32_t index)
+{
+    daft_sim_touch *touch = &world->touches[index];
+    if (touch->touching) daft_sim_event_end(world, touch);
+    if (is_dynamic(world, touch->part_a) && is_dynamic(world, touch->part_b))
+        world->parts[touch->owned_by_a ? touch->part_a : touch->part_b].owned--;
+    take_from_set(world, touch);
+    unlink_edge(world, index, 0);
+    unlink_edge(world, index, 1);
+    daft_release(&world->allocator, touch->more);
+    touch->more = NULL;
+    touch->part_a = touch->part_b = DAFT_SIM_NONE;
+    touch->next[0] = world->free_touch;
+    world->free_touch = index;
+    world->live_touches--;
+}
+
+/* Entries of touches that are gone go too: their slots may be taken again before the listing is next updated. */
+static void forget_entries(daft_sim_listing *listing, const daft_world *world)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < listing->count; i++)
+        if (world->touches[listing->items[i].touch].part_a != DAFT_SIM_NONE) listing->items[kept++] = listing->items[i];
+    listing->count = kept;
+}
+
+void daft_sim_touch_drop(daft_world *world, uint32_t index)
+{
+    daft_sim_touch_remove(world, index);
+    forget_entries(&world->listed, world);
+    forget_entries(&world->fresh_listed, world);
+}
+
+void daft_sim_touches_remove(daft_world *world, uint32_t body)
+{
+    bool listed = false;
+    for (uint32_t edge = world->bodies[body].first_touch, next; edge != DAFT_SIM_NONE; edge = next) {
+        next = world->touches[edge >> 1].next[edge & 1];
+        listed |= world->touches[edge >> 1].listed;
+        daft_sim_touch_remove(world, edge >> 1);
+    }
+    if (!listed) return;
+    forget_entries(&world->listed, world);
+    forget_entries(&world->fresh_listed, world);
+}
+
+void daft_sim_touches_list(daft_world *world, uint32_t body)
+{
+    for (uint32_t edge = world->bodies[body].first_touch; edge != DAFT_SIM_NONE;
+         edge = world->touches[edge >> 1].next[edge & 1])
+        list_touch(world, edge >> 1);
+}
+
+void daft_sim_touches_forget(daft_world *world, uint32_t body)
+{
+    for (uint32_t edge = world->bodies[body].first_touch; edge != DAFT_SIM_NONE;
+         edge = world->touches[edge >> 1].next[edge & 1])
+        world->touches[edge >> 1].patch_count = 0;
+}
+
+/* ---- new pairs ---- */
+
+bool daft_sim_may_meet(const daft_world *world, uint32_t a, uint32_t b)
+{
+    const daft_sim_part *x = &world->parts[a], *y = &world->parts[b];
+    if (x->body == y->body || !(x->layers & y->mask) || !(y->layers & x->mask)) return false;
+    daft_body_kind kind_x = world->bodies[x->body].kind, kind_y = world->bodies[y->body].kind;
+    if (x->sensor || y->sensor) return !(x->sensor && y->sensor) && (kind_x != DAFT_BODY_STATIC || kind_y != DAFT_BODY_STATIC);
+    if (kind_x != DAFT_BODY_DYNAMIC && kind_y != DAFT_BODY_DYNAMIC) return false;
+    return !daft_sim_joined(world, x->body, y->body);
+}
+
+typedef struct search {
+    daft_world *world;
+    uint32_t part;
+    bool failed;
+    uint32_t partners[DAFT_SIM_MAX_PARTNERS]; /* that this part will own: those of lowest index */
+    uint32_t partner_count;
+} search;
+
+static void add_candidate(search *s, uint32_t other)
+{
+    daft_world *world = s->world;
+    if (!daft_grow(&world->allocator, &world->candidates, &world->candidate_capacity, world->candidate_count + 1,
+                   world->candidate_count, sizeof *world->candidates)) {
+        s->failed = true;
+        return;
+    }
+    /* A dynamic one first, the sensor first, else the lower index. */
+    uint32_t a = s->part, b = other;
+    bool dynamic_a = is_dynamic(world, a), dynamic_b = is_dynamic(world, b);
+    bool sensor = world->parts[a].sensor || world->parts[b].sensor;
+    bool swap = sensor ? world->parts[b].sensor : dynamic_a == dynamic_b ? b < a : dynamic_b;
+    world->candidates[world->candidate_count++] = swap ? key_of(b, a) : key_of(a, b);
+}
+
+static bool is_new(const search *s, uint32_t other)
+{
+    const daft_world *world = s->world;
+    return other != s->part && daft_sim_overlap(&world->parts[other].fat, &world->parts[s->part].fat) &&
+           daft_sim_may_meet(world, s->part, other) && !exists(world, s->part, other);
+}
+
+static void visit_fixed(void *context, uint32_t other)
+{
+    search *s = context;
+    if (is_new(s, other)) add_candidate(s, other);
+}
+
+/* Keeps the partners of lowest index. */
+static void keep_partner(search *s, uint32_t other)
+{
+    bool full = s->partner_count == DAFT_SIM_MAX_PARTNERS;
+    if (full && other > s->partners[DAFT_SIM_MAX_PARTNERS - 1]) return;
+    uint32_t i = full ? DAFT_SIM_MAX_PARTNERS - 1 : s->partner_count++;
+    for (; i > 0 && other < s->partners[i - 1]; i--) s->partners[i] = s->partners[i - 1];
+    s->partners[i] = other;
+}
+
+/* A pair of two dynamic parts is found by the one that will own it, if that moved. */
+static void visit_dynamic(void *context, uint32_t other)
+{
+    search *s = context;
+    const daft_world *world = s->world;
+    if (!is_dynamic(world, s->part)) {
+        visit_fixed(context, other);
+        return;
+    }
+    if (owns(world, s->part, other)) {
+        if (s->partner_count == DAFT_SIM_MAX_PARTNERS && other > s->partners[DAFT_SIM_MAX_PARTNERS - 1]) return;
+        if (is_new(s, other)) keep_partner(s, other);
+    } else if (world->parts[other].moved_slot == DAFT_SIM_NONE && world->parts[other].owned < DAFT_SIM_MAX_PARTNERS && is_new(s, other)) {
+        add_candidate(s, other);
+    }
+}
+
+/* Thousands of bodies in one spot would each visit all the others to find as many partners as it may have. They were
+ * most likely made one after the other: if enough of the parts that follow are partners, they are taken, and none is
+ * searched for. Elsewhere the parts that follow miss at once. */
+static bool crowded(search *s)
+{
+    const daft_world *world = s->world;
+    if (world->moved.count < world->trees[DAFT_BODY_DYNAMIC].leaf_count) return false;
+    uint32_t misses = 0;
+    for (uint32_t i = s->part + 1; i < world->part_count && misses < 8 + 4 * s->partner_count; i++) {
+        if (world->parts[i].body != DAFT_SIM_NONE && is_dynamic(world, i) && owns(world, s->part, i) && is_new(s, i))
+            s->partners[s->partner_count++] = i;
+        else
+            misses++;
+        if (s->partner_count == DAFT_SIM_MAX_PARTNERS) return true;
+    }
+    s->partner_count = 0;
+    return false;
+}
+
+static bool search_part(daft_world *world, uint32_t part)
+{
+    search s = {.world = world, .part = part};
+    const daft_sim_bounds *fat = &world->parts[part].fat;
+    daft_body_kind kind = world->bodies[world->parts[part].body].kind;
+    bool full = world->parts[part].owned >= DAFT_SIM_MAX_PARTNERS;
+    daft_sim_tree_query(&world->trees[DAFT_BODY_KINEMATIC], fat, visit_fixed, &s);
+    if (kind != DAFT_BODY_STATIC) daft_sim_tree_query(&world->trees[DAFT_BODY_STATIC], fat, visit_fixed, &s);
+    if (kind != DAFT_BODY_DYNAMIC || (!full && !crowded(&s)))
+        daft_sim_tree_query(&world->trees[DAFT_BODY_DYNAMIC], fat, visit_dynamic, &s);
+    for (uint32_t i = 0; i < s.partner_count; i++) add_candidate(&s, s.partners[i]);
+    return !s.failed;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* What stands in a body that sleeps wakes it. */
+static void wake_inside(daft_world *world, const daft_sim_touch *touch)
+{
+    const daft_sim_body *a = &world->bodies[touch->body_a];
+    if (touch->sensor || !a->asleep || !daft_sim_overlap(&world->parts[touch->part_a].tight, &world->parts[touch->part_b].tight))
+        return;
+    if (world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC) daft_sim_wake(world, touch->body_a);
+}
+
+static void insert_candidates(daft_world *world)
+{
+    qsort(world->candidates, world->candidate_count, sizeof *world->candidates, by_value);
+    uint64_t last = UINT64_MAX;
+    for (size_t i = 0; i < world->candidate_count; i++) {
+        uint64_t key = world->candidates[i];
+        uint32_t a = (uint32_t)(key >> 32), b = (uint32_t)key;
+        if (key == last || exists(world, a, b)) continue;
+        last = key;
+        if (is_dynamic(world, a) && is_dynamic(world, b) &&
+            world->parts[owns(world, a, b) ? a : b].owned >= DAFT_SIM_MAX_PARTNERS)
+            continue;
+        uint32_t touch = daft_sim_touch_insert(world, a, b);
+        wake_inside(world, &world->touches[touch]);
+    }
+}
+
+bool daft_sim_pairs_find(daft_world *world)
+{
+    world->candidate_count = 0;
+    for (size_t i = 0; i < world->moved.count; i++)
+        if (!search_part(world, world->moved.items[i])) return false;
+    if (!daft_sim_pairs_reserve(world, world->candidate_count)) return false;
+    insert_candidates(world);
+    for (size_t i = 0; i < world->moved.count; i++) world->parts[world->moved.items[i]].moved_slot = DAFT_SIM_NONE;
+    world->moved.count = 0;
+    return true;
+}
+
+/* ---- the listing ---- */
+
+static int by_key(const void *a, const void *b)
+{
+    uint64_t x = ((const daft_sim_listed *)a)->key, y = ((const daft_sim_listed *)b)->key;
+    return (x > y) - (x < y);
+}
+
+static bool stays(daft_world *world, daft_sim_listed entry)
+{
+    daft_sim_touch *touch = &world->touches[entry.touch];
+    if (touch->part_a == DAFT_SIM_NONE || daft_sim_touch_key(touch) != entry.key) return false;
+    if (touch->apart) {
+        daft_sim_touch_remove(world, entry.touch);
+        return false;
+    }
+    touch->listed = daft_sim_is_active(&world->bodies[touch->body_a]) ||
+                    daft_sim_is_active(&world->bodies[touch->body_b]);
+    return touch->listed;
+}
+
+bool daft_sim_listing_update(daft_world *world)
+{
+    daft_sim_listing *old = &world->listed, *fresh = &world->fresh_listed, *merged = &world->merged;
+    if (!daft_grow(&world->allocator, &merged->items, &merged->capacity, old->count + fresh->count, 0,
+                   sizeof *merged->items))
+        return false;
+    if (fresh->count > 1) qsort(fresh->items, fresh->count, sizeof *fresh->items, by_key);
+    size_t i = 0, k = 0;
+    merged->count = 0;
+    while (i < old->count || k < fresh->count) {
+        bool first = k == fresh->count || (i < old->count && old->items[i].key < fresh->items[k].key);
+        daft_sim_listed next = first ? old->items[i++] : fresh->items[k++];
+        if (stays(world, next)) merged->items[merged->count++] = next;
+    }
+    fresh->count = 0;
+    daft_sim_listing swap = *old;
+    *old = *merged;
+    *merged = swap;
+    return true;
+}

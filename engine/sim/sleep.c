@@ -1,0 +1,213 @@
+/* Who sleeps. Bodies that touch or are joined are a heap (an island); one whose bodies have all hardly moved for half a
+ * second falls asleep as a whole: its bodies leave the lists that a step walks and go on a ring, on which they are woken
+ * together. Islands are found by union-find over the touches that are listed, and only in steps in which some body has
+ * been at rest for long enough. Bodies of infinite mass join no heaps. */
+#include "sim/internal.h"
+
+#define REST_SPEED 0.05f /* m/s of the fastest point; slower is at rest */
+#define REST_TIME  0.5f  /* s */
+
+/* ---- waking ---- */
+
+/* Lists of bodies have room for all there are. */
+static void wake_one(daft_world *world, uint32_t index)
+{
+    daft_sim_body *body = &world->bodies[index];
+    body->asleep = false;
+    world->sleep_changed = true;
+    body->ring = index;
+    body->rest = 0;
+    daft_sim_list_add(world, &world->awake, index);
+    daft_sim_touches_list(world, index);
+    daft_sim_event_sleep(world, DAFT_SIM_WAKE, index);
+}
+
+void daft_sim_wake(daft_world *world, uint32_t index)
+{
+    while (world->bodies[index].asleep) {
+        uint32_t next = world->bodies[index].ring;
+        wake_one(world, index);
+        index = next;
+    }
+}
+
+static uint32_t other_body(const daft_world *world, uint32_t edge)
+{
+    const daft_sim_touch *touch = &world->touches[edge >> 1];
+    return edge & 1 ? touch->body_a : touch->body_b;
+}
+
+void daft_sim_wake_neighbours(daft_world *world, uint32_t index)
+{
+    const daft_sim_body *body = &world->bodies[index];
+    for (uint32_t e = body->first_touch; e != DAFT_SIM_NONE; e = world->touches[e >> 1].next[e & 1]) {
+        const daft_sim_touch *touch = &world->touches[e >> 1];
+        if (touch->patch_count > 0 && !touch->sensor) daft_sim_wake(world, other_body(world, e));
+    }
+    for (uint32_t e = body->first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
+        uint32_t other = world->joints[e >> 1].body[(e & 1) ^ 1];
+        if (other != DAFT_SIM_NONE) daft_sim_wake(world, other);
+    }
+}
+
+void daft_sim_wake_all(daft_world *world)
+{
+    for (uint32_t i = 0; i < world->body_count; i++)
+        if (world->bodies[i].kind == DAFT_BODY_DYNAMIC) daft_sim_wake(world, i);
+}
+
+void daft_sim_wake_met(daft_world *world)
+{
+    for (size_t i = 0; i < world->listed.count; i++) {
+        const daft_sim_touch *touch = &world->touches[world->listed.items[i].touch];
+        if (touch->patch_count == 0 || touch->sensor) continue;
+        uint32_t a = touch->body_a, b = touch->body_b;
+        daft_sim_wake(world, a);
+        if (world->bodies[b].asleep) daft_sim_wake(world, b);
+    }
+}
+
+/* ---- islands ---- */
+
+static uint32_t root_of(daft_world *world, uint32_t index)
+{
+    daft_sim_body *bodies = world->bodies;
+    while (bodies[index].island != index) {
+        bodies[index].island = bodies[bodies[index].island].island;
+        index = bodies[index].island;
+    }
+    return index;
+}
+
+/* The lower index is the root, so it does not depend on the order. */
+static void join(daft_world *world, uint32_t a, uint32_t b)
+{
+    if (world->bodies[a].kind != DAFT_BODY_DYNAMIC || world->bodies[b].kind != DAFT_BODY_DYNAMIC) return;
+    a = root_of(world, a), b = root_of(world, b);
+    if (a < b)
+        world->bodies[b].island = a;
+    else
+        world->bodies[a].island = b;
+}
+
+static void find_islands(daft_world *world)
+{
+    for (size_t i = 0; i < world->awake.count; i++)
+        world->bodies[world->awake.items[i]].island = world->awake.items[i];
+    for (size_t i = 0; i < world->listed.count; i++) {
+        const daft_sim_touch *touch = &world->touches[world->listed.items[i].touch];
+        if (touch->patch_count > 0 && !touch->sensor && !world->bodies[touch->body_a].asleep &&
+            !world->bodies[touch->body_b].asleep)
+            join(world, touch->body_a, touch->body_b);
+    }
+    for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
+        const daft_sim_joint *joint = &world->joints[i];
+        if (joint->kind == 0 || joint->body[0] == DAFT_SIM_NONE || joint->body[1] == DAFT_SIM_NONE) continue;
+        if (!world->bodies[joint->body[0]].asleep && !world->bodies[joint->body[1]].asleep)
+            join(world, joint->body[0], joint->body[1]);
+    }
+}
+
+/* ---- falling asleep ---- */
+
+static bool moves_others(const daft_world *world, uint32_t body)
+{
+    return body != DAFT_SIM_NONE && world->bodies[body].kind == DAFT_BODY_KINEMATIC &&
+           daft_sim_is_active(&world->bodies[body]);
+}
+
+/* What lies on something that moves does not sleep, nor what a belt drives or a motor. */
+static void keep_carried_awake(daft_world *world)
+{
+    for (size_t i = 0; i < world->listed.count; i++) {
+        const daft_sim_touch *touch = &world->touches[world->listed.items[i].touch];
+        if (touch->patch_count == 0 || touch->sensor) continue;
+        bool belt = !daft_sim_is_zero(world->parts[touch->part_b].material.belt) ||
+                    !daft_sim_is_zero(world->parts[touch->part_a].material.belt);
+        if (belt || moves_others(world, touch->body_b)) world->bodies[touch->body_a].rest = 0;
+    }
+    for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
+        const daft_sim_joint *joint = &world->joints[i];
+        if (joint->kind == 0) continue;
+        for (int side = 0; side < 2; side++)
+            if (moves_others(world, joint->body[side]) && joint->body[1 - side] != DAFT_SIM_NONE)
+                world->bodies[joint->body[1 - side]].rest = 0;
+    }
+}
+
+static bool update_rest(daft_world *world, float dt)
+{
+    bool tired = false;
+    for (size_t i = 0; i < world->awake.count; i++) {
+        daft_sim_body *body = &world->bodies[world->awake.items[i]];
+        float spin = daft_sim_is_zero(body->angular) ? 0 : daft_length(body->angular) * body->extent;
+        bool still = body->may_sleep && daft_length(body->linear) + spin < REST_SPEED;
+        body->rest = still ? body->rest + dt : 0;
+        tired |= body->rest >= REST_TIME;
+    }
+    return tired;
+}
+
+/* `state` of a root: 1 while all of its heap may sleep; then the body before it on the ring. */
+static void mark_islands(daft_world *world, float least)
+{
+    for (size_t i = 0; i < world->awake.count; i++) world->bodies[world->awake.items[i]].state = 1;
+    for (size_t i = 0; i < world->awake.count; i++) {
+        uint32_t index = world->awake.items[i];
+        const daft_sim_body *body = &world->bodies[index];
+        if (body->rest < least || !body->may_sleep) world->bodies[root_of(world, index)].state = 0;
+    }
+}
+
+static void put_to_sleep(daft_world *world, uint32_t index)
+{
+    daft_sim_body *body = &world->bodies[index], *root = &world->bodies[root_of(world, index)];
+    body->asleep = true;
+    world->sleep_changed = true;
+    body->linear = body->angular = body->force = body->torque = daft_v3(0, 0, 0);
+    if (body != root) {
+        body->ring = root->ring;
+        root->ring = index;
+    }
+    daft_sim_list_remove(world, &world->awake, index);
+    daft_sim_event_sleep(world, DAFT_SIM_SLEEP, index);
+}
+
+/* Rings are made of bodies in falling order of the list; a removal fills the gap with the last. */
+static void sleep_marked(daft_world *world)
+{
+    for (size_t i = world->awake.count; i-- > 0;) {
+        uint32_t index = world->awake.items[i];
+        if (world->bodies[root_of(world, index)].state) put_to_sleep(world, index);
+    }
+}
+
+void daft_sim_sleep_update(daft_world *world, float dt)
+{
+    bool tired = update_rest(world, dt);
+    if (!tired || !world->sleeping) return;
+    keep_carried_awake(world);
+    find_islands(world);
+    mark_islands(world, REST_TIME);
+    sleep_marked(world);
+}
+
+void daft_sim_sleep_island(daft_world *world, uint32_t index)
+{
+    if (!world->sleeping) return;
+    find_islands(world);
+    mark_islands(world, -1);
+    uint32_t root = root_of(world, index), ready = world->bodies[root].state;
+    for (size_t i = 0; i < world->awake.count; i++) world->bodies[world->awake.items[i]].state = 0;
+    world->bodies[root].state = ready;
+    sleep_marked(world);
+}
+
+uint32_t daft_sim_island_count(daft_world *world)
+{
+    uint32_t count = 0;
+    find_islands(world);
+    for (size_t i = 0; i < world->awake.count; i++)
+        count += world->bodies[world->awake.items[i]].island == world->awake.items[i];
+    return count;
+}

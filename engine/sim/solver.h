@@ -1,0 +1,198 @@
+/* The solver's scratch: rows of numbers for the bodies that move in this step, and blocks of contact constraints, 16
+ * side by side. Constraints of one block never share a moving body, nor do blocks of one colour, so lanes and threads
+ * cannot change a bit. Blocks are 16 wide for every instruction set; kernels take them in runs of their own width. */
+#ifndef DAFT_SIM_SOLVER_H
+#define DAFT_SIM_SOLVER_H
+
+#include "math/isa.h"
+#include "sim/internal.h"
+#include "sim/stages.h"
+
+enum {
+    DAFT_SIM_LANES = 16,
+    DAFT_SIM_ROW = 8 /* floats: what lanes load and transpose at once */
+};
+
+/* One float per lane. */
+typedef float daft_sim_lanes[DAFT_SIM_LANES];
+
+/* A normal constraint: one point of a manifold. `arm_`: anchor × normal; `push_`: that times the inverse inertia, the
+ * change of angular velocity by a unit impulse. Before prepare, arm_a holds the anchor itself. */
+typedef struct daft_sim_block_point {
+    daft_sim_lanes arm_a[3], arm_b[3], push_a[3], push_b[3];
+    daft_sim_lanes separation; /* as the step began; huge: no such point in this lane */
+    daft_sim_lanes mass;       /* effective */
+    daft_sim_lanes impulse;    /* of the last substep */
+    daft_sim_lanes total;      /* summed over the step */
+    daft_sim_lanes approach;   /* speed at which they meet, 0 or more */
+    daft_sim_lanes lever;      /* distance from where friction acts */
+} daft_sim_block_point;
+
+/* Friction acts at the middle of a manifold's points, in two directions, and about the normal ("central friction", as
+ * in Box3D): the sum of the normal impulses bounds it. */
+typedef struct daft_sim_block {
+    int32_t a[DAFT_SIM_LANES], b[DAFT_SIM_LANES]; /* bodies' rows; 0: does not move */
+    uint32_t writes_a, writes_b;                  /* bits: lanes whose body yields */
+    int32_t lanes, points;                        /* in use; most points of any lane */
+    bool rolls, bounces;
+    daft_sim_lanes normal[3], tangent[3]; /* the other tangent: normal × tangent */
+    daft_sim_lanes apart[3];              /* from b's centre to a's: b's anchors are a's plus this; prepare's only */
+    daft_sim_lanes inv_mass_a, inv_mass_b;
+    daft_sim_lanes rate, soft_mass, soft_impulse; /* of the contact's spring */
+    daft_sim_lanes friction;
+    daft_sim_lanes arm_a[2][3], arm_b[2][3], push_a[2][3], push_b[2][3]; /* of friction, each tangent */
+    daft_sim_lanes tangent_mass[3];    /* inverse of the 2×2 matrix: 11, 12, 22 */
+    daft_sim_lanes tangent_impulse[2];
+    daft_sim_lanes slip[2], twist_slip; /* how far what sticks was dragged along: since when, see patches */
+    daft_sim_lanes belt[2];            /* the surfaces' speed along the tangents: a's less b's */
+    daft_sim_lanes twist_a[3], twist_b[3], twist_mass, twist_impulse;
+    daft_sim_lanes restitution;
+    daft_sim_lanes rolling, rolling_mass, rolling_impulse[3];
+    daft_sim_lanes inertia_a[6], inertia_b[6]; /* inverse; rolling's */
+    daft_sim_block_point point[DAFT_MANIFOLD_POINTS];
+} daft_sim_block;
+
+/* Blocks first..first + count are one colour. */
+typedef struct daft_sim_colour {
+    uint32_t first, count;
+} daft_sim_colour;
+
+typedef struct daft_sim_substep {
+    float h, inv_h;
+    float push_speed;
+} daft_sim_substep;
+
+/* Rows of DAFT_SIM_ROW floats for each body that moves, and row 0, zero, for all that does not. */
+typedef struct daft_sim_rows {
+    float *velocity; /* linear, angular */
+    float *moved;    /* since the step began: along, and turned as the sum of angular velocities; floats that do not
+                        fade far from the origin */
+    float *gain;     /* of velocity, per second, from gravity and forces; 6: 1 for bodies in free flight; 7: share
+                        of the linear velocity that damping leaves in a substep */
+    float *turn;     /* rotation since the step began, a quaternion; 4 on: unused */
+    float *mass;     /* inverse mass; inverse inertia xx, xy, xz, yy, yz, zz; share of the angular velocity left */
+} daft_sim_rows;
+
+typedef struct daft_sim_kernels {
+    void (*prepare)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
+    void (*warm_start)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
+    /* biased: springs push overlap apart; otherwise the speed that gave is taken out again. */
+    void (*solve)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
+                  bool biased);
+    void (*bounce)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
+    void (*finish)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
+    /* Rows first..first + count. */
+    void (*gain)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h);
+    void (*move)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h);
+} daft_sim_kernels;
+
+DAFT_KERNEL_DECLARE(daft_sim_kernels, daft_sim);
+
+
+
+/* What a step's joints need beside their records: prepared once a substep (joint_solve.c). */
+typedef struct daft_sim_joint_row daft_sim_joint_row;
+
+typedef struct daft_sim_spin {
+    uint32_t row;
+    float middle[3];
+    double momentum[3]; /* world axes */
+} daft_sim_spin;
+
+/* Bodies that a step moves: rows 1 to `movers` are kinematic, the others dynamic. */
+struct daft_sim_solver {
+    daft_sim_rows rows;
+    size_t row_capacity;
+    uint32_t *row_bodies; /* of each row */
+    size_t row_body_capacity;
+    uint32_t row_count, mover_count;
+
+    daft_sim_block *blocks;
+    size_t block_capacity;
+    uint32_t block_count;
+    daft_sim_colour *colours;
+    size_t colour_capacity;
+    uint32_t colour_count;
+    /* Contacts in the order of colours: where each came from. */
+    struct daft_sim_slot {
+        uint32_t touch, patch;
+    } *slots;
+    size_t slot_capacity;
+
+    daft_sim_joint_row *joint_rows; /* by colours */
+    size_t joint_row_capacity;
+    uint32_t joint_count;
+    daft_sim_colour *joint_colours;
+    size_t joint_colour_capacity;
+    uint32_t joint_colour_count;
+
+    /* colour.c's scratch */
+    uint64_t *masks; /* of each row: colours taken */
+    uint32_t *levels;
+    size_t mask_capacity, level_capacity;
+    struct daft_sim_constraint {
+        uint32_t touch, patch, row_a, row_b, colour;
+    } *constraints;
+    size_t constraint_capacity, constraint_count;
+    uint32_t *colour_counts;
+    size_t colour_count_capacity;
+
+    daft_sim_spin *spins; /* bodies whose moments of inertia differ, and that turn */
+    size_t spin_capacity;
+    uint32_t spin_count;
+
+    daft_sim_target *targets; /* of rows */
+    size_t target_capacity;
+
+    daft_sim_stages *stages;
+    const daft_sim_kernels *kernels;
+};
+
+typedef struct daft_sim_slot daft_sim_slot;
+typedef struct daft_sim_constraint daft_sim_constraint;
+
+/* ---- colour.c ---- */
+
+/* Rows for active bodies, colours for contacts and joints. False when memory is out. */
+bool daft_sim_colour_all(daft_world *world);
+/* Fills block `index` from patches, and puts the impulses back. */
+void daft_sim_block_fill(daft_world *world, uint32_t index, float dt);
+void daft_sim_block_store(daft_world *world, uint32_t index);
+
+/* ---- joint_solve.c ---- */
+
+struct daft_sim_joint_row {
+    uint32_t joint, row[2];
+    float inv_mass[2];
+    float inertia[2][9];       /* inverse, world axes, as the step began */
+    daft_vec3 arm0[2];         /* anchors from centres as the step began, world axes */
+    daft_quat frame0[2];       /* frames as the step began, in the world */
+    daft_vec3 offset0;         /* from anchor a to anchor b as the step began */
+    daft_vec3 spin[2];         /* angular velocities as the substep began */
+    daft_vec3 linear_sum, angular_sum; /* impulses on b over the step */
+};
+void daft_sim_joint_begin(daft_world *world, daft_sim_joint_row *row);
+void daft_sim_joint_warm_start(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep);
+void daft_sim_joint_solve(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep, bool biased);
+void daft_sim_joint_end(daft_world *world, daft_sim_joint_row *row, float dt);
+/* Angle, way or length now; its anchors in the world. */
+float daft_sim_joint_value(const daft_world *world, const daft_sim_joint *joint, daft_dvec3 anchors[2]);
+
+/* ---- spin.c ---- */
+
+/* A body in free rotation over a substep. before: its angular velocity becomes that of the middle of the substep;
+ * between, after constraints acted and before it is turned: their impulses join its momentum; after: its angular
+ * velocity becomes what the momentum asks for. */
+void daft_sim_spin_before(const daft_world *world, daft_sim_spin *spin, float h);
+void daft_sim_spin_between(const daft_world *world, daft_sim_spin *spin);
+void daft_sim_spin_after(const daft_world *world, const daft_sim_spin *spin);
+
+/* ---- solver.c ---- */
+
+bool daft_sim_solve_reserve(daft_world *world);
+/* Moves rows over dt and leaves the impulses in patches and joints. */
+void daft_sim_solve(daft_world *world, float dt);
+bool daft_sim_solver_create(daft_world *world);
+void daft_sim_solver_destroy(daft_world *world);
+
+#endif

@@ -1,0 +1,527 @@
+/* Contact constraints in lanes. A block's contacts share no moving body, so its lanes are independent, and every lane
+ * computes exactly what any other width would.
+ *
+ * The contact is that of Catto's Solver2D carried to three dimensions: a spring (rate, soft_mass, soft_impulse) pushes
+ * overlap apart, what is not touching yet may close its gap within the substep and no more, and a pass without springs
+ * takes out the speed they gave. A point's separation follows the movement to first order, so that the core of a
+ * rolling shape turns and the place where it touches does not. */
+#include "math/simd.h"
+#include "sim/solver.h"
+
+typedef struct body {
+    vf3 v, w;
+    vf rest[2]; /* of its row */
+} body;
+
+DAFT_INLINE vf3 vf3_add(vf3 a, vf3 b) { return (vf3){a.x + b.x, a.y + b.y, a.z + b.z}; }
+DAFT_INLINE vf3 vf3_sub(vf3 a, vf3 b) { return (vf3){a.x - b.x, a.y - b.y, a.z - b.z}; }
+DAFT_INLINE vf3 vf3_scale(vf3 a, vf s) { return (vf3){a.x * s, a.y * s, a.z * s}; }
+DAFT_INLINE vf3 vf3_cross(vf3 a, vf3 b)
+{
+    return (vf3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+DAFT_INLINE vf3 load3(const daft_sim_lanes *p, int lane)
+{
+    return (vf3){vf_load(p[0] + lane), vf_load(p[1] + lane), vf_load(p[2] + lane)};
+}
+DAFT_INLINE void store3(daft_sim_lanes *p, int lane, vf3 v)
+{
+    vf_store(p[0] + lane, v.x);
+    vf_store(p[1] + lane, v.y);
+    vf_store(p[2] + lane, v.z);
+}
+/* 1 / x, and 0 for what has no inverse. */
+DAFT_INLINE vf inverse(vf x)
+{
+    vm good = vf_lt(vf_set(0), x);
+    return vf_select(good, vf_set(1) / vf_select(good, x, vf_set(1)), vf_set(0));
+}
+/* A symmetric matrix: xx, xy, xz, yy, yz, zz. */
+DAFT_INLINE vf3 symmetric(const vf m[6], vf3 v)
+{
+    return (vf3){m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z,
+                 m[2] * v.x + m[4] * v.y + m[5] * v.z};
+}
+
+DAFT_INLINE body load_body(const float *rows, const int32_t *index)
+{
+    vf row[8];
+    vf_load_rows8(rows, index, row);
+    return (body){{row[0], row[1], row[2]}, {row[3], row[4], row[5]}, {row[6], row[7]}};
+}
+DAFT_INLINE void store_body(float *rows, const int32_t *index, const body *b, vbits lanes)
+{
+    const vf row[8] = {b->v.x, b->v.y, b->v.z, b->w.x, b->w.y, b->w.z, b->rest[0], b->rest[1]};
+    vf_store_rows8(rows, index, row, lanes);
+}
+
+/* ---- preparation ---- */
+
+typedef struct sides {
+    vf inv_mass_a, inv_mass_b;
+    vf inertia_a[6], inertia_b[6];
+    vf3 normal, apart;
+} sides;
+
+/* arms and pushes of a unit impulse along `along` at anchor ra; gives the inverse of the effective mass. */
+DAFT_INLINE vf prepare_row(const sides *s, vf3 ra, vf3 along, daft_sim_lanes *arm_a, daft_sim_lanes *arm_b,
+                           daft_sim_lanes *push_a, daft_sim_lanes *push_b, int lane)
+{
+    vf3 aa = vf3_cross(ra, along), ab = vf3_cross(vf3_add(ra, s->apart), along);
+    vf3 pa = symmetric(s->inertia_a, aa), pb = symmetric(s->inertia_b, ab);
+    store3(arm_a, lane, aa);
+    store3(arm_b, lane, ab);
+    store3(push_a, lane, pa);
+    store3(push_b, lane, pb);
+    return s->inv_mass_a + s->inv_mass_b + vf3_dot(aa, pa) + vf3_dot(ab, pb);
+}
+
+/* Speed at which the point's surfaces meet: now, and what gravity and forces add until then. */
+DAFT_INLINE vf meeting_speed(const daft_sim_block_point *p, const body *a, const body *b, vf3 normal, vf acceleration,
+                             int lane)
+{
+    vf zero = vf_set(0);
+    vf speed = vf3_dot(normal, vf3_sub(b->v, a->v)) + vf3_dot(load3(p->arm_b, lane), b->w) -
+               vf3_dot(load3(p->arm_a, lane), a->w);
+    vf separation = vf_min(vf_load(p->separation + lane), vf_set(1e9f));
+    vf square = speed * speed - vf_set(2) * acceleration * separation;
+    vf meets = vf_sqrt(vf_max(square, zero));
+    return vf_select(vf_lt(speed, zero), meets, zero);
+}
+
+DAFT_INLINE void prepare_friction(daft_sim_block *block, const sides *s, vf3 middle, int lane)
+{
+    vf3 t = load3(block->tangent, lane), u = vf3_cross(s->normal, t);
+    vf k11 = prepare_row(s, middle, t, block->arm_a[0], block->arm_b[0], block->push_a[0], block->push_b[0], lane);
+    vf k22 = prepare_row(s, middle, u, block->arm_a[1], block->arm_b[1], block->push_a[1], block->push_b[1], lane);
+    vf k12 = vf3_dot(load3(block->arm_a[0], lane), load3(block->push_a[1], lane)) +
+             vf3_dot(load3(block->arm_b[0], lane), load3(block->push_b[1], lane));
+    vf scale = inverse(k11 * k22 - k12 * k12);
+    vf_store(block->tangent_mass[0] + lane, k22 * scale);
+    vf_store(block->tangent_mass[1] + lane, -k12 * scale);
+    vf_store(block->tangent_mass[2] + lane, k11 * scale);
+    vf3 twist_a = symmetric(s->inertia_a, s->normal), twist_b = symmetric(s->inertia_b, s->normal);
+    store3(block->twist_a, lane, twist_a);
+    store3(block->twist_b, lane, twist_b);
+    vf_store(block->twist_mass + lane, inverse(vf3_dot(s->normal, twist_a) + vf3_dot(s->normal, twist_b)));
+}
+
+DAFT_INLINE void prepare_rolling(daft_sim_block *block, const sides *s, int lane)
+{
+    vf trace = vf_set(0);
+    for (int k = 0; k < 6; k++) {
+        vf_store(block->inertia_a[k] + lane, s->inertia_a[k]);
+        vf_store(block->inertia_b[k] + lane, s->inertia_b[k]);
+        if (k == 0 || k == 3 || k == 5) trace = vf_max(trace, s->inertia_a[k] + s->inertia_b[k]);
+    }
+    vf_store(block->rolling_mass + lane, inverse(trace)); /* about the axis that yields most: never too much */
+}
+
+DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+{
+    const int32_t *ia = block->a + lane, *ib = block->b + lane;
+    body a = load_body(rows->velocity, ia), b = load_body(rows->velocity, ib);
+    body gain_a = load_body(rows->gain, ia), gain_b = load_body(rows->gain, ib);
+    vf row[8];
+    sides s = {.normal = load3(block->normal, lane), .apart = load3(block->apart, lane)};
+    vf_load_rows8(rows->mass, ia, row);
+    s.inv_mass_a = row[0];
+    for (int k = 0; k < 6; k++) s.inertia_a[k] = row[k + 1];
+    vf_load_rows8(rows->mass, ib, row);
+    s.inv_mass_b = row[0];
+    for (int k = 0; k < 6; k++) s.inertia_b[k] = row[k + 1];
+    vf_store(block->inv_mass_a + lane, s.inv_mass_a);
+    vf_store(block->inv_mass_b + lane, s.inv_mass_b);
+
+    vf acceleration = vf3_dot(s.normal, vf3_sub(gain_b.v, gain_a.v));
+    vf zero = vf_set(0), one = vf_set(1), count = zero;
+    vf3 middle = {zero, zero, zero}, anchor[DAFT_MANIFOLD_POINTS];
+    for (int i = 0; i < block->points; i++) {
+        daft_sim_block_point *p = &block->point[i];
+        anchor[i] = load3(p->arm_a, lane);
+        vm there = vf_lt(vf_load(p->separation + lane), vf_set(1e19f));
+        vf weight = vf_select(there, one, zero);
+        count = count + weight;
+        middle = vf3_add(middle, vf3_scale(anchor[i], weight));
+        vf k = prepare_row(&s, anchor[i], s.normal, p->arm_a, p->arm_b, p->push_a, p->push_b, lane);
+        vf_store(p->mass + lane, inverse(k));
+        vf_store(p->approach + lane,
+                 vf_select(there, meeting_speed(p, &a, &b, s.normal, acceleration, lane), zero));
+    }
+    middle = vf3_scale(middle, inverse(count));
+    for (int i = 0; i < block->points; i++) {
+        vf3 d = vf3_sub(anchor[i], middle);
+        vf_store(block->point[i].lever + lane, vf_sqrt(vf3_dot(d, d)));
+    }
+    prepare_friction(block, &s, middle, lane);
+    if (block->rolls) prepare_rolling(block, &s, lane);
+}
+
+static void prepare(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) prepare_lanes(rows, &blocks[i], lane);
+}
+
+/* ---- impulses ---- */
+
+typedef struct masses {
+    vf a, b;
+} masses;
+
+/* impulse along `along`, whose arms were prepared */
+DAFT_INLINE void push(body *a, body *b, masses m, vf3 along, const daft_sim_lanes *push_a, const daft_sim_lanes *push_b,
+                      vf impulse, int lane)
+{
+    a->v = vf3_sub(a->v, vf3_scale(along, m.a * impulse));
+    a->w = vf3_sub(a->w, vf3_scale(load3(push_a, lane), impulse));
+    b->v = vf3_add(b->v, vf3_scale(along, m.b * impulse));
+    b->w = vf3_add(b->w, vf3_scale(load3(push_b, lane), impulse));
+}
+
+DAFT_INLINE void spin(const daft_sim_block *block, body *a, body *b, vf3 impulse, int lane)
+{
+    vf inertia_a[6], inertia_b[6];
+    for (int k = 0; k < 6; k++) {
+        inertia_a[k] = vf_load(block->inertia_a[k] + lane);
+        inertia_b[k] = vf_load(block->inertia_b[k] + lane);
+    }
+    a->w = vf3_sub(a->w, symmetric(inertia_a, impulse));
+    b->w = vf3_add(b->w, symmetric(inertia_b, impulse));
+}
+
+DAFT_INLINE vf row_speed(const body *a, const body *b, vf3 along, const daft_sim_lanes *arm_a,
+                         const daft_sim_lanes *arm_b, int lane)
+{
+    return vf3_dot(along, vf3_sub(b->v, a->v)) + vf3_dot(load3(arm_b, lane), b->w) -
+           vf3_dot(load3(arm_a, lane), a->w);
+}
+
+DAFT_INLINE void warm_start_lanes(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+{
+    const int32_t *ia = block->a + lane, *ib = block->b + lane;
+    body a = load_body(rows->velocity, ia), b = load_body(rows->velocity, ib);
+    masses m = {vf_load(block->inv_mass_a + lane), vf_load(block->inv_mass_b + lane)};
+    vf3 n = load3(block->normal, lane), t = load3(block->tangent, lane), u = vf3_cross(n, t);
+    for (int i = 0; i < block->points; i++) {
+        const daft_sim_block_point *p = &block->point[i];
+        push(&a, &b, m, n, p->push_a, p->push_b, vf_load(p->impulse + lane), lane);
+    }
+    push(&a, &b, m, t, block->push_a[0], block->push_b[0], vf_load(block->tangent_impulse[0] + lane), lane);
+    push(&a, &b, m, u, block->push_a[1], block->push_b[1], vf_load(block->tangent_impulse[1] + lane), lane);
+    vf twist = vf_load(block->twist_impulse + lane);
+    a.w = vf3_sub(a.w, vf3_scale(load3(block->twist_a, lane), twist));
+    b.w = vf3_add(b.w, vf3_scale(load3(block->twist_b, lane), twist));
+    if (block->rolls) spin(block, &a, &b, load3(block->rolling_impulse, lane), lane);
+    store_body(rows->velocity, ia, &a, block->writes_a >> lane);
+    store_body(rows->velocity, ib, &b, block->writes_b >> lane);
+}
+
+static void warm_start(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) warm_start_lanes(rows, &blocks[i], lane);
+}
+
+/* The factor that makes a vector of this squared length no longer than `limit`. */
+DAFT_INLINE vf shorten(vf square, vf limit)
+{
+    vm longer = vf_lt(limit * limit, square);
+    vf length = vf_sqrt(vf_select(longer, square, vf_set(1)));
+    return vf_select(longer, limit / length, vf_set(1));
+}
+
+typedef struct spring {
+    vf rate, mass, impulse, push_speed, inv_h;
+    bool on;
+} spring;
+
+/* How far b's surface moved along a's in the step, in a direction of friction. */
+DAFT_INLINE vf dragged(const body *turn_a, const body *turn_b, vf3 along, const daft_sim_lanes *arm_a,
+                       const daft_sim_lanes *arm_b, int lane)
+{
+    return vf3_dot(along, vf3_sub(turn_b->v, turn_a->v)) + vf3_dot(load3(arm_b, lane), turn_b->w) -
+           vf3_dot(load3(arm_a, lane), turn_a->w);
+}
+
+/* Coulomb's cone: the friction impulse opposes sliding and is at most friction times the normal impulse. What sticks is
+ * drawn back to where it stuck; what slides sticks anew where it is. */
+DAFT_INLINE void solve_friction(daft_sim_block *block, body *a, body *b, masses m, vf3 n, vf normal_sum,
+                                const body *turn_a, const body *turn_b, const spring *s, int lane)
+{
+    vf3 t = load3(block->tangent, lane), u = vf3_cross(n, t);
+    vf vt = row_speed(a, b, t, block->arm_a[0], block->arm_b[0], lane) - vf_load(block->belt[0] + lane);
+    vf vu = row_speed(a, b, u, block->arm_a[1], block->arm_b[1], lane) - vf_load(block->belt[1] + lane);
+    vf way_t = dragged(turn_a, turn_b, t, block->arm_a[0], block->arm_b[0], lane);
+    vf way_u = dragged(turn_a, turn_b, u, block->arm_a[1], block->arm_b[1], lane);
+    vf slip_t = vf_load(block->slip[0] + lane), slip_u = vf_load(block->slip[1] + lane);
+    if (s->on) {
+        vt = vt + s->rate * (slip_t + way_t);
+        vu = vu + s->rate * (slip_u + way_u);
+    }
+    vf soft_mass = s->on ? s->mass : vf_set(1), soft_impulse = s->on ? s->impulse : vf_set(0);
+    vf m11 = vf_load(block->tangent_mass[0] + lane), m12 = vf_load(block->tangent_mass[1] + lane);
+    vf m22 = vf_load(block->tangent_mass[2] + lane);
+    vf old_t = vf_load(block->tangent_impulse[0] + lane), old_u = vf_load(block->tangent_impulse[1] + lane);
+    vf new_t = old_t - soft_mass * (m11 * vt + m12 * vu) - soft_impulse * old_t;
+    vf new_u = old_u - soft_mass * (m12 * vt + m22 * vu) - soft_impulse * old_u;
+    vf scale = shorten(new_t * new_t + new_u * new_u, vf_load(block->friction + lane) * normal_sum);
+    new_t = new_t * scale, new_u = new_u * scale;
+    vf_store(block->tangent_impulse[0] + lane, new_t);
+    vf_store(block->tangent_impulse[1] + lane, new_u);
+    if (!s->on) {
+        vm slides = vf_lt(scale, vf_set(1));
+        vf_store(block->slip[0] + lane, vf_select(slides, -way_t, slip_t));
+        vf_store(block->slip[1] + lane, vf_select(slides, -way_u, slip_u));
+    }
+    push(a, b, m, t, block->push_a[0], block->push_b[0], new_t - old_t, lane);
+    push(a, b, m, u, block->push_a[1], block->push_b[1], new_u - old_u, lane);
+}
+
+/* Friction about the normal: points off the middle hold by their levers. */
+DAFT_INLINE void solve_twist(daft_sim_block *block, body *a, body *b, vf3 n, vf lever_sum, const body *turn_a,
+                             const body *turn_b, const spring *s, int lane)
+{
+    vf speed = vf3_dot(n, vf3_sub(b->w, a->w)), way = vf3_dot(n, vf3_sub(turn_b->w, turn_a->w));
+    vf slip = vf_load(block->twist_slip + lane);
+    if (s->on) speed = speed + s->rate * (slip + way);
+    vf limit = vf_load(block->friction + lane) * lever_sum, old = vf_load(block->twist_impulse + lane);
+    vf soft_mass = s->on ? s->mass : vf_set(1), soft_impulse = s->on ? s->impulse : vf_set(0);
+    vf free = old - soft_mass * vf_load(block->twist_mass + lane) * speed - soft_impulse * old, wanted = vf_min(vf_max(free, -limit), limit);
+    vf_store(block->twist_impulse + lane, wanted);
+    if (!s->on) vf_store(block->twist_slip + lane, vf_select(vf_lt(vf_abs(free), limit), slip, -way));
+    a->w = vf3_sub(a->w, vf3_scale(load3(block->twist_a, lane), wanted - old));
+    b->w = vf3_add(b->w, vf3_scale(load3(block->twist_b, lane), wanted - old));
+}
+
+DAFT_INLINE void solve_rolling(daft_sim_block *block, body *a, body *b, vf normal_sum, int lane)
+{
+    vf3 old = load3(block->rolling_impulse, lane);
+    vf3 wanted = vf3_sub(old, vf3_scale(vf3_sub(b->w, a->w), vf_load(block->rolling_mass + lane)));
+    wanted = vf3_scale(wanted, shorten(vf3_dot(wanted, wanted), vf_load(block->rolling + lane) * normal_sum));
+    store3(block->rolling_impulse, lane, wanted);
+    spin(block, a, b, vf3_sub(wanted, old), lane);
+}
+
+/* What a point's constraint asks for in this pass; the same in all its sweeps. */
+typedef struct demand {
+    vf bias, mass, soft_impulse;
+    vf most; /* impulse */
+} demand;
+
+DAFT_INLINE demand point_demand(const daft_sim_block_point *p, vf moved, const body *turn_a, const body *turn_b,
+                                const spring *s, int lane)
+{
+    vf zero = vf_set(0), mass = vf_load(p->mass + lane);
+    vf separation = vf_load(p->separation + lane) + moved + vf3_dot(load3(p->arm_b, lane), turn_b->w) -
+                    vf3_dot(load3(p->arm_a, lane), turn_a->w);
+    vm open = vf_lt(zero, separation);
+    vf no_limit = vf_set(3e38f);
+    demand d = {vf_select(open, separation * s->inv_h, zero), mass, zero, no_limit};
+    if (!s->on) { /* what did not meet in this substep may do so in the next, which sees to that itself */
+        vm met = vf_lt(zero, vf_load(p->impulse + lane));
+        d.most = vf_select(vm_and(open, vm_not(met)), zero, no_limit);
+        return d;
+    }
+    d.bias = vf_select(open, d.bias, vf_max(separation * s->rate, s->push_speed));
+    d.mass = vf_select(open, mass, mass * s->mass);
+    d.soft_impulse = vf_select(open, zero, s->impulse);
+    return d;
+}
+
+DAFT_INLINE void solve_point(daft_sim_block_point *p, body *a, body *b, masses m, vf3 n, const demand *d, int lane)
+{
+    vf speed = row_speed(a, b, n, p->arm_a, p->arm_b, lane), old = vf_load(p->impulse + lane);
+    vf wanted = old - d->mass * (speed + d->bias) - d->soft_impulse * old;
+    wanted = vf_min(vf_max(wanted, vf_set(0)), d->most);
+    vf_store(p->impulse + lane, wanted);
+    push(a, b, m, n, p->push_a, p->push_b, wanted - old, lane);
+}
+
+/* The points of a manifold share both bodies: going over them to and fro while these are at hand makes a tilting box
+ * find its balance, for little more than the time of going once. */
+enum { SWEEPS = 4 };
+
+typedef struct sums {
+    vf impulse, levers;
+} sums;
+
+DAFT_INLINE sums solve_points(daft_sim_block *block, body *a, body *b, masses m, vf3 n, const body *turn_a,
+                              const body *turn_b, const spring *s, int lane)
+{
+    vf moved = vf3_dot(n, vf3_sub(turn_b->v, turn_a->v));
+    demand demands[DAFT_MANIFOLD_POINTS];
+    int last = block->points - 1;
+    for (int i = 0; i <= last; i++) demands[i] = point_demand(&block->point[i], moved, turn_a, turn_b, s, lane);
+    for (int sweep = 0; sweep < (last ? SWEEPS : 1); sweep++)
+        for (int i = 0; i <= last; i++) {
+            int at = sweep & 1 ? last - i : i;
+            solve_point(&block->point[at], a, b, m, n, &demands[at], lane);
+        }
+    sums sum = {vf_set(0), vf_set(0)};
+    for (int i = 0; i <= last; i++) {
+        daft_sim_block_point *p = &block->point[i];
+        vf impulse = vf_load(p->impulse + lane);
+        sum.impulse = sum.impulse + impulse;
+        sum.levers = sum.levers + impulse * vf_load(p->lever + lane);
+        if (!s->on) vf_store(p->total + lane, vf_load(p->total + lane) + impulse); /* ends a substep */
+    }
+    return sum;
+}
+
+DAFT_INLINE void solve_lanes(const daft_sim_rows *rows, daft_sim_block *block, const daft_sim_substep *substep,
+                             bool biased, int lane)
+{
+    const int32_t *ia = block->a + lane, *ib = block->b + lane;
+    body a = load_body(rows->velocity, ia), b = load_body(rows->velocity, ib);
+    body turn_a = load_body(rows->moved, ia), turn_b = load_body(rows->moved, ib);
+    masses m = {vf_load(block->inv_mass_a + lane), vf_load(block->inv_mass_b + lane)};
+    vf3 n = load3(block->normal, lane);
+    spring s = {.rate = vf_load(block->rate + lane), .mass = vf_load(block->soft_mass + lane),
+                .impulse = vf_load(block->soft_impulse + lane), .push_speed = vf_set(-substep->push_speed),
+                .inv_h = vf_set(substep->inv_h), .on = biased};
+    sums sum = solve_points(block, &a, &b, m, n, &turn_a, &turn_b, &s, lane);
+    solve_twist(block, &a, &b, n, sum.levers, &turn_a, &turn_b, &s, lane);
+    solve_friction(block, &a, &b, m, n, sum.impulse, &turn_a, &turn_b, &s, lane);
+    if (block->rolls) solve_rolling(block, &a, &b, sum.impulse, lane);
+    store_body(rows->velocity, ia, &a, block->writes_a >> lane);
+    store_body(rows->velocity, ib, &b, block->writes_b >> lane);
+}
+
+static void solve(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
+                  bool biased)
+{
+    for (uint32_t i = 0; i < count; i++)
+        for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL)
+            solve_lanes(rows, &blocks[i], substep, biased, lane);
+}
+
+/* ---- bounces: after the substeps, with the speed at which the surfaces truly met ---- */
+
+#define BOUNCE_SPEED 1.0f /* m/s; slower contacts do not bounce */
+
+/* The bounce's impulse adds to the step's, and gives friction its share; it is not kept for the next step's start. */
+DAFT_INLINE void bounce_lanes(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+{
+    const int32_t *ia = block->a + lane, *ib = block->b + lane;
+    body a = load_body(rows->velocity, ia), b = load_body(rows->velocity, ib);
+    body turn_a = load_body(rows->moved, ia), turn_b = load_body(rows->moved, ib);
+    masses m = {vf_load(block->inv_mass_a + lane), vf_load(block->inv_mass_b + lane)};
+    vf3 n = load3(block->normal, lane);
+    vf zero = vf_set(0), restitution = vf_load(block->restitution + lane), sum = zero;
+    for (int i = 0; i < block->points; i++) {
+        daft_sim_block_point *p = &block->point[i];
+        vf approach = vf_load(p->approach + lane), total = vf_load(p->total + lane);
+        vm bounces = vm_and(vf_lt(vf_set(BOUNCE_SPEED), approach), vf_lt(zero, total));
+        bounces = vm_and(bounces, vf_lt(zero, restitution));
+        vf speed = row_speed(&a, &b, n, p->arm_a, p->arm_b, lane);
+        vf impulse = -vf_load(p->mass + lane) * (speed - restitution * approach);
+        impulse = vf_select(bounces, vf_max(impulse, zero), zero);
+        push(&a, &b, m, n, p->push_a, p->push_b, impulse, lane);
+        vf_store(p->total + lane, total + impulse);
+        vf kept = vf_select(vf_lt(zero, impulse), zero, vf_load(p->impulse + lane));
+        vf_store(p->impulse + lane, kept);
+        sum = sum + impulse;
+    }
+    vm bounced = vf_lt(zero, sum);
+    vf kept[2];
+    for (int k = 0; k < 2; k++) {
+        kept[k] = vf_select(bounced, zero, vf_load(block->tangent_impulse[k] + lane));
+        vf_store(block->tangent_impulse[k] + lane, zero);
+    }
+    const spring rigid = {.on = false};
+    solve_friction(block, &a, &b, m, n, sum, &turn_a, &turn_b, &rigid, lane);
+    for (int k = 0; k < 2; k++) vf_store(block->tangent_impulse[k] + lane, kept[k]);
+    store_body(rows->velocity, ia, &a, block->writes_a >> lane);
+    store_body(rows->velocity, ib, &b, block->writes_b >> lane);
+}
+
+static void bounce(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        for (int lane = 0; blocks[i].bounces && lane < blocks[i].lanes; lane += DAFT_VL)
+            bounce_lanes(rows, &blocks[i], lane);
+}
+
+/* ---- the end: what was dragged in this step adds to what was before ---- */
+
+DAFT_INLINE void finish_lanes(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+{
+    body a = load_body(rows->moved, block->a + lane), b = load_body(rows->moved, block->b + lane);
+    vf3 n = load3(block->normal, lane), t = load3(block->tangent, lane), u = vf3_cross(n, t);
+    vf way_t = dragged(&a, &b, t, block->arm_a[0], block->arm_b[0], lane);
+    vf way_u = dragged(&a, &b, u, block->arm_a[1], block->arm_b[1], lane);
+    vf_store(block->slip[0] + lane, vf_load(block->slip[0] + lane) + way_t);
+    vf_store(block->slip[1] + lane, vf_load(block->slip[1] + lane) + way_u);
+    vf way = vf3_dot(n, vf3_sub(b.w, a.w));
+    vf_store(block->twist_slip + lane, vf_load(block->twist_slip + lane) + way);
+}
+
+static void finish(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) finish_lanes(rows, &blocks[i], lane);
+}
+
+/* ---- bodies ---- */
+
+#define MAX_SPEED DAFT_SIM_MAX_SPEED
+#define MAX_SPIN  DAFT_SIM_MAX_SPIN
+
+DAFT_INLINE float limited(const float *v, float limit)
+{
+    float square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    if (square <= limit * limit) return 1;
+    return square <= 3e38f ? limit / sqrtf(square) : 0; /* not finite: it stops */
+}
+
+/* What is not finite becomes 0. */
+DAFT_INLINE void limit_row(float *v)
+{
+    float linear = limited(v, MAX_SPEED), angular = limited(v + 3, MAX_SPIN);
+    if (linear == 1 && angular == 1) return;
+    for (int k = 0; k < 3; k++) {
+        v[k] = linear > 0 ? v[k] * linear : 0;
+        v[3 + k] = angular > 0 ? v[3 + k] * angular : 0;
+    }
+}
+
+static void gain(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h)
+{
+    for (uint32_t row = first; row < first + count; row++) {
+        float *v = rows->velocity + (size_t)row * DAFT_SIM_ROW;
+        const float *g = rows->gain + (size_t)row * DAFT_SIM_ROW;
+        float left[2] = {g[7], rows->mass[(size_t)row * DAFT_SIM_ROW + 7]};
+        for (int k = 0; k < 6; k++) v[k] = v[k] * left[k / 3] + g[k] * h;
+        limit_row(v);
+    }
+}
+
+/* q + (h/2 ω, 0)·q, normalised: the Cayley map, which turns by 2·atan(h|ω|/2). */
+static void turn_row(float *q, const float *w, float h)
+{
+    float x = 0.5f * h * w[0], y = 0.5f * h * w[1], z = 0.5f * h * w[2];
+    float qx = q[0], qy = q[1], qz = q[2], qw = q[3];
+    float nx = qx + (x * qw + y * qz - z * qy), ny = qy + (y * qw + z * qx - x * qz);
+    float nz = qz + (z * qw + x * qy - y * qx), nw = qw - (x * qx + y * qy + z * qz);
+    float scale = 1 / sqrtf(nx * nx + ny * ny + nz * nz + nw * nw);
+    q[0] = nx * scale, q[1] = ny * scale, q[2] = nz * scale, q[3] = nw * scale;
+}
+
+static void move(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h)
+{
+    for (uint32_t row = first; row < first + count; row++) {
+        size_t at = (size_t)row * DAFT_SIM_ROW;
+        float *v = rows->velocity + at, *moved = rows->moved + at, *q = rows->turn + at;
+        const float *g = rows->gain + at;
+        limit_row(v);
+        float behind = 0.5f * h * g[6];
+        for (int k = 0; k < 3; k++) {
+            moved[k] += h * (v[k] - behind * g[k]);
+            moved[3 + k] += h * v[3 + k];
+        }
+        if (v[3] != 0 || v[4] != 0 || v[5] != 0) turn_row(q, v + 3, h);
+    }
+}
+
+const daft_sim_kernels DAFT_KERNEL(daft_sim) = {prepare, warm_start, solve, bounce, finish, gain, move};
