@@ -87,6 +87,10 @@ daft_axis daft_sat(const daft_poly *a, const daft_poly *b, float enough, uint32_
 /* The contact along one of SAT's axes: by clipping for a face, where the edges cross for edges. 0 or 1 manifolds. */
 uint32_t daft_manifold_along(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin,
                              daft_manifold *out);
+/* The points of `other` over a face of `mine`, at most four or all; sets all of `out` but its points. Gives how many.
+ */
+uint32_t daft_face_points(const daft_poly *mine, const daft_poly *other, uint32_t face, bool is_b, float margin,
+                          bool all, daft_manifold *out, daft_manifold_point points[DAFT_CLIP_MAX]);
 /* The whole of a convex pair that is not special. */
 uint32_t daft_collide_polys(const daft_poly *a, const daft_poly *b, float margin, uint32_t sides, daft_manifold *out,
                             daft_pair_cache *cache);

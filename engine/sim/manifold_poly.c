@@ -26,6 +26,12 @@ static daft_clip_point laid(const basis *s, daft_vec3 p, float offset, uint32_t 
     return (daft_clip_point){daft_dot(s->u, d), daft_dot(s->v, d), daft_dot(s->n, p) - offset, id};
 }
 
+static float smaller_size(const daft_poly *mine, const daft_poly *other)
+{
+    float size = other->core == DAFT_CORE_POINT ? other->radius : other->size;
+    return mine->size < size ? mine->size : size;
+}
+
 /* The face that looks most against n. */
 static uint32_t facing(const daft_poly *p, daft_vec3 n)
 {
@@ -34,6 +40,24 @@ static uint32_t facing(const daft_poly *p, daft_vec3 n)
     for (uint32_t f = 0; f < p->face_count; f++) {
         float d = daft_dot(p->planes[f].normal, n);
         if (d < least) least = d, best = f;
+    }
+    return best;
+}
+
+/* Of the faces around the vertex that is lowest along n, the one that looks most against n. */
+static uint32_t facing_at_lowest(const daft_poly *p, daft_vec3 n)
+{
+    uint32_t lowest = 0, best = 0;
+    float least = INFINITY;
+    for (uint32_t i = 0; i < p->vertex_count; i++) {
+        float d = daft_dot(n, p->vertices[i]);
+        if (d < least) least = d, lowest = i;
+    }
+    least = INFINITY;
+    for (uint32_t e = 0; e < p->half_edge_count; e++) {
+        if (p->half_edges[e].origin != lowest) continue;
+        float d = daft_dot(p->planes[p->half_edges[e].face].normal, n);
+        if (d < least) least = d, best = p->half_edges[e].face;
     }
     return best;
 }
@@ -73,37 +97,59 @@ static daft_clip_point *clip_sides(const basis *s, const daft_poly *p, uint32_t 
     return from;
 }
 
-static uint32_t along_face(const daft_poly *mine, const daft_poly *other, uint32_t face, bool is_b, float margin,
-                           daft_manifold *out)
+/* The points of `other` over a face of `mine` that are within the margin; buffers[0] or [1] has them. */
+static daft_clip_point *points_over(const basis *s, const daft_poly *mine, const daft_poly *other, uint32_t face,
+                                    uint32_t incident, float margin, daft_clip_point buffers[2][DAFT_CLIP_MAX],
+                                    uint32_t *count)
+{
+    float offset = mine->planes[face].offset, rounding = mine->radius + other->radius;
+    *count = lay_incident(s, other, incident, offset, buffers[0]);
+    daft_clip_point *p = clip_sides(s, mine, face, OVERHANG * smaller_size(mine, other), buffers[0], buffers[1], count);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < *count; i++)
+        if (p[i].w - rounding <= margin) p[kept++] = p[i];
+    *count = kept;
+    return p;
+}
+
+static daft_manifold_point placed(const basis *s, const daft_clip_point *p, float offset, float radius, float rounding,
+                                  bool is_b)
+{
+    float height = (offset + radius + 0.5f * (p->w - rounding)) - daft_dot(s->n, s->origin);
+    daft_vec3 at = daft_add(daft_add(s->origin, daft_scale(s->n, height)),
+                            daft_add(daft_scale(s->u, p->u), daft_scale(s->v, p->v)));
+    return (daft_manifold_point){at, p->w - rounding, p->id | (is_b ? 1u << 30 : 0)};
+}
+
+uint32_t daft_face_points(const daft_poly *mine, const daft_poly *other, uint32_t face, bool is_b, float margin,
+                          bool all, daft_manifold *out, daft_manifold_point points[DAFT_CLIP_MAX])
 {
     daft_clip_point buffers[2][DAFT_CLIP_MAX];
     daft_plane plane = mine->planes[face];
     basis s = basis_on(plane.normal, other->centre);
-    float size = mine->size < other->size ? mine->size : other->size, rounding = mine->radius + other->radius;
-    if (other->core == DAFT_CORE_POINT) size = other->radius < mine->size ? other->radius : mine->size;
-    uint32_t incident = other->face_count ? facing(other, plane.normal) : 0, kept = 0;
-    uint32_t count = lay_incident(&s, other, incident, plane.offset, buffers[0]);
-    daft_clip_point *p = clip_sides(&s, mine, face, OVERHANG * size, buffers[0], buffers[1], &count);
+    uint32_t incident = other->face_count ? facing_at_lowest(other, plane.normal) : 0, count;
+    daft_clip_point *p = points_over(&s, mine, other, face, incident, margin, buffers, &count);
+    if (count == 0) return 0;
+    if (!all) count = daft_clip_reduce(p, count, OVERHANG * smaller_size(mine, other));
     for (uint32_t i = 0; i < count; i++)
-        if (p[i].w - rounding <= margin) p[kept++] = p[i];
-    if (kept == 0) return 0;
-    kept = daft_clip_reduce(p, kept, OVERHANG * size);
-    out->count = kept;
-    for (uint32_t i = 0; i < kept; i++) {
-        float height = plane.offset + mine->radius + 0.5f * (p[i].w - rounding);
-        height -= daft_dot(s.n, s.origin);
-        daft_vec3 at = daft_add(daft_add(s.origin, daft_scale(s.n, height)),
-                                daft_add(daft_scale(s.u, p[i].u), daft_scale(s.v, p[i].v)));
-        out->points[i] = (daft_manifold_point){at, p[i].w - rounding, p[i].id | (is_b ? 1u << 30 : 0)};
-    }
+        points[i] = placed(&s, &p[i], plane.offset, mine->radius, mine->radius + other->radius, is_b);
     daft_vec3 look = other->face_count ? other->planes[incident].normal : daft_neg(plane.normal);
     bool flat = other->face_count && daft_dot(look, plane.normal) < -SAME;
-    daft_feature_kind kind = flat ? DAFT_FEATURE_FACE : kept == 1 ? DAFT_FEATURE_VERTEX : DAFT_FEATURE_EDGE;
+    daft_feature_kind kind = flat ? DAFT_FEATURE_FACE : count == 1 ? DAFT_FEATURE_VERTEX : DAFT_FEATURE_EDGE;
     out->feature_a = is_b ? kind : DAFT_FEATURE_FACE;
     out->feature_b = is_b ? DAFT_FEATURE_FACE : kind;
     out->normal = is_b ? daft_neg(plane.normal) : plane.normal;
     out->face_b = is_b ? plane.normal : look;
-    return 1;
+    return count;
+}
+
+static uint32_t along_face(const daft_poly *mine, const daft_poly *other, uint32_t face, bool is_b, float margin,
+                           daft_manifold *out)
+{
+    daft_manifold_point points[DAFT_CLIP_MAX];
+    out->count = daft_face_points(mine, other, face, is_b, margin, false, out, points);
+    for (uint32_t i = 0; i < out->count; i++) out->points[i] = points[i];
+    return out->count > 0;
 }
 
 /* ---- one point ---- */
@@ -129,12 +175,16 @@ static daft_vec3 between(daft_vec3 p, daft_vec3 q, float t)
     return daft_add(p, daft_scale(daft_sub(q, p), t));
 }
 
-static uint32_t along_edges(const daft_poly *a, const daft_poly *b, const daft_axis *axis, daft_manifold *out)
+static uint32_t along_edges(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin,
+                            daft_manifold *out)
 {
     daft_vec3 p0 = daft_poly_edge_start(a, axis->a), p1 = daft_poly_edge_end(a, axis->a);
     daft_vec3 q0 = daft_poly_edge_start(b, axis->b), q1 = daft_poly_edge_end(b, axis->b);
     float s, t;
     daft_segments_closest(p0, p1, q0, q1, &s, &t);
+    daft_vec3 gap = daft_sub(between(q0, q1, t), between(p0, p1, s));
+    /* An axis that separates, but not between what is nearest: these edges pass each other at a distance. */
+    if (axis->separation > 0 && daft_length(gap) > margin + (a->radius + b->radius)) return 0;
     daft_vec3 on_a = daft_add(between(p0, p1, s), daft_scale(axis->normal, a->radius));
     daft_vec3 on_b = daft_sub(between(q0, q1, t), daft_scale(axis->normal, b->radius));
     daft_vec3 point = daft_scale(daft_add(on_a, on_b), 0.5f);
@@ -171,7 +221,7 @@ uint32_t daft_manifold_along(const daft_poly *a, const daft_poly *b, const daft_
     switch (axis->kind) {
     case DAFT_AXIS_FACE_A: return along_face(a, b, axis->a, false, margin, out);
     case DAFT_AXIS_FACE_B: return along_face(b, a, axis->b, true, margin, out);
-    case DAFT_AXIS_EDGES: return along_edges(a, b, axis, out);
+    case DAFT_AXIS_EDGES: return along_edges(a, b, axis, margin, out);
     default: return 0;
     }
 }

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An edge over which the surface turns by less than this (the sine) is flat. */
-#define FLAT 1e-3
 /* A triangle whose height is below this share of its longest side has no area to speak of. */
 #define SLIVER 1e-6
 
@@ -69,18 +67,6 @@ static bool has_area(const daft_vec3 corners[3])
     return sqrt(daft_ddot(n, n)) > SLIVER * longest;
 }
 
-daft_edge_kind daft_edge_classify(const daft_vec3 corners[3], uint32_t k, daft_vec3 beyond)
-{
-    daft_dvec3 n = daft_triangle_normal(corners), from = daft_to_double(corners[k]);
-    daft_dvec3 d = daft_dsub(daft_to_double(corners[(k + 1) % 3]), from), w = daft_dsub(daft_to_double(beyond), from);
-    double square = daft_ddot(d, d), height = daft_ddot(n, w);
-    w = daft_dsub(w, daft_dscale(d, square > 0 ? daft_ddot(w, d) / square : 0));
-    double length = sqrt(daft_ddot(w, w));
-    if (fabs(height) > FLAT * length) return height > 0 ? DAFT_EDGE_CONCAVE : DAFT_EDGE_CONVEX;
-    /* Folded back upon itself is as sharp as it gets. */
-    return daft_ddot(daft_dcross(d, n), w) > 0 ? DAFT_EDGE_FLAT : DAFT_EDGE_CONVEX;
-}
-
 static void match(daft_mesh_shape *s, const edge_key *keys, size_t count)
 {
     for (size_t i = 0, end; i < count; i = end) {
@@ -89,21 +75,6 @@ static void match(daft_mesh_shape *s, const edge_key *keys, size_t count)
         if (end - i != 2) continue; /* a border, or several sheets that meet: judged where bodies touch */
         s->neighbours[keys[i].half_edge] = keys[i + 1].half_edge;
         s->neighbours[keys[i + 1].half_edge] = keys[i].half_edge;
-    }
-}
-
-static void classify(daft_mesh_shape *s)
-{
-    for (uint32_t t = 0; t < s->mesh->triangle_count; t++) {
-        daft_vec3 corners[3], other[3];
-        if (s->edges[t] == UINT8_MAX) continue;
-        corners_of(s->mesh, t, corners);
-        for (uint32_t k = 0; k < 3; k++) {
-            uint32_t across = s->neighbours[3 * (size_t)t + k];
-            if (across == DAFT_NO_FEATURE) continue;
-            corners_of(s->mesh, across / 3, other);
-            s->edges[t] = (uint8_t)(s->edges[t] | daft_edge_classify(corners, k, other[(across % 3 + 2) % 3]) << 2 * k);
-        }
     }
 }
 
@@ -117,18 +88,19 @@ static bool connect(const daft_allocator *allocator, daft_mesh_shape *s)
     for (uint32_t t = 0; done && t < mesh->triangle_count; t++) {
         daft_vec3 corners[3];
         corners_of(mesh, t, corners);
-        s->edges[t] = has_area(corners) ? 0 : UINT8_MAX;
+        s->no_area[t] = !has_area(corners);
         for (uint32_t k = 0; k < 3; k++) {
             uint32_t p = welded[mesh->indices[3 * (size_t)t + k]];
             uint32_t q = welded[mesh->indices[3 * (size_t)t + (k + 1) % 3]], half_edge = 3 * t + k;
             s->neighbours[half_edge] = DAFT_NO_FEATURE;
-            if (s->edges[t] == 0) keys[count++] = (edge_key){p < q ? p : q, p < q ? q : p, half_edge};
+            if (!s->no_area[t]) keys[count++] = (edge_key){p < q ? p : q, p < q ? q : p, half_edge};
         }
     }
     if (done) {
         qsort(keys, count, sizeof *keys, compare_edges);
         match(s, keys, count);
-        classify(s);
+        s->closed = count > 0;
+        for (size_t i = 0; i < count; i++) s->closed &= s->neighbours[keys[i].half_edge] != DAFT_NO_FEATURE;
     }
     daft_release(allocator, keys);
     daft_release(allocator, welded);
@@ -143,8 +115,8 @@ daft_mesh_shape *daft_mesh_shape_create(const daft_allocator *allocator, const d
         s->allocator = *allocator;
         s->mesh = mesh, s->bvh = bvh, s->one_sided = one_sided;
         s->neighbours = daft_alloc(allocator, 3 * (size_t)mesh->triangle_count, sizeof *s->neighbours);
-        s->edges = daft_alloc_zero(allocator, mesh->triangle_count, 1);
-        if (s->neighbours && s->edges && connect(allocator, s)) return s;
+        s->no_area = daft_alloc(allocator, mesh->triangle_count, sizeof *s->no_area);
+        if (s->neighbours && s->no_area && connect(allocator, s)) return s;
     }
     daft_mesh_shape_free(s);
     daft_fail_memory(error, "a mesh's adjacency");
@@ -156,6 +128,6 @@ void daft_mesh_shape_free(daft_mesh_shape *shape)
     if (!shape) return;
     daft_allocator allocator = shape->allocator;
     daft_release(&allocator, shape->neighbours);
-    daft_release(&allocator, shape->edges);
+    daft_release(&allocator, shape->no_area);
     daft_release(&allocator, shape);
 }

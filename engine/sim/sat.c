@@ -1,6 +1,7 @@
 /* The separating-axis test between convex cores: faces of either, and pairs of edges whose arcs on the Gauss map cross
  * (Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013). A triangle's edge has half a great circle
  * for an arc and a segment's a whole one: there the third corner decides, or nothing. */
+#include "sim/gjk.h"
 #include "sim/manifold_parts.h"
 
 /* Axes within this share of the smaller core's size count as equally good. */
@@ -9,6 +10,9 @@
 #define PARALLEL 1e-5f
 /* A core over this many times as large as the other has the more exact faces. */
 #define LARGE 4.0f
+
+/* Pairs of half-edges that are tried without thought. */
+enum { MANY = 6000 };
 
 static float lowest(const daft_poly *p, daft_vec3 n)
 {
@@ -55,8 +59,7 @@ typedef struct edge {
 
 enum { MAX_EDGES = DAFT_HULL_MAX_HALF_EDGES / 2 };
 
-/* The edges that are near enough to the other core to cross one of its edges at the least depth: those whose bounds
- * come within `reach` of the other's. */
+/* All edges, or those whose bounds come within `reach` of the other core's. */
 static uint32_t gather_edges(const daft_poly *p, const daft_poly *other, float reach, edge *out)
 {
     daft_vec3 r = daft_v3(reach, reach, reach), low = daft_sub(other->low, r), high = daft_add(other->high, r);
@@ -127,19 +130,36 @@ static void try_edge_pair(const daft_poly *a, const daft_poly *b, const edge *ea
     if (s > best->separation) *best = (daft_axis){DAFT_AXIS_EDGES, ea->number, eb->number, s, n};
 }
 
-static void try_edges(const daft_poly *a, const daft_poly *b, float face, float enough, daft_axis *best)
+static void try_edges(const daft_poly *a, const daft_poly *b, float reach, float enough, daft_axis *best)
 {
     edge ea[MAX_EDGES], eb[MAX_EDGES];
     best->separation = -INFINITY;
     best->kind = DAFT_AXIS_NONE;
-    float reach = face < 0 ? -face : 0;
-    if (reach < enough) reach = enough;
     uint32_t count_a = gather_edges(a, b, reach, ea), count_b = gather_edges(b, a, reach, eb);
     for (uint32_t i = 0; i < count_a; i++)
         for (uint32_t j = 0; j < count_b; j++) {
             try_edge_pair(a, b, &ea[i], &eb[j], best);
             if (best->separation > enough) return;
         }
+}
+
+/* Cores that overlap by less than all faces say have the two edges that cross at the least depth near each other, so
+ * those far from the other core need no look; where there are many that saves most of the work. Cores that are apart
+ * may be separated by edges that are anywhere: then all are tried. */
+static void try_near_edges(const daft_poly *a, const daft_poly *b, float face, float enough, daft_axis *best)
+{
+    if (a->half_edge_count * b->half_edge_count <= MANY || face >= 0) {
+        try_edges(a, b, INFINITY, enough, best);
+        return;
+    }
+    try_edges(a, b, fmaxf(-face, enough), enough, best);
+    if (best->separation > enough) return;
+    daft_proxy pa = {.points = a->vertices, .count = a->vertex_count};
+    daft_proxy pb = {.points = b->vertices, .count = b->vertex_count};
+    daft_rigid same = daft_rigid_identity();
+    daft_gjk g;
+    daft_gjk_distance(&pa, &pb, &same, INFINITY, &g);
+    if (g.distance > 0) try_edges(a, b, INFINITY, enough, best);
 }
 
 /* ---- all ---- */
@@ -171,7 +191,7 @@ daft_axis daft_sat(const daft_poly *a, const daft_poly *b, float enough, uint32_
     try_faces(b, a, true, sides, enough, &axis_b);
     if (axis_b.separation > enough) return axis_b;
     float face = axis_a.separation > axis_b.separation ? axis_a.separation : axis_b.separation;
-    try_edges(a, b, face, enough, &axis_e);
+    try_near_edges(a, b, face, enough, &axis_e);
     if (axis_e.separation > enough) return axis_e;
 
     float size = a->size < b->size ? a->size : b->size, even = EVEN * size;

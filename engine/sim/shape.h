@@ -189,29 +189,22 @@ void daft_hull_free(daft_hull *hull);
 
 struct daft_bvh;
 
-/* What lies across an edge of a triangle. */
-typedef enum daft_edge_kind {
-    DAFT_EDGE_BORDER = 0,
-    DAFT_EDGE_FLAT,
-    DAFT_EDGE_CONCAVE,
-    DAFT_EDGE_CONVEX
-} daft_edge_kind;
-
 struct daft_mesh_shape {
     daft_allocator allocator;
     const daft_trimesh *mesh;
     const struct daft_bvh *bvh;
     uint32_t *neighbours; /* of 3·triangle + k, the edge from corner k to k + 1: the same of the edge across, or
                              DAFT_NO_FEATURE */
-    uint8_t
-        *edges; /* a triangle's three edge kinds, two bits each; seen from the front. 255: a triangle without area */
+    bool *no_area;        /* of triangles: such are never hit */
     bool one_sided;
+    bool closed; /* every edge has exactly one triangle across: a good reason to make it one-sided */
 };
 
 /* Mesh and BVH (accel's) must outlive it. Neighbours are found by the positions of vertices, so seams of doubled
  * vertices do not matter. Triangles without area are never hit. one_sided: bodies are pushed to the front of a triangle
- * (the side from which its corners run counter-clockwise) however deep they are; otherwise to the side that is nearer.
- * Rays and sweeps always stop on both sides. */
+ * (the side from which its corners run counter-clockwise) however deep they are, as closed meshes want it; otherwise to
+ * the side that is nearer, as sheets want it (where a body is near to one side of a thin wedge, its other side then
+ * touches it too). Rays and sweeps always stop on both sides. */
 daft_mesh_shape *daft_mesh_shape_create(const daft_allocator *allocator, const daft_trimesh *mesh,
                                         const struct daft_bvh *bvh, bool one_sided, daft_error *error);
 void daft_mesh_shape_free(daft_mesh_shape *shape);

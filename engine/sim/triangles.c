@@ -42,7 +42,7 @@ static bool field_triangle(const daft_field *f, uint32_t triangle, daft_vec3 cor
 bool daft_triangle_get(const daft_sim_shape *s, uint32_t triangle, daft_vec3 corners[3])
 {
     if (s->type == DAFT_GEOMETRY_FIELD) return field_triangle(s->field, triangle, corners);
-    if (s->mesh->edges[triangle] == UINT8_MAX) return false;
+    if (s->mesh->no_area[triangle]) return false;
     const daft_trimesh *mesh = s->mesh->mesh;
     for (uint32_t k = 0; k < 3; k++) {
         uint32_t v = mesh->indices[3 * (size_t)triangle + k];
@@ -51,32 +51,26 @@ bool daft_triangle_get(const daft_sim_shape *s, uint32_t triangle, daft_vec3 cor
     return true;
 }
 
-/* For both triangles of a cell and their three edges: the cell across and its far corner, relative to the own cell. */
+/* For both triangles of a cell and their three edges: the cell across, relative to the own, and which triangle and
+ * edge. */
 static const struct across {
-    int8_t cell_x, cell_z, far_x, far_z;
-} field_across[2][3] = {{{-1, 0, -1, 0}, {0, 1, 1, 2}, {0, 0, 1, 0}}, {{0, 0, 0, 1}, {1, 0, 2, 1}, {0, -1, 0, -1}}};
+    int8_t cell_x, cell_z;
+    uint8_t triangle, k;
+} field_across[2][3] = {{{-1, 0, 1, 1}, {0, 1, 1, 2}, {0, 0, 1, 0}}, {{0, 0, 0, 2}, {1, 0, 0, 0}, {0, -1, 0, 1}}};
 
-static daft_edge_kind field_edge(const daft_field *f, uint32_t triangle, uint32_t k, daft_vec3 *beyond)
+bool daft_triangle_across(const daft_sim_shape *s, uint32_t triangle, uint32_t k, uint32_t *other, uint32_t *other_k)
 {
-    uint32_t cell = triangle / 2, column = cell % (f->columns - 1), row = cell / (f->columns - 1);
-    const struct across *a = &field_across[triangle & 1][k];
-    if (!is_cell(f, (uint32_t)((int)column + a->cell_x), (uint32_t)((int)row + a->cell_z))) return DAFT_EDGE_BORDER;
-    *beyond = sample(f, (uint32_t)((int)column + a->far_x), (uint32_t)((int)row + a->far_z));
-    daft_vec3 corners[3];
-    field_triangle(f, triangle, corners);
-    return daft_edge_classify(corners, k, *beyond);
-}
-
-daft_edge_kind daft_triangle_edge(const daft_sim_shape *s, uint32_t triangle, uint32_t k, daft_vec3 *beyond)
-{
-    if (s->type == DAFT_GEOMETRY_FIELD) return field_edge(s->field, triangle, k, beyond);
-    daft_edge_kind kind = (daft_edge_kind)(s->mesh->edges[triangle] >> 2 * k & 3);
-    if (kind == DAFT_EDGE_BORDER) return kind;
+    if (s->type == DAFT_GEOMETRY_FIELD) {
+        const daft_field *f = s->field;
+        const struct across *a = &field_across[triangle & 1][k];
+        uint32_t cell = triangle / 2, column = cell % (f->columns - 1), row = cell / (f->columns - 1);
+        column = (uint32_t)((int)column + a->cell_x), row = (uint32_t)((int)row + a->cell_z);
+        *other = 2 * (row * (f->columns - 1) + column) + a->triangle, *other_k = a->k;
+        return is_cell(f, column, row);
+    }
     uint32_t across = s->mesh->neighbours[3 * (size_t)triangle + k];
-    const daft_trimesh *mesh = s->mesh->mesh;
-    uint32_t v = mesh->indices[3 * (size_t)(across / 3) + (across % 3 + 2) % 3];
-    *beyond = daft_v3(mesh->x[v], mesh->y[v], mesh->z[v]);
-    return kind;
+    *other = across / 3, *other_k = across % 3;
+    return across != DAFT_NO_FEATURE;
 }
 
 /* ---- at rest ---- */

@@ -11,12 +11,8 @@
 bool daft_triangle_get(const daft_sim_shape *s, uint32_t triangle, daft_vec3 corners[3]);
 /* Unit normal of the front, in double. */
 daft_dvec3 daft_triangle_normal(const daft_vec3 corners[3]);
-/* What lies across the edge from corner k to k + 1; for kinds other than border also the far corner of the triangle
- * there. */
-daft_edge_kind daft_triangle_edge(const daft_sim_shape *s, uint32_t triangle, uint32_t k, daft_vec3 *beyond);
-/* Which kind of edge it is, from the far corner across: seen from the triangle's front. */
-daft_edge_kind daft_edge_classify(const daft_vec3 corners[3], uint32_t k, daft_vec3 beyond);
-
+/* The triangle across the edge from corner k to k + 1, and which of its edges that is; false at borders. */
+bool daft_triangle_across(const daft_sim_shape *s, uint32_t triangle, uint32_t k, uint32_t *other, uint32_t *other_k);
 typedef void daft_triangle_visit(void *context, uint32_t triangle);
 /* Calls visit for all triangles whose bounds overlap, and perhaps more, in an order that depends on nothing but the
  * shape. */
