@@ -216,8 +216,7 @@ static bool single_task(daft_build *build, const daft_build_range *whole)
     return true;
 }
 
-/* Where each task's part lies in the whole. False: some task's memory was out. */
-static bool place_tasks(daft_build *build)
+bool daft_build_place(daft_build *build)
 {
     bool done = true;
     build->node_count = build->top.nodes.count;
@@ -246,7 +245,7 @@ bool daft_build_run(daft_build *build)
     }
     if (!make_sinks(build)) return false;
     daft_team_for(build->team, (uint32_t)build->task_count, run_task, build);
-    return place_tasks(build);
+    return daft_build_place(build);
 }
 
 /* ---- the whole again ---- */

@@ -105,6 +105,10 @@ typedef struct daft_build {
 
 /* False when memory is out; daft_build_free is to be called in either case. */
 bool daft_build_run(daft_build *build);
+/* The same with spatial splits (spatial.c), from the mesh itself; prims are not used. */
+bool daft_build_spatial(daft_build *build, const daft_trimesh *mesh);
+/* Where each task's part lies in the whole, once all tasks are done. False: some task's memory was out. */
+bool daft_build_place(daft_build *build);
 /* Writes the nodes of the whole, node_count of them; `write` is told of each task then, on some worker, to copy the rest. */
 void daft_build_write(daft_build *build, daft_node *nodes, void (*write)(void *context, const daft_build_task *task),
                       void *context);

@@ -6,6 +6,7 @@
  * Depth is bounded by the logarithm of the number of triangles, and how often triangles are repeated by REPEATS in the mean;
  * each part of the tree has its share of that, so the tree is the same for any number of threads. */
 #include "accel/bvh.h"
+#include "accel/clip.h"
 #include "accel/kdtree.h"
 
 #include <float.h>
@@ -16,12 +17,7 @@ enum { FEW = 20, BINS = 32, REPEATS = 3, TASK_COUNT = 4096 };
 #define EMPTY_BONUS 0.8f /* a cell with nothing in it is passed quickly */
 #define LITTLE 1e-6      /* of the longest side: cells without area are still told apart */
 
-/* A triangle within a cell: the bounds of the part of it that lies there. */
-typedef struct ref {
-    float low[3];
-    uint32_t triangle;
-    float high[3];
-} ref;
+typedef daft_part ref; /* within a cell */
 
 typedef struct cell {
     float low[3], high[3];
@@ -149,38 +145,6 @@ static plane find_plane(const cell *c, const ref *refs, size_t count)
 
 /* ---- cutting ---- */
 
-/* Floats around a double. */
-static float under(double x) { return nextafterf((float)x, -INFINITY); }
-static float over(double x) { return nextafterf((float)x, INFINITY); }
-
-/* The bounds of the triangle on one side of a plane, no larger than they were. */
-static void clip(const daft_trimesh *mesh, ref *r, int axis, float at, bool below)
-{
-    const uint32_t *corner = &mesh->indices[3 * (size_t)r->triangle];
-    double p[3][3], low[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, high[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX}, plane_at = (double)at;
-    for (int i = 0; i < 3; i++)
-        p[i][0] = (double)mesh->x[corner[i]], p[i][1] = (double)mesh->y[corner[i]], p[i][2] = (double)mesh->z[corner[i]];
-    for (int i = 0; i < 3; i++) {
-        const double *a = p[i], *b = p[(i + 1) % 3];
-        bool inside = below ? a[axis] <= plane_at : a[axis] >= plane_at;
-        bool crosses = (a[axis] < plane_at && b[axis] > plane_at) || (a[axis] > plane_at && b[axis] < plane_at);
-        double share = crosses ? (plane_at - a[axis]) / (b[axis] - a[axis]) : 0;
-        for (int k = 0; k < 3; k++) {
-            double cut = k == axis ? plane_at : a[k] + share * (b[k] - a[k]);
-            if (inside) low[k] = fmin(low[k], a[k]), high[k] = fmax(high[k], a[k]);
-            if (crosses) low[k] = fmin(low[k], cut), high[k] = fmax(high[k], cut);
-        }
-    }
-    for (int k = 0; k < 3; k++) {
-        float l = fmaxf(r->low[k], under(low[k])), h = fminf(r->high[k], over(high[k]));
-        if (l <= h) r->low[k] = l, r->high[k] = h;
-    }
-    if (below)
-        r->high[axis] = fminf(r->high[axis], at);
-    else
-        r->low[axis] = fmaxf(r->low[axis], at);
-}
-
 static bool reaches(const ref *r, plane cut, bool below)
 {
     if (r->low[cut.axis] == cut.at && r->high[cut.axis] == cut.at) return true;
@@ -193,7 +157,7 @@ static void take_side(const daft_trimesh *mesh, const ref *refs, size_t count, p
     for (size_t i = 0; i < count; i++) {
         if (!reaches(&refs[i], cut, below)) continue;
         *out = refs[i];
-        if (refs[i].low[cut.axis] < cut.at && refs[i].high[cut.axis] > cut.at) clip(mesh, out, cut.axis, cut.at, below);
+        if (refs[i].low[cut.axis] < cut.at && refs[i].high[cut.axis] > cut.at) daft_part_clip(mesh, out, cut.axis, cut.at, below);
         out++;
     }
 }
@@ -348,15 +312,7 @@ static bool make_refs(const daft_trimesh *mesh, part *top)
     top->refs = daft_alloc(top->allocator, mesh->triangle_count, sizeof *top->refs);
     if (!top->refs) return false;
     top->ref_capacity = mesh->triangle_count;
-    const float *axes[3] = {mesh->x, mesh->y, mesh->z};
-    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        const uint32_t *c = &mesh->indices[3 * (size_t)i];
-        top->refs[i].triangle = i;
-        for (int k = 0; k < 3; k++) {
-            float p = axes[k][c[0]], q = axes[k][c[1]], r = axes[k][c[2]];
-            top->refs[i].low[k] = fminf(fminf(p, q), r), top->refs[i].high[k] = fmaxf(fmaxf(p, q), r);
-        }
-    }
+    for (uint32_t i = 0; i < mesh->triangle_count; i++) top->refs[i] = daft_part_of(mesh, i);
     return true;
 }
 

@@ -86,6 +86,17 @@ typedef struct mesh_job {
     bool done;
 } mesh_job;
 
+static bool build_whole(daft_build *build, const daft_trimesh *mesh)
+{
+    build->prims = daft_alloc(build->allocator, build->count, sizeof *build->prims);
+    if (!build->prims) return false;
+    fill_job fill = {mesh, build->prims};
+    daft_team_for(build->team, (build->count + FILL_CHUNK - 1) / FILL_CHUNK, fill_chunk, &fill);
+    bool done = daft_build_run(build);
+    daft_release(build->allocator, build->prims);
+    return done;
+}
+
 static void build_mesh(void *context, daft_team *team)
 {
     mesh_job *job = context;
@@ -96,13 +107,8 @@ static void build_mesh(void *context, daft_team *team)
                         .threads = job->def->threads,
                         .isa = job->def->isa,
                         .rule = {.leaf_size = DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK, .block_size = DAFT_BLOCK},
-                        .prims = daft_alloc(a, count, sizeof *build.prims),
                         .count = count};
-    if (!build.prims) return;
-    fill_job fill = {job->mesh, build.prims};
-    daft_team_for(team, (count + FILL_CHUNK - 1) / FILL_CHUNK, fill_chunk, &fill);
-    job->done = daft_build_run(&build);
-    daft_release(a, build.prims);
+    job->done = job->def->spatial_splits ? daft_build_spatial(&build, job->mesh) : build_whole(&build, job->mesh);
     if (job->done) job->done = write_tree(&build, job->mesh, job->bvh);
     daft_build_free(&build);
 }
@@ -124,7 +130,7 @@ daft_bvh *daft_bvh_build(const daft_allocator *allocator, const daft_trimesh *me
 
 daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error)
 {
-    return daft_bvh_build(allocator, mesh, &(daft_bvh_def){threads, daft_isa_best()}, error);
+    return daft_bvh_build(allocator, mesh, &(daft_bvh_def){threads, daft_isa_best(), false}, error);
 }
 
 void daft_bvh_free(daft_bvh *bvh)

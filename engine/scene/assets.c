@@ -79,7 +79,7 @@ static bool mesh_finish(daft_scene *scene, daft_mesh_item *item, daft_error *err
     uint32_t slots = item->mesh.slot_count ? item->mesh.slot_count : 1;
     item->materials = daft_alloc_zero(scene->allocator, slots, sizeof *item->materials);
     if (!item->materials) return daft_fail_memory(error, "a mesh's materials");
-    const daft_bvh_def def = {scene->engine->threads, scene->engine->isa};
+    const daft_bvh_def def = {scene->engine->threads, scene->engine->isa, scene->engine->accel == DAFT_ACCEL_SBVH};
     item->bvh = daft_bvh_build(scene->allocator, &item->mesh, &def, error);
     if (!item->bvh) return false;
     scene->counters.mesh_builds++;
@@ -198,7 +198,7 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
     if (count != item->mesh.vertex_count)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "%u positions for a mesh of %u vertices", count, item->mesh.vertex_count);
     if (!daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
-    const daft_bvh_def def = {scene->engine->threads, scene->engine->isa};
+    const daft_bvh_def def = {scene->engine->threads, scene->engine->isa, scene->engine->accel == DAFT_ACCEL_SBVH};
     if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
     if (item->kdtree) { /* without memory for another, rays go through the BVH, to the same hits */
         daft_kdtree_free(item->kdtree);

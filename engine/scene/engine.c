@@ -32,8 +32,8 @@ daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error)
     if (!daft_check_pointer(error, "def", def) || !daft_check_cookie(error, def->cookie, "daft_default_engine_def") ||
         !choose_isa(def->isa, &isa, error))
         return NULL;
-    if (def->accel != DAFT_ACCEL_BVH && def->accel != DAFT_ACCEL_KDTREE) {
-        daft_fail(error, DAFT_ERROR_ARGUMENT, "accel is %d; it must be bvh or kdtree", (int)def->accel);
+    if ((unsigned)def->accel > DAFT_ACCEL_KDTREE) {
+        daft_fail(error, DAFT_ERROR_ARGUMENT, "accel is %d; it must be bvh, sbvh or kdtree", (int)def->accel);
         return NULL;
     }
     daft_allocator allocator = def->allocator;
