@@ -58,7 +58,9 @@ static int find_surfaces(const frame_job *job, const struct RTCRayHit16 *packet,
     }
     for (int i = 0; i < 16; i++) {
         float d = s->nx[i] * packet->ray.dir_x[i] + s->ny[i] * packet->ray.dir_y[i] + s->nz[i] * packet->ray.dir_z[i];
-        float scale = (d > 0 ? -1.0f : 1.0f) / sqrtf(s->nx[i] * s->nx[i] + s->ny[i] * s->ny[i] + s->nz[i] * s->nz[i]);
+        float length2 = s->nx[i] * s->nx[i] + s->ny[i] * s->ny[i] + s->nz[i] * s->nz[i];
+        float scale =
+            length2 > 0 ? (d > 0 ? -1.0f : 1.0f) / sqrtf(length2) : 0; /* finite in lanes that ask nothing, too */
         s->nx[i] *= scale, s->ny[i] *= scale, s->nz[i] *= scale;
     }
     return hits;
