@@ -47,6 +47,7 @@ static void enter(daft_world *world, uint32_t index, daft_dvec3 ahead)
 
 void daft_sim_broad_add(daft_world *world, uint32_t index)
 {
+    world->changes++;
     for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         world->parts[i].tight = daft_sim_part_bounds(world, i);
         enter(world, i, daft_dv3(0, 0, 0));
@@ -55,6 +56,7 @@ void daft_sim_broad_add(daft_world *world, uint32_t index)
 
 void daft_sim_broad_remove(daft_world *world, uint32_t index)
 {
+    world->changes++;
     const daft_sim_body *body = &world->bodies[index];
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         daft_sim_tree_remove(&world->trees[body->kind], world->parts[i].leaf);

@@ -113,6 +113,8 @@ typedef struct daft_sim_part {
     bool sensor;
     uint32_t moved_slot; /* in the list of those that entered the tree anew, to be asked for new pairs */
     daft_sim_bounds fat;
+    uint32_t next_escaped; /* walk.c: it left its fat bounds, found when the world's changes were: */
+    uint64_t escaped_at;
     daft_sim_bounds tight; /* where it may be during this step, and the margin; of what stands still: where it is */
 } daft_sim_part;
 
@@ -256,6 +258,9 @@ struct daft_world {
     uint32_t live_touches;
 
     daft_sim_tree trees[DAFT_BODY_DYNAMIC + 1]; /* one for each kind */
+    uint64_t changes;         /* counts steps and changes of the trees, from 1 on */
+    uint64_t escaped_at;      /* of which the parts that left their bounds are known, */
+    uint32_t first_escaped;   /* chained from here */
     daft_sim_pair *pairs; /* DAFT_SIM_MATERIAL_KINDS²; friction < 0: none. NULL: none at all */
 
     daft_sim_solver *solver;

@@ -196,6 +196,7 @@ bool daft_world_step(daft_world *world, float dt, daft_error *error)
         world->counters.sweeps = 0;
         end_dynamics(world);
         end_movers(world, dt);
+        world->changes++;
         count(world, world->counters.sweeps);
         daft_sim_report(world);
         daft_sim_joints_break(world);
