@@ -1,7 +1,7 @@
 /* Runs hard rays from a CSV file, whose answers were decided with exact rational arithmetic, through every kernel that
  * applies and on every instruction set: ray_cases FILE.csv. Single rays take the BVH and the kd-tree. The camera's pencil and
- * its reference path apply where a picture of one pixel can be that ray without rounding: see ask_pencil. Ends with the line `N passed, M failed`; exit status 1 if any failed,
- * 2 for wrong usage. The format is that of a file with the columns
+ * its reference path apply where a picture of one pixel can be that ray without rounding: see ask_pencil. Ends with the
+ * line `N passed, M failed`; exit status 1 if any failed, 2 for wrong usage. The format is that of a file with the columns
  *   id,category,kind,group,mesh,g0..g8,ox,oy,oz,dx,dy,dz,tmin,tmax,expect,must,where,t,…
  * kind tri | sphere | aabb | mesh; numbers as strtof reads them, hex floats among them; mesh files are beside the CSV.
  *
@@ -183,7 +183,8 @@ static bool move_to_eye(const thing *s, daft_vec3 o, daft_instance *out)
         out->to_object.t[k] = s->instance.mesh ? eye[k] : -out->to_frame.t[k];
     }
     for (uint32_t i = 0; s->instance.mesh && i < s->mesh.vertex_count; i++)
-        if (!exact_difference(s->mesh.x[i], o.x) || !exact_difference(s->mesh.y[i], o.y) || !exact_difference(s->mesh.z[i], o.z))
+        if (!exact_difference(s->mesh.x[i], o.x) || !exact_difference(s->mesh.y[i], o.y) ||
+            !exact_difference(s->mesh.z[i], o.z))
             return false;
     daft_instance_bound(out);
     return true;
