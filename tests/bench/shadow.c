@@ -290,7 +290,10 @@ static bool open_job(bench *self, shadow_job *job, daft_arena *arena, int thread
     daft_isa_parse(self->isa, &isa);
     job->raster_kernels = daft_raster_kernels_for(isa), job->shade = daft_shade_kernels_for(isa),
     job->kernels = TABLE[isa];
-    job->snapshot = (daft_snapshot){.width = WIDTH,
+    static const daft_surface plain = {.diffuse = {0.8f, 0.8f, 0.8f}, .texture = DAFT_NO_TEXTURE};
+    job->snapshot = (daft_snapshot){.materials = &plain,
+                                    .material_count = 1,
+                                    .width = WIDTH,
                                     .height = HEIGHT,
                                     .right = s->view.right,
                                     .up = s->view.up,
