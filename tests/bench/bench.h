@@ -144,6 +144,7 @@ void bench_shadow(bench *self);
 void bench_load(bench *self);
 void bench_trees(bench *self);
 void bench_game(bench *self);
+void bench_sim_shapes(bench *self); /* collision geometry */
 void bench_growth(bench *self);   /* time against triangles, instances, pixels, lamps, threads */
 void bench_accuracy(bench *self); /* what a right pixel costs */
 void bench_machine(bench *self);  /* what the machine gives at most */

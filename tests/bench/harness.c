@@ -232,6 +232,7 @@ int main(int argc, char **argv)
     bench_load(&self);
     bench_trees(&self);
     bench_game(&self);
+    bench_sim_shapes(&self);
     bench_growth(&self);
     bench_accuracy(&self);
     bench_robust(&self);
