@@ -68,13 +68,20 @@ static inline daft_vec3 daft_poly_edge_end(const daft_poly *p, uint32_t half_edg
 
 /* ---- separating axes of cores (sat.c) ---- */
 
-typedef enum daft_axis_kind { DAFT_AXIS_NONE = 0, DAFT_AXIS_FACE_A, DAFT_AXIS_FACE_B, DAFT_AXIS_EDGES } daft_axis_kind;
+typedef enum daft_axis_kind {
+    DAFT_AXIS_NONE = 0,
+    DAFT_AXIS_FACE_A,
+    DAFT_AXIS_FACE_B,
+    DAFT_AXIS_EDGES,
+    DAFT_AXIS_CLOSEST /* between the closest points of cores that are apart, and that no face separates */
+} daft_axis_kind;
 
 typedef struct daft_axis {
     daft_axis_kind kind;
-    uint32_t a, b;    /* face of either, or half-edges of both */
-    float separation; /* of the cores */
-    daft_vec3 normal; /* unit, from a to b */
+    uint32_t a, b;        /* face of either, or half-edges of both */
+    float separation;     /* of the cores */
+    daft_vec3 normal;     /* unit, from a to b */
+    daft_vec3 on_a, on_b; /* the closest points */
 } daft_axis;
 
 /* The axis of greatest separation of two cores, at least one of them a solid or a triangle. Stops early where one is

@@ -222,6 +222,9 @@ uint32_t daft_manifold_along(const daft_poly *a, const daft_poly *b, const daft_
     case DAFT_AXIS_FACE_A: return along_face(a, b, axis->a, false, margin, out);
     case DAFT_AXIS_FACE_B: return along_face(b, a, axis->b, true, margin, out);
     case DAFT_AXIS_EDGES: return along_edges(a, b, axis, margin, out);
+    case DAFT_AXIS_CLOSEST:
+        return one_point(b, axis->normal, daft_scale(daft_add(axis->on_a, axis->on_b), 0.5f), axis->separation,
+                         7u << 28 | 0xffff, DAFT_FEATURE_EDGE, DAFT_FEATURE_EDGE, out);
     default: return 0;
     }
 }

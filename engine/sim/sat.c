@@ -44,7 +44,8 @@ static void try_faces(const daft_poly *mine, const daft_poly *other, bool is_b, 
         float s = face_separation(mine, f, other);
         if (s <= best->separation) continue;
         daft_vec3 n = mine->planes[f].normal;
-        *best = is_b ? (daft_axis){DAFT_AXIS_FACE_B, 0, f, s, daft_neg(n)} : (daft_axis){DAFT_AXIS_FACE_A, f, 0, s, n};
+        *best = is_b ? (daft_axis){.kind = DAFT_AXIS_FACE_B, .b = f, .separation = s, .normal = daft_neg(n)}
+                     : (daft_axis){.kind = DAFT_AXIS_FACE_A, .a = f, .separation = s, .normal = n};
         if (s > enough) return;
     }
 }
@@ -127,7 +128,8 @@ static void try_edge_pair(const daft_poly *a, const daft_poly *b, const edge *ea
     if (!is_extreme(a, ea, crossing_a, 1, &n, &fixed) || !is_extreme(b, eb, crossing_b, -1, &n, &fixed)) return;
     n = daft_scale(n, 1 / sqrtf(square));
     float s = daft_dot(n, daft_sub(eb->from, ea->from));
-    if (s > best->separation) *best = (daft_axis){DAFT_AXIS_EDGES, ea->number, eb->number, s, n};
+    if (s > best->separation)
+        *best = (daft_axis){.kind = DAFT_AXIS_EDGES, .a = ea->number, .b = eb->number, .separation = s, .normal = n};
 }
 
 static void try_edges(const daft_poly *a, const daft_poly *b, float reach, float enough, daft_axis *best)
@@ -145,21 +147,25 @@ static void try_edges(const daft_poly *a, const daft_poly *b, float reach, float
 
 /* Cores that overlap by less than all faces say have the two edges that cross at the least depth near each other, so
  * those far from the other core need no look; where there are many that saves most of the work. Cores that are apart
- * may be separated by edges that are anywhere: then all are tried. */
+ * may be separated by edges that are anywhere: then the closest points say more than all edges do. */
 static void try_near_edges(const daft_poly *a, const daft_poly *b, float face, float enough, daft_axis *best)
 {
-    if (a->half_edge_count * b->half_edge_count <= MANY || face >= 0) {
-        try_edges(a, b, INFINITY, enough, best);
+    bool many = a->half_edge_count * b->half_edge_count > MANY;
+    if (!many || face >= 0) {
+        try_edges(a, b, many ? enough : INFINITY, enough, best);
         return;
     }
-    try_edges(a, b, fmaxf(-face, enough), enough, best);
-    if (best->separation > enough) return;
     daft_proxy pa = {.points = a->vertices, .count = a->vertex_count};
     daft_proxy pb = {.points = b->vertices, .count = b->vertex_count};
     daft_rigid same = daft_rigid_identity();
     daft_gjk g;
     daft_gjk_distance(&pa, &pb, &same, INFINITY, &g);
-    if (g.distance > 0) try_edges(a, b, INFINITY, enough, best);
+    if (!(g.distance > 1e-6 * (double)(a->size + b->size))) {
+        try_edges(a, b, fmaxf(-face, enough), enough, best);
+        return;
+    }
+    *best = (daft_axis){DAFT_AXIS_CLOSEST,    0, 0, (float)g.distance, daft_to_float(g.normal), daft_to_float(g.on_a),
+                        daft_to_float(g.on_b)};
 }
 
 /* ---- all ---- */
@@ -171,12 +177,14 @@ static bool cached_apart(const daft_poly *a, const daft_poly *b, float enough, u
     if (!cache) return false;
     if (cache->kind == DAFT_AXIS_FACE_A && cache->a < a->face_count && face_counts(a, cache->a, sides)) {
         daft_vec3 n = a->planes[cache->a].normal;
-        *out = (daft_axis){DAFT_AXIS_FACE_A, cache->a, 0, face_separation(a, cache->a, b), n};
+        *out = (daft_axis){
+            .kind = DAFT_AXIS_FACE_A, .a = cache->a, .separation = face_separation(a, cache->a, b), .normal = n};
         return out->separation > enough;
     }
     if (cache->kind == DAFT_AXIS_FACE_B && cache->b < b->face_count && face_counts(b, cache->b, sides)) {
         daft_vec3 n = daft_neg(b->planes[cache->b].normal);
-        *out = (daft_axis){DAFT_AXIS_FACE_B, 0, cache->b, face_separation(b, cache->b, a), n};
+        *out = (daft_axis){
+            .kind = DAFT_AXIS_FACE_B, .b = cache->b, .separation = face_separation(b, cache->b, a), .normal = n};
         return out->separation > enough;
     }
     return false;
@@ -192,7 +200,7 @@ daft_axis daft_sat(const daft_poly *a, const daft_poly *b, float enough, uint32_
     if (axis_b.separation > enough) return axis_b;
     float face = axis_a.separation > axis_b.separation ? axis_a.separation : axis_b.separation;
     try_near_edges(a, b, face, enough, &axis_e);
-    if (axis_e.separation > enough) return axis_e;
+    if (axis_e.separation > enough || axis_e.kind == DAFT_AXIS_CLOSEST) return axis_e;
 
     float size = a->size < b->size ? a->size : b->size, even = EVEN * size;
     uint8_t before = cache ? cache->kind : DAFT_AXIS_NONE;
