@@ -1,7 +1,8 @@
 /* Runs hard rays from a CSV file, whose answers were decided with exact rational arithmetic, through every kernel that
- * applies and on every instruction set: ray_cases FILE.csv. Single rays take the BVH and the kd-tree. The camera's pencil and
- * its reference path apply where a picture of one pixel can be that ray without rounding: see ask_pencil. Ends with the
- * line `N passed, M failed`; exit status 1 if any failed, 2 for wrong usage. The format is that of a file with the columns
+ * applies and on every instruction set: ray_cases FILE.csv. Single rays take the BVH and the kd-tree, and the BVH in packets
+ * and streams, too. The camera's pencil and its reference path apply where a picture of one pixel can be that ray without
+ * rounding: see ask_pencil. Ends with the line `N passed, M failed`; exit status 1 if any failed, 2 for wrong usage. The
+ * format is that of a file with the columns
  *   id,category,kind,group,mesh,g0..g8,ox,oy,oz,dx,dy,dz,tmin,tmax,expect,must,where,t,…
  * kind tri | sphere | aabb | mesh; numbers as strtof reads them, hex floats among them; mesh files are beside the CSV.
  *
@@ -150,6 +151,26 @@ typedef struct answer {
     bool agree; /* all kernels and instruction sets */
 } answer;
 
+/* The ray in fifteen lanes, one with a neighbour that goes elsewhere; and as a stream. */
+static bool agrees_in_company(const thing *s, const daft_ray *ray, const daft_accel_kernels *k, const daft_hit *expected)
+{
+    bool found = expected->instance != UINT32_MAX, same = true;
+    daft_ray_packet packet;
+    daft_ray rays[DAFT_PACKET], elsewhere = *ray;
+    daft_hit hits[DAFT_PACKET];
+    elsewhere.direction = daft_v3(-ray->direction.y, ray->direction.z, ray->direction.x);
+    for (uint32_t i = 0; i < DAFT_PACKET; i++) rays[i] = i == 5 ? elsewhere : *ray, daft_ray_packet_set(&packet, i, &rays[i]);
+    const uint32_t others = 0xffff & ~(1u << 5), stopped = k->occluded_packet(s->tlas, &packet, 0xffff);
+    same &= (k->closest_packet(s->tlas, &packet, 0xffff, UINT32_MAX, hits) & others) == (found ? others : 0);
+    same &= (stopped & others) == (found ? others : 0);
+    for (uint32_t i = 0; i < DAFT_PACKET; i++) same &= i == 5 || memcmp(&hits[i], expected, sizeof hits[i]) == 0;
+    uint32_t dark;
+    k->closest_stream(s->tlas, rays, 4, UINT32_MAX, hits);
+    k->occluded_stream(s->tlas, rays, 4, &dark);
+    for (uint32_t i = 0; i < 4; i++) same &= memcmp(&hits[i], expected, sizeof hits[i]) == 0 && (dark >> i & 1) == found;
+    return same;
+}
+
 static answer ask(thing *s, const daft_ray *ray)
 {
     answer out = {.agree = true};
@@ -162,6 +183,7 @@ static answer ask(thing *s, const daft_ray *ray)
         bool stopped = daft_accel_kernels_for(isa)->occluded(s->tlas, ray);
         bool sound = !found || (!isnan(hit.t) && isfinite(hit.u) && isfinite(hit.v) && !isnan(hit.normal.x));
         out.agree &= sound && stopped == found && (way == 0 || (found == out.hit && (!found || hit.t == out.t)));
+        out.agree &= agrees_in_company(s, ray, daft_accel_kernels_for(isa), &hit);
         out.hit = found, out.t = found ? hit.t : 0;
     }
     s->instance.kdtree = NULL;

@@ -1,5 +1,5 @@
-/* accel: single rays through both levels find what brute force finds, the same on every instruction set; closed meshes leak
- * no ray; degenerate inputs build in bounded depth and do no harm. */
+/* accel: single rays through both levels find what brute force finds, the same on every instruction set, alone, in packets
+ * and in streams; closed meshes leak no ray; degenerate inputs build in bounded depth and do no harm. */
 #include "fixtures.h"
 
 #include "math/exact.h"
@@ -166,6 +166,162 @@ static void limits_and_ignore(void **unused)
     daft_arena_free(&s.arena);
 }
 
+/* ---- rays together: packets and streams find, to the bit, what single rays find ---- */
+
+enum { COMPANY = 1024 };
+
+typedef struct company {
+    daft_ray rays[COMPANY];
+    uint32_t count;
+} company;
+
+static void join_company(company *c, daft_ray ray)
+{
+    if (c->count < COMPANY) c->rays[c->count++] = ray;
+}
+
+/* Bits of random rays, seldom none and seldom all. */
+static uint32_t random_active(void)
+{
+    uint32_t kind = random_bits() % 8, bits = random_bits() & 0xffff;
+    return kind == 0 ? 0 : kind == 1 ? 1u << bits % 16 : kind < 5 ? 0xffff : bits;
+}
+
+static void check_packet(const daft_accel_kernels *k, const daft_tlas *tlas, const daft_ray *rays, const daft_hit *expected,
+                         const bool *stopped)
+{
+    daft_ray_packet packet;
+    daft_hit hits[DAFT_PACKET], untouched;
+    uint32_t active = random_active(), found = 0, dark = 0;
+    memset(&untouched, 0xa5, sizeof untouched);
+    for (uint32_t i = 0; i < DAFT_PACKET; i++) {
+        daft_ray_packet_set(&packet, i, &rays[i]);
+        hits[i] = untouched;
+        if (!(active >> i & 1)) continue;
+        found |= (uint32_t)(expected[i].instance != UINT32_MAX) << i;
+        dark |= (uint32_t)stopped[i] << i;
+    }
+    assert_int_equal(k->closest_packet(tlas, &packet, active, UINT32_MAX, hits), found);
+    assert_int_equal(k->occluded_packet(tlas, &packet, active), dark);
+    for (uint32_t i = 0; i < DAFT_PACKET; i++)
+        assert_memory_equal(&hits[i], active >> i & 1 ? &expected[i] : &untouched, sizeof untouched);
+}
+
+/* On every instruction set; the single rays of the first are what all are compared with. */
+static void same_together(const daft_tlas *tlas, const company *c)
+{
+    static daft_hit expected[COMPANY], hits[COMPANY];
+    static bool stopped[COMPANY];
+    uint32_t dark[COMPANY / 32 + 1];
+    for (uint32_t i = 0; i < c->count; i++) {
+        daft_accel_kernels_for(0)->closest(tlas, &c->rays[i], UINT32_MAX, &expected[i]);
+        stopped[i] = daft_accel_kernels_for(0)->occluded(tlas, &c->rays[i]);
+    }
+    for (int isa = 0; isa <= daft_isa_best(); isa++) {
+        const daft_accel_kernels *k = daft_accel_kernels_for(isa);
+        for (uint32_t i = 0; i + DAFT_PACKET <= c->count; i += DAFT_PACKET)
+            check_packet(k, tlas, c->rays + i, expected + i, stopped + i);
+        uint32_t count = isa == 0 ? c->count : random_bits() % (c->count + 1); /* streams of any length */
+        k->closest_stream(tlas, c->rays, count, UINT32_MAX, hits);
+        k->occluded_stream(tlas, c->rays, count, dark);
+        for (uint32_t i = 0; i < count; i++) {
+            daft_hit single;
+            k->closest(tlas, &c->rays[i], UINT32_MAX, &single);
+            assert_memory_equal(&single, &expected[i], sizeof single);
+            assert_memory_equal(&hits[i], &expected[i], sizeof hits[i]);
+            assert_int_equal(dark[i / 32] >> i % 32 & 1, stopped[i]);
+        }
+    }
+}
+
+static float odd_number(void)
+{
+    static const float ODD[] = {0, -0.0f, INFINITY, -INFINITY, NAN, 1e-40f, 1e30f, -1e-30f, 1, -1};
+    return ODD[random_bits() % DAFT_COUNT_OF(ODD)];
+}
+
+/* Sixteen rays of a kind. */
+static void add_rays(company *c, const scene *s, int kind)
+{
+    daft_vec3 origin = random_vec3(-10, 10), middle = random_vec3(-4, 4);
+    for (int i = 0; i < DAFT_PACKET; i++) {
+        daft_ray ray = ray_make(origin, daft_sub(daft_add(middle, random_vec3(-0.2f, 0.2f)), origin)); /* 0: a pencil */
+        const daft_instance *instance = &s->instances[random_bits() % s->count];
+        if (kind == 1) ray = ray_make(random_vec3(-10, 10), random_vec3(-1, 1));
+        if (kind == 2) ray.origin = daft_add(origin, random_vec3(-0.5f, 0.5f)); /* nearly parallel */
+        if (kind == 3) { /* grid directions and places */
+            ray.origin = daft_v3((float)(random_bits() % 9) - 4, (float)(random_bits() % 9) - 4, (float)(random_bits() % 9) - 4);
+            ray.direction = daft_v3((float)(random_bits() % 3) - 1, (float)(random_bits() % 3) - 1, (float)(random_bits() % 3) - 1);
+        }
+        if (kind == 4 && instance->mesh) { /* at a vertex or at a point of an edge */
+            const daft_trimesh *m = instance->mesh;
+            uint32_t t = random_bits() % m->triangle_count, v = m->indices[3 * t], w = m->indices[3 * t + 1];
+            daft_vec3 a = {m->x[v], m->y[v], m->z[v]}, b = {m->x[w], m->y[w], m->z[w]};
+            daft_vec3 at = daft_add(a, daft_scale(daft_sub(b, a), i % 2 ? 0 : random_float(0, 1)));
+            ray.direction = daft_sub(daft_affine_point(&instance->to_frame, at), ray.origin);
+        }
+        if (kind == 5) { /* numbers that rays should not hold */
+            float *number = i % 2 ? &ray.origin.x : &ray.direction.x;
+            number[random_bits() % 3] = odd_number();
+            if (i % 4 == 3) ray.tmin = odd_number();
+            if (i % 4 == 2) ray.tmax = odd_number();
+        }
+        daft_hit hit;
+        if (kind == 6 && daft_accel_kernels_for(0)->closest(s->tlas, &ray, UINT32_MAX, &hit)) {
+            /* limits right before, at and behind what is hit */
+            float t = i % 3 == 0 ? nextafterf(hit.t, 0) : i % 3 == 1 ? hit.t : nextafterf(hit.t, INFINITY);
+            if (i % 2) ray.tmin = t;
+            else ray.tmax = t;
+        }
+        if (kind == 7) ray.tmin = random_float(-5, 5), ray.tmax = ray.tmin + random_float(-0.1f, 5);
+        join_company(c, ray);
+    }
+}
+
+static void packets_and_streams(void **unused)
+{
+    (void)unused;
+    fixture_seed(1618);
+    fixture_mesh soup = mesh_soup(700, 2, 0.4f), ball = mesh_ball(12, 1, 0.2f), grid = mesh_ball(4, 2, 0);
+    const fixture_mesh *meshes[3] = {&soup, &ball, &grid};
+    for (int round = 0; round < 6; round++) {
+        daft_instance instances[24];
+        int count = round % 3 == 0 ? 1 : round % 3 == 1 ? 6 : 24;
+        for (int i = 0; i < count; i++) {
+            daft_vec3 scale = daft_v3(random_float(0.3f, 2), random_float(0.3f, 2), i % 5 == 0 ? -0.7f : 1);
+            daft_affine map = affine_make(random_rotation(), scale, random_vec3(-5, 5));
+            if (i % 3 == 1)
+                for (int k = 0; k < 9; k++) map.m[k] += random_float(-0.2f, 0.2f); /* any affine map */
+            if (i == 2 || count == 1) map = affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0));
+            instances[i] = i % 4 == 3 ? sphere_make(random_vec3(-5, 5), random_float(0.1f, 1.5f)) : instance_make(meshes[i % 3], map);
+            if (i % 7 == 6) instances[i].flags = 0;
+        }
+        if (count > 8) instances[8] = instances[4]; /* ties between instances */
+        scene s;
+        scene_build(&s, instances, (uint32_t)count);
+        for (daft_intersection how = DAFT_INTERSECT_EXACT; how <= DAFT_INTERSECT_FAST; how++) {
+            const daft_tlas_def def = {.intersection = how, .threads = 1};
+            const daft_tlas *tlas = daft_tlas_build_for(&s.arena, instances, (uint32_t)count, &def, NULL);
+            company c = {.count = 0};
+            for (int i = 0; i < COMPANY / DAFT_PACKET; i++) {
+                bool odd = i % 8 == 5; /* floats alone do not know distances along rays that overflow: any order may win */
+                if (how == DAFT_INTERSECT_EXACT || !odd) add_rays(&c, &s, i % 8);
+            }
+            same_together(tlas, &c);
+        }
+        daft_arena_free(&s.arena);
+    }
+    scene empty;
+    company c = {.count = 0};
+    scene_build(&empty, NULL, 0);
+    for (int i = 0; i < 64; i++) join_company(&c, ray_make(random_vec3(-1, 1), random_vec3(-1, 1)));
+    same_together(empty.tlas, &c);
+    daft_arena_free(&empty.arena);
+    mesh_drop(&soup);
+    mesh_drop(&ball);
+    mesh_drop(&grid);
+}
+
 static int depth_of(const daft_bvh *bvh, uint32_t child)
 {
     if (child & DAFT_CHILD_LEAF) return 0;
@@ -234,6 +390,7 @@ static void degenerate_inputs(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(against_brute_force), cmocka_unit_test(closed_meshes_leak_nothing),
-                                       cmocka_unit_test(limits_and_ignore), cmocka_unit_test(degenerate_inputs)};
+                                       cmocka_unit_test(limits_and_ignore), cmocka_unit_test(packets_and_streams),
+                                       cmocka_unit_test(degenerate_inputs)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -84,12 +84,37 @@ typedef struct daft_hit {
     daft_vec3 normal; /* geometric, frame space, not normalised, not turned to the ray */
 } daft_hit;
 
+/* Sixteen rays side by side. */
+enum { DAFT_PACKET = 16 };
+typedef struct daft_ray_packet {
+    float origin[3][DAFT_PACKET], direction[3][DAFT_PACKET], tmin[DAFT_PACKET], tmax[DAFT_PACKET];
+} daft_ray_packet;
+
+static inline void daft_ray_packet_set(daft_ray_packet *packet, uint32_t lane, const daft_ray *ray)
+{
+    packet->origin[0][lane] = ray->origin.x, packet->origin[1][lane] = ray->origin.y, packet->origin[2][lane] = ray->origin.z;
+    packet->direction[0][lane] = ray->direction.x, packet->direction[1][lane] = ray->direction.y;
+    packet->direction[2][lane] = ray->direction.z;
+    packet->tmin[lane] = ray->tmin, packet->tmax[lane] = ray->tmax;
+}
+
 /* Kernels, compiled once per instruction set and picked by daft_accel_kernels(isa). */
 typedef struct daft_accel_kernels {
     /* Nearest hit in tmin <= t <= tmax. `ignore`: an instance index to pass through, or UINT32_MAX. */
     bool (*closest)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit);
     /* Whether any shadow-casting instance stops the ray. Stops at the first. */
     bool (*occluded)(const daft_tlas *tlas, const daft_ray *ray);
+    /* Sixteen rays that go about the same way: bit i of `active` asks for ray i, and hits[i] becomes, bit for bit, what
+     * `closest` finds; those of the others are not touched. Gives the bits of the rays that hit. */
+    uint32_t (*closest_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active, uint32_t ignore,
+                               daft_hit hits[DAFT_PACKET]);
+    /* The bits of the active rays that are stopped. */
+    uint32_t (*occluded_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active);
+    /* Any number of rays, best in an order in which neighbours are alike: rays of one octant are traced together.
+     * hits[i] becomes what `closest` finds for rays[i]. */
+    void (*closest_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t ignore, daft_hit *hits);
+    /* Sets bit i % 32 of stopped[i / 32] for the rays that are stopped and clears it for the others. */
+    void (*occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *stopped);
     /* Bits of the node's children that the ray meets in its interval, by their bounds; never those of an empty box. */
     uint32_t (*boxes)(const daft_node *node, const daft_ray *ray);
 } daft_accel_kernels;

@@ -33,7 +33,9 @@ struct daft_kdtree {
 
 #ifdef DAFT_ISA
 /* As closest and occluded of one mesh, in its space; hit->t limits the search and hit->triangle breaks ties. */
-bool DAFT_KERNEL(daft_kd_closest)(const daft_kdtree *tree, daft_vec3 o, daft_vec3 d, float tmin, daft_intersection how, daft_hit *hit);
+struct daft_nearest;
+void DAFT_KERNEL(daft_kd_closest)(const daft_kdtree *tree, daft_vec3 o, daft_vec3 d, float tmin, daft_intersection how,
+                                  struct daft_nearest *hit);
 bool DAFT_KERNEL(daft_kd_occluded)(const daft_kdtree *tree, daft_vec3 o, daft_vec3 d, float tmin, float tmax, daft_intersection how);
 #endif
 

@@ -3,10 +3,10 @@
  *
  * A plane's distance is a difference, an inverse and a product: off by 3u of itself, u = 2^-24. Intervals are wider by
  * 2^-20 of it, so the cell of every point that the ray truly meets is visited. What a triangle's test tells as its distance
- * may be 2^-18 off (block_test.h), so a cell is passed over only where it begins 2^-15 beyond the nearest hit: the hit is
+ * may be 2^-18 off (ray_test.h), so a cell is passed over only where it begins 2^-15 beyond the nearest hit: the hit is
  * the least over all triangles that could be it, and so the one that any other tree finds. */
-#include "accel/block_test.h"
 #include "accel/kdtree.h"
+#include "accel/ray_test.h"
 
 #include <float.h>
 
@@ -96,14 +96,13 @@ DAFT_INLINE void gather(const daft_kdtree *tree, const uint32_t *items, uint32_t
         }
 }
 
-bool DAFT_KERNEL(daft_kd_closest)(const daft_kdtree *tree, daft_vec3 o, daft_vec3 d, float tmin, daft_intersection how, daft_hit *hit)
+void DAFT_KERNEL(daft_kd_closest)(const daft_kdtree *tree, daft_vec3 o, daft_vec3 d, float tmin, daft_intersection how,
+                                  daft_nearest *hit)
 {
     kd_ray r = ray_setup(o, d);
     kd_stack stack;
-    uint32_t before = hit->triangle;
-    float before_t = hit->t;
     stack.top = 0;
-    if (!enter(tree, &r, tmin, hit->t, &stack.items[stack.top++])) return false;
+    if (!enter(tree, &r, tmin, hit->t, &stack.items[stack.top++])) return;
     while (stack.top > 0) {
         kd_entry at = stack.items[--stack.top];
         if (at.near > wider(hit->t, HIT)) continue;
@@ -111,19 +110,17 @@ bool DAFT_KERNEL(daft_kd_closest)(const daft_kdtree *tree, daft_vec3 o, daft_vec
         const uint32_t *items = &tree->items[leaf->code >> 2];
         for (uint32_t i = 0; i < leaf->count; i += DAFT_BLOCK) {
             daft_block block;
-            block_hits hits;
             gather(tree, items + i, leaf->count - i, &block);
-            uint32_t bits = block_test(&block, o, d, tmin, hit->t, how, &hits);
-            if (bits) take_hits(&block, bits, &hits, hit);
+            if (daft_block_touch(&block, 15, o, d, tmin, how, hit)) hit->block = NULL; /* this one goes */
         }
     }
-    return hit->t < before_t || hit->triangle != before;
 }
 
 bool DAFT_KERNEL(daft_kd_occluded)(const daft_kdtree *tree, daft_vec3 o, daft_vec3 d, float tmin, float tmax, daft_intersection how)
 {
     kd_ray r = ray_setup(o, d);
     kd_stack stack;
+    daft_nearest hit = {.t = tmax, .triangle = DAFT_NO_TRIANGLE};
     stack.top = 0;
     if (!enter(tree, &r, tmin, tmax, &stack.items[stack.top++])) return false;
     while (stack.top > 0) {
@@ -131,9 +128,8 @@ bool DAFT_KERNEL(daft_kd_occluded)(const daft_kdtree *tree, daft_vec3 o, daft_ve
         const uint32_t *items = &tree->items[leaf->code >> 2];
         for (uint32_t i = 0; i < leaf->count; i += DAFT_BLOCK) {
             daft_block block;
-            block_hits hits;
             gather(tree, items + i, leaf->count - i, &block);
-            if (block_test(&block, o, d, tmin, tmax, how, &hits)) return true;
+            if (daft_block_touch(&block, 15, o, d, tmin, how, &hit)) return true;
         }
     }
     return false;

@@ -7,4 +7,27 @@
 
 DAFT_KERNEL_DECLARE(daft_accel_kernels, daft_accel);
 
+#ifdef DAFT_ISA
+/* traverse_kernel.c: one ray, through one instance, or from a child's code downwards; and from the nearest hit to what
+ * callers get. Rays are in frame space. */
+struct daft_nearest;
+void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, struct daft_nearest *hit);
+bool DAFT_KERNEL(daft_instance_occluded)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray);
+void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how,
+                                    struct daft_nearest *hit);
+bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how);
+void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, uint32_t ignore,
+                                     struct daft_nearest *hit);
+bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray);
+bool DAFT_KERNEL(daft_finish_hit)(const daft_tlas *tlas, const daft_ray *ray, const struct daft_nearest *nearest,
+                                  daft_hit *hit);
+
+uint32_t DAFT_KERNEL(daft_closest_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active,
+                                          uint32_t ignore, daft_hit hits[DAFT_PACKET]);
+uint32_t DAFT_KERNEL(daft_occluded_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active);
+void DAFT_KERNEL(daft_closest_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t ignore,
+                                      daft_hit *hits);
+void DAFT_KERNEL(daft_occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *stopped);
+#endif
+
 #endif

@@ -241,6 +241,20 @@ DAFT_INLINE void vf_compress(float *out, vbits lanes, vf v)
     for (; lanes; lanes &= lanes - 1) *out++ = all[__builtin_ctz(lanes)];
 #endif
 }
+/* The same, faster, for lanes of which none is NaN. */
+DAFT_INLINE float vf_least(vf a)
+{
+#if defined(DAFT_ISA_avx512)
+    return _mm512_reduce_min_ps((__m512)a);
+#elif defined(DAFT_ISA_avx2)
+    __m128 b = _mm_min_ps(_mm256_castps256_ps128((__m256)a), _mm256_extractf128_ps((__m256)a, 1));
+    b = _mm_min_ps(b, _mm_movehl_ps(b, b));
+    return _mm_cvtss_f32(_mm_min_ss(b, _mm_movehdup_ps(b)));
+#else
+    return vf_reduce_min(a);
+#endif
+}
+DAFT_INLINE float vf_most(vf a) { return -vf_least(-a); }
 
 typedef struct vf3 {
     vf x, y, z;
@@ -323,6 +337,26 @@ DAFT_INLINE void vf_store_rows8(float *base, const int32_t *row, const vf in[8],
                 if (lanes >> i & 1) base[8 * row[i] + 4 * half + k] = square[k][i];
 #endif
     }
+}
+
+
+/* The four floats at p, then those at p + at[0] and so on, `count` fours in all, no more than DAFT_VL / 4; zero in the
+ * other lanes. */
+DAFT_INLINE vf vf_load_spread(const float *p, const size_t at[3], int count)
+{
+#if defined(DAFT_ISA_avx512)
+    __m512 v = _mm512_zextps128_ps512(_mm_loadu_ps(p));
+    if (count > 1) v = _mm512_insertf32x4(v, _mm_loadu_ps(p + at[0]), 1);
+    if (count > 2) v = _mm512_insertf32x4(v, _mm_loadu_ps(p + at[1]), 2);
+    if (count > 3) v = _mm512_insertf32x4(v, _mm_loadu_ps(p + at[2]), 3);
+    return (vf)v;
+#elif defined(DAFT_ISA_avx2)
+    __m256 v = _mm256_zextps128_ps256(_mm_loadu_ps(p));
+    return (vf)(count > 1 ? _mm256_insertf128_ps(v, _mm_loadu_ps(p + at[0]), 1) : v);
+#else
+    (void)at, (void)count;
+    return vf_load(p);
+#endif
 }
 
 /* ---- 8 lanes ---- */

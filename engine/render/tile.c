@@ -124,27 +124,45 @@ static void add_sky(job *j, const daft_ray_batch *rays, bool weighted)
     book(j, DAFT_EFFECT_SKY);
 }
 
+enum { STREAM = 256 }; /* rays that are asked together */
+
+/* What the rays first.. of a batch hit; gives how many were asked. */
+static uint32_t trace_some(const job *j, const daft_ray_batch *rays, uint32_t first, daft_hit hits[STREAM])
+{
+    daft_ray stream[STREAM];
+    uint32_t count = daft_min_u(STREAM, rays->count - first);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t at = first + i;
+        stream[i] = (daft_ray){.origin = {rays->origin.x[at], rays->origin.y[at], rays->origin.z[at]},
+                               .direction = {rays->direction.x[at], rays->direction.y[at], rays->direction.z[at]},
+                               .tmax = INFINITY};
+    }
+    j->r->accel->closest_stream(j->frame->tlas, stream, count, UINT32_MAX, hits);
+    return count;
+}
+
+static void see_sky(daft_ray_batch *sky, const daft_ray_batch *rays, uint32_t i)
+{
+    uint32_t at = sky->count++;
+    sky->direction.x[at] = rays->direction.x[i], sky->direction.y[at] = rays->direction.y[i];
+    sky->direction.z[at] = rays->direction.z[i];
+    sky->weight.x[at] = rays->weight.x[i], sky->weight.y[at] = rays->weight.y[i], sky->weight.z[at] = rays->weight.z[i];
+    sky->pixel[at] = rays->pixel[i];
+}
+
 /* Hits become the next batch; misses see the sky. */
 static void trace(job *j, const daft_ray_batch *rays, daft_effect_kind effect, daft_batch *next)
 {
     daft_scratch *s = j->s;
+    daft_hit hits[STREAM];
     next->count = 0;
     s->sky.count = 0;
-    for (uint32_t i = 0; i < rays->count; i++) {
-        daft_ray ray = {.origin = {rays->origin.x[i], rays->origin.y[i], rays->origin.z[i]},
-                        .direction = {rays->direction.x[i], rays->direction.y[i], rays->direction.z[i]},
-                        .tmax = INFINITY};
-        daft_hit hit;
-        if (j->r->accel->closest(j->frame->tlas, &ray, UINT32_MAX, &hit)) {
-            j->r->kernels->hit_point(j->snapshot, rays, i, &hit, next);
-            continue;
+    for (uint32_t first = 0, count; first < rays->count; first += count) {
+        count = trace_some(j, rays, first, hits);
+        for (uint32_t i = 0; i < count; i++) {
+            if (hits[i].instance == UINT32_MAX) see_sky(&s->sky, rays, first + i);
+            else j->r->kernels->hit_point(j->snapshot, rays, first + i, &hits[i], next);
         }
-        uint32_t at = s->sky.count++;
-        s->sky.direction.x[at] = ray.direction.x, s->sky.direction.y[at] = ray.direction.y;
-        s->sky.direction.z[at] = ray.direction.z;
-        s->sky.weight.x[at] = rays->weight.x[i], s->sky.weight.y[at] = rays->weight.y[i];
-        s->sky.weight.z[at] = rays->weight.z[i];
-        s->sky.pixel[at] = rays->pixel[i];
     }
     j->r->kernels->finish_hits(j->snapshot, next);
     s->rays_cast[effect] += rays->count;

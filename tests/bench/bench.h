@@ -7,8 +7,8 @@
  *   models.c    meshes: files of an optional folder, and generated ones that are always there
  *   scenes.c    what both sides look at: meshes, instances, spheres, a room (scenes.h)
  *   camera.c    our camera rays; boxes.c: what becomes of them without the ray test
- *   render.c, frames.c, load.c, trees.c, game.c, growth.c, accuracy.c (svg.c), robust.c, machine.c   the benchmarks
- *   embree.c, embree_frame.c, tinyobj.cpp   the peers, built where their libraries are installed */
+ *   render.c, rays.c, frames.c, load.c, trees.c, game.c, growth.c, accuracy.c (svg.c), robust.c, machine.c   the benchmarks
+ *   embree.c, embree_frame.c, rays_embree.c, tinyobj.cpp   the peers, built where their libraries are installed */
 #ifndef DAFT_BENCH_H
 #define DAFT_BENCH_H
 
@@ -139,6 +139,7 @@ bench_obj_loader *bench_find_tinyobj(void);
 /* ---- benchmarks ---- */
 
 void bench_render(bench *self); /* camera rays */
+void bench_rays(bench *self);
 void bench_frames(bench *self);
 void bench_shadow(bench *self);
 void bench_load(bench *self);

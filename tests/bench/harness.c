@@ -227,6 +227,7 @@ int main(int argc, char **argv)
     self.isa = daft_isa_name(isa);
 
     bench_render(&self);
+    bench_rays(&self);
     bench_frames(&self);
     bench_shadow(&self);
     bench_load(&self);

@@ -1,0 +1,472 @@
+/* Rays together through the two levels: a lane is a ray. Sixteen rays are sorted into groups that enter boxes by the same
+ * planes and whose largest component is on the same axis; as many as there are lanes travel together.
+ *
+ * A node's eight boxes are first met by all rays at once, as an interval of origins and of inverse directions (Boulos et
+ * al., "Geometric and Arithmetic Culling Methods for Entire Ray Packets", 2006): rounding is monotonic, so the interval's
+ * ends, computed like a ray's, hold every ray's own result. Children that are left are met by each ray, with the
+ * arithmetic of single rays. Where few rays are left, they go on alone (Benthin et al., "Combining Single and Packet-Ray
+ * Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture", 2012). What a ray hits does not depend on any of
+ * this: see "Order" in ray_test.h. */
+#include "accel/ray_test.h"
+#include "accel/traverse.h"
+
+#define WIDEN (1 + 8 * DAFT_ULP)
+enum { ROW = sizeof(((daft_node *)0)->bounds[0]), FEW = DAFT_VL / 8 + 1 };
+
+/* What the rays found: daft_nearest, lane by lane. `place` is block · DAFT_BLOCK + triangle. */
+typedef struct found {
+    float t[DAFT_VL], u[DAFT_VL], v[DAFT_VL];
+    uint32_t instance[DAFT_VL], triangle[DAFT_VL], place[DAFT_VL];
+} found;
+
+/* Rays on their way, in frame space. */
+typedef struct convoy {
+    const daft_tlas *tlas;
+    const daft_ray_packet *rays;
+    uint32_t first; /* lane 0's number among the sixteen */
+    vf3 o, d;
+    vf tmin;
+    uint32_t ignore;
+    bool any;      /* whether they are stopped is all that is asked */
+    vbits stopped; /* the answer */
+    found hit;
+    vf limit; /* of boxes; -inf for lanes that ask nothing more */
+} convoy;
+
+/* The rays as boxes see them. */
+typedef struct group {
+    vf near[3], far[3], inverse[3], wide[3], low; /* the origin for near and for far planes; see traverse_kernel.c */
+    size_t near_row[3], far_row[3];               /* in bytes from a node's bounds */
+    /* the ends of their interval */
+    v8 near_end[3], far_end[3], inverse_ends[3][2], wide_ends[3][2], low_end;
+    bool tight; /* the interval says something */
+} group;
+
+typedef struct packet_stack {
+    vf near[DAFT_STACK]; /* NaN: not met */
+    uint32_t child[DAFT_STACK];
+} packet_stack;
+
+static int first_lane(vbits bits) { return __builtin_ctz(bits); }
+
+/* The least and the largest of the lanes in `bits`. */
+DAFT_INLINE void ends(vf a, vbits bits, float out[2])
+{
+    vf one = vf_set(a[first_lane(bits)]), all = vf_select(vm_from_bits(bits), a, one);
+    out[0] = vf_least(all), out[1] = vf_most(all);
+}
+
+static void group_setup(group *g, vf3 o, vf3 d, vf pad, vf tmin, vbits bits)
+{
+    const vf from[3] = {o.x, o.y, o.z}, way[3] = {d.x, d.y, d.z};
+    int first = first_lane(bits);
+    float low[2];
+    g->tight = true;
+    for (int k = 0; k < 3; k++) {
+        vf inverse = vf_set(1) / way[k], outwards = (vf)((vi)pad | ((vi)inverse & vi_set(INT32_MIN)));
+        g->inverse[k] = inverse, g->wide[k] = inverse * vf_set(WIDEN);
+        g->near[k] = from[k] + outwards, g->far[k] = from[k] - outwards;
+        bool minus = signbit(inverse[first]);
+        g->near_row[k] = (size_t)(minus ? 3 + k : k) * ROW, g->far_row[k] = (size_t)(minus ? k : 3 + k) * ROW;
+        float near[2], far[2], in[2];
+        ends(g->near[k], bits, near), ends(g->far[k], bits, far), ends(inverse, bits, in);
+        g->near_end[k] = v8_set(near[!minus]), g->far_end[k] = v8_set(far[minus]);
+        for (int e = 0; e < 2; e++)
+            g->inverse_ends[k][e] = v8_set(in[e]), g->wide_ends[k][e] = v8_set(in[e] * WIDEN), g->tight &= isfinite(in[e] * WIDEN) != 0;
+    }
+    g->low = tmin * vf_set(1 - 0x1p-17f); /* daft_before, of no negative number */
+    ends(g->low, bits, low);
+    g->low_end = v8_set(low[0]);
+}
+
+/* Children that some ray may meet; the least distances in *near. */
+DAFT_INLINE uint32_t interval_test(const daft_node *node, const group *g, v8 limit, v8 *near)
+{
+    const char *at = (const char *)node->bounds;
+    v8 enter = g->low_end, leave = limit;
+    for (int k = 0; k < 3; k++) {
+        v8 a = v8_load((const float *)(at + g->near_row[k])) - g->near_end[k];
+        v8 b = v8_load((const float *)(at + g->far_row[k])) - g->far_end[k];
+        enter = v8_max(v8_min(a * g->inverse_ends[k][0], a * g->inverse_ends[k][1]), enter);
+        leave = v8_min(v8_max(b * g->wide_ends[k][0], b * g->wide_ends[k][1]), leave);
+    }
+    *near = enter;
+    return v8_le_bits(enter, leave);
+}
+
+/* The rays that meet one child. */
+DAFT_INLINE vm child_test(const daft_node *node, uint32_t child, const group *g, vf limit, vf *near)
+{
+    const char *at = (const char *)&node->bounds[0][child];
+    vf enter = g->low, leave = limit;
+    for (int k = 2; k >= 0; k--) { /* vf_max and vf_min give their second argument when the first is NaN */
+        enter = vf_max((vf_set(*(const float *)(at + g->near_row[k])) - g->near[k]) * g->inverse[k], enter);
+        leave = vf_min((vf_set(*(const float *)(at + g->far_row[k])) - g->far[k]) * g->wide[k], leave);
+    }
+    *near = enter;
+    return vf_le(enter, leave);
+}
+
+/* Puts the children that rays meet on the stack, the nearest on top; gives its new top. */
+static int push(packet_stack *stack, int top, const daft_node *node, const group *g, vf limit, vbits bits)
+{
+    float order[DAFT_WIDTH];
+    v8 near = g->low_end;
+    uint32_t children = 0xff;
+    if (g->tight) {
+        float most = vf_most(vf_select(vm_from_bits(bits), limit, vf_set(-INFINITY)));
+        children = interval_test(node, g, v8_set(most), &near);
+    }
+    float at[DAFT_WIDTH];
+    memcpy(at, &near, sizeof at);
+    for (int base = top; children; children &= children - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(children);
+        vf lanes;
+        vm met = vm_and(child_test(node, i, g, limit, &lanes), vm_from_bits(bits));
+        if (node->child[i] == DAFT_CHILD_NONE || !vm_bits(met)) continue;
+        float distance = g->tight ? at[i] : lanes[first_lane(vm_bits(met))];
+        int place = top++;
+        for (; place > base && order[place - base - 1] < distance; place--) {
+            order[place - base] = order[place - base - 1];
+            stack->near[place] = stack->near[place - 1], stack->child[place] = stack->child[place - 1];
+        }
+        order[place - base] = distance;
+        stack->near[place] = vf_select(met, lanes, vf_set(NAN)), stack->child[place] = node->child[i];
+    }
+    return top;
+}
+
+DAFT_INLINE vm finite_lanes(vf3 o, vf3 d) /* daft_finite_lines */
+{
+    vf sum = (o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (d.x - d.x) + (d.y - d.y) + (d.z - d.z);
+    return vf_le(sum, vf_set(0));
+}
+
+/* ---- lanes for what works on single rays ---- */
+
+static daft_ray lane_ray(const convoy *c, int lane)
+{
+    const daft_ray_packet *p = c->rays;
+    uint32_t i = c->first + (uint32_t)lane;
+    return (daft_ray){{p->origin[0][i], p->origin[1][i], p->origin[2][i]}, p->tmin[i],
+                      {p->direction[0][i], p->direction[1][i], p->direction[2][i]}, p->tmax[i]};
+}
+
+static daft_nearest lane_nearest(const convoy *c, int i)
+{
+    const found *f = &c->hit;
+    daft_nearest n = {f->t[i], f->u[i], f->v[i], f->instance[i], f->triangle[i], NULL, 0};
+    const daft_instance *instance = n.instance == UINT32_MAX ? NULL : &c->tlas->instances[n.instance];
+    if (!instance || !instance->mesh || instance->kdtree) return n;
+    n.block = &instance->bvh->blocks[f->place[i] / DAFT_BLOCK], n.place = f->place[i] % DAFT_BLOCK;
+    return n;
+}
+
+static void lane_take(convoy *c, int i, const daft_nearest *n, const daft_bvh *bvh)
+{
+    found *f = &c->hit;
+    f->t[i] = n->t, f->u[i] = n->u, f->v[i] = n->v, f->instance[i] = n->instance, f->triangle[i] = n->triangle;
+    if (bvh && n->block) f->place[i] = (uint32_t)(n->block - bvh->blocks) * DAFT_BLOCK + n->place;
+    c->limit[i] = daft_past(n->t);
+}
+
+static void stop(convoy *c, vbits bits)
+{
+    c->stopped |= bits;
+    c->limit = vf_select(vm_from_bits(bits), vf_set(-INFINITY), c->limit);
+}
+
+/* ---- the lower level ---- */
+
+typedef struct mesh_convoy {
+    const daft_instance *instance;
+    vf3 o, d; /* in object space */
+    int axis[3];
+    vf shear_x, shear_y, ahead, per_length, least;
+} mesh_convoy;
+
+static void mesh_convoy_setup(mesh_convoy *m, const convoy *c, vbits bits)
+{
+    int first = first_lane(bits);
+    const vf way[3] = {m->d.x, m->d.y, m->d.z};
+    float x = fabsf(way[0][first]), y = fabsf(way[1][first]), z = fabsf(way[2][first]), xy = x > y ? x : y;
+    int k = z > xy ? 2 : y > x;
+    m->axis[0] = (k + 1) % 3, m->axis[1] = (k + 2) % 3, m->axis[2] = k;
+    m->shear_x = way[m->axis[0]] / way[k], m->shear_y = way[m->axis[1]] / way[k];
+    float low[3][2];
+    ends(m->o.x, bits, low[0]), ends(m->o.y, bits, low[1]), ends(m->o.z, bits, low[2]);
+    float a = daft_reach_of(m->instance->mesh, daft_v3(low[0][0], low[1][0], low[2][0]));
+    float b = daft_reach_of(m->instance->mesh, daft_v3(low[0][1], low[1][1], low[2][1]));
+    daft_filter filter = daft_filter_of(a > b ? a : b);
+    m->per_length = vf_set(filter.per_length), m->least = vf_set(filter.least);
+    m->ahead = (vf)(((vi)way[k] & vi_set(INT32_MIN)) | (vi)vf_set(1));
+    m->ahead = vf_select(vf_le(vf_set(0), c->tmin), m->ahead, vf_set(NAN));
+}
+
+DAFT_INLINE vf axis_of(vf3 a, int axis) { return axis == 0 ? a.x : axis == 1 ? a.y : a.z; }
+
+/* The rays that may hit triangle i of the block. */
+DAFT_INLINE vbits lanes_filter(const daft_block *b, uint32_t i, const mesh_convoy *m)
+{
+    vf x[3], y[3], z[3], ox = axis_of(m->o, m->axis[0]), oy = axis_of(m->o, m->axis[1]), oz = axis_of(m->o, m->axis[2]);
+    for (int k = 0; k < 3; k++) {
+        z[k] = vf_set(b->corner[k][m->axis[2]][i]) - oz;
+        x[k] = vf_set(b->corner[k][m->axis[0]][i]) - ox - m->shear_x * z[k];
+        y[k] = vf_set(b->corner[k][m->axis[1]][i]) - oy - m->shear_y * z[k];
+    }
+    return daft_filter_pass(x, y, z, m->ahead, m->per_length, m->least);
+}
+
+/* Lanes that touch triangle i at t, weights u and v, where that is nearer than what they have. */
+static void take_lanes(convoy *c, vbits bits, const daft_block *b, uint32_t i, uint32_t place, const daft_touch *touch)
+{
+    found *f = &c->hit;
+    vf t = vf_load(f->t);
+    vbits nearer = bits & vm_bits(vf_lt(touch->t, t)), level = bits & ~nearer & vm_bits(vf_le(touch->t, t));
+    for (; level; level &= level - 1) {
+        int lane = first_lane(level);
+        if (b->triangle[i] < f->triangle[lane]) nearer |= (vbits)1 << lane;
+    }
+    if (!nearer) return;
+    vm won = vm_from_bits(nearer);
+    vf_store(f->t, vf_select(won, touch->t, t));
+    vf_store(f->u, vf_select(won, vf_clamp01(touch->v), vf_load(f->u)));
+    vf_store(f->v, vf_select(won, vf_clamp01(touch->w), vf_load(f->v)));
+    vi_store(f->triangle, vi_select(won, vi_set((int32_t)b->triangle[i]), vi_load(f->triangle)));
+    vi_store(f->place, vi_select(won, vi_set((int32_t)place), vi_load(f->place)));
+}
+
+/* The rays in `which` against triangle i; gives those that touch. */
+static __attribute__((noinline)) vbits lanes_touch(convoy *c, const mesh_convoy *m, const daft_block *b, uint32_t i, vbits which)
+{
+    vf3 corner[3];
+    for (int k = 0; k < 3; k++)
+        corner[k] = (vf3){vf_set(b->corner[k][0][i]), vf_set(b->corner[k][1][i]), vf_set(b->corner[k][2][i])};
+    daft_touch touch;
+    vbits unsure = 0, sided = 0, bits;
+    daft_intersection how = c->tlas->intersection;
+    vf tmax = vf_load(c->hit.t);
+    if (how == DAFT_INTERSECT_EXACT) bits = daft_touch_lanes(corner, m->o, m->d, c->tmin, tmax, &touch, &unsure, &sided) & which;
+    else bits = daft_touch_floats(corner, m->o, m->d, c->tmin, tmax, how == DAFT_INTERSECT_FAST, &touch) & which;
+    for (unsure &= which; unsure; unsure &= unsure - 1) {
+        int lane = first_lane(unsure);
+        daft_exact_touch e;
+        daft_vec3 o = {m->o.x[lane], m->o.y[lane], m->o.z[lane]}, d = {m->d.x[lane], m->d.y[lane], m->d.z[lane]};
+        if (!daft_touch_exact(b, i, sided >> lane & 1, o, d, c->tmin[lane], c->hit.t[lane], &e)) continue;
+        touch.t[lane] = e.t, touch.v[lane] = e.v, touch.w[lane] = e.w;
+        bits |= (vbits)1 << lane;
+    }
+    if (bits && !c->any) take_lanes(c, bits, b, i, (uint32_t)(b - m->instance->bvh->blocks) * DAFT_BLOCK + i, &touch);
+    return bits;
+}
+
+static void leaf_touch(convoy *c, const mesh_convoy *m, uint32_t child, vbits bits)
+{
+    const daft_block *b = &m->instance->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2], *end = b + (child & 3) + 1;
+    bool exact = c->tlas->intersection == DAFT_INTERSECT_EXACT;
+    vbits hits = 0;
+    for (; b < end && bits; b++)
+        for (uint32_t i = 0; i < DAFT_BLOCK && b->triangle[i] != DAFT_NO_TRIANGLE; i++) {
+            vbits maybe = exact ? lanes_filter(b, i, m) & bits : bits;
+            if (!maybe) continue;
+            vbits touched = lanes_touch(c, m, b, i, maybe);
+            hits |= touched;
+            if (c->any) bits &= ~touched;
+        }
+    if (c->any) {
+        if (hits) stop(c, hits);
+        return;
+    }
+    for (; hits; hits &= hits - 1) c->limit[first_lane(hits)] = daft_past(c->hit.t[first_lane(hits)]);
+}
+
+/* Rays that are left alone go on from here by themselves. */
+static void mesh_alone(convoy *c, const mesh_convoy *m, uint32_t child, vbits bits)
+{
+    for (; bits; bits &= bits - 1) {
+        int i = first_lane(bits);
+        daft_ray ray = lane_ray(c, i);
+        if (c->any) {
+            if (DAFT_KERNEL(daft_mesh_occluded)(m->instance, child, &ray, c->tlas->intersection)) stop(c, (vbits)1 << i);
+            continue;
+        }
+        daft_nearest n = {.t = c->hit.t[i], .triangle = c->hit.triangle[i], .instance = c->hit.instance[i], .u = c->hit.u[i],
+                          .v = c->hit.v[i]};
+        DAFT_KERNEL(daft_mesh_closest)(m->instance, child, &ray, c->tlas->intersection, &n);
+        lane_take(c, i, &n, m->instance->bvh);
+    }
+}
+
+static void mesh_walk(convoy *c, const mesh_convoy *m, vbits bits)
+{
+    packet_stack stack;
+    group g;
+    const daft_bvh *bvh = m->instance->bvh;
+    group_setup(&g, m->o, m->d, vf_set(0), c->tmin, bits);
+    int top = push(&stack, 0, bvh->nodes.items, &g, c->limit, bits);
+    while (--top >= 0) {
+        uint32_t child = stack.child[top];
+        vbits here = vm_bits(vf_le(stack.near[top], c->limit)) & bits;
+        if (!here) continue;
+        if (__builtin_popcount(here) <= FEW) mesh_alone(c, m, child, here);
+        else if (child & DAFT_CHILD_LEAF) leaf_touch(c, m, child, here);
+        else top = push(&stack, top, &bvh->nodes.items[child], &g, c->limit, here);
+    }
+}
+
+/* ---- the upper level ---- */
+
+/* In the order of daft_affine_point and daft_affine_vector. */
+DAFT_INLINE vf rows(const float *m, vf3 p) { return vf_set(m[0]) * p.x + vf_set(m[1]) * p.y + vf_set(m[2]) * p.z; }
+
+/* The lanes of `bits` that go the way the first of them goes: the same signs, the same largest axis. */
+static vbits alike(vf3 d, vbits bits)
+{
+    vf x = vf_abs(d.x), y = vf_abs(d.y), z = vf_abs(d.z);
+    vi sign = vi_set(INT32_MIN), zero = vi_set(0);
+    vi way = ((vi)d.x & sign) ^ (((vi)d.y & sign) >> 1 & vi_set(0x40000000)) ^ (((vi)d.z & sign) >> 2 & vi_set(0x20000000));
+    way = vi_select(vf_lt(vf_max(x, y), z), way | vi_set(2), way | vi_select(vf_lt(x, y), vi_set(1), zero));
+    return bits & vm_bits(vi_eq(way, vi_set(way[first_lane(bits)])));
+}
+
+static void instance_alone(convoy *c, uint32_t index, vbits bits)
+{
+    const daft_instance *instance = &c->tlas->instances[index];
+    for (; bits; bits &= bits - 1) {
+        int i = first_lane(bits);
+        daft_ray ray = lane_ray(c, i);
+        if (c->any) {
+            if (DAFT_KERNEL(daft_instance_occluded)(c->tlas, index, &ray)) stop(c, (vbits)1 << i);
+            continue;
+        }
+        daft_nearest n = lane_nearest(c, i);
+        DAFT_KERNEL(daft_instance_closest)(c->tlas, index, &ray, &n);
+        if (n.instance == index) lane_take(c, i, &n, instance->bvh);
+    }
+}
+
+static void instance_together(convoy *c, uint32_t index, vbits bits)
+{
+    const daft_instance *instance = &c->tlas->instances[index];
+    const daft_affine *map = &instance->to_object;
+    mesh_convoy m = {.instance = instance};
+    m.d = (vf3){rows(map->m, c->d), rows(map->m + 3, c->d), rows(map->m + 6, c->d)};
+    m.o = (vf3){rows(map->m, c->o) + vf_set(map->t[0]), rows(map->m + 3, c->o) + vf_set(map->t[1]),
+                rows(map->m + 6, c->o) + vf_set(map->t[2])};
+    bits &= vm_bits(finite_lanes(m.o, m.d));
+    found before = c->hit;
+    uint32_t mark[DAFT_VL]; /* a tie goes to the lower instance */
+    for (int i = 0; i < DAFT_VL; i++) c->hit.triangle[i] = mark[i] = index < before.instance[i] ? DAFT_NO_TRIANGLE : 0;
+    while (bits) {
+        vbits same = alike(m.d, bits);
+        bits &= ~same;
+        mesh_convoy_setup(&m, c, same);
+        mesh_walk(c, &m, same);
+    }
+    for (int i = 0; i < DAFT_VL; i++) {
+        bool taken = c->hit.t[i] < before.t[i] || c->hit.triangle[i] != mark[i];
+        c->hit.instance[i] = taken ? index : before.instance[i];
+        c->hit.triangle[i] = taken ? c->hit.triangle[i] : before.triangle[i];
+    }
+}
+
+static void instance_touch(convoy *c, uint32_t index, vbits bits)
+{
+    const daft_instance *instance = &c->tlas->instances[index];
+    if (index == c->ignore || (c->any && !(instance->flags & DAFT_INSTANCE_CASTS_SHADOW))) return;
+    if (!instance->mesh || instance->kdtree || instance->bvh->nodes.count == 0 || __builtin_popcount(bits) <= FEW) instance_alone(c, index, bits);
+    else instance_together(c, index, bits);
+}
+
+static void upper_alone(convoy *c, uint32_t child, vbits bits)
+{
+    for (; bits; bits &= bits - 1) {
+        int i = first_lane(bits);
+        daft_ray ray = lane_ray(c, i);
+        if (c->any) {
+            if (DAFT_KERNEL(daft_upper_occluded)(c->tlas, child, &ray)) stop(c, (vbits)1 << i);
+            continue;
+        }
+        daft_nearest n = lane_nearest(c, i);
+        DAFT_KERNEL(daft_upper_closest)(c->tlas, child, &ray, c->ignore, &n);
+        lane_take(c, i, &n, n.instance == UINT32_MAX ? NULL : c->tlas->instances[n.instance].bvh);
+    }
+}
+
+static void upper_walk(convoy *c, vbits bits)
+{
+    packet_stack stack;
+    group g;
+    vf pad = vf3_magnitude(c->o) * vf_set(0x1p-20f); /* as for single rays: traverse_kernel.c */
+    group_setup(&g, c->o, c->d, pad, c->tmin, bits);
+    int top = push(&stack, 0, c->tlas->nodes.items, &g, c->limit, bits);
+    while (--top >= 0) {
+        uint32_t child = stack.child[top];
+        vbits here = vm_bits(vf_le(stack.near[top], c->limit)) & bits;
+        if (!here) continue;
+        if (child & DAFT_CHILD_LEAF) instance_touch(c, child & ~DAFT_CHILD_LEAF, here);
+        else if (__builtin_popcount(here) <= FEW) upper_alone(c, child, here);
+        else top = push(&stack, top, &c->tlas->nodes.items[child], &g, c->limit, here);
+    }
+}
+
+/* ---- sixteen rays ---- */
+
+/* The rays from `first` on; gives those of the active that can hit anything: see daft_ray_usable. */
+static vbits convoy_setup(convoy *c, const daft_ray_packet *rays, uint32_t first, uint32_t active)
+{
+    vf tmax = vf_load(rays->tmax + first), zero = vf_set(0);
+    c->rays = rays, c->first = first;
+    c->o = (vf3){vf_load(rays->origin[0] + first), vf_load(rays->origin[1] + first), vf_load(rays->origin[2] + first)};
+    c->d = (vf3){vf_load(rays->direction[0] + first), vf_load(rays->direction[1] + first), vf_load(rays->direction[2] + first)};
+    c->tmin = vf_load(rays->tmin + first);
+    vm usable = vm_and(finite_lanes(c->o, c->d), vm_and(vf_le(c->tmin, tmax), vf_lt(zero, vf3_magnitude(c->d))));
+    vbits bits = c->tlas->nodes.count ? active >> first & vm_bits(usable) : 0;
+    vf past = vf_select(vf_lt(zero, tmax), tmax * vf_set(1 + 0x1p-17f), tmax * vf_set(1 - 0x1p-17f)); /* daft_past */
+    c->limit = vf_select(vm_from_bits(bits), past, vf_set(-INFINITY));
+    vf_store(c->hit.t, tmax), vf_store(c->hit.u, zero), vf_store(c->hit.v, zero);
+    vi_store(c->hit.instance, vi_set(-1)), vi_store(c->hit.triangle, vi_set(0)), vi_store(c->hit.place, vi_set(0));
+    return bits;
+}
+
+static void convoy_run(convoy *c, vbits bits)
+{
+    vbits backwards = bits & ~vm_bits(vf_le(vf_set(0), c->tmin)); /* their far planes are widened in another way */
+    upper_alone(c, 0, backwards);
+    for (bits &= ~backwards; bits;) {
+        vbits same = alike(c->d, bits);
+        bits &= ~same;
+        if (__builtin_popcount(same) <= FEW) upper_alone(c, 0, same);
+        else upper_walk(c, same);
+    }
+}
+
+uint32_t DAFT_KERNEL(daft_closest_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active,
+                                          uint32_t ignore, daft_hit hits[DAFT_PACKET])
+{
+    uint32_t bits = 0;
+    for (uint32_t first = 0; first < DAFT_PACKET; first += DAFT_VL) {
+        convoy c;
+        c.tlas = tlas, c.ignore = ignore, c.any = false, c.stopped = 0;
+        convoy_run(&c, convoy_setup(&c, rays, first, active));
+        for (vbits left = active >> first & DAFT_ALL_LANES; left; left &= left - 1) {
+            uint32_t i = (uint32_t)first_lane(left);
+            daft_nearest n = lane_nearest(&c, (int)i);
+            daft_ray ray = lane_ray(&c, (int)i);
+            bits |= (uint32_t)DAFT_KERNEL(daft_finish_hit)(tlas, &ray, &n, &hits[first + i]) << (first + i);
+        }
+    }
+    return bits;
+}
+
+uint32_t DAFT_KERNEL(daft_occluded_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active)
+{
+    uint32_t bits = 0;
+    for (uint32_t first = 0; first < DAFT_PACKET; first += DAFT_VL) {
+        convoy c;
+        c.tlas = tlas, c.ignore = UINT32_MAX, c.any = true, c.stopped = 0;
+        convoy_run(&c, convoy_setup(&c, rays, first, active));
+        bits |= c.stopped << first;
+    }
+    return bits;
+}
