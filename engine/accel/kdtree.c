@@ -273,7 +273,7 @@ static void write_task(void *context, uint32_t index, uint32_t worker)
     const part *p = &job->parts[index];
     size_t node_base = job->node_base[index], item_base = job->item_base[index];
     for (size_t i = 0; i < p->node_count; i++) job->tree->nodes[node_base + i] = moved(p->nodes[i], node_base, item_base);
-    memcpy(job->tree->items + item_base, p->items, p->item_count * sizeof *p->items);
+    if (p->item_count) memcpy(job->tree->items + item_base, p->items, p->item_count * sizeof *p->items);
     job->tree->nodes[job->top.tasks[index].slot] = moved(p->nodes[0], node_base, item_base);
 }
 
@@ -293,7 +293,7 @@ static bool write_tree(kd_job *job, int threads)
     if (!tree->nodes || !tree->items) return false;
     tree->node_count = nodes, tree->item_count = items;
     memcpy(tree->nodes, job->top.nodes, job->top.node_count * sizeof *tree->nodes);
-    memcpy(tree->items, job->top.items, job->top.item_count * sizeof *tree->items);
+    if (job->top.item_count) memcpy(tree->items, job->top.items, job->top.item_count * sizeof *tree->items);
     daft_parallel_for(threads, (uint32_t)count, write_task, job);
     return true;
 }
