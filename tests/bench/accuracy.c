@@ -221,7 +221,7 @@ typedef struct report {
     svg_point points[SCENE_COUNT * WAYS];
     result results[SCENE_COUNT * WAYS];
     size_t count;
-    char names[SCENE_COUNT][64];
+    char names[SCENE_COUNT][48];
 } report;
 
 static void add_results(bench *self, report *all, size_t scene, const accuracy_job *job, int threads)
