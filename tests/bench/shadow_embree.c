@@ -153,9 +153,9 @@ static void trace_chunk(void *context, uint32_t chunk, uint32_t worker)
 static double occluded_ms(shadow_embree *self, const shadow_origins *from, const daft_lamp *lamp, uint64_t *dark)
 {
     ray_job job = {.self = self, .from = from, .lamp = lamp};
-    double start = daft_clock_ms();
+    double start = bench_clock_ms(self->threads);
     daft_parallel_for(self->threads, (uint32_t)((from->count + CHUNK - 1) / CHUNK), trace_chunk, &job);
-    double ms = daft_clock_ms() - start;
+    double ms = bench_clock_ms(self->threads) - start;
     *dark = 0;
     for (size_t i = 0; i < DAFT_COUNT_OF(job.dark); i++) *dark += job.dark[i];
     return ms;
