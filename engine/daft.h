@@ -405,6 +405,110 @@ typedef struct daft_ray_hit {
 DAFT_API bool daft_scene_cast_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, float max_distance,
                                   daft_entity ignore, daft_ray_hit *hit, daft_error *error);
 
+/* ---- queries of bodies ------------------------------------------------------------------------------------------- */
+
+/* Rays, moving shapes, volumes and points against the bodies of the simulation, as they are now, visible or not. Answers
+ * are in double: as good 1e7 m from the origin as at it. Distances beyond 1e9 m count as that. */
+
+typedef struct daft_query_filter {
+    uint32_t cookie;
+    bool statics, kinematics, dynamics; /* which kinds of bodies are met */
+    bool sensors;                       /* whether sensors are met as well */
+    uint32_t layers, mask;              /* as between two bodies: each side's layers must have a bit of the other's mask */
+    daft_entity ignore;                 /* none, or one to pass through */
+} daft_query_filter;
+
+DAFT_API daft_query_filter daft_default_query_filter(void); /* every body but sensors */
+
+typedef struct daft_query_hit {
+    daft_entity entity;
+    uint32_t triangle; /* of a mesh or height field; 0 for other shapes */
+    daft_dvec3 position;
+    daft_vec3 normal; /* unit, of the surface, towards what met it; zero where nothing says */
+    float distance;   /* metres along the motion, or from the point */
+    bool inside;      /* it began inside, or overlapping: distance 0 */
+} daft_query_hit;
+
+/* A box of `size`, or with a radius a sphere, or with a height as well a capsule along y, `height` in all. */
+typedef struct daft_volume {
+    uint32_t cookie;
+    daft_vec3 size;
+    float radius, height;
+    daft_quat rotation;
+} daft_volume;
+
+DAFT_API daft_volume daft_default_volume(void); /* a box of 1 m */
+
+/* `filter` may be NULL: the default. False with error->code DAFT_OK: a miss. Of equally near ones the older body counts. */
+DAFT_API bool daft_query_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, float max_distance,
+                             const daft_query_filter *filter, daft_query_hit *hit, daft_error *error);
+/* The nearest hit of each body's shapes, in order; the first `capacity` of them. Gives how many there are. */
+DAFT_API uint32_t daft_query_ray_all(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, float max_distance,
+                                     const daft_query_filter *filter, daft_query_hit *hits, uint32_t capacity,
+                                     daft_error *error);
+/* A volume that moves without turning (conservative advancement; Mirtich 1996, van den Bergen 2004). */
+DAFT_API bool daft_query_cast(daft_scene *scene, const daft_volume *volume, daft_dvec3 origin, daft_vec3 direction,
+                              float max_distance, const daft_query_filter *filter, daft_query_hit *hit, daft_error *error);
+/* The bodies that a volume overlaps, oldest first: entity and inside are set. */
+DAFT_API uint32_t daft_query_overlap(daft_scene *scene, const daft_volume *volume, daft_dvec3 position,
+                                     const daft_query_filter *filter, daft_query_hit *hits, uint32_t capacity,
+                                     daft_error *error);
+/* The nearest point of any body. */
+DAFT_API bool daft_query_closest(daft_scene *scene, daft_dvec3 point, float max_distance, const daft_query_filter *filter,
+                                 daft_query_hit *hit, daft_error *error);
+
+/* ---- characters -------------------------------------------------------------------------------------------------- */
+
+/* A capsule that walks about: it climbs steps and slopes up to its limits, slides along walls, follows the ground
+ * downwards, rides what it stands on, jumps, and pushes dynamic bodies with a bounded force. It does not pass through what
+ * stands still, however fast it is. It is no body: bodies feel it only through its pushes and its weight. Characters move
+ * at the end of daft_scene_step, oldest first. (Collide and slide: Catto, Box2D v3.1; steps: Rouwe, Jolt Physics.) */
+typedef struct daft_character { uint32_t id; } daft_character;
+
+typedef struct daft_character_def {
+    uint32_t cookie;
+    daft_dvec3 position;    /* of the capsule's centre */
+    float radius, height;   /* metres; height: the whole, at least twice the radius */
+    float step_height;      /* what it climbs without a jump, at most half its height */
+    float max_slope;        /* radians from level, 0 to 1.5: steeper ground is slid down */
+    float acceleration;     /* m/s² with which it takes up the speed it is asked for, on the ground */
+    float air_acceleration; /* the same in the air */
+    float gravity_scale;    /* of the scene's gravity along y */
+    float mass;             /* kg */
+    float push_force;       /* N: the most it pushes bodies with */
+    uint32_t layers, mask;
+    daft_entity entity;     /* none, or one that goes where the character goes; its own body is not in the way */
+} daft_character_def;
+
+/* 0.3 m in radius, 1.8 m high, climbs 0.35 m and 50 degrees, 80 kg, 400 N. */
+DAFT_API daft_character_def daft_default_character_def(void);
+DAFT_API daft_character daft_character_create(daft_scene *scene, const daft_character_def *def, daft_error *error);
+DAFT_API bool daft_character_destroy(daft_scene *scene, daft_character character, daft_error *error);
+DAFT_API bool daft_character_is_valid(const daft_scene *scene, daft_character character);
+/* The velocity it walks with from the next step on, m/s; y counts for nothing. */
+DAFT_API bool daft_character_walk(daft_scene *scene, daft_character character, daft_vec3 velocity, daft_error *error);
+/* Upwards in m/s, in the next step, if it stands then. */
+DAFT_API bool daft_character_jump(daft_scene *scene, daft_character character, float speed, daft_error *error);
+/* There at once, and off the ground. */
+DAFT_API bool daft_character_teleport(daft_scene *scene, daft_character character, daft_dvec3 position, daft_error *error);
+/* Crouches or rises, its feet where they are. False with error->code DAFT_OK: there is no room. */
+DAFT_API bool daft_character_set_height(daft_scene *scene, daft_character character, float height, daft_error *error);
+
+typedef struct daft_character_state {
+    daft_dvec3 position;
+    daft_vec3 velocity; /* m/s */
+    float height;
+    bool grounded;      /* stands on something that is not too steep */
+    bool sliding;       /* touches ground that is */
+    bool crushed;       /* is held where it has too little room */
+    daft_entity ground; /* what it stands on, or none */
+    daft_vec3 ground_normal;
+    float turn;         /* radians about y by which what it stands on turned in the last step */
+} daft_character_state;
+
+DAFT_API bool daft_character_get(daft_scene *scene, daft_character character, daft_character_state *out,
+                                 daft_error *error);
+
 /* ---- checking files ---------------------------------------------------------------------------------------------- */
 
 typedef enum daft_severity {

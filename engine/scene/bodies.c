@@ -52,16 +52,21 @@ static bool shape_of(const daft_entity_def *def, daft_sim_shape *out, daft_error
     return daft_shape_box(daft_scale(def->size, 0.5f), out, error);
 }
 
+bool daft_scene_need_world(daft_scene *scene, daft_error *error)
+{
+    if (scene->world) return true;
+    scene->world = daft_world_create(scene->allocator, error);
+    if (!scene->world) return false;
+    daft_world_set_gravity(scene->world, scene->gravity);
+    daft_world_set_workers(scene->world, scene->engine->threads, scene->engine->isa);
+    return true;
+}
+
 bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, uint32_t *body, daft_error *error)
 {
     *body = 0;
     if (def->body == DAFT_BODY_NONE) return true;
-    if (!scene->world) {
-        scene->world = daft_world_create(scene->allocator, error);
-        if (!scene->world) return false;
-        daft_world_set_gravity(scene->world, scene->gravity);
-        daft_world_set_workers(scene->world, scene->engine->threads, scene->engine->isa);
-    }
+    if (!daft_scene_need_world(scene, error)) return false;
     daft_sim_shape_def shape = daft_default_sim_shape_def();
     if (!shape_of(def, &shape.shape, error)) return false;
     shape.density = def->density;
@@ -197,7 +202,7 @@ bool daft_scene_step(daft_scene *scene, float dt, daft_error *error)
     if (!scene->world) return true;
     if (!daft_world_step(scene->world, dt, error)) return false;
     pull_poses(scene);
-    return true;
+    return daft_characters_step(scene, dt, error);
 }
 
 /* Contacts of entities that were destroyed since the tick are left out. */

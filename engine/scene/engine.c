@@ -133,6 +133,7 @@ daft_scene *daft_scene_create(daft_engine *engine, daft_error *error)
     scene->allocator = &engine->allocator;
     daft_slots_init(&scene->entity_slots);
     daft_slots_init(&scene->light_slots);
+    daft_slots_init(&scene->character_slots);
     scene->ambient = daft_v3(0.2f, 0.2f, 0.2f);
     scene->camera = scene->camera_before = daft_default_camera();
     scene->gravity = daft_v3(0, -9.81f, 0);
@@ -156,6 +157,8 @@ void daft_scene_destroy(daft_scene *scene)
     daft_slots_free(&scene->entity_slots, allocator);
     daft_slots_free(&scene->light_slots, allocator);
     daft_release(allocator, scene->entities);
+    daft_slots_free(&scene->character_slots, allocator);
+    daft_release(allocator, scene->characters);
     daft_release(allocator, scene->lights);
     daft_release(allocator, scene->cameras);
     daft_release(allocator, scene->moving);

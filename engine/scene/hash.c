@@ -45,5 +45,6 @@ uint64_t daft_scene_hash(const daft_scene *scene)
     }
     HASH(scene->ambient), HASH(scene->gravity);
     if (scene->world) hash = daft_world_hash(scene->world, hash);
+    hash = daft_characters_hash(scene, hash);
     return hash;
 }

@@ -16,7 +16,7 @@
 #include "render/render.h"
 #include "scene/check.h"
 #include "scene/handles.h"
-#include "sim/sim.h"
+#include "sim/character.h"
 
 struct daft_engine {
     daft_allocator allocator;
@@ -103,6 +103,12 @@ typedef struct daft_query_cache {
     const daft_tlas *tlas;
 } daft_query_cache;
 
+typedef struct daft_character_item {
+    daft_sim_character now;
+    daft_sim_walk_wish wish;
+    daft_entity entity; /* that follows it */
+} daft_character_item;
+
 struct daft_scene {
     daft_engine *engine;
     const daft_allocator *allocator; /* the engine's */
@@ -127,7 +133,10 @@ struct daft_scene {
     size_t camera_capacity;
     uint32_t camera_count;
 
-    daft_world *world; /* made by the first body */
+    daft_world *world; /* made by the first body or character */
+    daft_slots character_slots;
+    daft_character_item *characters;
+    size_t character_capacity;
     daft_vec3 gravity;
     uint32_t *moving; /* indices of the entities that a step may move: those with dynamic and kinematic bodies */
     size_t moving_capacity;
@@ -194,6 +203,15 @@ void daft_body_destroy(daft_scene *scene, daft_entity_item *item);
 bool daft_body_moves(daft_body_kind kind);
 /* Where the simulation can hold a body. */
 bool daft_body_check_position(daft_dvec3 position, daft_error *error);
+
+/* Makes the simulation's world, if there is none. */
+bool daft_scene_need_world(daft_scene *scene, daft_error *error);
+
+/* ---- characters.c ---- */
+
+/* After the world's step. */
+bool daft_characters_step(daft_scene *scene, float dt, daft_error *error);
+uint64_t daft_characters_hash(const daft_scene *scene, uint64_t hash);
 
 /* ---- lights.c, camera.c ---- */
 

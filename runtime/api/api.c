@@ -9,11 +9,11 @@
 #include <stdio.h>
 #include <string.h>
 
-static const api_area *const AREAS[] = {&api_entity, &api_material, &api_light, &api_camera,
-                                        &api_input,  &api_hud,      &api_world};
+static const api_area *const AREAS[] = {&api_entity, &api_material, &api_light, &api_camera,   &api_input,
+                                        &api_hud,    &api_world,    &api_query, &api_character};
 
 static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased"};
-static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh"};
+static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh", "character"};
 
 /* Registry keys: the addresses of these. */
 static const char DAFT_KEY, ENTITIES_KEY;

@@ -126,6 +126,31 @@ local function rays()
     expect_error("direction: it has no length", daft.raycast, { 0, 0, 0 }, { 0, 0, 0 })
 end
 
+local walker, yard, pillar
+
+local function queries()
+    yard = daft.entity { box = { 20, 1, 20 }, position = { 0, -0.5, 60 }, body = "static" }
+    pillar = daft.entity { box = { 1, 4, 1 }, position = { 4, 2, 60 }, body = "static", visible = false }
+    local hit = daft.query.ray({ 0, 1, 60 }, { 1, 0, 0 }, 100)
+    assert(hit.entity == pillar and near(hit.distance, 3.5, 1e-5) and near(hit.normal[1], -1, 1e-5) and not hit.inside)
+    assert(daft.query.ray({ 0, 1, 60 }, { 1, 0, 0 }, 100, { ignore = pillar }) == nil)
+    assert(daft.query.ray({ 0, 1, 60 }, { 1, 0, 0 }, 3) == nil)
+    local all = daft.query.all({ 4, 9, 60 }, { 0, -1, 0 })
+    assert(#all == 2 and all[1].entity == pillar and all[2].entity == yard)
+    hit = daft.query.cast({ sphere = 0.5 }, { 0, 1, 60 }, { 1, 0, 0 })
+    assert(hit.entity == pillar and near(hit.distance, 3, 1e-3))
+    assert(daft.query.cast({ box = { 1, 1, 1 } }, { 0, 1, 60 }, { 1, 0, 0 }, 10, { static = false }) == nil)
+    assert(#daft.query.overlap({ capsule = { 0.3, 1.8 } }, { 4, 0.5, 60 }) == 2)
+    hit = daft.query.closest({ 0, 1, 60 }, 5)
+    assert(hit.entity == yard and near(hit.distance, 1, 1e-5))
+    expect_error("shape: one of sphere, box and capsule expected", daft.query.overlap, {}, { 0, 0, 0 })
+    expect_error("sphere: radius above 0 expected", daft.query.overlap, { sphere = -1 }, { 0, 0, 0 })
+    walker = daft.character { position = { 0, 0.95, 60 }, step = 0.3 }
+    walker:walk(3, 0)
+    assert(walker:valid() and near(walker:height(), 1.8, 1e-5))
+    expect_error("radius", daft.character, { radius = -1 })
+end
+
 local function messages()
     expect_error("daft.entity: position: {x, y, z} expected, got a table without that", function() daft.entity { sphere = 1, position = { nil } } end)
     expect_error("position: {x, y, z} expected, got nil", ball.position, ball, nil)
@@ -148,7 +173,7 @@ local function messages()
 end
 
 function daft.load()
-    entities() rotations() lights() cameras() materials() rays() messages()
+    entities() rotations() lights() cameras() materials() rays() queries() messages()
     assert(daft.tick() == 0 and daft.time() == 0)
     assert(daft.height() == 720 and daft.width() > 300)
     assert(daft.text_width("iii") < daft.text_width("mmm") and daft.text_width("a\nbb", 10) == daft.text_width("bb", 10))
@@ -174,6 +199,19 @@ function daft.update(dt)
     assert(x == 0 and y == 0 and not daft.input.mouse.down(1) and daft.input.mouse.wheel() == 0)
     assert(daft.input.mouse.motion() == 0)
     daft.input.mouse.grab(tick < 10)
+    if tick == 20 then
+        local wx, _, wz = walker:position()
+        local ground, how = walker:ground()
+        assert(wx > 0.5 and near(wz, 60, 1e-6) and ground == yard and how == "ground")
+        assert(near(walker:velocity(), 3, 1e-3) and walker:turn() == 0)
+        walker:jump(4)
+    elseif tick == 21 then
+        assert(select(2, walker:ground()) == "air")
+        assert(walker:height(1.2) and near(walker:height(), 1.2, 1e-5))
+        walker:position(0, 3, 60)
+        walker:destroy()
+        assert(not walker:valid())
+    end
     if tick == 20 then
         local list = ball:contacts()
         assert(#list == 1 and list[1].other == floor and near(list[1].normal[2], 1, 1e-3) and list[1].impulse > 0)
