@@ -84,7 +84,7 @@ static bool check_geometry(const daft_sim_shape *s, daft_error *error)
     return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: it has a shape of no known type");
 }
 
-static bool check_shape(const daft_sim_shape_def *def, daft_body_kind kind, daft_error *error)
+bool daft_sim_shape_check(const daft_sim_shape_def *def, daft_body_kind kind, daft_error *error)
 {
     if (!check_geometry(&def->shape, error) || !check_material(&def->material, error)) return false;
     if (!daft_finite3(def->position) || daft_length(def->position) > DAFT_SHAPE_MAX_SIZE ||
@@ -105,7 +105,7 @@ static bool check_def(const daft_sim_body_def *def, daft_error *error)
     if (def->shape_count > 0 && !def->shapes)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: it has %u shapes, but none are given", def->shape_count);
     for (uint32_t i = 0; i < def->shape_count; i++)
-        if (!check_shape(&def->shapes[i], def->kind, error)) return false;
+        if (!daft_sim_shape_check(&def->shapes[i], def->kind, error)) return false;
     if (!pose_is_good(def->position, def->rotation))
         return daft_fail(
             error, DAFT_ERROR_ARGUMENT,
@@ -255,7 +255,7 @@ static uint32_t take_part(daft_world *world)
     return index;
 }
 
-static void fill_part(daft_sim_part *part, const daft_sim_shape_def *def, uint32_t body)
+void daft_sim_part_fill(daft_sim_part *part, const daft_sim_shape_def *def, uint32_t body)
 {
     daft_quat rotation = daft_quat_normalize(def->rotation);
     *part = (daft_sim_part){.shape = def->shape,
@@ -285,7 +285,7 @@ static void add_parts(daft_world *world, daft_sim_body *body, uint32_t index, co
     uint32_t *link = &body->first_part;
     for (uint32_t i = 0; i < def->shape_count; i++) {
         uint32_t part = take_part(world);
-        fill_part(&world->parts[part], &def->shapes[i], index);
+        daft_sim_part_fill(&world->parts[part], &def->shapes[i], index);
         *link = part;
         link = &world->parts[part].next;
     }

@@ -319,6 +319,10 @@ void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t body)
 
 /* ---- body.c, mass of bodies ---- */
 
+bool daft_sim_shape_check(const daft_sim_shape_def *def, daft_body_kind kind, daft_error *error);
+/* A part as it is before it enters a tree. */
+void daft_sim_part_fill(daft_sim_part *part, const daft_sim_shape_def *def, uint32_t body);
+
 /* Mass, centre and inertia from the parts. False with a message: no mass, or out of range. */
 bool daft_sim_body_weigh(const daft_world *world, daft_sim_body *body, daft_error *error);
 /* Sets pose and what follows from it. */
@@ -352,8 +356,8 @@ void daft_sim_touches_list(daft_world *world, uint32_t body);
 bool daft_sim_listing_update(daft_world *world);
 /* Whether two parts may touch at all. */
 bool daft_sim_may_meet(const daft_world *world, uint32_t part_a, uint32_t part_b);
-/* For loading: enters a touch as it is into lists and set. */
-uint32_t daft_sim_touch_insert(daft_world *world, uint32_t part_a, uint32_t part_b);
+/* For loading: enters a touch that stands in its slot into lists and set. False if its pair is there already. */
+bool daft_sim_touch_enter(daft_world *world, uint32_t touch);
 bool daft_sim_pairs_reserve(daft_world *world, size_t more);
 
 /* ---- contacts.c ---- */
@@ -385,6 +389,7 @@ void daft_sim_sleep_island(daft_world *world, uint32_t body);
 
 void daft_sim_joint_remove(daft_world *world, uint32_t joint, bool event);
 bool daft_sim_joints_reserve(daft_world *world, size_t more);
+void daft_sim_joint_link(daft_world *world, uint32_t joint); /* for loading */
 uint32_t daft_sim_joint_insert(daft_world *world, const daft_sim_joint *joint); /* room was reserved */
 /* Those that the last step's forces break. */
 void daft_sim_joints_break(daft_world *world);

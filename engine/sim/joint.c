@@ -104,6 +104,12 @@ static void unlink_joint(daft_world *world, uint32_t index, int side)
         world->bodies[joint->body[side]].first_joint = next;
 }
 
+void daft_sim_joint_link(daft_world *world, uint32_t index)
+{
+    link_joint(world, index, 0);
+    link_joint(world, index, 1);
+}
+
 bool daft_sim_joints_reserve(daft_world *world, size_t more)
 {
     size_t needed = (size_t)world->joint_count + more;
@@ -119,8 +125,7 @@ uint32_t daft_sim_joint_insert(daft_world *world, const daft_sim_joint *joint)
     else
         world->free_joint = world->joints[index].next[0];
     world->joints[index] = *joint;
-    link_joint(world, index, 0);
-    link_joint(world, index, 1);
+    daft_sim_joint_link(world, index);
     world->live_joints++;
     return index;
 }

@@ -131,7 +131,27 @@ static bool owns(const daft_world *world, uint32_t a, uint32_t b)
     return mine < theirs || (mine == theirs && a < b);
 }
 
-uint32_t daft_sim_touch_insert(daft_world *world, uint32_t part_a, uint32_t part_b)
+bool daft_sim_touch_enter(daft_world *world, uint32_t index)
+{
+    daft_sim_touch *touch = &world->touches[index];
+    if (exists(world, touch->part_a, touch->part_b)) return false;
+    touch->listed = false;
+    touch->owned_by_a = false;
+    if (is_dynamic(world, touch->part_a) && is_dynamic(world, touch->part_b)) {
+        touch->owned_by_a = owns(world, touch->part_a, touch->part_b);
+        world->parts[touch->owned_by_a ? touch->part_a : touch->part_b].owned++;
+    }
+    daft_sim_touch_materials(world, touch);
+    world->pair_slots[find_slot(world, set_key_of(touch))] = index;
+    link_edge(world, index, 0);
+    link_edge(world, index, 1);
+    world->live_touches++;
+    if (daft_sim_is_active(&world->bodies[touch->body_a]) || daft_sim_is_active(&world->bodies[touch->body_b]))
+        list_touch(world, index);
+    return true;
+}
+
+static uint32_t insert(daft_world *world, uint32_t part_a, uint32_t part_b)
 {
     uint32_t index = world->free_touch;
     if (index == DAFT_SIM_NONE)
@@ -144,17 +164,7 @@ uint32_t daft_sim_touch_insert(daft_world *world, uint32_t part_a, uint32_t part
                               .body_a = world->parts[part_a].body,
                               .body_b = world->parts[part_b].body};
     touch->sensor = world->parts[part_a].sensor || world->parts[part_b].sensor;
-    if (is_dynamic(world, part_a) && is_dynamic(world, part_b)) {
-        touch->owned_by_a = owns(world, part_a, part_b);
-        world->parts[touch->owned_by_a ? part_a : part_b].owned++;
-    }
-    daft_sim_touch_materials(world, touch);
-    world->pair_slots[find_slot(world, set_key_of(touch))] = index;
-    link_edge(world, index, 0);
-    link_edge(world, index, 1);
-    world->live_touches++;
-    if (daft_sim_is_active(&world->bodies[touch->body_a]) || daft_sim_is_active(&world->bodies[touch->body_b]))
-        list_touch(world, index);
+    daft_sim_touch_enter(world, index);
     return index;
 }
 
@@ -355,7 +365,7 @@ static void insert_candidates(daft_world *world)
         if (is_dynamic(world, a) && is_dynamic(world, b) &&
             world->parts[owns(world, a, b) ? a : b].owned >= DAFT_SIM_MAX_PARTNERS)
             continue;
-        uint32_t touch = daft_sim_touch_insert(world, a, b);
+        uint32_t touch = insert(world, a, b);
         wake_inside(world, &world->touches[touch]);
     }
 }
