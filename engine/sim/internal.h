@@ -209,6 +209,7 @@ typedef struct daft_sim_joint {
     daft_vec3 linear_impulse, angular_impulse;
     float motor_impulse, lower_impulse, upper_impulse, spring_impulse;
     float force, torque; /* of the last step */
+    daft_vec3 spin[2];   /* angular velocities as the last substep began */
 } daft_sim_joint;
 
 /* Touches in the order of keys: part a, then part b. */

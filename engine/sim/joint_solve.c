@@ -10,8 +10,8 @@
 #include "math/real.h"
 
 /* Rigid joints are springs as stiff as the substeps allow. */
-#define JOINT_HERTZ_SHARE 0.25f /* of the substeps' rate */
-#define JOINT_DAMPING     2.0f
+#define JOINT_HERTZ_SHARE 0.35f /* of the substeps' rate */
+#define JOINT_DAMPING     5.0f
 
 typedef struct softness {
     float rate, mass, impulse;
@@ -364,7 +364,7 @@ static solve_context make_context(daft_world *world, daft_sim_joint_row *row, co
     }
     c.axis = daft_quat_rotate(c.frame[0], UNIT[0]);
     c.stiff = make_soft(JOINT_HERTZ_SHARE * substep->inv_h, JOINT_DAMPING, substep->h);
-    c.stiff.mass = 1, c.stiff.impulse = 0;
+    if (!(row->inv_mass[0] > 0 && row->inv_mass[1] > 0)) c.stiff.mass = 1, c.stiff.impulse = 0;
     return c;
 }
 
@@ -399,11 +399,20 @@ static void carry(solve_context *c)
     c->joint->angular_impulse = daft_quat_rotate(turn, c->joint->angular_impulse);
 }
 
+/* The angular velocity a body will have in this substep, when forces have acted: as much more as in the last one, unless
+ * that was a jolt. */
+static daft_vec3 expected_spin(daft_vec3 *last, daft_vec3 now)
+{
+    daft_vec3 change = daft_sub(now, *last);
+    *last = now;
+    return daft_dot(change, change) < 0.01f * daft_dot(now, now) ? daft_add(now, change) : now;
+}
+
 void daft_sim_joint_warm_start(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep)
 {
     solve_context c = make_context(world, row, substep, true);
     const daft_sim_joint *j = c.joint;
-    row->spin[0] = row3(c.va, 3), row->spin[1] = row3(c.vb, 3);
+    for (int i = 0; i < 2; i++) row->spin[i] = expected_spin(&c.joint->spin[i], row3(i ? c.vb : c.va, 3));
     carry(&c);
     if (j->kind == DAFT_JOINT_DISTANCE) {
         solve_distance(&c, true);

@@ -223,7 +223,8 @@ static bool check_joint(const daft_world *w, const daft_sim_joint *j)
                              j->break_torque,    j->motor_impulse,  j->lower_impulse, j->upper_impulse,
                              j->spring_impulse,  j->force,          j->torque,        j->linear_impulse.x,
                              j->linear_impulse.y, j->linear_impulse.z, j->angular_impulse.x, j->angular_impulse.y,
-                             j->angular_impulse.z};
+                             j->angular_impulse.z, j->spin[0].x, j->spin[0].y, j->spin[0].z, j->spin[1].x,
+                             j->spin[1].y, j->spin[1].z};
     if (!all_finite(numbers, DAFT_COUNT_OF(numbers)) || j->hertz < 0 || j->damping < 0) return false;
     bool dynamic = false;
     for (int side = 0; side < 2; side++) {

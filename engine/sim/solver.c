@@ -132,6 +132,7 @@ static void add_substep(daft_sim_solver *s)
     add_joints(s, stage_joint_warm, 0);
     add_contacts(s, stage_warm, 0);
     add_joints(s, stage_joint_solve, true);
+    add_joints(s, stage_joint_solve, true); /* long chains need it, and it costs little beside contacts */
     add_contacts(s, stage_solve, true);
     add(s, stage_spin, SPIN_BETWEEN, 0, s->spin_count, SPIN_GRAIN);
     add(s, stage_move, 0, 1, rows, ROW_GRAIN);
@@ -143,7 +144,7 @@ static void add_substep(daft_sim_solver *s)
 static size_t most_stages(const daft_world *world)
 {
     const daft_sim_solver *s = world->solver;
-    size_t substep = 8 + 3 * ((size_t)s->colour_count + s->joint_colour_count);
+    size_t substep = 8 + 3 * (size_t)s->colour_count + 4 * (size_t)s->joint_colour_count;
     return 8 + (size_t)world->substeps * substep + s->colour_count;
 }
 

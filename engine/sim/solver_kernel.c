@@ -355,7 +355,7 @@ DAFT_INLINE sums solve_points(daft_sim_block *block, body *a, body *b, masses m,
     for (int i = 0; i <= last; i++) demands[i] = point_demand(&block->point[i], moved, turn_a, turn_b, s, lane);
     for (int sweep = 0; sweep < (last ? SWEEPS : 1); sweep++)
         for (int i = 0; i <= last; i++) {
-            int at = sweep & 1 ? last - i : i;
+            int at = (sweep + !s->on) & 1 ? last - i : i;
             solve_point(&block->point[at], a, b, m, n, &demands[at], lane);
         }
     sums sum = {vf_set(0), vf_set(0)};

@@ -1,0 +1,284 @@
+/* sim: what stands, stands; what swings or spins keeps its energy. Every case asserts a number. */
+#include "sim_scene.h"
+
+static double sideways(daft_dvec3 p) { return sqrt(p.x * p.x + p.z * p.z); }
+
+static uint32_t add_stack(daft_world *world, int count)
+{
+    uint32_t top = 0;
+    for (int i = 0; i < count; i++) top = add(world, dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0, 0.5 + i, 0));
+    return top;
+}
+
+/* ---- standing ---- */
+
+static void a_box_at_rest_stays(void **unused)
+{
+    (void)unused;
+    daft_world *world = new_world();
+    daft_world_set_sleeping(world, false);
+    add_floor(world, 10);
+    uint32_t id = add(world, dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0.3, 0.5001, -0.2));
+    steps(world, 60);
+    daft_dvec3 rest = state_of(world, id).position;
+    double moved = 0, fastest = 0;
+    for (int i = 0; i < 3600; i++) {
+        steps(world, 1);
+        daft_sim_state s = state_of(world, id);
+        daft_dvec3 d = daft_dsub(s.position, rest);
+        moved = fmax(moved, sqrt(daft_ddot(d, d)));
+        fastest = fmax(fastest, speed_of(s));
+    }
+    print_message("in 60 s it moved %g m, fastest %g m/s\n", moved, fastest);
+    assert_true(moved < 1e-4 && fastest < 1e-3 && rest.y > 0.49);
+    daft_world_destroy(world);
+}
+
+static void twenty_boxes_stand_ten_minutes(void **unused)
+{
+    (void)unused;
+    daft_world *world = new_world();
+    add_floor(world, 10);
+    uint32_t top = add_stack(world, 20);
+    steps(world, 120);
+    daft_dvec3 start = state_of(world, top).position;
+    double worst = 0;
+    for (int i = 0; i < 36000; i++) {
+        steps(world, 1);
+        worst = fmax(worst, sideways(state_of(world, top).position));
+    }
+    daft_dvec3 end = state_of(world, top).position;
+    print_message("top at most %g mm off, sank %g mm\n", 1000 * worst, 1000 * (start.y - end.y));
+    assert_true(worst < 0.002 && start.y - end.y < 0.002 && end.y > 19.4);
+    assert_false(daft_world_is_awake(world, top));
+    daft_world_destroy(world);
+}
+
+static void fifty_boxes_stand_a_minute(void **unused)
+{
+    (void)unused;
+    daft_world *world = new_world();
+    add_floor(world, 10);
+    uint32_t top = add_stack(world, 50);
+    double worst = 0;
+    for (int i = 0; i < 3600; i++) {
+        steps(world, 1);
+        worst = fmax(worst, sideways(state_of(world, top).position));
+    }
+    print_message("top at most %g mm off\n", 1000 * worst);
+    assert_true(worst < 0.02 && state_of(world, top).position.y > 49);
+    assert_false(daft_world_is_awake(world, top));
+    daft_world_destroy(world);
+}
+
+static void a_pyramid_of_thirty_rows_stands(void **unused)
+{
+    (void)unused;
+    daft_world *world = new_world();
+    daft_world_set_sleeping(world, false);
+    add_floor(world, 40);
+    uint32_t ids[465], n = 0;
+    for (int row = 0; row < 30; row++)
+        for (int i = 0; i < 30 - row; i++)
+            ids[n++] = add(world, dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 1.05 * (i + 0.5 * row - 15), 0.5 + row, 0));
+    steps(world, 300);
+    double slid = 0, sank = 0, fastest = 0;
+    n = 0;
+    for (int row = 0; row < 30; row++)
+        for (int i = 0; i < 30 - row; i++) {
+            daft_sim_state s = state_of(world, ids[n++]);
+            slid = fmax(slid, hypot(s.position.x - 1.05 * (i + 0.5 * row - 15), s.position.z));
+            sank = fmax(sank, 0.5 + row - s.position.y);
+            fastest = fmax(fastest, speed_of(s));
+        }
+    print_message("slid at most %g mm, sank %g mm, fastest %g m/s\n", 1000 * slid, 1000 * sank, fastest);
+    assert_true(slid < 0.02 && sank < 0.1 && fastest < 0.01);
+    daft_world_destroy(world);
+}
+
+static void heavy_on_light_holds(void **unused)
+{
+    (void)unused;
+    daft_world *world = new_world();
+    daft_world_set_sleeping(world, false);
+    add_floor(world, 10);
+    one_shape top = dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0, 1.5, 0);
+    top.density = 100000;
+    uint32_t light = add(world, dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0, 0.5, 0)), heavy = add(world, top);
+    double lowest = 1, highest = 0;
+    for (int i = 0; i < 1200; i++) {
+        steps(world, 1);
+        lowest = fmin(lowest, state_of(world, light).position.y);
+        highest = fmax(highest, state_of(world, light).position.y);
+    }
+    double sank = 1.5 - state_of(world, heavy).position.y;
+    print_message("100:1: light one %g to %g m, heavy one sank %g m\n", lowest, highest, sank);
+    assert_true(lowest > 0.49 && highest < 0.55 && sank < 0.5);
+    daft_world_destroy(world);
+}
+
+/* A chain of 20 links of 1 kg, a ball of 100 kg at its end, swung from the side. */
+static void a_heavy_ball_on_a_chain_does_not_stretch_it(void **unused)
+{
+    (void)unused;
+    const int counts[] = {4, 16};
+    const double most[] = {0.05, 0.01};
+    for (int k = 0; k < 2; k++) {
+        daft_world *world = new_world();
+        daft_world_set_substeps(world, counts[k]);
+        uint32_t last = 0, joints = 0;
+        daft_error error = {0};
+        for (int i = 0; i < 21; i++) {
+            one_shape link = i < 20 ? dynamic_box(daft_v3(0.5f, 0.1f, 0.1f), 0.5 + i, 0, 0) : sphere(1, 21, 0, 0);
+            link.density = i < 20 ? 25 : 23.873f;
+            uint32_t body = add(world, link);
+            daft_sim_joint_def def = daft_default_sim_joint_def();
+            def.body_a = last, def.body_b = body, def.anchor = daft_dv3(i, 0, 0);
+            joints = daft_world_add_joint(world, &def, &error);
+            assert_true(joints);
+            last = body;
+        }
+        double stretch = 0;
+        for (int i = 0; i < 600; i++) {
+            steps(world, 1);
+            for (uint32_t j = 1; j <= joints; j++) {
+                daft_sim_joint_state s;
+                assert_true(daft_world_get_joint(world, j, &s));
+                daft_dvec3 d = daft_dsub(s.anchor_b, s.anchor_a);
+                stretch = fmax(stretch, sqrt(daft_ddot(d, d)));
+            }
+        }
+        print_message("%d substeps: a joint opened by at most %g m\n", counts[k], stretch);
+        assert_true(stretch < most[k]);
+        daft_world_destroy(world);
+    }
+}
+
+/* ---- spinning and swinging ---- */
+
+/* Moments of inertia as 1 : 2 : 3 and a spin about the middle one: it turns over again and again. */
+static void a_spinning_handle_flips_for_ever(void **unused)
+{
+    (void)unused;
+    daft_world *world = new_world();
+    daft_world_set_gravity(world, daft_v3(0, 0, 0));
+    one_shape def = dynamic_box(daft_v3((float)sqrt(2.0), 1, 0.001f), 0, 0, 0);
+    uint32_t id = add(world, def);
+    daft_world_set_velocity(world, id, daft_v3(0, 0, 0), daft_v3(5, 0.01f, 0)); /* moments 1, 2, 3 along x, y, z */
+    daft_world_set_velocity(world, id, daft_v3(0, 0, 0), daft_v3(0.01f, 5, 0));
+    double first = 0, worst = 0, turned_over = 0, sign = 1;
+    for (int i = 0; i < 3600; i++) {
+        daft_sim_state s = state_of(world, id);
+        daft_rigid frame = daft_rigid_make(s.position, s.rotation);
+        daft_dvec3 w = daft_rigid_to_local_vector(&frame, daft_to_double(s.angular));
+        double energy = w.x * w.x + 2 * w.y * w.y + 3 * w.z * w.z;
+        if (i == 0) first = energy;
+        worst = fmax(worst, fabs(energy / first - 1));
+        if (w.y * sign < -2) turned_over++, sign = -sign;
+        steps(world, 1);
+    }
+    print_message("turned over %g times, energy within %g\n", turned_over, worst);
+    assert_true(turned_over == 11 && worst < 1e-3);
+    daft_world_destroy(world);
+}
+
+static void a_pendulum_keeps_its_energy(void **unused)
+{
+    (void)unused;
+    daft_world *world = new_world();
+    daft_world_set_sleeping(world, false);
+    daft_error error = {0};
+    uint32_t bob = add(world, sphere(0.01, 1, 0, 0));
+    daft_sim_joint_def def = daft_default_sim_joint_def();
+    def.body_b = bob;
+    assert_true(daft_world_add_joint(world, &def, &error));
+    double worst = 0, stretch = 0, last = 1, first_pass = 0, last_pass = 0;
+    int passes = 0;
+    for (int i = 0; i < 100000; i++) {
+        steps(world, 1);
+        daft_sim_state s = state_of(world, bob);
+        double energy = 0.5 * speed_of(s) * speed_of(s) + G * s.position.y;
+        worst = fmax(worst, fabs(energy) / G);
+        stretch = fmax(stretch, fabs(hypot(s.position.x, s.position.y) - 1));
+        if ((last > 0) != (s.position.x > 0) && passes++ < 201) {
+            double when = (i - s.position.x / (s.position.x - last)) / 60;
+            if (passes == 1) first_pass = when;
+            if (passes == 201) last_pass = when;
+        }
+        last = s.position.x;
+    }
+    double period = (last_pass - first_pass) / 100;
+    print_message("energy within %g, stretch %g m, period %g s\n", worst, stretch, period);
+    assert_true(worst < 0.01 && stretch < 1e-4);
+    assert_near(period, 2.3678, 0.001 * 2.3678);
+    daft_world_destroy(world);
+}
+
+/* A planet drawn to the origin by a force the game gives in every step. */
+static void an_orbit_keeps_its_energy(void **unused)
+{
+    (void)unused;
+    daft_world *world = new_world();
+    daft_world_set_gravity(world, daft_v3(0, 0, 0));
+    uint32_t id = add(world, sphere(0.5, 100, 0, 0));
+    double mass = (double)daft_world_mass(world, id), mu = 1e4, first = 0, worst = 0, late = 0;
+    daft_world_set_velocity(world, id, daft_v3(0, 0, 8.0f), daft_v3(0, 0, 0));
+    for (int i = 0; i < 100000; i++) {
+        daft_sim_state s = state_of(world, id);
+        double r = sqrt(daft_ddot(s.position, s.position)), energy = 0.5 * speed_of(s) * speed_of(s) - mu / r;
+        if (i == 0) first = energy;
+        worst = fmax(worst, fabs(energy / first - 1));
+        if (i > 90000) late = fmax(late, fabs(energy / first - 1));
+        daft_world_apply_force(world, id, daft_to_float(daft_dscale(s.position, -mass * mu / (r * r * r))));
+        steps(world, 1);
+    }
+    print_message("energy within %g, in the last tenth %g\n", worst, late);
+    assert_true(worst < 0.01 && late < 0.01);
+    daft_world_destroy(world);
+}
+
+/* ---- surfaces ---- */
+
+static void a_box_on_a_slope_obeys_friction(void **unused)
+{
+    (void)unused;
+    for (float friction = 0.2f; friction < 0.9f; friction += 0.2f)
+        for (int k = 0; k < 2; k++) {
+            double angle = daft_atan2((k ? 1.1 : 0.9) * (double)friction, 1);
+            double s = daft_sin(angle), c = daft_cos(angle);
+            daft_world *world = new_world();
+            daft_world_set_sleeping(world, false);
+            one_shape slope = box(daft_v3(200, 1, 5), 0, 0, 0), def = dynamic_box(daft_v3(0.5f, 0.2f, 0.5f), 1.2 * s, 1.2 * c, 0);
+            slope.rotation = def.rotation = turned(0, 0, 1, -angle);
+            slope.friction = def.friction = friction;
+            add(world, slope);
+            uint32_t id = add(world, def);
+            steps(world, 60);
+            daft_dvec3 from = state_of(world, id).position;
+            double v0 = speed_of(state_of(world, id));
+            steps(world, k ? 120 : 600);
+            daft_dvec3 d = daft_dsub(state_of(world, id).position, from);
+            if (k)
+                assert_near((speed_of(state_of(world, id)) - v0) / 2, G * (s - (double)friction * c), 0.02 * G * s);
+            else
+                assert_true(sqrt(daft_ddot(d, d)) < 1e-3);
+            daft_world_destroy(world);
+        }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_box_at_rest_stays),
+        cmocka_unit_test(twenty_boxes_stand_ten_minutes),
+        cmocka_unit_test(fifty_boxes_stand_a_minute),
+        cmocka_unit_test(a_pyramid_of_thirty_rows_stands),
+        cmocka_unit_test(heavy_on_light_holds),
+        cmocka_unit_test(a_heavy_ball_on_a_chain_does_not_stretch_it),
+        cmocka_unit_test(a_spinning_handle_flips_for_ever),
+        cmocka_unit_test(a_pendulum_keeps_its_energy),
+        cmocka_unit_test(an_orbit_keeps_its_energy),
+        cmocka_unit_test(a_box_on_a_slope_obeys_friction),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
