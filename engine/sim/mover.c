@@ -87,7 +87,6 @@ static void visit_planes(void *context, uint32_t index)
         daft_mover_plane plane = {.normal = daft_dscale(n, 1 / length),
                                   .separation = (double)from->points[deepest].separation,
                                   .point = daft_to_double(from->points[deepest].point),
-                                  .face = daft_to_double(from->face_b),
                                   .part = index,
                                   .number = i};
         keep_plane(m, &plane);
@@ -319,7 +318,6 @@ double daft_mover_cast(daft_mover *m, daft_dvec3 motion, double gap, daft_mover_
             .normal = c.normal,
             .separation = c.met_gap,
             .point = daft_dsub(c.point, daft_dadd(m->position, daft_dscale(motion, c.share))),
-            .face = c.normal,
             .part = c.part,
             .number = UINT32_MAX - m->met_count,
         };

@@ -17,7 +17,6 @@ typedef struct daft_mover_plane {
     daft_dvec3 normal;  /* towards the capsule */
     double separation;  /* metres; negative: overlap */
     daft_dvec3 point;   /* relative to the capsule's centre */
-    daft_dvec3 face;    /* the flat face that is nearest in direction to the normal */
     uint32_t part, number; /* what it is of: the order of planes */
 } daft_mover_plane;
 
