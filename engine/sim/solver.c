@@ -9,7 +9,7 @@ enum {
     ROW_GRAIN = 256,
     JOINT_GRAIN = 16,
     SPIN_GRAIN = 32,
-    PARALLEL_BLOCKS = 32, /* fewer are solved faster by one worker */
+    PARALLEL_BLOCKS = 128, /* fewer are solved faster by one worker */
     PARALLEL_JOINTS = 128
 };
 

@@ -63,7 +63,7 @@ static void run_batch(const daft_sim_stage *stage, void *context, uint32_t batch
 static void wait_for(progress *p, uint32_t batches)
 {
     for (int spins = 0; atomic_load_explicit(&p->done, memory_order_acquire) < batches; spins++) {
-        if (spins > 1000) sched_yield();
+        if (spins > 300) sched_yield();
 #ifdef DAFT_HAVE_X86
         __builtin_ia32_pause();
 #endif
