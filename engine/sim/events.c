@@ -185,7 +185,7 @@ static void report_sleepers(daft_world *world)
         if (touch->part_a == DAFT_SIM_NONE || touch->listed || touch->sensor || !touch->touching) continue;
         fill_contact(world, touch, &world->report[world->report_asleep++]);
     }
-    qsort(world->report, world->report_asleep, sizeof *world->report, contact_order);
+    if (world->report_asleep > 1) qsort(world->report, world->report_asleep, sizeof *world->report, contact_order);
     world->sleep_changed = false;
 }
 
@@ -198,8 +198,8 @@ void daft_sim_report(daft_world *world)
         tell_change(world, touch);
         if (touch->touching && !touch->sensor) fill_contact(world, touch, &world->report[world->report_count++]);
     }
-    qsort(world->report + world->report_asleep, world->report_count - world->report_asleep, sizeof *world->report,
-          contact_order);
+    size_t fresh = world->report_count - world->report_asleep;
+    if (fresh > 1) qsort(world->report + world->report_asleep, fresh, sizeof *world->report, contact_order);
 }
 
 void daft_sim_report_forget(daft_world *world, uint32_t handle)

@@ -355,7 +355,8 @@ static void wake_inside(daft_world *world, const daft_sim_touch *touch)
 
 static void insert_candidates(daft_world *world)
 {
-    qsort(world->candidates, world->candidate_count, sizeof *world->candidates, by_value);
+    if (world->candidate_count > 1)
+        qsort(world->candidates, world->candidate_count, sizeof *world->candidates, by_value);
     uint64_t last = UINT64_MAX;
     for (size_t i = 0; i < world->candidate_count; i++) {
         uint64_t key = world->candidates[i];
