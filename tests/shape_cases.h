@@ -150,7 +150,7 @@ MAYBE double oracle_distance(const cloud *a, const cloud *b)
     memset(weight, 0, sizeof weight);
     weight[0][0] = 1;
     daft_dvec3 v = daft_dsub(b->points[0], a->points[0]);
-    for (int step = 0; step < 3000; step++) {
+    for (int step = 0; step < 100000; step++) {
         double least = INFINITY, most = -INFINITY, square = daft_ddot(v, v);
         uint32_t best[2] = {0, 0}, worst[2] = {0, 0};
         for (uint32_t i = 0; i < a->count; i++)

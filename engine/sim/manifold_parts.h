@@ -89,6 +89,10 @@ typedef struct daft_axis {
  * faces of a triangle count: 1 front, 2 back, 3 both. */
 daft_axis daft_sat(const daft_poly *a, const daft_poly *b, float enough, uint32_t sides, const daft_pair_cache *cache);
 
+/* The same for cores that overlap, but of about equal axes the best, whatever its kind: the slower answer where the
+ * preferred face turns out to have nothing over it. */
+daft_axis daft_sat_strict(const daft_poly *a, const daft_poly *b, uint32_t sides);
+
 /* ---- manifolds of cores (manifold_poly.c) ---- */
 
 /* The contact along one of SAT's axes: by clipping for a face, where the edges cross for edges. 0 or 1 manifolds. */

@@ -4,6 +4,10 @@
 /* The reference face reaches this share of the smaller core's size farther when it clips; points within this share of
  * it count as equally deep. */
 #define OVERHANG 1e-3f
+/* Sides of a face whose outward normals' cosine is less meet in a corner of under 41 degrees. */
+#define ACUTE -0.75f
+/* Of the number of an edge: the cut across the corner where it begins. */
+#define BEVEL 0x4000u
 /* A normal whose cosine with a face's is over this is that face's. */
 #define SAME 0.9999f
 
@@ -78,22 +82,51 @@ static uint32_t lay_incident(const basis *s, const daft_poly *p, uint32_t face, 
     return count;
 }
 
-/* Clips by the sides of a face. Gives where the points are. */
+/* A line in the plane of a face; what is beyond it is cut off. */
+typedef struct side {
+    float a, b, c; /* unit outward normal, distance */
+    uint32_t edge;
+    float u, v; /* where it begins */
+} side;
+
+/* Gives how many sides a face has; those without length are left out. */
+static uint32_t lay_sides(const basis *s, const daft_poly *p, uint32_t face, side sides[DAFT_HULL_MAX_VERTICES])
+{
+    uint32_t first = p->first_half_edges[face], e = first, count = 0;
+    daft_clip_point from = laid(s, daft_poly_edge_start(p, e), 0, 0);
+    do {
+        daft_clip_point to = laid(s, daft_poly_edge_end(p, e), 0, 0);
+        float a = to.v - from.v, b = from.u - to.u, length = sqrtf(a * a + b * b);
+        if (length > 0) {
+            a /= length, b /= length;
+            sides[count++] = (side){a, b, a * from.u + b * from.v, e, from.u, from.v};
+        }
+        from = to;
+        e = p->half_edges[e].next;
+    } while (e != first);
+    return count;
+}
+
+/* Clips by the sides of a face, each moved out by the overhang. Gives where the points are. */
 static daft_clip_point *clip_sides(const basis *s, const daft_poly *p, uint32_t face, float overhang,
                                    daft_clip_point *from, daft_clip_point *to, uint32_t *count)
 {
-    uint32_t first = p->first_half_edges[face], e = first;
-    do {
-        daft_clip_point q0 = laid(s, daft_poly_edge_start(p, e), 0, 0), q1 = laid(s, daft_poly_edge_end(p, e), 0, 0);
-        float a = q1.v - q0.v, b = q0.u - q1.u, length = sqrtf(a * a + b * b);
-        if (length > 0) {
-            a /= length, b /= length;
-            *count = daft_clip(from, *count, a, b, a * q0.u + b * q0.v + overhang, e, to);
-            daft_clip_point *swapped = from;
-            from = to, to = swapped;
-        }
-        e = p->half_edges[e].next;
-    } while (e != first && *count > 0);
+    side sides[DAFT_HULL_MAX_VERTICES];
+    uint32_t side_count = lay_sides(s, p, face, sides);
+    for (uint32_t i = 0; i<side_count && * count> 0; i++) {
+        const side *l = &sides[i], *before = &sides[i > 0 ? i - 1 : side_count - 1];
+        *count = daft_clip(from, *count, l->a, l->b, l->c + overhang, l->edge, to);
+        daft_clip_point *swapped = from;
+        from = to, to = swapped;
+        if (l->a * before->a + l->b * before->b >= ACUTE) continue;
+        /* Both sides moved out meet far from the corner: across it, then. */
+        float a = l->a + before->a, b = l->b + before->b, length = sqrtf(a * a + b * b);
+        if (!(length > 1e-6f)) continue;
+        a /= length, b /= length;
+        *count = daft_clip(from, *count, a, b, (a * l->u + b * l->v) + overhang, l->edge | BEVEL, to);
+        swapped = from;
+        from = to, to = swapped;
+    }
     return from;
 }
 
@@ -335,6 +368,10 @@ uint32_t daft_collide_polys(const daft_poly *a, const daft_poly *b, float margin
     if (axis.separation > enough) return 0;
     if (is_round(a) && clear_of(a, b, axis.separation)) return round_outside(a, b, true, margin, sides, out);
     if (is_round(b) && clear_of(b, a, axis.separation)) return round_outside(b, a, false, margin, sides, out);
+    if (daft_manifold_along(a, b, &axis, margin, out)) return 1;
+    if (!(axis.separation < 0) || axis.kind == DAFT_AXIS_NONE) return 0;
+    /* A face preferred to about as good an axis may have only the air beside the other core over it. */
+    axis = daft_sat_strict(a, b, sides);
     if (daft_manifold_along(a, b, &axis, margin, out)) return 1;
     return axis.separation < 0 && axis.kind != DAFT_AXIS_NONE ? along_support(a, b, &axis, out) : 0;
 }

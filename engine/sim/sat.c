@@ -211,3 +211,13 @@ daft_axis daft_sat(const daft_poly *a, const daft_poly *b, float enough, uint32_
     if (axis_b.kind == DAFT_AXIS_NONE) return axis_a;
     return axis_b.separation > axis_a.separation + (prefer_b ? -even : even) ? axis_b : axis_a;
 }
+
+daft_axis daft_sat_strict(const daft_poly *a, const daft_poly *b, uint32_t sides)
+{
+    daft_axis axis_a, axis_b, axis_e;
+    try_faces(a, b, false, sides, INFINITY, &axis_a);
+    try_faces(b, a, true, sides, INFINITY, &axis_b);
+    daft_axis best = axis_b.separation > axis_a.separation ? axis_b : axis_a;
+    try_near_edges(a, b, best.separation, 0, &axis_e);
+    return axis_e.separation > best.separation ? axis_e : best;
+}
