@@ -139,6 +139,7 @@ typedef struct daft_texture { uint32_t id; } daft_texture;
 typedef struct daft_material { uint32_t id; } daft_material;
 typedef struct daft_light { uint32_t id; } daft_light;
 typedef struct daft_entity { uint32_t id; } daft_entity;
+typedef struct daft_joint { uint32_t id; } daft_joint;
 
 DAFT_API daft_scene *daft_scene_create(daft_engine *engine, daft_error *error);
 DAFT_API void daft_scene_destroy(daft_scene *scene);
@@ -231,6 +232,40 @@ typedef enum daft_body_kind {
     DAFT_BODY_DYNAMIC    /* moved by forces and contacts */
 } daft_body_kind;
 
+typedef enum daft_collider_kind {
+    DAFT_COLLIDER_SPHERE = 1,
+    DAFT_COLLIDER_CAPSULE, /* around its y axis */
+    DAFT_COLLIDER_BOX,
+    DAFT_COLLIDER_HULL, /* the convex hull of a mesh's vertices, of at most 64 corners */
+    DAFT_COLLIDER_MESH, /* a mesh's triangles, from both sides; static and kinematic bodies */
+    DAFT_COLLIDER_FIELD /* a grid of heights; static and kinematic bodies */
+} daft_collider_kind;
+
+/* A part of a body, in the entity's axes and in metres: the entity's scale counts for hulls and meshes alone. Lengths are
+ * 1e-4 to 1e7 m. */
+typedef struct daft_collider {
+    daft_collider_kind kind;
+    float radius;         /* sphere, capsule */
+    float height;         /* capsule: from end to end, more than twice the radius */
+    daft_vec3 size;       /* box: edge lengths */
+    daft_mesh mesh;       /* hull, mesh; none: the entity's */
+    const float *heights; /* field: heights[row·columns + column] lies at x = column·spacing.x, z = row·spacing.y; copied. NaN
+                             makes a hole. 2 to 16,384 columns and rows */
+    uint32_t columns, rows;
+    daft_vec2 spacing;
+    daft_vec3 position;
+    daft_quat rotation;
+} daft_collider;
+
+DAFT_API daft_collider daft_default_collider(void); /* a sphere of 0.5 m */
+
+enum { /* axes of the world about which a dynamic body does not turn */
+    DAFT_LOCK_X = 1,
+    DAFT_LOCK_Y = 2,
+    DAFT_LOCK_Z = 4,
+    DAFT_LOCK_ROTATION = 7
+};
+
 typedef struct daft_entity_def {
     uint32_t cookie;
     daft_shape shape;
@@ -244,11 +279,26 @@ typedef struct daft_entity_def {
     daft_vec3 scale; /* spheres take only equal scales */
     bool visible;
     bool casts_shadow; /* where all of its materials transmit, light comes through times their mean share and tint */
-    daft_body_kind body;      /* spheres and boxes without a parent, unscaled */
+    daft_body_kind body; /* entities without a parent; spheres and boxes unscaled. The scale stays as it was made */
+    const daft_collider *colliders; /* what the body is made of, read by daft_entity_create; none: what is drawn, and of a mesh
+                                       the hull where the body is dynamic, else the triangles */
+    uint32_t collider_count;
     float density;            /* kg/m³ */
+    float mass;               /* kg; 0: from the density */
     float friction;           /* Coulomb's coefficient; two bodies: the geometric mean */
+    float static_friction;    /* of what does not slide yet; less than friction: the same */
     float restitution;        /* 0..1; two bodies: the larger */
     float rolling_resistance; /* share of the normal load times the radius that brakes rolling; the larger */
+    uint32_t surface;         /* 0..63: which kind of surface, for daft_scene_set_surfaces */
+    daft_vec3 belt;           /* m/s: the surface runs so in the entity's axes, as a conveyor's does */
+    float gravity_scale;      /* 1 */
+    float linear_damping, angular_damping; /* share of the velocity lost in a second, for small ones */
+    uint32_t locks;  /* DAFT_LOCK_… */
+    uint32_t layers; /* bits: what it is; the first by default */
+    uint32_t mask;   /* bits: what it meets; two meet where each one's layers have a bit of the other's mask; default all */
+    bool sensor;     /* meets nothing: what enters and leaves it makes events */
+    bool bullet;     /* dynamic: does not pass through fast dynamic bodies either */
+    bool sleeps;     /* may; default true */
 } daft_entity_def;
 
 DAFT_API daft_entity_def daft_default_entity_def(void);
@@ -278,6 +328,15 @@ DAFT_API bool daft_entity_set_velocity(daft_scene *scene, daft_entity entity, da
                                        daft_error *error);
 DAFT_API bool daft_entity_apply_force(daft_scene *scene, daft_entity entity, daft_vec3 force, daft_error *error);
 DAFT_API bool daft_entity_apply_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_error *error);
+DAFT_API bool daft_entity_apply_impulse_at(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_dvec3 point,
+                                           daft_error *error);
+DAFT_API bool daft_entity_apply_torque(daft_scene *scene, daft_entity entity, daft_vec3 torque, daft_error *error); /* N·m, over the next tick */
+DAFT_API bool daft_entity_apply_angular_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_error *error); /* kg·m²/s */
+DAFT_API bool daft_entity_get_mass(daft_scene *scene, daft_entity entity, float *kg, daft_error *error); /* 0: not dynamic */
+/* Bodies at rest fall asleep, heap by heap, and cost nothing; whatever touches or moves them wakes them. */
+DAFT_API bool daft_entity_get_awake(daft_scene *scene, daft_entity entity, bool *awake, daft_error *error);
+DAFT_API bool daft_entity_set_awake(daft_scene *scene, daft_entity entity, bool awake, daft_error *error);
+DAFT_API bool daft_entity_set_layers(daft_scene *scene, daft_entity entity, uint32_t layers, uint32_t mask, daft_error *error);
 
 /* What touched in the last tick, in a fixed order. The normal points from a to b; the impulse is its sum over the tick. */
 typedef struct daft_contact {
@@ -288,6 +347,109 @@ typedef struct daft_contact {
 } daft_contact;
 
 DAFT_API uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out, uint32_t capacity); /* all there are */
+
+typedef enum daft_event_kind {
+    DAFT_EVENT_CONTACT_BEGIN = 1, /* point, normal, impulse, speed */
+    DAFT_EVENT_CONTACT_END,
+    DAFT_EVENT_TRIGGER_ENTER, /* a is the sensor */
+    DAFT_EVENT_TRIGGER_LEAVE,
+    DAFT_EVENT_JOINT_BREAK, /* joint; impulse: the force in N, or the torque in N·m, that broke it */
+    DAFT_EVENT_JOINT_GONE,  /* with one of its bodies */
+    DAFT_EVENT_SLEEP,       /* a */
+    DAFT_EVENT_WAKE         /* a */
+} daft_event_kind;
+
+/* Handles of what has been destroyed since are stale. */
+typedef struct daft_event {
+    daft_event_kind kind;
+    daft_entity a, b;
+    daft_joint joint;
+    daft_dvec3 point;
+    daft_vec3 normal; /* from a to b */
+    float impulse;    /* kg·m/s over the tick */
+    float speed;      /* m/s at which they met */
+} daft_event;
+
+/* What happened in the last tick and by calls since the one before, in a fixed order: by kind, then by bodies and joints.
+ * Anything may be changed while they are gone through. Returns how many there are. */
+DAFT_API uint32_t daft_scene_events(const daft_scene *scene, daft_event *out, uint32_t capacity);
+
+/* ---- scenes: joints ---------------------------------------------------------------------------------------------- */
+
+typedef enum daft_joint_kind {
+    DAFT_JOINT_BALL = 1, /* two points stay together */
+    DAFT_JOINT_HINGE,    /* and so do two axes; angles in radians */
+    DAFT_JOINT_SLIDER,   /* moves along an axis, does not turn; metres */
+    DAFT_JOINT_DISTANCE, /* keeps two points `length` apart, or between lower and upper: a rod, rope or spring */
+    DAFT_JOINT_FIXED,    /* does not move */
+    DAFT_JOINT_DRAG      /* draws a point of b to a target, softly */
+} daft_joint_kind;
+
+typedef struct daft_joint_def {
+    uint32_t cookie;
+    daft_joint_kind kind;
+    daft_entity a, b;    /* with bodies, one of them dynamic; a: none is the world itself (drag: always) */
+    daft_dvec3 anchor;   /* in the world, as the bodies stand now; distance: the point on a; drag: on b */
+    daft_dvec3 anchor_b; /* distance: the point on b; drag: the target */
+    daft_vec3 axis;      /* hinge, slider, ball with a cone: in the world, any length */
+    bool limit;          /* hinge, slider, distance: between lower and upper; ball: upper is the cone's half angle */
+    float lower, upper;  /* from the pose of now; hinge within ±pi; distance: whole lengths */
+    bool motor;          /* hinge, slider */
+    float motor_speed, motor_force; /* rad/s and N·m, m/s and N; of b relative to a */
+    bool spring;         /* distance: about its length; hinge, slider: about 0; ball, fixed: the whole joint gives */
+    float hertz, damping; /* of the spring: frequency of the two bodies on it, and damping ratio */
+    float length;         /* distance: 0 takes what it is now */
+    float break_force, break_torque; /* N, N·m, mean over a tick; 0: never */
+    bool collide;         /* the two bodies touch each other still */
+} daft_joint_def;
+
+typedef struct daft_joint_state {
+    daft_joint_kind kind;
+    daft_entity a, b;
+    daft_dvec3 anchor_a, anchor_b; /* in the world */
+    float value; /* hinge: angle; slider: way; distance: length; ball with a cone: angle */
+    float speed; /* of the value; hinge, slider */
+    float force, torque; /* N, N·m, mean over the last tick */
+} daft_joint_state;
+
+DAFT_API daft_joint_def daft_default_joint_def(void); /* a ball joint to the world; springs of 2 Hz, damping ratio 0.5 */
+DAFT_API daft_joint daft_joint_create(daft_scene *scene, const daft_joint_def *def, daft_error *error);
+DAFT_API bool daft_joint_destroy(daft_scene *scene, daft_joint joint, daft_error *error);
+DAFT_API bool daft_joint_is_valid(const daft_scene *scene, daft_joint joint); /* not broken, not gone with a body */
+DAFT_API bool daft_joint_get(daft_scene *scene, daft_joint joint, daft_joint_state *out, daft_error *error);
+DAFT_API bool daft_joint_set_motor(daft_scene *scene, daft_joint joint, bool on, float speed, float force, daft_error *error);
+DAFT_API bool daft_joint_set_limit(daft_scene *scene, daft_joint joint, bool on, float lower, float upper, daft_error *error);
+DAFT_API bool daft_joint_set_spring(daft_scene *scene, daft_joint joint, bool on, float hertz, float damping, daft_error *error);
+DAFT_API bool daft_joint_set_target(daft_scene *scene, daft_joint joint, daft_dvec3 target, daft_error *error); /* drag */
+
+/* ---- scenes: the simulation as a whole --------------------------------------------------------------------------- */
+
+/* Substeps of a tick, 1 to 16, default 4: more cost more, and stretch, sink and drift less. */
+DAFT_API bool daft_scene_set_substeps(daft_scene *scene, int substeps, daft_error *error);
+DAFT_API void daft_scene_set_sleeping(daft_scene *scene, bool allowed); /* default true */
+
+/* What counts where two kinds of surface meet, in place of what their bodies say. Kinds are 0..63 and may be equal. */
+typedef struct daft_surfaces {
+    float friction, static_friction, restitution, rolling_resistance;
+} daft_surfaces;
+DAFT_API bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b, const daft_surfaces *together,
+                                      daft_error *error); /* NULL: what the bodies say */
+
+/* The state of all bodies and joints as bytes: loaded into the same scene, with the same entities, it goes on with the same
+ * bits. Writes them where `capacity` is enough, and returns how many there are; 0: failed. They are for this build alone. */
+DAFT_API size_t daft_scene_save_bodies(const daft_scene *scene, void *out, size_t capacity, daft_error *error);
+/* Fails for bytes that are damaged and where entities with bodies have come or gone; joints come back as they were. */
+DAFT_API bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, daft_error *error);
+
+/* Of the last tick. */
+typedef struct daft_sim_counts {
+    uint32_t bodies, awake;   /* awake: dynamic ones */
+    uint32_t joints, islands; /* islands: heaps of bodies that touch or are joined, and are awake */
+    uint32_t pairs, contacts; /* pairs of parts whose bounds meet, and that touch */
+    uint32_t rows;            /* constraints solved in each substep */
+    uint32_t sweeps;          /* searches for the time of an impact */
+} daft_sim_counts;
+DAFT_API daft_sim_counts daft_scene_sim_counts(const daft_scene *scene);
 
 /* ---- scenes: camera, lights, sky --------------------------------------------------------------------------------- */
 

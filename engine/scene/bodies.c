@@ -5,12 +5,27 @@ static const char *const KINDS[] = {"none", "static", "kinematic", "dynamic"};
 
 static bool material_check(const daft_entity_def *def, daft_error *error)
 {
+    const char *any = "finite and 0 or more";
     return daft_check_range(error, "density", (double)def->density, DAFT_ABOVE_ZERO, DAFT_ANY_FLOAT,
                             "finite and above 0") &&
-           daft_check_range(error, "friction", (double)def->friction, 0, DAFT_ANY_FLOAT, "finite and 0 or more") &&
+           daft_check_range(error, "mass", (double)def->mass, 0, DAFT_ANY_FLOAT, any) &&
+           daft_check_range(error, "friction", (double)def->friction, 0, DAFT_ANY_FLOAT, any) &&
+           daft_check_range(error, "static_friction", (double)def->static_friction, 0, DAFT_ANY_FLOAT, any) &&
            daft_check_range(error, "restitution", (double)def->restitution, 0, 1, "between 0 and 1") &&
-           daft_check_range(error, "rolling_resistance", (double)def->rolling_resistance, 0, DAFT_ANY_FLOAT,
-                            "finite and 0 or more");
+           daft_check_range(error, "rolling_resistance", (double)def->rolling_resistance, 0, DAFT_ANY_FLOAT, any) &&
+           daft_check_range(error, "surface", def->surface, 0, DAFT_SIM_MATERIAL_KINDS - 1, "0 to 63") &&
+           daft_check_range(error, "linear_damping", (double)def->linear_damping, 0, DAFT_ANY_FLOAT, any) &&
+           daft_check_range(error, "angular_damping", (double)def->angular_damping, 0, DAFT_ANY_FLOAT, any) &&
+           daft_check_finite(error, "gravity_scale", (double)def->gravity_scale) &&
+           daft_check_finite3(error, "belt", def->belt);
+}
+
+static bool scale_check(const daft_entity_def *def, daft_error *error)
+{
+    bool round = def->shape == DAFT_SHAPE_SPHERE, unscaled = def->scale.x == 1 && def->scale.y == 1 && def->scale.z == 1;
+    if (unscaled || (!round && def->shape != DAFT_SHAPE_BOX)) return true;
+    return daft_fail(error, DAFT_ERROR_ARGUMENT, "scale is %g, %g, %g; a body's must be 1, 1, 1: size it by its %s",
+                     (double)def->scale.x, (double)def->scale.y, (double)def->scale.z, round ? "radius" : "size");
 }
 
 bool daft_body_check(const daft_entity_def *def, daft_error *error)
@@ -21,18 +36,13 @@ bool daft_body_check(const daft_entity_def *def, daft_error *error)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %d; it must be none, static, kinematic or dynamic",
                          (int)def->body);
     const char *kind = KINDS[def->body];
-    if (def->shape != DAFT_SHAPE_SPHERE && def->shape != DAFT_SHAPE_BOX)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the shape is %s; a body must be a sphere or a box",
-                         kind, def->shape == DAFT_SHAPE_MESH ? "a mesh" : "none");
+    if (def->collider_count == 0 && def->shape == DAFT_SHAPE_NONE)
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the shape is none; a body needs a shape or a collider", kind);
+    if (def->collider_count && !daft_check_pointer(error, "colliders", def->colliders)) return false;
     if (def->parent.id)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the entity has a parent; a body must have none",
                          kind);
-    if (!daft_body_check_position(def->position, error)) return false;
-    if (def->scale.x != 1 || def->scale.y != 1 || def->scale.z != 1)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "scale is %g, %g, %g; a body's must be 1, 1, 1: size it by its %s",
-                         (double)def->scale.x, (double)def->scale.y, (double)def->scale.z,
-                         def->shape == DAFT_SHAPE_SPHERE ? "radius" : "size");
-    return true;
+    return daft_body_check_position(def->position, error) && scale_check(def, error);
 }
 
 bool daft_body_moves(daft_body_kind kind) { return kind == DAFT_BODY_DYNAMIC || kind == DAFT_BODY_KINEMATIC; }
@@ -46,48 +56,101 @@ bool daft_body_check_position(daft_dvec3 position, daft_error *error)
            daft_check_range(error, "position.z", position.z, -1e12, 1e12, allowed);
 }
 
-static bool shape_of(const daft_entity_def *def, daft_sim_shape *out, daft_error *error)
+daft_world *daft_scene_world(daft_scene *scene, daft_error *error)
 {
-    if (def->shape == DAFT_SHAPE_SPHERE) return daft_shape_sphere(def->radius, out, error);
-    return daft_shape_box(daft_scale(def->size, 0.5f), out, error);
-}
-
-bool daft_scene_need_world(daft_scene *scene, daft_error *error)
-{
-    if (scene->world) return true;
+    if (scene->world) return scene->world;
     scene->world = daft_world_create(scene->allocator, error);
-    if (!scene->world) return false;
+    if (!scene->world) return NULL;
     daft_world_set_gravity(scene->world, scene->gravity);
     daft_world_set_workers(scene->world, scene->engine->threads, scene->engine->isa);
+    return scene->world;
+}
+
+/* What is drawn, as a collider. */
+static daft_collider collider_of(const daft_entity_def *def)
+{
+    daft_collider collider = daft_default_collider();
+    collider.radius = def->radius, collider.size = def->size;
+    if (def->shape == DAFT_SHAPE_BOX) collider.kind = DAFT_COLLIDER_BOX;
+    if (def->shape == DAFT_SHAPE_MESH) collider.kind = def->body == DAFT_BODY_DYNAMIC ? DAFT_COLLIDER_HULL : DAFT_COLLIDER_MESH;
+    return collider;
+}
+
+static daft_sim_shape_def shape_def(const daft_entity_def *def)
+{
+    daft_sim_shape_def shape = daft_default_sim_shape_def();
+    shape.density = def->density;
+    shape.material = (daft_sim_material){.friction = def->friction, .static_friction = def->static_friction,
+                                         .restitution = def->restitution, .rolling_resistance = def->rolling_resistance,
+                                         .belt = def->belt, .kind = def->surface};
+    shape.layers = def->layers, shape.mask = def->mask;
+    shape.sensor = def->sensor;
+    return shape;
+}
+
+static daft_sim_body_def body_def(const daft_entity_def *def, uint32_t entity)
+{
+    daft_sim_body_def sim = daft_default_sim_body_def();
+    sim.kind = def->body;
+    sim.position = def->position, sim.rotation = def->rotation;
+    sim.mass = def->mass;
+    sim.gravity_scale = def->gravity_scale;
+    sim.linear_damping = def->linear_damping, sim.angular_damping = def->angular_damping;
+    sim.locks = def->locks;
+    sim.bullet = def->bullet, sim.may_sleep = def->sleeps;
+    sim.user = entity;
+    return sim;
+}
+
+static void made_free(daft_scene *scene, const daft_made_body *made)
+{
+    for (uint32_t i = 0; i < made->geometry_count; i++) daft_geometry_drop(scene, made->geometries[i]);
+    daft_release(scene->allocator, made->geometries);
+}
+
+/* The parts of the body; their geometries are counted in made. */
+static bool make_shapes(daft_scene *scene, const daft_entity_def *def, const daft_collider *colliders, uint32_t count,
+                        daft_sim_shape_def *shapes, daft_made_body *made, daft_error *error)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        shapes[i] = shape_def(def);
+        if (!daft_collider_acquire(scene, &colliders[i], def, &shapes[i], error)) return false;
+        made->geometries[made->geometry_count++] = shapes[i].geometry_id;
+    }
     return true;
 }
 
-bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, uint32_t *body, daft_error *error)
+bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, daft_made_body *made, daft_error *error)
 {
-    *body = 0;
+    *made = (daft_made_body){0};
     if (def->body == DAFT_BODY_NONE) return true;
-    if (!daft_scene_need_world(scene, error)) return false;
-    daft_sim_shape_def shape = daft_default_sim_shape_def();
-    if (!shape_of(def, &shape.shape, error)) return false;
-    shape.density = def->density;
-    shape.material.friction = def->friction;
-    shape.material.restitution = def->restitution;
-    shape.material.rolling_resistance = def->rolling_resistance;
-    daft_sim_body_def sim = daft_default_sim_body_def();
-    sim.kind = def->body;
-    sim.position = def->position;
-    sim.rotation = def->rotation;
-    sim.shapes = &shape;
-    sim.shape_count = 1;
-    sim.user = entity;
-    *body = daft_world_add(scene->world, &sim, error);
-    return *body != 0;
+    daft_world *world = daft_scene_world(scene, error);
+    if (!world) return false;
+    daft_collider own = collider_of(def);
+    uint32_t count = def->collider_count ? def->collider_count : 1;
+    daft_sim_shape_def *shapes = daft_alloc(scene->allocator, count, sizeof *shapes);
+    made->geometries = daft_alloc(scene->allocator, count, sizeof *made->geometries);
+    if (!shapes || !made->geometries) {
+        daft_fail_memory(error, "a body");
+    } else if (make_shapes(scene, def, def->collider_count ? def->colliders : &own, count, shapes, made, error)) {
+        daft_sim_body_def sim = body_def(def, entity);
+        sim.shapes = shapes, sim.shape_count = count;
+        made->body = daft_world_add(world, &sim, error);
+    }
+    daft_release(scene->allocator, shapes);
+    if (made->body) return true;
+    made_free(scene, made);
+    return false;
 }
 
-void daft_body_destroy(daft_scene *scene, daft_entity_item *item)
+void daft_body_destroy(daft_scene *scene, uint32_t index)
 {
+    daft_entity_item *item = &scene->entities[index];
     if (!item->body) return;
+    daft_joints_forget(scene, (daft_entity){daft_slots_handle(&scene->entity_slots, index)});
     daft_world_remove(scene->world, item->body);
+    made_free(scene, &(daft_made_body){item->body, item->geometries, item->geometry_count});
+    item->geometries = NULL, item->geometry_count = 0;
     if (!daft_body_moves(item->def.body)) return;
     uint32_t moved = scene->moving[--scene->moving_count];
     scene->moving[item->moving_slot] = moved;
@@ -151,6 +214,70 @@ bool daft_entity_apply_impulse(daft_scene *scene, daft_entity entity, daft_vec3 
     return true;
 }
 
+bool daft_entity_apply_impulse_at(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_dvec3 point, daft_error *error)
+{
+    daft_error_clear(error);
+    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
+    if (!item || !daft_check_finite3(error, "impulse", impulse) || !daft_check_finite_position(error, "point", point)) return false;
+    daft_world_apply_impulse_at(scene->world, item->body, impulse, point);
+    return true;
+}
+
+bool daft_entity_apply_torque(daft_scene *scene, daft_entity entity, daft_vec3 torque, daft_error *error)
+{
+    daft_error_clear(error);
+    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
+    if (!item || !daft_check_finite3(error, "torque", torque)) return false;
+    daft_world_apply_torque(scene->world, item->body, torque);
+    return true;
+}
+
+bool daft_entity_apply_angular_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_error *error)
+{
+    daft_error_clear(error);
+    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
+    if (!item || !daft_check_finite3(error, "impulse", impulse)) return false;
+    daft_world_apply_angular_impulse(scene->world, item->body, impulse);
+    return true;
+}
+
+bool daft_entity_get_mass(daft_scene *scene, daft_entity entity, float *kg, daft_error *error)
+{
+    daft_error_clear(error);
+    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_STATIC, error);
+    if (!item || !daft_check_pointer(error, "kg", kg)) return false;
+    *kg = daft_world_mass(scene->world, item->body);
+    return true;
+}
+
+bool daft_entity_get_awake(daft_scene *scene, daft_entity entity, bool *awake, daft_error *error)
+{
+    daft_error_clear(error);
+    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_STATIC, error);
+    if (!item || !daft_check_pointer(error, "awake", awake)) return false;
+    *awake = daft_world_is_awake(scene->world, item->body);
+    return true;
+}
+
+bool daft_entity_set_awake(daft_scene *scene, daft_entity entity, bool awake, daft_error *error)
+{
+    daft_error_clear(error);
+    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
+    if (!item) return false;
+    daft_world_set_awake(scene->world, item->body, awake);
+    return true;
+}
+
+bool daft_entity_set_layers(daft_scene *scene, daft_entity entity, uint32_t layers, uint32_t mask, daft_error *error)
+{
+    daft_error_clear(error);
+    daft_entity_item *item = body_find(scene, entity, DAFT_BODY_STATIC, error);
+    if (!item) return false;
+    item->def.layers = layers, item->def.mask = mask;
+    daft_world_set_filter(scene->world, item->body, layers, mask);
+    return true;
+}
+
 /* ---- time ---- */
 
 void daft_scene_set_gravity(daft_scene *scene, daft_vec3 gravity)
@@ -178,19 +305,23 @@ static bool same_pose(const daft_transform *a, const daft_sim_state *b)
            a->rotation.w == b->rotation.w;
 }
 
-static void pull_poses(daft_scene *scene)
+static void pull_pose(daft_scene *scene, daft_entity_item *item, bool teleport)
 {
-    for (uint32_t i = 0; i < scene->moving_count; i++) {
-        daft_entity_item *item = &scene->entities[scene->moving[i]];
-        daft_sim_state state;
-        daft_world_get(scene->world, item->body, &state);
-        if (same_pose(&item->now, &state)) continue;
-        if (item->moved_tick != scene->tick) item->before = item->now;
-        item->moved_tick = scene->tick;
-        item->now.position = state.position;
-        item->now.rotation = state.rotation;
-        scene->revision++;
-    }
+    daft_sim_state state;
+    daft_world_get(scene->world, item->body, &state);
+    if (same_pose(&item->now, &state)) return;
+    if (item->moved_tick != scene->tick) item->before = item->now;
+    item->moved_tick = scene->tick;
+    item->now.position = state.position;
+    item->now.rotation = state.rotation;
+    if (teleport) item->before = item->now;
+    scene->revision++;
+}
+
+void daft_scene_pull_all_poses(daft_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->entity_slots.count; i++)
+        if (scene->entity_slots.items[i].live && scene->entities[i].body) pull_pose(scene, &scene->entities[i], true);
 }
 
 bool daft_scene_step(daft_scene *scene, float dt, daft_error *error)
@@ -201,7 +332,8 @@ bool daft_scene_step(daft_scene *scene, float dt, daft_error *error)
         return false;
     if (!scene->world) return true;
     if (!daft_world_step(scene->world, dt, error)) return false;
-    pull_poses(scene);
+    for (uint32_t i = 0; i < scene->moving_count; i++) pull_pose(scene, &scene->entities[scene->moving[i]], false);
+    daft_joints_sweep(scene);
     return daft_characters_step(scene, dt, error);
 }
 
@@ -219,4 +351,53 @@ uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out, uint32_
         count++;
     }
     return count;
+}
+
+uint32_t daft_scene_events(const daft_scene *scene, daft_event *out, uint32_t capacity)
+{
+    _Static_assert((int)DAFT_EVENT_CONTACT_BEGIN == (int)DAFT_SIM_CONTACT_BEGIN && (int)DAFT_EVENT_WAKE == (int)DAFT_SIM_WAKE,
+                   "the kinds are the same numbers");
+    if (!scene->world) return 0;
+    const daft_sim_event *events;
+    uint32_t all = daft_world_events(scene->world, &events);
+    for (uint32_t i = 0; out && i < all && i < capacity; i++) {
+        const daft_sim_event *e = &events[i];
+        out[i] = (daft_event){(daft_event_kind)e->kind, {e->user_a}, {e->user_b}, {e->joint_user}, e->point, e->normal, e->impulse, e->speed};
+    }
+    return all;
+}
+
+/* ---- the simulation as a whole ---- */
+
+bool daft_scene_set_substeps(daft_scene *scene, int substeps, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene) || !daft_check_range(error, "substeps", substeps, 1, 16, "1 to 16")) return false;
+    daft_world *world = daft_scene_world(scene, error);
+    if (world) daft_world_set_substeps(world, substeps);
+    return world != NULL;
+}
+
+void daft_scene_set_sleeping(daft_scene *scene, bool allowed)
+{
+    daft_world *world = daft_scene_world(scene, NULL);
+    if (world) daft_world_set_sleeping(world, allowed);
+}
+
+bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b, const daft_surfaces *together, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene)) return false;
+    daft_world *world = daft_scene_world(scene, error);
+    if (!world) return false;
+    if (!together) return daft_world_set_pair(world, kind_a, kind_b, NULL, error);
+    daft_sim_pair pair = {together->friction, together->static_friction, together->restitution, together->rolling_resistance};
+    return daft_world_set_pair(world, kind_a, kind_b, &pair, error);
+}
+
+daft_sim_counts daft_scene_sim_counts(const daft_scene *scene)
+{
+    if (!scene->world) return (daft_sim_counts){0};
+    daft_sim_counters c = daft_world_counters(scene->world);
+    return (daft_sim_counts){c.bodies, c.awake, c.joints, c.islands, c.pairs, c.contacts, c.rows, c.sweeps};
 }

@@ -64,7 +64,7 @@ daft_character daft_character_create(daft_scene *scene, const daft_character_def
     const daft_character none = {0};
     daft_error_clear(error);
     if (!daft_check_pointer(error, "scene", scene) || !read_def(scene, def, &sim, error) ||
-        !daft_sim_character_init(&item.now, &sim, error) || !daft_scene_need_world(scene, error))
+        !daft_sim_character_init(&item.now, &sim, error) || !daft_scene_world(scene, error))
         return none;
     uint32_t needed = daft_slots_needed(&scene->character_slots, 1);
     if (needed > DAFT_MAX_SLOTS) {

@@ -134,6 +134,7 @@ daft_scene *daft_scene_create(daft_engine *engine, daft_error *error)
     daft_slots_init(&scene->entity_slots);
     daft_slots_init(&scene->light_slots);
     daft_slots_init(&scene->character_slots);
+    daft_slots_init(&scene->joint_slots);
     scene->ambient = daft_v3(0.2f, 0.2f, 0.2f);
     scene->camera = scene->camera_before = daft_default_camera();
     scene->gravity = daft_v3(0, -9.81f, 0);
@@ -152,10 +153,15 @@ void daft_scene_destroy(daft_scene *scene)
     if (!scene) return;
     const daft_allocator *allocator = scene->allocator;
     if (scene->world) daft_world_destroy(scene->world);
+    for (uint32_t i = 0; i < scene->entity_slots.count; i++)
+        if (scene->entity_slots.items[i].live) daft_release(allocator, scene->entities[i].geometries);
+    daft_geometries_free(scene);
     daft_assets_free(scene);
     daft_sky_free(allocator, &scene->sky_image);
     daft_slots_free(&scene->entity_slots, allocator);
     daft_slots_free(&scene->light_slots, allocator);
+    daft_slots_free(&scene->joint_slots, allocator);
+    daft_release(allocator, scene->joints);
     daft_release(allocator, scene->entities);
     daft_slots_free(&scene->character_slots, allocator);
     daft_release(allocator, scene->characters);

@@ -17,6 +17,10 @@ daft_entity_def daft_default_entity_def(void)
         .casts_shadow = true,
         .density = 1000,
         .friction = 0.5f,
+        .gravity_scale = 1,
+        .layers = 1,
+        .mask = UINT32_MAX,
+        .sleeps = true,
     };
 }
 
@@ -127,12 +131,14 @@ static daft_quat unit(daft_quat q)
     return (daft_quat){(float)(x * s), (float)(y * s), (float)(z * s), (float)(w * s)};
 }
 
-daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, uint32_t box, uint32_t body)
+daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, uint32_t box, const daft_made_body *body)
 {
     daft_entity entity = {daft_slots_add(&scene->entity_slots)};
     uint32_t index = daft_handle_index(entity.id);
     daft_entity_item *item = &scene->entities[index];
-    *item = (daft_entity_item){.def = *def, .box = box, .body = body};
+    *item = (daft_entity_item){.def = *def, .box = box};
+    item->def.colliders = NULL, item->def.collider_count = 0; /* the caller's */
+    if (body) item->body = body->body, item->geometries = body->geometries, item->geometry_count = body->geometry_count;
     item->parent = item->first_child = item->next = item->previous = DAFT_NONE;
     item->now = (daft_transform){def->position, unit(def->rotation), def->scale};
     item->before = item->now;
@@ -159,7 +165,8 @@ daft_entity daft_entity_create(daft_scene *scene, const daft_entity_def *def, da
     if (!daft_check_pointer(error, "scene", scene) || !daft_entity_check(scene, def, error) ||
         !daft_entities_reserve(scene, 1, error))
         return (daft_entity){0};
-    uint32_t box = DAFT_NONE, body = 0;
+    uint32_t box = DAFT_NONE;
+    daft_made_body body;
     if (def->shape == DAFT_SHAPE_BOX) {
         box = daft_box_acquire(scene, def->size, error);
         if (box == DAFT_NONE) return (daft_entity){0};
@@ -170,7 +177,7 @@ daft_entity daft_entity_create(daft_scene *scene, const daft_entity_def *def, da
         if (box != DAFT_NONE) daft_box_drop(scene, box);
         return (daft_entity){0};
     }
-    return daft_entity_insert(scene, &placed, box, body);
+    return daft_entity_insert(scene, &placed, box, &body);
 }
 
 /* ---- death ---- */
@@ -188,7 +195,7 @@ static void remove_leaf(daft_scene *scene, uint32_t index)
 {
     daft_entity_item *item = &scene->entities[index];
     unlink_child(scene, item);
-    daft_body_destroy(scene, item);
+    daft_body_destroy(scene, index);
     if (item->box != DAFT_NONE) daft_box_drop(scene, item->box);
     daft_slots_remove(&scene->entity_slots, index);
 }
@@ -240,9 +247,10 @@ static uint32_t subtree_next(const daft_scene *scene, uint32_t root, uint32_t at
 static bool scale_check(const daft_scene *scene, uint32_t root, const daft_entity_def *def, daft_vec3 scale,
                         daft_error *error)
 {
-    if (def->body != DAFT_BODY_NONE && (scale.x != 1 || scale.y != 1 || scale.z != 1))
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "scale is %g, %g, %g; a body's must be 1, 1, 1", (double)scale.x,
-                         (double)scale.y, (double)scale.z);
+    daft_vec3 made = scene->entities[root].now.scale;
+    if (def->body != DAFT_BODY_NONE && (scale.x != made.x || scale.y != made.y || scale.z != made.z))
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "scale is %g, %g, %g; a body keeps that which it was made with, %g, %g, %g",
+                         (double)scale.x, (double)scale.y, (double)scale.z, (double)made.x, (double)made.y, (double)made.z);
     if (daft_scale_is_uniform(scale)) return true;
     for (uint32_t at = root; at != DAFT_NONE; at = subtree_next(scene, root, at))
         if (scene->entities[at].def.shape == DAFT_SHAPE_SPHERE)

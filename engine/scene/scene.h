@@ -75,6 +75,24 @@ typedef struct daft_assets {
     size_t box_capacity;
 } daft_assets;
 
+/* A hull, triangles or a field that bodies are made of. */
+typedef struct daft_geometry_item {
+    daft_geometry type;
+    uint32_t users;
+    uint32_t mesh; /* handle; a field: 0 */
+    daft_vec3 scale;
+    daft_hull *hull;
+    daft_mesh_shape *triangles;
+    daft_field *field;
+    daft_trimesh scaled; /* the triangles' own mesh and tree, where the scale is not 1 */
+    daft_bvh *bvh;
+} daft_geometry_item;
+
+typedef struct daft_joint_item {
+    daft_entity a, b;
+    uint32_t joint; /* of the world */
+} daft_joint_item;
+
 typedef struct daft_entity_item {
     daft_entity_def def; /* its transform is not kept up to date: `now` is */
     daft_transform now, before;
@@ -82,6 +100,8 @@ typedef struct daft_entity_item {
     uint32_t parent, first_child, next, previous; /* indices; next and previous: the parent's other children */
     uint32_t box;          /* DAFT_SHAPE_BOX: index into assets.boxes */
     uint32_t body;         /* of the world, 0: none */
+    uint32_t *geometries;  /* that the body is made of; NULL: none */
+    uint32_t geometry_count;
     uint32_t moving_slot;  /* dynamic and kinematic bodies: index into scene.moving */
     uint32_t walk;         /* scratch of daft_entity_world */
     uint64_t world_stamp;  /* world and shown are those of this pass */
@@ -138,6 +158,12 @@ struct daft_scene {
     daft_character_item *characters;
     size_t character_capacity;
     daft_vec3 gravity;
+    daft_geometry_item **geometries; /* NULL: a free place */
+    size_t geometry_capacity;
+    uint32_t geometry_count;
+    daft_slots joint_slots;
+    daft_joint_item *joints;
+    size_t joint_capacity;
     uint32_t *moving; /* indices of the entities that a step may move: those with dynamic and kinematic bodies */
     size_t moving_capacity;
     uint32_t moving_count;
@@ -174,13 +200,18 @@ void daft_material_transmit(const daft_mtl *mtl, daft_material_def *def);
 /* The material of an MTL entry. 0 on failure. */
 daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daft_error *error);
 
+/* The body of an entity-to-be, and what it is made of, which belongs to the entity. */
+typedef struct daft_made_body {
+    uint32_t body, *geometries, geometry_count;
+} daft_made_body;
+
 /* ---- entities.c ---- */
 
 bool daft_entities_reserve(daft_scene *scene, uint32_t more, daft_error *error);
 bool daft_entity_check(daft_scene *scene, const daft_entity_def *def, daft_error *error);
 daft_entity_item *daft_entity_find(const daft_scene *scene, daft_entity entity, daft_error *error);
 /* The slot takes what was checked; room was reserved. box and body belong to the entity from now on. */
-daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, uint32_t box, uint32_t body);
+daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, uint32_t box, const daft_made_body *body);
 
 /* ---- pose.c ---- */
 
@@ -193,19 +224,37 @@ daft_transform daft_transform_mix(const daft_transform *before, const daft_trans
 daft_entity_item *daft_entity_world(daft_scene *scene, uint32_t index, float alpha);
 bool daft_scale_is_uniform(daft_vec3 scale);
 
+/* ---- colliders.c ---- */
+
+/* The shape of a collider of an entity; counts a user of its geometry. */
+bool daft_collider_acquire(daft_scene *scene, const daft_collider *collider, const daft_entity_def *def,
+                           daft_sim_shape_def *out, daft_error *error);
+void daft_geometry_drop(daft_scene *scene, uint32_t geometry); /* 0: nothing happens */
+void daft_geometries_free(daft_scene *scene);
+/* Whether some body is made of the mesh's own triangles. */
+bool daft_geometry_uses_mesh(const daft_scene *scene, daft_mesh mesh);
+/* A daft_sim_find_shape. */
+bool daft_geometry_find(void *scene, uint32_t geometry, daft_geometry type, daft_sim_shape *out);
+
 /* ---- bodies.c ---- */
 
 bool daft_body_check(const daft_entity_def *def, daft_error *error);
-bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, uint32_t *body,
+bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, daft_made_body *made,
                       daft_error *error);
-void daft_body_destroy(daft_scene *scene, daft_entity_item *item);
+void daft_body_destroy(daft_scene *scene, uint32_t index);
+/* The world, made when it is first asked for. NULL: memory is out. */
+daft_world *daft_scene_world(daft_scene *scene, daft_error *error);
+/* Puts entities where their bodies are, as if they had always been there. */
+void daft_scene_pull_all_poses(daft_scene *scene);
+
+/* ---- joints.c ---- */
+
+void daft_joints_forget(daft_scene *scene, daft_entity entity); /* those of a body that goes */
+void daft_joints_sweep(daft_scene *scene);                      /* those that went in the last step */
 /* Whether a step may move such a body. */
 bool daft_body_moves(daft_body_kind kind);
 /* Where the simulation can hold a body. */
 bool daft_body_check_position(daft_dvec3 position, daft_error *error);
-
-/* Makes the simulation's world, if there is none. */
-bool daft_scene_need_world(daft_scene *scene, daft_error *error);
 
 /* ---- characters.c ---- */
 

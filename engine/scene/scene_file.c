@@ -394,7 +394,7 @@ static void commit(loader *load)
         case DAFT_ITEM_LIGHT: daft_light_insert(scene, &made->light); break;
         case DAFT_ITEM_AMBIENT: scene->ambient = made->ambient; break;
         case DAFT_ITEM_SPHERE:
-        case DAFT_ITEM_MESH: daft_entity_insert(scene, &made->entity, DAFT_NONE, 0); break;
+        case DAFT_ITEM_MESH: daft_entity_insert(scene, &made->entity, DAFT_NONE, NULL); break;
         case DAFT_ITEM_SKYBOX:
         case DAFT_ITEM_REFUSED: break;
         }

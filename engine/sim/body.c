@@ -326,7 +326,7 @@ static uint32_t take_body(daft_world *world, const daft_sim_body_def *def)
         world->free_body = world->bodies[index].next_free;
     world->bodies[index] = (daft_sim_body){.kind = def->kind,
                                            .user = def->user,
-                                           .locks = def->locks & DAFT_SIM_LOCK_ROTATION,
+                                           .locks = def->locks & DAFT_LOCK_ROTATION,
                                            .bullet = def->bullet,
                                            .may_sleep = def->may_sleep,
                                            .gravity_scale = def->gravity_scale,

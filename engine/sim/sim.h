@@ -70,13 +70,6 @@ bool daft_world_set_pair(daft_world *world, uint32_t kind_a, uint32_t kind_b, co
 
 /* ---- bodies ---- */
 
-enum {
-    DAFT_SIM_LOCK_X = 1, /* no rotation about the world's x axis; … */
-    DAFT_SIM_LOCK_Y = 2,
-    DAFT_SIM_LOCK_Z = 4,
-    DAFT_SIM_LOCK_ROTATION = 7
-};
-
 typedef struct daft_sim_body_def {
     daft_body_kind kind;
     daft_dvec3 position;
@@ -86,7 +79,7 @@ typedef struct daft_sim_body_def {
     uint32_t shape_count;
     float mass; /* kg; 0: from the densities */
     float gravity_scale, linear_damping, angular_damping; /* dampings in 1/s */
-    uint32_t locks;
+    uint32_t locks; /* DAFT_LOCK_… */
     bool bullet;    /* dynamic: does not pass through other dynamic bodies either */
     bool may_sleep; /* default true */
     uint32_t user;
@@ -129,15 +122,6 @@ void daft_world_set_filter(daft_world *world, uint32_t body, uint32_t layers, ui
 bool daft_world_set_material(daft_world *world, uint32_t body, const daft_sim_material *material, daft_error *error);
 
 /* ---- joints ---- */
-
-typedef enum daft_joint_kind {
-    DAFT_JOINT_BALL = 1, /* two points stay together */
-    DAFT_JOINT_HINGE,    /* and so do two axes; angles in radians */
-    DAFT_JOINT_SLIDER,   /* moves along an axis, does not turn; metres */
-    DAFT_JOINT_DISTANCE, /* keeps two points `length` apart, or between lower and upper; a rod, rope or spring */
-    DAFT_JOINT_FIXED,    /* does not move */
-    DAFT_JOINT_DRAG      /* draws a point of body b to a target, softly */
-} daft_joint_kind;
 
 typedef struct daft_sim_joint_def {
     daft_joint_kind kind;

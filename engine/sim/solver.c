@@ -211,7 +211,7 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
 static void add_spin(daft_world *world, uint32_t row, float h)
 {
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
-    if (body->kind != DAFT_BODY_DYNAMIC || body->round || body->locks & DAFT_SIM_LOCK_ROTATION) return;
+    if (body->kind != DAFT_BODY_DYNAMIC || body->round || body->locks & DAFT_LOCK_ROTATION) return;
     float turn = daft_length(body->angular) * h;
     if (turn > (body->constrained ? SLOW_TURN : NO_TURN) && turn < WILD_TURN)
         world->solver->spins[world->solver->spin_count++] = (daft_sim_spin){.row = row};

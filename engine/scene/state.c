@@ -1,0 +1,148 @@
+/* The bodies' state as bytes: which entity has which body, the joints' handles, and the world's own bytes.
+ *
+ *   header, `bodies` × {entity, body}, `joints` × slot, `joints` × joint, the world
+ *
+ * What it needs to be in the scene, entities and their bodies, is compared before anything is changed. */
+#include "scene/scene.h"
+
+#include <string.h>
+
+static const char MAGIC[8] = "DAFTSIM";
+
+typedef struct state_header {
+    char magic[8];
+    uint32_t version, header_bytes;
+    uint32_t bodies, joints;                         /* joints: slots ever used */
+    uint32_t live, free_count, first_free, last_free; /* of the joints' slots */
+    uint64_t world_bytes;
+} state_header;
+
+typedef struct state_body {
+    uint32_t entity, body;
+} state_body;
+
+static uint32_t count_bodies(const daft_scene *scene)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < scene->entity_slots.count; i++)
+        count += scene->entity_slots.items[i].live && scene->entities[i].body;
+    return count;
+}
+
+static size_t fixed_bytes(const state_header *h)
+{
+    return sizeof *h + h->bodies * sizeof(state_body) + h->joints * (sizeof(daft_slot) + sizeof(daft_joint_item));
+}
+
+static void write_state(const daft_scene *scene, const state_header *header, const void *world, char *out)
+{
+    memcpy(out, header, sizeof *header);
+    out += sizeof *header;
+    for (uint32_t i = 0; i < scene->entity_slots.count; i++) {
+        if (!scene->entity_slots.items[i].live || !scene->entities[i].body) continue;
+        state_body body = {daft_slots_handle(&scene->entity_slots, i), scene->entities[i].body};
+        memcpy(out, &body, sizeof body);
+        out += sizeof body;
+    }
+    size_t slots = header->joints * sizeof(daft_slot), joints = header->joints * sizeof(daft_joint_item);
+    if (slots) memcpy(out, scene->joint_slots.items, slots);
+    out += slots;
+    if (joints) memcpy(out, scene->joints, joints);
+    out += joints;
+    if (header->world_bytes) memcpy(out, world, (size_t)header->world_bytes);
+}
+
+size_t daft_scene_save_bodies(const daft_scene *scene, void *out, size_t capacity, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene)) return 0;
+    void *world = NULL;
+    size_t world_bytes = 0;
+    if (scene->world && !daft_world_save(scene->world, &world, &world_bytes, error)) return 0;
+    const daft_slots *slots = &scene->joint_slots;
+    state_header header = {.version = 1, .header_bytes = sizeof header, .bodies = count_bodies(scene), .joints = slots->count,
+                           .live = slots->live, .free_count = slots->free_count, .first_free = slots->first_free,
+                           .last_free = slots->last_free, .world_bytes = world_bytes};
+    memcpy(header.magic, MAGIC, sizeof MAGIC);
+    size_t size = fixed_bytes(&header) + world_bytes;
+    if (out && capacity >= size) write_state(scene, &header, world, out);
+    daft_release(scene->allocator, world);
+    return size;
+}
+
+static bool damaged(daft_error *error) { return daft_fail(error, DAFT_ERROR_SYNTAX, "these bytes are not a saved state of bodies, or are damaged"); }
+
+static bool bodies_match(const daft_scene *scene, const state_header *header, const char *at, daft_error *error)
+{
+    if (header->bodies != count_bodies(scene))
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "the state has %u bodies and the scene has %u: it must be loaded into the same entities",
+                         header->bodies, count_bodies(scene));
+    for (uint32_t i = 0; i < header->bodies; i++) {
+        state_body body;
+        memcpy(&body, at + i * sizeof body, sizeof body);
+        uint32_t index = daft_slots_find(&scene->entity_slots, body.entity);
+        if (index == DAFT_NONE || scene->entities[index].body != body.body)
+            return daft_fail(error, DAFT_ERROR_ARGUMENT, "entity 0x%x of the state is not in the scene as it was", body.entity);
+    }
+    return true;
+}
+
+/* A list of slots is sound where each free one is in the queue once. */
+static bool slots_sound(const state_header *h, const char *at)
+{
+    uint32_t live = 0, seen = 0;
+    daft_slot slot;
+    for (uint32_t i = 0; i < h->joints; i++) {
+        memcpy(&slot, at + i * sizeof slot, sizeof slot.next_free + sizeof slot.generation);
+        unsigned char flag = (unsigned char)at[i * sizeof slot + offsetof(daft_slot, live)];
+        if (flag > 1 || slot.generation > DAFT_MAX_GENERATION) return false;
+        live += flag;
+    }
+    for (uint32_t i = h->first_free; i != DAFT_NONE; seen++) {
+        if (i >= h->joints || seen >= h->free_count || at[i * sizeof slot + offsetof(daft_slot, live)]) return false;
+        if (seen + 1 == h->free_count && i != h->last_free) return false;
+        memcpy(&slot.next_free, at + i * sizeof slot + offsetof(daft_slot, next_free), sizeof slot.next_free);
+        i = slot.next_free;
+    }
+    return live == h->live && seen == h->free_count;
+}
+
+static bool joints_reserve(daft_scene *scene, uint32_t count, daft_error *error)
+{
+    daft_slots *slots = &scene->joint_slots;
+    return (daft_grow(scene->allocator, &slots->items, &slots->capacity, count, slots->count, sizeof *slots->items) &&
+            daft_grow(scene->allocator, &scene->joints, &scene->joint_capacity, count, slots->count, sizeof *scene->joints)) ||
+           daft_fail_memory(error, "the list of joints");
+}
+
+static bool header_read(const void *bytes, size_t size, state_header *h)
+{
+    if (!bytes || size < sizeof *h) return false;
+    memcpy(h, bytes, sizeof *h);
+    return memcmp(h->magic, MAGIC, sizeof MAGIC) == 0 && h->version == 1 && h->header_bytes == sizeof *h && h->bodies <= DAFT_MAX_SLOTS &&
+           h->joints <= DAFT_MAX_SLOTS && fixed_bytes(h) <= size && h->world_bytes == size - fixed_bytes(h);
+}
+
+bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, daft_error *error)
+{
+    state_header h;
+    daft_error_clear(error);
+    if (!daft_check_pointer(error, "scene", scene)) return false;
+    if (!header_read(bytes, size, &h)) return damaged(error);
+    const char *bodies = (const char *)bytes + sizeof h, *slots = bodies + h.bodies * sizeof(state_body);
+    const char *joints = slots + h.joints * sizeof(daft_slot), *world = joints + h.joints * sizeof(daft_joint_item);
+    if (!bodies_match(scene, &h, bodies, error)) return false;
+    if (!slots_sound(&h, slots)) return damaged(error);
+    if (h.world_bytes == 0) return true; /* there was no world, so there is no body to put back */
+    if (!joints_reserve(scene, h.joints, error) || !daft_scene_world(scene, error) ||
+        !daft_world_load(scene->world, world, (size_t)h.world_bytes, daft_geometry_find, scene, error))
+        return false;
+    if (h.joints) {
+        memcpy(scene->joint_slots.items, slots, h.joints * sizeof(daft_slot));
+        memcpy(scene->joints, joints, h.joints * sizeof(daft_joint_item));
+    }
+    daft_slots *s = &scene->joint_slots;
+    s->count = h.joints, s->live = h.live, s->free_count = h.free_count, s->first_free = h.first_free, s->last_free = h.last_free;
+    daft_scene_pull_all_poses(scene);
+    return true;
+}
