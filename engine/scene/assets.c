@@ -197,6 +197,8 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
     if (!item || !daft_check_pointer(error, "positions", positions)) return false;
     if (count != item->mesh.vertex_count)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "%u positions for a mesh of %u vertices", count, item->mesh.vertex_count);
+    if (daft_geometry_uses_mesh(scene, mesh))
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "the mesh's triangles are what a body is made of: they do not move");
     if (!daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
     const daft_bvh_def def = {scene->engine->threads, scene->engine->isa, scene->engine->accel == DAFT_ACCEL_SBVH};
     if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
