@@ -9,11 +9,11 @@
 #include <stdio.h>
 #include <string.h>
 
-static const api_area *const AREAS[] = {&api_entity, &api_material, &api_light, &api_camera,   &api_input,
-                                        &api_hud,    &api_world,    &api_query, &api_character};
+static const api_area *const AREAS[] = {&api_entity, &api_body,  &api_joint, &api_character, &api_query, &api_material,
+                                        &api_light,  &api_camera, &api_input, &api_hud,       &api_world};
 
 static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased"};
-static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh", "character"};
+static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh", "joint", "character"};
 
 /* Registry keys: the addresses of these. */
 static const char DAFT_KEY, ENTITIES_KEY;
@@ -238,6 +238,17 @@ static int handle_text(lua_State *L)
     return 1;
 }
 
+/* Two handles of the same thing are equal. */
+static int handle_equal(lua_State *L)
+{
+    const api_handle *a = lua_touserdata(L, 1), *b = lua_touserdata(L, 2);
+    bool equal = a && b && a->id == b->id;
+    for (int type = 0; equal && type < API_TYPES; type++)
+        equal = (api_test_handle(L, 1, (api_type)type) != NULL) == (api_test_handle(L, 2, (api_type)type) != NULL);
+    lua_pushboolean(L, equal);
+    return 1;
+}
+
 /* Fields of handles: methods, then e.name and e.data, which live in the user value. */
 static int handle_index(lua_State *L)
 {
@@ -278,6 +289,8 @@ static void register_type(lua_State *L, api_type type)
     lua_setfield(L, -2, "__name");
     lua_pushcfunction(L, handle_text);
     lua_setfield(L, -2, "__tostring");
+    lua_pushcfunction(L, handle_equal);
+    lua_setfield(L, -2, "__eq");
     lua_pushcfunction(L, handle_set);
     lua_setfield(L, -2, "__newindex");
     lua_pushboolean(L, false);

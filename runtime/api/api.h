@@ -31,8 +31,8 @@ typedef struct api_area {
     size_t count;
 } api_area;
 
-extern const api_area api_entity, api_material, api_light, api_camera, api_input, api_hud, api_world,
-    api_character, api_query;
+extern const api_area api_entity, api_body, api_joint, api_character, api_query, api_material, api_light, api_camera, api_input, api_hud,
+    api_world;
 /* All areas, for registration and for the reference. */
 const api_area *const *api_areas(size_t *count);
 
@@ -90,7 +90,7 @@ int api_push_numbers(lua_State *L, double x, double y, double z); /* as three va
 
 /* ---- handles ---- */
 
-typedef enum api_type { API_ENTITY, API_LIGHT, API_MATERIAL, API_MESH, API_CHARACTER, API_TYPES } api_type;
+typedef enum api_type { API_ENTITY, API_LIGHT, API_MATERIAL, API_MESH, API_JOINT, API_CHARACTER, API_TYPES } api_type;
 
 /* What a userdata of any of these types holds. */
 typedef struct api_handle {

@@ -1,5 +1,5 @@
 /* daft.entity and the methods of entities. */
-#include "api/api.h"
+#include "api/body.h"
 
 #include "util.h"
 
@@ -9,9 +9,8 @@
 static const char *const FIELDS[] = {
     "mesh",     "sphere",           "box",  "position", "rotation", "scale",    "material",    "parent",
     "visible",  "casts_shadow",     "body", "density",  "mass",     "friction", "restitution", "rolling_resistance",
-    "velocity", "angular_velocity", "name", "data"};
-
-static const char *const BODIES[] = {"static", "kinematic", "dynamic"};
+    "velocity", "angular_velocity", "name", "data",     "collider", "static_friction", "surface", "belt",
+    "gravity_scale", "damping", "angular_damping", "lock", "layer", "hits", "sensor", "bullet", "sleeps"};
 
 daft_entity api_entity_at(lua_State *L, host *h, int index, const char *what)
 {
@@ -48,37 +47,6 @@ static daft_vec3 read_scale(lua_State *L, host *h, int index)
     return (daft_vec3){scale, scale, scale};
 }
 
-static float read_positive(lua_State *L, host *h, const char *name, float otherwise, bool zero_too)
-{
-    if (!api_field(L, 1, name)) return otherwise;
-    float value = api_float(L, h, -1, name);
-    if (!(zero_too ? value >= 0 : value > 0))
-        api_wrong(L, h, -1, name, zero_too ? "number of 0 or more" : "number above 0");
-    return value;
-}
-
-static void read_body(lua_State *L, host *h, daft_entity_def *def)
-{
-    if (api_field(L, 1, "body"))
-        def->body = (daft_body_kind)(DAFT_BODY_STATIC + api_choice(L, h, -1, "body", BODIES, COUNT_OF(BODIES)));
-    def->density = read_positive(L, h, "density", def->density, false);
-    def->friction = read_positive(L, h, "friction", def->friction, true);
-    def->restitution = read_positive(L, h, "restitution", def->restitution, true);
-    def->rolling_resistance = read_positive(L, h, "rolling_resistance", def->rolling_resistance, true);
-    if (api_field(L, 1, "mass")) {
-        double mass = (double)read_positive(L, h, "mass", 0, false), volume;
-        if (def->shape == DAFT_SHAPE_SPHERE) {
-            double r = (double)def->radius;
-            volume = 4.0 / 3.0 * 3.14159265358979323846 * r * r * r;
-        } else if (def->shape == DAFT_SHAPE_BOX) {
-            volume = (double)def->size.x * (double)def->size.y * (double)def->size.z;
-        } else {
-            api_error(L, h, "mass: only spheres and boxes have one");
-        }
-        def->density = (float)(mass / volume);
-    }
-}
-
 static void read_place(lua_State *L, host *h, daft_entity_def *def)
 {
     if (api_field(L, 1, "position")) def->position = api_dvec3(L, h, -1, "position");
@@ -96,7 +64,7 @@ static int create(lua_State *L, host *h)
     daft_entity_def def = daft_default_entity_def();
     read_shape(L, h, &def);
     read_place(L, h, &def);
-    read_body(L, h, &def);
+    api_read_body(L, h, &def);
     daft_vec3 linear = {0, 0, 0}, angular = {0, 0, 0};
     bool moves = api_field(L, 1, "velocity");
     if (moves) linear = api_vec3(L, h, -1, "velocity");
@@ -264,23 +232,6 @@ static int angular_velocity(lua_State *L, host *h)
     return set_velocity(L, h, linear, api_triple(L, h, 2, "angular_velocity"));
 }
 
-static int push(lua_State *L, host *h)
-{
-    daft_error error;
-    if (!daft_entity_apply_force(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "force"), &error))
-        api_engine_error(L, h, &error);
-    return 0;
-}
-
-static int impulse(lua_State *L, host *h)
-{
-    daft_error error;
-    if (!daft_entity_apply_impulse(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "impulse"),
-                                   &error))
-        api_engine_error(L, h, &error);
-    return 0;
-}
-
 /* Pushes {other =, point =, normal =, impulse =}; `sign` turns the normal to point away from the other. */
 static void push_contact(lua_State *L, const daft_contact *contact, uint32_t other, double sign)
 {
@@ -336,9 +287,12 @@ static const api_function FUNCTIONS[] = {
      "Makes a thing. One shape: mesh = \"file.obj\", sphere = radius, box = {x, y, z} (edge lengths); none: a group.\n"
      "position = {x, y, z}, rotation = {yaw, pitch, roll} or {x, y, z, w}, scale = s or {x, y, z}, parent = entity,\n"
      "material = see daft.material, visible = true, casts_shadow = true,\n"
-     "body = \"static\", \"kinematic\" or \"dynamic\" (dynamic: spheres), mass or density, friction, restitution,\n"
-     "rolling_resistance, velocity = {x, y, z}, angular_velocity = {x, y, z}, name = \"...\", data = anything.\n"
-     "The fields e.name and e.data can be read and set.",
+     "body = \"static\", \"kinematic\" or \"dynamic\", velocity = {x, y, z}, angular_velocity = {x, y, z}, mass or density,\n"
+     "friction, static_friction, restitution, rolling_resistance, surface = \"name\", belt = {x, y, z}, gravity_scale, damping,\n"
+     "angular_damping, lock = \"rotation\" or {\"x\", \"y\", \"z\"}, layer = name(s), hits = name(s), sensor, bullet, sleeps,\n"
+     "collider = \"hull\", \"mesh\", or a table or list of tables {sphere = r}, {box = {x, y, z}}, {capsule = {radius =, height =}},\n"
+     "{hull = mesh}, {mesh = mesh} or {heights = list, columns = n, spacing = s}, each with position = and rotation =.\n"
+     "name = \"...\", data = anything. The fields e.name and e.data can be read and set.",
      create, API_CHANGES},
     {"entity:position", "([x, y, z]) -> x, y, z",
      "Where it is, or puts it there (also {x, y, z}). Drawing glides from the last place to this one.", position, 0},
@@ -351,9 +305,6 @@ static const api_function FUNCTIONS[] = {
     {"entity:velocity", "([x, y, z]) -> x, y, z", "Metres a second; of a body.", velocity, 0},
     {"entity:angular_velocity", "([x, y, z]) -> x, y, z", "Radians a second about each axis; of a body.",
      angular_velocity, 0},
-    {"entity:push", "(x, y, z)", "A force in newtons over the next step, at the centre of a dynamic body.", push,
-     API_CHANGES},
-    {"entity:impulse", "(x, y, z)", "A kick in kilograms times metres a second.", impulse, API_CHANGES},
     {"entity:contacts", "() -> list",
      "What touched it in the last step: a list of {other = entity, point = {x, y, z}, normal = {x, y, z},\n"
      "impulse = n}; the normal points away from the other.",

@@ -1,0 +1,291 @@
+/* What makes an entity a body: the fields of daft.entity that say so, and the methods of bodies. */
+#include "api/body.h"
+
+#include "util.h"
+
+#include <math.h>
+
+static const char *const BODIES[] = {"static", "kinematic", "dynamic"};
+static const char *const COLLIDER_FIELDS[] = {"sphere", "box", "capsule", "hull", "mesh", "heights", "columns", "spacing", "position", "rotation"};
+static const char *const CAPSULE_FIELDS[] = {"radius", "height"};
+
+/* Registry keys: tables from names to numbers, in the order in which a game first says them. */
+static const char LAYERS_KEY, SURFACES_KEY;
+
+enum { LAYERS = 32, SURFACES = 64, MAX_COLLIDERS = 4096 };
+
+/* ---- names ---- */
+
+/* The number of a name, from `first` on; new names get the next one. */
+static uint32_t name_number(lua_State *L, host *h, int index, const char *what, const void *key, uint32_t first, uint32_t limit)
+{
+    const char *name = api_text(L, h, index, what);
+    if (lua_rawgetp(L, LUA_REGISTRYINDEX, key) != LUA_TTABLE) {
+        lua_pop(L, 1);
+        lua_newtable(L);
+        lua_pushvalue(L, -1);
+        lua_rawsetp(L, LUA_REGISTRYINDEX, key);
+    }
+    if (lua_getfield(L, -1, name) == LUA_TNIL) {
+        lua_Integer number = (lua_Integer)first;
+        for (lua_pushnil(L); lua_next(L, -3); lua_pop(L, 1)) number++;
+        if (number >= (lua_Integer)limit) api_error(L, h, "%s: '%s' is one name too many: there can be %d", what, name, (int)(limit - first));
+        lua_pushinteger(L, number);
+        lua_setfield(L, -3, name);
+        lua_pop(L, 1);
+        lua_pushinteger(L, number);
+    }
+    uint32_t number = (uint32_t)lua_tointeger(L, -1);
+    lua_pop(L, 2);
+    return number;
+}
+
+uint32_t api_surface(lua_State *L, host *h, int index, const char *what)
+{
+    return name_number(L, h, index, what, &SURFACES_KEY, 1, SURFACES);
+}
+
+/* A name, or a list of them. The first bit is what has no layer of its own. */
+uint32_t api_layers(lua_State *L, host *h, int index, const char *what)
+{
+    index = lua_absindex(L, index);
+    if (lua_type(L, index) == LUA_TSTRING) return 1u << name_number(L, h, index, what, &LAYERS_KEY, 1, LAYERS);
+    if (lua_type(L, index) != LUA_TTABLE) api_wrong(L, h, index, what, "name or list of names");
+    uint32_t bits = 0;
+    for (lua_Integer i = 1, count = (lua_Integer)lua_rawlen(L, index); i <= count; i++) {
+        lua_rawgeti(L, index, i);
+        bits |= 1u << name_number(L, h, -1, what, &LAYERS_KEY, 1, LAYERS);
+        lua_pop(L, 1);
+    }
+    return bits;
+}
+
+/* ---- colliders ---- */
+
+static float above_zero(lua_State *L, host *h, int index, const char *what)
+{
+    float value = api_float(L, h, index, what);
+    if (!(value > 0)) api_wrong(L, h, index, what, "number above 0");
+    return value;
+}
+
+static void read_capsule(lua_State *L, host *h, int index, daft_collider *out)
+{
+    index = lua_absindex(L, index);
+    out->kind = DAFT_COLLIDER_CAPSULE;
+    api_fields(L, h, index, "capsule", CAPSULE_FIELDS, COUNT_OF(CAPSULE_FIELDS));
+    if (api_field(L, index, "radius")) out->radius = above_zero(L, h, -1, "capsule.radius");
+    if (api_field(L, index, "height")) out->height = above_zero(L, h, -1, "capsule.height");
+    if (!(out->height > 2 * out->radius)) api_error(L, h, "capsule: its height must be more than twice its radius");
+}
+
+/* The heights stay on the stack until the entity is made. */
+static void read_heights(lua_State *L, host *h, int table, int index, daft_collider *out)
+{
+    index = lua_absindex(L, index);
+    if (lua_type(L, index) != LUA_TTABLE) api_wrong(L, h, index, "heights", "list of numbers");
+    size_t count = lua_rawlen(L, index);
+    if (!api_field(L, table, "columns")) api_error(L, h, "columns: how many heights are in a row?");
+    lua_Integer columns = api_whole(L, h, -1, "columns");
+    if (columns < 2 || (size_t)columns > count || count % (size_t)columns != 0)
+        api_error(L, h, "columns: %d heights do not make rows of %lld", (int)count, (long long)columns);
+    float *heights = lua_newuserdatauv(L, count * sizeof *heights, 0);
+    for (size_t i = 0; i < count; i++) {
+        lua_rawgeti(L, index, (lua_Integer)i + 1);
+        heights[i] = lua_isboolean(L, -1) && !lua_toboolean(L, -1) ? (float)NAN : api_float(L, h, -1, "heights");
+        lua_pop(L, 1);
+    }
+    out->kind = DAFT_COLLIDER_FIELD;
+    out->heights = heights;
+    out->columns = (uint32_t)columns, out->rows = (uint32_t)(count / (size_t)columns);
+    if (!api_field(L, table, "spacing")) return;
+    if (lua_type(L, -1) == LUA_TNUMBER) {
+        out->spacing.x = out->spacing.y = above_zero(L, h, -1, "spacing");
+        return;
+    }
+    daft_vec3 spacing = api_vec3(L, h, -1, "spacing");
+    out->spacing = (daft_vec2){spacing.x, spacing.z};
+}
+
+/* A name for what is drawn, or a table. Values that the collider points to stay on the stack. */
+static void read_collider(lua_State *L, host *h, int index, daft_collider *out)
+{
+    static const char *const NAMES[] = {"hull", "mesh"};
+    index = lua_absindex(L, index);
+    *out = daft_default_collider();
+    if (lua_type(L, index) == LUA_TSTRING) {
+        out->kind = api_choice(L, h, index, "collider", NAMES, COUNT_OF(NAMES)) == 0 ? DAFT_COLLIDER_HULL : DAFT_COLLIDER_MESH;
+        return;
+    }
+    api_fields(L, h, index, "collider", COLLIDER_FIELDS, COUNT_OF(COLLIDER_FIELDS));
+    int kinds = 0;
+    if (api_field(L, index, "sphere")) out->kind = DAFT_COLLIDER_SPHERE, out->radius = above_zero(L, h, -1, "sphere"), kinds++;
+    if (api_field(L, index, "box")) out->kind = DAFT_COLLIDER_BOX, out->size = api_vec3(L, h, -1, "box"), kinds++;
+    if (api_field(L, index, "capsule")) read_capsule(L, h, -1, out), kinds++;
+    if (api_field(L, index, "hull")) out->kind = DAFT_COLLIDER_HULL, out->mesh = api_mesh_at(L, h, -1, "hull"), kinds++;
+    if (api_field(L, index, "mesh")) out->kind = DAFT_COLLIDER_MESH, out->mesh = api_mesh_at(L, h, -1, "mesh"), kinds++;
+    if (api_field(L, index, "heights")) read_heights(L, h, index, -1, out), kinds++;
+    if (kinds != 1) api_error(L, h, "collider: one of sphere, box, capsule, hull, mesh and heights expected");
+    if (api_field(L, index, "position")) out->position = api_vec3(L, h, -1, "position");
+    if (api_field(L, index, "rotation")) out->rotation = api_rotation(L, h, -1, "rotation");
+}
+
+static void read_colliders(lua_State *L, host *h, daft_entity_def *def)
+{
+    int table = lua_absindex(L, -1);
+    size_t count = lua_type(L, table) == LUA_TTABLE ? lua_rawlen(L, table) : 0;
+    if (count > MAX_COLLIDERS) api_error(L, h, "collider: at most %d parts expected", MAX_COLLIDERS);
+    daft_collider *colliders = lua_newuserdatauv(L, (count ? count : 1) * sizeof *colliders, 0);
+    if (count == 0) read_collider(L, h, table, colliders);
+    for (size_t i = 0; i < count; i++) {
+        luaL_checkstack(L, 24, NULL);
+        lua_rawgeti(L, table, (lua_Integer)i + 1);
+        read_collider(L, h, -1, &colliders[i]);
+    }
+    def->colliders = colliders;
+    def->collider_count = count ? (uint32_t)count : 1;
+}
+
+/* ---- daft.entity ---- */
+
+static float read_positive(lua_State *L, host *h, const char *name, float otherwise, bool zero_too)
+{
+    if (!api_field(L, 1, name)) return otherwise;
+    float value = api_float(L, h, -1, name);
+    if (!(zero_too ? value >= 0 : value > 0))
+        api_wrong(L, h, -1, name, zero_too ? "number of 0 or more" : "number above 0");
+    return value;
+}
+
+static void read_switch(lua_State *L, host *h, const char *name, bool *value)
+{
+    if (api_field(L, 1, name)) *value = api_boolean(L, h, -1, name);
+}
+
+/* "rotation", or some of "x", "y" and "z". */
+static uint32_t read_locks(lua_State *L, host *h)
+{
+    static const char *const AXES[] = {"x", "y", "z", "rotation"};
+    static const uint32_t BITS[] = {DAFT_LOCK_X, DAFT_LOCK_Y, DAFT_LOCK_Z, DAFT_LOCK_ROTATION};
+    int table = lua_absindex(L, -1);
+    if (lua_type(L, table) != LUA_TTABLE) return BITS[api_choice(L, h, table, "lock", AXES, COUNT_OF(AXES))];
+    uint32_t locks = 0;
+    for (lua_Integer i = 1, count = (lua_Integer)lua_rawlen(L, table); i <= count; i++) {
+        lua_rawgeti(L, table, i);
+        locks |= BITS[api_choice(L, h, -1, "lock", AXES, COUNT_OF(AXES))];
+        lua_pop(L, 1);
+    }
+    return locks;
+}
+
+void api_read_body(lua_State *L, host *h, daft_entity_def *def)
+{
+    if (api_field(L, 1, "body"))
+        def->body = (daft_body_kind)(DAFT_BODY_STATIC + api_choice(L, h, -1, "body", BODIES, COUNT_OF(BODIES)));
+    def->density = read_positive(L, h, "density", def->density, false);
+    def->mass = read_positive(L, h, "mass", def->mass, false);
+    def->friction = read_positive(L, h, "friction", def->friction, true);
+    def->static_friction = read_positive(L, h, "static_friction", def->static_friction, true);
+    def->restitution = read_positive(L, h, "restitution", def->restitution, true);
+    def->rolling_resistance = read_positive(L, h, "rolling_resistance", def->rolling_resistance, true);
+    def->linear_damping = read_positive(L, h, "damping", def->linear_damping, true);
+    def->angular_damping = read_positive(L, h, "angular_damping", def->angular_damping, true);
+    if (api_field(L, 1, "gravity_scale")) def->gravity_scale = api_float(L, h, -1, "gravity_scale");
+    if (api_field(L, 1, "surface")) def->surface = api_surface(L, h, -1, "surface");
+    if (api_field(L, 1, "belt")) def->belt = api_vec3(L, h, -1, "belt");
+    if (api_field(L, 1, "lock")) def->locks = read_locks(L, h);
+    if (api_field(L, 1, "layer")) def->layers = api_layers(L, h, -1, "layer");
+    if (api_field(L, 1, "hits")) def->mask = api_layers(L, h, -1, "hits");
+    read_switch(L, h, "sensor", &def->sensor);
+    read_switch(L, h, "bullet", &def->bullet);
+    read_switch(L, h, "sleeps", &def->sleeps);
+    if (api_field(L, 1, "collider")) read_colliders(L, h, def);
+}
+
+/* ---- methods ---- */
+
+static int push(lua_State *L, host *h)
+{
+    daft_error error;
+    if (!daft_entity_apply_force(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "force"), &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int impulse(lua_State *L, host *h)
+{
+    daft_error error;
+    daft_entity entity = api_entity_at(L, h, 1, "entity");
+    daft_vec3 kick = api_triple(L, h, 2, "impulse");
+    int point = lua_type(L, 2) == LUA_TNUMBER ? 5 : 3;
+    bool done = lua_isnoneornil(L, point)
+                    ? daft_entity_apply_impulse(h->def.scene, entity, kick, &error)
+                    : daft_entity_apply_impulse_at(h->def.scene, entity, kick, api_dvec3(L, h, point, "point"), &error);
+    if (!done) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int torque(lua_State *L, host *h)
+{
+    daft_error error;
+    if (!daft_entity_apply_torque(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "torque"), &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int angular_impulse(lua_State *L, host *h)
+{
+    daft_error error;
+    if (!daft_entity_apply_angular_impulse(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "impulse"), &error))
+        api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int mass(lua_State *L, host *h)
+{
+    daft_error error;
+    float kg;
+    if (!daft_entity_get_mass(h->def.scene, api_entity_at(L, h, 1, "entity"), &kg, &error)) api_engine_error(L, h, &error);
+    lua_pushnumber(L, (double)kg);
+    return 1;
+}
+
+static int awake(lua_State *L, host *h)
+{
+    daft_error error;
+    daft_entity entity = api_entity_at(L, h, 1, "entity");
+    if (lua_gettop(L) < 2) {
+        bool is;
+        if (!daft_entity_get_awake(h->def.scene, entity, &is, &error)) api_engine_error(L, h, &error);
+        lua_pushboolean(L, is);
+        return 1;
+    }
+    if (h->picture) api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
+    if (!daft_entity_set_awake(h->def.scene, entity, api_boolean(L, h, 2, "awake"), &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int layers(lua_State *L, host *h)
+{
+    daft_error error;
+    uint32_t what = lua_isnoneornil(L, 2) ? 1 : api_layers(L, h, 2, "layer");
+    uint32_t meets = lua_isnoneornil(L, 3) ? UINT32_MAX : api_layers(L, h, 3, "hits");
+    if (!daft_entity_set_layers(h->def.scene, api_entity_at(L, h, 1, "entity"), what, meets, &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static const api_function FUNCTIONS[] = {
+    {"entity:push", "(x, y, z)", "A force in newtons over the next step, at the centre of a dynamic body.", push,
+     API_CHANGES},
+    {"entity:impulse", "(x, y, z [, point])",
+     "A kick in kilograms times metres a second, at the centre of a dynamic body or at a point {x, y, z} of the world.", impulse,
+     API_CHANGES},
+    {"entity:torque", "(x, y, z)", "A torque in newton metres over the next step.", torque, API_CHANGES},
+    {"entity:angular_impulse", "(x, y, z)", "A twist in kg·m²/s.", angular_impulse, API_CHANGES},
+    {"entity:mass", "() -> kilograms", "Of a body; 0 where it is not dynamic.", mass, 0},
+    {"entity:awake", "([on]) -> on", "Whether a body is awake; or wakes its heap, or lets it sleep.", awake, 0},
+    {"entity:layers", "([layer [, hits]])", "Gives a body other layers, as the fields layer and hits of daft.entity do.", layers,
+     API_CHANGES},
+};
+
+const api_area api_body = {"Bodies", FUNCTIONS, COUNT_OF(FUNCTIONS)};

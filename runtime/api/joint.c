@@ -1,0 +1,303 @@
+/* Joints, what happened in the last step, and the simulation as a whole. */
+#include "api/body.h"
+
+#include "util.h"
+
+static const char *const KINDS[] = {"ball", "hinge", "slider", "distance", "fixed", "drag"};
+static const char *const FIELDS[] = {"kind", "a", "b", "at", "to", "axis", "limit", "motor", "spring", "length",
+                                     "break_force", "break_torque", "collide"};
+static const char *const MOTOR_FIELDS[] = {"speed", "force"};
+static const char *const SPRING_FIELDS[] = {"hertz", "damping"};
+
+static daft_joint joint_at(lua_State *L, host *h, int index)
+{
+    return (daft_joint){api_check_handle(L, h, index, API_JOINT, "joint")->id};
+}
+
+/* ---- daft.joint ---- */
+
+static float field_number(lua_State *L, host *h, int table, const char *name, const char *what, float otherwise)
+{
+    return api_field(L, table, name) ? api_float(L, h, -1, what) : otherwise;
+}
+
+/* {lower, upper}, or one number for a cone or a rope. */
+static void read_limit(lua_State *L, host *h, daft_joint_def *def)
+{
+    int table = lua_absindex(L, -1);
+    def->limit = true;
+    if (lua_type(L, table) == LUA_TNUMBER) {
+        def->upper = api_float(L, h, table, "limit");
+        return;
+    }
+    if (lua_type(L, table) != LUA_TTABLE || lua_rawlen(L, table) != 2) api_wrong(L, h, table, "limit", "number or {lower, upper}");
+    lua_rawgeti(L, table, 1);
+    def->lower = api_float(L, h, -1, "limit");
+    lua_rawgeti(L, table, 2);
+    def->upper = api_float(L, h, -1, "limit");
+}
+
+static void read_drives(lua_State *L, host *h, daft_joint_def *def)
+{
+    if (api_field(L, 1, "motor")) {
+        int table = lua_absindex(L, -1);
+        api_fields(L, h, table, "motor", MOTOR_FIELDS, COUNT_OF(MOTOR_FIELDS));
+        def->motor = true;
+        def->motor_speed = field_number(L, h, table, "speed", "motor.speed", 0);
+        def->motor_force = field_number(L, h, table, "force", "motor.force", 0);
+    }
+    if (api_field(L, 1, "spring")) {
+        int table = lua_absindex(L, -1);
+        api_fields(L, h, table, "spring", SPRING_FIELDS, COUNT_OF(SPRING_FIELDS));
+        def->spring = true;
+        def->hertz = field_number(L, h, table, "hertz", "spring.hertz", def->hertz);
+        def->damping = field_number(L, h, table, "damping", "spring.damping", def->damping);
+    }
+}
+
+static int create(lua_State *L, host *h)
+{
+    api_fields(L, h, 1, NULL, FIELDS, COUNT_OF(FIELDS));
+    luaL_checkstack(L, COUNT_OF(FIELDS) + 16, NULL);
+    daft_joint_def def = daft_default_joint_def();
+    if (api_field(L, 1, "kind")) def.kind = (daft_joint_kind)(DAFT_JOINT_BALL + api_choice(L, h, -1, "kind", KINDS, COUNT_OF(KINDS)));
+    if (api_field(L, 1, "a")) def.a = api_entity_at(L, h, -1, "a");
+    if (!api_field(L, 1, "b")) api_error(L, h, "b: which entity does it hold?");
+    def.b = api_entity_at(L, h, -1, "b");
+    daft_transform place;
+    daft_error error;
+    if (!daft_entity_get_transform(h->def.scene, def.b, &place, &error)) api_engine_error(L, h, &error);
+    def.anchor = def.anchor_b = place.position;
+    if (api_field(L, 1, "at")) def.anchor = api_place(L, h, -1, "at");
+    if (api_field(L, 1, "to")) def.anchor_b = api_place(L, h, -1, "to");
+    if (api_field(L, 1, "axis")) def.axis = api_vec3(L, h, -1, "axis");
+    if (api_field(L, 1, "limit")) read_limit(L, h, &def);
+    read_drives(L, h, &def);
+    def.length = field_number(L, h, 1, "length", "length", 0);
+    def.break_force = field_number(L, h, 1, "break_force", "break_force", 0);
+    def.break_torque = field_number(L, h, 1, "break_torque", "break_torque", 0);
+    if (api_field(L, 1, "collide")) def.collide = api_boolean(L, h, -1, "collide");
+    daft_joint joint = daft_joint_create(h->def.scene, &def, &error);
+    if (joint.id == 0) api_engine_error(L, h, &error);
+    api_new_handle(L, API_JOINT, joint.id);
+    return 1;
+}
+
+static int destroy(lua_State *L, host *h)
+{
+    daft_error error;
+    if (!daft_joint_destroy(h->def.scene, joint_at(L, h, 1), &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int valid(lua_State *L, host *h)
+{
+    lua_pushboolean(L, daft_joint_is_valid(h->def.scene, joint_at(L, h, 1)));
+    return 1;
+}
+
+static daft_joint_state get_state(lua_State *L, host *h)
+{
+    daft_joint_state state;
+    daft_error error;
+    if (!daft_joint_get(h->def.scene, joint_at(L, h, 1), &state, &error)) api_engine_error(L, h, &error);
+    return state;
+}
+
+static int value(lua_State *L, host *h)
+{
+    daft_joint_state state = get_state(L, h);
+    lua_pushnumber(L, (double)state.value);
+    lua_pushnumber(L, (double)state.speed);
+    return 2;
+}
+
+static int force(lua_State *L, host *h)
+{
+    daft_joint_state state = get_state(L, h);
+    lua_pushnumber(L, (double)state.force);
+    lua_pushnumber(L, (double)state.torque);
+    return 2;
+}
+
+/* The two numbers of a drive or a limit; false: there are none, which turns it off. */
+static bool two_numbers(lua_State *L, host *h, const char *first, const char *second, float *a, float *b)
+{
+    *a = *b = 0;
+    if (lua_isnoneornil(L, 2)) return false;
+    *a = api_float(L, h, 2, first), *b = api_float(L, h, 3, second);
+    return true;
+}
+
+static int motor(lua_State *L, host *h)
+{
+    daft_error error;
+    float speed, most;
+    bool on = two_numbers(L, h, "speed", "force", &speed, &most);
+    if (!daft_joint_set_motor(h->def.scene, joint_at(L, h, 1), on, speed, most, &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int limit(lua_State *L, host *h)
+{
+    daft_error error;
+    float lower, upper;
+    bool on = two_numbers(L, h, "lower", "upper", &lower, &upper);
+    if (!daft_joint_set_limit(h->def.scene, joint_at(L, h, 1), on, lower, upper, &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int spring(lua_State *L, host *h)
+{
+    daft_error error;
+    float hertz, damping;
+    bool on = two_numbers(L, h, "hertz", "damping", &hertz, &damping);
+    if (!daft_joint_set_spring(h->def.scene, joint_at(L, h, 1), on, hertz, damping, &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int target(lua_State *L, host *h)
+{
+    daft_error error;
+    if (!daft_joint_set_target(h->def.scene, joint_at(L, h, 1), api_place(L, h, 2, "target"), &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+/* ---- events ---- */
+
+static void push_event(lua_State *L, const daft_event *e)
+{
+    static const char *const NAMES[] = {"", "begin", "end", "enter", "leave", "break", "gone", "sleep", "wake"};
+    lua_createtable(L, 0, 7);
+    lua_pushstring(L, NAMES[e->kind]);
+    lua_setfield(L, -2, "kind");
+    if (e->kind == DAFT_EVENT_JOINT_BREAK || e->kind == DAFT_EVENT_JOINT_GONE) {
+        api_new_handle(L, API_JOINT, e->joint.id);
+        lua_setfield(L, -2, "joint");
+    }
+    api_push_entity(L, e->a.id);
+    lua_setfield(L, -2, "a");
+    api_push_entity(L, e->b.id);
+    lua_setfield(L, -2, "b");
+    if (e->kind == DAFT_EVENT_CONTACT_BEGIN) {
+        api_push_vec3(L, e->point.x, e->point.y, e->point.z);
+        lua_setfield(L, -2, "point");
+        api_push_vec3(L, (double)e->normal.x, (double)e->normal.y, (double)e->normal.z);
+        lua_setfield(L, -2, "normal");
+        lua_pushnumber(L, (double)e->speed);
+        lua_setfield(L, -2, "speed");
+    }
+    lua_pushnumber(L, (double)e->impulse);
+    lua_setfield(L, -2, "impulse");
+}
+
+static int events(lua_State *L, host *h)
+{
+    uint32_t count = daft_scene_events(h->def.scene, NULL, 0);
+    lua_createtable(L, (int)count, 0);
+    if (count == 0) return 1;
+    daft_event *all = lua_newuserdatauv(L, count * sizeof *all, 0);
+    count = daft_scene_events(h->def.scene, all, count);
+    for (uint32_t i = 0; i < count; i++) {
+        push_event(L, &all[i]);
+        lua_rawseti(L, -3, (lua_Integer)i + 1);
+    }
+    lua_pop(L, 1);
+    return 1;
+}
+
+/* ---- the whole ---- */
+
+static int physics(lua_State *L, host *h)
+{
+    static const char *const NAMES[] = {"substeps", "sleeping"};
+    daft_error error;
+    if (!lua_isnoneornil(L, 1)) {
+        if (h->picture) api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
+        api_fields(L, h, 1, NULL, NAMES, COUNT_OF(NAMES));
+        if (api_field(L, 1, "substeps") && !daft_scene_set_substeps(h->def.scene, (int)api_whole(L, h, -1, "substeps"), &error))
+            api_engine_error(L, h, &error);
+        if (api_field(L, 1, "sleeping")) daft_scene_set_sleeping(h->def.scene, api_boolean(L, h, -1, "sleeping"));
+    }
+    daft_sim_counts c = daft_scene_sim_counts(h->def.scene);
+    const struct { const char *name; uint32_t value; } counts[] = {
+        {"bodies", c.bodies}, {"awake", c.awake}, {"joints", c.joints}, {"islands", c.islands},
+        {"pairs", c.pairs}, {"contacts", c.contacts}, {"rows", c.rows}, {"sweeps", c.sweeps}};
+    lua_createtable(L, 0, COUNT_OF(counts));
+    for (size_t i = 0; i < COUNT_OF(counts); i++) {
+        lua_pushinteger(L, (lua_Integer)counts[i].value);
+        lua_setfield(L, -2, counts[i].name);
+    }
+    return 1;
+}
+
+static int surfaces(lua_State *L, host *h)
+{
+    static const char *const NAMES[] = {"friction", "static_friction", "restitution", "rolling_resistance"};
+    daft_error error;
+    uint32_t a = api_surface(L, h, 1, "surface"), b = api_surface(L, h, 2, "surface");
+    daft_surfaces together = {0};
+    bool some = !lua_isnoneornil(L, 3);
+    if (some) {
+        api_fields(L, h, 3, "the table", NAMES, COUNT_OF(NAMES));
+        float *numbers[] = {&together.friction, &together.static_friction, &together.restitution, &together.rolling_resistance};
+        for (size_t i = 0; i < COUNT_OF(NAMES); i++) *numbers[i] = field_number(L, h, 3, NAMES[i], NAMES[i], 0);
+    }
+    if (!daft_scene_set_surfaces(h->def.scene, a, b, some ? &together : NULL, &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static int save_bodies(lua_State *L, host *h)
+{
+    daft_error error;
+    size_t size = daft_scene_save_bodies(h->def.scene, NULL, 0, &error);
+    if (!size) api_engine_error(L, h, &error);
+    void *bytes = lua_newuserdatauv(L, size, 0);
+    if (daft_scene_save_bodies(h->def.scene, bytes, size, &error) != size) api_engine_error(L, h, &error);
+    lua_pushlstring(L, bytes, size);
+    return 1;
+}
+
+static int load_bodies(lua_State *L, host *h)
+{
+    daft_error error;
+    size_t size;
+    if (lua_type(L, 1) != LUA_TSTRING) api_wrong(L, h, 1, "state", "string that daft.save_bodies gave");
+    const char *bytes = lua_tolstring(L, 1, &size);
+    if (!daft_scene_load_bodies(h->def.scene, bytes, size, &error)) api_engine_error(L, h, &error);
+    return 0;
+}
+
+static const api_function FUNCTIONS[] = {
+    {"joint", "{...} -> joint",
+     "Joins two bodies, or one and the world: b = entity, a = entity (none: the world), kind = \"ball\", \"hinge\", \"slider\",\n"
+     "\"distance\", \"fixed\" or \"drag\", at = {x, y, z} or an entity (where; distance: the point on a), to = {x, y, z}\n"
+     "(distance: the point on b; drag: the target), axis = {x, y, z}, limit = {lower, upper} or a number, motor = {speed =,\n"
+     "force =}, spring = {hertz =, damping =}, length =, break_force =, break_torque =, collide = false.",
+     create, API_CHANGES},
+    {"joint:destroy", "()", "Takes it away.", destroy, API_CHANGES},
+    {"joint:valid", "() -> boolean", "False once it was destroyed, broke, or went with a body.", valid, 0},
+    {"joint:value", "() -> value, speed", "A hinge's angle, a slider's way, a distance's length; and how fast it changes.", value, 0},
+    {"joint:force", "() -> newtons, newton metres", "What it had to hold, as the mean over the last step.", force, 0},
+    {"joint:motor", "([speed, force])", "Drives a hinge or slider at a speed with at most a force; nothing: off.", motor, API_CHANGES},
+    {"joint:limit", "([lower, upper])", "Limits its value; nothing: off.", limit, API_CHANGES},
+    {"joint:spring", "([hertz, damping])", "Makes it a spring; nothing: stiff.", spring, API_CHANGES},
+    {"joint:target", "(x, y, z)", "Where a drag joint draws to.", target, API_CHANGES},
+    {"events", "() -> list",
+     "What happened in the last step: {kind =, a =, b =, impulse =}. kind is \"begin\" or \"end\" of a contact, \"enter\" or\n"
+     "\"leave\" of a sensor (a), \"break\" or \"gone\" of a joint (joint =), \"sleep\" or \"wake\" of a body (a). A begin has\n"
+     "point =, normal = and speed =, too.",
+     events, 0},
+    {"physics", "([{...}]) -> counts",
+     "Sets substeps = 1 to 16 (4 unless set) and sleeping = true or false. Gives counts of the last step: bodies, awake,\n"
+     "joints, islands, pairs, contacts, rows, sweeps.",
+     physics, 0},
+    {"surfaces", "(name, name [, {...}])",
+     "What counts where two kinds of surface meet: friction =, static_friction =, restitution =, rolling_resistance =; without\n"
+     "the table, what the bodies say. The field surface of daft.entity names an entity's.",
+     surfaces, API_CHANGES},
+    {"save_bodies", "() -> string", "The state of all bodies and joints, for daft.load_bodies in the same run of the game.", save_bodies, 0},
+    {"load_bodies", "(string)", "Puts all bodies and joints back as they were; the entities must be the same.", load_bodies, API_CHANGES},
+};
+
+const api_area api_joint = {"Joints and physics", FUNCTIONS, COUNT_OF(FUNCTIONS)};
