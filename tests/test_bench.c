@@ -113,7 +113,12 @@ static void list_names_what_there_is(void **unused)
                                         "frame, unseen mirror, no lamp",
                                         "growth, triangles frame, 1k",
                                         "growth, threads frame, 1",
-                                        "visibility-accuracy, needles"};
+                                        "visibility-accuracy, needles",
+                                        "sim, 1,000 boxes falling into a heap",
+                                        "sim, 5,000 boxes two threads to one",
+                                        "sim, 200 ragdolls falling into a heap",
+                                        "sim, 10,000 asleep and one awake",
+                                        "sim, stack of 20 the top's drift in a minute"};
     assert_ran("", "--list");
     int all = lines_of(output);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) assert_says(output, names[i]);
@@ -209,6 +214,19 @@ static void accuracy_is_a_table_a_csv_and_a_plot(void **unused)
     assert_says(file_text, "</svg>");
 }
 
+/* What does not move is not stepped, by the simulation's own count, and the peer is named whether it is there or not. */
+static void idle_worlds_do_nothing(void **unused)
+{
+    (void)unused;
+    assert_ran("", "--only 'sim, nothing moves' --rounds 1");
+    assert_says(output, "0 bodies, 0 awake, 0 pairs, 0 contacts, 0 rows, 0 substeps, 0 sweeps");
+    assert_says(output, "10000 bodies, 0 awake, 0 pairs, 0 contacts, 0 rows, 0 substeps, 0 sweeps");
+    assert_says(output, "2000 bodies, 0 awake, 0 pairs, 0 contacts, 0 rows, 0 substeps, 0 sweeps");
+    assert_ran("", "--only 'sim, stack of 20 the' --peers");
+    assert_says(output, "ODE QuickStep");
+    assert_says(output, "it sank ");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -217,6 +235,7 @@ int main(void)
         cmocka_unit_test(rows_are_json_with_the_promised_names),
         cmocka_unit_test(missing_models_have_stand_ins),
         cmocka_unit_test(accuracy_is_a_table_a_csv_and_a_plot),
+        cmocka_unit_test(idle_worlds_do_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,7 +8,8 @@
  *   scenes.c    what both sides look at: meshes, instances, spheres, a room (scenes.h)
  *   camera.c    our camera rays; boxes.c: what becomes of them without the ray test
  *   render.c, rays.c, frames.c, load.c, trees.c, game.c, growth.c, accuracy.c (svg.c), robust.c, machine.c   the benchmarks
- *   embree.c, embree_frame.c, rays_embree.c, tinyobj.cpp   the peers, built where their libraries are installed */
+ *   sim.c (sim_scenes.c, sim_ours.c), sim_shapes.c   the benchmarks of the simulation
+ *   embree.c, embree_frame.c, rays_embree.c, tinyobj.cpp, ode.c   the peers, built where their libraries are installed */
 #ifndef DAFT_BENCH_H
 #define DAFT_BENCH_H
 
@@ -47,7 +48,7 @@ typedef double bench_sample(void *context);
 
 typedef struct bench_subject {
     const char *scene, *what;
-    const char *unit; /* "ms" and "B/...": smaller is better; everything else: larger is */
+    const char *unit; /* "ms", "mm" and "B/...": smaller is better; everything else: larger is */
     const char *isa;
     int threads;
     bench_sample *ours, *peer; /* peer: NULL where there is none, or it is not installed */
@@ -146,6 +147,7 @@ void bench_load(bench *self);
 void bench_trees(bench *self);
 void bench_game(bench *self);
 void bench_sim_shapes(bench *self); /* collision geometry */
+void bench_sim(bench *self);        /* steps of the simulation */
 void bench_growth(bench *self);   /* time against triangles, instances, pixels, lamps, threads */
 void bench_accuracy(bench *self); /* what a right pixel costs */
 void bench_machine(bench *self);  /* what the machine gives at most */

@@ -234,6 +234,7 @@ int main(int argc, char **argv)
     bench_trees(&self);
     bench_game(&self);
     bench_sim_shapes(&self);
+    bench_sim(&self);
     bench_growth(&self);
     bench_accuracy(&self);
     bench_robust(&self);
