@@ -140,7 +140,9 @@ bool daft_sim_report_reserve(daft_world *world)
 {
     size_t touches = world->live_touches, events = world->pending.count + touches + world->awake.count;
     events += 2 * (size_t)world->live_joints;
-    return daft_grow(&world->allocator, &world->report, &world->report_capacity, touches, 0, sizeof *world->report) &&
+    /* What the sleeping ones touch is written only when that changes: it must survive the growth. */
+    return daft_grow(&world->allocator, &world->report, &world->report_capacity, touches, world->report_asleep,
+                     sizeof *world->report) &&
            daft_grow(&world->allocator, &world->pending.items, &world->pending.capacity, events, world->pending.count,
                      sizeof *world->pending.items);
 }
