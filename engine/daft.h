@@ -435,10 +435,10 @@ typedef struct daft_surfaces {
 DAFT_API bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b, const daft_surfaces *together,
                                       daft_error *error); /* NULL: what the bodies say */
 
-/* The state of all bodies and joints as bytes: loaded into the same scene, with the same entities, it goes on with the same
+/* The state of all bodies, joints and characters as bytes: loaded into the same scene, with the same entities, it goes on with the same
  * bits. Writes them where `capacity` is enough, and returns how many there are; 0: failed. They are for this build alone. */
 DAFT_API size_t daft_scene_save_bodies(const daft_scene *scene, void *out, size_t capacity, daft_error *error);
-/* Fails for bytes that are damaged and where entities with bodies have come or gone; joints come back as they were. */
+/* Fails for bytes that are damaged and where entities with bodies or characters have come or gone; joints come back as they were. */
 DAFT_API bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, daft_error *error);
 
 /* Of the last tick. */

@@ -229,6 +229,10 @@ static void states_go_on_with_the_same_bits(void **unused)
         daft_entity_def def = thing(i % 3 ? DAFT_SHAPE_BOX : DAFT_SHAPE_SPHERE, 0.3 * (i % 2), 1 + 1.1 * i, 0.1 * (i % 3));
         entities[i] = add(p.scene, &def);
     }
+    daft_character_def walker = daft_default_character_def();
+    walker.position = daft_dv3(-5, 0.1, 0);
+    daft_character walking = daft_character_create(p.scene, &walker, NULL);
+    assert_true(daft_character_walk(p.scene, walking, daft_v3(2, 0, 0.5f), NULL));
     daft_joint_def def = daft_default_joint_def();
     def.a = entities[3], def.b = entities[4], def.anchor = where(p.scene, entities[4]), def.break_force = 1;
     daft_joint joint = daft_joint_create(p.scene, &def, NULL);

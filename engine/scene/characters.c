@@ -57,6 +57,12 @@ static bool lead(daft_scene *scene, const daft_character_item *c, bool teleport,
     return daft_entity_set_transform(scene, c->entity, &t, teleport, error);
 }
 
+void daft_characters_lead(daft_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->character_slots.count; i++)
+        if (scene->character_slots.items[i].live) lead(scene, &scene->characters[i], true, NULL);
+}
+
 daft_character daft_character_create(daft_scene *scene, const daft_character_def *def, daft_error *error)
 {
     daft_character_item item = {0};

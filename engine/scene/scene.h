@@ -260,6 +260,7 @@ bool daft_body_check_position(daft_dvec3 position, daft_error *error);
 
 /* After the world's step. */
 bool daft_characters_step(daft_scene *scene, float dt, daft_error *error);
+void daft_characters_lead(daft_scene *scene); /* entities go at once to the characters that they follow */
 uint64_t daft_characters_hash(const daft_scene *scene, uint64_t hash);
 
 /* ---- lights.c, camera.c ---- */

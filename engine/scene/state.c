@@ -1,8 +1,8 @@
-/* The bodies' state as bytes: which entity has which body, the joints' handles, and the world's own bytes.
+/* The bodies' state as bytes: which entity has which body, the joints' handles, the characters, and the world's own bytes.
  *
- *   header, `bodies` × {entity, body}, `joints` × slot, `joints` × joint, the world
+ *   header, `bodies` × {entity, body}, `joints` × slot, `joints` × joint, `characters` × character, the world
  *
- * What it needs to be in the scene, entities and their bodies, is compared before anything is changed. */
+ * What it needs to be in the scene, entities with their bodies and characters, is compared before anything is changed. */
 #include "scene/scene.h"
 
 #include <string.h>
@@ -12,7 +12,8 @@ static const char MAGIC[8] = "DAFTSIM";
 typedef struct state_header {
     char magic[8];
     uint32_t version, header_bytes;
-    uint32_t bodies, joints;                         /* joints: slots ever used */
+    uint32_t bodies, joints;                          /* joints: slots ever used */
+    uint32_t characters, pad;
     uint32_t live, free_count, first_free, last_free; /* of the joints' slots */
     uint64_t world_bytes;
 } state_header;
@@ -20,6 +21,12 @@ typedef struct state_header {
 typedef struct state_body {
     uint32_t entity, body;
 } state_body;
+
+typedef struct state_character {
+    uint32_t character;
+    daft_sim_walk_wish wish;
+    daft_sim_character now;
+} state_character;
 
 static uint32_t count_bodies(const daft_scene *scene)
 {
@@ -31,7 +38,8 @@ static uint32_t count_bodies(const daft_scene *scene)
 
 static size_t fixed_bytes(const state_header *h)
 {
-    return sizeof *h + h->bodies * sizeof(state_body) + h->joints * (sizeof(daft_slot) + sizeof(daft_joint_item));
+    return sizeof *h + h->bodies * sizeof(state_body) + h->joints * (sizeof(daft_slot) + sizeof(daft_joint_item)) +
+           h->characters * sizeof(state_character);
 }
 
 static void write_state(const daft_scene *scene, const state_header *header, const void *world, char *out)
@@ -49,6 +57,15 @@ static void write_state(const daft_scene *scene, const state_header *header, con
     out += slots;
     if (joints) memcpy(out, scene->joints, joints);
     out += joints;
+    for (uint32_t i = 0; i < scene->character_slots.count; i++) {
+        if (!scene->character_slots.items[i].live) continue;
+        const daft_character_item *item = &scene->characters[i];
+        state_character c;
+        memset(&c, 0, sizeof c); /* padding is no state */
+        c.character = daft_slots_handle(&scene->character_slots, i), c.wish = item->wish, c.now = item->now;
+        memcpy(out, &c, sizeof c);
+        out += sizeof c;
+    }
     if (header->world_bytes) memcpy(out, world, (size_t)header->world_bytes);
 }
 
@@ -61,7 +78,7 @@ size_t daft_scene_save_bodies(const daft_scene *scene, void *out, size_t capacit
     if (scene->world && !daft_world_save(scene->world, &world, &world_bytes, error)) return 0;
     const daft_slots *slots = &scene->joint_slots;
     state_header header = {.version = 1, .header_bytes = sizeof header, .bodies = count_bodies(scene), .joints = slots->count,
-                           .live = slots->live, .free_count = slots->free_count, .first_free = slots->first_free,
+                           .characters = scene->character_slots.live, .live = slots->live, .free_count = slots->free_count, .first_free = slots->first_free,
                            .last_free = slots->last_free, .world_bytes = world_bytes};
     memcpy(header.magic, MAGIC, sizeof MAGIC);
     size_t size = fixed_bytes(&header) + world_bytes;
@@ -85,6 +102,48 @@ static bool bodies_match(const daft_scene *scene, const state_header *header, co
             return daft_fail(error, DAFT_ERROR_ARGUMENT, "entity 0x%x of the state is not in the scene as it was", body.entity);
     }
     return true;
+}
+
+static bool flag_at(const char *at, size_t offset) { return (unsigned char)at[offset] <= 1; }
+
+/* What a character could have come to be. */
+static bool character_sound(const char *at)
+{
+    state_character c;
+    const char *now = at + offsetof(state_character, now);
+    if (!flag_at(now, offsetof(daft_sim_character, grounded)) || !flag_at(now, offsetof(daft_sim_character, sliding)) ||
+        !flag_at(now, offsetof(daft_sim_character, crushed)))
+        return false;
+    memcpy(&c, at, sizeof c);
+    const daft_sim_character *n = &c.now;
+    daft_sim_character made;
+    return daft_sim_character_init(&made, &n->def, NULL) && daft_body_check_position(n->position, NULL) && daft_finite3(n->velocity) &&
+           daft_finite3(n->ground_normal) && daft_finite3(n->ground_velocity) && isfinite(n->turn) &&
+           daft_dfinite3(n->ground_local) && daft_dfinite3(n->ground_position) && daft_check_rotation(NULL, "", n->ground_rotation) &&
+           daft_finite3(c.wish.velocity) && c.wish.jump >= 0 && c.wish.jump <= 1e4f;
+}
+
+static bool characters_match(const daft_scene *scene, const state_header *header, const char *at, daft_error *error)
+{
+    bool same = header->characters == scene->character_slots.live;
+    for (uint32_t i = 0; same && i < header->characters; i++, at += sizeof(state_character)) {
+        uint32_t handle;
+        memcpy(&handle, at, sizeof handle);
+        same = daft_slots_find(&scene->character_slots, handle) != DAFT_NONE;
+        if (same && !character_sound(at)) return damaged(error);
+    }
+    return same || daft_fail(error, DAFT_ERROR_ARGUMENT, "the scene has not the characters that the state has");
+}
+
+static void characters_load(daft_scene *scene, uint32_t count, const char *at)
+{
+    for (uint32_t i = 0; i < count; i++, at += sizeof(state_character)) {
+        state_character c;
+        memcpy(&c, at, sizeof c);
+        daft_character_item *item = &scene->characters[daft_handle_index(c.character)];
+        item->now = c.now, item->wish = c.wish;
+    }
+    daft_characters_lead(scene);
 }
 
 /* A list of slots is sound where each free one is in the queue once. */
@@ -120,7 +179,7 @@ static bool header_read(const void *bytes, size_t size, state_header *h)
     if (!bytes || size < sizeof *h) return false;
     memcpy(h, bytes, sizeof *h);
     return memcmp(h->magic, MAGIC, sizeof MAGIC) == 0 && h->version == 1 && h->header_bytes == sizeof *h && h->bodies <= DAFT_MAX_SLOTS &&
-           h->joints <= DAFT_MAX_SLOTS && fixed_bytes(h) <= size && h->world_bytes == size - fixed_bytes(h);
+           h->joints <= DAFT_MAX_SLOTS && h->characters <= DAFT_MAX_SLOTS && fixed_bytes(h) <= size && h->world_bytes == size - fixed_bytes(h);
 }
 
 bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, daft_error *error)
@@ -130,8 +189,9 @@ bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, d
     if (!daft_check_pointer(error, "scene", scene)) return false;
     if (!header_read(bytes, size, &h)) return damaged(error);
     const char *bodies = (const char *)bytes + sizeof h, *slots = bodies + h.bodies * sizeof(state_body);
-    const char *joints = slots + h.joints * sizeof(daft_slot), *world = joints + h.joints * sizeof(daft_joint_item);
-    if (!bodies_match(scene, &h, bodies, error)) return false;
+    const char *joints = slots + h.joints * sizeof(daft_slot), *characters = joints + h.joints * sizeof(daft_joint_item);
+    const char *world = characters + h.characters * sizeof(state_character);
+    if (!bodies_match(scene, &h, bodies, error) || !characters_match(scene, &h, characters, error)) return false;
     if (!slots_sound(&h, slots)) return damaged(error);
     if (h.world_bytes == 0) return true; /* there was no world, so there is no body to put back */
     if (!joints_reserve(scene, h.joints, error) || !daft_scene_world(scene, error) ||
@@ -144,5 +204,6 @@ bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, d
     daft_slots *s = &scene->joint_slots;
     s->count = h.joints, s->live = h.live, s->free_count = h.free_count, s->first_free = h.first_free, s->last_free = h.last_free;
     daft_scene_pull_all_poses(scene);
+    characters_load(scene, h.characters, characters);
     return true;
 }

@@ -296,8 +296,8 @@ static const api_function FUNCTIONS[] = {
      "What counts where two kinds of surface meet: friction =, static_friction =, restitution =, rolling_resistance =; without\n"
      "the table, what the bodies say. The field surface of daft.entity names an entity's.",
      surfaces, API_CHANGES},
-    {"save_bodies", "() -> string", "The state of all bodies and joints, for daft.load_bodies in the same run of the game.", save_bodies, 0},
-    {"load_bodies", "(string)", "Puts all bodies and joints back as they were; the entities must be the same.", load_bodies, API_CHANGES},
+    {"save_bodies", "() -> string", "The state of all bodies, joints and characters, for daft.load_bodies in the same run of the game.", save_bodies, 0},
+    {"load_bodies", "(string)", "Puts all bodies, joints and characters back as they were; the entities must be the same.", load_bodies, API_CHANGES},
 };
 
 const api_area api_joint = {"Joints and physics", FUNCTIONS, COUNT_OF(FUNCTIONS)};
