@@ -7,7 +7,6 @@
 
 static const char *const BODIES[] = {"static", "kinematic", "dynamic"};
 static const char *const COLLIDER_FIELDS[] = {"sphere", "box", "capsule", "hull", "mesh", "heights", "columns", "spacing", "position", "rotation"};
-static const char *const CAPSULE_FIELDS[] = {"radius", "height"};
 
 /* Registry keys: tables from names to numbers, in the order in which a game first says them. */
 static const char LAYERS_KEY, SURFACES_KEY;
@@ -69,13 +68,27 @@ static float above_zero(lua_State *L, host *h, int index, const char *what)
     return value;
 }
 
+void api_capsule(lua_State *L, host *h, int index, float *radius, float *height)
+{
+    static const char *const NAMES[] = {"radius", "height"};
+    float *numbers[] = {radius, height};
+    int table = lua_absindex(L, index);
+    bool list = lua_type(L, table) == LUA_TTABLE && lua_rawlen(L, table) == 2;
+    if (!list) api_fields(L, h, table, "capsule", NAMES, COUNT_OF(NAMES));
+    for (int i = 0; i < 2; i++) {
+        if (list)
+            lua_rawgeti(L, table, i + 1);
+        else if (!api_field(L, table, NAMES[i]))
+            continue;
+        *numbers[i] = above_zero(L, h, -1, i ? "capsule's height" : "capsule's radius");
+        lua_pop(L, 1);
+    }
+}
+
 static void read_capsule(lua_State *L, host *h, int index, daft_collider *out)
 {
-    index = lua_absindex(L, index);
     out->kind = DAFT_COLLIDER_CAPSULE;
-    api_fields(L, h, index, "capsule", CAPSULE_FIELDS, COUNT_OF(CAPSULE_FIELDS));
-    if (api_field(L, index, "radius")) out->radius = above_zero(L, h, -1, "capsule.radius");
-    if (api_field(L, index, "height")) out->height = above_zero(L, h, -1, "capsule.height");
+    api_capsule(L, h, index, &out->radius, &out->height);
     if (!(out->height > 2 * out->radius)) api_error(L, h, "capsule: its height must be more than twice its radius");
 }
 

@@ -1,10 +1,10 @@
 /* daft.character: a capsule that walks about. */
-#include "api/api.h"
+#include "api/body.h"
 
 #include "util.h"
 
 static const char *const FIELDS[] = {"position", "entity", "radius", "height",  "step",       "slope",
-                                     "acceleration", "air_acceleration", "gravity", "mass", "force"};
+                                     "acceleration", "air_acceleration", "gravity", "mass", "force", "layer", "hits"};
 
 static void read_sizes(lua_State *L, host *h, daft_character_def *def)
 {
@@ -34,6 +34,8 @@ static int create(lua_State *L, host *h)
         def.position = api_place(L, h, -1, "entity");
     }
     if (api_field(L, 1, "position")) def.position = api_place(L, h, -1, "position");
+    if (api_field(L, 1, "layer")) def.layers = api_layers(L, h, -1, "layer");
+    if (api_field(L, 1, "hits")) def.mask = api_layers(L, h, -1, "hits");
     read_sizes(L, h, &def);
     daft_error error;
     daft_character character = daft_character_create(h->def.scene, &def, &error);
@@ -135,7 +137,7 @@ static int valid(lua_State *L, host *h)
 static const api_function FUNCTIONS[] = {
     {"character", "{position =, entity =, radius =, height =, ...} -> character",
      "A capsule that walks, climbs steps and slopes, slides along walls, rides, jumps, and pushes bodies.\n"
-     "Also: step, slope (radians), acceleration, air_acceleration, gravity (a factor), mass, force. entity follows it.",
+     "Also: step, slope (radians), acceleration, air_acceleration, gravity (a factor), mass, force, layer, hits. entity follows it.",
      create, API_CHANGES},
     {"character:walk", "(x, z)", "Walks so from now on, in m/s.", walk, API_CHANGES},
     {"character:jump", "(speed)", "Upwards in m/s, if it stands in this tick.", jump, API_CHANGES},

@@ -1,5 +1,5 @@
 /* daft.query: what rays, moving shapes, volumes and points meet among the bodies. */
-#include "api/api.h"
+#include "api/body.h"
 
 #include "util.h"
 
@@ -7,7 +7,7 @@
 
 enum { MOST = 256 }; /* hits in a list */
 
-static const char *const OPTIONS[] = {"ignore", "static", "kinematic", "dynamic", "sensors"};
+static const char *const OPTIONS[] = {"ignore", "static", "kinematic", "dynamic", "sensors", "layer", "hits"};
 static const char *const SHAPES[] = {"sphere", "box", "capsule", "rotation"};
 
 /* The table of options at index, or none. */
@@ -20,6 +20,8 @@ static daft_query_filter read_filter(lua_State *L, host *h, int index)
     if (api_field(L, index, "static")) f.statics = api_boolean(L, h, -1, "static");
     if (api_field(L, index, "kinematic")) f.kinematics = api_boolean(L, h, -1, "kinematic");
     if (api_field(L, index, "dynamic")) f.dynamics = api_boolean(L, h, -1, "dynamic");
+    if (api_field(L, index, "layer")) f.layers = api_layers(L, h, -1, "layer");
+    if (api_field(L, index, "hits")) f.mask = api_layers(L, h, -1, "hits");
     if (api_field(L, index, "sensors")) f.sensors = api_boolean(L, h, -1, "sensors");
     return f;
 }
@@ -35,13 +37,7 @@ static daft_volume read_volume(lua_State *L, host *h, int index)
     }
     if (api_field(L, index, "box")) v.size = api_vec3(L, h, -1, "box"), shapes++;
     if (api_field(L, index, "capsule")) {
-        if (lua_type(L, -1) != LUA_TTABLE) api_wrong(L, h, -1, "capsule", "{radius, height}");
-        int table = lua_gettop(L);
-        lua_rawgeti(L, table, 1);
-        lua_rawgeti(L, table, 2);
-        v.radius = api_float(L, h, -2, "capsule's radius");
-        v.height = api_float(L, h, -1, "capsule's height");
-        if (!(v.radius > 0 && v.height > 0)) api_error(L, h, "capsule: radius and height must be above 0");
+        api_capsule(L, h, -1, &v.radius, &v.height);
         shapes++;
     }
     if (api_field(L, index, "rotation")) v.rotation = api_rotation(L, h, -1, "rotation");
@@ -160,7 +156,8 @@ static int closest(lua_State *L, host *h)
 static const api_function FUNCTIONS[] = {
     {"query.ray", "(from, direction [, max_distance [, options]]) -> hit or nil",
      "The nearest body along a ray: {entity =, distance =, position =, normal =, inside =}.\n"
-     "options: {ignore = entity, static = false, kinematic = false, dynamic = false, sensors = true}.",
+     "options: {ignore = entity, static = false, kinematic = false, dynamic = false, sensors = true,\n"
+     "layer = name(s), hits = name(s)}.",
      ray, 0},
     {"query.all", "(from, direction [, max_distance [, options]]) -> hits",
      "All bodies along a ray, nearest first, up to 256.", rays, 0},
