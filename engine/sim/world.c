@@ -93,7 +93,7 @@ bool daft_world_set_pair(daft_world *world, uint32_t a, uint32_t b, const daft_s
         size_t count = (size_t)DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS;
         world->pairs = daft_alloc(&world->allocator, count, sizeof *world->pairs);
         if (!world->pairs) return daft_fail_memory(error, "pairs of materials");
-        for (size_t i = 0; i < count; i++) world->pairs[i].friction = -1;
+        for (size_t i = 0; i < count; i++) world->pairs[i] = (daft_sim_pair){.friction = -1};
     }
     daft_sim_pair value = pair ? *pair : (daft_sim_pair){.friction = -1};
     world->pairs[a * DAFT_SIM_MATERIAL_KINDS + b] = world->pairs[b * DAFT_SIM_MATERIAL_KINDS + a] = value;

@@ -186,7 +186,7 @@ local function bodies_later(tick)
         gate:motor() gate:limit(-1, 1) gate:spring(2, 0.5)
         saved = daft.save_bodies()
     elseif tick == 55 then
-        assert(#begun >= 1 and begun[1] > 3 and entered == 1 and daft.physics().bodies >= 8)
+        assert(#begun >= 1 and begun[1] > 3 and entered == 2 and daft.physics().bodies >= 8)
         daft.load_bodies(saved)
         assert(near(gate:value(), 0.433, 0.01))
         gate:destroy()
