@@ -45,6 +45,9 @@ typedef struct daft_poly {
     daft_plane planes[DAFT_HULL_MAX_FACES];
 } daft_poly;
 
+/* Of a box's core: says that one is a box. As a itself it is around the origin. */
+extern const daft_half_edge daft_box_half_edges[24];
+
 /* pose: NULL for a itself. */
 void daft_poly_set(daft_poly *poly, const daft_sim_shape *shape, const daft_relpose *pose);
 /* In a's frame already; the normal is that of its front, unit. */
@@ -102,7 +105,12 @@ uint32_t daft_manifold_along(const daft_poly *a, const daft_poly *b, const daft_
  */
 uint32_t daft_face_points(const daft_poly *mine, const daft_poly *other, uint32_t face, bool is_b, float margin,
                           bool all, daft_manifold *out, daft_manifold_point points[DAFT_CLIP_MAX]);
-/* The whole of a convex pair that is not special. */
+/* The whole of a convex pair that is not special, in two steps: the axis, false where the two are farther apart than
+ * the margin; and the contact. */
+bool daft_axis_find(const daft_poly *a, const daft_poly *b, float margin, uint32_t sides, daft_pair_cache *cache,
+                    daft_axis *out);
+uint32_t daft_collide_along(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin, uint32_t sides,
+                            daft_manifold *out);
 uint32_t daft_collide_polys(const daft_poly *a, const daft_poly *b, float margin, uint32_t sides, daft_manifold *out,
                             daft_pair_cache *cache);
 

@@ -358,20 +358,32 @@ static bool clear_of(const daft_poly *round, const daft_poly *other, float separ
     return (round->core == DAFT_CORE_POINT || !pierces(round, other)) && find_closest(round, other).distance > blur;
 }
 
+bool daft_axis_find(const daft_poly *a, const daft_poly *b, float margin, uint32_t sides, daft_pair_cache *cache,
+                    daft_axis *out)
+{
+    float enough = margin + (a->radius + b->radius);
+    if (is_apart(a, b, enough)) return false;
+    *out = daft_sat(a, b, enough, sides, cache);
+    if (cache) *cache = (daft_pair_cache){.kind = (uint8_t)out->kind, .a = (uint16_t)out->a, .b = (uint16_t)out->b};
+    return !(out->separation > enough);
+}
+
+uint32_t daft_collide_along(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin, uint32_t sides,
+                            daft_manifold *out)
+{
+    if (is_round(a) && clear_of(a, b, axis->separation)) return round_outside(a, b, true, margin, sides, out);
+    if (is_round(b) && clear_of(b, a, axis->separation)) return round_outside(b, a, false, margin, sides, out);
+    if (daft_manifold_along(a, b, axis, margin, out)) return 1;
+    if (!(axis->separation < 0) || axis->kind == DAFT_AXIS_NONE) return 0;
+    /* A face preferred to about as good an axis may have only the air beside the other core over it. */
+    daft_axis best = daft_sat_strict(a, b, sides);
+    if (daft_manifold_along(a, b, &best, margin, out)) return 1;
+    return best.separation < 0 && best.kind != DAFT_AXIS_NONE ? along_support(a, b, &best, out) : 0;
+}
+
 uint32_t daft_collide_polys(const daft_poly *a, const daft_poly *b, float margin, uint32_t sides, daft_manifold *out,
                             daft_pair_cache *cache)
 {
-    float enough = margin + (a->radius + b->radius);
-    if (is_apart(a, b, enough)) return 0;
-    daft_axis axis = daft_sat(a, b, enough, sides, cache);
-    if (cache) *cache = (daft_pair_cache){.kind = (uint8_t)axis.kind, .a = (uint16_t)axis.a, .b = (uint16_t)axis.b};
-    if (axis.separation > enough) return 0;
-    if (is_round(a) && clear_of(a, b, axis.separation)) return round_outside(a, b, true, margin, sides, out);
-    if (is_round(b) && clear_of(b, a, axis.separation)) return round_outside(b, a, false, margin, sides, out);
-    if (daft_manifold_along(a, b, &axis, margin, out)) return 1;
-    if (!(axis.separation < 0) || axis.kind == DAFT_AXIS_NONE) return 0;
-    /* A face preferred to about as good an axis may have only the air beside the other core over it. */
-    axis = daft_sat_strict(a, b, sides);
-    if (daft_manifold_along(a, b, &axis, margin, out)) return 1;
-    return axis.separation < 0 && axis.kind != DAFT_AXIS_NONE ? along_support(a, b, &axis, out) : 0;
+    daft_axis axis;
+    return daft_axis_find(a, b, margin, sides, cache, &axis) && daft_collide_along(a, b, &axis, margin, sides, out);
 }

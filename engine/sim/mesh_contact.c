@@ -53,6 +53,7 @@ typedef struct contact_job {
     const daft_relpose *pose;
     float margin;
     daft_aabb bounds; /* of the body, in the surface's frame */
+    double far;       /* of balls: a triangle that is farther from the centre is not met */
     bool one_sided;
     daft_poly body, face;
     turned turned[MAX_TURNED];
@@ -147,17 +148,26 @@ static void finish(const contact_job *j, cluster *c, daft_sink *sink)
 
 /* ---- along a triangle's face ---- */
 
-/* side: 0 the front, 1 the back. */
-static bool put_face_contact(contact_job *j, const near_triangle *t, uint32_t side, float most)
+/* side: 0 the front, 1 the back. Gives the least separation; INFINITY where there is no contact, or one deeper than
+ * `most`. */
+static float put_face_contact(contact_job *j, const near_triangle *t, uint32_t side, float most)
 {
     daft_manifold m;
     daft_manifold_point points[DAFT_CLIP_MAX];
     uint32_t count = daft_face_points(&j->face, &j->body, side, true, j->margin, true, &m, points);
-    for (uint32_t i = 0; i < count; i++)
-        if (-points[i].separation > most) return false;
-    if (count == 0) return false;
+    float least = INFINITY;
+    for (uint32_t i = 0; i < count; i++) least = fminf(least, points[i].separation);
+    if (count == 0 || -least > most) return INFINITY;
     put(j, &m, points, count, t->number);
-    return true;
+    return least;
+}
+
+/* Whether there is a contact along the face. It passes, as all of these. */
+static bool take_face(contact_job *j, const near_triangle *t, uint32_t side)
+{
+    float least = put_face_contact(j, t, side, INFINITY);
+    j->deepest = fminf(j->deepest, least);
+    return least < INFINITY;
 }
 
 /* ---- edges ---- */
@@ -342,26 +352,17 @@ static uint32_t side_of(const contact_job *j, const near_triangle *t, daft_vec3 
     return along < 0;
 }
 
-/* Notes a contact that passed. */
-static void note(contact_job *j, const daft_manifold *m)
-{
-    for (uint32_t i = 0; i < m->count; i++) j->deepest = fminf(j->deepest, m->points[i].separation);
-}
-
 static void take_contact(contact_job *j, const near_triangle *t, daft_manifold *m)
 {
     daft_vec3 away = daft_neg(m->normal);
     uint32_t side = side_of(j, t, away);
     float sign = side ? -1.0f : 1.0f, along = sign * daft_dot(away, t->normal);
-    if (along > FACE && put_face_contact(j, t, side, INFINITY)) {
-        note(j, m);
-        return;
-    }
+    if (along > FACE && take_face(j, t, side)) return;
     verdict v = j->one_sided && along < -LEAN ? FORBIDDEN : judge(j, t, away);
     if (v == AT_BORDER) v = ends_here(j, t, m) ? ALLOWED : FORBIDDEN;
     m->face_b = daft_scale(t->normal, sign);
     if (v == ALLOWED) {
-        note(j, m);
+        for (uint32_t i = 0; i < m->count; i++) j->deepest = fminf(j->deepest, m->points[i].separation);
         put(j, m, m->points, m->count, t->number);
         return;
     }
@@ -372,20 +373,59 @@ static void take_contact(contact_job *j, const near_triangle *t, daft_manifold *
     if (j->turned_count < MAX_TURNED) j->turned[j->turned_count++] = (turned){*t, turn};
 }
 
+/* Square distance of a ball's centre from a triangle, in the surface's frame (Ericson, "Real-Time Collision Detection",
+ * 2005, 5.1.5). */
+static double square_distance(daft_dvec3 p, const daft_vec3 own[3])
+{
+    daft_dvec3 a = daft_to_double(own[0]), b = daft_to_double(own[1]), c = daft_to_double(own[2]), on;
+    daft_dvec3 ab = daft_dsub(b, a), ac = daft_dsub(c, a), ap = daft_dsub(p, a), bp = daft_dsub(p, b);
+    daft_dvec3 cp = daft_dsub(p, c);
+    double d1 = daft_ddot(ab, ap), d2 = daft_ddot(ac, ap), d3 = daft_ddot(ab, bp), d4 = daft_ddot(ac, bp);
+    double d5 = daft_ddot(ab, cp), d6 = daft_ddot(ac, cp);
+    double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2, all = (va + vb) + vc;
+    if (d1 <= 0 && d2 <= 0)
+        on = a;
+    else if (d3 >= 0 && d4 <= d3)
+        on = b;
+    else if (d6 >= 0 && d5 <= d6)
+        on = c;
+    else if (vc <= 0 && d1 >= 0 && d3 <= 0)
+        on = daft_dadd(a, daft_dscale(ab, d1 / (d1 - d3)));
+    else if (vb <= 0 && d2 >= 0 && d6 <= 0)
+        on = daft_dadd(a, daft_dscale(ac, d2 / (d2 - d6)));
+    else if (va <= 0 && d4 >= d3 && d5 >= d6)
+        on = daft_dadd(b, daft_dscale(daft_dsub(c, b), (d4 - d3) / ((d4 - d3) + (d5 - d6))));
+    else
+        on = all > 0 ? daft_dadd(a, daft_dscale(daft_dadd(daft_dscale(ab, vb), daft_dscale(ac, vc)), 1 / all)) : p;
+    daft_dvec3 gap = daft_dsub(p, on);
+    return daft_ddot(gap, gap);
+}
+
+/* Most triangles near a body are not near enough. Says so of those that surely are not, before any work is done in the
+ * body's frame: by bounds, and for balls by distance. */
+static bool is_far(const contact_job *j, const daft_vec3 own[3])
+{
+    daft_vec3 low = daft_min3(own[0], daft_min3(own[1], own[2])), high = daft_max3(own[0], daft_max3(own[1], own[2]));
+    if (low.x > j->bounds.high.x || low.y > j->bounds.high.y || low.z > j->bounds.high.z) return true;
+    if (high.x < j->bounds.low.x || high.y < j->bounds.low.y || high.z < j->bounds.low.z) return true;
+    return j->body.core == DAFT_CORE_POINT && square_distance(j->pose->q, own) > j->far * j->far;
+}
+
 static void take_triangle(void *context, uint32_t number)
 {
     contact_job *j = context;
     near_triangle t = {.number = number};
     daft_vec3 own[3];
     daft_manifold m;
-    if (!daft_triangle_get(j->surface, number, own)) return;
-    daft_vec3 low = daft_min3(own[0], daft_min3(own[1], own[2])), high = daft_max3(own[0], daft_max3(own[1], own[2]));
-    if (low.x > j->bounds.high.x || low.y > j->bounds.high.y || low.z > j->bounds.high.z) return;
-    if (high.x < j->bounds.low.x || high.y < j->bounds.low.y || high.z < j->bounds.low.z) return;
+    if (!daft_triangle_get(j->surface, number, own) || is_far(j, own)) return;
     for (int k = 0; k < 3; k++) t.corners[k] = in_body(j, own[k]);
     t.normal = turned_vector(j, daft_to_float(daft_triangle_normal(own)));
     daft_poly_set_triangle(&j->face, t.corners, t.normal);
-    if (daft_collide_polys(&j->body, &j->face, j->margin, j->one_sided ? 1 : 3, &m, NULL)) take_contact(j, &t, &m);
+    uint32_t sides = j->one_sided ? 1 : 3;
+    daft_axis axis;
+    if (!daft_axis_find(&j->body, &j->face, j->margin, sides, NULL, &axis)) return;
+    if (j->body.core == DAFT_CORE_SOLID && axis.kind == DAFT_AXIS_FACE_B && take_face(j, &t, axis.b)) return;
+    if (daft_collide_along(&j->body, &j->face, &axis, j->margin, sides, &m)) take_contact(j, &t, &m);
 }
 
 /* ---- all ---- */
@@ -422,6 +462,8 @@ void daft_collide_triangles(const daft_sim_shape *a, const daft_sim_shape *b, co
     j.last_resort.points[0].separation = -INFINITY;
     j.bounds = daft_bounds_in(a, back.r, pose->q, margin);
     daft_poly_set(&j.body, a, NULL);
+    daft_vec3 l = j.bounds.low, h = j.bounds.high; /* what grew the bounds by rounding is enough here */
+    j.far = 0.5 * fmax((double)h.x - (double)l.x, fmax((double)h.y - (double)l.y, (double)h.z - (double)l.z));
     daft_triangles_query(b, &j.bounds, take_triangle, &j);
     put_turned(&j);
     if (j.cluster_count == 0 && j.last_resort.points[0].separation > -INFINITY)

@@ -2,10 +2,10 @@
 #include "sim/manifold_parts.h"
 
 /* Faces 2k and 2k + 1 look along -axis k and +axis k; bit k of a corner's number: it is at the high end of axis k. */
-static const daft_half_edge box_half_edges[24] = {
-    {2, 4, 0},  {17, 6, 5}, {4, 6, 0},  {20, 2, 3}, {6, 2, 0},  {23, 0, 4}, {0, 0, 0}, {18, 4, 2},
-    {10, 1, 1}, {19, 3, 4}, {12, 3, 1}, {22, 7, 3}, {14, 7, 1}, {21, 5, 5}, {8, 5, 1}, {16, 1, 2},
-    {7, 5, 2},  {13, 4, 5}, {15, 0, 2}, {5, 1, 4},  {11, 6, 3}, {1, 7, 5},  {3, 3, 3}, {9, 2, 4}};
+const daft_half_edge daft_box_half_edges[24] = {{2, 4, 0},  {17, 6, 5}, {4, 6, 0},  {20, 2, 3}, {6, 2, 0},  {23, 0, 4},
+                                                {0, 0, 0},  {18, 4, 2}, {10, 1, 1}, {19, 3, 4}, {12, 3, 1}, {22, 7, 3},
+                                                {14, 7, 1}, {21, 5, 5}, {8, 5, 1},  {16, 1, 2}, {7, 5, 2},  {13, 4, 5},
+                                                {15, 0, 2}, {5, 1, 4},  {11, 6, 3}, {1, 7, 5},  {3, 3, 3},  {9, 2, 4}};
 static const uint16_t box_first[6] = {0, 8, 15, 3, 23, 17};
 static const daft_half_edge triangle_half_edges[6] = {{2, 0, 0}, {5, 1, 1}, {4, 1, 0}, {1, 2, 1}, {0, 2, 0}, {3, 0, 1}};
 static const uint16_t triangle_first[2] = {0, 1};
@@ -52,7 +52,7 @@ static void set_extent(daft_poly *poly)
 static void set_box(daft_poly *poly, daft_vec3 h, const daft_relpose *pose)
 {
     poly->core = DAFT_CORE_SOLID;
-    set_topology(poly, box_half_edges, box_first, 8, 6, 24);
+    set_topology(poly, daft_box_half_edges, box_first, 8, 6, 24);
     for (uint32_t i = 0; i < 8; i++)
         poly->vertices[i] = posed_point(pose, daft_v3(i & 1 ? h.x : -h.x, i & 2 ? h.y : -h.y, i & 4 ? h.z : -h.z));
     for (int k = 0; k < 3; k++)

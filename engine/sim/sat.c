@@ -145,6 +145,31 @@ static void try_edges(const daft_poly *a, const daft_poly *b, float reach, float
         }
 }
 
+/* The greatest separation along the axes across both an edge of a triangle and one of a box, which is a's frame's own
+ * and around its origin: never less than what its edges give, but for parallel ones, which give nothing
+ * (Akenine-Möller, "Fast 3D Triangle-Box Overlap Testing", 2001). */
+static float box_edges_bound(const daft_poly *box, const daft_poly *triangle)
+{
+    const float *h = &box->high.x;
+    float most = -INFINITY;
+    for (int k = 0; k < 3; k++) {
+        const float *p = &triangle->vertices[k].x, *q = &triangle->vertices[(k + 1) % 3].x;
+        const float *r = &triangle->vertices[(k + 2) % 3].x;
+        float d[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
+        float square[3] = {d[0] * d[0], d[1] * d[1], d[2] * d[2]}, all = (square[0] + square[1]) + square[2];
+        for (int i = 0; i < 3; i++) { /* the axis: (0, -d[v], d[u]) for i = 0, and so on */
+            int u = (i + 1) % 3, v = (i + 2) % 3;
+            float length = square[u] + square[v];
+            if (!(length > PARALLEL * all)) continue;
+            float on = d[u] * p[v] - d[v] * p[u], off = d[u] * r[v] - d[v] * r[u];
+            float reach = h[v] * fabsf(d[u]) + h[u] * fabsf(d[v]);
+            float apart = fmaxf(fminf(on, off), -fmaxf(on, off)) - reach;
+            most = fmaxf(most, apart / sqrtf(length));
+        }
+    }
+    return most;
+}
+
 /* Cores that overlap by less than all faces say have the two edges that cross at the least depth near each other, so
  * those far from the other core need no look; where there are many that saves most of the work. Cores that are apart
  * may be separated by edges that are anywhere: then the closest points say more than all edges do. */
@@ -199,12 +224,15 @@ daft_axis daft_sat(const daft_poly *a, const daft_poly *b, float enough, uint32_
     try_faces(b, a, true, sides, enough, &axis_b);
     if (axis_b.separation > enough) return axis_b;
     float face = axis_a.separation > axis_b.separation ? axis_a.separation : axis_b.separation;
-    try_near_edges(a, b, face, enough, &axis_e);
-    if (axis_e.separation > enough || axis_e.kind == DAFT_AXIS_CLOSEST) return axis_e;
-
     float size = a->size < b->size ? a->size : b->size, even = EVEN * size;
     uint8_t before = cache ? cache->kind : DAFT_AXIS_NONE;
     float bias = before == DAFT_AXIS_EDGES ? -even : before == DAFT_AXIS_NONE ? even : 2 * even;
+    axis_e.kind = DAFT_AXIS_NONE, axis_e.separation = -INFINITY;
+    bool boxed = a->half_edges == daft_box_half_edges && b->core == DAFT_CORE_TRIANGLE;
+    if (!boxed || box_edges_bound(a, b) > face + bias - 1e-5f * (a->size + b->size))
+        try_near_edges(a, b, face, enough, &axis_e);
+    if (axis_e.separation > enough || axis_e.kind == DAFT_AXIS_CLOSEST) return axis_e;
+
     if (axis_e.kind == DAFT_AXIS_EDGES && axis_e.separation > face + bias) return axis_e;
     bool prefer_b = before == DAFT_AXIS_FACE_B || (before != DAFT_AXIS_FACE_A && b->size > LARGE * a->size);
     if (axis_a.kind == DAFT_AXIS_NONE) return axis_b;
