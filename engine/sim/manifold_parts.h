@@ -101,10 +101,23 @@ daft_axis daft_sat_strict(const daft_poly *a, const daft_poly *b, uint32_t sides
 /* The contact along one of SAT's axes: by clipping for a face, where the edges cross for edges. 0 or 1 manifolds. */
 uint32_t daft_manifold_along(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin,
                              daft_manifold *out);
-/* The points of `other` over a face of `mine`, at most four or all; sets all of `out` but its points. Gives how many.
- */
-uint32_t daft_face_points(const daft_poly *mine, const daft_poly *other, uint32_t face, bool is_b, float margin,
-                          bool all, daft_manifold *out, daft_manifold_point points[DAFT_CLIP_MAX]);
+typedef struct daft_face_basis {
+    daft_vec3 origin, u, v, n;
+} daft_face_basis;
+
+/* What of a core looks at a face, laid in a plane parallel to the face; the same for all faces of one normal. */
+typedef struct daft_face_frame {
+    daft_face_basis basis;
+    uint32_t incident, count;                        /* face; corners */
+    daft_clip_point polygon[DAFT_HULL_MAX_VERTICES]; /* w: along the normal, from a's origin */
+} daft_face_frame;
+
+void daft_face_frame_set(daft_face_frame *frame, daft_vec3 normal, const daft_poly *other);
+/* The points of `other` over a face of `mine`, at most four or all; sets all of `out` but its points. frame: of the
+ * face's normal and `other`. Gives how many. */
+uint32_t daft_face_points(const daft_face_frame *frame, const daft_poly *mine, const daft_poly *other, uint32_t face,
+                          bool is_b, float margin, bool all, daft_manifold *out,
+                          daft_manifold_point points[DAFT_CLIP_MAX]);
 /* The whole of a convex pair that is not special, in two steps: the axis, false where the two are farther apart than
  * the margin; and the contact. */
 bool daft_axis_find(const daft_poly *a, const daft_poly *b, float margin, uint32_t sides, daft_pair_cache *cache,

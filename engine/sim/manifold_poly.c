@@ -13,9 +13,7 @@
 
 /* ---- along a face ---- */
 
-typedef struct basis {
-    daft_vec3 origin, u, v, n;
-} basis;
+typedef daft_face_basis basis;
 
 static basis basis_on(daft_vec3 n, daft_vec3 origin)
 {
@@ -66,17 +64,17 @@ static uint32_t facing_at_lowest(const daft_poly *p, daft_vec3 n)
     return best;
 }
 
-static uint32_t lay_incident(const basis *s, const daft_poly *p, uint32_t face, float offset, daft_clip_point *out)
+static uint32_t lay_incident(const basis *s, const daft_poly *p, uint32_t face, daft_clip_point *out)
 {
     uint32_t count = 0;
     if (p->core == DAFT_CORE_POINT || p->core == DAFT_CORE_SEGMENT) {
-        for (; count < p->vertex_count; count++) out[count] = laid(s, p->vertices[count], offset, count);
+        for (; count < p->vertex_count; count++) out[count] = laid(s, p->vertices[count], 0, count);
         return count;
     }
     uint32_t first = p->first_half_edges[face], e = first;
     do {
         uint32_t vertex = p->half_edges[e].origin;
-        out[count++] = laid(s, p->vertices[vertex], offset, vertex);
+        out[count++] = laid(s, p->vertices[vertex], 0, vertex);
         e = p->half_edges[e].next;
     } while (e != first);
     return count;
@@ -107,6 +105,19 @@ static uint32_t lay_sides(const basis *s, const daft_poly *p, uint32_t face, sid
     return count;
 }
 
+/* Clips by one line, if it cuts anything; gives where the points are then, and in `spare` the other buffer. */
+static daft_clip_point *cut(daft_clip_point *from, uint32_t *count, float a, float b, float c, uint32_t edge,
+                            daft_clip_point **spare)
+{
+    bool cuts = false;
+    for (uint32_t i = 0; i < *count; i++) cuts |= !(from[i].u * a + from[i].v * b - c <= 0);
+    if (!cuts) return from;
+    daft_clip_point *to = *spare;
+    *count = daft_clip(from, *count, a, b, c, edge, to);
+    *spare = from;
+    return to;
+}
+
 /* Clips by the sides of a face, each moved out by the overhang. Gives where the points are. */
 static daft_clip_point *clip_sides(const basis *s, const daft_poly *p, uint32_t face, float overhang,
                                    daft_clip_point *from, daft_clip_point *to, uint32_t *count)
@@ -115,29 +126,37 @@ static daft_clip_point *clip_sides(const basis *s, const daft_poly *p, uint32_t 
     uint32_t side_count = lay_sides(s, p, face, sides);
     for (uint32_t i = 0; i<side_count && * count> 0; i++) {
         const side *l = &sides[i], *before = &sides[i > 0 ? i - 1 : side_count - 1];
-        *count = daft_clip(from, *count, l->a, l->b, l->c + overhang, l->edge, to);
-        daft_clip_point *swapped = from;
-        from = to, to = swapped;
+        from = cut(from, count, l->a, l->b, l->c + overhang, l->edge, &to);
         if (l->a * before->a + l->b * before->b >= ACUTE) continue;
         /* Both sides moved out meet far from the corner: across it, then. */
         float a = l->a + before->a, b = l->b + before->b, length = sqrtf(a * a + b * b);
         if (!(length > 1e-6f)) continue;
         a /= length, b /= length;
-        *count = daft_clip(from, *count, a, b, (a * l->u + b * l->v) + overhang, l->edge | BEVEL, to);
-        swapped = from;
-        from = to, to = swapped;
+        from = cut(from, count, a, b, (a * l->u + b * l->v) + overhang, l->edge | BEVEL, &to);
     }
     return from;
 }
 
-/* The points of `other` over a face of `mine` that are within the margin; buffers[0] or [1] has them. */
-static daft_clip_point *points_over(const basis *s, const daft_poly *mine, const daft_poly *other, uint32_t face,
-                                    uint32_t incident, float margin, daft_clip_point buffers[2][DAFT_CLIP_MAX],
+void daft_face_frame_set(daft_face_frame *frame, daft_vec3 normal, const daft_poly *other)
+{
+    frame->basis = basis_on(normal, other->centre);
+    frame->incident = other->face_count ? facing_at_lowest(other, normal) : 0;
+    frame->count = lay_incident(&frame->basis, other, frame->incident, frame->polygon);
+}
+
+/* The points of the frame's polygon over a face of `mine` that are within the margin; one of the buffers has them. */
+static daft_clip_point *points_over(const daft_face_frame *frame, const daft_poly *mine, const daft_poly *other,
+                                    uint32_t face, float margin, daft_clip_point buffers[2][DAFT_CLIP_MAX],
                                     uint32_t *count)
 {
     float offset = mine->planes[face].offset, rounding = mine->radius + other->radius;
-    *count = lay_incident(s, other, incident, offset, buffers[0]);
-    daft_clip_point *p = clip_sides(s, mine, face, OVERHANG * smaller_size(mine, other), buffers[0], buffers[1], count);
+    *count = frame->count;
+    for (uint32_t i = 0; i < frame->count; i++) {
+        buffers[0][i] = frame->polygon[i];
+        buffers[0][i].w -= offset;
+    }
+    daft_clip_point *p =
+        clip_sides(&frame->basis, mine, face, OVERHANG * smaller_size(mine, other), buffers[0], buffers[1], count);
     uint32_t kept = 0;
     for (uint32_t i = 0; i < *count; i++)
         if (p[i].w - rounding <= margin) p[kept++] = p[i];
@@ -154,19 +173,19 @@ static daft_manifold_point placed(const basis *s, const daft_clip_point *p, floa
     return (daft_manifold_point){at, p->w - rounding, p->id | (is_b ? 1u << 30 : 0)};
 }
 
-uint32_t daft_face_points(const daft_poly *mine, const daft_poly *other, uint32_t face, bool is_b, float margin,
-                          bool all, daft_manifold *out, daft_manifold_point points[DAFT_CLIP_MAX])
+uint32_t daft_face_points(const daft_face_frame *frame, const daft_poly *mine, const daft_poly *other, uint32_t face,
+                          bool is_b, float margin, bool all, daft_manifold *out,
+                          daft_manifold_point points[DAFT_CLIP_MAX])
 {
     daft_clip_point buffers[2][DAFT_CLIP_MAX];
     daft_plane plane = mine->planes[face];
-    basis s = basis_on(plane.normal, other->centre);
-    uint32_t incident = other->face_count ? facing_at_lowest(other, plane.normal) : 0, count;
-    daft_clip_point *p = points_over(&s, mine, other, face, incident, margin, buffers, &count);
+    uint32_t count;
+    daft_clip_point *p = points_over(frame, mine, other, face, margin, buffers, &count);
     if (count == 0) return 0;
     if (!all) count = daft_clip_reduce(p, count, OVERHANG * smaller_size(mine, other));
     for (uint32_t i = 0; i < count; i++)
-        points[i] = placed(&s, &p[i], plane.offset, mine->radius, mine->radius + other->radius, is_b);
-    daft_vec3 look = other->face_count ? other->planes[incident].normal : daft_neg(plane.normal);
+        points[i] = placed(&frame->basis, &p[i], plane.offset, mine->radius, mine->radius + other->radius, is_b);
+    daft_vec3 look = other->face_count ? other->planes[frame->incident].normal : daft_neg(plane.normal);
     bool flat = other->face_count && daft_dot(look, plane.normal) < -SAME;
     daft_feature_kind kind = flat ? DAFT_FEATURE_FACE : count == 1 ? DAFT_FEATURE_VERTEX : DAFT_FEATURE_EDGE;
     out->feature_a = is_b ? kind : DAFT_FEATURE_FACE;
@@ -180,7 +199,9 @@ static uint32_t along_face(const daft_poly *mine, const daft_poly *other, uint32
                            daft_manifold *out)
 {
     daft_manifold_point points[DAFT_CLIP_MAX];
-    out->count = daft_face_points(mine, other, face, is_b, margin, false, out, points);
+    daft_face_frame frame;
+    daft_face_frame_set(&frame, mine->planes[face].normal, other);
+    out->count = daft_face_points(&frame, mine, other, face, is_b, margin, false, out, points);
     for (uint32_t i = 0; i < out->count; i++) out->points[i] = points[i];
     return out->count > 0;
 }
@@ -303,10 +324,9 @@ static bool face_of_normal(const daft_poly *p, daft_vec3 n, uint32_t sides, uint
 }
 
 /* is_b: `other` is b. */
-static uint32_t round_outside(const daft_poly *round, const daft_poly *other, bool is_b, float margin, uint32_t sides,
-                              daft_manifold *out)
+static uint32_t round_outside(const daft_poly *round, const daft_poly *other, closest c, bool is_b, float margin,
+                              uint32_t sides, daft_manifold *out)
 {
-    closest c = find_closest(round, other);
     float separation = c.distance - round->radius;
     if (separation > margin) return 0;
     daft_vec3 away = daft_scale(daft_sub(c.on_round, c.on_other), 1 / c.distance); /* from other */
@@ -349,13 +369,17 @@ static bool pierces(const daft_poly *segment, const daft_poly *triangle)
     return true;
 }
 
-/* Whether the closest points give a good normal: the cores are apart by more than rounding blurs. */
-static bool clear_of(const daft_poly *round, const daft_poly *other, float separation)
+/* Whether the closest points give a good normal, and which they are: the cores are apart by more than rounding blurs.
+ */
+static bool clear_of(const daft_poly *round, const daft_poly *other, float separation, closest *out)
 {
     float blur = 1e-3f * round->radius + 1e-6f * other->size;
-    if (other->core != DAFT_CORE_TRIANGLE) return separation > blur;
+    bool triangle = other->core == DAFT_CORE_TRIANGLE;
+    if (!triangle && !(separation > blur)) return false;
+    if (triangle && round->core == DAFT_CORE_SEGMENT && pierces(round, other)) return false;
+    *out = find_closest(round, other);
     /* Beside a triangle's edge, in its plane, no axis separates. */
-    return (round->core == DAFT_CORE_POINT || !pierces(round, other)) && find_closest(round, other).distance > blur;
+    return !triangle || out->distance > blur;
 }
 
 bool daft_axis_find(const daft_poly *a, const daft_poly *b, float margin, uint32_t sides, daft_pair_cache *cache,
@@ -371,8 +395,9 @@ bool daft_axis_find(const daft_poly *a, const daft_poly *b, float margin, uint32
 uint32_t daft_collide_along(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin, uint32_t sides,
                             daft_manifold *out)
 {
-    if (is_round(a) && clear_of(a, b, axis->separation)) return round_outside(a, b, true, margin, sides, out);
-    if (is_round(b) && clear_of(b, a, axis->separation)) return round_outside(b, a, false, margin, sides, out);
+    closest c;
+    if (is_round(a) && clear_of(a, b, axis->separation, &c)) return round_outside(a, b, c, true, margin, sides, out);
+    if (is_round(b) && clear_of(b, a, axis->separation, &c)) return round_outside(b, a, c, false, margin, sides, out);
     if (daft_manifold_along(a, b, axis, margin, out)) return 1;
     if (!(axis->separation < 0) || axis->kind == DAFT_AXIS_NONE) return 0;
     /* A face preferred to about as good an axis may have only the air beside the other core over it. */

@@ -56,6 +56,7 @@ typedef struct contact_job {
     double far;       /* of balls: a triangle that is farther from the centre is not met */
     bool one_sided;
     daft_poly body, face;
+    daft_face_frame frame; /* of the last face */
     turned turned[MAX_TURNED];
     uint32_t turned_count;
     daft_manifold last_resort; /* the shallowest overlap of those that did not pass */
@@ -154,7 +155,9 @@ static float put_face_contact(contact_job *j, const near_triangle *t, uint32_t s
 {
     daft_manifold m;
     daft_manifold_point points[DAFT_CLIP_MAX];
-    uint32_t count = daft_face_points(&j->face, &j->body, side, true, j->margin, true, &m, points);
+    daft_vec3 n = j->face.planes[side].normal, known = j->frame.basis.n;
+    if (n.x != known.x || n.y != known.y || n.z != known.z) daft_face_frame_set(&j->frame, n, &j->body);
+    uint32_t count = daft_face_points(&j->frame, &j->face, &j->body, side, true, j->margin, true, &m, points);
     float least = INFINITY;
     for (uint32_t i = 0; i < count; i++) least = fminf(least, points[i].separation);
     if (count == 0 || -least > most) return INFINITY;
@@ -459,6 +462,7 @@ void daft_collide_triangles(const daft_sim_shape *a, const daft_sim_shape *b, co
     j.one_sided = b->type == DAFT_GEOMETRY_FIELD || b->mesh->one_sided;
     j.turned_count = j.cluster_count = 0;
     j.deepest = INFINITY;
+    j.frame.basis.n = daft_v3(0, 0, 0);
     j.last_resort.points[0].separation = -INFINITY;
     j.bounds = daft_bounds_in(a, back.r, pose->q, margin);
     daft_poly_set(&j.body, a, NULL);

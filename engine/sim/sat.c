@@ -137,6 +137,7 @@ static void try_edges(const daft_poly *a, const daft_poly *b, float reach, float
     edge ea[MAX_EDGES], eb[MAX_EDGES];
     best->separation = -INFINITY;
     best->kind = DAFT_AXIS_NONE;
+    if (a->half_edge_count == 0 || b->half_edge_count == 0) return;
     uint32_t count_a = gather_edges(a, b, reach, ea), count_b = gather_edges(b, a, reach, eb);
     for (uint32_t i = 0; i < count_a; i++)
         for (uint32_t j = 0; j < count_b; j++) {
@@ -163,8 +164,9 @@ static float box_edges_bound(const daft_poly *box, const daft_poly *triangle)
             if (!(length > PARALLEL * all)) continue;
             float on = d[u] * p[v] - d[v] * p[u], off = d[u] * r[v] - d[v] * r[u];
             float reach = h[v] * fabsf(d[u]) + h[u] * fabsf(d[v]);
-            float apart = fmaxf(fminf(on, off), -fmaxf(on, off)) - reach;
-            most = fmaxf(most, apart / sqrtf(length));
+            float apart = on < off ? (on > -off ? on : -off) : (off > -on ? off : -on);
+            apart = (apart - reach) / sqrtf(length);
+            if (apart > most) most = apart;
         }
     }
     return most;
