@@ -1,6 +1,7 @@
 /* The separating-axis test between convex cores: faces of either, and pairs of edges whose arcs on the Gauss map cross
  * (Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013). A triangle's edge has half a great circle
  * for an arc and a segment's a whole one: there the third corner decides, or nothing. */
+#include "math/simd.h"
 #include "sim/gjk.h"
 #include "sim/manifold_parts.h"
 
@@ -24,6 +25,34 @@ static float lowest(const daft_poly *p, daft_vec3 n)
     return least;
 }
 
+static v4 dot4(const v4 x[3], const v4 y[3])
+{
+    return (x[0] * y[0] + x[1] * y[1]) + x[2] * y[2];
+}
+
+static void spread4(daft_vec3 v, v4 out[3])
+{
+    out[0] = v4_set(v.x), out[1] = v4_set(v.y), out[2] = v4_set(v.z);
+}
+
+/* Of up to four faces, from `first` on. */
+static void face_separations(const daft_poly *mine, uint32_t first, uint32_t count, const daft_poly *other,
+                             float out[4])
+{
+    v4 n[3] = {v4_set(0), v4_set(0), v4_set(0)}, least = v4_set(INFINITY);
+    for (uint32_t i = 0; i < count; i++) {
+        daft_vec3 m = mine->planes[first + i].normal;
+        n[0][i] = m.x, n[1][i] = m.y, n[2][i] = m.z;
+    }
+    for (uint32_t i = 0; i < other->vertex_count; i++) {
+        v4 p[3];
+        spread4(other->vertices[i], p);
+        v4 d = dot4(n, p);
+        least = v4_select(d < least, d, least);
+    }
+    for (uint32_t i = 0; i < count; i++) out[i] = least[i] - mine->planes[first + i].offset;
+}
+
 static float face_separation(const daft_poly *mine, uint32_t face, const daft_poly *other)
 {
     return lowest(other, mine->planes[face].normal) - mine->planes[face].offset;
@@ -37,11 +66,16 @@ static bool face_counts(const daft_poly *p, uint32_t face, uint32_t sides)
 static void try_faces(const daft_poly *mine, const daft_poly *other, bool is_b, uint32_t sides, float enough,
                       daft_axis *best)
 {
+    float separations[4];
     best->separation = -INFINITY;
     best->kind = DAFT_AXIS_NONE;
     for (uint32_t f = 0; f < mine->face_count; f++) {
+        if (f % 4 == 0) {
+            uint32_t left = mine->face_count - f;
+            face_separations(mine, f, left < 4 ? left : 4, other, separations);
+        }
         if (!face_counts(mine, f, sides)) continue;
-        float s = face_separation(mine, f, other);
+        float s = separations[f % 4];
         if (s <= best->separation) continue;
         daft_vec3 n = mine->planes[f].normal;
         *best = is_b ? (daft_axis){.kind = DAFT_AXIS_FACE_B, .b = f, .separation = s, .normal = daft_neg(n)}
@@ -132,16 +166,62 @@ static void try_edge_pair(const daft_poly *a, const daft_poly *b, const edge *ea
         *best = (daft_axis){.kind = DAFT_AXIS_EDGES, .a = ea->number, .b = eb->number, .separation = s, .normal = n};
 }
 
+/* A solid's edges, component by component; those past the end are zero and cross no arc. */
+typedef struct edge_lanes {
+    float d[3][MAX_EDGES + 4], n1[3][MAX_EDGES + 4], n2[3][MAX_EDGES + 4];
+} edge_lanes;
+
+static void fill_lanes(const edge *e, uint32_t count, edge_lanes *out)
+{
+    for (uint32_t i = 0; i < ((count + 3) & ~3u); i++) {
+        static const edge none = {0};
+        const edge *from = i < count ? &e[i] : &none;
+        for (int k = 0; k < 3; k++) {
+            out->d[k][i] = (&from->d.x)[k];
+            out->n1[k][i] = (&from->n1.x)[k];
+            out->n2[k][i] = (&from->n2.x)[k];
+        }
+    }
+}
+
+static void load3(const float from[3][MAX_EDGES + 4], uint32_t i, v4 out[3])
+{
+    for (int k = 0; k < 3; k++) out[k] = v4_load(&from[k][i]);
+}
+
+/* Of four of a solid's edges, which have an arc that crosses that of `e`, another solid's edge. */
+static uint32_t crossing_arcs(const edge *e, const edge_lanes *lanes, uint32_t i)
+{
+    v4 mine[3], theirs[3];
+    load3(lanes->d, i, theirs);
+    spread4(e->n1, mine);
+    v4 t1 = dot4(mine, theirs);
+    spread4(e->n2, mine);
+    v4i crosses = t1 * dot4(mine, theirs) < v4_set(0);
+    if (v4_bits(crosses) == 0) return 0;
+    spread4(e->d, mine);
+    load3(lanes->n1, i, theirs);
+    v4 u1 = dot4(mine, theirs);
+    load3(lanes->n2, i, theirs);
+    return v4_bits(crosses & (u1 * dot4(mine, theirs) < v4_set(0)));
+}
+
 static void try_edges(const daft_poly *a, const daft_poly *b, float reach, float enough, daft_axis *best)
 {
     edge ea[MAX_EDGES], eb[MAX_EDGES];
+    edge_lanes lanes;
     best->separation = -INFINITY;
     best->kind = DAFT_AXIS_NONE;
     if (a->half_edge_count == 0 || b->half_edge_count == 0) return;
     uint32_t count_a = gather_edges(a, b, reach, ea), count_b = gather_edges(b, a, reach, eb);
+    bool solids = a->core == DAFT_CORE_SOLID && b->core == DAFT_CORE_SOLID;
+    if (solids) fill_lanes(eb, count_b, &lanes);
     for (uint32_t i = 0; i < count_a; i++)
-        for (uint32_t j = 0; j < count_b; j++) {
-            try_edge_pair(a, b, &ea[i], &eb[j], best);
+        for (uint32_t j = 0; j < count_b; j += 4) {
+            uint32_t left = count_b - j < 4 ? count_b - j : 4;
+            uint32_t tried = solids ? crossing_arcs(&ea[i], &lanes, j) : (1u << left) - 1;
+            for (; tried; tried &= tried - 1)
+                try_edge_pair(a, b, &ea[i], &eb[j + (uint32_t)__builtin_ctz(tried)], best);
             if (best->separation > enough) return;
         }
 }
@@ -197,11 +277,31 @@ static void try_near_edges(const daft_poly *a, const daft_poly *b, float face, f
 
 /* ---- all ---- */
 
-/* The separation along the cached face, if there is one that still exists. */
+/* Along the axis across two edges; false for parallel ones. Of all vertices, so true of any edges. */
+static bool edges_apart(const daft_poly *a, const daft_poly *b, uint32_t edge_a, uint32_t edge_b, float enough,
+                        daft_axis *out)
+{
+    daft_vec3 u = daft_sub(daft_poly_edge_end(a, edge_a), daft_poly_edge_start(a, edge_a));
+    daft_vec3 v = daft_sub(daft_poly_edge_end(b, edge_b), daft_poly_edge_start(b, edge_b)), n = daft_cross(u, v);
+    float square = daft_dot(n, n);
+    if (!(square > PARALLEL * daft_dot(u, u) * daft_dot(v, v))) return false;
+    n = daft_scale(n, 1 / sqrtf(square));
+    for (int turn = 0; turn < 2; turn++, n = daft_neg(n)) {
+        float s = lowest(b, n) + lowest(a, daft_neg(n));
+        *out = (daft_axis){.kind = DAFT_AXIS_EDGES, .a = edge_a, .b = edge_b, .separation = s, .normal = n};
+        if (s > enough) return true;
+    }
+    return false;
+}
+
+/* Whether the cached axis, if its features still exist, says that the two are apart. */
 static bool cached_apart(const daft_poly *a, const daft_poly *b, float enough, uint32_t sides,
                          const daft_pair_cache *cache, daft_axis *out)
 {
     if (!cache) return false;
+    if (cache->kind == DAFT_AXIS_EDGES)
+        return cache->a < a->half_edge_count && cache->b < b->half_edge_count &&
+               edges_apart(a, b, cache->a, cache->b, enough, out);
     if (cache->kind == DAFT_AXIS_FACE_A && cache->a < a->face_count && face_counts(a, cache->a, sides)) {
         daft_vec3 n = a->planes[cache->a].normal;
         *out = (daft_axis){
