@@ -114,6 +114,7 @@ static void list_names_what_there_is(void **unused)
                                         "growth, triangles frame, 1k",
                                         "growth, threads frame, 1",
                                         "visibility-accuracy, needles",
+                                        "sim-accuracy, ball and chain",
                                         "sim, 1,000 boxes falling into a heap",
                                         "sim, 5,000 boxes two threads to one",
                                         "sim, 200 ragdolls falling into a heap",
@@ -214,6 +215,41 @@ static void accuracy_is_a_table_a_csv_and_a_plot(void **unused)
     assert_says(file_text, "</svg>");
 }
 
+/* Every rate and number of substeps; what no other beats is marked, and small steps are nearer to the truth. */
+static void motion_accuracy_is_a_table_a_csv_and_a_plot(void **unused)
+{
+    (void)unused;
+    char arguments[512], csv[128];
+    snprintf(csv, sizeof csv, "%s", temporary("csv"));
+    snprintf(arguments, sizeof arguments, "--only 'sim-accuracy, pend' --rounds 1 --csv %s --svg %s", csv,
+             temporary("svg"));
+    assert_ran("", arguments);
+    assert_says(output, "60 Hz, 4 substeps");
+    assert_says(output, "FRONT");
+    take_file(csv);
+    const char *head = "scene,hz,substeps,isa,ms,error_mm,energy,joints_mm,overlap_mm,drift_mm,front\n";
+    assert_int_equal(strncmp(file_text, head, strlen(head)), 0);
+    int rows = 0, fronts = 0;
+    double coarse = 0, fine = 0;
+    for (char *line = strtok(strchr(file_text, '\n') + 1, "\n"); line; line = strtok(NULL, "\n"), rows++) {
+        int hz, substeps, front;
+        double ms, error;
+        assert_int_equal(sscanf(line, "\"pendulum\",%d,%d,%*[a-z0-9],%lf,%lf,%*f,%*f,%*f,%*f,%d", &hz, &substeps, &ms,
+                                &error, &front),
+                         5);
+        assert_true(ms > 0 && error > 0);
+        fronts += front;
+        if (hz == 30 && substeps == 1) coarse = error;
+        if (hz == 240 && substeps == 16) fine = error;
+    }
+    assert_int_equal(rows, 20);
+    assert_true(fronts >= 1 && fine < coarse / 10);
+    take_file(temporary("svg"));
+    assert_int_equal(strncmp(file_text, "<svg ", 5), 0);
+    assert_says(file_text, "milliseconds a simulated second");
+    assert_says(file_text, "</svg>");
+}
+
 /* What does not move is not stepped, by the simulation's own count, and the peer is named whether it is there or not. */
 static void idle_worlds_do_nothing(void **unused)
 {
@@ -235,6 +271,7 @@ int main(void)
         cmocka_unit_test(rows_are_json_with_the_promised_names),
         cmocka_unit_test(missing_models_have_stand_ins),
         cmocka_unit_test(accuracy_is_a_table_a_csv_and_a_plot),
+        cmocka_unit_test(motion_accuracy_is_a_table_a_csv_and_a_plot),
         cmocka_unit_test(idle_worlds_do_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

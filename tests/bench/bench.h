@@ -8,7 +8,7 @@
  *   scenes.c    what both sides look at: meshes, instances, spheres, a room (scenes.h)
  *   camera.c    our camera rays; boxes.c: what becomes of them without the ray test
  *   render.c, rays.c, frames.c, load.c, trees.c, game.c, growth.c, accuracy.c (svg.c), robust.c, machine.c   the benchmarks
- *   sim.c (sim_scenes.c, sim_ours.c), sim_shapes.c   the benchmarks of the simulation
+ *   sim.c (sim_scenes.c, sim_ours.c), sim_accuracy.c (sim_truth.c), sim_shapes.c   the benchmarks of the simulation
  *   embree.c, embree_frame.c, rays_embree.c, tinyobj.cpp, ode.c   the peers, built where their libraries are installed */
 #ifndef DAFT_BENCH_H
 #define DAFT_BENCH_H
@@ -33,7 +33,7 @@ typedef struct bench_row {
 
 typedef struct bench {
     const char *only, *json, *isa; /* isa: NULL for the best there is */
-    const char *csv, *svg;         /* where visibility-accuracy is written; NULL: nowhere */
+    const char *csv, *svg;         /* where visibility-accuracy or sim-accuracy is written; NULL: nowhere */
     int threads;                   /* 0: one, and all there are */
     int rounds;                    /* 0: as many as it takes */
     bool peers, list;
@@ -148,6 +148,7 @@ void bench_trees(bench *self);
 void bench_game(bench *self);
 void bench_sim_shapes(bench *self); /* collision geometry */
 void bench_sim(bench *self);        /* steps of the simulation */
+void bench_sim_accuracy(bench *self); /* what a right motion costs */
 void bench_growth(bench *self);   /* time against triangles, instances, pixels, lamps, threads */
 void bench_accuracy(bench *self); /* what a right pixel costs */
 void bench_machine(bench *self);  /* what the machine gives at most */

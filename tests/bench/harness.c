@@ -141,13 +141,14 @@ static const char USAGE[] =
     "budget show its floor, its aim, and how much of the aim is reached; the rows under their floor are listed below.\n"
     "\n"
     "How cost grows is followed further with --only growth (to 10 million triangles, 100,000 instances, 64 lamps and\n"
-    "3840x2160) than in a run of everything. visibility-accuracy says what a right pixel costs.\n"
+    "3840x2160) than in a run of everything. visibility-accuracy says what a right pixel costs,\n"
+    "sim-accuracy what a right motion costs; with --only, at every rate.\n"
     "\n"
     "  --peers         run other libraries on the same work, in turns with ours (ratio > 1: ours is better)\n"
     "  --only PATTERN  only benchmarks with PATTERN in their name\n"
     "  --json FILE     write the results as JSON, too\n"
-    "  --csv FILE      of visibility-accuracy: write its points as CSV, too\n"
-    "  --svg FILE      of visibility-accuracy: plot wrong pixels against milliseconds\n"
+    "  --csv FILE      of visibility-accuracy or sim-accuracy, as --only says: write its points as CSV, too\n"
+    "  --svg FILE      of the same: plot error against milliseconds\n"
     "  --threads N     measure with N threads (default: with one, and with all)\n"
     "  --isa X         sse2, avx2 or avx512 (default: the best there is)\n"
     "  --rounds N      samples to take the best of (default: 9, and more of short ones)\n"
@@ -237,6 +238,7 @@ int main(int argc, char **argv)
     bench_sim(&self);
     bench_growth(&self);
     bench_accuracy(&self);
+    bench_sim_accuracy(&self);
     bench_robust(&self);
     bench_machine(&self);
     if (!self.list && self.count > 0) bench_print(&self);
