@@ -84,6 +84,32 @@ static void try_faces(const daft_poly *mine, const daft_poly *other, bool is_b, 
     }
 }
 
+/* The same as try_faces of both, for a box around the origin of a's frame and a triangle: extents say it all. */
+static void try_box_faces(const daft_poly *box, const daft_poly *triangle, uint32_t sides, daft_axis *of_box,
+                          daft_axis *of_triangle)
+{
+    of_box->separation = of_triangle->separation = -INFINITY;
+    of_box->kind = of_triangle->kind = DAFT_AXIS_NONE;
+    for (uint32_t f = 0; f < 6; f++) {
+        const daft_plane *plane = &box->planes[f];
+        float s = (f & 1 ? (&triangle->low.x)[f / 2] : -(&triangle->high.x)[f / 2]) - plane->offset;
+        if (s > of_box->separation)
+            *of_box = (daft_axis){.kind = DAFT_AXIS_FACE_A, .a = f, .separation = s, .normal = plane->normal};
+    }
+    float least = INFINITY, most = -INFINITY;
+    daft_vec3 n = triangle->planes[0].normal;
+    for (uint32_t i = 0; i < 8; i++) {
+        float d = daft_dot(n, box->vertices[i]);
+        least = d < least ? d : least, most = d > most ? d : most;
+    }
+    for (uint32_t f = 0; f < 2; f++) {
+        float s = (f ? -most : least) - triangle->planes[f].offset;
+        if (!(sides >> f & 1) || s <= of_triangle->separation) continue;
+        *of_triangle = (daft_axis){
+            .kind = DAFT_AXIS_FACE_B, .b = f, .separation = s, .normal = daft_neg(triangle->planes[f].normal)};
+    }
+}
+
 /* ---- edges ---- */
 
 typedef struct edge {
@@ -321,16 +347,19 @@ daft_axis daft_sat(const daft_poly *a, const daft_poly *b, float enough, uint32_
 {
     daft_axis axis_a, axis_b, axis_e;
     if (cached_apart(a, b, enough, sides, cache, &axis_a)) return axis_a;
-    try_faces(a, b, false, sides, enough, &axis_a);
+    bool boxed = a->half_edges == daft_box_half_edges && b->core == DAFT_CORE_TRIANGLE;
+    if (boxed)
+        try_box_faces(a, b, sides, &axis_a, &axis_b);
+    else
+        try_faces(a, b, false, sides, enough, &axis_a);
     if (axis_a.separation > enough) return axis_a;
-    try_faces(b, a, true, sides, enough, &axis_b);
+    if (!boxed) try_faces(b, a, true, sides, enough, &axis_b);
     if (axis_b.separation > enough) return axis_b;
     float face = axis_a.separation > axis_b.separation ? axis_a.separation : axis_b.separation;
     float size = a->size < b->size ? a->size : b->size, even = EVEN * size;
     uint8_t before = cache ? cache->kind : DAFT_AXIS_NONE;
     float bias = before == DAFT_AXIS_EDGES ? -even : before == DAFT_AXIS_NONE ? even : 2 * even;
     axis_e.kind = DAFT_AXIS_NONE, axis_e.separation = -INFINITY;
-    bool boxed = a->half_edges == daft_box_half_edges && b->core == DAFT_CORE_TRIANGLE;
     if (!boxed || box_edges_bound(a, b) > face + bias - 1e-5f * (a->size + b->size))
         try_near_edges(a, b, face, enough, &axis_e);
     if (axis_e.separation > enough || axis_e.kind == DAFT_AXIS_CLOSEST) return axis_e;
