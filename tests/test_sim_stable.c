@@ -1,13 +1,25 @@
 /* sim: what stands, stands; what swings or spins keeps its energy. Every case asserts a number. */
 #include "sim_scene.h"
 
-static double sideways(daft_dvec3 p) { return sqrt(p.x * p.x + p.z * p.z); }
 
 static uint32_t add_stack(daft_world *world, int count)
 {
     uint32_t top = 0;
     for (int i = 0; i < count; i++) top = add(world, dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0, 0.5 + i, 0));
     return top;
+}
+
+/* How far a body gets from where it is now. */
+static double most_drift(daft_world *world, uint32_t id, int count)
+{
+    daft_dvec3 start = state_of(world, id).position;
+    double worst = 0;
+    for (int i = 0; i < count; i++) {
+        steps(world, 1);
+        daft_dvec3 d = daft_dsub(state_of(world, id).position, start);
+        worst = fmax(worst, sqrt(daft_ddot(d, d)));
+    }
+    return worst;
 }
 
 /* ---- standing ---- */
@@ -40,16 +52,9 @@ static void twenty_boxes_stand_ten_minutes(void **unused)
     daft_world *world = new_world();
     add_floor(world, 10);
     uint32_t top = add_stack(world, 20);
-    steps(world, 120);
-    daft_dvec3 start = state_of(world, top).position;
-    double worst = 0;
-    for (int i = 0; i < 36000; i++) {
-        steps(world, 1);
-        worst = fmax(worst, sideways(state_of(world, top).position));
-    }
-    daft_dvec3 end = state_of(world, top).position;
-    print_message("top at most %g mm off, sank %g mm\n", 1000 * worst, 1000 * (start.y - end.y));
-    assert_true(worst < 0.002 && start.y - end.y < 0.002 && end.y > 19.4);
+    double worst = most_drift(world, top, 36000);
+    print_message("top at most %g mm from where it was put\n", 1000 * worst);
+    assert_true(worst < 0.002);
     assert_false(daft_world_is_awake(world, top));
     daft_world_destroy(world);
 }
@@ -60,13 +65,9 @@ static void fifty_boxes_stand_a_minute(void **unused)
     daft_world *world = new_world();
     add_floor(world, 10);
     uint32_t top = add_stack(world, 50);
-    double worst = 0;
-    for (int i = 0; i < 3600; i++) {
-        steps(world, 1);
-        worst = fmax(worst, sideways(state_of(world, top).position));
-    }
-    print_message("top at most %g mm off\n", 1000 * worst);
-    assert_true(worst < 0.02 && state_of(world, top).position.y > 49);
+    double worst = most_drift(world, top, 3600);
+    print_message("top at most %g mm from where it was put\n", 1000 * worst);
+    assert_true(worst < 0.02);
     assert_false(daft_world_is_awake(world, top));
     daft_world_destroy(world);
 }
@@ -92,28 +93,54 @@ static void a_pyramid_of_thirty_rows_stands(void **unused)
             fastest = fmax(fastest, speed_of(s));
         }
     print_message("slid at most %g mm, sank %g mm, fastest %g m/s\n", 1000 * slid, 1000 * sank, fastest);
-    assert_true(slid < 0.02 && sank < 0.1 && fastest < 0.01);
+    assert_true(slid < 0.02 && sank < 0.01 && fastest < 0.01);
     daft_world_destroy(world);
 }
 
 static void heavy_on_light_holds(void **unused)
 {
     (void)unused;
+    const float ratios[] = {100, 1000};
+    const double most[] = {0.001, 0.04}; /* m */
+    for (int k = 0; k < 2; k++) {
+        daft_world *world = new_world();
+        daft_world_set_sleeping(world, false);
+        add_floor(world, 10);
+        one_shape top = dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0, 1.5, 0);
+        top.density = 1000 * ratios[k];
+        uint32_t light = add(world, dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0, 0.5, 0)), heavy = add(world, top);
+        double lowest = 1, highest = 0, sank = 0;
+        for (int i = 0; i < 1200; i++) {
+            steps(world, 1);
+            lowest = fmin(lowest, state_of(world, light).position.y);
+            highest = fmax(highest, state_of(world, light).position.y);
+            sank = fmax(sank, 1.5 - state_of(world, heavy).position.y);
+        }
+        print_message("%g:1: light one %g to %g m, heavy one sank %g m\n", (double)ratios[k], lowest, highest, sank);
+        assert_true(lowest > 0.49 && highest < 0.51 && sank < most[k]);
+        daft_world_destroy(world);
+    }
+}
+
+/* Contacts that carried much were given room for that; it must go with the load, without a throw. */
+static void what_loses_its_load_settles(void **unused)
+{
+    (void)unused;
     daft_world *world = new_world();
     daft_world_set_sleeping(world, false);
     add_floor(world, 10);
-    one_shape top = dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0, 1.5, 0);
-    top.density = 100000;
-    uint32_t light = add(world, dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0, 0.5, 0)), heavy = add(world, top);
-    double lowest = 1, highest = 0;
-    for (int i = 0; i < 1200; i++) {
+    uint32_t ids[20];
+    for (int i = 0; i < 20; i++) ids[i] = add(world, dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0, 0.5 + i, 0));
+    steps(world, 60);
+    for (int i = 2; i < 20; i++) daft_world_remove(world, ids[i]);
+    double highest = 0;
+    for (int i = 0; i < 120; i++) {
         steps(world, 1);
-        lowest = fmin(lowest, state_of(world, light).position.y);
-        highest = fmax(highest, state_of(world, light).position.y);
+        highest = fmax(highest, state_of(world, ids[1]).position.y - 1.5);
     }
-    double sank = 1.5 - state_of(world, heavy).position.y;
-    print_message("100:1: light one %g to %g m, heavy one sank %g m\n", lowest, highest, sank);
-    assert_true(lowest > 0.49 && highest < 0.55 && sank < 0.5);
+    daft_sim_state s = state_of(world, ids[1]);
+    print_message("rose by %g mm, ends %g mm high\n", 1000 * highest, 1000 * (s.position.y - 1.5));
+    assert_true(highest < 0.01 && fabs(s.position.y - 1.5) < 0.001 && speed_of(s) < 1e-3);
     daft_world_destroy(world);
 }
 
@@ -274,6 +301,7 @@ int main(void)
         cmocka_unit_test(fifty_boxes_stand_a_minute),
         cmocka_unit_test(a_pyramid_of_thirty_rows_stands),
         cmocka_unit_test(heavy_on_light_holds),
+        cmocka_unit_test(what_loses_its_load_settles),
         cmocka_unit_test(a_heavy_ball_on_a_chain_does_not_stretch_it),
         cmocka_unit_test(a_spinning_handle_flips_for_ever),
         cmocka_unit_test(a_pendulum_keeps_its_energy),

@@ -2,7 +2,7 @@
  * share no body that yields, so they can be solved side by side (graph colouring as in Box2D v3). Each constraint takes
  * the lowest colour that is free at both its bodies, in the order of the listing; so the colours of one heap are its
  * own, whatever else is in the world. Contacts with what does not yield come last: the solver ends with what cannot
- * give way. */
+ * give way. Contacts of bodies made at rest are given the depth at which they carry what lies on them. */
 #include "sim/solver.h"
 
 #include <string.h>
@@ -100,10 +100,18 @@ static bool count_colour(daft_world *world, uint32_t colour, uint32_t class, uin
     return true;
 }
 
+/* New, between bodies that have not moved yet. */
+static bool wants_seat(const daft_world *world, daft_sim_touch *touch, uint32_t patch)
+{
+    const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
+    return !daft_sim_patches(touch)[patch].seated && daft_sim_is_zero(a->linear) && daft_sim_is_zero(a->angular) &&
+           daft_sim_is_zero(b->linear) && daft_sim_is_zero(b->angular);
+}
+
 static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
 {
     daft_sim_solver *s = world->solver;
-    s->constraint_count = 0;
+    s->constraint_count = s->unseated_count = 0;
     for (size_t i = 0; i < world->listed.count; i++) {
         uint32_t index = world->listed.items[i].touch;
         const daft_sim_touch *touch = &world->touches[index];
@@ -118,9 +126,11 @@ static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
         for (uint32_t k = 0; k < touch->patch_count; k++) {
             uint32_t class = !yields(world, b), colour = take_colour(s, a, b, class);
             if (!count_colour(world, colour, class, most)) return false;
+            s->unseated_count += wants_seat(world, &world->touches[index], k);
             s->constraints[s->constraint_count++] = (daft_sim_constraint){index, k, a, b, colour << 1 | class};
         }
     }
+    s->contact_count = (uint32_t)s->constraint_count;
     return true;
 }
 
@@ -294,13 +304,15 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     for (uint32_t i = 0; i < patch->count; i++) {
         daft_sim_block_point *p = &block->point[i];
         put3(p->arm_a, lane, patch->points[i].anchor);
-        p->separation[lane] = patch->points[i].separation;
+        p->separation[lane] = patch->points[i].separation - patch->seat;
         p->impulse[lane] = patch->points[i].impulse;
     }
 }
 
-/* The springs of contacts (Catto), heavily overdamped: 37.7 Hz at 240 substeps a second. Stiffer ones make a pyramid
- * sway, since the passes do not converge fast enough; softer ones let a column buckle before it sleeps (its critical
+/* The springs of contacts (Catto), heavily overdamped: 37.7 Hz at 240 substeps a second. One pass changes an impulse
+ * by a share of what is wrong, so what is not solved fully acts as a spring of its own, without damping: it stays
+ * stable as long as a contact forgets (soft_impulse / h) faster than it pushes (soft_mass·rate), which is
+ * h·2π·hertz < 1. Stiffer ones make a pyramid sway; softer ones let a column buckle before it sleeps (its critical
  * height grows with hertz^(2/3)). Against what does not yield overlap is undone faster and
  * the impulse is rigid. */
 #define HERTZ_SHARE       0.157f /* of the substeps' rate */
@@ -332,6 +344,42 @@ void daft_sim_block_fill(daft_world *world, uint32_t index, float dt)
     for (int lane = 0; lane < lanes; lane++) fill_lane(world, block, lane, &slots[lane], soft);
 }
 
+/* A heap that is made at rest would sink until its springs carry it, a column of 50 by a hundredth of its height, and
+ * has little time to come to rest before it buckles. So what each contact will carry is found before the first step,
+ * and the zero of its spring, its "seat", is put where it carries that at the depth it was made with. A seat is a
+ * constant: springs that learned it as they go would lag, and a pyramid sway. */
+#define MAX_SEAT    0.25f /* m */
+#define SEAT_SHARE  0.5f  /* of the load that a seat was made for: with less it goes */
+#define SEAT_LEAVES 0.2f /* of what is too much, in a step */
+
+/* How far the spring has to give way to carry what it carries now. */
+static float compression(const daft_sim_block *block, int lane)
+{
+    float impulse = 0, mass = 0, soft = block->soft_mass[lane] * block->rate[lane];
+    for (int i = 0; i < block->points; i++) {
+        impulse += block->point[i].impulse[lane];
+        if (block->point[i].separation[lane] < 1e19f) mass += block->point[i].mass[lane];
+    }
+    return mass > 0 && soft > 0 ? block->soft_impulse[lane] * impulse / (mass * soft) : 0;
+}
+
+static void seat_lane(const daft_sim_block *block, int lane, daft_sim_patch *patch)
+{
+    patch->seat = daft_sim_min(compression(block, lane), MAX_SEAT);
+    for (uint32_t i = 0; i < patch->count; i++) patch->points[i].impulse = block->point[i].impulse[lane];
+}
+
+void daft_sim_block_seat(daft_world *world, uint32_t index)
+{
+    daft_sim_block *block = &world->solver->blocks[index];
+    const daft_sim_slot *slots = &world->solver->slots[(size_t)index * DAFT_SIM_LANES];
+    for (int lane = 0; lane < block->lanes; lane++) {
+        daft_sim_touch *touch = &world->touches[slots[lane].touch];
+        if (wants_seat(world, touch, slots[lane].patch))
+            seat_lane(block, lane, &daft_sim_patches(touch)[slots[lane].patch]);
+    }
+}
+
 static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)
 {
     daft_vec3 n = get3(block->normal, lane), t = get3(block->tangent, lane), u = daft_cross(n, t);
@@ -341,6 +389,11 @@ static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)
     patch->slip = daft_add(daft_scale(t, block->slip[0][lane]), daft_scale(u, block->slip[1][lane]));
     patch->twist_slip = block->twist_slip[lane];
     patch->rolling_impulse = get3(block->rolling_impulse, lane);
+    patch->seated = true;
+    if (patch->seat > 0) {
+        float needed = compression(block, lane);
+        if (needed < SEAT_SHARE * patch->seat) patch->seat -= SEAT_LEAVES * (patch->seat - needed);
+    }
     patch->total_impulse = 0;
     patch->speed = 0;
     for (uint32_t i = 0; i < patch->count; i++) {

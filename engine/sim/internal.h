@@ -173,6 +173,10 @@ typedef struct daft_sim_patch {
      * back by it, so that a stack does not creep. */
     daft_vec3 slip;
     float twist_slip;
+    /* How far its spring gives way under the load it was made with, 0 or more: bodies set down at rest stay at the
+     * depth they were given (solver.c). `seated`: that has been found. */
+    float seat;
+    uint32_t seated;
     float total_impulse; /* normal, summed over the step */
     float speed;         /* with which they met, 0 or more */
     daft_shape_part part_a, part_b;

@@ -204,8 +204,8 @@ static bool check_patches(daft_sim_touch *t)
         const float numbers[] = {p->normal.x,           p->normal.y,           p->normal.z,          p->twist_impulse,
                                  p->friction_impulse.x, p->friction_impulse.y, p->friction_impulse.z, p->twist_slip,
                                  p->rolling_impulse.x,  p->rolling_impulse.y,  p->rolling_impulse.z, p->slip.x,
-                                 p->slip.y,             p->slip.z,             p->total_impulse,     p->speed};
-        if (!all_finite(numbers, DAFT_COUNT_OF(numbers))) return false;
+                                 p->slip.y,             p->slip.z,             p->total_impulse,     p->speed,            p->seat};
+        if (!all_finite(numbers, DAFT_COUNT_OF(numbers)) || p->seat < 0 || p->seated > 1) return false;
         for (uint32_t k = 0; k < p->count; k++) {
             const daft_sim_patch_point *q = &p->points[k];
             if (!daft_finite3(q->anchor) || !isfinite(q->separation) || !isfinite(q->impulse)) return false;

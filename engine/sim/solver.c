@@ -231,6 +231,30 @@ static void fill_rows(daft_world *world, float dt)
     }
 }
 
+/* ---- what is made at rest ---- */
+
+enum {
+    SEAT_PASSES = 4000, /* a column of 50 needs them: it takes the square of its height */
+    SEAT_WORK = 40000   /* most blocks solved, so that a large heap takes a moment only */
+};
+
+/* Where most contacts are new and their bodies have not moved yet, the impulses that keep them at rest. */
+static void seat(daft_world *world, const context *c)
+{
+    daft_sim_solver *s = world->solver;
+    if (s->unseated_count == 0 || 2 * s->unseated_count < s->contact_count) return;
+    uint32_t dynamic = 1 + s->mover_count, passes = SEAT_WORK / s->block_count;
+    if (passes > SEAT_PASSES) passes = SEAT_PASSES;
+    fill_rows(world, c->dt);
+    for (uint32_t i = 0; i < s->block_count; i++) daft_sim_block_fill(world, i, c->dt);
+    s->kernels->prepare(&s->rows, s->blocks, s->block_count);
+    s->kernels->gain(&s->rows, dynamic, s->row_count - dynamic, c->substep.h);
+    for (uint32_t pass = 0; pass < passes; pass++)
+        for (uint32_t i = 0; i < s->colour_count; i++)
+            s->kernels->solve(&s->rows, s->blocks + s->colours[i].first, s->colours[i].count, &c->substep, false);
+    for (uint32_t i = 0; i < s->block_count; i++) daft_sim_block_seat(world, i);
+}
+
 /* Rows of what bodies rotate by: they turn the velocity's other half too. */
 void daft_sim_solve(daft_world *world, float dt)
 {
@@ -239,6 +263,7 @@ void daft_sim_solve(daft_world *world, float dt)
     c.substep.h = dt / (float)world->substeps;
     c.substep.inv_h = (float)world->substeps / dt;
     c.substep.push_speed = PUSH_SPEED;
+    seat(world, &c);
     fill_rows(world, dt);
     daft_sim_stages_clear(s->stages);
     add(s, stage_fill, 0, 0, s->block_count, BLOCK_GRAIN);

@@ -134,6 +134,7 @@ struct daft_sim_solver {
         uint32_t touch, patch, row_a, row_b, colour;
     } *constraints;
     size_t constraint_capacity, constraint_count;
+    uint32_t contact_count, unseated_count; /* of contacts: new ones between bodies at rest */
     uint32_t *colour_counts;
     size_t colour_count_capacity;
 
@@ -158,6 +159,8 @@ bool daft_sim_colour_all(daft_world *world);
 /* Fills block `index` from patches, and puts the impulses back. */
 void daft_sim_block_fill(daft_world *world, uint32_t index, float dt);
 void daft_sim_block_store(daft_world *world, uint32_t index);
+/* What the impulses found for block `index` ask of its new contacts: where their springs begin. */
+void daft_sim_block_seat(daft_world *world, uint32_t index);
 
 /* ---- joint_solve.c ---- */
 
