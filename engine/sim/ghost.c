@@ -10,6 +10,7 @@
 /* How near to a body's surface a point counts as on it: a share of the moving part's size, and what rounding of its size
  * and rotation to floats may shift its surface by, as a share of its reach. */
 #define ON_SURFACE       1e-3
+#define CLIP_SLACK       6e-4 /* m: the clipping of manifolds leaves points outside a face by up to 0.5 mm */
 #define SURFACE_ROUNDING 2e-7
 
 enum { MAX_NEAR = 64 }; /* patches of one body with what does not yield; of more, those past it are left as they are */
@@ -52,7 +53,7 @@ static void keep(group *g, daft_sim_touch *touch, daft_sim_patch *patch)
 static double margin_on(const group *g, const candidate *mine, const daft_sim_part *other)
 {
     const daft_sim_part *part = &g->world->parts[mine->touch->part_a];
-    return ON_SURFACE * (double)part->reach + SURFACE_ROUNDING * (double)other->reach;
+    return CLIP_SLACK + ON_SURFACE * (double)part->reach + SURFACE_ROUNDING * (double)other->reach;
 }
 
 static bool lies_on(const group *g, uint32_t index, daft_dvec3 at, double margin)
