@@ -157,11 +157,12 @@ static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, c
  * of its own. */
 static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
 {
-    vi x0 = vi_load(b->x0), y0 = vi_load(b->y0), wide = vi_load(b->x1) - x0, high = vi_load(b->y1) - y0, one = vi_set(1);
+    vm live = vm_from_bits(b->live); /* the others' places may be anywhere */
+    vi zero = vi_set(0), one = vi_set(1);
+    vi x0 = vi_select(live, vi_load(b->x0), zero), wide = vi_select(live, vi_load(b->x1), zero) - x0;
+    vi y0 = vi_select(live, vi_load(b->y0), zero), high = vi_select(live, vi_load(b->y1), zero) - y0;
     vbits tiny = b->live & ~b->covers & ~vm_bits(vm_or(vi_lt(one, wide), vi_lt(one, high)));
     if (!tiny) return 0;
-    vm some = vm_from_bits(tiny); /* the others' places may be anywhere */
-    x0 = vi_select(some, x0, vi_set(0)), y0 = vi_select(some, y0, vi_set(0));
     vbits two_wide = vm_bits(vi_eq(wide, one)), two_high = vm_bits(vi_eq(high, one));
     vf outer = vf_set(j->exact ? -1.0f : 0.0f), sure = vf_set(j->exact ? 1 : -INFINITY), error = vf_load(b->error);
     for (int step = 0; step < 4; step++) {

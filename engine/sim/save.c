@@ -3,6 +3,7 @@
  * Every index and number is checked, so that bytes which were made up, and not only damaged ones, are an error. */
 #include "sim/internal.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #define MAGIC   0x4d495344u /* "DSIM" */
@@ -102,6 +103,38 @@ static void *take(daft_world *world, reader *r, size_t count, size_t size, size_
     return copy;
 }
 
+/* Whether every byte that stands for a truth value holds one: reading another as a bool would be undefined. `fields`:
+ * their offsets in a record. */
+static bool truths(const void *records, size_t count, size_t size, const size_t *fields, size_t field_count)
+{
+    const unsigned char *bytes = records;
+    for (size_t i = 0; i < count; i++)
+        for (size_t f = 0; f < field_count; f++)
+            if (bytes[i * size + fields[f]] > 1) return false;
+    return true;
+}
+
+#define TRUTHS(records, count, ...)                                                                                       \
+    truths(records, count, sizeof *(records), (const size_t[]){__VA_ARGS__},                                              \
+           sizeof((const size_t[]){__VA_ARGS__}) / sizeof(size_t))
+
+static bool check_truths(const daft_world *w, const header *h)
+{
+#define BODY(f)  offsetof(daft_sim_body, f)
+#define PART(f)  offsetof(daft_sim_part, f)
+#define TOUCH(f) offsetof(daft_sim_touch, f)
+#define JOINT(f) offsetof(daft_sim_joint, f)
+    return TRUTHS(w->bodies, h->bodies, BODY(bullet), BODY(may_sleep), BODY(asleep), BODY(constrained), BODY(round),
+                  BODY(has_target), BODY(follows)) &&
+           TRUTHS(w->parts, h->parts, PART(round), PART(posed), PART(sensor)) &&
+           TRUTHS(w->touches, h->touches, TOUCH(sensor), TOUCH(listed), TOUCH(owned_by_a), TOUCH(touching), TOUCH(apart)) &&
+           TRUTHS(w->joints, h->joints, JOINT(limit), JOINT(motor), JOINT(spring), JOINT(collide));
+#undef BODY
+#undef PART
+#undef TOUCH
+#undef JOINT
+}
+
 static bool read_records(daft_world *w, reader *r, const header *h)
 {
     bool good = true;
@@ -127,7 +160,7 @@ static bool read_records(daft_world *w, reader *r, const header *h)
     w->free_touch = h->free_touch, w->free_joint = h->free_joint;
     w->live_bodies = h->live_bodies, w->live_joints = h->live_joints;
     w->sleeping = h->sleeping != 0, w->substeps = h->substeps, w->gravity = h->gravity;
-    return good && r->left == 0;
+    return good && r->left == 0 && check_truths(w, h);
 }
 
 /* ---- loading: checks ---- */
