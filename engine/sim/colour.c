@@ -112,8 +112,8 @@ static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
 {
     daft_sim_solver *s = world->solver;
     s->constraint_count = s->unseated_count = 0;
-    for (size_t i = 0; i < world->listed.count; i++) {
-        uint32_t index = world->listed.items[i].touch;
+    for (size_t i = 0; i < world->met.count; i++) {
+        uint32_t index = world->met.items[i];
         const daft_sim_touch *touch = &world->touches[index];
         if (touch->sensor || touch->patch_count == 0) continue;
         uint32_t a = row_of(world, touch->body_a), b = row_of(world, touch->body_b);

@@ -207,18 +207,9 @@ static void update_sensor(const daft_world *world, daft_sim_touch *touch)
     touch->patch_count = daft_shape_overlap(swap ? &b->shape : &a->shape, swap ? &a->shape : &b->shape, &relative, 0);
 }
 
-static void update(const daft_world *world, daft_sim_touch *touch, float dt)
+static void update_patches(const daft_world *world, daft_sim_touch *touch, float dt)
 {
     const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
-    if (!daft_sim_overlap(&a->fat, &b->fat)) {
-        touch->apart = true;
-        touch->patch_count = 0;
-        return;
-    }
-    if (!daft_sim_overlap(&a->tight, &b->tight)) {
-        touch->patch_count = 0;
-        return;
-    }
     if (touch->sensor) {
         update_sensor(world, touch);
         return;
@@ -229,6 +220,20 @@ static void update(const daft_world *world, daft_sim_touch *touch, float dt)
     p.apart = daft_to_float(daft_dsub(p.a->centre, p.b->centre));
     p.margin = daft_sim_min(DAFT_SIM_MARGIN * daft_sim_min(a->reach, b->reach), DAFT_SIM_MAX_MARGIN);
     find_patches(world, touch, &p);
+}
+
+/* Tight bounds are within the fat ones. */
+static void update(const daft_world *world, daft_sim_listed *entry, float dt)
+{
+    const daft_sim_part *a = &world->parts[entry->key >> 32], *b = &world->parts[(uint32_t)entry->key];
+    daft_sim_touch *touch = &world->touches[entry->touch];
+    if (daft_sim_overlap(&a->tight, &b->tight)) {
+        update_patches(world, touch, dt);
+        if (touch->patch_count > 0) entry->state |= DAFT_SIM_LISTED_MET;
+        return;
+    }
+    if (entry->state & DAFT_SIM_LISTED_MET) touch->patch_count = 0;
+    if (!daft_sim_overlap(&a->fat, &b->fat)) entry->state |= DAFT_SIM_LISTED_APART;
 }
 
 enum { GRAIN = 64, PARALLEL_TOUCHES = 256 };
@@ -244,8 +249,7 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
     const job *j = context;
     size_t first = (size_t)index * GRAIN, end = first + GRAIN;
     if (end > j->world->listed.count) end = j->world->listed.count;
-    for (size_t i = first; i < end; i++)
-        update(j->world, &j->world->touches[j->world->listed.items[i].touch], j->dt);
+    for (size_t i = first; i < end; i++) update(j->world, &j->world->listed.items[i], j->dt);
 }
 
 /* Touches of what is not convex have many manifolds. */

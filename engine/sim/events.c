@@ -195,8 +195,8 @@ void daft_sim_report(daft_world *world)
 {
     if (world->sleep_changed) report_sleepers(world);
     world->report_count = world->report_asleep;
-    for (size_t i = 0; i < world->listed.count; i++) {
-        daft_sim_touch *touch = &world->touches[world->listed.items[i].touch];
+    for (size_t i = 0; i < world->met.count; i++) {
+        daft_sim_touch *touch = &world->touches[world->met.items[i]];
         tell_change(world, touch);
         if (touch->touching && !touch->sensor) fill_contact(world, touch, &world->report[world->report_count++]);
     }

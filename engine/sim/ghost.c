@@ -182,20 +182,30 @@ static void squeeze(daft_sim_touch *touch)
     touch->patch_count = kept;
 }
 
+static bool is_fixed(const daft_world *world, const daft_sim_touch *touch)
+{
+    return touch->patch_count > 0 && !touch->sensor && world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC;
+}
+
+/* A contact is a ghost beside another one only, and the way out matters for balls only. */
+static bool needs_filter(const daft_world *world, const daft_sim_body *body)
+{
+    bool ball = false;
+    for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
+        ball |= world->parts[i].shape.type == DAFT_GEOMETRY_SPHERE;
+    return body->fixed_met > 1 || ball;
+}
+
 static void filter_body(daft_world *world, uint32_t index)
 {
-    const daft_sim_body *body = &world->bodies[index];
+    daft_sim_body *body = &world->bodies[index];
     group g = {.world = world};
-    uint32_t touches = 0;
-    for (uint32_t e = body->first_touch; e != DAFT_SIM_NONE; e = world->touches[e >> 1].next[e & 1]) {
-        const daft_sim_touch *touch = &world->touches[e >> 1];
-        touches += touch->patch_count > 0 && !touch->sensor && !(e & 1) &&
-                   world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC;
-    }
-    if (touches == 0) return;
+    bool needed = needs_filter(world, body);
+    body->fixed_met = 0;
+    if (!needed) return;
     for (uint32_t e = body->first_touch; e != DAFT_SIM_NONE; e = world->touches[e >> 1].next[e & 1]) {
         daft_sim_touch *touch = &world->touches[e >> 1];
-        if (touch->sensor || e & 1 || world->bodies[touch->body_b].kind == DAFT_BODY_DYNAMIC) continue;
+        if (e & 1 || !is_fixed(world, touch)) continue;
         for (uint32_t i = 0; i < touch->patch_count; i++) keep(&g, touch, &daft_sim_patches(touch)[i]);
     }
     for (int i = 0; i < g.count; i++)
@@ -212,12 +222,23 @@ static void filter_range(void *context, uint32_t index, uint32_t worker)
     (void)worker;
     daft_world *world = context;
     size_t first = (size_t)index * GRAIN, end = first + GRAIN;
-    if (end > world->awake.count) end = world->awake.count;
-    for (size_t i = first; i < end; i++) filter_body(world, world->awake.items[i]);
+    if (end > world->ghosts.count) end = world->ghosts.count;
+    for (size_t i = first; i < end; i++) filter_body(world, world->ghosts.items[i]);
 }
 
-void daft_sim_ghosts_drop(daft_world *world)
+bool daft_sim_ghosts_drop(daft_world *world)
 {
-    uint32_t tasks = (uint32_t)((world->awake.count + GRAIN - 1) / GRAIN);
-    daft_parallel_for(world->awake.count >= PARALLEL_BODIES ? world->workers : 1, tasks, filter_range, world);
+    daft_sim_list *bodies = &world->ghosts;
+    if (!daft_grow(&world->allocator, &bodies->items, &bodies->capacity, world->awake.count, 0, sizeof *bodies->items))
+        return false;
+    bodies->count = 0;
+    for (size_t i = 0; i < world->met.count; i++) {
+        const daft_sim_touch *touch = &world->touches[world->met.items[i]];
+        daft_sim_body *body = &world->bodies[touch->body_a];
+        if (!is_fixed(world, touch) || body->asleep) continue;
+        if (body->fixed_met++ == 0) bodies->items[bodies->count++] = touch->body_a;
+    }
+    uint32_t tasks = (uint32_t)((bodies->count + GRAIN - 1) / GRAIN);
+    daft_parallel_for(bodies->count >= PARALLEL_BODIES ? world->workers : 1, tasks, filter_range, world);
+    return true;
 }

@@ -153,6 +153,7 @@ typedef struct daft_sim_body {
     float rest;    /* seconds it has hardly moved */
 
     uint32_t state;  /* in this step's solver; 0: does not move */
+    uint32_t fixed_met; /* scratch of ghost.c: touches with what does not yield */
     uint32_t island; /* scratch: parent in the union-find */
 } daft_sim_body;
 
@@ -191,7 +192,6 @@ typedef struct daft_sim_touch {
     bool listed;
     bool owned_by_a;
     bool touching; /* as events tell it */
-    bool apart;    /* its fat bounds meet no longer */
     daft_pair_cache cache;
     float friction, static_friction, restitution, rolling; /* rolling in metres */
     uint32_t patch_count;
@@ -216,11 +216,18 @@ typedef struct daft_sim_joint {
     daft_vec3 spin[2];   /* angular velocities as the last substep began */
 } daft_sim_joint;
 
-/* Touches in the order of keys: part a, then part b. */
+/* Touches in the order of keys: part a, then part b. Most of those listed have bounds that meet and no more: what a
+ * step asks of them is in the entry, so that their records are left alone. */
 typedef struct daft_sim_listed {
     uint64_t key;
     uint32_t touch;
+    uint32_t state;
 } daft_sim_listed;
+
+enum {
+    DAFT_SIM_LISTED_MET = 1,  /* it may have patches, or be touching as events tell it */
+    DAFT_SIM_LISTED_APART = 2 /* its fat bounds meet no longer: it goes when the listing is next updated */
+};
 
 typedef struct daft_sim_listing {
     daft_sim_listed *items;
@@ -258,6 +265,10 @@ struct daft_world {
     daft_sim_list movers; /* kinematic bodies with a target or a velocity */
     daft_sim_list moved;  /* parts to be asked for new pairs */
     daft_sim_listing listed, fresh_listed, merged;
+    bool listing_stale;   /* some listed are apart, or have no active side any more */
+    daft_sim_list met;    /* touches of the listing that have patches or are touching, in its order */
+    daft_sim_list ghosts; /* bodies that met what does not yield, in this step */
+    uint32_t asleep_count; /* bodies */
     uint32_t *pair_slots; /* hash set of touches by their parts; DAFT_SIM_NONE: empty */
     size_t pair_slot_count;
     uint32_t live_touches;
@@ -359,6 +370,8 @@ void daft_sim_touches_remove(daft_world *world, uint32_t body);
 void daft_sim_touches_list(daft_world *world, uint32_t body);
 /* Takes out what is gone or asleep and merges what is new. False when memory is out. */
 bool daft_sim_listing_update(daft_world *world);
+/* Finds which of the listed have met. False when memory is out. */
+bool daft_sim_met_update(daft_world *world);
 /* Whether two parts may touch at all. */
 bool daft_sim_may_meet(const daft_world *world, uint32_t part_a, uint32_t part_b);
 /* For loading: enters a touch that stands in its slot into lists and set. False if its pair is there already. */
@@ -373,8 +386,8 @@ void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch);
 
 /* ---- ghost.c ---- */
 
-/* Contacts with inner edges and walls go. */
-void daft_sim_ghosts_drop(daft_world *world);
+/* Contacts with inner edges and walls go. False when memory is out. */
+bool daft_sim_ghosts_drop(daft_world *world);
 
 /* ---- sleep.c ---- */
 

@@ -116,7 +116,8 @@ static void list_touch(daft_world *world, uint32_t index)
     daft_sim_touch *touch = &world->touches[index];
     if (touch->listed) return;
     touch->listed = true;
-    world->fresh_listed.items[world->fresh_listed.count++] = (daft_sim_listed){daft_sim_touch_key(touch), index};
+    uint32_t state = touch->patch_count > 0 || touch->touching ? DAFT_SIM_LISTED_MET : 0;
+    world->fresh_listed.items[world->fresh_listed.count++] = (daft_sim_listed){daft_sim_touch_key(touch), index, state};
 }
 
 static bool is_dynamic(const daft_world *world, uint32_t part)
@@ -391,22 +392,33 @@ static int by_key(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static bool stays(daft_world *world, daft_sim_listed entry)
+static bool stays(daft_world *world, const daft_sim_listed *entry)
 {
-    daft_sim_touch *touch = &world->touches[entry.touch];
-    if (touch->part_a == DAFT_SIM_NONE || daft_sim_touch_key(touch) != entry.key) return false;
-    if (touch->apart) {
-        daft_sim_touch_remove(world, entry.touch);
+    if (entry->state & DAFT_SIM_LISTED_APART) {
+        daft_sim_touch_remove(world, entry->touch);
         return false;
     }
+    daft_sim_touch *touch = &world->touches[entry->touch];
     touch->listed = daft_sim_is_active(&world->bodies[touch->body_a]) ||
                     daft_sim_is_active(&world->bodies[touch->body_b]);
     return touch->listed;
 }
 
+static void thin_out(daft_world *world)
+{
+    daft_sim_listing *listed = &world->listed;
+    size_t kept = 0;
+    for (size_t i = 0; i < listed->count; i++)
+        if (stays(world, &listed->items[i])) listed->items[kept++] = listed->items[i];
+    listed->count = kept;
+    world->listing_stale = false;
+}
+
 bool daft_sim_listing_update(daft_world *world)
 {
     daft_sim_listing *old = &world->listed, *fresh = &world->fresh_listed, *merged = &world->merged;
+    if (world->listing_stale) thin_out(world);
+    if (fresh->count == 0) return true;
     if (!daft_grow(&world->allocator, &merged->items, &merged->capacity, old->count + fresh->count, 0,
                    sizeof *merged->items))
         return false;
@@ -415,12 +427,31 @@ bool daft_sim_listing_update(daft_world *world)
     merged->count = 0;
     while (i < old->count || k < fresh->count) {
         bool first = k == fresh->count || (i < old->count && old->items[i].key < fresh->items[k].key);
-        daft_sim_listed next = first ? old->items[i++] : fresh->items[k++];
-        if (stays(world, next)) merged->items[merged->count++] = next;
+        merged->items[merged->count++] = first ? old->items[i++] : fresh->items[k++];
     }
     fresh->count = 0;
     daft_sim_listing swap = *old;
     *old = *merged;
     *merged = swap;
+    return true;
+}
+
+bool daft_sim_met_update(daft_world *world)
+{
+    daft_sim_list *met = &world->met;
+    if (!daft_grow(&world->allocator, &met->items, &met->capacity, world->listed.count, 0, sizeof *met->items))
+        return false;
+    met->count = 0;
+    for (size_t i = 0; i < world->listed.count; i++) {
+        daft_sim_listed *entry = &world->listed.items[i];
+        if (entry->state == 0) continue;
+        world->listing_stale |= entry->state & DAFT_SIM_LISTED_APART;
+        if (entry->state & DAFT_SIM_LISTED_APART) continue;
+        const daft_sim_touch *touch = &world->touches[entry->touch];
+        if (touch->patch_count > 0 || touch->touching)
+            met->items[met->count++] = entry->touch;
+        else
+            entry->state = 0;
+    }
     return true;
 }

@@ -127,7 +127,7 @@ static bool check_truths(const daft_world *w, const header *h)
     return TRUTHS(w->bodies, h->bodies, BODY(bullet), BODY(may_sleep), BODY(asleep), BODY(constrained), BODY(round),
                   BODY(has_target), BODY(follows)) &&
            TRUTHS(w->parts, h->parts, PART(round), PART(posed), PART(sensor)) &&
-           TRUTHS(w->touches, h->touches, TOUCH(sensor), TOUCH(listed), TOUCH(owned_by_a), TOUCH(touching), TOUCH(apart)) &&
+           TRUTHS(w->touches, h->touches, TOUCH(sensor), TOUCH(listed), TOUCH(owned_by_a), TOUCH(touching)) &&
            TRUTHS(w->joints, h->joints, JOINT(limit), JOINT(motor), JOINT(spring), JOINT(collide));
 #undef BODY
 #undef PART
@@ -203,6 +203,8 @@ static bool check_body(daft_world *w, uint32_t index)
     b->centre = centre;
     b->first_touch = b->first_joint = b->list_slot = DAFT_SIM_NONE;
     b->locks &= DAFT_LOCK_ROTATION;
+    b->fixed_met = 0;
+    w->asleep_count += b->asleep;
     return true;
 }
 

@@ -14,6 +14,7 @@ static void wake_one(daft_world *world, uint32_t index)
 {
     daft_sim_body *body = &world->bodies[index];
     body->asleep = false;
+    world->asleep_count--;
     world->sleep_changed = true;
     body->ring = index;
     body->rest = 0;
@@ -58,8 +59,8 @@ void daft_sim_wake_all(daft_world *world)
 
 void daft_sim_wake_met(daft_world *world)
 {
-    for (size_t i = 0; i < world->listed.count; i++) {
-        const daft_sim_touch *touch = &world->touches[world->listed.items[i].touch];
+    for (size_t i = 0; i < world->met.count && world->asleep_count > 0; i++) {
+        const daft_sim_touch *touch = &world->touches[world->met.items[i]];
         if (touch->patch_count == 0 || touch->sensor) continue;
         uint32_t a = touch->body_a, b = touch->body_b;
         daft_sim_wake(world, a);
@@ -94,8 +95,8 @@ static void find_islands(daft_world *world)
 {
     for (size_t i = 0; i < world->awake.count; i++)
         world->bodies[world->awake.items[i]].island = world->awake.items[i];
-    for (size_t i = 0; i < world->listed.count; i++) {
-        const daft_sim_touch *touch = &world->touches[world->listed.items[i].touch];
+    for (size_t i = 0; i < world->met.count; i++) {
+        const daft_sim_touch *touch = &world->touches[world->met.items[i]];
         if (touch->patch_count > 0 && !touch->sensor && !world->bodies[touch->body_a].asleep &&
             !world->bodies[touch->body_b].asleep)
             join(world, touch->body_a, touch->body_b);
@@ -119,8 +120,8 @@ static bool moves_others(const daft_world *world, uint32_t body)
 /* What lies on something that moves does not sleep, nor what a belt drives or a motor. */
 static void keep_carried_awake(daft_world *world)
 {
-    for (size_t i = 0; i < world->listed.count; i++) {
-        const daft_sim_touch *touch = &world->touches[world->listed.items[i].touch];
+    for (size_t i = 0; i < world->met.count; i++) {
+        const daft_sim_touch *touch = &world->touches[world->met.items[i]];
         if (touch->patch_count == 0 || touch->sensor) continue;
         bool belt = !daft_sim_is_zero(world->parts[touch->part_b].material.belt) ||
                     !daft_sim_is_zero(world->parts[touch->part_a].material.belt);
@@ -163,6 +164,7 @@ static void put_to_sleep(daft_world *world, uint32_t index)
 {
     daft_sim_body *body = &world->bodies[index], *root = &world->bodies[root_of(world, index)];
     body->asleep = true;
+    world->asleep_count++;
     world->sleep_changed = true;
     body->linear = body->angular = body->force = body->torque = daft_v3(0, 0, 0);
     if (body != root) {
@@ -194,7 +196,7 @@ void daft_sim_sleep_update(daft_world *world, float dt)
 
 void daft_sim_sleep_island(daft_world *world, uint32_t index)
 {
-    if (!world->sleeping) return;
+    if (!world->sleeping || !daft_sim_met_update(world)) return; /* touches may be gone since the step */
     find_islands(world);
     mark_islands(world, -1);
     uint32_t root = root_of(world, index), ready = world->bodies[root].state;

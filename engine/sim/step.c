@@ -147,8 +147,7 @@ static void count(daft_world *world, uint32_t sweeps)
     const daft_sim_solver *s = world->solver;
     daft_sim_counters *c = &world->counters;
     *c = (daft_sim_counters){.sweeps = sweeps, .pairs = (uint32_t)world->listed.count};
-    for (size_t i = 0; i < world->listed.count; i++)
-        c->contacts += world->touches[world->listed.items[i].touch].patch_count > 0;
+    for (size_t i = 0; i < world->met.count; i++) c->contacts += world->touches[world->met.items[i]].patch_count > 0;
     for (uint32_t i = 0; i < s->block_count; i++)
         for (int lane = 0; lane < s->blocks[i].lanes; lane++) {
             c->rows += 3;
@@ -166,10 +165,12 @@ static bool find_work(daft_world *world, float dt)
     for (size_t i = 0; i < world->movers.count; i++) begin_mover(&world->bodies[world->movers.items[i]], dt);
     daft_sim_broad_update(world, dt);
     if (!daft_sim_pairs_find(world) || !daft_sim_listing_update(world)) return false;
-    if (!daft_sim_contacts_update(world, dt)) return false;
-    daft_sim_ghosts_drop(world);
+    if (!daft_sim_contacts_update(world, dt) || !daft_sim_met_update(world) || !daft_sim_ghosts_drop(world))
+        return false;
     daft_sim_wake_met(world);
-    return daft_sim_listing_update(world) && daft_sim_solver_create(world) && daft_sim_colour_all(world) &&
+    bool woken = world->fresh_listed.count > 0;
+    if (!daft_sim_listing_update(world) || (woken && !daft_sim_met_update(world))) return false;
+    return daft_sim_solver_create(world) && daft_sim_colour_all(world) &&
            daft_sim_solve_reserve(world) && daft_sim_report_reserve(world) && !world->lost_event;
 }
 
