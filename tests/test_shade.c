@@ -60,6 +60,36 @@ static void encode_round_trip(void **unused)
     }
 }
 
+/* The byte of one light by the powers alone. */
+static int byte_by_powers(float light)
+{
+    vf x = vf_clamp01(vf_set(light)), curve = vf_set(1.055f) * vf_pow(x, vf_set(1 / 2.4f)) - vf_set(0.055f);
+    float encoded = lane(x) <= 0.0031308f ? lane(x) * 12.92f : lane(curve);
+    return (int)(encoded * 255 + 0.5f);
+}
+
+/* Light around each place where the byte changes, and light in between, from 0 to beyond 1. */
+static void encode_near_thresholds(void **unused)
+{
+    (void)unused;
+    enum { AROUND = 2000, COUNT = 2 * AROUND };
+    static float light[COUNT + 16];
+    static uint8_t bytes[4 * COUNT];
+    for (int step = 0; step < 256 + 64; step++) {
+        float middle = step < 256 ? daft_srgb_to_linear(((float)step + 0.5f) / 255) : (float)(step - 255) * 0.0159f;
+        int32_t bits;
+        memcpy(&bits, &middle, sizeof bits);
+        for (int i = 0; i < COUNT; i++) {
+            int32_t near = bits + (step % 2 ? 1 : 37) * (i - AROUND);
+            memcpy(&light[i], &near, sizeof near);
+        }
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            daft_shade_kernels_for(isa)->encode(light, light, light, COUNT, bytes);
+            for (int i = 0; i < COUNT; i++) assert_int_equal(bytes[4 * i + 1], byte_by_powers(light[i]));
+        }
+    }
+}
+
 static daft_batch *batch_make(uint32_t count)
 {
     daft_batch *b = calloc(1, sizeof *b);
@@ -132,7 +162,7 @@ static void sky_image(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(lane_functions), cmocka_unit_test(srgb_table),
-                                       cmocka_unit_test(encode_round_trip), cmocka_unit_test(texture_sampling),
-                                       cmocka_unit_test(sky_image)};
+                                       cmocka_unit_test(encode_round_trip), cmocka_unit_test(encode_near_thresholds),
+                                       cmocka_unit_test(texture_sampling), cmocka_unit_test(sky_image)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -230,6 +230,20 @@ DAFT_INLINE void vf_store_rows(float *p, int stride, vf v)
 #endif
 }
 
+/* table[index & 15] */
+DAFT_INLINE vf vf_lookup16(const float table[16], vi index)
+{
+#if defined(DAFT_ISA_avx512)
+    return (vf)_mm512_permutexvar_ps((__m512i)index, (__m512)vf_load(table));
+#elif defined(DAFT_ISA_avx2)
+    vf low = (vf)_mm256_permutevar8x32_ps((__m256)vf_load(table), (__m256i)index);
+    vf high = (vf)_mm256_permutevar8x32_ps((__m256)vf_load(table + 8), (__m256i)index);
+    return (vf)_mm256_blendv_ps((__m256)low, (__m256)high, (__m256)(index << 28)); /* by the lanes' sign bits */
+#else
+    return vf_gather(table, index & vi_set(15));
+#endif
+}
+
 /* The lanes of a mask, side by side; up to DAFT_VL numbers from `out` on may be written. */
 DAFT_INLINE void vf_compress(float *out, vbits lanes, vf v)
 {

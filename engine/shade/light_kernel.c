@@ -1,4 +1,4 @@
-/* Ambient, Lambert and Phong light over batches, and the way out to bytes.
+/* Ambient, Lambert and Phong light over batches.
  * Phong, "Illumination for Computer Generated Pictures" (1975): the specular term is the cosine between the mirrored light
  * and the viewer, raised to the material's shininess. */
 #include "shade/kernels.h"
@@ -112,26 +112,5 @@ static void add(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const
     }
 }
 
-/* IEC 61966-2-1. NaN becomes 0. */
-DAFT_INLINE vi encode_lanes(vf x)
-{
-    x = vf_clamp01(x);
-    vf curve = vf_set(1.055f) * vf_pow(x, vf_set(1 / 2.4f)) - vf_set(0.055f);
-    vf encoded = vf_select(vf_le(x, vf_set(0.0031308f)), x * vf_set(12.92f), curve);
-    return vi_truncate(encoded * vf_set(255) + vf_set(0.5f));
-}
-
-static void encode(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba)
-{
-    for (uint32_t i = 0; i < count; i += DAFT_VL) {
-        vi bytes = encode_lanes(vf_load(&r[i])) | encode_lanes(vf_load(&g[i])) << 8 | encode_lanes(vf_load(&b[i])) << 16 |
-                   vi_set((int32_t)0xff000000);
-        int32_t packed[DAFT_VL];
-        vi_store(packed, bytes);
-        uint32_t left = count - i < DAFT_VL ? count - i : DAFT_VL;
-        memcpy(rgba + 4 * (size_t)i, packed, 4 * (size_t)left);
-    }
-}
-
 const daft_shade_kernels DAFT_KERNEL(daft_shade) = {DAFT_KERNEL(daft_albedo),    ambient, facing, add_lamp,
-                                                    DAFT_KERNEL(daft_sky_color), add,     encode};
+                                                    DAFT_KERNEL(daft_sky_color), add,     DAFT_KERNEL(daft_encode)};
