@@ -322,11 +322,11 @@ static daft_axis_kind choose(const pair *s, best_axis a, best_axis b, best_axis 
 {
     float la = largest(s->ha), lb = largest(s->hb), even = EVEN * (la < lb ? la : lb);
     uint8_t before = cache ? cache->kind : 0;
+    float face = a.separation > b.separation ? a.separation : b.separation, beyond = daft_edges_beyond(face);
     if (before == DAFT_AXIS_NONE || before == DAFT_AXIS_EDGES) {
-        float face = a.separation > b.separation ? a.separation : b.separation;
-        if (before == DAFT_AXIS_EDGES ? e.separation > face - even && face < 0 : e.separation > face + even)
+        if (before == DAFT_AXIS_EDGES ? e.separation > beyond - even && face < 0 : e.separation > beyond + even)
             return DAFT_AXIS_EDGES;
-    } else if (e.separation > (a.separation > b.separation ? a.separation : b.separation) + 2 * even) {
+    } else if (e.separation > beyond + 2 * even) {
         return DAFT_AXIS_EDGES;
     }
     /* The larger box's face is the more exact one. */

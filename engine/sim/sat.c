@@ -358,13 +358,14 @@ daft_axis daft_sat(const daft_poly *a, const daft_poly *b, float enough, uint32_
     float face = axis_a.separation > axis_b.separation ? axis_a.separation : axis_b.separation;
     float size = a->size < b->size ? a->size : b->size, even = EVEN * size;
     uint8_t before = cache ? cache->kind : DAFT_AXIS_NONE;
-    float bias = before == DAFT_AXIS_EDGES ? -even : before == DAFT_AXIS_NONE ? even : 2 * even;
+    float beyond = daft_edges_beyond(face);
+    beyond += before == DAFT_AXIS_EDGES ? -even : before == DAFT_AXIS_NONE ? even : 2 * even;
     axis_e.kind = DAFT_AXIS_NONE, axis_e.separation = -INFINITY;
-    if (!boxed || box_edges_bound(a, b) > face + bias - 1e-5f * (a->size + b->size))
+    if (!boxed || box_edges_bound(a, b) > beyond - 1e-5f * (a->size + b->size))
         try_near_edges(a, b, face, enough, &axis_e);
     if (axis_e.separation > enough || axis_e.kind == DAFT_AXIS_CLOSEST) return axis_e;
 
-    if (axis_e.kind == DAFT_AXIS_EDGES && axis_e.separation > face + bias) return axis_e;
+    if (axis_e.kind == DAFT_AXIS_EDGES && axis_e.separation > beyond) return axis_e;
     bool prefer_b = before == DAFT_AXIS_FACE_B || (before != DAFT_AXIS_FACE_A && b->size > LARGE * a->size);
     if (axis_a.kind == DAFT_AXIS_NONE) return axis_b;
     if (axis_b.kind == DAFT_AXIS_NONE) return axis_a;
