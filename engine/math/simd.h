@@ -275,6 +275,49 @@ typedef struct vf3 {
 } vf3;
 DAFT_INLINE vf vf3_dot(vf3 a, vf3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
+/* ---- double lanes: half as many; two make up all of a vf's ---- */
+
+typedef double vd __attribute__((vector_size(DAFT_VL * 4)));
+#if defined(DAFT_ISA_avx512)
+DAFT_INLINE vd vf_half(vf a, int half)
+{
+    return (vd)_mm512_cvtps_pd(half ? _mm512_extractf32x8_ps((__m512)a, 1) : _mm512_castps512_ps256((__m512)a));
+}
+DAFT_INLINE vf vf_join(vd low, vd high)
+{
+    return (vf)_mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps((__m512d)low)), _mm512_cvtpd_ps((__m512d)high), 1);
+}
+DAFT_INLINE vd vd_sqrt(vd a) { return (vd)_mm512_sqrt_pd((__m512d)a); }
+#elif defined(DAFT_ISA_avx2)
+DAFT_INLINE vd vf_half(vf a, int half)
+{
+    return (vd)_mm256_cvtps_pd(half ? _mm256_extractf128_ps((__m256)a, 1) : _mm256_castps256_ps128((__m256)a));
+}
+DAFT_INLINE vf vf_join(vd low, vd high)
+{
+    return (vf)_mm256_set_m128(_mm256_cvtpd_ps((__m256d)high), _mm256_cvtpd_ps((__m256d)low));
+}
+DAFT_INLINE vd vd_sqrt(vd a) { return (vd)_mm256_sqrt_pd((__m256d)a); }
+#elif defined(DAFT_HAVE_X86)
+DAFT_INLINE vd vf_half(vf a, int half) { return (vd)_mm_cvtps_pd(half ? _mm_movehl_ps((__m128)a, (__m128)a) : (__m128)a); }
+DAFT_INLINE vf vf_join(vd low, vd high)
+{
+    return (vf)_mm_movelh_ps(_mm_cvtpd_ps((__m128d)low), _mm_cvtpd_ps((__m128d)high));
+}
+DAFT_INLINE vd vd_sqrt(vd a) { return (vd)_mm_sqrt_pd((__m128d)a); }
+#else
+DAFT_INLINE vd vf_half(vf a, int half) { return half ? (vd){(double)a[2], (double)a[3]} : (vd){(double)a[0], (double)a[1]}; }
+DAFT_INLINE vf vf_join(vd low, vd high) { return (vf){(float)low[0], (float)low[1], (float)high[0], (float)high[1]}; }
+DAFT_INLINE vd vd_sqrt(vd a) { return (vd){sqrt(a[0]), sqrt(a[1])}; }
+#endif
+/* 1 where a > 0, else 0. */
+DAFT_INLINE vd vd_positive(vd a)
+{
+    typedef int64_t vl __attribute__((vector_size(DAFT_VL * 4)));
+    const vd none = {0};
+    return (vd)((vl)(a > none) & (vl)(none + 1));
+}
+
 /* ---- rows of eight floats, gathered into lanes and back ---- */
 
 #ifdef DAFT_HAVE_X86

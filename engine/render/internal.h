@@ -19,6 +19,7 @@ typedef struct daft_plan {
 /* A worker's own: no lock, no allocation in a settled frame. */
 typedef struct daft_scratch {
     daft_tile tile;
+    daft_facets facets;
     daft_batch points, next;
     daft_ray_batch rays, sky;
     daft_lanes3 sky_color;

@@ -23,6 +23,25 @@ typedef struct daft_ray_batch {
     uint32_t pixel[DAFT_BATCH_ROOM];
 } daft_ray_batch;
 
+/* The different things that a batch's rays meet. Rows are the kernels' own: see render/surface.h. */
+enum { DAFT_FACET_FLOATS = 48 };
+typedef struct daft_facets {
+    uint32_t count;
+    uint32_t traits, last_material; /* of their materials: all traits; the one that was looked at last */
+    bool one_material;
+    int32_t slot[DAFT_BATCH_ROOM]; /* what each point lies on */
+    uint32_t instance[DAFT_BATCH_ROOM], triangle[DAFT_BATCH_ROOM];
+    _Alignas(64) float row[DAFT_BATCH_ROOM][DAFT_FACET_FLOATS];
+} daft_facets;
+
+/* What is seen, and what a frame asks of points beside what their materials call for. */
+typedef struct daft_surfaces_def {
+    const daft_snapshot *snapshot;
+    const daft_pencil *pencil;
+    bool shadows; /* some lamp may cast them */
+    bool reach;
+} daft_surfaces_def;
+
 /* What points may still send on: rays that are mirrored as a material or Fresnel's equations ask; and which rays, by their
  * share of the pixel, do not count any more. */
 typedef struct daft_spawning {
@@ -31,13 +50,13 @@ typedef struct daft_spawning {
 } daft_spawning;
 
 typedef struct daft_render_kernels {
-    /* The surfaces that a tile's pixels see become points of weight 1; the other pixels become rays into the sky. */
-    void (*surfaces)(const daft_snapshot *snapshot, const daft_pencil *pencil, const daft_tile *tile, daft_batch *points,
+    /* The surfaces that a tile's pixels see become points of weight 1, of which only what is asked for is set; the other
+     * pixels become rays into the sky, with directions where the sky has more than one colour. */
+    void (*surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets, daft_batch *points,
                      daft_ray_batch *sky);
-    /* Appends the point where a ray hit; `finish_hits` completes the batch after the last. */
-    void (*hit_point)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray, const daft_hit *hit,
-                      daft_batch *points);
-    void (*finish_hits)(const daft_snapshot *snapshot, daft_batch *points);
+    /* Appends the points where the rays first.. hit, all of them set; misses are left out. */
+    void (*hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first, const daft_hit *hits,
+                       uint32_t count, daft_facets *facets, daft_batch *points);
     /* Takes away the bits of the points that the instance hides from the lamp, or, with DAFT_NOTHING, that any shadow
      * caster does. Gives the number of points whose ray met its bounds, the only ones that were tested. */
     uint32_t (*shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, uint32_t instance,
@@ -55,11 +74,10 @@ typedef struct daft_render_kernels {
 DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);
 
 #ifdef DAFT_ISA
-void DAFT_KERNEL(daft_surfaces)(const daft_snapshot *snapshot, const daft_pencil *pencil, const daft_tile *tile,
-                                daft_batch *points, daft_ray_batch *sky);
-void DAFT_KERNEL(daft_hit_point)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t ray,
-                                 const daft_hit *hit, daft_batch *points);
-void DAFT_KERNEL(daft_finish_hits)(const daft_snapshot *snapshot, daft_batch *points);
+void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets, daft_batch *points,
+                                daft_ray_batch *sky);
+void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first,
+                                  const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points);
 uint32_t DAFT_KERNEL(daft_shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, uint32_t instance,
                                    uint32_t bits[DAFT_BATCH_WORDS]);
 uint32_t DAFT_KERNEL(daft_tints)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas,

@@ -161,6 +161,5 @@ static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft
     }
 }
 
-const daft_render_kernels DAFT_KERNEL(daft_render) = {DAFT_KERNEL(daft_surfaces), DAFT_KERNEL(daft_hit_point),
-                                                      DAFT_KERNEL(daft_finish_hits),
+const daft_render_kernels DAFT_KERNEL(daft_render) = {DAFT_KERNEL(daft_surfaces), DAFT_KERNEL(daft_hit_points),
                                                       DAFT_KERNEL(daft_shadows), DAFT_KERNEL(daft_tints), spawn};

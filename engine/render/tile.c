@@ -10,6 +10,7 @@ typedef struct job {
     const daft_renderer *r;
     const daft_snapshot *snapshot;
     daft_scratch *s;
+    const daft_lanes3 *color;     /* of the tile's pixels, in the end */
     double since;                 /* when the running effect began */
     bool ran[DAFT_EFFECT_COUNT];
 } job;
@@ -97,8 +98,11 @@ static const daft_lanes3 *tint_light(job *j, const daft_batch *points, const daf
 static void light_points(job *j, daft_batch *points)
 {
     const daft_snapshot *snapshot = j->snapshot;
-    if (j->r->shade->albedo(points, snapshot->materials, snapshot->textures)) ran(j, DAFT_EFFECT_TEXTURE);
-    book(j, DAFT_EFFECT_TEXTURE);
+    if (points->traits & DAFT_TRAIT_TEXTURE) {
+        j->r->shade->albedo(points, snapshot->materials, snapshot->textures);
+        ran(j, DAFT_EFFECT_TEXTURE);
+        book(j, DAFT_EFFECT_TEXTURE);
+    }
     j->r->shade->ambient(points, snapshot->materials, snapshot->ambient);
     for (uint32_t i = 0; i < snapshot->lamp_count; i++) {
         const daft_lamp *lamp = &snapshot->lamps[i];
@@ -109,17 +113,16 @@ static void light_points(job *j, daft_batch *points)
         const daft_lanes3 *passed = j->frame->plan.tints && lamp->casts_shadow ? tint_light(j, points, lamp) : NULL;
         j->r->shade->lamp(points, snapshot->materials, lamp, j->s->lit, passed);
     }
-    j->r->shade->add(&j->s->color, points->pixel, points->count, &points->weight, &points->light);
     book(j, DAFT_EFFECT_LIGHTING);
 }
 
-/* Adds the sky along rays; pixels' own rays have weight 1. */
-static void add_sky(job *j, const daft_ray_batch *rays, bool weighted)
+/* Adds the sky along rays that were followed. */
+static void add_sky(job *j, const daft_ray_batch *rays)
 {
     if (rays->count == 0) return;
     daft_scratch *s = j->s;
     j->r->shade->sky(&j->snapshot->sky, &rays->direction, rays->count, &s->sky_color);
-    j->r->shade->add(&s->color, rays->pixel, rays->count, weighted ? &rays->weight : NULL, &s->sky_color);
+    j->r->shade->add(&s->color, rays->pixel, rays->count, &rays->weight, &s->sky_color);
     ran(j, DAFT_EFFECT_SKY);
     book(j, DAFT_EFFECT_SKY);
 }
@@ -155,16 +158,14 @@ static void trace(job *j, const daft_ray_batch *rays, daft_effect_kind effect, d
 {
     daft_scratch *s = j->s;
     daft_hit hits[STREAM];
-    next->count = 0;
+    next->count = next->traits = 0, next->one_material = false;
     s->sky.count = 0;
     for (uint32_t first = 0, count; first < rays->count; first += count) {
         count = trace_some(j, rays, first, hits);
-        for (uint32_t i = 0; i < count; i++) {
+        for (uint32_t i = 0; i < count; i++)
             if (hits[i].instance == UINT32_MAX) see_sky(&s->sky, rays, first + i);
-            else j->r->kernels->hit_point(j->snapshot, rays, first + i, &hits[i], next);
-        }
+        j->r->kernels->hit_points(j->snapshot, rays, first, hits, count, &s->facets, next);
     }
-    j->r->kernels->finish_hits(j->snapshot, next);
     s->rays_cast[effect] += rays->count;
     ran(j, effect);
     book(j, effect);
@@ -177,6 +178,7 @@ static void spawn(job *j, const daft_batch *points, int depth)
     daft_spawning allowed = {plan->reflections && depth < plan->preset->reflections, plan->preset->least_weight};
     bool through = j->frame->refractions && depth < plan->preset->refractions;
     j->s->rays.count = 0;
+    if (!(points->traits & DAFT_TRAIT_SENDS)) return;
     if (allowed.mirrors || through)
         j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, through ? &j->s->refracted[depth] : NULL);
 }
@@ -191,14 +193,39 @@ static int deepest_waiting(const job *j, int depth)
     return depth;
 }
 
+/* What the pixels see without anything that is sent on. A tile full of surfaces has its points in the pixels' order, and
+ * their light is the picture. */
+static void shade_seen(job *j)
+{
+    daft_scratch *s = j->s;
+    const daft_shade_kernels *kernels = j->r->shade;
+    daft_batch *points = &s->points;
+    const daft_ray_batch *sky = &s->sky;
+    if (points->count) light_points(j, points);
+    if (sky->count == 0 && s->tile.width == DAFT_TILE && !(points->traits & DAFT_TRAIT_SENDS)) {
+        j->color = &points->light;
+        return;
+    }
+    j->color = &s->color;
+    if (points->count) kernels->put(&s->color, points->pixel, points->count, &points->light);
+    book(j, DAFT_EFFECT_LIGHTING);
+    if (sky->count == 0) return;
+    kernels->sky(&j->snapshot->sky, &sky->direction, sky->count, &s->sky_color);
+    kernels->put(&s->color, sky->pixel, sky->count, &s->sky_color);
+    ran(j, DAFT_EFFECT_SKY);
+    book(j, DAFT_EFFECT_SKY);
+}
+
 static void shade(job *j)
 {
     daft_scratch *s = j->s;
     daft_batch *points = &s->points, *next = &s->next;
-    memset(&s->color, 0, sizeof s->color);
-    add_sky(j, &s->sky, false);
+    shade_seen(j);
     for (int depth = 0;; depth++) {
-        if (points->count) light_points(j, points);
+        if (depth && points->count) {
+            light_points(j, points);
+            j->r->shade->add(&s->color, points->pixel, points->count, &points->weight, &points->light);
+        }
         spawn(j, points, depth);
         if (s->rays.count) {
             trace(j, &s->rays, DAFT_EFFECT_REFLECTION, next);
@@ -208,7 +235,7 @@ static void shade(job *j)
             trace(j, &s->refracted[depth], DAFT_EFFECT_REFRACTION, next);
             s->refracted[depth].count = 0;
         }
-        add_sky(j, &s->sky, true);
+        add_sky(j, &s->sky);
         daft_batch *done = points;
         points = next, next = done;
     }
@@ -222,7 +249,7 @@ static float clamp_unit(float x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
 static void add_sample(const job *j, int row)
 {
     const daft_tile *tile = &j->s->tile;
-    const daft_lanes3 *color = &j->s->color;
+    const daft_lanes3 *color = j->color;
     float *sum = j->r->sum + 3 * ((size_t)(tile->y + row) * (size_t)j->snapshot->width + (size_t)tile->x);
     for (int x = 0; x < tile->width; x++) {
         int at = row * DAFT_TILE + x;
@@ -247,11 +274,11 @@ static void resolve(job *j)
     const daft_snapshot *snapshot = j->snapshot;
     const daft_tile *tile = &j->s->tile;
     bool last = j->frame->sample == snapshot->samples - 1;
+    const daft_lanes3 *color = snapshot->samples > 1 ? &j->s->color : j->color;
     for (int row = 0; row < tile->height; row++) {
         if (snapshot->samples > 1) add_sample(j, row);
         if (!last) continue;
         if (snapshot->samples > 1) mean_row(j, row, 1 / (float)snapshot->samples);
-        const daft_lanes3 *color = &j->s->color;
         int at = row * DAFT_TILE;
         size_t pixel = (size_t)(tile->y + row) * (size_t)snapshot->width + (size_t)tile->x;
         j->r->shade->encode(&color->x[at], &color->y[at], &color->z[at], (uint32_t)tile->width,
@@ -304,9 +331,10 @@ void daft_render_tile(void *context, uint32_t tile, uint32_t worker)
 {
     daft_frame *frame = context;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
-    job j = {frame, frame->renderer, frame->snapshot, &frame->renderer->scratch[worker], daft_clock_ms(), {false}};
+    job j = {frame, frame->renderer, frame->snapshot, &frame->renderer->scratch[worker], NULL, daft_clock_ms(), {false}};
+    const daft_surfaces_def def = {frame->snapshot, &frame->pencil, frame->plan.shadows, frame->target->aov.depth != NULL};
     see(&j, tile, worker);
-    j.r->kernels->surfaces(j.snapshot, &frame->pencil, &j.s->tile, &j.s->points, &j.s->sky);
+    j.r->kernels->surfaces(&def, &j.s->tile, &j.s->facets, &j.s->points, &j.s->sky);
     if (j.s->points.count) ran(&j, DAFT_EFFECT_SURFACE);
     if (frame->sample == 0) write_aov(&j);
     book(&j, DAFT_EFFECT_SURFACE);

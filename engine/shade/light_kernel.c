@@ -8,9 +8,8 @@ static void ambient(daft_batch *batch, const daft_surface *materials, daft_vec3 
 {
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
         material_reader m = read_materials(batch, materials, i);
-        vf3 share = MATERIAL_COLOR(&m, ambient), glow = MATERIAL_COLOR(&m, emission), albedo = lanes_load(&batch->albedo, i);
-        vf3 light = {glow.x + share.x * albedo.x * vf_set(color.x), glow.y + share.y * albedo.y * vf_set(color.y),
-                     glow.z + share.z * albedo.z * vf_set(color.z)};
+        vf3 share = times_albedo(batch, i, MATERIAL_COLOR(&m, ambient)), glow = MATERIAL_COLOR(&m, emission);
+        vf3 light = {glow.x + share.x * vf_set(color.x), glow.y + share.y * vf_set(color.y), glow.z + share.z * vf_set(color.z)};
         lanes_store(&batch->light, i, light);
     }
 }
@@ -36,13 +35,14 @@ DAFT_INLINE vf cone_share(const daft_lamp *lamp, vf3 l)
     return t * t * (vf_set(3) - vf_set(2) * t);
 }
 
-static uint32_t facing(const daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS])
+static uint32_t facing(daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS])
 {
     uint32_t total = 0;
     memset(bits, 0, DAFT_BATCH_WORDS * sizeof bits[0]);
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
         vf3 l = to_lamp(batch, lamp, i);
         vf cosine = vf3_dot(lanes_load(&batch->normal, i), l);
+        vf_store(&batch->cosine[i], cosine);
         vbits lit = vm_bits(vf_lt(vf_set(0), cosine)) & vbits_first((int)(batch->count - i));
         if (lamp->spot && lit) lit &= vm_bits(vf_lt(vf_set(0), cone_share(lamp, l)));
         bits[i / 32] |= lit << (i % 32);
@@ -51,31 +51,30 @@ static uint32_t facing(const daft_batch *batch, const daft_lamp *lamp, uint32_t 
     return total;
 }
 
-DAFT_INLINE void add_scaled(vf3 *sum, vf3 color, vf scale)
+/* Adds Phong's highlight. */
+DAFT_INLINE void add_highlight(const daft_batch *batch, const material_reader *m, uint32_t i, vf3 l, vf cosine, vf3 *sum)
 {
-    sum->x = sum->x + color.x * scale;
-    sum->y = sum->y + color.y * scale;
-    sum->z = sum->z + color.z * scale;
+    vf3 n = lanes_load(&batch->normal, i), view = lanes_load(&batch->view, i), specular = MATERIAL_COLOR(m, specular);
+    vf mirrored = vf_set(2) * cosine * vf3_dot(n, view) - vf3_dot(l, view), zero = vf_set(0);
+    vf power = vf_select(vf_lt(zero, mirrored), vf_pow(vf_clamp01(mirrored), MATERIAL_WORD(m, shininess)), zero);
+    *sum = (vf3){sum->x + specular.x * power, sum->y + specular.y * power, sum->z + specular.z * power};
 }
 
 static void add_lamp(daft_batch *batch, const daft_surface *materials, const daft_lamp *lamp,
                      const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *passed)
 {
-    vf zero = vf_set(0), two = vf_set(2);
+    const vf zero = vf_set(0);
+    const bool specular = batch->traits & DAFT_TRAIT_SPECULAR;
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
         vbits bits = bits_at(lit, i);
         if (!bits) continue;
         material_reader m = read_materials(batch, materials, i);
-        vf3 l = to_lamp(batch, lamp, i), n = lanes_load(&batch->normal, i), view = lanes_load(&batch->view, i);
-        vf cosine = vf3_dot(n, l);
-        vf3 diffuse = MATERIAL_COLOR(&m, diffuse), specular = MATERIAL_COLOR(&m, specular), sum = {zero, zero, zero};
-        vf3 albedo = lanes_load(&batch->albedo, i);
-        add_scaled(&sum, (vf3){diffuse.x * albedo.x, diffuse.y * albedo.y, diffuse.z * albedo.z}, cosine);
-        vf mirrored = two * cosine * vf3_dot(n, view) - vf3_dot(l, view);
-        vf power = vf_pow(vf_clamp01(mirrored), MATERIAL_WORD(&m, shininess));
-        add_scaled(&sum, specular, vf_select(vf_lt(zero, mirrored), power, zero));
+        vf cosine = vf_load(&batch->cosine[i]);
+        vf3 sum = times_albedo(batch, i, MATERIAL_COLOR(&m, diffuse));
+        sum = (vf3){sum.x * cosine, sum.y * cosine, sum.z * cosine};
+        if (specular) add_highlight(batch, &m, i, to_lamp(batch, lamp, i), cosine, &sum);
         if (lamp->spot) {
-            vf share = cone_share(lamp, l);
+            vf share = cone_share(lamp, to_lamp(batch, lamp, i));
             sum = (vf3){sum.x * share, sum.y * share, sum.z * share};
         }
         if (passed) {
@@ -91,16 +90,38 @@ static void add_lamp(daft_batch *batch, const daft_surface *materials, const daf
     }
 }
 
+/* ---- from points to pixels ---- */
+
+/* Whether DAFT_VL points from i on are used and lie side by side in a row of pixels. */
+DAFT_INLINE bool in_a_row(const uint32_t *pixel, uint32_t i, uint32_t count)
+{
+    vi row = vi_iota() + vi_set((int32_t)pixel[i]);
+    return count - i >= DAFT_VL && vm_bits(vi_eq(vi_load(&pixel[i]), row)) == DAFT_ALL_LANES;
+}
+
+static void put(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *light)
+{
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        uint32_t left = count - i;
+        if (in_a_row(pixel, i, count)) {
+            lanes_store(color, pixel[i], lanes_load(light, i));
+            continue;
+        }
+        for (uint32_t k = i; k < i + DAFT_VL && k < i + left; k++) {
+            uint32_t at = pixel[k];
+            color->x[at] = light->x[k], color->y[at] = light->y[k], color->z[at] = light->z[k];
+        }
+    }
+}
+
 static void add(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,
                 const daft_lanes3 *light)
 {
-    vf one = vf_set(1);
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
-        vf3 l = lanes_load(light, i), w = weight ? lanes_load(weight, i) : (vf3){one, one, one};
+        vf3 l = lanes_load(light, i), w = lanes_load(weight, i);
         vf3 part = {l.x * w.x, l.y * w.y, l.z * w.z};
         uint32_t at = pixel[i], left = count - i;
-        vi row = vi_iota() + vi_set((int32_t)at);
-        if (left >= DAFT_VL && vm_bits(vi_eq(vi_load(&pixel[i]), row)) == DAFT_ALL_LANES) {
+        if (in_a_row(pixel, i, count)) {
             vf3 c = lanes_load(color, at);
             lanes_store(color, at, (vf3){c.x + part.x, c.y + part.y, c.z + part.z});
             continue;
@@ -113,4 +134,4 @@ static void add(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const
 }
 
 const daft_shade_kernels DAFT_KERNEL(daft_shade) = {DAFT_KERNEL(daft_albedo),    ambient, facing, add_lamp,
-                                                    DAFT_KERNEL(daft_sky_color), add,     DAFT_KERNEL(daft_encode)};
+                                                    DAFT_KERNEL(daft_sky_color), put,     add,     DAFT_KERNEL(daft_encode)};

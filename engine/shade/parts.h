@@ -19,6 +19,14 @@ DAFT_INLINE void lanes_store(daft_lanes3 *a, uint32_t i, vf3 v)
     vf_store(&a->x[i], v.x), vf_store(&a->y[i], v.y), vf_store(&a->z[i], v.z);
 }
 
+/* a times the points' albedo, which is set where some have a texture and 1 elsewhere. */
+DAFT_INLINE vf3 times_albedo(const daft_batch *batch, uint32_t i, vf3 a)
+{
+    if (!(batch->traits & DAFT_TRAIT_TEXTURE)) return a;
+    vf3 albedo = lanes_load(&batch->albedo, i);
+    return (vf3){a.x * albedo.x, a.y * albedo.y, a.z * albedo.z};
+}
+
 /* The bits of DAFT_VL points from point i on; i is a multiple of DAFT_VL. */
 DAFT_INLINE vbits bits_at(const uint32_t *bits, uint32_t i) { return bits[i / 32] >> (i % 32) & DAFT_ALL_LANES; }
 
@@ -34,6 +42,7 @@ enum { SURFACE_WORDS = sizeof(daft_surface) / sizeof(float) };
 
 DAFT_INLINE material_reader read_materials(const daft_batch *batch, const daft_surface *materials, uint32_t i)
 {
+    if (batch->one_material) return (material_reader){(const float *)materials, vi_set(0), true, batch->material[0]};
     uint32_t left = batch->count - i, first = batch->material[i];
     vi numbers = vi_load(&batch->material[i]);
     vbits used = vbits_first(left > DAFT_VL ? DAFT_VL : (int)left);

@@ -21,6 +21,17 @@ typedef struct daft_surface {
     daft_vec2 map_scale;
 } daft_surface;
 
+/* What a material's points call for beside Lambert's law. */
+enum { DAFT_TRAIT_TEXTURE = 1, DAFT_TRAIT_SPECULAR = 2, DAFT_TRAIT_SENDS = 4 /* mirrors or transmits */ };
+
+static inline uint32_t daft_surface_traits(const daft_surface *m)
+{
+    bool specular = m->specular.x != 0 || m->specular.y != 0 || m->specular.z != 0;
+    bool sends = m->mirror.x > 0 || m->mirror.y > 0 || m->mirror.z > 0 || m->transmission > 0;
+    return (m->texture != DAFT_NO_TEXTURE ? DAFT_TRAIT_TEXTURE : 0u) | (specular ? DAFT_TRAIT_SPECULAR : 0u) |
+           (sends ? DAFT_TRAIT_SENDS : 0u);
+}
+
 typedef struct daft_lamp {
     bool sun;
     bool casts_shadow;
@@ -52,6 +63,8 @@ typedef struct daft_lanes3 {
 /* Points to be shaded, in frame space. Bit sets have point i at bit i % 32 of word i / 32. */
 typedef struct daft_batch {
     uint32_t count;
+    uint32_t traits;   /* of the points' materials, all of them; where one is missing, so may be what only it calls for */
+    bool one_material; /* all points' */
     daft_lanes3 point;   /* rays that leave the surface start here: on its outer side by more than the error of the hit */
     daft_lanes3 lifted;  /* the same for shadow rays: raised off the facets to where the smooth surface would be */
     daft_lanes3 normal;  /* shading normal, unit */
@@ -68,6 +81,7 @@ typedef struct daft_batch {
     daft_lanes3 weight;              /* how much of its light arrives there */
     daft_lanes3 albedo;              /* the texture's colour, or 1 */
     daft_lanes3 light;               /* what it sends to the viewer */
+    float cosine[DAFT_BATCH_ROOM];   /* between the normal and the way to the lamp that was asked for last */
 } daft_batch;
 
 typedef struct daft_shade_kernels {
@@ -76,15 +90,16 @@ typedef struct daft_shade_kernels {
     /* light = emission + ambient. */
     void (*ambient)(daft_batch *batch, const daft_surface *materials, daft_vec3 ambient);
     /* Sets the bits of the points that the lamp could light (it is on the side the normals face, and they are in its cone);
-     * gives their number. */
-    uint32_t (*facing)(const daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS]);
-    /* Adds Lambert and Phong of one lamp for the points whose bits are set; of its light the share `passed` arrives, or
+     * gives their number. Sets the points' cosine. */
+    uint32_t (*facing)(daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS]);
+    /* Adds Lambert and Phong of the lamp that `facing` was asked for last, for the points whose bits are set; of its light the share `passed` arrives, or
      * all of it where that is NULL. */
     void (*lamp)(daft_batch *batch, const daft_surface *materials, const daft_lamp *lamp,
                  const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *passed);
     /* The sky's colour in `count` directions of any length. */
     void (*sky)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
-    /* Adds light, times its weight where that is not NULL, to the colors at the pixels' numbers. */
+    /* Sets the colors at the pixels' numbers, or adds light times its weight to them. */
+    void (*put)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *light);
     void (*add)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,
                 const daft_lanes3 *light);
     /* `count` pixels from linear light to sRGB bytes with alpha 255. */

@@ -151,6 +151,7 @@ static const stage_kind KINDS[] = {
 /* A worker's own. */
 typedef struct desk {
     daft_tile tile;
+    daft_facets facets;
     daft_batch points;
     daft_ray_batch sky;
     uint32_t lit[DAFT_BATCH_WORDS];
@@ -206,7 +207,8 @@ static void tile_task(void *context, uint32_t index, uint32_t worker)
     shadow_job *job = context;
     desk *d = &job->desks[worker];
     job->raster_kernels->tile(&job->raster, index, worker, &d->tile);
-    job->kernels->surfaces(&job->snapshot, &job->raster.pencil, &d->tile, &d->points, &d->sky);
+    const daft_surfaces_def def = {&job->snapshot, &job->raster.pencil, true, false};
+    job->kernels->surfaces(&def, &d->tile, &d->facets, &d->points, &d->sky);
     uint32_t rays = job->shade->facing(&d->points, &job->stage->lamp, d->lit);
     if (rays == 0) return;
     if (job->collect) collect_points(job, d);

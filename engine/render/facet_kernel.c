@@ -1,0 +1,234 @@
+/* The set-up of what a batch's rays meet: DAFT_VL triangles at a time, of any instances. A plane's normal and height are
+ * taken in double, so that points on it are as precise as surface_kernel.c promises. */
+#include "render/surface.h"
+
+/* What is fetched of a group's triangles, lane by lane. */
+typedef struct stage {
+    float corner[9][DAFT_VL], normal[9][DAFT_VL]; /* object space: x, y, z of corner 0, then of 1 and 2 */
+    float to_frame[12][DAFT_VL], to_object[9][DAFT_VL]; /* where instances differ */
+    float size[DAFT_VL];
+    int32_t word[DAFT_VL];
+    vbits triangles, with_normals, textured;
+    bool one_instance;
+} stage;
+
+static void add_traits(const daft_snapshot *snapshot, uint32_t material, daft_facets *f)
+{
+    if (material == f->last_material) return;
+    if (f->last_material != UINT32_MAX) f->one_material = false;
+    f->last_material = material;
+    f->traits |= daft_surface_traits(&snapshot->materials[material]);
+}
+
+static void set_sphere(const daft_instance *s, float row[DAFT_FACET_FLOATS])
+{
+    const float *t = s->to_frame.t;
+    int32_t word = (int32_t)s->materials[0] | FACET_SPHERE;
+    for (int k = 0; k < 3; k++) row[SPHERE_CENTRE + k] = t[k];
+    for (int k = 0; k < 9; k++) row[SPHERE_TURN + k] = s->to_object.m[k];
+    row[SPHERE_RADIUS] = s->radius;
+    row[FACET_SIZE] = fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2]) + s->radius;
+    memcpy(&row[FACET_WORD], &word, sizeof word);
+    row[FACET_DENSITY] = 0.225079079f / s->radius; /* the map's area is 2·pi·r by pi·r: its mean density is 1 / (sqrt(2)·pi·r) */
+}
+
+static void stage_triangle(const daft_instance *s, uint32_t triangle, int lane, stage *out)
+{
+    const daft_trimesh *mesh = s->mesh;
+    const uint32_t *corner = &mesh->indices[3 * (size_t)triangle];
+    for (int k = 0; k < 3; k++) {
+        uint32_t v = corner[k];
+        out->corner[3 * k][lane] = mesh->x[v], out->corner[3 * k + 1][lane] = mesh->y[v], out->corner[3 * k + 2][lane] = mesh->z[v];
+    }
+    out->triangles |= (vbits)1 << lane;
+    if (!mesh->normals) return;
+    const uint32_t *at = mesh->normal_indices ? &mesh->normal_indices[3 * (size_t)triangle] : corner;
+    for (int k = 0; k < 3; k++) {
+        daft_vec3 n = mesh->normals[at[k]];
+        out->normal[3 * k][lane] = n.x, out->normal[3 * k + 1][lane] = n.y, out->normal[3 * k + 2][lane] = n.z;
+    }
+    out->with_normals |= (vbits)1 << lane;
+}
+
+static void stage_maps(const daft_instance *s, int lane, stage *out)
+{
+    for (int k = 0; k < 9; k++) out->to_frame[k][lane] = s->to_frame.m[k], out->to_object[k][lane] = s->to_object.m[k];
+    for (int k = 0; k < 3; k++) out->to_frame[9 + k][lane] = s->to_frame.t[k];
+}
+
+static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t first, uint32_t count, stage *out)
+{
+    memset(out, 0, sizeof *out);
+    out->one_instance = true;
+    for (uint32_t i = 1; i < count; i++) out->one_instance &= f->instance[first + i] == f->instance[first];
+    for (uint32_t i = 0; i < count; i++) {
+        const daft_instance *s = &snapshot->instances[f->instance[first + i]];
+        uint32_t triangle = f->triangle[first + i];
+        uint32_t material = s->materials[s->mesh && s->mesh->slots ? s->mesh->slots[triangle] : 0];
+        add_traits(snapshot, material, f);
+        if (!s->mesh) {
+            set_sphere(s, f->row[first + i]);
+            continue;
+        }
+        const float *t = s->to_frame.t;
+        stage_triangle(s, triangle, (int)i, out);
+        if (!out->one_instance) stage_maps(s, (int)i, out);
+        out->size[i] = fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2]);
+        out->word[i] = (int32_t)material;
+        if (snapshot->materials[material].texture != DAFT_NO_TEXTURE) out->textured |= (vbits)1 << i;
+    }
+}
+
+/* ---- in lanes ---- */
+
+/* A group in frame space. */
+typedef struct group {
+    vf3 corner[3], normal[3], outward;
+    vf area, height, least, most;
+    vbits smooth;
+} group;
+
+static void move_group(const daft_instance *s, const stage *from, group *g)
+{
+    vf m[12], inverse[9];
+    for (int k = 0; k < 9; k++) {
+        m[k] = from->one_instance ? vf_set(s->to_frame.m[k]) : vf_load(from->to_frame[k]);
+        inverse[k] = from->one_instance ? vf_set(s->to_object.m[k]) : vf_load(from->to_object[k]);
+    }
+    for (int k = 0; k < 3; k++) m[9 + k] = from->one_instance ? vf_set(s->to_frame.t[k]) : vf_load(from->to_frame[9 + k]);
+    for (int k = 0; k < 3; k++) { /* as daft_affine_point, daft_affine_transposed and daft_normalize */
+        vf3 p = {vf_load(from->corner[3 * k]), vf_load(from->corner[3 * k + 1]), vf_load(from->corner[3 * k + 2])};
+        vf3 n = {vf_load(from->normal[3 * k]), vf_load(from->normal[3 * k + 1]), vf_load(from->normal[3 * k + 2])};
+        g->corner[k] = (vf3){((m[0] * p.x + m[1] * p.y) + m[2] * p.z) + m[9], ((m[3] * p.x + m[4] * p.y) + m[5] * p.z) + m[10],
+                             ((m[6] * p.x + m[7] * p.y) + m[8] * p.z) + m[11]};
+        n = (vf3){(inverse[0] * n.x + inverse[3] * n.y) + inverse[6] * n.z, (inverse[1] * n.x + inverse[4] * n.y) + inverse[7] * n.z,
+                  (inverse[2] * n.x + inverse[5] * n.y) + inverse[8] * n.z};
+        g->normal[k] = unit3(n);
+    }
+}
+
+typedef struct vd3 {
+    vd x, y, z;
+} vd3;
+DAFT_INLINE vd vd3_dot(vd3 a, vd3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+DAFT_INLINE vd3 half3(vf3 a, int half) { return (vd3){vf_half(a.x, half), vf_half(a.y, half), vf_half(a.z, half)}; }
+DAFT_INLINE vd3 vd3_sub(vd3 a, vd3 b) { return (vd3){a.x - b.x, a.y - b.y, a.z - b.z}; }
+DAFT_INLINE vf3 join3(const vd3 a[2]) { return (vf3){vf_join(a[0].x, a[1].x), vf_join(a[0].y, a[1].y), vf_join(a[0].z, a[1].z)}; }
+
+/* The plane's normal; a triangle without area faces the viewer. */
+DAFT_INLINE void group_planes(group *g, vf3 direction)
+{
+    vd3 outward[2];
+    vd length[2], some[2];
+    for (int half = 0; half < 2; half++) {
+        vd3 first = half3(g->corner[0], half), a = vd3_sub(half3(g->corner[1], half), first), b = vd3_sub(half3(g->corner[2], half), first);
+        vd3 cross = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+        length[half] = vd_sqrt(vd3_dot(cross, cross));
+        some[half] = vd_positive(length[half]);
+        vd scale = 1 / length[half];
+        outward[half] = (vd3){cross.x * scale, cross.y * scale, cross.z * scale};
+    }
+    vf3 back = unit3(direction);
+    back = (vf3){-back.x, -back.y, -back.z};
+    g->area = vf_join(length[0], length[1]);
+    g->outward = select3(vf_lt(vf_set(0), vf_join(some[0], some[1])), join3(outward), back);
+}
+
+DAFT_INLINE vf3 flip3(vf3 a, vm m)
+{
+    vi sign = vi_select(m, vi_set((int32_t)0x80000000), vi_set(0));
+    return (vf3){vf_xor_sign(a.x, sign), vf_xor_sign(a.y, sign), vf_xor_sign(a.z, sign)};
+}
+
+/* Turns the plane to the normals' side, finds whether they differ, then turns all of it to the viewer's. */
+DAFT_INLINE void group_sides(group *g, vf3 origin, vbits with_normals)
+{
+    vf zero = vf_set(0);
+    vf3 sum = add3(add3(add3(set3(daft_v3(0, 0, 0)), g->normal[0]), g->normal[1]), g->normal[2]);
+    vm has = vm_from_bits(with_normals);
+    g->outward = flip3(g->outward, vm_and(has, vf_lt(vf3_dot(sum, g->outward), zero)));
+    vbits smooth = 0;
+    for (int k = 0; k < 3; k++) smooth |= vm_bits(vf_lt(vf3_dot(g->normal[k], g->outward), vf_set(0.999999f)));
+    g->smooth = smooth & with_normals;
+    vd height[2];
+    for (int half = 0; half < 2; half++)
+        height[half] = vd3_dot(half3(g->outward, half), vd3_sub(half3(g->corner[0], half), half3(origin, half)));
+    g->height = vf_join(height[0], height[1]);
+    vm behind = vf_lt(zero, g->height);
+    g->outward = flip3(g->outward, behind);
+    g->height = vf_select(behind, -g->height, g->height);
+    for (int k = 0; k < 3; k++) g->normal[k] = flip3(g->normal[k], behind);
+}
+
+/* The range of t of rays along `unit`. */
+DAFT_INLINE void group_limits(group *g, vf3 origin, vf3 unit)
+{
+    g->least = vf_set(INFINITY), g->most = vf_set(-INFINITY);
+    for (int k = 0; k < 3; k++) {
+        vf along = vf3_dot(sub3(g->corner[k], origin), unit);
+        g->least = vf_min(along, g->least), g->most = vf_max(along, g->most);
+    }
+}
+
+DAFT_INLINE vf3 edge_plane(vf3 a, vf3 c)
+{
+    vf3 d = sub3(a, c), s = add3(a, c);
+    return (vf3){d.y * s.z - d.z * s.y, d.z * s.x - d.x * s.z, d.x * s.y - d.y * s.x};
+}
+
+DAFT_INLINE void put3(vf v[DAFT_FACET_FLOATS], int at, vf3 a) { v[at] = a.x, v[at + 1] = a.y, v[at + 2] = a.z; }
+
+/* Of facets that are neither smooth nor textured the first eight floats are all that is asked for. */
+static void store_group(const group *g, const stage *from, float *rows)
+{
+    enum { ROWS = DAFT_FACET_FLOATS / 8 };
+    vf v[DAFT_FACET_FLOATS];
+    int32_t row[DAFT_VL];
+    put3(v, FACET_OUTWARD, g->outward);
+    v[FACET_HEIGHT] = g->height, v[FACET_LEAST] = g->least, v[FACET_MOST] = g->most, v[FACET_SIZE] = vf_load(from->size);
+    vi word = vi_load(from->word);
+    v[FACET_WORD] = (vf)vi_select(vm_from_bits(g->smooth), word | vi_set(FACET_SMOOTH), word);
+    vi_store(row, vi_iota() * vi_set(ROWS));
+    vf_store_rows8(rows, row, v, from->triangles);
+    if (!((g->smooth | from->textured) & from->triangles)) return;
+    for (int k = 0; k < 3; k++) {
+        put3(v, FACET_EDGE + 3 * k, edge_plane(g->corner[(k + 1) % 3], g->corner[(k + 2) % 3]));
+        put3(v, FACET_NORMAL + 3 * k, g->normal[k]);
+        put3(v, FACET_CORNER + 3 * k, g->corner[k]);
+    }
+    v[FACET_DENSITY] = g->area; /* set_texture goes on from it */
+    for (int k = FACET_UV; k < FACET_UV + 4; k++) v[k] = vf_set(0);
+    for (int k = 1; k < 5; k++) vf_store_rows8(rows + 8 * k, row, v + 8 * k, from->triangles);
+}
+
+static void set_texture(const daft_trimesh *mesh, uint32_t triangle, float row[DAFT_FACET_FLOATS])
+{
+    const uint32_t *corner = &(mesh->uv_indices ? mesh->uv_indices : mesh->indices)[3 * (size_t)triangle];
+    float area = row[FACET_DENSITY];
+    daft_vec2 uv[3];
+    for (int k = 0; k < 3; k++) {
+        bool has = mesh->uvs && corner[k] != DAFT_NO_UV;
+        uv[k] = has ? mesh->uvs[corner[k]] : (daft_vec2){0, 0};
+        row[FACET_UV + 2 * k] = uv[k].x, row[FACET_UV + 2 * k + 1] = uv[k].y;
+    }
+    float ax = uv[1].x - uv[0].x, ay = uv[1].y - uv[0].y, bx = uv[2].x - uv[0].x, by = uv[2].y - uv[0].y;
+    row[FACET_DENSITY] = area > 0 ? sqrtf(fabsf(ax * by - ay * bx) / area) : 0;
+}
+
+void DAFT_KERNEL(daft_facets_setup)(const daft_snapshot *snapshot, daft_facets *facets, uint32_t first, uint32_t count,
+                                    const facet_rays *rays)
+{
+    stage from;
+    group g;
+    fetch_group(snapshot, facets, first, count, &from);
+    if (!from.triangles) return;
+    move_group(&snapshot->instances[facets->instance[first]], &from, &g);
+    group_planes(&g, rays->direction);
+    group_sides(&g, rays->origin, from.with_normals);
+    group_limits(&g, rays->origin, rays->unit);
+    store_group(&g, &from, facets->row[first]);
+    for (vbits left = from.textured; left; left &= left - 1) {
+        uint32_t at = first + (uint32_t)__builtin_ctz(left);
+        set_texture(snapshot->instances[facets->instance[at]].mesh, facets->triangle[at], facets->row[at]);
+    }
+}

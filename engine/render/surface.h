@@ -1,0 +1,64 @@
+/* What the two kernel sources of surfaces share: things that a batch's rays meet, set up. */
+#ifndef DAFT_SURFACE_H
+#define DAFT_SURFACE_H
+
+#include "math/simd.h"
+#include "render/kernels.h"
+
+/* Floats of a row of daft_facets: a triangle's, in frame space, normals unit and on the viewer's side. edge k: the plane of
+ * the eye and the edge opposite corner k; a camera ray's share of it, among the three, is the corner's weight. */
+enum {
+    FACET_OUTWARD = 0, /* the plane's normal, unit, on the viewer's side */
+    FACET_HEIGHT = 3,  /* of the plane over the rays' origin, against `outward`: 0 or less */
+    FACET_LEAST = 4,   /* a ray's t lies between: the corners' range along it */
+    FACET_MOST = 5,
+    FACET_SIZE = 6, /* sum of the instance's translation, for the spawn error; a sphere's radius on top */
+    FACET_WORD = 7, /* an integer: the material and FACET_... bits */
+    FACET_EDGE = 8,
+    FACET_NORMAL = 17,
+    FACET_CORNER = 26,
+    FACET_DENSITY = 35, /* units of uv a metre */
+    FACET_UV = 36,
+    /* a sphere's */
+    SPHERE_CENTRE = 0,
+    SPHERE_RADIUS = 3,
+    SPHERE_TURN = 8 /* the linear part of the map to object space */
+};
+
+#define FACET_SMOOTH   ((int32_t)0x80000000) /* its normals differ: the sign bit */
+#define FACET_SPHERE   ((int32_t)0x40000000)
+#define FACET_MATERIAL 0x3fffffff
+
+DAFT_INLINE vf3 set3(daft_vec3 a) { return (vf3){vf_set(a.x), vf_set(a.y), vf_set(a.z)}; }
+DAFT_INLINE vf3 add3(vf3 a, vf3 b) { return (vf3){a.x + b.x, a.y + b.y, a.z + b.z}; }
+DAFT_INLINE vf3 sub3(vf3 a, vf3 b) { return (vf3){a.x - b.x, a.y - b.y, a.z - b.z}; }
+DAFT_INLINE vf3 scale3(vf3 a, vf s) { return (vf3){a.x * s, a.y * s, a.z * s}; }
+DAFT_INLINE vf3 select3(vm m, vf3 a, vf3 b)
+{
+    return (vf3){vf_select(m, a.x, b.x), vf_select(m, a.y, b.y), vf_select(m, a.z, b.z)};
+}
+/* Zero stays zero. */
+DAFT_INLINE vf3 unit3(vf3 a)
+{
+    vf length2 = vf3_dot(a, a);
+    return scale3(a, vf_select(vf_lt(vf_set(0), length2), vf_set(1) / vf_sqrt(length2), vf_set(0)));
+}
+DAFT_INLINE vf3 load3(const daft_lanes3 *a, uint32_t at)
+{
+    return (vf3){vf_load(&a->x[at]), vf_load(&a->y[at]), vf_load(&a->z[at])};
+}
+DAFT_INLINE void store3(daft_lanes3 *out, uint32_t at, vf3 v)
+{
+    vf_store(&out->x[at], v.x), vf_store(&out->y[at], v.y), vf_store(&out->z[at], v.z);
+}
+
+/* Rays that meet a group's things. `unit` is the way along which t counts: t = 1 is as far as it is long. */
+typedef struct facet_rays {
+    vf3 origin, direction, unit;
+} facet_rays;
+
+/* Sets up the things first..first + count of the list, at most DAFT_VL; adds to the list's traits. */
+void DAFT_KERNEL(daft_facets_setup)(const daft_snapshot *snapshot, daft_facets *facets, uint32_t first, uint32_t count,
+                                    const facet_rays *rays);
+
+#endif
