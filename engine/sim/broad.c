@@ -120,4 +120,5 @@ void daft_sim_broad_update(daft_world *world, float dt)
 {
     for (size_t i = 0; i < world->awake.count; i++) update_body(world, world->awake.items[i], dt);
     for (size_t i = 0; i < world->movers.count; i++) update_body(world, world->movers.items[i], dt);
+    for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_tidy(&world->trees[i]);
 }

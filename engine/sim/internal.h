@@ -53,13 +53,15 @@ typedef daft_daabb daft_sim_bounds;
 
 static inline bool daft_sim_overlap(const daft_sim_bounds *a, const daft_sim_bounds *b)
 {
-    return a->low.x <= b->high.x && b->low.x <= a->high.x && a->low.y <= b->high.y && b->low.y <= a->high.y &&
-           a->low.z <= b->high.z && b->low.z <= a->high.z;
+    /* Without branches: which of the six fails first is anyone's guess. */
+    return (a->low.x <= b->high.x) & (b->low.x <= a->high.x) & (a->low.y <= b->high.y) & (b->low.y <= a->high.y) &
+           (a->low.z <= b->high.z) & (b->low.z <= a->high.z);
 }
 
 /* ---- the tree (tree.c) ---- */
 
-/* A height-balanced tree of bounds; leaves are parts, entered and removed one at a time. */
+/* A height-balanced tree of bounds; leaves are parts, entered and removed one at a time, and all laid out anew from time
+ * to time. */
 typedef struct daft_sim_node {
     daft_sim_bounds bounds;
     uint32_t parent; /* the next free node, where this one is free */
@@ -72,6 +74,9 @@ typedef struct daft_sim_tree {
     daft_sim_node *nodes;
     size_t capacity, used; /* used: high-water mark */
     uint32_t root, free_list, leaf_count;
+    uint32_t entered; /* leaves, since it was last laid out */
+    uint32_t *leaves; /* scratch of laying out */
+    size_t leaf_capacity;
 } daft_sim_tree;
 
 typedef void daft_sim_visit(void *context, uint32_t part);
@@ -81,6 +86,9 @@ void daft_sim_tree_init(daft_sim_tree *tree);
 bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator, uint32_t more);
 uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds, uint32_t part);
 void daft_sim_tree_remove(daft_sim_tree *tree, uint32_t leaf);
+/* Lays the tree out anew if enough of its leaves were entered one at a time since it last was: what grew so is searched
+ * twice as long. */
+void daft_sim_tree_tidy(daft_sim_tree *tree);
 /* Calls visit for every leaf that overlaps, in an order that callers must not depend on. */
 void daft_sim_tree_query(const daft_sim_tree *tree, const daft_sim_bounds *bounds, daft_sim_visit *visit,
                          void *context);
@@ -269,7 +277,7 @@ struct daft_world {
     daft_sim_list met;    /* touches of the listing that have patches or are touching, in its order */
     daft_sim_list ghosts; /* bodies that met what does not yield, in this step */
     uint32_t asleep_count; /* bodies */
-    uint32_t *pair_slots; /* hash set of touches by their parts; DAFT_SIM_NONE: empty */
+    uint64_t *pair_keys; /* hash set of the parts of all touches; UINT64_MAX: empty */
     size_t pair_slot_count;
     uint32_t live_touches;
 

@@ -26,19 +26,19 @@ static uint64_t set_key_of(const daft_sim_touch *touch) { return set_key(touch->
 
 static size_t home(const daft_world *world, uint64_t key) { return mixed(key) & (world->pair_slot_count - 1); }
 
+#define NO_PAIR UINT64_MAX
+
 /* Where the pair is, or the empty slot where it belongs. There is always an empty one. */
 static size_t find_slot(const daft_world *world, uint64_t key)
 {
     size_t at = home(world, key), mask = world->pair_slot_count - 1;
-    while (world->pair_slots[at] != DAFT_SIM_NONE && set_key_of(&world->touches[world->pair_slots[at]]) != key)
-        at = (at + 1) & mask;
+    while (world->pair_keys[at] != NO_PAIR && world->pair_keys[at] != key) at = (at + 1) & mask;
     return at;
 }
 
 static bool exists(const daft_world *world, uint32_t part_a, uint32_t part_b)
 {
-    return world->pair_slot_count > 0 &&
-           world->pair_slots[find_slot(world, set_key(part_a, part_b))] != DAFT_SIM_NONE;
+    return world->pair_slot_count > 0 && world->pair_keys[find_slot(world, set_key(part_a, part_b))] != NO_PAIR;
 }
 
 static bool grow_set(daft_world *world, size_t count)
@@ -46,15 +46,17 @@ static bool grow_set(daft_world *world, size_t count)
     size_t wanted = 64;
     while (wanted < 2 * count) wanted *= 2;
     if (wanted <= world->pair_slot_count) return true;
-    uint32_t *slots = daft_alloc(&world->allocator, wanted, sizeof *slots);
-    if (!slots) return false;
-    daft_release(&world->allocator, world->pair_slots);
-    world->pair_slots = slots;
+    uint64_t *keys = daft_alloc(&world->allocator, wanted, sizeof *keys);
+    if (!keys) return false;
+    daft_release(&world->allocator, world->pair_keys);
+    world->pair_keys = keys;
     world->pair_slot_count = wanted;
-    memset(slots, 0xff, wanted * sizeof *slots);
+    memset(keys, 0xff, wanted * sizeof *keys);
     for (uint32_t i = 0; i < world->touch_count; i++)
-        if (world->touches[i].part_a != DAFT_SIM_NONE)
-            slots[find_slot(world, set_key_of(&world->touches[i]))] = i;
+        if (world->touches[i].part_a != DAFT_SIM_NONE) {
+            uint64_t key = set_key_of(&world->touches[i]);
+            keys[find_slot(world, key)] = key;
+        }
     return true;
 }
 
@@ -64,14 +66,14 @@ static void take_from_set(daft_world *world, const daft_sim_touch *touch)
     size_t mask = world->pair_slot_count - 1, gap = find_slot(world, set_key_of(touch)), at = gap;
     for (;;) {
         at = (at + 1) & mask;
-        uint32_t next = world->pair_slots[at];
-        if (next == DAFT_SIM_NONE) break;
-        size_t wanted = home(world, set_key_of(&world->touches[next]));
+        uint64_t next = world->pair_keys[at];
+        if (next == NO_PAIR) break;
+        size_t wanted = home(world, next);
         if (((at - wanted) & mask) < ((at - gap) & mask)) continue;
-        world->pair_slots[gap] = next;
+        world->pair_keys[gap] = next;
         gap = at;
     }
-    world->pair_slots[gap] = DAFT_SIM_NONE;
+    world->pair_keys[gap] = NO_PAIR;
 }
 
 /* ---- touches ---- */
@@ -143,7 +145,8 @@ bool daft_sim_touch_enter(daft_world *world, uint32_t index)
         world->parts[touch->owned_by_a ? touch->part_a : touch->part_b].owned++;
     }
     daft_sim_touch_materials(world, touch);
-    world->pair_slots[find_slot(world, set_key_of(touch))] = index;
+    uint64_t key = set_key_of(touch);
+    world->pair_keys[find_slot(world, key)] = key;
     link_edge(world, index, 0);
     link_edge(world, index, 1);
     world->live_touches++;

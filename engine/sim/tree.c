@@ -14,7 +14,8 @@ void daft_sim_tree_init(daft_sim_tree *tree)
 bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator, uint32_t more)
 {
     size_t needed = 2 * ((size_t)tree->leaf_count + more); /* n leaves have n - 1 inner nodes */
-    return daft_grow(allocator, &tree->nodes, &tree->capacity, needed, tree->used, sizeof *tree->nodes);
+    return daft_grow(allocator, &tree->nodes, &tree->capacity, needed, tree->used, sizeof *tree->nodes) &&
+           daft_grow(allocator, &tree->leaves, &tree->leaf_capacity, needed / 2, 0, sizeof *tree->leaves);
 }
 
 static uint32_t take_node(daft_sim_tree *tree)
@@ -129,6 +130,7 @@ uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds
     uint32_t leaf = take_node(tree);
     tree->nodes[leaf] = (daft_sim_node){*bounds, DAFT_SIM_NONE, {DAFT_SIM_NONE, DAFT_SIM_NONE}, part, 0};
     tree->leaf_count++;
+    tree->entered++;
     if (tree->root == DAFT_SIM_NONE) return tree->root = leaf;
     uint32_t sibling = best_sibling(tree, bounds);
     uint32_t inner = take_node(tree);
@@ -156,19 +158,111 @@ void daft_sim_tree_remove(daft_sim_tree *tree, uint32_t leaf)
     refit_upwards(tree, above);
 }
 
+/* ---- laying out anew ---- */
+
+/* Twice the middle of a leaf along an axis. */
+static double middle_of(const daft_sim_tree *tree, uint32_t leaf, int axis)
+{
+    const daft_sim_bounds *b = &tree->nodes[leaf].bounds;
+    return (&b->low.x)[axis] + (&b->high.x)[axis];
+}
+
+/* The axis along which the middles of the leaves are spread most. */
+static int widest_axis(const daft_sim_tree *tree, const uint32_t *leaves, uint32_t count)
+{
+    int best = 0;
+    double widest = -1;
+    for (int axis = 0; axis < 3; axis++) {
+        double low = INFINITY, high = -INFINITY;
+        for (uint32_t i = 0; i < count; i++) {
+            double m = middle_of(tree, leaves[i], axis);
+            low = m < low ? m : low, high = m > high ? m : high;
+        }
+        if (high - low > widest) widest = high - low, best = axis;
+    }
+    return best;
+}
+
+/* Orders leaves so that none of the first `wanted` is beyond any of the others (Hoare's selection). */
+static void select_lower(const daft_sim_tree *tree, uint32_t *leaves, uint32_t count, uint32_t wanted, int axis)
+{
+    int64_t low = 0, high = (int64_t)count - 1;
+    while (low < high) {
+        double pivot = middle_of(tree, leaves[(low + high) / 2], axis);
+        int64_t i = low, k = high;
+        while (i <= k) {
+            while (middle_of(tree, leaves[i], axis) < pivot) i++;
+            while (middle_of(tree, leaves[k], axis) > pivot) k--;
+            if (i > k) break;
+            uint32_t swap = leaves[i];
+            leaves[i++] = leaves[k];
+            leaves[k--] = swap;
+        }
+        if ((int64_t)wanted <= k)
+            high = k;
+        else if ((int64_t)wanted >= i)
+            low = i;
+        else
+            return;
+    }
+}
+
+/* Halves all the way down: as deep as a tree of so many leaves has to be, and no deeper. */
+static uint32_t lay_out(daft_sim_tree *tree, uint32_t *leaves, uint32_t count)
+{
+    if (count == 1) return leaves[0];
+    uint32_t half = count / 2, node = take_node(tree);
+    select_lower(tree, leaves, count, half, widest_axis(tree, leaves, count));
+    const uint32_t child[2] = {lay_out(tree, leaves, half), lay_out(tree, leaves + half, count - half)};
+    tree->nodes[node] = (daft_sim_node){.child = {child[0], child[1]}, .part = DAFT_SIM_NONE};
+    tree->nodes[child[0]].parent = tree->nodes[child[1]].parent = node;
+    refit(tree, node);
+    return node;
+}
+
+enum { FEWEST_TO_LAY_OUT = 32 };
+
+void daft_sim_tree_tidy(daft_sim_tree *tree)
+{
+    if (tree->entered < tree->leaf_count || tree->leaf_count < FEWEST_TO_LAY_OUT) return;
+    uint32_t stack[STACK_DEPTH], found = 0;
+    int depth = 0;
+    stack[depth++] = tree->root;
+    while (depth > 0) {
+        uint32_t index = stack[--depth];
+        const daft_sim_node *node = &tree->nodes[index];
+        if (node->height == 0) {
+            tree->leaves[found++] = index;
+        } else {
+            stack[depth++] = node->child[0];
+            stack[depth++] = node->child[1];
+            free_node(tree, index);
+        }
+    }
+    tree->root = lay_out(tree, tree->leaves, found);
+    tree->nodes[tree->root].parent = DAFT_SIM_NONE;
+    tree->entered = 0;
+}
+
+/* ---- queries ---- */
+
 void daft_sim_tree_query(const daft_sim_tree *tree, const daft_sim_bounds *bounds, daft_sim_visit *visit, void *context)
 {
     uint32_t stack[STACK_DEPTH];
     int depth = 0;
-    if (tree->root != DAFT_SIM_NONE) stack[depth++] = tree->root;
+    if (tree->root == DAFT_SIM_NONE) return;
+    stack[0] = tree->root;
+    depth += daft_sim_overlap(&tree->nodes[tree->root].bounds, bounds);
     while (depth > 0) {
         const daft_sim_node *node = &tree->nodes[stack[--depth]];
-        if (!daft_sim_overlap(&node->bounds, bounds)) continue;
         if (node->height == 0) {
             visit(context, node->part);
-        } else {
-            stack[depth++] = node->child[0];
-            stack[depth++] = node->child[1];
+            continue;
         }
+        uint32_t left = node->child[0], right = node->child[1];
+        stack[depth] = left;
+        depth += daft_sim_overlap(&tree->nodes[left].bounds, bounds);
+        stack[depth] = right;
+        depth += daft_sim_overlap(&tree->nodes[right].bounds, bounds);
     }
 }
