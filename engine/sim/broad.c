@@ -30,16 +30,27 @@ daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t index)
     return daft_shape_bounds(&part->shape, &frame);
 }
 
+bool daft_sim_bounds_reserve(daft_world *world, size_t parts)
+{
+    const daft_allocator *a = &world->allocator;
+    size_t used = world->part_count;
+    return daft_grow(a, &world->fat, &world->fat_capacity, parts, used, sizeof *world->fat) &&
+           daft_grow(a, &world->tight, &world->tight_capacity, parts, used, sizeof *world->tight) &&
+           daft_grow(a, &world->entered_at, &world->entered_capacity, parts, used, sizeof *world->entered_at);
+}
+
 static void enter(daft_world *world, uint32_t index, daft_dvec3 ahead)
 {
     daft_sim_part *part = &world->parts[index];
+    daft_sim_bounds *fat = &world->fat[index];
     daft_body_kind kind = world->bodies[part->body].kind;
-    part->fat = part->tight;
+    *fat = world->tight[index];
     if (kind != DAFT_BODY_STATIC) {
-        part->fat = grown(&part->tight, FAT * (double)part->reach);
-        part->fat = stretched(&part->fat, ahead);
+        *fat = grown(fat, FAT * (double)part->reach);
+        *fat = stretched(fat, ahead);
     }
-    part->leaf = daft_sim_tree_insert(&world->trees[kind], &part->fat, index);
+    part->leaf = daft_sim_tree_insert(&world->trees[kind], fat, index);
+    world->entered_at[index] = world->contact_updates;
     if (part->moved_slot != DAFT_SIM_NONE) return;
     part->moved_slot = (uint32_t)world->moved.count;
     world->moved.items[world->moved.count++] = index; /* room for every part was reserved */
@@ -49,7 +60,7 @@ void daft_sim_broad_add(daft_world *world, uint32_t index)
 {
     world->changes++;
     for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
-        world->parts[i].tight = daft_sim_part_bounds(world, i);
+        world->tight[i] = daft_sim_part_bounds(world, i);
         enter(world, i, daft_dv3(0, 0, 0));
     }
 }
@@ -90,8 +101,9 @@ static void update(daft_world *world, uint32_t index, daft_dvec3 way, float turn
     daft_sim_bounds bounds = daft_sim_part_bounds(world, index);
     float margin = daft_sim_min(DAFT_SIM_MARGIN * part->reach, DAFT_SIM_MAX_MARGIN);
     bounds = grown(&bounds, (double)(margin + daft_sim_min(turn, 2) * body->extent));
-    part->tight = stretched(&bounds, way);
-    if (contains(&part->fat, &part->tight) && longest_side(&part->fat) <= SLIM * longest_side(&part->tight)) return;
+    const daft_sim_bounds *fat = &world->fat[index], *tight = &world->tight[index];
+    world->tight[index] = stretched(&bounds, way);
+    if (contains(fat, tight) && longest_side(fat) <= SLIM * longest_side(tight)) return;
     daft_sim_tree_remove(&world->trees[body->kind], part->leaf);
     enter(world, index, daft_dscale(way, AHEAD));
 }

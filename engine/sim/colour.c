@@ -298,9 +298,11 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     block->slip[1][lane] = daft_dot(patch->slip, u);
     block->twist_slip[lane] = patch->twist_slip;
     put3(block->rolling_impulse, lane, patch->rolling_impulse);
-    daft_vec3 belt =
-        daft_sub(belt_of(world, touch->body_a, touch->part_a), belt_of(world, touch->body_b, touch->part_b));
-    block->belt[0][lane] = daft_dot(belt, t), block->belt[1][lane] = daft_dot(belt, u);
+    if (touch->belted) {
+        daft_vec3 belt =
+            daft_sub(belt_of(world, touch->body_a, touch->part_a), belt_of(world, touch->body_b, touch->part_b));
+        block->belt[0][lane] = daft_dot(belt, t), block->belt[1][lane] = daft_dot(belt, u);
+    }
     for (uint32_t i = 0; i < patch->count; i++) {
         daft_sim_block_point *p = &block->point[i];
         put3(p->arm_a, lane, patch->points[i].anchor);

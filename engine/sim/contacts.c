@@ -29,6 +29,7 @@ void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch)
                           daft_sim_max(x->rolling_resistance, y->rolling_resistance)};
     if (world->pairs && world->pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind].friction >= 0)
         pair = world->pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind];
+    touch->belted = !daft_sim_is_zero(x->belt) || !daft_sim_is_zero(y->belt);
     touch->friction = pair.friction;
     touch->static_friction = daft_sim_max(pair.friction, pair.static_friction);
     touch->restitution = pair.restitution;
@@ -63,7 +64,8 @@ static void convert(const pair *p, const daft_manifold *from, daft_sim_patch *to
 {
     *to = (daft_sim_patch){.normal = daft_normalize(turned(&p->frame_a, from->normal)),
                            .part_a = from->part_a,
-                           .part_b = from->part_b};
+                           .part_b = from->part_b,
+                           .shift = p->shift};
     for (uint32_t i = 0; i < from->count; i++) {
         const daft_manifold_point *point = &from->points[i];
         daft_vec3 anchor = daft_add(p->offset, turned(&p->frame_a, point->point));
@@ -179,22 +181,19 @@ static bool looks_out(const daft_sim_touch *touch, const pair *p, const daft_wor
 static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p)
 {
     daft_manifold found[DAFT_SIM_MAX_PATCHES];
-    daft_sim_patch old[DAFT_SIM_MAX_PATCHES], *patches = daft_sim_patches(touch);
+    daft_sim_patch fresh[DAFT_SIM_MAX_PATCHES], *patches = daft_sim_patches(touch);
     float way = way_of(p), most = MARGIN_OF_MOVE * world->parts[touch->part_a].reach;
     bool fast = way > most;
-    uint32_t old_count = touch->patch_count;
-    uint32_t count = collide(world, touch, p, p->margin + (fast ? 0 : way), found);
+    uint32_t kept = 0, count = collide(world, touch, p, p->margin + (fast ? 0 : way), found);
     if (count == 0 && fast && looks_out(touch, p, world)) count = foresee(world, touch, p, found);
-    if (old_count) memcpy(old, patches, old_count * sizeof *old);
-    touch->patch_count = 0;
     for (uint32_t i = 0; i < count; i++) {
-        daft_sim_patch *patch = &patches[touch->patch_count];
-        convert(p, &found[i], patch);
-        if (patch->count == 0) continue;
-        patch->shift = p->shift;
-        inherit(patch, old, old_count);
-        touch->patch_count++;
+        convert(p, &found[i], &fresh[kept]);
+        if (fresh[kept].count == 0) continue;
+        inherit(&fresh[kept], patches, touch->patch_count);
+        kept++;
     }
+    for (uint32_t i = 0; i < kept; i++) patches[i] = fresh[i];
+    touch->patch_count = kept;
 }
 
 static void update_sensor(const daft_world *world, daft_sim_touch *touch)
@@ -222,18 +221,15 @@ static void update_patches(const daft_world *world, daft_sim_touch *touch, float
     find_patches(world, touch, &p);
 }
 
-/* Tight bounds are within the fat ones. */
-static void update(const daft_world *world, daft_sim_listed *entry, float dt)
+/* Whether geometry has to be asked. Tight bounds are within the fat ones. */
+static bool is_near(const daft_world *world, daft_sim_listed *entry)
 {
-    const daft_sim_part *a = &world->parts[entry->key >> 32], *b = &world->parts[(uint32_t)entry->key];
-    daft_sim_touch *touch = &world->touches[entry->touch];
-    if (daft_sim_overlap(&a->tight, &b->tight)) {
-        update_patches(world, touch, dt);
-        if (touch->patch_count > 0) entry->state |= DAFT_SIM_LISTED_MET;
-        return;
-    }
-    if (entry->state & DAFT_SIM_LISTED_MET) touch->patch_count = 0;
-    if (!daft_sim_overlap(&a->fat, &b->fat)) entry->state |= DAFT_SIM_LISTED_APART;
+    uint32_t a = (uint32_t)(entry->key >> 32), b = (uint32_t)entry->key, now = world->contact_updates;
+    if (daft_sim_overlap(&world->tight[a], &world->tight[b])) return true;
+    if (entry->state & DAFT_SIM_LISTED_MET) world->touches[entry->touch].patch_count = 0;
+    bool entered = world->entered_at[a] == now || world->entered_at[b] == now;
+    if (entered && !daft_sim_overlap(&world->fat[a], &world->fat[b])) entry->state |= DAFT_SIM_LISTED_APART;
+    return false;
 }
 
 enum { GRAIN = 64, PARALLEL_TOUCHES = 256 };
@@ -243,13 +239,34 @@ typedef struct job {
     float dt;
 } job;
 
+static void fetch(const void *record, size_t size)
+{
+    for (size_t at = 0; at < size; at += 64) __builtin_prefetch((const char *)record + at);
+}
+
+/* What is near is found first, and its records are on their way while that goes on. */
 static void update_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
     const job *j = context;
-    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
-    if (end > j->world->listed.count) end = j->world->listed.count;
-    for (size_t i = first; i < end; i++) update(j->world, &j->world->listed.items[i], j->dt);
+    const daft_world *world = j->world;
+    size_t first = (size_t)index * GRAIN, left = world->listed.count - first, count = left < GRAIN ? left : GRAIN;
+    daft_sim_listed *entries = &world->listed.items[first], *near[GRAIN];
+    size_t near_count = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!is_near(world, &entries[i])) continue;
+        daft_sim_touch *touch = &world->touches[entries[i].touch];
+        fetch(touch, entries[i].state ? sizeof *touch : 64);
+        fetch(&world->parts[(uint32_t)entries[i].key], sizeof(daft_sim_part));
+        near[near_count++] = &entries[i];
+    }
+    for (size_t i = 0; i < near_count; i++)
+        fetch(&world->bodies[world->touches[near[i]->touch].body_b], sizeof(daft_sim_body));
+    for (size_t i = 0; i < near_count; i++) {
+        daft_sim_touch *touch = &world->touches[near[i]->touch];
+        update_patches(world, touch, j->dt);
+        if (touch->patch_count > 0) near[i]->state |= DAFT_SIM_LISTED_MET;
+    }
 }
 
 /* Touches of what is not convex have many manifolds. */
@@ -257,10 +274,7 @@ static bool reserve_patches(daft_world *world)
 {
     for (size_t i = 0; i < world->listed.count; i++) {
         daft_sim_touch *touch = &world->touches[world->listed.items[i].touch];
-        if (touch->more || touch->sensor) continue;
-        if (daft_shape_is_convex(&world->parts[touch->part_a].shape) &&
-            daft_shape_is_convex(&world->parts[touch->part_b].shape))
-            continue;
+        if (!daft_sim_is_bare(world, touch)) continue;
         touch->more = daft_alloc(&world->allocator, DAFT_SIM_MAX_PATCHES, sizeof *touch->more);
         if (!touch->more) return false;
         touch->patch_count = 0;
@@ -270,9 +284,11 @@ static bool reserve_patches(daft_world *world)
 
 bool daft_sim_contacts_update(daft_world *world, float dt)
 {
-    if (!reserve_patches(world)) return false;
+    if (world->bare && !reserve_patches(world)) return false;
+    world->bare = false;
     job j = {world, dt};
     uint32_t tasks = (uint32_t)((world->listed.count + GRAIN - 1) / GRAIN);
     daft_parallel_for(world->listed.count >= PARALLEL_TOUCHES ? world->workers : 1, tasks, update_range, &j);
+    world->contact_updates++;
     return true;
 }

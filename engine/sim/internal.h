@@ -120,10 +120,8 @@ typedef struct daft_sim_part {
     bool posed;     /* pose is not the identity */
     bool sensor;
     uint32_t moved_slot; /* in the list of those that entered the tree anew, to be asked for new pairs */
-    daft_sim_bounds fat;
     uint32_t next_escaped; /* walk.c: it left its fat bounds, found when the world's changes were: */
     uint64_t escaped_at;
-    daft_sim_bounds tight; /* where it may be during this step, and the margin; of what stands still: where it is */
 } daft_sim_part;
 
 typedef struct daft_sim_body {
@@ -200,6 +198,7 @@ typedef struct daft_sim_touch {
     bool listed;
     bool owned_by_a;
     bool touching; /* as events tell it */
+    bool belted;   /* a side is a belt */
     daft_pair_cache cache;
     float friction, static_friction, restitution, rolling; /* rolling in metres */
     uint32_t patch_count;
@@ -262,6 +261,12 @@ struct daft_world {
     daft_sim_part *parts;
     size_t part_capacity;
     uint32_t part_count, free_part;
+    /* Of each part, apart from its record, since all pairs are asked for them in each step: */
+    daft_sim_bounds *fat;   /* as it stands in the tree */
+    daft_sim_bounds *tight; /* where it may be during this step, and the margin; of what stands still: where it is */
+    uint32_t *entered_at;   /* contact_updates when it entered the tree: pairs come apart only then */
+    size_t fat_capacity, tight_capacity, entered_capacity;
+    uint32_t contact_updates;
     daft_sim_touch *touches;
     size_t touch_capacity;
     uint32_t touch_count, free_touch;
@@ -273,7 +278,9 @@ struct daft_world {
     daft_sim_list movers; /* kinematic bodies with a target or a velocity */
     daft_sim_list moved;  /* parts to be asked for new pairs */
     daft_sim_listing listed, fresh_listed, merged;
-    bool listing_stale;   /* some listed are apart, or have no active side any more */
+    bool bare;            /* some listed touch needs room for manifolds */
+    bool some_apart;      /* of those listed, */
+    bool some_idle;       /* or have no active side any more */
     daft_sim_list met;    /* touches of the listing that have patches or are touching, in its order */
     daft_sim_list ghosts; /* bodies that met what does not yield, in this step */
     uint32_t asleep_count; /* bodies */
@@ -313,6 +320,13 @@ static inline bool daft_sim_is_active(const daft_sim_body *body)
 static inline daft_sim_patch *daft_sim_patches(daft_sim_touch *touch)
 {
     return touch->more ? touch->more : &touch->own;
+}
+/* Touches of what is not convex have many manifolds; this one has no room for them yet. */
+static inline bool daft_sim_is_bare(const daft_world *world, const daft_sim_touch *touch)
+{
+    return !touch->more && !touch->sensor &&
+           !(daft_shape_is_convex(&world->parts[touch->part_a].shape) &&
+             daft_shape_is_convex(&world->parts[touch->part_b].shape));
 }
 static inline uint64_t daft_sim_touch_key(const daft_sim_touch *touch)
 {
@@ -357,6 +371,9 @@ void daft_sim_body_inverse_inertia(const daft_sim_body *body, float out[6]);
 void daft_sim_body_activate(daft_world *world, uint32_t index);
 
 /* ---- broad.c ---- */
+
+/* Room for the bounds of so many parts. */
+bool daft_sim_bounds_reserve(daft_world *world, size_t parts);
 
 daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t part);
 /* Enters the parts of a body into the tree of its kind, for which there is room, and marks them moved. */

@@ -118,6 +118,7 @@ static void list_touch(daft_world *world, uint32_t index)
     daft_sim_touch *touch = &world->touches[index];
     if (touch->listed) return;
     touch->listed = true;
+    world->bare |= daft_sim_is_bare(world, touch);
     uint32_t state = touch->patch_count > 0 || touch->touching ? DAFT_SIM_LISTED_MET : 0;
     world->fresh_listed.items[world->fresh_listed.count++] = (daft_sim_listed){daft_sim_touch_key(touch), index, state};
 }
@@ -269,11 +270,11 @@ static void add_candidate(search *s, uint32_t other)
     world->candidates[world->candidate_count++] = swap ? key_of(b, a) : key_of(a, b);
 }
 
+/* Of parts whose fat bounds meet. */
 static bool is_new(const search *s, uint32_t other)
 {
     const daft_world *world = s->world;
-    return other != s->part && daft_sim_overlap(&world->parts[other].fat, &world->parts[s->part].fat) &&
-           daft_sim_may_meet(world, s->part, other) && !exists(world, s->part, other);
+    return other != s->part && !exists(world, s->part, other) && daft_sim_may_meet(world, s->part, other);
 }
 
 static void visit_fixed(void *context, uint32_t other)
@@ -318,7 +319,8 @@ static bool crowded(search *s)
     if (world->moved.count < world->trees[DAFT_BODY_DYNAMIC].leaf_count) return false;
     uint32_t misses = 0;
     for (uint32_t i = s->part + 1; i < world->part_count && misses < 8 + 4 * s->partner_count; i++) {
-        if (world->parts[i].body != DAFT_SIM_NONE && is_dynamic(world, i) && owns(world, s->part, i) && is_new(s, i))
+        if (world->parts[i].body != DAFT_SIM_NONE && is_dynamic(world, i) && owns(world, s->part, i) &&
+            daft_sim_overlap(&world->fat[i], &world->fat[s->part]) && is_new(s, i))
             s->partners[s->partner_count++] = i;
         else
             misses++;
@@ -331,7 +333,7 @@ static bool crowded(search *s)
 static bool search_part(daft_world *world, uint32_t part)
 {
     search s = {.world = world, .part = part};
-    const daft_sim_bounds *fat = &world->parts[part].fat;
+    const daft_sim_bounds *fat = &world->fat[part];
     daft_body_kind kind = world->bodies[world->parts[part].body].kind;
     bool full = world->parts[part].owned >= DAFT_SIM_MAX_PARTNERS;
     daft_sim_tree_query(&world->trees[DAFT_BODY_KINEMATIC], fat, visit_fixed, &s);
@@ -352,7 +354,7 @@ static int by_value(const void *a, const void *b)
 static void wake_inside(daft_world *world, const daft_sim_touch *touch)
 {
     const daft_sim_body *a = &world->bodies[touch->body_a];
-    if (touch->sensor || !a->asleep || !daft_sim_overlap(&world->parts[touch->part_a].tight, &world->parts[touch->part_b].tight))
+    if (touch->sensor || !a->asleep || !daft_sim_overlap(&world->tight[touch->part_a], &world->tight[touch->part_b]))
         return;
     if (world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC) daft_sim_wake(world, touch->body_a);
 }
@@ -395,32 +397,37 @@ static int by_key(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static bool stays(daft_world *world, const daft_sim_listed *entry)
+static bool has_active_side(const daft_world *world, const daft_sim_touch *touch)
 {
-    if (entry->state & DAFT_SIM_LISTED_APART) {
-        daft_sim_touch_remove(world, entry->touch);
-        return false;
-    }
-    daft_sim_touch *touch = &world->touches[entry->touch];
-    touch->listed = daft_sim_is_active(&world->bodies[touch->body_a]) ||
-                    daft_sim_is_active(&world->bodies[touch->body_b]);
-    return touch->listed;
+    return daft_sim_is_active(&world->bodies[touch->body_a]) || daft_sim_is_active(&world->bodies[touch->body_b]);
 }
 
+/* Takes out what came apart, and, where some body came to rest, what has no active side. */
 static void thin_out(daft_world *world)
 {
     daft_sim_listing *listed = &world->listed;
     size_t kept = 0;
-    for (size_t i = 0; i < listed->count; i++)
-        if (stays(world, &listed->items[i])) listed->items[kept++] = listed->items[i];
+    for (size_t i = 0; i < listed->count; i++) {
+        const daft_sim_listed *entry = &listed->items[i];
+        if (entry->state & DAFT_SIM_LISTED_APART) {
+            daft_sim_touch_remove(world, entry->touch);
+            continue;
+        }
+        if (world->some_idle) {
+            daft_sim_touch *touch = &world->touches[entry->touch];
+            touch->listed = has_active_side(world, touch);
+            if (!touch->listed) continue;
+        }
+        listed->items[kept++] = *entry;
+    }
     listed->count = kept;
-    world->listing_stale = false;
+    world->some_apart = world->some_idle = false;
 }
 
 bool daft_sim_listing_update(daft_world *world)
 {
     daft_sim_listing *old = &world->listed, *fresh = &world->fresh_listed, *merged = &world->merged;
-    if (world->listing_stale) thin_out(world);
+    if (world->some_apart || world->some_idle) thin_out(world);
     if (fresh->count == 0) return true;
     if (!daft_grow(&world->allocator, &merged->items, &merged->capacity, old->count + fresh->count, 0,
                    sizeof *merged->items))
@@ -448,8 +455,10 @@ bool daft_sim_met_update(daft_world *world)
     for (size_t i = 0; i < world->listed.count; i++) {
         daft_sim_listed *entry = &world->listed.items[i];
         if (entry->state == 0) continue;
-        world->listing_stale |= entry->state & DAFT_SIM_LISTED_APART;
-        if (entry->state & DAFT_SIM_LISTED_APART) continue;
+        if (entry->state & DAFT_SIM_LISTED_APART) {
+            world->some_apart = true;
+            continue;
+        }
         const daft_sim_touch *touch = &world->touches[entry->touch];
         if (touch->patch_count > 0 || touch->touching)
             met->items[met->count++] = entry->touch;

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define MAGIC   0x4d495344u /* "DSIM" */
-#define VERSION 1u
+#define VERSION 2u
 
 typedef struct header {
     uint32_t magic, version, layout; /* layout: sizes of the records */
@@ -45,6 +45,8 @@ static void write_world(writer *w, const daft_world *world)
 {
     put(w, world->bodies, world->body_count * sizeof *world->bodies);
     put(w, world->parts, world->part_count * sizeof *world->parts);
+    put(w, world->fat, world->part_count * sizeof *world->fat);
+    put(w, world->tight, world->part_count * sizeof *world->tight);
     put(w, world->touches, world->touch_count * sizeof *world->touches);
     for (uint32_t i = 0; i < world->touch_count; i++)
         if (world->touches[i].more) put(w, world->touches[i].more, DAFT_SIM_MAX_PATCHES * sizeof(daft_sim_patch));
@@ -127,7 +129,7 @@ static bool check_truths(const daft_world *w, const header *h)
     return TRUTHS(w->bodies, h->bodies, BODY(bullet), BODY(may_sleep), BODY(asleep), BODY(constrained), BODY(round),
                   BODY(has_target), BODY(follows)) &&
            TRUTHS(w->parts, h->parts, PART(round), PART(posed), PART(sensor)) &&
-           TRUTHS(w->touches, h->touches, TOUCH(sensor), TOUCH(listed), TOUCH(owned_by_a), TOUCH(touching)) &&
+           TRUTHS(w->touches, h->touches, TOUCH(sensor), TOUCH(listed), TOUCH(owned_by_a), TOUCH(touching), TOUCH(belted)) &&
            TRUTHS(w->joints, h->joints, JOINT(limit), JOINT(motor), JOINT(spring), JOINT(collide));
 #undef BODY
 #undef PART
@@ -141,6 +143,8 @@ static bool read_records(daft_world *w, reader *r, const header *h)
     size_t unused;
     w->bodies = take(w, r, h->bodies, sizeof *w->bodies, &w->body_capacity, &good);
     w->parts = take(w, r, h->parts, sizeof *w->parts, &w->part_capacity, &good);
+    w->fat = take(w, r, h->parts, sizeof *w->fat, &w->fat_capacity, &good);
+    w->tight = take(w, r, h->parts, sizeof *w->tight, &w->tight_capacity, &good);
     w->touches = take(w, r, h->touches, sizeof *w->touches, &w->touch_capacity, &good);
     for (uint32_t i = 0; w->touches && i < h->touches; i++) {
         bool more = w->touches[i].more != NULL;
@@ -223,10 +227,10 @@ static bool check_part(daft_world *w, uint32_t index, daft_sim_find_shape *find,
     daft_error ignored;
     if (!daft_sim_shape_check(&def, w->bodies[p->body].kind, &ignored)) return false;
     uint32_t next = p->next, body = p->body, moved = p->moved_slot;
-    daft_sim_bounds fat = p->fat, tight = p->tight;
-    if (!near(fat.low) || !near(fat.high) || !near(tight.low) || !near(tight.high)) return false;
+    const daft_sim_bounds *fat = &w->fat[index], *tight = &w->tight[index];
+    if (!near(fat->low) || !near(fat->high) || !near(tight->low) || !near(tight->high)) return false;
     daft_sim_part_fill(p, &def, body);
-    p->next = next, p->fat = fat, p->tight = tight, p->moved_slot = moved;
+    p->next = next, p->moved_slot = moved;
     return true;
 }
 
@@ -313,6 +317,9 @@ static bool enter_lists(daft_world *w)
 
 static bool enter_parts(daft_world *w)
 {
+    w->entered_at = daft_alloc_zero(&w->allocator, w->part_count, sizeof *w->entered_at);
+    w->entered_capacity = w->part_count;
+    if (!w->entered_at && w->part_count > 0) return false;
     for (uint32_t i = 0; i < w->part_count; i++) {
         daft_sim_part *part = &w->parts[i];
         if (part->body == DAFT_SIM_NONE) continue;
@@ -320,7 +327,7 @@ static bool enter_parts(daft_world *w)
         if (slot != DAFT_SIM_NONE && (slot >= w->moved.count || w->moved.items[slot] != i)) return false;
         daft_sim_tree *tree = &w->trees[w->bodies[part->body].kind];
         if (!daft_sim_tree_reserve(tree, &w->allocator, 1)) return false;
-        part->leaf = daft_sim_tree_insert(tree, &part->fat, i);
+        part->leaf = daft_sim_tree_insert(tree, &w->fat[i], i);
     }
     for (size_t i = 0; i < w->moved.count; i++)
         if (w->moved.items[i] >= w->part_count || w->parts[w->moved.items[i]].body == DAFT_SIM_NONE ||

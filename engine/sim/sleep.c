@@ -123,9 +123,7 @@ static void keep_carried_awake(daft_world *world)
     for (size_t i = 0; i < world->met.count; i++) {
         const daft_sim_touch *touch = &world->touches[world->met.items[i]];
         if (touch->patch_count == 0 || touch->sensor) continue;
-        bool belt = !daft_sim_is_zero(world->parts[touch->part_b].material.belt) ||
-                    !daft_sim_is_zero(world->parts[touch->part_a].material.belt);
-        if (belt || moves_others(world, touch->body_b)) world->bodies[touch->body_a].rest = 0;
+        if (touch->belted || moves_others(world, touch->body_b)) world->bodies[touch->body_a].rest = 0;
     }
     for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
         const daft_sim_joint *joint = &world->joints[i];

@@ -46,7 +46,7 @@ static void find_escaped_of(daft_world *world, const daft_sim_list *bodies)
         for (uint32_t i = world->bodies[bodies->items[k]].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
             daft_sim_part *part = &world->parts[i];
             daft_sim_bounds bounds = daft_sim_part_bounds(world, i);
-            if (holds(&part->fat, &bounds)) continue;
+            if (holds(&world->fat[i], &bounds)) continue;
             part->next_escaped = world->first_escaped;
             part->escaped_at = world->changes;
             world->first_escaped = i;
