@@ -79,11 +79,18 @@ static daft_rigid part_frame(const daft_sweep *sweep, const part *p, double t)
     return p->pose ? daft_rigid_mul(&frame, p->pose) : frame;
 }
 
+/* How far from the body's centre its core, without the rounding, gets: a ball does not come nearer by turning about its own
+ * centre. Reaches are rounded up as much as the radius is here. */
+static double arm_of(const part *p)
+{
+    return fmax(0, p->reach - (double)(float)(p->proxy.radius * (1 + 0x1p-22)));
+}
+
 static daft_impact_kind advance(const job *j, const part *a, const part *b, daft_impact *out)
 {
     double rounding = a->proxy.radius + b->proxy.radius;
     daft_dvec3 motion = daft_dsub(daft_dsub(j->a->to, j->a->from), daft_dsub(j->b->to, j->b->from));
-    double spin = j->turn_a * a->reach + j->turn_b * b->reach;
+    double spin = j->turn_a * arm_of(a) + j->turn_b * arm_of(b);
     for (int step = 0; step < MAX_STEPS; step++) {
         daft_rigid fa = part_frame(j->a, a, out->t), fb = part_frame(j->b, b, out->t);
         daft_rigid relative = daft_rigid_relative(&fa, &fb);

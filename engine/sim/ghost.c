@@ -166,6 +166,28 @@ static void find_way_out(const group *g, candidate *c)
     }
 }
 
+/* ---- thin walls ---- */
+
+/* How far a contact's surface is from the middle of the part, towards the surface; below 0: the middle is behind it. */
+static float in_front(const group *g, const candidate *c)
+{
+    const daft_sim_part *part = &g->world->parts[c->touch->part_a];
+    daft_rigid frame = daft_sim_part_frame(&g->world->bodies[c->touch->body_a], part);
+    daft_dvec3 way = daft_dsub(point_on_b(g, c, 0), daft_rigid_point(&frame, daft_to_double(part->middle)));
+    return daft_dot(daft_to_float(way), c->patch->normal);
+}
+
+/* A face of a one-sided mesh pushes what is behind it to its front, however deep it is: through a wall that is thinner
+ * than the body, if the body's middle is before the wall's other face. */
+static bool is_behind(const group *g, int c)
+{
+    const candidate *mine = &g->near[c];
+    if (g->world->parts[mine->touch->part_b].shape.type != DAFT_GEOMETRY_MESH || in_front(g, mine) >= 0) return false;
+    for (int k = 0; k < g->count; k++)
+        if (daft_dot(mine->patch->normal, g->near[k].patch->normal) < -0.5f && g->near[k].patch->count > 0 && in_front(g, &g->near[k]) > 0) return true;
+    return false;
+}
+
 /* ---- all of them ---- */
 
 static void drop(candidate *c) { c->patch->count = 0; }
@@ -212,6 +234,8 @@ static void filter_body(daft_world *world, uint32_t index)
         if (g.near[i].separation <= -world->parts[g.near[i].touch->part_a].inner) find_way_out(&g, &g.near[i]);
     for (int i = g.count - 1; i > 0; i--)
         if (is_hidden(&g, i)) drop(&g.near[i]);
+    for (int i = g.count - 1; i >= 0; i--)
+        if (g.near[i].patch->count > 0 && is_behind(&g, i)) drop(&g.near[i]);
     for (int i = 0; i < g.count; i++) squeeze(g.near[i].touch);
 }
 
@@ -226,6 +250,18 @@ static void filter_range(void *context, uint32_t index, uint32_t worker)
     for (size_t i = first; i < end; i++) filter_body(world, world->ghosts.items[i]);
 }
 
+/* So deep in a mesh that it may be pushed to both sides of a wall: it counts as two. */
+static bool is_deep(const daft_world *world, daft_sim_touch *touch)
+{
+    if (touch->patch_count < 2 || world->parts[touch->part_b].shape.type != DAFT_GEOMETRY_MESH) return false;
+    const daft_sim_patch *patches = daft_sim_patches(touch);
+    float deep = -0.5f * world->parts[touch->part_a].inner;
+    for (uint32_t i = 0; i < touch->patch_count; i++)
+        for (uint32_t k = 0; k < patches[i].count; k++)
+            if (patches[i].points[k].separation < deep) return true;
+    return false;
+}
+
 bool daft_sim_ghosts_drop(daft_world *world)
 {
     daft_sim_list *bodies = &world->ghosts;
@@ -233,10 +269,11 @@ bool daft_sim_ghosts_drop(daft_world *world)
         return false;
     bodies->count = 0;
     for (size_t i = 0; i < world->met.count; i++) {
-        const daft_sim_touch *touch = &world->touches[world->met.items[i]];
+        daft_sim_touch *touch = &world->touches[world->met.items[i]];
         daft_sim_body *body = &world->bodies[touch->body_a];
         if (!is_fixed(world, touch) || body->asleep) continue;
-        if (body->fixed_met++ == 0) bodies->items[bodies->count++] = touch->body_a;
+        if (body->fixed_met == 0) bodies->items[bodies->count++] = touch->body_a;
+        body->fixed_met += is_deep(world, touch) ? 2 : 1;
     }
     uint32_t tasks = (uint32_t)((bodies->count + GRAIN - 1) / GRAIN);
     daft_parallel_for(bodies->count >= PARALLEL_BODIES ? world->workers : 1, tasks, filter_range, world);

@@ -444,11 +444,13 @@ bool daft_sim_joined(const daft_world *world, uint32_t body_a, uint32_t body_b);
 typedef struct daft_sim_target {
     daft_dvec3 centre;
     daft_quat rotation;
-    float share; /* of the way there, that it goes */
+    daft_dvec3 stop; /* where it gets, and how fast it is there; written for its own row only */
+    daft_quat stop_rotation;
+    daft_vec3 linear;
     uint32_t sweeps;
 } daft_sim_target;
-/* The share of its way that a row's body can go before it hits something; 1: all. Changes nothing. */
-double daft_sim_sweep(const daft_world *world, uint32_t row, const daft_sim_target *targets, uint32_t *count);
+/* Finds where a row's body stops on its way there. */
+void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targets);
 
 /* ---- events.c ---- */
 

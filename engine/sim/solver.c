@@ -4,6 +4,8 @@
  * these gave. Bounces come last. */
 #include "sim/solver.h"
 
+#include <stdatomic.h>
+
 enum {
     BLOCK_GRAIN = 4,
     ROW_GRAIN = 256,
@@ -21,6 +23,7 @@ typedef struct context {
     daft_sim_solver *s;
     float dt;
     daft_sim_substep substep;
+    atomic_int turning; /* the last substep in which some body turned far */
 } context;
 
 /* ---- stages ---- */
@@ -50,6 +53,19 @@ static void stage_move(void *p, int argument, uint32_t first, uint32_t count)
     (void)argument;
     context *c = p;
     c->s->kernels->move(&c->s->rows, first, count, c->substep.h);
+}
+static void stage_turn(void *p, int substep, uint32_t first, uint32_t count)
+{
+    context *c = p;
+    bool turning = false;
+    for (uint32_t i = first; i < first + count; i++) turning |= daft_sim_spin_refresh(c->world, i, c->substep.h);
+    if (turning) atomic_store_explicit(&c->turning, substep, memory_order_relaxed);
+}
+static void stage_refresh(void *p, int substep, uint32_t first, uint32_t count)
+{
+    context *c = p;
+    if (atomic_load_explicit(&c->turning, memory_order_relaxed) == substep)
+        c->s->kernels->refresh(&c->s->rows, c->s->blocks + first, count);
 }
 static void stage_warm(void *p, int argument, uint32_t first, uint32_t count)
 {
@@ -100,7 +116,7 @@ static void stage_spin(void *p, int when, uint32_t first, uint32_t count)
     for (uint32_t i = first; i < first + count; i++) {
         daft_sim_spin *spin = &c->s->spins[i];
         if (when == SPIN_BEFORE) daft_sim_spin_before(c->world, spin, c->substep.h);
-        if (when == SPIN_BETWEEN) daft_sim_spin_between(c->world, spin);
+        if (when == SPIN_BETWEEN) daft_sim_spin_between(c->world, spin, c->substep.h);
         if (when == SPIN_AFTER) daft_sim_spin_after(c->world, spin);
     }
 }
@@ -124,7 +140,7 @@ static void add_joints(daft_sim_solver *s, stage_run *run, int argument)
         add(s, run, argument, s->joint_colours[i].first, s->joint_colours[i].count, JOINT_GRAIN);
 }
 
-static void add_substep(daft_sim_solver *s)
+static void add_substep(daft_sim_solver *s, int substep)
 {
     uint32_t rows = s->row_count - 1, dynamic = 1 + s->mover_count;
     add(s, stage_gain, 0, dynamic, s->row_count - dynamic, ROW_GRAIN);
@@ -137,6 +153,8 @@ static void add_substep(daft_sim_solver *s)
     add(s, stage_spin, SPIN_BETWEEN, 0, s->spin_count, SPIN_GRAIN);
     add(s, stage_move, 0, 1, rows, ROW_GRAIN);
     add(s, stage_spin, SPIN_AFTER, 0, s->spin_count, SPIN_GRAIN);
+    add(s, stage_turn, substep, dynamic, s->row_count - dynamic, ROW_GRAIN);
+    add(s, stage_refresh, substep, 0, s->block_count, BLOCK_GRAIN);
     add_joints(s, stage_joint_solve, false);
     add_contacts(s, stage_solve, false);
 }
@@ -144,7 +162,7 @@ static void add_substep(daft_sim_solver *s)
 static size_t most_stages(const daft_world *world)
 {
     const daft_sim_solver *s = world->solver;
-    size_t substep = 8 + 3 * (size_t)s->colour_count + 4 * (size_t)s->joint_colour_count;
+    size_t substep = 10 + 3 * (size_t)s->colour_count + 4 * (size_t)s->joint_colour_count;
     return 8 + (size_t)world->substeps * substep + s->colour_count;
 }
 
@@ -182,6 +200,7 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     float h = dt / (float)world->substeps;
     put(rows->moved + at, zero, zero);
     turn[0] = turn[1] = turn[2] = 0, turn[3] = 1;
+    turn[4] = 0, turn[5] = body->constrained && !body->round;
     mass[0] = body->inv_mass;
     daft_sim_body_inverse_inertia(body, mass + 1);
     bool dynamic = body->kind == DAFT_BODY_DYNAMIC;
@@ -206,14 +225,13 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
  * substep. */
 #define SLOW_TURN 0.02f /* rad */
 #define NO_TURN   1e-6f
-#define WILD_TURN 0.8f
 
 static void add_spin(daft_world *world, uint32_t row, float h)
 {
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     if (body->kind != DAFT_BODY_DYNAMIC || body->round || body->locks & DAFT_LOCK_ROTATION) return;
     float turn = daft_length(body->angular) * h;
-    if (turn > (body->constrained ? SLOW_TURN : NO_TURN) && turn < WILD_TURN)
+    if (turn > (body->constrained ? SLOW_TURN : NO_TURN) && turn < DAFT_SIM_WILD_TURN)
         world->solver->spins[world->solver->spin_count++] = (daft_sim_spin){.row = row};
 }
 
@@ -268,7 +286,7 @@ void daft_sim_solve(daft_world *world, float dt)
     daft_sim_stages_clear(s->stages);
     add(s, stage_fill, 0, 0, s->block_count, BLOCK_GRAIN);
     add(s, stage_joint_begin, 0, 0, s->joint_count, JOINT_GRAIN);
-    for (int i = 0; i < world->substeps; i++) add_substep(s);
+    for (int i = 1; i <= world->substeps; i++) add_substep(s, i);
     add_contacts(s, stage_bounce, 0);
     add(s, stage_store, 0, 0, s->block_count, BLOCK_GRAIN);
     add(s, stage_joint_end, 0, 0, s->joint_count, JOINT_GRAIN);

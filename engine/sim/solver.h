@@ -69,12 +69,16 @@ typedef struct daft_sim_rows {
                         fade far from the origin */
     float *gain;     /* of velocity, per second, from gravity and forces; 6: 1 for bodies in free flight; 7: share
                         of the linear velocity that damping leaves in a substep */
-    float *turn;     /* rotation since the step began, a quaternion; 4 on: unused */
-    float *mass;     /* inverse mass; inverse inertia xx, xy, xz, yy, yz, zz; share of the angular velocity left */
+    float *turn;     /* rotation since the step began, a quaternion; 4: 1 if the inertia was changed in this substep; 5: 1
+                        for constrained bodies whose moments differ */
+    float *mass;     /* inverse mass; inverse inertia xx, xy, xz, yy, yz, zz, as the body has turned if that is far; share
+                        of the angular velocity left */
 } daft_sim_rows;
 
 typedef struct daft_sim_kernels {
     void (*prepare)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
+    /* Of bodies whose inertia has changed: effective masses again. */
+    void (*refresh)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
     void (*warm_start)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
     /* biased: springs push overlap apart; otherwise the speed that gave is taken out again. */
     void (*solve)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
@@ -97,6 +101,7 @@ typedef struct daft_sim_spin {
     uint32_t row;
     float middle[3];
     double momentum[3]; /* world axes */
+    bool jolted;        /* what constraints did in this substep leaves it its angular velocity */
 } daft_sim_spin;
 
 /* Bodies that a step moves: rows 1 to `movers` are kinematic, the others dynamic. */
@@ -187,8 +192,13 @@ float daft_sim_joint_value(const daft_world *world, const daft_sim_joint *joint,
  * between, after constraints acted and before it is turned: their impulses join its momentum; after: its angular
  * velocity becomes what the momentum asks for. */
 void daft_sim_spin_before(const daft_world *world, daft_sim_spin *spin, float h);
-void daft_sim_spin_between(const daft_world *world, daft_sim_spin *spin);
+void daft_sim_spin_between(const daft_world *world, daft_sim_spin *spin, float h);
 void daft_sim_spin_after(const daft_world *world, const daft_sim_spin *spin);
+/* Turns farther than this in a substep, in radians, are beyond the midpoint rule. */
+#define DAFT_SIM_WILD_TURN 0.8f
+/* Gives a constrained row the inertia of the body as it has turned, if it turns far. The angular velocity is the same seen
+ * from the body, so its energy is; with the old inertia the next impulse could give it many times that. */
+bool daft_sim_spin_refresh(const daft_world *world, uint32_t row, float h);
 
 /* ---- solver.c ---- */
 

@@ -63,17 +63,23 @@ typedef struct sides {
     vf3 normal, apart;
 } sides;
 
-/* arms and pushes of a unit impulse along `along` at anchor ra; gives the inverse of the effective mass. */
+/* Pushes of a unit impulse, by its arms; gives the inverse of the effective mass. */
+DAFT_INLINE vf respond(const sides *s, vf3 aa, vf3 ab, daft_sim_lanes *push_a, daft_sim_lanes *push_b, int lane)
+{
+    vf3 pa = symmetric(s->inertia_a, aa), pb = symmetric(s->inertia_b, ab);
+    store3(push_a, lane, pa);
+    store3(push_b, lane, pb);
+    return s->inv_mass_a + s->inv_mass_b + vf3_dot(aa, pa) + vf3_dot(ab, pb);
+}
+
+/* Arms too, of an impulse along `along` at anchor ra. */
 DAFT_INLINE vf prepare_row(const sides *s, vf3 ra, vf3 along, daft_sim_lanes *arm_a, daft_sim_lanes *arm_b,
                            daft_sim_lanes *push_a, daft_sim_lanes *push_b, int lane)
 {
     vf3 aa = vf3_cross(ra, along), ab = vf3_cross(vf3_add(ra, s->apart), along);
-    vf3 pa = symmetric(s->inertia_a, aa), pb = symmetric(s->inertia_b, ab);
     store3(arm_a, lane, aa);
     store3(arm_b, lane, ab);
-    store3(push_a, lane, pa);
-    store3(push_b, lane, pb);
-    return s->inv_mass_a + s->inv_mass_b + vf3_dot(aa, pa) + vf3_dot(ab, pb);
+    return respond(s, aa, ab, push_a, push_b, lane);
 }
 
 /* Speed at which the point's surfaces meet: now, and what gravity and forces add until then. */
@@ -89,11 +95,10 @@ DAFT_INLINE vf meeting_speed(const daft_sim_block_point *p, const body *a, const
     return vf_select(vf_lt(speed, zero), meets, zero);
 }
 
-DAFT_INLINE void prepare_friction(daft_sim_block *block, const sides *s, vf3 middle, int lane)
+DAFT_INLINE void respond_friction(daft_sim_block *block, const sides *s, int lane)
 {
-    vf3 t = load3(block->tangent, lane), u = vf3_cross(s->normal, t);
-    vf k11 = prepare_row(s, middle, t, block->arm_a[0], block->arm_b[0], block->push_a[0], block->push_b[0], lane);
-    vf k22 = prepare_row(s, middle, u, block->arm_a[1], block->arm_b[1], block->push_a[1], block->push_b[1], lane);
+    vf k11 = respond(s, load3(block->arm_a[0], lane), load3(block->arm_b[0], lane), block->push_a[0], block->push_b[0], lane);
+    vf k22 = respond(s, load3(block->arm_a[1], lane), load3(block->arm_b[1], lane), block->push_a[1], block->push_b[1], lane);
     vf k12 = vf3_dot(load3(block->arm_a[0], lane), load3(block->push_a[1], lane)) +
              vf3_dot(load3(block->arm_b[0], lane), load3(block->push_b[1], lane));
     vf scale = inverse(k11 * k22 - k12 * k12);
@@ -104,6 +109,16 @@ DAFT_INLINE void prepare_friction(daft_sim_block *block, const sides *s, vf3 mid
     store3(block->twist_a, lane, twist_a);
     store3(block->twist_b, lane, twist_b);
     vf_store(block->twist_mass + lane, inverse(vf3_dot(s->normal, twist_a) + vf3_dot(s->normal, twist_b)));
+}
+
+DAFT_INLINE void prepare_friction(daft_sim_block *block, const sides *s, vf3 middle, int lane)
+{
+    vf3 t = load3(block->tangent, lane), u = vf3_cross(s->normal, t), other = vf3_add(middle, s->apart);
+    store3(block->arm_a[0], lane, vf3_cross(middle, t));
+    store3(block->arm_b[0], lane, vf3_cross(other, t));
+    store3(block->arm_a[1], lane, vf3_cross(middle, u));
+    store3(block->arm_b[1], lane, vf3_cross(other, u));
+    respond_friction(block, s, lane);
 }
 
 DAFT_INLINE void prepare_rolling(daft_sim_block *block, const sides *s, int lane)
@@ -117,21 +132,27 @@ DAFT_INLINE void prepare_rolling(daft_sim_block *block, const sides *s, int lane
     vf_store(block->rolling_mass + lane, inverse(trace)); /* about the axis that yields most: never too much */
 }
 
+DAFT_INLINE sides load_sides(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+{
+    sides s = {.normal = load3(block->normal, lane), .apart = load3(block->apart, lane)};
+    vf row[8];
+    vf_load_rows8(rows->mass, block->a + lane, row);
+    s.inv_mass_a = row[0];
+    for (int k = 0; k < 6; k++) s.inertia_a[k] = row[k + 1];
+    vf_load_rows8(rows->mass, block->b + lane, row);
+    s.inv_mass_b = row[0];
+    for (int k = 0; k < 6; k++) s.inertia_b[k] = row[k + 1];
+    vf_store(block->inv_mass_a + lane, s.inv_mass_a);
+    vf_store(block->inv_mass_b + lane, s.inv_mass_b);
+    return s;
+}
+
 DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, daft_sim_block *block, int lane)
 {
     const int32_t *ia = block->a + lane, *ib = block->b + lane;
     body a = load_body(rows->velocity, ia), b = load_body(rows->velocity, ib);
     body gain_a = load_body(rows->gain, ia), gain_b = load_body(rows->gain, ib);
-    vf row[8];
-    sides s = {.normal = load3(block->normal, lane), .apart = load3(block->apart, lane)};
-    vf_load_rows8(rows->mass, ia, row);
-    s.inv_mass_a = row[0];
-    for (int k = 0; k < 6; k++) s.inertia_a[k] = row[k + 1];
-    vf_load_rows8(rows->mass, ib, row);
-    s.inv_mass_b = row[0];
-    for (int k = 0; k < 6; k++) s.inertia_b[k] = row[k + 1];
-    vf_store(block->inv_mass_a + lane, s.inv_mass_a);
-    vf_store(block->inv_mass_b + lane, s.inv_mass_b);
+    sides s = load_sides(rows, block, lane);
 
     vf acceleration = vf3_dot(s.normal, vf3_sub(gain_b.v, gain_a.v));
     vf zero = vf_set(0), one = vf_set(1), count = zero;
@@ -161,6 +182,36 @@ static void prepare(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t 
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) prepare_lanes(rows, &blocks[i], lane);
+}
+
+/* ---- bodies that turned far within the step, whose inertia is another ---- */
+
+DAFT_INLINE void refresh_lanes(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+{
+    sides s = load_sides(rows, block, lane);
+    for (int i = 0; i < block->points; i++) {
+        daft_sim_block_point *p = &block->point[i];
+        vf k = respond(&s, load3(p->arm_a, lane), load3(p->arm_b, lane), p->push_a, p->push_b, lane);
+        vf_store(p->mass + lane, inverse(k));
+    }
+    respond_friction(block, &s, lane);
+    if (block->rolls) prepare_rolling(block, &s, lane);
+}
+
+static bool has_turned(const daft_sim_rows *rows, const daft_sim_block *block)
+{
+    for (int lane = 0; lane < block->lanes; lane++)
+        if (rows->turn[(size_t)block->a[lane] * DAFT_SIM_ROW + 4] != 0 ||
+            rows->turn[(size_t)block->b[lane] * DAFT_SIM_ROW + 4] != 0)
+            return true;
+    return false;
+}
+
+static void refresh(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        for (int lane = 0; has_turned(rows, &blocks[i]) && lane < blocks[i].lanes; lane += DAFT_VL)
+            refresh_lanes(rows, &blocks[i], lane);
 }
 
 /* ---- impulses ---- */
@@ -524,4 +575,4 @@ static void move(const daft_sim_rows *rows, uint32_t first, uint32_t count, floa
     }
 }
 
-const daft_sim_kernels DAFT_KERNEL(daft_sim) = {prepare, warm_start, solve, bounce, finish, gain, move};
+const daft_sim_kernels DAFT_KERNEL(daft_sim) = {prepare, refresh, warm_start, solve, bounce, finish, gain, move};

@@ -80,7 +80,7 @@ static void take_row(daft_world *world, uint32_t row)
     daft_vec3 linear = row3(v), angular = row3(v + 3), way = row3(rows->moved + at);
     daft_quat turn = {t[0], t[1], t[2], t[3]};
     daft_sim_target *target = &world->solver->targets[row];
-    *target = (daft_sim_target){body->centre, body->rotation, 1, 0};
+    *target = (daft_sim_target){.centre = body->centre, .rotation = body->rotation};
     if (!daft_finite3(linear) || !daft_finite3(angular)) linear = angular = daft_v3(0, 0, 0);
     body->linear = daft_sim_clamp(linear, DAFT_SIM_MAX_SPEED);
     body->angular = daft_sim_clamp(angular, DAFT_SIM_MAX_SPIN);
@@ -98,26 +98,21 @@ static void take_row(daft_world *world, uint32_t row)
 static void sweep_row(daft_world *world, uint32_t row)
 {
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
-    const float *m = world->solver->rows.moved + (size_t)row * DAFT_SIM_ROW;
     daft_sim_target *target = &world->solver->targets[row];
+    target->stop = target->centre, target->stop_rotation = target->rotation, target->linear = body->linear;
+    const float *m = world->solver->rows.moved + (size_t)row * DAFT_SIM_ROW;
     float swing = daft_length(row3(m + 3)) * daft_sim_max(body->extent - body->inner, 0);
     if (daft_length(row3(m)) + daft_sim_min(swing, 2 * body->extent) <= FAST_MOVE * body->inner) return;
-    target->share = (float)daft_sim_sweep(world, row, world->solver->targets, &target->sweeps);
+    daft_sim_sweep(world, row, world->solver->targets);
 }
 
 static void place_row(daft_world *world, uint32_t row)
 {
     daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     const daft_sim_target *target = &world->solver->targets[row];
-    daft_dvec3 centre = target->centre;
-    daft_quat rotation = target->rotation;
-    if (target->share < 1) {
-        daft_dvec3 way = daft_dsub(centre, body->centre);
-        centre = daft_dadd(body->centre, daft_dscale(way, (double)target->share));
-        rotation = daft_quat_nlerp(body->rotation, rotation, target->share);
-    }
     world->counters.sweeps += target->sweeps;
-    place_centre(body, centre, rotation);
+    body->linear = target->linear;
+    place_centre(body, target->stop, target->stop_rotation);
 }
 
 enum { ROW_GRAIN = 64, PARALLEL_ROWS = 256 };
