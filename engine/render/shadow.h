@@ -9,9 +9,10 @@
 enum {
     SHADOW_BLOCK = 16,                              /* points in a block, whatever the instruction set */
     SHADOW_TILE_BLOCKS = DAFT_BATCH / SHADOW_BLOCK, /* patches of 4 by 4 pixels in a tile */
-    SHADOW_BLOCKS = 2 * SHADOW_TILE_BLOCKS + 16,    /* each patch begins a block, and so does what is left of them */
+    SHADOW_BLOCKS = 2 * SHADOW_TILE_BLOCKS,         /* each patch begins a block, and so does what is left of them */
     SHADOW_LANES = SHADOW_BLOCKS * SHADOW_BLOCK,
-    SHADOW_SET_WORDS = (SHADOW_BLOCKS + 63) / 64
+    SHADOW_GROUP = 16,                              /* blocks that are looked at together, whatever the instruction set */
+    SHADOW_FEW = 4                                  /* so many of them are looked at one by one */
 };
 
 /* A lamp's view of some points. Light space has its origin in their middle, so its coordinates are as precise as the
@@ -40,6 +41,7 @@ typedef struct picture_box {
  * each group's. */
 typedef struct shadow_points {
     uint32_t count, live; /* blocks, and those with a lit point; the boxes of the others are empty */
+    uint32_t used[SHADOW_BLOCKS], under[SHADOW_BLOCKS]; /* bits: of points; of those that lie behind some thing's box */
     _Alignas(64) float low_u[SHADOW_BLOCKS], high_u[SHADOW_BLOCKS], low_v[SHADOW_BLOCKS], high_v[SHADOW_BLOCKS];
     _Alignas(64) float far[SHADOW_BLOCKS];
     _Alignas(64) float u[SHADOW_LANES], v[SHADOW_LANES];
@@ -49,6 +51,20 @@ typedef struct shadow_points {
     _Alignas(64) uint32_t own[SHADOW_LANES]; /* the triangle that the point lies on and that cannot shadow it, or
                                               * DAFT_NO_TRIANGLE */
 } shadow_points;
+
+/* A map to light space, and what bounds the rounding of what it moves: sums of its columns' magnitudes, and of its
+ * translation's. */
+typedef struct picture_map {
+    daft_affine map;
+    float reach[3], still;
+} picture_map;
+
+DAFT_INLINE picture_map picture_map_make(const daft_affine *map)
+{
+    picture_map out = {*map, {0, 0, 0}, fabsf(map->t[0]) + fabsf(map->t[1]) + fabsf(map->t[2])};
+    for (int j = 0; j < 3; j++) out.reach[j] = fabsf(map->m[j]) + fabsf(map->m[3 + j]) + fabsf(map->m[6 + j]);
+    return out;
+}
 
 /* Boxes of a node's children. */
 typedef struct node_boxes {
@@ -60,53 +76,99 @@ DAFT_INLINE picture_box node_child(const node_boxes *b, int i)
     return (picture_box){b->low_u[i], b->high_u[i], b->low_v[i], b->high_v[i], b->near[i]};
 }
 
-/* Which of a group's blocks lie, in part, behind the box. */
-DAFT_INLINE vbits blocks_behind(const picture_box *box, const shadow_points *p, uint32_t group)
-{
-    uint32_t b = group * DAFT_VL;
-    vm u = vm_and(vf_le(vf_set(box->low_u), vf_load(&p->high_u[b])), vf_le(vf_load(&p->low_u[b]), vf_set(box->high_u)));
-    vm v = vm_and(vf_le(vf_set(box->low_v), vf_load(&p->high_v[b])), vf_le(vf_load(&p->low_v[b]), vf_set(box->high_v)));
-    return vm_bits(vm_and(vm_and(u, v), vf_le(vf_set(box->near), vf_load(&p->far[b]))));
-}
-
-/* Whether a lit point of the block lies behind the box. */
-DAFT_INLINE bool points_behind(const picture_box *box, const shadow_points *p, uint32_t b)
-{
-    vbits any = 0;
-    for (uint32_t k = b * SHADOW_BLOCK; k < (b + 1) * SHADOW_BLOCK; k += DAFT_VL) {
-        vf u = vf_load(&p->u[k]), v = vf_load(&p->v[k]);
-        vm in = vm_and(vm_and(vf_le(vf_set(box->low_u), u), vf_le(u, vf_set(box->high_u))),
-                       vm_and(vf_le(vf_set(box->low_v), v), vf_le(v, vf_set(box->high_v))));
-        any |= vm_bits(vm_and(in, vf_le(vf_set(box->near), vf_load(&p->depth[k]))));
-    }
-    return any != 0;
-}
-
-/* A set of blocks, by bits. */
+/* A set of blocks, by bits; the groups are its 16-bit parts. */
 typedef struct block_set {
-    uint64_t bits[SHADOW_SET_WORDS];
+    uint64_t bits[SHADOW_BLOCKS / 64];
 } block_set;
 
-/* The blocks of `from` that have a lit point behind the box, as far as that is quickly known; false where there is none. As a
- * walk goes down a tree fewer blocks are left, and only these are looked at. */
+DAFT_INLINE bool set_is_empty(const block_set *s) { return (s->bits[0] | s->bits[1]) == 0; }
+
+/* Which blocks of a group lie, in part, behind the box. */
+DAFT_INLINE uint32_t blocks_behind(const picture_box *box, const shadow_points *p, uint32_t group)
+{
+    uint32_t in = 0;
+    for (uint32_t k = 0; k < SHADOW_GROUP; k += DAFT_VL) {
+        uint32_t b = group * SHADOW_GROUP + k;
+        vm u = vm_and(vf_le(vf_set(box->low_u), vf_load(&p->high_u[b])), vf_le(vf_load(&p->low_u[b]), vf_set(box->high_u)));
+        vm v = vm_and(vf_le(vf_set(box->low_v), vf_load(&p->high_v[b])), vf_le(vf_load(&p->low_v[b]), vf_set(box->high_v)));
+        in |= vm_bits(vm_and(vm_and(u, v), vf_le(vf_set(box->near), vf_load(&p->far[b])))) << k;
+    }
+    return in;
+}
+
+/* The bits of the block's lit points that lie behind the box. */
+DAFT_INLINE uint32_t points_behind(const picture_box *box, const shadow_points *p, uint32_t b)
+{
+    uint32_t all = 0;
+    for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
+        uint32_t at = b * SHADOW_BLOCK + k;
+        vf u = vf_load(&p->u[at]), v = vf_load(&p->v[at]);
+        vm in = vm_and(vm_and(vf_le(vf_set(box->low_u), u), vf_le(u, vf_set(box->high_u))),
+                       vm_and(vf_le(vf_set(box->low_v), v), vf_le(v, vf_set(box->high_v))));
+        all |= vm_bits(vm_and(in, vf_le(vf_set(box->near), vf_load(&p->depth[at])))) << k;
+    }
+    return all;
+}
+
+/* Which of a node's children lie, in part, before the block. */
+DAFT_INLINE uint32_t children_before(const node_boxes *n, const shadow_points *p, uint32_t b)
+{
+    return v8_le_bits(v8_load(n->low_u), v8_set(p->high_u[b])) & v8_le_bits(v8_set(p->low_u[b]), v8_load(n->high_u)) &
+           v8_le_bits(v8_load(n->low_v), v8_set(p->high_v[b])) & v8_le_bits(v8_set(p->low_v[b]), v8_load(n->high_v)) &
+           v8_le_bits(v8_load(n->near), v8_set(p->far[b]));
+}
+
+/* The blocks of `in`, bits of a group, that have a lit point behind the box, as far as that is quickly known. */
+DAFT_INLINE uint32_t group_narrow(const picture_box *box, const shadow_points *p, uint32_t group, uint32_t in)
+{
+    in &= blocks_behind(box, p, group);
+    if (__builtin_popcount(in) > SHADOW_FEW) return in;
+    for (uint32_t each = in; each; each &= each - 1)
+        if (!points_behind(box, p, group * SHADOW_GROUP + (uint32_t)__builtin_ctz(each))) in &= ~(each & -each);
+    return in;
+}
+
 DAFT_INLINE bool blocks_narrow(const picture_box *box, const shadow_points *p, const block_set *from, block_set *to)
 {
-    uint64_t any = 0;
-    for (uint32_t word = 0; word < SHADOW_SET_WORDS; word++) {
-        to->bits[word] = 0;
-        for (uint64_t left = from->bits[word]; left;) {
-            uint32_t shift = (uint32_t)__builtin_ctzll(left) / DAFT_VL * DAFT_VL, first = word * 64 + shift;
-            vbits in = (vbits)(left >> shift) & DAFT_ALL_LANES;
-            left &= ~((uint64_t)DAFT_ALL_LANES << shift);
-            if (__builtin_popcount(in) > 2) in &= blocks_behind(box, p, first / DAFT_VL);
-            if (__builtin_popcount(in) <= 4)
-                for (vbits each = in; each; each &= each - 1)
-                    if (!points_behind(box, p, first + (uint32_t)__builtin_ctz(each))) in &= ~(each & -each);
-            to->bits[word] |= (uint64_t)in << shift;
-        }
-        any |= to->bits[word];
+    *to = (block_set){{0}};
+    for (uint32_t group = 0; group * SHADOW_GROUP < p->count; group++) {
+        uint32_t word = group / 4, shift = group % 4 * SHADOW_GROUP, in = from->bits[word] >> shift & 0xffff;
+        if (in) to->bits[word] |= (uint64_t)group_narrow(box, p, group, in) << shift;
     }
-    return any != 0;
+    return !set_is_empty(to);
+}
+
+/* The same for those children of a node whose bits are in `children`; gives the bits of those that have any. Where many
+ * blocks of a group are left, each child is met by all of them at once, where few, each block by all children. */
+DAFT_INLINE uint32_t children_narrow(const node_boxes *n, uint32_t children, const shadow_points *p, const block_set *from,
+                                     block_set to[DAFT_WIDTH])
+{
+    uint32_t any = 0;
+    for (int i = 0; i < DAFT_WIDTH; i++) to[i] = (block_set){{0}};
+    for (uint32_t group = 0; group * SHADOW_GROUP < p->count; group++) {
+        uint32_t word = group / 4, shift = group % 4 * SHADOW_GROUP, in = from->bits[word] >> shift & 0xffff;
+        if (__builtin_popcount(in) > SHADOW_FEW) {
+            for (uint32_t left = children; left; left &= left - 1) {
+                int i = __builtin_ctz(left);
+                picture_box box = node_child(n, i);
+                uint64_t met = group_narrow(&box, p, group, in);
+                to[i].bits[word] |= met << shift;
+                if (met) any |= (uint32_t)1 << i;
+            }
+            continue;
+        }
+        for (; in; in &= in - 1) {
+            uint32_t place = (uint32_t)__builtin_ctz(in), b = group * SHADOW_GROUP + place;
+            for (uint32_t left = children_before(n, p, b) & children; left; left &= left - 1) {
+                int i = __builtin_ctz(left);
+                picture_box box = node_child(n, i);
+                if (!points_behind(&box, p, b)) continue;
+                to[i].bits[word] |= (uint64_t)1 << (shift + place);
+                any |= (uint32_t)1 << i;
+            }
+        }
+    }
+    return any;
 }
 
 /* A mesh of no thickness: none of its triangles hides those of its points from a lamp that face it. */
@@ -117,16 +179,78 @@ DAFT_INLINE bool is_flat(const daft_instance *s)
     return size.x == 0 || size.y == 0 || size.z == 0;
 }
 
+/* Points are moved by differences, so that far from the frame's origin as much of their precision is left as they have.
+ */
+DAFT_INLINE vf3 to_light_space(const light *l, vf3 p)
+{
+    const float *m = l->map.m;
+    vf3 d = {p.x - vf_set(l->origin.x), p.y - vf_set(l->origin.y), p.z - vf_set(l->origin.z)};
+    return (vf3){vf_set(m[0]) * d.x + vf_set(m[1]) * d.y + vf_set(m[2]) * d.z,
+                 vf_set(m[3]) * d.x + vf_set(m[4]) * d.y + vf_set(m[5]) * d.z,
+                 vf_set(m[6]) * d.x + vf_set(m[7]) * d.y + vf_set(m[8]) * d.z};
+}
+
+/* Where in the picture a point of light space is, and the z of its ray. */
+typedef struct picture_place {
+    vf u, v, z;
+} picture_place;
+
+DAFT_INLINE picture_place picture_of(const light *l, vf3 p)
+{
+    if (l->sun) return (picture_place){p.x, p.y, vf_set(1)};
+    vf z = p.z + vf_set(l->away), inverse = vf_set(1) / z;
+    return (picture_place){p.x * inverse, p.y * inverse, z};
+}
+
+/* Puts the points whose bits are in `kept` into blocks. `own`: the triangle that a point lies on and that cannot shadow it,
+ * or DAFT_NO_TRIANGLE. */
+void DAFT_KERNEL(daft_shadow_blocks)(const light *l, const daft_batch *batch, const uint32_t *own, const uint32_t *kept,
+                                     shadow_points *to);
+
 /* The map b, then a, from whose origin `origin` is taken first. */
 daft_affine DAFT_KERNEL(daft_light_compose)(const daft_affine *a, const daft_affine *b, daft_vec3 origin);
 
-/* Projects the children through `map`, which leads to light space; gives the bits of those that meet the points'
- * extent. */
-uint32_t DAFT_KERNEL(daft_node_project)(const light *l, const daft_affine *map, const daft_node *node, node_boxes *out);
+/* Projects the children through the map; gives the bits of those that meet the points' extent. */
+uint32_t DAFT_KERNEL(daft_node_project)(const light *l, const picture_map *map, const daft_node *node, node_boxes *out);
 
-/* Puts the points that the instance hides from the lamp to depth -inf; only those of the blocks behind its bounds. */
-void DAFT_KERNEL(daft_cast_shadow)(const light *l, const daft_lamp *lamp, const daft_batch *batch,
-                                   const daft_instance *instance, uint32_t number, const block_set *behind,
-                                   shadow_points *points);
+/* A thing that may hide points from a lamp. */
+typedef struct caster {
+    const light *light;
+    const daft_lamp *lamp;
+    const daft_batch *batch;
+    const daft_instance *instance;
+    uint32_t number; /* of the instance */
+    bool convex, flat;
+    shadow_points *points;
+} caster;
+
+/* From a point to the lamp, in double; a sun is one length of its direction away, and counts from there on. */
+typedef struct sight {
+    daft_dvec3 from, direction;
+    bool endless;
+} sight;
+
+DAFT_INLINE sight sight_of(const daft_batch *b, const daft_lamp *lamp, uint32_t i)
+{
+    daft_dvec3 from = daft_to_double(daft_v3(b->lifted.x[i], b->lifted.y[i], b->lifted.z[i]));
+    return (sight){from, lamp->sun ? daft_to_double(lamp->to_light) : daft_dsub(daft_to_double(lamp->position), from),
+                 lamp->sun};
+}
+
+DAFT_INLINE bool on_sight(const sight *w, double t) { return t > 0 && (w->endless || t < 1); }
+
+/* Takes the block out of what is looked at when its last point has gone dark. */
+DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
+{
+    vf most = vf_set(-INFINITY);
+    for (uint32_t i = 0; i < SHADOW_BLOCK; i += DAFT_VL) most = vf_max(most, vf_load(&p->depth[b * SHADOW_BLOCK + i]));
+    if (vm_bits(vf_lt(vf_set(-INFINITY), most)) || p->low_u[b] > p->high_u[b]) return;
+    p->low_u[b] = INFINITY, p->high_u[b] = -INFINITY;
+    p->live--;
+}
+
+/* Puts the points that the thing hides from the lamp to depth -inf; only those of the blocks behind its bounds. */
+void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const block_set *behind);
+void DAFT_KERNEL(daft_ball_shadow)(const caster *c, const block_set *behind);
 
 #endif

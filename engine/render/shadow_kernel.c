@@ -13,7 +13,6 @@
 #include "render/shadow.h"
 
 #define TINY  1e-36f
-#define STRAY 2.0f /* a patch this much larger than usual is taken apart */
 
 /* A tile's points and one lamp. */
 typedef struct cast {
@@ -23,6 +22,7 @@ typedef struct cast {
     uint32_t flag, only;     /* of the casters; the only one, or DAFT_NOTHING */
     const uint32_t *asked; /* bits of the points */
     light light;
+    picture_map view; /* frame space to light space */
     daft_vec3 low, high; /* of the points, in frame space */
     bool ways_known, own_known;
     uint32_t caster_count; /* beyond DAFT_MAX_CASTERS: more than are remembered */
@@ -78,17 +78,6 @@ static void find_extent(cast *c)
     c->high = daft_v3(vf_reduce_max(high.x), vf_reduce_max(high.y), vf_reduce_max(high.z));
 }
 
-/* Points are moved by differences, so that far from the frame's origin as much of their precision is left as they have.
- */
-DAFT_INLINE vf3 to_light_space(const light *l, vf3 p)
-{
-    const float *m = l->map.m;
-    vf3 d = minus(p, l->origin);
-    return (vf3){vf_set(m[0]) * d.x + vf_set(m[1]) * d.y + vf_set(m[2]) * d.z,
-                 vf_set(m[3]) * d.x + vf_set(m[4]) * d.y + vf_set(m[5]) * d.z,
-                 vf_set(m[6]) * d.x + vf_set(m[7]) * d.y + vf_set(m[8]) * d.z};
-}
-
 static float widen(float low, float high)
 {
     return (high - low) * 1e-5f + (fabsf(low) + fabsf(high)) * 0x1p-20f + TINY;
@@ -97,14 +86,15 @@ static float widen(float low, float high)
 /* The extent of the points. False: some lie beside or behind the lamp, and no picture plane holds them all. */
 static bool measure(light *l, const daft_batch *b, const uint32_t *bits)
 {
-    const vf inf = vf_set(INFINITY), zero = vf_set(0), one = vf_set(1);
+    const vf inf = vf_set(INFINITY), zero = vf_set(0);
     vf lu = inf, lv = inf, ld = inf, hu = -inf, hv = -inf, hd = -inf, ax = zero, ay = zero, az = zero, reach = zero;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = bits_at(bits, i);
         if (!in) continue;
         vm used = vm_from_bits(in);
         vf3 world = load3(&b->lifted, i), p = to_light_space(l, world);
-        vf z = l->sun ? one : p.z + vf_set(l->away), u = l->sun ? p.x : p.x / z, v = l->sun ? p.y : p.y / z;
+        const picture_place seen = picture_of(l, p);
+        const vf z = seen.z, u = seen.u, v = seen.v;
         lu = vf_min(vf_select(used, u, inf), lu), hu = vf_max(vf_select(used, u, -inf), hu);
         lv = vf_min(vf_select(used, v, inf), lv), hv = vf_max(vf_select(used, v, -inf), hv);
         ld = vf_min(vf_select(used, p.z, inf), ld), hd = vf_max(vf_select(used, p.z, -inf), hd);
@@ -258,7 +248,7 @@ static void find_one(cast *c)
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < DAFT_WIDTH; i++)
             node.bounds[k][i] = i ? INFINITY : low[k], node.bounds[3 + k][i] = i ? -INFINITY : high[k];
-    if (DAFT_KERNEL(daft_node_project)(&c->light, &c->light.map, &node, &boxes) & 1 && mark_under(c, s, c->only))
+    if (DAFT_KERNEL(daft_node_project)(&c->light, &c->view, &node, &boxes) & 1 && mark_under(c, s, c->only))
         remember(c, c->only, &boxes, 0);
 }
 
@@ -277,7 +267,7 @@ static void find_casters(cast *c)
     while (top > 0) {
         node_boxes boxes;
         const daft_node *node = &c->tlas->nodes.items[stack[--top]];
-        for (uint32_t in = DAFT_KERNEL(daft_node_project)(&c->light, &c->light.map, node, &boxes); in; in &= in - 1) {
+        for (uint32_t in = DAFT_KERNEL(daft_node_project)(&c->light, &c->view, node, &boxes); in; in &= in - 1) {
             int i = __builtin_ctz(in);
             uint32_t child = node->child[i], number = child & ~DAFT_CHILD_LEAF;
             if (child == DAFT_CHILD_NONE) continue;
@@ -291,296 +281,30 @@ static void find_casters(cast *c)
     }
 }
 
-/* ---- blocks ---- */
-
-/* Where each block's points are in the batch. */
-typedef struct places {
-    uint32_t count;
-    bool rows;                    /* four and four of a block's places follow each other */
-    uint32_t used[SHADOW_BLOCKS]; /* bits */
-    uint32_t at[SHADOW_LANES];
-} places;
-
-/* Patches along a Morton curve: 16 in a row form a square, so groups are compact. */
-static uint32_t patch_of(uint32_t pixel)
-{
-    uint32_t x = pixel % DAFT_TILE / 4, y = pixel / (4 * DAFT_TILE);
-    return (x & 1) | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2 | (x & 4) << 2 | (y & 4) << 3;
-}
-
-static uint32_t patch_column(uint32_t patch)
-{
-    return (patch & 1) | (patch >> 1 & 2) | (patch >> 2 & 4);
-}
-
-/* A batch that holds the tile's pixels one after the other needs no sorting. */
-static bool is_whole_tile(const daft_batch *b)
-{
-    if (b->count != DAFT_TILE * DAFT_TILE) return false;
-    vbits in_place = DAFT_ALL_LANES;
-    for (uint32_t i = 0; i < b->count; i += DAFT_VL)
-        in_place &= vm_bits(vi_eq(vi_load(&b->pixel[i]), vi_set((int32_t)i) + vi_iota()));
-    return in_place == DAFT_ALL_LANES;
-}
-
-static void place_whole_tile(const cast *c, places *out)
-{
-    out->count = 0, out->rows = true;
-    for (uint32_t patch = 0; patch < SHADOW_TILE_BLOCKS; patch++) {
-        uint32_t x = patch_column(patch) * 4, y = patch_column(patch >> 1) * 4, used = 0;
-        for (uint32_t row = 0; row < 4; row++) used |= (c->under[y + row] >> x & 15) << (4 * row);
-        if (!used) continue;
-        uint32_t *at = &out->at[out->count * SHADOW_BLOCK];
-        for (uint32_t row = 0; row < 4; row++)
-            for (uint32_t k = 0; k < 4; k++) at[4 * row + k] = (y + row) * DAFT_TILE + x + k;
-        out->used[out->count++] = used;
-    }
-}
-
-/* Counting sort by patch; each patch begins a block. */
-static void place_sorted(const cast *c, places *out)
-{
-    const daft_batch *b = c->batch;
-    uint32_t next[SHADOW_TILE_BLOCKS] = {0}, blocks = 0;
-    out->rows = false;
-    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++)
-        for (uint32_t in = c->under[word]; in; in &= in - 1)
-            next[patch_of(b->pixel[word * 32 + (uint32_t)__builtin_ctz(in)])]++;
-    for (uint32_t patch = 0; patch < SHADOW_TILE_BLOCKS; patch++) {
-        uint32_t count = next[patch];
-        next[patch] = blocks * SHADOW_BLOCK;
-        for (uint32_t left = count; left; left -= daft_min_u(left, SHADOW_BLOCK))
-            out->used[blocks++] = left >= SHADOW_BLOCK ? 0xffff : ((uint32_t)1 << left) - 1;
-    }
-    out->count = blocks;
-    memset(out->at, 0, blocks * SHADOW_BLOCK * sizeof out->at[0]);
-    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++)
-        for (uint32_t in = c->under[word]; in; in &= in - 1) {
-            uint32_t i = word * 32 + (uint32_t)__builtin_ctz(in);
-            out->at[next[patch_of(b->pixel[i])]++] = i;
-        }
-}
-
-/* DAFT_VL values from their places. */
-DAFT_INLINE vi pick(const void *base, const uint32_t *at, bool rows)
-{
-    const float *from[DAFT_VL / 4];
-    if (!rows) return vi_gather(base, vi_load(at));
-    for (int k = 0; k < DAFT_VL / 4; k++) from[k] = (const float *)base + at[4 * k];
-    return (vi)vf_load_fours(from);
-}
-
-DAFT_INLINE void fill_block(const cast *c, const places *from, uint32_t b, bool rows, shadow_points *to)
-{
-    const light *l = &c->light;
-    const vf inf = vf_set(INFINITY), one = vf_set(1);
-    vf lu = inf, lv = inf, hu = -inf, hv = -inf, far = -inf;
-    for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
-        uint32_t at = b * SHADOW_BLOCK + k;
-        const uint32_t *place = &from->at[at];
-        vm used = vm_from_bits(from->used[b] >> k & DAFT_ALL_LANES);
-        const daft_lanes3 *lifted = &c->batch->lifted;
-        vf3 p = {(vf)pick(lifted->x, place, rows), (vf)pick(lifted->y, place, rows), (vf)pick(lifted->z, place, rows)};
-        p = to_light_space(l, p);
-        vf z = l->sun ? one : p.z + vf_set(l->away), u = l->sun ? p.x : p.x / z, v = l->sun ? p.y : p.y / z;
-        vf depth = vf_select(used, p.z, -inf);
-        vf_store(&to->u[at], u), vf_store(&to->v[at], v);
-        vf_store(&to->x[at], p.x), vf_store(&to->y[at], p.y), vf_store(&to->z[at], z), vf_store(&to->depth[at], depth);
-        vi_store(&to->source[at], vi_load(place));
-        vi_store(&to->instance[at], pick(c->batch->instance, place, rows));
-        vi_store(&to->own[at], pick(c->own, place, rows));
-        lu = vf_min(vf_select(used, u, inf), lu), hu = vf_max(vf_select(used, u, -inf), hu);
-        lv = vf_min(vf_select(used, v, inf), lv), hv = vf_max(vf_select(used, v, -inf), hv);
-        far = vf_max(depth, far);
-    }
-    float most = vf_reduce_max(far);
-    to->low_u[b] = vf_reduce_min(lu), to->high_u[b] = vf_reduce_max(hu);
-    to->low_v[b] = vf_reduce_min(lv), to->high_v[b] = vf_reduce_max(hv);
-    to->far[b] = most;
-}
-
-/* ---- patches that are no neighbours to the lamp ---- */
-
-enum { PLACE_BITS = 11 }; /* of a place in a batch: DAFT_BATCH_ROOM < 2^11 */
-
-/* Points of patches across a silhouette: Morton code of their place in the picture, 8 bits an axis, above their place
- * in the batch. */
-typedef struct strays {
-    uint32_t count, jump; /* bits of the code that differ across more than two usual blocks */
-    float low_u, low_v, scale;
-    uint32_t key[DAFT_BATCH_ROOM];
-} strays;
-
-static float block_size(const shadow_points *p, uint32_t b)
-{
-    return (p->high_u[b] - p->low_u[b]) + (p->high_v[b] - p->low_v[b]);
-}
-
-/* What the smaller blocks measure in the mean. */
-static float usual_size(const shadow_points *p)
-{
-    float limit = INFINITY;
-    for (int pass = 0; pass < 3; pass++) {
-        float sum = 0;
-        uint32_t count = 0;
-        for (uint32_t b = 0; b < p->count; b++) {
-            float size = block_size(p, b);
-            if (size <= limit) sum += size, count++;
-        }
-        if (count) limit = sum / (float)count;
-    }
-    return limit;
-}
-
-static void copy_block(shadow_points *p, uint32_t from, uint32_t to)
-{
-    p->low_u[to] = p->low_u[from], p->high_u[to] = p->high_u[from];
-    p->low_v[to] = p->low_v[from], p->high_v[to] = p->high_v[from], p->far[to] = p->far[from];
-    for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
-        uint32_t a = from * SHADOW_BLOCK + k, b = to * SHADOW_BLOCK + k;
-        vf_store(&p->u[b], vf_load(&p->u[a])), vf_store(&p->v[b], vf_load(&p->v[a]));
-        vf_store(&p->x[b], vf_load(&p->x[a])), vf_store(&p->y[b], vf_load(&p->y[a])),
-            vf_store(&p->z[b], vf_load(&p->z[a]));
-        vf_store(&p->depth[b], vf_load(&p->depth[a])), vi_store(&p->source[b], vi_load(&p->source[a]));
-        vi_store(&p->instance[b], vi_load(&p->instance[a])), vi_store(&p->own[b], vi_load(&p->own[a]));
-    }
-}
-
-DAFT_INLINE vi spread_bits(vi x)
-{
-    x = (x | x << 4) & vi_set(0x0f0f);
-    x = (x | x << 2) & vi_set(0x3333);
-    return (x | x << 1) & vi_set(0x5555);
-}
-
-DAFT_INLINE vi picture_cell(vf place, float low, float scale)
-{
-    vf at = (place - vf_set(low)) * vf_set(scale);
-    return vi_truncate(vf_min(vf_max(at, vf_set(0)), vf_set(255)));
-}
-
-static void add_strays(const shadow_points *p, uint32_t b, strays *out)
-{
-    uint32_t key[SHADOW_BLOCK];
-    for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
-        uint32_t at = b * SHADOW_BLOCK + k;
-        vi u = picture_cell(vf_load(&p->u[at]), out->low_u, out->scale),
-           v = picture_cell(vf_load(&p->v[at]), out->low_v, out->scale);
-        vi_store(&key[k], (spread_bits(u) | spread_bits(v) << 1) << PLACE_BITS | vi_load(&p->source[at]));
-    }
-    for (uint32_t k = 0; k < SHADOW_BLOCK; k++)
-        if (p->depth[b * SHADOW_BLOCK + k] > -INFINITY) out->key[out->count++] = key[k];
-}
-
-/* The cells' grid: as fine as 256 of them along the longer side allow. */
-static void strays_setup(const shadow_points *p, float usual, strays *out)
-{
-    float high_u = -INFINITY, high_v = -INFINITY;
-    out->count = 0, out->jump = ~(uint32_t)0;
-    out->low_u = out->low_v = INFINITY;
-    for (uint32_t b = 0; b < p->count; b++) {
-        if (block_size(p, b) <= STRAY * usual) continue;
-        out->low_u = fminf(out->low_u, p->low_u[b]), high_u = fmaxf(high_u, p->high_u[b]);
-        out->low_v = fminf(out->low_v, p->low_v[b]), high_v = fmaxf(high_v, p->high_v[b]);
-    }
-    out->scale = 255.9f / fmaxf(fmaxf(high_u - out->low_u, high_v - out->low_v), TINY);
-    float side = usual * out->scale; /* half a block's outline, in cells: twice its side */
-    for (out->jump = 0; side >= 1 && out->jump < 16; out->jump += 2) side *= 0.5f;
-    out->jump += PLACE_BITS;
-}
-
-/* Takes the blocks away that are much larger than usual, and their points apart. */
-static void take_strays(shadow_points *p, float usual, strays *out)
-{
-    uint32_t kept = 0;
-    strays_setup(p, usual, out);
-    for (uint32_t b = 0; b < p->count; b++) {
-        if (block_size(p, b) > STRAY * usual) {
-            add_strays(p, b, out);
-            continue;
-        }
-        if (kept != b) copy_block(p, b, kept);
-        kept++;
-    }
-    p->count = kept;
-}
-
-static void sort_strays(strays *s)
-{
-    uint32_t other[DAFT_BATCH_ROOM], *from = s->key, *to = other;
-    for (uint32_t shift = PLACE_BITS; shift < PLACE_BITS + 16; shift += 8) {
-        uint32_t next[256] = {0}, sum = 0;
-        for (uint32_t i = 0; i < s->count; i++) next[from[i] >> shift & 255]++;
-        for (uint32_t k = 0; k < 256; k++) {
-            uint32_t count = next[k];
-            next[k] = sum;
-            sum += count;
-        }
-        for (uint32_t i = 0; i < s->count; i++) to[next[from[i] >> shift & 255]++] = from[i];
-        uint32_t *done = from;
-        from = to, to = done;
-    }
-}
-
-/* Blocks along the curve; a jump ends a block that is half full. */
-static void place_strays(const strays *s, uint32_t first, places *out)
-{
-    uint32_t used = SHADOW_BLOCK;
-    out->count = first, out->rows = false;
-    for (uint32_t i = 0; i < s->count; i++) {
-        bool room = out->count + (s->count - i) / SHADOW_BLOCK + 1 < SHADOW_BLOCKS;
-        if (used == SHADOW_BLOCK || (room && used >= SHADOW_BLOCK / 2 && (s->key[i] ^ s->key[i - 1]) >> s->jump)) {
-            memset(&out->at[out->count * SHADOW_BLOCK], 0, SHADOW_BLOCK * sizeof out->at[0]);
-            out->used[out->count++] = 0;
-            used = 0;
-        }
-        out->used[out->count - 1] |= (uint32_t)1 << used;
-        out->at[(out->count - 1) * SHADOW_BLOCK + used++] = s->key[i] & (((uint32_t)1 << PLACE_BITS) - 1);
-    }
-}
-
-static void fill_places(const cast *c, const places *from, uint32_t first, shadow_points *to)
-{
-    for (uint32_t b = first; b < from->count; b++)
-        from->rows ? fill_block(c, from, b, true, to) : fill_block(c, from, b, false, to);
-    to->count = from->count;
-}
-
-static void fill_blocks(cast *c, shadow_points *to)
-{
-    know_own(c);
-    places from;
-    strays apart;
-    if (is_whole_tile(c->batch))
-        place_whole_tile(c, &from);
-    else
-        place_sorted(c, &from);
-    fill_places(c, &from, 0, to);
-    take_strays(to, usual_size(to), &apart);
-    if (apart.count) {
-        sort_strays(&apart);
-        place_strays(&apart, to->count, &from);
-        fill_places(c, &from, to->count, to);
-    }
-    to->live = to->count;
-    for (uint32_t b = to->count; b % DAFT_VL; b++) { /* what is read past the end meets nothing */
-        to->low_u[b] = to->low_v[b] = INFINITY, to->high_u[b] = to->high_v[b] = -INFINITY;
-        to->far[b] = -INFINITY;
-    }
-}
-
 /* ---- the tile ---- */
 
 static block_set all_blocks(const shadow_points *p)
 {
     block_set all = {{0}};
-    for (uint32_t b = 0; b < p->count; b++) all.bits[b / 64] |= (uint64_t)1 << (b % 64);
+    for (uint32_t b = 0; b < p->count; b++) all.bits[b / 64] |= (uint64_t)(p->used[b] != 0) << (b % 64);
     return all;
 }
 
 static void cast_one(const cast *c, uint32_t number, const block_set *behind, shadow_points *points)
 {
-    DAFT_KERNEL(daft_cast_shadow)(&c->light, c->lamp, c->batch, &c->tlas->instances[number], number, behind, points);
+    const daft_instance *s = &c->tlas->instances[number];
+    const caster one = {.light = &c->light,
+                        .lamp = c->lamp,
+                        .batch = c->batch,
+                        .instance = s,
+                        .number = number,
+                        .convex = s->flags & DAFT_INSTANCE_CONVEX,
+                        .flat = is_flat(s),
+                        .points = points};
+    if (s->mesh)
+        DAFT_KERNEL(daft_mesh_shadow)(&one, behind);
+    else
+        DAFT_KERNEL(daft_ball_shadow)(&one, behind);
 }
 
 static void cast_remembered(const cast *c, shadow_points *points)
@@ -602,7 +326,7 @@ static void cast_all(const cast *c, shadow_points *points)
     while (top > 0 && points->live) {
         node_boxes boxes;
         const daft_node *node = &c->tlas->nodes.items[stack[--top]];
-        for (uint32_t in = DAFT_KERNEL(daft_node_project)(&c->light, &c->light.map, node, &boxes); in; in &= in - 1) {
+        for (uint32_t in = DAFT_KERNEL(daft_node_project)(&c->light, &c->view, node, &boxes); in; in &= in - 1) {
             int i = __builtin_ctz(in);
             uint32_t child = node->child[i], number = child & ~DAFT_CHILD_LEAF;
             picture_box box = node_child(&boxes, i);
@@ -616,30 +340,34 @@ static void cast_all(const cast *c, shadow_points *points)
     }
 }
 
-static void take_dark(const shadow_points *p, const uint32_t *under, uint32_t *bits)
+static void take_dark(const shadow_points *p, uint32_t *bits)
 {
-    uint32_t lit[DAFT_BATCH_WORDS] = {0};
-    for (uint32_t i = 0; i < p->count * SHADOW_BLOCK; i += DAFT_VL)
-        for (vbits in = vm_bits(vf_lt(vf_set(-INFINITY), vf_load(&p->depth[i]))); in; in &= in - 1) {
-            uint32_t at = p->source[i + (uint32_t)__builtin_ctz(in)];
-            lit[at / 32] |= (uint32_t)1 << (at % 32);
+    for (uint32_t b = 0; b < p->count; b++) {
+        uint32_t dark = p->used[b];
+        for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
+            dark &= ~(vm_bits(vf_lt(vf_set(-INFINITY), vf_load(&p->depth[b * SHADOW_BLOCK + k]))) << k);
+        for (; dark; dark &= dark - 1) {
+            uint32_t at = p->source[b * SHADOW_BLOCK + (uint32_t)__builtin_ctz(dark)];
+            bits[at / 32] &= ~((uint32_t)1 << (at % 32));
         }
-    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) bits[word] &= lit[word] | ~under[word];
+    }
 }
 
 /* The asked points form one pencil, whose lamp's axes and extent are set. Gives the number of points under something.
  */
 static uint32_t cast_pencil(cast *c, uint32_t *bits)
 {
+    c->view = picture_map_make(&c->light.map);
     find_casters(c);
     if (c->caster_count == 0) return 0;
     shadow_points points;
-    fill_blocks(c, &points);
+    know_own(c);
+    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, c->under, &points);
     if (c->caster_count <= DAFT_MAX_CASTERS)
         cast_remembered(c, &points);
     else
         cast_all(c, &points);
-    take_dark(&points, c->under, bits);
+    take_dark(&points, bits);
     uint32_t count = 0;
     for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
     return count;
@@ -714,6 +442,7 @@ uint32_t DAFT_KERNEL(daft_tints)(const daft_batch *points, const daft_lamp *lamp
     if (tlas->nodes.count == 0) return 0;
     c.flag = DAFT_INSTANCE_TINTS_SHADOW, c.only = DAFT_NOTHING;
     if (!cast_setup(&c, points, lamp, tlas, bits)) return UINT32_MAX;
+    c.view = picture_map_make(&c.light.map);
     find_casters(&c);
     if (c.caster_count > DAFT_MAX_CASTERS) return UINT32_MAX;
     for (uint32_t i = 0; i < c.caster_count; i++) out[i] = c.caster[i].number;

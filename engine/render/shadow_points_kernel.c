@@ -1,0 +1,279 @@
+/* The shadow pencil's points in blocks of 16: patches of 4 by 4 pixels, which lie side by side on a surface and so in the
+ * lamp's picture. Patches across a silhouette do not: those that are much larger there than usual are taken apart, and
+ * their points make blocks along a Morton curve in that picture. */
+#include "render/shadow.h"
+
+#define TINY  1e-36f
+#define STRAY 2.0f /* a patch this much larger than usual is taken apart */
+
+typedef struct pencil {
+    const light *light;
+    const daft_batch *batch;
+    const uint32_t *own;
+} pencil;
+
+/* Where each block's points are in the batch. */
+typedef struct places {
+    uint32_t count;
+    bool rows;                    /* four and four of a block's places follow each other */
+    uint32_t used[SHADOW_BLOCKS]; /* bits */
+    uint32_t at[SHADOW_LANES];
+} places;
+
+/* Patches along a Morton curve: 16 in a row form a square, so groups are compact. */
+static uint32_t patch_of(uint32_t pixel)
+{
+    uint32_t x = pixel % DAFT_TILE / 4, y = pixel / (4 * DAFT_TILE);
+    return (x & 1) | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2 | (x & 4) << 2 | (y & 4) << 3;
+}
+
+static uint32_t patch_column(uint32_t patch)
+{
+    return (patch & 1) | (patch >> 1 & 2) | (patch >> 2 & 4);
+}
+
+/* A batch that holds the tile's pixels one after the other needs no sorting. */
+static bool is_whole_tile(const daft_batch *b)
+{
+    if (b->count != DAFT_TILE * DAFT_TILE) return false;
+    vbits in_place = DAFT_ALL_LANES;
+    for (uint32_t i = 0; i < b->count; i += DAFT_VL)
+        in_place &= vm_bits(vi_eq(vi_load(&b->pixel[i]), vi_set((int32_t)i) + vi_iota()));
+    return in_place == DAFT_ALL_LANES;
+}
+
+static void place_whole_tile(const uint32_t *kept, places *out)
+{
+    const vi within = (vi_iota() & vi_set(3)) + (vi_iota() >> 2) * vi_set(DAFT_TILE);
+    out->count = 0, out->rows = true;
+    for (uint32_t patch = 0; patch < SHADOW_TILE_BLOCKS; patch++) {
+        uint32_t x = patch_column(patch) * 4, y = patch_column(patch >> 1) * 4, used = 0;
+        for (uint32_t row = 0; row < 4; row++) used |= (kept[y + row] >> x & 15) << (4 * row);
+        if (!used) continue;
+        for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
+            vi_store(&out->at[out->count * SHADOW_BLOCK + k], within + vi_set((int32_t)((y + k / 4) * DAFT_TILE + x)));
+        out->used[out->count++] = used;
+    }
+}
+
+/* Counting sort by patch; each patch begins a block. */
+static void place_sorted(const daft_batch *b, const uint32_t *kept, places *out)
+{
+    uint32_t next[SHADOW_TILE_BLOCKS] = {0}, blocks = 0;
+    out->rows = false;
+    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++)
+        for (uint32_t in = kept[word]; in; in &= in - 1)
+            next[patch_of(b->pixel[word * 32 + (uint32_t)__builtin_ctz(in)])]++;
+    for (uint32_t patch = 0; patch < SHADOW_TILE_BLOCKS; patch++) {
+        uint32_t count = next[patch];
+        next[patch] = blocks * SHADOW_BLOCK;
+        for (uint32_t left = count; left; left -= daft_min_u(left, SHADOW_BLOCK))
+            out->used[blocks++] = left >= SHADOW_BLOCK ? 0xffff : ((uint32_t)1 << left) - 1;
+    }
+    out->count = blocks;
+    memset(out->at, 0, blocks * SHADOW_BLOCK * sizeof out->at[0]);
+    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++)
+        for (uint32_t in = kept[word]; in; in &= in - 1) {
+            uint32_t i = word * 32 + (uint32_t)__builtin_ctz(in);
+            out->at[next[patch_of(b->pixel[i])]++] = i;
+        }
+}
+
+/* DAFT_VL values from their places. */
+DAFT_INLINE vi pick(const void *base, const uint32_t *at, bool rows)
+{
+    const float *from[DAFT_VL / 4];
+    if (!rows) return vi_gather(base, vi_load(at));
+    for (int k = 0; k < DAFT_VL / 4; k++) from[k] = (const float *)base + at[4 * k];
+    return (vi)vf_load_fours(from);
+}
+
+DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, bool rows, shadow_points *to)
+{
+    const light *l = c->light;
+    const vf inf = vf_set(INFINITY);
+    vf lu = inf, lv = inf, hu = -inf, hv = -inf, far = -inf;
+    to->used[b] = from->used[b], to->under[b] = 0;
+    for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
+        uint32_t at = b * SHADOW_BLOCK + k;
+        const uint32_t *place = &from->at[at];
+        vm used = vm_from_bits(from->used[b] >> k & DAFT_ALL_LANES);
+        const daft_lanes3 *lifted = &c->batch->lifted;
+        vf3 p = {(vf)pick(lifted->x, place, rows), (vf)pick(lifted->y, place, rows), (vf)pick(lifted->z, place, rows)};
+        p = to_light_space(l, p);
+        picture_place seen = picture_of(l, p);
+        vf depth = vf_select(used, p.z, -inf);
+        vf_store(&to->u[at], seen.u), vf_store(&to->v[at], seen.v);
+        vf_store(&to->x[at], p.x), vf_store(&to->y[at], p.y), vf_store(&to->z[at], seen.z);
+        vf_store(&to->depth[at], depth);
+        vi_store(&to->source[at], vi_load(place));
+        vi_store(&to->instance[at], pick(c->batch->instance, place, rows));
+        vi_store(&to->own[at], pick(c->own, place, rows));
+        lu = vf_min(vf_select(used, seen.u, inf), lu), hu = vf_max(vf_select(used, seen.u, -inf), hu);
+        lv = vf_min(vf_select(used, seen.v, inf), lv), hv = vf_max(vf_select(used, seen.v, -inf), hv);
+        far = vf_max(depth, far);
+    }
+    to->low_u[b] = vf_least(lu), to->high_u[b] = vf_most(hu);
+    to->low_v[b] = vf_least(lv), to->high_v[b] = vf_most(hv);
+    to->far[b] = vf_most(far);
+}
+
+/* ---- patches that are no neighbours to the lamp ---- */
+
+enum { PLACE_BITS = 11 }; /* of a place in a batch: DAFT_BATCH_ROOM < 2^11 */
+
+/* Points of patches across a silhouette: Morton code of their place in the picture, 8 bits an axis, above their place
+ * in the batch. */
+typedef struct strays {
+    uint32_t count, jump; /* bits of the code that differ across more than two usual blocks */
+    float low_u, low_v, scale;
+    uint32_t key[DAFT_BATCH_ROOM];
+    uint32_t free_count, free[SHADOW_BLOCKS]; /* blocks that were taken apart */
+} strays;
+
+static float block_size(const shadow_points *p, uint32_t b)
+{
+    return (p->high_u[b] - p->low_u[b]) + (p->high_v[b] - p->low_v[b]);
+}
+
+/* What the smaller blocks measure in the mean. */
+static float usual_size(const shadow_points *p)
+{
+    float limit = INFINITY;
+    for (int pass = 0; pass < 3; pass++) {
+        float sum = 0;
+        uint32_t count = 0;
+        for (uint32_t b = 0; b < p->count; b++) {
+            float size = block_size(p, b);
+            if (size <= limit) sum += size, count++;
+        }
+        if (count) limit = sum / (float)count;
+    }
+    return limit;
+}
+
+DAFT_INLINE vi spread_bits(vi x)
+{
+    x = (x | x << 4) & vi_set(0x0f0f);
+    x = (x | x << 2) & vi_set(0x3333);
+    return (x | x << 1) & vi_set(0x5555);
+}
+
+DAFT_INLINE vi picture_cell(vf place, float low, float scale)
+{
+    vf at = (place - vf_set(low)) * vf_set(scale);
+    return vi_truncate(vf_min(vf_max(at, vf_set(0)), vf_set(255)));
+}
+
+static void add_strays(const shadow_points *p, uint32_t b, strays *out)
+{
+    uint32_t key[SHADOW_BLOCK];
+    for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
+        uint32_t at = b * SHADOW_BLOCK + k;
+        vi u = picture_cell(vf_load(&p->u[at]), out->low_u, out->scale),
+           v = picture_cell(vf_load(&p->v[at]), out->low_v, out->scale);
+        vi_store(&key[k], (spread_bits(u) | spread_bits(v) << 1) << PLACE_BITS | vi_load(&p->source[at]));
+    }
+    for (uint32_t in = p->used[b]; in; in &= in - 1) out->key[out->count++] = key[__builtin_ctz(in)];
+}
+
+/* The cells' grid: as fine as 256 of them along the longer side allow. */
+static void strays_setup(const shadow_points *p, float usual, strays *out)
+{
+    float high_u = -INFINITY, high_v = -INFINITY;
+    out->count = out->free_count = 0;
+    out->low_u = out->low_v = INFINITY;
+    for (uint32_t b = 0; b < p->count; b++) {
+        if (block_size(p, b) <= STRAY * usual) continue;
+        out->low_u = fminf(out->low_u, p->low_u[b]), high_u = fmaxf(high_u, p->high_u[b]);
+        out->low_v = fminf(out->low_v, p->low_v[b]), high_v = fmaxf(high_v, p->high_v[b]);
+    }
+    out->scale = 255.9f / fmaxf(fmaxf(high_u - out->low_u, high_v - out->low_v), TINY);
+    float side = usual * out->scale; /* half a block's outline, in cells: twice its side */
+    for (out->jump = 0; side >= 1 && out->jump < 16; out->jump += 2) side *= 0.5f;
+    out->jump += PLACE_BITS;
+}
+
+/* Takes the blocks apart that are much larger than usual. */
+static void take_strays(const shadow_points *p, float usual, strays *out)
+{
+    strays_setup(p, usual, out);
+    for (uint32_t b = 0; b < p->count; b++) {
+        if (block_size(p, b) <= STRAY * usual) continue;
+        add_strays(p, b, out);
+        out->free[out->free_count++] = b;
+    }
+}
+
+static void sort_strays(strays *s)
+{
+    uint32_t other[DAFT_BATCH_ROOM], *from = s->key, *to = other;
+    for (uint32_t shift = PLACE_BITS; shift < PLACE_BITS + 16; shift += 8) {
+        uint32_t next[256] = {0}, sum = 0;
+        for (uint32_t i = 0; i < s->count; i++) next[from[i] >> shift & 255]++;
+        for (uint32_t k = 0; k < 256; k++) {
+            uint32_t count = next[k];
+            next[k] = sum;
+            sum += count;
+        }
+        for (uint32_t i = 0; i < s->count; i++) to[next[from[i] >> shift & 255]++] = from[i];
+        uint32_t *done = from;
+        from = to, to = done;
+    }
+}
+
+/* Begins a block where one was taken apart, or after the last. */
+static uint32_t begin_block(strays *s, places *out)
+{
+    uint32_t b = s->free_count ? s->free[--s->free_count] : out->count++;
+    memset(&out->at[b * SHADOW_BLOCK], 0, SHADOW_BLOCK * sizeof out->at[0]);
+    out->used[b] = 0;
+    return b;
+}
+
+/* Blocks along the curve; a jump ends a block that is half full, as long as the others have room. */
+static void place_strays(const pencil *c, strays *s, places *out, shadow_points *to)
+{
+    uint32_t used = SHADOW_BLOCK, b = 0, room = s->free_count + SHADOW_BLOCKS - out->count;
+    out->rows = false;
+    for (uint32_t i = 0; i < s->count; i++) {
+        bool spare = room > (s->count - i) / SHADOW_BLOCK + 1;
+        if (used == SHADOW_BLOCK || (spare && used >= SHADOW_BLOCK / 2 && (s->key[i] ^ s->key[i - 1]) >> s->jump)) {
+            if (i) fill_block(c, out, b, false, to);
+            b = begin_block(s, out);
+            room--, used = 0;
+        }
+        out->used[b] |= (uint32_t)1 << used;
+        out->at[b * SHADOW_BLOCK + used++] = s->key[i] & (((uint32_t)1 << PLACE_BITS) - 1);
+    }
+    fill_block(c, out, b, false, to);
+}
+
+static void empty_block(shadow_points *p, uint32_t b)
+{
+    p->low_u[b] = p->low_v[b] = INFINITY, p->high_u[b] = p->high_v[b] = p->far[b] = -INFINITY;
+    p->used[b] = 0;
+}
+
+void DAFT_KERNEL(daft_shadow_blocks)(const light *l, const daft_batch *batch, const uint32_t *own, const uint32_t *kept,
+                                     shadow_points *to)
+{
+    const pencil c = {l, batch, own};
+    places from;
+    strays apart;
+    if (is_whole_tile(batch))
+        place_whole_tile(kept, &from);
+    else
+        place_sorted(batch, kept, &from);
+    for (uint32_t b = 0; b < from.count; b++)
+        from.rows ? fill_block(&c, &from, b, true, to) : fill_block(&c, &from, b, false, to);
+    to->count = from.count;
+    take_strays(to, usual_size(to), &apart);
+    if (apart.count) {
+        sort_strays(&apart);
+        place_strays(&c, &apart, &from, to);
+    }
+    to->count = from.count, to->live = to->count - apart.free_count;
+    for (uint32_t i = 0; i < apart.free_count; i++) empty_block(to, apart.free[i]);
+    for (uint32_t b = to->count; b % SHADOW_GROUP; b++) empty_block(to, b); /* what is read past the end meets nothing */
+}
