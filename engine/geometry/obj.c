@@ -20,10 +20,14 @@
 void daft_obj_source_free(daft_obj_source *source)
 {
     const daft_allocator *allocator = source->allocator;
-    daft_release(allocator, source->positions);
+    daft_release(allocator, source->x);
+    daft_release(allocator, source->y);
+    daft_release(allocator, source->z);
     daft_release(allocator, source->normals);
     daft_release(allocator, source->uvs);
-    daft_release(allocator, source->corners);
+    daft_release(allocator, source->corner_positions);
+    daft_release(allocator, source->corner_uvs);
+    daft_release(allocator, source->corner_normals);
     daft_release(allocator, source->faces);
     daft_release(allocator, source->runs);
     daft_release(allocator, source->slots);

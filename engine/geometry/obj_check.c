@@ -94,7 +94,7 @@ static void look_at_values(checker *c)
     const daft_obj_source *s = c->source;
     const float far = 1e15f;
     for (size_t i = 0; i < s->position_count; i++) {
-        daft_vec3 p = s->positions[i];
+        daft_vec3 p = daft_obj_position(s, i);
         if (!daft_finite3(p))
             tell_kind(c, NOT_FINITE, i);
         else if (fabsf(p.x) > far || fabsf(p.y) > far || fabsf(p.z) > far)

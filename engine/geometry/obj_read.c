@@ -25,6 +25,35 @@ static inline bool grow(const reader *r, void *array_pointer, size_t *room, size
     return daft_grow(r->source->allocator, array_pointer, room, needed, used, size) || fail_memory(r);
 }
 
+/* Arrays that share one room. Where the second cannot grow, the first is larger than the room says, which is no harm. */
+static bool grow_alike(const reader *r, void *const arrays[], int count, size_t *room, size_t needed, size_t used)
+{
+    size_t grown = *room;
+    for (int i = 0; i < count; i++) {
+        grown = *room;
+        if (!grow(r, arrays[i], &grown, needed, used, sizeof(float))) return false;
+    }
+    *room = grown;
+    return true;
+}
+
+static bool grow_positions(const reader *r, size_t needed)
+{
+    daft_obj_source *s = r->source;
+    void *const axes[] = {&s->x, &s->y, &s->z};
+    return grow_alike(r, axes, 3, &s->position_room, needed, s->position_count);
+}
+
+static bool grow_corners(const reader *r, size_t needed)
+{
+    daft_obj_source *s = r->source;
+    void *lists[3] = {&s->corner_positions};
+    int count = 1;
+    if (s->corner_uvs) lists[count++] = &s->corner_uvs;
+    if (s->corner_normals) lists[count++] = &s->corner_normals;
+    return grow_alike(r, lists, count, &s->corner_room, needed, s->corner_count);
+}
+
 void daft_obj_drop(daft_obj_source *source, const char *at, const char *reason)
 {
     source->drops++;
@@ -63,59 +92,77 @@ static bool read_position_rest(const reader *r, const char *start, const char **
     return true;
 }
 
-static bool read_position(const reader *r, const char **cursor)
+static bool push_position(const reader *r, const char *statement, const double p[3])
 {
     daft_obj_source *s = r->source;
-    const char *start = *cursor;
-    double x, y, z;
-    if (!read_number(r, cursor, "v", &x) || !read_number(r, cursor, "v", &y) || !read_number(r, cursor, "v", &z))
-        return false;
-    if (!daft_is_break(**cursor) && !read_position_rest(r, start, cursor)) return false;
-    if (s->position_count >= DAFT_OBJ_MAX_INDEX)
-        return daft_text_fail(&s->text, start, r->error, "more vertices than 32 bits can count");
-    if (!grow(r, &s->positions, &s->position_room, s->position_count + 1, s->position_count, sizeof *s->positions))
-        return false;
-    daft_vec3 position = {(float)x, (float)y, (float)z};
+    size_t at = s->position_count;
+    if (at >= DAFT_OBJ_MAX_INDEX)
+        return daft_text_fail(&s->text, statement, r->error, "more vertices than 32 bits can count");
+    if (at == s->position_room && !grow_positions(r, at + 1)) return false;
+    daft_vec3 position = {(float)p[0], (float)p[1], (float)p[2]};
     s->bad_position |= !daft_finite3(position);
-    s->positions[s->position_count++] = position;
+    s->x[at] = position.x, s->y[at] = position.y, s->z[at] = position.z;
+    s->position_count++;
+    return true;
+}
+
+static bool read_position(const reader *r, const char **cursor)
+{
+    const char *start = *cursor;
+    double p[3];
+    for (int i = 0; i < 3; i++)
+        if (!read_number(r, cursor, "v", &p[i])) return false;
+    if (!daft_is_break(**cursor) && !read_position_rest(r, start, cursor)) return false;
+    return push_position(r, start, p);
+}
+
+static bool push_normal(const reader *r, const char *statement, const double n[3])
+{
+    daft_obj_source *s = r->source;
+    if (s->normal_count >= DAFT_OBJ_MAX_INDEX)
+        return daft_text_fail(&s->text, statement, r->error, "more normals than 32 bits can count");
+    if (!grow(r, &s->normals, &s->normal_room, s->normal_count + 1, s->normal_count, sizeof *s->normals)) return false;
+    s->normals[s->normal_count++] = daft_v3((float)n[0], (float)n[1], (float)n[2]);
     return true;
 }
 
 static bool read_normal(const reader *r, const char **cursor)
 {
-    daft_obj_source *s = r->source;
     const char *start = *cursor;
-    double x, y, z;
+    double n[3];
     int more = 0;
-    if (!read_number(r, cursor, "vn", &x) || !read_number(r, cursor, "vn", &y) || !read_number(r, cursor, "vn", &z))
-        return false;
+    for (int i = 0; i < 3; i++)
+        if (!read_number(r, cursor, "vn", &n[i])) return false;
     if (!daft_is_break(**cursor) && !read_rest(r, cursor, "vn", &more)) return false;
-    if (more > 0) daft_text_warn(&s->text, start, "'vn' has %d numbers, of which the first 3 are used", 3 + more);
-    if (s->normal_count >= DAFT_OBJ_MAX_INDEX)
-        return daft_text_fail(&s->text, start, r->error, "more normals than 32 bits can count");
-    if (!grow(r, &s->normals, &s->normal_room, s->normal_count + 1, s->normal_count, sizeof *s->normals)) return false;
-    s->normals[s->normal_count++] = daft_v3((float)x, (float)y, (float)z);
+    if (more > 0)
+        daft_text_warn(&r->source->text, start, "'vn' has %d numbers, of which the first 3 are used", 3 + more);
+    return push_normal(r, start, n);
+}
+
+static bool push_uv(const reader *r, const char *statement, const double p[2])
+{
+    daft_obj_source *s = r->source;
+    if (s->uv_count >= DAFT_OBJ_MAX_INDEX)
+        return daft_text_fail(&s->text, statement, r->error, "more texture coordinates than 32 bits can count");
+    if (!grow(r, &s->uvs, &s->uv_room, s->uv_count + 1, s->uv_count, sizeof *s->uvs)) return false;
+    daft_vec2 uv = {(float)p[0], (float)p[1]};
+    s->bad_uv |= !isfinite(uv.x) || !isfinite(uv.y);
+    s->uvs[s->uv_count++] = uv;
     return true;
 }
 
 /* One number (v is 0), two, or three (the third is for solid textures and not used). */
 static bool read_uv(const reader *r, const char **cursor)
 {
-    daft_obj_source *s = r->source;
+    daft_text *text = &r->source->text;
     const char *start = *cursor;
-    double u, v = 0;
+    double uv[2] = {0, 0};
     int more = 0;
-    if (!read_number(r, cursor, "vt", &u)) return false;
-    if (!daft_at_end(&s->text, *cursor) && !read_number(r, cursor, "vt", &v)) return false;
+    if (!read_number(r, cursor, "vt", &uv[0])) return false;
+    if (!daft_at_end(text, *cursor) && !read_number(r, cursor, "vt", &uv[1])) return false;
     if (!daft_is_break(**cursor) && !read_rest(r, cursor, "vt", &more)) return false;
-    if (more > 1) daft_text_warn(&s->text, start, "'vt' has %d numbers, of which the first 2 are used", 2 + more);
-    if (s->uv_count >= DAFT_OBJ_MAX_INDEX)
-        return daft_text_fail(&s->text, start, r->error, "more texture coordinates than 32 bits can count");
-    if (!grow(r, &s->uvs, &s->uv_room, s->uv_count + 1, s->uv_count, sizeof *s->uvs)) return false;
-    daft_vec2 uv = {(float)u, (float)v};
-    s->bad_uv |= !isfinite(uv.x) || !isfinite(uv.y);
-    s->uvs[s->uv_count++] = uv;
-    return true;
+    if (more > 1) daft_text_warn(text, start, "'vt' has %d numbers, of which the first 2 are used", 2 + more);
+    return push_uv(r, start, uv);
 }
 
 /* ---- f ---- */
@@ -145,43 +192,63 @@ static uint32_t resolve_attribute(const reader *r, const char *at, int64_t index
     return resolved;
 }
 
+/* A corner by its three indices. */
+enum { POSITION, UV, NORMAL };
+
 /* The part of a corner behind the position: /vt, //vn, /vt/vn. *cursor stands on the first slash. */
-static inline bool read_attributes(const reader *r, const char *start, const char **cursor, daft_obj_corner *corner)
+static inline bool read_attributes(const reader *r, const char *start, const char **cursor, uint32_t corner[3])
 {
     const daft_obj_source *s = r->source;
     const char *p = *cursor + 1;
     int64_t index;
     if (*p != '/' && !daft_token_ends(&s->text, p)) {
         if (!daft_scan_integer(&p, s->text.end, &index)) return fail_corner(r, start);
-        corner->uv = resolve_attribute(r, start, index, s->uv_count, "texture coordinate");
+        corner[UV] = resolve_attribute(r, start, index, s->uv_count, "texture coordinate");
     }
     if (*p == '/' && !daft_token_ends(&s->text, ++p)) {
         if (!daft_scan_integer(&p, s->text.end, &index)) return fail_corner(r, start);
-        corner->normal = resolve_attribute(r, start, index, s->normal_count, "normal");
+        corner[NORMAL] = resolve_attribute(r, start, index, s->normal_count, "normal");
     }
     *cursor = p;
     return true;
 }
 
-/* Appends the corners of a face. *reason stays NULL unless the face has to be dropped, and *where is then the place. */
-static inline bool read_corners(const reader *r, const char **cursor, const char **reason, const char **where)
+/* Appends a corner. A list of uvs or normals begins with the first corner that has one. */
+static bool push_corner(const reader *r, const uint32_t corner[3])
 {
     daft_obj_source *s = r->source;
+    size_t at = s->corner_count;
+    if (at == s->corner_room && !grow_corners(r, at + 1)) return false;
+    uint32_t **lists[3] = {&s->corner_positions, &s->corner_uvs, &s->corner_normals};
+    for (int i = 0; i < 3; i++) {
+        if (!*lists[i] && corner[i] != DAFT_OBJ_ABSENT) {
+            *lists[i] = daft_alloc(s->allocator, s->corner_room, sizeof(uint32_t));
+            if (!*lists[i]) return fail_memory(r);
+            memset(*lists[i], 0xff, at * sizeof(uint32_t)); /* DAFT_OBJ_ABSENT */
+        }
+        if (*lists[i]) (*lists[i])[at] = corner[i];
+    }
+    s->corner_count++;
+    return true;
+}
+
+/* Appends the corners of a face. *reason stays NULL unless the face has to be dropped, and *where is then the place. */
+static bool read_corners(const reader *r, const char **cursor, const char **reason, const char **where)
+{
+    const daft_obj_source *s = r->source;
     const char *p = *cursor;
     while (!daft_at_end(&s->text, p)) {
         const char *start = p;
         int64_t index;
         if (!daft_scan_integer(&p, s->text.end, &index)) return fail_corner(r, start);
-        daft_obj_corner corner = {resolve(index, s->position_count), DAFT_OBJ_ABSENT, DAFT_OBJ_ABSENT};
-        if (corner.position == DAFT_OBJ_ABSENT && !*reason) {
+        uint32_t corner[3] = {resolve(index, s->position_count), DAFT_OBJ_ABSENT, DAFT_OBJ_ABSENT};
+        if (corner[POSITION] == DAFT_OBJ_ABSENT && !*reason) {
             *reason = index ? "a negative index reaches before the first vertex" : "vertex index 0 (the first is 1)";
             *where = start;
         }
-        if (*p == '/' && !read_attributes(r, start, &p, &corner)) return false;
+        if (*p == '/' && !read_attributes(r, start, &p, corner)) return false;
         if (!daft_token_ends(&s->text, p)) return fail_corner(r, start);
-        if (!grow(r, &s->corners, &s->corner_room, s->corner_count + 1, s->corner_count, sizeof *s->corners))
-            return false;
-        s->corners[s->corner_count++] = corner;
+        if (!push_corner(r, corner)) return false;
         p = daft_skip_blanks(p);
     }
     *cursor = p;
@@ -242,6 +309,21 @@ static bool start_run(reader *r)
     return true;
 }
 
+/* How many corners the next face has. The list begins with the first face that has not three. */
+static bool push_count(const reader *r, uint32_t count)
+{
+    daft_obj_source *s = r->source;
+    if (s->faces || count != 3) {
+        bool first = !s->faces;
+        if (!grow(r, &s->faces, &s->face_room, s->face_count + 1, first ? 0 : s->face_count, sizeof *s->faces))
+            return false;
+        for (size_t i = 0; first && i < s->face_count; i++) s->faces[i] = 3;
+        s->faces[s->face_count] = count;
+    }
+    s->face_count++;
+    return true;
+}
+
 static bool read_face(reader *r, const char *statement, const char **cursor)
 {
     daft_obj_source *s = r->source;
@@ -258,12 +340,12 @@ static bool read_face(reader *r, const char *statement, const char **cursor)
         if (r->run_is_stale && !start_run(r)) return false;
         s->triangle_count += count - 2;
         if (count > s->largest_face) s->largest_face = (uint32_t)count;
+        const uint32_t *v = s->corner_positions + before;
+        if (count == 3) s->repeats |= v[0] == v[1] || v[1] == v[2] || v[2] == v[0];
     }
     if (s->triangle_count > UINT32_MAX / 3 || s->face_count >= UINT32_MAX)
         return daft_text_fail(&s->text, statement, r->error, "more triangles than 32-bit indices can hold");
-    if (!grow(r, &s->faces, &s->face_room, s->face_count + 1, s->face_count, sizeof *s->faces)) return false;
-    s->faces[s->face_count++] = (uint32_t)count;
-    return true;
+    return push_count(r, (uint32_t)count);
 }
 
 /* ---- the rest ---- */
@@ -349,6 +431,7 @@ static bool read_lines(reader *r)
 {
     const daft_text *text = &r->source->text;
     for (const char *p = text->begin; p < text->end;) {
+        p = daft_obj_scan(r->source, p, !r->run_is_stale);
         if (daft_is_break(*p))
             p++;
         else if (*p == '#')
@@ -373,15 +456,47 @@ static bool check_content(const reader *r)
                           daft_text_quote(r->first_unknown, length).text);
 }
 
-/* Room for what a file of this size usually holds: a position and two triangles in 72 bytes. Less grows, more is given
- * back soon. */
+/* Lines of each kind in the file, about: counted in 128 pieces of it, in all of it where it is small. */
+typedef struct line_counts {
+    size_t v, vt, vn, f;
+} line_counts;
+
+static void count_lines(const char *p, const char *end, line_counts *counts)
+{
+    while ((p = memchr(p, '\n', (size_t)(end - p))) != NULL) {
+        p++; /* at most the text's end, which is a zero byte */
+        if (p[0] == 'f')
+            counts->f++;
+        else if (p[0] == 'v')
+            counts->v += p[1] == ' ', counts->vt += p[1] == 't', counts->vn += p[1] == 'n';
+    }
+}
+
+static line_counts estimate(const daft_text *text)
+{
+    enum { PIECES = 128, PIECE = 256 };
+    line_counts counts = {0};
+    size_t size = (size_t)(text->end - text->begin), seen = 0;
+    for (size_t i = 0; i < PIECES; i++) {
+        const char *from = text->begin + size / PIECES * i, *next = i + 1 < PIECES ? from + size / PIECES : text->end;
+        const char *to = next - from > PIECE ? from + PIECE : next;
+        count_lines(from, to, &counts);
+        seen += (size_t)(to - from);
+    }
+    size_t *all[] = {&counts.v, &counts.vt, &counts.vn, &counts.f};
+    for (size_t i = 0; i < DAFT_COUNT_OF(all) && seen > 0; i++)
+        if (*all[i] > 0) *all[i] = (size_t)((double)*all[i] * ((double)size / (double)seen) * (seen < size ? 1.03 : 1)) + 2;
+    return counts;
+}
+
+/* Less grows, more is given back. */
 static bool reserve(const reader *r)
 {
     daft_obj_source *s = r->source;
-    size_t lines = (size_t)(s->text.end - s->text.begin) / 36;
-    return grow(r, &s->positions, &s->position_room, lines / 2, 0, sizeof *s->positions) &&
-           grow(r, &s->corners, &s->corner_room, 3 * lines, 0, sizeof *s->corners) &&
-           grow(r, &s->faces, &s->face_room, lines, 0, sizeof *s->faces);
+    line_counts lines = estimate(&s->text);
+    return grow_positions(r, lines.v) && grow_corners(r, 3 * lines.f) &&
+           grow(r, &s->uvs, &s->uv_room, lines.vt, 0, sizeof *s->uvs) &&
+           grow(r, &s->normals, &s->normal_room, lines.vn, 0, sizeof *s->normals);
 }
 
 bool daft_obj_read(daft_obj_source *source, daft_error *error)

@@ -102,8 +102,17 @@ static inline bool daft_word_is(const char *at, size_t length, const char *word)
 
 extern const double daft_powers_of_ten[23]; /* 10^0 to 10^22, each exact in double */
 
+/* Eight digits, 0 to 9 a byte, the first in the lowest byte: summed in pairs, fours and eights. */
+static inline uint64_t daft_sum_eight(uint64_t eight)
+{
+    eight = eight * 10 + (eight >> 8);
+    return ((eight & 0x000000FF000000FFu) * 0x000F424000000064u +
+            ((eight >> 16) & 0x000000FF000000FFu) * 0x0000271000000001u) >>
+           32;
+}
+
 /* Reads decimal digits onto *value; returns where they end. Eight at a time where eight bytes are left: the bytes that
- * are no digits are found by their high bits, shifted out, and the rest is summed in pairs, fours and eights. */
+ * are no digits are found by their high bits and shifted out. */
 static inline const char *daft_scan_digits(const char *p, const char *end, uint64_t *value)
 {
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
@@ -116,10 +125,7 @@ static inline const char *daft_scan_digits(const char *p, const char *end, uint6
         unsigned count = others ? (unsigned)__builtin_ctzll(others) >> 3 : 8;
         unsigned shift = (8 - count) * 4; /* in two halves, since a shift by 64 is undefined */
         eight = eight << shift << shift;
-        eight = eight * 10 + (eight >> 8);
-        eight = ((eight & 0x000000FF000000FFu) * 0x000F424000000064u +
-                 ((eight >> 16) & 0x000000FF000000FFu) * 0x0000271000000001u) >>
-                32;
+        eight = daft_sum_eight(eight);
         if (count < 8) {
             *value = *value * powers[count] + eight;
             return p + count;

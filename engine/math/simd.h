@@ -540,4 +540,27 @@ DAFT_INLINE v4 v8_high(v8 a) { return ((v8_pair){a}).half[1]; }
 DAFT_INLINE v8 v8_join(v4 low, v4 high) { return ((v8_pair){.half = {low, high}}).whole; }
 #endif
 
+/* ---- text ---- */
+
+/* Bit i: p[i] is no decimal digit. Of 16, 32 and 64 bytes. */
+DAFT_INLINE uint32_t daft_find_others_16(const char *p)
+{
+#ifdef DAFT_HAVE_X86 /* '0' to '9' become 118 to 127, the largest of signed bytes */
+    __m128i moved = _mm_add_epi8(_mm_loadu_si128((const __m128i *)(const void *)p), _mm_set1_epi8(127 - '9'));
+    return (uint32_t)_mm_movemask_epi8(_mm_cmplt_epi8(moved, _mm_set1_epi8(118)));
+#else
+    uint32_t bits = 0;
+    for (int i = 0; i < 16; i++) bits |= (uint32_t)((unsigned)(p[i] - '0') > 9) << i;
+    return bits;
+#endif
+}
+DAFT_INLINE uint32_t daft_find_others_32(const char *p)
+{
+    return daft_find_others_16(p) | daft_find_others_16(p + 16) << 16;
+}
+DAFT_INLINE uint64_t daft_find_others(const char *p)
+{
+    return daft_find_others_32(p) | (uint64_t)daft_find_others_32(p + 32) << 32;
+}
+
 #endif
