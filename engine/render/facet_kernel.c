@@ -2,7 +2,7 @@
  * taken in double, so that points on it are as precise as surface_kernel.c promises. */
 #include "render/surface.h"
 
-/* What is fetched of a group's triangles, lane by lane. */
+/* What is fetched of a group's triangles, lane by lane; lanes without one are not set, and what comes of them is dropped. */
 typedef struct stage {
     float corner[9][DAFT_VL], normal[9][DAFT_VL]; /* object space: x, y, z of corner 0, then of 1 and 2 */
     float to_frame[12][DAFT_VL], to_object[9][DAFT_VL]; /* where instances differ */
@@ -58,8 +58,7 @@ static void stage_maps(const daft_instance *s, int lane, stage *out)
 
 static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t first, uint32_t count, stage *out)
 {
-    memset(out, 0, sizeof *out);
-    out->one_instance = true;
+    out->triangles = out->with_normals = out->textured = 0, out->one_instance = true;
     for (uint32_t i = 1; i < count; i++) out->one_instance &= f->instance[first + i] == f->instance[first];
     for (uint32_t i = 0; i < count; i++) {
         const daft_instance *s = &snapshot->instances[f->instance[first + i]];

@@ -17,7 +17,7 @@
 
 /* What a batch's points need beside their place, normal and material. */
 enum {
-    WANT_SHADOW = 1,  /* the lifted point, the facet's normal and numbers */
+    WANT_SHADOW = 1,  /* the lifted point and the facet's normal */
     WANT_VIEW = 2,    /* the way to the viewer */
     WANT_TEXTURE = 4, /* uv and the footprint */
     WANT_PATH = 8,    /* what rays that go on need: weight, reach, spawn error */
@@ -232,9 +232,18 @@ enum { FINDER = 256 };
 
 /* A triangle's runs are in rows below each other: what was seen last is kept by a hash of its numbers. */
 typedef struct finder {
+    const daft_snapshot *snapshot;
     daft_facets *facets;
     uint16_t slot[FINDER];
 } finder;
+
+/* Numbers of corners are what is read first of a triangle, and they are anywhere. */
+DAFT_INLINE void prefetch_facet(const daft_instance *s, uint32_t triangle)
+{
+    if (!s->mesh) return;
+    __builtin_prefetch(&s->mesh->indices[3 * (size_t)triangle]);
+    if (s->mesh->normal_indices) __builtin_prefetch(&s->mesh->normal_indices[3 * (size_t)triangle]);
+}
 
 static int32_t find_slot(finder *f, uint32_t instance, uint32_t triangle)
 {
@@ -244,6 +253,7 @@ static int32_t find_slot(finder *f, uint32_t instance, uint32_t triangle)
     slot = list->count++;
     list->instance[slot] = instance, list->triangle[slot] = triangle;
     f->slot[hash] = (uint16_t)slot;
+    prefetch_facet(&f->snapshot->instances[instance], triangle);
     return (int32_t)slot;
 }
 
@@ -255,8 +265,8 @@ DAFT_INLINE vbits run_ends(const daft_tile *tile, int at, int count)
     return (~vm_bits(same) & vbits_first(count)) | (vbits)1 << (count - 1);
 }
 
-/* Puts the pixels into the batches, and the number of what they see beside those that see something. A pixel's number is its
- * place in the tile. */
+/* Puts the pixels into the batches, and what they see beside those that see something. A pixel's number is its place in the
+ * tile. */
 static void sort_pixels(const daft_tile *tile, finder *f, daft_batch *points, daft_ray_batch *sky)
 {
     int32_t *slots = f->facets->slot;
@@ -266,14 +276,16 @@ static void sort_pixels(const daft_tile *tile, finder *f, daft_batch *points, da
             int at = row * DAFT_TILE_STRIDE + x, first = at;
             for (vbits ends = run_ends(tile, at, daft_min_i(DAFT_VL, tile->width - x)); ends; ends &= ends - 1) {
                 int end = at + __builtin_ctz(ends) + 1;
-                uint32_t instance = tile->instance[first];
+                uint32_t instance = tile->instance[first], triangle = tile->triangle[first];
                 vi numbers = vi_iota() + vi_set(first);
                 if (instance == DAFT_NOTHING) {
                     vi_store(&sky->pixel[unseen], numbers);
                     unseen += (uint32_t)(end - first);
                 } else {
                     vi_store(&points->pixel[seen], numbers);
-                    vi_store(&slots[seen], vi_set(find_slot(f, instance, tile->triangle[first])));
+                    vi_store(&points->instance[seen], vi_set((int32_t)instance));
+                    vi_store(&points->triangle[seen], vi_set((int32_t)triangle));
+                    vi_store(&slots[seen], vi_set(find_slot(f, instance, triangle)));
                     seen += (uint32_t)(end - first);
                 }
                 first = end;
@@ -299,13 +311,6 @@ static void setup_seen(const daft_snapshot *snapshot, const daft_pencil *p, daft
     f->traits = 0, f->one_material = true, f->last_material = UINT32_MAX;
     for (uint32_t i = 0; i < f->count; i += DAFT_VL)
         DAFT_KERNEL(daft_facets_setup)(snapshot, f, i, daft_min_u(DAFT_VL, f->count - i), &rays);
-}
-
-static void store_ids(const daft_facets *f, const int32_t *slots, daft_batch *b, uint32_t at)
-{
-    vi number = vi_load(slots);
-    vi_store(&b->instance[at], vi_gather(f->instance, number));
-    vi_store(&b->triangle[at], vi_gather(f->triangle, number));
 }
 
 /* A facet that is not smooth has one normal for all its points. */
@@ -334,7 +339,6 @@ static void seen_points(const daft_snapshot *snapshot, const daft_pencil *p, daf
         }
         vf reach = wants & WANT_REACH ? vf_sqrt(vf3_dot(m.point, m.point)) : vf_set(0);
         store_meeting(&m, r.direction, normal, reach, snapshot->focal, wants, b, i);
-        if (wants & WANT_SHADOW) store_ids(f, slots, b, i);
         if (wants & WANT_PATH) store3(&b->weight, i, set3(daft_v3(1, 1, 1)));
     }
 }
@@ -344,7 +348,7 @@ void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *t
 {
     const daft_pencil *p = def->pencil;
     daft_vec3 first = daft_pencil_ray(p, tile->x, tile->y);
-    finder f = {.facets = facets};
+    finder f = {.snapshot = def->snapshot, .facets = facets};
     facets->count = 0;
     sort_pixels(tile, &f, points, sky);
     setup_seen(def->snapshot, p, facets);
@@ -372,6 +376,7 @@ static void take_hits(const daft_snapshot *snapshot, const daft_ray_batch *from,
         b->u[at] = hit->u, b->v[at] = hit->v, b->footprint[at] = hit->t;
         b->reach[at] = from->reach[ray] + hit->t;
         b->pixel[at] = from->pixel[ray];
+        b->instance[at] = f->instance[slot], b->triangle[at] = f->triangle[slot];
     }
 }
 
@@ -394,7 +399,6 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
         DAFT_KERNEL(daft_facets_setup)(snapshot, facets, i, daft_min_u(DAFT_VL, facets->count - i), &rays);
         meet_mixed(&r, false, facets, slots, wants, &m);
         store_meeting(&m, direction, unit3(m.normal), vf_load(&points->reach[at]), snapshot->focal, wants, points, at);
-        store_ids(facets, slots, points, at);
     }
     points->count += facets->count;
     points->traits |= facets->traits;
