@@ -94,14 +94,25 @@ static bool out_of_memory(const daft_renderer *r)
 static bool prepare_refractions(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
-    frame->refractions = daft_plan_may_refract(&frame->plan, frame->snapshot, &r->raster);
-    if (!frame->refractions) return true;
+    if (!frame->plan.refracts) return true;
     size_t depths = (size_t)frame->plan.preset->refractions, all = depths * (size_t)r->threads;
     if (!daft_grow(&r->allocator, &r->refracted, &r->refracted_capacity, all, 0, sizeof *r->refracted))
         return daft_fail_memory(error, "refracted rays");
     for (size_t i = 0; i < all; i++) r->refracted[i].count = 0;
     for (int i = 0; i < r->threads; i++) r->scratch[i].refracted = r->refracted + (size_t)i * depths;
     return true;
+}
+
+/* The tree over instances, once a frame, where what is seen asks for rays; without a lamp's shadows that is not known before. */
+static bool prepare_tree(daft_frame *frame, daft_error *error)
+{
+    daft_renderer *r = frame->renderer;
+    const daft_snapshot *s = frame->snapshot;
+    bool asked = frame->plan.shadows || frame->plan.reflects || frame->plan.refracts || s->reference;
+    if (frame->tlas || !asked) return true;
+    const daft_tlas_def def = {s->intersection, r->threads, r->isa};
+    frame->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, &def, error);
+    return frame->tlas != NULL;
 }
 
 static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error *error)
@@ -114,7 +125,8 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     if (!daft_raster_begin(&r->raster, &frame->pencil, s->instances, s->instance_count, error)) return false;
     daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
     if (out_of_memory(r)) return daft_fail_memory(error, "the visible triangles");
-    if (!prepare_refractions(frame, error)) return false;
+    daft_plan_narrow(&frame->plan, s, &r->raster);
+    if (!prepare_refractions(frame, error) || !prepare_tree(frame, error)) return false;
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
     frame->tile_count = (uint32_t)(r->raster.tiles_x * r->raster.tiles_y);
     daft_parallel_for(r->threads, frame->tile_count, daft_render_tile, frame);
@@ -144,11 +156,6 @@ static bool prepare(daft_frame *frame, daft_error *error)
         scratch->shadow_points = 0;
     }
     if (frame->plan.tints && !prepare_tints(r, error)) return false;
-    if (frame->plan.shadows || frame->plan.reflections || frame->plan.refractions || s->reference) {
-        const daft_tlas_def def = {s->intersection, r->threads, r->isa};
-        frame->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, &def, error);
-        if (!frame->tlas) return false;
-    }
     size_t floats = s->samples > 1 ? 3 * (size_t)s->width * (size_t)s->height : 0;
     if (daft_grow(&r->allocator, &r->sum, &r->sum_capacity, floats, 0, sizeof *r->sum)) return true;
     return daft_fail_memory(error, "the samples of a picture");

@@ -12,6 +12,7 @@ typedef struct daft_plan {
     const daft_preset *preset;
     bool shadows, reflections;                /* some lamp casts them onto something; some material mirrors */
     bool tints, refractions;                  /* some of these shadows let light through; some material transmits */
+    bool reflects, refracts;                  /* of the running sample: what is seen may send such rays on */
     const char *why[DAFT_EFFECT_COUNT];       /* what calls for the effect, or why nothing can */
     const char *why_not_seen[DAFT_EFFECT_COUNT]; /* the reason if no tile runs it after all */
 } daft_plan;
@@ -60,7 +61,6 @@ typedef struct daft_frame {
     daft_plan plan;
     daft_pencil pencil;
     const daft_tlas *tlas; /* NULL: nothing asks for rays */
-    bool refractions; /* what is seen may send rays on through it */
     int sample;
     uint32_t tile_count;
     atomic_uint tiles_done;
@@ -69,8 +69,8 @@ typedef struct daft_frame {
 
 /* plan.c */
 daft_plan daft_plan_make(const daft_snapshot *snapshot);
-/* Whether what the pencil may see (the instances in its bins) transmits, or shows in a mirror what may. */
-bool daft_plan_may_refract(const daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster);
+/* Whether what the pencil may see (the instances in its bins) mirrors; and whether it transmits, or shows in a mirror what may. */
+void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster);
 /* tile.c: a daft_task */
 void daft_render_tile(void *frame, uint32_t tile, uint32_t worker);
 

@@ -80,12 +80,15 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     return plan;
 }
 
-bool daft_plan_may_refract(const daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster)
+void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster)
 {
-    for (uint32_t i = 0; plan->refractions && i < raster->instance_count; i++) {
+    const bool asked = plan->reflections || plan->refractions;
+    plan->reflects = plan->refracts = false;
+    for (uint32_t i = 0; asked && i < raster->instance_count && !(plan->reflects && plan->refracts); i++) {
         const daft_instance *instance = raster->seen[i].instance;
         if (!instance) continue;
-        if (has(snapshot, instance, transmits) || (plan->reflections && has(snapshot, instance, mirrors))) return true;
+        bool mirror = plan->reflections && (has(snapshot, instance, mirrors) || has(snapshot, instance, bends));
+        plan->reflects |= mirror;
+        plan->refracts |= plan->refractions && (mirror || has(snapshot, instance, transmits));
     }
-    return false;
 }

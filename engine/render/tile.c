@@ -175,8 +175,8 @@ static void trace(job *j, const daft_ray_batch *rays, daft_effect_kind effect, d
 static void spawn(job *j, const daft_batch *points, int depth)
 {
     const daft_plan *plan = &j->frame->plan;
-    daft_spawning allowed = {plan->reflections && depth < plan->preset->reflections, plan->preset->least_weight};
-    bool through = j->frame->refractions && depth < plan->preset->refractions;
+    daft_spawning allowed = {plan->reflects && depth < plan->preset->reflections, plan->preset->least_weight};
+    bool through = j->frame->plan.refracts && depth < plan->preset->refractions;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;
     if (allowed.mirrors || through)
@@ -187,7 +187,7 @@ static void spawn(job *j, const daft_batch *points, int depth)
  * one batch for each depth is room enough. -1: none. */
 static int deepest_waiting(const job *j, int depth)
 {
-    if (!j->frame->refractions) return -1;
+    if (!j->frame->plan.refracts) return -1;
     depth = daft_min_i(depth, j->frame->plan.preset->refractions - 1);
     while (depth >= 0 && j->s->refracted[depth].count == 0) depth--;
     return depth;
