@@ -269,6 +269,29 @@ static void mean_row(const job *j, int row, float share)
     }
 }
 
+/* A tile that sees nothing but a sky of one colour. */
+static bool is_plain(const job *j)
+{
+    return j->s->points.count == 0 && j->snapshot->sky.kind == DAFT_SKY_COLOR && j->snapshot->samples == 1;
+}
+
+static void fill_plain(job *j)
+{
+    const daft_tile *tile = &j->s->tile;
+    daft_lanes3 *color = &j->s->sky_color;
+    uint8_t rgba[4];
+    j->r->shade->sky(&j->snapshot->sky, &j->s->sky.direction, 1, color);
+    j->r->shade->encode(color->x, color->y, color->z, 1, rgba);
+    for (int row = 0; row < tile->height; row++) {
+        size_t pixel = (size_t)(tile->y + row) * (size_t)j->snapshot->width + (size_t)tile->x;
+        uint8_t *to = j->frame->target->pixels + 4 * pixel;
+        for (int x = 0; x < tile->width; x++) memcpy(to + 4 * x, rgba, sizeof rgba);
+    }
+    ran(j, DAFT_EFFECT_SKY);
+    ran(j, DAFT_EFFECT_RESOLVE);
+    book(j, DAFT_EFFECT_SKY);
+}
+
 static void resolve(job *j)
 {
     const daft_snapshot *snapshot = j->snapshot;
@@ -338,7 +361,11 @@ void daft_render_tile(void *context, uint32_t tile, uint32_t worker)
     if (j.s->points.count) ran(&j, DAFT_EFFECT_SURFACE);
     if (frame->sample == 0) write_aov(&j);
     book(&j, DAFT_EFFECT_SURFACE);
-    shade(&j);
-    resolve(&j);
+    if (is_plain(&j)) {
+        fill_plain(&j);
+    } else {
+        shade(&j);
+        resolve(&j);
+    }
     report(frame, worker);
 }
