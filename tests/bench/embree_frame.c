@@ -12,7 +12,7 @@ typedef struct frame_job {
     const bench_embree *self;
     const bench_scene *scene;
     uint8_t *pixels;
-    uint8_t srgb[SRGB_STEPS];
+    uint32_t srgb[SRGB_STEPS]; /* words, which the compiler can gather */
 } frame_job;
 
 typedef struct surface16 {
@@ -90,18 +90,27 @@ static void light(const frame_job *job, const surface16 *s, float cosine[16])
     for (int i = 0; i < 16; i++) cosine[i] = valid[i] && !(rays.tfar[i] < 0) ? cosine[i] : 0;
 }
 
+/* Adds one colour channel to the pixels' words. */
+static void add_channel(const frame_job *job, const surface16 *s, const float cosine[16], int channel, uint32_t rgba[16])
+{
+    const daft_vec3 albedo = BENCH_ALBEDO, ambient = BENCH_AMBIENT, lamp = BENCH_LAMP_COLOR, sky = BENCH_SKY;
+    float still = (&albedo.x)[channel] * (&ambient.x)[channel], lit = (&albedo.x)[channel] * (&lamp.x)[channel];
+    float beyond = (&sky.x)[channel];
+    for (int i = 0; i < 16; i++) {
+        float surface = still + lit * cosine[i], value = s->hit[i] ? surface : beyond;
+        int step = (int)((value < 1 ? value : 1) * (SRGB_STEPS - 1) + 0.5f);
+        rgba[i] |= job->srgb[step] << (8 * channel);
+    }
+}
+
 static void write_pixels(const frame_job *job, const surface16 *s, const float cosine[16], int x0, int y0)
 {
-    int step[16];
-    for (int i = 0; i < 16; i++) {
-        float surface = BENCH_ALBEDO * (BENCH_AMBIENT + BENCH_LAMP_COLOR * cosine[i]),
-              value = s->hit[i] ? surface : BENCH_SKY;
-        step[i] = (int)((value < 1 ? value : 1) * (SRGB_STEPS - 1) + 0.5f);
-    }
-    for (int i = 0; i < 16; i++) {
-        uint32_t byte = job->srgb[step[i]], rgba = 0xff000000u | byte << 16 | byte << 8 | byte;
-        size_t at = (size_t)(y0 + i / 4) * (size_t)job->scene->view.width + (size_t)(x0 + i % 4);
-        memcpy(job->pixels + 4 * at, &rgba, 4);
+    uint32_t rgba[16];
+    for (int i = 0; i < 16; i++) rgba[i] = 0xff000000u;
+    for (int channel = 0; channel < 3; channel++) add_channel(job, s, cosine, channel, rgba);
+    for (int y = 0; y < 4; y++) {
+        size_t at = (size_t)(y0 + y) * (size_t)job->scene->view.width + (size_t)x0;
+        memcpy(job->pixels + 4 * at, &rgba[4 * y], 16);
     }
 }
 
@@ -126,7 +135,7 @@ double bench_embree_frame_ms(bench_embree *self, const bench_scene *scene, uint8
     frame_job job = {.self = self, .scene = scene, .pixels = pixels};
     for (int i = 0; i < SRGB_STEPS; i++) {
         double l = (double)i / (SRGB_STEPS - 1);
-        job.srgb[i] = (uint8_t)(255 * (l <= 0.0031308 ? 12.92 * l : 1.055 * pow(l, 1 / 2.4) - 0.055) + 0.5);
+        job.srgb[i] = (uint32_t)(255 * (l <= 0.0031308 ? 12.92 * l : 1.055 * pow(l, 1 / 2.4) - 0.055) + 0.5);
     }
     double start = bench_clock_ms(self->threads);
     daft_parallel_for(self->threads, (uint32_t)scene->view.height / 4, draw_row, &job);

@@ -82,9 +82,9 @@ const daft_counters *bench_frame_counters(const bench_frame *frame);
 const uint8_t *bench_frame_pixels(const bench_frame *frame);
 
 /* What the lamp and the surfaces are like, for ours and the peer's. */
-#define BENCH_ALBEDO     0.8f
-#define BENCH_AMBIENT    0.2f
-#define BENCH_LAMP_COLOR 0.9f
-#define BENCH_SKY        0.5f
+#define BENCH_ALBEDO     ((daft_vec3){0.8f, 0.75f, 0.7f})
+#define BENCH_AMBIENT    ((daft_vec3){0.2f, 0.22f, 0.25f})
+#define BENCH_LAMP_COLOR ((daft_vec3){0.9f, 0.85f, 0.8f})
+#define BENCH_SKY        ((daft_vec3){0.5f, 0.6f, 0.8f})
 
 #endif
