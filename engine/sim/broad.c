@@ -93,44 +93,88 @@ static double longest_side(const daft_sim_bounds *bounds)
     return longest > d.z ? longest : d.z;
 }
 
-/* The margin of contacts, the way of the centre, and what turning adds: at most the reach from the centre, twice. */
-static void update(daft_world *world, uint32_t index, daft_dvec3 way, float turn)
+static bool has_left(const daft_world *world, uint32_t part)
 {
-    daft_sim_part *part = &world->parts[index];
-    const daft_sim_body *body = &world->bodies[part->body];
-    daft_sim_bounds bounds = daft_sim_part_bounds(world, index);
-    float margin = daft_sim_min(DAFT_SIM_MARGIN * part->reach, DAFT_SIM_MAX_MARGIN);
-    bounds = grown(&bounds, (double)(margin + daft_sim_min(turn, 2) * body->extent));
-    const daft_sim_bounds *fat = &world->fat[index], *tight = &world->tight[index];
-    world->tight[index] = stretched(&bounds, way);
-    if (contains(fat, tight) && longest_side(fat) <= SLIM * longest_side(tight)) return;
-    daft_sim_tree_remove(&world->trees[body->kind], part->leaf);
-    enter(world, index, daft_dscale(way, AHEAD));
+    const daft_sim_bounds *fat = &world->fat[part], *tight = &world->tight[part];
+    return !contains(fat, tight) || longest_side(fat) > SLIM * longest_side(tight);
 }
 
-static void update_body(daft_world *world, uint32_t index, float dt)
+/* Of a body's centre in the coming step, if nothing is in its way. */
+static daft_dvec3 way_of(const daft_world *world, const daft_sim_body *body, float dt)
 {
-    const daft_sim_body *body = &world->bodies[index];
     daft_vec3 mean = body->linear;
-    float turn = 0;
     if (body->kind == DAFT_BODY_DYNAMIC) {
         daft_vec3 gain = daft_scale(body->force, body->inv_mass);
         gain = daft_sim_clamp(daft_add(gain, daft_scale(world->gravity, body->gravity_scale)),
                               DAFT_SIM_MAX_ACCELERATION);
         mean = daft_add(mean, daft_scale(gain, dt));
     }
-    if (!daft_sim_is_zero(body->angular)) turn = daft_length(body->angular) * dt;
-    daft_dvec3 way = daft_to_double(daft_scale(daft_sim_clamp(mean, DAFT_SIM_MAX_SPEED), dt));
-    for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
-        update(world, i, way, world->parts[i].round && !world->parts[i].posed &&
-                                      world->parts[i].shape.type == DAFT_GEOMETRY_SPHERE
-                                  ? 0
-                                  : turn);
+    return daft_to_double(daft_scale(daft_sim_clamp(mean, DAFT_SIM_MAX_SPEED), dt));
 }
 
-void daft_sim_broad_update(daft_world *world, float dt)
+/* The margin of contacts, the way of the centre, and what turning adds: at most the reach from the centre, twice. Gives
+ * whether the part has to enter the tree anew. */
+static bool update(daft_world *world, uint32_t index, daft_dvec3 way, float turn)
 {
-    for (size_t i = 0; i < world->awake.count; i++) update_body(world, world->awake.items[i], dt);
-    for (size_t i = 0; i < world->movers.count; i++) update_body(world, world->movers.items[i], dt);
+    const daft_sim_part *part = &world->parts[index];
+    daft_sim_bounds bounds = daft_sim_part_bounds(world, index);
+    float margin = daft_sim_min(DAFT_SIM_MARGIN * part->reach, DAFT_SIM_MAX_MARGIN);
+    if (part->round && !part->posed && part->shape.type == DAFT_GEOMETRY_SPHERE) turn = 0;
+    bounds = grown(&bounds, (double)(margin + daft_sim_min(turn, 2) * world->bodies[part->body].extent));
+    world->tight[index] = stretched(&bounds, way);
+    return has_left(world, index);
+}
+
+static bool update_body(daft_world *world, uint32_t index, float dt)
+{
+    const daft_sim_body *body = &world->bodies[index];
+    float turn = daft_sim_is_zero(body->angular) ? 0 : daft_length(body->angular) * dt;
+    daft_dvec3 way = way_of(world, body, dt);
+    bool left = false;
+    for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
+        left |= update(world, i, way, turn);
+    return left;
+}
+
+static void enter_anew(daft_world *world, uint32_t index, float dt)
+{
+    const daft_sim_body *body = &world->bodies[index];
+    daft_dvec3 ahead = daft_dscale(way_of(world, body, dt), AHEAD);
+    for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
+        if (!has_left(world, i)) continue;
+        daft_sim_tree_remove(&world->trees[body->kind], world->parts[i].leaf);
+        enter(world, i, ahead);
+    }
+}
+
+enum { GRAIN = 64, PARALLEL_BODIES = 256 };
+
+typedef struct job {
+    daft_world *world;
+    float dt;
+} job;
+
+static void update_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    const job *j = context;
+    daft_world *world = j->world;
+    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
+    if (end > world->awake.count) end = world->awake.count;
+    for (size_t i = first; i < end; i++) world->left[i] = update_body(world, world->awake.items[i], j->dt);
+}
+
+bool daft_sim_broad_update(daft_world *world, float dt)
+{
+    size_t count = world->awake.count;
+    job j = {world, dt};
+    if (!daft_grow(&world->allocator, &world->left, &world->left_capacity, count, 0, sizeof *world->left)) return false;
+    daft_parallel_for(count >= PARALLEL_BODIES ? world->workers : 1, (uint32_t)((count + GRAIN - 1) / GRAIN),
+                      update_range, &j);
+    for (size_t i = 0; i < count; i++)
+        if (world->left[i]) enter_anew(world, world->awake.items[i], dt);
+    for (size_t i = 0; i < world->movers.count; i++)
+        if (update_body(world, world->movers.items[i], dt)) enter_anew(world, world->movers.items[i], dt);
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_tidy(&world->trees[i]);
+    return true;
 }

@@ -276,6 +276,8 @@ struct daft_world {
 
     daft_sim_list awake;  /* dynamic */
     daft_sim_list movers; /* kinematic bodies with a target or a velocity */
+    bool *left;           /* broad.c: of those awake, which have left their fat bounds */
+    size_t left_capacity;
     daft_sim_list moved;  /* parts to be asked for new pairs */
     daft_sim_listing listed, fresh_listed, merged;
     bool bare;            /* some listed touch needs room for manifolds */
@@ -379,8 +381,8 @@ daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t part);
 /* Enters the parts of a body into the tree of its kind, for which there is room, and marks them moved. */
 void daft_sim_broad_add(daft_world *world, uint32_t body);
 void daft_sim_broad_remove(daft_world *world, uint32_t body);
-/* Fat bounds over the coming step of everything that moves. */
-void daft_sim_broad_update(daft_world *world, float dt);
+/* Bounds over the coming step of everything that moves. False when memory is out. */
+bool daft_sim_broad_update(daft_world *world, float dt);
 
 /* ---- pairs.c ---- */
 

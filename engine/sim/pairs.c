@@ -3,6 +3,7 @@
  * walks, which is in the order of keys. */
 #include "sim/internal.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -246,28 +247,32 @@ bool daft_sim_may_meet(const daft_world *world, uint32_t a, uint32_t b)
     return !daft_sim_joined(world, x->body, y->body);
 }
 
+/* Keys of touches to be made, in any order; of more than there is room for, only how many. */
+typedef struct candidates {
+    const daft_world *world;
+    uint64_t *keys;
+    unsigned capacity;
+    atomic_uint count;
+} candidates;
+
 typedef struct search {
-    daft_world *world;
+    const daft_world *world;
+    candidates *found;
     uint32_t part;
-    bool failed;
     uint32_t partners[DAFT_SIM_MAX_PARTNERS]; /* that this part will own: those of lowest index */
     uint32_t partner_count;
 } search;
 
 static void add_candidate(search *s, uint32_t other)
 {
-    daft_world *world = s->world;
-    if (!daft_grow(&world->allocator, &world->candidates, &world->candidate_capacity, world->candidate_count + 1,
-                   world->candidate_count, sizeof *world->candidates)) {
-        s->failed = true;
-        return;
-    }
+    const daft_world *world = s->world;
     /* A dynamic one first, the sensor first, else the lower index. */
     uint32_t a = s->part, b = other;
     bool dynamic_a = is_dynamic(world, a), dynamic_b = is_dynamic(world, b);
     bool sensor = world->parts[a].sensor || world->parts[b].sensor;
     bool swap = sensor ? world->parts[b].sensor : dynamic_a == dynamic_b ? b < a : dynamic_b;
-    world->candidates[world->candidate_count++] = swap ? key_of(b, a) : key_of(a, b);
+    unsigned at = atomic_fetch_add_explicit(&s->found->count, 1, memory_order_relaxed);
+    if (at < s->found->capacity) s->found->keys[at] = swap ? key_of(b, a) : key_of(a, b);
 }
 
 /* Of parts whose fat bounds meet. */
@@ -330,9 +335,9 @@ static bool crowded(search *s)
     return false;
 }
 
-static bool search_part(daft_world *world, uint32_t part)
+static void search_part(const daft_world *world, uint32_t part, candidates *found)
 {
-    search s = {.world = world, .part = part};
+    search s = {.world = world, .found = found, .part = part};
     const daft_sim_bounds *fat = &world->fat[part];
     daft_body_kind kind = world->bodies[world->parts[part].body].kind;
     bool full = world->parts[part].owned >= DAFT_SIM_MAX_PARTNERS;
@@ -341,7 +346,33 @@ static bool search_part(daft_world *world, uint32_t part)
     if (kind != DAFT_BODY_DYNAMIC || (!full && !crowded(&s)))
         daft_sim_tree_query(&world->trees[DAFT_BODY_DYNAMIC], fat, visit_dynamic, &s);
     for (uint32_t i = 0; i < s.partner_count; i++) add_candidate(&s, s.partners[i]);
-    return !s.failed;
+}
+
+enum { GRAIN = 16, PARALLEL_PARTS = 128 };
+
+static void search_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    candidates *found = context;
+    const daft_sim_list *moved = &found->world->moved;
+    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
+    if (end > moved->count) end = moved->count;
+    for (size_t i = first; i < end; i++) search_part(found->world, moved->items[i], found);
+}
+
+/* Nothing is changed while parts are searched around; where room was short, all are searched again with enough. */
+static bool find_candidates(daft_world *world)
+{
+    uint32_t tasks = (uint32_t)((world->moved.count + GRAIN - 1) / GRAIN);
+    for (size_t needed = 4 * world->moved.count;;) {
+        if (!daft_grow(&world->allocator, &world->candidates, &world->candidate_capacity, needed, 0,
+                       sizeof *world->candidates))
+            return false;
+        candidates found = {world, world->candidates, (unsigned)world->candidate_capacity, 0};
+        daft_parallel_for(world->moved.count >= PARALLEL_PARTS ? world->workers : 1, tasks, search_range, &found);
+        needed = world->candidate_count = atomic_load_explicit(&found.count, memory_order_relaxed);
+        if (needed <= world->candidate_capacity) return true;
+    }
 }
 
 static int by_value(const void *a, const void *b)
@@ -379,10 +410,7 @@ static void insert_candidates(daft_world *world)
 
 bool daft_sim_pairs_find(daft_world *world)
 {
-    world->candidate_count = 0;
-    for (size_t i = 0; i < world->moved.count; i++)
-        if (!search_part(world, world->moved.items[i])) return false;
-    if (!daft_sim_pairs_reserve(world, world->candidate_count)) return false;
+    if (!find_candidates(world) || !daft_sim_pairs_reserve(world, world->candidate_count)) return false;
     insert_candidates(world);
     for (size_t i = 0; i < world->moved.count; i++) world->parts[world->moved.items[i]].moved_slot = DAFT_SIM_NONE;
     world->moved.count = 0;

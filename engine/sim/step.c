@@ -158,8 +158,7 @@ static void count(daft_world *world, uint32_t sweeps)
 static bool find_work(daft_world *world, float dt)
 {
     for (size_t i = 0; i < world->movers.count; i++) begin_mover(&world->bodies[world->movers.items[i]], dt);
-    daft_sim_broad_update(world, dt);
-    if (!daft_sim_pairs_find(world) || !daft_sim_listing_update(world)) return false;
+    if (!daft_sim_broad_update(world, dt) || !daft_sim_pairs_find(world) || !daft_sim_listing_update(world)) return false;
     if (!daft_sim_contacts_update(world, dt) || !daft_sim_met_update(world) || !daft_sim_ghosts_drop(world))
         return false;
     daft_sim_wake_met(world);
