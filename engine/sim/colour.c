@@ -41,6 +41,8 @@ static bool assign_rows(daft_world *world)
     if (!reserve_rows(world, count) ||
         !daft_grow(&world->allocator, &s->row_bodies, &s->row_body_capacity, count, 0, sizeof *s->row_bodies) ||
         !daft_grow(&world->allocator, &s->masks, &s->mask_capacity, count, 0, sizeof *s->masks) ||
+        !daft_grow(&world->allocator, &s->constrained, &s->constrained_capacity, count, 0, sizeof *s->constrained) ||
+        !daft_grow(&world->allocator, &s->islands, &s->island_capacity, count, 0, sizeof *s->islands) ||
         !daft_grow(&world->allocator, &s->levels, &s->level_capacity, count * CLASSES, 0, sizeof *s->levels))
         return false;
     uint32_t row = 1;
@@ -49,10 +51,8 @@ static bool assign_rows(daft_world *world)
     for (size_t i = 0; i < world->awake.count; i++) s->row_bodies[row++] = world->awake.items[i];
     s->mover_count = (uint32_t)world->movers.count;
     s->row_count = row;
-    for (uint32_t r = 1; r < row; r++) {
-        world->bodies[s->row_bodies[r]].state = r;
-        world->bodies[s->row_bodies[r]].constrained = false;
-    }
+    for (uint32_t r = 1; r < row; r++) world->bodies[s->row_bodies[r]].state = r;
+    memset(s->constrained, 0, row * sizeof *s->constrained);
     return true;
 }
 
@@ -103,31 +103,73 @@ static bool count_colour(daft_world *world, uint32_t colour, uint32_t class, uin
 /* New, between bodies that have not moved yet. */
 static bool wants_seat(const daft_world *world, daft_sim_touch *touch, uint32_t patch)
 {
+    if (daft_sim_patches(touch)[patch].seated) return false;
     const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
-    return !daft_sim_patches(touch)[patch].seated && daft_sim_is_zero(a->linear) && daft_sim_is_zero(a->angular) &&
-           daft_sim_is_zero(b->linear) && daft_sim_is_zero(b->angular);
+    return daft_sim_is_zero(a->linear) && daft_sim_is_zero(a->angular) && daft_sim_is_zero(b->linear) &&
+           daft_sim_is_zero(b->angular);
+}
+
+static daft_sim_gathered gather(const daft_world *world, daft_sim_touch *touch)
+{
+    daft_sim_gathered g = {0};
+    if (touch->sensor || touch->patch_count == 0) return g;
+    g.row_a = row_of(world, touch->body_a), g.row_b = row_of(world, touch->body_b);
+    if (!yields(world, g.row_a)) return g;
+    g.patches = touch->patch_count;
+    for (uint32_t k = 0; k < touch->patch_count; k++) {
+        g.points += daft_sim_patches(touch)[k].count;
+        g.unseated += wants_seat(world, touch, k);
+    }
+    return g;
+}
+
+enum { GRAIN = 64, PARALLEL_CONTACTS = 512, AHEAD = 8 };
+
+static void gather_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    const daft_world *world = context;
+    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
+    if (end > world->met.count) end = world->met.count;
+    for (size_t i = first; i < end; i++) {
+        if (i + AHEAD < end) __builtin_prefetch(&world->touches[world->met.items[i + AHEAD]]);
+        world->solver->gathered[i] = gather(world, &world->touches[world->met.items[i]]);
+    }
+}
+
+/* Reads of records are for all workers; the colouring itself, which is for one, finds what it needs side by side. */
+static bool gather_contacts(daft_world *world)
+{
+    daft_sim_solver *s = world->solver;
+    size_t count = world->met.count, patches = 0;
+    if (!daft_grow(&world->allocator, &s->gathered, &s->gathered_capacity, count, 0, sizeof *s->gathered)) return false;
+    daft_parallel_for(count >= PARALLEL_CONTACTS ? world->workers : 1, (uint32_t)((count + GRAIN - 1) / GRAIN),
+                      gather_range, world);
+    s->contact_rows = s->unseated_count = 0;
+    for (size_t i = 0; i < count; i++) {
+        patches += s->gathered[i].patches;
+        s->contact_rows += 3 * s->gathered[i].patches + s->gathered[i].points;
+        s->unseated_count += s->gathered[i].unseated;
+    }
+    return daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, patches, 0, sizeof *s->constraints);
 }
 
 static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
 {
     daft_sim_solver *s = world->solver;
-    s->constraint_count = s->unseated_count = 0;
+    s->constraint_count = 0;
+    if (!gather_contacts(world)) return false;
     for (size_t i = 0; i < world->met.count; i++) {
-        uint32_t index = world->met.items[i];
-        const daft_sim_touch *touch = &world->touches[index];
-        if (touch->sensor || touch->patch_count == 0) continue;
-        uint32_t a = row_of(world, touch->body_a), b = row_of(world, touch->body_b);
-        if (!yields(world, a)) continue;
-        if (!daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity,
-                       s->constraint_count + touch->patch_count, s->constraint_count, sizeof *s->constraints))
-            return false;
-        world->bodies[touch->body_a].constrained = true;
-        if (yields(world, b)) world->bodies[touch->body_b].constrained = true;
-        for (uint32_t k = 0; k < touch->patch_count; k++) {
-            uint32_t class = !yields(world, b), colour = take_colour(s, a, b, class);
+        const daft_sim_gathered *g = &s->gathered[i];
+        if (g->patches == 0) continue;
+        uint32_t a = g->row_a, b = g->row_b, class = !yields(world, b);
+        s->constrained[a] = true;
+        if (!class) s->constrained[b] = true;
+        for (uint32_t k = 0; k < g->patches; k++) {
+            uint32_t colour = take_colour(s, a, b, class);
             if (!count_colour(world, colour, class, most)) return false;
-            s->unseated_count += wants_seat(world, &world->touches[index], k);
-            s->constraints[s->constraint_count++] = (daft_sim_constraint){index, k, a, b, colour << 1 | class};
+            s->constraints[s->constraint_count++] =
+                (daft_sim_constraint){world->met.items[i], k, a, b, colour << 1 | class};
         }
     }
     s->contact_count = (uint32_t)s->constraint_count;
@@ -187,8 +229,8 @@ static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
         if (!daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, s->constraint_count + 1,
                        s->constraint_count, sizeof *s->constraints))
             return false;
-        if (yields(world, a)) world->bodies[joint->body[0]].constrained = true;
-        if (yields(world, b)) world->bodies[joint->body[1]].constrained = true;
+        if (yields(world, a)) s->constrained[a] = true;
+        if (yields(world, b)) s->constrained[b] = true;
         uint32_t class = !(yields(world, a) && yields(world, b)), colour = take_colour(s, a, b, class);
         if (!count_colour(world, colour, class, most)) return false;
         s->constraints[s->constraint_count++] = (daft_sim_constraint){i, 0, a, b, colour << 1 | class};
@@ -232,6 +274,33 @@ bool daft_sim_colour_all(daft_world *world)
     if (!colour_contacts(world, most) || !lay_out(world, most)) return false;
     place_contacts(world->solver);
     return true;
+}
+
+/* ---- islands ---- */
+
+static uint32_t root_of(uint32_t *islands, uint32_t row)
+{
+    while (islands[row] != row) row = islands[row] = islands[islands[row]];
+    return row;
+}
+
+static void join(const daft_world *world, uint32_t a, uint32_t b)
+{
+    uint32_t *islands = world->solver->islands;
+    if (!yields(world, a) || !yields(world, b)) return;
+    a = root_of(islands, a), b = root_of(islands, b);
+    islands[a < b ? b : a] = a < b ? a : b;
+}
+
+uint32_t daft_sim_island_count(const daft_world *world)
+{
+    const daft_sim_solver *s = world->solver;
+    uint32_t count = 0;
+    for (uint32_t row = 0; row < s->row_count; row++) s->islands[row] = row;
+    for (uint32_t i = 0; i < s->contact_count; i++) join(world, s->constraints[i].row_a, s->constraints[i].row_b);
+    for (uint32_t i = 0; i < s->joint_count; i++) join(world, s->joint_rows[i].row[0], s->joint_rows[i].row[1]);
+    for (uint32_t row = 1 + s->mover_count; row < s->row_count; row++) count += s->islands[row] == row;
+    return count;
 }
 
 /* ---- blocks ---- */

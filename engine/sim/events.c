@@ -96,9 +96,8 @@ static void fill_contact(const daft_world *world, daft_sim_touch *touch, daft_si
 }
 
 /* After the step, along the normal, to first order. */
-static bool is_closed(const daft_world *world, daft_sim_touch *touch, float slack)
+static bool is_closed(daft_sim_touch *touch, float slack)
 {
-    (void)world;
     const daft_sim_patch *patches = daft_sim_patches(touch);
     for (uint32_t i = 0; i < touch->patch_count; i++) {
         if (patches[i].total_impulse > 0) return true;
@@ -111,15 +110,22 @@ static bool is_closed(const daft_world *world, daft_sim_touch *touch, float slac
 /* A contact ends when the parts are this far apart, so that resting on edge does not flicker. */
 #define END_SLACK 1e-3f /* m */
 
+/* What a step tells of a touch: bits of its entry, whose key is the pair of bodies, the lower one first. */
+enum { REPORTED = 1, SWAPPED = 2, CHANGED = 4, HAS_PATCHES = 8 };
+
+static daft_sim_listed judge(daft_sim_touch *touch, uint32_t index)
+{
+    bool was = touch->touching, swap = touch->body_b < touch->body_a;
+    uint64_t a = swap ? touch->body_b : touch->body_a, b = swap ? touch->body_a : touch->body_b;
+    touch->touching = touch->sensor ? touch->patch_count > 0 : is_closed(touch, was ? END_SLACK : 0);
+    uint32_t state = (touch->touching && !touch->sensor ? REPORTED : 0) | (swap ? SWAPPED : 0) |
+                     (touch->touching != was ? CHANGED : 0) | (touch->patch_count > 0 ? HAS_PATCHES : 0);
+    return (daft_sim_listed){a << 32 | b, index, state};
+}
+
 static void tell_change(daft_world *world, daft_sim_touch *touch)
 {
-    bool was = touch->touching;
-    if (touch->sensor)
-        touch->touching = touch->patch_count > 0;
-    else
-        touch->touching = is_closed(world, touch, was ? END_SLACK : 0);
-    if (touch->touching == was) return;
-    if (was) {
+    if (!touch->touching) {
         daft_sim_event_end(world, touch);
         return;
     }
@@ -140,6 +146,11 @@ bool daft_sim_report_reserve(daft_world *world)
 {
     size_t touches = world->live_touches, events = world->pending.count + touches + world->awake.count;
     events += 2 * (size_t)world->live_joints;
+    daft_sim_listing *order = &world->order;
+    if (!daft_grow(&world->allocator, &order->items, &order->capacity, 2 * world->met.count, 0, sizeof *order->items) ||
+        !daft_grow(&world->allocator, &world->merged.items, &world->merged.capacity, world->met.count, 0,
+                   sizeof *world->merged.items))
+        return false;
     /* What the sleeping ones touch is written only when that changes: it must survive the growth. */
     return daft_grow(&world->allocator, &world->report, &world->report_capacity, touches, world->report_asleep,
                      sizeof *world->report) &&
@@ -191,17 +202,86 @@ static void report_sleepers(daft_world *world)
     world->sleep_changed = false;
 }
 
+enum { GRAIN = 64, PARALLEL_TOUCHES = 512, AHEAD = 8 };
+
+static void judge_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    daft_world *world = context;
+    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
+    if (end > world->met.count) end = world->met.count;
+    for (size_t i = first; i < end; i++) {
+        if (i + AHEAD < end) __builtin_prefetch(&world->touches[world->met.items[i + AHEAD]], 1);
+        uint32_t touch = world->met.items[i];
+        world->merged.items[i] = judge(&world->touches[touch], touch);
+    }
+}
+
+static void fill_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    daft_world *world = context;
+    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
+    if (end > world->merged.count) end = world->merged.count;
+    daft_sim_contact *report = world->report + world->report_asleep;
+    for (size_t i = first; i < end; i++)
+        fill_contact(world, &world->touches[world->merged.items[i].touch], &report[i]);
+}
+
+static void for_ranges(daft_world *world, size_t count, daft_task *task)
+{
+    daft_parallel_for(count >= PARALLEL_TOUCHES ? world->workers : 1, (uint32_t)((count + GRAIN - 1) / GRAIN), task,
+                      world);
+}
+
+/* Tells what began and ended, and leaves what is to be reported in `merged`, by bodies. Touches come in the order of
+ * their parts, which is nearly that of their bodies, but for those whose bodies are swapped: they are ordered apart. */
+static void order_report(daft_world *world)
+{
+    daft_sim_listed *plain = world->merged.items, *swapped = world->order.items;
+    size_t plain_count = 0, swapped_count = 0;
+    world->counters.contacts = 0;
+    for (size_t i = 0; i < world->met.count; i++) {
+        daft_sim_listed entry = plain[i];
+        world->counters.contacts += (entry.state & HAS_PATCHES) != 0;
+        if (entry.state & CHANGED) tell_change(world, &world->touches[entry.touch]);
+        if (!(entry.state & REPORTED)) continue;
+        if (entry.state & SWAPPED)
+            swapped[swapped_count++] = entry;
+        else
+            plain[plain_count++] = entry;
+    }
+    daft_sim_listed_sort(swapped, swapped_count, swapped + swapped_count);
+    daft_sim_listed_sort(plain, plain_count, swapped + swapped_count);
+    world->merged.count = plain_count + swapped_count;
+    for (size_t at = world->merged.count; swapped_count > 0; at--) {
+        bool last = plain_count > 0 && plain[plain_count - 1].key > swapped[swapped_count - 1].key;
+        plain[at - 1] = last ? plain[--plain_count] : swapped[--swapped_count];
+    }
+}
+
+/* Touches of the same two bodies, few, by their shapes. */
+static void order_same_bodies(daft_sim_contact *report, const daft_sim_listed *keys, size_t count)
+{
+    for (size_t i = 1; i < count; i++) {
+        if (keys[i].key != keys[i - 1].key) continue;
+        daft_sim_contact moved = report[i];
+        size_t k = i;
+        for (; k > 0 && keys[k - 1].key == keys[i].key && contact_order(&moved, &report[k - 1]) < 0; k--)
+            report[k] = report[k - 1];
+        report[k] = moved;
+    }
+}
+
 void daft_sim_report(daft_world *world)
 {
     if (world->sleep_changed) report_sleepers(world);
-    world->report_count = world->report_asleep;
-    for (size_t i = 0; i < world->met.count; i++) {
-        daft_sim_touch *touch = &world->touches[world->met.items[i]];
-        tell_change(world, touch);
-        if (touch->touching && !touch->sensor) fill_contact(world, touch, &world->report[world->report_count++]);
-    }
-    size_t fresh = world->report_count - world->report_asleep;
-    if (fresh > 1) qsort(world->report + world->report_asleep, fresh, sizeof *world->report, contact_order);
+    for_ranges(world, world->met.count, judge_range);
+    order_report(world);
+    for_ranges(world, world->merged.count, fill_range);
+    order_same_bodies(world->report + world->report_asleep, world->merged.items, world->merged.count);
+    world->report_count = world->report_asleep + world->merged.count;
+    world->merged.count = 0;
 }
 
 void daft_sim_report_forget(daft_world *world, uint32_t handle)

@@ -129,7 +129,6 @@ typedef struct daft_sim_body {
     uint32_t user, locks;
     bool bullet, may_sleep;
     bool asleep;  /* dynamic */
-    bool constrained; /* scratch of a step: some constraint acts on it */
 
     daft_dvec3 position, centre; /* of the origin; of mass */
     daft_quat rotation;
@@ -280,6 +279,7 @@ struct daft_world {
     size_t left_capacity;
     daft_sim_list moved;  /* parts to be asked for new pairs */
     daft_sim_listing listed, fresh_listed, merged;
+    daft_sim_listing order; /* scratch of events.c */
     bool bare;            /* some listed touch needs room for manifolds */
     bool some_apart;      /* of those listed, */
     bool some_idle;       /* or have no active side any more */
@@ -395,6 +395,8 @@ void daft_sim_touch_drop(daft_world *world, uint32_t touch);
 void daft_sim_touches_remove(daft_world *world, uint32_t body);
 /* All touches of a body appear in the next listing. Room was reserved. */
 void daft_sim_touches_list(daft_world *world, uint32_t body);
+/* By keys; those of equal ones keep their order. scratch: room for as many. */
+void daft_sim_listed_sort(daft_sim_listed *items, size_t count, daft_sim_listed *scratch);
 /* Takes out what is gone or asleep and merges what is new. False when memory is out. */
 bool daft_sim_listing_update(daft_world *world);
 /* Finds which of the listed have met. False when memory is out. */
@@ -426,7 +428,6 @@ void daft_sim_wake_all(daft_world *world);
 void daft_sim_wake_met(daft_world *world);
 /* Rest times, islands, and who falls asleep. */
 void daft_sim_sleep_update(daft_world *world, float dt);
-uint32_t daft_sim_island_count(daft_world *world);
 /* Puts a body's heap to sleep, if all of it may. */
 void daft_sim_sleep_island(daft_world *world, uint32_t body);
 

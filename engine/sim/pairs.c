@@ -419,10 +419,36 @@ bool daft_sim_pairs_find(daft_world *world)
 
 /* ---- the listing ---- */
 
-static int by_key(const void *a, const void *b)
+/* The end of the ordered run that begins at `from`. */
+static size_t run_end(const daft_sim_listed *items, size_t from, size_t count)
 {
-    uint64_t x = ((const daft_sim_listed *)a)->key, y = ((const daft_sim_listed *)b)->key;
-    return (x > y) - (x < y);
+    size_t end = from + 1;
+    while (end < count && items[end - 1].key <= items[end].key) end++;
+    return end;
+}
+
+static void merge_runs(const daft_sim_listed *from, size_t middle, size_t end, daft_sim_listed *to)
+{
+    for (size_t i = 0, k = middle; i < middle || k < end;)
+        *to++ = k == end || (i < middle && from[i].key <= from[k].key) ? from[i++] : from[k++];
+}
+
+/* Runs that are in order already are merged two by two until one is left. */
+void daft_sim_listed_sort(daft_sim_listed *items, size_t count, daft_sim_listed *scratch)
+{
+    daft_sim_listed *from = items, *to = scratch;
+    for (size_t runs = 2; runs > 1;) {
+        runs = 0;
+        if (count == 0 || run_end(from, 0, count) == count) break;
+        for (size_t at = 0; at < count; runs++) {
+            size_t middle = run_end(from, at, count), end = middle < count ? run_end(from, middle, count) : count;
+            merge_runs(from + at, middle - at, end - at, to + at);
+            at = end;
+        }
+        daft_sim_listed *swap = from;
+        from = to, to = swap;
+    }
+    if (from != items) memcpy(items, from, count * sizeof *items);
 }
 
 static bool has_active_side(const daft_world *world, const daft_sim_touch *touch)
@@ -460,7 +486,7 @@ bool daft_sim_listing_update(daft_world *world)
     if (!daft_grow(&world->allocator, &merged->items, &merged->capacity, old->count + fresh->count, 0,
                    sizeof *merged->items))
         return false;
-    if (fresh->count > 1) qsort(fresh->items, fresh->count, sizeof *fresh->items, by_key);
+    daft_sim_listed_sort(fresh->items, fresh->count, merged->items);
     size_t i = 0, k = 0;
     merged->count = 0;
     while (i < old->count || k < fresh->count) {

@@ -126,7 +126,7 @@ static bool check_truths(const daft_world *w, const header *h)
 #define PART(f)  offsetof(daft_sim_part, f)
 #define TOUCH(f) offsetof(daft_sim_touch, f)
 #define JOINT(f) offsetof(daft_sim_joint, f)
-    return TRUTHS(w->bodies, h->bodies, BODY(bullet), BODY(may_sleep), BODY(asleep), BODY(constrained), BODY(round),
+    return TRUTHS(w->bodies, h->bodies, BODY(bullet), BODY(may_sleep), BODY(asleep), BODY(round),
                   BODY(has_target), BODY(follows)) &&
            TRUTHS(w->parts, h->parts, PART(round), PART(posed), PART(sensor)) &&
            TRUTHS(w->touches, h->touches, TOUCH(sensor), TOUCH(listed), TOUCH(owned_by_a), TOUCH(touching), TOUCH(belted)) &&

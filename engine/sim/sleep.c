@@ -202,12 +202,3 @@ void daft_sim_sleep_island(daft_world *world, uint32_t index)
     world->bodies[root].state = ready;
     sleep_marked(world);
 }
-
-uint32_t daft_sim_island_count(daft_world *world)
-{
-    uint32_t count = 0;
-    find_islands(world);
-    for (size_t i = 0; i < world->awake.count; i++)
-        count += world->bodies[world->awake.items[i]].island == world->awake.items[i];
-    return count;
-}

@@ -198,16 +198,16 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     float *velocity = rows->velocity + at, *gain = rows->gain + at, *mass = rows->mass + at, *turn = rows->turn + at;
     daft_vec3 zero = daft_v3(0, 0, 0), linear = body->linear, angular = body->angular, push = zero, twist = zero;
     float h = dt / (float)world->substeps;
+    bool dynamic = body->kind == DAFT_BODY_DYNAMIC, constrained = world->solver->constrained[row];
     put(rows->moved + at, zero, zero);
     turn[0] = turn[1] = turn[2] = 0, turn[3] = 1;
-    turn[4] = 0, turn[5] = body->constrained && !body->round;
+    turn[4] = 0, turn[5] = constrained && !body->round;
     mass[0] = body->inv_mass;
     daft_sim_body_inverse_inertia(body, mass + 1);
-    bool dynamic = body->kind == DAFT_BODY_DYNAMIC;
     if (dynamic) {
         push = daft_sim_clamp(daft_scale(body->force, body->inv_mass), DAFT_SIM_MAX_ACCELERATION);
         twist = daft_sim_clamp(apply_inertia(mass + 1, body->torque), DAFT_SIM_MAX_ACCELERATION);
-        if (!body->constrained) {
+        if (!constrained) {
             linear = daft_sim_clamp(daft_add(linear, daft_scale(push, dt)), DAFT_SIM_MAX_SPEED);
             angular = daft_sim_clamp(daft_add(angular, daft_scale(twist, dt)), DAFT_SIM_MAX_SPIN);
             push = twist = zero;
@@ -216,7 +216,7 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     }
     put(velocity, linear, angular);
     put(gain, push, twist);
-    gain[6] = dynamic && !body->constrained ? 1 : 0;
+    gain[6] = dynamic && !constrained ? 1 : 0;
     gain[7] = 1 / (1 + h * body->linear_damping);
     mass[7] = 1 / (1 + h * body->angular_damping);
 }
@@ -231,7 +231,7 @@ static void add_spin(daft_world *world, uint32_t row, float h)
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     if (body->kind != DAFT_BODY_DYNAMIC || body->round || body->locks & DAFT_LOCK_ROTATION) return;
     float turn = daft_length(body->angular) * h;
-    if (turn > (body->constrained ? SLOW_TURN : NO_TURN) && turn < DAFT_SIM_WILD_TURN)
+    if (turn > (world->solver->constrained[row] ? SLOW_TURN : NO_TURN) && turn < DAFT_SIM_WILD_TURN)
         world->solver->spins[world->solver->spin_count++] = (daft_sim_spin){.row = row};
 }
 
@@ -321,7 +321,7 @@ void daft_sim_solver_destroy(daft_world *world)
     void *arrays[] = {s->rows.velocity, s->rows.moved, s->rows.gain,    s->rows.turn,     s->rows.mass,
                       s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_rows,
                       s->joint_colours, s->masks,      s->levels,       s->constraints,   s->colour_counts,
-                      s->spins,        s->targets};
+                      s->spins,        s->targets,      s->constrained,   s->islands,       s->gathered};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
     daft_release(&world->allocator, s);
     world->solver = NULL;

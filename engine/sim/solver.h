@@ -111,6 +111,8 @@ struct daft_sim_solver {
     uint32_t *row_bodies; /* of each row */
     size_t row_body_capacity;
     uint32_t row_count, mover_count;
+    bool *constrained; /* rows that some constraint acts on */
+    size_t constrained_capacity;
 
     daft_sim_block *blocks;
     size_t block_capacity;
@@ -139,7 +141,14 @@ struct daft_sim_solver {
         uint32_t touch, patch, row_a, row_b, colour;
     } *constraints;
     size_t constraint_capacity, constraint_count;
+    struct daft_sim_gathered { /* of a touch that met: */
+        uint32_t row_a, row_b, patches, points, unseated;
+    } *gathered;
+    size_t gathered_capacity;
     uint32_t contact_count, unseated_count; /* of contacts: new ones between bodies at rest */
+    uint32_t contact_rows;
+    uint32_t *islands; /* of rows: parents in the union-find */
+    size_t island_capacity;
     uint32_t *colour_counts;
     size_t colour_count_capacity;
 
@@ -156,11 +165,14 @@ struct daft_sim_solver {
 
 typedef struct daft_sim_slot daft_sim_slot;
 typedef struct daft_sim_constraint daft_sim_constraint;
+typedef struct daft_sim_gathered daft_sim_gathered;
 
 /* ---- colour.c ---- */
 
 /* Rows for active bodies, colours for contacts and joints. False when memory is out. */
 bool daft_sim_colour_all(daft_world *world);
+/* Heaps of bodies that touch or are joined. */
+uint32_t daft_sim_island_count(const daft_world *world);
 /* Fills block `index` from patches, and puts the impulses back. */
 void daft_sim_block_fill(daft_world *world, uint32_t index, float dt);
 void daft_sim_block_store(daft_world *world, uint32_t index);

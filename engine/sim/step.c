@@ -110,29 +110,40 @@ static void place_row(daft_world *world, uint32_t row)
 {
     daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     const daft_sim_target *target = &world->solver->targets[row];
-    world->counters.sweeps += target->sweeps;
     body->linear = target->linear;
     place_centre(body, target->stop, target->stop_rotation);
 }
 
 enum { ROW_GRAIN = 64, PARALLEL_ROWS = 256 };
 
-static void sweep_range(void *context, uint32_t index, uint32_t worker)
+typedef struct row_job {
+    daft_world *world;
+    void (*run)(daft_world *world, uint32_t row);
+} row_job;
+
+static void run_rows(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
-    daft_world *world = context;
-    uint32_t first = 1 + world->solver->mover_count + index * ROW_GRAIN, end = first + ROW_GRAIN;
-    for (uint32_t row = first; row < end && row < world->solver->row_count; row++) sweep_row(world, row);
+    const row_job *j = context;
+    uint32_t first = 1 + j->world->solver->mover_count + index * ROW_GRAIN, end = first + ROW_GRAIN;
+    for (uint32_t row = first; row < end && row < j->world->solver->row_count; row++) j->run(j->world, row);
+}
+
+static void for_rows(daft_world *world, void (*run)(daft_world *world, uint32_t row))
+{
+    uint32_t count = world->solver->row_count - (1 + world->solver->mover_count);
+    daft_parallel_for(count >= PARALLEL_ROWS ? world->workers : 1, (count + ROW_GRAIN - 1) / ROW_GRAIN, run_rows,
+                      &(row_job){world, run});
 }
 
 /* All ways are swept before any body moves, so the order does not matter. */
 static void end_dynamics(daft_world *world)
 {
-    uint32_t first = 1 + world->solver->mover_count, count = world->solver->row_count - first;
-    for (uint32_t row = first; row < first + count; row++) take_row(world, row);
-    daft_parallel_for(count >= PARALLEL_ROWS ? world->workers : 1, (count + ROW_GRAIN - 1) / ROW_GRAIN, sweep_range,
-                      world);
-    for (uint32_t row = first; row < first + count; row++) place_row(world, row);
+    const daft_sim_solver *s = world->solver;
+    for_rows(world, take_row);
+    for_rows(world, sweep_row);
+    for_rows(world, place_row);
+    for (uint32_t row = 1 + s->mover_count; row < s->row_count; row++) world->counters.sweeps += s->targets[row].sweeps;
 }
 
 /* ---- the step ---- */
@@ -142,13 +153,7 @@ static void count(daft_world *world, uint32_t sweeps)
     const daft_sim_solver *s = world->solver;
     daft_sim_counters *c = &world->counters;
     *c = (daft_sim_counters){.sweeps = sweeps, .pairs = (uint32_t)world->listed.count};
-    for (size_t i = 0; i < world->met.count; i++) c->contacts += world->touches[world->met.items[i]].patch_count > 0;
-    for (uint32_t i = 0; i < s->block_count; i++)
-        for (int lane = 0; lane < s->blocks[i].lanes; lane++) {
-            c->rows += 3;
-            for (int p = 0; p < s->blocks[i].points; p++) c->rows += s->blocks[i].point[p].separation[lane] < 1e19f;
-        }
-    c->rows += 6 * s->joint_count;
+    c->rows = s->contact_rows + 6 * s->joint_count;
     c->colours = s->colour_count + s->joint_colour_count;
     c->substeps = c->rows ? (uint32_t)world->substeps : 0;
     c->islands = daft_sim_island_count(world);
