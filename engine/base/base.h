@@ -14,6 +14,7 @@
 static inline int daft_min_i(int a, int b) { return a < b ? a : b; }
 static inline int daft_max_i(int a, int b) { return a > b ? a : b; }
 static inline uint32_t daft_min_u(uint32_t a, uint32_t b) { return a < b ? a : b; }
+static inline uint32_t daft_max_u(uint32_t a, uint32_t b) { return a > b ? a : b; }
 
 /* ---- errors (error.c) ---- */
 

@@ -37,7 +37,7 @@ typedef struct daft_tile_job {
 } daft_tile_job;
 
 /* Triangles whose screen boxes hold some ray of the tile, waiting until there are enough to be set up. */
-enum { DAFT_WAITING_ROOM = 2 * DAFT_VL };
+enum { DAFT_WALK_BLOCKS = 16, DAFT_WAITING_ROOM = 4 * DAFT_WALK_BLOCKS + 4 * 4 + 3 * DAFT_VL + 8 };
 typedef struct daft_waiting {
     uint32_t count;
     float corner[9][DAFT_WAITING_ROOM]; /* x, y, z of corner 0, then of 1 and 2, in camera space */
@@ -56,8 +56,11 @@ typedef struct daft_pencil_batch {
     uint32_t instance[DAFT_VL], triangle[DAFT_VL];
 } daft_pencil_batch;
 
-/* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks of one instance. True: many of their triangles may be seen and make a batch.
- * False: few, and those wait for others. */
+/* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks of one instance; what of their triangles may be seen waits for others. `blocks`
+ * has room for as many, which is filled up. */
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
+                                      daft_waiting *waiting);
+/* True: many or large ones of them may be seen and make a batch. False: few, and those wait. */
 bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
                                     daft_waiting *waiting, daft_pencil_batch *batch);
 /* A batch from the last of those waiting. False: nothing of them is to be drawn. */
@@ -65,6 +68,11 @@ bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *fro
 /* The candidate boxes of one block's triangles, by the triangles' numbers. */
 void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *seen, const daft_block *block,
                                    daft_screen_box *out);
+/* walk_kernel.c: what of a mesh is in the tile, and not hidden; some small triangles of it may be left waiting. */
+void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting);
+void DAFT_KERNEL(daft_waiting_draw)(daft_tile_job *job, daft_waiting *waiting);
+/* Whether the pixels x0..x1, y0..y1 of the tile all see something whose w is above `nearest`. */
+bool DAFT_KERNEL(daft_pixels_hidden)(daft_tile_job *job, int x0, int x1, int y0, int y1, float nearest);
 /* draw_kernel.c */
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
 /* The pixels x0..x1, y0..y1 of the tile against a sphere. */

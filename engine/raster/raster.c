@@ -118,7 +118,9 @@ static bool seen_setup(const daft_pencil *p, const daft_instance *instance, uint
     if (!pixel_range(low.x, high.x, low.z, high.z, f, cx, p->width, &seen->x0, &seen->x1) ||
         !pixel_range(-high.y, -low.y, low.z, high.z, f, cy, p->height, &seen->y0, &seen->y1))
         return false;
-    return instance->mesh || sphere_range(p, seen, cx, cy);
+    if (!instance->mesh) return sphere_range(p, seen, cx, cy);
+    seen->dense = 4 * (int64_t)instance->mesh->triangle_count >= (int64_t)(seen->x1 - seen->x0 + 1) * (seen->y1 - seen->y0 + 1);
+    return true;
 }
 
 static bool tile_add(const daft_raster *raster, daft_bins *bins, uint32_t tile, uint32_t instance)

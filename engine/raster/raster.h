@@ -40,6 +40,7 @@ typedef struct daft_seen {
     daft_affine to_camera;
     float near_z;       /* of its bounds in camera space */
     int x0, x1, y0, y1; /* pixels its bounds may cover, inclusive */
+    bool dense;         /* a mesh with a triangle or more to four pixels of them */
 } daft_seen;
 
 enum { DAFT_BIN_ITEMS = 31 };

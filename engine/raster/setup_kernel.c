@@ -261,17 +261,34 @@ DAFT_INLINE vbits small(const lanes *l)
     return vm_bits(vm_and(vf_le(l->x1 - l->x0, two), vf_le(l->y1 - l->y0, two)));
 }
 
+/* Blocks in camera space. Gives the lanes that may be seen. */
+DAFT_INLINE vbits blocks_load_all(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
+                                  lanes *l, vi *triangle)
+{
+    for (uint32_t i = 1; i < DAFT_BATCH_BLOCKS; i++)
+        if (i >= count) blocks[i] = blocks[0]; /* nothing is computed from what is not there */
+    *triangle = blocks_triangles(blocks);
+    vbits used = ~vm_bits(vi_eq(*triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(count * DAFT_BLOCK));
+    project(job, seen, blocks, l);
+    job->counters->tested += (uint64_t)__builtin_popcount(used);
+    return used & l->some;
+}
+
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
+                                      daft_waiting *waiting)
+{
+    lanes l;
+    vi triangle;
+    vbits used = blocks_load_all(job, seen, blocks, count, &l, &triangle);
+    keep(waiting, &l, used, seen->index, triangle);
+}
+
 bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
                                     daft_waiting *waiting, daft_pencil_batch *batch)
 {
     lanes l;
-    for (uint32_t i = 1; i < DAFT_BATCH_BLOCKS; i++)
-        if (i >= count) blocks[i] = blocks[0]; /* nothing is computed from what is not there */
-    vi triangle = blocks_triangles(blocks);
-    vbits used = ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(count * DAFT_BLOCK));
-    project(job, seen, blocks, &l);
-    job->counters->tested += (uint64_t)__builtin_popcount(used);
-    used &= l.some;
+    vi triangle;
+    vbits used = blocks_load_all(job, seen, blocks, count, &l, &triangle);
     if (!used) return false;
     if (__builtin_popcount(used) <= DAFT_VL / 2 && !(used & ~small(&l))) {
         keep(waiting, &l, used, seen->index, triangle);
