@@ -5,8 +5,10 @@
 
 #include "render/internal.h"
 
+enum { MANY = 300 };
+
 typedef struct stage {
-    daft_instance instances[8];
+    daft_instance instances[MANY];
     uint32_t count;
     fixture_mesh soup, ball;
     daft_arena arena;
@@ -14,14 +16,15 @@ typedef struct stage {
     const daft_tlas *tlas;
 } stage;
 
-static void stage_make(stage *s)
+/* `size`: of the things, which are strewn about. */
+static void stage_make_of(stage *s, uint32_t count, float size)
 {
     s->soup = mesh_soup(700, 2, 0.35f);
     s->ball = mesh_ball(24, 1, 0.1f);
-    s->count = 8;
-    for (int i = 0; i < 8; i++) {
-        daft_vec3 scale = i % 4 == 3 ? daft_v3(1, -0.6f, 1.3f) : daft_v3(1, 1, 1), at = random_vec3(-5, 5);
-        s->instances[i] = i % 4 == 0 ? sphere_make(at, random_float(0.2f, 1))
+    s->count = count;
+    for (uint32_t i = 0; i < count; i++) {
+        daft_vec3 scale = i % 4 == 3 ? daft_v3(size, -0.6f * size, 1.3f * size) : daft_v3(size, size, size), at = random_vec3(-5, 5);
+        s->instances[i] = i % 4 == 0 ? sphere_make(at, random_float(0.2f, 1) * size)
                                      : instance_make(i % 2 ? &s->soup : &s->ball, affine_make(random_rotation(), scale, at));
     }
     s->instances[7].flags = 0; /* casts none */
@@ -30,6 +33,8 @@ static void stage_make(stage *s)
     s->tlas = daft_tlas_build(&s->arena, s->instances, s->count, NULL);
     assert_non_null(s->tlas);
 }
+
+static void stage_make(stage *s) { stage_make_of(s, 8, 1); }
 
 static void stage_drop(stage *s)
 {
@@ -91,13 +96,13 @@ static void compare(const stage *s, const daft_batch *b, const daft_lamp *lamp, 
     }
 }
 
-static void run(bool sun, float lamp_distance, float patch)
+static void run_with(uint32_t count, float size, bool sun, float lamp_distance, float patch)
 {
     daft_batch *b = calloc(1, sizeof *b);
     tally sum = {0};
     for (int round = 0; round < 25; round++) {
         stage s;
-        stage_make(&s);
+        stage_make_of(&s, count, size);
         for (int i = 0; i < 4; i++) {
             fill_points(b, random_vec3(-5, 5), patch);
             daft_lamp lamp = {.sun = sun, .casts_shadow = true};
@@ -113,12 +118,51 @@ static void run(bool sun, float lamp_distance, float patch)
     free(b);
 }
 
+static void run(bool sun, float lamp_distance, float patch) { run_with(8, 1, sun, lamp_distance, patch); }
+
 static void suns(void **unused) { (void)unused, fixture_seed(61), run(true, 0, 1); }
 static void large_patches(void **unused) { (void)unused, fixture_seed(62), run(true, 0, 8); }
 static void far_lamps(void **unused) { (void)unused, fixture_seed(63), run(false, 1000, 1); }
 static void lamps_beyond_the_hills(void **unused) { (void)unused, fixture_seed(66), run(false, 1e5f, 1); }
 static void lamps_in_the_scene(void **unused) { (void)unused, fixture_seed(64), run(false, 4, 1); }
 static void lamps_among_the_points(void **unused) { (void)unused, fixture_seed(65), run(false, 3, 4); }
+
+static void suns_over_many(void **unused) { (void)unused, fixture_seed(71), run_with(MANY, 0.3f, true, 0, 1); }
+static void lamps_over_many(void **unused) { (void)unused, fixture_seed(72), run_with(MANY, 0.3f, false, 30, 1); }
+static void lamps_far_from_many(void **unused) { (void)unused, fixture_seed(73), run_with(MANY, 0.2f, false, 1e5f, 3); }
+static void lamps_among_many(void **unused) { (void)unused, fixture_seed(74), run_with(MANY, 0.2f, false, 3, 4); }
+
+/* Of points in the open beside many things, none is asked for, though they share a tile with points behind the things. */
+static void beside_many(void **unused)
+{
+    (void)unused;
+    fixture_seed(75);
+    daft_batch *b = calloc(1, sizeof *b);
+    int dark = 0;
+    for (int round = 0; round < 20; round++) {
+        stage s;
+        stage_make_of(&s, MANY, 0.3f); /* between -6 and 6 on each axis */
+        b->count = 1000;
+        for (uint32_t i = 0; i < b->count; i++) {
+            daft_vec3 p = i < 500 ? daft_v3(random_float(-4, 4), -9, random_float(-4, 4)) : daft_v3(random_float(10, 14), -9, random_float(-4, 4));
+            b->lifted.x[i] = p.x, b->lifted.y[i] = p.y, b->lifted.z[i] = p.z;
+            b->instance[i] = UINT32_MAX, b->pixel[i] = i;
+        }
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            uint32_t bits[DAFT_BATCH_WORDS] = {0}, lit = 0;
+            daft_lamp lamp = {.sun = true, .casts_shadow = true, .to_light = {0, 1, 0}};
+            for (uint32_t i = 0; i < b->count; i++) bits[i / 32] |= (uint32_t)1 << (i % 32);
+            uint32_t kept = kernels(isa)->shadows(b, &lamp, s.tlas, DAFT_NOTHING, bits);
+            for (int word = 0; word < DAFT_BATCH_WORDS; word++) lit += (uint32_t)__builtin_popcount(bits[word]);
+            assert_true(kept <= 500 && kept >= 1000 - lit);
+            for (uint32_t i = 500; i < 1000; i++) assert_true(bits[i / 32] >> (i % 32) & 1);
+            dark += (int)(1000 - lit);
+        }
+        stage_drop(&s);
+    }
+    assert_true(dark > 1000);
+    free(b);
+}
 
 /* Instance by instance, as tinted shadows ask, takes away what all together do; and who tints is found. */
 static void one_at_a_time(void **unused)
@@ -202,6 +246,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(suns), cmocka_unit_test(large_patches), cmocka_unit_test(far_lamps), cmocka_unit_test(lamps_beyond_the_hills),
                                        cmocka_unit_test(lamps_in_the_scene), cmocka_unit_test(lamps_among_the_points),
-                                       cmocka_unit_test(one_at_a_time), cmocka_unit_test(flat_ground)};
+                                       cmocka_unit_test(suns_over_many), cmocka_unit_test(lamps_over_many),
+                                       cmocka_unit_test(lamps_far_from_many), cmocka_unit_test(lamps_among_many),
+                                       cmocka_unit_test(beside_many), cmocka_unit_test(one_at_a_time), cmocka_unit_test(flat_ground)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

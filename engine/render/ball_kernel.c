@@ -25,17 +25,46 @@ typedef struct ball {
     vf square, blur, error; /* radius squared; |error(discriminant)|; of depths */
 } ball;
 
-static ball ball_setup(const caster *c)
+static void centre_move(const light *l, const daft_instance *s, float at[3])
 {
-    const light *l = c->light;
-    const float *t = c->instance->to_frame.t;
-    float at[3], r = c->instance->radius;
+    const float *t = s->to_frame.t;
     for (int i = 0; i < 3; i++) {
         const float *row = &l->map.m[3 * i];
         at[i] = (float)((double)row[0] * ((double)t[0] - (double)l->origin.x) +
                         (double)row[1] * ((double)t[1] - (double)l->origin.y) +
                         (double)row[2] * ((double)t[2] - (double)l->origin.z));
     }
+}
+
+/* The slopes of the two tangents from the lamp to a circle of radius r around (x, z), 0 < r < z, in the order of their
+ * size (Mara and McGuire, "2D Polyhedral Bounds of a Clipped, Perspective-Projected 3D Sphere", 2013), no closer than they
+ * are when x and r are off by off_x and z by off_z. */
+static void tangents(float x, float z, float r, float off_x, float off_z, float *low, float *high)
+{
+    float inverse = 1 / ((z - r) * (z + r)), root = r * sqrtf(fmaxf(x * x + (z - r) * (z + r), 0)), near = 1 / (z - r);
+    float error = (fabsf(x) * z + root) * inverse * 0x1p-20f + (off_x + (fabsf(x) + r) * near * off_z) * near;
+    *low = fmaxf(*low, (x * z - root) * inverse - error), *high = fminf(*high, (x * z + root) * inverse + error);
+}
+
+void DAFT_KERNEL(daft_ball_box)(const light *l, const daft_instance *s, picture_box *box)
+{
+    float at[3], r = s->radius;
+    centre_move(l, s, at);
+    float size = fabsf(at[0]) + fabsf(at[1]) + fabsf(at[2]) + r + l->size, off = size * 0x1p-20f, z = at[2] + l->away;
+    if (l->sun) {
+        box->low_u = fmaxf(box->low_u, at[0] - r - off), box->high_u = fminf(box->high_u, at[0] + r + off);
+        box->low_v = fmaxf(box->low_v, at[1] - r - off), box->high_v = fminf(box->high_v, at[1] + r + off);
+    } else if (r > 0 && z - r > off + l->away * 0x1p-10f) {
+        tangents(at[0], z, r, off, off + l->away * 0x1p-22f, &box->low_u, &box->high_u);
+        tangents(at[1], z, r, off, off + l->away * 0x1p-22f, &box->low_v, &box->high_v);
+    }
+}
+
+static ball ball_setup(const caster *c)
+{
+    const light *l = c->light;
+    float at[3], r = c->instance->radius;
+    centre_move(l, c->instance, at);
     float reach = fabsf(at[0]) + fabsf(at[1]) + fabsf(at[2]) + r + l->size;
     return (ball){
         vf_set(at[0]),           vf_set(at[1]), vf_set(at[2]), vf_set(r * r), vf_set(32 * UNIT * reach * reach),

@@ -16,7 +16,10 @@
 #define UNIT 0x1p-24f
 #define TINY 1e-36f
 
-enum { LIST = 64 }; /* leaf blocks before their triangles are tested */
+enum {
+    LIST = 64, /* leaf blocks before their triangles are tested */
+    FEW_LIST = LIST - DAFT_WIDTH * DAFT_MAX_LEAF_BLOCKS
+};
 
 /* A mesh on its way through its tree. */
 typedef struct mesh_caster {
@@ -27,7 +30,7 @@ typedef struct mesh_caster {
 
 /* ---- triangles ---- */
 
-/* Leaf blocks, waiting to be tested against the points behind their leaf's box. */
+/* Leaf blocks, waiting to be tested against the points behind their leaf's box: blocks of them, or few by themselves. */
 typedef struct leaf {
     const daft_block *block;
     block_set behind;
@@ -51,6 +54,7 @@ typedef struct lanes {
     float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL], depth[3][DAFT_VL];
     float bound[DAFT_VL], wide[DAFT_VL], slack[DAFT_VL], rounding[DAFT_VL];
     float low_u[DAFT_VL], high_u[DAFT_VL], low_v[DAFT_VL], high_v[DAFT_VL], near[DAFT_VL];
+    uint32_t triangle[DAFT_VL];
 } lanes;
 
 typedef struct corners {
@@ -118,6 +122,11 @@ static vbits lanes_place(const mesh_caster *c, const corners *t, lanes *out)
     vf_store(out->low_u, lu), vf_store(out->high_u, hu), vf_store(out->low_v, lv), vf_store(out->high_v, hv);
     vf_store(out->near, near);
     return vm_bits(in);
+}
+
+static void lanes_name(const leaf *const *leaves, lanes *out)
+{
+    for (uint32_t i = 0; i < DAFT_VL; i++) out->triangle[i] = leaves[i / DAFT_BLOCK]->block->triangle[i % DAFT_BLOCK];
 }
 
 static void lanes_setup(const mesh_caster *c, const corners *t, lanes *out)
@@ -188,16 +197,6 @@ static __attribute__((noinline)) void look_closely(const caster *c, const daft_b
         uint32_t at = first + (uint32_t)__builtin_ctz(doubt);
         if (stands_between(c, block, lane, p->source[at])) p->depth[at] = -INFINITY;
     }
-}
-
-/* The lanes whose point lies on this very triangle, or on this convex thing. */
-DAFT_INLINE vbits lie_on(const caster *c, uint32_t triangle, uint32_t first)
-{
-    vm on = vi_eq(vi_load(&c->points->instance[first]), vi_set((int32_t)c->number));
-    if (c->convex) return vm_bits(on);
-    vi own = vi_load(&c->points->own[first]);
-    if (c->flat) return vm_bits(on) & ~vm_bits(vi_eq(own, vi_set((int32_t)DAFT_NO_TRIANGLE)));
-    return vm_bits(on) & vm_bits(vi_eq(own, vi_set((int32_t)triangle)));
 }
 
 /* The triangles that a block may lie behind. */
@@ -297,9 +296,123 @@ static void test_leaves(const mesh_caster *m, const leaf *const *leaves, vbits u
         }
 }
 
+/* ---- few points ---- */
+
+enum { FEW_POINTS = 64 };
+
+/* Points by themselves, not in blocks; sets of them are bits. */
+typedef struct few_points {
+    uint32_t count;
+    uint64_t live; /* those that are still lit */
+    _Alignas(64) float u[FEW_POINTS + DAFT_VL], v[FEW_POINTS + DAFT_VL], depth[FEW_POINTS + DAFT_VL];
+    uint32_t at[FEW_POINTS]; /* among the blocks' */
+} few_points;
+
+/* The lit points behind the box; false: there are more. */
+static bool few_take(const shadow_points *p, const picture_box *box, const block_set *from, few_points *out)
+{
+    out->count = 0;
+    for (uint32_t word = 0; word < DAFT_COUNT_OF(from->bits); word++)
+        for (uint64_t left = from->bits[word]; left; left &= left - 1) {
+            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), in = points_behind(box, p, b);
+            if (out->count + (uint32_t)__builtin_popcount(in) > FEW_POINTS) return false;
+            for (; in; in &= in - 1) {
+                uint32_t at = b * SHADOW_BLOCK + (uint32_t)__builtin_ctz(in), i = out->count++;
+                out->u[i] = p->u[at], out->v[i] = p->v[at], out->depth[i] = p->depth[at], out->at[i] = at;
+            }
+        }
+    out->live = out->count ? ~(uint64_t)0 >> (64 - out->count) : 0;
+    return true;
+}
+
+/* Those of `from` that lie behind the box. */
+DAFT_INLINE uint64_t few_behind(const picture_box *box, const few_points *f, uint64_t from)
+{
+    uint64_t all = 0;
+    for (uint32_t k = 0; k < f->count; k += DAFT_VL) {
+        if (!(from >> k & DAFT_ALL_LANES)) continue;
+        vf u = vf_load(&f->u[k]), v = vf_load(&f->v[k]);
+        vm in = vm_and(vm_and(vf_le(vf_set(box->low_u), u), vf_le(u, vf_set(box->high_u))),
+                       vm_and(vf_le(vf_set(box->low_v), v), vf_le(v, vf_set(box->high_v))));
+        all |= (uint64_t)vm_bits(vm_and(in, vf_le(vf_set(box->near), vf_load(&f->depth[k])))) << k;
+    }
+    return all & from;
+}
+
+/* The triangles whose box a point lies behind. */
+DAFT_INLINE vbits triangles_over(const lanes *t, const few_points *f, int i)
+{
+    vf u = vf_set(f->u[i]), v = vf_set(f->v[i]);
+    vm in = vm_and(vm_and(vf_le(vf_load(t->low_u), u), vf_le(u, vf_load(t->high_u))),
+                   vm_and(vf_le(vf_load(t->low_v), v), vf_le(v, vf_load(t->high_v))));
+    return vm_bits(vm_and(in, vf_le(vf_load(t->near), vf_set(f->depth[i]))));
+}
+
+DAFT_INLINE vf edges_at(const lanes *t, int k, vf3 d)
+{
+    return vf_load(t->nx[k]) * d.x + vf_load(t->ny[k]) * d.y + vf_load(t->nz[k]) * d.z;
+}
+
+/* Whether one of the triangles hides the point: hide_points, with triangles for lanes. */
+static bool point_hidden(const mesh_caster *m, const lanes *t, const leaf *const *leaves, vbits triangles, uint32_t at)
+{
+    const caster *c = &m->c;
+    const shadow_points *p = c->points;
+    const vf3 d = {vf_set(p->x[at]), vf_set(p->y[at]), vf_set(p->z[at])};
+    vf e0 = edges_at(t, 0, d), e1 = edges_at(t, 1, d), e2 = edges_at(t, 2, d);
+    vf least = vf_min(e0, vf_min(e1, e2)), most = vf_max(e0, vf_max(e1, e2)), wide = vf_load(t->wide);
+    vbits side = vm_bits(vm_or(vf_le(-wide, least), vf_le(most, wide))) & triangles;
+    if (!side) return false;
+    bool on = p->instance[at] == c->number, apart = c->convex || c->flat;
+    if (on && !apart) side &= ~vm_bits(vi_eq(vi_load(t->triangle), vi_set((int32_t)p->own[at])));
+    if (!side) return false;
+    vf bound = vf_load(t->bound), rounding = vf_load(t->rounding), limit = vf_set(p->depth[at]);
+    vm sure = vm_or(vf_le(-bound, least), vf_le(most, bound));
+    vf inverse = vf_set(1) / (e0 + e1 + e2);
+    vf depth = (e0 * vf_load(t->depth[0]) + e1 * vf_load(t->depth[1]) + e2 * vf_load(t->depth[2])) * inverse;
+    vf error = vf_abs(vf_load(t->slack) * inverse) + rounding;
+    vf behind = c->light->sun ? vf_set(-INFINITY) : rounding - vf_set(c->light->away * (1 - 0x1p-20f));
+    if (vm_bits(vm_and(sure, vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)))) & side) return true;
+    if (on && (c->convex || (c->flat && p->own[at] != DAFT_NO_TRIANGLE))) return false;
+    for (vbits doubt = side & vm_bits(vf_lt(depth - error, limit)); doubt; doubt &= doubt - 1) {
+        int i = __builtin_ctz(doubt);
+        if (stands_between(c, leaves[i / DAFT_BLOCK]->block, i % DAFT_BLOCK, p->source[at])) return true;
+    }
+    return false;
+}
+
+static void few_darken(const mesh_caster *m, few_points *f, int i)
+{
+    shadow_points *p = m->c.points;
+    f->live &= ~((uint64_t)1 << i);
+    p->depth[f->at[i]] = -INFINITY;
+    block_darkened(p, f->at[i] / SHADOW_BLOCK);
+}
+
+static void few_test(const mesh_caster *m, few_points *f, const leaf *const *leaves, vbits used)
+{
+    lanes t;
+    bool ready = false;
+    uint64_t behind = 0;
+    for (uint32_t k = 0; k < DAFT_VL / 4; k++) behind |= leaves[k]->behind.bits[0];
+    behind &= f->live;
+    if (!behind) return;
+    corners moved = corners_move(m, leaves);
+    vbits live = lanes_place(m, &moved, &t) & used;
+    for (; live && behind; behind &= behind - 1) {
+        int i = __builtin_ctzll(behind);
+        vbits triangles = triangles_over(&t, f, i) & live;
+        if (!triangles) continue;
+        if (!ready) lanes_setup(m, &moved, &t), lanes_name(leaves, &t);
+        ready = true;
+        if (point_hidden(m, &t, leaves, triangles, f->at[i])) few_darken(m, f, i);
+    }
+}
+
 /* ---- trees ---- */
 
-static void flush(const mesh_caster *c, const leaf *list, uint32_t count)
+/* `few`: whose points these are by themselves, or NULL. */
+static void flush(const mesh_caster *c, const leaf *list, uint32_t count, few_points *few)
 {
     for (uint32_t i = 0; i < count; i += DAFT_VL / 4) {
         const leaf *leaves[DAFT_VL / 4];
@@ -310,52 +423,104 @@ static void flush(const mesh_caster *c, const leaf *list, uint32_t count)
             for (uint32_t j = 0; real && j < DAFT_BLOCK; j++)
                 used |= (vbits)(leaves[k]->block->triangle[j] != DAFT_NO_TRIANGLE) << (k * DAFT_BLOCK + j);
         }
-        test_leaves(c, leaves, used);
+        few ? few_test(c, few, leaves, used) : test_leaves(c, leaves, used);
     }
 }
 
-typedef struct entry {
+typedef struct few_entry {
     uint32_t node;
+    uint64_t behind;
+} few_entry;
+
+static void few_walk(const mesh_caster *m, uint32_t root, few_points *f)
+{
+    const daft_bvh *bvh = m->c.instance->bvh;
+    few_entry stack[DAFT_STACK];
+    leaf list[LIST + DAFT_MAX_LEAF_BLOCKS];
+    uint32_t count = 0;
+    int top = 0;
+    stack[top++] = (few_entry){root, f->live};
+    while (top > 0) {
+        node_boxes boxes;
+        const few_entry at = stack[--top];
+        const daft_node *node = &bvh->nodes.items[at.node];
+        uint64_t from = at.behind & f->live;
+        if (!from) continue;
+        for (uint32_t in = DAFT_KERNEL(daft_node_project)(m->c.light, &m->map, node, &boxes); in; in &= in - 1) {
+            int i = __builtin_ctz(in);
+            uint32_t child = node->child[i];
+            const picture_box box = node_child(&boxes, i);
+            uint64_t behind = few_behind(&box, f, from);
+            if (!behind || child == DAFT_CHILD_NONE) continue;
+            if (!(child & DAFT_CHILD_LEAF)) {
+                stack[top++] = (few_entry){child, behind};
+                continue;
+            }
+            const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+            for (uint32_t k = 0; k <= (child & 3); k++) list[count++] = (leaf){&block[k], {{behind, 0}}};
+        }
+        if (count < FEW_LIST) continue;
+        flush(m, list, count, f);
+        count = 0;
+    }
+    flush(m, list, count, f);
+}
+
+typedef struct entry {
+    uint32_t node, count; /* no fewer points than lie behind the box */
+    picture_box box;
     block_set behind;
 } entry;
 
-static void walk(const mesh_caster *m, const daft_bvh *bvh, const block_set *behind)
+/* Where few points are left, they go on by themselves. */
+static bool go_alone(const mesh_caster *m, const entry *at)
+{
+    few_points few;
+    if (at->count > FEW_POINTS || !few_take(m->c.points, &at->box, &at->behind, &few)) return false;
+    few_walk(m, at->node, &few);
+    return true;
+}
+
+static void walk(const mesh_caster *m, const picture_box *box, const block_set *behind)
 {
     const caster *c = &m->c;
+    const daft_bvh *bvh = c->instance->bvh;
     entry stack[DAFT_STACK];
     leaf list[LIST + DAFT_MAX_LEAF_BLOCKS];
     uint32_t count = 0;
     int top = 0;
-    stack[top++] = (entry){0, *behind};
+    stack[top++] = (entry){0, 0, *box, *behind};
     while (top > 0 && c->points->live) {
         node_boxes boxes;
         block_set next[DAFT_WIDTH];
+        uint32_t points[DAFT_WIDTH];
         const entry at = stack[--top];
         const daft_node *node = &bvh->nodes.items[at.node];
+        if (go_alone(m, &at)) continue;
         uint32_t in = DAFT_KERNEL(daft_node_project)(c->light, &m->map, node, &boxes);
-        if (in) in = children_narrow(&boxes, in, c->points, &at.behind, next);
+        if (in) in = children_narrow(&boxes, in, c->points, &at.behind, next, points);
         for (; in; in &= in - 1) {
             int i = __builtin_ctz(in);
             uint32_t child = node->child[i];
             if (child == DAFT_CHILD_NONE) continue;
             if (!(child & DAFT_CHILD_LEAF)) {
-                stack[top++] = (entry){child, next[i]};
+                stack[top++] = (entry){child, points[i], node_child(&boxes, i), next[i]};
                 continue;
             }
             const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
             for (uint32_t k = 0; k <= (child & 3); k++) list[count++] = (leaf){&block[k], next[i]};
             if (count < LIST) continue;
-            flush(m, list, count);
+            flush(m, list, count, NULL);
             count = 0;
         }
     }
-    flush(m, list, count);
+    flush(m, list, count, NULL);
 }
 
-void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const block_set *behind)
+void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const picture_box *box, const block_set *behind)
 {
     mesh_caster m = {.c = *c};
     const daft_affine map = DAFT_KERNEL(daft_light_compose)(&c->light->map, &c->instance->to_frame, c->light->origin);
     m.map = picture_map_make(&map), m.size = m.map.still;
-    walk(&m, c->instance->bvh, behind);
+    walk(&m, box, behind);
 }

@@ -138,13 +138,14 @@ DAFT_INLINE bool blocks_narrow(const picture_box *box, const shadow_points *p, c
     return !set_is_empty(to);
 }
 
-/* The same for those children of a node whose bits are in `children`; gives the bits of those that have any. Where many
- * blocks of a group are left, each child is met by all of them at once, where few, each block by all children. */
+/* The same for those children of a node whose bits are in `children`; gives the bits of those that have any, and in
+ * `count` no fewer than they have points. Where many blocks of a group are left, each child is met by all of them at once,
+ * where few, each block by all children. */
 DAFT_INLINE uint32_t children_narrow(const node_boxes *n, uint32_t children, const shadow_points *p, const block_set *from,
-                                     block_set to[DAFT_WIDTH])
+                                     block_set to[DAFT_WIDTH], uint32_t count[DAFT_WIDTH])
 {
     uint32_t any = 0;
-    for (int i = 0; i < DAFT_WIDTH; i++) to[i] = (block_set){{0}};
+    for (int i = 0; i < DAFT_WIDTH; i++) to[i] = (block_set){{0}}, count[i] = 0;
     for (uint32_t group = 0; group * SHADOW_GROUP < p->count; group++) {
         uint32_t word = group / 4, shift = group % 4 * SHADOW_GROUP, in = from->bits[word] >> shift & 0xffff;
         if (__builtin_popcount(in) > SHADOW_FEW) {
@@ -152,7 +153,7 @@ DAFT_INLINE uint32_t children_narrow(const node_boxes *n, uint32_t children, con
                 int i = __builtin_ctz(left);
                 picture_box box = node_child(n, i);
                 uint64_t met = group_narrow(&box, p, group, in);
-                to[i].bits[word] |= met << shift;
+                to[i].bits[word] |= met << shift, count[i] += (uint32_t)__builtin_popcountll(met) * SHADOW_BLOCK;
                 if (met) any |= (uint32_t)1 << i;
             }
             continue;
@@ -162,8 +163,9 @@ DAFT_INLINE uint32_t children_narrow(const node_boxes *n, uint32_t children, con
             for (uint32_t left = children_before(n, p, b) & children; left; left &= left - 1) {
                 int i = __builtin_ctz(left);
                 picture_box box = node_child(n, i);
-                if (!points_behind(&box, p, b)) continue;
-                to[i].bits[word] |= (uint64_t)1 << (shift + place);
+                uint32_t points = (uint32_t)__builtin_popcount(points_behind(&box, p, b));
+                if (!points) continue;
+                to[i].bits[word] |= (uint64_t)1 << (shift + place), count[i] += points;
                 any |= (uint32_t)1 << i;
             }
         }
@@ -224,6 +226,16 @@ typedef struct caster {
     shadow_points *points;
 } caster;
 
+/* The lanes whose point lies on this very triangle, or on this convex thing. */
+DAFT_INLINE vbits lie_on(const caster *c, uint32_t triangle, uint32_t first)
+{
+    vm on = vi_eq(vi_load(&c->points->instance[first]), vi_set((int32_t)c->number));
+    if (c->convex) return vm_bits(on);
+    vi own = vi_load(&c->points->own[first]);
+    if (c->flat) return vm_bits(on) & ~vm_bits(vi_eq(own, vi_set((int32_t)DAFT_NO_TRIANGLE)));
+    return vm_bits(on) & vm_bits(vi_eq(own, vi_set((int32_t)triangle)));
+}
+
 /* From a point to the lamp, in double; a sun is one length of its direction away, and counts from there on. */
 typedef struct sight {
     daft_dvec3 from, direction;
@@ -249,8 +261,10 @@ DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
     p->live--;
 }
 
-/* Puts the points that the thing hides from the lamp to depth -inf; only those of the blocks behind its bounds. */
-void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const block_set *behind);
+/* Puts the points that the thing hides from the lamp to depth -inf; only those of the blocks behind its bounds, `box`. */
+void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const picture_box *box, const block_set *behind);
+/* Makes the box as small as a sphere's is. */
+void DAFT_KERNEL(daft_ball_box)(const light *l, const daft_instance *s, picture_box *box);
 void DAFT_KERNEL(daft_ball_shadow)(const caster *c, const block_set *behind);
 
 #endif

@@ -14,6 +14,8 @@
 
 #define TINY  1e-36f
 
+enum { FEW_CASTERS = 8 }; /* each is asked which points are under it, before blocks are made */
+
 /* A tile's points and one lamp. */
 typedef struct cast {
     const daft_batch *batch;
@@ -25,7 +27,8 @@ typedef struct cast {
     picture_map view; /* frame space to light space */
     daft_vec3 low, high; /* of the points, in frame space */
     bool ways_known, own_known;
-    uint32_t caster_count; /* beyond DAFT_MAX_CASTERS: more than are remembered */
+    uint32_t candidates, most; /* things whose bound meets the rays' */
+    uint32_t caster_count; /* those with points under them; beyond DAFT_MAX_CASTERS: more than are remembered */
     struct {
         uint32_t number;
         picture_box box;
@@ -207,18 +210,16 @@ DAFT_INLINE vbits rays_meet(const cast *c, const bound *s, uint32_t i)
 
 /* Marks the points whose ray to the lamp meets the bound; gives whether there is one. Neither a convex thing nor a flat one
  * shadows its own points. */
-static bool mark_under(cast *c, const daft_instance *s, uint32_t number)
+static bool mark_under(cast *c, const bound *box, const daft_instance *s, uint32_t number)
 {
     const daft_batch *b = c->batch;
-    const bound box = grown_bound(c, s);
-    bool any = false, convex = s->flags & DAFT_INSTANCE_CONVEX, flat = is_flat(s), all = holds_points(c, &box);
-    if (rays_clear(c, &box)) return false;
+    bool any = false, convex = s->flags & DAFT_INSTANCE_CONVEX, flat = is_flat(s), all = holds_points(c, box);
     if (!all) know_ways(c);
     if (flat) know_own(c);
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = bits_at(c->asked, i);
         if (!in) continue;
-        if (!all) in &= rays_meet(c, &box, i);
+        if (!all) in &= rays_meet(c, box, i);
         if (convex || flat) {
             vbits on = vm_bits(vi_eq(vi_load(&b->instance[i]), vi_set((int32_t)number)));
             in &= ~(convex ? on : on & ~vm_bits(vi_eq(vi_load(&c->own[i]), vi_set((int32_t)DAFT_NO_TRIANGLE))));
@@ -229,8 +230,14 @@ static bool mark_under(cast *c, const daft_instance *s, uint32_t number)
     return any;
 }
 
-static void remember(cast *c, uint32_t number, const node_boxes *boxes, int i)
+/* Looks whether points lie under the thing, one of a node's children; then it is remembered. */
+static void look_under(cast *c, uint32_t number, const node_boxes *boxes, int i)
 {
+    const daft_instance *s = &c->tlas->instances[number];
+    const bound box = grown_bound(c, s);
+    if (rays_clear(c, &box)) return;
+    c->candidates++;
+    if (c->candidates > c->most || !mark_under(c, &box, s, number)) return;
     if (c->caster_count < DAFT_MAX_CASTERS) {
         c->caster[c->caster_count].number = number;
         c->caster[c->caster_count].box = node_child(boxes, i);
@@ -248,37 +255,35 @@ static void find_one(cast *c)
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < DAFT_WIDTH; i++)
             node.bounds[k][i] = i ? INFINITY : low[k], node.bounds[3 + k][i] = i ? -INFINITY : high[k];
-    if (DAFT_KERNEL(daft_node_project)(&c->light, &c->view, &node, &boxes) & 1 && mark_under(c, s, c->only))
-        remember(c, c->only, &boxes, 0);
+    if (DAFT_KERNEL(daft_node_project)(&c->light, &c->view, &node, &boxes) & 1) look_under(c, c->only, &boxes, 0);
 }
 
-/* Marks the points under the instances that meet their extent, and remembers these instances. */
-static void find_casters(cast *c)
+/* Marks the points under the things that meet their extent, and remembers these things. False: there are more than `most`
+ * that do, and it is not known which points are under something. */
+static bool find_casters(cast *c, uint32_t most)
 {
     uint32_t stack[DAFT_STACK];
     int top = 0;
     memset(c->under, 0, sizeof c->under);
-    c->caster_count = 0;
-    if (c->only != DAFT_NOTHING) {
+    c->caster_count = c->candidates = 0, c->most = most;
+    if (c->only != DAFT_NOTHING)
         find_one(c);
-        return;
-    }
-    stack[top++] = 0;
-    while (top > 0) {
+    else
+        stack[top++] = 0;
+    while (top > 0 && c->candidates <= most) {
         node_boxes boxes;
         const daft_node *node = &c->tlas->nodes.items[stack[--top]];
         for (uint32_t in = DAFT_KERNEL(daft_node_project)(&c->light, &c->view, node, &boxes); in; in &= in - 1) {
             int i = __builtin_ctz(in);
             uint32_t child = node->child[i], number = child & ~DAFT_CHILD_LEAF;
             if (child == DAFT_CHILD_NONE) continue;
-            if (!(child & DAFT_CHILD_LEAF)) {
+            if (!(child & DAFT_CHILD_LEAF))
                 stack[top++] = child;
-                continue;
-            }
-            const daft_instance *s = &c->tlas->instances[number];
-            if (s->flags & c->flag && mark_under(c, s, number)) remember(c, number, &boxes, i);
+            else if (c->tlas->instances[number].flags & c->flag)
+                look_under(c, number, &boxes, i);
         }
     }
+    return c->candidates <= most;
 }
 
 /* ---- the tile ---- */
@@ -290,52 +295,108 @@ static block_set all_blocks(const shadow_points *p)
     return all;
 }
 
-static void cast_one(const cast *c, uint32_t number, const block_set *behind, shadow_points *points)
+static caster caster_of(const cast *c, uint32_t number, shadow_points *points)
 {
     const daft_instance *s = &c->tlas->instances[number];
-    const caster one = {.light = &c->light,
-                        .lamp = c->lamp,
-                        .batch = c->batch,
-                        .instance = s,
-                        .number = number,
-                        .convex = s->flags & DAFT_INSTANCE_CONVEX,
-                        .flat = is_flat(s),
-                        .points = points};
-    if (s->mesh)
-        DAFT_KERNEL(daft_mesh_shadow)(&one, behind);
+    return (caster){.light = &c->light,
+                    .lamp = c->lamp,
+                    .batch = c->batch,
+                    .instance = s,
+                    .number = number,
+                    .convex = s->flags & DAFT_INSTANCE_CONVEX,
+                    .flat = is_flat(s),
+                    .points = points};
+}
+
+static void cast_one(const caster *one, const picture_box *box, const block_set *behind)
+{
+    if (one->instance->mesh)
+        DAFT_KERNEL(daft_mesh_shadow)(one, box, behind);
     else
-        DAFT_KERNEL(daft_ball_shadow)(&one, behind);
+        DAFT_KERNEL(daft_ball_shadow)(one, behind);
 }
 
 static void cast_remembered(const cast *c, shadow_points *points)
 {
     const block_set all = all_blocks(points);
     for (uint32_t i = 0; i < c->caster_count && points->live; i++) {
+        const caster one = caster_of(c, c->caster[i].number, points);
         block_set behind;
-        if (blocks_narrow(&c->caster[i].box, points, &all, &behind)) cast_one(c, c->caster[i].number, &behind, points);
+        if (blocks_narrow(&c->caster[i].box, points, &all, &behind)) cast_one(&one, &c->caster[i].box, &behind);
     }
 }
 
-/* More than are remembered. */
-static void cast_all(const cast *c, shadow_points *points)
+/* Whether the box is behind all of the picture: then it says little about a thing that is large or slants. */
+static bool covers(const picture_box *box, const light *l)
 {
-    const block_set all = all_blocks(points);
-    uint32_t stack[DAFT_STACK];
+    return box->low_u <= l->low_u && box->high_u >= l->high_u && box->low_v <= l->low_v && box->high_v >= l->high_v;
+}
+
+/* Those of a block's points whose bits are set in `bits`, by their place in the batch. */
+static uint32_t bits_of_block(const shadow_points *p, uint32_t b, uint32_t in, const uint32_t *bits)
+{
+    for (uint32_t left = in; left; left &= left - 1) {
+        uint32_t at = p->source[b * SHADOW_BLOCK + (uint32_t)__builtin_ctz(left)];
+        if (!(bits[at / 32] >> (at % 32) & 1)) in &= ~(left & -left);
+    }
+    return in;
+}
+
+/* Marks the points of the blocks that lie behind the thing's box, but for its own where it cannot shadow them. Takes the
+ * blocks out of `behind` that have none; false: none has. */
+static bool mark_behind(cast *c, const caster *one, const picture_box *box, block_set *behind)
+{
+    shadow_points *p = one->points;
+    bool slow = covers(box, &c->light);
+    if (slow) {
+        const bound around = grown_bound(c, one->instance);
+        memset(c->under, 0, sizeof c->under);
+        if (rays_clear(c, &around) || !mark_under(c, &around, one->instance, one->number)) return false;
+    }
+    for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
+        for (uint64_t left = behind->bits[word]; left; left &= left - 1) {
+            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), in = points_behind(box, p, b);
+            for (uint32_t k = 0; (one->convex || one->flat) && k < SHADOW_BLOCK; k += DAFT_VL)
+                in &= ~(lie_on(one, DAFT_NO_TRIANGLE, b * SHADOW_BLOCK + k) << k);
+            if (slow) in = bits_of_block(p, b, in, c->under);
+            p->under[b] |= in;
+            if (!in) behind->bits[word] &= ~(left & -left);
+        }
+    return !set_is_empty(behind);
+}
+
+typedef struct entry {
+    uint32_t node;
+    block_set behind;
+} entry;
+
+/* Among many things: walks their tree with all the blocks, and marks the points under each as it comes to it. */
+static void cast_all(cast *c, shadow_points *points)
+{
+    entry stack[DAFT_STACK];
     int top = 0;
-    stack[top++] = 0;
+    stack[top++] = (entry){0, all_blocks(points)};
     while (top > 0 && points->live) {
         node_boxes boxes;
-        const daft_node *node = &c->tlas->nodes.items[stack[--top]];
-        for (uint32_t in = DAFT_KERNEL(daft_node_project)(&c->light, &c->view, node, &boxes); in; in &= in - 1) {
+        block_set next[DAFT_WIDTH];
+        uint32_t count[DAFT_WIDTH];
+        const entry at = stack[--top];
+        const daft_node *node = &c->tlas->nodes.items[at.node];
+        uint32_t in = DAFT_KERNEL(daft_node_project)(&c->light, &c->view, node, &boxes);
+        if (in) in = children_narrow(&boxes, in, points, &at.behind, next, count);
+        for (; in; in &= in - 1) {
             int i = __builtin_ctz(in);
             uint32_t child = node->child[i], number = child & ~DAFT_CHILD_LEAF;
+            if (child == DAFT_CHILD_NONE) continue;
+            if (!(child & DAFT_CHILD_LEAF)) {
+                stack[top++] = (entry){child, next[i]};
+                continue;
+            }
+            if (!(c->tlas->instances[number].flags & c->flag)) continue;
+            const caster one = caster_of(c, number, points);
             picture_box box = node_child(&boxes, i);
-            block_set behind;
-            if (child == DAFT_CHILD_NONE || !blocks_narrow(&box, points, &all, &behind)) continue;
-            if (!(child & DAFT_CHILD_LEAF))
-                stack[top++] = child;
-            else if (c->tlas->instances[number].flags & c->flag)
-                cast_one(c, number, &behind, points);
+            if (!one.instance->mesh) DAFT_KERNEL(daft_ball_box)(&c->light, one.instance, &box);
+            if (mark_behind(c, &one, &box, &next[i])) cast_one(&one, &box, &next[i]);
         }
     }
 }
@@ -357,19 +418,21 @@ static void take_dark(const shadow_points *p, uint32_t *bits)
  */
 static uint32_t cast_pencil(cast *c, uint32_t *bits)
 {
-    c->view = picture_map_make(&c->light.map);
-    find_casters(c);
-    if (c->caster_count == 0) return 0;
     shadow_points points;
-    know_own(c);
-    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, c->under, &points);
-    if (c->caster_count <= DAFT_MAX_CASTERS)
-        cast_remembered(c, &points);
-    else
-        cast_all(c, &points);
-    take_dark(&points, bits);
     uint32_t count = 0;
-    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
+    c->view = picture_map_make(&c->light.map);
+    bool few = find_casters(c, FEW_CASTERS);
+    if (few && c->caster_count == 0) return 0;
+    know_own(c);
+    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, &points);
+    if (few) {
+        cast_remembered(c, &points);
+        for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
+    } else {
+        cast_all(c, &points);
+        for (uint32_t b = 0; b < points.count; b++) count += (uint32_t)__builtin_popcount(points.under[b]);
+    }
+    take_dark(&points, bits);
     return count;
 }
 
@@ -443,7 +506,7 @@ uint32_t DAFT_KERNEL(daft_tints)(const daft_batch *points, const daft_lamp *lamp
     c.flag = DAFT_INSTANCE_TINTS_SHADOW, c.only = DAFT_NOTHING;
     if (!cast_setup(&c, points, lamp, tlas, bits)) return UINT32_MAX;
     c.view = picture_map_make(&c.light.map);
-    find_casters(&c);
+    find_casters(&c, UINT32_MAX);
     if (c.caster_count > DAFT_MAX_CASTERS) return UINT32_MAX;
     for (uint32_t i = 0; i < c.caster_count; i++) out[i] = c.caster[i].number;
     return c.caster_count;
