@@ -375,6 +375,34 @@ DAFT_INLINE void vf_load_rows8(const float *base, const int32_t *row, vf out[8])
 #endif
 }
 
+/* The way back for all lanes, to rows `stride` floats apart; their places are multiples of 16 bytes. */
+DAFT_INLINE void vf_spread_rows8(float *base, int stride, const vf in[8])
+{
+#ifdef DAFT_HAVE_X86
+    for (int half = 0; half < 2; half++) {
+        vf r[4] = {in[4 * half], in[4 * half + 1], in[4 * half + 2], in[4 * half + 3]};
+        vf_transpose4(r);
+        for (int k = 0; k < 4; k++) {
+            float *to = base + k * stride + 4 * half;
+#if defined(DAFT_ISA_avx512)
+            _mm_store_ps(to, _mm512_castps512_ps128((__m512)r[k]));
+            _mm_store_ps(to + 4 * stride, _mm512_extractf32x4_ps((__m512)r[k], 1));
+            _mm_store_ps(to + 8 * stride, _mm512_extractf32x4_ps((__m512)r[k], 2));
+            _mm_store_ps(to + 12 * stride, _mm512_extractf32x4_ps((__m512)r[k], 3));
+#elif defined(DAFT_ISA_avx2)
+            _mm_store_ps(to, _mm256_castps256_ps128((__m256)r[k]));
+            _mm_store_ps(to + 4 * stride, _mm256_extractf128_ps((__m256)r[k], 1));
+#else
+            _mm_store_ps(to, (__m128)r[k]);
+#endif
+        }
+    }
+#else
+    for (int k = 0; k < 8; k++)
+        for (int i = 0; i < DAFT_VL; i++) base[stride * i + k] = in[k][i];
+#endif
+}
+
 /* The way back, for the lanes given; their rows differ. */
 DAFT_INLINE void vf_store_rows8(float *base, const int32_t *row, const vf in[8], vbits lanes)
 {

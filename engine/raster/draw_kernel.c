@@ -153,6 +153,35 @@ static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, c
     }
 }
 
+/* Lanes that meet the rays of pixels of their own. */
+typedef struct hit_list {
+    uint32_t count;
+    uint32_t lane[4 * DAFT_VL]; /* and UNSURE */
+    int32_t place[4 * DAFT_VL];
+    float low[4 * DAFT_VL], high[4 * DAFT_VL];
+} hit_list;
+
+#define UNSURE 0x100u
+
+/* One after the other, since several may be of one pixel. */
+static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, const hit_list *h)
+{
+    for (uint32_t k = 0; k < h->count; k++) {
+        uint32_t i = h->lane[k] & (DAFT_VL - 1);
+        int at = h->place[k];
+        float low = h->low[k], high = h->high[k];
+        if (high < j->w_low[at]) continue;
+        j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
+        if (__builtin_expect(!(h->lane[k] & UNSURE) && low > j->w_high[at], 1)) {
+            j->w_low[at] = low, j->w_high[at] = high;
+            j->tile->instance[at] = b->instance[i], j->tile->triangle[at] = b->triangle[i];
+            continue;
+        }
+        const thing t = {&j->raster->seen[b->instance[i]], b->triangle[i]};
+        if (!(h->lane[k] & UNSURE) || lane_hit(j, at, &t)) lane_offer(j, at, &t, low, high);
+    }
+}
+
 /* Triangles whose boxes are at most two pixels wide and high, side by side: in each of four steps every lane looks at a pixel
  * of its own. */
 static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
@@ -165,6 +194,8 @@ static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
     if (!tiny) return 0;
     vbits two_wide = vm_bits(vi_eq(wide, one)), two_high = vm_bits(vi_eq(high, one));
     vf outer = vf_set(j->exact ? -1.0f : 0.0f), sure = vf_set(j->exact ? 1 : -INFINITY), error = vf_load(b->error);
+    hit_list hits;
+    hits.count = 0;
     for (int step = 0; step < 4; step++) {
         vbits lanes = tiny & (step & 1 ? two_wide : DAFT_ALL_LANES) & (step & 2 ? two_high : DAFT_ALL_LANES);
         if (!lanes) continue;
@@ -173,17 +204,16 @@ static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
         for (int k = 0; k < 3; k++)
             least = vf_min(vf_load(b->nx[k]) * dx + (vf_load(b->ny[k]) * dy + vf_load(b->nz[k])), least);
         vf w = vf_min(vf_load(b->wx) * dx + (vf_load(b->wy) * dy + vf_load(b->wz)), vf_load(b->w_cap));
-        vf low = w - error, high_w = w + error;
-        lanes &= vm_bits(vf_le(outer, least)) & ~vm_bits(vf_lt(high_w, vf_gather(j->w_low, place)));
-        vbits unsure = ~vm_bits(vf_lt(sure, least));
-        for (; lanes; lanes &= lanes - 1) {
-            int i = __builtin_ctz(lanes), at = place[i];
-            const thing t = {&j->raster->seen[b->instance[i]], b->triangle[i]};
-            if ((unsure >> i & 1) && !lane_hit(j, at, &t)) continue;
-            lane_offer(j, at, &t, low[i], high_w[i]);
-            j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
-        }
+        vf most = w + error;
+        lanes &= vm_bits(vf_le(outer, least)) & ~vm_bits(vf_lt(most, vf_gather(j->w_low, place)));
+        vi lane = vi_iota() | vi_select(vf_lt(sure, least), zero, vi_set(UNSURE));
+        vf_compress((float *)(void *)&hits.lane[hits.count], lanes, (vf)lane);
+        vf_compress((float *)(void *)&hits.place[hits.count], lanes, (vf)place);
+        vf_compress(&hits.low[hits.count], lanes, w - error);
+        vf_compress(&hits.high[hits.count], lanes, most);
+        hits.count += (uint32_t)__builtin_popcount(lanes);
     }
+    offer_hits(j, b, &hits);
     return tiny;
 }
 

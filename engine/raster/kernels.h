@@ -42,7 +42,7 @@ typedef struct daft_waiting {
     uint32_t count;
     float corner[9][DAFT_WAITING_ROOM]; /* x, y, z of corner 0, then of 1 and 2, in camera space */
     float nearest[DAFT_WAITING_ROOM];   /* the largest w; infinite where a corner is not in front */
-    float x0[DAFT_WAITING_ROOM], x1[DAFT_WAITING_ROOM], y0[DAFT_WAITING_ROOM], y1[DAFT_WAITING_ROOM]; /* pixels of the tile */
+    uint32_t pixels[DAFT_WAITING_ROOM]; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24 */
     uint32_t instance[DAFT_WAITING_ROOM], triangle[DAFT_WAITING_ROOM];
 } daft_waiting;
 

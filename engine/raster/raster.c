@@ -172,7 +172,7 @@ static bool clear_bins(daft_raster *raster)
     for (int i = 0; i < raster->workers; i++) {
         daft_bins *bins = &raster->bins[i];
         if (!daft_grow(raster->allocator, &bins->tiles, &bins->tile_capacity, tiles, 0, sizeof *bins->tiles) ||
-            !daft_grow(raster->allocator, &bins->order, &bins->order_capacity, raster->instance_count, 0, sizeof *bins->order))
+            !daft_grow(raster->allocator, &bins->order, &bins->order_capacity, 2 * (size_t)raster->instance_count, 0, sizeof *bins->order))
             return false;
         memset(bins->tiles, 0, tiles * sizeof *bins->tiles);
         bins->block_count = 0;

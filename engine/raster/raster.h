@@ -59,7 +59,7 @@ typedef struct daft_bins {
     size_t block_count, block_capacity;
     daft_bin_list *tiles; /* one for each tile */
     size_t tile_capacity;
-    uint64_t *order; /* a tile's instances, front to back: distance << 32 | number */
+    uint64_t *order; /* a tile's instances, front to back: distance << 32 | number; and room to sort them */
     size_t order_capacity;
     /* Instances in the picture; nodes and triangles whose boxes were tested (a triangle once for each tile); triangles set
      * up; spheres in tiles; decisions that floats could not make. */

@@ -246,8 +246,8 @@ static void keep(daft_waiting *out, const lanes *l, vbits some, uint32_t instanc
         vf_compress(&out->corner[3 * k + 1][at], some, l->corner[k].y);
         vf_compress(&out->corner[3 * k + 2][at], some, l->corner[k].z);
     }
-    vf_compress(&out->x0[at], some, l->x0), vf_compress(&out->x1[at], some, l->x1);
-    vf_compress(&out->y0[at], some, l->y0), vf_compress(&out->y1[at], some, l->y1);
+    vi pixels = vi_truncate(l->x0) | vi_truncate(l->x1) << 8 | vi_truncate(l->y0) << 16 | vi_truncate(l->y1) << 24;
+    vf_compress((float *)(void *)&out->pixels[at], some, (vf)pixels);
     vf_compress(&out->nearest[at], some, l->nearest);
     vf_compress((float *)(void *)&out->triangle[at], some, (vf)triangle);
     vi_store(&out->instance[at], vi_set((int32_t)instance));
@@ -305,8 +305,9 @@ bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *fro
     uint32_t count = daft_min_u(from->count, DAFT_VL), at = from->count - count;
     for (int k = 0; k < 3; k++)
         l.corner[k] = (vf3){vf_load(&from->corner[3 * k][at]), vf_load(&from->corner[3 * k + 1][at]), vf_load(&from->corner[3 * k + 2][at])};
-    l.x0 = vf_load(&from->x0[at]), l.x1 = vf_load(&from->x1[at]);
-    l.y0 = vf_load(&from->y0[at]), l.y1 = vf_load(&from->y1[at]);
+    vi pixels = vi_load(&from->pixels[at]), byte = vi_set(255);
+    l.x0 = vf_from_int(pixels & byte), l.x1 = vf_from_int(pixels >> 8 & byte);
+    l.y0 = vf_from_int(pixels >> 16 & byte), l.y1 = vf_from_int(pixels >> 24 & byte);
     l.nearest = vf_load(&from->nearest[at]);
     vi_store(batch->instance, vi_load(&from->instance[at]));
     vi_store(batch->triangle, vi_load(&from->triangle[at]));

@@ -17,24 +17,39 @@ static void draw_instance(daft_tile_job *j, const daft_seen *seen, daft_waiting 
     j->counters->spheres++;
 }
 
-/* Sorts rising; the order of equals does not matter. Heapsort: no bad case, no memory. */
+enum { DIGIT_BITS = 8, DIGITS = 32 / DIGIT_BITS, DIGIT_VALUES = 1 << DIGIT_BITS, FEW = 32 };
+
+static void sort_few(uint64_t *keys, uint32_t count)
+{
+    for (uint32_t i = 1; i < count; i++) {
+        uint64_t key = keys[i];
+        uint32_t at = i;
+        for (; at && keys[at - 1] > key; at--) keys[at] = keys[at - 1];
+        keys[at] = key;
+    }
+}
+
+/* Sorts by the upper 32 bits, rising, from the lowest digit on; the order of equals does not matter. `keys` has room for as
+ * many again. */
 static void sort_keys(uint64_t *keys, uint32_t count)
 {
-    for (uint32_t start = count / 2, end = count; end > 1;) {
-        if (start) {
-            start--;
-        } else {
-            uint64_t last = keys[--end];
-            keys[end] = keys[0], keys[0] = last;
+    if (count <= FEW) {
+        sort_few(keys, count);
+        return;
+    }
+    uint32_t place[DIGITS][DIGIT_VALUES] = {{0}};
+    for (uint32_t i = 0; i < count; i++)
+        for (int d = 0; d < DIGITS; d++) place[d][keys[i] >> (32 + DIGIT_BITS * d) & (DIGIT_VALUES - 1)]++;
+    uint64_t *from = keys, *to = keys + count;
+    for (int d = 0; d < DIGITS; d++) {
+        uint32_t sum = 0;
+        for (int v = 0; v < DIGIT_VALUES; v++) {
+            uint32_t some = place[d][v];
+            place[d][v] = sum, sum += some;
         }
-        uint32_t hole = start;
-        uint64_t key = keys[hole];
-        for (uint32_t child; (child = 2 * hole + 1) < end; hole = child) {
-            if (child + 1 < end && keys[child] < keys[child + 1]) child++;
-            if (keys[child] <= key) break;
-            keys[hole] = keys[child];
-        }
-        keys[hole] = key;
+        for (uint32_t i = 0; i < count; i++) to[place[d][from[i] >> (32 + DIGIT_BITS * d) & (DIGIT_VALUES - 1)]++] = from[i];
+        uint64_t *swap = from;
+        from = to, to = swap;
     }
 }
 
@@ -86,6 +101,8 @@ static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *co
     for (int x = 0; x < DAFT_TILE; x += DAFT_WINDOW_W) vf_store(j->dx[x / DAFT_WINDOW_W], vf_set(j->left + (float)x) + vf_column());
 }
 
+enum { AHEAD = 8 }; /* instances in a tile stand anywhere in memory */
+
 static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_tile *out)
 {
     daft_tile_job j;
@@ -96,7 +113,11 @@ static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t work
     uint32_t count = front_to_back(raster, tile, bins->order);
     daft_waiting waiting;
     waiting.count = 0;
-    for (uint32_t i = 0; i < count; i++) draw_instance(&j, &raster->seen[(uint32_t)bins->order[i]], &waiting);
+    for (uint32_t i = 0; i < count; i++) {
+        const char *ahead = (const char *)&raster->seen[(uint32_t)bins->order[daft_min_u(i + AHEAD, count - 1)]];
+        __builtin_prefetch(ahead), __builtin_prefetch(ahead + sizeof(daft_seen) - 1);
+        draw_instance(&j, &raster->seen[(uint32_t)bins->order[i]], &waiting);
+    }
     while (waiting.count) DAFT_KERNEL(daft_waiting_draw)(&j, &waiting);
 }
 

@@ -8,7 +8,7 @@ typedef struct stage {
     float to_frame[12][DAFT_VL], to_object[9][DAFT_VL]; /* where instances differ */
     float size[DAFT_VL];
     int32_t word[DAFT_VL];
-    vbits triangles, with_normals, textured;
+    vbits triangles, spheres, with_normals, textured;
     bool one_instance;
 } stage;
 
@@ -58,7 +58,7 @@ static void stage_maps(const daft_instance *s, int lane, stage *out)
 
 static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t first, uint32_t count, stage *out)
 {
-    out->triangles = out->with_normals = out->textured = 0, out->one_instance = true;
+    out->triangles = out->spheres = out->with_normals = out->textured = 0, out->one_instance = true;
     for (uint32_t i = 1; i < count; i++) out->one_instance &= f->instance[first + i] == f->instance[first];
     for (uint32_t i = 0; i < count; i++) {
         const daft_instance *s = &snapshot->instances[f->instance[first + i]];
@@ -67,6 +67,7 @@ static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
         add_traits(snapshot, material, f);
         if (!s->mesh) {
             set_sphere(s, f->row[first + i]);
+            out->spheres |= (vbits)1 << i;
             continue;
         }
         const float *t = s->to_frame.t;
@@ -177,18 +178,28 @@ DAFT_INLINE vf3 edge_plane(vf3 a, vf3 c)
 
 DAFT_INLINE void put3(vf v[DAFT_FACET_FLOATS], int at, vf3 a) { v[at] = a.x, v[at + 1] = a.y, v[at + 2] = a.z; }
 
+/* Rows beyond the last of the list are nobody's; those of spheres are left as they are. */
+DAFT_INLINE void store_eight(float *rows, const vf v[8], vbits lanes)
+{
+    int32_t row[DAFT_VL];
+    if (lanes == DAFT_ALL_LANES) {
+        vf_spread_rows8(rows, DAFT_FACET_FLOATS, v);
+        return;
+    }
+    vi_store(row, vi_iota() * vi_set(DAFT_FACET_FLOATS / 8));
+    vf_store_rows8(rows, row, v, lanes);
+}
+
 /* Of facets that are neither smooth nor textured the first eight floats are all that is asked for. */
 static void store_group(const group *g, const stage *from, float *rows)
 {
-    enum { ROWS = DAFT_FACET_FLOATS / 8 };
     vf v[DAFT_FACET_FLOATS];
-    int32_t row[DAFT_VL];
     put3(v, FACET_OUTWARD, g->outward);
     v[FACET_HEIGHT] = g->height, v[FACET_LEAST] = g->least, v[FACET_MOST] = g->most, v[FACET_SIZE] = vf_load(from->size);
     vi word = vi_load(from->word);
     v[FACET_WORD] = (vf)vi_select(vm_from_bits(g->smooth), word | vi_set(FACET_SMOOTH), word);
-    vi_store(row, vi_iota() * vi_set(ROWS));
-    vf_store_rows8(rows, row, v, from->triangles);
+    vbits lanes = ~from->spheres & DAFT_ALL_LANES;
+    store_eight(rows, v, lanes);
     if (!((g->smooth | from->textured) & from->triangles)) return;
     for (int k = 0; k < 3; k++) {
         put3(v, FACET_EDGE + 3 * k, edge_plane(g->corner[(k + 1) % 3], g->corner[(k + 2) % 3]));
@@ -197,7 +208,7 @@ static void store_group(const group *g, const stage *from, float *rows)
     }
     v[FACET_DENSITY] = g->area; /* set_texture goes on from it */
     for (int k = FACET_UV; k < FACET_UV + 4; k++) v[k] = vf_set(0);
-    for (int k = 1; k < 5; k++) vf_store_rows8(rows + 8 * k, row, v + 8 * k, from->triangles);
+    for (int k = 8; k < 40; k += 8) store_eight(rows + k, v + k, lanes);
 }
 
 static void set_texture(const daft_trimesh *mesh, uint32_t triangle, float row[DAFT_FACET_FLOATS])

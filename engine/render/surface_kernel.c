@@ -230,7 +230,7 @@ DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf r
 
 enum { FINDER = 256 };
 
-/* A triangle's runs are in rows below each other: what was seen last is kept by a hash of its numbers. */
+/* What was seen last is kept by a hash of its numbers: a thing that comes up again in a later window is the same. */
 typedef struct finder {
     const daft_snapshot *snapshot;
     daft_facets *facets;
@@ -257,7 +257,7 @@ static int32_t find_slot(finder *f, uint32_t instance, uint32_t triangle)
     return (int32_t)slot;
 }
 
-/* Bits of the pixels of a row, from `at` on, that are the last of a run that sees one thing; `in`: those that count. */
+/* Bits of the pixels of a row, from `at` on, that are the last of a run that sees one thing; `count` of them count. */
 DAFT_INLINE vbits run_ends(const daft_tile *tile, int at, int count)
 {
     vm same = vm_and(vi_eq(vi_load(&tile->instance[at]), vi_load(&tile->instance[at + 1])),
@@ -265,34 +265,68 @@ DAFT_INLINE vbits run_ends(const daft_tile *tile, int at, int count)
     return (~vm_bits(same) & vbits_first(count)) | (vbits)1 << (count - 1);
 }
 
-/* Puts the pixels into the batches, and what they see beside those that see something. A pixel's number is its place in the
- * tile. */
-static void sort_pixels(const daft_tile *tile, finder *f, daft_batch *points, daft_ray_batch *sky)
+/* Pixels put into the batches, and what they see beside those that see something. A pixel's number is its place in the tile. */
+typedef struct sorted {
+    const daft_tile *tile;
+    finder *finder;
+    daft_batch *points;
+    daft_ray_batch *sky;
+    int32_t *slots;
+    uint32_t seen, unseen;
+} sorted;
+
+static void sort_runs(sorted *s, int at, int count)
 {
-    int32_t *slots = f->facets->slot;
-    uint32_t seen = 0, unseen = 0;
+    int first = at;
+    for (vbits ends = run_ends(s->tile, at, count); ends; ends &= ends - 1) {
+        int end = at + __builtin_ctz(ends) + 1;
+        uint32_t instance = s->tile->instance[first], triangle = s->tile->triangle[first];
+        vi numbers = vi_iota() + vi_set(first);
+        if (instance == DAFT_NOTHING) {
+            vi_store(&s->sky->pixel[s->unseen], numbers);
+            s->unseen += (uint32_t)(end - first);
+        } else {
+            vi_store(&s->points->pixel[s->seen], numbers);
+            vi_store(&s->points->instance[s->seen], vi_set((int32_t)instance));
+            vi_store(&s->points->triangle[s->seen], vi_set((int32_t)triangle));
+            vi_store(&s->slots[s->seen], vi_set(find_slot(s->finder, instance, triangle)));
+            s->seen += (uint32_t)(end - first);
+        }
+        first = end;
+    }
+}
+
+/* Whether DAFT_VL pixels see what those above them see. */
+DAFT_INLINE bool as_above(const daft_tile *tile, int at, vi instance, vi triangle)
+{
+    return vm_bits(vm_and(vi_eq(instance, vi_load(&tile->instance[at - DAFT_TILE_STRIDE])),
+                          vi_eq(triangle, vi_load(&tile->triangle[at - DAFT_TILE_STRIDE])))) == DAFT_ALL_LANES;
+}
+
+static void sort_pixels(sorted *s)
+{
+    const daft_tile *tile = s->tile;
+    uint32_t above[DAFT_TILE / DAFT_VL]; /* where the slots of the window above begin, or DAFT_NOTHING: it sees some sky */
+    for (int i = 0; i < DAFT_TILE / DAFT_VL; i++) above[i] = DAFT_NOTHING;
     for (int row = 0; row < tile->height; row++)
         for (int x = 0; x < tile->width; x += DAFT_VL) {
-            int at = row * DAFT_TILE_STRIDE + x, first = at;
-            for (vbits ends = run_ends(tile, at, daft_min_i(DAFT_VL, tile->width - x)); ends; ends &= ends - 1) {
-                int end = at + __builtin_ctz(ends) + 1;
-                uint32_t instance = tile->instance[first], triangle = tile->triangle[first];
-                vi numbers = vi_iota() + vi_set(first);
-                if (instance == DAFT_NOTHING) {
-                    vi_store(&sky->pixel[unseen], numbers);
-                    unseen += (uint32_t)(end - first);
-                } else {
-                    vi_store(&points->pixel[seen], numbers);
-                    vi_store(&points->instance[seen], vi_set((int32_t)instance));
-                    vi_store(&points->triangle[seen], vi_set((int32_t)triangle));
-                    vi_store(&slots[seen], vi_set(find_slot(f, instance, triangle)));
-                    seen += (uint32_t)(end - first);
-                }
-                first = end;
+            int at = row * DAFT_TILE_STRIDE + x, column = x / DAFT_VL;
+            uint32_t begin = s->seen;
+            vi instance = vi_load(&tile->instance[at]), triangle = vi_load(&tile->triangle[at]);
+            if (above[column] != DAFT_NOTHING && as_above(tile, at, instance, triangle)) {
+                vi_store(&s->slots[begin], vi_load(&s->slots[above[column]]));
+                vi_store(&s->points->pixel[begin], vi_iota() + vi_set(at));
+                vi_store(&s->points->instance[begin], instance);
+                vi_store(&s->points->triangle[begin], triangle);
+                s->seen += DAFT_VL;
+            } else {
+                sort_runs(s, at, daft_min_i(DAFT_VL, tile->width - x));
             }
+            above[column] = s->seen - begin == DAFT_VL ? begin : DAFT_NOTHING;
         }
-    vi_store(&slots[seen], vi_set(0)), vi_store(&points->pixel[seen], vi_set(0)), vi_store(&sky->pixel[unseen], vi_set(0));
-    points->count = seen, sky->count = unseen;
+    vi_store(&s->slots[s->seen], vi_set(0)), vi_store(&s->points->pixel[s->seen], vi_set(0));
+    vi_store(&s->sky->pixel[s->unseen], vi_set(0));
+    s->points->count = s->seen, s->sky->count = s->unseen;
 }
 
 DAFT_INLINE vf3 pixel_rays(const daft_pencil *p, daft_vec3 first, const uint32_t *pixel)
@@ -349,8 +383,9 @@ void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *t
     const daft_pencil *p = def->pencil;
     daft_vec3 first = daft_pencil_ray(p, tile->x, tile->y);
     finder f = {.snapshot = def->snapshot, .facets = facets};
+    sorted pixels = {tile, &f, points, sky, facets->slot, 0, 0};
     facets->count = 0;
-    sort_pixels(tile, &f, points, sky);
+    sort_pixels(&pixels);
     setup_seen(def->snapshot, p, facets);
     points->traits = facets->traits, points->one_material = facets->one_material;
     seen_points(def->snapshot, p, first, facets, wants_of(facets->traits, def), points);

@@ -58,6 +58,7 @@ typedef struct pair {
     daft_vec3 apart;  /* from b's centre to a's */
     daft_vec3 shift;  /* of a against b, to where the manifold is */
     float margin, dt;
+    float way; /* they go at most against each other within the step */
 } pair;
 
 static void convert(const pair *p, const daft_manifold *from, daft_sim_patch *to)
@@ -178,13 +179,31 @@ static bool looks_out(const daft_sim_touch *touch, const pair *p, const daft_wor
            world->parts[touch->part_b].shape.type == DAFT_GEOMETRY_SPHERE;
 }
 
+static bool is_fast(const daft_world *world, const daft_sim_touch *touch, const pair *p)
+{
+    return p->way > MARGIN_OF_MOVE * world->parts[touch->part_a].reach;
+}
+
+/* Of what was found between two, as much is relied upon. */
+#define CLEARANCE_SHARE 0.99
+
+/* Whether they were so far apart that they cannot have come near since, however they went. */
+static bool is_clear(const daft_world *world, const daft_sim_touch *touch, const pair *p)
+{
+    if (touch->patch_count > 0 || touch->cache.clearance <= 0 || p->b->kind == DAFT_BODY_KINEMATIC) return false;
+    double gone = (p->a->travel + p->b->travel) - touch->cleared_at;
+    return CLEARANCE_SHARE * (double)touch->cache.clearance - gone > (double)(p->margin + p->way) &&
+           !is_fast(world, touch, p);
+}
+
 static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p)
 {
     daft_manifold found[DAFT_SIM_MAX_PATCHES];
     daft_sim_patch fresh[DAFT_SIM_MAX_PATCHES], *patches = daft_sim_patches(touch);
-    float way = way_of(p), most = MARGIN_OF_MOVE * world->parts[touch->part_a].reach;
-    bool fast = way > most;
-    uint32_t kept = 0, count = collide(world, touch, p, p->margin + (fast ? 0 : way), found);
+    bool fast = is_fast(world, touch, p);
+    touch->cache.clearance = 0;
+    uint32_t kept = 0, count = collide(world, touch, p, p->margin + (fast ? 0 : p->way), found);
+    touch->cleared_at = p->a->travel + p->b->travel;
     if (count == 0 && fast && looks_out(touch, p, world)) count = foresee(world, touch, p, found);
     for (uint32_t i = 0; i < count; i++) {
         convert(p, &found[i], &fresh[kept]);
@@ -214,10 +233,12 @@ static void update_patches(const daft_world *world, daft_sim_touch *touch, float
         return;
     }
     pair p = {.a = &world->bodies[touch->body_a], .b = &world->bodies[touch->body_b], .dt = dt};
-    p.frame_a = daft_sim_part_frame(p.a, a);
-    p.offset = daft_to_float(daft_dsub(p.frame_a.p, p.a->centre));
     p.apart = daft_to_float(daft_dsub(p.a->centre, p.b->centre));
     p.margin = daft_sim_min(DAFT_SIM_MARGIN * daft_sim_min(a->reach, b->reach), DAFT_SIM_MAX_MARGIN);
+    p.way = way_of(&p);
+    if (is_clear(world, touch, &p)) return;
+    p.frame_a = daft_sim_part_frame(p.a, a);
+    p.offset = daft_to_float(daft_dsub(p.frame_a.p, p.a->centre));
     find_patches(world, touch, &p);
 }
 

@@ -130,10 +130,13 @@ typedef struct daft_sim_body {
     bool bullet, may_sleep;
     bool asleep;  /* dynamic */
 
-    daft_dvec3 position, centre; /* of the origin; of mass */
     daft_quat rotation;
-    daft_rigid frame; /* position and rotation */
+    daft_dvec3 position;
+    daft_rigid frame;  /* position and rotation */
+    daft_dvec3 centre; /* of mass */
     daft_vec3 linear, angular;
+    float extent;  /* no point is farther from the centre of mass */
+    double travel; /* dynamic: no point has gone farther since the body was made, metres */
     daft_vec3 force, torque; /* over the next step */
     float gravity_scale, linear_damping, angular_damping;
 
@@ -143,7 +146,6 @@ typedef struct daft_sim_body {
     daft_vec3 moments;  /* principal, kg·m² */
     daft_quat axes;     /* principal axes, in the body */
     bool round;         /* all three moments are equal */
-    float extent;       /* no point is farther from the centre of mass */
     float inner;        /* least of its parts': a move up to this is not swept */
 
     daft_dvec3 target_position; /* kinematic bodies with has_target: the pose at the end of the next step */
@@ -192,15 +194,16 @@ typedef struct daft_sim_patch {
 typedef struct daft_sim_touch {
     uint32_t part_a, part_b; /* part_a == DAFT_SIM_NONE: a free slot */
     uint32_t body_a, body_b;
-    uint32_t next[2], previous[2]; /* in the lists of body a and b; next[0] of free slots: the next one */
     bool sensor;
     bool listed;
     bool owned_by_a;
     bool touching; /* as events tell it */
     bool belted;   /* a side is a belt */
-    daft_pair_cache cache;
-    float friction, static_friction, restitution, rolling; /* rolling in metres */
     uint32_t patch_count;
+    daft_pair_cache cache;
+    double cleared_at; /* how far both bodies had gone when the cache's clearance was found */
+    uint32_t next[2], previous[2]; /* in the lists of body a and b; next[0] of free slots: the next one */
+    float friction, static_friction, restitution, rolling; /* rolling in metres */
     daft_sim_patch own;
     daft_sim_patch *more; /* DAFT_SIM_MAX_PATCHES of them where a part is not convex */
 } daft_sim_touch;

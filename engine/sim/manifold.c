@@ -68,7 +68,8 @@ static uint32_t side_by_side(const daft_poly *a, const daft_poly *b, daft_vec3 n
     return out->count > 0;
 }
 
-static uint32_t collide_round(const daft_poly *a, const daft_poly *b, float margin, daft_manifold *out)
+static uint32_t collide_round(const daft_poly *a, const daft_poly *b, float margin, daft_manifold *out,
+                              daft_pair_cache *cache)
 {
     uint32_t last_a = a->vertex_count - 1, last_b = b->vertex_count - 1;
     float s, t;
@@ -76,6 +77,7 @@ static uint32_t collide_round(const daft_poly *a, const daft_poly *b, float marg
     daft_vec3 on_a = between(a->vertices[0], a->vertices[last_a], s);
     daft_vec3 on_b = between(b->vertices[0], b->vertices[last_b], t), gap = daft_sub(on_b, on_a);
     float distance = daft_length(gap), rounding = a->radius + b->radius;
+    if (cache) *cache = (daft_pair_cache){.clearance = fmaxf(distance - rounding, 0)};
     if (distance - rounding > margin) return 0;
     daft_vec3 n = daft_scale(gap, 1 / distance);
     if (!(distance > 1e-6f * rounding)) { /* one through the other: out sideways, for spheres upwards */
@@ -112,7 +114,7 @@ static uint32_t collide_convex(const daft_sim_shape *a, const daft_sim_shape *b,
         return daft_collide_boxes(a->half, b->half, pose, margin, out, cache);
     daft_poly_set(&pa, a, NULL);
     daft_poly_set(&pb, b, pose);
-    if (!is_solid(a) && !is_solid(b)) return collide_round(&pa, &pb, margin, out);
+    if (!is_solid(a) && !is_solid(b)) return collide_round(&pa, &pb, margin, out, cache);
     return daft_collide_polys(&pa, &pb, margin, 3, out, cache);
 }
 

@@ -53,12 +53,15 @@ static double length_of(const float h[3])
     return sqrt((double)h[0] * (double)h[0] + (double)h[1] * (double)h[1] + (double)h[2] * (double)h[2]);
 }
 
-/* False where a face of either is clear of the other's ball by more than the margin. */
-static bool near(const double p[3], const float h[3], double reach)
+/* How far a face is clear of the other's ball, at most. */
+static double clearance(const double p[3], const float h[3], double ball)
 {
-    for (int k = 0; k < 3; k++)
-        if (fabs(p[k]) > (double)h[k] + reach) return false;
-    return true;
+    double most = -INFINITY;
+    for (int k = 0; k < 3; k++) {
+        double gap = fabs(p[k]) - (double)h[k];
+        most = gap > most ? gap : most;
+    }
+    return most - ball;
 }
 
 /* Farther than `depth` from all faces: rounding does not matter there, which way is out does. */
@@ -69,13 +72,16 @@ static bool deep(const double p[3], const float h[3], double depth)
     return true;
 }
 
-static bool pair_set(pair *s, daft_vec3 half_a, daft_vec3 half_b, const daft_relpose *pose, float margin)
+/* False where balls and faces are clear of each other by more than the margin: by *gap. */
+static bool pair_set(pair *s, daft_vec3 half_a, daft_vec3 half_b, const daft_relpose *pose, float margin, double *gap)
 {
     *s = (pair){.ha = {half_a.x, half_a.y, half_a.z}, .hb = {half_b.x, half_b.y, half_b.z}, .margin = margin};
     double p[3] = {pose->p.x, pose->p.y, pose->p.z}, q[3] = {pose->q.x, pose->q.y, pose->q.z};
     memcpy(s->r, pose->r, sizeof s->r);
     double ball_a = length_of(s->ha), ball_b = length_of(s->hb), shift[3] = {0, 0, 0}, unused[3];
-    if (!near(q, s->hb, ball_a + (double)margin) || !near(p, s->ha, ball_b + (double)margin)) return false;
+    double gap_b = clearance(q, s->hb, ball_a), gap_a = clearance(p, s->ha, ball_b);
+    *gap = gap_a > gap_b ? gap_a : gap_b;
+    if (*gap > (double)margin) return false;
     float la = largest(s->ha), lb = largest(s->hb);
     s->large_b = lb > LARGE * la && !deep(q, s->hb, 2 * ball_a);
     s->large_a = la > LARGE * lb && !deep(p, s->ha, 2 * ball_b);
@@ -334,9 +340,11 @@ static daft_axis_kind choose(const pair *s, best_axis a, best_axis b, best_axis 
     return b.separation > a.separation + (prefer_b ? -even : even) ? DAFT_AXIS_FACE_B : DAFT_AXIS_FACE_A;
 }
 
-static uint32_t apart(daft_pair_cache *cache, daft_axis_kind kind)
+/* What was cut off a box is a good deal farther away than the smaller box is large. */
+static uint32_t apart(daft_pair_cache *cache, daft_axis_kind kind, const pair *s, float separation)
 {
-    if (cache) *cache = (daft_pair_cache){.kind = (uint8_t)kind};
+    float la = largest(s->ha), lb = largest(s->hb), most = la < lb ? la : lb;
+    if (cache) *cache = (daft_pair_cache){.kind = (uint8_t)kind, .clearance = separation < most ? separation : most};
     return 0;
 }
 
@@ -345,20 +353,25 @@ uint32_t daft_collide_boxes(daft_vec3 half_a, daft_vec3 half_b, const daft_relpo
 {
     pair s;
     axes x;
-    if (!pair_set(&s, half_a, half_b, pose, margin)) return 0;
+    double gap;
+    if (!pair_set(&s, half_a, half_b, pose, margin, &gap)) {
+        if (cache) cache->clearance = (float)gap;
+        return 0;
+    }
     axes_set(&s, &x);
     /* a's faces: b's spread over a's axes is a sum over columns; b's faces: over rows. */
     best_axis a = faces(s.p, s.ha, s.hb, x.abs_column), b = faces(s.q, s.hb, s.ha, x.abs_row);
-    if (a.separation > margin) return apart(cache, DAFT_AXIS_FACE_A);
-    if (b.separation > margin) return apart(cache, DAFT_AXIS_FACE_B);
+    if (a.separation > margin) return apart(cache, DAFT_AXIS_FACE_A, &s, a.separation);
+    if (b.separation > margin) return apart(cache, DAFT_AXIS_FACE_B, &s, b.separation);
     best_axis e = {-INFINITY, 0};
     for (int i = 0; i < 3; i++) {
         best_axis one = best_of(edges(&s, &x, i));
         if (one.separation > e.separation) e = (best_axis){one.separation, 3 * i + one.number};
     }
-    if (e.separation > margin) return apart(cache, DAFT_AXIS_EDGES);
+    if (e.separation > margin) return apart(cache, DAFT_AXIS_EDGES, &s, e.separation);
     daft_axis_kind kind = choose(&s, a, b, e, cache);
-    if (cache) *cache = (daft_pair_cache){.kind = (uint8_t)kind};
+    float most = fmaxf(fmaxf(a.separation, b.separation), e.separation);
+    if (cache) *cache = (daft_pair_cache){.kind = (uint8_t)kind, .clearance = fmaxf(most, 0)};
     if (kind == DAFT_AXIS_EDGES) return edge_contact(&s, e.number / 3, e.number % 3, e.separation, out);
     best_axis best = kind == DAFT_AXIS_FACE_B ? b : a;
     return face_contact(&s, kind == DAFT_AXIS_FACE_B, best.number, best.separation, out);

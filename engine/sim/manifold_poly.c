@@ -388,7 +388,10 @@ bool daft_axis_find(const daft_poly *a, const daft_poly *b, float margin, uint32
     float enough = margin + (a->radius + b->radius);
     if (is_apart(a, b, enough)) return false;
     *out = daft_sat(a, b, enough, sides, cache);
-    if (cache) *cache = (daft_pair_cache){.kind = (uint8_t)out->kind, .a = (uint16_t)out->a, .b = (uint16_t)out->b};
+    float apart = out->separation - (a->radius + b->radius);
+    if (cache)
+        *cache = (daft_pair_cache){.kind = (uint8_t)out->kind, .a = (uint16_t)out->a, .b = (uint16_t)out->b,
+                                   .clearance = fmaxf(apart, 0)};
     return !(out->separation > enough);
 }
 

@@ -232,7 +232,7 @@ void daft_sim_touches_forget(daft_world *world, uint32_t body)
 {
     for (uint32_t edge = world->bodies[body].first_touch; edge != DAFT_SIM_NONE;
          edge = world->touches[edge >> 1].next[edge & 1])
-        world->touches[edge >> 1].patch_count = 0;
+        world->touches[edge >> 1].patch_count = 0, world->touches[edge >> 1].cache.clearance = 0;
 }
 
 /* ---- new pairs ---- */

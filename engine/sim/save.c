@@ -208,6 +208,7 @@ static bool check_body(daft_world *w, uint32_t index)
     b->first_touch = b->first_joint = b->list_slot = DAFT_SIM_NONE;
     b->locks &= DAFT_LOCK_ROTATION;
     b->fixed_met = 0;
+    if (!isfinite(b->travel)) return false;
     w->asleep_count += b->asleep;
     return true;
 }
@@ -237,6 +238,7 @@ static bool check_part(daft_world *w, uint32_t index, daft_sim_find_shape *find,
 static bool check_patches(daft_sim_touch *t)
 {
     if (t->patch_count > (t->more ? DAFT_SIM_MAX_PATCHES : 1u)) return false;
+    if (!isfinite(t->cache.clearance) || !isfinite(t->cleared_at)) return false;
     for (uint32_t i = 0; i < t->patch_count && !t->sensor; i++) {
         const daft_sim_patch *p = &daft_sim_patches(t)[i];
         if (p->count == 0 || p->count > DAFT_MANIFOLD_POINTS) return false;

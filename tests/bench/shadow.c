@@ -156,7 +156,7 @@ typedef struct desk {
     daft_ray_batch sky;
     uint32_t lit[DAFT_BATCH_WORDS];
     double ms;
-    uint64_t rays, kept, dark, sum;
+    uint64_t rays, kept, dark;
 } desk;
 
 typedef struct shadow_job {
@@ -218,7 +218,6 @@ static void tile_task(void *context, uint32_t index, uint32_t worker)
     d->ms += bench_clock_ms(workers) - start - job->clock_cost;
     d->rays += rays;
     d->dark += rays - count_bits(d->lit);
-    for (uint32_t w = 0; w < DAFT_BATCH_WORDS; w++) d->sum += (uint64_t)d->lit[w] * 0x9e3779b97f4a7c15u * (2 * (uint64_t)(index * 40 + w) + 1);
 }
 
 /* What reading the clock adds to what is measured: the least of many, so too little is taken off rather than too much. */
@@ -244,7 +243,7 @@ static bool trace(shadow_job *job)
                           .intersection = DAFT_INTERSECT_EXACT};
     int workers = job->raster.workers;
     for (int i = 0; i < workers; i++)
-        job->desks[i].ms = 0, job->desks[i].rays = job->desks[i].kept = job->desks[i].dark = job->desks[i].sum = 0;
+        job->desks[i].ms = 0, job->desks[i].rays = job->desks[i].kept = job->desks[i].dark = 0;
     if (!daft_raster_begin(&job->raster, &pencil, job->stage->instances, job->stage->count, NULL)) return false;
     daft_parallel_for(job->collect ? 1 : workers, job->raster.work_count, bin_task, job);
     daft_parallel_for(job->collect ? 1 : workers, (uint32_t)(job->raster.tiles_x * job->raster.tiles_y), tile_task,
@@ -275,8 +274,8 @@ static void shadow_describe(void *context, char *out, size_t size)
     uint64_t rays = 0, kept = 0, dark = 0;
     for (int i = 0; i < job->raster.workers; i++)
         rays += job->desks[i].rays, kept += job->desks[i].kept, dark += job->desks[i].dark;
-    int used = snprintf(out, size, "%llu rays, %.1f%% under a bound, %.1f%% dark %llu kept sum %llx", (unsigned long long)rays,
-                        (double)kept * 100 / (double)rays, (double)dark * 100 / (double)rays, (unsigned long long)kept, (unsigned long long)job->desks[0].sum);
+    int used = snprintf(out, size, "%llu rays, %.1f%% under a bound, %.1f%% dark", (unsigned long long)rays,
+                        (double)kept * 100 / (double)rays, (double)dark * 100 / (double)rays);
     if (job->embree && used > 0 && (size_t)used < size)
         snprintf(out + used, size - (size_t)used, ", peer %+lld", (long long)(job->peer_dark - dark));
 }
