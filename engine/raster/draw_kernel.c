@@ -153,12 +153,15 @@ static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, c
     }
 }
 
+/* Pixels a side of the boxes of triangles that are looked at side by side; so few of them go one by one. */
+enum { TINY_SIDE = 5, TINY_LEAST = DAFT_VL / 4 };
+
 /* Lanes that meet the rays of pixels of their own. */
 typedef struct hit_list {
     uint32_t count;
-    uint32_t lane[4 * DAFT_VL]; /* and UNSURE */
-    int32_t place[4 * DAFT_VL];
-    float low[4 * DAFT_VL], high[4 * DAFT_VL];
+    uint32_t lane[TINY_SIDE * TINY_SIDE * DAFT_VL]; /* and UNSURE */
+    int32_t place[TINY_SIDE * TINY_SIDE * DAFT_VL];
+    float low[TINY_SIDE * TINY_SIDE * DAFT_VL], high[TINY_SIDE * TINY_SIDE * DAFT_VL];
 } hit_list;
 
 #define UNSURE 0x100u
@@ -182,36 +185,40 @@ static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, const hit_l
     }
 }
 
-/* Triangles whose boxes are at most two pixels wide and high, side by side: in each of four steps every lane looks at a pixel
- * of its own. */
+/* Triangles with small boxes, side by side: in each step every lane looks at a pixel of its own. */
 static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
 {
     vm live = vm_from_bits(b->live); /* the others' places may be anywhere */
-    vi zero = vi_set(0), one = vi_set(1);
+    vi zero = vi_set(0), side = vi_set(TINY_SIDE);
     vi x0 = vi_select(live, vi_load(b->x0), zero), wide = vi_select(live, vi_load(b->x1), zero) - x0;
     vi y0 = vi_select(live, vi_load(b->y0), zero), high = vi_select(live, vi_load(b->y1), zero) - y0;
-    vbits tiny = b->live & ~b->covers & ~vm_bits(vm_or(vi_lt(one, wide), vi_lt(one, high)));
-    if (!tiny) return 0;
-    vbits two_wide = vm_bits(vi_eq(wide, one)), two_high = vm_bits(vi_eq(high, one));
+    vbits tiny = b->live & ~b->covers & vm_bits(vm_and(vi_lt(wide, side), vi_lt(high, side)));
+    if (!tiny || __builtin_popcount(tiny) < TINY_LEAST) return 0;
     vf outer = vf_set(j->exact ? -1.0f : 0.0f), sure = vf_set(j->exact ? 1 : -INFINITY), error = vf_load(b->error);
     hit_list hits;
     hits.count = 0;
-    for (int step = 0; step < 4; step++) {
-        vbits lanes = tiny & (step & 1 ? two_wide : DAFT_ALL_LANES) & (step & 2 ? two_high : DAFT_ALL_LANES);
-        if (!lanes) continue;
-        vi x = x0 + vi_set(step & 1), y = y0 + vi_set(step >> 1), place = y * DAFT_TILE_STRIDE + x;
-        vf dx = vf_set(j->left) + vf_from_int(x), dy = vf_set(j->top) - vf_from_int(y), least = vf_set(INFINITY);
-        for (int k = 0; k < 3; k++)
-            least = vf_min(vf_load(b->nx[k]) * dx + (vf_load(b->ny[k]) * dy + vf_load(b->nz[k])), least);
-        vf w = vf_min(vf_load(b->wx) * dx + (vf_load(b->wy) * dy + vf_load(b->wz)), vf_load(b->w_cap));
-        vf most = w + error;
-        lanes &= vm_bits(vf_le(outer, least)) & ~vm_bits(vf_lt(most, vf_gather(j->w_low, place)));
-        vi lane = vi_iota() | vi_select(vf_lt(sure, least), zero, vi_set(UNSURE));
-        vf_compress((float *)(void *)&hits.lane[hits.count], lanes, (vf)lane);
-        vf_compress((float *)(void *)&hits.place[hits.count], lanes, (vf)place);
-        vf_compress(&hits.low[hits.count], lanes, w - error);
-        vf_compress(&hits.high[hits.count], lanes, most);
-        hits.count += (uint32_t)__builtin_popcount(lanes);
+    for (int row = 0; row < TINY_SIDE; row++) {
+        vbits rows = row ? tiny & vm_bits(vi_lt(vi_set(row - 1), high)) : tiny;
+        if (!rows) break;
+        vi y = y0 + vi_set(row);
+        vf dy = vf_set(j->top) - vf_from_int(y), e[3];
+        for (int k = 0; k < 3; k++) e[k] = vf_load(b->ny[k]) * dy + vf_load(b->nz[k]);
+        vf row_w = vf_load(b->wy) * dy + vf_load(b->wz);
+        for (int column = 0; column < TINY_SIDE; column++) {
+            vbits lanes = column ? rows & vm_bits(vi_lt(vi_set(column - 1), wide)) : rows;
+            if (!lanes) break;
+            vi x = x0 + vi_set(column), place = y * DAFT_TILE_STRIDE + x;
+            vf dx = vf_set(j->left) + vf_from_int(x), least = vf_set(INFINITY);
+            for (int k = 0; k < 3; k++) least = vf_min(vf_load(b->nx[k]) * dx + e[k], least);
+            vf w = vf_min(vf_load(b->wx) * dx + row_w, vf_load(b->w_cap)), most = w + error;
+            lanes &= vm_bits(vf_le(outer, least)) & ~vm_bits(vf_lt(most, vf_gather(j->w_low, place)));
+            vi lane = vi_iota() | vi_select(vf_lt(sure, least), zero, vi_set(UNSURE));
+            vf_compress((float *)(void *)&hits.lane[hits.count], lanes, (vf)lane);
+            vf_compress((float *)(void *)&hits.place[hits.count], lanes, (vf)place);
+            vf_compress(&hits.low[hits.count], lanes, w - error);
+            vf_compress(&hits.high[hits.count], lanes, most);
+            hits.count += (uint32_t)__builtin_popcount(lanes);
+        }
     }
     offer_hits(j, b, &hits);
     return tiny;
