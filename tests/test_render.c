@@ -275,6 +275,77 @@ static void plane_mirror(void **unused)
     stage_drop(s);
 }
 
+/* A mirror on the plane y = 0 of cells · cells · 2 triangles. */
+static void add_plane_mirror(stage *s, uint32_t cells, daft_material material)
+{
+    daft_vec3 at[81];
+    uint32_t indices[6 * 64], count = 0, side = cells + 1;
+    for (uint32_t i = 0; i < side * side; i++)
+        at[i] = daft_v3((float)(i % side) / (float)cells * 16 - 8, 0, (float)(i / side) / (float)cells * 16 - 8);
+    for (uint32_t i = 0; i < cells * cells; i++) {
+        uint32_t a = i / cells * side + i % cells;
+        const uint32_t corners[6] = {a, a + side, a + 1, a + 1, a + side, a + side + 1};
+        for (int k = 0; k < 6; k++) indices[count++] = corners[k];
+    }
+    daft_mesh_def mesh = daft_default_mesh_def();
+    mesh.positions = at, mesh.vertex_count = side * side, mesh.indices = indices, mesh.triangle_count = count / 3;
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH, def.mesh = daft_mesh_create(s->scene, &mesh, NULL), def.material = material;
+    add(s, def);
+}
+
+/* What stands on the mirror, hangs over it, has sunk in and lies below it. */
+static stage *mirrored_stage(const char *isa, int threads, uint32_t cells, int tilt)
+{
+    stage *s = stage_make(isa, threads);
+    daft_scene_set_ambient(s->scene, daft_v3(0.4f, 0.5f, 0.6f));
+    daft_scene_set_sky_color(s->scene, daft_v3(0.1f, 0.2f, 0.4f));
+    sun(s, daft_v3(-1, -2, -0.5f));
+    add_plane_mirror(s, cells, matte(s, 0.1f, 0.1f, 0.8f));
+    for (int i = 0; i < 24; i++) {
+        double x = i % 6 * 2.3 - 5.5, z = i / 6 * 3.1 - 4.6;
+        daft_material material = matte(s, 0.3f + 0.02f * (float)i, 0.5f, i == 7 ? 0.5f : 0);
+        if (i % 3 == 0) add(s, sphere(daft_dv3(x, 0.25 * (i % 4), z), 0.7f, material));
+        daft_entity_def thing = box(daft_dv3(x, i % 5 == 0 ? 0.4 : i % 5 - 1.5, z), daft_v3(0.8f, 0.8f, 0.8f), material);
+        if (i % 5) thing.rotation = daft_quat_normalize((daft_quat){0.3f, 0.1f * (float)i, 0.2f, 1});
+        if (i % 3) add(s, thing);
+    }
+    s->view.camera = daft_camera_look_at(daft_dv3(-9 + tilt, 1.5 + tilt, 4 - 2 * tilt), daft_dv3(0, 0, 0), 1.1f);
+    return s;
+}
+
+/* Where a mirror has few triangles its rays form a pencil; where it has many they are cast. Both show the same but for pixels
+ * on edges, with the same rays, the former alike on all instruction sets and for any threads. */
+static void plane_mirrors_are_pencils(void **unused)
+{
+    (void)unused;
+    for (int tilt = 0; tilt < 4; tilt++) {
+        stage *flat = mirrored_stage(NULL, 1, 1, tilt), *cut = mirrored_stage(NULL, 1, 8, tilt);
+        const daft_counters *a = draw(flat), *b = draw(cut);
+        assert_non_null(strstr(a->effects[DAFT_EFFECT_REFLECTION].why, "mirrored camera"));
+        assert_null(strstr(b->effects[DAFT_EFFECT_REFLECTION].why, "mirrored camera"));
+        assert_true(a->reflection_rays > 2000);
+        int apart = 0;
+        for (int i = 0; i < PIXELS; i++)
+            for (int c = 0; c < 3; c++)
+                if (abs(pixel(flat, i % WIDTH, i / WIDTH)[c] - pixel(cut, i % WIDTH, i / WIDTH)[c]) > 1) {
+                    apart++;
+                    break;
+                }
+        print_message("tilt %d: %d of %d pixels differ, %llu mirrored rays\n", tilt, apart, PIXELS,
+                      (unsigned long long)a->reflection_rays);
+        assert_true(apart < PIXELS / 1000);
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            stage *other = mirrored_stage(daft_isa_name(isa), 2, 1, tilt);
+            draw(other);
+            assert_memory_equal(pixel(other, 0, 0), pixel(flat, 0, 0), 4 * PIXELS);
+            stage_drop(other);
+        }
+        stage_drop(flat);
+        stage_drop(cut);
+    }
+}
+
 static void only_what_is_called_for(void **unused)
 {
     (void)unused;
@@ -390,6 +461,7 @@ int main(void)
         cmocka_unit_test(spot_cone),
         cmocka_unit_test(shadows),
         cmocka_unit_test(plane_mirror),
+        cmocka_unit_test(plane_mirrors_are_pencils),
         cmocka_unit_test(only_what_is_called_for),
         cmocka_unit_test(many_instances),
         cmocka_unit_test(large_floors_stay_fast),

@@ -43,6 +43,7 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r->scratch);
     daft_release(&allocator, r->passed);
     daft_release(&allocator, r->refracted);
+    daft_mirrors_free(r);
     daft_release(&allocator, r->sum);
     daft_release(&allocator, r);
 }
@@ -126,7 +127,7 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
     if (out_of_memory(r)) return daft_fail_memory(error, "the visible triangles");
     daft_plan_narrow(&frame->plan, s, &r->raster);
-    if (!prepare_refractions(frame, error) || !prepare_tree(frame, error)) return false;
+    if (!prepare_refractions(frame, error) || !prepare_tree(frame, error) || !daft_mirrors_prepare(frame, error)) return false;
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
     frame->tile_count = (uint32_t)(r->raster.tiles_x * r->raster.tiles_y);
     daft_parallel_for(r->threads, frame->tile_count, daft_render_tile, frame);
@@ -173,6 +174,7 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
         break;
     }
     if (e[DAFT_EFFECT_SHADOW].ran && frame->plan.tints) e[DAFT_EFFECT_SHADOW].bytes += r->passed_capacity * sizeof *r->passed;
+    if (e[DAFT_EFFECT_REFLECTION].ran) e[DAFT_EFFECT_REFLECTION].bytes += daft_mirrors_bytes(r);
     if (e[DAFT_EFFECT_REFRACTION].ran) e[DAFT_EFFECT_REFRACTION].bytes += r->refracted_capacity * sizeof *r->refracted;
     if (frame->snapshot->samples > 1) e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
     e[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch;

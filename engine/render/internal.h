@@ -35,6 +35,22 @@ typedef struct daft_scratch {
     uint64_t shadow_points;
 } daft_scratch;
 
+/* A plane of some instance that mirrors, and the camera behind it. */
+enum { DAFT_MAX_MIRRORS = 4 };
+typedef struct daft_mirror {
+    uint32_t instance;
+    uint64_t triangles; /* bits of those of its mesh that lie in the plane */
+    daft_vec3 normal;   /* unit, towards the eye */
+    float away;         /* of the eye from the plane */
+    daft_vec3 eye;      /* the mirrored one */
+    daft_pencil pencil;
+    daft_raster raster;
+    daft_instance *instances; /* those that reach before the plane, with the mirrored eye as origin */
+    uint32_t *numbers;        /* in the snapshot */
+    size_t instance_capacity, number_capacity;
+    uint32_t count;
+} daft_mirror;
+
 struct daft_renderer {
     daft_allocator allocator;
     int threads, isa;
@@ -49,6 +65,9 @@ struct daft_renderer {
     size_t passed_capacity;
     daft_ray_batch *refracted; /* the workers' */
     size_t refracted_capacity;
+    daft_mirror mirrors[DAFT_MAX_MIRRORS];
+    daft_tile *mirrored; /* the workers', for each mirror */
+    size_t mirrored_capacity;
     float *sum;            /* linear light of all samples so far: 3·width·height; NULL until more than one is asked for */
     size_t sum_capacity;
 };
@@ -62,6 +81,7 @@ typedef struct daft_frame {
     daft_pencil pencil;
     const daft_tlas *tlas; /* NULL: nothing asks for rays */
     int sample;
+    int mirror_count; /* flat ones, whose rays form pencils */
     uint32_t tile_count;
     atomic_uint tiles_done;
     atomic_bool cancelled;
@@ -71,6 +91,17 @@ typedef struct daft_frame {
 daft_plan daft_plan_make(const daft_snapshot *snapshot);
 /* Whether what the pencil may see (the instances in its bins) mirrors; and whether it transmits, or shows in a mirror what may. */
 void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster);
+/* mirror.c. Finds the flat mirrors that are worth a pass of their own, and puts what they may show into tiles. */
+bool daft_mirrors_prepare(daft_frame *frame, daft_error *error);
+void daft_mirrors_free(daft_renderer *renderer);
+size_t daft_mirrors_bytes(const daft_renderer *renderer);
+/* Draws what the mirrors show that enough of the rays come from; gives their bits. The rays are what the tile's own pixels
+ * send on. */
+uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t worker, const daft_tile *tile,
+                           const daft_ray_batch *rays);
+/* What the ray hits, as `closest` would say but for the normal. False: that is not known, and the ray has to be cast. */
+bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const daft_tile *tile, const daft_ray_batch *rays,
+                      uint32_t ray, daft_hit *hit);
 /* tile.c: a daft_task */
 void daft_render_tile(void *frame, uint32_t tile, uint32_t worker);
 

@@ -10,6 +10,7 @@ typedef struct job {
     const daft_renderer *r;
     const daft_snapshot *snapshot;
     daft_scratch *s;
+    uint32_t number, worker;      /* of the tile */
     const daft_lanes3 *color;     /* of the tile's pixels, in the end */
     double since;                 /* when the running effect began */
     bool ran[DAFT_EFFECT_COUNT];
@@ -129,18 +130,26 @@ static void add_sky(job *j, const daft_ray_batch *rays)
 
 enum { STREAM = 256 }; /* rays that are asked together */
 
-/* What the rays first.. of a batch hit; gives how many were asked. */
-static uint32_t trace_some(const job *j, const daft_ray_batch *rays, uint32_t first, daft_hit hits[STREAM])
+static daft_ray ray_of(const daft_ray_batch *rays, uint32_t i)
+{
+    return (daft_ray){.origin = {rays->origin.x[i], rays->origin.y[i], rays->origin.z[i]},
+                      .direction = {rays->direction.x[i], rays->direction.y[i], rays->direction.z[i]},
+                      .tmax = INFINITY};
+}
+
+/* What the rays first.. of a batch hit; gives how many they are. `shown`: bits of the flat mirrors that know it of theirs. */
+static uint32_t trace_some(const job *j, const daft_ray_batch *rays, uint32_t first, uint32_t shown, daft_hit hits[STREAM])
 {
     daft_ray stream[STREAM];
-    uint32_t count = daft_min_u(STREAM, rays->count - first);
+    daft_hit found[STREAM];
+    uint32_t place[STREAM], count = daft_min_u(STREAM, rays->count - first), asked = 0;
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t at = first + i;
-        stream[i] = (daft_ray){.origin = {rays->origin.x[at], rays->origin.y[at], rays->origin.z[at]},
-                               .direction = {rays->direction.x[at], rays->direction.y[at], rays->direction.z[at]},
-                               .tmax = INFINITY};
+        if (shown && daft_mirrors_hit(j->frame, shown, j->worker, &j->s->tile, rays, first + i, &hits[i])) continue;
+        place[asked] = i;
+        stream[asked++] = ray_of(rays, first + i);
     }
-    j->r->accel->closest_stream(j->frame->tlas, stream, count, UINT32_MAX, hits);
+    j->r->accel->closest_stream(j->frame->tlas, stream, asked, UINT32_MAX, found);
+    for (uint32_t i = 0; i < asked; i++) hits[place[i]] = found[i];
     return count;
 }
 
@@ -154,14 +163,14 @@ static void see_sky(daft_ray_batch *sky, const daft_ray_batch *rays, uint32_t i)
 }
 
 /* Hits become the next batch; misses see the sky. */
-static void trace(job *j, const daft_ray_batch *rays, daft_effect_kind effect, daft_batch *next)
+static void trace(job *j, const daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next)
 {
     daft_scratch *s = j->s;
     daft_hit hits[STREAM];
     next->count = next->traits = 0, next->one_material = false;
     s->sky.count = 0;
     for (uint32_t first = 0, count; first < rays->count; first += count) {
-        count = trace_some(j, rays, first, hits);
+        count = trace_some(j, rays, first, shown, hits);
         for (uint32_t i = 0; i < count; i++)
             if (hits[i].instance == UINT32_MAX) see_sky(&s->sky, rays, first + i);
         j->r->kernels->hit_points(j->snapshot, rays, first, hits, count, &s->facets, next);
@@ -228,11 +237,12 @@ static void shade(job *j)
         }
         spawn(j, points, depth);
         if (s->rays.count) {
-            trace(j, &s->rays, DAFT_EFFECT_REFLECTION, next);
+            uint32_t shown = depth == 0 ? daft_mirrors_tile(j->frame, j->number, j->worker, &s->tile, &s->rays) : 0;
+            trace(j, &s->rays, DAFT_EFFECT_REFLECTION, shown, next);
         } else {
             depth = deepest_waiting(j, depth);
             if (depth < 0) return;
-            trace(j, &s->refracted[depth], DAFT_EFFECT_REFRACTION, next);
+            trace(j, &s->refracted[depth], DAFT_EFFECT_REFRACTION, 0, next);
             s->refracted[depth].count = 0;
         }
         add_sky(j, &s->sky);
@@ -354,7 +364,7 @@ void daft_render_tile(void *context, uint32_t tile, uint32_t worker)
 {
     daft_frame *frame = context;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
-    job j = {frame, frame->renderer, frame->snapshot, &frame->renderer->scratch[worker], NULL, daft_clock_ms(), {false}};
+    job j = {frame, frame->renderer, frame->snapshot, &frame->renderer->scratch[worker], tile, worker, NULL, daft_clock_ms(), {false}};
     const daft_surfaces_def def = {frame->snapshot, &frame->pencil, frame->plan.shadows, frame->target->aov.depth != NULL};
     see(&j, tile, worker);
     j.r->kernels->surfaces(&def, &j.s->tile, &j.s->facets, &j.s->points, &j.s->sky);

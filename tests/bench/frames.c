@@ -277,6 +277,76 @@ static void measure_unseen(bench *self, const bench_scene *scene, int threads)
     bench_frame_destroy(job.laden);
 }
 
+/* ---- a flat mirror on the ground ---- */
+
+static const char MIRROR[] = "frame, mirror on the ground, no lamp";
+static const char *const MIRROR_SCENES[] = {"cow, whole", "bunny, whole", "1,000 instances of the cow"};
+enum { MIRROR_CELLS = 8 };
+
+/* Of cells · cells · 2 triangles: where they are many, the engine does not look for planes among them. */
+static bool add_mirror(bench_frame *frame, const bench_scene *scene, uint32_t cells)
+{
+    daft_vec3 at[(MIRROR_CELLS + 1) * (MIRROR_CELLS + 1)];
+    uint32_t indices[6 * MIRROR_CELLS * MIRROR_CELLS], count = 0, side = cells + 1;
+    float size = 2 * daft_length(scene->view.from);
+    for (uint32_t i = 0; i < side * side; i++)
+        at[i] = daft_v3(((float)(i % side) / (float)cells - 0.5f) * size, 0.001f, ((float)(i / side) / (float)cells - 0.5f) * size);
+    for (uint32_t i = 0; i < cells * cells; i++) {
+        uint32_t a = i / cells * side + i % cells;
+        const uint32_t corners[6] = {a, a + side, a + 1, a + 1, a + side, a + side + 1};
+        for (int k = 0; k < 6; k++) indices[count++] = corners[k];
+    }
+    daft_mesh_def mesh = daft_default_mesh_def();
+    mesh.positions = at, mesh.vertex_count = side * side, mesh.indices = indices, mesh.triangle_count = count / 3;
+    daft_material_def material = daft_default_material_def();
+    material.mirror = 0.8f;
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH, def.mesh = daft_mesh_create(frame->scene, &mesh, NULL);
+    def.material = daft_material_create(frame->scene, &material, NULL);
+    return def.mesh.id && def.material.id && daft_entity_create(frame->scene, &def, NULL).id;
+}
+
+static void mirror_describe(void *context, char *out, size_t size)
+{
+    unseen_job *job = context;
+    const daft_counters *c = bench_frame_counters(job->laden), *other = bench_frame_counters(job->plain);
+    const uint8_t *a = bench_frame_pixels(job->laden), *b = bench_frame_pixels(job->plain);
+    size_t apart = 0, pixels = (size_t)(c->width * c->height);
+    for (size_t i = 0; i < 4 * pixels; i += 4) apart += abs(a[i] - b[i]) > 8 || abs(a[i + 1] - b[i + 1]) > 8;
+    snprintf(out, size, "%llu mirrored rays, reflection %.2f ms and %.2f one by one, %zu pixels differ",
+             (unsigned long long)c->reflection_rays, c->effects[DAFT_EFFECT_REFLECTION].ms,
+             other->effects[DAFT_EFFECT_REFLECTION].ms, apart);
+}
+
+static bool wants_mirror(bench *self, const char *scene)
+{
+    for (size_t i = 0; i < DAFT_COUNT_OF(MIRROR_SCENES); i++)
+        if (strcmp(scene, MIRROR_SCENES[i]) == 0) return bench_wants(self, scene, MIRROR);
+    return false;
+}
+
+/* A mirror of two triangles, whose rays form a pencil, against the same plane cut in many, whose rays are cast. */
+static void measure_mirror(bench *self, const bench_scene *scene, int threads)
+{
+    unseen_job job = {bench_frame_create(self, scene, threads, 0), bench_frame_create(self, scene, threads, 0)};
+    if (job.plain && job.laden && add_mirror(job.laden, scene, 1) && add_mirror(job.plain, scene, MIRROR_CELLS)) {
+        bench_subject subject = {.scene = scene->name,
+                                 .what = MIRROR,
+                                 .unit = "ms",
+                                 .isa = self->isa,
+                                 .threads = threads,
+                                 .ours = unseen_ours,
+                                 .peer = unseen_peer,
+                                 .context = &job,
+                                 .peer_name = "rays one by one",
+                                 .describe = mirror_describe,
+                                 .own_peer = true};
+        bench_measure(self, &subject);
+    }
+    bench_frame_destroy(job.plain);
+    bench_frame_destroy(job.laden);
+}
+
 /* ---- all of them ---- */
 
 void bench_frames(bench *self)
@@ -284,12 +354,13 @@ void bench_frames(bench *self)
     int threads[2], count = bench_thread_counts(self, threads);
     for (size_t i = 0; i < bench_scene_count(); i++) {
         const char *name = bench_scene_name(i);
-        bool frames = bench_wants(self, name, "frame, one lamp"), unseen = wants_unseen(self, name);
+        bool frames = bench_wants(self, name, "frame, one lamp"), unseen = wants_unseen(self, name), mirror = wants_mirror(self, name);
         bench_scene scene;
-        if (!(frames || unseen) || !bench_scene_make(self, i, &scene)) continue;
+        if (!(frames || unseen || mirror) || !bench_scene_make(self, i, &scene)) continue;
         for (int t = 0; t < count; t++) {
             if (frames) measure_frame(self, &scene, threads[t]);
             if (unseen) measure_unseen(self, &scene, threads[t]);
+            if (mirror) measure_mirror(self, &scene, threads[t]);
         }
         bench_scene_free(self, &scene);
     }
