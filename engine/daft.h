@@ -394,7 +394,7 @@ typedef struct daft_joint_def {
     daft_vec3 axis;      /* hinge, slider, ball with a cone: in the world, any length */
     bool limit;          /* hinge, slider, distance: between lower and upper; ball: upper is the cone's half angle */
     float lower, upper;  /* from the pose of now; hinge within ±pi; distance: whole lengths */
-    bool motor;          /* hinge, slider */
+    bool motor;          /* hinge, slider; ball: a brake, whose speed is always 0 */
     float motor_speed, motor_force; /* rad/s and N·m, m/s and N; of b relative to a */
     bool spring;         /* distance: about its length; hinge, slider: about 0; ball, fixed: the whole joint gives */
     float hertz, damping; /* of the spring: frequency of the two bodies on it, and damping ratio */

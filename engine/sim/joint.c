@@ -302,6 +302,7 @@ void daft_world_set_joint_motor(daft_world *world, uint32_t handle, bool on, flo
     if (j->motor == on && j->motor_speed == speed && j->motor_force == force) return;
     j->motor = on, j->motor_speed = speed, j->motor_force = force;
     if (!on) j->motor_impulse = 0;
+    if (!on && j->kind == DAFT_JOINT_BALL) j->angular_impulse = daft_v3(0, 0, 0);
     wake_ends(world, j);
 }
 

@@ -17,10 +17,15 @@ typedef struct softness {
     float rate, mass, impulse;
 } softness;
 
+typedef struct symmetric {
+    float xx, xy, xz, yy, yz, zz;
+} symmetric;
+
 typedef struct solve_context {
     daft_sim_joint *joint;
     const daft_sim_joint_row *row;
-    float *va, *vb; /* velocity rows */
+    symmetric inertia[2]; /* inverse, world axes */
+    float *va, *vb;       /* velocity rows */
     daft_vec3 arm[2];
     daft_quat frame[2];
     daft_vec3 offset; /* from anchor a to anchor b */
@@ -43,10 +48,10 @@ static softness make_soft(float hertz, float damping, float h)
 static daft_vec3 row3(const float *row, int at) { return daft_v3(row[at], row[at + 1], row[at + 2]); }
 static void add3(float *row, int at, daft_vec3 v) { row[at] += v.x, row[at + 1] += v.y, row[at + 2] += v.z; }
 
-static daft_vec3 times(const float m[9], daft_vec3 v)
+static daft_vec3 times(const symmetric *m, daft_vec3 v)
 {
-    return daft_v3(m[0] * v.x + m[1] * v.y + m[2] * v.z, m[3] * v.x + m[4] * v.y + m[5] * v.z,
-                   m[6] * v.x + m[7] * v.y + m[8] * v.z);
+    return daft_v3(m->xx * v.x + m->xy * v.y + m->xz * v.z, m->xy * v.x + m->yy * v.y + m->yz * v.z,
+                   m->xz * v.x + m->yz * v.y + m->zz * v.z);
 }
 
 static daft_vec3 relative_velocity(const solve_context *c)
@@ -63,17 +68,17 @@ static void push(const solve_context *c, daft_vec3 impulse)
     const daft_sim_joint_row *r = c->row;
     if (r->inv_mass[0] > 0) {
         add3(c->va, 0, daft_scale(impulse, -r->inv_mass[0]));
-        add3(c->va, 3, daft_neg(times(r->inertia[0], daft_cross(c->arm[0], impulse))));
+        add3(c->va, 3, daft_neg(times(&c->inertia[0], daft_cross(c->arm[0], impulse))));
     }
     if (r->inv_mass[1] > 0) {
         add3(c->vb, 0, daft_scale(impulse, r->inv_mass[1]));
-        add3(c->vb, 3, times(r->inertia[1], daft_cross(c->arm[1], impulse)));
+        add3(c->vb, 3, times(&c->inertia[1], daft_cross(c->arm[1], impulse)));
     }
 }
 static void twist(const solve_context *c, daft_vec3 impulse)
 {
-    if (c->row->inv_mass[0] > 0) add3(c->va, 3, daft_neg(times(c->row->inertia[0], impulse)));
-    if (c->row->inv_mass[1] > 0) add3(c->vb, 3, times(c->row->inertia[1], impulse));
+    if (c->row->inv_mass[0] > 0) add3(c->va, 3, daft_neg(times(&c->inertia[0], impulse)));
+    if (c->row->inv_mass[1] > 0) add3(c->vb, 3, times(&c->inertia[1], impulse));
 }
 
 /* ---- small systems, in double: masses differ by many orders ---- */
@@ -100,13 +105,13 @@ static void solve2(double k11, double k12, double k22, const float b[2], float o
 static daft_vec3 point_response(const solve_context *c, daft_vec3 along)
 {
     const daft_sim_joint_row *r = c->row;
-    daft_vec3 a = daft_cross(times(r->inertia[0], daft_cross(c->arm[0], along)), c->arm[0]);
-    daft_vec3 b = daft_cross(times(r->inertia[1], daft_cross(c->arm[1], along)), c->arm[1]);
+    daft_vec3 a = daft_cross(times(&c->inertia[0], daft_cross(c->arm[0], along)), c->arm[0]);
+    daft_vec3 b = daft_cross(times(&c->inertia[1], daft_cross(c->arm[1], along)), c->arm[1]);
     return daft_add(daft_scale(along, r->inv_mass[0] + r->inv_mass[1]), daft_add(a, b));
 }
 static daft_vec3 spin_response(const solve_context *c, daft_vec3 along)
 {
-    return daft_add(times(c->row->inertia[0], along), times(c->row->inertia[1], along));
+    return daft_add(times(&c->inertia[0], along), times(&c->inertia[1], along));
 }
 
 static void matrix_of(daft_vec3 x, daft_vec3 y, daft_vec3 z, double k[9])
@@ -198,6 +203,18 @@ static daft_vec3 turn_error(const solve_context *c)
     return daft_scale(daft_v3(d.x, d.y, d.z), d.w < 0 ? -2.0f : 2.0f);
 }
 
+/* Friction in a ball joint: it brakes the turning of b against a by up to the motor's torque. */
+static void solve_brake(const solve_context *c)
+{
+    double k[9];
+    matrix_of(spin_response(c, UNIT[0]), spin_response(c, UNIT[1]), spin_response(c, UNIT[2]), k);
+    daft_vec3 old = c->joint->angular_impulse, wanted = daft_sub(old, solve3(k, relative_spin(c)));
+    float most = c->joint->motor_force * c->h, length = daft_length(wanted);
+    if (length > most) wanted = daft_scale(wanted, most / length);
+    c->joint->angular_impulse = wanted;
+    twist(c, daft_sub(wanted, old));
+}
+
 static void solve_turn(const solve_context *c, softness s)
 {
     double k[9];
@@ -280,6 +297,13 @@ static void solve_limit(const solve_context *c, const scalar *s, float room, flo
     solve_scalar(c, &side, bias, soft, impulse, 0, NO_LIMIT);
 }
 
+/* The angle that differs from another by no more than half a turn. */
+static float nearest_turn(float angle, float from)
+{
+    const float turn = (float)(2 * DAFT_PI);
+    return angle - from > 0.5f * turn ? angle - turn : angle - from < -0.5f * turn ? angle + turn : angle;
+}
+
 /* The spring, the motor and the limits of one free direction. */
 static void solve_free(const solve_context *c, const scalar *s, float value)
 {
@@ -293,10 +317,12 @@ static void solve_free(const solve_context *c, const scalar *s, float value)
         solve_scalar(c, s, -j->motor_speed, (softness){0, 1, 0}, &j->motor_impulse, -most, most);
     }
     if (!j->limit) return;
+    if (s->angular) value = nearest_turn(value, 0.5f * (j->lower + j->upper)); /* beyond a limit is not beyond the other */
     solve_limit(c, s, value - j->lower, 1, &j->lower_impulse);
     solve_limit(c, s, j->upper - value, -1, &j->upper_impulse);
 }
 
+/* Within ±pi. */
 static float hinge_angle(const daft_quat frame[2])
 {
     daft_quat a = frame[0], d = daft_quat_mul((daft_quat){-a.x, -a.y, -a.z, a.w}, frame[1]);
@@ -305,13 +331,17 @@ static float hinge_angle(const daft_quat frame[2])
 }
 
 /* The angle between the axes, at most `upper`. */
-static void solve_cone(const solve_context *c)
+static void solve_cone(const solve_context *c, bool warm)
 {
     daft_vec3 axis_b = daft_quat_rotate(c->frame[1], UNIT[0]), normal = daft_cross(c->axis, axis_b);
     float sine = daft_length(normal);
     if (!(sine > 1e-6f)) return;
     float angle = (float)daft_atan2((double)sine, (double)daft_dot(c->axis, axis_b));
     scalar s = make_scalar(c, daft_scale(normal, 1 / sine), true);
+    if (warm) {
+        apply_scalar(c, &s, -c->joint->upper_impulse);
+        return;
+    }
     solve_limit(c, &s, c->joint->upper - angle, -1, &c->joint->upper_impulse);
 }
 
@@ -356,6 +386,9 @@ static solve_context make_context(daft_world *world, daft_sim_joint_row *row, co
     c.offset = row->offset0;
     for (int i = 0; i < 2; i++) {
         const float *t = rows->turn + at[i];
+        const float *m = rows->mass + at[i] + 1;
+        if (row->inv_mass[i] > 0)
+            c.inertia[i] = (symmetric){m[0], m[1], m[2], m[3], m[4], m[5]};
         daft_quat turn = {t[0], t[1], t[2], t[3]};
         c.arm[i] = daft_quat_rotate(turn, row->arm0[i]);
         c.frame[i] = daft_quat_mul(turn, row->frame0[i]);
@@ -421,6 +454,7 @@ void daft_sim_joint_warm_start(daft_world *world, daft_sim_joint_row *row, const
     } else {
         push(&c, j->linear_impulse);
         twist(&c, j->angular_impulse);
+        if (j->kind == DAFT_JOINT_BALL && j->limit) solve_cone(&c, true);
         if (j->kind == DAFT_JOINT_HINGE)
             twist(&c, daft_scale(c.axis, j->spring_impulse + j->motor_impulse + j->lower_impulse - j->upper_impulse));
     }
@@ -446,7 +480,8 @@ void daft_sim_joint_solve(daft_world *world, daft_sim_joint_row *row, const daft
     bool rigid = !j->spring; /* a soft joint is not relaxed */
     switch (j->kind) {
     case DAFT_JOINT_BALL:
-        if (j->limit) solve_cone(&c);
+        if (j->motor) solve_brake(&c);
+        if (j->limit) solve_cone(&c, false);
         if (rigid || biased) solve_points(&c, soft, NO_LIMIT);
         break;
     case DAFT_JOINT_HINGE: {
@@ -471,6 +506,38 @@ void daft_sim_joint_solve(daft_world *world, daft_sim_joint_row *row, const daft
     if (!biased) add_sums(&c, row);
 }
 
+/* ---- what opened ---- */
+
+/* Where a blow moves the anchors apart by more, in metres, the bodies are put back, without a change of velocity. What was
+ * apart before the step is left to springs: joints that cannot all be held would toss their bodies about. */
+#define MOST_OPEN 0.003f
+
+static void shift(const solve_context *c, const daft_sim_rows *rows, int side, daft_vec3 impulse)
+{
+    if (!(c->row->inv_mass[side] > 0)) return;
+    size_t at = (size_t)c->row->row[side] * DAFT_SIM_ROW;
+    float *moved = rows->moved + at, *t = rows->turn + at;
+    daft_vec3 angle = times(&c->inertia[side], daft_cross(c->arm[side], impulse));
+    daft_quat turn = daft_sim_turn((daft_quat){t[0], t[1], t[2], t[3]}, angle, 1);
+    add3(moved, 0, daft_scale(impulse, c->row->inv_mass[side]));
+    add3(moved, 3, angle);
+    t[0] = turn.x, t[1] = turn.y, t[2] = turn.z, t[3] = turn.w;
+}
+
+void daft_sim_joint_close(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep)
+{
+    const daft_sim_joint *j = &world->joints[row->joint];
+    if (j->spring || (j->kind != DAFT_JOINT_BALL && j->kind != DAFT_JOINT_HINGE && j->kind != DAFT_JOINT_FIXED)) return;
+    solve_context c = make_context(world, row, substep, true);
+    float open = daft_length(c.offset), most = MOST_OPEN + daft_length(row->offset0);
+    if (!(open > most)) return;
+    double k[9];
+    matrix_of(point_response(&c, UNIT[0]), point_response(&c, UNIT[1]), point_response(&c, UNIT[2]), k);
+    daft_vec3 impulse = solve3(k, daft_scale(c.offset, (open - most) / open));
+    shift(&c, &world->solver->rows, 0, impulse);
+    shift(&c, &world->solver->rows, 1, daft_neg(impulse));
+}
+
 /* ---- before and after ---- */
 
 void daft_sim_joint_begin(daft_world *world, daft_sim_joint_row *row)
@@ -479,7 +546,6 @@ void daft_sim_joint_begin(daft_world *world, daft_sim_joint_row *row)
     daft_dvec3 at[2];
     for (int i = 0; i < 2; i++) {
         row->inv_mass[i] = 0;
-        for (int k = 0; k < 9; k++) row->inertia[i][k] = 0;
         row->arm0[i] = daft_v3(0, 0, 0);
         row->frame0[i] = j->frame[i];
         at[i] = j->fixed;
@@ -490,9 +556,6 @@ void daft_sim_joint_begin(daft_world *world, daft_sim_joint_row *row)
         at[i] = daft_dadd(body->centre, daft_to_double(row->arm0[i]));
         if (row->row[i] <= world->solver->mover_count) continue;
         row->inv_mass[i] = body->inv_mass;
-        const float *m = world->solver->rows.mass + (size_t)row->row[i] * DAFT_SIM_ROW + 1;
-        const float full[9] = {m[0], m[1], m[2], m[1], m[3], m[4], m[2], m[4], m[5]};
-        for (int k = 0; k < 9; k++) row->inertia[i][k] = full[k];
     }
     row->offset0 = daft_to_float(daft_dsub(at[1], at[0]));
     row->linear_sum = row->angular_sum = daft_v3(0, 0, 0);

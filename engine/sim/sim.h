@@ -131,7 +131,7 @@ typedef struct daft_sim_joint_def {
     daft_vec3 axis;          /* hinge, slider, and ball with a cone: in the world, any length */
     bool limit;              /* hinge, slider, distance: lower and upper count; ball: upper is the cone's half angle */
     float lower, upper;      /* from the pose of now; hinge within ±pi; distance: absolute lengths */
-    bool motor;              /* hinge, slider */
+    bool motor;              /* hinge, slider; ball: a brake with at most motor_force N·m, friction for ragdolls */
     float motor_speed, motor_force; /* rad/s and N·m, m/s and N; b relative to a */
     bool spring;             /* distance: about `length`; hinge, slider: about 0; ball, fixed: the whole joint gives */
     float hertz, damping;    /* of the spring: frequency of the two bodies at it, and damping ratio */

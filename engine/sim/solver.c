@@ -12,7 +12,8 @@ enum {
     JOINT_GRAIN = 16,
     SPIN_GRAIN = 32,
     PARALLEL_BLOCKS = 128, /* fewer are solved faster by one worker */
-    PARALLEL_JOINTS = 128
+    PARALLEL_JOINTS = 128,
+    CLOSE_PASSES = 2
 };
 
 /* How fast overlap is undone at most, so that deep overlap does not explode. */
@@ -103,6 +104,12 @@ static void stage_joint_solve(void *p, int biased, uint32_t first, uint32_t coun
     for (uint32_t i = first; i < first + count; i++)
         daft_sim_joint_solve(c->world, &c->s->joint_rows[i], &c->substep, biased);
 }
+static void stage_joint_close(void *p, int argument, uint32_t first, uint32_t count)
+{
+    (void)argument;
+    context *c = p;
+    for (uint32_t i = first; i < first + count; i++) daft_sim_joint_close(c->world, &c->s->joint_rows[i], &c->substep);
+}
 static void stage_joint_end(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
@@ -153,6 +160,7 @@ static void add_substep(daft_sim_solver *s, int substep)
     add(s, stage_spin, SPIN_BETWEEN, 0, s->spin_count, SPIN_GRAIN);
     add(s, stage_move, 0, 1, rows, ROW_GRAIN);
     add(s, stage_spin, SPIN_AFTER, 0, s->spin_count, SPIN_GRAIN);
+    for (int pass = 0; pass < CLOSE_PASSES; pass++) add_joints(s, stage_joint_close, 0);
     add(s, stage_turn, substep, dynamic, s->row_count - dynamic, ROW_GRAIN);
     add(s, stage_refresh, substep, 0, s->block_count, BLOCK_GRAIN);
     add_joints(s, stage_joint_solve, false);
@@ -162,7 +170,7 @@ static void add_substep(daft_sim_solver *s, int substep)
 static size_t most_stages(const daft_world *world)
 {
     const daft_sim_solver *s = world->solver;
-    size_t substep = 10 + 3 * (size_t)s->colour_count + 4 * (size_t)s->joint_colour_count;
+    size_t substep = 10 + 3 * (size_t)s->colour_count + (4 + CLOSE_PASSES) * (size_t)s->joint_colour_count;
     return 8 + (size_t)world->substeps * substep + s->colour_count;
 }
 

@@ -184,7 +184,6 @@ void daft_sim_block_seat(daft_world *world, uint32_t index);
 struct daft_sim_joint_row {
     uint32_t joint, row[2];
     float inv_mass[2];
-    float inertia[2][9];       /* inverse, world axes, as the step began */
     daft_vec3 arm0[2];         /* anchors from centres as the step began, world axes */
     daft_quat frame0[2];       /* frames as the step began, in the world */
     daft_vec3 offset0;         /* from anchor a to anchor b as the step began */
@@ -194,6 +193,7 @@ struct daft_sim_joint_row {
 void daft_sim_joint_begin(daft_world *world, daft_sim_joint_row *row);
 void daft_sim_joint_warm_start(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep);
 void daft_sim_joint_solve(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep, bool biased);
+void daft_sim_joint_close(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep);
 void daft_sim_joint_end(daft_world *world, daft_sim_joint_row *row, float dt);
 /* Angle, way or length now; its anchors in the world. */
 float daft_sim_joint_value(const daft_world *world, const daft_sim_joint *joint, daft_dvec3 anchors[2]);

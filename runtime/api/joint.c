@@ -279,7 +279,7 @@ static const api_function FUNCTIONS[] = {
     {"joint:valid", "() -> boolean", "False once it was destroyed, broke, or went with a body.", valid, 0},
     {"joint:value", "() -> value, speed", "A hinge's angle, a slider's way, a distance's length; and how fast it changes.", value, 0},
     {"joint:force", "() -> newtons, newton metres", "What it had to hold, as the mean over the last step.", force, 0},
-    {"joint:motor", "([speed, force])", "Drives a hinge or slider at a speed with at most a force; nothing: off.", motor, API_CHANGES},
+    {"joint:motor", "([speed, force])", "Drives a hinge or slider at a speed with at most a force, or brakes a ball; nothing: off.", motor, API_CHANGES},
     {"joint:limit", "([lower, upper])", "Limits its value; nothing: off.", limit, API_CHANGES},
     {"joint:spring", "([hertz, damping])", "Makes it a spring; nothing: stiff.", spring, API_CHANGES},
     {"joint:target", "(x, y, z)", "Where a drag joint draws to.", target, API_CHANGES},
