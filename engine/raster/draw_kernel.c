@@ -153,8 +153,9 @@ static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, c
     }
 }
 
-/* Pixels a side of the boxes of triangles that are looked at side by side; so few of them go one by one. */
-enum { TINY_SIDE = 5, TINY_LEAST = DAFT_VL / 4 };
+/* Pixels a side of the boxes of triangles that are looked at side by side; fewer of them than TINY_LEAST go one by one.
+ * Measured: a window of 16 lanes is wasted on larger triangles than one of eight is. */
+enum { TINY_SIDE = DAFT_VL >= 16 ? 5 : 2, TINY_LEAST = DAFT_VL / 4 };
 
 /* Lanes that meet the rays of pixels of their own. */
 typedef struct hit_list {
