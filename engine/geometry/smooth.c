@@ -2,10 +2,11 @@
  * crease; each set of joined corners gets the mean of its faces' normals, weighted by the angle of the face at the
  * corner (Thürmer and Wüthrich 1998), which does not depend on how a flat region is cut into triangles.
  *
- * Corners are listed by vertex with one counting sort, and then one vertex after the other is worked on in small
- * arrays: time is linear, but for a factor log k around a vertex of k > 16 corners. The order is that of the corners,
- * so the bits depend on the mesh alone. */
-#include "geometry/trimesh.h"
+ * One pass over the triangles adds up what decides most vertices of a scanned or tessellated surface: that all corners
+ * are one set (is_one_ring). The corners of the others are listed by vertex with one counting sort, and then one vertex
+ * after the other is worked on in small arrays: time is linear, but for a factor log k around a vertex of k > 16
+ * corners. The order is that of the corners, so the bits depend on the mesh alone. */
+#include "geometry/smooth.h"
 
 #include "math/real.h"
 
@@ -15,11 +16,6 @@
 enum { SMALL_FAN = 16 };
 
 #define SEVERAL UINT32_MAX
-
-typedef struct face {
-    daft_vec3 normal; /* unit length, zero without area */
-    float angles[3];  /* at the corners, radians */
-} face;
 
 typedef uint32_t lanes __attribute__((vector_size(16)));
 
@@ -49,8 +45,11 @@ typedef struct smoother {
     daft_trimesh *mesh;
     const uint32_t *groups;
     float cosine; /* of the crease; above 1 where nothing is joined */
-    face *faces;
-    uint32_t *first; /* of each vertex in `corners`; vertex_count + 1 */
+    float spread; /* see is_one_ring */
+    daft_smooth_face *faces;
+    daft_smooth_sum *sums_of; /* each vertex */
+    uint8_t *listed;          /* 1: the vertex's corners are in `corners` */
+    uint32_t *first;          /* of each vertex there; vertex_count + 1 */
     uint32_t *corners;
     uint32_t *single; /* the normal that all corners of a vertex share, or SEVERAL */
     spoke *spokes;    /* as many as the vertex with most corners has */
@@ -59,55 +58,56 @@ typedef struct smoother {
     size_t normal_room;
 } smoother;
 
-/* Abramowitz and Stegun 4.4.46 on 0..1; absolute error below 3e-8. */
-static double arc_cosine(double x)
+/* Whether all corners at a vertex are one set, by three things that adding up tells:
+ *   - its triangles close to rings: each of the other vertices is as often next as it is previous. Hashes say so; they
+ *     err once in 2^64, and then two fans share a normal.
+ *   - no two faces meet at the crease or more: of k unit normals, two of which are an angle c apart, the sum is no longer
+ *     than k - 2 + 2 cos(c / 2). `spread` is 2 - 2 cos(c / 2), less a bound on rounding.
+ *   - there is but one ring: where all faces are within 40 degrees of a direction, each ring has angles of at least
+ *     2 pi cos 40°, as seen along it, and the weighted sum is at least cos 40° of them: 7.37 for two rings. */
+static bool is_one_ring(const smoother *s, const daft_smooth_sum *sum)
 {
-    double a = fabs(x) < 1 ? fabs(x) : 1;
-    double series = -0.0012624911;
-    series = series * a + 0.0066700901;
-    series = series * a - 0.0170881256;
-    series = series * a + 0.0308918810;
-    series = series * a - 0.0501743046;
-    series = series * a + 0.0889789874;
-    series = series * a - 0.2145988016;
-    series = series * a + 1.5707963050;
-    double angle = sqrt(1 - a) * series;
-    return x < 0 ? DAFT_PI - angle : angle;
+    float k = sum->count, least = k - s->spread + k * k * 2e-7f;
+    const float *p = sum->plain;
+    const double *w = sum->weighted;
+    return sum->links == 0 && k < 256 && p[0] * p[0] + p[1] * p[1] + p[2] * p[2] > least * least &&
+           w[0] * w[0] + w[1] * w[1] + w[2] * w[2] < 7.3 * 7.3;
 }
 
-static face face_of(const daft_trimesh *mesh, uint32_t triangle)
+/* Decides which vertices are listed, with how many corners. Returns whether any are. */
+static bool choose_listed(smoother *s)
 {
-    const uint32_t *v = mesh->indices + 3 * (size_t)triangle;
-    daft_dvec3 a = daft_to_double(daft_trimesh_position(mesh, v[0]));
-    daft_dvec3 b = daft_to_double(daft_trimesh_position(mesh, v[1]));
-    daft_dvec3 c = daft_to_double(daft_trimesh_position(mesh, v[2]));
-    daft_dvec3 ab = daft_dsub(b, a), ac = daft_dsub(c, a), bc = daft_dsub(c, b);
-    double ab2 = daft_ddot(ab, ab), ac2 = daft_ddot(ac, ac), bc2 = daft_ddot(bc, bc);
-    face f = {daft_to_float(daft_unit(daft_dcross(ab, ac))), {0, 0, 0}};
-    if (!(ab2 > 0 && ac2 > 0 && bc2 > 0)) return f; /* a corner without an angle weighs nothing */
-    double at_a = arc_cosine(daft_ddot(ab, ac) / sqrt(ab2 * ac2)),
-           at_b = arc_cosine(-daft_ddot(ab, bc) / sqrt(ab2 * bc2));
-    f.angles[0] = (float)at_a;
-    f.angles[1] = (float)at_b;
-    f.angles[2] = (float)fmax(0, DAFT_PI - at_a - at_b);
-    return f;
+    bool any = false, exact = true;
+    for (uint32_t i = 0; i < s->mesh->vertex_count; i++) {
+        bool listed = s->groups || !is_one_ring(s, &s->sums_of[i]);
+        s->listed[i] = listed;
+        s->first[i] = listed ? (uint32_t)s->sums_of[i].count : 0;
+        exact &= s->sums_of[i].count < 0x1p24f;
+        any |= listed;
+    }
+    if (exact) return any;
+    memset(s->first, 0, s->mesh->vertex_count * sizeof *s->first);
+    for (size_t i = 0; i < 3 * (size_t)s->mesh->triangle_count; i++)
+        s->first[s->mesh->indices[i]] += s->listed[s->mesh->indices[i]];
+    return any;
 }
 
-/* Fills first and corners; returns the largest number of corners at a vertex. */
+/* Turns counts in `first` into places and fills corners; returns the largest count. */
 static uint32_t list_corners(smoother *s)
 {
     const uint32_t *indices = s->mesh->indices;
-    uint32_t corners = 3 * s->mesh->triangle_count, vertices = s->mesh->vertex_count, most = 0;
-    memset(s->first, 0, ((size_t)vertices + 1) * sizeof *s->first);
-    for (uint32_t i = 0; i < corners; i++) s->first[indices[i]]++;
-    uint32_t sum = 0;
-    for (uint32_t i = 0; i <= vertices; i++) {
-        uint32_t count = i < vertices ? s->first[i] : 0;
-        if (count > most) most = count;
-        sum += count;
+    uint32_t corners = 3 * s->mesh->triangle_count, vertices = s->mesh->vertex_count, most = 0, sum = 0;
+    for (uint32_t i = 0; i < vertices; i++) {
+        if (s->first[i] > most) most = s->first[i];
+        sum += s->first[i];
         s->first[i] = sum; /* the end, which the next loop moves down to the start */
     }
-    for (uint32_t i = corners; i-- > 0;) s->corners[--s->first[indices[i]]] = i;
+    s->first[vertices] = sum;
+    for (uint32_t i = corners; i-- > 0;) { /* what is not listed is written behind all others */
+        uint32_t vertex = indices[i], listed = s->listed[vertex], at = s->first[vertex] -= listed;
+        s->corners[listed ? at : corners] = i;
+    }
+    memset(s->corners + sum, 0, AHEAD * sizeof *s->corners);
     return most;
 }
 
@@ -264,7 +264,7 @@ static bool put_normals(smoother *s, uint32_t vertex, uint32_t count)
         uint32_t root = find(s->spokes, i); /* never larger than i */
         if (root == i) s->spokes[i].set = sets, s->sums[sets++] = (daft_dvec3){0, 0, 0};
         uint32_t corner = s->spokes[i].corner, set = s->spokes[i].set = s->spokes[root].set;
-        const face *f = &s->faces[corner / 3];
+        const daft_smooth_face *f = &s->faces[corner / 3];
         s->sums[set] = daft_dadd(s->sums[set], daft_dscale(daft_to_double(f->normal), (double)f->angles[corner % 3]));
         mesh->normal_indices[corner] = mesh->normal_count + set;
     }
@@ -276,17 +276,20 @@ static bool put_normals(smoother *s, uint32_t vertex, uint32_t count)
 
 static bool prepare(smoother *s)
 {
+    static const daft_smooth_kernels *const kernels[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_smooth);
     daft_trimesh *mesh = s->mesh;
     size_t corners = 3 * (size_t)mesh->triangle_count;
     s->faces = daft_alloc(s->allocator, mesh->triangle_count, sizeof *s->faces);
+    s->sums_of = daft_alloc_zero(s->allocator, mesh->vertex_count, sizeof *s->sums_of);
+    s->listed = daft_alloc(s->allocator, mesh->vertex_count, 1);
     s->first = daft_alloc(s->allocator, (size_t)mesh->vertex_count + 1, sizeof *s->first);
     s->corners = daft_alloc(s->allocator, corners + AHEAD, sizeof *s->corners);
     s->single = daft_alloc(s->allocator, mesh->vertex_count, sizeof *s->single);
     mesh->normal_indices = daft_alloc(s->allocator, corners, sizeof *mesh->normal_indices);
-    if (!s->faces || !s->first || !s->corners || !s->single || !mesh->normal_indices) return false;
-    memset(s->corners + corners, 0, AHEAD * sizeof *s->corners);
-    for (uint32_t i = 0; i < mesh->triangle_count; i++) s->faces[i] = face_of(mesh, i);
-    uint32_t most = list_corners(s);
+    if (!s->faces || !s->sums_of || !s->listed || !s->first || !s->corners || !s->single || !mesh->normal_indices)
+        return false;
+    kernels[daft_isa_best()]->add_faces(mesh, s->faces, s->sums_of);
+    uint32_t most = choose_listed(s) ? list_corners(s) : 0;
     s->spokes = daft_alloc(s->allocator, most, sizeof *s->spokes);
     s->sums = daft_alloc(s->allocator, most, sizeof *s->sums);
     s->edges = daft_alloc(s->allocator, most > SMALL_FAN ? 2 * (size_t)most : 1, sizeof *s->edges);
@@ -297,6 +300,11 @@ static bool prepare(smoother *s)
 
 static bool smooth_vertex(smoother *s, uint32_t vertex)
 {
+    if (!s->listed[vertex]) {
+        const double *sum = s->sums_of[vertex].weighted;
+        s->single[vertex] = s->mesh->normal_count;
+        return append_normal(s, daft_dv3(sum[0], sum[1], sum[2]));
+    }
     uint32_t count = s->first[vertex + 1] - s->first[vertex];
     if (count > 0 && count <= RING) {
         ring r;
@@ -326,8 +334,17 @@ static bool smooth_vertices(smoother *s)
     }
     for (size_t i = 0; i < 3 * (size_t)s->mesh->triangle_count; i++) {
         uint32_t normal = s->single[s->mesh->indices[i]];
-        if (normal != SEVERAL) out[i] = normal;
+        out[i] = normal == SEVERAL ? out[i] : normal;
     }
+    return true;
+}
+
+/* In one group, which is not 0: as if there were none. */
+static bool all_alike(const uint32_t *groups, uint32_t count)
+{
+    if (!groups || count == 0 || groups[0] == 0) return false;
+    for (uint32_t i = 1; i < count; i++)
+        if (groups[i] != groups[0]) return false;
     return true;
 }
 
@@ -340,9 +357,16 @@ bool daft_trimesh_smooth_groups(const daft_allocator *allocator, daft_trimesh *m
     mesh->normal_indices = NULL;
     mesh->normal_count = 0;
     float cosine = crease > 0 ? (float)daft_cos(fmin((double)crease, DAFT_PI)) : 2;
-    smoother s = {.allocator = allocator, .mesh = mesh, .groups = groups, .cosine = cosine};
+    double angle = fmin(fmax((double)crease, 0), 40 * (DAFT_PI / 180));
+    smoother s = {.allocator = allocator,
+                  .mesh = mesh,
+                  .groups = all_alike(groups, mesh->triangle_count) ? NULL : groups,
+                  .cosine = cosine,
+                  .spread = (float)(2 - 2 * daft_cos(angle / 2) - 1e-5)};
     bool done = prepare(&s) && smooth_vertices(&s);
     daft_release(allocator, s.faces);
+    daft_release(allocator, s.sums_of);
+    daft_release(allocator, s.listed);
     daft_release(allocator, s.first);
     daft_release(allocator, s.corners);
     daft_release(allocator, s.single);

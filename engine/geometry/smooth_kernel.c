@@ -1,0 +1,155 @@
+/* Normals and angles of triangles, many at a time, in double; and their sums around vertices. */
+#include "geometry/smooth.h"
+#include "math/simd.h"
+
+/* Triangles are worked on by the block, so that what one step leaves is in the cache for the next. */
+enum { BLOCK = 64 };
+
+/* Corners by axis; then normals and angles. */
+typedef struct block {
+    float corner[3][3][BLOCK];
+    float normal[3][BLOCK], angle[3][BLOCK];
+} block;
+
+typedef struct vd3 {
+    vd x, y, z;
+} vd3;
+
+typedef int64_t vl __attribute__((vector_size(DAFT_VL * 4)));
+
+DAFT_INLINE vd vd_select(vl mask, vd a, vd b)
+{
+    return (vd)((mask & (vl)a) | (~mask & (vl)b));
+}
+
+DAFT_INLINE vd3 vd3_sub(vd3 a, vd3 b)
+{
+    return (vd3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+DAFT_INLINE vd vd3_dot(vd3 a, vd3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/* Abramowitz and Stegun 4.4.46 on 0..1; absolute error below 3e-8. */
+DAFT_INLINE vd arc_cosine(vd x)
+{
+    const vd zero = {0}, one = zero + 1;
+    vd a = vd_select((vl)(x < zero), -x, x);
+    a = vd_select((vl)(a < one), a, one);
+    vd series = zero - 0.0012624911;
+    series = series * a + 0.0066700901;
+    series = series * a - 0.0170881256;
+    series = series * a + 0.0308918810;
+    series = series * a - 0.0501743046;
+    series = series * a + 0.0889789874;
+    series = series * a - 0.2145988016;
+    series = series * a + 1.5707963050;
+    vd angle = vd_sqrt(one - a) * series;
+    return vd_select((vl)(x < zero), DAFT_PI - angle, angle);
+}
+
+/* Half the lanes: out has the normal's x, y, z and the angles. A corner without an angle weighs nothing. */
+DAFT_INLINE void measure(vd3 a, vd3 b, vd3 c, vd out[6])
+{
+    const vd zero = {0}, one = zero + 1;
+    vd3 ab = vd3_sub(b, a), ac = vd3_sub(c, a), bc = vd3_sub(c, b);
+    vd ab2 = vd3_dot(ab, ab), ac2 = vd3_dot(ac, ac), bc2 = vd3_dot(bc, bc);
+    vd3 n = {ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x};
+    vd length = vd_sqrt(vd3_dot(n, n));
+    vd scale = one / vd_select((vl)(length > zero), length, one);
+    out[0] = n.x * scale, out[1] = n.y * scale, out[2] = n.z * scale;
+    vl wide = (vl)(ab2 > zero) & (vl)(ac2 > zero) & (vl)(bc2 > zero);
+    vd at_a = arc_cosine(vd3_dot(ab, ac) / vd_select(wide, vd_sqrt(ab2 * ac2), one));
+    vd at_b = arc_cosine(-vd3_dot(ab, bc) / vd_select(wide, vd_sqrt(ab2 * bc2), one));
+    vd at_c = DAFT_PI - at_a - at_b;
+    out[3] = vd_select(wide, at_a, zero);
+    out[4] = vd_select(wide, at_b, zero);
+    out[5] = vd_select(wide & (vl)(at_c > zero), at_c, zero);
+}
+
+/* Corners of `count` triangles from `first` on, and of the last again up to whole lanes. */
+static void gather(const daft_trimesh *mesh, uint32_t first, uint32_t count, block *b)
+{
+    uint32_t padded = (count + DAFT_VL - 1) / DAFT_VL * DAFT_VL;
+    for (uint32_t i = 0; i < padded; i++) {
+        const uint32_t *v = mesh->indices + 3 * (size_t)(first + (i < count ? i : count - 1));
+        for (int k = 0; k < 3; k++) {
+            b->corner[k][0][i] = mesh->x[v[k]];
+            b->corner[k][1][i] = mesh->y[v[k]];
+            b->corner[k][2][i] = mesh->z[v[k]];
+        }
+    }
+}
+
+static void measure_block(block *b, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        vd out[2][6];
+        for (int half = 0; half < 2; half++) {
+            vd3 corner[3];
+            for (int k = 0; k < 3; k++) {
+                corner[k].x = vf_half(vf_load(&b->corner[k][0][i]), half);
+                corner[k].y = vf_half(vf_load(&b->corner[k][1][i]), half);
+                corner[k].z = vf_half(vf_load(&b->corner[k][2][i]), half);
+            }
+            measure(corner[0], corner[1], corner[2], out[half]);
+        }
+        for (int k = 0; k < 3; k++) {
+            vf_store(&b->normal[k][i], vf_join(out[0][k], out[1][k]));
+            vf_store(&b->angle[k][i], vf_join(out[0][k + 3], out[1][k + 3]));
+        }
+    }
+}
+
+typedef double pair __attribute__((vector_size(16)));
+typedef float quad __attribute__((vector_size(16)));
+typedef double pair_unaligned __attribute__((vector_size(16), aligned(8), may_alias));
+typedef float quad_unaligned __attribute__((vector_size(16), aligned(4), may_alias));
+
+/* Murmur's finaliser, cut short: neighbours have unlike numbers. */
+DAFT_INLINE uint64_t hash_of(uint32_t vertex)
+{
+    uint64_t h = (vertex + UINT64_C(1)) * 0xff51afd7ed558ccdu;
+    return (h ^ h >> 32) * 0xc4ceb9fe1a85ec53u;
+}
+
+DAFT_INLINE void add_corner(daft_smooth_sum *sum, pair xy, double z, quad plain, float angle, uint64_t link)
+{
+    double weight = (double)angle;
+    pair_unaligned *weighted = (pair_unaligned *)(void *)sum->weighted;
+    *weighted += xy * (pair){weight, weight};
+    sum->weighted[2] += z * weight;
+    sum->links += link;
+    *(quad_unaligned *)(void *)sum->plain += plain; /* and the count */
+}
+
+static void scatter(const daft_trimesh *mesh, uint32_t first, uint32_t count, const block *b, daft_smooth_face *faces,
+                    daft_smooth_sum *sums)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t *v = mesh->indices + 3 * (size_t)(first + i);
+        float x = b->normal[0][i], y = b->normal[1][i], z = b->normal[2][i];
+        faces[first + i] = (daft_smooth_face){{x, y, z}, {b->angle[0][i], b->angle[1][i], b->angle[2][i]}};
+        pair xy = {(double)x, (double)y};
+        quad plain = {x, y, z, 1};
+        uint64_t h[3] = {hash_of(v[0]), hash_of(v[1]), hash_of(v[2])};
+        add_corner(&sums[v[0]], xy, (double)z, plain, b->angle[0][i], h[1] - h[2]);
+        add_corner(&sums[v[1]], xy, (double)z, plain, b->angle[1][i], h[2] - h[0]);
+        add_corner(&sums[v[2]], xy, (double)z, plain, b->angle[2][i], h[0] - h[1]);
+    }
+}
+
+static void add_faces(const daft_trimesh *mesh, daft_smooth_face *faces, daft_smooth_sum *sums)
+{
+    block b;
+    for (uint32_t first = 0; first < mesh->triangle_count; first += BLOCK) {
+        uint32_t left = mesh->triangle_count - first, count = left < BLOCK ? left : BLOCK;
+        gather(mesh, first, count, &b);
+        measure_block(&b, count);
+        scatter(mesh, first, count, &b, faces, sums);
+    }
+}
+
+const daft_smooth_kernels DAFT_KERNEL(daft_smooth) = {add_faces};
