@@ -15,19 +15,6 @@
 /* Around a vertex of up to so many corners every pair is compared; above, neighbours are sorted. */
 enum { SMALL_FAN = 16 };
 
-#define SEVERAL UINT32_MAX
-
-typedef uint32_t lanes __attribute__((vector_size(16)));
-
-/* The corners at a vertex of few, side by side. */
-enum { RING = 8, AHEAD = 32 };
-typedef struct ring {
-    lanes next[RING / 4], previous[RING / 4]; /* the other two vertices of each triangle */
-    daft_vec3 normals[RING];
-    float angles[RING];
-    uint32_t groups[RING];
-} ring;
-
 /* One corner at the vertex that is worked on. */
 typedef struct spoke {
     uint32_t corner, next, previous; /* the other two vertices of its triangle */
@@ -42,16 +29,15 @@ typedef struct edge {
 
 typedef struct smoother {
     const daft_allocator *allocator;
+    const daft_smooth_kernels *kernels;
     daft_trimesh *mesh;
     const uint32_t *groups;
     float cosine; /* of the crease; above 1 where nothing is joined */
     float spread; /* see is_one_ring */
-    daft_smooth_face *faces;
+    daft_smooth_faces faces;
     daft_smooth_sum *sums_of; /* each vertex */
-    uint8_t *listed;          /* 1: the vertex's corners are in `corners` */
-    uint32_t *first;          /* of each vertex there; vertex_count + 1 */
-    uint32_t *corners;
-    uint32_t *single; /* the normal that all corners of a vertex share, or SEVERAL */
+    daft_smooth_lists lists;  /* of vertices that take more than adding up */
+    uint32_t *single; /* the normal that all corners of a vertex share, or DAFT_SMOOTH_SEVERAL */
     spoke *spokes;    /* as many as the vertex with most corners has */
     daft_dvec3 *sums; /* of each set of them */
     edge *edges;      /* twice as many, for fans that are not small */
@@ -80,15 +66,15 @@ static bool choose_listed(smoother *s)
     bool any = false, exact = true;
     for (uint32_t i = 0; i < s->mesh->vertex_count; i++) {
         bool listed = s->groups || !is_one_ring(s, &s->sums_of[i]);
-        s->listed[i] = listed;
-        s->first[i] = listed ? (uint32_t)s->sums_of[i].count : 0;
+        s->lists.listed[i] = listed;
+        s->lists.first[i] = listed ? (uint32_t)s->sums_of[i].count : 0;
         exact &= s->sums_of[i].count < 0x1p24f;
         any |= listed;
     }
     if (exact) return any;
-    memset(s->first, 0, s->mesh->vertex_count * sizeof *s->first);
+    memset(s->lists.first, 0, s->mesh->vertex_count * sizeof *s->lists.first);
     for (size_t i = 0; i < 3 * (size_t)s->mesh->triangle_count; i++)
-        s->first[s->mesh->indices[i]] += s->listed[s->mesh->indices[i]];
+        s->lists.first[s->mesh->indices[i]] += s->lists.listed[s->mesh->indices[i]];
     return any;
 }
 
@@ -98,16 +84,16 @@ static uint32_t list_corners(smoother *s)
     const uint32_t *indices = s->mesh->indices;
     uint32_t corners = 3 * s->mesh->triangle_count, vertices = s->mesh->vertex_count, most = 0, sum = 0;
     for (uint32_t i = 0; i < vertices; i++) {
-        if (s->first[i] > most) most = s->first[i];
-        sum += s->first[i];
-        s->first[i] = sum; /* the end, which the next loop moves down to the start */
+        if (s->lists.first[i] > most) most = s->lists.first[i];
+        sum += s->lists.first[i];
+        s->lists.first[i] = sum; /* the end, which the next loop moves down to the start */
     }
-    s->first[vertices] = sum;
+    s->lists.first[vertices] = sum;
     for (uint32_t i = corners; i-- > 0;) { /* what is not listed is written behind all others */
-        uint32_t vertex = indices[i], listed = s->listed[vertex], at = s->first[vertex] -= listed;
-        s->corners[listed ? at : corners] = i;
+        uint32_t vertex = indices[i], listed = s->lists.listed[vertex], at = s->lists.first[vertex] -= listed;
+        s->lists.corners[listed ? at : corners] = i;
     }
-    memset(s->corners + sum, 0, AHEAD * sizeof *s->corners);
+    memset(s->lists.corners + sum, 0, DAFT_SMOOTH_AHEAD * sizeof *s->lists.corners);
     return most;
 }
 
@@ -122,7 +108,7 @@ static void join(smoother *s, uint32_t i, uint32_t j)
 {
     uint32_t a = s->spokes[i].corner / 3, b = s->spokes[j].corner / 3;
     if (s->groups && (s->groups[a] != s->groups[b] || s->groups[a] == 0)) return;
-    if (!(daft_dot(s->faces[a].normal, s->faces[b].normal) > s->cosine)) return;
+    if (!(daft_dot(s->faces.normals[a], s->faces.normals[b]) > s->cosine)) return;
     i = find(s->spokes, i), j = find(s->spokes, j);
     if (i < j)
         s->spokes[j].parent = i;
@@ -180,80 +166,27 @@ static void gather_spokes(smoother *s, uint32_t vertex, uint32_t count)
 {
     const uint32_t *indices = s->mesh->indices;
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t corner = s->corners[s->first[vertex] + i], base = corner - corner % 3;
+        uint32_t corner = s->lists.corners[s->lists.first[vertex] + i], base = corner - corner % 3;
         uint32_t next = corner == base + 2 ? base : corner + 1, previous = corner == base ? base + 2 : corner - 1;
         s->spokes[i] = (spoke){corner, indices[next], indices[previous], i, 0};
     }
 }
 
-/* ---- the common case: a closed fan of few triangles, smooth all around ---- */
-
-static void gather_ring(const smoother *s, uint32_t vertex, uint32_t count, ring *r)
+static bool grow_normals(smoother *s, size_t more)
 {
-    for (uint32_t i = 0; i < RING / 4; i++) r->next[i] = r->previous[i] = (lanes){~0u, ~0u, ~0u, ~0u};
-    const uint32_t *corners = s->corners + s->first[vertex];
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t corner = corners[i], triangle = corner / 3, k = corner - 3 * triangle;
-        uint32_t soon = corners[i + AHEAD] / 3; /* the file's order is often far from the vertices' */
-        __builtin_prefetch(&s->faces[soon]);
-        __builtin_prefetch(&s->mesh->indices[3 * (size_t)soon]);
-        const uint32_t *v = s->mesh->indices + 3 * (size_t)triangle;
-        r->next[i / 4][i % 4] = v[k == 2 ? 0 : k + 1];
-        r->previous[i / 4][i % 4] = v[k == 0 ? 2 : k - 1];
-        r->normals[i] = s->faces[triangle].normal;
-        r->angles[i] = s->faces[triangle].angles[k];
-        r->groups[i] = s->groups ? s->groups[triangle] : 1;
-    }
-}
-
-/* A bit for each lane that holds `vertex`. */
-static inline unsigned lanes_with(const lanes values[RING / 4], uint32_t vertex)
-{
-    lanes wanted = {vertex, vertex, vertex, vertex};
-    lanes bits = ((lanes)(values[0] == wanted) & (lanes){1, 2, 4, 8}) |
-                 ((lanes)(values[1] == wanted) & (lanes){16, 32, 64, 128});
-    return bits[0] | bits[1] | bits[2] | bits[3];
-}
-
-/* Goes around from triangle to triangle. True if that passes all of them, comes back, and crosses at most one crease:
- * then join would make one set of them. */
-static bool is_smooth_ring(const smoother *s, const ring *r, uint32_t count)
-{
-    unsigned creases = 0;
-    uint32_t at = 0, passed = 0;
-    do {
-        unsigned match = lanes_with(r->next, r->previous[at / 4][at % 4]);
-        if (match == 0 || (match & (match - 1)) || ++passed > count) return false;
-        uint32_t to = (uint32_t)__builtin_ctz(match);
-        bool flat =
-            daft_dot(r->normals[at], r->normals[to]) > s->cosine && r->groups[at] == r->groups[to] && r->groups[at];
-        creases += !flat;
-        at = to;
-    } while (at != 0);
-    return passed == count && creases <= 1;
+    daft_trimesh *mesh = s->mesh;
+    return daft_grow(s->allocator, &mesh->normals, &s->normal_room, mesh->normal_count + more, mesh->normal_count,
+                     sizeof *mesh->normals);
 }
 
 static bool append_normal(smoother *s, daft_dvec3 sum)
 {
     daft_trimesh *mesh = s->mesh;
-    if (!daft_grow(s->allocator, &mesh->normals, &s->normal_room, (size_t)mesh->normal_count + 1, mesh->normal_count,
-                   sizeof *mesh->normals))
-        return false;
+    if (!grow_normals(s, 1)) return false;
     daft_dvec3 unit = daft_unit(sum);
     mesh->normals[mesh->normal_count++] = daft_ddot(unit, unit) > 0.5 ? daft_to_float(unit) : daft_v3(0, 1, 0);
     return true;
 }
-
-static bool put_ring_normal(smoother *s, uint32_t vertex, uint32_t count, const ring *r)
-{
-    daft_dvec3 sum = {0, 0, 0};
-    for (uint32_t i = 0; i < count; i++)
-        sum = daft_dadd(sum, daft_dscale(daft_to_double(r->normals[i]), (double)r->angles[i]));
-    s->single[vertex] = s->mesh->normal_count;
-    return append_normal(s, sum);
-}
-
-/* ---- the general case ---- */
 
 /* Gives every set a normal. A set whose faces have no area takes some unit vector. */
 static bool put_normals(smoother *s, uint32_t vertex, uint32_t count)
@@ -264,11 +197,11 @@ static bool put_normals(smoother *s, uint32_t vertex, uint32_t count)
         uint32_t root = find(s->spokes, i); /* never larger than i */
         if (root == i) s->spokes[i].set = sets, s->sums[sets++] = (daft_dvec3){0, 0, 0};
         uint32_t corner = s->spokes[i].corner, set = s->spokes[i].set = s->spokes[root].set;
-        const daft_smooth_face *f = &s->faces[corner / 3];
-        s->sums[set] = daft_dadd(s->sums[set], daft_dscale(daft_to_double(f->normal), (double)f->angles[corner % 3]));
+        daft_dvec3 normal = daft_to_double(s->faces.normals[corner / 3]);
+        s->sums[set] = daft_dadd(s->sums[set], daft_dscale(normal, (double)s->faces.angles[corner]));
         mesh->normal_indices[corner] = mesh->normal_count + set;
     }
-    s->single[vertex] = sets == 1 ? mesh->normal_count : SEVERAL;
+    s->single[vertex] = sets == 1 ? mesh->normal_count : DAFT_SMOOTH_SEVERAL;
     for (uint32_t i = 0; i < sets; i++)
         if (!append_normal(s, s->sums[i])) return false;
     return true;
@@ -276,19 +209,20 @@ static bool put_normals(smoother *s, uint32_t vertex, uint32_t count)
 
 static bool prepare(smoother *s)
 {
-    static const daft_smooth_kernels *const kernels[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_smooth);
     daft_trimesh *mesh = s->mesh;
     size_t corners = 3 * (size_t)mesh->triangle_count;
-    s->faces = daft_alloc(s->allocator, mesh->triangle_count, sizeof *s->faces);
+    s->faces.normals = daft_alloc(s->allocator, mesh->triangle_count, sizeof *s->faces.normals);
+    s->faces.angles = daft_alloc(s->allocator, corners, sizeof *s->faces.angles);
     s->sums_of = daft_alloc_zero(s->allocator, mesh->vertex_count, sizeof *s->sums_of);
-    s->listed = daft_alloc(s->allocator, mesh->vertex_count, 1);
-    s->first = daft_alloc(s->allocator, (size_t)mesh->vertex_count + 1, sizeof *s->first);
-    s->corners = daft_alloc(s->allocator, corners + AHEAD, sizeof *s->corners);
+    s->lists.listed = daft_alloc(s->allocator, mesh->vertex_count, 1);
+    s->lists.first = daft_alloc(s->allocator, (size_t)mesh->vertex_count + 1, sizeof *s->lists.first);
+    s->lists.corners = daft_alloc(s->allocator, corners + DAFT_SMOOTH_AHEAD, sizeof *s->lists.corners);
     s->single = daft_alloc(s->allocator, mesh->vertex_count, sizeof *s->single);
     mesh->normal_indices = daft_alloc(s->allocator, corners, sizeof *mesh->normal_indices);
-    if (!s->faces || !s->sums_of || !s->listed || !s->first || !s->corners || !s->single || !mesh->normal_indices)
+    if (!s->faces.normals || !s->faces.angles || !s->sums_of || !s->lists.listed || !s->lists.first ||
+        !s->lists.corners || !s->single || !mesh->normal_indices)
         return false;
-    kernels[daft_isa_best()]->add_faces(mesh, s->faces, s->sums_of);
+    s->kernels->add_faces(mesh, s->faces, s->sums_of);
     uint32_t most = choose_listed(s) ? list_corners(s) : 0;
     s->spokes = daft_alloc(s->allocator, most, sizeof *s->spokes);
     s->sums = daft_alloc(s->allocator, most, sizeof *s->sums);
@@ -300,17 +234,7 @@ static bool prepare(smoother *s)
 
 static bool smooth_vertex(smoother *s, uint32_t vertex)
 {
-    if (!s->listed[vertex]) {
-        const double *sum = s->sums_of[vertex].weighted;
-        s->single[vertex] = s->mesh->normal_count;
-        return append_normal(s, daft_dv3(sum[0], sum[1], sum[2]));
-    }
-    uint32_t count = s->first[vertex + 1] - s->first[vertex];
-    if (count > 0 && count <= RING) {
-        ring r;
-        gather_ring(s, vertex, count, &r);
-        if (is_smooth_ring(s, &r, count)) return put_ring_normal(s, vertex, count, &r);
-    }
+    uint32_t count = s->lists.first[vertex + 1] - s->lists.first[vertex];
     gather_spokes(s, vertex, count);
     if (count <= SMALL_FAN)
         join_small(s, count);
@@ -319,24 +243,54 @@ static bool smooth_vertex(smoother *s, uint32_t vertex)
     return put_normals(s, vertex, count);
 }
 
-static bool smooth_vertices(smoother *s)
+/* Vertices in a row whose corners are one set each. */
+static bool smooth_unlisted(smoother *s, uint32_t vertex, uint32_t count)
 {
-    bool same = true; /* so far every vertex has one normal, with the vertex's own number */
-    for (uint32_t vertex = 0; vertex < s->mesh->vertex_count; vertex++) {
-        if (!smooth_vertex(s, vertex)) return false;
-        same = same && s->single[vertex] == vertex;
-    }
-    uint32_t *out = s->mesh->normal_indices;
-    if (same) {
-        daft_release(s->allocator, out);
-        s->mesh->normal_indices = NULL;
-        return true;
-    }
-    for (size_t i = 0; i < 3 * (size_t)s->mesh->triangle_count; i++) {
-        uint32_t normal = s->single[s->mesh->indices[i]];
-        out[i] = normal == SEVERAL ? out[i] : normal;
+    daft_trimesh *mesh = s->mesh;
+    if (!grow_normals(s, count)) return false;
+    s->kernels->normalize(s->sums_of + vertex, count, mesh->normals + mesh->normal_count);
+    for (uint32_t i = 0; i < count; i++) s->single[vertex + i] = mesh->normal_count + i;
+    mesh->normal_count += count;
+    return true;
+}
+
+/* *same stays true as long as every vertex has one normal, with the vertex's own number. */
+static bool smooth_range(smoother *s, uint32_t vertex, uint32_t end, bool *same)
+{
+    s->kernels->unlist_rings(s->mesh, s->faces.normals, s->groups, s->cosine, &s->lists, vertex, end);
+    for (uint32_t next; vertex < end; vertex = next) {
+        *same = *same && s->mesh->normal_count == vertex;
+        for (next = vertex; next < end && !s->lists.listed[next];) next++;
+        if (next > vertex && !smooth_unlisted(s, vertex, next - vertex)) return false;
+        if (next < end && !smooth_vertex(s, next++)) return false;
+        *same = *same && s->single[next - 1] == next - 1;
     }
     return true;
+}
+
+static bool smooth_vertices(smoother *s)
+{
+    enum { TOGETHER = 64 }; /* vertices: what the first look at them fetched is still in the cache at the second */
+    daft_trimesh *mesh = s->mesh;
+    bool same = true;
+    for (uint32_t left = mesh->vertex_count; left > 0;) {
+        uint32_t count = left < TOGETHER ? left : TOGETHER, vertex = mesh->vertex_count - left;
+        if (!smooth_range(s, vertex, vertex + count, &same)) return false;
+        left -= count;
+    }
+    if (same) {
+        daft_release(s->allocator, mesh->normal_indices);
+        mesh->normal_indices = NULL;
+    } else {
+        s->kernels->share(mesh->indices, s->single, 3 * (size_t)mesh->triangle_count, mesh->normal_indices);
+    }
+    return true;
+}
+
+const daft_smooth_kernels *daft_smooth_kernels_for(int isa)
+{
+    static const daft_smooth_kernels *const table[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_smooth);
+    return table[isa];
 }
 
 /* In one group, which is not 0: as if there were none. */
@@ -359,16 +313,18 @@ bool daft_trimesh_smooth_groups(const daft_allocator *allocator, daft_trimesh *m
     float cosine = crease > 0 ? (float)daft_cos(fmin((double)crease, DAFT_PI)) : 2;
     double angle = fmin(fmax((double)crease, 0), 40 * (DAFT_PI / 180));
     smoother s = {.allocator = allocator,
+                  .kernels = daft_smooth_kernels_for(daft_isa_best()),
                   .mesh = mesh,
                   .groups = all_alike(groups, mesh->triangle_count) ? NULL : groups,
                   .cosine = cosine,
                   .spread = (float)(2 - 2 * daft_cos(angle / 2) - 1e-5)};
     bool done = prepare(&s) && smooth_vertices(&s);
-    daft_release(allocator, s.faces);
+    daft_release(allocator, s.faces.normals);
+    daft_release(allocator, s.faces.angles);
     daft_release(allocator, s.sums_of);
-    daft_release(allocator, s.listed);
-    daft_release(allocator, s.first);
-    daft_release(allocator, s.corners);
+    daft_release(allocator, s.lists.listed);
+    daft_release(allocator, s.lists.first);
+    daft_release(allocator, s.lists.corners);
     daft_release(allocator, s.single);
     daft_release(allocator, s.spokes);
     daft_release(allocator, s.sums);

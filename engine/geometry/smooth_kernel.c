@@ -69,8 +69,9 @@ DAFT_INLINE void measure(vd3 a, vd3 b, vd3 c, vd out[6])
     out[5] = vd_select(wide & (vl)(at_c > zero), at_c, zero);
 }
 
-/* Corners of `count` triangles from `first` on, and of the last again up to whole lanes. */
-static void gather(const daft_trimesh *mesh, uint32_t first, uint32_t count, block *b)
+/* Corners of `count` triangles from `first` on, and of the last again up to whole lanes. Calls for the sums they will be
+ * added to: files often have triangles in an order that is far from the vertices'. */
+static void gather(const daft_trimesh *mesh, uint32_t first, uint32_t count, block *b, const daft_smooth_sum *sums)
 {
     uint32_t padded = (count + DAFT_VL - 1) / DAFT_VL * DAFT_VL;
     for (uint32_t i = 0; i < padded; i++) {
@@ -79,6 +80,7 @@ static void gather(const daft_trimesh *mesh, uint32_t first, uint32_t count, blo
             b->corner[k][0][i] = mesh->x[v[k]];
             b->corner[k][1][i] = mesh->y[v[k]];
             b->corner[k][2][i] = mesh->z[v[k]];
+            __builtin_prefetch(&sums[v[k]], 1);
         }
     }
 }
@@ -125,13 +127,14 @@ DAFT_INLINE void add_corner(daft_smooth_sum *sum, pair xy, double z, quad plain,
     *(quad_unaligned *)(void *)sum->plain += plain; /* and the count */
 }
 
-static void scatter(const daft_trimesh *mesh, uint32_t first, uint32_t count, const block *b, daft_smooth_face *faces,
+static void scatter(const daft_trimesh *mesh, uint32_t first, uint32_t count, const block *b, daft_smooth_faces faces,
                     daft_smooth_sum *sums)
 {
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t *v = mesh->indices + 3 * (size_t)(first + i);
         float x = b->normal[0][i], y = b->normal[1][i], z = b->normal[2][i];
-        faces[first + i] = (daft_smooth_face){{x, y, z}, {b->angle[0][i], b->angle[1][i], b->angle[2][i]}};
+        faces.normals[first + i] = daft_v3(x, y, z);
+        for (size_t k = 0; k < 3; k++) faces.angles[3 * (size_t)(first + i) + k] = b->angle[k][i];
         pair xy = {(double)x, (double)y};
         quad plain = {x, y, z, 1};
         uint64_t h[3] = {hash_of(v[0]), hash_of(v[1]), hash_of(v[2])};
@@ -141,15 +144,149 @@ static void scatter(const daft_trimesh *mesh, uint32_t first, uint32_t count, co
     }
 }
 
-static void add_faces(const daft_trimesh *mesh, daft_smooth_face *faces, daft_smooth_sum *sums)
+static void add_faces(const daft_trimesh *mesh, daft_smooth_faces faces, daft_smooth_sum *sums)
 {
     block b;
     for (uint32_t first = 0; first < mesh->triangle_count; first += BLOCK) {
         uint32_t left = mesh->triangle_count - first, count = left < BLOCK ? left : BLOCK;
-        gather(mesh, first, count, &b);
+        gather(mesh, first, count, &b, sums);
         measure_block(&b, count);
         scatter(mesh, first, count, &b, faces, sums);
     }
 }
 
-const daft_smooth_kernels DAFT_KERNEL(daft_smooth) = {add_faces};
+/* ---- going around a vertex ---- */
+
+typedef uint32_t v8u __attribute__((vector_size(32)));
+
+typedef struct ring {
+    uint32_t next[DAFT_SMOOTH_RING], previous[DAFT_SMOOTH_RING]; /* the other two vertices of each triangle */
+    float normal[3][DAFT_SMOOTH_RING];
+    uint32_t group[DAFT_SMOOTH_RING];
+} ring;
+
+/* a[i] in lane l, where i is lane l of `from`: 0 to 7. */
+DAFT_INLINE v8u v8u_permute(v8u a, v8u from)
+{
+#if defined(DAFT_ISA_avx2) || defined(DAFT_ISA_avx512)
+    return (v8u)_mm256_permutevar8x32_epi32((__m256i)a, (__m256i)from);
+#else
+    v8u out;
+    for (int i = 0; i < 8; i++) out[i] = a[from[i]];
+    return out;
+#endif
+}
+
+DAFT_INLINE v8u v8u_load(const void *p)
+{
+    v8u value;
+    memcpy(&value, p, sizeof value);
+    return value;
+}
+
+/* Always eight, of which those behind the vertex's own are not looked at: valences differ, and a loop that ends
+ * unforeseen costs more. */
+static inline void gather_ring(const daft_trimesh *mesh, const daft_vec3 *normals, const uint32_t *groups,
+                               const uint32_t *corners, ring *r)
+{
+    for (uint32_t i = 0; i < DAFT_SMOOTH_RING; i++) {
+        uint32_t corner = corners[i], triangle = corner / 3, k = corner - 3 * triangle;
+        const uint32_t *v = mesh->indices + 3 * (size_t)triangle;
+        uint32_t soon = corners[i + DAFT_SMOOTH_AHEAD - DAFT_SMOOTH_RING] / 3;
+        __builtin_prefetch(&normals[soon]);
+        __builtin_prefetch(&mesh->indices[3 * (size_t)soon]);
+        r->next[i] = v[k == 2 ? 0 : k + 1];
+        r->previous[i] = v[k == 0 ? 2 : k - 1];
+        r->normal[0][i] = normals[triangle].x;
+        r->normal[1][i] = normals[triangle].y;
+        r->normal[2][i] = normals[triangle].z;
+        r->group[i] = groups ? groups[triangle] : 1;
+    }
+}
+
+/* The lane whose `next` is this lane's `previous`; *single has all bits where there is just one such. */
+DAFT_INLINE v8u find_neighbours(const ring *r, v8u valid, v8u *single)
+{
+    const v8u none = {0};
+    v8u previous = v8u_load(r->previous), to = none, hits = none;
+    v8u next = v8u_load(r->next) | ~valid; /* no vertex has the largest number */
+    for (uint32_t i = 0; i < DAFT_SMOOTH_RING; i++) {
+        v8u match = (v8u)(previous == (none + next[i]));
+        to |= match & (none + i);
+        hits -= match;
+    }
+    *single = (v8u)(hits == none + 1);
+    return to & *single & valid;
+}
+
+DAFT_INLINE v8u flat_edges(const ring *r, v8u to, float cosine)
+{
+    v8 dot = v8_set(0);
+    for (int k = 0; k < 3; k++) {
+        v8u own = v8u_load(r->normal[k]);
+        v8 product = (v8)own * (v8)v8u_permute(own, to);
+        dot = k ? dot + product : product;
+    }
+    const v8u none = {0};
+    v8u group = v8u_load(r->group);
+    return (v8u)(dot > v8_set(cosine)) & (v8u)(group == v8u_permute(group, to)) & (v8u)(group != none);
+}
+
+static inline bool is_smooth_ring(const ring *r, uint32_t count, float cosine)
+{
+    const v8u lane = {0, 1, 2, 3, 4, 5, 6, 7}, none = {0};
+    v8u valid = (v8u)(lane < none + count), single, to = find_neighbours(r, valid, &single);
+    v8u creases = valid & ~flat_edges(r, to, cosine), least = lane;
+    for (int k = 0; k < 3; k++) { /* the smallest lane of the first 2, 4, 8 that are passed from here */
+        v8u there = v8u_permute(least, to), less = (v8u)(there < least);
+        least = (there & less) | (least & ~less);
+        to = v8u_permute(to, to);
+    }
+    v8u wrong = valid & (~single | (v8u)(least != none));
+    uint32_t bits = v8i_bits((v8i)creases);
+    return !v8i_bits((v8i)wrong) && !(bits & (bits - 1));
+}
+
+static void unlist_rings(const daft_trimesh *mesh, const daft_vec3 *normals, const uint32_t *groups, float cosine,
+                         const daft_smooth_lists *lists, uint32_t first, uint32_t end)
+{
+    for (uint32_t vertex = first; vertex < end; vertex++) {
+        uint32_t from = lists->first[vertex], count = lists->first[vertex + 1] - from;
+        if (count - 1 >= DAFT_SMOOTH_RING) continue;
+        ring r;
+        gather_ring(mesh, normals, groups, lists->corners + from, &r);
+        lists->listed[vertex] = !is_smooth_ring(&r, count, cosine);
+    }
+}
+
+/* ---- normals ---- */
+
+static void normalize(const daft_smooth_sum *sums, size_t count, daft_vec3 *out)
+{
+    enum { LANES = DAFT_VL / 2 };
+    const vd zero = {0}, one = zero + 1;
+    for (size_t first = 0; first < count; first += LANES) {
+        size_t left = count - first < LANES ? count - first : LANES;
+        vd x, y, z;
+        for (size_t i = 0; i < LANES; i++) {
+            const double *sum = sums[first + (i < left ? i : 0)].weighted;
+            x[i] = sum[0], y[i] = sum[1], z[i] = sum[2];
+        }
+        vd length = vd_sqrt(x * x + y * y + z * z);
+        vd scale = one / vd_select((vl)(length > zero), length, one);
+        x *= scale, y *= scale, z *= scale;
+        vl good = (vl)(x * x + y * y + z * z > zero + 0.5);
+        x = vd_select(good, x, zero), y = vd_select(good, y, one), z = vd_select(good, z, zero);
+        for (size_t i = 0; i < left; i++) out[first + i] = daft_v3((float)x[i], (float)y[i], (float)z[i]);
+    }
+}
+
+static void share(const uint32_t *indices, const uint32_t *single, size_t count, uint32_t *out)
+{
+    for (size_t i = 0; i < count; i++) {
+        uint32_t normal = single[indices[i]];
+        out[i] = normal == DAFT_SMOOTH_SEVERAL ? out[i] : normal;
+    }
+}
+
+const daft_smooth_kernels DAFT_KERNEL(daft_smooth) = {add_faces, unlist_rings, normalize, share};

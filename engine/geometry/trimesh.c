@@ -1,5 +1,6 @@
 /* Meshes from arrays and boxes; what all meshes need. */
 #include "geometry/trimesh.h"
+#include "math/simd.h"
 
 #include <string.h>
 
@@ -50,7 +51,8 @@ bool daft_trimesh_set_positions(const daft_allocator *allocator, daft_trimesh *m
     return true;
 }
 
-void daft_trimesh_set_bounds(daft_trimesh *mesh)
+/* Corner by corner. */
+static void find_bounds(daft_trimesh *mesh)
 {
     mesh->low = daft_v3(INFINITY, INFINITY, INFINITY);
     mesh->high = daft_neg(mesh->low);
@@ -59,6 +61,65 @@ void daft_trimesh_set_bounds(daft_trimesh *mesh)
         mesh->low = daft_min3(mesh->low, p);
         mesh->high = daft_max3(mesh->high, p);
     }
+}
+
+/* The least and the largest of an axis. */
+static void find_range(const float *values, uint32_t count, float *low, float *high)
+{
+    v4 least = v4_set(values[0]), most = least;
+    uint32_t i = 0;
+    for (; i + 4 <= count; i += 4) {
+        v4 value = v4_load(values + i);
+        least = v4_min(least, value), most = v4_max(most, value);
+    }
+    for (; i < count; i++) least = v4_min(least, v4_set(values[i])), most = v4_max(most, v4_set(values[i]));
+    *low = fminf(fminf(least[0], least[1]), fminf(least[2], least[3]));
+    *high = fmaxf(fmaxf(most[0], most[1]), fmaxf(most[2], most[3]));
+}
+
+static uint32_t find_value(const float *values, float value)
+{
+    uint32_t i = 0;
+    while (values[i] != value) i++;
+    return i;
+}
+
+static bool are_used(const daft_trimesh *mesh, const uint32_t vertices[6])
+{
+    size_t corners = 3 * (size_t)mesh->triangle_count, i = 0;
+    v4i found[6] = {0};
+    for (; i + 4 <= corners; i += 4) {
+        v4i four;
+        memcpy(&four, mesh->indices + i, sizeof four);
+        for (int k = 0; k < 6; k++) found[k] |= (v4i)(four == (v4i){0} + (int32_t)vertices[k]);
+    }
+    for (; i < corners; i++)
+        for (int k = 0; k < 6; k++) found[k][0] |= mesh->indices[i] == vertices[k] ? -1 : 0;
+    bool all = true;
+    for (int k = 0; k < 6; k++) all = all && (found[k][0] | found[k][1] | found[k][2] | found[k][3]);
+    return all;
+}
+
+/* All vertices are bounded, and if triangles use those at the bounds, these are the triangles' own. */
+void daft_trimesh_set_bounds(daft_trimesh *mesh)
+{
+    if (mesh->triangle_count > 0) {
+        const float *axes[3] = {mesh->x, mesh->y, mesh->z};
+        float bounds[6];
+        uint32_t vertices[6];
+        bool signs = true; /* of a zero bound depend on which corner comes first */
+        for (int k = 0; k < 3; k++) {
+            find_range(axes[k], mesh->vertex_count, &bounds[k], &bounds[k + 3]);
+            vertices[k] = find_value(axes[k], bounds[k]), vertices[k + 3] = find_value(axes[k], bounds[k + 3]);
+            signs = signs && bounds[k] != 0 && bounds[k + 3] != 0;
+        }
+        if (signs && are_used(mesh, vertices)) {
+            mesh->low = daft_v3(bounds[0], bounds[1], bounds[2]);
+            mesh->high = daft_v3(bounds[3], bounds[4], bounds[5]);
+            return;
+        }
+    }
+    find_bounds(mesh);
 }
 
 daft_vec3 daft_trimesh_face_normal(const daft_trimesh *mesh, uint32_t triangle)
