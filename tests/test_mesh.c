@@ -1,6 +1,6 @@
 /* Meshes from arrays, boxes, and smooth normals against a slow, obvious twin. */
 #include "geometry/mesh.h"
-#include "geometry/trimesh.h"
+#include "geometry/smooth.h"
 #include "support_content.h"
 
 static counting memory;
@@ -263,6 +263,156 @@ static void unusual_fans(void **unused)
     free_mesh(&mesh);
 }
 
+/* Flat cones of a and b sides with one tip: two sets, although all faces look the same way. */
+static void check_nested_cones(uint32_t a, uint32_t b)
+{
+    daft_vec3 positions[32] = {{0, 1, 0}};
+    uint32_t indices[96], count = 0;
+    for (uint32_t ring = 0; ring < 2; ring++) {
+        uint32_t sides = ring ? b : a, first = ring ? a + 1 : 1;
+        for (uint32_t i = 0; i < sides; i++) {
+            double angle = 2 * DAFT_PI * (i + 0.3 * ring) / sides, radius = 1 + ring;
+            positions[first + i] =
+                daft_v3((float)(cos(angle) * radius), 0.97f - 0.04f * (float)ring, (float)(-sin(angle) * radius));
+            const uint32_t triangle[3] = {0, first + i, first + (i + 1) % sides};
+            memcpy(indices + count, triangle, sizeof triangle);
+            count += 3;
+        }
+    }
+    positions[1].y -= 0.05f; /* not symmetric: the sets' normals differ */
+    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, a + b + 1, indices, count / 3};
+    daft_trimesh mesh = from_arrays(&def);
+    check_against_twin(&mesh, (double)DAFT_SMOOTH_CREASE, 1);
+    assert_int_equal(mesh.normal_count, a + b + 2);
+    free_mesh(&mesh);
+}
+
+/* What only touches at a vertex is not joined there, even where it lies in one plane. */
+static void touching_is_not_joining(void **unused)
+{
+    (void)unused;
+    for (uint32_t a = 3; a < 8; a++)
+        for (uint32_t b = 3; b < 8; b++) check_nested_cones(a, b);
+    daft_trimesh sheet = make_sheet(0.2f), board = sheet;
+    uint32_t indices[6 * GRID * GRID], kept = 0;
+    for (uint32_t i = 0; i < sheet.triangle_count; i++) { /* the black squares of a chessboard, two triangles each */
+        uint32_t cell = i / 2;
+        if ((cell % (GRID - 1) + cell / (GRID - 1)) % 2 == 0) continue;
+        memcpy(indices + 3 * kept++, sheet.indices + 3 * i, 3 * sizeof *indices);
+    }
+    board.indices = indices, board.triangle_count = kept;
+    board.normals = NULL, board.normal_indices = NULL;
+    daft_allocator allocator = {&memory, counting_allocate, counting_release};
+    assert_true(daft_trimesh_smooth(&allocator, &board, DAFT_SMOOTH_CREASE, NULL));
+    check_against_twin(&board, (double)DAFT_SMOOTH_CREASE, 1);
+    daft_release(&allocator, board.normals);
+    daft_release(&allocator, board.normal_indices);
+    free_mesh(&sheet);
+}
+
+typedef struct smoothed {
+    daft_smooth_sum sums[GRID * GRID];
+    daft_vec3 normals[2 * GRID * GRID], directions[GRID * GRID];
+    float angles[6 * GRID * GRID];
+} smoothed;
+
+static void smooth_with(int isa, const daft_trimesh *mesh, smoothed *out)
+{
+    memset(out, 0, sizeof *out);
+    const daft_smooth_kernels *kernels = daft_smooth_kernels_for(isa);
+    kernels->add_faces(mesh, (daft_smooth_faces){out->normals, out->angles}, out->sums);
+    kernels->normalize(out->sums, mesh->vertex_count, out->directions);
+}
+
+static void every_instruction_set_gives_the_same_normals(void **unused)
+{
+    (void)unused;
+    print_message("seed %llu\n", (unsigned long long)random_state);
+    static smoothed first, other;
+    for (int repeat = 0; repeat < 4; repeat++) {
+        daft_trimesh mesh = make_sheet((float)repeat / 2);
+        mesh.triangle_count -= random_below(40); /* lanes left over */
+        for (int i = 0; i < 20; i++) mesh.x[random_below(mesh.vertex_count)] = mesh.y[0]; /* slivers */
+        smooth_with(DAFT_ISA_SSE2, &mesh, &first);
+        for (int isa = DAFT_ISA_SSE2 + 1; isa <= daft_isa_best(); isa++) {
+            smooth_with(isa, &mesh, &other);
+            if (memcmp(&first, &other, sizeof first) != 0) fail_msg("%s differs", daft_isa_name(isa));
+        }
+        free_mesh(&mesh);
+    }
+}
+
+static void every_instruction_set_finds_the_same_rings(void **unused)
+{
+    (void)unused;
+    enum { FAN = 9 };
+    for (uint32_t repeat = 0; repeat < 3000; repeat++) {
+        uint32_t count = 1 + random_below(FAN), indices[3 * FAN], groups[FAN], corners[FAN + DAFT_SMOOTH_AHEAD] = {0};
+        uint32_t first[FAN + 3] = {0}, splits = random_below(3);
+        daft_vec3 normals[FAN];
+        for (uint32_t i = 0; i < count; i++) { /* a fan around vertex 0, or several, or what is none */
+            uint32_t next = (i + 1) % count;
+            if (splits && random_below(6) == 0) next = random_below(count);
+            const uint32_t triangle[3] = {0, i + 1, next + 1};
+            for (uint32_t k = 0; k < 3; k++) indices[3 * i + k] = triangle[(k + repeat % 3) % 3];
+            corners[i] = 3 * i + (3 - repeat % 3) % 3;
+            groups[i] = random_below(12) > 0;
+            normals[i] = daft_v3(random_below(10) == 0 ? 1 : 0, 1, 0);
+        }
+        for (uint32_t i = 1; i < FAN + 3; i++) first[i] = count;
+        daft_trimesh mesh = {.vertex_count = count + 1, .triangle_count = count, .indices = indices};
+        uint8_t listed[2][FAN + 2];
+        for (int isa = DAFT_ISA_SSE2; isa <= daft_isa_best(); isa++) {
+            uint8_t *mine = listed[isa != DAFT_ISA_SSE2];
+            memset(mine, 1, FAN + 2);
+            daft_smooth_lists lists = {mine, first, corners};
+            daft_smooth_kernels_for(isa)->unlist_rings(&mesh, normals, repeat % 2 ? groups : NULL, 0.9f, &lists, 0, 1);
+            assert_int_equal(mine[0], listed[0][0]);
+        }
+        /* The walk, one triangle after the other. */
+        uint32_t at = 0, passed = 0, creases = 0;
+        do {
+            uint32_t to = count, hits = 0, previous = indices[3 * at + (corners[at] % 3 + 2) % 3];
+            for (uint32_t j = 0; j < count; j++)
+                if (indices[3 * j + (corners[j] % 3 + 1) % 3] == previous) to = j, hits++;
+            if (hits != 1) break;
+            bool same_group = !(repeat % 2) || (groups[at] == groups[to] && groups[at]);
+            creases += !(daft_dot(normals[at], normals[to]) > 0.9f && same_group);
+            at = to;
+        } while (++passed < count && at != 0);
+        bool ring = passed == count && at == 0 && creases <= 1 && count <= DAFT_SMOOTH_RING;
+        assert_int_equal(listed[0][0], !ring);
+    }
+}
+
+static void bounds_are_those_of_the_triangles(void **unused)
+{
+    (void)unused;
+    daft_vec3 positions[] = {{1, 2, 3}, {4, 2, 3}, {1, 5, -2}, {100, 3, 0}, {2, -50, 1}, {2, 3, 0}};
+    uint32_t indices[] = {0, 1, 2, 5, 2, 1};
+    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, 6, indices, 2};
+    daft_trimesh mesh = from_arrays(&def);
+    assert_true(mesh.low.x == 1 && mesh.low.y == 2 && mesh.low.z == -2);
+    assert_true(mesh.high.x == 4 && mesh.high.y == 5 && mesh.high.z == 3);
+    free_mesh(&mesh);
+    for (int repeat = 0; repeat < 200; repeat++) {
+        uint32_t count = 3 + random_below(30), used[90], corners = 3 * (1 + random_below(29));
+        daft_vec3 points[33], low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+        for (uint32_t i = 0; i < count; i++)
+            points[i] = daft_v3((float)random_below(9) - 4, -(float)random_below(5), (float)random_below(100));
+        for (uint32_t i = 0; i < corners; i++) used[i] = (i % 3 + random_below(count / 3) * 3) % count;
+        def.positions = points, def.vertex_count = count, def.indices = used, def.triangle_count = corners / 3;
+        mesh = from_arrays(&def);
+        for (uint32_t i = 0; i < 3 * mesh.triangle_count; i++) {
+            low = daft_min3(low, points[mesh.indices[i]]);
+            high = daft_max3(high, points[mesh.indices[i]]);
+        }
+        assert_memory_equal(&mesh.low, &low, sizeof low);
+        assert_memory_equal(&mesh.high, &high, sizeof high);
+        free_mesh(&mesh);
+    }
+}
+
 static void normals_do_not_depend_on_scale(void **unused)
 {
     (void)unused;
@@ -328,6 +478,10 @@ int main(void)
         cmocka_unit_test(arrays_are_copied),
         cmocka_unit_test(wrong_arrays_are_refused),
         cmocka_unit_test(a_box_is_right_on_every_side),
+        cmocka_unit_test(touching_is_not_joining),
+        cmocka_unit_test(every_instruction_set_gives_the_same_normals),
+        cmocka_unit_test(every_instruction_set_finds_the_same_rings),
+        cmocka_unit_test(bounds_are_those_of_the_triangles),
         cmocka_unit_test(smooth_normals_agree_with_the_twin),
         cmocka_unit_test(unusual_fans),
         cmocka_unit_test(normals_do_not_depend_on_scale),

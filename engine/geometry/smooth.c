@@ -34,6 +34,7 @@ typedef struct smoother {
     const uint32_t *groups;
     float cosine; /* of the crease; above 1 where nothing is joined */
     float spread; /* see is_one_ring */
+    char *scratch; /* for these */
     daft_smooth_faces faces;
     daft_smooth_sum *sums_of; /* each vertex */
     daft_smooth_lists lists;  /* of vertices that take more than adding up */
@@ -207,21 +208,36 @@ static bool put_normals(smoother *s, uint32_t vertex, uint32_t count)
     return true;
 }
 
+/* A part of the scratch memory, or, while there is none, its size onto *bytes. */
+static void *part(const smoother *s, size_t *bytes, size_t count, size_t size)
+{
+    void *at = s->scratch ? s->scratch + *bytes : NULL;
+    *bytes += (count * size + 63) / 64 * 64;
+    return at;
+}
+
+/* All in one block: fewer pages are touched for the first time, and large ones at that. */
+static size_t lay_out(smoother *s)
+{
+    size_t bytes = 0, vertices = s->mesh->vertex_count, triangles = s->mesh->triangle_count;
+    s->sums_of = part(s, &bytes, vertices, sizeof *s->sums_of);
+    s->lists.listed = part(s, &bytes, vertices, 1);
+    s->lists.first = part(s, &bytes, vertices + 1, sizeof *s->lists.first);
+    s->single = part(s, &bytes, vertices, sizeof *s->single);
+    s->faces.normals = part(s, &bytes, triangles, sizeof *s->faces.normals);
+    s->faces.angles = part(s, &bytes, 3 * triangles, sizeof *s->faces.angles);
+    s->lists.corners = part(s, &bytes, 3 * triangles + DAFT_SMOOTH_AHEAD, sizeof *s->lists.corners);
+    return bytes;
+}
+
 static bool prepare(smoother *s)
 {
     daft_trimesh *mesh = s->mesh;
-    size_t corners = 3 * (size_t)mesh->triangle_count;
-    s->faces.normals = daft_alloc(s->allocator, mesh->triangle_count, sizeof *s->faces.normals);
-    s->faces.angles = daft_alloc(s->allocator, corners, sizeof *s->faces.angles);
-    s->sums_of = daft_alloc_zero(s->allocator, mesh->vertex_count, sizeof *s->sums_of);
-    s->lists.listed = daft_alloc(s->allocator, mesh->vertex_count, 1);
-    s->lists.first = daft_alloc(s->allocator, (size_t)mesh->vertex_count + 1, sizeof *s->lists.first);
-    s->lists.corners = daft_alloc(s->allocator, corners + DAFT_SMOOTH_AHEAD, sizeof *s->lists.corners);
-    s->single = daft_alloc(s->allocator, mesh->vertex_count, sizeof *s->single);
-    mesh->normal_indices = daft_alloc(s->allocator, corners, sizeof *mesh->normal_indices);
-    if (!s->faces.normals || !s->faces.angles || !s->sums_of || !s->lists.listed || !s->lists.first ||
-        !s->lists.corners || !s->single || !mesh->normal_indices)
-        return false;
+    s->scratch = daft_alloc(s->allocator, lay_out(s), 1);
+    mesh->normal_indices = daft_alloc(s->allocator, 3 * (size_t)mesh->triangle_count, sizeof *mesh->normal_indices);
+    if (!s->scratch || !mesh->normal_indices) return false;
+    lay_out(s);
+    memset(s->sums_of, 0, mesh->vertex_count * sizeof *s->sums_of);
     s->kernels->add_faces(mesh, s->faces, s->sums_of);
     uint32_t most = choose_listed(s) ? list_corners(s) : 0;
     s->spokes = daft_alloc(s->allocator, most, sizeof *s->spokes);
@@ -319,13 +335,7 @@ bool daft_trimesh_smooth_groups(const daft_allocator *allocator, daft_trimesh *m
                   .cosine = cosine,
                   .spread = (float)(2 - 2 * daft_cos(angle / 2) - 1e-5)};
     bool done = prepare(&s) && smooth_vertices(&s);
-    daft_release(allocator, s.faces.normals);
-    daft_release(allocator, s.faces.angles);
-    daft_release(allocator, s.sums_of);
-    daft_release(allocator, s.lists.listed);
-    daft_release(allocator, s.lists.first);
-    daft_release(allocator, s.lists.corners);
-    daft_release(allocator, s.single);
+    daft_release(allocator, s.scratch);
     daft_release(allocator, s.spokes);
     daft_release(allocator, s.sums);
     daft_release(allocator, s.edges);

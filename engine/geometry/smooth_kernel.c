@@ -237,6 +237,9 @@ static inline bool is_smooth_ring(const ring *r, uint32_t count, float cosine)
     const v8u lane = {0, 1, 2, 3, 4, 5, 6, 7}, none = {0};
     v8u valid = (v8u)(lane < none + count), single, to = find_neighbours(r, valid, &single);
     v8u creases = valid & ~flat_edges(r, to, cosine), least = lane;
+    v8u reached = (none + 1) << to & valid;
+    uint32_t all = 0;
+    for (uint32_t i = 0; i < DAFT_SMOOTH_RING; i++) all |= reached[i];
     for (int k = 0; k < 3; k++) { /* the smallest lane of the first 2, 4, 8 that are passed from here */
         v8u there = v8u_permute(least, to), less = (v8u)(there < least);
         least = (there & less) | (least & ~less);
@@ -244,7 +247,7 @@ static inline bool is_smooth_ring(const ring *r, uint32_t count, float cosine)
     }
     v8u wrong = valid & (~single | (v8u)(least != none));
     uint32_t bits = v8i_bits((v8i)creases);
-    return !v8i_bits((v8i)wrong) && !(bits & (bits - 1));
+    return all == (1u << count) - 1 && !v8i_bits((v8i)wrong) && !(bits & (bits - 1));
 }
 
 static void unlist_rings(const daft_trimesh *mesh, const daft_vec3 *normals, const uint32_t *groups, float cosine,
