@@ -312,7 +312,8 @@ static uint64_t answer_all(int ticks)
         uint32_t count = daft_world_events(world, &events);
         daft_sim_event *copy = malloc((count + 1) * sizeof *copy);
         if (count > 0) memcpy(copy, events, count * sizeof *copy);
-        for (uint32_t i = 0; i < count; i++) answer(world, &events[i]);
+        /* One that wakes a heap makes an event for each of its bodies: without an end to it they breed. */
+        for (uint32_t i = 0; i < count && i < 50; i++) answer(world, &events[i]);
         assert_int_equal(daft_world_events(world, &again), count);
         assert_ptr_equal(again, events);
         if (count > 0) assert_memory_equal(copy, events, count * sizeof *copy);

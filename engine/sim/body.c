@@ -333,6 +333,7 @@ static uint32_t take_body(daft_world *world, const daft_sim_body_def *def)
                                            .linear_damping = def->linear_damping,
                                            .angular_damping = def->angular_damping,
                                            .wanted_mass = def->mass,
+                                           .finer = daft_sim_finer_begin(),
                                            .first_part = DAFT_SIM_NONE,
                                            .first_touch = DAFT_SIM_NONE,
                                            .first_joint = DAFT_SIM_NONE,

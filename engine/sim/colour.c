@@ -2,7 +2,7 @@
  * share no body that yields, so they can be solved side by side (graph colouring as in Box2D v3). Each constraint takes
  * the lowest colour that is free at both its bodies, in the order of the listing; so the colours of one heap are its
  * own, whatever else is in the world. Contacts with what does not yield come last: the solver ends with what cannot
- * give way. Contacts of bodies made at rest are given the depth at which they carry what lies on them. */
+ * give way. */
 #include "sim/solver.h"
 
 #include <string.h>
@@ -34,26 +34,18 @@ static bool reserve_rows(daft_world *world, size_t needed)
     return true;
 }
 
-static bool assign_rows(daft_world *world)
+/* Rows of the heaps of each pace follow each other. */
+static void order_rows(daft_world *world, bool paces)
 {
     daft_sim_solver *s = world->solver;
-    size_t count = 1 + world->movers.count + world->awake.count;
-    if (!reserve_rows(world, count) ||
-        !daft_grow(&world->allocator, &s->row_bodies, &s->row_body_capacity, count, 0, sizeof *s->row_bodies) ||
-        !daft_grow(&world->allocator, &s->masks, &s->mask_capacity, count, 0, sizeof *s->masks) ||
-        !daft_grow(&world->allocator, &s->constrained, &s->constrained_capacity, count, 0, sizeof *s->constrained) ||
-        !daft_grow(&world->allocator, &s->islands, &s->island_capacity, count, 0, sizeof *s->islands) ||
-        !daft_grow(&world->allocator, &s->levels, &s->level_capacity, count * CLASSES, 0, sizeof *s->levels))
-        return false;
-    uint32_t row = 1;
-    s->row_bodies[0] = DAFT_SIM_NONE;
-    for (size_t i = 0; i < world->movers.count; i++) s->row_bodies[row++] = world->movers.items[i];
-    for (size_t i = 0; i < world->awake.count; i++) s->row_bodies[row++] = world->awake.items[i];
-    s->mover_count = (uint32_t)world->movers.count;
+    uint32_t row = 1 + s->mover_count;
+    for (uint32_t pace = 0; pace < DAFT_SIM_PACES; pace++) {
+        for (size_t i = 0; i < world->awake.count && (paces || pace == 0); i++)
+            if (!paces || daft_sim_finer_pace(world, world->awake.items[i]) == pace)
+                s->row_bodies[row++] = world->awake.items[i];
+        s->pace_end[pace] = row;
+    }
     s->row_count = row;
-    for (uint32_t r = 1; r < row; r++) world->bodies[s->row_bodies[r]].state = r;
-    memset(s->constrained, 0, row * sizeof *s->constrained);
-    return true;
 }
 
 static uint32_t row_of(const daft_world *world, uint32_t body)
@@ -62,6 +54,33 @@ static uint32_t row_of(const daft_world *world, uint32_t body)
 }
 
 static bool yields(const daft_world *world, uint32_t row) { return row > world->solver->mover_count; }
+
+/* Of a heap that is being solved. */
+static bool solved_now(const daft_sim_solver *s, uint32_t row) { return row >= s->row_first && row < s->row_end; }
+
+/* ---- islands ---- */
+
+static uint32_t root_of(uint32_t *islands, uint32_t row)
+{
+    while (islands[row] != row) row = islands[row] = islands[islands[row]];
+    return row;
+}
+
+static void join(const daft_world *world, uint32_t a, uint32_t b)
+{
+    uint32_t *islands = world->solver->islands;
+    if (!yields(world, a) || !yields(world, b)) return;
+    a = root_of(islands, a), b = root_of(islands, b);
+    islands[a < b ? b : a] = a < b ? a : b;
+}
+
+uint32_t daft_sim_island_count(const daft_world *world)
+{
+    const daft_sim_solver *s = world->solver;
+    uint32_t count = 0;
+    for (uint32_t row = 1 + s->mover_count; row < s->row_count; row++) count += s->islands[row] == row;
+    return count;
+}
 
 /* ---- colours ---- */
 
@@ -100,15 +119,6 @@ static bool count_colour(daft_world *world, uint32_t colour, uint32_t class, uin
     return true;
 }
 
-/* New, between bodies that have not moved yet. */
-static bool wants_seat(const daft_world *world, daft_sim_touch *touch, uint32_t patch)
-{
-    if (daft_sim_patches(touch)[patch].seated) return false;
-    const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
-    return daft_sim_is_zero(a->linear) && daft_sim_is_zero(a->angular) && daft_sim_is_zero(b->linear) &&
-           daft_sim_is_zero(b->angular);
-}
-
 static daft_sim_gathered gather(const daft_world *world, daft_sim_touch *touch)
 {
     daft_sim_gathered g = {0};
@@ -116,10 +126,7 @@ static daft_sim_gathered gather(const daft_world *world, daft_sim_touch *touch)
     g.row_a = row_of(world, touch->body_a), g.row_b = row_of(world, touch->body_b);
     if (!yields(world, g.row_a)) return g;
     g.patches = touch->patch_count;
-    for (uint32_t k = 0; k < touch->patch_count; k++) {
-        g.points += daft_sim_patches(touch)[k].count;
-        g.unseated += wants_seat(world, touch, k);
-    }
+    for (uint32_t k = 0; k < touch->patch_count; k++) g.points += daft_sim_patches(touch)[k].count;
     return g;
 }
 
@@ -145,24 +152,52 @@ static bool gather_contacts(daft_world *world)
     if (!daft_grow(&world->allocator, &s->gathered, &s->gathered_capacity, count, 0, sizeof *s->gathered)) return false;
     daft_parallel_for(count >= PARALLEL_CONTACTS ? world->workers : 1, (uint32_t)((count + GRAIN - 1) / GRAIN),
                       gather_range, world);
-    s->contact_rows = s->unseated_count = 0;
+    s->contact_rows = 0;
     for (size_t i = 0; i < count; i++) {
         patches += s->gathered[i].patches;
         s->contact_rows += 3 * s->gathered[i].patches + s->gathered[i].points;
-        s->unseated_count += s->gathered[i].unseated;
     }
     return daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, patches, 0, sizeof *s->constraints);
+}
+
+bool daft_sim_rows_assign(daft_world *world, float dt)
+{
+    daft_sim_solver *s = world->solver;
+    size_t count = 1 + world->movers.count + world->awake.count;
+    if (!reserve_rows(world, count) ||
+        !daft_grow(&world->allocator, &s->row_bodies, &s->row_body_capacity, count, 0, sizeof *s->row_bodies) ||
+        !daft_grow(&world->allocator, &s->masks, &s->mask_capacity, count, 0, sizeof *s->masks) ||
+        !daft_grow(&world->allocator, &s->constrained, &s->constrained_capacity, count, 0, sizeof *s->constrained) ||
+        !daft_grow(&world->allocator, &s->islands, &s->island_capacity, count, 0, sizeof *s->islands) ||
+        !daft_grow(&world->allocator, &s->heaps, &s->heap_capacity, count, 0, sizeof *s->heaps) ||
+        !daft_grow(&world->allocator, &s->asked, &s->asked_capacity, count, 0, sizeof *s->asked) ||
+        !daft_grow(&world->allocator, &s->targets, &s->target_capacity, count, 0, sizeof *s->targets) ||
+        !daft_grow(&world->allocator, &s->spins, &s->spin_capacity, count, 0, sizeof *s->spins) ||
+        !daft_grow(&world->allocator, &s->levels, &s->level_capacity, count * CLASSES, 0, sizeof *s->levels))
+        return false;
+    uint32_t row = 1;
+    s->row_bodies[0] = DAFT_SIM_NONE;
+    for (size_t i = 0; i < world->movers.count; i++) s->row_bodies[row++] = world->movers.items[i];
+    s->mover_count = (uint32_t)world->movers.count;
+    order_rows(world, daft_sim_finer_paces(world, dt));
+    for (uint32_t r = 1; r < s->row_count; r++) {
+        s->asked[r] = 0;
+        s->islands[r] = r;
+        world->bodies[s->row_bodies[r]].state = r;
+    }
+    memset(s->constrained, 0, s->row_count * sizeof *s->constrained);
+    return gather_contacts(world);
 }
 
 static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
 {
     daft_sim_solver *s = world->solver;
     s->constraint_count = 0;
-    if (!gather_contacts(world)) return false;
     for (size_t i = 0; i < world->met.count; i++) {
         const daft_sim_gathered *g = &s->gathered[i];
-        if (g->patches == 0) continue;
+        if (g->patches == 0 || !solved_now(s, g->row_a)) continue;
         uint32_t a = g->row_a, b = g->row_b, class = !yields(world, b);
+        join(world, a, b);
         s->constrained[a] = true;
         if (!class) s->constrained[b] = true;
         for (uint32_t k = 0; k < g->patches; k++) {
@@ -172,7 +207,6 @@ static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
                 (daft_sim_constraint){world->met.items[i], k, a, b, colour << 1 | class};
         }
     }
-    s->contact_count = (uint32_t)s->constraint_count;
     return true;
 }
 
@@ -210,8 +244,11 @@ static void place_contacts(daft_sim_solver *s)
 
 static void clear_masks(daft_sim_solver *s)
 {
-    memset(s->masks, 0, s->row_count * sizeof *s->masks);
-    memset(s->levels, 0, (size_t)s->row_count * CLASSES * sizeof *s->levels);
+    uint32_t first = s->row_first, count = s->row_end - first, fixed = 1 + s->mover_count;
+    memset(s->masks, 0, fixed * sizeof *s->masks);
+    memset(s->masks + first, 0, count * sizeof *s->masks);
+    memset(s->levels, 0, (size_t)fixed * CLASSES * sizeof *s->levels);
+    memset(s->levels + (size_t)first * CLASSES, 0, (size_t)count * CLASSES * sizeof *s->levels);
 }
 
 /* ---- joints ---- */
@@ -225,12 +262,13 @@ static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
         if (joint->kind == 0) continue;
         uint32_t a = joint->body[0] == DAFT_SIM_NONE ? 0 : row_of(world, joint->body[0]);
         uint32_t b = joint->body[1] == DAFT_SIM_NONE ? 0 : row_of(world, joint->body[1]);
-        if (!yields(world, a) && !yields(world, b)) continue;
+        if (!solved_now(s, a) && !solved_now(s, b)) continue;
         if (!daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, s->constraint_count + 1,
                        s->constraint_count, sizeof *s->constraints))
             return false;
         if (yields(world, a)) s->constrained[a] = true;
         if (yields(world, b)) s->constrained[b] = true;
+        join(world, a, b);
         uint32_t class = !(yields(world, a) && yields(world, b)), colour = take_colour(s, a, b, class);
         if (!count_colour(world, colour, class, most)) return false;
         s->constraints[s->constraint_count++] = (daft_sim_constraint){i, 0, a, b, colour << 1 | class};
@@ -264,43 +302,20 @@ static bool place_joints(daft_world *world, const uint32_t most[CLASSES])
     return true;
 }
 
-bool daft_sim_colour_all(daft_world *world)
+bool daft_sim_colour_pace(daft_world *world, uint32_t pace, float dt)
 {
     uint32_t most[CLASSES] = {0, 0}, joint_most[CLASSES] = {0, 0};
-    if (!assign_rows(world)) return false;
+    daft_sim_solver *s = world->solver;
+    s->row_first = pace ? s->pace_end[pace - 1] : 1 + s->mover_count;
+    s->row_end = s->pace_end[pace];
+    s->substeps = world->substeps << pace;
+    s->h = dt / (float)s->substeps;
     clear_masks(world->solver);
     if (!colour_joints(world, joint_most) || !place_joints(world, joint_most)) return false;
     clear_masks(world->solver);
     if (!colour_contacts(world, most) || !lay_out(world, most)) return false;
     place_contacts(world->solver);
     return true;
-}
-
-/* ---- islands ---- */
-
-static uint32_t root_of(uint32_t *islands, uint32_t row)
-{
-    while (islands[row] != row) row = islands[row] = islands[islands[row]];
-    return row;
-}
-
-static void join(const daft_world *world, uint32_t a, uint32_t b)
-{
-    uint32_t *islands = world->solver->islands;
-    if (!yields(world, a) || !yields(world, b)) return;
-    a = root_of(islands, a), b = root_of(islands, b);
-    islands[a < b ? b : a] = a < b ? a : b;
-}
-
-uint32_t daft_sim_island_count(const daft_world *world)
-{
-    const daft_sim_solver *s = world->solver;
-    uint32_t count = 0;
-    for (uint32_t row = 0; row < s->row_count; row++) s->islands[row] = row;
-    for (uint32_t i = 0; i < s->contact_count; i++) join(world, s->constraints[i].row_a, s->constraints[i].row_b);
-    for (uint32_t i = 0; i < s->joint_count; i++) join(world, s->joint_rows[i].row[0], s->joint_rows[i].row[1]);
-    for (uint32_t row = 1 + s->mover_count; row < s->row_count; row++) count += s->islands[row] == row;
-    return count;
 }
 
 /* ---- blocks ---- */
@@ -345,6 +360,7 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
     uint32_t row_a = row_of(world, touch->body_a), row_b = row_of(world, touch->body_b);
     bool fixed = !yields(world, row_b);
+    float longer = a->h > 0 ? world->solver->h / a->h : 1; /* than the substep that the impulses are of */
     daft_vec3 n = patch->normal, t = any_perpendicular(n), u = daft_cross(n, t);
     block->a[lane] = (int32_t)row_a, block->b[lane] = (int32_t)row_b;
     block->writes_a |= 1u << lane;
@@ -360,13 +376,13 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     block->rolls |= touch->rolling > 0;
     block->bounces |= touch->restitution > 0;
     block->points = daft_max_i(block->points, (int)patch->count);
-    block->tangent_impulse[0][lane] = daft_dot(patch->friction_impulse, t);
-    block->tangent_impulse[1][lane] = daft_dot(patch->friction_impulse, u);
-    block->twist_impulse[lane] = patch->twist_impulse;
+    block->tangent_impulse[0][lane] = daft_dot(patch->friction_impulse, t) * longer;
+    block->tangent_impulse[1][lane] = daft_dot(patch->friction_impulse, u) * longer;
+    block->twist_impulse[lane] = patch->twist_impulse * longer;
     block->slip[0][lane] = daft_dot(patch->slip, t);
     block->slip[1][lane] = daft_dot(patch->slip, u);
     block->twist_slip[lane] = patch->twist_slip;
-    put3(block->rolling_impulse, lane, patch->rolling_impulse);
+    put3(block->rolling_impulse, lane, daft_scale(patch->rolling_impulse, longer));
     if (touch->belted) {
         daft_vec3 belt =
             daft_sub(belt_of(world, touch->body_a, touch->part_a), belt_of(world, touch->body_b, touch->part_b));
@@ -375,16 +391,15 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     for (uint32_t i = 0; i < patch->count; i++) {
         daft_sim_block_point *p = &block->point[i];
         put3(p->arm_a, lane, patch->points[i].anchor);
-        p->separation[lane] = patch->points[i].separation - patch->seat;
-        p->impulse[lane] = patch->points[i].impulse;
+        p->separation[lane] = patch->points[i].separation;
+        p->impulse[lane] = patch->points[i].impulse * longer;
     }
 }
 
 /* The springs of contacts (Catto), heavily overdamped: 37.7 Hz at 240 substeps a second. One pass changes an impulse
  * by a share of what is wrong, so what is not solved fully acts as a spring of its own, without damping: it stays
  * stable as long as a contact forgets (soft_impulse / h) faster than it pushes (soft_mass·rate), which is
- * h·2π·hertz < 1. Stiffer ones make a pyramid sway; softer ones let a column buckle before it sleeps (its critical
- * height grows with hertz^(2/3)). Against what does not yield overlap is undone faster and
+ * h·2π·hertz < 1. Stiffer ones make a pyramid sway; where they are too soft, substeps are shorter (finer.c). Against what does not yield overlap is undone faster and
  * the impulse is rigid. */
 #define HERTZ_SHARE       0.157f /* of the substeps' rate */
 #define FIXED_HERTZ_SHARE 0.5f
@@ -397,11 +412,11 @@ static void make_soft(float hertz, float h, float out[3])
     out[0] = omega / a1, out[1] = a2 * a3, out[2] = a3;
 }
 
-void daft_sim_block_fill(daft_world *world, uint32_t index, float dt)
+void daft_sim_block_fill(daft_world *world, uint32_t index)
 {
     daft_sim_solver *s = world->solver;
     daft_sim_block *block = &s->blocks[index];
-    float h = dt / (float)world->substeps, soft[2][3];
+    float h = s->h, soft[2][3];
     make_soft(HERTZ_SHARE / h, h, soft[0]);
     make_soft(FIXED_HERTZ_SHARE / h, h, soft[1]);
     soft[1][1] = 1, soft[1][2] = 0;
@@ -415,42 +430,6 @@ void daft_sim_block_fill(daft_world *world, uint32_t index, float dt)
     for (int lane = 0; lane < lanes; lane++) fill_lane(world, block, lane, &slots[lane], soft);
 }
 
-/* A heap that is made at rest would sink until its springs carry it, a column of 50 by a hundredth of its height, and
- * has little time to come to rest before it buckles. So what each contact will carry is found before the first step,
- * and the zero of its spring, its "seat", is put where it carries that at the depth it was made with. A seat is a
- * constant: springs that learned it as they go would lag, and a pyramid sway. */
-#define MAX_SEAT    0.25f /* m */
-#define SEAT_SHARE  0.5f  /* of the load that a seat was made for: with less it goes */
-#define SEAT_LEAVES 0.2f /* of what is too much, in a step */
-
-/* How far the spring has to give way to carry what it carries now. */
-static float compression(const daft_sim_block *block, int lane)
-{
-    float impulse = 0, mass = 0, soft = block->soft_mass[lane] * block->rate[lane];
-    for (int i = 0; i < block->points; i++) {
-        impulse += block->point[i].impulse[lane];
-        if (block->point[i].separation[lane] < 1e19f) mass += block->point[i].mass[lane];
-    }
-    return mass > 0 && soft > 0 ? block->soft_impulse[lane] * impulse / (mass * soft) : 0;
-}
-
-static void seat_lane(const daft_sim_block *block, int lane, daft_sim_patch *patch)
-{
-    patch->seat = daft_sim_min(compression(block, lane), MAX_SEAT);
-    for (uint32_t i = 0; i < patch->count; i++) patch->points[i].impulse = block->point[i].impulse[lane];
-}
-
-void daft_sim_block_seat(daft_world *world, uint32_t index)
-{
-    daft_sim_block *block = &world->solver->blocks[index];
-    const daft_sim_slot *slots = &world->solver->slots[(size_t)index * DAFT_SIM_LANES];
-    for (int lane = 0; lane < block->lanes; lane++) {
-        daft_sim_touch *touch = &world->touches[slots[lane].touch];
-        if (wants_seat(world, touch, slots[lane].patch))
-            seat_lane(block, lane, &daft_sim_patches(touch)[slots[lane].patch]);
-    }
-}
-
 static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)
 {
     daft_vec3 n = get3(block->normal, lane), t = get3(block->tangent, lane), u = daft_cross(n, t);
@@ -460,11 +439,6 @@ static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)
     patch->slip = daft_add(daft_scale(t, block->slip[0][lane]), daft_scale(u, block->slip[1][lane]));
     patch->twist_slip = block->twist_slip[lane];
     patch->rolling_impulse = get3(block->rolling_impulse, lane);
-    patch->seated = true;
-    if (patch->seat > 0) {
-        float needed = compression(block, lane);
-        if (needed < SEAT_SHARE * patch->seat) patch->seat -= SEAT_LEAVES * (patch->seat - needed);
-    }
     patch->total_impulse = 0;
     patch->speed = 0;
     for (uint32_t i = 0; i < patch->count; i++) {
@@ -477,8 +451,13 @@ static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)
 
 void daft_sim_block_store(daft_world *world, uint32_t index)
 {
-    daft_sim_block *block = &world->solver->blocks[index];
-    const daft_sim_slot *slots = &world->solver->slots[(size_t)index * DAFT_SIM_LANES];
-    for (int lane = 0; lane < block->lanes; lane++)
-        store_lane(block, lane, &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch]);
+    daft_sim_solver *s = world->solver;
+    daft_sim_block *block = &s->blocks[index];
+    const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
+    for (int lane = 0; lane < block->lanes; lane++) {
+        daft_sim_patch *patch = &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch];
+        store_lane(block, lane, patch);
+        float light = daft_sim_max(block->inv_mass_a[lane], block->inv_mass_b[lane]);
+        block->strained |= daft_sim_finer_load(world, patch, light, s->h * (float)s->substeps);
+    }
 }

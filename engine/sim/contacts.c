@@ -97,7 +97,7 @@ static void inherit(daft_sim_patch *patch, const daft_sim_patch *old, uint32_t o
     patch->twist_impulse = old->twist_impulse;
     patch->slip = old->slip;
     patch->twist_slip = old->twist_slip;
-    patch->seat = old->seat, patch->seated = old->seated;
+    patch->load = old->load;
     for (uint32_t i = 0; i < patch->count; i++)
         for (uint32_t k = 0; k < old->count; k++)
             if (patch->points[i].id == old->points[k].id) patch->points[i].impulse = old->points[k].impulse;

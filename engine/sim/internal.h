@@ -159,6 +159,8 @@ typedef struct daft_sim_body {
     uint32_t ring; /* asleep: the next body that fell asleep with it */
     float rest;    /* seconds it has hardly moved */
 
+    float finer;     /* substeps a second that what it carries asks for (finer.c) */
+    float h;         /* s: of the last substep it took, to which impulses belong; 0: none yet */
     uint32_t state;  /* in this step's solver; 0: does not move */
     uint32_t fixed_met; /* scratch of ghost.c: touches with what does not yield */
     uint32_t island; /* scratch: parent in the union-find */
@@ -181,10 +183,7 @@ typedef struct daft_sim_patch {
      * back by it, so that a stack does not creep. */
     daft_vec3 slip;
     float twist_slip;
-    /* How far its spring gives way under the load it was made with, 0 or more: bodies set down at rest stay at the
-     * depth they were given (solver.c). `seated`: that has been found. */
-    float seat;
-    uint32_t seated;
+    float load;          /* N, along the normal, lately (finer.c) */
     float total_impulse; /* normal, summed over the step */
     float speed;         /* with which they met, 0 or more */
     daft_shape_part part_a, part_b;
@@ -431,6 +430,9 @@ void daft_sim_wake_all(daft_world *world);
 void daft_sim_wake_met(daft_world *world);
 /* Rest times, islands, and who falls asleep. */
 void daft_sim_sleep_update(daft_world *world, float dt);
+/* Heaps of bodies that are awake, and the body that stands for the one that a body belongs to. */
+void daft_sim_islands_find(daft_world *world);
+uint32_t daft_sim_island_of(daft_world *world, uint32_t body);
 /* Puts a body's heap to sleep, if all of it may. */
 void daft_sim_sleep_island(daft_world *world, uint32_t body);
 
@@ -443,6 +445,10 @@ uint32_t daft_sim_joint_insert(daft_world *world, const daft_sim_joint *joint); 
 /* Those that the last step's forces break. */
 void daft_sim_joints_break(daft_world *world);
 bool daft_sim_joined(const daft_world *world, uint32_t body_a, uint32_t body_b); /* by one that does not collide */
+
+/* ---- finer.c ---- */
+
+float daft_sim_finer_begin(void); /* of a body that was made */
 
 /* ---- sweep.c ---- */
 

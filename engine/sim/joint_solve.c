@@ -540,9 +540,18 @@ void daft_sim_joint_close(daft_world *world, daft_sim_joint_row *row, const daft
 
 /* ---- before and after ---- */
 
+/* What it keeps from a substep of another length. */
+static void scale_impulses(daft_sim_joint *j, float longer)
+{
+    j->linear_impulse = daft_scale(j->linear_impulse, longer);
+    j->angular_impulse = daft_scale(j->angular_impulse, longer);
+    j->motor_impulse *= longer, j->lower_impulse *= longer, j->upper_impulse *= longer, j->spring_impulse *= longer;
+}
+
 void daft_sim_joint_begin(daft_world *world, daft_sim_joint_row *row)
 {
-    const daft_sim_joint *j = &world->joints[row->joint];
+    daft_sim_joint *j = &world->joints[row->joint];
+    float before = 0;
     daft_dvec3 at[2];
     for (int i = 0; i < 2; i++) {
         row->inv_mass[i] = 0;
@@ -555,8 +564,10 @@ void daft_sim_joint_begin(daft_world *world, daft_sim_joint_row *row)
         row->frame0[i] = daft_quat_mul(body->rotation, j->frame[i]);
         at[i] = daft_dadd(body->centre, daft_to_double(row->arm0[i]));
         if (row->row[i] <= world->solver->mover_count) continue;
+        before = body->h;
         row->inv_mass[i] = body->inv_mass;
     }
+    if (before > 0 && before != world->solver->h) scale_impulses(j, world->solver->h / before);
     row->offset0 = daft_to_float(daft_dsub(at[1], at[0]));
     row->linear_sum = row->angular_sum = daft_v3(0, 0, 0);
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define MAGIC   0x4d495344u /* "DSIM" */
-#define VERSION 2u
+#define VERSION 3u
 
 typedef struct header {
     uint32_t magic, version, layout; /* layout: sizes of the records */
@@ -191,10 +191,10 @@ static bool check_body(daft_world *w, uint32_t index)
     const float numbers[] = {b->linear.x,      b->linear.y,       b->linear.z,        b->angular.x, b->angular.y,
                              b->angular.z,     b->force.x,        b->force.y,         b->force.z,   b->torque.x,
                              b->torque.y,      b->torque.z,       b->gravity_scale,   b->rest,      b->wanted_mass,
-                             b->linear_damping, b->angular_damping};
+                             b->linear_damping, b->angular_damping, b->finer, b->h};
     if (b->kind > DAFT_BODY_DYNAMIC || !all_finite(numbers, DAFT_COUNT_OF(numbers)) || !unit(b->rotation) ||
         !near(b->position) || !near(b->centre) || b->linear_damping < 0 || b->angular_damping < 0 ||
-        b->wanted_mass < 0 || (b->asleep && (b->kind != DAFT_BODY_DYNAMIC || b->ring >= w->body_count)))
+        b->wanted_mass < 0 || b->finer < 0 || b->h < 0 || (b->asleep && (b->kind != DAFT_BODY_DYNAMIC || b->ring >= w->body_count)))
         return false;
     if (b->has_target && (!near(b->target_position) || !unit(b->target_rotation))) return false;
     uint32_t parts = 0;
@@ -245,8 +245,8 @@ static bool check_patches(daft_sim_touch *t)
         const float numbers[] = {p->normal.x,           p->normal.y,           p->normal.z,          p->twist_impulse,
                                  p->friction_impulse.x, p->friction_impulse.y, p->friction_impulse.z, p->twist_slip,
                                  p->rolling_impulse.x,  p->rolling_impulse.y,  p->rolling_impulse.z, p->slip.x,
-                                 p->slip.y,             p->slip.z,             p->total_impulse,     p->speed,            p->seat};
-        if (!all_finite(numbers, DAFT_COUNT_OF(numbers)) || p->seat < 0 || p->seated > 1) return false;
+                                 p->slip.y,             p->slip.z,             p->total_impulse,     p->speed,            p->load};
+        if (!all_finite(numbers, DAFT_COUNT_OF(numbers)) || p->load < 0) return false;
         for (uint32_t k = 0; k < p->count; k++) {
             const daft_sim_patch_point *q = &p->points[k];
             if (!daft_finite3(q->anchor) || !isfinite(q->separation) || !isfinite(q->impulse)) return false;

@@ -70,7 +70,7 @@ void daft_sim_wake_met(daft_world *world)
 
 /* ---- islands ---- */
 
-static uint32_t root_of(daft_world *world, uint32_t index)
+uint32_t daft_sim_island_of(daft_world *world, uint32_t index)
 {
     daft_sim_body *bodies = world->bodies;
     while (bodies[index].island != index) {
@@ -84,14 +84,14 @@ static uint32_t root_of(daft_world *world, uint32_t index)
 static void join(daft_world *world, uint32_t a, uint32_t b)
 {
     if (world->bodies[a].kind != DAFT_BODY_DYNAMIC || world->bodies[b].kind != DAFT_BODY_DYNAMIC) return;
-    a = root_of(world, a), b = root_of(world, b);
+    a = daft_sim_island_of(world, a), b = daft_sim_island_of(world, b);
     if (a < b)
         world->bodies[b].island = a;
     else
         world->bodies[a].island = b;
 }
 
-static void find_islands(daft_world *world)
+void daft_sim_islands_find(daft_world *world)
 {
     for (size_t i = 0; i < world->awake.count; i++)
         world->bodies[world->awake.items[i]].island = world->awake.items[i];
@@ -154,13 +154,13 @@ static void mark_islands(daft_world *world, float least)
     for (size_t i = 0; i < world->awake.count; i++) {
         uint32_t index = world->awake.items[i];
         const daft_sim_body *body = &world->bodies[index];
-        if (body->rest < least || !body->may_sleep) world->bodies[root_of(world, index)].state = 0;
+        if (body->rest < least || !body->may_sleep) world->bodies[daft_sim_island_of(world, index)].state = 0;
     }
 }
 
 static void put_to_sleep(daft_world *world, uint32_t index)
 {
-    daft_sim_body *body = &world->bodies[index], *root = &world->bodies[root_of(world, index)];
+    daft_sim_body *body = &world->bodies[index], *root = &world->bodies[daft_sim_island_of(world, index)];
     body->asleep = true;
     world->asleep_count++;
     world->sleep_changed = true;
@@ -178,7 +178,7 @@ static void sleep_marked(daft_world *world)
 {
     for (size_t i = world->awake.count; i-- > 0;) {
         uint32_t index = world->awake.items[i];
-        if (world->bodies[root_of(world, index)].state) put_to_sleep(world, index);
+        if (world->bodies[daft_sim_island_of(world, index)].state) put_to_sleep(world, index);
     }
 }
 
@@ -187,7 +187,7 @@ void daft_sim_sleep_update(daft_world *world, float dt)
     bool tired = update_rest(world, dt);
     if (!tired || !world->sleeping) return;
     keep_carried_awake(world);
-    find_islands(world);
+    daft_sim_islands_find(world);
     mark_islands(world, REST_TIME);
     sleep_marked(world);
 }
@@ -195,9 +195,9 @@ void daft_sim_sleep_update(daft_world *world, float dt)
 void daft_sim_sleep_island(daft_world *world, uint32_t index)
 {
     if (!world->sleeping || !daft_sim_met_update(world)) return; /* touches may be gone since the step */
-    find_islands(world);
+    daft_sim_islands_find(world);
     mark_islands(world, -1);
-    uint32_t root = root_of(world, index), ready = world->bodies[root].state;
+    uint32_t root = daft_sim_island_of(world, index), ready = world->bodies[root].state;
     for (size_t i = 0; i < world->awake.count; i++) world->bodies[world->awake.items[i]].state = 0;
     world->bodies[root].state = ready;
     sleep_marked(world);

@@ -33,7 +33,7 @@ static void stage_fill(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
-    for (uint32_t i = first; i < first + count; i++) daft_sim_block_fill(c->world, i, c->dt);
+    for (uint32_t i = first; i < first + count; i++) daft_sim_block_fill(c->world, i);
     c->s->kernels->prepare(&c->s->rows, c->s->blocks + first, count);
 }
 static void stage_store(void *p, int argument, uint32_t first, uint32_t count)
@@ -149,8 +149,8 @@ static void add_joints(daft_sim_solver *s, stage_run *run, int argument)
 
 static void add_substep(daft_sim_solver *s, int substep)
 {
-    uint32_t rows = s->row_count - 1, dynamic = 1 + s->mover_count;
-    add(s, stage_gain, 0, dynamic, s->row_count - dynamic, ROW_GRAIN);
+    uint32_t dynamic = s->row_first, rows = s->row_end - dynamic;
+    add(s, stage_gain, 0, dynamic, rows, ROW_GRAIN);
     add(s, stage_spin, SPIN_BEFORE, 0, s->spin_count, SPIN_GRAIN);
     add_joints(s, stage_joint_warm, 0);
     add_contacts(s, stage_warm, 0);
@@ -158,28 +158,20 @@ static void add_substep(daft_sim_solver *s, int substep)
     add_joints(s, stage_joint_solve, true); /* long chains need it, and it costs little beside contacts */
     add_contacts(s, stage_solve, true);
     add(s, stage_spin, SPIN_BETWEEN, 0, s->spin_count, SPIN_GRAIN);
-    add(s, stage_move, 0, 1, rows, ROW_GRAIN);
+    add(s, stage_move, 0, 1, s->mover_count, ROW_GRAIN);
+    add(s, stage_move, 0, dynamic, rows, ROW_GRAIN);
     add(s, stage_spin, SPIN_AFTER, 0, s->spin_count, SPIN_GRAIN);
     for (int pass = 0; pass < CLOSE_PASSES; pass++) add_joints(s, stage_joint_close, 0);
-    add(s, stage_turn, substep, dynamic, s->row_count - dynamic, ROW_GRAIN);
+    add(s, stage_turn, substep, dynamic, rows, ROW_GRAIN);
     add(s, stage_refresh, substep, 0, s->block_count, BLOCK_GRAIN);
     add_joints(s, stage_joint_solve, false);
     add_contacts(s, stage_solve, false);
 }
 
-static size_t most_stages(const daft_world *world)
+static size_t most_stages(const daft_sim_solver *s)
 {
-    const daft_sim_solver *s = world->solver;
-    size_t substep = 10 + 3 * (size_t)s->colour_count + (4 + CLOSE_PASSES) * (size_t)s->joint_colour_count;
-    return 8 + (size_t)world->substeps * substep + s->colour_count;
-}
-
-bool daft_sim_solve_reserve(daft_world *world)
-{
-    daft_sim_solver *s = world->solver;
-    return daft_sim_stages_reserve(s->stages, most_stages(world)) &&
-           daft_grow(&world->allocator, &s->targets, &s->target_capacity, s->row_count, 0, sizeof *s->targets) &&
-           daft_grow(&world->allocator, &s->spins, &s->spin_capacity, s->row_count, 0, sizeof *s->spins);
+    size_t substep = 11 + 3 * (size_t)s->colour_count + (4 + CLOSE_PASSES) * (size_t)s->joint_colour_count;
+    return 8 + (size_t)s->substeps * substep + s->colour_count;
 }
 
 /* ---- rows ---- */
@@ -205,9 +197,10 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     size_t at = (size_t)row * DAFT_SIM_ROW;
     float *velocity = rows->velocity + at, *gain = rows->gain + at, *mass = rows->mass + at, *turn = rows->turn + at;
     daft_vec3 zero = daft_v3(0, 0, 0), linear = body->linear, angular = body->angular, push = zero, twist = zero;
-    float h = dt / (float)world->substeps;
+    float h = world->solver->h;
     bool dynamic = body->kind == DAFT_BODY_DYNAMIC, constrained = world->solver->constrained[row];
     put(rows->moved + at, zero, zero);
+    rows->moved[at + 6] = h;
     turn[0] = turn[1] = turn[2] = 0, turn[3] = 1;
     turn[4] = 0, turn[5] = constrained && !body->round;
     mass[0] = body->inv_mass;
@@ -251,55 +244,54 @@ static void fill_rows(daft_world *world, float dt)
         for (int k = 0; k < DAFT_SIM_ROW; k++) zero[i][k] = 0;
     rows->turn[3] = 1;
     world->solver->spin_count = 0;
-    for (uint32_t row = 1; row < world->solver->row_count; row++) {
+    daft_sim_solver *s = world->solver;
+    for (uint32_t row = 1; row <= s->mover_count; row++) fill_row(world, row, dt);
+    for (uint32_t row = s->row_first; row < s->row_end; row++) {
         fill_row(world, row, dt);
-        add_spin(world, row, dt / (float)world->substeps);
+        add_spin(world, row, s->h);
     }
 }
 
-/* ---- what is made at rest ---- */
-
-enum {
-    SEAT_PASSES = 4000, /* a column of 50 needs them: it takes the square of its height */
-    SEAT_WORK = 40000   /* most blocks solved, so that a large heap takes a moment only */
-};
-
-/* Where most contacts are new and their bodies have not moved yet, the impulses that keep them at rest. */
-static void seat(daft_world *world, const context *c)
-{
-    daft_sim_solver *s = world->solver;
-    if (s->unseated_count == 0 || 2 * s->unseated_count < s->contact_count) return;
-    uint32_t dynamic = 1 + s->mover_count, passes = SEAT_WORK / s->block_count;
-    if (passes > SEAT_PASSES) passes = SEAT_PASSES;
-    fill_rows(world, c->dt);
-    for (uint32_t i = 0; i < s->block_count; i++) daft_sim_block_fill(world, i, c->dt);
-    s->kernels->prepare(&s->rows, s->blocks, s->block_count);
-    s->kernels->gain(&s->rows, dynamic, s->row_count - dynamic, c->substep.h);
-    for (uint32_t pass = 0; pass < passes; pass++)
-        for (uint32_t i = 0; i < s->colour_count; i++)
-            s->kernels->solve(&s->rows, s->blocks + s->colours[i].first, s->colours[i].count, &c->substep, false);
-    for (uint32_t i = 0; i < s->block_count; i++) daft_sim_block_seat(world, i);
-}
-
-/* Rows of what bodies rotate by: they turn the velocity's other half too. */
-void daft_sim_solve(daft_world *world, float dt)
+/* The heaps of one pace. */
+static void solve_pace(daft_world *world, float dt)
 {
     daft_sim_solver *s = world->solver;
     context c = {.world = world, .s = s, .dt = dt};
-    c.substep.h = dt / (float)world->substeps;
-    c.substep.inv_h = (float)world->substeps / dt;
-    c.substep.push_speed = PUSH_SPEED;
-    seat(world, &c);
+    c.substep = (daft_sim_substep){s->h, (float)s->substeps / dt, PUSH_SPEED};
     fill_rows(world, dt);
     daft_sim_stages_clear(s->stages);
     add(s, stage_fill, 0, 0, s->block_count, BLOCK_GRAIN);
     add(s, stage_joint_begin, 0, 0, s->joint_count, JOINT_GRAIN);
-    for (int i = 1; i <= world->substeps; i++) add_substep(s, i);
+    for (int i = 1; i <= s->substeps; i++) add_substep(s, i);
     add_contacts(s, stage_bounce, 0);
     add(s, stage_store, 0, 0, s->block_count, BLOCK_GRAIN);
     add(s, stage_joint_end, 0, 0, s->joint_count, JOINT_GRAIN);
     bool large = s->block_count >= PARALLEL_BLOCKS || s->joint_count >= PARALLEL_JOINTS;
     daft_sim_stages_run(s->stages, large ? world->workers : 1, &c);
+    daft_sim_finer_ask(world);
+}
+
+static void count(daft_world *world)
+{
+    const daft_sim_solver *s = world->solver;
+    daft_sim_counters *c = &world->counters;
+    c->rows += 6 * s->joint_count;
+    c->colours += s->colour_count + s->joint_colour_count;
+    if (s->block_count + s->joint_count > 0 && (uint32_t)s->substeps > c->substeps)
+        c->substeps = (uint32_t)s->substeps;
+}
+
+bool daft_sim_solve(daft_world *world, float dt)
+{
+    daft_sim_solver *s = world->solver;
+    world->counters.rows = s->contact_rows;
+    for (uint32_t pace = 0; pace < DAFT_SIM_PACES; pace++) {
+        if (pace > 0 && s->pace_end[pace] == s->pace_end[pace - 1]) continue;
+        if (!daft_sim_colour_pace(world, pace, dt) || !daft_sim_stages_reserve(s->stages, most_stages(s))) return false;
+        solve_pace(world, dt);
+        count(world);
+    }
+    return true;
 }
 
 /* ---- scratch ---- */
@@ -329,7 +321,8 @@ void daft_sim_solver_destroy(daft_world *world)
     void *arrays[] = {s->rows.velocity, s->rows.moved, s->rows.gain,    s->rows.turn,     s->rows.mass,
                       s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_rows,
                       s->joint_colours, s->masks,      s->levels,       s->constraints,   s->colour_counts,
-                      s->spins,        s->targets,      s->constrained,   s->islands,       s->gathered};
+                      s->spins,         s->targets,     s->constrained,   s->islands,       s->gathered,
+                      s->asked,         s->heaps};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
     daft_release(&world->allocator, s);
     world->solver = NULL;

@@ -10,6 +10,7 @@
 
 enum {
     DAFT_SIM_LANES = 16,
+    DAFT_SIM_PACES = 6, /* a heap takes 1, 2, 4 … times the world's substeps: the powers of two up to 32 */
     DAFT_SIM_ROW = 8 /* floats: what lanes load and transpose at once */
 };
 
@@ -35,6 +36,7 @@ typedef struct daft_sim_block {
     uint32_t writes_a, writes_b;                  /* bits: lanes whose body yields */
     int32_t lanes, points;                        /* in use; most points of any lane */
     bool rolls, bounces;
+    bool strained; /* after the step: some contact carries many times what it presses on weighs */
     daft_sim_lanes normal[3], tangent[3]; /* the other tangent: normal × tangent */
     daft_sim_lanes apart[3];              /* from b's centre to a's: b's anchors are a's plus this; prepare's only */
     daft_sim_lanes inv_mass_a, inv_mass_b;
@@ -66,7 +68,7 @@ typedef struct daft_sim_substep {
 typedef struct daft_sim_rows {
     float *velocity; /* linear, angular */
     float *moved;    /* since the step began: along, and turned as the sum of angular velocities; floats that do not
-                        fade far from the origin */
+                        fade far from the origin; 6: length of a substep */
     float *gain;     /* of velocity, per second, from gravity and forces; 6: 1 for bodies in free flight; 7: share
                         of the linear velocity that damping leaves in a substep */
     float *turn;     /* rotation since the step began, a quaternion; 4: 1 if the inertia was changed in this substep; 5: 1
@@ -113,6 +115,22 @@ struct daft_sim_solver {
     uint32_t row_count, mover_count;
     bool *constrained; /* rows that some constraint acts on */
     size_t constrained_capacity;
+    struct daft_sim_heap {
+        uint64_t asked; /* summed over the bodies */
+        uint32_t bodies, contacts, pace;
+        uint32_t before; /* substeps in the last step, the most of its bodies */
+        bool deep;   /* some overlap by so much that it is no load which presses them together */
+        bool joined; /* some have joints */
+    } *heaps; /* under the place, among those awake, of the body that stands for it */
+    size_t heap_capacity;
+    float *asked; /* of each row: substeps a second, by what it carried in this step */
+    size_t asked_capacity;
+
+    /* The heaps that are being solved: those of one pace, in rows that follow each other. */
+    uint32_t pace_end[DAFT_SIM_PACES]; /* of rows */
+    uint32_t row_first, row_end;
+    int substeps;
+    float h; /* s */
 
     daft_sim_block *blocks;
     size_t block_capacity;
@@ -142,11 +160,10 @@ struct daft_sim_solver {
     } *constraints;
     size_t constraint_capacity, constraint_count;
     struct daft_sim_gathered { /* of a touch that met: */
-        uint32_t row_a, row_b, patches, points, unseated;
+        uint32_t row_a, row_b, patches, points;
     } *gathered;
     size_t gathered_capacity;
-    uint32_t contact_count, unseated_count; /* of contacts: new ones between bodies at rest */
-    uint32_t contact_rows;
+    uint32_t contact_rows; /* constraints of all contacts */
     uint32_t *islands; /* of rows: parents in the union-find */
     size_t island_capacity;
     uint32_t *colour_counts;
@@ -163,21 +180,33 @@ struct daft_sim_solver {
     const daft_sim_kernels *kernels;
 };
 
+typedef struct daft_sim_heap daft_sim_heap;
 typedef struct daft_sim_slot daft_sim_slot;
 typedef struct daft_sim_constraint daft_sim_constraint;
 typedef struct daft_sim_gathered daft_sim_gathered;
 
 /* ---- colour.c ---- */
 
-/* Rows for active bodies, colours for contacts and joints. False when memory is out. */
-bool daft_sim_colour_all(daft_world *world);
-/* Heaps of bodies that touch or are joined. */
+/* Rows for active bodies, by the pace of their heaps. False when memory is out. */
+bool daft_sim_rows_assign(daft_world *world, float dt);
+/* Colours for contacts and joints of the heaps of one pace, which are the ones to be solved now. */
+bool daft_sim_colour_pace(daft_world *world, uint32_t pace, float dt);
+/* Heaps of bodies that touch or are joined, when all were coloured. */
 uint32_t daft_sim_island_count(const daft_world *world);
 /* Fills block `index` from patches, and puts the impulses back. */
-void daft_sim_block_fill(daft_world *world, uint32_t index, float dt);
+void daft_sim_block_fill(daft_world *world, uint32_t index);
 void daft_sim_block_store(daft_world *world, uint32_t index);
-/* What the impulses found for block `index` ask of its new contacts: where their springs begin. */
-void daft_sim_block_seat(daft_world *world, uint32_t index);
+
+/* ---- finer.c ---- */
+
+/* Notes what a patch carried in the step; true if that is much beside the lighter body's weight. */
+bool daft_sim_finer_load(const daft_world *world, daft_sim_patch *patch, float inv_mass, float dt);
+/* What strained contacts of the heaps just solved ask for goes to the rows of their bodies. */
+void daft_sim_finer_ask(daft_world *world);
+float daft_sim_finer_next(float now, float asked);
+/* Finds the paces of heaps, for which there is room. False: all have the world's own. */
+bool daft_sim_finer_paces(daft_world *world, float dt);
+uint32_t daft_sim_finer_pace(daft_world *world, uint32_t body);
 
 /* ---- joint_solve.c ---- */
 
@@ -214,9 +243,8 @@ bool daft_sim_spin_refresh(const daft_world *world, uint32_t row, float h);
 
 /* ---- solver.c ---- */
 
-bool daft_sim_solve_reserve(daft_world *world);
-/* Moves rows over dt and leaves the impulses in patches and joints. */
-void daft_sim_solve(daft_world *world, float dt);
+/* Moves rows over dt and leaves the impulses in patches and joints. False when memory is out. */
+bool daft_sim_solve(daft_world *world, float dt);
 bool daft_sim_solver_create(daft_world *world);
 void daft_sim_solver_destroy(daft_world *world);
 

@@ -82,6 +82,8 @@ static void take_row(daft_world *world, uint32_t row)
     daft_sim_target *target = &world->solver->targets[row];
     *target = (daft_sim_target){.centre = body->centre, .rotation = body->rotation};
     if (!daft_finite3(linear) || !daft_finite3(angular)) linear = angular = daft_v3(0, 0, 0);
+    body->h = rows->moved[at + 6];
+    body->finer = daft_sim_finer_next(body->finer, world->solver->asked[row]);
     body->linear = daft_sim_clamp(linear, DAFT_SIM_MAX_SPEED);
     body->angular = daft_sim_clamp(angular, DAFT_SIM_MAX_SPIN);
     body->force = body->torque = daft_v3(0, 0, 0);
@@ -161,14 +163,10 @@ static void end_dynamics(daft_world *world)
 
 /* ---- the step ---- */
 
-static void count(daft_world *world, uint32_t sweeps)
+static void count(daft_world *world)
 {
-    const daft_sim_solver *s = world->solver;
     daft_sim_counters *c = &world->counters;
-    *c = (daft_sim_counters){.sweeps = sweeps, .pairs = (uint32_t)world->listed.count};
-    c->rows = s->contact_rows + 6 * s->joint_count;
-    c->colours = s->colour_count + s->joint_colour_count;
-    c->substeps = c->rows ? (uint32_t)world->substeps : 0;
+    c->pairs = (uint32_t)world->listed.count;
     c->islands = daft_sim_island_count(world);
 }
 
@@ -182,8 +180,8 @@ static bool find_work(daft_world *world, float dt)
     daft_sim_wake_met(world);
     bool woken = world->fresh_listed.count > 0;
     if (!daft_sim_listing_update(world) || (woken && !daft_sim_met_update(world))) return false;
-    return daft_sim_solver_create(world) && daft_sim_colour_all(world) &&
-           daft_sim_solve_reserve(world) && daft_sim_report_reserve(world) && !world->lost_event;
+    return daft_sim_solver_create(world) && daft_sim_rows_assign(world, dt) && daft_sim_report_reserve(world) &&
+           !world->lost_event;
 }
 
 /* What was added or teleported may wake what sleeps. */
@@ -201,16 +199,14 @@ bool daft_world_step(daft_world *world, float dt, daft_error *error)
     if (dt < 1e-9f) return true;
     world->counters = (daft_sim_counters){0};
     if (has_work(world)) {
-        if (!find_work(world, dt)) {
+        if (!find_work(world, dt) || !daft_sim_solve(world, dt)) {
             world->lost_event = false;
             return daft_fail_memory(error, "a step of the simulation");
         }
-        daft_sim_solve(world, dt);
-        world->counters.sweeps = 0;
         end_dynamics(world);
         end_movers(world, dt);
         world->changes++;
-        count(world, world->counters.sweeps);
+        count(world);
         daft_sim_report(world);
         daft_sim_joints_break(world);
         daft_sim_sleep_update(world, dt);
