@@ -374,28 +374,52 @@ static void solve_distance(const solve_context *c, bool warm)
 
 /* ---- the passes ---- */
 
-static solve_context make_context(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep,
+static daft_quat turn_of(const daft_sim_rows *rows, const daft_sim_joint_row *row, int side)
+{
+    const float *t = rows->turn + (size_t)row->row[side] * DAFT_SIM_ROW;
+    return (daft_quat){t[0], t[1], t[2], t[3]};
+}
+
+/* Where the anchors are now. */
+static void place_anchors(const daft_sim_rows *rows, daft_sim_joint_row *row)
+{
+    row->offset = row->offset0;
+    for (int i = 0; i < 2; i++) {
+        row->arm[i] = daft_quat_rotate(turn_of(rows, row, i), row->arm0[i]);
+        const float *way = rows->moved + (size_t)row->row[i] * DAFT_SIM_ROW;
+        daft_vec3 moved = daft_add(row3(way, 0), daft_sub(row->arm[i], row->arm0[i]));
+        row->offset = i == 0 ? daft_sub(row->offset, moved) : daft_add(row->offset, moved);
+    }
+}
+
+/* Anchors and frames where they are now, for all passes until bodies move again. */
+static void place_joint(const daft_sim_rows *rows, daft_sim_joint_row *row)
+{
+    place_anchors(rows, row);
+    for (int i = 0; i < 2; i++) row->frame[i] = daft_quat_mul(turn_of(rows, row, i), row->frame0[i]);
+    row->axis = daft_quat_rotate(row->frame[0], UNIT[0]);
+}
+
+static solve_context make_context(daft_world *world, const daft_sim_joint_row *row, const daft_sim_substep *substep,
                                   bool biased)
 {
     const daft_sim_rows *rows = &world->solver->rows;
-    solve_context c = {.joint = &world->joints[row->joint], .row = row, .h = substep->h, .inv_h = substep->inv_h,
+    solve_context c = {.joint = &world->joints[row->joint],
+                       .row = row,
+                       .h = substep->h,
+                       .inv_h = substep->inv_h,
+                       .arm = {row->arm[0], row->arm[1]},
+                       .frame = {row->frame[0], row->frame[1]},
+                       .offset = row->offset,
+                       .axis = row->axis,
                        .biased = biased};
     size_t a = (size_t)row->row[0] * DAFT_SIM_ROW, b = (size_t)row->row[1] * DAFT_SIM_ROW;
     const size_t at[2] = {a, b};
     c.va = rows->velocity + a, c.vb = rows->velocity + b;
-    c.offset = row->offset0;
     for (int i = 0; i < 2; i++) {
-        const float *t = rows->turn + at[i];
         const float *m = rows->mass + at[i] + 1;
-        if (row->inv_mass[i] > 0)
-            c.inertia[i] = (symmetric){m[0], m[1], m[2], m[3], m[4], m[5]};
-        daft_quat turn = {t[0], t[1], t[2], t[3]};
-        c.arm[i] = daft_quat_rotate(turn, row->arm0[i]);
-        c.frame[i] = daft_quat_mul(turn, row->frame0[i]);
-        daft_vec3 moved = daft_add(row3(rows->moved + at[i], 0), daft_sub(c.arm[i], row->arm0[i]));
-        c.offset = i == 0 ? daft_sub(c.offset, moved) : daft_add(c.offset, moved);
+        if (row->inv_mass[i] > 0) c.inertia[i] = (symmetric){m[0], m[1], m[2], m[3], m[4], m[5]};
     }
-    c.axis = daft_quat_rotate(c.frame[0], UNIT[0]);
     c.stiff = make_soft(JOINT_HERTZ_SHARE * substep->inv_h, JOINT_DAMPING, substep->h);
     if (!(row->inv_mass[0] > 0 && row->inv_mass[1] > 0)) c.stiff.mass = 1, c.stiff.impulse = 0;
     return c;
@@ -474,6 +498,7 @@ static void add_sums(const solve_context *c, daft_sim_joint_row *row)
 
 void daft_sim_joint_solve(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep, bool biased)
 {
+    if (!biased) place_joint(&world->solver->rows, row);
     solve_context c = make_context(world, row, substep, biased);
     daft_sim_joint *j = c.joint;
     softness soft = j->spring ? make_soft(j->hertz, j->damping, c.h) : c.stiff;
@@ -528,9 +553,10 @@ void daft_sim_joint_close(daft_world *world, daft_sim_joint_row *row, const daft
 {
     const daft_sim_joint *j = &world->joints[row->joint];
     if (j->spring || (j->kind != DAFT_JOINT_BALL && j->kind != DAFT_JOINT_HINGE && j->kind != DAFT_JOINT_FIXED)) return;
-    solve_context c = make_context(world, row, substep, true);
-    float open = daft_length(c.offset), most = MOST_OPEN + daft_length(row->offset0);
+    place_anchors(&world->solver->rows, row);
+    float open = daft_length(row->offset), most = MOST_OPEN + daft_length(row->offset0);
     if (!(open > most)) return;
+    solve_context c = make_context(world, row, substep, true);
     double k[9];
     matrix_of(point_response(&c, UNIT[0]), point_response(&c, UNIT[1]), point_response(&c, UNIT[2]), k);
     daft_vec3 impulse = solve3(k, daft_scale(c.offset, (open - most) / open));
@@ -570,6 +596,7 @@ void daft_sim_joint_begin(daft_world *world, daft_sim_joint_row *row)
     if (before > 0 && before != world->solver->h) scale_impulses(j, world->solver->h / before);
     row->offset0 = daft_to_float(daft_dsub(at[1], at[0]));
     row->linear_sum = row->angular_sum = daft_v3(0, 0, 0);
+    place_joint(&world->solver->rows, row);
 }
 
 void daft_sim_joint_end(daft_world *world, daft_sim_joint_row *row, float dt)

@@ -216,6 +216,9 @@ struct daft_sim_joint_row {
     daft_vec3 arm0[2];         /* anchors from centres as the step began, world axes */
     daft_quat frame0[2];       /* frames as the step began, in the world */
     daft_vec3 offset0;         /* from anchor a to anchor b as the step began */
+    daft_vec3 arm[2], offset;  /* the same now, */
+    daft_quat frame[2];
+    daft_vec3 axis;            /* and the first axis of frame a */
     daft_vec3 spin[2];         /* angular velocities as the substep began */
     daft_vec3 linear_sum, angular_sum; /* impulses on b over the step */
 };
