@@ -83,15 +83,22 @@ static void twist(const solve_context *c, daft_vec3 impulse)
 
 /* ---- small systems, in double: masses differ by many orders ---- */
 
-/* K·x = b for a symmetric, positive matrix; 0 where it is singular. */
-static daft_vec3 solve3(const double k[9], daft_vec3 b)
+/* A symmetric, positive matrix, given by its columns, as what solving with it needs. */
+static daft_sim_cofactors cofactors_of(daft_vec3 a, daft_vec3 b, daft_vec3 c)
 {
-    daft_dvec3 x = daft_dv3(k[0], k[3], k[6]), y = daft_dv3(k[1], k[4], k[7]), z = daft_dv3(k[2], k[5], k[8]);
-    daft_dvec3 yz = daft_dcross(y, z), f = daft_to_double(b);
-    double det = daft_ddot(x, yz);
-    if (!(det > 0)) return daft_v3(0, 0, 0);
-    return daft_v3((float)(daft_ddot(f, yz) / det), (float)(daft_ddot(f, daft_dcross(z, x)) / det),
-                   (float)(daft_ddot(f, daft_dcross(x, y)) / det));
+    daft_dvec3 x = daft_to_double(a), y = daft_to_double(b), z = daft_to_double(c);
+    daft_sim_cofactors k = {daft_dcross(y, z), daft_dcross(z, x), daft_dcross(x, y), 0};
+    k.det = daft_ddot(x, k.yz);
+    return k;
+}
+
+/* K·x = b; 0 where K is singular. */
+static daft_vec3 solve3(const daft_sim_cofactors *k, daft_vec3 b)
+{
+    daft_dvec3 f = daft_to_double(b);
+    if (!(k->det > 0)) return daft_v3(0, 0, 0);
+    return daft_v3((float)(daft_ddot(f, k->yz) / k->det), (float)(daft_ddot(f, k->zx) / k->det),
+                   (float)(daft_ddot(f, k->xy) / k->det));
 }
 
 static void solve2(double k11, double k12, double k22, const float b[2], float out[2])
@@ -114,14 +121,12 @@ static daft_vec3 spin_response(const solve_context *c, daft_vec3 along)
     return daft_add(times(&c->inertia[0], along), times(&c->inertia[1], along));
 }
 
-static void matrix_of(daft_vec3 x, daft_vec3 y, daft_vec3 z, double k[9])
-{
-    k[0] = (double)x.x, k[3] = (double)x.y, k[6] = (double)x.z;
-    k[1] = (double)y.x, k[4] = (double)y.y, k[7] = (double)y.z;
-    k[2] = (double)z.x, k[5] = (double)z.y, k[8] = (double)z.z;
-}
-
 static const daft_vec3 UNIT[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
+static daft_sim_cofactors point_cofactors(const solve_context *c)
+{
+    return cofactors_of(point_response(c, UNIT[0]), point_response(c, UNIT[1]), point_response(c, UNIT[2]));
+}
 
 static void perpendicular(daft_vec3 n, daft_vec3 out[2])
 {
@@ -133,7 +138,7 @@ static void perpendicular(daft_vec3 n, daft_vec3 out[2])
 /* ---- constraints ---- */
 
 /* The change of a vector impulse: -K⁻¹(speed + bias), softened. */
-static daft_vec3 soft_change(const double k[9], daft_vec3 speed, daft_vec3 error, daft_vec3 impulse,
+static daft_vec3 soft_change(const daft_sim_cofactors *k, daft_vec3 speed, daft_vec3 error, daft_vec3 impulse,
                              const solve_context *c, softness s)
 {
     if (!c->biased) s = (softness){0, 1, 0};
@@ -162,10 +167,8 @@ static daft_vec3 aimed_velocity(const solve_context *c)
 /* The anchors stay together. */
 static void solve_points(const solve_context *c, softness s, float most)
 {
-    double k[9];
-    matrix_of(point_response(c, UNIT[0]), point_response(c, UNIT[1]), point_response(c, UNIT[2]), k);
     daft_vec3 old = c->joint->linear_impulse;
-    daft_vec3 wanted = daft_add(old, soft_change(k, aimed_velocity(c), c->offset, old, c, s));
+    daft_vec3 wanted = daft_add(old, soft_change(&c->row->response, aimed_velocity(c), c->offset, old, c, s));
     float length = daft_length(wanted);
     if (length > most) wanted = daft_scale(wanted, most / length);
     c->joint->linear_impulse = wanted;
@@ -206,9 +209,8 @@ static daft_vec3 turn_error(const solve_context *c)
 /* Friction in a ball joint: it brakes the turning of b against a by up to the motor's torque. */
 static void solve_brake(const solve_context *c)
 {
-    double k[9];
-    matrix_of(spin_response(c, UNIT[0]), spin_response(c, UNIT[1]), spin_response(c, UNIT[2]), k);
-    daft_vec3 old = c->joint->angular_impulse, wanted = daft_sub(old, solve3(k, relative_spin(c)));
+    daft_sim_cofactors k = cofactors_of(spin_response(c, UNIT[0]), spin_response(c, UNIT[1]), spin_response(c, UNIT[2]));
+    daft_vec3 old = c->joint->angular_impulse, wanted = daft_sub(old, solve3(&k, relative_spin(c)));
     float most = c->joint->motor_force * c->h, length = daft_length(wanted);
     if (length > most) wanted = daft_scale(wanted, most / length);
     c->joint->angular_impulse = wanted;
@@ -217,10 +219,9 @@ static void solve_brake(const solve_context *c)
 
 static void solve_turn(const solve_context *c, softness s)
 {
-    double k[9];
-    matrix_of(spin_response(c, UNIT[0]), spin_response(c, UNIT[1]), spin_response(c, UNIT[2]), k);
+    daft_sim_cofactors k = cofactors_of(spin_response(c, UNIT[0]), spin_response(c, UNIT[1]), spin_response(c, UNIT[2]));
     daft_vec3 old = c->joint->angular_impulse;
-    daft_vec3 change = soft_change(k, relative_spin(c), turn_error(c), old, c, s);
+    daft_vec3 change = soft_change(&k, relative_spin(c), turn_error(c), old, c, s);
     c->joint->angular_impulse = daft_add(old, change);
     twist(c, change);
 }
@@ -392,14 +393,6 @@ static void place_anchors(const daft_sim_rows *rows, daft_sim_joint_row *row)
     }
 }
 
-/* Anchors and frames where they are now, for all passes until bodies move again. */
-static void place_joint(const daft_sim_rows *rows, daft_sim_joint_row *row)
-{
-    place_anchors(rows, row);
-    for (int i = 0; i < 2; i++) row->frame[i] = daft_quat_mul(turn_of(rows, row, i), row->frame0[i]);
-    row->axis = daft_quat_rotate(row->frame[0], UNIT[0]);
-}
-
 static solve_context make_context(daft_world *world, const daft_sim_joint_row *row, const daft_sim_substep *substep,
                                   bool biased)
 {
@@ -423,6 +416,21 @@ static solve_context make_context(daft_world *world, const daft_sim_joint_row *r
     c.stiff = make_soft(JOINT_HERTZ_SHARE * substep->inv_h, JOINT_DAMPING, substep->h);
     if (!(row->inv_mass[0] > 0 && row->inv_mass[1] > 0)) c.stiff.mass = 1, c.stiff.impulse = 0;
     return c;
+}
+
+/* Anchors and frames where they are now, and what follows from them, for all passes until bodies move again. */
+static void place_joint(daft_world *world, daft_sim_joint_row *row)
+{
+    const daft_sim_rows *rows = &world->solver->rows;
+    daft_joint_kind kind = world->joints[row->joint].kind;
+    place_anchors(rows, row);
+    for (int i = 0; i < 2; i++) row->frame[i] = daft_quat_mul(turn_of(rows, row, i), row->frame0[i]);
+    row->axis = daft_quat_rotate(row->frame[0], UNIT[0]);
+    if (kind == DAFT_JOINT_HINGE) row->angle = hinge_angle(row->frame);
+    if (kind == DAFT_JOINT_SLIDER || kind == DAFT_JOINT_DISTANCE) return;
+    const daft_sim_substep unused = {.h = 1, .inv_h = 1};
+    solve_context c = make_context(world, row, &unused, false);
+    row->response = point_cofactors(&c);
 }
 
 static void solve_slider(const solve_context *c, bool warm)
@@ -498,7 +506,7 @@ static void add_sums(const solve_context *c, daft_sim_joint_row *row)
 
 void daft_sim_joint_solve(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep, bool biased)
 {
-    if (!biased) place_joint(&world->solver->rows, row);
+    if (!biased) place_joint(world, row);
     solve_context c = make_context(world, row, substep, biased);
     daft_sim_joint *j = c.joint;
     softness soft = j->spring ? make_soft(j->hertz, j->damping, c.h) : c.stiff;
@@ -511,7 +519,7 @@ void daft_sim_joint_solve(daft_world *world, daft_sim_joint_row *row, const daft
         break;
     case DAFT_JOINT_HINGE: {
         scalar s = make_scalar(&c, c.axis, true);
-        solve_free(&c, &s, hinge_angle(c.frame));
+        solve_free(&c, &s, row->angle);
         solve_axes(&c, c.stiff);
         solve_points(&c, c.stiff, NO_LIMIT);
         break;
@@ -557,9 +565,8 @@ void daft_sim_joint_close(daft_world *world, daft_sim_joint_row *row, const daft
     float open = daft_length(row->offset), most = MOST_OPEN + daft_length(row->offset0);
     if (!(open > most)) return;
     solve_context c = make_context(world, row, substep, true);
-    double k[9];
-    matrix_of(point_response(&c, UNIT[0]), point_response(&c, UNIT[1]), point_response(&c, UNIT[2]), k);
-    daft_vec3 impulse = solve3(k, daft_scale(c.offset, (open - most) / open));
+    daft_sim_cofactors k = point_cofactors(&c);
+    daft_vec3 impulse = solve3(&k, daft_scale(c.offset, (open - most) / open));
     shift(&c, &world->solver->rows, 0, impulse);
     shift(&c, &world->solver->rows, 1, daft_neg(impulse));
 }
@@ -596,7 +603,7 @@ void daft_sim_joint_begin(daft_world *world, daft_sim_joint_row *row)
     if (before > 0 && before != world->solver->h) scale_impulses(j, world->solver->h / before);
     row->offset0 = daft_to_float(daft_dsub(at[1], at[0]));
     row->linear_sum = row->angular_sum = daft_v3(0, 0, 0);
-    place_joint(&world->solver->rows, row);
+    place_joint(world, row);
 }
 
 void daft_sim_joint_end(daft_world *world, daft_sim_joint_row *row, float dt)

@@ -210,6 +210,12 @@ uint32_t daft_sim_finer_pace(daft_world *world, uint32_t body);
 
 /* ---- joint_solve.c ---- */
 
+/* Of a symmetric matrix: the cross products of its columns. */
+typedef struct daft_sim_cofactors {
+    daft_dvec3 yz, zx, xy;
+    double det;
+} daft_sim_cofactors;
+
 struct daft_sim_joint_row {
     uint32_t joint, row[2];
     float inv_mass[2];
@@ -219,6 +225,8 @@ struct daft_sim_joint_row {
     daft_vec3 arm[2], offset;  /* the same now, */
     daft_quat frame[2];
     daft_vec3 axis;            /* and the first axis of frame a */
+    float angle;               /* of a hinge */
+    daft_sim_cofactors response; /* of the relative velocity at the anchors to impulses there */
     daft_vec3 spin[2];         /* angular velocities as the substep began */
     daft_vec3 linear_sum, angular_sum; /* impulses on b over the step */
 };
