@@ -124,9 +124,11 @@ static vbits lanes_place(const mesh_caster *c, const corners *t, lanes *out)
     return vm_bits(in);
 }
 
-static void lanes_name(const leaf *const *leaves, lanes *out)
+DAFT_INLINE void lanes_name(const leaf *const *leaves, lanes *out)
 {
-    for (uint32_t i = 0; i < DAFT_VL; i++) out->triangle[i] = leaves[i / DAFT_BLOCK]->block->triangle[i % DAFT_BLOCK];
+    const float *from[DAFT_VL / 4];
+    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = (const float *)leaves[i]->block->triangle;
+    vf_store((float *)out->triangle, vf_load_fours(from));
 }
 
 static void lanes_setup(const mesh_caster *c, const corners *t, lanes *out)
@@ -275,6 +277,12 @@ static void test_block(const mesh_caster *m, const lanes *t, const leaf *const *
     if (changed) block_darkened(p, b);
 }
 
+/* The lanes with this triangle. */
+DAFT_INLINE vbits lanes_of(const lanes *t, uint32_t triangle)
+{
+    return vm_bits(vi_eq(vi_load(t->triangle), vi_set((int32_t)triangle)));
+}
+
 static void test_leaves(const mesh_caster *m, const leaf *const *leaves, vbits used)
 {
     lanes t;
@@ -282,6 +290,7 @@ static void test_leaves(const mesh_caster *m, const leaf *const *leaves, vbits u
     corners moved = corners_move(m, leaves);
     vbits live = lanes_place(m, &moved, &t) & used;
     block_set behind = {{0}};
+    lanes_name(leaves, &t);
     for (uint32_t k = 0; k < DAFT_VL / 4; k++)
         for (uint32_t word = 0; word < DAFT_COUNT_OF(behind.bits); word++)
             behind.bits[word] |= leaves[k]->behind.bits[word];
@@ -289,6 +298,7 @@ static void test_leaves(const mesh_caster *m, const leaf *const *leaves, vbits u
         for (uint64_t left = behind.bits[word]; left; left &= left - 1) {
             uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left);
             vbits triangles = live & triangles_before(&t, m->c.points, b);
+            if (triangles && m->c.points->on[b] == m->c.number) triangles &= ~lanes_of(&t, m->c.points->sole[b]);
             if (!triangles) continue;
             if (!ready) lanes_setup(m, &moved, &t);
             ready = true;

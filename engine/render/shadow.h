@@ -29,7 +29,7 @@ typedef struct light {
     float near, far;                    /* depths of the points */
     float max_x, max_y, max_z;          /* magnitudes of the rays' components */
     float size;                         /* largest |x|, |y| and |d|, added up */
-    float reach;                        /* largest |x| + |y| + |z| of a point, in frame space */
+    float reach;                        /* no less than |x| + |y| + |z| of any point, in frame space */
 } light;
 
 /* A box in a lamp's picture, from a depth on. */
@@ -42,6 +42,8 @@ typedef struct picture_box {
 typedef struct shadow_points {
     uint32_t count, live; /* blocks, and those with a lit point; the boxes of the others are empty */
     uint32_t used[SHADOW_BLOCKS], under[SHADOW_BLOCKS]; /* bits: of points; of those that lie behind some thing's box */
+    uint32_t on[SHADOW_BLOCKS], sole[SHADOW_BLOCKS]; /* the instance and the own triangle of all of a block's points; or
+                                                      * DAFT_NOTHING, DAFT_NO_TRIANGLE */
     _Alignas(64) float low_u[SHADOW_BLOCKS], high_u[SHADOW_BLOCKS], low_v[SHADOW_BLOCKS], high_v[SHADOW_BLOCKS];
     _Alignas(64) float far[SHADOW_BLOCKS];
     _Alignas(64) float u[SHADOW_LANES], v[SHADOW_LANES];

@@ -63,22 +63,42 @@ static void light_axes(light *l, daft_vec3 z)
                            {-daft_dot(x, o), -daft_dot(y, o), -daft_dot(z, o)}};
 }
 
+/* DAFT_VL asked points from i on; in place of the others, `stand_in`, which is one of the asked. */
+DAFT_INLINE vf3 asked_points(const daft_batch *b, vbits in, uint32_t i, daft_vec3 stand_in)
+{
+    vm used = vm_from_bits(in);
+    vf3 p = load3(&b->lifted, i);
+    return (vf3){vf_select(used, p.x, vf_set(stand_in.x)), vf_select(used, p.y, vf_set(stand_in.y)),
+                 vf_select(used, p.z, vf_set(stand_in.z))};
+}
+
+/* The first point whose bit is set; at the origin, if there is none. */
+static daft_vec3 first_point(const daft_batch *b, const uint32_t *bits)
+{
+    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) {
+        uint32_t i = word * 32 + (uint32_t)__builtin_ctz(bits[word] | (uint32_t)1 << 31);
+        if (bits[word]) return daft_v3(b->lifted.x[i], b->lifted.y[i], b->lifted.z[i]);
+    }
+    return daft_v3(0, 0, 0);
+}
+
 static void find_extent(cast *c)
 {
     const daft_batch *b = c->batch;
-    const vf inf = vf_set(INFINITY);
-    vf3 low = {inf, inf, inf}, high = {-inf, -inf, -inf};
+    const daft_vec3 first = first_point(b, c->asked);
+    vf3 low = {vf_set(first.x), vf_set(first.y), vf_set(first.z)}, high = low;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = bits_at(c->asked, i);
         if (!in) continue;
-        vm used = vm_from_bits(in);
-        vf3 p = load3(&b->lifted, i);
-        low.x = vf_min(vf_select(used, p.x, inf), low.x), high.x = vf_max(vf_select(used, p.x, -inf), high.x);
-        low.y = vf_min(vf_select(used, p.y, inf), low.y), high.y = vf_max(vf_select(used, p.y, -inf), high.y);
-        low.z = vf_min(vf_select(used, p.z, inf), low.z), high.z = vf_max(vf_select(used, p.z, -inf), high.z);
+        vf3 p = asked_points(b, in, i, first);
+        low.x = vf_min(p.x, low.x), high.x = vf_max(p.x, high.x);
+        low.y = vf_min(p.y, low.y), high.y = vf_max(p.y, high.y);
+        low.z = vf_min(p.z, low.z), high.z = vf_max(p.z, high.z);
     }
-    c->low = daft_v3(vf_reduce_min(low.x), vf_reduce_min(low.y), vf_reduce_min(low.z));
-    c->high = daft_v3(vf_reduce_max(high.x), vf_reduce_max(high.y), vf_reduce_max(high.z));
+    c->low = daft_v3(vf_least(low.x), vf_least(low.y), vf_least(low.z));
+    c->high = daft_v3(vf_most(high.x), vf_most(high.y), vf_most(high.z));
+    daft_vec3 most = daft_max3(daft_neg(c->low), c->high);
+    c->light.reach = fabsf(most.x) + fabsf(most.y) + fabsf(most.z);
 }
 
 static float widen(float low, float high)
@@ -89,26 +109,21 @@ static float widen(float low, float high)
 /* The extent of the points. False: some lie beside or behind the lamp, and no picture plane holds them all. */
 static bool measure(light *l, const daft_batch *b, const uint32_t *bits)
 {
-    const vf inf = vf_set(INFINITY), zero = vf_set(0);
-    vf lu = inf, lv = inf, ld = inf, hu = -inf, hv = -inf, hd = -inf, ax = zero, ay = zero, az = zero, reach = zero;
+    const vf inf = vf_set(INFINITY);
+    const daft_vec3 first = first_point(b, bits);
+    vf lu = inf, lv = inf, ld = inf, hu = -inf, hv = -inf, hd = -inf, ax = vf_set(0), ay = ax;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = bits_at(bits, i);
         if (!in) continue;
-        vm used = vm_from_bits(in);
-        vf3 world = load3(&b->lifted, i), p = to_light_space(l, world);
+        vf3 p = to_light_space(l, asked_points(b, in, i, first));
         const picture_place seen = picture_of(l, p);
-        const vf z = seen.z, u = seen.u, v = seen.v;
-        lu = vf_min(vf_select(used, u, inf), lu), hu = vf_max(vf_select(used, u, -inf), hu);
-        lv = vf_min(vf_select(used, v, inf), lv), hv = vf_max(vf_select(used, v, -inf), hv);
-        ld = vf_min(vf_select(used, p.z, inf), ld), hd = vf_max(vf_select(used, p.z, -inf), hd);
-        ax = vf_max(vf_select(used, vf_abs(p.x), zero), ax), ay = vf_max(vf_select(used, vf_abs(p.y), zero), ay);
-        az = vf_max(vf_select(used, vf_abs(z), zero), az);
-        reach = vf_max(vf_select(used, vf_abs(world.x) + vf_abs(world.y) + vf_abs(world.z), zero), reach);
+        lu = vf_min(seen.u, lu), hu = vf_max(seen.u, hu), lv = vf_min(seen.v, lv), hv = vf_max(seen.v, hv);
+        ld = vf_min(p.z, ld), hd = vf_max(p.z, hd);
+        ax = vf_max(vf_abs(p.x), ax), ay = vf_max(vf_abs(p.y), ay);
     }
-    l->low_u = vf_reduce_min(lu), l->high_u = vf_reduce_max(hu), l->low_v = vf_reduce_min(lv),
-    l->high_v = vf_reduce_max(hv);
-    l->near = vf_reduce_min(ld), l->far = vf_reduce_max(hd), l->reach = vf_reduce_max(reach);
-    l->max_x = vf_reduce_max(ax), l->max_y = vf_reduce_max(ay), l->max_z = vf_reduce_max(az);
+    l->low_u = vf_least(lu), l->high_u = vf_most(hu), l->low_v = vf_least(lv), l->high_v = vf_most(hv);
+    l->near = vf_least(ld), l->far = vf_most(hd), l->max_x = vf_most(ax), l->max_y = vf_most(ay);
+    l->max_z = l->sun ? 1 : fmaxf(fabsf(l->near + l->away), fabsf(l->far + l->away));
     l->slack_u = widen(l->low_u, l->high_u), l->slack_v = widen(l->low_v, l->high_v);
     l->size = l->max_x + l->max_y + fmaxf(fabsf(l->near), fabsf(l->far));
     if (l->sun) return true;

@@ -79,13 +79,10 @@ static void place_sorted(const daft_batch *b, const uint32_t *kept, places *out)
         }
 }
 
-/* DAFT_VL values from their places. */
-DAFT_INLINE vi pick(const void *base, const uint32_t *at, bool rows)
+/* DAFT_VL values from their places, of which the first is `from`; `rows`: they are in rows of four below each other. */
+DAFT_INLINE vi pick(const void *base, const uint32_t *at, const float *from, bool rows)
 {
-    const float *from[DAFT_VL / 4];
-    if (!rows) return vi_gather(base, vi_load(at));
-    for (int k = 0; k < DAFT_VL / 4; k++) from[k] = (const float *)base + at[4 * k];
-    return (vi)vf_load_fours(from);
+    return rows ? (vi)vf_load_rows(from, DAFT_TILE) : vi_gather(base, vi_load(at));
 }
 
 DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, bool rows, shadow_points *to)
@@ -93,13 +90,15 @@ DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, boo
     const light *l = c->light;
     const vf inf = vf_set(INFINITY);
     vf lu = inf, lv = inf, hu = -inf, hv = -inf, far = -inf;
+    uint32_t first = from->at[b * SHADOW_BLOCK + (uint32_t)__builtin_ctz(from->used[b])], one = 0;
+    const vi on = vi_set((int32_t)c->batch->instance[first]), own = vi_set((int32_t)c->own[first]);
     to->used[b] = from->used[b], to->under[b] = 0;
     for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
         uint32_t at = b * SHADOW_BLOCK + k;
         const uint32_t *place = &from->at[at];
         vm used = vm_from_bits(from->used[b] >> k & DAFT_ALL_LANES);
         const daft_lanes3 *lifted = &c->batch->lifted;
-        vf3 p = {(vf)pick(lifted->x, place, rows), (vf)pick(lifted->y, place, rows), (vf)pick(lifted->z, place, rows)};
+        vf3 p = {(vf)pick(lifted->x, place, (const float *)lifted->x + place[0], rows), (vf)pick(lifted->y, place, (const float *)lifted->y + place[0], rows), (vf)pick(lifted->z, place, (const float *)lifted->z + place[0], rows)};
         p = to_light_space(l, p);
         picture_place seen = picture_of(l, p);
         vf depth = vf_select(used, p.z, -inf);
@@ -107,12 +106,15 @@ DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, boo
         vf_store(&to->x[at], p.x), vf_store(&to->y[at], p.y), vf_store(&to->z[at], seen.z);
         vf_store(&to->depth[at], depth);
         vi_store(&to->source[at], vi_load(place));
-        vi_store(&to->instance[at], pick(c->batch->instance, place, rows));
-        vi_store(&to->own[at], pick(c->own, place, rows));
+        vi instance = pick(c->batch->instance, place, (const float *)c->batch->instance + place[0], rows), triangle = pick(c->own, place, (const float *)c->own + place[0], rows);
+        vi_store(&to->instance[at], instance), vi_store(&to->own[at], triangle);
+        one |= vm_bits(vm_and(vi_eq(instance, on), vi_eq(triangle, own))) << k;
         lu = vf_min(vf_select(used, seen.u, inf), lu), hu = vf_max(vf_select(used, seen.u, -inf), hu);
         lv = vf_min(vf_select(used, seen.v, inf), lv), hv = vf_max(vf_select(used, seen.v, -inf), hv);
         far = vf_max(depth, far);
     }
+    bool alike = (from->used[b] & ~one) == 0;
+    to->on[b] = alike ? c->batch->instance[first] : DAFT_NOTHING, to->sole[b] = alike ? c->own[first] : DAFT_NO_TRIANGLE;
     to->low_u[b] = vf_least(lu), to->high_u[b] = vf_most(hu);
     to->low_v[b] = vf_least(lv), to->high_v[b] = vf_most(hv);
     to->far[b] = vf_most(far);
