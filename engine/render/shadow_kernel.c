@@ -26,7 +26,8 @@ typedef struct cast {
     light light;
     picture_map view; /* frame space to light space */
     daft_vec3 low, high; /* of the points, in frame space */
-    bool ways_known, own_known;
+    bool ways_known;
+    uint32_t sole; /* the instance that all the points lie on, on the side that faces the lamp; or DAFT_NOTHING */
     uint32_t candidates, most; /* things whose bound meets the rays' */
     uint32_t caster_count; /* those with points under them; beyond DAFT_MAX_CASTERS: more than are remembered */
     struct {
@@ -154,16 +155,22 @@ static void know_ways(cast *c)
     c->ways_known = true;
 }
 
+/* Which triangles cannot shadow the points that lie on them, and whether all points lie on one thing's. */
 static void know_own(cast *c)
 {
     const daft_batch *b = c->batch;
-    if (c->own_known) return;
+    uint32_t first = 0;
+    vbits apart = 0;
+    while (first + 1 < b->count && !(c->asked[first / 32] >> (first % 32) & 1)) first++;
+    const vi none = vi_set((int32_t)DAFT_NO_TRIANGLE), one = vi_set((int32_t)b->instance[first]);
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vf3 d = way_to_lamp(c->lamp, load3(&b->lifted, i));
         vm faces = vf_lt(vf_set(0), vf3_dot(load3(&b->outward, i), d));
-        vi_store(&c->own[i], vi_select(faces, vi_load(&b->triangle[i]), vi_set((int32_t)DAFT_NO_TRIANGLE)));
+        vi own = vi_select(faces, vi_load(&b->triangle[i]), none);
+        vi_store(&c->own[i], own);
+        apart |= bits_at(c->asked, i) & ~(vm_bits(vi_eq(vi_load(&b->instance[i]), one)) & ~vm_bits(vi_eq(own, none)));
     }
-    c->own_known = true;
+    c->sole = apart ? DAFT_NOTHING : b->instance[first];
 }
 
 typedef struct bound {
@@ -180,7 +187,28 @@ static bound grown_bound(const cast *c, const daft_instance *s)
     return (bound){daft_sub(s->low, by), daft_add(s->high, by)};
 }
 
-/* Whether the box around all the rays stays clear of the bound. */
+/* Whether rays from between the points' corners have left the bound on one axis before they come to it on another. Along
+ * an axis they go between `slow` and `fast` of their length, towards the lamp. */
+static bool rays_apart(const cast *c, const bound *s)
+{
+    const daft_lamp *lamp = c->lamp;
+    const float *to = lamp->sun ? &lamp->to_light.x : &lamp->position.x;
+    float enter = 0, leave = lamp->sun ? INFINITY : 1;
+    for (int k = 0; k < 3; k++) {
+        float low = (&c->low.x)[k], high = (&c->high.x)[k], before = (&s->low.x)[k] - high, past = (&s->high.x)[k] - low;
+        float slow = lamp->sun ? to[k] : to[k] - high, fast = lamp->sun ? to[k] : to[k] - low;
+        if (fast < 0) { /* the same seen from the other side */
+            float other = -slow;
+            slow = -fast, fast = other;
+            before = low - (&s->high.x)[k], past = high - (&s->low.x)[k];
+        }
+        if (!(slow > 0)) continue;
+        enter = fmaxf(enter, before / fast), leave = fminf(leave, past / slow);
+    }
+    return enter * (1 - 1e-5f) > leave * (1 + 1e-5f);
+}
+
+/* Whether all the rays stay clear of the bound, as far as the box around them tells. */
 static bool rays_clear(const cast *c, const bound *s)
 {
     const daft_lamp *lamp = c->lamp;
@@ -190,7 +218,16 @@ static bool rays_clear(const cast *c, const bound *s)
         float end = lamp->sun ? (to[k] > 0 ? INFINITY : high[k]) : fmaxf(high[k], to[k]);
         if ((&s->high.x)[k] < from || (&s->low.x)[k] > end) return true;
     }
-    return false;
+    return rays_apart(c, s);
+}
+
+/* Whether the rays may meet the thing in its bound: neither a convex thing nor a flat one shadows its own points. */
+static bool may_shadow(const cast *c, uint32_t number, bound *box)
+{
+    const daft_instance *s = &c->tlas->instances[number];
+    if (number == c->sole && (s->flags & DAFT_INSTANCE_CONVEX || is_flat(s))) return false;
+    *box = grown_bound(c, s);
+    return !rays_clear(c, box);
 }
 
 static bool holds_points(const cast *c, const bound *s)
@@ -230,7 +267,6 @@ static bool mark_under(cast *c, const bound *box, const daft_instance *s, uint32
     const daft_batch *b = c->batch;
     bool any = false, convex = s->flags & DAFT_INSTANCE_CONVEX, flat = is_flat(s), all = holds_points(c, box);
     if (!all) know_ways(c);
-    if (flat) know_own(c);
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = bits_at(c->asked, i);
         if (!in) continue;
@@ -249,8 +285,8 @@ static bool mark_under(cast *c, const bound *box, const daft_instance *s, uint32
 static void look_under(cast *c, uint32_t number, const node_boxes *boxes, int i)
 {
     const daft_instance *s = &c->tlas->instances[number];
-    const bound box = grown_bound(c, s);
-    if (rays_clear(c, &box)) return;
+    bound box;
+    if (!may_shadow(c, number, &box)) return;
     c->candidates++;
     if (c->candidates > c->most || !mark_under(c, &box, s, number)) return;
     if (c->caster_count < DAFT_MAX_CASTERS) {
@@ -364,9 +400,9 @@ static bool mark_behind(cast *c, const caster *one, const picture_box *box, bloc
     shadow_points *p = one->points;
     bool slow = covers(box, &c->light);
     if (slow) {
-        const bound around = grown_bound(c, one->instance);
+        bound around;
         memset(c->under, 0, sizeof c->under);
-        if (rays_clear(c, &around) || !mark_under(c, &around, one->instance, one->number)) return false;
+        if (!may_shadow(c, one->number, &around) || !mark_under(c, &around, one->instance, one->number)) return false;
     }
     for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
         for (uint64_t left = behind->bits[word]; left; left &= left - 1) {
@@ -438,7 +474,6 @@ static uint32_t cast_pencil(cast *c, uint32_t *bits)
     c->view = picture_map_make(&c->light.map);
     bool few = find_casters(c, FEW_CASTERS);
     if (few && c->caster_count == 0) return 0;
-    know_own(c);
     DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, &points);
     if (few) {
         cast_remembered(c, &points);
@@ -491,35 +526,84 @@ static uint32_t cast_faces(cast *c, uint32_t *bits)
     return count;
 }
 
-/* Looks at the points from the lamp. False: no picture holds them all. */
-static bool cast_setup(cast *c, const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, const uint32_t *bits)
+/* Bits of the children that the box around all the rays meets. */
+static uint32_t children_met(const cast *c, const daft_node *node)
 {
-    c->batch = points, c->lamp = lamp, c->tlas = tlas, c->asked = bits, c->ways_known = c->own_known = false;
+    const daft_lamp *lamp = c->lamp;
+    const float *to = lamp->sun ? &lamp->to_light.x : &lamp->position.x, *low = &c->low.x, *high = &c->high.x;
+    v8 size = v8_set(c->light.reach);
+    uint32_t met = 0xff;
+    for (int k = 0; k < 3; k++) size = size + v8_max(-v8_load(node->bounds[k]), v8_load(node->bounds[3 + k]));
+    size = size * v8_set(0x1p-19f);
+    for (int k = 0; k < 3; k++) {
+        float from = lamp->sun ? (to[k] < 0 ? -INFINITY : low[k]) : fminf(low[k], to[k]);
+        float end = lamp->sun ? (to[k] > 0 ? INFINITY : high[k]) : fmaxf(high[k], to[k]);
+        met &= v8_le_bits(v8_set(from), v8_load(node->bounds[3 + k]) + size) &
+               v8_le_bits(v8_load(node->bounds[k]) - size, v8_set(end));
+    }
+    return met;
+}
+
+/* Whether nothing can stand between the points and the lamp, as far as is known before the lamp's picture is. */
+static bool all_clear(const cast *c)
+{
+    bound box;
+    uint32_t stack[DAFT_STACK];
+    int top = 0;
+    if (c->only != DAFT_NOTHING) return !may_shadow(c, c->only, &box);
+    stack[top++] = 0;
+    while (top > 0) {
+        const daft_node *node = &c->tlas->nodes.items[stack[--top]];
+        for (uint32_t in = children_met(c, node); in; in &= in - 1) {
+            uint32_t child = node->child[__builtin_ctz(in)], number = child & ~DAFT_CHILD_LEAF;
+            if (child == DAFT_CHILD_NONE) continue;
+            if (!(child & DAFT_CHILD_LEAF))
+                stack[top++] = child;
+            else if (c->tlas->instances[number].flags & c->flag && may_shadow(c, number, &box))
+                return false;
+        }
+    }
+    return true;
+}
+
+/* False: nothing can hide the points. */
+static bool cast_begin(cast *c, const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, const uint32_t *bits)
+{
+    c->batch = points, c->lamp = lamp, c->tlas = tlas, c->asked = bits, c->ways_known = false;
+    if (tlas->nodes.count == 0) return false;
     find_extent(c);
+    know_own(c);
+    return !all_clear(c);
+}
+
+/* Looks at the points from the lamp. False: no picture holds them all. */
+static bool cast_setup(cast *c)
+{
+    const daft_lamp *lamp = c->lamp;
     daft_vec3 middle = daft_scale(daft_add(c->low, c->high), 0.5f), way = daft_sub(middle, lamp->position);
     c->light.sun = lamp->sun;
     c->light.origin = middle;
     c->light.away = lamp->sun ? 0 : daft_length(way);
     light_axes(&c->light, lamp->sun ? daft_neg(lamp->to_light) : daft_normalize(way));
-    return measure(&c->light, points, bits);
+    return measure(&c->light, c->batch, c->asked);
 }
 
 uint32_t DAFT_KERNEL(daft_shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, uint32_t instance,
                                    uint32_t bits[DAFT_BATCH_WORDS])
 {
     cast c;
-    if (tlas->nodes.count == 0) return 0;
     c.flag = DAFT_INSTANCE_CASTS_SHADOW, c.only = instance;
-    return cast_setup(&c, points, lamp, tlas, bits) ? cast_pencil(&c, bits) : cast_faces(&c, bits);
+    if (!cast_begin(&c, points, lamp, tlas, bits)) return 0;
+    return cast_setup(&c) ? cast_pencil(&c, bits) : cast_faces(&c, bits);
 }
 
 uint32_t DAFT_KERNEL(daft_tints)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas,
                                  const uint32_t bits[DAFT_BATCH_WORDS], uint32_t out[DAFT_MAX_CASTERS])
 {
     cast c;
-    if (tlas->nodes.count == 0) return 0;
     c.flag = DAFT_INSTANCE_TINTS_SHADOW, c.only = DAFT_NOTHING;
-    if (!cast_setup(&c, points, lamp, tlas, bits)) return UINT32_MAX;
+    if (!cast_begin(&c, points, lamp, tlas, bits)) return 0;
+    if (!cast_setup(&c)) return UINT32_MAX;
     c.view = picture_map_make(&c.light.map);
     find_casters(&c, UINT32_MAX);
     if (c.caster_count > DAFT_MAX_CASTERS) return UINT32_MAX;
