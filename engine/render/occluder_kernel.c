@@ -1,6 +1,8 @@
-/* The shadow pencil's occluders: an instance's tree is walked with its nodes' boxes in the lamp's picture, down to
- * those that lie before lit points; the triangles found are moved to light space and set up DAFT_VL at a time, and each
- * is tested against the blocks of points whose boxes its own meets. Blocks in which all is dark meet nothing any more.
+/* The shadow pencil's occluders: an instance's tree is walked with its nodes' boxes in the lamp's picture
+ * (picture_kernel.c), down to those that lie before lit points; the triangles found are moved to light space and set up
+ * DAFT_VL at a time. Each block of points whose box meets some of them is tested against these: lanes are points. Blocks in
+ * which all is dark meet nothing any more. Where few points are left behind a node, they leave their blocks and go on by
+ * themselves, each against all set-up triangles at once: lanes are triangles. Both ways compute the same.
  *
  * One edge test serves lamps and suns: n = (a - b) × (a + b), e = n·ray, with the bound of raster/tile_kernel.c.
  *
@@ -308,7 +310,7 @@ static void test_leaves(const mesh_caster *m, const leaf *const *leaves, vbits u
 
 /* ---- few points ---- */
 
-enum { FEW_POINTS = 64 };
+enum { FEW_POINTS = 24 }; /* where triangles are so much smaller than their distances that boxes of 16 say little */
 
 /* Points by themselves, not in blocks; sets of them are bits. */
 typedef struct few_points {

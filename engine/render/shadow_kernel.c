@@ -1,12 +1,15 @@
 /* Shadow pencils: the rays from a tile's points to one lamp share their far end, so seen from the lamp they are a
  * pencil, and the tile's points are its picture.
  *
- *   1. The points that face the lamp are measured in light space: their extent in its picture.
- *   2. The tree over instances is walked with that extent. Only points whose ray meets some instance's bound are kept.
- *   3. These are put into blocks of 16: patches of 4 by 4 pixels, which lie side by side on a surface and so in the
- * lamp's picture. The blocks' boxes there are the grid that occluders are looked up in: fine where the points are dense
- * and coarse where they are not, wherever the lamp stands.
- *   4. Each instance is walked down to the triangles before a block (occluder_kernel.c).
+ *   1. The box around all the rays is taken down the tree over instances. Mostly nothing is there.
+ *   2. The points that face the lamp are measured in light space: their extent in its picture.
+ *   3. The tree over instances is walked with that extent. Where it meets few, each is asked which points' rays meet its
+ * bound, and only these points are kept. Where it meets many, all points are, and are marked as the walk of step 5 comes to
+ * an instance whose bound they lie behind.
+ *   4. The points are put into blocks of 16 (shadow_points_kernel.c). The blocks' boxes in the picture are the grid that
+ * occluders are looked up in: fine where the points are dense and coarse where they are not, wherever the lamp stands.
+ *   5. Each instance is walked down to the triangles before a block (occluder_kernel.c), or met as a sphere
+ * (ball_kernel.c).
  *
  * Where no frustum holds the tile's points, because the lamp is among them, they are parted among the six faces of a
  * cube around it, and each face is a pencil. */
@@ -73,14 +76,18 @@ DAFT_INLINE vf3 asked_points(const daft_batch *b, vbits in, uint32_t i, daft_vec
                  vf_select(used, p.z, vf_set(stand_in.z))};
 }
 
-/* The first point whose bit is set; at the origin, if there is none. */
+/* The first point whose bit is set: there is one. */
+static uint32_t first_of(const uint32_t *bits)
+{
+    uint32_t word = 0;
+    while (bits[word] == 0) word++;
+    return word * 32 + (uint32_t)__builtin_ctz(bits[word]);
+}
+
 static daft_vec3 first_point(const daft_batch *b, const uint32_t *bits)
 {
-    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) {
-        uint32_t i = word * 32 + (uint32_t)__builtin_ctz(bits[word] | (uint32_t)1 << 31);
-        if (bits[word]) return daft_v3(b->lifted.x[i], b->lifted.y[i], b->lifted.z[i]);
-    }
-    return daft_v3(0, 0, 0);
+    uint32_t i = first_of(bits);
+    return daft_v3(b->lifted.x[i], b->lifted.y[i], b->lifted.z[i]);
 }
 
 static void find_extent(cast *c)
@@ -159,9 +166,8 @@ static void know_ways(cast *c)
 static void know_own(cast *c)
 {
     const daft_batch *b = c->batch;
-    uint32_t first = 0;
+    uint32_t first = first_of(c->asked);
     vbits apart = 0;
-    while (first + 1 < b->count && !(c->asked[first / 32] >> (first % 32) & 1)) first++;
     const vi none = vi_set((int32_t)DAFT_NO_TRIANGLE), one = vi_set((int32_t)b->instance[first]);
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vf3 d = way_to_lamp(c->lamp, load3(&b->lifted, i));
@@ -570,7 +576,9 @@ static bool all_clear(const cast *c)
 static bool cast_begin(cast *c, const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, const uint32_t *bits)
 {
     c->batch = points, c->lamp = lamp, c->tlas = tlas, c->asked = bits, c->ways_known = false;
-    if (tlas->nodes.count == 0) return false;
+    uint32_t any = 0;
+    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) any |= bits[word];
+    if (tlas->nodes.count == 0 || !any) return false;
     find_extent(c);
     know_own(c);
     return !all_clear(c);
