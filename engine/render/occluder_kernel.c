@@ -439,6 +439,23 @@ static void flush(const mesh_caster *c, const leaf *list, uint32_t count, few_po
     }
 }
 
+/* A leaf's blocks wait in a list: time enough to fetch them. */
+DAFT_INLINE uint32_t list_leaf(const daft_bvh *bvh, uint32_t child, const block_set *behind, leaf *list, uint32_t count)
+{
+    const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+    for (uint32_t k = 0; k <= (child & 3); k++) {
+        for (size_t line = 0; line < sizeof *block; line += 64) __builtin_prefetch((const char *)&block[k] + line);
+        list[count++] = (leaf){&block[k], *behind};
+    }
+    return count;
+}
+
+DAFT_INLINE void fetch_node(const daft_bvh *bvh, uint32_t child)
+{
+    const char *node = (const char *)&bvh->nodes.items[child];
+    for (size_t line = 0; line < sizeof(daft_node); line += 64) __builtin_prefetch(node + line);
+}
+
 typedef struct few_entry {
     uint32_t node;
     uint64_t behind;
@@ -465,11 +482,12 @@ static void few_walk(const mesh_caster *m, uint32_t root, few_points *f)
             uint64_t behind = few_behind(&box, f, from);
             if (!behind || child == DAFT_CHILD_NONE) continue;
             if (!(child & DAFT_CHILD_LEAF)) {
+                fetch_node(bvh, child);
                 stack[top++] = (few_entry){child, behind};
                 continue;
             }
-            const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
-            for (uint32_t k = 0; k <= (child & 3); k++) list[count++] = (leaf){&block[k], {{behind, 0}}};
+            const block_set set = {{behind, 0}};
+            count = list_leaf(bvh, child, &set, list, count);
         }
         if (count < FEW_LIST) continue;
         flush(m, list, count, f);
@@ -516,11 +534,11 @@ static void walk(const mesh_caster *m, const picture_box *box, const block_set *
             uint32_t child = node->child[i];
             if (child == DAFT_CHILD_NONE) continue;
             if (!(child & DAFT_CHILD_LEAF)) {
+                fetch_node(bvh, child);
                 stack[top++] = (entry){child, points[i], node_child(&boxes, i), next[i]};
                 continue;
             }
-            const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
-            for (uint32_t k = 0; k <= (child & 3); k++) list[count++] = (leaf){&block[k], next[i]};
+            count = list_leaf(bvh, child, &next[i], list, count);
             if (count < LIST) continue;
             flush(m, list, count, NULL);
             count = 0;

@@ -207,18 +207,19 @@ static void take_strays(const shadow_points *p, float usual, strays *out)
     }
 }
 
+/* By the upper six bits of each axis; the order within such a cell does not matter. */
 static void sort_strays(strays *s)
 {
     uint32_t other[DAFT_BATCH_ROOM], *from = s->key, *to = other;
-    for (uint32_t shift = PLACE_BITS; shift < PLACE_BITS + 16; shift += 8) {
-        uint32_t next[256] = {0}, sum = 0;
-        for (uint32_t i = 0; i < s->count; i++) next[from[i] >> shift & 255]++;
-        for (uint32_t k = 0; k < 256; k++) {
+    for (uint32_t shift = PLACE_BITS + 4; shift < PLACE_BITS + 16; shift += 6) {
+        uint32_t next[64] = {0}, sum = 0;
+        for (uint32_t i = 0; i < s->count; i++) next[from[i] >> shift & 63]++;
+        for (uint32_t k = 0; k < 64; k++) {
             uint32_t count = next[k];
             next[k] = sum;
             sum += count;
         }
-        for (uint32_t i = 0; i < s->count; i++) to[next[from[i] >> shift & 255]++] = from[i];
+        for (uint32_t i = 0; i < s->count; i++) to[next[from[i] >> shift & 63]++] = from[i];
         uint32_t *done = from;
         from = to, to = done;
     }
