@@ -52,7 +52,7 @@ typedef struct daft_instance {
     uint32_t flags;
 } daft_instance;
 
-/* Computes low and high. */
+/* Computes low and high, from its bvh where there is one: tight for things that lie across their own axes or the frame's. */
 void daft_instance_bound(daft_instance *instance);
 
 typedef struct daft_tlas_def {

@@ -39,7 +39,11 @@ struct daft_bvh {
     daft_block *blocks;
     size_t block_count;
     double cost; /* of the tree as it was built (refit.c); negative: not known yet */
+    float support[38]; /* how far the mesh reaches in each of 26 directions (bound.c has where) */
 };
+
+/* Fills support, anew when vertices have moved. */
+void daft_bvh_measure(daft_bvh *bvh, const daft_trimesh *mesh);
 
 struct daft_tlas {
     daft_node_list nodes; /* empty: no instance */

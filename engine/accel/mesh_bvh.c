@@ -120,6 +120,7 @@ daft_bvh *daft_bvh_build(const daft_allocator *allocator, const daft_trimesh *me
     if (bvh) {
         bvh->allocator = *allocator;
         bvh->cost = -1;
+        daft_bvh_measure(bvh, mesh);
         if (!job.done) daft_parallel_script(mesh->triangle_count < TOO_FEW ? 1 : def->threads, build_mesh, &job);
         if (job.done) return bvh;
     }

@@ -121,6 +121,7 @@ bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def
     daft_parallel_for(threads, (uint32_t)((bvh->block_count + BLOCKS_A_TASK - 1) / BLOCKS_A_TASK), move_blocks, &job);
     daft_parallel_for(threads, (uint32_t)((bvh->nodes.count + NODES_A_TASK - 1) / NODES_A_TASK), fit_leaves, &job);
     fit_nodes(bvh);
+    daft_bvh_measure(bvh, mesh);
     if (!(tree_cost(bvh) > WORSE * bvh->cost)) return false;
     daft_bvh *fresh = daft_bvh_build(&bvh->allocator, mesh, def, NULL);
     if (!fresh) return false;

@@ -1,38 +1,6 @@
 /* The top level: a tree over instances, built anew each frame into the frame's arena. */
 #include "accel/build.h"
 
-/* The bounds hold every vertex as daft_affine_point rounds it: the exact image of the object-space box, widened by the
- * error of that formula (3 products, 3 sums: below 4·2^-24 of the sum of magnitudes), and by what rays are off that are
- * moved into the object's space (traverse_kernel.c: 13·2^-24 of the magnitudes on all axes). */
-void daft_instance_bound(daft_instance *instance)
-{
-    float *low = &instance->low.x, *high = &instance->high.x;
-    const daft_affine *map = &instance->to_frame;
-    if (!instance->mesh) {
-        for (int k = 0; k < 3; k++) {
-            float slack = (fabsf(map->t[k]) + instance->radius) * 0x1p-22f;
-            low[k] = map->t[k] - instance->radius - slack;
-            high[k] = map->t[k] + instance->radius + slack;
-        }
-        return;
-    }
-    const float *a = &instance->mesh->low.x, *b = &instance->mesh->high.x;
-    double centre[3], half[3], size = 0;
-    for (int k = 0; k < 3; k++) {
-        centre[k] = (double)map->t[k], half[k] = 0, size += fabs(centre[k]);
-        for (int j = 0; j < 3; j++) {
-            double m = (double)map->m[3 * k + j], l = (double)a[j], h = (double)b[j];
-            centre[k] += m * (l + h) * 0.5;
-            half[k] += fabs(m) * (h - l) * 0.5;
-            size += fabs(m) * (fabs(l) > fabs(h) ? fabs(l) : fabs(h));
-        }
-    }
-    for (int k = 0; k < 3; k++) {
-        low[k] = (float)(centre[k] - half[k] - size * 0x1p-20);
-        high[k] = (float)(centre[k] + half[k] + size * 0x1p-20);
-    }
-}
-
 enum { TOO_FEW = 20000 }; /* fewer instances are not worth waking others for */
 
 /* The builder takes memory from an allocator; this one hands out the arena's and never takes it back. */
