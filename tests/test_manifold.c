@@ -150,6 +150,29 @@ static void pairs_touch_as_they_should(void **unused)
             }
 }
 
+/* What the cache says of how far two are apart is never too much: pairs are left alone because of it. */
+static void what_is_clear_is_so_far_apart(void **unused)
+{
+    (void)unused;
+    fixture_seed(609);
+    static const float depths[] = {-2, -0.5f, -0.2f, -0.06f, -0.02f, 0.05f};
+    int told = 0;
+    for (uint32_t a = 0; a < KINDS; a++)
+        for (uint32_t b = 0; b < KINDS; b++)
+            for (int round = 0; round < 90; round++) {
+                float ratio = round % 3 == 0 ? 1 : round % 3 == 1 ? 0.1f : 8;
+                sample s = random_sample(a, b, ratio, depths[round % 6], 5);
+                daft_pair_cache cache = {0};
+                daft_manifold m;
+                collide(&s, 0.02f * (float)s.size, &m, &cache);
+                told += cache.clearance > 0;
+                if ((double)cache.clearance > fmax(s.truth, 0) + 1e-4 * s.size)
+                    fail_msg("%s: %g apart, not %g", s.name, s.truth, (double)cache.clearance);
+                drop_hulls();
+            }
+    assert_true(told > 500);
+}
+
 /* ---- what a resting body needs ---- */
 
 /* A crate on one corner of a huge floor, at any place and turn: the contact is as good as on a small one. */
@@ -350,7 +373,8 @@ static void odd_poses_give_nothing(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pairs_touch_as_they_should), cmocka_unit_test(a_crate_on_a_huge_floor),
+        cmocka_unit_test(pairs_touch_as_they_should), cmocka_unit_test(what_is_clear_is_so_far_apart),
+        cmocka_unit_test(a_crate_on_a_huge_floor),
         cmocka_unit_test(a_stack_keeps_its_corners),  cmocka_unit_test(boxes_are_hulls),
         cmocka_unit_test(capsules_lie_on_two_points), cmocka_unit_test(nothing_is_undecided_in_the_middle),
         cmocka_unit_test(sizes_from_ants_to_planets), cmocka_unit_test(odd_poses_give_nothing),
