@@ -113,6 +113,7 @@ static float clamp(float x, float limit) { return x >= -limit ? (x <= limit ? x 
 daft_vec3 daft_sim_clamp(daft_vec3 v, float limit)
 {
     v = daft_v3(clamp(v.x, limit), clamp(v.y, limit), clamp(v.z, limit));
+    if (daft_dot(v, v) < 0.25f * limit * limit) return v; /* most are, and need no root */
     float length = daft_length(v);
     return length > limit ? daft_scale(v, limit / length) : v;
 }
