@@ -399,8 +399,8 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
 /* The springs of contacts (Catto), heavily overdamped: 37.7 Hz at 240 substeps a second. One pass changes an impulse
  * by a share of what is wrong, so what is not solved fully acts as a spring of its own, without damping: it stays
  * stable as long as a contact forgets (soft_impulse / h) faster than it pushes (soft_mass·rate), which is
- * h·2π·hertz < 1. Stiffer ones make a pyramid sway; where they are too soft, substeps are shorter (finer.c). Against what does not yield overlap is undone faster and
- * the impulse is rigid. */
+ * h·2π·hertz < 1. Stiffer ones make a pyramid sway; where they are too soft, substeps are shorter (finer.c). Against what
+ * does not yield overlap is undone faster and the impulse is rigid. */
 #define HERTZ_SHARE       0.157f /* of the substeps' rate */
 #define FIXED_HERTZ_SHARE 0.5f
 #define CONTACT_DAMPING   10.0f

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #define LOAD_SHARE 0.2f  /* of the last step in the load: a knock is no load */
+#define MOST_LOAD  1e30f /* N: it stays finite */
 #define STRAIN     6.5f  /* weights of the lighter body; what carries less asks for nothing */
 #define REST_SPEED 0.05f /* m/s, of one's fastest point against the other's */
 #define MARGIN     25.0f /* of omega²: columns sink by 2 mm at most, and do not only just stand */
@@ -32,7 +33,7 @@ static float gravity(const daft_world *world) { return daft_sim_max(daft_length(
 
 bool daft_sim_finer_load(const daft_world *world, daft_sim_patch *patch, float inv_mass, float dt)
 {
-    patch->load += LOAD_SHARE * (patch->total_impulse / dt - patch->load);
+    patch->load += LOAD_SHARE * (daft_sim_min(patch->total_impulse / dt, MOST_LOAD) - patch->load);
     return patch->load * inv_mass > STRAIN * gravity(world);
 }
 
@@ -53,7 +54,7 @@ static float asked_by(const daft_world *world, const daft_sim_body *a, const daf
     float side = both ? daft_sim_min(side_of(a), side_of(b)) : side_of(a);
     float push = load * light, weights = push / gravity(world);
     if (weights <= STRAIN || !(side > 0) || !(rest_speed(a, b) < REST_SPEED)) return 0;
-    return daft_sim_min(sqrtf(MARGIN * push / side) * weights, MOST_SUBSTEPS / DAFT_SIM_MAX_DT * 1e3f);
+    return daft_sim_min(sqrtf(MARGIN * push / side) * weights, DAFT_SIM_FINEST);
 }
 
 static void ask(daft_sim_solver *s, int32_t row, float rate)
@@ -121,7 +122,7 @@ static void survey(daft_world *world, float dt)
         daft_sim_heap *heap = heap_of(world, world->awake.items[i]);
         heap->bodies++;
         const daft_sim_body *body = &world->bodies[world->awake.items[i]];
-        uint32_t before = body->h > 0 ? (uint32_t)(dt / body->h + 0.5f) : 0;
+        uint32_t before = body->h > 0 ? (uint32_t)(daft_sim_min(dt / body->h, MOST_SUBSTEPS) + 0.5f) : 0;
         heap->asked += (uint64_t)body->finer;
         if (before > heap->before) heap->before = before;
     }

@@ -43,6 +43,7 @@ enum {
 #define DAFT_SIM_MIN_MASS         1e-15
 #define DAFT_SIM_MAX_MASS         1e24
 #define DAFT_SIM_MAX_DT           1.0f
+#define DAFT_SIM_FINEST           1e6f /* substeps a second that are asked for */
 
 /* Points up to this far apart, as a share of the smaller part's reach, get a contact even where nothing moves:
  * another contact may push one into the other. Never more than the second, in metres. */

@@ -26,7 +26,8 @@ typedef struct daft_world daft_world;
 daft_world *daft_world_create(const daft_allocator *allocator, daft_error *error);
 void daft_world_destroy(daft_world *world);
 void daft_world_set_gravity(daft_world *world, daft_vec3 gravity); /* m/s²; wakes everything if it changed */
-/* 1 to 16, default 4. More cost more and stretch, sink and drift less. */
+/* 1 to 16, default 4. More cost more and stretch, sink and drift less. A heap at rest that carries many times the weight
+ * of its bodies is taken in up to 32, if that is little work and it has no joints. */
 void daft_world_set_substeps(daft_world *world, int substeps);
 /* Workers (1 to 64, default 1) and instruction set (daft_isa_parse; default the best). Neither changes a bit. */
 void daft_world_set_workers(daft_world *world, int workers, int isa);
@@ -224,7 +225,7 @@ typedef struct daft_sim_counters {
     uint32_t pairs;              /* of shapes whose bounds meet and that are looked at */
     uint32_t contacts;           /* pairs with a manifold */
     uint32_t rows;               /* of the solver: constraints in one pass */
-    uint32_t colours, substeps;  /* of the solver; 0: it did not run */
+    uint32_t colours, substeps;  /* of the solver; the most of any heap; 0: it did not run */
     uint32_t sweeps;             /* times of impact that were searched for */
 } daft_sim_counters;
 /* Of the last step. */

@@ -391,7 +391,7 @@ DAFT_INLINE void solve_point(daft_sim_block_point *p, body *a, body *b, masses m
 
 /* The points of a manifold share both bodies: going over them to and fro while these are at hand makes a tilting box
  * find its balance, for little more than the time of going once. */
-enum { SWEEPS = 4 };
+enum { SWEEPS = 2 };
 
 typedef struct sums {
     vf impulse, levers;

@@ -295,8 +295,8 @@ void bench_sim(bench *self)
     sleepers(self);
     one_stack(self, 20, true, (bench_budget){2, 0, true});
     one_stack(self, 50, true, (bench_budget){20, 0, true});
-    one_stack(self, 20, false, (bench_budget){0});
-    one_stack(self, 50, false, (bench_budget){0});
+    one_stack(self, 20, false, (bench_budget){2, 0, true});
+    one_stack(self, 50, false, (bench_budget){20, 0, true});
     nothing_to_do(self, "an empty world", 0, 0);
     nothing_to_do(self, "10,000 static bodies", 10000, 0);
     nothing_to_do(self, "1,000 kinematic bodies over 1,000 static", 1000, 1000);
