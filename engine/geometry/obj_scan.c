@@ -219,6 +219,7 @@ const char *daft_obj_scan(daft_obj_source *s, const char *p, bool faces)
     for (const char *before = NULL; p != before && p < last;) {
         before = p;
         while (*p == '\n' || *p == '\r') p++;
+        if (p >= last) break;
         if (p[0] == 'v')
             p = p[1] == ' ' ? scan_positions(s, p, last) : scan_attribute(s, p);
         else if (p[0] == 'f' && faces && !s->faces)
