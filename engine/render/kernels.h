@@ -62,7 +62,7 @@ typedef struct daft_render_kernels {
     uint32_t (*shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, uint32_t instance,
                         uint32_t bits[DAFT_BATCH_WORDS]);
     /* The instances of DAFT_INSTANCE_TINTS_SHADOW whose bounds some point's ray meets; their number, or UINT32_MAX where
-     * there are more or the lamp is among the points. */
+     * there may be more or the lamp is among the points. */
     uint32_t (*tints)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas,
                       const uint32_t bits[DAFT_BATCH_WORDS], uint32_t out[DAFT_MAX_CASTERS]);
     /* The rays that points send on. `refracted` may be NULL: then nothing is seen that transmits, or it is not followed

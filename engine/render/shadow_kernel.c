@@ -31,8 +31,7 @@ typedef struct cast {
     daft_vec3 low, high; /* of the points, in frame space */
     bool ways_known;
     uint32_t sole; /* the instance that all the points lie on, on the side that faces the lamp; or DAFT_NOTHING */
-    uint32_t candidates, most; /* things whose bound meets the rays' */
-    uint32_t caster_count; /* those with points under them; beyond DAFT_MAX_CASTERS: more than are remembered */
+    uint32_t caster_count; /* beyond DAFT_MAX_CASTERS: more than are remembered */
     struct {
         uint32_t number;
         picture_box box;
@@ -287,19 +286,29 @@ static bool mark_under(cast *c, const bound *box, const daft_instance *s, uint32
     return any;
 }
 
-/* Looks whether points lie under the thing, one of a node's children; then it is remembered. */
-static void look_under(cast *c, uint32_t number, const node_boxes *boxes, int i)
+/* Remembers the thing, one of a node's children, if points may lie under it. */
+static void remember(cast *c, uint32_t number, const node_boxes *boxes, int i)
 {
-    const daft_instance *s = &c->tlas->instances[number];
     bound box;
     if (!may_shadow(c, number, &box)) return;
-    c->candidates++;
-    if (c->candidates > c->most || !mark_under(c, &box, s, number)) return;
     if (c->caster_count < DAFT_MAX_CASTERS) {
         c->caster[c->caster_count].number = number;
         c->caster[c->caster_count].box = node_child(boxes, i);
     }
     c->caster_count++;
+}
+
+/* Marks the points under the things that are remembered, and forgets those that have none. */
+static void mark_casters(cast *c)
+{
+    uint32_t kept = 0;
+    memset(c->under, 0, sizeof c->under);
+    for (uint32_t i = 0; i < c->caster_count; i++) {
+        const daft_instance *s = &c->tlas->instances[c->caster[i].number];
+        const bound box = grown_bound(c, s);
+        if (mark_under(c, &box, s, c->caster[i].number)) c->caster[kept++] = c->caster[i];
+    }
+    c->caster_count = kept;
 }
 
 /* The one instance that is asked for, as the only child of a node. */
@@ -312,22 +321,21 @@ static void find_one(cast *c)
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < DAFT_WIDTH; i++)
             node.bounds[k][i] = i ? INFINITY : low[k], node.bounds[3 + k][i] = i ? -INFINITY : high[k];
-    if (DAFT_KERNEL(daft_node_project)(&c->light, &c->view, &node, &boxes) & 1) look_under(c, c->only, &boxes, 0);
+    if (DAFT_KERNEL(daft_node_project)(&c->light, &c->view, &node, &boxes) & 1) remember(c, c->only, &boxes, 0);
 }
 
-/* Marks the points under the things that meet their extent, and remembers these things. False: there are more than `most`
- * that do, and it is not known which points are under something. */
+/* Remembers the things that points lie under, and marks these points. False: there may be more than `most` such things, and
+ * it is not known which points are under something. */
 static bool find_casters(cast *c, uint32_t most)
 {
     uint32_t stack[DAFT_STACK];
     int top = 0;
-    memset(c->under, 0, sizeof c->under);
-    c->caster_count = c->candidates = 0, c->most = most;
+    c->caster_count = 0;
     if (c->only != DAFT_NOTHING)
         find_one(c);
     else
         stack[top++] = 0;
-    while (top > 0 && c->candidates <= most) {
+    while (top > 0 && c->caster_count <= most) {
         node_boxes boxes;
         const daft_node *node = &c->tlas->nodes.items[stack[--top]];
         for (uint32_t in = DAFT_KERNEL(daft_node_project)(&c->light, &c->view, node, &boxes); in; in &= in - 1) {
@@ -337,10 +345,12 @@ static bool find_casters(cast *c, uint32_t most)
             if (!(child & DAFT_CHILD_LEAF))
                 stack[top++] = child;
             else if (c->tlas->instances[number].flags & c->flag)
-                look_under(c, number, &boxes, i);
+                remember(c, number, &boxes, i);
         }
     }
-    return c->candidates <= most;
+    if (c->caster_count > most) return false;
+    mark_casters(c);
+    return true;
 }
 
 /* ---- the tile ---- */
@@ -613,8 +623,7 @@ uint32_t DAFT_KERNEL(daft_tints)(const daft_batch *points, const daft_lamp *lamp
     if (!cast_begin(&c, points, lamp, tlas, bits)) return 0;
     if (!cast_setup(&c)) return UINT32_MAX;
     c.view = picture_map_make(&c.light.map);
-    find_casters(&c, UINT32_MAX);
-    if (c.caster_count > DAFT_MAX_CASTERS) return UINT32_MAX;
+    if (!find_casters(&c, DAFT_MAX_CASTERS)) return UINT32_MAX;
     for (uint32_t i = 0; i < c.caster_count; i++) out[i] = c.caster[i].number;
     return c.caster_count;
 }
