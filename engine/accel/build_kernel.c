@@ -11,7 +11,7 @@
 #include <float.h>
 
 enum { MAX_BINS = 16, FEW_BINS = 8, FEW_PRIMS = 48, MEDIAN_DEPTH = 40, TASK_CELLS = 64, TASK_WEIGHT = 512, FEW_CELLS = 8 };
-#define NODE_COST 1.25f                 /* of a node's test, where a block's is 1: measured */
+#define NODE_COST 3.0f                 /* of a node's test, where a block's is 1: measured */
 #define LITTLE 1e-6f                    /* of the longest side */
 #define LEAST_SIDE 1e-12f               /* between these, areas neither underflow nor overflow; ranges beyond are halved */
 #define MOST_SIDE 1e15f

@@ -1,5 +1,5 @@
 /* Rays together through the two levels: a lane is a ray. Sixteen rays are sorted into groups that enter boxes by the same
- * planes and whose largest component is on the same axis; as many as there are lanes travel together.
+ * planes; as many as there are lanes travel together.
  *
  * A node's eight boxes are first met by all rays at once, as an interval of origins and of inverse directions (Boulos et
  * al., "Geometric and Arithmetic Culling Methods for Entire Ray Packets", 2006): rounding is monotonic, so the interval's
@@ -181,40 +181,47 @@ static void stop(convoy *c, vbits bits)
 typedef struct mesh_convoy {
     const daft_instance *instance;
     vf3 o, d; /* in object space */
-    int axis[3];
-    vf shear_x, shear_y, ahead, per_length, least;
+    vf scale, floor; /* daft_filter */
 } mesh_convoy;
 
-static void mesh_convoy_setup(mesh_convoy *m, const convoy *c, vbits bits)
+/* daft_filter_of */
+static void mesh_convoy_setup(mesh_convoy *m, const convoy *c)
 {
-    int first = first_lane(bits);
-    const vf way[3] = {m->d.x, m->d.y, m->d.z};
-    float x = fabsf(way[0][first]), y = fabsf(way[1][first]), z = fabsf(way[2][first]), xy = x > y ? x : y;
-    int k = z > xy ? 2 : y > x;
-    m->axis[0] = (k + 1) % 3, m->axis[1] = (k + 2) % 3, m->axis[2] = k;
-    m->shear_x = way[m->axis[0]] / way[k], m->shear_y = way[m->axis[1]] / way[k];
-    float low[3][2];
-    ends(m->o.x, bits, low[0]), ends(m->o.y, bits, low[1]), ends(m->o.z, bits, low[2]);
-    float a = daft_reach_of(m->instance->mesh, daft_v3(low[0][0], low[1][0], low[2][0]));
-    float b = daft_reach_of(m->instance->mesh, daft_v3(low[0][1], low[1][1], low[2][1]));
-    daft_filter filter = daft_filter_of(a > b ? a : b);
-    m->per_length = vf_set(filter.per_length), m->least = vf_set(filter.least);
-    m->ahead = (vf)(((vi)way[k] & vi_set(INT32_MIN)) | (vi)vf_set(1));
-    m->ahead = vf_select(vf_le(vf_set(0), c->tmin), m->ahead, vf_set(NAN));
+    vf size = vf3_magnitude(m->d), zero = vf_set(0);
+    vm usual = vm_and(vf_lt(vf_set(0x1p-26f), size), vf_lt(size, vf_set(0x1p26f)));
+    m->scale = vf_select(usual, size * vf_set(22 * DAFT_ULP), vf_set(INFINITY));
+    m->floor = vf_select(vf_le(zero, c->tmin), vf_set(-DAFT_TINY), vf_set(-INFINITY));
 }
 
-DAFT_INLINE vf axis_of(vf3 a, int axis) { return axis == 0 ? a.x : axis == 1 ? a.y : a.z; }
+/* The triangles of a block, for the filter; lanes are triangles. */
+typedef struct facets {
+    v4 corner[3], a[3], b[3], normal[3], sizes, area;
+} facets;
+
+DAFT_INLINE v4 size_of(const v4 a[3]) { return v4_max(v4_max(v4_abs(a[0]), v4_abs(a[1])), v4_abs(a[2])) + v4_set(DAFT_FILTER_SIZE); }
+
+DAFT_INLINE facets facets_of(const daft_block *block)
+{
+    facets f;
+    for (int k = 0; k < 3; k++) {
+        f.corner[k] = v4_load(block->corner[0][k]);
+        f.a[k] = f.corner[k] - v4_load(block->corner[1][k]), f.b[k] = v4_load(block->corner[2][k]) - f.corner[k];
+    }
+    for (int k = 0; k < 3; k++) f.normal[k] = f.b[(k + 1) % 3] * f.a[(k + 2) % 3] - f.b[(k + 2) % 3] * f.a[(k + 1) % 3];
+    v4 along = size_of(f.a), across = size_of(f.b);
+    f.sizes = along + across, f.area = along * across;
+    return f;
+}
 
 /* The rays that may hit triangle i of the block. */
-DAFT_INLINE vbits lanes_filter(const daft_block *b, uint32_t i, const mesh_convoy *m)
+DAFT_INLINE vbits lanes_filter(const facets *f, uint32_t i, const mesh_convoy *m, vf past)
 {
-    vf x[3], y[3], z[3], ox = axis_of(m->o, m->axis[0]), oy = axis_of(m->o, m->axis[1]), oz = axis_of(m->o, m->axis[2]);
-    for (int k = 0; k < 3; k++) {
-        z[k] = vf_set(b->corner[k][m->axis[2]][i]) - oz;
-        x[k] = vf_set(b->corner[k][m->axis[0]][i]) - ox - m->shear_x * z[k];
-        y[k] = vf_set(b->corner[k][m->axis[1]][i]) - oy - m->shear_y * z[k];
-    }
-    return daft_filter_pass(x, y, z, m->ahead, m->per_length, m->least);
+    daft_facet one = {{vf_set(f->corner[0][i]), vf_set(f->corner[1][i]), vf_set(f->corner[2][i])},
+                      {vf_set(f->a[0][i]), vf_set(f->a[1][i]), vf_set(f->a[2][i])},
+                      {vf_set(f->b[0][i]), vf_set(f->b[1][i]), vf_set(f->b[2][i])},
+                      {vf_set(f->normal[0][i]), vf_set(f->normal[1][i]), vf_set(f->normal[2][i])},
+                      vf_set(f->sizes[i]), vf_set(f->area[i])};
+    return daft_filter_pass(&one, m->o, m->d, m->scale, m->floor, vf_max(past, vf_set(0)));
 }
 
 /* Lanes that touch triangle i at t, weights u and v, where that is nearer than what they have. */
@@ -265,14 +272,16 @@ static void leaf_touch(convoy *c, const mesh_convoy *m, uint32_t child, vbits bi
     const daft_block *b = &m->instance->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2], *end = b + (child & 3) + 1;
     bool exact = c->tlas->intersection == DAFT_INTERSECT_EXACT;
     vbits hits = 0;
-    for (; b < end && bits; b++)
+    for (; b < end && bits; b++) {
+        facets f = facets_of(b);
         for (uint32_t i = 0; i < DAFT_BLOCK && b->triangle[i] != DAFT_NO_TRIANGLE; i++) {
-            vbits maybe = exact ? lanes_filter(b, i, m) & bits : bits;
+            vbits maybe = exact ? lanes_filter(&f, i, m, c->limit) & bits : bits;
             if (!maybe) continue;
             vbits touched = lanes_touch(c, m, b, i, maybe);
             hits |= touched;
             if (c->any) bits &= ~touched;
         }
+    }
     if (c->any) {
         if (hits) stop(c, hits);
         return;
@@ -319,13 +328,11 @@ static void mesh_walk(convoy *c, const mesh_convoy *m, vbits bits)
 /* In the order of daft_affine_point and daft_affine_vector. */
 DAFT_INLINE vf rows(const float *m, vf3 p) { return vf_set(m[0]) * p.x + vf_set(m[1]) * p.y + vf_set(m[2]) * p.z; }
 
-/* The lanes of `bits` that go the way the first of them goes: the same signs, the same largest axis. */
+/* The lanes of `bits` that go the way the first of them goes: the same signs. */
 static vbits alike(vf3 d, vbits bits)
 {
-    vf x = vf_abs(d.x), y = vf_abs(d.y), z = vf_abs(d.z);
-    vi sign = vi_set(INT32_MIN), zero = vi_set(0);
+    vi sign = vi_set(INT32_MIN);
     vi way = ((vi)d.x & sign) ^ (((vi)d.y & sign) >> 1 & vi_set(0x40000000)) ^ (((vi)d.z & sign) >> 2 & vi_set(0x20000000));
-    way = vi_select(vf_lt(vf_max(x, y), z), way | vi_set(2), way | vi_select(vf_lt(x, y), vi_set(1), zero));
     return bits & vm_bits(vi_eq(way, vi_set(way[first_lane(bits)])));
 }
 
@@ -360,7 +367,7 @@ static void instance_together(convoy *c, uint32_t index, vbits bits)
     while (bits) {
         vbits same = alike(m.d, bits);
         bits &= ~same;
-        mesh_convoy_setup(&m, c, same);
+        mesh_convoy_setup(&m, c);
         mesh_walk(c, &m, same);
     }
     for (int i = 0; i < DAFT_VL; i++) {

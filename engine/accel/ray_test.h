@@ -16,12 +16,15 @@
  * Together 8u·Σ |a - b|·S·|d| over the six products; the bound takes 9u of the product of the three sums of magnitudes,
  * which is larger and cheaper.
  *
- * Most triangles are missed by far. A filter turns them away first: seen along the ray, sheared so that the ray is the z
- * axis (Woop et al.), the three sides are 2D cross products, half the work. It only says "missed" where its own error bound
- * allows no other answer, so who passes it and who does not leaves no trace in the result. With S the shear, |S| <= 1, and
- * M no less than any coordinate of a corner relative to the origin: x - S·z is off by 6u·M; with L the largest of the
- * triangle's 2D coordinates, L <= 2M, a cross product is off by 4·L·6u·M from that, by 2·(6u·M)² and, rounding thrice, by
- * 4u·L². Together 32u·M·L + 72u²·M².
+ * Most triangles are missed by far. A filter turns them away first, by half the work: with a corner s relative to the
+ * origin and two edges e, f from it, the sides are triple products of s, d and an edge (Möller and Trumbore, "Fast, Minimum
+ * Storage Ray/Triangle Intersection", 1997), the third what is left of their sum, d·(e × f). It only says "missed" where its
+ * own error bound allows no other answer, so who passes it and who does not leaves no trace in the result. s, e and f round
+ * once, each product in a triple product twice, then one difference and two sums: a side is off by 7u of the sum of the six
+ * products' magnitudes, 14u·|s|·|e|·D, with |.| the largest component of s or e and D the sum of those of d; the sum of the
+ * sides by 14u·|e|·|f|·D, the third side by all three and 2u of them. Together less than 22u·D·(|s|·(|e| + |f|) + |e|·|f|).
+ * Where it is sure, s·(e × f), off by 8u·|s|·6·|e|·|f|, says whether the
+ * triangle is behind, or further than a hit.
  *
  * Distances: the mean of the corners' along the ray, weighted by the sides, so they stay among them however flat the
  * triangle is seen. The corners' are off by 4u of Σ |p|·|d|, taking their mean by as much again; where that, or the sides'
@@ -64,31 +67,56 @@ DAFT_INLINE vf vf3_magnitude(vf3 a) { return vf_abs(a.x) + vf_abs(a.y) + vf_abs(
 DAFT_INLINE vf vf_min3(vf a, vf b, vf c) { return vf_min(vf_min(a, b), c); }
 DAFT_INLINE vf vf_max3(vf a, vf b, vf c) { return vf_max(vf_max(a, b), c); }
 
-/* The filter's two error terms for corners within `reach` (M) of the origin on each axis: per L, and by itself. Where
- * products could overflow everything passes. */
+/* The filter's error terms for a direction: per size of the triangle and its way from the ray, and how far behind a triangle
+ * must be; -inf where negative distances count, too. Between directions of 2^±26 and for products of sizes below FILTER_MOST
+ * nothing overflows; what is beyond passes. */
 typedef struct daft_filter {
-    float per_length, least;
+    float scale, floor;
 } daft_filter;
 
-DAFT_INLINE daft_filter daft_filter_of(float reach)
+#define DAFT_FILTER_MOST 1e24f
+#define DAFT_FILTER_SIZE 1e-18f /* added to sizes, so that errors are over what underflows in them */
+
+DAFT_INLINE daft_filter daft_filter_of(daft_vec3 d, float tmin)
 {
-    if (!(reach < 1e12f)) return (daft_filter){INFINITY, INFINITY};
-    return (daft_filter){40 * DAFT_ULP * reach, 80 * DAFT_ULP * DAFT_ULP * reach * reach + DAFT_TINY};
+    float size = fabsf(d.x) + fabsf(d.y) + fabsf(d.z), scale = size > 0x1p-26f && size < 0x1p26f ? 22 * DAFT_ULP * size : INFINITY;
+    return (daft_filter){scale, tmin >= 0 ? -DAFT_TINY : -INFINITY};
 }
 
-/* The lanes that may be hit: the corners' 2D coordinates, the ray at (0, 0), and their depths. `ahead`: 1 or -1, the way the
- * ray goes along z; NaN where negative distances count, too. NaN passes. With B the bound of the sides and Z the largest
- * depth, the depths' sum, weighted by the sides, is off by 3·B·Z and, rounding, by less than 2·B·Z; that of the sides by less
- * than 4·B. A ray that leaves a surface has its triangle right behind it, so this turns away one in every ray. */
-DAFT_INLINE vbits daft_filter_pass(const vf x[3], const vf y[3], const vf z[3], vf ahead, vf per_length, vf least)
+/* A triangle's edges from corner 0, one of them the other way round, and their cross product; the sum and the product of
+ * the edges' sizes. */
+typedef struct daft_facet {
+    vf3 corner, a, b, normal;
+    vf sizes, area;
+} daft_facet;
+
+DAFT_INLINE vf vf3_rough_dot(vf3 a, vf3 b) { return vf_rough_add(a.x, b.x, vf_rough_add(a.y, b.y, a.z * b.z)); }
+DAFT_INLINE vf3 vf3_rough_cross(vf3 a, vf3 b)
 {
-    vf a = x[1] * y[2] - x[2] * y[1], b = x[2] * y[0] - x[0] * y[2], c = x[0] * y[1] - x[1] * y[0], sum = a + b + c;
-    vf length = vf_max(vf_max3(vf_abs(x[0]), vf_abs(x[1]), vf_abs(x[2])), vf_max3(vf_abs(y[0]), vf_abs(y[1]), vf_abs(y[2])));
-    vf bound = length * per_length + least, depth = vf_max3(vf_abs(z[0]), vf_abs(z[1]), vf_abs(z[2]));
-    vm outside = vm_and(vf_lt(vf_min3(a, b, c), -bound), vf_lt(bound, vf_max3(a, b, c)));
-    vf along = vf_xor_sign((a * z[0] + b * z[1] + c * z[2]) * ahead, (vi)sum & vi_set(INT32_MIN));
-    vm behind = vm_and(vf_lt(along, vf_set(-5) * bound * depth - vf_set(DAFT_TINY)), vf_lt(vf_set(8) * bound, vf_abs(sum)));
-    return ~vm_bits(vm_or(outside, behind)) & DAFT_ALL_LANES;
+    return (vf3){vf_rough_sub(a.y, b.z, a.z * b.y), vf_rough_sub(a.z, b.x, a.x * b.z), vf_rough_sub(a.x, b.y, a.y * b.x)};
+}
+
+DAFT_INLINE vf vf3_largest(vf3 a) { return vf_most_of(vf_most_of(a.x, a.y), a.z); }
+
+DAFT_INLINE daft_facet daft_facet_of(const vf3 c[3])
+{
+    vf3 a = vf3_sub(c[0], c[1]), b = vf3_sub(c[2], c[0]);
+    vf along = vf3_largest(a) + vf_set(DAFT_FILTER_SIZE), across = vf3_largest(b) + vf_set(DAFT_FILTER_SIZE);
+    return (daft_facet){c[0], a, b, vf3_rough_cross(b, a), along + across, along * across};
+}
+
+/* The lanes that may be hit before `past`, daft_past of a distance that is 0 or more. NaN passes. A ray that leaves a surface
+ * has its triangle right behind it, so looking there turns away one in every ray. */
+DAFT_INLINE vbits daft_filter_pass(const daft_facet *f, vf3 o, vf3 d, vf scale, vf floor, vf past)
+{
+    vf3 s = vf3_sub(f->corner, o), r = vf3_rough_cross(s, d);
+    vf u = vf3_rough_dot(f->b, r), v = vf3_rough_dot(f->a, r), sum = vf3_rough_dot(f->normal, d), w = sum - u - v;
+    vf reach = vf3_largest(s), size = vf_rough_add(reach, f->sizes, f->area), bound = vf_rough_add(size, scale, vf_set(DAFT_TINY));
+    vm outside = vm_and(vf_lt(vf_min3(u, v, w), -bound), vf_lt(bound, vf_max3(u, v, w)));
+    vf along = vf_xor_sign(vf3_rough_dot(s, f->normal), (vi)sum & vi_set(INT32_MIN)), off = reach * f->area * vf_set(49 * DAFT_ULP);
+    vm before = vf_lt(along, floor - off), beyond = vf_lt(vf_rough_add(past, vf_abs(sum) + bound, off), along);
+    vm apart = vm_and(vm_or(before, beyond), vf_lt(bound, vf_abs(sum)));
+    return ~vm_bits(vm_and(vf_lt(size, vf_set(DAFT_FILTER_MOST)), vm_or(outside, apart))) & DAFT_ALL_LANES;
 }
 
 typedef struct daft_touch {
@@ -252,18 +280,9 @@ DAFT_INLINE bool daft_finite_lines(daft_vec3 o, daft_vec3 d)
 /* A ray that is not finite, goes nowhere or ends before it begins hits nothing. */
 DAFT_INLINE bool daft_ray_usable(const daft_ray *ray)
 {
-    daft_vec3 d = ray->direction;
-    return daft_finite_lines(ray->origin, d) & (ray->tmin <= ray->tmax) & (fabsf(d.x) + fabsf(d.y) + fabsf(d.z) > 0);
-}
-
-/* No coordinate of the mesh's corners relative to the origin is larger. */
-DAFT_INLINE float daft_reach_of(const daft_trimesh *mesh, daft_vec3 o)
-{
-    daft_vec3 a = daft_sub(mesh->low, o), b = daft_sub(mesh->high, o);
-    float most = fabsf(a.x);
-    const float others[5] = {fabsf(a.y), fabsf(a.z), fabsf(b.x), fabsf(b.y), fabsf(b.z)};
-    for (int i = 0; i < 5; i++) most = most > others[i] ? most : others[i];
-    return most;
+    v4 o = v4_load((const float *)ray), d = v4_load((const float *)ray + 4); /* lanes 3: tmin and tmax */
+    uint32_t finite = v4_bits((o - o) + (d - d) == v4_set(0)), moves = v4_bits(d != v4_set(0));
+    return ((finite & 7) == 7) & ((moves & 7) != 0) & (ray->tmin <= ray->tmax);
 }
 
 #endif

@@ -1,11 +1,11 @@
 /* Single rays through the two levels. How they meet boxes and triangles is in ray_test.h; here it is in which order.
  *
- * What costs most in rays that go every way is not arithmetic but branches that cannot be predicted: how many children a ray
- * meets, and which is nearest. So where lanes can be sorted there are none: the eight entry distances, with the lanes'
- * numbers in their lowest bits, go through a sorting network, and all eight are written on top of the stack, furthest
- * first; those that were missed stand above its new top. (Ordered traversal and the stack's distances are those of Wald et
- * al., "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014.) The blocks of a leaf go through the filter
- * together, as many as there are lanes for. */
+ * Most nodes have one child that the ray meets, so that one is taken at once; of several the nearest is kept in a register
+ * and the others are sorted into the stack, distance and number in one word. (Ordered traversal and the stack's distances
+ * are those of Wald et al., "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014.) The stack ends in a child that
+ * is none, so that no count is kept. The blocks of a leaf go through the filter together, as many as there are lanes for;
+ * what the filter costs is most of a leaf, and a leaf costs about as much as two nodes. A mesh that is only shifted keeps
+ * the ray's direction and what was found of it. */
 #include "accel/kdtree.h"
 #include "accel/ray_test.h"
 #include "accel/traverse.h"
@@ -13,51 +13,56 @@
 #define WIDEN (1 + 8 * DAFT_ULP)
 enum { ROW = sizeof(((daft_node *)0)->bounds[0]) };
 
+/* The ray as boxes see it: the origin as the near and as the far planes do, minus one over the direction, and the same
+ * widened; where in bounds, in bytes, the planes stand that it enters and leaves by. */
 typedef struct slab_ray {
-    /* the origin as the near and as the far planes see it, one over the direction, and the same widened */
     v8 nx, ny, nz, fx, fy, fz, ix, iy, iz, wx, wy, wz;
-    size_t near_x, near_y, near_z, far_x, far_y, far_z; /* where in bounds, in bytes, the planes stand that it enters and leaves by */
-    bool behind;                     /* distances may be negative */
+    size_t near_x, near_y, near_z, far_x, far_y, far_z;
+    bool behind; /* distances may be negative */
 } slab_ray;
 
-/* Children to visit and their entry distances, nearest on top; room for a node's children above the deepest. */
+/* Children to visit, each below the bits of its entry distance; the nearest on top. Under all of them a child that is none,
+ * nearer than any. */
 typedef struct ray_stack {
-    float near[DAFT_STACK + DAFT_WIDTH];
-    uint32_t child[DAFT_STACK + DAFT_WIDTH];
+    uint64_t items[1 + DAFT_STACK + DAFT_WIDTH];
 } ray_stack;
 
+static const uint64_t STACK_END = (uint64_t)0xff800000u << 32 | DAFT_CHILD_NONE;
+
+/* Minus one over a direction whose lane 3 is 0. */
+DAFT_INLINE v4 minus_inverse(v4 d) { return v4_set(-1) / (v4)((v4i)d | (v4i)(v4){0, 0, 0, 1}); }
+
 /* All boxes are grown by `pad` on each side. No branches: the directions' signs cannot be predicted. */
-DAFT_INLINE slab_ray slab_setup(daft_vec3 o, daft_vec3 d, float pad, bool behind)
+DAFT_INLINE slab_ray slab_setup(v4 o, v4 d, v4 inverse, float pad, bool behind)
 {
-    v4 origin = {o.x, o.y, o.z, 0}, inverse = v4_set(1) / (v4){d.x, d.y, d.z, 1}, wide = inverse * v4_set(WIDEN);
-    v4i sign = (v4i)inverse & (v4i){INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
-    v4 outwards = (v4)((v4i)v4_set(pad) | sign), near = origin + outwards, far = origin - outwards;
-    uint32_t minus = v4_bits(sign);
-    size_t near_x = (minus & 1) * 3 * ROW, near_y = (minus >> 1 & 1) * 3 * ROW, near_z = (minus >> 2 & 1) * 3 * ROW;
+    uint32_t minus = v4_bits((v4i)d);
+    size_t x = (minus & 1) * 3 * ROW, y = (minus >> 1 & 1) * 3 * ROW, z = (minus >> 2 & 1) * 3 * ROW;
+    v4 i = inverse, w = i * v4_set(WIDEN), outwards = (v4)((v4i)v4_set(pad) | ((v4i)d & (v4i)v4_set(-0.0f)));
+    v4 near = o + outwards, far = o - outwards;
     return (slab_ray){.nx = v8_set(near[0]), .ny = v8_set(near[1]), .nz = v8_set(near[2]),
                       .fx = v8_set(far[0]), .fy = v8_set(far[1]), .fz = v8_set(far[2]),
-                      .ix = v8_set(inverse[0]), .iy = v8_set(inverse[1]), .iz = v8_set(inverse[2]),
-                      .wx = v8_set(wide[0]), .wy = v8_set(wide[1]), .wz = v8_set(wide[2]),
-                      .near_x = near_x, .near_y = ROW + near_y, .near_z = 2 * ROW + near_z,
-                      .far_x = 3 * ROW - near_x, .far_y = 4 * ROW - near_y, .far_z = 5 * ROW - near_z, .behind = behind};
+                      .ix = v8_set(i[0]), .iy = v8_set(i[1]), .iz = v8_set(i[2]),
+                      .wx = v8_set(w[0]), .wy = v8_set(w[1]), .wz = v8_set(w[2]),
+                      .near_x = x, .near_y = ROW + y, .near_z = 2 * ROW + z,
+                      .far_x = 3 * ROW - x, .far_y = 4 * ROW - y, .far_z = 5 * ROW - z, .behind = behind};
 }
 
 /* The rays of the upper level. An instance's own ray, moved into its space and seen from outside again, is off by 5u of the
  * magnitudes of the origin and of the instance's place, |R|·|R^-1| being at most 1 by entry for a rotation and a scale; and
  * by 8u of the way, which is no longer than both. The instance's bounds are wide enough for its place; this is for the rest. */
-DAFT_INLINE slab_ray slab_setup_upper(const daft_ray *ray)
+DAFT_INLINE slab_ray slab_setup_upper(v4 o, v4 d, v4 inverse, bool behind)
 {
-    daft_vec3 o = ray->origin;
-    return slab_setup(o, ray->direction, (fabsf(o.x) + fabsf(o.y) + fabsf(o.z)) * 0x1p-20f, ray->tmin < 0);
+    return slab_setup(o, d, inverse, (fabsf(o[0]) + fabsf(o[1]) + fabsf(o[2])) * 0x1p-20f, behind);
 }
+
+DAFT_INLINE v8 planes(const daft_node *node, size_t row) { return v8_load((const float *)((const char *)node->bounds + row)); }
 
 /* Bits of the children the ray meets in tmin..tmax; their entry distances in near. `padded`: the setup's pad is not 0. */
 DAFT_INLINE uint32_t slab_test(const daft_node *node, const slab_ray *r, bool padded, v8 tmin, v8 tmax, v8 *near)
 {
-    const char *at = (const char *)node->bounds;
-    v8 x0 = (v8_load((const float *)(at + r->near_x)) - r->nx) * r->ix, x1 = (v8_load((const float *)(at + r->far_x)) - (padded ? r->fx : r->nx)) * r->wx;
-    v8 y0 = (v8_load((const float *)(at + r->near_y)) - r->ny) * r->iy, y1 = (v8_load((const float *)(at + r->far_y)) - (padded ? r->fy : r->ny)) * r->wy;
-    v8 z0 = (v8_load((const float *)(at + r->near_z)) - r->nz) * r->iz, z1 = (v8_load((const float *)(at + r->far_z)) - (padded ? r->fz : r->nz)) * r->wz;
+    v8 x0 = (r->nx - planes(node, r->near_x)) * r->ix, x1 = ((padded ? r->fx : r->nx) - planes(node, r->far_x)) * r->wx;
+    v8 y0 = (r->ny - planes(node, r->near_y)) * r->iy, y1 = ((padded ? r->fy : r->ny) - planes(node, r->far_y)) * r->wy;
+    v8 z0 = (r->nz - planes(node, r->near_z)) * r->iz, z1 = ((padded ? r->fz : r->nz) - planes(node, r->far_z)) * r->wz;
     /* v8_max and v8_min give their second argument when the first is NaN */
     *near = v8_max(x0, v8_max(y0, v8_max(z0, tmin)));
     v8 far = v8_min(x1, v8_min(y1, v8_min(z1, tmax)));
@@ -66,31 +71,36 @@ DAFT_INLINE uint32_t slab_test(const daft_node *node, const slab_ray *r, bool pa
 }
 
 /* Of the children in bits, 1 or more: the nearest is the answer, the others are pushed, nearest last. */
-DAFT_INLINE uint32_t step(const daft_node *node, uint32_t bits, v8 near, ray_stack *stack, int *top)
+DAFT_INLINE uint32_t step(const daft_node *node, uint32_t bits, v8 near, uint64_t **top)
 {
-    float at[DAFT_WIDTH] __attribute__((aligned(32)));
-    uint32_t i = (uint32_t)__builtin_ctz(bits), first = node->child[i];
+    uint32_t i = (uint32_t)__builtin_ctz(bits), first = node->child[i], at[DAFT_WIDTH] __attribute__((aligned(32)));
     bits &= bits - 1;
     if (!bits) return first;
     memcpy(at, &near, sizeof at);
-    float nearest = at[i];
-    int base = *top, end = base;
+    uint64_t nearest = (uint64_t)at[i] << 32 | first, *base = *top, *end = base;
     do {
         i = (uint32_t)__builtin_ctz(bits);
         bits &= bits - 1;
-        uint32_t child = node->child[i];
-        float t = at[i];
-        bool swap = t < nearest;
-        uint32_t further = swap ? first : child;
-        float furthest = swap ? nearest : t;
-        first = swap ? child : first, nearest = swap ? t : nearest;
-        int place = end++;
-        for (; place > base && stack->near[place - 1] < furthest; place--)
-            stack->near[place] = stack->near[place - 1], stack->child[place] = stack->child[place - 1];
-        stack->near[place] = furthest, stack->child[place] = further;
+        uint64_t child = (uint64_t)at[i] << 32 | node->child[i], further = child < nearest ? nearest : child, *place = end++;
+        nearest = child < nearest ? child : nearest;
+        for (; place > base && place[-1] < further; place--) place[0] = place[-1];
+        *place = further;
     } while (bits);
     *top = end;
-    return first;
+    return (uint32_t)nearest;
+}
+
+/* The next child that begins before `limit`. */
+DAFT_INLINE uint32_t pop(uint64_t **top, float limit)
+{
+    union {
+        uint32_t bits;
+        float t;
+    } near;
+    uint64_t item;
+    do item = *--*top, near.bits = (uint32_t)(item >> 32);
+    while (near.t > limit);
+    return (uint32_t)item;
 }
 
 /* ---- triangles ---- */
@@ -100,46 +110,38 @@ typedef struct mesh_ray {
     daft_vec3 origin, direction;
     float tmin;
     daft_intersection how;
-    /* The filter's frame: the direction's largest axis is last. */
-    int axis[3];
-    vf o[3], shear_x, shear_y, ahead, per_length, least;
+    daft_filter filter;
 } mesh_ray;
 
-static const int NEXT[3] = {1, 2, 0};
+DAFT_INLINE daft_vec3 v4_point(v4 a) { return (daft_vec3){a[0], a[1], a[2]}; }
 
-DAFT_INLINE mesh_ray mesh_ray_setup(const daft_trimesh *mesh, daft_vec3 o, daft_vec3 d, float tmin, daft_intersection how)
+DAFT_INLINE mesh_ray mesh_ray_setup(v4 o, v4 d, float tmin, daft_intersection how)
 {
-    const float from[3] = {o.x, o.y, o.z}, way[3] = {d.x, d.y, d.z};
-    float x = fabsf(d.x), y = fabsf(d.y), z = fabsf(d.z), xy = x > y ? x : y;
-    int k = z > xy ? 2 : y > x, i = NEXT[k], j = NEXT[i];
-    daft_filter filter = daft_filter_of(daft_reach_of(mesh, o));
-    return (mesh_ray){.origin = o, .direction = d, .tmin = tmin, .how = how, .axis = {i, j, k},
-                      .o = {vf_set(from[i]), vf_set(from[j]), vf_set(from[k])},
-                      .shear_x = vf_set(way[i] / way[k]), .shear_y = vf_set(way[j] / way[k]),
-                      .ahead = vf_set(tmin >= 0 ? copysignf(1, way[k]) : NAN), .per_length = vf_set(filter.per_length), .least = vf_set(filter.least)};
+    return (mesh_ray){v4_point(o), v4_point(d), tmin, how, daft_filter_of(v4_point(d), tmin)};
 }
 
 enum { FOURS = DAFT_VL / DAFT_BLOCK, PAIR = FOURS > 1 ? 2 : 1, BLOCK_FLOATS = sizeof(daft_block) / sizeof(float) };
 
 /* The triangles of `count` blocks, at most `width`, that may be hit. Where there are fewer, the last is loaded again: a
  * branch would cost more. */
-DAFT_INLINE vbits blocks_filter(const daft_block *b, int count, int width, const mesh_ray *r)
+DAFT_INLINE vbits blocks_filter(const daft_block *b, int count, int width, const mesh_ray *r, float past)
 {
-    vf x[3], y[3], z[3];
+    vf3 c[3];
     size_t at[3];
     for (int k = 0; k < width - 1; k++) at[k] = (size_t)(k + 1 < count ? k + 1 : count - 1) * BLOCK_FLOATS;
-    for (int k = 0; k < 3; k++) {
-        z[k] = vf_load_spread(b->corner[k][r->axis[2]], at, width) - r->o[2];
-        x[k] = vf_load_spread(b->corner[k][r->axis[0]], at, width) - r->o[0] - r->shear_x * z[k];
-        y[k] = vf_load_spread(b->corner[k][r->axis[1]], at, width) - r->o[1] - r->shear_y * z[k];
-    }
-    return daft_filter_pass(x, y, z, r->ahead, r->per_length, r->least) & ((1u << count * DAFT_BLOCK) - 1);
+    for (int k = 0; k < 3; k++)
+        c[k] = (vf3){vf_load_spread(b->corner[k][0], at, width), vf_load_spread(b->corner[k][1], at, width),
+                     vf_load_spread(b->corner[k][2], at, width)};
+    daft_facet facet = daft_facet_of(c);
+    return daft_filter_pass(&facet, vf3_set(r->origin), vf3_set(r->direction), vf_set(r->filter.scale),
+                            vf_set(r->filter.floor), vf_set(past > 0 ? past : 0)) &
+           ((1u << count * DAFT_BLOCK) - 1);
 }
 
 /* The blocks b[0..count), count at most `width`. */
-DAFT_INLINE bool blocks_touch(const daft_block *b, int count, int width, const mesh_ray *r, daft_nearest *hit)
+DAFT_INLINE bool blocks_touch(const daft_block *b, int count, int width, const mesh_ray *r, float past, daft_nearest *hit)
 {
-    vbits maybe = r->how == DAFT_INTERSECT_EXACT ? blocks_filter(b, count, width, r) : (1u << count * DAFT_BLOCK) - 1;
+    vbits maybe = r->how == DAFT_INTERSECT_EXACT ? blocks_filter(b, count, width, r, past) : (1u << count * DAFT_BLOCK) - 1;
     bool any = false;
     for (; maybe; b++, maybe >>= DAFT_BLOCK)
         if (maybe & 15) any |= daft_block_touch(b, maybe & 15, r->origin, r->direction, r->tmin, r->how, hit);
@@ -147,74 +149,114 @@ DAFT_INLINE bool blocks_touch(const daft_block *b, int count, int width, const m
 }
 
 /* A leaf; `child` is its code. */
-DAFT_INLINE bool leaf_touch(const daft_bvh *bvh, uint32_t child, const mesh_ray *r, daft_nearest *hit)
+DAFT_INLINE bool leaf_touch(const daft_bvh *bvh, uint32_t child, const mesh_ray *r, float past, daft_nearest *hit)
 {
     const daft_block *b = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     int count = (int)(child & 3) + 1;
     bool any = false;
-    if (FOURS == 4 && count > 2) return blocks_touch(b, count, FOURS, r, hit);
-    for (; count > 0; b += PAIR, count -= PAIR) any |= blocks_touch(b, daft_min_i(count, PAIR), PAIR, r, hit);
+    if (FOURS == 4) return blocks_touch(b, count, FOURS, r, past, hit);
+    for (; count > 0; b += PAIR, count -= PAIR) any |= blocks_touch(b, daft_min_i(count, PAIR), PAIR, r, past, hit);
     return any;
 }
 
 /* ---- the lower level: in object space ---- */
 
+DAFT_INLINE v4 without_last(v4 a) { return (v4)((v4i)a & (v4i){-1, -1, -1, 0}); }
+
+/* A ray in some space; lanes 3 are 0, but for the inverse's. */
+typedef struct lined_ray {
+    v4 origin, direction, inverse; /* minus one over the direction */
+} lined_ray;
+
+DAFT_INLINE lined_ray lined(const daft_ray *ray)
+{
+    v4 d = without_last(v4_load((const float *)ray + 4));
+    return (lined_ray){without_last(v4_load((const float *)ray)), d, minus_inverse(d)};
+}
+
+static const float UNTURNED[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+
+DAFT_INLINE bool is_shift(const daft_affine *map)
+{
+    return v8_eq_bits(v8_load(map->m), v8_load(UNTURNED)) == 0xff && map->m[8] == 1;
+}
+
+/* daft_affine_point and daft_affine_vector side by side. False: it overflows. */
+DAFT_INLINE bool turn(const daft_affine *map, lined_ray *ray)
+{
+    v4 shift = v4_load(map->m + 8), o = ray->origin, d = ray->direction;
+    shift = __builtin_shufflevector(shift, v4_set(0), 1, 2, 3, 4);
+    if (is_shift(map)) {
+        ray->origin = o + shift;
+    } else {
+        v4 x, y, z;
+        v4_transpose3(v4_load(map->m), v4_load(map->m + 3), v4_load(map->m + 6), &x, &y, &z);
+        ray->origin = without_last(((x * v4_set(o[0]) + y * v4_set(o[1])) + z * v4_set(o[2])) + shift);
+        ray->direction = without_last((x * v4_set(d[0]) + y * v4_set(d[1])) + z * v4_set(d[2]));
+        ray->inverse = minus_inverse(ray->direction);
+    }
+    v4 none = (ray->origin - ray->origin) + (ray->direction - ray->direction);
+    return v4_bits(none == v4_set(0)) == 15;
+}
+
 /* Below `child`. hit->t limits the search and hit->triangle breaks ties, so the order of traversal does not matter. */
-void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how,
-                                    daft_nearest *hit)
+DAFT_INLINE bool mesh_walk(const daft_instance *instance, uint32_t child, v4 o, v4 d, v4 inverse, float tmin, daft_intersection how,
+                           daft_nearest *hit, bool any)
 {
     const daft_bvh *bvh = instance->bvh;
-    daft_vec3 o = daft_affine_point(&instance->to_object, ray->origin);
-    daft_vec3 d = daft_affine_vector(&instance->to_object, ray->direction);
-    if (!daft_finite_lines(o, d)) return;
     ray_stack stack;
-    slab_ray slab = slab_setup(o, d, 0, ray->tmin < 0);
-    mesh_ray r = mesh_ray_setup(instance->mesh, o, d, ray->tmin, how);
+    uint64_t *top = stack.items;
+    *top++ = STACK_END;
+    slab_ray slab = slab_setup(o, d, inverse, 0, tmin < 0);
+    mesh_ray r = mesh_ray_setup(o, d, tmin, how);
+    const daft_node *root = bvh->nodes.items;
+    if (child == 0 && root->child[1] == DAFT_CHILD_NONE) child = root->child[0]; /* its box is the mesh's */
     float limit = daft_past(hit->t);
-    v8 low = v8_set(daft_before(ray->tmin)), high = v8_set(limit), near;
-    for (int top = 0;;) {
+    v8 low = v8_set(daft_before(tmin)), high = v8_set(limit), near;
+    for (;;) {
         if (child & DAFT_CHILD_LEAF) {
-            if (leaf_touch(bvh, child, &r, hit)) limit = daft_past(hit->t), high = v8_set(limit);
+            if (child == DAFT_CHILD_NONE) return false;
+            if (leaf_touch(bvh, child, &r, limit, hit)) {
+                if (any) return true;
+                limit = daft_past(hit->t), high = v8_set(limit);
+            }
         } else {
             const daft_node *node = &bvh->nodes.items[child];
             uint32_t bits = slab_test(node, &slab, false, low, high, &near);
             if (bits) {
-                child = step(node, bits, near, &stack, &top);
+                child = step(node, bits, near, &top);
                 continue;
             }
         }
-        do
-            if (--top < 0) return;
-        while (stack.near[top] > limit);
-        child = stack.child[top];
+        child = pop(&top, limit);
     }
+}
+
+static __attribute__((noinline)) void mesh_closest(const daft_instance *instance, uint32_t child, v4 o, v4 d, v4 inverse, float tmin,
+                                                   daft_intersection how, daft_nearest *hit)
+{
+    mesh_walk(instance, child, o, d, inverse, tmin, how, hit, false);
+}
+
+static __attribute__((noinline)) bool mesh_occluded(const daft_instance *instance, uint32_t child, v4 o, v4 d, v4 inverse, float tmin,
+                                                    float tmax, daft_intersection how)
+{
+    daft_nearest hit = {.t = tmax, .triangle = DAFT_NO_TRIANGLE};
+    return mesh_walk(instance, child, o, d, inverse, tmin, how, &hit, true);
+}
+
+void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how,
+                                    daft_nearest *hit)
+{
+    lined_ray own = lined(ray);
+    if (turn(&instance->to_object, &own)) mesh_closest(instance, child, own.origin, own.direction, own.inverse, ray->tmin, how, hit);
 }
 
 bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how)
 {
-    const daft_bvh *bvh = instance->bvh;
-    daft_vec3 o = daft_affine_point(&instance->to_object, ray->origin);
-    daft_vec3 d = daft_affine_vector(&instance->to_object, ray->direction);
-    if (!daft_finite_lines(o, d)) return false;
-    ray_stack stack;
-    slab_ray slab = slab_setup(o, d, 0, ray->tmin < 0);
-    mesh_ray r = mesh_ray_setup(instance->mesh, o, d, ray->tmin, how);
-    daft_nearest hit = {.t = ray->tmax, .triangle = DAFT_NO_TRIANGLE};
-    v8 low = v8_set(daft_before(ray->tmin)), high = v8_set(daft_past(ray->tmax)), near;
-    for (int top = 0;;) {
-        if (child & DAFT_CHILD_LEAF) {
-            if (leaf_touch(bvh, child, &r, &hit)) return true;
-        } else {
-            const daft_node *node = &bvh->nodes.items[child];
-            uint32_t bits = slab_test(node, &slab, false, low, high, &near);
-            if (bits) {
-                child = step(node, bits, near, &stack, &top);
-                continue;
-            }
-        }
-        if (--top < 0) return false;
-        child = stack.child[top];
-    }
+    lined_ray own = lined(ray);
+    return turn(&instance->to_object, &own) &&
+           mesh_occluded(instance, child, own.origin, own.direction, own.inverse, ray->tmin, ray->tmax, how);
 }
 
 /* ---- the upper level ---- */
@@ -242,7 +284,8 @@ static void kd_closest(const daft_instance *instance, const daft_ray *ray, daft_
                                  daft_affine_vector(&instance->to_object, ray->direction), ray->tmin, how, hit);
 }
 
-void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, daft_nearest *hit)
+/* `frame`: the ray. */
+DAFT_INLINE void instance_closest(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, const lined_ray *frame, daft_nearest *hit)
 {
     const daft_instance *instance = &tlas->instances[index];
     if (instance->mesh) {
@@ -250,8 +293,10 @@ void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, c
         hit->triangle = index < hit->instance ? DAFT_NO_TRIANGLE : 0; /* a tie goes to the lower instance */
         uint32_t before = hit->triangle;
         float t = hit->t;
+        lined_ray own = *frame;
         if (instance->kdtree) kd_closest(instance, ray, tlas->intersection, hit);
-        else DAFT_KERNEL(daft_mesh_closest)(instance, 0, ray, tlas->intersection, hit);
+        else if (turn(&instance->to_object, &own))
+            mesh_closest(instance, 0, own.origin, own.direction, own.inverse, ray->tmin, tlas->intersection, hit);
         if (hit->t < t || hit->triangle != before) hit->instance = index;
         else hit->triangle = triangle;
         return;
@@ -261,7 +306,7 @@ void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, c
     *hit = (daft_nearest){.t = t, .instance = index};
 }
 
-bool DAFT_KERNEL(daft_instance_occluded)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray)
+DAFT_INLINE bool instance_occluded(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, const lined_ray *frame)
 {
     const daft_instance *instance = &tlas->instances[index];
     if (!(instance->flags & DAFT_INSTANCE_CASTS_SHADOW)) return false;
@@ -271,17 +316,33 @@ bool DAFT_KERNEL(daft_instance_occluded)(const daft_tlas *tlas, uint32_t index, 
         return DAFT_KERNEL(daft_kd_occluded)(instance->kdtree, daft_affine_point(&instance->to_object, ray->origin),
                                              daft_affine_vector(&instance->to_object, ray->direction), ray->tmin, ray->tmax,
                                              tlas->intersection);
-    return DAFT_KERNEL(daft_mesh_occluded)(instance, 0, ray, tlas->intersection);
+    lined_ray own = *frame;
+    return turn(&instance->to_object, &own) &&
+           mesh_occluded(instance, 0, own.origin, own.direction, own.inverse, ray->tmin, ray->tmax, tlas->intersection);
+}
+
+void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, daft_nearest *hit)
+{
+    lined_ray frame = lined(ray);
+    instance_closest(tlas, index, ray, &frame, hit);
+}
+
+bool DAFT_KERNEL(daft_instance_occluded)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray)
+{
+    lined_ray frame = lined(ray);
+    return instance_occluded(tlas, index, ray, &frame);
 }
 
 static daft_vec3 triangle_normal(const daft_instance *instance, const daft_nearest *hit)
 {
+    const daft_affine *map = &instance->to_frame;
+    bool shift = is_shift(map);
     daft_vec3 p[3];
     for (int k = 0; k < 3; k++) {
         uint32_t v = hit->block ? 0 : instance->mesh->indices[3 * (size_t)hit->triangle + (size_t)k];
         daft_vec3 corner = hit->block ? daft_block_corner(hit->block, k, hit->place)
                                       : daft_v3(instance->mesh->x[v], instance->mesh->y[v], instance->mesh->z[v]);
-        p[k] = daft_affine_point(&instance->to_frame, corner);
+        p[k] = shift ? daft_add(corner, daft_v3(map->t[0], map->t[1], map->t[2])) : daft_affine_point(map, corner);
     }
     return daft_cross(daft_sub(p[1], p[0]), daft_sub(p[2], p[0]));
 }
@@ -307,24 +368,25 @@ void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, cons
                                      daft_nearest *hit)
 {
     ray_stack stack;
-    slab_ray slab = slab_setup_upper(ray);
+    uint64_t *top = stack.items;
+    *top++ = STACK_END;
+    lined_ray frame = lined(ray);
+    slab_ray slab = slab_setup_upper(frame.origin, frame.direction, frame.inverse, ray->tmin < 0);
     v8 low = v8_set(daft_before(ray->tmin)), near;
-    for (int top = 0;;) {
+    for (;;) {
         if (child & DAFT_CHILD_LEAF) {
+            if (child == DAFT_CHILD_NONE) return;
             uint32_t index = child & ~DAFT_CHILD_LEAF;
-            if (index != ignore) DAFT_KERNEL(daft_instance_closest)(tlas, index, ray, hit);
+            if (index != ignore) instance_closest(tlas, index, ray, &frame, hit);
         } else {
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test(node, &slab, true, low, v8_set(daft_past(hit->t)), &near);
             if (bits) {
-                child = step(node, bits, near, &stack, &top);
+                child = step(node, bits, near, &top);
                 continue;
             }
         }
-        do
-            if (--top < 0) return;
-        while (stack.near[top] > daft_past(hit->t));
-        child = stack.child[top];
+        child = pop(&top, daft_past(hit->t));
     }
 }
 
@@ -338,21 +400,24 @@ static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore,
 bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray)
 {
     ray_stack stack;
-    slab_ray slab = slab_setup_upper(ray);
+    uint64_t *top = stack.items;
+    *top++ = STACK_END;
+    lined_ray frame = lined(ray);
+    slab_ray slab = slab_setup_upper(frame.origin, frame.direction, frame.inverse, ray->tmin < 0);
     v8 low = v8_set(daft_before(ray->tmin)), high = v8_set(daft_past(ray->tmax)), near;
-    for (int top = 0;;) {
+    for (;;) {
         if (child & DAFT_CHILD_LEAF) {
-            if (DAFT_KERNEL(daft_instance_occluded)(tlas, child & ~DAFT_CHILD_LEAF, ray)) return true;
+            if (child == DAFT_CHILD_NONE) return false;
+            if (instance_occluded(tlas, child & ~DAFT_CHILD_LEAF, ray, &frame)) return true;
         } else {
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test(node, &slab, true, low, high, &near);
             if (bits) {
-                child = step(node, bits, near, &stack, &top);
+                child = step(node, bits, near, &top);
                 continue;
             }
         }
-        if (--top < 0) return false;
-        child = stack.child[top];
+        child = pop(&top, INFINITY);
     }
 }
 
@@ -363,9 +428,10 @@ static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
 
 static uint32_t boxes(const daft_node *node, const daft_ray *ray)
 {
-    slab_ray r = slab_setup(ray->origin, ray->direction, 0, ray->tmin < 0);
-    v8 near;
     if (!daft_ray_usable(ray)) return 0;
+    lined_ray line = lined(ray);
+    slab_ray r = slab_setup(line.origin, line.direction, line.inverse, 0, ray->tmin < 0);
+    v8 near;
     uint32_t real = 0xff;
     for (int k = 0; k < 3; k++) real &= v8_le_bits(v8_load(node->bounds[k]), v8_load(node->bounds[k + 3]));
     return real & slab_test(node, &r, false, v8_set(ray->tmin), v8_set(ray->tmax), &near);

@@ -146,6 +146,23 @@ DAFT_INLINE vf vf_load_fours(const float *const from[DAFT_VL / 4])
 DAFT_INLINE vf vf_column(void) { return vf_from_int(vi_iota() & vi_set(3)); }
 DAFT_INLINE vf vf_row(void) { return vf_from_int(vi_iota() >> 2); }
 DAFT_INLINE vf vf_abs(vf a) { return (vf)((vi)a & vi_set(0x7fffffff)); }
+/* The larger of the magnitudes; not of NaN. */
+DAFT_INLINE vf vf_most_of(vf a, vf b)
+{
+#if defined(DAFT_ISA_avx512)
+    return (vf)_mm512_range_ps((__m512)a, (__m512)b, 0xb); /* of absolute values, without a sign */
+#else
+    return vf_max(vf_abs(a), vf_abs(b));
+#endif
+}
+/* a·b + c and a·b - c, rounded once or twice, as the machine has it: only for what no result depends on. */
+#if defined(DAFT_ISA_avx512)
+DAFT_INLINE vf vf_rough_add(vf a, vf b, vf c) { return (vf)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c); }
+DAFT_INLINE vf vf_rough_sub(vf a, vf b, vf c) { return (vf)_mm512_fmsub_ps((__m512)a, (__m512)b, (__m512)c); }
+#else
+DAFT_INLINE vf vf_rough_add(vf a, vf b, vf c) { return a * b + c; }
+DAFT_INLINE vf vf_rough_sub(vf a, vf b, vf c) { return a * b - c; }
+#endif
 /* a with its sign flipped where the sign bit of s is set */
 DAFT_INLINE vf vf_xor_sign(vf a, vi sign) { return (vf)((vi)a ^ sign); }
 DAFT_INLINE vf vf_clamp01(vf a) { return vf_min(vf_max(a, vf_set(0)), vf_set(1)); }
@@ -497,6 +514,15 @@ DAFT_INLINE uint32_t v8_le_bits(v8 a, v8 b)
 #endif
 #endif
 
+DAFT_INLINE uint32_t v8_eq_bits(v8 a, v8 b)
+{
+#if defined(DAFT_ISA_avx2) || defined(DAFT_ISA_avx512)
+    return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_EQ_OQ));
+#else
+    return v8_le_bits(a, b) & v8_le_bits(b, a);
+#endif
+}
+
 typedef int32_t v8i_unaligned __attribute__((vector_size(32), aligned(4), may_alias));
 DAFT_INLINE v8i v8i_load(const void *p) { return *(const v8i_unaligned *)p; }
 DAFT_INLINE uint32_t v8_lt_bits(v8 a, v8 b)
@@ -549,6 +575,7 @@ DAFT_INLINE v4 v4_load(const float *p)
     memcpy(&v, p, sizeof v);
     return v;
 }
+DAFT_INLINE void v4_store(void *p, v4 v) { memcpy(p, &v, sizeof v); }
 DAFT_INLINE v4 v4_select(v4i m, v4 a, v4 b) { return (v4)((m & (v4i)a) | (~m & (v4i)b)); }
 DAFT_INLINE v4 v4_abs(v4 a) { return (v4)((v4i)a & (v4i){0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff}); }
 #ifdef DAFT_HAVE_X86
