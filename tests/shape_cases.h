@@ -162,6 +162,7 @@ MAYBE double oracle_distance(const cloud *a, const cloud *b)
         if (square - least < 1e-9 * square || square < 1e-16) break;
         daft_dvec3 d = daft_dsub(daft_dsub(b->points[best[1]], a->points[best[0]]),
                                  daft_dsub(b->points[worst[1]], a->points[worst[0]]));
+        if (!(daft_ddot(d, d) > 0)) break; /* nothing is better than what has weight */
         double t = -daft_ddot(v, d) / daft_ddot(d, d), all = weight[worst[0]][worst[1]];
         bool drop = t >= all;
         t = drop ? all : t;

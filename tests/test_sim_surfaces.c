@@ -228,6 +228,50 @@ static void a_platform_carries_a_crate(void **unused)
     daft_world_destroy(world);
 }
 
+/* After a second a crate on a belt of 2 m/s goes as fast, upright. */
+static void a_belt_carries_a_crate(void **unused)
+{
+    (void)unused;
+    daft_world *world = new_world();
+    one_shape belt = box(daft_v3(50, 0.5f, 2), 0, -0.5, 0);
+    belt.part.material.belt = daft_v3(2, 0, 0);
+    add(world, belt);
+    uint32_t crate = add(world, dynamic_box(daft_v3(0.3f, 0.3f, 0.3f), -20, 0.3, 0));
+    steps(world, 60);
+    for (int i = 0; i < 600; i++) {
+        steps(world, 1);
+        daft_sim_state s = state_of(world, crate);
+        assert_near((double)s.linear.x, 2, 1e-3);
+        assert_near((double)daft_length(s.angular), 0, 1e-3);
+        assert_near(s.position.y, 0.3, 1e-3);
+    }
+    daft_world_destroy(world);
+}
+
+/* A metre from the middle of a turntable of 1 rad/s, it stays where it is on it. */
+static void a_turntable_carries_a_crate(void **unused)
+{
+    (void)unused;
+    daft_world *world = new_world();
+    one_shape disc = box(daft_v3(3, 0.5f, 3), 0, -0.5, 0);
+    disc.kind = DAFT_BODY_KINEMATIC;
+    uint32_t table = add(world, disc), crate = add(world, dynamic_box(daft_v3(0.2f, 0.2f, 0.2f), 1, 0.2, 0));
+    daft_world_set_velocity(world, table, daft_v3(0, 0, 0), daft_v3(0, 1, 0));
+    daft_dvec3 first = daft_dv3(0, 0, 0);
+    for (int i = 0; i <= 660; i++) {
+        steps(world, 1);
+        daft_sim_state s = state_of(world, table);
+        daft_rigid frame = daft_rigid_make(s.position, s.rotation);
+        daft_dvec3 at = daft_rigid_to_local(&frame, state_of(world, crate).position);
+        if (i == 60) first = at;
+        if (i < 660) continue;
+        at = daft_dsub(at, first);
+        print_message("crept %g mm in 10 s\n", 1000 * sqrt(daft_ddot(at, at)));
+        assert_true(sqrt(daft_ddot(at, at)) < 1e-3);
+    }
+    daft_world_destroy(world);
+}
+
 /* ---- seams ---- */
 
 typedef struct slide {
@@ -410,6 +454,8 @@ int main(void)
         cmocka_unit_test(a_crate_stops_where_friction_says),
         cmocka_unit_test(a_spinning_crate_stops_and_never_turns_back),
         cmocka_unit_test(a_platform_carries_a_crate),
+        cmocka_unit_test(a_belt_carries_a_crate),
+        cmocka_unit_test(a_turntable_carries_a_crate),
         cmocka_unit_test(seams_do_not_slow_lift_or_turn),
         cmocka_unit_test(one_mesh_or_two_is_the_same),
         cmocka_unit_test(bad_triangles_are_not_felt),

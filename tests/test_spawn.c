@@ -14,11 +14,22 @@ static float any(float low, float high)
     return low + (high - low) * (float)(state >> 40) * 0x1p-24f;
 }
 
-static daft_quat any_turn(void) { return daft_quat_normalize((daft_quat){any(-1, 1), any(-1, 1), any(-1, 1), any(-1, 1)}); }
+/* C leaves open in which order a call's arguments are computed: random ones are drawn one at a time. */
+static daft_vec3 any3(float low, float high)
+{
+    float x = any(low, high), y = any(low, high), z = any(low, high);
+    return daft_v3(x, y, z);
+}
+
+static daft_quat any_turn(void)
+{
+    daft_vec3 v = any3(-1, 1);
+    return daft_quat_normalize((daft_quat){v.x, v.y, v.z, any(-1, 1)});
+}
 
 static daft_dvec3 any_way(void)
 {
-    daft_dvec3 d = daft_dv3((double)any(-1, 1), (double)any(-1, 1), (double)any(-1, 1));
+    daft_dvec3 d = daft_to_double(any3(-1, 1));
     double length = sqrt(daft_ddot(d, d));
     return length > 0.1 ? daft_dscale(d, 1 / length) : daft_dv3(0.6, 0.8, 0);
 }
@@ -226,7 +237,8 @@ static void lamps_inside(void **unused)
             add(s, def);
             daft_dvec3 lamp_at = within(&def, size, i < 3 ? 0.4 : 0.1);
             lamp(s, lamp_at, 4);
-            s->view.camera = daft_camera_look_at(within(&def, size, 0.3), within(&def, size, 0.05), 2);
+            daft_dvec3 from = within(&def, size, 0.3), at = within(&def, size, 0.05);
+            s->view.camera = daft_camera_look_at(from, at, 2);
             draw(s);
             count_dark(s, lamp_at, &t);
             stage_drop(s);
@@ -259,7 +271,7 @@ static void lamps_outside(void **unused)
             /* beside a wall, near an edge's line, far away */
             lamp(s, daft_dadd(def.position, daft_dscale(any_way(), size * (i < 6 ? 0.9 : 100))), 1000);
             lamp(s, daft_dadd(def.position, daft_dv3(0.5001 * size, (double)any(-0.49f, 0.49f) * size, 0.499 * size)), 1000);
-            sun(s, daft_v3(any(-1, 1), any(-1, 1), any(-1, 1)), 1000);
+            sun(s, any3(-1, 1), 1000);
             double corner = i % 3 == 1 ? 0.4999 : 0.2;
             daft_dvec3 eye = daft_dadd(def.position, daft_dscale(daft_dv3(corner, -corner, corner), size));
             s->view.camera = daft_camera_look_at(eye, i % 2 ? def.position : daft_dv3(eye.x - size, eye.y, eye.z), 2);
@@ -286,7 +298,9 @@ static void seams_are_tight(void **unused)
                 add(s, box(daft_dv3(middle[0], middle[1], middle[2]), daft_to_float(daft_dv3(length[0], length[1], length[2])), white));
             }
             daft_scene_set_ambient(s->scene, daft_v3(0, 0, 0));
-            sun(s, daft_v3(any(-1, 1), -1, any(-1, 1)), 1000);
+            daft_vec3 down = any3(-1, 1);
+            down.y = -1;
+            sun(s, down, 1000);
             lamp(s, daft_dv3(size * 3, size * 2, size), 1000);
             s->view.camera = daft_camera_look_at(daft_dv3(-0.3 * size, -0.2 * size, 0.1 * size),
                                                  daft_dv3(i % 2 ? h : 0, h, i > 1 ? -h : h), 2);

@@ -352,8 +352,16 @@ static float friction_of(const daft_world *world, const daft_sim_touch *touch, c
     return daft_length(v) < STICK_SPEED ? touch->static_friction : touch->friction;
 }
 
+/* Enough, in radians, that a point a metre away leaves its tangent by a micrometre within the step. */
+#define MIN_TURN 1e-3f
+
+static bool turns_about(daft_vec3 normal, const daft_sim_body *body, float dt)
+{
+    return fabsf(daft_dot(normal, body->angular)) * dt > MIN_TURN;
+}
+
 static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, const daft_sim_slot *slot,
-                      const float soft[2][3])
+                      const float soft[2][3], float dt)
 {
     daft_sim_touch *touch = &world->touches[slot->touch];
     const daft_sim_patch *patch = &daft_sim_patches(touch)[slot->patch];
@@ -383,6 +391,10 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     block->slip[1][lane] = daft_dot(patch->slip, u);
     block->twist_slip[lane] = patch->twist_slip;
     put3(block->rolling_impulse, lane, daft_scale(patch->rolling_impulse, longer));
+    if (turns_about(n, a, dt) || turns_about(n, b, dt)) {
+        block->turns = true;
+        for (int k = 0; k < 2; k++) block->bend_a[k][lane] = block->bend_b[k][lane] = 1;
+    }
     if (touch->belted) {
         daft_vec3 belt =
             daft_sub(belt_of(world, touch->body_a, touch->part_a), belt_of(world, touch->body_b, touch->part_b));
@@ -427,7 +439,7 @@ void daft_sim_block_fill(daft_world *world, uint32_t index)
     block->lanes = lanes;
     for (int i = 0; i < DAFT_MANIFOLD_POINTS; i++)
         for (int lane = 0; lane < DAFT_SIM_LANES; lane++) block->point[i].separation[lane] = UNUSED_SEPARATION;
-    for (int lane = 0; lane < lanes; lane++) fill_lane(world, block, lane, &slots[lane], soft);
+    for (int lane = 0; lane < lanes; lane++) fill_lane(world, block, lane, &slots[lane], soft, h * (float)s->substeps);
 }
 
 static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)

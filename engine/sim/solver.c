@@ -27,6 +27,13 @@ typedef struct context {
     atomic_int turning; /* the last substep in which some body turned far */
 } context;
 
+static daft_sim_substep at_time(const context *c, float elapsed)
+{
+    daft_sim_substep out = c->substep;
+    out.elapsed = elapsed;
+    return out;
+}
+
 /* ---- stages ---- */
 
 static void stage_fill(void *p, int argument, uint32_t first, uint32_t count)
@@ -40,7 +47,8 @@ static void stage_store(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
-    c->s->kernels->finish(&c->s->rows, c->s->blocks + first, count);
+    const daft_sim_substep end = at_time(c, c->dt);
+    c->s->kernels->finish(&c->s->rows, c->s->blocks + first, count, &end);
     for (uint32_t i = first; i < first + count; i++) daft_sim_block_store(c->world, i);
 }
 static void stage_gain(void *p, int argument, uint32_t first, uint32_t count)
@@ -59,7 +67,7 @@ static void stage_turn(void *p, int substep, uint32_t first, uint32_t count)
 {
     context *c = p;
     bool turning = false;
-    for (uint32_t i = first; i < first + count; i++) turning |= daft_sim_spin_refresh(c->world, i, c->substep.h);
+    for (uint32_t i = first; i < first + count; i++) turning |= daft_sim_spin_refresh(c->world, i, c->dt);
     if (turning) atomic_store_explicit(&c->turning, substep, memory_order_relaxed);
 }
 static void stage_refresh(void *p, int substep, uint32_t first, uint32_t count)
@@ -74,16 +82,20 @@ static void stage_warm(void *p, int argument, uint32_t first, uint32_t count)
     context *c = p;
     c->s->kernels->warm_start(&c->s->rows, c->s->blocks + first, count);
 }
-static void stage_solve(void *p, int biased, uint32_t first, uint32_t count)
+/* Bodies have moved in the substeps before this one; in this one too where springs are off. */
+static void stage_solve(void *p, int moved, uint32_t first, uint32_t count)
 {
     context *c = p;
-    c->s->kernels->solve(&c->s->rows, c->s->blocks + first, count, &c->substep, biased);
+    bool biased = !(moved & 1);
+    const daft_sim_substep substep = at_time(c, (float)((moved + 1) >> 1) * c->substep.h);
+    c->s->kernels->solve(&c->s->rows, c->s->blocks + first, count, &substep, biased);
 }
 static void stage_bounce(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
-    c->s->kernels->bounce(&c->s->rows, c->s->blocks + first, count);
+    const daft_sim_substep end = at_time(c, c->dt);
+    c->s->kernels->bounce(&c->s->rows, c->s->blocks + first, count, &end);
 }
 static void stage_joint_begin(void *p, int argument, uint32_t first, uint32_t count)
 {
@@ -123,7 +135,7 @@ static void stage_spin(void *p, int when, uint32_t first, uint32_t count)
     for (uint32_t i = first; i < first + count; i++) {
         daft_sim_spin *spin = &c->s->spins[i];
         if (when == SPIN_BEFORE) daft_sim_spin_before(c->world, spin, c->substep.h);
-        if (when == SPIN_BETWEEN) daft_sim_spin_between(c->world, spin, c->substep.h);
+        if (when == SPIN_BETWEEN) daft_sim_spin_between(c->world, spin, c->substep.h, c->dt);
         if (when == SPIN_AFTER) daft_sim_spin_after(c->world, spin);
     }
 }
@@ -156,7 +168,7 @@ static void add_substep(daft_sim_solver *s, int substep)
     add_contacts(s, stage_warm, 0);
     add_joints(s, stage_joint_solve, true);
     add_joints(s, stage_joint_solve, true); /* long chains need it, and it costs little beside contacts */
-    add_contacts(s, stage_solve, true);
+    add_contacts(s, stage_solve, 2 * (substep - 1));
     add(s, stage_spin, SPIN_BETWEEN, 0, s->spin_count, SPIN_GRAIN);
     add(s, stage_move, 0, 1, s->mover_count, ROW_GRAIN);
     add(s, stage_move, 0, dynamic, rows, ROW_GRAIN);
@@ -165,7 +177,7 @@ static void add_substep(daft_sim_solver *s, int substep)
     add(s, stage_turn, substep, dynamic, rows, ROW_GRAIN);
     add(s, stage_refresh, substep, 0, s->block_count, BLOCK_GRAIN);
     add_joints(s, stage_joint_solve, false);
-    add_contacts(s, stage_solve, false);
+    add_contacts(s, stage_solve, 2 * substep - 1);
 }
 
 static size_t most_stages(const daft_sim_solver *s)
@@ -257,7 +269,7 @@ static void solve_pace(daft_world *world, float dt)
 {
     daft_sim_solver *s = world->solver;
     context c = {.world = world, .s = s, .dt = dt};
-    c.substep = (daft_sim_substep){s->h, (float)s->substeps / dt, PUSH_SPEED};
+    c.substep = (daft_sim_substep){.h = s->h, .inv_h = (float)s->substeps / dt, .push_speed = PUSH_SPEED};
     fill_rows(world, dt);
     daft_sim_stages_clear(s->stages);
     add(s, stage_fill, 0, 0, s->block_count, BLOCK_GRAIN);

@@ -47,6 +47,9 @@ typedef struct daft_sim_block {
     daft_sim_lanes tangent_impulse[2];
     daft_sim_lanes slip[2], twist_slip; /* how far what sticks was dragged along: since when, see patches */
     daft_sim_lanes belt[2];            /* the surfaces' speed along the tangents: a's less b's */
+    bool turns;                        /* some lane's bodies turn about the normal; those whose do not have zeros here: */
+    daft_sim_lanes bend_a[2], bend_b[2]; /* along the tangents, from the centre to where friction acts; else 1 before
+                                           prepare */
     daft_sim_lanes twist_a[3], twist_b[3], twist_mass, twist_impulse;
     daft_sim_lanes restitution;
     daft_sim_lanes rolling, rolling_mass, rolling_impulse[3];
@@ -62,6 +65,7 @@ typedef struct daft_sim_colour {
 typedef struct daft_sim_substep {
     float h, inv_h;
     float push_speed;
+    float elapsed; /* s since the step began, as far as bodies have moved */
 } daft_sim_substep;
 
 /* Rows of DAFT_SIM_ROW floats for each body that moves, and row 0, zero, for all that does not. */
@@ -85,8 +89,8 @@ typedef struct daft_sim_kernels {
     /* biased: springs push overlap apart; otherwise the speed that gave is taken out again. */
     void (*solve)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
                   bool biased);
-    void (*bounce)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
-    void (*finish)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
+    void (*bounce)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end);
+    void (*finish)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end);
     /* Rows first..first + count. */
     void (*gain)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h);
     void (*move)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h);
@@ -103,6 +107,7 @@ typedef struct daft_sim_spin {
     uint32_t row;
     float middle[3];
     double momentum[3]; /* world axes */
+    double jolts;       /* in this step, see spin.c */
     bool jolted;        /* what constraints did in this substep leaves it its angular velocity */
 } daft_sim_spin;
 
@@ -244,13 +249,13 @@ float daft_sim_joint_value(const daft_world *world, const daft_sim_joint *joint,
  * between, after constraints acted and before it is turned: their impulses join its momentum; after: its angular
  * velocity becomes what the momentum asks for. */
 void daft_sim_spin_before(const daft_world *world, daft_sim_spin *spin, float h);
-void daft_sim_spin_between(const daft_world *world, daft_sim_spin *spin, float h);
+void daft_sim_spin_between(const daft_world *world, daft_sim_spin *spin, float h, float dt);
 void daft_sim_spin_after(const daft_world *world, const daft_sim_spin *spin);
 /* Turns farther than this in a substep, in radians, are beyond the midpoint rule. */
 #define DAFT_SIM_WILD_TURN 0.8f
 /* Gives a constrained row the inertia of the body as it has turned, if it turns far. The angular velocity is the same seen
  * from the body, so its energy is; with the old inertia the next impulse could give it many times that. */
-bool daft_sim_spin_refresh(const daft_world *world, uint32_t row, float h);
+bool daft_sim_spin_refresh(const daft_world *world, uint32_t row, float dt);
 
 /* ---- solver.c ---- */
 

@@ -121,6 +121,16 @@ DAFT_INLINE void prepare_friction(daft_sim_block *block, const sides *s, vf3 mid
     respond_friction(block, s, lane);
 }
 
+DAFT_INLINE void prepare_bend(daft_sim_block *block, vf3 middle, vf3 apart, vf3 n, int lane)
+{
+    vf3 t = load3(block->tangent, lane), other = vf3_add(middle, apart);
+    vf3 along[2] = {t, vf3_cross(n, t)};
+    for (int k = 0; k < 2; k++) {
+        vf_store(block->bend_a[k] + lane, vf_load(block->bend_a[k] + lane) * vf3_dot(along[k], middle));
+        vf_store(block->bend_b[k] + lane, vf_load(block->bend_b[k] + lane) * vf3_dot(along[k], other));
+    }
+}
+
 DAFT_INLINE void prepare_rolling(daft_sim_block *block, const sides *s, int lane)
 {
     vf trace = vf_set(0);
@@ -170,6 +180,7 @@ DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, daft_sim_block *block,
                  vf_select(there, meeting_speed(p, &a, &b, s.normal, acceleration, lane), zero));
     }
     middle = vf3_scale(middle, inverse(count));
+    if (block->turns) prepare_bend(block, middle, s.apart, s.normal, lane);
     for (int i = 0; i < block->points; i++) {
         vf3 d = vf3_sub(anchor[i], middle);
         vf_store(block->point[i].lever + lane, vf_sqrt(vf3_dot(d, d)));
@@ -287,28 +298,43 @@ typedef struct spring {
     bool on;
 } spring;
 
-/* How far b's surface moved along a's in the step, in a direction of friction. */
-DAFT_INLINE vf dragged(const body *turn_a, const body *turn_b, vf3 along, const daft_sim_lanes *arm_a,
-                       const daft_sim_lanes *arm_b, int lane)
+typedef struct drag {
+    vf t, u;
+} drag;
+
+/* How far b's surface moved along a's in the step, beyond what belts carry it, in the directions of friction. What turns
+ * about the normal moves along a circle: the second order of that is what a turntable's passenger would creep by. */
+DAFT_INLINE drag dragged(const daft_sim_block *block, const body *turn_a, const body *turn_b, vf3 n, vf3 t, vf3 u,
+                         float elapsed, int lane)
 {
-    return vf3_dot(along, vf3_sub(turn_b->v, turn_a->v)) + vf3_dot(load3(arm_b, lane), turn_b->w) -
-           vf3_dot(load3(arm_a, lane), turn_a->w);
+    vf3 way = vf3_sub(turn_b->v, turn_a->v);
+    drag d = {vf3_dot(t, way) + vf3_dot(load3(block->arm_b[0], lane), turn_b->w) -
+                  vf3_dot(load3(block->arm_a[0], lane), turn_a->w),
+              vf3_dot(u, way) + vf3_dot(load3(block->arm_b[1], lane), turn_b->w) -
+                  vf3_dot(load3(block->arm_a[1], lane), turn_a->w)};
+    d.t = d.t - vf_load(block->belt[0] + lane) * vf_set(elapsed);
+    d.u = d.u - vf_load(block->belt[1] + lane) * vf_set(elapsed);
+    if (!block->turns) return d;
+    vf a = vf3_dot(n, turn_a->w), b = vf3_dot(n, turn_b->w);
+    a = vf_set(0.5f) * a * a, b = vf_set(0.5f) * b * b;
+    d.t = d.t + (a * vf_load(block->bend_a[0] + lane) - b * vf_load(block->bend_b[0] + lane));
+    d.u = d.u + (a * vf_load(block->bend_a[1] + lane) - b * vf_load(block->bend_b[1] + lane));
+    return d;
 }
 
 /* Coulomb's cone: the friction impulse opposes sliding and is at most friction times the normal impulse. What sticks is
  * drawn back to where it stuck; what slides sticks anew where it is. */
 DAFT_INLINE void solve_friction(daft_sim_block *block, body *a, body *b, masses m, vf3 n, vf normal_sum,
-                                const body *turn_a, const body *turn_b, const spring *s, int lane)
+                                const body *turn_a, const body *turn_b, const spring *s, float elapsed, int lane)
 {
     vf3 t = load3(block->tangent, lane), u = vf3_cross(n, t);
     vf vt = row_speed(a, b, t, block->arm_a[0], block->arm_b[0], lane) - vf_load(block->belt[0] + lane);
     vf vu = row_speed(a, b, u, block->arm_a[1], block->arm_b[1], lane) - vf_load(block->belt[1] + lane);
-    vf way_t = dragged(turn_a, turn_b, t, block->arm_a[0], block->arm_b[0], lane);
-    vf way_u = dragged(turn_a, turn_b, u, block->arm_a[1], block->arm_b[1], lane);
+    drag way = dragged(block, turn_a, turn_b, n, t, u, elapsed, lane);
     vf slip_t = vf_load(block->slip[0] + lane), slip_u = vf_load(block->slip[1] + lane);
     if (s->on) {
-        vt = vt + s->rate * (slip_t + way_t);
-        vu = vu + s->rate * (slip_u + way_u);
+        vt = vt + s->rate * (slip_t + way.t);
+        vu = vu + s->rate * (slip_u + way.u);
     }
     vf soft_mass = s->on ? s->mass : vf_set(1), soft_impulse = s->on ? s->impulse : vf_set(0);
     vf m11 = vf_load(block->tangent_mass[0] + lane), m12 = vf_load(block->tangent_mass[1] + lane);
@@ -322,8 +348,8 @@ DAFT_INLINE void solve_friction(daft_sim_block *block, body *a, body *b, masses 
     vf_store(block->tangent_impulse[1] + lane, new_u);
     if (!s->on) {
         vm slides = vf_lt(scale, vf_set(1));
-        vf_store(block->slip[0] + lane, vf_select(slides, -way_t, slip_t));
-        vf_store(block->slip[1] + lane, vf_select(slides, -way_u, slip_u));
+        vf_store(block->slip[0] + lane, vf_select(slides, -way.t, slip_t));
+        vf_store(block->slip[1] + lane, vf_select(slides, -way.u, slip_u));
     }
     push(a, b, m, t, block->push_a[0], block->push_b[0], new_t - old_t, lane);
     push(a, b, m, u, block->push_a[1], block->push_b[1], new_u - old_u, lane);
@@ -433,7 +459,7 @@ DAFT_INLINE void solve_lanes(const daft_sim_rows *rows, daft_sim_block *block, c
                 .inv_h = vf_set(substep->inv_h), .on = biased};
     sums sum = solve_points(block, &a, &b, m, n, &turn_a, &turn_b, &s, lane);
     solve_twist(block, &a, &b, n, sum.levers, &turn_a, &turn_b, &s, lane);
-    solve_friction(block, &a, &b, m, n, sum.impulse, &turn_a, &turn_b, &s, lane);
+    solve_friction(block, &a, &b, m, n, sum.impulse, &turn_a, &turn_b, &s, substep->elapsed, lane);
     if (block->rolls) solve_rolling(block, &a, &b, sum.impulse, lane);
     store_body(rows->velocity, ia, &a, block->writes_a >> lane);
     store_body(rows->velocity, ib, &b, block->writes_b >> lane);
@@ -452,7 +478,7 @@ static void solve(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t co
 #define BOUNCE_SPEED 1.0f /* m/s; slower contacts do not bounce */
 
 /* The bounce's impulse adds to the step's, and gives friction its share; it is not kept for the next step's start. */
-DAFT_INLINE void bounce_lanes(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+DAFT_INLINE void bounce_lanes(const daft_sim_rows *rows, daft_sim_block *block, float elapsed, int lane)
 {
     const int32_t *ia = block->a + lane, *ib = block->b + lane;
     body a = load_body(rows->velocity, ia), b = load_body(rows->velocity, ib);
@@ -481,37 +507,43 @@ DAFT_INLINE void bounce_lanes(const daft_sim_rows *rows, daft_sim_block *block, 
         vf_store(block->tangent_impulse[k] + lane, zero);
     }
     const spring rigid = {.on = false};
-    solve_friction(block, &a, &b, m, n, sum, &turn_a, &turn_b, &rigid, lane);
+    solve_friction(block, &a, &b, m, n, sum, &turn_a, &turn_b, &rigid, elapsed, lane);
     for (int k = 0; k < 2; k++) vf_store(block->tangent_impulse[k] + lane, kept[k]);
     store_body(rows->velocity, ia, &a, block->writes_a >> lane);
     store_body(rows->velocity, ib, &b, block->writes_b >> lane);
 }
 
-static void bounce(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
+static void bounce(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; blocks[i].bounces && lane < blocks[i].lanes; lane += DAFT_VL)
-            bounce_lanes(rows, &blocks[i], lane);
+            bounce_lanes(rows, &blocks[i], end->elapsed, lane);
 }
 
-/* ---- the end: what was dragged in this step adds to what was before ---- */
+/* ---- the end: what was dragged in this step adds to what was before, and turns with the surfaces ---- */
 
-DAFT_INLINE void finish_lanes(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+DAFT_INLINE void finish_lanes(const daft_sim_rows *rows, daft_sim_block *block, float elapsed, int lane)
 {
     body a = load_body(rows->moved, block->a + lane), b = load_body(rows->moved, block->b + lane);
     vf3 n = load3(block->normal, lane), t = load3(block->tangent, lane), u = vf3_cross(n, t);
-    vf way_t = dragged(&a, &b, t, block->arm_a[0], block->arm_b[0], lane);
-    vf way_u = dragged(&a, &b, u, block->arm_a[1], block->arm_b[1], lane);
-    vf_store(block->slip[0] + lane, vf_load(block->slip[0] + lane) + way_t);
-    vf_store(block->slip[1] + lane, vf_load(block->slip[1] + lane) + way_u);
-    vf way = vf3_dot(n, vf3_sub(b.w, a.w));
-    vf_store(block->twist_slip + lane, vf_load(block->twist_slip + lane) + way);
+    drag way = dragged(block, &a, &b, n, t, u, elapsed, lane);
+    vf slip_t = vf_load(block->slip[0] + lane) + way.t, slip_u = vf_load(block->slip[1] + lane) + way.u;
+    vf twist_a = vf3_dot(n, a.w), twist_b = vf3_dot(n, b.w), half = vf_set(0.25f) * (twist_a + twist_b);
+    /* Half the tangent's angle to its rotation: (1 - q², 2q) / (1 + q²). */
+    vf square = half * half, scale = vf_set(1) / (vf_set(1) + square);
+    vf c = (vf_set(1) - square) * scale, s = (half + half) * scale;
+    vf push_t = vf_load(block->tangent_impulse[0] + lane), push_u = vf_load(block->tangent_impulse[1] + lane);
+    vf_store(block->slip[0] + lane, c * slip_t - s * slip_u);
+    vf_store(block->slip[1] + lane, s * slip_t + c * slip_u);
+    vf_store(block->tangent_impulse[0] + lane, c * push_t - s * push_u);
+    vf_store(block->tangent_impulse[1] + lane, s * push_t + c * push_u);
+    vf_store(block->twist_slip + lane, vf_load(block->twist_slip + lane) + (twist_b - twist_a));
 }
 
-static void finish(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
+static void finish(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end)
 {
     for (uint32_t i = 0; i < count; i++)
-        for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) finish_lanes(rows, &blocks[i], lane);
+        for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) finish_lanes(rows, &blocks[i], end->elapsed, lane);
 }
 
 /* ---- bodies ---- */

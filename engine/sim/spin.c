@@ -94,18 +94,18 @@ static vec to_axes(const double m[9], const double l[3])
     return out;
 }
 
-/* A change of velocity within the substep that turns the body by more, in radians, is no part of the midpoint rule: the
- * momentum of a long body, seen in axes that are off by so much, would spin it about its length. */
-#define MAX_JOLT 0.02
+/* Changes of velocity within a step that turn the body by more in a step, in radians, are no part of the midpoint rule: the
+ * momentum of a long body, seen in axes that are off by a part of that, would spin it about its length. */
+#define MAX_JOLT 0.08
 
-void daft_sim_spin_between(const daft_world *world, daft_sim_spin *spin, float h)
+void daft_sim_spin_between(const daft_world *world, daft_sim_spin *spin, float h, float dt)
 {
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[spin->row]];
     const float *v = world->solver->rows.velocity + (size_t)spin->row * DAFT_SIM_ROW + 3;
     double m[9], d[3], inertia[3] = {(double)body->moments.x, (double)body->moments.y, (double)body->moments.z};
     for (int k = 0; k < 3; k++) d[k] = (double)v[k] - (double)spin->middle[k];
-    double jolt = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * (double)h;
-    spin->jolted = jolt > MAX_JOLT || daft_length(daft_v3(v[0], v[1], v[2])) * h > DAFT_SIM_WILD_TURN;
+    spin->jolts += sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * (double)dt;
+    spin->jolted = spin->jolts > MAX_JOLT || daft_length(daft_v3(v[0], v[1], v[2])) * h > DAFT_SIM_WILD_TURN;
     if (d[0] == 0 && d[1] == 0 && d[2] == 0) return;
     principal_axes(world, spin->row, m);
     vec change = to_axes(m, d);
@@ -130,14 +130,14 @@ void daft_sim_spin_after(const daft_world *world, const daft_sim_spin *spin)
 
 /* ---- far turns ---- */
 
-#define FAR_TURN 0.1f /* rad in a substep */
+#define FAR_TURN 0.4f /* rad in a step */
 
-bool daft_sim_spin_refresh(const daft_world *world, uint32_t row, float h)
+bool daft_sim_spin_refresh(const daft_world *world, uint32_t row, float dt)
 {
     const daft_sim_rows *rows = &world->solver->rows;
     size_t at = (size_t)row * DAFT_SIM_ROW;
     const float *v = rows->velocity + at + 3;
-    float *turn = rows->turn + at, most = FAR_TURN / h;
+    float *turn = rows->turn + at, most = FAR_TURN / dt;
     turn[4] = turn[5] != 0 && v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > most * most;
     if (turn[4] == 0) return false;
     daft_sim_body body = world->bodies[world->solver->row_bodies[row]];
