@@ -390,6 +390,8 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     block->slip[0][lane] = daft_dot(patch->slip, t);
     block->slip[1][lane] = daft_dot(patch->slip, u);
     block->twist_slip[lane] = patch->twist_slip;
+    block->shares |= patch->shared;
+    block->shared[lane] = patch->shared;
     put3(block->rolling_impulse, lane, daft_scale(patch->rolling_impulse, longer));
     if (turns_about(n, a, dt) || turns_about(n, b, dt)) {
         block->turns = true;

@@ -188,6 +188,31 @@ static bool is_behind(const group *g, int c)
     return false;
 }
 
+/* ---- floors of many pieces ---- */
+
+#define LEVEL  5e-3f  /* m */
+#define UPRIGHT 0.9999f
+
+/* What slides over several pieces of one floor is braked by each at the middle of what it touches of it, and would be turned
+ * by that; on one piece it would not. */
+static bool is_one_floor(const group *g)
+{
+    const candidate *first = NULL;
+    int patches = 0;
+    for (int i = 0; i < g->count; i++) {
+        const candidate *c = &g->near[i];
+        if (c->patch->count == 0) continue;
+        if (!first) first = c;
+        const daft_vec3 n = first->patch->normal, apart = daft_sub(c->patch->points[0].anchor, first->patch->points[0].anchor);
+        bool still = g->world->bodies[c->touch->body_b].kind == DAFT_BODY_STATIC && !c->touch->belted;
+        if (!still || is_ahead(c->patch) || c->touch->friction != first->touch->friction ||
+            daft_dot(c->patch->normal, n) < UPRIGHT || fabsf(daft_dot(apart, n)) > LEVEL)
+            return false;
+        patches++;
+    }
+    return patches > 1;
+}
+
 /* ---- all of them ---- */
 
 static void drop(candidate *c) { c->patch->count = 0; }
@@ -236,6 +261,8 @@ static void filter_body(daft_world *world, uint32_t index)
         if (is_hidden(&g, i)) drop(&g.near[i]);
     for (int i = g.count - 1; i >= 0; i--)
         if (g.near[i].patch->count > 0 && is_behind(&g, i)) drop(&g.near[i]);
+    if (is_one_floor(&g))
+        for (int i = 0; i < g.count; i++) g.near[i].patch->shared = true;
     for (int i = 0; i < g.count; i++) squeeze(g.near[i].touch);
 }
 

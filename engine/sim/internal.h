@@ -189,6 +189,7 @@ typedef struct daft_sim_patch {
     float speed;         /* with which they met, 0 or more */
     daft_shape_part part_a, part_b;
     daft_vec3 shift; /* of a against b on the way to where they meet, if they are apart still */
+    bool shared; /* with others of one floor that a stands on: they do not yield, and are of one height and friction */
 } daft_sim_patch;
 
 typedef struct daft_sim_touch {

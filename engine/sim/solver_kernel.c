@@ -180,6 +180,12 @@ DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, daft_sim_block *block,
                  vf_select(there, meeting_speed(p, &a, &b, s.normal, acceleration, lane), zero));
     }
     middle = vf3_scale(middle, inverse(count));
+    if (block->shares) {
+        vm below = vf_lt(zero, vf_load(block->shared + lane));
+        vf3 foot = vf3_scale(s.normal, vf3_dot(s.normal, middle));
+        middle = (vf3){vf_select(below, foot.x, middle.x), vf_select(below, foot.y, middle.y),
+                       vf_select(below, foot.z, middle.z)};
+    }
     if (block->turns) prepare_bend(block, middle, s.apart, s.normal, lane);
     for (int i = 0; i < block->points; i++) {
         vf3 d = vf3_sub(anchor[i], middle);
