@@ -575,7 +575,6 @@ DAFT_INLINE v4 v4_load(const float *p)
     memcpy(&v, p, sizeof v);
     return v;
 }
-DAFT_INLINE void v4_store(void *p, v4 v) { memcpy(p, &v, sizeof v); }
 DAFT_INLINE v4 v4_select(v4i m, v4 a, v4 b) { return (v4)((m & (v4i)a) | (~m & (v4i)b)); }
 DAFT_INLINE v4 v4_abs(v4 a) { return (v4)((v4i)a & (v4i){0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff}); }
 #ifdef DAFT_HAVE_X86
