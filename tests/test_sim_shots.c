@@ -196,7 +196,7 @@ static void a_spinning_stick_stays_above_the_floor(void **unused)
         daft_world_destroy(world);
     }
     print_message("middle at %g m at the lowest, %g of its energy at most\n", lowest, most);
-    assert_true(lowest > 0.02 && most < 4);
+    assert_true(lowest > 0.02 && most < 2);
 }
 
 int main(void)

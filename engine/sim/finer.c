@@ -19,6 +19,7 @@
 #define LEAST_G    1.0f  /* m/s²: where there is less gravity, what presses is no weight */
 #define COLUMN     2.5f  /* times the mean of what its bodies ask for is what a heap gets */
 #define DEEP       0.1f  /* of a body's extent: what overlaps by more is to be parted, and not so that it flies */
+#define FAST   0.1f  /* of its extent: if its fastest point moves by more in a step */
 #define STAYS      1.4f  /* times what is asked for, before a heap takes fewer substeps: it would go to and fro */
 #define LASTS      0.9f  /* of what was asked for, in a step in which nothing asks */
 
@@ -93,7 +94,7 @@ uint32_t daft_sim_finer_pace(daft_world *world, uint32_t body) { return heap_of(
  * for two fifths of what the lowest does on average; in a broad heap for much less. */
 static uint32_t pace_of(const daft_world *world, const daft_sim_heap *heap, float dt)
 {
-    if (heap->contacts == 0 || heap->deep || heap->joined) return 0;
+    if (heap->contacts == 0 || heap->deep || heap->joined || heap->fast) return 0;
     uint32_t pace = 0, substeps = (uint32_t)world->substeps;
     float wanted = COLUMN * (float)heap->asked / (float)heap->bodies * dt;
     while (pace + 1 < DAFT_SIM_PACES && 2 * substeps <= MOST_SUBSTEPS &&
@@ -114,6 +115,12 @@ static bool is_deep(const daft_world *world, daft_sim_touch *touch)
     return false;
 }
 
+/* Contacts are found once a step. A stiff spring at a point that the body has left within the step gives it energy. */
+static bool is_fast(const daft_sim_body *body, float dt)
+{
+    return (daft_length(body->linear) + daft_length(body->angular) * body->extent) * dt > FAST * body->extent;
+}
+
 /* Sums are of whole numbers, so their order does not matter. */
 static void survey(daft_world *world, float dt)
 {
@@ -125,6 +132,7 @@ static void survey(daft_world *world, float dt)
         uint32_t before = body->h > 0 ? (uint32_t)(daft_sim_min(dt / body->h, MOST_SUBSTEPS) + 0.5f) : 0;
         heap->asked += (uint64_t)body->finer;
         if (before > heap->before) heap->before = before;
+        heap->fast |= is_fast(body, dt);
     }
     for (size_t i = 0; i < world->met.count; i++) {
         daft_sim_touch *touch = &world->touches[world->met.items[i]];

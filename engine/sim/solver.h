@@ -128,6 +128,7 @@ struct daft_sim_solver {
         uint32_t before; /* substeps in the last step, the most of its bodies */
         bool deep;   /* some overlap by so much that it is no load which presses them together */
         bool joined; /* some have joints */
+        bool fast;   /* some leave, within the step, the place that their contacts were found in */
     } *heaps; /* under the place, among those awake, of the body that stands for it */
     size_t heap_capacity;
     float *asked; /* of each row: substeps a second, by what it carried in this step */
