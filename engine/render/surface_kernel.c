@@ -357,8 +357,8 @@ static void seen_points(const daft_snapshot *snapshot, const daft_pencil *p, daf
                         daft_batch *b)
 {
     flat_normal kept = {.slot = -1};
+    window r = {.row = NULL}; /* once: a debug build cannot tell that each window reads what it set */
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
-        window r;
         meeting m;
         vf3 normal;
         const int32_t *slots = &f->slot[i];
