@@ -90,31 +90,25 @@ typedef struct daft_facet {
     vf sizes, area;
 } daft_facet;
 
-DAFT_INLINE vf vf3_rough_dot(vf3 a, vf3 b) { return vf_rough_add(a.x, b.x, vf_rough_add(a.y, b.y, a.z * b.z)); }
-DAFT_INLINE vf3 vf3_rough_cross(vf3 a, vf3 b)
-{
-    return (vf3){vf_rough_sub(a.y, b.z, a.z * b.y), vf_rough_sub(a.z, b.x, a.x * b.z), vf_rough_sub(a.x, b.y, a.y * b.x)};
-}
-
 DAFT_INLINE vf vf3_largest(vf3 a) { return vf_most_of(vf_most_of(a.x, a.y), a.z); }
 
 DAFT_INLINE daft_facet daft_facet_of(const vf3 c[3])
 {
     vf3 a = vf3_sub(c[0], c[1]), b = vf3_sub(c[2], c[0]);
     vf along = vf3_largest(a) + vf_set(DAFT_FILTER_SIZE), across = vf3_largest(b) + vf_set(DAFT_FILTER_SIZE);
-    return (daft_facet){c[0], a, b, vf3_rough_cross(b, a), along + across, along * across};
+    return (daft_facet){c[0], a, b, vf3_cross(b, a), along + across, along * across};
 }
 
 /* The lanes that may be hit before `past`, daft_past of a distance that is 0 or more. NaN passes. A ray that leaves a surface
  * has its triangle right behind it, so looking there turns away one in every ray. */
 DAFT_INLINE vbits daft_filter_pass(const daft_facet *f, vf3 o, vf3 d, vf scale, vf floor, vf past)
 {
-    vf3 s = vf3_sub(f->corner, o), r = vf3_rough_cross(s, d);
-    vf u = vf3_rough_dot(f->b, r), v = vf3_rough_dot(f->a, r), sum = vf3_rough_dot(f->normal, d), w = sum - u - v;
-    vf reach = vf3_largest(s), size = vf_rough_add(reach, f->sizes, f->area), bound = vf_rough_add(size, scale, vf_set(DAFT_TINY));
+    vf3 s = vf3_sub(f->corner, o), r = vf3_cross(s, d);
+    vf u = vf3_dot(f->b, r), v = vf3_dot(f->a, r), sum = vf3_dot(f->normal, d), w = sum - u - v;
+    vf reach = vf3_largest(s), size = reach * f->sizes + f->area, bound = size * scale + vf_set(DAFT_TINY);
     vm outside = vm_and(vf_lt(vf_min3(u, v, w), -bound), vf_lt(bound, vf_max3(u, v, w)));
-    vf along = vf_xor_sign(vf3_rough_dot(s, f->normal), (vi)sum & vi_set(INT32_MIN)), off = reach * f->area * vf_set(49 * DAFT_ULP);
-    vm before = vf_lt(along, floor - off), beyond = vf_lt(vf_rough_add(past, vf_abs(sum) + bound, off), along);
+    vf along = vf_xor_sign(vf3_dot(s, f->normal), (vi)sum & vi_set(INT32_MIN)), off = reach * f->area * vf_set(49 * DAFT_ULP);
+    vm before = vf_lt(along, floor - off), beyond = vf_lt(past * (vf_abs(sum) + bound) + off, along);
     vm apart = vm_and(vm_or(before, beyond), vf_lt(bound, vf_abs(sum)));
     return ~vm_bits(vm_and(vf_lt(size, vf_set(DAFT_FILTER_MOST)), vm_or(outside, apart))) & DAFT_ALL_LANES;
 }

@@ -155,14 +155,6 @@ DAFT_INLINE vf vf_most_of(vf a, vf b)
     return vf_max(vf_abs(a), vf_abs(b));
 #endif
 }
-/* a·b + c and a·b - c, rounded once or twice, as the machine has it: only for what no result depends on. */
-#if defined(DAFT_ISA_avx512)
-DAFT_INLINE vf vf_rough_add(vf a, vf b, vf c) { return (vf)_mm512_fmadd_ps((__m512)a, (__m512)b, (__m512)c); }
-DAFT_INLINE vf vf_rough_sub(vf a, vf b, vf c) { return (vf)_mm512_fmsub_ps((__m512)a, (__m512)b, (__m512)c); }
-#else
-DAFT_INLINE vf vf_rough_add(vf a, vf b, vf c) { return a * b + c; }
-DAFT_INLINE vf vf_rough_sub(vf a, vf b, vf c) { return a * b - c; }
-#endif
 /* a with its sign flipped where the sign bit of s is set */
 DAFT_INLINE vf vf_xor_sign(vf a, vi sign) { return (vf)((vi)a ^ sign); }
 DAFT_INLINE vf vf_clamp01(vf a) { return vf_min(vf_max(a, vf_set(0)), vf_set(1)); }
