@@ -240,7 +240,6 @@ static void order_report(daft_world *world)
 {
     daft_sim_listed *plain = world->merged.items, *swapped = world->order.items;
     size_t plain_count = 0, swapped_count = 0;
-    world->counters.contacts = 0;
     for (size_t i = 0; i < world->met.count; i++) {
         daft_sim_listed entry = plain[i];
         world->counters.contacts += (entry.state & HAS_PATCHES) != 0;
@@ -276,6 +275,9 @@ static void order_same_bodies(daft_sim_contact *report, const daft_sim_listed *k
 void daft_sim_report(daft_world *world)
 {
     if (world->sleep_changed) report_sleepers(world);
+    world->counters.contacts = 0;
+    world->report_count = world->report_asleep;
+    if (world->met.count == 0) return; /* there may be no memory yet to point to */
     for_ranges(world, world->met.count, judge_range);
     order_report(world);
     for_ranges(world, world->merged.count, fill_range);
