@@ -536,22 +536,6 @@ DAFT_INLINE void v8_compress(float *out, uint32_t lanes, v8 v)
     for (; lanes; lanes &= lanes - 1) *out++ = all[__builtin_ctz(lanes)];
 #endif
 }
-/* Lane order[i] & 7 of a as lane i. */
-DAFT_INLINE v8 v8_permute(v8 a, v8i order)
-{
-#if defined(DAFT_ISA_avx2) || defined(DAFT_ISA_avx512)
-    return (v8)_mm256_permutevar8x32_ps((__m256)a, (__m256i)order);
-#else
-    v8 r;
-    for (int i = 0; i < 8; i++) r[i] = a[order[i] & 7];
-    return r;
-#endif
-}
-DAFT_INLINE v8i v8i_from_bits(uint32_t bits)
-{
-    v8i lane = {1, 2, 4, 8, 16, 32, 64, 128};
-    return ((int32_t)bits & lane) == lane;
-}
 /* One bit for each lane of a comparison. */
 DAFT_INLINE uint32_t v8i_bits(v8i mask) { return v8_le_bits((v8)(mask & 0x3f800000), v8_set(0)) ^ 0xff; }
 
