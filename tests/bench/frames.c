@@ -255,24 +255,35 @@ static bool add_unseen(bench_frame *frame, const bench_scene *scene)
     return def.material.id && daft_entity_create(frame->scene, &def, NULL).id;
 }
 
+/* What differs between the rows that compare two frames of ours. */
+typedef struct frame_pair {
+    const char *what, *peer_name;
+    void (*describe)(void *context, char *out, size_t size);
+    bench_budget budget;
+} frame_pair;
+
+static void measure_pair(bench *self, const bench_scene *scene, int threads, unseen_job *job, const frame_pair *pair)
+{
+    bench_subject subject = {.scene = scene->name,
+                             .what = pair->what,
+                             .unit = "ms",
+                             .isa = self->isa,
+                             .threads = threads,
+                             .ours = unseen_ours,
+                             .peer = unseen_peer,
+                             .context = job,
+                             .peer_name = pair->peer_name,
+                             .describe = pair->describe,
+                             .budget = pair->budget,
+                             .own_peer = true};
+    bench_measure(self, &subject);
+}
+
 static void measure_unseen(bench *self, const bench_scene *scene, int threads)
 {
+    const frame_pair pair = {UNSEEN, "without it", unseen_describe, {0.99, 1, false}};
     unseen_job job = {bench_frame_create(self, scene, threads, 0), bench_frame_create(self, scene, threads, 0)};
-    if (job.plain && job.laden && add_unseen(job.laden, scene)) {
-        bench_subject subject = {.scene = scene->name,
-                                 .what = UNSEEN,
-                                 .unit = "ms",
-                                 .isa = self->isa,
-                                 .threads = threads,
-                                 .ours = unseen_ours,
-                                 .peer = unseen_peer,
-                                 .context = &job,
-                                 .peer_name = "without it",
-                                 .describe = unseen_describe,
-                                 .budget = {0.99, 1, false},
-                                 .own_peer = true};
-        bench_measure(self, &subject);
-    }
+    if (job.plain && job.laden && add_unseen(job.laden, scene)) measure_pair(self, scene, threads, &job, &pair);
     bench_frame_destroy(job.plain);
     bench_frame_destroy(job.laden);
 }
@@ -328,21 +339,10 @@ static bool wants_mirror(bench *self, const char *scene)
 /* A mirror of two triangles, whose rays form a pencil, against the same plane cut in many, whose rays are cast. */
 static void measure_mirror(bench *self, const bench_scene *scene, int threads)
 {
+    const frame_pair pair = {.what = MIRROR, .peer_name = "rays one by one", .describe = mirror_describe};
     unseen_job job = {bench_frame_create(self, scene, threads, 0), bench_frame_create(self, scene, threads, 0)};
-    if (job.plain && job.laden && add_mirror(job.laden, scene, 1) && add_mirror(job.plain, scene, MIRROR_CELLS)) {
-        bench_subject subject = {.scene = scene->name,
-                                 .what = MIRROR,
-                                 .unit = "ms",
-                                 .isa = self->isa,
-                                 .threads = threads,
-                                 .ours = unseen_ours,
-                                 .peer = unseen_peer,
-                                 .context = &job,
-                                 .peer_name = "rays one by one",
-                                 .describe = mirror_describe,
-                                 .own_peer = true};
-        bench_measure(self, &subject);
-    }
+    if (job.plain && job.laden && add_mirror(job.laden, scene, 1) && add_mirror(job.plain, scene, MIRROR_CELLS))
+        measure_pair(self, scene, threads, &job, &pair);
     bench_frame_destroy(job.plain);
     bench_frame_destroy(job.laden);
 }
