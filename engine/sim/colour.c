@@ -3,7 +3,7 @@
  * the lowest colour that is free at both its bodies, in the order of the listing; so the colours of one heap are its
  * own, whatever else is in the world. Contacts with what does not yield come last: the solver ends with what cannot
  * give way. */
-#include "sim/solver.h"
+#include "sim/joints.h"
 
 #include <string.h>
 
@@ -276,32 +276,6 @@ static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
     return true;
 }
 
-static bool place_joints(daft_world *world, const uint32_t most[CLASSES])
-{
-    daft_sim_solver *s = world->solver;
-    uint32_t first = 0;
-    s->joint_colour_count = 0;
-    s->joint_count = (uint32_t)s->constraint_count;
-    if (!daft_grow(&world->allocator, &s->joint_colours, &s->joint_colour_capacity, (size_t)most[0] + most[1], 0,
-                   sizeof *s->joint_colours) ||
-        !daft_grow(&world->allocator, &s->joint_rows, &s->joint_row_capacity, s->joint_count, 0,
-                   sizeof *s->joint_rows))
-        return false;
-    for (uint32_t class = 0; class < CLASSES; class++)
-        for (uint32_t colour = 0; colour < most[class]; colour++) {
-            uint32_t *count = &s->colour_counts[colour * CLASSES + class], n = *count;
-            *count = first;
-            if (n) s->joint_colours[s->joint_colour_count++] = (daft_sim_colour){first, n};
-            first += n;
-        }
-    for (size_t i = 0; i < s->constraint_count; i++) {
-        const daft_sim_constraint *c = &s->constraints[i];
-        uint32_t *next = &s->colour_counts[(c->colour >> 1) * CLASSES + (c->colour & 1)];
-        s->joint_rows[(*next)++] = (daft_sim_joint_row){.joint = c->touch, .row = {c->row_a, c->row_b}};
-    }
-    return true;
-}
-
 bool daft_sim_colour_pace(daft_world *world, uint32_t pace, float dt)
 {
     uint32_t most[CLASSES] = {0, 0}, joint_most[CLASSES] = {0, 0};
@@ -311,7 +285,7 @@ bool daft_sim_colour_pace(daft_world *world, uint32_t pace, float dt)
     s->substeps = world->substeps << pace;
     s->h = dt / (float)s->substeps;
     clear_masks(world->solver);
-    if (!colour_joints(world, joint_most) || !place_joints(world, joint_most)) return false;
+    if (!colour_joints(world, joint_most) || !daft_sim_joints_place(world, joint_most)) return false;
     clear_masks(world->solver);
     if (!colour_contacts(world, most) || !lay_out(world, most)) return false;
     place_contacts(world->solver);

@@ -12,7 +12,7 @@
  * sleeps is on a ring with those that fell asleep with it, and is woken with them.
  *
  * A step (step.c): fat bounds and new pairs (broad.c, pairs.c) -> manifolds (contacts.c) -> islands that are met wake
- * (sleep.c) -> colours (colour.c) -> substeps (solver.c, solver_kernel.c, joint_solve.c, spin.c) -> sweeps (sweep.c),
+ * (sleep.c) -> colours (colour.c) -> substeps (solver.c, solver_kernel.c, joint_kernel.c, spin.c) -> sweeps (sweep.c),
  * poses -> events (events.c) -> islands fall asleep (sleep.c).
  *
  * Everything a step computes is a function of bodies, touches and joints under their indices: never of the tree's

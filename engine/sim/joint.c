@@ -1,5 +1,7 @@
-/* Joints as things that are made, asked and taken away. What they do to bodies is in joint_solve.c. */
-#include "sim/solver.h"
+/* Joints as things that are made, asked and taken away. What they do to bodies is in joint_kernel.c. */
+#include "sim/internal.h"
+
+#include "math/real.h"
 
 daft_sim_joint_def daft_default_sim_joint_def(void)
 {
@@ -252,9 +254,9 @@ bool daft_sim_joined(const daft_world *world, uint32_t body_a, uint32_t body_b)
 
 void daft_sim_joints_break(daft_world *world)
 {
-    for (uint32_t i = 0; i < world->solver->joint_count; i++) {
-        uint32_t index = world->solver->joint_rows[i].joint;
+    for (uint32_t index = 0; world->live_joints > 0 && index < world->joint_count; index++) {
         const daft_sim_joint *j = &world->joints[index];
+        if (j->kind == 0) continue;
         bool force = j->break_force > 0 && j->force > j->break_force;
         bool torque = j->break_torque > 0 && j->torque > j->break_torque;
         if (!force && !torque) continue;
@@ -265,13 +267,41 @@ void daft_sim_joints_break(daft_world *world)
 
 /* ---- asking and setting ---- */
 
+/* Within ±pi. */
+static float hinge_angle(const daft_quat frame[2])
+{
+    daft_quat a = frame[0], d = daft_quat_mul((daft_quat){-a.x, -a.y, -a.z, a.w}, frame[1]);
+    double sign = d.w < 0 ? -1 : 1;
+    return (float)(2 * daft_atan2(sign * (double)d.x, sign * (double)d.w));
+}
+
+/* Angle, way or length now; its anchors in the world. */
+static float value_of(const daft_world *world, const daft_sim_joint *j, daft_dvec3 at[2])
+{
+    daft_quat frame[2];
+    for (int i = 0; i < 2; i++) {
+        frame[i] = j->frame[i];
+        at[i] = j->fixed;
+        if (j->body[i] == DAFT_SIM_NONE) continue;
+        const daft_sim_body *body = &world->bodies[j->body[i]];
+        at[i] = daft_dadd(body->centre, daft_to_double(daft_quat_rotate(body->rotation, j->anchor[i])));
+        frame[i] = daft_quat_mul(body->rotation, j->frame[i]);
+    }
+    daft_vec3 offset = daft_to_float(daft_dsub(at[1], at[0])), axis = daft_quat_rotate(frame[0], daft_v3(1, 0, 0));
+    if (j->kind == DAFT_JOINT_HINGE) return hinge_angle(frame);
+    if (j->kind == DAFT_JOINT_SLIDER) return daft_dot(offset, axis);
+    if (j->kind != DAFT_JOINT_BALL) return daft_length(offset);
+    daft_vec3 other = daft_quat_rotate(frame[1], daft_v3(1, 0, 0));
+    return (float)daft_atan2((double)daft_length(daft_cross(axis, other)), (double)daft_dot(axis, other));
+}
+
 bool daft_world_get_joint(const daft_world *world, uint32_t handle, daft_sim_joint_state *out)
 {
     *out = (daft_sim_joint_state){0};
     const daft_sim_joint *j = find_joint(world, handle);
     if (!j) return false;
     daft_dvec3 at[2];
-    out->value = daft_sim_joint_value(world, j, at);
+    out->value = value_of(world, j, at);
     out->anchor_a = at[0], out->anchor_b = at[1];
     out->kind = j->kind;
     out->user = j->user;

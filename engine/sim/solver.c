@@ -2,17 +2,15 @@
  * velocities, the impulses of the last substep are applied, joints and contacts are solved with springs that pull
  * errors out, bodies move, and joints and contacts are solved again without the springs, which takes out the speed
  * these gave. Bounces come last. */
-#include "sim/solver.h"
+#include "sim/joints.h"
 
 #include <stdatomic.h>
 
 enum {
     BLOCK_GRAIN = 4,
     ROW_GRAIN = 256,
-    JOINT_GRAIN = 16,
     SPIN_GRAIN = 32,
     PARALLEL_BLOCKS = 128, /* fewer are solved faster by one worker */
-    PARALLEL_JOINTS = 128,
     CLOSE_PASSES = 2
 };
 
@@ -25,6 +23,7 @@ typedef struct context {
     float dt;
     daft_sim_substep substep;
     atomic_int turning; /* the last substep in which some body turned far */
+    atomic_int closing; /* the last pass, of all so far, in which some joint was closed */
 } context;
 
 static daft_sim_substep at_time(const context *c, float elapsed)
@@ -97,36 +96,44 @@ static void stage_bounce(void *p, int argument, uint32_t first, uint32_t count)
     const daft_sim_substep end = at_time(c, c->dt);
     c->s->kernels->bounce(&c->s->rows, c->s->blocks + first, count, &end);
 }
-static void stage_joint_begin(void *p, int argument, uint32_t first, uint32_t count)
+static void stage_joint_fill(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
-    for (uint32_t i = first; i < first + count; i++) daft_sim_joint_begin(c->world, &c->s->joint_rows[i]);
+    for (uint32_t i = first; i < first + count; i++) daft_sim_joint_block_fill(c->world, i);
+    c->s->joint_kernels->prepare(&c->s->rows, c->s->joint_blocks + first, count, &c->substep);
 }
 static void stage_joint_warm(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
-    for (uint32_t i = first; i < first + count; i++)
-        daft_sim_joint_warm_start(c->world, &c->s->joint_rows[i], &c->substep);
+    c->s->joint_kernels->warm_start(&c->s->rows, c->s->joint_blocks + first, count, &c->substep);
 }
-static void stage_joint_solve(void *p, int biased, uint32_t first, uint32_t count)
-{
-    context *c = p;
-    for (uint32_t i = first; i < first + count; i++)
-        daft_sim_joint_solve(c->world, &c->s->joint_rows[i], &c->substep, biased);
-}
-static void stage_joint_close(void *p, int argument, uint32_t first, uint32_t count)
+static void stage_joint_solve(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
-    for (uint32_t i = first; i < first + count; i++) daft_sim_joint_close(c->world, &c->s->joint_rows[i], &c->substep);
+    c->s->joint_kernels->solve(&c->s->rows, c->s->joint_blocks + first, count, &c->substep);
 }
-static void stage_joint_end(void *p, int argument, uint32_t first, uint32_t count)
+/* What one pass opens the next one closes, if it opens any. */
+static void stage_joint_close(void *p, int pass, uint32_t first, uint32_t count)
+{
+    context *c = p;
+    if (pass % CLOSE_PASSES > 0 && atomic_load_explicit(&c->closing, memory_order_relaxed) < pass - 1) return;
+    if (c->s->joint_kernels->close(&c->s->rows, c->s->joint_blocks + first, count))
+        atomic_store_explicit(&c->closing, pass, memory_order_relaxed);
+}
+static void stage_joint_relax(void *p, int last_pass, uint32_t first, uint32_t count)
+{
+    context *c = p;
+    bool moved = atomic_load_explicit(&c->closing, memory_order_relaxed) > last_pass - CLOSE_PASSES;
+    c->s->joint_kernels->relax(&c->s->rows, c->s->joint_blocks + first, count, &c->substep, moved);
+}
+static void stage_joint_store(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
-    for (uint32_t i = first; i < first + count; i++) daft_sim_joint_end(c->world, &c->s->joint_rows[i], c->dt);
+    for (uint32_t i = first; i < first + count; i++) daft_sim_joint_block_store(c->world, i, c->dt);
 }
 enum { SPIN_BEFORE, SPIN_BETWEEN, SPIN_AFTER };
 static void stage_spin(void *p, int when, uint32_t first, uint32_t count)
@@ -156,7 +163,7 @@ static void add_contacts(daft_sim_solver *s, stage_run *run, int argument)
 static void add_joints(daft_sim_solver *s, stage_run *run, int argument)
 {
     for (uint32_t i = 0; i < s->joint_colour_count; i++)
-        add(s, run, argument, s->joint_colours[i].first, s->joint_colours[i].count, JOINT_GRAIN);
+        add(s, run, argument, s->joint_colours[i].first, s->joint_colours[i].count, BLOCK_GRAIN);
 }
 
 static void add_substep(daft_sim_solver *s, int substep)
@@ -166,17 +173,17 @@ static void add_substep(daft_sim_solver *s, int substep)
     add(s, stage_spin, SPIN_BEFORE, 0, s->spin_count, SPIN_GRAIN);
     add_joints(s, stage_joint_warm, 0);
     add_contacts(s, stage_warm, 0);
-    add_joints(s, stage_joint_solve, true);
-    add_joints(s, stage_joint_solve, true); /* long chains need it, and it costs little beside contacts */
+    add_joints(s, stage_joint_solve, 0);
+    add_joints(s, stage_joint_solve, 0); /* long chains need it, and it costs little beside contacts */
     add_contacts(s, stage_solve, 2 * (substep - 1));
     add(s, stage_spin, SPIN_BETWEEN, 0, s->spin_count, SPIN_GRAIN);
     add(s, stage_move, 0, 1, s->mover_count, ROW_GRAIN);
     add(s, stage_move, 0, dynamic, rows, ROW_GRAIN);
     add(s, stage_spin, SPIN_AFTER, 0, s->spin_count, SPIN_GRAIN);
-    for (int pass = 0; pass < CLOSE_PASSES; pass++) add_joints(s, stage_joint_close, 0);
+    for (int pass = 0; pass < CLOSE_PASSES; pass++) add_joints(s, stage_joint_close, CLOSE_PASSES * substep + pass);
     add(s, stage_turn, substep, dynamic, rows, ROW_GRAIN);
     add(s, stage_refresh, substep, 0, s->block_count, BLOCK_GRAIN);
-    add_joints(s, stage_joint_solve, false);
+    add_joints(s, stage_joint_relax, CLOSE_PASSES * substep + CLOSE_PASSES - 1);
     add_contacts(s, stage_solve, 2 * substep - 1);
 }
 
@@ -273,12 +280,12 @@ static void solve_pace(daft_world *world, float dt)
     fill_rows(world, dt);
     daft_sim_stages_clear(s->stages);
     add(s, stage_fill, 0, 0, s->block_count, BLOCK_GRAIN);
-    add(s, stage_joint_begin, 0, 0, s->joint_count, JOINT_GRAIN);
+    add(s, stage_joint_fill, 0, 0, s->joint_block_count, BLOCK_GRAIN);
     for (int i = 1; i <= s->substeps; i++) add_substep(s, i);
     add_contacts(s, stage_bounce, 0);
     add(s, stage_store, 0, 0, s->block_count, BLOCK_GRAIN);
-    add(s, stage_joint_end, 0, 0, s->joint_count, JOINT_GRAIN);
-    bool large = s->block_count >= PARALLEL_BLOCKS || s->joint_count >= PARALLEL_JOINTS;
+    add(s, stage_joint_store, 0, 0, s->joint_block_count, BLOCK_GRAIN);
+    bool large = s->block_count + s->joint_block_count >= PARALLEL_BLOCKS;
     daft_sim_stages_run(s->stages, large ? world->workers : 1, &c);
     daft_sim_finer_ask(world);
 }
@@ -311,6 +318,7 @@ bool daft_sim_solve(daft_world *world, float dt)
 bool daft_sim_solver_create(daft_world *world)
 {
     static const daft_sim_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim);
+    static const daft_sim_joint_kernels *const JOINTS[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_joint);
     if (!world->solver) {
         world->solver = daft_alloc_zero(&world->allocator, 1, sizeof *world->solver);
         if (!world->solver) return false;
@@ -322,6 +330,7 @@ bool daft_sim_solver_create(daft_world *world)
         }
     }
     world->solver->kernels = TABLE[world->isa];
+    world->solver->joint_kernels = JOINTS[world->isa];
     return true;
 }
 
@@ -331,8 +340,8 @@ void daft_sim_solver_destroy(daft_world *world)
     if (!s) return;
     daft_sim_stages_free(s->stages);
     void *arrays[] = {s->rows.velocity, s->rows.moved, s->rows.gain,    s->rows.turn,     s->rows.mass,
-                      s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_rows,
-                      s->joint_colours, s->masks,      s->levels,       s->constraints,   s->colour_counts,
+                      s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_blocks,
+                      s->joint_slots,   s->joint_bins, s->joint_colours, s->masks,      s->levels,       s->constraints,   s->colour_counts,
                       s->spins,         s->targets,     s->constrained,   s->islands,       s->gathered,
                       s->asked,         s->heaps};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);

@@ -14,8 +14,8 @@ enum {
     DAFT_SIM_ROW = 8 /* floats: what lanes load and transpose at once */
 };
 
-/* One float per lane. */
-typedef float daft_sim_lanes[DAFT_SIM_LANES];
+/* One float per lane, in a cache line of their own. */
+typedef float daft_sim_lanes[DAFT_SIM_LANES] __attribute__((aligned(64)));
 
 /* A normal constraint: one point of a manifold. `arm_`: anchor × normal; `push_`: that times the inverse inertia, the
  * change of angular velocity by a unit impulse. Before prepare, arm_a holds the anchor itself. */
@@ -100,10 +100,8 @@ typedef struct daft_sim_kernels {
 
 DAFT_KERNEL_DECLARE(daft_sim_kernels, daft_sim);
 
-
-
-/* What a step's joints need beside their records: prepared once a substep (joint_solve.c). */
-typedef struct daft_sim_joint_row daft_sim_joint_row;
+typedef struct daft_sim_joint_block daft_sim_joint_block; /* joints.h */
+typedef struct daft_sim_joint_kernels daft_sim_joint_kernels;
 
 typedef struct daft_sim_spin {
     uint32_t row;
@@ -152,9 +150,16 @@ struct daft_sim_solver {
     } *slots;
     size_t slot_capacity;
 
-    daft_sim_joint_row *joint_rows; /* by colours */
-    size_t joint_row_capacity;
-    uint32_t joint_count;
+    daft_sim_joint_block *joint_blocks;
+    size_t joint_block_capacity;
+    uint32_t joint_count, joint_block_count;
+    struct daft_sim_joint_slot { /* of each lane: */
+        uint32_t joint;          /* DAFT_SIM_NONE: none */
+        uint32_t row[2];
+    } *joint_slots;
+    size_t joint_slot_capacity;
+    uint32_t *joint_bins; /* joint_blocks.c's scratch */
+    size_t joint_bin_capacity;
     daft_sim_colour *joint_colours;
     size_t joint_colour_capacity;
     uint32_t joint_colour_count;
@@ -186,12 +191,14 @@ struct daft_sim_solver {
 
     daft_sim_stages *stages;
     const daft_sim_kernels *kernels;
+    const daft_sim_joint_kernels *joint_kernels;
 };
 
 typedef struct daft_sim_heap daft_sim_heap;
 typedef struct daft_sim_slot daft_sim_slot;
 typedef struct daft_sim_constraint daft_sim_constraint;
 typedef struct daft_sim_gathered daft_sim_gathered;
+typedef struct daft_sim_joint_slot daft_sim_joint_slot;
 
 /* ---- colour.c ---- */
 
@@ -215,36 +222,6 @@ float daft_sim_finer_next(float now, float asked);
 /* Finds the paces of heaps, for which there is room. False: all have the world's own. */
 bool daft_sim_finer_paces(daft_world *world, float dt);
 uint32_t daft_sim_finer_pace(daft_world *world, uint32_t body);
-
-/* ---- joint_solve.c ---- */
-
-/* Of a symmetric matrix: the cross products of its columns. */
-typedef struct daft_sim_cofactors {
-    daft_dvec3 yz, zx, xy;
-    double det;
-} daft_sim_cofactors;
-
-struct daft_sim_joint_row {
-    uint32_t joint, row[2];
-    float inv_mass[2];
-    daft_vec3 arm0[2];         /* anchors from centres as the step began, world axes */
-    daft_quat frame0[2];       /* frames as the step began, in the world */
-    daft_vec3 offset0;         /* from anchor a to anchor b as the step began */
-    daft_vec3 arm[2], offset;  /* the same now, */
-    daft_quat frame[2];
-    daft_vec3 axis;            /* and the first axis of frame a */
-    float angle;               /* of a hinge */
-    daft_sim_cofactors response; /* of the relative velocity at the anchors to impulses there */
-    daft_vec3 spin[2];         /* angular velocities as the substep began */
-    daft_vec3 linear_sum, angular_sum; /* impulses on b over the step */
-};
-void daft_sim_joint_begin(daft_world *world, daft_sim_joint_row *row);
-void daft_sim_joint_warm_start(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep);
-void daft_sim_joint_solve(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep, bool biased);
-void daft_sim_joint_close(daft_world *world, daft_sim_joint_row *row, const daft_sim_substep *substep);
-void daft_sim_joint_end(daft_world *world, daft_sim_joint_row *row, float dt);
-/* Angle, way or length now; its anchors in the world. */
-float daft_sim_joint_value(const daft_world *world, const daft_sim_joint *joint, daft_dvec3 anchors[2]);
 
 /* ---- spin.c ---- */
 

@@ -1,0 +1,152 @@
+/* Joints into blocks of lanes and back, see joints.h. */
+#include "sim/joints.h"
+
+#include <string.h>
+
+enum { PARTS = 64 }; /* kinds of blocks: of joint, and which of limit, motor and spring it has */
+
+static uint32_t parts_of(const daft_sim_joint *j)
+{
+    return (uint32_t)j->kind | (uint32_t)j->limit << 3 | (uint32_t)j->motor << 4 | (uint32_t)j->spring << 5;
+}
+
+static uint32_t *bin_of(const daft_world *world, const daft_sim_constraint *c, const uint32_t most[2])
+{
+    uint32_t colour = (c->colour >> 1) + (c->colour & 1 ? most[0] : 0);
+    return &world->solver->joint_bins[colour * PARTS + parts_of(&world->joints[c->touch])];
+}
+
+/* Counts become first slots; blocks of one colour follow each other. */
+static void lay_out(daft_sim_solver *s, uint32_t colours)
+{
+    s->joint_colour_count = s->joint_block_count = 0;
+    for (uint32_t colour = 0; colour < colours; colour++) {
+        uint32_t first = s->joint_block_count;
+        for (uint32_t i = 0; i < PARTS; i++) {
+            uint32_t *bin = &s->joint_bins[colour * PARTS + i], blocks = (*bin + DAFT_SIM_LANES - 1) / DAFT_SIM_LANES;
+            *bin = s->joint_block_count * DAFT_SIM_LANES;
+            s->joint_block_count += blocks;
+        }
+        uint32_t blocks = s->joint_block_count - first;
+        if (blocks) s->joint_colours[s->joint_colour_count++] = (daft_sim_colour){first, blocks};
+    }
+}
+
+bool daft_sim_joints_place(daft_world *world, const uint32_t most[2])
+{
+    daft_sim_solver *s = world->solver;
+    size_t colours = (size_t)most[0] + most[1], bins = colours * PARTS;
+    s->joint_count = (uint32_t)s->constraint_count;
+    if (!daft_grow(&world->allocator, &s->joint_bins, &s->joint_bin_capacity, bins, 0, sizeof *s->joint_bins) ||
+        !daft_grow(&world->allocator, &s->joint_colours, &s->joint_colour_capacity, colours, 0, sizeof *s->joint_colours))
+        return false;
+    if (bins) memset(s->joint_bins, 0, bins * sizeof *s->joint_bins);
+    for (size_t i = 0; i < s->constraint_count; i++) ++*bin_of(world, &s->constraints[i], most);
+    lay_out(s, (uint32_t)colours);
+    size_t blocks = s->joint_block_count, slots = blocks * DAFT_SIM_LANES;
+    if (!daft_grow(&world->allocator, &s->joint_blocks, &s->joint_block_capacity, blocks, 0, sizeof *s->joint_blocks) ||
+        !daft_grow(&world->allocator, &s->joint_slots, &s->joint_slot_capacity, slots, 0, sizeof *s->joint_slots))
+        return false;
+    for (size_t i = 0; i < slots; i++) s->joint_slots[i].joint = DAFT_SIM_NONE;
+    for (size_t i = 0; i < s->constraint_count; i++) {
+        const daft_sim_constraint *c = &s->constraints[i];
+        s->joint_slots[(*bin_of(world, c, most))++] = (daft_sim_joint_slot){c->touch, {c->row_a, c->row_b}};
+    }
+    return true;
+}
+
+/* ---- filling ---- */
+
+static void put3(daft_sim_lanes *to, int lane, daft_vec3 v)
+{
+    to[0][lane] = v.x, to[1][lane] = v.y, to[2][lane] = v.z;
+}
+static void put4(daft_sim_lanes *to, int lane, daft_quat q)
+{
+    to[0][lane] = q.x, to[1][lane] = q.y, to[2][lane] = q.z, to[3][lane] = q.w;
+}
+static daft_vec3 get3(daft_sim_lanes *from, int lane) { return daft_v3(from[0][lane], from[1][lane], from[2][lane]); }
+
+/* How much longer the substep is than the one that the joint's impulses are of. */
+static float longer_than_before(const daft_world *world, const daft_sim_joint_slot *slot)
+{
+    float before = 0;
+    for (int i = 0; i < 2; i++)
+        if (slot->row[i] > world->solver->mover_count) before = world->bodies[world->solver->row_bodies[slot->row[i]]].h;
+    return before > 0 && before != world->solver->h ? world->solver->h / before : 1;
+}
+
+/* A side as it is in its body. Gives where the anchor is counted from: the centre, or in the world the anchor itself. */
+static daft_dvec3 fill_side(const daft_world *world, daft_sim_joint_block *block, const daft_sim_joint_slot *slot, int i,
+                            int lane)
+{
+    const daft_sim_joint *j = &world->joints[slot->joint];
+    daft_sim_joint_side *side = &block->side[i];
+    const daft_sim_body *body = j->body[i] == DAFT_SIM_NONE ? NULL : &world->bodies[j->body[i]];
+    side->row[lane] = (int32_t)slot->row[i];
+    if (slot->row[i] > world->solver->mover_count) side->writes |= 1u << lane;
+    put3(side->arm0, lane, body ? j->anchor[i] : daft_v3(0, 0, 0));
+    put4(side->frame0, lane, j->frame[i]);
+    put4(side->rotation, lane, body ? body->rotation : daft_quat_identity());
+    put3(side->spin, lane, j->spin[i]);
+    return body ? body->centre : j->fixed;
+}
+
+static void fill_lane(const daft_world *world, daft_sim_joint_block *block, const daft_sim_joint_slot *slot, int lane)
+{
+    const daft_sim_joint *j = &world->joints[slot->joint];
+    float longer = longer_than_before(world, slot);
+    daft_dvec3 from[2];
+    for (int i = 0; i < 2; i++) from[i] = fill_side(world, block, slot, i, lane);
+    put3(block->offset0, lane, daft_to_float(daft_dsub(from[1], from[0])));
+    block->lower[lane] = j->lower, block->upper[lane] = j->upper;
+    block->motor_speed[lane] = j->motor_speed, block->motor_force[lane] = j->motor_force;
+    block->hertz[lane] = j->hertz, block->damping[lane] = j->damping;
+    block->length[lane] = j->length;
+    put3(block->linear, lane, daft_scale(j->linear_impulse, longer));
+    put3(block->angular, lane, daft_scale(j->angular_impulse, longer));
+    block->motor_impulse[lane] = j->motor_impulse * longer;
+    block->lower_impulse[lane] = j->lower_impulse * longer;
+    block->upper_impulse[lane] = j->upper_impulse * longer;
+    block->spring_impulse[lane] = j->spring_impulse * longer;
+    put3(block->linear_sum, lane, daft_v3(0, 0, 0));
+    put3(block->angular_sum, lane, daft_v3(0, 0, 0));
+}
+
+void daft_sim_joint_block_fill(daft_world *world, uint32_t index)
+{
+    daft_sim_joint_block *block = &world->solver->joint_blocks[index];
+    const daft_sim_joint_slot *slots = &world->solver->joint_slots[(size_t)index * DAFT_SIM_LANES];
+    int lanes = 0;
+    while (lanes < DAFT_SIM_LANES && slots[lanes].joint != DAFT_SIM_NONE) lanes++;
+    if (lanes < DAFT_SIM_LANES) memset(block, 0, sizeof *block);
+    const daft_sim_joint *first = &world->joints[slots[0].joint];
+    block->kind = first->kind;
+    block->limit = first->limit, block->motor = first->motor, block->spring = first->spring;
+    block->lanes = lanes;
+    block->side[0].writes = block->side[1].writes = 0;
+    for (int lane = 0; lane < lanes; lane++) fill_lane(world, block, &slots[lane], lane);
+}
+
+/* ---- and back ---- */
+
+static daft_vec3 finite3(daft_vec3 v) { return daft_finite3(v) ? v : daft_v3(0, 0, 0); }
+static float finite1(float x) { return isfinite(x) ? x : 0; }
+
+void daft_sim_joint_block_store(daft_world *world, uint32_t index, float dt)
+{
+    daft_sim_joint_block *block = &world->solver->joint_blocks[index];
+    const daft_sim_joint_slot *slots = &world->solver->joint_slots[(size_t)index * DAFT_SIM_LANES];
+    for (int lane = 0; lane < block->lanes; lane++) {
+        daft_sim_joint *j = &world->joints[slots[lane].joint];
+        j->linear_impulse = finite3(get3(block->linear, lane));
+        j->angular_impulse = finite3(get3(block->angular, lane));
+        j->motor_impulse = finite1(block->motor_impulse[lane]);
+        j->lower_impulse = finite1(block->lower_impulse[lane]);
+        j->upper_impulse = finite1(block->upper_impulse[lane]);
+        j->spring_impulse = finite1(block->spring_impulse[lane]);
+        for (int i = 0; i < 2; i++) j->spin[i] = finite3(get3(block->side[i].spin, lane));
+        j->force = finite1(daft_length(get3(block->linear_sum, lane)) / dt);
+        j->torque = finite1(daft_length(get3(block->angular_sum, lane)) / dt);
+    }
+}
