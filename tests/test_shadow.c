@@ -132,6 +132,48 @@ static void lamps_over_many(void **unused) { (void)unused, fixture_seed(72), run
 static void lamps_far_from_many(void **unused) { (void)unused, fixture_seed(73), run_with(MANY, 0.2f, false, 1e5f, 3); }
 static void lamps_among_many(void **unused) { (void)unused, fixture_seed(74), run_with(MANY, 0.2f, false, 3, 4); }
 
+/* Points a little above or below triangles that are neighbours, their lamps at any angle over these, grazing ones, too: most of
+ * what is close to them does not hide them. */
+static void fill_on_surface(const daft_instance *s, daft_batch *b, uint32_t first)
+{
+    b->count = 700 + random_bits() % 300;
+    for (uint32_t i = 0; i < b->count; i++) {
+        const uint32_t *corner = &s->mesh->indices[3 * ((first + random_bits() % 60) % s->mesh->triangle_count)];
+        daft_vec3 p[3];
+        for (int k = 0; k < 3; k++)
+            p[k] = daft_affine_point(&s->to_frame, daft_v3(s->mesh->x[corner[k]], s->mesh->y[corner[k]], s->mesh->z[corner[k]]));
+        daft_vec3 e = daft_sub(p[1], p[0]), f = daft_sub(p[2], p[0]), up = daft_normalize(daft_cross(e, f));
+        float v = random_float(0, 1), w = random_float(0, 1 - v), over = random_float(1e-5f, 1e-3f) * (i % 5 ? 1.0f : -1.0f);
+        daft_vec3 at = daft_add(daft_add(p[0], daft_add(daft_scale(e, v), daft_scale(f, w))), daft_scale(up, over));
+        b->lifted.x[i] = at.x, b->lifted.y[i] = at.y, b->lifted.z[i] = at.z;
+        b->instance[i] = UINT32_MAX;
+    }
+}
+
+static void points_on_surfaces(void **unused)
+{
+    (void)unused;
+    fixture_seed(76);
+    daft_batch *b = calloc(1, sizeof *b);
+    tally sum = {0};
+    for (int round = 0; round < 40; round++) {
+        stage s;
+        stage_make(&s);
+        for (uint32_t i = 1; i < s.count; i += i % 4 == 3 ? 2 : 1) { /* all but the spheres */
+            fill_on_surface(&s.instances[i], b, random_bits() % s.instances[i].mesh->triangle_count);
+            daft_vec3 at = {b->lifted.x[0], b->lifted.y[0], b->lifted.z[0]};
+            daft_lamp lamp = {.sun = i % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
+            lamp.position = daft_add(at, daft_scale(random_vec3(-1, 1), random_float(0.1f, 6)));
+            compare(&s, b, &lamp, &sum);
+        }
+        stage_drop(&s);
+    }
+    print_message("%d pencils: %d lit, %d dark, %d at an edge\n", sum.pencils, sum.lit, sum.dark, sum.edge);
+    assert_true(sum.lit > 1000 && sum.dark > 1000);
+    assert_true(sum.edge * 2000 < sum.lit + sum.dark);
+    free(b);
+}
+
 /* Of points in the open beside many things, none is asked for, though they share a tile with points behind the things. */
 static void beside_many(void **unused)
 {
@@ -248,6 +290,6 @@ int main(void)
                                        cmocka_unit_test(lamps_in_the_scene), cmocka_unit_test(lamps_among_the_points),
                                        cmocka_unit_test(suns_over_many), cmocka_unit_test(lamps_over_many),
                                        cmocka_unit_test(lamps_far_from_many), cmocka_unit_test(lamps_among_many),
-                                       cmocka_unit_test(beside_many), cmocka_unit_test(one_at_a_time), cmocka_unit_test(flat_ground)};
+                                       cmocka_unit_test(points_on_surfaces), cmocka_unit_test(beside_many), cmocka_unit_test(one_at_a_time), cmocka_unit_test(flat_ground)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -264,6 +264,16 @@ DAFT_INLINE void vf_compress(float *out, vbits lanes, vf v)
     for (; lanes; lanes &= lanes - 1) *out++ = all[__builtin_ctz(lanes)];
 #endif
 }
+DAFT_INLINE void vi_compress(uint32_t *out, vbits lanes, vi v)
+{
+#if defined(DAFT_ISA_avx512)
+    vi_store(out, (vi)_mm512_maskz_compress_epi32((__mmask16)lanes, (__m512i)v));
+#else
+    uint32_t all[DAFT_VL];
+    vi_store(all, v);
+    for (; lanes; lanes &= lanes - 1) *out++ = all[__builtin_ctz(lanes)];
+#endif
+}
 /* The same, faster, for lanes of which none is NaN. */
 DAFT_INLINE float vf_least(vf a)
 {

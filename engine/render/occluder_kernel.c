@@ -51,9 +51,11 @@ DAFT_INLINE vf row(const daft_affine *a, int k, vf3 p)
            vf_set(a->t[k]);
 }
 
-/* Triangles set up: edges' planes, corners' depths, and their boxes in the picture. */
+/* Triangles set up: edges' planes, corners' depths, their boxes in the picture, and their own planes: the lamp is on the
+ * side where a point's product with `plane` is less than `surface`. */
 typedef struct lanes {
     float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL], depth[3][DAFT_VL];
+    float plane[3][DAFT_VL], surface[DAFT_VL];
     float bound[DAFT_VL], wide[DAFT_VL], slack[DAFT_VL], rounding[DAFT_VL];
     float low_u[DAFT_VL], high_u[DAFT_VL], low_v[DAFT_VL], high_v[DAFT_VL], near[DAFT_VL];
     uint32_t triangle[DAFT_VL];
@@ -133,6 +135,27 @@ DAFT_INLINE void lanes_name(const leaf *const *leaves, lanes *out)
     vf_store((float *)out->triangle, vf_load_fours(from));
 }
 
+DAFT_INLINE vf reach_of(vf3 a) { return vf_abs(a.x) + vf_abs(a.y) + vf_abs(a.z); }
+
+/* The triangles' planes in light space, for passing over points that are surely before them. With u = 2^-24: points and
+ * corners are off by 8u of `size`, and the plane through corners that are off is so, too; the product of edges is off by
+ * 10u·|e|·|f|. Where the lamp is within that of the plane, nothing is sure. */
+static void lanes_planes(const light *l, const corners *t, vf size, lanes *out)
+{
+    vf3 a = {t->p[0].x, t->p[0].y, t->depth[0]};
+    vf3 e = {t->p[1].x - a.x, t->p[1].y - a.y, t->depth[1] - a.z}, f = {t->p[2].x - a.x, t->p[2].y - a.y, t->depth[2] - a.z};
+    vf3 n = {e.y * f.z - e.z * f.y, e.z * f.x - e.x * f.z, e.x * f.y - e.y * f.x};
+    vf edges = reach_of(e) + reach_of(f), across = reach_of(n), at = vf3_dot(n, a), wrong = edges * edges * vf_set(16 * UNIT);
+    vf lamp = l->sun ? n.z : at + n.z * vf_set(l->away), off = wrong, far = size + vf_set(l->away);
+    if (!l->sun) off = off * far + across * far * vf_set(32 * UNIT);
+    vm sure = vf_lt(off, vf_abs(lamp));
+    vi sign = (vi)lamp & vi_set((int32_t)0x80000000);
+    vf_store(out->plane[0], vf_xor_sign(n.x, sign)), vf_store(out->plane[1], vf_xor_sign(n.y, sign));
+    vf_store(out->plane[2], vf_xor_sign(n.z, sign));
+    vf surface = vf_xor_sign(at, sign) - (across * size * vf_set(32 * UNIT) + wrong * edges);
+    vf_store(out->surface, vf_select(sure, surface, vf_set(-INFINITY)));
+}
+
 static void lanes_setup(const mesh_caster *c, const corners *t, lanes *out)
 {
     const light *l = c->c.light;
@@ -154,6 +177,7 @@ static void lanes_setup(const mesh_caster *c, const corners *t, lanes *out)
     /* Points and corners are rounded themselves. Neighbours agree on how, so this matters only for not passing over
      * what look_closely would find to stand between. */
     size = size + vf_set(l->size);
+    lanes_planes(l, t, size, out);
     vf wide = across * size;
     if (!l->sun) wide = wide + along * (size + vf_set(2 * l->max_z));
     wide = bound + wide * vf_set(8 * UNIT);
@@ -221,12 +245,30 @@ DAFT_INLINE vf edge_at(const lanes *t, int k, int i, vf3 d)
     return vf_set(t->nx[k][i]) * d.x + vf_set(t->ny[k][i]) * d.y + vf_set(t->nz[k][i]) * d.z;
 }
 
-/* The points in a triangle's box: past the end of a sharp corner they may be close to both of its edges. */
-DAFT_INLINE vm points_within(const lanes *t, const shadow_points *p, int i, uint32_t first)
+/* DAFT_VL points of a block: their rays, depths, and places in the picture. */
+typedef struct some_points {
+    vf3 ray;
+    vf depth, u, v;
+} some_points;
+
+DAFT_INLINE some_points points_load(const shadow_points *p, uint32_t first)
 {
-    vf u = vf_load(&p->u[first]), v = vf_load(&p->v[first]);
-    return vm_and(vm_and(vf_le(vf_set(t->low_u[i]), u), vf_le(u, vf_set(t->high_u[i]))),
-                  vm_and(vf_le(vf_set(t->low_v[i]), v), vf_le(v, vf_set(t->high_v[i]))));
+    return (some_points){{vf_load(&p->x[first]), vf_load(&p->y[first]), vf_load(&p->z[first])},
+                         vf_load(&p->depth[first]), vf_load(&p->u[first]), vf_load(&p->v[first])};
+}
+
+/* Those in a triangle's box: past the end of a sharp corner they may be close to both of its edges. */
+DAFT_INLINE vm points_within(const lanes *t, int i, const some_points *p)
+{
+    return vm_and(vm_and(vf_le(vf_set(t->low_u[i]), p->u), vf_le(p->u, vf_set(t->high_u[i]))),
+                  vm_and(vf_le(vf_set(t->low_v[i]), p->v), vf_le(p->v, vf_set(t->high_v[i]))));
+}
+
+/* Those that are not surely on the lamp's side of its plane: most of what a surface's own triangles meet is. */
+DAFT_INLINE vm points_beyond(const lanes *t, int i, const some_points *p)
+{
+    vf at = vf_set(t->plane[0][i]) * p->ray.x + vf_set(t->plane[1][i]) * p->ray.y + vf_set(t->plane[2][i]) * p->depth;
+    return vf_le(vf_set(t->surface[i]), at);
 }
 
 /* Of points that the triangle may hide, puts those that it does to depth -inf; gives whether there are any. An overflow
@@ -238,7 +280,6 @@ static bool hide_points(const mesh_caster *m, const lanes *t, int i, const daft_
     shadow_points *p = c->points;
     uint32_t triangle = block->triangle[i % DAFT_BLOCK];
     bool apart = c->convex || c->flat;
-    side = vm_and(side, points_within(t, p, i, first));
     if (!apart) side = vm_and(side, vm_not(vm_from_bits(lie_on(c, triangle, first))));
     if (!vm_bits(side)) return false;
     vf limit = vf_load(&p->depth[first]), bound = vf_set(t->bound[i]), rounding = vf_set(t->rounding[i]);
@@ -256,28 +297,12 @@ static bool hide_points(const mesh_caster *m, const lanes *t, int i, const daft_
     return (vm_bits(dark) | doubt) != 0;
 }
 
-/* Tests the rays of a block's points against the triangles whose bits are set. */
-static void test_block(const mesh_caster *m, const lanes *t, const leaf *const *leaves, vbits triangles, uint32_t b)
-{
-    shadow_points *p = m->c.points;
-    bool changed = false;
-    for (uint32_t k = b * SHADOW_BLOCK; k < (b + 1) * SHADOW_BLOCK; k += DAFT_VL) {
-        const vf3 d = {vf_load(&p->x[k]), vf_load(&p->y[k]), vf_load(&p->z[k])};
-        vm lit = vf_lt(vf_set(-INFINITY), vf_load(&p->depth[k]));
-        if (!vm_bits(lit)) continue;
-        for (vbits left = triangles; left; left &= left - 1) {
-            int i = __builtin_ctz(left);
-            edges e = {.e0 = edge_at(t, 0, i, d), .e1 = edge_at(t, 1, i, d), .e2 = edge_at(t, 2, i, d)};
-            e.least = vf_min(e.e0, vf_min(e.e1, e.e2)), e.most = vf_max(e.e0, vf_max(e.e1, e.e2));
-            vf wide = vf_set(t->wide[i]);
-            vm side = vm_and(vm_or(vf_le(-wide, e.least), vf_le(e.most, wide)), lit);
-            if (!vm_bits(side) || !hide_points(m, t, i, leaves[i / DAFT_BLOCK]->block, &e, side, k)) continue;
-            changed = true;
-            lit = vf_lt(vf_set(-INFINITY), vf_load(&p->depth[k]));
-        }
-    }
-    if (changed) block_darkened(p, b);
-}
+/* Blocks and triangles that a point of the one may be hidden by: block · DAFT_VL + lane, and from PAIR_POINTS on bits of the
+ * points. What is left of them after each test goes on to the next, so that no branch depends on one. */
+enum { PAIR_POINTS = 16 };
+typedef struct pairs {
+    uint32_t count, pair[SHADOW_BLOCKS * DAFT_VL + DAFT_VL];
+} pairs;
 
 /* The lanes with this triangle. */
 DAFT_INLINE vbits lanes_of(const lanes *t, uint32_t triangle)
@@ -285,27 +310,100 @@ DAFT_INLINE vbits lanes_of(const lanes *t, uint32_t triangle)
     return vm_bits(vi_eq(vi_load(t->triangle), vi_set((int32_t)triangle)));
 }
 
+static void pairs_begin(const caster *c, const lanes *t, vbits live, const block_set *behind, pairs *out)
+{
+    const shadow_points *p = c->points;
+    out->count = 0;
+    for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
+        for (uint64_t left = behind->bits[word]; left; left &= left - 1) {
+            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left);
+            vbits own = lanes_of(t, p->on[b] == c->number ? p->sole[b] : DAFT_NO_TRIANGLE);
+            vbits triangles = triangles_before(t, p, b) & live & ~own;
+            vi_compress(&out->pair[out->count], triangles, vi_iota() + vi_set((int32_t)(b * DAFT_VL)));
+            out->count += (uint32_t)__builtin_popcount(triangles);
+        }
+}
+
+/* Leaves the points that are lit, in the triangle's box and not surely before its plane. */
+static void pairs_in_box(const lanes *t, const shadow_points *p, pairs *list)
+{
+    uint32_t kept = 0;
+    for (uint32_t n = 0; n < list->count; n++) {
+        uint32_t pair = list->pair[n], b = pair / DAFT_VL, points = 0;
+        int i = (int)(pair % DAFT_VL);
+        for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
+            const some_points some = points_load(p, b * SHADOW_BLOCK + k);
+            vm in = vm_and(points_within(t, i, &some), vf_lt(vf_set(-INFINITY), some.depth));
+            points |= vm_bits(vm_and(in, points_beyond(t, i, &some))) << k;
+        }
+        list->pair[kept] = pair | points << PAIR_POINTS;
+        kept += points != 0;
+    }
+    list->count = kept;
+}
+
+DAFT_INLINE edges edges_of(const lanes *t, int i, const some_points *p)
+{
+    edges e = {.e0 = edge_at(t, 0, i, p->ray), .e1 = edge_at(t, 1, i, p->ray), .e2 = edge_at(t, 2, i, p->ray)};
+    e.least = vf_min(e.e0, vf_min(e.e1, e.e2)), e.most = vf_max(e.e0, vf_max(e.e1, e.e2));
+    return e;
+}
+
+/* Leaves the points that no edge has surely outside. */
+static void pairs_in_edges(const lanes *t, const shadow_points *p, pairs *list)
+{
+    uint32_t kept = 0;
+    for (uint32_t n = 0; n < list->count; n++) {
+        uint32_t pair = list->pair[n] & 0xffff, b = pair / DAFT_VL, points = 0;
+        int i = (int)(pair % DAFT_VL);
+        vf wide = vf_set(t->wide[i]);
+        for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
+            const some_points some = points_load(p, b * SHADOW_BLOCK + k);
+            const edges e = edges_of(t, i, &some);
+            points |= vm_bits(vm_or(vf_le(-wide, e.least), vf_le(e.most, wide))) << k;
+        }
+        points &= list->pair[n] >> PAIR_POINTS;
+        list->pair[kept] = pair | points << PAIR_POINTS;
+        kept += points != 0;
+    }
+    list->count = kept;
+}
+
+static void pairs_hide(const mesh_caster *m, const lanes *t, const leaf *const *leaves, const pairs *list)
+{
+    shadow_points *p = m->c.points;
+    for (uint32_t n = 0; n < list->count; n++) {
+        uint32_t pair = list->pair[n] & 0xffff, b = pair / DAFT_VL, points = list->pair[n] >> PAIR_POINTS;
+        int i = (int)(pair % DAFT_VL);
+        bool changed = false;
+        for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
+            vm side = vm_from_bits(points >> k & DAFT_ALL_LANES);
+            const some_points some = points_load(p, b * SHADOW_BLOCK + k);
+            const edges e = edges_of(t, i, &some);
+            changed |= hide_points(m, t, i, leaves[i / DAFT_BLOCK]->block, &e, side, b * SHADOW_BLOCK + k);
+        }
+        if (changed) block_darkened(p, b);
+    }
+}
+
 static void test_leaves(const mesh_caster *m, const leaf *const *leaves, vbits used)
 {
     lanes t;
-    bool ready = false;
+    pairs list;
     corners moved = corners_move(m, leaves);
     vbits live = lanes_place(m, &moved, &t) & used;
     block_set behind = {{0}};
+    if (!live) return;
     lanes_name(leaves, &t);
     for (uint32_t k = 0; k < DAFT_VL / 4; k++)
         for (uint32_t word = 0; word < DAFT_COUNT_OF(behind.bits); word++)
             behind.bits[word] |= leaves[k]->behind.bits[word];
-    for (uint32_t word = 0; live && word < DAFT_COUNT_OF(behind.bits); word++)
-        for (uint64_t left = behind.bits[word]; left; left &= left - 1) {
-            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left);
-            vbits triangles = live & triangles_before(&t, m->c.points, b);
-            if (triangles && m->c.points->on[b] == m->c.number) triangles &= ~lanes_of(&t, m->c.points->sole[b]);
-            if (!triangles) continue;
-            if (!ready) lanes_setup(m, &moved, &t);
-            ready = true;
-            test_block(m, &t, leaves, triangles, b);
-        }
+    pairs_begin(&m->c, &t, live, &behind, &list);
+    if (!list.count) return;
+    lanes_setup(m, &moved, &t);
+    pairs_in_box(&t, m->c.points, &list);
+    pairs_in_edges(&t, m->c.points, &list);
+    pairs_hide(m, &t, leaves, &list);
 }
 
 /* ---- few points ---- */
