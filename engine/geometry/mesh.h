@@ -42,7 +42,8 @@ bool daft_trimesh_deform(const daft_allocator *allocator, daft_trimesh *mesh, co
 bool daft_trimesh_box(const daft_allocator *allocator, daft_vec3 size, daft_trimesh *out, daft_error *error);
 
 /* Fills normals and normal_indices: at each corner the angle-weighted mean of the faces around the vertex that meet this
- * one across edges flatter than `crease` radians. */
+ * one across edges flatter than `crease` radians. Each vertex has a normal under its own number, others of the same vertex
+ * follow behind; where no vertex has others, normal_indices is NULL. */
 bool daft_trimesh_smooth(const daft_allocator *allocator, daft_trimesh *mesh, float crease, daft_error *error);
 
 /* ---- OBJ and MTL ---- */

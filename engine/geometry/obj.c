@@ -32,7 +32,29 @@ void daft_obj_source_free(daft_obj_source *source)
     daft_release(allocator, source->runs);
     daft_release(allocator, source->slots);
     daft_release(allocator, source->libraries);
+    daft_release(allocator, source->groups);
     daft_release(allocator, source->face_of);
+}
+
+/* All that the text is needed for. */
+static bool read_text(daft_obj_source *source, daft_obj *obj, daft_error *error)
+{
+    bool done = daft_obj_read(source, error) && daft_obj_make_mesh(source, &obj->mesh, error) &&
+                daft_obj_make_slots(source, &obj->slots, error);
+    obj->mesh.slot_count = (uint32_t)obj->slots.count;
+    if (done) daft_text_close(&source->text);
+    return done;
+}
+
+static bool finish(daft_obj_source *source, bool done, daft_obj *obj, daft_obj *out)
+{
+    const daft_allocator *allocator = source->allocator;
+    daft_obj_source_free(source);
+    if (done)
+        *out = *obj;
+    else
+        daft_obj_free(allocator, obj);
+    return done;
 }
 
 bool daft_obj_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
@@ -40,16 +62,8 @@ bool daft_obj_parse(const daft_allocator *allocator, const char *path, const cha
 {
     daft_obj obj = {0};
     daft_obj_source source = {.text = daft_text_open(path, text, size, log), .allocator = allocator};
-    bool done = daft_obj_read(&source, error) && daft_obj_make_mesh(&source, &obj.mesh, error) &&
-                daft_obj_make_slots(&source, &obj.slots, error);
-    obj.mesh.slot_count = (uint32_t)obj.slots.count;
-    if (done) daft_text_close(&source.text);
-    daft_obj_source_free(&source);
-    if (done)
-        *out = obj;
-    else
-        daft_obj_free(allocator, &obj);
-    return done;
+    bool done = read_text(&source, &obj, error) && daft_obj_make_normals(&source, &obj.mesh, error);
+    return finish(&source, done, &obj, out);
 }
 
 bool daft_obj_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
@@ -58,9 +72,12 @@ bool daft_obj_load(const daft_allocator *allocator, const char *path, const daft
     size_t size;
     char *text = daft_file_read(allocator, path, &size, error);
     if (!text) return false;
-    bool done = daft_obj_parse(allocator, path, text, size, log, out, error);
+    daft_obj obj = {0};
+    daft_obj_source source = {.text = daft_text_open(path, text, size, log), .allocator = allocator};
+    bool done = read_text(&source, &obj, error);
     daft_release(allocator, text);
-    return done;
+    done = done && daft_obj_make_normals(&source, &obj.mesh, error);
+    return finish(&source, done, &obj, out);
 }
 
 void daft_obj_free(const daft_allocator *allocator, daft_obj *obj)

@@ -43,6 +43,7 @@ typedef struct daft_obj_source {
     const char *first_drop;    /* where the first face was dropped, and why */
     const char *first_drop_reason;
     uint32_t drops;   /* faces left out */
+    uint32_t *groups;  /* of each triangle, where some `s` was seen */
     uint32_t *face_of; /* the face that each triangle comes from; NULL: nobody asks. Room for triangle_count */
     const daft_problems *problems; /* NULL: only what loading warns of */
 } daft_obj_source;
@@ -59,8 +60,10 @@ void daft_obj_drop(daft_obj_source *source, const char *at, const char *reason);
 
 void daft_obj_source_free(daft_obj_source *source);
 
-/* Arrays to a mesh (obj_mesh.c), which takes what it can use as it is out of the source. */
+/* Arrays to a mesh (obj_mesh.c), which takes what it can use as it is out of the source: all but the normals. */
 bool daft_obj_make_mesh(daft_obj_source *source, daft_trimesh *mesh, daft_error *error);
+/* Those are last. The text may be gone by then: it is as large as what they need beside it. */
+bool daft_obj_make_normals(daft_obj_source *source, daft_trimesh *mesh, daft_error *error);
 
 static inline daft_vec3 daft_obj_position(const daft_obj_source *source, size_t index)
 {

@@ -8,7 +8,6 @@ typedef struct builder {
     daft_obj_source *source;
     daft_trimesh *mesh;
     daft_error *error;
-    uint32_t *groups; /* of each triangle, where some `s` was seen */
     daft_polygon polygon;
     size_t face;    /* whose triangles are put */
     uint32_t *kept; /* corners of a polygon without repeated ones, relative to its first */
@@ -77,7 +76,7 @@ static inline void put_triangle(builder *b, const size_t corner[3], const daft_o
         if (mesh->normal_indices) mesh->normal_indices[at + k] = s->corner_normals[corner[k]];
     }
     if (mesh->slots) mesh->slots[mesh->triangle_count] = (uint16_t)run->slot;
-    if (b->groups) b->groups[mesh->triangle_count] = run->group;
+    if (s->groups) s->groups[mesh->triangle_count] = run->group;
     if (s->face_of) s->face_of[mesh->triangle_count] = (uint32_t)b->face;
     mesh->triangle_count++;
 }
@@ -186,7 +185,7 @@ static bool reserve_runs(builder *b)
     bool grouped = s->run_count > 1 || (s->run_count == 1 && s->runs[0].group != DAFT_OBJ_GROUP_NONE), done = true;
     if (s->slot_count > 1)
         done &= (b->mesh->slots = daft_alloc(s->allocator, s->triangle_count, sizeof(uint16_t))) != NULL;
-    if (grouped) done &= (b->groups = daft_alloc(s->allocator, s->triangle_count, sizeof(uint32_t))) != NULL;
+    if (grouped) done &= (s->groups = daft_alloc(s->allocator, s->triangle_count, sizeof(uint32_t))) != NULL;
     return done || daft_fail_memory(b->error, "a mesh's triangles");
 }
 
@@ -231,10 +230,10 @@ static void take_faces(builder *b)
     mesh->uv_indices = take(s, &s->corner_uvs, s->corner_room, s->corner_count, sizeof(uint32_t));
     mesh->normal_indices = take(s, &s->corner_normals, s->corner_room, s->corner_count, sizeof(uint32_t));
     mesh->triangle_count = (uint32_t)s->face_count;
-    for (uint32_t i = 0, run = 0; (mesh->slots || b->groups) && i < mesh->triangle_count; i++) {
+    for (uint32_t i = 0, run = 0; (mesh->slots || s->groups) && i < mesh->triangle_count; i++) {
         while (run + 1 < s->run_count && s->runs[run + 1].first_face <= i) run++;
         if (mesh->slots) mesh->slots[i] = (uint16_t)s->runs[run].slot;
-        if (b->groups) b->groups[i] = s->runs[run].group;
+        if (s->groups) s->groups[i] = s->runs[run].group;
     }
     for (uint32_t i = 0; s->face_of && i < mesh->triangle_count; i++) s->face_of[i] = i;
 }
@@ -263,11 +262,11 @@ static bool take_positions(builder *b)
 /* ---- uvs and normals ---- */
 
 /* Lists that say the same as the vertices' cost nothing. */
-static void drop_if_same(const builder *b, uint32_t **list)
+static void drop_if_same(const daft_obj_source *s, const daft_trimesh *mesh, uint32_t **list)
 {
-    size_t bytes = 3 * (size_t)b->mesh->triangle_count * sizeof(uint32_t);
-    if (!*list || memcmp(*list, b->mesh->indices, bytes) != 0) return;
-    daft_release(b->source->allocator, *list);
+    size_t bytes = 3 * (size_t)mesh->triangle_count * sizeof(uint32_t);
+    if (!*list || memcmp(*list, mesh->indices, bytes) != 0) return;
+    daft_release(s->allocator, *list);
     *list = NULL;
 }
 
@@ -291,7 +290,7 @@ static bool finish_uvs(builder *b)
         if (!isfinite(s->uvs[i].x) || !isfinite(s->uvs[i].y)) s->uvs[i] = (daft_vec2){0, 0};
     mesh->uvs = take(s, &s->uvs, s->uv_room, s->uv_count, sizeof *s->uvs);
     mesh->uv_count = (uint32_t)s->uv_count;
-    drop_if_same(b, &mesh->uv_indices);
+    drop_if_same(s, mesh, &mesh->uv_indices);
     return true;
 }
 
@@ -312,13 +311,13 @@ static bool normalize_all(daft_obj_source *s)
 }
 
 /* Corners with a zero normal are as if they had none. Returns whether some corner has none. */
-static bool find_absent(builder *b, bool any_zero)
+static bool find_absent(const daft_obj_source *s, daft_trimesh *mesh, bool any_zero)
 {
     bool any = false;
-    uint32_t *list = b->mesh->normal_indices;
-    for (size_t i = 0; i < 3 * (size_t)b->mesh->triangle_count; i++) {
+    uint32_t *list = mesh->normal_indices;
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i++) {
         if (any_zero && list[i] != DAFT_OBJ_ABSENT) {
-            daft_vec3 n = b->source->normals[list[i]];
+            daft_vec3 n = s->normals[list[i]];
             if (n.x == 0 && n.y == 0 && n.z == 0) list[i] = DAFT_OBJ_ABSENT;
         }
         any |= list[i] == DAFT_OBJ_ABSENT;
@@ -327,15 +326,13 @@ static bool find_absent(builder *b, bool any_zero)
 }
 
 /* The normals of the file, then those that were computed for corners without. */
-static bool merge_normals(builder *b, const daft_trimesh *computed)
+static bool merge_normals(daft_obj_source *s, daft_trimesh *mesh, const daft_trimesh *computed, daft_error *error)
 {
-    daft_obj_source *s = b->source;
-    daft_trimesh *mesh = b->mesh;
     size_t total = s->normal_count + computed->normal_count;
-    if (total > UINT32_MAX) return daft_fail_memory(b->error, "a mesh's normals");
+    if (total > UINT32_MAX) return daft_fail_memory(error, "a mesh's normals");
     if (computed->normal_count > 0) {
         if (!daft_grow(s->allocator, &s->normals, &s->normal_room, total, s->normal_count, sizeof *s->normals))
-            return daft_fail_memory(b->error, "a mesh's normals");
+            return daft_fail_memory(error, "a mesh's normals");
         memcpy(s->normals + s->normal_count, computed->normals, computed->normal_count * sizeof *s->normals);
     }
     mesh->normals = take(s, &s->normals, s->normal_room, total, sizeof *s->normals);
@@ -346,25 +343,23 @@ static bool merge_normals(builder *b, const daft_trimesh *computed)
     const uint32_t *own = computed->normal_indices ? computed->normal_indices : mesh->indices;
     for (size_t i = 0; computed->normal_count > 0 && i < 3 * (size_t)mesh->triangle_count; i++)
         if (mesh->normal_indices[i] == DAFT_OBJ_ABSENT) mesh->normal_indices[i] = (uint32_t)s->normal_count + own[i];
-    drop_if_same(b, &mesh->normal_indices);
+    drop_if_same(s, mesh, &mesh->normal_indices);
     return true;
 }
 
-static bool finish_normals(builder *b)
+bool daft_obj_make_normals(daft_obj_source *s, daft_trimesh *mesh, daft_error *error)
 {
-    daft_obj_source *s = b->source;
-    daft_trimesh *mesh = b->mesh;
     bool any_zero = normalize_all(s);
-    bool any_absent = mesh->normal_indices && find_absent(b, any_zero);
+    bool any_absent = mesh->normal_indices && find_absent(s, mesh, any_zero);
     if (!any_present(mesh->normal_indices, 3 * (size_t)mesh->triangle_count))
-        return daft_trimesh_smooth_groups(s->allocator, mesh, DAFT_SMOOTH_CREASE, b->groups, b->error);
+        return daft_trimesh_smooth_groups(s->allocator, mesh, DAFT_SMOOTH_CREASE, s->groups, error);
     daft_trimesh computed = *mesh;
     computed.normals = NULL;
     computed.normal_indices = NULL;
     computed.normal_count = 0;
     bool done =
-        !any_absent || daft_trimesh_smooth_groups(s->allocator, &computed, DAFT_SMOOTH_CREASE, b->groups, b->error);
-    done = done && merge_normals(b, &computed);
+        !any_absent || daft_trimesh_smooth_groups(s->allocator, &computed, DAFT_SMOOTH_CREASE, s->groups, error);
+    done = done && merge_normals(s, mesh, &computed, error);
     daft_release(s->allocator, computed.normals);
     daft_release(s->allocator, computed.normal_indices);
     return done;
@@ -378,11 +373,10 @@ bool daft_obj_make_mesh(daft_obj_source *source, daft_trimesh *mesh, daft_error 
         take_faces(&b);
     else
         done = done && reserve_triangles(&b) && put_faces(&b);
-    done = done && take_positions(&b) && finish_uvs(&b) && finish_normals(&b);
+    done = done && take_positions(&b) && finish_uvs(&b);
     if (done) daft_trimesh_set_bounds(mesh);
     mesh->left_out = source->drops;
     daft_polygon_free(source->allocator, &b.polygon);
     daft_release(source->allocator, b.kept);
-    daft_release(source->allocator, b.groups);
     return done;
 }

@@ -38,7 +38,6 @@ typedef struct smoother {
     daft_smooth_faces faces;
     daft_smooth_sum *sums_of; /* each vertex */
     daft_smooth_lists lists;  /* of vertices that take more than adding up */
-    uint32_t *single; /* the normal that all corners of a vertex share, or DAFT_SMOOTH_SEVERAL */
     spoke *spokes;    /* as many as the vertex with most corners has */
     daft_dvec3 *sums; /* of each set of them */
     edge *edges;      /* twice as many, for fans that are not small */
@@ -65,12 +64,15 @@ static bool is_one_ring(const smoother *s, const daft_smooth_sum *sum)
 static bool choose_listed(smoother *s)
 {
     bool any = false, exact = true;
+    const daft_smooth_sum *sums = s->sums_of;
+    uint8_t *restrict listed = s->lists.listed;
+    uint32_t *restrict first = s->lists.first;
     for (uint32_t i = 0; i < s->mesh->vertex_count; i++) {
-        bool listed = s->groups || !is_one_ring(s, &s->sums_of[i]);
-        s->lists.listed[i] = listed;
-        s->lists.first[i] = listed ? (uint32_t)s->sums_of[i].count : 0;
-        exact &= s->sums_of[i].count < 0x1p24f;
-        any |= listed;
+        bool is_listed = s->groups || !is_one_ring(s, &sums[i]);
+        listed[i] = is_listed;
+        first[i] = is_listed ? (uint32_t)sums[i].count : 0;
+        exact &= sums[i].count < 0x1p24f;
+        any |= is_listed;
     }
     if (exact) return any;
     memset(s->lists.first, 0, s->mesh->vertex_count * sizeof *s->lists.first);
@@ -83,18 +85,20 @@ static bool choose_listed(smoother *s)
 static uint32_t list_corners(smoother *s)
 {
     const uint32_t *indices = s->mesh->indices;
+    const uint8_t *listed = s->lists.listed;
+    uint32_t *restrict first = s->lists.first, *restrict list = s->lists.corners;
     uint32_t corners = 3 * s->mesh->triangle_count, vertices = s->mesh->vertex_count, most = 0, sum = 0;
     for (uint32_t i = 0; i < vertices; i++) {
-        if (s->lists.first[i] > most) most = s->lists.first[i];
-        sum += s->lists.first[i];
-        s->lists.first[i] = sum; /* the end, which the next loop moves down to the start */
+        if (first[i] > most) most = first[i];
+        sum += first[i];
+        first[i] = sum; /* the end, which the next loop moves down to the start */
     }
-    s->lists.first[vertices] = sum;
+    first[vertices] = sum;
     for (uint32_t i = corners; i-- > 0;) { /* what is not listed is written behind all others */
-        uint32_t vertex = indices[i], listed = s->lists.listed[vertex], at = s->lists.first[vertex] -= listed;
-        s->lists.corners[listed ? at : corners] = i;
+        uint32_t vertex = indices[i], is_listed = listed[vertex], at = first[vertex] -= is_listed;
+        list[is_listed ? at : corners] = i;
     }
-    memset(s->lists.corners + sum, 0, DAFT_SMOOTH_AHEAD * sizeof *s->lists.corners);
+    memset(list + sum, 0, DAFT_SMOOTH_AHEAD * sizeof *list);
     return most;
 }
 
@@ -180,19 +184,16 @@ static bool grow_normals(smoother *s, size_t more)
                      sizeof *mesh->normals);
 }
 
-static bool append_normal(smoother *s, daft_dvec3 sum)
+/* A set whose faces have no area takes some unit vector. */
+static daft_vec3 direction_of(daft_dvec3 sum)
 {
-    daft_trimesh *mesh = s->mesh;
-    if (!grow_normals(s, 1)) return false;
     daft_dvec3 unit = daft_unit(sum);
-    mesh->normals[mesh->normal_count++] = daft_ddot(unit, unit) > 0.5 ? daft_to_float(unit) : daft_v3(0, 1, 0);
-    return true;
+    return daft_ddot(unit, unit) > 0.5 ? daft_to_float(unit) : daft_v3(0, 1, 0);
 }
 
-/* Gives every set a normal. A set whose faces have no area takes some unit vector. */
-static bool put_normals(smoother *s, uint32_t vertex, uint32_t count)
+/* Adds up the faces of each set of spokes; returns how many sets there are. */
+static uint32_t add_sets(smoother *s, uint32_t count)
 {
-    daft_trimesh *mesh = s->mesh;
     uint32_t sets = 0;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t root = find(s->spokes, i); /* never larger than i */
@@ -200,11 +201,32 @@ static bool put_normals(smoother *s, uint32_t vertex, uint32_t count)
         uint32_t corner = s->spokes[i].corner, set = s->spokes[i].set = s->spokes[root].set;
         daft_dvec3 normal = daft_to_double(s->faces.normals[corner / 3]);
         s->sums[set] = daft_dadd(s->sums[set], daft_dscale(normal, (double)s->faces.angles[corner]));
-        mesh->normal_indices[corner] = mesh->normal_count + set;
     }
-    s->single[vertex] = sets == 1 ? mesh->normal_count : DAFT_SMOOTH_SEVERAL;
-    for (uint32_t i = 0; i < sets; i++)
-        if (!append_normal(s, s->sums[i])) return false;
+    return sets;
+}
+
+/* Corners have their vertices' normals until some vertex has more than one. */
+static bool part_corners(smoother *s)
+{
+    daft_trimesh *mesh = s->mesh;
+    size_t corners = 3 * (size_t)mesh->triangle_count;
+    if (mesh->normal_indices) return true;
+    mesh->normal_indices = daft_alloc(s->allocator, corners, sizeof *mesh->normal_indices);
+    if (mesh->normal_indices) memcpy(mesh->normal_indices, mesh->indices, corners * sizeof *mesh->normal_indices);
+    return mesh->normal_indices != NULL;
+}
+
+/* Gives every set a normal: the first has the vertex's own place, others follow behind those of all vertices. */
+static bool put_normals(smoother *s, uint32_t vertex, uint32_t count)
+{
+    daft_trimesh *mesh = s->mesh;
+    uint32_t sets = add_sets(s, count), others = mesh->normal_count;
+    mesh->normals[vertex] = sets ? direction_of(s->sums[0]) : daft_v3(0, 1, 0);
+    if (sets < 2) return true;
+    if (!grow_normals(s, sets - 1) || !part_corners(s)) return false;
+    for (uint32_t i = 1; i < sets; i++) mesh->normals[mesh->normal_count++] = direction_of(s->sums[i]);
+    for (uint32_t i = 0; i < count; i++)
+        if (s->spokes[i].set) mesh->normal_indices[s->spokes[i].corner] = others + s->spokes[i].set - 1;
     return true;
 }
 
@@ -223,7 +245,6 @@ static size_t lay_out(smoother *s)
     s->sums_of = part(s, &bytes, vertices, sizeof *s->sums_of);
     s->lists.listed = part(s, &bytes, vertices, 1);
     s->lists.first = part(s, &bytes, vertices + 1, sizeof *s->lists.first);
-    s->single = part(s, &bytes, vertices, sizeof *s->single);
     s->faces.normals = part(s, &bytes, triangles, sizeof *s->faces.normals);
     s->faces.angles = part(s, &bytes, 3 * triangles, sizeof *s->faces.angles);
     s->lists.corners = part(s, &bytes, 3 * triangles + DAFT_SMOOTH_AHEAD, sizeof *s->lists.corners);
@@ -234,8 +255,7 @@ static bool prepare(smoother *s)
 {
     daft_trimesh *mesh = s->mesh;
     s->scratch = daft_alloc(s->allocator, lay_out(s), 1);
-    mesh->normal_indices = daft_alloc(s->allocator, 3 * (size_t)mesh->triangle_count, sizeof *mesh->normal_indices);
-    if (!s->scratch || !mesh->normal_indices) return false;
+    if (!s->scratch) return false;
     lay_out(s);
     memset(s->sums_of, 0, mesh->vertex_count * sizeof *s->sums_of);
     s->kernels->add_faces(mesh, s->faces, s->sums_of);
@@ -259,46 +279,18 @@ static bool smooth_vertex(smoother *s, uint32_t vertex)
     return put_normals(s, vertex, count);
 }
 
-/* Vertices in a row whose corners are one set each. */
-static bool smooth_unlisted(smoother *s, uint32_t vertex, uint32_t count)
-{
-    daft_trimesh *mesh = s->mesh;
-    if (!grow_normals(s, count)) return false;
-    s->kernels->normalize(s->sums_of + vertex, count, mesh->normals + mesh->normal_count);
-    for (uint32_t i = 0; i < count; i++) s->single[vertex + i] = mesh->normal_count + i;
-    mesh->normal_count += count;
-    return true;
-}
-
-/* *same stays true as long as every vertex has one normal, with the vertex's own number. */
-static bool smooth_range(smoother *s, uint32_t vertex, uint32_t end, bool *same)
-{
-    s->kernels->unlist_rings(s->mesh, s->faces.normals, s->groups, s->cosine, &s->lists, vertex, end);
-    for (uint32_t next; vertex < end; vertex = next) {
-        *same = *same && s->mesh->normal_count == vertex;
-        for (next = vertex; next < end && !s->lists.listed[next];) next++;
-        if (next > vertex && !smooth_unlisted(s, vertex, next - vertex)) return false;
-        if (next < end && !smooth_vertex(s, next++)) return false;
-        *same = *same && s->single[next - 1] == next - 1;
-    }
-    return true;
-}
-
 static bool smooth_vertices(smoother *s)
 {
     enum { TOGETHER = 64 }; /* vertices: what the first look at them fetched is still in the cache at the second */
     daft_trimesh *mesh = s->mesh;
-    bool same = true;
-    for (uint32_t left = mesh->vertex_count; left > 0;) {
-        uint32_t count = left < TOGETHER ? left : TOGETHER, vertex = mesh->vertex_count - left;
-        if (!smooth_range(s, vertex, vertex + count, &same)) return false;
-        left -= count;
-    }
-    if (same) {
-        daft_release(s->allocator, mesh->normal_indices);
-        mesh->normal_indices = NULL;
-    } else {
-        s->kernels->share(mesh->indices, s->single, 3 * (size_t)mesh->triangle_count, mesh->normal_indices);
+    uint32_t end = mesh->vertex_count;
+    s->kernels->normalize(s->sums_of, end, mesh->normals);
+    mesh->normal_count = end;
+    for (uint32_t first = 0, next; first < end; first = next) {
+        next = end - first < TOGETHER ? end : first + TOGETHER;
+        s->kernels->unlist_rings(mesh, s->faces.normals, s->groups, s->cosine, &s->lists, first, next);
+        for (uint32_t vertex = first; vertex < next; vertex++)
+            if (s->lists.listed[vertex] && !smooth_vertex(s, vertex)) return false;
     }
     return true;
 }

@@ -29,8 +29,6 @@ typedef struct daft_smooth_lists {
 /* Around a vertex of up to so many corners they are looked at side by side; so far behind them the list is read. */
 enum { DAFT_SMOOTH_RING = 8, DAFT_SMOOTH_AHEAD = 40 };
 
-#define DAFT_SMOOTH_SEVERAL UINT32_MAX /* in place of the normal that all corners of a vertex share */
-
 typedef struct daft_smooth_kernels {
     /* Fills faces and adds each to the sums, which were zero, of its three vertices. */
     void (*add_faces)(const daft_trimesh *mesh, daft_smooth_faces faces, daft_smooth_sum *sums);
@@ -41,8 +39,6 @@ typedef struct daft_smooth_kernels {
                          const daft_smooth_lists *lists, uint32_t first, uint32_t end);
     /* The directions of weighted sums; some unit vector for those that have none. */
     void (*normalize)(const daft_smooth_sum *sums, size_t count, daft_vec3 *out);
-    /* out[i] = single[indices[i]] but where that is DAFT_SMOOTH_SEVERAL. */
-    void (*share)(const uint32_t *indices, const uint32_t *single, size_t count, uint32_t *out);
 } daft_smooth_kernels;
 
 const daft_smooth_kernels *daft_smooth_kernels_for(int isa);

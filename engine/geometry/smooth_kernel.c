@@ -264,32 +264,46 @@ static void unlist_rings(const daft_trimesh *mesh, const daft_vec3 *normals, con
 
 /* ---- normals ---- */
 
+/* Half the lanes: the directions of as many sums. */
+DAFT_INLINE vd3 directions(const daft_smooth_sum *sums)
+{
+    const vd zero = {0}, one = zero + 1;
+    vd x = zero, y = zero, z = zero;
+    for (int i = 0; i < DAFT_VL / 2; i++) {
+        x[i] = sums[i].weighted[0];
+        y[i] = sums[i].weighted[1];
+        z[i] = sums[i].weighted[2];
+    }
+    vd3 v = {x, y, z};
+    vd length = vd_sqrt(vd3_dot(v, v));
+    vd scale = one / vd_select((vl)(length > zero), length, one);
+    v.x *= scale, v.y *= scale, v.z *= scale;
+    vl good = (vl)(vd3_dot(v, v) > zero + 0.5);
+    return (vd3){vd_select(good, v.x, zero), vd_select(good, v.y, one), vd_select(good, v.z, zero)};
+}
+
+static inline void normalize_lanes(const daft_smooth_sum *sums, daft_vec3 *out)
+{
+    float x[DAFT_VL], y[DAFT_VL], z[DAFT_VL];
+    vd3 low = directions(sums), high = directions(sums + DAFT_VL / 2);
+    vf_store(x, vf_join(low.x, high.x));
+    vf_store(y, vf_join(low.y, high.y));
+    vf_store(z, vf_join(low.z, high.z));
+    for (int i = 0; i < DAFT_VL; i++) out[i] = daft_v3(x[i], y[i], z[i]);
+}
+
 static void normalize(const daft_smooth_sum *sums, size_t count, daft_vec3 *out)
 {
-    enum { LANES = DAFT_VL / 2 };
-    const vd zero = {0}, one = zero + 1;
-    for (size_t first = 0; first < count; first += LANES) {
-        size_t left = count - first < LANES ? count - first : LANES;
-        vd x, y, z;
-        for (size_t i = 0; i < LANES; i++) {
-            const double *sum = sums[first + (i < left ? i : 0)].weighted;
-            x[i] = sum[0], y[i] = sum[1], z[i] = sum[2];
-        }
-        vd length = vd_sqrt(x * x + y * y + z * z);
-        vd scale = one / vd_select((vl)(length > zero), length, one);
-        x *= scale, y *= scale, z *= scale;
-        vl good = (vl)(x * x + y * y + z * z > zero + 0.5);
-        x = vd_select(good, x, zero), y = vd_select(good, y, one), z = vd_select(good, z, zero);
-        for (size_t i = 0; i < left; i++) out[first + i] = daft_v3((float)x[i], (float)y[i], (float)z[i]);
+    if (count < DAFT_VL) {
+        daft_smooth_sum few[DAFT_VL] = {0};
+        daft_vec3 unit[DAFT_VL];
+        if (count) memcpy(few, sums, count * sizeof *few);
+        normalize_lanes(few, unit);
+        if (count) memcpy(out, unit, count * sizeof *unit);
+        return;
     }
+    for (size_t first = 0; first + DAFT_VL <= count; first += DAFT_VL) normalize_lanes(sums + first, out + first);
+    normalize_lanes(sums + count - DAFT_VL, out + count - DAFT_VL); /* some twice */
 }
 
-static void share(const uint32_t *indices, const uint32_t *single, size_t count, uint32_t *out)
-{
-    for (size_t i = 0; i < count; i++) {
-        uint32_t normal = single[indices[i]];
-        out[i] = normal == DAFT_SMOOTH_SEVERAL ? out[i] : normal;
-    }
-}
-
-const daft_smooth_kernels DAFT_KERNEL(daft_smooth) = {add_faces, unlist_rings, normalize, share};
+const daft_smooth_kernels DAFT_KERNEL(daft_smooth) = {add_faces, unlist_rings, normalize};
