@@ -403,7 +403,7 @@ static void ten_thousand_in_one_spot_end(void **unused)
     steps(world, 2);
     for (uint32_t id = 2; id < 10002; id++) {
         daft_sim_state s = state_of(world, id);
-        assert_true(daft_dfinite3(s.position) && speed_of(s) < 100);
+        assert_true(daft_dfinite3(s.position) && speed_of(s) < 3.5);
     }
     daft_world_destroy(world);
 }
@@ -639,7 +639,7 @@ static uint64_t run_everything(int ticks, int unrelated)
 }
 
 /* The same for gcc and clang, debug and release, every machine: change it only together with the simulation. */
-#define GOLDEN_HASH 0x184ce4e141715af7u
+#define GOLDEN_HASH 0x6abd8a76df39eec6u
 
 static void the_same_calls_give_the_same_bits(void **unused)
 {

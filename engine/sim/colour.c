@@ -13,6 +13,7 @@ enum {
 };
 
 #define UNUSED_SEPARATION 1e20f
+#define DEEP 0.1f /* of the smaller body's extent: bodies that overlap by more were made so, or were too fast */
 
 /* ---- rows ---- */
 
@@ -126,7 +127,13 @@ static daft_sim_gathered gather(const daft_world *world, daft_sim_touch *touch)
     g.row_a = row_of(world, touch->body_a), g.row_b = row_of(world, touch->body_b);
     if (!yields(world, g.row_a)) return g;
     g.patches = touch->patch_count;
-    for (uint32_t k = 0; k < touch->patch_count; k++) g.points += daft_sim_patches(touch)[k].count;
+    float least = 0;
+    for (uint32_t k = 0; k < touch->patch_count; k++) {
+        const daft_sim_patch *patch = &daft_sim_patches(touch)[k];
+        g.points += patch->count;
+        for (uint32_t i = 0; i < patch->count; i++) least = daft_sim_min(least, patch->points[i].separation);
+    }
+    g.deep = least < -DEEP * daft_sim_min(world->bodies[touch->body_a].extent, world->bodies[touch->body_b].extent);
     return g;
 }
 
@@ -168,6 +175,7 @@ bool daft_sim_rows_assign(daft_world *world, float dt)
         !daft_grow(&world->allocator, &s->row_bodies, &s->row_body_capacity, count, 0, sizeof *s->row_bodies) ||
         !daft_grow(&world->allocator, &s->masks, &s->mask_capacity, count, 0, sizeof *s->masks) ||
         !daft_grow(&world->allocator, &s->constrained, &s->constrained_capacity, count, 0, sizeof *s->constrained) ||
+        !daft_grow(&world->allocator, &s->parting, &s->parting_capacity, count, 0, sizeof *s->parting) ||
         !daft_grow(&world->allocator, &s->islands, &s->island_capacity, count, 0, sizeof *s->islands) ||
         !daft_grow(&world->allocator, &s->heaps, &s->heap_capacity, count, 0, sizeof *s->heaps) ||
         !daft_grow(&world->allocator, &s->asked, &s->asked_capacity, count, 0, sizeof *s->asked) ||
@@ -182,11 +190,32 @@ bool daft_sim_rows_assign(daft_world *world, float dt)
     order_rows(world, daft_sim_finer_paces(world, dt));
     for (uint32_t r = 1; r < s->row_count; r++) {
         s->asked[r] = 0;
+        s->parting[r] = (daft_sim_parting){0, 0};
         s->islands[r] = r;
         world->bodies[s->row_bodies[r]].state = r;
     }
     memset(s->constrained, 0, s->row_count * sizeof *s->constrained);
     return gather_contacts(world);
+}
+
+/* Springs push each pair of a spot full of bodies apart, and those on the outside would get the sum of all their speeds.
+ * So what overlaps deeply becomes no faster than one push, or than it or the other came. */
+static void part(daft_world *world, uint32_t row, uint32_t other)
+{
+    const daft_sim_solver *s = world->solver;
+    if (!yields(world, row)) return;
+    daft_sim_parting most = {DAFT_SIM_PUSH_SPEED, DAFT_SIM_PUSH_SPEED};
+    const uint32_t rows[2] = {row, other};
+    for (int i = 0; i < 2; i++) {
+        if (rows[i] == 0) continue;
+        const daft_sim_body *body = &world->bodies[s->row_bodies[rows[i]]];
+        float speed = daft_length(body->linear), swing = daft_length(body->angular) * body->extent;
+        if (!yields(world, rows[i])) speed += swing; /* it has its way */
+        most.speed = daft_sim_max(most.speed, speed);
+        most.swing = daft_sim_max(most.swing, swing);
+    }
+    s->parting[row].speed = daft_sim_max(s->parting[row].speed, most.speed);
+    s->parting[row].swing = daft_sim_max(s->parting[row].swing, most.swing);
 }
 
 static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
@@ -200,6 +229,7 @@ static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
         join(world, a, b);
         s->constrained[a] = true;
         if (!class) s->constrained[b] = true;
+        if (g->deep) part(world, a, b), part(world, b, a);
         for (uint32_t k = 0; k < g->patches; k++) {
             uint32_t colour = take_colour(s, a, b, class);
             if (!count_colour(world, colour, class, most)) return false;

@@ -103,12 +103,38 @@ static void inherit(daft_sim_patch *patch, const daft_sim_patch *old, uint32_t o
             if (patch->points[i].id == old->points[k].id) patch->points[i].impulse = old->points[k].impulse;
 }
 
+/* Bodies whose centres are closer, as a share of their reach, are in one place, and no way out is better than another. */
+#define ONE_PLACE 0.01
+
+static double scattered(uint32_t part, uint32_t axis)
+{
+    uint32_t x = (3 * part + axis) * 0x9e3779b9u;
+    x = (x ^ x >> 15) * 0x2c1b3c6du;
+    x = (x ^ x >> 12) * 0x297a2d39u;
+    return (double)(x ^ x >> 15) * 0x1p-31 - 1;
+}
+
+/* Where many are made in one place, each has its own corner of it, so that they part in all directions and not in one
+ * line. */
+static daft_relpose scatter(const daft_sim_touch *touch, daft_rigid frame_a, daft_rigid frame_b, double size)
+{
+    uint32_t a = touch->part_a, b = touch->part_b;
+    daft_dvec3 at_a = daft_dv3(scattered(a, 0), scattered(a, 1), scattered(a, 2));
+    daft_dvec3 at_b = daft_dv3(scattered(b, 0), scattered(b, 1), scattered(b, 2));
+    frame_a.p = daft_dadd(frame_a.p, daft_dscale(at_a, size));
+    frame_b.p = daft_dadd(frame_b.p, daft_dscale(at_b, size));
+    return daft_relpose_make(&frame_a, &frame_b);
+}
+
 static uint32_t collide(const daft_world *world, daft_sim_touch *touch, const pair *p, float reach,
                         daft_manifold *found)
 {
     const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
     daft_rigid frame_b = daft_sim_part_frame(p->b, b);
     daft_relpose pose = daft_relpose_make(&p->frame_a, &frame_b);
+    double near = ONE_PLACE * (double)a->reach;
+    if (daft_ddot(pose.p, pose.p) < near * near && p->b->kind == DAFT_BODY_DYNAMIC)
+        pose = scatter(touch, p->frame_a, frame_b, near);
     return daft_collide(&a->shape, &b->shape, &pose, reach, found, touch->more ? DAFT_SIM_MAX_PATCHES : 1,
                         &touch->cache);
 }

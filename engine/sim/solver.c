@@ -14,9 +14,6 @@ enum {
     CLOSE_PASSES = 2
 };
 
-/* How fast overlap is undone at most, so that deep overlap does not explode. */
-#define PUSH_SPEED 3.0f /* m/s */
-
 typedef struct context {
     daft_world *world;
     daft_sim_solver *s;
@@ -235,6 +232,13 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
         push = daft_add(push, daft_scale(world->gravity, body->gravity_scale));
     }
     put(velocity, linear, angular);
+    velocity[6] = DAFT_SIM_MAX_SPEED, velocity[7] = DAFT_SIM_MAX_SPIN;
+    const daft_sim_parting *most = &world->solver->parting[row];
+    if (dynamic && most->speed > 0) {
+        /* Falling stays free. */
+        velocity[6] = daft_sim_max(most->speed, daft_length(daft_add(linear, daft_scale(push, dt))));
+        velocity[7] = most->swing / daft_sim_max(body->extent, 1e-6f);
+    }
     put(gain, push, twist);
     gain[6] = dynamic && !constrained ? 1 : 0;
     gain[7] = 1 / (1 + h * body->linear_damping);
@@ -276,7 +280,7 @@ static void solve_pace(daft_world *world, float dt)
 {
     daft_sim_solver *s = world->solver;
     context c = {.world = world, .s = s, .dt = dt};
-    c.substep = (daft_sim_substep){.h = s->h, .inv_h = (float)s->substeps / dt, .push_speed = PUSH_SPEED};
+    c.substep = (daft_sim_substep){.h = s->h, .inv_h = (float)s->substeps / dt, .push_speed = DAFT_SIM_PUSH_SPEED};
     fill_rows(world, dt);
     daft_sim_stages_clear(s->stages);
     add(s, stage_fill, 0, 0, s->block_count, BLOCK_GRAIN);
@@ -343,7 +347,7 @@ void daft_sim_solver_destroy(daft_world *world)
                       s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_blocks,
                       s->joint_slots,   s->joint_bins, s->joint_colours, s->masks,      s->levels,       s->constraints,   s->colour_counts,
                       s->spins,         s->targets,     s->constrained,   s->islands,       s->gathered,
-                      s->asked,         s->heaps};
+                      s->asked,         s->heaps,      s->parting};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
     daft_release(&world->allocator, s);
     world->solver = NULL;

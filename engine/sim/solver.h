@@ -72,7 +72,7 @@ typedef struct daft_sim_substep {
 
 /* Rows of DAFT_SIM_ROW floats for each body that moves, and row 0, zero, for all that does not. */
 typedef struct daft_sim_rows {
-    float *velocity; /* linear, angular */
+    float *velocity; /* linear, angular; 6, 7: the most that their lengths may be */
     float *moved;    /* since the step began: along, and turned as the sum of angular velocities; floats that do not
                         fade far from the origin; 6: length of a substep */
     float *gain;     /* of velocity, per second, from gravity and forces; 6: 1 for bodies in free flight; 7: share
@@ -120,6 +120,10 @@ struct daft_sim_solver {
     uint32_t row_count, mover_count;
     bool *constrained; /* rows that some constraint acts on */
     size_t constrained_capacity;
+    struct daft_sim_parting {
+        float speed, swing; /* m/s, of the centre and of turning */
+    } *parting; /* of rows that overlap something deeply: the most that they may have; 0, 0: no more than any other */
+    size_t parting_capacity;
     struct daft_sim_heap {
         uint64_t asked; /* summed over the bodies */
         uint32_t bodies, contacts, pace;
@@ -174,6 +178,7 @@ struct daft_sim_solver {
     size_t constraint_capacity, constraint_count;
     struct daft_sim_gathered { /* of a touch that met: */
         uint32_t row_a, row_b, patches, points;
+        bool deep;
     } *gathered;
     size_t gathered_capacity;
     uint32_t contact_rows; /* constraints of all contacts */
@@ -194,11 +199,15 @@ struct daft_sim_solver {
     const daft_sim_joint_kernels *joint_kernels;
 };
 
+/* How fast overlap is undone at most, so that deep overlap does not explode. */
+#define DAFT_SIM_PUSH_SPEED 3.0f /* m/s */
+
 typedef struct daft_sim_heap daft_sim_heap;
 typedef struct daft_sim_slot daft_sim_slot;
 typedef struct daft_sim_constraint daft_sim_constraint;
 typedef struct daft_sim_gathered daft_sim_gathered;
 typedef struct daft_sim_joint_slot daft_sim_joint_slot;
+typedef struct daft_sim_parting daft_sim_parting;
 
 /* ---- colour.c ---- */
 

@@ -498,9 +498,6 @@ static void finish(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t c
 
 /* ---- bodies ---- */
 
-#define MAX_SPEED DAFT_SIM_MAX_SPEED
-#define MAX_SPIN  DAFT_SIM_MAX_SPIN
-
 DAFT_INLINE float limited(const float *v, float limit)
 {
     float square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
@@ -511,7 +508,7 @@ DAFT_INLINE float limited(const float *v, float limit)
 /* What is not finite becomes 0. */
 DAFT_INLINE void limit_row(float *v)
 {
-    float linear = limited(v, MAX_SPEED), angular = limited(v + 3, MAX_SPIN);
+    float linear = limited(v, v[6]), angular = limited(v + 3, v[7]);
     if (linear == 1 && angular == 1) return;
     for (int k = 0; k < 3; k++) {
         v[k] = linear > 0 ? v[k] * linear : 0;

@@ -84,8 +84,8 @@ static void take_row(daft_world *world, uint32_t row)
     if (!daft_finite3(linear) || !daft_finite3(angular)) linear = angular = daft_v3(0, 0, 0);
     body->h = rows->moved[at + 6];
     body->finer = daft_sim_finer_next(body->finer, world->solver->asked[row]);
-    body->linear = daft_sim_clamp(linear, DAFT_SIM_MAX_SPEED);
-    body->angular = daft_sim_clamp(angular, DAFT_SIM_MAX_SPIN);
+    body->linear = daft_sim_clamp(linear, v[6]);
+    body->angular = daft_sim_clamp(angular, v[7]);
     body->force = body->torque = daft_v3(0, 0, 0);
     if (!daft_finite3(way) || !isfinite(turn.x + turn.y + turn.z + turn.w)) return;
     target->centre = daft_dadd(body->centre, daft_to_double(way));
