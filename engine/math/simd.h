@@ -547,6 +547,18 @@ DAFT_INLINE void v8_compress(float *out, uint32_t lanes, v8 v)
 #endif
 }
 /* One bit for each lane of a comparison. */
+/* The numbers of the bits that are set, from `first` on, side by side; up to eight are written. Gives how many they are. */
+DAFT_INLINE uint32_t v8i_list(uint32_t *out, uint32_t bits, int32_t first)
+{
+    const v8i number = {first, first + 1, first + 2, first + 3, first + 4, first + 5, first + 6, first + 7};
+#if defined(DAFT_ISA_avx512)
+    _mm256_storeu_si256((__m256i *)out, _mm256_maskz_compress_epi32((__mmask8)bits, (__m256i)number));
+#else
+    uint32_t *to = out;
+    for (uint32_t left = bits; left; left &= left - 1) *to++ = (uint32_t)number[__builtin_ctz(left)];
+#endif
+    return (uint32_t)__builtin_popcount(bits);
+}
 DAFT_INLINE uint32_t v8i_bits(v8i mask) { return v8_le_bits((v8)(mask & 0x3f800000), v8_set(0)) ^ 0xff; }
 
 /* ---- 4 lanes ---- */

@@ -12,7 +12,7 @@ enum {
     SHADOW_BLOCKS = 2 * SHADOW_TILE_BLOCKS,         /* each patch begins a block, and so does what is left of them */
     SHADOW_LANES = SHADOW_BLOCKS * SHADOW_BLOCK,
     SHADOW_GROUP = 16,                              /* blocks that are looked at together, whatever the instruction set */
-    SHADOW_FEW = 4                                  /* so many of them are looked at one by one */
+    SHADOW_FEW = 16                                 /* up to so many are looked at one by one */
 };
 
 /* A lamp's view of some points. Light space has its origin in their middle, so its coordinates are as precise as the
@@ -84,6 +84,10 @@ typedef struct block_set {
 } block_set;
 
 DAFT_INLINE bool set_is_empty(const block_set *s) { return (s->bits[0] | s->bits[1]) == 0; }
+DAFT_INLINE uint32_t set_count(const block_set *s)
+{
+    return (uint32_t)(__builtin_popcountll(s->bits[0]) + __builtin_popcountll(s->bits[1]));
+}
 
 /* Which blocks of a group lie, in part, behind the box. */
 DAFT_INLINE uint32_t blocks_behind(const picture_box *box, const shadow_points *p, uint32_t group)
@@ -124,7 +128,7 @@ DAFT_INLINE uint32_t children_before(const node_boxes *n, const shadow_points *p
 DAFT_INLINE uint32_t group_narrow(const picture_box *box, const shadow_points *p, uint32_t group, uint32_t in)
 {
     in &= blocks_behind(box, p, group);
-    if (__builtin_popcount(in) > SHADOW_FEW) return in;
+    if (__builtin_popcount(in) > SHADOW_GROUP / 4) return in;
     for (uint32_t each = in; each; each &= each - 1)
         if (!points_behind(box, p, group * SHADOW_GROUP + (uint32_t)__builtin_ctz(each))) in &= ~(each & -each);
     return in;
@@ -140,38 +144,55 @@ DAFT_INLINE bool blocks_narrow(const picture_box *box, const shadow_points *p, c
     return !set_is_empty(to);
 }
 
+/* Of many blocks: each child is met by a group's at once, and their points are not asked. */
+DAFT_INLINE void children_narrow_many(const node_boxes *n, uint32_t children, const shadow_points *p, const block_set *from,
+                                      block_set to[DAFT_WIDTH])
+{
+    for (uint32_t group = 0; group * SHADOW_GROUP < p->count; group++) {
+        uint32_t word = group / 4, shift = group % 4 * SHADOW_GROUP, in = from->bits[word] >> shift & 0xffff;
+        if (!in) continue;
+        for (uint32_t left = children; left; left &= left - 1) {
+            int i = __builtin_ctz(left);
+            picture_box box = node_child(n, i);
+            to[i].bits[word] |= (uint64_t)(blocks_behind(&box, p, group) & in) << shift;
+        }
+    }
+}
+
+/* Of few: each block is met by all children; then the points of those that met are asked, pair by pair. No branch hangs on
+ * what comes out. */
+DAFT_INLINE void children_narrow_few(const node_boxes *n, uint32_t children, const shadow_points *p, const block_set *from,
+                                     block_set to[DAFT_WIDTH], uint32_t count[DAFT_WIDTH])
+{
+    uint32_t pair[SHADOW_FEW * DAFT_WIDTH + DAFT_WIDTH], pairs = 0;
+    for (uint32_t word = 0; word < DAFT_COUNT_OF(from->bits); word++)
+        for (uint64_t left = from->bits[word]; left; left &= left - 1) {
+            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), met = children_before(n, p, b) & children;
+            pairs += v8i_list(&pair[pairs], met, (int32_t)(b * DAFT_WIDTH));
+        }
+    for (uint32_t k = 0; k < pairs; k++) {
+        uint32_t b = pair[k] / DAFT_WIDTH, i = pair[k] % DAFT_WIDTH;
+        picture_box box = node_child(n, (int)i);
+        uint32_t in = points_behind(&box, p, b);
+        to[i].bits[b / 64] |= (uint64_t)(in != 0) << (b % 64);
+        count[i] += (uint32_t)__builtin_popcount(in);
+    }
+}
+
 /* The same for those children of a node whose bits are in `children`; gives the bits of those that have any, and in
- * `count` no fewer than they have points. Where many blocks of a group are left, each child is met by all of them at once,
- * where few, each block by all children. */
+ * `count` no fewer than they have points. */
 DAFT_INLINE uint32_t children_narrow(const node_boxes *n, uint32_t children, const shadow_points *p, const block_set *from,
                                      block_set to[DAFT_WIDTH], uint32_t count[DAFT_WIDTH])
 {
     uint32_t any = 0;
     for (int i = 0; i < DAFT_WIDTH; i++) to[i] = (block_set){{0}}, count[i] = 0;
-    for (uint32_t group = 0; group * SHADOW_GROUP < p->count; group++) {
-        uint32_t word = group / 4, shift = group % 4 * SHADOW_GROUP, in = from->bits[word] >> shift & 0xffff;
-        if (__builtin_popcount(in) > SHADOW_FEW) {
-            for (uint32_t left = children; left; left &= left - 1) {
-                int i = __builtin_ctz(left);
-                picture_box box = node_child(n, i);
-                uint64_t met = group_narrow(&box, p, group, in);
-                to[i].bits[word] |= met << shift, count[i] += (uint32_t)__builtin_popcountll(met) * SHADOW_BLOCK;
-                if (met) any |= (uint32_t)1 << i;
-            }
-            continue;
-        }
-        for (; in; in &= in - 1) {
-            uint32_t place = (uint32_t)__builtin_ctz(in), b = group * SHADOW_GROUP + place;
-            for (uint32_t left = children_before(n, p, b) & children; left; left &= left - 1) {
-                int i = __builtin_ctz(left);
-                picture_box box = node_child(n, i);
-                uint32_t points = (uint32_t)__builtin_popcount(points_behind(&box, p, b));
-                if (!points) continue;
-                to[i].bits[word] |= (uint64_t)1 << (shift + place), count[i] += points;
-                any |= (uint32_t)1 << i;
-            }
-        }
+    if (set_count(from) <= SHADOW_FEW) {
+        children_narrow_few(n, children, p, from, to, count);
+    } else {
+        children_narrow_many(n, children, p, from, to);
+        for (int i = 0; i < DAFT_WIDTH; i++) count[i] = set_count(&to[i]) * SHADOW_BLOCK;
     }
+    for (int i = 0; i < DAFT_WIDTH; i++) any |= (uint32_t)(count[i] != 0) << i;
     return any;
 }
 
