@@ -3,7 +3,7 @@
  *
  * A plane's distance is a difference, an inverse and a product: off by 3u of itself, u = 2^-24. Intervals are wider by
  * 2^-20 of it, so the cell of every point that the ray truly meets is visited. What a triangle's test tells as its distance
- * may be 2^-18 off (ray_test.h), so a cell is passed over only where it begins 2^-15 beyond the nearest hit: the hit is
+ * may be off (ray_test.h), so a cell is passed over only where it begins 2^-15 beyond the nearest hit: the hit is
  * the least over all triangles that could be it, and so the one that any other tree finds. */
 #include "accel/kdtree.h"
 #include "accel/ray_test.h"
@@ -100,6 +100,7 @@ void DAFT_KERNEL(daft_kd_closest)(const daft_kdtree *tree, daft_vec3 o, daft_vec
                                   daft_nearest *hit)
 {
     kd_ray r = ray_setup(o, d);
+    daft_mesh_ray m = daft_mesh_ray_of(o, d, tmin, hit->t, how);
     kd_stack stack;
     stack.top = 0;
     if (!enter(tree, &r, tmin, hit->t, &stack.items[stack.top++])) return;
@@ -111,7 +112,7 @@ void DAFT_KERNEL(daft_kd_closest)(const daft_kdtree *tree, daft_vec3 o, daft_vec
         for (uint32_t i = 0; i < leaf->count; i += DAFT_BLOCK) {
             daft_block block;
             gather(tree, items + i, leaf->count - i, &block);
-            if (daft_block_touch(&block, 15, o, d, tmin, how, hit)) hit->block = NULL; /* this one goes */
+            if (daft_blocks_touch(&block, 1, &m, daft_past(hit->t), hit, false)) hit->block = NULL; /* this one goes */
         }
     }
 }
@@ -121,6 +122,7 @@ bool DAFT_KERNEL(daft_kd_occluded)(const daft_kdtree *tree, daft_vec3 o, daft_ve
     kd_ray r = ray_setup(o, d);
     kd_stack stack;
     daft_nearest hit = {.t = tmax, .triangle = DAFT_NO_TRIANGLE};
+    daft_mesh_ray m = daft_mesh_ray_of(o, d, tmin, tmax, how);
     stack.top = 0;
     if (!enter(tree, &r, tmin, tmax, &stack.items[stack.top++])) return false;
     while (stack.top > 0) {
@@ -129,7 +131,7 @@ bool DAFT_KERNEL(daft_kd_occluded)(const daft_kdtree *tree, daft_vec3 o, daft_ve
         for (uint32_t i = 0; i < leaf->count; i += DAFT_BLOCK) {
             daft_block block;
             gather(tree, items + i, leaf->count - i, &block);
-            if (daft_block_touch(&block, 15, o, d, tmin, how, &hit)) return true;
+            if (daft_blocks_touch(&block, 1, &m, daft_past(tmax), &hit, true)) return true;
         }
     }
     return false;

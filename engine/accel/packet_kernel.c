@@ -31,6 +31,7 @@ typedef struct convoy {
     vbits stopped; /* the answer */
     found hit;
     vf limit; /* of boxes; -inf for lanes that ask nothing more */
+    vf inner_low, inner_high; /* daft_inner */
 } convoy;
 
 /* The rays as boxes see them. */
@@ -213,15 +214,15 @@ DAFT_INLINE facets facets_of(const daft_block *block)
     return f;
 }
 
-/* The rays that may hit triangle i of the block. */
-DAFT_INLINE vbits lanes_filter(const facets *f, uint32_t i, const mesh_convoy *m, vf past)
+/* The rays that may hit triangle i of the block; how surely. */
+DAFT_INLINE vbits lanes_filter(const facets *f, uint32_t i, const mesh_convoy *m, vf past, daft_sides *sides)
 {
     daft_facet one = {{vf_set(f->corner[0][i]), vf_set(f->corner[1][i]), vf_set(f->corner[2][i])},
                       {vf_set(f->a[0][i]), vf_set(f->a[1][i]), vf_set(f->a[2][i])},
                       {vf_set(f->b[0][i]), vf_set(f->b[1][i]), vf_set(f->b[2][i])},
                       {vf_set(f->normal[0][i]), vf_set(f->normal[1][i]), vf_set(f->normal[2][i])},
                       vf_set(f->sizes[i]), vf_set(f->area[i])};
-    return daft_filter_pass(&one, m->o, m->d, m->scale, m->floor, vf_max(past, vf_set(0)));
+    return daft_filter_pass(&one, m->o, m->d, m->scale, m->floor, vf_max(past, vf_set(0)), sides);
 }
 
 /* Lanes that touch triangle i at t, weights u and v, where that is nearer than what they have. */
@@ -243,26 +244,63 @@ static void take_lanes(convoy *c, vbits bits, const daft_block *b, uint32_t i, u
     vi_store(f->place, vi_select(won, vi_set((int32_t)place), vi_load(f->place)));
 }
 
-/* The rays in `which` against triangle i; gives those that touch. */
-static __attribute__((noinline)) vbits lanes_touch(convoy *c, const mesh_convoy *m, const daft_block *b, uint32_t i, vbits which)
+typedef struct vd3 {
+    vd x, y, z;
+} vd3;
+
+DAFT_INLINE vd3 vd3_half(vf3 a, int half) { return (vd3){vf_half(a.x, half), vf_half(a.y, half), vf_half(a.z, half)}; }
+DAFT_INLINE vd vd3_dot(daft_dvec3 a, vd3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+/* daft_touch_plain of triangle i and all rays; of those in `which`, the ones that touch in time. */
+static __attribute__((noinline)) vbits lanes_measure(const convoy *c, const mesh_convoy *m, const daft_block *b, uint32_t i,
+                                                     vbits which, daft_touch *out)
+{
+    daft_dvec3 p = daft_to_double(daft_block_corner(b, 0, i)), e = daft_dsub(p, daft_to_double(daft_block_corner(b, 1, i)));
+    daft_dvec3 f = daft_dsub(daft_to_double(daft_block_corner(b, 2, i)), p), normal = daft_dcross(f, e);
+    vd t[2], v[2], w[2];
+    for (int half = 0; half < 2; half++) {
+        vd3 o = vd3_half(m->o, half), ray = vd3_half(m->d, half), s = {p.x - o.x, p.y - o.y, p.z - o.z};
+        vd3 r = {s.y * ray.z - s.z * ray.y, s.z * ray.x - s.x * ray.z, s.x * ray.y - s.y * ray.x};
+        vd inverse = 1 / vd3_dot(normal, ray);
+        t[half] = vd3_dot(normal, s) * inverse, v[half] = vd3_dot(f, r) * inverse, w[half] = vd3_dot(e, r) * inverse;
+    }
+    *out = (daft_touch){vf_join(t[0], t[1]), vf_join(v[0], v[1]), vf_join(w[0], w[1])};
+    /* distances may round to -0, which is not behind; rays with tmin < 0 come here alone */
+    vbits ahead = ~vm_bits(vi_lt((vi)out->t, vi_set(0)));
+    return which & ahead & vm_bits(daft_touch_within(out, c->tmin, vf_load(c->hit.t)));
+}
+
+/* The rays in `maybe` against triangle i; gives those that touch. */
+static vbits lanes_exact(convoy *c, const mesh_convoy *m, const daft_block *b, uint32_t i, vbits maybe, const daft_sides *sides)
+{
+    vbits plain = daft_filter_plain(sides) & maybe, bits = 0;
+    if (c->any) {
+        bits = plain & daft_filter_within(sides, c->inner_low, c->inner_high);
+        plain &= ~bits, maybe &= ~bits;
+    }
+    daft_touch touch = {vf_set(0), vf_set(0), vf_set(0)};
+    if (plain) bits |= lanes_measure(c, m, b, i, plain, &touch);
+    for (vbits left = maybe & ~plain; left; left &= left - 1) {
+        int lane = first_lane(left);
+        daft_exact_touch e;
+        daft_vec3 o = {m->o.x[lane], m->o.y[lane], m->o.z[lane]}, d = {m->d.x[lane], m->d.y[lane], m->d.z[lane]};
+        if (!daft_touch_exact(b, i, o, d, c->tmin[lane], c->hit.t[lane], &e)) continue;
+        touch.t[lane] = e.t, touch.v[lane] = e.v, touch.w[lane] = e.w;
+        bits |= (vbits)1 << lane;
+    }
+    if (bits && !c->any) take_lanes(c, bits, b, i, (uint32_t)(b - m->instance->bvh->blocks) * DAFT_BLOCK + i, &touch);
+    return bits;
+}
+
+/* The same by the floats' word alone. */
+static __attribute__((noinline)) vbits lanes_floats(convoy *c, const mesh_convoy *m, const daft_block *b, uint32_t i, vbits which)
 {
     vf3 corner[3];
     for (int k = 0; k < 3; k++)
         corner[k] = (vf3){vf_set(b->corner[k][0][i]), vf_set(b->corner[k][1][i]), vf_set(b->corner[k][2][i])};
     daft_touch touch;
-    vbits unsure = 0, sided = 0, bits;
-    daft_intersection how = c->tlas->intersection;
-    vf tmax = vf_load(c->hit.t);
-    if (how == DAFT_INTERSECT_EXACT) bits = daft_touch_lanes(corner, m->o, m->d, c->tmin, tmax, &touch, &unsure, &sided) & which;
-    else bits = daft_touch_floats(corner, m->o, m->d, c->tmin, tmax, how == DAFT_INTERSECT_FAST, &touch) & which;
-    for (unsure &= which; unsure; unsure &= unsure - 1) {
-        int lane = first_lane(unsure);
-        daft_exact_touch e;
-        daft_vec3 o = {m->o.x[lane], m->o.y[lane], m->o.z[lane]}, d = {m->d.x[lane], m->d.y[lane], m->d.z[lane]};
-        if (!daft_touch_exact(b, i, sided >> lane & 1, o, d, c->tmin[lane], c->hit.t[lane], &e)) continue;
-        touch.t[lane] = e.t, touch.v[lane] = e.v, touch.w[lane] = e.w;
-        bits |= (vbits)1 << lane;
-    }
+    bool fast = c->tlas->intersection == DAFT_INTERSECT_FAST;
+    vbits bits = daft_touch_floats(corner, m->o, m->d, c->tmin, vf_load(c->hit.t), fast, &touch) & which;
     if (bits && !c->any) take_lanes(c, bits, b, i, (uint32_t)(b - m->instance->bvh->blocks) * DAFT_BLOCK + i, &touch);
     return bits;
 }
@@ -275,9 +313,15 @@ static void leaf_touch(convoy *c, const mesh_convoy *m, uint32_t child, vbits bi
     for (; b < end && bits; b++) {
         facets f = facets_of(b);
         for (uint32_t i = 0; i < DAFT_BLOCK && b->triangle[i] != DAFT_NO_TRIANGLE; i++) {
-            vbits maybe = exact ? lanes_filter(&f, i, m, c->limit) & bits : bits;
-            if (!maybe) continue;
-            vbits touched = lanes_touch(c, m, b, i, maybe);
+            vbits touched;
+            if (exact) {
+                daft_sides sides;
+                vbits maybe = lanes_filter(&f, i, m, c->limit, &sides) & bits;
+                if (!maybe) continue;
+                touched = lanes_exact(c, m, b, i, maybe, &sides);
+            } else {
+                touched = lanes_floats(c, m, b, i, bits);
+            }
             hits |= touched;
             if (c->any) bits &= ~touched;
         }
@@ -431,6 +475,7 @@ static vbits convoy_setup(convoy *c, const daft_ray_packet *rays, uint32_t first
     vbits bits = c->tlas->nodes.count ? active >> first & vm_bits(usable) : 0;
     vf past = vf_select(vf_lt(zero, tmax), tmax * vf_set(1 + 0x1p-17f), tmax * vf_set(1 - 0x1p-17f)); /* daft_past */
     c->limit = vf_select(vm_from_bits(bits), past, vf_set(-INFINITY));
+    c->inner_low = c->tmin * vf_set(1 + 0x1p-17f), c->inner_high = tmax * vf_set(1 - 0x1p-17f); /* of tmin >= 0 */
     vf_store(c->hit.t, tmax), vf_store(c->hit.u, zero), vf_store(c->hit.v, zero);
     vi_store(c->hit.instance, vi_set(-1)), vi_store(c->hit.triangle, vi_set(0)), vi_store(c->hit.place, vi_set(0));
     return bits;

@@ -18,7 +18,6 @@ enum { ROW = sizeof(((daft_node *)0)->bounds[0]) };
 typedef struct slab_ray {
     v8 nx, ny, nz, fx, fy, fz, ix, iy, iz, wx, wy, wz;
     size_t near_x, near_y, near_z, far_x, far_y, far_z;
-    bool behind; /* distances may be negative */
 } slab_ray;
 
 /* Children to visit, each below the bits of its entry distance; the nearest on top. Under all of them a child that is none,
@@ -27,13 +26,18 @@ typedef struct ray_stack {
     uint64_t items[1 + DAFT_STACK + DAFT_WIDTH];
 } ray_stack;
 
+/* Children to visit in any order, above one that is none; places for eight at a time. */
+typedef struct code_stack {
+    uint32_t items[1 + DAFT_STACK + 2 * DAFT_WIDTH];
+} code_stack;
+
 static const uint64_t STACK_END = (uint64_t)0xff800000u << 32 | DAFT_CHILD_NONE;
 
 /* Minus one over a direction whose lane 3 is 0. */
 DAFT_INLINE v4 minus_inverse(v4 d) { return v4_set(-1) / (v4)((v4i)d | (v4i)(v4){0, 0, 0, 1}); }
 
 /* All boxes are grown by `pad` on each side. No branches: the directions' signs cannot be predicted. */
-DAFT_INLINE slab_ray slab_setup(v4 o, v4 d, v4 inverse, float pad, bool behind)
+DAFT_INLINE slab_ray slab_setup(v4 o, v4 d, v4 inverse, float pad)
 {
     uint32_t minus = v4_bits((v4i)d);
     size_t x = (minus & 1) * 3 * ROW, y = (minus >> 1 & 1) * 3 * ROW, z = (minus >> 2 & 1) * 3 * ROW;
@@ -44,21 +48,22 @@ DAFT_INLINE slab_ray slab_setup(v4 o, v4 d, v4 inverse, float pad, bool behind)
                       .ix = v8_set(i[0]), .iy = v8_set(i[1]), .iz = v8_set(i[2]),
                       .wx = v8_set(w[0]), .wy = v8_set(w[1]), .wz = v8_set(w[2]),
                       .near_x = x, .near_y = ROW + y, .near_z = 2 * ROW + z,
-                      .far_x = 3 * ROW - x, .far_y = 4 * ROW - y, .far_z = 5 * ROW - z, .behind = behind};
+                      .far_x = 3 * ROW - x, .far_y = 4 * ROW - y, .far_z = 5 * ROW - z};
 }
 
 /* The rays of the upper level. An instance's own ray, moved into its space and seen from outside again, is off by 5u of the
  * magnitudes of the origin and of the instance's place, |R|·|R^-1| being at most 1 by entry for a rotation and a scale; and
  * by 8u of the way, which is no longer than both. The instance's bounds are wide enough for its place; this is for the rest. */
-DAFT_INLINE slab_ray slab_setup_upper(v4 o, v4 d, v4 inverse, bool behind)
+DAFT_INLINE slab_ray slab_setup_upper(v4 o, v4 d, v4 inverse)
 {
-    return slab_setup(o, d, inverse, (fabsf(o[0]) + fabsf(o[1]) + fabsf(o[2])) * 0x1p-20f, behind);
+    return slab_setup(o, d, inverse, (fabsf(o[0]) + fabsf(o[1]) + fabsf(o[2])) * 0x1p-20f);
 }
 
-DAFT_INLINE v8 planes(const daft_node *node, size_t row) { return v8_load((const float *)((const char *)node->bounds + row)); }
+DAFT_INLINE v8 planes(const char *node, size_t row) { return v8_load((const float *)(node + row)); }
 
-/* Bits of the children the ray meets in tmin..tmax; their entry distances in near. `padded`: the setup's pad is not 0. */
-DAFT_INLINE uint32_t slab_test(const daft_node *node, const slab_ray *r, bool padded, v8 tmin, v8 tmax, v8 *near)
+/* Bits of the children the ray meets in tmin..tmax; their entry distances in near. `padded`: the setup's pad is not 0;
+ * `behind`: distances may be negative, and there widening goes the other way. */
+DAFT_INLINE uint32_t slab_test(const char *node, const slab_ray *r, bool padded, bool behind, v8 tmin, v8 tmax, v8 *near)
 {
     v8 x0 = (r->nx - planes(node, r->near_x)) * r->ix, x1 = ((padded ? r->fx : r->nx) - planes(node, r->far_x)) * r->wx;
     v8 y0 = (r->ny - planes(node, r->near_y)) * r->iy, y1 = ((padded ? r->fy : r->ny) - planes(node, r->far_y)) * r->wy;
@@ -66,7 +71,7 @@ DAFT_INLINE uint32_t slab_test(const daft_node *node, const slab_ray *r, bool pa
     /* v8_max and v8_min give their second argument when the first is NaN */
     *near = v8_max(x0, v8_max(y0, v8_max(z0, tmin)));
     v8 far = v8_min(x1, v8_min(y1, v8_min(z1, tmax)));
-    if (r->behind) far = v8_max(far, far * v8_set(1 - 24 * DAFT_ULP)); /* there widening goes the other way */
+    if (behind) far = v8_max(far, far * v8_set(1 - 24 * DAFT_ULP));
     return v8_le_bits(*near, far);
 }
 
@@ -90,6 +95,15 @@ DAFT_INLINE uint32_t step(const daft_node *node, uint32_t bits, v8 near, uint64_
     return (uint32_t)nearest;
 }
 
+/* Of the children in bits, 1 or more, in any order: one is the answer, the others are pushed. */
+DAFT_INLINE uint32_t spread(const daft_node *node, uint32_t bits, uint32_t **top)
+{
+    uint32_t first = node->child[__builtin_ctz(bits)];
+    bits &= bits - 1;
+    for (; bits; bits &= bits - 1) *(*top)++ = node->child[__builtin_ctz(bits)];
+    return first;
+}
+
 /* The next child that begins before `limit`. */
 DAFT_INLINE uint32_t pop(uint64_t **top, float limit)
 {
@@ -103,60 +117,28 @@ DAFT_INLINE uint32_t pop(uint64_t **top, float limit)
     return (uint32_t)item;
 }
 
-/* ---- triangles ---- */
-
-/* A ray in the space of a mesh. */
-typedef struct mesh_ray {
-    daft_vec3 origin, direction;
-    float tmin;
-    daft_intersection how;
-    daft_filter filter;
-} mesh_ray;
-
 DAFT_INLINE daft_vec3 v4_point(v4 a) { return (daft_vec3){a[0], a[1], a[2]}; }
 
-DAFT_INLINE mesh_ray mesh_ray_setup(v4 o, v4 d, float tmin, daft_intersection how)
-{
-    return (mesh_ray){v4_point(o), v4_point(d), tmin, how, daft_filter_of(v4_point(d), tmin)};
-}
-
-enum { FOURS = DAFT_VL / DAFT_BLOCK, PAIR = FOURS > 1 ? 2 : 1, BLOCK_FLOATS = sizeof(daft_block) / sizeof(float) };
-
-/* The triangles of `count` blocks, at most `width`, that may be hit. Where there are fewer, the last is loaded again: a
- * branch would cost more. */
-DAFT_INLINE vbits blocks_filter(const daft_block *b, int count, int width, const mesh_ray *r, float past)
-{
-    vf3 c[3];
-    size_t at[3];
-    for (int k = 0; k < width - 1; k++) at[k] = (size_t)(k + 1 < count ? k + 1 : count - 1) * BLOCK_FLOATS;
-    for (int k = 0; k < 3; k++)
-        c[k] = (vf3){vf_load_spread(b->corner[k][0], at, width), vf_load_spread(b->corner[k][1], at, width),
-                     vf_load_spread(b->corner[k][2], at, width)};
-    daft_facet facet = daft_facet_of(c);
-    return daft_filter_pass(&facet, vf3_set(r->origin), vf3_set(r->direction), vf_set(r->filter.scale),
-                            vf_set(r->filter.floor), vf_set(past > 0 ? past : 0)) &
-           ((1u << count * DAFT_BLOCK) - 1);
-}
-
-/* The blocks b[0..count), count at most `width`. */
-DAFT_INLINE bool blocks_touch(const daft_block *b, int count, int width, const mesh_ray *r, float past, daft_nearest *hit)
-{
-    vbits maybe = r->how == DAFT_INTERSECT_EXACT ? blocks_filter(b, count, width, r, past) : (1u << count * DAFT_BLOCK) - 1;
-    bool any = false;
-    for (; maybe; b++, maybe >>= DAFT_BLOCK)
-        if (maybe & 15) any |= daft_block_touch(b, maybe & 15, r->origin, r->direction, r->tmin, r->how, hit);
-    return any;
-}
-
-/* A leaf; `child` is its code. */
-DAFT_INLINE bool leaf_touch(const daft_bvh *bvh, uint32_t child, const mesh_ray *r, float past, daft_nearest *hit)
+/* A leaf; `child` is its code. Called, so that nodes keep their registers. */
+DAFT_INLINE bool leaf_touch(const daft_bvh *bvh, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
 {
     const daft_block *b = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     int count = (int)(child & 3) + 1;
-    bool any = false;
-    if (FOURS == 4) return blocks_touch(b, count, FOURS, r, past, hit);
-    for (; count > 0; b += PAIR, count -= PAIR) any |= blocks_touch(b, daft_min_i(count, PAIR), PAIR, r, past, hit);
-    return any;
+    bool found = false;
+    if ((int)DAFT_FOURS == (int)DAFT_MAX_LEAF_BLOCKS) return daft_blocks_touch(b, count, r, past, hit, any);
+    for (; count > 0 && !(any && found); b += DAFT_FOURS, count -= DAFT_FOURS)
+        found |= daft_blocks_touch(b, daft_min_i(count, DAFT_FOURS), r, past, hit, any);
+    return found;
+}
+
+static __attribute__((noinline)) bool leaf_closest(const daft_bvh *bvh, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
+{
+    return leaf_touch(bvh, child, r, past, hit, false);
+}
+
+static __attribute__((noinline)) bool leaf_stops(const daft_bvh *bvh, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
+{
+    return leaf_touch(bvh, child, r, past, hit, true);
 }
 
 /* ---- the lower level: in object space ---- */
@@ -199,64 +181,95 @@ DAFT_INLINE bool turn(const daft_affine *map, lined_ray *ray)
     return v4_bits(none == v4_set(0)) == 15;
 }
 
+DAFT_INLINE const char *node_at(const daft_node *nodes, uint32_t code) { return (const char *)nodes + code * sizeof *nodes; }
+
 /* Below `child`. hit->t limits the search and hit->triangle breaks ties, so the order of traversal does not matter. */
-DAFT_INLINE bool mesh_walk(const daft_instance *instance, uint32_t child, v4 o, v4 d, v4 inverse, float tmin, daft_intersection how,
-                           daft_nearest *hit, bool any)
+DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_ray *slab, const daft_mesh_ray *r, bool behind, daft_nearest *hit)
 {
-    const daft_bvh *bvh = instance->bvh;
     ray_stack stack;
     uint64_t *top = stack.items;
     *top++ = STACK_END;
-    slab_ray slab = slab_setup(o, d, inverse, 0, tmin < 0);
-    mesh_ray r = mesh_ray_setup(o, d, tmin, how);
-    const daft_node *root = bvh->nodes.items;
-    if (child == 0 && root->child[1] == DAFT_CHILD_NONE) child = root->child[0]; /* its box is the mesh's */
+    const daft_node *nodes = bvh->nodes.items;
     float limit = daft_past(hit->t);
-    v8 low = v8_set(daft_before(tmin)), high = v8_set(limit), near;
+    v8 low = v8_set(daft_before(r->tmin)), high = v8_set(limit), near;
     for (;;) {
-        if (child & DAFT_CHILD_LEAF) {
-            if (child == DAFT_CHILD_NONE) return false;
-            if (leaf_touch(bvh, child, &r, limit, hit)) {
-                if (any) return true;
-                limit = daft_past(hit->t), high = v8_set(limit);
-            }
-        } else {
-            const daft_node *node = &bvh->nodes.items[child];
-            uint32_t bits = slab_test(node, &slab, false, low, high, &near);
-            if (bits) {
-                child = step(node, bits, near, &top);
-                continue;
-            }
+        while (!(child & DAFT_CHILD_LEAF)) {
+            const char *node = node_at(nodes, child);
+            uint32_t bits = slab_test(node, slab, false, behind, low, high, &near);
+            child = bits ? step((const daft_node *)node, bits, near, &top) : pop(&top, limit);
         }
+        if (child == DAFT_CHILD_NONE) return;
+        if (leaf_closest(bvh, child, r, limit, hit)) limit = daft_past(hit->t), high = v8_set(limit);
         child = pop(&top, limit);
     }
 }
 
-static __attribute__((noinline)) void mesh_closest(const daft_instance *instance, uint32_t child, v4 o, v4 d, v4 inverse, float tmin,
-                                                   daft_intersection how, daft_nearest *hit)
+/* Whether anything below `child` is hit before hit->t. */
+DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_ray *slab, const daft_mesh_ray *r, bool behind, daft_nearest *hit)
 {
-    mesh_walk(instance, child, o, d, inverse, tmin, how, hit, false);
+    code_stack stack;
+    uint32_t *top = stack.items;
+    *top++ = DAFT_CHILD_NONE;
+    const daft_node *nodes = bvh->nodes.items;
+    float limit = daft_past(hit->t);
+    v8 low = v8_set(daft_before(r->tmin)), high = v8_set(limit), near;
+    for (;;) {
+        while (!(child & DAFT_CHILD_LEAF)) {
+            const char *node = node_at(nodes, child);
+            uint32_t bits = slab_test(node, slab, false, behind, low, high, &near);
+            child = bits ? spread((const daft_node *)node, bits, &top) : *--top;
+        }
+        if (child == DAFT_CHILD_NONE) return false;
+        if (leaf_stops(bvh, child, r, limit, hit)) return true;
+        child = *--top;
+    }
 }
 
-static __attribute__((noinline)) bool mesh_occluded(const daft_instance *instance, uint32_t child, v4 o, v4 d, v4 inverse, float tmin,
+/* Where to begin: the box of a single leaf is the mesh's. */
+DAFT_INLINE uint32_t first_child(const daft_bvh *bvh, uint32_t child)
+{
+    const daft_node *root = bvh->nodes.items;
+    return child == 0 && root->child[1] == DAFT_CHILD_NONE ? root->child[0] : child;
+}
+
+static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, v4 inverse, float tmin,
+                                                   daft_intersection how, daft_nearest *hit)
+{
+    daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, hit->t, how);
+    child = first_child(bvh, child);
+    if (child & DAFT_CHILD_LEAF) {
+        leaf_closest(bvh, child, &r, daft_past(hit->t), hit);
+        return;
+    }
+    slab_ray slab = slab_setup(o, d, inverse, 0);
+    if (tmin < 0) mesh_walk(bvh, child, &slab, &r, true, hit);
+    else mesh_walk(bvh, child, &slab, &r, false, hit);
+}
+
+static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, v4 inverse, float tmin,
                                                     float tmax, daft_intersection how)
 {
     daft_nearest hit = {.t = tmax, .triangle = DAFT_NO_TRIANGLE};
-    return mesh_walk(instance, child, o, d, inverse, tmin, how, &hit, true);
+    daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, tmax, how);
+    child = first_child(bvh, child);
+    if (child & DAFT_CHILD_LEAF) return leaf_stops(bvh, child, &r, daft_past(tmax), &hit);
+    slab_ray slab = slab_setup(o, d, inverse, 0);
+    if (tmin < 0) return mesh_search(bvh, child, &slab, &r, true, &hit);
+    return mesh_search(bvh, child, &slab, &r, false, &hit);
 }
 
 void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how,
                                     daft_nearest *hit)
 {
     lined_ray own = lined(ray);
-    if (turn(&instance->to_object, &own)) mesh_closest(instance, child, own.origin, own.direction, own.inverse, ray->tmin, how, hit);
+    if (turn(&instance->to_object, &own)) mesh_closest(instance->bvh, child, own.origin, own.direction, own.inverse, ray->tmin, how, hit);
 }
 
 bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how)
 {
     lined_ray own = lined(ray);
     return turn(&instance->to_object, &own) &&
-           mesh_occluded(instance, child, own.origin, own.direction, own.inverse, ray->tmin, ray->tmax, how);
+           mesh_occluded(instance->bvh, child, own.origin, own.direction, own.inverse, ray->tmin, ray->tmax, how);
 }
 
 /* ---- the upper level ---- */
@@ -296,7 +309,7 @@ DAFT_INLINE void instance_closest(const daft_tlas *tlas, uint32_t index, const d
         lined_ray own = *frame;
         if (instance->kdtree) kd_closest(instance, ray, tlas->intersection, hit);
         else if (turn(&instance->to_object, &own))
-            mesh_closest(instance, 0, own.origin, own.direction, own.inverse, ray->tmin, tlas->intersection, hit);
+            mesh_closest(instance->bvh, 0, own.origin, own.direction, own.inverse, ray->tmin, tlas->intersection, hit);
         if (hit->t < t || hit->triangle != before) hit->instance = index;
         else hit->triangle = triangle;
         return;
@@ -318,7 +331,7 @@ DAFT_INLINE bool instance_occluded(const daft_tlas *tlas, uint32_t index, const 
                                              tlas->intersection);
     lined_ray own = *frame;
     return turn(&instance->to_object, &own) &&
-           mesh_occluded(instance, 0, own.origin, own.direction, own.inverse, ray->tmin, ray->tmax, tlas->intersection);
+           mesh_occluded(instance->bvh, 0, own.origin, own.direction, own.inverse, ray->tmin, ray->tmax, tlas->intersection);
 }
 
 void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, daft_nearest *hit)
@@ -371,7 +384,7 @@ void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, cons
     uint64_t *top = stack.items;
     *top++ = STACK_END;
     lined_ray frame = lined(ray);
-    slab_ray slab = slab_setup_upper(frame.origin, frame.direction, frame.inverse, ray->tmin < 0);
+    slab_ray slab = slab_setup_upper(frame.origin, frame.direction, frame.inverse);
     v8 low = v8_set(daft_before(ray->tmin)), near;
     for (;;) {
         if (child & DAFT_CHILD_LEAF) {
@@ -380,7 +393,7 @@ void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, cons
             if (index != ignore) instance_closest(tlas, index, ray, &frame, hit);
         } else {
             const daft_node *node = &tlas->nodes.items[child];
-            uint32_t bits = slab_test(node, &slab, true, low, v8_set(daft_past(hit->t)), &near);
+            uint32_t bits = slab_test((const char *)node, &slab, true, ray->tmin < 0, low, v8_set(daft_past(hit->t)), &near);
             if (bits) {
                 child = step(node, bits, near, &top);
                 continue;
@@ -403,7 +416,7 @@ bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, con
     uint64_t *top = stack.items;
     *top++ = STACK_END;
     lined_ray frame = lined(ray);
-    slab_ray slab = slab_setup_upper(frame.origin, frame.direction, frame.inverse, ray->tmin < 0);
+    slab_ray slab = slab_setup_upper(frame.origin, frame.direction, frame.inverse);
     v8 low = v8_set(daft_before(ray->tmin)), high = v8_set(daft_past(ray->tmax)), near;
     for (;;) {
         if (child & DAFT_CHILD_LEAF) {
@@ -411,7 +424,7 @@ bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, con
             if (instance_occluded(tlas, child & ~DAFT_CHILD_LEAF, ray, &frame)) return true;
         } else {
             const daft_node *node = &tlas->nodes.items[child];
-            uint32_t bits = slab_test(node, &slab, true, low, high, &near);
+            uint32_t bits = slab_test((const char *)node, &slab, true, ray->tmin < 0, low, high, &near);
             if (bits) {
                 child = step(node, bits, near, &top);
                 continue;
@@ -430,11 +443,11 @@ static uint32_t boxes(const daft_node *node, const daft_ray *ray)
 {
     if (!daft_ray_usable(ray)) return 0;
     lined_ray line = lined(ray);
-    slab_ray r = slab_setup(line.origin, line.direction, line.inverse, 0, ray->tmin < 0);
+    slab_ray r = slab_setup(line.origin, line.direction, line.inverse, 0);
     v8 near;
     uint32_t real = 0xff;
     for (int k = 0; k < 3; k++) real &= v8_le_bits(v8_load(node->bounds[k]), v8_load(node->bounds[k + 3]));
-    return real & slab_test(node, &r, false, v8_set(ray->tmin), v8_set(ray->tmax), &near);
+    return real & slab_test((const char *)node, &r, false, ray->tmin < 0, v8_set(ray->tmin), v8_set(ray->tmax), &near);
 }
 
 const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest,
