@@ -145,7 +145,7 @@ static uint32_t collide(const daft_world *world, daft_sim_touch *touch, const pa
 #define MEETING_GAP 0.01
 #define MEETING_TOLERANCE 0.25
 
-static daft_sweep plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt)
+daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt)
 {
     daft_vec3 mean = body->linear;
     if (body->kind == DAFT_BODY_DYNAMIC)
@@ -163,7 +163,7 @@ static daft_sweep plan(const daft_world *world, const daft_sim_body *body, const
 static uint32_t foresee(const daft_world *world, daft_sim_touch *touch, pair *p, daft_manifold *found)
 {
     const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
-    daft_sweep way_a = plan(world, p->a, a, p->dt), way_b = plan(world, p->b, b, p->dt);
+    daft_sweep way_a = daft_sim_plan(world, p->a, a, p->dt), way_b = daft_sim_plan(world, p->b, b, p->dt);
     double gap = MEETING_GAP * (double)(a->inner > 0 ? a->inner : a->reach);
     daft_impact impact;
     daft_impact_kind kind =

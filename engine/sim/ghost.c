@@ -26,6 +26,7 @@ typedef struct group {
     candidate near[MAX_NEAR]; /* what is met first, first */
     int count;
     bool rests; /* on one of them, now */
+    float dt;
 } group;
 
 /* Whether it will be met on the way only. */
@@ -188,10 +189,99 @@ static bool is_behind(const group *g, int c)
     return false;
 }
 
+/* ---- what is only passed ---- */
+
+#define UPRIGHT 0.9999f
+
+/* Gap at which a body that is swept along what it rests on meets something, as a share of how far it is lifted for that. */
+#define PASSING_GAP 0.25
+/* What turns farther in a step, in radians, may touch at a place that its planned way does not have. */
+#define PASSING_TURN 1.0f
+
+/* Where a part goes within the step: to `bend`, and from there along what it meets. */
+typedef struct course {
+    daft_sweep way;     /* as planned */
+    daft_dvec3 bend, end, lift; /* of the centre of mass; lift: away from what it goes along then */
+    double bend_at;     /* share of the step; 1: it meets nothing before */
+} course;
+
+/* Share of the step after which a part on its way meets the plane of a contact; above 1: not in this step. */
+static double meeting_at(const candidate *c, daft_dvec3 move)
+{
+    double into = daft_ddot(move, daft_to_double(c->patch->normal)), gap = fmax(0, (double)c->separation);
+    return into > gap ? gap / into : 2;
+}
+
+/* The contact that bends the way before c does, and how. What the part touches already comes first. */
+static course course_of(const group *g, int c, double margin)
+{
+    const candidate *mine = &g->near[c];
+    const daft_sim_part *part = &g->world->parts[mine->touch->part_a];
+    course out = {.way = daft_sim_plan(g->world, &g->world->bodies[part->body], part, g->dt), .bend_at = 1};
+    daft_dvec3 move = daft_dsub(out.way.to, out.way.from), along = move;
+    double mine_at = meeting_at(mine, move);
+    for (int k = 0; k < g->count; k++) {
+        const candidate *on = &g->near[k];
+        if (k == c || on->patch->count == 0 || on->touch->part_a != mine->touch->part_a) continue;
+        double at = (double)on->separation <= margin ? 0 : meeting_at(on, move);
+        if (at >= mine_at || at > out.bend_at || (at == out.bend_at && at > 0)) continue;
+        daft_dvec3 n = daft_to_double(on->patch->normal);
+        if (at < out.bend_at) along = move, out.lift = daft_dv3(0, 0, 0);
+        out.bend_at = at;
+        along = daft_dsub(along, daft_dscale(n, fmax(0, daft_ddot(along, n))));
+        out.lift = daft_dsub(out.lift, daft_dscale(n, margin + fmax(0, -(double)on->separation)));
+    }
+    out.bend = daft_dadd(out.way.from, daft_dscale(move, out.bend_at));
+    out.end = daft_dadd(out.bend, daft_dscale(along, 1 - out.bend_at));
+    return out;
+}
+
+/* The contact of a ball becomes that of where it will be met. went: how far the ball goes against the other until then. */
+static void turn_to_meeting(const group *g, candidate *c, const daft_impact *impact, daft_dvec3 went)
+{
+    const daft_sim_part *part = &g->world->parts[c->touch->part_a];
+    const daft_sim_body *body = &g->world->bodies[part->body];
+    daft_rigid frame = daft_sim_part_frame(body, part);
+    daft_vec3 n = daft_to_float(impact->normal), offset = daft_to_float(daft_dsub(frame.p, body->centre));
+    if (c->patch->count != 1 || daft_dot(n, c->patch->normal) > UPRIGHT) return;
+    c->patch->normal = n;
+    c->patch->shift = daft_to_float(went);
+    c->patch->points[0].anchor = daft_add(offset, daft_scale(n, part->shape.radius));
+    c->patch->points[0].separation = daft_sim_max(0, daft_dot(c->patch->shift, n));
+}
+
+/* A contact that is ahead pushes along the normal of now, or of where the two meet. Where a body goes past an edge, or rolls
+ * towards one that is level with what it rests on, that normal leans, and it would be thrown up by what it grazes at most. So what
+ * is ahead counts only if the body meets it on its way: as far as what it meets first, and then along that, lifted by as much as
+ * counts as touching. */
+static bool is_passed(const group *g, candidate *mine, int c)
+{
+    const daft_sim_part *a = &g->world->parts[mine->touch->part_a], *b = &g->world->parts[mine->touch->part_b];
+    double margin = margin_on(g, mine, b), gap = PASSING_GAP * margin;
+    bool wild = daft_length(g->world->bodies[a->body].angular) * g->dt > PASSING_TURN && a->shape.type != DAFT_GEOMETRY_SPHERE;
+    if (wild || (double)mine->separation <= gap) return false;
+    course go = course_of(g, c, margin);
+    daft_dvec3 move = daft_dsub(go.way.to, go.way.from);
+    if (daft_ddot(move, move) < 2 * margin * (double)a->inner) return false; /* too short a way for the normal to turn much */
+    daft_sweep its = daft_sim_plan(g->world, &g->world->bodies[b->body], b, g->dt), way = go.way;
+    daft_impact_kind met = DAFT_IMPACT_MISS;
+    daft_impact impact = {.t = 0};
+    way.to = go.bend;
+    if (go.bend_at > 0) met = daft_shape_impact(&a->shape, &way, &b->shape, &its, gap, gap, &impact);
+    daft_dvec3 went = daft_dscale(daft_dsub(way.to, way.from), impact.t);
+    if (met == DAFT_IMPACT_MISS && go.bend_at < 1) {
+        way.from = daft_dadd(go.bend, go.lift), way.to = daft_dadd(go.end, go.lift);
+        met = daft_shape_impact(&a->shape, &way, &b->shape, &its, gap, gap, &impact);
+        went = daft_dadd(daft_dsub(go.bend, go.way.from), daft_dscale(daft_dsub(way.to, way.from), impact.t));
+    }
+    if (met == DAFT_IMPACT_HIT && a->shape.type == DAFT_GEOMETRY_SPHERE && g->world->bodies[b->body].kind == DAFT_BODY_STATIC)
+        turn_to_meeting(g, mine, &impact, went);
+    return met == DAFT_IMPACT_MISS;
+}
+
 /* ---- floors of many pieces ---- */
 
-#define LEVEL  5e-3f  /* m */
-#define UPRIGHT 0.9999f
+#define LEVEL 5e-3f /* m */
 
 /* What slides over several pieces of one floor is braked by each at the middle of what it touches of it, and would be turned
  * by that; on one piece it would not. */
@@ -243,10 +333,10 @@ static bool needs_filter(const daft_world *world, const daft_sim_body *body)
     return body->fixed_met > 1 || ball;
 }
 
-static void filter_body(daft_world *world, uint32_t index)
+static void filter_body(daft_world *world, uint32_t index, float dt)
 {
     daft_sim_body *body = &world->bodies[index];
-    group g = {.world = world};
+    group g = {.world = world, .dt = dt};
     bool needed = needs_filter(world, body);
     body->fixed_met = 0;
     if (!needed) return;
@@ -261,6 +351,8 @@ static void filter_body(daft_world *world, uint32_t index)
         if (is_hidden(&g, i)) drop(&g.near[i]);
     for (int i = g.count - 1; i >= 0; i--)
         if (g.near[i].patch->count > 0 && is_behind(&g, i)) drop(&g.near[i]);
+    for (int i = g.count - 1; i >= 0; i--)
+        if (g.near[i].patch->count > 0 && is_passed(&g, &g.near[i], i)) drop(&g.near[i]);
     if (is_one_floor(&g))
         for (int i = 0; i < g.count; i++) g.near[i].patch->shared = true;
     for (int i = 0; i < g.count; i++) squeeze(g.near[i].touch);
@@ -268,13 +360,19 @@ static void filter_body(daft_world *world, uint32_t index)
 
 enum { GRAIN = 32, PARALLEL_BODIES = 256 };
 
+typedef struct job {
+    daft_world *world;
+    float dt;
+} job;
+
 static void filter_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
-    daft_world *world = context;
+    const job *j = context;
+    daft_world *world = j->world;
     size_t first = (size_t)index * GRAIN, end = first + GRAIN;
     if (end > world->ghosts.count) end = world->ghosts.count;
-    for (size_t i = first; i < end; i++) filter_body(world, world->ghosts.items[i]);
+    for (size_t i = first; i < end; i++) filter_body(world, world->ghosts.items[i], j->dt);
 }
 
 /* So deep in a mesh that it may be pushed to both sides of a wall: it counts as two. */
@@ -289,7 +387,7 @@ static bool is_deep(const daft_world *world, daft_sim_touch *touch)
     return false;
 }
 
-bool daft_sim_ghosts_drop(daft_world *world)
+bool daft_sim_ghosts_drop(daft_world *world, float dt)
 {
     daft_sim_list *bodies = &world->ghosts;
     if (!daft_grow(&world->allocator, &bodies->items, &bodies->capacity, world->awake.count, 0, sizeof *bodies->items))
@@ -302,7 +400,8 @@ bool daft_sim_ghosts_drop(daft_world *world)
         if (body->fixed_met == 0) bodies->items[bodies->count++] = touch->body_a;
         body->fixed_met += is_deep(world, touch) ? 2 : 1;
     }
+    job j = {world, dt};
     uint32_t tasks = (uint32_t)((bodies->count + GRAIN - 1) / GRAIN);
-    daft_parallel_for(bodies->count >= PARALLEL_BODIES ? world->workers : 1, tasks, filter_range, world);
+    daft_parallel_for(bodies->count >= PARALLEL_BODIES ? world->workers : 1, tasks, filter_range, &j);
     return true;
 }

@@ -416,11 +416,13 @@ bool daft_sim_pairs_reserve(daft_world *world, size_t more);
 /* Patches of everything listed. False when memory is out. */
 bool daft_sim_contacts_update(daft_world *world, float dt);
 void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch);
+/* The way of a body's part over dt, as it is going now. */
+daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt);
 
 /* ---- ghost.c ---- */
 
-/* Contacts with inner edges and walls go. False when memory is out. */
-bool daft_sim_ghosts_drop(daft_world *world);
+/* Contacts with inner edges and walls go, and those with what is only passed. False when memory is out. */
+bool daft_sim_ghosts_drop(daft_world *world, float dt);
 
 /* ---- sleep.c ---- */
 

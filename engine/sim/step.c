@@ -175,7 +175,7 @@ static bool find_work(daft_world *world, float dt)
 {
     for (size_t i = 0; i < world->movers.count; i++) begin_mover(&world->bodies[world->movers.items[i]], dt);
     if (!daft_sim_broad_update(world, dt) || !daft_sim_pairs_find(world) || !daft_sim_listing_update(world)) return false;
-    if (!daft_sim_contacts_update(world, dt) || !daft_sim_met_update(world) || !daft_sim_ghosts_drop(world))
+    if (!daft_sim_contacts_update(world, dt) || !daft_sim_met_update(world) || !daft_sim_ghosts_drop(world, dt))
         return false;
     daft_sim_wake_met(world);
     bool woken = world->fresh_listed.count > 0;
