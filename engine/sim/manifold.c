@@ -1,9 +1,6 @@
-/* Where two shapes touch: which code a pair needs, pairs of spheres and capsules, and the children of compounds. */
+/* Where two shapes touch: which code a pair needs, and the children of compounds. */
 #include "sim/manifold_parts.h"
 #include "sim/triangles.h"
-
-/* Capsules whose angle's sine is less lie along each other: two points. */
-#define PARALLEL 0.03f
 
 daft_relpose daft_relpose_make(const daft_rigid *a, const daft_rigid *b)
 {
@@ -26,78 +23,6 @@ static daft_rigid rigid_of(const float r[9], daft_dvec3 p)
     return out;
 }
 
-/* ---- spheres and capsules ---- */
-
-static daft_vec3 between(daft_vec3 p, daft_vec3 q, float t)
-{
-    return daft_add(p, daft_scale(daft_sub(q, p), t));
-}
-
-static daft_vec3 across(daft_vec3 d)
-{
-    daft_vec3 axis = fabsf(d.x) <= fabsf(d.y) && fabsf(d.x) <= fabsf(d.z) ? daft_v3(1, 0, 0)
-                     : fabsf(d.y) <= fabsf(d.z)                           ? daft_v3(0, 1, 0)
-                                                                          : daft_v3(0, 0, 1);
-    return daft_normalize(daft_cross(d, axis));
-}
-
-static daft_manifold_point round_point(const daft_poly *a, const daft_poly *b, daft_vec3 on_a, daft_vec3 on_b,
-                                       daft_vec3 n, uint32_t id)
-{
-    float core = daft_dot(n, daft_sub(on_b, on_a));
-    daft_vec3 p = daft_add(on_a, daft_scale(n, a->radius)), q = daft_sub(on_b, daft_scale(n, b->radius));
-    return (daft_manifold_point){daft_scale(daft_add(p, q), 0.5f), core - (a->radius + b->radius), id};
-}
-
-/* Where two capsules lie side by side: both ends of the stretch they share. */
-static uint32_t side_by_side(const daft_poly *a, const daft_poly *b, daft_vec3 n, float margin, daft_manifold *out)
-{
-    daft_vec3 d = daft_sub(a->vertices[1], a->vertices[0]), e = daft_sub(b->vertices[1], b->vertices[0]);
-    float square = daft_dot(d, d), along = daft_dot(d, e);
-    daft_vec3 turn = daft_cross(d, e);
-    if (daft_dot(turn, turn) > PARALLEL * PARALLEL * square * daft_dot(e, e)) return 0;
-    float t0 = daft_dot(daft_sub(b->vertices[0], a->vertices[0]), d) / square, t1 = t0 + along / square;
-    float low = fmaxf(0, fminf(t0, t1)), high = fminf(1, fmaxf(t0, t1));
-    if (!(high - low > 0.01f * fminf(1, fabsf(t1 - t0)))) return 0;
-    for (uint32_t i = 0; i < 2; i++) {
-        float t = i ? high : low;
-        daft_vec3 on_b = between(b->vertices[0], b->vertices[1], (t - t0) / (t1 - t0));
-        daft_manifold_point p = round_point(a, b, between(a->vertices[0], a->vertices[1], t), on_b, n, i);
-        if (p.separation <= margin) out->points[out->count++] = p;
-    }
-    return out->count > 0;
-}
-
-static uint32_t collide_round(const daft_poly *a, const daft_poly *b, float margin, daft_manifold *out,
-                              daft_pair_cache *cache)
-{
-    uint32_t last_a = a->vertex_count - 1, last_b = b->vertex_count - 1;
-    float s, t;
-    daft_segments_closest(a->vertices[0], a->vertices[last_a], b->vertices[0], b->vertices[last_b], &s, &t);
-    daft_vec3 on_a = between(a->vertices[0], a->vertices[last_a], s);
-    daft_vec3 on_b = between(b->vertices[0], b->vertices[last_b], t), gap = daft_sub(on_b, on_a);
-    float distance = daft_length(gap), rounding = a->radius + b->radius;
-    if (cache) *cache = (daft_pair_cache){.clearance = fmaxf(distance - rounding, 0)};
-    if (distance - rounding > margin) return 0;
-    daft_vec3 n = daft_scale(gap, 1 / distance);
-    if (!(distance > 1e-6f * rounding)) { /* one through the other: out sideways, for spheres upwards */
-        daft_vec3 d = daft_sub(a->vertices[last_a], a->vertices[0]), e = daft_sub(b->vertices[last_b], b->vertices[0]);
-        daft_vec3 c = daft_cross(d, e);
-        n = daft_dot(c, c) > 1e-6f * daft_dot(d, d) * daft_dot(e, e) ? daft_normalize(c)
-            : last_a                                                 ? across(d)
-            : last_b                                                 ? across(e)
-                                                                     : daft_v3(0, -1, 0);
-    }
-    out->normal = n;
-    out->count = 0;
-    out->feature_a = out->feature_b = DAFT_FEATURE_VERTEX;
-    out->face_b = daft_neg(n);
-    if (last_a && last_b && side_by_side(a, b, n, margin, out)) return 1;
-    out->count = 1;
-    out->points[0] = round_point(a, b, on_a, on_b, n, 2);
-    return 1;
-}
-
 /* ---- pairs ---- */
 
 static bool is_solid(const daft_sim_shape *s)
@@ -109,12 +34,15 @@ static uint32_t collide_convex(const daft_sim_shape *a, const daft_sim_shape *b,
                                daft_manifold *out, daft_pair_cache *cache)
 {
     daft_poly pa, pb;
+    bool box_a = a->type == DAFT_GEOMETRY_BOX, box_b = b->type == DAFT_GEOMETRY_BOX;
+    uint32_t count;
     out->part_a = out->part_b = (daft_shape_part){0, DAFT_NO_FEATURE};
-    if (a->type == DAFT_GEOMETRY_BOX && b->type == DAFT_GEOMETRY_BOX)
-        return daft_collide_boxes(a->half, b->half, pose, margin, out, cache);
+    if (box_a && box_b) return daft_collide_boxes(a->half, b->half, pose, margin, out, cache);
+    if (!is_solid(a) && !is_solid(b)) return daft_collide_rounds(a, b, pose, margin, out, cache);
+    if (box_b && !is_solid(a) && daft_collide_round_box(a, b, pose, false, margin, out, cache, &count)) return count;
+    if (box_a && !is_solid(b) && daft_collide_round_box(b, a, pose, true, margin, out, cache, &count)) return count;
     daft_poly_set(&pa, a, NULL);
     daft_poly_set(&pb, b, pose);
-    if (!is_solid(a) && !is_solid(b)) return collide_round(&pa, &pb, margin, out, cache);
     return daft_collide_polys(&pa, &pb, margin, 3, out, cache);
 }
 

@@ -33,6 +33,15 @@ uint32_t daft_clip_reduce(daft_clip_point *points, uint32_t count, float even);
 uint32_t daft_collide_boxes(daft_vec3 half_a, daft_vec3 half_b, const daft_relpose *pose, float margin,
                             daft_manifold *out, daft_pair_cache *cache);
 
+/* ---- spheres and capsules (manifold_round.c) ---- */
+
+uint32_t daft_collide_rounds(const daft_sim_shape *a, const daft_sim_shape *b, const daft_relpose *pose, float margin,
+                             daft_manifold *out, daft_pair_cache *cache);
+/* box_first: the box is a, the round one b. False where the closest points do not decide: the core is in the box, or hangs
+ * over the rim of a face. Then nothing is set. */
+bool daft_collide_round_box(const daft_sim_shape *round, const daft_sim_shape *box, const daft_relpose *pose,
+                            bool box_first, float margin, daft_manifold *out, daft_pair_cache *cache, uint32_t *count);
+
 /* ---- convex cores (poly.c) ---- */
 
 typedef enum daft_core { DAFT_CORE_POINT, DAFT_CORE_SEGMENT, DAFT_CORE_TRIANGLE, DAFT_CORE_SOLID } daft_core;
