@@ -1,6 +1,8 @@
 /* Manifolds of convex pairs, against axes and distances found the slow way. */
 #include "shape_cases.h"
 
+#include "sim/manifold_box.h"
+
 enum { KINDS = 4 };
 
 static daft_hull *owned[4096];
@@ -370,6 +372,85 @@ static void odd_poses_give_nothing(void **unused)
     assert_int_equal(error.code, DAFT_ERROR_ARGUMENT);
 }
 
+/* ---- pairs of boxes, side by side ---- */
+
+/* Boxes of any turn to each other, or along each other's axes, where corners and edges meet; apart and deep. */
+static sample random_boxes(int round)
+{
+    static const float depths[] = {-0.3f, -0.04f, -0.004f, 1e-4f, 0.01f, 0.1f, 0.4f, 0.9f};
+    float ratio = round % 3 == 0 ? 1 : random_float(0.8f, 2);
+    sample s = random_sample(2, 2, ratio, depths[round % 8], 20);
+    float la = daft_box_largest(&s.a.half.x), lb = daft_box_largest(&s.b.half.x);
+    if (la > DAFT_BOX_LARGE * lb || lb > DAFT_BOX_LARGE * la) return random_boxes(round);
+    if (round % 4 != 3) return s;
+    float coarse = round % 8 == 3 ? 0.25f : 0;
+    if (round % 3 == 0) s.b = s.a;
+    float low = fminf(s.a.half.x, fminf(s.a.half.y, s.a.half.z));
+    daft_quat turn = {0, 0, 0, 1};
+    (&turn.x)[random_bits() % 3] = round % 5 == 0 ? 1 : random_float(-1e-5f, 1e-5f);
+    daft_rigid relative = daft_rigid_make(daft_dv3(0, 0, 0), turn);
+    for (int k = 0; k < 3; k++) (&relative.p.x)[k] = (double)(coarse * low * (float)(random_bits() % 9));
+    (&relative.p.x)[random_bits() % 3] = (double)((&s.a.half.x)[0] + (&s.b.half.x)[0]);
+    s.pose_a = daft_rigid_identity();
+    s.pose_b = relative;
+    return s;
+}
+
+static void check_lane(daft_box_batch *batch, int lane, const sample *s, float margin, uint8_t kind)
+{
+    daft_pair_cache cache = {.kind = kind};
+    daft_manifold m = {.count = 0};
+    daft_relpose pose = daft_relpose_make(&s->pose_a, &s->pose_b);
+    uint32_t found = daft_collide(&s->a, &s->b, &pose, margin, &m, 1, &cache);
+    assert_int_equal(batch->kind[lane], cache.kind);
+    assert_memory_equal(&batch->clearance[lane], &cache.clearance, sizeof(float));
+    assert_int_equal(batch->count[lane], found ? (int)m.count : 0);
+    if (!found) return;
+    daft_vec3 n = daft_normalize(daft_to_float(daft_rigid_vector(&s->pose_a, daft_to_double(m.normal))));
+    daft_vec3 normal = daft_box_batch_get(batch->normal, lane), origin = daft_box_batch_get(batch->origin, lane);
+    assert_memory_equal(&normal, &n, sizeof n);
+    for (uint32_t i = 0; i < m.count; i++) {
+        const daft_manifold_point *p = &m.points[i];
+        daft_vec3 at = daft_to_float(daft_rigid_vector(&s->pose_a, daft_to_double(p->point)));
+        daft_vec3 point = daft_box_batch_get(batch->point[i], lane);
+        at = daft_add(origin, at);
+        assert_memory_equal(&point, &at, sizeof at);
+        assert_memory_equal(&batch->separation[i][lane], &p->separation, sizeof(float));
+        assert_int_equal((uint32_t)batch->id[i][lane], p->id);
+    }
+}
+
+static void lanes_are_one_pair_each(void **unused)
+{
+    (void)unused;
+    fixture_seed(611);
+    static const daft_box_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_box);
+    int found[DAFT_AXIS_CLOSEST] = {0};
+    for (int round = 0; round < 3000; round++) {
+        sample samples[DAFT_BOX_LANES];
+        daft_box_batch batch = {0}, done;
+        int lanes = 1 + (int)(random_bits() % DAFT_BOX_LANES);
+        float margins[DAFT_BOX_LANES];
+        for (int i = 0; i < lanes; i++) {
+            sample *s = &samples[i];
+            *s = random_boxes(i + round);
+            margins[i] = batch.margin[i] = 0.05f * (float)s->size;
+            batch.kind[i] = (int32_t)(random_bits() % DAFT_AXIS_CLOSEST);
+            daft_box_batch_put(&batch, i, &s->pose_a, &s->pose_b, s->a.half, s->b.half, daft_v3(0.5f, -3, 0));
+        }
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            done = batch;
+            TABLE[isa]->collide(&done, lanes);
+            for (int i = 0; i < lanes; i++) {
+                check_lane(&done, i, &samples[i], margins[i], (uint8_t)batch.kind[i]);
+                found[done.count[i] ? done.kind[i] : 0]++;
+            }
+        }
+    }
+    print_message("%d apart, %d and %d on faces, %d on edges\n", found[0], found[1], found[2], found[3]);
+    for (int i = 0; i < DAFT_AXIS_CLOSEST; i++) assert_true(found[i] > 1000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -378,6 +459,7 @@ int main(void)
         cmocka_unit_test(a_stack_keeps_its_corners),  cmocka_unit_test(boxes_are_hulls),
         cmocka_unit_test(capsules_lie_on_two_points), cmocka_unit_test(nothing_is_undecided_in_the_middle),
         cmocka_unit_test(sizes_from_ants_to_planets), cmocka_unit_test(odd_poses_give_nothing),
+        cmocka_unit_test(lanes_are_one_pair_each),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -329,6 +329,27 @@ DAFT_INLINE vd vf_half(vf a, int half) { return half ? (vd){(double)a[2], (doubl
 DAFT_INLINE vf vf_join(vd low, vd high) { return (vf){(float)low[0], (float)low[1], (float)high[0], (float)high[1]}; }
 DAFT_INLINE vd vd_sqrt(vd a) { return (vd){sqrt(a[0]), sqrt(a[1])}; }
 #endif
+typedef double vd_unaligned __attribute__((vector_size(DAFT_VL * 4), aligned(8), may_alias));
+DAFT_INLINE vd vd_load(const double *p) { return *(const vd_unaligned *)p; }
+DAFT_INLINE vd vd_set(double s) { return (vd){0} + s; }
+/* The second where they are equal or one is NaN. */
+DAFT_INLINE vd vd_max(vd a, vd b)
+{
+#if defined(DAFT_ISA_avx512)
+    return (vd)_mm512_max_pd((__m512d)a, (__m512d)b);
+#elif defined(DAFT_ISA_avx2)
+    return (vd)_mm256_max_pd((__m256d)a, (__m256d)b);
+#elif defined(DAFT_HAVE_X86)
+    return (vd)_mm_max_pd((__m128d)a, (__m128d)b);
+#else
+    return (vd){a[0] > b[0] ? a[0] : b[0], a[1] > b[1] ? a[1] : b[1]};
+#endif
+}
+DAFT_INLINE vd vd_abs(vd a)
+{
+    typedef int64_t vl __attribute__((vector_size(DAFT_VL * 4)));
+    return (vd)((vl)a & ((vl){0} + INT64_MAX));
+}
 /* 1 where a > 0, else 0. */
 DAFT_INLINE vd vd_positive(vd a)
 {

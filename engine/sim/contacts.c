@@ -4,6 +4,7 @@
  * lets them close the gap and no more. A point that they will not reach is left out, so that nothing trips over an
  * edge it only passes. */
 #include "sim/internal.h"
+#include "sim/manifold_box.h"
 
 #include <string.h>
 
@@ -61,6 +62,14 @@ typedef struct pair {
     float way; /* they go at most against each other within the step */
 } pair;
 
+/* Whether a point is within the margin, or will be within the step. */
+static bool is_met(const pair *p, daft_vec3 anchor, daft_vec3 normal, float separation)
+{
+    if (!(separation > p->margin)) return true;
+    float speed = daft_dot(closing(p->a, p->b, anchor, p->apart), normal);
+    return !(separation + speed * p->dt > p->margin);
+}
+
 static void convert(const pair *p, const daft_manifold *from, daft_sim_patch *to)
 {
     *to = (daft_sim_patch){.normal = daft_normalize(turned(&p->frame_a, from->normal)),
@@ -70,10 +79,7 @@ static void convert(const pair *p, const daft_manifold *from, daft_sim_patch *to
     for (uint32_t i = 0; i < from->count; i++) {
         const daft_manifold_point *point = &from->points[i];
         daft_vec3 anchor = daft_add(p->offset, turned(&p->frame_a, point->point));
-        if (point->separation > p->margin) {
-            float speed = daft_dot(closing(p->a, p->b, anchor, p->apart), to->normal);
-            if (point->separation + speed * p->dt > p->margin) continue;
-        }
+        if (!is_met(p, anchor, to->normal, point->separation)) continue;
         to->points[to->count++] =
             (daft_sim_patch_point){.anchor = anchor, .separation = point->separation, .id = point->id};
     }
@@ -86,12 +92,8 @@ static bool same_parts(const daft_sim_patch *a, const daft_sim_patch *b)
 }
 
 /* Impulses of points of the same features carry over; so does friction, which the solver projects onto the new plane. */
-static void inherit(daft_sim_patch *patch, const daft_sim_patch *old, uint32_t old_count)
+static void inherit(daft_sim_patch *patch, const daft_sim_patch *old)
 {
-    uint32_t at = 0;
-    while (at < old_count && !same_parts(patch, &old[at])) at++;
-    if (at == old_count) return;
-    old += at;
     patch->friction_impulse = old->friction_impulse;
     patch->rolling_impulse = old->rolling_impulse;
     patch->twist_impulse = old->twist_impulse;
@@ -101,6 +103,13 @@ static void inherit(daft_sim_patch *patch, const daft_sim_patch *old, uint32_t o
     for (uint32_t i = 0; i < patch->count; i++)
         for (uint32_t k = 0; k < old->count; k++)
             if (patch->points[i].id == old->points[k].id) patch->points[i].impulse = old->points[k].impulse;
+}
+
+static void inherit_of(daft_sim_patch *patch, const daft_sim_patch *old, uint32_t old_count)
+{
+    uint32_t at = 0;
+    while (at < old_count && !same_parts(patch, &old[at])) at++;
+    if (at < old_count) inherit(patch, &old[at]);
 }
 
 /* Bodies whose centres are closer, as a share of their reach, are in one place, and no way out is better than another. */
@@ -116,25 +125,26 @@ static double scattered(uint32_t part, uint32_t axis)
 
 /* Where many are made in one place, each has its own corner of it, so that they part in all directions and not in one
  * line. */
-static daft_relpose scatter(const daft_sim_touch *touch, daft_rigid frame_a, daft_rigid frame_b, double size)
+static void scatter(const daft_world *world, const daft_sim_touch *touch, const pair *p, daft_rigid *frame_a,
+                    daft_rigid *frame_b)
 {
+    daft_dvec3 way = daft_dsub(frame_b->p, frame_a->p);
+    double size = ONE_PLACE * (double)world->parts[touch->part_a].reach;
+    if (!(daft_ddot(way, way) < size * size) || p->b->kind != DAFT_BODY_DYNAMIC) return;
     uint32_t a = touch->part_a, b = touch->part_b;
     daft_dvec3 at_a = daft_dv3(scattered(a, 0), scattered(a, 1), scattered(a, 2));
     daft_dvec3 at_b = daft_dv3(scattered(b, 0), scattered(b, 1), scattered(b, 2));
-    frame_a.p = daft_dadd(frame_a.p, daft_dscale(at_a, size));
-    frame_b.p = daft_dadd(frame_b.p, daft_dscale(at_b, size));
-    return daft_relpose_make(&frame_a, &frame_b);
+    frame_a->p = daft_dadd(frame_a->p, daft_dscale(at_a, size));
+    frame_b->p = daft_dadd(frame_b->p, daft_dscale(at_b, size));
 }
 
 static uint32_t collide(const daft_world *world, daft_sim_touch *touch, const pair *p, float reach,
                         daft_manifold *found)
 {
     const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
-    daft_rigid frame_b = daft_sim_part_frame(p->b, b);
-    daft_relpose pose = daft_relpose_make(&p->frame_a, &frame_b);
-    double near = ONE_PLACE * (double)a->reach;
-    if (daft_ddot(pose.p, pose.p) < near * near && p->b->kind == DAFT_BODY_DYNAMIC)
-        pose = scatter(touch, p->frame_a, frame_b, near);
+    daft_rigid frame_a = p->frame_a, frame_b = daft_sim_part_frame(p->b, b);
+    scatter(world, touch, p, &frame_a, &frame_b);
+    daft_relpose pose = daft_relpose_make(&frame_a, &frame_b);
     return daft_collide(&a->shape, &b->shape, &pose, reach, found, touch->more ? DAFT_SIM_MAX_PATCHES : 1,
                         &touch->cache);
 }
@@ -234,7 +244,7 @@ static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p
     for (uint32_t i = 0; i < count; i++) {
         convert(p, &found[i], &fresh[kept]);
         if (fresh[kept].count == 0) continue;
-        inherit(&fresh[kept], patches, touch->patch_count);
+        inherit_of(&fresh[kept], patches, touch->patch_count);
         kept++;
     }
     for (uint32_t i = 0; i < kept; i++) patches[i] = fresh[i];
@@ -251,22 +261,95 @@ static void update_sensor(const daft_world *world, daft_sim_touch *touch)
     touch->patch_count = daft_shape_overlap(swap ? &b->shape : &a->shape, swap ? &a->shape : &b->shape, &relative, 0);
 }
 
-static void update_patches(const daft_world *world, daft_sim_touch *touch, float dt)
+/* Whether geometry has to be asked: no for sensors, which are then done with, and for what is clear. */
+static bool begin(const daft_world *world, daft_sim_touch *touch, float dt, pair *p)
 {
     const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
     if (touch->sensor) {
         update_sensor(world, touch);
-        return;
+        return false;
     }
-    pair p = {.a = &world->bodies[touch->body_a], .b = &world->bodies[touch->body_b], .dt = dt};
-    p.apart = daft_to_float(daft_dsub(p.a->centre, p.b->centre));
-    p.margin = daft_sim_min(DAFT_SIM_MARGIN * daft_sim_min(a->reach, b->reach), DAFT_SIM_MAX_MARGIN);
-    p.way = way_of(&p);
-    if (is_clear(world, touch, &p)) return;
-    p.frame_a = daft_sim_part_frame(p.a, a);
-    p.offset = daft_to_float(daft_dsub(p.frame_a.p, p.a->centre));
-    find_patches(world, touch, &p);
+    *p = (pair){.a = &world->bodies[touch->body_a], .b = &world->bodies[touch->body_b], .dt = dt};
+    p->apart = daft_to_float(daft_dsub(p->a->centre, p->b->centre));
+    p->margin = daft_sim_min(DAFT_SIM_MARGIN * daft_sim_min(a->reach, b->reach), DAFT_SIM_MAX_MARGIN);
+    p->way = way_of(p);
+    return !is_clear(world, touch, p);
 }
+
+static void update_patches(const daft_world *world, daft_sim_touch *touch, pair *p)
+{
+    p->frame_a = daft_sim_part_frame(p->a, &world->parts[touch->part_a]);
+    p->offset = daft_to_float(daft_dsub(p->frame_a.p, p->a->centre));
+    find_patches(world, touch, p);
+}
+
+/* ---- pairs of boxes, side by side ---- */
+
+typedef struct boxes {
+    daft_box_batch batch;
+    daft_sim_touch *touches[DAFT_BOX_LANES];
+    pair pairs[DAFT_BOX_LANES];
+    int count;
+} boxes;
+
+static bool are_boxes(const daft_world *world, const daft_sim_touch *touch, const pair *p)
+{
+    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
+    if (a->shape.type != DAFT_GEOMETRY_BOX || b->shape.type != DAFT_GEOMETRY_BOX || is_fast(world, touch, p)) return false;
+    float la = daft_box_largest(&a->shape.half.x), lb = daft_box_largest(&b->shape.half.x);
+    return la <= DAFT_BOX_LARGE * lb && lb <= DAFT_BOX_LARGE * la;
+}
+
+static void add_boxes(const daft_world *world, boxes *all, daft_sim_touch *touch, const pair *p)
+{
+    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
+    daft_box_batch *batch = &all->batch;
+    int lane = all->count++;
+    daft_rigid frame_a = daft_sim_part_frame(p->a, a), frame_b = daft_sim_part_frame(p->b, b);
+    daft_vec3 origin = daft_to_float(daft_dsub(frame_a.p, p->a->centre));
+    scatter(world, touch, p, &frame_a, &frame_b);
+    all->touches[lane] = touch, all->pairs[lane] = *p;
+    daft_box_batch_put(batch, lane, &frame_a, &frame_b, a->shape.half, b->shape.half, origin);
+    batch->margin[lane] = p->margin + p->way;
+    batch->kind[lane] = touch->cache.kind;
+}
+
+/* What find_patches does with the one manifold of a pair of boxes. */
+static void take_boxes(boxes *all, int lane)
+{
+    daft_sim_touch *touch = all->touches[lane];
+    const pair *p = &all->pairs[lane];
+    daft_box_batch *batch = &all->batch;
+    daft_sim_patch *patch = daft_sim_patches(touch);
+    daft_shape_part whole = {0, DAFT_NO_FEATURE};
+    uint32_t old_count = touch->patch_count;
+    touch->cache = (daft_pair_cache){.kind = (uint8_t)batch->kind[lane], .clearance = batch->clearance[lane]};
+    touch->cleared_at = p->a->travel + p->b->travel;
+    touch->patch_count = 0;
+    if (batch->count[lane] == 0) return;
+    daft_sim_patch fresh = {.normal = daft_box_batch_get(batch->normal, lane), .part_a = whole, .part_b = whole};
+    for (int i = 0; i < batch->count[lane]; i++) {
+        daft_vec3 anchor = daft_box_batch_get(batch->point[i], lane);
+        float separation = batch->separation[i][lane];
+        if (!is_met(p, anchor, fresh.normal, separation)) continue;
+        fresh.points[fresh.count++] =
+            (daft_sim_patch_point){.anchor = anchor, .separation = separation, .id = (uint32_t)batch->id[i][lane]};
+    }
+    if (fresh.count == 0) return;
+    if (old_count) inherit(&fresh, patch);
+    *patch = fresh;
+    touch->patch_count = 1;
+}
+
+static void collide_boxes(const daft_world *world, boxes *all)
+{
+    static const daft_box_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_box);
+    TABLE[world->isa]->collide(&all->batch, all->count);
+    for (int lane = 0; lane < all->count; lane++) take_boxes(all, lane);
+    all->count = 0;
+}
+
+/* ---- all ---- */
 
 /* Whether geometry has to be asked. Tight bounds are within the fat ones. */
 static bool is_near(const daft_world *world, daft_sim_listed *entry)
@@ -279,12 +362,32 @@ static bool is_near(const daft_world *world, daft_sim_listed *entry)
     return false;
 }
 
-enum { GRAIN = 64, PARALLEL_TOUCHES = 256 };
+enum { GRAIN = 256, PARALLEL_TOUCHES = 256 };
 
 typedef struct job {
     daft_world *world;
     float dt;
 } job;
+
+static void update_near(const daft_world *world, daft_sim_listed *const *near, size_t count, float dt)
+{
+    boxes all;
+    all.count = 0;
+    for (size_t i = 0; i < count; i++) {
+        daft_sim_touch *touch = &world->touches[near[i]->touch];
+        pair p;
+        if (!begin(world, touch, dt, &p)) continue;
+        if (!are_boxes(world, touch, &p)) {
+            update_patches(world, touch, &p);
+            continue;
+        }
+        add_boxes(world, &all, touch, &p);
+        if (all.count == DAFT_BOX_LANES) collide_boxes(world, &all);
+    }
+    if (all.count > 0) collide_boxes(world, &all);
+    for (size_t i = 0; i < count; i++)
+        if (world->touches[near[i]->touch].patch_count > 0) near[i]->state |= DAFT_SIM_LISTED_MET;
+}
 
 static void fetch(const void *record, size_t size)
 {
@@ -309,11 +412,7 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
     }
     for (size_t i = 0; i < near_count; i++)
         fetch(&world->bodies[world->touches[near[i]->touch].body_b], sizeof(daft_sim_body));
-    for (size_t i = 0; i < near_count; i++) {
-        daft_sim_touch *touch = &world->touches[near[i]->touch];
-        update_patches(world, touch, j->dt);
-        if (touch->patch_count > 0) near[i]->state |= DAFT_SIM_LISTED_MET;
-    }
+    update_near(world, near, near_count, j->dt);
 }
 
 /* Touches of what is not convex have many manifolds. */

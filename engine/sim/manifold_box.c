@@ -1,20 +1,10 @@
 /* Box against box: the fifteen axes of two boxes (Gottschalk, Lin and Manocha, "OBBTree", 1996) four lanes at a time,
- * then clipping of one face by a rectangle, or one point where two edges cross.
+ * then what one face and the rectangle of the other share, or one point where two edges cross.
  *
  * A box much larger than the other is cut down to what is near the other before anything else, in double: what was 500
  * m of lever times a rounding error is gone, and every float below is of the size of the smaller box. */
 #include "math/simd.h"
-#include "sim/manifold_parts.h"
-
-/* A box over this many times as large as the other is cut down, to this many times. */
-#define LARGE 4.0f
-/* Axes within this share of the smaller box's size count as equally good: the first kind, or the cached one, wins. */
-#define EVEN 1e-3f
-/* The reference face reaches this share of its width farther when it clips: of boxes of one size that stand on each
- * other the corners are points, whatever the last bits say. */
-#define OVERHANG 1e-3f
-/* Edges whose angle's square sine is less are parallel: a face has their axis. */
-#define PARALLEL 1e-5f
+#include "sim/manifold_box.h"
 
 typedef struct pair {
     float ha[3], hb[3]; /* half edges, cut down */
@@ -29,12 +19,6 @@ typedef struct best_axis {
     float separation;
     int number;
 } best_axis;
-
-static float largest(const float h[3])
-{
-    float m = h[0] > h[1] ? h[0] : h[1];
-    return h[2] > m ? h[2] : m;
-}
 
 /* Cuts box h, seen from whose centre the other's is at c, down to what is within reach of c. Moves the centre by
  * *shift. */
@@ -82,15 +66,15 @@ static bool pair_set(pair *s, daft_vec3 half_a, daft_vec3 half_b, const daft_rel
     double gap_b = clearance(q, s->hb, ball_a), gap_a = clearance(p, s->ha, ball_b);
     *gap = gap_a > gap_b ? gap_a : gap_b;
     if (*gap > (double)margin) return false;
-    float la = largest(s->ha), lb = largest(s->hb);
-    s->large_b = lb > LARGE * la && !deep(q, s->hb, 2 * ball_a);
-    s->large_a = la > LARGE * lb && !deep(p, s->ha, 2 * ball_b);
+    float la = daft_box_largest(s->ha), lb = daft_box_largest(s->hb);
+    s->large_b = lb > DAFT_BOX_LARGE * la && !deep(q, s->hb, 2 * ball_a);
+    s->large_a = la > DAFT_BOX_LARGE * lb && !deep(p, s->ha, 2 * ball_b);
     if (s->large_b) {
-        cut_down(s->hb, q, (double)LARGE * ball_a + (double)margin, unused);
+        cut_down(s->hb, q, (double)DAFT_BOX_LARGE * ball_a + (double)margin, unused);
         for (int k = 0; k < 3; k++)
             p[k] = -((double)s->r[k][0] * q[0] + (double)s->r[k][1] * q[1] + (double)s->r[k][2] * q[2]);
     } else if (s->large_a) {
-        cut_down(s->ha, p, (double)LARGE * ball_b + (double)margin, shift);
+        cut_down(s->ha, p, (double)DAFT_BOX_LARGE * ball_b + (double)margin, shift);
         for (int k = 0; k < 3; k++)
             q[k] = -((double)s->r[0][k] * p[0] + (double)s->r[1][k] * p[1] + (double)s->r[2][k] * p[2]);
     }
@@ -143,7 +127,7 @@ static v4 edges(const pair *s, const axes *x, int i)
     v4 distance = v4_abs(v4_set(s->p[i2]) * x->row[i1] - v4_set(s->p[i1]) * x->row[i2]);
     v4 reach_a = v4_set(s->ha[i1]) * x->abs_row[i2] + v4_set(s->ha[i2]) * x->abs_row[i1];
     v4 square = one - r * r, reach_b = h1 * m2 + h2 * m1;
-    v4i crossing = square > v4_set(PARALLEL);
+    v4i crossing = square > v4_set(DAFT_BOX_PARALLEL);
     v4 length = v4_sqrt(v4_select(crossing, square, one));
     return v4_select(crossing, ((distance - reach_a) - reach_b) / length, v4_set(-INFINITY));
 }
@@ -160,39 +144,125 @@ typedef struct reference {
     float sign;
 } reference;
 
-/* Which of the other's faces looks at the reference most; sets its four corners. */
-static int incident(const reference *f, float *facing, daft_clip_point corners[4])
+/* The incident face as seen from the reference: u and v in its plane, w above it. Corners are base ± a ± b. */
+typedef struct outline {
+    float base[3], a[3], b[3];
+} outline;
+
+typedef struct overlap {
+    float u[DAFT_BOX_FARTHEST + 1], v[DAFT_BOX_FARTHEST + 1], w[DAFT_BOX_FARTHEST + 1];
+    uint32_t there; /* bits */
+} overlap;
+
+/* Which of the other's faces looks at the reference most. */
+static int incident(const reference *f, float *facing, outline *o)
 {
     const float *row = f->m[f->axis];
     int j = fabsf(row[1]) > fabsf(row[0]) ? 1 : 0;
     if (fabsf(row[2]) > fabsf(row[j])) j = 2;
-    int j1 = (j + 1) % 3, j2 = (j + 2) % 3, k1 = (f->axis + 1) % 3, k2 = (f->axis + 2) % 3;
+    int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
     *facing = f->sign * row[j] > 0 ? -1.0f : 1.0f;
-    static const float around[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
-    float out = *facing * f->other[j];
-    for (uint32_t i = 0; i < 4; i++) {
-        float s1 = around[i][0] * f->other[j1], s2 = around[i][1] * f->other[j2], x[3];
-        for (int k = 0; k < 3; k++) x[k] = ((f->centre[k] + out * f->m[k][j]) + s1 * f->m[k][j1]) + s2 * f->m[k][j2];
-        corners[i] = (daft_clip_point){x[k1], x[k2], f->sign * x[f->axis] - f->half[f->axis], i};
+    for (int n = 0; n < 3; n++) {
+        int k = (f->axis + 1 + n) % 3;
+        o->base[n] = f->centre[k] + (*facing * f->other[j]) * f->m[k][j];
+        o->a[n] = f->other[j1] * f->m[k][j1], o->b[n] = f->other[j2] * f->m[k][j2];
     }
+    o->base[2] = f->sign * o->base[2] - f->half[f->axis];
+    o->a[2] = f->sign * o->a[2], o->b[2] = f->sign * o->b[2];
     return j;
 }
 
-/* Clips by the four sides, only those that any corner is beyond. Gives where the points are. */
-static daft_clip_point *clip_sides(const reference *f, daft_clip_point *from, daft_clip_point *to, uint32_t *count)
+static void put(overlap *p, int at, float u, float v, float w, bool there)
 {
-    float u = f->half[(f->axis + 1) % 3] * (1 + OVERHANG), v = f->half[(f->axis + 2) % 3] * (1 + OVERHANG);
-    const float limit[4] = {u, v, u, v};
-    static const float sign[4] = {1, 1, -1, -1};
-    for (uint32_t side = 0; side < 4; side++) {
-        bool along_u = side % 2 == 0, beyond = false;
-        for (uint32_t i = 0; i < *count; i++) beyond |= sign[side] * (along_u ? from[i].u : from[i].v) > limit[side];
-        if (!beyond) continue;
-        *count = daft_clip(from, *count, along_u ? sign[side] : 0, along_u ? 0 : sign[side], limit[side], side, to);
-        daft_clip_point *swapped = from;
-        from = to, to = swapped;
+    p->u[at] = u, p->v[at] = v, p->w[at] = w;
+    p->there |= (uint32_t)there << at;
+}
+
+static float lesser(float a, float b) { return a < b ? a : b; }
+static float greater(float a, float b) { return a > b ? a : b; }
+
+/* Cuts the stretch of from + t·along, t from *in to *out, down to what is within ±limit. */
+static void cut_stretch(float from, float along, float limit, float *in, float *out)
+{
+    bool flat = fabsf(along) <= DAFT_BOX_FLAT, inside = fabsf(from) <= limit;
+    float inverse = 1 / (flat ? 1 : along), low = (-limit - from) * inverse, high = (limit - from) * inverse;
+    float first = lesser(low, high), last = greater(low, high);
+    if (flat) first = inside ? -INFINITY : INFINITY, last = -first;
+    *in = greater(first, *in), *out = lesser(last, *out);
+}
+
+/* Corners of the incident face, and its edges where they cross the sides (Liang and Barsky 1984). Whether a corner is
+ * inside decides alone whether an edge comes in or goes out: rounding moves points but loses none. */
+static void put_edges(const outline *o, const float limit[2], overlap *p)
+{
+    static const float around[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+    float corner[4][3];
+    bool inside[4];
+    for (int i = 0; i < 4; i++) {
+        for (int n = 0; n < 3; n++)
+            corner[i][n] = (o->base[n] + around[i][0] * o->a[n]) + around[i][1] * o->b[n];
+        inside[i] = fabsf(corner[i][0]) <= limit[0] && fabsf(corner[i][1]) <= limit[1];
+        put(p, i, corner[i][0], corner[i][1], corner[i][2], inside[i]);
     }
-    return from;
+    for (int i = 0; i < 4; i++) {
+        const float *c = corner[i], *side = i % 2 ? o->b : o->a, sign = i < 2 ? -2.0f : 2.0f;
+        float along[3] = {sign * side[0], sign * side[1], sign * side[2]}, in = -INFINITY, out = INFINITY;
+        cut_stretch(c[0], along[0], limit[0], &in, &out);
+        cut_stretch(c[1], along[1], limit[1], &in, &out);
+        bool next = inside[(i + 1) % 4], crosses = greater(in, 0) < lesser(out, 1);
+        in = lesser(greater(in, 0), 1), out = lesser(greater(out, 0), 1);
+        put(p, DAFT_BOX_ENTER + i, c[0] + in * along[0], c[1] + in * along[1], c[2] + in * along[2],
+            !inside[i] && (next || crosses));
+        put(p, DAFT_BOX_LEAVE + i, c[0] + out * along[0], c[1] + out * along[1], c[2] + out * along[2],
+            !next && (inside[i] || crosses));
+    }
+}
+
+/* Corners of the reference face under the incident one: by Cramer's rule in base + (x·a + y·b) / det. */
+static void put_under(const outline *o, const float limit[2], overlap *p)
+{
+    float det = o->a[0] * o->b[1] - o->a[1] * o->b[0], most = fabsf(det) * (1 + DAFT_BOX_SEAM);
+    float inverse = 1 / (det == 0 ? 1 : det);
+    for (int i = 0; i < 4; i++) {
+        float u = i == 1 || i == 2 ? -limit[0] : limit[0], v = i < 2 ? limit[1] : -limit[1];
+        float du = u - o->base[0], dv = v - o->base[1];
+        float x = du * o->b[1] - dv * o->b[0], y = o->a[0] * dv - o->a[1] * du;
+        float w = o->base[2] + (x * o->a[2] + y * o->b[2]) * inverse;
+        put(p, DAFT_BOX_UNDER + i, u, v, w, fabsf(x) <= most && fabsf(y) <= most && most > 0);
+    }
+}
+
+static uint32_t rim_point(const overlap *p, float even)
+{
+    float deepest = INFINITY, most = -INFINITY;
+    uint32_t best = 0;
+    for (uint32_t i = 0; i < DAFT_BOX_FARTHEST; i++)
+        if (p->there >> i & 1) deepest = lesser(p->w[i], deepest);
+    for (uint32_t i = 0; i < DAFT_BOX_FARTHEST; i++) {
+        float along = p->u[i] + DAFT_BOX_SLANT * p->v[i];
+        if (p->there >> i & 1 && p->w[i] <= deepest + even && along > most) most = along, best = i;
+    }
+    return best;
+}
+
+/* At most four, as daft_clip_reduce chooses them. */
+static uint32_t reduce(const overlap *p, float even)
+{
+    if (__builtin_popcount(p->there) <= DAFT_MANIFOLD_POINTS) return p->there;
+    uint32_t first = rim_point(p, even), second = first, left = 0, right = 0;
+    float farthest = 0, most = 0, least = 0;
+    for (uint32_t i = 0; i < DAFT_BOX_FARTHEST; i++) {
+        float u = p->u[i] - p->u[first], v = p->v[i] - p->v[first], square = u * u + v * v;
+        if (p->there >> i & 1 && square > farthest) farthest = square, second = i;
+    }
+    float u = p->u[second] - p->u[first], v = p->v[second] - p->v[first];
+    for (uint32_t i = 0; i < DAFT_BOX_FARTHEST; i++) {
+        if (!(p->there >> i & 1)) continue;
+        float side = u * (p->v[i] - p->v[first]) - v * (p->u[i] - p->u[first]);
+        if (side > most) most = side, left = 1u << i;
+        if (side < least) least = side, right = 1u << i;
+    }
+    return 1u << first | 1u << second | left | right;
 }
 
 /* From the reference's axes to a's frame. */
@@ -215,17 +285,16 @@ static daft_vec3 unit_axis(int k, float sign)
     return daft_v3(k == 0 ? sign : 0, k == 1 ? sign : 0, k == 2 ? sign : 0);
 }
 
-static daft_clip_point farthest_in(const reference *f)
+static void put_farthest(const reference *f, overlap *p, uint32_t *corner)
 {
     float x[3] = {f->centre[0], f->centre[1], f->centre[2]};
-    uint32_t corner = 0;
+    *corner = 0;
     for (int j = 0; j < 3; j++) {
         bool low = f->sign * f->m[f->axis][j] > 0;
         for (int k = 0; k < 3; k++) x[k] += (low ? -f->other[j] : f->other[j]) * f->m[k][j];
-        corner |= (uint32_t)low << j;
+        *corner |= (uint32_t)low << j;
     }
-    return (daft_clip_point){x[(f->axis + 1) % 3], x[(f->axis + 2) % 3], f->sign * x[f->axis] - f->half[f->axis],
-                             8 | corner};
+    put(p, DAFT_BOX_FARTHEST, x[(f->axis + 1) % 3], x[(f->axis + 2) % 3], f->sign * x[f->axis] - f->half[f->axis], true);
 }
 
 static void reference_set(const pair *s, bool of_b, int axis, reference *f)
@@ -239,41 +308,51 @@ static void reference_set(const pair *s, bool of_b, int axis, reference *f)
     f->sign = centre[axis] < 0 ? -1.0f : 1.0f;
 }
 
+/* Which points there are, at most four; 0: none. */
+static uint32_t face_points(const pair *s, const reference *f, const outline *o, float separation, overlap *p,
+                            uint32_t *corner)
+{
+    int k1 = (f->axis + 1) % 3, k2 = (f->axis + 2) % 3;
+    const float limit[2] = {f->half[k1] * (1 + DAFT_BOX_OVERHANG), f->half[k2] * (1 + DAFT_BOX_OVERHANG)};
+    p->there = 0;
+    put_edges(o, limit, p);
+    put_under(o, limit, p);
+    for (uint32_t i = 0; i < DAFT_BOX_FARTHEST; i++)
+        if (!(p->w[i] <= s->margin)) p->there &= ~(1u << i);
+    if (p->there) return reduce(p, DAFT_BOX_EVEN * f->half[k1]);
+    if (separation <= 0) put_farthest(f, p, corner);
+    return p->there;
+}
+
 static uint32_t face_contact(const pair *s, bool of_b, int axis, float separation, daft_manifold *out)
 {
-    daft_clip_point buffers[2][12], *points;
     reference f;
+    outline o;
+    overlap p;
     float facing;
-    uint32_t count = 4, kept = 0;
+    uint32_t corner = 0;
     reference_set(s, of_b, axis, &f);
-    int j = incident(&f, &facing, buffers[0]), k1 = (axis + 1) % 3, k2 = (axis + 2) % 3;
-    points = clip_sides(&f, buffers[0], buffers[1], &count);
-    for (uint32_t i = 0; i < count; i++)
-        if (points[i].w <= s->margin) points[kept++] = points[i];
-    if (kept == 0) {
-        if (separation > 0) return 0;
-        kept = 1; /* deep in each other, the faces may miss each other: the corner that is farthest in */
-        points[0] = farthest_in(&f);
-    }
-    kept = daft_clip_reduce(points, kept, EVEN * f.half[k1]);
+    int j = incident(&f, &facing, &o);
+    uint32_t kept = face_points(s, &f, &o, separation, &p, &corner);
     uint32_t features = (of_b ? 1u << 30 : 0) | (uint32_t)((axis << 1) + (f.sign < 0)) << 27 |
                         (uint32_t)((j << 1) + (facing < 0)) << 24;
-    out->count = kept;
-    for (uint32_t i = 0; i < kept; i++) {
+    out->count = 0;
+    for (; kept; kept &= kept - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(kept), id = i == DAFT_BOX_FARTHEST ? i | corner : i;
         float x[3];
-        x[k1] = points[i].u, x[k2] = points[i].v;
-        x[axis] = f.sign * (f.half[axis] + 0.5f * points[i].w);
-        uint32_t id = points[i].id; /* two bits for the corner or side before, two for the side */
-        uint32_t small = id & 0x80000000u ? 0x80u | (id >> 28 & 3) << 4 | (id >> 15 & 3) << 2 | (id & 3) : id;
-        out->points[i] = (daft_manifold_point){out_of(s, of_b, x), points[i].w, features | small};
+        x[(axis + 1) % 3] = p.u[i], x[(axis + 2) % 3] = p.v[i];
+        x[axis] = f.sign * (f.half[axis] + 0.5f * p.w[i]);
+        out->points[out->count++] = (daft_manifold_point){out_of(s, of_b, x), p.w[i], features | id};
     }
     bool flat = fabsf(f.m[axis][j]) > 0.9995f;
-    daft_feature_kind other = flat ? DAFT_FEATURE_FACE : kept == 1 ? DAFT_FEATURE_VERTEX : DAFT_FEATURE_EDGE;
+    daft_feature_kind other = flat              ? DAFT_FEATURE_FACE
+                              : out->count == 1 ? DAFT_FEATURE_VERTEX
+                                                : DAFT_FEATURE_EDGE;
     out->feature_a = of_b ? other : DAFT_FEATURE_FACE;
     out->feature_b = of_b ? DAFT_FEATURE_FACE : other;
     out->normal = of_b ? column(s, axis, -f.sign) : unit_axis(axis, f.sign);
     out->face_b = of_b ? daft_neg(out->normal) : column(s, j, facing);
-    return 1;
+    return out->count > 0;
 }
 
 /* ---- two edges ---- */
@@ -326,7 +405,7 @@ static uint32_t edge_contact(const pair *s, int i, int j, float separation, daft
 
 static daft_axis_kind choose(const pair *s, best_axis a, best_axis b, best_axis e, const daft_pair_cache *cache)
 {
-    float la = largest(s->ha), lb = largest(s->hb), even = EVEN * (la < lb ? la : lb);
+    float la = daft_box_largest(s->ha), lb = daft_box_largest(s->hb), even = DAFT_BOX_EVEN * (la < lb ? la : lb);
     uint8_t before = cache ? cache->kind : 0;
     float face = a.separation > b.separation ? a.separation : b.separation, beyond = daft_edges_beyond(face);
     if (before == DAFT_AXIS_NONE || before == DAFT_AXIS_EDGES) {
@@ -343,7 +422,7 @@ static daft_axis_kind choose(const pair *s, best_axis a, best_axis b, best_axis 
 /* What was cut off a box is a good deal farther away than the smaller box is large. */
 static uint32_t apart(daft_pair_cache *cache, daft_axis_kind kind, const pair *s, float separation)
 {
-    float la = largest(s->ha), lb = largest(s->hb), most = la < lb ? la : lb;
+    float la = daft_box_largest(s->ha), lb = daft_box_largest(s->hb), most = la < lb ? la : lb;
     if (cache) *cache = (daft_pair_cache){.kind = (uint8_t)kind, .clearance = separation < most ? separation : most};
     return 0;
 }
@@ -370,8 +449,8 @@ uint32_t daft_collide_boxes(daft_vec3 half_a, daft_vec3 half_b, const daft_relpo
     }
     if (e.separation > margin) return apart(cache, DAFT_AXIS_EDGES, &s, e.separation);
     daft_axis_kind kind = choose(&s, a, b, e, cache);
-    float most = fmaxf(fmaxf(a.separation, b.separation), e.separation);
-    if (cache) *cache = (daft_pair_cache){.kind = (uint8_t)kind, .clearance = fmaxf(most, 0)};
+    float most = greater(greater(greater(a.separation, b.separation), e.separation), 0);
+    if (cache) *cache = (daft_pair_cache){.kind = (uint8_t)kind, .clearance = most};
     if (kind == DAFT_AXIS_EDGES) return edge_contact(&s, e.number / 3, e.number % 3, e.separation, out);
     best_axis best = kind == DAFT_AXIS_FACE_B ? b : a;
     return face_contact(&s, kind == DAFT_AXIS_FACE_B, best.number, best.separation, out);
