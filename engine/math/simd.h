@@ -216,6 +216,19 @@ DAFT_INLINE vf vf_gather_rows(const float *const row[DAFT_VL / 4])
     return vf_load(row[0]);
 #endif
 }
+/* Eight floats from each of two places where a register has room for them; from the first, its part of them where not. */
+enum { DAFT_EIGHTS = DAFT_VL > 8 ? DAFT_VL / 8 : 1, DAFT_EIGHT_PARTS = DAFT_VL < 8 ? 8 / DAFT_VL : 1 };
+DAFT_INLINE vf vf_load_eights(const float *first, const float *second, int part)
+{
+#if defined(DAFT_ISA_avx512)
+    (void)part;
+    if (__builtin_constant_p(first == second) && first == second) return (vf)_mm512_broadcast_f32x8(_mm256_loadu_ps(first));
+    return (vf)_mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(first)), _mm256_loadu_ps(second), 1);
+#else
+    (void)second;
+    return vf_load(first + part * DAFT_VL);
+#endif
+}
 /* A window of such rows, `stride` floats apart. */
 DAFT_INLINE vf vf_load_rows(const float *p, int stride)
 {
@@ -253,27 +266,32 @@ DAFT_INLINE vf vf_lookup16(const float table[16], vi index)
 #endif
 }
 
+#if defined(DAFT_ISA_avx2)
+/* For each mask of eight lanes, the numbers of those in it, a byte each. */
+#define DAFT_PLACE(m, i) ((m) >> (i) & 1 ? (uint64_t)(i) << 8 * __builtin_popcount((m) & ((1u << (i)) - 1)) : 0)
+#define DAFT_PLACES(m) \
+    (DAFT_PLACE(m, 1) | DAFT_PLACE(m, 2) | DAFT_PLACE(m, 3) | DAFT_PLACE(m, 4) | DAFT_PLACE(m, 5) | DAFT_PLACE(m, 6) | DAFT_PLACE(m, 7))
+#define DAFT_PLACES4(m) DAFT_PLACES(m), DAFT_PLACES((m) + 1), DAFT_PLACES((m) + 2), DAFT_PLACES((m) + 3)
+#define DAFT_PLACES16(m) DAFT_PLACES4(m), DAFT_PLACES4((m) + 4), DAFT_PLACES4((m) + 8), DAFT_PLACES4((m) + 12)
+#define DAFT_PLACES64(m) DAFT_PLACES16(m), DAFT_PLACES16((m) + 16), DAFT_PLACES16((m) + 32), DAFT_PLACES16((m) + 48)
+static const uint64_t DAFT_LANES_SIDE_BY_SIDE[256] __attribute__((unused)) = {DAFT_PLACES64(0u), DAFT_PLACES64(64u),
+                                                                              DAFT_PLACES64(128u), DAFT_PLACES64(192u)};
+#endif
 /* The lanes of a mask, side by side; up to DAFT_VL numbers from `out` on may be written. */
 DAFT_INLINE void vf_compress(float *out, vbits lanes, vf v)
 {
 #if defined(DAFT_ISA_avx512)
     vf_store(out, (vf)_mm512_maskz_compress_ps((__mmask16)lanes, (__m512)v));
-#else
+#elif defined(DAFT_ISA_avx2)
+    __m256i from = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)DAFT_LANES_SIDE_BY_SIDE[lanes]));
+    vf_store(out, (vf)_mm256_permutevar8x32_ps((__m256)v, from));
+#else /* without a branch, which would often be guessed wrong */
     float all[DAFT_VL];
     vf_store(all, v);
-    for (; lanes; lanes &= lanes - 1) *out++ = all[__builtin_ctz(lanes)];
+    for (int i = 0; i < DAFT_VL; i++) *out = all[i], out += lanes >> i & 1;
 #endif
 }
-DAFT_INLINE void vi_compress(uint32_t *out, vbits lanes, vi v)
-{
-#if defined(DAFT_ISA_avx512)
-    vi_store(out, (vi)_mm512_maskz_compress_epi32((__mmask16)lanes, (__m512i)v));
-#else
-    uint32_t all[DAFT_VL];
-    vi_store(all, v);
-    for (; lanes; lanes &= lanes - 1) *out++ = all[__builtin_ctz(lanes)];
-#endif
-}
+DAFT_INLINE void vi_compress(void *out, vbits lanes, vi v) { vf_compress(out, lanes, (vf)v); }
 /* The same, faster, for lanes of which none is NaN. */
 DAFT_INLINE float vf_least(vf a)
 {
@@ -546,28 +564,6 @@ DAFT_INLINE uint32_t v8_eq_bits(v8 a, v8 b)
 #endif
 }
 
-typedef int32_t v8i_unaligned __attribute__((vector_size(32), aligned(4), may_alias));
-DAFT_INLINE v8i v8i_load(const void *p) { return *(const v8i_unaligned *)p; }
-DAFT_INLINE uint32_t v8_lt_bits(v8 a, v8 b)
-{
-#if defined(DAFT_ISA_avx2) || defined(DAFT_ISA_avx512)
-    return (uint32_t)_mm256_movemask_ps(_mm256_cmp_ps((__m256)a, (__m256)b, _CMP_LT_OQ));
-#else
-    return v8_le_bits(a, b) & ~v8_le_bits(b, a);
-#endif
-}
-/* The lanes of a mask, side by side; eight numbers from `out` on may be written. */
-DAFT_INLINE void v8_compress(float *out, uint32_t lanes, v8 v)
-{
-#if defined(DAFT_ISA_avx512)
-    v8_store(out, (v8)_mm256_maskz_compress_ps((__mmask8)lanes, (__m256)v));
-#else
-    float all[8];
-    v8_store(all, v);
-    for (; lanes; lanes &= lanes - 1) *out++ = all[__builtin_ctz(lanes)];
-#endif
-}
-/* One bit for each lane of a comparison. */
 /* The numbers of the bits that are set, from `first` on, side by side; up to eight are written. Gives how many they are. */
 DAFT_INLINE uint32_t v8i_list(uint32_t *out, uint32_t bits, int32_t first)
 {
@@ -580,6 +576,7 @@ DAFT_INLINE uint32_t v8i_list(uint32_t *out, uint32_t bits, int32_t first)
 #endif
     return (uint32_t)__builtin_popcount(bits);
 }
+/* One bit for each lane of a comparison. */
 DAFT_INLINE uint32_t v8i_bits(v8i mask) { return v8_le_bits((v8)(mask & 0x3f800000), v8_set(0)) ^ 0xff; }
 
 /* ---- 4 lanes ---- */

@@ -10,9 +10,10 @@
 enum {
     GROUP = 16, /* nodes */
     FRESH = GROUP * DAFT_WIDTH,
-    CROWDED = 1024,               /* so many wait: no more groups; what one node leads to adds DAFT_STACK at most */
+    CROWDED = 1024, /* so many wait: no more groups; what one node leads to adds DAFT_STACK at most */
     WAITING = CROWDED + FRESH + DAFT_STACK,
-    ORDERS = 16 /* distances that are told apart within a group */
+    ORDERS = 4,        /* distances that are told apart within a group */
+    NEAR_BLOCKS = 4096 /* so many, 640 KB, stay in the nearer caches by themselves */
 };
 
 /* A node or leaf to be looked at. */
@@ -22,12 +23,20 @@ typedef struct visit {
     uint32_t pixels; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24 */
 } visit;
 
-/* What a group leads to. */
+/* What a group leads to; room for a register from the last one on. */
 typedef struct fresh {
     uint32_t count;
-    uint32_t child[FRESH + DAFT_WIDTH], pixels[FRESH + DAFT_WIDTH];
-    float nearest[FRESH + DAFT_WIDTH];
+    vf least, most; /* over the lanes: of nearest */
+    uint32_t child[FRESH + DAFT_VL], pixels[FRESH + DAFT_VL];
+    float nearest[FRESH + DAFT_VL];
 } fresh;
+
+/* Nodes that wait for their turn, the last one first. */
+typedef struct node_stack {
+    uint32_t count;
+    uint32_t child[WAITING + DAFT_VL], pixels[WAITING + DAFT_VL];
+    float nearest[WAITING + DAFT_VL];
+} node_stack;
 
 /* An instance's map to the tile: x and y come out in pixels times z. */
 typedef struct walk {
@@ -87,6 +96,27 @@ DAFT_INLINE bool hidden(daft_tile_job *j, uint32_t pixels, float nearest)
     return !(v8_le_bits(least, v8_set(nearest)) & ((2u << width) - 1));
 }
 
+/* The lanes whose boxes are hidden; `pixels` is 0 in the others. The corners of all boxes are looked at side by side: they
+ * show most of those that are not hidden, and little boxes have no other pixels. */
+DAFT_INLINE vbits hidden_lanes(daft_tile_job *j, vi pixels, vf nearest, vbits lanes)
+{
+    vi byte = vi_set(255), x0 = pixels & byte, x1 = pixels >> 8 & byte;
+    vi y0 = (pixels >> 16 & byte) * DAFT_TILE_STRIDE, y1 = (pixels >> 24 & byte) * DAFT_TILE_STRIDE;
+    vf upper = vf_min(vf_gather(j->w_low, y0 + x0), vf_gather(j->w_low, y0 + x1));
+    vf lower = vf_min(vf_gather(j->w_low, y1 + x0), vf_gather(j->w_low, y1 + x1));
+    vbits gone = lanes & ~vm_bits(vf_le(vf_min(upper, lower), nearest));
+    vbits large = gone & ~vm_bits(vm_and(vi_lt(x1 - x0, vi_set(2)), vi_lt(y1 - y0, vi_set(2 * DAFT_TILE_STRIDE))));
+    if (!large) return gone;
+    uint32_t box[DAFT_VL];
+    float w[DAFT_VL];
+    vi_store(box, pixels), vf_store(w, nearest);
+    for (; large; large &= large - 1) {
+        int i = __builtin_ctz(large);
+        gone &= ~((vbits)!hidden(j, box[i], w[i]) << i);
+    }
+    return gone;
+}
+
 /* ---- nodes and leaves ---- */
 
 void DAFT_KERNEL(daft_waiting_draw)(daft_tile_job *job, daft_waiting *waiting)
@@ -114,30 +144,45 @@ static void gather_blocks(walk *w)
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 
-DAFT_INLINE v8 pick(v8i m, v8 a, v8 b) { return (v8)((m & (v8i)a) | (~m & (v8i)b)); }
-
-/* One axis of eight boxes, over z: low..high before the division by z within near..far, where both are positive. Boxes that
+/* One axis of boxes, over z: low..high before the division by z within near..far, where both are positive. Boxes that
  * reach behind the camera are out where all that is in front of it lies beside the tile. */
-DAFT_INLINE uint32_t box_span(v8 low, v8 high, v8 far, v8 inverse_near, v8 inverse_far, v8i front, float last, v8i *first,
-                              v8i *end)
+DAFT_INLINE vbits box_span(vf low, vf high, vf far, vf inverse_near, vf inverse_far, vm front, float last, vi *first, vi *end)
 {
-    uint32_t beside = v8_lt_bits(high, far * -DAFT_SCREEN_SLACK) | v8_lt_bits(far * (last + DAFT_SCREEN_SLACK), low);
-    v8 zero = v8_set(0), slack = v8_set(DAFT_SCREEN_SLACK);
-    v8 a = low * pick(low < zero, inverse_near, inverse_far) - slack, b = high * pick(high < zero, inverse_far, inverse_near) + slack;
-    a = v8_max(pick(front, a, zero), zero), b = v8_min(pick(front, b, v8_set(last)), v8_set(last));
-    v8i whole = __builtin_convertvector(a, v8i);
-    whole -= __builtin_convertvector(whole, v8) < a; /* a comparison gives -1 */
-    *first = whole, *end = __builtin_convertvector(b, v8i);
-    return v8_le_bits(zero, b) & v8_le_bits(__builtin_convertvector(*first, v8), b) & ~beside;
+    vbits beside = vm_bits(vf_lt(high, far * -DAFT_SCREEN_SLACK)) | vm_bits(vf_lt(far * (last + DAFT_SCREEN_SLACK), low));
+    vf zero = vf_set(0), slack = vf_set(DAFT_SCREEN_SLACK), end_of_all = vf_set(last);
+    vf a = low * vf_select(vf_lt(low, zero), inverse_near, inverse_far) - slack;
+    vf b = high * vf_select(vf_lt(high, zero), inverse_far, inverse_near) + slack;
+    a = vf_max(vf_select(front, a, zero), zero), b = vf_min(vf_select(front, b, end_of_all), end_of_all);
+    vf whole = vf_from_int(vi_truncate(a));
+    whole = whole + vf_select(vf_lt(whole, a), vf_set(1), zero);
+    *first = vi_truncate(whole), *end = vi_truncate(b);
+    return vm_bits(vm_and(vf_le(zero, b), vf_le(whole, b))) & ~beside;
 }
 
-/* The least and the largest value of one axis over eight boxes. */
-DAFT_INLINE void axis(const walk *w, int k, const daft_node *node, v8 *low, v8 *high)
+/* Nodes whose children fill a register, or one that is looked at by parts. */
+typedef struct node_pair {
+    const daft_node *first, *second;
+    int part;
+} node_pair;
+
+DAFT_INLINE vf bounds_load(const node_pair *n, int at)
 {
-    const float *m = &w->m[3 * k], *bounds = node->bounds[0];
+    return vf_load_eights(n->first->bounds[0] + at, n->second->bounds[0] + at, n->part);
+}
+
+DAFT_INLINE vi child_load(const node_pair *n)
+{
+    return (vi)vf_load_eights((const float *)(const void *)n->first->child, (const float *)(const void *)n->second->child, n->part);
+}
+
+/* The least and the largest value of one axis over boxes. */
+DAFT_INLINE void axis(const walk *w, int k, const node_pair *n, vf *low, vf *high)
+{
+    const float *m = &w->m[3 * k];
     const int *a = &w->low_at[3 * k], *b = &w->high_at[3 * k];
-    *low = m[0] * v8_load(bounds + a[0]) + m[1] * v8_load(bounds + a[1]) + m[2] * v8_load(bounds + a[2]) + w->low_t[k];
-    *high = m[0] * v8_load(bounds + b[0]) + m[1] * v8_load(bounds + b[1]) + m[2] * v8_load(bounds + b[2]) + w->high_t[k];
+    vf x = vf_set(m[0]), y = vf_set(m[1]), z = vf_set(m[2]);
+    *low = x * bounds_load(n, a[0]) + y * bounds_load(n, a[1]) + z * bounds_load(n, a[2]) + vf_set(w->low_t[k]);
+    *high = x * bounds_load(n, b[0]) + y * bounds_load(n, b[1]) + z * bounds_load(n, b[2]) + vf_set(w->high_t[k]);
 }
 
 static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
@@ -168,25 +213,26 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_
     }
 }
 
-/* A node's children in the tile. */
+/* Children in the tile. */
 typedef struct boxes {
-    v8i pixels;
-    v8 nearest;
-    uint32_t some;
+    vi child, pixels;
+    vf nearest;
+    vbits some;
 } boxes;
 
 /* Comparisons are written so that a NaN, from an overflow, leaves a box in. */
-DAFT_INLINE boxes children(const walk *w, const daft_node *node)
+DAFT_INLINE boxes children(const walk *w, const node_pair *n)
 {
-    v8 low[3], high[3], zero = v8_set(0);
-    v8i x0, x1, y0, y1;
-    for (int k = 0; k < 3; k++) axis(w, k, node, &low[k], &high[k]);
-    v8i front = low[2] > zero, empty = v8i_load(node->child) == (int32_t)DAFT_CHILD_NONE;
-    v8 inverse_near = 1 / low[2], inverse_far = 1 / high[2];
-    uint32_t x = box_span(low[0], high[0], high[2], inverse_near, inverse_far, front, w->job->last_x, &x0, &x1);
-    uint32_t y = box_span(low[1], high[1], high[2], inverse_near, inverse_far, front, w->job->last_y, &y0, &y1);
-    return (boxes){x0 | x1 << 8 | y0 << 16 | y1 << 24, pick(front, inverse_near * (1 + 0x1p-20f), v8_set(INFINITY)),
-                   x & y & ~v8_le_bits(high[2], zero) & ~v8i_bits(empty)};
+    vf low[3], high[3], zero = vf_set(0);
+    vi x0, x1, y0, y1, child = child_load(n);
+    for (int k = 0; k < 3; k++) axis(w, k, n, &low[k], &high[k]);
+    vm front = vf_lt(zero, low[2]);
+    vf inverse_near = vf_set(1) / low[2], inverse_far = vf_set(1) / high[2];
+    vbits x = box_span(low[0], high[0], high[2], inverse_near, inverse_far, front, w->job->last_x, &x0, &x1);
+    vbits y = box_span(low[1], high[1], high[2], inverse_near, inverse_far, front, w->job->last_y, &y0, &y1);
+    vbits out = vm_bits(vf_le(high[2], zero)) | vm_bits(vi_eq(child, vi_set((int32_t)DAFT_CHILD_NONE)));
+    return (boxes){child, x0 | x1 << 8 | y0 << 16 | y1 << 24,
+                   vf_select(front, inverse_near * vf_set(1 + 0x1p-20f), vf_set(INFINITY)), x & y & ~out};
 }
 
 /* What a visit will read first: trees of large meshes do not stay in the nearer caches. */
@@ -202,16 +248,18 @@ DAFT_INLINE void prefetch(const daft_bvh *bvh, uint32_t child)
 /* Pushes the children that may be seen, the nearest last. */
 static int push_children(walk *w, const daft_node *node, visit *stack, int top)
 {
-    boxes b = children(w, node);
     int first = top;
     w->job->counters->nodes++;
-    for (uint32_t some = b.some; some; some &= some - 1) {
-        int i = __builtin_ctz(some), at = top;
-        visit v = {node->child[i], b.nearest[i], (uint32_t)b.pixels[i]};
-        for (; at > first && stack[at - 1].nearest > v.nearest; at--) stack[at] = stack[at - 1];
-        stack[at] = v;
-        top++;
-        prefetch(w->seen->instance->bvh, v.child);
+    for (int part = 0; part < DAFT_EIGHT_PARTS; part++) {
+        boxes b = children(w, &(node_pair){node, node, part});
+        for (uint32_t some = b.some & ((1u << DAFT_WIDTH) - 1); some; some &= some - 1) {
+            int i = __builtin_ctz(some), at = top;
+            visit v = {(uint32_t)b.child[i], b.nearest[i], (uint32_t)b.pixels[i]};
+            for (; at > first && stack[at - 1].nearest > v.nearest; at--) stack[at] = stack[at - 1];
+            stack[at] = v;
+            top++;
+            prefetch(w->seen->instance->bvh, v.child);
+        }
     }
     return top;
 }
@@ -243,73 +291,115 @@ static void draw_singly(walk *w)
 
 /* ---- in groups ---- */
 
-DAFT_INLINE void add_children(const walk *w, const daft_node *node, fresh *out)
+/* The children of up to DAFT_EIGHTS nodes. */
+DAFT_INLINE void add_children(const walk *w, const uint32_t *nodes, uint32_t count, fresh *out)
 {
-    boxes b = children(w, node);
-    uint32_t at = out->count;
-    v8_compress((float *)(void *)&out->child[at], b.some, (v8)v8i_load(node->child));
-    v8_compress((float *)(void *)&out->pixels[at], b.some, (v8)b.pixels);
-    v8_compress(&out->nearest[at], b.some, b.nearest);
-    out->count = at + (uint32_t)__builtin_popcount(b.some);
+    const daft_node *all = w->seen->instance->bvh->nodes.items, *first = &all[nodes[0]], *second = count > 1 ? &all[nodes[1]] : first;
+    vbits there = vbits_first((int)(count * DAFT_WIDTH));
+    for (int part = 0; part < DAFT_EIGHT_PARTS; part++) {
+        boxes b = children(w, &(node_pair){first, second, part});
+        uint32_t at = out->count;
+        b.some &= there;
+        vm some = vm_from_bits(b.some);
+        out->least = vf_min(out->least, vf_select(some, b.nearest, vf_set(INFINITY)));
+        out->most = vf_max(out->most, vf_select(some, b.nearest, vf_set(0)));
+        vi_compress(&out->child[at], b.some, b.child);
+        vi_compress(&out->pixels[at], b.some, b.pixels);
+        vf_compress(&out->nearest[at], b.some, b.nearest);
+        out->count = at + (uint32_t)__builtin_popcount(b.some);
+    }
 }
 
-/* Leaves go to their own list, the nearest first, nodes on top of the `top` that wait, the nearest last: roughly, by the
- * leading bits of their w, a positive float being in the order of its bits. Gives how many leaves. */
-static uint32_t sort_out(const walk *w, const fresh *f, visit *waiting, uint32_t *top, visit *leaves)
+/* Writes to `order` the places of the leaves, the nearest first, and after them of the nodes, the nearest last: roughly, by
+ * the leading bits of their w, a positive float being in the order of its bits. Gives how many leaves. */
+static uint32_t put_in_order(const fresh *f, int32_t order[FRESH + DAFT_VL])
 {
-    uint8_t order[FRESH];
-    uint32_t from[2 * ORDERS] = {0}, least = UINT32_MAX, most = 0, leaf_count = 0;
-    const uint32_t *bits = (const uint32_t *)(const void *)f->nearest;
-    for (uint32_t i = 0; i < f->count; i++) least = daft_min_u(least, bits[i]), most = daft_max_u(most, bits[i]);
-    uint32_t range = most - least, shift = range < ORDERS ? 0 : 28 - (uint32_t)__builtin_clz(range);
-    for (uint32_t i = 0; i < f->count; i++) {
-        order[i] = (uint8_t)((bits[i] - least) >> shift | (f->child[i] & DAFT_CHILD_LEAF) >> 27);
-        from[order[i]]++;
+    int32_t kind[FRESH + DAFT_VL]; /* ORDERS of leaves, then of nodes */
+    float low = vf_reduce_min(f->least), high = vf_reduce_max(f->most);
+    uint32_t least, most, count = 0, leaf_count = 0;
+    memcpy(&least, &low, sizeof least), memcpy(&most, &high, sizeof most);
+    uint32_t range = most - least, shift = range < ORDERS ? 0 : 30 - (uint32_t)__builtin_clz(range);
+    for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
+        vf w = vf_select(vm_from_bits(vbits_first((int)(f->count - i))), vf_load(&f->nearest[i]), vf_set(low));
+        vi near = ((vi)w - vi_set((int32_t)least)) >> (int)shift;
+        vm leaf = vi_lt(vi_load(&f->child[i]), vi_set(0));
+        vi_store(&kind[i], vi_select(leaf, vi_set(ORDERS - 1) - near, vi_set(ORDERS) + near));
     }
-    for (uint32_t i = 0; i < ORDERS; i++) {
-        uint32_t nodes = from[i], group = from[2 * ORDERS - 1 - i];
-        from[i] = *top, *top += nodes;
-        from[2 * ORDERS - 1 - i] = leaf_count, leaf_count += group;
-    }
-    for (uint32_t i = 0; i < f->count; i++) {
-        visit *to = order[i] < ORDERS ? waiting : leaves;
-        to[from[order[i]]++] = (visit){f->child[i], f->nearest[i], f->pixels[i]};
-        prefetch(w->seen->instance->bvh, f->child[i]);
+    for (int k = 0; k < 2 * ORDERS; k++) {
+        if (k == ORDERS) leaf_count = count;
+        for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
+            vbits these = vm_bits(vi_eq(vi_load(&kind[i]), vi_set(k))) & vbits_first((int)(f->count - i));
+            vi_compress(&order[count], these, vi_iota() + vi_set((int32_t)i));
+            count += (uint32_t)__builtin_popcount(these);
+        }
     }
     return leaf_count;
 }
 
-static void draw_leaves(walk *w, const visit *leaves, uint32_t count)
+static void add_blocks(walk *w, uint32_t child)
 {
-    const daft_block *blocks = w->seen->instance->bvh->blocks;
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t child = leaves[i].child, some = hidden(w->job, leaves[i].pixels, leaves[i].nearest) ? 0 : (child & 3) + 1;
-        const daft_block *first = &blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
-        for (uint32_t k = 0; k < DAFT_MAX_LEAF_BLOCKS; k++) w->blocks[w->block_count + k] = first + k;
-        w->block_count += some;
-        if (w->block_count >= DAFT_WALK_BLOCKS) gather_blocks(w);
+    const daft_block *first = &w->seen->instance->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+    for (uint32_t k = 0; k < DAFT_MAX_LEAF_BLOCKS; k++) w->blocks[w->block_count + k] = first + k;
+    w->block_count += (child & 3) + 1;
+    if (w->block_count >= DAFT_WALK_BLOCKS) gather_blocks(w);
+}
+
+static void draw_leaves(walk *w, const fresh *f, const int32_t *order, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        vbits lanes = vbits_first((int)(count - i));
+        vm there = vm_from_bits(lanes);
+        vi zero = vi_set(0), at = vi_select(there, vi_load(&order[i]), zero);
+        vi pixels = vi_select(there, vi_gather(f->pixels, at), zero);
+        uint32_t child[DAFT_VL];
+        vi_store(child, vi_gather(f->child, at));
+        lanes &= ~hidden_lanes(w->job, pixels, vf_gather(f->nearest, at), lanes);
+        for (; lanes; lanes &= lanes - 1) add_blocks(w, child[__builtin_ctz(lanes)]);
     }
+}
+
+static void push_nodes(const fresh *f, const int32_t *order, uint32_t count, node_stack *s)
+{
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        vi at = vi_select(vm_from_bits(vbits_first((int)(count - i))), vi_load(&order[i]), vi_set(0));
+        vi_store(&s->child[s->count + i], vi_gather(f->child, at));
+        vi_store(&s->pixels[s->count + i], vi_gather(f->pixels, at));
+        vf_store(&s->nearest[s->count + i], vf_gather(f->nearest, at));
+    }
+    s->count += count;
+}
+
+/* Takes up to GROUP nodes off the stack and leaves those that are hidden. Gives how many are left. */
+static uint32_t take_group(walk *w, node_stack *s, uint32_t group[GROUP + DAFT_VL])
+{
+    uint32_t some = s->count > CROWDED ? 1 : daft_min_u(s->count, GROUP), count = 0;
+    s->count -= some;
+    for (uint32_t i = 0; i < some; i += DAFT_VL) {
+        vbits lanes = vbits_first((int)(some - i));
+        vi pixels = vi_select(vm_from_bits(lanes), vi_load(&s->pixels[s->count + i]), vi_set(0));
+        lanes &= ~hidden_lanes(w->job, pixels, vf_load(&s->nearest[s->count + i]), lanes);
+        vi_compress(&group[count], lanes, vi_load(&s->child[s->count + i]));
+        count += (uint32_t)__builtin_popcount(lanes);
+    }
+    return count;
 }
 
 static void draw_grouped(walk *w)
 {
-    visit waiting[WAITING], leaves[FRESH];
+    node_stack waiting;
     fresh f;
-    const daft_node *nodes = w->seen->instance->bvh->nodes.items;
-    uint32_t top = 0, group[GROUP] = {0}, count = 1;
-    for (;;) {
-        f.count = 0;
-        for (uint32_t i = 0; i < count; i++) add_children(w, &nodes[group[i]], &f);
+    int32_t order[FRESH + DAFT_VL];
+    uint32_t group[GROUP + DAFT_VL] = {0};
+    waiting.count = 0;
+    for (uint32_t count = 1; count || waiting.count; count = take_group(w, &waiting, group)) {
+        f.count = 0, f.least = vf_set(INFINITY), f.most = vf_set(0);
+        for (uint32_t i = 0; i < count; i += DAFT_EIGHTS) add_children(w, &group[i], count - i, &f);
         w->job->counters->nodes += count;
-        uint32_t leaf_count = sort_out(w, &f, waiting, &top, leaves);
-        draw_leaves(w, leaves, leaf_count);
-        if (!top) break;
-        count = 0;
-        for (uint32_t some = top > CROWDED ? 1 : daft_min_u(top, GROUP); some; some--) {
-            top--;
-            group[count] = waiting[top].child;
-            count += !hidden(w->job, waiting[top].pixels, waiting[top].nearest);
-        }
+        if (w->seen->instance->bvh->block_count > NEAR_BLOCKS)
+            for (uint32_t i = 0; i < f.count; i++) prefetch(w->seen->instance->bvh, f.child[i]);
+        uint32_t leaf_count = put_in_order(&f, order);
+        draw_leaves(w, &f, order, leaf_count);
+        push_nodes(&f, order + leaf_count, f.count - leaf_count, &waiting);
     }
     gather_blocks(w);
 }
