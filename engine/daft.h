@@ -259,11 +259,15 @@ typedef struct daft_collider {
 
 DAFT_API daft_collider daft_default_collider(void); /* a sphere of 0.5 m */
 
-enum { /* axes of the world about which a dynamic body does not turn */
+enum { /* axes of the world about which a dynamic body does not turn, and along which its centre of mass does not move */
     DAFT_LOCK_X = 1,
     DAFT_LOCK_Y = 2,
     DAFT_LOCK_Z = 4,
-    DAFT_LOCK_ROTATION = 7
+    DAFT_LOCK_ROTATION = 7,
+    DAFT_LOCK_POSITION_X = 8,
+    DAFT_LOCK_POSITION_Y = 16,
+    DAFT_LOCK_POSITION_Z = 32,
+    DAFT_LOCK_POSITION = 56
 };
 
 typedef struct daft_entity_def {

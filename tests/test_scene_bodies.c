@@ -118,6 +118,28 @@ static void every_collider_rests(void **unused)
     place_drop(&p);
 }
 
+/* A bead on a rail along x, and a block that turns about the upright axis in its place. */
+static void locks_hold(void **unused)
+{
+    (void)unused;
+    place p = place_make();
+    daft_entity_def bead = thing(DAFT_SHAPE_SPHERE, 0, 3, 1), block = thing(DAFT_SHAPE_BOX, 5, 1, 0);
+    bead.locks = DAFT_LOCK_POSITION_Y | DAFT_LOCK_POSITION_Z;
+    block.locks = DAFT_LOCK_POSITION | DAFT_LOCK_X | DAFT_LOCK_Z;
+    daft_entity on_rail = add(p.scene, &bead), fixed = add(p.scene, &block);
+    daft_vec3 linear, angular;
+    assert_true(daft_entity_set_velocity(p.scene, on_rail, daft_v3(1, 4, 4), daft_v3(0, 0, 0), NULL));
+    assert_true(daft_entity_set_velocity(p.scene, fixed, daft_v3(1, 1, 1), daft_v3(2, 3, 4), NULL));
+    assert_true(daft_entity_apply_impulse(p.scene, fixed, daft_v3(500, 500, 500), NULL));
+    run(p.scene, 120);
+    daft_dvec3 at = where(p.scene, on_rail), stands = where(p.scene, fixed);
+    assert_near(at.x, 2, 1e-4);
+    assert_true(at.y == 3 && at.z == 1 && stands.x == 5 && stands.y == 1 && stands.z == 0);
+    assert_true(daft_entity_get_velocity(p.scene, fixed, &linear, &angular, NULL));
+    assert_true(angular.x == 0 && angular.z == 0 && fabsf(angular.y - 3) < 1e-4f);
+    place_drop(&p);
+}
+
 /* A ball rolls down triangles, scaled ones, and comes to rest in a field's hollow. */
 static void ground_of_triangles_and_heights(void **unused)
 {
@@ -352,7 +374,8 @@ static void bad_bodies(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_collider_rests), cmocka_unit_test(ground_of_triangles_and_heights),
+        cmocka_unit_test(every_collider_rests), cmocka_unit_test(locks_hold),
+        cmocka_unit_test(ground_of_triangles_and_heights),
         cmocka_unit_test(layers_and_sensors),   cmocka_unit_test(joints_hold_and_break),
         cmocka_unit_test(states_go_on_with_the_same_bits), cmocka_unit_test(surfaces), cmocka_unit_test(bad_bodies),
     };

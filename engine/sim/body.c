@@ -326,7 +326,7 @@ static uint32_t take_body(daft_world *world, const daft_sim_body_def *def)
         world->free_body = world->bodies[index].next_free;
     world->bodies[index] = (daft_sim_body){.kind = def->kind,
                                            .user = def->user,
-                                           .locks = def->locks & DAFT_LOCK_ROTATION,
+                                           .locks = def->locks & (DAFT_LOCK_ROTATION | DAFT_LOCK_POSITION),
                                            .bullet = def->bullet,
                                            .may_sleep = def->may_sleep,
                                            .gravity_scale = def->gravity_scale,
@@ -459,8 +459,8 @@ void daft_world_set_velocity(daft_world *world, uint32_t handle, daft_vec3 linea
     const daft_sim_body *found = daft_sim_find(world, handle);
     if (!found || found->kind == DAFT_BODY_STATIC || !daft_finite3(linear) || !daft_finite3(angular)) return;
     daft_sim_body *body = &world->bodies[handle - 1];
-    linear = daft_sim_clamp(linear, DAFT_SIM_MAX_SPEED);
-    angular = daft_sim_clamp(angular, DAFT_SIM_MAX_SPIN);
+    linear = daft_sim_held(body, daft_sim_clamp(linear, DAFT_SIM_MAX_SPEED), DAFT_LOCK_POSITION_X);
+    angular = daft_sim_held(body, daft_sim_clamp(angular, DAFT_SIM_MAX_SPIN), DAFT_LOCK_X);
     bool still = daft_sim_is_zero(linear) && daft_sim_is_zero(angular);
     body->linear = linear;
     body->angular = angular;
@@ -506,6 +506,7 @@ void daft_world_apply_impulse(daft_world *world, uint32_t handle, daft_vec3 impu
     daft_sim_body *body = pushed(world, handle);
     if (!body) return;
     daft_vec3 change = daft_sim_clamp(daft_scale(impulse, body->inv_mass), 2 * DAFT_SIM_MAX_SPEED);
+    change = daft_sim_held(body, change, DAFT_LOCK_POSITION_X);
     body->linear = daft_sim_clamp(daft_add(body->linear, change), DAFT_SIM_MAX_SPEED);
 }
 

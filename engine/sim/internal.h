@@ -350,6 +350,13 @@ static inline float daft_sim_min(float a, float b) { return a < b ? a : b; }
 static inline float daft_sim_max(float a, float b) { return a > b ? a : b; }
 static inline bool daft_sim_is_zero(daft_vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
+/* A vector without what the body's locks forbid: of its position, or of its rotation. Bodies that are not dynamic take no notice. */
+static inline daft_vec3 daft_sim_held(const daft_sim_body *body, daft_vec3 v, uint32_t lock_x)
+{
+    uint32_t locks = body->kind == DAFT_BODY_DYNAMIC ? body->locks / lock_x : 0;
+    return daft_v3(locks & 1 ? 0 : v.x, locks & 2 ? 0 : v.y, locks & 4 ? 0 : v.z);
+}
+
 /* A vector no longer than `limit`; NaN components become -limit first. */
 daft_vec3 daft_sim_clamp(daft_vec3 v, float limit);
 /* q turned by angular·h. The angle is right to the fifth order of |angular|·h. */

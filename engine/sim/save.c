@@ -206,7 +206,7 @@ static bool check_body(daft_world *w, uint32_t index)
     daft_sim_body_place(b, b->position, b->rotation);
     b->centre = centre;
     b->first_touch = b->first_joint = b->list_slot = DAFT_SIM_NONE;
-    b->locks &= DAFT_LOCK_ROTATION;
+    b->locks &= DAFT_LOCK_ROTATION | DAFT_LOCK_POSITION;
     b->fixed_met = 0;
     if (!isfinite(b->travel)) return false;
     w->asleep_count += b->asleep;

@@ -143,6 +143,18 @@ static void stage_spin(void *p, int when, uint32_t first, uint32_t count)
         if (when == SPIN_AFTER) daft_sim_spin_after(c->world, spin);
     }
 }
+/* What must not move along an axis was pushed by constraints as if it might: that is taken back. */
+static void stage_hold(void *p, int argument, uint32_t first, uint32_t count)
+{
+    (void)argument;
+    context *c = p;
+    for (uint32_t row = first; row < first + count; row++) {
+        uint32_t locks = c->world->bodies[c->s->row_bodies[row]].locks / DAFT_LOCK_POSITION_X;
+        float *velocity = c->s->rows.velocity + (size_t)row * DAFT_SIM_ROW, *moved = c->s->rows.moved + (size_t)row * DAFT_SIM_ROW;
+        for (int k = 0; k < 3; k++)
+            if (locks >> k & 1) velocity[k] = moved[k] = 0;
+    }
+}
 
 /* ---- the list ---- */
 
@@ -163,6 +175,11 @@ static void add_joints(daft_sim_solver *s, stage_run *run, int argument)
         add(s, run, argument, s->joint_colours[i].first, s->joint_colours[i].count, BLOCK_GRAIN);
 }
 
+static void add_hold(daft_sim_solver *s)
+{
+    if (s->holds) add(s, stage_hold, 0, s->row_first, s->row_end - s->row_first, ROW_GRAIN);
+}
+
 static void add_substep(daft_sim_solver *s, int substep)
 {
     uint32_t dynamic = s->row_first, rows = s->row_end - dynamic;
@@ -173,21 +190,24 @@ static void add_substep(daft_sim_solver *s, int substep)
     add_joints(s, stage_joint_solve, 0);
     add_joints(s, stage_joint_solve, 0); /* long chains need it, and it costs little beside contacts */
     add_contacts(s, stage_solve, 2 * (substep - 1));
+    add_hold(s);
     add(s, stage_spin, SPIN_BETWEEN, 0, s->spin_count, SPIN_GRAIN);
     add(s, stage_move, 0, 1, s->mover_count, ROW_GRAIN);
     add(s, stage_move, 0, dynamic, rows, ROW_GRAIN);
     add(s, stage_spin, SPIN_AFTER, 0, s->spin_count, SPIN_GRAIN);
     for (int pass = 0; pass < CLOSE_PASSES; pass++) add_joints(s, stage_joint_close, CLOSE_PASSES * substep + pass);
+    add_hold(s);
     add(s, stage_turn, substep, dynamic, rows, ROW_GRAIN);
     add(s, stage_refresh, substep, 0, s->block_count, BLOCK_GRAIN);
     add_joints(s, stage_joint_relax, CLOSE_PASSES * substep + CLOSE_PASSES - 1);
     add_contacts(s, stage_solve, 2 * substep - 1);
+    add_hold(s);
 }
 
 static size_t most_stages(const daft_sim_solver *s)
 {
-    size_t substep = 11 + 3 * (size_t)s->colour_count + (4 + CLOSE_PASSES) * (size_t)s->joint_colour_count;
-    return 8 + (size_t)s->substeps * substep + s->colour_count;
+    size_t substep = 14 + 3 * (size_t)s->colour_count + (4 + CLOSE_PASSES) * (size_t)s->joint_colour_count;
+    return 9 + (size_t)s->substeps * substep + s->colour_count;
 }
 
 /* ---- rows ---- */
@@ -219,7 +239,7 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     rows->moved[at + 6] = h;
     turn[0] = turn[1] = turn[2] = 0, turn[3] = 1;
     turn[4] = 0, turn[5] = constrained && !body->round;
-    mass[0] = body->inv_mass;
+    mass[0] = (body->locks & DAFT_LOCK_POSITION) == DAFT_LOCK_POSITION ? 0 : body->inv_mass;
     daft_sim_body_inverse_inertia(body, mass + 1);
     if (dynamic) {
         push = daft_sim_clamp(daft_scale(body->force, body->inv_mass), DAFT_SIM_MAX_ACCELERATION);
@@ -230,6 +250,7 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
             push = twist = zero;
         }
         push = daft_add(push, daft_scale(world->gravity, body->gravity_scale));
+        push = daft_sim_held(body, push, DAFT_LOCK_POSITION_X), linear = daft_sim_held(body, linear, DAFT_LOCK_POSITION_X);
     }
     put(velocity, linear, angular);
     velocity[6] = DAFT_SIM_MAX_SPEED, velocity[7] = DAFT_SIM_MAX_SPIN;
@@ -266,12 +287,14 @@ static void fill_rows(daft_world *world, float dt)
     for (size_t i = 0; i < DAFT_COUNT_OF(zero); i++)
         for (int k = 0; k < DAFT_SIM_ROW; k++) zero[i][k] = 0;
     rows->turn[3] = 1;
-    world->solver->spin_count = 0;
     daft_sim_solver *s = world->solver;
+    s->spin_count = 0;
+    s->holds = false;
     for (uint32_t row = 1; row <= s->mover_count; row++) fill_row(world, row, dt);
     for (uint32_t row = s->row_first; row < s->row_end; row++) {
         fill_row(world, row, dt);
         add_spin(world, row, s->h);
+        s->holds |= (world->bodies[s->row_bodies[row]].locks & DAFT_LOCK_POSITION) != 0;
     }
 }
 
@@ -287,6 +310,7 @@ static void solve_pace(daft_world *world, float dt)
     add(s, stage_joint_fill, 0, 0, s->joint_block_count, BLOCK_GRAIN);
     for (int i = 1; i <= s->substeps; i++) add_substep(s, i);
     add_contacts(s, stage_bounce, 0);
+    add_hold(s);
     add(s, stage_store, 0, 0, s->block_count, BLOCK_GRAIN);
     add(s, stage_joint_store, 0, 0, s->joint_block_count, BLOCK_GRAIN);
     bool large = s->block_count + s->joint_block_count >= PARALLEL_BLOCKS;

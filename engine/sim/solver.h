@@ -190,6 +190,7 @@ struct daft_sim_solver {
     daft_sim_spin *spins; /* bodies whose moments of inertia differ, and that turn */
     size_t spin_capacity;
     uint32_t spin_count;
+    bool holds; /* some row's body must not move along some axis */
 
     daft_sim_target *targets; /* of rows */
     size_t target_capacity;

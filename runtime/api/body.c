@@ -175,11 +175,12 @@ static void read_switch(lua_State *L, host *h, const char *name, bool *value)
     if (api_field(L, 1, name)) *value = api_boolean(L, h, -1, name);
 }
 
-/* "rotation", or some of "x", "y" and "z". */
+/* "rotation", "position", or some of "x", "y", "z" and "position x", … */
 static uint32_t read_locks(lua_State *L, host *h)
 {
-    static const char *const AXES[] = {"x", "y", "z", "rotation"};
-    static const uint32_t BITS[] = {DAFT_LOCK_X, DAFT_LOCK_Y, DAFT_LOCK_Z, DAFT_LOCK_ROTATION};
+    static const char *const AXES[] = {"x", "y", "z", "rotation", "position x", "position y", "position z", "position"};
+    static const uint32_t BITS[] = {DAFT_LOCK_X,          DAFT_LOCK_Y,          DAFT_LOCK_Z,          DAFT_LOCK_ROTATION,
+                                    DAFT_LOCK_POSITION_X, DAFT_LOCK_POSITION_Y, DAFT_LOCK_POSITION_Z, DAFT_LOCK_POSITION};
     int table = lua_absindex(L, -1);
     if (lua_type(L, table) != LUA_TTABLE) return BITS[api_choice(L, h, table, "lock", AXES, COUNT_OF(AXES))];
     uint32_t locks = 0;

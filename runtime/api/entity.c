@@ -289,7 +289,8 @@ static const api_function FUNCTIONS[] = {
      "material = see daft.material, visible = true, casts_shadow = true,\n"
      "body = \"static\", \"kinematic\" or \"dynamic\", velocity = {x, y, z}, angular_velocity = {x, y, z}, mass or density,\n"
      "friction, static_friction, restitution, rolling_resistance, surface = \"name\", belt = {x, y, z}, gravity_scale, damping,\n"
-     "angular_damping, lock = \"rotation\" or {\"x\", \"y\", \"z\"}, layer = name(s), hits = name(s), sensor, bullet, sleeps,\n"
+     "angular_damping, lock = \"rotation\", \"position\" or some of {\"x\", \"y\", \"z\", \"position x\", \"position y\", \"position z\"},\n"
+     "layer = name(s), hits = name(s), sensor, bullet, sleeps,\n"
      "collider = \"hull\", \"mesh\", or a table or list of tables {sphere = r}, {box = {x, y, z}}, {capsule = {radius =, height =}},\n"
      "{hull = mesh}, {mesh = mesh} or {heights = list, columns = n, spacing = s}, each with position = and rotation =.\n"
      "name = \"...\", data = anything. The fields e.name and e.data can be read and set.",

@@ -151,7 +151,7 @@ local function queries()
     expect_error("radius", daft.character, { radius = -1 })
 end
 
-local gate, hammer, saved
+local gate, hammer, puck, saved
 local begun, entered = {}, 0
 
 local function bodies()
@@ -160,6 +160,8 @@ local function bodies()
     hammer = daft.entity { position = { 0, 3, 120 }, body = "dynamic", mass = 5, layer = "tools", hits = { "world" }, lock = { "x", "z" },
         collider = { { capsule = { radius = 0.1, height = 1 } }, { box = { 0.4, 0.2, 0.2 }, position = { 0, 0.5, 0 } } } }
     assert(near(hammer:mass(), 5, 1e-4) and hammer:awake())
+    puck = daft.entity { sphere = 0.2, position = { -4, 2, 120 }, body = "dynamic", lock = { "position y", "position z", "rotation" }, velocity = { 1, 5, 5 } }
+    expect_error("lock: \"x\", \"y\"", daft.entity, { sphere = 1, body = "dynamic", lock = "position w" })
     local leaf = daft.entity { box = { 1, 2, 0.1 }, position = { 5, 1.2, 120 }, body = "dynamic", surface = "ice" }
     gate = daft.joint { kind = "hinge", b = leaf, at = { 4.5, 1.2, 120 }, axis = { 0, 1, 0 }, motor = { speed = 1, force = 500 } }
     assert(gate:valid() and near(gate:value(), 0))
@@ -181,6 +183,8 @@ local function bodies_later(tick)
         if event.kind == "enter" and event.a.name == "sensor" and event.b == hammer then entered = entered + 1 end
     end
     if tick == 30 then
+        local x, y, z = puck:position()
+        assert(near(x, -3.5, 0.1) and y == 2 and z == 120, "locked to a line along x")
         local angle, speed = gate:value()
         assert(near(speed, 1, 0.05) and near(angle, 0.433, 0.01), "67 kg m² come to 1 rad/s by 500 N m in 0.133 s")
         gate:motor() gate:limit(-1, 1) gate:spring(2, 0.5)
