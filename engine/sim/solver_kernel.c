@@ -245,6 +245,7 @@ static void warm_start(const daft_sim_rows *rows, daft_sim_block *blocks, uint32
 
 typedef struct spring {
     vf rate, mass, impulse, push_speed, inv_h;
+    float h;
     bool on;
 } spring;
 
@@ -272,15 +273,30 @@ DAFT_INLINE drag dragged(const daft_sim_block *block, const body *turn_a, const 
     return d;
 }
 
+/* What turns about the normal has turned its arm since the step began, and its surface's velocity with it: by so much,
+ * b's less a's, after `elapsed`. */
+DAFT_INLINE drag turned_velocity(const daft_sim_block *block, const body *a, const body *b, vf3 n, float elapsed, int lane)
+{
+    vf wa = vf3_dot(n, a->w), wb = vf3_dot(n, b->w), t = vf_set(elapsed);
+    wa = wa * wa * t, wb = wb * wb * t;
+    return (drag){wa * vf_load(block->bend_a[0] + lane) - wb * vf_load(block->bend_b[0] + lane),
+                  wa * vf_load(block->bend_a[1] + lane) - wb * vf_load(block->bend_b[1] + lane)};
+}
+
 /* Coulomb's cone: the friction impulse opposes sliding and is at most friction times the normal impulse. What sticks is
  * drawn back to where it stuck; what slides sticks anew where it is. */
 DAFT_INLINE void solve_friction(daft_sim_block *block, body *a, body *b, masses m, vf3 n, vf normal_sum,
                                 const body *turn_a, const body *turn_b, const spring *s, float elapsed, int lane)
 {
+    float middle = s->on ? 0.5f * s->h : 0; /* springs aim at the mean velocity of the substep */
     vf3 t = load3(block->tangent, lane), u = vf3_cross(n, t);
     vf vt = row_speed(a, b, t, block->arm_a[0], block->arm_b[0], lane) - vf_load(block->belt[0] + lane);
     vf vu = row_speed(a, b, u, block->arm_a[1], block->arm_b[1], lane) - vf_load(block->belt[1] + lane);
     drag way = dragged(block, turn_a, turn_b, n, t, u, elapsed, lane);
+    if (block->turns) {
+        drag bend = turned_velocity(block, a, b, n, elapsed + middle, lane);
+        vt = vt + bend.t, vu = vu + bend.u;
+    }
     vf slip_t = vf_load(block->slip[0] + lane), slip_u = vf_load(block->slip[1] + lane);
     if (s->on) {
         vt = vt + s->rate * (slip_t + way.t);
@@ -406,7 +422,7 @@ DAFT_INLINE void solve_lanes(const daft_sim_rows *rows, daft_sim_block *block, c
     vf3 n = load3(block->normal, lane);
     spring s = {.rate = vf_load(block->rate + lane), .mass = vf_load(block->soft_mass + lane),
                 .impulse = vf_load(block->soft_impulse + lane), .push_speed = vf_set(-substep->push_speed),
-                .inv_h = vf_set(substep->inv_h), .on = biased};
+                .inv_h = vf_set(substep->inv_h), .h = substep->h, .on = biased};
     sums sum = solve_points(block, &a, &b, m, n, &turn_a, &turn_b, &s, lane);
     solve_twist(block, &a, &b, n, sum.levers, &turn_a, &turn_b, &s, lane);
     solve_friction(block, &a, &b, m, n, sum.impulse, &turn_a, &turn_b, &s, substep->elapsed, lane);
