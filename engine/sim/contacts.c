@@ -6,6 +6,7 @@
 #include "sim/internal.h"
 #include "sim/manifold_box.h"
 
+#include <stddef.h>
 #include <string.h>
 
 /* Of a movement within a step, as much as this share of the part's reach is met by wider margins; farther is swept. */
@@ -54,13 +55,17 @@ static daft_vec3 closing(const daft_sim_body *a, const daft_sim_body *b, daft_ve
 
 typedef struct pair {
     const daft_sim_body *a, *b;
-    daft_rigid frame_a;
-    daft_vec3 offset; /* from a's centre of mass to part a's origin, world axes */
-    daft_vec3 apart;  /* from b's centre to a's */
-    daft_vec3 shift;  /* of a against b, to where the manifold is */
+    daft_vec3 apart; /* from b's centre to a's */
     float margin, dt;
     float way; /* they go at most against each other within the step */
 } pair;
+
+/* Where a's manifolds are. */
+typedef struct place {
+    daft_rigid frame_a;
+    daft_vec3 offset; /* from a's centre of mass to part a's origin, world axes */
+    daft_vec3 shift;  /* of a against b, to where the manifold is */
+} place;
 
 /* Whether a point is within the margin, or will be within the step. */
 static bool is_met(const pair *p, daft_vec3 anchor, daft_vec3 normal, float separation)
@@ -70,15 +75,15 @@ static bool is_met(const pair *p, daft_vec3 anchor, daft_vec3 normal, float sepa
     return !(separation + speed * p->dt > p->margin);
 }
 
-static void convert(const pair *p, const daft_manifold *from, daft_sim_patch *to)
+static void convert(const pair *p, const place *where, const daft_manifold *from, daft_sim_patch *to)
 {
-    *to = (daft_sim_patch){.normal = daft_normalize(turned(&p->frame_a, from->normal)),
+    *to = (daft_sim_patch){.normal = daft_normalize(turned(&where->frame_a, from->normal)),
                            .part_a = from->part_a,
                            .part_b = from->part_b,
-                           .shift = p->shift};
+                           .shift = where->shift};
     for (uint32_t i = 0; i < from->count; i++) {
         const daft_manifold_point *point = &from->points[i];
-        daft_vec3 anchor = daft_add(p->offset, turned(&p->frame_a, point->point));
+        daft_vec3 anchor = daft_add(where->offset, turned(&where->frame_a, point->point));
         if (!is_met(p, anchor, to->normal, point->separation)) continue;
         to->points[to->count++] =
             (daft_sim_patch_point){.anchor = anchor, .separation = point->separation, .id = point->id};
@@ -138,11 +143,11 @@ static void scatter(const daft_world *world, const daft_sim_touch *touch, const 
     frame_b->p = daft_dadd(frame_b->p, daft_dscale(at_b, size));
 }
 
-static uint32_t collide(const daft_world *world, daft_sim_touch *touch, const pair *p, float reach,
+static uint32_t collide(const daft_world *world, daft_sim_touch *touch, const pair *p, daft_rigid frame_a, float reach,
                         daft_manifold *found)
 {
     const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
-    daft_rigid frame_a = p->frame_a, frame_b = daft_sim_part_frame(p->b, b);
+    daft_rigid frame_b = daft_sim_part_frame(p->b, b);
     scatter(world, touch, p, &frame_a, &frame_b);
     daft_relpose pose = daft_relpose_make(&frame_a, &frame_b);
     return daft_collide(&a->shape, &b->shape, &pose, reach, found, touch->more ? DAFT_SIM_MAX_PATCHES : 1,
@@ -170,7 +175,7 @@ daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, con
 }
 
 /* The manifold is that of where they meet; separations are those of now, along its normal. */
-static uint32_t foresee(const daft_world *world, daft_sim_touch *touch, pair *p, daft_manifold *found)
+static uint32_t foresee(const daft_world *world, daft_sim_touch *touch, pair *p, place *where, daft_manifold *found)
 {
     const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
     daft_sweep way_a = daft_sim_plan(world, p->a, a, p->dt), way_b = daft_sim_plan(world, p->b, b, p->dt);
@@ -185,14 +190,14 @@ static uint32_t foresee(const daft_world *world, daft_sim_touch *touch, pair *p,
                                   touch->more ? DAFT_SIM_MAX_PATCHES : 1, NULL);
     daft_dvec3 go_a = daft_dscale(daft_dsub(way_a.to, way_a.from), impact.t);
     daft_dvec3 go_b = daft_dscale(daft_dsub(way_b.to, way_b.from), impact.t);
-    p->frame_a = at_a;
-    p->shift = daft_to_float(daft_dsub(go_a, go_b));
-    p->offset = daft_to_float(daft_dsub(at_a.p, daft_dadd(p->a->centre, go_a)));
-    p->apart = daft_add(p->apart, p->shift);
+    where->frame_a = at_a;
+    where->shift = daft_to_float(daft_dsub(go_a, go_b));
+    where->offset = daft_to_float(daft_dsub(at_a.p, daft_dadd(p->a->centre, go_a)));
+    p->apart = daft_add(p->apart, where->shift);
     p->margin = INFINITY; /* they will meet */
     for (uint32_t i = 0; i < count; i++)
         for (uint32_t k = 0; k < found[i].count; k++)
-            found[i].points[k].separation += daft_dot(p->shift, turned(&at_a, found[i].normal));
+            found[i].points[k].separation += daft_dot(where->shift, turned(&at_a, found[i].normal));
     return count;
 }
 
@@ -234,15 +239,17 @@ static bool is_clear(const daft_world *world, const daft_sim_touch *touch, const
 
 static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p)
 {
+    place where = {.frame_a = daft_sim_part_frame(p->a, &world->parts[touch->part_a])};
+    where.offset = daft_to_float(daft_dsub(where.frame_a.p, p->a->centre));
     daft_manifold found[DAFT_SIM_MAX_PATCHES];
     daft_sim_patch fresh[DAFT_SIM_MAX_PATCHES], *patches = daft_sim_patches(touch);
     bool fast = is_fast(world, touch, p);
     touch->cache.clearance = 0;
-    uint32_t kept = 0, count = collide(world, touch, p, p->margin + (fast ? 0 : p->way), found);
+    uint32_t kept = 0, count = collide(world, touch, p, where.frame_a, p->margin + (fast ? 0 : p->way), found);
     touch->cleared_at = p->a->travel + p->b->travel;
-    if (count == 0 && fast && looks_out(touch, p, world)) count = foresee(world, touch, p, found);
+    if (count == 0 && fast && looks_out(touch, p, world)) count = foresee(world, touch, p, &where, found);
     for (uint32_t i = 0; i < count; i++) {
-        convert(p, &found[i], &fresh[kept]);
+        convert(p, &where, &found[i], &fresh[kept]);
         if (fresh[kept].count == 0) continue;
         inherit_of(&fresh[kept], patches, touch->patch_count);
         kept++;
@@ -269,18 +276,11 @@ static bool begin(const daft_world *world, daft_sim_touch *touch, float dt, pair
         update_sensor(world, touch);
         return false;
     }
-    *p = (pair){.a = &world->bodies[touch->body_a], .b = &world->bodies[touch->body_b], .dt = dt};
+    p->a = &world->bodies[touch->body_a], p->b = &world->bodies[touch->body_b], p->dt = dt;
     p->apart = daft_to_float(daft_dsub(p->a->centre, p->b->centre));
     p->margin = daft_sim_min(DAFT_SIM_MARGIN * daft_sim_min(a->reach, b->reach), DAFT_SIM_MAX_MARGIN);
     p->way = way_of(p);
     return !is_clear(world, touch, p);
-}
-
-static void update_patches(const daft_world *world, daft_sim_touch *touch, pair *p)
-{
-    p->frame_a = daft_sim_part_frame(p->a, &world->parts[touch->part_a]);
-    p->offset = daft_to_float(daft_dsub(p->frame_a.p, p->a->centre));
-    find_patches(world, touch, p);
 }
 
 /* ---- pairs of boxes, side by side ---- */
@@ -314,31 +314,47 @@ static void add_boxes(const daft_world *world, boxes *all, daft_sim_touch *touch
     batch->kind[lane] = touch->cache.kind;
 }
 
+/* Makes the touch's own patch anew where it is, which inherits from what it was. */
+static uint32_t renew_points(boxes *all, int lane, daft_sim_patch *patch, uint32_t old_count)
+{
+    daft_box_batch *batch = &all->batch;
+    uint32_t ids[DAFT_MANIFOLD_POINTS], count = 0;
+    float impulses[DAFT_MANIFOLD_POINTS];
+    for (uint32_t k = 0; k < old_count; k++) ids[k] = patch->points[k].id, impulses[k] = patch->points[k].impulse;
+    for (int i = 0; i < batch->count[lane]; i++) {
+        daft_sim_patch_point point = {.anchor = daft_box_batch_get(batch->point[i], lane),
+                                      .separation = batch->separation[i][lane],
+                                      .id = (uint32_t)batch->id[i][lane]};
+        if (!is_met(&all->pairs[lane], point.anchor, patch->normal, point.separation)) continue;
+        for (uint32_t k = 0; k < old_count; k++)
+            if (ids[k] == point.id) point.impulse = impulses[k];
+        patch->points[count++] = point;
+    }
+    return count;
+}
+
 /* What find_patches does with the one manifold of a pair of boxes. */
 static void take_boxes(boxes *all, int lane)
 {
     daft_sim_touch *touch = all->touches[lane];
     const pair *p = &all->pairs[lane];
-    daft_box_batch *batch = &all->batch;
-    daft_sim_patch *patch = daft_sim_patches(touch);
-    daft_shape_part whole = {0, DAFT_NO_FEATURE};
-    uint32_t old_count = touch->patch_count;
-    touch->cache = (daft_pair_cache){.kind = (uint8_t)batch->kind[lane], .clearance = batch->clearance[lane]};
+    daft_sim_patch *patch = &touch->own;
+    daft_vec3 zero = daft_v3(0, 0, 0);
+    bool new = touch->patch_count == 0;
+    touch->cache = (daft_pair_cache){.kind = (uint8_t)all->batch.kind[lane], .clearance = all->batch.clearance[lane]};
     touch->cleared_at = p->a->travel + p->b->travel;
     touch->patch_count = 0;
-    if (batch->count[lane] == 0) return;
-    daft_sim_patch fresh = {.normal = daft_box_batch_get(batch->normal, lane), .part_a = whole, .part_b = whole};
-    for (int i = 0; i < batch->count[lane]; i++) {
-        daft_vec3 anchor = daft_box_batch_get(batch->point[i], lane);
-        float separation = batch->separation[i][lane];
-        if (!is_met(p, anchor, fresh.normal, separation)) continue;
-        fresh.points[fresh.count++] =
-            (daft_sim_patch_point){.anchor = anchor, .separation = separation, .id = (uint32_t)batch->id[i][lane]};
-    }
-    if (fresh.count == 0) return;
-    if (old_count) inherit(&fresh, patch);
-    *patch = fresh;
-    touch->patch_count = 1;
+    if (all->batch.count[lane] == 0) return;
+    patch->normal = daft_box_batch_get(all->batch.normal, lane);
+    patch->count = renew_points(all, lane, patch, new ? 0 : patch->count);
+    touch->patch_count = patch->count > 0;
+    patch->part_a = patch->part_b = (daft_shape_part){0, DAFT_NO_FEATURE};
+    patch->shift = zero;
+    patch->shared = false;
+    patch->total_impulse = patch->speed = 0;
+    if (!new) return;
+    patch->friction_impulse = patch->rolling_impulse = patch->slip = zero;
+    patch->twist_impulse = patch->twist_slip = patch->load = 0;
 }
 
 static void collide_boxes(const daft_world *world, boxes *all)
@@ -351,15 +367,13 @@ static void collide_boxes(const daft_world *world, boxes *all)
 
 /* ---- all ---- */
 
-/* Whether geometry has to be asked. Tight bounds are within the fat ones. */
-static bool is_near(const daft_world *world, daft_sim_listed *entry)
+/* Bounds do not meet: geometry need not be asked. */
+static void leave_alone(const daft_world *world, daft_sim_listed *entry)
 {
     uint32_t a = (uint32_t)(entry->key >> 32), b = (uint32_t)entry->key, now = world->contact_updates;
-    if (daft_sim_overlap(&world->tight[a], &world->tight[b])) return true;
     if (entry->state & DAFT_SIM_LISTED_MET) world->touches[entry->touch].patch_count = 0;
     bool entered = world->entered_at[a] == now || world->entered_at[b] == now;
     if (entered && !daft_sim_overlap(&world->fat[a], &world->fat[b])) entry->state |= DAFT_SIM_LISTED_APART;
-    return false;
 }
 
 enum { GRAIN = 256, PARALLEL_TOUCHES = 256 };
@@ -378,7 +392,7 @@ static void update_near(const daft_world *world, daft_sim_listed *const *near, s
         pair p;
         if (!begin(world, touch, dt, &p)) continue;
         if (!are_boxes(world, touch, &p)) {
-            update_patches(world, touch, &p);
+            find_patches(world, touch, &p);
             continue;
         }
         add_boxes(world, &all, touch, &p);
@@ -392,6 +406,28 @@ static void update_near(const daft_world *world, daft_sim_listed *const *near, s
 static void fetch(const void *record, size_t size)
 {
     for (size_t at = 0; at < size; at += 64) __builtin_prefetch((const char *)record + at);
+    __builtin_prefetch((const char *)record + size - 1); /* records do not begin where lines do */
+}
+
+/* Those whose tight bounds meet, which are within the fat ones. They are put on a list without a branch, since nobody
+ * can guess which they are; then their records are on their way. */
+static size_t find_near(const daft_world *world, daft_sim_listed *entries, size_t count, daft_sim_listed **near)
+{
+    daft_sim_listed *far[GRAIN];
+    size_t near_count = 0, far_count = 0;
+    for (size_t i = 0; i < count; i++) {
+        uint64_t key = entries[i].key;
+        bool meet = daft_sim_overlap(&world->tight[key >> 32], &world->tight[(uint32_t)key]);
+        near[near_count] = far[far_count] = &entries[i];
+        near_count += meet, far_count += !meet;
+    }
+    for (size_t i = 0; i < near_count; i++) {
+        const daft_sim_touch *touch = &world->touches[near[i]->touch];
+        fetch(touch, near[i]->state ? sizeof *touch : offsetof(daft_sim_touch, next));
+        fetch(&world->parts[(uint32_t)near[i]->key], offsetof(daft_sim_part, pose));
+    }
+    for (size_t i = 0; i < far_count; i++) leave_alone(world, far[i]);
+    return near_count;
 }
 
 /* What is near is found first, and its records are on their way while that goes on. */
@@ -402,16 +438,9 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
     const daft_world *world = j->world;
     size_t first = (size_t)index * GRAIN, left = world->listed.count - first, count = left < GRAIN ? left : GRAIN;
     daft_sim_listed *entries = &world->listed.items[first], *near[GRAIN];
-    size_t near_count = 0;
-    for (size_t i = 0; i < count; i++) {
-        if (!is_near(world, &entries[i])) continue;
-        daft_sim_touch *touch = &world->touches[entries[i].touch];
-        fetch(touch, entries[i].state ? sizeof *touch : 64);
-        fetch(&world->parts[(uint32_t)entries[i].key], sizeof(daft_sim_part));
-        near[near_count++] = &entries[i];
-    }
+    size_t near_count = find_near(world, entries, count, near);
     for (size_t i = 0; i < near_count; i++)
-        fetch(&world->bodies[world->touches[near[i]->touch].body_b], sizeof(daft_sim_body));
+        fetch(&world->bodies[world->touches[near[i]->touch].body_b], offsetof(daft_sim_body, force));
     update_near(world, near, near_count, j->dt);
 }
 

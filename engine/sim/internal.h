@@ -102,7 +102,13 @@ typedef struct daft_sim_list {
 } daft_sim_list;
 
 typedef struct daft_sim_part {
+    /* What contacts look at first: */
     daft_sim_shape shape;
+    float reach; /* no point is farther from the part's origin */
+    bool round;  /* sphere or capsule */
+    bool posed;  /* pose is not the identity */
+    bool sensor;
+
     daft_rigid pose; /* in the body */
     daft_vec3 place; /* the same as it was given, */
     daft_quat turn;
@@ -113,13 +119,9 @@ typedef struct daft_sim_part {
     uint32_t next; /* part of the body, in the order of its definition; the next free slot */
     uint32_t leaf;
     uint32_t owned; /* touches counted against DAFT_SIM_MAX_PARTNERS */
-    float reach;    /* no point is farther from the part's origin */
     daft_vec3 middle; /* in the part: of a ball within it, */
     float inner;      /* its radius; 0: a surface */
     float roll;     /* radius that rolling resistance counts with */
-    bool round;     /* sphere or capsule */
-    bool posed;     /* pose is not the identity */
-    bool sensor;
     uint32_t moved_slot; /* in the list of those that entered the tree anew, to be asked for new pairs */
     uint32_t next_escaped; /* walk.c: it left its fat bounds, found when the world's changes were: */
     uint64_t escaped_at;
