@@ -19,8 +19,8 @@
 #define TINY 1e-36f
 
 enum {
-    LIST = 64, /* leaf blocks before their triangles are tested */
-    FEW_LIST = LIST - DAFT_WIDTH * DAFT_MAX_LEAF_BLOCKS
+    LIST = 64,     /* leaf blocks before their triangles are tested */
+    FEW_LEAVES = 24 /* the same in leaves, of few points */
 };
 
 /* A mesh on its way through its tree. */
@@ -95,6 +95,13 @@ DAFT_INLINE vm corners_outside(const light *l, const corners *t, vf off)
                        corners_beyond(t, 1, l->low_v - l->slack_v, -1, off)));
 }
 
+/* 1/z to 2^-21: boxes are wider than that, and nothing else comes of it. */
+DAFT_INLINE vf box_reciprocal(vf z)
+{
+    vf rough = vf_rough_reciprocal(z);
+    return rough * (vf_set(2) - z * rough);
+}
+
 /* Sets the triangles' boxes, all of the picture for those that reach beside or behind the lamp; gives those that meet
  * the points' extent. */
 static vbits lanes_place(const mesh_caster *c, const corners *t, lanes *out)
@@ -105,7 +112,7 @@ static vbits lanes_place(const mesh_caster *c, const corners *t, lanes *out)
        far = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
     vf size = vf_set(c->size), lamp = vf_set(-l->away); /* corners are off by a few 2^-24 of it */
     for (int k = 0; k < 3; k++) {
-        vf scale = l->sun ? vf_set(1) : vf_set(1) / t->p[k].z, u = t->p[k].x * scale, v = t->p[k].y * scale;
+        vf scale = l->sun ? vf_set(1) : box_reciprocal(t->p[k].z), u = t->p[k].x * scale, v = t->p[k].y * scale;
         lu = vf_min(u, lu), hu = vf_max(u, hu), lv = vf_min(v, lv), hv = vf_max(v, hv);
         size = vf_max(vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]), size);
     }
@@ -156,7 +163,8 @@ static void lanes_planes(const light *l, const corners *t, vf size, lanes *out)
     vf_store(out->surface, vf_select(sure, surface, vf_set(-INFINITY)));
 }
 
-static void lanes_setup(const mesh_caster *c, const corners *t, lanes *out)
+/* `planes`: the triangles' own are asked for as well. */
+DAFT_INLINE void lanes_setup(const mesh_caster *c, const corners *t, bool planes, lanes *out)
 {
     const light *l = c->c.light;
     vf bound = vf_set(0), across = vf_set(0), along = vf_set(0), size = vf_set(c->size);
@@ -177,7 +185,7 @@ static void lanes_setup(const mesh_caster *c, const corners *t, lanes *out)
     /* Points and corners are rounded themselves. Neighbours agree on how, so this matters only for not passing over
      * what look_closely would find to stand between. */
     size = size + vf_set(l->size);
-    lanes_planes(l, t, size, out);
+    if (planes) lanes_planes(l, t, size, out);
     vf wide = across * size;
     if (!l->sun) wide = wide + along * (size + vf_set(2 * l->max_z));
     wide = bound + wide * vf_set(8 * UNIT);
@@ -400,7 +408,7 @@ static void test_leaves(const mesh_caster *m, const leaf *const *leaves, vbits u
             behind.bits[word] |= leaves[k]->behind.bits[word];
     pairs_begin(&m->c, &t, live, &behind, &list);
     if (!list.count) return;
-    lanes_setup(m, &moved, &t);
+    lanes_setup(m, &moved, true, &t);
     pairs_in_box(&t, m->c.points, &list);
     pairs_in_edges(&t, m->c.points, &list);
     pairs_hide(m, &t, leaves, &list);
@@ -413,44 +421,44 @@ enum { FEW_POINTS = 24 }; /* where triangles are so much smaller than their dist
 /* Points by themselves, not in blocks; sets of them are bits. */
 typedef struct few_points {
     uint32_t count;
-    uint64_t live; /* those that are still lit */
+    uint32_t live; /* those that are still lit */
     _Alignas(64) float u[FEW_POINTS + DAFT_VL], v[FEW_POINTS + DAFT_VL], depth[FEW_POINTS + DAFT_VL];
-    uint32_t at[FEW_POINTS]; /* among the blocks' */
+    uint32_t at[FEW_POINTS + DAFT_VL]; /* among the blocks' */
 } few_points;
 
-/* The lit points behind the box; false: there are more. */
-static bool few_take(const shadow_points *p, const picture_box *box, const block_set *from, few_points *out)
+/* The lit points behind the box, of which it is known that they are few. */
+static void few_take(const shadow_points *p, const picture_box *box, const block_set *from, few_points *out)
 {
-    out->count = 0;
+    uint32_t count = 0;
     for (uint32_t word = 0; word < DAFT_COUNT_OF(from->bits); word++)
         for (uint64_t left = from->bits[word]; left; left &= left - 1) {
             uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), in = points_behind(box, p, b);
-            if (out->count + (uint32_t)__builtin_popcount(in) > FEW_POINTS) return false;
-            for (; in; in &= in - 1) {
-                uint32_t at = b * SHADOW_BLOCK + (uint32_t)__builtin_ctz(in), i = out->count++;
-                out->u[i] = p->u[at], out->v[i] = p->v[at], out->depth[i] = p->depth[at], out->at[i] = at;
+            for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
+                uint32_t at = b * SHADOW_BLOCK + k, some = in >> k & DAFT_ALL_LANES;
+                vf_compress(&out->u[count], some, vf_load(&p->u[at])), vf_compress(&out->v[count], some, vf_load(&p->v[at]));
+                vf_compress(&out->depth[count], some, vf_load(&p->depth[at]));
+                vi_compress(&out->at[count], some, vi_iota() + vi_set((int32_t)at));
+                count += (uint32_t)__builtin_popcount(some);
             }
         }
-    out->live = out->count ? ~(uint64_t)0 >> (64 - out->count) : 0;
-    return true;
+    out->count = count, out->live = (uint32_t)(((uint64_t)1 << count) - 1);
 }
 
 /* Those of `from` that lie behind the box. */
-DAFT_INLINE uint64_t few_behind(const picture_box *box, const few_points *f, uint64_t from)
+DAFT_INLINE uint32_t few_behind(const picture_box *box, const few_points *f, uint32_t from)
 {
-    uint64_t all = 0;
+    uint32_t all = 0;
     for (uint32_t k = 0; k < f->count; k += DAFT_VL) {
-        if (!(from >> k & DAFT_ALL_LANES)) continue;
         vf u = vf_load(&f->u[k]), v = vf_load(&f->v[k]);
         vm in = vm_and(vm_and(vf_le(vf_set(box->low_u), u), vf_le(u, vf_set(box->high_u))),
                        vm_and(vf_le(vf_set(box->low_v), v), vf_le(v, vf_set(box->high_v))));
-        all |= (uint64_t)vm_bits(vm_and(in, vf_le(vf_set(box->near), vf_load(&f->depth[k])))) << k;
+        all |= vm_bits(vm_and(in, vf_le(vf_set(box->near), vf_load(&f->depth[k])))) << k;
     }
     return all & from;
 }
 
 /* The triangles whose box a point lies behind. */
-DAFT_INLINE vbits triangles_over(const lanes *t, const few_points *f, int i)
+DAFT_INLINE vbits triangles_over(const lanes *t, const few_points *f, uint32_t i)
 {
     vf u = vf_set(f->u[i]), v = vf_set(f->v[i]);
     vm in = vm_and(vm_and(vf_le(vf_load(t->low_u), u), vf_le(u, vf_load(t->high_u))),
@@ -491,32 +499,34 @@ static bool point_hidden(const mesh_caster *m, const lanes *t, const leaf *const
     return false;
 }
 
-static void few_darken(const mesh_caster *m, few_points *f, int i)
+static void few_darken(const mesh_caster *m, few_points *f, uint32_t i)
 {
     shadow_points *p = m->c.points;
-    f->live &= ~((uint64_t)1 << i);
+    f->live &= ~((uint32_t)1 << i);
     p->depth[f->at[i]] = -INFINITY;
     block_darkened(p, f->at[i] / SHADOW_BLOCK);
 }
 
+/* Which points lie behind which triangles' boxes is found first, so that no branch hangs on it. */
 static void few_test(const mesh_caster *m, few_points *f, const leaf *const *leaves, vbits used)
 {
     lanes t;
-    bool ready = false;
-    uint64_t behind = 0;
-    for (uint32_t k = 0; k < DAFT_VL / 4; k++) behind |= leaves[k]->behind.bits[0];
+    uint32_t behind = 0, count = 0, point[FEW_POINTS + 1];
+    vbits triangles[FEW_POINTS + 1];
+    for (uint32_t k = 0; k < DAFT_VL / 4; k++) behind |= (uint32_t)leaves[k]->behind.bits[0];
     behind &= f->live;
     if (!behind) return;
     corners moved = corners_move(m, leaves);
     vbits live = lanes_place(m, &moved, &t) & used;
-    for (; live && behind; behind &= behind - 1) {
-        int i = __builtin_ctzll(behind);
-        vbits triangles = triangles_over(&t, f, i) & live;
-        if (!triangles) continue;
-        if (!ready) lanes_setup(m, &moved, &t), lanes_name(leaves, &t);
-        ready = true;
-        if (point_hidden(m, &t, leaves, triangles, f->at[i])) few_darken(m, f, i);
+    for (; behind; behind &= behind - 1) {
+        point[count] = (uint32_t)__builtin_ctz(behind);
+        triangles[count] = triangles_over(&t, f, point[count]) & live;
+        count += triangles[count] != 0;
     }
+    if (!count) return;
+    lanes_setup(m, &moved, false, &t), lanes_name(leaves, &t);
+    for (uint32_t k = 0; k < count; k++)
+        if (point_hidden(m, &t, leaves, triangles[k], f->at[point[k]])) few_darken(m, f, point[k]);
 }
 
 /* ---- trees ---- */
@@ -537,14 +547,17 @@ static void flush(const mesh_caster *c, const leaf *list, uint32_t count, few_po
     }
 }
 
-/* A leaf's blocks wait in a list: time enough to fetch them. */
+DAFT_INLINE void fetch_leaf(const daft_bvh *bvh, uint32_t child)
+{
+    const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+    size_t size = ((child & 3) + 1) * sizeof *block;
+    for (size_t line = 0; line < size; line += 64) __builtin_prefetch((const char *)block + line);
+}
+
 DAFT_INLINE uint32_t list_leaf(const daft_bvh *bvh, uint32_t child, const block_set *behind, leaf *list, uint32_t count)
 {
     const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
-    for (uint32_t k = 0; k <= (child & 3); k++) {
-        for (size_t line = 0; line < sizeof *block; line += 64) __builtin_prefetch((const char *)&block[k] + line);
-        list[count++] = (leaf){&block[k], *behind};
-    }
+    for (uint32_t k = 0; k <= (child & 3); k++) list[count++] = (leaf){&block[k], *behind};
     return count;
 }
 
@@ -554,44 +567,58 @@ DAFT_INLINE void fetch_node(const daft_bvh *bvh, uint32_t child)
     for (size_t line = 0; line < sizeof(daft_node); line += 64) __builtin_prefetch(node + line);
 }
 
+/* `node`: a child, leaf or not, and which of the points lie behind it. */
 typedef struct few_entry {
-    uint32_t node;
-    uint64_t behind;
+    uint32_t node, behind;
 } few_entry;
+
+static void few_flush(const mesh_caster *m, const few_entry *ends, uint32_t count, few_points *f)
+{
+    leaf list[(FEW_LEAVES + DAFT_WIDTH) * DAFT_MAX_LEAF_BLOCKS];
+    uint32_t blocks = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const block_set behind = {{ends[i].behind}};
+        blocks = list_leaf(m->c.instance->bvh, ends[i].node, &behind, list, blocks);
+    }
+    flush(m, list, blocks, f);
+}
+
+/* A node's children that some of the points lie behind: nodes go on the stack, leaves to the list. No branch hangs on which. */
+DAFT_INLINE void few_children(const mesh_caster *m, const few_entry *at, const few_points *f, few_entry *stack, int *top,
+                              few_entry *leaves, uint32_t *leaf_count)
+{
+    node_boxes boxes;
+    const daft_node *node = &m->c.instance->bvh->nodes.items[at->node];
+    uint32_t child[DAFT_WIDTH], in = DAFT_KERNEL(daft_node_project)(m->c.light, &m->map, node, &boxes);
+    uint32_t met = v8i_list(child, in, 0), from = at->behind & f->live;
+    for (uint32_t k = 0; k < met; k++) {
+        const picture_box box = node_child(&boxes, (int)child[k]);
+        const few_entry next = {node->child[child[k]], few_behind(&box, f, from)};
+        bool some = (next.behind != 0) & (next.node != DAFT_CHILD_NONE), ends = next.node >> 31;
+        stack[*top] = next, leaves[*leaf_count] = next;
+        *top += some & !ends, *leaf_count += some & ends;
+    }
+}
 
 static void few_walk(const mesh_caster *m, uint32_t root, few_points *f)
 {
     const daft_bvh *bvh = m->c.instance->bvh;
-    few_entry stack[DAFT_STACK];
-    leaf list[LIST + DAFT_MAX_LEAF_BLOCKS];
-    uint32_t count = 0;
+    few_entry stack[DAFT_STACK], ends[FEW_LEAVES + DAFT_WIDTH];
+    uint32_t end_count = 0;
     int top = 0;
     stack[top++] = (few_entry){root, f->live};
     while (top > 0) {
-        node_boxes boxes;
         const few_entry at = stack[--top];
-        const daft_node *node = &bvh->nodes.items[at.node];
-        uint64_t from = at.behind & f->live;
-        if (!from) continue;
-        for (uint32_t in = DAFT_KERNEL(daft_node_project)(m->c.light, &m->map, node, &boxes); in; in &= in - 1) {
-            int i = __builtin_ctz(in);
-            uint32_t child = node->child[i];
-            const picture_box box = node_child(&boxes, i);
-            uint64_t behind = few_behind(&box, f, from);
-            if (!behind || child == DAFT_CHILD_NONE) continue;
-            if (!(child & DAFT_CHILD_LEAF)) {
-                fetch_node(bvh, child);
-                stack[top++] = (few_entry){child, behind};
-                continue;
-            }
-            const block_set set = {{behind, 0}};
-            count = list_leaf(bvh, child, &set, list, count);
-        }
-        if (count < FEW_LIST) continue;
-        flush(m, list, count, f);
-        count = 0;
+        if (!(at.behind & f->live)) continue;
+        uint32_t first = end_count;
+        few_children(m, &at, f, stack, &top, ends, &end_count);
+        if (top > 0) fetch_node(bvh, stack[top - 1].node);
+        for (; first < end_count; first++) fetch_leaf(bvh, ends[first].node);
+        if (end_count < FEW_LEAVES) continue;
+        few_flush(m, ends, end_count, f);
+        end_count = 0;
     }
-    flush(m, list, count, f);
+    few_flush(m, ends, end_count, f);
 }
 
 typedef struct entry {
@@ -604,9 +631,21 @@ typedef struct entry {
 static bool go_alone(const mesh_caster *m, const entry *at)
 {
     few_points few;
-    if (at->count > FEW_POINTS || !few_take(m->c.points, &at->box, &at->behind, &few)) return false;
+    if (at->count > FEW_POINTS) return false;
+    few_take(m->c.points, &at->box, &at->behind, &few);
     few_walk(m, at->node, &few);
     return true;
+}
+
+/* No fewer than the lit points of the blocks that lie behind the box. */
+static uint32_t count_behind(const shadow_points *p, const picture_box *box, const block_set *behind)
+{
+    uint32_t blocks = set_count(behind), count = 0;
+    if (blocks > SHADOW_FEW) return blocks * SHADOW_BLOCK;
+    for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
+        for (uint64_t left = behind->bits[word]; left; left &= left - 1)
+            count += (uint32_t)__builtin_popcount(points_behind(box, p, word * 64 + (uint32_t)__builtin_ctzll(left)));
+    return count;
 }
 
 static void walk(const mesh_caster *m, const picture_box *box, const block_set *behind)
@@ -617,7 +656,7 @@ static void walk(const mesh_caster *m, const picture_box *box, const block_set *
     leaf list[LIST + DAFT_MAX_LEAF_BLOCKS];
     uint32_t count = 0;
     int top = 0;
-    stack[top++] = (entry){0, 0, *box, *behind};
+    stack[top++] = (entry){0, count_behind(c->points, box, behind), *box, *behind};
     while (top > 0 && c->points->live) {
         node_boxes boxes;
         block_set next[DAFT_WIDTH];
@@ -636,6 +675,7 @@ static void walk(const mesh_caster *m, const picture_box *box, const block_set *
                 stack[top++] = (entry){child, points[i], node_child(&boxes, i), next[i]};
                 continue;
             }
+            fetch_leaf(bvh, child); /* it waits in a list: time enough */
             count = list_leaf(bvh, child, &next[i], list, count);
             if (count < LIST) continue;
             flush(m, list, count, NULL);
