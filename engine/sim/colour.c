@@ -180,7 +180,7 @@ bool daft_sim_rows_assign(daft_world *world, float dt)
         !daft_grow(&world->allocator, &s->heaps, &s->heap_capacity, count, 0, sizeof *s->heaps) ||
         !daft_grow(&world->allocator, &s->asked, &s->asked_capacity, count, 0, sizeof *s->asked) ||
         !daft_grow(&world->allocator, &s->targets, &s->target_capacity, count, 0, sizeof *s->targets) ||
-        !daft_grow(&world->allocator, &s->spins, &s->spin_capacity, count, 0, sizeof *s->spins) ||
+        !daft_grow(&world->allocator, &s->spins, &s->spin_capacity, count / DAFT_SIM_LANES + 1, 0, sizeof *s->spins) ||
         !daft_grow(&world->allocator, &s->levels, &s->level_capacity, count * CLASSES, 0, sizeof *s->levels))
         return false;
     uint32_t row = 1;

@@ -9,7 +9,7 @@
 enum {
     BLOCK_GRAIN = 4,
     ROW_GRAIN = 256,
-    SPIN_GRAIN = 32,
+    SPIN_GRAIN = 2,
     PARALLEL_BLOCKS = 128, /* fewer are solved faster by one worker */
     CLOSE_PASSES = 2
 };
@@ -136,12 +136,10 @@ enum { SPIN_BEFORE, SPIN_BETWEEN, SPIN_AFTER };
 static void stage_spin(void *p, int when, uint32_t first, uint32_t count)
 {
     context *c = p;
-    for (uint32_t i = first; i < first + count; i++) {
-        daft_sim_spin *spin = &c->s->spins[i];
-        if (when == SPIN_BEFORE) daft_sim_spin_before(c->world, spin, c->substep.h);
-        if (when == SPIN_BETWEEN) daft_sim_spin_between(c->world, spin, c->substep.h, c->dt);
-        if (when == SPIN_AFTER) daft_sim_spin_after(c->world, spin);
-    }
+    daft_sim_spin *spins = c->s->spins + first;
+    if (when == SPIN_BEFORE) c->s->spin_kernels->before(&c->s->rows, spins, count, c->substep.h);
+    if (when == SPIN_BETWEEN) c->s->spin_kernels->between(&c->s->rows, spins, count, c->substep.h, c->dt);
+    if (when == SPIN_AFTER) c->s->spin_kernels->after(&c->s->rows, spins, count);
 }
 /* What must not move along an axis was pushed by constraints as if it might: that is taken back. */
 static void stage_hold(void *p, int argument, uint32_t first, uint32_t count)
@@ -266,20 +264,6 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     mass[7] = 1 / (1 + h * body->angular_damping);
 }
 
-/* Bodies under constraints are left to these where they turn slowly: what is lost is second order in the turn of a
- * substep. */
-#define SLOW_TURN 0.02f /* rad */
-#define NO_TURN   1e-6f
-
-static void add_spin(daft_world *world, uint32_t row, float h)
-{
-    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
-    if (body->kind != DAFT_BODY_DYNAMIC || body->round || body->locks & DAFT_LOCK_ROTATION) return;
-    float turn = daft_length(body->angular) * h;
-    if (turn > (world->solver->constrained[row] ? SLOW_TURN : NO_TURN) && turn < DAFT_SIM_WILD_TURN)
-        world->solver->spins[world->solver->spin_count++] = (daft_sim_spin){.row = row};
-}
-
 static void fill_rows(daft_world *world, float dt)
 {
     const daft_sim_rows *rows = &world->solver->rows;
@@ -293,7 +277,7 @@ static void fill_rows(daft_world *world, float dt)
     for (uint32_t row = 1; row <= s->mover_count; row++) fill_row(world, row, dt);
     for (uint32_t row = s->row_first; row < s->row_end; row++) {
         fill_row(world, row, dt);
-        add_spin(world, row, s->h);
+        daft_sim_spin_add(world, row);
         s->holds |= (world->bodies[s->row_bodies[row]].locks & DAFT_LOCK_POSITION) != 0;
     }
 }
@@ -347,6 +331,7 @@ bool daft_sim_solver_create(daft_world *world)
 {
     static const daft_sim_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim);
     static const daft_sim_joint_kernels *const JOINTS[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_joint);
+    static const daft_sim_spin_kernels *const SPINS[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_spin);
     if (!world->solver) {
         world->solver = daft_alloc_zero(&world->allocator, 1, sizeof *world->solver);
         if (!world->solver) return false;
@@ -359,6 +344,7 @@ bool daft_sim_solver_create(daft_world *world)
     }
     world->solver->kernels = TABLE[world->isa];
     world->solver->joint_kernels = JOINTS[world->isa];
+    world->solver->spin_kernels = SPINS[world->isa];
     return true;
 }
 

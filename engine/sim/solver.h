@@ -103,13 +103,26 @@ DAFT_KERNEL_DECLARE(daft_sim_kernels, daft_sim);
 typedef struct daft_sim_joint_block daft_sim_joint_block; /* joints.h */
 typedef struct daft_sim_joint_kernels daft_sim_joint_kernels;
 
+/* Bodies in free rotation, side by side. */
 typedef struct daft_sim_spin {
-    uint32_t row;
-    float middle[3];
-    double momentum[3]; /* world axes */
-    double jolts;       /* in this step, see spin.c */
-    bool jolted;        /* what constraints did in this substep leaves it its angular velocity */
+    int32_t row[DAFT_SIM_LANES];
+    int32_t lanes; /* in use */
+    daft_sim_lanes axes[4]; /* principal, in the world, as the step begins: a quaternion */
+    daft_sim_lanes moments[3], middle[3];
+    double momentum[3][DAFT_SIM_LANES]; /* world axes */
+    daft_sim_lanes jolts;               /* in this step, see spin_kernel.c */
+    daft_sim_lanes jolted; /* 1 where what constraints did in this substep leaves it its angular velocity */
 } daft_sim_spin;
+
+/* before: angular velocities become those of the middle of the substep; between, after constraints acted and before bodies
+ * are turned: their impulses join the momentum; after: angular velocities become what the momentum asks for. */
+typedef struct daft_sim_spin_kernels {
+    void (*before)(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count, float h);
+    void (*between)(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count, float h, float dt);
+    void (*after)(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count);
+} daft_sim_spin_kernels;
+
+DAFT_KERNEL_DECLARE(daft_sim_spin_kernels, daft_sim_spin);
 
 /* Bodies that a step moves: rows 1 to `movers` are kinematic, the others dynamic. */
 struct daft_sim_solver {
@@ -189,7 +202,7 @@ struct daft_sim_solver {
 
     daft_sim_spin *spins; /* bodies whose moments of inertia differ, and that turn */
     size_t spin_capacity;
-    uint32_t spin_count;
+    uint32_t spin_count; /* blocks */
     bool holds; /* some row's body must not move along some axis */
 
     daft_sim_target *targets; /* of rows */
@@ -198,6 +211,7 @@ struct daft_sim_solver {
     daft_sim_stages *stages;
     const daft_sim_kernels *kernels;
     const daft_sim_joint_kernels *joint_kernels;
+    const daft_sim_spin_kernels *spin_kernels;
 };
 
 /* How fast overlap is undone at most, so that deep overlap does not explode. */
@@ -235,12 +249,8 @@ uint32_t daft_sim_finer_pace(daft_world *world, uint32_t body);
 
 /* ---- spin.c ---- */
 
-/* A body in free rotation over a substep. before: its angular velocity becomes that of the middle of the substep;
- * between, after constraints acted and before it is turned: their impulses join its momentum; after: its angular
- * velocity becomes what the momentum asks for. */
-void daft_sim_spin_before(const daft_world *world, daft_sim_spin *spin, float h);
-void daft_sim_spin_between(const daft_world *world, daft_sim_spin *spin, float h, float dt);
-void daft_sim_spin_after(const daft_world *world, const daft_sim_spin *spin);
+/* The row's body joins those in free rotation, if it turns so that it matters. There is room. */
+void daft_sim_spin_add(daft_world *world, uint32_t row);
 /* Turns farther than this in a substep, in radians, are beyond the midpoint rule. */
 #define DAFT_SIM_WILD_TURN 0.8f
 /* Gives a constrained row the inertia of the body as it has turned, if it turns far. The angular velocity is the same seen
