@@ -355,7 +355,7 @@ DAFT_API uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out
 typedef enum daft_event_kind {
     DAFT_EVENT_CONTACT_BEGIN = 1, /* point, normal, impulse, speed */
     DAFT_EVENT_CONTACT_END,
-    DAFT_EVENT_TRIGGER_ENTER, /* a is the sensor */
+    DAFT_EVENT_TRIGGER_ENTER, /* a is the sensor; told by the step after the one at whose end they overlap */
     DAFT_EVENT_TRIGGER_LEAVE,
     DAFT_EVENT_JOINT_BREAK, /* joint; impulse: the force in N, or the torque in N·m, that broke it */
     DAFT_EVENT_JOINT_GONE,  /* with one of its bodies */

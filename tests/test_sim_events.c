@@ -335,12 +335,44 @@ static void answering_events_changes_the_world(void **unused)
     assert_true(answer_all(600) == answer_all(600));
 }
 
+/* A step begins by looking what is in a sensor: who is there as a step ends is told by the next one, never later. */
+static void triggers_are_one_step_late(void **unused)
+{
+    (void)unused;
+    seed_random(41);
+    for (int k = 0; k < 200; k++) {
+        daft_world *world = new_world();
+        daft_world_set_gravity(world, daft_v3(0, 0, 0));
+        one_shape zone = box(daft_v3(0.5f, 0.5f, 0.5f), 0, 0, 0);
+        zone.part.sensor = true;
+        if (k & 1) zone.kind = DAFT_BODY_KINEMATIC;
+        add(world, zone);
+        double x = -uniform(1, 5), speed = k % 4 < 2 ? uniform(0.5, 10) : uniform(10, 40);
+        uint32_t id = add(world, k % 3 ? sphere(0.2, x, 0, 0) : dynamic_box(daft_v3(0.2f, 0.2f, 0.2f), x, 0, 0));
+        daft_world_set_velocity(world, id, daft_v3((float)speed, 0, 0), daft_v3(0, 0, 0));
+        bool was = false, told = false;
+        for (int tick = 0; tick < 800 && state_of(world, id).position.x < 2; tick++) {
+            steps(world, 1);
+            const daft_sim_event *events;
+            uint32_t count = daft_world_events(world, &events);
+            for (uint32_t i = 0; i < count; i++) {
+                if (events[i].kind == DAFT_SIM_TRIGGER_ENTER) told = true;
+                if (events[i].kind == DAFT_SIM_TRIGGER_LEAVE) told = false;
+            }
+            assert_true(told == was);
+            was = fabs(state_of(world, id).position.x) < 0.7;
+        }
+        daft_world_destroy(world);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_contact_begins_with_its_speed_and_impulse),
         cmocka_unit_test(every_begin_has_its_end),
         cmocka_unit_test(triggers_tell_who_enters_and_leaves),
+        cmocka_unit_test(triggers_are_one_step_late),
         cmocka_unit_test(joints_break_and_go_with_their_bodies),
         cmocka_unit_test(what_rests_says_so_and_wakes_once),
         cmocka_unit_test(a_removed_body_ends_what_it_touched),

@@ -173,7 +173,8 @@ static double stick_energy(daft_sim_state s)
 }
 
 /* A stick comes down at 100 m/s, spinning: its middle is never below the floor. Where it turns by radians within the step of the
- * impact, its energy may come out wrong, but by no more than this; it was by 680 times. */
+ * impact, its energy may come out wrong, but by no more than this; it was by 680 times, when angular velocities stayed as they were in the world
+ * while a sweep held the stick back. */
 static void a_spinning_stick_stays_above_the_floor(void **unused)
 {
     (void)unused;
@@ -196,7 +197,7 @@ static void a_spinning_stick_stays_above_the_floor(void **unused)
         daft_world_destroy(world);
     }
     print_message("middle at %g m at the lowest, %g of its energy at most\n", lowest, most);
-    assert_true(lowest > 0.02 && most < 2);
+    assert_true(lowest > 0.02 && most < 1.3);
 }
 
 int main(void)

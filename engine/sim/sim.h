@@ -182,7 +182,7 @@ uint32_t daft_world_contacts(const daft_world *world, const daft_sim_contact **o
 typedef enum daft_sim_event_kind {
     DAFT_SIM_CONTACT_BEGIN = 1, /* point, normal, impulse, speed */
     DAFT_SIM_CONTACT_END,       /* also of a body that was removed: its number and user are those it had */
-    DAFT_SIM_TRIGGER_ENTER,     /* a has the sensor */
+    DAFT_SIM_TRIGGER_ENTER,     /* a has the sensor; by the step after that at whose end they overlap */
     DAFT_SIM_TRIGGER_LEAVE,
     DAFT_SIM_JOINT_BREAK, /* joint, user of it; impulse: the force in N or the torque in N·m that broke it */
     DAFT_SIM_JOINT_GONE,  /* it went with one of its bodies */

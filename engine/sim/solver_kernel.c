@@ -273,12 +273,20 @@ DAFT_INLINE drag dragged(const daft_sim_block *block, const body *turn_a, const 
     return d;
 }
 
+/* w² t of small angles w t; fading, since what spins fast is beyond this. */
+#define SMALL_TURN 0.25f
+DAFT_INLINE vf turned_share(vf w, vf t)
+{
+    vf angle = w * t, share = angle * vf_set(1 / SMALL_TURN);
+    return w * angle * vf_max(vf_set(1) - share * share, vf_set(0));
+}
+
 /* What turns about the normal has turned its arm since the step began, and its surface's velocity with it: by so much,
  * b's less a's, after `elapsed`. */
 DAFT_INLINE drag turned_velocity(const daft_sim_block *block, const body *a, const body *b, vf3 n, float elapsed, int lane)
 {
     vf wa = vf3_dot(n, a->w), wb = vf3_dot(n, b->w), t = vf_set(elapsed);
-    wa = wa * wa * t, wb = wb * wb * t;
+    wa = turned_share(wa, t), wb = turned_share(wb, t);
     return (drag){wa * vf_load(block->bend_a[0] + lane) - wb * vf_load(block->bend_b[0] + lane),
                   wa * vf_load(block->bend_a[1] + lane) - wb * vf_load(block->bend_b[1] + lane)};
 }
@@ -299,8 +307,8 @@ DAFT_INLINE void solve_friction(daft_sim_block *block, body *a, body *b, masses 
     }
     vf slip_t = vf_load(block->slip[0] + lane), slip_u = vf_load(block->slip[1] + lane);
     if (s->on) {
-        vt = vt + s->rate * (slip_t + way.t);
-        vu = vu + s->rate * (slip_u + way.u);
+        vt = vt + vf_max(vf_min(s->rate * (slip_t + way.t), -s->push_speed), s->push_speed);
+        vu = vu + vf_max(vf_min(s->rate * (slip_u + way.u), -s->push_speed), s->push_speed);
     }
     vf soft_mass = s->on ? s->mass : vf_set(1), soft_impulse = s->on ? s->impulse : vf_set(0);
     vf m11 = vf_load(block->tangent_mass[0] + lane), m12 = vf_load(block->tangent_mass[1] + lane);
