@@ -58,7 +58,7 @@ static void lane_offer(daft_tile_job *j, int place, const thing *t, float low, f
 static bool lane_hit(daft_tile_job *j, int place, const thing *t)
 {
     daft_vec3 ray = place_ray(j, place);
-    if (!t->seen->instance->mesh) return daft_seen_depth(t->seen, 0, ray) < INFINITY;
+    if (!t->seen->mesh) return daft_seen_depth(t->seen, 0, ray) < INFINITY;
     daft_vec3 corner[3];
     daft_seen_corners(t->seen, t->triangle, corner);
     j->counters->exact_edges++;

@@ -108,7 +108,8 @@ static bool sphere_range(const daft_pencil *p, daft_seen *seen, double cx, doubl
 static bool seen_setup(const daft_pencil *p, const daft_instance *instance, uint32_t index, daft_seen *seen)
 {
     if (instance->mesh && instance->mesh->triangle_count == 0) return false;
-    *seen = (daft_seen){.instance = instance, .index = index, .to_camera = camera_map(p, &instance->to_frame)};
+    *seen = (daft_seen){.instance = instance, .mesh = instance->mesh, .bvh = instance->bvh, .index = index};
+    seen->to_camera = camera_map(p, &instance->to_frame);
     daft_vec3 low, high;
     seen_box(seen, &low, &high);
     if (!daft_finite3(low) || !daft_finite3(high) || high.z <= 0 || outside_sides(p, low, high)) return false;
@@ -123,7 +124,7 @@ static bool seen_setup(const daft_pencil *p, const daft_instance *instance, uint
     return true;
 }
 
-static bool tile_add(const daft_raster *raster, daft_bins *bins, uint32_t tile, uint32_t instance)
+static bool tile_add(const daft_raster *raster, daft_bins *bins, uint32_t tile, uint64_t item)
 {
     daft_bin_list *list = &bins->tiles[tile];
     uint32_t place = list->count % DAFT_BIN_ITEMS;
@@ -138,16 +139,19 @@ static bool tile_add(const daft_raster *raster, daft_bins *bins, uint32_t tile, 
             list->first = fresh;
         list->last = fresh;
     }
-    bins->blocks[list->last].items[place] = instance;
+    bins->blocks[list->last].items[place] = item;
     list->count++;
     return true;
 }
 
 static void add_to_tiles(const daft_raster *raster, daft_bins *bins, const daft_seen *seen)
 {
+    uint32_t bits; /* of a positive float: they are in its order */
+    float z = fmaxf(seen->near_z, 0);
+    memcpy(&bits, &z, sizeof bits);
     for (int y = seen->y0 / DAFT_TILE; y <= seen->y1 / DAFT_TILE; y++)
         for (int x = seen->x0 / DAFT_TILE; x <= seen->x1 / DAFT_TILE; x++)
-            if (!bins->out_of_memory && !tile_add(raster, bins, (uint32_t)(y * raster->tiles_x + x), seen->index))
+            if (!bins->out_of_memory && !tile_add(raster, bins, (uint32_t)(y * raster->tiles_x + x), (uint64_t)bits << 32 | seen->index))
                 bins->out_of_memory = true;
 }
 
@@ -199,7 +203,7 @@ bool daft_raster_begin(daft_raster *raster, const daft_pencil *pencil, const daf
 
 void daft_seen_corners(const daft_seen *seen, uint32_t triangle, daft_vec3 corner[3])
 {
-    const daft_trimesh *mesh = seen->instance->mesh;
+    const daft_trimesh *mesh = seen->mesh;
     const uint32_t *index = &mesh->indices[3 * (size_t)triangle];
     for (int k = 0; k < 3; k++)
         corner[k] = daft_affine_point(&seen->to_camera, daft_v3(mesh->x[index[k]], mesh->y[index[k]], mesh->z[index[k]]));
@@ -207,7 +211,7 @@ void daft_seen_corners(const daft_seen *seen, uint32_t triangle, daft_vec3 corne
 
 double daft_seen_depth(const daft_seen *seen, uint32_t triangle, daft_vec3 ray)
 {
-    if (!seen->instance->mesh) {
+    if (!seen->mesh) {
         const float *c = seen->to_camera.t;
         double t;
         if (!daft_pencil_sphere(daft_v3(c[0], c[1], c[2]), seen->instance->radius, ray, &t)) return INFINITY;

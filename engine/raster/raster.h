@@ -36,17 +36,20 @@ typedef struct daft_pencil {
 /* An instance as the camera sees it. */
 typedef struct daft_seen {
     const daft_instance *instance; /* NULL: none of it can be seen */
-    uint32_t index;                /* in the snapshot */
+    const daft_trimesh *mesh;      /* the instance's, at hand: instances in a tile stand anywhere in memory */
+    const daft_bvh *bvh;
+    uint32_t index; /* in the snapshot */
     daft_affine to_camera;
     float near_z;       /* of its bounds in camera space */
     int x0, x1, y0, y1; /* pixels its bounds may cover, inclusive */
     bool dense;         /* a mesh with a triangle or more to four pixels of them */
 } daft_seen;
 
-enum { DAFT_BIN_ITEMS = 31 };
+/* Instances in a tile, in the order in which they sort: the bits of near_z << 32 | number. */
+enum { DAFT_BIN_ITEMS = 15 };
 typedef struct daft_bin_block {
     uint32_t next;
-    uint32_t items[DAFT_BIN_ITEMS];
+    uint64_t items[DAFT_BIN_ITEMS];
 } daft_bin_block;
 
 typedef struct daft_bin_list {
@@ -55,11 +58,11 @@ typedef struct daft_bin_list {
 
 /* What one worker found: no locks, since each worker fills its own and a tile reads them all. */
 typedef struct daft_bins {
-    daft_bin_block *blocks; /* of instances' numbers */
+    daft_bin_block *blocks;
     size_t block_count, block_capacity;
     daft_bin_list *tiles; /* one for each tile */
     size_t tile_capacity;
-    uint64_t *order; /* a tile's instances, front to back: distance << 32 | number; and room to sort them */
+    uint64_t *order; /* a tile's instances, front to back; and room to sort them */
     size_t order_capacity;
     /* Instances in the picture; nodes and triangles whose boxes were tested (a triangle once for each tile); triangles set
      * up; spheres in tiles; decisions that floats could not make. */

@@ -67,7 +67,7 @@ static double invert(const daft_seen *seen, double inverse[9])
     inverse[0] = c0 * scale, inverse[1] = (a[2] * a[7] - a[1] * a[8]) * scale, inverse[2] = (a[1] * a[5] - a[2] * a[4]) * scale;
     inverse[3] = c1 * scale, inverse[4] = (a[0] * a[8] - a[2] * a[6]) * scale, inverse[5] = (a[2] * a[3] - a[0] * a[5]) * scale;
     inverse[6] = c2 * scale, inverse[7] = (a[1] * a[6] - a[0] * a[7]) * scale, inverse[8] = (a[0] * a[4] - a[1] * a[3]) * scale;
-    const daft_trimesh *mesh = seen->instance->mesh;
+    const daft_trimesh *mesh = seen->mesh;
     double reach = 0, size = 0, stretch = 0;
     const float *low = &mesh->low.x, *high = &mesh->high.x;
     for (int k = 0; k < 3; k++) {
@@ -126,7 +126,7 @@ static void test_mesh(const daft_seen *seen, daft_vec3 ray, best *nearest)
         test_cells(seen, &r, pad, ray, nearest);
         return;
     }
-    const daft_bvh *bvh = seen->instance->bvh;
+    const daft_bvh *bvh = seen->bvh;
     uint32_t stack[DAFT_STACK];
     int top = 0;
     stack[top++] = 0;
@@ -150,7 +150,7 @@ static void test_instance(const daft_raster *raster, uint32_t index, daft_vec3 r
 {
     const daft_seen *seen = &raster->seen[index];
     if (!seen->instance) return;
-    if (seen->instance->mesh) {
+    if (seen->mesh) {
         test_mesh(seen, ray, nearest);
         return;
     }

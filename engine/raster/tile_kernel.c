@@ -9,7 +9,7 @@ static void draw_instance(daft_tile_job *j, const daft_seen *seen, daft_waiting 
     int y0 = daft_max_i(seen->y0 - t->y, 0), y1 = daft_min_i(seen->y1 - t->y, t->height - 1);
     float nearest = seen->near_z > 0 ? 1 / seen->near_z * (1 + 0x1p-20f) : INFINITY;
     if (DAFT_KERNEL(daft_pixels_hidden)(j, x0, x1, y0, y1, nearest)) return;
-    if (seen->instance->mesh) {
+    if (seen->mesh) {
         DAFT_KERNEL(daft_mesh_draw)(j, seen, waiting);
         return;
     }
@@ -53,7 +53,7 @@ static void sort_keys(uint64_t *keys, uint32_t count)
     }
 }
 
-/* The tile's instances by distance, the bits of a positive float being in its order, then by number. */
+/* The tile's instances by distance, then by number. */
 static uint32_t front_to_back(const daft_raster *raster, uint32_t tile, uint64_t *keys)
 {
     uint32_t count = 0;
@@ -61,10 +61,7 @@ static uint32_t front_to_back(const daft_raster *raster, uint32_t tile, uint64_t
         const daft_bins *bins = &raster->bins[worker];
         const daft_bin_list *list = &bins->tiles[tile];
         for (uint32_t i = 0, block = list->first; i < list->count; i++) {
-            uint32_t index = bins->blocks[block].items[i % DAFT_BIN_ITEMS], bits;
-            float z = fmaxf(raster->seen[index].near_z, 0);
-            memcpy(&bits, &z, sizeof bits);
-            keys[count++] = (uint64_t)bits << 32 | index;
+            keys[count++] = bins->blocks[block].items[i % DAFT_BIN_ITEMS];
             if (i % DAFT_BIN_ITEMS == DAFT_BIN_ITEMS - 1) block = bins->blocks[block].next;
         }
     }

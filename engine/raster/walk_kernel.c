@@ -188,7 +188,7 @@ DAFT_INLINE void axis(const walk *w, int k, const node_pair *n, vf *low, vf *hig
 static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
 {
     const daft_affine *map = &seen->to_camera;
-    const float *low = &seen->instance->mesh->low.x, *high = &seen->instance->mesh->high.x, focal = job->raster->pencil.focal;
+    const float *low = &seen->mesh->low.x, *high = &seen->mesh->high.x, focal = job->raster->pencil.focal;
     w->job = job, w->seen = seen, w->waiting = waiting, w->block_count = 0;
     float pad[3];
     for (int k = 0; k < 3; k++) {
@@ -258,7 +258,7 @@ static int push_children(walk *w, const daft_node *node, visit *stack, int top)
             for (; at > first && stack[at - 1].nearest > v.nearest; at--) stack[at] = stack[at - 1];
             stack[at] = v;
             top++;
-            prefetch(w->seen->instance->bvh, v.child);
+            prefetch(w->seen->bvh, v.child);
         }
     }
     return top;
@@ -266,7 +266,7 @@ static int push_children(walk *w, const daft_node *node, visit *stack, int top)
 
 static void add_leaf(walk *w, uint32_t child)
 {
-    const daft_block *block = &w->seen->instance->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+    const daft_block *block = &w->seen->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     for (uint32_t count = (child & 3) + 1; count; count--) {
         w->blocks[w->block_count++] = block++;
         if (w->block_count == DAFT_BATCH_BLOCKS) draw_blocks(w);
@@ -276,7 +276,7 @@ static void add_leaf(walk *w, uint32_t child)
 static void draw_singly(walk *w)
 {
     visit stack[DAFT_STACK];
-    const daft_node *nodes = w->seen->instance->bvh->nodes.items;
+    const daft_node *nodes = w->seen->bvh->nodes.items;
     int top = push_children(w, &nodes[0], stack, 0);
     while (top) {
         visit v = stack[--top];
@@ -294,7 +294,7 @@ static void draw_singly(walk *w)
 /* The children of up to DAFT_EIGHTS nodes. */
 DAFT_INLINE void add_children(const walk *w, const uint32_t *nodes, uint32_t count, fresh *out)
 {
-    const daft_node *all = w->seen->instance->bvh->nodes.items, *first = &all[nodes[0]], *second = count > 1 ? &all[nodes[1]] : first;
+    const daft_node *all = w->seen->bvh->nodes.items, *first = &all[nodes[0]], *second = count > 1 ? &all[nodes[1]] : first;
     vbits there = vbits_first((int)(count * DAFT_WIDTH));
     for (int part = 0; part < DAFT_EIGHT_PARTS; part++) {
         boxes b = children(w, &(node_pair){first, second, part});
@@ -338,7 +338,7 @@ static uint32_t put_in_order(const fresh *f, int32_t order[FRESH + DAFT_VL])
 
 static void add_blocks(walk *w, uint32_t child)
 {
-    const daft_block *first = &w->seen->instance->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+    const daft_block *first = &w->seen->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     for (uint32_t k = 0; k < DAFT_MAX_LEAF_BLOCKS; k++) w->blocks[w->block_count + k] = first + k;
     w->block_count += (child & 3) + 1;
     if (w->block_count >= DAFT_WALK_BLOCKS) gather_blocks(w);
@@ -395,8 +395,8 @@ static void draw_grouped(walk *w)
         f.count = 0, f.least = vf_set(INFINITY), f.most = vf_set(0);
         for (uint32_t i = 0; i < count; i += DAFT_EIGHTS) add_children(w, &group[i], count - i, &f);
         w->job->counters->nodes += count;
-        if (w->seen->instance->bvh->block_count > NEAR_BLOCKS)
-            for (uint32_t i = 0; i < f.count; i++) prefetch(w->seen->instance->bvh, f.child[i]);
+        if (w->seen->bvh->block_count > NEAR_BLOCKS)
+            for (uint32_t i = 0; i < f.count; i++) prefetch(w->seen->bvh, f.child[i]);
         uint32_t leaf_count = put_in_order(&f, order);
         draw_leaves(w, &f, order, leaf_count);
         push_nodes(&f, order + leaf_count, f.count - leaf_count, &waiting);
