@@ -65,16 +65,30 @@ DAFT_INLINE vm pixel_span(vf low, vf high, float last, vf *first, vf *end)
     return vm_and(vf_le(zero, b), vf_le(*first, *end));
 }
 
-DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, lanes *l)
+/* Lanes whose triangle has no more than one pixel in its box, the first, and not that one: two edges leave it on different
+ * sides. x and y are off by less than 3u of a ray's; the watertight test, whose verdict on a ray at an edge is to stand,
+ * by 9u of its three coordinates, which `doubt` is over. Corners are less than 1 + doubt from the pixel in both axes. */
+DAFT_INLINE vbits beside_pixel(const daft_tile_job *job, const lanes *l, const vf x[3], const vf y[3])
+{
+    vf a[3], b[3], doubt = vf_set(10 * UNIT * 4.1f * (job->max_dx + job->max_dy + job->raster->pencil.focal));
+    for (int k = 0; k < 3; k++) a[k] = x[k] - l->x0, b[k] = y[k] - l->y0;
+    vf e0 = a[1] * b[2] - b[1] * a[2], e1 = a[2] * b[0] - b[2] * a[0], e2 = a[0] * b[1] - b[0] * a[1];
+    vm apart = vm_and(vf_lt(doubt, vf_max(vf_max(e0, e1), e2)), vf_lt(vf_min(vf_min(e0, e1), e2), -doubt));
+    return vm_bits(vm_and(apart, vm_and(vf_le(l->x1, l->x0), vf_le(l->y1, l->y0))));
+}
+
+/* `single`: also leaves out the triangles that lie beside the only pixel of their box. */
+DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, bool single, lanes *l)
 {
     vf zero = vf_set(0), focal = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
     vf left = vf_set(job->left), top = vf_set(job->top);
-    vf x0 = inf, x1 = -inf, y0 = inf, y1 = -inf, least = inf, most = -inf;
+    vf x0 = inf, x1 = -inf, y0 = inf, y1 = -inf, least = inf, most = -inf, x[3], y[3];
     for (int k = 0; k < 3; k++) {
         vf3 p = {blocks_load(blocks, k, 0), blocks_load(blocks, k, 1), blocks_load(blocks, k, 2)};
         vf3 c = l->corner[k] = move(&seen->to_camera, p);
-        vf scale = focal / c.z, x = c.x * scale - left, y = top - c.y * scale;
-        x0 = vf_min(x, x0), x1 = vf_max(x, x1), y0 = vf_min(y, y0), y1 = vf_max(y, y1);
+        vf scale = focal / c.z;
+        x[k] = c.x * scale - left, y[k] = top - c.y * scale;
+        x0 = vf_min(x[k], x0), x1 = vf_max(x[k], x1), y0 = vf_min(y[k], y0), y1 = vf_max(y[k], y1);
         least = vf_min(c.z, least), most = vf_max(c.z, most);
     }
     /* A triangle through the camera's plane may reach anywhere. */
@@ -85,6 +99,7 @@ DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const 
     some = vm_and(some, pixel_span(y0, y1, job->last_y, &l->y0, &l->y1));
     l->nearest = vf_select(front, vf_set(1 + 4 * UNIT) / least, inf);
     l->some = vm_bits(some);
+    if (single) l->some &= ~(beside_pixel(job, l, x, y) & vm_bits(front));
 }
 
 void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *seen, const daft_block *block,
@@ -93,7 +108,7 @@ void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *se
     const daft_block *blocks[DAFT_BATCH_BLOCKS];
     lanes l;
     for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) blocks[i] = block;
-    project(job, seen, blocks, &l);
+    project(job, seen, blocks, false, &l);
     for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
         daft_screen_box box = {(int16_t)l.x0[i], (int16_t)l.x1[i], (int16_t)l.y0[i], (int16_t)l.y1[i]};
         if (block->triangle[i] == DAFT_NO_TRIANGLE) continue;
@@ -238,6 +253,11 @@ DAFT_INLINE bool set_up(const daft_tile_job *job, const lanes *l, vbits live, da
     return true;
 }
 
+DAFT_INLINE vi box_pixels(const lanes *l)
+{
+    return vi_truncate(l->x0) | vi_truncate(l->x1) << 8 | vi_truncate(l->y0) << 16 | vi_truncate(l->y1) << 24;
+}
+
 static void keep(daft_waiting *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
 {
     uint32_t at = out->count;
@@ -246,10 +266,9 @@ static void keep(daft_waiting *out, const lanes *l, vbits some, uint32_t instanc
         vf_compress(&out->corner[3 * k + 1][at], some, l->corner[k].y);
         vf_compress(&out->corner[3 * k + 2][at], some, l->corner[k].z);
     }
-    vi pixels = vi_truncate(l->x0) | vi_truncate(l->x1) << 8 | vi_truncate(l->y0) << 16 | vi_truncate(l->y1) << 24;
-    vf_compress((float *)(void *)&out->pixels[at], some, (vf)pixels);
+    vi_compress(&out->pixels[at], some, box_pixels(l));
     vf_compress(&out->nearest[at], some, l->nearest);
-    vf_compress((float *)(void *)&out->triangle[at], some, (vf)triangle);
+    vi_compress(&out->triangle[at], some, triangle);
     vi_store(&out->instance[at], vi_set((int32_t)instance));
     out->count += (uint32_t)__builtin_popcount(some);
 }
@@ -263,13 +282,13 @@ DAFT_INLINE vbits small(const lanes *l)
 
 /* Blocks in camera space. Gives the lanes that may be seen. */
 DAFT_INLINE vbits blocks_load_all(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
-                                  lanes *l, vi *triangle)
+                                  bool single, lanes *l, vi *triangle)
 {
     for (uint32_t i = 1; i < DAFT_BATCH_BLOCKS; i++)
         if (i >= count) blocks[i] = blocks[0]; /* nothing is computed from what is not there */
     *triangle = blocks_triangles(blocks);
     vbits used = ~vm_bits(vi_eq(*triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(count * DAFT_BLOCK));
-    project(job, seen, blocks, l);
+    project(job, seen, blocks, single, l);
     job->counters->tested += (uint64_t)__builtin_popcount(used);
     return used & l->some;
 }
@@ -279,7 +298,7 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen 
 {
     lanes l;
     vi triangle;
-    vbits used = blocks_load_all(job, seen, blocks, count, &l, &triangle);
+    vbits used = blocks_load_all(job, seen, blocks, count, true, &l, &triangle);
     keep(waiting, &l, used, seen->index, triangle);
 }
 
@@ -288,7 +307,7 @@ bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *s
 {
     lanes l;
     vi triangle;
-    vbits used = blocks_load_all(job, seen, blocks, count, &l, &triangle);
+    vbits used = blocks_load_all(job, seen, blocks, count, false, &l, &triangle);
     if (!used) return false;
     if (__builtin_popcount(used) <= DAFT_VL / 2 && !(used & ~small(&l))) {
         keep(waiting, &l, used, seen->index, triangle);
