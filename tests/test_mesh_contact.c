@@ -302,7 +302,8 @@ static void contacts_on_bumps_are_true(void **unused)
 
 /* Poses that had a point off the body. Seeds 16 and 1: a face preferred to edges about as deep had only air over it,
  * and the point, the corner farthest in, was moved 2 cm to the triangle's rim. Seeds 4 and 5: a face with an acute
- * corner reached 5 and 4 mm past it when its sides were moved out by the overhang. */
+ * corner reached 5 and 4 mm past it when its sides were moved out by the overhang. Seeds 52 and 73: the best edges
+ * passed each other at 2 and 1 cm, and the point was halfway between them. */
 static void points_beside_the_body(void **unused)
 {
     (void)unused;
@@ -312,7 +313,9 @@ static void points_beside_the_body(void **unused)
     } poses[] = {{16, 0xaf558b415a37806a, 4220},
                  {1, 0x37f0043759c9ef25, 3197},
                  {4, 0x680205dbd115cac7, 1523},
-                 {5, 0x8fc8f4dce6f7048c, 2990}};
+                 {5, 0x8fc8f4dce6f7048c, 2990},
+                 {52, 0xfeca9155060b7394, 2921},
+                 {73, 0x647fbb4677432924, 3317}};
     for (size_t i = 0; i < DAFT_COUNT_OF(poses); i++) {
         fixture_state = poses[i].seed;
         bumps b = bumps_make();

@@ -239,12 +239,12 @@ static uint32_t along_edges(const daft_poly *a, const daft_poly *b, const daft_a
     daft_vec3 gap = daft_sub(between(q0, q1, t), between(p0, p1, s));
     /* An axis that separates, but not between what is nearest: these edges pass each other at a distance. */
     if (axis->separation > 0 && daft_length(gap) > margin + (a->radius + b->radius)) return 0;
-    daft_vec3 on_a = daft_add(between(p0, p1, s), daft_scale(axis->normal, a->radius));
-    daft_vec3 on_b = daft_sub(between(q0, q1, t), daft_scale(axis->normal, b->radius));
-    daft_vec3 point = daft_scale(daft_add(on_a, on_b), 0.5f);
+    float separation = axis->separation - (a->radius + b->radius);
+    /* Midway along the axis, from a's edge. Edges that cross have it between them; where a face is left out (a sheet's
+     * other side) the best edges may pass each other, and halfway to b's the point would be on neither. */
+    daft_vec3 point = daft_add(between(p0, p1, s), daft_scale(axis->normal, a->radius + 0.5f * separation));
     uint32_t id = 3u << 29 | axis->a << 10 | axis->b;
-    return one_point(b, axis->normal, point, axis->separation - (a->radius + b->radius), id, DAFT_FEATURE_EDGE,
-                     DAFT_FEATURE_EDGE, out);
+    return one_point(b, axis->normal, point, separation, id, DAFT_FEATURE_EDGE, DAFT_FEATURE_EDGE, out);
 }
 
 /* Deep in each other, the incident face may miss the reference face altogether: the vertex that is farthest in, then.
