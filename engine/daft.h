@@ -238,15 +238,16 @@ typedef enum daft_collider_kind {
     DAFT_COLLIDER_BOX,
     DAFT_COLLIDER_HULL, /* the convex hull of a mesh's vertices, of at most 64 corners */
     DAFT_COLLIDER_MESH, /* a mesh's triangles, from both sides; static and kinematic bodies */
-    DAFT_COLLIDER_FIELD /* a grid of heights; static and kinematic bodies */
+    DAFT_COLLIDER_FIELD, /* a grid of heights; static and kinematic bodies */
+    DAFT_COLLIDER_CYLINDER /* around its y axis; rolls as a round thing does. Rays and casts meet a prism of 32 sides within it */
 } daft_collider_kind;
 
 /* A part of a body, in the entity's axes and in metres: the entity's scale counts for hulls and meshes alone. Lengths are
  * 1e-4 to 1e7 m. */
 typedef struct daft_collider {
     daft_collider_kind kind;
-    float radius;         /* sphere, capsule */
-    float height;         /* capsule: from end to end, more than twice the radius */
+    float radius;         /* sphere, capsule, cylinder */
+    float height;         /* from end to end; capsule: more than twice the radius */
     daft_vec3 size;       /* box: edge lengths */
     daft_mesh mesh;       /* hull, mesh; none: the entity's */
     const float *heights; /* field: heights[row·columns + column] lies at x = column·spacing.x, z = row·spacing.y; copied. NaN

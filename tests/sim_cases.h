@@ -90,8 +90,8 @@ static inline double energy_of(const daft_world *world, uint32_t body, daft_vec3
                                                                     (h.x * h.x + h.y * h.y) * w.z * w.z));
 }
 
-/* A cylinder around its y axis. */
-static inline daft_hull *cylinder_hull(double radius, double half_height, int sides)
+/* Round its y axis, of so many sides. */
+static inline daft_hull *prism(double radius, double half_height, int sides)
 {
     daft_allocator allocator = daft_malloc_allocator();
     daft_error error = {0};
@@ -102,6 +102,15 @@ static inline daft_hull *cylinder_hull(double radius, double half_height, int si
         p[2 * i] = daft_v3(x, (float)half_height, z), p[2 * i + 1] = daft_v3(x, (float)-half_height, z);
     }
     daft_hull *hull = daft_hull_create(&allocator, p, 2 * (uint32_t)sides, 0, &error);
+    if (!hull) fail_msg("%s", error.message);
+    return hull;
+}
+
+static inline daft_hull *cylinder(double radius, double half_height)
+{
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_error error = {0};
+    daft_hull *hull = daft_hull_create_cylinder(&allocator, (float)radius, (float)half_height, &error);
     if (!hull) fail_msg("%s", error.message);
     return hull;
 }

@@ -99,16 +99,20 @@ static void every_collider_rests(void **unused)
     parts[1].position = daft_v3(0, 0.6f, 0);
     daft_collider capsule = daft_default_collider();
     capsule.kind = DAFT_COLLIDER_CAPSULE, capsule.radius = 0.3f, capsule.height = 1.6f;
-    daft_entity_def defs[5] = {thing(DAFT_SHAPE_BOX, -6, 0.7, 0), thing(DAFT_SHAPE_SPHERE, -3, 0.7, 0),
-                               thing(DAFT_SHAPE_MESH, 0, 0.2, 0), thing(DAFT_SHAPE_NONE, 3, 0.3, 0), thing(DAFT_SHAPE_NONE, 6, 1.0, 0)};
+    daft_collider drum = capsule;
+    drum.kind = DAFT_COLLIDER_CYLINDER, drum.height = 0.4f;
+    daft_entity_def defs[6] = {thing(DAFT_SHAPE_BOX, -6, 0.7, 0), thing(DAFT_SHAPE_SPHERE, -3, 0.7, 0),
+                               thing(DAFT_SHAPE_MESH, 0, 0.2, 0), thing(DAFT_SHAPE_NONE, 3, 0.3, 0),
+                               thing(DAFT_SHAPE_NONE, 6, 1.0, 0), thing(DAFT_SHAPE_NONE, 9, 0.3, 0)};
     defs[2].mesh = wedge(p.scene), defs[2].scale = daft_v3(0.5f, 0.5f, 0.5f);
     defs[3].colliders = parts, defs[3].collider_count = 2;
     defs[4].colliders = &capsule, defs[4].collider_count = 1, defs[4].locks = DAFT_LOCK_ROTATION;
-    const double rest[5] = {0.5, 0.5, 0, 0.1, 0.8};
-    daft_entity entities[5];
-    for (int i = 0; i < 5; i++) entities[i] = add(p.scene, &defs[i]);
+    defs[5].colliders = &drum, defs[5].collider_count = 1;
+    const double rest[6] = {0.5, 0.5, 0, 0.1, 0.8, 0.2};
+    daft_entity entities[6];
+    for (int i = 0; i < 6; i++) entities[i] = add(p.scene, &defs[i]);
     run(p.scene, 240);
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 6; i++) {
         bool awake;
         assert_near(where(p.scene, entities[i]).y, rest[i], 0.005);
         assert_true(daft_entity_get_awake(p.scene, entities[i], &awake, NULL));

@@ -104,7 +104,7 @@ static void round_stacks_stand(void **unused)
     stack_of(shape, 30, 1, "balls");
     assert_true(daft_shape_capsule(0.5f, 0.25f, &shape, &error));
     stack_of(shape, 20, 1.5, "capsules");
-    daft_hull *hull = cylinder_hull(0.5, 0.5, 32);
+    daft_hull *hull = cylinder(0.5, 0.5);
     stack_of(daft_shape_hull(hull), 10, 1, "cylinders");
     daft_hull_free(hull);
 }

@@ -9,7 +9,7 @@ daft_collider daft_default_collider(void)
     return (daft_collider){.kind = DAFT_COLLIDER_SPHERE, .radius = 0.5f, .height = 2, .size = {1, 1, 1}, .spacing = {1, 1}, .rotation = {0, 0, 0, 1}};
 }
 
-static const char *const KINDS[] = {"", "sphere", "capsule", "box", "hull", "mesh", "field"};
+static const char *const KINDS[] = {"", "sphere", "capsule", "box", "hull", "mesh", "field", "cylinder"};
 
 /* ---- the table ---- */
 
@@ -107,6 +107,10 @@ static bool make(daft_scene *scene, const daft_collider *collider, const daft_me
                  daft_error *error)
 {
     if (item->type == DAFT_GEOMETRY_MESH) return make_triangles(scene, mesh, item, error);
+    if (item->type == DAFT_GEOMETRY_HULL && !mesh) {
+        item->hull = daft_hull_create_cylinder(scene->allocator, item->scale.x, item->scale.y, error);
+        return item->hull != NULL;
+    }
     if (item->type == DAFT_GEOMETRY_HULL) {
         item->hull = daft_hull_create_mesh(scene->allocator, &mesh->mesh, item->scale, 0, error);
         return item->hull != NULL;
@@ -137,11 +141,13 @@ static bool acquire(daft_scene *scene, const daft_collider *collider, const daft
     daft_geometry_item wanted = {.type = type, .users = 1, .scale = def->scale};
     const daft_mesh_item *mesh = NULL;
     uint32_t place = DAFT_NONE;
+    bool cylinder = collider->kind == DAFT_COLLIDER_CYLINDER;
+    if (cylinder) wanted.scale = daft_v3(collider->radius, collider->height * 0.5f, 0); /* of no mesh: its sizes */
     if (type != DAFT_GEOMETRY_FIELD) {
         daft_mesh id = collider->mesh.id ? collider->mesh : def->mesh;
-        mesh = daft_mesh_find(scene, id, error);
-        if (!mesh) return false;
-        wanted.mesh = id.id;
+        mesh = cylinder ? NULL : daft_mesh_find(scene, id, error);
+        if (!mesh && !cylinder) return false;
+        wanted.mesh = cylinder ? 0 : id.id;
         daft_geometry_item *shared = find_shared(scene, &wanted, &place);
         if (shared) {
             shared->users++;
@@ -176,6 +182,7 @@ bool daft_collider_acquire(daft_scene *scene, const daft_collider *collider, con
     case DAFT_COLLIDER_CAPSULE:
         return daft_shape_capsule(collider->height * 0.5f - collider->radius, collider->radius, &out->shape, error);
     case DAFT_COLLIDER_BOX: return daft_shape_box(daft_scale(collider->size, 0.5f), &out->shape, error);
+    case DAFT_COLLIDER_CYLINDER:
     case DAFT_COLLIDER_HULL: return acquire(scene, collider, def, DAFT_GEOMETRY_HULL, out, error);
     case DAFT_COLLIDER_MESH:
     case DAFT_COLLIDER_FIELD:
@@ -184,6 +191,6 @@ bool daft_collider_acquire(daft_scene *scene, const daft_collider *collider, con
                              KINDS[collider->kind]);
         return acquire(scene, collider, def, collider->kind == DAFT_COLLIDER_MESH ? DAFT_GEOMETRY_MESH : DAFT_GEOMETRY_FIELD, out, error);
     }
-    return daft_fail(error, DAFT_ERROR_ARGUMENT, "the collider's kind is %d; it must be sphere, capsule, box, hull, mesh or field",
+    return daft_fail(error, DAFT_ERROR_ARGUMENT, "the collider's kind is %d; it must be sphere, capsule, box, hull, mesh, field or cylinder",
                      (int)collider->kind);
 }

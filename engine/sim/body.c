@@ -277,7 +277,7 @@ void daft_sim_part_fill(daft_sim_part *part, const daft_sim_shape_def *def, uint
     if (def->shape.type == DAFT_GEOMETRY_HULL) part->middle = def->shape.hull->centre;
     part->inner = daft_shape_inner_radius(&def->shape, part->middle);
     part->round = def->shape.type == DAFT_GEOMETRY_SPHERE || def->shape.type == DAFT_GEOMETRY_CAPSULE;
-    part->roll = part->round ? def->shape.radius : part->inner;
+    part->roll = part->round ? def->shape.radius : daft_shape_is_cylinder(&def->shape) ? def->shape.hull->cylinder : part->inner;
 }
 
 static void add_parts(daft_world *world, daft_sim_body *body, uint32_t index, const daft_sim_body_def *def)

@@ -46,6 +46,22 @@ static uint32_t collide_convex(const daft_sim_shape *a, const daft_sim_shape *b,
     return daft_collide_polys(&pa, &pb, margin, 3, out, cache);
 }
 
+uint32_t daft_collide_plain(const daft_sim_shape *a, const daft_sim_shape *b, const daft_relpose *pose, float margin,
+                            daft_manifold *out, uint32_t capacity, daft_pair_cache *cache)
+{
+    if (daft_shape_is_convex(b)) return collide_convex(a, b, pose, margin, out, cache);
+    daft_sink sink = {out, capacity, 0};
+    daft_collide_triangles(a, b, pose, margin, &sink);
+    return sink.count;
+}
+
+static uint32_t collide_pair(const daft_sim_shape *a, const daft_sim_shape *b, const daft_relpose *pose, float margin,
+                             daft_manifold *out, uint32_t capacity, daft_pair_cache *cache)
+{
+    bool cylinders = daft_shape_is_cylinder(a) || daft_shape_is_cylinder(b);
+    return (cylinders ? daft_collide_cylinder : daft_collide_plain)(a, b, pose, margin, out, capacity, cache);
+}
+
 static float deepest(const daft_manifold *m)
 {
     float least = INFINITY;
@@ -82,7 +98,7 @@ static void collide_parts(const job *j, const daft_relpose *pose)
         daft_manifold spare[8];
         bool full = part.capacity < DAFT_COUNT_OF(spare);
         if (full) part = (daft_sink){spare, DAFT_COUNT_OF(spare), 0};
-        daft_collide_triangles(j->a, j->b, pose, j->margin, &part);
+        part.count = collide_pair(j->a, j->b, pose, j->margin, part.out, part.capacity, NULL);
         for (uint32_t i = 0; i < part.count; i++) {
             part.out[i].part_a = (daft_shape_part){j->child_a, DAFT_NO_FEATURE};
             part.out[i].part_b.child = j->child_b;
@@ -92,7 +108,7 @@ static void collide_parts(const job *j, const daft_relpose *pose)
         return;
     }
     daft_manifold m;
-    if (!collide_convex(j->a, j->b, pose, j->margin, &m, j->cache)) return;
+    if (!collide_pair(j->a, j->b, pose, j->margin, &m, 1, j->cache)) return;
     m.part_a.child = j->child_a, m.part_b.child = j->child_b;
     daft_sink_put(sink, &m);
 }
@@ -230,7 +246,8 @@ uint32_t daft_collide(const daft_sim_shape *a, const daft_sim_shape *b, const da
                       daft_manifold *out, uint32_t capacity, daft_pair_cache *cache)
 {
     if (capacity == 0 || !daft_dfinite3(b_in_a->p) || !daft_dfinite3(b_in_a->q) || !(margin >= 0)) return 0;
-    if (daft_shape_is_convex(a) && daft_shape_is_convex(b)) return collide_convex(a, b, b_in_a, margin, out, cache);
+    if (daft_shape_is_convex(a) && daft_shape_is_convex(b))
+        return collide_pair(a, b, b_in_a, margin, out, capacity, cache);
     if (!daft_shape_has_mass(a)) {
         if (!daft_shape_has_mass(b)) return 0;
         return collide_swapped(a, b, b_in_a, margin, out, capacity);

@@ -42,6 +42,15 @@ uint32_t daft_collide_rounds(const daft_sim_shape *a, const daft_sim_shape *b, c
 bool daft_collide_round_box(const daft_sim_shape *round, const daft_sim_shape *box, const daft_relpose *pose,
                             bool box_first, float margin, daft_manifold *out, daft_pair_cache *cache, uint32_t *count);
 
+/* ---- pairs of a convex part and a part that is no compound (manifold.c, cylinder.c) ---- */
+
+/* A cylinder counts as the prism that its hull is. */
+uint32_t daft_collide_plain(const daft_sim_shape *a, const daft_sim_shape *b, const daft_relpose *pose, float margin,
+                            daft_manifold *out, uint32_t capacity, daft_pair_cache *cache);
+/* At least one of both is a cylinder. */
+uint32_t daft_collide_cylinder(const daft_sim_shape *a, const daft_sim_shape *b, const daft_relpose *pose, float margin,
+                               daft_manifold *out, uint32_t capacity, daft_pair_cache *cache);
+
 /* ---- convex cores (poly.c) ---- */
 
 typedef enum daft_core { DAFT_CORE_POINT, DAFT_CORE_SEGMENT, DAFT_CORE_TRIANGLE, DAFT_CORE_SOLID } daft_core;

@@ -89,7 +89,12 @@ bool daft_shape_mass(const daft_sim_shape *s, double density, daft_mass *out)
         diagonal(out->inertia, m / 3 * (y * y + z * z), m / 3 * (x * x + z * z), m / 3 * (x * x + y * y));
         return true;
     }
-    case DAFT_GEOMETRY_HULL: return hull_mass(s->hull, density, out);
+    case DAFT_GEOMETRY_HULL: {
+        if (!(s->hull->cylinder > 0)) return hull_mass(s->hull, density, out);
+        double c = (double)s->hull->cylinder, h = (double)s->hull->high.y, m = out->mass = density * DAFT_PI * c * c * 2 * h;
+        diagonal(out->inertia, m * (c * c / 4 + h * h / 3), m * c * c / 2, m * (c * c / 4 + h * h / 3));
+        return true;
+    }
     case DAFT_GEOMETRY_COMPOUND:
         if (!daft_shape_has_mass(s)) return false;
         for (uint32_t i = 0; i < s->compound->count; i++) {

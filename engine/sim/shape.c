@@ -144,8 +144,15 @@ static daft_dvec3 dmax(daft_dvec3 a, daft_dvec3 b)
     return daft_dv3(a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z);
 }
 
+static double across(double r, double axis) { return r * sqrt(fmax(0, 1 - axis * axis)); }
+
 static daft_daabb hull_bounds(const daft_hull *hull, const daft_rigid *pose)
 {
+    double r = (double)hull->cylinder, h = (double)hull->high.y;
+    const double *m = pose->m;
+    if (r > 0)
+        return ball_bounds(pose->p, daft_dv3(fabs(m[1]) * h + across(r, m[1]), fabs(m[4]) * h + across(r, m[4]),
+                                             fabs(m[7]) * h + across(r, m[7])));
     daft_daabb out = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (uint16_t i = 0; i < hull->vertex_count; i++) {
         daft_dvec3 p = daft_rigid_point(pose, daft_to_double(hull->vertices[i]));

@@ -172,6 +172,7 @@ struct daft_hull {
     daft_vec3 low, high;
     daft_vec3 centre; /* of mass */
     float deviation;  /* metres: how far the farthest point given sticks out, where the limit on vertices left it out */
+    float cylinder;   /* its radius, where the hull stands for a cylinder around its y axis, centred; else 0 */
 };
 
 /* The convex hull of points. Coplanar faces are merged. With more than max_vertices (4 to DAFT_HULL_MAX_VERTICES, 0
@@ -183,6 +184,10 @@ daft_hull *daft_hull_create(const daft_allocator *allocator, const daft_vec3 *po
 /* Of the corners of a mesh's triangles, scaled. */
 daft_hull *daft_hull_create_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, daft_vec3 scale,
                                  uint32_t max_vertices, daft_error *error);
+/* A prism of 32 sides that stands for a cylinder: mass, bounds and contacts are a cylinder's, so it rolls as one; rays and
+ * casts meet the prism, which is 0.5 % of the radius within. */
+daft_hull *daft_hull_create_cylinder(const daft_allocator *allocator, float radius, float half_height, daft_error *error);
+bool daft_shape_is_cylinder(const daft_sim_shape *s);
 void daft_hull_free(daft_hull *hull);
 
 /* ---- triangle meshes (mesh_shape.c) ---- */

@@ -6,7 +6,8 @@
 #include <math.h>
 
 static const char *const BODIES[] = {"static", "kinematic", "dynamic"};
-static const char *const COLLIDER_FIELDS[] = {"sphere", "box", "capsule", "hull", "mesh", "heights", "columns", "spacing", "position", "rotation"};
+static const char *const COLLIDER_FIELDS[] = {"sphere", "box",     "capsule", "cylinder", "hull",    "mesh",
+                                              "heights", "columns", "spacing", "position", "rotation"};
 
 /* Registry keys: tables from names to numbers, in the order in which a game first says them. */
 static const char LAYERS_KEY, SURFACES_KEY;
@@ -68,21 +69,28 @@ static float above_zero(lua_State *L, host *h, int index, const char *what)
     return value;
 }
 
-void api_capsule(lua_State *L, host *h, int index, float *radius, float *height)
+static void read_round(lua_State *L, host *h, int index, const char *what, float *radius, float *height)
 {
     static const char *const NAMES[] = {"radius", "height"};
     float *numbers[] = {radius, height};
     int table = lua_absindex(L, index);
     bool list = lua_type(L, table) == LUA_TTABLE && lua_rawlen(L, table) == 2;
-    if (!list) api_fields(L, h, table, "capsule", NAMES, COUNT_OF(NAMES));
+    if (!list) api_fields(L, h, table, what, NAMES, COUNT_OF(NAMES));
     for (int i = 0; i < 2; i++) {
         if (list)
             lua_rawgeti(L, table, i + 1);
         else if (!api_field(L, table, NAMES[i]))
             continue;
-        *numbers[i] = above_zero(L, h, -1, i ? "capsule's height" : "capsule's radius");
+        char name[32];
+        snprintf(name, sizeof name, "%s's %s", what, NAMES[i]);
+        *numbers[i] = above_zero(L, h, -1, name);
         lua_pop(L, 1);
     }
+}
+
+void api_capsule(lua_State *L, host *h, int index, float *radius, float *height)
+{
+    read_round(L, h, index, "capsule", radius, height);
 }
 
 static void read_capsule(lua_State *L, host *h, int index, daft_collider *out)
@@ -135,10 +143,12 @@ static void read_collider(lua_State *L, host *h, int index, daft_collider *out)
     if (api_field(L, index, "sphere")) out->kind = DAFT_COLLIDER_SPHERE, out->radius = above_zero(L, h, -1, "sphere"), kinds++;
     if (api_field(L, index, "box")) out->kind = DAFT_COLLIDER_BOX, out->size = api_vec3(L, h, -1, "box"), kinds++;
     if (api_field(L, index, "capsule")) read_capsule(L, h, -1, out), kinds++;
+    if (api_field(L, index, "cylinder"))
+        out->kind = DAFT_COLLIDER_CYLINDER, read_round(L, h, -1, "cylinder", &out->radius, &out->height), kinds++;
     if (api_field(L, index, "hull")) out->kind = DAFT_COLLIDER_HULL, out->mesh = api_mesh_at(L, h, -1, "hull"), kinds++;
     if (api_field(L, index, "mesh")) out->kind = DAFT_COLLIDER_MESH, out->mesh = api_mesh_at(L, h, -1, "mesh"), kinds++;
     if (api_field(L, index, "heights")) read_heights(L, h, index, -1, out), kinds++;
-    if (kinds != 1) api_error(L, h, "collider: one of sphere, box, capsule, hull, mesh and heights expected");
+    if (kinds != 1) api_error(L, h, "collider: one of sphere, box, capsule, cylinder, hull, mesh and heights expected");
     if (api_field(L, index, "position")) out->position = api_vec3(L, h, -1, "position");
     if (api_field(L, index, "rotation")) out->rotation = api_rotation(L, h, -1, "rotation");
 }

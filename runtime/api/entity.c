@@ -292,7 +292,7 @@ static const api_function FUNCTIONS[] = {
      "angular_damping, lock = \"rotation\", \"position\" or some of {\"x\", \"y\", \"z\", \"position x\", \"position y\", \"position z\"},\n"
      "layer = name(s), hits = name(s), sensor, bullet, sleeps,\n"
      "collider = \"hull\", \"mesh\", or a table or list of tables {sphere = r}, {box = {x, y, z}}, {capsule = {radius =, height =}},\n"
-     "{hull = mesh}, {mesh = mesh} or {heights = list, columns = n, spacing = s}, each with position = and rotation =.\n"
+     "{cylinder = {radius =, height =}}, {hull = mesh}, {mesh = mesh} or {heights = list, columns = n, spacing = s}, each with position = and rotation =.\n"
      "name = \"...\", data = anything. The fields e.name and e.data can be read and set.",
      create, API_CHANGES},
     {"entity:position", "([x, y, z]) -> x, y, z",

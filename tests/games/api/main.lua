@@ -151,7 +151,7 @@ local function queries()
     expect_error("radius", daft.character, { radius = -1 })
 end
 
-local gate, hammer, puck, saved
+local gate, hammer, puck, wheel, saved
 local begun, entered = {}, 0
 
 local function bodies()
@@ -161,6 +161,9 @@ local function bodies()
         collider = { { capsule = { radius = 0.1, height = 1 } }, { box = { 0.4, 0.2, 0.2 }, position = { 0, 0.5, 0 } } } }
     assert(near(hammer:mass(), 5, 1e-4) and hammer:awake())
     puck = daft.entity { sphere = 0.2, position = { -4, 2, 120 }, body = "dynamic", lock = { "position y", "position z", "rotation" }, velocity = { 1, 5, 5 } }
+    wheel = daft.entity { position = { 0, 0.3, 126 }, body = "dynamic", collider = { cylinder = { radius = 0.3, height = 0.1 } },
+        rotation = { 0.7071067811865476, 0, 0, 0.7071067811865476 }, velocity = { 2, 0, 0 }, angular_velocity = { 0, 0, -2 / 0.3 } }
+    expect_error("cylinder's radius", daft.entity, { body = "dynamic", collider = { cylinder = { radius = -1, height = 1 } } })
     expect_error("lock: \"x\", \"y\"", daft.entity, { sphere = 1, body = "dynamic", lock = "position w" })
     local leaf = daft.entity { box = { 1, 2, 0.1 }, position = { 5, 1.2, 120 }, body = "dynamic", surface = "ice" }
     gate = daft.joint { kind = "hinge", b = leaf, at = { 4.5, 1.2, 120 }, axis = { 0, 1, 0 }, motor = { speed = 1, force = 500 } }
@@ -169,7 +172,7 @@ local function bodies()
     daft.entity { position = { 10, 0, 120 }, body = "static",
         collider = { heights = { 0, 0, 0, 0, 1, 0, 0, 0, false }, columns = 3, spacing = 2 } }
     assert(daft.query.ray({ 0, 3, 120 }, { 0, 1, 0 }, 1, { hits = "world" }) == nil)
-    expect_error("one of sphere, box, capsule, hull, mesh and heights", daft.entity, { body = "static", collider = {} })
+    expect_error("one of sphere, box, capsule, cylinder, hull, mesh and heights", daft.entity, { body = "static", collider = {} })
     expect_error("columns: 4 heights do not make rows of 3", daft.entity, { body = "static", collider = { heights = { 1, 2, 3, 4 }, columns = 3 } })
     expect_error("which has no mass", daft.entity, { mesh = "rock.obj", body = "dynamic", collider = "mesh" })
     expect_error("kind: \"ball\", \"hinge\"", daft.joint, { kind = "hinj", b = leaf })
@@ -183,6 +186,8 @@ local function bodies_later(tick)
         if event.kind == "enter" and event.a.name == "sensor" and event.b == hammer then entered = entered + 1 end
     end
     if tick == 30 then
+        local wx, wy = wheel:position()
+        assert(near(wx, 1, 0.1) and near(wy, 0.3, 0.005), "a cylinder rolls")
         local x, y, z = puck:position()
         assert(near(x, -3.5, 0.1) and y == 2 and z == 120, "locked to a line along x")
         local angle, speed = gate:value()
