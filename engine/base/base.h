@@ -75,6 +75,9 @@ typedef struct daft_team daft_team;
 typedef void daft_script(void *context, daft_team *team);
 void daft_parallel_script(int workers, daft_script *script, void *context);
 void daft_team_for(daft_team *team, uint32_t count, daft_task *task, void *context);
+int daft_team_size(const daft_team *team); /* workers that were asked for */
+/* For loops that wait for other workers; *spins counts from 0: it spins for a little while, then lets others run. */
+void daft_pause(int *spins);
 int daft_processor_count(void);
 
 /* ---- clock (clock.c) ---- */

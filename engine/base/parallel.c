@@ -90,6 +90,7 @@ enum { SPINS = 2000 };
 struct daft_team {
     atomic_uint waiting, unfinished;
     atomic_bool over;
+    int workers;
     uint32_t count;
     daft_task *task;
     void *context;
@@ -109,8 +110,7 @@ static bool take_one(daft_team *team, uint32_t worker)
     return true;
 }
 
-/* Spins for a little while, then lets others run. */
-static void pause_for(int *spins)
+void daft_pause(int *spins)
 {
     if (++*spins > SPINS) sched_yield();
 #if defined(__x86_64__) || defined(__i386__)
@@ -128,8 +128,10 @@ void daft_team_for(daft_team *team, uint32_t count, daft_task *task, void *conte
     atomic_store_explicit(&team->waiting, count, memory_order_release);
     while (take_one(team, 0))
         ;
-    while (atomic_load_explicit(&team->unfinished, memory_order_acquire)) pause_for(&spins);
+    while (atomic_load_explicit(&team->unfinished, memory_order_acquire)) daft_pause(&spins);
 }
+
+int daft_team_size(const daft_team *team) { return team->workers; }
 
 static void join_in(void *context, uint32_t worker)
 {
@@ -144,13 +146,13 @@ static void join_in(void *context, uint32_t worker)
         if (take_one(team, worker))
             spins = 0;
         else
-            pause_for(&spins);
+            daft_pause(&spins);
     }
 }
 
 void daft_parallel_script(int workers, daft_script *script, void *context)
 {
-    daft_team team = {.script = script, .script_context = context};
+    daft_team team = {.workers = workers, .script = script, .script_context = context};
     if (workers <= 1)
         join_in(&team, 0);
     else

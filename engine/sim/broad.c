@@ -169,8 +169,7 @@ bool daft_sim_broad_update(daft_world *world, float dt)
     size_t count = world->awake.count;
     job j = {world, dt};
     if (!daft_grow(&world->allocator, &world->left, &world->left_capacity, count, 0, sizeof *world->left)) return false;
-    daft_parallel_for(count >= PARALLEL_BODIES ? world->workers : 1, (uint32_t)((count + GRAIN - 1) / GRAIN),
-                      update_range, &j);
+    daft_sim_for(world, count >= PARALLEL_BODIES, (uint32_t)((count + GRAIN - 1) / GRAIN), update_range, &j);
     for (size_t i = 0; i < count; i++)
         if (world->left[i]) enter_anew(world, world->awake.items[i], dt);
     for (size_t i = 0; i < world->movers.count; i++)

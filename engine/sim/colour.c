@@ -157,8 +157,7 @@ static bool gather_contacts(daft_world *world)
     daft_sim_solver *s = world->solver;
     size_t count = world->met.count, patches = 0;
     if (!daft_grow(&world->allocator, &s->gathered, &s->gathered_capacity, count, 0, sizeof *s->gathered)) return false;
-    daft_parallel_for(count >= PARALLEL_CONTACTS ? world->workers : 1, (uint32_t)((count + GRAIN - 1) / GRAIN),
-                      gather_range, world);
+    daft_sim_for(world, count >= PARALLEL_CONTACTS, (uint32_t)((count + GRAIN - 1) / GRAIN), gather_range, world);
     s->contact_rows = 0;
     for (size_t i = 0; i < count; i++) {
         patches += s->gathered[i].patches;

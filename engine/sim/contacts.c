@@ -463,7 +463,7 @@ bool daft_sim_contacts_update(daft_world *world, float dt)
     world->bare = false;
     job j = {world, dt};
     uint32_t tasks = (uint32_t)((world->listed.count + GRAIN - 1) / GRAIN);
-    daft_parallel_for(world->listed.count >= PARALLEL_TOUCHES ? world->workers : 1, tasks, update_range, &j);
+    daft_sim_for(world, world->listed.count >= PARALLEL_TOUCHES, tasks, update_range, &j);
     world->contact_updates++;
     return true;
 }

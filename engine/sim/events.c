@@ -230,8 +230,7 @@ static void fill_range(void *context, uint32_t index, uint32_t worker)
 
 static void for_ranges(daft_world *world, size_t count, daft_task *task)
 {
-    daft_parallel_for(count >= PARALLEL_TOUCHES ? world->workers : 1, (uint32_t)((count + GRAIN - 1) / GRAIN), task,
-                      world);
+    daft_sim_for(world, count >= PARALLEL_TOUCHES, (uint32_t)((count + GRAIN - 1) / GRAIN), task, world);
 }
 
 /* Tells what began and ended, and leaves what is to be reported in `merged`, by bodies. Touches come in the order of

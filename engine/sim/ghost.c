@@ -402,6 +402,6 @@ bool daft_sim_ghosts_drop(daft_world *world, float dt)
     }
     job j = {world, dt};
     uint32_t tasks = (uint32_t)((bodies->count + GRAIN - 1) / GRAIN);
-    daft_parallel_for(bodies->count >= PARALLEL_BODIES ? world->workers : 1, tasks, filter_range, &j);
+    daft_sim_for(world, bodies->count >= PARALLEL_BODIES, tasks, filter_range, &j);
     return true;
 }

@@ -303,6 +303,7 @@ struct daft_world {
     daft_sim_pair *pairs; /* DAFT_SIM_MATERIAL_KINDS²; friction < 0: none. NULL: none at all */
 
     daft_sim_solver *solver;
+    daft_team *team; /* during a step that is worth several workers */
     daft_sim_contact *report; /* first the contacts of what sleeps, made anew when some fell asleep or woke */
     size_t report_count, report_capacity, report_asleep;
     bool sleep_changed;
@@ -369,6 +370,11 @@ daft_rigid daft_sim_part_frame(const daft_sim_body *body, const daft_sim_part *p
 bool daft_sim_list_reserve(daft_world *world, daft_sim_list *list, size_t needed);
 void daft_sim_list_add(daft_world *world, daft_sim_list *list, uint32_t body);    /* room was reserved */
 void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t body); /* of bodies, by list_slot */
+
+/* ---- step.c ---- */
+
+/* Runs the tasks of a step's loop, on all its workers if that is `wide` enough to be worth it. */
+void daft_sim_for(const daft_world *world, bool wide, uint32_t tasks, daft_task *task, void *context);
 
 /* ---- body.c, mass of bodies ---- */
 

@@ -369,7 +369,7 @@ static bool find_candidates(daft_world *world)
                        sizeof *world->candidates))
             return false;
         candidates found = {world, world->candidates, (unsigned)world->candidate_capacity, 0};
-        daft_parallel_for(world->moved.count >= PARALLEL_PARTS ? world->workers : 1, tasks, search_range, &found);
+        daft_sim_for(world, world->moved.count >= PARALLEL_PARTS, tasks, search_range, &found);
         needed = world->candidate_count = atomic_load_explicit(&found.count, memory_order_relaxed);
         if (needed <= world->candidate_capacity) return true;
     }

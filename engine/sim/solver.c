@@ -298,7 +298,7 @@ static void solve_pace(daft_world *world, float dt)
     add(s, stage_store, 0, 0, s->block_count, BLOCK_GRAIN);
     add(s, stage_joint_store, 0, 0, s->joint_block_count, BLOCK_GRAIN);
     bool large = s->block_count + s->joint_block_count >= PARALLEL_BLOCKS;
-    daft_sim_stages_run(s->stages, large ? world->workers : 1, &c);
+    daft_sim_stages_run(s->stages, large ? world->team : NULL, &c);
     daft_sim_finer_ask(world);
 }
 

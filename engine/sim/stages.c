@@ -1,21 +1,28 @@
 /* Workers that go through one list of stages together: a stage begins when all items of the one before it are done.
- * Items are taken from a counter by whoever is free; a worker that comes late, or never, leaves its share to the
- * others, so one worker alone finishes the list. Items of one stage must not depend on each other; then the results do
- * not depend on who took what. */
+ * Each worker has a share of every stage, the same part of it each time, so that what it works on stays in its caches;
+ * who is done with its own takes from the others'. A worker that comes late, or never, leaves its share to the others,
+ * so one worker alone finishes the list. Items of one stage must not depend on each other; then the results do not
+ * depend on who took what.
+ *
+ * A share's state is one number: the stage it is at and the next of its batches there. It only grows, so no state comes
+ * back, and a worker that comes late finds that the stage it looks for is over. */
 #include "sim/stages.h"
 
-#include <sched.h>
 #include <stdatomic.h>
 
-typedef struct progress {
-    atomic_uint next, done;
-} progress;
+enum { MAX_WORKERS = 64 };
+
+typedef struct share {
+    _Alignas(64) atomic_ullong at; /* stage << 32 | batch */
+} share;
 
 struct daft_sim_stages {
-    daft_allocator allocator;
+    share shares[MAX_WORKERS];
+    _Alignas(64) atomic_ullong done; /* batches, since the list began */
+    _Alignas(64) daft_allocator allocator;
     daft_sim_stage *items;
-    progress *progress;
-    size_t count, capacity, progress_capacity;
+    size_t count, capacity;
+    uint32_t workers;
     void *context;
 };
 
@@ -31,28 +38,40 @@ void daft_sim_stages_free(daft_sim_stages *stages)
     if (!stages) return;
     daft_allocator allocator = stages->allocator;
     daft_release(&allocator, stages->items);
-    daft_release(&allocator, stages->progress);
     daft_release(&allocator, stages);
 }
 
 bool daft_sim_stages_reserve(daft_sim_stages *stages, size_t count)
 {
-    return daft_grow(&stages->allocator, &stages->items, &stages->capacity, count, 0, sizeof *stages->items) &&
-           daft_grow(&stages->allocator, &stages->progress, &stages->progress_capacity, count, 0,
-                     sizeof *stages->progress);
+    return daft_grow(&stages->allocator, &stages->items, &stages->capacity, count, 0, sizeof *stages->items);
 }
 
 void daft_sim_stages_clear(daft_sim_stages *stages) { stages->count = 0; }
 
 void daft_sim_stages_add(daft_sim_stages *stages, daft_sim_stage stage)
 {
-    if (stage.count == 0) return;
-    atomic_init(&stages->progress[stages->count].next, 0);
-    atomic_init(&stages->progress[stages->count].done, 0);
-    stages->items[stages->count++] = stage;
+    if (stage.count > 0) stages->items[stages->count++] = stage;
 }
 
 static uint32_t batches_of(const daft_sim_stage *stage) { return (stage->count + stage->grain - 1) / stage->grain; }
+
+/* The first batch of a worker's share. */
+static uint32_t share_begin(uint32_t batches, uint32_t workers, uint32_t worker)
+{
+    return (uint32_t)((uint64_t)batches * worker / workers);
+}
+
+/* The next batch of a share in a stage, counted from its first one; `count`, or more: there is none. */
+static uint32_t take_batch(share *from, size_t stage, uint32_t count)
+{
+    unsigned long long begin = (unsigned long long)stage << 32, at = atomic_load_explicit(&from->at, memory_order_relaxed);
+    for (;;) {
+        unsigned long long next = at < begin ? begin : at;
+        if (next >= begin + count) return count;
+        if (atomic_compare_exchange_weak_explicit(&from->at, &at, next + 1, memory_order_relaxed, memory_order_relaxed))
+            return (uint32_t)(next - begin);
+    }
+}
 
 static void run_batch(const daft_sim_stage *stage, void *context, uint32_t batch)
 {
@@ -60,37 +79,42 @@ static void run_batch(const daft_sim_stage *stage, void *context, uint32_t batch
     stage->run(context, stage->argument, stage->first + first, left < stage->grain ? left : stage->grain);
 }
 
-static void wait_for(progress *p, uint32_t batches)
+/* Gives how many batches this worker did. */
+static uint32_t run_share(daft_sim_stages *stages, size_t at, uint32_t owner)
 {
-    for (int spins = 0; atomic_load_explicit(&p->done, memory_order_acquire) < batches; spins++) {
-        if (spins > 300) sched_yield();
-#ifdef DAFT_HAVE_X86
-        __builtin_ia32_pause();
-#endif
+    const daft_sim_stage *stage = &stages->items[at];
+    uint32_t batches = batches_of(stage), begin = share_begin(batches, stages->workers, owner), ran = 0, batch;
+    uint32_t count = share_begin(batches, stages->workers, owner + 1) - begin;
+    while ((batch = take_batch(&stages->shares[owner], at, count)) < count) {
+        run_batch(stage, stages->context, begin + batch);
+        ran++;
     }
+    return ran;
 }
 
 static void work(void *context, uint32_t index, uint32_t worker)
 {
-    (void)index, (void)worker;
+    (void)worker;
     daft_sim_stages *stages = context;
+    uint64_t before = 0;
     for (size_t s = 0; s < stages->count; s++) {
-        const daft_sim_stage *stage = &stages->items[s];
-        progress *p = &stages->progress[s];
-        uint32_t batches = batches_of(stage), batch;
-        while ((batch = atomic_fetch_add_explicit(&p->next, 1, memory_order_relaxed)) < batches) {
-            run_batch(stage, stages->context, batch);
-            atomic_fetch_add_explicit(&p->done, 1, memory_order_release);
-        }
-        wait_for(p, batches);
+        uint32_t ran = 0;
+        before += batches_of(&stages->items[s]);
+        for (uint32_t i = 0; i < stages->workers; i++) ran += run_share(stages, s, (index + i) % stages->workers);
+        if (ran) atomic_fetch_add_explicit(&stages->done, ran, memory_order_release);
+        for (int spins = 0; atomic_load_explicit(&stages->done, memory_order_acquire) < before;) daft_pause(&spins);
     }
 }
 
-void daft_sim_stages_run(daft_sim_stages *stages, int workers, void *context)
+void daft_sim_stages_run(daft_sim_stages *stages, daft_team *team, void *context)
 {
+    uint32_t workers = team ? (uint32_t)daft_team_size(team) : 1;
     stages->context = context;
+    stages->workers = workers < MAX_WORKERS ? workers : MAX_WORKERS;
     if (workers > 1) {
-        daft_parallel_for(workers, (uint32_t)workers, work, stages);
+        for (uint32_t i = 0; i < stages->workers; i++) atomic_store_explicit(&stages->shares[i].at, 0, memory_order_relaxed);
+        atomic_store_explicit(&stages->done, 0, memory_order_relaxed);
+        daft_team_for(team, stages->workers, work, stages);
         return;
     }
     for (size_t s = 0; s < stages->count; s++) {

@@ -19,6 +19,7 @@ void daft_sim_stages_free(daft_sim_stages *stages);
 bool daft_sim_stages_reserve(daft_sim_stages *stages, size_t count);
 void daft_sim_stages_clear(daft_sim_stages *stages);
 void daft_sim_stages_add(daft_sim_stages *stages, daft_sim_stage stage); /* one without items is left out */
-void daft_sim_stages_run(daft_sim_stages *stages, int workers, void *context);
+/* On all workers of a team, or alone where it is NULL. */
+void daft_sim_stages_run(daft_sim_stages *stages, daft_team *team, void *context);
 
 #endif

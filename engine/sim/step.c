@@ -166,8 +166,7 @@ static void run_rows(void *context, uint32_t index, uint32_t worker)
 static void for_rows(daft_world *world, void (*run)(daft_world *world, uint32_t row))
 {
     uint32_t count = world->solver->row_count - (1 + world->solver->mover_count);
-    daft_parallel_for(count >= PARALLEL_ROWS ? world->workers : 1, (count + ROW_GRAIN - 1) / ROW_GRAIN, run_rows,
-                      &(row_job){world, run});
+    daft_sim_for(world, count >= PARALLEL_ROWS, (count + ROW_GRAIN - 1) / ROW_GRAIN, run_rows, &(row_job){world, run});
 }
 
 /* All ways are swept before any body moves, so the order does not matter. */
@@ -210,6 +209,41 @@ static bool has_work(const daft_world *world)
            (world->moved.count > 0 && world->trees[DAFT_BODY_DYNAMIC].leaf_count > 0);
 }
 
+void daft_sim_for(const daft_world *world, bool wide, uint32_t tasks, daft_task *task, void *context)
+{
+    if (wide && world->team)
+        daft_team_for(world->team, tasks, task, context);
+    else
+        daft_parallel_for(1, tasks, task, context);
+}
+
+typedef struct work {
+    daft_world *world;
+    float dt;
+    bool done;
+} work;
+
+static void do_work(void *context, daft_team *team)
+{
+    work *w = context;
+    daft_world *world = w->world;
+    world->team = daft_team_size(team) > 1 ? team : NULL;
+    w->done = find_work(world, w->dt) && daft_sim_solve(world, w->dt);
+    if (w->done) {
+        end_dynamics(world);
+        end_movers(world, w->dt);
+        world->changes++;
+        count(world);
+        daft_sim_report(world);
+        daft_sim_joints_break(world);
+        daft_sim_sleep_update(world, w->dt);
+    }
+    world->team = NULL;
+}
+
+/* Workers come together once a step: for less than this, one is done before another has come. */
+enum { PARALLEL_BODIES = 128 };
+
 bool daft_world_step(daft_world *world, float dt, daft_error *error)
 {
     if (!(dt >= 0 && dt <= DAFT_SIM_MAX_DT))
@@ -218,17 +252,13 @@ bool daft_world_step(daft_world *world, float dt, daft_error *error)
     if (dt < 1e-9f) return true;
     world->counters = (daft_sim_counters){0};
     if (has_work(world)) {
-        if (!find_work(world, dt) || !daft_sim_solve(world, dt)) {
+        work w = {world, dt, false};
+        bool wide = world->awake.count + world->moved.count >= PARALLEL_BODIES;
+        daft_parallel_script(wide ? world->workers : 1, do_work, &w);
+        if (!w.done) {
             world->lost_event = false;
             return daft_fail_memory(error, "a step of the simulation");
         }
-        end_dynamics(world);
-        end_movers(world, dt);
-        world->changes++;
-        count(world);
-        daft_sim_report(world);
-        daft_sim_joints_break(world);
-        daft_sim_sleep_update(world, dt);
     }
     daft_sim_events_deliver(world);
     bool whole = !world->lost_event;
