@@ -13,7 +13,6 @@ enum {
 };
 
 #define UNUSED_SEPARATION 1e20f
-#define DEEP 0.1f /* of the smaller body's extent: bodies that overlap by more were made so, or were too fast */
 
 /* ---- rows ---- */
 
@@ -35,53 +34,33 @@ static bool reserve_rows(daft_world *world, size_t needed)
     return true;
 }
 
+static uint32_t pace_of(const daft_sim_solver *s, uint32_t body) { return s->heaps[s->heap_of[body]].pace; }
+
 /* Rows of the heaps of each pace follow each other. */
 static void order_rows(daft_world *world, bool paces)
 {
     daft_sim_solver *s = world->solver;
-    uint32_t row = 1 + s->mover_count;
+    uint32_t row = 1 + s->mover_count, next[DAFT_SIM_PACES] = {0};
+    for (size_t i = 0; i < world->awake.count; i++) next[paces ? pace_of(s, world->awake.items[i]) : 0]++;
     for (uint32_t pace = 0; pace < DAFT_SIM_PACES; pace++) {
-        for (size_t i = 0; i < world->awake.count && (paces || pace == 0); i++)
-            if (!paces || daft_sim_finer_pace(world, world->awake.items[i]) == pace)
-                s->row_bodies[row++] = world->awake.items[i];
-        s->pace_end[pace] = row;
+        uint32_t count = next[pace];
+        next[pace] = row;
+        s->pace_end[pace] = row += count;
     }
+    for (size_t i = 0; i < world->awake.count; i++)
+        s->row_bodies[next[paces ? pace_of(s, world->awake.items[i]) : 0]++] = world->awake.items[i];
     s->row_count = row;
 }
 
 static uint32_t row_of(const daft_world *world, uint32_t body)
 {
-    return daft_sim_is_active(&world->bodies[body]) ? world->bodies[body].state : 0;
+    return body == DAFT_SIM_NONE ? 0 : world->solver->row_of[body];
 }
 
 static bool yields(const daft_world *world, uint32_t row) { return row > world->solver->mover_count; }
 
 /* Of a heap that is being solved. */
 static bool solved_now(const daft_sim_solver *s, uint32_t row) { return row >= s->row_first && row < s->row_end; }
-
-/* ---- islands ---- */
-
-static uint32_t root_of(uint32_t *islands, uint32_t row)
-{
-    while (islands[row] != row) row = islands[row] = islands[islands[row]];
-    return row;
-}
-
-static void join(const daft_world *world, uint32_t a, uint32_t b)
-{
-    uint32_t *islands = world->solver->islands;
-    if (!yields(world, a) || !yields(world, b)) return;
-    a = root_of(islands, a), b = root_of(islands, b);
-    islands[a < b ? b : a] = a < b ? a : b;
-}
-
-uint32_t daft_sim_island_count(const daft_world *world)
-{
-    const daft_sim_solver *s = world->solver;
-    uint32_t count = 0;
-    for (uint32_t row = 1 + s->mover_count; row < s->row_count; row++) count += s->islands[row] == row;
-    return count;
-}
 
 /* ---- colours ---- */
 
@@ -120,81 +99,66 @@ static bool count_colour(daft_world *world, uint32_t colour, uint32_t class, uin
     return true;
 }
 
-static daft_sim_gathered gather(const daft_world *world, daft_sim_touch *touch)
+/* Whether a touch that met is solved, as it yields somewhere: a does. */
+static bool is_solved(const daft_world *world, const daft_sim_met *met)
 {
-    daft_sim_gathered g = {0};
-    if (touch->sensor || touch->patch_count == 0) return g;
-    g.row_a = row_of(world, touch->body_a), g.row_b = row_of(world, touch->body_b);
-    if (!yields(world, g.row_a)) return g;
-    g.patches = touch->patch_count;
-    float least = 0;
-    for (uint32_t k = 0; k < touch->patch_count; k++) {
-        const daft_sim_patch *patch = &daft_sim_patches(touch)[k];
-        g.points += patch->count;
-        for (uint32_t i = 0; i < patch->count; i++) least = daft_sim_min(least, patch->points[i].separation);
-    }
-    g.deep = least < -DEEP * daft_sim_min(world->bodies[touch->body_a].extent, world->bodies[touch->body_b].extent);
-    return g;
+    return met->flags & (DAFT_SIM_MET_FIXED | DAFT_SIM_MET_JOINS) && yields(world, world->solver->row_of[met->body_a]);
 }
 
-enum { GRAIN = 64, PARALLEL_CONTACTS = 512, AHEAD = 8 };
-
-static void gather_range(void *context, uint32_t index, uint32_t worker)
-{
-    (void)worker;
-    const daft_world *world = context;
-    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
-    if (end > world->met.count) end = world->met.count;
-    for (size_t i = first; i < end; i++) {
-        if (i + AHEAD < end) __builtin_prefetch(&world->touches[world->met.items[i + AHEAD]]);
-        world->solver->gathered[i] = gather(world, &world->touches[world->met.items[i]]);
-    }
-}
-
-/* Reads of records are for all workers; the colouring itself, which is for one, finds what it needs side by side. */
-static bool gather_contacts(daft_world *world)
+static bool reserve_contacts(daft_world *world)
 {
     daft_sim_solver *s = world->solver;
-    size_t count = world->met.count, patches = 0;
-    if (!daft_grow(&world->allocator, &s->gathered, &s->gathered_capacity, count, 0, sizeof *s->gathered)) return false;
-    daft_sim_for(world, count >= PARALLEL_CONTACTS, (uint32_t)((count + GRAIN - 1) / GRAIN), gather_range, world);
+    size_t patches = 0;
     s->contact_rows = 0;
-    for (size_t i = 0; i < count; i++) {
-        patches += s->gathered[i].patches;
-        s->contact_rows += 3 * s->gathered[i].patches + s->gathered[i].points;
+    for (size_t i = 0; i < world->met.count; i++) {
+        const daft_sim_met *met = &world->met.items[i];
+        if (!is_solved(world, met)) continue;
+        patches += met->patches;
+        s->contact_rows += 3u * met->patches + met->points;
     }
     return daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, patches, 0, sizeof *s->constraints);
+}
+
+/* Room for rows, and for what there is of each; of each body, for its row. */
+static bool reserve(daft_world *world, size_t rows)
+{
+    daft_sim_solver *s = world->solver;
+    const daft_allocator *a = &world->allocator;
+    size_t bodies = world->body_count, known = s->row_of_capacity;
+    if (!reserve_rows(world, rows) || !daft_grow(a, &s->row_of, &s->row_of_capacity, bodies, known, sizeof *s->row_of))
+        return false;
+    memset(s->row_of + known, 0, (s->row_of_capacity - known) * sizeof *s->row_of);
+    return daft_grow(a, &s->row_bodies, &s->row_body_capacity, rows, s->row_count, sizeof *s->row_bodies) &&
+           daft_grow(a, &s->heap_of, &s->heap_of_capacity, bodies, 0, sizeof *s->heap_of) &&
+           daft_grow(a, &s->masks, &s->mask_capacity, rows, 0, sizeof *s->masks) &&
+           daft_grow(a, &s->constrained, &s->constrained_capacity, rows, 0, sizeof *s->constrained) &&
+           daft_grow(a, &s->parting, &s->parting_capacity, rows, 0, sizeof *s->parting) &&
+           daft_grow(a, &s->heaps, &s->heap_capacity, rows, 0, sizeof *s->heaps) &&
+           daft_grow(a, &s->needs, &s->need_capacity, rows, 0, sizeof *s->needs) &&
+           daft_grow(a, &s->asked, &s->asked_capacity, rows, 0, sizeof *s->asked) &&
+           daft_grow(a, &s->targets, &s->target_capacity, rows, 0, sizeof *s->targets) &&
+           daft_grow(a, &s->spins, &s->spin_capacity, rows / DAFT_SIM_LANES + 1, 0, sizeof *s->spins) &&
+           daft_grow(a, &s->levels, &s->level_capacity, rows * CLASSES, 0, sizeof *s->levels);
 }
 
 bool daft_sim_rows_assign(daft_world *world, float dt)
 {
     daft_sim_solver *s = world->solver;
     size_t count = 1 + world->movers.count + world->awake.count;
-    if (!reserve_rows(world, count) ||
-        !daft_grow(&world->allocator, &s->row_bodies, &s->row_body_capacity, count, 0, sizeof *s->row_bodies) ||
-        !daft_grow(&world->allocator, &s->masks, &s->mask_capacity, count, 0, sizeof *s->masks) ||
-        !daft_grow(&world->allocator, &s->constrained, &s->constrained_capacity, count, 0, sizeof *s->constrained) ||
-        !daft_grow(&world->allocator, &s->parting, &s->parting_capacity, count, 0, sizeof *s->parting) ||
-        !daft_grow(&world->allocator, &s->islands, &s->island_capacity, count, 0, sizeof *s->islands) ||
-        !daft_grow(&world->allocator, &s->heaps, &s->heap_capacity, count, 0, sizeof *s->heaps) ||
-        !daft_grow(&world->allocator, &s->asked, &s->asked_capacity, count, 0, sizeof *s->asked) ||
-        !daft_grow(&world->allocator, &s->targets, &s->target_capacity, count, 0, sizeof *s->targets) ||
-        !daft_grow(&world->allocator, &s->spins, &s->spin_capacity, count / DAFT_SIM_LANES + 1, 0, sizeof *s->spins) ||
-        !daft_grow(&world->allocator, &s->levels, &s->level_capacity, count * CLASSES, 0, sizeof *s->levels))
-        return false;
+    if (!reserve(world, count)) return false;
+    for (uint32_t row = 1; row < s->row_count; row++) s->row_of[s->row_bodies[row]] = 0; /* of the last step */
+    s->row_count = 0;
     uint32_t row = 1;
     s->row_bodies[0] = DAFT_SIM_NONE;
     for (size_t i = 0; i < world->movers.count; i++) s->row_bodies[row++] = world->movers.items[i];
     s->mover_count = (uint32_t)world->movers.count;
+    for (size_t i = 0; i < world->awake.count; i++) s->row_of[world->awake.items[i]] = row; /* any, but 0 */
     order_rows(world, daft_sim_finer_paces(world, dt));
-    for (uint32_t r = 1; r < s->row_count; r++) {
-        s->asked[r] = 0;
-        s->parting[r] = (daft_sim_parting){0, 0};
-        s->islands[r] = r;
-        world->bodies[s->row_bodies[r]].state = r;
-    }
+    for (uint32_t r = 1; r < s->row_count; r++) s->row_of[s->row_bodies[r]] = r;
+    memset(s->asked, 0, s->row_count * sizeof *s->asked);
+    memset(s->parting, 0, s->row_count * sizeof *s->parting);
     memset(s->constrained, 0, s->row_count * sizeof *s->constrained);
-    return gather_contacts(world);
+    return reserve_contacts(world);
 }
 
 /* Springs push each pair of a spot full of bodies apart, and those on the outside would get the sum of all their speeds.
@@ -222,18 +186,16 @@ static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
     daft_sim_solver *s = world->solver;
     s->constraint_count = 0;
     for (size_t i = 0; i < world->met.count; i++) {
-        const daft_sim_gathered *g = &s->gathered[i];
-        if (g->patches == 0 || !solved_now(s, g->row_a)) continue;
-        uint32_t a = g->row_a, b = g->row_b, class = !yields(world, b);
-        join(world, a, b);
+        const daft_sim_met *met = &world->met.items[i];
+        if (!is_solved(world, met) || !solved_now(s, s->row_of[met->body_a])) continue;
+        uint32_t a = s->row_of[met->body_a], b = s->row_of[met->body_b], class = !yields(world, b);
         s->constrained[a] = true;
         if (!class) s->constrained[b] = true;
-        if (g->deep) part(world, a, b), part(world, b, a);
-        for (uint32_t k = 0; k < g->patches; k++) {
+        if (met->flags & DAFT_SIM_MET_PARTS) part(world, a, b), part(world, b, a);
+        for (uint32_t k = 0; k < met->patches; k++) {
             uint32_t colour = take_colour(s, a, b, class);
             if (!count_colour(world, colour, class, most)) return false;
-            s->constraints[s->constraint_count++] =
-                (daft_sim_constraint){world->met.items[i], k, a, b, colour << 1 | class};
+            s->constraints[s->constraint_count++] = (daft_sim_constraint){met->touch, k, a, b, colour << 1 | class};
         }
     }
     return true;
@@ -267,7 +229,7 @@ static void place_contacts(daft_sim_solver *s)
     for (size_t i = 0; i < s->constraint_count; i++) {
         const daft_sim_constraint *c = &s->constraints[i];
         uint32_t *next = &s->colour_counts[(c->colour >> 1) * CLASSES + (c->colour & 1)];
-        s->slots[(*next)++] = (daft_sim_slot){c->touch, c->patch};
+        s->slots[(*next)++] = (daft_sim_slot){c->touch, c->patch, c->row_a, c->row_b};
     }
 }
 
@@ -289,15 +251,13 @@ static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
     for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
         const daft_sim_joint *joint = &world->joints[i];
         if (joint->kind == 0) continue;
-        uint32_t a = joint->body[0] == DAFT_SIM_NONE ? 0 : row_of(world, joint->body[0]);
-        uint32_t b = joint->body[1] == DAFT_SIM_NONE ? 0 : row_of(world, joint->body[1]);
+        uint32_t a = row_of(world, joint->body[0]), b = row_of(world, joint->body[1]);
         if (!solved_now(s, a) && !solved_now(s, b)) continue;
         if (!daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, s->constraint_count + 1,
                        s->constraint_count, sizeof *s->constraints))
             return false;
         if (yields(world, a)) s->constrained[a] = true;
         if (yields(world, b)) s->constrained[b] = true;
-        join(world, a, b);
         uint32_t class = !(yields(world, a) && yields(world, b)), colour = take_colour(s, a, b, class);
         if (!count_colour(world, colour, class, most)) return false;
         s->constraints[s->constraint_count++] = (daft_sim_constraint){i, 0, a, b, colour << 1 | class};
@@ -369,7 +329,7 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     daft_sim_touch *touch = &world->touches[slot->touch];
     const daft_sim_patch *patch = &daft_sim_patches(touch)[slot->patch];
     const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
-    uint32_t row_a = row_of(world, touch->body_a), row_b = row_of(world, touch->body_b);
+    uint32_t row_a = slot->row_a, row_b = slot->row_b;
     bool fixed = !yields(world, row_b);
     float longer = a->h > 0 ? world->solver->h / a->h : 1; /* than the substep that the impulses are of */
     daft_vec3 n = patch->normal, t = any_perpendicular(n), u = daft_cross(n, t);

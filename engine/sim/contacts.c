@@ -435,13 +435,14 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
     const job *j = context;
-    const daft_world *world = j->world;
+    daft_world *world = j->world;
     size_t first = (size_t)index * GRAIN, left = world->listed.count - first, count = left < GRAIN ? left : GRAIN;
     daft_sim_listed *entries = &world->listed.items[first], *near[GRAIN];
     size_t near_count = find_near(world, entries, count, near);
     for (size_t i = 0; i < near_count; i++)
         fetch(&world->bodies[world->touches[near[i]->touch].body_b], offsetof(daft_sim_body, force));
     update_near(world, near, near_count, j->dt);
+    daft_sim_met_range(world, index, first, count);
 }
 
 /* Touches of what is not convex have many manifolds. */
@@ -463,7 +464,9 @@ bool daft_sim_contacts_update(daft_world *world, float dt)
     world->bare = false;
     job j = {world, dt};
     uint32_t tasks = (uint32_t)((world->listed.count + GRAIN - 1) / GRAIN);
+    if (!daft_sim_met_reserve(world, tasks)) return false;
     daft_sim_for(world, world->listed.count >= PARALLEL_TOUCHES, tasks, update_range, &j);
+    daft_sim_met_gather(world, GRAIN);
     world->contact_updates++;
     return true;
 }

@@ -211,8 +211,8 @@ static void judge_range(void *context, uint32_t index, uint32_t worker)
     size_t first = (size_t)index * GRAIN, end = first + GRAIN;
     if (end > world->met.count) end = world->met.count;
     for (size_t i = first; i < end; i++) {
-        if (i + AHEAD < end) __builtin_prefetch(&world->touches[world->met.items[i + AHEAD]], 1);
-        uint32_t touch = world->met.items[i];
+        if (i + AHEAD < end) __builtin_prefetch(&world->touches[world->met.items[i + AHEAD].touch], 1);
+        uint32_t touch = world->met.items[i].touch;
         world->merged.items[i] = judge(&world->touches[touch], touch);
     }
 }

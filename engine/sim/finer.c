@@ -18,7 +18,6 @@
 #define MARGIN     25.0f /* of omega²: columns sink by 2 mm at most, and do not only just stand */
 #define LEAST_G    1.0f  /* m/s²: where there is less gravity, what presses is no weight */
 #define COLUMN     2.5f  /* times the mean of what its bodies ask for is what a heap gets */
-#define DEEP       0.1f  /* of a body's extent: what overlaps by more is to be parted, and not so that it flies */
 #define FAST   0.1f  /* of its extent: if its fastest point moves by more in a step */
 #define STAYS      1.4f  /* times what is asked for, before a heap takes fewer substeps: it would go to and fro */
 #define LASTS      0.9f  /* of what was asked for, in a step in which nothing asks */
@@ -83,12 +82,26 @@ float daft_sim_finer_next(float now, float asked) { return daft_sim_max(LASTS * 
 
 /* ---- heaps ---- */
 
-static daft_sim_heap *heap_of(daft_world *world, uint32_t body)
+static daft_sim_heap *heap_of(const daft_world *world, uint32_t body)
 {
-    return &world->solver->heaps[world->bodies[daft_sim_island_of(world, body)].list_slot];
+    return &world->solver->heaps[world->solver->heap_of[body]];
 }
 
-uint32_t daft_sim_finer_pace(daft_world *world, uint32_t body) { return heap_of(world, body)->pace; }
+/* Numbers them. */
+static void find_heaps(daft_world *world)
+{
+    daft_sim_solver *s = world->solver;
+    daft_sim_islands_find(world);
+    s->heap_count = 0;
+    for (size_t i = 0; i < world->awake.count; i++) {
+        uint32_t body = world->awake.items[i];
+        if (world->islands[body] == body) s->heap_of[body] = s->heap_count++;
+    }
+    for (size_t i = 0; i < world->awake.count; i++) {
+        uint32_t body = world->awake.items[i];
+        s->heap_of[body] = s->heap_of[daft_sim_island_of(world, body)];
+    }
+}
 
 /* The least pace that does what is asked for within the work allowed. In a column, where loads grow evenly, bodies ask
  * for two fifths of what the lowest does on average; in a broad heap for much less. */
@@ -104,42 +117,51 @@ static uint32_t pace_of(const daft_world *world, const daft_sim_heap *heap, floa
     return pace;
 }
 
-static bool is_deep(const daft_world *world, daft_sim_touch *touch)
-{
-    float most = -DEEP * world->bodies[touch->body_a].extent;
-    for (uint32_t i = 0; i < touch->patch_count; i++) {
-        const daft_sim_patch *patch = &daft_sim_patches(touch)[i];
-        for (uint32_t k = 0; k < patch->count; k++)
-            if (patch->points[k].separation < most) return true;
-    }
-    return false;
-}
-
 /* Contacts are found once a step. A stiff spring at a point that the body has left within the step gives it energy. */
 static bool is_fast(const daft_sim_body *body, float dt)
 {
     return (daft_length(body->linear) + daft_length(body->angular) * body->extent) * dt > FAST * body->extent;
 }
 
-/* Sums are of whole numbers, so their order does not matter. */
-static void survey(daft_world *world, float dt)
+enum { GRAIN = 256, PARALLEL_BODIES = 512 };
+
+typedef struct job {
+    daft_world *world;
+    float dt;
+} job;
+
+static void need_range(void *context, uint32_t index, uint32_t worker)
 {
-    memset(world->solver->heaps, 0, world->awake.count * sizeof *world->solver->heaps);
+    (void)worker;
+    const job *j = context;
+    const daft_world *world = j->world;
+    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
+    if (end > world->awake.count) end = world->awake.count;
+    for (size_t i = first; i < end; i++) {
+        const daft_sim_body *body = &world->bodies[world->awake.items[i]];
+        uint32_t before = body->h > 0 ? (uint32_t)(daft_sim_min(j->dt / body->h, MOST_SUBSTEPS) + 0.5f) : 0;
+        world->solver->needs[i] = (daft_sim_need){body->finer, before, is_fast(body, j->dt)};
+    }
+}
+
+/* Sums are of whole numbers, so their order does not matter. */
+static void survey(daft_world *world)
+{
+    const daft_sim_solver *s = world->solver;
+    memset(s->heaps, 0, s->heap_count * sizeof *s->heaps);
     for (size_t i = 0; i < world->awake.count; i++) {
         daft_sim_heap *heap = heap_of(world, world->awake.items[i]);
         heap->bodies++;
-        const daft_sim_body *body = &world->bodies[world->awake.items[i]];
-        uint32_t before = body->h > 0 ? (uint32_t)(daft_sim_min(dt / body->h, MOST_SUBSTEPS) + 0.5f) : 0;
-        heap->asked += (uint64_t)body->finer;
-        if (before > heap->before) heap->before = before;
-        heap->fast |= is_fast(body, dt);
+        heap->asked += (uint64_t)s->needs[i].finer;
+        if (s->needs[i].before > heap->before) heap->before = s->needs[i].before;
+        heap->fast |= s->needs[i].fast;
     }
     for (size_t i = 0; i < world->met.count; i++) {
-        daft_sim_touch *touch = &world->touches[world->met.items[i]];
-        if (touch->sensor || !daft_sim_is_active(&world->bodies[touch->body_a])) continue;
-        daft_sim_heap *heap = heap_of(world, touch->body_a);
-        heap->contacts += touch->patch_count;
-        heap->deep |= is_deep(world, touch);
+        const daft_sim_met *met = &world->met.items[i];
+        if (!(met->flags & (DAFT_SIM_MET_FIXED | DAFT_SIM_MET_JOINS)) || s->row_of[met->body_a] == 0) continue;
+        daft_sim_heap *heap = heap_of(world, met->body_a);
+        heap->contacts += met->patches;
+        heap->deep |= (met->flags & DAFT_SIM_MET_DEEP) != 0;
     }
 }
 
@@ -158,16 +180,17 @@ static void survey_joints(daft_world *world)
 
 bool daft_sim_finer_paces(daft_world *world, float dt)
 {
+    daft_sim_solver *s = world->solver;
+    uint32_t count = (uint32_t)world->awake.count;
     float most = 0;
-    for (size_t i = 0; i < world->awake.count; i++)
-        most = daft_sim_max(most, world->bodies[world->awake.items[i]].finer);
+    find_heaps(world);
+    daft_sim_for(world, count >= PARALLEL_BODIES, (count + GRAIN - 1) / GRAIN, need_range, &(job){world, dt});
+    for (size_t i = 0; i < count; i++) most = daft_sim_max(most, s->needs[i].finer);
     if (COLUMN * most * dt <= (float)world->substeps) return false;
-    daft_sim_islands_find(world);
-    survey(world, dt);
+    survey(world);
     survey_joints(world);
-    for (size_t i = 0; i < world->awake.count; i++)
-        world->solver->heaps[i].pace = pace_of(world, &world->solver->heaps[i], dt);
-    for (size_t i = 0; i < world->awake.count; i++)
+    for (size_t i = 0; i < s->heap_count; i++) s->heaps[i].pace = pace_of(world, &s->heaps[i], dt);
+    for (size_t i = 0; i < count; i++)
         if (heap_of(world, world->awake.items[i])->deep) world->bodies[world->awake.items[i]].finer = 0;
     return true;
 }

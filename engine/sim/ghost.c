@@ -394,14 +394,17 @@ bool daft_sim_ghosts_drop(daft_world *world, float dt)
         return false;
     bodies->count = 0;
     for (size_t i = 0; i < world->met.count; i++) {
-        daft_sim_touch *touch = &world->touches[world->met.items[i]];
-        daft_sim_body *body = &world->bodies[touch->body_a];
-        if (!is_fixed(world, touch) || body->asleep) continue;
-        if (body->fixed_met == 0) bodies->items[bodies->count++] = touch->body_a;
-        body->fixed_met += is_deep(world, touch) ? 2 : 1;
+        const daft_sim_met *met = &world->met.items[i];
+        if (!(met->flags & DAFT_SIM_MET_FIXED)) continue;
+        daft_sim_body *body = &world->bodies[met->body_a];
+        if (body->asleep) continue;
+        if (body->fixed_met == 0) bodies->items[bodies->count++] = met->body_a;
+        body->fixed_met += is_deep(world, &world->touches[met->touch]) ? 2 : 1;
     }
     job j = {world, dt};
     uint32_t tasks = (uint32_t)((bodies->count + GRAIN - 1) / GRAIN);
     daft_sim_for(world, bodies->count >= PARALLEL_BODIES, tasks, filter_range, &j);
+    for (size_t i = 0; i < world->met.count; i++)
+        if (world->met.items[i].flags & DAFT_SIM_MET_FIXED) daft_sim_met_refresh(world, &world->met.items[i]);
     return true;
 }

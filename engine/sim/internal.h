@@ -11,7 +11,7 @@
  * walks: `awake`, `movers`, and `listed`, the touches that have an active side, in the order of their keys. A body that
  * sleeps is on a ring with those that fell asleep with it, and is woken with them.
  *
- * A step (step.c): fat bounds and new pairs (broad.c, pairs.c) -> manifolds (contacts.c) -> islands that are met wake
+ * A step (step.c): fat bounds and new pairs (broad.c, pairs.c) -> manifolds (contacts.c, met.c) -> islands that are met wake
  * (sleep.c) -> colours (colour.c) -> substeps (solver.c, solver_kernel.c, joint_kernel.c, spin.c) -> sweeps (sweep.c),
  * poses -> events (events.c) -> islands fall asleep (sleep.c).
  *
@@ -127,46 +127,49 @@ typedef struct daft_sim_part {
     uint64_t escaped_at;
 } daft_sim_part;
 
+/* What a step asks for at the same time lies together, in cache lines of 64 bytes; what it hardly asks for comes last. */
 typedef struct daft_sim_body {
-    daft_body_kind kind; /* DAFT_BODY_NONE: a free slot */
-    uint32_t user, locks;
+    _Alignas(64) daft_body_kind kind; /* DAFT_BODY_NONE: a free slot */
     bool bullet, may_sleep;
-    bool asleep;  /* dynamic */
-
-    daft_quat rotation;
-    daft_dvec3 position;
-    daft_rigid frame;  /* position and rotation */
-    daft_dvec3 centre; /* of mass */
-    daft_vec3 linear, angular;
-    float extent;  /* no point is farther from the centre of mass */
-    double travel; /* dynamic: no point has gone farther since the body was made, metres */
-    daft_vec3 force, torque; /* over the next step */
-    float gravity_scale, linear_damping, angular_damping;
-
-    float wanted_mass; /* as defined; 0: from densities */
-    float mass, inv_mass;
-    daft_vec3 local_centre;
-    daft_vec3 moments;  /* principal, kg·m² */
-    daft_quat axes;     /* principal axes, in the body */
+    bool asleep;        /* dynamic */
     bool round;         /* all three moments are equal */
-    float inner;        /* least of its parts': a move up to this is not swept */
+    uint32_t list_slot; /* in awake or movers, or DAFT_SIM_NONE */
+    uint32_t state;     /* in this step's solver; 0: does not move */
+    daft_vec3 linear, angular;
+    float extent;        /* no point is farther from the centre of mass */
+    float inv_mass;
+    uint32_t first_part, first_touch; /* touch: index · 2 + side */
+    float rest;          /* seconds it has hardly moved */
+    float h;             /* s: of the last substep it took, to which impulses belong; 0: none yet */
 
+    daft_dvec3 centre;   /* of mass */
+    double travel;       /* dynamic: no point has gone farther since the body was made, metres */
+    daft_quat rotation;
+    float finer;         /* substeps a second that what it carries asks for (finer.c) */
+    float inner;         /* least of its parts': a move up to this is not swept */
+    float gravity_scale;
+    uint32_t locks;
+
+    daft_rigid frame; /* position and rotation */
+    daft_vec3 force, torque; /* over the next step */
+    float linear_damping, angular_damping;
+
+    daft_dvec3 position;
+    daft_vec3 moments; /* principal, kg·m² */
+    daft_quat axes;    /* principal axes, in the body */
+    daft_vec3 local_centre;
+
+    uint32_t user;
+    uint32_t first_joint;       /* index · 2 + side */
+    float wanted_mass;          /* as defined; 0: from densities */
+    float mass;
     daft_dvec3 target_position; /* kinematic bodies with has_target: the pose at the end of the next step */
     daft_quat target_rotation;
     bool has_target;
-    bool follows; /* the velocity came from a target, so it ends with the step */
-
-    uint32_t first_part, first_touch, first_joint; /* touch and joint: index · 2 + side */
-    uint32_t list_slot; /* in awake or movers, or DAFT_SIM_NONE */
+    bool follows;          /* the velocity came from a target, so it ends with the step */
+    uint32_t fixed_met;    /* scratch of ghost.c: touches with what does not yield */
     uint32_t next_free;
-    uint32_t ring; /* asleep: the next body that fell asleep with it */
-    float rest;    /* seconds it has hardly moved */
-
-    float finer;     /* substeps a second that what it carries asks for (finer.c) */
-    float h;         /* s: of the last substep it took, to which impulses belong; 0: none yet */
-    uint32_t state;  /* in this step's solver; 0: does not move */
-    uint32_t fixed_met; /* scratch of ghost.c: touches with what does not yield */
-    uint32_t island; /* scratch: parent in the union-find */
+    uint32_t ring;         /* asleep: the next body that fell asleep with it */
 } daft_sim_body;
 
 typedef struct daft_sim_patch_point {
@@ -246,6 +249,25 @@ typedef struct daft_sim_listing {
     size_t count, capacity;
 } daft_sim_listing;
 
+/* A touch that has patches or is touching, with what the whole step asks of it, so that its record is left alone. */
+typedef struct daft_sim_met {
+    uint32_t touch, body_a, body_b;
+    uint16_t points;
+    uint8_t patches, flags;
+} daft_sim_met;
+
+enum {
+    DAFT_SIM_MET_FIXED = 1, /* it has patches, and b does not yield */
+    DAFT_SIM_MET_JOINS = 2, /* it has patches, and both yield */
+    DAFT_SIM_MET_DEEP = 4,  /* a overlaps by so much that it is no load which presses them together (finer.c) */
+    DAFT_SIM_MET_PARTS = 8  /* they were made so, or were too fast: they are to part slowly (colour.c) */
+};
+
+typedef struct daft_sim_meeting {
+    daft_sim_met *items;
+    size_t count, capacity;
+} daft_sim_meeting;
+
 typedef struct daft_sim_event_list {
     daft_sim_event *items;
     size_t count, capacity;
@@ -289,7 +311,10 @@ struct daft_world {
     bool bare;            /* some listed touch needs room for manifolds */
     bool some_apart;      /* of those listed, */
     bool some_idle;       /* or have no active side any more */
-    daft_sim_list met;    /* touches of the listing that have patches or are touching, in its order */
+    daft_sim_meeting met; /* touches of the listing that have patches or are touching, in its order */
+    daft_sim_list met_ranges; /* scratch of met.c */
+    uint32_t *islands;    /* sleep.c: of each body that is awake, its parent in the union-find */
+    size_t island_capacity;
     daft_sim_list ghosts; /* bodies that met what does not yield, in this step */
     uint32_t asleep_count; /* bodies */
     uint64_t *pair_keys; /* hash set of the parts of all touches; UINT64_MAX: empty */
@@ -418,8 +443,6 @@ void daft_sim_touches_list(daft_world *world, uint32_t body);
 void daft_sim_listed_sort(daft_sim_listed *items, size_t count, daft_sim_listed *scratch);
 /* Takes out what is gone or asleep and merges what is new. False when memory is out. */
 bool daft_sim_listing_update(daft_world *world);
-/* Finds which of the listed have met. False when memory is out. */
-bool daft_sim_met_update(daft_world *world);
 /* Whether two parts may touch at all. */
 bool daft_sim_may_meet(const daft_world *world, uint32_t part_a, uint32_t part_b);
 /* For loading: enters a touch that stands in its slot into lists and set. False if its pair is there already. */
@@ -428,11 +451,23 @@ bool daft_sim_pairs_reserve(daft_world *world, size_t more);
 
 /* ---- contacts.c ---- */
 
-/* Patches of everything listed. False when memory is out. */
+/* Patches of everything listed, and which of it has met. False when memory is out. */
 bool daft_sim_contacts_update(daft_world *world, float dt);
 void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch);
 /* The way of a body's part over dt, as it is going now. */
 daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt);
+
+/* ---- met.c ---- */
+
+/* Finds which of the listed have met. False when memory is out. */
+bool daft_sim_met_update(daft_world *world);
+/* The same by ranges of the listing, side by side: room for what they find, what one of them finds, and all of it in a
+ * row. Every range but the last has `grain` entries. */
+bool daft_sim_met_reserve(daft_world *world, size_t ranges);
+void daft_sim_met_range(daft_world *world, uint32_t range, size_t first, size_t count);
+void daft_sim_met_gather(daft_world *world, size_t grain);
+/* After a change of its patches. */
+void daft_sim_met_refresh(const daft_world *world, daft_sim_met *met);
 
 /* ---- ghost.c ---- */
 

@@ -499,25 +499,3 @@ bool daft_sim_listing_update(daft_world *world)
     *merged = swap;
     return true;
 }
-
-bool daft_sim_met_update(daft_world *world)
-{
-    daft_sim_list *met = &world->met;
-    if (!daft_grow(&world->allocator, &met->items, &met->capacity, world->listed.count, 0, sizeof *met->items))
-        return false;
-    met->count = 0;
-    for (size_t i = 0; i < world->listed.count; i++) {
-        daft_sim_listed *entry = &world->listed.items[i];
-        if (entry->state == 0) continue;
-        if (entry->state & DAFT_SIM_LISTED_APART) {
-            world->some_apart = true;
-            continue;
-        }
-        const daft_sim_touch *touch = &world->touches[entry->touch];
-        if (touch->patch_count > 0 || touch->touching)
-            met->items[met->count++] = entry->touch;
-        else
-            entry->state = 0;
-    }
-    return true;
-}

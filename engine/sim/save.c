@@ -314,7 +314,8 @@ static bool enter_lists(daft_world *w)
                 return false;
             body->list_slot = (uint32_t)i;
         }
-    return daft_sim_list_reserve(w, &w->awake, w->body_count) && daft_sim_list_reserve(w, &w->movers, w->body_count);
+    return daft_sim_list_reserve(w, &w->awake, w->body_count) && daft_sim_list_reserve(w, &w->movers, w->body_count) &&
+           daft_grow(&w->allocator, &w->islands, &w->island_capacity, w->body_count, 0, sizeof *w->islands);
 }
 
 static bool enter_parts(daft_world *w)

@@ -60,9 +60,9 @@ void daft_sim_wake_all(daft_world *world)
 void daft_sim_wake_met(daft_world *world)
 {
     for (size_t i = 0; i < world->met.count && world->asleep_count > 0; i++) {
-        const daft_sim_touch *touch = &world->touches[world->met.items[i]];
-        if (touch->patch_count == 0 || touch->sensor) continue;
-        uint32_t a = touch->body_a, b = touch->body_b;
+        const daft_sim_met *met = &world->met.items[i];
+        if (!(met->flags & (DAFT_SIM_MET_FIXED | DAFT_SIM_MET_JOINS))) continue;
+        uint32_t a = met->body_a, b = met->body_b;
         daft_sim_wake(world, a);
         if (world->bodies[b].asleep) daft_sim_wake(world, b);
     }
@@ -72,39 +72,34 @@ void daft_sim_wake_met(daft_world *world)
 
 uint32_t daft_sim_island_of(daft_world *world, uint32_t index)
 {
-    daft_sim_body *bodies = world->bodies;
-    while (bodies[index].island != index) {
-        bodies[index].island = bodies[bodies[index].island].island;
-        index = bodies[index].island;
-    }
+    uint32_t *islands = world->islands;
+    while (islands[index] != index) index = islands[index] = islands[islands[index]];
     return index;
 }
 
-/* The lower index is the root, so it does not depend on the order. */
+/* The lower index is the root, so it does not depend on the order. What sleeps joins nothing. */
 static void join(daft_world *world, uint32_t a, uint32_t b)
 {
-    if (world->bodies[a].kind != DAFT_BODY_DYNAMIC || world->bodies[b].kind != DAFT_BODY_DYNAMIC) return;
+    if (world->asleep_count > 0 && (world->bodies[a].asleep || world->bodies[b].asleep)) return;
     a = daft_sim_island_of(world, a), b = daft_sim_island_of(world, b);
-    if (a < b)
-        world->bodies[b].island = a;
-    else
-        world->bodies[a].island = b;
+    world->islands[a < b ? b : a] = a < b ? a : b;
+}
+
+static bool is_dynamic(const daft_world *world, uint32_t body)
+{
+    return body != DAFT_SIM_NONE && world->bodies[body].kind == DAFT_BODY_DYNAMIC;
 }
 
 void daft_sim_islands_find(daft_world *world)
 {
-    for (size_t i = 0; i < world->awake.count; i++)
-        world->bodies[world->awake.items[i]].island = world->awake.items[i];
+    for (size_t i = 0; i < world->awake.count; i++) world->islands[world->awake.items[i]] = world->awake.items[i];
     for (size_t i = 0; i < world->met.count; i++) {
-        const daft_sim_touch *touch = &world->touches[world->met.items[i]];
-        if (touch->patch_count > 0 && !touch->sensor && !world->bodies[touch->body_a].asleep &&
-            !world->bodies[touch->body_b].asleep)
-            join(world, touch->body_a, touch->body_b);
+        const daft_sim_met *met = &world->met.items[i];
+        if (met->flags & DAFT_SIM_MET_JOINS) join(world, met->body_a, met->body_b);
     }
     for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
         const daft_sim_joint *joint = &world->joints[i];
-        if (joint->kind == 0 || joint->body[0] == DAFT_SIM_NONE || joint->body[1] == DAFT_SIM_NONE) continue;
-        if (!world->bodies[joint->body[0]].asleep && !world->bodies[joint->body[1]].asleep)
+        if (joint->kind != 0 && is_dynamic(world, joint->body[0]) && is_dynamic(world, joint->body[1]))
             join(world, joint->body[0], joint->body[1]);
     }
 }
@@ -121,7 +116,7 @@ static bool moves_others(const daft_world *world, uint32_t body)
 static void keep_carried_awake(daft_world *world)
 {
     for (size_t i = 0; i < world->met.count; i++) {
-        const daft_sim_touch *touch = &world->touches[world->met.items[i]];
+        const daft_sim_touch *touch = &world->touches[world->met.items[i].touch];
         if (touch->patch_count == 0 || touch->sensor) continue;
         if (touch->belted || moves_others(world, touch->body_b)) world->bodies[touch->body_a].rest = 0;
     }

@@ -227,12 +227,13 @@ static daft_vec3 apply_inertia(const float m[6], daft_vec3 v)
 static void fill_row(const daft_world *world, uint32_t row, float dt)
 {
     const daft_sim_rows *rows = &world->solver->rows;
-    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     size_t at = (size_t)row * DAFT_SIM_ROW;
     float *velocity = rows->velocity + at, *gain = rows->gain + at, *mass = rows->mass + at, *turn = rows->turn + at;
     daft_vec3 zero = daft_v3(0, 0, 0), linear = body->linear, angular = body->angular, push = zero, twist = zero;
     float h = world->solver->h;
     bool dynamic = body->kind == DAFT_BODY_DYNAMIC, constrained = world->solver->constrained[row];
+    body->state = row;
     put(rows->moved + at, zero, zero);
     rows->moved[at + 6] = h;
     turn[0] = turn[1] = turn[2] = 0, turn[3] = 1;
@@ -356,8 +357,8 @@ void daft_sim_solver_destroy(daft_world *world)
     void *arrays[] = {s->rows.velocity, s->rows.moved, s->rows.gain,    s->rows.turn,     s->rows.mass,
                       s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_blocks,
                       s->joint_slots,   s->joint_bins, s->joint_colours, s->masks,      s->levels,       s->constraints,   s->colour_counts,
-                      s->spins,         s->targets,     s->constrained,   s->islands,       s->gathered,
-                      s->asked,         s->heaps,      s->parting};
+                      s->spins,         s->targets,     s->constrained,   s->row_of,        s->heap_of,
+                      s->asked,         s->heaps,      s->needs,         s->parting};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
     daft_release(&world->allocator, s);
     world->solver = NULL;

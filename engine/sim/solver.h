@@ -131,6 +131,8 @@ struct daft_sim_solver {
     uint32_t *row_bodies; /* of each row */
     size_t row_body_capacity;
     uint32_t row_count, mover_count;
+    uint32_t *row_of; /* of each body; 0: it does not move */
+    size_t row_of_capacity;
     bool *constrained; /* rows that some constraint acts on */
     size_t constrained_capacity;
     struct daft_sim_parting {
@@ -144,8 +146,17 @@ struct daft_sim_solver {
         bool deep;   /* some overlap by so much that it is no load which presses them together */
         bool joined; /* some have joints */
         bool fast;   /* some leave, within the step, the place that their contacts were found in */
-    } *heaps; /* under the place, among those awake, of the body that stands for it */
+    } *heaps;
     size_t heap_capacity;
+    uint32_t heap_count;
+    uint32_t *heap_of; /* of each body that is awake and dynamic */
+    size_t heap_of_capacity;
+    struct daft_sim_need { /* of a body that is awake, by its place among those: */
+        float finer;
+        uint32_t before; /* substeps in the last step */
+        bool fast;
+    } *needs;
+    size_t need_capacity;
     float *asked; /* of each row: substeps a second, by what it carried in this step */
     size_t asked_capacity;
 
@@ -163,7 +174,7 @@ struct daft_sim_solver {
     uint32_t colour_count;
     /* Contacts in the order of colours: where each came from. */
     struct daft_sim_slot {
-        uint32_t touch, patch;
+        uint32_t touch, patch, row_a, row_b;
     } *slots;
     size_t slot_capacity;
 
@@ -189,14 +200,7 @@ struct daft_sim_solver {
         uint32_t touch, patch, row_a, row_b, colour;
     } *constraints;
     size_t constraint_capacity, constraint_count;
-    struct daft_sim_gathered { /* of a touch that met: */
-        uint32_t row_a, row_b, patches, points;
-        bool deep;
-    } *gathered;
-    size_t gathered_capacity;
     uint32_t contact_rows; /* constraints of all contacts */
-    uint32_t *islands; /* of rows: parents in the union-find */
-    size_t island_capacity;
     uint32_t *colour_counts;
     size_t colour_count_capacity;
 
@@ -220,7 +224,7 @@ struct daft_sim_solver {
 typedef struct daft_sim_heap daft_sim_heap;
 typedef struct daft_sim_slot daft_sim_slot;
 typedef struct daft_sim_constraint daft_sim_constraint;
-typedef struct daft_sim_gathered daft_sim_gathered;
+typedef struct daft_sim_need daft_sim_need;
 typedef struct daft_sim_joint_slot daft_sim_joint_slot;
 typedef struct daft_sim_parting daft_sim_parting;
 
@@ -230,8 +234,6 @@ typedef struct daft_sim_parting daft_sim_parting;
 bool daft_sim_rows_assign(daft_world *world, float dt);
 /* Colours for contacts and joints of the heaps of one pace, which are the ones to be solved now. */
 bool daft_sim_colour_pace(daft_world *world, uint32_t pace, float dt);
-/* Heaps of bodies that touch or are joined, when all were coloured. */
-uint32_t daft_sim_island_count(const daft_world *world);
 /* Fills block `index` from patches, and puts the impulses back. */
 void daft_sim_block_fill(daft_world *world, uint32_t index);
 void daft_sim_block_store(daft_world *world, uint32_t index);
@@ -243,9 +245,8 @@ bool daft_sim_finer_load(const daft_world *world, daft_sim_patch *patch, float i
 /* What strained contacts of the heaps just solved ask for goes to the rows of their bodies. */
 void daft_sim_finer_ask(daft_world *world);
 float daft_sim_finer_next(float now, float asked);
-/* Finds the paces of heaps, for which there is room. False: all have the world's own. */
+/* Finds heaps and their paces, for which there is room. False: all have the world's own. */
 bool daft_sim_finer_paces(daft_world *world, float dt);
-uint32_t daft_sim_finer_pace(daft_world *world, uint32_t body);
 
 /* ---- spin.c ---- */
 

@@ -185,7 +185,7 @@ static void count(daft_world *world)
 {
     daft_sim_counters *c = &world->counters;
     c->pairs = (uint32_t)world->listed.count;
-    c->islands = daft_sim_island_count(world);
+    c->islands = world->solver->heap_count;
 }
 
 /* Finds what is there to be solved. Nothing has moved if it fails. */
@@ -193,8 +193,7 @@ static bool find_work(daft_world *world, float dt)
 {
     for (size_t i = 0; i < world->movers.count; i++) begin_mover(&world->bodies[world->movers.items[i]], dt);
     if (!daft_sim_broad_update(world, dt) || !daft_sim_pairs_find(world) || !daft_sim_listing_update(world)) return false;
-    if (!daft_sim_contacts_update(world, dt) || !daft_sim_met_update(world) || !daft_sim_ghosts_drop(world, dt))
-        return false;
+    if (!daft_sim_contacts_update(world, dt) || !daft_sim_ghosts_drop(world, dt)) return false;
     daft_sim_wake_met(world);
     bool woken = world->fresh_listed.count > 0;
     if (!daft_sim_listing_update(world) || (woken && !daft_sim_met_update(world))) return false;
