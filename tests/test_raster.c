@@ -255,6 +255,95 @@ static void brute_force(void **unused)
     mesh_drop(&mesh);
 }
 
+/* Many things of many more triangles than pixels, one behind the other. */
+static void crowds(void **unused)
+{
+    (void)unused;
+    fixture_seed(1000);
+    enum { COUNT = 250 };
+    fixture_mesh meshes[2] = {mesh_ball(40, 0.5f, 0.4f), mesh_soup(2000, 1, 0.05f)};
+    daft_instance *instances = malloc(COUNT * sizeof *instances);
+    for (int round = 0; round < 3; round++) {
+        for (int i = 0; i < COUNT; i++) {
+            daft_vec3 at = daft_v3(random_float(4, 40), random_float(-6, 6), random_float(-6, 6));
+            instances[i] = instance_make(&meshes[i % 2], affine_make(random_rotation(), daft_v3(1, 1, 1), at));
+        }
+        setting s = {pencil_make(0, 0, 0.8f), instances, COUNT};
+        assert_true(agree(&s, "crowd") > WIDTH * HEIGHT / 2);
+    }
+    free(instances);
+    mesh_drop(&meshes[0]), mesh_drop(&meshes[1]);
+}
+
+/* Corners and edges of triangles smaller than a pixel on its very ray: no pixel is lost. */
+static void specks_on_the_grid(void **unused)
+{
+    (void)unused;
+    enum { SIDE = 65, QUADS = (SIDE - 1) * (SIDE - 1) };
+    daft_vec3 *p = malloc(SIDE * SIDE * sizeof *p);
+    uint32_t *index = malloc(6 * QUADS * sizeof *index), n = 0;
+    for (int y = 0; y < SIDE; y++)
+        for (int x = 0; x < SIDE; x++) p[y * SIDE + x] = daft_v3(64, (float)(y - 32) * 0.25f, (float)(x - 32) * 0.25f);
+    for (uint32_t y = 0; y + 1 < SIDE; y++)
+        for (uint32_t x = 0; x + 1 < SIDE; x++) {
+            uint32_t a = y * SIDE + x;
+            const uint32_t quad[6] = {a, a + 1, a + SIDE, a + 1, a + SIDE + 1, a + SIDE};
+            memcpy(index + n, quad, sizeof quad);
+            n += 6;
+        }
+    fixture_mesh mesh = mesh_make(p, SIDE * SIDE, index, n / 3);
+    daft_instance instance = instance_make(&mesh, still());
+    setting s = {pencil_make(0, 0, 1), &instance, 1};
+    s.pencil.focal = 64; /* a step of the grid is then a quarter of a pixel */
+    const float shifts[] = {0, 0.5f, 0.25f, 0.03125f};
+    for (size_t i = 0; i < DAFT_COUNT_OF(shifts); i++) {
+        s.pencil.shift_x = s.pencil.shift_y = shifts[i];
+        assert_in_range(agree(&s, "specks on the grid"), 16 * 16, 17 * 17);
+    }
+    mesh_drop(&mesh);
+    free(p), free(index);
+}
+
+/* In a far corner of a very large picture floats are at their coarsest. */
+static void specks_in_a_far_corner(void **unused)
+{
+    (void)unused;
+    enum { SIZE = 8192 };
+    fixture_seed(8192);
+    fixture_mesh mesh = mesh_ball(40, 1, 0.3f);
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_pencil pencil = {.right = {0, 0, 1}, .up = {0, 1, 0}, .forward = {1, 0, 0}, .focal = 3000, .width = SIZE, .height = SIZE};
+    daft_raster raster;
+    daft_tile *tile = malloc(2 * sizeof *tile);
+    uint32_t seen = 0;
+    assert_true(daft_raster_init(&raster, &allocator, 1, NULL));
+    for (int round = 0; round < 20; round++) {
+        float z = random_float(100, 3000), slope = (SIZE / 2 - 16) / pencil.focal;
+        daft_instance instance = instance_make(&mesh, affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(z, slope * z, slope * z)));
+        daft_arena arena;
+        daft_arena_init(&arena, &allocator);
+        const daft_tlas *tlas = daft_tlas_build(&arena, &instance, 1, NULL);
+        assert_true(tlas && daft_raster_begin(&raster, &pencil, &instance, 1, NULL));
+        daft_raster_bin(&raster, 0, 0);
+        uint32_t corner = (uint32_t)raster.tiles_x - 1;
+        daft_reference_tile(&raster, tlas, corner, &tile[0]);
+        for (int i = 0; i < DAFT_TILE * DAFT_TILE_STRIDE; i++) seen += tile[0].instance[i] == 0;
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            daft_raster_kernels_for(isa)->tile(&raster, corner, 0, &tile[1]);
+            for (int y = 0; y < DAFT_TILE; y++) {
+                size_t row = (size_t)y * DAFT_TILE_STRIDE, bytes = DAFT_TILE * sizeof(uint32_t);
+                assert_memory_equal(&tile[0].instance[row], &tile[1].instance[row], bytes);
+                assert_memory_equal(&tile[0].triangle[row], &tile[1].triangle[row], bytes);
+            }
+        }
+        daft_arena_free(&arena);
+    }
+    assert_true(seen > 1000);
+    free(tile);
+    daft_raster_free(&raster);
+    mesh_drop(&mesh);
+}
+
 /* What cannot be seen is not tested: behind the camera, beside it, between the pixels' rays. */
 static void culling(void **unused)
 {
@@ -298,7 +387,8 @@ int main(void)
         cmocka_unit_test(on_the_grid),   cmocka_unit_test(spheres),
         cmocka_unit_test(ties),          cmocka_unit_test(huge_and_tiny),
         cmocka_unit_test(through_the_camera_plane), cmocka_unit_test(brute_force),
-        cmocka_unit_test(culling),
+        cmocka_unit_test(culling),       cmocka_unit_test(crowds),
+        cmocka_unit_test(specks_on_the_grid), cmocka_unit_test(specks_in_a_far_corner),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
