@@ -120,7 +120,8 @@ static bool seen_setup(const daft_pencil *p, const daft_instance *instance, uint
         !pixel_range(-high.y, -low.y, low.z, high.z, f, cy, p->height, &seen->y0, &seen->y1))
         return false;
     if (!instance->mesh) return sphere_range(p, seen, cx, cy);
-    seen->dense = 4 * (int64_t)instance->mesh->triangle_count >= (int64_t)(seen->x1 - seen->x0 + 1) * (seen->y1 - seen->y0 + 1);
+    int64_t triangles = instance->mesh->triangle_count, pixels = (int64_t)(seen->x1 - seen->x0 + 1) * (seen->y1 - seen->y0 + 1);
+    seen->dense = (low.z > 0 ? 6 : 4) * triangles >= pixels;
     return true;
 }
 

@@ -42,7 +42,7 @@ typedef struct daft_seen {
     daft_affine to_camera;
     float near_z;       /* of its bounds in camera space */
     int x0, x1, y0, y1; /* pixels its bounds may cover, inclusive */
-    bool dense;         /* a mesh with a triangle or more to four pixels of them */
+    bool dense;         /* a mesh with a triangle or more to six pixels of them; to four around the camera, where most is elsewhere */
 } daft_seen;
 
 /* Instances in a tile, in the order in which they sort: the bits of near_z << 32 | number. */
