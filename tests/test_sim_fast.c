@@ -289,6 +289,55 @@ static void no_needle_passes_a_mesh(void **unused)
         }
 }
 
+/* ---- hit by what moves ---- */
+
+/* A kinematic bar comes along at 2 to 120 m/s, or swings at 1 to 45 rad/s, up to 2 m or 0.75 rad a step, over what lies there, asleep
+ * or not: it is never jumped over, but goes on at the bar's speed or, struck at a part of the bar's length, at a good part of its end's. */
+static void a_moving_bar_hits_what_lies(void **unused)
+{
+    (void)unused;
+    seed_random(2004);
+    daft_hull *hulls[2] = {cylinder(0.15, 0.3), prism(0.15, 0.3, 8)};
+    const daft_sim_shape shapes[] = {{.type = DAFT_GEOMETRY_SPHERE, .radius = 0.15f},
+                                     {.type = DAFT_GEOMETRY_CAPSULE, .radius = 0.15f, .half_height = 0.3f},
+                                     {.type = DAFT_GEOMETRY_BOX, .half = {0.15f, 0.15f, 0.15f}},
+                                     daft_shape_hull(hulls[0]),
+                                     daft_shape_hull(hulls[1])};
+    double least = 1;
+    for (int shot = 0; shot < 4 * shots_wanted(); shot++) {
+        bool swings = shot & 1, asleep = shot & 2, posed = shot & 4;
+        daft_world *world = new_world();
+        daft_world_set_sleeping(world, asleep);
+        add_floor(world, 50);
+        one_shape def = sphere(1, 0, 0.15, 0);
+        def.part.shape = shapes[shot / 8 % 5];
+        def.rotation = shot & 8 ? turned(1, 0, 0, DAFT_PI / 2) : turned(0, 0, 1, DAFT_PI / 2);
+        uint32_t id = add(world, def);
+        steps(world, 60);
+        double rate = swings ? uniform(1, 45) : uniform(2, 120), thick = shot & 16 ? 0.1 : 0.02, at = swings ? uniform(0.3, 1.2) : -4 - uniform(0, 2);
+        one_shape bar = swings ? box(daft_v3(2, 0.3f, (float)thick), -1.2, 0.31, 0) : box(daft_v3((float)thick, 0.3f, 1), at, 0.31, 0);
+        if (swings) bar.rotation = turned(0, 1, 0, at);
+        bar.kind = DAFT_BODY_KINEMATIC;
+        uint32_t mover = add(world, bar);
+        if (!posed) daft_world_set_velocity(world, mover, daft_v3(swings ? 0 : (float)rate, 0, 0), daft_v3(0, swings ? (float)-rate : 0, 0));
+        double fastest = 0, speed = swings ? 1.2 * rate : rate;
+        while (swings ? at > -1 : at < 3) {
+            at += swings ? -rate / 60 : rate / 60;
+            daft_dvec3 place = swings ? daft_dv3(-1.2, 0.31, 0) : daft_dv3(at, 0.31, 0);
+            if (posed) daft_world_set_pose(world, mover, place, swings ? turned(0, 1, 0, at) : daft_quat_identity(), false);
+            steps(world, 1);
+            fastest = fmax(fastest, speed_of(state_of(world, id)));
+            daft_dvec3 p = state_of(world, id).position;
+            assert_true(swings || p.x > at - 0.1 || fabs(p.z) > 1 || p.y > 0.6);
+        }
+        least = fmin(least, fastest / speed);
+        daft_world_destroy(world);
+    }
+    print_message("at least %g of the bar's speed\n", least);
+    assert_true(least > 0.3);
+    for (int i = 0; i < 2; i++) daft_hull_free(hulls[i]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -297,6 +346,7 @@ int main(void)
         cmocka_unit_test(no_ball_passes_where_triangles_meet),
         cmocka_unit_test(no_body_of_two_boxes_passes_hills),
         cmocka_unit_test(no_needle_passes_a_mesh),
+        cmocka_unit_test(a_moving_bar_hits_what_lies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
