@@ -3,6 +3,8 @@
  * clamped. */
 #include "sim/internal.h"
 
+#include <string.h>
+
 /* ---- makers ---- */
 
 daft_sim_shape_def daft_default_sim_shape_def(void)
@@ -211,19 +213,17 @@ void daft_sim_body_inverse_inertia(const daft_sim_body *body, float out[6])
         out[0] = out[3] = out[5] = 1 / body->moments.x;
         return;
     }
-    daft_rigid axes = daft_rigid_make(daft_dv3(0, 0, 0), body->axes);
-    double r[9], full[9];
-    const double moments[3] = {(double)body->moments.x, (double)body->moments.y, (double)body->moments.z};
+    double r[9], full[9], moments[3] = {(double)body->moments.x, (double)body->moments.y, (double)body->moments.z};
+    memcpy(r, body->frame.m, sizeof r);
+    if (body->axes.x != 0 || body->axes.y != 0 || body->axes.z != 0) {
+        daft_rigid axes = daft_rigid_make(daft_dv3(0, 0, 0), body->axes), all = daft_rigid_mul(&body->frame, &axes);
+        memcpy(r, all.m, sizeof r);
+    }
+    for (int k = 0; k < 3 && !body->locks; k++) moments[k] = 1 / moments[k];
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            r[3 * i + j] = 0;
-            for (int k = 0; k < 3; k++) r[3 * i + j] += body->frame.m[3 * i + k] * axes.m[3 * k + j];
-        }
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            full[3 * i + j] = 0;
-            for (int k = 0; k < 3; k++)
-                full[3 * i + j] += r[3 * i + k] * r[3 * j + k] * (body->locks ? moments[k] : 1 / moments[k]);
+        for (int j = i; j < 3; j++) {
+            const double *a = &r[3 * i], *b = &r[3 * j];
+            full[3 * i + j] = full[3 * j + i] = a[0] * b[0] * moments[0] + a[1] * b[1] * moments[1] + a[2] * b[2] * moments[2];
         }
     if (body->locks) {
         locked_inverse(full, body->locks, out);

@@ -140,7 +140,8 @@ static void need_range(void *context, uint32_t index, uint32_t worker)
     for (size_t i = first; i < end; i++) {
         const daft_sim_body *body = &world->bodies[world->awake.items[i]];
         uint32_t before = body->h > 0 ? (uint32_t)(daft_sim_min(j->dt / body->h, MOST_SUBSTEPS) + 0.5f) : 0;
-        world->solver->needs[i] = (daft_sim_need){body->finer, before, is_fast(body, j->dt)};
+        float finer = body->first_joint == DAFT_SIM_NONE ? body->finer : 0; /* heaps with joints get no finer ones */
+        world->solver->needs[i] = (daft_sim_need){finer, before, is_fast(body, j->dt)};
     }
 }
 

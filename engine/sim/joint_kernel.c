@@ -484,6 +484,13 @@ DAFT_INLINE void place_distance(pass *p)
     place_free(p, along, length);
 }
 
+/* Whether it matters how its bodies are turned against each other. */
+DAFT_INLINE bool has_frames(const joint_block *block)
+{
+    return block->kind == DAFT_JOINT_HINGE || block->kind == DAFT_JOINT_SLIDER || block->kind == DAFT_JOINT_FIXED ||
+           (block->kind == DAFT_JOINT_BALL && block->limit);
+}
+
 DAFT_INLINE void load_frames(const daft_sim_joint_block *block, const quat turn[2], int lane, quat frame[2])
 {
     for (int i = 0; i < 2; i++) frame[i] = quat_mul(turn[i], load4(block->side[i].frame0, lane));
@@ -499,8 +506,8 @@ DAFT_INLINE void lengthen_arm(pass *p)
 DAFT_INLINE void place_directions(pass *p, const quat turn[2])
 {
     joint_block *block = p->block;
-    quat frame[2];
-    load_frames(block, turn, p->lane, frame);
+    quat frame[2] = {0};
+    if (has_frames(block)) load_frames(block, turn, p->lane, frame);
     vf3 axis = first_axis(frame[0]);
     bool turns = block->kind == DAFT_JOINT_FIXED || block->kind == DAFT_JOINT_SLIDER;
     bool brakes = block->kind == DAFT_JOINT_BALL && block->motor;
@@ -696,11 +703,12 @@ DAFT_INLINE void add_sums(joint_block *block, int lane)
 }
 
 DAFT_INLINE void relax_lanes(const daft_sim_rows *rows, joint_block *block, const daft_sim_substep *substep, bool place,
-                             int lane)
+                             bool turned_far, int lane)
 {
-    const quat turn[2] = {load_turn(rows, block->side[0].row + lane), load_turn(rows, block->side[1].row + lane)};
+    quat turn[2] = {0};
+    for (int i = 0; (place || has_frames(block)) && i < 2; i++) turn[i] = load_turn(rows, block->side[i].row + lane);
     if (place) place_arms(rows, block, turn, lane);
-    refresh_masses(rows, block, lane);
+    if (turned_far) refresh_masses(rows, block, lane);
     pass p = begin_pass(rows, block, lane, substep, false), at = p;
     lengthen_arm(&at);
     place_directions(&at, turn);
@@ -779,10 +787,12 @@ static bool close(const daft_sim_rows *rows, joint_block *blocks, uint32_t count
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) moved |= close_lanes(rows, &blocks[i], lane);
     return moved;
 }
-static void relax(const daft_sim_rows *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep, bool place)
+static void relax(const daft_sim_rows *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep, bool place,
+                  bool turned_far)
 {
     for (uint32_t i = 0; i < count; i++)
-        for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) relax_lanes(rows, &blocks[i], substep, place, lane);
+        for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL)
+            relax_lanes(rows, &blocks[i], substep, place, turned_far, lane);
 }
 
 const daft_sim_joint_kernels DAFT_KERNEL(daft_sim_joint) = {prepare, warm_start, solve, close, relax};

@@ -55,9 +55,10 @@ struct daft_sim_joint_kernels {
     /* Bodies have moved: places arms. True if anchors came apart so far that bodies were put back, which moves the arms of
      * others. */
     bool (*close)(const daft_sim_rows *rows, daft_sim_joint_block *blocks, uint32_t count);
-    /* Directions anew, and arms if some are not where `close` left them; then a pass without springs. */
+    /* Directions anew; arms too if some are not where `close` left them, and masses if some body turned far; then a pass
+     * without springs. */
     void (*relax)(const daft_sim_rows *rows, daft_sim_joint_block *blocks, uint32_t count,
-                  const daft_sim_substep *substep, bool place);
+                  const daft_sim_substep *substep, bool place, bool turned_far);
 };
 
 DAFT_KERNEL_DECLARE(daft_sim_joint_kernels, daft_sim_joint);

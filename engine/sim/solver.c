@@ -124,7 +124,8 @@ static void stage_joint_relax(void *p, int last_pass, uint32_t first, uint32_t c
 {
     context *c = p;
     bool moved = atomic_load_explicit(&c->closing, memory_order_relaxed) > last_pass - CLOSE_PASSES;
-    c->s->joint_kernels->relax(&c->s->rows, c->s->joint_blocks + first, count, &c->substep, moved);
+    bool turned = atomic_load_explicit(&c->turning, memory_order_relaxed) == last_pass / CLOSE_PASSES;
+    c->s->joint_kernels->relax(&c->s->rows, c->s->joint_blocks + first, count, &c->substep, moved, turned);
 }
 static void stage_joint_store(void *p, int argument, uint32_t first, uint32_t count)
 {
