@@ -1,4 +1,4 @@
-/* sim: the tree of bounds against a search of all of them, while leaves come, go and are laid out anew; and the sort of
+/* sim: the tree of bounds against a search of all of them, while leaves come, go, move and are laid out anew; and the sort of
  * listings against the obvious one. */
 #include "fixtures.h"
 
@@ -53,6 +53,25 @@ static void change_leaf(forest *f, uint32_t part)
     f->leaf[part] = daft_sim_tree_insert(&f->tree, &f->bounds[part], part);
 }
 
+/* To bounds nearby, or anywhere; what the tree does not take where it stands is entered anew. */
+static void move_leaves(forest *f)
+{
+    bool taken[PARTS] = {false};
+    for (uint32_t i = 0; i < PARTS; i++) {
+        if (f->leaf[i] == DAFT_SIM_NONE || random_bits() % 3) continue;
+        daft_dvec3 by = daft_dv3((double)random_float(-1, 1), (double)random_float(-1, 1), (double)random_float(-1, 1));
+        f->bounds[i] = (daft_sim_bounds){daft_dadd(f->bounds[i].low, by), daft_dadd(f->bounds[i].high, by)};
+        if (random_bits() % 8 == 0) f->bounds[i] = random_bounds();
+        taken[i] = !daft_sim_tree_move(&f->tree, f->leaf[i], &f->bounds[i]);
+    }
+    daft_sim_tree_fit(&f->tree);
+    for (uint32_t i = 0; i < PARTS; i++) {
+        if (!taken[i]) continue;
+        daft_sim_tree_remove(&f->tree, f->leaf[i]);
+        f->leaf[i] = daft_sim_tree_insert(&f->tree, &f->bounds[i], i);
+    }
+}
+
 static void a_tree_finds_what_a_search_of_all_finds(void **unused)
 {
     (void)unused;
@@ -64,6 +83,7 @@ static void a_tree_finds_what_a_search_of_all_finds(void **unused)
     int laid_out = 0;
     for (int round = 0; round < 200; round++) {
         for (int k = 0; k < 40; k++) change_leaf(&f, random_bits() % (round < 20 ? 20 : PARTS));
+        if (round % 3) move_leaves(&f);
         daft_sim_tree_tidy(&f.tree);
         laid_out += f.tree.entered == 0;
         for (int k = 0; k < 10; k++) {
@@ -75,7 +95,7 @@ static void a_tree_finds_what_a_search_of_all_finds(void **unused)
     for (uint32_t i = 0; i < PARTS; i++)
         if (f.leaf[i] != DAFT_SIM_NONE) assert_int_equal(f.tree.nodes[f.leaf[i]].part, i);
     daft_release(&allocator, f.tree.nodes);
-    daft_release(&allocator, f.tree.leaves);
+    daft_release(&allocator, f.tree.keys);
 }
 
 /* ---- listings ---- */

@@ -7,7 +7,7 @@
 /* Fat on each side, as a share of the reach, and how many steps' movement is taken ahead. A leaf is entered anew when
  * the part leaves it, or has grown much smaller than it (a shot that has come to rest). */
 #define FAT   0.1
-#define AHEAD 3.0
+#define AHEAD 6.0
 #define SLIM  4.0
 
 static daft_sim_bounds grown(const daft_sim_bounds *bounds, double by)
@@ -39,21 +39,28 @@ bool daft_sim_bounds_reserve(daft_world *world, size_t parts)
            daft_grow(a, &world->entered_at, &world->entered_capacity, parts, used, sizeof *world->entered_at);
 }
 
-static void enter(daft_world *world, uint32_t index, daft_dvec3 ahead)
+/* Bounds that the part will stay in for a while. */
+static void fatten(daft_world *world, uint32_t index, daft_dvec3 ahead)
 {
     daft_sim_part *part = &world->parts[index];
     daft_sim_bounds *fat = &world->fat[index];
-    daft_body_kind kind = world->bodies[part->body].kind;
     *fat = world->tight[index];
-    if (kind != DAFT_BODY_STATIC) {
+    if (world->bodies[part->body].kind != DAFT_BODY_STATIC) {
         *fat = grown(fat, FAT * (double)part->reach);
         *fat = stretched(fat, ahead);
     }
-    part->leaf = daft_sim_tree_insert(&world->trees[kind], fat, index);
     world->entered_at[index] = world->contact_updates;
     if (part->moved_slot != DAFT_SIM_NONE) return;
     part->moved_slot = (uint32_t)world->moved.count;
     world->moved.items[world->moved.count++] = index; /* room for every part was reserved */
+}
+
+static void enter(daft_world *world, uint32_t index)
+{
+    daft_sim_part *part = &world->parts[index];
+    daft_body_kind kind = world->bodies[part->body].kind;
+    part->dynamic = kind == DAFT_BODY_DYNAMIC;
+    part->leaf = daft_sim_tree_insert(&world->trees[kind], &world->fat[index], index);
 }
 
 void daft_sim_broad_add(daft_world *world, uint32_t index)
@@ -61,7 +68,8 @@ void daft_sim_broad_add(daft_world *world, uint32_t index)
     world->changes++;
     for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         world->tight[i] = daft_sim_part_bounds(world, i);
-        enter(world, i, daft_dv3(0, 0, 0));
+        fatten(world, i, daft_dv3(0, 0, 0));
+        enter(world, i);
     }
 }
 
@@ -136,15 +144,37 @@ static bool update_body(daft_world *world, uint32_t index, float dt)
     return left;
 }
 
-static void enter_anew(daft_world *world, uint32_t index, float dt)
+/* Gives those parts that left their bounds wider ones, and moves them in the tree, if they stay near their place there. */
+static void widen(daft_world *world, uint32_t index, float dt)
 {
     const daft_sim_body *body = &world->bodies[index];
     daft_dvec3 ahead = daft_dscale(way_of(world, body, dt), AHEAD);
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         if (!has_left(world, i)) continue;
-        daft_sim_tree_remove(&world->trees[body->kind], world->parts[i].leaf);
-        enter(world, i, ahead);
+        fatten(world, i, ahead);
+        daft_sim_tree_move(&world->trees[body->kind], world->parts[i].leaf, &world->fat[i]);
     }
+}
+
+static bool are_equal(const daft_sim_bounds *a, const daft_sim_bounds *b)
+{
+    return a->low.x == b->low.x && a->low.y == b->low.y && a->low.z == b->low.z && a->high.x == b->high.x &&
+           a->high.y == b->high.y && a->high.z == b->high.z;
+}
+
+/* Trees are fitted to what was moved; then the others enter anew. */
+static void fit_trees(daft_world *world)
+{
+    for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_fit(&world->trees[i]);
+    for (size_t i = 0; i < world->moved.count; i++) {
+        uint32_t index = world->moved.items[i];
+        daft_sim_part *part = &world->parts[index];
+        daft_sim_tree *tree = &world->trees[world->bodies[part->body].kind];
+        if (are_equal(&tree->nodes[part->leaf].bounds, &world->fat[index])) continue;
+        daft_sim_tree_remove(tree, part->leaf);
+        enter(world, index);
+    }
+    for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_tidy(&world->trees[i]);
 }
 
 enum { GRAIN = 64, PARALLEL_BODIES = 256 };
@@ -171,9 +201,9 @@ bool daft_sim_broad_update(daft_world *world, float dt)
     if (!daft_grow(&world->allocator, &world->left, &world->left_capacity, count, 0, sizeof *world->left)) return false;
     daft_sim_for(world, count >= PARALLEL_BODIES, (uint32_t)((count + GRAIN - 1) / GRAIN), update_range, &j);
     for (size_t i = 0; i < count; i++)
-        if (world->left[i]) enter_anew(world, world->awake.items[i], dt);
+        if (world->left[i]) widen(world, world->awake.items[i], dt);
     for (size_t i = 0; i < world->movers.count; i++)
-        if (update_body(world, world->movers.items[i], dt)) enter_anew(world, world->movers.items[i], dt);
-    for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_tidy(&world->trees[i]);
+        if (update_body(world, world->movers.items[i], dt)) widen(world, world->movers.items[i], dt);
+    fit_trees(world);
     return true;
 }

@@ -133,6 +133,7 @@ static bool reserve(daft_world *world, size_t rows)
            daft_grow(a, &s->masks, &s->mask_capacity, rows, 0, sizeof *s->masks) &&
            daft_grow(a, &s->constrained, &s->constrained_capacity, rows, 0, sizeof *s->constrained) &&
            daft_grow(a, &s->parting, &s->parting_capacity, rows, 0, sizeof *s->parting) &&
+           daft_grow(a, &s->marks, &s->mark_capacity, rows, 0, sizeof *s->marks) &&
            daft_grow(a, &s->heaps, &s->heap_capacity, rows, 0, sizeof *s->heaps) &&
            daft_grow(a, &s->needs, &s->need_capacity, rows, 0, sizeof *s->needs) &&
            daft_grow(a, &s->asked, &s->asked_capacity, rows, 0, sizeof *s->asked) &&
@@ -219,6 +220,7 @@ static bool lay_out(daft_world *world, const uint32_t most[CLASSES])
             s->block_count += blocks;
         }
     return daft_grow(&world->allocator, &s->blocks, &s->block_capacity, s->block_count, 0, sizeof *s->blocks) &&
+           daft_grow(&world->allocator, &s->strained, &s->strained_capacity, s->block_count, 0, sizeof *s->strained) &&
            daft_grow(&world->allocator, &s->slots, &s->slot_capacity, (size_t)s->block_count * DAFT_SIM_LANES, 0,
                      sizeof *s->slots);
 }
@@ -431,10 +433,12 @@ void daft_sim_block_store(daft_world *world, uint32_t index)
     daft_sim_solver *s = world->solver;
     daft_sim_block *block = &s->blocks[index];
     const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
+    bool strained = false;
     for (int lane = 0; lane < block->lanes; lane++) {
         daft_sim_patch *patch = &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch];
         store_lane(block, lane, patch);
         float light = daft_sim_max(block->inv_mass_a[lane], block->inv_mass_b[lane]);
-        block->strained |= daft_sim_finer_load(world, patch, light, s->h * (float)s->substeps);
+        strained |= daft_sim_finer_load(world, patch, light, s->h * (float)s->substeps);
     }
+    s->strained[index] = strained;
 }

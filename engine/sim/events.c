@@ -217,6 +217,17 @@ static void judge_range(void *context, uint32_t index, uint32_t worker)
     }
 }
 
+/* What is told of an entry, whose key is its bodies, is on its way. */
+static void fetch_told(const daft_world *world, const daft_sim_listed *entry)
+{
+    const daft_sim_touch *touch = &world->touches[entry->touch];
+    __builtin_prefetch(touch);
+    __builtin_prefetch(&touch->own);
+    __builtin_prefetch(&touch->own.total_impulse);
+    __builtin_prefetch(&world->bodies[entry->key >> 32].user);
+    __builtin_prefetch(&world->bodies[(uint32_t)entry->key].user);
+}
+
 static void fill_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
@@ -224,8 +235,10 @@ static void fill_range(void *context, uint32_t index, uint32_t worker)
     size_t first = (size_t)index * GRAIN, end = first + GRAIN;
     if (end > world->merged.count) end = world->merged.count;
     daft_sim_contact *report = world->report + world->report_asleep;
-    for (size_t i = first; i < end; i++)
+    for (size_t i = first; i < end; i++) {
+        if (i + AHEAD < end) fetch_told(world, &world->merged.items[i + AHEAD]);
         fill_contact(world, &world->touches[world->merged.items[i].touch], &report[i]);
+    }
 }
 
 static void for_ranges(daft_world *world, size_t count, daft_task *task)

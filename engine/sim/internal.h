@@ -61,23 +61,32 @@ static inline bool daft_sim_overlap(const daft_sim_bounds *a, const daft_sim_bou
 
 /* ---- the tree (tree.c) ---- */
 
-/* A height-balanced tree of bounds; leaves are parts, entered and removed one at a time, and all laid out anew from time
- * to time. */
-typedef struct daft_sim_node {
-    daft_sim_bounds bounds;
+/* A height-balanced tree of bounds; leaves are parts, entered and removed one at a time, moved where they stand, and all
+ * laid out anew from time to time. */
+typedef struct daft_sim_node { /* a cache line */
+    _Alignas(64) daft_sim_bounds bounds;
     uint32_t parent; /* the next free node, where this one is free */
-    uint32_t child[2];
-    uint32_t part; /* DAFT_SIM_NONE: an inner node */
-    int height;    /* 0: a leaf */
+    union {
+        uint32_t child[2];
+        uint32_t part; /* of a leaf */
+    };
+    int16_t height; /* 0: a leaf; -1: free */
+    bool stale;     /* an inner node: something below it was moved since its bounds were found */
 } daft_sim_node;
+
+/* Of a leaf: the middle of its bounds, twice as far. What it is rounded to changes the tree's shape only. */
+typedef struct daft_sim_key {
+    float middle[3];
+    uint32_t leaf;
+} daft_sim_key;
 
 typedef struct daft_sim_tree {
     daft_sim_node *nodes;
     size_t capacity, used; /* used: high-water mark */
     uint32_t root, free_list, leaf_count;
-    uint32_t entered; /* leaves, since it was last laid out */
-    uint32_t *leaves; /* scratch of laying out */
-    size_t leaf_capacity;
+    uint32_t entered;   /* leaves, and moved, since it was last laid out */
+    daft_sim_key *keys; /* scratch of laying out */
+    size_t key_capacity;
 } daft_sim_tree;
 
 typedef void daft_sim_visit(void *context, uint32_t part);
@@ -87,8 +96,12 @@ void daft_sim_tree_init(daft_sim_tree *tree);
 bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator, uint32_t more);
 uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds, uint32_t part);
 void daft_sim_tree_remove(daft_sim_tree *tree, uint32_t leaf);
-/* Lays the tree out anew if enough of its leaves were entered one at a time since it last was: what grew so is searched
- * twice as long. */
+/* Gives a leaf other bounds, where it stands. False, and nothing is done: they are too far from what stands beside it,
+ * and it is to be removed and inserted. After all moves, and before anything else, the tree is fitted to them. */
+bool daft_sim_tree_move(daft_sim_tree *tree, uint32_t leaf, const daft_sim_bounds *bounds);
+void daft_sim_tree_fit(daft_sim_tree *tree);
+/* Lays the tree out anew if enough of its leaves were entered or moved one at a time since it last was: what grew so is
+ * searched twice as long. */
 void daft_sim_tree_tidy(daft_sim_tree *tree);
 /* Calls visit for every leaf that overlaps, in an order that callers must not depend on. */
 void daft_sim_tree_query(const daft_sim_tree *tree, const daft_sim_bounds *bounds, daft_sim_visit *visit,
@@ -102,27 +115,29 @@ typedef struct daft_sim_list {
 } daft_sim_list;
 
 typedef struct daft_sim_part {
-    /* What contacts look at first: */
-    daft_sim_shape shape;
-    float reach; /* no point is farther from the part's origin */
-    bool round;  /* sphere or capsule */
-    bool posed;  /* pose is not the identity */
+    /* What contacts and new pairs look at first: */
+    _Alignas(64) daft_sim_shape shape;
+    float reach;  /* no point is farther from the part's origin */
+    bool round;   /* sphere or capsule */
+    bool posed;   /* pose is not the identity */
     bool sensor;
+    bool dynamic; /* its body is */
+    uint32_t body; /* DAFT_SIM_NONE: a free slot */
+    uint32_t layers, mask;
+    uint32_t owned; /* touches counted against DAFT_SIM_MAX_PARTNERS */
+    uint32_t moved_slot; /* in the list of those that entered the tree anew, to be asked for new pairs */
+    uint32_t next; /* part of the body, in the order of its definition; the next free slot */
 
     daft_rigid pose; /* in the body */
     daft_vec3 place; /* the same as it was given, */
     daft_quat turn;
     daft_sim_material material;
     float density;
-    uint32_t layers, mask, user, geometry_id;
-    uint32_t body; /* DAFT_SIM_NONE: a free slot */
-    uint32_t next; /* part of the body, in the order of its definition; the next free slot */
+    uint32_t user, geometry_id;
     uint32_t leaf;
-    uint32_t owned; /* touches counted against DAFT_SIM_MAX_PARTNERS */
     daft_vec3 middle; /* in the part: of a ball within it, */
     float inner;      /* its radius; 0: a surface */
-    float roll;     /* radius that rolling resistance counts with */
-    uint32_t moved_slot; /* in the list of those that entered the tree anew, to be asked for new pairs */
+    float roll;       /* radius that rolling resistance counts with */
     uint32_t next_escaped; /* walk.c: it left its fat bounds, found when the world's changes were: */
     uint64_t escaped_at;
 } daft_sim_part;
@@ -329,6 +344,7 @@ struct daft_world {
 
     daft_sim_solver *solver;
     daft_team *team; /* during a step that is worth several workers */
+    uint32_t alone, alone_next; /* steps that are left to one worker, and how many next time (step.c) */
     daft_sim_contact *report; /* first the contacts of what sleeps, made anew when some fell asleep or woke */
     size_t report_count, report_capacity, report_asleep;
     bool sleep_changed;

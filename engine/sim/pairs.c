@@ -124,10 +124,7 @@ static void list_touch(daft_world *world, uint32_t index)
     world->fresh_listed.items[world->fresh_listed.count++] = (daft_sim_listed){daft_sim_touch_key(touch), index, state};
 }
 
-static bool is_dynamic(const daft_world *world, uint32_t part)
-{
-    return world->bodies[world->parts[part].body].kind == DAFT_BODY_DYNAMIC;
-}
+static bool is_dynamic(const daft_world *world, uint32_t part) { return world->parts[part].dynamic; }
 
 /* Whether part a owns the touch of two dynamic parts. */
 static bool owns(const daft_world *world, uint32_t a, uint32_t b)
@@ -255,10 +252,14 @@ typedef struct candidates {
     atomic_uint count;
 } candidates;
 
+enum { HITS = 64 };
+
 typedef struct search {
     const daft_world *world;
     candidates *found;
     uint32_t part;
+    uint32_t hits[HITS]; /* parts whose fat bounds meet its, to be looked at together: their records are on their way */
+    uint32_t hit_count;
     uint32_t partners[DAFT_SIM_MAX_PARTNERS]; /* that this part will own: those of lowest index */
     uint32_t partner_count;
 } search;
@@ -282,12 +283,6 @@ static bool is_new(const search *s, uint32_t other)
     return other != s->part && !exists(world, s->part, other) && daft_sim_may_meet(world, s->part, other);
 }
 
-static void visit_fixed(void *context, uint32_t other)
-{
-    search *s = context;
-    if (is_new(s, other)) add_candidate(s, other);
-}
-
 /* Keeps the partners of lowest index. */
 static void keep_partner(search *s, uint32_t other)
 {
@@ -299,20 +294,35 @@ static void keep_partner(search *s, uint32_t other)
 }
 
 /* A pair of two dynamic parts is found by the one that will own it, if that moved. */
-static void visit_dynamic(void *context, uint32_t other)
+static void judge(search *s, uint32_t other)
+{
+    const daft_world *world = s->world;
+    const daft_sim_part *mine = &world->parts[s->part], *theirs = &world->parts[other];
+    if (!mine->dynamic || !theirs->dynamic) {
+        if (is_new(s, other)) add_candidate(s, other);
+    } else if (owns(world, s->part, other)) {
+        if (s->partner_count == DAFT_SIM_MAX_PARTNERS && other > s->partners[DAFT_SIM_MAX_PARTNERS - 1]) return;
+        if (is_new(s, other)) keep_partner(s, other);
+    } else if (theirs->moved_slot == DAFT_SIM_NONE && theirs->owned < DAFT_SIM_MAX_PARTNERS && is_new(s, other)) {
+        add_candidate(s, other);
+    }
+}
+
+static void judge_hits(search *s)
+{
+    for (uint32_t i = 0; i < s->hit_count; i++) judge(s, s->hits[i]);
+    s->hit_count = 0;
+}
+
+static void visit(void *context, uint32_t other)
 {
     search *s = context;
     const daft_world *world = s->world;
-    if (!is_dynamic(world, s->part)) {
-        visit_fixed(context, other);
-        return;
-    }
-    if (owns(world, s->part, other)) {
-        if (s->partner_count == DAFT_SIM_MAX_PARTNERS && other > s->partners[DAFT_SIM_MAX_PARTNERS - 1]) return;
-        if (is_new(s, other)) keep_partner(s, other);
-    } else if (world->parts[other].moved_slot == DAFT_SIM_NONE && world->parts[other].owned < DAFT_SIM_MAX_PARTNERS && is_new(s, other)) {
-        add_candidate(s, other);
-    }
+    if (other == s->part) return;
+    __builtin_prefetch(&world->parts[other]);
+    if (world->pair_slot_count > 0) __builtin_prefetch(&world->pair_keys[home(world, set_key(s->part, other))]);
+    s->hits[s->hit_count++] = other;
+    if (s->hit_count == HITS) judge_hits(s);
 }
 
 /* Thousands of bodies in one spot would each visit all the others to find as many partners as it may have. They were
@@ -341,10 +351,12 @@ static void search_part(const daft_world *world, uint32_t part, candidates *foun
     const daft_sim_bounds *fat = &world->fat[part];
     daft_body_kind kind = world->bodies[world->parts[part].body].kind;
     bool full = world->parts[part].owned >= DAFT_SIM_MAX_PARTNERS;
-    daft_sim_tree_query(&world->trees[DAFT_BODY_KINEMATIC], fat, visit_fixed, &s);
-    if (kind != DAFT_BODY_STATIC) daft_sim_tree_query(&world->trees[DAFT_BODY_STATIC], fat, visit_fixed, &s);
+    daft_sim_tree_query(&world->trees[DAFT_BODY_KINEMATIC], fat, visit, &s);
+    if (kind != DAFT_BODY_STATIC) daft_sim_tree_query(&world->trees[DAFT_BODY_STATIC], fat, visit, &s);
+    judge_hits(&s);
     if (kind != DAFT_BODY_DYNAMIC || (!full && !crowded(&s)))
-        daft_sim_tree_query(&world->trees[DAFT_BODY_DYNAMIC], fat, visit_dynamic, &s);
+        daft_sim_tree_query(&world->trees[DAFT_BODY_DYNAMIC], fat, visit, &s);
+    judge_hits(&s);
     for (uint32_t i = 0; i < s.partner_count; i++) add_candidate(&s, s.partners[i]);
 }
 
@@ -390,6 +402,19 @@ static void wake_inside(daft_world *world, const daft_sim_touch *touch)
     if (world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC) daft_sim_wake(world, touch->body_a);
 }
 
+enum { AHEAD = 4, FAR_AHEAD = 16 };
+
+/* What a new touch is made from is on its way. */
+static void fetch_pair(const daft_world *world, uint64_t key)
+{
+    const uint32_t parts[2] = {(uint32_t)(key >> 32), (uint32_t)key};
+    for (int i = 0; i < 2; i++) {
+        __builtin_prefetch(&world->parts[parts[i]]);
+        __builtin_prefetch(&world->parts[parts[i]].material);
+    }
+    __builtin_prefetch(&world->pair_keys[home(world, set_key(parts[0], parts[1]))]);
+}
+
 static void insert_candidates(daft_world *world)
 {
     if (world->candidate_count > 1)
@@ -398,6 +423,7 @@ static void insert_candidates(daft_world *world)
     for (size_t i = 0; i < world->candidate_count; i++) {
         uint64_t key = world->candidates[i];
         uint32_t a = (uint32_t)(key >> 32), b = (uint32_t)key;
+        if (i + AHEAD < world->candidate_count) fetch_pair(world, world->candidates[i + AHEAD]);
         if (key == last || exists(world, a, b)) continue;
         last = key;
         if (is_dynamic(world, a) && is_dynamic(world, b) &&
@@ -463,6 +489,8 @@ static void thin_out(daft_world *world)
     size_t kept = 0;
     for (size_t i = 0; i < listed->count; i++) {
         const daft_sim_listed *entry = &listed->items[i];
+        if (i + FAR_AHEAD < listed->count && entry[FAR_AHEAD].state & DAFT_SIM_LISTED_APART)
+            __builtin_prefetch(&world->touches[entry[FAR_AHEAD].touch]);
         if (entry->state & DAFT_SIM_LISTED_APART) {
             daft_sim_touch_remove(world, entry->touch);
             continue;
@@ -478,6 +506,26 @@ static void thin_out(daft_world *world)
     world->some_apart = world->some_idle = false;
 }
 
+/* Of those from `from` on, the first whose key is larger. */
+static size_t first_after(const daft_sim_listing *listing, size_t from, uint64_t key)
+{
+    size_t end = listing->count;
+    while (from < end) {
+        size_t middle = from + (end - from) / 2;
+        if (listing->items[middle].key > key)
+            end = middle;
+        else
+            from = middle + 1;
+    }
+    return from;
+}
+
+static void append(daft_sim_listing *to, const daft_sim_listed *items, size_t count)
+{
+    if (count > 0) memcpy(to->items + to->count, items, count * sizeof *items);
+    to->count += count;
+}
+
 bool daft_sim_listing_update(daft_world *world)
 {
     daft_sim_listing *old = &world->listed, *fresh = &world->fresh_listed, *merged = &world->merged;
@@ -487,12 +535,15 @@ bool daft_sim_listing_update(daft_world *world)
                    sizeof *merged->items))
         return false;
     daft_sim_listed_sort(fresh->items, fresh->count, merged->items);
-    size_t i = 0, k = 0;
+    size_t from = 0;
     merged->count = 0;
-    while (i < old->count || k < fresh->count) {
-        bool first = k == fresh->count || (i < old->count && old->items[i].key < fresh->items[k].key);
-        merged->items[merged->count++] = first ? old->items[i++] : fresh->items[k++];
+    for (size_t k = 0; k < fresh->count; k++) {
+        size_t to = first_after(old, from, fresh->items[k].key);
+        append(merged, old->items + from, to - from);
+        append(merged, &fresh->items[k], 1);
+        from = to;
     }
+    append(merged, old->items + from, old->count - from);
     fresh->count = 0;
     daft_sim_listing swap = *old;
     *old = *merged;

@@ -331,6 +331,7 @@ static bool enter_parts(daft_world *w)
         daft_sim_tree *tree = &w->trees[w->bodies[part->body].kind];
         if (!daft_sim_tree_reserve(tree, &w->allocator, 1)) return false;
         part->leaf = daft_sim_tree_insert(tree, &w->fat[i], i);
+        part->dynamic = w->bodies[part->body].kind == DAFT_BODY_DYNAMIC;
     }
     for (size_t i = 0; i < w->moved.count; i++)
         if (w->moved.items[i] >= w->part_count || w->parts[w->moved.items[i]].body == DAFT_SIM_NONE ||

@@ -266,6 +266,26 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     mass[7] = 1 / (1 + h * body->angular_damping);
 }
 
+enum { FILL_GRAIN = 64, PARALLEL_ROWS = 256, MARK_SPINS = 1, MARK_HELD = 2 };
+
+typedef struct fill_job {
+    daft_world *world;
+    float dt;
+} fill_job;
+
+static void fill_range(void *p, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    const fill_job *j = p;
+    daft_sim_solver *s = j->world->solver;
+    uint32_t first = s->row_first + index * FILL_GRAIN, end = daft_min_u(first + FILL_GRAIN, s->row_end);
+    for (uint32_t row = first; row < end; row++) {
+        fill_row(j->world, row, j->dt);
+        bool held = j->world->bodies[s->row_bodies[row]].locks & DAFT_LOCK_POSITION;
+        s->marks[row] = (uint8_t)((daft_sim_spins(j->world, row) ? MARK_SPINS : 0) | (held ? MARK_HELD : 0));
+    }
+}
+
 static void fill_rows(daft_world *world, float dt)
 {
     const daft_sim_rows *rows = &world->solver->rows;
@@ -274,13 +294,14 @@ static void fill_rows(daft_world *world, float dt)
         for (int k = 0; k < DAFT_SIM_ROW; k++) zero[i][k] = 0;
     rows->turn[3] = 1;
     daft_sim_solver *s = world->solver;
+    uint32_t count = s->row_end - s->row_first;
     s->spin_count = 0;
     s->holds = false;
     for (uint32_t row = 1; row <= s->mover_count; row++) fill_row(world, row, dt);
+    daft_sim_for(world, count >= PARALLEL_ROWS, (count + FILL_GRAIN - 1) / FILL_GRAIN, fill_range, &(fill_job){world, dt});
     for (uint32_t row = s->row_first; row < s->row_end; row++) {
-        fill_row(world, row, dt);
-        daft_sim_spin_add(world, row);
-        s->holds |= (world->bodies[s->row_bodies[row]].locks & DAFT_LOCK_POSITION) != 0;
+        if (s->marks[row] & MARK_SPINS) daft_sim_spin_add(world, row);
+        s->holds |= (s->marks[row] & MARK_HELD) != 0;
     }
 }
 
@@ -359,7 +380,8 @@ void daft_sim_solver_destroy(daft_world *world)
                       s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_blocks,
                       s->joint_slots,   s->joint_bins, s->joint_colours, s->masks,      s->levels,       s->constraints,   s->colour_counts,
                       s->spins,         s->targets,     s->constrained,   s->row_of,        s->heap_of,
-                      s->asked,         s->heaps,      s->needs,         s->parting};
+                      s->asked,         s->heaps,      s->needs,         s->strained,      s->marks,
+                      s->parting};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
     daft_release(&world->allocator, s);
     world->solver = NULL;

@@ -38,7 +38,6 @@ typedef struct daft_sim_block {
     bool rolls, bounces;
     bool shares;           /* some lane's floor is shared: */
     daft_sim_lanes shared; /* 1 where b is one of several bodies of a floor: friction acts below a's centre, as on one */
-    bool strained; /* after the step: some contact carries many times what it presses on weighs */
     daft_sim_lanes normal[3], tangent[3]; /* the other tangent: normal × tangent */
     daft_sim_lanes apart[3];              /* from b's centre to a's: b's anchors are a's plus this; prepare's only */
     daft_sim_lanes inv_mass_a, inv_mass_b;
@@ -135,6 +134,8 @@ struct daft_sim_solver {
     size_t row_of_capacity;
     bool *constrained; /* rows that some constraint acts on */
     size_t constrained_capacity;
+    uint8_t *marks; /* solver.c's scratch */
+    size_t mark_capacity;
     struct daft_sim_parting {
         float speed, swing; /* m/s, of the centre and of turning */
     } *parting; /* of rows that overlap something deeply: the most that they may have; 0, 0: no more than any other */
@@ -169,6 +170,8 @@ struct daft_sim_solver {
     daft_sim_block *blocks;
     size_t block_capacity;
     uint32_t block_count;
+    bool *strained; /* blocks in which, after the step, some contact carries many times what it presses on weighs */
+    size_t strained_capacity;
     daft_sim_colour *colours;
     size_t colour_capacity;
     uint32_t colour_count;
@@ -250,7 +253,8 @@ bool daft_sim_finer_paces(daft_world *world, float dt);
 
 /* ---- spin.c ---- */
 
-/* The row's body joins those in free rotation, if it turns so that it matters. There is room. */
+/* Whether the row's body turns freely, and so that it matters; then it joins those that do. There is room. */
+bool daft_sim_spins(const daft_world *world, uint32_t row);
 void daft_sim_spin_add(daft_world *world, uint32_t row);
 /* Turns farther than this in a substep, in radians, are beyond the midpoint rule. */
 #define DAFT_SIM_WILD_TURN 0.8f

@@ -8,13 +8,19 @@
 #define SLOW_TURN 0.02f /* rad */
 #define NO_TURN   1e-6f
 
+bool daft_sim_spins(const daft_world *world, uint32_t row)
+{
+    const daft_sim_solver *s = world->solver;
+    const daft_sim_body *body = &world->bodies[s->row_bodies[row]];
+    if (body->kind != DAFT_BODY_DYNAMIC || body->round || body->locks & DAFT_LOCK_ROTATION) return false;
+    float turn = daft_length(body->angular) * s->h;
+    return turn > (s->constrained[row] ? SLOW_TURN : NO_TURN) && turn < DAFT_SIM_WILD_TURN;
+}
+
 void daft_sim_spin_add(daft_world *world, uint32_t row)
 {
     daft_sim_solver *s = world->solver;
     const daft_sim_body *body = &world->bodies[s->row_bodies[row]];
-    if (body->kind != DAFT_BODY_DYNAMIC || body->round || body->locks & DAFT_LOCK_ROTATION) return;
-    float turn = daft_length(body->angular) * s->h;
-    if (!(turn > (s->constrained[row] ? SLOW_TURN : NO_TURN) && turn < DAFT_SIM_WILD_TURN)) return;
     if (s->spin_count == 0 || s->spins[s->spin_count - 1].lanes == DAFT_SIM_LANES) {
         daft_sim_spin *fresh = &s->spins[s->spin_count++];
         memset(fresh, 0, sizeof *fresh);

@@ -220,6 +220,7 @@ typedef struct work {
     daft_world *world;
     float dt;
     bool done;
+    double ended; /* ms, by the clock */
 } work;
 
 static void do_work(void *context, daft_team *team)
@@ -238,10 +239,39 @@ static void do_work(void *context, daft_team *team)
         daft_sim_sleep_update(world, w->dt);
     }
     world->team = NULL;
+    w->ended = daft_clock_ms();
 }
 
-/* Workers come together once a step: for less than this, one is done before another has come. */
-enum { PARALLEL_BODIES = 128 };
+enum {
+    PARALLEL_BODIES = 128, /* workers come together once a step: for less, one is done before another has come */
+    MOST_ALONE = 64        /* steps */
+};
+
+/* A worker leaves at once when a step is done; one that does not was not running, and where others want its processor,
+ * all wait for it wherever it holds a task. Then the next steps are left to one worker, and each time it is found so,
+ * twice as many. */
+#define LATE 1.0 /* ms */
+
+static void work_together(work *w, int workers)
+{
+    daft_world *world = w->world;
+    daft_parallel_script(workers, do_work, w);
+    bool late = daft_clock_ms() - w->ended > LATE;
+    world->alone_next = late ? daft_min_u(daft_max_u(2 * world->alone_next, 4), MOST_ALONE) : 0;
+    world->alone = world->alone_next;
+}
+
+static void work_on(work *w)
+{
+    daft_world *world = w->world;
+    bool wide = world->workers > 1 && world->awake.count + world->moved.count >= PARALLEL_BODIES;
+    if (wide && world->alone == 0) {
+        work_together(w, world->workers);
+        return;
+    }
+    if (wide) world->alone--;
+    daft_parallel_script(1, do_work, w);
+}
 
 bool daft_world_step(daft_world *world, float dt, daft_error *error)
 {
@@ -251,9 +281,8 @@ bool daft_world_step(daft_world *world, float dt, daft_error *error)
     if (dt < 1e-9f) return true;
     world->counters = (daft_sim_counters){0};
     if (has_work(world)) {
-        work w = {world, dt, false};
-        bool wide = world->awake.count + world->moved.count >= PARALLEL_BODIES;
-        daft_parallel_script(wide ? world->workers : 1, do_work, &w);
+        work w = {.world = world, .dt = dt};
+        work_on(&w);
         if (!w.done) {
             world->lost_event = false;
             return daft_fail_memory(error, "a step of the simulation");

@@ -6,6 +6,9 @@
 /* A tree of 2^32 leaves is at most 46 deep, and each level leaves one sibling on the stack. */
 enum { STACK_DEPTH = 64 };
 
+/* What a change counts towards laying the tree out anew. */
+enum { MOVED = 1, INSERTED = 2 };
+
 void daft_sim_tree_init(daft_sim_tree *tree)
 {
     *tree = (daft_sim_tree){.root = DAFT_SIM_NONE, .free_list = DAFT_SIM_NONE};
@@ -15,7 +18,7 @@ bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator,
 {
     size_t needed = 2 * ((size_t)tree->leaf_count + more); /* n leaves have n - 1 inner nodes */
     return daft_grow(allocator, &tree->nodes, &tree->capacity, needed, tree->used, sizeof *tree->nodes) &&
-           daft_grow(allocator, &tree->leaves, &tree->leaf_capacity, needed / 2, 0, sizeof *tree->leaves);
+           daft_grow(allocator, &tree->keys, &tree->key_capacity, needed / 2, 0, sizeof *tree->keys);
 }
 
 static uint32_t take_node(daft_sim_tree *tree)
@@ -29,6 +32,7 @@ static uint32_t take_node(daft_sim_tree *tree)
 static void free_node(daft_sim_tree *tree, uint32_t node)
 {
     tree->nodes[node].parent = tree->free_list;
+    tree->nodes[node].height = -1;
     tree->free_list = node;
 }
 
@@ -55,7 +59,7 @@ static void refit(daft_sim_tree *tree, uint32_t index)
     daft_sim_node *node = &tree->nodes[index];
     const daft_sim_node *left = &tree->nodes[node->child[0]], *right = &tree->nodes[node->child[1]];
     node->bounds = joined(&left->bounds, &right->bounds);
-    node->height = 1 + daft_max_i(left->height, right->height);
+    node->height = (int16_t)(1 + daft_max_i(left->height, right->height));
 }
 
 static void replace_child(daft_sim_tree *tree, uint32_t parent, uint32_t old, uint32_t new)
@@ -128,13 +132,13 @@ static uint32_t best_sibling(const daft_sim_tree *tree, const daft_sim_bounds *b
 uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds, uint32_t part)
 {
     uint32_t leaf = take_node(tree);
-    tree->nodes[leaf] = (daft_sim_node){*bounds, DAFT_SIM_NONE, {DAFT_SIM_NONE, DAFT_SIM_NONE}, part, 0};
+    tree->nodes[leaf] = (daft_sim_node){.bounds = *bounds, .parent = DAFT_SIM_NONE, .part = part};
     tree->leaf_count++;
-    tree->entered++;
+    tree->entered += INSERTED;
     if (tree->root == DAFT_SIM_NONE) return tree->root = leaf;
     uint32_t sibling = best_sibling(tree, bounds);
     uint32_t inner = take_node(tree);
-    tree->nodes[inner] = (daft_sim_node){.child = {sibling, leaf}, .part = DAFT_SIM_NONE};
+    tree->nodes[inner] = (daft_sim_node){.child = {sibling, leaf}};
     replace_child(tree, tree->nodes[sibling].parent, sibling, inner);
     tree->nodes[sibling].parent = inner;
     tree->nodes[leaf].parent = inner;
@@ -158,45 +162,69 @@ void daft_sim_tree_remove(daft_sim_tree *tree, uint32_t leaf)
     refit_upwards(tree, above);
 }
 
-/* ---- laying out anew ---- */
+/* ---- moving ---- */
 
-/* Twice the middle of a leaf along an axis. */
-static double middle_of(const daft_sim_tree *tree, uint32_t leaf, int axis)
+/* Half the surface of both together, as a share of the sum of theirs, up to which they go on standing side by side. */
+#define FAR_APART 4
+
+bool daft_sim_tree_move(daft_sim_tree *tree, uint32_t leaf, const daft_sim_bounds *bounds)
 {
-    const daft_sim_bounds *b = &tree->nodes[leaf].bounds;
-    return (&b->low.x)[axis] + (&b->high.x)[axis];
+    daft_sim_node *nodes = tree->nodes;
+    uint32_t parent = nodes[leaf].parent;
+    if (parent != DAFT_SIM_NONE) {
+        const daft_sim_bounds *beside = &nodes[nodes[parent].child[nodes[parent].child[0] == leaf]].bounds;
+        if (joined_area(bounds, beside) > FAR_APART * (area(bounds) + area(beside))) return false;
+    }
+    nodes[leaf].bounds = *bounds;
+    for (; parent != DAFT_SIM_NONE && !nodes[parent].stale; parent = nodes[parent].parent) nodes[parent].stale = true;
+    tree->entered += MOVED;
+    return true;
 }
 
-/* The axis along which the middles of the leaves are spread most. */
-static int widest_axis(const daft_sim_tree *tree, const uint32_t *leaves, uint32_t count)
+static void fit(daft_sim_tree *tree, uint32_t index)
 {
-    int best = 0;
-    double widest = -1;
-    for (int axis = 0; axis < 3; axis++) {
-        double low = INFINITY, high = -INFINITY;
-        for (uint32_t i = 0; i < count; i++) {
-            double m = middle_of(tree, leaves[i], axis);
-            low = m < low ? m : low, high = m > high ? m : high;
+    daft_sim_node *node = &tree->nodes[index];
+    if (!node->stale) return;
+    node->stale = false;
+    fit(tree, node->child[0]);
+    fit(tree, node->child[1]);
+    refit(tree, index);
+}
+
+void daft_sim_tree_fit(daft_sim_tree *tree)
+{
+    if (tree->root != DAFT_SIM_NONE) fit(tree, tree->root);
+}
+
+/* ---- laying out anew ---- */
+
+/* The axis along which the middles of the leaves are spread most. */
+static int widest_axis(const daft_sim_key *keys, uint32_t count)
+{
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < count; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            low[axis] = daft_sim_min(low[axis], keys[i].middle[axis]);
+            high[axis] = daft_sim_max(high[axis], keys[i].middle[axis]);
         }
-        if (high - low > widest) widest = high - low, best = axis;
-    }
-    return best;
+    int best = high[1] - low[1] > high[0] - low[0];
+    return high[2] - low[2] > high[best] - low[best] ? 2 : best;
 }
 
 /* Orders leaves so that none of the first `wanted` is beyond any of the others (Hoare's selection). */
-static void select_lower(const daft_sim_tree *tree, uint32_t *leaves, uint32_t count, uint32_t wanted, int axis)
+static void select_lower(daft_sim_key *keys, uint32_t count, uint32_t wanted, int axis)
 {
     int64_t low = 0, high = (int64_t)count - 1;
     while (low < high) {
-        double pivot = middle_of(tree, leaves[(low + high) / 2], axis);
+        float pivot = keys[(low + high) / 2].middle[axis];
         int64_t i = low, k = high;
         while (i <= k) {
-            while (middle_of(tree, leaves[i], axis) < pivot) i++;
-            while (middle_of(tree, leaves[k], axis) > pivot) k--;
+            while (keys[i].middle[axis] < pivot) i++;
+            while (keys[k].middle[axis] > pivot) k--;
             if (i > k) break;
-            uint32_t swap = leaves[i];
-            leaves[i++] = leaves[k];
-            leaves[k--] = swap;
+            daft_sim_key swap = keys[i];
+            keys[i++] = keys[k];
+            keys[k--] = swap;
         }
         if ((int64_t)wanted <= k)
             high = k;
@@ -208,38 +236,39 @@ static void select_lower(const daft_sim_tree *tree, uint32_t *leaves, uint32_t c
 }
 
 /* Halves all the way down: as deep as a tree of so many leaves has to be, and no deeper. */
-static uint32_t lay_out(daft_sim_tree *tree, uint32_t *leaves, uint32_t count)
+static uint32_t lay_out(daft_sim_tree *tree, daft_sim_key *keys, uint32_t count)
 {
-    if (count == 1) return leaves[0];
+    if (count == 1) return keys[0].leaf;
     uint32_t half = count / 2, node = take_node(tree);
-    select_lower(tree, leaves, count, half, widest_axis(tree, leaves, count));
-    const uint32_t child[2] = {lay_out(tree, leaves, half), lay_out(tree, leaves + half, count - half)};
-    tree->nodes[node] = (daft_sim_node){.child = {child[0], child[1]}, .part = DAFT_SIM_NONE};
+    if (count > 2) select_lower(keys, count, half, widest_axis(keys, count));
+    const uint32_t child[2] = {lay_out(tree, keys, half), lay_out(tree, keys + half, count - half)};
+    tree->nodes[node] = (daft_sim_node){.child = {child[0], child[1]}};
     tree->nodes[child[0]].parent = tree->nodes[child[1]].parent = node;
     refit(tree, node);
     return node;
 }
 
-enum { FEWEST_TO_LAY_OUT = 32 };
+static daft_sim_key key_of(const daft_sim_tree *tree, uint32_t leaf)
+{
+    const daft_sim_bounds *b = &tree->nodes[leaf].bounds;
+    return (daft_sim_key){
+        {(float)(b->low.x + b->high.x), (float)(b->low.y + b->high.y), (float)(b->low.z + b->high.z)}, leaf};
+}
+
+enum { FEWEST_TO_LAY_OUT = 32, CHANGES = 1 /* of each leaf */ };
 
 void daft_sim_tree_tidy(daft_sim_tree *tree)
 {
-    if (tree->entered < tree->leaf_count || tree->leaf_count < FEWEST_TO_LAY_OUT) return;
-    uint32_t stack[STACK_DEPTH], found = 0;
-    int depth = 0;
-    stack[depth++] = tree->root;
-    while (depth > 0) {
-        uint32_t index = stack[--depth];
-        const daft_sim_node *node = &tree->nodes[index];
-        if (node->height == 0) {
-            tree->leaves[found++] = index;
-        } else {
-            stack[depth++] = node->child[0];
-            stack[depth++] = node->child[1];
+    if (tree->entered / CHANGES < tree->leaf_count || tree->leaf_count < FEWEST_TO_LAY_OUT) return;
+    uint32_t found = 0;
+    tree->free_list = DAFT_SIM_NONE;
+    for (uint32_t index = (uint32_t)tree->used; index-- > 0;) { /* so nodes are taken, and will stand, in their order */
+        if (tree->nodes[index].height == 0)
+            tree->keys[found++] = key_of(tree, index);
+        else
             free_node(tree, index);
-        }
     }
-    tree->root = lay_out(tree, tree->leaves, found);
+    tree->root = lay_out(tree, tree->keys, found);
     tree->nodes[tree->root].parent = DAFT_SIM_NONE;
     tree->entered = 0;
 }

@@ -36,7 +36,7 @@ void daft_world_destroy(daft_world *world)
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&allocator, arrays[i]);
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) {
         daft_release(&allocator, world->trees[i].nodes);
-        daft_release(&allocator, world->trees[i].leaves);
+        daft_release(&allocator, world->trees[i].keys);
     }
     daft_release(&allocator, world);
 }
