@@ -205,7 +205,7 @@ static void locked_inverse(const double m[9], uint32_t locks, float out[6])
     }
 }
 
-void daft_sim_body_inverse_inertia(const daft_sim_body *body, float out[6])
+void daft_sim_body_inverse_inertia(const daft_sim_body *body, const daft_rigid *frame, float out[6])
 {
     for (int i = 0; i < 6; i++) out[i] = 0;
     if (body->kind != DAFT_BODY_DYNAMIC) return;
@@ -214,9 +214,9 @@ void daft_sim_body_inverse_inertia(const daft_sim_body *body, float out[6])
         return;
     }
     double r[9], full[9], moments[3] = {(double)body->moments.x, (double)body->moments.y, (double)body->moments.z};
-    memcpy(r, body->frame.m, sizeof r);
+    memcpy(r, frame->m, sizeof r);
     if (body->axes.x != 0 || body->axes.y != 0 || body->axes.z != 0) {
-        daft_rigid axes = daft_rigid_make(daft_dv3(0, 0, 0), body->axes), all = daft_rigid_mul(&body->frame, &axes);
+        daft_rigid axes = daft_rigid_make(daft_dv3(0, 0, 0), body->axes), all = daft_rigid_mul(frame, &axes);
         memcpy(r, all.m, sizeof r);
     }
     for (int k = 0; k < 3 && !body->locks; k++) moments[k] = 1 / moments[k];
@@ -517,7 +517,7 @@ void daft_world_apply_angular_impulse(daft_world *world, uint32_t handle, daft_v
     daft_sim_body *body = pushed(world, handle);
     if (!body) return;
     float m[6];
-    daft_sim_body_inverse_inertia(body, m);
+    daft_sim_body_inverse_inertia(body, &body->frame, m);
     daft_vec3 change = daft_v3(m[0] * impulse.x + m[1] * impulse.y + m[2] * impulse.z,
                                m[1] * impulse.x + m[3] * impulse.y + m[4] * impulse.z,
                                m[2] * impulse.x + m[4] * impulse.y + m[5] * impulse.z);

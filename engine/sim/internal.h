@@ -427,8 +427,9 @@ void daft_sim_part_fill(daft_sim_part *part, const daft_sim_shape_def *def, uint
 bool daft_sim_body_weigh(const daft_world *world, daft_sim_body *body, daft_error *error);
 /* Sets pose and what follows from it. */
 void daft_sim_body_place(daft_sim_body *body, daft_dvec3 position, daft_quat rotation);
-/* The inverse of its inertia in world axes: xx, xy, xz, yy, yz, zz. Zero for what is not dynamic, or locked. */
-void daft_sim_body_inverse_inertia(const daft_sim_body *body, float out[6]);
+/* The inverse of its inertia in world axes, turned as `frame` says: xx, xy, xz, yy, yz, zz. Zero for what is not dynamic, or
+ * locked. */
+void daft_sim_body_inverse_inertia(const daft_sim_body *body, const daft_rigid *frame, float out[6]);
 /* A kinematic body moves from now on; a dynamic one with its heap is awake. Neither fails: room was reserved. */
 void daft_sim_body_activate(daft_world *world, uint32_t index);
 

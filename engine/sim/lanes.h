@@ -47,6 +47,16 @@ DAFT_INLINE vf3 symmetric(const vf m[6], vf3 v)
                  m[2] * v.x + m[4] * v.y + m[5] * v.z};
 }
 
+typedef struct quat {
+    vf x, y, z, w;
+} quat;
+
+DAFT_INLINE quat quat_mul(quat a, quat b)
+{
+    return (quat){a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+                  a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
+}
+
 DAFT_INLINE body load_body(const float *rows, const int32_t *index)
 {
     vf row[8];

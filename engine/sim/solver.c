@@ -240,7 +240,7 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     turn[0] = turn[1] = turn[2] = 0, turn[3] = 1;
     turn[4] = 0, turn[5] = constrained && !body->round;
     mass[0] = (body->locks & DAFT_LOCK_POSITION) == DAFT_LOCK_POSITION ? 0 : body->inv_mass;
-    daft_sim_body_inverse_inertia(body, mass + 1);
+    daft_sim_body_inverse_inertia(body, &body->frame, mass + 1);
     if (dynamic) {
         push = daft_sim_clamp(daft_scale(body->force, body->inv_mass), DAFT_SIM_MAX_ACCELERATION);
         twist = daft_sim_clamp(apply_inertia(mass + 1, body->torque), DAFT_SIM_MAX_ACCELERATION);

@@ -49,9 +49,9 @@ bool daft_sim_spin_refresh(const daft_world *world, uint32_t row, float dt)
     float *turn = rows->turn + at, most = FAR_TURN / dt;
     turn[4] = turn[5] != 0 && v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > most * most;
     if (turn[4] == 0) return false;
-    daft_sim_body body = world->bodies[world->solver->row_bodies[row]];
+    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     daft_quat q = {turn[0], turn[1], turn[2], turn[3]};
-    body.frame = daft_rigid_make(daft_dv3(0, 0, 0), daft_quat_mul(q, body.rotation));
-    daft_sim_body_inverse_inertia(&body, rows->mass + at + 1);
+    daft_rigid frame = daft_rigid_make(daft_dv3(0, 0, 0), daft_quat_mul(q, body->rotation));
+    daft_sim_body_inverse_inertia(body, &frame, rows->mass + at + 1);
     return true;
 }

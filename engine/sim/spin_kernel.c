@@ -51,10 +51,6 @@ DAFT_INLINE vd3 to_axes(const axes *m, vd3 v)
                  r[0].z * v.x + r[1].z * v.y + r[2].z * v.z};
 }
 
-typedef struct quat {
-    vf x, y, z, w;
-} quat;
-
 /* turn·axes, as floats. */
 DAFT_INLINE quat load_axes(const daft_sim_rows *rows, const daft_sim_spin *spin, int lane)
 {
@@ -63,8 +59,7 @@ DAFT_INLINE quat load_axes(const daft_sim_rows *rows, const daft_sim_spin *spin,
     quat a = {row[0], row[1], row[2], row[3]};
     quat b = {vf_load(spin->axes[0] + lane), vf_load(spin->axes[1] + lane), vf_load(spin->axes[2] + lane),
               vf_load(spin->axes[3] + lane)};
-    return (quat){a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-                  a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
+    return quat_mul(a, b);
 }
 /* A rotation however long the rounded quaternion is: what it is off by would add up to energy. */
 DAFT_INLINE axes make_axes(quat q, int half)
