@@ -10,7 +10,7 @@ enum {
     BLOCK_GRAIN = 4,
     ROW_GRAIN = 256,
     SPIN_GRAIN = 2,
-    PARALLEL_BLOCKS = 128, /* fewer are solved faster by one worker */
+    PARALLEL_BLOCKS = 32, /* fewer are solved faster by one worker */
     CLOSE_PASSES = 2
 };
 
