@@ -9,7 +9,8 @@
 
 enum {
     MASKED = 32, /* colours of each class that a body's mask tells; its further constraints climb level by level */
-    CLASSES = 2  /* 0: both bodies yield; 1: one of them */
+    CLASSES = 2, /* 0: both bodies yield; 1: one of them */
+    KINDS = 2 * CLASSES /* those that are not firm and those that are, of each class */
 };
 
 #define UNUSED_SEPARATION 1e20f
@@ -83,12 +84,13 @@ static uint32_t take_colour(daft_sim_solver *s, uint32_t row_a, uint32_t row_b, 
     return MASKED + level;
 }
 
-static bool count_colour(daft_world *world, uint32_t colour, uint32_t class, uint32_t most[CLASSES])
+static bool count_colour(daft_world *world, uint32_t colour, uint32_t class, bool firm, uint32_t most[CLASSES])
 {
     daft_sim_solver *s = world->solver;
-    size_t at = (size_t)colour * CLASSES + class, used = (size_t)(most[0] > most[1] ? most[0] : most[1]) * CLASSES;
+    size_t at = (size_t)colour * KINDS + 2 * class + firm;
+    size_t used = (size_t)(most[0] > most[1] ? most[0] : most[1]) * KINDS;
     if (colour >= most[class]) {
-        size_t wanted = ((size_t)colour + 1) * CLASSES;
+        size_t wanted = ((size_t)colour + 1) * KINDS;
         if (!daft_grow(&world->allocator, &s->colour_counts, &s->colour_count_capacity, wanted, used,
                        sizeof *s->colour_counts))
             return false;
@@ -193,10 +195,12 @@ static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
         s->constrained[a] = true;
         if (!class) s->constrained[b] = true;
         if (met->flags & DAFT_SIM_MET_PARTS) part(world, a, b), part(world, b, a);
+        bool firm = daft_sim_finer_is_firm(world, met);
         for (uint32_t k = 0; k < met->patches; k++) {
             uint32_t colour = take_colour(s, a, b, class);
-            if (!count_colour(world, colour, class, most)) return false;
-            s->constraints[s->constraint_count++] = (daft_sim_constraint){met->touch, k, a, b, colour << 1 | class};
+            if (!count_colour(world, colour, class, firm, most)) return false;
+            s->constraints[s->constraint_count++] =
+                (daft_sim_constraint){met->touch, k, a, b, colour << 1 | class, firm};
         }
     }
     return true;
@@ -212,12 +216,14 @@ static bool lay_out(daft_world *world, const uint32_t most[CLASSES])
         return false;
     for (uint32_t class = 0; class < CLASSES; class++)
         for (uint32_t colour = 0; colour < most[class]; colour++) {
-            uint32_t *count = &s->colour_counts[colour * CLASSES + class];
-            uint32_t blocks = (*count + DAFT_SIM_LANES - 1) / DAFT_SIM_LANES;
-            *count = s->block_count * DAFT_SIM_LANES;
-            if (blocks == 0) continue;
-            s->colours[s->colour_count++] = (daft_sim_colour){s->block_count, blocks};
-            s->block_count += blocks;
+            uint32_t *next = &s->colour_counts[colour * KINDS + 2 * class], first = s->block_count, blocks[2];
+            for (int firm = 0; firm < 2; firm++) {
+                blocks[firm] = (next[firm] + DAFT_SIM_LANES - 1) / DAFT_SIM_LANES;
+                next[firm] = s->block_count * DAFT_SIM_LANES;
+                s->block_count += blocks[firm];
+            }
+            if (s->block_count == first) continue;
+            s->colours[s->colour_count++] = (daft_sim_colour){first, s->block_count - first, blocks[1]};
         }
     return daft_grow(&world->allocator, &s->blocks, &s->block_capacity, s->block_count, 0, sizeof *s->blocks) &&
            daft_grow(&world->allocator, &s->strained, &s->strained_capacity, s->block_count, 0, sizeof *s->strained) &&
@@ -230,8 +236,8 @@ static void place_contacts(daft_sim_solver *s)
     for (size_t i = 0; i < (size_t)s->block_count * DAFT_SIM_LANES; i++) s->slots[i].touch = DAFT_SIM_NONE;
     for (size_t i = 0; i < s->constraint_count; i++) {
         const daft_sim_constraint *c = &s->constraints[i];
-        uint32_t *next = &s->colour_counts[(c->colour >> 1) * CLASSES + (c->colour & 1)];
-        s->slots[(*next)++] = (daft_sim_slot){c->touch, c->patch, c->row_a, c->row_b};
+        uint32_t *next = &s->colour_counts[(c->colour >> 1) * KINDS + 2 * (c->colour & 1) + c->firm];
+        s->slots[(*next)++] = (daft_sim_slot){c->touch, c->patch, c->row_a, c->row_b, c->firm};
     }
 }
 
@@ -261,8 +267,8 @@ static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
         if (yields(world, a)) s->constrained[a] = true;
         if (yields(world, b)) s->constrained[b] = true;
         uint32_t class = !(yields(world, a) && yields(world, b)), colour = take_colour(s, a, b, class);
-        if (!count_colour(world, colour, class, most)) return false;
-        s->constraints[s->constraint_count++] = (daft_sim_constraint){i, 0, a, b, colour << 1 | class};
+        if (!count_colour(world, colour, class, false, most)) return false;
+        s->constraints[s->constraint_count++] = (daft_sim_constraint){i, 0, a, b, colour << 1 | class, false};
     }
     return true;
 }
@@ -381,6 +387,7 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
  * h·2π·hertz < 1. Stiffer ones make a pyramid sway; where they are too soft, substeps are shorter (finer.c). Against what
  * does not yield overlap is undone faster and the impulse is rigid. */
 #define HERTZ_SHARE       0.157f /* of the substeps' rate */
+#define FIRM_HERTZ_SHARE  0.4f   /* where passes are DAFT_SIM_FIRM_PASSES */
 #define FIXED_HERTZ_SHARE 0.5f
 #define CONTACT_DAMPING   10.0f
 
@@ -396,7 +403,8 @@ void daft_sim_block_fill(daft_world *world, uint32_t index)
     daft_sim_solver *s = world->solver;
     daft_sim_block *block = &s->blocks[index];
     float h = s->h, soft[2][3];
-    make_soft(HERTZ_SHARE / h, h, soft[0]);
+    bool firm = s->slots[(size_t)index * DAFT_SIM_LANES].firm;
+    make_soft((firm ? FIRM_HERTZ_SHARE : HERTZ_SHARE) / h, h, soft[0]);
     make_soft(FIXED_HERTZ_SHARE / h, h, soft[1]);
     soft[1][1] = 1, soft[1][2] = 0;
     const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];

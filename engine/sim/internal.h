@@ -275,7 +275,8 @@ enum {
     DAFT_SIM_MET_FIXED = 1, /* it has patches, and b does not yield */
     DAFT_SIM_MET_JOINS = 2, /* it has patches, and both yield */
     DAFT_SIM_MET_DEEP = 4,  /* a overlaps by so much that it is no load which presses them together (finer.c) */
-    DAFT_SIM_MET_PARTS = 8  /* they were made so, or were too fast: they are to part slowly (colour.c) */
+    DAFT_SIM_MET_PARTS = 8, /* they were made so, or were too fast: they are to part slowly (colour.c) */
+    DAFT_SIM_MET_FIRM = 16  /* at rest, and carries many times the lighter's weight (finer.c) */
 };
 
 typedef struct daft_sim_meeting {
@@ -520,6 +521,8 @@ bool daft_sim_joined(const daft_world *world, uint32_t body_a, uint32_t body_b);
 /* ---- finer.c ---- */
 
 float daft_sim_finer_begin(void); /* of a body that was made */
+/* Whether a patch carries many times the lighter body's weight, at rest. */
+bool daft_sim_finer_bears(const daft_world *world, const daft_sim_body *a, const daft_sim_body *b, float load);
 
 /* ---- sweep.c ---- */
 

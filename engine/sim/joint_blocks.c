@@ -28,7 +28,7 @@ static void lay_out(daft_sim_solver *s, uint32_t colours)
             s->joint_block_count += blocks;
         }
         uint32_t blocks = s->joint_block_count - first;
-        if (blocks) s->joint_colours[s->joint_colour_count++] = (daft_sim_colour){first, blocks};
+        if (blocks) s->joint_colours[s->joint_colour_count++] = (daft_sim_colour){first, blocks, 0};
     }
 }
 

@@ -12,15 +12,17 @@ void daft_sim_met_refresh(const daft_world *world, daft_sim_met *met)
     const daft_sim_patch *patches = daft_sim_patches(touch);
     *met = (daft_sim_met){met->touch, touch->body_a, touch->body_b, 0, (uint8_t)touch->patch_count, 0};
     if (touch->sensor || touch->patch_count == 0) return;
-    float least = INFINITY;
+    float least = INFINITY, load = 0;
     for (uint32_t i = 0; i < touch->patch_count; i++) {
         met->points = (uint16_t)(met->points + patches[i].count);
+        load = daft_sim_max(load, patches[i].load);
         for (uint32_t k = 0; k < patches[i].count; k++) least = daft_sim_min(least, patches[i].points[k].separation);
     }
     const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
     met->flags = b->kind == DAFT_BODY_DYNAMIC ? DAFT_SIM_MET_JOINS : DAFT_SIM_MET_FIXED;
     if (least < -DEEP * a->extent) met->flags |= DAFT_SIM_MET_DEEP;
     if (least < -DEEP * daft_sim_min(a->extent, b->extent)) met->flags |= DAFT_SIM_MET_PARTS;
+    if (daft_sim_finer_bears(world, a, b, load)) met->flags |= DAFT_SIM_MET_FIRM;
 }
 
 /* Whether an entry is among those that have met; then it goes to `to`. */

@@ -27,7 +27,7 @@ daft_world *daft_world_create(const daft_allocator *allocator, daft_error *error
 void daft_world_destroy(daft_world *world);
 void daft_world_set_gravity(daft_world *world, daft_vec3 gravity); /* m/s²; wakes everything if it changed */
 /* 1 to 16, default 4. More cost more and stretch, sink and drift less. A heap at rest that carries many times the weight
- * of its bodies is taken in up to 32, if that is little work and it has no joints. */
+ * of its bodies is taken in up to 32, if that is little work and it has no joints; one whose joints hold bodies of very unequal mass, too. */
 void daft_world_set_substeps(daft_world *world, int substeps);
 /* Workers (1 to 64, default 1) and instruction set (daft_isa_parse; default the best). Neither changes a bit. */
 void daft_world_set_workers(daft_world *world, int workers, int isa);

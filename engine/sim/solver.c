@@ -168,6 +168,13 @@ static void add_contacts(daft_sim_solver *s, stage_run *run, int argument)
     for (uint32_t i = 0; i < s->colour_count; i++)
         add(s, run, argument, s->colours[i].first, s->colours[i].count, BLOCK_GRAIN);
 }
+static void add_firm(daft_sim_solver *s, stage_run *run, int argument)
+{
+    for (uint32_t i = 0; i < s->colour_count; i++) {
+        const daft_sim_colour *c = &s->colours[i];
+        add(s, run, argument, c->first + c->count - c->firm, c->firm, BLOCK_GRAIN);
+    }
+}
 static void add_joints(daft_sim_solver *s, stage_run *run, int argument)
 {
     for (uint32_t i = 0; i < s->joint_colour_count; i++)
@@ -189,6 +196,7 @@ static void add_substep(daft_sim_solver *s, int substep)
     add_joints(s, stage_joint_solve, 0);
     add_joints(s, stage_joint_solve, 0); /* long chains need it, and it costs little beside contacts */
     add_contacts(s, stage_solve, 2 * (substep - 1));
+    for (int pass = 1; s->firm && pass < DAFT_SIM_FIRM_PASSES; pass++) add_firm(s, stage_solve, 2 * (substep - 1));
     add_hold(s);
     add(s, stage_spin, SPIN_BETWEEN, 0, s->spin_count, SPIN_GRAIN);
     add(s, stage_move, 0, 1, s->mover_count, ROW_GRAIN);
@@ -205,7 +213,7 @@ static void add_substep(daft_sim_solver *s, int substep)
 
 static size_t most_stages(const daft_sim_solver *s)
 {
-    size_t substep = 14 + 3 * (size_t)s->colour_count + (4 + CLOSE_PASSES) * (size_t)s->joint_colour_count;
+    size_t substep = 14 + (2 + DAFT_SIM_FIRM_PASSES) * (size_t)s->colour_count + (4 + CLOSE_PASSES) * (size_t)s->joint_colour_count;
     return 9 + (size_t)s->substeps * substep + s->colour_count;
 }
 

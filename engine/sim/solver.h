@@ -61,7 +61,10 @@ typedef struct daft_sim_block {
 /* Blocks first..first + count are one colour. */
 typedef struct daft_sim_colour {
     uint32_t first, count;
+    uint32_t firm; /* of them, the last: contacts that are gone over more often (finer.c) */
 } daft_sim_colour;
+
+enum { DAFT_SIM_FIRM_PASSES = 6 }; /* with springs, in a substep; others have one */
 
 typedef struct daft_sim_substep {
     float h, inv_h;
@@ -146,8 +149,12 @@ struct daft_sim_solver {
         uint32_t before; /* substeps in the last step, the most of its bodies */
         bool deep;   /* some overlap by so much that it is no load which presses them together */
         bool joined; /* some have joints */
+        bool firm;   /* its firm contacts are solved as such */
+        uint32_t firm_contacts;
+        float pull;  /* substeps a second that its joints ask for */
         bool fast;   /* some leave, within the step, the place that their contacts were found in */
     } *heaps;
+    bool firm; /* some are */
     size_t heap_capacity;
     uint32_t heap_count;
     uint32_t *heap_of; /* of each body that is awake and dynamic */
@@ -178,6 +185,7 @@ struct daft_sim_solver {
     /* Contacts in the order of colours: where each came from. */
     struct daft_sim_slot {
         uint32_t touch, patch, row_a, row_b;
+        bool firm; /* of all in its block */
     } *slots;
     size_t slot_capacity;
 
@@ -201,6 +209,7 @@ struct daft_sim_solver {
     size_t mask_capacity, level_capacity;
     struct daft_sim_constraint {
         uint32_t touch, patch, row_a, row_b, colour;
+        bool firm;
     } *constraints;
     size_t constraint_capacity, constraint_count;
     uint32_t contact_rows; /* constraints of all contacts */
@@ -250,6 +259,8 @@ void daft_sim_finer_ask(daft_world *world);
 float daft_sim_finer_next(float now, float asked);
 /* Finds heaps and their paces, for which there is room. False: all have the world's own. */
 bool daft_sim_finer_paces(daft_world *world, float dt);
+/* Whether a touch's contacts are solved as firm ones in this step. */
+bool daft_sim_finer_is_firm(const daft_world *world, const daft_sim_met *met);
 
 /* ---- spin.c ---- */
 
