@@ -299,7 +299,7 @@ static void node_fill(daft_node *node, const range *parts, const uint32_t *codes
     for (int i = 0; i < DAFT_WIDTH; i++) {
         v4 low = v4_set(INFINITY), high = low;
         if (i < count) low = v8_low(parts[i].box), high = v8_high(parts[i].box);
-        node->child[i] = i < count ? codes[i] : DAFT_CHILD_NONE;
+        node->child[i] = i < count ? codes[i] : DAFT_CHILD_NONE, node->none[i] = 0;
         for (int k = 0; k < 3; k++) node->bounds[k][i] = low[k], node->bounds[k + 3][i] = -high[k];
     }
 }

@@ -19,6 +19,7 @@ enum { DAFT_WIDTH = 8, DAFT_BLOCK = 4, DAFT_MAX_LEAF_BLOCKS = 4, DAFT_STACK = 51
 struct daft_node {
     float bounds[6][DAFT_WIDTH];
     uint32_t child[DAFT_WIDTH];
+    uint32_t none[DAFT_WIDTH]; /* 0: to whole lines of a cache */
 };
 
 /* corner[k][axis][i]: corner k of triangle i. Unused places have the number DAFT_NO_TRIANGLE, the largest, and the corners of

@@ -25,6 +25,7 @@ typedef struct convoy {
     const daft_ray_packet *rays;
     uint32_t first; /* lane 0's number among the sixteen */
     vf3 o, d;
+    vf inverse[3]; /* one over the direction */
     vf tmin;
     uint32_t ignore;
     bool any;      /* whether they are stopped is all that is asked */
@@ -38,8 +39,8 @@ typedef struct convoy {
 typedef struct group {
     vf near[3], far[3], inverse[3], wide[3], low; /* the origin for near and for far planes; see traverse_kernel.c */
     size_t near_row[3], far_row[3];               /* in bytes from a node's bounds */
-    /* the ends of their interval */
-    v8 near_end[3], far_end[3], inverse_ends[3][2], wide_ends[3][2], low_end;
+    /* the ends of their interval, by axis; near_end's last is low's */
+    v4 near_end, far_end, inverse_ends[2], wide_ends[2];
     bool tight; /* the interval says something */
 } group;
 
@@ -50,46 +51,51 @@ typedef struct packet_stack {
 
 static int first_lane(vbits bits) { return __builtin_ctz(bits); }
 
-/* The least and the largest of the lanes in `bits`. */
-DAFT_INLINE void ends(vf a, vbits bits, float out[2])
+/* The least lanes of four, of those in m. */
+DAFT_INLINE v4 least_of(vm m, vf a, vf b, vf c, vf d)
 {
-    vf one = vf_set(a[first_lane(bits)]), all = vf_select(vm_from_bits(bits), a, one);
-    out[0] = vf_least(all), out[1] = vf_most(all);
+    vf none = vf_set(INFINITY);
+    return vf_least4(vf_select(m, a, none), vf_select(m, b, none), vf_select(m, c, none), vf_select(m, d, none));
 }
 
-static void group_setup(group *g, vf3 o, vf3 d, vf pad, vf tmin, vbits bits)
+/* Of the rays in `bits`, whose directions have the same signs. inverse: one over the direction. */
+static void group_setup(group *g, vf3 o, const vf inverse[3], vf pad, vf tmin, vbits bits)
 {
-    const vf from[3] = {o.x, o.y, o.z}, way[3] = {d.x, d.y, d.z};
-    int first = first_lane(bits);
-    float low[2];
-    g->tight = true;
+    const vf from[3] = {o.x, o.y, o.z};
+    vi minus[3];
+    v4i sign;
+    vm m = vm_from_bits(bits);
     for (int k = 0; k < 3; k++) {
-        vf inverse = vf_set(1) / way[k], outwards = (vf)((vi)pad | ((vi)inverse & vi_set(INT32_MIN)));
-        g->inverse[k] = inverse, g->wide[k] = inverse * vf_set(WIDEN);
+        bool back = signbit(inverse[k][first_lane(bits)]);
+        sign[k] = back ? INT32_MIN : 0, minus[k] = vi_set(sign[k]);
+        vf outwards = (vf)((vi)pad | minus[k]);
+        g->inverse[k] = inverse[k], g->wide[k] = inverse[k] * vf_set(WIDEN);
         g->near[k] = from[k] + outwards, g->far[k] = from[k] - outwards;
-        bool minus = signbit(inverse[first]);
-        g->near_row[k] = (size_t)(minus ? 3 + k : k) * ROW, g->far_row[k] = (size_t)(minus ? k : 3 + k) * ROW;
-        float near[2], far[2], in[2];
-        ends(g->near[k], bits, near), ends(g->far[k], bits, far), ends(inverse, bits, in);
-        g->near_end[k] = v8_set(near[!minus]), g->far_end[k] = v8_set(far[minus]);
-        for (int e = 0; e < 2; e++)
-            g->inverse_ends[k][e] = v8_set(in[e]), g->wide_ends[k][e] = v8_set(in[e] * WIDEN), g->tight &= isfinite(in[e] * WIDEN) != 0;
+        g->near_row[k] = (size_t)(back ? 3 + k : k) * ROW, g->far_row[k] = (size_t)(back ? k : 3 + k) * ROW;
     }
     g->low = tmin * vf_set(1 - 0x1p-17f); /* daft_before, of no negative number */
-    ends(g->low, bits, low);
-    g->low_end = v8_set(low[0]);
+    sign[3] = INT32_MIN;
+    /* along the way, the largest of near and the least of far */
+    v4 most = least_of(m, vf_xor_sign(-g->near[0], minus[0]), vf_xor_sign(-g->near[1], minus[1]), vf_xor_sign(-g->near[2], minus[2]), g->low);
+    v4 least = least_of(m, vf_xor_sign(g->far[0], minus[0]), vf_xor_sign(g->far[1], minus[1]), vf_xor_sign(g->far[2], minus[2]), g->low);
+    g->near_end = -(v4)((v4i)most ^ sign), g->far_end = (v4)((v4i)least ^ sign);
+    g->inverse_ends[0] = least_of(m, inverse[0], inverse[1], inverse[2], g->low);
+    g->inverse_ends[1] = -least_of(m, -inverse[0], -inverse[1], -inverse[2], g->low);
+    for (int e = 0; e < 2; e++) g->wide_ends[e] = g->inverse_ends[e] * v4_set(WIDEN);
+    v4 none = (g->wide_ends[0] - g->wide_ends[0]) + (g->wide_ends[1] - g->wide_ends[1]);
+    g->tight = (v4_bits(none == v4_set(0)) & 7) == 7;
 }
 
 /* Children that some ray may meet; the least distances in *near. */
 DAFT_INLINE uint32_t interval_test(const daft_node *node, const group *g, v8 limit, v8 *near)
 {
     const char *at = (const char *)node->bounds;
-    v8 enter = g->low_end, leave = limit;
+    v8 enter = v8_set(g->near_end[3]), leave = limit;
     for (int k = 0; k < 3; k++) {
-        v8 a = v8_load((const float *)(at + g->near_row[k])) - g->near_end[k];
-        v8 b = v8_load((const float *)(at + g->far_row[k])) - g->far_end[k];
-        enter = v8_max(v8_min(a * g->inverse_ends[k][0], a * g->inverse_ends[k][1]), enter);
-        leave = v8_min(v8_max(b * g->wide_ends[k][0], b * g->wide_ends[k][1]), leave);
+        v8 a = v8_load((const float *)(at + g->near_row[k])) - v8_set(g->near_end[k]);
+        v8 b = v8_load((const float *)(at + g->far_row[k])) - v8_set(g->far_end[k]);
+        enter = v8_max(v8_min(a * v8_set(g->inverse_ends[0][k]), a * v8_set(g->inverse_ends[1][k])), enter);
+        leave = v8_min(v8_max(b * v8_set(g->wide_ends[0][k]), b * v8_set(g->wide_ends[1][k])), leave);
     }
     *near = enter;
     return v8_le_bits(enter, leave);
@@ -112,7 +118,7 @@ DAFT_INLINE vm child_test(const daft_node *node, uint32_t child, const group *g,
 static int push(packet_stack *stack, int top, const daft_node *node, const group *g, vf limit, vbits bits)
 {
     float order[DAFT_WIDTH];
-    v8 near = g->low_end;
+    v8 near = v8_set(g->near_end[3]);
     uint32_t children = 0xff;
     if (g->tight) {
         float most = vf_most(vf_select(vm_from_bits(bits), limit, vf_set(-INFINITY)));
@@ -182,6 +188,7 @@ static void stop(convoy *c, vbits bits)
 typedef struct mesh_convoy {
     const daft_instance *instance;
     vf3 o, d; /* in object space */
+    vf inverse[3];
     vf scale, floor; /* daft_filter */
 } mesh_convoy;
 
@@ -355,7 +362,7 @@ static void mesh_walk(convoy *c, const mesh_convoy *m, vbits bits)
     packet_stack stack;
     group g;
     const daft_bvh *bvh = m->instance->bvh;
-    group_setup(&g, m->o, m->d, vf_set(0), c->tmin, bits);
+    group_setup(&g, m->o, m->inverse, vf_set(0), c->tmin, bits);
     int top = push(&stack, 0, bvh->nodes.items, &g, c->limit, bits);
     while (--top >= 0) {
         uint32_t child = stack.child[top];
@@ -396,29 +403,51 @@ static void instance_alone(convoy *c, uint32_t index, vbits bits)
     }
 }
 
+/* The rays in the mesh's space. A mesh that is only shifted keeps the directions. */
+static void mesh_convoy_turn(mesh_convoy *m, const convoy *c, const daft_affine *map)
+{
+    static const float UNTURNED[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    if (memcmp(map->m, UNTURNED, sizeof UNTURNED) == 0) {
+        m->o = (vf3){c->o.x + vf_set(map->t[0]), c->o.y + vf_set(map->t[1]), c->o.z + vf_set(map->t[2])};
+        m->d = c->d;
+        for (int k = 0; k < 3; k++) m->inverse[k] = c->inverse[k];
+        return;
+    }
+    m->d = (vf3){rows(map->m, c->d), rows(map->m + 3, c->d), rows(map->m + 6, c->d)};
+    m->o = (vf3){rows(map->m, c->o) + vf_set(map->t[0]), rows(map->m + 3, c->o) + vf_set(map->t[1]),
+                rows(map->m + 6, c->o) + vf_set(map->t[2])};
+    m->inverse[0] = vf_set(1) / m->d.x, m->inverse[1] = vf_set(1) / m->d.y, m->inverse[2] = vf_set(1) / m->d.z;
+}
+
+static void mesh_walks(convoy *c, mesh_convoy *m, vbits bits)
+{
+    mesh_convoy_setup(m, c);
+    while (bits) {
+        vbits same = alike(m->d, bits);
+        bits &= ~same;
+        mesh_walk(c, m, same);
+    }
+}
+
 static void instance_together(convoy *c, uint32_t index, vbits bits)
 {
     const daft_instance *instance = &c->tlas->instances[index];
-    const daft_affine *map = &instance->to_object;
     mesh_convoy m = {.instance = instance};
-    m.d = (vf3){rows(map->m, c->d), rows(map->m + 3, c->d), rows(map->m + 6, c->d)};
-    m.o = (vf3){rows(map->m, c->o) + vf_set(map->t[0]), rows(map->m + 3, c->o) + vf_set(map->t[1]),
-                rows(map->m + 6, c->o) + vf_set(map->t[2])};
+    mesh_convoy_turn(&m, c, &instance->to_object);
     bits &= vm_bits(finite_lanes(m.o, m.d));
-    found before = c->hit;
-    uint32_t mark[DAFT_VL]; /* a tie goes to the lower instance */
-    for (int i = 0; i < DAFT_VL; i++) c->hit.triangle[i] = mark[i] = index < before.instance[i] ? DAFT_NO_TRIANGLE : 0;
-    while (bits) {
-        vbits same = alike(m.d, bits);
-        bits &= ~same;
-        mesh_convoy_setup(&m, c);
-        mesh_walk(c, &m, same);
+    if (c->any) {
+        mesh_walks(c, &m, bits);
+        return;
     }
-    for (int i = 0; i < DAFT_VL; i++) {
-        bool taken = c->hit.t[i] < before.t[i] || c->hit.triangle[i] != mark[i];
-        c->hit.instance[i] = taken ? index : before.instance[i];
-        c->hit.triangle[i] = taken ? c->hit.triangle[i] : before.triangle[i];
-    }
+    vf t = vf_load(c->hit.t);
+    vi before = vi_load(c->hit.instance), triangle = vi_load(c->hit.triangle), self = vi_set((int32_t)index);
+    /* a tie goes to the lower instance; none is the largest number */
+    vi mark = vi_select(vm_or(vi_lt(self, before), vi_lt(before, vi_set(0))), vi_set((int32_t)DAFT_NO_TRIANGLE), vi_set(0));
+    vi_store(c->hit.triangle, mark);
+    mesh_walks(c, &m, bits);
+    vm taken = vm_or(vf_lt(vf_load(c->hit.t), t), vm_not(vi_eq(vi_load(c->hit.triangle), mark)));
+    vi_store(c->hit.instance, vi_select(taken, self, before));
+    vi_store(c->hit.triangle, vi_select(taken, vi_load(c->hit.triangle), triangle));
 }
 
 static void instance_touch(convoy *c, uint32_t index, vbits bits)
@@ -449,7 +478,7 @@ static void upper_walk(convoy *c, vbits bits)
     packet_stack stack;
     group g;
     vf pad = vf3_magnitude(c->o) * vf_set(0x1p-20f); /* as for single rays: traverse_kernel.c */
-    group_setup(&g, c->o, c->d, pad, c->tmin, bits);
+    group_setup(&g, c->o, c->inverse, pad, c->tmin, bits);
     int top = push(&stack, 0, c->tlas->nodes.items, &g, c->limit, bits);
     while (--top >= 0) {
         uint32_t child = stack.child[top];
@@ -471,6 +500,7 @@ static vbits convoy_setup(convoy *c, const daft_ray_packet *rays, uint32_t first
     c->o = (vf3){vf_load(rays->origin[0] + first), vf_load(rays->origin[1] + first), vf_load(rays->origin[2] + first)};
     c->d = (vf3){vf_load(rays->direction[0] + first), vf_load(rays->direction[1] + first), vf_load(rays->direction[2] + first)};
     c->tmin = vf_load(rays->tmin + first);
+    c->inverse[0] = vf_set(1) / c->d.x, c->inverse[1] = vf_set(1) / c->d.y, c->inverse[2] = vf_set(1) / c->d.z;
     vm usable = vm_and(finite_lanes(c->o, c->d), vm_and(vf_le(c->tmin, tmax), vf_lt(zero, vf3_magnitude(c->d))));
     vbits bits = c->tlas->nodes.count ? active >> first & vm_bits(usable) : 0;
     vf past = vf_select(vf_lt(zero, tmax), tmax * vf_set(1 + 0x1p-17f), tmax * vf_set(1 - 0x1p-17f)); /* daft_past */
@@ -503,6 +533,10 @@ uint32_t DAFT_KERNEL(daft_closest_packet)(const daft_tlas *tlas, const daft_ray_
         convoy_run(&c, convoy_setup(&c, rays, first, active));
         for (vbits left = active >> first & DAFT_ALL_LANES; left; left &= left - 1) {
             uint32_t i = (uint32_t)first_lane(left);
+            if (c.hit.instance[i] == UINT32_MAX) {
+                hits[first + i] = (daft_hit){.t = rays->tmax[first + i], .instance = UINT32_MAX};
+                continue;
+            }
             daft_nearest n = lane_nearest(&c, (int)i);
             daft_ray ray = lane_ray(&c, (int)i);
             bits |= (uint32_t)DAFT_KERNEL(daft_finish_hit)(tlas, &ray, &n, &hits[first + i]) << (first + i);

@@ -266,7 +266,7 @@ static uint32_t leaf_add(const grower *g, const span *s)
 static void node_fill(daft_node *node, const bounds *boxes, const uint32_t *codes, int count)
 {
     for (int i = 0; i < DAFT_WIDTH; i++) {
-        node->child[i] = i < count ? codes[i] : DAFT_CHILD_NONE;
+        node->child[i] = i < count ? codes[i] : DAFT_CHILD_NONE, node->none[i] = 0;
         for (int k = 0; k < 3; k++) {
             node->bounds[k][i] = i < count ? boxes[i].low[k] : INFINITY;
             node->bounds[k + 3][i] = i < count ? boxes[i].high[k] : -INFINITY;

@@ -13,12 +13,18 @@
 #define WIDEN (1 + 8 * DAFT_ULP)
 enum { ROW = sizeof(((daft_node *)0)->bounds[0]) };
 
-/* The ray as boxes see it: the origin as the near and as the far planes do, minus one over the direction, and the same
- * widened; where in bounds, in bytes, the planes stand that it enters and leaves by. */
-typedef struct slab_ray {
-    v8 nx, ny, nz, fx, fy, fz, ix, iy, iz, wx, wy, wz;
-    size_t near_x, near_y, near_z, far_x, far_y, far_z;
-} slab_ray;
+/* A direction as boxes see it: minus one over it, and the same widened; where in bounds, in bytes, the planes stand that it
+ * enters and leaves by. */
+typedef struct slab_way {
+    v8 ix, iy, iz, wx, wy, wz;
+    const size_t *rows;
+    bool plain; /* no inverse overflows */
+} slab_way;
+
+/* An origin, in each lane. */
+typedef struct slab_origin {
+    v8 x, y, z;
+} slab_origin;
 
 /* Children to visit, each below the bits of its entry distance; the nearest on top. Under all of them a child that is none,
  * nearer than any. */
@@ -36,42 +42,47 @@ static const uint64_t STACK_END = (uint64_t)0xff800000u << 32 | DAFT_CHILD_NONE;
 /* Minus one over a direction whose lane 3 is 0. */
 DAFT_INLINE v4 minus_inverse(v4 d) { return v4_set(-1) / (v4)((v4i)d | (v4i)(v4){0, 0, 0, 1}); }
 
-/* All boxes are grown by `pad` on each side. No branches: the directions' signs cannot be predicted. */
-DAFT_INLINE slab_ray slab_setup(v4 o, v4 d, v4 inverse, float pad)
+DAFT_INLINE slab_origin slab_origin_of(v4 o) { return (slab_origin){v8_set(o[0]), v8_set(o[1]), v8_set(o[2])}; }
+
+/* No branches: the directions' signs cannot be predicted. */
+DAFT_INLINE slab_way slab_way_of(v4 d, v4 inverse)
 {
-    uint32_t minus = v4_bits((v4i)d);
-    size_t x = (minus & 1) * 3 * ROW, y = (minus >> 1 & 1) * 3 * ROW, z = (minus >> 2 & 1) * 3 * ROW;
-    v4 i = inverse, w = i * v4_set(WIDEN), outwards = (v4)((v4i)v4_set(pad) | ((v4i)d & (v4i)v4_set(-0.0f)));
-    v4 near = o + outwards, far = o - outwards;
-    return (slab_ray){.nx = v8_set(near[0]), .ny = v8_set(near[1]), .nz = v8_set(near[2]),
-                      .fx = v8_set(far[0]), .fy = v8_set(far[1]), .fz = v8_set(far[2]),
-                      .ix = v8_set(i[0]), .iy = v8_set(i[1]), .iz = v8_set(i[2]),
-                      .wx = v8_set(w[0]), .wy = v8_set(w[1]), .wz = v8_set(w[2]),
-                      .near_x = x, .near_y = ROW + y, .near_z = 2 * ROW + z,
-                      .far_x = 3 * ROW - x, .far_y = 4 * ROW - y, .far_z = 5 * ROW - z};
+#define SIDES(x, y, z) {(x) * ROW, (y) * ROW, (z) * ROW, (3 - (x)) * ROW, (5 - (y)) * ROW, (7 - (z)) * ROW}
+    /* by the signs of x, y and z */
+    static const size_t ROWS[8][6] = {SIDES(0, 1, 2), SIDES(3, 1, 2), SIDES(0, 4, 2), SIDES(3, 4, 2),
+                                      SIDES(0, 1, 5), SIDES(3, 1, 5), SIDES(0, 4, 5), SIDES(3, 4, 5)};
+#undef SIDES
+    v4 i = inverse, w = i * v4_set(WIDEN);
+    return (slab_way){v8_set(i[0]), v8_set(i[1]), v8_set(i[2]), v8_set(w[0]), v8_set(w[1]), v8_set(w[2]), ROWS[v4_bits((v4i)d) & 7], v4_bits(w - w == v4_set(0)) == 15};
 }
 
-/* The rays of the upper level. An instance's own ray, moved into its space and seen from outside again, is off by 5u of the
+/* The origin as near and as far planes see it on the upper level, where boxes are grown on each side: an instance's own ray, moved into its space and seen from outside again, is off by 5u of the
  * magnitudes of the origin and of the instance's place, |R|·|R^-1| being at most 1 by entry for a rotation and a scale; and
  * by 8u of the way, which is no longer than both. The instance's bounds are wide enough for its place; this is for the rest. */
-DAFT_INLINE slab_ray slab_setup_upper(v4 o, v4 d, v4 inverse)
+DAFT_INLINE void slab_upper_origins(v4 o, v4 d, slab_origin *near, slab_origin *far)
 {
-    return slab_setup(o, d, inverse, (fabsf(o[0]) + fabsf(o[1]) + fabsf(o[2])) * 0x1p-20f);
+    float pad = (fabsf(o[0]) + fabsf(o[1]) + fabsf(o[2])) * 0x1p-20f;
+    v4 outwards = (v4)((v4i)v4_set(pad) | ((v4i)d & (v4i)v4_set(-0.0f)));
+    *near = slab_origin_of(o + outwards), *far = slab_origin_of(o - outwards);
 }
 
 DAFT_INLINE v8 planes(const char *node, size_t row) { return v8_load((const float *)(node + row)); }
 
-/* Bits of the children the ray meets in tmin..tmax; their entry distances in near. `padded`: the setup's pad is not 0;
- * `behind`: distances may be negative, and there widening goes the other way. */
-DAFT_INLINE uint32_t slab_test(const char *node, const slab_ray *r, bool padded, bool behind, v8 tmin, v8 tmax, v8 *near)
+/* Bits of the children the ray meets in tmin..tmax; their entry distances in near. `plain`: the way is, and tmin not negative. */
+DAFT_INLINE uint32_t slab_test(const char *node, const slab_way *r, const slab_origin *from, const slab_origin *until, bool plain,
+                               v8 tmin, v8 tmax, v8 *near)
 {
-    v8 x0 = (r->nx - planes(node, r->near_x)) * r->ix, x1 = ((padded ? r->fx : r->nx) - planes(node, r->far_x)) * r->wx;
-    v8 y0 = (r->ny - planes(node, r->near_y)) * r->iy, y1 = ((padded ? r->fy : r->ny) - planes(node, r->far_y)) * r->wy;
-    v8 z0 = (r->nz - planes(node, r->near_z)) * r->iz, z1 = ((padded ? r->fz : r->nz) - planes(node, r->far_z)) * r->wz;
+    v8 x0 = (from->x - planes(node, r->rows[0])) * r->ix, x1 = (until->x - planes(node, r->rows[3])) * r->wx;
+    v8 y0 = (from->y - planes(node, r->rows[1])) * r->iy, y1 = (until->y - planes(node, r->rows[4])) * r->wy;
+    v8 z0 = (from->z - planes(node, r->rows[2])) * r->iz, z1 = (until->z - planes(node, r->rows[5])) * r->wz;
+    if (plain) {
+        *near = v8_max(v8_max(x0, y0), v8_max(z0, tmin));
+        return v8_le_bits(*near, v8_min(v8_min(x1, y1), v8_min(z1, tmax)));
+    }
     /* v8_max and v8_min give their second argument when the first is NaN */
     *near = v8_max(x0, v8_max(y0, v8_max(z0, tmin)));
     v8 far = v8_min(x1, v8_min(y1, v8_min(z1, tmax)));
-    if (behind) far = v8_max(far, far * v8_set(1 - 24 * DAFT_ULP));
+    far = v8_max(far, far * v8_set(1 - 24 * DAFT_ULP)); /* where it is negative, widening goes the other way */
     return v8_le_bits(*near, far);
 }
 
@@ -81,7 +92,7 @@ DAFT_INLINE uint32_t step(const daft_node *node, uint32_t bits, v8 near, uint64_
     uint32_t i = (uint32_t)__builtin_ctz(bits), first = node->child[i], at[DAFT_WIDTH] __attribute__((aligned(32)));
     bits &= bits - 1;
     if (!bits) return first;
-    memcpy(at, &near, sizeof at);
+    v8_store((float *)at, near); /* in one piece: a copy would wait for its halves */
     uint64_t nearest = (uint64_t)at[i] << 32 | first, *base = *top, *end = base;
     do {
         i = (uint32_t)__builtin_ctz(bits);
@@ -145,15 +156,16 @@ static __attribute__((noinline)) bool leaf_stops(const daft_bvh *bvh, uint32_t c
 
 DAFT_INLINE v4 without_last(v4 a) { return (v4)((v4i)a & (v4i){-1, -1, -1, 0}); }
 
-/* A ray in some space; lanes 3 are 0, but for the inverse's. */
+/* A ray in some space; lanes 3 are 0. */
 typedef struct lined_ray {
-    v4 origin, direction, inverse; /* minus one over the direction */
+    v4 origin, direction;
+    slab_way way;
 } lined_ray;
 
 DAFT_INLINE lined_ray lined(const daft_ray *ray)
 {
     v4 d = without_last(v4_load((const float *)ray + 4));
-    return (lined_ray){without_last(v4_load((const float *)ray)), d, minus_inverse(d)};
+    return (lined_ray){without_last(v4_load((const float *)ray)), d, slab_way_of(d, minus_inverse(d))};
 }
 
 static const float UNTURNED[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -163,28 +175,26 @@ DAFT_INLINE bool is_shift(const daft_affine *map)
     return v8_eq_bits(v8_load(map->m), v8_load(UNTURNED)) == 0xff && map->m[8] == 1;
 }
 
+DAFT_INLINE v4 shift_of(const daft_affine *map) { return __builtin_shufflevector(v4_load(map->m + 8), v4_set(0), 1, 2, 3, 4); }
+
+DAFT_INLINE bool finite_lanes(v4 a, v4 b) { return v4_bits((a - a) + (b - b) == v4_set(0)) == 15; }
+
 /* daft_affine_point and daft_affine_vector side by side. False: it overflows. */
-DAFT_INLINE bool turn(const daft_affine *map, lined_ray *ray)
+DAFT_INLINE bool turn(const daft_affine *map, const lined_ray *frame, lined_ray *own)
 {
-    v4 shift = v4_load(map->m + 8), o = ray->origin, d = ray->direction;
-    shift = __builtin_shufflevector(shift, v4_set(0), 1, 2, 3, 4);
-    if (is_shift(map)) {
-        ray->origin = o + shift;
-    } else {
-        v4 x, y, z;
-        v4_transpose3(v4_load(map->m), v4_load(map->m + 3), v4_load(map->m + 6), &x, &y, &z);
-        ray->origin = without_last(((x * v4_set(o[0]) + y * v4_set(o[1])) + z * v4_set(o[2])) + shift);
-        ray->direction = without_last((x * v4_set(d[0]) + y * v4_set(d[1])) + z * v4_set(d[2]));
-        ray->inverse = minus_inverse(ray->direction);
-    }
-    v4 none = (ray->origin - ray->origin) + (ray->direction - ray->direction);
-    return v4_bits(none == v4_set(0)) == 15;
+    v4 o = frame->origin, d = frame->direction, x, y, z;
+    v4_transpose3(v4_load(map->m), v4_load(map->m + 3), v4_load(map->m + 6), &x, &y, &z);
+    own->origin = without_last(((x * v4_set(o[0]) + y * v4_set(o[1])) + z * v4_set(o[2])) + shift_of(map));
+    own->direction = without_last((x * v4_set(d[0]) + y * v4_set(d[1])) + z * v4_set(d[2]));
+    own->way = slab_way_of(own->direction, minus_inverse(own->direction));
+    return finite_lanes(own->origin, own->direction);
 }
 
 DAFT_INLINE const char *node_at(const daft_node *nodes, uint32_t code) { return (const char *)nodes + code * sizeof *nodes; }
 
 /* Below `child`. hit->t limits the search and hit->triangle breaks ties, so the order of traversal does not matter. */
-DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_ray *slab, const daft_mesh_ray *r, bool behind, daft_nearest *hit)
+DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, slab_origin o, bool plain,
+                           daft_nearest *hit)
 {
     ray_stack stack;
     uint64_t *top = stack.items;
@@ -195,7 +205,7 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_ray *
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
-            uint32_t bits = slab_test(node, slab, false, behind, low, high, &near);
+            uint32_t bits = slab_test(node, way, &o, &o, plain, low, high, &near);
             child = bits ? step((const daft_node *)node, bits, near, &top) : pop(&top, limit);
         }
         if (child == DAFT_CHILD_NONE) return;
@@ -205,7 +215,8 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_ray *
 }
 
 /* Whether anything below `child` is hit before hit->t. */
-DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_ray *slab, const daft_mesh_ray *r, bool behind, daft_nearest *hit)
+DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, slab_origin o, bool plain,
+                             daft_nearest *hit)
 {
     code_stack stack;
     uint32_t *top = stack.items;
@@ -216,7 +227,7 @@ DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_ray
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
-            uint32_t bits = slab_test(node, slab, false, behind, low, high, &near);
+            uint32_t bits = slab_test(node, way, &o, &o, plain, low, high, &near);
             child = bits ? spread((const daft_node *)node, bits, &top) : *--top;
         }
         if (child == DAFT_CHILD_NONE) return false;
@@ -232,44 +243,64 @@ DAFT_INLINE uint32_t first_child(const daft_bvh *bvh, uint32_t child)
     return child == 0 && root->child[1] == DAFT_CHILD_NONE ? root->child[0] : child;
 }
 
-static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, v4 inverse, float tmin,
+/* way: of the direction d. */
+static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_way *way, float tmin,
                                                    daft_intersection how, daft_nearest *hit)
 {
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, hit->t, how);
     child = first_child(bvh, child);
-    if (child & DAFT_CHILD_LEAF) {
-        leaf_closest(bvh, child, &r, daft_past(hit->t), hit);
-        return;
-    }
-    slab_ray slab = slab_setup(o, d, inverse, 0);
-    if (tmin < 0) mesh_walk(bvh, child, &slab, &r, true, hit);
-    else mesh_walk(bvh, child, &slab, &r, false, hit);
+    if (child & DAFT_CHILD_LEAF) leaf_closest(bvh, child, &r, daft_past(hit->t), hit);
+    else if (tmin >= 0 && way->plain) mesh_walk(bvh, child, way, &r, slab_origin_of(o), true, hit);
+    else mesh_walk(bvh, child, way, &r, slab_origin_of(o), false, hit);
 }
 
-static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, v4 inverse, float tmin,
+static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_way *way, float tmin,
                                                     float tmax, daft_intersection how)
 {
     daft_nearest hit = {.t = tmax, .triangle = DAFT_NO_TRIANGLE};
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, tmax, how);
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF) return leaf_stops(bvh, child, &r, daft_past(tmax), &hit);
-    slab_ray slab = slab_setup(o, d, inverse, 0);
-    if (tmin < 0) return mesh_search(bvh, child, &slab, &r, true, &hit);
-    return mesh_search(bvh, child, &slab, &r, false, &hit);
+    if (tmin >= 0 && way->plain) return mesh_search(bvh, child, way, &r, slab_origin_of(o), true, &hit);
+    return mesh_search(bvh, child, way, &r, slab_origin_of(o), false, &hit);
+}
+
+/* Through an instance's mesh. A mesh that is only shifted keeps the direction. */
+DAFT_INLINE void turned_closest(const daft_instance *instance, uint32_t child, const lined_ray *frame, float tmin,
+                                daft_intersection how, daft_nearest *hit)
+{
+    lined_ray own;
+    if (is_shift(&instance->to_object)) {
+        v4 o = frame->origin + shift_of(&instance->to_object);
+        if (finite_lanes(o, o)) mesh_closest(instance->bvh, child, o, frame->direction, &frame->way, tmin, how, hit);
+    } else if (turn(&instance->to_object, frame, &own)) {
+        mesh_closest(instance->bvh, child, own.origin, own.direction, &own.way, tmin, how, hit);
+    }
+}
+
+DAFT_INLINE bool turned_occluded(const daft_instance *instance, uint32_t child, const lined_ray *frame, float tmin, float tmax,
+                                 daft_intersection how)
+{
+    lined_ray own;
+    if (is_shift(&instance->to_object)) {
+        v4 o = frame->origin + shift_of(&instance->to_object);
+        return finite_lanes(o, o) && mesh_occluded(instance->bvh, child, o, frame->direction, &frame->way, tmin, tmax, how);
+    }
+    return turn(&instance->to_object, frame, &own) &&
+           mesh_occluded(instance->bvh, child, own.origin, own.direction, &own.way, tmin, tmax, how);
 }
 
 void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how,
                                     daft_nearest *hit)
 {
-    lined_ray own = lined(ray);
-    if (turn(&instance->to_object, &own)) mesh_closest(instance->bvh, child, own.origin, own.direction, own.inverse, ray->tmin, how, hit);
+    lined_ray frame = lined(ray);
+    turned_closest(instance, child, &frame, ray->tmin, how, hit);
 }
 
 bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how)
 {
-    lined_ray own = lined(ray);
-    return turn(&instance->to_object, &own) &&
-           mesh_occluded(instance->bvh, child, own.origin, own.direction, own.inverse, ray->tmin, ray->tmax, how);
+    lined_ray frame = lined(ray);
+    return turned_occluded(instance, child, &frame, ray->tmin, ray->tmax, how);
 }
 
 /* ---- the upper level ---- */
@@ -306,10 +337,8 @@ DAFT_INLINE void instance_closest(const daft_tlas *tlas, uint32_t index, const d
         hit->triangle = index < hit->instance ? DAFT_NO_TRIANGLE : 0; /* a tie goes to the lower instance */
         uint32_t before = hit->triangle;
         float t = hit->t;
-        lined_ray own = *frame;
         if (instance->kdtree) kd_closest(instance, ray, tlas->intersection, hit);
-        else if (turn(&instance->to_object, &own))
-            mesh_closest(instance->bvh, 0, own.origin, own.direction, own.inverse, ray->tmin, tlas->intersection, hit);
+        else turned_closest(instance, 0, frame, ray->tmin, tlas->intersection, hit);
         if (hit->t < t || hit->triangle != before) hit->instance = index;
         else hit->triangle = triangle;
         return;
@@ -329,9 +358,7 @@ DAFT_INLINE bool instance_occluded(const daft_tlas *tlas, uint32_t index, const 
         return DAFT_KERNEL(daft_kd_occluded)(instance->kdtree, daft_affine_point(&instance->to_object, ray->origin),
                                              daft_affine_vector(&instance->to_object, ray->direction), ray->tmin, ray->tmax,
                                              tlas->intersection);
-    lined_ray own = *frame;
-    return turn(&instance->to_object, &own) &&
-           mesh_occluded(instance->bvh, 0, own.origin, own.direction, own.inverse, ray->tmin, ray->tmax, tlas->intersection);
+    return turned_occluded(instance, 0, frame, ray->tmin, ray->tmax, tlas->intersection);
 }
 
 void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, daft_nearest *hit)
@@ -377,14 +404,15 @@ bool DAFT_KERNEL(daft_finish_hit)(const daft_tlas *tlas, const daft_ray *ray, co
     return true;
 }
 
-void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, uint32_t ignore,
-                                     daft_nearest *hit)
+DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, uint32_t ignore, daft_nearest *hit)
 {
     ray_stack stack;
     uint64_t *top = stack.items;
     *top++ = STACK_END;
     lined_ray frame = lined(ray);
-    slab_ray slab = slab_setup_upper(frame.origin, frame.direction, frame.inverse);
+    slab_origin from, until;
+    slab_upper_origins(frame.origin, frame.direction, &from, &until);
+    bool plain = ray->tmin >= 0 && frame.way.plain;
     v8 low = v8_set(daft_before(ray->tmin)), near;
     for (;;) {
         if (child & DAFT_CHILD_LEAF) {
@@ -393,7 +421,7 @@ void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, cons
             if (index != ignore) instance_closest(tlas, index, ray, &frame, hit);
         } else {
             const daft_node *node = &tlas->nodes.items[child];
-            uint32_t bits = slab_test((const char *)node, &slab, true, ray->tmin < 0, low, v8_set(daft_past(hit->t)), &near);
+            uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, v8_set(daft_past(hit->t)), &near);
             if (bits) {
                 child = step(node, bits, near, &top);
                 continue;
@@ -403,20 +431,30 @@ void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, cons
     }
 }
 
+void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, uint32_t ignore,
+                                     daft_nearest *hit)
+{
+    upper_closest(tlas, child, ray, ignore, hit);
+}
+
 static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit)
 {
     daft_nearest nearest = {.t = ray->tmax, .instance = UINT32_MAX};
-    if (tlas->nodes.count && daft_ray_usable(ray)) DAFT_KERNEL(daft_upper_closest)(tlas, 0, ray, ignore, &nearest);
-    return DAFT_KERNEL(daft_finish_hit)(tlas, ray, &nearest, hit);
+    if (tlas->nodes.count && daft_ray_usable(ray)) upper_closest(tlas, 0, ray, ignore, &nearest);
+    if (nearest.instance != UINT32_MAX) return DAFT_KERNEL(daft_finish_hit)(tlas, ray, &nearest, hit);
+    *hit = (daft_hit){.t = ray->tmax, .instance = UINT32_MAX};
+    return false;
 }
 
-bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray)
+DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daft_ray *ray)
 {
     ray_stack stack;
     uint64_t *top = stack.items;
     *top++ = STACK_END;
     lined_ray frame = lined(ray);
-    slab_ray slab = slab_setup_upper(frame.origin, frame.direction, frame.inverse);
+    slab_origin from, until;
+    slab_upper_origins(frame.origin, frame.direction, &from, &until);
+    bool plain = ray->tmin >= 0 && frame.way.plain;
     v8 low = v8_set(daft_before(ray->tmin)), high = v8_set(daft_past(ray->tmax)), near;
     for (;;) {
         if (child & DAFT_CHILD_LEAF) {
@@ -424,7 +462,7 @@ bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, con
             if (instance_occluded(tlas, child & ~DAFT_CHILD_LEAF, ray, &frame)) return true;
         } else {
             const daft_node *node = &tlas->nodes.items[child];
-            uint32_t bits = slab_test((const char *)node, &slab, true, ray->tmin < 0, low, high, &near);
+            uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
             if (bits) {
                 child = step(node, bits, near, &top);
                 continue;
@@ -434,20 +472,25 @@ bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, con
     }
 }
 
+bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray)
+{
+    return upper_occluded(tlas, child, ray);
+}
+
 static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
 {
-    return tlas->nodes.count && daft_ray_usable(ray) && DAFT_KERNEL(daft_upper_occluded)(tlas, 0, ray);
+    return tlas->nodes.count && daft_ray_usable(ray) && upper_occluded(tlas, 0, ray);
 }
 
 static uint32_t boxes(const daft_node *node, const daft_ray *ray)
 {
     if (!daft_ray_usable(ray)) return 0;
     lined_ray line = lined(ray);
-    slab_ray r = slab_setup(line.origin, line.direction, line.inverse, 0);
+    slab_origin o = slab_origin_of(line.origin);
     v8 near;
     uint32_t real = 0xff;
     for (int k = 0; k < 3; k++) real &= v8_le_bits(v8_load(node->bounds[k]), v8_load(node->bounds[k + 3]));
-    return real & slab_test((const char *)node, &r, false, ray->tmin < 0, v8_set(ray->tmin), v8_set(ray->tmax), &near);
+    return real & slab_test((const char *)node, &line.way, &o, &o, false, v8_set(ray->tmin), v8_set(ray->tmax), &near);
 }
 
 const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest,

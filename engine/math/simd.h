@@ -621,6 +621,23 @@ DAFT_INLINE void v4_transpose3(v4 a, v4 b, v4 c, v4 *x, v4 *y, v4 *z)
 }
 #endif
 
+/* The least lane of each of four, none of them NaN. */
+DAFT_INLINE v4 vf_least4(vf a, vf b, vf c, vf d)
+{
+#ifdef DAFT_HAVE_X86
+    vf r[4] = {a, b, c, d};
+    vf_transpose4(r);
+    vf least = vf_min(vf_min(r[0], r[1]), vf_min(r[2], r[3]));
+    float each[DAFT_VL] __attribute__((aligned(4 * DAFT_VL)));
+    vf_store(each, least);
+    v4 all = v4_load(each);
+    for (int i = 4; i < DAFT_VL; i += 4) all = v4_min(all, v4_load(each + i));
+    return all;
+#else
+    return (v4){vf_least(a), vf_least(b), vf_least(c), vf_least(d)};
+#endif
+}
+
 /* ---- eight lanes as two times four ---- */
 
 #if defined(DAFT_ISA_avx2) || defined(DAFT_ISA_avx512)
