@@ -115,8 +115,10 @@ DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, boo
     }
     bool alike = (from->used[b] & ~one) == 0;
     to->on[b] = alike ? c->batch->instance[first] : DAFT_NOTHING, to->sole[b] = alike ? c->own[first] : DAFT_NO_TRIANGLE;
-    to->low_u[b] = vf_least(lu), to->high_u[b] = vf_most(hu);
-    to->low_v[b] = vf_least(lv), to->high_v[b] = vf_most(hv);
+    const vf sides[4] = {lu, -hu, lv, -hv};
+    float box[4];
+    vf_least4(sides, box);
+    to->low_u[b] = box[0], to->high_u[b] = -box[1], to->low_v[b] = box[2], to->high_v[b] = -box[3];
     to->far[b] = vf_most(far);
 }
 

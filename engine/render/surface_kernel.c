@@ -296,6 +296,20 @@ static void sort_runs(sorted *s, int at, int count)
     }
 }
 
+/* DAFT_VL pixels that all see something. */
+static void sort_seen(sorted *s, int at, vi instance, vi triangle)
+{
+    int first = at;
+    vi_store(&s->points->pixel[s->seen], vi_iota() + vi_set(at));
+    vi_store(&s->points->instance[s->seen], instance), vi_store(&s->points->triangle[s->seen], triangle);
+    for (vbits ends = run_ends(s->tile, at, DAFT_VL); ends; ends &= ends - 1) {
+        int32_t slot = find_slot(s->finder, s->tile->instance[first], s->tile->triangle[first]);
+        vi_store(&s->slots[s->seen + (uint32_t)(first - at)], vi_set(slot));
+        first = at + __builtin_ctz(ends) + 1;
+    }
+    s->seen += DAFT_VL;
+}
+
 /* Whether DAFT_VL pixels see what those above them see. */
 DAFT_INLINE bool as_above(const daft_tile *tile, int at, vi instance, vi triangle)
 {
@@ -319,6 +333,8 @@ static void sort_pixels(sorted *s)
                 vi_store(&s->points->instance[begin], instance);
                 vi_store(&s->points->triangle[begin], triangle);
                 s->seen += DAFT_VL;
+            } else if (tile->width - x >= DAFT_VL && !vm_bits(vi_eq(instance, vi_set((int32_t)DAFT_NOTHING)))) {
+                sort_seen(s, at, instance, triangle);
             } else {
                 sort_runs(s, at, daft_min_i(DAFT_VL, tile->width - x));
             }
