@@ -89,25 +89,6 @@ static daft_vec3 first_point(const daft_batch *b, const uint32_t *bits)
     return daft_v3(b->lifted.x[i], b->lifted.y[i], b->lifted.z[i]);
 }
 
-static void find_extent(cast *c)
-{
-    const daft_batch *b = c->batch;
-    const daft_vec3 first = first_point(b, c->asked);
-    vf3 low = {vf_set(first.x), vf_set(first.y), vf_set(first.z)}, high = low;
-    for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
-        vbits in = bits_at(c->asked, i);
-        if (!in) continue;
-        vf3 p = asked_points(b, in, i, first);
-        low.x = vf_min(p.x, low.x), high.x = vf_max(p.x, high.x);
-        low.y = vf_min(p.y, low.y), high.y = vf_max(p.y, high.y);
-        low.z = vf_min(p.z, low.z), high.z = vf_max(p.z, high.z);
-    }
-    c->low = daft_v3(vf_least(low.x), vf_least(low.y), vf_least(low.z));
-    c->high = daft_v3(vf_most(high.x), vf_most(high.y), vf_most(high.z));
-    daft_vec3 most = daft_max3(daft_neg(c->low), c->high);
-    c->light.reach = fabsf(most.x) + fabsf(most.y) + fabsf(most.z);
-}
-
 static float widen(float low, float high)
 {
     return (high - low) * 1e-5f + (fabsf(low) + fabsf(high)) * 0x1p-20f + TINY;
@@ -161,21 +142,38 @@ static void know_ways(cast *c)
     c->ways_known = true;
 }
 
-/* Which triangles cannot shadow the points that lie on them, and whether all points lie on one thing's. */
-static void know_own(cast *c)
+static void set_extent(cast *c, vf3 low, vf3 high)
+{
+    c->low = daft_v3(vf_least(low.x), vf_least(low.y), vf_least(low.z));
+    c->high = daft_v3(vf_most(high.x), vf_most(high.y), vf_most(high.z));
+    daft_vec3 most = daft_max3(daft_neg(c->low), c->high);
+    c->light.reach = fabsf(most.x) + fabsf(most.y) + fabsf(most.z);
+}
+
+/* The points' extent; which triangles cannot shadow the points that lie on them, and whether all points lie on one thing's. */
+static void know_points(cast *c)
 {
     const daft_batch *b = c->batch;
     uint32_t first = first_of(c->asked);
     vbits apart = 0;
+    const daft_vec3 stand_in = first_point(b, c->asked);
     const vi none = vi_set((int32_t)DAFT_NO_TRIANGLE), one = vi_set((int32_t)b->instance[first]);
+    vf3 low = {vf_set(stand_in.x), vf_set(stand_in.y), vf_set(stand_in.z)}, high = low;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
-        vf3 d = way_to_lamp(c->lamp, load3(&b->lifted, i));
-        vm faces = vf_lt(vf_set(0), vf3_dot(load3(&b->outward, i), d));
+        vbits in = bits_at(c->asked, i);
+        vi_store(&c->own[i], none);
+        if (!in) continue;
+        vm faces = vf_lt(vf_set(0), vf3_dot(load3(&b->outward, i), way_to_lamp(c->lamp, load3(&b->lifted, i))));
         vi own = vi_select(faces, vi_load(&b->triangle[i]), none);
         vi_store(&c->own[i], own);
-        apart |= bits_at(c->asked, i) & ~(vm_bits(vi_eq(vi_load(&b->instance[i]), one)) & ~vm_bits(vi_eq(own, none)));
+        apart |= in & ~(vm_bits(vi_eq(vi_load(&b->instance[i]), one)) & ~vm_bits(vi_eq(own, none)));
+        vf3 p = asked_points(b, in, i, stand_in);
+        low.x = vf_min(p.x, low.x), high.x = vf_max(p.x, high.x);
+        low.y = vf_min(p.y, low.y), high.y = vf_max(p.y, high.y);
+        low.z = vf_min(p.z, low.z), high.z = vf_max(p.z, high.z);
     }
     c->sole = apart ? DAFT_NOTHING : b->instance[first];
+    set_extent(c, low, high);
 }
 
 typedef struct bound {
@@ -589,8 +587,7 @@ static bool cast_begin(cast *c, const daft_batch *points, const daft_lamp *lamp,
     uint32_t any = 0;
     for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) any |= bits[word];
     if (tlas->nodes.count == 0 || !any) return false;
-    find_extent(c);
-    know_own(c);
+    know_points(c);
     return !all_clear(c);
 }
 
