@@ -306,26 +306,6 @@ DAFT_INLINE float vf_least(vf a)
 #endif
 }
 DAFT_INLINE float vf_most(vf a) { return -vf_least(-a); }
-/* The least of each of four. */
-DAFT_INLINE void vf_least4(const vf v[4], float out[4])
-{
-#if defined(DAFT_ISA_avx512)
-    __m512 a = (__m512)v[0], b = (__m512)v[1], c = (__m512)v[2], d = (__m512)v[3];
-    a = _mm512_min_ps(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
-    c = _mm512_min_ps(_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
-    a = _mm512_min_ps(_mm512_shuffle_ps(a, c, 0x44), _mm512_shuffle_ps(a, c, 0xee));
-    __m256 half = _mm256_min_ps(_mm512_castps512_ps256(a), _mm512_extractf32x8_ps(a, 1));
-    _mm_storeu_ps(out, _mm_min_ps(_mm256_castps256_ps128(half), _mm256_extractf128_ps(half, 1)));
-#elif defined(DAFT_ISA_avx2)
-    __m256 a = (__m256)v[0], b = (__m256)v[1], c = (__m256)v[2], d = (__m256)v[3];
-    a = _mm256_min_ps(_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
-    c = _mm256_min_ps(_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
-    a = _mm256_min_ps(_mm256_shuffle_ps(a, c, 0x44), _mm256_shuffle_ps(a, c, 0xee));
-    _mm_storeu_ps(out, _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1)));
-#else
-    for (int i = 0; i < 4; i++) out[i] = vf_least(v[i]);
-#endif
-}
 
 typedef struct vf3 {
     vf x, y, z;

@@ -115,9 +115,7 @@ DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, boo
     }
     bool alike = (from->used[b] & ~one) == 0;
     to->on[b] = alike ? c->batch->instance[first] : DAFT_NOTHING, to->sole[b] = alike ? c->own[first] : DAFT_NO_TRIANGLE;
-    const vf sides[4] = {lu, -hu, lv, -hv};
-    float box[4];
-    vf_least4(sides, box);
+    const v4 box = vf_least4(lu, -hu, lv, -hv);
     to->low_u[b] = box[0], to->high_u[b] = -box[1], to->low_v[b] = box[2], to->high_v[b] = -box[3];
     to->far[b] = vf_most(far);
 }
