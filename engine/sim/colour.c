@@ -398,8 +398,21 @@ static void make_soft(float hertz, float h, float out[3])
     out[0] = omega / a1, out[1] = a2 * a3, out[2] = a3;
 }
 
+/* The touches of a block stand anywhere; those of the next one are on their way meanwhile. */
+static void fetch_block(const daft_world *world, uint32_t index)
+{
+    const daft_sim_solver *s = world->solver;
+    if (index >= s->block_count) return;
+    const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
+    for (int lane = 0; lane < DAFT_SIM_LANES && slots[lane].touch != DAFT_SIM_NONE; lane++) {
+        const char *touch = (const char *)&world->touches[slots[lane].touch];
+        for (size_t at = 0; at < sizeof(daft_sim_touch); at += 64) __builtin_prefetch(touch + at, 1);
+    }
+}
+
 void daft_sim_block_fill(daft_world *world, uint32_t index)
 {
+    fetch_block(world, index + 1);
     daft_sim_solver *s = world->solver;
     daft_sim_block *block = &s->blocks[index];
     float h = s->h, soft[2][3];
@@ -438,6 +451,7 @@ static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)
 
 void daft_sim_block_store(daft_world *world, uint32_t index)
 {
+    fetch_block(world, index + 1);
     daft_sim_solver *s = world->solver;
     daft_sim_block *block = &s->blocks[index];
     const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];

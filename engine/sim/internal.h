@@ -403,7 +403,11 @@ static inline daft_vec3 daft_sim_held(const daft_sim_body *body, daft_vec3 v, ui
 }
 
 /* A vector no longer than `limit`; NaN components become -limit first. */
-daft_vec3 daft_sim_clamp(daft_vec3 v, float limit);
+daft_vec3 daft_sim_clamp_far(daft_vec3 v, float limit);
+static inline daft_vec3 daft_sim_clamp(daft_vec3 v, float limit)
+{
+    return daft_dot(v, v) < 0.25f * limit * limit ? v : daft_sim_clamp_far(v, limit); /* most are far from it */
+}
 /* q turned by angular·h. The angle is right to the fifth order of |angular|·h. */
 daft_quat daft_sim_turn(daft_quat q, daft_vec3 angular, float h);
 /* The frame of a part in the world. */

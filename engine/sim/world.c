@@ -110,10 +110,9 @@ bool daft_world_set_pair(daft_world *world, uint32_t a, uint32_t b, const daft_s
 /* NaN fails the first comparison and becomes -limit. */
 static float clamp(float x, float limit) { return x >= -limit ? (x <= limit ? x : limit) : -limit; }
 
-daft_vec3 daft_sim_clamp(daft_vec3 v, float limit)
+daft_vec3 daft_sim_clamp_far(daft_vec3 v, float limit)
 {
     v = daft_v3(clamp(v.x, limit), clamp(v.y, limit), clamp(v.z, limit));
-    if (daft_dot(v, v) < 0.25f * limit * limit) return v; /* most are, and need no root */
     float length = daft_length(v);
     return length > limit ? daft_scale(v, limit / length) : v;
 }
