@@ -165,9 +165,11 @@ typedef struct node_pair {
     int part;
 } node_pair;
 
+/* at: in floats from the first bound of all. */
 DAFT_INLINE vf bounds_load(const node_pair *n, int at)
 {
-    return vf_load_eights(n->first->bounds[0] + at, n->second->bounds[0] + at, n->part);
+    const float *first = (const float *)(const void *)n->first->bounds, *second = (const float *)(const void *)n->second->bounds;
+    return vf_load_eights(first + at, second + at, n->part);
 }
 
 DAFT_INLINE vi child_load(const node_pair *n)

@@ -520,9 +520,10 @@ static size_t first_after(const daft_sim_listing *listing, size_t from, uint64_t
     return from;
 }
 
-static void append(daft_sim_listing *to, const daft_sim_listed *items, size_t count)
+/* A list without items may have no memory to point to. */
+static void append(daft_sim_listing *to, const daft_sim_listed *items, size_t first, size_t count)
 {
-    if (count > 0) memcpy(to->items + to->count, items, count * sizeof *items);
+    if (count > 0) memcpy(to->items + to->count, items + first, count * sizeof *items);
     to->count += count;
 }
 
@@ -539,11 +540,11 @@ bool daft_sim_listing_update(daft_world *world)
     merged->count = 0;
     for (size_t k = 0; k < fresh->count; k++) {
         size_t to = first_after(old, from, fresh->items[k].key);
-        append(merged, old->items + from, to - from);
-        append(merged, &fresh->items[k], 1);
+        append(merged, old->items, from, to - from);
+        append(merged, fresh->items, k, 1);
         from = to;
     }
-    append(merged, old->items + from, old->count - from);
+    append(merged, old->items, from, old->count - from);
     fresh->count = 0;
     daft_sim_listing swap = *old;
     *old = *merged;
