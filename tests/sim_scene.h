@@ -154,6 +154,20 @@ static inline daft_quat turned(double x, double y, double z, double angle)
                        (float)daft_cos(angle / 2)};
 }
 
+/* Triangles that look up, two to each of cells × cells quads over a field of vertices, row by row; returns how many indices. */
+static inline uint32_t index_field(uint32_t cells, uint32_t *index)
+{
+    uint32_t used = 0;
+    for (uint32_t row = 0; row < cells; row++)
+        for (uint32_t column = 0; column < cells; column++) {
+            uint32_t a = row * (cells + 1) + column, b = a + 1, c = a + cells + 1, d = c + 1;
+            const uint32_t quad[] = {a, c, b, b, c, d};
+            memcpy(index + used, quad, sizeof quad);
+            used += 6;
+        }
+    return used;
+}
+
 /* A square tray with walls. */
 static inline void add_tray(daft_world *world, daft_dvec3 at, float half)
 {

@@ -129,22 +129,30 @@ static void closed_from_inside(void **unused)
     }
 }
 
+/* Two triangles to each quad of side × side vertices, row by row; returns how many indices. */
+static uint32_t index_grid(uint32_t side, uint32_t *index)
+{
+    uint32_t n = 0;
+    for (uint32_t y = 0; y + 1 < side; y++)
+        for (uint32_t x = 0; x + 1 < side; x++) {
+            uint32_t a = y * side + x;
+            const uint32_t quad[6] = {a, a + 1, a + side, a + 1, a + side + 1, a + side};
+            memcpy(index + n, quad, sizeof quad);
+            n += 6;
+        }
+    return n;
+}
+
 /* Edges, vertices and whole triangles that lie exactly on rays, on the axes and on the camera's plane. */
 static void on_the_grid(void **unused)
 {
     (void)unused;
     enum { SIDE = 13 };
     daft_vec3 p[SIDE * SIDE];
-    uint32_t index[6 * (SIDE - 1) * (SIDE - 1)], n = 0;
+    uint32_t index[6 * (SIDE - 1) * (SIDE - 1)];
     for (int y = 0; y < SIDE; y++)
         for (int x = 0; x < SIDE; x++) p[y * SIDE + x] = daft_v3(64, (float)(y - 6) * 2.5f, (float)(x - 6) * 2.5f);
-    for (uint32_t y = 0; y + 1 < SIDE; y++)
-        for (uint32_t x = 0; x + 1 < SIDE; x++) {
-            uint32_t a = y * SIDE + x;
-            const uint32_t quad[6] = {a, a + 1, a + SIDE, a + 1, a + SIDE + 1, a + SIDE};
-            memcpy(index + n, quad, sizeof quad);
-            n += 6;
-        }
+    uint32_t n = index_grid(SIDE, index);
     fixture_mesh mesh = mesh_make(p, SIDE * SIDE, index, n / 3);
     daft_instance instance = instance_make(&mesh, still());
     setting s = {pencil_make(0, 0, 1), &instance, 1};
@@ -281,16 +289,10 @@ static void specks_on_the_grid(void **unused)
     (void)unused;
     enum { SIDE = 65, QUADS = (SIDE - 1) * (SIDE - 1) };
     daft_vec3 *p = malloc(SIDE * SIDE * sizeof *p);
-    uint32_t *index = malloc(6 * QUADS * sizeof *index), n = 0;
+    uint32_t *index = malloc(6 * QUADS * sizeof *index);
     for (int y = 0; y < SIDE; y++)
         for (int x = 0; x < SIDE; x++) p[y * SIDE + x] = daft_v3(64, (float)(y - 32) * 0.25f, (float)(x - 32) * 0.25f);
-    for (uint32_t y = 0; y + 1 < SIDE; y++)
-        for (uint32_t x = 0; x + 1 < SIDE; x++) {
-            uint32_t a = y * SIDE + x;
-            const uint32_t quad[6] = {a, a + 1, a + SIDE, a + 1, a + SIDE + 1, a + SIDE};
-            memcpy(index + n, quad, sizeof quad);
-            n += 6;
-        }
+    uint32_t n = index_grid(SIDE, index);
     fixture_mesh mesh = mesh_make(p, SIDE * SIDE, index, n / 3);
     daft_instance instance = instance_make(&mesh, still());
     setting s = {pencil_make(0, 0, 1), &instance, 1};

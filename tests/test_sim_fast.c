@@ -51,18 +51,11 @@ static void ground_of(surface *s, height_at *height, double cell, bool one_sided
 {
     static daft_vec3 p[(CELLS + 1) * (CELLS + 1)];
     static uint32_t index[CELLS * CELLS * 6];
-    uint32_t used = 0;
     for (uint32_t i = 0; i < DAFT_COUNT_OF(p); i++) {
         double x = cell * (i % (CELLS + 1) - CELLS / 2.0), z = cell * (i / (CELLS + 1) - CELLS / 2.0);
         p[i] = daft_v3((float)x, (float)height(x, z), (float)z);
     }
-    for (uint32_t row = 0; row < CELLS; row++)
-        for (uint32_t column = 0; column < CELLS; column++) {
-            uint32_t a = row * (CELLS + 1) + column, b = a + 1, c = a + CELLS + 1, d = c + 1;
-            const uint32_t quad[] = {a, c, b, b, c, d};
-            memcpy(index + used, quad, sizeof quad);
-            used += 6;
-        }
+    uint32_t used = index_field(CELLS, index);
     surface_make(s, p, DAFT_COUNT_OF(p), index, used / 3, one_sided);
 }
 

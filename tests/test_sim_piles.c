@@ -365,18 +365,11 @@ static fixture_mesh hilly_mesh(void)
     enum { CELLS = 40 };
     static daft_vec3 p[(CELLS + 1) * (CELLS + 1)];
     static uint32_t index[CELLS * CELLS * 6];
-    uint32_t used = 0;
     for (uint32_t i = 0; i < DAFT_COUNT_OF(p); i++) {
         double x = 0.6 * (i % (CELLS + 1)) - 12, z = 0.6 * (i / (CELLS + 1)) - 12;
         p[i] = daft_v3((float)x, (float)(0.15 * daft_sin(1.3 * x) * daft_cos(0.9 * z)), (float)z);
     }
-    for (uint32_t row = 0; row < CELLS; row++)
-        for (uint32_t column = 0; column < CELLS; column++) {
-            uint32_t a = row * (CELLS + 1) + column, b = a + 1, c = a + CELLS + 1, d = c + 1;
-            const uint32_t quad[] = {a, c, b, b, c, d};
-            memcpy(index + used, quad, sizeof quad);
-            used += 6;
-        }
+    uint32_t used = index_field(CELLS, index);
     return mesh_make(p, DAFT_COUNT_OF(p), index, used / 3);
 }
 
