@@ -1,5 +1,6 @@
 /* The bottom level: a tree over a mesh's triangles, their corners copied into blocks. */
 #include "accel/build.h"
+#include "accel/find_sides.h"
 
 #include <string.h>
 
@@ -140,10 +141,11 @@ void daft_bvh_free(daft_bvh *bvh)
     daft_allocator allocator = bvh->allocator;
     daft_release(&allocator, bvh->nodes.items);
     daft_release(&allocator, bvh->blocks);
+    daft_sides_drop(bvh);
     daft_release(&allocator, bvh);
 }
 
 size_t daft_bvh_bytes(const daft_bvh *bvh)
 {
-    return sizeof *bvh + bvh->nodes.capacity * sizeof(daft_node) + bvh->block_count * sizeof(daft_block);
+    return sizeof *bvh + bvh->nodes.capacity * sizeof(daft_node) + bvh->block_count * sizeof(daft_block) + daft_sides_bytes(bvh);
 }

@@ -2,6 +2,7 @@
  * gets worse as the triangles leave the places they were parted by; when the surface-area cost has grown by a share, it is
  * built anew (Lauterbach, Yoon, Tuft, Manocha, "RT-DEFORM: Interactive Ray Tracing of Dynamic Scenes using BVHs", 2006). */
 #include "accel/build.h"
+#include "accel/find_sides.h"
 
 #include <float.h>
 
@@ -115,6 +116,7 @@ static void replace(daft_bvh *bvh, daft_bvh *fresh)
 bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def *def)
 {
     if (bvh->nodes.count == 0) return false;
+    daft_sides_drop(bvh);
     if (bvh->cost < 0) bvh->cost = tree_cost(bvh);
     refit_job job = {bvh, mesh};
     int threads = bvh->block_count < TOO_FEW_BLOCKS ? 1 : def->threads;

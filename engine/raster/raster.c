@@ -122,6 +122,7 @@ static bool seen_setup(const daft_pencil *p, const daft_instance *instance, uint
     if (!instance->mesh) return sphere_range(p, seen, cx, cy);
     int64_t triangles = instance->mesh->triangle_count, pixels = (int64_t)(seen->x1 - seen->x0 + 1) * (seen->y1 - seen->y0 + 1);
     seen->dense = (low.z > 0 ? 6 : 4) * triangles >= pixels;
+    if (seen->bvh->sides) daft_outlook_from(seen->bvh, seen->mesh, &seen->to_camera, &seen->outlook, &seen->front);
     return true;
 }
 

@@ -1,0 +1,181 @@
+/* Bounds of where the triangles below a node look (sides.h has what they promise). Blocks stand in depth-first order, so
+ * those below a child are a range, and each child's bound is made of its own triangles. Parts of many triangles look
+ * every way and are not even tried, so time is linear. */
+#include "accel/find_sides.h"
+#include "math/simd.h"
+
+enum { MOST_BLOCKS = 1024, STEPS = 8 };
+#define SLACK 0x1p-18 /* of the reach, over the rounding of the test, of unit normals and of offsets */
+
+/* A block's triangles, by lanes. */
+typedef struct facets {
+    v4 normal[3];
+    v4 thinness; /* one over the least height; infinite: of two sides, or no normal worth the name */
+} facets;
+
+typedef struct cone_job {
+    const daft_bvh *bvh;
+    const daft_sides *sides;
+    facets *facets; /* of each block */
+    uint32_t *first, *end; /* of each node: its blocks */
+} cone_job;
+
+static daft_dvec3 block_corner(const daft_block *block, int corner, uint32_t lane)
+{
+    const float(*c)[DAFT_BLOCK] = block->corner[corner];
+    return daft_dv3((double)c[0][lane], (double)c[1][lane], (double)c[2][lane]);
+}
+
+static void facet_make(const daft_block *block, uint32_t lane, bool one_sided, facets *out)
+{
+    daft_dvec3 a = block_corner(block, 0, lane), b = block_corner(block, 1, lane), c = block_corner(block, 2, lane);
+    daft_dvec3 e = daft_dsub(b, a), f = daft_dsub(c, b), g = daft_dsub(a, c), n = daft_dcross(e, f);
+    double longest = sqrt(fmax(fmax(daft_ddot(e, e), daft_ddot(f, f)), daft_ddot(g, g))), area = sqrt(daft_ddot(n, n));
+    bool fit = one_sided && area > longest * longest * 0x1p-20;
+    daft_dvec3 unit = fit ? daft_dscale(n, 1 / area) : daft_dv3(0, 0, 0);
+    out->normal[0][lane] = (float)unit.x, out->normal[1][lane] = (float)unit.y, out->normal[2][lane] = (float)unit.z;
+    out->thinness[lane] = fit ? (float)(longest / area * (1 + 0x1p-20)) : INFINITY;
+}
+
+static void find_ranges(cone_job *j)
+{
+    for (size_t n = j->bvh->nodes.count; n-- > 0;) {
+        const daft_node *node = &j->bvh->nodes.items[n];
+        j->first[n] = UINT32_MAX, j->end[n] = 0;
+        for (int i = 0; i < DAFT_WIDTH; i++) {
+            uint32_t child = node->child[i];
+            if (child == DAFT_CHILD_NONE) continue;
+            uint32_t block = (child & ~DAFT_CHILD_LEAF) >> 2;
+            bool leaf = child & DAFT_CHILD_LEAF;
+            j->first[n] = daft_min_u(j->first[n], leaf ? block : j->first[child]);
+            j->end[n] = daft_max_u(j->end[n], leaf ? block + (child & 3) + 1 : j->end[child]);
+        }
+    }
+}
+
+static v4 along(const facets *f, daft_dvec3 axis)
+{
+    return f->normal[0] * v4_set((float)axis.x) + f->normal[1] * v4_set((float)axis.y) + f->normal[2] * v4_set((float)axis.z);
+}
+
+static daft_dvec3 normal_at(const facets *f, uint32_t lane)
+{
+    return daft_dv3((double)f->normal[0][lane], (double)f->normal[1][lane], (double)f->normal[2][lane]);
+}
+
+static daft_dvec3 unit(daft_dvec3 v)
+{
+    double length = sqrt(daft_ddot(v, v));
+    return length > 0 ? daft_dscale(v, 1 / length) : v;
+}
+
+/* The normal that is farthest from the axis; gives the cosine between the two. */
+static float farthest(const facets *f, uint32_t count, daft_dvec3 axis, daft_dvec3 *normal)
+{
+    v4 least = v4_set(INFINITY);
+    v4i at = {0};
+    for (uint32_t i = 0; i < count; i++) {
+        v4 cosine = along(&f[i], axis);
+        v4i less = (v4i)(cosine < least);
+        least = v4_min(cosine, least), at = (less & ((v4i){0} + (int32_t)i)) | (~less & at);
+    }
+    uint32_t lane = 0;
+    for (uint32_t i = 1; i < DAFT_BLOCK; i++)
+        if (least[i] < least[lane]) lane = i;
+    *normal = normal_at(&f[at[lane]], lane);
+    return least[lane];
+}
+
+/* The mean of the normals, then moved towards the farthest one, ever less (Badoiu and Clarkson, "Smaller Core-Sets for Balls",
+ * 2003). *cosine: of the angle that holds all. */
+static daft_dvec3 axis_of(const facets *f, uint32_t count, float *cosine)
+{
+    v4 sum[3] = {{0}, {0}, {0}};
+    for (uint32_t i = 0; i < count; i++)
+        for (int k = 0; k < 3; k++) sum[k] += f[i].normal[k];
+    double s[3];
+    for (int k = 0; k < 3; k++) s[k] = (double)sum[k][0] + (double)sum[k][1] + ((double)sum[k][2] + (double)sum[k][3]);
+    daft_dvec3 axis = unit(daft_dv3(s[0], s[1], s[2])), best = axis, far;
+    *cosine = farthest(f, count, axis, &far);
+    for (int step = 0; step < STEPS && *cosine > 0.1f; step++) {
+        axis = unit(daft_dadd(axis, daft_dscale(daft_dsub(far, axis), 1.0 / (step + 2))));
+        float least = farthest(f, count, axis, &far);
+        if (least > *cosine) *cosine = least, best = axis;
+    }
+    return best;
+}
+
+/* The least normal·(corner - middle). */
+static double least_offset(const cone_job *j, uint32_t first, uint32_t end, daft_dvec3 middle)
+{
+    double least = INFINITY;
+    for (uint32_t b = first; b < end; b++)
+        for (uint32_t i = 0; i < DAFT_BLOCK; i++)
+            least = fmin(least, daft_ddot(normal_at(&j->facets[b], i), daft_dsub(block_corner(&j->bvh->blocks[b], 0, i), middle)));
+    return least;
+}
+
+static float thinnest(const facets *f, uint32_t count)
+{
+    v4 most = v4_set(0);
+    for (uint32_t i = 0; i < count; i++) most = v4_max(f[i].thinness, most);
+    return fmaxf(fmaxf(most[0], most[1]), fmaxf(most[2], most[3]));
+}
+
+static void cone_make(const cone_job *j, const daft_node *node, int child, uint32_t first, uint32_t end, daft_cones *out)
+{
+    const facets *f = j->facets + first;
+    uint32_t count = end - first;
+    float cosine = 0, thin = count > MOST_BLOCKS ? INFINITY : thinnest(f, count);
+    daft_dvec3 axis = {0, 0, 0};
+    if (thin < INFINITY) axis = axis_of(f, count, &cosine);
+    if (!(cosine > 0.01f)) { /* every way, or of two sides */
+        for (int k = 0; k < 3; k++) out->axis[k][child] = 0;
+        out->spread[child] = INFINITY, out->shake[child] = 0, out->offset[child] = 0;
+        return;
+    }
+    double c = fmin((double)cosine, 1) - 0x1p-21, middle[3];
+    for (int k = 0; k < 3; k++) middle[k] = ((double)node->bounds[k][child] + (double)node->bounds[k + 3][child]) * 0.5;
+    daft_dvec3 o = daft_dv3(middle[0], middle[1], middle[2]), scaled = daft_dscale(axis, c);
+    double offset = daft_ddot(scaled, daft_dsub(o, j->sides->middle)) + least_offset(j, first, end, o);
+    out->axis[0][child] = (float)scaled.x, out->axis[1][child] = (float)scaled.y, out->axis[2][child] = (float)scaled.z;
+    out->spread[child] = (float)(sqrt(1 - c * c) + SLACK);
+    out->shake[child] = 8 * thin;
+    out->offset[child] = (float)offset;
+}
+
+static void fill_nodes(const cone_job *j)
+{
+    for (size_t n = 0; n < j->bvh->nodes.count; n++) {
+        const daft_node *node = &j->bvh->nodes.items[n];
+        for (int i = 0; i < DAFT_WIDTH; i++) {
+            uint32_t child = node->child[i], block = (child & ~DAFT_CHILD_LEAF) >> 2, first = 0, end = MOST_BLOCKS + 1;
+            if (child != DAFT_CHILD_NONE) {
+                bool leaf = child & DAFT_CHILD_LEAF;
+                first = leaf ? block : j->first[child], end = leaf ? block + (child & 3) + 1 : j->end[child];
+            }
+            cone_make(j, node, i, first, end, &j->sides->cones[n]);
+        }
+    }
+}
+
+bool daft_cones_fill(const daft_bvh *bvh, const daft_sides *sides)
+{
+    const daft_allocator *a = &bvh->allocator;
+    cone_job job = {.bvh = bvh, .sides = sides};
+    job.facets = daft_alloc(a, bvh->block_count, sizeof *job.facets);
+    job.first = daft_alloc(a, bvh->nodes.count, sizeof *job.first);
+    job.end = daft_alloc(a, bvh->nodes.count, sizeof *job.end);
+    bool done = job.facets && job.first && job.end;
+    if (done) {
+        for (size_t b = 0; b < bvh->block_count; b++)
+            for (uint32_t i = 0; i < DAFT_BLOCK; i++)
+                facet_make(&bvh->blocks[b], i, sides->blocks[b] >> i & 1, &job.facets[b]);
+        find_ranges(&job);
+        fill_nodes(&job);
+    }
+    daft_release(a, job.facets);
+    daft_release(a, job.first);
+    daft_release(a, job.end);
+    return done;
+}

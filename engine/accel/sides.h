@@ -1,0 +1,70 @@
+/* Which triangles are only ever seen from their front, and which parts of a tree look away from where they are seen.
+ *
+ * A ray that starts outside a closed mesh (where its winding number is 0) and meets a triangle first, from its back, comes from a
+ * place with winding number 0 behind that triangle. Where the winding number behind a triangle is another, that cannot be:
+ * the triangle is one-sided. sides.c and winding.c find these, cones.c which nodes' triangles all look away.
+ *
+ * Who may pass over what looks away: a pencil whose origin is outside the mesh and whose rays ask for the nearest hit, or
+ * for any hit on the way from the origin. daft_outlook_from says whether it is. A one-sided triangle that the origin sees
+ * from its back then need not be tested, in as far as some other triangle, met before, is tested. */
+#ifndef DAFT_SIDES_H
+#define DAFT_SIDES_H
+
+#include "accel/bvh.h"
+
+/* What a node's children look towards, lane by lane. All of a child's triangles are one-sided and look away from an
+ * outlook (daft_outlook, below) if, in floats and in any order,
+ *     axis[0]·x + axis[1]·y + axis[2]·z + reach·(spread + blur·shake) < offset·w
+ * With the triangles' unit normals within an angle s of the unit axis a, p any point on a triangle and v from some point o to
+ * the origin, normal·(origin - p) <= cos(s)·(a·v) + sin(s)·|v| - normal·(p - o): axis = cos(s)·a, spread = sin(s) and
+ * offset = axis·o + the least normal·(p - o). Corners that are off by `blur`, in a triangle of longest edge L and least height
+ * h, turn L·h times its normal by 2·blur·2L + 4·blur² at most and move it by blur; with blur <= L/2 and h < 1.8·reach both
+ * are within reach·8·blur/h, and beyond L/2 that is too much for any to look away: shake = 8/h. What holds a triangle of two
+ * sides has an infinite spread. Rounding: spread has 2^-18 more, and the test's own is below 2^-19 of the reach. */
+typedef struct daft_cones {
+    float axis[3][DAFT_WIDTH], spread[DAFT_WIDTH], shake[DAFT_WIDTH], offset[DAFT_WIDTH];
+} daft_cones;
+
+/* Fewer bytes than a share of the tree's: 6 floats for each child, 9 bits for each triangle. */
+typedef struct daft_sides {
+    uint32_t triangle_count, count; /* of the mesh's; of one-sided ones */
+    daft_dvec3 middle;              /* of the mesh's bounds: outlooks and offsets count from here */
+    uint8_t *blocks;     /* of each block, bits 0 to 3: its triangles that are one-sided, unused places like the last used */
+    uint32_t *triangles; /* the same by triangle, 32 in a word */
+    daft_cones *cones;   /* of each node */
+} daft_sides;
+
+/* From where a mesh is looked at, in the mesh's own space: a point less sides.middle, w = 1; or the direction towards a
+ * light at infinity, w = 0. */
+typedef struct daft_outlook {
+    float x, y, z, w;
+    float reach; /* no less than the distance to any point of the mesh; or the direction's length */
+    float blur;  /* no less than any corner is moved by rounding, in the mesh's space */
+} daft_outlook;
+
+/* An outlook on a mesh that has sides. `blur` as above, finite. False: the point is not surely outside the mesh. */
+bool daft_outlook_at(const daft_bvh *bvh, const daft_trimesh *mesh, daft_dvec3 point, double blur, daft_outlook *out);
+/* From infinitely far: always outside. */
+daft_outlook daft_outlook_along(daft_dvec3 direction, double blur);
+/* From the origin of the space that `map` leads to, where corners are what daft_affine_point gives. *front: the sign of
+ * det(a, b, c) of the moved corners of a triangle that is seen from its front. False, and *front is 0: not surely outside, or
+ * the map is singular. */
+bool daft_outlook_from(const daft_bvh *bvh, const daft_trimesh *mesh, const daft_affine *map, daft_outlook *out, int *front);
+
+/* Bits of the children that look away. The kernels compute the same in lanes. */
+static inline uint32_t daft_cones_away(const daft_cones *c, const daft_outlook *o)
+{
+    uint32_t away = 0;
+    for (uint32_t i = 0; i < DAFT_WIDTH; i++) {
+        float towards = c->axis[0][i] * o->x + c->axis[1][i] * o->y + c->axis[2][i] * o->z;
+        away |= (uint32_t)(towards + o->reach * (c->spread[i] + o->blur * c->shake[i]) < c->offset[i] * o->w) << i;
+    }
+    return away;
+}
+
+static inline bool daft_is_one_sided(const daft_sides *sides, uint32_t triangle)
+{
+    return sides->triangles[triangle / 32] >> (triangle % 32) & 1;
+}
+
+#endif
