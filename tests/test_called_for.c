@@ -252,6 +252,37 @@ static void a_mesh_that_keeps_its_shape_is_built_once(void **unused)
     stage_drop(s);
 }
 
+/* Which of its triangles are only seen from outside is asked of a mesh that a crowd shows, once, and of no other. */
+static void only_the_meshes_of_crowds_are_searched_for_sides(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(2);
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH, def.mesh = make_tetrahedron(s);
+    daft_mesh_info before, after;
+    assert_true(daft_mesh_get_info(s->scene, def.mesh, &before, NULL));
+    daft_entity last = {0};
+    for (int i = 0; i < 64; i++) {
+        assert_int_equal(draw(s)->mesh_sides, 0);
+        def.position = daft_dv3(3 * (i % 8), 0, 3 * (i / 8));
+        last = add(s, &def);
+    }
+    daft_ray_hit hit;
+    daft_scene_cast_ray(s->scene, daft_dv3(0, 9, 0), daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, NULL);
+    assert_true(daft_entity_set_visible(s->scene, last, false, NULL));
+    assert_int_equal(draw(s)->mesh_sides, 0);
+    assert_true(daft_mesh_get_info(s->scene, def.mesh, &after, NULL) && after.bytes == before.bytes);
+    assert_true(daft_entity_set_visible(s->scene, last, true, NULL));
+    for (int i = 0; i < 3; i++) assert_int_equal(draw(s)->mesh_sides, 1);
+    assert_true(daft_mesh_get_info(s->scene, def.mesh, &after, NULL) && after.bytes > before.bytes);
+    /* What moves its vertices is not searched again. */
+    static const daft_vec3 moved[4] = {{1, 2, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}};
+    assert_true(daft_mesh_set_positions(s->scene, def.mesh, moved, NULL, 4, NULL));
+    assert_int_equal(draw(s)->mesh_sides, 1);
+    assert_true(daft_mesh_get_info(s->scene, def.mesh, &after, NULL) && after.bytes <= before.bytes);
+    stage_drop(s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -260,6 +291,7 @@ int main(void)
         cmocka_unit_test(occluders_elsewhere_are_never_tested),
         cmocka_unit_test(mirrors_out_of_sight_cast_no_ray),
         cmocka_unit_test(a_mesh_that_keeps_its_shape_is_built_once),
+        cmocka_unit_test(only_the_meshes_of_crowds_are_searched_for_sides),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

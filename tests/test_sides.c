@@ -341,6 +341,81 @@ static void cones(void **unused)
     assert_true(near > 100000 && far > 10000 && sun > 10000);
 }
 
+/* ---- pictures ---- */
+
+enum { WIDTH = 90, HEIGHT = 70 };
+
+typedef struct picture {
+    uint32_t instance[WIDTH * HEIGHT], triangle[WIDTH * HEIGHT];
+} picture;
+
+/* isa < 0: the reference path. */
+static void see(const daft_instance *instances, uint32_t count, int isa, picture *out)
+{
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_raster raster;
+    daft_error error = {0};
+    daft_arena arena;
+    daft_arena_init(&arena, &allocator);
+    const daft_pencil pencil = {.right = {1, 0, 0}, .up = {0, 1, 0}, .forward = {0, 0, -1}, .focal = 40, .width = WIDTH, .height = HEIGHT};
+    assert_true(daft_raster_init(&raster, &allocator, 1, &error) && daft_raster_begin(&raster, &pencil, instances, count, &error));
+    const daft_tlas *tlas = daft_tlas_build(&arena, instances, count, &error);
+    daft_tile *tile = malloc(sizeof *tile);
+    for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
+    for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) {
+        if (isa >= 0)
+            daft_raster_kernels_for(isa)->tile(&raster, i, 0, tile);
+        else
+            daft_reference_tile(&raster, tlas, i, tile);
+        for (int at = 0; at < tile->width * tile->height; at++) {
+            int x = at % tile->width, y = at / tile->width, to = (tile->y + y) * WIDTH + tile->x + x;
+            out->instance[to] = tile->instance[y * DAFT_TILE_STRIDE + x], out->triangle[to] = tile->triangle[y * DAFT_TILE_STRIDE + x];
+        }
+    }
+    free(tile);
+    daft_raster_free(&raster);
+    daft_arena_free(&arena);
+}
+
+/* Things around the camera, some of them turned over by a mirroring map, some that hold the camera. */
+static uint32_t place_all(const fixture_mesh *shapes, int shape_count, daft_instance *out, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        daft_vec3 scale = daft_v3(random_float(0.5f, 2), random_float(0.5f, 2), i % 3 ? 1 : -1);
+        daft_vec3 at = i == 0 ? daft_v3(0.2f, 0.1f, -0.3f) : daft_v3(random_float(-6, 6), random_float(-5, 5), random_float(-12, 1));
+        out[i] = instance_make(&shapes[(int)i % shape_count], affine_make(random_rotation(), scale, at));
+    }
+    return count;
+}
+
+/* The same picture whether or not sides are known, in either path and on every instruction set. */
+static void pictures(void **unused)
+{
+    (void)unused;
+    fixture_seed(42);
+    enum { THINGS = 24 };
+    daft_instance things[THINGS];
+    static picture plain, reference, pencil;
+    fixture_mesh shapes[4] = {mesh_ball(30, 1, 0.01f), mesh_ball(8, 1, 0.5f), mesh_torus(24, 32, 1.6f), mesh_torus(12, 30, 0.4f)};
+    for (int round = 0; round < 6; round++) {
+        for (int s = 0; s < 4; s++) {
+            daft_bvh_free(shapes[s].bvh);
+            daft_allocator allocator = daft_malloc_allocator();
+            shapes[s].bvh = daft_bvh_build_mesh(&allocator, &shapes[s].mesh, 1, NULL);
+        }
+        uint32_t count = place_all(shapes, 4, things, THINGS);
+        see(things, count, -1, &plain);
+        for (int s = 0; s < 4; s++) assert_true(one_sided_of(&shapes[s]) > 0);
+        see(things, count, -1, &reference);
+        assert_memory_equal(&plain, &reference, sizeof plain);
+        for (int isa = 0; isa <= daft_isa_best(); isa++) {
+            see(things, count, isa, &pencil);
+            assert_memory_equal(&pencil, &reference, sizeof pencil);
+        }
+    }
+    for (int s = 0; s < 4; s++) mesh_drop(&shapes[s]);
+}
+
 /* ---- the whole ---- */
 
 static void same_for_all_threads(void **unused)
@@ -498,7 +573,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_shapes), cmocka_unit_test(shapes_of_two), cmocka_unit_test(crossing_shapes), cmocka_unit_test(odd_shapes),
-        cmocka_unit_test(cones), cmocka_unit_test(same_for_all_threads), cmocka_unit_test(split_triangles),
+        cmocka_unit_test(cones), cmocka_unit_test(pictures), cmocka_unit_test(same_for_all_threads), cmocka_unit_test(split_triangles),
         cmocka_unit_test(gone_when_moved), cmocka_unit_test(without_memory), cmocka_unit_test(hostile),
         cmocka_unit_test(fan_around_an_edge), cmocka_unit_test(models),
     };

@@ -206,6 +206,7 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
         daft_kdtree_free(item->kdtree);
         item->kdtree = daft_kdtree_build(scene->allocator, &item->mesh, scene->engine->threads, NULL);
     }
+    item->sides_settled = true;
     scene->counters.mesh_refits++;
     scene->revision++;
     return true;
@@ -225,6 +226,27 @@ bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info,
                              .bytes = daft_trimesh_bytes(&item->mesh) + daft_bvh_bytes(item->bvh) +
                                       (item->kdtree ? daft_kdtree_bytes(item->kdtree) : 0)};
     return true;
+}
+
+/* The search takes as long as some sixty frames gain by it for each of CROWD things with as many triangles; for larger
+ * meshes more things must show them, so that one frame of a few is not kept waiting. */
+enum { CROWD = 64, TRIANGLES_A_THING = 256 };
+
+static void find_sides(daft_scene *scene, daft_mesh_item *item)
+{
+    if (item->sides_settled || item->shown_pass != scene->pass || item->shown < CROWD) return;
+    if (item->shown < item->mesh.triangle_count / TRIANGLES_A_THING) return;
+    item->sides_settled = true;
+    daft_bvh_find_sides(item->bvh, &item->mesh, scene->engine->threads);
+    scene->counters.mesh_sides++;
+}
+
+void daft_assets_find_sides(daft_scene *scene)
+{
+    daft_assets *assets = &scene->assets;
+    for (uint32_t i = 0; i < assets->mesh_count; i++) find_sides(scene, assets->meshes[i]);
+    for (uint32_t i = 0; i < assets->box_slots.count; i++)
+        if (assets->box_slots.items[i].live) find_sides(scene, &assets->boxes[i]->shape);
 }
 
 /* ---- boxes ---- */

@@ -69,7 +69,7 @@ static float world_radius(const daft_daffine *world, float radius)
     return (float)(sqrt(m[0] * m[0] + m[3] * m[3] + m[6] * m[6]) * (double)radius);
 }
 
-static const daft_mesh_item *shape_of(const daft_scene *scene, const daft_entity_item *item)
+static daft_mesh_item *shape_of(const daft_scene *scene, const daft_entity_item *item)
 {
     switch (item->def.shape) {
     case DAFT_SHAPE_MESH: return scene->assets.meshes[item->def.mesh.id - 1];
@@ -132,6 +132,12 @@ static void warn_once(daft_scene *scene, daft_entity_item *item, uint32_t id)
                  "entity 0x%x is not drawn: its transform, with its parents', is singular or does not fit floats", id);
 }
 
+static void count_shown(const daft_scene *scene, daft_mesh_item *shape)
+{
+    if (shape->shown_pass != scene->pass) shape->shown_pass = scene->pass, shape->shown = 0;
+    shape->shown++;
+}
+
 /* Adds the entity's instance if it has one to show. False: memory is out. */
 static bool add_instance(daft_scene *scene, uint32_t index, daft_dvec3 origin, float alpha, daft_arena *arena,
                          daft_instance *instances, uint32_t *count)
@@ -142,7 +148,7 @@ static bool add_instance(daft_scene *scene, uint32_t index, daft_dvec3 origin, f
     daft_entity_item *item = daft_entity_world(scene, index, alpha);
     if (!item->shown) return true;
     daft_instance *instance = &instances[*count];
-    const daft_mesh_item *shape = shape_of(scene, item);
+    daft_mesh_item *shape = shape_of(scene, item);
     *instance = (daft_instance){.entity = daft_slots_handle(&scene->entity_slots, index)};
     bool fits = place(&item->world, origin, instance);
     instance->mesh = shape ? &shape->mesh : NULL;
@@ -157,6 +163,7 @@ static bool add_instance(daft_scene *scene, uint32_t index, daft_dvec3 origin, f
     instance->materials = materials_of(item, shape, arena);
     if (!instance->materials) return false;
     instance->flags = flags_of(scene, item, instance);
+    if (shape) count_shown(scene, shape);
     ++*count;
     return true;
 }
@@ -236,5 +243,6 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
                                  &out->instance_count, error))
         return false;
     out->instances = instances;
+    daft_assets_find_sides(scene);
     return fill_lamps(scene, view->camera.position, out, error);
 }
