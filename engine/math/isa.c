@@ -9,6 +9,8 @@ int daft_isa_best(void)
 {
 #ifdef DAFT_HAVE_X86
     __builtin_cpu_init();
+    /* The wider kernels use both; every processor with AVX2 that was ever built has them, machines that imitate one may not. */
+    if (!__builtin_cpu_supports("bmi") || !__builtin_cpu_supports("bmi2")) return DAFT_ISA_SSE2;
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
         __builtin_cpu_supports("avx512bw"))
         return DAFT_ISA_AVX512;
