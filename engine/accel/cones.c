@@ -1,4 +1,4 @@
-/* Bounds of where the triangles below a node look (sides.h has what they promise). Blocks stand in depth-first order, so
+/* Bounds of where triangles look, and those below a node (sides.h has what they promise). Blocks stand in depth-first order, so
  * those below a child are a range, and each child's bound is made of its own triangles. Parts of many triangles look
  * every way and are not even tried, so time is linear. */
 #include "accel/find_sides.h"
@@ -8,15 +8,15 @@ enum { MOST_BLOCKS = 1024, STEPS = 8 };
 #define SLACK 0x1p-18 /* of the reach, over the rounding of the test, of unit normals and of offsets */
 
 /* A block's triangles, by lanes. */
-typedef struct facets {
+typedef struct faces {
     v4 normal[3];
     v4 thinness; /* one over the least height; infinite: of two sides, or no normal worth the name */
-} facets;
+} faces;
 
 typedef struct cone_job {
     const daft_bvh *bvh;
-    const daft_sides *sides;
-    facets *facets; /* of each block */
+    daft_sides *sides;
+    faces *faces; /* of each block */
     uint32_t *first, *end; /* of each node: its blocks */
 } cone_job;
 
@@ -26,7 +26,7 @@ static daft_dvec3 block_corner(const daft_block *block, int corner, uint32_t lan
     return daft_dv3((double)c[0][lane], (double)c[1][lane], (double)c[2][lane]);
 }
 
-static void facet_make(const daft_block *block, uint32_t lane, bool one_sided, facets *out)
+static void face_make(const daft_block *block, uint32_t lane, bool one_sided, faces *out)
 {
     daft_dvec3 a = block_corner(block, 0, lane), b = block_corner(block, 1, lane), c = block_corner(block, 2, lane);
     daft_dvec3 e = daft_dsub(b, a), f = daft_dsub(c, b), g = daft_dsub(a, c), n = daft_dcross(e, f);
@@ -53,12 +53,12 @@ static void find_ranges(cone_job *j)
     }
 }
 
-static v4 along(const facets *f, daft_dvec3 axis)
+static v4 along(const faces *f, daft_dvec3 axis)
 {
     return f->normal[0] * v4_set((float)axis.x) + f->normal[1] * v4_set((float)axis.y) + f->normal[2] * v4_set((float)axis.z);
 }
 
-static daft_dvec3 normal_at(const facets *f, uint32_t lane)
+static daft_dvec3 normal_at(const faces *f, uint32_t lane)
 {
     return daft_dv3((double)f->normal[0][lane], (double)f->normal[1][lane], (double)f->normal[2][lane]);
 }
@@ -70,7 +70,7 @@ static daft_dvec3 unit(daft_dvec3 v)
 }
 
 /* The normal that is farthest from the axis; gives the cosine between the two. */
-static float farthest(const facets *f, uint32_t count, daft_dvec3 axis, daft_dvec3 *normal)
+static float farthest(const faces *f, uint32_t count, daft_dvec3 axis, daft_dvec3 *normal)
 {
     v4 least = v4_set(INFINITY);
     v4i at = {0};
@@ -88,7 +88,7 @@ static float farthest(const facets *f, uint32_t count, daft_dvec3 axis, daft_dve
 
 /* The mean of the normals, then moved towards the farthest one, ever less (Badoiu and Clarkson, "Smaller Core-Sets for Balls",
  * 2003). *cosine: of the angle that holds all. */
-static daft_dvec3 axis_of(const facets *f, uint32_t count, float *cosine)
+static daft_dvec3 axis_of(const faces *f, uint32_t count, float *cosine)
 {
     v4 sum[3] = {{0}, {0}, {0}};
     for (uint32_t i = 0; i < count; i++)
@@ -111,11 +111,11 @@ static double least_offset(const cone_job *j, uint32_t first, uint32_t end, daft
     double least = INFINITY;
     for (uint32_t b = first; b < end; b++)
         for (uint32_t i = 0; i < DAFT_BLOCK; i++)
-            least = fmin(least, daft_ddot(normal_at(&j->facets[b], i), daft_dsub(block_corner(&j->bvh->blocks[b], 0, i), middle)));
+            least = fmin(least, daft_ddot(normal_at(&j->faces[b], i), daft_dsub(block_corner(&j->bvh->blocks[b], 0, i), middle)));
     return least;
 }
 
-static float thinnest(const facets *f, uint32_t count)
+static float thinnest(const faces *f, uint32_t count)
 {
     v4 most = v4_set(0);
     for (uint32_t i = 0; i < count; i++) most = v4_max(f[i].thinness, most);
@@ -124,7 +124,7 @@ static float thinnest(const facets *f, uint32_t count)
 
 static void cone_make(const cone_job *j, const daft_node *node, int child, uint32_t first, uint32_t end, daft_cones *out)
 {
-    const facets *f = j->facets + first;
+    const faces *f = j->faces + first;
     uint32_t count = end - first;
     float cosine = 0, thin = count > MOST_BLOCKS ? INFINITY : thinnest(f, count);
     daft_dvec3 axis = {0, 0, 0};
@@ -159,22 +159,54 @@ static void fill_nodes(const cone_job *j)
     }
 }
 
-bool daft_cones_fill(const daft_bvh *bvh, const daft_sides *sides)
+/* ---- looks ---- */
+
+/* Four times the mean of those that have a height: for the few beyond, the others would have to keep a wide margin. */
+static float usual_thinness(const cone_job *j)
+{
+    double sum = 0, count = 0;
+    for (size_t b = 0; b < j->bvh->block_count; b++)
+        for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
+            float thinness = j->faces[b].thinness[i];
+            if (thinness < INFINITY) sum += (double)thinness, count++;
+        }
+    return count > 0 ? (float)(4 * sum / count) : 0;
+}
+
+static uint32_t look_of(const cone_job *j, size_t b, uint32_t lane)
+{
+    if (!(j->faces[b].thinness[lane] <= j->sides->thinness)) return 0x80000000u;
+    daft_dvec3 n = normal_at(&j->faces[b], lane), p = daft_dsub(block_corner(&j->bvh->blocks[b], 0, lane), j->sides->middle);
+    const double value[4] = {127 * n.x + 0.5, 127 * n.y + 0.5, 127 * n.z + 0.5, 127 * daft_ddot(n, p) / (double)j->sides->radius};
+    uint32_t look = 0;
+    for (int k = 0; k < 4; k++) look |= ((uint32_t)(int32_t)floor(value[k]) & 255) << (8 * k);
+    return look;
+}
+
+static void fill_faces(cone_job *j)
+{
+    for (size_t b = 0; b < j->bvh->block_count; b++)
+        for (uint32_t i = 0; i < DAFT_BLOCK; i++)
+            face_make(&j->bvh->blocks[b], i, j->sides->blocks[b] >> i & 1, &j->faces[b]);
+    j->sides->thinness = usual_thinness(j);
+    for (size_t b = 0; b < j->bvh->block_count; b++)
+        for (uint32_t i = 0; i < DAFT_BLOCK; i++) j->sides->looks[b][i] = look_of(j, b, i);
+}
+
+bool daft_cones_fill(const daft_bvh *bvh, daft_sides *sides)
 {
     const daft_allocator *a = &bvh->allocator;
     cone_job job = {.bvh = bvh, .sides = sides};
-    job.facets = daft_alloc(a, bvh->block_count, sizeof *job.facets);
+    job.faces = daft_alloc(a, bvh->block_count, sizeof *job.faces);
     job.first = daft_alloc(a, bvh->nodes.count, sizeof *job.first);
     job.end = daft_alloc(a, bvh->nodes.count, sizeof *job.end);
-    bool done = job.facets && job.first && job.end;
+    bool done = job.faces && job.first && job.end;
     if (done) {
-        for (size_t b = 0; b < bvh->block_count; b++)
-            for (uint32_t i = 0; i < DAFT_BLOCK; i++)
-                facet_make(&bvh->blocks[b], i, sides->blocks[b] >> i & 1, &job.facets[b]);
+        fill_faces(&job);
         find_ranges(&job);
         fill_nodes(&job);
     }
-    daft_release(a, job.facets);
+    daft_release(a, job.faces);
     daft_release(a, job.first);
     daft_release(a, job.end);
     return done;

@@ -21,8 +21,8 @@ typedef struct daft_side_search {
 void daft_sides_mark_contacts(daft_side_search *search, int threads);
 /* Sets the bits of the one-sided triangles among those that are not marked. False: memory is out. */
 bool daft_sides_wind(const daft_side_search *search, uint32_t *one_sided);
-/* Fills cones from the bits. False: memory is out. */
-bool daft_cones_fill(const daft_bvh *bvh, const daft_sides *sides);
+/* Fills cones and looks from the blocks' bits. False: memory is out. */
+bool daft_cones_fill(const daft_bvh *bvh, daft_sides *sides);
 
 void daft_sides_drop(daft_bvh *bvh);
 size_t daft_sides_bytes(const daft_bvh *bvh);

@@ -17,6 +17,7 @@ void daft_sides_drop(daft_bvh *bvh)
     daft_release(&bvh->allocator, sides->blocks);
     daft_release(&bvh->allocator, sides->triangles);
     daft_release(&bvh->allocator, sides->cones);
+    daft_release(&bvh->allocator, sides->looks);
     daft_release(&bvh->allocator, sides);
     bvh->sides = NULL;
 }
@@ -30,7 +31,7 @@ size_t daft_sides_bytes(const daft_bvh *bvh)
 {
     const daft_sides *sides = bvh->sides;
     if (!sides) return 0;
-    return sizeof *sides + bvh->block_count + words(sides) * sizeof *sides->triangles + bvh->nodes.count * sizeof *sides->cones;
+    return sizeof *sides + bvh->block_count * (1 + sizeof *sides->looks) + words(sides) * sizeof *sides->triangles + bvh->nodes.count * sizeof *sides->cones;
 }
 
 /* False: no triangle can be one-sided. */
@@ -89,10 +90,13 @@ bool daft_bvh_find_sides(daft_bvh *bvh, const daft_trimesh *mesh, int threads)
     if (!sides) return false;
     sides->triangle_count = mesh->triangle_count;
     sides->middle = daft_dscale(daft_dadd(daft_to_double(mesh->low), daft_to_double(mesh->high)), 0.5);
+    daft_dvec3 half = daft_dscale(daft_dsub(daft_to_double(mesh->high), daft_to_double(mesh->low)), 0.5);
+    sides->radius = (float)(sqrt(daft_ddot(half, half)) * (1 + 0x1p-20));
     sides->triangles = daft_alloc_zero(a, words(sides), sizeof *sides->triangles);
     sides->blocks = daft_alloc(a, bvh->block_count, sizeof *sides->blocks);
     sides->cones = daft_alloc(a, bvh->nodes.count, sizeof *sides->cones);
-    bool done = sides->triangles && sides->blocks && sides->cones && search(bvh, mesh, sides, threads);
+    sides->looks = daft_alloc(a, bvh->block_count, sizeof *sides->looks);
+    bool done = sides->triangles && sides->blocks && sides->cones && sides->looks && search(bvh, mesh, sides, threads);
     if (done) {
         fill_blocks(bvh, sides);
         done = sides->count > 0 && daft_cones_fill(bvh, sides);

@@ -25,13 +25,24 @@ typedef struct daft_cones {
     float axis[3][DAFT_WIDTH], spread[DAFT_WIDTH], shake[DAFT_WIDTH], offset[DAFT_WIDTH];
 } daft_cones;
 
-/* Fewer bytes than a share of the tree's: 6 floats for each child, 9 bits for each triangle. */
+/* A triangle's unit normal, times 127, in signed bytes from the lowest on, and last, rounded down, 127 times the least
+ * normal·(p - middle) of its points over the mesh's radius; 0, 0, 0, -128 where it is of two sides or too thin. So four
+ * blocks fill a register, whatever the instruction set makes of it, and it is known which need not be fetched:
+ * a triangle is one-sided and looks away from an outlook if, in floats, with its glance (daft_glance, below)
+ *     n[0]·x + n[1]·y + n[2]·z + margin < n[3]·step
+ * Bytes of a normal are off by a half each, so that normal·v is off by less than 0.87·|v|/127. */
+typedef uint32_t daft_looks[DAFT_BLOCK];
+
+/* Fewer bytes than a share of the tree's: 6 floats for each child, 5 bytes and a bit for each triangle. */
 typedef struct daft_sides {
     uint32_t triangle_count, count; /* of the mesh's; of one-sided ones */
     daft_dvec3 middle;              /* of the mesh's bounds: outlooks and offsets count from here */
     uint8_t *blocks;     /* of each block, bits 0 to 3: its triangles that are one-sided, unused places like the last used */
     uint32_t *triangles; /* the same by triangle, 32 in a word */
     daft_cones *cones;   /* of each node */
+    daft_looks *looks;   /* of each block */
+    float radius;        /* no less than from the middle to any point of the mesh */
+    float thinness;      /* one over a least height: thinner triangles count as too thin for looks */
 } daft_sides;
 
 /* From where a mesh is looked at, in the mesh's own space: a point less sides.middle, w = 1; or the direction towards a
@@ -50,6 +61,24 @@ daft_outlook daft_outlook_along(daft_dvec3 direction, double blur);
  * det(a, b, c) of the moved corners of a triangle that is seen from its front. False, and *front is 0: not surely outside, or
  * the map is singular. */
 bool daft_outlook_from(const daft_bvh *bvh, const daft_trimesh *mesh, const daft_affine *map, daft_outlook *out, int *front);
+
+/* An outlook as looks are held against it. */
+typedef struct daft_glance {
+    float x, y, z, step, margin;
+} daft_glance;
+
+static inline daft_glance daft_glance_of(const daft_sides *sides, const daft_outlook *o)
+{
+    float margin = o->reach * (0.875f + 127 * (0x1p-18f + 8 * sides->thinness * o->blur));
+    return (daft_glance){o->x, o->y, o->z, sides->radius * o->w, margin};
+}
+
+/* Whether a triangle looks away. The kernels compute the same in lanes. */
+static inline bool daft_looks_away(uint32_t look, const daft_glance *g)
+{
+    float x = (float)(int8_t)look, y = (float)(int8_t)(look >> 8), z = (float)(int8_t)(look >> 16), k = (float)(int8_t)(look >> 24);
+    return x * g->x + y * g->y + z * g->z + g->margin < k * g->step;
+}
 
 /* Bits of the children that look away. The kernels compute the same in lanes. */
 static inline uint32_t daft_cones_away(const daft_cones *c, const daft_outlook *o)
