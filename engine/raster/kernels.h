@@ -36,13 +36,17 @@ typedef struct daft_tile_job {
     _Alignas(64) float w_high[DAFT_TILE_ROOM];
 } daft_tile_job;
 
-/* Triangles whose screen boxes hold some ray of the tile, waiting until there are enough to be set up. */
-enum { DAFT_WALK_BLOCKS = 16, DAFT_WAITING_ROOM = 4 * DAFT_WALK_BLOCKS + 4 * 4 + 3 * DAFT_VL + 8 };
+/* Triangles whose screen boxes hold some ray of the tile, waiting until there are enough to be set up. DAFT_LEAVES_ROOM leaves
+ * may be added at a time. */
+enum { DAFT_LEAVES = 32, DAFT_LEAVES_ROOM = DAFT_LEAVES + DAFT_VL };
+enum { DAFT_WAITING_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + 3 * DAFT_VL };
+#define DAFT_WAITS_ONE_SIDED 0x80u /* in `pixels`: hits on its back do not count */
+#define DAFT_WAITS_TURNED 0x40u    /* its front is where det(corners) is negative */
 typedef struct daft_waiting {
     uint32_t count;
     float corner[9][DAFT_WAITING_ROOM]; /* x, y, z of corner 0, then of 1 and 2, in camera space */
     float nearest[DAFT_WAITING_ROOM];   /* the largest w; infinite where a corner is not in front */
-    uint32_t pixels[DAFT_WAITING_ROOM]; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24 */
+    uint32_t pixels[DAFT_WAITING_ROOM]; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24, and flags */
     uint32_t instance[DAFT_WAITING_ROOM], triangle[DAFT_WAITING_ROOM];
 } daft_waiting;
 
@@ -56,12 +60,12 @@ typedef struct daft_pencil_batch {
     uint32_t instance[DAFT_VL], triangle[DAFT_VL];
 } daft_pencil_batch;
 
-/* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks of one instance; what of their triangles may be seen waits for others. `blocks`
- * has room for as many, which is filled up. */
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
+/* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks of one instance, by number; what of their triangles may be seen waits for
+ * others. */
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
                                       daft_waiting *waiting);
 /* True: many or large ones of them may be seen and make a batch. False: few, and those wait. */
-bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
+bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
                                     daft_waiting *waiting, daft_pencil_batch *batch);
 /* A batch from the last of those waiting. False: nothing of them is to be drawn. */
 bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *from, daft_pencil_batch *batch);

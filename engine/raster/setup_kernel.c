@@ -52,6 +52,7 @@ typedef struct lanes {
     vf x0, x1, y0, y1; /* whole numbers within the tile */
     vf nearest;        /* the largest w; infinite where a corner is not in front */
     vbits some;
+    vbits one_sided, turned; /* hits on the back do not count; the front is where det is negative */
 } lanes;
 
 /* The whole numbers within low..high, clamped to 0..last. */
@@ -77,7 +78,18 @@ DAFT_INLINE vbits beside_pixel(const daft_tile_job *job, const lanes *l, const v
     return vm_bits(vm_and(apart, vm_and(vf_le(l->x1, l->x0), vf_le(l->y1, l->y0))));
 }
 
-/* `single`: also leaves out the triangles that lie beside the only pixel of their box. */
+/* Lanes whose triangle, all in front of the camera and of the extent given, is surely seen from where `turned` says its back is.
+ * With R the sum of the largest x and y of a ray and of a tile's sides, x and y of a corner are off by less than
+ * 3u·(R + extent) =: d, and so the area by less than 4d·extent + 8d² + 2u·extent². */
+DAFT_INLINE vbits seen_from_back(const daft_tile_job *job, const vf x[3], const vf y[3], vf extent, vbits turned)
+{
+    vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
+    vf reach = vf_set(job->max_dx + job->max_dy + 2 * DAFT_TILE) + extent;
+    vf doubt = vf_set(16 * UNIT) * reach * (extent + vf_set(8 * UNIT) * reach);
+    return (vm_bits(vf_lt(area, -doubt)) & ~turned) | (vm_bits(vf_lt(doubt, area)) & turned);
+}
+
+/* `single`: also leaves out the triangles that lie beside the only pixel of their box, and what is seen from its back. */
 DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, bool single, lanes *l)
 {
     vf zero = vf_set(0), focal = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
@@ -91,6 +103,7 @@ DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const 
         x0 = vf_min(x[k], x0), x1 = vf_max(x[k], x1), y0 = vf_min(y[k], y0), y1 = vf_max(y[k], y1);
         least = vf_min(c.z, least), most = vf_max(c.z, most);
     }
+    vf extent = (x1 - x0) + (y1 - y0);
     /* A triangle through the camera's plane may reach anywhere. */
     vm front = vf_lt(zero, least), some = vf_lt(zero, most);
     x0 = vf_select(front, x0, zero), x1 = vf_select(front, x1, vf_set(job->last_x));
@@ -99,14 +112,17 @@ DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const 
     some = vm_and(some, pixel_span(y0, y1, job->last_y, &l->y0, &l->y1));
     l->nearest = vf_select(front, vf_set(1 + 4 * UNIT) / least, inf);
     l->some = vm_bits(some);
-    if (single) l->some &= ~(beside_pixel(job, l, x, y) & vm_bits(front));
+    if (!single) return;
+    vbits out = beside_pixel(job, l, x, y);
+    if (seen->front) out |= l->one_sided & seen_from_back(job, x, y, extent, l->turned);
+    l->some &= ~(out & vm_bits(front));
 }
 
 void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *seen, const daft_block *block,
                                    daft_screen_box *out)
 {
     const daft_block *blocks[DAFT_BATCH_BLOCKS];
-    lanes l;
+    lanes l = {.one_sided = 0, .turned = 0};
     for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) blocks[i] = block;
     project(job, seen, blocks, false, &l);
     for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
@@ -147,9 +163,11 @@ static void lane_corners(const daft_tile_job *job, const daft_pencil_batch *b, i
     daft_seen_corners(&job->raster->seen[b->instance[i]], b->triangle[i], corner);
 }
 
-/* Sign bits that turn the edges so that inside is positive; lanes seen edge-on drop out of *live. */
-DAFT_INLINE vi facing(const daft_tile_job *job, const daft_pencil_batch *b, const edge *e, const vf3 *c, vbits *live)
+/* Sign bits that turn the edges so that inside is positive; lanes seen edge-on, or from a back that does not count, drop out of
+ * *live. */
+DAFT_INLINE vi facing(const daft_tile_job *job, const daft_pencil_batch *b, const edge *e, const lanes *l, vbits *live)
 {
+    const vf3 *c = &l->corner[2];
     vf det = vf3_dot(e[2].n, *c);
     vf bound = edge_bound(&e[2], vf_abs(c->x), vf_abs(c->y), vf_abs(c->z));
     vbits unsure = job->exact ? *live & ~vm_bits(vf_lt(bound, vf_abs(det))) : 0;
@@ -162,6 +180,7 @@ DAFT_INLINE vi facing(const daft_tile_job *job, const daft_pencil_batch *b, cons
         if (exact == 0) *live &= ~((vbits)1 << i);
         sign[i] = exact < 0 ? INT32_MIN : 0;
     }
+    *live &= ~(l->one_sided & (vm_bits(vi_lt(sign, vi_set(0))) ^ l->turned));
     return sign;
 }
 
@@ -173,7 +192,7 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, daft_pencil_batch *b, con
     for (int k = 0; k < 3; k++)
         e[k] = fast ? edge_setup_fast(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3])
                     : edge_setup(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3]);
-    vi sign = facing(job, b, e, &l->corner[2], live);
+    vi sign = facing(job, b, e, l, live);
     vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), dz = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
     vf x0 = vf_set(job->left) + l->x0, x1 = vf_set(job->left) + l->x1, y0 = vf_set(job->top) - l->y1, y1 = vf_set(job->top) - l->y0;
     vf outer = vf_set(job->exact ? -1.0f : 0.0f), hopeless = vf_set(job->exact ? 0.0f : -1.0f), zero = vf_set(0);
@@ -255,10 +274,12 @@ DAFT_INLINE bool set_up(const daft_tile_job *job, const lanes *l, vbits live, da
 
 DAFT_INLINE vi box_pixels(const lanes *l)
 {
-    return vi_truncate(l->x0) | vi_truncate(l->x1) << 8 | vi_truncate(l->y0) << 16 | vi_truncate(l->y1) << 24;
+    vi zero = vi_set(0), one_sided = vi_set(DAFT_WAITS_ONE_SIDED), turned = vi_set(DAFT_WAITS_TURNED);
+    vi flags = vi_select(vm_from_bits(l->one_sided), one_sided, zero) | vi_select(vm_from_bits(l->turned), turned, zero);
+    return vi_truncate(l->x0) | vi_truncate(l->x1) << 8 | vi_truncate(l->y0) << 16 | vi_truncate(l->y1) << 24 | flags;
 }
 
-static void keep(daft_waiting *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
+DAFT_INLINE void keep(daft_waiting *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
 {
     uint32_t at = out->count;
     for (int k = 0; k < 3; k++) {
@@ -273,6 +294,11 @@ static void keep(daft_waiting *out, const lanes *l, vbits some, uint32_t instanc
     out->count += (uint32_t)__builtin_popcount(some);
 }
 
+static __attribute__((noinline)) void keep_few(daft_waiting *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
+{
+    keep(out, l, some, instance, triangle);
+}
+
 /* Lanes that cover little: what is behind them waits for nobody. */
 DAFT_INLINE vbits small(const lanes *l)
 {
@@ -280,20 +306,31 @@ DAFT_INLINE vbits small(const lanes *l)
     return vm_bits(vm_and(vf_le(l->x1 - l->x0, two), vf_le(l->y1 - l->y0, two)));
 }
 
+/* Of the triangles of blocks, which of them are one-sided. */
+DAFT_INLINE vbits blocks_sides(const daft_seen *seen, const uint32_t *blocks, uint32_t count)
+{
+    const uint8_t *sides = seen->bvh->sides->blocks;
+    vbits bits = 0;
+    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) bits |= (vbits)sides[blocks[i < count ? i : 0]] << (DAFT_BLOCK * i);
+    return bits;
+}
+
 /* Blocks in camera space. Gives the lanes that may be seen. */
-DAFT_INLINE vbits blocks_load_all(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
+DAFT_INLINE vbits blocks_load_all(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
                                   bool single, lanes *l, vi *triangle)
 {
-    for (uint32_t i = 1; i < DAFT_BATCH_BLOCKS; i++)
-        if (i >= count) blocks[i] = blocks[0]; /* nothing is computed from what is not there */
-    *triangle = blocks_triangles(blocks);
+    const daft_block *all[DAFT_BATCH_BLOCKS];
+    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) /* nothing is computed from what is not there */
+        all[i] = &seen->bvh->blocks[blocks[i < count ? i : 0]];
+    *triangle = blocks_triangles(all);
+    l->one_sided = seen->front ? blocks_sides(seen, blocks, count) : 0, l->turned = seen->front < 0 ? DAFT_ALL_LANES : 0;
     vbits used = ~vm_bits(vi_eq(*triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(count * DAFT_BLOCK));
-    project(job, seen, blocks, single, l);
+    project(job, seen, all, single, l);
     job->counters->tested += (uint64_t)__builtin_popcount(used);
     return used & l->some;
 }
 
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
                                       daft_waiting *waiting)
 {
     lanes l;
@@ -302,7 +339,7 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen 
     keep(waiting, &l, used, seen->index, triangle);
 }
 
-bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, uint32_t count,
+bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
                                     daft_waiting *waiting, daft_pencil_batch *batch)
 {
     lanes l;
@@ -310,7 +347,7 @@ bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *s
     vbits used = blocks_load_all(job, seen, blocks, count, false, &l, &triangle);
     if (!used) return false;
     if (__builtin_popcount(used) <= DAFT_VL / 2 && !(used & ~small(&l))) {
-        keep(waiting, &l, used, seen->index, triangle);
+        keep_few(waiting, &l, used, seen->index, triangle);
         return false;
     }
     vi_store(batch->instance, vi_set((int32_t)seen->index));
@@ -324,10 +361,12 @@ bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *fro
     uint32_t count = daft_min_u(from->count, DAFT_VL), at = from->count - count;
     for (int k = 0; k < 3; k++)
         l.corner[k] = (vf3){vf_load(&from->corner[3 * k][at]), vf_load(&from->corner[3 * k + 1][at]), vf_load(&from->corner[3 * k + 2][at])};
-    vi pixels = vi_load(&from->pixels[at]), byte = vi_set(255);
+    vi pixels = vi_load(&from->pixels[at]), byte = vi_set(DAFT_TILE - 1);
     l.x0 = vf_from_int(pixels & byte), l.x1 = vf_from_int(pixels >> 8 & byte);
     l.y0 = vf_from_int(pixels >> 16 & byte), l.y1 = vf_from_int(pixels >> 24 & byte);
     l.nearest = vf_load(&from->nearest[at]);
+    l.one_sided = vm_bits(vi_lt(vi_set(0), pixels & vi_set(DAFT_WAITS_ONE_SIDED)));
+    l.turned = vm_bits(vi_lt(vi_set(0), pixels & vi_set(DAFT_WAITS_TURNED)));
     vi_store(batch->instance, vi_load(&from->instance[at]));
     vi_store(batch->triangle, vi_load(&from->triangle[at]));
     from->count = at;

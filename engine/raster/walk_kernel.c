@@ -46,8 +46,9 @@ typedef struct walk {
     float m[9];
     float low_t[3], high_t[3]; /* the translation, less and more a pad over the error of a moved vertex */
     int low_at[9], high_at[9]; /* which of a node's bounds makes m's product least, and most */
-    const daft_block *blocks[DAFT_WALK_BLOCKS + DAFT_MAX_LEAF_BLOCKS];
-    uint32_t block_count;
+    const daft_cones *cones; /* of each node; NULL: all of the mesh counts, whichever way it looks */
+    uint32_t leaf_count, leaves[DAFT_LEAVES_ROOM]; /* that wait, in groups: their codes */
+    uint32_t block_count, blocks[DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS + DAFT_VL];
 } walk;
 
 /* ---- what is hidden ---- */
@@ -136,14 +137,6 @@ static void draw_blocks(walk *w)
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 
-static void gather_blocks(walk *w)
-{
-    for (uint32_t i = 0; i < w->block_count; i += DAFT_BATCH_BLOCKS)
-        DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, &w->blocks[i], daft_min_u(w->block_count - i, DAFT_BATCH_BLOCKS), w->waiting);
-    w->block_count = 0;
-    while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
-}
-
 /* One axis of boxes, over z: low..high before the division by z within near..far, where both are positive. Boxes that
  * reach behind the camera are out where all that is in front of it lies beside the tile. */
 DAFT_INLINE vbits box_span(vf low, vf high, vf far, vf inverse_near, vf inverse_far, vm front, float last, vi *first, vi *end)
@@ -162,8 +155,15 @@ DAFT_INLINE vbits box_span(vf low, vf high, vf far, vf inverse_near, vf inverse_
 /* Nodes whose children fill a register, or one that is looked at by parts. */
 typedef struct node_pair {
     const daft_node *first, *second;
+    const daft_cones *first_cones, *second_cones;
     int part;
 } node_pair;
+
+DAFT_INLINE node_pair pair_make(const walk *w, uint32_t first, uint32_t second, int part)
+{
+    const daft_node *nodes = w->seen->bvh->nodes.items;
+    return (node_pair){&nodes[first], &nodes[second], w->cones ? &w->cones[first] : NULL, w->cones ? &w->cones[second] : NULL, part};
+}
 
 /* at: in floats from the first bound of all. */
 DAFT_INLINE vf bounds_load(const node_pair *n, int at)
@@ -191,7 +191,8 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_
 {
     const daft_affine *map = &seen->to_camera;
     const float *low = &seen->mesh->low.x, *high = &seen->mesh->high.x, focal = job->raster->pencil.focal;
-    w->job = job, w->seen = seen, w->waiting = waiting, w->block_count = 0;
+    w->job = job, w->seen = seen, w->waiting = waiting, w->leaf_count = w->block_count = 0;
+    w->cones = seen->front ? seen->bvh->sides->cones : NULL;
     float pad[3];
     for (int k = 0; k < 3; k++) {
         float size = fabsf(map->t[k]);
@@ -222,6 +223,20 @@ typedef struct boxes {
     vbits some;
 } boxes;
 
+DAFT_INLINE vf cones_load(const node_pair *n, const float *first, const float *second) { return vf_load_eights(first, second, n->part); }
+
+/* Children all of whose triangles are seen from backs that do not count: daft_cones_away. */
+DAFT_INLINE vbits away(const walk *w, const node_pair *n)
+{
+    const daft_cones *a = n->first_cones, *b = n->second_cones;
+    const daft_outlook *o = &w->seen->outlook;
+    if (!a) return 0;
+    vf towards = cones_load(n, a->axis[0], b->axis[0]) * vf_set(o->x) + cones_load(n, a->axis[1], b->axis[1]) * vf_set(o->y) +
+                 cones_load(n, a->axis[2], b->axis[2]) * vf_set(o->z);
+    vf spread = cones_load(n, a->spread, b->spread) + vf_set(o->blur) * cones_load(n, a->shake, b->shake);
+    return vm_bits(vf_lt(towards + vf_set(o->reach) * spread, cones_load(n, a->offset, b->offset) * vf_set(o->w)));
+}
+
 /* Comparisons are written so that a NaN, from an overflow, leaves a box in. */
 DAFT_INLINE boxes children(const walk *w, const node_pair *n)
 {
@@ -234,7 +249,7 @@ DAFT_INLINE boxes children(const walk *w, const node_pair *n)
     vbits y = box_span(low[1], high[1], high[2], inverse_near, inverse_far, front, w->job->last_y, &y0, &y1);
     vbits out = vm_bits(vf_le(high[2], zero)) | vm_bits(vi_eq(child, vi_set((int32_t)DAFT_CHILD_NONE)));
     return (boxes){child, x0 | x1 << 8 | y0 << 16 | y1 << 24,
-                   vf_select(front, inverse_near * vf_set(1 + 0x1p-20f), vf_set(INFINITY)), x & y & ~out};
+                   vf_select(front, inverse_near * vf_set(1 + 0x1p-20f), vf_set(INFINITY)), x & y & ~out & ~away(w, n)};
 }
 
 /* What a visit will read first: trees of large meshes do not stay in the nearer caches. */
@@ -248,12 +263,13 @@ DAFT_INLINE void prefetch(const daft_bvh *bvh, uint32_t child)
 /* ---- one node after the other ---- */
 
 /* Pushes the children that may be seen, the nearest last. */
-static int push_children(walk *w, const daft_node *node, visit *stack, int top)
+static int push_children(walk *w, uint32_t node, visit *stack, int top)
 {
     int first = top;
     w->job->counters->nodes++;
     for (int part = 0; part < DAFT_EIGHT_PARTS; part++) {
-        boxes b = children(w, &(node_pair){node, node, part});
+        node_pair same = pair_make(w, node, node, part);
+        boxes b = children(w, &same);
         for (uint32_t some = b.some & ((1u << DAFT_WIDTH) - 1); some; some &= some - 1) {
             int i = __builtin_ctz(some), at = top;
             visit v = {(uint32_t)b.child[i], b.nearest[i], (uint32_t)b.pixels[i]};
@@ -268,7 +284,7 @@ static int push_children(walk *w, const daft_node *node, visit *stack, int top)
 
 static void add_leaf(walk *w, uint32_t child)
 {
-    const daft_block *block = &w->seen->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+    uint32_t block = (child & ~DAFT_CHILD_LEAF) >> 2;
     for (uint32_t count = (child & 3) + 1; count; count--) {
         w->blocks[w->block_count++] = block++;
         if (w->block_count == DAFT_BATCH_BLOCKS) draw_blocks(w);
@@ -278,15 +294,14 @@ static void add_leaf(walk *w, uint32_t child)
 static void draw_singly(walk *w)
 {
     visit stack[DAFT_STACK];
-    const daft_node *nodes = w->seen->bvh->nodes.items;
-    int top = push_children(w, &nodes[0], stack, 0);
+    int top = push_children(w, 0, stack, 0);
     while (top) {
         visit v = stack[--top];
         if (hidden(w->job, v.pixels, v.nearest)) continue;
         if (v.child & DAFT_CHILD_LEAF)
             add_leaf(w, v.child);
         else
-            top = push_children(w, &nodes[v.child], stack, top);
+            top = push_children(w, v.child, stack, top);
     }
     draw_blocks(w);
 }
@@ -296,10 +311,10 @@ static void draw_singly(walk *w)
 /* The children of up to DAFT_EIGHTS nodes. */
 DAFT_INLINE void add_children(const walk *w, const uint32_t *nodes, uint32_t count, fresh *out)
 {
-    const daft_node *all = w->seen->bvh->nodes.items, *first = &all[nodes[0]], *second = count > 1 ? &all[nodes[1]] : first;
     vbits there = vbits_first((int)(count * DAFT_WIDTH));
     for (int part = 0; part < DAFT_EIGHT_PARTS; part++) {
-        boxes b = children(w, &(node_pair){first, second, part});
+        node_pair two = pair_make(w, nodes[0], nodes[count > 1], part);
+        boxes b = children(w, &two);
         uint32_t at = out->count;
         b.some &= there;
         vm some = vm_from_bits(b.some);
@@ -338,25 +353,32 @@ static uint32_t put_in_order(const fresh *f, int32_t order[FRESH + DAFT_VL])
     return leaf_count;
 }
 
-static void add_blocks(walk *w, uint32_t child)
+/* The leaves that wait, each step for all of them before the next: how many a step leaves is hard to predict, and steps are
+ * long; a wrong guess in between would wait for their ends. */
+static void draw_leaves(walk *w)
 {
-    const daft_block *first = &w->seen->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
-    for (uint32_t k = 0; k < DAFT_MAX_LEAF_BLOCKS; k++) w->blocks[w->block_count + k] = first + k;
-    w->block_count += (child & 3) + 1;
-    if (w->block_count >= DAFT_WALK_BLOCKS) gather_blocks(w);
+    for (uint32_t i = 0; i < w->leaf_count; i++) {
+        for (uint32_t k = 0; k < DAFT_MAX_LEAF_BLOCKS; k++) w->blocks[w->block_count + k] = ((w->leaves[i] & ~DAFT_CHILD_LEAF) >> 2) + k;
+        w->block_count += (w->leaves[i] & 3) + 1;
+    }
+    for (uint32_t i = 0; i < w->block_count; i += DAFT_BATCH_BLOCKS)
+        DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, &w->blocks[i], daft_min_u(w->block_count - i, DAFT_BATCH_BLOCKS), w->waiting);
+    w->leaf_count = w->block_count = 0;
+    while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 
-static void draw_leaves(walk *w, const fresh *f, const int32_t *order, uint32_t count)
+/* Leaves that are not hidden. */
+static void add_leaves(walk *w, const fresh *f, const int32_t *order, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
         vbits lanes = vbits_first((int)(count - i));
         vm there = vm_from_bits(lanes);
         vi zero = vi_set(0), at = vi_select(there, vi_load(&order[i]), zero);
         vi pixels = vi_select(there, vi_gather(f->pixels, at), zero);
-        uint32_t child[DAFT_VL];
-        vi_store(child, vi_gather(f->child, at));
         lanes &= ~hidden_lanes(w->job, pixels, vf_gather(f->nearest, at), lanes);
-        for (; lanes; lanes &= lanes - 1) add_blocks(w, child[__builtin_ctz(lanes)]);
+        vi_compress(&w->leaves[w->leaf_count], lanes, vi_gather(f->child, at));
+        w->leaf_count += (uint32_t)__builtin_popcount(lanes);
+        if (w->leaf_count >= DAFT_LEAVES) draw_leaves(w);
     }
 }
 
@@ -400,10 +422,10 @@ static void draw_grouped(walk *w)
         if (w->seen->bvh->block_count > NEAR_BLOCKS)
             for (uint32_t i = 0; i < f.count; i++) prefetch(w->seen->bvh, f.child[i]);
         uint32_t leaf_count = put_in_order(&f, order);
-        draw_leaves(w, &f, order, leaf_count);
+        add_leaves(w, &f, order, leaf_count);
         push_nodes(&f, order + leaf_count, f.count - leaf_count, &waiting);
     }
-    gather_blocks(w);
+    draw_leaves(w);
 }
 
 void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
