@@ -244,7 +244,7 @@ static bool reserve(daft_world *world, const daft_sim_body_def *def)
            daft_grow(a, &world->bodies, &world->body_capacity, bodies, world->body_count, sizeof *world->bodies) &&
            daft_grow(a, &world->parts, &world->part_capacity, parts, world->part_count, sizeof *world->parts) &&
            daft_sim_bounds_reserve(world, parts) && daft_sim_tree_reserve(&world->trees[def->kind], a, def->shape_count) &&
-           daft_sim_list_reserve(world, list, bodies) && daft_sim_list_reserve(world, &world->moved, parts) &&
+           daft_sim_list_reserve(world, list, bodies) &&
            daft_grow(a, &world->islands, &world->island_capacity, bodies, 0, sizeof *world->islands);
 }
 

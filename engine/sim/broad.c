@@ -1,7 +1,7 @@
 /* The broad phase: which parts may meet within a step. Parts stand in the tree of their body's kind: static ones with
  * their exact bounds, the others with fat ones, wider in the direction they move, so that one which moves a little does
- * not touch the tree. Touches live as long as fat bounds meet; a part's own bounds over the step (tight) decide whether
- * geometry is asked at all. */
+ * not touch the tree. Queries and what moves find in the trees what rests; what moves finds the others that do in groups,
+ * by the bounds that each has over the step (tight). */
 #include "sim/internal.h"
 
 /* Fat on each side, as a share of the reach, and how many steps' movement is taken ahead. A leaf is entered anew when
@@ -36,20 +36,25 @@ bool daft_sim_bounds_reserve(daft_world *world, size_t parts)
     size_t used = world->part_count;
     return daft_grow(a, &world->fat, &world->fat_capacity, parts, used, sizeof *world->fat) &&
            daft_grow(a, &world->tight, &world->tight_capacity, parts, used, sizeof *world->tight) &&
-           daft_grow(a, &world->entered_at, &world->entered_capacity, parts, used, sizeof *world->entered_at);
+           daft_grow(a, &world->slots, &world->slots_capacity, parts, used, sizeof *world->slots) &&
+           daft_sim_list_reserve(world, &world->moved, parts) && daft_sim_list_reserve(world, &world->astray, parts);
 }
 
 /* Bounds that the part will stay in for a while. */
 static void fatten(daft_world *world, uint32_t index, daft_dvec3 ahead)
 {
-    daft_sim_part *part = &world->parts[index];
+    const daft_sim_part *part = &world->parts[index];
     daft_sim_bounds *fat = &world->fat[index];
     *fat = world->tight[index];
-    if (world->bodies[part->body].kind != DAFT_BODY_STATIC) {
-        *fat = grown(fat, FAT * (double)part->reach);
-        *fat = stretched(fat, ahead);
-    }
-    world->entered_at[index] = world->contact_updates;
+    if (world->bodies[part->body].kind == DAFT_BODY_STATIC) return;
+    *fat = grown(fat, FAT * (double)part->reach);
+    *fat = stretched(fat, ahead);
+}
+
+static void mark_moved(daft_world *world, uint32_t index)
+{
+    daft_sim_part *part = &world->parts[index];
+    world->newcomers = true;
     if (part->moved_slot != DAFT_SIM_NONE) return;
     part->moved_slot = (uint32_t)world->moved.count;
     world->moved.items[world->moved.count++] = index; /* room for every part was reserved */
@@ -68,8 +73,10 @@ void daft_sim_broad_add(daft_world *world, uint32_t index)
     world->changes++;
     for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         world->tight[i] = daft_sim_part_bounds(world, i);
+        world->slots[i] = DAFT_SIM_NONE;
         fatten(world, i, daft_dv3(0, 0, 0));
         enter(world, i);
+        mark_moved(world, i);
     }
 }
 
@@ -79,6 +86,7 @@ void daft_sim_broad_remove(daft_world *world, uint32_t index)
     const daft_sim_body *body = &world->bodies[index];
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         daft_sim_tree_remove(&world->trees[body->kind], world->parts[i].leaf);
+        daft_sim_group_leave(world, i);
         uint32_t slot = world->parts[i].moved_slot;
         if (slot == DAFT_SIM_NONE) continue;
         uint32_t last = world->moved.items[--world->moved.count];
@@ -152,28 +160,22 @@ static void widen(daft_world *world, uint32_t index, float dt)
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         if (!has_left(world, i)) continue;
         fatten(world, i, ahead);
-        daft_sim_tree_move(&world->trees[body->kind], world->parts[i].leaf, &world->fat[i]);
+        if (!daft_sim_tree_move(&world->trees[body->kind], world->parts[i].leaf, &world->fat[i]))
+            world->astray.items[world->astray.count++] = i; /* room for every part was reserved */
     }
-}
-
-static bool are_equal(const daft_sim_bounds *a, const daft_sim_bounds *b)
-{
-    return a->low.x == b->low.x && a->low.y == b->low.y && a->low.z == b->low.z && a->high.x == b->high.x &&
-           a->high.y == b->high.y && a->high.z == b->high.z;
 }
 
 /* Trees are fitted to what was moved; then the others enter anew. */
 static void fit_trees(daft_world *world)
 {
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_fit(&world->trees[i]);
-    for (size_t i = 0; i < world->moved.count; i++) {
-        uint32_t index = world->moved.items[i];
-        daft_sim_part *part = &world->parts[index];
-        daft_sim_tree *tree = &world->trees[world->bodies[part->body].kind];
-        if (are_equal(&tree->nodes[part->leaf].bounds, &world->fat[index])) continue;
-        daft_sim_tree_remove(tree, part->leaf);
+    for (size_t i = 0; i < world->astray.count; i++) {
+        uint32_t index = world->astray.items[i];
+        const daft_sim_part *part = &world->parts[index];
+        daft_sim_tree_remove(&world->trees[world->bodies[part->body].kind], part->leaf);
         enter(world, index);
     }
+    world->astray.count = 0;
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_tidy(&world->trees[i]);
 }
 
@@ -198,12 +200,15 @@ bool daft_sim_broad_update(daft_world *world, float dt)
 {
     size_t count = world->awake.count;
     job j = {world, dt};
-    if (!daft_grow(&world->allocator, &world->left, &world->left_capacity, count, 0, sizeof *world->left)) return false;
+    if (!daft_sim_groups_join(world) ||
+        !daft_grow(&world->allocator, &world->left, &world->left_capacity, count, 0, sizeof *world->left))
+        return false;
     daft_sim_for(world, count >= PARALLEL_BODIES, (uint32_t)((count + GRAIN - 1) / GRAIN), update_range, &j);
     for (size_t i = 0; i < count; i++)
         if (world->left[i]) widen(world, world->awake.items[i], dt);
     for (size_t i = 0; i < world->movers.count; i++)
         if (update_body(world, world->movers.items[i], dt)) widen(world, world->movers.items[i], dt);
     fit_trees(world);
+    daft_sim_groups_fit(world);
     return true;
 }

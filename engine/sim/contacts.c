@@ -367,15 +367,6 @@ static void collide_boxes(const daft_world *world, boxes *all)
 
 /* ---- all ---- */
 
-/* Bounds do not meet: geometry need not be asked. */
-static void leave_alone(const daft_world *world, daft_sim_listed *entry)
-{
-    uint32_t a = (uint32_t)(entry->key >> 32), b = (uint32_t)entry->key, now = world->contact_updates;
-    if (entry->state & DAFT_SIM_LISTED_MET) world->touches[entry->touch].patch_count = 0;
-    bool entered = world->entered_at[a] == now || world->entered_at[b] == now;
-    if (entered && !daft_sim_overlap(&world->fat[a], &world->fat[b])) entry->state |= DAFT_SIM_LISTED_APART;
-}
-
 enum { GRAIN = 256, PARALLEL_TOUCHES = 256 };
 
 typedef struct job {
@@ -409,28 +400,7 @@ static void fetch(const void *record, size_t size)
     __builtin_prefetch((const char *)record + size - 1); /* records do not begin where lines do */
 }
 
-/* Those whose tight bounds meet, which are within the fat ones. They are put on a list without a branch, since nobody
- * can guess which they are; then their records are on their way. */
-static size_t find_near(const daft_world *world, daft_sim_listed *entries, size_t count, daft_sim_listed **near)
-{
-    daft_sim_listed *far[GRAIN];
-    size_t near_count = 0, far_count = 0;
-    for (size_t i = 0; i < count; i++) {
-        uint64_t key = entries[i].key;
-        bool meet = daft_sim_overlap(&world->tight[key >> 32], &world->tight[(uint32_t)key]);
-        near[near_count] = far[far_count] = &entries[i];
-        near_count += meet, far_count += !meet;
-    }
-    for (size_t i = 0; i < near_count; i++) {
-        const daft_sim_touch *touch = &world->touches[near[i]->touch];
-        fetch(touch, near[i]->state ? sizeof *touch : offsetof(daft_sim_touch, next));
-        fetch(&world->parts[(uint32_t)near[i]->key], offsetof(daft_sim_part, pose));
-    }
-    for (size_t i = 0; i < far_count; i++) leave_alone(world, far[i]);
-    return near_count;
-}
-
-/* What is near is found first, and its records are on their way while that goes on. */
+/* What is listed is found first, and its records are on their way while that goes on. */
 static void update_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
@@ -438,10 +408,15 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
     daft_world *world = j->world;
     size_t first = (size_t)index * GRAIN, left = world->listed.count - first, count = left < GRAIN ? left : GRAIN;
     daft_sim_listed *entries = &world->listed.items[first], *near[GRAIN];
-    size_t near_count = find_near(world, entries, count, near);
-    for (size_t i = 0; i < near_count; i++)
+    for (size_t i = 0; i < count; i++) {
+        const daft_sim_touch *touch = &world->touches[entries[i].touch];
+        near[i] = &entries[i];
+        fetch(touch, near[i]->state ? sizeof *touch : offsetof(daft_sim_touch, next));
+        fetch(&world->parts[(uint32_t)near[i]->key], offsetof(daft_sim_part, pose));
+    }
+    for (size_t i = 0; i < count; i++)
         fetch(&world->bodies[world->touches[near[i]->touch].body_b], offsetof(daft_sim_body, force));
-    update_near(world, near, near_count, j->dt);
+    update_near(world, near, count, j->dt);
     daft_sim_met_range(world, index, first, count);
 }
 
@@ -467,6 +442,5 @@ bool daft_sim_contacts_update(daft_world *world, float dt)
     if (!daft_sim_met_reserve(world, tasks)) return false;
     daft_sim_for(world, world->listed.count >= PARALLEL_TOUCHES, tasks, update_range, &j);
     daft_sim_met_gather(world, GRAIN);
-    world->contact_updates++;
     return true;
 }

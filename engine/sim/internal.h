@@ -3,15 +3,15 @@
  * Data. A world is arrays of records under indices:
  *   body    what it is, where, how fast; its parts, touches and joints hang on it as lists of indices
  *   part    one shape of a body: a leaf in the tree of the body's kind, in bounds that are wider than it (fat)
- *   touch   two parts whose fat bounds meet, with the manifolds they have ("patches") and the impulses these carry
- *           over to the next step. Part a's body is dynamic, except in touches of sensors; normals point from a to b.
+ *   touch   two parts whose bounds over the step meet, with the manifolds they have ("patches") and the impulses these
+ *           carry over to the next step. Part a's body is dynamic, except in touches of sensors; normals point from a to b.
  *   joint   two bodies, a frame in each, and the impulses it carries over
  *
  * A body is active if it is dynamic and awake, or kinematic and moves. Only what is active is in a list that a step
  * walks: `awake`, `movers`, and `listed`, the touches that have an active side, in the order of their keys. A body that
  * sleeps is on a ring with those that fell asleep with it, and is woken with them.
  *
- * A step (step.c): fat bounds and new pairs (broad.c, pairs.c) -> manifolds (contacts.c, met.c) -> islands that are met wake
+ * A step (step.c): bounds and near pairs (broad.c, groups.c, pairs.c) -> manifolds (contacts.c, met.c) -> islands that are met wake
  * (sleep.c) -> colours (colour.c) -> substeps (solver.c, solver_kernel.c, joint_kernel.c, spin.c) -> sweeps (sweep.c),
  * poses -> events (events.c) -> islands fall asleep (sleep.c).
  *
@@ -103,6 +103,8 @@ void daft_sim_tree_fit(daft_sim_tree *tree);
 /* Lays the tree out anew if enough of its leaves were entered or moved one at a time since it last was: what grew so is
  * searched twice as long. */
 void daft_sim_tree_tidy(daft_sim_tree *tree);
+/* Orders keys along the axis on which their middles are spread most: none of the first `wanted` is beyond any other. */
+void daft_sim_keys_part(daft_sim_key *keys, uint32_t count, uint32_t wanted);
 /* Calls visit for every leaf that overlaps, in an order that callers must not depend on. */
 void daft_sim_tree_query(const daft_sim_tree *tree, const daft_sim_bounds *bounds, daft_sim_visit *visit,
                          void *context);
@@ -125,7 +127,7 @@ typedef struct daft_sim_part {
     uint32_t body; /* DAFT_SIM_NONE: a free slot */
     uint32_t layers, mask;
     uint32_t owned; /* touches counted against DAFT_SIM_MAX_PARTNERS */
-    uint32_t moved_slot; /* in the list of those that entered the tree anew, to be asked for new pairs */
+    uint32_t moved_slot; /* in the list of those that were placed since the last step */
     uint32_t next; /* part of the body, in the order of its definition; the next free slot */
 
     daft_rigid pose; /* in the body */
@@ -246,18 +248,14 @@ typedef struct daft_sim_joint {
     daft_vec3 spin[2];   /* angular velocities as the last substep began */
 } daft_sim_joint;
 
-/* Touches in the order of keys: part a, then part b. Most of those listed have bounds that meet and no more: what a
- * step asks of them is in the entry, so that their records are left alone. */
+/* Touches in the order of keys: part a, then part b. */
 typedef struct daft_sim_listed {
     uint64_t key;
     uint32_t touch;
     uint32_t state;
 } daft_sim_listed;
 
-enum {
-    DAFT_SIM_LISTED_MET = 1,  /* it may have patches, or be touching as events tell it */
-    DAFT_SIM_LISTED_APART = 2 /* its fat bounds meet no longer: it goes when the listing is next updated */
-};
+enum { DAFT_SIM_LISTED_MET = 1 /* it may have patches, or be touching as events tell it */ };
 
 typedef struct daft_sim_listing {
     daft_sim_listed *items;
@@ -307,9 +305,8 @@ struct daft_world {
     /* Of each part, apart from its record, since all pairs are asked for them in each step: */
     daft_sim_bounds *fat;   /* as it stands in the tree */
     daft_sim_bounds *tight; /* where it may be during this step, and the margin; of what stands still: where it is */
-    uint32_t *entered_at;   /* contact_updates when it entered the tree: pairs come apart only then */
-    size_t fat_capacity, tight_capacity, entered_capacity;
-    uint32_t contact_updates;
+    uint32_t *slots;        /* its place in the groups, or DAFT_SIM_NONE */
+    size_t fat_capacity, tight_capacity, slots_capacity;
     daft_sim_touch *touches;
     size_t touch_capacity;
     uint32_t touch_count, free_touch;
@@ -321,21 +318,31 @@ struct daft_world {
     daft_sim_list movers; /* kinematic bodies with a target or a velocity */
     bool *left;           /* broad.c: of those awake, which have left their fat bounds */
     size_t left_capacity;
-    daft_sim_list moved;  /* parts to be asked for new pairs */
+    daft_sim_list moved;  /* parts that were placed since the last step */
+    daft_sim_list astray; /* broad.c: parts that are to enter their tree anew */
     daft_sim_listing listed, fresh_listed, merged;
     daft_sim_listing order; /* scratch of events.c */
     bool bare;            /* some listed touch needs room for manifolds */
-    bool some_apart;      /* of those listed, */
-    bool some_idle;       /* or have no active side any more */
     daft_sim_meeting met; /* touches of the listing that have patches or are touching, in its order */
     daft_sim_list met_ranges; /* scratch of met.c */
     uint32_t *islands;    /* sleep.c: of each body that is awake, its parent in the union-find */
     size_t island_capacity;
     daft_sim_list ghosts; /* bodies that met what does not yield, in this step */
     uint32_t asleep_count; /* bodies */
-    uint64_t *pair_keys; /* hash set of the parts of all touches; UINT64_MAX: empty */
-    size_t pair_slot_count;
     uint32_t live_touches;
+
+    /* Parts of what is active, or was placed since the last step, in groups (groups.h). */
+    struct daft_sim_group *groups;
+    daft_dvec3 group_origin; /* their floats are from here */
+    struct daft_sim_boxes *group_boxes; /* their bounds, side by side */
+    daft_sim_key *group_keys; /* scratch of putting them together */
+    size_t group_capacity, group_box_capacity, group_key_capacity;
+    uint32_t slot_count, grouped; /* slots up to the last one taken; parts in them */
+    uint32_t slots_late; /* taken since they were put together */
+    bool newcomers;      /* some may not be in their group yet */
+    double group_size;   /* the sum of their sizes, when they were put together; 0: unknown; -1: they have grown too much */
+    uint64_t *barred, *fresh_barred; /* near pairs that a joint keeps from touching, in order; scratch */
+    size_t barred_count, barred_capacity, fresh_barred_capacity;
 
     daft_sim_tree trees[DAFT_BODY_DYNAMIC + 1]; /* one for each kind */
     uint64_t changes;         /* counts steps and changes of the trees, from 1 on */
@@ -349,8 +356,8 @@ struct daft_world {
     daft_sim_contact *report; /* first the contacts of what sleeps, made anew when some fell asleep or woke */
     size_t report_count, report_capacity, report_asleep;
     bool sleep_changed;
-    uint64_t *candidates; /* pairs.c: keys of touches to be made */
-    size_t candidate_count, candidate_capacity;
+    uint64_t *candidates, *ordered; /* pairs.c: keys of near pairs; scratch of ordering them */
+    size_t candidate_count, candidate_capacity, ordered_capacity;
     daft_sim_event_list events, pending; /* of the last step; of calls since */
     daft_sim_counters counters;
     bool lost_event; /* memory was out: the next step says so */
@@ -450,9 +457,20 @@ void daft_sim_broad_remove(daft_world *world, uint32_t body);
 /* Bounds over the coming step of everything that moves. False when memory is out. */
 bool daft_sim_broad_update(daft_world *world, float dt);
 
+/* ---- groups.c ---- */
+
+/* What is active, or was placed, joins the groups. False when memory is out. */
+bool daft_sim_groups_join(daft_world *world);
+/* A part that rests from now on, or is to be removed. */
+void daft_sim_group_leave(daft_world *world, uint32_t part);
+/* To the bounds over the step. */
+void daft_sim_groups_fit(daft_world *world);
+/* Keys of near pairs go to world->candidates, in any order. False when memory is out. */
+bool daft_sim_groups_search(daft_world *world);
+
 /* ---- pairs.c ---- */
 
-/* New touches of the parts that moved. False when memory is out. */
+/* Touches of all near pairs, and of no others that have an active side. False when memory is out. */
 bool daft_sim_pairs_find(daft_world *world);
 void daft_sim_touch_remove(daft_world *world, uint32_t touch);
 /* The same between steps: it leaves the listing too. */
@@ -463,12 +481,12 @@ void daft_sim_touches_remove(daft_world *world, uint32_t body);
 void daft_sim_touches_list(daft_world *world, uint32_t body);
 /* By keys; those of equal ones keep their order. scratch: room for as many. */
 void daft_sim_listed_sort(daft_sim_listed *items, size_t count, daft_sim_listed *scratch);
-/* Takes out what is gone or asleep and merges what is new. False when memory is out. */
+/* Merges what is new. False when memory is out. */
 bool daft_sim_listing_update(daft_world *world);
 /* Whether two parts may touch at all. */
 bool daft_sim_may_meet(const daft_world *world, uint32_t part_a, uint32_t part_b);
-/* For loading: enters a touch that stands in its slot into lists and set. False if its pair is there already. */
-bool daft_sim_touch_enter(daft_world *world, uint32_t touch);
+/* For loading: enters a touch that stands in its slot into lists. */
+void daft_sim_touch_enter(daft_world *world, uint32_t touch);
 bool daft_sim_pairs_reserve(daft_world *world, size_t more);
 
 /* ---- contacts.c ---- */

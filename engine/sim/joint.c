@@ -210,14 +210,6 @@ static void wake_ends(daft_world *world, const daft_sim_joint *joint)
             daft_sim_body_activate(world, joint->body[side]);
 }
 
-/* What the joint kept apart may meet again: its parts are entered anew, so that pairs are looked for. */
-static void meet_again(daft_world *world, const daft_sim_joint *joint)
-{
-    if (joint->collide || joint->body[0] == DAFT_SIM_NONE || joint->body[1] == DAFT_SIM_NONE) return;
-    daft_sim_broad_remove(world, joint->body[1]);
-    daft_sim_broad_add(world, joint->body[1]);
-}
-
 void daft_sim_joint_remove(daft_world *world, uint32_t index, bool event)
 {
     daft_sim_joint *joint = &world->joints[index];
@@ -226,7 +218,7 @@ void daft_sim_joint_remove(daft_world *world, uint32_t index, bool event)
     unlink_joint(world, index, 0);
     unlink_joint(world, index, 1);
     joint->kind = 0;
-    meet_again(world, joint);
+    world->barred_count = 0; /* what it kept apart may meet again */
     joint->next[0] = world->free_joint;
     world->free_joint = index;
     world->live_joints--;

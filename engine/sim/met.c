@@ -28,7 +28,7 @@ void daft_sim_met_refresh(const daft_world *world, daft_sim_met *met)
 /* Whether an entry is among those that have met; then it goes to `to`. */
 static bool has_met(const daft_world *world, daft_sim_listed *entry, daft_sim_met *to)
 {
-    if (entry->state == 0 || entry->state & DAFT_SIM_LISTED_APART) return false;
+    if (entry->state == 0) return false;
     const daft_sim_touch *touch = &world->touches[entry->touch];
     if (touch->patch_count == 0 && !touch->touching) {
         entry->state = 0;
@@ -50,28 +50,23 @@ bool daft_sim_met_reserve(daft_world *world, size_t ranges)
     return true;
 }
 
-/* What a range came to: how many have met, which stand from where its entries begin; and a bit: some came apart. */
-#define SOME_APART 0x80000000u
-
+/* What a range came to: how many have met, which stand from where its entries begin. */
 void daft_sim_met_range(daft_world *world, uint32_t range, size_t first, size_t count)
 {
-    uint32_t met = 0, state = 0;
+    uint32_t met = 0;
     for (size_t i = first; i < first + count; i++) {
-        daft_sim_listed *entry = &world->listed.items[i];
-        state |= entry->state;
-        met += has_met(world, entry, &world->met.items[first + met]);
+        met += has_met(world, &world->listed.items[i], &world->met.items[first + met]);
     }
-    world->met_ranges.items[range] = met | (state & DAFT_SIM_LISTED_APART ? SOME_APART : 0);
+    world->met_ranges.items[range] = met;
 }
 
 void daft_sim_met_gather(daft_world *world, size_t grain)
 {
     daft_sim_meeting *met = &world->met;
     for (size_t i = 0; i < world->met_ranges.count; i++) {
-        uint32_t outcome = world->met_ranges.items[i], count = outcome & ~SOME_APART;
+        uint32_t count = world->met_ranges.items[i];
         if (met->count != i * grain) memmove(met->items + met->count, met->items + i * grain, count * sizeof *met->items);
         met->count += count;
-        world->some_apart |= (outcome & SOME_APART) != 0;
     }
 }
 

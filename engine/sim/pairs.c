@@ -1,88 +1,17 @@
-/* Touches: pairs of parts whose fat bounds meet, made when a part enters the tree anew, gone when the bounds part. They
- * hang on both bodies as lists, in a hash set by their parts, and, while a side is active, in the listing that a step
- * walks, which is in the order of keys. */
+/* Touches: near pairs of parts, made when their bounds over a step first meet, gone when they do not in a step in which
+ * one of them is active. They hang on both bodies as lists, and, while a side is active, in the listing that a step walks,
+ * which is in the order of keys. */
 #include "sim/internal.h"
 
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- the set ---- */
-
-static uint64_t mixed(uint64_t x)
-{
-    x = (x ^ x >> 33) * 0xff51afd7ed558ccdu;
-    x = (x ^ x >> 33) * 0xc4ceb9fe1a85ec53u;
-    return x ^ x >> 33;
-}
-
-static uint64_t key_of(uint32_t part_a, uint32_t part_b) { return (uint64_t)part_a << 32 | part_b; }
-
-/* The pair in either order has one key in the set. */
-static uint64_t set_key(uint32_t part_a, uint32_t part_b)
-{
-    return part_a < part_b ? key_of(part_a, part_b) : key_of(part_b, part_a);
-}
-static uint64_t set_key_of(const daft_sim_touch *touch) { return set_key(touch->part_a, touch->part_b); }
-
-static size_t home(const daft_world *world, uint64_t key) { return mixed(key) & (world->pair_slot_count - 1); }
-
-#define NO_PAIR UINT64_MAX
-
-/* Where the pair is, or the empty slot where it belongs. There is always an empty one. */
-static size_t find_slot(const daft_world *world, uint64_t key)
-{
-    size_t at = home(world, key), mask = world->pair_slot_count - 1;
-    while (world->pair_keys[at] != NO_PAIR && world->pair_keys[at] != key) at = (at + 1) & mask;
-    return at;
-}
-
-static bool exists(const daft_world *world, uint32_t part_a, uint32_t part_b)
-{
-    return world->pair_slot_count > 0 && world->pair_keys[find_slot(world, set_key(part_a, part_b))] != NO_PAIR;
-}
-
-static bool grow_set(daft_world *world, size_t count)
-{
-    size_t wanted = 64;
-    while (wanted < 2 * count) wanted *= 2;
-    if (wanted <= world->pair_slot_count) return true;
-    uint64_t *keys = daft_alloc(&world->allocator, wanted, sizeof *keys);
-    if (!keys) return false;
-    daft_release(&world->allocator, world->pair_keys);
-    world->pair_keys = keys;
-    world->pair_slot_count = wanted;
-    memset(keys, 0xff, wanted * sizeof *keys);
-    for (uint32_t i = 0; i < world->touch_count; i++)
-        if (world->touches[i].part_a != DAFT_SIM_NONE) {
-            uint64_t key = set_key_of(&world->touches[i]);
-            keys[find_slot(world, key)] = key;
-        }
-    return true;
-}
-
-/* What follows moves up, so that no search meets a gap. */
-static void take_from_set(daft_world *world, const daft_sim_touch *touch)
-{
-    size_t mask = world->pair_slot_count - 1, gap = find_slot(world, set_key_of(touch)), at = gap;
-    for (;;) {
-        at = (at + 1) & mask;
-        uint64_t next = world->pair_keys[at];
-        if (next == NO_PAIR) break;
-        size_t wanted = home(world, next);
-        if (((at - wanted) & mask) < ((at - gap) & mask)) continue;
-        world->pair_keys[gap] = next;
-        gap = at;
-    }
-    world->pair_keys[gap] = NO_PAIR;
-}
 
 /* ---- touches ---- */
 
 bool daft_sim_pairs_reserve(daft_world *world, size_t more)
 {
-    size_t needed = (size_t)world->live_touches + more, slots = (size_t)world->touch_count + more;
-    return slots < INT32_MAX && grow_set(world, needed) &&
+    size_t slots = (size_t)world->touch_count + more;
+    return slots < INT32_MAX &&
            daft_grow(&world->allocator, &world->touches, &world->touch_capacity, slots, world->touch_count,
                      sizeof *world->touches) &&
            daft_grow(&world->allocator, &world->fresh_listed.items, &world->fresh_listed.capacity,
@@ -133,10 +62,9 @@ static bool owns(const daft_world *world, uint32_t a, uint32_t b)
     return mine < theirs || (mine == theirs && a < b);
 }
 
-bool daft_sim_touch_enter(daft_world *world, uint32_t index)
+void daft_sim_touch_enter(daft_world *world, uint32_t index)
 {
     daft_sim_touch *touch = &world->touches[index];
-    if (exists(world, touch->part_a, touch->part_b)) return false;
     touch->listed = false;
     touch->owned_by_a = false;
     if (is_dynamic(world, touch->part_a) && is_dynamic(world, touch->part_b)) {
@@ -144,14 +72,11 @@ bool daft_sim_touch_enter(daft_world *world, uint32_t index)
         world->parts[touch->owned_by_a ? touch->part_a : touch->part_b].owned++;
     }
     daft_sim_touch_materials(world, touch);
-    uint64_t key = set_key_of(touch);
-    world->pair_keys[find_slot(world, key)] = key;
     link_edge(world, index, 0);
     link_edge(world, index, 1);
     world->live_touches++;
     if (daft_sim_is_active(&world->bodies[touch->body_a]) || daft_sim_is_active(&world->bodies[touch->body_b]))
         list_touch(world, index);
-    return true;
 }
 
 static uint32_t insert(daft_world *world, uint32_t part_a, uint32_t part_b)
@@ -178,7 +103,6 @@ void daft_sim_touch_remove(daft_world *world, uint32_t index)
     if (touch->touching) daft_sim_event_end(world, touch);
     if (is_dynamic(world, touch->part_a) && is_dynamic(world, touch->part_b))
         world->parts[touch->owned_by_a ? touch->part_a : touch->part_b].owned--;
-    take_from_set(world, touch);
     unlink_edge(world, index, 0);
     unlink_edge(world, index, 1);
     daft_release(&world->allocator, touch->more);
@@ -244,153 +168,76 @@ bool daft_sim_may_meet(const daft_world *world, uint32_t a, uint32_t b)
     return !daft_sim_joined(world, x->body, y->body);
 }
 
-/* Keys of touches to be made, in any order; of more than there is room for, only how many. */
-typedef struct candidates {
-    const daft_world *world;
-    uint64_t *keys;
-    unsigned capacity;
-    atomic_uint count;
-} candidates;
+enum { FEW = 32, DIGIT = 13 /* bits */ };
 
-enum { HITS = 64 };
-
-typedef struct search {
-    const daft_world *world;
-    candidates *found;
-    uint32_t part;
-    uint32_t hits[HITS]; /* parts whose fat bounds meet its, to be looked at together: their records are on their way */
-    uint32_t hit_count;
-    uint32_t partners[DAFT_SIM_MAX_PARTNERS]; /* that this part will own: those of lowest index */
-    uint32_t partner_count;
-} search;
-
-static void add_candidate(search *s, uint32_t other)
+static void sort_few(uint64_t *keys, size_t count)
 {
-    const daft_world *world = s->world;
-    /* A dynamic one first, the sensor first, else the lower index. */
-    uint32_t a = s->part, b = other;
-    bool dynamic_a = is_dynamic(world, a), dynamic_b = is_dynamic(world, b);
-    bool sensor = world->parts[a].sensor || world->parts[b].sensor;
-    bool swap = sensor ? world->parts[b].sensor : dynamic_a == dynamic_b ? b < a : dynamic_b;
-    unsigned at = atomic_fetch_add_explicit(&s->found->count, 1, memory_order_relaxed);
-    if (at < s->found->capacity) s->found->keys[at] = swap ? key_of(b, a) : key_of(a, b);
-}
-
-/* Of parts whose fat bounds meet. */
-static bool is_new(const search *s, uint32_t other)
-{
-    const daft_world *world = s->world;
-    return other != s->part && !exists(world, s->part, other) && daft_sim_may_meet(world, s->part, other);
-}
-
-/* Keeps the partners of lowest index. */
-static void keep_partner(search *s, uint32_t other)
-{
-    bool full = s->partner_count == DAFT_SIM_MAX_PARTNERS;
-    if (full && other > s->partners[DAFT_SIM_MAX_PARTNERS - 1]) return;
-    uint32_t i = full ? DAFT_SIM_MAX_PARTNERS - 1 : s->partner_count++;
-    for (; i > 0 && other < s->partners[i - 1]; i--) s->partners[i] = s->partners[i - 1];
-    s->partners[i] = other;
-}
-
-/* A pair of two dynamic parts is found by the one that will own it, if that moved. */
-static void judge(search *s, uint32_t other)
-{
-    const daft_world *world = s->world;
-    const daft_sim_part *mine = &world->parts[s->part], *theirs = &world->parts[other];
-    if (!mine->dynamic || !theirs->dynamic) {
-        if (is_new(s, other)) add_candidate(s, other);
-    } else if (owns(world, s->part, other)) {
-        if (s->partner_count == DAFT_SIM_MAX_PARTNERS && other > s->partners[DAFT_SIM_MAX_PARTNERS - 1]) return;
-        if (is_new(s, other)) keep_partner(s, other);
-    } else if (theirs->moved_slot == DAFT_SIM_NONE && theirs->owned < DAFT_SIM_MAX_PARTNERS && is_new(s, other)) {
-        add_candidate(s, other);
+    for (size_t i = 1; i < count; i++) {
+        uint64_t key = keys[i];
+        size_t k = i;
+        for (; k > 0 && keys[k - 1] > key; k--) keys[k] = keys[k - 1];
+        keys[k] = key;
     }
 }
 
-static void judge_hits(search *s)
+/* One pass of a radix sort: by `bits` bits from `shift` on. */
+static void sort_by_digit(const uint64_t *from, uint64_t *to, size_t count, uint32_t shift, uint32_t bits)
 {
-    for (uint32_t i = 0; i < s->hit_count; i++) judge(s, s->hits[i]);
-    s->hit_count = 0;
+    uint32_t next[1 << DIGIT] = {0}, mask = (1u << bits) - 1, sum = 0;
+    for (size_t i = 0; i < count; i++) next[from[i] >> shift & mask]++;
+    for (uint32_t digit = 0; digit <= mask; digit++) {
+        uint32_t here = next[digit];
+        next[digit] = sum;
+        sum += here;
+    }
+    for (size_t i = 0; i < count; i++) to[next[from[i] >> shift & mask]++] = from[i];
 }
 
-static void visit(void *context, uint32_t other)
+/* Near pairs in the order of their keys: first by part b, then by part a, of which there are so many. */
+static bool order_near(daft_world *world)
 {
-    search *s = context;
-    const daft_world *world = s->world;
-    if (other == s->part) return;
-    __builtin_prefetch(&world->parts[other]);
-    if (world->pair_slot_count > 0) __builtin_prefetch(&world->pair_keys[home(world, set_key(s->part, other))]);
-    s->hits[s->hit_count++] = other;
-    if (s->hit_count == HITS) judge_hits(s);
+    size_t count = world->candidate_count;
+    if (count <= FEW) {
+        sort_few(world->candidates, count);
+        return true;
+    }
+    if (!daft_grow(&world->allocator, &world->ordered, &world->ordered_capacity, count, 0, sizeof *world->ordered))
+        return false;
+    uint32_t bits = 1, passes, digit;
+    while (bits < 32 && world->part_count >> bits) bits++;
+    passes = (bits + DIGIT - 1) / DIGIT, digit = (bits + passes - 1) / passes;
+    for (uint32_t pass = 0; pass < 2 * passes; pass++) {
+        uint32_t shift = pass % passes * digit + (pass < passes ? 0 : 32);
+        sort_by_digit(pass % 2 ? world->ordered : world->candidates, pass % 2 ? world->candidates : world->ordered, count,
+                      shift, digit);
+    }
+    return true;
 }
 
-/* Thousands of bodies in one spot would each visit all the others to find as many partners as it may have. They were
- * most likely made one after the other: if enough of the parts that follow are partners, they are taken, and none is
- * searched for. Elsewhere the parts that follow miss at once. */
-static bool crowded(search *s)
+/* What is listed and not near goes; of what is near and not listed the keys are left in candidates. A touch of two that
+ * rest is no longer listed, and stays. */
+static void keep_near(daft_world *world)
 {
-    const daft_world *world = s->world;
-    if (world->moved.count < world->trees[DAFT_BODY_DYNAMIC].leaf_count) return false;
-    uint32_t misses = 0;
-    for (uint32_t i = s->part + 1; i < world->part_count && misses < 8 + 4 * s->partner_count; i++) {
-        if (world->parts[i].body != DAFT_SIM_NONE && is_dynamic(world, i) && owns(world, s->part, i) &&
-            daft_sim_overlap(&world->fat[i], &world->fat[s->part]) && is_new(s, i))
-            s->partners[s->partner_count++] = i;
+    daft_sim_listing *listed = &world->listed;
+    uint64_t *near = world->candidates;
+    size_t kept = 0, fresh = 0, k = 0, count = world->candidate_count;
+    for (size_t i = 0; i < listed->count; i++) {
+        daft_sim_listed entry = listed->items[i];
+        for (; k < count && near[k] < entry.key; k++) near[fresh++] = near[k];
+        if (k < count && near[k] == entry.key) {
+            listed->items[kept++] = entry;
+            k++;
+            continue;
+        }
+        bool looked = world->slots[entry.key >> 32] != DAFT_SIM_NONE || world->slots[(uint32_t)entry.key] != DAFT_SIM_NONE;
+        if (looked)
+            daft_sim_touch_remove(world, entry.touch);
         else
-            misses++;
-        if (s->partner_count == DAFT_SIM_MAX_PARTNERS) return true;
+            world->touches[entry.touch].listed = false;
     }
-    s->partner_count = 0;
-    return false;
-}
-
-static void search_part(const daft_world *world, uint32_t part, candidates *found)
-{
-    search s = {.world = world, .found = found, .part = part};
-    const daft_sim_bounds *fat = &world->fat[part];
-    daft_body_kind kind = world->bodies[world->parts[part].body].kind;
-    bool full = world->parts[part].owned >= DAFT_SIM_MAX_PARTNERS;
-    daft_sim_tree_query(&world->trees[DAFT_BODY_KINEMATIC], fat, visit, &s);
-    if (kind != DAFT_BODY_STATIC) daft_sim_tree_query(&world->trees[DAFT_BODY_STATIC], fat, visit, &s);
-    judge_hits(&s);
-    if (kind != DAFT_BODY_DYNAMIC || (!full && !crowded(&s)))
-        daft_sim_tree_query(&world->trees[DAFT_BODY_DYNAMIC], fat, visit, &s);
-    judge_hits(&s);
-    for (uint32_t i = 0; i < s.partner_count; i++) add_candidate(&s, s.partners[i]);
-}
-
-enum { GRAIN = 16, PARALLEL_PARTS = 128 };
-
-static void search_range(void *context, uint32_t index, uint32_t worker)
-{
-    (void)worker;
-    candidates *found = context;
-    const daft_sim_list *moved = &found->world->moved;
-    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
-    if (end > moved->count) end = moved->count;
-    for (size_t i = first; i < end; i++) search_part(found->world, moved->items[i], found);
-}
-
-/* Nothing is changed while parts are searched around; where room was short, all are searched again with enough. */
-static bool find_candidates(daft_world *world)
-{
-    uint32_t tasks = (uint32_t)((world->moved.count + GRAIN - 1) / GRAIN);
-    for (size_t needed = 4 * world->moved.count;;) {
-        if (!daft_grow(&world->allocator, &world->candidates, &world->candidate_capacity, needed, 0,
-                       sizeof *world->candidates))
-            return false;
-        candidates found = {world, world->candidates, (unsigned)world->candidate_capacity, 0};
-        daft_sim_for(world, world->moved.count >= PARALLEL_PARTS, tasks, search_range, &found);
-        needed = world->candidate_count = atomic_load_explicit(&found.count, memory_order_relaxed);
-        if (needed <= world->candidate_capacity) return true;
-    }
-}
-
-static int by_value(const void *a, const void *b)
-{
-    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
+    for (; k < count; k++) near[fresh++] = near[k];
+    listed->count = kept;
+    world->candidate_count = fresh;
 }
 
 /* What stands in a body that sleeps wakes it. */
@@ -402,7 +249,7 @@ static void wake_inside(daft_world *world, const daft_sim_touch *touch)
     if (world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC) daft_sim_wake(world, touch->body_a);
 }
 
-enum { AHEAD = 4, FAR_AHEAD = 16 };
+enum { AHEAD = 4 };
 
 /* What a new touch is made from is on its way. */
 static void fetch_pair(const daft_world *world, uint64_t key)
@@ -412,34 +259,63 @@ static void fetch_pair(const daft_world *world, uint64_t key)
         __builtin_prefetch(&world->parts[parts[i]]);
         __builtin_prefetch(&world->parts[parts[i]].material);
     }
-    __builtin_prefetch(&world->pair_keys[home(world, set_key(parts[0], parts[1]))]);
 }
 
-static void insert_candidates(daft_world *world)
+static bool is_owner_full(const daft_world *world, uint32_t a, uint32_t b)
 {
-    if (world->candidate_count > 1)
-        qsort(world->candidates, world->candidate_count, sizeof *world->candidates, by_value);
-    uint64_t last = UINT64_MAX;
+    return is_dynamic(world, a) && is_dynamic(world, b) &&
+           world->parts[owns(world, a, b) ? a : b].owned >= DAFT_SIM_MAX_PARTNERS;
+}
+
+/* Touches of near pairs that have none, but for those that a joint bars: they are remembered while they are near. */
+static void make_touches(daft_world *world)
+{
+    size_t barred = 0, at = 0;
     for (size_t i = 0; i < world->candidate_count; i++) {
         uint64_t key = world->candidates[i];
         uint32_t a = (uint32_t)(key >> 32), b = (uint32_t)key;
-        if (i + AHEAD < world->candidate_count) fetch_pair(world, world->candidates[i + AHEAD]);
-        if (key == last || exists(world, a, b)) continue;
-        last = key;
-        if (is_dynamic(world, a) && is_dynamic(world, b) &&
-            world->parts[owns(world, a, b) ? a : b].owned >= DAFT_SIM_MAX_PARTNERS)
+        while (at < world->barred_count && world->barred[at] < key) at++;
+        if (at < world->barred_count && world->barred[at] == key) {
+            world->fresh_barred[barred++] = key;
             continue;
+        }
+        if (i + AHEAD < world->candidate_count) fetch_pair(world, world->candidates[i + AHEAD]);
+        if (!daft_sim_may_meet(world, a, b)) {
+            world->fresh_barred[barred++] = key;
+            continue;
+        }
+        if (is_owner_full(world, a, b)) continue;
         uint32_t touch = insert(world, a, b);
         wake_inside(world, &world->touches[touch]);
     }
+    uint64_t *swap = world->barred;
+    size_t capacity = world->barred_capacity;
+    world->barred = world->fresh_barred, world->barred_capacity = world->fresh_barred_capacity;
+    world->fresh_barred = swap, world->fresh_barred_capacity = capacity;
+    world->barred_count = barred;
+}
+
+/* What was placed and rests leaves the groups again. */
+static void forget_moved(daft_world *world)
+{
+    for (size_t i = 0; i < world->moved.count; i++) {
+        daft_sim_part *part = &world->parts[world->moved.items[i]];
+        part->moved_slot = DAFT_SIM_NONE;
+        if (!daft_sim_is_active(&world->bodies[part->body])) daft_sim_group_leave(world, world->moved.items[i]);
+    }
+    world->moved.count = 0;
 }
 
 bool daft_sim_pairs_find(daft_world *world)
 {
-    if (!find_candidates(world) || !daft_sim_pairs_reserve(world, world->candidate_count)) return false;
-    insert_candidates(world);
-    for (size_t i = 0; i < world->moved.count; i++) world->parts[world->moved.items[i]].moved_slot = DAFT_SIM_NONE;
-    world->moved.count = 0;
+    if (!daft_sim_listing_update(world) || !daft_sim_groups_search(world) || !order_near(world)) return false;
+    keep_near(world);
+    if (!daft_sim_pairs_reserve(world, world->candidate_count) ||
+        !daft_grow(&world->allocator, &world->fresh_barred, &world->fresh_barred_capacity, world->candidate_count, 0,
+                   sizeof *world->fresh_barred))
+        return false;
+    make_touches(world);
+    forget_moved(world);
     return true;
 }
 
@@ -477,35 +353,6 @@ void daft_sim_listed_sort(daft_sim_listed *items, size_t count, daft_sim_listed 
     if (from != items) memcpy(items, from, count * sizeof *items);
 }
 
-static bool has_active_side(const daft_world *world, const daft_sim_touch *touch)
-{
-    return daft_sim_is_active(&world->bodies[touch->body_a]) || daft_sim_is_active(&world->bodies[touch->body_b]);
-}
-
-/* Takes out what came apart, and, where some body came to rest, what has no active side. */
-static void thin_out(daft_world *world)
-{
-    daft_sim_listing *listed = &world->listed;
-    size_t kept = 0;
-    for (size_t i = 0; i < listed->count; i++) {
-        const daft_sim_listed *entry = &listed->items[i];
-        if (i + FAR_AHEAD < listed->count && entry[FAR_AHEAD].state & DAFT_SIM_LISTED_APART)
-            __builtin_prefetch(&world->touches[entry[FAR_AHEAD].touch]);
-        if (entry->state & DAFT_SIM_LISTED_APART) {
-            daft_sim_touch_remove(world, entry->touch);
-            continue;
-        }
-        if (world->some_idle) {
-            daft_sim_touch *touch = &world->touches[entry->touch];
-            touch->listed = has_active_side(world, touch);
-            if (!touch->listed) continue;
-        }
-        listed->items[kept++] = *entry;
-    }
-    listed->count = kept;
-    world->some_apart = world->some_idle = false;
-}
-
 /* Of those from `from` on, the first whose key is larger. */
 static size_t first_after(const daft_sim_listing *listing, size_t from, uint64_t key)
 {
@@ -530,7 +377,6 @@ static void append(daft_sim_listing *to, const daft_sim_listed *items, size_t fi
 bool daft_sim_listing_update(daft_world *world)
 {
     daft_sim_listing *old = &world->listed, *fresh = &world->fresh_listed, *merged = &world->merged;
-    if (world->some_apart || world->some_idle) thin_out(world);
     if (fresh->count == 0) return true;
     if (!daft_grow(&world->allocator, &merged->items, &merged->capacity, old->count + fresh->count, 0,
                    sizeof *merged->items))

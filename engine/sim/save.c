@@ -4,6 +4,7 @@
 #include "sim/internal.h"
 
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MAGIC   0x4d495344u /* "DSIM" */
@@ -320,11 +321,13 @@ static bool enter_lists(daft_world *w)
 
 static bool enter_parts(daft_world *w)
 {
-    w->entered_at = daft_alloc_zero(&w->allocator, w->part_count, sizeof *w->entered_at);
-    w->entered_capacity = w->part_count;
-    if (!w->entered_at && w->part_count > 0) return false;
+    if (!daft_grow(&w->allocator, &w->slots, &w->slots_capacity, w->part_count, 0, sizeof *w->slots) ||
+        !daft_sim_list_reserve(w, &w->moved, w->part_count) || !daft_sim_list_reserve(w, &w->astray, w->part_count))
+        return false;
+    w->newcomers = true;
     for (uint32_t i = 0; i < w->part_count; i++) {
         daft_sim_part *part = &w->parts[i];
+        w->slots[i] = DAFT_SIM_NONE;
         if (part->body == DAFT_SIM_NONE) continue;
         uint32_t slot = part->moved_slot;
         if (slot != DAFT_SIM_NONE && (slot >= w->moved.count || w->moved.items[slot] != i)) return false;
@@ -337,17 +340,39 @@ static bool enter_parts(daft_world *w)
         if (w->moved.items[i] >= w->part_count || w->parts[w->moved.items[i]].body == DAFT_SIM_NONE ||
             w->parts[w->moved.items[i]].moved_slot != i)
             return false;
-    return daft_sim_list_reserve(w, &w->moved, w->part_count);
+    return true;
+}
+
+/* As groups.c has them: a dynamic one first, the sensor first, else the lower index. */
+static bool is_in_order(const daft_sim_touch *t, const daft_sim_part *a, const daft_sim_part *b)
+{
+    if (t->sensor) return a->sensor && !b->sensor;
+    return a->dynamic && (!b->dynamic || t->part_a < t->part_b);
+}
+
+static int by_value(const void *p, const void *q)
+{
+    uint64_t a = *(const uint64_t *)p, b = *(const uint64_t *)q;
+    return (a > b) - (a < b);
+}
+
+/* No pair may touch twice. */
+static bool differ(daft_world *w, uint32_t live)
+{
+    size_t count = 0;
+    if (!daft_grow(&w->allocator, &w->candidates, &w->candidate_capacity, live, 0, sizeof *w->candidates)) return false;
+    for (uint32_t i = 0; i < w->touch_count; i++)
+        if (w->touches[i].part_a != DAFT_SIM_NONE) w->candidates[count++] = daft_sim_touch_key(&w->touches[i]);
+    if (count > 1) qsort(w->candidates, count, sizeof *w->candidates, by_value);
+    for (size_t i = 1; i < count; i++)
+        if (w->candidates[i - 1] == w->candidates[i]) return false;
+    return true;
 }
 
 /* Records whose slots are checked already are linked where they stand. */
 static bool enter_touches(daft_world *w, uint32_t live)
 {
-    uint32_t count = w->touch_count;
-    w->touch_count = 0; /* so that none is in the set before it is checked; the records have their room already */
-    bool room = live <= count && daft_sim_pairs_reserve(w, live);
-    w->touch_count = count;
-    if (!room) return false;
+    if (live > w->touch_count || !daft_sim_pairs_reserve(w, 0)) return false;
     for (uint32_t i = 0; i < w->touch_count; i++) {
         daft_sim_touch *t = &w->touches[i];
         if (t->part_a == DAFT_SIM_NONE) continue;
@@ -355,11 +380,11 @@ static bool enter_touches(daft_world *w, uint32_t live)
         const daft_sim_part *a = &w->parts[t->part_a], *b = &w->parts[t->part_b];
         if (a->body == DAFT_SIM_NONE || b->body == DAFT_SIM_NONE || a->body == b->body) return false;
         if (t->sensor != (a->sensor || b->sensor)) return false;
-        if (!t->sensor && w->bodies[a->body].kind != DAFT_BODY_DYNAMIC) return false;
         t->body_a = a->body, t->body_b = b->body;
-        if (!check_patches(t) || !daft_sim_touch_enter(w, i)) return false;
+        if (!is_in_order(t, a, b) || !check_patches(t)) return false;
+        daft_sim_touch_enter(w, i);
     }
-    return w->live_touches == live;
+    return w->live_touches == live && differ(w, live);
 }
 
 static bool enter_joints(daft_world *w)

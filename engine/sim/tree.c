@@ -235,12 +235,17 @@ static void select_lower(daft_sim_key *keys, uint32_t count, uint32_t wanted, in
     }
 }
 
+void daft_sim_keys_part(daft_sim_key *keys, uint32_t count, uint32_t wanted)
+{
+    select_lower(keys, count, wanted, widest_axis(keys, count));
+}
+
 /* Halves all the way down: as deep as a tree of so many leaves has to be, and no deeper. */
 static uint32_t lay_out(daft_sim_tree *tree, daft_sim_key *keys, uint32_t count)
 {
     if (count == 1) return keys[0].leaf;
     uint32_t half = count / 2, node = take_node(tree);
-    if (count > 2) select_lower(keys, count, half, widest_axis(keys, count));
+    if (count > 2) daft_sim_keys_part(keys, count, half);
     const uint32_t child[2] = {lay_out(tree, keys, half), lay_out(tree, keys + half, count - half)};
     tree->nodes[node] = (daft_sim_node){.child = {child[0], child[1]}};
     tree->nodes[child[0]].parent = tree->nodes[child[1]].parent = node;

@@ -30,8 +30,8 @@ void daft_world_destroy(daft_world *world)
     daft_sim_solver_destroy(world);
     for (uint32_t i = 0; i < world->touch_count; i++) daft_release(&allocator, world->touches[i].more);
     void *arrays[] = {world->bodies,       world->parts,        world->touches,         world->joints,
-                      world->awake.items,  world->movers.items, world->moved.items,     world->listed.items, world->met.items, world->order.items, world->fat, world->tight, world->entered_at, world->left, world->ghosts.items, world->islands, world->met_ranges.items,
-                      world->merged.items, world->pair_keys,   world->fresh_listed.items, world->pairs,
+                      world->awake.items,  world->movers.items, world->moved.items,     world->listed.items, world->met.items, world->order.items, world->fat, world->tight, world->slots, world->astray.items, world->groups, world->group_boxes, world->group_keys, world->barred, world->fresh_barred, world->ordered, world->left, world->ghosts.items, world->islands, world->met_ranges.items,
+                      world->merged.items, world->fresh_listed.items, world->pairs,
                       world->report,       world->events.items, world->pending.items,   world->candidates};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&allocator, arrays[i]);
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) {
@@ -139,6 +139,7 @@ bool daft_sim_list_reserve(daft_world *world, daft_sim_list *list, size_t needed
 void daft_sim_list_add(daft_world *world, daft_sim_list *list, uint32_t index)
 {
     world->bodies[index].list_slot = (uint32_t)list->count;
+    world->newcomers = true;
     list->items[list->count++] = index;
 }
 
@@ -148,7 +149,8 @@ void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t index
     list->items[slot] = last;
     world->bodies[last].list_slot = slot;
     world->bodies[index].list_slot = DAFT_SIM_NONE;
-    world->some_idle = true;
+    for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
+        daft_sim_group_leave(world, i);
 }
 
 uint64_t daft_world_hash(const daft_world *world, uint64_t seed)
