@@ -34,6 +34,7 @@ typedef struct group {
     size_t near_row[3], far_row[3];               /* in bytes from a node's bounds */
     /* the ends of their interval, by axis; near_end's last is low's */
     v4 near_end, far_end, inverse_ends[2], wide_ends[2];
+    bool mixed; /* their directions' signs differ: no planes in common, and no interval */
     bool tight; /* the interval says something */
     float most; /* not less than any of their limits */
 } group;

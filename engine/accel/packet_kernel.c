@@ -11,7 +11,7 @@
 
 #define WIDEN (1 + 8 * DAFT_ULP)
 /* As many rays, or fewer, go on alone: among instances, and in a mesh, where leaves are cheap for few. */
-enum { FEW = DAFT_VL / 8 + 1, FEW_IN_MESH = 1, ROW = sizeof(((daft_node *)0)->bounds[0]) };
+enum { FEW = DAFT_VL / 4 + 1, FEW_IN_MESH = 1, ROW = sizeof(((daft_node *)0)->bounds[0]) };
 
 typedef struct packet_stack {
     vf near[DAFT_STACK]; /* NaN: not met */
@@ -32,19 +32,27 @@ DAFT_INLINE v4 least_of(vm m, vf a, vf b, vf c, vf d)
     return vf_least4(vf_select(m, a, none), vf_select(m, b, none), vf_select(m, c, none), vf_select(m, d, none));
 }
 
-/* Of the rays in `bits`, whose directions have the same signs. inverse: one over the direction. */
-static void group_setup(group *g, vf3 o, const vf inverse[3], vf pad, vf tmin, vbits bits)
+/* inverse: one over the direction. */
+static void group_setup(group *g, vf3 o, const vf inverse[3], vf pad, vf tmin)
 {
     const vf from[3] = {o.x, o.y, o.z};
     for (int k = 0; k < 3; k++) {
-        bool back = signbit(inverse[k][first_lane(bits)]);
-        vf outwards = (vf)((vi)pad | vi_set(back ? INT32_MIN : 0));
+        vf outwards = (vf)((vi)pad | ((vi)inverse[k] & vi_set(INT32_MIN)));
         g->inverse[k] = inverse[k], g->wide[k] = inverse[k] * vf_set(WIDEN);
         g->near[k] = from[k] + outwards, g->far[k] = from[k] - outwards;
-        g->near_row[k] = (size_t)(back ? 3 + k : k) * ROW, g->far_row[k] = (size_t)(back ? k : 3 + k) * ROW;
     }
     g->low = tmin * vf_set(1 - 0x1p-17f); /* daft_before, of no negative number */
-    g->tight = false;
+    g->mixed = true, g->tight = false;
+}
+
+/* All go the way that the first of `bits` goes: by the same planes in and out of boxes. */
+static void group_rows(group *g, vbits bits)
+{
+    for (int k = 0; k < 3; k++) {
+        bool back = signbit(g->inverse[k][first_lane(bits)]);
+        g->near_row[k] = (size_t)(back ? 3 + k : k) * ROW, g->far_row[k] = (size_t)(back ? k : 3 + k) * ROW;
+    }
+    g->mixed = false;
 }
 
 /* What all of the rays in `bits` have in common; needed where there are more than a few boxes to meet. */
@@ -96,6 +104,16 @@ DAFT_INLINE vm child_test(const daft_node *node, uint32_t child, const group *g,
 {
     const char *at = (const char *)&node->bounds[0][child];
     vf enter = g->low, leave = limit;
+    if (g->mixed) {
+        for (int k = 2; k >= 0; k--) {
+            vf low = vf_set(node->bounds[k][child]), high = vf_set(node->bounds[3 + k][child]);
+            vm back = vi_lt((vi)g->inverse[k], vi_set(0));
+            enter = vf_max((vf_select(back, high, low) - g->near[k]) * g->inverse[k], enter);
+            leave = vf_min((vf_select(back, low, high) - g->far[k]) * g->wide[k], leave);
+        }
+        *near = enter;
+        return vf_le(enter, leave);
+    }
     for (int k = 2; k >= 0; k--) { /* vf_max and vf_min give their second argument when the first is NaN */
         enter = vf_max((vf_set(*(const float *)(at + g->near_row[k])) - g->near[k]) * g->inverse[k], enter);
         leave = vf_min((vf_set(*(const float *)(at + g->far_row[k])) - g->far[k]) * g->wide[k], leave);
@@ -225,7 +243,8 @@ static void mesh_walk(convoy *c, const mesh_convoy *m, vbits bits)
     int top = 0;
     vbits here = bits;
     const daft_node *nodes = m->instance->bvh->nodes.items;
-    group_setup(&g, m->o, m->inverse, vf_set(0), c->tmin, bits);
+    group_setup(&g, m->o, m->inverse, vf_set(0), c->tmin);
+    group_rows(&g, bits);
     group_interval(&g, c->limit, bits);
     uint32_t child = 0;
     do {
@@ -278,12 +297,17 @@ static void mesh_convoy_turn(mesh_convoy *m, const convoy *c, const daft_affine 
     m->inverse[0] = vf_set(1) / m->d.x, m->inverse[1] = vf_set(1) / m->d.y, m->inverse[2] = vf_set(1) / m->d.z;
 }
 
+DAFT_INLINE bool is_leaf(const daft_bvh *bvh)
+{
+    const daft_node *root = bvh->nodes.items;
+    return root->child[1] == DAFT_CHILD_NONE && root->child[0] & DAFT_CHILD_LEAF;
+}
+
 static void mesh_walks(convoy *c, mesh_convoy *m, vbits bits)
 {
-    const daft_node *root = m->instance->bvh->nodes.items;
     mesh_convoy_setup(m, c);
-    if (root->child[1] == DAFT_CHILD_NONE && root->child[0] & DAFT_CHILD_LEAF) { /* its box is the mesh's */
-        DAFT_KERNEL(daft_leaf_touch)(c, m, NULL, root->child[0], bits);
+    if (is_leaf(m->instance->bvh)) { /* whose box is the mesh's */
+        DAFT_KERNEL(daft_leaf_touch)(c, m, NULL, m->instance->bvh->nodes.items->child[0], bits);
         return;
     }
     while (bits) {
@@ -319,7 +343,8 @@ static void instance_touch(convoy *c, uint32_t index, vbits bits)
     const daft_instance *instance = &c->tlas->instances[index];
     if (index == c->ignore || (c->any && !(instance->flags & DAFT_INSTANCE_CASTS_SHADOW))) return;
     if (!instance->mesh) DAFT_KERNEL(daft_sphere_touch)(c, index, bits);
-    else if (instance->kdtree || instance->bvh->nodes.count == 0 || count_lanes(bits) <= FEW) instance_alone(c, index, bits);
+    else if (instance->kdtree || instance->bvh->nodes.count == 0) instance_alone(c, index, bits);
+    else if (count_lanes(bits) <= FEW && !is_leaf(instance->bvh)) instance_alone(c, index, bits);
     else instance_together(c, index, bits);
 }
 
@@ -338,7 +363,8 @@ static void upper_alone(convoy *c, uint32_t child, vbits bits)
     }
 }
 
-static void upper_walk(convoy *c, vbits bits)
+/* mixed: their directions' signs differ. */
+static void upper_walk(convoy *c, vbits bits, bool mixed)
 {
     packet_stack stack;
     group g;
@@ -346,8 +372,8 @@ static void upper_walk(convoy *c, vbits bits)
     vbits here = bits;
     const daft_node *nodes = c->tlas->nodes.items;
     vf pad = vf3_magnitude(c->o) * vf_set(0x1p-20f); /* as for single rays: traverse_kernel.c */
-    group_setup(&g, c->o, c->inverse, pad, c->tmin, bits);
-    if (c->tlas->nodes.count > 1 || nodes->child[3] != DAFT_CHILD_NONE) group_interval(&g, c->limit, bits);
+    group_setup(&g, c->o, c->inverse, pad, c->tmin);
+    if (!mixed) group_rows(&g, bits), group_interval(&g, c->limit, bits);
     uint32_t child = 0;
     do {
         while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > FEW)
@@ -379,15 +405,25 @@ static vbits convoy_setup(convoy *c, const daft_ray_packet *rays, uint32_t first
     return bits;
 }
 
+/* So few boxes that finding out what rays have in common takes longer. */
+DAFT_INLINE bool few_instances(const daft_tlas *tlas)
+{
+    return tlas->nodes.count == 1 && tlas->nodes.items->child[3] == DAFT_CHILD_NONE;
+}
+
 static void convoy_run(convoy *c, vbits bits)
 {
     vbits backwards = bits & ~vm_bits(vf_le(vf_set(0), c->tmin)); /* their far planes are widened in another way */
     upper_alone(c, 0, backwards);
+    if (few_instances(c->tlas) && bits & ~backwards) {
+        upper_walk(c, bits & ~backwards, true);
+        return;
+    }
     for (bits &= ~backwards; bits;) {
         vbits same = alike(c->d, bits);
         bits &= ~same;
         if (count_lanes(same) <= FEW) upper_alone(c, 0, same);
-        else upper_walk(c, same);
+        else upper_walk(c, same, false);
     }
 }
 
