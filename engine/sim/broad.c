@@ -37,7 +37,8 @@ bool daft_sim_bounds_reserve(daft_world *world, size_t parts)
     return daft_grow(a, &world->fat, &world->fat_capacity, parts, used, sizeof *world->fat) &&
            daft_grow(a, &world->tight, &world->tight_capacity, parts, used, sizeof *world->tight) &&
            daft_grow(a, &world->slots, &world->slots_capacity, parts, used, sizeof *world->slots) &&
-           daft_sim_list_reserve(world, &world->moved, parts) && daft_sim_list_reserve(world, &world->astray, parts);
+           daft_sim_list_reserve(world, &world->moved, parts) && daft_sim_list_reserve(world, &world->astray, parts) &&
+           daft_sim_outlines_reserve(world, parts);
 }
 
 /* Bounds that the part will stay in for a while. */
@@ -71,6 +72,7 @@ static void enter(daft_world *world, uint32_t index)
 void daft_sim_broad_add(daft_world *world, uint32_t index)
 {
     world->changes++;
+    daft_sim_outlines_rest(world, index);
     for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         world->tight[i] = daft_sim_part_bounds(world, i);
         world->slots[i] = DAFT_SIM_NONE;
@@ -130,10 +132,12 @@ static daft_dvec3 way_of(const daft_world *world, const daft_sim_body *body, flo
 
 /* The margin of contacts, the way of the centre, and what turning adds: at most the reach from the centre, twice. Gives
  * whether the part has to enter the tree anew. */
-static bool update(daft_world *world, uint32_t index, daft_dvec3 way, float turn)
+static bool update(daft_world *world, uint32_t index, daft_dvec3 way, float turn, float dt)
 {
     const daft_sim_part *part = &world->parts[index];
-    daft_sim_bounds bounds = daft_sim_part_bounds(world, index);
+    daft_rigid frame = daft_sim_part_frame(&world->bodies[part->body], part);
+    daft_sim_bounds bounds = daft_shape_bounds(&part->shape, &frame);
+    daft_sim_outline_set(world, index, &frame, dt);
     float margin = daft_sim_min(DAFT_SIM_MARGIN * part->reach, DAFT_SIM_MAX_MARGIN);
     if (part->round && !part->posed && part->shape.type == DAFT_GEOMETRY_SPHERE) turn = 0;
     bounds = grown(&bounds, (double)(margin + daft_sim_min(turn, 2) * world->bodies[part->body].extent));
@@ -148,7 +152,7 @@ static bool update_body(daft_world *world, uint32_t index, float dt)
     daft_dvec3 way = way_of(world, body, dt);
     bool left = false;
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
-        left |= update(world, i, way, turn);
+        left |= update(world, i, way, turn, dt);
     return left;
 }
 

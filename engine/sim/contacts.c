@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* Of a movement within a step, as much as this share of the part's reach is met by wider margins; farther is swept. */
-#define MARGIN_OF_MOVE 0.5f
+#define MARGIN_OF_MOVE DAFT_ROUND_FAST
 
 /* ---- materials ---- */
 
@@ -118,7 +118,7 @@ static void inherit_of(daft_sim_patch *patch, const daft_sim_patch *old, uint32_
 }
 
 /* Bodies whose centres are closer, as a share of their reach, are in one place, and no way out is better than another. */
-#define ONE_PLACE 0.01
+#define ONE_PLACE (double)DAFT_ROUND_ONE_PLACE
 
 static double scattered(uint32_t part, uint32_t axis)
 {
@@ -201,6 +201,11 @@ static uint32_t foresee(const daft_world *world, daft_sim_touch *touch, pair *p,
     return count;
 }
 
+static float margin_of(float reach_a, float reach_b)
+{
+    return daft_sim_min(DAFT_SIM_MARGIN * daft_sim_min(reach_a, reach_b), DAFT_SIM_MAX_MARGIN);
+}
+
 /* Movement against each other within the step. */
 static float way_of(const pair *p)
 {
@@ -278,10 +283,12 @@ static bool begin(const daft_world *world, daft_sim_touch *touch, float dt, pair
     }
     p->a = &world->bodies[touch->body_a], p->b = &world->bodies[touch->body_b], p->dt = dt;
     p->apart = daft_to_float(daft_dsub(p->a->centre, p->b->centre));
-    p->margin = daft_sim_min(DAFT_SIM_MARGIN * daft_sim_min(a->reach, b->reach), DAFT_SIM_MAX_MARGIN);
+    p->margin = margin_of(a->reach, b->reach);
     p->way = way_of(p);
     return !is_clear(world, touch, p);
 }
+
+enum { GRAIN = 256, AHEAD = 16, PARALLEL_TOUCHES = 256 };
 
 /* ---- pairs of boxes, side by side ---- */
 
@@ -314,6 +321,23 @@ static void add_boxes(const daft_world *world, boxes *all, daft_sim_touch *touch
     batch->kind[lane] = touch->cache.kind;
 }
 
+/* The touch's own patch, for what was found in lanes: what it keeps stays, all else is set by who asks, or here. Gives how
+ * many points it had. */
+static uint32_t begin_patch(daft_sim_touch *touch)
+{
+    daft_sim_patch *patch = &touch->own;
+    daft_vec3 zero = daft_v3(0, 0, 0);
+    uint32_t had = touch->patch_count ? patch->count : 0;
+    patch->part_a = patch->part_b = (daft_shape_part){0, DAFT_NO_FEATURE};
+    patch->shift = zero;
+    patch->shared = false;
+    patch->total_impulse = patch->speed = 0;
+    if (touch->patch_count > 0) return had;
+    patch->friction_impulse = patch->rolling_impulse = patch->slip = zero;
+    patch->twist_impulse = patch->twist_slip = patch->load = 0;
+    return 0;
+}
+
 /* Makes the touch's own patch anew where it is, which inherits from what it was. */
 static uint32_t renew_points(boxes *all, int lane, daft_sim_patch *patch, uint32_t old_count)
 {
@@ -339,22 +363,16 @@ static void take_boxes(boxes *all, int lane)
     daft_sim_touch *touch = all->touches[lane];
     const pair *p = &all->pairs[lane];
     daft_sim_patch *patch = &touch->own;
-    daft_vec3 zero = daft_v3(0, 0, 0);
-    bool new = touch->patch_count == 0;
     touch->cache = (daft_pair_cache){.kind = (uint8_t)all->batch.kind[lane], .clearance = all->batch.clearance[lane]};
     touch->cleared_at = p->a->travel + p->b->travel;
-    touch->patch_count = 0;
-    if (all->batch.count[lane] == 0) return;
+    if (all->batch.count[lane] == 0) {
+        touch->patch_count = 0;
+        return;
+    }
+    uint32_t had = begin_patch(touch);
     patch->normal = daft_box_batch_get(all->batch.normal, lane);
-    patch->count = renew_points(all, lane, patch, new ? 0 : patch->count);
+    patch->count = renew_points(all, lane, patch, had);
     touch->patch_count = patch->count > 0;
-    patch->part_a = patch->part_b = (daft_shape_part){0, DAFT_NO_FEATURE};
-    patch->shift = zero;
-    patch->shared = false;
-    patch->total_impulse = patch->speed = 0;
-    if (!new) return;
-    patch->friction_impulse = patch->rolling_impulse = patch->slip = zero;
-    patch->twist_impulse = patch->twist_slip = patch->load = 0;
 }
 
 static void collide_boxes(const daft_world *world, boxes *all)
@@ -365,33 +383,58 @@ static void collide_boxes(const daft_world *world, boxes *all)
     all->count = 0;
 }
 
-/* ---- all ---- */
+/* ---- spheres, capsules and boxes, side by side ---- */
 
-enum { GRAIN = 256, PARALLEL_TOUCHES = 256 };
+typedef struct rounds {
+    daft_round_batch batch;
+    daft_sim_listed *entries[DAFT_ROUND_LANES];
+    int count;
+} rounds;
 
-typedef struct job {
-    daft_world *world;
+/* What is at hand while a range of the listing is gone over. */
+typedef struct range {
+    const daft_world *world;
     float dt;
-} job;
+    rounds rounds, round_boxes;
+    boxes boxes;
+    daft_sim_listed *asked[GRAIN]; /* to be looked at one at a time */
+    size_t asked_count;
+} range;
 
-static void update_near(const daft_world *world, daft_sim_listed *const *near, size_t count, float dt)
+/* Whether a point found in lanes counts; bodies are looked at only if it is not as near as that. */
+static bool is_reached(const range *r, const daft_sim_touch *touch, float margin, daft_vec3 anchor, daft_vec3 normal,
+                       float separation)
 {
-    boxes all;
-    all.count = 0;
-    for (size_t i = 0; i < count; i++) {
-        daft_sim_touch *touch = &world->touches[near[i]->touch];
-        pair p;
-        if (!begin(world, touch, dt, &p)) continue;
-        if (!are_boxes(world, touch, &p)) {
-            find_patches(world, touch, &p);
-            continue;
-        }
-        add_boxes(world, &all, touch, &p);
-        if (all.count == DAFT_BOX_LANES) collide_boxes(world, &all);
+    if (separation <= margin) return true;
+    pair p = {.a = &r->world->bodies[touch->body_a], .b = &r->world->bodies[touch->body_b], .margin = margin, .dt = r->dt};
+    p.apart = daft_to_float(daft_dsub(p.a->centre, p.b->centre));
+    return is_met(&p, anchor, normal, separation);
+}
+
+/* What find_patches does with the one manifold of a pair. */
+static void take_round(const range *r, rounds *all, int lane)
+{
+    daft_round_batch *batch = &all->batch;
+    daft_sim_touch *touch = &r->world->touches[all->entries[lane]->touch];
+    const daft_outline *outline = &r->world->outlines[touch->part_a];
+    daft_sim_patch *patch = &touch->own;
+    uint32_t had = begin_patch(touch), ids[DAFT_MANIFOLD_POINTS];
+    float impulses[DAFT_MANIFOLD_POINTS];
+    daft_vec3 offset = daft_v3(0, 0, 0);
+    if (!outline->centred) offset = daft_to_float(daft_dsub(outline->centre, r->world->bodies[touch->body_a].centre));
+    for (uint32_t k = 0; k < had; k++) ids[k] = patch->points[k].id, impulses[k] = patch->points[k].impulse;
+    patch->normal = daft_round_batch_get(batch->normal, lane);
+    patch->count = 0;
+    for (int i = 0; i < batch->count[lane]; i++) {
+        daft_vec3 anchor = daft_add(offset, daft_round_batch_get(batch->point[i], lane));
+        daft_sim_patch_point point = {.anchor = anchor, .separation = batch->separation[i][lane], .id = (uint32_t)batch->id[i][lane]};
+        if (!is_reached(r, touch, batch->margin[lane], anchor, patch->normal, point.separation)) continue;
+        for (uint32_t k = 0; k < had; k++)
+            if (ids[k] == point.id) point.impulse = impulses[k];
+        patch->points[patch->count++] = point;
     }
-    if (all.count > 0) collide_boxes(world, &all);
-    for (size_t i = 0; i < count; i++)
-        if (world->touches[near[i]->touch].patch_count > 0) near[i]->state |= DAFT_SIM_LISTED_MET;
+    touch->patch_count = patch->count > 0;
+    if (touch->patch_count) all->entries[lane]->state |= DAFT_SIM_LISTED_MET;
 }
 
 static void fetch(const void *record, size_t size)
@@ -400,23 +443,111 @@ static void fetch(const void *record, size_t size)
     __builtin_prefetch((const char *)record + size - 1); /* records do not begin where lines do */
 }
 
-/* What is listed is found first, and its records are on their way while that goes on. */
+/* To be looked at alone: its records are on their way. */
+static void ask(range *r, daft_sim_listed *entry)
+{
+    const daft_sim_touch *touch = &r->world->touches[entry->touch];
+    fetch(touch, entry->state ? sizeof *touch : offsetof(daft_sim_touch, next));
+    fetch(&r->world->parts[(uint32_t)entry->key], offsetof(daft_sim_part, pose));
+    r->asked[r->asked_count++] = entry;
+}
+
+static void collide_rounds(range *r, rounds *all)
+{
+    static const daft_round_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_round);
+    const daft_round_kernels *kernels = TABLE[r->world->isa];
+    (all == &r->rounds ? kernels->rounds : kernels->boxes)(r->world->outlines, &all->batch, all->count);
+    for (int lane = 0; lane < all->count; lane++) {
+        daft_sim_listed *entry = all->entries[lane];
+        int32_t state = all->batch.state[lane];
+        daft_sim_touch *touch = &r->world->touches[entry->touch];
+        if (state == DAFT_ROUND_ASK) {
+            ask(r, entry);
+        } else if (state == DAFT_ROUND_MET || entry->state & DAFT_SIM_LISTED_MET) {
+            touch->cache = (daft_pair_cache){0};
+            if (state == DAFT_ROUND_MET)
+                take_round(r, all, lane);
+            else
+                touch->patch_count = 0;
+        }
+    }
+    all->count = 0;
+}
+
+/* To the lanes where its kind is looked at, or to those that are looked at one at a time. */
+static void sort_in(range *r, daft_sim_listed *entry)
+{
+    const daft_outline *all = r->world->outlines;
+    uint32_t a = (uint32_t)(entry->key >> 32), b = (uint32_t)entry->key;
+    daft_outline_kind kind_a = all[a].kind, kind_b = all[b].kind;
+    if (kind_a == DAFT_OUTLINE_NONE || kind_b == DAFT_OUTLINE_NONE || (kind_a == DAFT_OUTLINE_BOX && kind_b == DAFT_OUTLINE_BOX)) {
+        ask(r, entry);
+        return;
+    }
+    bool boxed = kind_a != kind_b;
+    rounds *to = boxed ? &r->round_boxes : &r->rounds;
+    int lane = to->count++;
+    to->entries[lane] = entry;
+    daft_round_batch_put(&to->batch, lane, all, a, b, margin_of(all[a].reach, all[b].reach));
+    if (boxed) daft_round_batch_put_box(&to->batch, lane, all, r->world->turns, kind_a == DAFT_OUTLINE_BOX);
+    if (to->count == DAFT_ROUND_LANES) collide_rounds(r, to);
+}
+
+/* ---- all ---- */
+
+typedef struct job {
+    daft_world *world;
+    float dt;
+} job;
+
+static void update_asked(range *r)
+{
+    const daft_world *world = r->world;
+    for (size_t i = 0; i < r->asked_count; i++) {
+        daft_sim_touch *touch = &world->touches[r->asked[i]->touch];
+        pair p;
+        if (!begin(world, touch, r->dt, &p)) continue;
+        if (!are_boxes(world, touch, &p)) {
+            find_patches(world, touch, &p);
+            continue;
+        }
+        add_boxes(world, &r->boxes, touch, &p);
+        if (r->boxes.count == DAFT_BOX_LANES) collide_boxes(world, &r->boxes);
+    }
+    if (r->boxes.count > 0) collide_boxes(world, &r->boxes);
+    for (size_t i = 0; i < r->asked_count; i++)
+        if (world->touches[r->asked[i]->touch].patch_count > 0) r->asked[i]->state |= DAFT_SIM_LISTED_MET;
+}
+
+/* What is looked at for a pair in any case, and where it had patches, the record that keeps them. */
+static void fetch_entry(const daft_world *world, const daft_sim_listed *entry)
+{
+    __builtin_prefetch(&world->outlines[entry->key >> 32]);
+    __builtin_prefetch(&world->outlines[(uint32_t)entry->key]);
+    if (entry->state) fetch(&world->touches[entry->touch], sizeof *world->touches);
+}
+
 static void update_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
     const job *j = context;
     daft_world *world = j->world;
     size_t first = (size_t)index * GRAIN, left = world->listed.count - first, count = left < GRAIN ? left : GRAIN;
-    daft_sim_listed *entries = &world->listed.items[first], *near[GRAIN];
+    daft_sim_listed *entries = &world->listed.items[first];
+    range r;
+    r.world = world, r.dt = j->dt, r.asked_count = 0;
+    r.rounds.count = r.round_boxes.count = r.boxes.count = 0;
+    memset(r.rounds.batch.a, 0, sizeof r.rounds.batch.a), memset(r.rounds.batch.b, 0, sizeof r.rounds.batch.b);
+    memset(r.round_boxes.batch.a, 0, sizeof r.rounds.batch.a), memset(r.round_boxes.batch.b, 0, sizeof r.rounds.batch.b);
     for (size_t i = 0; i < count; i++) {
-        const daft_sim_touch *touch = &world->touches[entries[i].touch];
-        near[i] = &entries[i];
-        fetch(touch, near[i]->state ? sizeof *touch : offsetof(daft_sim_touch, next));
-        fetch(&world->parts[(uint32_t)near[i]->key], offsetof(daft_sim_part, pose));
+        if (i + AHEAD < count) fetch_entry(world, &entries[i + AHEAD]);
+        sort_in(&r, &entries[i]);
     }
-    for (size_t i = 0; i < count; i++)
-        fetch(&world->bodies[world->touches[near[i]->touch].body_b], offsetof(daft_sim_body, force));
-    update_near(world, near, count, j->dt);
+    if (r.rounds.count > 0) collide_rounds(&r, &r.rounds);
+    if (r.round_boxes.count > 0) collide_rounds(&r, &r.round_boxes);
+    for (size_t i = 0; i < r.asked_count; i++)
+        fetch(&world->bodies[world->touches[r.asked[i]->touch].body_b], offsetof(daft_sim_body, force));
+    update_asked(&r);
     daft_sim_met_range(world, index, first, count);
 }
 

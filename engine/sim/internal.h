@@ -21,6 +21,7 @@
 #define DAFT_SIM_INTERNAL_H
 
 #include "sim/manifold.h"
+#include "sim/manifold_round.h"
 #include "sim/sim.h"
 
 #define DAFT_SIM_NONE UINT32_MAX
@@ -307,6 +308,9 @@ struct daft_world {
     daft_sim_bounds *tight; /* where it may be during this step, and the margin; of what stands still: where it is */
     uint32_t *slots;        /* its place in the groups, or DAFT_SIM_NONE */
     size_t fat_capacity, tight_capacity, slots_capacity;
+    daft_outline *outlines;   /* as the step begins, */
+    daft_outline_turn *turns; /* of boxes only (outline.c) */
+    size_t outline_capacity, turn_capacity;
     daft_sim_touch *touches;
     size_t touch_capacity;
     uint32_t touch_count, free_touch;
@@ -456,6 +460,15 @@ void daft_sim_broad_add(daft_world *world, uint32_t body);
 void daft_sim_broad_remove(daft_world *world, uint32_t body);
 /* Bounds over the coming step of everything that moves. False when memory is out. */
 bool daft_sim_broad_update(daft_world *world, float dt);
+
+/* ---- outline.c ---- */
+
+/* Room for the outlines of so many parts. */
+bool daft_sim_outlines_reserve(daft_world *world, size_t parts);
+/* Of a part, where it is, over a step of dt. */
+void daft_sim_outline_set(daft_world *world, uint32_t part, const daft_rigid *frame, float dt);
+/* Of all parts of a body that does not move. */
+void daft_sim_outlines_rest(daft_world *world, uint32_t body);
 
 /* ---- groups.c ---- */
 

@@ -1,12 +1,7 @@
 /* Spheres and capsules: against each other and against boxes, by the closest points of their cores. What they share with
  * other convex pairs, and boxes whose inside a core reaches, are left to manifold_poly.c, which gives points the same
  * numbers. */
-#include "sim/manifold_parts.h"
-
-/* Capsules whose angle's sine is less lie along each other: two points. */
-#define PARALLEL 0.03f
-/* Beyond the rim of a face by so little that it counts as over it: the cosine of the way there with the face's normal. */
-#define ALONG_FACE 0.9999f
+#include "sim/manifold_round.h"
 
 /* A core: centre, and half of the segment, 0 for spheres; a's frame. */
 typedef struct core {
@@ -53,10 +48,10 @@ static uint32_t side_by_side(const core *a, const core *b, daft_vec3 n, float ma
 {
     float square = daft_dot(a->half, a->half), along = daft_dot(a->half, b->half);
     daft_vec3 turn = daft_cross(a->half, b->half);
-    if (daft_dot(turn, turn) > PARALLEL * PARALLEL * square * daft_dot(b->half, b->half)) return 0;
+    if (daft_dot(turn, turn) > DAFT_ROUND_PARALLEL * DAFT_ROUND_PARALLEL * square * daft_dot(b->half, b->half)) return 0;
     float middle = daft_dot(daft_sub(b->centre, a->centre), a->half) / square, slope = along / square;
     float low = fmaxf(-1, middle - fabsf(slope)), high = fminf(1, middle + fabsf(slope));
-    if (!(high - low > 0.02f * fminf(1, fabsf(slope)))) return 0;
+    if (!(high - low > DAFT_ROUND_SHARED * fminf(1, fabsf(slope)))) return 0;
     for (uint32_t i = 0; i < 2; i++) {
         float t = i ? high : low;
         daft_manifold_point p = round_point(a, b, on_core(a, t), on_core(b, (t - middle) / slope), n, i);
@@ -250,9 +245,9 @@ bool daft_collide_round_box(const daft_sim_shape *round, const daft_sim_shape *b
     m.t = closest_to_box(&m.s);
     set_gap(&m, pose);
     /* Nearer than this rounding blurs the direction. */
-    if (!(m.distance > 1e-3f * radius + 1e-6f * daft_length(box->half))) return false;
+    if (!(m.distance > DAFT_ROUND_NEAR * radius + 1e-6f * daft_length(box->half))) return false;
     if (m.distance - radius <= margin) {
-        if (m.outside > 1 && fabsf(m.gap[m.axis]) > ALONG_FACE * m.distance) return false;
+        if (m.outside > 1 && fabsf(m.gap[m.axis]) > DAFT_ROUND_ALONG_FACE * m.distance) return false;
         if (m.outside == 1 && !over_face(&m, margin, out)) return false;
         if (m.outside > 1) beside_edge(&m, pose, out);
         *count = 1;

@@ -322,7 +322,8 @@ static bool enter_lists(daft_world *w)
 static bool enter_parts(daft_world *w)
 {
     if (!daft_grow(&w->allocator, &w->slots, &w->slots_capacity, w->part_count, 0, sizeof *w->slots) ||
-        !daft_sim_list_reserve(w, &w->moved, w->part_count) || !daft_sim_list_reserve(w, &w->astray, w->part_count))
+        !daft_sim_list_reserve(w, &w->moved, w->part_count) || !daft_sim_list_reserve(w, &w->astray, w->part_count) ||
+        !daft_sim_outlines_reserve(w, w->part_count))
         return false;
     w->newcomers = true;
     for (uint32_t i = 0; i < w->part_count; i++) {
@@ -335,6 +336,8 @@ static bool enter_parts(daft_world *w)
         if (!daft_sim_tree_reserve(tree, &w->allocator, 1)) return false;
         part->leaf = daft_sim_tree_insert(tree, &w->fat[i], i);
         part->dynamic = w->bodies[part->body].kind == DAFT_BODY_DYNAMIC;
+        daft_rigid frame = daft_sim_part_frame(&w->bodies[part->body], part);
+        daft_sim_outline_set(w, i, &frame, 0);
     }
     for (size_t i = 0; i < w->moved.count; i++)
         if (w->moved.items[i] >= w->part_count || w->parts[w->moved.items[i]].body == DAFT_SIM_NONE ||

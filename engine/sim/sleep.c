@@ -164,6 +164,7 @@ static void put_to_sleep(daft_world *world, uint32_t index)
         body->ring = root->ring;
         root->ring = index;
     }
+    daft_sim_outlines_rest(world, index);
     daft_sim_list_remove(world, &world->awake, index);
     daft_sim_event_sleep(world, DAFT_SIM_SLEEP, index);
 }
