@@ -6,13 +6,19 @@
  * - where it shares no corner, by a plane that leaves a gap of more than two pads between the two;
  * - where it shares one, by a plane through it that leaves the others' corners more than two pads on either side;
  * - where it shares an edge, by an angle that four pads at both far corners cannot close.
- * A leaf with very many pairs is given up: its triangles count as touched. So time is bounded by the number of leaves. */
+ * A leaf with very many pairs is given up: its triangles count as touched. So time is bounded by the number of leaves; and
+ * where a sample of them has many, the whole mesh is. */
 #include "accel/find_sides.h"
 #include "math/simd.h"
 
 #include <string.h>
 
-enum { NODES_A_TASK = 16, LEAF_WORK = 2048 };
+enum {
+    NODES_A_TASK = 16,
+    LEAF_WORK = 1024,   /* nodes, blocks and pairs that are looked at for a leaf; some 190 where triangles lie side by side */
+    USUAL_WORK = 512,   /* on average over a sample, for the mesh to be worth it */
+    SAMPLES = 128       /* nodes; and what has fewer than eight times as many takes no time that matters */
+};
 
 typedef struct pair {
     daft_dvec3 a[3], b[3]; /* corners of either; those that are shared come first, in the same order */
@@ -256,23 +262,44 @@ static void meet_all(leaf *l)
     for (; l->open; l->open &= l->open - 1) touch(l, (uint32_t)__builtin_ctz(l->open));
 }
 
+/* The leaves of a node; gives how many, and adds up what was done for them. */
+static int mark_node(const daft_side_search *s, size_t n, uint64_t *work)
+{
+    int count = 0;
+    for (int i = 0; i < DAFT_WIDTH; i++) {
+        uint32_t child = s->bvh->nodes.items[n].child[i];
+        if (child == DAFT_CHILD_NONE || !(child & DAFT_CHILD_LEAF)) continue;
+        leaf l;
+        leaf_begin(s, &s->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2], (child & 3) + 1, &l);
+        if (l.open) meet_all(&l);
+        *work += (uint64_t)(LEAF_WORK - l.work), count++;
+    }
+    return count;
+}
+
+static bool is_crowded(const daft_side_search *s)
+{
+    size_t nodes = s->bvh->nodes.count;
+    uint64_t leaves = 0, work = 0;
+    for (size_t k = 0; k < SAMPLES; k++) leaves += (uint64_t)mark_node(s, k * nodes / SAMPLES, &work);
+    return work > USUAL_WORK * leaves;
+}
+
 static void mark_leaves(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
     const daft_side_search *s = context;
     size_t end = daft_min_u((index + 1) * NODES_A_TASK, (uint32_t)s->bvh->nodes.count);
-    for (size_t n = (size_t)index * NODES_A_TASK; n < end; n++)
-        for (int i = 0; i < DAFT_WIDTH; i++) {
-            uint32_t child = s->bvh->nodes.items[n].child[i];
-            if (child == DAFT_CHILD_NONE || !(child & DAFT_CHILD_LEAF)) continue;
-            leaf l;
-            leaf_begin(s, &s->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2], (child & 3) + 1, &l);
-            if (l.open) meet_all(&l);
-        }
+    uint64_t work = 0;
+    for (size_t n = (size_t)index * NODES_A_TASK; n < end; n++) mark_node(s, n, &work);
 }
 
 void daft_sides_mark_contacts(daft_side_search *search, int threads)
 {
+    if (search->bvh->nodes.count > 8 * SAMPLES && is_crowded(search)) {
+        memset(search->marks, DAFT_SIDES_TOUCHED, search->mesh->triangle_count);
+        return;
+    }
     uint32_t tasks = ((uint32_t)search->bvh->nodes.count + NODES_A_TASK - 1) / NODES_A_TASK;
     daft_parallel_for(tasks < 8 ? 1 : threads, tasks, mark_leaves, search);
 }

@@ -4,7 +4,7 @@
 #include "accel/find_sides.h"
 #include "math/exact.h"
 
-enum { TRIES = 4, WORK_A_TRIANGLE = 64 };
+enum { TRIES = 4, WORK_A_TRIANGLE = 16 };
 
 typedef struct winder {
     const daft_side_search *search;
@@ -13,7 +13,7 @@ typedef struct winder {
     bool *solid;     /* of each piece: rays from outside do not come from behind it */
     uint32_t *seen;  /* of each triangle: the line that last met it; spatial splits show it more than once */
     uint32_t line;   /* counts lines */
-    uint64_t work;   /* tests left */
+    uint64_t work;   /* tests of boxes and triangles left: where very many pieces use them up, the rest stay as they are */
 } winder;
 
 /* A line through a triangle, and what it crosses on either side of it. */
@@ -90,11 +90,11 @@ static bool cross_all(winder *w, crossings *c)
     stack[top++] = 0;
     w->line++;
     while (top > 0) {
-        uint32_t child = stack[--top], count = ((child & 3) + 1) * DAFT_BLOCK;
+        uint32_t child = stack[--top], count = child & DAFT_CHILD_LEAF ? ((child & 3) + 1) * DAFT_BLOCK : DAFT_WIDTH;
+        if (w->work < count) return false;
+        w->work -= count;
         if (child & DAFT_CHILD_LEAF) {
             const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
-            if (w->work < count) return false;
-            w->work -= count;
             for (uint32_t i = 0; i < count; i++) {
                 uint32_t triangle = block[i / DAFT_BLOCK].triangle[i % DAFT_BLOCK];
                 if (triangle == DAFT_NO_TRIANGLE || w->seen[triangle] == w->line) continue;
