@@ -454,7 +454,7 @@ static void lanes_are_one_pair_each(void **unused)
 
 /* ---- spheres, capsules and boxes, side by side ---- */
 
-static daft_outline outline_of(const daft_sim_shape *s, const daft_rigid *pose, daft_outline_turn *turn)
+static daft_outline outline_of(const daft_sim_shape *s, const daft_rigid *pose, daft_outline_frame *frame)
 {
     daft_outline out = {.centre = pose->p, .reach = (float)extent(s), .centred = true};
     out.kind = s->type == DAFT_GEOMETRY_BOX ? DAFT_OUTLINE_BOX : DAFT_OUTLINE_ROUND;
@@ -462,7 +462,7 @@ static daft_outline outline_of(const daft_sim_shape *s, const daft_rigid *pose, 
     out.half = daft_v3((float)(h * pose->m[1]), (float)(h * pose->m[4]), (float)(h * pose->m[7]));
     if (out.kind == DAFT_OUTLINE_BOX) out.half = s->half;
     else out.radius = s->radius;
-    memcpy(turn->m, pose->m, sizeof turn->m);
+    frame->frame = *pose;
     return out;
 }
 
@@ -510,14 +510,14 @@ static sample random_rounds(int round, bool boxed)
     return s;
 }
 
-static void fill_rounds(daft_round_batch *batch, daft_outline *outlines, daft_outline_turn *turns, const sample *s, int lane,
+static void fill_rounds(daft_round_batch *batch, daft_outline *outlines, daft_outline_frame *frames, const sample *s, int lane,
                         float margin)
 {
     uint32_t a = 2 * (uint32_t)lane, b = a + 1;
-    outlines[a] = outline_of(&s->a, &s->pose_a, &turns[a]), outlines[b] = outline_of(&s->b, &s->pose_b, &turns[b]);
+    outlines[a] = outline_of(&s->a, &s->pose_a, &frames[a]), outlines[b] = outline_of(&s->b, &s->pose_b, &frames[b]);
     daft_round_batch_put(batch, lane, outlines, a, b, margin);
     bool box_first = outlines[a].kind == DAFT_OUTLINE_BOX;
-    if (box_first || outlines[b].kind == DAFT_OUTLINE_BOX) daft_round_batch_put_box(batch, lane, outlines, turns, box_first);
+    if (box_first || outlines[b].kind == DAFT_OUTLINE_BOX) daft_round_batch_put_box(batch, lane, outlines, frames, box_first);
 }
 
 static void check_rounds(bool boxed, int states[3], int *others)
@@ -526,13 +526,13 @@ static void check_rounds(bool boxed, int states[3], int *others)
     for (int round = 0; round < 2000; round++) {
         sample samples[DAFT_ROUND_LANES];
         daft_outline outlines[2 * DAFT_ROUND_LANES];
-        daft_outline_turn turns[2 * DAFT_ROUND_LANES];
+        daft_outline_frame frames[2 * DAFT_ROUND_LANES];
         daft_round_batch batch = {0}, done, first;
         int lanes = 1 + (int)(random_bits() % DAFT_ROUND_LANES);
         memset(outlines, 0, sizeof outlines);
         for (int i = 0; i < lanes; i++) {
             samples[i] = random_rounds(i + round, boxed);
-            fill_rounds(&batch, outlines, turns, &samples[i], i, 0.05f * (float)samples[i].size);
+            fill_rounds(&batch, outlines, frames, &samples[i], i, 0.05f * (float)samples[i].size);
         }
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
             done = batch;

@@ -290,36 +290,7 @@ static bool begin(const daft_world *world, daft_sim_touch *touch, float dt, pair
 
 enum { GRAIN = 256, AHEAD = 16, PARALLEL_TOUCHES = 256 };
 
-/* ---- pairs of boxes, side by side ---- */
-
-typedef struct boxes {
-    daft_box_batch batch;
-    daft_sim_touch *touches[DAFT_BOX_LANES];
-    pair pairs[DAFT_BOX_LANES];
-    int count;
-} boxes;
-
-static bool are_boxes(const daft_world *world, const daft_sim_touch *touch, const pair *p)
-{
-    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
-    if (a->shape.type != DAFT_GEOMETRY_BOX || b->shape.type != DAFT_GEOMETRY_BOX || is_fast(world, touch, p)) return false;
-    float la = daft_box_largest(&a->shape.half.x), lb = daft_box_largest(&b->shape.half.x);
-    return la <= DAFT_BOX_LARGE * lb && lb <= DAFT_BOX_LARGE * la;
-}
-
-static void add_boxes(const daft_world *world, boxes *all, daft_sim_touch *touch, const pair *p)
-{
-    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
-    daft_box_batch *batch = &all->batch;
-    int lane = all->count++;
-    daft_rigid frame_a = daft_sim_part_frame(p->a, a), frame_b = daft_sim_part_frame(p->b, b);
-    daft_vec3 origin = daft_to_float(daft_dsub(frame_a.p, p->a->centre));
-    scatter(world, touch, p, &frame_a, &frame_b);
-    all->touches[lane] = touch, all->pairs[lane] = *p;
-    daft_box_batch_put(batch, lane, &frame_a, &frame_b, a->shape.half, b->shape.half, origin);
-    batch->margin[lane] = p->margin + p->way;
-    batch->kind[lane] = touch->cache.kind;
-}
+/* ---- what is found in lanes ---- */
 
 /* The touch's own patch, for what was found in lanes: what it keeps stays, all else is set by who asks, or here. Gives how
  * many points it had. */
@@ -338,52 +309,12 @@ static uint32_t begin_patch(daft_sim_touch *touch)
     return 0;
 }
 
-/* Makes the touch's own patch anew where it is, which inherits from what it was. */
-static uint32_t renew_points(boxes *all, int lane, daft_sim_patch *patch, uint32_t old_count)
-{
-    daft_box_batch *batch = &all->batch;
-    uint32_t ids[DAFT_MANIFOLD_POINTS], count = 0;
-    float impulses[DAFT_MANIFOLD_POINTS];
-    for (uint32_t k = 0; k < old_count; k++) ids[k] = patch->points[k].id, impulses[k] = patch->points[k].impulse;
-    for (int i = 0; i < batch->count[lane]; i++) {
-        daft_sim_patch_point point = {.anchor = daft_box_batch_get(batch->point[i], lane),
-                                      .separation = batch->separation[i][lane],
-                                      .id = (uint32_t)batch->id[i][lane]};
-        if (!is_met(&all->pairs[lane], point.anchor, patch->normal, point.separation)) continue;
-        for (uint32_t k = 0; k < old_count; k++)
-            if (ids[k] == point.id) point.impulse = impulses[k];
-        patch->points[count++] = point;
-    }
-    return count;
-}
-
-/* What find_patches does with the one manifold of a pair of boxes. */
-static void take_boxes(boxes *all, int lane)
-{
-    daft_sim_touch *touch = all->touches[lane];
-    const pair *p = &all->pairs[lane];
-    daft_sim_patch *patch = &touch->own;
-    touch->cache = (daft_pair_cache){.kind = (uint8_t)all->batch.kind[lane], .clearance = all->batch.clearance[lane]};
-    touch->cleared_at = p->a->travel + p->b->travel;
-    if (all->batch.count[lane] == 0) {
-        touch->patch_count = 0;
-        return;
-    }
-    uint32_t had = begin_patch(touch);
-    patch->normal = daft_box_batch_get(all->batch.normal, lane);
-    patch->count = renew_points(all, lane, patch, had);
-    touch->patch_count = patch->count > 0;
-}
-
-static void collide_boxes(const daft_world *world, boxes *all)
-{
-    static const daft_box_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_box);
-    TABLE[world->isa]->collide(&all->batch, all->count);
-    for (int lane = 0; lane < all->count; lane++) take_boxes(all, lane);
-    all->count = 0;
-}
-
-/* ---- spheres, capsules and boxes, side by side ---- */
+typedef struct boxes {
+    daft_box_batch batch;
+    daft_sim_listed *entries[DAFT_BOX_LANES];
+    float margins[DAFT_BOX_LANES];
+    int count;
+} boxes;
 
 typedef struct rounds {
     daft_round_batch batch;
@@ -411,30 +342,58 @@ static bool is_reached(const range *r, const daft_sim_touch *touch, float margin
     return is_met(&p, anchor, normal, separation);
 }
 
+/* Points that a touch's own patch had, by which those found anew inherit. */
+typedef struct points {
+    uint32_t ids[DAFT_MANIFOLD_POINTS], count;
+    float impulses[DAFT_MANIFOLD_POINTS];
+} points;
+
+static points points_of(const daft_sim_patch *patch, uint32_t count)
+{
+    points out = {.count = count};
+    for (uint32_t k = 0; k < count; k++) out.ids[k] = patch->points[k].id, out.impulses[k] = patch->points[k].impulse;
+    return out;
+}
+
+static void put_point(daft_sim_patch *patch, const points *old, daft_sim_patch_point point)
+{
+    for (uint32_t k = 0; k < old->count; k++)
+        if (old->ids[k] == point.id) point.impulse = old->impulses[k];
+    patch->points[patch->count++] = point;
+}
+
+static void end_patch(daft_sim_touch *touch, daft_sim_listed *entry)
+{
+    touch->patch_count = touch->own.count > 0;
+    if (touch->patch_count) entry->state |= DAFT_SIM_LISTED_MET;
+}
+
+/* From body a's centre of mass to part a's origin. */
+static daft_vec3 offset_of(const daft_world *world, const daft_sim_touch *touch)
+{
+    const daft_outline *outline = &world->outlines[touch->part_a];
+    if (outline->centred) return daft_v3(0, 0, 0);
+    return daft_to_float(daft_dsub(outline->centre, world->bodies[touch->body_a].centre));
+}
+
+/* ---- spheres and capsules, side by side ---- */
+
 /* What find_patches does with the one manifold of a pair. */
 static void take_round(const range *r, rounds *all, int lane)
 {
     daft_round_batch *batch = &all->batch;
     daft_sim_touch *touch = &r->world->touches[all->entries[lane]->touch];
-    const daft_outline *outline = &r->world->outlines[touch->part_a];
     daft_sim_patch *patch = &touch->own;
-    uint32_t had = begin_patch(touch), ids[DAFT_MANIFOLD_POINTS];
-    float impulses[DAFT_MANIFOLD_POINTS];
-    daft_vec3 offset = daft_v3(0, 0, 0);
-    if (!outline->centred) offset = daft_to_float(daft_dsub(outline->centre, r->world->bodies[touch->body_a].centre));
-    for (uint32_t k = 0; k < had; k++) ids[k] = patch->points[k].id, impulses[k] = patch->points[k].impulse;
+    points old = points_of(patch, begin_patch(touch));
+    daft_vec3 offset = offset_of(r->world, touch);
     patch->normal = daft_round_batch_get(batch->normal, lane);
     patch->count = 0;
     for (int i = 0; i < batch->count[lane]; i++) {
         daft_vec3 anchor = daft_add(offset, daft_round_batch_get(batch->point[i], lane));
         daft_sim_patch_point point = {.anchor = anchor, .separation = batch->separation[i][lane], .id = (uint32_t)batch->id[i][lane]};
-        if (!is_reached(r, touch, batch->margin[lane], anchor, patch->normal, point.separation)) continue;
-        for (uint32_t k = 0; k < had; k++)
-            if (ids[k] == point.id) point.impulse = impulses[k];
-        patch->points[patch->count++] = point;
+        if (is_reached(r, touch, batch->margin[lane], anchor, patch->normal, point.separation)) put_point(patch, &old, point);
     }
-    touch->patch_count = patch->count > 0;
-    if (touch->patch_count) all->entries[lane]->state |= DAFT_SIM_LISTED_MET;
+    end_patch(touch, all->entries[lane]);
 }
 
 static void fetch(const void *record, size_t size)
@@ -474,14 +433,91 @@ static void collide_rounds(range *r, rounds *all)
     all->count = 0;
 }
 
+/* ---- pairs of boxes, side by side ---- */
+
+static void take_box(const range *r, boxes *all, int lane)
+{
+    daft_box_batch *batch = &all->batch;
+    daft_sim_touch *touch = &r->world->touches[all->entries[lane]->touch];
+    const daft_outline_frame *frames = r->world->box_frames;
+    daft_sim_patch *patch = &touch->own;
+    touch->cache = (daft_pair_cache){.kind = (uint8_t)batch->kind[lane], .clearance = batch->clearance[lane]};
+    touch->cleared_at = frames[touch->part_a].travel + frames[touch->part_b].travel;
+    if (batch->count[lane] == 0) {
+        touch->patch_count = 0;
+        return;
+    }
+    points old = points_of(patch, begin_patch(touch));
+    patch->normal = daft_box_batch_get(batch->normal, lane);
+    patch->count = 0;
+    for (int i = 0; i < batch->count[lane]; i++) {
+        daft_sim_patch_point point = {.anchor = daft_box_batch_get(batch->point[i], lane),
+                                      .separation = batch->separation[i][lane],
+                                      .id = (uint32_t)batch->id[i][lane]};
+        if (is_reached(r, touch, all->margins[lane], point.anchor, patch->normal, point.separation)) put_point(patch, &old, point);
+    }
+    end_patch(touch, all->entries[lane]);
+}
+
+static void collide_boxes(range *r)
+{
+    static const daft_box_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_box);
+    boxes *all = &r->boxes;
+    TABLE[r->world->isa]->collide(&all->batch, all->count);
+    for (int lane = 0; lane < all->count; lane++) take_box(r, all, lane);
+    all->count = 0;
+}
+
+static bool are_like_sized(daft_vec3 half_a, daft_vec3 half_b)
+{
+    float la = daft_box_largest(&half_a.x), lb = daft_box_largest(&half_b.x);
+    return la <= DAFT_BOX_LARGE * lb && lb <= DAFT_BOX_LARGE * la;
+}
+
+/* As is_clear, from outlines. */
+static bool are_boxes_clear(const range *r, const daft_sim_touch *touch, float far)
+{
+    const daft_outline_frame *frames = r->world->box_frames;
+    if (touch->patch_count > 0 || touch->cache.clearance <= 0 || r->world->outlines[touch->part_b].flags & DAFT_OUTLINE_DRIVEN)
+        return false;
+    double gone = (frames[touch->part_a].travel + frames[touch->part_b].travel) - touch->cleared_at;
+    return CLEARANCE_SHARE * (double)touch->cache.clearance - gone > (double)far;
+}
+
+static void add_boxes(range *r, daft_sim_listed *entry, uint32_t a, uint32_t b)
+{
+    const daft_outline *x = &r->world->outlines[a], *y = &r->world->outlines[b];
+    const daft_sim_touch *touch = &r->world->touches[entry->touch];
+    const daft_outline_frame *frames = r->world->box_frames;
+    float margin = margin_of(x->reach, y->reach), way = daft_length(daft_sub(x->move, y->move)) + (x->swing + y->swing);
+    daft_vec3 toward = daft_to_float(daft_dsub(y->centre, x->centre));
+    bool one_place = daft_length(toward) < 2 * DAFT_ROUND_ONE_PLACE * x->reach;
+    if (way > MARGIN_OF_MOVE * x->reach || one_place || !are_like_sized(x->half, y->half)) {
+        ask(r, entry);
+        return;
+    }
+    if (are_boxes_clear(r, touch, margin + way)) return;
+    boxes *to = &r->boxes;
+    int lane = to->count++;
+    to->entries[lane] = entry, to->margins[lane] = margin;
+    daft_box_batch_put(&to->batch, lane, &frames[a].frame, &frames[b].frame, x->half, y->half, offset_of(r->world, touch));
+    to->batch.margin[lane] = margin + way;
+    to->batch.kind[lane] = touch->cache.kind;
+    if (to->count == DAFT_BOX_LANES) collide_boxes(r);
+}
+
 /* To the lanes where its kind is looked at, or to those that are looked at one at a time. */
 static void sort_in(range *r, daft_sim_listed *entry)
 {
     const daft_outline *all = r->world->outlines;
     uint32_t a = (uint32_t)(entry->key >> 32), b = (uint32_t)entry->key;
     daft_outline_kind kind_a = all[a].kind, kind_b = all[b].kind;
-    if (kind_a == DAFT_OUTLINE_NONE || kind_b == DAFT_OUTLINE_NONE || (kind_a == DAFT_OUTLINE_BOX && kind_b == DAFT_OUTLINE_BOX)) {
+    if (kind_a == DAFT_OUTLINE_NONE || kind_b == DAFT_OUTLINE_NONE) {
         ask(r, entry);
+        return;
+    }
+    if (kind_a == DAFT_OUTLINE_BOX && kind_b == DAFT_OUTLINE_BOX) {
+        add_boxes(r, entry, a, b);
         return;
     }
     bool boxed = kind_a != kind_b;
@@ -489,7 +525,7 @@ static void sort_in(range *r, daft_sim_listed *entry)
     int lane = to->count++;
     to->entries[lane] = entry;
     daft_round_batch_put(&to->batch, lane, all, a, b, margin_of(all[a].reach, all[b].reach));
-    if (boxed) daft_round_batch_put_box(&to->batch, lane, all, r->world->turns, kind_a == DAFT_OUTLINE_BOX);
+    if (boxed) daft_round_batch_put_box(&to->batch, lane, all, r->world->box_frames, kind_a == DAFT_OUTLINE_BOX);
     if (to->count == DAFT_ROUND_LANES) collide_rounds(r, to);
 }
 
@@ -506,17 +542,9 @@ static void update_asked(range *r)
     for (size_t i = 0; i < r->asked_count; i++) {
         daft_sim_touch *touch = &world->touches[r->asked[i]->touch];
         pair p;
-        if (!begin(world, touch, r->dt, &p)) continue;
-        if (!are_boxes(world, touch, &p)) {
-            find_patches(world, touch, &p);
-            continue;
-        }
-        add_boxes(world, &r->boxes, touch, &p);
-        if (r->boxes.count == DAFT_BOX_LANES) collide_boxes(world, &r->boxes);
+        if (begin(world, touch, r->dt, &p)) find_patches(world, touch, &p);
+        if (touch->patch_count > 0) r->asked[i]->state |= DAFT_SIM_LISTED_MET;
     }
-    if (r->boxes.count > 0) collide_boxes(world, &r->boxes);
-    for (size_t i = 0; i < r->asked_count; i++)
-        if (world->touches[r->asked[i]->touch].patch_count > 0) r->asked[i]->state |= DAFT_SIM_LISTED_MET;
 }
 
 /* What is looked at for a pair in any case, and where it had patches, the record that keeps them. */
@@ -524,7 +552,9 @@ static void fetch_entry(const daft_world *world, const daft_sim_listed *entry)
 {
     __builtin_prefetch(&world->outlines[entry->key >> 32]);
     __builtin_prefetch(&world->outlines[(uint32_t)entry->key]);
-    if (entry->state) fetch(&world->touches[entry->touch], sizeof *world->touches);
+    const daft_sim_touch *touch = &world->touches[entry->touch];
+    if (entry->state) fetch(touch, sizeof *touch);
+    else __builtin_prefetch(&touch->cache); /* what boxes ask for */
 }
 
 static void update_range(void *context, uint32_t index, uint32_t worker)
@@ -543,6 +573,7 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
         if (i + AHEAD < count) fetch_entry(world, &entries[i + AHEAD]);
         sort_in(&r, &entries[i]);
     }
+    if (r.boxes.count > 0) collide_boxes(&r);
     if (r.rounds.count > 0) collide_rounds(&r, &r.rounds);
     if (r.round_boxes.count > 0) collide_rounds(&r, &r.round_boxes);
     for (size_t i = 0; i < r.asked_count; i++)

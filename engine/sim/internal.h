@@ -308,9 +308,9 @@ struct daft_world {
     daft_sim_bounds *tight; /* where it may be during this step, and the margin; of what stands still: where it is */
     uint32_t *slots;        /* its place in the groups, or DAFT_SIM_NONE */
     size_t fat_capacity, tight_capacity, slots_capacity;
-    daft_outline *outlines;   /* as the step begins, */
-    daft_outline_turn *turns; /* of boxes only (outline.c) */
-    size_t outline_capacity, turn_capacity;
+    daft_outline *outlines;         /* as the step begins, */
+    daft_outline_frame *box_frames; /* of boxes only (outline.c) */
+    size_t outline_capacity, box_frame_capacity;
     daft_sim_touch *touches;
     size_t touch_capacity;
     uint32_t touch_count, free_touch;

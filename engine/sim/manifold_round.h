@@ -24,7 +24,8 @@ typedef enum daft_outline_kind { DAFT_OUTLINE_NONE, DAFT_OUTLINE_ROUND, DAFT_OUT
 
 typedef enum daft_outline_flag {
     DAFT_OUTLINE_WATCHED = 1, /* its body does not yield, or is a bullet: what is fast looks out for it */
-    DAFT_OUTLINE_SPHERE = 2   /* spheres look out for each other, too */
+    DAFT_OUTLINE_SPHERE = 2,  /* spheres look out for each other, too */
+    DAFT_OUTLINE_DRIVEN = 4   /* its body's travel is not counted */
 } daft_outline_flag;
 
 /* A sphere, capsule or box where it is as a step begins, and how it goes: a cache line. Lanes load the second half. */
@@ -41,10 +42,11 @@ typedef struct daft_outline {
     float radius;   /* 0, of boxes */
 } daft_outline;
 
-/* Of a box: its axes are the columns, in the world. */
-typedef struct daft_outline_turn {
-    double m[9];
-} daft_outline_turn;
+/* Of a box, too: where it is, and how far its body has gone. */
+typedef struct daft_outline_frame {
+    daft_rigid frame;
+    double travel;
+} daft_outline_frame;
 
 enum { DAFT_ROUND_LANES = 16, DAFT_ROUND_POINTS = 2 };
 
@@ -90,14 +92,14 @@ static inline void daft_round_batch_put(daft_round_batch *batch, int lane, const
 
 /* After that, where one is a box. */
 static inline void daft_round_batch_put_box(daft_round_batch *batch, int lane, const daft_outline *all,
-                                            const daft_outline_turn *turns, bool box_first)
+                                            const daft_outline_frame *frames, bool box_first)
 {
     if (box_first) {
         int32_t box = batch->a[lane];
         batch->a[lane] = batch->b[lane], batch->b[lane] = box;
     }
     const daft_outline *box = &all[batch->b[lane]];
-    const double *m = turns[batch->b[lane]].m;
+    const double *m = frames[batch->b[lane]].frame.m;
     daft_dvec3 d = daft_dsub(all[batch->a[lane]].centre, box->centre);
     for (int k = 0; k < 3; k++) {
         double c = (m[k] * d.x + m[3 + k] * d.y) + m[6 + k] * d.z, h = (double)(&box->half.x)[k];

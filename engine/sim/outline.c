@@ -2,14 +2,19 @@
  * are, so they are no state of the world's. */
 #include "sim/internal.h"
 
-#include <string.h>
-
 static daft_outline_kind kind_of(const daft_sim_part *part)
 {
     daft_geometry type = part->shape.type;
     if (part->sensor) return DAFT_OUTLINE_NONE;
     if (type == DAFT_GEOMETRY_SPHERE || type == DAFT_GEOMETRY_CAPSULE) return DAFT_OUTLINE_ROUND;
     return type == DAFT_GEOMETRY_BOX ? DAFT_OUTLINE_BOX : DAFT_OUTLINE_NONE;
+}
+
+static uint8_t flags_of(const daft_sim_part *part, const daft_sim_body *body)
+{
+    int watched = body->kind != DAFT_BODY_DYNAMIC || body->bullet ? DAFT_OUTLINE_WATCHED : 0;
+    int sphere = part->shape.type == DAFT_GEOMETRY_SPHERE ? DAFT_OUTLINE_SPHERE : 0;
+    return (uint8_t)(watched | sphere | (body->kind == DAFT_BODY_KINEMATIC ? DAFT_OUTLINE_DRIVEN : 0));
 }
 
 static daft_vec3 half_of(const daft_sim_shape *shape, const daft_rigid *frame)
@@ -31,13 +36,12 @@ void daft_sim_outline_set(daft_world *world, uint32_t index, const daft_rigid *f
     outline->centre = frame->p;
     outline->reach = part->reach;
     outline->centred = !part->posed && daft_sim_is_zero(body->local_centre);
-    bool watched = body->kind != DAFT_BODY_DYNAMIC || body->bullet, sphere = part->shape.type == DAFT_GEOMETRY_SPHERE;
-    outline->flags = (uint8_t)((watched ? DAFT_OUTLINE_WATCHED : 0) | (sphere ? DAFT_OUTLINE_SPHERE : 0));
+    outline->flags = flags_of(part, body);
     outline->half = half_of(&part->shape, frame);
     outline->radius = kind == DAFT_OUTLINE_ROUND ? part->shape.radius : 0;
     outline->move = daft_scale(body->linear, dt);
     outline->swing = daft_sim_is_zero(body->angular) ? 0 : daft_length(body->angular) * body->extent * dt;
-    if (kind == DAFT_OUTLINE_BOX) memcpy(world->turns[index].m, frame->m, sizeof world->turns[index].m);
+    if (kind == DAFT_OUTLINE_BOX) world->box_frames[index] = (daft_outline_frame){*frame, body->travel};
 }
 
 void daft_sim_outlines_rest(daft_world *world, uint32_t body)
@@ -51,7 +55,7 @@ void daft_sim_outlines_rest(daft_world *world, uint32_t body)
 bool daft_sim_outlines_reserve(daft_world *world, size_t parts)
 {
     const daft_allocator *a = &world->allocator;
-    size_t used = world->outlines && world->turns ? world->part_count : 0; /* none yet in a world that is loaded */
+    size_t used = world->outlines && world->box_frames ? world->part_count : 0; /* none yet in a world that is loaded */
     return daft_grow(a, &world->outlines, &world->outline_capacity, parts, used, sizeof *world->outlines) &&
-           daft_grow(a, &world->turns, &world->turn_capacity, parts, used, sizeof *world->turns);
+           daft_grow(a, &world->box_frames, &world->box_frame_capacity, parts, used, sizeof *world->box_frames);
 }
