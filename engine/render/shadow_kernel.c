@@ -17,7 +17,10 @@
 
 #define TINY  1e-36f
 
-enum { FEW_CASTERS = 8 }; /* each is asked which points are under it, before blocks are made */
+enum {
+    FEW_CASTERS = 8, /* each is asked which points are under it, before blocks are made */
+    FEW_LOOKS = 64   /* nodes and things are looked at; who has not found out by then whether they are few takes them for many */
+};
 
 /* A tile's points and one lamp. */
 typedef struct cast {
@@ -322,11 +325,11 @@ static void find_one(cast *c)
     if (DAFT_KERNEL(daft_node_project)(&c->light, &c->view, &node, &boxes) & 1) remember(c, c->only, &boxes, 0);
 }
 
-/* Remembers the things that points lie under, and marks these points. False: there may be more than `most` such things, and
- * it is not known which points are under something. */
-static bool find_casters(cast *c, uint32_t most)
+/* Remembers the things that points lie under, and marks these points. False: there may be more than `most` such things, or
+ * more than `looks` had to be looked at, and it is not known which points are under something. */
+static bool find_casters(cast *c, uint32_t most, uint32_t looks)
 {
-    uint32_t stack[DAFT_STACK];
+    uint32_t stack[DAFT_STACK], looked = 0;
     int top = 0;
     c->caster_count = 0;
     if (c->only != DAFT_NOTHING)
@@ -334,6 +337,7 @@ static bool find_casters(cast *c, uint32_t most)
     else
         stack[top++] = 0;
     while (top > 0 && c->caster_count <= most) {
+        if (looked++ > looks) return false;
         node_boxes boxes;
         const daft_node *node = &c->tlas->nodes.items[stack[--top]];
         for (uint32_t in = DAFT_KERNEL(daft_node_project)(&c->light, &c->view, node, &boxes); in; in &= in - 1) {
@@ -342,7 +346,7 @@ static bool find_casters(cast *c, uint32_t most)
             if (child == DAFT_CHILD_NONE) continue;
             if (!(child & DAFT_CHILD_LEAF))
                 stack[top++] = child;
-            else if (c->tlas->instances[number].flags & c->flag)
+            else if (looked++, c->tlas->instances[number].flags & c->flag)
                 remember(c, number, &boxes, i);
         }
     }
@@ -486,7 +490,7 @@ static uint32_t cast_pencil(cast *c, uint32_t *bits)
     shadow_points points;
     uint32_t count = 0;
     c->view = picture_map_make(&c->light.map);
-    bool few = find_casters(c, FEW_CASTERS);
+    bool few = find_casters(c, FEW_CASTERS, FEW_LOOKS);
     if (few && c->caster_count == 0) return 0;
     DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, &points);
     if (few) {
@@ -562,18 +566,19 @@ static uint32_t children_met(const cast *c, const daft_node *node)
 static bool all_clear(const cast *c)
 {
     bound box;
-    uint32_t stack[DAFT_STACK];
+    uint32_t stack[DAFT_STACK], looked = 0;
     int top = 0;
     if (c->only != DAFT_NOTHING) return !may_shadow(c, c->only, &box);
     stack[top++] = 0;
     while (top > 0) {
+        if (looked++ > FEW_LOOKS) return false;
         const daft_node *node = &c->tlas->nodes.items[stack[--top]];
         for (uint32_t in = children_met(c, node); in; in &= in - 1) {
             uint32_t child = node->child[__builtin_ctz(in)], number = child & ~DAFT_CHILD_LEAF;
             if (child == DAFT_CHILD_NONE) continue;
             if (!(child & DAFT_CHILD_LEAF))
                 stack[top++] = child;
-            else if (c->tlas->instances[number].flags & c->flag && may_shadow(c, number, &box))
+            else if (looked++, c->tlas->instances[number].flags & c->flag && may_shadow(c, number, &box))
                 return false;
         }
     }
@@ -620,7 +625,7 @@ uint32_t DAFT_KERNEL(daft_tints)(const daft_batch *points, const daft_lamp *lamp
     if (!cast_begin(&c, points, lamp, tlas, bits)) return 0;
     if (!cast_setup(&c)) return UINT32_MAX;
     c.view = picture_map_make(&c.light.map);
-    if (!find_casters(&c, DAFT_MAX_CASTERS)) return UINT32_MAX;
+    if (!find_casters(&c, DAFT_MAX_CASTERS, UINT32_MAX)) return UINT32_MAX;
     for (uint32_t i = 0; i < c.caster_count; i++) out[i] = c.caster[i].number;
     return c.caster_count;
 }
