@@ -18,6 +18,7 @@ void daft_sides_drop(daft_bvh *bvh)
     daft_release(&bvh->allocator, sides->triangles);
     daft_release(&bvh->allocator, sides->cones);
     daft_release(&bvh->allocator, sides->looks);
+    daft_release(&bvh->allocator, sides->balls.items);
     daft_release(&bvh->allocator, sides);
     bvh->sides = NULL;
 }
@@ -31,7 +32,7 @@ size_t daft_sides_bytes(const daft_bvh *bvh)
 {
     const daft_sides *sides = bvh->sides;
     if (!sides) return 0;
-    return sizeof *sides + bvh->block_count * (1 + sizeof *sides->looks) + words(sides) * sizeof *sides->triangles + bvh->nodes.count * sizeof *sides->cones;
+    return sizeof *sides + bvh->block_count * (1 + sizeof *sides->looks + sizeof *sides->balls.items) + words(sides) * sizeof *sides->triangles + bvh->nodes.count * sizeof *sides->cones;
 }
 
 /* False: no triangle can be one-sided. */
@@ -95,11 +96,12 @@ bool daft_bvh_find_sides(daft_bvh *bvh, const daft_trimesh *mesh, int threads)
     sides->triangles = daft_alloc_zero(a, words(sides), sizeof *sides->triangles);
     sides->blocks = daft_alloc(a, bvh->block_count, sizeof *sides->blocks);
     sides->cones = daft_alloc(a, bvh->nodes.count, sizeof *sides->cones);
-    sides->looks = daft_alloc(a, bvh->block_count, sizeof *sides->looks);
+    sides->looks = daft_alloc_zero(a, bvh->block_count + DAFT_MAX_LEAF_BLOCKS, sizeof *sides->looks);
     bool done = sides->triangles && sides->blocks && sides->cones && sides->looks && search(bvh, mesh, sides, threads);
     if (done) {
+        daft_blocks_regroup(bvh);
         fill_blocks(bvh, sides);
-        done = sides->count > 0 && daft_cones_fill(bvh, sides);
+        done = sides->count > 0 && daft_cones_fill(bvh, sides) && daft_balls_make(bvh, mesh, &sides->balls);
     }
     if (!done) daft_sides_drop(bvh);
     return done;

@@ -10,7 +10,7 @@
 #ifndef DAFT_SIDES_H
 #define DAFT_SIDES_H
 
-#include "accel/bvh.h"
+#include "accel/balls.h"
 
 /* What a node's children look towards, lane by lane. All of a child's triangles are one-sided and look away from an
  * outlook (daft_outlook, below) if, in floats and in any order,
@@ -33,14 +33,15 @@ typedef struct daft_cones {
  * Bytes of a normal are off by a half each, so that normal·v is off by less than 0.87·|v|/127. */
 typedef uint32_t daft_looks[DAFT_BLOCK];
 
-/* Fewer bytes than a share of the tree's: 6 floats for each child, 5 bytes and a bit for each triangle. */
+/* Fewer bytes than a share of the tree's: 6 floats for each child, 7 bytes and a bit for each triangle. */
 typedef struct daft_sides {
     uint32_t triangle_count, count; /* of the mesh's; of one-sided ones */
     daft_dvec3 middle;              /* of the mesh's bounds: outlooks and offsets count from here */
     uint8_t *blocks;     /* of each block, bits 0 to 3: its triangles that are one-sided, unused places like the last used */
     uint32_t *triangles; /* the same by triangle, 32 in a word */
     daft_cones *cones;   /* of each node */
-    daft_looks *looks;   /* of each block */
+    daft_looks *looks;   /* of each block, and DAFT_MAX_LEAF_BLOCKS more, that a leaf's may be read sixteen at a time */
+    daft_balls balls;
     float radius;        /* no less than from the middle to any point of the mesh */
     float thinness;      /* one over a least height: thinner triangles count as too thin for looks */
 } daft_sides;

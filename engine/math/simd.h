@@ -252,6 +252,21 @@ DAFT_INLINE void vf_store_rows(float *p, int stride, vf v)
 #endif
 }
 
+/* Of each four lanes: lanes 0 and 2 of a, then of b; lanes 1 and 3. */
+#if defined(DAFT_ISA_avx512)
+DAFT_INLINE vf vf_even_fours(vf a, vf b) { return (vf)_mm512_shuffle_ps((__m512)a, (__m512)b, 0x88); }
+DAFT_INLINE vf vf_odd_fours(vf a, vf b) { return (vf)_mm512_shuffle_ps((__m512)a, (__m512)b, 0xdd); }
+#elif defined(DAFT_ISA_avx2)
+DAFT_INLINE vf vf_even_fours(vf a, vf b) { return (vf)_mm256_shuffle_ps((__m256)a, (__m256)b, 0x88); }
+DAFT_INLINE vf vf_odd_fours(vf a, vf b) { return (vf)_mm256_shuffle_ps((__m256)a, (__m256)b, 0xdd); }
+#elif defined(DAFT_HAVE_X86)
+DAFT_INLINE vf vf_even_fours(vf a, vf b) { return (vf)_mm_shuffle_ps((__m128)a, (__m128)b, 0x88); }
+DAFT_INLINE vf vf_odd_fours(vf a, vf b) { return (vf)_mm_shuffle_ps((__m128)a, (__m128)b, 0xdd); }
+#else
+DAFT_INLINE vf vf_even_fours(vf a, vf b) { return (vf){a[0], a[2], b[0], b[2]}; }
+DAFT_INLINE vf vf_odd_fours(vf a, vf b) { return (vf){a[1], a[3], b[1], b[3]}; }
+#endif
+
 /* table[index & 15] */
 DAFT_INLINE vf vf_lookup16(const float table[16], vi index)
 {

@@ -47,7 +47,11 @@ typedef struct walk {
     float low_t[3], high_t[3]; /* the translation, less and more a pad over the error of a moved vertex */
     int low_at[9], high_at[9]; /* which of a node's bounds makes m's product least, and most */
     const daft_cones *cones; /* of each node; NULL: all of the mesh counts, whichever way it looks */
-    uint32_t leaf_count, leaves[DAFT_LEAVES_ROOM]; /* that wait, in groups: their codes */
+    const daft_sides *sides; /* with balls and looks that are to be held against the tile; or NULL */
+    float ball[12];          /* a ball's centre to x and y in pixels times z, and z; then the translation */
+    daft_glance glance;
+    float ball_reach[2];     /* its radius to pixels times z, and what is added */
+    uint32_t leaf_count, leaves[DAFT_LEAVES_ROOM + 16]; /* that wait, in groups: their codes */
     uint32_t block_count, blocks[DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS + DAFT_VL];
 } walk;
 
@@ -187,6 +191,39 @@ DAFT_INLINE void axis(const walk *w, int k, const node_pair *n, vf *low, vf *hig
     *high = x * bounds_load(n, b[0]) + y * bounds_load(n, b[1]) + z * bounds_load(n, b[2]) + vf_set(w->high_t[k]);
 }
 
+/* How balls come to the tile. Where a ray of slope t (x and y of it over z) meets the ball around c, c is from the ray, in the
+ * plane of its own z, by r·sqrt(1 + t²) at most, in any direction of that plane. `pad`: what a moved corner is off by in x
+ * and y, times z, and in z, 2^-20 of the magnitudes; centres are moved with no more error than twice that, and corners by as
+ * much. */
+static void balls_begin(walk *w, const float pad[3])
+{
+    const daft_seen *seen = w->seen;
+    const daft_tile_job *job = w->job;
+    const float *m = seen->to_camera.m, *t = seen->to_camera.t, focal = job->raster->pencil.focal;
+    w->sides = NULL;
+    if (!seen->front || !(pad[2] * 0x1p12f < seen->near_z)) return; /* then z is known to a part in 2^10 */
+    w->sides = seen->bvh->sides;
+    w->glance = daft_glance_of(w->sides, &seen->outlook);
+    const daft_balls *balls = &w->sides->balls;
+    float stretch = 0; /* the square of what lengths grow by, at most: a sum over a row of m·mᵀ */
+    for (int i = 0; i < 4; i++) {
+        float at[3];
+        for (int k = 0; k < 3; k++)
+            at[k] = i < 3 ? m[3 * k + i] * balls->unit
+                          : m[3 * k] * balls->low.x + m[3 * k + 1] * balls->low.y + m[3 * k + 2] * balls->low.z + t[k];
+        float *to = &w->ball[3 * i];
+        to[0] = at[0] * focal - at[2] * job->left, to[1] = at[2] * job->top - at[1] * focal, to[2] = at[2];
+    }
+    for (int i = 0; i < 3; i++) {
+        float sum = 0;
+        for (int k = 0; k < 3; k++) sum += fabsf(m[3 * i] * m[3 * k] + m[3 * i + 1] * m[3 * k + 1] + m[3 * i + 2] * m[3 * k + 2]);
+        stretch = fmaxf(stretch, sum);
+    }
+    float slant = sqrtf(focal * focal + job->max_dx * job->max_dx + job->max_dy * job->max_dy);
+    w->ball_reach[0] = sqrtf(stretch) * balls->unit * slant * (1 + 0x1p-8f);
+    w->ball_reach[1] = 4 * (pad[0] + pad[1]) + 2 * DAFT_TILE * 4 * pad[2];
+}
+
 static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
 {
     const daft_affine *map = &seen->to_camera;
@@ -214,6 +251,7 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_
             w->low_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i + 3 : i), w->high_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i : i + 3);
         }
     }
+    balls_begin(w, pad);
 }
 
 /* Children in the tile. */
@@ -353,14 +391,78 @@ static uint32_t put_in_order(const fresh *f, int32_t order[FRESH + DAFT_VL])
     return leaf_count;
 }
 
+/* ---- leaves in groups ---- */
+
+/* Two dwords of each of a register's records, of leaves one after the other, four records each, from where each leaf's begin. */
+DAFT_INLINE void load_pairs(const daft_ball *const leaf[DAFT_VL / 4], vi *first, vi *second)
+{
+    const float *low[DAFT_VL / 4], *high[DAFT_VL / 4];
+    for (int i = 0; i < DAFT_VL / 4; i++) low[i] = (const float *)(const void *)leaf[i], high[i] = low[i] + 4;
+    vf a = vf_gather_rows(low), b = vf_gather_rows(high);
+    *first = (vi)vf_even_fours(a, b), *second = (vi)vf_odd_fours(a, b);
+}
+
+/* Lanes whose balls hold no ray of the tile. Comparisons are written so that a NaN leaves a ball in. */
+DAFT_INLINE vbits balls_apart(const walk *w, const uint32_t *block)
+{
+    const daft_ball *leaf[DAFT_VL / 4];
+    vi first, second, low = vi_set(0xffff);
+    for (int i = 0; i < DAFT_VL / 4; i++) leaf[i] = &w->sides->balls.items[block[i]];
+    load_pairs(leaf, &first, &second);
+    vf x = vf_from_int(first & low), y = vf_from_int(first >> 16 & low), z = vf_from_int(second & low);
+    vf p[3], radius = vf_from_int(second >> 16 & low), zero = vf_set(0), whole = vf_set(0x1.8p23f);
+    for (int k = 0; k < 3; k++)
+        p[k] = vf_set(w->ball[k]) * x + vf_set(w->ball[3 + k]) * y + vf_set(w->ball[6 + k]) * z + vf_set(w->ball[9 + k]);
+    vf inverse = vf_set(1) / p[2], column = p[0] * inverse, row = p[1] * inverse;
+    vf reach = (radius * vf_set(w->ball_reach[0]) + vf_set(w->ball_reach[1])) * inverse + vf_set(DAFT_SCREEN_SLACK);
+    column -= vf_min(vf_max((column + whole) - whole, zero), vf_set(w->job->last_x));
+    row -= vf_min(vf_max((row + whole) - whole, zero), vf_set(w->job->last_y));
+    return vm_bits(vm_and(vf_lt(reach * reach, column * column + row * row), vf_lt(zero, inverse)));
+}
+
+/* Lanes of blocks whose triangles all look away: daft_looks_away. */
+DAFT_INLINE vbits blocks_away(const walk *w, const uint32_t *block)
+{
+    const daft_glance *g = &w->glance;
+    vbits all = 0;
+    for (int leaf = 0; leaf < DAFT_VL / 4; leaf++) {
+        const uint32_t *look = w->sides->looks[block[leaf]];
+        uint32_t bits = 0;
+        for (int i = 0; i < 16; i += DAFT_VL) {
+            vi v = vi_load(look + i);
+            vf towards = vf_from_int(v << 24 >> 24) * vf_set(g->x) + vf_from_int(v << 16 >> 24) * vf_set(g->y) +
+                         vf_from_int(v << 8 >> 24) * vf_set(g->z) + vf_set(g->margin);
+            bits |= vm_bits(vf_lt(towards, vf_from_int(v >> 24) * vf_set(g->step))) << i;
+        }
+        bits &= bits >> 1, bits &= bits >> 2;
+        all |= ((bits & 0x1111) * 0x1248 >> 12 & 15) << (4 * leaf);
+    }
+    return all;
+}
+
+/* The blocks of leaves that may hold a ray and look towards it. */
+static void list_blocks(walk *w)
+{
+    vi slot = vi_iota() & vi_set(3), leaf = vi_iota() >> 2;
+    for (uint32_t i = 0; i < w->leaf_count; i += DAFT_VL / 4) {
+        const uint32_t *code = &w->leaves[i];
+        vi codes = (vi)vf_lookup16((const float *)(const void *)code, leaf);
+        uint32_t some = daft_min_u(w->leaf_count - i, DAFT_VL / 4), block[DAFT_VL / 4];
+        vbits lanes = vbits_first((int)(4 * some)) & ~vm_bits(vi_lt(codes & vi_set(3), slot));
+        if (w->sides) {
+            for (uint32_t k = 0; k < DAFT_VL / 4; k++) block[k] = (code[k < some ? k : 0] & ~DAFT_CHILD_LEAF) >> 2;
+            lanes &= ~(balls_apart(w, block) | blocks_away(w, block));
+        }
+        vi_compress(&w->blocks[w->block_count], lanes, ((codes & vi_set(INT32_MAX)) >> 2) + slot);
+        w->block_count += (uint32_t)__builtin_popcount(lanes);
+    }
+}
+
 /* The leaves that wait, each step for all of them before the next: how many a step leaves is hard to predict, and steps are
  * long; a wrong guess in between would wait for their ends. */
 static void draw_leaves(walk *w)
 {
-    for (uint32_t i = 0; i < w->leaf_count; i++) {
-        for (uint32_t k = 0; k < DAFT_MAX_LEAF_BLOCKS; k++) w->blocks[w->block_count + k] = ((w->leaves[i] & ~DAFT_CHILD_LEAF) >> 2) + k;
-        w->block_count += (w->leaves[i] & 3) + 1;
-    }
+    list_blocks(w);
     for (uint32_t i = 0; i < w->block_count; i += DAFT_BATCH_BLOCKS)
         DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, &w->blocks[i], daft_min_u(w->block_count - i, DAFT_BATCH_BLOCKS), w->waiting);
     w->leaf_count = w->block_count = 0;
