@@ -313,7 +313,8 @@ static void mesh_walks(convoy *c, mesh_convoy *m, vbits bits)
     while (bits) {
         vbits same = alike(m->d, bits);
         bits &= ~same;
-        mesh_walk(c, m, same);
+        if (count_lanes(same) <= FEW_IN_MESH) mesh_alone(c, m, 0, same);
+        else mesh_walk(c, m, same);
     }
 }
 
