@@ -13,6 +13,7 @@ enum {
     CROWDED = 1024, /* so many wait: no more groups; what one node leads to adds DAFT_STACK at most */
     WAITING = CROWDED + FRESH + DAFT_STACK,
     ORDERS = 4,        /* distances that are told apart within a group */
+    FEW_LEAVES = 12,   /* drawn together where backs are drawn, too: things hide much of themselves */
     NEAR_BLOCKS = 4096 /* so many, 640 KB, stay in the nearer caches by themselves */
 };
 
@@ -23,12 +24,17 @@ typedef struct visit {
     uint32_t pixels; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24 */
 } visit;
 
-/* What a group leads to; room for a register from the last one on. */
-typedef struct fresh {
+/* Visits by lanes; room for a register from the last one on. */
+typedef struct fresh_list {
     uint32_t count;
-    vf least, most; /* over the lanes: of nearest */
     uint32_t child[FRESH + DAFT_VL], pixels[FRESH + DAFT_VL];
     float nearest[FRESH + DAFT_VL];
+} fresh_list;
+
+/* What a group leads to. */
+typedef struct fresh {
+    fresh_list leaves, nodes;
+    vf least, most; /* over the lanes: of the nodes' nearest */
 } fresh;
 
 /* Nodes that wait for their turn, the last one first. */
@@ -51,7 +57,7 @@ typedef struct walk {
     float ball[12];          /* a ball's centre to x and y in pixels times z, and z; then the translation */
     daft_glance glance;
     float ball_reach[2];     /* its radius to pixels times z, and what is added */
-    uint32_t leaf_count, leaves[DAFT_LEAVES_ROOM + 16]; /* that wait, in groups: their codes */
+    uint32_t leaf_limit, leaf_count, leaves[DAFT_LEAVES_ROOM + 16]; /* that wait, in groups: their codes */
     uint32_t block_count, blocks[DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS + DAFT_VL];
 } walk;
 
@@ -229,6 +235,7 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_
     const daft_affine *map = &seen->to_camera;
     const float *low = &seen->mesh->low.x, *high = &seen->mesh->high.x, focal = job->raster->pencil.focal;
     w->job = job, w->seen = seen, w->waiting = waiting, w->leaf_count = w->block_count = 0;
+    w->leaf_limit = seen->front ? DAFT_LEAVES : FEW_LEAVES;
     w->cones = seen->front ? seen->bvh->sides->cones : NULL;
     float pad[3];
     for (int k = 0; k < 3; k++) {
@@ -298,6 +305,11 @@ DAFT_INLINE void prefetch(const daft_bvh *bvh, uint32_t child)
     for (int i = 0; i < 256; i += 64) __builtin_prefetch(at + i);
 }
 
+static void prefetch_all(const daft_bvh *bvh, const fresh_list *list)
+{
+    for (uint32_t i = 0; i < list->count; i++) prefetch(bvh, list->child[i]);
+}
+
 /* ---- one node after the other ---- */
 
 /* Pushes the children that may be seen, the nearest last. */
@@ -346,6 +358,15 @@ static void draw_singly(walk *w)
 
 /* ---- in groups ---- */
 
+DAFT_INLINE void add_to_list(fresh_list *list, const boxes *b, vbits lanes)
+{
+    uint32_t at = list->count;
+    vi_compress(&list->child[at], lanes, b->child);
+    vi_compress(&list->pixels[at], lanes, b->pixels);
+    vf_compress(&list->nearest[at], lanes, b->nearest);
+    list->count = at + (uint32_t)__builtin_popcount(lanes);
+}
+
 /* The children of up to DAFT_EIGHTS nodes. */
 DAFT_INLINE void add_children(const walk *w, const uint32_t *nodes, uint32_t count, fresh *out)
 {
@@ -353,42 +374,42 @@ DAFT_INLINE void add_children(const walk *w, const uint32_t *nodes, uint32_t cou
     for (int part = 0; part < DAFT_EIGHT_PARTS; part++) {
         node_pair two = pair_make(w, nodes[0], nodes[count > 1], part);
         boxes b = children(w, &two);
-        uint32_t at = out->count;
         b.some &= there;
-        vm some = vm_from_bits(b.some);
-        out->least = vf_min(out->least, vf_select(some, b.nearest, vf_set(INFINITY)));
-        out->most = vf_max(out->most, vf_select(some, b.nearest, vf_set(0)));
-        vi_compress(&out->child[at], b.some, b.child);
-        vi_compress(&out->pixels[at], b.some, b.pixels);
-        vf_compress(&out->nearest[at], b.some, b.nearest);
-        out->count = at + (uint32_t)__builtin_popcount(b.some);
+        vbits leaves = b.some & vm_bits(vi_lt(b.child, vi_set(0))), inner = b.some & ~leaves;
+        vm m = vm_from_bits(inner);
+        out->least = vf_min(out->least, vf_select(m, b.nearest, vf_set(INFINITY)));
+        out->most = vf_max(out->most, vf_select(m, b.nearest, vf_set(0)));
+        add_to_list(&out->leaves, &b, leaves);
+        add_to_list(&out->nodes, &b, inner);
     }
 }
 
-/* Writes to `order` the places of the leaves, the nearest first, and after them of the nodes, the nearest last: roughly, by
- * the leading bits of their w, a positive float being in the order of its bits. Gives how many leaves. */
-static uint32_t put_in_order(const fresh *f, int32_t order[FRESH + DAFT_VL])
+/* Onto the stack, the nearest last: roughly, by the leading bits of their w, a positive float being in the order of its bits. */
+static void push_nodes(const fresh *all, node_stack *s)
 {
-    int32_t kind[FRESH + DAFT_VL]; /* ORDERS of leaves, then of nodes */
-    float low = vf_reduce_min(f->least), high = vf_reduce_max(f->most);
-    uint32_t least, most, count = 0, leaf_count = 0;
+    const fresh_list *f = &all->nodes;
+    int32_t near[FRESH + DAFT_VL], order[FRESH + DAFT_VL]; /* near: one of ORDERS */
+    float low = vf_reduce_min(all->least), high = vf_reduce_max(all->most);
+    uint32_t least, most, count = 0;
     memcpy(&least, &low, sizeof least), memcpy(&most, &high, sizeof most);
     uint32_t range = most - least, shift = range < ORDERS ? 0 : 30 - (uint32_t)__builtin_clz(range);
     for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
         vf w = vf_select(vm_from_bits(vbits_first((int)(f->count - i))), vf_load(&f->nearest[i]), vf_set(low));
-        vi near = ((vi)w - vi_set((int32_t)least)) >> (int)shift;
-        vm leaf = vi_lt(vi_load(&f->child[i]), vi_set(0));
-        vi_store(&kind[i], vi_select(leaf, vi_set(ORDERS - 1) - near, vi_set(ORDERS) + near));
+        vi_store(&near[i], ((vi)w - vi_set((int32_t)least)) >> (int)shift);
     }
-    for (int k = 0; k < 2 * ORDERS; k++) {
-        if (k == ORDERS) leaf_count = count;
+    for (int k = 0; k < ORDERS; k++)
         for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
-            vbits these = vm_bits(vi_eq(vi_load(&kind[i]), vi_set(k))) & vbits_first((int)(f->count - i));
+            vbits these = vm_bits(vi_eq(vi_load(&near[i]), vi_set(k))) & vbits_first((int)(f->count - i));
             vi_compress(&order[count], these, vi_iota() + vi_set((int32_t)i));
             count += (uint32_t)__builtin_popcount(these);
         }
+    for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
+        vi at = vi_select(vm_from_bits(vbits_first((int)(f->count - i))), vi_load(&order[i]), vi_set(0));
+        vi_store(&s->child[s->count + i], vi_gather(f->child, at));
+        vi_store(&s->pixels[s->count + i], vi_gather(f->pixels, at));
+        vf_store(&s->nearest[s->count + i], vf_gather(f->nearest, at));
     }
-    return leaf_count;
+    s->count += f->count;
 }
 
 /* ---- leaves in groups ---- */
@@ -469,30 +490,17 @@ static void draw_leaves(walk *w)
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 
-/* Leaves that are not hidden. */
-static void add_leaves(walk *w, const fresh *f, const int32_t *order, uint32_t count)
+/* Leaves that are not hidden. Their order counts for little, since many are drawn together. */
+static void add_leaves(walk *w, const fresh_list *f)
 {
-    for (uint32_t i = 0; i < count; i += DAFT_VL) {
-        vbits lanes = vbits_first((int)(count - i));
-        vm there = vm_from_bits(lanes);
-        vi zero = vi_set(0), at = vi_select(there, vi_load(&order[i]), zero);
-        vi pixels = vi_select(there, vi_gather(f->pixels, at), zero);
-        lanes &= ~hidden_lanes(w->job, pixels, vf_gather(f->nearest, at), lanes);
-        vi_compress(&w->leaves[w->leaf_count], lanes, vi_gather(f->child, at));
+    for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
+        vbits lanes = vbits_first((int)(f->count - i));
+        vi pixels = vi_select(vm_from_bits(lanes), vi_load(&f->pixels[i]), vi_set(0));
+        lanes &= ~hidden_lanes(w->job, pixels, vf_load(&f->nearest[i]), lanes);
+        vi_compress(&w->leaves[w->leaf_count], lanes, vi_load(&f->child[i]));
         w->leaf_count += (uint32_t)__builtin_popcount(lanes);
-        if (w->leaf_count >= DAFT_LEAVES) draw_leaves(w);
+        if (w->leaf_count >= w->leaf_limit) draw_leaves(w);
     }
-}
-
-static void push_nodes(const fresh *f, const int32_t *order, uint32_t count, node_stack *s)
-{
-    for (uint32_t i = 0; i < count; i += DAFT_VL) {
-        vi at = vi_select(vm_from_bits(vbits_first((int)(count - i))), vi_load(&order[i]), vi_set(0));
-        vi_store(&s->child[s->count + i], vi_gather(f->child, at));
-        vi_store(&s->pixels[s->count + i], vi_gather(f->pixels, at));
-        vf_store(&s->nearest[s->count + i], vf_gather(f->nearest, at));
-    }
-    s->count += count;
 }
 
 /* Takes up to GROUP nodes off the stack and leaves those that are hidden. Gives how many are left. */
@@ -514,18 +522,15 @@ static void draw_grouped(walk *w)
 {
     node_stack waiting;
     fresh f;
-    int32_t order[FRESH + DAFT_VL];
     uint32_t group[GROUP + DAFT_VL] = {0};
     waiting.count = 0;
     for (uint32_t count = 1; count || waiting.count; count = take_group(w, &waiting, group)) {
-        f.count = 0, f.least = vf_set(INFINITY), f.most = vf_set(0);
+        f.leaves.count = f.nodes.count = 0, f.least = vf_set(INFINITY), f.most = vf_set(0);
         for (uint32_t i = 0; i < count; i += DAFT_EIGHTS) add_children(w, &group[i], count - i, &f);
         w->job->counters->nodes += count;
-        if (w->seen->bvh->block_count > NEAR_BLOCKS)
-            for (uint32_t i = 0; i < f.count; i++) prefetch(w->seen->bvh, f.child[i]);
-        uint32_t leaf_count = put_in_order(&f, order);
-        add_leaves(w, &f, order, leaf_count);
-        push_nodes(&f, order + leaf_count, f.count - leaf_count, &waiting);
+        if (w->seen->bvh->block_count > NEAR_BLOCKS) prefetch_all(w->seen->bvh, &f.leaves), prefetch_all(w->seen->bvh, &f.nodes);
+        add_leaves(w, &f.leaves);
+        push_nodes(&f, &waiting);
     }
     draw_leaves(w);
 }
