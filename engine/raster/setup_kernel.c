@@ -146,11 +146,12 @@ DAFT_INLINE edge edge_setup(vf3 a, vf3 b)
     return (edge){{yz - zy, zx - xz, xy - yx}, vf_abs(yz) + vf_abs(zy), vf_abs(zx) + vf_abs(xz), vf_abs(xy) + vf_abs(yx)};
 }
 
-/* The plane as the corners come: its bits are not those that the neighbour sees. */
+/* The same without a bound. (a × b as it stands takes six operations less, cancels in far triangles, and loses their hits.) */
 DAFT_INLINE edge edge_setup_fast(vf3 a, vf3 b)
 {
+    vf3 e = {a.x - b.x, a.y - b.y, a.z - b.z}, s = {a.x + b.x, a.y + b.y, a.z + b.z};
     vf zero = vf_set(0);
-    return (edge){{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}, zero, zero, zero};
+    return (edge){{e.y * s.z - e.z * s.y, e.z * s.x - e.x * s.z, e.x * s.y - e.y * s.x}, zero, zero, zero};
 }
 
 DAFT_INLINE vf edge_bound(const edge *e, vf dx, vf dy, vf dz)
