@@ -2,7 +2,9 @@
  * (picture_kernel.c), down to those that lie before lit points; the triangles found are moved to light space and set up
  * DAFT_VL at a time. Each block of points whose box meets some of them is tested against these: lanes are points. Blocks in
  * which all is dark meet nothing any more. Where few points are left behind a node, they leave their blocks and go on by
- * themselves, each against all set-up triangles at once: lanes are triangles. Both ways compute the same.
+ * themselves: their ways to the lamp are turned into the thing's own space and held against nodes' boxes there, which takes
+ * less for each point but more for many, and each point is tested against all set-up triangles at once: lanes are triangles.
+ * Which triangles are looked at depends on that, and what hides a point does not.
  *
  * One edge test serves lamps and suns: n = (a - b) × (a + b), e = n·ray, with the bound of raster/tile_kernel.c.
  *
@@ -13,189 +15,12 @@
  * faces away from the lamp, as the smooth inside of a vessel may; so are all of a convex or a flat thing's for its own
  * points. So no light leaks between triangles or through the walls of a corner, and a surface does not shadow itself by
  * rounding. */
-#include "render/shadow.h"
-
-#define UNIT 0x1p-24f
-#define TINY 1e-36f
+#include "render/occluder.h"
 
 enum {
     LIST = 64,     /* leaf blocks before their triangles are tested */
     FEW_LEAVES = 24 /* the same in leaves, of few points */
 };
-
-/* A mesh on its way through its tree. */
-typedef struct mesh_caster {
-    caster c;
-    float size; /* of the map's translation: what corners may lose beside their own coordinates */
-    picture_map map; /* object space to light space */
-} mesh_caster;
-
-/* ---- triangles ---- */
-
-/* Leaf blocks, waiting to be tested against the points behind their leaf's box: blocks of them, or few by themselves. */
-typedef struct leaf {
-    const daft_block *block;
-    block_set behind;
-} leaf;
-
-DAFT_INLINE vf blocks_load(const leaf *const *leaves, int corner, int axis)
-{
-    const float *from[DAFT_VL / 4];
-    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = leaves[i]->block->corner[corner][axis];
-    return vf_load_fours(from);
-}
-
-DAFT_INLINE vf row(const daft_affine *a, int k, vf3 p)
-{
-    return ((vf_set(a->m[3 * k]) * p.x + vf_set(a->m[3 * k + 1]) * p.y) + vf_set(a->m[3 * k + 2]) * p.z) +
-           vf_set(a->t[k]);
-}
-
-/* Triangles set up: edges' planes, corners' depths, their boxes in the picture, and their own planes: the lamp is on the
- * side where a point's product with `plane` is less than `surface`. */
-typedef struct lanes {
-    float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL], depth[3][DAFT_VL];
-    float plane[3][DAFT_VL], surface[DAFT_VL];
-    float bound[DAFT_VL], wide[DAFT_VL], slack[DAFT_VL], rounding[DAFT_VL];
-    float low_u[DAFT_VL], high_u[DAFT_VL], low_v[DAFT_VL], high_v[DAFT_VL], near[DAFT_VL];
-    uint32_t triangle[DAFT_VL];
-} lanes;
-
-typedef struct corners {
-    vf3 p[3]; /* x, y, z of the test */
-    vf depth[3];
-} corners;
-
-DAFT_INLINE corners corners_move(const mesh_caster *c, const leaf *const *leaves)
-{
-    corners out;
-    for (int k = 0; k < 3; k++) {
-        vf3 p = {blocks_load(leaves, k, 0), blocks_load(leaves, k, 1), blocks_load(leaves, k, 2)};
-        out.depth[k] = row(&c->map.map, 2, p);
-        out.p[k] = (vf3){row(&c->map.map, 0, p), row(&c->map.map, 1, p),
-                         c->c.light->sun ? vf_set(1) : out.depth[k] + vf_set(c->c.light->away)};
-    }
-    return out;
-}
-
-/* As beyond_side, of triangles whose corners are off by `off`. */
-DAFT_INLINE vm corners_beyond(const corners *t, int axis, float edge, float side, vf off)
-{
-    vf least = vf_set(INFINITY), slope = vf_set(edge);
-    for (int k = 0; k < 3; k++)
-        least = vf_min(((axis ? t->p[k].y : t->p[k].x) - slope * t->p[k].z) * vf_set(side), least);
-    return vf_lt(off * vf_set(1 + fabsf(edge)), least);
-}
-
-DAFT_INLINE vm corners_outside(const light *l, const corners *t, vf off)
-{
-    return vm_or(vm_or(corners_beyond(t, 0, l->high_u + l->slack_u, 1, off),
-                       corners_beyond(t, 0, l->low_u - l->slack_u, -1, off)),
-                 vm_or(corners_beyond(t, 1, l->high_v + l->slack_v, 1, off),
-                       corners_beyond(t, 1, l->low_v - l->slack_v, -1, off)));
-}
-
-/* 1/z to 2^-21: boxes are wider than that, and nothing else comes of it. */
-DAFT_INLINE vf box_reciprocal(vf z)
-{
-    vf rough = vf_rough_reciprocal(z);
-    return rough * (vf_set(2) - z * rough);
-}
-
-/* Sets the triangles' boxes, all of the picture for those that reach beside or behind the lamp; gives those that meet
- * the points' extent. */
-static vbits lanes_place(const mesh_caster *c, const corners *t, lanes *out)
-{
-    const light *l = c->c.light;
-    vf inf = vf_set(INFINITY), lu = inf, hu = -inf, lv = inf, hv = -inf;
-    vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])),
-       far = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
-    vf size = vf_set(c->size), lamp = vf_set(-l->away); /* corners are off by a few 2^-24 of it */
-    for (int k = 0; k < 3; k++) {
-        vf scale = l->sun ? vf_set(1) : box_reciprocal(t->p[k].z), u = t->p[k].x * scale, v = t->p[k].y * scale;
-        lu = vf_min(u, lu), hu = vf_max(u, hu), lv = vf_min(v, lv), hv = vf_max(v, hv);
-        size = vf_max(vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]), size);
-    }
-    vf wobble =
-        l->sun ? size : size / (near - lamp) + vf_max(vf_max(vf_abs(lu), vf_abs(hu)), vf_max(vf_abs(lv), vf_abs(hv)));
-    wobble = wobble * vf_set(0x1p-20f);
-    vf off_u = wobble + vf_set(l->slack_u), off_v = wobble + vf_set(l->slack_v);
-    vm whole = l->sun ? vm_from_bits(0) : vf_le(near - size * vf_set(0x1p-20f), lamp + vf_set(l->away * 0x1p-20f));
-    lu = vf_select(whole, -inf, lu - off_u), hu = vf_select(whole, inf, hu + off_u);
-    lv = vf_select(whole, -inf, lv - off_v), hv = vf_select(whole, inf, hv + off_v);
-    near = near - size * vf_set(0x1p-20f) - vf_set((fabsf(l->near) + fabsf(l->far)) * 0x1p-20f);
-    vm in = vm_and(vm_and(vf_le(vf_set(l->low_u), hu), vf_le(lu, vf_set(l->high_u))),
-                   vm_and(vf_le(vf_set(l->low_v), hv), vf_le(lv, vf_set(l->high_v))));
-    in = vm_and(in, vf_le(near, vf_set(l->far)));
-    if (!l->sun) in = vm_and(in, vf_lt(lamp, far + size * vf_set(0x1p-20f)));
-    if (vm_bits(vm_and(in, whole)))
-        in = vm_and(in, vm_not(vm_and(whole, corners_outside(l, t, (size + vf_set(l->away)) * vf_set(0x1p-20f)))));
-    vf_store(out->low_u, lu), vf_store(out->high_u, hu), vf_store(out->low_v, lv), vf_store(out->high_v, hv);
-    vf_store(out->near, near);
-    return vm_bits(in);
-}
-
-DAFT_INLINE void lanes_name(const leaf *const *leaves, lanes *out)
-{
-    const float *from[DAFT_VL / 4];
-    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = (const float *)leaves[i]->block->triangle;
-    vf_store((float *)out->triangle, vf_load_fours(from));
-}
-
-DAFT_INLINE vf reach_of(vf3 a) { return vf_abs(a.x) + vf_abs(a.y) + vf_abs(a.z); }
-
-/* The triangles' planes in light space, for passing over points that are surely before them. With u = 2^-24: points and
- * corners are off by 8u of `size`, and the plane through corners that are off is so, too; the product of edges is off by
- * 10u·|e|·|f|. Where the lamp is within that of the plane, nothing is sure. */
-static void lanes_planes(const light *l, const corners *t, vf size, lanes *out)
-{
-    vf3 a = {t->p[0].x, t->p[0].y, t->depth[0]};
-    vf3 e = {t->p[1].x - a.x, t->p[1].y - a.y, t->depth[1] - a.z}, f = {t->p[2].x - a.x, t->p[2].y - a.y, t->depth[2] - a.z};
-    vf3 n = {e.y * f.z - e.z * f.y, e.z * f.x - e.x * f.z, e.x * f.y - e.y * f.x};
-    vf edges = reach_of(e) + reach_of(f), across = reach_of(n), at = vf3_dot(n, a), wrong = edges * edges * vf_set(16 * UNIT);
-    vf lamp = l->sun ? n.z : at + n.z * vf_set(l->away), off = wrong, far = size + vf_set(l->away);
-    if (!l->sun) off = off * far + across * far * vf_set(32 * UNIT);
-    vm sure = vf_lt(off, vf_abs(lamp));
-    vi sign = (vi)lamp & vi_set((int32_t)0x80000000);
-    vf_store(out->plane[0], vf_xor_sign(n.x, sign)), vf_store(out->plane[1], vf_xor_sign(n.y, sign));
-    vf_store(out->plane[2], vf_xor_sign(n.z, sign));
-    vf surface = vf_xor_sign(at, sign) - (across * size * vf_set(32 * UNIT) + wrong * edges);
-    vf_store(out->surface, vf_select(sure, surface, vf_set(-INFINITY)));
-}
-
-/* `planes`: the triangles' own are asked for as well. */
-DAFT_INLINE void lanes_setup(const mesh_caster *c, const corners *t, bool planes, lanes *out)
-{
-    const light *l = c->c.light;
-    vf bound = vf_set(0), across = vf_set(0), along = vf_set(0), size = vf_set(c->size);
-    vf dx = vf_set(l->max_x), dy = vf_set(l->max_y), dz = vf_set(l->max_z);
-    for (int k = 0; k < 3; k++) {
-        vf3 a = t->p[(k + 1) % 3], b = t->p[(k + 2) % 3];
-        vf ez = l->sun ? vf_set(0) : t->depth[(k + 1) % 3] - t->depth[(k + 2) % 3];
-        vf3 e = {a.x - b.x, a.y - b.y, ez}, s = {a.x + b.x, a.y + b.y, a.z + b.z};
-        vf yz = e.y * s.z, zy = e.z * s.y, zx = e.z * s.x, xz = e.x * s.z, xy = e.x * s.y, yx = e.y * s.x;
-        vf nx = yz - zy, ny = zx - xz, nz = xy - yx;
-        vf_store(out->nx[k], nx), vf_store(out->ny[k], ny), vf_store(out->nz[k], nz);
-        vf_store(out->depth[k], t->depth[k]);
-        vf m = (vf_abs(yz) + vf_abs(zy)) * dx + (vf_abs(zx) + vf_abs(xz)) * dy + (vf_abs(xy) + vf_abs(yx)) * dz;
-        bound = vf_max(bound, m), across = vf_max(across, vf_abs(nx) + vf_abs(ny)), along = vf_max(along, vf_abs(nz));
-        size = vf_max(size, vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]));
-    }
-    bound = bound * vf_set(10 * UNIT) + vf_set(TINY); /* of which 2: z is rounded where the lamp's distance is added */
-    /* Points and corners are rounded themselves. Neighbours agree on how, so this matters only for not passing over
-     * what look_closely would find to stand between. */
-    size = size + vf_set(l->size);
-    if (planes) lanes_planes(l, t, size, out);
-    vf wide = across * size;
-    if (!l->sun) wide = wide + along * (size + vf_set(2 * l->max_z));
-    wide = bound + wide * vf_set(8 * UNIT);
-    vf low = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])),
-       high = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
-    vf_store(out->bound, bound);
-    vf_store(out->wide, wide);
-    vf_store(out->slack, vf_set(6) * wide * (high - low));
-    vf_store(out->rounding, size * vf_set(0x1p-20f));
-}
 
 /* A multiple of a × b that is negated, bit for bit, where a and b are exchanged. */
 static double edge_side(daft_dvec3 a, daft_dvec3 b, daft_dvec3 d)
@@ -416,19 +241,37 @@ static void test_leaves(const mesh_caster *m, const leaf *const *leaves, vbits u
 
 /* ---- few points ---- */
 
-enum { FEW_POINTS = 24 }; /* where triangles are so much smaller than their distances that boxes of 16 say little */
+enum { FEW_POINTS = 32 }; /* where triangles are so much smaller than their distances that boxes of 16 say little */
 
 /* Points by themselves, not in blocks; sets of them are bits. */
 typedef struct few_points {
     uint32_t count;
     uint32_t live; /* those that are still lit */
     _Alignas(64) float u[FEW_POINTS + DAFT_VL], v[FEW_POINTS + DAFT_VL], depth[FEW_POINTS + DAFT_VL];
+    _Alignas(64) float from[3][FEW_POINTS + DAFT_VL], inverse[3][FEW_POINTS + DAFT_VL]; /* object space: places, and one over
+                                                                                       * the ways to the lamp */
     uint32_t at[FEW_POINTS + DAFT_VL]; /* among the blocks' */
 } few_points;
 
-/* The lit points behind the box, of which it is known that they are few. */
-static void few_take(const shadow_points *p, const picture_box *box, const block_set *from, few_points *out)
+/* Places in light space become such in object space, and their ways to the lamp are set. One over none is finite, so that products with it are numbers. */
+static void few_ways(const mesh_caster *m, few_points *f)
 {
+    const float *b = m->back.m, *t = m->back.t, away = m->c.light->away;
+    for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
+        vf x = vf_load(&f->from[0][i]), y = vf_load(&f->from[1][i]), z = vf_load(&f->depth[i]);
+        for (int k = 0; k < 3; k++) {
+            vf across = vf_set(b[3 * k]) * x + vf_set(b[3 * k + 1]) * y;
+            vf way = m->c.light->sun ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(away)));
+            vf_store(&f->from[k][i], across + vf_set(b[3 * k + 2]) * z + vf_set(t[k]));
+            vf_store(&f->inverse[k][i], vf_max(vf_min(vf_set(1) / way, vf_set(1e30f)), vf_set(-1e30f)));
+        }
+    }
+}
+
+/* The lit points behind the box, of which it is known that they are few. */
+static void few_take(const mesh_caster *m, const picture_box *box, const block_set *from, few_points *out)
+{
+    const shadow_points *p = m->c.points;
     uint32_t count = 0;
     for (uint32_t word = 0; word < DAFT_COUNT_OF(from->bits); word++)
         for (uint64_t left = from->bits[word]; left; left &= left - 1) {
@@ -436,25 +279,14 @@ static void few_take(const shadow_points *p, const picture_box *box, const block
             for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
                 uint32_t at = b * SHADOW_BLOCK + k, some = in >> k & DAFT_ALL_LANES;
                 vf_compress(&out->u[count], some, vf_load(&p->u[at])), vf_compress(&out->v[count], some, vf_load(&p->v[at]));
+                vf_compress(&out->from[0][count], some, vf_load(&p->x[at])), vf_compress(&out->from[1][count], some, vf_load(&p->y[at]));
                 vf_compress(&out->depth[count], some, vf_load(&p->depth[at]));
                 vi_compress(&out->at[count], some, vi_iota() + vi_set((int32_t)at));
                 count += (uint32_t)__builtin_popcount(some);
             }
         }
     out->count = count, out->live = (uint32_t)(((uint64_t)1 << count) - 1);
-}
-
-/* Those of `from` that lie behind the box. */
-DAFT_INLINE uint32_t few_behind(const picture_box *box, const few_points *f, uint32_t from)
-{
-    uint32_t all = 0;
-    for (uint32_t k = 0; k < f->count; k += DAFT_VL) {
-        vf u = vf_load(&f->u[k]), v = vf_load(&f->v[k]);
-        vm in = vm_and(vm_and(vf_le(vf_set(box->low_u), u), vf_le(u, vf_set(box->high_u))),
-                       vm_and(vf_le(vf_set(box->low_v), v), vf_le(v, vf_set(box->high_v))));
-        all |= vm_bits(vm_and(in, vf_le(vf_set(box->near), vf_load(&f->depth[k])))) << k;
-    }
-    return all & from;
+    few_ways(m, out);
 }
 
 /* The triangles whose box a point lies behind. */
@@ -583,20 +415,54 @@ static void few_flush(const mesh_caster *m, const few_entry *ends, uint32_t coun
     flush(m, list, blocks, f);
 }
 
+/* Bit 8·i + k becomes bit 8·k + i. */
+DAFT_INLINE uint64_t transpose_bits(uint64_t x)
+{
+    x = (x & 0xaa55aa55aa55aa55) | (x & 0x00aa00aa00aa00aa) << 7 | (x >> 7 & 0x00aa00aa00aa00aa);
+    x = (x & 0xcccc3333cccc3333) | (x & 0x0000cccc0000cccc) << 14 | (x >> 14 & 0x0000cccc0000cccc);
+    return (x & 0xf0f0f0f00f0f0f0f) | (x & 0x00000000f0f0f0f0) << 28 | (x >> 28 & 0x00000000f0f0f0f0);
+}
+
+/* Which of the points' ways to the lamp meet which of a node's children: few points cost less so than boxes seen from the lamp.
+ * Gives the bits of the children that some meet. */
+DAFT_INLINE uint32_t children_met(const mesh_caster *m, const daft_node *node, const few_points *f, uint32_t from,
+                                  uint32_t behind[DAFT_WIDTH])
+{
+    uint32_t any = 0, real = v8_le_bits(v8_load(node->bounds[0]), v8_load(node->bounds[3]));
+    uint64_t met[FEW_POINTS / 8] = {0};
+    v8 low[3], high[3];
+    for (int k = 0; k < 3; k++)
+        low[k] = v8_load(node->bounds[k]) - v8_set(m->pad[k]), high[k] = v8_load(node->bounds[3 + k]) + v8_set(m->pad[k]);
+    for (; from; from &= from - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(from);
+        v8 near = v8_set(0), far = v8_set(m->c.light->sun ? INFINITY : 1.00001f);
+        for (int k = 0; k < 3; k++) {
+            v8 at = v8_set(f->from[k][i]), inverse = v8_set(f->inverse[k][i]), a = (low[k] - at) * inverse, b = (high[k] - at) * inverse;
+            near = v8_max(v8_min(a, b), near), far = v8_min(v8_max(a, b), far);
+        }
+        uint32_t in = v8_le_bits(near, far * v8_set(1 + 0x1p-20f)) & real;
+        any |= in, met[i / 8] |= (uint64_t)in << (8 * (i % 8));
+    }
+    for (int k = 0; k < FEW_POINTS / 8; k++) met[k] = transpose_bits(met[k]);
+    for (int i = 0; i < DAFT_WIDTH; i++) {
+        behind[i] = 0;
+        for (int k = 0; k < FEW_POINTS / 8; k++) behind[i] |= (uint32_t)(met[k] >> (8 * i) & 255) << (8 * k);
+    }
+    return any;
+}
+
 /* A node's children that some of the points lie behind: nodes go on the stack, leaves to the list. No branch hangs on which. */
 DAFT_INLINE void few_children(const mesh_caster *m, const few_entry *at, const few_points *f, few_entry *stack, int *top,
                               few_entry *leaves, uint32_t *leaf_count)
 {
-    node_boxes boxes;
     const daft_node *node = &m->c.instance->bvh->nodes.items[at->node];
-    uint32_t child[DAFT_WIDTH], in = DAFT_KERNEL(daft_node_project)(m->c.light, &m->map, node, &boxes);
-    uint32_t met = v8i_list(child, in, 0), from = at->behind & f->live;
+    uint32_t child[DAFT_WIDTH], behind[DAFT_WIDTH];
+    uint32_t met = v8i_list(child, children_met(m, node, f, at->behind & f->live, behind), 0);
     for (uint32_t k = 0; k < met; k++) {
-        const picture_box box = node_child(&boxes, (int)child[k]);
-        const few_entry next = {node->child[child[k]], few_behind(&box, f, from)};
-        bool some = (next.behind != 0) & (next.node != DAFT_CHILD_NONE), ends = next.node >> 31;
+        const few_entry next = {node->child[child[k]], behind[child[k]]};
+        bool ends = next.node >> 31;
         stack[*top] = next, leaves[*leaf_count] = next;
-        *top += some & !ends, *leaf_count += some & ends;
+        *top += !ends, *leaf_count += ends;
     }
 }
 
@@ -632,7 +498,7 @@ static bool go_alone(const mesh_caster *m, const entry *at)
 {
     few_points few;
     if (at->count > FEW_POINTS) return false;
-    few_take(m->c.points, &at->box, &at->behind, &few);
+    few_take(m, &at->box, &at->behind, &few);
     few_walk(m, at->node, &few);
     return true;
 }
@@ -685,10 +551,38 @@ static void walk(const mesh_caster *m, const picture_box *box, const block_set *
     flush(m, list, count, NULL);
 }
 
+/* Light space to the thing's own. With u = 2^-24, s the size of what points and corners are in light space and f the largest
+ * share of the way to the lamp that a box reaches: places are off by some 8u of |map|·s and of the translation, ways by that
+ * and 8u of |map|·f·away; corners that a test in light space takes for met by no more than 16u of the first. Their sum is
+ * below 2^-18. */
+static void set_back(mesh_caster *m)
+{
+    const light *l = m->c.light;
+    const daft_instance *s = m->c.instance;
+    const float *o = s->to_object.m, *r = l->map.m, at[3] = {l->origin.x, l->origin.y, l->origin.z};
+    float size = 0, share;
+    for (int k = 0; k < 3; k++) size += fmaxf(fabsf((&s->low.x)[k] - at[k]), fabsf((&s->high.x)[k] - at[k]));
+    size = 2 * size + l->size;
+    share = fminf(2 * size / (l->near + l->away), 1);
+    if (!l->sun && share > 0) size += share * l->away;
+    for (int i = 0; i < 3; i++) {
+        double t = (double)s->to_object.t[i];
+        float reach = 0, still = fabsf(s->to_object.t[i]);
+        for (int j = 0; j < 3; j++) {
+            m->back.m[3 * i + j] = (float)((double)o[3 * i] * (double)r[3 * j] + (double)o[3 * i + 1] * (double)r[3 * j + 1] +
+                                           (double)o[3 * i + 2] * (double)r[3 * j + 2]);
+            t += (double)o[3 * i + j] * (double)at[j], still += fabsf(o[3 * i + j] * at[j]), reach += fabsf(o[3 * i + j]);
+        }
+        m->back.t[i] = (float)t;
+        m->pad[i] = (reach * 2 * size + still) * 0x1p-18f;
+    }
+}
+
 void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const picture_box *box, const block_set *behind)
 {
     mesh_caster m = {.c = *c};
     const daft_affine map = DAFT_KERNEL(daft_light_compose)(&c->light->map, &c->instance->to_frame, c->light->origin);
     m.map = picture_map_make(&map), m.size = m.map.still;
+    set_back(&m);
     walk(&m, box, behind);
 }

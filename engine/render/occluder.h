@@ -1,0 +1,185 @@
+/* Triangles that may hide points from a lamp, DAFT_VL at a time: moved to light space, their boxes in its picture, their edges
+ * and their planes. See occluder_kernel.c for the method. */
+#ifndef DAFT_OCCLUDER_H
+#define DAFT_OCCLUDER_H
+
+#include "render/shadow.h"
+
+#define UNIT 0x1p-24f
+#define TINY 1e-36f
+
+/* A mesh on its way through its tree. */
+typedef struct mesh_caster {
+    caster c;
+    float size; /* of the map's translation: what corners may lose beside their own coordinates */
+    picture_map map; /* object space to light space */
+    daft_affine back; /* and the way back */
+    float pad[3];    /* object space: what boxes must be larger by, along each axis, for points' ways to meet them */
+} mesh_caster;
+
+/* Leaf blocks, waiting to be tested against the points behind their leaf's box: blocks of them, or few by themselves. */
+typedef struct leaf {
+    const daft_block *block;
+    block_set behind;
+} leaf;
+
+DAFT_INLINE vf blocks_load(const leaf *const *leaves, int corner, int axis)
+{
+    const float *from[DAFT_VL / 4];
+    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = leaves[i]->block->corner[corner][axis];
+    return vf_load_fours(from);
+}
+
+DAFT_INLINE vf row(const daft_affine *a, int k, vf3 p)
+{
+    return ((vf_set(a->m[3 * k]) * p.x + vf_set(a->m[3 * k + 1]) * p.y) + vf_set(a->m[3 * k + 2]) * p.z) +
+           vf_set(a->t[k]);
+}
+
+/* Triangles set up: edges' planes, corners' depths, their boxes in the picture, and their own planes: the lamp is on the
+ * side where a point's product with `plane` is less than `surface`. */
+typedef struct lanes {
+    float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL], depth[3][DAFT_VL];
+    float plane[3][DAFT_VL], surface[DAFT_VL];
+    float bound[DAFT_VL], wide[DAFT_VL], slack[DAFT_VL], rounding[DAFT_VL];
+    float low_u[DAFT_VL], high_u[DAFT_VL], low_v[DAFT_VL], high_v[DAFT_VL], near[DAFT_VL];
+    uint32_t triangle[DAFT_VL];
+} lanes;
+
+typedef struct corners {
+    vf3 p[3]; /* x, y, z of the test */
+    vf depth[3];
+} corners;
+
+DAFT_INLINE corners corners_move(const mesh_caster *c, const leaf *const *leaves)
+{
+    corners out;
+    for (int k = 0; k < 3; k++) {
+        vf3 p = {blocks_load(leaves, k, 0), blocks_load(leaves, k, 1), blocks_load(leaves, k, 2)};
+        out.depth[k] = row(&c->map.map, 2, p);
+        out.p[k] = (vf3){row(&c->map.map, 0, p), row(&c->map.map, 1, p),
+                         c->c.light->sun ? vf_set(1) : out.depth[k] + vf_set(c->c.light->away)};
+    }
+    return out;
+}
+
+/* As beyond_side, of triangles whose corners are off by `off`. */
+DAFT_INLINE vm corners_beyond(const corners *t, int axis, float edge, float side, vf off)
+{
+    vf least = vf_set(INFINITY), slope = vf_set(edge);
+    for (int k = 0; k < 3; k++)
+        least = vf_min(((axis ? t->p[k].y : t->p[k].x) - slope * t->p[k].z) * vf_set(side), least);
+    return vf_lt(off * vf_set(1 + fabsf(edge)), least);
+}
+
+DAFT_INLINE vm corners_outside(const light *l, const corners *t, vf off)
+{
+    return vm_or(vm_or(corners_beyond(t, 0, l->high_u + l->slack_u, 1, off),
+                       corners_beyond(t, 0, l->low_u - l->slack_u, -1, off)),
+                 vm_or(corners_beyond(t, 1, l->high_v + l->slack_v, 1, off),
+                       corners_beyond(t, 1, l->low_v - l->slack_v, -1, off)));
+}
+
+/* 1/z to 2^-21: boxes are wider than that, and nothing else comes of it. */
+DAFT_INLINE vf box_reciprocal(vf z)
+{
+    vf rough = vf_rough_reciprocal(z);
+    return rough * (vf_set(2) - z * rough);
+}
+
+/* Sets the triangles' boxes, all of the picture for those that reach beside or behind the lamp; gives those that meet
+ * the points' extent. */
+static vbits lanes_place(const mesh_caster *c, const corners *t, lanes *out)
+{
+    const light *l = c->c.light;
+    vf inf = vf_set(INFINITY), lu = inf, hu = -inf, lv = inf, hv = -inf;
+    vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])),
+       far = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
+    vf size = vf_set(c->size), lamp = vf_set(-l->away); /* corners are off by a few 2^-24 of it */
+    for (int k = 0; k < 3; k++) {
+        vf scale = l->sun ? vf_set(1) : box_reciprocal(t->p[k].z), u = t->p[k].x * scale, v = t->p[k].y * scale;
+        lu = vf_min(u, lu), hu = vf_max(u, hu), lv = vf_min(v, lv), hv = vf_max(v, hv);
+        size = vf_max(vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]), size);
+    }
+    vf wobble =
+        l->sun ? size : size / (near - lamp) + vf_max(vf_max(vf_abs(lu), vf_abs(hu)), vf_max(vf_abs(lv), vf_abs(hv)));
+    wobble = wobble * vf_set(0x1p-20f);
+    vf off_u = wobble + vf_set(l->slack_u), off_v = wobble + vf_set(l->slack_v);
+    vm whole = l->sun ? vm_from_bits(0) : vf_le(near - size * vf_set(0x1p-20f), lamp + vf_set(l->away * 0x1p-20f));
+    lu = vf_select(whole, -inf, lu - off_u), hu = vf_select(whole, inf, hu + off_u);
+    lv = vf_select(whole, -inf, lv - off_v), hv = vf_select(whole, inf, hv + off_v);
+    near = near - size * vf_set(0x1p-20f) - vf_set((fabsf(l->near) + fabsf(l->far)) * 0x1p-20f);
+    vm in = vm_and(vm_and(vf_le(vf_set(l->low_u), hu), vf_le(lu, vf_set(l->high_u))),
+                   vm_and(vf_le(vf_set(l->low_v), hv), vf_le(lv, vf_set(l->high_v))));
+    in = vm_and(in, vf_le(near, vf_set(l->far)));
+    if (!l->sun) in = vm_and(in, vf_lt(lamp, far + size * vf_set(0x1p-20f)));
+    if (vm_bits(vm_and(in, whole)))
+        in = vm_and(in, vm_not(vm_and(whole, corners_outside(l, t, (size + vf_set(l->away)) * vf_set(0x1p-20f)))));
+    vf_store(out->low_u, lu), vf_store(out->high_u, hu), vf_store(out->low_v, lv), vf_store(out->high_v, hv);
+    vf_store(out->near, near);
+    return vm_bits(in);
+}
+
+DAFT_INLINE void lanes_name(const leaf *const *leaves, lanes *out)
+{
+    const float *from[DAFT_VL / 4];
+    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = (const float *)leaves[i]->block->triangle;
+    vf_store((float *)out->triangle, vf_load_fours(from));
+}
+
+DAFT_INLINE vf reach_of(vf3 a) { return vf_abs(a.x) + vf_abs(a.y) + vf_abs(a.z); }
+
+/* The triangles' planes in light space, for passing over points that are surely before them. With u = 2^-24: points and
+ * corners are off by 8u of `size`, and the plane through corners that are off is so, too; the product of edges is off by
+ * 10u·|e|·|f|. Where the lamp is within that of the plane, nothing is sure. */
+static void lanes_planes(const light *l, const corners *t, vf size, lanes *out)
+{
+    vf3 a = {t->p[0].x, t->p[0].y, t->depth[0]};
+    vf3 e = {t->p[1].x - a.x, t->p[1].y - a.y, t->depth[1] - a.z}, f = {t->p[2].x - a.x, t->p[2].y - a.y, t->depth[2] - a.z};
+    vf3 n = {e.y * f.z - e.z * f.y, e.z * f.x - e.x * f.z, e.x * f.y - e.y * f.x};
+    vf edges = reach_of(e) + reach_of(f), across = reach_of(n), at = vf3_dot(n, a), wrong = edges * edges * vf_set(16 * UNIT);
+    vf lamp = l->sun ? n.z : at + n.z * vf_set(l->away), off = wrong, far = size + vf_set(l->away);
+    if (!l->sun) off = off * far + across * far * vf_set(32 * UNIT);
+    vm sure = vf_lt(off, vf_abs(lamp));
+    vi sign = (vi)lamp & vi_set((int32_t)0x80000000);
+    vf_store(out->plane[0], vf_xor_sign(n.x, sign)), vf_store(out->plane[1], vf_xor_sign(n.y, sign));
+    vf_store(out->plane[2], vf_xor_sign(n.z, sign));
+    vf surface = vf_xor_sign(at, sign) - (across * size * vf_set(32 * UNIT) + wrong * edges);
+    vf_store(out->surface, vf_select(sure, surface, vf_set(-INFINITY)));
+}
+
+/* `planes`: the triangles' own are asked for as well. */
+DAFT_INLINE void lanes_setup(const mesh_caster *c, const corners *t, bool planes, lanes *out)
+{
+    const light *l = c->c.light;
+    vf bound = vf_set(0), across = vf_set(0), along = vf_set(0), size = vf_set(c->size);
+    vf dx = vf_set(l->max_x), dy = vf_set(l->max_y), dz = vf_set(l->max_z);
+    for (int k = 0; k < 3; k++) {
+        vf3 a = t->p[(k + 1) % 3], b = t->p[(k + 2) % 3];
+        vf ez = l->sun ? vf_set(0) : t->depth[(k + 1) % 3] - t->depth[(k + 2) % 3];
+        vf3 e = {a.x - b.x, a.y - b.y, ez}, s = {a.x + b.x, a.y + b.y, a.z + b.z};
+        vf yz = e.y * s.z, zy = e.z * s.y, zx = e.z * s.x, xz = e.x * s.z, xy = e.x * s.y, yx = e.y * s.x;
+        vf nx = yz - zy, ny = zx - xz, nz = xy - yx;
+        vf_store(out->nx[k], nx), vf_store(out->ny[k], ny), vf_store(out->nz[k], nz);
+        vf_store(out->depth[k], t->depth[k]);
+        vf m = (vf_abs(yz) + vf_abs(zy)) * dx + (vf_abs(zx) + vf_abs(xz)) * dy + (vf_abs(xy) + vf_abs(yx)) * dz;
+        bound = vf_max(bound, m), across = vf_max(across, vf_abs(nx) + vf_abs(ny)), along = vf_max(along, vf_abs(nz));
+        size = vf_max(size, vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]));
+    }
+    bound = bound * vf_set(10 * UNIT) + vf_set(TINY); /* of which 2: z is rounded where the lamp's distance is added */
+    /* Points and corners are rounded themselves. Neighbours agree on how, so this matters only for not passing over
+     * what look_closely would find to stand between. */
+    size = size + vf_set(l->size);
+    if (planes) lanes_planes(l, t, size, out);
+    vf wide = across * size;
+    if (!l->sun) wide = wide + along * (size + vf_set(2 * l->max_z));
+    wide = bound + wide * vf_set(8 * UNIT);
+    vf low = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])),
+       high = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
+    vf_store(out->bound, bound);
+    vf_store(out->wide, wide);
+    vf_store(out->slack, vf_set(6) * wide * (high - low));
+    vf_store(out->rounding, size * vf_set(0x1p-20f));
+}
+
+#endif
