@@ -37,6 +37,11 @@ typedef struct group {
     bool mixed; /* their directions' signs differ: no planes in common, and no interval */
     bool tight; /* the interval says something */
     float most; /* not less than any of their limits */
+    /* what they go through: leaf number i, shifted so far, begins so many bytes from `leaves` */
+    const daft_node *nodes;
+    const void *leaves;
+    size_t leaf_size;
+    int leaf_shift;
 } group;
 
 typedef struct mesh_convoy {

@@ -10,7 +10,7 @@
 #include "accel/packet.h"
 
 #define WIDEN (1 + 8 * DAFT_ULP)
-/* As many rays, or fewer, go on alone: among instances, and in a mesh, where leaves are cheap for few. */
+/* As many rays, or fewer, go on alone: among instances, and in a mesh, where leaves are cheap for few rays. */
 enum { FEW = DAFT_VL / 4 + 1, FEW_IN_MESH = 1, ROW = sizeof(((daft_node *)0)->bounds[0]) };
 
 typedef struct packet_stack {
@@ -122,10 +122,19 @@ DAFT_INLINE vm child_test(const daft_node *node, uint32_t child, const group *g,
     return vf_le(enter, leave);
 }
 
-/* Of the children that rays meet the nearest, or none, and *here the rays; the others go on the stack, the nearest on top. */
-static uint32_t descend(packet_stack *stack, int *top, const daft_node *node, const group *g, vf limit, vbits bits,
-                        vbits *here)
+/* What is put aside comes from far when many rays go their own ways: it is on its way before it is needed. */
+DAFT_INLINE void fetch(const group *g, uint32_t child)
 {
+    size_t leaf = (child & ~DAFT_CHILD_LEAF) >> g->leaf_shift;
+    const char *at = child & DAFT_CHILD_LEAF ? (const char *)g->leaves + leaf * g->leaf_size : (const char *)&g->nodes[child];
+    for (size_t i = 0; i < sizeof(daft_node); i += 64) __builtin_prefetch(at + i);
+}
+
+/* Of a node's children that rays meet the nearest, or none, and *here the rays; the others go on the stack, the nearest on
+ * top. */
+static uint32_t descend(packet_stack *stack, int *top, const group *g, uint32_t number, vf limit, vbits bits, vbits *here)
+{
+    const daft_node *node = &g->nodes[number];
     float at[DAFT_WIDTH], order[DAFT_WIDTH], nearest = 0;
     uint32_t children = children_of(node), first = DAFT_CHILD_NONE;
     vf first_near = limit;
@@ -159,6 +168,7 @@ static uint32_t descend(packet_stack *stack, int *top, const daft_node *node, co
         }
         order[place - base] = distance;
         stack->near[place] = near, stack->child[place] = child;
+        fetch(g, child);
     }
     return first;
 }
@@ -242,14 +252,15 @@ static void mesh_walk(convoy *c, const mesh_convoy *m, vbits bits)
     group g;
     int top = 0;
     vbits here = bits;
-    const daft_node *nodes = m->instance->bvh->nodes.items;
+    const daft_bvh *bvh = m->instance->bvh;
+    g.nodes = bvh->nodes.items, g.leaves = bvh->blocks, g.leaf_size = sizeof *bvh->blocks, g.leaf_shift = 2;
     group_setup(&g, m->o, m->inverse, vf_set(0), c->tmin);
     group_rows(&g, bits);
     group_interval(&g, c->limit, bits);
     uint32_t child = 0;
     do {
         while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > FEW_IN_MESH)
-            child = descend(&stack, &top, &nodes[child], &g, c->limit, here, &here);
+            child = descend(&stack, &top, &g, child, c->limit, here, &here);
         if (child == DAFT_CHILD_NONE) continue;
         if (count_lanes(here) <= FEW_IN_MESH) mesh_alone(c, m, child, here);
         else if (DAFT_KERNEL(daft_leaf_touch)(c, m, &g, child, here)) g.most = most_of(c->limit, bits);
@@ -371,14 +382,14 @@ static void upper_walk(convoy *c, vbits bits, bool mixed)
     group g;
     int top = 0;
     vbits here = bits;
-    const daft_node *nodes = c->tlas->nodes.items;
+    g.nodes = c->tlas->nodes.items, g.leaves = c->tlas->instances, g.leaf_size = sizeof(daft_instance), g.leaf_shift = 0;
     vf pad = vf3_magnitude(c->o) * vf_set(0x1p-20f); /* as for single rays: traverse_kernel.c */
     group_setup(&g, c->o, c->inverse, pad, c->tmin);
     if (!mixed) group_rows(&g, bits), group_interval(&g, c->limit, bits);
     uint32_t child = 0;
     do {
         while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > FEW)
-            child = descend(&stack, &top, &nodes[child], &g, c->limit, here, &here);
+            child = descend(&stack, &top, &g, child, c->limit, here, &here);
         if (child == DAFT_CHILD_NONE) continue;
         if (!(child & DAFT_CHILD_LEAF)) upper_alone(c, child, here);
         else instance_touch(c, child & ~DAFT_CHILD_LEAF, here);
