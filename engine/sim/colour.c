@@ -398,8 +398,16 @@ static void make_soft(float hertz, float h, float out[3])
     out[0] = omega / a1, out[1] = a2 * a3, out[2] = a3;
 }
 
-/* The touches of a block stand anywhere; those of the next one are on their way meanwhile. */
-static void fetch_block(const daft_world *world, uint32_t index)
+/* The touches of a block, and their bodies, stand anywhere; those of the next one are on their way meanwhile. */
+DAFT_SIM_FETCH fetch_body(const daft_world *world, uint32_t row)
+{
+    if (row == 0) return; /* it rests */
+    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    __builtin_prefetch(body);
+    __builtin_prefetch(&body->centre);
+}
+
+DAFT_SIM_FETCH fetch_block(const daft_world *world, uint32_t index, bool bodies)
 {
     const daft_sim_solver *s = world->solver;
     if (index >= s->block_count) return;
@@ -407,12 +415,13 @@ static void fetch_block(const daft_world *world, uint32_t index)
     for (int lane = 0; lane < DAFT_SIM_LANES && slots[lane].touch != DAFT_SIM_NONE; lane++) {
         const char *touch = (const char *)&world->touches[slots[lane].touch];
         for (size_t at = 0; at < sizeof(daft_sim_touch); at += 64) __builtin_prefetch(touch + at, 1);
+        if (bodies) fetch_body(world, slots[lane].row_a), fetch_body(world, slots[lane].row_b);
     }
 }
 
 void daft_sim_block_fill(daft_world *world, uint32_t index)
 {
-    fetch_block(world, index + 1);
+    fetch_block(world, index + 1, true);
     daft_sim_solver *s = world->solver;
     daft_sim_block *block = &s->blocks[index];
     float h = s->h, soft[2][3];
@@ -451,16 +460,16 @@ static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)
 
 void daft_sim_block_store(daft_world *world, uint32_t index)
 {
-    fetch_block(world, index + 1);
+    fetch_block(world, index + 1, false);
     daft_sim_solver *s = world->solver;
     daft_sim_block *block = &s->blocks[index];
     const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
-    bool strained = false;
+    uint32_t strained = 0;
     for (int lane = 0; lane < block->lanes; lane++) {
         daft_sim_patch *patch = &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch];
         store_lane(block, lane, patch);
         float light = daft_sim_max(block->inv_mass_a[lane], block->inv_mass_b[lane]);
-        strained |= daft_sim_finer_load(world, patch, light, s->h * (float)s->substeps);
+        strained |= (uint32_t)daft_sim_finer_load(world, patch, light, s->h * (float)s->substeps) << lane;
     }
-    s->strained[index] = strained;
+    s->strained[index] = (uint16_t)strained;
 }

@@ -396,7 +396,7 @@ static void take_round(const range *r, rounds *all, int lane)
     end_patch(touch, all->entries[lane]);
 }
 
-static void fetch(const void *record, size_t size)
+DAFT_SIM_FETCH fetch(const void *record, size_t size)
 {
     for (size_t at = 0; at < size; at += 64) __builtin_prefetch((const char *)record + at);
     __builtin_prefetch((const char *)record + size - 1); /* records do not begin where lines do */

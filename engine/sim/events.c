@@ -218,7 +218,7 @@ static void judge_range(void *context, uint32_t index, uint32_t worker)
 }
 
 /* What is told of an entry, whose key is its bodies, is on its way. */
-static void fetch_told(const daft_world *world, const daft_sim_listed *entry)
+DAFT_SIM_FETCH fetch_told(const daft_world *world, const daft_sim_listed *entry)
 {
     const daft_sim_touch *touch = &world->touches[entry->touch];
     __builtin_prefetch(touch);

@@ -81,10 +81,10 @@ void daft_sim_finer_ask(daft_world *world)
 {
     daft_sim_solver *s = world->solver;
     for (uint32_t i = 0; i < s->block_count; i++) {
-        if (!s->strained[i]) continue;
         const daft_sim_block *block = &s->blocks[i];
-        for (int lane = 0; lane < block->lanes; lane++) {
-            const daft_sim_slot *slot = &s->slots[(size_t)i * DAFT_SIM_LANES + (size_t)lane];
+        for (uint32_t lanes = s->strained[i]; lanes; lanes &= lanes - 1) {
+            uint32_t lane = (uint32_t)__builtin_ctz(lanes);
+            const daft_sim_slot *slot = &s->slots[(size_t)i * DAFT_SIM_LANES + lane];
             daft_sim_touch *touch = &world->touches[slot->touch];
             float rate = asked_by(world, &world->bodies[touch->body_a], &world->bodies[touch->body_b],
                                   daft_sim_patches(touch)[slot->patch].load);

@@ -60,6 +60,10 @@ static inline bool daft_sim_overlap(const daft_sim_bounds *a, const daft_sim_bou
            (a->low.z <= b->high.z) & (b->low.z <= a->high.z);
 }
 
+/* Of functions that fetch what will be asked for: gcc takes one that does nothing else for one without effect, unless it has
+ * become part of its caller before. */
+#define DAFT_SIM_FETCH static inline __attribute__((always_inline)) void
+
 /* ---- the tree (tree.c) ---- */
 
 /* A height-balanced tree of bounds; leaves are parts, entered and removed one at a time, moved where they stand, and all
@@ -141,8 +145,6 @@ typedef struct daft_sim_part {
     daft_vec3 middle; /* in the part: of a ball within it, */
     float inner;      /* its radius; 0: a surface */
     float roll;       /* radius that rolling resistance counts with */
-    uint32_t next_escaped; /* walk.c: it left its fat bounds, found when the world's changes were: */
-    uint64_t escaped_at;
 } daft_sim_part;
 
 /* What a step asks for at the same time lies together, in cache lines of 64 bytes; what it hardly asks for comes last. */
@@ -350,8 +352,7 @@ struct daft_world {
 
     daft_sim_tree trees[DAFT_BODY_DYNAMIC + 1]; /* one for each kind */
     uint64_t changes;         /* counts steps and changes of the trees, from 1 on */
-    uint64_t escaped_at;      /* of which the parts that left their bounds are known, */
-    uint32_t first_escaped;   /* chained from here */
+    uint64_t settled_at;      /* of which the trees have all parts where they are (broad.c) */
     daft_sim_pair *pairs; /* DAFT_SIM_MATERIAL_KINDS²; friction < 0: none. NULL: none at all */
 
     daft_sim_solver *solver;
@@ -460,6 +461,10 @@ void daft_sim_broad_add(daft_world *world, uint32_t body);
 void daft_sim_broad_remove(daft_world *world, uint32_t body);
 /* Bounds over the coming step of everything that moves. False when memory is out. */
 bool daft_sim_broad_update(daft_world *world, float dt);
+/* The trees hold all parts where they are now, for queries. */
+void daft_sim_broad_settle(daft_world *world);
+/* The same for a body that falls asleep. */
+void daft_sim_broad_rest(daft_world *world, uint32_t body);
 
 /* ---- outline.c ---- */
 

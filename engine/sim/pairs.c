@@ -252,7 +252,7 @@ static void wake_inside(daft_world *world, const daft_sim_touch *touch)
 enum { AHEAD = 4 };
 
 /* What a new touch is made from is on its way. */
-static void fetch_pair(const daft_world *world, uint64_t key)
+DAFT_SIM_FETCH fetch_pair(const daft_world *world, uint64_t key)
 {
     const uint32_t parts[2] = {(uint32_t)(key >> 32), (uint32_t)key};
     for (int i = 0; i < 2; i++) {

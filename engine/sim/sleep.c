@@ -166,6 +166,7 @@ static void put_to_sleep(daft_world *world, uint32_t index)
     }
     daft_sim_outlines_rest(world, index);
     daft_sim_list_remove(world, &world->awake, index);
+    daft_sim_broad_rest(world, index);
     daft_sim_event_sleep(world, DAFT_SIM_SLEEP, index);
 }
 

@@ -177,7 +177,7 @@ struct daft_sim_solver {
     daft_sim_block *blocks;
     size_t block_capacity;
     uint32_t block_count;
-    bool *strained; /* blocks in which, after the step, some contact carries many times what it presses on weighs */
+    uint16_t *strained; /* of blocks, after the step: bits of the contacts that carry many times what they press on weighs */
     size_t strained_capacity;
     daft_sim_colour *colours;
     size_t colour_capacity;

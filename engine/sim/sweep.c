@@ -115,6 +115,22 @@ static daft_sim_bounds way_bounds(const daft_sim_body *body, daft_dvec3 to)
                              daft_dadd(daft_sim_dmax(body->centre, to), d)};
 }
 
+static void note(void *context, uint32_t part)
+{
+    (void)part;
+    *(bool *)context = true;
+}
+
+/* Whether there is anything on its way. */
+static bool is_watched(const daft_world *world, const daft_sim_body *body, daft_dvec3 to)
+{
+    daft_sim_bounds bounds = way_bounds(body, to);
+    bool any = false;
+    daft_sim_tree_query(&world->trees[DAFT_BODY_STATIC], &bounds, note, &any);
+    if (!any) daft_sim_tree_query(&world->trees[DAFT_BODY_KINEMATIC], &bounds, note, &any);
+    return any || body->bullet;
+}
+
 static void sweep_part(sweep *s, uint32_t index, daft_quat rotation)
 {
     const daft_world *world = s->world;
@@ -146,6 +162,7 @@ void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targ
 {
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     daft_sim_target *target = &targets[row];
+    if (!is_watched(world, body, target->centre)) return;
     sweep s = {.world = world, .targets = targets, .to = target->centre, .linear = body->linear};
     sweep_body(&s, body, target->rotation);
     for (int i = 0; s.pressed && i < SLIDES; i++) {

@@ -1,7 +1,5 @@
-/* Walks through the trees of the broad phase, near boxes first. Bounds in the trees were made before the last step and
- * hold where a body was expected to go; where a contact sent it elsewhere, it may have left them. Such parts are found
- * once, when the first query after a step asks, and are chained through their records, so nothing is allocated and the
- * trees stay as the next step expects them. */
+/* Walks through the trees of the broad phase, near boxes first. The first query after a step sees to it that they hold all
+ * parts where they are. */
 #include "sim/walk.h"
 
 #include "sim/triangles.h"
@@ -32,36 +30,6 @@ daft_sim_way daft_sim_way_of(const daft_sim_shape *shape, const daft_rigid *fram
                           .end = 1};
 }
 
-/* ---- parts that left their bounds ---- */
-
-static bool holds(const daft_sim_bounds *outer, const daft_sim_bounds *inner)
-{
-    return outer->low.x <= inner->low.x && outer->low.y <= inner->low.y && outer->low.z <= inner->low.z &&
-           outer->high.x >= inner->high.x && outer->high.y >= inner->high.y && outer->high.z >= inner->high.z;
-}
-
-static void find_escaped_of(daft_world *world, const daft_sim_list *bodies)
-{
-    for (size_t k = 0; k < bodies->count; k++)
-        for (uint32_t i = world->bodies[bodies->items[k]].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
-            daft_sim_part *part = &world->parts[i];
-            daft_sim_bounds bounds = daft_sim_part_bounds(world, i);
-            if (holds(&world->fat[i], &bounds)) continue;
-            part->next_escaped = world->first_escaped;
-            part->escaped_at = world->changes;
-            world->first_escaped = i;
-        }
-}
-
-static void find_escaped(daft_world *world)
-{
-    if (world->escaped_at == world->changes) return;
-    world->first_escaped = DAFT_SIM_NONE;
-    find_escaped_of(world, &world->awake);
-    find_escaped_of(world, &world->movers);
-    world->escaped_at = world->changes;
-}
-
 /* ---- the walk ---- */
 
 typedef struct entry {
@@ -86,8 +54,7 @@ static void walk_tree(const daft_world *world, const daft_sim_tree *tree, daft_s
         if (top.enter > way->end) continue;
         const daft_sim_node *node = &tree->nodes[top.node];
         if (node->height == 0) {
-            bool escaped = world->parts[node->part].escaped_at == world->changes; /* visited already */
-            if (!escaped && daft_sim_passes(world, node->part, filter)) visit(context, node->part);
+            if (daft_sim_passes(world, node->part, filter)) visit(context, node->part);
             continue;
         }
         bool met[2];
@@ -104,9 +71,7 @@ static void walk_tree(const daft_world *world, const daft_sim_tree *tree, daft_s
 void daft_sim_walk(daft_world *world, daft_sim_way *way, const daft_sim_filter *filter, daft_sim_visit *visit,
                    void *context)
 {
-    find_escaped(world);
-    for (uint32_t i = world->first_escaped; i != DAFT_SIM_NONE && way->end >= 0; i = world->parts[i].next_escaped)
-        if (daft_sim_passes(world, i, filter)) visit(context, i);
+    daft_sim_broad_settle(world);
     for (int kind = DAFT_BODY_STATIC; kind <= DAFT_BODY_DYNAMIC; kind++)
         if (filter->kinds >> kind & 1) walk_tree(world, &world->trees[kind], way, filter, visit, context);
 }

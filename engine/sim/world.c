@@ -17,7 +17,6 @@ daft_world *daft_world_create(const daft_allocator *allocator, daft_error *error
     world->isa = daft_isa_best();
     world->sleeping = true;
     world->changes = 1;
-    world->first_escaped = DAFT_SIM_NONE;
     world->free_body = world->free_part = world->free_touch = world->free_joint = DAFT_SIM_NONE;
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_init(&world->trees[i]);
     return world;
