@@ -56,7 +56,7 @@ static void a_contact_begins_with_its_speed_and_impulse(void **unused)
 enum { MOST_USERS = 600 };
 static bool open_contacts[MOST_USERS][MOST_USERS];
 
-static void follow_events(const daft_world *world, int *open)
+static void follow_events(daft_world *world, int *open)
 {
     const daft_sim_event *events;
     uint32_t n = daft_world_events(world, &events);

@@ -375,6 +375,7 @@ void daft_world_remove(daft_world *world, uint32_t handle)
     if (!daft_sim_find(world, handle)) return;
     uint32_t index = handle - 1;
     daft_sim_body *body = &world->bodies[index];
+    daft_sim_report_fill(world);
     daft_sim_wake(world, index);
     daft_sim_wake_neighbours(world, index);
     while (body->first_joint != DAFT_SIM_NONE) daft_sim_joint_remove(world, body->first_joint >> 1, true);
@@ -445,6 +446,7 @@ void daft_world_set_pose(daft_world *world, uint32_t handle, daft_dvec3 position
         daft_sim_body_activate(world, index);
         return;
     }
+    daft_sim_report_fill(world);
     daft_sim_wake_neighbours(world, index);
     daft_sim_broad_remove(world, index);
     daft_sim_body_place(body, position, rotation);
@@ -574,6 +576,7 @@ void daft_world_set_filter(daft_world *world, uint32_t handle, uint32_t layers, 
 {
     if (!daft_sim_find(world, handle)) return;
     uint32_t index = handle - 1;
+    daft_sim_report_fill(world);
     daft_sim_wake_neighbours(world, index);
     daft_sim_touches_remove(world, index);
     for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)

@@ -289,13 +289,21 @@ void daft_sim_report(daft_world *world)
     if (world->sleep_changed) report_sleepers(world);
     world->counters.contacts = 0;
     world->report_count = world->report_asleep;
+    world->untold = false;
     if (world->met.count == 0) return; /* there may be no memory yet to point to */
     for_ranges(world, world->met.count, judge_range);
     order_report(world);
+    world->untold = true;
+}
+
+/* Contacts are told when somebody asks, or before what they are told from is changed. */
+void daft_sim_report_fill(daft_world *world)
+{
+    if (!world->untold) return;
+    world->untold = false;
     for_ranges(world, world->merged.count, fill_range);
     order_same_bodies(world->report + world->report_asleep, world->merged.items, world->merged.count);
     world->report_count = world->report_asleep + world->merged.count;
-    world->merged.count = 0;
 }
 
 void daft_sim_report_forget(daft_world *world, uint32_t handle)
@@ -321,8 +329,9 @@ void daft_sim_events_deliver(daft_world *world)
         qsort(world->events.items, world->events.count, sizeof *world->events.items, event_order);
 }
 
-uint32_t daft_world_contacts(const daft_world *world, const daft_sim_contact **out)
+uint32_t daft_world_contacts(daft_world *world, const daft_sim_contact **out)
 {
+    daft_sim_report_fill(world);
     *out = world->report;
     return (uint32_t)world->report_count;
 }

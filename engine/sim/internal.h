@@ -361,6 +361,7 @@ struct daft_world {
     daft_sim_contact *report; /* first the contacts of what sleeps, made anew when some fell asleep or woke */
     size_t report_count, report_capacity, report_asleep;
     bool sleep_changed;
+    bool untold; /* the other contacts of the last step are in `merged`, by touch, and not in the report yet */
     uint64_t *candidates, *ordered; /* pairs.c: keys of near pairs; scratch of ordering them */
     size_t candidate_count, candidate_capacity, ordered_capacity;
     daft_sim_event_list events, pending; /* of the last step; of calls since */
@@ -587,6 +588,8 @@ void daft_sim_event_sleep(daft_world *world, daft_sim_event_kind kind, uint32_t 
 /* A removed body's contacts leave the report. */
 void daft_sim_report_forget(daft_world *world, uint32_t body);
 bool daft_sim_report_reserve(daft_world *world);
+/* Before touches or poses of the last step are changed. */
+void daft_sim_report_fill(daft_world *world);
 void daft_sim_report(daft_world *world);
 void daft_sim_events_deliver(daft_world *world);
 

@@ -150,6 +150,7 @@ static void place_side(const daft_world *world, daft_sim_joint *joint, int side,
 static void forget_touches(daft_world *world, const daft_sim_joint *joint)
 {
     if (joint->collide || joint->body[0] == DAFT_SIM_NONE) return;
+    daft_sim_report_fill(world);
     bool any = true;
     while (any) {
         any = false;

@@ -177,7 +177,7 @@ typedef struct daft_sim_contact {
     daft_vec3 normal; /* from a to b */
     float impulse;    /* kg·m/s along the normals, over the step */
 } daft_sim_contact;
-uint32_t daft_world_contacts(const daft_world *world, const daft_sim_contact **out);
+uint32_t daft_world_contacts(daft_world *world, const daft_sim_contact **out);
 
 typedef enum daft_sim_event_kind {
     DAFT_SIM_CONTACT_BEGIN = 1, /* point, normal, impulse, speed */

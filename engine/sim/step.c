@@ -281,6 +281,7 @@ bool daft_world_step(daft_world *world, float dt, daft_error *error)
     if (dt < 1e-9f) return true;
     world->counters = (daft_sim_counters){0};
     if (has_work(world)) {
+        world->untold = false;
         work w = {.world = world, .dt = dt};
         work_on(&w);
         if (!w.done) {
