@@ -293,7 +293,7 @@ static uint32_t check_looks(const fixture_mesh *m, const daft_affine *map, const
     for (size_t b = 0; b < m->bvh->block_count; b++)
         for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
             uint32_t triangle = m->bvh->blocks[b].triangle[i];
-            if (!daft_looks_away(m->bvh->sides->looks[b][i], &glance) || triangle == DAFT_NO_TRIANGLE) continue;
+            if (!daft_looks_away(m->bvh->sides->looks[b][i], 0, &glance) || triangle == DAFT_NO_TRIANGLE) continue;
             assert_true(daft_is_one_sided(m->bvh->sides, triangle));
             assert_int_equal(daft_det_sign(corner_at(&m->mesh, map, triangle, 0), corner_at(&m->mesh, map, triangle, 1),
                                            corner_at(&m->mesh, map, triangle, 2)), -front);
@@ -311,8 +311,9 @@ static uint32_t check_cones(const fixture_mesh *m, float far)
     int front;
     if (!daft_outlook_from(m->bvh, &m->mesh, &map, &outlook, &front)) return 0;
     count += check_looks(m, &map, &outlook, front);
+    daft_glance glance = daft_glance_of(m->bvh->sides, &outlook);
     for (size_t n = 0; n < m->bvh->nodes.count; n++) {
-        uint32_t away = daft_cones_away(&m->bvh->sides->cones[n], &outlook);
+        uint32_t away = daft_cones_away(&m->bvh->sides->cones[n], &glance);
         for (int i = 0; i < DAFT_WIDTH; i++)
             if (away >> i & 1) count += check_below(m, &map, m->bvh->nodes.items[n].child[i], front);
     }
@@ -327,7 +328,7 @@ static uint32_t check_sun(const fixture_mesh *m)
     const daft_trimesh *mesh = &m->mesh;
     daft_glance glance = daft_glance_of(m->bvh->sides, &outlook);
     for (size_t b = 0; b < m->bvh->nodes.count; b++) {
-        uint32_t away = daft_cones_away(&m->bvh->sides->cones[b], &outlook);
+        uint32_t away = daft_cones_away(&m->bvh->sides->cones[b], &glance);
         for (int i = 0; i < DAFT_WIDTH; i++) {
             uint32_t child = m->bvh->nodes.items[b].child[i];
             if (!(away >> i & 1) || !(child & DAFT_CHILD_LEAF)) continue;
@@ -337,7 +338,7 @@ static uint32_t check_sun(const fixture_mesh *m)
             for (int k = 0; k < 3; k++) p[k] = daft_dv3((double)mesh->x[v[k]], (double)mesh->y[v[k]], (double)mesh->z[v[k]]);
             daft_dvec3 normal = daft_dcross(daft_dsub(p[1], p[0]), daft_dsub(p[2], p[0]));
             assert_true(daft_ddot(normal, daft_to_double(direction)) < 0);
-            count += daft_looks_away(m->bvh->sides->looks[block][0], &glance);
+            count += daft_looks_away(m->bvh->sides->looks[block][0], 0, &glance);
         }
     }
     return count;

@@ -5,7 +5,7 @@
 #include "math/simd.h"
 
 enum { MOST_BLOCKS = 1024, STEPS = 8 };
-#define SLACK 0x1p-18 /* of the reach, over the rounding of the test, of unit normals and of offsets */
+#define NEVER_AWAY 0x80000000u
 
 /* A block's triangles, by lanes. */
 typedef struct faces {
@@ -69,6 +69,47 @@ static daft_dvec3 unit(daft_dvec3 v)
     return length > 0 ? daft_dscale(v, 1 / length) : v;
 }
 
+/* ---- looks ---- */
+
+/* Four times the mean of those that have a height: for the few beyond, the others would have to keep a wide margin. */
+static float usual_thinness(const cone_job *j)
+{
+    double sum = 0, count = 0;
+    for (size_t b = 0; b < j->bvh->block_count; b++)
+        for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
+            float thinness = j->faces[b].thinness[i];
+            if (thinness < INFINITY) sum += (double)thinness, count++;
+        }
+    return count > 0 ? (float)(4 * sum / count) : 0;
+}
+
+/* Of a normal, and an offset that is rounded down; a part may lie before the planes of all its triangles by more than the
+ * radius. */
+static uint32_t look_of(const cone_job *j, daft_dvec3 n, double offset)
+{
+    const double value[4] = {127 * n.x + 0.5, 127 * n.y + 0.5, 127 * n.z + 0.5, fmin(127 * offset / (double)j->sides->radius, 127)};
+    uint32_t look = 0;
+    if (!(value[3] >= -127)) return NEVER_AWAY;
+    for (int k = 0; k < 4; k++) look |= ((uint32_t)(int32_t)floor(value[k]) & 255) << (8 * k);
+    return look;
+}
+
+static void fill_faces(cone_job *j)
+{
+    for (size_t b = 0; b < j->bvh->block_count; b++)
+        for (uint32_t i = 0; i < DAFT_BLOCK; i++)
+            face_make(&j->bvh->blocks[b], i, j->sides->blocks[b] >> i & 1, &j->faces[b]);
+    j->sides->thinness = usual_thinness(j);
+    for (size_t b = 0; b < j->bvh->block_count; b++)
+        for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
+            daft_dvec3 n = normal_at(&j->faces[b], i), p = daft_dsub(block_corner(&j->bvh->blocks[b], 0, i), j->sides->middle);
+            bool fit = j->faces[b].thinness[i] <= j->sides->thinness;
+            j->sides->looks[b][i] = fit ? look_of(j, n, daft_ddot(n, p)) : NEVER_AWAY;
+        }
+}
+
+/* ---- cones ---- */
+
 /* The normal that is farthest from the axis; gives the cosine between the two. */
 static float farthest(const faces *f, uint32_t count, daft_dvec3 axis, daft_dvec3 *normal)
 {
@@ -126,22 +167,17 @@ static void cone_make(const cone_job *j, const daft_node *node, int child, uint3
 {
     const faces *f = j->faces + first;
     uint32_t count = end - first;
-    float cosine = 0, thin = count > MOST_BLOCKS ? INFINITY : thinnest(f, count);
+    float cosine = 0;
     daft_dvec3 axis = {0, 0, 0};
-    if (thin < INFINITY) axis = axis_of(f, count, &cosine);
-    if (!(cosine > 0.01f)) { /* every way, or of two sides */
-        for (int k = 0; k < 3; k++) out->axis[k][child] = 0;
-        out->spread[child] = INFINITY, out->shake[child] = 0, out->offset[child] = 0;
-        return;
-    }
+    out->look[child] = NEVER_AWAY, out->spread[child] = 0;
+    if (count <= MOST_BLOCKS && thinnest(f, count) <= j->sides->thinness) axis = axis_of(f, count, &cosine);
+    if (!(cosine > 0.01f)) return; /* every way, or of two sides */
     double c = fmin((double)cosine, 1) - 0x1p-21, middle[3];
     for (int k = 0; k < 3; k++) middle[k] = ((double)node->bounds[k][child] + (double)node->bounds[k + 3][child]) * 0.5;
     daft_dvec3 o = daft_dv3(middle[0], middle[1], middle[2]), scaled = daft_dscale(axis, c);
     double offset = daft_ddot(scaled, daft_dsub(o, j->sides->middle)) + least_offset(j, first, end, o);
-    out->axis[0][child] = (float)scaled.x, out->axis[1][child] = (float)scaled.y, out->axis[2][child] = (float)scaled.z;
-    out->spread[child] = (float)(sqrt(1 - c * c) + SLACK);
-    out->shake[child] = 8 * thin;
-    out->offset[child] = (float)offset;
+    out->look[child] = look_of(j, scaled, offset);
+    out->spread[child] = (float)(127 * sqrt(1 - c * c) * (1 + 0x1p-20));
 }
 
 static void fill_nodes(const cone_job *j)
@@ -157,40 +193,6 @@ static void fill_nodes(const cone_job *j)
             cone_make(j, node, i, first, end, &j->sides->cones[n]);
         }
     }
-}
-
-/* ---- looks ---- */
-
-/* Four times the mean of those that have a height: for the few beyond, the others would have to keep a wide margin. */
-static float usual_thinness(const cone_job *j)
-{
-    double sum = 0, count = 0;
-    for (size_t b = 0; b < j->bvh->block_count; b++)
-        for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
-            float thinness = j->faces[b].thinness[i];
-            if (thinness < INFINITY) sum += (double)thinness, count++;
-        }
-    return count > 0 ? (float)(4 * sum / count) : 0;
-}
-
-static uint32_t look_of(const cone_job *j, size_t b, uint32_t lane)
-{
-    if (!(j->faces[b].thinness[lane] <= j->sides->thinness)) return 0x80000000u;
-    daft_dvec3 n = normal_at(&j->faces[b], lane), p = daft_dsub(block_corner(&j->bvh->blocks[b], 0, lane), j->sides->middle);
-    const double value[4] = {127 * n.x + 0.5, 127 * n.y + 0.5, 127 * n.z + 0.5, 127 * daft_ddot(n, p) / (double)j->sides->radius};
-    uint32_t look = 0;
-    for (int k = 0; k < 4; k++) look |= ((uint32_t)(int32_t)floor(value[k]) & 255) << (8 * k);
-    return look;
-}
-
-static void fill_faces(cone_job *j)
-{
-    for (size_t b = 0; b < j->bvh->block_count; b++)
-        for (uint32_t i = 0; i < DAFT_BLOCK; i++)
-            face_make(&j->bvh->blocks[b], i, j->sides->blocks[b] >> i & 1, &j->faces[b]);
-    j->sides->thinness = usual_thinness(j);
-    for (size_t b = 0; b < j->bvh->block_count; b++)
-        for (uint32_t i = 0; i < DAFT_BLOCK; i++) j->sides->looks[b][i] = look_of(j, b, i);
 }
 
 bool daft_cones_fill(const daft_bvh *bvh, daft_sides *sides)

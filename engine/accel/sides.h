@@ -12,28 +12,28 @@
 
 #include "accel/balls.h"
 
-/* What a node's children look towards, lane by lane. All of a child's triangles are one-sided and look away from an
- * outlook (daft_outlook, below) if, in floats and in any order,
- *     axis[0]·x + axis[1]·y + axis[2]·z + reach·(spread + blur·shake) < offset·w
- * With the triangles' unit normals within an angle s of the unit axis a, p any point on a triangle and v from some point o to
- * the origin, normal·(origin - p) <= cos(s)·(a·v) + sin(s)·|v| - normal·(p - o): axis = cos(s)·a, spread = sin(s) and
- * offset = axis·o + the least normal·(p - o). Corners that are off by `blur`, in a triangle of longest edge L and least height
- * h, turn L·h times its normal by 2·blur·2L + 4·blur² at most and move it by blur; with blur <= L/2 and h < 1.8·reach both
- * are within reach·8·blur/h, and beyond L/2 that is too much for any to look away: shake = 8/h. What holds a triangle of two
- * sides has an infinite spread. Rounding: spread has 2^-18 more, and the test's own is below 2^-19 of the reach. */
-typedef struct daft_cones {
-    float axis[3][DAFT_WIDTH], spread[DAFT_WIDTH], shake[DAFT_WIDTH], offset[DAFT_WIDTH];
-} daft_cones;
-
 /* A triangle's unit normal, times 127, in signed bytes from the lowest on, and last, rounded down, 127 times the least
  * normal·(p - middle) of its points over the mesh's radius; 0, 0, 0, -128 where it is of two sides or too thin. So four
  * blocks fill a register, whatever the instruction set makes of it, and it is known which need not be fetched:
  * a triangle is one-sided and looks away from an outlook if, in floats, with its glance (daft_glance, below)
  *     n[0]·x + n[1]·y + n[2]·z + margin < n[3]·step
- * Bytes of a normal are off by a half each, so that normal·v is off by less than 0.87·|v|/127. */
+ * Bytes of a normal are off by a half each, so that normal·v is off by less than 0.87·|v|/127. Corners that are off by
+ * `blur`, in a triangle of longest edge L and least height h, turn L·h times its normal by 2·blur·2L + 4·blur² at most and
+ * move it by blur; with blur <= L/2 and h < 1.8·reach both are within reach·8·blur/h, and beyond L/2 that is too much for any
+ * to look away. The test's own rounding is below 2^-18 of the reach. */
 typedef uint32_t daft_looks[DAFT_BLOCK];
 
-/* Fewer bytes than a share of the tree's: 6 floats for each child, 7 bytes and a bit for each triangle. */
+/* The same of a node's children: all triangles of one are one-sided and look away from an outlook if
+ *     n[0]·x + n[1]·y + n[2]·z + margin + spread·reach < n[3]·step
+ * With the triangles' unit normals within an angle s of the unit axis a, p any point on a triangle and v from some point o to
+ * the origin, normal·(origin - p) <= cos(s)·(a·v) + sin(s)·|v| - normal·(p - o): n is cos(s)·a, spread 127·sin(s), and the
+ * last byte of axis·o + the least normal·(p - o). A line of a cache for each node. */
+typedef struct daft_cones {
+    uint32_t look[DAFT_WIDTH];
+    float spread[DAFT_WIDTH];
+} daft_cones;
+
+/* Fewer bytes than a share of the tree's: 2 words for each child, 7 bytes and a bit for each triangle. */
 typedef struct daft_sides {
     uint32_t triangle_count, count; /* of the mesh's; of one-sided ones */
     daft_dvec3 middle;              /* of the mesh's bounds: outlooks and offsets count from here */
@@ -65,30 +65,27 @@ bool daft_outlook_from(const daft_bvh *bvh, const daft_trimesh *mesh, const daft
 
 /* An outlook as looks are held against it. */
 typedef struct daft_glance {
-    float x, y, z, step, margin;
+    float x, y, z, step, margin, reach;
 } daft_glance;
 
 static inline daft_glance daft_glance_of(const daft_sides *sides, const daft_outlook *o)
 {
     float margin = o->reach * (0.875f + 127 * (0x1p-18f + 8 * sides->thinness * o->blur));
-    return (daft_glance){o->x, o->y, o->z, sides->radius * o->w, margin};
+    return (daft_glance){o->x, o->y, o->z, sides->radius * o->w, margin, o->reach};
 }
 
-/* Whether a triangle looks away. The kernels compute the same in lanes. */
-static inline bool daft_looks_away(uint32_t look, const daft_glance *g)
+/* Whether a triangle looks away, or, with its spread, a node's child. The kernels compute the same in lanes. */
+static inline bool daft_looks_away(uint32_t look, float spread, const daft_glance *g)
 {
     float x = (float)(int8_t)look, y = (float)(int8_t)(look >> 8), z = (float)(int8_t)(look >> 16), k = (float)(int8_t)(look >> 24);
-    return x * g->x + y * g->y + z * g->z + g->margin < k * g->step;
+    return x * g->x + y * g->y + z * g->z + g->margin + spread * g->reach < k * g->step;
 }
 
-/* Bits of the children that look away. The kernels compute the same in lanes. */
-static inline uint32_t daft_cones_away(const daft_cones *c, const daft_outlook *o)
+/* Bits of the children that look away. */
+static inline uint32_t daft_cones_away(const daft_cones *c, const daft_glance *g)
 {
     uint32_t away = 0;
-    for (uint32_t i = 0; i < DAFT_WIDTH; i++) {
-        float towards = c->axis[0][i] * o->x + c->axis[1][i] * o->y + c->axis[2][i] * o->z;
-        away |= (uint32_t)(towards + o->reach * (c->spread[i] + o->blur * c->shake[i]) < c->offset[i] * o->w) << i;
-    }
+    for (uint32_t i = 0; i < DAFT_WIDTH; i++) away |= (uint32_t)daft_looks_away(c->look[i], c->spread[i], g) << i;
     return away;
 }
 

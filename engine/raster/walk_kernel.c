@@ -209,7 +209,6 @@ static void balls_begin(walk *w, const float pad[3])
     w->sides = NULL;
     if (!seen->front || !(pad[2] * 0x1p12f < seen->near_z)) return; /* then z is known to a part in 2^10 */
     w->sides = seen->bvh->sides;
-    w->glance = daft_glance_of(w->sides, &seen->outlook);
     const daft_balls *balls = &w->sides->balls;
     float stretch = 0; /* the square of what lengths grow by, at most: a sum over a row of m·mᵀ */
     for (int i = 0; i < 4; i++) {
@@ -237,6 +236,7 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_
     w->job = job, w->seen = seen, w->waiting = waiting, w->leaf_count = w->block_count = 0;
     w->leaf_limit = seen->front ? DAFT_LEAVES : FEW_LEAVES;
     w->cones = seen->front ? seen->bvh->sides->cones : NULL;
+    if (seen->front) w->glance = daft_glance_of(seen->bvh->sides, &seen->outlook);
     float pad[3];
     for (int k = 0; k < 3; k++) {
         float size = fabsf(map->t[k]);
@@ -268,18 +268,17 @@ typedef struct boxes {
     vbits some;
 } boxes;
 
-DAFT_INLINE vf cones_load(const node_pair *n, const float *first, const float *second) { return vf_load_eights(first, second, n->part); }
-
 /* Children all of whose triangles are seen from backs that do not count: daft_cones_away. */
 DAFT_INLINE vbits away(const walk *w, const node_pair *n)
 {
     const daft_cones *a = n->first_cones, *b = n->second_cones;
-    const daft_outlook *o = &w->seen->outlook;
+    const daft_glance *g = &w->glance;
     if (!a) return 0;
-    vf towards = cones_load(n, a->axis[0], b->axis[0]) * vf_set(o->x) + cones_load(n, a->axis[1], b->axis[1]) * vf_set(o->y) +
-                 cones_load(n, a->axis[2], b->axis[2]) * vf_set(o->z);
-    vf spread = cones_load(n, a->spread, b->spread) + vf_set(o->blur) * cones_load(n, a->shake, b->shake);
-    return vm_bits(vf_lt(towards + vf_set(o->reach) * spread, cones_load(n, a->offset, b->offset) * vf_set(o->w)));
+    vi look = (vi)vf_load_eights((const float *)(const void *)a->look, (const float *)(const void *)b->look, n->part);
+    vf spread = vf_load_eights(a->spread, b->spread, n->part);
+    vf towards = vf_from_int(look << 24 >> 24) * vf_set(g->x) + vf_from_int(look << 16 >> 24) * vf_set(g->y) +
+                 vf_from_int(look << 8 >> 24) * vf_set(g->z) + vf_set(g->margin);
+    return vm_bits(vf_lt(towards + spread * vf_set(g->reach), vf_from_int(look >> 24) * vf_set(g->step)));
 }
 
 /* Comparisons are written so that a NaN, from an overflow, leaves a box in. */
