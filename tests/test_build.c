@@ -5,7 +5,7 @@
 static daft_bvh *build(const daft_trimesh *mesh, int threads, int isa)
 {
     const daft_allocator allocator = daft_malloc_allocator();
-    daft_bvh *bvh = daft_bvh_build(&allocator, mesh, &(daft_bvh_def){threads, isa, false}, NULL);
+    daft_bvh *bvh = daft_bvh_build(&allocator, mesh, &(daft_bvh_def){.threads = threads, .isa = isa}, NULL);
     assert_non_null(bvh);
     return bvh;
 }
@@ -191,7 +191,7 @@ static void memory_may_run_out_at_any_moment(void **unused)
             meter taken = {.left = failures};
             const daft_allocator allocator = {&taken, meter_allocate, meter_release};
             daft_error error = {0};
-            daft_bvh *bvh = daft_bvh_build(&allocator, &m.mesh, &(daft_bvh_def){threads, 0, false}, &error);
+            daft_bvh *bvh = daft_bvh_build(&allocator, &m.mesh, &(daft_bvh_def){.threads = threads}, &error);
             built = bvh != NULL;
             assert_int_equal(error.code, built ? DAFT_OK : DAFT_ERROR_MEMORY);
             if (built) assert_same_tree(m.bvh, bvh);
@@ -250,7 +250,7 @@ static void refit_finds_what_a_fresh_tree_finds(void **unused)
     for (int step = 0; step < 12; step++) {
         bend(&m.mesh, step < 6 ? 0.1f : 1.5f, moved);
         assert_true(daft_trimesh_deform(&allocator, &m.mesh, moved, NULL, NULL));
-        rebuilt += daft_bvh_update(m.bvh, &m.mesh, &(daft_bvh_def){1 + step % 3, daft_isa_best(), false});
+        rebuilt += daft_bvh_update(m.bvh, &m.mesh, &(daft_bvh_def){.threads = 1 + step % 3, .isa = daft_isa_best()});
         check_tree(m.bvh, &m.mesh);
         daft_bvh *fresh = build(&m.mesh, 1, 0);
         same_hits(&m, fresh);

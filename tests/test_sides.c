@@ -464,7 +464,7 @@ static void split_triangles(void **unused)
     for (int s = 0; s < 2; s++) {
         uint32_t whole = one_sided_of(shapes[s]);
         daft_bvh_free(shapes[s]->bvh);
-        shapes[s]->bvh = daft_bvh_build(&allocator, &shapes[s]->mesh, &(daft_bvh_def){1, daft_isa_best(), true}, NULL);
+        shapes[s]->bvh = daft_bvh_build(&allocator, &shapes[s]->mesh, &(daft_bvh_def){.threads = 1, .isa = daft_isa_best(), .spatial_splits = true}, NULL);
         assert_int_equal(one_sided_of(shapes[s]), whole);
         for (int round = 0; round < 50; round++) check_cones(shapes[s], 10);
         mesh_drop(shapes[s]);
@@ -479,7 +479,7 @@ static void gone_when_moved(void **unused)
     size_t before = daft_bvh_bytes(ball.bvh);
     assert_true(one_sided_of(&ball) > 0 && daft_bvh_bytes(ball.bvh) > before);
     for (uint32_t i = 0; i < ball.mesh.vertex_count; i++) ball.mesh.y[i] += ball.mesh.x[i];
-    daft_bvh_update(ball.bvh, &ball.mesh, &(daft_bvh_def){1, 0, false});
+    daft_bvh_update(ball.bvh, &ball.mesh, &(daft_bvh_def){.threads = 1});
     assert_null(ball.bvh->sides);
     assert_true(daft_bvh_bytes(ball.bvh) == before && one_sided_of(&ball) == ball.mesh.triangle_count);
     mesh_drop(&ball);

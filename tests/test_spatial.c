@@ -4,7 +4,7 @@
 
 static daft_bvh *grow(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error)
 {
-    return daft_bvh_build(allocator, mesh, &(daft_bvh_def){threads, daft_isa_best(), true}, error);
+    return daft_bvh_build(allocator, mesh, &(daft_bvh_def){.threads = threads, .isa = daft_isa_best(), .spatial_splits = true}, error);
 }
 
 /* Small triangles, and long thin ones across the axes, which are what spatial splits are for. */

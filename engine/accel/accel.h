@@ -14,6 +14,7 @@ typedef struct daft_bvh_def {
     int threads;
     int isa; /* of the builder's kernels; the tree is the same for any */
     bool spatial_splits; /* slow to build; triangles may stand in several leaves */
+    bool may_turn;       /* its boxes may stand along other axes than the mesh's, where they fit better; not with spatial splits */
 } daft_bvh_def;
 
 /* Over a mesh's triangles. The mesh must outlive it. NULL when memory is out. A mesh without triangles is fine. */

@@ -174,7 +174,9 @@ static void cone_make(const cone_job *j, const daft_node *node, int child, uint3
     if (!(cosine > 0.01f)) return; /* every way, or of two sides */
     double c = fmin((double)cosine, 1) - 0x1p-21, middle[3];
     for (int k = 0; k < 3; k++) middle[k] = ((double)node->bounds[k][child] + (double)node->bounds[k + 3][child]) * 0.5;
-    daft_dvec3 o = daft_dv3(middle[0], middle[1], middle[2]), scaled = daft_dscale(axis, c);
+    daft_dvec3 o = daft_dv3(middle[0], middle[1], middle[2]);
+    if (j->bvh->turned) o = daft_turn_back(&j->bvh->turn, o);
+    daft_dvec3 scaled = daft_dscale(axis, c);
     double offset = daft_ddot(scaled, daft_dsub(o, j->sides->middle)) + least_offset(j, first, end, o);
     out->look[child] = look_of(j, scaled, offset);
     out->spread[child] = (float)(127 * sqrt(1 - c * c) * (1 + 0x1p-20));

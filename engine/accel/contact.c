@@ -239,6 +239,9 @@ static void meet_block(leaf *l, const daft_block *block)
 static void meet_all(leaf *l)
 {
     const daft_bvh *bvh = l->search->bvh;
+    daft_vec3 from = daft_v3(l->all_low[0], l->all_low[1], l->all_low[2]), until = daft_v3(l->all_high[0], l->all_high[1], l->all_high[2]);
+    if (bvh->turned) daft_turn_box(&bvh->turn, &from, &until);
+    const float low[3] = {from.x, from.y, from.z}, high[3] = {until.x, until.y, until.z};
     uint32_t stack[DAFT_STACK];
     int top = 0;
     stack[top++] = 0;
@@ -254,7 +257,7 @@ static void meet_all(leaf *l)
         for (int i = 0; i < DAFT_WIDTH; i++) {
             bool meets = node->child[i] != DAFT_CHILD_NONE;
             for (int k = 0; k < 3; k++)
-                meets = meets && node->bounds[k][i] <= l->all_high[k] && l->all_low[k] <= node->bounds[k + 3][i];
+                meets = meets && node->bounds[k][i] <= high[k] && low[k] <= node->bounds[k + 3][i];
             if (meets) stack[top++] = node->child[i];
         }
     }

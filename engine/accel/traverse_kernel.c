@@ -192,9 +192,29 @@ DAFT_INLINE bool turn(const daft_affine *map, const lined_ray *frame, lined_ray 
 
 DAFT_INLINE const char *node_at(const daft_node *nodes, uint32_t code) { return (const char *)nodes + code * sizeof *nodes; }
 
+/* The ray as a turned tree's boxes see it. With u = 2^-24 the origin rounds four times and the direction three times, so on its
+ * way to a point p of the mesh the ray is off by 7u of |origin - centre| and 3u of |p - centre|, both as sums over the axes;
+ * boxes are seen larger by 16u of both. Where numbers are so large or small that they may over- or underflow, all are met. */
+DAFT_INLINE void turned_slabs(const daft_turn *turn, v4 o, v4 d, slab_way *way, slab_origin *from, slab_origin *until)
+{
+    v4 x, y, z, c = without_last(o - v4_load(turn->centre));
+    v4_transpose3(v4_load(turn->m), v4_load(turn->m + 3), v4_load(turn->m + 6), &x, &y, &z);
+    v4 origin = without_last((x * v4_set(c[0]) + y * v4_set(c[1])) + z * v4_set(c[2]));
+    v4 direction = without_last((x * v4_set(d[0]) + y * v4_set(d[1])) + z * v4_set(d[2]));
+    float far = fabsf(c[0]) + fabsf(c[1]) + fabsf(c[2]) + turn->reach, length = fabsf(d[0]) + fabsf(d[1]) + fabsf(d[2]);
+    float pad = far * 0x1p-20f;
+    if (!(far < 0x1p100f && length > 0x1p-80f && length < 0x1p100f)) {
+        pad = 0x1p100f; /* over any box there is: entered before all, left after all */
+        origin = v4_set(0), direction = without_last(v4_set(0x1p-100f));
+    }
+    v4 outwards = (v4)((v4i)v4_set(pad) | ((v4i)direction & (v4i)v4_set(-0.0f)));
+    *way = slab_way_of(direction, minus_inverse(direction));
+    *from = slab_origin_of(origin + outwards), *until = slab_origin_of(origin - outwards);
+}
+
 /* Below `child`. hit->t limits the search and hit->triangle breaks ties, so the order of traversal does not matter. */
-DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, slab_origin o, bool plain,
-                           daft_nearest *hit)
+DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
+                           const slab_origin *until, bool plain, daft_nearest *hit)
 {
     ray_stack stack;
     uint64_t *top = stack.items;
@@ -205,7 +225,7 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
-            uint32_t bits = slab_test(node, way, &o, &o, plain, low, high, &near);
+            uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
             child = bits ? step((const daft_node *)node, bits, near, &top) : pop(&top, limit);
         }
         if (child == DAFT_CHILD_NONE) return;
@@ -215,8 +235,8 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
 }
 
 /* Whether anything below `child` is hit before hit->t. */
-DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, slab_origin o, bool plain,
-                             daft_nearest *hit)
+DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
+                             const slab_origin *until, bool plain, daft_nearest *hit)
 {
     code_stack stack;
     uint32_t *top = stack.items;
@@ -227,7 +247,7 @@ DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
-            uint32_t bits = slab_test(node, way, &o, &o, plain, low, high, &near);
+            uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
             child = bits ? spread((const daft_node *)node, bits, &top) : *--top;
         }
         if (child == DAFT_CHILD_NONE) return false;
@@ -243,15 +263,33 @@ DAFT_INLINE uint32_t first_child(const daft_bvh *bvh, uint32_t child)
     return child == 0 && root->child[1] == DAFT_CHILD_NONE ? root->child[0] : child;
 }
 
+static __attribute__((noinline)) void turned_walk(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const daft_mesh_ray *r, daft_nearest *hit)
+{
+    slab_way way;
+    slab_origin from, until;
+    turned_slabs(&bvh->turn, o, d, &way, &from, &until);
+    mesh_walk(bvh, child, &way, r, &from, &until, false, hit);
+}
+
+static __attribute__((noinline)) bool turned_search(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const daft_mesh_ray *r, daft_nearest *hit)
+{
+    slab_way way;
+    slab_origin from, until;
+    turned_slabs(&bvh->turn, o, d, &way, &from, &until);
+    return mesh_search(bvh, child, &way, r, &from, &until, false, hit);
+}
+
 /* way: of the direction d. */
 static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_way *way, float tmin,
                                                    daft_intersection how, daft_nearest *hit)
 {
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, hit->t, how);
+    slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF) leaf_closest(bvh, child, &r, daft_past(hit->t), hit);
-    else if (tmin >= 0 && way->plain) mesh_walk(bvh, child, way, &r, slab_origin_of(o), true, hit);
-    else mesh_walk(bvh, child, way, &r, slab_origin_of(o), false, hit);
+    else if (bvh->turned) turned_walk(bvh, child, o, d, &r, hit);
+    else if (tmin >= 0 && way->plain) mesh_walk(bvh, child, way, &r, &at, &at, true, hit);
+    else mesh_walk(bvh, child, way, &r, &at, &at, false, hit);
 }
 
 static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_way *way, float tmin,
@@ -259,10 +297,12 @@ static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_
 {
     daft_nearest hit = {.t = tmax, .triangle = DAFT_NO_TRIANGLE};
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, tmax, how);
+    slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF) return leaf_stops(bvh, child, &r, daft_past(tmax), &hit);
-    if (tmin >= 0 && way->plain) return mesh_search(bvh, child, way, &r, slab_origin_of(o), true, &hit);
-    return mesh_search(bvh, child, way, &r, slab_origin_of(o), false, &hit);
+    if (bvh->turned) return turned_search(bvh, child, o, d, &r, &hit);
+    if (tmin >= 0 && way->plain) return mesh_search(bvh, child, way, &r, &at, &at, true, &hit);
+    return mesh_search(bvh, child, way, &r, &at, &at, false, &hit);
 }
 
 /* Through an instance's mesh. A mesh that is only shifted keeps the direction. */

@@ -64,18 +64,17 @@ static void cross(const winder *w, crossings *c, uint32_t triangle)
         c->behind -= outwards;
 }
 
-/* Whether the line, both ways without end, meets the child's box, a little larger. */
-static bool line_meets(const daft_node *node, int child, const crossings *c, double pad)
+/* Whether the line, both ways without end, meets the child's box, a little larger; the line as boxes see it. */
+static bool line_meets(const daft_node *node, int child, const double o[3], const double d[3], double pad)
 {
-    const float *o = &c->o.x, *d = &c->d.x;
     double near = -INFINITY, far = INFINITY;
     for (int k = 0; k < 3; k++) {
-        double low = (double)node->bounds[k][child] - pad - (double)o[k], high = (double)node->bounds[k + 3][child] + pad - (double)o[k];
+        double low = (double)node->bounds[k][child] - pad - o[k], high = (double)node->bounds[k + 3][child] + pad - o[k];
         if (d[k] == 0) {
             if (low > 0 || high < 0) return false;
             continue;
         }
-        double a = low / (double)d[k], b = high / (double)d[k];
+        double a = low / d[k], b = high / d[k];
         near = fmax(near, fmin(a, b)), far = fmin(far, fmax(a, b));
     }
     return near <= far;
@@ -85,6 +84,9 @@ static bool line_meets(const daft_node *node, int child, const crossings *c, dou
 static bool cross_all(winder *w, crossings *c)
 {
     const daft_bvh *bvh = w->search->bvh;
+    daft_dvec3 o = daft_to_double(c->o), d = daft_to_double(c->d);
+    if (bvh->turned) o = daft_turn_point(&bvh->turn, o), d = daft_turn_vector(&bvh->turn, d);
+    const double from[3] = {o.x, o.y, o.z}, way[3] = {d.x, d.y, d.z};
     uint32_t stack[DAFT_STACK];
     int top = 0;
     stack[top++] = 0;
@@ -105,7 +107,7 @@ static bool cross_all(winder *w, crossings *c)
         }
         const daft_node *node = &bvh->nodes.items[child];
         for (int i = 0; i < DAFT_WIDTH; i++)
-            if (node->child[i] != DAFT_CHILD_NONE && line_meets(node, i, c, w->search->pad)) stack[top++] = node->child[i];
+            if (node->child[i] != DAFT_CHILD_NONE && line_meets(node, i, from, way, w->search->pad)) stack[top++] = node->child[i];
     }
     return true;
 }

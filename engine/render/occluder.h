@@ -13,8 +13,9 @@ typedef struct mesh_caster {
     caster c;
     float size; /* of the map's translation: what corners may lose beside their own coordinates */
     picture_map map; /* object space to light space */
-    daft_affine back; /* and the way back */
-    float pad[3];    /* object space: what boxes must be larger by, along each axis, for points' ways to meet them */
+    picture_map boxes; /* from where the tree's boxes stand */
+    daft_affine back; /* and the way back, to where they stand */
+    float pad[3];    /* there: what boxes must be larger by, along each axis, for points' ways to meet them */
 } mesh_caster;
 
 /* Leaf blocks, waiting to be tested against the points behind their leaf's box: blocks of them, or few by themselves. */

@@ -530,7 +530,7 @@ static void walk(const mesh_caster *m, const picture_box *box, const block_set *
         const entry at = stack[--top];
         const daft_node *node = &bvh->nodes.items[at.node];
         if (go_alone(m, &at)) continue;
-        uint32_t in = DAFT_KERNEL(daft_node_project)(c->light, &m->map, node, &boxes);
+        uint32_t in = DAFT_KERNEL(daft_node_project)(c->light, &m->boxes, node, &boxes);
         if (in) in = children_narrow(&boxes, in, c->points, &at.behind, next, points);
         for (; in; in &= in - 1) {
             int i = __builtin_ctz(in);
@@ -578,11 +578,31 @@ static void set_back(mesh_caster *m)
     }
 }
 
+/* To a tree whose boxes are turned. Corners round by what they reach in the mesh's own space, so that counts as well; no magnitude
+ * in the turn is over 1, so pads along all axes hold what places and ways are off by, and twice that what turning them adds. */
+static void turn_boxes(mesh_caster *m)
+{
+    const daft_turn *turn = &m->c.instance->bvh->turn;
+    const daft_affine own = m->back, map = daft_turn_map(turn, &m->map.map);
+    const float *low = &m->c.instance->mesh->low.x, *high = &m->c.instance->mesh->high.x, pad = 2 * (m->pad[0] + m->pad[1] + m->pad[2]);
+    m->boxes = picture_map_make(&map);
+    m->boxes.still += m->map.still;
+    for (int k = 0; k < 3; k++) {
+        daft_dvec3 column = daft_turn_vector(turn, daft_dv3((double)own.m[k], (double)own.m[3 + k], (double)own.m[6 + k]));
+        m->back.m[k] = (float)column.x, m->back.m[3 + k] = (float)column.y, m->back.m[6 + k] = (float)column.z;
+        m->boxes.still += m->map.reach[k] * fmaxf(fabsf(low[k]), fabsf(high[k]));
+        m->pad[k] = pad;
+    }
+    daft_dvec3 t = daft_turn_point(turn, daft_dv3((double)own.t[0], (double)own.t[1], (double)own.t[2]));
+    m->back.t[0] = (float)t.x, m->back.t[1] = (float)t.y, m->back.t[2] = (float)t.z;
+}
+
 void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const picture_box *box, const block_set *behind)
 {
     mesh_caster m = {.c = *c};
     const daft_affine map = DAFT_KERNEL(daft_light_compose)(&c->light->map, &c->instance->to_frame, c->light->origin);
-    m.map = picture_map_make(&map), m.size = m.map.still;
+    m.map = picture_map_make(&map), m.size = m.map.still, m.boxes = m.map;
     set_back(&m);
+    if (c->instance->bvh->turned) turn_boxes(&m);
     walk(&m, box, behind);
 }

@@ -73,13 +73,19 @@ void daft_assets_free(daft_scene *scene)
 
 /* ---- meshes ---- */
 
+static daft_bvh_def mesh_tree(const daft_scene *scene)
+{
+    const daft_engine *engine = scene->engine;
+    return (daft_bvh_def){.threads = engine->threads, .isa = engine->isa, .spatial_splits = engine->accel == DAFT_ACCEL_SBVH, .may_turn = true};
+}
+
 /* Builds what a mesh needs beside its triangles. On failure the item is still to be freed. */
 static bool mesh_finish(daft_scene *scene, daft_mesh_item *item, daft_error *error)
 {
     uint32_t slots = item->mesh.slot_count ? item->mesh.slot_count : 1;
     item->materials = daft_alloc_zero(scene->allocator, slots, sizeof *item->materials);
     if (!item->materials) return daft_fail_memory(error, "a mesh's materials");
-    const daft_bvh_def def = {scene->engine->threads, scene->engine->isa, scene->engine->accel == DAFT_ACCEL_SBVH};
+    const daft_bvh_def def = mesh_tree(scene);
     item->bvh = daft_bvh_build(scene->allocator, &item->mesh, &def, error);
     if (!item->bvh) return false;
     scene->counters.mesh_builds++;
@@ -200,7 +206,7 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
     if (daft_geometry_uses_mesh(scene, mesh))
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "the mesh's triangles are what a body is made of: they do not move");
     if (!daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
-    const daft_bvh_def def = {scene->engine->threads, scene->engine->isa, scene->engine->accel == DAFT_ACCEL_SBVH};
+    const daft_bvh_def def = mesh_tree(scene);
     if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
     if (item->kdtree) { /* without memory for another, rays go through the BVH, to the same hits */
         daft_kdtree_free(item->kdtree);

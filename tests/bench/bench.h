@@ -7,7 +7,7 @@
  *   models.c    meshes: files of an optional folder, and generated ones that are always there
  *   scenes.c    what both sides look at: meshes, instances, spheres, a room (scenes.h)
  *   camera.c    our camera rays; boxes.c: what becomes of them without the ray test
- *   render.c, rays.c, frames.c, load.c, trees.c, game.c, growth.c, accuracy.c (svg.c), robust.c, machine.c   the benchmarks
+ *   render.c, rays.c, frames.c, load.c, trees.c, beams.c, game.c, growth.c, accuracy.c (svg.c), robust.c, machine.c   the benchmarks
  *   sim.c (sim_scenes.c, sim_ours.c), sim_accuracy.c (sim_truth.c), sim_shapes.c   the benchmarks of the simulation
  *   embree.c, embree_frame.c, rays_embree.c, tinyobj.cpp, ode.c   the peers, built where their libraries are installed */
 #ifndef DAFT_BENCH_H
@@ -104,6 +104,10 @@ void bench_label(const char *scene, char *out, size_t size);
 /* A grid of columns by rows cells over u, v in 0..1, two triangles each, counter-clockwise where u, v is clockwise. */
 typedef daft_vec3 bench_surface(double u, double v);
 bool bench_grid(bench *self, uint32_t columns, uint32_t rows, bench_surface *point, daft_trimesh *out);
+/* beams.c: a leaning frame of long beams. */
+bool bench_beams_make(bench *self, daft_trimesh *out);
+/* A mesh's tree as a scene builds it, by all processors. */
+daft_bvh *bench_tree(bench *self, const daft_trimesh *mesh);
 /* A copy of the positions as the public API takes them. Released with daft_release. */
 daft_vec3 *bench_positions(bench *self, const daft_trimesh *mesh);
 
@@ -145,6 +149,7 @@ void bench_frames(bench *self);
 void bench_shadow(bench *self);
 void bench_load(bench *self);
 void bench_trees(bench *self);
+void bench_beams(bench *self); /* a tree turned, and not */
 void bench_game(bench *self);
 void bench_sim_shapes(bench *self); /* collision geometry */
 void bench_sim(bench *self);        /* steps of the simulation */

@@ -125,13 +125,6 @@ static void with_instances(bench *self)
     }
 }
 
-static bool make_named(bench *self, const char *name, bench_scene *out)
-{
-    for (size_t i = 0; i < bench_scene_count(); i++)
-        if (strcmp(bench_scene_name(i), name) == 0) return bench_scene_make(self, i, out);
-    return false;
-}
-
 static void with_pixels(bench *self)
 {
     static const int SIZES[][2] = {{320, 180}, {640, 360}, {1280, 720}, {1920, 1080}, {2560, 1440}, {3840, 2160}};
@@ -140,7 +133,7 @@ static void with_pixels(bench *self)
         char what[32];
         bench_scene scene;
         snprintf(what, sizeof what, "frame, %dx%d", SIZES[i][0], SIZES[i][1]);
-        if (!bench_wants(self, g.scene, what) || !make_named(self, "bunny, whole", &scene)) continue;
+        if (!bench_wants(self, g.scene, what) || !bench_scene_named(self, "bunny, whole", &scene)) continue;
         bench_view_size(&scene.view, SIZES[i][0], SIZES[i][1]);
         add_step(&g, &scene, what, threads_of(self), 1, 0);
         bench_scene_free(self, &scene);
@@ -154,7 +147,7 @@ static void with_lamps(bench *self)
         char what[32];
         bench_scene scene;
         snprintf(what, sizeof what, "frame, %d", n);
-        if (!bench_wants(self, g.scene, what) || !make_named(self, "bunny, whole", &scene)) continue;
+        if (!bench_wants(self, g.scene, what) || !bench_scene_named(self, "bunny, whole", &scene)) continue;
         add_step(&g, &scene, what, threads_of(self), n, 0);
         bench_scene_free(self, &scene);
     }
@@ -169,7 +162,7 @@ static void with_threads(bench *self)
         char what[32];
         bench_scene scene;
         snprintf(what, sizeof what, "frame, %d", n);
-        if (!bench_wants(self, g.scene, what) || !make_named(self, "bunny, whole", &scene)) continue;
+        if (!bench_wants(self, g.scene, what) || !bench_scene_named(self, "bunny, whole", &scene)) continue;
         add_step(&g, &scene, what, n, 1, 0);
         bench_scene_free(self, &scene);
     }

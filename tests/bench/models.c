@@ -2,6 +2,7 @@
  * for what is missing there. */
 #include "bench.h"
 
+#include "math/isa.h"
 #include "math/real.h"
 
 #include <stdio.h>
@@ -11,6 +12,7 @@
 const bench_model BENCH_MODELS[] = {
     {"sphere 130k", NULL, 0},
     {"terrain 180k", NULL, 0},
+    {"diagonal beams", NULL, 0},
     {"cow", "cow.obj", 5804},
     {"bunny", "stanford-bunny.obj", 69451},
     {"nefertiti", "nefertiti.obj", 99938},
@@ -146,9 +148,16 @@ bool bench_model_load(bench *self, const bench_model *model, daft_trimesh *out)
 {
     bool loaded = model->file             ? load_file(self, model, out)
                   : model->name[0] == 't' ? bench_grid(self, 300, 300, terrain_point, out)
+                  : model->name[0] == 'd' ? bench_beams_make(self, out)
                                           : bench_grid(self, 360, 180, sphere_point, out);
     if (loaded) normalise(out);
     return loaded;
+}
+
+daft_bvh *bench_tree(bench *self, const daft_trimesh *mesh)
+{
+    const daft_bvh_def def = {.threads = daft_processor_count(), .isa = daft_isa_best(), .may_turn = true};
+    return daft_bvh_build(&self->allocator, mesh, &def, NULL);
 }
 
 daft_vec3 *bench_positions(bench *self, const daft_trimesh *mesh)

@@ -36,6 +36,7 @@ static const scene_entry SCENES[] = {
     {"nefertiti, close up", "nefertiti", CLOSE_UP, 1},
     {"nefertiti, whole", "nefertiti", WHOLE, 1},
     {"nefertiti, far", "nefertiti", FAR, 1},
+    {"diagonal beams", "diagonal beams", WHOLE, 1},
     {"1,000 instances of the cow", "cow", COWS, 1000},
     {"100,000 instances of the cow", "cow", COWS, 100000},
     {"10,000 spheres", NULL, SPHERES, 10000},
@@ -234,7 +235,7 @@ enum { CROWD = 64 }; /* as in scene/assets.c: of so many, sides are worth lookin
 bool bench_scene_build(bench *self, bench_scene *scene)
 {
     for (int i = 0; i < scene->mesh_count; i++) {
-        scene->bvh[i] = daft_bvh_build_mesh(&self->allocator, &scene->mesh[i], daft_processor_count(), NULL);
+        scene->bvh[i] = bench_tree(self, &scene->mesh[i]);
         if (!scene->bvh[i]) return false;
         if (scene->thing_count >= CROWD) daft_bvh_find_sides(scene->bvh[i], &scene->mesh[i], daft_processor_count());
     }
@@ -247,6 +248,14 @@ bool bench_scene_make(bench *self, size_t index, bench_scene *out)
     if (make_kind(self, &SCENES[index], out) && bench_scene_build(self, out)) return true;
     bench_note(self, true, "%s cannot be made", SCENES[index].name);
     bench_scene_free(self, out);
+    return false;
+}
+
+bool bench_scene_named(bench *self, const char *name, bench_scene *out)
+{
+    for (size_t i = 0; i < DAFT_COUNT_OF(SCENES); i++)
+        if (strcmp(SCENES[i].name, name) == 0) return bench_scene_make(self, i, out);
+    bench_note(self, true, "there is no scene %s", name);
     return false;
 }
 

@@ -30,6 +30,7 @@ struct bench_scene {
 size_t bench_scene_count(void);
 const char *bench_scene_name(size_t index);
 bool bench_scene_make(bench *self, size_t index, bench_scene *out); /* false: a note says why */
+bool bench_scene_named(bench *self, const char *name, bench_scene *out);
 /* Builds the trees of a scene whose meshes are there. */
 bool bench_scene_build(bench *self, bench_scene *scene);
 /* So many instances of the cow; without trees, since frames build their own. */

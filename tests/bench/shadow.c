@@ -144,6 +144,7 @@ static const stage_kind KINDS[] = {
     {"light near the ground", "shadows, point light", "bunny", low_light, 2.2f},
     {"thousand", "shadows, point light", "cow", thousand, 22},
     {"interior", "shadows, point light", "sphere 130k", interior, 8},
+    {"whole", "shadows, point light", "diagonal beams", point_light, 2.2f},
 };
 
 /* ---- ours ---- */
@@ -373,7 +374,7 @@ static bool make_meshes(bench *self, const char *model, stage *s)
     if (!bench_model_load(self, bench_model_named(model), &s->mesh[0])) return false;
     if (!daft_trimesh_from_arrays(&self->allocator, &def, &log, &s->mesh[1], NULL)) return false;
     for (int i = 0; i < MESHES; i++) {
-        s->bvh[i] = daft_bvh_build_mesh(&self->allocator, &s->mesh[i], daft_processor_count(), NULL);
+        s->bvh[i] = bench_tree(self, &s->mesh[i]);
         if (!s->bvh[i]) return false;
     }
     return true;

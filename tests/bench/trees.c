@@ -57,7 +57,7 @@ static double mtris(const tree_job *job, double ms) { return job->mesh.triangle_
 static double build_bvh(void *context)
 {
     tree_job *job = context;
-    const daft_bvh_def def = {job->threads, job->isa, job->spatial};
+    const daft_bvh_def def = {.threads = job->threads, .isa = job->isa, .spatial_splits = job->spatial, .may_turn = true};
     double start = daft_clock_ms();
     daft_bvh *bvh = daft_bvh_build(&job->self->allocator, &job->mesh, &def, NULL);
     double ms = daft_clock_ms() - start;
@@ -102,7 +102,7 @@ static void measure_builds(bench *self, const char *scene, tree_job *job)
 static double refit(void *context)
 {
     tree_job *job = context;
-    const daft_bvh_def def = {job->threads, job->isa, job->spatial};
+    const daft_bvh_def def = {.threads = job->threads, .isa = job->isa, .spatial_splits = job->spatial, .may_turn = true};
     double start = daft_clock_ms();
     daft_bvh_update(job->bvh, &job->mesh, &def);
     return mtris(job, daft_clock_ms() - start);
@@ -299,7 +299,7 @@ static daft_instance instance_of(const daft_trimesh *mesh, const daft_bvh *bvh)
 static void measure_spatial(bench *self, const char *scene, tree_job *job)
 {
     job->threads = 1, job->spatial = true;
-    const daft_bvh_def def = {daft_processor_count(), job->isa, true};
+    const daft_bvh_def def = {.threads = daft_processor_count(), .isa = job->isa, .spatial_splits = true};
     daft_bvh *spatial = daft_bvh_build(&self->allocator, &job->mesh, &def, NULL);
     job->bvh = daft_bvh_build_mesh(&self->allocator, &job->mesh, daft_processor_count(), NULL);
     if (spatial && job->bvh) {
@@ -316,52 +316,6 @@ static void measure_spatial(bench *self, const char *scene, tree_job *job)
         compare_rays(self, scene, "tree: spatial splits, nearest hit", &ours, &others, 1, "plain BVH");
     }
     daft_bvh_free(spatial);
-}
-
-/* Beams along a diagonal of their own space: their corners as they are, and turned so that they lie along an axis, with the
- * turn folded into the instances. */
-enum { BEAMS = 2000 };
-
-static bool make_beam(bench *self, const double turn[9], daft_trimesh *out)
-{
-    if (!daft_trimesh_box(&self->allocator, daft_v3(4, 0.1f, 0.1f), out, NULL)) return false;
-    daft_vec3 corners[8];
-    for (uint32_t i = 0; i < 8; i++) {
-        double p[3] = {(double)out->x[i], (double)out->y[i], (double)out->z[i]}, q[3];
-        for (int k = 0; k < 3; k++) q[k] = turn[3 * k] * p[0] + turn[3 * k + 1] * p[1] + turn[3 * k + 2] * p[2];
-        corners[i] = daft_v3((float)q[0], (float)q[1], (float)q[2]);
-    }
-    return daft_trimesh_deform(&self->allocator, out, corners, NULL, NULL);
-}
-
-static void measure_beams(bench *self, const char *scene)
-{
-    const double none[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    double turn[9];
-    daft_quat_matrix((daft_quat){0, 0.32505758f, 0.32505758f, 0.88807383f}, turn); /* x to the diagonal */
-    daft_trimesh mesh[2];
-    if (!make_beam(self, none, &mesh[0]) || !make_beam(self, turn, &mesh[1])) return;
-    daft_bvh *bvh[2] = {daft_bvh_build_mesh(&self->allocator, &mesh[0], 1, NULL), daft_bvh_build_mesh(&self->allocator, &mesh[1], 1, NULL)};
-    daft_instance *things = daft_alloc(&self->allocator, 2 * BEAMS, sizeof *things);
-    uint64_t state = 11;
-    for (int i = 0; things && i < BEAMS; i++) {
-        daft_vec3 at = within(&state, daft_v3(-15, -15, -15), daft_v3(15, 15, 15));
-        for (int k = 0; k < 2; k++) {
-            daft_instance *thing = &things[k * BEAMS + i];
-            *thing = instance_of(&mesh[k], bvh[k]);
-            for (int j = 0; j < 9; j++) {
-                thing->to_frame.m[j] = (float)(k ? none[j] : turn[j]);
-                thing->to_object.m[j] = (float)(k ? none[j] : turn[3 * (j % 3) + j / 3]);
-            }
-            thing->to_frame.t[0] = at.x, thing->to_frame.t[1] = at.y, thing->to_frame.t[2] = at.z;
-            daft_vec3 back = daft_neg(daft_affine_vector(&thing->to_object, at));
-            thing->to_object.t[0] = back.x, thing->to_object.t[1] = back.y, thing->to_object.t[2] = back.z;
-        }
-    }
-    if (things && bvh[0] && bvh[1])
-        compare_rays(self, scene, "tree: in a turned frame, nearest hit", things, things + BEAMS, BEAMS, "as modelled");
-    daft_release(&self->allocator, things);
-    for (int k = 0; k < 2; k++) daft_bvh_free(bvh[k]), daft_trimesh_free(&self->allocator, &mesh[k]);
 }
 
 static void measure_needles(bench *self, const char *scene)
@@ -437,7 +391,7 @@ static void measure_model(bench *self, const bench_model *model)
     tree_job job = {.self = self};
     daft_isa_parse(self->isa, &job.isa);
     if (!bench_model_load(self, model, &job.mesh)) return;
-    job.bvh = daft_bvh_build_mesh(&self->allocator, &job.mesh, daft_processor_count(), NULL);
+    job.bvh = bench_tree(self, &job.mesh);
     measure_refit(self, model->name, &job);
     measure_kdtree(self, model->name, &job);
     job_free(&job);
@@ -468,7 +422,6 @@ void bench_trees(bench *self)
     for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
         if (bench_wants(self, BENCH_MODELS[i].name, "tree: refit and kd-tree")) measure_model(self, &BENCH_MODELS[i]);
     if (bench_wants(self, "needles", "tree: spatial splits")) measure_needles(self, "needles");
-    if (bench_wants(self, "2,000 diagonal beams", "tree: in a turned frame")) measure_beams(self, "2,000 diagonal beams");
     for (size_t i = 0; i < DAFT_COUNT_OF(tops); i++)
         if (bench_wants(self, tops[i].name, "tree: top level")) measure_top(self, tops[i].name, tops[i].count);
 }
