@@ -505,7 +505,8 @@ DAFT_INLINE uint32_t few_things(const daft_tlas *tlas, const daft_ray *ray, cons
     uint32_t bits = slab_test((const char *)tlas->nodes.items, &frame->way, &from, &until, ray->tmin >= 0 && frame->way.plain,
                               v8_set(daft_before(ray->tmin)), v8_set(daft_past(ray->tmax)), &enter);
     v8_store(near, enter);
-    return bits;
+    /* origins so large that they overflow meet even boxes that are empty */
+    return bits & v8_le_bits(v8_load(tlas->nodes.items->bounds[0]), v8_load(tlas->nodes.items->bounds[3]));
 }
 
 DAFT_INLINE void few_closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_nearest *hit)
