@@ -109,6 +109,47 @@ static void against_brute_force(void **unused)
     mesh_drop(&ball);
 }
 
+/* A top level of one node has a way of its own. Two things stand in one place: the lower number is hit. */
+static void few_things(void **unused)
+{
+    (void)unused;
+    fixture_seed(77);
+    fixture_mesh ball = mesh_ball(12, 1, 0.2f);
+    daft_instance instances[DAFT_WIDTH];
+    int hits = 0, disagreements = 0;
+    for (uint32_t count = 1; count <= DAFT_WIDTH; count++) {
+        for (uint32_t i = 0; i < count; i++) {
+            daft_affine turned = affine_make(random_rotation(), daft_v3(1, 1, 1), random_vec3(-2, 2));
+            instances[i] = i % 3 == 2 ? sphere_make(random_vec3(-2, 2), 0.7f) : instance_make(&ball, turned);
+        }
+        if (count > 2) instances[1] = instances[0];
+        scene s, rest;
+        scene_build(&s, instances, count);
+        for (int i = 0; i < 200; i++) {
+            daft_vec3 origin = random_vec3(-5, 5);
+            daft_ray ray = ray_make(origin, daft_sub(random_vec3(-2, 2), origin));
+            daft_hit hit, second;
+            daft_accel_kernels_for(0)->closest(s.tlas, &ray, UINT32_MAX, &hit);
+            same_on_every_isa(&s, &ray, &hit);
+            assert_true(count <= 2 || hit.instance != 1);
+            double expected = brute(&s, &ray);
+            disagreements += isinf(expected) ? hit.instance != UINT32_MAX : !(fabs((double)hit.t - expected) < 1e-4 * (1 + expected));
+            if (hit.instance == UINT32_MAX) continue;
+            hits++;
+            daft_accel_kernels_for(daft_isa_best())->closest(s.tlas, &ray, hit.instance, &second);
+            rest = s, rest.count = hit.instance; /* those before it, then those after it */
+            double beside = brute(&rest, &ray);
+            rest.instances = instances + hit.instance + 1, rest.count = count - hit.instance - 1;
+            beside = fmin(beside, brute(&rest, &ray));
+            disagreements += isinf(beside) ? second.instance != UINT32_MAX : !(fabs((double)second.t - beside) < 1e-4 * (1 + beside));
+        }
+        daft_arena_free(&s.arena);
+    }
+    print_message("%d hits, %d grazing rays decided differently\n", hits, disagreements);
+    assert_true(hits > 300 && disagreements <= 3);
+    mesh_drop(&ball);
+}
+
 static daft_vec3 vertex(const daft_trimesh *mesh, uint32_t v) { return daft_v3(mesh->x[v], mesh->y[v], mesh->z[v]); }
 
 /* From inside a closed mesh every ray must hit, also those aimed at vertices and at points of edges. */
@@ -389,8 +430,8 @@ static void degenerate_inputs(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(against_brute_force), cmocka_unit_test(closed_meshes_leak_nothing),
-                                       cmocka_unit_test(limits_and_ignore), cmocka_unit_test(packets_and_streams),
-                                       cmocka_unit_test(degenerate_inputs)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(against_brute_force), cmocka_unit_test(few_things),
+                                       cmocka_unit_test(closed_meshes_leak_nothing), cmocka_unit_test(limits_and_ignore),
+                                       cmocka_unit_test(packets_and_streams), cmocka_unit_test(degenerate_inputs)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
