@@ -5,12 +5,14 @@
  * give way. */
 #include "sim/joints.h"
 
+#include <stddef.h>
 #include <string.h>
 
 enum {
     MASKED = 32, /* colours of each class that a body's mask tells; its further constraints climb level by level */
     CLASSES = 2, /* 0: both bodies yield; 1: one of them */
-    KINDS = 2 * CLASSES /* those that are not firm and those that are, of each class */
+    SIZES = DAFT_MANIFOLD_POINTS,
+    KINDS = 2 * CLASSES * SIZES /* of each class those that are not firm and those that are, by their points */
 };
 
 #define UNUSED_SEPARATION 1e20f
@@ -84,10 +86,16 @@ static uint32_t take_colour(daft_sim_solver *s, uint32_t row_a, uint32_t row_b, 
     return MASKED + level;
 }
 
-static bool count_colour(daft_world *world, uint32_t colour, uint32_t class, bool firm, uint32_t most[CLASSES])
+/* Where those of a kind are counted; those of most points come first. */
+static size_t kind_of(const daft_sim_constraint *c)
+{
+    return (size_t)(c->colour >> 1) * KINDS + (2 * (c->colour & 1) + c->firm) * SIZES + (SIZES - c->points);
+}
+
+static bool count_colour(daft_world *world, const daft_sim_constraint *c, uint32_t most[CLASSES])
 {
     daft_sim_solver *s = world->solver;
-    size_t at = (size_t)colour * KINDS + 2 * class + firm;
+    uint32_t colour = c->colour >> 1, class = c->colour & 1;
     size_t used = (size_t)(most[0] > most[1] ? most[0] : most[1]) * KINDS;
     if (colour >= most[class]) {
         size_t wanted = ((size_t)colour + 1) * KINDS;
@@ -97,7 +105,7 @@ static bool count_colour(daft_world *world, uint32_t colour, uint32_t class, boo
         for (size_t i = used; i < wanted; i++) s->colour_counts[i] = 0;
         most[class] = colour + 1;
     }
-    s->colour_counts[at]++;
+    s->colour_counts[kind_of(c)]++;
     return true;
 }
 
@@ -196,17 +204,30 @@ static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
         if (!class) s->constrained[b] = true;
         if (met->flags & DAFT_SIM_MET_PARTS) part(world, a, b), part(world, b, a);
         bool firm = daft_sim_finer_is_firm(world, met);
+        uint8_t points = (uint8_t)((met->points + met->patches - 1u) / met->patches); /* where there are several: about */
         for (uint32_t k = 0; k < met->patches; k++) {
             uint32_t colour = take_colour(s, a, b, class);
-            if (!count_colour(world, colour, class, firm, most)) return false;
-            s->constraints[s->constraint_count++] =
-                (daft_sim_constraint){met->touch, k, a, b, colour << 1 | class, firm};
+            daft_sim_constraint c = {met->touch, k, a, b, colour << 1 | class, firm, points};
+            if (!count_colour(world, &c, most)) return false;
+            s->constraints[s->constraint_count++] = c;
         }
     }
     return true;
 }
 
-/* Colours in order, each on whole blocks; colour_counts becomes the next free slot of each. */
+/* Gives how many blocks those of any number of points take, from block `first` on; counts become their next free slots. */
+static uint32_t lay_sizes(uint32_t counts[SIZES], uint32_t first)
+{
+    uint32_t slot = first * DAFT_SIM_LANES, next = slot;
+    for (int size = 0; size < SIZES; size++) {
+        uint32_t count = counts[size];
+        counts[size] = next;
+        next += count;
+    }
+    return (next - slot + DAFT_SIM_LANES - 1) / DAFT_SIM_LANES;
+}
+
+/* Colours in order, each on whole blocks, in which contacts have about as many points. */
 static bool lay_out(daft_world *world, const uint32_t most[CLASSES])
 {
     daft_sim_solver *s = world->solver;
@@ -216,10 +237,9 @@ static bool lay_out(daft_world *world, const uint32_t most[CLASSES])
         return false;
     for (uint32_t class = 0; class < CLASSES; class++)
         for (uint32_t colour = 0; colour < most[class]; colour++) {
-            uint32_t *next = &s->colour_counts[colour * KINDS + 2 * class], first = s->block_count, blocks[2];
+            uint32_t *counts = &s->colour_counts[colour * KINDS + 2 * class * SIZES], first = s->block_count, blocks[2];
             for (int firm = 0; firm < 2; firm++) {
-                blocks[firm] = (next[firm] + DAFT_SIM_LANES - 1) / DAFT_SIM_LANES;
-                next[firm] = s->block_count * DAFT_SIM_LANES;
+                blocks[firm] = lay_sizes(counts + firm * SIZES, s->block_count);
                 s->block_count += blocks[firm];
             }
             if (s->block_count == first) continue;
@@ -236,8 +256,7 @@ static void place_contacts(daft_sim_solver *s)
     for (size_t i = 0; i < (size_t)s->block_count * DAFT_SIM_LANES; i++) s->slots[i].touch = DAFT_SIM_NONE;
     for (size_t i = 0; i < s->constraint_count; i++) {
         const daft_sim_constraint *c = &s->constraints[i];
-        uint32_t *next = &s->colour_counts[(c->colour >> 1) * KINDS + 2 * (c->colour & 1) + c->firm];
-        s->slots[(*next)++] = (daft_sim_slot){c->touch, c->patch, c->row_a, c->row_b, c->firm};
+        s->slots[s->colour_counts[kind_of(c)]++] = (daft_sim_slot){c->touch, c->patch, c->row_a, c->row_b, c->firm};
     }
 }
 
@@ -267,8 +286,9 @@ static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
         if (yields(world, a)) s->constrained[a] = true;
         if (yields(world, b)) s->constrained[b] = true;
         uint32_t class = !(yields(world, a) && yields(world, b)), colour = take_colour(s, a, b, class);
-        if (!count_colour(world, colour, class, false, most)) return false;
-        s->constraints[s->constraint_count++] = (daft_sim_constraint){i, 0, a, b, colour << 1 | class, false};
+        daft_sim_constraint c = {i, 0, a, b, colour << 1 | class, false, 1};
+        if (!count_colour(world, &c, most)) return false;
+        s->constraints[s->constraint_count++] = c;
     }
     return true;
 }
@@ -354,7 +374,6 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     block->rolling[lane] = touch->rolling;
     block->rolls |= touch->rolling > 0;
     block->bounces |= touch->restitution > 0;
-    block->points = daft_max_i(block->points, (int)patch->count);
     block->tangent_impulse[0][lane] = daft_dot(patch->friction_impulse, t) * longer;
     block->tangent_impulse[1][lane] = daft_dot(patch->friction_impulse, u) * longer;
     block->twist_impulse[lane] = patch->twist_impulse * longer;
@@ -432,10 +451,16 @@ void daft_sim_block_fill(daft_world *world, uint32_t index)
     const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
     int lanes = 0;
     while (lanes < DAFT_SIM_LANES && slots[lanes].touch != DAFT_SIM_NONE) lanes++;
-    memset(block, 0, sizeof *block);
+    memset(block, 0, offsetof(daft_sim_block, inv_mass_a));
     block->lanes = lanes;
-    for (int i = 0; i < DAFT_MANIFOLD_POINTS; i++)
+    for (int lane = 0; lane < lanes; lane++) {
+        const daft_sim_patch *patch = &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch];
+        block->points = daft_max_i(block->points, (int)patch->count);
+    }
+    for (int i = 0; i < block->points; i++) {
+        memset(&block->point[i], 0, offsetof(daft_sim_block_point, arm_b));
         for (int lane = 0; lane < DAFT_SIM_LANES; lane++) block->point[i].separation[lane] = UNUSED_SEPARATION;
+    }
     for (int lane = 0; lane < lanes; lane++) fill_lane(world, block, lane, &slots[lane], soft, h * (float)s->substeps);
 }
 

@@ -548,7 +548,7 @@ static void update_asked(range *r)
 }
 
 /* What is looked at for a pair in any case, and where it had patches, the record that keeps them. */
-static void fetch_entry(const daft_world *world, const daft_sim_listed *entry)
+DAFT_SIM_FETCH fetch_entry(const daft_world *world, const daft_sim_listed *entry)
 {
     __builtin_prefetch(&world->outlines[entry->key >> 32]);
     __builtin_prefetch(&world->outlines[(uint32_t)entry->key]);

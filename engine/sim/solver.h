@@ -20,11 +20,13 @@ typedef float daft_sim_lanes[DAFT_SIM_LANES] __attribute__((aligned(64)));
 /* A normal constraint: one point of a manifold. `arm_`: anchor × normal; `push_`: that times the inverse inertia, the
  * change of angular velocity by a unit impulse. Before prepare, arm_a holds the anchor itself. */
 typedef struct daft_sim_block_point {
-    daft_sim_lanes arm_a[3], arm_b[3], push_a[3], push_b[3];
+    daft_sim_lanes arm_a[3];
     daft_sim_lanes separation; /* as the step began; huge: no such point in this lane */
-    daft_sim_lanes mass;       /* effective */
     daft_sim_lanes impulse;    /* of the last substep */
     daft_sim_lanes total;      /* summed over the step */
+    /* What prepare makes: */
+    daft_sim_lanes arm_b[3], push_a[3], push_b[3];
+    daft_sim_lanes mass;       /* effective */
     daft_sim_lanes approach;   /* speed at which they meet, 0 or more */
     daft_sim_lanes lever;      /* distance from where friction acts */
 } daft_sim_block_point;
@@ -40,20 +42,23 @@ typedef struct daft_sim_block {
     daft_sim_lanes shared; /* 1 where b is one of several bodies of a floor: friction acts below a's centre, as on one */
     daft_sim_lanes normal[3], tangent[3]; /* the other tangent: normal × tangent */
     daft_sim_lanes apart[3];              /* from b's centre to a's: b's anchors are a's plus this; prepare's only */
-    daft_sim_lanes inv_mass_a, inv_mass_b;
     daft_sim_lanes rate, soft_mass, soft_impulse; /* of the contact's spring */
     daft_sim_lanes friction;
-    daft_sim_lanes arm_a[2][3], arm_b[2][3], push_a[2][3], push_b[2][3]; /* of friction, each tangent */
-    daft_sim_lanes tangent_mass[3];    /* inverse of the 2×2 matrix: 11, 12, 22 */
     daft_sim_lanes tangent_impulse[2];
     daft_sim_lanes slip[2], twist_slip; /* how far what sticks was dragged along: since when, see patches */
     daft_sim_lanes belt[2];            /* the surfaces' speed along the tangents: a's less b's */
     bool turns;                        /* some lane's bodies turn about the normal; those whose do not have zeros here: */
     daft_sim_lanes bend_a[2], bend_b[2]; /* along the tangents, from the centre to where friction acts; else 1 before
                                            prepare */
-    daft_sim_lanes twist_a[3], twist_b[3], twist_mass, twist_impulse;
+    daft_sim_lanes twist_impulse;
     daft_sim_lanes restitution;
-    daft_sim_lanes rolling, rolling_mass, rolling_impulse[3];
+    daft_sim_lanes rolling, rolling_impulse[3];
+    /* What prepare makes: */
+    daft_sim_lanes inv_mass_a, inv_mass_b;
+    daft_sim_lanes arm_a[2][3], arm_b[2][3], push_a[2][3], push_b[2][3]; /* of friction, each tangent */
+    daft_sim_lanes tangent_mass[3];    /* inverse of the 2×2 matrix: 11, 12, 22 */
+    daft_sim_lanes twist_a[3], twist_b[3], twist_mass;
+    daft_sim_lanes rolling_mass;
     daft_sim_lanes inertia_a[6], inertia_b[6]; /* inverse; rolling's */
     daft_sim_block_point point[DAFT_MANIFOLD_POINTS];
 } daft_sim_block;
@@ -210,6 +215,7 @@ struct daft_sim_solver {
     struct daft_sim_constraint {
         uint32_t touch, patch, row_a, row_b, colour;
         bool firm;
+        uint8_t points; /* 1 to DAFT_MANIFOLD_POINTS: contacts of as many stand in a block; joints: 1 */
     } *constraints;
     size_t constraint_capacity, constraint_count;
     uint32_t contact_rows; /* constraints of all contacts */

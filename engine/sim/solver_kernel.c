@@ -380,17 +380,18 @@ DAFT_INLINE demand point_demand(const daft_sim_block_point *p, vf moved, const b
     return d;
 }
 
-DAFT_INLINE void solve_point(daft_sim_block_point *p, body *a, body *b, masses m, vf3 n, const demand *d, int lane)
+DAFT_INLINE void solve_point(daft_sim_block_point *p, body *a, body *b, masses m, vf3 n, const demand *d, vm solved, int lane)
 {
     vf speed = row_speed(a, b, n, p->arm_a, p->arm_b, lane), old = vf_load(p->impulse + lane);
     vf wanted = old - d->mass * (speed + d->bias) - d->soft_impulse * old;
-    wanted = vf_min(vf_max(wanted, vf_set(0)), d->most);
+    wanted = vf_select(solved, vf_min(vf_max(wanted, vf_set(0)), d->most), old);
     vf_store(p->impulse + lane, wanted);
     push(a, b, m, n, p->push_a, p->push_b, wanted - old, lane);
 }
 
 /* The points of a manifold share both bodies: going over them to and fro while these are at hand makes a tilting box
- * find its balance, for little more than the time of going once. */
+ * find its balance, for little more than the time of going once. A point that is alone in its manifold is gone over once,
+ * whatever stands beside it in the block. */
 enum { SWEEPS = 2 };
 
 typedef struct sums {
@@ -403,12 +404,16 @@ DAFT_INLINE sums solve_points(daft_sim_block *block, body *a, body *b, masses m,
     vf moved = vf3_dot(n, vf3_sub(turn_b->v, turn_a->v));
     demand demands[DAFT_MANIFOLD_POINTS];
     int last = block->points - 1;
+    vf none = vf_set(0);
+    vm solved = vf_le(none, none);
     for (int i = 0; i <= last; i++) demands[i] = point_demand(&block->point[i], moved, turn_a, turn_b, s, lane);
-    for (int sweep = 0; sweep < (last ? SWEEPS : 1); sweep++)
+    for (int sweep = 0; sweep < (last ? SWEEPS : 1); sweep++) {
         for (int i = 0; i <= last; i++) {
             int at = (sweep + !s->on) & 1 ? last - i : i;
-            solve_point(&block->point[at], a, b, m, n, &demands[at], lane);
+            solve_point(&block->point[at], a, b, m, n, &demands[at], solved, lane);
         }
+        if (last) solved = vf_lt(vf_load(block->point[1].separation + lane), vf_set(1e19f));
+    }
     sums sum = {vf_set(0), vf_set(0)};
     for (int i = 0; i <= last; i++) {
         daft_sim_block_point *p = &block->point[i];
