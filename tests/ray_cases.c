@@ -94,7 +94,8 @@ static const uint32_t MATERIAL[1] = {0};
 static bool thing_finish(thing *s)
 {
     daft_error error;
-    s->instance.to_frame = s->instance.to_object = (daft_affine){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {s->instance.to_frame.t[0], s->instance.to_frame.t[1], s->instance.to_frame.t[2]}};
+    const float *t = s->instance.to_frame.t;
+    s->instance.to_frame = s->instance.to_object = (daft_affine){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {t[0], t[1], t[2]}};
     s->instance.materials = MATERIAL, s->instance.flags = DAFT_INSTANCE_CASTS_SHADOW;
     daft_instance_bound(&s->instance);
     daft_arena_init(&s->arena, &s->allocator);

@@ -286,10 +286,12 @@ static void flat_ground(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(suns), cmocka_unit_test(large_patches), cmocka_unit_test(far_lamps), cmocka_unit_test(lamps_beyond_the_hills),
-                                       cmocka_unit_test(lamps_in_the_scene), cmocka_unit_test(lamps_among_the_points),
-                                       cmocka_unit_test(suns_over_many), cmocka_unit_test(lamps_over_many),
-                                       cmocka_unit_test(lamps_far_from_many), cmocka_unit_test(lamps_among_many),
-                                       cmocka_unit_test(points_on_surfaces), cmocka_unit_test(beside_many), cmocka_unit_test(one_at_a_time), cmocka_unit_test(flat_ground)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(suns), cmocka_unit_test(large_patches), cmocka_unit_test(far_lamps),
+        cmocka_unit_test(lamps_beyond_the_hills), cmocka_unit_test(lamps_in_the_scene), cmocka_unit_test(lamps_among_the_points),
+        cmocka_unit_test(suns_over_many), cmocka_unit_test(lamps_over_many), cmocka_unit_test(lamps_far_from_many),
+        cmocka_unit_test(lamps_among_many), cmocka_unit_test(points_on_surfaces), cmocka_unit_test(beside_many),
+        cmocka_unit_test(one_at_a_time), cmocka_unit_test(flat_ground),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -57,7 +57,8 @@ typedef struct grid_job {
  * middles. */
 static bool grid_of(const daft_build_range *whole, daft_build_grid *grid)
 {
-    *grid = (daft_build_grid){.low = v8_low(whole->middles), .side = whole->count < 16384 ? 16 : whole->count < 524288 ? 32 : whole->count < 4194304 ? 64 : 128};
+    uint32_t side = whole->count < 16384 ? 16 : whole->count < 524288 ? 32 : whole->count < 4194304 ? 64 : 128;
+    *grid = (daft_build_grid){.low = v8_low(whole->middles), .side = side};
     v4 extent = -(grid->low + v8_high(whole->middles));
     bool parts = false;
     grid->low[3] = 0, grid->scale = v4_set(0);

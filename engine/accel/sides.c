@@ -32,7 +32,8 @@ size_t daft_sides_bytes(const daft_bvh *bvh)
 {
     const daft_sides *sides = bvh->sides;
     if (!sides) return 0;
-    return sizeof *sides + bvh->block_count * (1 + sizeof *sides->looks + sizeof *sides->balls.items) + words(sides) * sizeof *sides->triangles + bvh->nodes.count * sizeof *sides->cones;
+    return sizeof *sides + bvh->block_count * (1 + sizeof *sides->looks + sizeof *sides->balls.items) +
+           words(sides) * sizeof *sides->triangles + bvh->nodes.count * sizeof *sides->cones;
 }
 
 /* False: no triangle can be one-sided. */

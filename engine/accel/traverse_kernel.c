@@ -53,12 +53,14 @@ DAFT_INLINE slab_way slab_way_of(v4 d, v4 inverse)
                                       SIDES(0, 1, 5), SIDES(3, 1, 5), SIDES(0, 4, 5), SIDES(3, 4, 5)};
 #undef SIDES
     v4 i = inverse, w = i * v4_set(WIDEN);
-    return (slab_way){v8_set(i[0]), v8_set(i[1]), v8_set(i[2]), v8_set(w[0]), v8_set(w[1]), v8_set(w[2]), ROWS[v4_bits((v4i)d) & 7], v4_bits(w - w == v4_set(0)) == 15};
+    return (slab_way){v8_set(i[0]), v8_set(i[1]), v8_set(i[2]), v8_set(w[0]), v8_set(w[1]), v8_set(w[2]),
+                      ROWS[v4_bits((v4i)d) & 7], v4_bits(w - w == v4_set(0)) == 15};
 }
 
-/* The origin as near and as far planes see it on the upper level, where boxes are grown on each side: an instance's own ray, moved into its space and seen from outside again, is off by 5u of the
- * magnitudes of the origin and of the instance's place, |R|·|R^-1| being at most 1 by entry for a rotation and a scale; and
- * by 8u of the way, which is no longer than both. The instance's bounds are wide enough for its place; this is for the rest. */
+/* The origin as near and as far planes see it on the upper level, where boxes are grown on each side: an instance's own
+ * ray, moved into its space and seen from outside again, is off by 5u of the magnitudes of the origin and of the
+ * instance's place, |R|·|R^-1| being at most 1 by entry for a rotation and a scale; and by 8u of the way, which is no
+ * longer than both. The instance's bounds are wide enough for its place; this is for the rest. */
 DAFT_INLINE void slab_upper_origins(v4 o, v4 d, slab_origin *near, slab_origin *far)
 {
     float pad = (fabsf(o[0]) + fabsf(o[1]) + fabsf(o[2])) * 0x1p-20f;

@@ -98,7 +98,9 @@ DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, boo
         const uint32_t *place = &from->at[at];
         vm used = vm_from_bits(from->used[b] >> k & DAFT_ALL_LANES);
         const daft_lanes3 *lifted = &c->batch->lifted;
-        vf3 p = {(vf)pick(lifted->x, place, (const float *)lifted->x + place[0], rows), (vf)pick(lifted->y, place, (const float *)lifted->y + place[0], rows), (vf)pick(lifted->z, place, (const float *)lifted->z + place[0], rows)};
+        vf3 p = {(vf)pick(lifted->x, place, (const float *)lifted->x + place[0], rows),
+                 (vf)pick(lifted->y, place, (const float *)lifted->y + place[0], rows),
+                 (vf)pick(lifted->z, place, (const float *)lifted->z + place[0], rows)};
         p = to_light_space(l, p);
         picture_place seen = picture_of(l, p);
         vf depth = vf_select(used, p.z, -inf);
@@ -106,7 +108,8 @@ DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, boo
         vf_store(&to->x[at], p.x), vf_store(&to->y[at], p.y), vf_store(&to->z[at], seen.z);
         vf_store(&to->depth[at], depth);
         vi_store(&to->source[at], vi_load(place));
-        vi instance = pick(c->batch->instance, place, (const float *)c->batch->instance + place[0], rows), triangle = pick(c->own, place, (const float *)c->own + place[0], rows);
+        vi instance = pick(c->batch->instance, place, (const float *)c->batch->instance + place[0], rows);
+        vi triangle = pick(c->own, place, (const float *)c->own + place[0], rows);
         vi_store(&to->instance[at], instance), vi_store(&to->own[at], triangle);
         one |= vm_bits(vm_and(vi_eq(instance, on), vi_eq(triangle, own))) << k;
         lu = vf_min(vf_select(used, seen.u, inf), lu), hu = vf_max(vf_select(used, seen.u, -inf), hu);

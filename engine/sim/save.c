@@ -195,7 +195,8 @@ static bool check_body(daft_world *w, uint32_t index)
                              b->linear_damping, b->angular_damping, b->finer, b->h};
     if (b->kind > DAFT_BODY_DYNAMIC || !all_finite(numbers, DAFT_COUNT_OF(numbers)) || !unit(b->rotation) ||
         !near(b->position) || !near(b->centre) || b->linear_damping < 0 || b->angular_damping < 0 ||
-        b->wanted_mass < 0 || !(b->finer >= 0 && b->finer <= DAFT_SIM_FINEST) || b->h < 0 || (b->asleep && (b->kind != DAFT_BODY_DYNAMIC || b->ring >= w->body_count)))
+        b->wanted_mass < 0 || !(b->finer >= 0 && b->finer <= DAFT_SIM_FINEST) || b->h < 0 ||
+        (b->asleep && (b->kind != DAFT_BODY_DYNAMIC || b->ring >= w->body_count)))
         return false;
     if (b->has_target && (!near(b->target_position) || !unit(b->target_rotation))) return false;
     uint32_t parts = 0;
