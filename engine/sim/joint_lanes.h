@@ -32,10 +32,6 @@ typedef struct pass {
 DAFT_INLINE vf zero(void) { return vf_set(0); }
 DAFT_INLINE vf3 none(void) { return (vf3){zero(), zero(), zero()}; }
 DAFT_INLINE vf3 vf3_neg(vf3 a) { return (vf3){-a.x, -a.y, -a.z}; }
-DAFT_INLINE vf3 vf3_select(vm m, vf3 a, vf3 b)
-{
-    return (vf3){vf_select(m, a.x, b.x), vf_select(m, a.y, b.y), vf_select(m, a.z, b.z)};
-}
 DAFT_INLINE vf length_of(vf3 v) { return vf_sqrt(vf3_dot(v, v)); }
 
 DAFT_INLINE quat load4(const daft_sim_lanes *p, int lane)

@@ -17,6 +17,10 @@ DAFT_INLINE vf3 vf3_cross(vf3 a, vf3 b)
 {
     return (vf3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+DAFT_INLINE vf3 vf3_select(vm m, vf3 a, vf3 b)
+{
+    return (vf3){vf_select(m, a.x, b.x), vf_select(m, a.y, b.y), vf_select(m, a.z, b.z)};
+}
 DAFT_INLINE vf3 load3(const daft_sim_lanes *p, int lane)
 {
     return (vf3){vf_load(p[0] + lane), vf_load(p[1] + lane), vf_load(p[2] + lane)};

@@ -527,59 +527,87 @@ static void finish(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t c
 
 /* ---- bodies ---- */
 
-DAFT_INLINE float limited(const float *v, float limit)
+/* Rows that follow each other, side by side; where fewer are left than there are lanes, the others are the first again. */
+typedef struct row_lanes {
+    int32_t index[DAFT_VL];
+    vbits used;
+} row_lanes;
+
+DAFT_INLINE row_lanes rows_from(uint32_t first, uint32_t count)
 {
-    float square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    if (square <= limit * limit) return 1;
-    return square <= 3e38f ? limit / sqrtf(square) : 0; /* not finite: it stops */
+    row_lanes out;
+    for (uint32_t i = 0; i < DAFT_VL; i++) out.index[i] = (int32_t)(i < count ? first + i : first);
+    out.used = vbits_first((int)daft_min_u(count, DAFT_VL));
+    return out;
+}
+
+DAFT_INLINE vf limited(vf3 v, vf limit)
+{
+    vf square = vf3_dot(v, v), one = vf_set(1), zero = vf_set(0);
+    vm within = vf_le(square, limit * limit), finite = vf_le(square, vf_set(3e38f)); /* if it is not, it stops */
+    vf root = vf_sqrt(vf_select(finite, square, one));
+    return vf_select(within, one, vf_select(finite, limit / vf_select(within, one, root), zero));
 }
 
 /* What is not finite becomes 0. */
-DAFT_INLINE void limit_row(float *v)
+DAFT_INLINE vf3 limit(vf3 v, vf most)
 {
-    float linear = limited(v, v[6]), angular = limited(v + 3, v[7]);
-    if (linear == 1 && angular == 1) return;
-    for (int k = 0; k < 3; k++) {
-        v[k] = linear > 0 ? v[k] * linear : 0;
-        v[3 + k] = angular > 0 ? v[3 + k] * angular : 0;
-    }
+    vf factor = limited(v, most), zero = vf_set(0);
+    return vf3_select(vf_lt(zero, factor), vf3_scale(v, factor), (vf3){zero, zero, zero});
+}
+
+DAFT_INLINE void limit_body(body *b) { b->v = limit(b->v, b->rest[0]), b->w = limit(b->w, b->rest[1]); }
+
+DAFT_INLINE void gain_lanes(const daft_sim_rows *rows, const row_lanes *at, vf h)
+{
+    body b = load_body(rows->velocity, at->index), more = load_body(rows->gain, at->index);
+    vf left = load_body(rows->mass, at->index).rest[1];
+    b.v = vf3_add(vf3_scale(b.v, more.rest[1]), vf3_scale(more.v, h));
+    b.w = vf3_add(vf3_scale(b.w, left), vf3_scale(more.w, h));
+    limit_body(&b);
+    store_body(rows->velocity, at->index, &b, at->used);
 }
 
 static void gain(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h)
 {
-    for (uint32_t row = first; row < first + count; row++) {
-        float *v = rows->velocity + (size_t)row * DAFT_SIM_ROW;
-        const float *g = rows->gain + (size_t)row * DAFT_SIM_ROW;
-        float left[2] = {g[7], rows->mass[(size_t)row * DAFT_SIM_ROW + 7]};
-        for (int k = 0; k < 6; k++) v[k] = v[k] * left[k / 3] + g[k] * h;
-        limit_row(v);
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        row_lanes at = rows_from(first + i, count - i);
+        gain_lanes(rows, &at, vf_set(h));
     }
 }
 
 /* q + (h/2 ω, 0)·q, normalised: the Cayley map, which turns by 2·atan(h|ω|/2). */
-static void turn_row(float *q, const float *w, float h)
+DAFT_INLINE void turn_lanes(vf q[4], vf3 w, vf h)
 {
-    float x = 0.5f * h * w[0], y = 0.5f * h * w[1], z = 0.5f * h * w[2];
-    float qx = q[0], qy = q[1], qz = q[2], qw = q[3];
-    float nx = qx + (x * qw + y * qz - z * qy), ny = qy + (y * qw + z * qx - x * qz);
-    float nz = qz + (z * qw + x * qy - y * qx), nw = qw - (x * qx + y * qy + z * qz);
-    float scale = 1 / sqrtf(nx * nx + ny * ny + nz * nz + nw * nw);
-    q[0] = nx * scale, q[1] = ny * scale, q[2] = nz * scale, q[3] = nw * scale;
+    vf half = vf_set(0.5f) * h, x = half * w.x, y = half * w.y, z = half * w.z, zero = vf_set(0);
+    vf nx = q[0] + (x * q[3] + y * q[2] - z * q[1]), ny = q[1] + (y * q[3] + z * q[0] - x * q[2]);
+    vf nz = q[2] + (z * q[3] + x * q[1] - y * q[0]), nw = q[3] - (x * q[0] + y * q[1] + z * q[2]);
+    vf scale = vf_set(1) / vf_sqrt(nx * nx + ny * ny + nz * nz + nw * nw);
+    vm still = vm_and(vm_and(vf_le(vf_abs(w.x), zero), vf_le(vf_abs(w.y), zero)), vf_le(vf_abs(w.z), zero));
+    q[0] = vf_select(still, q[0], nx * scale), q[1] = vf_select(still, q[1], ny * scale);
+    q[2] = vf_select(still, q[2], nz * scale), q[3] = vf_select(still, q[3], nw * scale);
+}
+
+DAFT_INLINE void move_lanes(const daft_sim_rows *rows, const row_lanes *at, vf h)
+{
+    body b = load_body(rows->velocity, at->index), moved = load_body(rows->moved, at->index);
+    body more = load_body(rows->gain, at->index);
+    vf q[8], behind = vf_set(0.5f) * h * more.rest[0];
+    vf_load_rows8(rows->turn, at->index, q);
+    limit_body(&b);
+    moved.v = vf3_add(moved.v, vf3_scale(vf3_sub(b.v, vf3_scale(more.v, behind)), h));
+    moved.w = vf3_add(moved.w, vf3_scale(b.w, h));
+    turn_lanes(q, b.w, h);
+    store_body(rows->velocity, at->index, &b, at->used);
+    store_body(rows->moved, at->index, &moved, at->used);
+    vf_store_rows8(rows->turn, at->index, q, at->used);
 }
 
 static void move(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h)
 {
-    for (uint32_t row = first; row < first + count; row++) {
-        size_t at = (size_t)row * DAFT_SIM_ROW;
-        float *v = rows->velocity + at, *moved = rows->moved + at, *q = rows->turn + at;
-        const float *g = rows->gain + at;
-        limit_row(v);
-        float behind = 0.5f * h * g[6];
-        for (int k = 0; k < 3; k++) {
-            moved[k] += h * (v[k] - behind * g[k]);
-            moved[3 + k] += h * v[3 + k];
-        }
-        if (v[3] != 0 || v[4] != 0 || v[5] != 0) turn_row(q, v + 3, h);
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        row_lanes at = rows_from(first + i, count - i);
+        move_lanes(rows, &at, vf_set(h));
     }
 }
 
