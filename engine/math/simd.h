@@ -476,27 +476,48 @@ DAFT_INLINE void vf_spread_rows8(float *base, int stride, const vf in[8])
 #endif
 }
 
+#ifdef DAFT_HAVE_X86
+/* The fours of r go to base + 8·row[0], base + 8·row[4] and so on. */
+DAFT_INLINE void vf_store_fours(float *base, const int32_t *row, vf r)
+{
+#if defined(DAFT_ISA_avx512)
+    _mm_store_ps(base + 8 * row[0], _mm512_castps512_ps128((__m512)r));
+    _mm_store_ps(base + 8 * row[4], _mm512_extractf32x4_ps((__m512)r, 1));
+    _mm_store_ps(base + 8 * row[8], _mm512_extractf32x4_ps((__m512)r, 2));
+    _mm_store_ps(base + 8 * row[12], _mm512_extractf32x4_ps((__m512)r, 3));
+#elif defined(DAFT_ISA_avx2)
+    _mm_store_ps(base + 8 * row[0], _mm256_castps256_ps128((__m256)r));
+    _mm_store_ps(base + 8 * row[4], _mm256_extractf128_ps((__m256)r, 1));
+#else
+    _mm_store_ps(base + 8 * row[0], (__m128)r);
+#endif
+}
+#endif
+
 /* The way back, for the lanes given; their rows differ. */
 DAFT_INLINE void vf_store_rows8(float *base, const int32_t *row, const vf in[8], vbits lanes)
 {
     for (int half = 0; half < 2; half++) {
         float square[4][DAFT_VL] __attribute__((aligned(64)));
         vf r[4] = {in[4 * half], in[4 * half + 1], in[4 * half + 2], in[4 * half + 3]};
+        float *to = base + 4 * half;
 #ifdef DAFT_HAVE_X86
         vf_transpose4(r);
+        if ((lanes & DAFT_ALL_LANES) == DAFT_ALL_LANES) {
+            for (int k = 0; k < 4; k++) vf_store_fours(to, row + k, r[k]);
+            continue;
+        }
         for (int k = 0; k < 4; k++) vf_store(square[k], r[k]);
         for (int i = 0; i < DAFT_VL; i++)
-            if (lanes >> i & 1)
-                _mm_store_ps(base + 8 * row[i] + 4 * half, _mm_load_ps(&square[i & 3][i & ~3]));
+            if (lanes >> i & 1) _mm_store_ps(to + 8 * row[i], _mm_load_ps(&square[i & 3][i & ~3]));
 #else
         for (int k = 0; k < 4; k++) vf_store(square[k], r[k]);
         for (int i = 0; i < DAFT_VL; i++)
             for (int k = 0; k < 4; k++)
-                if (lanes >> i & 1) base[8 * row[i] + 4 * half + k] = square[k][i];
+                if (lanes >> i & 1) to[8 * row[i] + k] = square[k][i];
 #endif
     }
 }
-
 
 /* The four floats at p, then those at p + at[0] and so on, `count` fours in all, no more than DAFT_VL / 4; zero in the
  * other lanes. */

@@ -69,6 +69,7 @@ DAFT_INLINE body load_body(const float *rows, const int32_t *index)
 }
 DAFT_INLINE void store_body(float *rows, const int32_t *index, const body *b, vbits lanes)
 {
+    if (!lanes) return;
     const vf row[8] = {b->v.x, b->v.y, b->v.z, b->w.x, b->w.y, b->w.z, b->rest[0], b->rest[1]};
     vf_store_rows8(rows, index, row, lanes);
 }
