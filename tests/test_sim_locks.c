@@ -22,7 +22,7 @@ static uint32_t add_locked(daft_world *world, one_shape shape, uint32_t locks)
 static void flat_game(double beside)
 {
     enum { COUNT = 60 };
-    seed_random(7);
+    seed_random(31);
     const uint32_t flat = DAFT_LOCK_POSITION_Z | DAFT_LOCK_X | DAFT_LOCK_Y;
     daft_world *world = new_world();
     add(world, box(daft_v3(5, 1, 2), 0, -1, 0));
