@@ -172,7 +172,7 @@ DAFT_API bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const d
 typedef struct daft_mesh_info {
     uint32_t vertex_count, triangle_count, material_count;
     daft_vec3 low, high; /* bounds in the mesh's own space */
-    size_t bytes;        /* mesh, attributes and BVH */
+    size_t bytes;        /* mesh, attributes and BVH; a file's smooth normals from the first picture with them on */
 } daft_mesh_info;
 
 DAFT_API bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info, daft_error *error);

@@ -3,14 +3,7 @@
 #include "daft.h"
 
 #include "math/vec.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "support_content.h"
 
 enum { WIDTH = 240, HEIGHT = 135, PIXELS = WIDTH * HEIGHT };
 
@@ -283,6 +276,30 @@ static void only_the_meshes_of_crowds_are_searched_for_sides(void **unused)
     stage_drop(s);
 }
 
+/* Smooth normals are made with the first picture that shows the mesh: what only collides, or is hidden, has none. */
+static void only_meshes_that_are_shown_have_normals(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(2);
+    daft_entity_def def = daft_default_entity_def();
+    const char *path = write_test_text("roof.obj", "v -1 0 0\nv 0 0 1\nv 0 0 -1\nv 1 -1 0\ns 1\nf 1 2 3\nf 2 4 3\n");
+    def.shape = DAFT_SHAPE_MESH, def.mesh = daft_mesh_load(s->scene, path, NULL);
+    daft_mesh_info bare, now;
+    assert_true(daft_mesh_get_info(s->scene, def.mesh, &bare, NULL));
+    def.body = DAFT_BODY_STATIC, def.visible = false;
+    daft_entity entity = add(s, &def);
+    draw(s);
+    assert_true(daft_scene_step(s->scene, 1.0f / 60, NULL));
+    daft_ray_hit hit;
+    daft_scene_cast_ray(s->scene, daft_dv3(0, 9, 0), daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, NULL);
+    assert_true(daft_mesh_get_info(s->scene, def.mesh, &now, NULL) && now.bytes == bare.bytes);
+    assert_true(daft_entity_set_visible(s->scene, entity, true, NULL));
+    draw(s);
+    assert_true(daft_mesh_get_info(s->scene, def.mesh, &now, NULL));
+    assert_true(now.bytes >= bare.bytes + bare.vertex_count * sizeof(daft_vec3));
+    stage_drop(s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -292,6 +309,7 @@ int main(void)
         cmocka_unit_test(mirrors_out_of_sight_cast_no_ray),
         cmocka_unit_test(a_mesh_that_keeps_its_shape_is_built_once),
         cmocka_unit_test(only_the_meshes_of_crowds_are_searched_for_sides),
+        cmocka_unit_test(only_meshes_that_are_shown_have_normals),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);
 }

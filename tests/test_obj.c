@@ -493,6 +493,54 @@ static void smoothing_follows_the_file(void **unused)
     }
 }
 
+static bool same_bytes(const void *a, const void *b, size_t size)
+{
+    return a && b ? memcmp(a, b, size) == 0 : a == b;
+}
+
+/* A bare mesh has all but the normals that the file does not give, and those come later, bit for bit. */
+static void normals_may_come_later(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *faces;
+        bool bare;
+    } cases[] = {{"f 1 2 3\nf 2 4 3\n", true},
+                 {"s off\nf 1 2 3\nf 2 4 3\n", true},
+                 {"s 1\nf 1 2 3\ns 2\nf 2 4 3\n", true},
+                 {"s 1\nf 1 2 4 3\nusemtl b\nf 2 4 3\n", true},
+                 {"vn 0 0 0\ns 0\nf 1//1 2//1 3//1\nf 2//1 4//1 3//1\n", true},
+                 {"vn 0 1 0\nf 1//1 2//1 3//1\nf 2//1 4//1 3//1\n", false},
+                 {"vn 0 1 0\ns 1\nf 1//1 2//1 3//1\nf 2 4 3\n", false}};
+    daft_allocator allocator = counting_allocator(&memory);
+    for (size_t i = 0; i < DAFT_COUNT_OF(cases); i++) {
+        char text[256];
+        snprintf(text, sizeof text, ROOF "%s", cases[i].faces);
+        daft_obj whole = parse(text), bare;
+        const char *path = write_test_text("bare.obj", text);
+        assert_true(daft_obj_load_bare(&allocator, path, NULL, &bare, NULL));
+        assert_int_equal(!bare.mesh.normals, cases[i].bare);
+        assert_int_equal(!bare.mesh.normal_indices && !bare.mesh.normal_count, cases[i].bare);
+        if (cases[i].bare) {
+            long live = memory.live;
+            memory.fail_at = memory.calls;
+            assert_false(daft_obj_smooth(&allocator, &bare.mesh, bare.groups, NULL));
+            memory.fail_at = -1;
+            assert_true(!bare.mesh.normals && !bare.mesh.normal_indices && memory.live == live);
+            assert_true(daft_obj_smooth(&allocator, &bare.mesh, bare.groups, NULL));
+        }
+        check_mesh(&bare);
+        const daft_trimesh *a = &whole.mesh, *b = &bare.mesh;
+        size_t corners = 3 * (size_t)a->triangle_count * sizeof(uint32_t);
+        assert_true(a->triangle_count == b->triangle_count && a->normal_count == b->normal_count);
+        assert_true(same_bytes(a->indices, b->indices, corners) && same_bytes(a->x, b->x, a->vertex_count * sizeof(float)));
+        assert_true(same_bytes(a->normal_indices, b->normal_indices, corners));
+        assert_true(same_bytes(a->normals, b->normals, a->normal_count * sizeof *a->normals));
+        daft_obj_free(&allocator, &bare);
+        free_obj(&whole);
+    }
+}
+
 static void normals_of_the_file_are_repaired(void **unused)
 {
     (void)unused;
@@ -713,6 +761,7 @@ int main(void)
         cmocka_unit_test(missing_materials_warn_once),
         cmocka_unit_test(an_error_in_the_material_file_is_an_error),
         cmocka_unit_test(smoothing_follows_the_file),
+        cmocka_unit_test(normals_may_come_later),
         cmocka_unit_test(normals_of_the_file_are_repaired),
         cmocka_unit_test(real_models),
         cmocka_unit_test(files_that_break_other_loaders),

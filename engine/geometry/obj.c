@@ -16,6 +16,7 @@
  * used; `o g l p vw vp mg` and display hints are skipped. `s` and `usemtl` hold until the next of their kind. Faces may
  * refer to positions that come later in the file. */
 #include "geometry/obj.h"
+#include "geometry/trimesh.h"
 
 void daft_obj_source_free(daft_obj_source *source)
 {
@@ -62,12 +63,12 @@ bool daft_obj_parse(const daft_allocator *allocator, const char *path, const cha
 {
     daft_obj obj = {0};
     daft_obj_source source = {.text = daft_text_open(path, text, size, log), .allocator = allocator};
-    bool done = read_text(&source, &obj, error) && daft_obj_make_normals(&source, &obj.mesh, error);
+    bool done = read_text(&source, &obj, error) && daft_obj_make_normals(&source, &obj.mesh, false, error);
     return finish(&source, done, &obj, out);
 }
 
-bool daft_obj_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
-                   daft_error *error)
+static bool load(const daft_allocator *allocator, const char *path, const daft_log *log, bool bare, daft_obj *out,
+                 daft_error *error)
 {
     size_t size;
     char *text = daft_file_read(allocator, path, &size, error);
@@ -76,12 +77,40 @@ bool daft_obj_load(const daft_allocator *allocator, const char *path, const daft
     daft_obj_source source = {.text = daft_text_open(path, text, size, log), .allocator = allocator};
     bool done = read_text(&source, &obj, error);
     daft_release(allocator, text);
-    done = done && daft_obj_make_normals(&source, &obj.mesh, error);
+    done = done && daft_obj_make_normals(&source, &obj.mesh, bare, error);
+    if (done && !obj.mesh.normals) obj.groups = source.groups, source.groups = NULL;
     return finish(&source, done, &obj, out);
+}
+
+bool daft_obj_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
+                   daft_error *error)
+{
+    return load(allocator, path, log, false, out, error);
+}
+
+bool daft_obj_load_bare(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
+                        daft_error *error)
+{
+    return load(allocator, path, log, true, out, error);
+}
+
+bool daft_obj_smooth(const daft_allocator *allocator, daft_trimesh *mesh, const uint32_t *groups, daft_error *error)
+{
+    daft_trimesh smooth = *mesh;
+    bool done = daft_trimesh_smooth_groups(allocator, &smooth, DAFT_SMOOTH_CREASE, groups, error);
+    if (done) {
+        *mesh = smooth;
+    } else {
+        daft_release(allocator, smooth.normals);
+        daft_release(allocator, smooth.normal_indices);
+    }
+    return done;
 }
 
 void daft_obj_free(const daft_allocator *allocator, daft_obj *obj)
 {
     daft_trimesh_free(allocator, &obj->mesh);
     daft_mtl_list_free(allocator, &obj->slots);
+    daft_release(allocator, obj->groups);
+    obj->groups = NULL;
 }

@@ -39,6 +39,7 @@ typedef struct daft_mesh_item {
     daft_bvh *bvh;
     daft_kdtree *kdtree; /* NULL: the engine's accelerator is the BVH */
     uint32_t *materials; /* index of each slot's material */
+    uint32_t *groups;    /* the file's, by which normals are smooth; gone once the mesh has its normals */
     uint64_t shown_pass; /* shown counts this pass's instances */
     uint32_t shown;
     bool sides_settled; /* they were searched, or its vertices move and they are not worth it */
@@ -282,6 +283,8 @@ void daft_camera_axes(const daft_camera *camera, daft_vec3 *right, daft_vec3 *up
 /* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena. */
 /* Finds the sides (accel/sides.h) of meshes that many things of the last snapshot show. */
 void daft_assets_find_sides(daft_scene *scene);
+/* The smooth normals of meshes that the last snapshot shows for the first time: what only collides has none. */
+bool daft_assets_smooth(daft_scene *scene, daft_error *error);
 bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
                              daft_instance **instances, uint32_t *count, daft_error *error);
 bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_snapshot *out,

@@ -244,5 +244,5 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
         return false;
     out->instances = instances;
     daft_assets_find_sides(scene);
-    return fill_lamps(scene, view->camera.position, out, error);
+    return daft_assets_smooth(scene, error) && fill_lamps(scene, view->camera.position, out, error);
 }

@@ -17,6 +17,7 @@ typedef struct obj_job {
     const char *path;
     double megabytes;
     size_t triangles, peer_triangles;
+    bool with_normals; /* smooth ones where the file has none; tinyobjloader makes none */
     bench_obj_loader *peer;
 } obj_job;
 
@@ -26,7 +27,9 @@ static double obj_ours(void *context)
     daft_obj obj;
     daft_log log = {0};
     double start = bench_clock_ms(1);
-    if (!daft_obj_load(&job->self->allocator, job->path, &log, &obj, NULL)) return -1;
+    bool loaded = job->with_normals ? daft_obj_load(&job->self->allocator, job->path, &log, &obj, NULL)
+                                    : daft_obj_load_bare(&job->self->allocator, job->path, &log, &obj, NULL);
+    if (!loaded) return -1;
     double ms = bench_clock_ms(1) - start;
     job->triangles = obj.mesh.triangle_count;
     daft_obj_free(&job->self->allocator, &obj);
@@ -80,19 +83,29 @@ static bool obj_path(bench *self, const bench_model *model, char *out, size_t si
     return written;
 }
 
+static const char TRIANGLES_ALONE[] = "OBJ load, triangles alone", WITH_NORMALS[] = "OBJ load, with normals";
+
+static void measure_file(bench *self, const bench_model *model, const char *path, bool alone, bool with_normals)
+{
+    struct stat status;
+    if (stat(path, &status) != 0) return;
+    obj_job job = {self, path, (double)status.st_size / 1e6, 0, 0, false, self->peers ? bench_find_tinyobj() : NULL};
+    bench_subject subject = {.scene = model->name, .what = TRIANGLES_ALONE, .unit = "MB/s", .isa = self->isa, .threads = 1,
+                             .ours = obj_ours, .peer = job.peer ? obj_peer : NULL, .context = &job,
+                             .peer_name = "tinyobjloader", .describe = obj_describe, .budget = {4, 0, false}};
+    if (alone) bench_measure(self, &subject);
+    job.with_normals = true;
+    subject.what = WITH_NORMALS, subject.budget = (bench_budget){0};
+    if (with_normals) bench_measure_twice(self, &subject, "OBJ load, throughput", (bench_budget){200, 500, true});
+}
+
 static void measure_obj(bench *self, const bench_model *model)
 {
+    bool alone = bench_wants(self, model->name, TRIANGLES_ALONE), with_normals = bench_wants(self, model->name, WITH_NORMALS);
     char path[1024];
     bool temporary;
-    struct stat status;
-    if (!obj_path(self, model, path, sizeof path, &temporary)) return;
-    if (stat(path, &status) == 0) {
-        obj_job job = {self, path, (double)status.st_size / 1e6, 0, 0, self->peers ? bench_find_tinyobj() : NULL};
-        bench_subject subject = {.scene = model->name, .what = "OBJ load", .unit = "MB/s", .isa = self->isa, .threads = 1,
-                                 .ours = obj_ours, .peer = job.peer ? obj_peer : NULL, .context = &job,
-                                 .peer_name = "tinyobjloader", .describe = obj_describe, .budget = {4, 0, false}};
-        bench_measure_twice(self, &subject, "OBJ load, throughput", (bench_budget){200, 500, true});
-    }
+    if ((!alone && !with_normals) || !obj_path(self, model, path, sizeof path, &temporary)) return;
+    measure_file(self, model, path, alone, with_normals);
     if (temporary) unlink(path);
 }
 
@@ -171,8 +184,7 @@ static void measure_memory(bench *self, const bench_model *model)
 
 void bench_load(bench *self)
 {
-    for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
-        if (bench_wants(self, BENCH_MODELS[i].name, "OBJ load")) measure_obj(self, &BENCH_MODELS[i]);
+    for (size_t i = 0; i < BENCH_MODEL_COUNT; i++) measure_obj(self, &BENCH_MODELS[i]);
     for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
         if (bench_wants(self, BENCH_MODELS[i].name, "memory")) measure_memory(self, &BENCH_MODELS[i]);
     for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
