@@ -1,6 +1,7 @@
 /* accel's builders: the same tree for any number of threads and any instruction set; every thing in exactly one place and
  * inside all boxes above it; inputs that defeat naive builders; memory that runs out at any moment. */
 #include "fixtures.h"
+#include "meter.h"
 
 static daft_bvh *build(const daft_trimesh *mesh, int threads, int isa)
 {
@@ -160,25 +161,6 @@ static void one_huge_among_a_million_tiny(void **unused)
 }
 
 /* ---- memory ---- */
-
-typedef struct meter {
-    _Atomic int left; /* allocations until one fails; negative: none does */
-    _Atomic int held;
-} meter;
-
-static void *meter_allocate(void *user, size_t size, size_t alignment)
-{
-    meter *m = user;
-    if (m->left >= 0 && m->left-- == 0) return NULL;
-    m->held++;
-    return aligned_alloc(alignment, (size + alignment - 1) & ~(alignment - 1));
-}
-
-static void meter_release(void *user, void *pointer)
-{
-    if (pointer) ((meter *)user)->held--;
-    free(pointer);
-}
 
 static void memory_may_run_out_at_any_moment(void **unused)
 {

@@ -1,6 +1,7 @@
 /* accel's kd-tree: rays find in it, bit for bit, what they find in the BVH; pictures are the same; hard inputs stay small and
  * shallow; memory may run out. */
 #include "fixtures.h"
+#include "meter.h"
 
 #include "accel/kdtree.h"
 
@@ -159,25 +160,6 @@ static void hard_inputs_stay_small(void **unused)
 }
 
 /* ---- memory ---- */
-
-typedef struct meter {
-    _Atomic int left; /* allocations until one fails */
-    _Atomic int held;
-} meter;
-
-static void *meter_allocate(void *user, size_t size, size_t alignment)
-{
-    meter *m = user;
-    if (m->left-- == 0) return NULL;
-    m->held++;
-    return aligned_alloc(alignment, (size + alignment - 1) & ~(alignment - 1));
-}
-
-static void meter_release(void *user, void *pointer)
-{
-    if (pointer) ((meter *)user)->held--;
-    free(pointer);
-}
 
 static void memory_may_run_out_at_any_moment(void **unused)
 {

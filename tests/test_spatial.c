@@ -1,6 +1,7 @@
 /* accel's BVH with spatial splits: no triangle is lost, hits and pictures are those of the plain BVH bit for bit, the tree is
  * the same for any number of threads, memory may run out. */
 #include "fixtures.h"
+#include "meter.h"
 
 static daft_bvh *grow(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error)
 {
@@ -126,25 +127,6 @@ static void hard_inputs_build(void **unused)
 }
 
 /* ---- memory ---- */
-
-typedef struct meter {
-    _Atomic int left; /* allocations until one fails */
-    _Atomic int held;
-} meter;
-
-static void *meter_allocate(void *user, size_t size, size_t alignment)
-{
-    meter *m = user;
-    if (m->left-- == 0) return NULL;
-    m->held++;
-    return aligned_alloc(alignment, (size + alignment - 1) & ~(alignment - 1));
-}
-
-static void meter_release(void *user, void *pointer)
-{
-    if (pointer) ((meter *)user)->held--;
-    free(pointer);
-}
 
 static void memory_may_run_out_at_any_moment(void **unused)
 {

@@ -1,6 +1,7 @@
 /* accel's turned trees: taken for what lies across the axes and for nothing else; boxes hold their triangles; every hit, pixel,
  * shadow and query is that of the plain tree, bit for bit; vertices may move; memory may run out. */
 #include "fixtures.h"
+#include "meter.h"
 
 #include "raster/raster.h"
 #include "scene/scene.h"
@@ -510,24 +511,6 @@ static void vertices_may_move(void **unused)
     free(moved);
     daft_bvh_free(bvh);
     mesh_drop(&m);
-}
-
-typedef struct meter {
-    int left, held; /* allocations until one fails; those that are held */
-} meter;
-
-static void *meter_allocate(void *user, size_t size, size_t alignment)
-{
-    meter *m = user;
-    if (m->left-- == 0) return NULL;
-    m->held++;
-    return aligned_alloc(alignment, (size + alignment - 1) & ~(alignment - 1));
-}
-
-static void meter_release(void *user, void *pointer)
-{
-    if (pointer) ((meter *)user)->held--;
-    free(pointer);
 }
 
 /* The slope's tree is built twice. */
