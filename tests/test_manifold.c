@@ -273,6 +273,52 @@ static void boxes_are_hulls(void **unused)
     assert_true(contacts > 100 && faces > 0.97 * contacts && same > 0.97 * faces);
 }
 
+static float deepest_of(const daft_manifold *m)
+{
+    float least = INFINITY;
+    for (uint32_t i = 0; i < m->count; i++) least = fminf(least, m->points[i].separation);
+    return least;
+}
+
+/* What is over a face, with ends beyond its rim or not, has the points that clipping gives. */
+static void capsules_on_boxes_are_on_hulls(void **unused)
+{
+    (void)unused;
+    fixture_seed(618);
+    daft_allocator allocator = daft_malloc_allocator();
+    int two = 0, one = 0, hanging = 0, others = 0;
+    for (int round = 0; round < 2000; round++) {
+        daft_sim_shape capsule = must_capsule(random_float(0.3f, 2), random_float(0.1f, 0.4f)), box = must_box(1, 0.7f, 1.3f);
+        daft_quat turn = {random_float(-0.1f, 0.1f), random_float(-1, 1), random_float(0.6f, 0.8f), 0.7f};
+        double x = (double)random_float(-1.2f, 1.2f), z = (double)random_float(-1.5f, 1.5f);
+        double y = 0.7 + (double)(capsule.radius * random_float(0.8f, 1.1f));
+        daft_rigid ground = daft_rigid_identity(), lying = daft_rigid_make(daft_dv3(x, y, z), turn);
+        daft_trimesh mesh;
+        daft_trimesh_box(&allocator, daft_scale(box.half, 2), &mesh, NULL);
+        daft_hull *hull = daft_hull_create_mesh(&allocator, &mesh, daft_v3(1, 1, 1), 0, NULL);
+        daft_sim_shape as_hull = daft_shape_hull(hull);
+        daft_relpose pose = daft_relpose_make(&lying, &ground);
+        daft_manifold m = {.count = 0}, n = {.count = 0};
+        daft_collide(&capsule, &box, &pose, 0.05f, &m, 1, NULL);
+        daft_collide(&capsule, &as_hull, &pose, 0.05f, &n, 1, NULL);
+        bool like = m.count == n.count && (m.count == 0 || (daft_dot(m.normal, n.normal) > 0.9999f &&
+                                                            fabsf(deepest_of(&m) - deepest_of(&n)) < 2e-3f));
+        for (uint32_t i = 0; like && i < m.count; i++) {
+            float nearest = INFINITY;
+            for (uint32_t k = 0; k < n.count; k++)
+                nearest = fminf(nearest, daft_length(daft_sub(m.points[i].point, n.points[k].point)));
+            like = nearest < 5e-3f;
+            if (m.count == 2) hanging += fabsf(m.points[i].point.y) < 0.98f * capsule.half_height;
+        }
+        others += !like;
+        two += m.count == 2, one += m.count == 1;
+        daft_hull_free(hull);
+        daft_trimesh_free(&allocator, &mesh);
+    }
+    print_message("%d with two points, %d with one, %d points at the rim, %d not as with a hull\n", two, one, hanging, others);
+    assert_true(two > 300 && one > 100 && hanging > 200 && others < 10);
+}
+
 static void capsules_lie_on_two_points(void **unused)
 {
     (void)unused;
@@ -375,14 +421,14 @@ static void odd_poses_give_nothing(void **unused)
 
 /* ---- pairs of boxes, side by side ---- */
 
-/* Boxes of any turn to each other, or along each other's axes, where corners and edges meet; apart and deep. */
+/* Boxes of any turn to each other, or along each other's axes, where corners and edges meet; apart and deep; now and then one
+ * is as large beside the other as a crate's floor. */
 static sample random_boxes(int round)
 {
     static const float depths[] = {-0.3f, -0.04f, -0.004f, 1e-4f, 0.01f, 0.1f, 0.4f, 0.9f};
-    float ratio = round % 3 == 0 ? 1 : random_float(0.8f, 2);
+    static const float ratios[] = {5, 0.1f, 100, 2000};
+    float ratio = round % 3 == 0 ? 1 : round % 5 == 0 ? ratios[random_bits() % 4] : random_float(0.8f, 2);
     sample s = random_sample(2, 2, ratio, depths[round % 8], 20);
-    float la = daft_box_largest(&s.a.half.x), lb = daft_box_largest(&s.b.half.x);
-    if (la > DAFT_BOX_LARGE * lb || lb > DAFT_BOX_LARGE * la) return random_boxes(round);
     if (round % 4 != 3) return s;
     float coarse = round % 8 == 3 ? 0.25f : 0;
     if (round % 3 == 0) s.b = s.a;
@@ -561,7 +607,7 @@ static void round_lanes_are_one_pair_each(void **unused)
         check_rounds(boxed, states, &others);
         print_message("%s: %d apart, %d met, %d to be asked, %d not as one pair\n", boxed ? "boxes" : "rounds",
                       states[0], states[1], states[2], others);
-        assert_true(states[0] > 3000 && states[1] > 2000 && states[2] >= 100 * boxed && others == 0);
+        assert_true(states[0] > 3000 && states[1] > 2000 && states[2] >= 50 * boxed && others == 0);
     }
 }
 
@@ -571,7 +617,8 @@ int main(void)
         cmocka_unit_test(pairs_touch_as_they_should), cmocka_unit_test(what_is_clear_is_so_far_apart),
         cmocka_unit_test(a_crate_on_a_huge_floor),
         cmocka_unit_test(a_stack_keeps_its_corners),  cmocka_unit_test(boxes_are_hulls),
-        cmocka_unit_test(capsules_lie_on_two_points), cmocka_unit_test(nothing_is_undecided_in_the_middle),
+        cmocka_unit_test(capsules_lie_on_two_points), cmocka_unit_test(capsules_on_boxes_are_on_hulls),
+        cmocka_unit_test(nothing_is_undecided_in_the_middle),
         cmocka_unit_test(sizes_from_ants_to_planets), cmocka_unit_test(odd_poses_give_nothing),
         cmocka_unit_test(lanes_are_one_pair_each),    cmocka_unit_test(round_lanes_are_one_pair_each),
     };

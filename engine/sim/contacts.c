@@ -468,12 +468,6 @@ static void collide_boxes(range *r)
     all->count = 0;
 }
 
-static bool are_like_sized(daft_vec3 half_a, daft_vec3 half_b)
-{
-    float la = daft_box_largest(&half_a.x), lb = daft_box_largest(&half_b.x);
-    return la <= DAFT_BOX_LARGE * lb && lb <= DAFT_BOX_LARGE * la;
-}
-
 /* As is_clear, from outlines. */
 static bool are_boxes_clear(const range *r, const daft_sim_touch *touch, float far)
 {
@@ -492,7 +486,7 @@ static void add_boxes(range *r, daft_sim_listed *entry, uint32_t a, uint32_t b)
     float margin = margin_of(x->reach, y->reach), way = daft_length(daft_sub(x->move, y->move)) + (x->swing + y->swing);
     daft_vec3 toward = daft_to_float(daft_dsub(y->centre, x->centre));
     bool one_place = daft_length(toward) < 2 * DAFT_ROUND_ONE_PLACE * x->reach;
-    if (way > MARGIN_OF_MOVE * x->reach || one_place || !are_like_sized(x->half, y->half)) {
+    if (way > MARGIN_OF_MOVE * x->reach || one_place) {
         ask(r, entry);
         return;
     }

@@ -6,7 +6,7 @@
 #include "math/isa.h"
 #include "sim/manifold_parts.h"
 
-/* A box over this many times as large as the other is cut down, to this many times; not in lanes. */
+/* A box over this many times as large as the other is cut down, to this many times. */
 #define DAFT_BOX_LARGE 4.0f
 /* Axes within this share of the smaller box's size count as equally good: the first kind, or the cached one, wins. */
 #define DAFT_BOX_EVEN 1e-3f
@@ -37,8 +37,7 @@ static inline float daft_box_largest(const float *h)
 
 enum { DAFT_BOX_LANES = 16 };
 
-/* Pairs side by side, neither box large beside the other, as daft_collide_boxes takes them; points and normals go to
- * world axes. */
+/* Pairs side by side, as daft_collide_boxes takes them; points and normals go to world axes. */
 typedef struct daft_box_batch {
     double a[12][DAFT_BOX_LANES], b[12][DAFT_BOX_LANES]; /* frames: position, rotation */
     float half_a[3][DAFT_BOX_LANES], half_b[3][DAFT_BOX_LANES];

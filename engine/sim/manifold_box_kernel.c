@@ -7,7 +7,9 @@ typedef struct pair {
     vf ha[3], hb[3]; /* half edges */
     vf r[3][3];      /* b's axes are the columns, in a */
     vf p[3], q[3];   /* b's centre in a; a's centre in b */
+    vf shift[3];     /* of a's centre, by cutting down */
     vf margin;
+    vm large_b; /* it was cut down */
     vm apart; /* faces are clear of the other's ball by more than the margin: by */
     vf gap;
 } pair;
@@ -18,7 +20,7 @@ DAFT_INLINE vf dot3(vf a0, vf b0, vf a1, vf b1, vf a2, vf b2) { return (a0 * b0 
 /* ---- where b is, in double ---- */
 
 typedef struct half_pair {
-    vd r[9], p[3], q[3], gap, beyond;
+    vd r[9], p[3], q[3], ha[3], hb[3], ball_a, ball_b, gap, beyond;
 } half_pair;
 
 DAFT_INLINE vd length_of(const vd h[3])
@@ -37,7 +39,7 @@ DAFT_INLINE vd clearance(const vd p[3], const vd h[3], vd ball)
 DAFT_INLINE half_pair relate(const daft_box_batch *batch, const pair *s, int lane, int half)
 {
     half_pair out;
-    vd a[12], b[12], ha[3], hb[3], d[3];
+    vd a[12], b[12], d[3];
     int first = lane + half * (DAFT_VL / 2);
     for (int i = 0; i < 12; i++) a[i] = vd_load(batch->a[i] + first), b[i] = vd_load(batch->b[i] + first);
     const vd *m = a + 3, *n = b + 3;
@@ -47,11 +49,82 @@ DAFT_INLINE half_pair relate(const daft_box_batch *batch, const pair *s, int lan
     for (int k = 0; k < 3; k++) out.p[k] = (m[k] * d[0] + m[3 + k] * d[1]) + m[6 + k] * d[2];
     for (int k = 0; k < 3; k++) d[k] = a[k] - b[k];
     for (int k = 0; k < 3; k++) out.q[k] = (n[k] * d[0] + n[3 + k] * d[1]) + n[6 + k] * d[2];
-    for (int k = 0; k < 3; k++) ha[k] = vf_half(s->ha[k], half), hb[k] = vf_half(s->hb[k], half);
-    vd gap_b = clearance(out.q, hb, length_of(ha)), gap_a = clearance(out.p, ha, length_of(hb));
+    for (int k = 0; k < 3; k++) out.ha[k] = vf_half(s->ha[k], half), out.hb[k] = vf_half(s->hb[k], half);
+    out.ball_a = length_of(out.ha), out.ball_b = length_of(out.hb);
+    vd gap_b = clearance(out.q, out.hb, out.ball_a), gap_a = clearance(out.p, out.ha, out.ball_b);
     out.gap = vd_max(gap_a, gap_b);
     out.beyond = vd_positive(out.gap - vf_half(s->margin, half));
     return out;
+}
+
+/* ---- cut down, in double ---- */
+
+typedef int64_t vd_mask __attribute__((vector_size(DAFT_VL * 4)));
+
+DAFT_INLINE vd pick_of(vd_mask m, vd a, vd b) { return (vd)((m & (vd_mask)a) | (~m & (vd_mask)b)); }
+
+/* Farther than `depth` from all faces. */
+DAFT_INLINE vd_mask deep(const vd p[3], const vd h[3], vd depth)
+{
+    vd_mask out = vd_abs(p[0]) <= h[0] - depth;
+    for (int k = 1; k < 3; k++) out &= vd_abs(p[k]) <= h[k] - depth;
+    return out;
+}
+
+/* As in manifold_box.c, where `large` says so; shift: 0 elsewhere. */
+DAFT_INLINE void cut_down(vd h[3], vd c[3], vd reach, vd_mask large, vd shift[3])
+{
+    for (int k = 0; k < 3; k++) {
+        vd low = vd_max(-h[k], c[k] - reach), high = -vd_max(-h[k], -(c[k] + reach));
+        h[k] = pick_of(large, (high - low) / 2, h[k]);
+        shift[k] = pick_of(large, (high + low) / 2, vd_set(0));
+        c[k] -= shift[k];
+    }
+}
+
+/* Of the boxes that are large beside the other, as the lanes of `large` say, those that the other is not deep in. */
+typedef struct cut {
+    vf large_a, large_b; /* 1 or 0 */
+    vd shift[2][3];
+    vd b[2]; /* b was cut: 1, else 0 */
+} cut;
+
+DAFT_INLINE void cut_half(half_pair *p, const pair *s, cut *c, int half)
+{
+    vd none[3] = {vd_set(0), vd_set(0), vd_set(0)}, zero = vd_set(0), many = vd_set(DAFT_BOX_LARGE), r[3][3];
+    vd_mask b = (vf_half(c->large_b, half) > zero) & ~deep(p->q, p->hb, 2 * p->ball_a);
+    vd_mask a = (vf_half(c->large_a, half) > zero) & ~deep(p->p, p->ha, 2 * p->ball_b);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) r[i][j] = vf_half(s->r[i][j], half);
+    cut_down(p->hb, p->q, many * p->ball_a + vf_half(s->margin, half), b, none);
+    cut_down(p->ha, p->p, many * p->ball_b + vf_half(s->margin, half), a, c->shift[half]);
+    vd from_q[3], from_p[3];
+    for (int k = 0; k < 3; k++) {
+        from_q[k] = -((r[k][0] * p->q[0] + r[k][1] * p->q[1]) + r[k][2] * p->q[2]);
+        from_p[k] = -((r[0][k] * p->p[0] + r[1][k] * p->p[1]) + r[2][k] * p->p[2]);
+    }
+    for (int k = 0; k < 3; k++) p->p[k] = pick_of(b, from_q[k], p->p[k]), p->q[k] = pick_of(a, from_p[k], p->q[k]);
+    c->b[half] = pick_of(b, zero + 1, zero);
+}
+
+DAFT_INLINE vf largest(const vf h[3]) { return vf_max(h[2], vf_max(h[0], h[1])); }
+
+/* What was 500 m of lever times a rounding error is gone then, as in manifold_box.c. */
+DAFT_INLINE void cut_large(pair *s, half_pair *low, half_pair *high)
+{
+    vf la = largest(s->ha), lb = largest(s->hb), times = vf_set(DAFT_BOX_LARGE), zero = vf_set(0), one = vf_set(1);
+    vm large_a = vf_lt(times * lb, la), large_b = vf_lt(times * la, lb);
+    for (int k = 0; k < 3; k++) s->shift[k] = zero;
+    s->large_b = vf_lt(zero, zero);
+    if (!vm_bits(vm_or(large_a, large_b))) return;
+    cut c = {.large_a = vf_select(large_a, one, zero), .large_b = vf_select(large_b, one, zero)};
+    cut_half(low, s, &c, 0);
+    cut_half(high, s, &c, 1);
+    for (int k = 0; k < 3; k++) {
+        s->ha[k] = vf_join(low->ha[k], high->ha[k]), s->hb[k] = vf_join(low->hb[k], high->hb[k]);
+        s->shift[k] = vf_join(c.shift[0][k], c.shift[1][k]);
+    }
+    s->large_b = vf_lt(zero, vf_join(c.b[0], c.b[1]));
 }
 
 DAFT_INLINE void load_pair(const daft_box_batch *batch, int lane, pair *s)
@@ -59,12 +132,12 @@ DAFT_INLINE void load_pair(const daft_box_batch *batch, int lane, pair *s)
     for (int k = 0; k < 3; k++) s->ha[k] = at(batch->half_a[k], lane), s->hb[k] = at(batch->half_b[k], lane);
     s->margin = at(batch->margin, lane);
     half_pair low = relate(batch, s, lane, 0), high = relate(batch, s, lane, 1);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) s->r[i][j] = vf_join(low.r[3 * i + j], high.r[3 * i + j]);
-        s->p[i] = vf_join(low.p[i], high.p[i]), s->q[i] = vf_join(low.q[i], high.q[i]);
-    }
     s->gap = vf_join(low.gap, high.gap);
     s->apart = vf_lt(vf_set(0), vf_join(low.beyond, high.beyond));
+    cut_large(s, &low, &high);
+    for (int k = 0; k < 3; k++) s->p[k] = vf_join(low.p[k], high.p[k]), s->q[k] = vf_join(low.q[k], high.q[k]);
 }
 
 /* ---- the axes ---- */
@@ -134,17 +207,17 @@ typedef struct choice {
     vf separation, clearance;
 } choice;
 
-DAFT_INLINE vf largest(const vf h[3]) { return vf_max(h[2], vf_max(h[0], h[1])); }
-
-DAFT_INLINE vi choose(best_axis a, best_axis b, best_axis e, vf even, vi before)
+DAFT_INLINE vi choose(best_axis a, best_axis b, best_axis e, vf even, vi before, vm large_b)
 {
     vf zero = vf_set(0), face = vf_max(a.separation, b.separation);
     vf beyond = vf_select(vf_lt(face, zero), vf_set(1 - DAFT_EDGE_SHARE) * face, face);
     vm none = vi_eq(before, vi_set(DAFT_AXIS_NONE)), crossed = vi_eq(before, vi_set(DAFT_AXIS_EDGES));
     vf more = vf_select(none, even, vf_select(crossed, -even, vf_set(2) * even));
     vm crosses = vm_and(vf_lt(beyond + more, e.separation), vm_or(vm_not(crossed), vf_lt(face, zero)));
-    vm was_b = vi_eq(before, vi_set(DAFT_AXIS_FACE_B));
-    vm by_b = vf_lt(a.separation + vf_select(was_b, -even, even), b.separation);
+    /* The larger box's face is the more exact one. */
+    vm rather_b = vm_and(large_b, vm_not(vi_eq(before, vi_set(DAFT_AXIS_FACE_A))));
+    rather_b = vm_or(rather_b, vi_eq(before, vi_set(DAFT_AXIS_FACE_B)));
+    vm by_b = vf_lt(a.separation + vf_select(rather_b, -even, even), b.separation);
     vi kind = vi_select(by_b, vi_set(DAFT_AXIS_FACE_B), vi_set(DAFT_AXIS_FACE_A));
     return vi_select(crosses, vi_set(DAFT_AXIS_EDGES), kind);
 }
@@ -156,7 +229,7 @@ DAFT_INLINE choice find_axis(const pair *s, vi before)
         for (int j = 0; j < 3; j++) m[i][j] = vf_abs(s->r[i][j]);
     best_axis a = faces_a(s, m), b = faces_b(s, m), e = edges(s, m);
     vf least = vf_min(largest(s->ha), largest(s->hb));
-    vi kind = choose(a, b, e, vf_set(DAFT_BOX_EVEN) * least, before);
+    vi kind = choose(a, b, e, vf_set(DAFT_BOX_EVEN) * least, before, s->large_b);
     vm by_a = vf_lt(s->margin, a.separation), by_b = vf_lt(s->margin, b.separation);
     vm by_e = vf_lt(s->margin, e.separation), over = vm_or(vm_or(by_a, by_b), by_e);
     vi axis = vi_select(by_a, vi_set(DAFT_AXIS_FACE_A),
@@ -412,11 +485,11 @@ typedef struct manifold {
 /* From the reference to a's frame. */
 DAFT_INLINE void out_of(const pair *s, const reference *f, const vf x[3], vf out[3])
 {
-    vf y[3], zero = vf_set(0);
+    vf y[3];
     turn_back(f->axis, x, y);
     for (int i = 0; i < 3; i++) {
-        vf from_b = (s->p[i] + zero) + dot3(s->r[i][0], y[0], s->r[i][1], y[1], s->r[i][2], y[2]);
-        out[i] = vf_select(f->of_b, from_b, y[i] + zero);
+        vf from_b = (s->p[i] + s->shift[i]) + dot3(s->r[i][0], y[0], s->r[i][1], y[1], s->r[i][2], y[2]);
+        out[i] = vf_select(f->of_b, from_b, y[i] + s->shift[i]);
     }
 }
 
@@ -533,7 +606,7 @@ DAFT_INLINE void edge_contact(const pair *s, const choice *c, vm here, manifold 
     for (int k = 0; k < 3; k++) {
         vf on_a = e.from[k] + e.along_a[k] * u, on_b = e.to[k] + e.along_b[k] * t;
         out->normal[k] = vf_select(here, e.n[k], out->normal[k]);
-        out->point[0][k] = vf_select(here, (on_a + on_b) * half + zero, out->point[0][k]);
+        out->point[0][k] = vf_select(here, (on_a + on_b) * half + s->shift[k], out->point[0][k]);
     }
     vi id = vi_set((int32_t)(3u << 30)) | i << 8 | j << 6 | e.corners;
     out->separation[0] = vf_select(here, c->separation, out->separation[0]);

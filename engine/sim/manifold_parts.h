@@ -37,8 +37,8 @@ uint32_t daft_collide_boxes(daft_vec3 half_a, daft_vec3 half_b, const daft_relpo
 
 uint32_t daft_collide_rounds(const daft_sim_shape *a, const daft_sim_shape *b, const daft_relpose *pose, float margin,
                              daft_manifold *out, daft_pair_cache *cache);
-/* box_first: the box is a, the round one b. False where the closest points do not decide: the core is in the box, or hangs
- * over the rim of a face. Then nothing is set. */
+/* box_first: the box is a, the round one b. False where the closest points do not decide: the core is in the box. Then nothing
+ * is set. */
 bool daft_collide_round_box(const daft_sim_shape *round, const daft_sim_shape *box, const daft_relpose *pose,
                             bool box_first, float margin, daft_manifold *out, daft_pair_cache *cache, uint32_t *count);
 

@@ -174,17 +174,33 @@ typedef struct meeting {
     daft_vec3 face; /* the outward normal of the box's face along that axis; a's frame */
 } meeting;
 
-/* Over one face: the ends of the core that are. False if one is beyond its rim. */
-static bool over_face(const meeting *m, float margin, daft_manifold *out)
+/* The stretch of the core that is over the face along the meeting's axis. False: none is. */
+static bool stretch_over(const meeting *m, float *from, float *to)
 {
     const beside *s = &m->s;
-    int ends = is_long(&m->c) ? 2 : 1;
+    float over = DAFT_ROUND_OVERHANG * m->c.radius;
+    *from = is_long(&m->c) ? -1 : 0, *to = is_long(&m->c) ? 1 : 0;
+    for (int k = 0; k < 3; k++) {
+        if (k == m->axis) continue;
+        float high = over - s->high[k], low = s->low[k] - over;
+        if (s->d[k] == 0) {
+            if (high < 0 || low > 0) *to = -INFINITY;
+            continue;
+        }
+        float a = high / s->d[k], b = low / s->d[k];
+        *from = fmaxf(fminf(a, b), *from), *to = fminf(fmaxf(a, b), *to);
+    }
+    return *from <= *to;
+}
+
+/* Over one face: both ends of the stretch that is. */
+static void over_face(const meeting *m, float from, float to, float margin, daft_manifold *out)
+{
+    const beside *s = &m->s;
+    int ends = is_long(&m->c) ? 2 : 1, k = m->axis;
     out->count = 0;
     for (int i = 0; i < ends; i++) {
-        float t = ends == 1 ? 0 : i ? 1 : -1;
-        for (int k = 0; k < 3; k++)
-            if (k != m->axis && gap_along(s, k, t) != 0) return false;
-        float high = m->gap[m->axis] > 0 ? s->high[m->axis] + t * s->d[m->axis] : s->low[m->axis] - t * s->d[m->axis];
+        float t = i ? to : from, high = m->gap[k] > 0 ? s->high[k] + t * s->d[k] : s->low[k] - t * s->d[k];
         if (high - m->c.radius > margin) continue;
         daft_vec3 at = daft_sub(on_core(&m->c, t), daft_scale(m->face, 0.5f * (high + m->c.radius)));
         uint32_t id = (uint32_t)i | (m->box_first ? 0 : 1u << 30);
@@ -195,7 +211,6 @@ static bool over_face(const meeting *m, float margin, daft_manifold *out)
     out->feature_b = m->box_first ? kind : DAFT_FEATURE_FACE;
     out->normal = m->box_first ? m->face : daft_neg(m->face);
     out->face_b = daft_neg(out->normal);
-    return true;
 }
 
 /* Beside an edge or a corner. */
@@ -247,10 +262,11 @@ bool daft_collide_round_box(const daft_sim_shape *round, const daft_sim_shape *b
     /* Nearer than this rounding blurs the direction. */
     if (!(m.distance > DAFT_ROUND_NEAR * radius + 1e-6f * daft_length(box->half))) return false;
     if (m.distance - radius <= margin) {
-        if (m.outside > 1 && fabsf(m.gap[m.axis]) > DAFT_ROUND_ALONG_FACE * m.distance) return false;
-        if (m.outside == 1 && !over_face(&m, margin, out)) return false;
-        if (m.outside > 1) beside_edge(&m, pose, out);
-        *count = 1;
+        float from, to;
+        bool nearly = m.outside == 1 || fabsf(m.gap[m.axis]) > DAFT_ROUND_ALONG_FACE * m.distance;
+        if (nearly && stretch_over(&m, &from, &to)) over_face(&m, from, to, margin, out);
+        else beside_edge(&m, pose, out);
+        *count = out->count > 0;
     }
     if (cache) *cache = (daft_pair_cache){.clearance = fmaxf(m.distance - radius, 0)};
     return true;

@@ -11,8 +11,10 @@
 #define DAFT_ROUND_PARALLEL 0.03f
 /* The stretch that they share is at least this share of half the shorter one. */
 #define DAFT_ROUND_SHARED 0.02f
-/* Beyond the rim of a face by so little that it counts as over it: the cosine of the way there with the face's normal. */
+/* Beyond the rim of a face by so little that it counts as over it, if part of the core is: the cosine of the way there with
+ * the face's normal. A face reaches by this share of the rounding farther for that. */
 #define DAFT_ROUND_ALONG_FACE 0.9999f
+#define DAFT_ROUND_OVERHANG 1e-3f
 /* Going farther against each other than this share of the first part's reach is fast. */
 #define DAFT_ROUND_FAST 0.5f
 /* Centres nearer than this share of it are in one place, and no way out is better than another. */
@@ -53,7 +55,7 @@ enum { DAFT_ROUND_LANES = 16, DAFT_ROUND_POINTS = 2 };
 typedef enum daft_round_state {
     DAFT_ROUND_APART, /* by more than the margin and what they may go within the step */
     DAFT_ROUND_MET,
-    DAFT_ROUND_ASK /* one at a time, that is: fast and looking out, deep in each other, over the rim of a face */
+    DAFT_ROUND_ASK /* one at a time, that is: fast and looking out, deep in each other */
 } daft_round_state;
 
 typedef float daft_round_lanes[DAFT_ROUND_LANES] __attribute__((aligned(64)));

@@ -269,22 +269,43 @@ DAFT_INLINE void set_gap(meeting *m)
     m->beside_face = several, m->beside_corner = all;
 }
 
-/* Over one face: the ends of the core that are. Gives where one is beyond its rim. */
-DAFT_INLINE vm over_face(const meeting *m, vf most, found *f)
+/* The stretch of the core that is over the face along the meeting's axis. */
+typedef struct stretch {
+    vf from, to;
+    vm some;
+} stretch;
+
+DAFT_INLINE stretch stretch_over(const meeting *m, vm capsule)
+{
+    vf zero = vf_set(0), one = vf_set(1), over_rim = vf_set(DAFT_ROUND_OVERHANG) * m->round.radius;
+    stretch out = {vf_select(capsule, vf_set(-1), zero), vf_select(capsule, one, zero), vm_not(vf_lt(one, zero))};
+    for (int k = 0; k < 3; k++) {
+        vf d = m->s.d[k], high = over_rim - m->s.high[k], low = m->s.low[k] - over_rim;
+        vm across = vf_lt(zero, vf_abs(d)), over_it = vm_and(vf_le(zero, high), vf_le(low, zero));
+        vf a = over(across, high, d), b = over(across, low, d);
+        vm cuts = vm_and(across, vm_not(m->axis[k]));
+        out.from = vf_select(cuts, vf_max(vf_min(a, b), out.from), out.from);
+        out.to = vf_select(cuts, vf_min(vf_max(a, b), out.to), out.to);
+        out.some = vm_and(out.some, vm_or(vm_or(across, over_it), m->axis[k]));
+    }
+    out.some = vm_and(out.some, vf_le(out.from, out.to));
+    return out;
+}
+
+/* Over one face: both ends of the stretch that is. */
+DAFT_INLINE void over_face(const meeting *m, const stretch *over_it, vm capsule, vf most, found *f)
 {
     vf zero = vf_set(0), half = vf_set(0.5f);
     vf3 face = {zero, zero, zero}, point[2];
-    vm capsule = vf_lt(zero, vf3_dot(m->round.half, m->round.half)), beyond = vf_lt(zero, zero);
     vf separation[2];
     for (int k = 0; k < 3; k++) {
         vf3 out = scale(m->turn[k], vf_select(vf_lt(m->gap[k], zero), vf_set(-1), vf_set(1)));
         face = select3(m->axis[k], out, face);
     }
     for (int i = 0; i < 2; i++) {
-        vf t = vf_select(capsule, vf_set(i ? 1 : -1), zero), high = zero;
+        vf t = i ? over_it->to : over_it->from, high = zero;
         for (int k = 0; k < 3; k++) {
-            vf gap = gap_along(&m->s, k, t), move = t * m->s.d[k];
-            beyond = vm_or(beyond, vm_and(vm_not(m->axis[k]), vf_lt(zero, vf_abs(gap))));
+            vf move = t * m->s.d[k];
             vf above = vf_select(vf_lt(zero, m->gap[k]), m->s.high[k] + move, m->s.low[k] - move);
             high = vf_select(m->axis[k], above, high);
         }
@@ -294,44 +315,44 @@ DAFT_INLINE vm over_face(const meeting *m, vf most, found *f)
     f->normal = scale(face, m->box_first);
     vi low = vi_select(vf_lt(zero, m->box_first), vi_set(0), vi_set(1 << 30));
     set_points(f, point, separation, (vi[2]){low, low + vi_set(1)}, capsule, most);
-    return beyond;
 }
 
 /* Beside an edge or a corner. */
-DAFT_INLINE void beside_edge(const meeting *m, found *f)
+DAFT_INLINE void beside_edge(const meeting *m, vm here, vm capsule, found *f)
 {
     vf zero = vf_set(0), inverse = over(vf_lt(zero, m->distance), vf_set(1), m->distance);
     vf3 away = {zero, zero, zero};
     for (int k = 0; k < 3; k++) away = add(away, scale(m->turn[k], m->gap[k] * inverse));
-    vm capsule = vf_lt(zero, vf3_dot(m->round.half, m->round.half));
     vm inside = vm_and(capsule, vf_lt(vf_abs(m->t), vf_set(1)));
     vf3 at = sub(scale(m->round.half, m->t), scale(away, vf_set(0.5f) * (m->distance + m->round.radius)));
     vi id = vi_set(5 << 28) | vi_select(inside, vi_set(1), vi_set(0));
-    f->normal = select3(m->beside_face, scale(away, m->box_first), f->normal);
-    f->point[0] = select3(m->beside_face, at, f->point[0]);
-    f->separation[0] = vf_select(m->beside_face, m->distance - m->round.radius, f->separation[0]);
-    f->id[0] = vi_select(m->beside_face, id, f->id[0]);
-    f->count = vi_select(m->beside_face, vi_set(1), f->count);
+    f->normal = select3(here, scale(away, m->box_first), f->normal);
+    f->point[0] = select3(here, at, f->point[0]);
+    f->separation[0] = vf_select(here, m->distance - m->round.radius, f->separation[0]);
+    f->id[0] = vi_select(here, id, f->id[0]);
+    f->count = vi_select(here, vi_set(1), f->count);
 }
 
 static void boxes_lanes(const daft_outline *all, daft_round_batch *batch, int lane, vbits used)
 {
     outline box = load_outline(all, batch->b + lane);
     meeting m = {.round = load_outline(all, batch->a + lane)};
+    vf zero = vf_set(0);
     load_beside(batch, lane, &m);
     m.t = closest_to_box(&m.s);
     set_gap(&m);
     looks l = looks_of(batch, lane, &m.round, &box);
     vm near = vf_le(m.distance - m.round.radius, l.most);
     vf blur = vf_set(DAFT_ROUND_NEAR) * m.round.radius + vf_set(1e-6f) * vf_sqrt(vf3_dot(box.half, box.half));
-    vm nearly_over = vm_and(m.beside_face, vf_lt(vf_set(DAFT_ROUND_ALONG_FACE) * m.distance, m.farthest));
+    if (!store_state(batch, lane, near, ask_of(near, vf_le(m.distance, blur), l.out), used)) return;
     found f;
-    vm rim = vm_and(vm_not(m.beside_face), over_face(&m, l.most, &f));
-    vm ask = vm_or(vm_or(vf_le(m.distance, blur), nearly_over), rim);
-    if (!store_state(batch, lane, near, ask_of(near, ask, l.out), used)) return;
-    beside_edge(&m, &f);
-    vf3 toward = load3(batch->toward, lane), none = {vf_set(0), vf_set(0), vf_set(0)};
-    toward = select3(vf_lt(vf_set(0), m.box_first), toward, none);
+    vm capsule = vf_lt(zero, vf3_dot(m.round.half, m.round.half));
+    vm nearly_over = vf_lt(vf_set(DAFT_ROUND_ALONG_FACE) * m.distance, m.farthest);
+    stretch over_it = stretch_over(&m, capsule);
+    over_face(&m, &over_it, capsule, l.most, &f);
+    beside_edge(&m, vm_not(vm_and(over_it.some, vm_or(nearly_over, vm_not(m.beside_face)))), capsule, &f);
+    vf3 toward = load3(batch->toward, lane), none = {zero, zero, zero};
+    toward = select3(vf_lt(zero, m.box_first), toward, none);
     for (int i = 0; i < DAFT_ROUND_POINTS; i++) f.point[i] = add(f.point[i], toward);
     store_found(batch, lane, &f);
 }
