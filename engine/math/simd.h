@@ -421,19 +421,31 @@ DAFT_INLINE void vf_transpose4(vf r[4])
 }
 #endif
 
+#if defined(DAFT_ISA_avx512)
+/* Two rows of eight floats, as they stand in memory. */
+DAFT_INLINE __m512 vf_load_eight_pair(const float *first, const float *second)
+{
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(first)), _mm256_loadu_ps(second), 1);
+}
+#endif
+
 /* out[k]: float k of the rows base + 8·row[lane]. Rows are 16-byte aligned. */
 DAFT_INLINE void vf_load_rows8(const float *base, const int32_t *row, vf out[8])
 {
-#ifdef DAFT_HAVE_X86
+#if defined(DAFT_ISA_avx512)
+    for (int i = 0; i < 4; i++) {
+        __m512 low = vf_load_eight_pair(base + 8 * row[i], base + 8 * row[4 + i]);
+        __m512 high = vf_load_eight_pair(base + 8 * row[8 + i], base + 8 * row[12 + i]);
+        out[i] = (vf)_mm512_shuffle_f32x4(low, high, 0x88);
+        out[4 + i] = (vf)_mm512_shuffle_f32x4(low, high, 0xdd);
+    }
+    vf_transpose4(out);
+    vf_transpose4(out + 4);
+#elif defined(DAFT_HAVE_X86)
     for (int half = 0; half < 2; half++) {
         for (int i = 0; i < 4; i++) {
             const float *from = base + 4 * half;
-#if defined(DAFT_ISA_avx512)
-            __m512 wide = _mm512_castps128_ps512(_mm_load_ps(from + 8 * row[i]));
-            wide = _mm512_mask_broadcast_f32x4(wide, 0x00f0, _mm_load_ps(from + 8 * row[4 + i]));
-            wide = _mm512_mask_broadcast_f32x4(wide, 0x0f00, _mm_load_ps(from + 8 * row[8 + i]));
-            out[4 * half + i] = (vf)_mm512_mask_broadcast_f32x4(wide, 0xf000, _mm_load_ps(from + 8 * row[12 + i]));
-#elif defined(DAFT_ISA_avx2)
+#if defined(DAFT_ISA_avx2)
             __m256 wide = _mm256_castps128_ps256(_mm_load_ps(from + 8 * row[i]));
             out[4 * half + i] = (vf)_mm256_insertf128_ps(wide, _mm_load_ps(from + 8 * row[4 + i]), 1);
 #else
@@ -476,16 +488,41 @@ DAFT_INLINE void vf_spread_rows8(float *base, int stride, const vf in[8])
 #endif
 }
 
+#if defined(DAFT_ISA_avx512)
+/* The way back, for the lanes given; their rows differ. */
+DAFT_INLINE void vf_store_rows8(float *base, const int32_t *row, const vf in[8], vbits lanes)
+{
+    vf low[4] = {in[0], in[1], in[2], in[3]}, high[4] = {in[4], in[5], in[6], in[7]};
+    float pair[8][DAFT_VL] __attribute__((aligned(64)));
+    bool all = (lanes & DAFT_ALL_LANES) == DAFT_ALL_LANES;
+    vf_transpose4(low);
+    vf_transpose4(high);
+    for (int i = 0; i < 4; i++) { /* the first, third, and so on, of the fours that belong to rows i, 4 + i, 8 + i, 12 + i */
+        const __m512i order = _mm512_setr_epi32(0, 1, 2, 3, 16, 17, 18, 19, 4, 5, 6, 7, 20, 21, 22, 23);
+        const __m512i then = _mm512_setr_epi32(8, 9, 10, 11, 24, 25, 26, 27, 12, 13, 14, 15, 28, 29, 30, 31);
+        __m512 first = _mm512_permutex2var_ps((__m512)low[i], order, (__m512)high[i]);
+        __m512 second = _mm512_permutex2var_ps((__m512)low[i], then, (__m512)high[i]);
+        if (all) {
+            _mm256_storeu_ps(base + 8 * row[i], _mm512_castps512_ps256(first));
+            _mm256_storeu_ps(base + 8 * row[4 + i], _mm512_extractf32x8_ps(first, 1));
+            _mm256_storeu_ps(base + 8 * row[8 + i], _mm512_castps512_ps256(second));
+            _mm256_storeu_ps(base + 8 * row[12 + i], _mm512_extractf32x8_ps(second, 1));
+        } else {
+            _mm512_store_ps(pair[i], first);
+            _mm512_store_ps(pair[4 + i], second);
+        }
+    }
+    for (vbits left = all ? 0 : lanes & DAFT_ALL_LANES; left; left &= left - 1) {
+        int i = __builtin_ctz(left);
+        _mm256_storeu_ps(base + 8 * row[i], _mm256_load_ps(&pair[(i & 3) + (i >> 3) * 4][(i & 4) * 2]));
+    }
+}
+#else
 #ifdef DAFT_HAVE_X86
 /* The fours of r go to base + 8·row[0], base + 8·row[4] and so on. */
 DAFT_INLINE void vf_store_fours(float *base, const int32_t *row, vf r)
 {
-#if defined(DAFT_ISA_avx512)
-    _mm_store_ps(base + 8 * row[0], _mm512_castps512_ps128((__m512)r));
-    _mm_store_ps(base + 8 * row[4], _mm512_extractf32x4_ps((__m512)r, 1));
-    _mm_store_ps(base + 8 * row[8], _mm512_extractf32x4_ps((__m512)r, 2));
-    _mm_store_ps(base + 8 * row[12], _mm512_extractf32x4_ps((__m512)r, 3));
-#elif defined(DAFT_ISA_avx2)
+#if defined(DAFT_ISA_avx2)
     _mm_store_ps(base + 8 * row[0], _mm256_castps256_ps128((__m256)r));
     _mm_store_ps(base + 8 * row[4], _mm256_extractf128_ps((__m256)r, 1));
 #else
@@ -518,6 +555,7 @@ DAFT_INLINE void vf_store_rows8(float *base, const int32_t *row, const vf in[8],
 #endif
     }
 }
+#endif
 
 /* The four floats at p, then those at p + at[0] and so on, `count` fours in all, no more than DAFT_VL / 4; zero in the
  * other lanes. */

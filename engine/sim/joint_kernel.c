@@ -99,24 +99,31 @@ DAFT_INLINE void push_free(pass *p, vf impulse)
     p->b.v = vf3_add(p->b.v, vf3_scale(along, p->inv_mass[1] * impulse));
 }
 
-/* sign -1: of the speed the other way. */
-DAFT_INLINE void solve_free(pass *p, float sign, vf bias, softness s, float *impulse, vf low, vf high)
+DAFT_INLINE vf wanted_free(const pass *p, vf wrong, softness s, vf old, vf low, vf high)
 {
-    vf old = vf_load(impulse), mass = vf_load(p->block->free_mass + p->lane);
-    vf wanted = old - mass * s.mass * (free_speed(p) * vf_set(sign) + bias) - s.impulse * old;
-    wanted = vf_min(vf_max(wanted, low), high);
+    vf mass = vf_load(p->block->free_mass + p->lane);
+    return vf_min(vf_max(old - mass * s.mass * wrong - s.impulse * old, low), high);
+}
+DAFT_INLINE void solve_free(pass *p, vf bias, softness s, float *impulse, vf low, vf high)
+{
+    vf old = vf_load(impulse), wanted = wanted_free(p, free_speed(p) + bias, s, old, low, high);
     vf_store(impulse, wanted);
-    push_free(p, (wanted - old) * vf_set(sign));
+    push_free(p, wanted - old);
 }
 
-/* What is within a limit may reach it in this substep and no more. */
-DAFT_INLINE void solve_limit(pass *p, float sign, vf room, float *impulse)
+/* What is within a limit may reach it in this substep and no more. Mostly it does not, in any lane. `speed`: in the free
+ * direction, before and after. */
+DAFT_INLINE void solve_limit(pass *p, float sign, vf room, float *impulse, vf *speed)
 {
     softness s = stiff(p);
     vm within = vf_lt(zero(), room);
     s.mass = vf_select(within, vf_set(1), s.mass), s.impulse = vf_select(within, zero(), s.impulse);
-    vf bias = vf_select(within, room * p->inv_h, room * s.rate);
-    solve_free(p, sign, bias, s, impulse, zero(), vf_set(NO_LIMIT));
+    vf bias = vf_select(within, room * p->inv_h, room * s.rate), old = vf_load(impulse);
+    vf wanted = wanted_free(p, *speed * vf_set(sign) + bias, s, old, zero(), vf_set(NO_LIMIT));
+    if (!vm_bits(vm_or(vf_lt(zero(), wanted), vf_lt(zero(), vf_abs(old))))) return;
+    vf_store(impulse, wanted);
+    push_free(p, (wanted - old) * vf_set(sign));
+    *speed = free_speed(p);
 }
 
 DAFT_INLINE void solve_limits(pass *p, vf value)
@@ -127,8 +134,9 @@ DAFT_INLINE void solve_limits(pass *p, vf value)
         vf turn = vf_set((float)(2 * DAFT_PI)), half = vf_set((float)DAFT_PI), d = value - vf_set(0.5f) * (lower + upper);
         value = vf_select(vf_lt(half, d), value - turn, vf_select(vf_lt(d, -half), value + turn, value));
     }
-    if (block->kind != DAFT_JOINT_BALL) solve_limit(p, 1, value - lower, block->lower_impulse + p->lane);
-    solve_limit(p, -1, upper - value, block->upper_impulse + p->lane);
+    vf speed = free_speed(p);
+    if (block->kind != DAFT_JOINT_BALL) solve_limit(p, 1, value - lower, block->lower_impulse + p->lane, &speed);
+    solve_limit(p, -1, upper - value, block->upper_impulse + p->lane, &speed);
 }
 
 /* The spring, the motor and the limits of a hinge or slider. */
@@ -138,12 +146,12 @@ DAFT_INLINE void solve_drive(pass *p)
     vf value = vf_load(block->value + p->lane), no_limit = vf_set(NO_LIMIT);
     if (block->spring && p->biased) {
         softness s = load_soft(&block->soft, p->lane);
-        solve_free(p, 1, value * s.rate, s, block->spring_impulse + p->lane, -no_limit, no_limit);
+        solve_free(p, value * s.rate, s, block->spring_impulse + p->lane, -no_limit, no_limit);
     }
     if (block->motor) {
         vf most = vf_load(block->motor_force + p->lane) * p->h;
         const softness rigid = {zero(), vf_set(1), zero()};
-        solve_free(p, 1, -vf_load(block->motor_speed + p->lane), rigid, block->motor_impulse + p->lane, -most, most);
+        solve_free(p, -vf_load(block->motor_speed + p->lane), rigid, block->motor_impulse + p->lane, -most, most);
     }
     if (block->limit) solve_limits(p, value);
 }
@@ -165,11 +173,11 @@ DAFT_INLINE void solve_distance(pass *p)
     float *impulse = block->spring_impulse + p->lane;
     if (block->spring) {
         softness s = load_soft(&block->soft, p->lane);
-        if (p->biased) solve_free(p, 1, error * s.rate, s, impulse, -no_limit, no_limit);
+        if (p->biased) solve_free(p, error * s.rate, s, impulse, -no_limit, no_limit);
     } else if (!block->limit) {
         softness s = stiff(p);
         vf bias = p->biased ? error * s.rate + rod_bend(p, value) : zero();
-        solve_free(p, 1, bias, s, impulse, -no_limit, no_limit);
+        solve_free(p, bias, s, impulse, -no_limit, no_limit);
     }
     if (block->limit) solve_limits(p, value);
 }
@@ -247,7 +255,7 @@ DAFT_INLINE vf3 bounded3(daft_sim_lanes *impulse, int lane)
 }
 
 /* What the joint carries turns with the bodies: an impulse along a rod stays along it. Left as it was, it would twist a
- * light bob about its own centre. */
+ * light bob about its own centre. angular: NULL where it twists nothing. */
 DAFT_INLINE void carry(pass *p, vf3 *linear, vf3 *angular)
 {
     vm yields_a = vf_lt(zero(), p->inv_mass[0]), yields_b = vf_lt(zero(), p->inv_mass[1]);
@@ -255,7 +263,8 @@ DAFT_INLINE void carry(pass *p, vf3 *linear, vf3 *angular)
     vf share = vf_select(vm_and(yields_a, yields_b), vf_set(0.25f), vf_set(0.5f));
     const quat unturned = {zero(), zero(), zero(), vf_set(1)};
     quat turn = turned(unturned, vf3_scale(w, share * p->h));
-    *linear = rotate(turn, *linear), *angular = rotate(turn, *angular);
+    *linear = rotate(turn, *linear);
+    if (angular) *angular = rotate(turn, *angular);
 }
 
 /* What it carries along the free direction. */
@@ -273,6 +282,13 @@ DAFT_INLINE bool has_free(const joint_block *block)
     return block->kind == DAFT_JOINT_HINGE || block->kind == DAFT_JOINT_SLIDER || block->kind == DAFT_JOINT_DISTANCE;
 }
 
+/* Whether it holds how bodies are turned, not only where. */
+DAFT_INLINE bool twists(const joint_block *block)
+{
+    return block->kind == DAFT_JOINT_HINGE || block->kind == DAFT_JOINT_SLIDER || block->kind == DAFT_JOINT_FIXED ||
+           (block->kind == DAFT_JOINT_BALL && block->motor);
+}
+
 DAFT_INLINE void warm_start_lanes(const daft_sim_rows *rows, joint_block *block, const daft_sim_substep *substep, int lane)
 {
     pass p = begin_pass(rows, block, lane, substep, true);
@@ -280,14 +296,15 @@ DAFT_INLINE void warm_start_lanes(const daft_sim_rows *rows, joint_block *block,
     vf3 w[2] = {p.a.w, p.b.w}, bent[2];
     for (int i = 0; i < 2; i++) bent[i] = bend(expected_spin(&block->side[i], w[i], lane), p.arm[i], p.h);
     store3(block->bend, lane, vf3_sub(bent[1], bent[0]));
-    vf3 linear = bounded3(block->linear, lane), angular = bounded3(block->angular, lane);
-    carry(&p, &linear, &angular);
+    bool two = twists(block);
+    vf3 linear = bounded3(block->linear, lane), angular = two ? bounded3(block->angular, lane) : none();
+    carry(&p, &linear, two ? &angular : NULL);
     store3(block->linear, lane, linear);
-    store3(block->angular, lane, angular);
+    if (two) store3(block->angular, lane, angular);
     if (has_free(block)) push_free(&p, free_impulse(block, lane));
     if (block->kind == DAFT_JOINT_BALL && block->limit) push_free(&p, -bounded(block->upper_impulse + lane));
     push(&p, linear);
-    twist(&p, angular);
+    if (two) twist(&p, angular);
     end_pass(rows, &p);
 }
 
@@ -329,26 +346,26 @@ DAFT_INLINE void solve_all(pass *p)
 
 DAFT_INLINE void add_sums(joint_block *block, int lane)
 {
-    vf3 linear = load3(block->linear, lane), angular = load3(block->angular, lane);
+    vf3 linear = load3(block->linear, lane), angular = twists(block) ? load3(block->angular, lane) : none();
     if (has_free(block)) {
         vf3 along = vf3_scale(load3(block->along, lane), free_impulse(block, lane));
         if (block->kind == DAFT_JOINT_HINGE) angular = vf3_add(angular, along);
         if (block->kind != DAFT_JOINT_HINGE) linear = vf3_add(linear, along);
     }
     store3(block->linear_sum, lane, vf3_add(load3(block->linear_sum, lane), linear));
-    store3(block->angular_sum, lane, vf3_add(load3(block->angular_sum, lane), angular));
+    if (twists(block)) store3(block->angular_sum, lane, vf3_add(load3(block->angular_sum, lane), angular));
 }
 
 DAFT_INLINE void relax_lanes(const daft_sim_rows *rows, joint_block *block, const daft_sim_substep *substep, bool place,
                              bool turned_far, int lane)
 {
-    quat turn[2] = {0};
-    for (int i = 0; (place || has_frames(block)) && i < 2; i++) turn[i] = load_turn(rows, block->side[i].row + lane);
-    if (place) place_arms(rows, block, turn, lane);
+    place_now now[2] = {0};
+    for (int i = 0; (place || has_frames(block)) && i < 2; i++) now[i] = load_place(rows, block->side[i].row + lane);
+    if (place) place_arms(block, now, lane);
     if (turned_far) refresh_masses(rows, block, lane);
     pass p = begin_pass(rows, block, lane, substep, false), at = p;
     lengthen_arm(&at);
-    place_directions(&at, turn);
+    place_directions(&at, (quat[2]){now[0].turn, now[1].turn});
     solve_all(&p);
     end_pass(rows, &p);
     add_sums(block, lane);
@@ -373,13 +390,14 @@ DAFT_INLINE void shift(const daft_sim_rows *rows, const pass *p, const quat *tur
     vf row[8];
     vf_load_rows8(rows->turn, index, row);
     row[0] = q.x, row[1] = q.y, row[2] = q.z, row[3] = q.w;
+    row[4] = moved.v.x, row[5] = moved.v.y, row[6] = moved.v.z;
     vf_store_rows8(rows->turn, index, row, side->writes >> p->lane & open);
 }
 
 DAFT_INLINE bool close_lanes(const daft_sim_rows *rows, joint_block *block, int lane)
 {
-    const quat turn[2] = {load_turn(rows, block->side[0].row + lane), load_turn(rows, block->side[1].row + lane)};
-    place_arms(rows, block, turn, lane);
+    const place_now now[2] = {load_place(rows, block->side[0].row + lane), load_place(rows, block->side[1].row + lane)};
+    place_arms(block, now, lane);
     if (block->spring || block->kind == DAFT_JOINT_SLIDER || block->kind == DAFT_JOINT_DISTANCE) return false;
     vf3 offset = load3(block->offset, lane);
     vf apart = length_of(offset), most = vf_set(MOST_OPEN) + length_of(load3(block->offset0, lane));
@@ -391,8 +409,8 @@ DAFT_INLINE bool close_lanes(const daft_sim_rows *rows, joint_block *block, int 
     place_points(&p);
     vf excess = vf_select(opened, (apart - most) / vf_select(opened, apart, vf_set(1)), zero());
     vf3 impulse = solve3(block->point, lane, vf3_scale(offset, excess));
-    shift(rows, &p, &turn[0], 0, impulse, open);
-    shift(rows, &p, &turn[1], 1, vf3_neg(impulse), open);
+    shift(rows, &p, &now[0].turn, 0, impulse, open);
+    shift(rows, &p, &now[1].turn, 1, vf3_neg(impulse), open);
     return true;
 }
 

@@ -10,21 +10,27 @@ DAFT_INLINE bool is_angular(const joint_block *block)
     return block->kind == DAFT_JOINT_HINGE || block->kind == DAFT_JOINT_BALL;
 }
 
-DAFT_INLINE quat load_turn(const daft_sim_rows *rows, const int32_t *index)
+/* How bodies have turned and gone since the step began. */
+typedef struct place_now {
+    quat turn;
+    vf3 way;
+} place_now;
+
+DAFT_INLINE place_now load_place(const daft_sim_rows *rows, const int32_t *index)
 {
     vf row[8];
     vf_load_rows8(rows->turn, index, row);
-    return (quat){row[0], row[1], row[2], row[3]};
+    return (place_now){{row[0], row[1], row[2], row[3]}, {row[4], row[5], row[6]}};
 }
 
 /* Where the anchors are now. */
-DAFT_INLINE void place_arms(const daft_sim_rows *rows, joint_block *block, const quat turn[2], int lane)
+DAFT_INLINE void place_arms(joint_block *block, const place_now now[2], int lane)
 {
     vf3 moved[2];
     for (int i = 0; i < 2; i++) {
         joint_side *side = &block->side[i];
-        vf3 arm0 = load3(side->arm0, lane), arm = rotate(turn[i], arm0);
-        moved[i] = vf3_add(load_body(rows->moved, side->row + lane).v, vf3_sub(arm, arm0));
+        vf3 arm0 = load3(side->arm0, lane), arm = rotate(now[i].turn, arm0);
+        moved[i] = vf3_add(now[i].way, vf3_sub(arm, arm0));
         store3(side->arm, lane, arm);
     }
     store3(block->offset, lane, vf3_add(vf3_sub(load3(block->offset0, lane), moved[0]), moved[1]));
@@ -35,10 +41,15 @@ DAFT_INLINE void place_points(pass *p)
 {
     vf mass = p->inv_mass[0] + p->inv_mass[1], m[6] = {mass, zero(), zero(), mass, zero(), mass};
     for (int i = 0; i < 2; i++) {
-        vf3 r = p->arm[i], x = {zero(), r.z, -r.y}, y = {-r.z, zero(), r.x}, z = {r.y, -r.x, zero()}; /* r × an axis */
-        vf3 sx = symmetric(p->inertia[i], x), sy = symmetric(p->inertia[i], y), sz = symmetric(p->inertia[i], z);
-        m[0] = m[0] + vf3_dot(x, sx), m[1] = m[1] + vf3_dot(x, sy), m[2] = m[2] + vf3_dot(x, sz);
-        m[3] = m[3] + vf3_dot(y, sy), m[4] = m[4] + vf3_dot(y, sz), m[5] = m[5] + vf3_dot(z, sz);
+        /* r × an axis is (0, z, -y), (-z, 0, x), (y, -x, 0); x, y, z: the inverse inertia times these. */
+        vf3 r = p->arm[i];
+        const vf *t = p->inertia[i];
+        vf3 x = {zero(), t[3] * r.z - t[4] * r.y, t[4] * r.z - t[5] * r.y};
+        vf3 y = {t[2] * r.x - t[0] * r.z, t[4] * r.x - t[1] * r.z, t[5] * r.x - t[2] * r.z};
+        vf3 z = {t[0] * r.y - t[1] * r.x, t[1] * r.y - t[3] * r.x, t[2] * r.y - t[4] * r.x};
+        m[0] = m[0] + (r.z * x.y - r.y * x.z), m[1] = m[1] + (r.z * y.y - r.y * y.z);
+        m[2] = m[2] + (r.z * z.y - r.y * z.z), m[3] = m[3] + (r.x * y.z - r.z * y.x);
+        m[4] = m[4] + (r.x * z.z - r.z * z.x), m[5] = m[5] + (r.y * z.x - r.x * z.y);
     }
     factorise(m, mass, p->block->point, p->lane);
 }

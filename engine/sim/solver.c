@@ -62,9 +62,8 @@ static void stage_move(void *p, int argument, uint32_t first, uint32_t count)
 static void stage_turn(void *p, int substep, uint32_t first, uint32_t count)
 {
     context *c = p;
-    bool turning = false;
-    for (uint32_t i = first; i < first + count; i++) turning |= daft_sim_spin_refresh(c->world, i, c->dt);
-    if (turning) atomic_store_explicit(&c->turning, substep, memory_order_relaxed);
+    if (daft_sim_spin_refresh(c->world, first, count, c->dt))
+        atomic_store_explicit(&c->turning, substep, memory_order_relaxed);
 }
 static void stage_refresh(void *p, int substep, uint32_t first, uint32_t count)
 {
@@ -149,9 +148,10 @@ static void stage_hold(void *p, int argument, uint32_t first, uint32_t count)
     context *c = p;
     for (uint32_t row = first; row < first + count; row++) {
         uint32_t locks = c->world->bodies[c->s->row_bodies[row]].locks / DAFT_LOCK_POSITION_X;
-        float *velocity = c->s->rows.velocity + (size_t)row * DAFT_SIM_ROW, *moved = c->s->rows.moved + (size_t)row * DAFT_SIM_ROW;
-        for (int k = 0; k < 3; k++)
-            if (locks >> k & 1) velocity[k] = moved[k] = 0;
+        size_t at = (size_t)row * DAFT_SIM_ROW;
+        const daft_sim_rows *rows = &c->s->rows;
+        for (size_t k = 0; k < 3; k++)
+            if (locks >> k & 1) rows->velocity[at + k] = rows->moved[at + k] = rows->turn[at + 4 + k] = 0;
     }
 }
 
@@ -245,8 +245,8 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     body->state = row;
     put(rows->moved + at, zero, zero);
     rows->moved[at + 6] = h;
-    turn[0] = turn[1] = turn[2] = 0, turn[3] = 1;
-    turn[4] = 0, turn[5] = constrained && !body->round;
+    put(turn, zero, zero);
+    turn[3] = 1, turn[7] = constrained && !body->round;
     mass[0] = (body->locks & DAFT_LOCK_POSITION) == DAFT_LOCK_POSITION ? 0 : body->inv_mass;
     daft_sim_body_inverse_inertia(body, &body->frame, mass + 1);
     if (dynamic) {

@@ -84,8 +84,8 @@ typedef struct daft_sim_rows {
                         fade far from the origin; 6: length of a substep */
     float *gain;     /* of velocity, per second, from gravity and forces; 6: 1 for bodies in free flight; 7: share
                         of the linear velocity that damping leaves in a substep */
-    float *turn;     /* rotation since the step began, a quaternion; 4: 1 if the inertia was changed in this substep; 5: 1
-                        for constrained bodies whose moments differ */
+    float *turn;     /* rotation since the step began, a quaternion; 4 to 6: the way, as in `moved`; 7: 1 for constrained
+                        bodies whose moments differ, 2 if their inertia was changed in this substep */
     float *mass;     /* inverse mass; inverse inertia xx, xy, xz, yy, yz, zz, as the body has turned if that is far; share
                         of the angular velocity left */
 } daft_sim_rows;
@@ -103,6 +103,8 @@ typedef struct daft_sim_kernels {
     /* Rows first..first + count. */
     void (*gain)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h);
     void (*move)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h);
+    /* Bits of those of up to 32 rows whose inertia is to be changed: they turn faster than `most`; marks them. */
+    uint32_t (*find_far)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float most);
 } daft_sim_kernels;
 
 DAFT_KERNEL_DECLARE(daft_sim_kernels, daft_sim);
@@ -275,9 +277,10 @@ bool daft_sim_spins(const daft_world *world, uint32_t row);
 void daft_sim_spin_add(daft_world *world, uint32_t row);
 /* Turns farther than this in a substep, in radians, are beyond the midpoint rule. */
 #define DAFT_SIM_WILD_TURN 0.8f
-/* Gives a constrained row the inertia of the body as it has turned, if it turns far. The angular velocity is the same seen
- * from the body, so its energy is; with the old inertia the next impulse could give it many times that. */
-bool daft_sim_spin_refresh(const daft_world *world, uint32_t row, float dt);
+/* Gives constrained rows first..first + count the inertia of their bodies as they have turned, if they turn far; true if some
+ * do. The angular velocity is the same seen from the body, so its energy is; with the old inertia the next impulse could give
+ * it many times that. */
+bool daft_sim_spin_refresh(const daft_world *world, uint32_t first, uint32_t count, float dt);
 
 /* ---- solver.c ---- */
 

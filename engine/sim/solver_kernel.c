@@ -170,8 +170,8 @@ DAFT_INLINE void refresh_lanes(const daft_sim_rows *rows, daft_sim_block *block,
 static bool has_turned(const daft_sim_rows *rows, const daft_sim_block *block)
 {
     for (int lane = 0; lane < block->lanes; lane++)
-        if (rows->turn[(size_t)block->a[lane] * DAFT_SIM_ROW + 4] != 0 ||
-            rows->turn[(size_t)block->b[lane] * DAFT_SIM_ROW + 4] != 0)
+        if (rows->turn[(size_t)block->a[lane] * DAFT_SIM_ROW + 7] > 1 ||
+            rows->turn[(size_t)block->b[lane] * DAFT_SIM_ROW + 7] > 1)
             return true;
     return false;
 }
@@ -527,53 +527,59 @@ static void finish(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t c
 
 /* ---- bodies ---- */
 
-/* Rows that follow each other, side by side; where fewer are left than there are lanes, the others are the first again. */
+/* Rows that follow each other, side by side, counted from the first; where fewer are left than there are lanes, the others are
+ * the first again. */
 typedef struct row_lanes {
-    int32_t index[DAFT_VL];
+    size_t base; /* floats before the first row */
+    const int32_t *index;
     vbits used;
 } row_lanes;
 
-DAFT_INLINE row_lanes rows_from(uint32_t first, uint32_t count)
+static const int32_t IN_ORDER[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
+DAFT_INLINE row_lanes rows_left(uint32_t first, uint32_t count, int32_t index[DAFT_VL])
 {
-    row_lanes out;
-    for (uint32_t i = 0; i < DAFT_VL; i++) out.index[i] = (int32_t)(i < count ? first + i : first);
-    out.used = vbits_first((int)daft_min_u(count, DAFT_VL));
-    return out;
+    for (uint32_t i = 0; i < DAFT_VL; i++) index[i] = (int32_t)(i < count ? i : 0);
+    return (row_lanes){(size_t)first * DAFT_SIM_ROW, index, vbits_first((int)count)};
+}
+DAFT_INLINE row_lanes rows_side_by_side(uint32_t first)
+{
+    return (row_lanes){(size_t)first * DAFT_SIM_ROW, IN_ORDER, DAFT_ALL_LANES};
+}
+DAFT_INLINE body load_row(const float *rows, const row_lanes *at) { return load_body(rows + at->base, at->index); }
+DAFT_INLINE void store_row(float *rows, const row_lanes *at, const body *b)
+{
+    store_body(rows + at->base, at->index, b, at->used);
 }
 
-DAFT_INLINE vf limited(vf3 v, vf limit)
-{
-    vf square = vf3_dot(v, v), one = vf_set(1), zero = vf_set(0);
-    vm within = vf_le(square, limit * limit), finite = vf_le(square, vf_set(3e38f)); /* if it is not, it stops */
-    vf root = vf_sqrt(vf_select(finite, square, one));
-    return vf_select(within, one, vf_select(finite, limit / vf_select(within, one, root), zero));
-}
-
-/* What is not finite becomes 0. */
+/* No longer than `most`; what is not finite becomes 0. Hardly any is that fast. */
 DAFT_INLINE vf3 limit(vf3 v, vf most)
 {
-    vf factor = limited(v, most), zero = vf_set(0);
+    vf square = vf3_dot(v, v), one = vf_set(1), zero = vf_set(0);
+    vm within = vf_le(square, most * most), finite = vf_le(square, vf_set(3e38f));
+    if (vm_bits(within) == DAFT_ALL_LANES) return v;
+    vf root = vf_sqrt(vf_select(finite, square, one));
+    vf factor = vf_select(within, one, vf_select(finite, most / vf_select(within, one, root), zero));
     return vf3_select(vf_lt(zero, factor), vf3_scale(v, factor), (vf3){zero, zero, zero});
 }
 
 DAFT_INLINE void limit_body(body *b) { b->v = limit(b->v, b->rest[0]), b->w = limit(b->w, b->rest[1]); }
 
-DAFT_INLINE void gain_lanes(const daft_sim_rows *rows, const row_lanes *at, vf h)
+DAFT_INLINE void gain_lanes(const daft_sim_rows *rows, row_lanes at, vf h)
 {
-    body b = load_body(rows->velocity, at->index), more = load_body(rows->gain, at->index);
-    vf left = load_body(rows->mass, at->index).rest[1];
+    body b = load_row(rows->velocity, &at), more = load_row(rows->gain, &at);
+    vf left = load_row(rows->mass, &at).rest[1];
     b.v = vf3_add(vf3_scale(b.v, more.rest[1]), vf3_scale(more.v, h));
     b.w = vf3_add(vf3_scale(b.w, left), vf3_scale(more.w, h));
     limit_body(&b);
-    store_body(rows->velocity, at->index, &b, at->used);
+    store_row(rows->velocity, &at, &b);
 }
 
 static void gain(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h)
 {
-    for (uint32_t i = 0; i < count; i += DAFT_VL) {
-        row_lanes at = rows_from(first + i, count - i);
-        gain_lanes(rows, &at, vf_set(h));
-    }
+    int32_t index[DAFT_VL];
+    for (; count >= DAFT_VL; first += DAFT_VL, count -= DAFT_VL) gain_lanes(rows, rows_side_by_side(first), vf_set(h));
+    if (count > 0) gain_lanes(rows, rows_left(first, count, index), vf_set(h));
 }
 
 /* q + (h/2 ω, 0)·q, normalised: the Cayley map, which turns by 2·atan(h|ω|/2). */
@@ -588,27 +594,50 @@ DAFT_INLINE void turn_lanes(vf q[4], vf3 w, vf h)
     q[2] = vf_select(still, q[2], nz * scale), q[3] = vf_select(still, q[3], nw * scale);
 }
 
-DAFT_INLINE void move_lanes(const daft_sim_rows *rows, const row_lanes *at, vf h)
+DAFT_INLINE void move_lanes(const daft_sim_rows *rows, row_lanes at, vf h)
 {
-    body b = load_body(rows->velocity, at->index), moved = load_body(rows->moved, at->index);
-    body more = load_body(rows->gain, at->index);
+    body b = load_row(rows->velocity, &at), moved = load_row(rows->moved, &at);
+    body more = load_row(rows->gain, &at);
     vf q[8], behind = vf_set(0.5f) * h * more.rest[0];
-    vf_load_rows8(rows->turn, at->index, q);
+    vf_load_rows8(rows->turn + at.base, at.index, q);
     limit_body(&b);
     moved.v = vf3_add(moved.v, vf3_scale(vf3_sub(b.v, vf3_scale(more.v, behind)), h));
     moved.w = vf3_add(moved.w, vf3_scale(b.w, h));
     turn_lanes(q, b.w, h);
-    store_body(rows->velocity, at->index, &b, at->used);
-    store_body(rows->moved, at->index, &moved, at->used);
-    vf_store_rows8(rows->turn, at->index, q, at->used);
+    q[4] = moved.v.x, q[5] = moved.v.y, q[6] = moved.v.z;
+    store_row(rows->velocity, &at, &b);
+    store_row(rows->moved, &at, &moved);
+    vf_store_rows8(rows->turn + at.base, at.index, q, at.used);
 }
 
 static void move(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h)
 {
-    for (uint32_t i = 0; i < count; i += DAFT_VL) {
-        row_lanes at = rows_from(first + i, count - i);
-        move_lanes(rows, &at, vf_set(h));
-    }
+    int32_t index[DAFT_VL];
+    for (; count >= DAFT_VL; first += DAFT_VL, count -= DAFT_VL) move_lanes(rows, rows_side_by_side(first), vf_set(h));
+    if (count > 0) move_lanes(rows, rows_left(first, count, index), vf_set(h));
 }
 
-const daft_sim_kernels DAFT_KERNEL(daft_sim) = {prepare, refresh, warm_start, solve, bounce, finish, gain, move};
+DAFT_INLINE vbits far_lanes(const daft_sim_rows *rows, row_lanes at, float most)
+{
+    vf turn[8], one = vf_set(1), two = vf_set(2), zero = vf_set(0);
+    vf3 w = load_row(rows->velocity, &at).w;
+    vf_load_rows8(rows->turn + at.base, at.index, turn);
+    vbits watched = vm_bits(vf_lt(zero, turn[7])), was = vm_bits(vf_lt(one, turn[7])) & at.used;
+    vbits far = vm_bits(vf_lt(vf_set(most * most), vf3_dot(w, w))) & watched & at.used;
+    if (far != was) {
+        turn[7] = vf_select(vm_from_bits(far), two, vf_min(turn[7], one));
+        vf_store_rows8(rows->turn + at.base, at.index, turn, far ^ was);
+    }
+    return far;
+}
+
+static uint32_t find_far(const daft_sim_rows *rows, uint32_t first, uint32_t count, float most)
+{
+    int32_t index[DAFT_VL];
+    uint32_t far = 0, at = 0;
+    for (; count - at >= DAFT_VL; at += DAFT_VL) far |= far_lanes(rows, rows_side_by_side(first + at), most) << at;
+    if (count > at) far |= far_lanes(rows, rows_left(first + at, count - at, index), most) << at;
+    return far;
+}
+
+const daft_sim_kernels DAFT_KERNEL(daft_sim) = {prepare, refresh, warm_start, solve, bounce, finish, gain, move, find_far};

@@ -41,17 +41,26 @@ void daft_sim_spin_add(daft_world *world, uint32_t row)
 
 #define FAR_TURN 0.4f /* rad in a step */
 
-bool daft_sim_spin_refresh(const daft_world *world, uint32_t row, float dt)
+static void refresh(const daft_world *world, uint32_t row)
 {
     const daft_sim_rows *rows = &world->solver->rows;
     size_t at = (size_t)row * DAFT_SIM_ROW;
-    const float *v = rows->velocity + at + 3;
-    float *turn = rows->turn + at, most = FAR_TURN / dt;
-    turn[4] = turn[5] != 0 && v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > most * most;
-    if (turn[4] == 0) return false;
+    const float *turn = rows->turn + at;
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     daft_quat q = {turn[0], turn[1], turn[2], turn[3]};
     daft_rigid frame = daft_rigid_make(daft_dv3(0, 0, 0), daft_quat_mul(q, body->rotation));
     daft_sim_body_inverse_inertia(body, &frame, rows->mass + at + 1);
-    return true;
+}
+
+bool daft_sim_spin_refresh(const daft_world *world, uint32_t first, uint32_t count, float dt)
+{
+    const daft_sim_solver *s = world->solver;
+    enum { MOST = 32 };
+    bool any = false;
+    for (uint32_t i = 0; i < count; i += MOST) {
+        uint32_t far = s->kernels->find_far(&s->rows, first + i, daft_min_u(count - i, MOST), FAR_TURN / dt);
+        any |= far != 0;
+        for (; far; far &= far - 1) refresh(world, first + i + (uint32_t)__builtin_ctz(far));
+    }
+    return any;
 }
