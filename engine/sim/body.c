@@ -154,10 +154,12 @@ static void measure(const daft_world *world, daft_sim_body *body)
 {
     body->extent = 0;
     body->inner = INFINITY;
+    body->ball = false;
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         const daft_sim_part *part = &world->parts[i];
         daft_dvec3 centre = daft_rigid_to_local(&part->pose, daft_to_double(body->local_centre));
         body->extent = daft_sim_max(body->extent, daft_shape_reach(&part->shape, daft_to_float(centre)));
+        body->ball |= part->shape.type == DAFT_GEOMETRY_SPHERE;
         if (!part->sensor) body->inner = daft_sim_min(body->inner, part->inner);
     }
 }
@@ -188,12 +190,13 @@ bool daft_sim_body_weigh(const daft_world *world, daft_sim_body *body, daft_erro
 }
 
 /* The inverse of a symmetric matrix in which the locked rows and columns are left out. */
-static void locked_inverse(const double m[9], uint32_t locks, float out[6])
+static void locked_inverse(const double m[6], uint32_t locks, float out[6])
 {
+    static const int OF[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
     double k[9];
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 3; c++)
-            k[3 * r + c] = (locks >> r & 1) || (locks >> c & 1) ? (r == c ? 1 : 0) : m[3 * r + c];
+            k[3 * r + c] = (locks >> r & 1) || (locks >> c & 1) ? (r == c ? 1 : 0) : m[OF[3 * r + c]];
     double c00 = k[4] * k[8] - k[5] * k[7], c01 = k[2] * k[7] - k[1] * k[8], c02 = k[1] * k[5] - k[2] * k[4];
     double det = k[0] * c00 + k[3] * c01 + k[6] * c02;
     const double inverse[9] = {c00 / det, c01 / det, c02 / det, 0, (k[0] * k[8] - k[2] * k[6]) / det,
@@ -213,24 +216,24 @@ void daft_sim_body_inverse_inertia(const daft_sim_body *body, const daft_rigid *
         out[0] = out[3] = out[5] = 1 / body->moments.x;
         return;
     }
-    double r[9], full[9], moments[3] = {(double)body->moments.x, (double)body->moments.y, (double)body->moments.z};
-    memcpy(r, frame->m, sizeof r);
+    const double *r = frame->m;
+    double turned[9], inverse[3] = {(double)body->moments.x, (double)body->moments.y, (double)body->moments.z}, full[6];
     if (body->axes.x != 0 || body->axes.y != 0 || body->axes.z != 0) {
         daft_rigid axes = daft_rigid_make(daft_dv3(0, 0, 0), body->axes), all = daft_rigid_mul(frame, &axes);
-        memcpy(r, all.m, sizeof r);
+        memcpy(turned, all.m, sizeof turned);
+        r = turned;
     }
-    for (int k = 0; k < 3 && !body->locks; k++) moments[k] = 1 / moments[k];
-    for (int i = 0; i < 3; i++)
-        for (int j = i; j < 3; j++) {
-            const double *a = &r[3 * i], *b = &r[3 * j];
-            full[3 * i + j] = full[3 * j + i] = a[0] * b[0] * moments[0] + a[1] * b[1] * moments[1] + a[2] * b[2] * moments[2];
-        }
+    for (int k = 0; k < 3 && !body->locks; k++) inverse[k] = 1 / inverse[k];
+    for (int n = 0; n < 6; n++) {
+        static const int FIRST[6] = {0, 0, 0, 3, 3, 6}, SECOND[6] = {0, 3, 6, 3, 6, 6};
+        const double *a = r + FIRST[n], *b = r + SECOND[n];
+        full[n] = a[0] * b[0] * inverse[0] + a[1] * b[1] * inverse[1] + a[2] * b[2] * inverse[2];
+    }
     if (body->locks) {
         locked_inverse(full, body->locks, out);
         return;
     }
-    static const int AT[6] = {0, 1, 2, 4, 5, 8};
-    for (int i = 0; i < 6; i++) out[i] = (float)full[AT[i]];
+    for (int n = 0; n < 6; n++) out[n] = (float)full[n];
 }
 
 /* ---- slots ---- */

@@ -260,6 +260,7 @@ static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p
         kept++;
     }
     for (uint32_t i = 0; i < kept; i++) patches[i] = fresh[i];
+    if (kept > 0 && touch->patch_count == 0) daft_sim_touch_materials(world, touch);
     touch->patch_count = kept;
 }
 
@@ -294,7 +295,7 @@ enum { GRAIN = 256, AHEAD = 16, PARALLEL_TOUCHES = 256 };
 
 /* The touch's own patch, for what was found in lanes: what it keeps stays, all else is set by who asks, or here. Gives how
  * many points it had. */
-static uint32_t begin_patch(daft_sim_touch *touch)
+static uint32_t begin_patch(const daft_world *world, daft_sim_touch *touch)
 {
     daft_sim_patch *patch = &touch->own;
     daft_vec3 zero = daft_v3(0, 0, 0);
@@ -304,6 +305,7 @@ static uint32_t begin_patch(daft_sim_touch *touch)
     patch->shared = false;
     patch->total_impulse = patch->speed = 0;
     if (touch->patch_count > 0) return had;
+    daft_sim_touch_materials(world, touch);
     patch->friction_impulse = patch->rolling_impulse = patch->slip = zero;
     patch->twist_impulse = patch->twist_slip = patch->load = 0;
     return 0;
@@ -348,11 +350,10 @@ typedef struct points {
     float impulses[DAFT_MANIFOLD_POINTS];
 } points;
 
-static points points_of(const daft_sim_patch *patch, uint32_t count)
+static void points_set(points *out, const daft_sim_patch *patch, uint32_t count)
 {
-    points out = {.count = count};
-    for (uint32_t k = 0; k < count; k++) out.ids[k] = patch->points[k].id, out.impulses[k] = patch->points[k].impulse;
-    return out;
+    out->count = count;
+    for (uint32_t k = 0; k < count; k++) out->ids[k] = patch->points[k].id, out->impulses[k] = patch->points[k].impulse;
 }
 
 static void put_point(daft_sim_patch *patch, const points *old, daft_sim_patch_point point)
@@ -384,7 +385,8 @@ static void take_round(const range *r, rounds *all, int lane)
     daft_round_batch *batch = &all->batch;
     daft_sim_touch *touch = &r->world->touches[all->entries[lane]->touch];
     daft_sim_patch *patch = &touch->own;
-    points old = points_of(patch, begin_patch(touch));
+    points old;
+    points_set(&old, patch, begin_patch(r->world, touch));
     daft_vec3 offset = offset_of(r->world, touch);
     patch->normal = daft_round_batch_get(batch->normal, lane);
     patch->count = 0;
@@ -447,7 +449,8 @@ static void take_box(const range *r, boxes *all, int lane)
         touch->patch_count = 0;
         return;
     }
-    points old = points_of(patch, begin_patch(touch));
+    points old;
+    points_set(&old, patch, begin_patch(r->world, touch));
     patch->normal = daft_box_batch_get(batch->normal, lane);
     patch->count = 0;
     for (int i = 0; i < batch->count[lane]; i++) {

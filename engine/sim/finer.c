@@ -69,7 +69,12 @@ static float asked_by(const daft_world *world, const daft_sim_body *a, const daf
 
 bool daft_sim_finer_bears(const daft_world *world, const daft_sim_body *a, const daft_sim_body *b, float load)
 {
-    return load > 0 && asked_by(world, a, b, load) > 0;
+    if (!(load > 0)) return false;
+    /* Nearly all carry far less, and are told so without a root. */
+    float push = load * (b->kind == DAFT_BODY_DYNAMIC ? daft_sim_max(a->inv_mass, b->inv_mass) : a->inv_mass);
+    float far_less = 0.5f * STRAIN;
+    if (push * push < far_less * far_less * daft_dot(world->gravity, world->gravity)) return false;
+    return asked_by(world, a, b, load) > 0;
 }
 
 static void ask(daft_sim_solver *s, int32_t row, float rate)

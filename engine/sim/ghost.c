@@ -324,23 +324,10 @@ static bool is_fixed(const daft_world *world, const daft_sim_touch *touch)
     return touch->patch_count > 0 && !touch->sensor && world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC;
 }
 
-/* A contact is a ghost beside another one only, and the way out matters for balls only. */
-static bool needs_filter(const daft_world *world, const daft_sim_body *body)
-{
-    bool ball = false;
-    for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
-        ball |= world->parts[i].shape.type == DAFT_GEOMETRY_SPHERE;
-    return body->fixed_met > 1 || ball;
-}
-
 static void filter_body(daft_world *world, uint32_t index, float dt)
 {
-    daft_sim_body *body = &world->bodies[index];
     group g = {.world = world, .dt = dt};
-    bool needed = needs_filter(world, body);
-    body->fixed_met = 0;
-    if (!needed) return;
-    for (uint32_t e = body->first_touch; e != DAFT_SIM_NONE; e = world->touches[e >> 1].next[e & 1]) {
+    for (uint32_t e = world->bodies[index].first_touch; e != DAFT_SIM_NONE; e = world->touches[e >> 1].next[e & 1]) {
         daft_sim_touch *touch = &world->touches[e >> 1];
         if (e & 1 || !is_fixed(world, touch)) continue;
         for (uint32_t i = 0; i < touch->patch_count; i++) keep(&g, touch, &daft_sim_patches(touch)[i]);
@@ -378,13 +365,30 @@ static void filter_range(void *context, uint32_t index, uint32_t worker)
 /* So deep in a mesh that it may be pushed to both sides of a wall: it counts as two. */
 static bool is_deep(const daft_world *world, daft_sim_touch *touch)
 {
-    if (touch->patch_count < 2 || world->parts[touch->part_b].shape.type != DAFT_GEOMETRY_MESH) return false;
+    if (world->parts[touch->part_b].shape.type != DAFT_GEOMETRY_MESH) return false;
     const daft_sim_patch *patches = daft_sim_patches(touch);
     float deep = -0.5f * world->parts[touch->part_a].inner;
     for (uint32_t i = 0; i < touch->patch_count; i++)
         for (uint32_t k = 0; k < patches[i].count; k++)
             if (patches[i].points[k].separation < deep) return true;
     return false;
+}
+
+#define FILTERED UINT32_MAX /* as a body's fixed_met */
+
+/* A contact is a ghost beside another one only, and the way out matters for balls only. Of the bodies that met what does not
+ * yield, the others are done. */
+static void keep_doubtful(daft_world *world)
+{
+    daft_sim_list *bodies = &world->ghosts;
+    size_t kept = 0;
+    for (size_t i = 0; i < bodies->count; i++) {
+        daft_sim_body *body = &world->bodies[bodies->items[i]];
+        bool doubtful = body->fixed_met > 1 || body->ball;
+        body->fixed_met = doubtful ? FILTERED : 0;
+        if (doubtful) bodies->items[kept++] = bodies->items[i];
+    }
+    bodies->count = kept;
 }
 
 bool daft_sim_ghosts_drop(daft_world *world, float dt)
@@ -399,12 +403,17 @@ bool daft_sim_ghosts_drop(daft_world *world, float dt)
         daft_sim_body *body = &world->bodies[met->body_a];
         if (body->asleep) continue;
         if (body->fixed_met == 0) bodies->items[bodies->count++] = met->body_a;
-        body->fixed_met += is_deep(world, &world->touches[met->touch]) ? 2 : 1;
+        body->fixed_met += met->patches > 1 && is_deep(world, &world->touches[met->touch]) ? 2 : 1;
     }
+    keep_doubtful(world);
+    if (bodies->count == 0) return true;
     job j = {world, dt};
     uint32_t tasks = (uint32_t)((bodies->count + GRAIN - 1) / GRAIN);
     daft_sim_for(world, bodies->count >= PARALLEL_BODIES, tasks, filter_range, &j);
-    for (size_t i = 0; i < world->met.count; i++)
-        if (world->met.items[i].flags & DAFT_SIM_MET_FIXED) daft_sim_met_refresh(world, &world->met.items[i]);
+    for (size_t i = 0; i < world->met.count; i++) {
+        daft_sim_met *met = &world->met.items[i];
+        if (met->flags & DAFT_SIM_MET_FIXED && world->bodies[met->body_a].fixed_met == FILTERED) daft_sim_met_refresh(world, met);
+    }
+    for (size_t i = 0; i < bodies->count; i++) world->bodies[bodies->items[i]].fixed_met = 0;
     return true;
 }

@@ -11,6 +11,8 @@
 
 /* The nearest point is exact to this share of the square distance. */
 #define EXACT 1e-13
+/* A square distance that is no more than this share of the squares of what it comes from is none. */
+#define NOTHING 1e-28
 
 enum { MAX_STEPS = 128 };
 
@@ -190,13 +192,76 @@ static void finish(const simplex *s, daft_dvec3 v, daft_gjk *out)
     out->normal = out->distance > 0 ? daft_dscale(v, 1 / out->distance) : daft_dv3(0, 1, 0);
 }
 
+/* ---- a point or a segment, and a box ---- */
+
+/* Along each axis of the box: the middle of the segment, and half of it. */
+typedef struct core {
+    double c[3], d[3], h[3];
+} core;
+
+/* How far its place at t, -1 to 1, is beyond the box along an axis. */
+static double beyond(const core *s, int k, double t)
+{
+    double x = s->c[k] + t * s->d[k];
+    return x > s->h[k] ? x - s->h[k] : x < -s->h[k] ? x + s->h[k] : 0;
+}
+
+/* Half the slope of the squared distance: it rises with t, in straight pieces. */
+static double slope_at(const core *s, double t)
+{
+    return (s->d[0] * beyond(s, 0, t) + s->d[1] * beyond(s, 1, t)) + s->d[2] * beyond(s, 2, t);
+}
+
+/* Where the segment is closest to the box: the slope's zero, between the places where it bends. */
+static double closest_at(const core *s)
+{
+    double a = -1, b = 1, slope_a = slope_at(s, a), slope_b = slope_at(s, b);
+    if (slope_a >= 0) return a;
+    if (slope_b <= 0) return b;
+    for (int i = 0; i < 6; i++) {
+        int k = i / 2;
+        if (s->d[k] == 0) continue;
+        double t = ((i & 1 ? -s->h[k] : s->h[k]) - s->c[k]) / s->d[k];
+        if (!(t > a && t < b)) continue;
+        double slope = slope_at(s, t);
+        if (slope < 0)
+            a = t, slope_a = slope;
+        else
+            b = t, slope_b = slope;
+    }
+    return a - slope_a * (b - a) / (slope_b - slope_a);
+}
+
+static bool is_core(const daft_proxy *p) { return !p->is_box && !p->points && p->count <= 2; }
+
+/* At once, and exact: most of what is asked for is a ball or a capsule over a floor. */
+static bool core_distance(const daft_proxy *a, const daft_proxy *b, const daft_rigid *b_in_a, double limit, daft_gjk *out)
+{
+    daft_dvec3 p = daft_to_double(a->own[0]), q = daft_to_double(a->own[a->count - 1]);
+    daft_dvec3 middle = daft_rigid_to_local(b_in_a, daft_dscale(daft_dadd(p, q), 0.5));
+    daft_dvec3 half = daft_rigid_to_local_vector(b_in_a, daft_dscale(daft_dsub(q, p), 0.5)), h = daft_to_double(b->half);
+    core s = {{middle.x, middle.y, middle.z}, {half.x, half.y, half.z}, {h.x, h.y, h.z}};
+    double t = a->count > 1 ? closest_at(&s) : 0;
+    daft_dvec3 gap = {beyond(&s, 0, t), beyond(&s, 1, t), beyond(&s, 2, t)};
+    double square = daft_ddot(gap, gap), largest = daft_ddot(middle, middle) + daft_ddot(h, h);
+    if (!(square > NOTHING * largest)) square = 0;
+    out->distance = sqrt(square);
+    out->on_a = daft_dadd(daft_dscale(p, 0.5 - 0.5 * t), daft_dscale(q, 0.5 + 0.5 * t));
+    out->on_b = daft_dsub(out->on_a, daft_rigid_vector(b_in_a, gap));
+    out->normal = square > 0 ? daft_rigid_vector(b_in_a, daft_dscale(gap, -1 / out->distance)) : daft_dv3(0, 1, 0);
+    return out->distance <= limit;
+}
+
+/* ---- all ---- */
+
 bool daft_gjk_distance(const daft_proxy *a, const daft_proxy *b, const daft_rigid *b_in_a, double limit, daft_gjk *out)
 {
+    if (is_core(a) && b->is_box) return core_distance(a, b, b_in_a, limit, out);
     simplex s = {.count = 1, .weights = {1}};
     s.corners[0] = corner_towards(a, b, b_in_a, daft_dv3(1, 0, 0));
     daft_dvec3 v = s.corners[0].w;
     double square = daft_ddot(v, v), largest = square;
-    for (int step = 0; step < MAX_STEPS && square > 1e-28 * largest; step++) {
+    for (int step = 0; step < MAX_STEPS && square > NOTHING * largest; step++) {
         corner c = corner_towards(a, b, b_in_a, v);
         double along = daft_ddot(v, c.w);
         if (along > 0 && along * along > limit * limit * square) return false;
@@ -223,7 +288,7 @@ bool daft_gjk_distance(const daft_proxy *a, const daft_proxy *b, const daft_rigi
         }
         v = nearer, square = less;
     }
-    if (square <= 1e-28 * largest) v = daft_dv3(0, 0, 0);
+    if (square <= NOTHING * largest) v = daft_dv3(0, 0, 0);
     if (s.count == 4) s.count = 1; /* inside: the points mean nothing */
     finish(&s, v, out);
     return out->distance <= limit;

@@ -187,6 +187,7 @@ typedef struct daft_sim_body {
     daft_quat target_rotation;
     bool has_target;
     bool follows;          /* the velocity came from a target, so it ends with the step */
+    bool ball;             /* a part is a sphere */
     uint32_t fixed_met;    /* scratch of ghost.c: touches with what does not yield */
     uint32_t next_free;
     uint32_t ring;         /* asleep: the next body that fell asleep with it */
@@ -224,12 +225,12 @@ typedef struct daft_sim_touch {
     bool listed;
     bool owned_by_a;
     bool touching; /* as events tell it */
-    bool belted;   /* a side is a belt */
+    bool belted;   /* a side is a belt; while it has patches */
     uint32_t patch_count;
     daft_pair_cache cache;
     double cleared_at; /* how far both bodies had gone when the cache's clearance was found */
     uint32_t next[2], previous[2]; /* in the lists of body a and b; next[0] of free slots: the next one */
-    float friction, static_friction, restitution, rolling; /* rolling in metres */
+    float friction, static_friction, restitution, rolling; /* while it has patches; rolling in metres */
     daft_sim_patch own;
     daft_sim_patch *more; /* DAFT_SIM_MAX_PATCHES of them where a part is not convex */
 } daft_sim_touch;
@@ -512,6 +513,7 @@ bool daft_sim_pairs_reserve(daft_world *world, size_t more);
 
 /* Patches of everything listed, and which of it has met. False when memory is out. */
 bool daft_sim_contacts_update(daft_world *world, float dt);
+/* From the materials of its parts: for one that gets patches, or whose parts' materials changed. */
 void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch);
 /* The way of a body's part over dt, as it is going now. */
 daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt);

@@ -71,7 +71,7 @@ void daft_sim_touch_enter(daft_world *world, uint32_t index)
         touch->owned_by_a = owns(world, touch->part_a, touch->part_b);
         world->parts[touch->owned_by_a ? touch->part_a : touch->part_b].owned++;
     }
-    daft_sim_touch_materials(world, touch);
+    if (touch->patch_count > 0) daft_sim_touch_materials(world, touch); /* of a world that was loaded */
     link_edge(world, index, 0);
     link_edge(world, index, 1);
     world->live_touches++;
@@ -255,10 +255,7 @@ enum { AHEAD = 4 };
 DAFT_SIM_FETCH fetch_pair(const daft_world *world, uint64_t key)
 {
     const uint32_t parts[2] = {(uint32_t)(key >> 32), (uint32_t)key};
-    for (int i = 0; i < 2; i++) {
-        __builtin_prefetch(&world->parts[parts[i]]);
-        __builtin_prefetch(&world->parts[parts[i]].material);
-    }
+    for (int i = 0; i < 2; i++) __builtin_prefetch(&world->parts[parts[i]]);
 }
 
 static bool is_owner_full(const daft_world *world, uint32_t a, uint32_t b)

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define MAGIC   0x4d495344u /* "DSIM" */
-#define VERSION 3u
+#define VERSION 4u
 
 typedef struct header {
     uint32_t magic, version, layout; /* layout: sizes of the records */
@@ -128,7 +128,7 @@ static bool check_truths(const daft_world *w, const header *h)
 #define TOUCH(f) offsetof(daft_sim_touch, f)
 #define JOINT(f) offsetof(daft_sim_joint, f)
     return TRUTHS(w->bodies, h->bodies, BODY(bullet), BODY(may_sleep), BODY(asleep), BODY(round),
-                  BODY(has_target), BODY(follows)) &&
+                  BODY(has_target), BODY(follows), BODY(ball)) &&
            TRUTHS(w->parts, h->parts, PART(round), PART(posed), PART(sensor)) &&
            TRUTHS(w->touches, h->touches, TOUCH(sensor), TOUCH(listed), TOUCH(owned_by_a), TOUCH(touching), TOUCH(belted)) &&
            TRUTHS(w->joints, h->joints, JOINT(limit), JOINT(motor), JOINT(spring), JOINT(collide));

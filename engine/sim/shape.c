@@ -10,17 +10,14 @@ daft_rigid daft_rigid_identity(void)
 
 daft_rigid daft_rigid_make(daft_dvec3 position, daft_quat rotation)
 {
-    daft_rigid out = daft_rigid_identity();
     double x = (double)rotation.x, y = (double)rotation.y, z = (double)rotation.z, w = (double)rotation.w;
     double square = x * x + y * y + z * z + w * w;
-    out.p = position;
-    if (!(square > 0) || !isfinite(square)) return out;
+    if (!(square > 0) || !isfinite(square)) return (daft_rigid){position, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     double s = 2 / square; /* takes the place of normalising: q's components occur in pairs only */
-    double *m = out.m;
-    m[0] = 1 - s * (y * y + z * z), m[1] = s * (x * y - z * w), m[2] = s * (x * z + y * w);
-    m[3] = s * (x * y + z * w), m[4] = 1 - s * (x * x + z * z), m[5] = s * (y * z - x * w);
-    m[6] = s * (x * z - y * w), m[7] = s * (y * z + x * w), m[8] = 1 - s * (x * x + y * y);
-    return out;
+    return (daft_rigid){position,
+                        {1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w), s * (x * y + z * w),
+                         1 - s * (x * x + z * z), s * (y * z - x * w), s * (x * z - y * w), s * (y * z + x * w),
+                         1 - s * (x * x + y * y)}};
 }
 
 daft_rigid daft_rigid_mul(const daft_rigid *a, const daft_rigid *b)
