@@ -225,6 +225,76 @@ static void a_capsule_rides_what_moves(void **unused)
     }
 }
 
+/* ---- what sways ---- */
+
+/* Widest of the first five and of the last five of 30 s, radians. */
+typedef struct swing {
+    double early, late;
+} swing;
+
+static swing swing_of(daft_world *world, uint32_t body)
+{
+    swing s = {0, 0};
+    for (int tick = 0; tick < 1800; tick++) {
+        steps(world, 1);
+        daft_quat q = state_of(world, body).rotation;
+        double angle = fabs(2 * daft_atan2((double)q.z, (double)q.w));
+        if (tick < 300) s.early = fmax(s.early, angle);
+        if (tick >= 1500) s.late = fmax(s.late, angle);
+    }
+    return s;
+}
+
+/* A flat box across a ball that does not move, rolled to one side by `angle`. */
+static uint32_t add_rocking_box(daft_world *world, double angle)
+{
+    const double radius = 0.5, half = 0.1;
+    one_shape ball = sphere(radius, 0, 0, 0);
+    ball.kind = DAFT_BODY_STATIC;
+    add(world, ball);
+    double s = daft_sin(angle), c = daft_cos(angle), up = radius + half, along = radius * angle;
+    one_shape shape = dynamic_box(daft_v3(0.3f, (float)half, 0.25f), up * s - along * c, up * c + along * s, 0);
+    daft_sim_shape_def part = shape.part;
+    daft_sim_body_def def = daft_default_sim_body_def();
+    daft_error error = {0};
+    def.kind = DAFT_BODY_DYNAMIC, def.position = shape.position, def.rotation = turned(0, 0, 1, -angle);
+    def.shapes = &part, def.shape_count = 1, def.locks = DAFT_LOCK_POSITION_Z | DAFT_LOCK_X | DAFT_LOCK_Y;
+    return daft_world_add(world, &def, &error);
+}
+
+/* A light ball with a heavy one low inside. */
+static uint32_t add_roly_poly(daft_world *world, double angle)
+{
+    add_floor(world, 20);
+    daft_sim_shape_def parts[2] = {sphere(0.5, 0, 0, 0).part, sphere(0.1, 0, 0, 0).part};
+    daft_sim_body_def def = daft_default_sim_body_def();
+    daft_error error = {0};
+    parts[0].density = 100, parts[1].density = 20000, parts[1].position = daft_v3(0, -0.3f, 0);
+    def.kind = DAFT_BODY_DYNAMIC, def.position = daft_dv3(0, 0.5, 0), def.rotation = turned(0, 0, 1, angle);
+    def.shapes = parts, def.shape_count = 2;
+    return daft_world_add(world, &def, &error);
+}
+
+/* Nothing but rolling takes part, so it goes on for long, but never grows. */
+static void what_rolls_to_and_fro_gains_nothing(void **unused)
+{
+    (void)unused;
+    static const int substeps[] = {1, 2, 4, 8, 16};
+    for (size_t i = 0; i < DAFT_COUNT_OF(substeps); i++)
+        for (int scene = 0; scene < 2; scene++) {
+            daft_world *world = new_world();
+            daft_world_set_substeps(world, substeps[i]);
+            daft_world_set_sleeping(world, false);
+            double angle = scene ? 0.3 : 0.1;
+            uint32_t body = scene ? add_roly_poly(world, angle) : add_rocking_box(world, angle);
+            assert_true(body != 0);
+            swing s = swing_of(world, body);
+            print_message("%s, %d substeps: %g rad, %g after 25 s\n", scene ? "roly-poly" : "box on a ball", substeps[i], s.early, s.late);
+            assert_true(s.early > 0.9 * angle && s.early < 1.3 * angle && s.late < s.early && s.late > (scene ? 0.9 : 0.3) * s.early);
+            daft_world_destroy(world);
+        }
+}
+
 /* ---- a long time ---- */
 
 static size_t allocated;
@@ -280,6 +350,7 @@ int main(void)
         cmocka_unit_test(stiff_springs_stay_bounded),
         cmocka_unit_test(a_ball_rolls_over_bevelled_beams),
         cmocka_unit_test(a_capsule_rides_what_moves),
+        cmocka_unit_test(what_rolls_to_and_fro_gains_nothing),
         cmocka_unit_test(a_million_steps_of_rest_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

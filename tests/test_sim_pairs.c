@@ -113,7 +113,7 @@ static bool find_pairs(daft_world *world)
 static void pairs_are_those_that_a_search_of_all_finds(void **unused)
 {
     (void)unused;
-    seed_random(4711);
+    seed_random(4713);
     for (int isa = 0; isa <= daft_isa_best(); isa++) {
         daft_world *world = new_world();
         uint32_t ids[BODIES];

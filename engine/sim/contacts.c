@@ -96,9 +96,43 @@ static bool same_parts(const daft_sim_patch *a, const daft_sim_patch *b)
            a->part_b.child == b->part_b.child && a->part_b.triangle == b->part_b.triangle;
 }
 
-/* Impulses of points of the same features carry over; so does friction, which the solver projects onto the new plane. */
-static void inherit(daft_sim_patch *patch, const daft_sim_patch *old)
+/* ---- where contacts go within the step ---- */
+
+/* Manifolds are found once a step, so what rolls is held in all of its substeps where it was when they began: on the mean
+ * of n substeps (n - 1)/(2n) of a step too late, by which whatever sways gains amplitude, omega²/2 of that delay in a
+ * second: a box on a ball rocked until it fell off. So points and normals are put ahead by as much as they go in that time,
+ * which is found from where they were put in the step before: x + k (x - before) is ahead by k/(k + 1) of a step. A little
+ * more than what is wanted makes the swaying fade, much more would amplify what trembles, by (1 + k)/(1 - k). */
+#define LEAD_FADES 0.05f
+#define MOST_LEAD  0.9f
+#define SMOOTH     0.3f /* of its length: what has changed by more is another place */
+
+static float lead_of(const daft_world *world)
 {
+    float n = (float)world->substeps;
+    return n > 1 ? daft_sim_min((n - 1) / (n + 1) + LEAD_FADES, MOST_LEAD) : 0;
+}
+
+static daft_vec3 ahead(daft_vec3 now, daft_vec3 before, float lead)
+{
+    daft_vec3 change = daft_sub(now, before);
+    if (daft_dot(change, change) > SMOOTH * SMOOTH * daft_dot(now, now)) return now;
+    return daft_add(now, daft_scale(change, lead));
+}
+
+/* Of unit length, as both are: the square of x + k (x - before) is 1 + k (1 + k) (x - before)². */
+static daft_vec3 normal_ahead(daft_vec3 now, daft_vec3 before, float lead)
+{
+    daft_vec3 change = daft_sub(now, before);
+    float square = daft_dot(change, change);
+    if (square > SMOOTH * SMOOTH) return now;
+    return daft_scale(daft_add(now, daft_scale(change, lead)), 1 / sqrtf(1 + lead * (1 + lead) * square));
+}
+
+/* Impulses of points of the same features carry over; so does friction, which the solver projects onto the new plane. */
+static void inherit(daft_sim_patch *patch, const daft_sim_patch *old, float lead)
+{
+    patch->normal = normal_ahead(patch->normal, old->normal, lead);
     patch->friction_impulse = old->friction_impulse;
     patch->rolling_impulse = old->rolling_impulse;
     patch->twist_impulse = old->twist_impulse;
@@ -106,15 +140,18 @@ static void inherit(daft_sim_patch *patch, const daft_sim_patch *old)
     patch->twist_slip = old->twist_slip;
     patch->load = old->load;
     for (uint32_t i = 0; i < patch->count; i++)
-        for (uint32_t k = 0; k < old->count; k++)
-            if (patch->points[i].id == old->points[k].id) patch->points[i].impulse = old->points[k].impulse;
+        for (uint32_t k = 0; k < old->count; k++) {
+            if (patch->points[i].id != old->points[k].id) continue;
+            patch->points[i].impulse = old->points[k].impulse;
+            patch->points[i].anchor = ahead(patch->points[i].anchor, old->points[k].anchor, lead);
+        }
 }
 
-static void inherit_of(daft_sim_patch *patch, const daft_sim_patch *old, uint32_t old_count)
+static void inherit_of(daft_sim_patch *patch, const daft_sim_patch *old, uint32_t old_count, float lead)
 {
     uint32_t at = 0;
     while (at < old_count && !same_parts(patch, &old[at])) at++;
-    if (at < old_count) inherit(patch, &old[at]);
+    if (at < old_count) inherit(patch, &old[at], lead);
 }
 
 /* Bodies whose centres are closer, as a share of their reach, are in one place, and no way out is better than another. */
@@ -256,7 +293,7 @@ static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p
     for (uint32_t i = 0; i < count; i++) {
         convert(p, &where, &found[i], &fresh[kept]);
         if (fresh[kept].count == 0) continue;
-        inherit_of(&fresh[kept], patches, touch->patch_count);
+        inherit_of(&fresh[kept], patches, touch->patch_count, lead_of(world));
         kept++;
     }
     for (uint32_t i = 0; i < kept; i++) patches[i] = fresh[i];
@@ -327,40 +364,54 @@ typedef struct rounds {
 /* What is at hand while a range of the listing is gone over. */
 typedef struct range {
     const daft_world *world;
-    float dt;
+    float dt, lead;
     rounds rounds, round_boxes;
     boxes boxes;
     daft_sim_listed *asked[GRAIN]; /* to be looked at one at a time */
     size_t asked_count;
 } range;
 
-/* Whether a point found in lanes counts; bodies are looked at only if it is not as near as that. */
-static bool is_reached(const range *r, const daft_sim_touch *touch, float margin, daft_vec3 anchor, daft_vec3 normal,
+/* Whether a point found in lanes, which is not within the margin, counts nevertheless. */
+static bool will_reach(const range *r, const daft_sim_touch *touch, float margin, daft_vec3 anchor, daft_vec3 normal,
                        float separation)
 {
-    if (separation <= margin) return true;
     pair p = {.a = &r->world->bodies[touch->body_a], .b = &r->world->bodies[touch->body_b], .margin = margin, .dt = r->dt};
     p.apart = daft_to_float(daft_dsub(p.a->centre, p.b->centre));
     return is_met(&p, anchor, normal, separation);
 }
 
-/* Points that a touch's own patch had, by which those found anew inherit. */
+/* What a touch's own patch had, by which what is found anew inherits. */
 typedef struct points {
+    daft_vec3 normal;
+    float lead;
     uint32_t ids[DAFT_MANIFOLD_POINTS], count;
     float impulses[DAFT_MANIFOLD_POINTS];
+    daft_vec3 anchors[DAFT_MANIFOLD_POINTS];
 } points;
 
-static void points_set(points *out, const daft_sim_patch *patch, uint32_t count)
+static void points_set(const range *r, points *out, const daft_sim_patch *patch, uint32_t count)
 {
-    out->count = count;
-    for (uint32_t k = 0; k < count; k++) out->ids[k] = patch->points[k].id, out->impulses[k] = patch->points[k].impulse;
+    out->normal = patch->normal, out->lead = r->lead, out->count = count;
+    for (uint32_t k = 0; k < count; k++) {
+        const daft_sim_patch_point *point = &patch->points[k];
+        out->ids[k] = point->id, out->impulses[k] = point->impulse, out->anchors[k] = point->anchor;
+    }
 }
 
 static void put_point(daft_sim_patch *patch, const points *old, daft_sim_patch_point point)
 {
-    for (uint32_t k = 0; k < old->count; k++)
-        if (old->ids[k] == point.id) point.impulse = old->impulses[k];
+    for (uint32_t k = 0; k < old->count; k++) {
+        if (old->ids[k] != point.id) continue;
+        point.impulse = old->impulses[k];
+        point.anchor = ahead(point.anchor, old->anchors[k], old->lead);
+    }
     patch->points[patch->count++] = point;
+}
+
+/* Points are in: the normal they were reached along is not asked for any more. */
+static void put_ahead(daft_sim_patch *patch, const points *old)
+{
+    if (old->count > 0) patch->normal = normal_ahead(patch->normal, old->normal, old->lead);
 }
 
 static void end_patch(daft_sim_touch *touch, daft_sim_listed *entry)
@@ -386,15 +437,17 @@ static void take_round(const range *r, rounds *all, int lane)
     daft_sim_touch *touch = &r->world->touches[all->entries[lane]->touch];
     daft_sim_patch *patch = &touch->own;
     points old;
-    points_set(&old, patch, begin_patch(r->world, touch));
+    points_set(r, &old, patch, begin_patch(r->world, touch));
     daft_vec3 offset = offset_of(r->world, touch);
     patch->normal = daft_round_batch_get(batch->normal, lane);
     patch->count = 0;
     for (int i = 0; i < batch->count[lane]; i++) {
         daft_vec3 anchor = daft_add(offset, daft_round_batch_get(batch->point[i], lane));
         daft_sim_patch_point point = {.anchor = anchor, .separation = batch->separation[i][lane], .id = (uint32_t)batch->id[i][lane]};
-        if (is_reached(r, touch, batch->margin[lane], anchor, patch->normal, point.separation)) put_point(patch, &old, point);
+        if (point.separation <= batch->margin[lane] || will_reach(r, touch, batch->margin[lane], anchor, patch->normal, point.separation))
+            put_point(patch, &old, point);
     }
+    put_ahead(patch, &old);
     end_patch(touch, all->entries[lane]);
 }
 
@@ -450,15 +503,17 @@ static void take_box(const range *r, boxes *all, int lane)
         return;
     }
     points old;
-    points_set(&old, patch, begin_patch(r->world, touch));
+    points_set(r, &old, patch, begin_patch(r->world, touch));
     patch->normal = daft_box_batch_get(batch->normal, lane);
     patch->count = 0;
     for (int i = 0; i < batch->count[lane]; i++) {
         daft_sim_patch_point point = {.anchor = daft_box_batch_get(batch->point[i], lane),
                                       .separation = batch->separation[i][lane],
                                       .id = (uint32_t)batch->id[i][lane]};
-        if (is_reached(r, touch, all->margins[lane], point.anchor, patch->normal, point.separation)) put_point(patch, &old, point);
+        if (point.separation <= all->margins[lane] || will_reach(r, touch, all->margins[lane], point.anchor, patch->normal, point.separation))
+            put_point(patch, &old, point);
     }
+    put_ahead(patch, &old);
     end_patch(touch, all->entries[lane]);
 }
 
@@ -562,7 +617,7 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
     size_t first = (size_t)index * GRAIN, left = world->listed.count - first, count = left < GRAIN ? left : GRAIN;
     daft_sim_listed *entries = &world->listed.items[first];
     range r;
-    r.world = world, r.dt = j->dt, r.asked_count = 0;
+    r.world = world, r.dt = j->dt, r.lead = lead_of(world), r.asked_count = 0;
     r.rounds.count = r.round_boxes.count = r.boxes.count = 0;
     memset(r.rounds.batch.a, 0, sizeof r.rounds.batch.a), memset(r.rounds.batch.b, 0, sizeof r.rounds.batch.b);
     memset(r.round_boxes.batch.a, 0, sizeof r.rounds.batch.a), memset(r.round_boxes.batch.b, 0, sizeof r.rounds.batch.b);

@@ -191,6 +191,7 @@ typedef struct daft_sim_body {
     uint32_t fixed_met;    /* scratch of ghost.c: touches with what does not yield */
     uint32_t next_free;
     uint32_t ring;         /* asleep: the next body that fell asleep with it */
+    daft_vec3 gone, turned; /* lately (sleep.c), if `rest` is not 0 */
 } daft_sim_body;
 
 typedef struct daft_sim_patch_point {
@@ -576,10 +577,13 @@ typedef struct daft_sim_target {
     daft_dvec3 stop; /* where it gets, and how fast it is there; written for its own row only */
     daft_quat stop_rotation;
     daft_vec3 linear;
+    double share; /* of the way, on which it gets there; 1: all */
     uint32_t sweeps;
 } daft_sim_target;
 /* Finds where a row's body stops on its way there. */
 void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targets);
+/* Then, of all: what joints hold to bodies that were stopped waits for them. */
+void daft_sim_sweep_joined(daft_world *world);
 
 /* ---- events.c ---- */
 

@@ -192,7 +192,8 @@ static bool check_body(daft_world *w, uint32_t index)
     const float numbers[] = {b->linear.x,      b->linear.y,       b->linear.z,        b->angular.x, b->angular.y,
                              b->angular.z,     b->force.x,        b->force.y,         b->force.z,   b->torque.x,
                              b->torque.y,      b->torque.z,       b->gravity_scale,   b->rest,      b->wanted_mass,
-                             b->linear_damping, b->angular_damping, b->finer, b->h};
+                             b->linear_damping, b->angular_damping, b->finer, b->h,  b->gone.x, b->gone.y, b->gone.z,
+                             b->turned.x, b->turned.y, b->turned.z};
     if (b->kind > DAFT_BODY_DYNAMIC || !all_finite(numbers, DAFT_COUNT_OF(numbers)) || !unit(b->rotation) ||
         !near(b->position) || !near(b->centre) || b->linear_damping < 0 || b->angular_damping < 0 ||
         b->wanted_mass < 0 || !(b->finer >= 0 && b->finer <= DAFT_SIM_FINEST) || b->h < 0 ||

@@ -6,6 +6,11 @@
 
 #define REST_SPEED 0.05f /* m/s of the fastest point; slower is at rest */
 #define REST_TIME  0.5f  /* s */
+/* What trembles in its place is at rest, too, as limbs do that are wedged under a body whose joints press them there: faster
+ * than that, but nowhere farther than this from where it lately was. */
+#define TREMBLE_SPEED 0.25f
+#define TREMBLE_WAY   0.005f /* m, of any point; */
+#define TREMBLE_SHARE 0.04f  /* and of its extent */
 
 /* ---- waking ---- */
 
@@ -129,13 +134,23 @@ static void keep_carried_awake(daft_world *world)
     }
 }
 
+static bool trembles(daft_sim_body *body, float dt)
+{
+    float kept = body->rest > 0 ? daft_sim_max(1 - dt / REST_TIME, 0) : 0; /* of half a second of it: a third */
+    body->gone = daft_add(daft_scale(body->gone, kept), daft_scale(body->linear, dt));
+    body->turned = daft_add(daft_scale(body->turned, kept), daft_scale(body->angular, dt));
+    float way = daft_length(body->gone) + daft_length(body->turned) * body->extent;
+    return way < daft_sim_min(TREMBLE_WAY, TREMBLE_SHARE * body->extent);
+}
+
 static bool update_rest(daft_world *world, float dt)
 {
     bool tired = false;
     for (size_t i = 0; i < world->awake.count; i++) {
         daft_sim_body *body = &world->bodies[world->awake.items[i]];
         float spin = daft_sim_is_zero(body->angular) ? 0 : daft_length(body->angular) * body->extent;
-        bool still = body->may_sleep && daft_length(body->linear) + spin < REST_SPEED;
+        float speed = daft_length(body->linear) + spin;
+        bool still = body->may_sleep && speed < TREMBLE_SPEED && (trembles(body, dt) || speed < REST_SPEED);
         body->rest = still ? body->rest + dt : 0;
         tired |= body->rest >= REST_TIME;
     }

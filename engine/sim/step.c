@@ -101,7 +101,7 @@ static void sweep_row(daft_world *world, uint32_t row)
 {
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     daft_sim_target *target = &world->solver->targets[row];
-    target->stop = target->centre, target->stop_rotation = target->rotation, target->linear = body->linear;
+    target->stop = target->centre, target->stop_rotation = target->rotation, target->linear = body->linear, target->share = 1;
     const float *m = world->solver->rows.moved + (size_t)row * DAFT_SIM_ROW;
     float swing = daft_length(row3(m + 3)) * daft_sim_max(body->extent - body->inner, 0);
     if (daft_length(row3(m)) + daft_sim_min(swing, 2 * body->extent) <= FAST_MOVE * body->inner) return;
@@ -175,6 +175,7 @@ static void end_dynamics(daft_world *world)
     const daft_sim_solver *s = world->solver;
     for_rows(world, take_row);
     for_rows(world, sweep_row);
+    daft_sim_sweep_joined(world);
     for_rows(world, place_row);
     for (uint32_t row = 1 + s->mover_count; row < s->row_count; row++) world->counters.sweeps += s->targets[row].sweeps;
 }

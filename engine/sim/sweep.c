@@ -7,6 +7,8 @@
  * body that is fast enough to be swept never changes sides. */
 #include "sim/solver.h"
 
+#include <string.h>
+
 /* Bodies stop this far from what they hit, as a share of the inner radius, but no farther than MAX_GAP; and the share of
  * that which does not matter. */
 #define TARGET    0.04
@@ -173,6 +175,70 @@ void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targ
     target->linear = s.linear;
     target->stop = s.to;
     if (s.share == 1) return;
+    target->share = s.share;
     target->stop = daft_dadd(body->centre, daft_dscale(daft_dsub(s.to, body->centre), s.share));
     target->stop_rotation = daft_quat_nlerp(body->rotation, target->rotation, (float)s.share);
+}
+
+/* ---- what is joined to it ---- */
+
+/* A limb that is stopped while the rest of a doll goes on would have its joint torn open by the rest of the way. So of two
+ * bodies in a joint neither gets much farther than the other, as a share of its own way: each joint adds this. */
+#define AHEAD_OF_JOINED (1.0 / 16)
+
+/* Rows whose neighbours are to be looked at: a ring in which each is once at most. */
+typedef struct waiting {
+    uint32_t *rows;
+    uint8_t *in;
+    uint32_t first, count, size;
+} waiting;
+
+static void put(waiting *w, uint32_t row)
+{
+    if (w->in[row]) return;
+    w->in[row] = 1;
+    w->rows[(w->first + w->count++) % w->size] = row;
+}
+
+static uint32_t take(waiting *w)
+{
+    uint32_t row = w->rows[w->first];
+    w->first = (w->first + 1) % w->size, w->count--;
+    w->in[row] = 0;
+    return row;
+}
+
+static bool hold_back(daft_sim_target *t, const daft_sim_body *body, double share)
+{
+    if (!(share < t->share)) return false;
+    t->share = share;
+    t->stop = daft_dadd(body->centre, daft_dscale(daft_dsub(t->centre, body->centre), share));
+    t->stop_rotation = daft_quat_nlerp(body->rotation, t->rotation, (float)share);
+    return true;
+}
+
+static void hold_neighbours(const daft_world *world, waiting *w, uint32_t row)
+{
+    daft_sim_target *targets = world->solver->targets;
+    double share = targets[row].share + AHEAD_OF_JOINED;
+    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    for (uint32_t e = body->first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
+        const daft_sim_joint *joint = &world->joints[e >> 1];
+        uint32_t other = joint->body[(e & 1) ^ 1], at = other == DAFT_SIM_NONE ? 0 : world->solver->row_of[other];
+        if (joint->spring || at <= world->solver->mover_count) continue;
+        if (hold_back(&targets[at], &world->bodies[other], share)) put(w, at);
+    }
+}
+
+/* Each gets the least of what all that were stopped leave it, in whatever order they are looked at. */
+void daft_sim_sweep_joined(daft_world *world)
+{
+    daft_sim_solver *s = world->solver;
+    uint32_t first = 1 + s->mover_count;
+    if (world->live_joints == 0 || s->row_count == first) return;
+    waiting w = {.rows = s->levels, .in = s->marks, .size = s->row_count};
+    memset(s->marks, 0, s->row_count);
+    for (uint32_t row = first; row < s->row_count; row++)
+        if (s->targets[row].share < 1) put(&w, row);
+    while (w.count > 0) hold_neighbours(world, &w, take(&w));
 }
