@@ -101,29 +101,31 @@ void daft_blocks_regroup(daft_bvh *bvh)
 /* ---- balls ---- */
 
 /* How far the farthest corner is. */
-static double farthest(const daft_block *block, daft_dvec3 from, daft_dvec3 *corner)
+static double farthest(const daft_block *blocks, uint32_t count, daft_dvec3 from, daft_dvec3 *corner)
 {
     double most = -1;
     *corner = from;
-    for (uint32_t i = 0; i < CORNERS; i++) {
-        daft_dvec3 p = corner_of(block, (int)(i / DAFT_BLOCK), i % DAFT_BLOCK), d = daft_dsub(p, from);
-        double square = daft_ddot(d, d);
-        if (square > most) most = square, *corner = p;
-    }
+    for (uint32_t b = 0; b < count; b++)
+        for (uint32_t i = 0; i < CORNERS; i++) {
+            daft_dvec3 p = corner_of(&blocks[b], (int)(i / DAFT_BLOCK), i % DAFT_BLOCK), d = daft_dsub(p, from);
+            double square = daft_ddot(d, d);
+            if (square > most) most = square, *corner = p;
+        }
     return sqrt(fmax(most, 0));
 }
 
 /* The mean of the corners, moved towards the farthest one, ever less (Badoiu and Clarkson, "Smaller Core-Sets for Balls", 2003). */
-static daft_dvec3 middle_of(const daft_block *block)
+static daft_dvec3 middle_of(const daft_block *blocks, uint32_t count, int steps)
 {
     daft_dvec3 middle = {0, 0, 0}, far, best;
-    for (uint32_t i = 0; i < CORNERS; i++)
-        middle = daft_dadd(middle, daft_dscale(corner_of(block, (int)(i / DAFT_BLOCK), i % DAFT_BLOCK), 1.0 / CORNERS));
-    double least = farthest(block, middle, &far);
+    for (uint32_t b = 0; b < count; b++)
+        for (uint32_t i = 0; i < CORNERS; i++)
+            middle = daft_dadd(middle, daft_dscale(corner_of(&blocks[b], (int)(i / DAFT_BLOCK), i % DAFT_BLOCK), 1.0 / (CORNERS * count)));
+    double least = farthest(blocks, count, middle, &far);
     best = middle;
-    for (int step = 1; step <= STEPS; step++) {
+    for (int step = 1; step <= steps; step++) {
         middle = daft_dadd(middle, daft_dscale(daft_dsub(far, middle), 1.0 / (step + 1)));
-        double radius = farthest(block, middle, &far);
+        double radius = farthest(blocks, count, middle, &far);
         if (radius < least) least = radius, best = middle;
     }
     return best;
@@ -135,13 +137,13 @@ static uint16_t units(double length, double unit, double round)
 }
 
 /* Centres are at most 32768 units from the low corner on each axis, and radii at most the diagonal of that cube: both fit. */
-static void ball_make(const daft_balls *balls, const daft_block *block, daft_ball *out)
+void daft_ball_around(const daft_balls *balls, const daft_block *blocks, uint32_t count, int steps, daft_ball *out)
 {
     double unit = (double)balls->unit;
-    daft_dvec3 low = daft_to_double(balls->low), middle = daft_dsub(middle_of(block), low), far;
+    daft_dvec3 low = daft_to_double(balls->low), middle = daft_dsub(middle_of(blocks, count, steps), low), far;
     out->centre[0] = units(middle.x, unit, 0.5), out->centre[1] = units(middle.y, unit, 0.5), out->centre[2] = units(middle.z, unit, 0.5);
     daft_dvec3 centre = daft_dv3(out->centre[0], out->centre[1], out->centre[2]);
-    out->radius = units(farthest(block, daft_dadd(low, daft_dscale(centre, unit)), &far), unit, 1.01);
+    out->radius = units(farthest(blocks, count, daft_dadd(low, daft_dscale(centre, unit)), &far), unit, 1.01);
 }
 
 bool daft_balls_make(const daft_bvh *bvh, const daft_trimesh *mesh, daft_balls *out)
@@ -151,6 +153,6 @@ bool daft_balls_make(const daft_bvh *bvh, const daft_trimesh *mesh, daft_balls *
     out->unit = fmaxf((float)(fmax(size.x, fmax(size.y, size.z)) / 32767), FLT_MIN); /* over a part in 32768, in spite of rounding */
     out->items = daft_alloc_zero(&bvh->allocator, bvh->block_count + DAFT_MAX_LEAF_BLOCKS, sizeof *out->items);
     if (!out->items) return false;
-    for (size_t b = 0; b < bvh->block_count; b++) ball_make(out, &bvh->blocks[b], &out->items[b]);
+    for (size_t b = 0; b < bvh->block_count; b++) daft_ball_around(out, &bvh->blocks[b], 1, STEPS, &out->items[b]);
     return true;
 }

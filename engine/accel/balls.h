@@ -1,4 +1,4 @@
-/* A ball around each block of triangles, which a pencil holds against its rays before it fetches the block. */
+/* A ball around each block of triangles, or around more, which a pencil holds against its rays before it fetches the block. */
 #ifndef DAFT_BALLS_H
 #define DAFT_BALLS_H
 
@@ -18,6 +18,8 @@ typedef struct daft_balls {
 
 /* False: memory is out. */
 bool daft_balls_make(const daft_bvh *bvh, const daft_trimesh *mesh, daft_balls *out);
+/* The ball around some blocks, one after the other; the more steps (1 to 32), the smaller. */
+void daft_ball_around(const daft_balls *balls, const daft_block *blocks, uint32_t count, int steps, daft_ball *out);
 /* Puts the triangles of each leaf into blocks by where they are and look, for small balls that look one way. */
 void daft_blocks_regroup(daft_bvh *bvh);
 

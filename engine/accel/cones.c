@@ -163,23 +163,28 @@ static float thinnest(const faces *f, uint32_t count)
     return fmaxf(fmaxf(most[0], most[1]), fmaxf(most[2], most[3]));
 }
 
-static void cone_make(const cone_job *j, const daft_node *node, int child, uint32_t first, uint32_t end, daft_cones *out)
+/* Of the blocks from first to before end, around a point near them. */
+static void cone_make(const cone_job *j, uint32_t first, uint32_t end, daft_dvec3 o, uint32_t *look, float *spread)
 {
     const faces *f = j->faces + first;
     uint32_t count = end - first;
     float cosine = 0;
     daft_dvec3 axis = {0, 0, 0};
-    out->look[child] = NEVER_AWAY, out->spread[child] = 0;
+    *look = NEVER_AWAY, *spread = 0;
     if (count <= MOST_BLOCKS && thinnest(f, count) <= j->sides->thinness) axis = axis_of(f, count, &cosine);
     if (!(cosine > 0.01f)) return; /* every way, or of two sides */
-    double c = fmin((double)cosine, 1) - 0x1p-21, middle[3];
+    double c = fmin((double)cosine, 1) - 0x1p-21;
+    daft_dvec3 scaled = daft_dscale(axis, c);
+    *look = look_of(j, scaled, daft_ddot(scaled, daft_dsub(o, j->sides->middle)) + least_offset(j, first, end, o));
+    *spread = (float)(127 * sqrt(1 - c * c) * (1 + 0x1p-20));
+}
+
+static daft_dvec3 box_middle(const cone_job *j, const daft_node *node, int child)
+{
+    double middle[3];
     for (int k = 0; k < 3; k++) middle[k] = ((double)node->bounds[k][child] + (double)node->bounds[k + 3][child]) * 0.5;
     daft_dvec3 o = daft_dv3(middle[0], middle[1], middle[2]);
-    if (j->bvh->turned) o = daft_turn_back(&j->bvh->turn, o);
-    daft_dvec3 scaled = daft_dscale(axis, c);
-    double offset = daft_ddot(scaled, daft_dsub(o, j->sides->middle)) + least_offset(j, first, end, o);
-    out->look[child] = look_of(j, scaled, offset);
-    out->spread[child] = (float)(127 * sqrt(1 - c * c) * (1 + 0x1p-20));
+    return j->bvh->turned ? daft_turn_back(&j->bvh->turn, o) : o;
 }
 
 static void fill_nodes(const cone_job *j)
@@ -192,9 +197,36 @@ static void fill_nodes(const cone_job *j)
                 bool leaf = child & DAFT_CHILD_LEAF;
                 first = leaf ? block : j->first[child], end = leaf ? block + (child & 3) + 1 : j->end[child];
             }
-            cone_make(j, node, i, first, end, &j->sides->cones[n]);
+            daft_cones *to = &j->sides->cones[n];
+            cone_make(j, first, end, box_middle(j, node, i), &to->look[i], &to->spread[i]);
         }
     }
+}
+
+static daft_dvec3 ball_middle(const cone_job *j, const daft_ball *ball)
+{
+    daft_dvec3 at = daft_dv3(ball->centre[0], ball->centre[1], ball->centre[2]);
+    return daft_dadd(daft_to_double(j->sides->balls.low), daft_dscale(at, (double)j->sides->balls.unit));
+}
+
+static void fill_outlines(const cone_job *j, daft_outlines *o)
+{
+    for (uint32_t i = 0; i < o->count; i++)
+        cone_make(j, o->first[i], o->first[i + 1], ball_middle(j, &o->balls[i]), &o->looks[i], &o->spreads[i]);
+}
+
+static void fill_clusters(const cone_job *j)
+{
+    daft_clusters *c = &j->sides->clusters;
+    for (uint32_t i = 0; i < c->all.count; i++)
+        for (int k = 0; k < DAFT_CLUSTER_LEAVES; k++) {
+            daft_cluster *to = &c->items[i];
+            uint32_t block = (to->leaf[k] & ~DAFT_CHILD_LEAF) >> 2;
+            if (to->leaf[k] == DAFT_CHILD_NONE) continue;
+            cone_make(j, block, block + (to->leaf[k] & 3) + 1, ball_middle(j, &to->ball[k]), &to->look[k], &to->spread[k]);
+        }
+    fill_outlines(j, &c->all);
+    fill_outlines(j, &c->groups);
 }
 
 bool daft_cones_fill(const daft_bvh *bvh, daft_sides *sides)
@@ -209,6 +241,7 @@ bool daft_cones_fill(const daft_bvh *bvh, daft_sides *sides)
         fill_faces(&job);
         find_ranges(&job);
         fill_nodes(&job);
+        fill_clusters(&job);
     }
     daft_release(a, job.faces);
     daft_release(a, job.first);

@@ -19,6 +19,7 @@ void daft_sides_drop(daft_bvh *bvh)
     daft_release(&bvh->allocator, sides->cones);
     daft_release(&bvh->allocator, sides->looks);
     daft_release(&bvh->allocator, sides->balls.items);
+    daft_clusters_free(&bvh->allocator, &sides->clusters);
     daft_release(&bvh->allocator, sides);
     bvh->sides = NULL;
 }
@@ -33,7 +34,7 @@ size_t daft_sides_bytes(const daft_bvh *bvh)
     const daft_sides *sides = bvh->sides;
     if (!sides) return 0;
     return sizeof *sides + bvh->block_count * (1 + sizeof *sides->looks + sizeof *sides->balls.items) +
-           words(sides) * sizeof *sides->triangles + bvh->nodes.count * sizeof *sides->cones;
+           words(sides) * sizeof *sides->triangles + bvh->nodes.count * sizeof *sides->cones + daft_clusters_bytes(&sides->clusters);
 }
 
 /* False: no triangle can be one-sided. */
@@ -102,7 +103,8 @@ bool daft_bvh_find_sides(daft_bvh *bvh, const daft_trimesh *mesh, int threads)
     if (done) {
         daft_blocks_regroup(bvh);
         fill_blocks(bvh, sides);
-        done = sides->count > 0 && daft_cones_fill(bvh, sides) && daft_balls_make(bvh, mesh, &sides->balls);
+        done = sides->count > 0 && daft_balls_make(bvh, mesh, &sides->balls) &&
+               daft_clusters_make(bvh, &sides->balls, &sides->clusters) && daft_cones_fill(bvh, sides);
     }
     if (!done) daft_sides_drop(bvh);
     return done;

@@ -10,7 +10,7 @@
 #ifndef DAFT_SIDES_H
 #define DAFT_SIDES_H
 
-#include "accel/balls.h"
+#include "accel/clusters.h"
 
 /* A triangle's unit normal, times 127, in signed bytes from the lowest on, and last, rounded down, 127 times the least
  * normal·(p - middle) of its points over the mesh's radius; 0, 0, 0, -128 where it is of two sides or too thin. So four
@@ -42,6 +42,7 @@ typedef struct daft_sides {
     daft_cones *cones;   /* of each node */
     daft_looks *looks;   /* of each block, and DAFT_MAX_LEAF_BLOCKS more, that a leaf's may be read sixteen at a time */
     daft_balls balls;
+    daft_clusters clusters;
     float radius;        /* no less than from the middle to any point of the mesh */
     float thinness;      /* one over a least height: thinner triangles count as too thin for looks */
 } daft_sides;

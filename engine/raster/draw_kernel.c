@@ -225,6 +225,25 @@ static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
     return tiny;
 }
 
+void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, const daft_seen *seen, daft_hits *h)
+{
+    for (uint32_t k = 0; k < h->count; k++) {
+        uint32_t at = h->place[k] & (DAFT_HIT_UNSURE - 1);
+        bool sure = at == h->place[k];
+        float low = h->low[k], high = j->exact ? h->high[k] : low;
+        if (high < j->w_low[at]) continue;
+        j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
+        if (__builtin_expect(sure && low > j->w_high[at], 1)) {
+            j->w_low[at] = low, j->w_high[at] = high;
+            j->tile->instance[at] = seen->index, j->tile->triangle[at] = h->triangle[k];
+            continue;
+        }
+        const thing t = {seen, h->triangle[k]};
+        if (sure || lane_hit(j, (int)at, &t)) lane_offer(j, (int)at, &t, low, high);
+    }
+    h->count = 0;
+}
+
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
 {
     for (vbits live = b->live & ~draw_tiny(j, b); live; live &= live - 1) {

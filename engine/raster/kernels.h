@@ -42,12 +42,30 @@ enum { DAFT_LEAVES = 32, DAFT_LEAVES_ROOM = DAFT_LEAVES + DAFT_VL };
 enum { DAFT_WAITING_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + 3 * DAFT_VL };
 #define DAFT_WAITS_ONE_SIDED 0x80u /* in `pixels`: hits on its back do not count */
 #define DAFT_WAITS_TURNED 0x40u    /* its front is where det(corners) is negative */
+/* Of one instance: projected triangles whose boxes hold rays. */
+typedef struct daft_projected {
+    uint32_t count;
+    float corner[9][DAFT_WAITING_ROOM];
+    uint32_t pixels[DAFT_WAITING_ROOM], triangle[DAFT_WAITING_ROOM];
+} daft_projected;
+
+/* Pixels whose rays triangles of one instance meet, or, where it says so, may meet. */
+enum { DAFT_HITS_ROOM = 4 * DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + DAFT_VL };
+#define DAFT_HIT_UNSURE 0x8000u
+typedef struct daft_hits {
+    uint32_t count;
+    uint32_t place[DAFT_HITS_ROOM], triangle[DAFT_HITS_ROOM];
+    float low[DAFT_HITS_ROOM], high[DAFT_HITS_ROOM]; /* of w; in inexact modes, low alone counts */
+} daft_hits;
+
 typedef struct daft_waiting {
     uint32_t count;
     float corner[9][DAFT_WAITING_ROOM]; /* x, y, z of corner 0, then of 1 and 2, in camera space */
     float nearest[DAFT_WAITING_ROOM];   /* the largest w; infinite where a corner is not in front */
     uint32_t pixels[DAFT_WAITING_ROOM]; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24, and flags */
     uint32_t instance[DAFT_WAITING_ROOM], triangle[DAFT_WAITING_ROOM];
+    daft_projected projected; /* these and hits are of the instance at work: they do not wait for others */
+    daft_hits hits;
 } daft_waiting;
 
 /* Up to DAFT_VL triangles, set up. Edge k is opposite corner k. */
@@ -60,11 +78,12 @@ typedef struct daft_pencil_batch {
     uint32_t instance[DAFT_VL], triangle[DAFT_VL];
 } daft_pencil_batch;
 
-/* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks of one instance, by number; what of their triangles may be seen waits for
- * others. */
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
-                                      daft_waiting *waiting);
-/* True: many or large ones of them may be seen and make a batch. False: few, and those wait. */
+/* project_kernel.c: blocks of one instance, by number. `ahead`: all of them is in front of the camera. */
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, bool ahead, const uint32_t *blocks,
+                                      uint32_t count, daft_projected *out);
+/* Takes up to DAFT_VL of them: those whose boxes are of two pixels a side at most add to the hits, others wait. */
+void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, const daft_seen *seen, daft_projected *from, daft_waiting *waiting);
+/* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks. True: many or large ones of them may be seen and make a batch. False: few, and those wait. */
 bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
                                     daft_waiting *waiting, daft_pencil_batch *batch);
 /* A batch from the last of those waiting. False: nothing of them is to be drawn. */
@@ -74,10 +93,13 @@ void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *se
                                    daft_screen_box *out);
 /* walk_kernel.c: what of a mesh is in the tile, and not hidden; some small triangles of it may be left waiting. */
 void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting);
+/* crowd_kernel.c: the same for a mesh whose clusters are known and in doubt by little. False: that is not so. */
+bool DAFT_KERNEL(daft_crowd_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting);
 void DAFT_KERNEL(daft_waiting_draw)(daft_tile_job *job, daft_waiting *waiting);
 /* Whether the pixels x0..x1, y0..y1 of the tile all see something whose w is above `nearest`. */
 bool DAFT_KERNEL(daft_pixels_hidden)(daft_tile_job *job, int x0, int x1, int y0, int y1, float nearest);
 /* draw_kernel.c */
+void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, const daft_seen *seen, daft_hits *hits);
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
 /* The pixels x0..x1, y0..y1 of the tile against a sphere. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_seen *seen, int x0, int x1, int y0, int y1);

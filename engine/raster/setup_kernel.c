@@ -15,36 +15,9 @@
  * more than 2^-12 of w itself (a floor under the camera, an edge-on sliver) N and D are taken in double, and what is left
  * is the rounding of w's own three terms. */
 #include "math/exact.h"
-#include "raster/kernels.h"
-
-#define UNIT 0x1p-24f
-#define TINY 1e-36f
+#include "raster/blocks.h"
 
 /* ---- projection ---- */
-
-/* One axis of one corner of the blocks, side by side. */
-DAFT_INLINE vf blocks_load(const daft_block **blocks, int corner, int axis)
-{
-    const float *four[DAFT_BATCH_BLOCKS];
-    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) four[i] = blocks[i]->corner[corner][axis];
-    return vf_gather_rows(four);
-}
-
-DAFT_INLINE vi blocks_triangles(const daft_block **blocks)
-{
-    const float *four[DAFT_BATCH_BLOCKS];
-    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) four[i] = (const float *)(const void *)blocks[i]->triangle;
-    return (vi)vf_gather_rows(four);
-}
-
-/* The same operations in the same order as daft_affine_point. */
-DAFT_INLINE vf3 move(const daft_affine *a, vf3 p)
-{
-    const float *m = a->m, *t = a->t;
-    return (vf3){((vf_set(m[0]) * p.x + vf_set(m[1]) * p.y) + vf_set(m[2]) * p.z) + vf_set(t[0]),
-                 ((vf_set(m[3]) * p.x + vf_set(m[4]) * p.y) + vf_set(m[5]) * p.z) + vf_set(t[1]),
-                 ((vf_set(m[6]) * p.x + vf_set(m[7]) * p.y) + vf_set(m[8]) * p.z) + vf_set(t[2])};
-}
 
 /* Triangles in the tile: their box is that of the pixels whose rays may meet them. */
 typedef struct lanes {
@@ -66,44 +39,19 @@ DAFT_INLINE vm pixel_span(vf low, vf high, float last, vf *first, vf *end)
     return vm_and(vf_le(zero, b), vf_le(*first, *end));
 }
 
-/* Lanes whose triangle has no more than one pixel in its box, the first, and not that one: two edges leave it on different
- * sides. x and y are off by less than 3u of a ray's; the watertight test, whose verdict on a ray at an edge is to stand,
- * by 9u of its three coordinates, which `doubt` is over. Corners are less than 1 + doubt from the pixel in both axes. */
-DAFT_INLINE vbits beside_pixel(const daft_tile_job *job, const lanes *l, const vf x[3], const vf y[3])
-{
-    vf a[3], b[3], doubt = vf_set(10 * UNIT * 4.1f * (job->max_dx + job->max_dy + job->raster->pencil.focal));
-    for (int k = 0; k < 3; k++) a[k] = x[k] - l->x0, b[k] = y[k] - l->y0;
-    vf e0 = a[1] * b[2] - b[1] * a[2], e1 = a[2] * b[0] - b[2] * a[0], e2 = a[0] * b[1] - b[0] * a[1];
-    vm apart = vm_and(vf_lt(doubt, vf_max(vf_max(e0, e1), e2)), vf_lt(vf_min(vf_min(e0, e1), e2), -doubt));
-    return vm_bits(vm_and(apart, vm_and(vf_le(l->x1, l->x0), vf_le(l->y1, l->y0))));
-}
-
-/* Lanes whose triangle, all in front of the camera and of the extent given, is surely seen from where `turned` says its back is.
- * With R the sum of the largest x and y of a ray and of a tile's sides, x and y of a corner are off by less than
- * 3u·(R + extent) =: d, and so the area by less than 4d·extent + 8d² + 2u·extent². */
-DAFT_INLINE vbits seen_from_back(const daft_tile_job *job, const vf x[3], const vf y[3], vf extent, vbits turned)
-{
-    vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
-    vf reach = vf_set(job->max_dx + job->max_dy + 2 * DAFT_TILE) + extent;
-    vf doubt = vf_set(16 * UNIT) * reach * (extent + vf_set(8 * UNIT) * reach);
-    return (vm_bits(vf_lt(area, -doubt)) & ~turned) | (vm_bits(vf_lt(doubt, area)) & turned);
-}
-
-/* `single`: also leaves out the triangles that lie beside the only pixel of their box, and what is seen from its back. */
-DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, bool single, lanes *l)
+DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, lanes *l)
 {
     vf zero = vf_set(0), focal = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
     vf left = vf_set(job->left), top = vf_set(job->top);
-    vf x0 = inf, x1 = -inf, y0 = inf, y1 = -inf, least = inf, most = -inf, x[3], y[3];
+    vf x0 = inf, x1 = -inf, y0 = inf, y1 = -inf, least = inf, most = -inf;
     for (int k = 0; k < 3; k++) {
         vf3 p = {blocks_load(blocks, k, 0), blocks_load(blocks, k, 1), blocks_load(blocks, k, 2)};
         vf3 c = l->corner[k] = move(&seen->to_camera, p);
         vf scale = focal / c.z;
-        x[k] = c.x * scale - left, y[k] = top - c.y * scale;
-        x0 = vf_min(x[k], x0), x1 = vf_max(x[k], x1), y0 = vf_min(y[k], y0), y1 = vf_max(y[k], y1);
+        vf x = c.x * scale - left, y = top - c.y * scale;
+        x0 = vf_min(x, x0), x1 = vf_max(x, x1), y0 = vf_min(y, y0), y1 = vf_max(y, y1);
         least = vf_min(c.z, least), most = vf_max(c.z, most);
     }
-    vf extent = (x1 - x0) + (y1 - y0);
     /* A triangle through the camera's plane may reach anywhere. */
     vm front = vf_lt(zero, least), some = vf_lt(zero, most);
     x0 = vf_select(front, x0, zero), x1 = vf_select(front, x1, vf_set(job->last_x));
@@ -112,10 +60,6 @@ DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const 
     some = vm_and(some, pixel_span(y0, y1, job->last_y, &l->y0, &l->y1));
     l->nearest = vf_select(front, vf_set(1 + 4 * UNIT) / least, inf);
     l->some = vm_bits(some);
-    if (!single) return;
-    vbits out = beside_pixel(job, l, x, y);
-    if (seen->front) out |= l->one_sided & seen_from_back(job, x, y, extent, l->turned);
-    l->some &= ~(out & vm_bits(front));
 }
 
 void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *seen, const daft_block *block,
@@ -124,7 +68,7 @@ void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *se
     const daft_block *blocks[DAFT_BATCH_BLOCKS];
     lanes l = {.one_sided = 0, .turned = 0};
     for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) blocks[i] = block;
-    project(job, seen, blocks, false, &l);
+    project(job, seen, blocks, &l);
     for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
         daft_screen_box box = {(int16_t)l.x0[i], (int16_t)l.x1[i], (int16_t)l.y0[i], (int16_t)l.y1[i]};
         if (block->triangle[i] == DAFT_NO_TRIANGLE) continue;
@@ -280,24 +224,9 @@ DAFT_INLINE vi box_pixels(const lanes *l)
     return vi_truncate(l->x0) | vi_truncate(l->x1) << 8 | vi_truncate(l->y0) << 16 | vi_truncate(l->y1) << 24 | flags;
 }
 
-DAFT_INLINE void keep(daft_waiting *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
-{
-    uint32_t at = out->count;
-    for (int k = 0; k < 3; k++) {
-        vf_compress(&out->corner[3 * k][at], some, l->corner[k].x);
-        vf_compress(&out->corner[3 * k + 1][at], some, l->corner[k].y);
-        vf_compress(&out->corner[3 * k + 2][at], some, l->corner[k].z);
-    }
-    vi_compress(&out->pixels[at], some, box_pixels(l));
-    vf_compress(&out->nearest[at], some, l->nearest);
-    vi_compress(&out->triangle[at], some, triangle);
-    vi_store(&out->instance[at], vi_set((int32_t)instance));
-    out->count += (uint32_t)__builtin_popcount(some);
-}
-
 static __attribute__((noinline)) void keep_few(daft_waiting *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
 {
-    keep(out, l, some, instance, triangle);
+    waiting_add(out, l->corner, box_pixels(l), l->nearest, instance, triangle, some);
 }
 
 /* Lanes that cover little: what is behind them waits for nobody. */
@@ -307,45 +236,19 @@ DAFT_INLINE vbits small(const lanes *l)
     return vm_bits(vm_and(vf_le(l->x1 - l->x0, two), vf_le(l->y1 - l->y0, two)));
 }
 
-/* Of the triangles of blocks, which of them are one-sided. */
-DAFT_INLINE vbits blocks_sides(const daft_seen *seen, const uint32_t *blocks, uint32_t count)
-{
-    const uint8_t *sides = seen->bvh->sides->blocks;
-    vbits bits = 0;
-    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) bits |= (vbits)sides[blocks[i < count ? i : 0]] << (DAFT_BLOCK * i);
-    return bits;
-}
-
-/* Blocks in camera space. Gives the lanes that may be seen. */
-DAFT_INLINE vbits blocks_load_all(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
-                                  bool single, lanes *l, vi *triangle)
-{
-    const daft_block *all[DAFT_BATCH_BLOCKS];
-    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) /* nothing is computed from what is not there */
-        all[i] = &seen->bvh->blocks[blocks[i < count ? i : 0]];
-    *triangle = blocks_triangles(all);
-    l->one_sided = seen->front ? blocks_sides(seen, blocks, count) : 0, l->turned = seen->front < 0 ? DAFT_ALL_LANES : 0;
-    vbits used = ~vm_bits(vi_eq(*triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(count * DAFT_BLOCK));
-    project(job, seen, all, single, l);
-    job->counters->tested += (uint64_t)__builtin_popcount(used);
-    return used & l->some;
-}
-
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
-                                      daft_waiting *waiting)
-{
-    lanes l;
-    vi triangle;
-    vbits used = blocks_load_all(job, seen, blocks, count, true, &l, &triangle);
-    keep(waiting, &l, used, seen->index, triangle);
-}
-
 bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
                                     daft_waiting *waiting, daft_pencil_batch *batch)
 {
     lanes l;
     vi triangle;
-    vbits used = blocks_load_all(job, seen, blocks, count, false, &l, &triangle);
+    const daft_block *all[DAFT_BATCH_BLOCKS];
+    blocks_at(seen, blocks, count, all);
+    triangle = blocks_triangles(all);
+    l.one_sided = seen->front ? blocks_sides(seen, blocks, count) : 0, l.turned = seen->front < 0 ? DAFT_ALL_LANES : 0;
+    vbits used = ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(count * DAFT_BLOCK));
+    project(job, seen, all, &l);
+    job->counters->tested += (uint64_t)__builtin_popcount(used);
+    used &= l.some;
     if (!used) return false;
     if (__builtin_popcount(used) <= DAFT_VL / 2 && !(used & ~small(&l))) {
         keep_few(waiting, &l, used, seen->index, triangle);

@@ -109,7 +109,7 @@ static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t work
     clear_pixels(&j);
     uint32_t count = front_to_back(raster, tile, bins->order);
     daft_waiting waiting;
-    waiting.count = 0;
+    waiting.count = waiting.projected.count = waiting.hits.count = 0;
     for (uint32_t i = 0; i < count; i++) {
         const char *ahead = (const char *)&raster->seen[(uint32_t)bins->order[daft_min_u(i + AHEAD, count - 1)]];
         __builtin_prefetch(ahead), __builtin_prefetch(ahead + sizeof(daft_seen) - 1);

@@ -5,7 +5,7 @@
  * Where triangles are large each node waits for what is in front of it, so that it may turn out to be hidden. Where there is
  * one or more to a pixel, nodes are looked at in groups, without a branch that depends on one of them: there, what a
  * processor guesses wrong costs more than the arithmetic. */
-#include "raster/kernels.h"
+#include "raster/hidden.h"
 
 enum {
     GROUP = 16, /* nodes */
@@ -53,10 +53,7 @@ typedef struct walk {
     float low_t[3], high_t[3]; /* the translation, less and more a pad over the error of a moved vertex */
     int low_at[9], high_at[9]; /* which of a node's bounds makes m's product least, and most */
     const daft_cones *cones; /* of each node; NULL: all of the mesh counts, whichever way it looks */
-    const daft_sides *sides; /* with balls and looks that are to be held against the tile; or NULL */
-    float ball[12];          /* a ball's centre to x and y in pixels times z, and z; then the translation */
     daft_glance glance;
-    float ball_reach[2];     /* its radius to pixels times z, and what is added */
     uint32_t leaf_limit, leaf_count, leaves[DAFT_LEAVES_ROOM + 16]; /* that wait, in groups: their codes */
     uint32_t block_count, blocks[DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS + DAFT_VL];
 } walk;
@@ -72,7 +69,7 @@ static void refresh_cell(daft_tile_job *j, uint32_t x, uint32_t y)
     j->farthest[y][x] = a < b ? a : b;
 }
 
-static __attribute__((noinline)) bool cells_hidden(daft_tile_job *j, uint32_t pixels, float least)
+bool DAFT_KERNEL(daft_cells_hidden)(daft_tile_job *j, uint32_t pixels, float least)
 {
     uint32_t x0 = pixels & 255, x1 = pixels >> 8 & 255, y0 = pixels >> 16 & 255, last = (pixels >> 24) / DAFT_CELL;
     v8 nearest = v8_set(least);
@@ -86,46 +83,6 @@ static __attribute__((noinline)) bool cells_hidden(daft_tile_job *j, uint32_t pi
         if (v8_le_bits(v8_load(j->farthest[y]), nearest) & open) return false;
     }
     return true;
-}
-
-/* Where rows 1 to 7 begin, of a box whose last row is given: beyond it that row again. */
-#define ROW(last, r) (uint8_t)(DAFT_TILE_STRIDE * ((r) < (last) ? (r) : (last)))
-#define ROWS_TO(last) {ROW(last, 1), ROW(last, 2), ROW(last, 3), ROW(last, 4), ROW(last, 5), ROW(last, 6), ROW(last, 7)}
-static const uint8_t ROWS[8][7] = {ROWS_TO(0), ROWS_TO(1), ROWS_TO(2), ROWS_TO(3), ROWS_TO(4), ROWS_TO(5), ROWS_TO(6), ROWS_TO(7)};
-
-/* Whether all pixels of a visit see something nearer: by the pixels themselves where they are few. */
-DAFT_INLINE bool hidden(daft_tile_job *j, uint32_t pixels, float nearest)
-{
-    uint32_t x0 = pixels & 255, width = (pixels >> 8 & 255) - x0, y0 = pixels >> 16 & 255, height = (pixels >> 24) - y0;
-    if (width >= 8 || height >= 8) return cells_hidden(j, pixels, nearest);
-    const float *w = &j->w_low[y0 * DAFT_TILE_STRIDE + x0];
-    const uint8_t *row = ROWS[height];
-    v8 least = v8_load(w);
-    for (int r = 0; r < 3; r++) least = v8_min(least, v8_load(w + row[r]));
-    if (height >= 4)
-        for (int r = 3; r < 7; r++) least = v8_min(least, v8_load(w + row[r]));
-    return !(v8_le_bits(least, v8_set(nearest)) & ((2u << width) - 1));
-}
-
-/* The lanes whose boxes are hidden; `pixels` is 0 in the others. The corners of all boxes are looked at side by side: they
- * show most of those that are not hidden, and little boxes have no other pixels. */
-DAFT_INLINE vbits hidden_lanes(daft_tile_job *j, vi pixels, vf nearest, vbits lanes)
-{
-    vi byte = vi_set(255), x0 = pixels & byte, x1 = pixels >> 8 & byte;
-    vi y0 = (pixels >> 16 & byte) * DAFT_TILE_STRIDE, y1 = (pixels >> 24 & byte) * DAFT_TILE_STRIDE;
-    vf upper = vf_min(vf_gather(j->w_low, y0 + x0), vf_gather(j->w_low, y0 + x1));
-    vf lower = vf_min(vf_gather(j->w_low, y1 + x0), vf_gather(j->w_low, y1 + x1));
-    vbits gone = lanes & ~vm_bits(vf_le(vf_min(upper, lower), nearest));
-    vbits large = gone & ~vm_bits(vm_and(vi_lt(x1 - x0, vi_set(2)), vi_lt(y1 - y0, vi_set(2 * DAFT_TILE_STRIDE))));
-    if (!large) return gone;
-    uint32_t box[DAFT_VL];
-    float w[DAFT_VL];
-    vi_store(box, pixels), vf_store(w, nearest);
-    for (; large; large &= large - 1) {
-        int i = __builtin_ctz(large);
-        gone &= ~((vbits)!hidden(j, box[i], w[i]) << i);
-    }
-    return gone;
 }
 
 /* ---- nodes and leaves ---- */
@@ -197,38 +154,6 @@ DAFT_INLINE void axis(const walk *w, int k, const node_pair *n, vf *low, vf *hig
     *high = x * bounds_load(n, b[0]) + y * bounds_load(n, b[1]) + z * bounds_load(n, b[2]) + vf_set(w->high_t[k]);
 }
 
-/* How balls come to the tile. Where a ray of slope t (x and y of it over z) meets the ball around c, c is from the ray, in the
- * plane of its own z, by r·sqrt(1 + t²) at most, in any direction of that plane. `pad`: what a moved corner is off by in x
- * and y, times z, and in z, 2^-20 of the magnitudes; centres are moved with no more error than twice that, and corners by as
- * much. */
-static void balls_begin(walk *w, const float pad[3])
-{
-    const daft_seen *seen = w->seen;
-    const daft_tile_job *job = w->job;
-    const float *m = seen->to_camera.m, *t = seen->to_camera.t, focal = job->raster->pencil.focal;
-    w->sides = NULL;
-    if (!seen->front || !(pad[2] * 0x1p12f < seen->near_z)) return; /* then z is known to a part in 2^10 */
-    w->sides = seen->bvh->sides;
-    const daft_balls *balls = &w->sides->balls;
-    float stretch = 0; /* the square of what lengths grow by, at most: a sum over a row of m·mᵀ */
-    for (int i = 0; i < 4; i++) {
-        float at[3];
-        for (int k = 0; k < 3; k++)
-            at[k] = i < 3 ? m[3 * k + i] * balls->unit
-                          : m[3 * k] * balls->low.x + m[3 * k + 1] * balls->low.y + m[3 * k + 2] * balls->low.z + t[k];
-        float *to = &w->ball[3 * i];
-        to[0] = at[0] * focal - at[2] * job->left, to[1] = at[2] * job->top - at[1] * focal, to[2] = at[2];
-    }
-    for (int i = 0; i < 3; i++) {
-        float sum = 0;
-        for (int k = 0; k < 3; k++) sum += fabsf(m[3 * i] * m[3 * k] + m[3 * i + 1] * m[3 * k + 1] + m[3 * i + 2] * m[3 * k + 2]);
-        stretch = fmaxf(stretch, sum);
-    }
-    float slant = sqrtf(focal * focal + job->max_dx * job->max_dx + job->max_dy * job->max_dy);
-    w->ball_reach[0] = sqrtf(stretch) * balls->unit * slant * (1 + 0x1p-8f);
-    w->ball_reach[1] = 4 * (pad[0] + pad[1]) + 2 * DAFT_TILE * 4 * pad[2];
-}
-
 static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
 {
     const daft_turn *turn = &seen->bvh->turn;
@@ -265,7 +190,6 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_
             w->low_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i + 3 : i), w->high_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i : i + 3);
         }
     }
-    balls_begin(w, pad);
 }
 
 /* Children in the tile. */
@@ -420,66 +344,14 @@ static void push_nodes(const fresh *all, node_stack *s)
 
 /* ---- leaves in groups ---- */
 
-/* Two dwords of each of a register's records, of leaves one after the other, four records each, from where each leaf's begin. */
-DAFT_INLINE void load_pairs(const daft_ball *const leaf[DAFT_VL / 4], vi *first, vi *second)
-{
-    const float *low[DAFT_VL / 4], *high[DAFT_VL / 4];
-    for (int i = 0; i < DAFT_VL / 4; i++) low[i] = (const float *)(const void *)leaf[i], high[i] = low[i] + 4;
-    vf a = vf_gather_rows(low), b = vf_gather_rows(high);
-    *first = (vi)vf_even_fours(a, b), *second = (vi)vf_odd_fours(a, b);
-}
-
-/* Lanes whose balls hold no ray of the tile. Comparisons are written so that a NaN leaves a ball in. */
-DAFT_INLINE vbits balls_apart(const walk *w, const uint32_t *block)
-{
-    const daft_ball *leaf[DAFT_VL / 4];
-    vi first, second, low = vi_set(0xffff);
-    for (int i = 0; i < DAFT_VL / 4; i++) leaf[i] = &w->sides->balls.items[block[i]];
-    load_pairs(leaf, &first, &second);
-    vf x = vf_from_int(first & low), y = vf_from_int(first >> 16 & low), z = vf_from_int(second & low);
-    vf p[3], radius = vf_from_int(second >> 16 & low), zero = vf_set(0), whole = vf_set(0x1.8p23f);
-    for (int k = 0; k < 3; k++)
-        p[k] = vf_set(w->ball[k]) * x + vf_set(w->ball[3 + k]) * y + vf_set(w->ball[6 + k]) * z + vf_set(w->ball[9 + k]);
-    vf inverse = vf_set(1) / p[2], column = p[0] * inverse, row = p[1] * inverse;
-    vf reach = (radius * vf_set(w->ball_reach[0]) + vf_set(w->ball_reach[1])) * inverse + vf_set(DAFT_SCREEN_SLACK);
-    column -= vf_min(vf_max((column + whole) - whole, zero), vf_set(w->job->last_x));
-    row -= vf_min(vf_max((row + whole) - whole, zero), vf_set(w->job->last_y));
-    return vm_bits(vm_and(vf_lt(reach * reach, column * column + row * row), vf_lt(zero, inverse)));
-}
-
-/* Lanes of blocks whose triangles all look away: daft_looks_away. */
-DAFT_INLINE vbits blocks_away(const walk *w, const uint32_t *block)
-{
-    const daft_glance *g = &w->glance;
-    vbits all = 0;
-    for (int leaf = 0; leaf < DAFT_VL / 4; leaf++) {
-        const uint32_t *look = w->sides->looks[block[leaf]];
-        uint32_t bits = 0;
-        for (int i = 0; i < 16; i += DAFT_VL) {
-            vi v = vi_load(look + i);
-            vf towards = vf_from_int(v << 24 >> 24) * vf_set(g->x) + vf_from_int(v << 16 >> 24) * vf_set(g->y) +
-                         vf_from_int(v << 8 >> 24) * vf_set(g->z) + vf_set(g->margin);
-            bits |= vm_bits(vf_lt(towards, vf_from_int(v >> 24) * vf_set(g->step))) << i;
-        }
-        bits &= bits >> 1, bits &= bits >> 2;
-        all |= ((bits & 0x1111) * 0x1248 >> 12 & 15) << (4 * leaf);
-    }
-    return all;
-}
-
-/* The blocks of leaves that may hold a ray and look towards it. */
 static void list_blocks(walk *w)
 {
     vi slot = vi_iota() & vi_set(3), leaf = vi_iota() >> 2;
     for (uint32_t i = 0; i < w->leaf_count; i += DAFT_VL / 4) {
         const uint32_t *code = &w->leaves[i];
         vi codes = (vi)vf_lookup16((const float *)(const void *)code, leaf);
-        uint32_t some = daft_min_u(w->leaf_count - i, DAFT_VL / 4), block[DAFT_VL / 4];
+        uint32_t some = daft_min_u(w->leaf_count - i, DAFT_VL / 4);
         vbits lanes = vbits_first((int)(4 * some)) & ~vm_bits(vi_lt(codes & vi_set(3), slot));
-        if (w->sides) {
-            for (uint32_t k = 0; k < DAFT_VL / 4; k++) block[k] = (code[k < some ? k : 0] & ~DAFT_CHILD_LEAF) >> 2;
-            lanes &= ~(balls_apart(w, block) | blocks_away(w, block));
-        }
         vi_compress(&w->blocks[w->block_count], lanes, ((codes & vi_set(INT32_MAX)) >> 2) + slot);
         w->block_count += (uint32_t)__builtin_popcount(lanes);
     }
@@ -490,9 +362,10 @@ static void list_blocks(walk *w)
 static void draw_leaves(walk *w)
 {
     list_blocks(w);
-    for (uint32_t i = 0; i < w->block_count; i += DAFT_BATCH_BLOCKS)
-        DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, &w->blocks[i], daft_min_u(w->block_count - i, DAFT_BATCH_BLOCKS), w->waiting);
+    DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, false, w->blocks, w->block_count, &w->waiting->projected);
+    while (w->waiting->projected.count) DAFT_KERNEL(daft_projected_take)(w->job, w->seen, &w->waiting->projected, w->waiting);
     w->leaf_count = w->block_count = 0;
+    DAFT_KERNEL(daft_hits_draw)(w->job, w->seen, &w->waiting->hits);
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 
@@ -544,6 +417,7 @@ static void draw_grouped(walk *w)
 void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
 {
     walk w;
+    if (seen->dense && DAFT_KERNEL(daft_crowd_draw)(job, seen, waiting)) return;
     walk_begin(&w, job, seen, waiting);
     if (seen->dense)
         draw_grouped(&w);

@@ -1,0 +1,52 @@
+/* Whether boxes of a tile's pixels lie behind what these see already, for the kernels. */
+#ifndef DAFT_HIDDEN_H
+#define DAFT_HIDDEN_H
+
+#include "raster/kernels.h"
+
+/* pixels: x0 | x1 << 8 | y0 << 16 | y1 << 24, of the tile; least: no w in the box is larger. By cells. */
+bool DAFT_KERNEL(daft_cells_hidden)(daft_tile_job *j, uint32_t pixels, float least);
+
+/* Where rows 1 to 7 begin, of a box whose last row is given: beyond it that row again. */
+#define ROW(last, r) (uint8_t)(DAFT_TILE_STRIDE * ((r) < (last) ? (r) : (last)))
+#define ROWS_TO(last) {ROW(last, 1), ROW(last, 2), ROW(last, 3), ROW(last, 4), ROW(last, 5), ROW(last, 6), ROW(last, 7)}
+static const uint8_t ROWS[8][7] = {ROWS_TO(0), ROWS_TO(1), ROWS_TO(2), ROWS_TO(3), ROWS_TO(4), ROWS_TO(5), ROWS_TO(6), ROWS_TO(7)};
+
+/* Whether all pixels of a visit see something nearer: by the pixels themselves where they are few. */
+DAFT_INLINE bool hidden(daft_tile_job *j, uint32_t pixels, float nearest)
+{
+    uint32_t x0 = pixels & 255, width = (pixels >> 8 & 255) - x0, y0 = pixels >> 16 & 255, height = (pixels >> 24) - y0;
+    if (width >= 8 || height >= 8) return DAFT_KERNEL(daft_cells_hidden)(j, pixels, nearest);
+    const float *w = &j->w_low[y0 * DAFT_TILE_STRIDE + x0];
+    const uint8_t *row = ROWS[height];
+    v8 least = v8_load(w);
+    for (int r = 0; r < 3; r++) least = v8_min(least, v8_load(w + row[r]));
+    if (height >= 4)
+        for (int r = 3; r < 7; r++) least = v8_min(least, v8_load(w + row[r]));
+    return !(v8_le_bits(least, v8_set(nearest)) & ((2u << width) - 1));
+}
+
+/* The lanes whose boxes are hidden; `pixels` is 0 in the others. Two corners of all boxes are looked at side by side, then the
+ * other two: they show most of those that are not hidden, and little boxes have no other pixels. */
+DAFT_INLINE vbits hidden_lanes(daft_tile_job *j, vi pixels, vf nearest, vbits lanes)
+{
+    vi byte = vi_set(255), x0 = pixels & byte, x1 = pixels >> 8 & byte;
+    vi y0 = (pixels >> 16 & byte) * DAFT_TILE_STRIDE, y1 = (pixels >> 24 & byte) * DAFT_TILE_STRIDE;
+    vf w = vf_min(vf_gather(j->w_low, y0 + x0), vf_gather(j->w_low, y1 + x1));
+    vbits gone = lanes & ~vm_bits(vf_le(w, nearest));
+    if (!(gone & vm_bits(vi_lt(vi_set(1), (x1 - x0) + (y1 - y0))))) return gone;
+    w = vf_min(vf_gather(j->w_low, y0 + x1), vf_gather(j->w_low, y1 + x0));
+    gone &= ~vm_bits(vf_le(w, nearest));
+    vbits large = gone & ~vm_bits(vm_and(vi_lt(x1 - x0, vi_set(2)), vi_lt(y1 - y0, vi_set(2 * DAFT_TILE_STRIDE))));
+    if (!large) return gone;
+    uint32_t box[DAFT_VL];
+    float least[DAFT_VL];
+    vi_store(box, pixels), vf_store(least, nearest);
+    for (; large; large &= large - 1) {
+        int i = __builtin_ctz(large);
+        gone &= ~((vbits)!hidden(j, box[i], least[i]) << i);
+    }
+    return gone;
+}
+
+#endif
