@@ -230,8 +230,9 @@ DAFT_INLINE void daft_nearest_take(daft_nearest *hit, const daft_block *b, uint3
 
 /* A ray in the space of a mesh. */
 typedef struct daft_mesh_ray {
-    daft_vec3 origin, direction;
+    daft_vec3 origin;
     float tmin;
+    daft_vec3 direction;
     daft_intersection how;
     daft_filter filter;
     daft_inner inner; /* of what stops it, where no more is asked */
@@ -239,7 +240,7 @@ typedef struct daft_mesh_ray {
 
 DAFT_INLINE daft_mesh_ray daft_mesh_ray_of(daft_vec3 o, daft_vec3 d, float tmin, float tmax, daft_intersection how)
 {
-    return (daft_mesh_ray){o, d, tmin, how, daft_filter_of(d, tmin), daft_inner_of(tmin, tmax)};
+    return (daft_mesh_ray){o, tmin, d, how, daft_filter_of(d, tmin), daft_inner_of(tmin, tmax)};
 }
 
 /* How many blocks the lanes take. */
@@ -253,9 +254,11 @@ DAFT_INLINE void daft_blocks_load(const daft_block *b, int count, vf3 c[3])
                                     {DAFT_BLOCK_FLOATS, 2 * DAFT_BLOCK_FLOATS, 2 * DAFT_BLOCK_FLOATS},
                                     {DAFT_BLOCK_FLOATS, 2 * DAFT_BLOCK_FLOATS, 3 * DAFT_BLOCK_FLOATS}};
     const size_t *at = AT[count - 1];
-    for (int k = 0; k < 3; k++)
-        c[k] = (vf3){vf_load_spread(b->corner[k][0], at, DAFT_FOURS), vf_load_spread(b->corner[k][1], at, DAFT_FOURS),
-                     vf_load_spread(b->corner[k][2], at, DAFT_FOURS)};
+    vf_load_spread_pair(b->corner[0][0], at, &c[0].x, &c[0].y);
+    vf_load_spread_pair(b->corner[0][2], at, &c[0].z, &c[1].x);
+    vf_load_spread_pair(b->corner[1][1], at, &c[1].y, &c[1].z);
+    vf_load_spread_pair(b->corner[2][0], at, &c[2].x, &c[2].y);
+    c[2].z = vf_load_spread(b->corner[2][2], at, DAFT_FOURS);
 }
 
 /* By the floats' word alone. */
@@ -275,21 +278,11 @@ static __attribute__((noinline, unused)) bool daft_blocks_touch_floats(const daf
     return any;
 }
 
-/* The blocks b[0..count), count at most DAFT_FOURS. True: some touch within tmin..hit->t, and *hit is the nearest; where
- * `any` is asked, it may be left as it was. past: daft_past(hit->t). */
-DAFT_INLINE bool daft_blocks_touch(const daft_block *b, int count, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
+/* Of the triangles `maybe` of the blocks from b on, those that touch within tmin..hit->t; *hit becomes the nearest. False: none. */
+static __attribute__((noinline, unused)) bool daft_blocks_take(const daft_block *b, uint32_t maybe, uint32_t plain, const daft_mesh_ray *r,
+                                                               daft_nearest *hit)
 {
-    if (r->how != DAFT_INTERSECT_EXACT) return daft_blocks_touch_floats(b, count, r, hit);
-    vf3 c[3];
-    daft_sides sides;
     bool found = false;
-    daft_blocks_load(b, count, c);
-    daft_facet facet = daft_facet_of(c);
-    vbits maybe = daft_filter_pass(&facet, vf3_set(r->origin), vf3_set(r->direction), vf_set(r->filter.scale),
-                                   vf_set(r->filter.floor), vf_set(past > 0 ? past : 0), &sides) & ((1u << count * DAFT_BLOCK) - 1);
-    if (!maybe) return false;
-    vbits plain = daft_filter_plain(&sides) & maybe;
-    if (any && plain & daft_filter_within(&sides, vf_set(r->inner.low), vf_set(r->inner.high))) return true;
     for (; maybe; maybe &= maybe - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(maybe), i = lane % DAFT_BLOCK;
         const daft_block *block = b + lane / DAFT_BLOCK;
@@ -302,6 +295,24 @@ DAFT_INLINE bool daft_blocks_touch(const daft_block *b, int count, const daft_me
         found = true;
     }
     return found;
+}
+
+/* The blocks b[0..count), count at most DAFT_FOURS. True: some touch within tmin..hit->t, and *hit is the nearest; where
+ * `any` is asked, it may be left as it was. past: daft_past(hit->t). Most are sure to miss; that is found without a frame on
+ * the stack. */
+DAFT_INLINE bool daft_blocks_touch(const daft_block *b, int count, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
+{
+    if (r->how != DAFT_INTERSECT_EXACT) return daft_blocks_touch_floats(b, count, r, hit);
+    vf3 c[3];
+    daft_sides sides;
+    daft_blocks_load(b, count, c);
+    daft_facet facet = daft_facet_of(c);
+    vbits maybe = daft_filter_pass(&facet, vf3_set(r->origin), vf3_set(r->direction), vf_set(r->filter.scale),
+                                   vf_set(r->filter.floor), vf_set(past > 0 ? past : 0), &sides) & ((1u << count * DAFT_BLOCK) - 1);
+    if (!maybe) return false;
+    vbits plain = daft_filter_plain(&sides) & maybe;
+    if (any && plain & daft_filter_within(&sides, vf_set(r->inner.low), vf_set(r->inner.high))) return true;
+    return daft_blocks_take(b, maybe, plain, r, hit);
 }
 
 /* Without branches: x - x is 0 for finite x and NaN for others. */

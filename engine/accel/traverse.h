@@ -8,9 +8,16 @@
 DAFT_KERNEL_DECLARE(daft_accel_kernels, daft_accel);
 
 #ifdef DAFT_ISA
-/* traverse_kernel.c: one ray, through one instance, or from a child's code downwards; and from the nearest hit to what
+/* few_kernel.c: one ray through all there is, as callers ask for it. */
+bool DAFT_KERNEL(daft_closest)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit);
+bool DAFT_KERNEL(daft_occluded)(const daft_tlas *tlas, const daft_ray *ray);
+
+/* traverse_kernel.c: the same of any scene and ray; through one instance, or from a child's code downwards; and from the nearest hit to what
  * callers get. Rays are in frame space. */
 struct daft_nearest;
+struct daft_mesh_ray;
+bool DAFT_KERNEL(daft_closest_at_large)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit);
+bool DAFT_KERNEL(daft_occluded_at_large)(const daft_tlas *tlas, const daft_ray *ray);
 void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, struct daft_nearest *hit);
 bool DAFT_KERNEL(daft_instance_occluded)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray);
 void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how,
@@ -21,6 +28,11 @@ void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, cons
 bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray);
 bool DAFT_KERNEL(daft_finish_hit)(const daft_tlas *tlas, const daft_ray *ray, const struct daft_nearest *nearest,
                                   daft_hit *hit);
+/* Against the blocks of a leaf; `child` is its code. See daft_blocks_touch. */
+bool DAFT_KERNEL(daft_leaf_closest)(const daft_block *blocks, uint32_t child, const struct daft_mesh_ray *r, float past,
+                                    struct daft_nearest *hit);
+bool DAFT_KERNEL(daft_leaf_stops)(const daft_block *blocks, uint32_t child, const struct daft_mesh_ray *r, float past,
+                                  struct daft_nearest *hit);
 
 uint32_t DAFT_KERNEL(daft_closest_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active,
                                           uint32_t ignore, daft_hit hits[DAFT_PACKET]);

@@ -1,141 +1,12 @@
-/* Single rays through the two levels. How they meet boxes and triangles is in ray_test.h; here it is in which order.
- *
- * Most nodes have one child that the ray meets, so that one is taken at once; of several the nearest is kept in a register
- * and the others are sorted into the stack, distance and number in one word. (Ordered traversal and the stack's distances
- * are those of Wald et al., "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014.) The stack ends in a child that
- * is none, so that no count is kept. The blocks of a leaf go through the filter together, as many as there are lanes for;
- * what the filter costs is most of a leaf, and a leaf costs about as much as two nodes. A mesh that is only shifted keeps
- * the ray's direction and what was found of it. */
+/* Single rays through the two levels: through whatever instances there are, and from an instance's tree upwards for what
+ * calls for single rays. A mesh that is only shifted keeps the ray's direction and what was found of it. */
 #include "accel/kdtree.h"
-#include "accel/ray_test.h"
-#include "accel/traverse.h"
-
-#define WIDEN (1 + 8 * DAFT_ULP)
-enum { ROW = sizeof(((daft_node *)0)->bounds[0]) };
-
-/* A direction as boxes see it: minus one over it, and the same widened; where in bounds, in bytes, the planes stand that it
- * enters and leaves by. */
-typedef struct slab_way {
-    v8 ix, iy, iz, wx, wy, wz;
-    const size_t *rows;
-    bool plain; /* no inverse overflows */
-} slab_way;
-
-/* An origin, in each lane. */
-typedef struct slab_origin {
-    v8 x, y, z;
-} slab_origin;
-
-/* Children to visit, each below the bits of its entry distance; the nearest on top. Under all of them a child that is none,
- * nearer than any. */
-typedef struct ray_stack {
-    uint64_t items[1 + DAFT_STACK + DAFT_WIDTH];
-} ray_stack;
-
-/* Children to visit in any order, above one that is none; places for eight at a time. */
-typedef struct code_stack {
-    uint32_t items[1 + DAFT_STACK + 2 * DAFT_WIDTH];
-} code_stack;
-
-static const uint64_t STACK_END = (uint64_t)0xff800000u << 32 | DAFT_CHILD_NONE;
-
-/* Minus one over a direction whose lane 3 is 0. */
-DAFT_INLINE v4 minus_inverse(v4 d) { return v4_set(-1) / (v4)((v4i)d | (v4i)(v4){0, 0, 0, 1}); }
-
-DAFT_INLINE slab_origin slab_origin_of(v4 o) { return (slab_origin){v8_set(o[0]), v8_set(o[1]), v8_set(o[2])}; }
-
-/* No branches: the directions' signs cannot be predicted. */
-DAFT_INLINE slab_way slab_way_of(v4 d, v4 inverse)
-{
-#define SIDES(x, y, z) {(x) * ROW, (y) * ROW, (z) * ROW, (3 - (x)) * ROW, (5 - (y)) * ROW, (7 - (z)) * ROW}
-    /* by the signs of x, y and z */
-    static const size_t ROWS[8][6] = {SIDES(0, 1, 2), SIDES(3, 1, 2), SIDES(0, 4, 2), SIDES(3, 4, 2),
-                                      SIDES(0, 1, 5), SIDES(3, 1, 5), SIDES(0, 4, 5), SIDES(3, 4, 5)};
-#undef SIDES
-    v4 i = inverse, w = i * v4_set(WIDEN);
-    return (slab_way){v8_set(i[0]), v8_set(i[1]), v8_set(i[2]), v8_set(w[0]), v8_set(w[1]), v8_set(w[2]),
-                      ROWS[v4_bits((v4i)d) & 7], v4_bits(w - w == v4_set(0)) == 15};
-}
-
-/* The origin as near and as far planes see it on the upper level, where boxes are grown on each side: an instance's own
- * ray, moved into its space and seen from outside again, is off by 5u of the magnitudes of the origin and of the
- * instance's place, |R|·|R^-1| being at most 1 by entry for a rotation and a scale; and by 8u of the way, which is no
- * longer than both. The instance's bounds are wide enough for its place; this is for the rest. */
-DAFT_INLINE void slab_upper_origins(v4 o, v4 d, slab_origin *near, slab_origin *far)
-{
-    float pad = (fabsf(o[0]) + fabsf(o[1]) + fabsf(o[2])) * 0x1p-20f;
-    v4 outwards = (v4)((v4i)v4_set(pad) | ((v4i)d & (v4i)v4_set(-0.0f)));
-    *near = slab_origin_of(o + outwards), *far = slab_origin_of(o - outwards);
-}
-
-DAFT_INLINE v8 planes(const char *node, size_t row) { return v8_load((const float *)(node + row)); }
-
-/* Bits of the children the ray meets in tmin..tmax; their entry distances in near. `plain`: the way is, and tmin not negative. */
-DAFT_INLINE uint32_t slab_test(const char *node, const slab_way *r, const slab_origin *from, const slab_origin *until, bool plain,
-                               v8 tmin, v8 tmax, v8 *near)
-{
-    v8 x0 = (from->x - planes(node, r->rows[0])) * r->ix, x1 = (until->x - planes(node, r->rows[3])) * r->wx;
-    v8 y0 = (from->y - planes(node, r->rows[1])) * r->iy, y1 = (until->y - planes(node, r->rows[4])) * r->wy;
-    v8 z0 = (from->z - planes(node, r->rows[2])) * r->iz, z1 = (until->z - planes(node, r->rows[5])) * r->wz;
-    if (plain) {
-        *near = v8_max(v8_max(x0, y0), v8_max(z0, tmin));
-        return v8_le_bits(*near, v8_min(v8_min(x1, y1), v8_min(z1, tmax)));
-    }
-    /* v8_max and v8_min give their second argument when the first is NaN */
-    *near = v8_max(x0, v8_max(y0, v8_max(z0, tmin)));
-    v8 far = v8_min(x1, v8_min(y1, v8_min(z1, tmax)));
-    far = v8_max(far, far * v8_set(1 - 24 * DAFT_ULP)); /* where it is negative, widening goes the other way */
-    return v8_le_bits(*near, far);
-}
-
-/* Of the children in bits, 1 or more: the nearest is the answer, the others are pushed, nearest last. */
-DAFT_INLINE uint32_t step(const daft_node *node, uint32_t bits, v8 near, uint64_t **top)
-{
-    uint32_t i = (uint32_t)__builtin_ctz(bits), first = node->child[i], at[DAFT_WIDTH] __attribute__((aligned(32)));
-    bits &= bits - 1;
-    if (!bits) return first;
-    v8_store((float *)at, near); /* in one piece: a copy would wait for its halves */
-    uint64_t nearest = (uint64_t)at[i] << 32 | first, *base = *top, *end = base;
-    do {
-        i = (uint32_t)__builtin_ctz(bits);
-        bits &= bits - 1;
-        uint64_t child = (uint64_t)at[i] << 32 | node->child[i], further = child < nearest ? nearest : child, *place = end++;
-        nearest = child < nearest ? child : nearest;
-        for (; place > base && place[-1] < further; place--) place[0] = place[-1];
-        *place = further;
-    } while (bits);
-    *top = end;
-    return (uint32_t)nearest;
-}
-
-/* Of the children in bits, 1 or more, in any order: one is the answer, the others are pushed. */
-DAFT_INLINE uint32_t spread(const daft_node *node, uint32_t bits, uint32_t **top)
-{
-    uint32_t first = node->child[__builtin_ctz(bits)];
-    bits &= bits - 1;
-    for (; bits; bits &= bits - 1) *(*top)++ = node->child[__builtin_ctz(bits)];
-    return first;
-}
-
-/* The next child that begins before `limit`. */
-DAFT_INLINE uint32_t pop(uint64_t **top, float limit)
-{
-    union {
-        uint32_t bits;
-        float t;
-    } near;
-    uint64_t item;
-    do item = *--*top, near.bits = (uint32_t)(item >> 32);
-    while (near.t > limit);
-    return (uint32_t)item;
-}
-
-DAFT_INLINE daft_vec3 v4_point(v4 a) { return (daft_vec3){a[0], a[1], a[2]}; }
+#include "accel/walk.h"
 
 /* A leaf; `child` is its code. Called, so that nodes keep their registers. */
-DAFT_INLINE bool leaf_touch(const daft_bvh *bvh, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
+DAFT_INLINE bool leaf_touch(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
 {
-    const daft_block *b = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+    const daft_block *b = &blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     int count = (int)(child & 3) + 1;
     bool found = false;
     if ((int)DAFT_FOURS == (int)DAFT_MAX_LEAF_BLOCKS) return daft_blocks_touch(b, count, r, past, hit, any);
@@ -144,15 +15,17 @@ DAFT_INLINE bool leaf_touch(const daft_bvh *bvh, uint32_t child, const daft_mesh
     return found;
 }
 
-static __attribute__((noinline)) bool leaf_closest(const daft_bvh *bvh, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
+bool DAFT_KERNEL(daft_leaf_closest)(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
 {
-    return leaf_touch(bvh, child, r, past, hit, false);
+    return leaf_touch(blocks, child, r, past, hit, false);
 }
 
-static __attribute__((noinline)) bool leaf_stops(const daft_bvh *bvh, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
+bool DAFT_KERNEL(daft_leaf_stops)(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
 {
-    return leaf_touch(bvh, child, r, past, hit, true);
+    return leaf_touch(blocks, child, r, past, hit, true);
 }
+
+DAFT_INLINE daft_vec3 v4_point(v4 a) { return (daft_vec3){a[0], a[1], a[2]}; }
 
 /* ---- the lower level: in object space ---- */
 
@@ -192,8 +65,6 @@ DAFT_INLINE bool turn(const daft_affine *map, const lined_ray *frame, lined_ray 
     return finite_lanes(own->origin, own->direction);
 }
 
-DAFT_INLINE const char *node_at(const daft_node *nodes, uint32_t code) { return (const char *)nodes + code * sizeof *nodes; }
-
 /* The ray as a turned tree's boxes see it. With u = 2^-24 the origin rounds four times and the direction three times, so on its
  * way to a point p of the mesh the ray is off by 7u of |origin - centre| and 3u of |p - centre|, both as sums over the axes;
  * boxes are seen larger by 16u of both. Where numbers are so large or small that they may over- or underflow, all are met. */
@@ -212,50 +83,6 @@ DAFT_INLINE void turned_slabs(const daft_turn *turn, v4 o, v4 d, slab_way *way, 
     v4 outwards = (v4)((v4i)v4_set(pad) | ((v4i)direction & (v4i)v4_set(-0.0f)));
     *way = slab_way_of(direction, minus_inverse(direction));
     *from = slab_origin_of(origin + outwards), *until = slab_origin_of(origin - outwards);
-}
-
-/* Below `child`. hit->t limits the search and hit->triangle breaks ties, so the order of traversal does not matter. */
-DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
-                           const slab_origin *until, bool plain, daft_nearest *hit)
-{
-    ray_stack stack;
-    uint64_t *top = stack.items;
-    *top++ = STACK_END;
-    const daft_node *nodes = bvh->nodes.items;
-    float limit = daft_past(hit->t);
-    v8 low = v8_set(daft_before(r->tmin)), high = v8_set(limit), near;
-    for (;;) {
-        while (!(child & DAFT_CHILD_LEAF)) {
-            const char *node = node_at(nodes, child);
-            uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
-            child = bits ? step((const daft_node *)node, bits, near, &top) : pop(&top, limit);
-        }
-        if (child == DAFT_CHILD_NONE) return;
-        if (leaf_closest(bvh, child, r, limit, hit)) limit = daft_past(hit->t), high = v8_set(limit);
-        child = pop(&top, limit);
-    }
-}
-
-/* Whether anything below `child` is hit before hit->t. */
-DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
-                             const slab_origin *until, bool plain, daft_nearest *hit)
-{
-    code_stack stack;
-    uint32_t *top = stack.items;
-    *top++ = DAFT_CHILD_NONE;
-    const daft_node *nodes = bvh->nodes.items;
-    float limit = daft_past(hit->t);
-    v8 low = v8_set(daft_before(r->tmin)), high = v8_set(limit), near;
-    for (;;) {
-        while (!(child & DAFT_CHILD_LEAF)) {
-            const char *node = node_at(nodes, child);
-            uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
-            child = bits ? spread((const daft_node *)node, bits, &top) : *--top;
-        }
-        if (child == DAFT_CHILD_NONE) return false;
-        if (leaf_stops(bvh, child, r, limit, hit)) return true;
-        child = *--top;
-    }
 }
 
 /* Where to begin: the box of a single leaf is the mesh's. */
@@ -288,7 +115,7 @@ static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, hit->t, how);
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
-    if (child & DAFT_CHILD_LEAF) leaf_closest(bvh, child, &r, daft_past(hit->t), hit);
+    if (child & DAFT_CHILD_LEAF) DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, &r, daft_past(hit->t), hit);
     else if (bvh->turned) turned_walk(bvh, child, o, d, &r, hit);
     else if (tmin >= 0 && way->plain) mesh_walk(bvh, child, way, &r, &at, &at, true, hit);
     else mesh_walk(bvh, child, way, &r, &at, &at, false, hit);
@@ -301,7 +128,7 @@ static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, tmax, how);
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
-    if (child & DAFT_CHILD_LEAF) return leaf_stops(bvh, child, &r, daft_past(tmax), &hit);
+    if (child & DAFT_CHILD_LEAF) return DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, &r, daft_past(tmax), &hit);
     if (bvh->turned) return turned_search(bvh, child, o, d, &r, &hit);
     if (tmin >= 0 && way->plain) return mesh_search(bvh, child, way, &r, &at, &at, true, &hit);
     return mesh_search(bvh, child, way, &r, &at, &at, false, &hit);
@@ -533,7 +360,7 @@ DAFT_INLINE bool few_occluded(const daft_tlas *tlas, const daft_ray *ray)
     return false;
 }
 
-static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit)
+bool DAFT_KERNEL(daft_closest_at_large)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit)
 {
     daft_nearest nearest = {.t = ray->tmax, .instance = UINT32_MAX};
     if (tlas->nodes.count && daft_ray_usable(ray)) {
@@ -576,7 +403,7 @@ bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, con
     return upper_occluded(tlas, child, ray);
 }
 
-static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
+bool DAFT_KERNEL(daft_occluded_at_large)(const daft_tlas *tlas, const daft_ray *ray)
 {
     if (tlas->nodes.count == 0 || !daft_ray_usable(ray)) return false;
     return tlas->nodes.count == 1 ? few_occluded(tlas, ray) : upper_occluded(tlas, 0, ray);
@@ -593,8 +420,8 @@ static uint32_t boxes(const daft_node *node, const daft_ray *ray)
     return real & slab_test((const char *)node, &line.way, &o, &o, false, v8_set(ray->tmin), v8_set(ray->tmax), &near);
 }
 
-const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest,
-                                                    occluded,
+const daft_accel_kernels DAFT_KERNEL(daft_accel) = {DAFT_KERNEL(daft_closest),
+                                                    DAFT_KERNEL(daft_occluded),
                                                     DAFT_KERNEL(daft_closest_packet),
                                                     DAFT_KERNEL(daft_occluded_packet),
                                                     DAFT_KERNEL(daft_closest_stream),

@@ -576,6 +576,22 @@ DAFT_INLINE vf vf_load_spread(const float *p, const size_t at[3], int count)
 #endif
 }
 
+/* The same of eight floats from each place: the first fours in one register, the second in the other. */
+DAFT_INLINE void vf_load_spread_pair(const float *p, const size_t at[3], vf *first, vf *second)
+{
+#if defined(DAFT_ISA_avx512)
+    __m512 low = _mm512_castps256_ps512(_mm256_loadu_ps(p)), high = _mm512_castps256_ps512(_mm256_loadu_ps(p + at[1]));
+    low = _mm512_insertf32x8(low, _mm256_loadu_ps(p + at[0]), 1), high = _mm512_insertf32x8(high, _mm256_loadu_ps(p + at[2]), 1);
+    *first = (vf)_mm512_shuffle_f32x4(low, high, 0x88), *second = (vf)_mm512_shuffle_f32x4(low, high, 0xdd);
+#elif defined(DAFT_ISA_avx2)
+    __m256 low = _mm256_loadu_ps(p), high = _mm256_loadu_ps(p + at[0]);
+    *first = (vf)_mm256_permute2f128_ps(low, high, 0x20), *second = (vf)_mm256_permute2f128_ps(low, high, 0x31);
+#else
+    (void)at;
+    *first = vf_load(p), *second = vf_load(p + 4);
+#endif
+}
+
 /* ---- 8 lanes ---- */
 
 typedef float v8 __attribute__((vector_size(32)));
