@@ -28,6 +28,9 @@ bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def
  * looks away. Takes about six times as long as the build; kept until vertices move. True: there are some. Without memory
  * there are none. */
 bool daft_bvh_find_sides(daft_bvh *bvh, const daft_trimesh *mesh, int threads);
+/* Finds balls inside the mesh (inner.h), so that rays through them need not look at triangles. Takes a fraction of the build's
+ * time; kept until vertices move. True: there are some. Without memory there are none. */
+bool daft_bvh_find_inner(daft_bvh *bvh, const daft_trimesh *mesh);
 void daft_bvh_free(daft_bvh *bvh);
 size_t daft_bvh_bytes(const daft_bvh *bvh);
 

@@ -286,6 +286,9 @@ DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
 
 /* Puts the points that the thing hides from the lamp to depth -inf; only those of the blocks behind its bounds, `box`. */
 void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const picture_box *box, const block_set *behind);
+/* The same of those whose way to the lamp goes through balls inside the mesh, where it has such (accel/inner.h): takes a
+ * fraction of that. */
+void DAFT_KERNEL(daft_inner_shadow)(const caster *c, const block_set *behind);
 /* Makes the box as small as a sphere's is. */
 void DAFT_KERNEL(daft_ball_box)(const light *l, const daft_instance *s, picture_box *box);
 void DAFT_KERNEL(daft_ball_shadow)(const caster *c, const block_set *behind);

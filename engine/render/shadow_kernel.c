@@ -385,12 +385,19 @@ static void cast_one(const caster *one, const picture_box *box, const block_set 
         DAFT_KERNEL(daft_ball_shadow)(one, behind);
 }
 
+static bool has_inner(const caster *one) { return one->instance->mesh && one->instance->bvh->inner; }
+
 static void cast_remembered(const cast *c, shadow_points *points)
 {
     const block_set all = all_blocks(points);
+    block_set behind;
     for (uint32_t i = 0; i < c->caster_count && points->live; i++) {
         const caster one = caster_of(c, c->caster[i].number, points);
-        block_set behind;
+        if (has_inner(&one) && blocks_narrow(&c->caster[i].box, points, &all, &behind))
+            DAFT_KERNEL(daft_inner_shadow)(&one, &behind);
+    }
+    for (uint32_t i = 0; i < c->caster_count && points->live; i++) {
+        const caster one = caster_of(c, c->caster[i].number, points);
         if (blocks_narrow(&c->caster[i].box, points, &all, &behind)) cast_one(&one, &c->caster[i].box, &behind);
     }
 }
@@ -439,11 +446,42 @@ typedef struct entry {
     block_set behind;
 } entry;
 
+/* Meshes whose balls inside were asked: their triangles wait until those of all are. */
+enum { WAITING = 64 };
+typedef struct waiting {
+    uint32_t count, number[WAITING];
+    picture_box box[WAITING];
+    block_set behind[WAITING];
+} waiting;
+
+static void cast_waiting(const cast *c, waiting *list, shadow_points *points)
+{
+    for (uint32_t i = 0; i < list->count && points->live; i++) {
+        const caster one = caster_of(c, list->number[i], points);
+        block_set behind;
+        if (blocks_narrow(&list->box[i], points, &list->behind[i], &behind)) cast_one(&one, &list->box[i], &behind);
+    }
+    list->count = 0;
+}
+
+static void cast_or_wait(const cast *c, const caster *one, const picture_box *box, const block_set *behind, waiting *list)
+{
+    if (!has_inner(one)) {
+        cast_one(one, box, behind);
+        return;
+    }
+    DAFT_KERNEL(daft_inner_shadow)(one, behind);
+    list->number[list->count] = one->number, list->box[list->count] = *box, list->behind[list->count++] = *behind;
+    if (list->count == WAITING) cast_waiting(c, list, one->points);
+}
+
 /* Among many things: walks their tree with all the blocks, and marks the points under each as it comes to it. */
 static void cast_all(cast *c, shadow_points *points)
 {
     entry stack[DAFT_STACK];
+    waiting list;
     int top = 0;
+    list.count = 0;
     stack[top++] = (entry){0, all_blocks(points)};
     while (top > 0 && points->live) {
         node_boxes boxes;
@@ -465,9 +503,10 @@ static void cast_all(cast *c, shadow_points *points)
             const caster one = caster_of(c, number, points);
             picture_box box = node_child(&boxes, i);
             if (!one.instance->mesh) DAFT_KERNEL(daft_ball_box)(&c->light, one.instance, &box);
-            if (mark_behind(c, &one, &box, &next[i])) cast_one(&one, &box, &next[i]);
+            if (mark_behind(c, &one, &box, &next[i])) cast_or_wait(c, &one, &box, &next[i], &list);
         }
     }
+    cast_waiting(c, &list, points);
 }
 
 static void take_dark(const shadow_points *p, uint32_t *bits)

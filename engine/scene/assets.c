@@ -216,7 +216,7 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
         daft_kdtree_free(item->kdtree);
         item->kdtree = daft_kdtree_build(scene->allocator, &item->mesh, scene->engine->threads, NULL);
     }
-    item->sides_settled = true;
+    item->sides_settled = item->inner_settled = true;
     scene->counters.mesh_refits++;
     scene->revision++;
     return true;
@@ -257,6 +257,24 @@ void daft_assets_find_sides(daft_scene *scene)
     for (uint32_t i = 0; i < assets->mesh_count; i++) find_sides(scene, assets->meshes[i]);
     for (uint32_t i = 0; i < assets->box_slots.count; i++)
         if (assets->box_slots.items[i].live) find_sides(scene, &assets->boxes[i]->shape);
+}
+
+/* The search takes as long as some four pictures gain by it where one thing fills them. What has few triangles is as fast without. */
+enum { LIT_OFTEN = 16, SOME_TRIANGLES = 256 };
+
+static void find_inner(daft_scene *scene, daft_mesh_item *item)
+{
+    if (item->inner_settled || item->shown_pass != scene->pass || item->mesh.triangle_count < SOME_TRIANGLES) return;
+    item->lit += daft_min_u(item->shown, LIT_OFTEN);
+    if (item->lit < LIT_OFTEN) return;
+    item->inner_settled = true;
+    daft_bvh_find_inner(item->bvh, &item->mesh);
+    scene->counters.mesh_insides++;
+}
+
+void daft_assets_find_inner(daft_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->assets.mesh_count; i++) find_inner(scene, scene->assets.meshes[i]);
 }
 
 bool daft_assets_smooth(daft_scene *scene, daft_error *error)

@@ -43,6 +43,8 @@ typedef struct daft_mesh_item {
     uint64_t shown_pass; /* shown counts this pass's instances */
     uint32_t shown;
     bool sides_settled; /* they were searched, or its vertices move and they are not worth it */
+    bool inner_settled; /* the same of balls inside */
+    uint32_t lit; /* instances shown under lamps that cast shadows, until then */
 } daft_mesh_item;
 
 /* A box's mesh, shared by the entities of the same size, gone with the last of them. */
@@ -283,6 +285,9 @@ void daft_camera_axes(const daft_camera *camera, daft_vec3 *right, daft_vec3 *up
 /* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena. */
 /* Finds the sides (accel/sides.h) of meshes that many things of the last snapshot show. */
 void daft_assets_find_sides(daft_scene *scene);
+/* Finds the balls inside (accel/inner.h) of meshes that the last snapshot and those before have shown often enough under lamps
+ * that cast shadows. */
+void daft_assets_find_inner(daft_scene *scene);
 /* The smooth normals of meshes that the last snapshot shows for the first time: what only collides has none. */
 bool daft_assets_smooth(daft_scene *scene, daft_error *error);
 bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,

@@ -376,6 +376,7 @@ static bool make_meshes(bench *self, const char *model, stage *s)
     for (int i = 0; i < MESHES; i++) {
         s->bvh[i] = bench_tree(self, &s->mesh[i]);
         if (!s->bvh[i]) return false;
+        daft_bvh_find_inner(s->bvh[i], &s->mesh[i]); /* as a scene does with what it shows again and again */
     }
     return true;
 }
