@@ -279,6 +279,7 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
     uint64_t *top = stack.items;
     *top++ = STACK_END;
     lined_ray frame = lined(ray);
+    const tree_place tree = {tlas->nodes.items, tlas->instances, sizeof *tlas->instances, 0};
     slab_origin from, until;
     slab_upper_origins(frame.origin, frame.direction, &from, &until);
     bool plain = ray->tmin >= 0 && frame.way.plain;
@@ -292,7 +293,7 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, v8_set(daft_past(hit->t)), &near);
             if (bits) {
-                child = step(node, bits, near, &top);
+                child = step(&tree, node, bits, near, &top);
                 continue;
             }
         }
@@ -378,6 +379,7 @@ DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daf
     uint64_t *top = stack.items;
     *top++ = STACK_END;
     lined_ray frame = lined(ray);
+    const tree_place tree = {tlas->nodes.items, tlas->instances, sizeof *tlas->instances, 0};
     slab_origin from, until;
     slab_upper_origins(frame.origin, frame.direction, &from, &until);
     bool plain = ray->tmin >= 0 && frame.way.plain;
@@ -390,7 +392,7 @@ DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daf
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
             if (bits) {
-                child = step(node, bits, near, &top);
+                child = step(&tree, node, bits, near, &top);
                 continue;
             }
         }

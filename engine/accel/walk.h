@@ -91,8 +91,24 @@ DAFT_INLINE uint32_t slab_test(const char *node, const slab_way *r, const slab_o
     return v8_le_bits(*near, far);
 }
 
+/* Where the children of a tree's nodes stand: leaf number i, shifted so far, begins so many bytes from `leaves`. */
+typedef struct tree_place {
+    const daft_node *nodes;
+    const void *leaves;
+    size_t leaf_size;
+    int leaf_shift;
+} tree_place;
+
+/* What is put aside may have to come from far: it is on its way before it is needed. */
+DAFT_INLINE void fetch(const tree_place *tree, uint32_t child)
+{
+    const char *leaf = (const char *)tree->leaves + (size_t)((child & ~DAFT_CHILD_LEAF) >> tree->leaf_shift) * tree->leaf_size;
+    const char *at = child & DAFT_CHILD_LEAF ? leaf : (const char *)tree->nodes + child * sizeof *tree->nodes;
+    for (size_t i = 0; i < sizeof *tree->nodes; i += 64) __builtin_prefetch(at + i);
+}
+
 /* Of the children in bits, 1 or more: the nearest is the answer, the others are pushed, nearest last. */
-DAFT_INLINE uint32_t step(const daft_node *node, uint32_t bits, v8 near, uint64_t **top)
+DAFT_INLINE uint32_t step(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, uint64_t **top)
 {
     uint32_t i = (uint32_t)__builtin_ctz(bits), first = node->child[i], at[DAFT_WIDTH] __attribute__((aligned(32)));
     bits &= bits - 1;
@@ -106,6 +122,7 @@ DAFT_INLINE uint32_t step(const daft_node *node, uint32_t bits, v8 near, uint64_
         nearest = child < nearest ? child : nearest;
         for (; place > base && place[-1] < further; place--) place[0] = place[-1];
         *place = further;
+        fetch(tree, (uint32_t)further);
     } while (bits);
     *top = end;
     return (uint32_t)nearest;
@@ -147,13 +164,14 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
     uint64_t *top = stack.items;
     *top++ = STACK_END;
     const daft_node *nodes = bvh->nodes.items;
+    const tree_place tree = {nodes, bvh->blocks, sizeof *bvh->blocks, 2};
     float limit = limit_of(hit->t, plain);
     v8 low = v8_set(begin_of(r->tmin, plain)), high = v8_set(limit), near;
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
             uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
-            child = bits ? step((const daft_node *)node, bits, near, &top) : pop(&top, limit);
+            child = bits ? step(&tree, (const daft_node *)node, bits, near, &top) : pop(&top, limit);
         }
         if (child == DAFT_CHILD_NONE) return;
         if (DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, r, limit, hit)) limit = limit_of(hit->t, plain), high = v8_set(limit);
