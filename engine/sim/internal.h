@@ -236,21 +236,31 @@ typedef struct daft_sim_touch {
     daft_sim_patch *more; /* DAFT_SIM_MAX_PATCHES of them where a part is not convex */
 } daft_sim_touch;
 
+/* In eights of floats, which lanes take and give back at once. */
 typedef struct daft_sim_joint {
-    daft_joint_kind kind; /* 0: a free slot */
+    _Alignas(32) daft_joint_kind kind; /* 0: a free slot */
     uint32_t body[2];     /* DAFT_SIM_NONE: the world */
-    uint32_t next[2], previous[2];
-    daft_quat frame[2];    /* x: the axis; in the body */
-    daft_vec3 anchor[2];   /* in the body, from its centre of mass; the world: unused */
-    daft_dvec3 fixed;      /* the anchor in the world, or the drag's target */
     bool limit, motor, spring, collide;
-    float lower, upper, motor_speed, motor_force, hertz, damping, length, break_force, break_torque;
-    uint32_t user;
-    /* of the last substep: linear, angular, and along the axis: motor, low, high */
-    daft_vec3 linear_impulse, angular_impulse;
-    float motor_impulse, lower_impulse, upper_impulse, spring_impulse;
+    float break_force, break_torque;
     float force, torque; /* of the last step */
+
+    daft_dvec3 fixed;      /* the anchor in the world, or the drag's target */
+    uint32_t next[2];
+
+    daft_quat frame[2];    /* x: the axis; in the body */
+
+    daft_vec3 anchor[2];   /* in the body, from its centre of mass; the world: unused */
+    float lower, upper;
+
+    /* of the last substep: linear, angular, and along the axis: low, high, motor, spring */
+    daft_vec3 linear_impulse, angular_impulse;
+    float lower_impulse, upper_impulse;
+
     daft_vec3 spin[2];   /* angular velocities as the last substep began */
+    float motor_impulse, spring_impulse;
+
+    float motor_speed, motor_force, hertz, damping, length;
+    uint32_t user, previous[2];
 } daft_sim_joint;
 
 /* Touches in the order of keys: part a, then part b. */

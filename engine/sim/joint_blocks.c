@@ -1,6 +1,7 @@
 /* Joints into blocks of lanes and back, see joints.h. */
 #include "sim/joints.h"
 
+#include <stddef.h>
 #include <string.h>
 
 enum { PARTS = 64 }; /* kinds of blocks: of joint, and which of limit, motor and spring it has */
@@ -57,16 +58,6 @@ bool daft_sim_joints_place(daft_world *world, const uint32_t most[2])
 
 /* ---- filling ---- */
 
-static void put3(daft_sim_lanes *to, int lane, daft_vec3 v)
-{
-    to[0][lane] = v.x, to[1][lane] = v.y, to[2][lane] = v.z;
-}
-static void put4(daft_sim_lanes *to, int lane, daft_quat q)
-{
-    to[0][lane] = q.x, to[1][lane] = q.y, to[2][lane] = q.z, to[3][lane] = q.w;
-}
-static daft_vec3 get3(daft_sim_lanes *from, int lane) { return daft_v3(from[0][lane], from[1][lane], from[2][lane]); }
-
 /* How much longer the substep is than the one that the joint's impulses are of. */
 static float longer_than_before(const daft_world *world, const daft_sim_joint_slot *slot)
 {
@@ -76,41 +67,44 @@ static float longer_than_before(const daft_world *world, const daft_sim_joint_sl
     return before > 0 && before != world->solver->h ? world->solver->h / before : 1;
 }
 
-/* A side as it is in its body. Gives where the anchor is counted from: the centre, or in the world the anchor itself. */
-static daft_dvec3 fill_side(const daft_world *world, daft_sim_joint_block *block, const daft_sim_joint_slot *slot, int i,
-                            int lane)
+static void put3(daft_sim_lanes *to, int lane, daft_vec3 v)
 {
-    const daft_sim_joint *j = &world->joints[slot->joint];
-    daft_sim_joint_side *side = &block->side[i];
-    const daft_sim_body *body = j->body[i] == DAFT_SIM_NONE ? NULL : &world->bodies[j->body[i]];
-    side->row[lane] = (int32_t)slot->row[i];
-    if (slot->row[i] > world->solver->mover_count) side->writes |= 1u << lane;
-    put3(side->arm0, lane, body ? j->anchor[i] : daft_v3(0, 0, 0));
-    put4(side->frame0, lane, j->frame[i]);
-    put4(side->rotation, lane, body ? body->rotation : daft_quat_identity());
-    put3(side->spin, lane, j->spin[i]);
-    return body ? body->centre : j->fixed;
+    to[0][lane] = v.x, to[1][lane] = v.y, to[2][lane] = v.z;
 }
 
-static void fill_lane(const daft_world *world, daft_sim_joint_block *block, const daft_sim_joint_slot *slot, int lane)
+/* Gives where the side's anchor is counted from: the centre, or in the world the anchor itself. */
+static daft_dvec3 find_side(const daft_world *world, const daft_sim_joint_slot *slot, int i, int lane,
+                            daft_sim_joint_source *out)
 {
     const daft_sim_joint *j = &world->joints[slot->joint];
-    float longer = longer_than_before(world, slot);
-    daft_dvec3 from[2];
-    for (int i = 0; i < 2; i++) from[i] = fill_side(world, block, slot, i, lane);
-    put3(block->offset0, lane, daft_to_float(daft_dsub(from[1], from[0])));
-    block->lower[lane] = j->lower, block->upper[lane] = j->upper;
-    block->motor_speed[lane] = j->motor_speed, block->motor_force[lane] = j->motor_force;
-    block->hertz[lane] = j->hertz, block->damping[lane] = j->damping;
-    block->length[lane] = j->length;
-    put3(block->linear, lane, daft_scale(j->linear_impulse, longer));
-    put3(block->angular, lane, daft_scale(j->angular_impulse, longer));
-    block->motor_impulse[lane] = j->motor_impulse * longer;
-    block->lower_impulse[lane] = j->lower_impulse * longer;
-    block->upper_impulse[lane] = j->upper_impulse * longer;
-    block->spring_impulse[lane] = j->spring_impulse * longer;
-    put3(block->linear_sum, lane, daft_v3(0, 0, 0));
-    put3(block->angular_sum, lane, daft_v3(0, 0, 0));
+    bool none = j->body[i] == DAFT_SIM_NONE;
+    out->world[i] |= (uint32_t)none << lane;
+    out->body[i][lane] = none ? 0 : j->body[i];
+    return none ? j->fixed : world->bodies[j->body[i]].centre;
+}
+
+static void fill_rows(const daft_world *world, daft_sim_joint_block *block, const daft_sim_joint_slot *slots,
+                      daft_sim_joint_source *out)
+{
+    block->side[0].writes = block->side[1].writes = 0;
+    for (int lane = 0; lane < block->lanes; lane++) {
+        const daft_sim_joint_slot *slot = &slots[lane];
+        out->joint[lane] = slot->joint;
+        out->longer[lane] = world->solver->steady ? 1 : longer_than_before(world, slot);
+        daft_dvec3 from[2];
+        for (int i = 0; i < 2; i++) {
+            from[i] = find_side(world, slot, i, lane, out);
+            block->side[i].row[lane] = (int32_t)slot->row[i];
+            block->side[i].writes |= (uint32_t)(slot->row[i] > world->solver->mover_count) << lane;
+        }
+        put3(block->offset0, lane, daft_to_float(daft_dsub(from[1], from[0])));
+    }
+    for (int lane = block->lanes; lane < DAFT_SIM_LANES; lane++) {
+        out->joint[lane] = out->body[0][lane] = out->body[1][lane] = 0;
+        out->longer[lane] = 1;
+        block->side[0].row[lane] = block->side[1].row[lane] = 0;
+        put3(block->offset0, lane, daft_v3(0, 0, 0));
+    }
 }
 
 /* The joints of a block stand anywhere, and their bodies; those of the next one are on their way meanwhile. */
@@ -125,47 +119,39 @@ DAFT_SIM_FETCH fetch_block(const daft_world *world, uint32_t index)
         for (int i = 0; i < 2; i++) {
             if (slots[lane].row[i] == 0) continue;
             const char *body = (const char *)&world->bodies[s->row_bodies[slots[lane].row[i]]];
-            __builtin_prefetch(body);
-            __builtin_prefetch(body + 64);
+            __builtin_prefetch(body + offsetof(daft_sim_body, centre));
         }
     }
+}
+
+static int lanes_of(const daft_sim_joint_slot *slots)
+{
+    int lanes = 0;
+    while (lanes < DAFT_SIM_LANES && slots[lanes].joint != DAFT_SIM_NONE) lanes++;
+    return lanes;
 }
 
 void daft_sim_joint_block_fill(daft_world *world, uint32_t index)
 {
     fetch_block(world, index + 1);
-    daft_sim_joint_block *block = &world->solver->joint_blocks[index];
-    const daft_sim_joint_slot *slots = &world->solver->joint_slots[(size_t)index * DAFT_SIM_LANES];
-    int lanes = 0;
-    while (lanes < DAFT_SIM_LANES && slots[lanes].joint != DAFT_SIM_NONE) lanes++;
-    if (lanes < DAFT_SIM_LANES) memset(block, 0, sizeof *block);
+    daft_sim_solver *s = world->solver;
+    daft_sim_joint_block *block = &s->joint_blocks[index];
+    const daft_sim_joint_slot *slots = &s->joint_slots[(size_t)index * DAFT_SIM_LANES];
     const daft_sim_joint *first = &world->joints[slots[0].joint];
     block->kind = first->kind;
     block->limit = first->limit, block->motor = first->motor, block->spring = first->spring;
-    block->lanes = lanes;
-    block->side[0].writes = block->side[1].writes = 0;
-    for (int lane = 0; lane < lanes; lane++) fill_lane(world, block, &slots[lane], lane);
+    block->lanes = lanes_of(slots);
+    daft_sim_joint_source from = {.joints = world->joints, .bodies = world->bodies};
+    fill_rows(world, block, slots, &from);
+    s->joint_kernels->fill(&from, block);
 }
-
-/* ---- and back ---- */
-
-static daft_vec3 finite3(daft_vec3 v) { return daft_finite3(v) ? v : daft_v3(0, 0, 0); }
-static float finite1(float x) { return isfinite(x) ? x : 0; }
 
 void daft_sim_joint_block_store(daft_world *world, uint32_t index, float dt)
 {
-    daft_sim_joint_block *block = &world->solver->joint_blocks[index];
-    const daft_sim_joint_slot *slots = &world->solver->joint_slots[(size_t)index * DAFT_SIM_LANES];
-    for (int lane = 0; lane < block->lanes; lane++) {
-        daft_sim_joint *j = &world->joints[slots[lane].joint];
-        j->linear_impulse = finite3(get3(block->linear, lane));
-        j->angular_impulse = finite3(get3(block->angular, lane));
-        j->motor_impulse = finite1(block->motor_impulse[lane]);
-        j->lower_impulse = finite1(block->lower_impulse[lane]);
-        j->upper_impulse = finite1(block->upper_impulse[lane]);
-        j->spring_impulse = finite1(block->spring_impulse[lane]);
-        for (int i = 0; i < 2; i++) j->spin[i] = finite3(get3(block->side[i].spin, lane));
-        j->force = finite1(daft_length(get3(block->linear_sum, lane)) / dt);
-        j->torque = finite1(daft_length(get3(block->angular_sum, lane)) / dt);
-    }
+    daft_sim_solver *s = world->solver;
+    const daft_sim_joint_block *block = &s->joint_blocks[index];
+    const daft_sim_joint_slot *slots = &s->joint_slots[(size_t)index * DAFT_SIM_LANES];
+    daft_sim_joint_source to = {.joints = world->joints};
+    for (int lane = 0; lane < block->lanes; lane++) to.joint[lane] = slots[lane].joint;
+    s->joint_kernels->store(&to, block, dt);
 }

@@ -6,6 +6,7 @@
  * then takes the velocity back onto what the joint allows where the bodies now are. Together they are close to the
  * RATTLE scheme (Andersen 1983), which is symplectic: a pendulum keeps its energy. */
 #include "sim/joint_place.h"
+#include "sim/joint_records.h"
 
 /* Rigid joints are springs as stiff as the substeps allow. */
 #define JOINT_HERTZ_SHARE 0.35f /* of the substeps' rate */
@@ -416,6 +417,14 @@ DAFT_INLINE bool close_lanes(const daft_sim_rows *rows, joint_block *block, int 
 
 /* ---- blocks ---- */
 
+static void fill(const daft_sim_joint_source *from, joint_block *block)
+{
+    for (int lane = 0; lane < block->lanes; lane += DAFT_VL) fill_lanes(from, block, lane);
+}
+static void store(const daft_sim_joint_source *to, const joint_block *block, float dt)
+{
+    for (int lane = 0; lane < block->lanes; lane += DAFT_VL) store_lanes(to, block, dt, lane);
+}
 static void prepare(const daft_sim_rows *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep)
 {
     for (uint32_t i = 0; i < count; i++)
@@ -450,4 +459,4 @@ static void relax(const daft_sim_rows *rows, joint_block *blocks, uint32_t count
             relax_lanes(rows, &blocks[i], substep, place, turned_far, lane);
 }
 
-const daft_sim_joint_kernels DAFT_KERNEL(daft_sim_joint) = {prepare, warm_start, solve, close, relax};
+const daft_sim_joint_kernels DAFT_KERNEL(daft_sim_joint) = {fill, store, prepare, warm_start, solve, close, relax};

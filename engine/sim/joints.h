@@ -42,9 +42,24 @@ struct daft_sim_joint_block {
     daft_sim_lanes linear[3], angular[3];
     daft_sim_lanes motor_impulse, lower_impulse, upper_impulse, spring_impulse;
     daft_sim_lanes linear_sum[3], angular_sum[3]; /* over the step */
+    /* Numbers that a block has no part for are left as they were. */
 };
 
+/* Where a block's lanes come from. */
+typedef struct daft_sim_joint_source {
+    daft_sim_joint *joints;
+    const daft_sim_body *bodies;
+    uint32_t joint[DAFT_SIM_LANES];   /* of lanes that are not in use: any */
+    uint32_t body[2][DAFT_SIM_LANES]; /* any where the side is the world, and where the lane is not in use */
+    uint32_t world[2];                /* bits: sides that are the world */
+    daft_sim_lanes longer;            /* times the substep that the impulses are of, is this one */
+} daft_sim_joint_source;
+
 struct daft_sim_joint_kernels {
+    /* Joints to lanes: all but offsets and rows. */
+    void (*fill)(const daft_sim_joint_source *from, daft_sim_joint_block *block);
+    /* What they keep of it, after a step of dt. */
+    void (*store)(const daft_sim_joint_source *to, const daft_sim_joint_block *block, float dt);
     void (*prepare)(const daft_sim_rows *rows, daft_sim_joint_block *blocks, uint32_t count,
                     const daft_sim_substep *substep);
     void (*warm_start)(const daft_sim_rows *rows, daft_sim_joint_block *blocks, uint32_t count,

@@ -274,7 +274,7 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     mass[7] = 1 / (1 + h * body->angular_damping);
 }
 
-enum { FILL_GRAIN = 64, PARALLEL_ROWS = 256, MARK_SPINS = 1, MARK_HELD = 2 };
+enum { FILL_GRAIN = 64, PARALLEL_ROWS = 256, MARK_SPINS = 1, MARK_HELD = 2, MARK_OTHER = 4 };
 
 typedef struct fill_job {
     daft_world *world;
@@ -289,8 +289,10 @@ static void fill_range(void *p, uint32_t index, uint32_t worker)
     uint32_t first = s->row_first + index * FILL_GRAIN, end = daft_min_u(first + FILL_GRAIN, s->row_end);
     for (uint32_t row = first; row < end; row++) {
         fill_row(j->world, row, j->dt);
-        bool held = j->world->bodies[s->row_bodies[row]].locks & DAFT_LOCK_POSITION;
-        s->marks[row] = (uint8_t)((daft_sim_spins(j->world, row) ? MARK_SPINS : 0) | (held ? MARK_HELD : 0));
+        const daft_sim_body *body = &j->world->bodies[s->row_bodies[row]];
+        bool held = body->locks & DAFT_LOCK_POSITION, other = body->h > 0 && body->h != s->h;
+        s->marks[row] = (uint8_t)((daft_sim_spins(j->world, row) ? MARK_SPINS : 0) | (held ? MARK_HELD : 0) |
+                                  (other ? MARK_OTHER : 0));
     }
 }
 
@@ -304,12 +306,13 @@ static void fill_rows(daft_world *world, float dt)
     daft_sim_solver *s = world->solver;
     uint32_t count = s->row_end - s->row_first;
     s->spin_count = 0;
-    s->holds = false;
+    s->holds = false, s->steady = true;
     for (uint32_t row = 1; row <= s->mover_count; row++) fill_row(world, row, dt);
     daft_sim_for(world, count >= PARALLEL_ROWS, (count + FILL_GRAIN - 1) / FILL_GRAIN, fill_range, &(fill_job){world, dt});
     for (uint32_t row = s->row_first; row < s->row_end; row++) {
         if (s->marks[row] & MARK_SPINS) daft_sim_spin_add(world, row);
         s->holds |= (s->marks[row] & MARK_HELD) != 0;
+        s->steady &= !(s->marks[row] & MARK_OTHER);
     }
 }
 

@@ -228,6 +228,7 @@ struct daft_sim_solver {
     size_t spin_capacity;
     uint32_t spin_count; /* blocks */
     bool holds; /* some row's body must not move along some axis */
+    bool steady; /* no body's last substep was of another length than those now */
 
     daft_sim_target *targets; /* of rows */
     size_t target_capacity;
