@@ -12,7 +12,8 @@ enum {
     MASKED = 32, /* colours of each class that a body's mask tells; its further constraints climb level by level */
     CLASSES = 2, /* 0: both bodies yield; 1: one of them */
     SIZES = DAFT_MANIFOLD_POINTS,
-    KINDS = 2 * CLASSES * SIZES /* of each class those that are not firm and those that are, by their points */
+    GROUPS = CLASSES + 1, /* of the second class first those with a mover, then those with what is still */
+    KINDS = 2 * GROUPS * SIZES /* of each group those that are not firm and those that are, by their points */
 };
 
 #define UNUSED_SEPARATION 1e20f
@@ -89,7 +90,8 @@ static uint32_t take_colour(daft_sim_solver *s, uint32_t row_a, uint32_t row_b, 
 /* Where those of a kind are counted; those of most points come first. */
 static size_t kind_of(const daft_sim_constraint *c)
 {
-    return (size_t)(c->colour >> 1) * KINDS + (2 * (c->colour & 1) + c->firm) * SIZES + (SIZES - c->points);
+    uint32_t group = c->colour & 1 ? 1 + (c->row_b == 0) : 0;
+    return (size_t)(c->colour >> 1) * KINDS + (2 * group + c->firm) * SIZES + (SIZES - c->points);
 }
 
 static bool count_colour(daft_world *world, const daft_sim_constraint *c, uint32_t most[CLASSES])
@@ -237,13 +239,14 @@ static bool lay_out(daft_world *world, const uint32_t most[CLASSES])
         return false;
     for (uint32_t class = 0; class < CLASSES; class++)
         for (uint32_t colour = 0; colour < most[class]; colour++) {
-            uint32_t *counts = &s->colour_counts[colour * KINDS + 2 * class * SIZES], first = s->block_count, blocks[2];
-            for (int firm = 0; firm < 2; firm++) {
-                blocks[firm] = lay_sizes(counts + firm * SIZES, s->block_count);
-                s->block_count += blocks[firm];
+            uint32_t *counts = &s->colour_counts[colour * KINDS], first = s->block_count, soft = 0;
+            for (uint32_t firm = 0; firm < 2; firm++) {
+                for (uint32_t group = class; group <= 2 * class; group++)
+                    s->block_count += lay_sizes(counts + (2 * group + firm) * SIZES, s->block_count);
+                if (!firm) soft = s->block_count;
             }
             if (s->block_count == first) continue;
-            s->colours[s->colour_count++] = (daft_sim_colour){first, s->block_count - first, blocks[1]};
+            s->colours[s->colour_count++] = (daft_sim_colour){first, s->block_count - first, s->block_count - soft};
         }
     return daft_grow(&world->allocator, &s->blocks, &s->block_capacity, s->block_count, 0, sizeof *s->blocks) &&
            daft_grow(&world->allocator, &s->strained, &s->strained_capacity, s->block_count, 0, sizeof *s->strained) &&
@@ -453,6 +456,7 @@ void daft_sim_block_fill(daft_world *world, uint32_t index)
     while (lanes < DAFT_SIM_LANES && slots[lanes].touch != DAFT_SIM_NONE) lanes++;
     memset(block, 0, offsetof(daft_sim_block, inv_mass_a));
     block->lanes = lanes;
+    block->still = slots[0].row_b == 0;
     for (int lane = 0; lane < lanes; lane++) {
         const daft_sim_patch *patch = &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch];
         block->points = daft_max_i(block->points, (int)patch->count);

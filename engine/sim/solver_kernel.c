@@ -185,6 +185,8 @@ static void refresh(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t 
 
 /* ---- impulses ---- */
 
+/* Where b is NULL it does not move: what is left out would add zero. */
+
 typedef struct masses {
     vf a, b;
 } masses;
@@ -195,6 +197,7 @@ DAFT_INLINE void push(body *a, body *b, masses m, vf3 along, const daft_sim_lane
 {
     a->v = vf3_sub(a->v, vf3_scale(along, m.a * impulse));
     a->w = vf3_sub(a->w, vf3_scale(load3(push_a, lane), impulse));
+    if (!b) return;
     b->v = vf3_add(b->v, vf3_scale(along, m.b * impulse));
     b->w = vf3_add(b->w, vf3_scale(load3(push_b, lane), impulse));
 }
@@ -207,40 +210,71 @@ DAFT_INLINE void spin(const daft_sim_block *block, body *a, body *b, vf3 impulse
         inertia_b[k] = vf_load(block->inertia_b[k] + lane);
     }
     a->w = vf3_sub(a->w, symmetric(inertia_a, impulse));
-    b->w = vf3_add(b->w, symmetric(inertia_b, impulse));
+    if (b) b->w = vf3_add(b->w, symmetric(inertia_b, impulse));
 }
 
 DAFT_INLINE vf row_speed(const body *a, const body *b, vf3 along, const daft_sim_lanes *arm_a,
                          const daft_sim_lanes *arm_b, int lane)
 {
+    if (!b) return -vf3_dot(along, a->v) - vf3_dot(load3(arm_a, lane), a->w);
     return vf3_dot(along, vf3_sub(b->v, a->v)) + vf3_dot(load3(arm_b, lane), b->w) -
            vf3_dot(load3(arm_a, lane), a->w);
 }
-
-DAFT_INLINE void warm_start_lanes(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+DAFT_INLINE vf3 relative(const vf3 *a, const vf3 *b)
 {
-    const int32_t *ia = block->a + lane, *ib = block->b + lane;
-    body a = load_body(rows->velocity, ia), b = load_body(rows->velocity, ib);
+    return b ? vf3_sub(*b, *a) : (vf3){-a->x, -a->y, -a->z};
+}
+DAFT_INLINE void twist(const daft_sim_block *block, body *a, body *b, vf impulse, int lane)
+{
+    a->w = vf3_sub(a->w, vf3_scale(load3(block->twist_a, lane), impulse));
+    if (b) b->w = vf3_add(b->w, vf3_scale(load3(block->twist_b, lane), impulse));
+}
+
+/* Bodies of a block's lanes. */
+typedef struct both {
+    body a, b;
+} both;
+
+DAFT_INLINE both load_both(const float *rows, const daft_sim_block *block, bool still, int lane)
+{
+    both out = {.a = load_body(rows, block->a + lane)};
+    if (!still) out.b = load_body(rows, block->b + lane);
+    return out;
+}
+DAFT_INLINE void store_both(float *rows, const daft_sim_block *block, const both *all, bool still, int lane)
+{
+    store_body(rows, block->a + lane, &all->a, block->writes_a >> lane);
+    if (!still) store_body(rows, block->b + lane, &all->b, block->writes_b >> lane);
+}
+
+DAFT_INLINE bool any(vf a) { return vm_bits(vf_lt(vf_set(0), vf_abs(a))) != 0; }
+
+DAFT_INLINE void warm_start_lanes(const daft_sim_rows *rows, daft_sim_block *block, bool still, int lane)
+{
+    both all = load_both(rows->velocity, block, still, lane);
+    body *a = &all.a, *b = still ? NULL : &all.b;
     masses m = {vf_load(block->inv_mass_a + lane), vf_load(block->inv_mass_b + lane)};
     vf3 n = load3(block->normal, lane), t = load3(block->tangent, lane), u = vf3_cross(n, t);
     for (int i = 0; i < block->points; i++) {
         const daft_sim_block_point *p = &block->point[i];
-        push(&a, &b, m, n, p->push_a, p->push_b, vf_load(p->impulse + lane), lane);
+        push(a, b, m, n, p->push_a, p->push_b, vf_load(p->impulse + lane), lane);
     }
-    push(&a, &b, m, t, block->push_a[0], block->push_b[0], vf_load(block->tangent_impulse[0] + lane), lane);
-    push(&a, &b, m, u, block->push_a[1], block->push_b[1], vf_load(block->tangent_impulse[1] + lane), lane);
-    vf twist = vf_load(block->twist_impulse + lane);
-    a.w = vf3_sub(a.w, vf3_scale(load3(block->twist_a, lane), twist));
-    b.w = vf3_add(b.w, vf3_scale(load3(block->twist_b, lane), twist));
-    if (block->rolls) spin(block, &a, &b, load3(block->rolling_impulse, lane), lane);
-    store_body(rows->velocity, ia, &a, block->writes_a >> lane);
-    store_body(rows->velocity, ib, &b, block->writes_b >> lane);
+    push(a, b, m, t, block->push_a[0], block->push_b[0], vf_load(block->tangent_impulse[0] + lane), lane);
+    push(a, b, m, u, block->push_a[1], block->push_b[1], vf_load(block->tangent_impulse[1] + lane), lane);
+    vf turning = vf_load(block->twist_impulse + lane);
+    if (any(turning)) twist(block, a, b, turning, lane);
+    if (block->rolls) spin(block, a, b, load3(block->rolling_impulse, lane), lane);
+    store_both(rows->velocity, block, &all, still, lane);
 }
 
 static void warm_start(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
 {
-    for (uint32_t i = 0; i < count; i++)
-        for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) warm_start_lanes(rows, &blocks[i], lane);
+    for (daft_sim_block *block = blocks; block < blocks + count; block++)
+        for (int lane = 0; lane < block->lanes; lane += DAFT_VL)
+            if (block->still)
+                warm_start_lanes(rows, block, true, lane);
+            else
+                warm_start_lanes(rows, block, false, lane);
 }
 
 typedef struct spring {
@@ -253,23 +287,32 @@ typedef struct drag {
     vf t, u;
 } drag;
 
+/* What turning about the normal does in the directions of friction, by what it does at arms along these. */
+DAFT_INLINE drag bent(const daft_sim_block *block, vf a, const vf *b, int lane)
+{
+    drag d = {a * vf_load(block->bend_a[0] + lane), a * vf_load(block->bend_a[1] + lane)};
+    if (b) d.t = d.t - *b * vf_load(block->bend_b[0] + lane), d.u = d.u - *b * vf_load(block->bend_b[1] + lane);
+    return d;
+}
+
 /* How far b's surface moved along a's in the step, beyond what belts carry it, in the directions of friction. What turns
  * about the normal moves along a circle: the second order of that is what a turntable's passenger would creep by. */
 DAFT_INLINE drag dragged(const daft_sim_block *block, const body *turn_a, const body *turn_b, vf3 n, vf3 t, vf3 u,
                          float elapsed, int lane)
 {
-    vf3 way = vf3_sub(turn_b->v, turn_a->v);
-    drag d = {vf3_dot(t, way) + vf3_dot(load3(block->arm_b[0], lane), turn_b->w) -
-                  vf3_dot(load3(block->arm_a[0], lane), turn_a->w),
-              vf3_dot(u, way) + vf3_dot(load3(block->arm_b[1], lane), turn_b->w) -
-                  vf3_dot(load3(block->arm_a[1], lane), turn_a->w)};
+    drag d = {row_speed(turn_a, turn_b, t, block->arm_a[0], block->arm_b[0], lane),
+              row_speed(turn_a, turn_b, u, block->arm_a[1], block->arm_b[1], lane)};
     d.t = d.t - vf_load(block->belt[0] + lane) * vf_set(elapsed);
     d.u = d.u - vf_load(block->belt[1] + lane) * vf_set(elapsed);
     if (!block->turns) return d;
-    vf a = vf3_dot(n, turn_a->w), b = vf3_dot(n, turn_b->w);
-    a = vf_set(0.5f) * a * a, b = vf_set(0.5f) * b * b;
-    d.t = d.t + (a * vf_load(block->bend_a[0] + lane) - b * vf_load(block->bend_b[0] + lane));
-    d.u = d.u + (a * vf_load(block->bend_a[1] + lane) - b * vf_load(block->bend_b[1] + lane));
+    vf a = vf3_dot(n, turn_a->w);
+    drag more = bent(block, vf_set(0.5f) * a * a, NULL, lane);
+    if (turn_b) {
+        vf b = vf3_dot(n, turn_b->w);
+        b = vf_set(0.5f) * b * b;
+        more = bent(block, vf_set(0.5f) * a * a, &b, lane);
+    }
+    d.t = d.t + more.t, d.u = d.u + more.u;
     return d;
 }
 
@@ -285,10 +328,10 @@ DAFT_INLINE vf turned_share(vf w, vf t)
  * b's less a's, after `elapsed`. */
 DAFT_INLINE drag turned_velocity(const daft_sim_block *block, const body *a, const body *b, vf3 n, float elapsed, int lane)
 {
-    vf wa = vf3_dot(n, a->w), wb = vf3_dot(n, b->w), t = vf_set(elapsed);
-    wa = turned_share(wa, t), wb = turned_share(wb, t);
-    return (drag){wa * vf_load(block->bend_a[0] + lane) - wb * vf_load(block->bend_b[0] + lane),
-                  wa * vf_load(block->bend_a[1] + lane) - wb * vf_load(block->bend_b[1] + lane)};
+    vf t = vf_set(elapsed), wa = turned_share(vf3_dot(n, a->w), t);
+    if (!b) return bent(block, wa, NULL, lane);
+    vf wb = turned_share(vf3_dot(n, b->w), t);
+    return bent(block, wa, &wb, lane);
 }
 
 /* Coulomb's cone: the friction impulse opposes sliding and is at most friction times the normal impulse. What sticks is
@@ -333,7 +376,8 @@ DAFT_INLINE void solve_friction(daft_sim_block *block, body *a, body *b, masses 
 DAFT_INLINE void solve_twist(daft_sim_block *block, body *a, body *b, vf3 n, vf lever_sum, const body *turn_a,
                              const body *turn_b, const spring *s, int lane)
 {
-    vf speed = vf3_dot(n, vf3_sub(b->w, a->w)), way = vf3_dot(n, vf3_sub(turn_b->w, turn_a->w));
+    vf speed = vf3_dot(n, relative(&a->w, b ? &b->w : NULL));
+    vf way = vf3_dot(n, relative(&turn_a->w, turn_b ? &turn_b->w : NULL));
     vf slip = vf_load(block->twist_slip + lane);
     if (s->on) speed = speed + s->rate * (slip + way);
     vf limit = vf_load(block->friction + lane) * lever_sum, old = vf_load(block->twist_impulse + lane);
@@ -341,14 +385,24 @@ DAFT_INLINE void solve_twist(daft_sim_block *block, body *a, body *b, vf3 n, vf 
     vf free = old - soft_mass * vf_load(block->twist_mass + lane) * speed - soft_impulse * old, wanted = vf_min(vf_max(free, -limit), limit);
     vf_store(block->twist_impulse + lane, wanted);
     if (!s->on) vf_store(block->twist_slip + lane, vf_select(vf_lt(vf_abs(free), limit), slip, -way));
-    a->w = vf3_sub(a->w, vf3_scale(load3(block->twist_a, lane), wanted - old));
-    b->w = vf3_add(b->w, vf3_scale(load3(block->twist_b, lane), wanted - old));
+    twist(block, a, b, wanted - old, lane);
+}
+
+/* The same where no lane's friction has a lever: all that is left is what was before it lost its other points. */
+DAFT_INLINE void forget_twist(daft_sim_block *block, body *a, body *b, vf3 n, const body *turn_a, const body *turn_b,
+                              const spring *s, int lane)
+{
+    vf old = vf_load(block->twist_impulse + lane);
+    if (!s->on) vf_store(block->twist_slip + lane, -vf3_dot(n, relative(&turn_a->w, turn_b ? &turn_b->w : NULL)));
+    if (!any(old)) return;
+    twist(block, a, b, -old, lane);
+    vf_store(block->twist_impulse + lane, vf_set(0));
 }
 
 DAFT_INLINE void solve_rolling(daft_sim_block *block, body *a, body *b, vf normal_sum, int lane)
 {
     vf3 old = load3(block->rolling_impulse, lane);
-    vf3 wanted = vf3_sub(old, vf3_scale(vf3_sub(b->w, a->w), vf_load(block->rolling_mass + lane)));
+    vf3 wanted = vf3_sub(old, vf3_scale(relative(&a->w, b ? &b->w : NULL), vf_load(block->rolling_mass + lane)));
     wanted = vf3_scale(wanted, shorten(vf3_dot(wanted, wanted), vf_load(block->rolling + lane) * normal_sum));
     store3(block->rolling_impulse, lane, wanted);
     spin(block, a, b, vf3_sub(wanted, old), lane);
@@ -364,8 +418,9 @@ DAFT_INLINE demand point_demand(const daft_sim_block_point *p, vf moved, const b
                                 const spring *s, int lane)
 {
     vf zero = vf_set(0), mass = vf_load(p->mass + lane);
-    vf separation = vf_load(p->separation + lane) + moved + vf3_dot(load3(p->arm_b, lane), turn_b->w) -
-                    vf3_dot(load3(p->arm_a, lane), turn_a->w);
+    vf separation = vf_load(p->separation + lane) + moved;
+    if (turn_b) separation = separation + vf3_dot(load3(p->arm_b, lane), turn_b->w);
+    separation = separation - vf3_dot(load3(p->arm_a, lane), turn_a->w);
     vm open = vf_lt(zero, separation);
     vf no_limit = vf_set(3e38f);
     demand d = {vf_select(open, separation * s->inv_h, zero), mass, zero, no_limit};
@@ -399,11 +454,11 @@ typedef struct sums {
 } sums;
 
 DAFT_INLINE sums solve_points(daft_sim_block *block, body *a, body *b, masses m, vf3 n, const body *turn_a,
-                              const body *turn_b, const spring *s, int lane)
+                              const body *turn_b, const spring *s, bool single, int lane)
 {
-    vf moved = vf3_dot(n, vf3_sub(turn_b->v, turn_a->v));
+    vf moved = vf3_dot(n, relative(&turn_a->v, turn_b ? &turn_b->v : NULL));
     demand demands[DAFT_MANIFOLD_POINTS];
-    int last = block->points - 1;
+    int last = single ? 0 : block->points - 1;
     vf none = vf_set(0);
     vm solved = vf_le(none, none);
     for (int i = 0; i <= last; i++) demands[i] = point_demand(&block->point[i], moved, turn_a, turn_b, s, lane);
@@ -425,31 +480,40 @@ DAFT_INLINE sums solve_points(daft_sim_block *block, body *a, body *b, masses m,
     return sum;
 }
 
+/* still, single: of all lanes, as the block says. */
 DAFT_INLINE void solve_lanes(const daft_sim_rows *rows, daft_sim_block *block, const daft_sim_substep *substep,
-                             bool biased, int lane)
+                             bool biased, bool still, bool single, int lane)
 {
-    const int32_t *ia = block->a + lane, *ib = block->b + lane;
-    body a = load_body(rows->velocity, ia), b = load_body(rows->velocity, ib);
-    body turn_a = load_body(rows->moved, ia), turn_b = load_body(rows->moved, ib);
+    both all = load_both(rows->velocity, block, still, lane), turns = load_both(rows->moved, block, still, lane);
+    body *a = &all.a, *b = still ? NULL : &all.b, *turn_a = &turns.a, *turn_b = still ? NULL : &turns.b;
     masses m = {vf_load(block->inv_mass_a + lane), vf_load(block->inv_mass_b + lane)};
     vf3 n = load3(block->normal, lane);
     spring s = {.rate = vf_load(block->rate + lane), .mass = vf_load(block->soft_mass + lane),
                 .impulse = vf_load(block->soft_impulse + lane), .push_speed = vf_set(-substep->push_speed),
                 .inv_h = vf_set(substep->inv_h), .h = substep->h, .on = biased};
-    sums sum = solve_points(block, &a, &b, m, n, &turn_a, &turn_b, &s, lane);
-    solve_twist(block, &a, &b, n, sum.levers, &turn_a, &turn_b, &s, lane);
-    solve_friction(block, &a, &b, m, n, sum.impulse, &turn_a, &turn_b, &s, substep->elapsed, lane);
-    if (block->rolls) solve_rolling(block, &a, &b, sum.impulse, lane);
-    store_body(rows->velocity, ia, &a, block->writes_a >> lane);
-    store_body(rows->velocity, ib, &b, block->writes_b >> lane);
+    sums sum = solve_points(block, a, b, m, n, turn_a, turn_b, &s, single, lane);
+    if (single)
+        forget_twist(block, a, b, n, turn_a, turn_b, &s, lane);
+    else
+        solve_twist(block, a, b, n, sum.levers, turn_a, turn_b, &s, lane);
+    solve_friction(block, a, b, m, n, sum.impulse, turn_a, turn_b, &s, substep->elapsed, lane);
+    if (block->rolls) solve_rolling(block, a, b, sum.impulse, lane);
+    store_both(rows->velocity, block, &all, still, lane);
 }
 
 static void solve(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
                   bool biased)
 {
-    for (uint32_t i = 0; i < count; i++)
-        for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL)
-            solve_lanes(rows, &blocks[i], substep, biased, lane);
+    for (daft_sim_block *block = blocks; block < blocks + count; block++) {
+        bool levers = block->points > 1 || block->shares; /* of friction, about the normal */
+        int kind = 2 * !levers + block->still;
+        for (int lane = 0; lane < block->lanes; lane += DAFT_VL) {
+            if (kind == 3) solve_lanes(rows, block, substep, biased, true, true, lane);
+            if (kind == 2) solve_lanes(rows, block, substep, biased, false, true, lane);
+            if (kind == 1) solve_lanes(rows, block, substep, biased, true, false, lane);
+            if (kind == 0) solve_lanes(rows, block, substep, biased, false, false, lane);
+        }
+    }
 }
 
 /* ---- bounces: after the substeps, with the speed at which the surfaces truly met ---- */
@@ -479,15 +543,20 @@ DAFT_INLINE void bounce_lanes(const daft_sim_rows *rows, daft_sim_block *block, 
         vf_store(p->impulse + lane, kept);
         sum = sum + impulse;
     }
+    /* Only what bounced is rubbed, too: the others keep what they have, whatever stands beside them. */
     vm bounced = vf_lt(zero, sum);
-    vf kept[2];
+    vf kept[2], slip[2];
     for (int k = 0; k < 2; k++) {
         kept[k] = vf_select(bounced, zero, vf_load(block->tangent_impulse[k] + lane));
+        slip[k] = vf_load(block->slip[k] + lane);
         vf_store(block->tangent_impulse[k] + lane, zero);
     }
     const spring rigid = {.on = false};
     solve_friction(block, &a, &b, m, n, sum, &turn_a, &turn_b, &rigid, elapsed, lane);
-    for (int k = 0; k < 2; k++) vf_store(block->tangent_impulse[k] + lane, kept[k]);
+    for (int k = 0; k < 2; k++) {
+        vf_store(block->tangent_impulse[k] + lane, kept[k]);
+        vf_store(block->slip[k] + lane, vf_select(bounced, vf_load(block->slip[k] + lane), slip[k]));
+    }
     store_body(rows->velocity, ia, &a, block->writes_a >> lane);
     store_body(rows->velocity, ib, &b, block->writes_b >> lane);
 }
