@@ -17,12 +17,13 @@ static uint32_t add_locked(daft_world *world, one_shape shape, uint32_t locks)
     return id;
 }
 
-/* A game in a plane: sixty balls and boxes fall into a tray and rest. With `beside`, some are beside the plane, so that they push each
- * other out of it. Each keeps its own z to the bit. */
-static void flat_game(double beside)
+/* A game in a plane: sixty balls and boxes fall into a tray and rest within a minute; what rolls to and fro meanwhile loses its
+ * motion slowly. With `beside`, some are beside the plane, so that they push each other out of it, and some come to be within each
+ * other, nearer to a face that is beside it. Each keeps its own z to the bit. */
+static uint32_t flat_game(uint64_t seed, double beside)
 {
     enum { COUNT = 60 };
-    seed_random(31);
+    random_state = seed;
     const uint32_t flat = DAFT_LOCK_POSITION_Z | DAFT_LOCK_X | DAFT_LOCK_Y;
     daft_world *world = new_world();
     add(world, box(daft_v3(5, 1, 2), 0, -1, 0));
@@ -35,25 +36,54 @@ static void flat_game(double beside)
         one_shape thing = i & 1 ? sphere(uniform(0.15, 0.3), x, 1 + 0.5 * i, z[i]) : dynamic_box(daft_v3(0.3f, 0.2f, 0.25f), x, 1 + 0.5 * i, z[i]);
         ids[i] = add_locked(world, thing, flat);
     }
-    for (int tick = 0; tick < 1200; tick++) {
+    for (int tick = 0; tick < 3600; tick++) {
         steps(world, 1);
         for (int i = 0; i < COUNT; i++) {
             daft_sim_state s = state_of(world, ids[i]);
             assert_true(s.position.z == z[i] && s.linear.z == 0 && s.angular.x == 0 && s.angular.y == 0);
             assert_true(fabs(s.position.x) < 2.5 && s.position.y > 0.1);
-            if (tick >= 900) fastest = fmax(fastest, speed_of(s));
+            if (tick >= 3300) fastest = fmax(fastest, speed_of(s));
         }
     }
-    print_message("%g m beside the plane: %u awake, at the end at most %g m/s\n", beside, daft_world_counters(world).awake, fastest);
-    assert_true(fastest < 0.1 && (beside > 0 || daft_world_counters(world).awake == 0));
+    uint32_t awake = daft_world_counters(world).awake;
+    print_message("seed %d, %g m beside the plane: %u awake, at the end at most %g m/s\n", (int)seed, beside, awake, fastest);
+    assert_true(fastest < 0.1);
     daft_world_destroy(world);
+    return awake;
 }
 
-static void a_flat_game_stays_flat(void **unused)
+static void a_flat_game_stays_flat_and_rests(void **unused)
 {
     (void)unused;
-    flat_game(0);
-    flat_game(0.1);
+    for (uint64_t seed = 31; seed < 47; seed++) {
+        assert_int_equal(flat_game(seed, 0), 0);
+        assert_int_equal(flat_game(seed, 0.3), 0);
+    }
+}
+
+/* Its centre is in the box, nearest to a face that it may not leave by: it leaves by another, and does not spin. One that only grazes
+ * that face from outside is not held by it, and falls past. */
+static void what_is_beside_the_plane_parts_in_it(void **unused)
+{
+    (void)unused;
+    const uint32_t flat = DAFT_LOCK_POSITION_Z | DAFT_LOCK_X | DAFT_LOCK_Y;
+    for (int side = -1; side <= 1; side += 2) {
+        daft_world *world = new_world();
+        add_floor(world, 10);
+        uint32_t boxed = add_locked(world, dynamic_box(daft_v3(0.3f, 0.3f, 0.25f), 0, 0.3, 0), flat);
+        uint32_t ball = add_locked(world, sphere(0.2, 0.05, 0.35, 0.2 * side), flat);
+        uint32_t wall = add(world, box(daft_v3(0.5f, 2, 0.25f), 5, 2, 0));
+        uint32_t stone = add_locked(world, sphere(0.2, 5, 3, 0.44 * side), flat);
+        daft_world_set_velocity(world, ball, daft_v3(0, 0, 0), daft_v3(0, 0, 5));
+        steps(world, 600);
+        daft_sim_state b = state_of(world, ball), s = state_of(world, stone);
+        daft_dvec3 apart = daft_dsub(b.position, state_of(world, boxed).position);
+        print_message("ball %g m along and %g m up from the box, %g rad/s; stone at %g m\n", apart.x, apart.y, (double)b.angular.z, s.position.y);
+        assert_true(fabs(apart.x) > 0.45 || fabs(apart.y) > 0.45);
+        assert_true(!daft_world_is_awake(world, ball) && b.angular.z == 0 && b.position.z == 0.2 * side);
+        assert_true(wall != 0 && s.position.y < 0.21);
+        daft_world_destroy(world);
+    }
 }
 
 static void nothing_moves_it_along_a_locked_axis(void **unused)
@@ -176,7 +206,8 @@ static void joints_and_bullets_obey(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_flat_game_stays_flat),
+        cmocka_unit_test(a_flat_game_stays_flat_and_rests),
+        cmocka_unit_test(what_is_beside_the_plane_parts_in_it),
         cmocka_unit_test(nothing_moves_it_along_a_locked_axis),
         cmocka_unit_test(nothing_turns_it_about_a_locked_axis),
         cmocka_unit_test(a_slope_does_not_carry_it_off),

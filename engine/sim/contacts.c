@@ -292,6 +292,7 @@ static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p
     if (count == 0 && fast && looks_out(touch, p, world)) count = foresee(world, touch, p, &where, found);
     for (uint32_t i = 0; i < count; i++) {
         convert(p, &where, &found[i], &fresh[kept]);
+        if (p->a->locks & DAFT_LOCK_POSITION) daft_sim_flatten(world, touch, &fresh[kept]);
         if (fresh[kept].count == 0) continue;
         inherit_of(&fresh[kept], patches, touch->patch_count, lead_of(world));
         kept++;

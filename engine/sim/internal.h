@@ -546,6 +546,11 @@ void daft_sim_met_refresh(const daft_world *world, daft_sim_met *met);
 /* Contacts with inner edges and walls go, and those with what is only passed. False when memory is out. */
 bool daft_sim_ghosts_drop(daft_world *world, float dt);
 
+/* ---- flat.c ---- */
+
+/* Turns a patch into what both bodies are free to do; it may have no points then. */
+void daft_sim_flatten(const daft_world *world, const daft_sim_touch *touch, daft_sim_patch *patch);
+
 /* ---- sleep.c ---- */
 
 void daft_sim_wake(daft_world *world, uint32_t body);

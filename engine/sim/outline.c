@@ -2,10 +2,10 @@
  * are, so they are no state of the world's. */
 #include "sim/internal.h"
 
-static daft_outline_kind kind_of(const daft_sim_part *part)
+static daft_outline_kind kind_of(const daft_sim_part *part, const daft_sim_body *body)
 {
     daft_geometry type = part->shape.type;
-    if (part->sensor) return DAFT_OUTLINE_NONE;
+    if (part->sensor || body->locks & DAFT_LOCK_POSITION) return DAFT_OUTLINE_NONE; /* see flat.c */
     if (type == DAFT_GEOMETRY_SPHERE || type == DAFT_GEOMETRY_CAPSULE) return DAFT_OUTLINE_ROUND;
     return type == DAFT_GEOMETRY_BOX ? DAFT_OUTLINE_BOX : DAFT_OUTLINE_NONE;
 }
@@ -30,7 +30,7 @@ void daft_sim_outline_set(daft_world *world, uint32_t index, const daft_rigid *f
     const daft_sim_part *part = &world->parts[index];
     const daft_sim_body *body = &world->bodies[part->body];
     daft_outline *outline = &world->outlines[index];
-    daft_outline_kind kind = kind_of(part);
+    daft_outline_kind kind = kind_of(part, body);
     outline->kind = (uint8_t)kind;
     if (kind == DAFT_OUTLINE_NONE) return;
     outline->centre = frame->p;
