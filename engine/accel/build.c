@@ -6,6 +6,7 @@
 /* Passes over prims go by slices, whose number depends on nothing; each counts its own cells, so that prims keep their
  * order within a cell. */
 enum { GRID_MIN = 2048, SLICES = 8 };
+enum { CHUNK = 65536 }; /* forks */
 
 static const daft_build_kernels *kernels_for(int isa)
 {
@@ -151,7 +152,8 @@ static bool split_cells(daft_build *build)
                                 .defer = true};
     daft_build_range whole = {.count = build->cell_count};
     build->kernels->measure(build->cells, &whole);
-    bool done = build->kernels->branch(&branch, &whole, true) != DAFT_CHILD_NONE;
+    bool done = daft_build_reserve(build->allocator, &build->top, 2 * (size_t)build->cell_count, 0) &&
+                build->kernels->branch(&branch, &whole);
     build->tasks = branch.tasks, build->task_count = branch.task_count;
     uint32_t first = 0; /* tasks are in depth-first order; from cells to their prims */
     for (size_t i = 0; i < build->task_count; i++) build->tasks[i].node_base = first, first += build->tasks[i].range.weight;
@@ -175,36 +177,46 @@ static void gather_task(void *context, uint32_t index, uint32_t worker)
     build->kernels->measure(build->prims, &task->range);
 }
 
+bool daft_build_reserve(const daft_allocator *allocator, daft_build_sink *sink, size_t most, size_t chunk)
+{
+    if (sink->capacity - sink->count >= most) return true;
+    if (!daft_grow(allocator, &sink->chunks, &sink->chunk_capacity, sink->chunk_count + 1, sink->chunk_count, sizeof *sink->chunks)) return false;
+    sink->capacity = chunk > most ? chunk : most;
+    sink->count = 0;
+    sink->forks = daft_alloc(allocator, sink->capacity, sizeof *sink->forks);
+    sink->chunks[sink->chunk_count++] = sink->forks;
+    if (!sink->forks) sink->capacity = 0;
+    return sink->forks != NULL;
+}
+
+void daft_build_sink_free(const daft_allocator *allocator, daft_build_sink *sink)
+{
+    for (size_t i = 0; i < sink->chunk_count; i++) daft_release(allocator, sink->chunks[i]);
+    daft_release(allocator, sink->chunks);
+    daft_release(allocator, sink->numbers);
+}
+
 static void run_task(void *context, uint32_t index, uint32_t worker)
 {
     daft_build *build = context;
     daft_build_task *task = &build->tasks[index];
     daft_build_sink *sink = &build->sinks[build->fixed ? index : worker];
-    daft_build_branch branch = {.rule = &build->rule, .prims = {build->prims, build->other}, .sink = sink};
-    task->sink = sink;
-    task->node_first = sink->nodes.count, task->block_first = sink->block_count;
-    task->code = build->kernels->branch(&branch, &task->range, build->top.nodes.count == 0);
-    task->node_count = sink->nodes.count - task->node_first;
-    task->block_count = sink->block_count - task->block_first;
+    daft_build_branch branch = {.rule = &build->rule, .prims = {build->prims, build->other}, .sink = sink, .numbers = build->numbers};
+    size_t chunk = daft_min_u(CHUNK, build->count / 2 / (uint32_t)daft_max_i(build->threads, 1));
+    if (!build->fixed && !daft_build_reserve(build->allocator, sink, 2 * (size_t)task->range.count, chunk)) return;
+    daft_build_fork *forks = sink->forks + sink->count;
+    build->kernels->branch(&branch, &task->range);
+    daft_build_weigh(&build->rule, forks, (size_t)(sink->forks + sink->count - forks));
+    task->forks = forks, task->numbers = build->numbers;
 }
-
-/* Nodes of a tree whose leaves hold one of count prims each, where all nodes but those over eight or fewer have eight
- * children: most when the lowest hold two. */
-static size_t most_nodes(uint32_t count) { return (size_t)count * 4 / 7 + 1; }
 
 static bool make_sinks(daft_build *build)
 {
     build->sink_count = build->fixed ? build->task_count : (size_t)daft_max_i(build->threads, 1);
     build->sinks = daft_alloc_zero(build->allocator, build->sink_count, sizeof *build->sinks);
     if (!build->sinks) return false;
-    for (size_t i = 0; i < build->sink_count; i++) {
-        daft_build_sink *sink = &build->sinks[i];
-        sink->allocator = build->fixed ? NULL : build->allocator;
-        if (!build->fixed) continue;
-        sink->nodes.capacity = most_nodes(build->tasks[i].range.weight);
-        sink->nodes.items = daft_alloc(build->allocator, sink->nodes.capacity, sizeof(daft_node));
-        if (!sink->nodes.items) return false;
-    }
+    for (size_t i = 0; i < build->task_count && build->fixed; i++)
+        if (!daft_build_reserve(build->allocator, &build->sinks[i], 2 * (size_t)build->tasks[i].range.count, 0)) return false;
     return true;
 }
 
@@ -217,25 +229,15 @@ static bool single_task(daft_build *build, const daft_build_range *whole)
     return true;
 }
 
-bool daft_build_place(daft_build *build)
-{
-    bool done = true;
-    build->node_count = build->top.nodes.count;
-    for (size_t i = 0; i < build->task_count; i++) {
-        daft_build_task *task = &build->tasks[i];
-        done &= task->code != DAFT_CHILD_NONE;
-        task->node_base = build->node_count, task->block_base = build->block_count;
-        build->node_count += task->node_count, build->block_count += task->block_count;
-    }
-    return done;
-}
-
 bool daft_build_run(daft_build *build)
 {
     build->kernels = kernels_for(build->isa);
-    build->top.allocator = build->allocator;
     build->other = daft_alloc(build->allocator, build->count, sizeof *build->other);
     if (!build->other) return false;
+    if (build->rule.block_size > 1) {
+        build->numbers = daft_alloc(build->allocator, build->count, sizeof *build->numbers);
+        if (!build->numbers) return false;
+    }
     daft_build_range whole = measure_whole(build);
     daft_build_grid grid;
     if (build->count >= GRID_MIN && grid_of(&whole, &grid)) {
@@ -246,70 +248,19 @@ bool daft_build_run(daft_build *build)
     }
     if (!make_sinks(build)) return false;
     daft_team_for(build->team, (uint32_t)build->task_count, run_task, build);
-    return daft_build_place(build);
-}
-
-/* ---- the whole again ---- */
-
-/* A child's code in its task to its code in the whole. */
-static uint32_t code_of(const daft_build *build, const daft_build_task *task, uint32_t code)
-{
-    if (code == DAFT_CHILD_NONE) return code;
-    if (!(code & DAFT_CHILD_LEAF)) return (uint32_t)(code - task->node_first + task->node_base);
-    return build->rule.block_size == 1 ? code : code + (uint32_t)((task->block_base - task->block_first) << 2);
-}
-
-typedef struct write_job {
-    const daft_build *build;
-    daft_node *nodes;
-    void (*write)(void *context, const daft_build_task *task);
-    void *context;
-} write_job;
-
-static void write_task(void *context, uint32_t index, uint32_t worker)
-{
-    (void)worker;
-    const write_job *job = context;
-    const daft_build_task *task = &job->build->tasks[index];
-    for (size_t i = 0; i < task->node_count; i++) {
-        daft_node *node = &job->nodes[task->node_base + i];
-        *node = task->sink->nodes.items[task->node_first + i];
-        for (int k = 0; k < DAFT_WIDTH; k++) node->child[k] = code_of(job->build, task, node->child[k]);
-    }
-    if (job->write) job->write(job->context, task);
-}
-
-void daft_build_write(daft_build *build, daft_node *nodes, void (*write)(void *context, const daft_build_task *task),
-                      void *context)
-{
-    const daft_node_list *top = &build->top.nodes;
-    for (size_t i = 0; i < top->count; i++) {
-        nodes[i] = top->items[i];
-        for (int k = 0; k < DAFT_WIDTH; k++) {
-            uint32_t code = nodes[i].child[k];
-            if (!(code & DAFT_CHILD_LEAF) || code == DAFT_CHILD_NONE) continue;
-            const daft_build_task *task = &build->tasks[code & ~DAFT_CHILD_LEAF];
-            nodes[i].child[k] = code_of(build, task, task->code);
-        }
-    }
-    write_job job = {build, nodes, write, context};
-    daft_team_for(build->team, (uint32_t)build->task_count, write_task, &job);
-}
-
-static void sink_free(daft_build_sink *sink, const daft_allocator *allocator)
-{
-    daft_release(allocator, sink->nodes.items);
-    daft_release(allocator, sink->blocks);
+    return daft_build_collapse(build);
 }
 
 void daft_build_free(daft_build *build)
 {
     const daft_allocator *allocator = build->allocator;
-    for (size_t i = 0; build->sinks && i < build->sink_count; i++) sink_free(&build->sinks[i], allocator);
-    sink_free(&build->top, allocator);
+    for (size_t i = 0; build->sinks && i < build->sink_count; i++) daft_build_sink_free(allocator, &build->sinks[i]);
+    daft_build_sink_free(allocator, &build->top);
+    daft_release(allocator, build->top_nodes.items);
     daft_release(allocator, build->sinks);
     daft_release(allocator, build->tasks);
     daft_release(allocator, build->other);
+    daft_release(allocator, build->numbers);
     daft_release(allocator, build->cells);
     daft_release(allocator, build->cell_first);
 }

@@ -1,7 +1,6 @@
-/* The builder's loops: top-down binned SAH (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007),
- * straight into eight-wide nodes: a range is split in two until it has eight parts, always the part with the largest area
- * next (Wald, Benthin, Boulos, "Getting Rid of Packets", 2008). Below MEDIAN_DEPTH, and where no plane parts the middles,
- * ranges are halved by count, so the depth is bounded for any input and the time is O(n log n).
+/* The builder's loops: top-down binned SAH (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007), in
+ * two each time; which of the parts become nodes is found when all are there (collapse.c). Below MEDIAN_DEPTH, and where no
+ * plane parts the middles, ranges are halved by count, so the depth is bounded for any input and the time is O(n log n).
  *
  * Prims are moved between two buffers, the left side from the front and the right side from the back, without a branch.
  * Areas are those of sides longer by a little, so that boxes without area are still told apart by their length and their
@@ -10,8 +9,11 @@
 
 #include <float.h>
 
-enum { MAX_BINS = 16, FEW_BINS = 8, FEW_PRIMS = 48, MEDIAN_DEPTH = 40, TASK_CELLS = 64, TASK_WEIGHT = 512, FEW_CELLS = 8 };
-#define NODE_COST 3.0f                 /* of a node's test, where a block's is 1: measured */
+/* Below MEDIAN_DEPTH there are at most the 29 halvings of 2^31 prims into blocks, so nodes stand at most 70 deep, and what waits
+ * of each level fits in DAFT_STACK. */
+enum { FEW_PRIMS = 16, FEW_BINS = 8, MORE_PRIMS = 64, MORE_BINS = 16, MAX_BINS = 32 };
+enum { MEDIAN_DEPTH = 40, TASK_CELLS = 64, TASK_WEIGHT = 512 };
+#define WORTH 0.9f                      /* what two leaves may cost where one would do: there is seldom room for both in a node */
 #define LITTLE 1e-6f                    /* of the longest side */
 #define LEAST_SIDE 1e-12f               /* between these, areas neither underflow nor overflow; ranges beyond are halved */
 #define MOST_SIDE 1e15f
@@ -63,7 +65,7 @@ typedef struct split {
 
 static binning binning_of(const range *r)
 {
-    binning b = {.low = v8_low(r->middles), .count = r->count < FEW_PRIMS ? FEW_BINS : MAX_BINS};
+    binning b = {.low = v8_low(r->middles), .count = r->count <= FEW_PRIMS ? FEW_BINS : r->count <= MORE_PRIMS ? MORE_BINS : MAX_BINS};
     v4 extent = -(b.low + v8_high(r->middles)), side = -(v8_low(r->box) + v8_high(r->box));
     float longest = 0;
     b.low[3] = 0, b.scale = v4_set(0);
@@ -165,8 +167,8 @@ static const union {
 } SIDE = {{{-INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY, -INFINITY},
            {INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY}}};
 
-/* Into the other buffer; counts, middles and weights of both sides. */
-static void partition(daft_build_prim *const prims[2], range *r, const binning *how, split s, range *right)
+/* Into the other buffer; where both sides are, and their middles. */
+static void partition(daft_build_prim *const prims[2], const range *r, const binning *how, split s, range *left, range *right)
 {
     const prim *in = prims[r->side] + r->first;
     prim *out = prims[1 - r->side] + r->first, *front = out, *back = out + r->count - 1;
@@ -184,14 +186,14 @@ static void partition(daft_build_prim *const prims[2], range *r, const binning *
         middles[1] = v8_min(middles[1], v8_max(both, SIDE.lanes[1 - goes_right]));
         front += 1 - goes_right, back -= goes_right;
     }
-    uint32_t left = (uint32_t)(front - out);
-    *right = (range){.first = r->first + left, .count = r->count - left, .side = (uint8_t)(1 - r->side), .middles = middles[1]};
-    r->count = left, r->side = (uint8_t)(1 - r->side), r->middles = middles[0];
+    left->side = right->side = (uint8_t)(1 - r->side);
+    left->first = r->first, left->count = (uint32_t)(front - out), left->middles = middles[0];
+    right->first = r->first + left->count, right->count = r->count - left->count, right->middles = middles[1];
 }
 
-static void share_bins(const bins *in, const binning *how, split s, range *left, range *right)
+/* Boxes and weights of both sides. */
+static void share_bins(const bins *in, const binning *how, split s, uint32_t weight, range *left, range *right)
 {
-    uint32_t whole = left->weight;
     left->box = right->box = box_empty();
     left->weight = 0;
     for (int i = 0; i < how->count; i++) {
@@ -199,161 +201,98 @@ static void share_bins(const bins *in, const binning *how, split s, range *left,
         to->box = v8_min(to->box, in->box[s.axis][i]);
         if (i < s.at) left->weight += (uint32_t)in->weight[i][s.axis];
     }
-    right->weight = whole - left->weight;
+    right->weight = weight - left->weight;
 }
 
-static void halve(daft_build_prim *const prims[2], range *r, range *right)
+static void halve(daft_build_prim *const prims[2], const range *r, range *left, range *right)
 {
-    uint32_t left = r->count / 2;
-    *right = (range){.first = r->first + left, .count = r->count - left, .side = r->side};
-    r->count = left;
-    measure(prims[r->side], r);
+    uint32_t half = r->count / 2;
+    *left = (range){.first = r->first, .count = half, .side = r->side};
+    *right = (range){.first = r->first + half, .count = r->count - half, .side = r->side};
+    measure(prims[r->side], left);
     measure(prims[r->side], right);
 }
 
-/* Which part is split next: that with the largest area; where ranges are only halved, the heaviest. */
-static void range_weigh(range *r)
+DAFT_INLINE float leaf_cost(const daft_build_rule *rule, const range *r, float little)
 {
-    v4 side = -(v8_low(r->box) + v8_high(r->box));
-    r->area = r->depth < MEDIAN_DEPTH ? side[0] * (side[1] + side[2]) + side[1] * side[2] : (float)r->weight;
-    if (!(r->area <= FLT_MAX)) r->area = FLT_MAX;
+    uint32_t blocks = (r->weight + rule->block_size - 1) / rule->block_size;
+    return box_area(r->box, little) * (DAFT_LEAF_COST + DAFT_BLOCK_COST * (float)blocks);
 }
 
 /* False: the range is to stay as it is. */
-static __attribute__((noinline)) bool split_range(const daft_build_branch *branch, range *r, range *right)
+static __attribute__((noinline)) bool split_range(const daft_build_branch *branch, const range *r, range *left, range *right)
 {
     const daft_build_rule *rule = branch->rule;
-    bool may_stay = r->weight <= rule->leaf_size;
-    if (r->count <= 1 || (may_stay && r->weight <= rule->block_size)) return false;
-    if (branch->defer && r->count < FEW_CELLS) return false;
-    uint8_t depth = r->depth;
+    if (r->count <= 1 || r->weight <= rule->block_size) return false;
     split s = {INFINITY, -1, 0};
-    if (depth < MEDIAN_DEPTH) {
+    if (r->depth < MEDIAN_DEPTH) {
         binning how = binning_of(r);
         bins sorted;
         if (how.little > 0) {
             fill_bins(r, branch->prims[r->side], &how, &sorted);
             s = find_split(rule, &sorted, &how);
         }
-        float area = box_area(r->box, how.little);
-        float blocks = (float)((r->weight + rule->block_size - 1) / rule->block_size);
-        if (may_stay && (s.axis < 0 || s.cost + NODE_COST * area >= area * blocks)) return false;
-        if (s.axis >= 0) {
-            partition(branch->prims, r, &how, s, right);
-            share_bins(&sorted, &how, s, r, right);
+        if (s.axis >= 0) share_bins(&sorted, &how, s, r->weight, left, right);
+        if (r->weight <= rule->leaf_size) {
+            float l = how.little;
+            if (s.axis < 0 || leaf_cost(rule, left, l) + leaf_cost(rule, right, l) >= WORTH * leaf_cost(rule, r, l)) return false;
         }
+        if (s.axis >= 0) partition(branch->prims, r, &how, s, left, right);
     }
-    if (s.axis < 0) halve(branch->prims, r, right);
-    right->depth = depth;
-    range_weigh(r);
-    range_weigh(right);
+    if (s.axis < 0) halve(branch->prims, r, left, right);
+    left->depth = right->depth = (uint8_t)(r->depth + 1);
     return true;
 }
 
-static int next_open(const range *parts, int count)
-{
-    int best = -1;
-    float most = -1;
-    for (int i = 0; i < count; i++)
-        if (!parts[i].leaf && parts[i].area > most) most = parts[i].area, best = i;
-    return best;
-}
+/* ---- the tree of forks ---- */
 
-static int split_eight(const daft_build_branch *branch, const range *whole, range parts[DAFT_WIDTH])
-{
-    int count = 1;
-    parts[0] = *whole;
-    parts[0].area = 0;
-    while (count < DAFT_WIDTH) {
-        int i = next_open(parts, count);
-        if (i < 0) break;
-        if (split_range(branch, &parts[i], &parts[count]))
-            count++;
-        else
-            parts[i].leaf = true;
-    }
-    return count;
-}
-
-/* Few prims that are leaves each need no search. */
-static int take_each(const daft_build_branch *branch, const range *whole, range parts[DAFT_WIDTH])
-{
-    const prim *prims = branch->prims[whole->side] + whole->first;
-    for (uint32_t i = 0; i < whole->count; i++)
-        parts[i] = (range){.box = prim_box(&prims[i]), .first = whole->first + i, .count = 1, .weight = 1, .side = whole->side, .leaf = true};
-    return (int)whole->count;
-}
-
-/* ---- what is written ---- */
-
-static uint32_t node_add(daft_build_sink *sink)
-{
-    daft_node_list *nodes = &sink->nodes;
-    if (sink->allocator && !daft_grow(sink->allocator, &nodes->items, &nodes->capacity, nodes->count + 1, nodes->count, sizeof(daft_node)))
-        return DAFT_CHILD_NONE;
-    return (uint32_t)nodes->count++;
-}
-
-static void node_fill(daft_node *node, const range *parts, const uint32_t *codes, int count)
-{
-    for (int i = 0; i < DAFT_WIDTH; i++) {
-        v4 low = v4_set(INFINITY), high = low;
-        if (i < count) low = v8_low(parts[i].box), high = v8_high(parts[i].box);
-        node->child[i] = i < count ? codes[i] : DAFT_CHILD_NONE, node->none[i] = 0;
-        for (int k = 0; k < 3; k++) node->bounds[k][i] = low[k], node->bounds[k + 3][i] = -high[k];
-    }
-}
-
-static __attribute__((noinline)) uint32_t leaf_add(daft_build_branch *branch, const range *r)
-{
-    const prim *prims = branch->prims[r->side] + r->first;
-    daft_build_sink *sink = branch->sink;
-    if (branch->rule->block_size == 1) return DAFT_CHILD_LEAF | prims[0].id;
-    uint32_t blocks = (r->count + DAFT_BLOCK - 1) / DAFT_BLOCK, first = (uint32_t)sink->block_count;
-    if (!daft_grow(sink->allocator, &sink->blocks, &sink->block_capacity, sink->block_count + blocks, sink->block_count,
-                   sizeof *sink->blocks))
-        return DAFT_CHILD_NONE;
-    for (uint32_t i = 0; i < blocks * DAFT_BLOCK; i++)
-        sink->blocks[first + i / DAFT_BLOCK][i % DAFT_BLOCK] = i < r->count ? prims[i].id : DAFT_NO_TRIANGLE;
-    sink->block_count += blocks;
-    return DAFT_CHILD_LEAF | first << 2 | (blocks - 1);
-}
-
-static uint32_t defer(daft_build_branch *branch, const range *r)
+static bool defer(daft_build_branch *branch, const range *r, daft_build_fork *fork)
 {
     if (!daft_grow(branch->allocator, &branch->tasks, &branch->task_capacity, branch->task_count + 1, branch->task_count,
                    sizeof *branch->tasks))
-        return DAFT_CHILD_NONE;
-    branch->tasks[branch->task_count] = (daft_build_task){.range = *r};
-    return DAFT_CHILD_LEAF | (uint32_t)branch->task_count++;
+        return false;
+    fork->first = (uint32_t)branch->task_count;
+    branch->tasks[branch->task_count++] = (daft_build_task){.range = *r};
+    return true;
 }
 
-static uint32_t build_child(daft_build_branch *branch, const range *r);
-
-/* A range that turns out to be one leaf is that, unless it is the root. */
-static uint32_t build_node(daft_build_branch *branch, const range *whole, bool root)
+/* Prims that are leaves each, eight or fewer: one by one behind their fork. */
+static void bundle(const daft_build_branch *branch, const range *r, daft_build_fork *fork)
 {
-    range parts[DAFT_WIDTH];
-    uint32_t codes[DAFT_WIDTH];
-    bool few = branch->rule->block_size == 1 && !branch->defer && whole->count <= DAFT_WIDTH;
-    int count = few ? take_each(branch, whole, parts) : split_eight(branch, whole, parts);
-    if (count == 1 && !root && !branch->defer) return leaf_add(branch, &parts[0]);
-    uint32_t self = node_add(branch->sink);
-    if (self == DAFT_CHILD_NONE) return self;
-    for (int i = 0; i < count; i++) {
-        parts[i].depth = (uint8_t)(whole->depth + 3);
-        codes[i] = build_child(branch, &parts[i]);
-        if (codes[i] == DAFT_CHILD_NONE) return DAFT_CHILD_NONE;
+    const prim *prims = branch->prims[r->side] + r->first;
+    fork->first = prims[0].id, fork->bundle = r->count > 1;
+    for (uint32_t i = 0; i < r->count && r->count > 1; i++) {
+        daft_build_fork *leaf = &branch->sink->forks[branch->sink->count++];
+        memcpy(leaf->low, prims[i].low, 2 * sizeof(v4));
+        leaf->right = 0, leaf->first = prims[i].id, leaf->count = 1, leaf->bundle = 0;
     }
-    node_fill(&branch->sink->nodes.items[self], parts, codes, count);
-    return self;
 }
 
-static uint32_t build_child(daft_build_branch *branch, const range *r)
+static void leave(const daft_build_branch *branch, const range *r)
 {
-    if (branch->defer && (r->count < TASK_CELLS || r->weight <= TASK_WEIGHT)) return defer(branch, r);
-    bool small = r->weight <= branch->rule->block_size && r->weight <= branch->rule->leaf_size;
-    return !branch->defer && (r->leaf || small) ? leaf_add(branch, r) : build_node(branch, r, false);
+    const prim *prims = branch->prims[r->side];
+    for (uint32_t i = r->first; i < r->first + r->count; i++) branch->numbers[i] = prims[i].id;
+}
+
+static bool grow(daft_build_branch *branch, const range *r)
+{
+    daft_build_sink *sink = branch->sink;
+    daft_build_fork *fork = &sink->forks[sink->count++];
+    memcpy(fork->low, &r->box, 2 * sizeof(v4));
+    fork->right = 0, fork->first = r->first, fork->count = daft_build_few(r->weight), fork->bundle = 0;
+    bool task = r->count < TASK_CELLS || r->weight <= TASK_WEIGHT || r->depth >= MEDIAN_DEPTH;
+    if (branch->defer && task) return defer(branch, r, fork);
+    range left, right;
+    if (branch->rule->block_size == 1 && !branch->defer && r->count <= DAFT_WIDTH) {
+        bundle(branch, r, fork);
+    } else if (!split_range(branch, r, &left, &right)) {
+        leave(branch, r);
+    } else {
+        if (!grow(branch, &left)) return false;
+        fork->right = (uint32_t)(&sink->forks[sink->count] - fork);
+        return grow(branch, &right);
+    }
+    return true;
 }
 
 /* ---- cells ---- */
@@ -374,9 +313,4 @@ static void scatter(const daft_build_grid *grid, const prim *prims, uint32_t cou
     for (uint32_t i = 0; i < count; i++) out[next[cell_of(grid, &prims[i])]++] = prims[i];
 }
 
-static uint32_t build_branch(daft_build_branch *branch, const range *r, bool root)
-{
-    return root ? build_node(branch, r, true) : build_child(branch, r);
-}
-
-const daft_build_kernels DAFT_KERNEL(daft_build) = {measure, build_branch, count_cells, scatter};
+const daft_build_kernels DAFT_KERNEL(daft_build) = {measure, grow, count_cells, scatter};

@@ -52,11 +52,6 @@ static void fill_chunk(void *context, uint32_t index, uint32_t worker)
 
 /* ---- out ---- */
 
-typedef struct out_job {
-    daft_bvh *bvh;
-    const daft_trimesh *mesh;
-} out_job;
-
 void daft_block_fill(const daft_trimesh *mesh, daft_block *block)
 {
     const uint32_t *corner = NULL;
@@ -71,29 +66,15 @@ void daft_block_fill(const daft_trimesh *mesh, daft_block *block)
     }
 }
 
-static void write_part(void *context, const daft_build_task *task)
-{
-    const out_job *job = context;
-    daft_bvh *bvh = job->bvh;
-    for (size_t i = 0; i < task->block_count; i++) {
-        daft_block *block = &bvh->blocks[task->block_base + i];
-        memcpy(block->triangle, task->sink->blocks[task->block_first + i], sizeof block->triangle);
-        daft_block_fill(job->mesh, block);
-    }
-}
-
 static bool write_tree(daft_build *build, const daft_trimesh *mesh, daft_bvh *bvh)
 {
     const daft_allocator *a = &bvh->allocator;
-    daft_release(a, build->other);
-    build->other = NULL;
     bvh->nodes.items = daft_alloc(a, build->node_count, sizeof(daft_node));
     bvh->blocks = daft_alloc(a, build->block_count, sizeof(daft_block));
     if (!bvh->nodes.items || !bvh->blocks) return false;
     bvh->nodes.count = bvh->nodes.capacity = build->node_count;
     bvh->block_count = build->block_count;
-    out_job job = {bvh, mesh};
-    daft_build_write(build, bvh->nodes.items, write_part, &job);
+    daft_build_write(build, &(daft_build_out){bvh->nodes.items, bvh->blocks, mesh});
     return true;
 }
 
@@ -112,6 +93,8 @@ static bool build_whole(daft_build *build, const daft_trimesh *mesh, const daft_
     daft_team_for(build->team, (build->count + FILL_CHUNK - 1) / FILL_CHUNK, fill_chunk, &fill);
     bool done = daft_build_run(build);
     daft_release(build->allocator, build->prims);
+    daft_release(build->allocator, build->other); /* what is written has no need of them */
+    build->prims = build->other = NULL;
     return done;
 }
 

@@ -15,7 +15,6 @@
 enum { BINS = 16, HALVE_BELOW = 40, TASK_COUNT = 4096 };
 #define OVERLAP 1e-5
 #define REPEATS 1.0
-#define NODE_COST 1.25 /* as in build_kernel.c */
 #define PAD 0x1p-18f
 
 typedef struct bounds {
@@ -28,7 +27,6 @@ typedef struct span {
     size_t count, repeats;
     bounds box;
     int depth;
-    bool leaf;
 } span;
 
 typedef struct grower {
@@ -63,7 +61,16 @@ static double half_area(const bounds *b)
     return x < 0 || y < 0 || z < 0 ? 0 : x * (y + z) + y * z;
 }
 
-static double cost_of(const bounds *b, size_t count) { return half_area(b) * (double)((count + DAFT_BLOCK - 1) / DAFT_BLOCK); }
+/* leaf: what one costs besides its blocks, in blocks; 0 for what will have many leaves. */
+static double cost_of(const bounds *b, size_t count, double leaf)
+{
+    return half_area(b) * (leaf + (double)((count + DAFT_BLOCK - 1) / DAFT_BLOCK));
+}
+
+static double leaf_cost(size_t count)
+{
+    return count <= DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK ? (double)DAFT_LEAF_COST / (double)DAFT_BLOCK_COST : 0;
+}
 
 static float middle(const daft_part *p, int axis) { return 0.5f * p->low[axis] + 0.5f * p->high[axis]; }
 
@@ -80,7 +87,7 @@ static void clear_bins(bin bins[BINS])
 }
 
 /* The best of the planes between bins; at(i) is low + i·width. */
-static void sweep(const bin bins[BINS], int axis, double low, double width, bool cuts, split *best)
+static void sweep(const bin bins[BINS], int axis, double low, double width, bool cuts, double leaf, split *best)
 {
     bounds right[BINS], left = bounds_empty(), sum = bounds_empty();
     size_t above[BINS], begun = 0, ended = 0;
@@ -93,7 +100,7 @@ static void sweep(const bin bins[BINS], int axis, double low, double width, bool
         bounds_add(&left, bins[i - 1].box.low, bins[i - 1].box.high);
         begun += bins[i - 1].begins;
         if (begun == 0 || above[i] == 0) continue;
-        double cost = cost_of(&left, begun) + cost_of(&right[i], above[i]);
+        double cost = cost_of(&left, begun, leaf) + cost_of(&right[i], above[i], leaf);
         if (!(cost < best->cost)) continue;
         bounds both;
         for (int k = 0; k < 3; k++)
@@ -125,7 +132,7 @@ static void split_by_middles(const span *s, split *best)
             bounds_add(&b->box, s->parts[i].low, s->parts[i].high);
             b->begins++, b->ends++;
         }
-        sweep(bins, axis, (double)low, width, false, best);
+        sweep(bins, axis, (double)low, width, false, leaf_cost(s->count), best);
     }
 }
 
@@ -160,7 +167,7 @@ static void split_by_cutting(const grower *g, const span *s, split *best)
             }
             bounds_add(&bins[last].box, rest.low, rest.high);
         }
-        sweep(bins, axis, low, width, true, best);
+        sweep(bins, axis, low, width, true, leaf_cost(s->count), best);
     }
 }
 
@@ -218,12 +225,12 @@ static split find_split(const grower *g, const span *s, split *by_middles)
 static bool split_span(grower *g, span *s, span *right)
 {
     bool may_stay = s->count <= DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK;
-    if (s->leaf || s->count <= DAFT_BLOCK) return false;
+    if (s->count <= DAFT_BLOCK) return false;
     split how = {.axis = -1}, by_middles = how;
     if (s->depth < HALVE_BELOW) how = find_split(g, s, &by_middles);
-    if (may_stay && (how.axis < 0 || how.cost + NODE_COST * half_area(&s->box) >= cost_of(&s->box, s->count))) return false;
-    span left = {.parts = daft_alloc(g->allocator, s->count, sizeof(daft_part)), .depth = s->depth};
-    *right = (span){.parts = daft_alloc(g->allocator, s->count, sizeof(daft_part)), .depth = s->depth};
+    if (may_stay && (how.axis < 0 || how.cost >= cost_of(&s->box, s->count, leaf_cost(s->count)))) return false;
+    span left = {.parts = daft_alloc(g->allocator, s->count, sizeof(daft_part)), .depth = s->depth + 1};
+    *right = (span){.parts = daft_alloc(g->allocator, s->count, sizeof(daft_part)), .depth = s->depth + 1};
     if (!left.parts || !right->parts) {
         daft_release(g->allocator, left.parts);
         daft_release(g->allocator, right->parts);
@@ -238,87 +245,62 @@ static bool split_span(grower *g, span *s, span *right)
     return true;
 }
 
-static int widest_open(const span *spans, int count)
-{
-    int best = -1;
-    double most = -1;
-    for (int i = 0; i < count; i++) {
-        double size = spans[i].depth < HALVE_BELOW ? half_area(&spans[i].box) : (double)spans[i].count;
-        if (!spans[i].leaf && size > most) most = size, best = i;
-    }
-    return best;
-}
-
 /* ---- the tree ---- */
 
-static uint32_t leaf_add(const grower *g, const span *s)
+static bool leave(const grower *g, const span *s)
 {
     daft_build_sink *sink = g->sink;
-    uint32_t blocks = (uint32_t)((s->count + DAFT_BLOCK - 1) / DAFT_BLOCK), first = (uint32_t)sink->block_count;
-    if (!daft_grow(g->allocator, &sink->blocks, &sink->block_capacity, first + blocks, first, sizeof *sink->blocks))
-        return DAFT_CHILD_NONE;
-    for (size_t i = 0; i < (size_t)blocks * DAFT_BLOCK; i++)
-        sink->blocks[first + i / DAFT_BLOCK][i % DAFT_BLOCK] = i < s->count ? s->parts[i].triangle : DAFT_NO_TRIANGLE;
-    sink->block_count += blocks;
-    return DAFT_CHILD_LEAF | first << 2 | (blocks - 1);
-}
-
-static void node_fill(daft_node *node, const bounds *boxes, const uint32_t *codes, int count)
-{
-    for (int i = 0; i < DAFT_WIDTH; i++) {
-        node->child[i] = i < count ? codes[i] : DAFT_CHILD_NONE, node->none[i] = 0;
-        for (int k = 0; k < 3; k++) {
-            node->bounds[k][i] = i < count ? boxes[i].low[k] : INFINITY;
-            node->bounds[k + 3][i] = i < count ? boxes[i].high[k] : -INFINITY;
-        }
-    }
+    size_t count = sink->number_count;
+    if (!daft_grow(g->allocator, &sink->numbers, &sink->number_capacity, count + s->count, count, sizeof *sink->numbers)) return false;
+    for (size_t i = 0; i < s->count; i++) sink->numbers[count + i] = s->parts[i].triangle;
+    sink->number_count = count + s->count;
+    return true;
 }
 
 /* A task takes the span's parts. */
-static uint32_t defer(grower *g, span *s)
+static bool defer(grower *g, span *s)
 {
-    if (!daft_grow(g->allocator, &g->tasks, &g->task_capacity, g->task_count + 1, g->task_count, sizeof *g->tasks)) return DAFT_CHILD_NONE;
-    g->tasks[g->task_count] = *s;
+    if (!daft_grow(g->allocator, &g->tasks, &g->task_capacity, g->task_count + 1, g->task_count, sizeof *g->tasks)) return false;
+    g->tasks[g->task_count++] = *s;
     s->parts = NULL;
-    return DAFT_CHILD_LEAF | (uint32_t)g->task_count++;
+    return true;
 }
 
-static uint32_t grow(grower *g, span *whole, bool root);
+static bool grow(grower *g, span *s);
 
-static uint32_t grow_child(grower *g, span *s)
+/* The two sides, or what is not parted; right's parts are used up. */
+static bool grow_parts(grower *g, span *s, daft_build_fork *fork)
 {
-    if (g->defer && s->count <= TASK_COUNT) return defer(g, s);
-    return s->leaf || s->count <= DAFT_BLOCK ? leaf_add(g, s) : grow(g, s, false);
+    span right = {.parts = NULL};
+    if (g->defer && s->count <= TASK_COUNT) {
+        fork->first = (uint32_t)g->task_count;
+        return defer(g, s);
+    }
+    if (!split_span(g, s, &right)) return !g->failed && leave(g, s);
+    bool done = grow(g, s);
+    fork->right = (uint32_t)(&g->sink->forks[g->sink->count] - fork);
+    done = done && grow(g, &right);
+    daft_release(g->allocator, right.parts);
+    return done;
 }
 
-/* Uses up the span's parts. */
-static uint32_t grow(grower *g, span *whole, bool root)
+/* Uses up the span's parts. False: memory is out. */
+static bool grow(grower *g, span *s)
 {
-    span spans[DAFT_WIDTH] = {*whole};
-    bounds boxes[DAFT_WIDTH];
-    uint32_t codes[DAFT_WIDTH], self = DAFT_CHILD_NONE;
-    int count = 1, open = 0;
-    whole->parts = NULL;
-    for (; count < DAFT_WIDTH && open >= 0; open = widest_open(spans, count)) {
-        if (split_span(g, &spans[open], &spans[count]))
-            count++;
-        else
-            spans[open].leaf = true;
-    }
-    daft_node_list *nodes = &g->sink->nodes;
-    bool single = count == 1 && !root && !g->defer;
-    bool good = !g->failed && (single || daft_grow(g->allocator, &nodes->items, &nodes->capacity, nodes->count + 1, nodes->count, sizeof(daft_node)));
-    if (good && single) self = leaf_add(g, &spans[0]);
-    if (good && !single) self = (uint32_t)nodes->count++;
-    for (int i = 0; i < count; i++) {
-        boxes[i] = spans[i].box;
-        spans[i].depth += 3;
-        if (good && !single) codes[i] = grow_child(g, &spans[i]), good = codes[i] != DAFT_CHILD_NONE;
-        daft_release(g->allocator, spans[i].parts);
-    }
-    if (good && !single) node_fill(&nodes->items[self], boxes, codes, count);
-    return good ? self : DAFT_CHILD_NONE;
+    daft_build_sink *sink = g->sink;
+    daft_build_fork *fork = &sink->forks[sink->count++];
+    size_t first = sink->number_count;
+    for (int k = 0; k < 3; k++) fork->low[k] = s->box.low[k], fork->high[k] = -s->box.high[k];
+    fork->right = 0, fork->first = (uint32_t)first, fork->count = daft_build_few(s->count), fork->bundle = 0;
+    bool done = grow_parts(g, s, fork);
+    if (!g->defer) fork->count = daft_build_few(sink->number_count - first);
+    daft_release(g->allocator, s->parts);
+    s->parts = NULL;
+    return done;
 }
+
+/* Its parts may be repeated, and no fork is without one. */
+static bool reserve(grower *g, const span *s) { return daft_build_reserve(g->allocator, g->sink, 2 * (s->count + s->repeats), 0); }
 
 /* ---- threads ---- */
 
@@ -331,16 +313,15 @@ static void run_task(void *context, uint32_t index, uint32_t worker)
 {
     spatial_job *job = context;
     daft_build_task *task = &job->build->tasks[index];
-    daft_build_sink *sink = &job->build->sinks[worker];
+    daft_build_sink *sink = &job->build->sinks[index];
+    (void)worker;
     grower g = job->top;
-    g.sink = task->sink = sink, g.defer = false;
-    task->node_first = sink->nodes.count, task->block_first = sink->block_count;
-    span *s = &job->top.tasks[index];
-    task->code = job->build->top.nodes.count == 0 ? grow(&g, s, true) : grow_child(&g, s);
-    daft_release(g.allocator, s->parts);
-    s->parts = NULL;
-    task->node_count = sink->nodes.count - task->node_first;
-    task->block_count = sink->block_count - task->block_first;
+    g.sink = sink, g.defer = false;
+    if (!reserve(&g, &job->top.tasks[index])) return;
+    daft_build_fork *forks = sink->forks + sink->count;
+    if (!grow(&g, &job->top.tasks[index])) return;
+    daft_build_weigh(&job->build->rule, forks, (size_t)(sink->forks + sink->count - forks));
+    task->forks = forks, task->numbers = sink->numbers;
 }
 
 static bool first_span(const grower *g, span *whole)
@@ -363,23 +344,21 @@ static bool run_all(daft_build *build, spatial_job *job)
     top->whole = half_area(&whole.box);
     top->sink = &build->top;
     top->defer = true;
-    build->sink_count = (size_t)daft_max_i(build->threads, 1);
-    build->sinks = daft_alloc_zero(build->allocator, build->sink_count, sizeof *build->sinks);
-    bool small = whole.count <= TASK_COUNT; /* one task, which has the root */
-    if (!build->sinks || (small ? defer(top, &whole) : grow(top, &whole, true)) == DAFT_CHILD_NONE) {
+    bool small = whole.count <= TASK_COUNT; /* one task, and nothing above it */
+    if (!reserve(top, &whole) || !(small ? defer(top, &whole) : grow(top, &whole))) {
         daft_release(build->allocator, whole.parts);
         return false;
     }
     build->tasks = daft_alloc_zero(build->allocator, top->task_count, sizeof *build->tasks);
-    if (!build->tasks) return false;
-    build->task_count = top->task_count;
+    build->sinks = daft_alloc_zero(build->allocator, top->task_count, sizeof *build->sinks);
+    if (!build->tasks || !build->sinks) return false;
+    build->task_count = build->sink_count = top->task_count;
     daft_team_for(build->team, (uint32_t)build->task_count, run_task, job);
-    return daft_build_place(build);
+    return daft_build_collapse(build);
 }
 
 bool daft_build_spatial(daft_build *build, const daft_trimesh *mesh)
 {
-    build->top.allocator = build->allocator;
     spatial_job job = {.build = build, .top = {.allocator = build->allocator, .mesh = mesh}};
     bool done = run_all(build, &job);
     for (size_t i = 0; i < job.top.task_count; i++) daft_release(build->allocator, job.top.tasks[i].parts);

@@ -44,7 +44,7 @@ static void build_nodes(void *context, daft_team *team)
     job->out->items = daft_arena_alloc(job->arena, build.node_count, sizeof(daft_node));
     if (!job->out->items) return;
     job->out->count = job->out->capacity = build.node_count;
-    daft_build_write(&build, job->out->items, NULL, NULL);
+    daft_build_write(&build, &(daft_build_out){.nodes = job->out->items});
     job->done = true;
 }
 

@@ -14,7 +14,7 @@
 #include "math/simd.h"
 
 enum { PARTS = 4, SAMPLE = 256, ONE_IN = 96, LEAST = 2048, SWEEPS = 6 };
-enum { SPREAD = 8, SCALES = 4, RUNS = 16, LEAST_BLOCKS = 4096 };
+enum { SPREAD = 8, LEVELS = 8, RUNS = 16, LEAST_BLOCKS = 4096 };
 /* Boxes' surfaces must be less than WORTH of what they are along the mesh's axes, those of each part less than BETTER. Groups
  * are few, and cut by planes across the mesh's axes: in another frame they look larger than those of a tree that is built in it. */
 #define WORTH 0.7f
@@ -213,25 +213,51 @@ bool daft_turn_find(const daft_trimesh *mesh, daft_turn *out)
 
 /* ---- what a tree's nodes say ---- */
 
-/* What some nodes hold, of each of a few sizes: of runs of SPREAD, SPREAD^2, ... blocks in the order in which they stand in the
- * tree, which are about what nodes hold, a corner of the triangles of SPREAD blocks. */
+/* What some nodes hold, on each of the upper levels: a corner of the triangles of SPREAD of the blocks below each. */
 typedef struct groups {
     uint32_t count;
-    v4 corner[SCALES * RUNS][SPREAD][3];
-    float weight[SCALES * RUNS]; /* how many nodes it stands for */
+    v4 corner[LEVELS * RUNS][SPREAD][3];
+    float weight[LEVELS * RUNS]; /* how many nodes it stands for */
 } groups;
 
+/* Blocks stand in depth-first order, so those below a node are in a row: its first, or its last. */
+static uint32_t block_below(const daft_bvh *bvh, uint32_t child, bool last)
+{
+    while (!(child & DAFT_CHILD_LEAF)) {
+        const uint32_t *children = bvh->nodes.items[child].child;
+        int i = 0;
+        while (last && i < DAFT_WIDTH - 1 && children[i + 1] != DAFT_CHILD_NONE) i++;
+        child = children[i];
+    }
+    return ((child & ~DAFT_CHILD_LEAF) >> 2) + (last ? child & 3 : 0);
+}
+
+static void take_group(const daft_bvh *bvh, uint32_t node, float weight, groups *out)
+{
+    uint32_t first = block_below(bvh, node, false), span = block_below(bvh, node, true) - first;
+    for (uint32_t j = 0; j < SPREAD; j++)
+        for (int k = 0; k < 3; k++)
+            out->corner[out->count][j][k] = v4_load(bvh->blocks[first + (uint32_t)((uint64_t)span * j / (SPREAD - 1))].corner[0][k]);
+    out->weight[out->count++] = weight;
+}
+
+/* From the root down to a lowest node, any child of a node being as likely as the next. */
 static void take_groups(const daft_bvh *bvh, groups *out)
 {
-    uint32_t blocks = (uint32_t)bvh->block_count, size = SPREAD;
+    uint32_t state = 1;
     out->count = 0;
-    for (int scale = 0; scale < SCALES && blocks / size >= RUNS; scale++, size *= SPREAD) {
-        for (uint32_t i = 0; i < RUNS; i++) {
-            uint32_t first = (uint32_t)((uint64_t)(i * 2654435769u) * (blocks / size) >> 32) * size;
-            for (uint32_t j = 0; j < SPREAD; j++)
-                for (int k = 0; k < 3; k++)
-                    out->corner[out->count][j][k] = v4_load(bvh->blocks[first + j * (size / SPREAD)].corner[0][k]);
-            out->weight[out->count++] = (float)(blocks / size);
+    for (int run = 0; run < RUNS; run++) {
+        uint32_t node = 0, below[DAFT_WIDTH];
+        float weight = 1;
+        for (int level = 0; level < LEVELS; level++) {
+            uint32_t count = 0;
+            take_group(bvh, node, weight, out);
+            for (int i = 0; i < DAFT_WIDTH; i++)
+                if (!(bvh->nodes.items[node].child[i] & DAFT_CHILD_LEAF)) below[count++] = bvh->nodes.items[node].child[i];
+            if (count == 0) break;
+            state = state * 747796405u + 2891336453u;
+            node = below[(uint64_t)state * count >> 32];
+            weight *= (float)count;
         }
     }
 }
