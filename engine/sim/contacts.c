@@ -31,6 +31,7 @@ void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch)
                           daft_sim_max(x->rolling_resistance, y->rolling_resistance)};
     if (world->pairs && world->pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind].friction >= 0)
         pair = world->pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind];
+    touch->known = true;
     touch->belted = !daft_sim_is_zero(x->belt) || !daft_sim_is_zero(y->belt);
     touch->friction = pair.friction;
     touch->static_friction = daft_sim_max(pair.friction, pair.static_friction);
@@ -298,7 +299,7 @@ static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p
         kept++;
     }
     for (uint32_t i = 0; i < kept; i++) patches[i] = fresh[i];
-    if (kept > 0 && touch->patch_count == 0) daft_sim_touch_materials(world, touch);
+    if (kept > 0 && !touch->known) daft_sim_touch_materials(world, touch);
     touch->patch_count = kept;
 }
 
@@ -343,7 +344,7 @@ static uint32_t begin_patch(const daft_world *world, daft_sim_touch *touch)
     patch->shared = false;
     patch->total_impulse = patch->speed = 0;
     if (touch->patch_count > 0) return had;
-    daft_sim_touch_materials(world, touch);
+    if (!touch->known) daft_sim_touch_materials(world, touch);
     patch->friction_impulse = patch->rolling_impulse = patch->slip = zero;
     patch->twist_impulse = patch->twist_slip = patch->load = 0;
     return 0;

@@ -227,7 +227,7 @@ void daft_sim_groups_fit(daft_world *world)
 
 /* ---- near pairs ---- */
 
-enum { BATCH = 128 };
+enum { BATCH = 2 * DAFT_SIM_GROUP * DAFT_SIM_GROUP };
 
 /* Near pairs of a part, on average, from which on they are found by size. */
 #define CROWDED 64
@@ -259,12 +259,18 @@ static void hand_over(search *s)
 }
 
 /* A dynamic one first, the sensor first, else the lower index. */
-static void add_pair(search *s, uint32_t a, uint32_t class_a, uint32_t b, uint32_t class_b)
+static uint64_t key_of(uint32_t a, uint32_t class_a, uint32_t b, uint32_t class_b)
 {
     bool yields_a = class_a & DAFT_SIM_YIELDS, yields_b = class_b & DAFT_SIM_YIELDS;
-    bool sensor = (class_a | class_b) & DAFT_SIM_SENSES;
-    bool swap = sensor ? class_b & DAFT_SIM_SENSES : yields_a == yields_b ? b < a : yields_b;
-    s->batch[s->batched++] = swap ? (uint64_t)b << 32 | a : (uint64_t)a << 32 | b;
+    bool sensor = (class_a | class_b) & DAFT_SIM_SENSES, senses_b = class_b & DAFT_SIM_SENSES;
+    bool swap = sensor ? senses_b : yields_a == yields_b ? b < a : yields_b;
+    uint64_t first = swap ? b : a, second = swap ? a : b;
+    return first << 32 | second;
+}
+
+static void add_pair(search *s, uint32_t a, uint32_t class_a, uint32_t b, uint32_t class_b)
+{
+    s->batch[s->batched++] = key_of(a, class_a, b, class_b);
     if (s->batched == BATCH) hand_over(s);
 }
 
@@ -284,21 +290,41 @@ static void keep_partner(search *s, uint32_t row, uint32_t other)
 /* What daft_sim_may_meet says, but for joints. */
 static bool may_meet(uint32_t class_a, uint32_t class_b)
 {
-    if ((class_a | class_b) & DAFT_SIM_SENSES) return !(class_a & class_b & (DAFT_SIM_SENSES | DAFT_SIM_STANDS));
-    return (class_a | class_b) & DAFT_SIM_YIELDS;
+    uint32_t any = class_a | class_b, both = class_a & class_b;
+    return any & DAFT_SIM_SENSES ? !(both & (DAFT_SIM_SENSES | DAFT_SIM_STANDS)) : any & DAFT_SIM_YIELDS;
 }
 
-static void take_hits(search *s, uint32_t row, const daft_sim_group *other, uint32_t hits)
+/* Without branches, as in daft_sim_overlap. */
+static bool is_pair(const search *s, const daft_sim_group *other, uint32_t row, uint32_t lane)
 {
     const daft_sim_group *g = s->group;
-    const daft_sim_bounds *tight = s->world->tight, *mine = &tight[g->part[row]];
-    for (; hits; hits &= hits - 1) {
-        uint32_t lane = (uint32_t)__builtin_ctz(hits);
-        if (g->body[row] == other->body[lane] || !(g->layers[row] & other->mask[lane]) ||
-            !(other->layers[lane] & g->mask[row]) || !may_meet(g->class[row], other->class[lane]) ||
-            !daft_sim_overlap(mine, &tight[other->part[lane]]))
-            continue;
-        if (s->found->by_size && g->class[row] & other->class[lane] & DAFT_SIM_YIELDS)
+    const daft_sim_bounds *tight = s->world->tight;
+    bool meet = g->body[row] != other->body[lane];
+    meet &= (g->layers[row] & other->mask[lane]) != 0;
+    meet &= (other->layers[lane] & g->mask[row]) != 0;
+    meet &= may_meet(g->class[row], other->class[lane]);
+    return meet & daft_sim_overlap(&tight[g->part[row]], &tight[other->part[lane]]);
+}
+
+static void take_hits(search *s, const daft_sim_group *other, const uint32_t *crossings, uint32_t count)
+{
+    const daft_sim_group *g = s->group;
+    uint32_t batched = s->batched;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t row = crossings[i] / DAFT_SIM_GROUP, lane = crossings[i] % DAFT_SIM_GROUP;
+        s->batch[batched] = key_of(g->part[row], g->class[row], other->part[lane], other->class[lane]);
+        batched += is_pair(s, other, row, lane);
+    }
+    s->batched = batched;
+}
+
+static void take_hits_by_size(search *s, const daft_sim_group *other, const uint32_t *crossings, uint32_t count)
+{
+    const daft_sim_group *g = s->group;
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t row = crossings[i] / DAFT_SIM_GROUP, lane = crossings[i] % DAFT_SIM_GROUP;
+        if (!is_pair(s, other, row, lane)) continue;
+        if (g->class[row] & other->class[lane] & DAFT_SIM_YIELDS)
             keep_partner(s, row, other->part[lane]);
         else
             add_pair(s, g->part[row], g->class[row], other->part[lane], other->class[lane]);
@@ -326,11 +352,12 @@ static void visit_resting(void *context, uint32_t index)
 
 static void search_among(search *s, uint32_t index, uint32_t other)
 {
-    daft_sim_crossing crossings[DAFT_SIM_GROUP];
+    uint32_t crossings[DAFT_SIM_CROSSINGS];
     if (!s->found->by_size && other < index) return; /* found from there */
     const daft_sim_group *group = &s->world->groups[other];
     uint32_t count = daft_sim_group_kernels_of(s->world)->cross(s->group, group, s->found->by_size, crossings);
-    for (uint32_t i = 0; i < count; i++) take_hits(s, crossings[i].row, group, crossings[i].hits);
+    if (s->batched + count >= BATCH) hand_over(s);
+    (s->found->by_size ? take_hits_by_size : take_hits)(s, group, crossings, count);
 }
 
 static void search_moving(search *s, uint32_t index)

@@ -29,17 +29,17 @@ typedef struct daft_sim_group {
     uint32_t used; /* bits */
 } daft_sim_group;
 
-typedef struct daft_sim_crossing {
-    uint32_t row, hits; /* bits: parts of the other group */
-} daft_sim_crossing;
+/* A part of one group and one of another whose bounds meet: row · DAFT_SIM_GROUP + lane. A kernel writes some more than it
+ * finds. */
+enum { DAFT_SIM_CROSSINGS = DAFT_SIM_GROUP * DAFT_SIM_GROUP + 8 };
 
 typedef struct daft_sim_group_kernels {
     /* Which of the boxes a box meets: bits. */
     uint32_t (*meets)(const daft_sim_boxes *boxes, const float low[3], const float high[3]);
     /* Parts of a group against those of another one, which may be the same. Each finds all that it meets, in its own group
-     * those in lanes after it; by size: the larger ones, and of its own size those of higher index. Gives how many found any. */
+     * those in lanes after it; by size: the larger ones, and of its own size those of higher index. Row by row; gives how many. */
     uint32_t (*cross)(const daft_sim_group *group, const daft_sim_group *other, bool by_size,
-                      daft_sim_crossing out[DAFT_SIM_GROUP]);
+                      uint32_t out[DAFT_SIM_CROSSINGS]);
 } daft_sim_group_kernels;
 
 DAFT_KERNEL_DECLARE(daft_sim_group_kernels, daft_sim_group);

@@ -226,12 +226,13 @@ typedef struct daft_sim_touch {
     bool listed;
     bool owned_by_a;
     bool touching; /* as events tell it */
-    bool belted;   /* a side is a belt; while it has patches */
+    bool known;    /* what follows from the parts' materials: found when it first has patches */
+    bool belted;   /* a side is a belt */
     uint32_t patch_count;
     daft_pair_cache cache;
     double cleared_at; /* how far both bodies had gone when the cache's clearance was found */
     uint32_t next[2], previous[2]; /* in the lists of body a and b; next[0] of free slots: the next one */
-    float friction, static_friction, restitution, rolling; /* while it has patches; rolling in metres */
+    float friction, static_friction, restitution, rolling; /* rolling in metres */
     daft_sim_patch own;
     daft_sim_patch *more; /* DAFT_SIM_MAX_PATCHES of them where a part is not convex */
 } daft_sim_touch;
@@ -524,7 +525,7 @@ bool daft_sim_pairs_reserve(daft_world *world, size_t more);
 
 /* Patches of everything listed, and which of it has met. False when memory is out. */
 bool daft_sim_contacts_update(daft_world *world, float dt);
-/* From the materials of its parts: for one that gets patches, or whose parts' materials changed. */
+/* From the materials of its parts. */
 void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch);
 /* The way of a body's part over dt, as it is going now. */
 daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt);

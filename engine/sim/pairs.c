@@ -71,7 +71,7 @@ void daft_sim_touch_enter(daft_world *world, uint32_t index)
         touch->owned_by_a = owns(world, touch->part_a, touch->part_b);
         world->parts[touch->owned_by_a ? touch->part_a : touch->part_b].owned++;
     }
-    if (touch->patch_count > 0) daft_sim_touch_materials(world, touch); /* of a world that was loaded */
+    if (touch->known || touch->patch_count > 0) daft_sim_touch_materials(world, touch); /* of a world that was loaded */
     link_edge(world, index, 0);
     link_edge(world, index, 1);
     world->live_touches++;
