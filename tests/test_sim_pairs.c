@@ -94,7 +94,7 @@ static void change_some(daft_world *world, uint32_t *ids)
             daft_world_set_awake(world, ids[i], uniform(0, 1) < 0.3);
         } else {
             daft_sim_joint_def joint = daft_default_sim_joint_def();
-            joint.body_a = ids[i], joint.body_b = ids[(i + 1) % BODIES], joint.anchor = at;
+            joint.body_a = ids[i], joint.body_b = ids[(i + (i % 3 ? 1 : 90)) % BODIES], joint.anchor = at;
             uint32_t made = daft_world_add_joint(world, &joint, NULL);
             if (made && uniform(0, 1) < 0.7) daft_world_remove_joint(world, made);
         }

@@ -76,8 +76,17 @@ static void take_slot(daft_world *world, uint32_t slot, uint32_t index)
     group->part[lane] = index, group->body[lane] = part->body;
     group->layers[lane] = part->layers, group->mask[lane] = part->mask, group->class[lane] = class;
     group->reach[lane] = class & DAFT_SIM_YIELDS ? part->reach : class == DAFT_SIM_STANDS ? INFINITY : FLT_MAX;
+    group->joined[lane] = world->bodies[part->body].joined;
     group->used |= 1u << lane;
     world->slots[index] = slot;
+}
+
+void daft_sim_groups_joined(daft_world *world, uint32_t body)
+{
+    for (uint32_t p = world->bodies[body].first_part; p != DAFT_SIM_NONE; p = world->parts[p].next) {
+        uint32_t slot = world->slots[p];
+        if (slot != DAFT_SIM_NONE) world->groups[slot / DAFT_SIM_GROUP].joined[slot % DAFT_SIM_GROUP] = world->bodies[body].joined;
+    }
 }
 
 void daft_sim_group_leave(daft_world *world, uint32_t part)
@@ -287,7 +296,7 @@ static void keep_partner(search *s, uint32_t row, uint32_t other)
     if (other < partners[most]) partners[most] = other;
 }
 
-/* What daft_sim_may_meet says, but for joints. */
+/* What daft_sim_may_meet says, but for joints of bodies that are far from each other in their list. */
 static bool may_meet(uint32_t class_a, uint32_t class_b)
 {
     uint32_t any = class_a | class_b, both = class_a & class_b;
@@ -299,7 +308,10 @@ static bool is_pair(const search *s, const daft_sim_group *other, uint32_t row, 
 {
     const daft_sim_group *g = s->group;
     const daft_sim_bounds *tight = s->world->tight;
-    bool meet = g->body[row] != other->body[lane];
+    uint32_t a = g->body[row], b = other->body[lane], places = (a < b ? b - a : a - b) - 1;
+    uint64_t joined = a < b ? g->joined[row] : other->joined[lane];
+    bool senses = (g->class[row] | other->class[lane]) & DAFT_SIM_SENSES, meet = a != b;
+    meet &= senses | (places >= 64) | !(joined >> (places & 63) & 1);
     meet &= (g->layers[row] & other->mask[lane]) != 0;
     meet &= (other->layers[lane] & g->mask[row]) != 0;
     meet &= may_meet(g->class[row], other->class[lane]);

@@ -25,6 +25,7 @@ typedef struct daft_sim_group {
     float reach[DAFT_SIM_GROUP];    /* what does not yield is larger than all */
     uint32_t part[DAFT_SIM_GROUP];  /* DAFT_SIM_NONE: none */
     uint32_t body[DAFT_SIM_GROUP], layers[DAFT_SIM_GROUP], mask[DAFT_SIM_GROUP], class[DAFT_SIM_GROUP];
+    uint64_t joined[DAFT_SIM_GROUP]; /* as of the bodies */
     float low[3], high[3]; /* around all of them */
     uint32_t used; /* bits */
 } daft_sim_group;

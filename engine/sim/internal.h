@@ -181,6 +181,7 @@ typedef struct daft_sim_body {
 
     uint32_t user;
     uint32_t first_joint;       /* index · 2 + side */
+    uint64_t joined;            /* bit k: a joint keeps it from touching the body k + 1 places after it (joint.c) */
     float wanted_mass;          /* as defined; 0: from densities */
     float mass;
     daft_dvec3 target_position; /* kinematic bodies with has_target: the pose at the end of the next step */
@@ -188,6 +189,7 @@ typedef struct daft_sim_body {
     bool has_target;
     bool follows;          /* the velocity came from a target, so it ends with the step */
     bool ball;             /* a part is a sphere */
+    bool joined_far;       /* a joint keeps it from touching a body more than 64 places from it */
     uint32_t fixed_met;    /* scratch of ghost.c: touches with what does not yield */
     uint32_t next_free;
     uint32_t ring;         /* asleep: the next body that fell asleep with it */
@@ -493,6 +495,8 @@ void daft_sim_outlines_rest(daft_world *world, uint32_t body);
 
 /* What is active, or was placed, joins the groups. False when memory is out. */
 bool daft_sim_groups_join(daft_world *world);
+/* The bodies that joints keep one from touching have changed. */
+void daft_sim_groups_joined(daft_world *world, uint32_t body);
 /* A part that rests from now on, or is to be removed. */
 void daft_sim_group_leave(daft_world *world, uint32_t part);
 /* To the bounds over the step. */

@@ -106,10 +106,32 @@ static void unlink_joint(daft_world *world, uint32_t index, int side)
         world->bodies[joint->body[side]].first_joint = next;
 }
 
+enum { JOINED_PLACES = 64 }; /* bits of a body's `joined` */
+
+/* The bodies that joints keep one from touching: pairs are asked for them all the time, and most are made one after another. */
+static void set_joined(daft_world *world, uint32_t index)
+{
+    if (index == DAFT_SIM_NONE) return;
+    daft_sim_body *body = &world->bodies[index];
+    body->joined = 0;
+    body->joined_far = false;
+    for (uint32_t e = body->first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
+        const daft_sim_joint *joint = &world->joints[e >> 1];
+        uint32_t other = joint->body[(e & 1) ^ 1], places = other > index ? other - index : index - other;
+        if (joint->collide || other == DAFT_SIM_NONE) continue;
+        if (places > JOINED_PLACES)
+            body->joined_far = true;
+        else if (other > index)
+            body->joined |= (uint64_t)1 << (places - 1);
+    }
+    daft_sim_groups_joined(world, index);
+}
+
 void daft_sim_joint_link(daft_world *world, uint32_t index)
 {
     link_joint(world, index, 0);
     link_joint(world, index, 1);
+    for (int side = 0; side < 2; side++) set_joined(world, world->joints[index].body[side]);
 }
 
 bool daft_sim_joints_reserve(daft_world *world, size_t more)
@@ -218,6 +240,7 @@ void daft_sim_joint_remove(daft_world *world, uint32_t index, bool event)
     wake_ends(world, joint);
     unlink_joint(world, index, 0);
     unlink_joint(world, index, 1);
+    for (int side = 0; side < 2; side++) set_joined(world, joint->body[side]);
     joint->kind = 0;
     world->barred_count = 0; /* what it kept apart may meet again */
     joint->next[0] = world->free_joint;
@@ -238,6 +261,10 @@ void daft_world_remove_joint(daft_world *world, uint32_t handle)
 
 bool daft_sim_joined(const daft_world *world, uint32_t body_a, uint32_t body_b)
 {
+    uint32_t first = daft_min_u(body_a, body_b), places = daft_max_u(body_a, body_b) - first;
+    if (places == 0) return false;
+    if (places <= JOINED_PLACES) return world->bodies[first].joined >> (places - 1) & 1;
+    if (!world->bodies[body_a].joined_far) return false;
     for (uint32_t e = world->bodies[body_a].first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
         const daft_sim_joint *joint = &world->joints[e >> 1];
         if (!joint->collide && joint->body[(e & 1) ^ 1] == body_b) return true;

@@ -128,7 +128,8 @@ static bool check_truths(const daft_world *w, const header *h)
 #define TOUCH(f) offsetof(daft_sim_touch, f)
 #define JOINT(f) offsetof(daft_sim_joint, f)
     return TRUTHS(w->bodies, h->bodies, BODY(bullet), BODY(may_sleep), BODY(asleep), BODY(round),
-                  BODY(has_target), BODY(follows), BODY(ball)) &&
+                  BODY(has_target), BODY(follows), BODY(ball),
+                  BODY(joined_far)) &&
            TRUTHS(w->parts, h->parts, PART(round), PART(posed), PART(sensor)) &&
            TRUTHS(w->touches, h->touches, TOUCH(sensor), TOUCH(listed), TOUCH(owned_by_a), TOUCH(touching), TOUCH(known),
                   TOUCH(belted)) &&
@@ -211,6 +212,7 @@ static bool check_body(daft_world *w, uint32_t index)
     b->centre = centre;
     b->first_touch = b->first_joint = b->list_slot = DAFT_SIM_NONE;
     b->locks &= DAFT_LOCK_ROTATION | DAFT_LOCK_POSITION;
+    b->joined = 0, b->joined_far = false;
     b->fixed_met = 0;
     if (!isfinite(b->travel)) return false;
     w->asleep_count += b->asleep;
