@@ -130,26 +130,92 @@ static void draw_covering(daft_tile_job *j, const daft_pencil_batch *b, int i, c
     }
 }
 
-/* Inside is e >= -outer, and sure beyond `sure`. */
+/* A triangle's planes in all lanes. Inside is e >= outer, and sure beyond `sure`. */
+typedef struct planes {
+    vf nx[3], ny[3], nz[3], wx, wy, wz, cap, error, outer, sure;
+} planes;
+
+DAFT_INLINE planes planes_of(const daft_tile_job *j, const daft_pencil_batch *b, int i)
+{
+    planes p = {.wx = vf_set(b->wx[i]), .wy = vf_set(b->wy[i]), .wz = vf_set(b->wz[i]), .cap = vf_set(b->w_cap[i]), .error = vf_set(b->error[i])};
+    for (int k = 0; k < 3; k++) p.nx[k] = vf_set(b->nx[k][i]), p.ny[k] = vf_set(b->ny[k][i]), p.nz[k] = vf_set(b->nz[k][i]);
+    p.outer = vf_set(j->exact ? -1.0f : 0.0f), p.sure = vf_set(j->exact ? 1 : -INFINITY);
+    return p;
+}
+
+/* The part of e and w that a window's rows have in common. */
+typedef struct window_rows {
+    vf e[3], w;
+} window_rows;
+
+DAFT_INLINE window_rows rows_of(const daft_tile_job *j, const planes *p, int y)
+{
+    vf dy = vf_set(j->top - (float)y) - vf_row();
+    return (window_rows){{p->ny[0] * dy + p->nz[0], p->ny[1] * dy + p->nz[1], p->ny[2] * dy + p->nz[2]}, p->wy * dy + p->wz};
+}
+
+DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_rows *r, int x, int y, const thing *t)
+{
+    vf dx = vf_load(j->dx[x / DAFT_WINDOW_W]);
+    vf least = vf_min(vf_min(p->nx[0] * dx + r->e[0], p->nx[1] * dx + r->e[1]), p->nx[2] * dx + r->e[2]);
+    vbits hits = vm_bits(vf_le(p->outer, least));
+    vf w = vf_min(p->wx * dx + r->w, p->cap);
+    offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vm_bits(vf_lt(p->sure, least)), w - p->error, w + p->error);
+}
+
+/* Windows of a tile in rows of eight, from row y0 of the tile on: bits of those that no edge has wholly on its outer side, by
+ * each edge function at the window's middle and what it may grow by from there. Products and sums are off by less than 3u of
+ * what it is made of, here and at the window's rays. */
+enum { FIND_FROM = 8 }; /* pixels a side */
+enum { COLUMNS = DAFT_TILE / DAFT_WINDOW_W, WINDOW_WORDS = COLUMNS * DAFT_TILE / DAFT_WINDOW_H / 64 };
+
+static void find_windows(const daft_tile_job *j, const daft_pencil_batch *b, int i, uint32_t count, uint64_t bits[WINDOW_WORDS])
+{
+    vf nx[3], ny[3], most[3], outer = vf_set(j->exact ? -1.0f : 0.0f);
+    const float half_w = (DAFT_WINDOW_W - 1) * 0.5f, half_h = (DAFT_WINDOW_H - 1) * 0.5f;
+    for (int k = 0; k < 3; k++) {
+        float x = fabsf(b->nx[k][i]), y = fabsf(b->ny[k][i]), z = b->nz[k][i];
+        nx[k] = vf_set(b->nx[k][i]), ny[k] = vf_set(b->ny[k][i]);
+        most[k] = vf_set(z + x * half_w + y * half_h + 8 * UNIT * (x * j->max_dx + y * j->max_dy + fabsf(z)));
+    }
+    for (int k = 0; k < WINDOW_WORDS; k++) bits[k] = 0;
+    for (uint32_t q = 0; q < count; q += DAFT_VL) {
+        vi window = vi_iota() + vi_set((int32_t)q);
+        vf dx = vf_set(j->left + half_w) + vf_from_int(window & vi_set(COLUMNS - 1)) * vf_set(DAFT_WINDOW_W);
+        vf dy = vf_set(j->top - (float)b->y0[i] - half_h) - vf_from_int(window >> 3) * vf_set(DAFT_WINDOW_H);
+        vf least = vf_set(INFINITY);
+        for (int k = 0; k < 3; k++) least = vf_min(nx[k] * dx + ny[k] * dy + most[k], least);
+        bits[q / 64] |= (uint64_t)vm_bits(vf_le(outer, least)) << (q & 63);
+    }
+}
+
+/* Large boxes, of which long thin triangles are in few windows: these are found first. */
+static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, const thing *t)
+{
+    planes p = planes_of(j, b, i);
+    uint32_t columns = (2u << b->x1[i] / DAFT_WINDOW_W) - (1u << b->x0[i] / DAFT_WINDOW_W);
+    uint32_t count = COLUMNS * (uint32_t)((b->y1[i] - b->y0[i]) / DAFT_WINDOW_H + 1);
+    uint64_t found[WINDOW_WORDS];
+    find_windows(j, b, i, count, found);
+    for (uint32_t first = 0; first < count; first += 64) {
+        uint64_t left = found[first / 64] & columns * 0x0101010101010101u;
+        if (count - first < 64) left &= ((uint64_t)1 << (count - first)) - 1;
+        for (; left; left &= left - 1) {
+            uint32_t q = first + (uint32_t)__builtin_ctzll(left);
+            int y = b->y0[i] + (int)(q / COLUMNS) * DAFT_WINDOW_H;
+            window_rows r = rows_of(j, &p, y);
+            draw_window(j, &p, &r, (int)(q % COLUMNS) * DAFT_WINDOW_W, y, t);
+        }
+    }
+}
+
 static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, const thing *t)
 {
-    vf outer = vf_set(j->exact ? -1.0f : 0.0f), sure = vf_set(j->exact ? 1 : -INFINITY);
-    vf nx0 = vf_set(b->nx[0][i]), nx1 = vf_set(b->nx[1][i]), nx2 = vf_set(b->nx[2][i]);
-    vf ny0 = vf_set(b->ny[0][i]), ny1 = vf_set(b->ny[1][i]), ny2 = vf_set(b->ny[2][i]);
-    vf nz0 = vf_set(b->nz[0][i]), nz1 = vf_set(b->nz[1][i]), nz2 = vf_set(b->nz[2][i]);
-    vf wx = vf_set(b->wx[i]), wy = vf_set(b->wy[i]), wz = vf_set(b->wz[i]);
-    vf cap = vf_set(b->w_cap[i]), error = vf_set(b->error[i]);
+    planes p = planes_of(j, b, i);
     int x0 = b->x0[i] & -DAFT_WINDOW_W, x1 = b->x1[i], y1 = b->y1[i];
     for (int y = b->y0[i]; y <= y1; y += DAFT_WINDOW_H) {
-        vf dy = vf_set(j->top - (float)y) - vf_row();
-        vf row0 = ny0 * dy + nz0, row1 = ny1 * dy + nz1, row2 = ny2 * dy + nz2, row_w = wy * dy + wz;
-        for (int x = x0; x <= x1; x += DAFT_WINDOW_W) {
-            vf dx = vf_load(j->dx[x / DAFT_WINDOW_W]);
-            vf least = vf_min(vf_min(nx0 * dx + row0, nx1 * dx + row1), nx2 * dx + row2);
-            vbits hits = vm_bits(vf_le(outer, least));
-            vf w = vf_min(wx * dx + row_w, cap);
-            offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vm_bits(vf_lt(sure, least)), w - error, w + error);
-        }
+        window_rows r = rows_of(j, &p, y);
+        for (int x = x0; x <= x1; x += DAFT_WINDOW_W) draw_window(j, &p, &r, x, y, t);
     }
 }
 
@@ -251,6 +317,8 @@ void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
         const thing t = {&j->raster->seen[b->instance[i]], b->triangle[i]};
         if (b->covers >> i & 1)
             draw_covering(j, b, i, &t);
+        else if (b->x1[i] - b->x0[i] >= FIND_FROM && b->y1[i] - b->y0[i] >= FIND_FROM)
+            draw_found(j, b, i, &t);
         else
             draw_triangle(j, b, i, &t);
     }

@@ -38,7 +38,7 @@ typedef struct daft_tile_job {
 
 /* Triangles whose screen boxes hold some ray of the tile, waiting until there are enough to be set up. DAFT_LEAVES_ROOM leaves
  * may be added at a time. */
-enum { DAFT_LEAVES = 32, DAFT_LEAVES_ROOM = DAFT_LEAVES + DAFT_VL };
+enum { DAFT_LEAVES = 64, DAFT_LEAVES_ROOM = DAFT_LEAVES + DAFT_VL };
 enum { DAFT_WAITING_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + 3 * DAFT_VL };
 #define DAFT_WAITS_ONE_SIDED 0x80u /* in `pixels`: hits on its back do not count */
 #define DAFT_WAITS_TURNED 0x40u    /* its front is where det(corners) is negative */

@@ -31,69 +31,89 @@ DAFT_INLINE void edges_at(const vf a[3], const vf b[3], vf e[3])
     }
 }
 
-/* D of the above. */
-DAFT_INLINE vf doubt_of(const daft_tile_job *job, vf extent)
+/* An instance as a tile sees it: copied, since what is stored might be in its place as far as a compiler knows. */
+typedef struct lens {
+    daft_affine map;
+    float focal, left, top, last_x, last_y, reach;
+    int front;
+} lens;
+
+DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_seen *seen)
 {
-    vf reach = vf_set(fmaxf(job->max_dx, job->max_dy) + 2 * DAFT_TILE) + (extent + extent);
-    return vf_set(5 * UNIT) * reach * (extent + vf_set(0x1p-4f));
+    float reach = fmaxf(job->max_dx, job->max_dy) + 2 * DAFT_TILE;
+    return (lens){seen->to_camera, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, reach, seen->front};
 }
 
-/* `ahead`: all corners are in front of the camera. */
-DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count, bool ahead, daft_projected *out)
+/* D of the above. */
+DAFT_INLINE vf doubt_of(const lens *v, vf extent)
 {
-    const daft_block *all[DAFT_BATCH_BLOCKS];
-    blocks_at(seen, blocks, count, all);
-    vf zero = vf_set(0), focal = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY), left = vf_set(job->left), top = vf_set(job->top);
-    vf low_x = inf, high_x = -inf, low_y = inf, high_y = -inf, least = inf, most = -inf, x[3], y[3];
-    vf3 corner[3];
+    return vf_set(5 * UNIT) * (vf_set(v->reach) + (extent + extent)) * (extent + vf_set(0x1p-4f));
+}
+
+/* The lanes of triangles that may be seen; and of all of them corners, numbers and pixels. `ahead`: all corners are in front of the
+ * camera. */
+DAFT_INLINE vbits project(const lens *v, const daft_block **blocks, vbits one_sided, bool ahead, vf3 corner[3], vi *pixels)
+{
+    vf zero = vf_set(0), focal = vf_set(v->focal), inf = vf_set(INFINITY), least = inf, most = -inf, x[3], y[3];
     for (int k = 0; k < 3; k++) {
-        vf3 p = {blocks_load(all, k, 0), blocks_load(all, k, 1), blocks_load(all, k, 2)};
-        corner[k] = move(&seen->to_camera, p);
+        vf3 p = {blocks_load(blocks, k, 0), blocks_load(blocks, k, 1), blocks_load(blocks, k, 2)};
+        corner[k] = move(&v->map, p);
         vf scale = focal / corner[k].z;
-        x[k] = corner[k].x * scale - left, y[k] = top - corner[k].y * scale;
+        x[k] = corner[k].x * scale - vf_set(v->left), y[k] = vf_set(v->top) - corner[k].y * scale;
         if (!ahead) least = vf_min(corner[k].z, least), most = vf_max(corner[k].z, most);
     }
-    low_x = vf_min(vf_min(x[0], x[1]), x[2]), high_x = vf_max(vf_max(x[0], x[1]), x[2]);
-    low_y = vf_min(vf_min(y[0], y[1]), y[2]), high_y = vf_max(vf_max(y[0], y[1]), y[2]);
+    vf low_x = vf_min(vf_min(x[0], x[1]), x[2]), high_x = vf_max(vf_max(x[0], x[1]), x[2]);
+    vf low_y = vf_min(vf_min(y[0], y[1]), y[2]), high_y = vf_max(vf_max(y[0], y[1]), y[2]);
     vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
-    vf doubt = vf_set(-4) * doubt_of(job, (high_x - low_x) + (high_y - low_y));
-    vbits one_sided = seen->front ? blocks_sides(seen, blocks, count) : 0;
-    vbits out_of_sight = one_sided & vm_bits(vf_lt(seen->front < 0 ? -area : area, doubt));
-    vi triangle = blocks_triangles(all), x0, x1, y0, y1;
-    vbits some = ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(count * DAFT_BLOCK));
-    job->counters->tested += (uint64_t)__builtin_popcount(some);
+    vf doubt = vf_set(-4) * doubt_of(v, (high_x - low_x) + (high_y - low_y));
+    vbits out = one_sided & vm_bits(vf_lt(v->front < 0 ? -area : area, doubt));
+    vi x0, x1, y0, y1;
     if (!ahead) { /* a triangle through the camera's plane may reach anywhere */
         vm front = vf_lt(zero, least);
         low_x = vf_select(front, low_x, zero), high_x = vf_select(front, high_x, vf_set(DAFT_TILE));
         low_y = vf_select(front, low_y, zero), high_y = vf_select(front, high_y, vf_set(DAFT_TILE));
-        out_of_sight &= vm_bits(front);
-        some &= vm_bits(vf_lt(zero, most));
+        out = (out & vm_bits(front)) | ~vm_bits(vf_lt(zero, most));
     }
-    pixel_range(low_x, high_x, job->last_x, &x0, &x1);
-    pixel_range(low_y, high_y, job->last_y, &y0, &y1);
-    some &= ~(out_of_sight | vm_bits(vi_lt(x1, x0)) | vm_bits(vi_lt(y1, y0)));
-    vi flags = vi_set((int32_t)(DAFT_WAITS_ONE_SIDED | (seen->front < 0 ? DAFT_WAITS_TURNED : 0)));
-    vi pixels = x0 | x1 << 8 | y0 << 16 | y1 << 24 | vi_select(vm_from_bits(one_sided), flags, vi_set(0));
+    pixel_range(low_x, high_x, v->last_x, &x0, &x1);
+    pixel_range(low_y, high_y, v->last_y, &y0, &y1);
+    vi flags = vi_set((int32_t)(DAFT_WAITS_ONE_SIDED | (v->front < 0 ? DAFT_WAITS_TURNED : 0)));
+    *pixels = x0 | x1 << 8 | y0 << 16 | y1 << 24 | vi_select(vm_from_bits(one_sided), flags, vi_set(0));
+    return DAFT_ALL_LANES & ~(out | vm_bits(vi_lt(x1, x0)) | vm_bits(vi_lt(y1, y0)));
+}
+
+DAFT_INLINE void project_all(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count, bool ahead, daft_projected *out)
+{
+    const lens v = lens_of(job, seen);
     uint32_t at = out->count;
-    for (int k = 0; k < 3; k++) {
-        vf_compress(&out->corner[3 * k][at], some, corner[k].x);
-        vf_compress(&out->corner[3 * k + 1][at], some, corner[k].y);
-        vf_compress(&out->corner[3 * k + 2][at], some, corner[k].z);
+    uint64_t tested = 0;
+    for (uint32_t i = 0; i < count; i += DAFT_BATCH_BLOCKS) {
+        const daft_block *all[DAFT_BATCH_BLOCKS];
+        uint32_t some = daft_min_u(count - i, DAFT_BATCH_BLOCKS);
+        blocks_at(seen, &blocks[i], some, all);
+        vi triangle = blocks_triangles(all), pixels;
+        vf3 corner[3];
+        vbits there = ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(some * DAFT_BLOCK));
+        vbits lanes = there & project(&v, all, v.front ? blocks_sides(seen, &blocks[i], some) : 0, ahead, corner, &pixels);
+        for (int k = 0; k < 3; k++) {
+            vf_compress(&out->corner[3 * k][at], lanes, corner[k].x);
+            vf_compress(&out->corner[3 * k + 1][at], lanes, corner[k].y);
+            vf_compress(&out->corner[3 * k + 2][at], lanes, corner[k].z);
+        }
+        vi_compress(&out->pixels[at], lanes, pixels);
+        vi_compress(&out->triangle[at], lanes, triangle);
+        at += (uint32_t)__builtin_popcount(lanes), tested += (uint64_t)__builtin_popcount(there);
     }
-    vi_compress(&out->pixels[at], some, pixels);
-    vi_compress(&out->triangle[at], some, triangle);
-    out->count = at + (uint32_t)__builtin_popcount(some);
+    out->count = at;
+    job->counters->tested += tested;
 }
 
 void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, bool ahead, const uint32_t *blocks, uint32_t count,
                                       daft_projected *out)
 {
     if (ahead)
-        for (uint32_t i = 0; i < count; i += DAFT_BATCH_BLOCKS)
-            project(job, seen, &blocks[i], daft_min_u(count - i, DAFT_BATCH_BLOCKS), true, out);
+        project_all(job, seen, blocks, count, true, out);
     else
-        for (uint32_t i = 0; i < count; i += DAFT_BATCH_BLOCKS)
-            project(job, seen, &blocks[i], daft_min_u(count - i, DAFT_BATCH_BLOCKS), false, out);
+        project_all(job, seen, blocks, count, false, out);
 }
 
 /* ---- pixels ---- */
@@ -128,8 +148,9 @@ DAFT_INLINE void add_hits(const daft_tile_job *job, const small *s, int right, i
     out->count += (uint32_t)__builtin_popcount(lanes);
 }
 
-DAFT_INLINE void small_setup(const daft_tile_job *job, const vf x[3], const vf y[3], const vf scale[3], vi x0, vi y0, small *s)
+DAFT_INLINE void small_setup(const daft_tile_job *job, const daft_seen *seen, const vf x[3], const vf y[3], const vf scale[3], vi x0, vi y0, small *s)
 {
+    const lens v = lens_of(job, seen);
     vf px = vf_from_int(x0), py = vf_from_int(y0), one = vf_set(1), e[3], over_focal = vf_set(1 / job->raster->pencil.focal);
     for (int k = 0; k < 3; k++) s->a[0][k] = x[k] - px, s->b[0][k] = y[k] - py;
     edges_at(s->a[0], s->b[0], e);
@@ -146,7 +167,7 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, const vf x[3], const vf y
     vf extent = vf_max(vf_max(x[0], x[1]), x[2]) - vf_min(vf_min(x[0], x[1]), x[2]);
     extent += vf_max(vf_max(y[0], y[1]), y[2]) - vf_min(vf_min(y[0], y[1]), y[2]);
     vf least = vf_min(vf_min(scale[0], scale[1]), scale[2]), most = vf_max(vf_max(scale[0], scale[1]), scale[2]);
-    s->doubt = doubt_of(job, extent);
+    s->doubt = doubt_of(&v, extent);
     s->error = vf_set(4) * s->doubt * (most - least) * inverse + vf_set(16 * UNIT) * most * over_focal;
     s->least = least * over_focal * vf_set(1 - 16 * UNIT), s->most = most * over_focal * vf_set(1 + 16 * UNIT);
 }
@@ -166,7 +187,7 @@ void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, const daft_seen 
     vi pixels = vi_load(&from->pixels[at]), byte = vi_set(DAFT_TILE - 1), x0 = pixels & byte, y0 = pixels >> 16 & byte;
     vi wide = (pixels >> 8 & byte) - x0, tall = (pixels >> 24 & byte) - y0;
     s.triangle = vi_load(&from->triangle[at]);
-    small_setup(job, x, y, scale, x0, y0, &s);
+    small_setup(job, seen, x, y, scale, x0, y0, &s);
     vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z);
     vm front = vf_lt(zero, least);
     vbits all = vbits_first((int)count), little = all & vm_bits(front) & vm_bits(vi_lt(wide | tall, vi_set(2)));

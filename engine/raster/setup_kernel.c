@@ -103,14 +103,15 @@ DAFT_INLINE vf edge_bound(const edge *e, vf dx, vf dy, vf dz)
     return vf_set(9 * UNIT) * (e->mx * dx + e->my * dy + e->mz * dz) + vf_set(TINY);
 }
 
-static void lane_corners(const daft_tile_job *job, const daft_pencil_batch *b, int i, daft_vec3 corner[3])
+/* What daft_seen_corners gives, without a way to the mesh. */
+static void lane_corners(const lanes *l, int i, daft_vec3 corner[3])
 {
-    daft_seen_corners(&job->raster->seen[b->instance[i]], b->triangle[i], corner);
+    for (int k = 0; k < 3; k++) corner[k] = daft_v3(l->corner[k].x[i], l->corner[k].y[i], l->corner[k].z[i]);
 }
 
 /* Sign bits that turn the edges so that inside is positive; lanes seen edge-on, or from a back that does not count, drop out of
  * *live. */
-DAFT_INLINE vi facing(const daft_tile_job *job, const daft_pencil_batch *b, const edge *e, const lanes *l, vbits *live)
+DAFT_INLINE vi facing(const daft_tile_job *job, const edge *e, const lanes *l, vbits *live)
 {
     const vf3 *c = &l->corner[2];
     vf det = vf3_dot(e[2].n, *c);
@@ -120,7 +121,7 @@ DAFT_INLINE vi facing(const daft_tile_job *job, const daft_pencil_batch *b, cons
     for (; unsure; unsure &= unsure - 1) {
         int i = __builtin_ctz(unsure);
         daft_vec3 corner[3];
-        lane_corners(job, b, i, corner);
+        lane_corners(l, i, corner);
         int exact = daft_det_sign(corner[0], corner[1], corner[2]);
         if (exact == 0) *live &= ~((vbits)1 << i);
         sign[i] = exact < 0 ? INT32_MIN : 0;
@@ -137,7 +138,7 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, daft_pencil_batch *b, con
     for (int k = 0; k < 3; k++)
         e[k] = fast ? edge_setup_fast(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3])
                     : edge_setup(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3]);
-    vi sign = facing(job, b, e, l, live);
+    vi sign = facing(job, e, l, live);
     vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), dz = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
     vf x0 = vf_set(job->left) + l->x0, x1 = vf_set(job->left) + l->x1, y0 = vf_set(job->top) - l->y1, y1 = vf_set(job->top) - l->y0;
     vf outer = vf_set(job->exact ? -1.0f : 0.0f), hopeless = vf_set(job->exact ? 0.0f : -1.0f), zero = vf_set(0);
@@ -161,10 +162,10 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, daft_pencil_batch *b, con
 /* ---- depth ---- */
 
 /* One triangle's plane of w in double, and its error bound. */
-static void depth_setup_double(const daft_tile_job *job, daft_pencil_batch *b, int i)
+static void depth_setup_double(const daft_tile_job *job, daft_pencil_batch *b, const lanes *l, int i)
 {
     daft_vec3 corner[3];
-    lane_corners(job, b, i, corner);
+    lane_corners(l, i, corner);
     double f = (double)job->raster->pencil.focal, dx = (double)job->max_dx, dy = (double)job->max_dy;
     daft_dvec3 a = daft_to_double(corner[0]), p = daft_dsub(daft_to_double(corner[1]), a),
                q = daft_dsub(daft_to_double(corner[2]), a), n = daft_dcross(p, q);
@@ -200,7 +201,7 @@ DAFT_INLINE void depth_setup(const daft_tile_job *job, daft_pencil_batch *b, con
     vf error = vf_set(12 * UNIT) * (rays + corners * w) * scale + vf_set(TINY);
     vf_store(b->error, error);
     for (vbits coarse = live & ~vm_bits(vf_lt(error, w * vf_set(0x1p-12f))); coarse; coarse &= coarse - 1)
-        depth_setup_double(job, b, __builtin_ctz(coarse));
+        depth_setup_double(job, b, l, __builtin_ctz(coarse));
 }
 
 /* ---- batches ---- */
