@@ -446,13 +446,18 @@ typedef struct entry {
     block_set behind;
 } entry;
 
-/* Meshes whose balls inside were asked: their triangles wait until those of all are. */
-enum { WAITING = 64 };
+/* Things with the boxes that the tree has of them, and the blocks behind these. */
+enum { WAITING = 256, MET = 16 };
 typedef struct waiting {
     uint32_t count, number[WAITING];
     picture_box box[WAITING];
     block_set behind[WAITING];
 } waiting;
+
+static void keep_waiting(waiting *list, uint32_t number, const picture_box *box, const block_set *behind)
+{
+    list->number[list->count] = number, list->box[list->count] = *box, list->behind[list->count++] = *behind;
+}
 
 static void cast_waiting(const cast *c, waiting *list, shadow_points *points)
 {
@@ -464,24 +469,39 @@ static void cast_waiting(const cast *c, waiting *list, shadow_points *points)
     list->count = 0;
 }
 
-static void cast_or_wait(const cast *c, const caster *one, const picture_box *box, const block_set *behind, waiting *list)
+/* Marks the points under things that were met. A mesh with balls inside is asked for these, and its triangles wait until those of
+ * all are; everything else is cast. */
+static void cast_met(cast *c, waiting *met, waiting *list, shadow_points *points)
 {
-    if (!has_inner(one)) {
-        cast_one(one, box, behind);
-        return;
+    for (uint32_t i = 0; i < met->count && points->live; i++) {
+        const caster one = caster_of(c, met->number[i], points);
+        if (!(one.instance->flags & c->flag)) continue;
+        if (!one.instance->mesh) DAFT_KERNEL(daft_ball_box)(&c->light, one.instance, &met->box[i]);
+        if (!mark_behind(c, &one, &met->box[i], &met->behind[i])) continue;
+        if (!has_inner(&one)) {
+            cast_one(&one, &met->box[i], &met->behind[i]);
+            continue;
+        }
+        DAFT_KERNEL(daft_inner_shadow)(&one, &met->behind[i]);
+        keep_waiting(list, one.number, &met->box[i], &met->behind[i]);
+        if (list->count == WAITING) cast_waiting(c, list, points);
     }
-    DAFT_KERNEL(daft_inner_shadow)(one, behind);
-    list->number[list->count] = one->number, list->box[list->count] = *box, list->behind[list->count++] = *behind;
-    if (list->count == WAITING) cast_waiting(c, list, one->points);
+    met->count = 0;
 }
 
-/* Among many things: walks their tree with all the blocks, and marks the points under each as it comes to it. */
+/* What is put aside comes from far: it is on its way before it is needed. */
+DAFT_INLINE void fetch_lines(const void *from, size_t size)
+{
+    for (size_t line = 0; line < size; line += 64) __builtin_prefetch((const char *)from + line);
+}
+
+/* Among many things: walks their tree with all the blocks, and marks the points under each. */
 static void cast_all(cast *c, shadow_points *points)
 {
     entry stack[DAFT_STACK];
-    waiting list;
+    waiting met, list;
     int top = 0;
-    list.count = 0;
+    met.count = list.count = 0;
     stack[top++] = (entry){0, all_blocks(points)};
     while (top > 0 && points->live) {
         node_boxes boxes;
@@ -496,16 +516,17 @@ static void cast_all(cast *c, shadow_points *points)
             uint32_t child = node->child[i], number = child & ~DAFT_CHILD_LEAF;
             if (child == DAFT_CHILD_NONE) continue;
             if (!(child & DAFT_CHILD_LEAF)) {
+                fetch_lines(&c->tlas->nodes.items[child], sizeof *node);
                 stack[top++] = (entry){child, next[i]};
                 continue;
             }
-            if (!(c->tlas->instances[number].flags & c->flag)) continue;
-            const caster one = caster_of(c, number, points);
-            picture_box box = node_child(&boxes, i);
-            if (!one.instance->mesh) DAFT_KERNEL(daft_ball_box)(&c->light, one.instance, &box);
-            if (mark_behind(c, &one, &box, &next[i])) cast_or_wait(c, &one, &box, &next[i], &list);
+            const picture_box box = node_child(&boxes, i);
+            fetch_lines(&c->tlas->instances[number], sizeof *c->tlas->instances);
+            keep_waiting(&met, number, &box, &next[i]);
         }
+        if (met.count >= MET) cast_met(c, &met, &list, points);
     }
+    cast_met(c, &met, &list, points);
     cast_waiting(c, &list, points);
 }
 
