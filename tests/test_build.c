@@ -23,7 +23,7 @@ static void one_tree_for_any_threads_and_isa(void **unused)
 {
     (void)unused;
     fixture_seed(2024);
-    const uint32_t counts[] = {1, 5, 300, 2047, 2048, 9000, 70000};
+    const uint32_t counts[] = {1, 5, 300, 9000, 16383, 16384, 70000};
     for (size_t i = 0; i < DAFT_COUNT_OF(counts); i++) {
         fixture_mesh m = mesh_soup(counts[i], 5, 0.2f);
         for (int isa = 0; isa <= daft_isa_best(); isa++)
@@ -166,7 +166,7 @@ static void memory_may_run_out_at_any_moment(void **unused)
 {
     (void)unused;
     fixture_seed(5);
-    fixture_mesh m = mesh_soup(5000, 4, 0.1f);
+    fixture_mesh m = mesh_soup(17000, 4, 0.1f); /* enough for a grid */
     for (int threads = 1; threads <= 3; threads += 2) {
         int failures = 0;
         for (bool built = false; !built; failures++) {
@@ -271,7 +271,7 @@ static void the_top_level_holds_each_instance_once(void **unused)
     enum { MOST = 30000 };
     daft_instance *instances = malloc(MOST * sizeof *instances);
     uint32_t *seen = malloc(MOST * sizeof *seen);
-    const uint32_t counts[] = {1, 8, 9, 100, 2048, MOST};
+    const uint32_t counts[] = {1, 8, 9, 100, 16384, MOST};
     for (size_t c = 0; c < DAFT_COUNT_OF(counts); c++) {
         for (uint32_t i = 0; i < counts[c]; i++)
             instances[i] = sphere_make(i % 3 ? random_vec3(-100, 100) : daft_v3(1, 2, 3), random_float(0.1f, 2));

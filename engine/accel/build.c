@@ -5,7 +5,7 @@
 
 /* Passes over prims go by slices, whose number depends on nothing; each counts its own cells, so that prims keep their
  * order within a cell. */
-enum { GRID_MIN = 2048, SLICES = 8 };
+enum { GRID_MIN = 16384, SLICES = 8 };
 enum { CHUNK = 65536 }; /* forks */
 
 static const daft_build_kernels *kernels_for(int isa)
@@ -54,11 +54,11 @@ typedef struct grid_job {
     uint32_t *counts;  /* of each slice; then where its prims of a cell go */
 } grid_job;
 
-/* About ten prims to a cell of a surface: enough for the top of a tree, and few enough to count. False: no grid parts the
- * middles. */
+/* Fewer prims than GRID_MIN are one task: they take no longer than by a grid, and the top of the tree is better. Above, about ten
+ * prims to a cell of a surface: enough for the top, and few enough to count. False: no grid parts the middles. */
 static bool grid_of(const daft_build_range *whole, daft_build_grid *grid)
 {
-    uint32_t side = whole->count < 16384 ? 16 : whole->count < 524288 ? 32 : whole->count < 4194304 ? 64 : 128;
+    uint32_t side = whole->count < 524288 ? 32 : whole->count < 4194304 ? 64 : 128;
     *grid = (daft_build_grid){.low = v8_low(whole->middles), .side = side};
     v4 extent = -(grid->low + v8_high(whole->middles));
     bool parts = false;

@@ -33,7 +33,7 @@ static void prim_fill(const daft_trimesh *mesh, uint32_t triangle, daft_build_pr
     prim->weight = 1;
 }
 
-enum { FILL_CHUNK = 16384, TOO_FEW = 2048 }; /* fewer triangles are not worth waking others for */
+enum { FILL_CHUNK = 16384, TOO_FEW = 16384 }; /* fewer triangles are not worth waking others for */
 
 typedef struct fill_job {
     const daft_trimesh *mesh;
