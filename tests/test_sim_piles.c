@@ -389,7 +389,7 @@ static const char *const GROUND[GROUNDS] = {"floor", "stairs", "triangles"};
 static void add_ground(daft_world *world, int ground, const daft_mesh_shape *surface)
 {
     one_shape waves = box(daft_v3(1, 1, 1), 0, 0, 0);
-    waves.part.shape = daft_shape_mesh(surface);
+    if (surface) waves.part.shape = daft_shape_mesh(surface);
     if (ground == TRIANGLES)
         add(world, waves);
     else
@@ -493,6 +493,26 @@ static void ragdolls_fall_any_way(void **unused)
     mesh_drop(&hills);
 }
 
+/* A hundred, close to each other, fall into a heap ("Falling Ragdolls" of Box3D's samples). */
+static void a_hundred_ragdolls_come_to_rest(void **unused)
+{
+    (void)unused;
+    enum { SIDE = 10, COUNT = SIDE * SIDE };
+    seed_random(5);
+    daft_world *world = new_world();
+    add_ground(world, FLOOR, NULL);
+    ragdoll dolls[COUNT];
+    for (int i = 0; i < COUNT; i++) {
+        double x = 1.1 * (i % SIDE) - 5 + uniform(-0.1, 0.1), z = 1.1 * (i / SIDE) - 5;
+        dolls[i] = add_ragdoll(world, daft_dv3(x, 4, z), daft_quat_identity());
+    }
+    falls f = watch(world, dolls, COUNT);
+    print_message("joints open by %g mm, %d of %d by more than 20; lowest at %g m, %d awake\n", 1000 * f.open, f.torn, COUNT, f.lowest, count_awake(world));
+    assert_true(f.open < 0.02 && f.lowest > 0);
+    assert_int_equal(count_awake(world), 0);
+    daft_world_destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -505,6 +525,7 @@ int main(void)
         cmocka_unit_test(what_is_made_in_one_spot_comes_apart),
         cmocka_unit_test(ragdolls_stay_whole),
         cmocka_unit_test(ragdolls_fall_any_way),
+        cmocka_unit_test(a_hundred_ragdolls_come_to_rest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
