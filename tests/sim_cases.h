@@ -56,11 +56,80 @@ static inline daft_dvec3 place_of(const daft_world *world, const variant *v, uin
     return variant_from(v, state_of(world, body).position);
 }
 
+/* Velocities as the scene has them. A spin is an axial vector: its part along x is what a mirror keeps. */
+static inline daft_vec3 variant_way(const variant *v, daft_vec3 way)
+{
+    return daft_v3((float)v->side * way.x, way.y, way.z);
+}
+static inline daft_vec3 variant_spin(const variant *v, daft_vec3 spin)
+{
+    return daft_v3(spin.x, (float)v->side * spin.y, (float)v->side * spin.z);
+}
+static inline void launch(daft_world *world, const variant *v, uint32_t body, daft_vec3 linear, daft_vec3 angular)
+{
+    daft_world_set_velocity(world, body, variant_way(v, linear), variant_spin(v, angular));
+}
+
+static inline uint32_t put_floor(daft_world *world, const variant *v, float half)
+{
+    return put(world, v, box(daft_v3(half, 1, half), 0, -1, 0));
+}
+
+/* What the scene would have at the origin, not mirrored. */
+static inline daft_sim_state state_in(const daft_world *world, const variant *v, uint32_t body)
+{
+    daft_sim_state s = state_of(world, body);
+    s.position = variant_from(v, s.position);
+    s.rotation = variant_turn(v, s.rotation);
+    s.linear = variant_way(v, s.linear), s.angular = variant_spin(v, s.angular);
+    return s;
+}
+
+/* In a mirror, triangles are wound the other way round. */
+static inline fixture_mesh variant_mesh(const variant *v, const daft_vec3 *p, uint32_t vertices, const uint32_t *index, uint32_t triangles)
+{
+    daft_vec3 *at = malloc(vertices * sizeof *at);
+    uint32_t *wound = malloc(3 * (size_t)triangles * sizeof *wound);
+    assert_true(at && wound);
+    for (uint32_t i = 0; i < vertices; i++) at[i] = variant_way(v, p[i]);
+    for (uint32_t i = 0; i < 3 * triangles; i += 3) {
+        wound[i] = index[i];
+        wound[i + 1] = index[v->side < 0 ? i + 2 : i + 1], wound[i + 2] = index[v->side < 0 ? i + 1 : i + 2];
+    }
+    fixture_mesh mesh = mesh_make(at, vertices, wound, triangles);
+    free(at);
+    free(wound);
+    return mesh;
+}
+
 /* Two and four workers give the bits of one: `hashes` are of all variants, in their order. */
 static inline void assert_workers_agree(const uint64_t hashes[VARIANTS])
 {
     assert_true(hashes[3] == hashes[0] && hashes[4] == hashes[0]);
 }
+
+static inline uint64_t end_of(daft_world *world)
+{
+    uint64_t hash = daft_world_hash(world, 0);
+    daft_world_destroy(world);
+    return hash;
+}
+
+/* A scene plays a variant, asserts what is asked of it, and returns a hash of the world or worlds at its end. */
+typedef uint64_t case_scene(const variant *v);
+
+static inline void play_variants(case_scene *play)
+{
+    uint64_t hashes[VARIANTS];
+    for (int k = 0; k < VARIANTS; k++) {
+        print_message("-- %s\n", VARIANT[k].name);
+        hashes[k] = play(&VARIANT[k]);
+    }
+    assert_workers_agree(hashes);
+}
+
+/* Of several worlds, one after the other. */
+static inline uint64_t hash_of_both(uint64_t before, uint64_t next) { return before * 1099511628211u ^ next; }
 
 static inline double distance_of(daft_dvec3 a, daft_dvec3 b)
 {
