@@ -178,15 +178,15 @@ static inline void add_tray(daft_world *world, daft_dvec3 at, float half)
     }
 }
 
-/* A closed room: six walls around the origin. */
-static inline void add_room(daft_world *world, float half, float wall_half, float restitution, float friction)
+/* A closed room: six walls around its middle. */
+static inline void add_room(daft_world *world, daft_dvec3 middle, float half, float wall_half, float restitution, float friction)
 {
     for (int axis = 0; axis < 3; axis++)
         for (int side = -1; side <= 1; side += 2) {
             double at = side * (double)half;
-            one_shape wall = box(daft_v3(half, half, half), 0, 0, 0);
+            one_shape wall = box(daft_v3(half, half, half), middle.x, middle.y, middle.z);
             *(axis == 0 ? &wall.part.shape.half.x : axis == 1 ? &wall.part.shape.half.y : &wall.part.shape.half.z) = wall_half;
-            *(axis == 0 ? &wall.position.x : axis == 1 ? &wall.position.y : &wall.position.z) = at;
+            *(axis == 0 ? &wall.position.x : axis == 1 ? &wall.position.y : &wall.position.z) += at;
             wall.restitution = restitution;
             wall.friction = friction;
             add(world, wall);

@@ -1,6 +1,6 @@
 /* sim: what a game relies on when things rest, roll, slide, bounce and ride. Every case asserts a number; closed forms
  * are used where physics has one. */
-#include "sim_scene.h"
+#include "sim_cases.h"
 
 /* ---- at rest, free, and rolling ---- */
 
@@ -56,35 +56,42 @@ static void a_force_lasts_one_step_and_an_impulse_changes_momentum(void **unused
 }
 
 /* Speed after two seconds on a slope about z, from rest. */
-static double speed_on_slope(double angle, float friction, float rolling)
+static double speed_on_slope(const variant *v, double angle, float friction, float rolling, uint64_t *hash)
 {
-    daft_world *world = new_world();
+    daft_world *world = variant_world(v);
     one_shape slope = box(daft_v3(200, 1, 5), 0, 0, 0);
     slope.rotation = turned(0, 0, 1, -angle);
     slope.friction = friction;
-    add(world, slope);
+    put(world, v, slope);
     double s = daft_sin(angle), c = daft_cos(angle);
     one_shape ball = sphere(0.5, 1.5 * s, 1.5 * c, 0);
     ball.friction = friction;
     ball.rolling_resistance = rolling;
-    uint32_t id = add(world, ball);
+    uint32_t id = put(world, v, ball);
     steps(world, 120);
-    double speed = speed_of(state_of(world, id));
-    daft_world_destroy(world);
+    double speed = speed_of(state_in(world, v, id));
+    *hash = hash_of_both(*hash, end_of(world));
     return speed;
+}
+
+static uint64_t balls_on_slopes(const variant *v)
+{
+    uint64_t hash = 0;
+    for (double angle = 0.1; angle < 0.75; angle += 0.15) {
+        double pull = G * daft_sin(angle), load = G * daft_cos(angle);
+        assert_near(speed_on_slope(v, angle, 1, 0, &hash) / 2, 5.0 / 7 * pull, 0.01 * 5.0 / 7 * pull);
+        assert_near(speed_on_slope(v, angle, 0, 0, &hash) / 2, pull, 0.01 * pull);
+        assert_near(speed_on_slope(v, angle, 0.02f, 0, &hash) / 2, pull - 0.02 * load, 0.01 * pull);
+        assert_near(speed_on_slope(v, angle, 1, 0.05f, &hash) / 2, 5.0 / 7 * (pull - 0.05 * load), 0.01 * pull);
+    }
+    assert_near(speed_on_slope(v, 0.09, 1, 0.1f, &hash), 0, 1e-3); /* tan 0.09 < 0.1: it stays */
+    return hash;
 }
 
 static void rolling_and_sliding_down_a_slope(void **unused)
 {
     (void)unused;
-    for (double angle = 0.1; angle < 0.75; angle += 0.15) {
-        double pull = G * daft_sin(angle), load = G * daft_cos(angle);
-        assert_near(speed_on_slope(angle, 1, 0) / 2, 5.0 / 7 * pull, 0.01 * 5.0 / 7 * pull);
-        assert_near(speed_on_slope(angle, 0, 0) / 2, pull, 0.01 * pull);
-        assert_near(speed_on_slope(angle, 0.02f, 0) / 2, pull - 0.02 * load, 0.01 * pull);
-        assert_near(speed_on_slope(angle, 1, 0.05f) / 2, 5.0 / 7 * (pull - 0.05 * load), 0.01 * pull);
-    }
-    assert_near(speed_on_slope(0.09, 1, 0.1f), 0, 1e-3); /* tan 0.09 < 0.1: it stays */
+    play_variants(balls_on_slopes);
 }
 
 /* A sphere that may not spin freely slides: rolling resistance of 1000 makes it a puck. */
@@ -129,44 +136,50 @@ static void sliding_turns_into_rolling(void **unused)
 
 /* ---- bounces and collisions ---- */
 
-static void a_ball_rebounds_to_e_squared_h(void **unused)
+static uint64_t rebounds(const variant *v)
 {
-    (void)unused;
+    uint64_t hash = 0;
     for (int i = 0; i <= 20; i++) {
         double e = 0.05 * i, height = 1 + 0.013 * i, highest = 0;
-        daft_world *world = new_world();
-        add_floor(world, 10);
+        daft_world *world = variant_world(v);
+        put_floor(world, v, 10);
         one_shape ball = sphere(0.2, 0, 0.2 + height, 0);
         ball.restitution = (float)e;
-        uint32_t id = add(world, ball);
+        uint32_t id = put(world, v, ball);
         bool hit = false;
         for (int tick = 0; tick < 100; tick++) {
             steps(world, 1);
-            daft_sim_state s = state_of(world, id);
+            daft_sim_state s = state_in(world, v, id);
             double vy = (double)s.linear.y;
             hit = hit || vy >= 0;
             if (hit) highest = fmax(highest, s.position.y - 0.2 + vy * vy / (2 * G)); /* ticks miss the top itself */
         }
         assert_true(hit);
         assert_near(highest, e * e * height, 0.01 * e * e * height + 1e-4);
-        daft_world_destroy(world);
+        hash = hash_of_both(hash, end_of(world));
     }
+    return hash;
 }
 
-static void a_perfect_bounce_gains_no_energy(void **unused)
+static void a_ball_rebounds_to_e_squared_h(void **unused)
 {
     (void)unused;
-    daft_world *world = new_world();
-    add_floor(world, 10);
+    play_variants(rebounds);
+}
+
+static uint64_t perfect_bounces(const variant *v)
+{
+    daft_world *world = variant_world(v);
+    put_floor(world, v, 10);
     one_shape ball = sphere(0.2, 0, 1.2, 0);
     ball.restitution = 1;
-    uint32_t id = add(world, ball);
+    uint32_t id = put(world, v, ball);
     double before = G * 1.0, first = before;
     int bounces = 0;
     float last = 0;
     while (bounces < 50) {
         steps(world, 1);
-        daft_sim_state s = state_of(world, id);
+        daft_sim_state s = state_in(world, v, id);
         if (last > 0 && s.linear.y <= 0) {
             double energy = G * (s.position.y - 0.2) + 0.5 * (double)s.linear.y * (double)s.linear.y;
             if (!(energy < before * 1.001)) fail_msg("bounce %d: %g after %g", bounces, energy, before);
@@ -177,25 +190,36 @@ static void a_perfect_bounce_gains_no_energy(void **unused)
     }
     print_message("after 50 bounces %.4g of the energy is left\n", before / first);
     assert_true(before > 0.9 * first && before <= first * 1.0001);
-    daft_world_destroy(world);
+    return end_of(world);
+}
+
+static void a_perfect_bounce_gains_no_energy(void **unused)
+{
+    (void)unused;
+    play_variants(perfect_bounces);
+}
+
+static uint64_t bounce_house(const variant *v)
+{
+    daft_world *world = variant_world(v);
+    daft_world_set_gravity(world, daft_v3(0, 0, 0));
+    add_room(world, v->origin, 5, 0.1f, 1, 0);
+    uint32_t ball = put(world, v, sphere(0.2, 0.3, 0.1, -0.7));
+    launch(world, v, ball, daft_v3(120, 7, 120), daft_v3(0, 0, 0));
+    double start = speed_of(state_in(world, v, ball));
+    for (int i = 0; i < 3600; i++) {
+        steps(world, 1);
+        daft_dvec3 p = state_in(world, v, ball).position;
+        assert_true(fabs(p.x) < 4.9 && fabs(p.y) < 4.9 && fabs(p.z) < 4.9);
+    }
+    assert_near(speed_of(state_in(world, v, ball)), start, 0.005 * start);
+    return end_of(world);
 }
 
 static void a_bounce_house_keeps_its_ball_and_its_energy(void **unused)
 {
     (void)unused;
-    daft_world *world = new_world();
-    daft_world_set_gravity(world, daft_v3(0, 0, 0));
-    add_room(world, 5, 0.1f, 1, 0);
-    uint32_t ball = add(world, sphere(0.2, 0.3, 0.1, -0.7));
-    daft_world_set_velocity(world, ball, daft_v3(120, 7, 120), daft_v3(0, 0, 0));
-    double start = speed_of(state_of(world, ball));
-    for (int i = 0; i < 3600; i++) {
-        steps(world, 1);
-        daft_dvec3 p = state_of(world, ball).position;
-        assert_true(fabs(p.x) < 4.9 && fabs(p.y) < 4.9 && fabs(p.z) < 4.9);
-    }
-    assert_near(speed_of(state_of(world, ball)), start, 0.005 * start);
-    daft_world_destroy(world);
+    play_variants(bounce_house);
 }
 
 static void two_spheres_share_momentum(void **unused)

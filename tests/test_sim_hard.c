@@ -58,7 +58,7 @@ static void no_shot_leaves_a_cluttered_room(void **unused)
     seed_random(77);
     for (int round = 0; round < 40; round++) {
         daft_world *world = new_world();
-        add_room(world, 5, 0.05f, (float)uniform(0, 1), 0.5f);
+        add_room(world, daft_dv3(0, 0, 0), 5, 0.05f, (float)uniform(0, 1), 0.5f);
         for (int i = 0; i < 12; i++) {
             daft_dvec3 at = random_in(-4, 4), axis = random_in(-1, 1);
             one_shape plate = box(daft_v3(1.5f, 0.05f, 1.5f), at.x, at.y, at.z);

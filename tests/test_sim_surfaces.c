@@ -335,7 +335,7 @@ typedef struct slide {
     double along, aside, bump, speed; /* m, m, m/s up or down, m/s at the end */
 } slide;
 
-/* kind of slider: 0 a crate, 1 a ball that rolls, 2 a capsule that lies along its way, 3 a small crate, 4 one of 2.4 m. */
+/* slider: 0 a crate, 1 a ball that rolls, 2 a capsule that lies along its way, 3 a small crate, 4 one of 2.4 m. */
 typedef struct slide_start {
     int slider;
     double speed, heading, x, z; /* m/s, rad, m */
