@@ -113,19 +113,27 @@ static bool is_level(const group *g, const candidate *c)
     return true;
 }
 
+/* Met no later, but for what the choice of a contact's axis holds for even (DAFT_BOX_EVEN): the corner of a tile that is just
+ * reached may be met by the side of what slides, deeper than by its face. */
+static bool may_hide(const group *g, const candidate *other, const candidate *mine)
+{
+    float even = (float)ON_SURFACE * g->world->parts[mine->touch->part_a].reach;
+    return other->touch != mine->touch && other->patch->count > 0 && other->separation <= mine->separation + even;
+}
+
 static bool is_hidden(const group *g, int c)
 {
     const candidate *mine = &g->near[c];
     for (uint32_t i = 0; i < mine->patch->count; i++) {
         daft_dvec3 at = point_on_b(g, mine, i);
         bool found = false;
-        for (int k = 0; k < c && !found; k++) {
+        for (int k = 0; k < g->count && !found; k++) {
             const candidate *other = &g->near[k];
-            if (other->touch == mine->touch) continue;
+            if (!may_hide(g, other, mine)) continue;
             const daft_sim_part *part = &g->world->parts[other->touch->part_b];
             found = lies_on(g, other->touch->part_b, at, margin_on(g, mine, part));
         }
-        if (!found) return is_level(g, mine);
+        if (!found) return c > 0 && is_level(g, mine);
     }
     return true;
 }
@@ -334,7 +342,7 @@ static void filter_body(daft_world *world, uint32_t index, float dt)
     }
     for (int i = 0; i < g.count; i++)
         if (g.near[i].separation <= -world->parts[g.near[i].touch->part_a].inner) find_way_out(&g, &g.near[i]);
-    for (int i = g.count - 1; i > 0; i--)
+    for (int i = g.count - 1; i >= 0; i--)
         if (is_hidden(&g, i)) drop(&g.near[i]);
     for (int i = g.count - 1; i >= 0; i--)
         if (g.near[i].patch->count > 0 && is_behind(&g, i)) drop(&g.near[i]);
