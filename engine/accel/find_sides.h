@@ -17,6 +17,8 @@ typedef struct daft_side_search {
     uint8_t *marks;  /* of each triangle: OPEN, nothing is against it yet; DOUBLE, for how edges are; TOUCHED */
 } daft_side_search;
 
+/* How far the mesh's corners may be from where they are, without a change of what was found inside it or of its sides. */
+double daft_sides_pad(const daft_trimesh *mesh);
 /* Marks the triangles that others come within the pad of, or neighbours are folded on. */
 void daft_sides_mark_contacts(daft_side_search *search, int threads);
 /* Sets the bits of the one-sided triangles among those that are not marked. False: memory is out. */

@@ -2,6 +2,7 @@
  * as seen along the three axes. The grid says about how large a ball in each cell may be; the one that is taken is moved
  * away from the nearest triangle as long as that lets it grow, and ends where the nearest triangle, found through the tree, says. */
 #include "accel/find_inner.h"
+#include "accel/find_sides.h"
 
 enum {
     CANDIDATES = 768,
@@ -9,23 +10,12 @@ enum {
     TRIES = 2 * DAFT_INNER_BALLS,
     WORK_A_TRIANGLE = 8
 };
-#define PAD 0x1p-18     /* of the mesh's size */
 #define LEAST_GAIN 0.004 /* of what the first ball covers: less is not worth looking at */
 
 void daft_inner_drop(daft_bvh *bvh)
 {
     daft_release(&bvh->allocator, bvh->inner);
     bvh->inner = NULL;
-}
-
-static double pad_of(const daft_trimesh *mesh)
-{
-    double size = 0;
-    for (int k = 0; k < 3; k++) {
-        double low = (double)(&mesh->low.x)[k], high = (double)(&mesh->high.x)[k];
-        size = fmax(fmax(size, high - low), fmax(fabs(low), fabs(high)));
-    }
-    return size * PAD;
 }
 
 /* ---- the nearest triangle ---- */
@@ -281,7 +271,7 @@ bool daft_bvh_find_inner(daft_bvh *bvh, const daft_trimesh *mesh)
     for (int i = 0; i < DAFT_INNER_BALLS; i++) bvh->inner->radius[i] = -INFINITY;
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < DAFT_INNER_CAPS; i++) bvh->inner->caps.bounds[k][i] = INFINITY, bvh->inner->caps.bounds[3 + k][i] = -INFINITY;
-    daft_inner_search s = {.allocator = &bvh->allocator, .mesh = mesh, .bvh = bvh, .pad = pad_of(mesh), .out = bvh->inner};
+    daft_inner_search s = {.allocator = &bvh->allocator, .mesh = mesh, .bvh = bvh, .pad = daft_sides_pad(mesh), .out = bvh->inner};
     if (!find(&s)) daft_inner_drop(bvh);
     return bvh->inner != NULL;
 }

@@ -46,7 +46,7 @@ static bool mark_edges(daft_side_search *s)
     return true;
 }
 
-static double pad_of(const daft_trimesh *mesh)
+double daft_sides_pad(const daft_trimesh *mesh)
 {
     double size = 0;
     for (int k = 0; k < 3; k++) {
@@ -58,7 +58,7 @@ static double pad_of(const daft_trimesh *mesh)
 
 static bool search(const daft_bvh *bvh, const daft_trimesh *mesh, daft_sides *out, int threads)
 {
-    daft_side_search s = {.allocator = &bvh->allocator, .mesh = mesh, .bvh = bvh, .pad = pad_of(mesh)};
+    daft_side_search s = {.allocator = &bvh->allocator, .mesh = mesh, .bvh = bvh, .pad = daft_sides_pad(mesh)};
     s.marks = daft_alloc_zero(s.allocator, mesh->triangle_count, sizeof *s.marks);
     bool done = s.marks && daft_adjacency_make(s.allocator, mesh, &s.adjacency) && mark_edges(&s);
     if (done) {
