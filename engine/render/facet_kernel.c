@@ -56,6 +56,21 @@ static void stage_maps(const daft_instance *s, int lane, stage *out)
     for (int k = 0; k < 3; k++) out->to_frame[9 + k][lane] = s->to_frame.t[k];
 }
 
+void DAFT_KERNEL(daft_facets_fetch)(const daft_snapshot *snapshot, const daft_facets *facets, uint32_t first)
+{
+    uint32_t end = daft_min_u(first + DAFT_VL, facets->count);
+    for (uint32_t i = first; i < end; i++) {
+        const daft_trimesh *mesh = snapshot->instances[facets->instance[i]].mesh;
+        if (!mesh) continue;
+        const uint32_t *corner = &mesh->indices[3 * (size_t)facets->triangle[i]];
+        for (int k = 0; k < 3; k++)
+            __builtin_prefetch(&mesh->x[corner[k]]), __builtin_prefetch(&mesh->y[corner[k]]), __builtin_prefetch(&mesh->z[corner[k]]);
+        if (!mesh->normals) continue;
+        const uint32_t *at = mesh->normal_indices ? &mesh->normal_indices[3 * (size_t)facets->triangle[i]] : corner;
+        for (int k = 0; k < 3; k++) __builtin_prefetch(&mesh->normals[at[k]]);
+    }
+}
+
 static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t first, uint32_t count, stage *out)
 {
     out->triangles = out->spheres = out->with_normals = out->textured = 0, out->one_instance = true;

@@ -22,6 +22,10 @@ enum {
     FEW_LOOKS = 64   /* nodes and things are looked at; who has not found out by then whether they are few takes them for many */
 };
 
+/* To sort the points of a large patch takes as long as many tests of it. Among many things it would be met by too many. */
+#define STRAY_OF_FEW  10.0f
+#define STRAY_OF_MANY 2.0f
+
 /* A tile's points and one lamp. */
 typedef struct cast {
     const daft_batch *batch;
@@ -552,7 +556,7 @@ static uint32_t cast_pencil(cast *c, uint32_t *bits)
     c->view = picture_map_make(&c->light.map);
     bool few = find_casters(c, FEW_CASTERS, FEW_LOOKS);
     if (few && c->caster_count == 0) return 0;
-    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, &points);
+    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, few ? STRAY_OF_FEW : STRAY_OF_MANY, &points);
     if (few) {
         cast_remembered(c, &points);
         for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);

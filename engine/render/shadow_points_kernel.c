@@ -3,8 +3,7 @@
  * their points make blocks along a Morton curve in that picture. */
 #include "render/shadow.h"
 
-#define TINY  1e-36f
-#define STRAY 2.0f /* a patch this much larger than usual is taken apart */
+#define TINY 1e-36f
 
 typedef struct pencil {
     const light *light;
@@ -131,6 +130,7 @@ enum { PLACE_BITS = 11 }; /* of a place in a batch: DAFT_BATCH_ROOM < 2^11 */
  * in the batch. */
 typedef struct strays {
     uint32_t count, jump; /* bits of the code that differ across more than two usual blocks */
+    float most;           /* larger blocks are taken apart */
     float low_u, low_v, scale;
     uint32_t key[DAFT_BATCH_ROOM];
     uint32_t free_count, free[SHADOW_BLOCKS]; /* blocks that were taken apart */
@@ -195,7 +195,7 @@ static void strays_setup(const shadow_points *p, float usual, strays *out)
     out->count = out->free_count = 0;
     out->low_u = out->low_v = INFINITY;
     for (uint32_t b = 0; b < p->count; b++) {
-        if (block_size(p, b) <= STRAY * usual) continue;
+        if (block_size(p, b) <= out->most) continue;
         out->low_u = fminf(out->low_u, p->low_u[b]), high_u = fmaxf(high_u, p->high_u[b]);
         out->low_v = fminf(out->low_v, p->low_v[b]), high_v = fmaxf(high_v, p->high_v[b]);
     }
@@ -205,12 +205,13 @@ static void strays_setup(const shadow_points *p, float usual, strays *out)
     out->jump += PLACE_BITS;
 }
 
-/* Takes the blocks apart that are much larger than usual. */
-static void take_strays(const shadow_points *p, float usual, strays *out)
+/* Takes the blocks apart that are so many times larger than usual. */
+static void take_strays(const shadow_points *p, float usual, float stray, strays *out)
 {
+    out->most = stray * usual;
     strays_setup(p, usual, out);
     for (uint32_t b = 0; b < p->count; b++) {
-        if (block_size(p, b) <= STRAY * usual) continue;
+        if (block_size(p, b) <= out->most) continue;
         add_strays(p, b, out);
         out->free[out->free_count++] = b;
     }
@@ -268,7 +269,7 @@ static void empty_block(shadow_points *p, uint32_t b)
 }
 
 void DAFT_KERNEL(daft_shadow_blocks)(const light *l, const daft_batch *batch, const uint32_t *own, const uint32_t *kept,
-                                     shadow_points *to)
+                                     float stray, shadow_points *to)
 {
     const pencil c = {l, batch, own};
     places from;
@@ -280,7 +281,7 @@ void DAFT_KERNEL(daft_shadow_blocks)(const light *l, const daft_batch *batch, co
     for (uint32_t b = 0; b < from.count; b++)
         from.rows ? fill_block(&c, &from, b, true, to) : fill_block(&c, &from, b, false, to);
     to->count = from.count;
-    take_strays(to, usual_size(to), &apart);
+    take_strays(to, usual_size(to), stray, &apart);
     if (apart.count) {
         sort_strays(&apart);
         place_strays(&c, &apart, &from, to);

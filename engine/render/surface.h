@@ -61,4 +61,7 @@ typedef struct facet_rays {
 void DAFT_KERNEL(daft_facets_setup)(const daft_snapshot *snapshot, daft_facets *facets, uint32_t first, uint32_t count,
                                     const facet_rays *rays);
 
+/* The corners of the up to DAFT_VL things from `first` on, which are anywhere, are on their way from memory before they are set up. */
+void DAFT_KERNEL(daft_facets_fetch)(const daft_snapshot *snapshot, const daft_facets *facets, uint32_t first);
+
 #endif

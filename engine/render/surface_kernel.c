@@ -245,13 +245,15 @@ DAFT_INLINE void prefetch_facet(const daft_instance *s, uint32_t triangle)
     if (s->mesh->normal_indices) __builtin_prefetch(&s->mesh->normal_indices[3 * (size_t)triangle]);
 }
 
-static int32_t find_slot(finder *f, uint32_t instance, uint32_t triangle)
+/* No branch hangs on whether the thing is a new one, which would be guessed wrong every other time. */
+DAFT_INLINE int32_t find_slot(finder *f, uint32_t instance, uint32_t triangle)
 {
     daft_facets *list = f->facets;
-    uint32_t hash = (triangle * 0x9e3779b1u + instance * 0x85ebca6bu) >> 24, slot = f->slot[hash];
-    if (slot < list->count && list->instance[slot] == instance && list->triangle[slot] == triangle) return (int32_t)slot;
-    slot = list->count++;
-    list->instance[slot] = instance, list->triangle[slot] = triangle;
+    uint32_t hash = (triangle * 0x9e3779b1u + instance * 0x85ebca6bu) >> 24, slot = f->slot[hash], fresh = list->count;
+    bool known = (slot < fresh) & (list->instance[slot] == instance) & (list->triangle[slot] == triangle);
+    list->instance[fresh] = instance, list->triangle[fresh] = triangle;
+    list->count = fresh + !known;
+    slot = known ? slot : fresh;
     f->slot[hash] = (uint16_t)slot;
     prefetch_facet(&f->snapshot->instances[instance], triangle);
     return (int32_t)slot;
@@ -359,8 +361,11 @@ static void setup_seen(const daft_snapshot *snapshot, const daft_pencil *p, daft
 {
     const facet_rays rays = {set3(daft_v3(0, 0, 0)), set3(p->forward), set3(daft_scale(p->forward, 1 / p->focal))};
     f->traits = 0, f->one_material = true, f->last_material = UINT32_MAX;
-    for (uint32_t i = 0; i < f->count; i += DAFT_VL)
+    DAFT_KERNEL(daft_facets_fetch)(snapshot, f, 0);
+    for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
+        DAFT_KERNEL(daft_facets_fetch)(snapshot, f, i + DAFT_VL);
         DAFT_KERNEL(daft_facets_setup)(snapshot, f, i, daft_min_u(DAFT_VL, f->count - i), &rays);
+    }
 }
 
 /* A facet that is not smooth has one normal for all its points. */
