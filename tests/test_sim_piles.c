@@ -148,33 +148,38 @@ static void dominoes_fall_in_order(void **unused)
 /* ---- pyramids ---- */
 
 /* Boxes of 100 m stand as those of 1 m do. */
-static void a_huge_pyramid_stands_like_a_small_one(void **unused)
+static uint64_t huge_pyramid(const variant *v)
 {
-    (void)unused;
+    uint64_t hash = 0;
     static const float sizes[] = {1, 100};
     for (int k = 0; k < 2; k++) {
-        daft_world *world = new_world();
+        daft_world *world = variant_world(v);
         double size = (double)sizes[k];
-        one_shape ground = box(daft_v3(10 * sizes[k], sizes[k], 10 * sizes[k]), 0, -size, 0);
-        add(world, ground);
+        put(world, v, box(daft_v3(10 * sizes[k], sizes[k], 10 * sizes[k]), 0, -size, 0));
         uint32_t ids[55], n = 0;
         daft_dvec3 from[55];
         for (int row = 0; row < 10; row++)
-            for (int i = 0; i < 10 - row; i++) {
+            for (int i = 0; i < 10 - row; i++, n++) {
                 from[n] = daft_dv3(1.05 * size * (i + 0.5 * row - 4.5), size * (0.5 + row), 0);
-                ids[n] = add(world, dynamic_box(daft_scale(daft_v3(0.5f, 0.5f, 0.5f), sizes[k]), from[n].x, from[n].y, 0));
-                n++;
+                ids[n] = put(world, v, dynamic_box(daft_scale(daft_v3(0.5f, 0.5f, 0.5f), sizes[k]), from[n].x, from[n].y, 0));
             }
         steps(world, 600);
         double moved = 0, fastest = 0;
         for (uint32_t i = 0; i < n; i++) {
-            moved = fmax(moved, distance_of(from[i], state_of(world, ids[i]).position));
+            moved = fmax(moved, distance_of(from[i], place_of(world, v, ids[i])));
             fastest = fmax(fastest, speed_of(state_of(world, ids[i])));
         }
         print_message("boxes of %g m: moved at most %g m, fastest %g m/s, %d awake\n", size, moved, fastest, count_awake(world));
         assert_true(moved < 0.02 * size && fastest < 0.01);
-        daft_world_destroy(world);
+        hash = hash_of_both(hash, end_of(world));
     }
+    return hash;
+}
+
+static void a_huge_pyramid_stands_like_a_small_one(void **unused)
+{
+    (void)unused;
+    play_variants(huge_pyramid);
 }
 
 /* Four rows that overlap by a quarter part within two seconds, at 3 m/s at most, and are at rest: the top, pushed up by
@@ -219,30 +224,36 @@ static void an_overlapping_pyramid_parts(void **unused)
 }
 
 /* A stack of ten at 1e7 m falls asleep in the same step as one at the origin, in the same place. */
-static int stack_of_ten(daft_dvec3 at, daft_dvec3 *top)
+static int stack_of_ten(const variant *v, daft_dvec3 at, daft_dvec3 *top, uint64_t *hash)
 {
-    daft_world *world = new_world();
-    add(world, box(daft_v3(10, 1, 10), at.x, at.y - 1, at.z));
+    daft_world *world = variant_world(v);
+    put(world, v, box(daft_v3(10, 1, 10), at.x, at.y - 1, at.z));
     uint32_t id = 0;
-    for (int i = 0; i < 10; i++)
-        id = add(world, dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), at.x, at.y + 0.5 + i, at.z));
+    for (int i = 0; i < 10; i++) id = put(world, v, dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), at.x, at.y + 0.5 + i, at.z));
     int tick = 0;
     do steps(world, 1);
     while (daft_world_is_awake(world, id) && ++tick < 1200);
-    *top = daft_dsub(state_of(world, id).position, at);
-    daft_world_destroy(world);
+    *top = daft_dsub(place_of(world, v, id), at);
+    *hash = hash_of_both(*hash, end_of(world));
     return tick;
+}
+
+static uint64_t far_stack(const variant *v)
+{
+    uint64_t hash = 0;
+    daft_dvec3 here, there;
+    int when = stack_of_ten(v, daft_dv3(0, 0, 0), &here, &hash), then = stack_of_ten(v, daft_dv3(1e7, 1e7, -1e7), &there, &hash);
+    print_message("asleep after %d and %d steps, %g m apart\n", when, then, distance_of(here, there));
+    assert_int_equal(when, then);
+    assert_true(when < 300 && distance_of(here, there) <= 1e-3);
+    assert_true(hypot(here.x, here.z) < 0.02);
+    return hash;
 }
 
 static void a_stack_far_away_is_the_same(void **unused)
 {
     (void)unused;
-    daft_dvec3 here, there;
-    int when = stack_of_ten(daft_dv3(0, 0, 0), &here), then = stack_of_ten(daft_dv3(1e7, 1e7, -1e7), &there);
-    print_message("asleep after %d and %d steps, %g m apart\n", when, then, distance_of(here, there));
-    assert_int_equal(when, then);
-    assert_true(when < 300 && distance_of(here, there) <= 1e-3);
-    assert_true(hypot(here.x, here.z) < 0.02);
+    play_variants(far_stack);
 }
 
 /* ---- one in another ---- */
@@ -289,12 +300,12 @@ static bool some_overlap(const daft_world *world, const uint32_t *ids, int count
 }
 
 /* Bodies made in one place leave it at `most` m/s; boxes are apart but for `deep` metres after the given seconds. */
-static void a_spot_comes_apart(int count, bool boxes, int seconds, double most, float deep)
+static uint64_t spot_comes_apart(const variant *v, int count, bool boxes, int seconds, double most, float deep)
 {
-    daft_world *world = new_world();
-    add_floor(world, 2000);
+    daft_world *world = variant_world(v);
+    put_floor(world, v, 2000);
     uint32_t *ids = malloc((size_t)count * sizeof *ids);
-    for (int i = 0; i < count; i++) ids[i] = add(world, one_of(i, boxes));
+    for (int i = 0; i < count; i++) ids[i] = put(world, v, one_of(i, boxes));
     double fastest = 0, lowest = 1e9, highest = 0;
     for (int tick = 0; tick < 60 * seconds; tick++) {
         steps(world, 1);
@@ -304,15 +315,20 @@ static void a_spot_comes_apart(int count, bool boxes, int seconds, double most, 
     assert_true(fastest < most && lowest > 0.1);
     assert_true(!boxes || !some_overlap(world, ids, count, daft_v3(0.3f, 0.2f, 0.25f), deep));
     free(ids);
-    daft_world_destroy(world);
+    return end_of(world);
+}
+
+static uint64_t spots(const variant *v)
+{
+    uint64_t hash = spot_comes_apart(v, 60, false, 10, 4, 0);
+    hash = hash_of_both(hash, spot_comes_apart(v, 60, true, 3, 4, 0.01f));
+    return hash_of_both(hash, spot_comes_apart(v, 1000, true, 5, 6, 0.03f));
 }
 
 static void what_is_made_in_one_spot_comes_apart(void **unused)
 {
     (void)unused;
-    a_spot_comes_apart(60, false, 10, 4, 0);
-    a_spot_comes_apart(60, true, 3, 4, 0.01f);
-    a_spot_comes_apart(1000, true, 5, 6, 0.03f);
+    play_variants(spots);
 }
 
 /* ---- ragdolls ---- */
@@ -489,17 +505,16 @@ static void ragdolls_stay_whole(void **unused)
 
 /* Thrown, turned any way. An arm that is caught under the chest at 8 m/s may open by more than 2 cm, in one fall of a hundred; whatever stops
  * a limb on its way stops what is joined to it, or joints would be torn open by the rest of the way, 10 cm and more. All sleep. */
-static void ragdolls_fall_any_way(void **unused)
+static uint64_t ragdolls_thrown(const variant *v)
 {
-    (void)unused;
-    const variant *v = &VARIANT[0];
     enum { COUNT = 36 };
+    uint64_t hash = 0;
     seed_random(88);
     fixture_mesh hills = hilly_mesh(v);
     daft_mesh_shape *surface = make_surface(&hills);
     int torn = 0;
     for (int ground = 0; ground < GROUNDS; ground++) {
-        daft_world *world = new_world();
+        daft_world *world = variant_world(v);
         add_ground(world, v, ground, surface);
         ragdoll dolls[COUNT];
         for (int i = 0; i < COUNT; i++) {
@@ -516,21 +531,26 @@ static void ragdolls_fall_any_way(void **unused)
         assert_true(f.open < 0.04 && f.lowest > (ground == TRIANGLES ? -0.15 : 0));
         assert_int_equal(count_awake(world), 0);
         torn += f.torn;
-        daft_world_destroy(world);
+        hash = hash_of_both(hash, end_of(world));
     }
     assert_true(torn <= 3);
     daft_mesh_shape_free(surface);
     mesh_drop(&hills);
+    return hash;
+}
+
+static void ragdolls_fall_any_way(void **unused)
+{
+    (void)unused;
+    play_variants(ragdolls_thrown);
 }
 
 /* A hundred, close to each other, fall into a heap ("Falling Ragdolls" of Box3D's samples). */
-static void a_hundred_ragdolls_come_to_rest(void **unused)
+static uint64_t hundred_ragdolls(const variant *v)
 {
-    (void)unused;
-    const variant *v = &VARIANT[0];
     enum { SIDE = 10, COUNT = SIDE * SIDE };
     seed_random(5);
-    daft_world *world = new_world();
+    daft_world *world = variant_world(v);
     add_ground(world, v, FLOOR, NULL);
     ragdoll dolls[COUNT];
     for (int i = 0; i < COUNT; i++) {
@@ -541,7 +561,13 @@ static void a_hundred_ragdolls_come_to_rest(void **unused)
     print_message("joints open by %g mm, %d of %d by more than 20; lowest at %g m, %d awake\n", 1000 * f.open, f.torn, COUNT, f.lowest, count_awake(world));
     assert_true(f.open < 0.02 && f.lowest > 0);
     assert_int_equal(count_awake(world), 0);
-    daft_world_destroy(world);
+    return end_of(world);
+}
+
+static void a_hundred_ragdolls_come_to_rest(void **unused)
+{
+    (void)unused;
+    play_variants(hundred_ragdolls);
 }
 
 int main(void)
