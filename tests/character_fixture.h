@@ -28,7 +28,7 @@ static inline uint32_t put_kinematic(daft_world *world, daft_vec3 half, double x
     return add(world, def);
 }
 
-static inline void put_floor(daft_world *world)
+static inline void put_ground(daft_world *world)
 {
     put_box(world, 50, 1, 50, 0, -1, 0);
 }

@@ -8,7 +8,7 @@ static void it_stands_still(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     daft_sim_character c = walker(0, 1, 0);
     walk(world, &c, 0, 0, 60);
     assert_true(c.grounded);
@@ -23,7 +23,7 @@ static void it_walks_as_fast_as_asked(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     daft_sim_character c = walker(0, 0, 0);
     walk(world, &c, 3, 4, 60);
     double x = c.position.x, z = c.position.z;
@@ -39,7 +39,7 @@ static void it_jumps_as_high_as_it_should(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     daft_sim_character c = walker(0, 0, 0);
     walk(world, &c, 0, 0, 5);
     double top = 0, from = feet(&c);
@@ -59,7 +59,7 @@ static void a_ceiling_stops_a_jump(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     put_box(world, 5, 0.01, 5, 0, 2.0, 0);
     daft_sim_character c = walker(0, 0, 0);
     walk(world, &c, 0, 0, 5);
@@ -85,7 +85,7 @@ static void stairs(daft_world *world, int count, double rise, double tread)
 static void climb(double rise, double tread, double speed, int count, double angle)
 {
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     stairs(world, count, rise, tread);
     daft_sim_character c = walker(0, 0, 0);
     walk(world, &c, 0, 0, 5);
@@ -127,7 +127,7 @@ static void steps_that_are_too_high_stop_it(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     stairs(world, 3, 0.4, 0.5);
     daft_sim_character c = walker(0, 0, 0);
     walk(world, &c, 4, 0, 200);
@@ -141,7 +141,7 @@ static void it_steps_over_kerbs(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     for (int i = 0; i < 4; i++) put_box(world, 0.01, 0.1 + 0.02 * i, 4, 2 + 2 * i, 0.1 + 0.02 * i, 0);
     daft_sim_character c = walker(0, 0, 0);
     walk(world, &c, 3, 0, 300);
@@ -158,7 +158,7 @@ static void slopes_up_to_the_limit_are_walked(void **state)
         if (degrees == 50) continue; /* the limit itself */
         double angle = degrees * DAFT_PI / 180, c0 = daft_cos(angle), s0 = daft_sin(angle);
         daft_world *world = new_world();
-        put_floor(world);
+        put_ground(world);
         /* A ramp whose surface begins at x = 2. */
         put_turned(world, daft_v3(20, 1, 5), 2 + 20 * c0 + s0, 20 * s0 - c0, 0, turned(0, 0, 1, angle));
         daft_sim_character c = walker(0, 0, 0);
@@ -198,7 +198,7 @@ static void steep_slopes_cannot_be_run_up(void **state)
     for (int degrees = 55; degrees <= 80; degrees += 5) {
         double angle = degrees * DAFT_PI / 180, c0 = daft_cos(angle), s0 = daft_sin(angle);
         daft_world *world = new_world();
-        put_floor(world);
+        put_ground(world);
         put_turned(world, daft_v3(20, 1, 5), 2 + 20 * c0 + s0, 20 * s0 - c0, 0, turned(0, 0, 1, angle));
         daft_sim_character c = walker(0, 0, 0);
         double top = 0, jump = 0;
@@ -222,7 +222,7 @@ static void it_slides_along_walls(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     put_box(world, 0.5, 3, 50, 2.5, 3, 0);
     daft_sim_character c = walker(0, 0, 0);
     walk(world, &c, 3, 0, 60);
@@ -240,7 +240,7 @@ static void corners_hold_it_and_let_it_go(void **state)
     for (int degrees = 10; degrees <= 170; degrees += 20) {
         double half = 0.5 * degrees * DAFT_PI / 180;
         daft_world *world = new_world();
-        put_floor(world);
+        put_ground(world);
         for (int side = -1; side <= 1; side += 2) {
             /* A wall that runs from the corner at x = 3 back to smaller x, turned by half the angle. */
             double c0 = daft_cos(half), s0 = daft_sin(half);
@@ -262,7 +262,7 @@ static void fast_ones_stop_at_thin_walls(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     daft_quat turn = turned(0, 1, 0, 0.3);
     double c0 = 4 * daft_cos(0.3), s0 = 4 * daft_sin(0.3);
     put_turned(world, daft_v3(0.0005f, 3, 5), c0, 3, -s0, turn);
@@ -301,7 +301,7 @@ static void low_tunnels_need_crouching(void **state)
     (void)state;
     daft_world *world = new_world();
     daft_error error;
-    put_floor(world);
+    put_ground(world);
     put_box(world, 2, 0.5, 5, 4, 1.7, 0); /* 1.2 m high from x = 2 to 6 */
     daft_sim_character c = walker(0, 0, 0);
     walk(world, &c, 3, 0, 120);
@@ -323,7 +323,7 @@ static void it_comes_out_of_what_it_is_put_into(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     put_box(world, 1, 1, 1, 0, 1, 0);
     for (int i = 0; i < 40; i++) {
         daft_sim_character c = walker(-1.2 + 0.06 * i, 0.05 * i, 0.3);
@@ -420,7 +420,7 @@ static void a_moving_wall_pushes_it(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     uint32_t wall = put_kinematic(world, daft_v3(0.5f, 2, 3), -2, 2.01, 0);
     daft_sim_character c = walker(0, 0, 0);
     for (int i = 1; i <= 240; i++) {
@@ -440,7 +440,7 @@ static void it_pushes_what_is_not_too_heavy(void **state)
     double way[3];
     for (int i = 0; i < 3; i++) {
         daft_world *world = new_world();
-        put_floor(world);
+        put_ground(world);
         one_shape crate = dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 2, 0.5, 0);
         crate.density = i == 0 ? 20 : i == 1 ? 60 : 2000; /* 20, 60, 2000 kg; friction 0.6: 118, 353, 11,772 N */
         uint32_t body = add(world, crate);
@@ -464,7 +464,7 @@ static void a_copy_goes_on_the_same_way(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     stairs(world, 8, 0.2, 0.4);
     daft_sim_character c = walker(0, 0, 0), saved;
     walk(world, &c, 3, 0.5, 70);
@@ -479,7 +479,7 @@ static void bad_numbers_do_nothing(void **state)
 {
     (void)state;
     daft_world *world = new_world();
-    put_floor(world);
+    put_ground(world);
     daft_sim_character c = walker(0, 0, 0), before;
     daft_error error = {0};
     const float bad[] = {NAN, INFINITY, -INFINITY};

@@ -91,8 +91,8 @@ static void join(daft_world *world, daft_joint_kind kind, uint32_t a, uint32_t b
     if (!daft_world_add_joint(world, &def, &error)) fail_msg("%s", error.message);
 }
 
-/* A field and a wall of two triangles, a platform that turns, a trigger, sixty bodies, twelve joints. */
-static daft_world *make_everything(shapes *s)
+/* A field and a wall of two triangles, a platform that turns, a trigger, as many bodies, and a fifth as many joints. */
+static daft_world *make_heap(shapes *s, int bodies)
 {
     daft_world *world = new_world();
     one_shape ground = box(daft_v3(1, 1, 1), -4, 0, -4);
@@ -111,13 +111,14 @@ static daft_world *make_everything(shapes *s)
     trigger.part.sensor = true;
     add(world, trigger);
     uint32_t last = 0;
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < bodies; i++) {
         uint32_t body = add_thing(world, s, i);
         if (i % 5 == 4) join(world, (daft_joint_kind)(1 + i / 5 % 6), last, body, i / 5);
         last = body;
     }
     return world;
 }
+static daft_world *make_everything(shapes *s) { return make_heap(s, 60); }
 
 static uint64_t hash_events(const daft_world *world, uint64_t hash)
 {
@@ -158,6 +159,32 @@ static void everything_is_the_same_for_any_workers_and_instructions(void **unuse
             uint64_t hash = daft_world_hash(world, run(world, 1000, 0));
             print_message("%s, %d workers: 0x%016llx\n", daft_isa_name(isa), workers, (unsigned long long)hash);
             assert_true(hash == GOLDEN_HASH);
+            daft_world_destroy(world);
+        }
+    free_shapes(&s);
+}
+
+/* Of a hundred bodies, which one worker sees to, and of four hundred, which all share: the bits after each of 600 steps. */
+static void each_step_is_the_same_for_any_workers(void **unused)
+{
+    (void)unused;
+    enum { STEPS = 600 };
+    static const int WORKERS[] = {1, 1, 2, 4, 8, 16}, BODIES[] = {100, 400};
+    static uint64_t first[STEPS];
+    shapes s = make_shapes();
+    daft_allocator allocator = daft_malloc_allocator();
+    s.surface = daft_mesh_shape_create(&allocator, &s.mesh.mesh, s.mesh.bvh, false, NULL);
+    for (size_t b = 0; b < DAFT_COUNT_OF(BODIES); b++)
+        for (size_t k = 0; k < DAFT_COUNT_OF(WORKERS); k++) {
+            daft_world *world = make_heap(&s, BODIES[b]);
+            daft_world_set_workers(world, WORKERS[k], daft_isa_best());
+            uint64_t hash = 0;
+            for (int i = 0; i < STEPS; i++) {
+                hash = daft_world_hash(world, run(world, 1, hash));
+                if (k == 0) first[i] = hash;
+                if (hash != first[i]) fail_msg("%d bodies, %d workers: step %d", BODIES[b], WORKERS[k], i);
+            }
+            print_message("%d bodies, %d workers: 0x%016llx\n", BODIES[b], WORKERS[k], (unsigned long long)hash);
             daft_world_destroy(world);
         }
     free_shapes(&s);
@@ -246,6 +273,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(everything_is_the_same_for_any_workers_and_instructions),
+        cmocka_unit_test(each_step_is_the_same_for_any_workers),
         cmocka_unit_test(saved_worlds_go_on_with_the_same_bits),
         cmocka_unit_test(damaged_bytes_are_an_error),
     };
