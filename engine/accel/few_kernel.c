@@ -82,7 +82,7 @@ static __attribute__((noinline)) bool few_closest(const daft_tlas *tlas, const d
         slab_origin at = slab_origin_of(few_enter(thing, ray, &r));
         uint32_t triangle = n.triangle, mark = thing->index < n.instance ? DAFT_NO_TRIANGLE : 0; /* a tie goes to the lower instance */
         n.triangle = mark;
-        mesh_walk(thing->bvh, thing->child, &f->way, &r, &at, &at, true, &n);
+        mesh_walk(thing->bvh, thing->child, &f->way, &r, &at, &at, true, true, &n);
         if (n.t < t || n.triangle != mark) n.instance = thing->index, won = thing;
         else n.triangle = triangle;
     }
@@ -117,7 +117,7 @@ static __attribute__((noinline)) bool few_stops(const daft_tlas *tlas, const daf
         if (!thing->casts_shadow) continue;
         slab_origin at = slab_origin_of(few_enter(thing, ray, &r));
         daft_nearest n = {.t = ray->tmax, .triangle = DAFT_NO_TRIANGLE};
-        if (mesh_search(thing->bvh, thing->child, &f->way, &r, &at, &at, true, &n)) return true;
+        if (mesh_search(thing->bvh, thing->child, &f->way, &r, &at, &at, true, true, &n)) return true;
     }
     return false;
 }

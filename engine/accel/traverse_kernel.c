@@ -97,7 +97,7 @@ static __attribute__((noinline)) void turned_walk(const daft_bvh *bvh, uint32_t 
     slab_way way;
     slab_origin from, until;
     turned_slabs(&bvh->turn, o, d, &way, &from, &until);
-    mesh_walk(bvh, child, &way, r, &from, &until, false, hit);
+    mesh_walk(bvh, child, &way, r, &from, &until, false, false, hit);
 }
 
 static __attribute__((noinline)) bool turned_search(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const daft_mesh_ray *r, daft_nearest *hit)
@@ -105,7 +105,7 @@ static __attribute__((noinline)) bool turned_search(const daft_bvh *bvh, uint32_
     slab_way way;
     slab_origin from, until;
     turned_slabs(&bvh->turn, o, d, &way, &from, &until);
-    return mesh_search(bvh, child, &way, r, &from, &until, false, hit);
+    return mesh_search(bvh, child, &way, r, &from, &until, false, false, hit);
 }
 
 /* way: of the direction d. */
@@ -117,8 +117,8 @@ static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF) DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, &r, daft_past(hit->t), hit);
     else if (bvh->turned) turned_walk(bvh, child, o, d, &r, hit);
-    else if (tmin >= 0 && way->plain) mesh_walk(bvh, child, way, &r, &at, &at, true, hit);
-    else mesh_walk(bvh, child, way, &r, &at, &at, false, hit);
+    else if (tmin >= 0 && way->plain) mesh_walk(bvh, child, way, &r, &at, &at, true, false, hit);
+    else mesh_walk(bvh, child, way, &r, &at, &at, false, false, hit);
 }
 
 static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_way *way, float tmin,
@@ -130,8 +130,8 @@ static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF) return DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, &r, daft_past(tmax), &hit);
     if (bvh->turned) return turned_search(bvh, child, o, d, &r, &hit);
-    if (tmin >= 0 && way->plain) return mesh_search(bvh, child, way, &r, &at, &at, true, &hit);
-    return mesh_search(bvh, child, way, &r, &at, &at, false, &hit);
+    if (tmin >= 0 && way->plain) return mesh_search(bvh, child, way, &r, &at, &at, true, false, &hit);
+    return mesh_search(bvh, child, way, &r, &at, &at, false, false, &hit);
 }
 
 /* Through an instance's mesh. A mesh that is only shifted keeps the direction. */
@@ -293,7 +293,7 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, v8_set(daft_past(hit->t)), &near);
             if (bits) {
-                child = step(&tree, node, bits, near, &top);
+                child = step(&tree, node, bits, near, false, &top);
                 continue;
             }
         }
@@ -392,7 +392,7 @@ DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daf
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
             if (bits) {
-                child = step(&tree, node, bits, near, &top);
+                child = step(&tree, node, bits, near, false, &top);
                 continue;
             }
         }

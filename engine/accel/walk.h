@@ -107,14 +107,28 @@ DAFT_INLINE void fetch(const tree_place *tree, uint32_t child)
     for (size_t i = 0; i < sizeof *tree->nodes; i += 64) __builtin_prefetch(at + i);
 }
 
-/* Of the children in bits, 1 or more: the nearest is the answer, the others are pushed, nearest last. */
-DAFT_INLINE uint32_t step(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, uint64_t **top)
+/* Child i of a node. `guess`: found by a jump, not a look-up. A processor foresees jumps, so it begins in the child before it
+ * knows that the ray meets it: rays that begin near the last one's origin go down the same way. */
+DAFT_INLINE uint32_t child_at(const daft_node *node, uint32_t i, bool guess)
 {
-    uint32_t i = (uint32_t)__builtin_ctz(bits), first = node->child[i], at[DAFT_WIDTH] __attribute__((aligned(32)));
+    uint32_t child;
+    if (!guess) return node->child[i];
+    switch (i) {
+#define CHILD(k) case k: child = node->child[k]; __asm__("" : "+r"(child)); return child; /* or it becomes a look-up again */
+        CHILD(0) CHILD(1) CHILD(2) CHILD(3) CHILD(4) CHILD(5) CHILD(6)
+#undef CHILD
+        default: return node->child[7];
+    }
+}
+
+/* Of the children in bits, 1 or more: the nearest is the answer, the others are pushed, nearest last. */
+DAFT_INLINE uint32_t step(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, bool guess, uint64_t **top)
+{
+    uint32_t i = (uint32_t)__builtin_ctz(bits), at[DAFT_WIDTH] __attribute__((aligned(32)));
     bits &= bits - 1;
-    if (!bits) return first;
+    if (!bits) return child_at(node, i, guess);
     v8_store((float *)at, near); /* in one piece: a copy would wait for its halves */
-    uint64_t nearest = (uint64_t)at[i] << 32 | first, *base = *top, *end = base;
+    uint64_t nearest = (uint64_t)at[i] << 32 | node->child[i], *base = *top, *end = base;
     do {
         i = (uint32_t)__builtin_ctz(bits);
         bits &= bits - 1;
@@ -129,10 +143,12 @@ DAFT_INLINE uint32_t step(const tree_place *tree, const daft_node *node, uint32_
 }
 
 /* Of the children in bits, 1 or more, in any order: one is the answer, the others are pushed. */
-DAFT_INLINE uint32_t spread(const daft_node *node, uint32_t bits, uint32_t **top)
+DAFT_INLINE uint32_t spread(const daft_node *node, uint32_t bits, bool guess, uint32_t **top)
 {
-    uint32_t first = node->child[__builtin_ctz(bits)];
+    uint32_t i = (uint32_t)__builtin_ctz(bits), first;
     bits &= bits - 1;
+    if (!bits) return child_at(node, i, guess);
+    first = node->child[i];
     for (; bits; bits &= bits - 1) *(*top)++ = node->child[__builtin_ctz(bits)];
     return first;
 }
@@ -156,9 +172,9 @@ DAFT_INLINE float begin_of(float t, bool plain) { return plain ? t * (1 - 0x1p-1
 
 DAFT_INLINE const char *node_at(const daft_node *nodes, uint32_t code) { return (const char *)nodes + code * sizeof *nodes; }
 
-/* Below `child`. hit->t limits the search and hit->triangle breaks ties, so the order of traversal does not matter. */
+/* Below `child`; `guess` as in child_at. hit->t limits the search and hit->triangle breaks ties, so the order of traversal does not matter. */
 DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
-                           const slab_origin *until, bool plain, daft_nearest *hit)
+                           const slab_origin *until, bool plain, bool guess, daft_nearest *hit)
 {
     ray_stack stack;
     uint64_t *top = stack.items;
@@ -171,7 +187,7 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
             uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
-            child = bits ? step(&tree, (const daft_node *)node, bits, near, &top) : pop(&top, limit);
+            child = bits ? step(&tree, (const daft_node *)node, bits, near, guess, &top) : pop(&top, limit);
         }
         if (child == DAFT_CHILD_NONE) return;
         if (DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, r, limit, hit)) limit = limit_of(hit->t, plain), high = v8_set(limit);
@@ -181,7 +197,7 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
 
 /* Whether anything below `child` is hit before hit->t. */
 DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
-                             const slab_origin *until, bool plain, daft_nearest *hit)
+                             const slab_origin *until, bool plain, bool guess, daft_nearest *hit)
 {
     code_stack stack;
     uint32_t *top = stack.items;
@@ -193,7 +209,7 @@ DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
             uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
-            child = bits ? spread((const daft_node *)node, bits, &top) : *--top;
+            child = bits ? spread((const daft_node *)node, bits, guess, &top) : *--top;
         }
         if (child == DAFT_CHILD_NONE) return false;
         if (DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, r, limit, hit)) return true;
