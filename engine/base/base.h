@@ -83,6 +83,9 @@ int daft_processor_count(void);
 /* ---- clock (clock.c) ---- */
 
 double daft_clock_ms(void); /* monotonic, milliseconds */
+/* For spans too short for that one, which takes longer to read: ticks of a unit that is found by holding it against the clock. Processors
+ * may be some ticks apart. */
+uint64_t daft_clock_ticks(void);
 
 /* ---- files (file.c) ---- */
 

@@ -151,7 +151,7 @@ static bool prepare(daft_frame *frame, daft_error *error)
     daft_arena_reset(&r->arena);
     for (int i = 0; i < r->threads; i++) {
         daft_scratch *scratch = &r->scratch[i];
-        memset(scratch->ms, 0, sizeof scratch->ms);
+        memset(scratch->ticks, 0, sizeof scratch->ticks);
         memset(scratch->tiles, 0, sizeof scratch->tiles);
         memset(scratch->rays_cast, 0, sizeof scratch->rays_cast);
         scratch->shadow_points = 0;
@@ -180,19 +180,21 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
     e[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch;
 }
 
-static void sum_effects(const daft_frame *frame, daft_counters *c)
+/* `since`, `ticks`: the two clocks when the frame began. */
+static void sum_effects(const daft_frame *frame, daft_counters *c, double since, uint64_t ticks)
 {
     const daft_renderer *r = frame->renderer;
+    double spent = (double)(daft_clock_ticks() - ticks), scale = spent > 0 ? (daft_clock_ms() - since) / spent : 0;
     for (int e = 0; e < DAFT_EFFECT_COUNT; e++) {
         daft_effect *effect = &c->effects[e];
-        double ms = 0;
+        uint64_t sum = 0;
         effect->name = EFFECT_NAMES[e];
         for (int i = 0; i < r->threads; i++) {
-            ms += r->scratch[i].ms[e];
+            sum += r->scratch[i].ticks[e];
             effect->tiles += r->scratch[i].tiles[e];
             effect->rays += r->scratch[i].rays_cast[e];
         }
-        effect->ms += ms / r->threads;
+        effect->ms += (double)sum * scale / r->threads;
         effect->ran = effect->tiles > 0;
         effect->why = effect->ran ? frame->plan.why[e] : frame->plan.why_not_seen[e];
         if (!effect->ran) effect->ms = 0; /* what it took to find out belongs to nobody */
@@ -221,12 +223,13 @@ bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, c
                        daft_counters *counters, daft_error *error)
 {
     double start = daft_clock_ms();
+    uint64_t ticks = daft_clock_ticks();
     daft_frame frame = {.renderer = renderer, .snapshot = snapshot, .target = target, .plan = daft_plan_make(snapshot)};
     counters_begin(counters, snapshot, renderer);
     if (!prepare(&frame, error)) return false;
     for (frame.sample = 0; frame.sample < snapshot->samples; frame.sample++)
         if (!render_sample(&frame, counters, error)) return false;
-    sum_effects(&frame, counters);
+    sum_effects(&frame, counters, start, ticks);
     counters->frame_ms = daft_clock_ms() - start;
     return true;
 }

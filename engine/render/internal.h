@@ -29,7 +29,7 @@ typedef struct daft_scratch {
     uint32_t lit[DAFT_BATCH_WORDS], under[DAFT_BATCH_WORDS];
     daft_lanes3 *passed;       /* of the running lamp's light; NULL until some shadow lets light through */
     daft_ray_batch *refracted; /* waiting, of each depth; NULL until something is seen that light may pass */
-    double ms[DAFT_EFFECT_COUNT];
+    uint64_t ticks[DAFT_EFFECT_COUNT];
     uint32_t tiles[DAFT_EFFECT_COUNT];
     uint64_t rays_cast[DAFT_EFFECT_COUNT];
     uint64_t shadow_points;

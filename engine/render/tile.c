@@ -12,15 +12,15 @@ typedef struct job {
     daft_scratch *s;
     uint32_t number, worker;      /* of the tile */
     const daft_lanes3 *color;     /* of the tile's pixels, in the end */
-    double since;                 /* when the running effect began */
+    uint64_t since;               /* when the running effect began */
     bool ran[DAFT_EFFECT_COUNT];
 } job;
 
 /* Books the time since the last call on an effect. */
 static void book(job *j, daft_effect_kind effect)
 {
-    double now = daft_clock_ms();
-    j->s->ms[effect] += now - j->since;
+    uint64_t now = daft_clock_ticks();
+    if (now > j->since) j->s->ticks[effect] += now - j->since;
     j->since = now;
 }
 
@@ -364,7 +364,7 @@ void daft_render_tile(void *context, uint32_t tile, uint32_t worker)
 {
     daft_frame *frame = context;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
-    job j = {frame, frame->renderer, frame->snapshot, &frame->renderer->scratch[worker], tile, worker, NULL, daft_clock_ms(), {false}};
+    job j = {frame, frame->renderer, frame->snapshot, &frame->renderer->scratch[worker], tile, worker, NULL, daft_clock_ticks(), {false}};
     const daft_surfaces_def def = {frame->snapshot, &frame->pencil, frame->plan.shadows, frame->target->aov.depth != NULL};
     see(&j, tile, worker);
     j.r->kernels->surfaces(&def, &j.s->tile, &j.s->facets, &j.s->points, &j.s->sky);
