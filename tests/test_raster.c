@@ -164,6 +164,40 @@ static void on_the_grid(void **unused)
     mesh_drop(&mesh);
 }
 
+/* Triangles much longer than wide, from a hundredth of a pixel to two: any way, and along rows and columns of pixels, with corners
+ * and sides on their centres; side by side as in a tube, crossing, through the camera's plane, and one upon the other. */
+static void long_thin_triangles(void **unused)
+{
+    (void)unused;
+    fixture_seed(246);
+    enum { COUNT = 400 };
+    daft_vec3 p[3 * COUNT];
+    uint32_t index[3 * COUNT];
+    for (int round = 0; round < 24; round++) {
+        bool on_centres = round % 4 == 3, tube = round % 4 == 2;
+        float length = round % 2 ? 150 : 30, far = round % 8 == 1 ? 60.0f : 8.0f;
+        for (int i = 0; i < COUNT; i++) {
+            daft_vec3 from = daft_v3(64 + random_float(-far, far), random_float(-60, 60), random_float(-80, 80)), along = random_vec3(-1, 1);
+            float width = i % 3 == 0 ? 0.01f : i % 3 == 1 ? 0.4f : 2;
+            if (on_centres) {
+                from = daft_v3(64, floorf(from.y) + (float)(i % 2) * 0.5f, floorf(from.z) + (float)(i % 2) * 0.5f);
+                along = i % 8 < 3 ? daft_v3(0, 1, 0) : i % 8 < 6 ? daft_v3(0, 0, 1) : daft_v3(0, 0.5f, i % 8 == 6 ? 0.5f : -0.5f);
+            }
+            bool next = tube && i % 8;
+            p[3 * i] = next ? p[3 * i - 2] : from;
+            p[3 * i + 1] = next ? p[3 * i - 1] : daft_add(from, daft_scale(along, length));
+            p[3 * i + 2] = daft_add(p[3 * i + next], on_centres ? daft_v3(0, width < 1 ? 0 : 0.5f, width < 0.1f ? 0 : 1) : random_vec3(-width, width));
+            for (int k = 0; k < 3; k++) index[3 * i + k] = (uint32_t)(3 * i + k);
+        }
+        fixture_mesh mesh = mesh_make(p, 3 * COUNT, index, COUNT);
+        daft_instance instances[2] = {instance_make(&mesh, still()), instance_make(&mesh, still())};
+        setting s = {pencil_make(0, 0, 1), instances, round % 3 == 2 ? 2 : 1};
+        s.pencil.focal = 64;
+        assert_true(agree(&s, "thin") > 100);
+        mesh_drop(&mesh);
+    }
+}
+
 static void spheres(void **unused)
 {
     (void)unused;
@@ -438,7 +472,7 @@ int main(void)
         cmocka_unit_test(through_the_camera_plane), cmocka_unit_test(brute_force),
         cmocka_unit_test(culling),       cmocka_unit_test(crowds),
         cmocka_unit_test(specks_on_the_grid), cmocka_unit_test(specks_in_a_far_corner),
-        cmocka_unit_test(backs_of_closed_things),
+        cmocka_unit_test(backs_of_closed_things), cmocka_unit_test(long_thin_triangles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -281,6 +281,18 @@ DAFT_INLINE vf vf_lookup16(const float table[16], vi index)
 #endif
 }
 
+/* table[index & (DAFT_VL - 1)] */
+DAFT_INLINE vf vf_lookup(const float table[DAFT_VL], vi index)
+{
+#if defined(DAFT_ISA_avx512)
+    return vf_lookup16(table, index);
+#elif defined(DAFT_ISA_avx2)
+    return (vf)_mm256_permutevar8x32_ps((__m256)vf_load(table), (__m256i)index);
+#else
+    return vf_gather(table, index & vi_set(DAFT_VL - 1));
+#endif
+}
+
 #if defined(DAFT_ISA_avx2)
 /* For each mask of eight lanes, the numbers of those in it, a byte each. */
 #define DAFT_PLACE(m, i) ((m) >> (i) & 1 ? (uint64_t)(i) << 8 * __builtin_popcount((m) & ((1u << (i)) - 1)) : 0)

@@ -223,12 +223,16 @@ static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, c
  * Measured: a window of 16 lanes is wasted on larger triangles than one of eight is. */
 enum { TINY_SIDE = DAFT_VL >= 16 ? 5 : 2, TINY_LEAST = DAFT_VL / 4 };
 
+/* So many pixels of thin triangles are looked at together; one triangle adds a tile's at most. */
+enum { THIN_MANY = 256, THIN_ROOM = THIN_MANY + DAFT_TILE * DAFT_TILE + DAFT_VL };
+enum { HITS_ROOM = THIN_ROOM > TINY_SIDE * TINY_SIDE * DAFT_VL ? THIN_ROOM : TINY_SIDE * TINY_SIDE * DAFT_VL };
+
 /* Lanes that meet the rays of pixels of their own. */
 typedef struct hit_list {
     uint32_t count;
-    uint32_t lane[TINY_SIDE * TINY_SIDE * DAFT_VL]; /* and UNSURE */
-    int32_t place[TINY_SIDE * TINY_SIDE * DAFT_VL];
-    float low[TINY_SIDE * TINY_SIDE * DAFT_VL], high[TINY_SIDE * TINY_SIDE * DAFT_VL];
+    uint32_t lane[HITS_ROOM]; /* and UNSURE */
+    int32_t place[HITS_ROOM];
+    float low[HITS_ROOM], high[HITS_ROOM];
 } hit_list;
 
 #define UNSURE 0x100u
@@ -252,13 +256,20 @@ static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, const hit_l
     }
 }
 
+/* Of lanes that are live: the others' places may be anywhere. */
+DAFT_INLINE void boxes_of(const daft_pencil_batch *b, vi *x0, vi *y0, vi *wide, vi *high)
+{
+    vm live = vm_from_bits(b->live);
+    vi zero = vi_set(0);
+    *x0 = vi_select(live, vi_load(b->x0), zero), *wide = vi_select(live, vi_load(b->x1), zero) - *x0;
+    *y0 = vi_select(live, vi_load(b->y0), zero), *high = vi_select(live, vi_load(b->y1), zero) - *y0;
+}
+
 /* Triangles with small boxes, side by side: in each step every lane looks at a pixel of its own. */
 static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
 {
-    vm live = vm_from_bits(b->live); /* the others' places may be anywhere */
-    vi zero = vi_set(0), side = vi_set(TINY_SIDE);
-    vi x0 = vi_select(live, vi_load(b->x0), zero), wide = vi_select(live, vi_load(b->x1), zero) - x0;
-    vi y0 = vi_select(live, vi_load(b->y0), zero), high = vi_select(live, vi_load(b->y1), zero) - y0;
+    vi x0, y0, wide, high, zero = vi_set(0), side = vi_set(TINY_SIDE);
+    boxes_of(b, &x0, &y0, &wide, &high);
     vbits tiny = b->live & ~b->covers & vm_bits(vm_and(vi_lt(wide, side), vi_lt(high, side)));
     if (!tiny || __builtin_popcount(tiny) < TINY_LEAST) return 0;
     vf outer = vf_set(j->exact ? -1.0f : 0.0f), sure = vf_set(j->exact ? 1 : -INFINITY), error = vf_load(b->error);
@@ -291,6 +302,122 @@ static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
     return tiny;
 }
 
+/* ---- thin triangles ---- */
+
+/* Long triangles, less than a pixel wide, cover a pixel in every few rows. Their pixels are found by rows along the longer side
+ * of their box, `u` and `v` from its first pixel: in row u they are from the largest of low + slope·u to the least of
+ * high + slope·u, a bound for each edge; rows side by side in lanes.
+ *
+ * With S, the sum of what e is made of in the tile, e is computed with an error of less than 3u·S at any pixel, and known as well
+ * at the first one; so 8u·S are taken off what a hit needs. Bounds of parts that are less than 2^14 in sum round by less
+ * than 2^-8 of a pixel; others bound nothing. */
+typedef struct spans {
+    float low[3][DAFT_VL], high[3][DAFT_VL], slope[3][DAFT_VL]; /* low: such that rounding down finds the first pixel */
+    float last[DAFT_VL];                                        /* v of the box's last pixels */
+    int32_t last_row[DAFT_VL];
+    int32_t place[DAFT_VL], row_step[DAFT_VL], step[DAFT_VL]; /* of the box's first pixel; to the next row; to the next of a row */
+} spans;
+
+#define SPAN_SLACK 0x1p-7f
+#define SPAN_PARTS 0x1p14f
+/* Triangles longer than THIN_LONG pixels and thinner than THIN_WIDTH in the middle, where a batch may have THIN_LEAST. */
+#define THIN_WIDTH 0.75f
+enum { THIN_LONG = 8, THIN_LEAST = DAFT_VL / 2 };
+
+/* Gives the lanes that are thin, of `some`. */
+static vbits spans_setup(const daft_tile_job *j, const daft_pencil_batch *b, vbits some, spans *s)
+{
+    vi x0, y0, wide, high, stride = vi_set(DAFT_TILE_STRIDE), one = vi_set(1), length = vi_set(THIN_LONG);
+    boxes_of(b, &x0, &y0, &wide, &high);
+    some &= vm_bits(vm_or(vi_lt(length, wide), vi_lt(length, high)));
+    if (__builtin_popcount(some) < THIN_LEAST) return 0;
+    vm flat = vi_lt(high, wide);
+    vi last_row = vi_select(flat, wide, high);
+    vf last = vf_from_int(vi_select(flat, high, wide)), middle = vf_from_int(last_row) * vf_set(0.5f), from = vf_set(1 - SPAN_SLACK), to = last;
+    vf dx = vf_set(j->left) + vf_from_int(x0), dy = vf_set(j->top) - vf_from_int(y0), outer = vf_set(j->exact ? -1.0f : 0.0f);
+    for (int k = 0; k < 3; k++) {
+        vf nx = vf_load(b->nx[k]), ny = vf_load(b->ny[k]), nz = vf_load(b->nz[k]);
+        vf size = vf_abs(nx) * vf_set(j->max_dx) + vf_abs(ny) * vf_set(j->max_dy) + vf_abs(nz);
+        vf across = vf_select(flat, -ny, nx), inverse = vf_set(1) / across;
+        vf at = (outer - vf_set(8 * UNIT) * size - (nx * dx + (ny * dy + nz))) * inverse, slope = vf_select(flat, -nx, ny) * inverse;
+        vm known = vf_lt(vf_abs(at) + vf_abs(slope) * vf_set(DAFT_TILE), vf_set(SPAN_PARTS)), below = vf_lt(vf_set(0), across);
+        vf least = vf_select(vm_and(known, below), at + vf_set(1 - 2 * SPAN_SLACK), vf_set(-INFINITY));
+        vf most = vf_select(vm_and(known, vm_not(below)), at + vf_set(SPAN_SLACK), vf_set(INFINITY));
+        slope = vf_select(known, slope, vf_set(0));
+        from = vf_max(from, least + slope * middle), to = vf_min(to, most + slope * middle);
+        vf_store(s->low[k], least), vf_store(s->high[k], most), vf_store(s->slope[k], slope);
+    }
+    vi_store(s->last_row, last_row), vf_store(s->last, last);
+    vi_store(s->place, y0 * stride + x0), vi_store(s->row_step, vi_select(flat, one, stride)), vi_store(s->step, vi_select(flat, stride, one));
+    return some & vm_bits(vf_lt(to, from + vf_set(THIN_WIDTH - 1)));
+}
+
+/* The pixels that lane i may cover: place | i << 16. Gives how many. */
+DAFT_INLINE uint32_t spans_list(const spans *s, int i, uint32_t *list)
+{
+    vi first = vi_iota() * vi_set(s->row_step[i]) + vi_set(s->place[i] | i << 16), step = vi_set(s->step[i]);
+    uint32_t count = 0;
+    for (int row = 0; row <= s->last_row[i]; row += DAFT_VL) {
+        vf u = vf_from_int(vi_iota() + vi_set(row)), low = vf_set(1 - SPAN_SLACK), high = vf_set(s->last[i]);
+        for (int k = 0; k < 3; k++) {
+            vf more = vf_set(s->slope[k][i]) * u;
+            low = vf_max(vf_set(s->low[k][i]) + more, low), high = vf_min(vf_set(s->high[k][i]) + more, high);
+        }
+        vi v = vi_truncate(low), at = first + v * step;
+        vf column = vf_from_int(v);
+        vbits lanes = vbits_first(s->last_row[i] + 1 - row) & vm_bits(vf_le(column, high));
+        for (; lanes; lanes &= vm_bits(vf_le(column, high))) {
+            vi_compress(&list[count], lanes, at);
+            count += (uint32_t)__builtin_popcount(lanes);
+            column += vf_set(1), at += step;
+        }
+        first += vi_set(DAFT_VL * s->row_step[i]);
+    }
+    return count;
+}
+
+/* The rays of such pixels, each against its own triangle. */
+static void draw_listed(daft_tile_job *j, const daft_pencil_batch *b, const uint32_t *list, uint32_t count)
+{
+    vf outer = vf_set(j->exact ? -1.0f : 0.0f), sure = vf_set(j->exact ? 1 : -INFINITY);
+    hit_list hits;
+    hits.count = 0;
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        vbits lanes = vbits_first((int)(count - i));
+        vi listed = vi_select(vm_from_bits(lanes), vi_load(&list[i]), vi_set(0));
+        vi lane = listed >> 16, place = listed & vi_set(0xffff), y = place >> 5;
+        vf dx = vf_set(j->left) + vf_from_int(place & vi_set(DAFT_TILE_STRIDE - 1)), dy = vf_set(j->top) - vf_from_int(y), least = vf_set(INFINITY);
+        for (int k = 0; k < 3; k++)
+            least = vf_min(vf_lookup(b->nx[k], lane) * dx + (vf_lookup(b->ny[k], lane) * dy + vf_lookup(b->nz[k], lane)), least);
+        vf w = vf_lookup(b->wx, lane) * dx + (vf_lookup(b->wy, lane) * dy + vf_lookup(b->wz, lane));
+        vf error = j->exact ? vf_lookup(b->error, lane) : vf_set(0);
+        w = vf_min(w, vf_lookup(b->w_cap, lane));
+        lanes &= vm_bits(vf_le(outer, least)) & ~vm_bits(vf_lt(w + error, vf_gather(j->w_low, place)));
+        vi_compress(&hits.lane[hits.count], lanes, lane | vi_select(vf_lt(sure, least), vi_set(0), vi_set(UNSURE)));
+        vi_compress(&hits.place[hits.count], lanes, place);
+        vf_compress(&hits.low[hits.count], lanes, w - error);
+        vf_compress(&hits.high[hits.count], lanes, w + error);
+        hits.count += (uint32_t)__builtin_popcount(lanes);
+    }
+    offer_hits(j, b, &hits);
+}
+
+/* Gives those that were. */
+static vbits draw_thin(daft_tile_job *j, const daft_pencil_batch *b, vbits some)
+{
+    spans s;
+    uint32_t list[THIN_ROOM], count = 0;
+    some = spans_setup(j, b, some, &s);
+    for (vbits left = some; left; left &= left - 1) {
+        count += spans_list(&s, __builtin_ctz(left), &list[count]);
+        if (count < THIN_MANY) continue;
+        draw_listed(j, b, list, count);
+        count = 0;
+    }
+    if (count) draw_listed(j, b, list, count);
+    return some;
+}
+
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, const daft_seen *seen, daft_hits *h)
 {
     for (uint32_t k = 0; k < h->count; k++) {
@@ -312,7 +439,8 @@ void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, const daft_seen *seen, daft_h
 
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
 {
-    for (vbits live = b->live & ~draw_tiny(j, b); live; live &= live - 1) {
+    vbits live = b->live & ~draw_tiny(j, b);
+    for (live &= ~draw_thin(j, b, live & ~b->covers); live; live &= live - 1) {
         int i = __builtin_ctz(live);
         const thing t = {&j->raster->seen[b->instance[i]], b->triangle[i]};
         if (b->covers >> i & 1)
