@@ -103,15 +103,17 @@ static bool same_parts(const daft_sim_patch *a, const daft_sim_patch *b)
  * of n substeps (n - 1)/(2n) of a step too late, by which whatever sways gains amplitude, omega²/2 of that delay in a
  * second: a box on a ball rocked until it fell off. So points and normals are put ahead by as much as they go in that time,
  * which is found from where they were put in the step before: x + k (x - before) is ahead by k/(k + 1) of a step. A little
- * more than what is wanted makes the swaying fade, much more would amplify what trembles, by (1 + k)/(1 - k). */
+ * more than what is wanted makes the swaying fade, much more would amplify what trembles, by (1 + k)/(1 - k). Heaps that are
+ * taken in more substeps than the world's are put ahead by more: the last step says in how many (b may be one that does not move). */
 #define LEAD_FADES 0.05f
+#define LEAD_ALONE 0.04f /* with one substep: all of it fades */
 #define MOST_LEAD  0.9f
 #define SMOOTH     0.3f /* of its length: what has changed by more is another place */
 
-static float lead_of(const daft_world *world)
+static float lead_of(const daft_world *world, const daft_sim_touch *touch, float dt)
 {
-    float n = (float)world->substeps;
-    return n > 1 ? daft_sim_min((n - 1) / (n + 1) + LEAD_FADES, MOST_LEAD) : 0;
+    float h = world->bodies[touch->body_a].h, n = h > 0 ? floorf(daft_sim_min(dt / h, 99) + 0.5f) : (float)world->substeps;
+    return n > 1 ? daft_sim_min((n - 1) / (n + 1) + LEAD_FADES, MOST_LEAD) : LEAD_ALONE;
 }
 
 static daft_vec3 ahead(daft_vec3 now, daft_vec3 before, float lead)
@@ -295,7 +297,7 @@ static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p
         convert(p, &where, &found[i], &fresh[kept]);
         if (p->a->locks & DAFT_LOCK_POSITION) daft_sim_flatten(world, touch, &fresh[kept]);
         if (fresh[kept].count == 0) continue;
-        inherit_of(&fresh[kept], patches, touch->patch_count, lead_of(world));
+        inherit_of(&fresh[kept], patches, touch->patch_count, lead_of(world, touch, p->dt));
         kept++;
     }
     for (uint32_t i = 0; i < kept; i++) patches[i] = fresh[i];
@@ -366,7 +368,7 @@ typedef struct rounds {
 /* What is at hand while a range of the listing is gone over. */
 typedef struct range {
     const daft_world *world;
-    float dt, lead;
+    float dt;
     rounds rounds, round_boxes;
     boxes boxes;
     daft_sim_listed *asked[GRAIN]; /* to be looked at one at a time */
@@ -391,9 +393,10 @@ typedef struct points {
     daft_vec3 anchors[DAFT_MANIFOLD_POINTS];
 } points;
 
-static void points_set(const range *r, points *out, const daft_sim_patch *patch, uint32_t count)
+static void points_set(const range *r, points *out, const daft_sim_touch *touch, uint32_t count)
 {
-    out->normal = patch->normal, out->lead = r->lead, out->count = count;
+    const daft_sim_patch *patch = &touch->own;
+    out->normal = patch->normal, out->lead = lead_of(r->world, touch, r->dt), out->count = count;
     for (uint32_t k = 0; k < count; k++) {
         const daft_sim_patch_point *point = &patch->points[k];
         out->ids[k] = point->id, out->impulses[k] = point->impulse, out->anchors[k] = point->anchor;
@@ -439,7 +442,7 @@ static void take_round(const range *r, rounds *all, int lane)
     daft_sim_touch *touch = &r->world->touches[all->entries[lane]->touch];
     daft_sim_patch *patch = &touch->own;
     points old;
-    points_set(r, &old, patch, begin_patch(r->world, touch));
+    points_set(r, &old, touch, begin_patch(r->world, touch));
     daft_vec3 offset = offset_of(r->world, touch);
     patch->normal = daft_round_batch_get(batch->normal, lane);
     patch->count = 0;
@@ -505,7 +508,7 @@ static void take_box(const range *r, boxes *all, int lane)
         return;
     }
     points old;
-    points_set(r, &old, patch, begin_patch(r->world, touch));
+    points_set(r, &old, touch, begin_patch(r->world, touch));
     patch->normal = daft_box_batch_get(batch->normal, lane);
     patch->count = 0;
     for (int i = 0; i < batch->count[lane]; i++) {
@@ -619,7 +622,7 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
     size_t first = (size_t)index * GRAIN, left = world->listed.count - first, count = left < GRAIN ? left : GRAIN;
     daft_sim_listed *entries = &world->listed.items[first];
     range r;
-    r.world = world, r.dt = j->dt, r.lead = lead_of(world), r.asked_count = 0;
+    r.world = world, r.dt = j->dt, r.asked_count = 0;
     r.rounds.count = r.round_boxes.count = r.boxes.count = 0;
     memset(r.rounds.batch.a, 0, sizeof r.rounds.batch.a), memset(r.rounds.batch.b, 0, sizeof r.rounds.batch.b);
     memset(r.round_boxes.batch.a, 0, sizeof r.rounds.batch.a), memset(r.round_boxes.batch.b, 0, sizeof r.rounds.batch.b);
