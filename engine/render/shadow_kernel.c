@@ -77,7 +77,7 @@ static void light_axes(light *l, daft_vec3 z)
 DAFT_INLINE vf3 asked_points(const daft_batch *b, vbits in, uint32_t i, daft_vec3 stand_in)
 {
     vm used = vm_from_bits(in);
-    vf3 p = load3(&b->lifted, i);
+    vf3 p = load3(daft_batch_lifted(b), i);
     return (vf3){vf_select(used, p.x, vf_set(stand_in.x)), vf_select(used, p.y, vf_set(stand_in.y)),
                  vf_select(used, p.z, vf_set(stand_in.z))};
 }
@@ -93,7 +93,8 @@ static uint32_t first_of(const uint32_t *bits)
 static daft_vec3 first_point(const daft_batch *b, const uint32_t *bits)
 {
     uint32_t i = first_of(bits);
-    return daft_v3(b->lifted.x[i], b->lifted.y[i], b->lifted.z[i]);
+    const daft_lanes3 *lifted = daft_batch_lifted(b);
+    return daft_v3(lifted->x[i], lifted->y[i], lifted->z[i]);
 }
 
 static float widen(float low, float high)
@@ -143,7 +144,7 @@ static void know_ways(cast *c)
     const vf one = vf_set(1);
     if (c->ways_known) return;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
-        vf3 d = way_to_lamp(c->lamp, load3(&b->lifted, i));
+        vf3 d = way_to_lamp(c->lamp, load3(daft_batch_lifted(b), i));
         vf_store(&c->way.x[i], one / d.x), vf_store(&c->way.y[i], one / d.y), vf_store(&c->way.z[i], one / d.z);
     }
     c->ways_known = true;
@@ -170,7 +171,7 @@ static void know_points(cast *c)
         vbits in = bits_at(c->asked, i);
         vi_store(&c->own[i], none);
         if (!in) continue;
-        vm faces = vf_lt(vf_set(0), vf3_dot(load3(&b->outward, i), way_to_lamp(c->lamp, load3(&b->lifted, i))));
+        vm faces = vf_lt(vf_set(0), vf3_dot(load3(&b->outward, i), way_to_lamp(c->lamp, load3(daft_batch_lifted(b), i))));
         vi own = vi_select(faces, vi_load(&b->triangle[i]), none);
         vi_store(&c->own[i], own);
         apart |= in & ~(vm_bits(vi_eq(vi_load(&b->instance[i]), one)) & ~vm_bits(vi_eq(own, none)));
@@ -262,7 +263,7 @@ DAFT_INLINE void slab_axis(slab *s, vf low, vf high, vf p, vf inverse)
 /* The bits of the DAFT_VL points from i on whose rays meet the bound. */
 DAFT_INLINE vbits rays_meet(const cast *c, const bound *s, uint32_t i)
 {
-    const daft_lanes3 *p = &c->batch->lifted;
+    const daft_lanes3 *p = daft_batch_lifted(c->batch);
     slab t = {vf_set(0), vf_set(c->lamp->sun ? INFINITY : 1.00001f)};
     slab_axis(&t, vf_set(s->low.x), vf_set(s->high.x), vf_load(&p->x[i]), vf_load(&c->way.x[i]));
     slab_axis(&t, vf_set(s->low.y), vf_set(s->high.y), vf_load(&p->y[i]), vf_load(&c->way.y[i]));
@@ -579,7 +580,7 @@ static bool take_face(const cast *c, const uint32_t *asked, int face, uint32_t *
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = bits_at(asked, i);
         if (!in) continue;
-        vf3 d = minus(load3(&b->lifted, i), c->light.origin);
+        vf3 d = minus(load3(daft_batch_lifted(b), i), c->light.origin);
         vf ax = vf_abs(d.x), ay = vf_abs(d.y), az = vf_abs(d.z);
         vm on_x = vm_and(vf_le(ay, ax), vf_le(az, ax)), on_y = vm_and(vm_not(on_x), vf_le(az, ay));
         vm on_z = vm_not(vm_or(on_x, on_y));

@@ -202,13 +202,19 @@ DAFT_INLINE bool meet_uniform(window *r, const daft_facets *f, int32_t slot, uin
     return !(word & (FACET_SMOOTH | FACET_SPHERE));
 }
 
+/* How far rays start off the surface. `view` has about unit length, towards the viewer. */
+DAFT_INLINE vf3 spawn_offset(vf3 point, vf size, vf3 outward, vf3 view)
+{
+    vf error = (vf_abs(point.x) + vf_abs(point.y) + vf_abs(point.z) + size) * vf_set(DAFT_SPAWN_ERROR);
+    return scale3(add3(outward, view), error);
+}
+
 /* Off the surface, and into the batch. */
 DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf reach, float focal, uint32_t wants, daft_batch *b,
                                uint32_t at)
 {
     vf3 view = scale3(unit3(direction), vf_set(-1));
-    vf error = (vf_abs(m->point.x) + vf_abs(m->point.y) + vf_abs(m->point.z) + m->size) * vf_set(DAFT_SPAWN_ERROR);
-    vf3 off = scale3(add3(m->outward, view), error);
+    vf3 off = spawn_offset(m->point, m->size, m->outward, view);
     store3(&b->point, at, add3(m->point, off));
     store3(&b->normal, at, normal);
     vi_store(&b->material[at], m->word & vi_set(FACET_MATERIAL));
@@ -347,14 +353,19 @@ static void sort_pixels(sorted *s)
     s->points->count = s->seen, s->sky->count = s->unseen;
 }
 
-DAFT_INLINE vf3 pixel_rays(const daft_pencil *p, daft_vec3 first, const uint32_t *pixel)
+DAFT_INLINE vf3 rays_at(const daft_pencil *p, vf x, vf y)
 {
-    vi number = vi_load(pixel);
-    vf x = vf_set(first.x) + vf_from_int(number & vi_set(DAFT_TILE - 1)), y = vf_set(first.y) - vf_from_int(number >> __builtin_ctz(DAFT_TILE));
     vf f = vf_set(p->focal);
     return (vf3){vf_set(p->right.x) * x + vf_set(p->up.x) * y + vf_set(p->forward.x) * f,
                  vf_set(p->right.y) * x + vf_set(p->up.y) * y + vf_set(p->forward.y) * f,
                  vf_set(p->right.z) * x + vf_set(p->up.z) * y + vf_set(p->forward.z) * f};
+}
+
+DAFT_INLINE vf3 pixel_rays(const daft_pencil *p, daft_vec3 first, const uint32_t *pixel)
+{
+    vi number = vi_load(pixel);
+    return rays_at(p, vf_set(first.x) + vf_from_int(number & vi_set(DAFT_TILE - 1)),
+                   vf_set(first.y) - vf_from_int(number >> __builtin_ctz(DAFT_TILE)));
 }
 
 static void setup_seen(const daft_snapshot *snapshot, const daft_pencil *p, daft_facets *f)
@@ -398,14 +409,82 @@ static void seen_points(const daft_snapshot *snapshot, const daft_pencil *p, daf
     }
 }
 
+/* ---- a tile that one flat facet fills ---- */
+
+static bool sees_one_thing(const daft_tile *tile)
+{
+    const vi instance = vi_set((int32_t)tile->instance[0]), triangle = vi_set((int32_t)tile->triangle[0]);
+    if (tile->width != DAFT_TILE || tile->instance[0] == DAFT_NOTHING) return false;
+    for (int at = 0; at < tile->height * DAFT_TILE_STRIDE; at += DAFT_VL) {
+        vm same = vm_and(vi_eq(vi_load(&tile->instance[at]), instance), vi_eq(vi_load(&tile->triangle[at]), triangle));
+        if (vm_bits(same) != DAFT_ALL_LANES) return false;
+    }
+    return true;
+}
+
+DAFT_INLINE vf3 facet_normal(const float *row) { return set3(daft_v3(row[FACET_OUTWARD], row[FACET_OUTWARD + 1], row[FACET_OUTWARD + 2])); }
+
+/* What all its points have in common; nothing is done where the last tile was filled by the same. */
+static void set_common(const daft_facets *f, daft_batch *b)
+{
+    const float *row = f->row[0];
+    uint32_t material;
+    memcpy(&material, &row[FACET_WORD], sizeof material);
+    bool same = b->filled && b->instance[0] == f->instance[0] && b->triangle[0] == f->triangle[0] && b->material[0] == material;
+    if (same && !memcmp(b->outward.x, &row[FACET_OUTWARD], sizeof *row) && !memcmp(b->outward.y, &row[FACET_OUTWARD + 1], sizeof *row) &&
+        !memcmp(b->outward.z, &row[FACET_OUTWARD + 2], sizeof *row))
+        return;
+    const vf3 outward = facet_normal(row), normal = unit3(outward);
+    for (uint32_t i = 0; i < DAFT_BATCH; i += DAFT_VL) {
+        vi_store(&b->pixel[i], vi_iota() + vi_set((int32_t)i));
+        vi_store(&b->instance[i], vi_set((int32_t)f->instance[0])), vi_store(&b->triangle[i], vi_set((int32_t)f->triangle[0]));
+        vi_store(&b->material[i], vi_set((int32_t)material));
+        store3(&b->outward, i, outward), store3(&b->normal, i, normal);
+    }
+    b->filled = true;
+}
+
+static void common_points(const daft_pencil *p, daft_vec3 first, const float *row, daft_batch *b)
+{
+    const sort s = {true, true};
+    const vf3 outward = facet_normal(row);
+    window r = {.row = row};
+    for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
+        vf x = vf_set(first.x) + vf_from_int(vi_iota() + vi_set((int32_t)(i % DAFT_TILE)));
+        r.direction = rays_at(p, x, vf_set(first.y - (float)(i / DAFT_TILE)));
+        vf3 point = plane_point(&r, s, outward), view = scale3(unit3(r.direction), vf_set(-1));
+        store3(&b->point, i, add3(point, spawn_offset(point, vf_set(row[FACET_SIZE]), outward, view)));
+    }
+}
+
+/* False: that is not what the tile sees, or more is asked for than shadows. */
+static bool fill_tile(const daft_surfaces_def *def, const daft_tile *tile, daft_vec3 first, daft_facets *f, daft_batch *b)
+{
+    int32_t word;
+    if (!sees_one_thing(tile)) return false;
+    f->count = 1, f->instance[0] = tile->instance[0], f->triangle[0] = tile->triangle[0];
+    setup_seen(def->snapshot, def->pencil, f);
+    memcpy(&word, &f->row[0][FACET_WORD], sizeof word);
+    if (word & (FACET_SMOOTH | FACET_SPHERE) || wants_of(f->traits, def) & ~(uint32_t)WANT_SHADOW) return false;
+    b->count = (uint32_t)(tile->height * DAFT_TILE);
+    set_common(f, b);
+    common_points(def->pencil, first, f->row[0], b);
+    return true;
+}
+
 void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets, daft_batch *points,
                                 daft_ray_batch *sky)
 {
     const daft_pencil *p = def->pencil;
     daft_vec3 first = daft_pencil_ray(p, tile->x, tile->y);
+    if (fill_tile(def, tile, first, facets, points)) {
+        sky->count = 0;
+        points->traits = facets->traits, points->one_material = true;
+        return;
+    }
     finder f = {.snapshot = def->snapshot, .facets = facets};
     sorted pixels = {tile, &f, points, sky, facets->slot, 0, 0};
-    facets->count = 0;
+    facets->count = 0, points->filled = false;
     sort_pixels(&pixels);
     setup_seen(def->snapshot, p, facets);
     points->traits = facets->traits, points->one_material = facets->one_material;
@@ -441,6 +520,7 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
 {
     const uint32_t wants = WANT_SHADOW | WANT_VIEW | WANT_TEXTURE | WANT_PATH | WANT_REACH;
     facets->count = 0, facets->traits = 0, facets->last_material = UINT32_MAX;
+    points->filled = false;
     take_hits(snapshot, from, first, hits, count, facets, points);
     for (uint32_t i = 0; i < facets->count; i += DAFT_VL) {
         uint32_t at = points->count + i;

@@ -188,12 +188,12 @@ static uint64_t count_bits(const uint32_t *bits)
 static void collect_points(shadow_job *job, const desk *d)
 {
     shadow_origins *to = job->collect;
+    const daft_lanes3 *lifted = daft_batch_lifted(&d->points);
     for (uint32_t patch = 0; patch < 64; patch++)
         for (uint32_t i = 0; i < d->points.count; i++) {
             uint32_t pixel = d->points.pixel[i], x = pixel % DAFT_TILE, y = pixel / DAFT_TILE;
             if (y / 4 * 8 + x / 4 != patch || !(d->lit[i / 32] >> (i % 32) & 1) || to->count == to->capacity) continue;
-            to->x[to->count] = d->points.lifted.x[i], to->y[to->count] = d->points.lifted.y[i];
-            to->z[to->count++] = d->points.lifted.z[i];
+            to->x[to->count] = lifted->x[i], to->y[to->count] = lifted->y[i], to->z[to->count++] = lifted->z[i];
         }
 }
 
