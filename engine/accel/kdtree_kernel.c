@@ -112,7 +112,8 @@ void DAFT_KERNEL(daft_kd_closest)(const daft_kdtree *tree, daft_vec3 o, daft_vec
         for (uint32_t i = 0; i < leaf->count; i += DAFT_BLOCK) {
             daft_block block;
             gather(tree, items + i, leaf->count - i, &block);
-            if (daft_blocks_touch(&block, 1, &m, daft_past(hit->t), hit, false)) hit->block = NULL; /* this one goes */
+            float past = daft_forward(daft_past(hit->t));
+            if (daft_blocks_touch(&block, 1, &m, past, hit, false)) hit->block = NULL; /* this one goes */
         }
     }
 }
@@ -131,7 +132,7 @@ bool DAFT_KERNEL(daft_kd_occluded)(const daft_kdtree *tree, daft_vec3 o, daft_ve
         for (uint32_t i = 0; i < leaf->count; i += DAFT_BLOCK) {
             daft_block block;
             gather(tree, items + i, leaf->count - i, &block);
-            if (daft_blocks_touch(&block, 1, &m, daft_past(tmax), &hit, true)) return true;
+            if (daft_blocks_touch(&block, 1, &m, daft_forward(daft_past(tmax)), &hit, true)) return true;
         }
     }
     return false;

@@ -46,6 +46,7 @@
 /* The limits of boxes: further out than the ray's own by more than distances are off. */
 DAFT_INLINE float daft_past(float t) { return t > 0 ? t * (1 + 0x1p-17f) : t * (1 - 0x1p-17f); }
 DAFT_INLINE float daft_before(float t) { return -daft_past(-t); }
+DAFT_INLINE float daft_forward(float t) { return t > 0 ? t : 0; }
 
 DAFT_INLINE daft_vec3 daft_block_corner(const daft_block *b, int corner, uint32_t i)
 {
@@ -117,7 +118,7 @@ DAFT_INLINE vbits daft_filter_pass(const daft_facet *f, vf3 o, vf3 d, vf scale, 
     vm before = vf_lt(along, floor - off), beyond = vf_lt(past * (steep + bound) + off, along);
     vm apart = vm_and(vm_or(before, beyond), vf_lt(bound, steep));
     *out = (daft_sides){least, most, steep, bound, along, off, usable};
-    return ~vm_bits(vm_and(usable, vm_or(outside, apart))) & DAFT_ALL_LANES;
+    return vm_bits(vm_and(usable, vm_or(outside, apart))) ^ DAFT_ALL_LANES;
 }
 
 /* The lanes whose lines are plain. */
@@ -298,8 +299,8 @@ static __attribute__((noinline, unused)) bool daft_blocks_take(const daft_block 
 }
 
 /* The blocks b[0..count), count at most DAFT_FOURS. True: some touch within tmin..hit->t, and *hit is the nearest; where
- * `any` is asked, it may be left as it was. past: daft_past(hit->t). Most are sure to miss; that is found without a frame on
- * the stack. */
+ * `any` is asked, it may be left as it was. past: daft_past(hit->t), 0 or more. Most are sure to miss; that is found without a
+ * frame on the stack. */
 DAFT_INLINE bool daft_blocks_touch(const daft_block *b, int count, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
 {
     if (r->how != DAFT_INTERSECT_EXACT) return daft_blocks_touch_floats(b, count, r, hit);
@@ -308,8 +309,9 @@ DAFT_INLINE bool daft_blocks_touch(const daft_block *b, int count, const daft_me
     daft_blocks_load(b, count, c);
     daft_facet facet = daft_facet_of(c);
     vbits maybe = daft_filter_pass(&facet, vf3_set(r->origin), vf3_set(r->direction), vf_set(r->filter.scale),
-                                   vf_set(r->filter.floor), vf_set(past > 0 ? past : 0), &sides) & ((1u << count * DAFT_BLOCK) - 1);
+                                   vf_set(r->filter.floor), vf_set(past), &sides);
     if (!maybe) return false;
+    maybe &= (1u << count * DAFT_BLOCK) - 1; /* what is loaded again answers again */
     vbits plain = daft_filter_plain(&sides) & maybe;
     if (any && plain & daft_filter_within(&sides, vf_set(r->inner.low), vf_set(r->inner.high))) return true;
     return daft_blocks_take(b, maybe, plain, r, hit);

@@ -115,7 +115,7 @@ static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, hit->t, how);
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
-    if (child & DAFT_CHILD_LEAF) DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, &r, daft_past(hit->t), hit);
+    if (child & DAFT_CHILD_LEAF) DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, &r, daft_forward(daft_past(hit->t)), hit);
     else if (bvh->turned) turned_walk(bvh, child, o, d, &r, hit);
     else if (tmin >= 0 && way->plain) mesh_walk(bvh, child, way, &r, &at, &at, true, false, hit);
     else mesh_walk(bvh, child, way, &r, &at, &at, false, false, hit);
@@ -128,7 +128,7 @@ static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, tmax, how);
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
-    if (child & DAFT_CHILD_LEAF) return DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, &r, daft_past(tmax), &hit);
+    if (child & DAFT_CHILD_LEAF) return DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, &r, daft_forward(daft_past(tmax)), &hit);
     if (bvh->turned) return turned_search(bvh, child, o, d, &r, &hit);
     if (tmin >= 0 && way->plain) return mesh_search(bvh, child, way, &r, &at, &at, true, false, &hit);
     return mesh_search(bvh, child, way, &r, &at, &at, false, false, &hit);

@@ -108,7 +108,7 @@ DAFT_INLINE void fetch(const tree_place *tree, uint32_t child)
 }
 
 /* Child i of a node. `guess`: found by a jump, not a look-up. A processor foresees jumps, so it begins in the child before it
- * knows that the ray meets it: rays that begin near the last one's origin go down the same way. */
+ * knows that the ray meets it: rays that begin near the last one's origin go down to its leaf the same way. */
 DAFT_INLINE uint32_t child_at(const daft_node *node, uint32_t i, bool guess)
 {
     uint32_t child;
@@ -124,7 +124,7 @@ DAFT_INLINE uint32_t child_at(const daft_node *node, uint32_t i, bool guess)
 /* Of the children in bits, 1 or more: the nearest is the answer, the others are pushed, nearest last. */
 DAFT_INLINE uint32_t step(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, bool guess, uint64_t **top)
 {
-    uint32_t i = (uint32_t)__builtin_ctz(bits), at[DAFT_WIDTH] __attribute__((aligned(32)));
+    uint32_t i = (uint32_t)__builtin_ctz(bits), best = i, at[DAFT_WIDTH] __attribute__((aligned(32)));
     bits &= bits - 1;
     if (!bits) return child_at(node, i, guess);
     v8_store((float *)at, near); /* in one piece: a copy would wait for its halves */
@@ -133,13 +133,13 @@ DAFT_INLINE uint32_t step(const tree_place *tree, const daft_node *node, uint32_
         i = (uint32_t)__builtin_ctz(bits);
         bits &= bits - 1;
         uint64_t child = (uint64_t)at[i] << 32 | node->child[i], further = child < nearest ? nearest : child, *place = end++;
-        nearest = child < nearest ? child : nearest;
+        best = child < nearest ? i : best, nearest = child < nearest ? child : nearest;
         for (; place > base && place[-1] < further; place--) place[0] = place[-1];
         *place = further;
         fetch(tree, (uint32_t)further);
     } while (bits);
     *top = end;
-    return (uint32_t)nearest;
+    return guess ? child_at(node, best, true) : (uint32_t)nearest;
 }
 
 /* Of the children in bits, 1 or more, in any order: one is the answer, the others are pushed. */
@@ -172,7 +172,8 @@ DAFT_INLINE float begin_of(float t, bool plain) { return plain ? t * (1 - 0x1p-1
 
 DAFT_INLINE const char *node_at(const daft_node *nodes, uint32_t code) { return (const char *)nodes + code * sizeof *nodes; }
 
-/* Below `child`; `guess` as in child_at. hit->t limits the search and hit->triangle breaks ties, so the order of traversal does not matter. */
+/* Below `child`; `guess` as in child_at, down to the first leaf: after that it would be wrong too often. hit->t limits the
+ * search and hit->triangle breaks ties, so the order of traversal does not matter. */
 DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
                            const slab_origin *until, bool plain, bool guess, daft_nearest *hit)
 {
@@ -183,14 +184,21 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
     const tree_place tree = {nodes, bvh->blocks, sizeof *bvh->blocks, 2};
     float limit = limit_of(hit->t, plain);
     v8 low = v8_set(begin_of(r->tmin, plain)), high = v8_set(limit), near;
+    while (guess && !(child & DAFT_CHILD_LEAF)) {
+        const char *node = node_at(nodes, child);
+        uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
+        guess = bits != 0;
+        child = bits ? step(&tree, (const daft_node *)node, bits, near, true, &top) : pop(&top, limit);
+    }
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
             uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
-            child = bits ? step(&tree, (const daft_node *)node, bits, near, guess, &top) : pop(&top, limit);
+            child = bits ? step(&tree, (const daft_node *)node, bits, near, false, &top) : pop(&top, limit);
         }
         if (child == DAFT_CHILD_NONE) return;
-        if (DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, r, limit, hit)) limit = limit_of(hit->t, plain), high = v8_set(limit);
+        if (DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, r, plain ? limit : daft_forward(limit), hit))
+            limit = limit_of(hit->t, plain), high = v8_set(limit);
         child = pop(&top, limit);
     }
 }
@@ -205,14 +213,20 @@ DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way
     const daft_node *nodes = bvh->nodes.items;
     float limit = limit_of(hit->t, plain);
     v8 low = v8_set(begin_of(r->tmin, plain)), high = v8_set(limit), near;
+    while (guess && !(child & DAFT_CHILD_LEAF)) {
+        const char *node = node_at(nodes, child);
+        uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
+        guess = bits != 0;
+        child = bits ? spread((const daft_node *)node, bits, true, &top) : *--top;
+    }
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
             uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
-            child = bits ? spread((const daft_node *)node, bits, guess, &top) : *--top;
+            child = bits ? spread((const daft_node *)node, bits, false, &top) : *--top;
         }
         if (child == DAFT_CHILD_NONE) return false;
-        if (DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, r, limit, hit)) return true;
+        if (DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, r, plain ? limit : daft_forward(limit), hit)) return true;
         child = *--top;
     }
 }
