@@ -230,9 +230,10 @@ DAFT_INLINE boxes children(const walk *w, const node_pair *n)
 /* What a visit will read first: trees of large meshes do not stay in the nearer caches. */
 DAFT_INLINE void prefetch(const daft_bvh *bvh, uint32_t child)
 {
-    const char *block = (const char *)&bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2], *node = (const char *)&bvh->nodes.items[child];
-    const char *at = child & DAFT_CHILD_LEAF ? block : node;
-    for (int i = 0; i < 256; i += 64) __builtin_prefetch(at + i);
+    bool leaf = child & DAFT_CHILD_LEAF;
+    const char *at = leaf ? (const char *)&bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2] : (const char *)&bvh->nodes.items[child];
+    int bytes = leaf ? (int)((child & 3) + 1) * (int)sizeof(daft_block) : 256;
+    for (int i = 0; i < bytes; i += 64) __builtin_prefetch(at + i);
 }
 
 static void prefetch_all(const daft_bvh *bvh, const fresh_list *list)
@@ -369,16 +370,20 @@ static void draw_leaves(walk *w)
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 
-/* Leaves that are not hidden. Their order counts for little, since many are drawn together. */
+/* Leaves that are not hidden. Their order counts for little, since many are drawn together. They are drawn once the next ones are
+ * met: until then they are on their way from memory. */
 static void add_leaves(walk *w, const fresh_list *f)
 {
+    bool far = w->seen->bvh->block_count > NEAR_BLOCKS;
+    if (w->leaf_count >= w->leaf_limit) draw_leaves(w);
     for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
         vbits lanes = vbits_first((int)(f->count - i));
         vi pixels = vi_select(vm_from_bits(lanes), vi_load(&f->pixels[i]), vi_set(0));
         lanes &= ~hidden_lanes(w->job, pixels, vf_load(&f->nearest[i]), lanes);
         vi_compress(&w->leaves[w->leaf_count], lanes, vi_load(&f->child[i]));
-        w->leaf_count += (uint32_t)__builtin_popcount(lanes);
-        if (w->leaf_count >= w->leaf_limit) draw_leaves(w);
+        for (uint32_t more = (uint32_t)__builtin_popcount(lanes); more; more--, w->leaf_count++)
+            if (far) prefetch(w->seen->bvh, w->leaves[w->leaf_count]);
+        if (w->leaf_count >= DAFT_LEAVES) draw_leaves(w);
     }
 }
 
@@ -407,7 +412,7 @@ static void draw_grouped(walk *w)
         f.leaves.count = f.nodes.count = 0, f.least = vf_set(INFINITY), f.most = vf_set(0);
         for (uint32_t i = 0; i < count; i += DAFT_EIGHTS) add_children(w, &group[i], count - i, &f);
         w->job->counters->nodes += count;
-        if (w->seen->bvh->block_count > NEAR_BLOCKS) prefetch_all(w->seen->bvh, &f.leaves), prefetch_all(w->seen->bvh, &f.nodes);
+        if (w->seen->bvh->block_count > NEAR_BLOCKS) prefetch_all(w->seen->bvh, &f.nodes);
         add_leaves(w, &f.leaves);
         push_nodes(&f, &waiting);
     }
