@@ -304,25 +304,28 @@ static void sort_runs(sorted *s, int at, int count)
     }
 }
 
-/* DAFT_VL pixels that all see something. */
-static void sort_seen(sorted *s, int at, vi instance, vi triangle)
+/* DAFT_VL pixels that all see something; those of `same` see what is at `slots`. */
+static void sort_seen(sorted *s, int at, vi instance, vi triangle, vbits same, vi slots)
 {
-    int first = at;
+    vbits ends = run_ends(s->tile, at, DAFT_VL);
     vi_store(&s->points->pixel[s->seen], vi_iota() + vi_set(at));
     vi_store(&s->points->instance[s->seen], instance), vi_store(&s->points->triangle[s->seen], triangle);
-    for (vbits ends = run_ends(s->tile, at, DAFT_VL); ends; ends &= ends - 1) {
-        int32_t slot = find_slot(s->finder, s->tile->instance[first], s->tile->triangle[first]);
-        vi_store(&s->slots[s->seen + (uint32_t)(first - at)], vi_set(slot));
-        first = at + __builtin_ctz(ends) + 1;
+    for (vbits left = ~same & DAFT_ALL_LANES; left;) {
+        int first = __builtin_ctz(left);
+        vbits before = (vbits)((1u << first) - 1), to_end = ends & ~before, run = (to_end ^ (to_end - 1)) & ~before;
+        int32_t slot = find_slot(s->finder, s->tile->instance[at + first], s->tile->triangle[at + first]);
+        slots = vi_select(vm_from_bits(run), vi_set(slot), slots);
+        left &= ~run;
     }
+    vi_store(&s->slots[s->seen], slots);
     s->seen += DAFT_VL;
 }
 
-/* Whether DAFT_VL pixels see what those above them see. */
-DAFT_INLINE bool as_above(const daft_tile *tile, int at, vi instance, vi triangle)
+/* Which of DAFT_VL pixels see what those above them see. */
+DAFT_INLINE vbits as_above(const daft_tile *tile, int at, vi instance, vi triangle)
 {
     return vm_bits(vm_and(vi_eq(instance, vi_load(&tile->instance[at - DAFT_TILE_STRIDE])),
-                          vi_eq(triangle, vi_load(&tile->triangle[at - DAFT_TILE_STRIDE])))) == DAFT_ALL_LANES;
+                          vi_eq(triangle, vi_load(&tile->triangle[at - DAFT_TILE_STRIDE]))));
 }
 
 static void sort_pixels(sorted *s)
@@ -335,14 +338,17 @@ static void sort_pixels(sorted *s)
             int at = row * DAFT_TILE_STRIDE + x, column = x / DAFT_VL;
             uint32_t begin = s->seen;
             vi instance = vi_load(&tile->instance[at]), triangle = vi_load(&tile->triangle[at]);
-            if (above[column] != DAFT_NOTHING && as_above(tile, at, instance, triangle)) {
-                vi_store(&s->slots[begin], vi_load(&s->slots[above[column]]));
+            bool known = above[column] != DAFT_NOTHING;
+            vbits same = known ? as_above(tile, at, instance, triangle) : 0;
+            vi slots = vi_load(&s->slots[known ? above[column] : 0]);
+            if (same == DAFT_ALL_LANES) {
+                vi_store(&s->slots[begin], slots);
                 vi_store(&s->points->pixel[begin], vi_iota() + vi_set(at));
                 vi_store(&s->points->instance[begin], instance);
                 vi_store(&s->points->triangle[begin], triangle);
                 s->seen += DAFT_VL;
             } else if (tile->width - x >= DAFT_VL && !vm_bits(vi_eq(instance, vi_set((int32_t)DAFT_NOTHING)))) {
-                sort_seen(s, at, instance, triangle);
+                sort_seen(s, at, instance, triangle, same, slots);
             } else {
                 sort_runs(s, at, daft_min_i(DAFT_VL, tile->width - x));
             }

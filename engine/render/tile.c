@@ -99,12 +99,12 @@ static const daft_lanes3 *tint_light(job *j, const daft_batch *points, const daf
 static void light_points(job *j, daft_batch *points)
 {
     const daft_snapshot *snapshot = j->snapshot;
+    const daft_vec3 *first = &snapshot->ambient;
     if (points->traits & DAFT_TRAIT_TEXTURE) {
         j->r->shade->albedo(points, snapshot->materials, snapshot->textures);
         ran(j, DAFT_EFFECT_TEXTURE);
         book(j, DAFT_EFFECT_TEXTURE);
     }
-    j->r->shade->ambient(points, snapshot->materials, snapshot->ambient);
     for (uint32_t i = 0; i < snapshot->lamp_count; i++) {
         const daft_lamp *lamp = &snapshot->lamps[i];
         if (j->r->shade->facing(points, lamp, j->s->lit) == 0) continue;
@@ -112,8 +112,10 @@ static void light_points(job *j, daft_batch *points)
         book(j, DAFT_EFFECT_LIGHTING);
         if (j->frame->plan.shadows && lamp->casts_shadow) cast_shadows(j, points, lamp);
         const daft_lanes3 *passed = j->frame->plan.tints && lamp->casts_shadow ? tint_light(j, points, lamp) : NULL;
-        j->r->shade->lamp(points, snapshot->materials, lamp, j->s->lit, passed);
+        j->r->shade->lamp(points, snapshot->materials, lamp, j->s->lit, passed, first);
+        first = NULL;
     }
+    if (first) j->r->shade->ambient(points, snapshot->materials, *first);
     book(j, DAFT_EFFECT_LIGHTING);
 }
 

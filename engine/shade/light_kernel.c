@@ -4,13 +4,17 @@
 #include "shade/kernels.h"
 #include "shade/parts.h"
 
+DAFT_INLINE vf3 ambient_light(const daft_batch *batch, const material_reader *m, uint32_t i, daft_vec3 color)
+{
+    vf3 share = times_albedo(batch, i, MATERIAL_COLOR(m, ambient)), glow = MATERIAL_COLOR(m, emission);
+    return (vf3){glow.x + share.x * vf_set(color.x), glow.y + share.y * vf_set(color.y), glow.z + share.z * vf_set(color.z)};
+}
+
 static void ambient(daft_batch *batch, const daft_surface *materials, daft_vec3 color)
 {
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
         material_reader m = read_materials(batch, materials, i);
-        vf3 share = times_albedo(batch, i, MATERIAL_COLOR(&m, ambient)), glow = MATERIAL_COLOR(&m, emission);
-        vf3 light = {glow.x + share.x * vf_set(color.x), glow.y + share.y * vf_set(color.y), glow.z + share.z * vf_set(color.z)};
-        lanes_store(&batch->light, i, light);
+        lanes_store(&batch->light, i, ambient_light(batch, &m, i, color));
     }
 }
 
@@ -61,14 +65,15 @@ DAFT_INLINE void add_highlight(const daft_batch *batch, const material_reader *m
 }
 
 static void add_lamp(daft_batch *batch, const daft_surface *materials, const daft_lamp *lamp,
-                     const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *passed)
+                     const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *passed, const daft_vec3 *first)
 {
     const vf zero = vf_set(0);
     const bool specular = batch->traits & DAFT_TRAIT_SPECULAR;
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
         vbits bits = bits_at(lit, i);
-        if (!bits) continue;
+        if (!bits && !first) continue;
         material_reader m = read_materials(batch, materials, i);
+        vf3 light = first ? ambient_light(batch, &m, i, *first) : lanes_load(&batch->light, i);
         vf cosine = vf_load(&batch->cosine[i]);
         vf3 sum = times_albedo(batch, i, MATERIAL_COLOR(&m, diffuse));
         sum = (vf3){sum.x * cosine, sum.y * cosine, sum.z * cosine};
@@ -82,7 +87,6 @@ static void add_lamp(daft_batch *batch, const daft_surface *materials, const daf
             sum = (vf3){sum.x * share.x, sum.y * share.y, sum.z * share.z};
         }
         vm mask = vm_from_bits(bits);
-        vf3 light = lanes_load(&batch->light, i);
         light.x = light.x + vf_select(mask, sum.x * vf_set(lamp->color.x), zero);
         light.y = light.y + vf_select(mask, sum.y * vf_set(lamp->color.y), zero);
         light.z = light.z + vf_select(mask, sum.z * vf_set(lamp->color.z), zero);

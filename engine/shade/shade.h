@@ -98,9 +98,9 @@ typedef struct daft_shade_kernels {
      * gives their number. Sets the points' cosine. */
     uint32_t (*facing)(daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS]);
     /* Adds Lambert and Phong of the lamp that `facing` was asked for last, for the points whose bits are set; of its light the share `passed` arrives, or
-     * all of it where that is NULL. */
+     * all of it where that is NULL. `first`, the ambient light: this is the first lamp that lights them; does as `ambient` would before. */
     void (*lamp)(daft_batch *batch, const daft_surface *materials, const daft_lamp *lamp,
-                 const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *passed);
+                 const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *passed, const daft_vec3 *first);
     /* The sky's colour in `count` directions of any length. */
     void (*sky)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
     /* Sets the colors at the pixels' numbers, or adds light times its weight to them. */
