@@ -239,30 +239,40 @@ bool DAFT_KERNEL(daft_leaf_touch)(convoy *c, const mesh_convoy *m, const group *
 
 /* ---- spheres ---- */
 
-/* The rays that a sphere stops in time, and where: sphere_distance of traverse_kernel.c in lanes. */
-static vbits sphere_lanes(const convoy *c, const daft_instance *s, vf *t)
+/* The rays in `bits` that a sphere stops in time, and where: sphere_distance of traverse_kernel.c in lanes. */
+static vbits sphere_lanes(const convoy *c, const daft_instance *s, vbits bits, vf *t)
 {
-    vd near[2], far[2];
+    vd near[2], far[2], forward[2], excess[2];
+    vd3 d[2], centre[2];
     const double r = (double)s->radius, at[3] = {(double)s->to_frame.t[0], (double)s->to_frame.t[1], (double)s->to_frame.t[2]};
     for (int half = 0; half < 2; half++) {
-        vd3 o = vd3_half(c->o, half), d = vd3_half(c->d, half), centre = {at[0] - o.x, at[1] - o.y, at[2] - o.z};
-        vd dd = d.x * d.x + d.y * d.y + d.z * d.z, along = (centre.x * d.x + centre.y * d.y + centre.z * d.z) / dd;
-        vd3 aside = {centre.x - d.x * along, centre.y - d.y * along, centre.z - d.z * along};
+        vd3 o = vd3_half(c->o, half), way = vd3_half(c->d, half), to = {at[0] - o.x, at[1] - o.y, at[2] - o.z};
+        forward[half] = to.x * way.x + to.y * way.y + to.z * way.z;
+        excess[half] = r * r * DAFT_SPHERE_OUTSIDE - (to.x * to.x + to.y * to.y + to.z * to.z);
+        d[half] = way, centre[half] = to;
+    }
+    vf zero = vf_set(0);
+    bits &= ~vm_bits(vm_and(vf_lt(vf_join(forward[0], forward[1]), zero), vf_lt(vf_join(excess[0], excess[1]), zero)));
+    if (!bits || !(r > 0)) return 0;
+    for (int half = 0; half < 2; half++) {
+        vd3 way = d[half], to = centre[half];
+        vd dd = way.x * way.x + way.y * way.y + way.z * way.z, along = forward[half] / dd;
+        vd3 aside = {to.x - way.x * along, to.y - way.y * along, to.z - way.z * along};
         vd discriminant = r * r - (aside.x * aside.x + aside.y * aside.y + aside.z * aside.z);
-        vd way = vd_sqrt(discriminant / dd);
-        near[half] = along - way, far[half] = along + way; /* NaN: beside it */
+        vd length = vd_sqrt(discriminant / dd);
+        near[half] = along - length, far[half] = along + length; /* NaN: beside it */
     }
     vf first = vf_join(near[0], near[1]), second = vf_join(far[0], far[1]), tmax = vf_load(c->hit.t);
     vm outside = vm_and(vf_le(c->tmin, first), vf_le(first, tmax));
     vm inside = vm_and(vf_le(c->tmin, second), vf_le(second, tmax));
     *t = vf_select(outside, first, second);
-    return r > 0 ? vm_bits(vm_or(outside, inside)) : 0;
+    return bits & vm_bits(vm_or(outside, inside));
 }
 
 void DAFT_KERNEL(daft_sphere_touch)(convoy *c, uint32_t index, vbits bits)
 {
     vf t;
-    bits &= sphere_lanes(c, &c->tlas->instances[index], &t);
+    bits = sphere_lanes(c, &c->tlas->instances[index], bits, &t);
     if (c->any) {
         stop(c, bits);
         return;

@@ -53,6 +53,10 @@ DAFT_INLINE daft_vec3 daft_block_corner(const daft_block *b, int corner, uint32_
     return daft_v3(b->corner[corner][0][i], b->corner[corner][1][i], b->corner[corner][2][i]);
 }
 
+/* A sphere whose centre lies behind a ray that begins outside is not met. That is known before any division where the squared
+ * distance of the centre is over so many squared radii: far from what doubles round. */
+#define DAFT_SPHERE_OUTSIDE (1 + 1e-6)
+
 /* ---- triangles ---- */
 
 DAFT_INLINE vf3 vf3_set(daft_vec3 a) { return (vf3){vf_set(a.x), vf_set(a.y), vf_set(a.z)}; }

@@ -181,7 +181,9 @@ static float sphere_distance(const daft_instance *s, const daft_ray *ray, float 
     const float *at = s->to_frame.t;
     daft_dvec3 d = daft_to_double(ray->direction);
     daft_dvec3 centre = daft_dsub(daft_dv3((double)at[0], (double)at[1], (double)at[2]), daft_to_double(ray->origin));
-    double dd = daft_ddot(d, d), along = daft_ddot(centre, d) / dd, r = (double)s->radius;
+    double dd = daft_ddot(d, d), forward = daft_ddot(centre, d), r = (double)s->radius;
+    if (forward < 0 && tmin >= 0 && daft_ddot(centre, centre) > r * r * DAFT_SPHERE_OUTSIDE) return -1;
+    double along = forward / dd;
     daft_dvec3 aside = daft_dsub(centre, daft_dscale(d, along));
     double discriminant = r * r - daft_ddot(aside, aside);
     if (!(discriminant >= 0) || !(r > 0)) return -1;
@@ -283,21 +285,25 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
     slab_origin from, until;
     slab_upper_origins(frame.origin, frame.direction, &from, &until);
     bool plain = ray->tmin >= 0 && frame.way.plain;
-    v8 low = v8_set(daft_before(ray->tmin)), near;
+    float limit = daft_past(hit->t);
+    v8 low = v8_set(daft_before(ray->tmin)), high = v8_set(limit), near;
     for (;;) {
         if (child & DAFT_CHILD_LEAF) {
             if (child == DAFT_CHILD_NONE) return;
             uint32_t index = child & ~DAFT_CHILD_LEAF;
-            if (index != ignore) instance_closest(tlas, index, ray, &frame, hit);
+            if (index != ignore) {
+                instance_closest(tlas, index, ray, &frame, hit);
+                limit = daft_past(hit->t), high = v8_set(limit);
+            }
         } else {
             const daft_node *node = &tlas->nodes.items[child];
-            uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, v8_set(daft_past(hit->t)), &near);
+            uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
             if (bits) {
                 child = step(&tree, node, bits, near, false, &top);
                 continue;
             }
         }
-        child = pop(&top, daft_past(hit->t));
+        child = pop(&top, limit);
     }
 }
 
