@@ -7,9 +7,9 @@
 enum { MOST_BLOCKS = 1024, STEPS = 8 };
 #define NEVER_AWAY 0x80000000u
 
-/* A block's triangles, by lanes. */
+/* Four triangles, by lanes. */
 typedef struct faces {
-    v4 normal[3];
+    v4 normal[3], corner[3]; /* one corner of each */
     v4 thinness; /* one over the least height; infinite: of two sides, or no normal worth the name */
 } faces;
 
@@ -17,6 +17,7 @@ typedef struct cone_job {
     const daft_bvh *bvh;
     daft_sides *sides;
     faces *faces; /* of each block */
+    faces *patches; /* of each quarter of a patch */
     uint32_t *first, *end; /* of each node: its blocks */
 } cone_job;
 
@@ -26,14 +27,20 @@ static daft_dvec3 block_corner(const daft_block *block, int corner, uint32_t lan
     return daft_dv3((double)c[0][lane], (double)c[1][lane], (double)c[2][lane]);
 }
 
-static void face_make(const daft_block *block, uint32_t lane, bool one_sided, faces *out)
+static daft_dvec3 patch_corner(const daft_patch *p, int corner, uint32_t triangle)
 {
-    daft_dvec3 a = block_corner(block, 0, lane), b = block_corner(block, 1, lane), c = block_corner(block, 2, lane);
+    uint32_t at = p->at[corner][triangle];
+    return daft_dv3((double)p->corner[0][at], (double)p->corner[1][at], (double)p->corner[2][at]);
+}
+
+static void face_make(daft_dvec3 a, daft_dvec3 b, daft_dvec3 c, bool one_sided, uint32_t lane, faces *out)
+{
     daft_dvec3 e = daft_dsub(b, a), f = daft_dsub(c, b), g = daft_dsub(a, c), n = daft_dcross(e, f);
     double longest = sqrt(fmax(fmax(daft_ddot(e, e), daft_ddot(f, f)), daft_ddot(g, g))), area = sqrt(daft_ddot(n, n));
     bool fit = one_sided && area > longest * longest * 0x1p-20;
     daft_dvec3 unit = fit ? daft_dscale(n, 1 / area) : daft_dv3(0, 0, 0);
     out->normal[0][lane] = (float)unit.x, out->normal[1][lane] = (float)unit.y, out->normal[2][lane] = (float)unit.z;
+    out->corner[0][lane] = (float)a.x, out->corner[1][lane] = (float)a.y, out->corner[2][lane] = (float)a.z;
     out->thinness[lane] = fit ? (float)(longest / area * (1 + 0x1p-20)) : INFINITY;
 }
 
@@ -97,15 +104,23 @@ static uint32_t look_of(const cone_job *j, daft_dvec3 n, double offset)
 static void fill_faces(cone_job *j)
 {
     for (size_t b = 0; b < j->bvh->block_count; b++)
-        for (uint32_t i = 0; i < DAFT_BLOCK; i++)
-            face_make(&j->bvh->blocks[b], i, j->sides->blocks[b] >> i & 1, &j->faces[b]);
-    j->sides->thinness = usual_thinness(j);
-    for (size_t b = 0; b < j->bvh->block_count; b++)
         for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
-            daft_dvec3 n = normal_at(&j->faces[b], i), p = daft_dsub(block_corner(&j->bvh->blocks[b], 0, i), j->sides->middle);
-            bool fit = j->faces[b].thinness[i] <= j->sides->thinness;
-            j->sides->looks[b][i] = fit ? look_of(j, n, daft_ddot(n, p)) : NEVER_AWAY;
+            const daft_block *block = &j->bvh->blocks[b];
+            face_make(block_corner(block, 0, i), block_corner(block, 1, i), block_corner(block, 2, i), j->sides->blocks[b] >> i & 1, i, &j->faces[b]);
         }
+    j->sides->thinness = usual_thinness(j);
+}
+
+/* Unused triangles of a patch count as its last one. */
+static void fill_patch_faces(const cone_job *j)
+{
+    const daft_patches *patches = &j->sides->patches;
+    for (uint32_t i = 0; i < patches->level[0].count * DAFT_PATCH; i++) {
+        const daft_patch *p = &patches->items[i / DAFT_PATCH];
+        uint32_t t = i % DAFT_PATCH;
+        while (!(p->there >> t & 1)) t--;
+        face_make(patch_corner(p, 0, t), patch_corner(p, 1, t), patch_corner(p, 2, t), p->one_sided >> t & 1, i % DAFT_BLOCK, &j->patches[i / DAFT_BLOCK]);
+    }
 }
 
 /* ---- cones ---- */
@@ -147,12 +162,14 @@ static daft_dvec3 axis_of(const faces *f, uint32_t count, float *cosine)
 }
 
 /* The least normal·(corner - middle). */
-static double least_offset(const cone_job *j, uint32_t first, uint32_t end, daft_dvec3 middle)
+static double least_offset(const faces *f, uint32_t count, daft_dvec3 middle)
 {
     double least = INFINITY;
-    for (uint32_t b = first; b < end; b++)
-        for (uint32_t i = 0; i < DAFT_BLOCK; i++)
-            least = fmin(least, daft_ddot(normal_at(&j->faces[b], i), daft_dsub(block_corner(&j->bvh->blocks[b], 0, i), middle)));
+    for (uint32_t b = 0; b < count; b++)
+        for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
+            daft_dvec3 corner = daft_dv3((double)f[b].corner[0][i], (double)f[b].corner[1][i], (double)f[b].corner[2][i]);
+            least = fmin(least, daft_ddot(normal_at(&f[b], i), daft_dsub(corner, middle)));
+        }
     return least;
 }
 
@@ -163,11 +180,9 @@ static float thinnest(const faces *f, uint32_t count)
     return fmaxf(fmaxf(most[0], most[1]), fmaxf(most[2], most[3]));
 }
 
-/* Of the blocks from first to before end, around a point near them. */
-static void cone_make(const cone_job *j, uint32_t first, uint32_t end, daft_dvec3 o, uint32_t *look, float *spread)
+/* Around a point near the faces. */
+static void cone_make(const cone_job *j, const faces *f, uint32_t count, daft_dvec3 o, uint32_t *look, float *spread)
 {
-    const faces *f = j->faces + first;
-    uint32_t count = end - first;
     float cosine = 0;
     daft_dvec3 axis = {0, 0, 0};
     *look = NEVER_AWAY, *spread = 0;
@@ -175,7 +190,7 @@ static void cone_make(const cone_job *j, uint32_t first, uint32_t end, daft_dvec
     if (!(cosine > 0.01f)) return; /* every way, or of two sides */
     double c = fmin((double)cosine, 1) - 0x1p-21;
     daft_dvec3 scaled = daft_dscale(axis, c);
-    *look = look_of(j, scaled, daft_ddot(scaled, daft_dsub(o, j->sides->middle)) + least_offset(j, first, end, o));
+    *look = look_of(j, scaled, daft_ddot(scaled, daft_dsub(o, j->sides->middle)) + least_offset(f, count, o));
     *spread = (float)(127 * sqrt(1 - c * c) * (1 + 0x1p-20));
 }
 
@@ -198,7 +213,7 @@ static void fill_nodes(const cone_job *j)
                 first = leaf ? block : j->first[child], end = leaf ? block + (child & 3) + 1 : j->end[child];
             }
             daft_cones *to = &j->sides->cones[n];
-            cone_make(j, first, end, box_middle(j, node, i), &to->look[i], &to->spread[i]);
+            cone_make(j, j->faces + first, end - first, box_middle(j, node, i), &to->look[i], &to->spread[i]);
         }
     }
 }
@@ -206,27 +221,18 @@ static void fill_nodes(const cone_job *j)
 static daft_dvec3 ball_middle(const cone_job *j, const daft_ball *ball)
 {
     daft_dvec3 at = daft_dv3(ball->centre[0], ball->centre[1], ball->centre[2]);
-    return daft_dadd(daft_to_double(j->sides->balls.low), daft_dscale(at, (double)j->sides->balls.unit));
+    return daft_dadd(daft_to_double(j->sides->patches.low), daft_dscale(at, (double)j->sides->patches.unit));
 }
 
-static void fill_outlines(const cone_job *j, daft_outlines *o)
+static void fill_patches(const cone_job *j)
 {
-    for (uint32_t i = 0; i < o->count; i++)
-        cone_make(j, o->first[i], o->first[i + 1], ball_middle(j, &o->balls[i]), &o->looks[i], &o->spreads[i]);
-}
-
-static void fill_clusters(const cone_job *j)
-{
-    daft_clusters *c = &j->sides->clusters;
-    for (uint32_t i = 0; i < c->all.count; i++)
-        for (int k = 0; k < DAFT_CLUSTER_LEAVES; k++) {
-            daft_cluster *to = &c->items[i];
-            uint32_t block = (to->leaf[k] & ~DAFT_CHILD_LEAF) >> 2;
-            if (to->leaf[k] == DAFT_CHILD_NONE) continue;
-            cone_make(j, block, block + (to->leaf[k] & 3) + 1, ball_middle(j, &to->ball[k]), &to->look[k], &to->spread[k]);
+    const daft_patches *p = &j->sides->patches;
+    uint32_t quarters = p->level[0].count * (DAFT_PATCH / DAFT_BLOCK), each = DAFT_PATCH / DAFT_BLOCK;
+    for (int level = 0; level < DAFT_PATCH_LEVELS; level++, each *= DAFT_PATCH)
+        for (uint32_t i = 0; i < p->level[level].count; i++) {
+            const daft_outlines *o = &p->level[level];
+            cone_make(j, j->patches + i * each, daft_min_u(each, quarters - i * each), ball_middle(j, &o->balls[i]), &o->looks[i], &o->spreads[i]);
         }
-    fill_outlines(j, &c->all);
-    fill_outlines(j, &c->groups);
 }
 
 bool daft_cones_fill(const daft_bvh *bvh, daft_sides *sides)
@@ -236,14 +242,17 @@ bool daft_cones_fill(const daft_bvh *bvh, daft_sides *sides)
     job.faces = daft_alloc(a, bvh->block_count, sizeof *job.faces);
     job.first = daft_alloc(a, bvh->nodes.count, sizeof *job.first);
     job.end = daft_alloc(a, bvh->nodes.count, sizeof *job.end);
-    bool done = job.faces && job.first && job.end;
+    job.patches = daft_alloc(a, sides->patches.level[0].count, DAFT_PATCH / DAFT_BLOCK * sizeof *job.patches);
+    bool done = job.patches && job.faces && job.first && job.end;
     if (done) {
         fill_faces(&job);
         find_ranges(&job);
         fill_nodes(&job);
-        fill_clusters(&job);
+        fill_patch_faces(&job);
+        fill_patches(&job);
     }
     daft_release(a, job.faces);
+    daft_release(a, job.patches);
     daft_release(a, job.first);
     daft_release(a, job.end);
     return done;

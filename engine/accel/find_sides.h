@@ -23,7 +23,7 @@ double daft_sides_pad(const daft_trimesh *mesh);
 void daft_sides_mark_contacts(daft_side_search *search, int threads);
 /* Sets the bits of the one-sided triangles among those that are not marked. False: memory is out. */
 bool daft_sides_wind(const daft_side_search *search, uint32_t *one_sided);
-/* Fills cones and looks, those of clusters too, from the blocks' bits and the clusters' balls. False: memory is out. */
+/* Fills cones, and the looks of patches and of what is made of them, from the blocks' and patches' bits and the balls. False: memory is out. */
 bool daft_cones_fill(const daft_bvh *bvh, daft_sides *sides);
 
 void daft_sides_drop(daft_bvh *bvh);

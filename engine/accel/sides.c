@@ -17,9 +17,7 @@ void daft_sides_drop(daft_bvh *bvh)
     daft_release(&bvh->allocator, sides->blocks);
     daft_release(&bvh->allocator, sides->triangles);
     daft_release(&bvh->allocator, sides->cones);
-    daft_release(&bvh->allocator, sides->looks);
-    daft_release(&bvh->allocator, sides->balls.items);
-    daft_clusters_free(&bvh->allocator, &sides->clusters);
+    daft_patches_free(&bvh->allocator, &sides->patches);
     daft_release(&bvh->allocator, sides);
     bvh->sides = NULL;
 }
@@ -33,8 +31,8 @@ size_t daft_sides_bytes(const daft_bvh *bvh)
 {
     const daft_sides *sides = bvh->sides;
     if (!sides) return 0;
-    return sizeof *sides + bvh->block_count * (1 + sizeof *sides->looks + sizeof *sides->balls.items) +
-           words(sides) * sizeof *sides->triangles + bvh->nodes.count * sizeof *sides->cones + daft_clusters_bytes(&sides->clusters);
+    return sizeof *sides + bvh->block_count + words(sides) * sizeof *sides->triangles + bvh->nodes.count * sizeof *sides->cones +
+           daft_patches_bytes(&sides->patches);
 }
 
 /* False: no triangle can be one-sided. */
@@ -63,7 +61,7 @@ static bool search(const daft_bvh *bvh, const daft_trimesh *mesh, daft_sides *ou
     bool done = s.marks && daft_adjacency_make(s.allocator, mesh, &s.adjacency) && mark_edges(&s);
     if (done) {
         daft_sides_mark_contacts(&s, threads);
-        done = daft_sides_wind(&s, out->triangles);
+        done = daft_sides_wind(&s, out->triangles) && daft_patches_make(bvh, mesh, &s.adjacency, out->triangles, &out->patches);
     }
     daft_adjacency_free(s.allocator, &s.adjacency);
     daft_release(s.allocator, s.marks);
@@ -98,13 +96,10 @@ bool daft_bvh_find_sides(daft_bvh *bvh, const daft_trimesh *mesh, int threads)
     sides->triangles = daft_alloc_zero(a, words(sides), sizeof *sides->triangles);
     sides->blocks = daft_alloc(a, bvh->block_count, sizeof *sides->blocks);
     sides->cones = daft_alloc(a, bvh->nodes.count, sizeof *sides->cones);
-    sides->looks = daft_alloc_zero(a, bvh->block_count + DAFT_MAX_LEAF_BLOCKS, sizeof *sides->looks);
-    bool done = sides->triangles && sides->blocks && sides->cones && sides->looks && search(bvh, mesh, sides, threads);
+    bool done = sides->triangles && sides->blocks && sides->cones && search(bvh, mesh, sides, threads);
     if (done) {
-        daft_blocks_regroup(bvh);
         fill_blocks(bvh, sides);
-        done = sides->count > 0 && daft_balls_make(bvh, mesh, &sides->balls) &&
-               daft_clusters_make(bvh, &sides->balls, &sides->clusters) && daft_cones_fill(bvh, sides);
+        done = sides->count > 0 && daft_cones_fill(bvh, sides);
     }
     if (!done) daft_sides_drop(bvh);
     return done;

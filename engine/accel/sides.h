@@ -10,20 +10,19 @@
 #ifndef DAFT_SIDES_H
 #define DAFT_SIDES_H
 
-#include "accel/clusters.h"
+#include "accel/patches.h"
 
-/* A triangle's unit normal, times 127, in signed bytes from the lowest on, and last, rounded down, 127 times the least
- * normal·(p - middle) of its points over the mesh's radius; 0, 0, 0, -128 where it is of two sides or too thin. So four
- * blocks fill a register, whatever the instruction set makes of it, and it is known which need not be fetched:
- * a triangle is one-sided and looks away from an outlook if, in floats, with its glance (daft_glance, below)
+/* How a triangle looks: its unit normal, times 127, in signed bytes from the lowest on, and last, rounded down, 127 times the least
+ * normal·(p - middle) of its points over the mesh's radius; 0, 0, 0, -128 where it is of two sides or too thin. It
+ * is one-sided and looks away from an outlook if, in floats, with its glance (daft_glance, below)
  *     n[0]·x + n[1]·y + n[2]·z + margin < n[3]·step
  * Bytes of a normal are off by a half each, so that normal·v is off by less than 0.87·|v|/127. Corners that are off by
  * `blur`, in a triangle of longest edge L and least height h, turn L·h times its normal by 2·blur·2L + 4·blur² at most and
  * move it by blur; with blur <= L/2 and h < 1.8·reach both are within reach·8·blur/h, and beyond L/2 that is too much for any
- * to look away. The test's own rounding is below 2^-18 of the reach. */
-typedef uint32_t daft_looks[DAFT_BLOCK];
-
-/* The same of a node's children: all triangles of one are one-sided and look away from an outlook if
+ * to look away. The test's own rounding is below 2^-18 of the reach.
+ *
+ * What is kept is the same of many: of a node's children here, of patches, clusters and groups there (patches.h). All triangles
+ * of one are one-sided and look away from an outlook if
  *     n[0]·x + n[1]·y + n[2]·z + margin + spread·reach < n[3]·step
  * With the triangles' unit normals within an angle s of the unit axis a, p any point on a triangle and v from some point o to
  * the origin, normal·(origin - p) <= cos(s)·(a·v) + sin(s)·|v| - normal·(p - o): n is cos(s)·a, spread 127·sin(s), and the
@@ -33,16 +32,14 @@ typedef struct daft_cones {
     float spread[DAFT_WIDTH];
 } daft_cones;
 
-/* Fewer bytes than a share of the tree's: 2 words for each child, 7 bytes and a bit for each triangle. */
+/* 26 bytes for each triangle, of which patches are 22. */
 typedef struct daft_sides {
     uint32_t triangle_count, count; /* of the mesh's; of one-sided ones */
     daft_dvec3 middle;              /* of the mesh's bounds: outlooks and offsets count from here */
     uint8_t *blocks;     /* of each block, bits 0 to 3: its triangles that are one-sided, unused places like the last used */
     uint32_t *triangles; /* the same by triangle, 32 in a word */
     daft_cones *cones;   /* of each node */
-    daft_looks *looks;   /* of each block, and DAFT_MAX_LEAF_BLOCKS more, that a leaf's may be read sixteen at a time */
-    daft_balls balls;
-    daft_clusters clusters;
+    daft_patches patches;
     float radius;        /* no less than from the middle to any point of the mesh */
     float thinness;      /* one over a least height: thinner triangles count as too thin for looks */
 } daft_sides;
@@ -75,7 +72,7 @@ static inline daft_glance daft_glance_of(const daft_sides *sides, const daft_out
     return (daft_glance){o->x, o->y, o->z, sides->radius * o->w, margin, o->reach};
 }
 
-/* Whether a triangle looks away, or, with its spread, a node's child. The kernels compute the same in lanes. */
+/* Whether what has this look and spread looks away. The kernels compute the same in lanes. */
 static inline bool daft_looks_away(uint32_t look, float spread, const daft_glance *g)
 {
     float x = (float)(int8_t)look, y = (float)(int8_t)(look >> 8), z = (float)(int8_t)(look >> 16), k = (float)(int8_t)(look >> 24);

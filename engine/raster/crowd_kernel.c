@@ -1,34 +1,50 @@
-/* A mesh of many instances against a tile: groups of clusters, clusters, leaves, blocks of triangles (accel/clusters.h), each a
- * list of balls that are held against the tile's rays a register at a time. One is left out when its ball holds no ray of the
- * tile's pixels, when all in it looks away, or when the pixels in its reach see something nearer. Each list is
- * gone through before the next one: how many a step leaves cannot be guessed, and lists cost no branch that depends on it. */
+/* A mesh of many instances against a tile: groups of clusters, clusters, patches of triangles (accel/patches.h), each a list of
+ * balls, for patches of ellipsoids, too, that are held against the tile's rays a register at a time. One is left out when it holds no
+ * ray of the tile's pixels, when all in it looks away, or when the pixels in its reach see something nearer. Each list is
+ * gone through before the next one: how many a step leaves cannot be guessed, and lists cost no branch that depends on it.
+ *
+ * Ellipses. A ray of pixel p meets a patch where, for some point of it, h from the ball's middle, d + P·h/z = 0: d is from p to the middle
+ * in the picture, z the middle's, and P maps to pixels times z as the ray of p sees it, (column - p.x)·z and (row - p.y)·z. With P0 that of the
+ * ray through the tile's middle instead, P·h = P0·h - (p - p0)·z(h), the last within 23 pixels times the radius in z. As h is in the ellipsoid M and
+ * in the ball, d is in the ellipse S0 = P0·M·P0ᵀ/z² widened by b, for that and for what the middle is off by, and so in
+ * (1 + 1/8)·S0 + (1 + 8)·b². It is taken as (1 + 3/16)·S0 + 17·b²: its determinant and forms are off by less than 2^-20 of the squares of
+ * its largest terms, and 8·b² is over 2^-15 of those, since b is taken as no less than 2^-9 of the ball's reach. */
 #include "raster/hidden.h"
 
-enum {
-    CLUSTERS = 128,                        /* listed before their leaves are */
-    LEAVES = 128,                          /* and leaves before they are found hidden or not */
-    PARTS = DAFT_CLUSTER_GROUP / DAFT_VL   /* registers to a group's clusters */
-};
+enum { LISTED = 128 }; /* of a list, before the next one is made of them */
 
 /* An instance's balls as the tile sees them. */
 typedef struct crowd {
     daft_tile_job *job;
     daft_waiting *waiting;
     const daft_seen *seen;
-    const daft_sides *sides;
+    const daft_patches *patches;
     float ball[12];               /* a ball's centre to x and y in pixels times z, and z; then the translation */
     float reach[2], z_reach[2];   /* its radius to pixels times z and to z, and what is added */
+    float shape[3][DAFT_SHAPE];   /* a patch's to its ellipse's xx, xy and yy at the bounds' nearest z */
+    float blur;                   /* a ball's radius to b times z */
     daft_glance glance;
-    uint32_t leaf_count, leaves[DAFT_LEAVES_ROOM + 16]; /* to be drawn: their codes */
-    uint32_t block_count, blocks[DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS + DAFT_VL];
 } crowd;
 
 /* Balls that hold rays: what they are of, the pixels of the tile, and the largest w. */
 typedef struct sights {
     uint32_t count;
-    uint32_t what[LEAVES + 2 * DAFT_VL], pixels[LEAVES + 2 * DAFT_VL];
-    float nearest[LEAVES + 2 * DAFT_VL];
+    uint32_t what[LISTED + 2 * DAFT_VL], pixels[LISTED + 2 * DAFT_VL];
+    float nearest[LISTED + 2 * DAFT_VL];
 } sights;
+
+static void shapes_begin(crowd *w)
+{
+    float row[2][3], inverse = 1 / w->seen->near_z;
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < 3; i++) row[k][i] = (w->ball[3 * i + k] - DAFT_TILE / 2 * w->ball[3 * i + 2]) * inverse;
+    for (int k = 0; k < 3; k++) {
+        const float *a = row[k / 2], *b = row[(k + 1) / 2];
+        const float all[DAFT_SHAPE] = {a[0] * b[0], a[1] * b[1], a[2] * b[2], a[0] * b[1] + a[1] * b[0], a[0] * b[2] + a[2] * b[0], a[1] * b[2] + a[2] * b[1]};
+        for (int i = 0; i < DAFT_SHAPE; i++) w->shape[k][i] = all[i] * (1 + 3.0f / 16);
+    }
+    w->blur = w->z_reach[0] * 24 + w->reach[0] * 0x1p-9f;
+}
 
 /* How balls come to the tile. Where a ray of slope t (x and y of it over z) meets the ball around c, c is from the ray, in the
  * plane of its own z, by r·sqrt(1 + t²) at most, in any direction of that plane. `pad`: what a moved corner is off by in x
@@ -50,10 +66,9 @@ static bool crowd_begin(crowd *w, daft_tile_job *job, const daft_seen *seen, daf
         stretch = fmaxf(stretch, sum);
     }
     if (!(pad[2] * 0x1p12f < seen->near_z)) return false;
-    w->job = job, w->seen = seen, w->waiting = waiting, w->leaf_count = w->block_count = 0;
-    w->sides = seen->bvh->sides;
-    w->glance = daft_glance_of(w->sides, &seen->outlook);
-    const daft_balls *balls = &w->sides->balls;
+    w->job = job, w->seen = seen, w->waiting = waiting;
+    w->glance = daft_glance_of(seen->bvh->sides, &seen->outlook);
+    const daft_patches *balls = w->patches = &seen->bvh->sides->patches;
     for (int i = 0; i < 4; i++) {
         float at[3];
         for (int k = 0; k < 3; k++)
@@ -66,6 +81,7 @@ static bool crowd_begin(crowd *w, daft_tile_job *job, const daft_seen *seen, daf
     float x = pad[0] * focal + pad[2] * fabsf(job->left), y = pad[1] * focal + pad[2] * fabsf(job->top);
     w->z_reach[0] = sqrtf(stretch) * balls->unit * (1 + 0x1p-8f), w->z_reach[1] = 4 * pad[2];
     w->reach[0] = w->z_reach[0] * slant, w->reach[1] = 4 * (x + y) + 2 * DAFT_TILE * 4 * pad[2];
+    shapes_begin(w);
     return true;
 }
 
@@ -88,7 +104,7 @@ DAFT_INLINE balls balls_load(const daft_ball *const from[DAFT_VL / 4])
 
 /* Where balls are in the picture. */
 typedef struct discs {
-    vf column, row, reach, z;
+    vf column, row, reach, z, inverse;
     vbits apart; /* no ray of the tile's pixels meets them */
 } discs;
 
@@ -102,16 +118,59 @@ DAFT_INLINE discs balls_project(const crowd *w, const balls *b)
     vf reach = (b->radius * vf_set(w->reach[0]) + vf_set(w->reach[1])) * inverse + vf_set(DAFT_SCREEN_SLACK);
     vf x = column - vf_min(vf_max((column + whole) - whole, zero), vf_set(w->job->last_x));
     vf y = row - vf_min(vf_max((row + whole) - whole, zero), vf_set(w->job->last_y));
-    return (discs){column, row, reach, p[2], vm_bits(vm_and(vf_lt(reach * reach, x * x + y * y), vf_lt(zero, inverse)))};
+    return (discs){column, row, reach, p[2], inverse, vm_bits(vm_and(vf_lt(reach * reach, x * x + y * y), vf_lt(zero, inverse)))};
 }
 
-/* One axis of the pixels within a disc that holds one of them; or, but for a part in 2^8, nearly does. */
-DAFT_INLINE void disc_span(vf at, vf reach, float last, vi *first, vi *end)
+/* The pixels that outlines reach. */
+typedef struct spans {
+    vi x0, x1, y0, y1;
+    vbits none; /* there is no pixel */
+} spans;
+
+/* One axis of the pixels within reach, or but for a part in 2^8 there. Gives the lanes without any, for which it is some pixel. */
+DAFT_INLINE vbits span_of(vf at, vf reach, float last, vi *first, vi *end)
 {
     vf zero = vf_set(0), most = vf_set(last);
     vf low = vf_min(vf_max(at - reach, zero), most), high = vf_min(vf_max(at + reach, zero), most);
     *first = vi_truncate(low + vf_set(1 - 0x1p-8f)), *end = vi_truncate(high);
-    *first = vi_select(vi_lt(*end, *first), *end, *first);
+    vm none = vi_lt(*end, *first);
+    *first = vi_select(none, *end, *first);
+    return vm_bits(none);
+}
+
+DAFT_INLINE spans disc_spans(const crowd *w, const discs *d)
+{
+    spans s;
+    span_of(d->column, d->reach, w->job->last_x, &s.x0, &s.x1), span_of(d->row, d->reach, w->job->last_y, &s.y0, &s.y1);
+    s.none = 0; /* the disc holds one */
+    return s;
+}
+
+/* Pixels x and y from the middle of ellipses that lie beyond them. */
+DAFT_INLINE vm beyond(const vf e[3], vf det, vf x, vf y)
+{
+    return vf_lt(det, e[2] * x * x - (e[1] + e[1]) * x * y + e[0] * y * y);
+}
+
+/* Of patches from one on, by their ellipses. Where these reach two pixels a side at most, each of the up to four is tried. Comparisons
+ * and minima are written so that a NaN, from an overflow, leaves a patch in. */
+DAFT_INLINE spans ellipse_spans(const crowd *w, const balls *b, const discs *d, uint32_t patch)
+{
+    spans s;
+    vf nearer = vf_set(w->seen->near_z) * d->inverse, square = nearer * nearer, e[3];
+    vf blur = (b->radius * vf_set(w->blur) + vf_set(w->reach[1])) * d->inverse + vf_set(DAFT_SCREEN_SLACK), more = vf_set(17) * blur * blur;
+    for (int k = 0; k < 3; k++) {
+        vf sum = vf_load(&w->patches->shape[0][patch]) * vf_set(w->shape[k][0]);
+        for (int i = 1; i < DAFT_SHAPE; i++) sum += vf_load(&w->patches->shape[i][patch]) * vf_set(w->shape[k][i]);
+        e[k] = k == 1 ? sum * square : sum * square + more;
+    }
+    vbits none_x = span_of(d->column, vf_min(vf_sqrt(e[0]), d->reach), w->job->last_x, &s.x0, &s.x1);
+    vbits none_y = span_of(d->row, vf_min(vf_sqrt(e[2]), d->reach), w->job->last_y, &s.y0, &s.y1);
+    vf det = e[0] * e[2] - e[1] * e[1];
+    vf xa = d->column - vf_from_int(s.x0), xb = d->column - vf_from_int(s.x1), ya = d->row - vf_from_int(s.y0), yb = d->row - vf_from_int(s.y1);
+    vm all = vm_and(vm_and(beyond(e, det, xa, ya), beyond(e, det, xb, ya)), vm_and(beyond(e, det, xa, yb), beyond(e, det, xb, yb)));
+    s.none = none_x | none_y | (vm_bits(all) & vm_bits(vi_lt((s.x1 - s.x0) | (s.y1 - s.y0), vi_set(2))));
+    return s;
 }
 
 /* Lanes that look away: daft_looks_away. */
@@ -123,18 +182,20 @@ DAFT_INLINE vbits away(const crowd *w, vi look, vf spread)
     return vm_bits(vf_lt(towards + spread * vf_set(g->reach), vf_from_int(look >> 24) * vf_set(g->step)));
 }
 
-/* Adds those of `lanes` that hold rays and do not look away. */
-DAFT_INLINE void add_sights(const crowd *w, const balls *b, vi look, vf spread, vi what, vbits lanes, sights *out)
+/* Adds those of `lanes`, items of a level from one on, that hold rays and do not look away. */
+DAFT_INLINE void add_sights(const crowd *w, int level, uint32_t first, vbits lanes, sights *out)
 {
-    discs d = balls_project(w, b);
-    lanes &= ~(d.apart | away(w, look, spread));
-    vi x0, x1, y0, y1;
-    disc_span(d.column, d.reach, w->job->last_x, &x0, &x1);
-    disc_span(d.row, d.reach, w->job->last_y, &y0, &y1);
-    vf z = d.z - (b->radius * vf_set(w->z_reach[0]) + vf_set(w->z_reach[1]));
+    const daft_outlines *o = &w->patches->level[level];
+    const daft_ball *from[DAFT_VL / 4];
+    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = &o->balls[first + 4 * (uint32_t)i];
+    balls b = balls_load(from);
+    discs d = balls_project(w, &b);
+    spans s = level ? disc_spans(w, &d) : ellipse_spans(w, &b, &d, first);
+    lanes &= ~(d.apart | s.none | away(w, vi_load(&o->looks[first]), vf_load(&o->spreads[first])));
+    vf z = d.z - (b.radius * vf_set(w->z_reach[0]) + vf_set(w->z_reach[1]));
     vf nearest = vf_select(vf_lt(vf_set(0), z), vf_rough_reciprocal(z) * vf_set(1 + 0x1p-10f), vf_set(INFINITY));
-    vi_compress(&out->what[out->count], lanes, what);
-    vi_compress(&out->pixels[out->count], lanes, x0 | x1 << 8 | y0 << 16 | y1 << 24);
+    vi_compress(&out->what[out->count], lanes, vi_set((int32_t)first) + vi_iota());
+    vi_compress(&out->pixels[out->count], lanes, s.x0 | s.x1 << 8 | s.y0 << 16 | s.y1 << 24);
     vf_compress(&out->nearest[out->count], lanes, nearest);
     out->count += (uint32_t)__builtin_popcount(lanes);
 }
@@ -153,127 +214,61 @@ DAFT_INLINE uint32_t not_hidden(const crowd *w, const sights *s, uint32_t *out)
     return count;
 }
 
-/* ---- blocks ---- */
+/* ---- patches ---- */
 
-/* Lanes of blocks whose triangles all look away: daft_looks_away. */
-DAFT_INLINE vbits blocks_away(const crowd *w, const uint32_t *block)
+/* Up to DAFT_LEAVES of them at a time. */
+static void draw_patches(crowd *w, const uint32_t *patches, uint32_t count)
 {
-    const daft_glance *g = &w->glance;
-    vbits all = 0;
-    for (int leaf = 0; leaf < DAFT_VL / 4; leaf++) {
-        const uint32_t *look = w->sides->looks[block[leaf]];
-        uint32_t bits = 0;
-        for (int i = 0; i < 16; i += DAFT_VL) {
-            vi v = vi_load(look + i);
-            vf towards = vf_from_int(v << 24 >> 24) * vf_set(g->x) + vf_from_int(v << 16 >> 24) * vf_set(g->y) +
-                         vf_from_int(v << 8 >> 24) * vf_set(g->z) + vf_set(g->margin);
-            bits |= vm_bits(vf_lt(towards, vf_from_int(v >> 24) * vf_set(g->step))) << i;
-        }
-        bits &= bits >> 1, bits &= bits >> 2;
-        all |= ((bits & 0x1111) * 0x1248 >> 12 & 15) << (4 * leaf);
-    }
-    return all;
-}
-
-/* The blocks of leaves that may hold a ray and look towards it. */
-static void list_blocks(crowd *w)
-{
-    vi slot = vi_iota() & vi_set(3), leaf = vi_iota() >> 2;
-    for (uint32_t i = 0; i < w->leaf_count; i += DAFT_VL / 4) {
-        const uint32_t *code = &w->leaves[i];
-        vi codes = (vi)vf_lookup16((const float *)(const void *)code, leaf);
-        uint32_t some = daft_min_u(w->leaf_count - i, DAFT_VL / 4), block[DAFT_VL / 4];
-        const daft_ball *from[DAFT_VL / 4];
-        for (uint32_t k = 0; k < DAFT_VL / 4; k++) {
-            block[k] = (code[k < some ? k : 0] & ~DAFT_CHILD_LEAF) >> 2;
-            from[k] = &w->sides->balls.items[block[k]];
-        }
-        balls b = balls_load(from);
-        vbits lanes = vbits_first((int)(4 * some)) & ~vm_bits(vi_lt(codes & vi_set(3), slot));
-        lanes &= ~(balls_project(w, &b).apart | blocks_away(w, block));
-        vi_compress(&w->blocks[w->block_count], lanes, ((codes & vi_set(INT32_MAX)) >> 2) + slot);
-        w->block_count += (uint32_t)__builtin_popcount(lanes);
-    }
-}
-
-static void draw_leaves(crowd *w)
-{
-    list_blocks(w);
-    DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, true, w->blocks, w->block_count, &w->waiting->projected);
-    while (w->waiting->projected.count) DAFT_KERNEL(daft_projected_take)(w->job, w->seen, &w->waiting->projected, w->waiting);
-    w->leaf_count = w->block_count = 0;
+    DAFT_KERNEL(daft_patches_project)(w->job, w->seen, patches, count, w->waiting);
+    while (w->waiting->projected.count) DAFT_KERNEL(daft_projected_take)(w->job, w->seen, &w->waiting->projected, &w->waiting->hits);
     DAFT_KERNEL(daft_hits_draw)(w->job, w->seen, &w->waiting->hits);
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 
-/* ---- leaves and clusters ---- */
-
-static void take_leaves(crowd *w, sights *leaves)
+static void take_patches(crowd *w, sights *patches)
 {
-    uint32_t list[LEAVES + 2 * DAFT_VL], count = not_hidden(w, leaves, list);
-    leaves->count = 0;
-    for (uint32_t i = 0; i < count; i += DAFT_LEAVES) {
-        uint32_t some = daft_min_u(count - i, DAFT_LEAVES);
-        memcpy(w->leaves, &list[i], some * sizeof *list);
-        w->leaf_count = some;
-        draw_leaves(w);
-    }
+    uint32_t list[LISTED + 2 * DAFT_VL], count = not_hidden(w, patches, list);
+    patches->count = 0;
+    for (uint32_t i = 0; i < count; i += DAFT_LEAVES) draw_patches(w, &list[i], daft_min_u(count - i, DAFT_LEAVES));
 }
 
-/* The leaves of up to DAFT_EIGHTS clusters. */
-DAFT_INLINE void add_leaves(const crowd *w, const uint32_t *clusters, uint32_t count, sights *out)
+/* ---- lists ---- */
+
+/* The sixteen items of a level that belong to one of the level above. */
+DAFT_INLINE void add_outlines(const crowd *w, int level, uint32_t above, sights *out)
 {
-    const daft_cluster *first = &w->sides->clusters.items[clusters[0]], *second = &w->sides->clusters.items[clusters[count > 1]];
-    vbits there = vbits_first((int)(count * DAFT_CLUSTER_LEAVES));
-    for (int part = 0; part < DAFT_EIGHT_PARTS; part++) {
-        const daft_ball *from[DAFT_VL / 4];
-        for (int i = 0; i < DAFT_VL / 4; i++) from[i] = &(i < 2 ? first : second)->ball[4 * ((i + part) & 1)];
-        balls b = balls_load(from);
-        vi look = (vi)vf_load_eights((const float *)(const void *)first->look, (const float *)(const void *)second->look, part);
-        vi leaf = (vi)vf_load_eights((const float *)(const void *)first->leaf, (const float *)(const void *)second->leaf, part);
-        vf spread = vf_load_eights(first->spread, second->spread, part);
-        add_sights(w, &b, look, spread, leaf, there & ~vm_bits(vi_eq(leaf, vi_set((int32_t)DAFT_CHILD_NONE))), out);
-    }
+    uint32_t count = w->patches->level[level].count;
+    for (uint32_t first = above * DAFT_PATCH; first < (above + 1) * DAFT_PATCH; first += DAFT_VL)
+        add_sights(w, level, first, first < count ? vbits_first((int)(count - first)) : 0, out);
 }
 
-static void take_clusters(crowd *w, sights *clusters, sights *leaves)
+static void take_clusters(crowd *w, sights *clusters, sights *patches)
 {
-    uint32_t list[CLUSTERS + 2 * DAFT_VL], count = not_hidden(w, clusters, list);
+    uint32_t list[LISTED + 2 * DAFT_VL], count = not_hidden(w, clusters, list);
     clusters->count = 0;
     w->job->counters->nodes += count;
-    for (uint32_t i = 0; i < count; i += DAFT_EIGHTS) {
-        add_leaves(w, &list[i], count - i, leaves);
-        if (leaves->count >= LEAVES) take_leaves(w, leaves);
+    for (uint32_t i = 0; i < count; i++) {
+        add_outlines(w, 0, list[i], patches);
+        if (patches->count > LISTED - DAFT_PATCH) take_patches(w, patches);
     }
-}
-
-/* A register of a list of clusters, or of groups, from one on. */
-DAFT_INLINE void add_outlines(const crowd *w, const daft_outlines *o, uint32_t first, sights *out)
-{
-    const daft_ball *from[DAFT_VL / 4];
-    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = &o->balls[first + 4 * (uint32_t)i];
-    balls b = balls_load(from);
-    vbits lanes = first < o->count ? vbits_first((int)(o->count - first)) : 0;
-    add_sights(w, &b, vi_load(&o->looks[first]), vf_load(&o->spreads[first]), vi_set((int32_t)first) + vi_iota(), lanes, out);
 }
 
 bool DAFT_KERNEL(daft_crowd_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
 {
     crowd w;
-    sights groups, clusters, leaves;
+    sights groups, clusters, patches;
     if (!crowd_begin(&w, job, seen, waiting)) return false;
-    const daft_clusters *all = &w.sides->clusters;
-    clusters.count = leaves.count = 0;
-    for (uint32_t i = 0; i < all->groups.count; i += DAFT_VL) {
+    const daft_outlines *top = &w.patches->level[DAFT_PATCH_LEVELS - 1];
+    clusters.count = patches.count = 0;
+    for (uint32_t i = 0; i < top->count; i += DAFT_PATCH) {
         groups.count = 0;
-        add_outlines(&w, &all->groups, i, &groups);
+        add_outlines(&w, DAFT_PATCH_LEVELS - 1, i / DAFT_PATCH, &groups);
         for (uint32_t g = 0; g < groups.count; g++) {
-            for (uint32_t part = 0; part < PARTS; part++)
-                add_outlines(&w, &all->all, groups.what[g] * DAFT_CLUSTER_GROUP + part * DAFT_VL, &clusters);
-            if (clusters.count >= CLUSTERS - DAFT_CLUSTER_GROUP) take_clusters(&w, &clusters, &leaves);
+            add_outlines(&w, 1, groups.what[g], &clusters);
+            if (clusters.count > LISTED - DAFT_PATCH) take_clusters(&w, &clusters, &patches);
         }
     }
-    take_clusters(&w, &clusters, &leaves);
-    take_leaves(&w, &leaves);
+    take_clusters(&w, &clusters, &patches);
+    take_patches(&w, &patches);
     return true;
 }

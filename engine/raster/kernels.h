@@ -42,10 +42,10 @@ enum { DAFT_LEAVES = 64, DAFT_LEAVES_ROOM = DAFT_LEAVES + DAFT_VL };
 enum { DAFT_WAITING_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + 3 * DAFT_VL };
 #define DAFT_WAITS_ONE_SIDED 0x80u /* in `pixels`: hits on its back do not count */
 #define DAFT_WAITS_TURNED 0x40u    /* its front is where det(corners) is negative */
-/* Of one instance: projected triangles whose boxes hold rays. */
+/* Of one instance: small triangles in the picture whose boxes hold rays; scale: the focal length over z. */
 typedef struct daft_projected {
     uint32_t count;
-    float corner[9][DAFT_WAITING_ROOM];
+    float x[3][DAFT_WAITING_ROOM], y[3][DAFT_WAITING_ROOM], scale[3][DAFT_WAITING_ROOM];
     uint32_t pixels[DAFT_WAITING_ROOM], triangle[DAFT_WAITING_ROOM];
 } daft_projected;
 
@@ -78,11 +78,13 @@ typedef struct daft_pencil_batch {
     uint32_t instance[DAFT_VL], triangle[DAFT_VL];
 } daft_pencil_batch;
 
-/* project_kernel.c: blocks of one instance, by number. `ahead`: all of them is in front of the camera. */
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, bool ahead, const uint32_t *blocks,
-                                      uint32_t count, daft_projected *out);
-/* Takes up to DAFT_VL of them: those whose boxes are of two pixels a side at most add to the hits, others wait. */
-void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, const daft_seen *seen, daft_projected *from, daft_waiting *waiting);
+/* project_kernel.c: blocks of one instance, by number. Those whose boxes are of two pixels a side at most are projected, others
+ * wait. */
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count, daft_waiting *out);
+/* The same of patches, all of them in front of the camera. */
+void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *patches, uint32_t count, daft_waiting *out);
+/* Takes up to DAFT_VL of those projected. */
+void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, const daft_seen *seen, daft_projected *from, daft_hits *out);
 /* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks. True: many or large ones of them may be seen and make a batch. False: few, and those wait. */
 bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
                                     daft_waiting *waiting, daft_pencil_batch *batch);

@@ -15,6 +15,8 @@
  * roundings. */
 #include "raster/blocks.h"
 
+enum { PATCH_PARTS = DAFT_PATCH / DAFT_VL };
+
 /* The pixels within low..high and the slack, or but for a part in 2^8 there; none: end is below first. */
 DAFT_INLINE void pixel_range(vf low, vf high, float last, vi *first, vi *end)
 {
@@ -36,84 +38,188 @@ typedef struct lens {
     daft_affine map;
     float focal, left, top, last_x, last_y, reach;
     int front;
+    bool closely; /* no triangle counts as small */
 } lens;
 
 DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_seen *seen)
 {
     float reach = fmaxf(job->max_dx, job->max_dy) + 2 * DAFT_TILE;
-    return (lens){seen->to_camera, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, reach, seen->front};
+    bool closely = job->raster->pencil.intersection == DAFT_INTERSECT_WATERTIGHT;
+    return (lens){seen->to_camera, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, reach, seen->front, closely};
 }
 
-/* D of the above. */
-DAFT_INLINE vf doubt_of(const lens *v, vf extent)
+/* D of the above, times a power of two. */
+DAFT_INLINE vf doubt_of(const lens *v, vf extent, float times)
 {
-    return vf_set(5 * UNIT) * (vf_set(v->reach) + (extent + extent)) * (extent + vf_set(0x1p-4f));
+    return vf_set(times * 5 * UNIT) * (vf_set(v->reach) + (extent + extent)) * (extent + vf_set(0x1p-4f));
 }
 
-/* The lanes of triangles that may be seen; and of all of them corners, numbers and pixels. `ahead`: all corners are in front of the
- * camera. */
-DAFT_INLINE vbits project(const lens *v, const daft_block **blocks, vbits one_sided, bool ahead, vf3 corner[3], vi *pixels)
+/* A point in the picture: the focal length over z, and x and y in pixels of the tile. */
+typedef struct spot {
+    vf x, y, scale;
+} spot;
+
+DAFT_INLINE spot spot_of(const lens *v, const vf3 *p)
 {
-    vf zero = vf_set(0), focal = vf_set(v->focal), inf = vf_set(INFINITY), least = inf, most = -inf, x[3], y[3];
-    for (int k = 0; k < 3; k++) {
-        vf3 p = {blocks_load(blocks, k, 0), blocks_load(blocks, k, 1), blocks_load(blocks, k, 2)};
-        corner[k] = move(&v->map, p);
-        vf scale = focal / corner[k].z;
-        x[k] = corner[k].x * scale - vf_set(v->left), y[k] = vf_set(v->top) - corner[k].y * scale;
-        if (!ahead) least = vf_min(corner[k].z, least), most = vf_max(corner[k].z, most);
-    }
+    vf scale = vf_set(v->focal) / p->z;
+    return (spot){p->x * scale - vf_set(v->left), vf_set(v->top) - p->y * scale, scale};
+}
+
+/* The lanes of triangles that may be seen; of all of them the pixels, and which are small. corner: NULL where all of them are in
+ * front of the camera. */
+DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], vbits one_sided, const vf3 *corner, vi *pixels, vbits *little)
+{
+    vf zero = vf_set(0), x[3], y[3];
+    for (int k = 0; k < 3; k++) x[k] = at[k].x, y[k] = at[k].y;
     vf low_x = vf_min(vf_min(x[0], x[1]), x[2]), high_x = vf_max(vf_max(x[0], x[1]), x[2]);
     vf low_y = vf_min(vf_min(y[0], y[1]), y[2]), high_y = vf_max(vf_max(y[0], y[1]), y[2]);
     vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
-    vf doubt = vf_set(-4) * doubt_of(v, (high_x - low_x) + (high_y - low_y));
+    vf doubt = doubt_of(v, (high_x - low_x) + (high_y - low_y), -4);
     vbits out = one_sided & vm_bits(vf_lt(v->front < 0 ? -area : area, doubt));
     vi x0, x1, y0, y1;
-    if (!ahead) { /* a triangle through the camera's plane may reach anywhere */
+    *little = v->closely ? 0 : DAFT_ALL_LANES;
+    if (corner) { /* a triangle through the camera's plane may reach anywhere */
+        vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z), most = vf_max(vf_max(corner[0].z, corner[1].z), corner[2].z);
         vm front = vf_lt(zero, least);
         low_x = vf_select(front, low_x, zero), high_x = vf_select(front, high_x, vf_set(DAFT_TILE));
         low_y = vf_select(front, low_y, zero), high_y = vf_select(front, high_y, vf_set(DAFT_TILE));
-        out = (out & vm_bits(front)) | ~vm_bits(vf_lt(zero, most));
+        *little &= vm_bits(front), out = (out & vm_bits(front)) | ~vm_bits(vf_lt(zero, most));
     }
     pixel_range(low_x, high_x, v->last_x, &x0, &x1);
     pixel_range(low_y, high_y, v->last_y, &y0, &y1);
-    vi flags = vi_set((int32_t)(DAFT_WAITS_ONE_SIDED | (v->front < 0 ? DAFT_WAITS_TURNED : 0)));
-    *pixels = x0 | x1 << 8 | y0 << 16 | y1 << 24 | vi_select(vm_from_bits(one_sided), flags, vi_set(0));
+    *little &= vm_bits(vi_lt((x1 - x0) | (y1 - y0), vi_set(2)));
+    *pixels = x0 | x1 << 8 | y0 << 16 | y1 << 24;
     return DAFT_ALL_LANES & ~(out | vm_bits(vi_lt(x1, x0)) | vm_bits(vi_lt(y1, y0)));
 }
 
-DAFT_INLINE void project_all(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count, bool ahead, daft_projected *out)
+/* Small triangles go side by side. */
+DAFT_INLINE uint32_t add_small(daft_projected *out, uint32_t n, const spot at[3], vi pixels, vi triangle, vbits lanes)
+{
+    for (int k = 0; k < 3; k++) {
+        vf_compress(&out->x[k][n], lanes, at[k].x);
+        vf_compress(&out->y[k][n], lanes, at[k].y);
+        vf_compress(&out->scale[k][n], lanes, at[k].scale);
+    }
+    vi_compress(&out->pixels[n], lanes, pixels);
+    vi_compress(&out->triangle[n], lanes, triangle);
+    return n + (uint32_t)__builtin_popcount(lanes);
+}
+
+/* And others wait to be set up. */
+DAFT_INLINE void add_large(daft_waiting *out, const lens *v, const vf3 corner[3], vi pixels, vbits one_sided, uint32_t instance, vi triangle, vbits lanes)
+{
+    vi flags = vi_set((int32_t)(DAFT_WAITS_ONE_SIDED | (v->front < 0 ? DAFT_WAITS_TURNED : 0)));
+    pixels |= vi_select(vm_from_bits(one_sided), flags, vi_set(0));
+    vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z);
+    vf nearest = vf_select(vf_lt(vf_set(0), least), vf_set(1 + 4 * UNIT) / least, vf_set(INFINITY));
+    waiting_add(out, corner, pixels, nearest, instance, triangle, lanes);
+}
+
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count, daft_waiting *out)
 {
     const lens v = lens_of(job, seen);
-    uint32_t at = out->count;
-    uint64_t tested = 0;
+    uint32_t tested = 0, n = out->projected.count;
     for (uint32_t i = 0; i < count; i += DAFT_BATCH_BLOCKS) {
         const daft_block *all[DAFT_BATCH_BLOCKS];
         uint32_t some = daft_min_u(count - i, DAFT_BATCH_BLOCKS);
         blocks_at(seen, &blocks[i], some, all);
         vi triangle = blocks_triangles(all), pixels;
         vf3 corner[3];
-        vbits there = ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(some * DAFT_BLOCK));
-        vbits lanes = there & project(&v, all, v.front ? blocks_sides(seen, &blocks[i], some) : 0, ahead, corner, &pixels);
+        spot at[3];
         for (int k = 0; k < 3; k++) {
-            vf_compress(&out->corner[3 * k][at], lanes, corner[k].x);
-            vf_compress(&out->corner[3 * k + 1][at], lanes, corner[k].y);
-            vf_compress(&out->corner[3 * k + 2][at], lanes, corner[k].z);
+            corner[k] = move(&v.map, (vf3){blocks_load(all, k, 0), blocks_load(all, k, 1), blocks_load(all, k, 2)});
+            at[k] = spot_of(&v, &corner[k]);
         }
-        vi_compress(&out->pixels[at], lanes, pixels);
-        vi_compress(&out->triangle[at], lanes, triangle);
-        at += (uint32_t)__builtin_popcount(lanes), tested += (uint64_t)__builtin_popcount(there);
+        vbits there = ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(some * DAFT_BLOCK)), little;
+        vbits one_sided = v.front ? blocks_sides(seen, &blocks[i], some) : 0;
+        vbits lanes = there & may_be_seen(&v, at, one_sided, corner, &pixels, &little);
+        n = add_small(&out->projected, n, at, pixels, triangle, lanes & little);
+        if (lanes & ~little) add_large(out, &v, corner, pixels, one_sided, seen->index, triangle, lanes & ~little);
+        tested += (uint32_t)__builtin_popcount(there);
     }
-    out->count = at;
+    out->projected.count = n;
     job->counters->tested += tested;
 }
 
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, bool ahead, const uint32_t *blocks, uint32_t count,
-                                      daft_projected *out)
+/* A patch's corners in camera space. */
+typedef struct moved {
+    vf x[PATCH_PARTS], y[PATCH_PARTS], z[PATCH_PARTS];
+} moved;
+
+DAFT_INLINE void patch_move(const lens *v, const daft_patch *p, moved *out)
 {
-    if (ahead)
-        project_all(job, seen, blocks, count, true, out);
-    else
-        project_all(job, seen, blocks, count, false, out);
+    for (int part = 0; part < PATCH_PARTS; part++) {
+        const float *from = &p->corner[0][part * DAFT_VL];
+        vf3 at = move(&v->map, (vf3){vf_load(from), vf_load(from + DAFT_PATCH), vf_load(from + 2 * DAFT_PATCH)});
+        out->x[part] = at.x, out->y[part] = at.y, out->z[part] = at.z;
+    }
+}
+
+/* Parts of patches with triangles that are not small: whether there are any cannot be guessed, so these come after all others. */
+typedef struct large_list {
+    uint32_t count;
+    uint32_t patch[DAFT_LEAVES * PATCH_PARTS + 1], part[DAFT_LEAVES * PATCH_PARTS + 1];
+    vbits lanes[DAFT_LEAVES * PATCH_PARTS + 1];
+    _Alignas(64) uint32_t pixels[DAFT_LEAVES * PATCH_PARTS + 1][DAFT_VL];
+} large_list;
+
+DAFT_INLINE vbits patch_sides(const lens *v, const daft_patch *p, uint32_t part)
+{
+    return v->front ? p->one_sided >> (part * DAFT_VL) & DAFT_ALL_LANES : 0;
+}
+
+static void wait_all(const lens *v, const daft_seen *seen, const large_list *list, daft_waiting *out)
+{
+    for (uint32_t i = 0; i < list->count; i++) {
+        const daft_patch *p = &seen->bvh->sides->patches.items[list->patch[i]];
+        moved m;
+        vf3 corner[3];
+        uint32_t first = list->part[i] * DAFT_VL;
+        patch_move(v, p, &m);
+        for (int k = 0; k < 3; k++) {
+            vi which = vi_load_bytes(&p->at[k][first]);
+            corner[k] = (vf3){vf_pick16(m.x, which), vf_pick16(m.y, which), vf_pick16(m.z, which)};
+        }
+        add_large(out, v, corner, vi_load(list->pixels[i]), patch_sides(v, p, list->part[i]), seen->index, vi_load(&p->triangle[first]), list->lanes[i]);
+    }
+}
+
+void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *patches, uint32_t count, daft_waiting *out)
+{
+    const lens v = lens_of(job, seen);
+    const daft_patch *all = seen->bvh->sides->patches.items;
+    uint32_t tested = 0, n = out->projected.count;
+    large_list large;
+    large.count = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const daft_patch *p = &all[patches[i]];
+        vf x[PATCH_PARTS], y[PATCH_PARTS], scale[PATCH_PARTS];
+        moved m;
+        patch_move(&v, p, &m);
+        for (int part = 0; part < PATCH_PARTS; part++) {
+            spot at = spot_of(&v, &(vf3){m.x[part], m.y[part], m.z[part]});
+            x[part] = at.x, y[part] = at.y, scale[part] = at.scale;
+        }
+        tested += (uint32_t)__builtin_popcount(p->there);
+        for (uint32_t part = 0; part < PATCH_PARTS; part++) {
+            vi pixels, which[3];
+            spot at[3];
+            for (int k = 0; k < 3; k++) {
+                which[k] = vi_load_bytes(&p->at[k][part * DAFT_VL]);
+                at[k].x = vf_pick16(x, which[k]), at[k].y = vf_pick16(y, which[k]);
+            }
+            vbits little, lanes = p->there >> (part * DAFT_VL) & may_be_seen(&v, at, patch_sides(&v, p, part), NULL, &pixels, &little);
+            if (PATCH_PARTS > 2 && !lanes) continue; /* most often, and the rest costs more than a wrong guess */
+            for (int k = 0; k < 3; k++) at[k].scale = vf_pick16(scale, which[k]);
+            n = add_small(&out->projected, n, at, pixels, vi_load(&p->triangle[part * DAFT_VL]), lanes & little);
+            vi_store(large.pixels[large.count], pixels);
+            large.patch[large.count] = patches[i], large.part[large.count] = part, large.lanes[large.count] = lanes & ~little;
+            large.count += (lanes & ~little) != 0;
+        }
+    }
+    out->projected.count = n;
+    job->counters->tested += tested;
+    wait_all(&v, seen, &large, out);
 }
 
 /* ---- pixels ---- */
@@ -167,39 +273,26 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, const daft_seen *seen, co
     vf extent = vf_max(vf_max(x[0], x[1]), x[2]) - vf_min(vf_min(x[0], x[1]), x[2]);
     extent += vf_max(vf_max(y[0], y[1]), y[2]) - vf_min(vf_min(y[0], y[1]), y[2]);
     vf least = vf_min(vf_min(scale[0], scale[1]), scale[2]), most = vf_max(vf_max(scale[0], scale[1]), scale[2]);
-    s->doubt = doubt_of(&v, extent);
+    s->doubt = doubt_of(&v, extent, 1);
     s->error = vf_set(4) * s->doubt * (most - least) * inverse + vf_set(16 * UNIT) * most * over_focal;
     s->least = least * over_focal * vf_set(1 - 16 * UNIT), s->most = most * over_focal * vf_set(1 + 16 * UNIT);
 }
 
-void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, const daft_seen *seen, daft_projected *from, daft_waiting *waiting)
+void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, const daft_seen *seen, daft_projected *from, daft_hits *out)
 {
     uint32_t count = daft_min_u(from->count, DAFT_VL), at = from->count - count;
-    vf focal = vf_set(job->raster->pencil.focal), left = vf_set(job->left), top = vf_set(job->top), zero = vf_set(0);
     vf x[3], y[3], scale[3];
-    vf3 corner[3];
     small s;
-    for (int k = 0; k < 3; k++) {
-        corner[k] = (vf3){vf_load(&from->corner[3 * k][at]), vf_load(&from->corner[3 * k + 1][at]), vf_load(&from->corner[3 * k + 2][at])};
-        scale[k] = focal / corner[k].z;
-        x[k] = corner[k].x * scale[k] - left, y[k] = top - corner[k].y * scale[k];
-    }
+    for (int k = 0; k < 3; k++) x[k] = vf_load(&from->x[k][at]), y[k] = vf_load(&from->y[k][at]), scale[k] = vf_load(&from->scale[k][at]);
     vi pixels = vi_load(&from->pixels[at]), byte = vi_set(DAFT_TILE - 1), x0 = pixels & byte, y0 = pixels >> 16 & byte;
-    vi wide = (pixels >> 8 & byte) - x0, tall = (pixels >> 24 & byte) - y0;
+    vbits lanes = vbits_first((int)count), right = lanes & vm_bits(vi_lt(x0, pixels >> 8 & byte)), below = lanes & vm_bits(vi_lt(y0, pixels >> 24 & byte));
     s.triangle = vi_load(&from->triangle[at]);
     small_setup(job, seen, x, y, scale, x0, y0, &s);
-    vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z);
-    vm front = vf_lt(zero, least);
-    vbits all = vbits_first((int)count), little = all & vm_bits(front) & vm_bits(vi_lt(wide | tall, vi_set(2)));
-    if (job->raster->pencil.intersection == DAFT_INTERSECT_WATERTIGHT) little = 0;
-    vf nearest = vf_select(front, vf_set(1 + 4 * UNIT) / least, vf_set(INFINITY));
-    job->counters->binned += (uint64_t)__builtin_popcount(little);
-    waiting_add(waiting, corner, pixels, nearest, seen->index, s.triangle, all & ~little);
-    vbits right = vm_bits(vi_lt(vi_set(0), wide)), below = vm_bits(vi_lt(vi_set(0), tall));
-    if (!job->exact) little &= vm_bits(vf_lt(vf_abs(s.slope[0]) + vf_abs(s.slope[1]), vf_set(INFINITY)));
-    add_hits(job, &s, 0, 0, little, &waiting->hits);
-    add_hits(job, &s, 1, 0, little & right, &waiting->hits);
-    add_hits(job, &s, 0, 1, little & below, &waiting->hits);
-    add_hits(job, &s, 1, 1, little & right & below, &waiting->hits);
+    job->counters->binned += count;
+    if (!job->exact) lanes &= vm_bits(vf_lt(vf_abs(s.slope[0]) + vf_abs(s.slope[1]), vf_set(INFINITY)));
+    add_hits(job, &s, 0, 0, lanes, out);
+    add_hits(job, &s, 1, 0, lanes & right, out);
+    add_hits(job, &s, 0, 1, lanes & below, out);
+    add_hits(job, &s, 1, 1, lanes & right & below, out);
     from->count = at;
 }

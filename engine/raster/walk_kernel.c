@@ -363,8 +363,8 @@ static void list_blocks(walk *w)
 static void draw_leaves(walk *w)
 {
     list_blocks(w);
-    DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, false, w->blocks, w->block_count, &w->waiting->projected);
-    while (w->waiting->projected.count) DAFT_KERNEL(daft_projected_take)(w->job, w->seen, &w->waiting->projected, w->waiting);
+    DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, w->blocks, w->block_count, w->waiting);
+    while (w->waiting->projected.count) DAFT_KERNEL(daft_projected_take)(w->job, w->seen, &w->waiting->projected, &w->waiting->hits);
     w->leaf_count = w->block_count = 0;
     DAFT_KERNEL(daft_hits_draw)(w->job, w->seen, &w->waiting->hits);
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
