@@ -33,6 +33,10 @@ static void the_api_does_what_it_says(void **unused)
 {
     (void)unused, play_through("api", 61);
 }
+static void bodies_do_what_the_manual_says(void **unused)
+{
+    (void)unused, play_through("physics", 241);
+}
 static void the_sandbox_holds(void **unused)
 {
     (void)unused, play_through("sandbox", 1);
@@ -257,7 +261,8 @@ static void without_a_display_the_demo_plays_and_leaves_a_picture(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_api_does_what_it_says),
-                                       cmocka_unit_test(the_sandbox_holds),
+                                       cmocka_unit_test(bodies_do_what_the_manual_says),
+        cmocka_unit_test(the_sandbox_holds),
                                        cmocka_unit_test(the_library_works),
                                        cmocka_unit_test(nonsense_never_crashes),
                                        cmocka_unit_test(the_games_of_the_design_and_of_the_house_play),

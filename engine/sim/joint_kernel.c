@@ -100,14 +100,24 @@ DAFT_INLINE void push_free(pass *p, vf impulse)
     p->b.v = vf3_add(p->b.v, vf3_scale(along, p->inv_mass[1] * impulse));
 }
 
-DAFT_INLINE vf wanted_free(const pass *p, vf wrong, softness s, vf old, vf low, vf high)
+DAFT_INLINE void push_limit(pass *p, vf impulse)
 {
-    vf mass = vf_load(p->block->free_mass + p->lane);
+    joint_block *block = p->block;
+    push_free(p, impulse);
+    if (!holds_limit(block)) return;
+    vf3 hold = vf3_scale(load3(block->limit_hold, p->lane), impulse);
+    store3(block->linear, p->lane, vf3_add(load3(block->linear, p->lane), hold));
+    push(p, hold);
+}
+
+DAFT_INLINE vf wanted_free(vf mass, vf wrong, softness s, vf old, vf low, vf high)
+{
     return vf_min(vf_max(old - mass * s.mass * wrong - s.impulse * old, low), high);
 }
 DAFT_INLINE void solve_free(pass *p, vf bias, softness s, float *impulse, vf low, vf high)
 {
-    vf old = vf_load(impulse), wanted = wanted_free(p, free_speed(p) + bias, s, old, low, high);
+    vf old = vf_load(impulse), mass = vf_load(p->block->free_mass + p->lane);
+    vf wanted = wanted_free(mass, free_speed(p) + bias, s, old, low, high);
     vf_store(impulse, wanted);
     push_free(p, wanted - old);
 }
@@ -120,10 +130,11 @@ DAFT_INLINE void solve_limit(pass *p, float sign, vf room, float *impulse, vf *s
     vm within = vf_lt(zero(), room);
     s.mass = vf_select(within, vf_set(1), s.mass), s.impulse = vf_select(within, zero(), s.impulse);
     vf bias = vf_select(within, room * p->inv_h, room * s.rate), old = vf_load(impulse);
-    vf wanted = wanted_free(p, *speed * vf_set(sign) + bias, s, old, zero(), vf_set(NO_LIMIT));
+    vf mass = vf_load((holds_limit(p->block) ? p->block->limit_mass : p->block->free_mass) + p->lane);
+    vf wanted = wanted_free(mass, *speed * vf_set(sign) + bias, s, old, zero(), vf_set(NO_LIMIT));
     if (!vm_bits(vm_or(vf_lt(zero(), wanted), vf_lt(zero(), vf_abs(old))))) return;
     vf_store(impulse, wanted);
-    push_free(p, (wanted - old) * vf_set(sign));
+    push_limit(p, (wanted - old) * vf_set(sign));
     *speed = free_speed(p);
 }
 
@@ -185,6 +196,22 @@ DAFT_INLINE void solve_distance(pass *p)
 
 /* ---- the passes ---- */
 
+/* Whether it holds how bodies are turned besides their anchors. */
+DAFT_INLINE bool turns_with(const joint_block *block)
+{
+    return block->kind == DAFT_JOINT_HINGE || block->kind == DAFT_JOINT_SLIDER || block->kind == DAFT_JOINT_FIXED;
+}
+
+/* Whether the body's inertia about its anchor is many times its own. What holds it turned and what holds its anchor are solved in
+ * turns, and each undoes much of what the other did: they have to give a little then. A ball of 0.2 m, hinged to the world 1 m away,
+ * was thrown about at 50 m/s when they did not. */
+#define LONG_ARM 16.0f
+DAFT_INLINE vm is_long(const pass *p, int i)
+{
+    vf trace = p->inertia[i][0] + p->inertia[i][3] + p->inertia[i][5];
+    return vf_lt(vf_set(3 * LONG_ARM) * p->inv_mass[i], vf3_dot(p->arm[i], p->arm[i]) * trace);
+}
+
 /* Everything as the step begins. */
 DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, joint_block *block, const daft_sim_substep *substep, int lane)
 {
@@ -206,8 +233,9 @@ DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, joint_block *block, co
     softness s = make_soft(vf_set(JOINT_HERTZ_SHARE * substep->inv_h), vf_set(JOINT_DAMPING), h);
     pass p = {.block = block, .lane = lane};
     load_masses(&p);
-    vm both = vm_and(vf_lt(zero(), p.inv_mass[0]), vf_lt(zero(), p.inv_mass[1]));
-    s.mass = vf_select(both, s.mass, vf_set(1)), s.impulse = vf_select(both, s.impulse, zero());
+    vm gives = vm_and(vf_lt(zero(), p.inv_mass[0]), vf_lt(zero(), p.inv_mass[1]));
+    if (turns_with(block)) gives = vm_or(gives, vm_or(is_long(&p, 0), is_long(&p, 1)));
+    s.mass = vf_select(gives, s.mass, vf_set(1)), s.impulse = vf_select(gives, s.impulse, zero());
     store_soft(&block->stiff, lane, s);
     if (block->spring)
         store_soft(&block->soft, lane, make_soft(vf_load(block->hertz + lane), vf_load(block->damping + lane), h));

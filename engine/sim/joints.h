@@ -37,6 +37,7 @@ struct daft_sim_joint_block {
     daft_sim_lanes error[3];                 /* angle from frame a to frame b */
     /* The free direction: hinge, cone: angular; slider, distance: linear, with the arms' cross products. */
     daft_sim_lanes along[3], free_arm[2][3], free_push[2][3], free_mass, value;
+    daft_sim_lanes limit_mass, limit_hold[3]; /* of an angle's limit: with the anchors held together, and the impulse that holds them */
     daft_sim_lanes lower, upper, motor_speed, motor_force, hertz, damping, length;
     /* Impulses of the last substep. */
     daft_sim_lanes linear[3], angular[3];
