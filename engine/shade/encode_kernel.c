@@ -1,9 +1,9 @@
 /* The way out: linear light to sRGB bytes (IEC 61966-2-1). The byte is the curve's, by powers that are good to some 2^-21,
- * plus a half and rounded down. Where that sum is not close to a whole number, a polynomial that is off by less than UNSURE
- * says the same; the few other lanes take the powers themselves. */
+ * plus a half and rounded down. Where that sum is not close to a whole number, a polynomial says the same: of all floats up to 1 the two
+ * sums differ by at most 1.7e-4. The few lanes that are closer than 2^-FINE, which is more, take the powers themselves. */
 #include "shade/parts.h"
 
-#define UNSURE 0x1p-12f /* over what the two sums differ by at most, 1.7e-4, as found for each float up to 1 */
+enum { FINE = 12, ONE = 1 << FINE }; /* bytes with so many bits behind the point */
 
 /* NaN becomes 0. */
 static __attribute__((noinline)) vi encode_exactly(vf x)
@@ -15,9 +15,11 @@ static __attribute__((noinline)) vi encode_exactly(vf x)
 }
 
 /* 255 · 1.055 · 2^(e · 5/12) by the last four bits of e + 127: e from -15 to 0, and those below are not on the curve. */
-static const float OCTAVE[16] = {3.53472122f, 4.71828676f, 6.29815721f, 8.40703125f, 11.2220404f, 14.9796267f,
-                                 19.9954028f, 26.6906605f, 35.6277574f, 47.5573505f, 63.4814467f, 84.7375651f,
-                                 113.111079f, 150.985176f, 201.541031f, 269.025f};
+#define OCTAVE(x) ((x) * (float)ONE)
+static const float OCTAVES[16] = {OCTAVE(3.53472122f), OCTAVE(4.71828676f), OCTAVE(6.29815721f), OCTAVE(8.40703125f),
+                                  OCTAVE(11.2220404f), OCTAVE(14.9796267f), OCTAVE(19.9954028f), OCTAVE(26.6906605f),
+                                  OCTAVE(35.6277574f), OCTAVE(47.5573505f), OCTAVE(63.4814467f), OCTAVE(84.7375651f),
+                                  OCTAVE(113.111079f), OCTAVE(150.985176f), OCTAVE(201.541031f), OCTAVE(269.025f)};
 
 /* m^(5/12) on 1..2, interpolated at Chebyshev's places. */
 DAFT_INLINE vf mantissa_power(vf m)
@@ -31,24 +33,30 @@ DAFT_INLINE vf mantissa_power(vf m)
     return s * m + vf_set(0.351870149f);
 }
 
-DAFT_INLINE vi encode_lanes(vf light)
+/* In FINE bits; sets the lanes whose byte is not sure. */
+DAFT_INLINE vi encode_lanes(vf light, vbits *unsure)
 {
-    vf x = vf_clamp01(light), half = vf_set(0.5f);
+    vf x = vf_clamp01(light);
     vf m = (vf)(((vi)x & vi_set(0x007fffff)) | vi_set(0x3f800000));
-    vf curve = mantissa_power(m) * vf_lookup16(OCTAVE, (vi)x >> 23) - vf_set(255 * 0.055f - 0.5f);
-    vf line = x * vf_set(12.92f) * vf_set(255) + half;
-    vf value = vf_select(vf_le(x, vf_set(0.0031308f)), line, curve);
-    vi byte = vi_truncate(value);
-    vf off = vf_abs(value - vf_from_int(byte) - half);
-    if (__builtin_expect(vm_bits(vf_lt(vf_set(0.5f - UNSURE), off)) != 0, 0)) return encode_exactly(light);
-    return byte;
+    vf curve = mantissa_power(m) * vf_lookup16(OCTAVES, (vi)x >> 23) - vf_set((255 * 0.055f - 0.5f) * (float)ONE);
+    vf line = x * vf_set(12.92f) * vf_set(255 * (float)ONE) + vf_set(0.5f * (float)ONE);
+    vi fine = vi_truncate(vf_select(vf_le(x, vf_set(0.0031308f)), line, curve));
+    *unsure = vm_bits(vi_eq((fine + vi_set(1)) & vi_set(ONE - 2), vi_set(0)));
+    return fine;
 }
 
 void DAFT_KERNEL(daft_encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba)
 {
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
-        vi bytes = encode_lanes(vf_load(&r[i])) | encode_lanes(vf_load(&g[i])) << 8 | encode_lanes(vf_load(&b[i])) << 16 |
-                   vi_set((int32_t)0xff000000);
+        const vf light[3] = {vf_load(&r[i]), vf_load(&g[i]), vf_load(&b[i])};
+        vbits unsure[3];
+        vi fine[3];
+        for (int k = 0; k < 3; k++) fine[k] = encode_lanes(light[k], &unsure[k]);
+        if (__builtin_expect((unsure[0] | unsure[1] | unsure[2]) != 0, 0)) {
+            for (int k = 0; k < 3; k++)
+                if (unsure[k]) fine[k] = encode_exactly(light[k]) << FINE;
+        }
+        vi bytes = fine[0] >> FINE | (fine[1] >> FINE) << 8 | (fine[2] >> FINE) << 16 | vi_set((int32_t)0xff000000);
         if (count - i >= DAFT_VL) {
             vi_store(rgba + 4 * (size_t)i, bytes);
             continue;
