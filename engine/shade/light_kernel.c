@@ -74,6 +74,10 @@ static void add_lamp(daft_batch *batch, const daft_surface *materials, const daf
         if (!bits && !first) continue;
         material_reader m = read_materials(batch, materials, i);
         vf3 light = first ? ambient_light(batch, &m, i, *first) : lanes_load(&batch->light, i);
+        if (!bits) {
+            lanes_store(&batch->light, i, light);
+            continue;
+        }
         vf cosine = vf_load(&batch->cosine[i]);
         vf3 sum = times_albedo(batch, i, MATERIAL_COLOR(&m, diffuse));
         sum = (vf3){sum.x * cosine, sum.y * cosine, sum.z * cosine};
