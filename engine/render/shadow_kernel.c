@@ -22,8 +22,9 @@ enum {
     FEW_LOOKS = 64   /* nodes and things are looked at; who has not found out by then whether they are few takes them for many */
 };
 
-/* To sort the points of a large patch takes as long as many tests of it. Among many things it would be met by too many. */
-#define STRAY_OF_FEW  10.0f
+/* To sort the points of a large patch takes as long as some tests of it. Among many things, and behind long ones that slant, it would
+ * be met by too many. */
+#define STRAY_OF_FEW  6.0f
 #define STRAY_OF_MANY 2.0f
 
 /* A tile's points and one lamp. */
@@ -563,6 +564,17 @@ static void take_dark(const shadow_points *p, uint32_t *bits)
     }
 }
 
+/* How many times larger than usual a patch may be. */
+static float stray_limit(const cast *c, bool few)
+{
+    bool slant = false;
+    for (uint32_t i = 0; few && i < c->caster_count; i++) {
+        const daft_instance *s = &c->tlas->instances[c->caster[i].number];
+        slant |= s->mesh && s->bvh->turned;
+    }
+    return few && !slant ? STRAY_OF_FEW : STRAY_OF_MANY;
+}
+
 /* The asked points form one pencil, whose lamp's axes and extent are set. Gives the number of points under something.
  */
 static uint32_t cast_pencil(cast *c, uint32_t *bits)
@@ -572,7 +584,7 @@ static uint32_t cast_pencil(cast *c, uint32_t *bits)
     c->view = picture_map_make(&c->light.map);
     bool few = find_casters(c, FEW_CASTERS, FEW_LOOKS);
     if (few && c->caster_count == 0) return 0;
-    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, few ? STRAY_OF_FEW : STRAY_OF_MANY, &points);
+    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, stray_limit(c, few), &points);
     if (few) {
         cast_remembered(c, &points);
         for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
