@@ -18,7 +18,12 @@ local fields = { "mesh", "sphere", "box", "position", "rotation", "scale", "mate
     "body", "density", "mass", "friction", "restitution", "rolling_resistance", "velocity", "angular_velocity", "name", "data",
     "direction", "color", "shadow", "from", "at", "fov", "teleport", "yaw", "pitch", "roll", "texture", "texture_scale", "ambient",
     "specular", "shininess", "mirror", "mirror_tint", "transmission", "transmission_tint",
-    "refractive_index", "emission", "size", "align", "positions", "normals", "uvs", "triangles" }
+    "refractive_index", "emission", "size", "align", "positions", "normals", "uvs", "triangles",
+    "collider", "lock", "layer", "hits", "sensor", "bullet", "sleeps", "surface", "belt", "static_friction", "gravity_scale",
+    "damping", "angular_damping", "kind", "a", "b", "to", "axis", "limit", "motor", "spring", "length", "break_force",
+    "break_torque", "collide", "entity", "radius", "height", "step", "slope", "acceleration", "gravity", "force", "substeps",
+    "sleeping" }
+local KINDS = { "ball", "hinge", "slider", "distance", "fixed", "drag" }
 
 local functions = {}
 local leave_out = { quit = true, restart = true, load = true, update = true, draw = true }
@@ -72,6 +77,9 @@ local function assault()
                 try(f, { [field] = value })
                 try(f, { [field] = value, sphere = 1, body = "dynamic" })
             end
+            try(daft.character, { [field] = value })
+            try(daft.physics, { [field] = value })
+            for _, kind in ipairs(KINDS) do try(daft.joint, { kind = kind, b = ball, [field] = value }) end
         end
     end
 end
