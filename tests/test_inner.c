@@ -1,9 +1,10 @@
 /* Balls inside meshes, whatever the mesh: none comes near a triangle, and no ray leaves one without crossing a triangle or a
- * cap's box, by brute force and exact predicates; shadows are, bit for bit, those without them. */
+ * cap's box, by brute force and exact predicates; shadows are, bit for bit, those without them and without free ways (accel/open.h). */
 #include "fixtures.h"
 #include "meter.h"
 
 #include "accel/inner.h"
+#include "accel/open.h"
 #include "geometry/trimesh.h"
 #include "math/exact.h"
 #include "render/internal.h"
@@ -272,7 +273,8 @@ enum { THINGS = 24 };
 
 typedef struct stage {
     fixture_mesh shape[SHAPES];
-    daft_inner *inner[SHAPES]; /* kept while the shapes go without */
+    daft_inner *inner[SHAPES]; /* kept while the shapes go without, */
+    daft_open *open[SHAPES];   /* like their free ways */
     daft_instance things[THINGS];
     daft_allocator allocator;
     daft_arena arena;
@@ -285,7 +287,8 @@ static void stage_make(stage *s, uint32_t count, daft_vec3 at)
     for (int i = 0; i < SHAPES; i++) {
         s->shape[i] = shape_make(i);
         daft_bvh_find_inner(s->shape[i].bvh, &s->shape[i].mesh);
-        s->inner[i] = s->shape[i].bvh->inner;
+        daft_bvh_find_open(s->shape[i].bvh, &s->shape[i].mesh, 1);
+        s->inner[i] = s->shape[i].bvh->inner, s->open[i] = s->shape[i].bvh->open;
     }
     for (uint32_t i = 0; i < count; i++) {
         float size = random_float(0.4f, 1.5f);
@@ -308,7 +311,7 @@ static void stage_drop(stage *s)
 
 static void stage_inner(stage *s, bool with)
 {
-    for (int i = 0; i < SHAPES; i++) s->shape[i].bvh->inner = with ? s->inner[i] : NULL;
+    for (int i = 0; i < SHAPES; i++) s->shape[i].bvh->inner = with ? s->inner[i] : NULL, s->shape[i].bvh->open = with ? s->open[i] : NULL;
 }
 
 /* Points on a thing, just over its triangles, or in a patch anywhere around. */

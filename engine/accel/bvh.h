@@ -46,6 +46,7 @@ struct daft_bvh {
     float support[38]; /* how far the mesh reaches in each of 26 directions (bound.c has where) */
     struct daft_sides *sides; /* sides.h; NULL: nobody asked, or no triangle is one-sided */
     struct daft_inner *inner; /* inner.h; NULL: nobody asked, or there is no inside */
+    struct daft_open *open;   /* open.h; NULL: nobody asked */
 };
 
 /* Fills support, anew when vertices have moved. */

@@ -4,6 +4,7 @@
 #include "accel/build.h"
 #include "accel/find_inner.h"
 #include "accel/find_sides.h"
+#include "accel/open.h"
 
 #include <float.h>
 
@@ -138,6 +139,7 @@ bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def
     if (bvh->nodes.count == 0) return false;
     daft_sides_drop(bvh);
     daft_inner_drop(bvh);
+    daft_open_drop(bvh);
     if (bvh->cost < 0) bvh->cost = tree_cost(bvh);
     refit_job job = {bvh, mesh};
     bvh->turned = bvh->turned && daft_turn_fit(&bvh->turn, mesh);

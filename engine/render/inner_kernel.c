@@ -140,22 +140,22 @@ static void darken(const caster *c, uint32_t b, uint32_t dark)
     block_darkened(p, b);
 }
 
-void DAFT_KERNEL(daft_inner_shadow)(const caster *c, const block_set *behind)
+void DAFT_KERNEL(daft_inner_shadow)(const caster *c, const block_points *points, uint32_t count)
 {
     discs d;
     if (!lamp_is_outside(c)) return;
     discs_setup(c, &d);
-    for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
-        for (uint64_t left = behind->bits[word]; left; left &= left - 1) {
-            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), dark = 0;
-            for (uint32_t balls = discs_before(&d, c->points, b); balls; balls &= balls - 1) {
-                int i = __builtin_ctz(balls);
-                uint32_t stopped = 0;
-                for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
-                    stopped |= points_stopped(&d, i, c->light->sun, c->points, b * SHADOW_BLOCK + k) << k;
-                if (stopped && d.cap_bits[i]) stopped &= ~under_caps(&d, d.cap_bits[i], c->points, b);
-                dark |= stopped;
-            }
-            if (dark) darken(c, b, dark);
+    for (uint32_t n = 0; n < count; n++) {
+        uint32_t b = points[n].block, dark = 0;
+        for (uint32_t balls = discs_before(&d, c->points, b); balls; balls &= balls - 1) {
+            int i = __builtin_ctz(balls);
+            uint32_t stopped = 0;
+            for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
+                stopped |= points_stopped(&d, i, c->light->sun, c->points, b * SHADOW_BLOCK + k) << k;
+            stopped &= points[n].points;
+            if (stopped && d.cap_bits[i]) stopped &= ~under_caps(&d, d.cap_bits[i], c->points, b);
+            dark |= stopped;
         }
+        if (dark) darken(c, b, dark);
+    }
 }

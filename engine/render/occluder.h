@@ -18,11 +18,47 @@ typedef struct mesh_caster {
     float pad[3];    /* there: what boxes must be larger by, along each axis, for points' ways to meet them */
 } mesh_caster;
 
+void DAFT_KERNEL(daft_mesh_caster_make)(const caster *c, mesh_caster *out);
+/* Puts the points to depth -inf that triangles below the child hide, leaf or not. Points go there one by one, so this is for few. */
+void DAFT_KERNEL(daft_few_shadow)(const mesh_caster *m, uint32_t child, const block_points *points, uint32_t count);
+/* Whether the triangle, closed, stands between the point and the lamp, by frame space's own numbers. */
+bool DAFT_KERNEL(daft_stands_between)(const caster *c, const daft_block *block, int lane, uint32_t point);
+
 /* Leaf blocks, waiting to be tested against the points behind their leaf's box: blocks of them, or few by themselves. */
 typedef struct leaf {
     const daft_block *block;
     block_set behind;
 } leaf;
+
+/* The lanes of these blocks that hold triangles, `count` blocks being real. */
+DAFT_INLINE vbits leaves_used(const leaf *const *leaves, uint32_t count)
+{
+    vbits used = 0;
+    for (uint32_t k = 0; k < DAFT_VL / 4 && k < count; k++)
+        for (uint32_t j = 0; j < DAFT_BLOCK; j++)
+            used |= (vbits)(leaves[k]->block->triangle[j] != DAFT_NO_TRIANGLE) << (k * DAFT_BLOCK + j);
+    return used;
+}
+
+/* What comes from far is on its way before it is needed. */
+DAFT_INLINE void fetch_lines(const void *from, size_t size)
+{
+    for (size_t line = 0; line < size; line += 64) __builtin_prefetch((const char *)from + line);
+}
+
+DAFT_INLINE void fetch_leaf(const daft_bvh *bvh, uint32_t child)
+{
+    fetch_lines(&bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2], ((child & 3) + 1) * sizeof *bvh->blocks);
+}
+
+DAFT_INLINE uint32_t list_leaf(const daft_bvh *bvh, uint32_t child, const block_set *behind, leaf *list, uint32_t count)
+{
+    const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+    for (uint32_t k = 0; k <= (child & 3); k++) list[count++] = (leaf){&block[k], *behind};
+    return count;
+}
+
+DAFT_INLINE void fetch_node(const daft_bvh *bvh, uint32_t child) { fetch_lines(&bvh->nodes.items[child], sizeof(daft_node)); }
 
 DAFT_INLINE vf blocks_load(const leaf *const *leaves, int corner, int axis)
 {
@@ -36,6 +72,9 @@ DAFT_INLINE vf row(const daft_affine *a, int k, vf3 p)
     return ((vf_set(a->m[3 * k]) * p.x + vf_set(a->m[3 * k + 1]) * p.y) + vf_set(a->m[3 * k + 2]) * p.z) +
            vf_set(a->t[k]);
 }
+
+/* One over a way along an axis: finite, so that products with it are numbers. */
+DAFT_INLINE vf way_inverse(vf way) { return vf_max(vf_min(vf_set(1) / way, vf_set(1e30f)), vf_set(-1e30f)); }
 
 /* Triangles set up: edges' planes, corners' depths, their boxes in the picture, and their own planes: the lamp is on the
  * side where a point's product with `plane` is less than `surface`. */
@@ -90,7 +129,7 @@ DAFT_INLINE vf box_reciprocal(vf z)
 
 /* Sets the triangles' boxes, all of the picture for those that reach beside or behind the lamp; gives those that meet
  * the points' extent. */
-static vbits lanes_place(const mesh_caster *c, const corners *t, lanes *out)
+static inline vbits lanes_place(const mesh_caster *c, const corners *t, lanes *out)
 {
     const light *l = c->c.light;
     vf inf = vf_set(INFINITY), lu = inf, hu = -inf, lv = inf, hv = -inf;
@@ -133,7 +172,7 @@ DAFT_INLINE vf reach_of(vf3 a) { return vf_abs(a.x) + vf_abs(a.y) + vf_abs(a.z);
 /* The triangles' planes in light space, for passing over points that are surely before them. With u = 2^-24: points and
  * corners are off by 8u of `size`, and the plane through corners that are off is so, too; the product of edges is off by
  * 10u·|e|·|f|. Where the lamp is within that of the plane, nothing is sure. */
-static void lanes_planes(const light *l, const corners *t, vf size, lanes *out)
+static inline void lanes_planes(const light *l, const corners *t, vf size, lanes *out)
 {
     vf3 a = {t->p[0].x, t->p[0].y, t->depth[0]};
     vf3 e = {t->p[1].x - a.x, t->p[1].y - a.y, t->depth[1] - a.z}, f = {t->p[2].x - a.x, t->p[2].y - a.y, t->depth[2] - a.z};

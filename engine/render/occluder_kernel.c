@@ -19,7 +19,9 @@
 
 enum {
     LIST = 64,     /* leaf blocks before their triangles are tested */
-    FEW_LEAVES = 24 /* the same in leaves, of few points */
+    FEW_ALONE = 32,   /* so many behind a node go on by themselves: where triangles are so much smaller than their distances,
+                       * boxes of 16 say little */
+    FEW_OF_MESH = 256 /* the same where it is known which points' ways meet the mesh's bounds */
 };
 
 /* A multiple of a × b that is negated, bit for bit, where a and b are exchanged. */
@@ -28,8 +30,7 @@ static double edge_side(daft_dvec3 a, daft_dvec3 b, daft_dvec3 d)
     return daft_ddot(daft_dcross(daft_dsub(a, b), daft_dadd(a, b)), d);
 }
 
-/* Whether the triangle, closed, stands between the point and the lamp, by frame space's own numbers. */
-static bool stands_between(const caster *c, const daft_block *block, int lane, uint32_t point)
+bool DAFT_KERNEL(daft_stands_between)(const caster *c, const daft_block *block, int lane, uint32_t point)
 {
     sight w = sight_of(c->batch, c->lamp, point);
     const float *m = c->instance->to_frame.m, *t = c->instance->to_frame.t;
@@ -56,7 +57,7 @@ static __attribute__((noinline)) void look_closely(const caster *c, const daft_b
     shadow_points *p = c->points;
     for (; doubt; doubt &= doubt - 1) {
         uint32_t at = first + (uint32_t)__builtin_ctz(doubt);
-        if (stands_between(c, block, lane, p->source[at])) p->depth[at] = -INFINITY;
+        if (DAFT_KERNEL(daft_stands_between)(c, block, lane, p->source[at])) p->depth[at] = -INFINITY;
     }
 }
 
@@ -239,252 +240,15 @@ static void test_leaves(const mesh_caster *m, const leaf *const *leaves, vbits u
     pairs_hide(m, &t, leaves, &list);
 }
 
-/* ---- few points ---- */
-
-enum { FEW_POINTS = 32 }; /* where triangles are so much smaller than their distances that boxes of 16 say little */
-
-/* Points by themselves, not in blocks; sets of them are bits. */
-typedef struct few_points {
-    uint32_t count;
-    uint32_t live; /* those that are still lit */
-    _Alignas(64) float u[FEW_POINTS + DAFT_VL], v[FEW_POINTS + DAFT_VL], depth[FEW_POINTS + DAFT_VL];
-    _Alignas(64) float from[3][FEW_POINTS + DAFT_VL], inverse[3][FEW_POINTS + DAFT_VL]; /* object space: places, and one over
-                                                                                       * the ways to the lamp */
-    uint32_t at[FEW_POINTS + DAFT_VL]; /* among the blocks' */
-} few_points;
-
-/* Places in light space become such in object space, and their ways to the lamp are set. One over none is finite, so that products with it are numbers. */
-static void few_ways(const mesh_caster *m, few_points *f)
-{
-    const float *b = m->back.m, *t = m->back.t, away = m->c.light->away;
-    for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
-        vf x = vf_load(&f->from[0][i]), y = vf_load(&f->from[1][i]), z = vf_load(&f->depth[i]);
-        for (int k = 0; k < 3; k++) {
-            vf across = vf_set(b[3 * k]) * x + vf_set(b[3 * k + 1]) * y;
-            vf way = m->c.light->sun ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(away)));
-            vf_store(&f->from[k][i], across + vf_set(b[3 * k + 2]) * z + vf_set(t[k]));
-            vf_store(&f->inverse[k][i], vf_max(vf_min(vf_set(1) / way, vf_set(1e30f)), vf_set(-1e30f)));
-        }
-    }
-}
-
-/* The lit points behind the box, of which it is known that they are few. */
-static void few_take(const mesh_caster *m, const picture_box *box, const block_set *from, few_points *out)
-{
-    const shadow_points *p = m->c.points;
-    uint32_t count = 0;
-    for (uint32_t word = 0; word < DAFT_COUNT_OF(from->bits); word++)
-        for (uint64_t left = from->bits[word]; left; left &= left - 1) {
-            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), in = points_behind(box, p, b);
-            for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
-                uint32_t at = b * SHADOW_BLOCK + k, some = in >> k & DAFT_ALL_LANES;
-                vf_compress(&out->u[count], some, vf_load(&p->u[at])), vf_compress(&out->v[count], some, vf_load(&p->v[at]));
-                vf_compress(&out->from[0][count], some, vf_load(&p->x[at])), vf_compress(&out->from[1][count], some, vf_load(&p->y[at]));
-                vf_compress(&out->depth[count], some, vf_load(&p->depth[at]));
-                vi_compress(&out->at[count], some, vi_iota() + vi_set((int32_t)at));
-                count += (uint32_t)__builtin_popcount(some);
-            }
-        }
-    out->count = count, out->live = (uint32_t)(((uint64_t)1 << count) - 1);
-    few_ways(m, out);
-}
-
-/* The triangles whose box a point lies behind. */
-DAFT_INLINE vbits triangles_over(const lanes *t, const few_points *f, uint32_t i)
-{
-    vf u = vf_set(f->u[i]), v = vf_set(f->v[i]);
-    vm in = vm_and(vm_and(vf_le(vf_load(t->low_u), u), vf_le(u, vf_load(t->high_u))),
-                   vm_and(vf_le(vf_load(t->low_v), v), vf_le(v, vf_load(t->high_v))));
-    return vm_bits(vm_and(in, vf_le(vf_load(t->near), vf_set(f->depth[i]))));
-}
-
-DAFT_INLINE vf edges_at(const lanes *t, int k, vf3 d)
-{
-    return vf_load(t->nx[k]) * d.x + vf_load(t->ny[k]) * d.y + vf_load(t->nz[k]) * d.z;
-}
-
-/* Whether one of the triangles hides the point: hide_points, with triangles for lanes. */
-static bool point_hidden(const mesh_caster *m, const lanes *t, const leaf *const *leaves, vbits triangles, uint32_t at)
-{
-    const caster *c = &m->c;
-    const shadow_points *p = c->points;
-    const vf3 d = {vf_set(p->x[at]), vf_set(p->y[at]), vf_set(p->z[at])};
-    vf e0 = edges_at(t, 0, d), e1 = edges_at(t, 1, d), e2 = edges_at(t, 2, d);
-    vf least = vf_min(e0, vf_min(e1, e2)), most = vf_max(e0, vf_max(e1, e2)), wide = vf_load(t->wide);
-    vbits side = vm_bits(vm_or(vf_le(-wide, least), vf_le(most, wide))) & triangles;
-    if (!side) return false;
-    bool on = p->instance[at] == c->number, apart = c->convex || c->flat;
-    if (on && !apart) side &= ~vm_bits(vi_eq(vi_load(t->triangle), vi_set((int32_t)p->own[at])));
-    if (!side) return false;
-    vf bound = vf_load(t->bound), rounding = vf_load(t->rounding), limit = vf_set(p->depth[at]);
-    vm sure = vm_or(vf_le(-bound, least), vf_le(most, bound));
-    vf inverse = vf_set(1) / (e0 + e1 + e2);
-    vf depth = (e0 * vf_load(t->depth[0]) + e1 * vf_load(t->depth[1]) + e2 * vf_load(t->depth[2])) * inverse;
-    vf error = vf_abs(vf_load(t->slack) * inverse) + rounding;
-    vf behind = c->light->sun ? vf_set(-INFINITY) : rounding - vf_set(c->light->away * (1 - 0x1p-20f));
-    if (vm_bits(vm_and(sure, vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)))) & side) return true;
-    if (on && (c->convex || (c->flat && p->own[at] != DAFT_NO_TRIANGLE))) return false;
-    for (vbits doubt = side & vm_bits(vf_lt(depth - error, limit)); doubt; doubt &= doubt - 1) {
-        int i = __builtin_ctz(doubt);
-        if (stands_between(c, leaves[i / DAFT_BLOCK]->block, i % DAFT_BLOCK, p->source[at])) return true;
-    }
-    return false;
-}
-
-static void few_darken(const mesh_caster *m, few_points *f, uint32_t i)
-{
-    shadow_points *p = m->c.points;
-    f->live &= ~((uint32_t)1 << i);
-    p->depth[f->at[i]] = -INFINITY;
-    block_darkened(p, f->at[i] / SHADOW_BLOCK);
-}
-
-/* Which points lie behind which triangles' boxes is found first, so that no branch hangs on it. */
-static void few_test(const mesh_caster *m, few_points *f, const leaf *const *leaves, vbits used)
-{
-    lanes t;
-    uint32_t behind = 0, count = 0, point[FEW_POINTS + 1];
-    vbits triangles[FEW_POINTS + 1];
-    for (uint32_t k = 0; k < DAFT_VL / 4; k++) behind |= (uint32_t)leaves[k]->behind.bits[0];
-    behind &= f->live;
-    if (!behind) return;
-    corners moved = corners_move(m, leaves);
-    vbits live = lanes_place(m, &moved, &t) & used;
-    for (; behind; behind &= behind - 1) {
-        point[count] = (uint32_t)__builtin_ctz(behind);
-        triangles[count] = triangles_over(&t, f, point[count]) & live;
-        count += triangles[count] != 0;
-    }
-    if (!count) return;
-    lanes_setup(m, &moved, false, &t), lanes_name(leaves, &t);
-    for (uint32_t k = 0; k < count; k++)
-        if (point_hidden(m, &t, leaves, triangles[k], f->at[point[k]])) few_darken(m, f, point[k]);
-}
-
 /* ---- trees ---- */
 
-/* `few`: whose points these are by themselves, or NULL. */
-static void flush(const mesh_caster *c, const leaf *list, uint32_t count, few_points *few)
+static void flush(const mesh_caster *c, const leaf *list, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i += DAFT_VL / 4) {
         const leaf *leaves[DAFT_VL / 4];
-        vbits used = 0;
-        for (uint32_t k = 0; k < DAFT_VL / 4; k++) {
-            bool real = i + k < count;
-            leaves[k] = &list[real ? i + k : i];
-            for (uint32_t j = 0; real && j < DAFT_BLOCK; j++)
-                used |= (vbits)(leaves[k]->block->triangle[j] != DAFT_NO_TRIANGLE) << (k * DAFT_BLOCK + j);
-        }
-        few ? few_test(c, few, leaves, used) : test_leaves(c, leaves, used);
+        for (uint32_t k = 0; k < DAFT_VL / 4; k++) leaves[k] = &list[i + k < count ? i + k : i];
+        test_leaves(c, leaves, leaves_used(leaves, count - i));
     }
-}
-
-DAFT_INLINE void fetch_leaf(const daft_bvh *bvh, uint32_t child)
-{
-    const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
-    size_t size = ((child & 3) + 1) * sizeof *block;
-    for (size_t line = 0; line < size; line += 64) __builtin_prefetch((const char *)block + line);
-}
-
-DAFT_INLINE uint32_t list_leaf(const daft_bvh *bvh, uint32_t child, const block_set *behind, leaf *list, uint32_t count)
-{
-    const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
-    for (uint32_t k = 0; k <= (child & 3); k++) list[count++] = (leaf){&block[k], *behind};
-    return count;
-}
-
-DAFT_INLINE void fetch_node(const daft_bvh *bvh, uint32_t child)
-{
-    const char *node = (const char *)&bvh->nodes.items[child];
-    for (size_t line = 0; line < sizeof(daft_node); line += 64) __builtin_prefetch(node + line);
-}
-
-/* `node`: a child, leaf or not, and which of the points lie behind it. */
-typedef struct few_entry {
-    uint32_t node, behind;
-} few_entry;
-
-static void few_flush(const mesh_caster *m, const few_entry *ends, uint32_t count, few_points *f)
-{
-    leaf list[(FEW_LEAVES + DAFT_WIDTH) * DAFT_MAX_LEAF_BLOCKS];
-    uint32_t blocks = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const block_set behind = {{ends[i].behind}};
-        blocks = list_leaf(m->c.instance->bvh, ends[i].node, &behind, list, blocks);
-    }
-    flush(m, list, blocks, f);
-}
-
-/* Bit 8·i + k becomes bit 8·k + i. */
-DAFT_INLINE uint64_t transpose_bits(uint64_t x)
-{
-    x = (x & 0xaa55aa55aa55aa55) | (x & 0x00aa00aa00aa00aa) << 7 | (x >> 7 & 0x00aa00aa00aa00aa);
-    x = (x & 0xcccc3333cccc3333) | (x & 0x0000cccc0000cccc) << 14 | (x >> 14 & 0x0000cccc0000cccc);
-    return (x & 0xf0f0f0f00f0f0f0f) | (x & 0x00000000f0f0f0f0) << 28 | (x >> 28 & 0x00000000f0f0f0f0);
-}
-
-/* Which of the points' ways to the lamp meet which of a node's children: few points cost less so than boxes seen from the lamp.
- * Gives the bits of the children that some meet. */
-DAFT_INLINE uint32_t children_met(const mesh_caster *m, const daft_node *node, const few_points *f, uint32_t from,
-                                  uint32_t behind[DAFT_WIDTH])
-{
-    uint32_t any = 0, real = v8_le_bits(v8_load(node->bounds[0]), v8_load(node->bounds[3]));
-    uint64_t met[FEW_POINTS / 8] = {0};
-    v8 low[3], high[3];
-    for (int k = 0; k < 3; k++)
-        low[k] = v8_load(node->bounds[k]) - v8_set(m->pad[k]), high[k] = v8_load(node->bounds[3 + k]) + v8_set(m->pad[k]);
-    for (; from; from &= from - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(from);
-        v8 near = v8_set(0), far = v8_set(m->c.light->sun ? INFINITY : 1.00001f);
-        for (int k = 0; k < 3; k++) {
-            v8 at = v8_set(f->from[k][i]), inverse = v8_set(f->inverse[k][i]), a = (low[k] - at) * inverse, b = (high[k] - at) * inverse;
-            near = v8_max(v8_min(a, b), near), far = v8_min(v8_max(a, b), far);
-        }
-        uint32_t in = v8_le_bits(near, far * v8_set(1 + 0x1p-20f)) & real;
-        any |= in, met[i / 8] |= (uint64_t)in << (8 * (i % 8));
-    }
-    for (int k = 0; k < FEW_POINTS / 8; k++) met[k] = transpose_bits(met[k]);
-    for (int i = 0; i < DAFT_WIDTH; i++) {
-        behind[i] = 0;
-        for (int k = 0; k < FEW_POINTS / 8; k++) behind[i] |= (uint32_t)(met[k] >> (8 * i) & 255) << (8 * k);
-    }
-    return any;
-}
-
-/* A node's children that some of the points lie behind: nodes go on the stack, leaves to the list. No branch hangs on which. */
-DAFT_INLINE void few_children(const mesh_caster *m, const few_entry *at, const few_points *f, few_entry *stack, int *top,
-                              few_entry *leaves, uint32_t *leaf_count)
-{
-    const daft_node *node = &m->c.instance->bvh->nodes.items[at->node];
-    uint32_t child[DAFT_WIDTH], behind[DAFT_WIDTH];
-    uint32_t met = v8i_list(child, children_met(m, node, f, at->behind & f->live, behind), 0);
-    for (uint32_t k = 0; k < met; k++) {
-        const few_entry next = {node->child[child[k]], behind[child[k]]};
-        bool ends = next.node >> 31;
-        stack[*top] = next, leaves[*leaf_count] = next;
-        *top += !ends, *leaf_count += ends;
-    }
-}
-
-static void few_walk(const mesh_caster *m, uint32_t root, few_points *f)
-{
-    const daft_bvh *bvh = m->c.instance->bvh;
-    few_entry stack[DAFT_STACK], ends[FEW_LEAVES + DAFT_WIDTH];
-    uint32_t end_count = 0;
-    int top = 0;
-    stack[top++] = (few_entry){root, f->live};
-    while (top > 0) {
-        const few_entry at = stack[--top];
-        if (!(at.behind & f->live)) continue;
-        uint32_t first = end_count;
-        few_children(m, &at, f, stack, &top, ends, &end_count);
-        if (top > 0) fetch_node(bvh, stack[top - 1].node);
-        for (; first < end_count; first++) fetch_leaf(bvh, ends[first].node);
-        if (end_count < FEW_LEAVES) continue;
-        few_flush(m, ends, end_count, f);
-        end_count = 0;
-    }
-    few_flush(m, ends, end_count, f);
 }
 
 typedef struct entry {
@@ -496,10 +260,9 @@ typedef struct entry {
 /* Where few points are left, they go on by themselves. */
 static bool go_alone(const mesh_caster *m, const entry *at)
 {
-    few_points few;
-    if (at->count > FEW_POINTS) return false;
-    few_take(m, &at->box, &at->behind, &few);
-    few_walk(m, at->node, &few);
+    block_points few[SHADOW_BLOCKS];
+    if (at->count > FEW_ALONE) return false;
+    DAFT_KERNEL(daft_few_shadow)(m, at->node, few, points_of(m->c.points, &at->box, &at->behind, few));
     return true;
 }
 
@@ -544,65 +307,31 @@ static void walk(const mesh_caster *m, const picture_box *box, const block_set *
             fetch_leaf(bvh, child); /* it waits in a list: time enough */
             count = list_leaf(bvh, child, &next[i], list, count);
             if (count < LIST) continue;
-            flush(m, list, count, NULL);
+            flush(m, list, count);
             count = 0;
         }
     }
-    flush(m, list, count, NULL);
-}
-
-/* Light space to the thing's own. With u = 2^-24, s the size of what points and corners are in light space and f the largest
- * share of the way to the lamp that a box reaches: places are off by some 8u of |map|·s and of the translation, ways by that
- * and 8u of |map|·f·away; corners that a test in light space takes for met by no more than 16u of the first. Their sum is
- * below 2^-18. */
-static void set_back(mesh_caster *m)
-{
-    const light *l = m->c.light;
-    const daft_instance *s = m->c.instance;
-    const float *o = s->to_object.m, *r = l->map.m, at[3] = {l->origin.x, l->origin.y, l->origin.z};
-    float size = 0, share;
-    for (int k = 0; k < 3; k++) size += fmaxf(fabsf((&s->low.x)[k] - at[k]), fabsf((&s->high.x)[k] - at[k]));
-    size = 2 * size + l->size;
-    share = fminf(2 * size / (l->near + l->away), 1);
-    if (!l->sun && share > 0) size += share * l->away;
-    for (int i = 0; i < 3; i++) {
-        double t = (double)s->to_object.t[i];
-        float reach = 0, still = fabsf(s->to_object.t[i]);
-        for (int j = 0; j < 3; j++) {
-            m->back.m[3 * i + j] = (float)((double)o[3 * i] * (double)r[3 * j] + (double)o[3 * i + 1] * (double)r[3 * j + 1] +
-                                           (double)o[3 * i + 2] * (double)r[3 * j + 2]);
-            t += (double)o[3 * i + j] * (double)at[j], still += fabsf(o[3 * i + j] * at[j]), reach += fabsf(o[3 * i + j]);
-        }
-        m->back.t[i] = (float)t;
-        m->pad[i] = (reach * 2 * size + still) * 0x1p-18f;
-    }
-}
-
-/* To a tree whose boxes are turned. Corners round by what they reach in the mesh's own space, so that counts as well; no magnitude
- * in the turn is over 1, so pads along all axes hold what places and ways are off by, and twice that what turning them adds. */
-static void turn_boxes(mesh_caster *m)
-{
-    const daft_turn *turn = &m->c.instance->bvh->turn;
-    const daft_affine own = m->back, map = daft_turn_map(turn, &m->map.map);
-    const float *low = &m->c.instance->mesh->low.x, *high = &m->c.instance->mesh->high.x, pad = 2 * (m->pad[0] + m->pad[1] + m->pad[2]);
-    m->boxes = picture_map_make(&map);
-    m->boxes.still += m->map.still;
-    for (int k = 0; k < 3; k++) {
-        daft_dvec3 column = daft_turn_vector(turn, daft_dv3((double)own.m[k], (double)own.m[3 + k], (double)own.m[6 + k]));
-        m->back.m[k] = (float)column.x, m->back.m[3 + k] = (float)column.y, m->back.m[6 + k] = (float)column.z;
-        m->boxes.still += m->map.reach[k] * fmaxf(fabsf(low[k]), fabsf(high[k]));
-        m->pad[k] = pad;
-    }
-    daft_dvec3 t = daft_turn_point(turn, daft_dv3((double)own.t[0], (double)own.t[1], (double)own.t[2]));
-    m->back.t[0] = (float)t.x, m->back.t[1] = (float)t.y, m->back.t[2] = (float)t.z;
+    flush(m, list, count);
 }
 
 void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const picture_box *box, const block_set *behind)
 {
-    mesh_caster m = {.c = *c};
-    const daft_affine map = DAFT_KERNEL(daft_light_compose)(&c->light->map, &c->instance->to_frame, c->light->origin);
-    m.map = picture_map_make(&map), m.size = m.map.still, m.boxes = m.map;
-    set_back(&m);
-    if (c->instance->bvh->turned) turn_boxes(&m);
+    mesh_caster m;
+    DAFT_KERNEL(daft_mesh_caster_make)(c, &m);
     walk(&m, box, behind);
+}
+
+void DAFT_KERNEL(daft_mesh_shadow_of)(const caster *c, const picture_box *box, const block_points *points, uint32_t count)
+{
+    mesh_caster m;
+    block_set behind = {{0}};
+    uint32_t all = 0;
+    for (uint32_t i = 0; i < count; i++) all += (uint32_t)__builtin_popcount(points[i].points);
+    DAFT_KERNEL(daft_mesh_caster_make)(c, &m);
+    if (all <= FEW_OF_MESH) {
+        DAFT_KERNEL(daft_few_shadow)(&m, 0, points, count);
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++) behind.bits[points[i].block / 64] |= (uint64_t)1 << (points[i].block % 64);
+    walk(&m, box, &behind);
 }

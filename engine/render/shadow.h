@@ -89,6 +89,11 @@ DAFT_INLINE uint32_t set_count(const block_set *s)
     return (uint32_t)(__builtin_popcountll(s->bits[0]) + __builtin_popcountll(s->bits[1]));
 }
 
+/* Some of a block's points, by bits. */
+typedef struct block_points {
+    uint32_t block, points;
+} block_points;
+
 /* Which blocks of a group lie, in part, behind the box. */
 DAFT_INLINE uint32_t blocks_behind(const picture_box *box, const shadow_points *p, uint32_t group)
 {
@@ -114,6 +119,27 @@ DAFT_INLINE uint32_t points_behind(const picture_box *box, const shadow_points *
         all |= vm_bits(vm_and(in, vf_le(vf_set(box->near), vf_load(&p->depth[at])))) << k;
     }
     return all;
+}
+
+DAFT_INLINE uint32_t lit_points(const shadow_points *p, uint32_t b)
+{
+    uint32_t lit = 0;
+    for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
+        lit |= vm_bits(vf_lt(vf_set(-INFINITY), vf_load(&p->depth[b * SHADOW_BLOCK + k]))) << k;
+    return lit;
+}
+
+/* The lit points of the blocks that lie behind the box; gives the number of blocks that have any. */
+DAFT_INLINE uint32_t points_of(const shadow_points *p, const picture_box *box, const block_set *behind, block_points *out)
+{
+    uint32_t count = 0;
+    for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
+        for (uint64_t left = behind->bits[word]; left; left &= left - 1) {
+            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), in = points_behind(box, p, b);
+            out[count] = (block_points){b, in};
+            count += in != 0;
+        }
+    return count;
 }
 
 /* Which of a node's children lie, in part, before the block. */
@@ -287,9 +313,14 @@ DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
 
 /* Puts the points that the thing hides from the lamp to depth -inf; only those of the blocks behind its bounds, `box`. */
 void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const picture_box *box, const block_set *behind);
+/* Marks the lit points of blocks behind the thing's box whose ways to the lamp meet the bounds of its mesh, and gives those that it may
+ * shadow: not its own that cannot be. Gives the number of blocks that have any. */
+uint32_t DAFT_KERNEL(daft_mesh_ways)(const caster *c, const picture_box *box, const block_set *behind, block_points *out);
+/* daft_mesh_shadow, of these points. */
+void DAFT_KERNEL(daft_mesh_shadow_of)(const caster *c, const picture_box *box, const block_points *points, uint32_t count);
 /* The same of those whose way to the lamp goes through balls inside the mesh, where it has such (accel/inner.h): takes a
  * fraction of that. */
-void DAFT_KERNEL(daft_inner_shadow)(const caster *c, const block_set *behind);
+void DAFT_KERNEL(daft_inner_shadow)(const caster *c, const block_points *points, uint32_t count);
 /* Makes the box as small as a sphere's is. */
 void DAFT_KERNEL(daft_ball_box)(const light *l, const daft_instance *s, picture_box *box);
 void DAFT_KERNEL(daft_ball_shadow)(const caster *c, const block_set *behind);

@@ -399,8 +399,9 @@ static void cast_remembered(const cast *c, shadow_points *points)
     block_set behind;
     for (uint32_t i = 0; i < c->caster_count && points->live; i++) {
         const caster one = caster_of(c, c->caster[i].number, points);
+        block_points some[SHADOW_BLOCKS];
         if (has_inner(&one) && blocks_narrow(&c->caster[i].box, points, &all, &behind))
-            DAFT_KERNEL(daft_inner_shadow)(&one, &behind);
+            DAFT_KERNEL(daft_inner_shadow)(&one, some, points_of(points, &c->caster[i].box, &behind, some));
     }
     for (uint32_t i = 0; i < c->caster_count && points->live; i++) {
         const caster one = caster_of(c, c->caster[i].number, points);
@@ -424,7 +425,7 @@ static uint32_t bits_of_block(const shadow_points *p, uint32_t b, uint32_t in, c
     return in;
 }
 
-/* Marks the points of the blocks that lie behind the thing's box, but for its own where it cannot shadow them. Takes the
+/* Marks the points of the blocks that lie behind the sphere's box, but for its own where it cannot shadow them. Takes the
  * blocks out of `behind` that have none; false: none has. */
 static bool mark_behind(cast *c, const caster *one, const picture_box *box, block_set *behind)
 {
@@ -438,7 +439,7 @@ static bool mark_behind(cast *c, const caster *one, const picture_box *box, bloc
     for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
         for (uint64_t left = behind->bits[word]; left; left &= left - 1) {
             uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), in = points_behind(box, p, b);
-            for (uint32_t k = 0; (one->convex || one->flat) && k < SHADOW_BLOCK; k += DAFT_VL)
+            for (uint32_t k = 0; one->convex && k < SHADOW_BLOCK; k += DAFT_VL)
                 in &= ~(lie_on(one, DAFT_NO_TRIANGLE, b * SHADOW_BLOCK + k) << k);
             if (slow) in = bits_of_block(p, b, in, c->under);
             p->under[b] |= in;
@@ -453,44 +454,61 @@ typedef struct entry {
 } entry;
 
 /* Things with the boxes that the tree has of them, and the blocks behind these. */
-enum { WAITING = 256, MET = 16 };
-typedef struct waiting {
-    uint32_t count, number[WAITING];
-    picture_box box[WAITING];
-    block_set behind[WAITING];
-} waiting;
+enum { MET = 16, WAITING = 256, PARTS = 2048 };
+typedef struct met_things {
+    uint32_t count, number[MET + DAFT_WIDTH];
+    picture_box box[MET + DAFT_WIDTH];
+    block_set behind[MET + DAFT_WIDTH];
+} met_things;
 
-static void keep_waiting(waiting *list, uint32_t number, const picture_box *box, const block_set *behind)
-{
-    list->number[list->count] = number, list->box[list->count] = *box, list->behind[list->count++] = *behind;
-}
+/* Meshes, and the points that their triangles may hide, block by block. */
+typedef struct waiting {
+    uint32_t count, number[WAITING], first[WAITING + 1];
+    picture_box box[WAITING];
+    block_points parts[PARTS];
+} waiting;
 
 static void cast_waiting(const cast *c, waiting *list, shadow_points *points)
 {
     for (uint32_t i = 0; i < list->count && points->live; i++) {
         const caster one = caster_of(c, list->number[i], points);
-        block_set behind;
-        if (blocks_narrow(&list->box[i], points, &list->behind[i], &behind)) cast_one(&one, &list->box[i], &behind);
+        block_points *some = &list->parts[list->first[i]];
+        uint32_t kept = 0;
+        for (uint32_t k = 0; k < list->first[i + 1] - list->first[i]; k++) {
+            some[kept] = (block_points){some[k].block, some[k].points & lit_points(points, some[k].block)};
+            kept += some[kept].points != 0;
+        }
+        if (kept) DAFT_KERNEL(daft_mesh_shadow_of)(&one, &list->box[i], some, kept);
     }
     list->count = 0;
 }
 
-/* Marks the points under things that were met. A mesh with balls inside is asked for these, and its triangles wait until those of
- * all are; everything else is cast. */
-static void cast_met(cast *c, waiting *met, waiting *list, shadow_points *points)
+/* Where the mesh has balls inside it is asked for these; its triangles wait
+ * until the balls of others are. */
+static void meet_mesh(const cast *c, const caster *one, const picture_box *box, const block_set *behind, waiting *list)
+{
+    shadow_points *p = one->points;
+    uint32_t first = list->first[list->count];
+    block_points *some = &list->parts[first];
+    uint32_t count = DAFT_KERNEL(daft_mesh_ways)(one, box, behind, some);
+    if (!count) return;
+    if (one->instance->bvh->inner) DAFT_KERNEL(daft_inner_shadow)(one, some, count);
+    list->number[list->count] = one->number, list->box[list->count] = *box;
+    list->first[++list->count] = first + count;
+    if (list->count == WAITING || first + count + SHADOW_BLOCKS > PARTS) cast_waiting(c, list, p);
+}
+
+static void cast_met(cast *c, met_things *met, waiting *list, shadow_points *points)
 {
     for (uint32_t i = 0; i < met->count && points->live; i++) {
         const caster one = caster_of(c, met->number[i], points);
         if (!(one.instance->flags & c->flag)) continue;
-        if (!one.instance->mesh) DAFT_KERNEL(daft_ball_box)(&c->light, one.instance, &met->box[i]);
-        if (!mark_behind(c, &one, &met->box[i], &met->behind[i])) continue;
-        if (!has_inner(&one)) {
-            cast_one(&one, &met->box[i], &met->behind[i]);
+        if (one.instance->mesh) {
+            meet_mesh(c, &one, &met->box[i], &met->behind[i], list);
             continue;
         }
-        DAFT_KERNEL(daft_inner_shadow)(&one, &met->behind[i]);
-        keep_waiting(list, one.number, &met->box[i], &met->behind[i]);
-        if (list->count == WAITING) cast_waiting(c, list, points);
+        DAFT_KERNEL(daft_ball_box)(&c->light, one.instance, &met->box[i]);
+        if (mark_behind(c, &one, &met->box[i], &met->behind[i])) DAFT_KERNEL(daft_ball_shadow)(&one, &met->behind[i]);
     }
     met->count = 0;
 }
@@ -505,9 +523,10 @@ DAFT_INLINE void fetch_lines(const void *from, size_t size)
 static void cast_all(cast *c, shadow_points *points)
 {
     entry stack[DAFT_STACK];
-    waiting met, list;
+    met_things met;
+    waiting list;
     int top = 0;
-    met.count = list.count = 0;
+    met.count = list.count = list.first[0] = 0;
     stack[top++] = (entry){0, all_blocks(points)};
     while (top > 0 && points->live) {
         node_boxes boxes;
@@ -528,7 +547,7 @@ static void cast_all(cast *c, shadow_points *points)
             }
             const picture_box box = node_child(&boxes, i);
             fetch_lines(&c->tlas->instances[number], sizeof *c->tlas->instances);
-            keep_waiting(&met, number, &box, &next[i]);
+            met.number[met.count] = number, met.box[met.count] = box, met.behind[met.count++] = next[i];
         }
         if (met.count >= MET) cast_met(c, &met, &list, points);
     }

@@ -19,12 +19,6 @@ typedef struct places {
     uint32_t at[SHADOW_LANES];
 } places;
 
-/* Patches along a Morton curve: 16 in a row form a square, so groups are compact. */
-static uint32_t patch_of(uint32_t pixel)
-{
-    uint32_t x = pixel % DAFT_TILE / 4, y = pixel / (4 * DAFT_TILE);
-    return (x & 1) | (y & 1) << 1 | (x & 2) << 1 | (y & 2) << 2 | (x & 4) << 2 | (y & 4) << 3;
-}
 
 static uint32_t patch_column(uint32_t patch)
 {
@@ -55,27 +49,35 @@ static void place_whole_tile(const uint32_t *kept, places *out)
     }
 }
 
+/* Patches along a Morton curve: 16 in a row form a square, so groups are compact. */
+DAFT_INLINE vi patches_of(vi pixel)
+{
+    vi x = (pixel >> 2) & vi_set(7), y = pixel >> 7; /* of 4 by 4 pixels */
+    return (x & vi_set(1)) | (y & vi_set(1)) << 1 | (x & vi_set(2)) << 1 | (y & vi_set(2)) << 2 | (x & vi_set(4)) << 2 | (y & vi_set(4)) << 3;
+}
+
 /* Counting sort by patch; each patch begins a block. */
 static void place_sorted(const daft_batch *b, const uint32_t *kept, places *out)
 {
-    uint32_t next[SHADOW_TILE_BLOCKS] = {0}, blocks = 0;
+    uint32_t next[SHADOW_TILE_BLOCKS] = {0}, blocks = 0, count = 0;
+    uint32_t index[DAFT_BATCH_ROOM + DAFT_VL], patch_at[DAFT_BATCH_ROOM + DAFT_VL];
     out->rows = false;
-    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++)
-        for (uint32_t in = kept[word]; in; in &= in - 1)
-            next[patch_of(b->pixel[word * 32 + (uint32_t)__builtin_ctz(in)])]++;
+    for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
+        vbits in = kept[i / 32] >> (i % 32) & DAFT_ALL_LANES;
+        vi_compress(&index[count], in, vi_iota() + vi_set((int32_t)i));
+        vi_compress(&patch_at[count], in, patches_of(vi_load(&b->pixel[i])));
+        count += (uint32_t)__builtin_popcount(in);
+    }
+    for (uint32_t k = 0; k < count; k++) next[patch_at[k]]++;
     for (uint32_t patch = 0; patch < SHADOW_TILE_BLOCKS; patch++) {
-        uint32_t count = next[patch];
+        uint32_t points = next[patch];
         next[patch] = blocks * SHADOW_BLOCK;
-        for (uint32_t left = count; left; left -= daft_min_u(left, SHADOW_BLOCK))
+        for (uint32_t left = points; left; left -= daft_min_u(left, SHADOW_BLOCK))
             out->used[blocks++] = left >= SHADOW_BLOCK ? 0xffff : ((uint32_t)1 << left) - 1;
     }
     out->count = blocks;
     memset(out->at, 0, blocks * SHADOW_BLOCK * sizeof out->at[0]);
-    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++)
-        for (uint32_t in = kept[word]; in; in &= in - 1) {
-            uint32_t i = word * 32 + (uint32_t)__builtin_ctz(in);
-            out->at[next[patch_of(b->pixel[i])]++] = i;
-        }
+    for (uint32_t k = 0; k < count; k++) out->at[next[patch_at[k]]++] = index[k];
 }
 
 /* DAFT_VL values from their places, of which the first is `from`; `rows`: they are in rows of four below each other. */

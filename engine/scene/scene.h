@@ -44,6 +44,7 @@ typedef struct daft_mesh_item {
     uint32_t shown;
     bool sides_settled; /* they were searched, or its vertices move and they are not worth it */
     bool inner_settled; /* the same of balls inside */
+    bool open_settled;  /* and of free ways off it */
     uint32_t lit; /* instances shown under lamps that cast shadows, until then */
 } daft_mesh_item;
 
@@ -286,7 +287,7 @@ void daft_camera_axes(const daft_camera *camera, daft_vec3 *right, daft_vec3 *up
 /* Finds the sides (accel/sides.h) of meshes that many things of the last snapshot show. */
 void daft_assets_find_sides(daft_scene *scene);
 /* Finds the balls inside (accel/inner.h) of meshes that the last snapshot and those before have shown often enough under lamps
- * that cast shadows. */
+ * that cast shadows, and the free ways off (accel/open.h) those that many things of the last one show. */
 void daft_assets_find_inner(daft_scene *scene);
 /* The smooth normals of meshes that the last snapshot shows for the first time: what only collides has none. */
 bool daft_assets_smooth(daft_scene *scene, daft_error *error);

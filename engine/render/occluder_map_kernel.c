@@ -1,0 +1,157 @@
+/* The shadow pencil's meshes: how an instance's space lies to the lamp's, and which points' ways to the lamp meet the mesh's bounds
+ * there. */
+#include "accel/open.h"
+#include "render/occluder.h"
+
+/* Light space to the thing's own. With u = 2^-24, s the size of what points and corners are in light space and f the largest
+ * share of the way to the lamp that a box reaches: places are off by some 8u of |map|·s and of the translation, ways by that
+ * and 8u of |map|·f·away; corners that a test in light space takes for met by no more than 16u of the first. Their sum is
+ * below 2^-18. */
+static void set_back(const caster *c, daft_affine *back, float pad[3])
+{
+    const light *l = c->light;
+    const daft_instance *s = c->instance;
+    const float *o = s->to_object.m, *r = l->map.m, at[3] = {l->origin.x, l->origin.y, l->origin.z};
+    float size = 0, share;
+    for (int k = 0; k < 3; k++) size += fmaxf(fabsf((&s->low.x)[k] - at[k]), fabsf((&s->high.x)[k] - at[k]));
+    size = 2 * size + l->size;
+    share = fminf(2 * size / (l->near + l->away), 1);
+    if (!l->sun && share > 0) size += share * l->away;
+    for (int i = 0; i < 3; i++) {
+        double t = (double)s->to_object.t[i];
+        float reach = 0, still = fabsf(s->to_object.t[i]);
+        for (int j = 0; j < 3; j++) {
+            back->m[3 * i + j] = (float)((double)o[3 * i] * (double)r[3 * j] + (double)o[3 * i + 1] * (double)r[3 * j + 1] +
+                                      (double)o[3 * i + 2] * (double)r[3 * j + 2]);
+            t += (double)o[3 * i + j] * (double)at[j], still += fabsf(o[3 * i + j] * at[j]), reach += fabsf(o[3 * i + j]);
+        }
+        back->t[i] = (float)t;
+        pad[i] = (reach * 2 * size + still) * 0x1p-18f;
+    }
+}
+
+/* To a tree whose boxes are turned. Corners round by what they reach in the mesh's own space, so that counts as well; no magnitude
+ * in the turn is over 1, so pads along all axes hold what places and ways are off by, and twice that what turning them adds. */
+static void turn_boxes(mesh_caster *m)
+{
+    const daft_turn *turn = &m->c.instance->bvh->turn;
+    const daft_affine own = m->back, map = daft_turn_map(turn, &m->map.map);
+    const float *low = &m->c.instance->mesh->low.x, *high = &m->c.instance->mesh->high.x, pad = 2 * (m->pad[0] + m->pad[1] + m->pad[2]);
+    m->boxes = picture_map_make(&map);
+    m->boxes.still += m->map.still;
+    for (int k = 0; k < 3; k++) {
+        daft_dvec3 column = daft_turn_vector(turn, daft_dv3((double)own.m[k], (double)own.m[3 + k], (double)own.m[6 + k]));
+        m->back.m[k] = (float)column.x, m->back.m[3 + k] = (float)column.y, m->back.m[6 + k] = (float)column.z;
+        m->boxes.still += m->map.reach[k] * fmaxf(fabsf(low[k]), fabsf(high[k]));
+        m->pad[k] = pad;
+    }
+    daft_dvec3 t = daft_turn_point(turn, daft_dv3((double)own.t[0], (double)own.t[1], (double)own.t[2]));
+    m->back.t[0] = (float)t.x, m->back.t[1] = (float)t.y, m->back.t[2] = (float)t.z;
+}
+
+void DAFT_KERNEL(daft_mesh_caster_make)(const caster *c, mesh_caster *out)
+{
+    const daft_affine map = DAFT_KERNEL(daft_light_compose)(&c->light->map, &c->instance->to_frame, c->light->origin);
+    out->c = *c;
+    out->map = picture_map_make(&map), out->size = out->map.still, out->boxes = out->map;
+    set_back(c, &out->back, out->pad);
+    if (c->instance->bvh->turned) turn_boxes(out);
+}
+
+/* Whether the map to frame space keeps angles, but for rounding. */
+static bool is_even(const daft_affine *a)
+{
+    const float *m = a->m;
+    float sums[6], most = 0, least = INFINITY;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3;
+        sums[i] = m[i] * m[i] + m[3 + i] * m[3 + i] + m[6 + i] * m[6 + i];
+        sums[3 + i] = fabsf(m[i] * m[j] + m[3 + i] * m[3 + j] + m[6 + i] * m[6 + j]);
+        most = fmaxf(most, sums[i]), least = fminf(least, sums[i]);
+    }
+    return fmaxf(most - least, fmaxf(sums[3], fmaxf(sums[4], sums[5]))) <= 0x1p-16f * least;
+}
+
+/* The free ways off the mesh's triangles, where they hold for the caster's points: NULL where they do not. Points are lifted by 2^-20 of what
+ * there is in coordinates, and twice that bounds all that they may be beside their triangles by. */
+static const daft_open *open_ways(const caster *c)
+{
+    const daft_instance *s = c->instance;
+    const daft_open *open = s->bvh->open;
+    const float *t = s->to_frame.t, *o = s->to_object.m;
+    if (!open || open->normals != s->mesh->normals || !is_even(&s->to_frame)) return NULL;
+    float size = c->light->reach + fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2]), scale = sqrtf(o[0] * o[0] + o[1] * o[1] + o[2] * o[2]);
+    return size * scale * 0x1p-19f <= open->margin ? open : NULL;
+}
+
+/* The bits of the DAFT_VL points from `at` on that lie on the mesh and whose ways, in its own space, leave it freely. */
+DAFT_INLINE vbits leave_freely(const caster *c, const daft_open *open, const vf way[3], uint32_t at)
+{
+    vi own = vi_load(&c->points->own[at]);
+    vbits on = vm_bits(vi_eq(vi_load(&c->points->instance[at]), vi_set((int32_t)c->number)));
+    on &= ~vm_bits(vi_eq(own, vi_set((int32_t)DAFT_NO_TRIANGLE)));
+    if (!on) return 0;
+    vi cone = vi_gather(open->cone, vi_select(vm_from_bits(on), own, vi_set(0)));
+    vf x = vf_from_int((cone << 24) >> 24), y = vf_from_int((cone << 16) >> 24), z = vf_from_int((cone << 8) >> 24);
+    vf least = vf_from_int(cone >> 24), along = x * way[0] + y * way[1] + z * way[2];
+    vf length = vf_sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+    return on & vm_bits(vm_and(vf_lt(vf_set(0), least), vf_le(least * length, along)));
+}
+
+/* A mesh's bounds, grown by what places and ways are off by there, and which ways leave it freely. */
+typedef struct mesh_bounds {
+    daft_affine back;
+    float low[3], high[3];
+    const daft_open *open;
+} mesh_bounds;
+
+/* The bits of the DAFT_VL points from `at` on whose ways to the lamp meet the bounds; without those on it that leave it `freely`. */
+DAFT_INLINE vbits ways_meet(const caster *c, const mesh_bounds *mesh, uint32_t at, vbits *freely)
+{
+    const shadow_points *p = c->points;
+    const float *b = mesh->back.m, *t = mesh->back.t;
+    vf x = vf_load(&p->x[at]), y = vf_load(&p->y[at]), z = vf_load(&p->depth[at]), way[3];
+    vf near = vf_set(0), far = vf_set(c->light->sun ? INFINITY : 1.00001f);
+    for (int k = 0; k < 3; k++) {
+        vf across = vf_set(b[3 * k]) * x + vf_set(b[3 * k + 1]) * y, from = across + vf_set(b[3 * k + 2]) * z + vf_set(t[k]);
+        way[k] = c->light->sun ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(c->light->away)));
+        vf inverse = way_inverse(way[k]);
+        vf to_low = (vf_set(mesh->low[k]) - from) * inverse, to_high = (vf_set(mesh->high[k]) - from) * inverse;
+        near = vf_max(vf_min(to_low, to_high), near), far = vf_min(vf_max(to_low, to_high), far);
+    }
+    *freely = mesh->open ? leave_freely(c, mesh->open, way, at) : 0;
+    return vm_bits(vf_le(near, far * vf_set(1 + 0x1p-20f)));
+}
+
+/* The bits of the block's points `in` whose ways meet the bounds, and in `freely` those that leave the mesh freely. */
+DAFT_INLINE uint32_t block_meets(const caster *c, const mesh_bounds *mesh, uint32_t b, uint32_t in, uint32_t *freely)
+{
+    uint32_t meet = 0;
+    *freely = 0;
+    for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
+        vbits leave, some = ways_meet(c, mesh, b * SHADOW_BLOCK + k, &leave);
+        if (c->convex || c->flat) some &= ~lie_on(c, DAFT_NO_TRIANGLE, b * SHADOW_BLOCK + k);
+        meet |= some << k, *freely |= leave << k;
+    }
+    return meet & in;
+}
+
+uint32_t DAFT_KERNEL(daft_mesh_ways)(const caster *c, const picture_box *box, const block_set *behind, block_points *out)
+{
+    const daft_trimesh *mesh = c->instance->mesh;
+    mesh_bounds bounds = {.open = open_ways(c)};
+    float pad[3];
+    uint32_t count = 0;
+    set_back(c, &bounds.back, pad);
+    for (int k = 0; k < 3; k++) bounds.low[k] = (&mesh->low.x)[k] - pad[k], bounds.high[k] = (&mesh->high.x)[k] + pad[k];
+    for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
+        for (uint64_t left = behind->bits[word]; left; left &= left - 1) {
+            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), in = points_behind(box, c->points, b), freely;
+            if (!in) continue;
+            in = block_meets(c, &bounds, b, in, &freely);
+            c->points->under[b] |= in;
+            out[count] = (block_points){b, in & ~freely};
+            count += out[count].points != 0;
+        }
+    return count;
+}
