@@ -9,11 +9,11 @@
  * that bound, which adds one more u, so that e is sure beyond 1 whatever the size of its edge; the bound takes 9u, which
  * covers its own roundings and that its reciprocal is rough, and adds TINY for underflow. Where the numbers overflow, n becomes 0 and nothing is sure.
  *
- * Depth. The inverse depth w = 1/z is linear over the picture: with the triangle's normal N = (b - a) × (c - a) and
+ * Depth. The inverse depth w = 1/z is linear over the picture: with the triangle's normal N, the product of two sides, and
  * D = N·a, w·focal = N·d / D. N is off by 4u·M as above, N·d by 3u more, D by 3u·Σ M·|a| and the quotients by 2u each; so
  * |error(w)| <= 9u·(Σ M·|d| + w·Σ M·|a|) / |D|, taken with 12u at the largest w of the triangle in the tile. Where that is
- * more than 2^-12 of w itself (a floor under the camera, an edge-on sliver) N and D are taken in double, and what is left
- * is the rounding of w's own three terms. */
+ * more than 2^-12 of w itself (a floor under the camera) N and D are taken in double, and what is left is the rounding of w's
+ * own three terms. The sides are the shorter two: of a sliver's longer two M is as much larger than N as it is longer than wide. */
 #include "math/exact.h"
 #include "raster/blocks.h"
 
@@ -180,12 +180,29 @@ static void depth_setup_double(const daft_tile_job *job, daft_pencil_batch *b, c
     b->error[i] = INFINITY;
 }
 
+/* From corner k + 2 to corner k + 1, as for edges. */
+DAFT_INLINE vf3 side(const lanes *l, int k)
+{
+    vf3 a = l->corner[(k + 1) % 3], b = l->corner[(k + 2) % 3];
+    return (vf3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+DAFT_INLINE vf3 vf3_select(vm m, vf3 a, vf3 b) { return (vf3){vf_select(m, a.x, b.x), vf_select(m, a.y, b.y), vf_select(m, a.z, b.z)}; }
+
+/* Instead of sides 1 and 2, all but the longest one: side 1 × side 2 = side 2 × side 0 = side 0 × side 1. */
+DAFT_INLINE void shorter_sides(const lanes *l, vf3 *p, vf3 *q)
+{
+    vf3 r = side(l, 0), back = {-r.x, -r.y, -r.z};
+    vf r2 = vf3_dot(r, r), p2 = vf3_dot(*p, *p), q2 = vf3_dot(*q, *q);
+    vm p_longest = vf_lt(vf_max(q2, r2), p2), q_longest = vf_lt(vf_max(p2, r2), q2);
+    *p = vf3_select(p_longest, back, *p), *q = vf3_select(q_longest, r, *q);
+}
+
 /* The plane of w and its error bound. */
 DAFT_INLINE void depth_setup(const daft_tile_job *job, daft_pencil_batch *b, const lanes *l, vbits live)
 {
-    vf3 a = l->corner[0];
-    vf3 p = {l->corner[1].x - a.x, l->corner[1].y - a.y, l->corner[1].z - a.z};
-    vf3 q = {l->corner[2].x - a.x, l->corner[2].y - a.y, l->corner[2].z - a.z};
+    vf3 a = l->corner[0], p = side(l, 1), q = side(l, 2);
+    if (job->exact) shorter_sides(l, &p, &q);
     vf yz = p.y * q.z, zy = p.z * q.y, zx = p.z * q.x, xz = p.x * q.z, xy = p.x * q.y, yx = p.y * q.x;
     vf3 n = {yz - zy, zx - xz, xy - yx};
     vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), focal = vf_set(job->raster->pencil.focal);
