@@ -111,40 +111,39 @@ static void lane_corners(const lanes *l, int i, daft_vec3 corner[3])
 
 /* Sign bits that turn the edges so that inside is positive; lanes seen edge-on, or from a back that does not count, drop out of
  * *live. */
-DAFT_INLINE vi facing(const daft_tile_job *job, const edge *e, const lanes *l, vbits *live)
+DAFT_INLINE vi facing(bool exact, const edge *e, const lanes *l, vbits *live)
 {
     const vf3 *c = &l->corner[2];
     vf det = vf3_dot(e[2].n, *c);
     vf bound = edge_bound(&e[2], vf_abs(c->x), vf_abs(c->y), vf_abs(c->z));
-    vbits unsure = job->exact ? *live & ~vm_bits(vf_lt(bound, vf_abs(det))) : 0;
+    vbits unsure = exact ? *live & ~vm_bits(vf_lt(bound, vf_abs(det))) : 0;
     vi sign = (vi)det & vi_set(INT32_MIN);
     for (; unsure; unsure &= unsure - 1) {
         int i = __builtin_ctz(unsure);
         daft_vec3 corner[3];
         lane_corners(l, i, corner);
-        int exact = daft_det_sign(corner[0], corner[1], corner[2]);
-        if (exact == 0) *live &= ~((vbits)1 << i);
-        sign[i] = exact < 0 ? INT32_MIN : 0;
+        int known = daft_det_sign(corner[0], corner[1], corner[2]);
+        if (known == 0) *live &= ~((vbits)1 << i);
+        sign[i] = known < 0 ? INT32_MIN : 0;
     }
     *live &= ~(l->one_sided & (vm_bits(vi_lt(sign, vi_set(0))) ^ l->turned));
     return sign;
 }
 
 /* The three planes, turned inwards and scaled; lanes with all of their box on the outer side of one drop out of *live. */
-DAFT_INLINE void edges_setup(const daft_tile_job *job, daft_pencil_batch *b, const lanes *l, vbits *live)
+DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_batch *b, const lanes *l, vbits *live)
 {
     edge e[3];
-    bool fast = job->raster->pencil.intersection == DAFT_INTERSECT_FAST;
     for (int k = 0; k < 3; k++)
-        e[k] = fast ? edge_setup_fast(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3])
-                    : edge_setup(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3]);
-    vi sign = facing(job, e, l, live);
+        e[k] = exact ? edge_setup(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3])
+                     : edge_setup_fast(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3]);
+    vi sign = facing(exact, e, l, live);
     vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), dz = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
     vf x0 = vf_set(job->left) + l->x0, x1 = vf_set(job->left) + l->x1, y0 = vf_set(job->top) - l->y1, y1 = vf_set(job->top) - l->y0;
-    vf outer = vf_set(job->exact ? -1.0f : 0.0f), hopeless = vf_set(job->exact ? 0.0f : -1.0f), zero = vf_set(0);
+    vf outer = vf_set(exact ? -1.0f : 0.0f), hopeless = vf_set(exact ? 0.0f : -1.0f), zero = vf_set(0);
     vbits out = 0, covers = DAFT_ALL_LANES;
     for (int k = 0; k < 3; k++) {
-        vf scale = vf_xor_sign(job->exact ? vf_rough_reciprocal(edge_bound(&e[k], dx, dy, dz)) : vf_set(1), sign);
+        vf scale = vf_xor_sign(exact ? vf_rough_reciprocal(edge_bound(&e[k], dx, dy, dz)) : vf_set(1), sign);
         vf3 n = {e[k].n.x * scale, e[k].n.y * scale, e[k].n.z * scale * dz};
         vm whole = vf_lt(vf_abs(n.x) * dx + vf_abs(n.y) * dy + vf_abs(n.z), inf);
         n = (vf3){vf_select(whole, n.x, zero), vf_select(whole, n.y, zero), vf_select(whole, n.z, hopeless)};
@@ -156,7 +155,7 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, daft_pencil_batch *b, con
     vm whole_tile = vm_and(vm_and(vf_le(l->x0, zero), vf_le(vf_set(job->last_x), l->x1)),
                            vm_and(vf_le(l->y0, zero), vf_le(vf_set(job->last_y), l->y1)));
     *live &= ~out;
-    b->covers = job->exact ? covers & vm_bits(whole_tile) & *live : 0;
+    b->covers = exact ? covers & vm_bits(whole_tile) & *live : 0;
 }
 
 /* ---- depth ---- */
@@ -199,18 +198,18 @@ DAFT_INLINE void shorter_sides(const lanes *l, vf3 *p, vf3 *q)
 }
 
 /* The plane of w and its error bound. */
-DAFT_INLINE void depth_setup(const daft_tile_job *job, daft_pencil_batch *b, const lanes *l, vbits live)
+DAFT_INLINE void depth_setup(const daft_tile_job *job, bool exact, daft_pencil_batch *b, const lanes *l, vbits live)
 {
     vf3 a = l->corner[0], p = side(l, 1), q = side(l, 2);
-    if (job->exact) shorter_sides(l, &p, &q);
+    if (exact) shorter_sides(l, &p, &q);
     vf yz = p.y * q.z, zy = p.z * q.y, zx = p.z * q.x, xz = p.x * q.z, xy = p.x * q.y, yx = p.y * q.x;
     vf3 n = {yz - zy, zx - xz, xy - yx};
     vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), focal = vf_set(job->raster->pencil.focal);
     vf inverse = vf_set(1) / (vf3_dot(n, a) * focal), scale = vf_abs(inverse);
     vf_store(b->wx, n.x * inverse), vf_store(b->wy, n.y * inverse), vf_store(b->wz, n.z * inverse * focal);
-    vf_store(b->w_cap, job->exact ? vf_set(INFINITY) : l->nearest);
+    vf_store(b->w_cap, exact ? vf_set(INFINITY) : l->nearest);
     vf_store(b->error, vf_set(0));
-    if (!job->exact) return;
+    if (!exact) return;
     vf3 m = {vf_abs(yz) + vf_abs(zy), vf_abs(zx) + vf_abs(xz), vf_abs(xy) + vf_abs(yx)};
     vf w = vf_min((vf_abs(n.x) * dx + vf_abs(n.y) * dy + vf_abs(n.z) * focal) * scale, l->nearest);
     vf rays = m.x * dx + m.y * dy + m.z * focal;
@@ -223,16 +222,22 @@ DAFT_INLINE void depth_setup(const daft_tile_job *job, daft_pencil_batch *b, con
 
 /* ---- batches ---- */
 
-DAFT_INLINE bool set_up(const daft_tile_job *job, const lanes *l, vbits live, daft_pencil_batch *batch)
+DAFT_INLINE bool set_up_as(const daft_tile_job *job, bool exact, const lanes *l, vbits live, daft_pencil_batch *batch)
 {
-    edges_setup(job, batch, l, &live);
+    edges_setup(job, exact, batch, l, &live);
     if (!live) return false;
-    depth_setup(job, batch, l, live);
+    depth_setup(job, exact, batch, l, live);
     vi_store(batch->x0, vi_truncate(l->x0)), vi_store(batch->x1, vi_truncate(l->x1));
     vi_store(batch->y0, vi_truncate(l->y0)), vi_store(batch->y1, vi_truncate(l->y1));
     batch->live = live;
     job->counters->binned += (uint64_t)__builtin_popcount(live);
     return true;
+}
+
+/* Compiled once for each: the bounds take as many registers as the rest. */
+DAFT_INLINE bool set_up(const daft_tile_job *job, const lanes *l, vbits live, daft_pencil_batch *batch)
+{
+    return job->exact ? set_up_as(job, true, l, live, batch) : set_up_as(job, false, l, live, batch);
 }
 
 DAFT_INLINE vi box_pixels(const lanes *l)
