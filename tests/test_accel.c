@@ -363,6 +363,84 @@ static void packets_and_streams(void **unused)
     mesh_drop(&grid);
 }
 
+/* ---- spheres: whoever stands about them, they are hit where they are hit alone ---- */
+
+enum { SPHERES = 60 };
+
+/* From around a sphere past its edge, by a few roundings inside or outside; or, one in four, off its surface. */
+static daft_ray grazing_ray(const daft_instance *sphere, int i, float stretch)
+{
+    const float *t = sphere->to_frame.t;
+    daft_dvec3 centre = daft_dv3((double)t[0], (double)t[1], (double)t[2]);
+    daft_dvec3 out = daft_to_double(daft_normalize(random_vec3(-1, 1))),
+               aside = daft_dcross(out, daft_to_double(random_vec3(-1, 1)));
+    double off = i % 4 == 1 ? (double)random_float(-1, 1) * 1e-3 : (double)((int)(random_bits() % 17) - 8) * 0x1p-24,
+           r = (double)sphere->radius * (1 + off);
+    double away = i % 4 == 0 ? 0 : (double)(random_float(1, 20) * sphere->radius) * (i % 4 == 3 ? 1000 : 1);
+    daft_dvec3 edge = daft_dadd(centre, daft_dscale(out, r)),
+               way = daft_dscale(aside, 1 / sqrt(daft_ddot(aside, aside)));
+    if (i % 8 == 4) way = daft_dadd(way, daft_dscale(out, (double)random_float(-1, 1)));
+    return ray_make(daft_to_float(daft_dadd(edge, daft_dscale(way, -away))),
+                    daft_to_float(daft_dscale(way, (double)stretch)));
+}
+
+/* By a tree of each: the nearest, of those at one distance the first. */
+static daft_hit nearest_of_each(const daft_tlas *const each[SPHERES], const daft_ray *ray)
+{
+    daft_hit best = {.t = ray->tmax, .instance = UINT32_MAX};
+    for (uint32_t i = 0; i < SPHERES; i++) {
+        daft_hit hit;
+        if (!daft_accel_kernels_for(0)->closest(each[i], ray, UINT32_MAX, &hit)) continue;
+        hit.instance = i;
+        if (best.instance == UINT32_MAX || hit.t < best.t) best = hit;
+    }
+    return best;
+}
+
+static void crowded_spheres(void **unused)
+{
+    (void)unused;
+    fixture_seed(577);
+    static const struct {
+        float size, far, stretch;
+    } SCALES[] = {{1, 0, 1},     {1, 1000, 1},     {1e-3f, 10, 1e-3f}, {1e5f, 1e6f, 1e4f}, {1, 0, 1e-10f},
+                  {1, 1, 1e10f}, {1e9f, 1e10f, 1}, {1e-20f, 0, 1},     {1e18f, 0, 1}};
+    int hits = 0, misses = 0;
+    for (size_t round = 0; round < DAFT_COUNT_OF(SCALES); round++) {
+        float size = SCALES[round].size, far = SCALES[round].far;
+        daft_instance spheres[SPHERES];
+        const daft_tlas *each[SPHERES];
+        daft_vec3 place = daft_scale(random_vec3(-1, 1), far);
+        for (int i = 0; i < SPHERES; i++) {
+            spheres[i] =
+                sphere_make(daft_add(place, daft_scale(random_vec3(-4, 4), size)), size * random_float(0.05f, 0.8f));
+            if (i % 7 == 6) spheres[i].low.x -= size; /* larger bounds than are needed */
+        }
+        scene s;
+        scene_build(&s, spheres, SPHERES);
+        for (uint32_t i = 0; i < SPHERES; i++) each[i] = daft_tlas_build(&s.arena, &spheres[i], 1, NULL);
+        company c = {.count = 0};
+        for (int i = 0; i < COMPANY; i++) {
+            static const daft_instance *one;
+            if (i % 16 == 0) one = &spheres[random_bits() % SPHERES];
+            daft_ray ray = grazing_ray(one, i / 16 % 2 ? i : i / 16, SCALES[round].stretch);
+            if (i / 16 % 4 == 2)
+                ray = ray_make(c.rays[i / 16 * 16].origin,
+                               i % 16 ? daft_sub(ray.origin, c.rays[i / 16 * 16].origin) : ray.direction);
+            if (i % 32 == 31) ray.tmin = random_float(-30, 1) * size;
+            join_company(&c, ray);
+            daft_hit hit, expected = nearest_of_each(each, &ray);
+            daft_accel_kernels_for(0)->closest(s.tlas, &ray, UINT32_MAX, &hit);
+            assert_memory_equal(&hit, &expected, sizeof hit);
+            hits += hit.instance != UINT32_MAX, misses += hit.instance == UINT32_MAX;
+        }
+        same_together(s.tlas, &c);
+        daft_arena_free(&s.arena);
+    }
+    print_message("%d hits, %d misses\n", hits, misses);
+    assert_true(hits > COMPANY && misses > COMPANY);
+}
+
 static int depth_of(const daft_bvh *bvh, uint32_t child)
 {
     if (child & DAFT_CHILD_LEAF) return 0;
@@ -483,8 +561,13 @@ static void degenerate_inputs(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(against_brute_force), cmocka_unit_test(few_things),
-                                       cmocka_unit_test(closed_meshes_leak_nothing), cmocka_unit_test(limits_and_ignore),
-                                       cmocka_unit_test(packets_and_streams), cmocka_unit_test(shifted_things), cmocka_unit_test(degenerate_inputs)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(against_brute_force),
+                                       cmocka_unit_test(few_things),
+                                       cmocka_unit_test(closed_meshes_leak_nothing),
+                                       cmocka_unit_test(limits_and_ignore),
+                                       cmocka_unit_test(packets_and_streams),
+                                       cmocka_unit_test(crowded_spheres),
+                                       cmocka_unit_test(shifted_things),
+                                       cmocka_unit_test(degenerate_inputs)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

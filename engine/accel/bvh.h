@@ -12,15 +12,18 @@
 #define DAFT_CHILD_LEAF 0x80000000u
 #define DAFT_CHILD_NONE 0xffffffffu
 #define DAFT_NO_TRIANGLE 0xffffffffu
+#define DAFT_SPHERE_FAR  0x1p30f
 
 enum { DAFT_WIDTH = 8, DAFT_BLOCK = 4, DAFT_MAX_LEAF_BLOCKS = 4, DAFT_STACK = 512 };
 
 /* bounds[0..2] are the children's lows in x, y, z, bounds[3..5] their highs; an empty child has low = inf, high = -inf.
- * child: a node's number; or LEAF | block << 2 | (blocks - 1) in a mesh, LEAF | instance in a top level; or NONE. */
+ * child: a node's number; or LEAF | block << 2 | (blocks - 1) in a mesh, LEAF | instance in a top level; or NONE.
+ * spheres, in a top level: bits of the children that are spheres, with the bounds of daft_instance_bound and those no
+ * further than DAFT_SPHERE_FAR. */
 struct daft_node {
     float bounds[6][DAFT_WIDTH];
     uint32_t child[DAFT_WIDTH];
-    uint32_t none[DAFT_WIDTH]; /* 0: to whole lines of a cache */
+    uint32_t spheres, none[DAFT_WIDTH - 1]; /* none: 0, to whole lines of a cache */
 };
 
 /* corner[k][axis][i]: corner k of triangle i. Unused places have the number DAFT_NO_TRIANGLE, the largest, and the corners of

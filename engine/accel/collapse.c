@@ -9,6 +9,7 @@
 #include "accel/build.h"
 
 #include <float.h>
+#include <string.h>
 
 #define LITTLE 1e-6f      /* of the longest side: boxes without area are told apart by their length */
 #define LEAST_AREA 1e-30f /* sums of so many neither under- nor overflow */
@@ -134,9 +135,11 @@ static forest children(const daft_build_fork *fork)
 
 static void node_fill(daft_node *node, const forest *from, const uint32_t *codes)
 {
+    node->spheres = 0;
+    memset(node->none, 0, sizeof node->none);
     for (int i = 0; i < DAFT_WIDTH; i++) {
         bool there = i < from->count;
-        node->child[i] = there ? codes[i] : DAFT_CHILD_NONE, node->none[i] = 0;
+        node->child[i] = there ? codes[i] : DAFT_CHILD_NONE;
         for (int k = 0; k < 3; k++) {
             node->bounds[k][i] = there ? from->trees[i]->low[k] : INFINITY;
             node->bounds[k + 3][i] = there ? -from->trees[i]->high[k] : -INFINITY;

@@ -26,6 +26,7 @@ typedef struct convoy {
     found hit;
     vf limit; /* of boxes; -inf for lanes that ask nothing more */
     vf inner_low, inner_high; /* daft_inner */
+    vf dd, off;               /* directions' squares, and what spheres may be off by at least; for sphere_test */
 } convoy;
 
 /* The rays as boxes see them. */
@@ -38,6 +39,7 @@ typedef struct group {
     bool tight; /* the interval says something */
     float most; /* not less than any of their limits */
     /* what they go through: leaf number i, shifted so far, begins so many bytes from `leaves` */
+    const convoy *rays;
     const daft_node *nodes;
     const void *leaves;
     size_t leaf_size;

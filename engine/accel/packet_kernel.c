@@ -122,6 +122,30 @@ DAFT_INLINE vm child_test(const daft_node *node, uint32_t child, const group *g,
     return vf_le(enter, leave);
 }
 
+/* What sphere_test needs of the rays. Where numbers may overflow, all spheres are met. */
+DAFT_INLINE void sphere_view(convoy *c)
+{
+    vf size = vf3_magnitude(c->d), far = vf3_magnitude(c->o) * vf_set(2);
+    vm usual = vm_and(vm_and(vf_lt(vf_set(0x1p-26f), size), vf_lt(size, vf_set(0x1p26f))),
+                      vf_lt(far, vf_set(DAFT_SPHERE_FAR)));
+    c->dd = vf3_dot(c->d, c->d), c->off = vf_select(usual, far * vf_set(DAFT_SPHERE_OFF), vf_set(INFINITY));
+}
+
+/* The rays that may hit one child, a sphere: spheres_met of traverse_kernel.c in lanes. */
+DAFT_INLINE vbits sphere_test(const daft_node *node, uint32_t child, const convoy *c)
+{
+    float low = node->bounds[0][child], high = node->bounds[3][child], r = high - low;
+    vf x = vf_set(low + high) - (c->o.x + c->o.x),
+       y = vf_set(node->bounds[1][child] + node->bounds[4][child]) - (c->o.y + c->o.y),
+       z = vf_set(node->bounds[2][child] + node->bounds[5][child]) - (c->o.z + c->o.z);
+    vf3 to = {x, y, z}, aside = vf3_cross(to, c->d);
+    vf reach = vf_set(r) + (vf3_magnitude(to) + vf_set(r)) * vf_set(DAFT_SPHERE_OFF) + c->off, square = reach * reach,
+       tiny = vf_set(DAFT_TINY);
+    vm beside = vf_lt(square * c->dd + tiny, vf3_dot(aside, aside));
+    vm behind = vm_and(vf_lt(vf3_dot(to, c->d), vf_set(0)), vf_lt(square + tiny, vf3_dot(to, to)));
+    return ~vm_bits(vm_or(beside, behind));
+}
+
 /* What is put aside comes from far when many rays go their own ways: it is on its way before it is needed. */
 DAFT_INLINE void fetch(const group *g, uint32_t child)
 {
@@ -147,6 +171,7 @@ static uint32_t descend(packet_stack *stack, int *top, const group *g, uint32_t 
         uint32_t i = (uint32_t)__builtin_ctz(children), child = node->child[i];
         vf near;
         vbits met = vm_bits(child_test(node, i, g, limit, &near)) & bits;
+        if (met && node->spheres >> i & 1) met &= sphere_test(node, i, g->rays);
         if (!met) continue;
         float distance = g->tight ? at[i] : near[first_lane(met)];
         near = vf_select(vm_from_bits(met), near, vf_set(NAN));
@@ -253,7 +278,8 @@ static void mesh_walk(convoy *c, const mesh_convoy *m, group *g, group *own, vbi
     int top = 0;
     vbits here = bits;
     const daft_bvh *bvh = m->instance->bvh;
-    g->nodes = bvh->nodes.items, g->leaves = bvh->blocks, g->leaf_size = sizeof *bvh->blocks, g->leaf_shift = 2;
+    g->rays = c, g->nodes = bvh->nodes.items, g->leaves = bvh->blocks, g->leaf_size = sizeof *bvh->blocks,
+    g->leaf_shift = 2;
     uint32_t child = 0;
     do {
         while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > FEW_IN_MESH)
@@ -418,9 +444,11 @@ static void upper_walk(convoy *c, vbits bits, bool mixed)
     group g;
     int top = 0;
     vbits here = bits;
-    g.nodes = c->tlas->nodes.items, g.leaves = c->tlas->instances, g.leaf_size = sizeof(daft_instance), g.leaf_shift = 0;
+    g.rays = c, g.nodes = c->tlas->nodes.items, g.leaves = c->tlas->instances, g.leaf_size = sizeof(daft_instance),
+    g.leaf_shift = 0;
     vf pad = vf3_magnitude(c->o) * vf_set(0x1p-20f); /* as for single rays: traverse_kernel.c */
     group_setup(&g, c->o, c->inverse, pad, c->tmin);
+    sphere_view(c);
     if (!mixed) group_rows(&g, bits), group_interval(&g, c->limit, bits);
     uint32_t child = 0;
     do {

@@ -57,6 +57,12 @@ DAFT_INLINE daft_vec3 daft_block_corner(const daft_block *b, int corner, uint32_
  * distance of the centre is over so many squared radii: far from what doubles round. */
 #define DAFT_SPHERE_OUTSIDE (1 + 1e-6)
 
+/* What spheres, taken twice as large, are off by for boxes' sums and differences in floats, as a share of the sum of
+ * all axes' ways to the origin of the frame and from the ray's to their centre, and of their size. With u = 2^-24, o
+ * the origin and c the way from it to the centre, the centre is off by 4u·(|o| + |c| + 3r), the product c × d by 6u of
+ * |c|·|d|, and squares by 5u of themselves: together by less than 20u of |o| + |c| + r. */
+#define DAFT_SPHERE_OFF 0x1p-19f
+
 /* ---- triangles ---- */
 
 DAFT_INLINE vf3 vf3_set(daft_vec3 a) { return (vf3){vf_set(a.x), vf_set(a.y), vf_set(a.z)}; }

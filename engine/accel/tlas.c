@@ -48,6 +48,34 @@ static void build_nodes(void *context, daft_team *team)
     job->done = true;
 }
 
+/* Whether its bounds are those of its sphere, so that they say where it is, and not so far that squares overflow. */
+static bool is_bounded_sphere(const daft_instance *instance)
+{
+    if (instance->mesh || !(instance->radius > 0)) return false;
+    daft_instance bounded = *instance;
+    daft_instance_bound(&bounded);
+    for (int k = 0; k < 3; k++) {
+        float low = (&instance->low.x)[k], high = (&instance->high.x)[k];
+        if ((&bounded.low.x)[k] != low || (&bounded.high.x)[k] != high || low < -DAFT_SPHERE_FAR ||
+            high > DAFT_SPHERE_FAR)
+            return false;
+    }
+    return true;
+}
+
+/* round: by instance; looked up there, for instances are far apart and in another order. */
+static void mark_spheres(daft_tlas *tlas, const bool *round)
+{
+    for (size_t i = 0; i < tlas->nodes.count; i++) {
+        daft_node *node = &tlas->nodes.items[i];
+        for (uint32_t k = 0; k < DAFT_WIDTH; k++) {
+            uint32_t child = node->child[k];
+            if (child == DAFT_CHILD_NONE || !(child & DAFT_CHILD_LEAF)) continue;
+            node->spheres |= (uint32_t)round[child & ~DAFT_CHILD_LEAF] << k;
+        }
+    }
+}
+
 static bool is_identity(const float m[9])
 {
     for (int i = 0; i < 9; i++)
@@ -115,12 +143,14 @@ const daft_tlas *daft_tlas_build_for(daft_arena *arena, const daft_instance *ins
 {
     daft_tlas *tlas = daft_arena_alloc(arena, 1, sizeof *tlas);
     daft_build_prim *prims = daft_arena_alloc(arena, count, sizeof *prims);
-    if (!tlas || !prims) {
+    bool *round = daft_arena_alloc(arena, count, sizeof *round), any_round = false;
+    if (!tlas || !prims || !round) {
         daft_fail_memory(error, "the tree over instances");
         return NULL;
     }
     uint32_t used = 0;
     for (uint32_t i = 0; i < count; i++) {
+        round[i] = is_bounded_sphere(&instances[i]), any_round |= round[i];
         if (!hittable(&instances[i])) continue;
         const daft_vec3 l = instances[i].low, h = instances[i].high;
         prims[used++] = (daft_build_prim){{l.x, l.y, l.z}, i, {-h.x, -h.y, -h.z}, 1};
@@ -128,6 +158,7 @@ const daft_tlas *daft_tlas_build_for(daft_arena *arena, const daft_instance *ins
     *tlas = (daft_tlas){.instances = instances, .instance_count = count, .intersection = def->intersection};
     nodes_job job = {arena, prims, used, def, &tlas->nodes, used == 0};
     if (used > 0) daft_parallel_script(used < TOO_FEW ? 1 : def->threads, build_nodes, &job);
+    if (job.done && any_round) mark_spheres(tlas, round);
     if (job.done && make_few(arena, tlas)) return tlas;
     daft_fail_memory(error, "the tree over instances");
     return NULL;

@@ -193,6 +193,40 @@ static float sphere_distance(const daft_instance *s, const daft_ray *ray, float 
     return far >= tmin && far <= tmax ? far : -1;
 }
 
+/* A ray as a node's spheres see it: twice its origin, its direction, the square of that, and the least that sizes are
+ * off by. */
+typedef struct sphere_view {
+    v8 x2, y2, z2, dx, dy, dz, dd, pad;
+    bool usual; /* nothing below under- or overflows unseen */
+} sphere_view;
+
+DAFT_INLINE sphere_view sphere_view_of(v4 o, v4 d, bool plain)
+{
+    v4 twice = o + o;
+    float size = fabsf(d[0]) + fabsf(d[1]) + fabsf(d[2]), far = fabsf(twice[0]) + fabsf(twice[1]) + fabsf(twice[2]);
+    bool usual = plain && size > 0x1p-26f && size < 0x1p26f && far < DAFT_SPHERE_FAR;
+    v8 dd = v8_set((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]), pad = v8_set(far * DAFT_SPHERE_OFF);
+    return (sphere_view){v8_set(twice[0]), v8_set(twice[1]), v8_set(twice[2]), v8_set(d[0]), v8_set(d[1]), v8_set(d[2]),
+                         dd, pad, usual};
+}
+
+/* Of a node's children in `bits`, those but for the spheres that the ray is sure to pass by or to leave behind. A
+ * sphere stands in the middle of its bounds; all is taken twice as large. */
+DAFT_INLINE uint32_t spheres_met(const daft_node *node, uint32_t bits, const sphere_view *s)
+{
+    v8 low = v8_load(node->bounds[0]), high = v8_load(node->bounds[3]);
+    v8 x = low + high - s->x2, y = v8_load(node->bounds[1]) + v8_load(node->bounds[4]) - s->y2,
+       z = v8_load(node->bounds[2]) + v8_load(node->bounds[5]) - s->z2;
+    v8 i = y * s->dz - z * s->dy, j = z * s->dx - x * s->dz, k = x * s->dy - y * s->dx;
+    v8 r = high - low,
+       reach = r + (v8_max(x, -x) + v8_max(y, -y) + v8_max(z, -z) + r) * v8_set(DAFT_SPHERE_OFF) + s->pad,
+       square = reach * reach;
+    uint32_t beside = v8_le_bits(square * s->dd + v8_set(DAFT_TINY), i * i + j * j + k * k);
+    uint32_t behind = v8_le_bits(x * s->dx + y * s->dy + z * s->dz, v8_set(0)) &
+                      v8_le_bits(square + v8_set(DAFT_TINY), x * x + y * y + z * z);
+    return bits & ~(node->spheres & (beside | behind));
+}
+
 static void kd_closest(const daft_instance *instance, const daft_ray *ray, daft_intersection how, daft_nearest *hit)
 {
     DAFT_KERNEL(daft_kd_closest)(instance->kdtree, daft_affine_point(&instance->to_object, ray->origin),
@@ -285,6 +319,8 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
     slab_origin from, until;
     slab_upper_origins(frame.origin, frame.direction, &from, &until);
     bool plain = ray->tmin >= 0 && frame.way.plain;
+    const sphere_view view = sphere_view_of(frame.origin, frame.direction, plain);
+    const uint32_t spheres = view.usual ? 0xff : 0;
     float limit = daft_past(hit->t);
     v8 low = v8_set(daft_before(ray->tmin)), high = v8_set(limit), near;
     for (;;) {
@@ -298,6 +334,7 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
         } else {
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
+            if (bits & node->spheres & spheres) bits = spheres_met(node, bits, &view);
             if (bits) {
                 child = step(&tree, node, bits, near, false, &top);
                 continue;
@@ -389,6 +426,8 @@ DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daf
     slab_origin from, until;
     slab_upper_origins(frame.origin, frame.direction, &from, &until);
     bool plain = ray->tmin >= 0 && frame.way.plain;
+    const sphere_view view = sphere_view_of(frame.origin, frame.direction, plain);
+    const uint32_t spheres = view.usual ? 0xff : 0;
     v8 low = v8_set(daft_before(ray->tmin)), high = v8_set(daft_past(ray->tmax)), near;
     for (;;) {
         if (child & DAFT_CHILD_LEAF) {
@@ -397,6 +436,7 @@ DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daf
         } else {
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
+            if (bits & node->spheres & spheres) bits = spheres_met(node, bits, &view);
             if (bits) {
                 child = step(&tree, node, bits, near, false, &top);
                 continue;
