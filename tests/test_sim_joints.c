@@ -221,6 +221,24 @@ static void brakes_hold_what_they_can(void **unused)
     assert_true(held < 0.002 && let_go > 0.5);
 }
 
+/* A swing of a centimetre goes on, and does not fall asleep on its way, if its brake is weak or it has none. */
+static void what_hangs_is_not_put_to_sleep(void **unused)
+{
+    (void)unused;
+    for (int braked = 0; braked < 2; braked++) {
+        daft_world *world = new_world();
+        uint32_t ball = add(world, sphere(0.12, 0, 1.87, 0));
+        daft_sim_joint_def def = daft_default_sim_joint_def();
+        def.kind = DAFT_JOINT_HINGE, def.body_b = ball, def.anchor = daft_dv3(0, 2, 0), def.axis = daft_v3(0, 0, 1);
+        def.motor = braked, def.motor_force = 1e-6f;
+        must_join(world, def);
+        daft_world_set_velocity(world, ball, daft_v3(0.05f, 0, 0), daft_v3(0, 0, 0.05f / 0.13f));
+        steps(world, 600);
+        assert_true(daft_world_is_awake(world, ball));
+        daft_world_destroy(world);
+    }
+}
+
 /* ---- limits ---- */
 
 /* What hangs on a hinge, slider, cone or rope falls to its limit, and rests there. */
@@ -376,6 +394,7 @@ int main(void)
         cmocka_unit_test(springs_swing_as_often_as_told),
         cmocka_unit_test(motors_do_what_they_can),
         cmocka_unit_test(brakes_hold_what_they_can),
+        cmocka_unit_test(what_hangs_is_not_put_to_sleep),
         cmocka_unit_test(limits_hold),
         cmocka_unit_test(rods_become_ropes),
         cmocka_unit_test(drags_lift_what_they_can),

@@ -477,9 +477,7 @@ static uint64_t ragdolls(const variant *v)
     uint64_t hash = 0;
     fixture_mesh hills = hilly_mesh(v);
     daft_mesh_shape *surface = make_surface(&hills);
-    /* Mirrored, one that comes down on triangles stands, and sways by a centimetre for ever. */
-    int grounds = v->side < 0 ? TRIANGLES : GROUNDS;
-    for (int ground = 0; ground < grounds; ground++) {
+    for (int ground = 0; ground < GROUNDS; ground++) {
         daft_world *world = variant_world(v);
         add_ground(world, v, ground, surface);
         ragdoll dolls[COUNT];
@@ -503,8 +501,8 @@ static void ragdolls_stay_whole(void **unused)
     play_variants(ragdolls);
 }
 
-/* Thrown, turned any way. An arm that is caught under the chest at 8 m/s may open by more than 2 cm, in one fall of a hundred; whatever stops
- * a limb on its way stops what is joined to it, or joints would be torn open by the rest of the way, 10 cm and more. All sleep. */
+/* Thrown, turned any way: an arm may be caught under the chest at 8 m/s. Whatever stops a limb on its way, or turns it aside, stops
+ * what is joined to it, or joints would be torn open by the rest of the way, 10 cm and more. All sleep. */
 static uint64_t ragdolls_thrown(const variant *v)
 {
     enum { COUNT = 36 };
@@ -512,7 +510,6 @@ static uint64_t ragdolls_thrown(const variant *v)
     seed_random(88);
     fixture_mesh hills = hilly_mesh(v);
     daft_mesh_shape *surface = make_surface(&hills);
-    int torn = 0;
     for (int ground = 0; ground < GROUNDS; ground++) {
         daft_world *world = variant_world(v);
         add_ground(world, v, ground, surface);
@@ -528,12 +525,10 @@ static uint64_t ragdolls_thrown(const variant *v)
         falls f = watch(world, dolls, COUNT);
         print_message("%s: joints open by %g mm, %d of %d by more than 20; lowest at %g m, %d awake\n", GROUND[ground], 1000 * f.open, f.torn,
                       COUNT, f.lowest, count_awake(world));
-        assert_true(f.open < 0.04 && f.lowest > (ground == TRIANGLES ? -0.15 : 0));
+        assert_true(f.open < 0.02 && f.lowest > (ground == TRIANGLES ? -0.15 : 0));
         assert_int_equal(count_awake(world), 0);
-        torn += f.torn;
         hash = hash_of_both(hash, end_of(world));
     }
-    assert_true(torn <= 3);
     daft_mesh_shape_free(surface);
     mesh_drop(&hills);
     return hash;
@@ -546,19 +541,26 @@ static void ragdolls_fall_any_way(void **unused)
 }
 
 /* A hundred, close to each other, fall into a heap ("Falling Ragdolls" of Box3D's samples). */
-static uint64_t hundred_ragdolls(const variant *v)
+enum { HEAP_SIDE = 10, HEAP = HEAP_SIDE * HEAP_SIDE };
+
+static daft_world *heap_of_ragdolls(const variant *v, ragdoll dolls[HEAP])
 {
-    enum { SIDE = 10, COUNT = SIDE * SIDE };
-    seed_random(5);
     daft_world *world = variant_world(v);
     add_ground(world, v, FLOOR, NULL);
-    ragdoll dolls[COUNT];
-    for (int i = 0; i < COUNT; i++) {
-        double x = 1.1 * (i % SIDE) - 5 + uniform(-0.1, 0.1), z = 1.1 * (i / SIDE) - 5;
+    for (int i = 0; i < HEAP; i++) {
+        double x = 1.1 * (i % HEAP_SIDE) - 5 + uniform(-0.1, 0.1), z = 1.1 * (i / HEAP_SIDE) - 5;
         dolls[i] = add_ragdoll(world, v, daft_dv3(x, 4, z), daft_quat_identity());
     }
-    falls f = watch(world, dolls, COUNT);
-    print_message("joints open by %g mm, %d of %d by more than 20; lowest at %g m, %d awake\n", 1000 * f.open, f.torn, COUNT, f.lowest, count_awake(world));
+    return world;
+}
+
+static uint64_t hundred_ragdolls(const variant *v)
+{
+    ragdoll dolls[HEAP];
+    seed_random(5);
+    daft_world *world = heap_of_ragdolls(v, dolls);
+    falls f = watch(world, dolls, HEAP);
+    print_message("joints open by %g mm, %d of %d by more than 20; lowest at %g m, %d awake\n", 1000 * f.open, f.torn, HEAP, f.lowest, count_awake(world));
     assert_true(f.open < 0.02 && f.lowest > 0);
     assert_int_equal(count_awake(world), 0);
     return end_of(world);
@@ -568,6 +570,24 @@ static void a_hundred_ragdolls_come_to_rest(void **unused)
 {
     (void)unused;
     play_variants(hundred_ragdolls);
+}
+
+/* Limbs that are wedged between others bear ten times their weight, in one point or two as they lie. When the load was forgotten
+ * with the point, one heap in eight trembled for ever, by a centimetre. */
+static void heaps_of_ragdolls_do_not_tremble(void **unused)
+{
+    (void)unused;
+    seed_random(16);
+    for (int heap_number = 0; heap_number < 12; heap_number++) {
+        ragdoll dolls[HEAP];
+        daft_world *world = heap_of_ragdolls(&VARIANT[heap_number % 3], dolls);
+        int ticks = 60;
+        steps(world, ticks);
+        while (count_awake(world) > 0 && ticks++ < 20 * 60) steps(world, 1);
+        print_message("%s: asleep after %.1f s, %d awake\n", VARIANT[heap_number % 3].name, ticks / 60.0, count_awake(world));
+        assert_int_equal(count_awake(world), 0);
+        daft_world_destroy(world);
+    }
 }
 
 int main(void)
@@ -583,6 +603,7 @@ int main(void)
         cmocka_unit_test(ragdolls_stay_whole),
         cmocka_unit_test(ragdolls_fall_any_way),
         cmocka_unit_test(a_hundred_ragdolls_come_to_rest),
+        cmocka_unit_test(heaps_of_ragdolls_do_not_tremble),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

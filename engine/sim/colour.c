@@ -202,8 +202,8 @@ static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
         const daft_sim_met *met = &world->met.items[i];
         if (!is_solved(world, met) || !solved_now(s, s->row_of[met->body_a])) continue;
         uint32_t a = s->row_of[met->body_a], b = s->row_of[met->body_b], class = !yields(world, b);
-        s->constrained[a] = true;
-        if (!class) s->constrained[b] = true;
+        s->constrained[a] |= DAFT_SIM_TOUCHES;
+        if (!class) s->constrained[b] |= DAFT_SIM_TOUCHES;
         if (met->flags & DAFT_SIM_MET_PARTS) part(world, a, b), part(world, b, a);
         bool firm = daft_sim_finer_is_firm(world, met);
         uint8_t points = (uint8_t)((met->points + met->patches - 1u) / met->patches); /* where there are several: about */
@@ -286,8 +286,8 @@ static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
         if (!daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, s->constraint_count + 1,
                        s->constraint_count, sizeof *s->constraints))
             return false;
-        if (yields(world, a)) s->constrained[a] = true;
-        if (yields(world, b)) s->constrained[b] = true;
+        if (yields(world, a)) s->constrained[a] |= DAFT_SIM_HELD;
+        if (yields(world, b)) s->constrained[b] |= DAFT_SIM_HELD;
         uint32_t class = !(yields(world, a) && yields(world, b)), colour = take_colour(s, a, b, class);
         daft_sim_constraint c = {i, 0, a, b, colour << 1 | class, false, 1};
         if (!count_colour(world, &c, most)) return false;

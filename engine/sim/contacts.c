@@ -3,7 +3,7 @@
  * Margins. Two parts get contact points while still apart, as far as they may close in within the step; the solver
  * lets them close the gap and no more. A point that they will not reach is left out, so that nothing trips over an
  * edge it only passes. */
-#include "sim/internal.h"
+#include "sim/inherit.h"
 #include "sim/manifold_box.h"
 
 #include <stddef.h>
@@ -89,72 +89,6 @@ static void convert(const pair *p, const place *where, const daft_manifold *from
         to->points[to->count++] =
             (daft_sim_patch_point){.anchor = anchor, .separation = point->separation, .id = point->id};
     }
-}
-
-static bool same_parts(const daft_sim_patch *a, const daft_sim_patch *b)
-{
-    return a->part_a.child == b->part_a.child && a->part_a.triangle == b->part_a.triangle &&
-           a->part_b.child == b->part_b.child && a->part_b.triangle == b->part_b.triangle;
-}
-
-/* ---- where contacts go within the step ---- */
-
-/* Manifolds are found once a step, so what rolls is held in all of its substeps where it was when they began: on the mean
- * of n substeps (n - 1)/(2n) of a step too late, by which whatever sways gains amplitude, omega²/2 of that delay in a
- * second: a box on a ball rocked until it fell off. So points and normals are put ahead by as much as they go in that time,
- * which is found from where they were put in the step before: x + k (x - before) is ahead by k/(k + 1) of a step. A little
- * more than what is wanted makes the swaying fade, much more would amplify what trembles, by (1 + k)/(1 - k). Heaps that are
- * taken in more substeps than the world's are put ahead by more: the last step says in how many (b may be one that does not move). */
-#define LEAD_FADES 0.05f
-#define LEAD_ALONE 0.04f /* with one substep: all of it fades */
-#define MOST_LEAD  0.9f
-#define SMOOTH     0.3f /* of its length: what has changed by more is another place */
-
-static float lead_of(const daft_world *world, const daft_sim_touch *touch, float dt)
-{
-    float h = world->bodies[touch->body_a].h, n = h > 0 ? floorf(daft_sim_min(dt / h, 99) + 0.5f) : (float)world->substeps;
-    return n > 1 ? daft_sim_min((n - 1) / (n + 1) + LEAD_FADES, MOST_LEAD) : LEAD_ALONE;
-}
-
-static daft_vec3 ahead(daft_vec3 now, daft_vec3 before, float lead)
-{
-    daft_vec3 change = daft_sub(now, before);
-    if (daft_dot(change, change) > SMOOTH * SMOOTH * daft_dot(now, now)) return now;
-    return daft_add(now, daft_scale(change, lead));
-}
-
-/* Of unit length, as both are: the square of x + k (x - before) is 1 + k (1 + k) (x - before)². */
-static daft_vec3 normal_ahead(daft_vec3 now, daft_vec3 before, float lead)
-{
-    daft_vec3 change = daft_sub(now, before);
-    float square = daft_dot(change, change);
-    if (square > SMOOTH * SMOOTH) return now;
-    return daft_scale(daft_add(now, daft_scale(change, lead)), 1 / sqrtf(1 + lead * (1 + lead) * square));
-}
-
-/* Impulses of points of the same features carry over; so does friction, which the solver projects onto the new plane. */
-static void inherit(daft_sim_patch *patch, const daft_sim_patch *old, float lead)
-{
-    patch->normal = normal_ahead(patch->normal, old->normal, lead);
-    patch->friction_impulse = old->friction_impulse;
-    patch->rolling_impulse = old->rolling_impulse;
-    patch->twist_impulse = old->twist_impulse;
-    patch->slip = old->slip;
-    patch->twist_slip = old->twist_slip;
-    patch->load = old->load;
-    for (uint32_t i = 0; i < patch->count; i++)
-        for (uint32_t k = 0; k < old->count; k++) {
-            if (patch->points[i].id != old->points[k].id) continue;
-            patch->points[i].impulse = old->points[k].impulse;
-            patch->points[i].anchor = ahead(patch->points[i].anchor, old->points[k].anchor, lead);
-        }
-}
-
-static void inherit_of(daft_sim_patch *patch, const daft_sim_patch *old, uint32_t old_count, float lead)
-{
-    uint32_t at = 0;
-    while (at < old_count && !same_parts(patch, &old[at])) at++;
-    if (at < old_count) inherit(patch, &old[at], lead);
 }
 
 /* Bodies whose centres are closer, as a share of their reach, are in one place, and no way out is better than another. */
@@ -296,10 +230,9 @@ static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p
     for (uint32_t i = 0; i < count; i++) {
         convert(p, &where, &found[i], &fresh[kept]);
         if (p->a->locks & DAFT_LOCK_POSITION) daft_sim_flatten(world, touch, &fresh[kept]);
-        if (fresh[kept].count == 0) continue;
-        inherit_of(&fresh[kept], patches, touch->patch_count, lead_of(world, touch, p->dt));
-        kept++;
+        if (fresh[kept].count > 0) kept++;
     }
+    daft_sim_inherit(fresh, kept, patches, touch->patch_count, daft_sim_lead(world, touch, p->dt));
     for (uint32_t i = 0; i < kept; i++) patches[i] = fresh[i];
     if (kept > 0 && !touch->known) daft_sim_touch_materials(world, touch);
     touch->patch_count = kept;
@@ -384,41 +317,6 @@ static bool will_reach(const range *r, const daft_sim_touch *touch, float margin
     return is_met(&p, anchor, normal, separation);
 }
 
-/* What a touch's own patch had, by which what is found anew inherits. */
-typedef struct points {
-    daft_vec3 normal;
-    float lead;
-    uint32_t ids[DAFT_MANIFOLD_POINTS], count;
-    float impulses[DAFT_MANIFOLD_POINTS];
-    daft_vec3 anchors[DAFT_MANIFOLD_POINTS];
-} points;
-
-static void points_set(const range *r, points *out, const daft_sim_touch *touch, uint32_t count)
-{
-    const daft_sim_patch *patch = &touch->own;
-    out->normal = patch->normal, out->lead = lead_of(r->world, touch, r->dt), out->count = count;
-    for (uint32_t k = 0; k < count; k++) {
-        const daft_sim_patch_point *point = &patch->points[k];
-        out->ids[k] = point->id, out->impulses[k] = point->impulse, out->anchors[k] = point->anchor;
-    }
-}
-
-static void put_point(daft_sim_patch *patch, const points *old, daft_sim_patch_point point)
-{
-    for (uint32_t k = 0; k < old->count; k++) {
-        if (old->ids[k] != point.id) continue;
-        point.impulse = old->impulses[k];
-        point.anchor = ahead(point.anchor, old->anchors[k], old->lead);
-    }
-    patch->points[patch->count++] = point;
-}
-
-/* Points are in: the normal they were reached along is not asked for any more. */
-static void put_ahead(daft_sim_patch *patch, const points *old)
-{
-    if (old->count > 0) patch->normal = normal_ahead(patch->normal, old->normal, old->lead);
-}
-
 static void end_patch(daft_sim_touch *touch, daft_sim_listed *entry)
 {
     touch->patch_count = touch->own.count > 0;
@@ -441,8 +339,8 @@ static void take_round(const range *r, rounds *all, int lane)
     daft_round_batch *batch = &all->batch;
     daft_sim_touch *touch = &r->world->touches[all->entries[lane]->touch];
     daft_sim_patch *patch = &touch->own;
-    points old;
-    points_set(r, &old, touch, begin_patch(r->world, touch));
+    daft_sim_kept old;
+    daft_sim_kept_set(&old, patch, begin_patch(r->world, touch), daft_sim_lead(r->world, touch, r->dt));
     daft_vec3 offset = offset_of(r->world, touch);
     patch->normal = daft_round_batch_get(batch->normal, lane);
     patch->count = 0;
@@ -450,9 +348,9 @@ static void take_round(const range *r, rounds *all, int lane)
         daft_vec3 anchor = daft_add(offset, daft_round_batch_get(batch->point[i], lane));
         daft_sim_patch_point point = {.anchor = anchor, .separation = batch->separation[i][lane], .id = (uint32_t)batch->id[i][lane]};
         if (point.separation <= batch->margin[lane] || will_reach(r, touch, batch->margin[lane], anchor, patch->normal, point.separation))
-            put_point(patch, &old, point);
+            daft_sim_kept_put(&old, patch, point);
     }
-    put_ahead(patch, &old);
+    daft_sim_kept_end(&old, patch);
     end_patch(touch, all->entries[lane]);
 }
 
@@ -507,8 +405,8 @@ static void take_box(const range *r, boxes *all, int lane)
         touch->patch_count = 0;
         return;
     }
-    points old;
-    points_set(r, &old, touch, begin_patch(r->world, touch));
+    daft_sim_kept old;
+    daft_sim_kept_set(&old, patch, begin_patch(r->world, touch), daft_sim_lead(r->world, touch, r->dt));
     patch->normal = daft_box_batch_get(batch->normal, lane);
     patch->count = 0;
     for (int i = 0; i < batch->count[lane]; i++) {
@@ -516,9 +414,9 @@ static void take_box(const range *r, boxes *all, int lane)
                                       .separation = batch->separation[i][lane],
                                       .id = (uint32_t)batch->id[i][lane]};
         if (point.separation <= all->margins[lane] || will_reach(r, touch, all->margins[lane], point.anchor, patch->normal, point.separation))
-            put_point(patch, &old, point);
+            daft_sim_kept_put(&old, patch, point);
     }
-    put_ahead(patch, &old);
+    daft_sim_kept_end(&old, patch);
     end_patch(touch, all->entries[lane]);
 }
 

@@ -594,7 +594,8 @@ bool daft_sim_finer_bears(const daft_world *world, const daft_sim_body *a, const
 typedef struct daft_sim_target {
     daft_dvec3 centre;
     daft_quat rotation;
-    daft_dvec3 stop; /* where it gets, and how fast it is there; written for its own row only */
+    daft_dvec3 along; /* where it would get, along what it is pressed into; written for its own row only, as what follows: */
+    daft_dvec3 stop;  /* where it gets, and how fast it is there */
     daft_quat stop_rotation;
     daft_vec3 linear;
     double share; /* of the way, on which it gets there; 1: all */

@@ -83,6 +83,25 @@ static daft_dvec3 find_side(const daft_world *world, const daft_sim_joint_slot *
     return none ? j->fixed : world->bodies[j->body[i]].centre;
 }
 
+/* Of how far a joint is open of something that is fast and touches, so much is left to its springs: a limb that is struck again in
+ * each step would be torn off bit by bit. What is slow, or touches nothing, is stretched by what it carries, and springs alone keep
+ * its energy. */
+#define LEFT_OPEN 0.6f
+#define FAST      4.0f /* m/s */
+
+static bool is_struck(const daft_world *world, uint32_t row)
+{
+    const daft_sim_solver *s = world->solver;
+    if (!(s->constrained[row] & DAFT_SIM_TOUCHES)) return false;
+    daft_vec3 v = world->bodies[s->row_bodies[row]].linear;
+    return daft_dot(v, v) > FAST * FAST;
+}
+
+static float left_open(const daft_world *world, const daft_sim_joint_slot *slot)
+{
+    return is_struck(world, slot->row[0]) || is_struck(world, slot->row[1]) ? LEFT_OPEN : 1;
+}
+
 static void fill_rows(const daft_world *world, daft_sim_joint_block *block, const daft_sim_joint_slot *slots,
                       daft_sim_joint_source *out)
 {
@@ -91,6 +110,7 @@ static void fill_rows(const daft_world *world, daft_sim_joint_block *block, cons
         const daft_sim_joint_slot *slot = &slots[lane];
         out->joint[lane] = slot->joint;
         out->longer[lane] = world->solver->steady ? 1 : longer_than_before(world, slot);
+        block->most_open[lane] = left_open(world, slot);
         daft_dvec3 from[2];
         for (int i = 0; i < 2; i++) {
             from[i] = find_side(world, slot, i, lane, out);
@@ -101,7 +121,7 @@ static void fill_rows(const daft_world *world, daft_sim_joint_block *block, cons
     }
     for (int lane = block->lanes; lane < DAFT_SIM_LANES; lane++) {
         out->joint[lane] = out->body[0][lane] = out->body[1][lane] = 0;
-        out->longer[lane] = 1;
+        out->longer[lane] = block->most_open[lane] = 1;
         block->side[0].row[lane] = block->side[1].row[lane] = 0;
         put3(block->offset0, lane, daft_v3(0, 0, 0));
     }

@@ -14,6 +14,10 @@
 #define NO_LIMIT          3e38f
 #define MOST_IMPULSE      1e37f /* what is beyond is forgotten, and so is what is not finite */
 
+/* Where a blow moves the anchors apart by more than they were, in metres, the bodies are put back, without a change of velocity. What
+ * was apart before the step is left to springs: joints that cannot all be held would toss their bodies about. */
+#define MOST_OPEN 0.003f
+
 /* ---- constraints ---- */
 
 /* The anchors stay together, by an impulse of at most `most`. */
@@ -229,6 +233,7 @@ DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, joint_block *block, co
     vf3 offset = vf3_add(load3(block->offset0, lane), vf3_sub(arm[1], arm[0]));
     store3(block->offset0, lane, offset);
     store3(block->offset, lane, offset);
+    vf_store(block->most_open + lane, vf_set(MOST_OPEN) + vf_load(block->most_open + lane) * length_of(offset));
     vf h = vf_set(substep->h);
     softness s = make_soft(vf_set(JOINT_HERTZ_SHARE * substep->inv_h), vf_set(JOINT_DAMPING), h);
     pass p = {.block = block, .lane = lane};
@@ -402,10 +407,6 @@ DAFT_INLINE void relax_lanes(const daft_sim_rows *rows, joint_block *block, cons
 
 /* ---- what opened ---- */
 
-/* Where a blow moves the anchors apart by more, in metres, the bodies are put back, without a change of velocity. What was
- * apart before the step is left to springs: joints that cannot all be held would toss their bodies about. */
-#define MOST_OPEN 0.003f
-
 DAFT_INLINE void shift(const daft_sim_rows *rows, const pass *p, const quat *turn, int i, vf3 impulse, vbits open)
 {
     const joint_side *side = &p->block->side[i];
@@ -429,7 +430,7 @@ DAFT_INLINE bool close_lanes(const daft_sim_rows *rows, joint_block *block, int 
     place_arms(block, now, lane);
     if (block->spring || block->kind == DAFT_JOINT_SLIDER || block->kind == DAFT_JOINT_DISTANCE) return false;
     vf3 offset = load3(block->offset, lane);
-    vf apart = length_of(offset), most = vf_set(MOST_OPEN) + length_of(load3(block->offset0, lane));
+    vf apart = length_of(offset), most = vf_load(block->most_open + lane);
     vm opened = vf_lt(most, apart);
     vbits open = vm_bits(opened);
     if (!open) return false;

@@ -29,6 +29,7 @@ struct daft_sim_joint_block {
     int32_t lanes;             /* in use */
     daft_sim_joint_side side[2];
     daft_sim_lanes offset0[3], offset[3]; /* from anchor a to anchor b; before prepare: from centre a to centre b */
+    daft_sim_lanes most_open; /* what is farther apart is put back; before prepare: the share of offset0 that it may be */
     daft_sim_softness stiff, soft;        /* of what is rigid; of the spring */
     daft_sim_lanes bend[3];               /* arms turn within a substep: their anchors' mean velocity, less that now */
     daft_sim_lanes point[6];              /* L·D·Lᵀ of the anchors' response to impulses there, D inverted */

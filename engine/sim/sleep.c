@@ -11,6 +11,11 @@
 #define TREMBLE_SPEED 0.25f
 #define TREMBLE_WAY   0.005f /* m, of any point; */
 #define TREMBLE_SHARE 0.04f  /* and of its extent */
+/* Joints that brake bring what sways to rest, but not where a heavy body stands on light limbs: those bend by some millimetres, and
+ * contacts that are found once a step feed as much as the brakes take, so that a doll that stands astride sways for ever. What sways
+ * no farther than so many times as far as what trembles is at rest, too, if it lasts; and time counts less. */
+#define SWAY_WAY   3.0f
+#define SWAY_COUNT 0.25f
 
 /* ---- waking ---- */
 
@@ -134,13 +139,40 @@ static void keep_carried_awake(daft_world *world)
     }
 }
 
-static bool trembles(daft_sim_body *body, float dt)
+static bool brakes(const daft_sim_joint *joint)
+{
+    if (joint->spring) return false;
+    return joint->kind == DAFT_JOINT_FIXED || (joint->motor && joint->motor_speed == 0 && joint->motor_force > 0);
+}
+
+/* Whether all its joints brake, and none of them hangs it on what does not move: then its heap lies on something. */
+static bool is_braked(const daft_world *world, const daft_sim_body *body)
+{
+    for (uint32_t e = body->first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
+        const daft_sim_joint *joint = &world->joints[e >> 1];
+        if (!brakes(joint) || !is_dynamic(world, joint->body[(e & 1) ^ 1])) return false;
+    }
+    return body->first_joint != DAFT_SIM_NONE;
+}
+
+/* How far it went lately. */
+static float way_of(daft_sim_body *body, float dt)
 {
     float kept = body->rest > 0 ? daft_sim_max(1 - dt / REST_TIME, 0) : 0; /* of half a second of it: a third */
     body->gone = daft_add(daft_scale(body->gone, kept), daft_scale(body->linear, dt));
     body->turned = daft_add(daft_scale(body->turned, kept), daft_scale(body->angular, dt));
-    float way = daft_length(body->gone) + daft_length(body->turned) * body->extent;
-    return way < daft_sim_min(TREMBLE_WAY, TREMBLE_SHARE * body->extent);
+    return daft_length(body->gone) + daft_length(body->turned) * body->extent;
+}
+
+/* What of a step's time a body was at rest in, as a share. */
+static float resting(const daft_world *world, daft_sim_body *body, float dt)
+{
+    float spin = daft_sim_is_zero(body->angular) ? 0 : daft_length(body->angular) * body->extent;
+    float speed = daft_length(body->linear) + spin;
+    if (!body->may_sleep || !(speed < TREMBLE_SPEED)) return 0;
+    float way = way_of(body, dt), most = daft_sim_min(TREMBLE_WAY, TREMBLE_SHARE * body->extent);
+    if (way < most || speed < REST_SPEED) return 1;
+    return way < SWAY_WAY * most && is_braked(world, body) ? SWAY_COUNT : 0;
 }
 
 static bool update_rest(daft_world *world, float dt)
@@ -148,10 +180,8 @@ static bool update_rest(daft_world *world, float dt)
     bool tired = false;
     for (size_t i = 0; i < world->awake.count; i++) {
         daft_sim_body *body = &world->bodies[world->awake.items[i]];
-        float spin = daft_sim_is_zero(body->angular) ? 0 : daft_length(body->angular) * body->extent;
-        float speed = daft_length(body->linear) + spin;
-        bool still = body->may_sleep && speed < TREMBLE_SPEED && (trembles(body, dt) || speed < REST_SPEED);
-        body->rest = still ? body->rest + dt : 0;
+        float share = resting(world, body, dt);
+        body->rest = share > 0 ? body->rest + share * dt : 0;
         tired |= body->rest >= REST_TIME;
     }
     return tired;

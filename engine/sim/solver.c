@@ -11,7 +11,7 @@ enum {
     ROW_GRAIN = 256,
     SPIN_GRAIN = 2,
     PARALLEL_BLOCKS = 32, /* fewer are solved faster by one worker */
-    CLOSE_PASSES = 2
+    CLOSE_PASSES = 3
 };
 
 typedef struct context {

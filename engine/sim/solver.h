@@ -143,7 +143,7 @@ struct daft_sim_solver {
     uint32_t row_count, mover_count;
     uint32_t *row_of; /* of each body; 0: it does not move */
     size_t row_of_capacity;
-    bool *constrained; /* rows that some constraint acts on */
+    uint8_t *constrained; /* of rows that some constraint acts on: DAFT_SIM_HELD and DAFT_SIM_TOUCHES */
     size_t constrained_capacity;
     uint8_t *marks; /* solver.c's scratch */
     size_t mark_capacity;
@@ -239,6 +239,8 @@ struct daft_sim_solver {
     const daft_sim_joint_kernels *joint_kernels;
     const daft_sim_spin_kernels *spin_kernels;
 };
+
+enum { DAFT_SIM_HELD = 1 /* by a joint */, DAFT_SIM_TOUCHES = 2 /* has contacts */ };
 
 /* How fast overlap is undone at most, so that deep overlap does not explode. */
 #define DAFT_SIM_PUSH_SPEED 3.0f /* m/s */

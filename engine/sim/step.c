@@ -101,14 +101,11 @@ static void sweep_row(daft_world *world, uint32_t row)
 {
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     daft_sim_target *target = &world->solver->targets[row];
-    target->stop = target->centre, target->stop_rotation = target->rotation, target->linear = body->linear, target->share = 1;
+    target->stop = target->along = target->centre, target->stop_rotation = target->rotation, target->linear = body->linear, target->share = 1;
     const float *m = world->solver->rows.moved + (size_t)row * DAFT_SIM_ROW;
     float swing = daft_length(row3(m + 3)) * daft_sim_max(body->extent - body->inner, 0);
     if (daft_length(row3(m)) + daft_sim_min(swing, 2 * body->extent) <= FAST_MOVE * body->inner) return;
     daft_sim_sweep(world, row, world->solver->targets);
-    daft_dvec3 way = daft_dsub(target->stop, body->centre);
-    if (body->locks & DAFT_LOCK_POSITION)
-        target->stop = daft_dadd(body->centre, daft_to_double(daft_sim_held(body, daft_to_float(way), DAFT_LOCK_POSITION_X)));
 }
 
 /* How far the points of a body go at most: its centre's way, and twice the difference of the rotations' quaternions from

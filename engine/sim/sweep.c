@@ -160,6 +160,33 @@ static void sweep_body(sweep *s, const daft_sim_body *body, daft_quat rotation)
         if (!s->world->parts[i].sensor && daft_shape_has_mass(&s->world->parts[i].shape)) sweep_part(s, i, rotation);
 }
 
+static void stop_at(daft_sim_target *t, const daft_sim_body *body, double share)
+{
+    t->share = share;
+    t->stop = t->along;
+    if (share == 1) return;
+    t->stop = daft_dadd(body->centre, daft_dscale(daft_dsub(t->along, body->centre), share));
+    t->stop_rotation = daft_quat_nlerp(body->rotation, t->rotation, (float)share);
+}
+
+static daft_dvec3 within_locks(const daft_sim_body *body, daft_dvec3 to)
+{
+    if (!(body->locks & DAFT_LOCK_POSITION)) return to;
+    daft_vec3 way = daft_to_float(daft_dsub(to, body->centre));
+    return daft_dadd(body->centre, daft_to_double(daft_sim_held(body, way, DAFT_LOCK_POSITION_X)));
+}
+
+/* What is joined to a body that is made to go along a wall goes on into it: of a way that would open joints by more than
+ * this, in metres, it goes only so far as not to. */
+#define MOST_TURNED_ASIDE 0.004
+
+static double share_with_joined(const sweep *s, const daft_sim_body *body, daft_dvec3 wanted)
+{
+    daft_dvec3 aside = daft_dsub(wanted, s->to);
+    double far = body->first_joint == DAFT_SIM_NONE ? 0 : sqrt(daft_ddot(aside, aside));
+    return far * s->share > MOST_TURNED_ASIDE ? MOST_TURNED_ASIDE / far : s->share;
+}
+
 void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targets)
 {
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
@@ -173,18 +200,15 @@ void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targ
     }
     target->sweeps = s.count;
     target->linear = s.linear;
-    target->stop = s.to;
-    if (s.share == 1) return;
-    target->share = s.share;
-    target->stop = daft_dadd(body->centre, daft_dscale(daft_dsub(s.to, body->centre), s.share));
-    target->stop_rotation = daft_quat_nlerp(body->rotation, target->rotation, (float)s.share);
+    target->along = within_locks(body, s.to);
+    stop_at(target, body, share_with_joined(&s, body, target->centre));
 }
 
 /* ---- what is joined to it ---- */
 
 /* A limb that is stopped while the rest of a doll goes on would have its joint torn open by the rest of the way. So of two
  * bodies in a joint neither gets much farther than the other, as a share of its own way: each joint adds this. */
-#define AHEAD_OF_JOINED (1.0 / 16)
+#define AHEAD_OF_JOINED (1.0 / 64)
 
 /* Rows whose neighbours are to be looked at: a ring in which each is once at most. */
 typedef struct waiting {
@@ -211,9 +235,7 @@ static uint32_t take(waiting *w)
 static bool hold_back(daft_sim_target *t, const daft_sim_body *body, double share)
 {
     if (!(share < t->share)) return false;
-    t->share = share;
-    t->stop = daft_dadd(body->centre, daft_dscale(daft_dsub(t->centre, body->centre), share));
-    t->stop_rotation = daft_quat_nlerp(body->rotation, t->rotation, (float)share);
+    stop_at(t, body, share);
     return true;
 }
 
