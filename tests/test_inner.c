@@ -287,7 +287,7 @@ static void stage_make(stage *s, uint32_t count, daft_vec3 at)
     for (int i = 0; i < SHAPES; i++) {
         s->shape[i] = shape_make(i);
         daft_bvh_find_inner(s->shape[i].bvh, &s->shape[i].mesh);
-        daft_bvh_find_open(s->shape[i].bvh, &s->shape[i].mesh, 1);
+        daft_bvh_find_open(s->shape[i].bvh, &s->shape[i].mesh, UINT32_MAX, 1);
         s->inner[i] = s->shape[i].bvh->inner, s->open[i] = s->shape[i].bvh->open;
     }
     for (uint32_t i = 0; i < count; i++) {

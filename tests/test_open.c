@@ -93,7 +93,7 @@ static void cones_are_free(void **unused)
     fixture_seed(231);
     for (int i = 0; i < 4; i++) {
         fixture_mesh ball = mesh_ball(14, 1, bumps[i]);
-        assert_true(daft_bvh_find_open(ball.bvh, &ball.mesh, 1));
+        assert_int_equal(daft_bvh_find_open(ball.bvh, &ball.mesh, UINT32_MAX, 1), 0);
         float share = check_cones(&ball, 60);
         print_message("bumps of %g: %.0f%% of the triangles\n", (double)bumps[i], (double)share * 100);
         assert_true(share > least[i]);
@@ -101,7 +101,8 @@ static void cones_are_free(void **unused)
     }
     for (int i = 0; i < 6; i++) {
         fixture_mesh soup = mesh_soup(i < 3 ? 3 : 300, 1, i % 3 == 0 ? 0.1f : 2);
-        if (daft_bvh_find_open(soup.bvh, &soup.mesh, 1)) check_cones(&soup, 30);
+        daft_bvh_find_open(soup.bvh, &soup.mesh, UINT32_MAX, 1);
+        if (soup.bvh->open) check_cones(&soup, 30);
         mesh_drop(&soup);
     }
 }
@@ -114,11 +115,12 @@ static void corners_and_walls(void **unused)
     static const daft_vec3 p[6] = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}, {0, 1, 0}, {1, 1, 0}};
     static const uint32_t corner[12] = {0, 2, 1, 0, 3, 2, 0, 1, 5, 0, 5, 4}; /* a floor and a wall */
     fixture_mesh m = mesh_make(p, 6, corner, 4);
-    assert_true(daft_bvh_find_open(m.bvh, &m.mesh, 1));
+    assert_int_equal(daft_bvh_find_open(m.bvh, &m.mesh, UINT32_MAX, 1), 0);
     check_cones(&m, 2000);
     mesh_drop(&m);
     fixture_mesh none = mesh_make(p, 0, corner, 0);
-    assert_false(daft_bvh_find_open(none.bvh, &none.mesh, 1));
+    assert_int_equal(daft_bvh_find_open(none.bvh, &none.mesh, UINT32_MAX, 1), 0);
+    assert_null(none.bvh->open);
     mesh_drop(&none);
 }
 
@@ -127,13 +129,18 @@ static void same_for_any_number_of_threads(void **unused)
     (void)unused;
     fixture_seed(233);
     fixture_mesh one = mesh_ball(20, 1, 0.1f);
-    assert_true(daft_bvh_find_open(one.bvh, &one.mesh, 1));
+    assert_int_equal(daft_bvh_find_open(one.bvh, &one.mesh, UINT32_MAX, 1), 0);
     size_t size = one.bvh->open->count * sizeof(uint32_t), with = daft_bvh_bytes(one.bvh);
     uint32_t *first = malloc(size);
     memcpy(first, one.bvh->open->cone, size);
     daft_open_drop(one.bvh);
     assert_true(daft_bvh_bytes(one.bvh) + size <= with);
-    assert_true(daft_bvh_find_open(one.bvh, &one.mesh, 3));
+    for (uint32_t left = one.mesh.triangle_count, now; left > 0; left = now) { /* bit by bit, too */
+        now = daft_bvh_find_open(one.bvh, &one.mesh, 101, 3);
+        assert_int_equal(now, left > 101 ? left - 101 : 0);
+        assert_int_equal(one.bvh->open->found, one.mesh.triangle_count - now);
+        if (now) assert_int_equal(one.bvh->open->cone[one.mesh.triangle_count - 1], 0);
+    }
     assert_memory_equal(first, one.bvh->open->cone, size);
     free(first);
     mesh_drop(&one);
@@ -148,8 +155,8 @@ static void without_memory(void **unused)
     for (;; fail_at++) {
         meter memory = {fail_at, 0};
         m.bvh->allocator = (daft_allocator){&memory, meter_allocate, meter_release};
-        bool found = daft_bvh_find_open(m.bvh, &m.mesh, 1);
-        assert_int_equal(found, m.bvh->open != NULL);
+        assert_int_equal(daft_bvh_find_open(m.bvh, &m.mesh, UINT32_MAX, 1), 0);
+        bool found = m.bvh->open != NULL;
         assert_int_equal(memory.held, found ? 2 : 0);
         if (found) {
             daft_open_drop(m.bvh);

@@ -332,13 +332,15 @@ typedef struct open_job {
     const daft_bvh *bvh;
     const daft_trimesh *mesh;
     daft_open *out;
+    uint32_t end;
 } open_job;
 
 static void find_some(void *context, uint32_t index, uint32_t worker)
 {
     const open_job *job = context;
     (void)worker;
-    for (uint32_t i = index * TASK; i < daft_min_u((index + 1) * TASK, job->out->count); i++)
+    const uint32_t first = job->out->found + index * TASK;
+    for (uint32_t i = first; i < daft_min_u(first + TASK, job->end); i++)
         job->out->cone[i] = cone_of(job->bvh, job->mesh, i, (double)job->out->margin);
 }
 
@@ -354,21 +356,29 @@ size_t daft_open_bytes(const daft_bvh *bvh)
     return bvh->open ? sizeof *bvh->open + bvh->open->count * sizeof *bvh->open->cone : 0;
 }
 
-bool daft_bvh_find_open(daft_bvh *bvh, const daft_trimesh *mesh, int threads)
+static daft_open *make_open(daft_bvh *bvh, const daft_trimesh *mesh)
 {
-    if (bvh->open) return true;
-    if (bvh->nodes.count == 0 || bvh->turned) return false;
+    if (bvh->nodes.count == 0 || bvh->turned) return NULL;
     daft_vec3 size = daft_sub(mesh->high, mesh->low);
     daft_open *out = daft_alloc_zero(&bvh->allocator, 1, sizeof *out);
     uint32_t *cone = daft_alloc_zero(&bvh->allocator, mesh->triangle_count, sizeof *cone);
     if (!out || !cone) {
         daft_release(&bvh->allocator, out);
         daft_release(&bvh->allocator, cone);
-        return false;
+        return NULL;
     }
-    *out = (daft_open){cone, mesh->triangle_count, mesh->normals, fmaxf(size.x, fmaxf(size.y, size.z)) * (float)MARGIN};
-    bvh->open = out;
-    open_job job = {bvh, mesh, out};
-    daft_parallel_for(threads, (out->count + TASK - 1) / TASK, find_some, &job);
-    return true;
+    const float margin = fmaxf(size.x, fmaxf(size.y, size.z)) * (float)MARGIN;
+    *out = (daft_open){.cone = cone, .count = mesh->triangle_count, .normals = mesh->normals, .margin = margin};
+    return out;
+}
+
+uint32_t daft_bvh_find_open(daft_bvh *bvh, const daft_trimesh *mesh, uint32_t triangles, int threads)
+{
+    if (!bvh->open) bvh->open = make_open(bvh, mesh);
+    daft_open *open = bvh->open;
+    if (!open) return 0;
+    open_job job = {bvh, mesh, open, open->found + daft_min_u(triangles, open->count - open->found)};
+    daft_parallel_for(threads, (job.end - open->found + TASK - 1) / TASK, find_some, &job);
+    open->found = job.end;
+    return open->count - open->found;
 }

@@ -18,7 +18,7 @@
  * 1 that is in the cone, 1 to 127. Axis 0: there is none. */
 typedef struct daft_open {
     uint32_t *cone;
-    uint32_t count;
+    uint32_t count, found; /* triangles; those up to `found` were looked at, the others have no cone */
     const daft_vec3 *normals; /* the mesh's, as they were */
     float margin;
 } daft_open;

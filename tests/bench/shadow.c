@@ -377,7 +377,7 @@ static bool make_meshes(bench *self, const char *model, bool crowd, stage *s)
         s->bvh[i] = bench_tree(self, &s->mesh[i]);
         if (!s->bvh[i]) return false;
         daft_bvh_find_inner(s->bvh[i], &s->mesh[i]); /* as a scene does with what it shows again and again, */
-        if (crowd) daft_bvh_find_open(s->bvh[i], &s->mesh[i], daft_processor_count()); /* and with what many things show */
+        if (crowd) daft_bvh_find_open(s->bvh[i], &s->mesh[i], UINT32_MAX, daft_processor_count()); /* and with what many things show */
     }
     return true;
 }
