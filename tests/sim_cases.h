@@ -118,12 +118,20 @@ static inline uint64_t end_of(daft_world *world)
 /* A scene plays a variant, asserts what is asked of it, and returns a hash of the world or worlds at its end. */
 typedef uint64_t case_scene(const variant *v);
 
+/* Under a sanitizer, which takes ten times as long and looks at memory alone, the origin and two workers say all that it can see. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SANITIZED 1
+#else
+#define SANITIZED 0
+#endif
+
 static inline void play_variants(case_scene *play)
 {
-    uint64_t hashes[VARIANTS];
+    uint64_t hashes[VARIANTS] = {0};
     for (int k = 0; k < VARIANTS; k++) {
-        print_message("-- %s\n", VARIANT[k].name);
-        hashes[k] = play(&VARIANT[k]);
+        bool skipped = SANITIZED && k != 0 && k != 3;
+        print_message("-- %s%s\n", VARIANT[k].name, skipped ? ": not under a sanitizer" : "");
+        hashes[k] = skipped ? hashes[k - 1] : play(&VARIANT[k]);
     }
     assert_workers_agree(hashes);
 }
