@@ -1,6 +1,7 @@
 /* Balls inside meshes, whatever the mesh: none comes near a triangle, and no ray leaves one without crossing a triangle or a
  * cap's box, by brute force and exact predicates; shadows are, bit for bit, those without them and without free ways (accel/open.h). */
 #include "fixtures.h"
+#include "mesh_points.h"
 #include "meter.h"
 
 #include "accel/inner.h"
@@ -95,19 +96,6 @@ static fixture_mesh shape_make(int kind)
 }
 
 /* ---- what the header promises ---- */
-
-static void corners_of(const daft_trimesh *mesh, uint32_t triangle, daft_vec3 c[3])
-{
-    for (uint32_t k = 0; k < 3; k++) c[k] = daft_trimesh_position(mesh, mesh->indices[3 * triangle + k]);
-}
-
-static daft_vec3 random_unit(void)
-{
-    daft_vec3 v;
-    do v = random_vec3(-1, 1);
-    while (daft_dot(v, v) > 1 || daft_dot(v, v) < 0.01f);
-    return daft_normalize(v);
-}
 
 /* Whether the ray meets a cap's box, or comes near it. */
 static bool meets_cap(const daft_inner *inner, daft_vec3 from, daft_vec3 way)

@@ -1,24 +1,12 @@
 /* Free ways off a mesh's own triangles, whatever the mesh: by brute force and exact predicates, no ray in a triangle's cone meets another
  * triangle, wherever on it it starts and however it is lifted; most triangles of what is smooth have one. */
 #include "fixtures.h"
+#include "mesh_points.h"
 #include "meter.h"
 
 #include "accel/open.h"
 #include "geometry/trimesh.h"
 #include "math/exact.h"
-
-static void corners_of(const daft_trimesh *mesh, uint32_t triangle, daft_vec3 c[3])
-{
-    for (uint32_t k = 0; k < 3; k++) c[k] = daft_trimesh_position(mesh, mesh->indices[3 * triangle + k]);
-}
-
-static daft_vec3 random_unit(void)
-{
-    daft_vec3 v;
-    do v = random_vec3(-1, 1);
-    while (daft_dot(v, v) > 1 || daft_dot(v, v) < 0.01f);
-    return daft_normalize(v);
-}
 
 static bool is_stopped(const daft_trimesh *mesh, uint32_t but, daft_vec3 from, daft_vec3 way)
 {

@@ -293,31 +293,6 @@ DAFT_INLINE vf vf_lookup(const float table[DAFT_VL], vi index)
 #endif
 }
 
-/* The same where the table stands in registers; indices of 0 to 15. */
-DAFT_INLINE vf vf_pick16(const vf table[16 / DAFT_VL], vi index)
-{
-#if defined(DAFT_ISA_avx512)
-    return (vf)_mm512_permutexvar_ps((__m512i)index, (__m512)table[0]);
-#elif defined(DAFT_ISA_avx2)
-    vf low = (vf)_mm256_permutevar8x32_ps((__m256)table[0], (__m256i)index);
-    vf high = (vf)_mm256_permutevar8x32_ps((__m256)table[1], (__m256i)index);
-    return (vf)_mm256_blendv_ps((__m256)low, (__m256)high, (__m256)(index << 28));
-#else
-    return vf_gather((const float *)table, index);
-#endif
-}
-/* DAFT_VL bytes, 0 to 255. */
-DAFT_INLINE vi vi_load_bytes(const uint8_t *p)
-{
-#if defined(DAFT_ISA_avx512)
-    return (vi)_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i_u *)(const void *)p));
-#elif defined(DAFT_ISA_avx2)
-    return (vi)_mm256_cvtepu8_epi32(_mm_loadu_si64(p));
-#else
-    return (vi){p[0], p[1], p[2], p[3]};
-#endif
-}
-
 #if defined(DAFT_ISA_avx2)
 /* For each mask of eight lanes, the numbers of those in it, a byte each. */
 #define DAFT_PLACE(m, i) ((m) >> (i) & 1 ? (uint64_t)(i) << 8 * __builtin_popcount((m) & ((1u << (i)) - 1)) : 0)

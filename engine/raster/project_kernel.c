@@ -13,6 +13,7 @@
  * Depth: the pixel is the mean of the corners, weighted by the edge functions, and so is 1/z. With weights that are off by D, and
  * their sum by as much again, the mean is off by less than 4D·(the largest 1/z - the least)/sum, and by 16u of the largest from
  * roundings. */
+#include "math/simd_pick.h"
 #include "raster/blocks.h"
 
 enum { PATCH_PARTS = DAFT_PATCH / DAFT_VL };
