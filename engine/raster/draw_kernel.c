@@ -121,10 +121,11 @@ DAFT_INLINE void offer(daft_tile_job *j, uint32_t at, const thing *t, vbits hits
 static void draw_covering(daft_tile_job *j, const daft_pencil_batch *b, int i, const thing *t)
 {
     vf wx = vf_set(b->wx[i]), wy = vf_set(b->wy[i]), wz = vf_set(b->wz[i]), error = vf_set(b->error[i]);
+    vf cap = vf_set(b->w_cap[i]);
     for (int y = 0; y <= b->y1[i]; y += DAFT_WINDOW_H) {
         vf row = wy * (vf_set(j->top - (float)y) - vf_row()) + wz;
         for (int x = 0; x <= b->x1[i]; x += DAFT_WINDOW_W) {
-            vf w = wx * vf_load(j->dx[x / DAFT_WINDOW_W]) + row;
+            vf w = vf_min(wx * vf_load(j->dx[x / DAFT_WINDOW_W]) + row, cap);
             offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, DAFT_ALL_LANES, 0, w - error, w + error);
         }
     }

@@ -130,7 +130,8 @@ DAFT_INLINE vi facing(bool exact, const edge *e, const lanes *l, vbits *live)
     return sign;
 }
 
-/* The three planes, turned inwards and scaled; lanes with all of their box on the outer side of one drop out of *live. */
+/* The three planes, turned inwards and scaled; lanes with all of their box on the outer side of one drop out of *live. Rounding
+ * keeps order, and rays' e are computed by the same operations: of those in the box none is less than the least found here. */
 DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_batch *b, const lanes *l, vbits *live)
 {
     edge e[3];
@@ -149,13 +150,14 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_b
         n = (vf3){vf_select(whole, n.x, zero), vf_select(whole, n.y, zero), vf_select(whole, n.z, hopeless)};
         vf xa = n.x * x0, xb = n.x * x1, ya = n.y * y0 + n.z, yb = n.y * y1 + n.z;
         out |= vm_bits(vf_lt(vf_max(xa, xb) + vf_max(ya, yb), outer));
-        covers &= vm_bits(vf_lt(vf_set(1), vf_min(xa, xb) + vf_min(ya, yb)));
+        vf least = vf_min(xa, xb) + vf_min(ya, yb);
+        covers &= vm_bits(exact ? vf_lt(vf_set(1), least) : vf_le(zero, least));
         vf_store(b->nx[k], n.x), vf_store(b->ny[k], n.y), vf_store(b->nz[k], n.z);
     }
     vm whole_tile = vm_and(vm_and(vf_le(l->x0, zero), vf_le(vf_set(job->last_x), l->x1)),
                            vm_and(vf_le(l->y0, zero), vf_le(vf_set(job->last_y), l->y1)));
     *live &= ~out;
-    b->covers = exact ? covers & vm_bits(whole_tile) & *live : 0;
+    b->covers = covers & vm_bits(whole_tile) & *live;
 }
 
 /* ---- depth ---- */
