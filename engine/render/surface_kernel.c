@@ -243,9 +243,10 @@ typedef struct finder {
     uint16_t slot[FINDER];
 } finder;
 
-/* Numbers of corners are what is read first of a triangle, and they are anywhere. */
+/* Instances may stand anywhere in memory, too; numbers of corners are what is read first of a triangle. */
 DAFT_INLINE void prefetch_facet(const daft_instance *s, uint32_t triangle)
 {
+    __builtin_prefetch(&s->to_object), __builtin_prefetch(&s->materials);
     if (!s->mesh) return;
     __builtin_prefetch(&s->mesh->indices[3 * (size_t)triangle]);
     if (s->mesh->normal_indices) __builtin_prefetch(&s->mesh->normal_indices[3 * (size_t)triangle]);

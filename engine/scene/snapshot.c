@@ -80,14 +80,33 @@ static daft_mesh_item *shape_of(const daft_scene *scene, const daft_entity_item 
     return NULL;
 }
 
+/* What the instances of a snapshot are made with, and how many there are. */
+typedef struct maker {
+    daft_scene *scene;
+    daft_dvec3 origin;
+    float alpha;
+    daft_arena *arena;
+    const uint32_t *numbers; /* of the materials, in order: things of one slot share them, since a line of a cache for each would be
+                                missed wherever many are seen */
+    daft_instance *instances;
+    uint32_t count;
+} maker;
+
+static const uint32_t *make_numbers(const daft_scene *scene, daft_arena *arena)
+{
+    uint32_t count = scene->assets.material_count ? scene->assets.material_count : 1, *numbers = daft_arena_alloc(arena, count, sizeof *numbers);
+    for (uint32_t i = 0; numbers && i < count; i++) numbers[i] = i;
+    return numbers;
+}
+
 /* The mesh's own materials, unless the entity has one, which then goes to every slot. NULL: memory is out. */
-static const uint32_t *materials_of(const daft_entity_item *item, const daft_mesh_item *shape, daft_arena *arena)
+static const uint32_t *materials_of(const maker *m, const daft_entity_item *item, const daft_mesh_item *shape)
 {
     if (!item->def.material.id && shape) return shape->materials;
-    uint32_t count = shape && shape->mesh.slot_count ? shape->mesh.slot_count : 1;
-    uint32_t *materials = daft_arena_alloc(arena, count, sizeof *materials);
-    if (!materials) return NULL;
-    for (uint32_t i = 0; i < count; i++) materials[i] = item->def.material.id ? item->def.material.id - 1 : 0;
+    uint32_t material = item->def.material.id ? item->def.material.id - 1 : 0;
+    if (!shape || shape->mesh.slot_count <= 1) return &m->numbers[material];
+    uint32_t count = shape->mesh.slot_count, *materials = daft_arena_alloc(m->arena, count, sizeof *materials);
+    for (uint32_t i = 0; materials && i < count; i++) materials[i] = material;
     return materials;
 }
 
@@ -139,18 +158,18 @@ static void count_shown(const daft_scene *scene, daft_mesh_item *shape)
 }
 
 /* Adds the entity's instance if it has one to show. False: memory is out. */
-static bool add_instance(daft_scene *scene, uint32_t index, daft_dvec3 origin, float alpha, daft_arena *arena,
-                         daft_instance *instances, uint32_t *count)
+static bool add_instance(maker *m, uint32_t index)
 {
+    daft_scene *scene = m->scene;
     if (!scene->entity_slots.items[index].live || scene->entities[index].def.shape == DAFT_SHAPE_NONE ||
         !scene->entities[index].def.visible)
         return true;
-    daft_entity_item *item = daft_entity_world(scene, index, alpha);
+    daft_entity_item *item = daft_entity_world(scene, index, m->alpha);
     if (!item->shown) return true;
-    daft_instance *instance = &instances[*count];
+    daft_instance *instance = &m->instances[m->count];
     daft_mesh_item *shape = shape_of(scene, item);
     *instance = (daft_instance){.entity = daft_slots_handle(&scene->entity_slots, index)};
-    bool fits = place(&item->world, origin, instance);
+    bool fits = place(&item->world, m->origin, instance);
     instance->mesh = shape ? &shape->mesh : NULL;
     instance->bvh = shape ? shape->bvh : NULL;
     instance->kdtree = shape ? shape->kdtree : NULL;
@@ -160,24 +179,25 @@ static bool add_instance(daft_scene *scene, uint32_t index, daft_dvec3 origin, f
         warn_once(scene, item, instance->entity);
         return true;
     }
-    instance->materials = materials_of(item, shape, arena);
+    instance->materials = materials_of(m, item, shape);
     if (!instance->materials) return false;
     instance->flags = flags_of(scene, item, instance);
     if (shape) count_shown(scene, shape);
-    ++*count;
+    m->count++;
     return true;
 }
 
 bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
                              daft_instance **instances, uint32_t *count, daft_error *error)
 {
+    maker m = {.scene = scene, .origin = origin, .alpha = alpha, .arena = arena, .numbers = make_numbers(scene, arena)};
     *count = 0;
-    *instances = daft_arena_alloc(arena, scene->entity_slots.live, sizeof **instances);
-    if (!*instances) return daft_fail_memory(error, "a snapshot's instances");
+    *instances = m.instances = daft_arena_alloc(arena, scene->entity_slots.live, sizeof *m.instances);
+    if (!m.instances || !m.numbers) return daft_fail_memory(error, "a snapshot's instances");
     scene->pass++;
     for (uint32_t i = 0; i < scene->entity_slots.count; i++)
-        if (!add_instance(scene, i, origin, alpha, arena, *instances, count))
-            return daft_fail_memory(error, "a snapshot's materials");
+        if (!add_instance(&m, i)) return daft_fail_memory(error, "a snapshot's materials");
+    *count = m.count;
     return true;
 }
 
