@@ -27,11 +27,18 @@ static daft_pencil pencil_make(float yaw, float pitch, float fov)
     return p;
 }
 
+static uint32_t tiles_of_one_thing;
+
 static void keep_tile(const daft_tile *tile, ids *out)
 {
+    tiles_of_one_thing += tile->one_thing;
     for (int y = 0; y < tile->height; y++)
         for (int x = 0; x < tile->width; x++) {
             int from = y * DAFT_TILE_STRIDE + x, to = (tile->y + y) * WIDTH + tile->x + x;
+            if (tile->one_thing) {
+                assert_int_equal(tile->instance[from], tile->instance[0]);
+                assert_int_equal(tile->triangle[from], tile->triangle[0]);
+            }
             out->instance[to] = tile->instance[from];
             out->triangle[to] = tile->triangle[from];
         }
@@ -162,6 +169,33 @@ static void on_the_grid(void **unused)
     s.pencil.shift_x = 0.5f;
     agree(&s, "grid, shifted");
     mesh_drop(&mesh);
+}
+
+/* Few and large triangles, which fill tiles whose pixels were never cleared; some through the camera's plane, beyond what floats hold of their
+ * depth, or upon each other; and a mesh that lies before, behind and among them. */
+static void walls(void **unused)
+{
+    (void)unused;
+    fixture_seed(811);
+    tiles_of_one_thing = 0;
+    for (int round = 0; round < 16; round++) {
+        daft_vec3 p[9];
+        const uint32_t index[18] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+        float size = round % 4 == 3 ? 1e12f : round % 4 == 2 ? 1e4f : 200;
+        bool ahead = round % 4 == 0; /* the first one is all that there is to see, but for the mesh and what crosses it */
+        for (int i = 0; i < 9; i++) p[i] = daft_add(daft_v3(ahead ? 500 : 0, 0, 0), random_vec3(-size, size));
+        for (int i = 0; i < 3 && ahead; i++)
+            p[i] = daft_v3(random_float(20, 60), random_float(800, 2000) * (i == 2 ? -1.0f : 1.0f), random_float(2000, 4000) * (i == 1 ? -1.0f : 1.0f) * (i == 2 ? 0.0f : 1.0f));
+        fixture_mesh wall = mesh_make(p, 9, index, round % 4 == 2 ? 6 : 3), mesh = mesh_soup(300, 3, 0.5f);
+        const daft_vec3 at = daft_scale(random_vec3(-1, 1), round % 3 ? 4 : 40);
+        daft_instance instances[3] = {instance_make(&wall, still()), instance_make(&mesh, affine_make(random_rotation(), daft_v3(2, 2, 2), at)),
+                                      instance_make(&wall, still())};
+        float turn = ahead ? 0.3f : 3;
+        setting s = {pencil_make(random_float(-turn, turn), random_float(-0.3f, 0.3f), random_float(0.3f, 1.5f)), instances, round % 3 == 2 ? 3 : 2};
+        agree(&s, "walls");
+        mesh_drop(&wall), mesh_drop(&mesh);
+    }
+    assert_true(tiles_of_one_thing > 50);
 }
 
 /* Triangles much longer than wide, from a hundredth of a pixel to two: any way, and along rows and columns of pixels, with corners
@@ -473,6 +507,7 @@ int main(void)
         cmocka_unit_test(culling),       cmocka_unit_test(crowds),
         cmocka_unit_test(specks_on_the_grid), cmocka_unit_test(specks_in_a_far_corner),
         cmocka_unit_test(backs_of_closed_things), cmocka_unit_test(long_thin_triangles),
+        cmocka_unit_test(walls),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

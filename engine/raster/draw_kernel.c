@@ -131,6 +131,29 @@ static void draw_covering(daft_tile_job *j, const daft_pencil_batch *b, int i, c
     }
 }
 
+/* Pixels below the tile's last row count as infinitely near. Rows by their pixels side by side: a ray's x and y are exact, so w comes
+ * out as in windows. */
+bool DAFT_KERNEL(daft_batch_fill)(daft_tile_job *j, daft_pencil_batch *b)
+{
+    vbits covers = b->live & b->covers, known = DAFT_ALL_LANES;
+    if (!covers || j->tile->width != DAFT_TILE) return false;
+    int i = __builtin_ctz(covers), end = j->tile->height * DAFT_TILE_STRIDE;
+    vf wx = vf_set(b->wx[i]), wy = vf_set(b->wy[i]), wz = vf_set(b->wz[i]), error = vf_set(b->error[i]), inf = vf_set(INFINITY);
+    vi instance = vi_set((int32_t)b->instance[i]), triangle = vi_set((int32_t)b->triangle[i]);
+    for (int at = 0; at < end; at += DAFT_VL) {
+        vf dx = vf_set(j->left) + vf_from_int(vi_iota() + vi_set(at % DAFT_TILE_STRIDE));
+        vf w = wx * dx + (wy * vf_set(j->top - (float)(at / DAFT_TILE_STRIDE)) + wz), low = w - error, high = w + error;
+        known &= vm_bits(vf_le(low, high));
+        vf_store(&j->w_low[at], low), vf_store(&j->w_high[at], high);
+        vi_store(&j->tile->instance[at], instance), vi_store(&j->tile->triangle[at], triangle);
+    }
+    for (int at = end; at < DAFT_TILE_ROOM; at += DAFT_VL) vf_store(&j->w_low[at], inf), vf_store(&j->w_high[at], inf);
+    if (known != DAFT_ALL_LANES) return false;
+    b->live &= ~((vbits)1 << i);
+    j->tile->one_thing = true;
+    return true;
+}
+
 /* A triangle's planes in all lanes. Inside is e >= outer, and sure beyond `sure`. */
 typedef struct planes {
     vf nx[3], ny[3], nz[3], wx, wy, wz, cap, error, outer, sure;
@@ -421,6 +444,7 @@ static vbits draw_thin(daft_tile_job *j, const daft_pencil_batch *b, vbits some)
 
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, const daft_seen *seen, daft_hits *h)
 {
+    if (h->count) j->tile->one_thing = false;
     for (uint32_t k = 0; k < h->count; k++) {
         uint32_t at = h->place[k] & (DAFT_HIT_UNSURE - 1);
         bool sure = at == h->place[k];
@@ -440,6 +464,7 @@ void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, const daft_seen *seen, daft_h
 
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
 {
+    j->tile->one_thing = false;
     vbits live = b->live & ~draw_tiny(j, b);
     for (live &= ~draw_thin(j, b, live & ~b->covers); live; live &= live - 1) {
         int i = __builtin_ctz(live);
@@ -461,6 +486,7 @@ void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_seen *seen, int 
 {
     const thing t = {seen, 0};
     const float *c = seen->to_camera.t;
+    j->tile->one_thing = false;
     float radius = seen->instance->radius, focal = j->raster->pencil.focal;
     float reach = sqrtf(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + radius, limit = 32 * UNIT * reach * reach + TINY;
     vf vx = vf_set(c[0]), vy = vf_set(c[1]), vz = vf_set(c[2]), vfocal = vf_set(focal), doubt = vf_set(limit), one = vf_set(1);

@@ -103,6 +103,9 @@ bool DAFT_KERNEL(daft_pixels_hidden)(daft_tile_job *job, int x0, int x1, int y0,
 /* draw_kernel.c */
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, const daft_seen *seen, daft_hits *hits);
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
+/* The first batch of a tile, whose pixels are not cleared yet: a triangle that every ray hits fills it, and leaves the batch. False: none
+ * does, and nothing is known of the pixels. */
+bool DAFT_KERNEL(daft_batch_fill)(daft_tile_job *job, daft_pencil_batch *batch);
 /* The pixels x0..x1, y0..y1 of the tile against a sphere. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_seen *seen, int x0, int x1, int y0, int y1);
 

@@ -69,27 +69,49 @@ static uint32_t front_to_back(const daft_raster *raster, uint32_t tile, uint64_t
     return count;
 }
 
+static void clear_cells(daft_tile_job *j, bool stale)
+{
+    for (int y = 0; y < DAFT_CELLS_X; y++)
+        for (int x = 0; x < DAFT_CELLS_X; x++) j->farthest[y][x] = -INFINITY;
+    memset(j->stale, stale ? 0xff : 0, sizeof j->stale);
+}
+
 static void clear_pixels(daft_tile_job *j)
 {
     daft_tile *t = j->tile;
+    bool whole = t->width == DAFT_TILE && t->height == DAFT_TILE;
+    clear_cells(j, !whole);
     for (int i = 0; i < DAFT_TILE_ROOM; i += DAFT_VL) {
         float w = i < DAFT_TILE * DAFT_TILE_STRIDE ? -INFINITY : INFINITY;
         vf_store(&j->w_low[i], vf_set(w)), vf_store(&j->w_high[i], vf_set(w));
         vi_store(&t->instance[i], vi_set(-1)), vi_store(&t->triangle[i], vi_set(0));
     }
-    for (int y = 0; y < DAFT_CELLS_X; y++)
-        for (int x = 0; x < DAFT_CELLS_X; x++) j->farthest[y][x] = -INFINITY;
-    memset(j->stale, 0, sizeof j->stale);
-    if (t->width == DAFT_TILE && t->height == DAFT_TILE) return;
-    for (int i = 0; i < DAFT_TILE * DAFT_TILE_STRIDE; i++)
+    for (int i = 0; !whole && i < DAFT_TILE * DAFT_TILE_STRIDE; i++)
         if (i % DAFT_TILE_STRIDE >= t->width || i / DAFT_TILE_STRIDE >= t->height) j->w_low[i] = j->w_high[i] = INFINITY;
-    memset(j->stale, 0xff, sizeof j->stale);
+}
+
+/* The nearest thing of a tile that is not cleared yet. A floor or a wall fills it, and then nothing is to be cleared. False: it is still to be
+ * drawn. */
+static bool fill_pixels(daft_tile_job *j, const daft_seen *seen, daft_waiting *waiting)
+{
+    uint32_t blocks[DAFT_BATCH_BLOCKS];
+    daft_pencil_batch batch;
+    bool few = seen->mesh && !seen->dense && seen->bvh->block_count && seen->bvh->block_count <= DAFT_BATCH_BLOCKS;
+    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) blocks[i] = i;
+    bool some = few && DAFT_KERNEL(daft_blocks_setup)(j, seen, blocks, (uint32_t)seen->bvh->block_count, waiting, &batch);
+    if (some && DAFT_KERNEL(daft_batch_fill)(j, &batch))
+        clear_cells(j, true);
+    else
+        clear_pixels(j);
+    if (some && batch.live) DAFT_KERNEL(daft_batch_draw)(j, &batch);
+    return few;
 }
 
 static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *counters, daft_tile *tile)
 {
     daft_vec3 first = daft_pencil_ray(&raster->pencil, tile->x, tile->y);
     j->raster = raster, j->counters = counters, j->tile = tile;
+    tile->one_thing = false;
     j->left = first.x, j->top = first.y;
     j->last_x = (float)(tile->width - 1), j->last_y = (float)(tile->height - 1);
     j->max_dx = fmaxf(fabsf(first.x), fabsf(first.x + j->last_x + 3));
@@ -106,11 +128,12 @@ static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t work
     daft_bins *bins = &raster->bins[worker];
     daft_tile_place(raster, tile, out);
     job_begin(&j, raster, bins, out);
-    clear_pixels(&j);
     uint32_t count = front_to_back(raster, tile, bins->order);
     daft_waiting waiting;
     waiting.count = waiting.projected.count = waiting.hits.count = 0;
-    for (uint32_t i = 0; i < count; i++) {
+    uint32_t done = count && fill_pixels(&j, &raster->seen[(uint32_t)bins->order[0]], &waiting);
+    if (!count) clear_pixels(&j);
+    for (uint32_t i = done; i < count; i++) {
         const char *ahead = (const char *)&raster->seen[(uint32_t)bins->order[daft_min_u(i + AHEAD, count - 1)]];
         __builtin_prefetch(ahead), __builtin_prefetch(ahead + sizeof(daft_seen) - 1);
         draw_instance(&j, &raster->seen[(uint32_t)bins->order[i]], &waiting);

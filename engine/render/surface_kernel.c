@@ -421,7 +421,7 @@ static void seen_points(const daft_snapshot *snapshot, const daft_pencil *p, daf
 static bool sees_one_thing(const daft_tile *tile)
 {
     const vi instance = vi_set((int32_t)tile->instance[0]), triangle = vi_set((int32_t)tile->triangle[0]);
-    if (tile->width != DAFT_TILE || tile->instance[0] == DAFT_NOTHING) return false;
+    if (tile->width != DAFT_TILE || tile->instance[0] == DAFT_NOTHING || tile->one_thing) return tile->one_thing;
     for (int at = 0; at < tile->height * DAFT_TILE_STRIDE; at += DAFT_VL) {
         vm same = vm_and(vi_eq(vi_load(&tile->instance[at]), instance), vi_eq(vi_load(&tile->triangle[at]), triangle));
         if (vm_bits(same) != DAFT_ALL_LANES) return false;
