@@ -138,16 +138,16 @@ bool DAFT_KERNEL(daft_batch_fill)(daft_tile_job *j, daft_pencil_batch *b)
     vbits covers = b->live & b->covers, known = DAFT_ALL_LANES;
     if (!covers || j->tile->width != DAFT_TILE) return false;
     int i = __builtin_ctz(covers), end = j->tile->height * DAFT_TILE_STRIDE;
-    vf wx = vf_set(b->wx[i]), wy = vf_set(b->wy[i]), wz = vf_set(b->wz[i]), error = vf_set(b->error[i]), inf = vf_set(INFINITY);
+    vf wx = vf_set(b->wx[i]), wy = vf_set(b->wy[i]), wz = vf_set(b->wz[i]), error = vf_set(b->error[i]), cap = vf_set(b->w_cap[i]);
     vi instance = vi_set((int32_t)b->instance[i]), triangle = vi_set((int32_t)b->triangle[i]);
     for (int at = 0; at < end; at += DAFT_VL) {
         vf dx = vf_set(j->left) + vf_from_int(vi_iota() + vi_set(at % DAFT_TILE_STRIDE));
-        vf w = wx * dx + (wy * vf_set(j->top - (float)(at / DAFT_TILE_STRIDE)) + wz), low = w - error, high = w + error;
+        vf w = vf_min(wx * dx + (wy * vf_set(j->top - (float)(at / DAFT_TILE_STRIDE)) + wz), cap), low = w - error, high = w + error;
         known &= vm_bits(vf_le(low, high));
         vf_store(&j->w_low[at], low), vf_store(&j->w_high[at], high);
         vi_store(&j->tile->instance[at], instance), vi_store(&j->tile->triangle[at], triangle);
     }
-    for (int at = end; at < DAFT_TILE_ROOM; at += DAFT_VL) vf_store(&j->w_low[at], inf), vf_store(&j->w_high[at], inf);
+    for (int at = end; at < DAFT_TILE_ROOM; at += DAFT_VL) vf_store(&j->w_low[at], vf_set(INFINITY)), vf_store(&j->w_high[at], vf_set(INFINITY));
     if (known != DAFT_ALL_LANES) return false;
     b->live &= ~((vbits)1 << i);
     j->tile->one_thing = true;
