@@ -1,4 +1,4 @@
-/* Lanes picked by numbers that are kept as bytes, from tables that stand in registers. */
+/* Lanes picked by numbers that are kept as bytes, from tables that stand in registers; and bits of bytes. */
 #ifndef DAFT_SIMD_PICK_H
 #define DAFT_SIMD_PICK_H
 
@@ -27,6 +27,30 @@ DAFT_INLINE vi vi_load_bytes(const uint8_t *p)
     return (vi)_mm256_cvtepu8_epi32(_mm_loadu_si64(p));
 #else
     return (vi){p[0], p[1], p[2], p[3]};
+#endif
+}
+
+/* Bit k of bytes 0 to 63: bit i of out[k] is that of byte i. `count`: further bytes are 0. */
+DAFT_INLINE void bits_by_place(const uint8_t bytes[64], uint32_t count, uint64_t out[8])
+{
+    for (int k = 0; k < 8; k++) out[k] = 0;
+#if defined(DAFT_ISA_avx512)
+    (void)count;
+    __m512i all = _mm512_loadu_si512(bytes);
+    for (int k = 0; k < 8; k++) out[k] = _mm512_test_epi8_mask(all, _mm512_set1_epi8((char)(1 << k)));
+#elif defined(DAFT_ISA_avx2)
+    for (uint32_t i = 0; i < count; i += 32) {
+        __m256i some = _mm256_loadu_si256((const __m256i *)(const void *)(bytes + i));
+        for (int k = 0; k < 8; k++) out[k] |= (uint64_t)(uint32_t)_mm256_movemask_epi8(_mm256_slli_epi16(some, 7 - k)) << i;
+    }
+#elif defined(DAFT_ISA_sse2)
+    for (uint32_t i = 0; i < count; i += 16) {
+        __m128i some = _mm_loadu_si128((const __m128i *)(const void *)(bytes + i));
+        for (int k = 0; k < 8; k++) out[k] |= (uint64_t)(uint32_t)_mm_movemask_epi8(_mm_slli_epi16(some, 7 - k)) << i;
+    }
+#else
+    for (uint32_t i = 0; i < count; i++)
+        for (int k = 0; k < 8; k++) out[k] |= (uint64_t)(bytes[i] >> k & 1) << i;
 #endif
 }
 

@@ -12,6 +12,8 @@
 typedef struct mesh_caster {
     caster c;
     float size; /* of the map's translation: what corners may lose beside their own coordinates */
+    bool before; /* all of the mesh lies well before the lamp: */
+    float off_uv, off_depth; /* then places in the picture, and depths, are off by less than this */
     picture_map map; /* object space to light space */
     picture_map boxes; /* from where the tree's boxes stand */
     daft_affine back; /* and the way back, to where they stand */
@@ -29,16 +31,6 @@ typedef struct leaf {
     const daft_block *block;
     block_set behind;
 } leaf;
-
-/* The lanes of these blocks that hold triangles, `count` blocks being real. */
-DAFT_INLINE vbits leaves_used(const leaf *const *leaves, uint32_t count)
-{
-    vbits used = 0;
-    for (uint32_t k = 0; k < DAFT_VL / 4 && k < count; k++)
-        for (uint32_t j = 0; j < DAFT_BLOCK; j++)
-            used |= (vbits)(leaves[k]->block->triangle[j] != DAFT_NO_TRIANGLE) << (k * DAFT_BLOCK + j);
-    return used;
-}
 
 /* What comes from far is on its way before it is needed. */
 DAFT_INLINE void fetch_lines(const void *from, size_t size)
@@ -127,44 +119,81 @@ DAFT_INLINE vf box_reciprocal(vf z)
     return rough * (vf_set(2) - z * rough);
 }
 
-/* Sets the triangles' boxes, all of the picture for those that reach beside or behind the lamp; gives those that meet
- * the points' extent. */
-static inline vbits lanes_place(const mesh_caster *c, const corners *t, lanes *out)
+/* How much larger than their corners say triangles' boxes are in the picture; and those that reach beside or behind the lamp, which
+ * are before all of it. */
+typedef struct box_error {
+    vf uv, depth;
+    vm whole;
+} box_error;
+
+/* Of meshes that are near the lamp: from the corners themselves. */
+DAFT_INLINE box_error near_lamp_error(const mesh_caster *c, const corners *t, vf near, vf reach)
+{
+    const light *l = c->c.light;
+    vf size = vf_set(c->size), unit = vf_set(0x1p-20f); /* corners are off by a few 2^-24 of it */
+    for (int k = 0; k < 3; k++) size = vf_max(vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]), size);
+    box_error out = {.depth = size * unit, .whole = vm_from_bits(0)};
+    out.uv = out.depth;
+    if (l->sun) return out;
+    out.uv = (size / (near - vf_set(-l->away)) + reach) * unit;
+    out.whole = vf_le(near - out.depth, vf_set(-l->away + l->away * 0x1p-20f));
+    return out;
+}
+
+DAFT_INLINE vf most_reach(vf low_u, vf high_u, vf low_v, vf high_v)
+{
+    return vf_max(vf_max(vf_abs(low_u), vf_abs(high_u)), vf_max(vf_abs(low_v), vf_abs(high_v)));
+}
+
+/* Sets the triangles' boxes. */
+DAFT_INLINE void lanes_place(const mesh_caster *c, const corners *t, lanes *out)
 {
     const light *l = c->c.light;
     vf inf = vf_set(INFINITY), lu = inf, hu = -inf, lv = inf, hv = -inf;
-    vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])),
-       far = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
-    vf size = vf_set(c->size), lamp = vf_set(-l->away); /* corners are off by a few 2^-24 of it */
+    vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2]));
     for (int k = 0; k < 3; k++) {
         vf scale = l->sun ? vf_set(1) : box_reciprocal(t->p[k].z), u = t->p[k].x * scale, v = t->p[k].y * scale;
         lu = vf_min(u, lu), hu = vf_max(u, hu), lv = vf_min(v, lv), hv = vf_max(v, hv);
-        size = vf_max(vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]), size);
     }
-    vf wobble =
-        l->sun ? size : size / (near - lamp) + vf_max(vf_max(vf_abs(lu), vf_abs(hu)), vf_max(vf_abs(lv), vf_abs(hv)));
-    wobble = wobble * vf_set(0x1p-20f);
-    vf off_u = wobble + vf_set(l->slack_u), off_v = wobble + vf_set(l->slack_v);
-    vm whole = l->sun ? vm_from_bits(0) : vf_le(near - size * vf_set(0x1p-20f), lamp + vf_set(l->away * 0x1p-20f));
-    lu = vf_select(whole, -inf, lu - off_u), hu = vf_select(whole, inf, hu + off_u);
-    lv = vf_select(whole, -inf, lv - off_v), hv = vf_select(whole, inf, hv + off_v);
-    near = near - size * vf_set(0x1p-20f) - vf_set((fabsf(l->near) + fabsf(l->far)) * 0x1p-20f);
-    vm in = vm_and(vm_and(vf_le(vf_set(l->low_u), hu), vf_le(lu, vf_set(l->high_u))),
-                   vm_and(vf_le(vf_set(l->low_v), hv), vf_le(lv, vf_set(l->high_v))));
-    in = vm_and(in, vf_le(near, vf_set(l->far)));
-    if (!l->sun) in = vm_and(in, vf_lt(lamp, far + size * vf_set(0x1p-20f)));
-    if (vm_bits(vm_and(in, whole)))
-        in = vm_and(in, vm_not(vm_and(whole, corners_outside(l, t, (size + vf_set(l->away)) * vf_set(0x1p-20f)))));
+    box_error error = {vf_set(c->off_uv), vf_set(c->off_depth), vm_from_bits(0)};
+    if (!c->before) error = near_lamp_error(c, t, near, most_reach(lu, hu, lv, hv));
+    vf off_u = error.uv + vf_set(l->slack_u), off_v = error.uv + vf_set(l->slack_v);
+    lu = lu - off_u, hu = hu + off_u, lv = lv - off_v, hv = hv + off_v;
+    if (!c->before) {
+        lu = vf_select(error.whole, -inf, lu), hu = vf_select(error.whole, inf, hu);
+        lv = vf_select(error.whole, -inf, lv), hv = vf_select(error.whole, inf, hv);
+    }
+    near = near - error.depth - vf_set((fabsf(l->near) + fabsf(l->far)) * 0x1p-20f);
     vf_store(out->low_u, lu), vf_store(out->high_u, hu), vf_store(out->low_v, lv), vf_store(out->high_v, hv);
     vf_store(out->near, near);
-    return vm_bits(in);
 }
 
-DAFT_INLINE void lanes_name(const leaf *const *leaves, lanes *out)
+/* The bits of the triangles that may meet the points' extent. */
+static inline vbits lanes_met(const mesh_caster *c, const corners *t, const lanes *at)
+{
+    const light *l = c->c.light;
+    vf lu = vf_load(at->low_u), hu = vf_load(at->high_u), lv = vf_load(at->low_v), hv = vf_load(at->high_v);
+    vm in = vm_and(vm_and(vf_le(vf_set(l->low_u), hu), vf_le(lu, vf_set(l->high_u))),
+                   vm_and(vf_le(vf_set(l->low_v), hv), vf_le(lv, vf_set(l->high_v))));
+    in = vm_and(in, vf_le(vf_load(at->near), vf_set(l->far)));
+    if (l->sun || c->before) return vm_bits(in);
+    vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])),
+       far = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
+    box_error error = near_lamp_error(c, t, near, vf_set(0));
+    in = vm_and(in, vf_lt(vf_set(-l->away), far + error.depth));
+    vm whole = vm_and(in, error.whole);
+    if (!vm_bits(whole)) return vm_bits(in);
+    return vm_bits(vm_and(in, vm_not(vm_and(whole, corners_outside(l, t, error.depth + vf_set(l->away * 0x1p-20f))))));
+}
+
+/* Sets the triangles' numbers; gives the bits of those that are there, `count` blocks being real. */
+DAFT_INLINE vbits lanes_name(const leaf *const *leaves, uint32_t count, lanes *out)
 {
     const float *from[DAFT_VL / 4];
     for (int i = 0; i < DAFT_VL / 4; i++) from[i] = (const float *)leaves[i]->block->triangle;
-    vf_store((float *)out->triangle, vf_load_fours(from));
+    vi triangle = (vi)vf_load_fours(from);
+    vi_store(out->triangle, triangle);
+    return vbits_first((int)daft_min_u(count, DAFT_VL / DAFT_BLOCK) * DAFT_BLOCK) & ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE)));
 }
 
 DAFT_INLINE vf reach_of(vf3 a) { return vf_abs(a.x) + vf_abs(a.y) + vf_abs(a.z); }

@@ -1,5 +1,6 @@
 /* The shadow pencil's points where few of them lie behind a node: by themselves, each a ray in the mesh's own space. See
  * occluder_kernel.c. */
+#include "math/simd_pick.h"
 #include "render/occluder.h"
 
 enum {
@@ -15,7 +16,8 @@ typedef struct few_points {
     _Alignas(64) float from[3][FEW_POINTS + DAFT_VL], inverse[3][FEW_POINTS + DAFT_VL]; /* object space: places, and one over
                                                                                        * the ways to the lamp */
     bool alike;                /* along each axis all ways go up, or all down: */
-    uint8_t first[3], last[3]; /* the rows of a node's bounds that they meet first and last; where not, any way round */
+    uint32_t first[3], last[3]; /* the rows of a node's bounds that they meet first and last; where not, any way round */
+    float first_pad[3], last_pad[3]; /* what is added to these rows */
     uint32_t at[FEW_POINTS + DAFT_VL]; /* among the blocks' */
 } few_points;
 
@@ -38,7 +40,8 @@ static void few_ways(const mesh_caster *m, few_points *f)
     f->alike = true;
     for (int k = 0; k < 3; k++) {
         f->alike = f->alike && !(up[k] && down[k]);
-        f->first[k] = (uint8_t)(down[k] ? 3 + k : k), f->last[k] = (uint8_t)(down[k] ? k : 3 + k);
+        f->first[k] = (uint32_t)(down[k] ? 3 + k : k), f->last[k] = (uint32_t)(down[k] ? k : 3 + k);
+        f->first_pad[k] = down[k] ? m->pad[k] : -m->pad[k], f->last_pad[k] = -f->first_pad[k];
     }
 }
 
@@ -108,7 +111,7 @@ static void few_darken(const mesh_caster *m, few_points *f, uint32_t i)
 }
 
 /* Which points lie behind which triangles' boxes is found first, so that no branch hangs on it. */
-static void few_test(const mesh_caster *m, few_points *f, const leaf *const *leaves, vbits used)
+static void few_test(const mesh_caster *m, few_points *f, const leaf *const *leaves, uint32_t blocks)
 {
     lanes t;
     uint32_t count = 0, point[FEW_POINTS + 1];
@@ -118,14 +121,16 @@ static void few_test(const mesh_caster *m, few_points *f, const leaf *const *lea
     behind &= f->live;
     if (!behind) return;
     corners moved = corners_move(m, leaves);
-    vbits live = lanes_place(m, &moved, &t) & used;
+    vbits live = lanes_name(leaves, blocks, &t);
+    lanes_place(m, &moved, &t);
+    if (!m->before) live &= lanes_met(m, &moved, &t);
     for (; behind; behind &= behind - 1) {
         point[count] = (uint32_t)__builtin_ctzll(behind);
         triangles[count] = triangles_over(&t, f, point[count]) & live;
         count += triangles[count] != 0;
     }
     if (!count) return;
-    lanes_setup(m, &moved, false, &t), lanes_name(leaves, &t);
+    lanes_setup(m, &moved, false, &t);
     for (uint32_t k = 0; k < count; k++)
         if (point_hidden(m, &t, leaves, triangles[k], f->at[point[k]])) few_darken(m, f, point[k]);
 }
@@ -147,16 +152,8 @@ static void few_flush(const mesh_caster *m, const few_entry *ends, uint32_t coun
     for (uint32_t i = 0; i < blocks; i += DAFT_VL / 4) {
         const leaf *leaves[DAFT_VL / 4];
         for (uint32_t k = 0; k < DAFT_VL / 4; k++) leaves[k] = &list[i + k < blocks ? i + k : i];
-        few_test(m, f, leaves, leaves_used(leaves, blocks - i));
+        few_test(m, f, leaves, blocks - i);
     }
-}
-
-/* Bit 8·i + k becomes bit 8·k + i. */
-DAFT_INLINE uint64_t transpose_bits(uint64_t x)
-{
-    x = (x & 0xaa55aa55aa55aa55) | (x & 0x00aa00aa00aa00aa) << 7 | (x >> 7 & 0x00aa00aa00aa00aa);
-    x = (x & 0xcccc3333cccc3333) | (x & 0x0000cccc0000cccc) << 14 | (x >> 14 & 0x0000cccc0000cccc);
-    return (x & 0xf0f0f0f00f0f0f0f) | (x & 0x00000000f0f0f0f0) << 28 | (x >> 28 & 0x00000000f0f0f0f0);
 }
 
 /* Which of the points' ways to the lamp meet which of a node's children: few points cost less so than boxes seen from the lamp.
@@ -168,8 +165,8 @@ DAFT_INLINE uint32_t children_met(const mesh_caster *m, const daft_node *node, c
     uint8_t met[FEW_POINTS] = {0};
     v8 first[3], last[3];
     for (int k = 0; k < 3; k++) {
-        first[k] = v8_load(node->bounds[f->first[k]]) + v8_set(f->first[k] < 3 ? -m->pad[k] : m->pad[k]);
-        last[k] = v8_load(node->bounds[f->last[k]]) + v8_set(f->last[k] < 3 ? -m->pad[k] : m->pad[k]);
+        first[k] = v8_load(node->bounds[f->first[k]]) + v8_set(f->first_pad[k]);
+        last[k] = v8_load(node->bounds[f->last[k]]) + v8_set(f->last_pad[k]);
     }
     for (uint64_t left = from; left; left &= left - 1) {
         uint32_t i = (uint32_t)__builtin_ctzll(left);
@@ -182,14 +179,7 @@ DAFT_INLINE uint32_t children_met(const mesh_caster *m, const daft_node *node, c
         met[i] = (uint8_t)v8_le_bits(near, far * v8_set(1 + 0x1p-20f));
     }
     uint32_t any = 0, real = v8_le_bits(v8_load(node->bounds[0]), v8_load(node->bounds[3]));
-    for (int i = 0; i < DAFT_WIDTH; i++) behind[i] = 0;
-    for (uint32_t k = 0; k < f->count; k += 8) {
-        uint64_t bits;
-        memcpy(&bits, &met[k], sizeof bits);
-        if (!bits) continue;
-        bits = transpose_bits(bits);
-        for (int i = 0; i < DAFT_WIDTH; i++) behind[i] |= (bits >> (8 * i) & 255) << k;
-    }
+    bits_by_place(met, f->count, behind);
     for (int i = 0; i < DAFT_WIDTH; i++) any |= (uint32_t)(behind[i] != 0) << i;
     return any & real;
 }

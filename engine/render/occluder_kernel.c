@@ -220,15 +220,16 @@ static void pairs_hide(const mesh_caster *m, const lanes *t, const leaf *const *
     }
 }
 
-static void test_leaves(const mesh_caster *m, const leaf *const *leaves, vbits used)
+/* `count` of the leaves' blocks are real. */
+static void test_leaves(const mesh_caster *m, const leaf *const *leaves, uint32_t count)
 {
     lanes t;
     pairs list;
     corners moved = corners_move(m, leaves);
-    vbits live = lanes_place(m, &moved, &t) & used;
     block_set behind = {{0}};
+    lanes_place(m, &moved, &t);
+    vbits live = lanes_name(leaves, count, &t) & lanes_met(m, &moved, &t);
     if (!live) return;
-    lanes_name(leaves, &t);
     for (uint32_t k = 0; k < DAFT_VL / 4; k++)
         for (uint32_t word = 0; word < DAFT_COUNT_OF(behind.bits); word++)
             behind.bits[word] |= leaves[k]->behind.bits[word];
@@ -247,7 +248,7 @@ static void flush(const mesh_caster *c, const leaf *list, uint32_t count)
     for (uint32_t i = 0; i < count; i += DAFT_VL / 4) {
         const leaf *leaves[DAFT_VL / 4];
         for (uint32_t k = 0; k < DAFT_VL / 4; k++) leaves[k] = &list[i + k < count ? i + k : i];
-        test_leaves(c, leaves, leaves_used(leaves, count - i));
+        test_leaves(c, leaves, count - i);
     }
 }
 

@@ -49,11 +49,28 @@ static void turn_boxes(mesh_caster *m)
     m->back.t[0] = (float)t.x, m->back.t[1] = (float)t.y, m->back.t[2] = (float)t.z;
 }
 
+/* What corners' boxes are off by, from all that the mesh reaches in light space, where that is not much more than its distance from
+ * the lamp: depths by a few 2^-24 of it; places in the picture, which are no larger than it over the distance, by that over the
+ * distance, by themselves times that, and by 2^-21 of themselves. */
+static void set_errors(mesh_caster *m)
+{
+    const light *l = m->c.light;
+    const float *low = &m->c.instance->mesh->low.x, *high = &m->c.instance->mesh->high.x, *depth = &m->map.map.m[6];
+    float size = m->map.still, near = m->map.map.t[2] + l->away;
+    for (int k = 0; k < 3; k++) {
+        size += m->map.reach[k] * fmaxf(fabsf(low[k]), fabsf(high[k]));
+        near += fminf(depth[k] * low[k], depth[k] * high[k]);
+    }
+    m->before = size < 1e30f && (l->sun || near > 0.125f * (size + l->away * 0x1p-10f)); /* not where large numbers have made it NaN */
+    m->off_depth = size * 0x1p-20f, m->off_uv = l->sun ? m->off_depth : m->off_depth / near * (2 + size / near);
+}
+
 void DAFT_KERNEL(daft_mesh_caster_make)(const caster *c, mesh_caster *out)
 {
     const daft_affine map = DAFT_KERNEL(daft_light_compose)(&c->light->map, &c->instance->to_frame, c->light->origin);
     out->c = *c;
     out->map = picture_map_make(&map), out->size = out->map.still, out->boxes = out->map;
+    set_errors(out);
     set_back(c, &out->back, out->pad);
     if (c->instance->bvh->turned) turn_boxes(out);
 }
