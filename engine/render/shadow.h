@@ -254,9 +254,10 @@ DAFT_INLINE picture_place picture_of(const light *l, vf3 p)
 }
 
 /* Puts the points whose bits are in `kept` into blocks. `own`: the triangle that a point lies on and that cannot shadow it,
- * or DAFT_NO_TRIANGLE. `stray`: patches that many times larger than usual are taken apart. */
+ * or DAFT_NO_TRIANGLE. `stray`: patches that many times larger than usual are taken apart. `crowd`: the points lie on many things, or
+ * many things may hide them. */
 void DAFT_KERNEL(daft_shadow_blocks)(const light *l, const daft_batch *batch, const uint32_t *own, const uint32_t *kept,
-                                     float stray, shadow_points *to);
+                                     bool crowd, float stray, shadow_points *to);
 
 /* The map b, then a, from whose origin `origin` is taken first. */
 daft_affine DAFT_KERNEL(daft_light_compose)(const daft_affine *a, const daft_affine *b, daft_vec3 origin);

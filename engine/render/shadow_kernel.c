@@ -640,7 +640,7 @@ static uint32_t cast_pencil(cast *c, uint32_t *bits)
     c->view = picture_map_make(&c->light.map);
     bool few = find_casters(c, FEW_CASTERS, FEW_LOOKS);
     if (few && c->caster_count == 0) return 0;
-    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, stray_limit(c, few), &points);
+    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, !few, stray_limit(c, few), &points);
     if (few) {
         cast_remembered(c, &points);
         for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);

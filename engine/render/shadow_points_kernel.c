@@ -1,9 +1,12 @@
 /* The shadow pencil's points in blocks of 16: patches of 4 by 4 pixels, which lie side by side on a surface and so in the
- * lamp's picture. Patches across a silhouette do not: those that are much larger there than usual are taken apart, and
- * their points make blocks along a Morton curve in that picture. */
+ * lamp's picture; in crowds, points of one thing. Patches across a silhouette do not: those that are much larger there than usual
+ * are taken apart, and their points make blocks along a Morton curve in that picture. */
 #include "render/shadow.h"
 
 #define TINY 1e-36f
+
+/* A block of one thing is large where the thing is: only what is far apart on it makes another. */
+#define STRAY_OF_THINGS 12.0f
 
 typedef struct pencil {
     const light *light;
@@ -56,28 +59,112 @@ DAFT_INLINE vi patches_of(vi pixel)
     return (x & vi_set(1)) | (y & vi_set(1)) << 1 | (x & vi_set(2)) << 1 | (y & vi_set(2)) << 2 | (x & vi_set(4)) << 2 | (y & vi_set(4)) << 3;
 }
 
-/* Counting sort by patch; each patch begins a block. */
-static void place_sorted(const daft_batch *b, const uint32_t *kept, places *out)
+/* The kept points, one after the other. */
+typedef struct kept_points {
+    uint32_t count;
+    uint32_t index[DAFT_BATCH_ROOM + DAFT_VL], patch[DAFT_BATCH_ROOM + DAFT_VL], instance[DAFT_BATCH_ROOM + DAFT_VL];
+} kept_points;
+
+static void list_kept(const daft_batch *b, const uint32_t *kept, kept_points *out)
 {
-    uint32_t next[SHADOW_TILE_BLOCKS] = {0}, blocks = 0, count = 0;
-    uint32_t index[DAFT_BATCH_ROOM + DAFT_VL], patch_at[DAFT_BATCH_ROOM + DAFT_VL];
-    out->rows = false;
+    uint32_t count = 0;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = kept[i / 32] >> (i % 32) & DAFT_ALL_LANES;
-        vi_compress(&index[count], in, vi_iota() + vi_set((int32_t)i));
-        vi_compress(&patch_at[count], in, patches_of(vi_load(&b->pixel[i])));
+        vi_compress(&out->index[count], in, vi_iota() + vi_set((int32_t)i));
+        vi_compress(&out->patch[count], in, patches_of(vi_load(&b->pixel[i])));
+        vi_compress(&out->instance[count], in, vi_load(&b->instance[i]));
         count += (uint32_t)__builtin_popcount(in);
     }
-    for (uint32_t k = 0; k < count; k++) next[patch_at[k]]++;
-    for (uint32_t patch = 0; patch < SHADOW_TILE_BLOCKS; patch++) {
-        uint32_t points = next[patch];
-        next[patch] = blocks * SHADOW_BLOCK;
-        for (uint32_t left = points; left; left -= daft_min_u(left, SHADOW_BLOCK))
+    out->count = count;
+}
+
+/* Blocks for some sets of so many points, each of which begins one: gives where each set's first point goes. */
+static void blocks_for(const uint32_t *points, uint32_t sets, uint32_t *first, places *out)
+{
+    uint32_t blocks = 0;
+    for (uint32_t i = 0; i < sets; i++) {
+        first[i] = blocks * SHADOW_BLOCK;
+        for (uint32_t left = points[i]; left; left -= daft_min_u(left, SHADOW_BLOCK))
             out->used[blocks++] = left >= SHADOW_BLOCK ? 0xffff : ((uint32_t)1 << left) - 1;
     }
-    out->count = blocks;
+    out->count = blocks, out->rows = false;
     memset(out->at, 0, blocks * SHADOW_BLOCK * sizeof out->at[0]);
-    for (uint32_t k = 0; k < count; k++) out->at[next[patch_at[k]]++] = index[k];
+}
+
+/* Counting sort by patch; each patch begins a block. */
+static void place_by_patches(const kept_points *list, places *out)
+{
+    uint32_t points[SHADOW_TILE_BLOCKS] = {0}, next[SHADOW_TILE_BLOCKS];
+    for (uint32_t k = 0; k < list->count; k++) points[list->patch[k]]++;
+    blocks_for(points, SHADOW_TILE_BLOCKS, next, out);
+    for (uint32_t k = 0; k < list->count; k++) out->at[next[list->patch[k]]++] = list->index[k];
+}
+
+/* The things that points lie on, numbered as they come, by keys: each begins a block, so there is room for so many. */
+enum { THINGS = SHADOW_BLOCKS - SHADOW_TILE_BLOCKS, THING_KEYS = 256, THING_KEY_BITS = 8 };
+typedef struct things {
+    uint32_t count, points[THINGS];
+    uint32_t instance[THING_KEYS];
+    uint8_t after[THING_KEYS]; /* one after the number of the key's thing; 0: it has none */
+    uint8_t of[DAFT_BATCH_ROOM]; /* the thing of each point */
+} things;
+
+/* THINGS: there are too many. */
+DAFT_INLINE uint32_t thing_of(things *t, uint32_t instance)
+{
+    uint32_t key = instance * 0x9e3779b1u >> (32 - THING_KEY_BITS);
+    while (t->after[key] && t->instance[key] != instance) key = (key + 1) % THING_KEYS;
+    if (t->after[key]) return t->after[key] - 1u;
+    if (t->count == THINGS) return THINGS;
+    t->instance[key] = instance, t->points[t->count] = 0;
+    t->after[key] = (uint8_t)(t->count + 1);
+    return t->count++;
+}
+
+static bool know_things(const kept_points *list, things *out)
+{
+    uint32_t last = DAFT_NOTHING, thing = 0;
+    out->count = 0;
+    memset(out->after, 0, sizeof out->after);
+    for (uint32_t k = 0; k < list->count; k++) {
+        if (list->instance[k] != last || k == 0) thing = thing_of(out, last = list->instance[k]);
+        if (thing == THINGS) return false;
+        out->of[k] = (uint8_t)thing, out->points[thing]++;
+    }
+    return true;
+}
+
+/* Thing by thing, and patch by patch of each: where patches hold some points of this and some of that, blocks of one thing each are
+ * fewer, and each is small. False: there are too many things. */
+static bool place_by_things(const kept_points *list, places *out)
+{
+    uint32_t next[SHADOW_TILE_BLOCKS] = {0}, first[THINGS], sum = 0;
+    uint16_t sorted[DAFT_BATCH_ROOM];
+    things all;
+    if (!know_things(list, &all)) return false;
+    for (uint32_t k = 0; k < list->count; k++) next[list->patch[k]]++;
+    for (uint32_t patch = 0; patch < SHADOW_TILE_BLOCKS; patch++) {
+        uint32_t points = next[patch];
+        next[patch] = sum, sum += points;
+    }
+    for (uint32_t k = 0; k < list->count; k++) sorted[next[list->patch[k]]++] = (uint16_t)k;
+    blocks_for(all.points, all.count, first, out);
+    for (uint32_t k = 0; k < list->count; k++) out->at[first[all.of[sorted[k]]]++] = list->index[sorted[k]];
+    return true;
+}
+
+/* Gives whether the blocks are of one thing each. */
+static bool place_points(const daft_batch *batch, const uint32_t *kept, bool crowd, places *out)
+{
+    kept_points list;
+    bool whole = is_whole_tile(batch);
+    if (crowd || !whole) list_kept(batch, kept, &list);
+    if (crowd && place_by_things(&list, out)) return true;
+    if (whole)
+        place_whole_tile(kept, out);
+    else
+        place_by_patches(&list, out);
+    return false;
 }
 
 /* DAFT_VL values from their places, of which the first is `from`; `rows`: they are in rows of four below each other. */
@@ -271,15 +358,12 @@ static void empty_block(shadow_points *p, uint32_t b)
 }
 
 void DAFT_KERNEL(daft_shadow_blocks)(const light *l, const daft_batch *batch, const uint32_t *own, const uint32_t *kept,
-                                     float stray, shadow_points *to)
+                                     bool crowd, float stray, shadow_points *to)
 {
     const pencil c = {l, batch, own};
     places from;
     strays apart;
-    if (is_whole_tile(batch))
-        place_whole_tile(kept, &from);
-    else
-        place_sorted(batch, kept, &from);
+    if (place_points(batch, kept, crowd, &from)) stray = STRAY_OF_THINGS;
     for (uint32_t b = 0; b < from.count; b++)
         from.rows ? fill_block(&c, &from, b, true, to) : fill_block(&c, &from, b, false, to);
     to->count = from.count;
