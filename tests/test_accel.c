@@ -487,6 +487,7 @@ static void shifted_things(void **unused)
             add_rays(&c, &s, kind % 8);
             for (uint32_t i = 0; i < c.count; i++) {
                 uint32_t ignore = random_bits() % 2 ? UINT32_MAX : random_bits() % count;
+                if (i % 16 == 5) c.rays[i].tmin = -0.0f; /* not below 0, but before it as bits */
                 for (int isa = 0; isa <= daft_isa_best(); isa++) {
                     const daft_accel_kernels *k = daft_accel_kernels_for(isa);
                     daft_hit hit, expected;

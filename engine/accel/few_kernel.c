@@ -6,9 +6,9 @@
 /* A ray that meets some box. */
 typedef struct few_ray {
     slab_way way;
-    float near[DAFT_WIDTH]; /* where it enters each */
-    float size;             /* of the direction: the sum of its magnitudes */
-    uint32_t bits;          /* which boxes */
+    slab_near near; /* where it enters each */
+    float size;     /* of the direction: the sum of its magnitudes */
+    uint32_t bits;  /* which boxes */
 } few_ray;
 
 typedef enum few_answer { FEW_UNUSUAL, FEW_MISSED, FEW_MET } few_answer;
@@ -32,27 +32,29 @@ DAFT_INLINE few_answer few_meet(const daft_few *few, const daft_ray *ray, few_ra
                               v8_set(limit_of(ray->tmax, true)), &near);
     if (!bits) return FEW_MISSED;
     out->way = way, out->size = size, out->bits = bits;
-    v8_store(out->near, near);
+    v8_store((float *)out->near.at, near), out->near.at[DAFT_WIDTH] = DAFT_INFINITY_BITS;
     return FEW_MET;
 }
 
-/* Of the things in bits, 1 or more, the nearest; its bit is taken away. Of two it is branched on, not looked up: the processor
- * foresees a branch and begins in the mesh at once, where it would wait for the boxes before it looked. */
-DAFT_INLINE const few_thing *few_next(const daft_few *few, uint32_t *bits, const float near[DAFT_WIDTH], float *enter)
+/* Of the things in bits, 1 or more, the nearest; its bit is taken away. Whether it is one or two no branch asks; but which it is
+ * is branched on, not looked up: the processor foresees a branch and begins in the mesh at once, where it would wait for the
+ * boxes before it looked. */
+DAFT_INLINE const few_thing *few_next(const daft_few *few, few_ray *f, float *enter)
 {
-    const few_thing *thing;
-    uint32_t at = (uint32_t)__builtin_ctz(*bits);
-    for (uint32_t left = *bits & (*bits - 1); left; left &= left - 1) {
-        uint32_t i = (uint32_t)__builtin_ctz(left);
-        if (near[i] < near[at]) at = i;
+    two_bits two = two_lowest(f->bits);
+    const int32_t *at = f->near.at;
+    uint32_t i = at[two.second] < at[two.first] ? two.second : two.first;
+    for (uint32_t left = two.left & (two.left - 1); __builtin_expect(left != 0, 0); left &= left - 1) {
+        uint32_t next = (uint32_t)__builtin_ctz(left);
+        i = at[next] < at[i] ? next : i;
     }
-    *bits &= ~(1u << at);
-    *enter = near[at];
-    if (at > 1) return &few->things[at];
-    if (at == 0) thing = &few->things[0];
-    else thing = &few->things[1];
-    __asm__("" : "+r"(thing)); /* or the compiler makes a look-up of it again */
-    return thing;
+    f->bits &= ~(1u << i);
+    *enter = ((const float *)at)[i];
+    if (i > 1) return &few->things[i];
+    if (i == 1) return &few->things[1];
+    const few_thing *first = &few->things[0];
+    __asm__("" : "+r"(first)); /* or the compiler makes a look-up of it again */
+    return first;
 }
 
 /* The ray in a thing's space, but for its origin. */
@@ -76,7 +78,7 @@ static __attribute__((noinline)) bool few_closest(const daft_tlas *tlas, const d
     const few_thing *won = NULL;
     while (f->bits) {
         float enter, t = n.t;
-        const few_thing *thing = few_next(tlas->few, &f->bits, f->near, &enter);
+        const few_thing *thing = few_next(tlas->few, f, &enter);
         if (enter > limit_of(n.t, true)) break;
         if (thing->index == ignore) continue;
         slab_origin at = slab_origin_of(few_enter(thing, ray, &r));
@@ -113,7 +115,7 @@ static __attribute__((noinline)) bool few_stops(const daft_tlas *tlas, const daf
     r.inner = daft_inner_of(ray->tmin, ray->tmax);
     while (f->bits) {
         float enter;
-        const few_thing *thing = few_next(tlas->few, &f->bits, f->near, &enter);
+        const few_thing *thing = few_next(tlas->few, f, &enter);
         if (!thing->casts_shadow) continue;
         slab_origin at = slab_origin_of(few_enter(thing, ray, &r));
         daft_nearest n = {.t = ray->tmax, .triangle = DAFT_NO_TRIANGLE};

@@ -336,7 +336,7 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
             if (bits & node->spheres & spheres) bits = spheres_met(node, bits, &view);
             if (bits) {
-                child = step(&tree, node, bits, near, false, &top);
+                child = step(&tree, node, bits, near, &top);
                 continue;
             }
         }
@@ -438,7 +438,7 @@ DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daf
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
             if (bits & node->spheres & spheres) bits = spheres_met(node, bits, &view);
             if (bits) {
-                child = step(&tree, node, bits, near, false, &top);
+                child = step(&tree, node, bits, near, &top);
                 continue;
             }
         }

@@ -2,11 +2,11 @@
  * level, and few_kernel.c, which has scenes of few things. How rays meet boxes and triangles is in ray_test.h; here it is in
  * which order.
  *
- * Most nodes have one child that the ray meets, so that one is taken at once; of several the nearest is kept in a register
- * and the others are sorted into the stack, distance and number in one word. (Ordered traversal and the stack's distances
- * are those of Wald et al., "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014.) The stack ends in a child that
- * is none, so that no count is kept. The blocks of a leaf go through the filter together, as many as there are lanes for;
- * what the filter costs is most of a leaf, and a leaf costs about as much as two nodes. */
+ * Most nodes have one child or two that the ray meets; of several the nearest is kept in a register and the others are sorted
+ * into the stack, distance and number in one word. (Ordered traversal and the stack's distances are those of Wald et al.,
+ * "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014.) The stack ends in a child that is none, so that no count
+ * is kept. The blocks of a leaf go through the filter together, as many as there are lanes for; what the filter costs is most
+ * of a leaf, and a leaf costs about as much as two nodes. */
 #ifndef DAFT_WALK_H
 #define DAFT_WALK_H
 
@@ -14,6 +14,7 @@
 #include "accel/traverse.h"
 
 #define DAFT_WIDEN (1 + 8 * DAFT_ULP)
+#define DAFT_INFINITY_BITS 0x7f800000
 enum { ROW = sizeof(((daft_node *)0)->bounds[0]) };
 
 /* A direction as boxes see it: minus one over it, and the same widened; where in bounds, in bytes, the planes stand that it
@@ -39,6 +40,12 @@ typedef struct ray_stack {
 typedef struct code_stack {
     uint32_t items[1 + DAFT_STACK + 2 * DAFT_WIDTH];
 } code_stack;
+
+/* Where the ray enters boxes, as bits: they are ordered as the distances are, or, below 0, in some way that costs time alone.
+ * Behind them infinity, for who asks of a second box where there is one. */
+typedef struct slab_near {
+    int32_t at[DAFT_WIDTH + 1];
+} __attribute__((aligned(32))) slab_near;
 
 static const uint64_t STACK_END = (uint64_t)0xff800000u << 32 | DAFT_CHILD_NONE;
 
@@ -107,50 +114,82 @@ DAFT_INLINE void fetch(const tree_place *tree, uint32_t child)
     for (size_t i = 0; i < sizeof *tree->nodes; i += 64) __builtin_prefetch(at + i);
 }
 
-/* Child i of a node. `guess`: found by a jump, not a look-up. A processor foresees jumps, so it begins in the child before it
- * knows that the ray meets it: rays that begin near the last one's origin go down to its leaf the same way. */
-DAFT_INLINE uint32_t child_at(const daft_node *node, uint32_t i, bool guess)
+/* Child i of a node, found by a jump, not a look-up. A processor foresees jumps, so it begins in the child before it knows that
+ * the ray meets it: rays that begin near the last one's origin go down to its leaf the same way. */
+DAFT_INLINE uint32_t child_at(const daft_node *node, uint32_t i)
 {
     uint32_t child;
-    if (!guess) return node->child[i];
     switch (i) {
 #define CHILD(k) case k: child = node->child[k]; __asm__("" : "+r"(child)); return child; /* or it becomes a look-up again */
-        CHILD(0) CHILD(1) CHILD(2) CHILD(3) CHILD(4) CHILD(5) CHILD(6)
+        CHILD(0) CHILD(1) CHILD(2) CHILD(3) CHILD(4) CHILD(5) CHILD(6) CHILD(7)
 #undef CHILD
-        default: return node->child[7];
+        default: __builtin_unreachable();
     }
 }
 
 /* Of the children in bits, 1 or more: the nearest is the answer, the others are pushed, nearest last. */
-DAFT_INLINE uint32_t step(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, bool guess, uint64_t **top)
+DAFT_INLINE uint32_t step(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, uint64_t **top)
 {
-    uint32_t i = (uint32_t)__builtin_ctz(bits), best = i, at[DAFT_WIDTH] __attribute__((aligned(32)));
+    uint32_t i = (uint32_t)__builtin_ctz(bits), at[DAFT_WIDTH] __attribute__((aligned(32)));
     bits &= bits - 1;
-    if (!bits) return child_at(node, i, guess);
+    if (!bits) return node->child[i];
     v8_store((float *)at, near); /* in one piece: a copy would wait for its halves */
     uint64_t nearest = (uint64_t)at[i] << 32 | node->child[i], *base = *top, *end = base;
     do {
         i = (uint32_t)__builtin_ctz(bits);
         bits &= bits - 1;
         uint64_t child = (uint64_t)at[i] << 32 | node->child[i], further = child < nearest ? nearest : child, *place = end++;
-        best = child < nearest ? i : best, nearest = child < nearest ? child : nearest;
+        nearest = child < nearest ? child : nearest;
         for (; place > base && place[-1] < further; place--) place[0] = place[-1];
         *place = further;
         fetch(tree, (uint32_t)further);
     } while (bits);
     *top = end;
-    return guess ? child_at(node, best, true) : (uint32_t)nearest;
+    return (uint32_t)nearest;
+}
+
+/* The lowest of the bits of children, 1 or more, and the next one, or DAFT_WIDTH where there is no other. */
+typedef struct two_bits {
+    uint32_t first, second, left; /* left: bits without the lowest */
+} two_bits;
+
+DAFT_INLINE two_bits two_lowest(uint32_t bits)
+{
+    uint32_t left = bits & (bits - 1);
+    return (two_bits){(uint32_t)__builtin_ctz(bits), (uint32_t)__builtin_ctz(left | 1u << DAFT_WIDTH), left};
+}
+
+/* As step, on the way down to the first leaf. Whether it is one child or two, and which comes first, no branch asks: one would
+ * be guessed wrong in every second ray. */
+DAFT_INLINE uint32_t step_down(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, slab_near *begins, uint64_t **top)
+{
+    two_bits two = two_lowest(bits);
+    const int32_t *at = begins->at;
+    v8_store((float *)begins->at, near);
+    uint32_t best = at[two.second] < at[two.first] ? two.second : two.first, other = best ^ two.first ^ two.second;
+    uint64_t *base = *top, *end = base + (two.left != 0);
+    base[0] = (uint64_t)(uint32_t)at[other] << 32 | node->child[other % DAFT_WIDTH];
+    for (uint32_t left = two.left & (two.left - 1); __builtin_expect(left != 0, 0); left &= left - 1) {
+        uint32_t i = (uint32_t)__builtin_ctz(left), further = at[i] < at[best] ? best : i;
+        best = best ^ i ^ further;
+        uint64_t item = (uint64_t)(uint32_t)at[further] << 32 | node->child[further], *place = end++;
+        for (; place > base && place[-1] < item; place--) place[0] = place[-1];
+        *place = item;
+        fetch(tree, (uint32_t)item);
+    }
+    *top = end;
+    return child_at(node, best);
 }
 
 /* Of the children in bits, 1 or more, in any order: one is the answer, the others are pushed. */
 DAFT_INLINE uint32_t spread(const daft_node *node, uint32_t bits, bool guess, uint32_t **top)
 {
-    uint32_t i = (uint32_t)__builtin_ctz(bits), first;
-    bits &= bits - 1;
-    if (!bits) return child_at(node, i, guess);
-    first = node->child[i];
-    for (; bits; bits &= bits - 1) *(*top)++ = node->child[__builtin_ctz(bits)];
-    return first;
+    two_bits two = two_lowest(bits);
+    (*top)[0] = node->child[two.second % DAFT_WIDTH];
+    *top += two.left != 0;
+    for (uint32_t left = two.left & (two.left - 1); __builtin_expect(left != 0, 0); left &= left - 1)
+        *(*top)++ = node->child[__builtin_ctz(left)];
+    return guess ? child_at(node, two.first) : node->child[two.first];
 }
 
 /* The next child that begins before `limit`. */
@@ -172,7 +211,7 @@ DAFT_INLINE float begin_of(float t, bool plain) { return plain ? t * (1 - 0x1p-1
 
 DAFT_INLINE const char *node_at(const daft_node *nodes, uint32_t code) { return (const char *)nodes + code * sizeof *nodes; }
 
-/* Below `child`; `guess` as in child_at, down to the first leaf: after that it would be wrong too often. hit->t limits the
+/* Below `child`; `guess`: children are found by jumps (child_at) down to the first leaf: after that it would be wrong too often. hit->t limits the
  * search and hit->triangle breaks ties, so the order of traversal does not matter. */
 DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
                            const slab_origin *until, bool plain, bool guess, daft_nearest *hit)
@@ -184,17 +223,18 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
     const tree_place tree = {nodes, bvh->blocks, sizeof *bvh->blocks, 2};
     float limit = limit_of(hit->t, plain);
     v8 low = v8_set(begin_of(r->tmin, plain)), high = v8_set(limit), near;
+    slab_near begins = {.at[DAFT_WIDTH] = DAFT_INFINITY_BITS};
     while (guess && !(child & DAFT_CHILD_LEAF)) {
         const char *node = node_at(nodes, child);
         uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
         guess = bits != 0;
-        child = bits ? step(&tree, (const daft_node *)node, bits, near, true, &top) : pop(&top, limit);
+        child = bits ? step_down(&tree, (const daft_node *)node, bits, near, &begins, &top) : pop(&top, limit);
     }
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
             uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
-            child = bits ? step(&tree, (const daft_node *)node, bits, near, false, &top) : pop(&top, limit);
+            child = bits ? step(&tree, (const daft_node *)node, bits, near, &top) : pop(&top, limit);
         }
         if (child == DAFT_CHILD_NONE) return;
         if (DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, r, plain ? limit : daft_forward(limit), hit))
