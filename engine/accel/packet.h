@@ -27,6 +27,8 @@ typedef struct convoy {
     vf limit; /* of boxes; -inf for lanes that ask nothing more */
     vf inner_low, inner_high; /* daft_inner */
     vf dd, off;               /* directions' squares, and what spheres may be off by at least; for sphere_test */
+    vbits plain;              /* lanes whose tmin is not negative and whose boxes' distances do not overflow */
+    int few;                  /* as many rays, or fewer, go on alone among instances */
 } convoy;
 
 /* The rays as boxes see them. */
@@ -61,12 +63,6 @@ DAFT_INLINE void stop(convoy *c, vbits bits)
     c->limit = vf_select(vm_from_bits(bits), vf_set(-INFINITY), c->limit);
 }
 
-DAFT_INLINE bool is_shift(const daft_affine *map)
-{
-    static const float UNTURNED[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    return v8_eq_bits(v8_load(map->m), v8_load(UNTURNED)) == 0xff && map->m[8] == 1;
-}
-
 /* In the order of daft_affine_point and daft_affine_vector. */
 DAFT_INLINE vf rows(const float *m, vf3 p) { return vf_set(m[0]) * p.x + vf_set(m[1]) * p.y + vf_set(m[2]) * p.z; }
 
@@ -75,10 +71,42 @@ DAFT_INLINE vf past_lanes(vf t) /* daft_past */
     return vf_select(vf_lt(vf_set(0), t), t * vf_set(1 + 0x1p-17f), t * vf_set(1 - 0x1p-17f));
 }
 
+/* ---- lanes for what works on single rays ---- */
+
+DAFT_INLINE daft_ray lane_ray(const convoy *c, int lane)
+{
+    const daft_ray_packet *p = c->rays;
+    uint32_t i = c->first + (uint32_t)lane;
+    return (daft_ray){{p->origin[0][i], p->origin[1][i], p->origin[2][i]}, p->tmin[i],
+                      {p->direction[0][i], p->direction[1][i], p->direction[2][i]}, p->tmax[i]};
+}
+
+DAFT_INLINE daft_nearest lane_nearest(const convoy *c, int i)
+{
+    const found *f = &c->hit;
+    daft_nearest n = {f->t[i], f->u[i], f->v[i], f->instance[i], f->triangle[i], NULL, 0};
+    const daft_instance *instance = n.instance == UINT32_MAX ? NULL : &c->tlas->instances[n.instance];
+    if (!instance || !instance->mesh || instance->kdtree) return n;
+    n.block = &instance->bvh->blocks[f->place[i] / DAFT_BLOCK], n.place = f->place[i] % DAFT_BLOCK;
+    return n;
+}
+
+DAFT_INLINE void lane_take(convoy *c, int i, const daft_nearest *n, const daft_bvh *bvh)
+{
+    found *f = &c->hit;
+    f->t[i] = n->t, f->u[i] = n->u, f->v[i] = n->v, f->instance[i] = n->instance, f->triangle[i] = n->triangle;
+    if (bvh && n->block) f->place[i] = (uint32_t)(n->block - bvh->blocks) * DAFT_BLOCK + n->place;
+    c->limit[i] = daft_past(n->t);
+}
+
+/* ---- kernels ---- */
+
 /* Against a leaf's triangles; child is its code. g: what led the rays here, or NULL. True: some limit has changed. */
 bool DAFT_KERNEL(daft_leaf_touch)(convoy *c, const mesh_convoy *m, const group *g, uint32_t child, vbits bits);
 /* Against the instance with this number, a sphere. */
 void DAFT_KERNEL(daft_sphere_touch)(convoy *c, uint32_t index, vbits bits);
+/* Rays that go their own ways from a child of the upper level on, in turns: abreast_kernel.c. All are plain. AVX-512 only. */
+void DAFT_KERNEL(daft_abreast)(convoy *c, uint32_t child, vbits bits);
 /* Fills the hits of the active lanes; gives those that hit. */
 vbits DAFT_KERNEL(daft_convoy_finish)(const convoy *c, vbits active, daft_hit *hits);
 

@@ -312,7 +312,7 @@ static void corners_gather(corner_lanes *out, const found *f, const daft_instanc
 
 static vf3 mesh_normals(const corner_lanes *corners, const daft_affine *map)
 {
-    bool shift = is_shift(map);
+    bool shift = daft_is_shift(map);
     vf3 p[3];
     for (int k = 0; k < 3; k++) {
         vf3 c = {vf_load(corners->at[k][0]), vf_load(corners->at[k][1]), vf_load(corners->at[k][2])};

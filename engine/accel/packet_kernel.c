@@ -10,8 +10,14 @@
 #include "accel/packet.h"
 
 #define WIDEN (1 + 8 * DAFT_ULP)
-/* As many rays, or fewer, go on alone: among instances, and in a mesh, where leaves are cheap for few rays. */
-enum { FEW = DAFT_VL / 4 + 1, FEW_IN_MESH = 1, ROW = sizeof(((daft_node *)0)->bounds[0]) };
+/* As many rays, or fewer, go on alone: among instances, few or many, which depends on what a ray alone costs; and in a mesh,
+ * where leaves are cheap for few rays. */
+#ifdef DAFT_ISA_avx512
+enum { FEW_AMONG_MANY = DAFT_VL * 3 / 4 };
+#else
+enum { FEW_AMONG_MANY = DAFT_VL / 4 + 1 };
+#endif
+enum { FEW_AMONG_FEW = DAFT_VL / 4 + 1, FEW_IN_MESH = 1, ROW = sizeof(((daft_node *)0)->bounds[0]) };
 
 typedef struct packet_stack {
     vf near[DAFT_STACK]; /* NaN: not met */
@@ -215,34 +221,6 @@ DAFT_INLINE vm finite_lanes(vf3 o, vf3 d) /* daft_finite_lines */
     return vf_le(sum, vf_set(0));
 }
 
-/* ---- lanes for what works on single rays ---- */
-
-static daft_ray lane_ray(const convoy *c, int lane)
-{
-    const daft_ray_packet *p = c->rays;
-    uint32_t i = c->first + (uint32_t)lane;
-    return (daft_ray){{p->origin[0][i], p->origin[1][i], p->origin[2][i]}, p->tmin[i],
-                      {p->direction[0][i], p->direction[1][i], p->direction[2][i]}, p->tmax[i]};
-}
-
-static daft_nearest lane_nearest(const convoy *c, int i)
-{
-    const found *f = &c->hit;
-    daft_nearest n = {f->t[i], f->u[i], f->v[i], f->instance[i], f->triangle[i], NULL, 0};
-    const daft_instance *instance = n.instance == UINT32_MAX ? NULL : &c->tlas->instances[n.instance];
-    if (!instance || !instance->mesh || instance->kdtree) return n;
-    n.block = &instance->bvh->blocks[f->place[i] / DAFT_BLOCK], n.place = f->place[i] % DAFT_BLOCK;
-    return n;
-}
-
-static void lane_take(convoy *c, int i, const daft_nearest *n, const daft_bvh *bvh)
-{
-    found *f = &c->hit;
-    f->t[i] = n->t, f->u[i] = n->u, f->v[i] = n->v, f->instance[i] = n->instance, f->triangle[i] = n->triangle;
-    if (bvh && n->block) f->place[i] = (uint32_t)(n->block - bvh->blocks) * DAFT_BLOCK + n->place;
-    c->limit[i] = daft_past(n->t);
-}
-
 /* ---- the lower level ---- */
 
 /* daft_filter_of */
@@ -300,10 +278,24 @@ static vbits alike(vf3 d, vbits bits)
     return bits & vm_bits(vi_eq(way, vi_set(way[first_lane(bits)])));
 }
 
+/* Of rays that go on alone from a child of the upper level on, two or more plain ones do so in turns. The rest. */
+DAFT_INLINE vbits abreast(convoy *c, uint32_t child, vbits bits)
+{
+#ifdef DAFT_ISA_avx512
+    vbits plain = bits & c->plain;
+    if (!(plain & (plain - 1))) return bits;
+    DAFT_KERNEL(daft_abreast)(c, child, plain);
+    return bits & ~plain;
+#else
+    (void)c, (void)child;
+    return bits;
+#endif
+}
+
 static void instance_alone(convoy *c, uint32_t index, vbits bits)
 {
     const daft_instance *instance = &c->tlas->instances[index];
-    for (; bits; bits &= bits - 1) {
+    for (bits = abreast(c, DAFT_CHILD_LEAF | index, bits); bits; bits &= bits - 1) {
         int i = first_lane(bits);
         daft_ray ray = lane_ray(c, i);
         if (c->any) {
@@ -319,7 +311,7 @@ static void instance_alone(convoy *c, uint32_t index, vbits bits)
 /* The rays in the mesh's space. A mesh that is only shifted keeps the directions. */
 static void mesh_convoy_turn(mesh_convoy *m, const convoy *c, const daft_affine *map)
 {
-    if (is_shift(map)) {
+    if (daft_is_shift(map)) {
         m->o = (vf3){c->o.x + vf_set(map->t[0]), c->o.y + vf_set(map->t[1]), c->o.z + vf_set(map->t[2])};
         m->d = c->d;
         for (int k = 0; k < 3; k++) m->inverse[k] = c->inverse[k];
@@ -418,13 +410,13 @@ static void instance_touch(convoy *c, uint32_t index, vbits bits)
     if (index == c->ignore || (c->any && !(instance->flags & DAFT_INSTANCE_CASTS_SHADOW))) return;
     if (!instance->mesh) DAFT_KERNEL(daft_sphere_touch)(c, index, bits);
     else if (instance->kdtree || instance->bvh->nodes.count == 0) instance_alone(c, index, bits);
-    else if (count_lanes(bits) <= FEW && !is_leaf(instance->bvh)) instance_alone(c, index, bits);
+    else if (count_lanes(bits) <= c->few && !is_leaf(instance->bvh)) instance_alone(c, index, bits);
     else instance_together(c, index, bits);
 }
 
 static void upper_alone(convoy *c, uint32_t child, vbits bits)
 {
-    for (; bits; bits &= bits - 1) {
+    for (bits = abreast(c, child, bits); bits; bits &= bits - 1) {
         int i = first_lane(bits);
         daft_ray ray = lane_ray(c, i);
         if (c->any) {
@@ -452,7 +444,7 @@ static void upper_walk(convoy *c, vbits bits, bool mixed)
     if (!mixed) group_rows(&g, bits), group_interval(&g, c->limit, bits);
     uint32_t child = 0;
     do {
-        while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > FEW)
+        while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > c->few)
             child = descend(&stack, &top, &g, child, c->limit, here, &here);
         if (child == DAFT_CHILD_NONE) continue;
         if (!(child & DAFT_CHILD_LEAF)) upper_alone(c, child, here);
@@ -475,6 +467,11 @@ static vbits convoy_setup(convoy *c, const daft_ray_packet *rays, uint32_t first
     vm usable = vm_and(finite_lanes(c->o, c->d), vm_and(vf_le(c->tmin, tmax), vf_lt(zero, vf3_magnitude(c->d))));
     vbits bits = c->tlas->nodes.count ? active >> first & vm_bits(usable) : 0;
     c->limit = vf_select(vm_from_bits(bits), past_lanes(tmax), vf_set(-INFINITY));
+    vf size = vf_set(0);
+    for (int k = 0; k < 3; k++) size = vf_max(size, vf_abs(c->inverse[k]));
+    c->plain = vm_bits(vm_and(vm_and(vf_le(zero, c->tmin), vf_lt(size * vf_set(WIDEN), vf_set(INFINITY))),
+                              vf_lt(vf3_magnitude(c->o), vf_set(0x1p100f))));
+    c->few = c->tlas->nodes.count > 1 ? FEW_AMONG_MANY : FEW_AMONG_FEW;
     c->inner_low = c->tmin * vf_set(1 + 0x1p-17f), c->inner_high = tmax * vf_set(1 - 0x1p-17f); /* of tmin >= 0 */
     vf_store(c->hit.t, tmax), vf_store(c->hit.u, zero), vf_store(c->hit.v, zero);
     vi_store(c->hit.instance, vi_set(-1)), vi_store(c->hit.triangle, vi_set(0)), vi_store(c->hit.place, vi_set(0));
@@ -495,12 +492,14 @@ static void convoy_run(convoy *c, vbits bits)
         upper_walk(c, bits & ~backwards, true);
         return;
     }
+    vbits alone = 0;
     for (bits &= ~backwards; bits;) {
         vbits same = alike(c->d, bits);
         bits &= ~same;
-        if (count_lanes(same) <= FEW) upper_alone(c, 0, same);
+        if (count_lanes(same) <= c->few) alone |= same;
         else upper_walk(c, same, false);
     }
+    upper_alone(c, 0, alone);
 }
 
 uint32_t DAFT_KERNEL(daft_closest_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active,

@@ -53,6 +53,12 @@ DAFT_INLINE daft_vec3 daft_block_corner(const daft_block *b, int corner, uint32_
     return daft_v3(b->corner[corner][0][i], b->corner[corner][1][i], b->corner[corner][2][i]);
 }
 
+DAFT_INLINE bool daft_is_shift(const daft_affine *map)
+{
+    static const float UNTURNED[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    return v8_eq_bits(v8_load(map->m), v8_load(UNTURNED)) == 0xff && map->m[8] == 1;
+}
+
 /* A sphere whose centre lies behind a ray that begins outside is not met. That is known before any division where the squared
  * distance of the centre is over so many squared radii: far from what doubles round. */
 #define DAFT_SPHERE_OUTSIDE (1 + 1e-6)

@@ -1,7 +1,7 @@
 /* Single rays through the two levels: through whatever instances there are, and from an instance's tree upwards for what
  * calls for single rays. A mesh that is only shifted keeps the ray's direction and what was found of it. */
+#include "accel/enter.h"
 #include "accel/kdtree.h"
-#include "accel/walk.h"
 
 /* A leaf; `child` is its code. Called, so that nodes keep their registers. */
 DAFT_INLINE bool leaf_touch(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
@@ -29,42 +29,6 @@ DAFT_INLINE daft_vec3 v4_point(v4 a) { return (daft_vec3){a[0], a[1], a[2]}; }
 
 /* ---- the lower level: in object space ---- */
 
-DAFT_INLINE v4 without_last(v4 a) { return (v4)((v4i)a & (v4i){-1, -1, -1, 0}); }
-
-/* A ray in some space; lanes 3 are 0. */
-typedef struct lined_ray {
-    v4 origin, direction;
-    slab_way way;
-} lined_ray;
-
-DAFT_INLINE lined_ray lined(const daft_ray *ray)
-{
-    v4 d = without_last(v4_load((const float *)ray + 4));
-    return (lined_ray){without_last(v4_load((const float *)ray)), d, slab_way_of(d, minus_inverse(d))};
-}
-
-static const float UNTURNED[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-
-DAFT_INLINE bool is_shift(const daft_affine *map)
-{
-    return v8_eq_bits(v8_load(map->m), v8_load(UNTURNED)) == 0xff && map->m[8] == 1;
-}
-
-DAFT_INLINE v4 shift_of(const daft_affine *map) { return __builtin_shufflevector(v4_load(map->m + 8), v4_set(0), 1, 2, 3, 4); }
-
-DAFT_INLINE bool finite_lanes(v4 a, v4 b) { return v4_bits((a - a) + (b - b) == v4_set(0)) == 15; }
-
-/* daft_affine_point and daft_affine_vector side by side. False: it overflows. */
-DAFT_INLINE bool turn(const daft_affine *map, const lined_ray *frame, lined_ray *own)
-{
-    v4 o = frame->origin, d = frame->direction, x, y, z;
-    v4_transpose3(v4_load(map->m), v4_load(map->m + 3), v4_load(map->m + 6), &x, &y, &z);
-    own->origin = without_last(((x * v4_set(o[0]) + y * v4_set(o[1])) + z * v4_set(o[2])) + shift_of(map));
-    own->direction = without_last((x * v4_set(d[0]) + y * v4_set(d[1])) + z * v4_set(d[2]));
-    own->way = slab_way_of(own->direction, minus_inverse(own->direction));
-    return finite_lanes(own->origin, own->direction);
-}
-
 /* The ray as a turned tree's boxes see it. With u = 2^-24 the origin rounds four times and the direction three times, so on its
  * way to a point p of the mesh the ray is off by 7u of |origin - centre| and 3u of |p - centre|, both as sums over the axes;
  * boxes are seen larger by 16u of both. Where numbers are so large or small that they may over- or underflow, all are met. */
@@ -83,13 +47,6 @@ DAFT_INLINE void turned_slabs(const daft_turn *turn, v4 o, v4 d, slab_way *way, 
     v4 outwards = (v4)((v4i)v4_set(pad) | ((v4i)direction & (v4i)v4_set(-0.0f)));
     *way = slab_way_of(direction, minus_inverse(direction));
     *from = slab_origin_of(origin + outwards), *until = slab_origin_of(origin - outwards);
-}
-
-/* Where to begin: the box of a single leaf is the mesh's. */
-DAFT_INLINE uint32_t first_child(const daft_bvh *bvh, uint32_t child)
-{
-    const daft_node *root = bvh->nodes.items;
-    return child == 0 && root->child[1] == DAFT_CHILD_NONE ? root->child[0] : child;
 }
 
 static __attribute__((noinline)) void turned_walk(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const daft_mesh_ray *r, daft_nearest *hit)
@@ -139,7 +96,7 @@ DAFT_INLINE void turned_closest(const daft_instance *instance, uint32_t child, c
                                 daft_intersection how, daft_nearest *hit)
 {
     lined_ray own;
-    if (is_shift(&instance->to_object)) {
+    if (daft_is_shift(&instance->to_object)) {
         v4 o = frame->origin + shift_of(&instance->to_object);
         if (finite_lanes(o, o)) mesh_closest(instance->bvh, child, o, frame->direction, &frame->way, tmin, how, hit);
     } else if (turn(&instance->to_object, frame, &own)) {
@@ -151,7 +108,7 @@ DAFT_INLINE bool turned_occluded(const daft_instance *instance, uint32_t child, 
                                  daft_intersection how)
 {
     lined_ray own;
-    if (is_shift(&instance->to_object)) {
+    if (daft_is_shift(&instance->to_object)) {
         v4 o = frame->origin + shift_of(&instance->to_object);
         return finite_lanes(o, o) && mesh_occluded(instance->bvh, child, o, frame->direction, &frame->way, tmin, tmax, how);
     }
@@ -173,59 +130,6 @@ bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t chi
 }
 
 /* ---- the upper level ---- */
-
-/* The distance to a sphere, or a negative number for a miss; in double, since a tree holds few of them and tangents need
- * it. See daft_pencil_sphere for the method. */
-static float sphere_distance(const daft_instance *s, const daft_ray *ray, float tmin, float tmax)
-{
-    const float *at = s->to_frame.t;
-    daft_dvec3 d = daft_to_double(ray->direction);
-    daft_dvec3 centre = daft_dsub(daft_dv3((double)at[0], (double)at[1], (double)at[2]), daft_to_double(ray->origin));
-    double dd = daft_ddot(d, d), forward = daft_ddot(centre, d), r = (double)s->radius;
-    if (forward < 0 && tmin >= 0 && daft_ddot(centre, centre) > r * r * DAFT_SPHERE_OUTSIDE) return -1;
-    double along = forward / dd;
-    daft_dvec3 aside = daft_dsub(centre, daft_dscale(d, along));
-    double discriminant = r * r - daft_ddot(aside, aside);
-    if (!(discriminant >= 0) || !(r > 0)) return -1;
-    double half = sqrt(discriminant / dd);
-    float near = (float)(along - half), far = (float)(along + half);
-    if (near >= tmin && near <= tmax) return near;
-    return far >= tmin && far <= tmax ? far : -1;
-}
-
-/* A ray as a node's spheres see it: twice its origin, its direction, the square of that, and the least that sizes are
- * off by. */
-typedef struct sphere_view {
-    v8 x2, y2, z2, dx, dy, dz, dd, pad;
-    bool usual; /* nothing below under- or overflows unseen */
-} sphere_view;
-
-DAFT_INLINE sphere_view sphere_view_of(v4 o, v4 d, bool plain)
-{
-    v4 twice = o + o;
-    float size = fabsf(d[0]) + fabsf(d[1]) + fabsf(d[2]), far = fabsf(twice[0]) + fabsf(twice[1]) + fabsf(twice[2]);
-    bool usual = plain && size > 0x1p-26f && size < 0x1p26f && far < DAFT_SPHERE_FAR;
-    v8 dd = v8_set((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]), pad = v8_set(far * DAFT_SPHERE_OFF);
-    return (sphere_view){v8_set(twice[0]), v8_set(twice[1]), v8_set(twice[2]), v8_set(d[0]), v8_set(d[1]), v8_set(d[2]),
-                         dd, pad, usual};
-}
-
-/* Of a node's children in `bits`, those but for the spheres that the ray is sure to pass by or to leave behind. A
- * sphere stands in the middle of its bounds; all is taken twice as large. */
-DAFT_INLINE uint32_t spheres_met(const daft_node *node, uint32_t bits, const sphere_view *s)
-{
-    v8 low = v8_load(node->bounds[0]), high = v8_load(node->bounds[3]);
-    v8 x = low + high - s->x2, y = v8_load(node->bounds[1]) + v8_load(node->bounds[4]) - s->y2,
-       z = v8_load(node->bounds[2]) + v8_load(node->bounds[5]) - s->z2;
-    v8 i = y * s->dz - z * s->dy, j = z * s->dx - x * s->dz, k = x * s->dy - y * s->dx;
-    v8 r = high - low,
-       reach = r + (v8_max(x, -x) + v8_max(y, -y) + v8_max(z, -z) + r) * v8_set(DAFT_SPHERE_OFF) + s->pad,
-       square = reach * reach;
-    uint32_t beside = v8_le_bits(square * s->dd + v8_set(DAFT_TINY), i * i + j * j + k * k);
-    uint32_t behind = v8_le_bits(x * s->dx + y * s->dy + z * s->dz, v8_set(0)) &
-                      v8_le_bits(square + v8_set(DAFT_TINY), x * x + y * y + z * z);
-    return bits & ~(node->spheres & (beside | behind));
-}
 
 static void kd_closest(const daft_instance *instance, const daft_ray *ray, daft_intersection how, daft_nearest *hit)
 {
@@ -281,7 +185,7 @@ bool DAFT_KERNEL(daft_instance_occluded)(const daft_tlas *tlas, uint32_t index, 
 static daft_vec3 triangle_normal(const daft_instance *instance, const daft_nearest *hit)
 {
     const daft_affine *map = &instance->to_frame;
-    bool shift = is_shift(map);
+    bool shift = daft_is_shift(map);
     daft_vec3 p[3];
     for (int k = 0; k < 3; k++) {
         uint32_t v = hit->block ? 0 : instance->mesh->indices[3 * (size_t)hit->triangle + (size_t)k];
