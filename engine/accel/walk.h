@@ -211,6 +211,21 @@ DAFT_INLINE float begin_of(float t, bool plain) { return plain ? t * (1 - 0x1p-1
 
 DAFT_INLINE const char *node_at(const daft_node *nodes, uint32_t code) { return (const char *)nodes + code * sizeof *nodes; }
 
+/* A leaf; `child` is its code. Where the lanes take it whole there are registers for it, too; else it is called, so that nodes keep theirs. */
+DAFT_INLINE bool leaf_closest(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
+{
+    const daft_block *b = &blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+    if ((int)DAFT_FOURS < (int)DAFT_MAX_LEAF_BLOCKS) return DAFT_KERNEL(daft_leaf_closest)(blocks, child, r, past, hit);
+    return daft_blocks_touch(b, (int)(child & 3) + 1, r, past, hit, false);
+}
+
+DAFT_INLINE bool leaf_stops(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
+{
+    const daft_block *b = &blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
+    if ((int)DAFT_FOURS < (int)DAFT_MAX_LEAF_BLOCKS) return DAFT_KERNEL(daft_leaf_stops)(blocks, child, r, past, hit);
+    return daft_blocks_touch(b, (int)(child & 3) + 1, r, past, hit, true);
+}
+
 /* Below `child`; `guess`: children are found by jumps (child_at) down to the first leaf: after that it would be wrong too often. hit->t limits the
  * search and hit->triangle breaks ties, so the order of traversal does not matter. */
 DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
@@ -223,7 +238,8 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
     const tree_place tree = {nodes, bvh->blocks, sizeof *bvh->blocks, 2};
     float limit = limit_of(hit->t, plain);
     v8 low = v8_set(begin_of(r->tmin, plain)), high = v8_set(limit), near;
-    slab_near begins = {.at[DAFT_WIDTH] = DAFT_INFINITY_BITS};
+    slab_near begins;
+    begins.at[DAFT_WIDTH] = DAFT_INFINITY_BITS;
     while (guess && !(child & DAFT_CHILD_LEAF)) {
         const char *node = node_at(nodes, child);
         uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
@@ -237,7 +253,7 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
             child = bits ? step(&tree, (const daft_node *)node, bits, near, &top) : pop(&top, limit);
         }
         if (child == DAFT_CHILD_NONE) return;
-        if (DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, r, plain ? limit : daft_forward(limit), hit))
+        if (leaf_closest(bvh->blocks, child, r, plain ? limit : daft_forward(limit), hit))
             limit = limit_of(hit->t, plain), high = v8_set(limit);
         child = pop(&top, limit);
     }
@@ -266,7 +282,7 @@ DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way
             child = bits ? spread((const daft_node *)node, bits, false, &top) : *--top;
         }
         if (child == DAFT_CHILD_NONE) return false;
-        if (DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, r, plain ? limit : daft_forward(limit), hit)) return true;
+        if (leaf_stops(bvh->blocks, child, r, plain ? limit : daft_forward(limit), hit)) return true;
         child = *--top;
     }
 }
