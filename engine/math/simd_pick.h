@@ -30,27 +30,32 @@ DAFT_INLINE vi vi_load_bytes(const uint8_t *p)
 #endif
 }
 
-/* Bit k of bytes 0 to 63: bit i of out[k] is that of byte i. `count`: further bytes are 0. */
-DAFT_INLINE void bits_by_place(const uint8_t bytes[64], uint32_t count, uint64_t out[8])
+/* Bit k of each of bytes 0 to 63, in their order. `count`: further bytes are 0. */
+DAFT_INLINE uint64_t bits_by_place(const uint8_t bytes[64], uint32_t count, int k)
 {
-    for (int k = 0; k < 8; k++) out[k] = 0;
 #if defined(DAFT_ISA_avx512)
     (void)count;
-    __m512i all = _mm512_loadu_si512(bytes);
-    for (int k = 0; k < 8; k++) out[k] = _mm512_test_epi8_mask(all, _mm512_set1_epi8((char)(1 << k)));
+    return _mm512_test_epi8_mask(_mm512_loadu_si512(bytes), _mm512_set1_epi8((char)(1 << k)));
 #elif defined(DAFT_ISA_avx2)
+    const __m128i up = _mm_cvtsi32_si128(7 - k);
+    uint64_t bits = 0;
     for (uint32_t i = 0; i < count; i += 32) {
         __m256i some = _mm256_loadu_si256((const __m256i *)(const void *)(bytes + i));
-        for (int k = 0; k < 8; k++) out[k] |= (uint64_t)(uint32_t)_mm256_movemask_epi8(_mm256_slli_epi16(some, 7 - k)) << i;
+        bits |= (uint64_t)(uint32_t)_mm256_movemask_epi8(_mm256_sll_epi16(some, up)) << i;
     }
+    return bits;
 #elif defined(DAFT_ISA_sse2)
+    const __m128i up = _mm_cvtsi32_si128(7 - k);
+    uint64_t bits = 0;
     for (uint32_t i = 0; i < count; i += 16) {
         __m128i some = _mm_loadu_si128((const __m128i *)(const void *)(bytes + i));
-        for (int k = 0; k < 8; k++) out[k] |= (uint64_t)(uint32_t)_mm_movemask_epi8(_mm_slli_epi16(some, 7 - k)) << i;
+        bits |= (uint64_t)(uint32_t)_mm_movemask_epi8(_mm_sll_epi16(some, up)) << i;
     }
+    return bits;
 #else
-    for (uint32_t i = 0; i < count; i++)
-        for (int k = 0; k < 8; k++) out[k] |= (uint64_t)(bytes[i] >> k & 1) << i;
+    uint64_t bits = 0;
+    for (uint32_t i = 0; i < count; i++) bits |= (uint64_t)(bytes[i] >> k & 1) << i;
+    return bits;
 #endif
 }
 

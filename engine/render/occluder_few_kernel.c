@@ -156,13 +156,12 @@ static void few_flush(const mesh_caster *m, const few_entry *ends, uint32_t coun
     }
 }
 
-/* Which of the points' ways to the lamp meet which of a node's children: few points cost less so than boxes seen from the lamp.
- * Gives the bits of the children that some meet. Where all ways go up an axis, or all down, it is known which side of a box they
- * come to first; of an empty box that is infinitely far. */
-DAFT_INLINE uint32_t children_met(const mesh_caster *m, const daft_node *node, const few_points *f, uint64_t from,
-                                  uint64_t behind[DAFT_WIDTH])
+/* Which of the points' ways to the lamp meet which of a node's children, in `met` as bits for each point: few points cost less so than
+ * boxes seen from the lamp. Gives the bits of the children that some meet. Where all ways go up an axis, or all down, it is known which
+ * side of a box they come to first; of an empty box that is infinitely far. */
+DAFT_INLINE uint32_t children_met(const mesh_caster *m, const daft_node *node, const few_points *f, uint64_t from, uint8_t *met)
 {
-    uint8_t met[FEW_POINTS] = {0};
+    uint32_t any = 0;
     v8 first[3], last[3];
     for (int k = 0; k < 3; k++) {
         first[k] = v8_load(node->bounds[f->first[k]]) + v8_set(f->first_pad[k]);
@@ -176,12 +175,11 @@ DAFT_INLINE uint32_t children_met(const mesh_caster *m, const daft_node *node, c
             v8 a = (first[k] - at) * inverse, b = (last[k] - at) * inverse;
             near = v8_max(f->alike ? a : v8_min(a, b), near), far = v8_min(f->alike ? b : v8_max(a, b), far);
         }
-        met[i] = (uint8_t)v8_le_bits(near, far * v8_set(1 + 0x1p-20f));
+        uint32_t children = v8_le_bits(near, far * v8_set(1 + 0x1p-20f));
+        met[i] = (uint8_t)children;
+        any |= children;
     }
-    uint32_t any = 0, real = v8_le_bits(v8_load(node->bounds[0]), v8_load(node->bounds[3]));
-    bits_by_place(met, f->count, behind);
-    for (int i = 0; i < DAFT_WIDTH; i++) any |= (uint32_t)(behind[i] != 0) << i;
-    return any & real;
+    return f->alike ? any : any & v8_le_bits(v8_load(node->bounds[0]), v8_load(node->bounds[3]));
 }
 
 /* A node's children that some of the points lie behind: nodes go on the stack, leaves to the list. No branch hangs on which. */
@@ -189,11 +187,10 @@ DAFT_INLINE void few_children(const mesh_caster *m, const few_entry *at, const f
                               few_entry *leaves, uint32_t *leaf_count)
 {
     const daft_node *node = &m->c.instance->bvh->nodes.items[at->node];
-    uint32_t child[DAFT_WIDTH];
-    uint64_t behind[DAFT_WIDTH];
-    uint32_t met = v8i_list(child, children_met(m, node, f, at->behind & f->live, behind), 0);
-    for (uint32_t k = 0; k < met; k++) {
-        const few_entry next = {node->child[child[k]], behind[child[k]]};
+    uint8_t met[FEW_POINTS] = {0};
+    for (uint32_t any = children_met(m, node, f, at->behind & f->live, met); any; any &= any - 1) {
+        int i = __builtin_ctz(any);
+        const few_entry next = {node->child[i], bits_by_place(met, f->count, i)};
         bool ends = next.node >> 31;
         stack[*top] = next, leaves[*leaf_count] = next;
         *top += !ends, *leaf_count += ends;
@@ -210,10 +207,8 @@ static void few_walk(const mesh_caster *m, uint32_t root, few_points *f)
     while (top > 0) {
         const few_entry at = stack[--top];
         if (!(at.behind & f->live)) continue;
-        uint32_t first = end_count;
         few_children(m, &at, f, stack, &top, ends, &end_count);
         if (top > 0) fetch_node(bvh, stack[top - 1].node);
-        for (; first < end_count; first++) fetch_leaf(bvh, ends[first].node);
         if (end_count < FEW_LEAVES) continue;
         few_flush(m, ends, end_count, f);
         end_count = 0;

@@ -6,7 +6,7 @@
 #define TINY 1e-36f
 
 /* A block of one thing is large where the thing is: only what is far apart on it makes another. */
-#define STRAY_OF_THINGS 12.0f
+#define STRAY_OF_THINGS 64.0f
 
 typedef struct pencil {
     const light *light;
