@@ -284,6 +284,49 @@ static void flat_ground(void **unused)
     mesh_drop(&ground);
 }
 
+/* Patches of a floor, from a small one to one as large as what stands over it: all lit beside it, all dark behind a ball inside it, or
+ * across its outline. */
+static void floors(void **unused)
+{
+    (void)unused;
+    fixture_seed(77);
+    const daft_vec3 corners[4] = {{-40, -3, -40}, {-40, -3, 40}, {40, -3, 40}, {40, -3, -40}};
+    const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    daft_batch *b = calloc(1, sizeof *b);
+    tally sum = {0};
+    int whole[2] = {0, 0};
+    for (int round = 0; round < 24; round++) {
+        stage s = {.count = 2, .allocator = daft_malloc_allocator(), .soup = mesh_make(corners, 4, indices, 2)};
+        s.ball = round % 3 ? mesh_ball(round % 3 == 1 ? 24 : 60, 1, 0.1f) : mesh_soup(700, 2, 0.35f);
+        daft_bvh_find_inner(s.ball.bvh, &s.ball.mesh);
+        s.instances[0] = instance_make(&s.ball, affine_make(random_rotation(), daft_v3(2, 2, random_float(1, 2)), daft_v3(0, 0, 0)));
+        s.instances[1] = instance_make(&s.soup, affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0)));
+        daft_arena_init(&s.arena, &s.allocator);
+        s.tlas = daft_tlas_build(&s.arena, s.instances, s.count, NULL);
+        assert_non_null(s.tlas);
+        for (int i = 0; i < 20; i++) {
+            const float size = random_float(0.02f, 1), x = random_float(-4, 4), z = random_float(-4, 4);
+            b->count = 900;
+            for (uint32_t k = 0; k < b->count; k++) {
+                const daft_vec3 p = {x + random_float(-size, size), -3 + 1e-4f, z + random_float(-size, size)};
+                b->lifted.x[k] = p.x, b->lifted.y[k] = p.y, b->lifted.z[k] = p.z;
+                b->outward.x[k] = b->outward.z[k] = 0, b->outward.y[k] = 1;
+                b->instance[k] = 1, b->triangle[k] = p.x > p.z, b->pixel[k] = k;
+            }
+            daft_lamp lamp = {.sun = i % 2, .casts_shadow = true, .to_light = daft_normalize(daft_add(daft_v3(0, 2, 0), random_vec3(-1, 1)))};
+            lamp.position = daft_add(daft_v3(0, 9, 0), random_vec3(-4, 4));
+            tally one = {0};
+            compare(&s, b, &lamp, &one);
+            whole[0] += one.lit == 0, whole[1] += one.dark == 0;
+            sum.lit += one.lit, sum.dark += one.dark, sum.edge += one.edge;
+        }
+        stage_drop(&s);
+    }
+    print_message("%d lit, %d dark, %d at an edge; %d patches dark, %d lit\n", sum.lit, sum.dark, sum.edge, whole[0], whole[1]);
+    assert_true(whole[0] > 20 && whole[1] > 20 && sum.edge * 2000 < sum.lit + sum.dark);
+    free(b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -291,7 +334,7 @@ int main(void)
         cmocka_unit_test(lamps_beyond_the_hills), cmocka_unit_test(lamps_in_the_scene), cmocka_unit_test(lamps_among_the_points),
         cmocka_unit_test(suns_over_many), cmocka_unit_test(lamps_over_many), cmocka_unit_test(lamps_far_from_many),
         cmocka_unit_test(lamps_among_many), cmocka_unit_test(points_on_surfaces), cmocka_unit_test(beside_many),
-        cmocka_unit_test(one_at_a_time), cmocka_unit_test(flat_ground),
+        cmocka_unit_test(one_at_a_time), cmocka_unit_test(flat_ground), cmocka_unit_test(floors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

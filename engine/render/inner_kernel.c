@@ -140,6 +140,28 @@ static void darken(const caster *c, uint32_t b, uint32_t dark)
     block_darkened(p, b);
 }
 
+/* A ball's picture is convex: it holds all points between corners that it holds. */
+bool DAFT_KERNEL(daft_inner_hides)(const caster *c)
+{
+    const light *l = c->light;
+    const float u[4] = {l->low_u, l->high_u, l->low_u, l->high_u}, v[4] = {l->low_v, l->low_v, l->high_v, l->high_v};
+    const vf one = vf_set(1);
+    discs d;
+    if (!lamp_is_outside(c)) return false;
+    discs_setup(c, &d);
+    for (int i = 0; i < BALLS; i += DAFT_VL) {
+        vbits in = vm_bits(vf_le(vf_load(&d.far[i]), vf_set(l->near))) & vm_bits(vi_eq(vi_load(&d.cap_bits[i]), vi_set(0)));
+        for (int k = 0; k < 4 && in; k++) {
+            vf du = vf_set(u[k]) - vf_load(&d.u[i]), dv = vf_set(v[k]) - vf_load(&d.v[i]);
+            vf across = du * vf_load(&d.slope_v[i]) - dv * vf_load(&d.slope_u[i]);
+            vf square = l->sun ? one : one + vf_set(u[k]) * vf_set(u[k]) + vf_set(v[k]) * vf_set(v[k]);
+            in &= vm_bits(vf_lt(du * du + dv * dv + across * across, square * vf_load(&d.share[i])));
+        }
+        if (in) return true;
+    }
+    return false;
+}
+
 void DAFT_KERNEL(daft_inner_shadow)(const caster *c, const block_points *points, uint32_t count)
 {
     discs d;

@@ -259,6 +259,9 @@ DAFT_INLINE picture_place picture_of(const light *l, vf3 p)
 void DAFT_KERNEL(daft_shadow_blocks)(const light *l, const daft_batch *batch, const uint32_t *own, const uint32_t *kept,
                                      bool crowd, float stray, shadow_points *to);
 
+/* Takes away the bits of the points that went dark. */
+void DAFT_KERNEL(daft_shadow_dark)(const shadow_points *p, uint32_t *bits);
+
 /* The map b, then a, from whose origin `origin` is taken first. */
 daft_affine DAFT_KERNEL(daft_light_compose)(const daft_affine *a, const daft_affine *b, daft_vec3 origin);
 
@@ -312,6 +315,10 @@ DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
     p->live--;
 }
 
+/* Whether one of the mesh's balls hides all of the light's points. */
+bool DAFT_KERNEL(daft_inner_hides)(const caster *c);
+/* Whether a few nodes of the mesh's tree tell that it hides none of the light's points. */
+bool DAFT_KERNEL(daft_mesh_clear)(const caster *c);
 /* Puts the points that the thing hides from the lamp to depth -inf; only those of the blocks behind its bounds, `box`. */
 void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const picture_box *box, const block_set *behind);
 /* Marks the lit points of blocks behind the thing's box whose ways to the lamp meet the bounds of its mesh, and gives those that it may

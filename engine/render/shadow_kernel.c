@@ -446,6 +446,31 @@ static void cast_remembered(const cast *c, shadow_points *points)
     }
 }
 
+/* Forgets what stays clear of all the points by nodes of its tree, which are closer around it than its bounds: they need not be put into
+ * blocks for that. */
+static void drop_clear(cast *c)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < c->caster_count; i++) {
+        const caster one = caster_of(c, c->caster[i].number, NULL);
+        bool apart = one.instance->mesh && c->sole != DAFT_NOTHING && c->sole != one.number;
+        if (!apart || !DAFT_KERNEL(daft_mesh_clear)(&one)) c->caster[kept++] = c->caster[i];
+    }
+    c->caster_count = kept;
+}
+
+/* Whether all asked points are surely dark. */
+static bool all_dark(const cast *c)
+{
+    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++)
+        if (c->asked[word] & ~c->under[word]) return false;
+    for (uint32_t i = 0; i < c->caster_count; i++) {
+        const caster one = caster_of(c, c->caster[i].number, NULL);
+        if (has_inner(&one) && !one.convex && DAFT_KERNEL(daft_inner_hides)(&one)) return true;
+    }
+    return false;
+}
+
 /* Whether the box is behind all of the picture: then it says little about a thing that is large or slants. */
 static bool covers(const picture_box *box, const light *l)
 {
@@ -592,34 +617,6 @@ static void cast_all(cast *c, shadow_points *points)
     cast_waiting(c, &list, points);
 }
 
-/* Whether a block is four rows of four pixels below each other, of which none goes on in another word of bits. */
-DAFT_INLINE bool is_patch(const uint32_t *source)
-{
-    const vi patch = (vi_iota() & vi_set(3)) + (vi_iota() >> 2) * vi_set(DAFT_TILE);
-    vbits in_place = DAFT_ALL_LANES;
-    for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
-        in_place &= vm_bits(vi_eq(vi_load(&source[k]), patch + vi_set((int32_t)(source[0] + k / 4 * DAFT_TILE))));
-    return in_place == DAFT_ALL_LANES && source[0] % 4 == 0;
-}
-
-static void take_dark(const shadow_points *p, uint32_t *bits)
-{
-    for (uint32_t b = 0; b < p->count; b++) {
-        const uint32_t *source = &p->source[b * SHADOW_BLOCK];
-        uint32_t dark = p->used[b];
-        for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
-            dark &= ~(vm_bits(vf_lt(vf_set(-INFINITY), vf_load(&p->depth[b * SHADOW_BLOCK + k]))) << k);
-        if (dark && is_patch(source)) {
-            for (uint32_t row = 0; row < 4; row++) bits[source[0] / 32 + row] &= ~((dark >> (4 * row) & 15) << source[0] % 32);
-            continue;
-        }
-        for (; dark; dark &= dark - 1) {
-            uint32_t at = source[__builtin_ctz(dark)];
-            bits[at / 32] &= ~((uint32_t)1 << (at % 32));
-        }
-    }
-}
-
 /* How many times larger than usual a patch may be. */
 static float stray_limit(const cast *c, bool few)
 {
@@ -639,16 +636,23 @@ static uint32_t cast_pencil(cast *c, uint32_t *bits)
     uint32_t count = 0;
     c->view = picture_map_make(&c->light.map);
     bool few = find_casters(c, FEW_CASTERS, FEW_LOOKS);
-    if (few && c->caster_count == 0) return 0;
+    if (few) {
+        for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
+        drop_clear(c);
+        if (all_dark(c)) {
+            for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) bits[word] &= ~c->asked[word];
+            return count;
+        }
+    }
+    if (few && c->caster_count == 0) return count;
     DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, !few, stray_limit(c, few), &points);
     if (few) {
         cast_remembered(c, &points);
-        for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
     } else {
         cast_all(c, &points);
         for (uint32_t b = 0; b < points.count; b++) count += (uint32_t)__builtin_popcount(points.under[b]);
     }
-    take_dark(&points, bits);
+    DAFT_KERNEL(daft_shadow_dark)(&points, bits);
     return count;
 }
 

@@ -376,3 +376,33 @@ void DAFT_KERNEL(daft_shadow_blocks)(const light *l, const daft_batch *batch, co
     for (uint32_t i = 0; i < apart.free_count; i++) empty_block(to, apart.free[i]);
     for (uint32_t b = to->count; b % SHADOW_GROUP; b++) empty_block(to, b); /* what is read past the end meets nothing */
 }
+
+/* ---- and out again ---- */
+
+/* Whether a block is four rows of four pixels below each other, of which none goes on in another word of bits. */
+DAFT_INLINE bool is_patch(const uint32_t *source)
+{
+    const vi patch = (vi_iota() & vi_set(3)) + (vi_iota() >> 2) * vi_set(DAFT_TILE);
+    vbits in_place = DAFT_ALL_LANES;
+    for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
+        in_place &= vm_bits(vi_eq(vi_load(&source[k]), patch + vi_set((int32_t)(source[0] + k / 4 * DAFT_TILE))));
+    return in_place == DAFT_ALL_LANES && source[0] % 4 == 0;
+}
+
+void DAFT_KERNEL(daft_shadow_dark)(const shadow_points *p, uint32_t *bits)
+{
+    for (uint32_t b = 0; b < p->count; b++) {
+        const uint32_t *source = &p->source[b * SHADOW_BLOCK];
+        uint32_t dark = p->used[b];
+        for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
+            dark &= ~(vm_bits(vf_lt(vf_set(-INFINITY), vf_load(&p->depth[b * SHADOW_BLOCK + k]))) << k);
+        if (dark && is_patch(source)) {
+            for (uint32_t row = 0; row < 4; row++) bits[source[0] / 32 + row] &= ~((dark >> (4 * row) & 15) << source[0] % 32);
+            continue;
+        }
+        for (; dark; dark &= dark - 1) {
+            uint32_t at = source[__builtin_ctz(dark)];
+            bits[at / 32] &= ~((uint32_t)1 << (at % 32));
+        }
+    }
+}
