@@ -337,18 +337,18 @@ static void crowds(void **unused)
     (void)unused;
     fixture_seed(1000);
     enum { COUNT = 250 };
-    fixture_mesh meshes[2] = {mesh_ball(40, 0.5f, 0.4f), mesh_soup(2000, 1, 0.05f)};
+    fixture_mesh meshes[] = {mesh_ball(40, 0.5f, 0.4f), mesh_soup(2000, 1, 0.05f), mesh_ball(24, 0.4f, 0.3f)};
     daft_instance *instances = malloc(COUNT * sizeof *instances);
     for (int round = 0; round < 3; round++) {
         for (int i = 0; i < COUNT; i++) {
             daft_vec3 at = daft_v3(random_float(4, 40), random_float(-6, 6), random_float(-6, 6));
-            instances[i] = instance_make(&meshes[i % 2], affine_make(random_rotation(), daft_v3(1, 1, 1), at));
+            instances[i] = instance_make(&meshes[i % 3], affine_make(random_rotation(), daft_v3(1, 1, 1), at));
         }
         setting s = {pencil_make(0, 0, 0.8f), instances, COUNT};
         assert_true(agree(&s, "crowd") > WIDTH * HEIGHT / 2);
     }
     free(instances);
-    mesh_drop(&meshes[0]), mesh_drop(&meshes[1]);
+    for (int i = 0; i < 3; i++) mesh_drop(&meshes[i]);
 }
 
 static uint64_t count_tested(const setting *s)

@@ -1,7 +1,8 @@
 /* A mesh of many instances against a tile: groups of clusters, clusters, patches of triangles (accel/patches.h), each a list of
  * balls, for patches of ellipsoids, too, that are held against the tile's rays a register at a time. One is left out when it holds no
  * ray of the tile's pixels, when all in it looks away, or when the pixels in its reach see something nearer. Each list is
- * gone through before the next one: how many a step leaves cannot be guessed, and lists cost no branch that depends on it.
+ * gone through before the next one: how many a step leaves cannot be guessed, and lists cost no branch that depends on it. Instances that
+ * are little in the tile share the lists, so that these are long: what they hide of each other is little, too.
  *
  * Ellipses. A ray of pixel p meets a patch where, for some point of it, h from the ball's middle, d + P·h/z = 0: d is from p to the middle
  * in the picture, z the middle's, and P maps to pixels times z as the ray of p sees it, (column - p.x)·z and (row - p.y)·z. With P0 that of the
@@ -11,29 +12,26 @@
  * its largest terms, and 8·b² is over 2^-15 of those, since b is taken as no less than 2^-9 of the ball's reach. */
 #include "raster/hidden.h"
 
-enum { LISTED = 128 }; /* of a list, before the next one is made of them */
+enum { LISTED = 256 }; /* of a list, before the next one is made of them */
 
-/* An instance's balls as the tile sees them. */
-typedef struct crowd {
+/* A crowd at work. */
+typedef struct show {
     daft_tile_job *job;
     daft_waiting *waiting;
-    const daft_seen *seen;
-    const daft_patches *patches;
-    float ball[12];               /* a ball's centre to x and y in pixels times z, and z; then the translation */
-    float reach[2], z_reach[2];   /* its radius to pixels times z and to z, and what is added */
-    float shape[3][DAFT_SHAPE];   /* a patch's to its ellipse's xx, xy and yy at the bounds' nearest z */
-    float blur;                   /* a ball's radius to b times z */
-    daft_glance glance;
-} crowd;
+    const daft_crowd *crowd;
+} show;
 
-/* Balls that hold rays: what they are of, the pixels of the tile, and the largest w. */
+enum { TAG_SHIFT = 32 - DAFT_CROWD_BITS };
+#define ITEM ((1u << TAG_SHIFT) - 1)
+
+/* Balls that hold rays: what they are of, and of which member, the pixels of the tile, and the largest w. */
 typedef struct sights {
     uint32_t count;
     uint32_t what[LISTED + 2 * DAFT_VL], pixels[LISTED + 2 * DAFT_VL];
     float nearest[LISTED + 2 * DAFT_VL];
 } sights;
 
-static void shapes_begin(crowd *w)
+static void shapes_begin(daft_member *w)
 {
     float row[2][3], inverse = 1 / w->seen->near_z;
     for (int k = 0; k < 2; k++)
@@ -46,11 +44,13 @@ static void shapes_begin(crowd *w)
     w->blur = w->z_reach[0] * 24 + w->reach[0] * 0x1p-9f;
 }
 
+static inline float larger(float a, float b) { return a > b ? a : b; }
+
 /* How balls come to the tile. Where a ray of slope t (x and y of it over z) meets the ball around c, c is from the ray, in the
  * plane of its own z, by r·sqrt(1 + t²) at most, in any direction of that plane. `pad`: what a moved corner is off by in x
  * and y, times z, and in z, 2^-20 of the magnitudes; centres are moved with no more error than twice that, and corners by as
  * much. False: z is not known to a part in 2^10. */
-static bool crowd_begin(crowd *w, daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
+static bool member_begin(daft_member *w, const daft_tile_job *job, const daft_seen *seen)
 {
     const float *m = seen->to_camera.m, *t = seen->to_camera.t, focal = job->raster->pencil.focal;
     const float *low = &seen->mesh->low.x, *high = &seen->mesh->high.x;
@@ -59,16 +59,17 @@ static bool crowd_begin(crowd *w, daft_tile_job *job, const daft_seen *seen, daf
     for (int k = 0; k < 3; k++) {
         float size = fabsf(t[k]), sum = 0;
         for (int i = 0; i < 3; i++) {
-            size += fabsf(m[3 * k + i]) * fmaxf(fabsf(low[i]), fabsf(high[i]));
+            size += fabsf(m[3 * k + i]) * larger(fabsf(low[i]), fabsf(high[i]));
             sum += fabsf(m[3 * k] * m[3 * i] + m[3 * k + 1] * m[3 * i + 1] + m[3 * k + 2] * m[3 * i + 2]);
         }
         pad[k] = size * 0x1p-20f;
-        stretch = fmaxf(stretch, sum);
+        stretch = larger(stretch, sum);
     }
     if (!(pad[2] * 0x1p12f < seen->near_z)) return false;
-    w->job = job, w->seen = seen, w->waiting = waiting;
+    w->seen = seen;
     w->glance = daft_glance_of(seen->bvh->sides, &seen->outlook);
     const daft_patches *balls = w->patches = &seen->bvh->sides->patches;
+    if (balls->level[0].count + 2 * DAFT_PATCH > ITEM) return false;
     for (int i = 0; i < 4; i++) {
         float at[3];
         for (int k = 0; k < 3; k++)
@@ -109,15 +110,15 @@ typedef struct discs {
 } discs;
 
 /* Comparisons are written so that a NaN leaves a ball in. */
-DAFT_INLINE discs balls_project(const crowd *w, const balls *b)
+DAFT_INLINE discs balls_project(const daft_tile_job *job, const daft_member *w, const balls *b)
 {
     vf p[3], zero = vf_set(0), whole = vf_set(0x1.8p23f);
     for (int k = 0; k < 3; k++)
         p[k] = vf_set(w->ball[k]) * b->x + vf_set(w->ball[3 + k]) * b->y + vf_set(w->ball[6 + k]) * b->z + vf_set(w->ball[9 + k]);
     vf inverse = vf_set(1) / p[2], column = p[0] * inverse, row = p[1] * inverse;
     vf reach = (b->radius * vf_set(w->reach[0]) + vf_set(w->reach[1])) * inverse + vf_set(DAFT_SCREEN_SLACK);
-    vf x = column - vf_min(vf_max((column + whole) - whole, zero), vf_set(w->job->last_x));
-    vf y = row - vf_min(vf_max((row + whole) - whole, zero), vf_set(w->job->last_y));
+    vf x = column - vf_min(vf_max((column + whole) - whole, zero), vf_set(job->last_x));
+    vf y = row - vf_min(vf_max((row + whole) - whole, zero), vf_set(job->last_y));
     return (discs){column, row, reach, p[2], inverse, vm_bits(vm_and(vf_lt(reach * reach, x * x + y * y), vf_lt(zero, inverse)))};
 }
 
@@ -138,10 +139,10 @@ DAFT_INLINE vbits span_of(vf at, vf reach, float last, vi *first, vi *end)
     return vm_bits(none);
 }
 
-DAFT_INLINE spans disc_spans(const crowd *w, const discs *d)
+DAFT_INLINE spans disc_spans(const daft_tile_job *job, const discs *d)
 {
     spans s;
-    span_of(d->column, d->reach, w->job->last_x, &s.x0, &s.x1), span_of(d->row, d->reach, w->job->last_y, &s.y0, &s.y1);
+    span_of(d->column, d->reach, job->last_x, &s.x0, &s.x1), span_of(d->row, d->reach, job->last_y, &s.y0, &s.y1);
     s.none = 0; /* the disc holds one */
     return s;
 }
@@ -154,7 +155,7 @@ DAFT_INLINE vm beyond(const vf e[3], vf det, vf x, vf y)
 
 /* Of patches from one on, by their ellipses. Where these reach two pixels a side at most, each of the up to four is tried. Comparisons
  * and minima are written so that a NaN, from an overflow, leaves a patch in. */
-DAFT_INLINE spans ellipse_spans(const crowd *w, const balls *b, const discs *d, uint32_t patch)
+DAFT_INLINE spans ellipse_spans(const daft_tile_job *job, const daft_member *w, const balls *b, const discs *d, uint32_t patch)
 {
     spans s;
     vf nearer = vf_set(w->seen->near_z) * d->inverse, square = nearer * nearer, e[3];
@@ -164,8 +165,8 @@ DAFT_INLINE spans ellipse_spans(const crowd *w, const balls *b, const discs *d, 
         for (int i = 1; i < DAFT_SHAPE; i++) sum += vf_load(&w->patches->shape[i][patch]) * vf_set(w->shape[k][i]);
         e[k] = k == 1 ? sum * square : sum * square + more;
     }
-    vbits none_x = span_of(d->column, vf_min(vf_sqrt(e[0]), d->reach), w->job->last_x, &s.x0, &s.x1);
-    vbits none_y = span_of(d->row, vf_min(vf_sqrt(e[2]), d->reach), w->job->last_y, &s.y0, &s.y1);
+    vbits none_x = span_of(d->column, vf_min(vf_sqrt(e[0]), d->reach), job->last_x, &s.x0, &s.x1);
+    vbits none_y = span_of(d->row, vf_min(vf_sqrt(e[2]), d->reach), job->last_y, &s.y0, &s.y1);
     vf det = e[0] * e[2] - e[1] * e[1];
     vf xa = d->column - vf_from_int(s.x0), xb = d->column - vf_from_int(s.x1), ya = d->row - vf_from_int(s.y0), yb = d->row - vf_from_int(s.y1);
     vm all = vm_and(vm_and(beyond(e, det, xa, ya), beyond(e, det, xb, ya)), vm_and(beyond(e, det, xa, yb), beyond(e, det, xb, yb)));
@@ -174,7 +175,7 @@ DAFT_INLINE spans ellipse_spans(const crowd *w, const balls *b, const discs *d, 
 }
 
 /* Lanes that look away: daft_looks_away. */
-DAFT_INLINE vbits away(const crowd *w, vi look, vf spread)
+DAFT_INLINE vbits away(const daft_member *w, vi look, vf spread)
 {
     const daft_glance *g = &w->glance;
     vf towards = vf_from_int(look << 24 >> 24) * vf_set(g->x) + vf_from_int(look << 16 >> 24) * vf_set(g->y) +
@@ -183,25 +184,25 @@ DAFT_INLINE vbits away(const crowd *w, vi look, vf spread)
 }
 
 /* Adds those of `lanes`, items of a level from one on, that hold rays and do not look away. */
-DAFT_INLINE void add_sights(const crowd *w, int level, uint32_t first, vbits lanes, sights *out)
+DAFT_INLINE void add_sights(const daft_tile_job *job, const daft_member *w, int level, uint32_t first, vbits lanes, sights *out)
 {
     const daft_outlines *o = &w->patches->level[level];
     const daft_ball *from[DAFT_VL / 4];
     for (int i = 0; i < DAFT_VL / 4; i++) from[i] = &o->balls[first + 4 * (uint32_t)i];
     balls b = balls_load(from);
-    discs d = balls_project(w, &b);
-    spans s = level ? disc_spans(w, &d) : ellipse_spans(w, &b, &d, first);
+    discs d = balls_project(job, w, &b);
+    spans s = level ? disc_spans(job, &d) : ellipse_spans(job, w, &b, &d, first);
     lanes &= ~(d.apart | s.none | away(w, vi_load(&o->looks[first]), vf_load(&o->spreads[first])));
     vf z = d.z - (b.radius * vf_set(w->z_reach[0]) + vf_set(w->z_reach[1]));
     vf nearest = vf_select(vf_lt(vf_set(0), z), vf_rough_reciprocal(z) * vf_set(1 + 0x1p-10f), vf_set(INFINITY));
-    vi_compress(&out->what[out->count], lanes, vi_set((int32_t)first) + vi_iota());
+    vi_compress(&out->what[out->count], lanes, vi_set((int32_t)(first | w->tag)) + vi_iota());
     vi_compress(&out->pixels[out->count], lanes, s.x0 | s.x1 << 8 | s.y0 << 16 | s.y1 << 24);
     vf_compress(&out->nearest[out->count], lanes, nearest);
     out->count += (uint32_t)__builtin_popcount(lanes);
 }
 
 /* What is not hidden of a list, side by side. Gives how many they are. */
-DAFT_INLINE uint32_t not_hidden(const crowd *w, const sights *s, uint32_t *out)
+DAFT_INLINE uint32_t not_hidden(const show *w, const sights *s, uint32_t *out)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < s->count; i += DAFT_VL) {
@@ -216,16 +217,27 @@ DAFT_INLINE uint32_t not_hidden(const crowd *w, const sights *s, uint32_t *out)
 
 /* ---- patches ---- */
 
-/* Up to DAFT_LEAVES of them at a time. */
-static void draw_patches(crowd *w, const uint32_t *patches, uint32_t count)
+/* Up to DAFT_LEAVES of them at a time, member by member. */
+static void draw_patches(show *w, uint32_t *patches, uint32_t count)
 {
-    DAFT_KERNEL(daft_patches_project)(w->job, w->seen, patches, count, w->waiting);
-    while (w->waiting->projected.count) DAFT_KERNEL(daft_projected_take)(w->job, w->seen, &w->waiting->projected, &w->waiting->hits);
-    DAFT_KERNEL(daft_hits_draw)(w->job, w->seen, &w->waiting->hits);
+    const daft_seen *seen[DAFT_CROWD];
+    daft_projected *projected = &w->waiting->projected;
+    uint32_t runs = 0;
+    for (uint32_t k = 0; k < DAFT_CROWD; k++) projected->run[k] = INT32_MAX;
+    for (uint32_t i = 0, end; i < count; i = end) {
+        uint32_t tag = patches[i] & ~ITEM;
+        for (end = i; end < count && (patches[end] & ~ITEM) == tag; end++) patches[end] &= ITEM;
+        seen[runs] = w->crowd->members[tag >> TAG_SHIFT].seen;
+        projected->run[runs] = projected->count;
+        DAFT_KERNEL(daft_patches_project)(w->job, seen[runs++], &patches[i], end - i, w->waiting);
+    }
+    projected->run_count = runs;
+    while (projected->count) DAFT_KERNEL(daft_projected_take)(w->job, projected, &w->waiting->hits);
+    DAFT_KERNEL(daft_hits_draw)(w->job, seen, &w->waiting->hits);
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 
-static void take_patches(crowd *w, sights *patches)
+static void take_patches(show *w, sights *patches)
 {
     uint32_t list[LISTED + 2 * DAFT_VL], count = not_hidden(w, patches, list);
     patches->count = 0;
@@ -235,40 +247,56 @@ static void take_patches(crowd *w, sights *patches)
 /* ---- lists ---- */
 
 /* The sixteen items of a level that belong to one of the level above. */
-DAFT_INLINE void add_outlines(const crowd *w, int level, uint32_t above, sights *out)
+DAFT_INLINE void add_outlines(const show *w, const daft_member *m, int level, uint32_t above, sights *out)
 {
-    uint32_t count = w->patches->level[level].count;
+    uint32_t count = m->patches->level[level].count;
     for (uint32_t first = above * DAFT_PATCH; first < (above + 1) * DAFT_PATCH; first += DAFT_VL)
-        add_sights(w, level, first, first < count ? vbits_first((int)(count - first)) : 0, out);
+        add_sights(w->job, m, level, first, first < count ? vbits_first((int)(count - first)) : 0, out);
 }
 
-static void take_clusters(crowd *w, sights *clusters, sights *patches)
+static void take_clusters(show *w, sights *clusters, sights *patches)
 {
     uint32_t list[LISTED + 2 * DAFT_VL], count = not_hidden(w, clusters, list);
     clusters->count = 0;
     w->job->counters->nodes += count;
     for (uint32_t i = 0; i < count; i++) {
-        add_outlines(w, 0, list[i], patches);
+        add_outlines(w, &w->crowd->members[list[i] >> TAG_SHIFT], 0, list[i] & ITEM, patches);
         if (patches->count > LISTED - DAFT_PATCH) take_patches(w, patches);
     }
 }
 
-bool DAFT_KERNEL(daft_crowd_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
+static void take_groups(show *w, sights *groups, sights *clusters, sights *patches)
 {
-    crowd w;
+    for (uint32_t i = 0; i < groups->count; i++) {
+        add_outlines(w, &w->crowd->members[groups->what[i] >> TAG_SHIFT], 1, groups->what[i] & ITEM, clusters);
+        if (clusters->count > LISTED - DAFT_PATCH) take_clusters(w, clusters, patches);
+    }
+    groups->count = 0;
+}
+
+bool DAFT_KERNEL(daft_crowd_add)(const daft_tile_job *job, const daft_seen *seen, daft_crowd *crowd)
+{
+    daft_member *m = &crowd->members[crowd->count];
+    if (!member_begin(m, job, seen)) return false;
+    m->tag = crowd->count++ << TAG_SHIFT;
+    return true;
+}
+
+void DAFT_KERNEL(daft_crowd_draw)(daft_tile_job *job, daft_crowd *crowd, daft_waiting *waiting)
+{
+    show w = {.job = job, .waiting = waiting, .crowd = crowd};
     sights groups, clusters, patches;
-    if (!crowd_begin(&w, job, seen, waiting)) return false;
-    const daft_outlines *top = &w.patches->level[DAFT_PATCH_LEVELS - 1];
-    clusters.count = patches.count = 0;
-    for (uint32_t i = 0; i < top->count; i += DAFT_PATCH) {
-        groups.count = 0;
-        add_outlines(&w, DAFT_PATCH_LEVELS - 1, i / DAFT_PATCH, &groups);
-        for (uint32_t g = 0; g < groups.count; g++) {
-            add_outlines(&w, 1, groups.what[g], &clusters);
-            if (clusters.count > LISTED - DAFT_PATCH) take_clusters(&w, &clusters, &patches);
+    groups.count = clusters.count = patches.count = 0;
+    for (uint32_t i = 0; i < crowd->count; i++) {
+        const daft_member *m = &crowd->members[i];
+        uint32_t above = (m->patches->level[DAFT_PATCH_LEVELS - 1].count + DAFT_PATCH - 1) / DAFT_PATCH;
+        for (uint32_t k = 0; k < above; k++) {
+            add_outlines(&w, m, DAFT_PATCH_LEVELS - 1, k, &groups);
+            if (groups.count > LISTED - DAFT_PATCH) take_groups(&w, &groups, &clusters, &patches);
         }
     }
+    take_groups(&w, &groups, &clusters, &patches);
     take_clusters(&w, &clusters, &patches);
     take_patches(&w, &patches);
-    return true;
+    crowd->count = 0;
 }

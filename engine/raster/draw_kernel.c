@@ -442,12 +442,13 @@ static vbits draw_thin(daft_tile_job *j, const daft_pencil_batch *b, vbits some)
     return some;
 }
 
-void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, const daft_seen *seen, daft_hits *h)
+void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, const daft_seen *const *all, daft_hits *h)
 {
     if (h->count) j->tile->one_thing = false;
     for (uint32_t k = 0; k < h->count; k++) {
         uint32_t at = h->place[k] & (DAFT_HIT_UNSURE - 1);
-        bool sure = at == h->place[k];
+        bool sure = !(h->place[k] & DAFT_HIT_UNSURE);
+        const daft_seen *seen = all[h->place[k] >> DAFT_HIT_RUN];
         float low = h->low[k], high = j->exact ? h->high[k] : low;
         if (high < j->w_low[at]) continue;
         j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;

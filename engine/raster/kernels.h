@@ -42,15 +42,17 @@ enum { DAFT_LEAVES = 64, DAFT_LEAVES_ROOM = DAFT_LEAVES + DAFT_VL };
 enum { DAFT_WAITING_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + 3 * DAFT_VL };
 #define DAFT_WAITS_ONE_SIDED 0x80u /* in `pixels`: hits on its back do not count */
 #define DAFT_WAITS_TURNED 0x40u    /* its front is where det(corners) is negative */
-/* Of one instance: small triangles in the picture whose boxes hold rays; scale: the focal length over z. */
+/* Small triangles in the picture whose boxes hold rays; scale: the focal length over z. They are in runs, of an instance each, of which
+ * run[k] is where the k-th begins; beyond the last one it is over any place. */
+enum { DAFT_CROWD_BITS = 3, DAFT_CROWD = 1 << DAFT_CROWD_BITS };
 typedef struct daft_projected {
-    uint32_t count;
+    uint32_t count, run_count, run[DAFT_CROWD];
     float x[3][DAFT_WAITING_ROOM], y[3][DAFT_WAITING_ROOM], scale[3][DAFT_WAITING_ROOM];
-    uint32_t pixels[DAFT_WAITING_ROOM], triangle[DAFT_WAITING_ROOM];
+    uint32_t triangle[DAFT_WAITING_ROOM];
 } daft_projected;
 
-/* Pixels whose rays triangles of one instance meet, or, where it says so, may meet. */
-enum { DAFT_HITS_ROOM = 4 * DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + DAFT_VL };
+/* Pixels whose rays such triangles meet, or, where it says so, may meet; above the place is the number of the run. */
+enum { DAFT_HITS_ROOM = 4 * DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + DAFT_VL, DAFT_HIT_RUN = 16 };
 #define DAFT_HIT_UNSURE 0x8000u
 typedef struct daft_hits {
     uint32_t count;
@@ -64,9 +66,27 @@ typedef struct daft_waiting {
     float nearest[DAFT_WAITING_ROOM];   /* the largest w; infinite where a corner is not in front */
     uint32_t pixels[DAFT_WAITING_ROOM]; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24, and flags */
     uint32_t instance[DAFT_WAITING_ROOM], triangle[DAFT_WAITING_ROOM];
-    daft_projected projected; /* these and hits are of the instance at work: they do not wait for others */
+    daft_projected projected; /* these and hits are of the instances at work: they do not wait for others */
     daft_hits hits;
 } daft_waiting;
+
+/* An instance's balls (accel/patches.h) as a tile sees them. */
+typedef struct daft_member {
+    const daft_seen *seen;
+    const daft_patches *patches;
+    uint32_t tag;               /* its number in the crowd, above those of what it consists of */
+    float ball[12];             /* a ball's centre to x and y in pixels times z, and z; then the translation */
+    float reach[2], z_reach[2]; /* its radius to pixels times z and to z, and what is added */
+    float shape[3][DAFT_SHAPE]; /* a patch's to its ellipse's xx, xy and yy at the bounds' nearest z */
+    float blur;                 /* a ball's radius to b times z (crowd_kernel.c) */
+    daft_glance glance;
+} daft_member;
+
+/* Instances that are drawn together. */
+typedef struct daft_crowd {
+    uint32_t count;
+    daft_member members[DAFT_CROWD];
+} daft_crowd;
 
 /* Up to DAFT_VL triangles, set up. Edge k is opposite corner k. */
 typedef struct daft_pencil_batch {
@@ -84,7 +104,7 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen 
 /* The same of patches, all of them in front of the camera. */
 void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *patches, uint32_t count, daft_waiting *out);
 /* Takes up to DAFT_VL of those projected. */
-void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, const daft_seen *seen, daft_projected *from, daft_hits *out);
+void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, daft_projected *from, daft_hits *out);
 /* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks. True: many or large ones of them may be seen and make a batch. False: few, and those wait. */
 bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
                                     daft_waiting *waiting, daft_pencil_batch *batch);
@@ -95,13 +115,15 @@ void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *se
                                    daft_screen_box *out);
 /* walk_kernel.c: what of a mesh is in the tile, and not hidden; some small triangles of it may be left waiting. */
 void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting);
-/* crowd_kernel.c: the same for a mesh whose clusters are known and in doubt by little. False: that is not so. */
-bool DAFT_KERNEL(daft_crowd_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting);
+/* crowd_kernel.c: adds a mesh whose clusters are known and in doubt by little. False: that is not so. There is room for one. */
+bool DAFT_KERNEL(daft_crowd_add)(const daft_tile_job *job, const daft_seen *seen, daft_crowd *crowd);
+/* As daft_mesh_draw, of all that are in it. */
+void DAFT_KERNEL(daft_crowd_draw)(daft_tile_job *job, daft_crowd *crowd, daft_waiting *waiting);
 void DAFT_KERNEL(daft_waiting_draw)(daft_tile_job *job, daft_waiting *waiting);
 /* Whether the pixels x0..x1, y0..y1 of the tile all see something whose w is above `nearest`. */
 bool DAFT_KERNEL(daft_pixels_hidden)(daft_tile_job *job, int x0, int x1, int y0, int y1, float nearest);
-/* draw_kernel.c */
-void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, const daft_seen *seen, daft_hits *hits);
+/* draw_kernel.c. seen: of each run. */
+void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, const daft_seen *const *seen, daft_hits *hits);
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
 /* The first batch of a tile, whose pixels are not cleared yet: a triangle that every ray hits fills it, and leaves the batch. False: none
  * does, and nothing is known of the pixels. */

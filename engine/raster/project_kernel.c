@@ -16,7 +16,7 @@
 #include "math/simd_pick.h"
 #include "raster/blocks.h"
 
-enum { PATCH_PARTS = DAFT_PATCH / DAFT_VL };
+enum { PATCH_PARTS = DAFT_PATCH / DAFT_VL, AHEAD = 3 /* patches: a few hundred cycles */ };
 
 /* The pixels within low..high and the slack, or but for a part in 2^8 there; none: end is below first. */
 DAFT_INLINE void pixel_range(vf low, vf high, float last, vi *first, vi *end)
@@ -42,17 +42,18 @@ typedef struct lens {
     bool closely; /* no triangle counts as small */
 } lens;
 
+DAFT_INLINE float reach_of(const daft_tile_job *job) { return (job->max_dx > job->max_dy ? job->max_dx : job->max_dy) + 2 * DAFT_TILE; }
+
 DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_seen *seen)
 {
-    float reach = fmaxf(job->max_dx, job->max_dy) + 2 * DAFT_TILE;
     bool closely = job->raster->pencil.intersection == DAFT_INTERSECT_WATERTIGHT;
-    return (lens){seen->to_camera, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, reach, seen->front, closely};
+    return (lens){seen->to_camera, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, reach_of(job), seen->front, closely};
 }
 
-/* D of the above, times a power of two. */
-DAFT_INLINE vf doubt_of(const lens *v, vf extent, float times)
+/* D of the above, times a power of two; reach: a lens's. */
+DAFT_INLINE vf doubt_of(float reach, vf extent, float times)
 {
-    return vf_set(times * 5 * UNIT) * (vf_set(v->reach) + (extent + extent)) * (extent + vf_set(0x1p-4f));
+    return vf_set(times * 5 * UNIT) * (vf_set(reach) + (extent + extent)) * (extent + vf_set(0x1p-4f));
 }
 
 /* A point in the picture: the focal length over z, and x and y in pixels of the tile. */
@@ -66,18 +67,24 @@ DAFT_INLINE spot spot_of(const lens *v, const vf3 *p)
     return (spot){p->x * scale - vf_set(v->left), vf_set(v->top) - p->y * scale, scale};
 }
 
+/* Pixels of the tile, inclusive. */
+typedef struct box {
+    vi x0, x1, y0, y1;
+} box;
+
+DAFT_INLINE vi box_bytes(const box *b) { return b->x0 | b->x1 << 8 | b->y0 << 16 | b->y1 << 24; }
+
 /* The lanes of triangles that may be seen; of all of them the pixels, and which are small. corner: NULL where all of them are in
  * front of the camera. */
-DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], vbits one_sided, const vf3 *corner, vi *pixels, vbits *little)
+DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], vbits one_sided, const vf3 *corner, box *b, vbits *little)
 {
     vf zero = vf_set(0), x[3], y[3];
     for (int k = 0; k < 3; k++) x[k] = at[k].x, y[k] = at[k].y;
     vf low_x = vf_min(vf_min(x[0], x[1]), x[2]), high_x = vf_max(vf_max(x[0], x[1]), x[2]);
     vf low_y = vf_min(vf_min(y[0], y[1]), y[2]), high_y = vf_max(vf_max(y[0], y[1]), y[2]);
     vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
-    vf doubt = doubt_of(v, (high_x - low_x) + (high_y - low_y), -4);
+    vf doubt = doubt_of(v->reach, (high_x - low_x) + (high_y - low_y), -4);
     vbits out = one_sided & vm_bits(vf_lt(v->front < 0 ? -area : area, doubt));
-    vi x0, x1, y0, y1;
     *little = v->closely ? 0 : DAFT_ALL_LANES;
     if (corner) { /* a triangle through the camera's plane may reach anywhere */
         vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z), most = vf_max(vf_max(corner[0].z, corner[1].z), corner[2].z);
@@ -86,22 +93,20 @@ DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], vbits one_sided, 
         low_y = vf_select(front, low_y, zero), high_y = vf_select(front, high_y, vf_set(DAFT_TILE));
         *little &= vm_bits(front), out = (out & vm_bits(front)) | ~vm_bits(vf_lt(zero, most));
     }
-    pixel_range(low_x, high_x, v->last_x, &x0, &x1);
-    pixel_range(low_y, high_y, v->last_y, &y0, &y1);
-    *little &= vm_bits(vi_lt((x1 - x0) | (y1 - y0), vi_set(2)));
-    *pixels = x0 | x1 << 8 | y0 << 16 | y1 << 24;
-    return DAFT_ALL_LANES & ~(out | vm_bits(vi_lt(x1, x0)) | vm_bits(vi_lt(y1, y0)));
+    pixel_range(low_x, high_x, v->last_x, &b->x0, &b->x1);
+    pixel_range(low_y, high_y, v->last_y, &b->y0, &b->y1);
+    *little &= vm_bits(vi_lt((b->x1 - b->x0) | (b->y1 - b->y0), vi_set(2)));
+    return DAFT_ALL_LANES & ~(out | vm_bits(vi_lt(b->x1, b->x0)) | vm_bits(vi_lt(b->y1, b->y0)));
 }
 
 /* Small triangles go side by side. */
-DAFT_INLINE uint32_t add_small(daft_projected *out, uint32_t n, const spot at[3], vi pixels, vi triangle, vbits lanes)
+DAFT_INLINE uint32_t add_small(daft_projected *out, uint32_t n, const spot at[3], vi triangle, vbits lanes)
 {
     for (int k = 0; k < 3; k++) {
         vf_compress(&out->x[k][n], lanes, at[k].x);
         vf_compress(&out->y[k][n], lanes, at[k].y);
         vf_compress(&out->scale[k][n], lanes, at[k].scale);
     }
-    vi_compress(&out->pixels[n], lanes, pixels);
     vi_compress(&out->triangle[n], lanes, triangle);
     return n + (uint32_t)__builtin_popcount(lanes);
 }
@@ -124,7 +129,8 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen 
         const daft_block *all[DAFT_BATCH_BLOCKS];
         uint32_t some = daft_min_u(count - i, DAFT_BATCH_BLOCKS);
         blocks_at(seen, &blocks[i], some, all);
-        vi triangle = blocks_triangles(all), pixels;
+        vi triangle = blocks_triangles(all);
+        box pixels;
         vf3 corner[3];
         spot at[3];
         for (int k = 0; k < 3; k++) {
@@ -134,8 +140,8 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen 
         vbits there = ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(some * DAFT_BLOCK)), little;
         vbits one_sided = v.front ? blocks_sides(seen, &blocks[i], some) : 0;
         vbits lanes = there & may_be_seen(&v, at, one_sided, corner, &pixels, &little);
-        n = add_small(&out->projected, n, at, pixels, triangle, lanes & little);
-        if (lanes & ~little) add_large(out, &v, corner, pixels, one_sided, seen->index, triangle, lanes & ~little);
+        n = add_small(&out->projected, n, at, triangle, lanes & little);
+        if (lanes & ~little) add_large(out, &v, corner, box_bytes(&pixels), one_sided, seen->index, triangle, lanes & ~little);
         tested += (uint32_t)__builtin_popcount(there);
     }
     out->projected.count = n;
@@ -156,12 +162,16 @@ DAFT_INLINE void patch_move(const lens *v, const daft_patch *p, moved *out)
     }
 }
 
+DAFT_INLINE void fetch_patch(const daft_patch *p)
+{
+    for (size_t k = 0; k < sizeof *p; k += 64) __builtin_prefetch((const char *)p + k);
+}
+
 /* Parts of patches with triangles that are not small: whether there are any cannot be guessed, so these come after all others. */
 typedef struct large_list {
     uint32_t count;
     uint32_t patch[DAFT_LEAVES * PATCH_PARTS + 1], part[DAFT_LEAVES * PATCH_PARTS + 1];
     vbits lanes[DAFT_LEAVES * PATCH_PARTS + 1];
-    _Alignas(64) uint32_t pixels[DAFT_LEAVES * PATCH_PARTS + 1][DAFT_VL];
 } large_list;
 
 DAFT_INLINE vbits patch_sides(const lens *v, const daft_patch *p, uint32_t part)
@@ -175,13 +185,18 @@ static void wait_all(const lens *v, const daft_seen *seen, const large_list *lis
         const daft_patch *p = &seen->bvh->sides->patches.items[list->patch[i]];
         moved m;
         vf3 corner[3];
+        spot at[3];
+        box pixels;
+        vbits little;
         uint32_t first = list->part[i] * DAFT_VL;
         patch_move(v, p, &m);
         for (int k = 0; k < 3; k++) {
             vi which = vi_load_bytes(&p->at[k][first]);
             corner[k] = (vf3){vf_pick16(m.x, which), vf_pick16(m.y, which), vf_pick16(m.z, which)};
+            at[k] = spot_of(v, &corner[k]);
         }
-        add_large(out, v, corner, vi_load(list->pixels[i]), patch_sides(v, p, list->part[i]), seen->index, vi_load(&p->triangle[first]), list->lanes[i]);
+        may_be_seen(v, at, 0, NULL, &pixels, &little);
+        add_large(out, v, corner, box_bytes(&pixels), patch_sides(v, p, list->part[i]), seen->index, vi_load(&p->triangle[first]), list->lanes[i]);
     }
 }
 
@@ -194,6 +209,7 @@ void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_seen
     large.count = 0;
     for (uint32_t i = 0; i < count; i++) {
         const daft_patch *p = &all[patches[i]];
+        fetch_patch(&all[patches[daft_min_u(i + AHEAD, count - 1)]]);
         vf x[PATCH_PARTS], y[PATCH_PARTS], scale[PATCH_PARTS];
         moved m;
         patch_move(&v, p, &m);
@@ -203,7 +219,8 @@ void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_seen
         }
         tested += (uint32_t)__builtin_popcount(p->there);
         for (uint32_t part = 0; part < PATCH_PARTS; part++) {
-            vi pixels, which[3];
+            vi which[3];
+            box pixels;
             spot at[3];
             for (int k = 0; k < 3; k++) {
                 which[k] = vi_load_bytes(&p->at[k][part * DAFT_VL]);
@@ -212,8 +229,7 @@ void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_seen
             vbits little, lanes = p->there >> (part * DAFT_VL) & may_be_seen(&v, at, patch_sides(&v, p, part), NULL, &pixels, &little);
             if (PATCH_PARTS > 2 && !lanes) continue; /* most often, and the rest costs more than a wrong guess */
             for (int k = 0; k < 3; k++) at[k].scale = vf_pick16(scale, which[k]);
-            n = add_small(&out->projected, n, at, pixels, vi_load(&p->triangle[part * DAFT_VL]), lanes & little);
-            vi_store(large.pixels[large.count], pixels);
+            n = add_small(&out->projected, n, at, vi_load(&p->triangle[part * DAFT_VL]), lanes & little);
             large.patch[large.count] = patches[i], large.part[large.count] = part, large.lanes[large.count] = lanes & ~little;
             large.count += (lanes & ~little) != 0;
         }
@@ -255,9 +271,8 @@ DAFT_INLINE void add_hits(const daft_tile_job *job, const small *s, int right, i
     out->count += (uint32_t)__builtin_popcount(lanes);
 }
 
-DAFT_INLINE void small_setup(const daft_tile_job *job, const daft_seen *seen, const vf x[3], const vf y[3], const vf scale[3], vi x0, vi y0, small *s)
+DAFT_INLINE void small_setup(const daft_tile_job *job, const vf x[3], const vf y[3], const vf scale[3], vi x0, vi y0, small *s)
 {
-    const lens v = lens_of(job, seen);
     vf px = vf_from_int(x0), py = vf_from_int(y0), one = vf_set(1), e[3], over_focal = vf_set(1 / job->raster->pencil.focal);
     for (int k = 0; k < 3; k++) s->a[0][k] = x[k] - px, s->b[0][k] = y[k] - py;
     edges_at(s->a[0], s->b[0], e);
@@ -274,21 +289,33 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, const daft_seen *seen, co
     vf extent = vf_max(vf_max(x[0], x[1]), x[2]) - vf_min(vf_min(x[0], x[1]), x[2]);
     extent += vf_max(vf_max(y[0], y[1]), y[2]) - vf_min(vf_min(y[0], y[1]), y[2]);
     vf least = vf_min(vf_min(scale[0], scale[1]), scale[2]), most = vf_max(vf_max(scale[0], scale[1]), scale[2]);
-    s->doubt = doubt_of(&v, extent, 1);
+    s->doubt = doubt_of(reach_of(job), extent, 1);
     s->error = vf_set(4) * s->doubt * (most - least) * inverse + vf_set(16 * UNIT) * most * over_focal;
     s->least = least * over_focal * vf_set(1 - 16 * UNIT), s->most = most * over_focal * vf_set(1 + 16 * UNIT);
 }
 
-void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, const daft_seen *seen, daft_projected *from, daft_hits *out)
+/* The numbers of runs, at places from `at` on. */
+DAFT_INLINE vi runs_of(const daft_projected *p, uint32_t at)
+{
+    vi place = vi_iota() + vi_set((int32_t)at), run = vi_set(0);
+    if (p->run_count <= 1) return run;
+    for (int k = 1; k < DAFT_CROWD; k++) run = vi_select(vi_lt(place, vi_set((int32_t)p->run[k])), run, vi_set(k));
+    return run;
+}
+
+void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, daft_projected *from, daft_hits *out)
 {
     uint32_t count = daft_min_u(from->count, DAFT_VL), at = from->count - count;
     vf x[3], y[3], scale[3];
+    box b;
     small s;
     for (int k = 0; k < 3; k++) x[k] = vf_load(&from->x[k][at]), y[k] = vf_load(&from->y[k][at]), scale[k] = vf_load(&from->scale[k][at]);
-    vi pixels = vi_load(&from->pixels[at]), byte = vi_set(DAFT_TILE - 1), x0 = pixels & byte, y0 = pixels >> 16 & byte;
-    vbits lanes = vbits_first((int)count), right = lanes & vm_bits(vi_lt(x0, pixels >> 8 & byte)), below = lanes & vm_bits(vi_lt(y0, pixels >> 24 & byte));
+    pixel_range(vf_min(vf_min(x[0], x[1]), x[2]), vf_max(vf_max(x[0], x[1]), x[2]), job->last_x, &b.x0, &b.x1);
+    pixel_range(vf_min(vf_min(y[0], y[1]), y[2]), vf_max(vf_max(y[0], y[1]), y[2]), job->last_y, &b.y0, &b.y1);
+    vbits lanes = vbits_first((int)count), right = lanes & vm_bits(vi_lt(b.x0, b.x1)), below = lanes & vm_bits(vi_lt(b.y0, b.y1));
     s.triangle = vi_load(&from->triangle[at]);
-    small_setup(job, seen, x, y, scale, x0, y0, &s);
+    small_setup(job, x, y, scale, b.x0, b.y0, &s);
+    s.place |= runs_of(from, at) << DAFT_HIT_RUN;
     job->counters->binned += count;
     if (!job->exact) lanes &= vm_bits(vf_lt(vf_abs(s.slope[0]) + vf_abs(s.slope[1]), vf_set(INFINITY)));
     add_hits(job, &s, 0, 0, lanes, out);

@@ -363,10 +363,11 @@ static void list_blocks(walk *w)
 static void draw_leaves(walk *w)
 {
     list_blocks(w);
+    w->waiting->projected.run_count = 1;
     DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, w->blocks, w->block_count, w->waiting);
-    while (w->waiting->projected.count) DAFT_KERNEL(daft_projected_take)(w->job, w->seen, &w->waiting->projected, &w->waiting->hits);
+    while (w->waiting->projected.count) DAFT_KERNEL(daft_projected_take)(w->job, &w->waiting->projected, &w->waiting->hits);
     w->leaf_count = w->block_count = 0;
-    DAFT_KERNEL(daft_hits_draw)(w->job, w->seen, &w->waiting->hits);
+    DAFT_KERNEL(daft_hits_draw)(w->job, &w->seen, &w->waiting->hits);
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 
@@ -422,7 +423,6 @@ static void draw_grouped(walk *w)
 void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
 {
     walk w;
-    if (seen->dense && DAFT_KERNEL(daft_crowd_draw)(job, seen, waiting)) return;
     walk_begin(&w, job, seen, waiting);
     if (seen->dense)
         draw_grouped(&w);
