@@ -107,6 +107,8 @@ bool daft_bvh_find_sides(daft_bvh *bvh, const daft_trimesh *mesh, int threads)
 
 /* ---- outlooks ---- */
 
+static inline double larger(double a, double b) { return a > b ? a : b; } /* fmax is a call */
+
 bool daft_outlook_at(const daft_bvh *bvh, const daft_trimesh *mesh, daft_dvec3 point, double blur, daft_outlook *out)
 {
     daft_dvec3 from = daft_dsub(point, bvh->sides->middle);
@@ -115,7 +117,7 @@ bool daft_outlook_at(const daft_bvh *bvh, const daft_trimesh *mesh, daft_dvec3 p
     bool outside = false;
     for (int k = 0; k < 3; k++) {
         double low = (double)(&mesh->low.x)[k], high = (double)(&mesh->high.x)[k], pad = blur + fabs(p[k]) * 1e-9;
-        double far = fmax(fabs(p[k] - low), fabs(p[k] - high));
+        double far = larger(fabs(p[k] - low), fabs(p[k] - high));
         outside = outside || p[k] < low - pad || p[k] > high + pad;
         square += far * far;
     }
@@ -136,7 +138,7 @@ static double moved_off_by(const daft_trimesh *mesh, const daft_affine *map, int
     double size = 0;
     for (int j = 0; j < 3; j++) {
         double low = fabs((double)(&mesh->low.x)[j]), high = fabs((double)(&mesh->high.x)[j]);
-        size += fabs((double)map->m[3 * k + j]) * fmax(low, high);
+        size += fabs((double)map->m[3 * k + j]) * larger(low, high);
     }
     return (4.01 * size + 1.01 * fabs((double)map->t[k])) * 0x1p-24;
 }

@@ -50,9 +50,9 @@ static daft_affine camera_map(const daft_pencil *p, const daft_affine *frame)
 
 static void seen_box(const daft_seen *seen, daft_vec3 *low, daft_vec3 *high)
 {
-    daft_instance moved = *seen->instance;
-    moved.to_frame = seen->to_camera;
-    daft_instance_bound(&moved);
+    daft_instance moved;
+    moved.mesh = seen->mesh, moved.bvh = seen->bvh, moved.radius = seen->instance->radius, moved.to_frame = seen->to_camera;
+    daft_instance_bound(&moved); /* reads no more of it */
     *low = moved.low;
     *high = moved.high;
 }
@@ -149,7 +149,7 @@ static bool tile_add(const daft_raster *raster, daft_bins *bins, uint32_t tile, 
 static void add_to_tiles(const daft_raster *raster, daft_bins *bins, const daft_seen *seen)
 {
     uint32_t bits; /* of a positive float: they are in its order */
-    float z = fmaxf(seen->near_z, 0);
+    float z = seen->near_z > 0 ? seen->near_z : 0;
     memcpy(&bits, &z, sizeof bits);
     for (int y = seen->y0 / DAFT_TILE; y <= seen->y1 / DAFT_TILE; y++)
         for (int x = seen->x0 / DAFT_TILE; x <= seen->x1 / DAFT_TILE; x++)

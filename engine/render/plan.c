@@ -32,8 +32,17 @@ static bool has(const daft_snapshot *snapshot, const daft_instance *instance, su
     return false;
 }
 
+/* Most often no material does, and materials are few where instances are many. */
+static bool some_material(const daft_snapshot *snapshot, surface_test *test)
+{
+    for (uint32_t i = 0; i < snapshot->material_count; i++)
+        if (test(&snapshot->materials[i])) return true;
+    return false;
+}
+
 static bool some_has(const daft_snapshot *snapshot, surface_test *test)
 {
+    if (!some_material(snapshot, test)) return false;
     for (uint32_t i = 0; i < snapshot->instance_count; i++)
         if (has(snapshot, &snapshot->instances[i], test)) return true;
     return false;
@@ -71,7 +80,7 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     none[DAFT_EFFECT_LIGHTING] = snapshot->lamp_count ? "no surface that faces a light is seen" : "the scene has no light";
     why[DAFT_EFFECT_REFLECTION] = reflection_reason(snapshot, plan.preset, &plan.reflections);
     none[DAFT_EFFECT_REFLECTION] = plan.reflections ? "no mirror is seen" : why[DAFT_EFFECT_REFLECTION];
-    plan.tints = plan.shadows && some_flag(snapshot, DAFT_INSTANCE_TINTS_SHADOW);
+    plan.tints = plan.shadows && some_material(snapshot, transmits) && some_flag(snapshot, DAFT_INSTANCE_TINTS_SHADOW);
     plan.refractions = some_has(snapshot, transmits);
     why[DAFT_EFFECT_REFRACTION] = "something that transmits is seen";
     none[DAFT_EFFECT_REFRACTION] = plan.refractions ? "nothing that transmits is seen" : "no material transmits";
