@@ -42,6 +42,7 @@ typedef struct solo {
     float t;
 } solo;
 
+enum { FAR_APART = 20000 /* instances, more than caches near the core hold */ };
 enum { ITEMS = 2 * (1 + DAFT_STACK + DAFT_WIDTH) + DAFT_WIDTH };
 
 typedef struct crowd {
@@ -56,9 +57,9 @@ typedef struct schedule {
     vbits ends, none;
 } schedule;
 
-DAFT_INLINE void note(schedule *next, uint32_t lane, const solo *s)
+DAFT_INLINE void note(schedule *next, const crowd *w, uint32_t lane)
 {
-    uint32_t child = (uint32_t)s->top[-1];
+    uint32_t child = (uint32_t)w->solos[lane].top[-1];
     next->ends |= child >> 31 << lane, next->none |= (uint32_t)(child == DAFT_CHILD_NONE) << lane;
 }
 
@@ -224,49 +225,69 @@ DAFT_INLINE void leave(crowd *w, uint32_t lane, solo *s)
     w->inside &= ~((vbits)1 << lane), s->top--;
 }
 
-/* Out of a mesh, and into the next instance. True: it is done. */
-DAFT_INLINE bool instance_step(crowd *w, uint32_t lane, solo *s, bool any)
+DAFT_INLINE void done(crowd *w, uint32_t lane, bool stopped)
 {
+    if (stopped) stop(w->rays, (vbits)1 << lane);
+    w->going &= ~((vbits)1 << lane);
+}
+
+/* Out of a mesh, and into the next instance. */
+DAFT_INLINE void instance_step(crowd *w, uint32_t lane, bool any)
+{
+    solo *s = &w->solos[lane];
     if (w->inside >> lane & 1) leave(w, lane, s);
     uint64_t item = s->top[-1];
-    if (!((uint32_t)item & DAFT_CHILD_LEAF)) return false;
-    if ((uint32_t)item == DAFT_CHILD_NONE) return true;
+    if (!((uint32_t)item & DAFT_CHILD_LEAF)) return;
+    if ((uint32_t)item == DAFT_CHILD_NONE) {
+        done(w, lane, false);
+        return;
+    }
     s->top--;
-    if (!(near_of(item) <= s->limit) || !enter(w, lane, s, (uint32_t)item & ~DAFT_CHILD_LEAF, any)) return false;
-    stop(w->rays, (vbits)1 << lane);
-    return true;
+    if (near_of(item) <= s->limit && enter(w, lane, s, (uint32_t)item & ~DAFT_CHILD_LEAF, any)) done(w, lane, true);
 }
 
 /* ---- all of them ---- */
 
-DAFT_INLINE uint32_t list_lanes(uint32_t list[DAFT_VL], vbits bits)
+typedef struct lane_list {
+    uint32_t lanes[DAFT_VL], count;
+} lane_list;
+
+DAFT_INLINE void list_lanes(lane_list *list, vbits lanes)
 {
-    vi_compress(list, bits, vi_iota());
-    return (uint32_t)__builtin_popcount(bits);
+    vi_compress(list->lanes, lanes, vi_iota());
+    list->count = (uint32_t)__builtin_popcount(lanes);
+}
+
+/* Where there are so many instances that they come from far, what is next among them is on its way while others take steps. */
+DAFT_INLINE void instance_fetch(const crowd *w, uint32_t lane)
+{
+    const daft_tlas *tlas = w->rays->tlas;
+    uint32_t child = (uint32_t)w->solos[lane].top[-1 - (int)(w->inside >> lane & 1)], number = child & ~DAFT_CHILD_LEAF;
+    if (child == DAFT_CHILD_NONE) return;
+    const char *at = child & DAFT_CHILD_LEAF ? (const char *)&tlas->instances[number] : (const char *)&tlas->nodes.items[number];
+    for (size_t i = 0; i < sizeof(daft_instance); i += 64) __builtin_prefetch(at + i);
 }
 
 DAFT_INLINE void rounds(crowd *w, schedule next, bool any)
 {
+    const bool far = w->rays->tlas->instance_count > FAR_APART;
     while (w->going) {
-        uint32_t nodes[DAFT_VL], leaves[DAFT_VL], others[DAFT_VL];
+        lane_list nodes, leaves, others;
         vbits ends = next.ends & w->going, at_leaf = ends & w->inside & ~next.none;
-        uint32_t node_count = list_lanes(nodes, w->going & ~ends), leaf_count = list_lanes(leaves, at_leaf),
-                 other_count = list_lanes(others, ends & ~at_leaf);
+        list_lanes(&nodes, w->going & ~ends), list_lanes(&leaves, at_leaf), list_lanes(&others, ends & ~at_leaf);
         next = (schedule){0, 0};
-        for (uint32_t k = 0; k < node_count; k++) {
-            solo *s = &w->solos[nodes[k]];
-            node_step(s, any);
-            note(&next, nodes[k], s);
+        for (uint32_t k = 0; far && k < others.count; k++) instance_fetch(w, others.lanes[k]);
+        for (uint32_t k = 0; k < nodes.count; k++) {
+            node_step(&w->solos[nodes.lanes[k]], any);
+            note(&next, w, nodes.lanes[k]);
         }
-        for (uint32_t k = 0; k < leaf_count; k++) {
-            solo *s = &w->solos[leaves[k]];
-            if (leaf_step(s, any)) stop(w->rays, (vbits)1 << leaves[k]), w->going &= ~((vbits)1 << leaves[k]);
-            note(&next, leaves[k], s);
+        for (uint32_t k = 0; k < leaves.count; k++) {
+            if (leaf_step(&w->solos[leaves.lanes[k]], any)) done(w, leaves.lanes[k], true);
+            note(&next, w, leaves.lanes[k]);
         }
-        for (uint32_t k = 0; k < other_count; k++) {
-            solo *s = &w->solos[others[k]];
-            if (instance_step(w, others[k], s, any)) w->going &= ~((vbits)1 << others[k]);
-            note(&next, others[k], s);
+        for (uint32_t k = 0; k < others.count; k++) {
+            instance_step(w, others.lanes[k], any);
+            note(&next, w, others.lanes[k]);
         }
     }
 }

@@ -10,14 +10,14 @@
 #include "accel/packet.h"
 
 #define WIDEN (1 + 8 * DAFT_ULP)
-/* As many rays, or fewer, go on alone: among instances, few or many, which depends on what a ray alone costs; and in a mesh,
- * where leaves are cheap for few rays. */
-#ifdef DAFT_ISA_avx512
-enum { FEW_AMONG_MANY = DAFT_VL * 3 / 4 };
-#else
-enum { FEW_AMONG_MANY = DAFT_VL / 4 + 1 };
-#endif
+/* As many rays, or fewer, go on alone: among few instances, and among many, where it depends on what a ray alone costs and on
+ * how alike they are that ask for any hit; and in a mesh, where leaves are cheap for few rays. */
 enum { FEW_AMONG_FEW = DAFT_VL / 4 + 1, FEW_IN_MESH = 1, ROW = sizeof(((daft_node *)0)->bounds[0]) };
+#ifdef DAFT_ISA_avx512
+enum { FEW_AMONG_MANY = DAFT_VL * 3 / 4, FEW_FOR_ANY = DAFT_VL / 2 };
+#else
+enum { FEW_AMONG_MANY = FEW_AMONG_FEW, FEW_FOR_ANY = FEW_AMONG_FEW };
+#endif
 
 typedef struct packet_stack {
     vf near[DAFT_STACK]; /* NaN: not met */
@@ -471,7 +471,7 @@ static vbits convoy_setup(convoy *c, const daft_ray_packet *rays, uint32_t first
     for (int k = 0; k < 3; k++) size = vf_max(size, vf_abs(c->inverse[k]));
     c->plain = vm_bits(vm_and(vm_and(vf_le(zero, c->tmin), vf_lt(size * vf_set(WIDEN), vf_set(INFINITY))),
                               vf_lt(vf3_magnitude(c->o), vf_set(0x1p100f))));
-    c->few = c->tlas->nodes.count > 1 ? FEW_AMONG_MANY : FEW_AMONG_FEW;
+    c->few = c->tlas->nodes.count == 1 ? FEW_AMONG_FEW : c->any ? FEW_FOR_ANY : FEW_AMONG_MANY;
     c->inner_low = c->tmin * vf_set(1 + 0x1p-17f), c->inner_high = tmax * vf_set(1 - 0x1p-17f); /* of tmin >= 0 */
     vf_store(c->hit.t, tmax), vf_store(c->hit.u, zero), vf_store(c->hit.v, zero);
     vi_store(c->hit.instance, vi_set(-1)), vi_store(c->hit.triangle, vi_set(0)), vi_store(c->hit.place, vi_set(0));
