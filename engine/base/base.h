@@ -75,6 +75,9 @@ typedef struct daft_team daft_team;
 typedef void daft_script(void *context, daft_team *team);
 void daft_parallel_script(int workers, daft_script *script, void *context);
 void daft_team_for(daft_team *team, uint32_t count, daft_task *task, void *context);
+/* The same, while the calling thread does something of its own first, which the tasks do not depend on, nor it on them. */
+typedef void daft_own_part(void *context);
+void daft_team_beside(daft_team *team, daft_own_part *own, uint32_t count, daft_task *task, void *context);
 int daft_team_size(const daft_team *team); /* workers that were asked for */
 /* For loops that wait for other workers; *spins counts from 0: it spins for a little while, then lets others run. */
 void daft_pause(int *spins);

@@ -83,31 +83,46 @@ void daft_parallel_for(int workers, uint32_t count, daft_task *task, void *conte
 
 /* ---- a script ---- */
 
-enum { SPINS = 2000 };
+enum { SPINS = 2000, SHARES = 64 };
 
-/* A task belongs to whoever lowers `waiting`; its loop is not over before `unfinished` is zero, so what the loop is can be
- * read after that without a race. */
+/* What is left of a part of a loop's indices: end << 32 | next. */
+typedef struct share {
+    _Alignas(64) atomic_ullong left;
+} share;
+
+/* Each worker has a share of a loop, the same part of it each time, so that what it works on stays in its caches; who is done
+ * with its own takes from the others'. A task belongs to whoever raises a share's `next`; its loop is not over before `unfinished`
+ * is zero, so what the loop is can be read after that without a race. */
 struct daft_team {
-    atomic_uint waiting, unfinished;
+    share shares[SHARES];
+    _Alignas(64) atomic_uint unfinished;
     atomic_bool over;
     int workers;
-    uint32_t count;
+    uint32_t share_count;
     daft_task *task;
     void *context;
     daft_script *script;
     void *script_context;
 };
 
-static bool take_one(daft_team *team, uint32_t worker)
+static bool take_from(daft_team *team, share *from, uint32_t worker)
 {
-    unsigned waiting = atomic_load_explicit(&team->waiting, memory_order_relaxed);
-    while (waiting && !atomic_compare_exchange_weak_explicit(&team->waiting, &waiting, waiting - 1, memory_order_acquire,
-                                                             memory_order_relaxed))
-        ;
-    if (!waiting) return false;
-    team->task(team->context, team->count - waiting, worker);
-    atomic_fetch_sub_explicit(&team->unfinished, 1, memory_order_release);
+    unsigned long long left = atomic_load_explicit(&from->left, memory_order_relaxed);
+    do
+        if ((uint32_t)left >= left >> 32) return false;
+    while (!atomic_compare_exchange_weak_explicit(&from->left, &left, left + 1, memory_order_acquire, memory_order_relaxed));
+    team->task(team->context, (uint32_t)left, worker);
     return true;
+}
+
+/* All that there is to do. It is told at once, as a line of memory that all write goes to and fro between them. */
+static bool take_all(daft_team *team, uint32_t worker)
+{
+    unsigned taken = 0;
+    for (uint32_t i = 0; i < team->share_count; i++)
+        while (take_from(team, &team->shares[(worker + i) % team->share_count], worker)) taken++;
+    if (taken) atomic_fetch_sub_explicit(&team->unfinished, taken, memory_order_release);
+    return taken > 0;
 }
 
 void daft_pause(int *spins)
@@ -119,15 +134,25 @@ void daft_pause(int *spins)
 #endif
 }
 
+static void no_part(void *context) { (void)context; }
+
 void daft_team_for(daft_team *team, uint32_t count, daft_task *task, void *context)
 {
+    daft_team_beside(team, no_part, count, task, context);
+}
+
+void daft_team_beside(daft_team *team, daft_own_part *own, uint32_t count, daft_task *task, void *context)
+{
     int spins = 0;
-    if (count == 0) return;
-    team->count = count, team->task = task, team->context = context;
+    team->task = task, team->context = context;
     atomic_store_explicit(&team->unfinished, count, memory_order_relaxed);
-    atomic_store_explicit(&team->waiting, count, memory_order_release);
-    while (take_one(team, 0))
-        ;
+    for (uint64_t i = 0, next = 0; i < team->share_count; i++) {
+        uint64_t end = count * (i + 1) / team->share_count;
+        atomic_store_explicit(&team->shares[i].left, end << 32 | next, memory_order_release);
+        next = end;
+    }
+    own(context);
+    take_all(team, 0);
     while (atomic_load_explicit(&team->unfinished, memory_order_acquire)) daft_pause(&spins);
 }
 
@@ -143,7 +168,7 @@ static void join_in(void *context, uint32_t worker)
         return;
     }
     while (!atomic_load_explicit(&team->over, memory_order_acquire)) {
-        if (take_one(team, worker))
+        if (take_all(team, worker))
             spins = 0;
         else
             daft_pause(&spins);
@@ -153,6 +178,7 @@ static void join_in(void *context, uint32_t worker)
 void daft_parallel_script(int workers, daft_script *script, void *context)
 {
     daft_team team = {.workers = workers, .script = script, .script_context = context};
+    team.share_count = (uint32_t)daft_max_i(1, workers < SHARES ? workers : SHARES);
     if (workers <= 1)
         join_in(&team, 0);
     else

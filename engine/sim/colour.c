@@ -12,8 +12,9 @@ enum {
     MASKED = 32, /* colours of each class that a body's mask tells; its further constraints climb level by level */
     CLASSES = 2, /* 0: both bodies yield; 1: one of them */
     SIZES = DAFT_MANIFOLD_POINTS,
+    PLACES = 2 * SIZES,   /* see place_of */
     GROUPS = CLASSES + 1, /* of the second class first those with a mover, then those with what is still */
-    KINDS = 2 * GROUPS * SIZES /* of each group those that are not firm and those that are, by their points */
+    KINDS = 2 * GROUPS * PLACES /* of each group those that are not firm and those that are, by their places */
 };
 
 #define UNUSED_SEPARATION 1e20f
@@ -87,11 +88,20 @@ static uint32_t take_colour(daft_sim_solver *s, uint32_t row_a, uint32_t row_b, 
     return MASKED + level;
 }
 
-/* Where those of a kind are counted; those of most points come first. */
+/* Where contacts of so many points stand in a block of their kind: those of the first half of the rows, those of most points first;
+ * then those of the others, the other way round. So two workers that take a half each find their rows in their own caches, and as
+ * much to do, and where they meet, contacts have as many points. */
+static uint8_t place_of(const daft_sim_solver *s, uint32_t row_a, uint32_t points)
+{
+    bool second = row_a - s->row_first >= (s->row_end - s->row_first) / 2;
+    return (uint8_t)(second ? SIZES + points - 1 : SIZES - points);
+}
+
+/* Where those of a kind are counted. */
 static size_t kind_of(const daft_sim_constraint *c)
 {
     uint32_t group = c->colour & 1 ? 1 + (c->row_b == 0) : 0;
-    return (size_t)(c->colour >> 1) * KINDS + (2 * group + c->firm) * SIZES + (SIZES - c->points);
+    return (size_t)(c->colour >> 1) * KINDS + (2 * group + c->firm) * PLACES + c->place;
 }
 
 static bool count_colour(daft_world *world, const daft_sim_constraint *c, uint32_t most[CLASSES])
@@ -117,20 +127,6 @@ static bool is_solved(const daft_world *world, const daft_sim_met *met)
     return met->flags & (DAFT_SIM_MET_FIXED | DAFT_SIM_MET_JOINS) && yields(world, world->solver->row_of[met->body_a]);
 }
 
-static bool reserve_contacts(daft_world *world)
-{
-    daft_sim_solver *s = world->solver;
-    size_t patches = 0;
-    s->contact_rows = 0;
-    for (size_t i = 0; i < world->met.count; i++) {
-        const daft_sim_met *met = &world->met.items[i];
-        if (!is_solved(world, met)) continue;
-        patches += met->patches;
-        s->contact_rows += 3u * met->patches + met->points;
-    }
-    return daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, patches, 0, sizeof *s->constraints);
-}
-
 /* Room for rows, and for what there is of each; of each body, for its row. */
 static bool reserve(daft_world *world, size_t rows)
 {
@@ -154,26 +150,6 @@ static bool reserve(daft_world *world, size_t rows)
            daft_grow(a, &s->levels, &s->level_capacity, rows * CLASSES, 0, sizeof *s->levels);
 }
 
-bool daft_sim_rows_assign(daft_world *world, float dt)
-{
-    daft_sim_solver *s = world->solver;
-    size_t count = 1 + world->movers.count + world->awake.count;
-    if (!reserve(world, count)) return false;
-    for (uint32_t row = 1; row < s->row_count; row++) s->row_of[s->row_bodies[row]] = 0; /* of the last step */
-    s->row_count = 0;
-    uint32_t row = 1;
-    s->row_bodies[0] = DAFT_SIM_NONE;
-    for (size_t i = 0; i < world->movers.count; i++) s->row_bodies[row++] = world->movers.items[i];
-    s->mover_count = (uint32_t)world->movers.count;
-    for (size_t i = 0; i < world->awake.count; i++) s->row_of[world->awake.items[i]] = row; /* any, but 0 */
-    order_rows(world, daft_sim_finer_paces(world, dt));
-    for (uint32_t r = 1; r < s->row_count; r++) s->row_of[s->row_bodies[r]] = r;
-    memset(s->asked, 0, s->row_count * sizeof *s->asked);
-    memset(s->parting, 0, s->row_count * sizeof *s->parting);
-    memset(s->constrained, 0, s->row_count * sizeof *s->constrained);
-    return reserve_contacts(world);
-}
-
 /* Springs push each pair of a spot full of bodies apart, and those on the outside would get the sum of all their speeds.
  * So what overlaps deeply becomes no faster than one push, or than it or the other came. */
 static void part(daft_world *world, uint32_t row, uint32_t other)
@@ -194,7 +170,46 @@ static void part(daft_world *world, uint32_t row, uint32_t other)
     s->parting[row].swing = daft_sim_max(s->parting[row].swing, most.swing);
 }
 
-static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
+/* What contacts say of rows, of heaps of every pace, and room for their constraints. */
+static bool survey_contacts(daft_world *world)
+{
+    daft_sim_solver *s = world->solver;
+    size_t patches = 0;
+    s->contact_rows = 0;
+    for (size_t i = 0; i < world->met.count; i++) {
+        const daft_sim_met *met = &world->met.items[i];
+        if (!is_solved(world, met)) continue;
+        uint32_t a = s->row_of[met->body_a], b = s->row_of[met->body_b];
+        s->constrained[a] |= DAFT_SIM_TOUCHES;
+        if (yields(world, b)) s->constrained[b] |= DAFT_SIM_TOUCHES;
+        if (met->flags & DAFT_SIM_MET_PARTS) part(world, a, b), part(world, b, a);
+        patches += met->patches;
+        s->contact_rows += 3u * met->patches + met->points;
+    }
+    return daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, patches, 0, sizeof *s->constraints);
+}
+
+bool daft_sim_rows_assign(daft_world *world, float dt)
+{
+    daft_sim_solver *s = world->solver;
+    size_t count = 1 + world->movers.count + world->awake.count;
+    if (!reserve(world, count)) return false;
+    for (uint32_t row = 1; row < s->row_count; row++) s->row_of[s->row_bodies[row]] = 0; /* of the last step */
+    s->row_count = 0;
+    uint32_t row = 1;
+    s->row_bodies[0] = DAFT_SIM_NONE;
+    for (size_t i = 0; i < world->movers.count; i++) s->row_bodies[row++] = world->movers.items[i];
+    s->mover_count = (uint32_t)world->movers.count;
+    for (size_t i = 0; i < world->awake.count; i++) s->row_of[world->awake.items[i]] = row; /* any, but 0 */
+    order_rows(world, daft_sim_finer_paces(world, dt));
+    for (uint32_t r = 1; r < s->row_count; r++) s->row_of[s->row_bodies[r]] = r;
+    memset(s->asked, 0, s->row_count * sizeof *s->asked);
+    memset(s->parting, 0, s->row_count * sizeof *s->parting);
+    memset(s->constrained, 0, s->row_count * sizeof *s->constrained);
+    return survey_contacts(world);
+}
+
+static bool take_contact_colours(daft_world *world, uint32_t most[CLASSES])
 {
     daft_sim_solver *s = world->solver;
     s->constraint_count = 0;
@@ -202,14 +217,12 @@ static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
         const daft_sim_met *met = &world->met.items[i];
         if (!is_solved(world, met) || !solved_now(s, s->row_of[met->body_a])) continue;
         uint32_t a = s->row_of[met->body_a], b = s->row_of[met->body_b], class = !yields(world, b);
-        s->constrained[a] |= DAFT_SIM_TOUCHES;
-        if (!class) s->constrained[b] |= DAFT_SIM_TOUCHES;
-        if (met->flags & DAFT_SIM_MET_PARTS) part(world, a, b), part(world, b, a);
         bool firm = daft_sim_finer_is_firm(world, met);
-        uint8_t points = (uint8_t)((met->points + met->patches - 1u) / met->patches); /* where there are several: about */
+        uint32_t points = (met->points + met->patches - 1u) / met->patches; /* where there are several: about */
+        uint8_t place = place_of(s, a, points);
         for (uint32_t k = 0; k < met->patches; k++) {
             uint32_t colour = take_colour(s, a, b, class);
-            daft_sim_constraint c = {met->touch, k, a, b, colour << 1 | class, firm, points};
+            daft_sim_constraint c = {met->touch, k, a, b, colour << 1 | class, firm, place};
             if (!count_colour(world, &c, most)) return false;
             s->constraints[s->constraint_count++] = c;
         }
@@ -218,12 +231,12 @@ static bool colour_contacts(daft_world *world, uint32_t most[CLASSES])
 }
 
 /* Gives how many blocks those of any number of points take, from block `first` on; counts become their next free slots. */
-static uint32_t lay_sizes(uint32_t counts[SIZES], uint32_t first)
+static uint32_t lay_places(uint32_t counts[PLACES], uint32_t first)
 {
     uint32_t slot = first * DAFT_SIM_LANES, next = slot;
-    for (int size = 0; size < SIZES; size++) {
-        uint32_t count = counts[size];
-        counts[size] = next;
+    for (int place = 0; place < PLACES; place++) {
+        uint32_t count = counts[place];
+        counts[place] = next;
         next += count;
     }
     return (next - slot + DAFT_SIM_LANES - 1) / DAFT_SIM_LANES;
@@ -242,14 +255,13 @@ static bool lay_out(daft_world *world, const uint32_t most[CLASSES])
             uint32_t *counts = &s->colour_counts[colour * KINDS], first = s->block_count, soft = 0;
             for (uint32_t firm = 0; firm < 2; firm++) {
                 for (uint32_t group = class; group <= 2 * class; group++)
-                    s->block_count += lay_sizes(counts + (2 * group + firm) * SIZES, s->block_count);
+                    s->block_count += lay_places(counts + (2 * group + firm) * PLACES, s->block_count);
                 if (!firm) soft = s->block_count;
             }
             if (s->block_count == first) continue;
             s->colours[s->colour_count++] = (daft_sim_colour){first, s->block_count - first, s->block_count - soft};
         }
     return daft_grow(&world->allocator, &s->blocks, &s->block_capacity, s->block_count, 0, sizeof *s->blocks) &&
-           daft_grow(&world->allocator, &s->strained, &s->strained_capacity, s->block_count, 0, sizeof *s->strained) &&
            daft_grow(&world->allocator, &s->slots, &s->slot_capacity, (size_t)s->block_count * DAFT_SIM_LANES, 0,
                      sizeof *s->slots);
 }
@@ -289,25 +301,30 @@ static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
         if (yields(world, a)) s->constrained[a] |= DAFT_SIM_HELD;
         if (yields(world, b)) s->constrained[b] |= DAFT_SIM_HELD;
         uint32_t class = !(yields(world, a) && yields(world, b)), colour = take_colour(s, a, b, class);
-        daft_sim_constraint c = {i, 0, a, b, colour << 1 | class, false, 1};
+        daft_sim_constraint c = {i, 0, a, b, colour << 1 | class, false, 0};
         if (!count_colour(world, &c, most)) return false;
         s->constraints[s->constraint_count++] = c;
     }
     return true;
 }
 
-bool daft_sim_colour_pace(daft_world *world, uint32_t pace, float dt)
+bool daft_sim_pace_begin(daft_world *world, uint32_t pace, float dt)
 {
-    uint32_t most[CLASSES] = {0, 0}, joint_most[CLASSES] = {0, 0};
+    uint32_t most[CLASSES] = {0, 0};
     daft_sim_solver *s = world->solver;
     s->row_first = pace ? s->pace_end[pace - 1] : 1 + s->mover_count;
     s->row_end = s->pace_end[pace];
     s->substeps = world->substeps << pace;
     s->h = dt / (float)s->substeps;
     clear_masks(world->solver);
-    if (!colour_joints(world, joint_most) || !daft_sim_joints_place(world, joint_most)) return false;
+    return colour_joints(world, most) && daft_sim_joints_place(world, most);
+}
+
+bool daft_sim_colour_contacts(daft_world *world)
+{
+    uint32_t most[CLASSES] = {0, 0};
     clear_masks(world->solver);
-    if (!colour_contacts(world, most) || !lay_out(world, most)) return false;
+    if (!take_contact_colours(world, most) || !lay_out(world, most)) return false;
     place_contacts(world->solver);
     return true;
 }
@@ -493,12 +510,11 @@ void daft_sim_block_store(daft_world *world, uint32_t index)
     daft_sim_solver *s = world->solver;
     daft_sim_block *block = &s->blocks[index];
     const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
-    uint32_t strained = 0;
     for (int lane = 0; lane < block->lanes; lane++) {
         daft_sim_patch *patch = &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch];
         store_lane(block, lane, patch);
         float light = daft_sim_max(block->inv_mass_a[lane], block->inv_mass_b[lane]);
-        strained |= (uint32_t)daft_sim_finer_load(world, patch, light, s->h * (float)s->substeps) << lane;
+        if (daft_sim_finer_load(world, patch, light, s->h * (float)s->substeps))
+            daft_sim_finer_ask(world, &world->touches[slots[lane].touch], patch->load, &slots[lane]);
     }
-    s->strained[index] = (uint16_t)strained;
 }

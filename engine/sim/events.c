@@ -34,14 +34,6 @@ static daft_sim_event pair_event(const daft_world *world, const daft_sim_touch *
                             .shape_user_b = world->parts[b].user};
 }
 
-void daft_sim_event_end(daft_world *world, const daft_sim_touch *touch)
-{
-    bool swapped;
-    daft_sim_event event =
-        pair_event(world, touch, touch->sensor ? DAFT_SIM_TRIGGER_LEAVE : DAFT_SIM_CONTACT_END, &swapped);
-    add_event(world, &event);
-}
-
 void daft_sim_event_joint(daft_world *world, daft_sim_event_kind kind, uint32_t index, float value)
 {
     const daft_sim_joint *joint = &world->joints[index];
@@ -123,12 +115,21 @@ static daft_sim_listed judge(daft_sim_touch *touch, uint32_t index)
     return (daft_sim_listed){a << 32 | b, index, state};
 }
 
-static void tell_change(daft_world *world, daft_sim_touch *touch)
+static daft_sim_event end_event(const daft_world *world, const daft_sim_touch *touch)
 {
-    if (!touch->touching) {
-        daft_sim_event_end(world, touch);
-        return;
-    }
+    bool swapped;
+    return pair_event(world, touch, touch->sensor ? DAFT_SIM_TRIGGER_LEAVE : DAFT_SIM_CONTACT_END, &swapped);
+}
+
+void daft_sim_event_end(daft_world *world, const daft_sim_touch *touch)
+{
+    daft_sim_event event = end_event(world, touch);
+    add_event(world, &event);
+}
+
+static daft_sim_event change_event(const daft_world *world, daft_sim_touch *touch)
+{
+    if (!touch->touching) return end_event(world, touch);
     bool swapped;
     daft_sim_event event =
         pair_event(world, touch, touch->sensor ? DAFT_SIM_TRIGGER_ENTER : DAFT_SIM_CONTACT_BEGIN, &swapped);
@@ -139,8 +140,12 @@ static void tell_change(daft_world *world, daft_sim_touch *touch)
         const daft_sim_patch *patches = daft_sim_patches(touch);
         for (uint32_t i = 0; i < touch->patch_count; i++) event.speed = daft_sim_max(event.speed, patches[i].speed);
     }
-    add_event(world, &event);
+    return event;
 }
+
+enum { GRAIN = 64, PARALLEL_TOUCHES = 512, PARALLEL_CHANGES = 32, AHEAD = 8 };
+
+static uint32_t ranges_of(size_t count) { return (uint32_t)((count + GRAIN - 1) / GRAIN); }
 
 bool daft_sim_report_reserve(daft_world *world)
 {
@@ -149,7 +154,8 @@ bool daft_sim_report_reserve(daft_world *world)
     daft_sim_listing *order = &world->order;
     if (!daft_grow(&world->allocator, &order->items, &order->capacity, 2 * world->met.count, 0, sizeof *order->items) ||
         !daft_grow(&world->allocator, &world->merged.items, &world->merged.capacity, world->met.count, 0,
-                   sizeof *world->merged.items))
+                   sizeof *world->merged.items) ||
+        !daft_sim_list_reserve(world, &world->met_ranges, ranges_of(world->met.count)))
         return false;
     /* What the sleeping ones touch is written only when that changes: it must survive the growth. */
     return daft_grow(&world->allocator, &world->report, &world->report_capacity, touches, world->report_asleep,
@@ -202,19 +208,25 @@ static void report_sleepers(daft_world *world)
     world->sleep_changed = false;
 }
 
-enum { GRAIN = 64, PARALLEL_TOUCHES = 512, AHEAD = 8 };
+enum { CONTACTS_SHIFT = 16 }; /* what a range came to: how many changed, and above that how many have patches */
 
+/* Those that changed stand in `order`, from where the range begins. */
 static void judge_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
     daft_world *world = context;
     size_t first = (size_t)index * GRAIN, end = first + GRAIN;
+    uint32_t changed = 0, contacts = 0;
     if (end > world->met.count) end = world->met.count;
     for (size_t i = first; i < end; i++) {
         if (i + AHEAD < end) __builtin_prefetch(&world->touches[world->met.items[i + AHEAD].touch], 1);
         uint32_t touch = world->met.items[i].touch;
-        world->merged.items[i] = judge(&world->touches[touch], touch);
+        daft_sim_listed entry = judge(&world->touches[touch], touch);
+        world->merged.items[i] = entry;
+        contacts += (entry.state & HAS_PATCHES) != 0;
+        if (entry.state & CHANGED) world->order.items[first + changed++] = entry;
     }
+    world->met_ranges.items[index] = contacts << CONTACTS_SHIFT | changed;
 }
 
 /* What is told of an entry, whose key is its bodies, is on its way. */
@@ -226,6 +238,35 @@ DAFT_SIM_FETCH fetch_told(const daft_world *world, const daft_sim_listed *entry)
     __builtin_prefetch(&touch->own.total_impulse);
     __builtin_prefetch(&world->bodies[entry->key >> 32].user);
     __builtin_prefetch(&world->bodies[(uint32_t)entry->key].user);
+}
+
+/* Up to which event the changes of a range go; before, those of the ranges before it. */
+static void tell_range(void *context, uint32_t range, uint32_t worker)
+{
+    (void)worker;
+    const daft_world *world = context;
+    const daft_sim_listed *entries = &world->order.items[(size_t)range * GRAIN];
+    uint32_t first = range > 0 ? world->met_ranges.items[range - 1] : 0, changed = world->met_ranges.items[range] - first;
+    daft_sim_event *to = world->pending.items + world->pending.count;
+    for (uint32_t i = 0; i < changed; i++) {
+        if (i + AHEAD < changed) fetch_told(world, &entries[i + AHEAD]);
+        to[first + i] = change_event(world, &world->touches[entries[i].touch]);
+    }
+}
+
+/* There is room for their events. */
+static void tell_changes(daft_world *world)
+{
+    uint32_t ranges = ranges_of(world->met.count), changed = 0;
+    for (uint32_t range = 0; range < ranges; range++) {
+        uint32_t came_to = world->met_ranges.items[range];
+        world->counters.contacts += came_to >> CONTACTS_SHIFT;
+        changed += came_to & ((1u << CONTACTS_SHIFT) - 1);
+        world->met_ranges.items[range] = changed;
+    }
+    if (changed == 0) return;
+    daft_sim_for(world, changed >= PARALLEL_CHANGES, ranges, tell_range, world);
+    world->pending.count += changed;
 }
 
 static void fill_range(void *context, uint32_t index, uint32_t worker)
@@ -243,19 +284,17 @@ static void fill_range(void *context, uint32_t index, uint32_t worker)
 
 static void for_ranges(daft_world *world, size_t count, daft_task *task)
 {
-    daft_sim_for(world, count >= PARALLEL_TOUCHES, (uint32_t)((count + GRAIN - 1) / GRAIN), task, world);
+    daft_sim_for(world, count >= PARALLEL_TOUCHES, ranges_of(count), task, world);
 }
 
-/* Tells what began and ended, and leaves what is to be reported in `merged`, by bodies. Touches come in the order of
- * their parts, which is nearly that of their bodies, but for those whose bodies are swapped: they are ordered apart. */
+/* Leaves what is to be reported in `merged`, by bodies. Touches come in the order of their parts, which is nearly that of
+ * their bodies, but for those whose bodies are swapped: they are ordered apart. */
 static void order_report(daft_world *world)
 {
     daft_sim_listed *plain = world->merged.items, *swapped = world->order.items;
     size_t plain_count = 0, swapped_count = 0;
-    for (size_t i = 0; i < world->met.count; i++) {
+    for (size_t i = 0; i < world->merged.count; i++) {
         daft_sim_listed entry = plain[i];
-        world->counters.contacts += (entry.state & HAS_PATCHES) != 0;
-        if (entry.state & CHANGED) tell_change(world, &world->touches[entry.touch]);
         if (!(entry.state & REPORTED)) continue;
         if (entry.state & SWAPPED)
             swapped[swapped_count++] = entry;
@@ -292,7 +331,8 @@ void daft_sim_report(daft_world *world)
     world->untold = false;
     if (world->met.count == 0) return; /* there may be no memory yet to point to */
     for_ranges(world, world->met.count, judge_range);
-    order_report(world);
+    tell_changes(world);
+    world->merged.count = world->met.count;
     world->untold = true;
 }
 
@@ -301,6 +341,7 @@ void daft_sim_report_fill(daft_world *world)
 {
     if (!world->untold) return;
     world->untold = false;
+    order_report(world);
     for_ranges(world, world->merged.count, fill_range);
     order_same_bodies(world->report + world->report_asleep, world->merged.items, world->merged.count);
     world->report_count = world->report_asleep + world->merged.count;

@@ -16,6 +16,7 @@
  * shrinks with the square of the substeps. */
 #include "sim/solver.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 #define LOAD_SHARE 0.2f  /* of the last step in the load: a knock is no load */
@@ -77,31 +78,38 @@ bool daft_sim_finer_bears(const daft_world *world, const daft_sim_body *a, const
     return asked_by(world, a, b, load) > 0;
 }
 
-static void ask(daft_sim_solver *s, int32_t row, float rate)
+/* Bits of floats that are not negative are in the order of what they stand for. */
+static void ask(const daft_sim_solver *s, uint32_t row, float rate)
 {
-    if (row > (int32_t)s->mover_count) s->asked[row] = daft_sim_max(s->asked[row], rate);
+    uint32_t bits, most;
+    if (row <= s->mover_count) return;
+    memcpy(&bits, &rate, sizeof bits);
+    most = atomic_load_explicit(&s->asked[row], memory_order_relaxed);
+    while (bits > most && !atomic_compare_exchange_weak_explicit(&s->asked[row], &most, bits, memory_order_relaxed, memory_order_relaxed))
+        ;
 }
 
-void daft_sim_finer_ask(daft_world *world)
+void daft_sim_finer_ask(const daft_world *world, const daft_sim_touch *touch, float load, const daft_sim_slot *slot)
 {
-    daft_sim_solver *s = world->solver;
-    for (uint32_t i = 0; i < s->block_count; i++) {
-        const daft_sim_block *block = &s->blocks[i];
-        for (uint32_t lanes = s->strained[i]; lanes; lanes &= lanes - 1) {
-            uint32_t lane = (uint32_t)__builtin_ctz(lanes);
-            const daft_sim_slot *slot = &s->slots[(size_t)i * DAFT_SIM_LANES + lane];
-            daft_sim_touch *touch = &world->touches[slot->touch];
-            float rate = asked_by(world, &world->bodies[touch->body_a], &world->bodies[touch->body_b],
-                                  daft_sim_patches(touch)[slot->patch].load);
-            ask(s, block->a[lane], rate);
-            ask(s, block->b[lane], rate);
-        }
-    }
+    float rate = asked_by(world, &world->bodies[touch->body_a], &world->bodies[touch->body_b], load);
+    ask(world->solver, slot->row_a, rate);
+    ask(world->solver, slot->row_b, rate);
 }
 
-float daft_sim_finer_next(float now, float asked) { return daft_sim_max(LASTS * now, asked); }
+float daft_sim_finer_next(const daft_world *world, float now, uint32_t row)
+{
+    uint32_t bits = atomic_load_explicit(&world->solver->asked[row], memory_order_relaxed);
+    float asked;
+    memcpy(&asked, &bits, sizeof asked);
+    return daft_sim_max(LASTS * now, asked);
+}
 
 /* ---- heaps ---- */
+
+typedef struct job {
+    daft_world *world;
+    float dt;
+} job;
 
 static daft_sim_heap *heap_of(const daft_world *world, uint32_t body)
 {
@@ -109,8 +117,9 @@ static daft_sim_heap *heap_of(const daft_world *world, uint32_t body)
 }
 
 /* Numbers them. */
-static void find_heaps(daft_world *world)
+static void find_heaps(void *context)
 {
+    daft_world *world = ((job *)context)->world;
     daft_sim_solver *s = world->solver;
     daft_sim_islands_find(world);
     s->heap_count = 0;
@@ -145,11 +154,6 @@ static bool is_fast(const daft_sim_body *body, float dt)
 }
 
 enum { GRAIN = 256, PARALLEL_BODIES = 512 };
-
-typedef struct job {
-    daft_world *world;
-    float dt;
-} job;
 
 static void need_range(void *context, uint32_t index, uint32_t worker)
 {
@@ -234,9 +238,9 @@ bool daft_sim_finer_paces(daft_world *world, float dt)
     daft_sim_solver *s = world->solver;
     uint32_t count = (uint32_t)world->awake.count;
     float most = 0;
-    find_heaps(world);
-    daft_sim_for(world, count >= PARALLEL_BODIES, (count + GRAIN - 1) / GRAIN, need_range, &(job){world, dt});
+    daft_sim_beside(world, count >= PARALLEL_BODIES, find_heaps, (count + GRAIN - 1) / GRAIN, need_range, &(job){world, dt});
     for (size_t i = 0; i < count; i++) most = daft_sim_max(most, s->needs[i].finer);
+    bool some = false; /* are to take finer ones */
     s->firm = false;
     if (COLUMN * most * dt <= (float)world->substeps && !some_pull(world)) return false;
     survey(world);
@@ -246,8 +250,9 @@ bool daft_sim_finer_paces(daft_world *world, float dt)
         heap->pace = pace_of(world, heap, dt);
         heap->firm = heap->pace == 0 && heap->firm_contacts > 0 && heap->firm_contacts <= MOST_FIRM;
         s->firm |= heap->firm;
+        some |= heap->pace > 0;
     }
     for (size_t i = 0; i < count; i++)
         if (heap_of(world, world->awake.items[i])->deep) world->bodies[world->awake.items[i]].finer = 0;
-    return true;
+    return some;
 }

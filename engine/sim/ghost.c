@@ -353,7 +353,7 @@ static void filter_body(daft_world *world, uint32_t index, float dt)
     for (int i = 0; i < g.count; i++) squeeze(g.near[i].touch);
 }
 
-enum { GRAIN = 32, PARALLEL_BODIES = 256 };
+enum { GRAIN = 32, PARALLEL_BODIES = 256, AHEAD = 8 };
 
 typedef struct job {
     daft_world *world;
@@ -399,29 +399,50 @@ static void keep_doubtful(daft_world *world)
     bodies->count = kept;
 }
 
+typedef void visit_met(daft_world *world, daft_sim_met *met);
+
+/* Of all that met, those with what does not yield: few, and next to each other. */
+static void for_fixed(daft_world *world, visit_met *visit)
+{
+    size_t at = 0;
+    for (size_t range = 0; range < world->met_ranges.count; range++) {
+        size_t end = at + (world->met_ranges.items[range] & ~DAFT_SIM_RANGE_FIXED);
+        bool some = world->met_ranges.items[range] & DAFT_SIM_RANGE_FIXED;
+        for (size_t i = at; some && i < end; i++) {
+            if (i + AHEAD < end) __builtin_prefetch(&world->bodies[world->met.items[i + AHEAD].body_a].fixed_met, 1);
+            if (world->met.items[i].flags & DAFT_SIM_MET_FIXED) visit(world, &world->met.items[i]);
+        }
+        at = end;
+    }
+}
+
+static void count_fixed(daft_world *world, daft_sim_met *met)
+{
+    daft_sim_list *bodies = &world->ghosts;
+    daft_sim_body *body = &world->bodies[met->body_a];
+    if (body->asleep) return;
+    if (body->fixed_met == 0) bodies->items[bodies->count++] = met->body_a;
+    body->fixed_met += met->patches > 1 && is_deep(world, &world->touches[met->touch]) ? 2 : 1;
+}
+
+static void refresh_filtered(daft_world *world, daft_sim_met *met)
+{
+    if (world->bodies[met->body_a].fixed_met == FILTERED) daft_sim_met_refresh(world, met);
+}
+
 bool daft_sim_ghosts_drop(daft_world *world, float dt)
 {
     daft_sim_list *bodies = &world->ghosts;
     if (!daft_grow(&world->allocator, &bodies->items, &bodies->capacity, world->awake.count, 0, sizeof *bodies->items))
         return false;
     bodies->count = 0;
-    for (size_t i = 0; i < world->met.count; i++) {
-        const daft_sim_met *met = &world->met.items[i];
-        if (!(met->flags & DAFT_SIM_MET_FIXED)) continue;
-        daft_sim_body *body = &world->bodies[met->body_a];
-        if (body->asleep) continue;
-        if (body->fixed_met == 0) bodies->items[bodies->count++] = met->body_a;
-        body->fixed_met += met->patches > 1 && is_deep(world, &world->touches[met->touch]) ? 2 : 1;
-    }
+    for_fixed(world, count_fixed);
     keep_doubtful(world);
     if (bodies->count == 0) return true;
     job j = {world, dt};
     uint32_t tasks = (uint32_t)((bodies->count + GRAIN - 1) / GRAIN);
     daft_sim_for(world, bodies->count >= PARALLEL_BODIES, tasks, filter_range, &j);
-    for (size_t i = 0; i < world->met.count; i++) {
-        daft_sim_met *met = &world->met.items[i];
-        if (met->flags & DAFT_SIM_MET_FIXED && world->bodies[met->body_a].fixed_met == FILTERED) daft_sim_met_refresh(world, met);
-    }
+    for_fixed(world, refresh_filtered);
     for (size_t i = 0; i < bodies->count; i++) world->bodies[bodies->items[i]].fixed_met = 0;
     return true;
 }

@@ -295,6 +295,8 @@ enum {
     DAFT_SIM_MET_FIRM = 16  /* at rest, and carries many times the lighter's weight (finer.c) */
 };
 
+#define DAFT_SIM_RANGE_FIXED 0x80000000u /* some of a range's, in world->met_ranges, are DAFT_SIM_MET_FIXED */
+
 typedef struct daft_sim_meeting {
     daft_sim_met *items;
     size_t count, capacity;
@@ -345,7 +347,7 @@ struct daft_world {
     daft_sim_listing order; /* scratch of events.c */
     bool bare;            /* some listed touch needs room for manifolds */
     daft_sim_meeting met; /* touches of the listing that have patches or are touching, in its order */
-    daft_sim_list met_ranges; /* scratch of met.c */
+    daft_sim_list met_ranges; /* of each range of the listing that was looked at, how many have met, and DAFT_SIM_RANGE_FIXED */
     uint32_t *islands;    /* sleep.c: of each body that is awake, its parent in the union-find */
     size_t island_capacity;
     daft_sim_list ghosts; /* bodies that met what does not yield, in this step */
@@ -449,6 +451,8 @@ void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t body)
 
 /* Runs the tasks of a step's loop, on all its workers if that is `wide` enough to be worth it. */
 void daft_sim_for(const daft_world *world, bool wide, uint32_t tasks, daft_task *task, void *context);
+/* The same, while the calling worker does its own part, on which they do not depend, first. */
+void daft_sim_beside(const daft_world *world, bool wide, daft_own_part *own, uint32_t tasks, daft_task *task, void *context);
 
 /* ---- body.c, mass of bodies ---- */
 

@@ -53,18 +53,19 @@ bool daft_sim_met_reserve(daft_world *world, size_t ranges)
 /* What a range came to: how many have met, which stand from where its entries begin. */
 void daft_sim_met_range(daft_world *world, uint32_t range, size_t first, size_t count)
 {
-    uint32_t met = 0;
+    uint32_t met = 0, flags = 0;
     for (size_t i = first; i < first + count; i++) {
-        met += has_met(world, &world->listed.items[i], &world->met.items[first + met]);
+        if (!has_met(world, &world->listed.items[i], &world->met.items[first + met])) continue;
+        flags |= world->met.items[first + met++].flags;
     }
-    world->met_ranges.items[range] = met;
+    world->met_ranges.items[range] = met | (flags & DAFT_SIM_MET_FIXED ? DAFT_SIM_RANGE_FIXED : 0);
 }
 
 void daft_sim_met_gather(daft_world *world, size_t grain)
 {
     daft_sim_meeting *met = &world->met;
     for (size_t i = 0; i < world->met_ranges.count; i++) {
-        uint32_t count = world->met_ranges.items[i];
+        uint32_t count = world->met_ranges.items[i] & ~DAFT_SIM_RANGE_FIXED;
         if (met->count != i * grain) memmove(met->items + met->count, met->items + i * grain, count * sizeof *met->items);
         met->count += count;
     }

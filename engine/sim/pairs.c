@@ -168,7 +168,34 @@ bool daft_sim_may_meet(const daft_world *world, uint32_t a, uint32_t b)
     return !daft_sim_joined(world, x->body, y->body);
 }
 
-enum { FEW = 32, DIGIT = 13 /* bits */ };
+enum {
+    FEW = 32,
+    DIGIT = 8,     /* bits */
+    BUCKETS = 64,  /* at most */
+    BUCKET = 512,  /* near pairs, about */
+    SLICES = 16,   /* of near pairs as they were found, at most; */
+    SIDE_BY_SIDE = 4, /* of which so many are gone through in turns: pairs found one after another go to one bucket, and would wait
+                         for each other there */
+    PARALLEL_NEAR = 2048
+};
+
+/* Near pairs are ordered and compared with the listing in buckets, side by side: the pairs of so many parts a, whose indices
+ * follow each other. */
+typedef struct near_pairs {
+    daft_world *world;
+    uint32_t bits, low; /* of an index; of those, below the bucket's */
+    uint32_t count;     /* of buckets */
+    bool wide;
+    size_t slice;       /* near pairs in each */
+    struct bucket {
+        uint32_t first, count;        /* of near pairs */
+        size_t listed, listed_count;  /* of the listing */
+        uint32_t kept, lost, fresh;   /* of the listing, of the listing, of near pairs: from where they begin */
+        size_t merged;                /* where its part of the new listing begins; */
+        size_t entered, entered_end;  /* of the fresh ones, what is to be in it */
+    } buckets[BUCKETS];
+    uint32_t next[SLICES][BUCKETS]; /* of each slice, how many go into a bucket; then where the next one goes */
+} near_pairs;
 
 static void sort_few(uint64_t *keys, size_t count)
 {
@@ -193,51 +220,210 @@ static void sort_by_digit(const uint64_t *from, uint64_t *to, size_t count, uint
     for (size_t i = 0; i < count; i++) to[next[from[i] >> shift & mask]++] = from[i];
 }
 
-/* Near pairs in the order of their keys: first by part b, then by part a, of which there are so many. */
-static bool order_near(daft_world *world)
+/* By `bits` bits from `shift` on, in as many passes as it takes; gives which of both places they are in then. */
+static uint64_t *sort_by_bits(uint64_t *keys, uint64_t *other, size_t count, uint32_t shift, uint32_t bits)
 {
-    size_t count = world->candidate_count;
-    if (count <= FEW) {
-        sort_few(world->candidates, count);
-        return true;
+    uint32_t passes = (bits + DIGIT - 1) / DIGIT;
+    for (uint32_t pass = 0, done = 0; pass < passes; pass++) {
+        uint32_t digit = (bits - done + passes - pass - 1) / (passes - pass);
+        sort_by_digit(keys, other, count, shift + done, digit);
+        uint64_t *swap = keys;
+        keys = other, other = swap;
+        done += digit;
     }
-    if (!daft_grow(&world->allocator, &world->ordered, &world->ordered_capacity, count, 0, sizeof *world->ordered))
-        return false;
-    uint32_t bits = 1, passes, digit;
-    while (bits < 32 && world->part_count >> bits) bits++;
-    passes = (bits + DIGIT - 1) / DIGIT, digit = (bits + passes - 1) / passes;
-    for (uint32_t pass = 0; pass < 2 * passes; pass++) {
-        uint32_t shift = pass % passes * digit + (pass < passes ? 0 : 32);
-        sort_by_digit(pass % 2 ? world->ordered : world->candidates, pass % 2 ? world->candidates : world->ordered, count,
-                      shift, digit);
-    }
-    return true;
+    return keys;
 }
 
-/* What is listed and not near goes; of what is near and not listed the keys are left in candidates. A touch of two that
- * rest is no longer listed, and stays. */
-static void keep_near(daft_world *world)
+/* Of those from `from` on, the first whose key is not smaller. */
+static size_t first_from(const daft_sim_listing *listing, size_t from, uint64_t key)
 {
-    daft_sim_listing *listed = &world->listed;
-    uint64_t *near = world->candidates;
-    size_t kept = 0, fresh = 0, k = 0, count = world->candidate_count;
-    for (size_t i = 0; i < listed->count; i++) {
-        daft_sim_listed entry = listed->items[i];
-        for (; k < count && near[k] < entry.key; k++) near[fresh++] = near[k];
-        if (k < count && near[k] == entry.key) {
-            listed->items[kept++] = entry;
-            k++;
-            continue;
-        }
-        bool looked = world->slots[entry.key >> 32] != DAFT_SIM_NONE || world->slots[(uint32_t)entry.key] != DAFT_SIM_NONE;
-        if (looked)
-            daft_sim_touch_remove(world, entry.touch);
+    size_t end = listing->count;
+    while (from < end) {
+        size_t middle = from + (end - from) / 2;
+        if (listing->items[middle].key >= key)
+            end = middle;
         else
-            world->touches[entry.touch].listed = false;
+            from = middle + 1;
     }
-    for (; k < count; k++) near[fresh++] = near[k];
-    listed->count = kept;
+    return from;
+}
+
+/* The i-th pair of every slice; the last slice may be shorter. */
+static size_t in_slice(const near_pairs *n, uint32_t slice, size_t i) { return n->slice * slice + i; }
+
+static void count_slices(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    near_pairs *n = context;
+    const uint64_t *keys = n->world->candidates;
+    uint32_t shift = 32 + n->low, first = index * SIDE_BY_SIDE;
+    memset(n->next[first], 0, SIDE_BY_SIDE * sizeof *n->next);
+    for (size_t i = 0; i < n->slice; i++)
+        for (uint32_t slice = first; slice < first + SIDE_BY_SIDE; slice++) {
+            size_t at = in_slice(n, slice, i);
+            if (at < n->world->candidate_count) n->next[slice][keys[at] >> shift]++;
+        }
+}
+
+static void scatter_slices(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    near_pairs *n = context;
+    const uint64_t *keys = n->world->candidates;
+    uint32_t shift = 32 + n->low, first = index * SIDE_BY_SIDE;
+    for (size_t i = 0; i < n->slice; i++)
+        for (uint32_t slice = first; slice < first + SIDE_BY_SIDE; slice++) {
+            size_t at = in_slice(n, slice, i);
+            if (at < n->world->candidate_count) n->world->ordered[n->next[slice][keys[at] >> shift]++] = keys[at];
+        }
+}
+
+/* Puts near pairs into buckets, which stand in `ordered`. */
+static void part_near(near_pairs *n)
+{
+    const daft_world *world = n->world;
+    uint32_t sum = 0;
+    size_t listed = 0;
+    daft_sim_for(world, n->wide, SLICES / SIDE_BY_SIDE, count_slices, n);
+    for (uint32_t i = 0; i < n->count; i++) {
+        uint64_t after = (uint64_t)(i + 1) << (32 + n->low);
+        size_t end = i + 1 < n->count ? first_from(&world->listed, listed, after) : world->listed.count;
+        n->buckets[i] = (struct bucket){.first = sum, .listed = listed, .listed_count = end - listed};
+        for (uint32_t slice = 0; slice < SLICES; slice++) {
+            uint32_t here = n->next[slice][i];
+            n->next[slice][i] = sum;
+            sum += here;
+        }
+        n->buckets[i].count = sum - n->buckets[i].first;
+        listed = end;
+    }
+    daft_sim_for(world, n->wide, SLICES / SIDE_BY_SIDE, scatter_slices, n);
+}
+
+/* What is listed and near is kept, at the bucket's begin; what is not goes to `merged`. Near pairs that are not listed are left
+ * in `candidates`, at the bucket's begin. */
+static void compare_near(near_pairs *n, struct bucket *bucket, const uint64_t *near)
+{
+    const daft_world *world = n->world;
+    daft_sim_listed *listed = world->listed.items, *lost = world->merged.items;
+    uint64_t *fresh = world->candidates;
+    size_t k = 0, count = bucket->count, from = bucket->listed, first = bucket->first;
+    for (size_t i = 0; i < bucket->listed_count; i++) {
+        daft_sim_listed entry = listed[from + i];
+        for (; k < count && near[k] < entry.key; k++) fresh[first + bucket->fresh++] = near[k];
+        if (k < count && near[k] == entry.key) {
+            listed[from + bucket->kept++] = entry;
+            k++;
+        } else {
+            lost[from + bucket->lost++] = entry;
+        }
+    }
+    for (; k < count; k++) fresh[first + bucket->fresh++] = near[k];
+}
+
+static void order_bucket(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    near_pairs *n = context;
+    struct bucket *bucket = &n->buckets[index];
+    if (bucket->count == 0) { /* there may be no memory to point to */
+        compare_near(n, bucket, NULL);
+        return;
+    }
+    uint64_t *keys = n->world->ordered + bucket->first, *other = n->world->candidates + bucket->first;
+    if (bucket->count <= FEW) {
+        sort_few(keys, bucket->count);
+    } else {
+        uint64_t *by_b = sort_by_bits(keys, other, bucket->count, 0, n->bits);
+        keys = sort_by_bits(by_b, by_b == keys ? other : keys, bucket->count, 32, n->low);
+    }
+    compare_near(n, bucket, keys);
+}
+
+/* A touch of two that rest is no longer listed, and stays. */
+static void lose(daft_world *world, const daft_sim_listed *entry)
+{
+    if (world->slots[entry->key >> 32] != DAFT_SIM_NONE || world->slots[(uint32_t)entry->key] != DAFT_SIM_NONE)
+        daft_sim_touch_remove(world, entry->touch);
+    else
+        world->touches[entry->touch].listed = false;
+}
+
+/* Where it hangs in lists is on its way. */
+DAFT_SIM_FETCH fetch_edges(const daft_world *world, uint32_t index)
+{
+    const daft_sim_touch *touch = &world->touches[index];
+    for (int side = 0; side < 2; side++) {
+        if (touch->next[side] != DAFT_SIM_NONE) __builtin_prefetch(world->touches[touch->next[side] >> 1].previous, 1);
+        if (touch->previous[side] != DAFT_SIM_NONE) __builtin_prefetch(world->touches[touch->previous[side] >> 1].next, 1);
+    }
+}
+
+enum { AHEAD = 4 };
+
+/* What was lost goes, in the order of keys. */
+static void lose_all(const near_pairs *n)
+{
+    daft_world *world = n->world;
+    for (uint32_t i = 0; i < n->count; i++) {
+        const struct bucket *b = &n->buckets[i];
+        for (uint32_t k = 0; k < b->lost; k++) {
+            const daft_sim_listed *entry = &world->merged.items[b->listed + k];
+            if (k + 2 * AHEAD < b->lost) {
+                __builtin_prefetch(&world->touches[entry[2 * AHEAD].touch], 1);
+                __builtin_prefetch(world->touches[entry[2 * AHEAD].touch].next);
+            }
+            if (k + AHEAD < b->lost) fetch_edges(world, entry[AHEAD].touch);
+            lose(world, entry);
+        }
+    }
+}
+
+/* Fresh pairs of all buckets stand in a row. */
+static void gather_fresh(const near_pairs *n)
+{
+    daft_world *world = n->world;
+    size_t fresh = 0;
+    for (uint32_t i = 0; i < n->count; i++) {
+        const struct bucket *b = &n->buckets[i];
+        if (b->fresh > 0) memmove(world->candidates + fresh, world->candidates + b->first, b->fresh * sizeof *world->candidates);
+        fresh += b->fresh;
+    }
     world->candidate_count = fresh;
+}
+
+/* So does what is kept of the listing. */
+static void gather_kept(const near_pairs *n)
+{
+    daft_sim_listing *listed = &n->world->listed;
+    size_t kept = 0;
+    for (uint32_t i = 0; i < n->count; i++) {
+        const struct bucket *b = &n->buckets[i];
+        if (b->kept > 0 && kept != b->listed) memmove(listed->items + kept, listed->items + b->listed, b->kept * sizeof *listed->items);
+        kept += b->kept;
+    }
+    listed->count = kept;
+}
+
+/* What is listed and not near goes; of what is near and not listed the keys are left in candidates, in order. What is kept of the
+ * listing stands in its buckets. */
+static bool compare_all(daft_world *world, near_pairs *n)
+{
+    size_t count = world->candidate_count;
+    if (!daft_grow(&world->allocator, &world->ordered, &world->ordered_capacity, count, 0, sizeof *world->ordered) ||
+        !daft_grow(&world->allocator, &world->merged.items, &world->merged.capacity, world->listed.count, 0,
+                   sizeof *world->merged.items))
+        return false;
+    uint32_t halvings = 0;
+    n->world = world, n->wide = count >= PARALLEL_NEAR, n->slice = (count + SLICES - 1) / SLICES, n->bits = 1, n->count = 1;
+    while (n->bits < 32 && world->part_count >> n->bits) n->bits++;
+    for (; halvings < n->bits && n->count < BUCKETS && n->count * BUCKET < count; halvings++) n->count *= 2;
+    n->low = n->bits - halvings;
+    part_near(n);
+    daft_sim_for(world, n->wide, n->count, order_bucket, n);
+    lose_all(n);
+    gather_fresh(n);
+    return true;
 }
 
 /* What stands in a body that sleeps wakes it. */
@@ -249,13 +435,28 @@ static void wake_inside(daft_world *world, const daft_sim_touch *touch)
     if (world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC) daft_sim_wake(world, touch->body_a);
 }
 
-enum { AHEAD = 4 };
-
-/* What a new touch is made from is on its way. */
+/* What a new touch is made from is on its way, and then the bodies' lists that it joins. */
 DAFT_SIM_FETCH fetch_pair(const daft_world *world, uint64_t key)
 {
     const uint32_t parts[2] = {(uint32_t)(key >> 32), (uint32_t)key};
     for (int i = 0; i < 2; i++) __builtin_prefetch(&world->parts[parts[i]]);
+}
+
+DAFT_SIM_FETCH fetch_lists(const daft_world *world, uint64_t key)
+{
+    const uint32_t parts[2] = {(uint32_t)(key >> 32), (uint32_t)key};
+    for (int i = 0; i < 2; i++) {
+        uint32_t first = world->bodies[world->parts[parts[i]].body].first_touch;
+        if (first != DAFT_SIM_NONE) __builtin_prefetch(world->touches[first >> 1].previous, 1);
+    }
+}
+
+/* The slot of the next one. */
+DAFT_SIM_FETCH fetch_free(const daft_world *world)
+{
+    if (world->free_touch == DAFT_SIM_NONE) return;
+    const char *touch = (const char *)&world->touches[world->free_touch];
+    for (size_t at = 0; at < sizeof(daft_sim_touch); at += 64) __builtin_prefetch(touch + at, 1);
 }
 
 static bool is_owner_full(const daft_world *world, uint32_t a, uint32_t b)
@@ -276,13 +477,15 @@ static void make_touches(daft_world *world)
             world->fresh_barred[barred++] = key;
             continue;
         }
-        if (i + AHEAD < world->candidate_count) fetch_pair(world, world->candidates[i + AHEAD]);
+        if (i + 2 * AHEAD < world->candidate_count) fetch_pair(world, world->candidates[i + 2 * AHEAD]);
+        if (i + AHEAD < world->candidate_count) fetch_lists(world, world->candidates[i + AHEAD]);
         if (!daft_sim_may_meet(world, a, b)) {
             world->fresh_barred[barred++] = key;
             continue;
         }
         if (is_owner_full(world, a, b)) continue;
         uint32_t touch = insert(world, a, b);
+        fetch_free(world);
         wake_inside(world, &world->touches[touch]);
     }
     uint64_t *swap = world->barred;
@@ -301,19 +504,6 @@ static void forget_moved(daft_world *world)
         if (!daft_sim_is_active(&world->bodies[part->body])) daft_sim_group_leave(world, world->moved.items[i]);
     }
     world->moved.count = 0;
-}
-
-bool daft_sim_pairs_find(daft_world *world)
-{
-    if (!daft_sim_listing_update(world) || !daft_sim_groups_search(world) || !order_near(world)) return false;
-    keep_near(world);
-    if (!daft_sim_pairs_reserve(world, world->candidate_count) ||
-        !daft_grow(&world->allocator, &world->fresh_barred, &world->fresh_barred_capacity, world->candidate_count, 0,
-                   sizeof *world->fresh_barred))
-        return false;
-    make_touches(world);
-    forget_moved(world);
-    return true;
 }
 
 /* ---- the listing ---- */
@@ -350,20 +540,6 @@ void daft_sim_listed_sort(daft_sim_listed *items, size_t count, daft_sim_listed 
     if (from != items) memcpy(items, from, count * sizeof *items);
 }
 
-/* Of those from `from` on, the first whose key is larger. */
-static size_t first_after(const daft_sim_listing *listing, size_t from, uint64_t key)
-{
-    size_t end = listing->count;
-    while (from < end) {
-        size_t middle = from + (end - from) / 2;
-        if (listing->items[middle].key > key)
-            end = middle;
-        else
-            from = middle + 1;
-    }
-    return from;
-}
-
 /* A list without items may have no memory to point to. */
 static void append(daft_sim_listing *to, const daft_sim_listed *items, size_t first, size_t count)
 {
@@ -382,7 +558,7 @@ bool daft_sim_listing_update(daft_world *world)
     size_t from = 0;
     merged->count = 0;
     for (size_t k = 0; k < fresh->count; k++) {
-        size_t to = first_after(old, from, fresh->items[k].key);
+        size_t to = first_from(old, from, fresh->items[k].key + 1);
         append(merged, old->items, from, to - from);
         append(merged, fresh->items, k, 1);
         from = to;
@@ -393,4 +569,68 @@ bool daft_sim_listing_update(daft_world *world)
     *old = *merged;
     *merged = swap;
     return true;
+}
+
+/* ---- both ---- */
+
+/* What is kept of a bucket, and what is fresh of it, go to the new listing. */
+static void merge_bucket(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    const near_pairs *n = context;
+    const struct bucket *b = &n->buckets[index];
+    const daft_world *world = n->world;
+    const daft_sim_listing kept = {.items = world->listed.items, .count = b->listed + b->kept};
+    daft_sim_listing to = {.items = world->merged.items, .count = b->merged};
+    size_t from = b->listed;
+    for (size_t k = b->entered; k < b->entered_end; k++) {
+        size_t end = first_from(&kept, from, world->fresh_listed.items[k].key);
+        append(&to, kept.items, from, end - from);
+        append(&to, world->fresh_listed.items, k, 1);
+        from = end;
+    }
+    append(&to, kept.items, from, kept.count - from);
+}
+
+/* There is room for as many touches as there are. */
+static void merge_all(near_pairs *n)
+{
+    daft_world *world = n->world;
+    size_t entered = 0, count = 0, lost = 0;
+    for (uint32_t i = 0; i < n->count; i++) lost += n->buckets[i].lost;
+    if (lost + world->fresh_listed.count == 0) return;
+    for (uint32_t i = 0; i < n->count; i++) {
+        struct bucket *b = &n->buckets[i];
+        uint64_t after = (uint64_t)(i + 1) << (32 + n->low);
+        b->merged = count, b->entered = entered;
+        entered = i + 1 < n->count ? first_from(&world->fresh_listed, entered, after) : world->fresh_listed.count;
+        b->entered_end = entered;
+        count += b->kept + (entered - b->entered);
+    }
+    daft_sim_for(world, n->wide, n->count, merge_bucket, n);
+    daft_sim_listing swap = world->listed;
+    world->listed = world->merged, world->listed.count = count;
+    world->merged = swap;
+    world->fresh_listed.count = 0;
+}
+
+bool daft_sim_pairs_find(daft_world *world)
+{
+    near_pairs n;
+    if (!daft_sim_listing_update(world) || !daft_sim_groups_search(world) || !compare_all(world, &n)) return false;
+    if (!daft_sim_pairs_reserve(world, world->candidate_count) ||
+        !daft_grow(&world->allocator, &world->fresh_barred, &world->fresh_barred_capacity, world->candidate_count, 0,
+                   sizeof *world->fresh_barred)) {
+        gather_kept(&n);
+        return false;
+    }
+    make_touches(world);
+    forget_moved(world);
+    size_t fresh = world->fresh_listed.count;
+    if (fresh == 0 || run_end(world->fresh_listed.items, 0, fresh) == fresh) {
+        merge_all(&n);
+        return true;
+    }
+    gather_kept(&n); /* some woke, whose touches are listed in another order */
+    return daft_sim_listing_update(world);
 }

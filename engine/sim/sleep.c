@@ -4,6 +4,8 @@
  * been at rest for long enough. Bodies of infinite mass join no heaps. */
 #include "sim/internal.h"
 
+#include <stdatomic.h>
+
 #define REST_SPEED 0.05f /* m/s of the fastest point; slower is at rest */
 #define REST_TIME  0.5f  /* s */
 /* What trembles in its place is at rest, too, as limbs do that are wedged under a body whose joints press them there: faster
@@ -90,9 +92,11 @@ uint32_t daft_sim_island_of(daft_world *world, uint32_t index)
 /* The lower index is the root, so it does not depend on the order. What sleeps joins nothing. */
 static void join(daft_world *world, uint32_t a, uint32_t b)
 {
+    uint32_t *islands = world->islands;
     if (world->asleep_count > 0 && (world->bodies[a].asleep || world->bodies[b].asleep)) return;
+    if (islands[a] == islands[b]) return; /* most, in a heap */
     a = daft_sim_island_of(world, a), b = daft_sim_island_of(world, b);
-    world->islands[a < b ? b : a] = a < b ? a : b;
+    islands[a < b ? b : a] = a < b ? a : b;
 }
 
 static bool is_dynamic(const daft_world *world, uint32_t body)
@@ -175,16 +179,36 @@ static float resting(const daft_world *world, daft_sim_body *body, float dt)
     return way < SWAY_WAY * most && is_braked(world, body) ? SWAY_COUNT : 0;
 }
 
-static bool update_rest(daft_world *world, float dt)
+enum { GRAIN = 64, PARALLEL_BODIES = 256 };
+
+typedef struct job {
+    daft_world *world;
+    float dt;
+    atomic_bool tired; /* some have been at rest for long enough */
+} job;
+
+static void rest_range(void *context, uint32_t index, uint32_t worker)
 {
+    (void)worker;
+    job *j = context;
+    const daft_sim_list *awake = &j->world->awake;
+    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
     bool tired = false;
-    for (size_t i = 0; i < world->awake.count; i++) {
-        daft_sim_body *body = &world->bodies[world->awake.items[i]];
-        float share = resting(world, body, dt);
-        body->rest = share > 0 ? body->rest + share * dt : 0;
+    for (size_t i = first; i < end && i < awake->count; i++) {
+        daft_sim_body *body = &j->world->bodies[awake->items[i]];
+        float share = resting(j->world, body, j->dt);
+        body->rest = share > 0 ? body->rest + share * j->dt : 0;
         tired |= body->rest >= REST_TIME;
     }
-    return tired;
+    if (tired) atomic_store_explicit(&j->tired, true, memory_order_relaxed);
+}
+
+static bool update_rest(daft_world *world, float dt)
+{
+    size_t count = world->awake.count;
+    job j = {world, dt, false};
+    daft_sim_for(world, count >= PARALLEL_BODIES, (uint32_t)((count + GRAIN - 1) / GRAIN), rest_range, &j);
+    return atomic_load_explicit(&j.tired, memory_order_relaxed);
 }
 
 /* `state` of a root: 1 while all of its heap may sleep; then the body before it on the ring. */

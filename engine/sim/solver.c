@@ -7,8 +7,8 @@
 #include <stdatomic.h>
 
 enum {
-    BLOCK_GRAIN = 4,
-    ROW_GRAIN = 256,
+    BLOCK_GRAIN = 1,
+    ROW_GRAIN = 64,
     SPIN_GRAIN = 2,
     PARALLEL_BLOCKS = 32, /* fewer are solved faster by one worker */
     CLOSE_PASSES = 3
@@ -279,7 +279,14 @@ enum { FILL_GRAIN = 64, PARALLEL_ROWS = 256, MARK_SPINS = 1, MARK_HELD = 2, MARK
 typedef struct fill_job {
     daft_world *world;
     float dt;
+    bool coloured;
 } fill_job;
+
+static void colour(void *p)
+{
+    fill_job *j = p;
+    j->coloured = daft_sim_colour_contacts(j->world);
+}
 
 static void fill_range(void *p, uint32_t index, uint32_t worker)
 {
@@ -296,7 +303,8 @@ static void fill_range(void *p, uint32_t index, uint32_t worker)
     }
 }
 
-static void fill_rows(daft_world *world, float dt)
+/* Rows, and beside them colours, which take one worker half as long. */
+static bool fill_rows(daft_world *world, float dt)
 {
     const daft_sim_rows *rows = &world->solver->rows;
     float *zero[] = {rows->velocity, rows->moved, rows->gain, rows->turn, rows->mass};
@@ -308,12 +316,14 @@ static void fill_rows(daft_world *world, float dt)
     s->spin_count = 0;
     s->holds = false, s->steady = true;
     for (uint32_t row = 1; row <= s->mover_count; row++) fill_row(world, row, dt);
-    daft_sim_for(world, count >= PARALLEL_ROWS, (count + FILL_GRAIN - 1) / FILL_GRAIN, fill_range, &(fill_job){world, dt});
+    fill_job j = {world, dt, false};
+    daft_sim_beside(world, count >= PARALLEL_ROWS, colour, (count + FILL_GRAIN - 1) / FILL_GRAIN, fill_range, &j);
     for (uint32_t row = s->row_first; row < s->row_end; row++) {
         if (s->marks[row] & MARK_SPINS) daft_sim_spin_add(world, row);
         s->holds |= (s->marks[row] & MARK_HELD) != 0;
         s->steady &= !(s->marks[row] & MARK_OTHER);
     }
+    return j.coloured;
 }
 
 /* The heaps of one pace. */
@@ -322,7 +332,6 @@ static void solve_pace(daft_world *world, float dt)
     daft_sim_solver *s = world->solver;
     context c = {.world = world, .s = s, .dt = dt};
     c.substep = (daft_sim_substep){.h = s->h, .inv_h = (float)s->substeps / dt, .push_speed = DAFT_SIM_PUSH_SPEED};
-    fill_rows(world, dt);
     daft_sim_stages_clear(s->stages);
     add(s, stage_fill, 0, 0, s->block_count, BLOCK_GRAIN);
     add(s, stage_joint_fill, 0, 0, s->joint_block_count, BLOCK_GRAIN);
@@ -333,7 +342,6 @@ static void solve_pace(daft_world *world, float dt)
     add(s, stage_joint_store, 0, 0, s->joint_block_count, BLOCK_GRAIN);
     bool large = s->block_count + s->joint_block_count >= PARALLEL_BLOCKS;
     daft_sim_stages_run(s->stages, large ? world->team : NULL, &c);
-    daft_sim_finer_ask(world);
 }
 
 static void count(daft_world *world)
@@ -352,7 +360,9 @@ bool daft_sim_solve(daft_world *world, float dt)
     world->counters.rows = s->contact_rows;
     for (uint32_t pace = 0; pace < DAFT_SIM_PACES; pace++) {
         if (pace > 0 && s->pace_end[pace] == s->pace_end[pace - 1]) continue;
-        if (!daft_sim_colour_pace(world, pace, dt) || !daft_sim_stages_reserve(s->stages, most_stages(s))) return false;
+        if (!daft_sim_pace_begin(world, pace, dt) || !fill_rows(world, dt) ||
+            !daft_sim_stages_reserve(s->stages, most_stages(s)))
+            return false;
         solve_pace(world, dt);
         count(world);
     }
@@ -391,8 +401,7 @@ void daft_sim_solver_destroy(daft_world *world)
                       s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_blocks,
                       s->joint_slots,   s->joint_bins, s->joint_colours, s->masks,      s->levels,       s->constraints,   s->colour_counts,
                       s->spins,         s->targets,     s->constrained,   s->row_of,        s->heap_of,
-                      s->asked,         s->heaps,      s->needs,         s->strained,      s->marks,
-                      s->parting};
+                      s->asked,         s->heaps,      s->needs,         s->marks,         s->parting};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
     daft_release(&world->allocator, s);
     world->solver = NULL;

@@ -173,7 +173,7 @@ struct daft_sim_solver {
         bool fast;
     } *needs;
     size_t need_capacity;
-    float *asked; /* of each row: substeps a second, by what it carried in this step */
+    _Atomic uint32_t *asked; /* of each row: substeps a second, by what it carried in this step; a float's bits */
     size_t asked_capacity;
 
     /* The heaps that are being solved: those of one pace, in rows that follow each other. */
@@ -185,8 +185,6 @@ struct daft_sim_solver {
     daft_sim_block *blocks;
     size_t block_capacity;
     uint32_t block_count;
-    uint16_t *strained; /* of blocks, after the step: bits of the contacts that carry many times what they press on weighs */
-    size_t strained_capacity;
     daft_sim_colour *colours;
     size_t colour_capacity;
     uint32_t colour_count;
@@ -218,7 +216,7 @@ struct daft_sim_solver {
     struct daft_sim_constraint {
         uint32_t touch, patch, row_a, row_b, colour;
         bool firm;
-        uint8_t points; /* 1 to DAFT_MANIFOLD_POINTS: contacts of as many stand in a block; joints: 1 */
+        uint8_t place; /* of contacts of as many points, and rows as near, which stand in a block (colour.c) */
     } *constraints;
     size_t constraint_capacity, constraint_count;
     uint32_t contact_rows; /* constraints of all contacts */
@@ -233,6 +231,7 @@ struct daft_sim_solver {
 
     daft_sim_target *targets; /* of rows */
     size_t target_capacity;
+    _Atomic uint32_t sweeps; /* of all, in this step */
 
     daft_sim_stages *stages;
     const daft_sim_kernels *kernels;
@@ -256,8 +255,10 @@ typedef struct daft_sim_parting daft_sim_parting;
 
 /* Rows for active bodies, by the pace of their heaps. False when memory is out. */
 bool daft_sim_rows_assign(daft_world *world, float dt);
-/* Colours for contacts and joints of the heaps of one pace, which are the ones to be solved now. */
-bool daft_sim_colour_pace(daft_world *world, uint32_t pace, float dt);
+/* The heaps of one pace are the ones to be solved now: their rows, and colours for their joints. */
+bool daft_sim_pace_begin(daft_world *world, uint32_t pace, float dt);
+/* Colours for their contacts. */
+bool daft_sim_colour_contacts(daft_world *world);
 /* Fills block `index` from patches, and puts the impulses back. */
 void daft_sim_block_fill(daft_world *world, uint32_t index);
 void daft_sim_block_store(daft_world *world, uint32_t index);
@@ -266,9 +267,10 @@ void daft_sim_block_store(daft_world *world, uint32_t index);
 
 /* Notes what a patch carried in the step; true if that is much beside the lighter body's weight. */
 bool daft_sim_finer_load(const daft_world *world, daft_sim_patch *patch, float inv_mass, float dt);
-/* What strained contacts of the heaps just solved ask for goes to the rows of their bodies. */
-void daft_sim_finer_ask(daft_world *world);
-float daft_sim_finer_next(float now, float asked);
+/* What such a contact asks for goes to the rows of its bodies: the most counts, so in any order, side by side. */
+void daft_sim_finer_ask(const daft_world *world, const daft_sim_touch *touch, float load, const daft_sim_slot *slot);
+/* Substeps a second that a body asks for, which asked for `now`, by what its row carried in this step. */
+float daft_sim_finer_next(const daft_world *world, float now, uint32_t row);
 /* Finds heaps and their paces, for which there is room. False: all have the world's own. */
 bool daft_sim_finer_paces(daft_world *world, float dt);
 /* Whether a touch's contacts are solved as firm ones in this step. */

@@ -61,33 +61,36 @@ static uint32_t share_begin(uint32_t batches, uint32_t workers, uint32_t worker)
     return (uint32_t)((uint64_t)batches * worker / workers);
 }
 
-/* The next batch of a share in a stage, counted from its first one; `count`, or more: there is none. */
-static uint32_t take_batch(share *from, size_t stage, uint32_t count)
+/* Takes half of the batches that are left of a share in a stage: few times, and in the end little at once. Gives how many, and the
+ * first of them, counted from the share's. */
+static uint32_t take_batches(share *from, size_t stage, uint32_t count, uint32_t *first)
 {
     unsigned long long begin = (unsigned long long)stage << 32, at = atomic_load_explicit(&from->at, memory_order_relaxed);
     for (;;) {
         unsigned long long next = at < begin ? begin : at;
-        if (next >= begin + count) return count;
-        if (atomic_compare_exchange_weak_explicit(&from->at, &at, next + 1, memory_order_relaxed, memory_order_relaxed))
-            return (uint32_t)(next - begin);
+        if (next >= begin + count) return 0;
+        uint32_t half = ((uint32_t)(begin + count - next) + 1) / 2;
+        *first = (uint32_t)(next - begin);
+        if (atomic_compare_exchange_weak_explicit(&from->at, &at, next + half, memory_order_relaxed, memory_order_relaxed))
+            return half;
     }
 }
 
-static void run_batch(const daft_sim_stage *stage, void *context, uint32_t batch)
+static void run_batches(const daft_sim_stage *stage, void *context, uint32_t batch, uint32_t batches)
 {
-    uint32_t first = batch * stage->grain, left = stage->count - first;
-    stage->run(context, stage->argument, stage->first + first, left < stage->grain ? left : stage->grain);
+    uint32_t first = batch * stage->grain, left = stage->count - first, most = batches * stage->grain;
+    stage->run(context, stage->argument, stage->first + first, left < most ? left : most);
 }
 
 /* Gives how many batches this worker did. */
 static uint32_t run_share(daft_sim_stages *stages, size_t at, uint32_t owner)
 {
     const daft_sim_stage *stage = &stages->items[at];
-    uint32_t batches = batches_of(stage), begin = share_begin(batches, stages->workers, owner), ran = 0, batch;
+    uint32_t batches = batches_of(stage), begin = share_begin(batches, stages->workers, owner), ran = 0, first = 0, taken;
     uint32_t count = share_begin(batches, stages->workers, owner + 1) - begin;
-    while ((batch = take_batch(&stages->shares[owner], at, count)) < count) {
-        run_batch(stage, stages->context, begin + batch);
-        ran++;
+    while ((taken = take_batches(&stages->shares[owner], at, count, &first)) > 0) {
+        run_batches(stage, stages->context, begin + first, taken);
+        ran += taken;
     }
     return ran;
 }

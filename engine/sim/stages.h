@@ -10,7 +10,7 @@ typedef struct daft_sim_stage {
     /* Items first..first + count of the stage, in any order and number of calls. */
     void (*run)(void *context, int argument, uint32_t first, uint32_t count);
     int argument;
-    uint32_t first, count, grain; /* grain: items taken at once */
+    uint32_t first, count, grain; /* grain: items that are taken together */
 } daft_sim_stage;
 
 daft_sim_stages *daft_sim_stages_create(const daft_allocator *allocator);

@@ -3,6 +3,8 @@
 
 #include "math/real.h"
 
+#include <stdatomic.h>
+
 /* A body that moves more than this share of its inner radius in a step is swept. */
 #define FAST_MOVE 0.5f
 
@@ -83,7 +85,7 @@ static void take_row(daft_world *world, uint32_t row)
     *target = (daft_sim_target){.centre = body->centre, .rotation = body->rotation};
     if (!daft_finite3(linear) || !daft_finite3(angular)) linear = angular = daft_v3(0, 0, 0);
     body->h = rows->moved[at + 6];
-    body->finer = daft_sim_finer_next(body->finer, world->solver->asked[row]);
+    body->finer = daft_sim_finer_next(world, body->finer, row);
     body->linear = daft_sim_clamp(linear, v[6]);
     body->angular = daft_sim_clamp(angular, v[7]);
     body->force = body->torque = daft_v3(0, 0, 0);
@@ -106,6 +108,7 @@ static void sweep_row(daft_world *world, uint32_t row)
     float swing = daft_length(row3(m + 3)) * daft_sim_max(body->extent - body->inner, 0);
     if (daft_length(row3(m)) + daft_sim_min(swing, 2 * body->extent) <= FAST_MOVE * body->inner) return;
     daft_sim_sweep(world, row, world->solver->targets);
+    atomic_fetch_add_explicit(&world->solver->sweeps, target->sweeps, memory_order_relaxed);
 }
 
 /* How far the points of a body go at most: its centre's way, and twice the difference of the rotations' quaternions from
@@ -169,12 +172,13 @@ static void for_rows(daft_world *world, void (*run)(daft_world *world, uint32_t 
 /* All ways are swept before any body moves, so the order does not matter. */
 static void end_dynamics(daft_world *world)
 {
-    const daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->solver;
+    atomic_store_explicit(&s->sweeps, 0, memory_order_relaxed);
     for_rows(world, take_row);
     for_rows(world, sweep_row);
     daft_sim_sweep_joined(world);
     for_rows(world, place_row);
-    for (uint32_t row = 1 + s->mover_count; row < s->row_count; row++) world->counters.sweeps += s->targets[row].sweeps;
+    world->counters.sweeps = atomic_load_explicit(&s->sweeps, memory_order_relaxed);
 }
 
 /* ---- the step ---- */
@@ -190,7 +194,7 @@ static void count(daft_world *world)
 static bool find_work(daft_world *world, float dt)
 {
     for (size_t i = 0; i < world->movers.count; i++) begin_mover(&world->bodies[world->movers.items[i]], dt);
-    if (!daft_sim_broad_update(world, dt) || !daft_sim_pairs_find(world) || !daft_sim_listing_update(world)) return false;
+    if (!daft_sim_broad_update(world, dt) || !daft_sim_pairs_find(world)) return false;
     if (!daft_sim_contacts_update(world, dt) || !daft_sim_ghosts_drop(world, dt)) return false;
     daft_sim_wake_met(world);
     bool woken = world->fresh_listed.count > 0;
@@ -212,6 +216,16 @@ void daft_sim_for(const daft_world *world, bool wide, uint32_t tasks, daft_task 
         daft_team_for(world->team, tasks, task, context);
     else
         daft_parallel_for(1, tasks, task, context);
+}
+
+void daft_sim_beside(const daft_world *world, bool wide, daft_own_part *own, uint32_t tasks, daft_task *task, void *context)
+{
+    if (wide && world->team) {
+        daft_team_beside(world->team, own, tasks, task, context);
+        return;
+    }
+    own(context);
+    daft_parallel_for(1, tasks, task, context);
 }
 
 typedef struct work {
