@@ -3,6 +3,10 @@
 #include "accel/open.h"
 #include "render/occluder.h"
 
+/* One instruction each, where fmaxf and fminf are calls; of NaN and a number, the second. */
+static inline float larger(float a, float b) { return a > b ? a : b; }
+static inline float smaller(float a, float b) { return a < b ? a : b; }
+
 /* Light space to the thing's own. With u = 2^-24, s the size of what points and corners are in light space and f the largest
  * share of the way to the lamp that a box reaches: places are off by some 8u of |map|·s and of the translation, ways by that
  * and 8u of |map|·f·away; corners that a test in light space takes for met by no more than 16u of the first. Their sum is
@@ -13,19 +17,15 @@ static void set_back(const caster *c, daft_affine *back, float pad[3])
     const daft_instance *s = c->instance;
     const float *o = s->to_object.m, *r = l->map.m, at[3] = {l->origin.x, l->origin.y, l->origin.z};
     float size = 0, share;
-    for (int k = 0; k < 3; k++) size += fmaxf(fabsf((&s->low.x)[k] - at[k]), fabsf((&s->high.x)[k] - at[k]));
+    for (int k = 0; k < 3; k++) size += larger(fabsf((&s->low.x)[k] - at[k]), fabsf((&s->high.x)[k] - at[k]));
     size = 2 * size + l->size;
-    share = fminf(2 * size / (l->near + l->away), 1);
+    share = smaller(2 * size / (l->near + l->away), 1);
     if (!l->sun && share > 0) size += share * l->away;
     for (int i = 0; i < 3; i++) {
-        double t = (double)s->to_object.t[i];
-        float reach = 0, still = fabsf(s->to_object.t[i]);
-        for (int j = 0; j < 3; j++) {
-            back->m[3 * i + j] = (float)((double)o[3 * i] * (double)r[3 * j] + (double)o[3 * i + 1] * (double)r[3 * j + 1] +
-                                      (double)o[3 * i + 2] * (double)r[3 * j + 2]);
-            t += (double)o[3 * i + j] * (double)at[j], still += fabsf(o[3 * i + j] * at[j]), reach += fabsf(o[3 * i + j]);
-        }
-        back->t[i] = (float)t;
+        const float *a = &o[3 * i], x = a[0] * at[0], y = a[1] * at[1], z = a[2] * at[2], t = s->to_object.t[i];
+        float reach = fabsf(a[0]) + fabsf(a[1]) + fabsf(a[2]), still = fabsf(x) + fabsf(y) + fabsf(z) + fabsf(t);
+        for (int j = 0; j < 3; j++) back->m[3 * i + j] = a[0] * r[3 * j] + a[1] * r[3 * j + 1] + a[2] * r[3 * j + 2];
+        back->t[i] = x + y + z + t;
         pad[i] = (reach * 2 * size + still) * 0x1p-18f;
     }
 }
@@ -58,8 +58,8 @@ static void set_errors(mesh_caster *m)
     const float *low = &m->c.instance->mesh->low.x, *high = &m->c.instance->mesh->high.x, *depth = &m->map.map.m[6];
     float size = m->map.still, near = m->map.map.t[2] + l->away;
     for (int k = 0; k < 3; k++) {
-        size += m->map.reach[k] * fmaxf(fabsf(low[k]), fabsf(high[k]));
-        near += fminf(depth[k] * low[k], depth[k] * high[k]);
+        size += m->map.reach[k] * larger(fabsf(low[k]), fabsf(high[k]));
+        near += smaller(depth[k] * low[k], depth[k] * high[k]);
     }
     m->before = size < 1e30f && (l->sun || near > 0.125f * (size + l->away * 0x1p-10f)); /* not where large numbers have made it NaN */
     m->off_depth = size * 0x1p-20f, m->off_uv = l->sun ? m->off_depth : m->off_depth / near * (2 + size / near);
@@ -84,9 +84,9 @@ static bool is_even(const daft_affine *a)
         int j = (i + 1) % 3;
         sums[i] = m[i] * m[i] + m[3 + i] * m[3 + i] + m[6 + i] * m[6 + i];
         sums[3 + i] = fabsf(m[i] * m[j] + m[3 + i] * m[3 + j] + m[6 + i] * m[6 + j]);
-        most = fmaxf(most, sums[i]), least = fminf(least, sums[i]);
+        most = larger(most, sums[i]), least = smaller(least, sums[i]);
     }
-    return fmaxf(most - least, fmaxf(sums[3], fmaxf(sums[4], sums[5]))) <= 0x1p-16f * least;
+    return larger(most - least, larger(sums[3], larger(sums[4], sums[5]))) <= 0x1p-16f * least;
 }
 
 /* The free ways off the mesh's triangles, where they hold for the caster's points: NULL where they do not. Points are lifted by 2^-20 of what
@@ -119,7 +119,7 @@ DAFT_INLINE vbits leave_freely(const caster *c, const daft_open *open, const vf 
 typedef struct mesh_bounds {
     daft_affine back;
     float low[3], high[3];
-    const daft_open *open;
+    const daft_open *open; /* of blocks with points of the mesh */
 } mesh_bounds;
 
 /* The bits of the DAFT_VL points from `at` on whose ways to the lamp meet the bounds; without those on it that leave it `freely`. */
@@ -153,22 +153,34 @@ DAFT_INLINE uint32_t block_meets(const caster *c, const mesh_bounds *mesh, uint3
     return meet & in;
 }
 
-uint32_t DAFT_KERNEL(daft_mesh_ways)(const caster *c, const picture_box *box, const block_set *behind, block_points *out)
+static void set_bounds(const caster *c, bool own, mesh_bounds *out)
 {
     const daft_trimesh *mesh = c->instance->mesh;
-    mesh_bounds bounds = {.open = open_ways(c)};
     float pad[3];
-    uint32_t count = 0;
-    set_back(c, &bounds.back, pad);
-    for (int k = 0; k < 3; k++) bounds.low[k] = (&mesh->low.x)[k] - pad[k], bounds.high[k] = (&mesh->high.x)[k] + pad[k];
+    set_back(c, &out->back, pad);
+    for (int k = 0; k < 3; k++) out->low[k] = (&mesh->low.x)[k] - pad[k], out->high[k] = (&mesh->high.x)[k] + pad[k];
+    out->open = own ? open_ways(c) : NULL;
+}
+
+uint32_t DAFT_KERNEL(daft_mesh_ways)(const caster *c, const picture_box *box, const block_set *behind, block_points *out)
+{
+    mesh_bounds bounds;
+    uint32_t some = 0, count = 0;
+    bool own = false;
     for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
         for (uint64_t left = behind->bits[word]; left; left &= left - 1) {
-            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), in = points_behind(box, c->points, b), freely;
-            if (!in) continue;
-            in = block_meets(c, &bounds, b, in, &freely);
-            c->points->under[b] |= in;
-            out[count] = (block_points){b, in & ~freely};
-            count += out[count].points != 0;
+            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left);
+            out[some] = (block_points){b, points_behind(box, c->points, b)};
+            own |= out[some].points && (c->points->on[b] == c->number || c->points->on[b] == DAFT_NOTHING);
+            some += out[some].points != 0;
         }
+    if (!some) return 0;
+    set_bounds(c, own, &bounds);
+    for (uint32_t i = 0; i < some; i++) {
+        uint32_t b = out[i].block, freely, in = block_meets(c, &bounds, b, out[i].points, &freely);
+        c->points->under[b] |= in;
+        out[count] = (block_points){b, in & ~freely};
+        count += out[count].points != 0;
+    }
     return count;
 }
