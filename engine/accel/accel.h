@@ -31,8 +31,8 @@ bool daft_bvh_find_sides(daft_bvh *bvh, const daft_trimesh *mesh, int threads);
 /* Finds balls inside the mesh (inner.h), so that rays through them need not look at triangles. Takes a fraction of the build's
  * time; kept until vertices move. True: there are some. Without memory there are none. */
 bool daft_bvh_find_inner(daft_bvh *bvh, const daft_trimesh *mesh);
-/* Finds where rays off the mesh's own triangles are free (open.h), for shadows of crowds: for so many triangles more. Takes some 17
- * microseconds for each, some seventy times as long as the build; kept until vertices move. Looks at the mesh's normals: of those that
+/* Finds where rays off the mesh's own triangles are free (open.h), for shadows of crowds: for so many triangles more. Takes some 20
+ * microseconds for each, some eighty times as long as the build; kept until vertices move. Looks at the mesh's normals: of those that
  * come later it knows nothing, and is of no use then. How many are left; none where it cannot be: without memory, or where the tree's
  * boxes are turned. */
 uint32_t daft_bvh_find_open(daft_bvh *bvh, const daft_trimesh *mesh, uint32_t triangles, int threads);

@@ -5,10 +5,10 @@
 #include "accel/open.h"
 #include "accel/find_sides.h"
 
-enum { PLANES = 128, BALLS = 512, STEPS = 8, BLENDS = 5, TASK = 64 };
+enum { PLANES = 128, BALLS = 512, STEPS = 16, BLENDS = 5, TASK = 64 };
 #define MARGIN   0x1p-10 /* of the mesh's size */
 #define STEEPEST 1.732   /* tangent of 60 degrees: what shares a corner and rises more leaves no cone */
-#define SMALL    0.3     /* a ball's radius in distances: less is not looked into */
+#define SMALL    0.15    /* a ball's radius in distances: less is not looked into */
 #define UPRIGHT  0.5     /* cosine between a triangle and its corners' normals, at least */
 #define LEAST    0.05    /* sine of a cone's half angle, at least */
 
@@ -276,7 +276,7 @@ static uint32_t widest_cone(const opening *o)
 {
     daft_dvec3 axis = o->normal, best = axis;
     double most = -1, step = 0.5;
-    for (int i = 0; i < STEPS; i++, step *= 0.65) {
+    for (int i = 0; i < STEPS; i++, step *= 0.8) {
         const blocker *nearest = &o->plane[0];
         double room = room_around(o, axis, &nearest);
         if (room > most) most = room, best = axis;
