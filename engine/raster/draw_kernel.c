@@ -246,6 +246,8 @@ static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, c
 /* Pixels a side of the boxes of triangles that are looked at side by side; fewer of them than TINY_LEAST go one by one.
  * Measured: a window of 16 lanes is wasted on larger triangles than one of eight is. */
 enum { TINY_SIDE = DAFT_VL >= 16 ? 5 : 2, TINY_LEAST = DAFT_VL / 4 };
+/* Whether pixels that see something nearer are left before they are listed: to gather sixteen takes longer than to list the few. */
+enum { LOOKS_AHEAD = DAFT_VL < 16 };
 
 /* So many pixels of thin triangles are looked at together; one triangle adds a tile's at most. */
 enum { THIN_MANY = 256, THIN_ROOM = THIN_MANY + DAFT_TILE * DAFT_TILE + DAFT_VL };
@@ -254,29 +256,38 @@ enum { HITS_ROOM = THIN_ROOM > TINY_SIDE * TINY_SIDE * DAFT_VL ? THIN_ROOM : TIN
 /* Lanes that meet the rays of pixels of their own. */
 typedef struct hit_list {
     uint32_t count;
-    uint32_t lane[HITS_ROOM]; /* and UNSURE */
-    int32_t place[HITS_ROOM];
-    float low[HITS_ROOM], high[HITS_ROOM];
+    uint32_t hit[HITS_ROOM]; /* the pixel's place | lane << HIT_LANE, and UNSURE */
+    float w[HITS_ROOM];      /* off by the lane's error */
 } hit_list;
 
-#define UNSURE 0x100u
+enum { HIT_LANE = 16 };
+#define UNSURE ((int32_t)0x80000000)
+
+DAFT_INLINE void add_hits(hit_list *h, vbits lanes, vi places, vi lane, vm sure, vf w)
+{
+    vi hit = places | lane << HIT_LANE | vi_select(sure, vi_set(0), vi_set(UNSURE));
+    vi_compress(&h->hit[h->count], lanes, hit);
+    vf_compress(&h->w[h->count], lanes, w);
+    h->count += (uint32_t)__builtin_popcount(lanes);
+}
 
 /* One after the other, since several may be of one pixel. */
 static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, const hit_list *h)
 {
     for (uint32_t k = 0; k < h->count; k++) {
-        uint32_t i = h->lane[k] & (DAFT_VL - 1);
-        int at = h->place[k];
-        float low = h->low[k], high = h->high[k];
+        uint32_t hit = h->hit[k], i = hit >> HIT_LANE & (DAFT_VL - 1);
+        int at = (int)(hit & ((1u << HIT_LANE) - 1));
+        bool sure = !(hit & (uint32_t)UNSURE);
+        float low = h->w[k] - b->error[i], high = h->w[k] + b->error[i];
         if (high < j->w_low[at]) continue;
         j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
-        if (__builtin_expect(!(h->lane[k] & UNSURE) && low > j->w_high[at], 1)) {
+        if (__builtin_expect(sure && low > j->w_high[at], 1)) {
             j->w_low[at] = low, j->w_high[at] = high;
             j->tile->instance[at] = b->instance[i], j->tile->triangle[at] = b->triangle[i];
             continue;
         }
         const thing t = {&j->raster->seen[b->instance[i]], b->triangle[i]};
-        if (!(h->lane[k] & UNSURE) || lane_hit(j, at, &t)) lane_offer(j, at, &t, low, high);
+        if (sure || lane_hit(j, at, &t)) lane_offer(j, at, &t, low, high);
     }
 }
 
@@ -292,7 +303,7 @@ DAFT_INLINE void boxes_of(const daft_pencil_batch *b, vi *x0, vi *y0, vi *wide, 
 /* Triangles with small boxes, side by side: in each step every lane looks at a pixel of its own. */
 static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
 {
-    vi x0, y0, wide, high, zero = vi_set(0), side = vi_set(TINY_SIDE);
+    vi x0, y0, wide, high, side = vi_set(TINY_SIDE);
     boxes_of(b, &x0, &y0, &wide, &high);
     vbits tiny = b->live & ~b->covers & vm_bits(vm_and(vi_lt(wide, side), vi_lt(high, side)));
     if (!tiny || __builtin_popcount(tiny) < TINY_LEAST) return 0;
@@ -312,14 +323,10 @@ static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
             vi x = x0 + vi_set(column), place = y * DAFT_TILE_STRIDE + x;
             vf dx = vf_set(j->left) + vf_from_int(x), least = vf_set(INFINITY);
             for (int k = 0; k < 3; k++) least = vf_min(vf_load(b->nx[k]) * dx + e[k], least);
-            vf w = vf_min(vf_load(b->wx) * dx + row_w, vf_load(b->w_cap)), most = w + error;
-            lanes &= vm_bits(vf_le(outer, least)) & ~vm_bits(vf_lt(most, vf_gather(j->w_low, place)));
-            vi lane = vi_iota() | vi_select(vf_lt(sure, least), zero, vi_set(UNSURE));
-            vf_compress((float *)(void *)&hits.lane[hits.count], lanes, (vf)lane);
-            vf_compress((float *)(void *)&hits.place[hits.count], lanes, (vf)place);
-            vf_compress(&hits.low[hits.count], lanes, w - error);
-            vf_compress(&hits.high[hits.count], lanes, most);
-            hits.count += (uint32_t)__builtin_popcount(lanes);
+            vf w = vf_min(vf_load(b->wx) * dx + row_w, vf_load(b->w_cap));
+            lanes &= vm_bits(vf_le(outer, least));
+            if (LOOKS_AHEAD) lanes &= ~vm_bits(vf_lt(w + error, vf_gather(j->w_low, place)));
+            add_hits(&hits, lanes, place, vi_iota(), vf_lt(sure, least), w);
         }
     }
     offer_hits(j, b, &hits);
@@ -417,11 +424,7 @@ static void draw_listed(daft_tile_job *j, const daft_pencil_batch *b, const uint
         vf error = j->exact ? vf_lookup(b->error, lane) : vf_set(0);
         w = vf_min(w, vf_lookup(b->w_cap, lane));
         lanes &= vm_bits(vf_le(outer, least)) & ~vm_bits(vf_lt(w + error, vf_gather(j->w_low, place)));
-        vi_compress(&hits.lane[hits.count], lanes, lane | vi_select(vf_lt(sure, least), vi_set(0), vi_set(UNSURE)));
-        vi_compress(&hits.place[hits.count], lanes, place);
-        vf_compress(&hits.low[hits.count], lanes, w - error);
-        vf_compress(&hits.high[hits.count], lanes, w + error);
-        hits.count += (uint32_t)__builtin_popcount(lanes);
+        add_hits(&hits, lanes, place, lane, vf_lt(sure, least), w);
     }
     offer_hits(j, b, &hits);
 }

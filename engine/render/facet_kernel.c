@@ -58,9 +58,10 @@ static void stage_maps(const daft_instance *s, int lane, stage *out)
 
 void DAFT_KERNEL(daft_facets_fetch)(const daft_snapshot *snapshot, const daft_facets *facets, uint32_t first)
 {
-    uint32_t end = daft_min_u(first + DAFT_VL, facets->count);
+    uint32_t end = daft_min_u(first + DAFT_VL, facets->count), last = DAFT_NOTHING;
+    const daft_trimesh *mesh = NULL;
     for (uint32_t i = first; i < end; i++) {
-        const daft_trimesh *mesh = snapshot->instances[facets->instance[i]].mesh;
+        if (facets->instance[i] != last) last = facets->instance[i], mesh = snapshot->instances[last].mesh;
         if (!mesh) continue;
         const uint32_t *corner = &mesh->indices[3 * (size_t)facets->triangle[i]];
         for (int k = 0; k < 3; k++)
@@ -71,10 +72,44 @@ void DAFT_KERNEL(daft_facets_fetch)(const daft_snapshot *snapshot, const daft_fa
     }
 }
 
+/* Triangles of one mesh of one material. What they have in common is read once, since for all that the compiler knows each store may change it. */
+static void stage_alike(const daft_snapshot *snapshot, daft_facets *f, uint32_t first, uint32_t count, stage *out)
+{
+    const daft_instance *s = &snapshot->instances[f->instance[first]];
+    const daft_trimesh *mesh = s->mesh;
+    const float *x = mesh->x, *y = mesh->y, *z = mesh->z, *t = s->to_frame.t;
+    const uint32_t *indices = mesh->indices, *normal_indices = mesh->normal_indices ? mesh->normal_indices : indices, *triangles = &f->triangle[first];
+    const daft_vec3 *normals = mesh->normals;
+    const uint32_t material = s->materials[0];
+    const vbits lanes = vbits_first((int)count);
+    for (uint32_t i = 0; i < count; i++) {
+        size_t at = 3 * (size_t)triangles[i];
+        for (size_t k = 0; k < 3; k++) {
+            uint32_t v = indices[at + k];
+            out->corner[3 * k][i] = x[v], out->corner[3 * k + 1][i] = y[v], out->corner[3 * k + 2][i] = z[v];
+        }
+        if (!normals) continue;
+        for (size_t k = 0; k < 3; k++) {
+            const daft_vec3 n = normals[normal_indices[at + k]];
+            out->normal[3 * k][i] = n.x, out->normal[3 * k + 1][i] = n.y, out->normal[3 * k + 2][i] = n.z;
+        }
+    }
+    add_traits(snapshot, material, f);
+    out->triangles = lanes, out->with_normals = normals ? lanes : 0;
+    out->textured = snapshot->materials[material].texture != DAFT_NO_TEXTURE ? lanes : 0;
+    vf_store(out->size, vf_set(fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2])));
+    vi_store(out->word, vi_set((int32_t)material));
+}
+
 static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t first, uint32_t count, stage *out)
 {
     out->triangles = out->spheres = out->with_normals = out->textured = 0, out->one_instance = true;
     for (uint32_t i = 1; i < count; i++) out->one_instance &= f->instance[first + i] == f->instance[first];
+    const daft_trimesh *mesh = snapshot->instances[f->instance[first]].mesh;
+    if (out->one_instance && mesh && !mesh->slots) {
+        stage_alike(snapshot, f, first, count, out);
+        return;
+    }
     for (uint32_t i = 0; i < count; i++) {
         const daft_instance *s = &snapshot->instances[f->instance[first + i]];
         uint32_t triangle = f->triangle[first + i];
