@@ -238,7 +238,7 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
         } else {
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
-            if (bits & node->spheres & spheres) bits = spheres_met(node, bits, &view);
+            if (node->spheres & spheres) bits = spheres_met(node, bits, &view); /* asked of the node alone: it is known before the bits are */
             if (bits) {
                 child = step(&tree, node, bits, near, &top);
                 continue;
@@ -340,7 +340,7 @@ DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daf
         } else {
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
-            if (bits & node->spheres & spheres) bits = spheres_met(node, bits, &view);
+            if (node->spheres & spheres) bits = spheres_met(node, bits, &view); /* asked of the node alone: it is known before the bits are */
             if (bits) {
                 child = step(&tree, node, bits, near, &top);
                 continue;
