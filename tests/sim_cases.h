@@ -102,10 +102,20 @@ static inline fixture_mesh variant_mesh(const variant *v, const daft_vec3 *p, ui
     return mesh;
 }
 
+/* Under a sanitizer, which takes ten times as long and looks at memory alone, two workers at the origin say all that it can see: what
+ * is too small for two is played by one. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SANITIZED 1
+#else
+#define SANITIZED 0
+#endif
+
+static inline bool is_played(int k) { return !SANITIZED || k == 3; }
+
 /* Two and four workers give the bits of one: `hashes` are of all variants, in their order. */
 static inline void assert_workers_agree(const uint64_t hashes[VARIANTS])
 {
-    assert_true(hashes[3] == hashes[0] && hashes[4] == hashes[0]);
+    assert_true(SANITIZED || (hashes[3] == hashes[0] && hashes[4] == hashes[0]));
 }
 
 static inline uint64_t end_of(daft_world *world)
@@ -118,20 +128,12 @@ static inline uint64_t end_of(daft_world *world)
 /* A scene plays a variant, asserts what is asked of it, and returns a hash of the world or worlds at its end. */
 typedef uint64_t case_scene(const variant *v);
 
-/* Under a sanitizer, which takes ten times as long and looks at memory alone, the origin and two workers say all that it can see. */
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SANITIZED 1
-#else
-#define SANITIZED 0
-#endif
-
 static inline void play_variants(case_scene *play)
 {
     uint64_t hashes[VARIANTS] = {0};
     for (int k = 0; k < VARIANTS; k++) {
-        bool skipped = SANITIZED && k != 0 && k != 3;
-        print_message("-- %s%s\n", VARIANT[k].name, skipped ? ": not under a sanitizer" : "");
-        hashes[k] = skipped ? hashes[k - 1] : play(&VARIANT[k]);
+        print_message("-- %s%s\n", VARIANT[k].name, is_played(k) ? "" : ": not under a sanitizer");
+        if (is_played(k)) hashes[k] = play(&VARIANT[k]);
     }
     assert_workers_agree(hashes);
 }

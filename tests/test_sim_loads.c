@@ -13,6 +13,7 @@ static void a_cylinder_does_not_crush_a_cube(void **unused)
     for (int n = 0; n < 2; n++) {
         uint64_t hashes[VARIANTS];
         for (int k = 0; k < VARIANTS; k++) {
+            if (!is_played(k)) continue;
             const variant *v = &VARIANT[k];
             daft_world *world = variant_world(v);
             daft_world_set_sleeping(world, false);
@@ -89,6 +90,7 @@ static void bridge_carries(float density, int ticks)
 {
     uint64_t hashes[VARIANTS];
     for (int k = 0; k < VARIANTS; k++) {
+        if (!is_played(k)) continue;
         const variant *v = &VARIANT[k];
         daft_world *world = variant_world(v);
         uint32_t joints[31], last = 0, crates[10];

@@ -9,6 +9,7 @@ static void a_box_falls_asleep(void **unused)
     (void)unused;
     uint64_t hashes[VARIANTS];
     for (int k = 0; k < VARIANTS; k++) {
+        if (!is_played(k)) continue;
         const variant *v = &VARIANT[k];
         daft_world *world = variant_world(v);
         put(world, v, box(daft_v3(10, 1, 10), 0, -1, 0));
@@ -36,6 +37,7 @@ static void ten_boxes_rest(void **unused)
     (void)unused;
     uint64_t hashes[VARIANTS];
     for (int k = 0; k < VARIANTS; k++) {
+        if (!is_played(k)) continue;
         const variant *v = &VARIANT[k];
         daft_world *world = variant_world(v);
         daft_world_set_sleeping(world, false);
@@ -66,6 +68,7 @@ static void stack_of(daft_sim_shape shape, int count, double height, const char 
 {
     uint64_t hashes[VARIANTS];
     for (int k = 0; k < VARIANTS; k++) {
+        if (!is_played(k)) continue;
         const variant *v = &VARIANT[k];
         daft_world *world = variant_world(v);
         daft_world_set_sleeping(world, false);
@@ -131,6 +134,7 @@ static void pyramids_of_all_sizes_stand(void **unused)
     for (int j = 0; j < 3; j++) {
         uint64_t hashes[VARIANTS];
         for (int k = 0; k < VARIANTS; k++) {
+            if (!is_played(k)) continue;
             const variant *v = &VARIANT[k];
             daft_world *world = variant_world(v);
             uint32_t ids[55];
@@ -199,6 +203,7 @@ static void a_tower_of_blocks_stands(void **unused)
     for (int large = 0; large < 2; large++) {
         uint64_t hashes[VARIANTS];
         for (int k = 0; k < VARIANTS; k++) {
+            if (!is_played(k)) continue;
             const variant *v = &VARIANT[k];
             daft_world *world = variant_world(v);
             double s = large ? 10 : 1, wide = 0.025 * s, high = 0.015 * s;
