@@ -220,20 +220,18 @@ DAFT_INLINE uint32_t not_hidden(const show *w, const sights *s, uint32_t *out)
 /* Up to DAFT_LEAVES of them at a time, member by member. */
 static void draw_patches(show *w, uint32_t *patches, uint32_t count)
 {
-    const daft_seen *seen[DAFT_CROWD];
     daft_projected *projected = &w->waiting->projected;
     uint32_t runs = 0;
     for (uint32_t k = 0; k < DAFT_CROWD; k++) projected->run[k] = INT32_MAX;
     for (uint32_t i = 0, end; i < count; i = end) {
         uint32_t tag = patches[i] & ~ITEM;
         for (end = i; end < count && (patches[end] & ~ITEM) == tag; end++) patches[end] &= ITEM;
-        seen[runs] = w->crowd->members[tag >> TAG_SHIFT].seen;
-        projected->run[runs] = projected->count;
-        DAFT_KERNEL(daft_patches_project)(w->job, seen[runs++], &patches[i], end - i, w->waiting);
+        projected->seen[runs] = w->crowd->members[tag >> TAG_SHIFT].seen, projected->run[runs] = projected->count;
+        DAFT_KERNEL(daft_patches_project)(w->job, projected->seen[runs++], &patches[i], end - i, w->waiting);
     }
     projected->run_count = runs;
     while (projected->count) DAFT_KERNEL(daft_projected_take)(w->job, projected, &w->waiting->hits);
-    DAFT_KERNEL(daft_hits_draw)(w->job, seen, &w->waiting->hits);
+    DAFT_KERNEL(daft_hits_draw)(w->job, projected->seen, &w->waiting->hits);
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 

@@ -445,8 +445,20 @@ static vbits draw_thin(daft_tile_job *j, const daft_pencil_batch *b, vbits some)
     return some;
 }
 
+static void fetch_doubted(const daft_seen *const *all, daft_hits *h)
+{
+    for (uint32_t i = 0; i < h->doubted; i++) {
+        const daft_trimesh *mesh = all[h->doubted_run[i]]->mesh;
+        const uint32_t *corner = &mesh->indices[3 * (size_t)h->doubted_triangle[i]];
+        for (int k = 0; k < 3; k++)
+            __builtin_prefetch(&mesh->x[corner[k]]), __builtin_prefetch(&mesh->y[corner[k]]), __builtin_prefetch(&mesh->z[corner[k]]);
+    }
+    h->doubted = 0;
+}
+
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, const daft_seen *const *all, daft_hits *h)
 {
+    fetch_doubted(all, h);
     if (h->count) j->tile->one_thing = false;
     for (uint32_t k = 0; k < h->count; k++) {
         uint32_t at = h->place[k] & (DAFT_HIT_UNSURE - 1);

@@ -42,20 +42,22 @@ enum { DAFT_LEAVES = 64, DAFT_LEAVES_ROOM = DAFT_LEAVES + DAFT_VL };
 enum { DAFT_WAITING_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + 3 * DAFT_VL };
 #define DAFT_WAITS_ONE_SIDED 0x80u /* in `pixels`: hits on its back do not count */
 #define DAFT_WAITS_TURNED 0x40u    /* its front is where det(corners) is negative */
-/* Small triangles in the picture whose boxes hold rays; scale: the focal length over z. They are in runs, of an instance each, of which
- * run[k] is where the k-th begins; beyond the last one it is over any place. */
+/* Small triangles in the picture whose boxes hold rays; scale: the focal length over z. They are in runs, of an instance each: run[k] is where
+ * the k-th begins, and beyond the last one over any place. */
 enum { DAFT_CROWD_BITS = 3, DAFT_CROWD = 1 << DAFT_CROWD_BITS };
 typedef struct daft_projected {
     uint32_t count, run_count, run[DAFT_CROWD];
+    const daft_seen *seen[DAFT_CROWD]; /* of each run */
     float x[3][DAFT_WAITING_ROOM], y[3][DAFT_WAITING_ROOM], scale[3][DAFT_WAITING_ROOM];
     uint32_t triangle[DAFT_WAITING_ROOM];
 } daft_projected;
 
-/* Pixels whose rays such triangles meet, or, where it says so, may meet; above the place is the number of the run. */
-enum { DAFT_HITS_ROOM = 4 * DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + DAFT_VL, DAFT_HIT_RUN = 16 };
+/* Pixels whose rays such triangles meet, or, where it says so, may meet; above the place is the number of the run. Of those that may, some
+ * are named once more: what decides them is fetched before it is asked for. */
+enum { DAFT_HITS_ROOM = 4 * DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + DAFT_VL, DAFT_HIT_RUN = 16, DAFT_DOUBTED = 32 };
 #define DAFT_HIT_UNSURE 0x8000u
 typedef struct daft_hits {
-    uint32_t count;
+    uint32_t count, doubted, doubted_run[DAFT_DOUBTED], doubted_triangle[DAFT_DOUBTED];
     uint32_t place[DAFT_HITS_ROOM], triangle[DAFT_HITS_ROOM];
     float low[DAFT_HITS_ROOM], high[DAFT_HITS_ROOM]; /* of w; in inexact modes, low alone counts */
 } daft_hits;
@@ -122,7 +124,7 @@ void DAFT_KERNEL(daft_crowd_draw)(daft_tile_job *job, daft_crowd *crowd, daft_wa
 void DAFT_KERNEL(daft_waiting_draw)(daft_tile_job *job, daft_waiting *waiting);
 /* Whether the pixels x0..x1, y0..y1 of the tile all see something whose w is above `nearest`. */
 bool DAFT_KERNEL(daft_pixels_hidden)(daft_tile_job *job, int x0, int x1, int y0, int y1, float nearest);
-/* draw_kernel.c. seen: of each run. */
+/* draw_kernel.c. seen: of each run that was projected. */
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, const daft_seen *const *seen, daft_hits *hits);
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
 /* The first batch of a tile, whose pixels are not cleared yet: a triangle that every ray hits fills it, and leaves the batch. False: none

@@ -250,18 +250,19 @@ typedef struct small {
     vi place, triangle;
 } small;
 
-/* Adds the lanes that cover the pixel `right` and `below` of their first one. */
-DAFT_INLINE void add_hits(const daft_tile_job *job, const small *s, int right, int below, vbits lanes, daft_hits *out)
+/* Adds the lanes that cover the pixel `right` and `below` of their first one. Gives those that may. */
+DAFT_INLINE vbits add_hits(const daft_tile_job *job, const small *s, int right, int below, vbits lanes, daft_hits *out)
 {
     vf e[3];
     edges_at(s->a[right], s->b[below], e);
     vf inner = vf_min(vf_min(e[0], e[1]), e[2]), w = s->base + (e[1] * s->slope[0] + e[2] * s->slope[1]), low = w, high = w;
     vi place = s->place + vi_set(below * DAFT_TILE_STRIDE + right);
+    vbits unsure = 0;
     if (job->exact) {
         lanes &= vm_bits(vf_le(vf_set(-2.25f) * s->doubt, inner));
         vm sure = vf_le(s->doubt, inner);
         low = vf_select(sure, w - s->error, s->least), high = vf_select(sure, w + s->error, s->most);
-        place = vi_select(sure, place, place | vi_set(DAFT_HIT_UNSURE));
+        place = vi_select(sure, place, place | vi_set(DAFT_HIT_UNSURE)), unsure = lanes & ~vm_bits(sure);
         vf_compress(&out->high[out->count], lanes, high);
     } else
         lanes &= vm_bits(vf_le(vf_set(0), inner));
@@ -269,6 +270,7 @@ DAFT_INLINE void add_hits(const daft_tile_job *job, const small *s, int right, i
     vi_compress(&out->triangle[out->count], lanes, s->triangle);
     vf_compress(&out->low[out->count], lanes, low);
     out->count += (uint32_t)__builtin_popcount(lanes);
+    return unsure;
 }
 
 DAFT_INLINE void small_setup(const daft_tile_job *job, const vf x[3], const vf y[3], const vf scale[3], vi x0, vi y0, small *s)
@@ -303,6 +305,18 @@ DAFT_INLINE vi runs_of(const daft_projected *p, uint32_t at)
     return run;
 }
 
+/* The numbers of their corners are on their way from memory from now on. */
+static __attribute__((noinline)) void add_doubted(const daft_projected *from, vi run, vi triangle, vbits lanes, daft_hits *out)
+{
+    uint32_t runs[DAFT_VL], triangles[DAFT_VL];
+    vi_store(runs, run), vi_store(triangles, triangle);
+    for (; lanes && out->doubted < DAFT_DOUBTED; lanes &= lanes - 1, out->doubted++) {
+        int i = __builtin_ctz(lanes);
+        __builtin_prefetch(&from->seen[runs[i]]->mesh->indices[3 * (size_t)triangles[i]]);
+        out->doubted_run[out->doubted] = runs[i], out->doubted_triangle[out->doubted] = triangles[i];
+    }
+}
+
 void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, daft_projected *from, daft_hits *out)
 {
     uint32_t count = daft_min_u(from->count, DAFT_VL), at = from->count - count;
@@ -315,12 +329,14 @@ void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, daft_projected *
     vbits lanes = vbits_first((int)count), right = lanes & vm_bits(vi_lt(b.x0, b.x1)), below = lanes & vm_bits(vi_lt(b.y0, b.y1));
     s.triangle = vi_load(&from->triangle[at]);
     small_setup(job, x, y, scale, b.x0, b.y0, &s);
-    s.place |= runs_of(from, at) << DAFT_HIT_RUN;
+    vi run = runs_of(from, at);
+    s.place |= run << DAFT_HIT_RUN;
     job->counters->binned += count;
     if (!job->exact) lanes &= vm_bits(vf_lt(vf_abs(s.slope[0]) + vf_abs(s.slope[1]), vf_set(INFINITY)));
-    add_hits(job, &s, 0, 0, lanes, out);
-    add_hits(job, &s, 1, 0, lanes & right, out);
-    add_hits(job, &s, 0, 1, lanes & below, out);
-    add_hits(job, &s, 1, 1, lanes & right & below, out);
+    vbits unsure = add_hits(job, &s, 0, 0, lanes, out);
+    unsure |= add_hits(job, &s, 1, 0, lanes & right, out);
+    unsure |= add_hits(job, &s, 0, 1, lanes & below, out);
+    unsure |= add_hits(job, &s, 1, 1, lanes & right & below, out);
+    if (unsure) add_doubted(from, run, s.triangle, unsure, out);
     from->count = at;
 }

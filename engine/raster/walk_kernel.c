@@ -363,7 +363,7 @@ static void list_blocks(walk *w)
 static void draw_leaves(walk *w)
 {
     list_blocks(w);
-    w->waiting->projected.run_count = 1;
+    w->waiting->projected.run_count = 1, w->waiting->projected.seen[0] = w->seen;
     DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, w->blocks, w->block_count, w->waiting);
     while (w->waiting->projected.count) DAFT_KERNEL(daft_projected_take)(w->job, &w->waiting->projected, &w->waiting->hits);
     w->leaf_count = w->block_count = 0;
