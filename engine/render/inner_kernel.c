@@ -173,7 +173,7 @@ void DAFT_KERNEL(daft_inner_shadow)(const caster *c, const block_points *points,
             int i = __builtin_ctz(balls);
             uint32_t stopped = 0;
             for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
-                stopped |= points_stopped(&d, i, c->light->sun, c->points, b * SHADOW_BLOCK + k) << k;
+                if (points[n].points >> k & DAFT_ALL_LANES) stopped |= points_stopped(&d, i, c->light->sun, c->points, b * SHADOW_BLOCK + k) << k;
             stopped &= points[n].points;
             if (stopped && d.cap_bits[i]) stopped &= ~under_caps(&d, d.cap_bits[i], c->points, b);
             dark |= stopped;

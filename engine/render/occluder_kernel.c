@@ -22,7 +22,7 @@ enum {
     FEW_ALONE = 32,   /* so many behind a node go on by themselves: where triangles are so much smaller than their distances,
                        * boxes of 16 say little */
     CLEAR_NODES = 12, /* who meets no leaf in so many is clear of the mesh */
-    FEW_OF_MESH = 256 /* the same where it is known which points' ways meet the mesh's bounds */
+    FEW_OF_MESH = 512 /* the same where it is known which points' ways meet the mesh's bounds */
 };
 
 /* A multiple of a × b that is negated, bit for bit, where a and b are exchanged. */
