@@ -245,7 +245,7 @@ static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, c
 
 /* Pixels a side of the boxes of triangles that are looked at side by side; fewer of them than TINY_LEAST go one by one.
  * Measured: a window of 16 lanes is wasted on larger triangles than one of eight is. */
-enum { TINY_SIDE = DAFT_VL >= 16 ? 5 : 2, TINY_LEAST = DAFT_VL / 4 };
+enum { TINY_SIDE = DAFT_VL >= 16 ? 6 : 2, TINY_LEAST = DAFT_VL / 4 };
 /* Whether pixels that see something nearer are left before they are listed: to gather sixteen takes longer than to list the few. */
 enum { LOOKS_AHEAD = DAFT_VL < 16 };
 
