@@ -3,7 +3,7 @@
  * A ray alone waits: for the boxes of one node before it knows the next, and, since nobody foresees which boxes it meets, for
  * wrong guesses to be taken back, which is a third of its time and more. So rays that are left alone take turns, and what a
  * step finds is no branch: the children met go onto the ray's stack by one compression and a network that sorts four of them,
- * where none is met what was on the stack is on top. After each round the rays are sorted by what is next, a node, a leaf, or
+ * where none is met what was on the stack is on top. After each round the rays are sorted by what is next, a node, a leaf,
  * the way into an instance or out of it, so each loop has one kind of step alone. What is next is kept as bits in
  * registers: written to memory it would have to come back before the next round. (Many rays at once, sorted by the kind of
  * step, is how GPUs are kept busy: Laine, Karras, Aila, "Megakernels Considered Harmful", 2013.)
@@ -52,7 +52,7 @@ typedef struct crowd {
     uint64_t items[DAFT_VL][ITEMS];
 } crowd;
 
-/* What is next: lanes whose next child is no node, and those where it is none, so that they leave the mesh or are done. */
+/* What is next: lanes whose next child is no node, and those where it is none. */
 typedef struct schedule {
     vbits ends, none;
 } schedule;
@@ -150,9 +150,8 @@ DAFT_INLINE void node_step(solo *s, bool any)
 DAFT_INLINE bool leaf_step(solo *s, bool any)
 {
     uint64_t item = *--s->top;
-    if (any) return DAFT_KERNEL(daft_leaf_stops)(s->bvh->blocks, (uint32_t)item, &s->ray, s->limit, &s->hit);
-    if (near_of(item) <= s->limit &&
-        DAFT_KERNEL(daft_leaf_closest)(s->bvh->blocks, (uint32_t)item, &s->ray, s->limit, &s->hit))
+    if (any) return leaf_stops(s->bvh->blocks, (uint32_t)item, &s->ray, s->limit, &s->hit);
+    if (near_of(item) <= s->limit && leaf_closest(s->bvh->blocks, (uint32_t)item, &s->ray, s->limit, &s->hit))
         s->limit = limit_of(s->hit.t, true);
     return false;
 }
@@ -216,8 +215,16 @@ DAFT_INLINE bool enter(crowd *w, uint32_t lane, solo *s, uint32_t index, bool an
     return false;
 }
 
-DAFT_INLINE void leave(crowd *w, uint32_t lane, solo *s)
+DAFT_INLINE bool enter_step(crowd *w, uint32_t lane, bool any)
 {
+    solo *s = &w->solos[lane];
+    uint64_t item = *--s->top;
+    return near_of(item) <= s->limit && enter(w, lane, s, (uint32_t)item & ~DAFT_CHILD_LEAF, any);
+}
+
+DAFT_INLINE void leave(crowd *w, uint32_t lane)
+{
+    solo *s = &w->solos[lane];
     bool changed = s->hit.t < s->t || s->hit.triangle != s->mark;
     s->hit.instance = changed ? s->index : s->hit.instance;
     s->hit.triangle = changed ? s->hit.triangle : s->triangle;
@@ -225,25 +232,10 @@ DAFT_INLINE void leave(crowd *w, uint32_t lane, solo *s)
     w->inside &= ~((vbits)1 << lane), s->top--;
 }
 
-DAFT_INLINE void done(crowd *w, uint32_t lane, bool stopped)
+DAFT_INLINE void stopped(crowd *w, uint32_t lane)
 {
-    if (stopped) stop(w->rays, (vbits)1 << lane);
+    stop(w->rays, (vbits)1 << lane);
     w->going &= ~((vbits)1 << lane);
-}
-
-/* Out of a mesh, and into the next instance. */
-DAFT_INLINE void instance_step(crowd *w, uint32_t lane, bool any)
-{
-    solo *s = &w->solos[lane];
-    if (w->inside >> lane & 1) leave(w, lane, s);
-    uint64_t item = s->top[-1];
-    if (!((uint32_t)item & DAFT_CHILD_LEAF)) return;
-    if ((uint32_t)item == DAFT_CHILD_NONE) {
-        done(w, lane, false);
-        return;
-    }
-    s->top--;
-    if (near_of(item) <= s->limit && enter(w, lane, s, (uint32_t)item & ~DAFT_CHILD_LEAF, any)) done(w, lane, true);
 }
 
 /* ---- all of them ---- */
@@ -254,7 +246,7 @@ typedef struct lane_list {
 
 DAFT_INLINE void list_lanes(lane_list *list, vbits lanes)
 {
-    vi_compress(list->lanes, lanes, vi_iota());
+    _mm512_storeu_si512(list->lanes, _mm512_maskz_compress_epi32((__mmask16)lanes, (__m512i)vi_iota()));
     list->count = (uint32_t)__builtin_popcount(lanes);
 }
 
@@ -268,26 +260,34 @@ DAFT_INLINE void instance_fetch(const crowd *w, uint32_t lane)
     for (size_t i = 0; i < sizeof(daft_instance); i += 64) __builtin_prefetch(at + i);
 }
 
+/* A ray with nothing on its stack leaves the mesh or is done. */
 DAFT_INLINE void rounds(crowd *w, schedule next, bool any)
 {
     const bool far = w->rays->tlas->instance_count > FAR_APART;
     while (w->going) {
-        lane_list nodes, leaves, others;
-        vbits ends = next.ends & w->going, at_leaf = ends & w->inside & ~next.none;
-        list_lanes(&nodes, w->going & ~ends), list_lanes(&leaves, at_leaf), list_lanes(&others, ends & ~at_leaf);
+        lane_list nodes, leaves, outs, ins;
+        vbits in = w->inside, ends = next.ends & ~next.none;
+        w->going &= in | ~next.none;
+        list_lanes(&nodes, w->going & ~next.ends), list_lanes(&leaves, w->going & ends & in);
+        list_lanes(&outs, w->going & next.none), list_lanes(&ins, w->going & ends & ~in);
         next = (schedule){0, 0};
-        for (uint32_t k = 0; far && k < others.count; k++) instance_fetch(w, others.lanes[k]);
+        for (uint32_t k = 0; far && k < outs.count; k++) instance_fetch(w, outs.lanes[k]);
+        for (uint32_t k = 0; far && k < ins.count; k++) instance_fetch(w, ins.lanes[k]);
         for (uint32_t k = 0; k < nodes.count; k++) {
             node_step(&w->solos[nodes.lanes[k]], any);
             note(&next, w, nodes.lanes[k]);
         }
         for (uint32_t k = 0; k < leaves.count; k++) {
-            if (leaf_step(&w->solos[leaves.lanes[k]], any)) done(w, leaves.lanes[k], true);
+            if (leaf_step(&w->solos[leaves.lanes[k]], any)) stopped(w, leaves.lanes[k]);
             note(&next, w, leaves.lanes[k]);
         }
-        for (uint32_t k = 0; k < others.count; k++) {
-            instance_step(w, others.lanes[k], any);
-            note(&next, w, others.lanes[k]);
+        for (uint32_t k = 0; k < outs.count; k++) {
+            leave(w, outs.lanes[k]);
+            note(&next, w, outs.lanes[k]);
+        }
+        for (uint32_t k = 0; k < ins.count; k++) {
+            if (enter_step(w, ins.lanes[k], any)) stopped(w, ins.lanes[k]);
+            note(&next, w, ins.lanes[k]);
         }
     }
 }
