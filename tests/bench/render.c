@@ -106,7 +106,7 @@ static void measure_scene(bench *self, const bench_scene *scene, int threads)
         bench_note(self, true, "out of memory");
         return;
     }
-    bool many = scene->thing_count > 2;
+    bool thousand = scene->thing_count == 1001; /* and the ground; what the budget of instances is for */
     if (self->peers) job.api = bench_find_embree();
     if (job.api) job.embree = job.api->create_scene(scene, threads);
     bench_subject subject = {.scene = scene->name,
@@ -121,8 +121,7 @@ static void measure_scene(bench *self, const bench_scene *scene, int threads)
                              .describe = camera_describe};
     if (bench_wants(self, scene->name, CAMERA)) bench_measure(self, &subject);
     subject.what = FAST, subject.ours = camera_fast;
-    subject.budget =
-        many && scene->things[1].mesh != BENCH_SPHERE ? (bench_budget){8, 20, false} : (bench_budget){4, 8, false};
+    subject.budget = thousand ? (bench_budget){8, 20, false} : (bench_budget){4, 8, false};
     if (bench_wants(self, scene->name, FAST)) bench_measure(self, &subject);
     measure_intersections(self, &job, threads);
     if (job.api) job.api->destroy(job.embree);
