@@ -56,6 +56,7 @@ typedef struct bench_subject {
     const char *peer_name; /* NULL: nothing to compare with */
     void (*describe)(void *context, char *out, size_t size); /* counters, after the last round; may be NULL */
     bench_budget budget;
+    double published; /* a peer's figure from elsewhere, for one that does not run here; or 0 */
     bool own_peer; /* the peer is ours, too: it runs without --peers */
 } bench_subject;
 

@@ -110,7 +110,7 @@ const bench_row *bench_measure(bench *self, const bench_subject *subject)
     bool peers = self->peers || subject->own_peer;
     bench_row row = {
         .unit = subject->unit, .isa = subject->isa, .threads = subject->threads, .budget = subject->budget};
-    row.peer_name = peers ? subject->peer_name : NULL;
+    row.peer_name = peers || subject->published > 0 ? subject->peer_name : NULL;
     bench_label(subject->scene, row.scene, sizeof row.scene);
     snprintf(row.what, sizeof row.what, "%s", subject->what);
     fprintf(stderr, "%s %s, %d thread%s\n", row.scene, row.what, row.threads, row.threads == 1 ? "" : "s");
@@ -118,6 +118,7 @@ const bench_row *bench_measure(bench *self, const bench_subject *subject)
         bench_note(self, true, "%s %s failed", row.scene, row.what);
         return NULL;
     }
+    if (subject->published > 0) row.peer = subject->published;
     if (subject->describe) subject->describe(subject->context, row.counters, sizeof row.counters);
     return bench_add(self, &row) ? &self->rows[self->count - 1] : NULL;
 }
