@@ -248,7 +248,7 @@ static int ask_pencil(const thing *s, const daft_ray *ray)
     daft_arena_init(&arena, &s->allocator);
     const daft_tlas *tlas = daft_tlas_build(&arena, &instance, 1, &error);
     int seen = -2;
-    if (tlas && daft_raster_init(&raster, &s->allocator, 1, &error)) {
+    if (tlas && daft_raster_init(&raster, &s->allocator, 1, daft_isa_best(), &error)) {
         if (daft_raster_begin(&raster, &pencil, &instance, 1, &error)) {
             for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
             daft_reference_tile(&raster, tlas, 0, &tile);

@@ -143,7 +143,7 @@ static void see(const daft_instance *instance, int isa, sight *out)
     daft_raster raster;
     daft_arena arena;
     daft_arena_init(&arena, &allocator);
-    assert_true(daft_raster_init(&raster, &allocator, 1, NULL));
+    assert_true(daft_raster_init(&raster, &allocator, 1, daft_isa_best(), NULL));
     assert_true(daft_raster_begin(&raster, &pencil, instance, 1, NULL));
     const daft_tlas *tlas = daft_tlas_build(&arena, instance, 1, NULL);
     assert_non_null(tlas);

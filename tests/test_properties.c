@@ -176,7 +176,7 @@ static void pencil_see(const daft_instance *instances, uint32_t count, const daf
 {
     daft_raster raster;
     daft_error error;
-    assert_true(daft_raster_init(&raster, memory(), 1, &error));
+    assert_true(daft_raster_init(&raster, memory(), 1, daft_isa_best(), &error));
     assert_true(daft_raster_begin(&raster, pencil, instances, count, &error));
     const daft_raster_kernels *kernels = daft_raster_kernels_for(daft_isa_best());
     for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);

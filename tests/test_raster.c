@@ -52,7 +52,7 @@ static void see(const setting *s, int isa, int workers, ids *out)
     daft_error error = {0};
     daft_arena arena;
     daft_arena_init(&arena, &allocator);
-    assert_true(daft_raster_init(&raster, &allocator, workers, &error));
+    assert_true(daft_raster_init(&raster, &allocator, workers, isa < 0 ? daft_isa_best() : isa, &error));
     assert_true(daft_raster_begin(&raster, &s->pencil, s->instances, s->count, &error));
     const daft_tlas *tlas = daft_tlas_build(&arena, s->instances, s->count, &error);
     assert_non_null(tlas);
@@ -311,7 +311,7 @@ static void brute_force(void **unused)
     daft_allocator allocator = daft_malloc_allocator();
     daft_raster raster;
     daft_error error;
-    assert_true(daft_raster_init(&raster, &allocator, 1, &error) && daft_raster_begin(&raster, &s.pencil, &instance, 1, &error));
+    assert_true(daft_raster_init(&raster, &allocator, 1, daft_isa_best(), &error) && daft_raster_begin(&raster, &s.pencil, &instance, 1, &error));
     daft_raster_bin(&raster, 0, 0);
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         daft_vec3 ray = daft_pencil_ray(&s.pencil, i % WIDTH, i / WIDTH), c[3];
@@ -356,7 +356,7 @@ static uint64_t count_tested(const setting *s)
     daft_allocator allocator = daft_malloc_allocator();
     daft_raster raster;
     daft_tile *tile = malloc(sizeof *tile);
-    assert_true(daft_raster_init(&raster, &allocator, 1, NULL) && daft_raster_begin(&raster, &s->pencil, s->instances, s->count, NULL));
+    assert_true(daft_raster_init(&raster, &allocator, 1, daft_isa_best(), NULL) && daft_raster_begin(&raster, &s->pencil, s->instances, s->count, NULL));
     for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
     for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) daft_raster_kernels_for(0)->tile(&raster, i, 0, tile);
     uint64_t tested = raster.bins[0].tested;
@@ -433,7 +433,7 @@ static void specks_in_a_far_corner(void **unused)
     daft_raster raster;
     daft_tile *tile = malloc(2 * sizeof *tile);
     uint32_t seen = 0;
-    assert_true(daft_raster_init(&raster, &allocator, 1, NULL));
+    assert_true(daft_raster_init(&raster, &allocator, 1, daft_isa_best(), NULL));
     for (int round = 0; round < 20; round++) {
         float z = random_float(100, 3000), slope = (SIZE / 2 - 16) / pencil.focal;
         daft_instance instance = instance_make(&mesh, affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(z, slope * z, slope * z)));
@@ -469,7 +469,7 @@ static void culling(void **unused)
     daft_allocator allocator = daft_malloc_allocator();
     daft_raster raster;
     daft_error error;
-    assert_true(daft_raster_init(&raster, &allocator, 1, &error));
+    assert_true(daft_raster_init(&raster, &allocator, 1, daft_isa_best(), &error));
     daft_pencil pencil = pencil_make(0, 0, 1);
     const daft_vec3 hidden[] = {{-5, 0, 0}, {5, 0, 40}, {5, 40, 0}, {-1e6f, 3, 0}};
     for (size_t i = 0; i < DAFT_COUNT_OF(hidden); i++) {
@@ -497,6 +497,67 @@ static void culling(void **unused)
     mesh_drop(&mesh);
 }
 
+/* What things look like to the camera, taken by groups and alone. */
+static void compare_seen(const daft_seen *group, const daft_seen *alone, uint32_t index)
+{
+    assert_ptr_equal(group->instance, alone->instance);
+    if (!alone->instance) return;
+    assert_int_equal(group->index, index);
+    assert_ptr_equal(group->mesh, alone->mesh);
+    assert_ptr_equal(group->bvh, alone->bvh);
+    assert_memory_equal(&group->to_camera, &alone->to_camera, sizeof alone->to_camera);
+    assert_memory_equal(&group->near_z, &alone->near_z, sizeof alone->near_z);
+    assert_int_equal(group->x0, alone->x0), assert_int_equal(group->x1, alone->x1);
+    assert_int_equal(group->y0, alone->y0), assert_int_equal(group->y1, alone->y1);
+    assert_int_equal(group->front, alone->front);
+    assert_int_equal(group->dense, alone->dense);
+    if (alone->front) assert_memory_equal(&group->outlook, &alone->outlook, sizeof alone->outlook);
+}
+
+static daft_affine anywhere(void)
+{
+    float size = ldexpf(random_float(0.5f, 1), (int)(random_bits() % 16) - 10), far = random_bits() % 8 ? 6 : 1e6f;
+    daft_vec3 scale = random_bits() % 3 ? daft_v3(size, size, size) : daft_v3(size, -size, random_bits() % 4 ? 0.01f * size : 1e-13f);
+    daft_quat turn = random_bits() % 8 ? random_rotation() : daft_quat_identity();
+    daft_affine map = affine_make(turn, scale, random_vec3(-far, far));
+    if (random_bits() % 64 == 0) map.m[random_bits() % 9] = random_bits() % 2 ? 3e38f : 0;
+    return map;
+}
+
+/* A group's lanes are the bits of one thing alone: kernels of any width may take any part of them. */
+static void groups_and_alone(void **unused)
+{
+    (void)unused;
+    enum { THINGS = 640 };
+    fixture_seed(1616);
+    daft_allocator allocator = daft_malloc_allocator();
+    daft_instance *things = malloc(THINGS * sizeof *things);
+    daft_raster group, alone;
+    fixture_mesh mesh[] = {mesh_ball(12, 1, 0.4f), mesh_ball(5, 1, 0), mesh_ball(4, 3, 0.9f)};
+    assert_true(daft_bvh_find_sides(mesh[0].bvh, &mesh[0].mesh, 1) && daft_bvh_find_sides(mesh[1].bvh, &mesh[1].mesh, 1));
+    uint32_t seen = 0, fronts = 0;
+    for (int isa = 0; isa <= daft_isa_best(); isa++) {
+        assert_true(daft_raster_init(&group, &allocator, 1, isa, NULL) && daft_raster_init(&alone, &allocator, 1, isa, NULL));
+        for (int round = 0; round < 8; round++) {
+            daft_pencil pencil = pencil_make(random_float(0, 6), random_float(-1, 1), random_float(0.2f, 2.5f));
+            pencil.shift_x = round % 2 ? 0.375f : 0, pencil.shift_y = -0.125f;
+            for (uint32_t i = 0; i < THINGS; i++) things[i] = instance_make(&mesh[i < THINGS / 2 ? 0 : random_bits() % 3], anywhere());
+            assert_true(daft_raster_begin(&group, &pencil, things, THINGS, NULL));
+            for (uint32_t i = 0; i < group.work_count; i++) daft_raster_bin(&group, i, 0);
+            for (uint32_t i = 0; i < THINGS; i++) {
+                assert_true(daft_raster_begin(&alone, &pencil, &things[i], 1, NULL));
+                daft_raster_bin(&alone, 0, 0);
+                compare_seen(&group.seen[i], &alone.seen[0], i);
+                seen += alone.seen[0].instance != NULL, fronts += alone.seen[0].instance && alone.seen[0].front;
+            }
+        }
+        daft_raster_free(&group), daft_raster_free(&alone);
+    }
+    assert_true(seen > 500 && fronts > 300);
+    for (size_t i = 0; i < DAFT_COUNT_OF(mesh); i++) mesh_drop(&mesh[i]);
+    free(things);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -507,7 +568,7 @@ int main(void)
         cmocka_unit_test(culling),       cmocka_unit_test(crowds),
         cmocka_unit_test(specks_on_the_grid), cmocka_unit_test(specks_in_a_far_corner),
         cmocka_unit_test(backs_of_closed_things), cmocka_unit_test(long_thin_triangles),
-        cmocka_unit_test(walls),
+        cmocka_unit_test(walls),         cmocka_unit_test(groups_and_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

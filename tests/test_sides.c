@@ -361,7 +361,7 @@ static void see(const daft_instance *instances, uint32_t count, int isa, picture
     daft_arena arena;
     daft_arena_init(&arena, &allocator);
     const daft_pencil pencil = {.right = {1, 0, 0}, .up = {0, 1, 0}, .forward = {0, 0, -1}, .focal = 40, .width = WIDTH, .height = HEIGHT};
-    assert_true(daft_raster_init(&raster, &allocator, 1, &error) && daft_raster_begin(&raster, &pencil, instances, count, &error));
+    assert_true(daft_raster_init(&raster, &allocator, 1, daft_isa_best(), &error) && daft_raster_begin(&raster, &pencil, instances, count, &error));
     const daft_tlas *tlas = daft_tlas_build(&arena, instances, count, &error);
     daft_tile *tile = malloc(sizeof *tile);
     for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);

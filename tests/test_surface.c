@@ -50,7 +50,7 @@ static stage *stage_make(uint32_t kinds)
     s->snapshot = (daft_snapshot){.width = WIDTH, .height = HEIGHT, .focal = 90, .instances = s->instances,
                                   .instance_count = THINGS, .materials = s->materials, .material_count = 3};
     s->allocator = daft_malloc_allocator();
-    assert_true(daft_raster_init(&s->raster, &s->allocator, 1, NULL));
+    assert_true(daft_raster_init(&s->raster, &s->allocator, 1, daft_isa_best(), NULL));
     assert_true(daft_raster_begin(&s->raster, &s->pencil, s->instances, THINGS, NULL));
     for (uint32_t i = 0; i < s->raster.work_count; i++) daft_raster_bin(&s->raster, i, 0);
     return s;

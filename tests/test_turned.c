@@ -320,7 +320,7 @@ static void pixels_are_those_of_the_plain_tree(void **unused)
             daft_arena_init(&arena, &allocator);
             const daft_tlas *tlas = daft_tlas_build(&arena, things, 1, NULL);
             for (int k = 0; k < 2; k++) {
-                assert_true(daft_raster_init(&raster[k], &allocator, 1, NULL));
+                assert_true(daft_raster_init(&raster[k], &allocator, 1, daft_isa_best(), NULL));
                 assert_true(daft_raster_begin(&raster[k], &pencil, &things[k], 1, NULL));
                 for (uint32_t w = 0; w < raster[k].work_count; w++) daft_raster_bin(&raster[k], w, 0);
             }

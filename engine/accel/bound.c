@@ -7,10 +7,10 @@
  * (a - b) of the largest's axis, b - c of the diagonal between the larger two, and c of the octant's. No point reaches
  * further along n than the same sum of what is reached along these three. */
 #include "accel/bvh.h"
+#include "accel/reach.h"
 #include "math/simd.h"
 
-/* Where support has a direction: the axis and the signs, as bits that are set where it is negative. */
-enum { AXES = 0, FACES = 6, OCTANTS = FACES + 3 * 8 };
+enum { AXES = DAFT_REACH_AXES, FACES = DAFT_REACH_FACES, OCTANTS = DAFT_REACH_OCTANTS };
 
 /* Lanes' least and largest of sums and differences. */
 typedef struct extremes {
@@ -59,16 +59,13 @@ void daft_bvh_measure(daft_bvh *bvh, const daft_trimesh *mesh)
 /* What is reached along n and against it, at most. */
 static void reach(const float *support, const double n[3], double out[2])
 {
-    /* By x >= y, y >= z, x >= z: the axes by size. Two cases cannot be. */
-    static const uint8_t order[8][3] = {{2, 1, 0}, {2, 0, 1}, {1, 2, 0}, {0, 1, 2}, {0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {0, 1, 2}};
     double size[3] = {fabs(n[0]), fabs(n[1]), fabs(n[2])};
     unsigned sign = (n[0] < 0) | (unsigned)(n[1] < 0) << 1 | (unsigned)(n[2] < 0) << 2;
-    const uint8_t *o = order[(size[0] >= size[1]) | (unsigned)(size[1] >= size[2]) << 1 | (unsigned)(size[0] >= size[2]) << 2];
+    const uint8_t *o = DAFT_REACH_ORDER[(size[0] >= size[1]) | (unsigned)(size[1] >= size[2]) << 1 | (unsigned)(size[0] >= size[2]) << 2];
     double a = size[o[0]] - size[o[1]], b = size[o[1]] - size[o[2]], c = size[o[2]];
     for (int way = 0; way < 2; way++, sign ^= 7) {
-        const float *axis = support + AXES + 2 * o[0] + (sign >> o[0] & 1);
-        const float *face = support + FACES + 8 * o[2] + (sign & ~(1u << o[2]));
-        out[way] = a * (double)*axis + b * (double)*face + c * (double)support[OCTANTS + sign];
+        float axis = support[daft_reach_axis(o, sign)], face = support[daft_reach_face(o, sign)], octant = support[daft_reach_octant(sign)];
+        out[way] = a * (double)axis + b * (double)face + c * (double)octant;
     }
 }
 

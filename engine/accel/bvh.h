@@ -46,7 +46,7 @@ struct daft_bvh {
     bool turned; /* boxes stand in the frame `turn` */
     daft_turn turn;
     double cost; /* of the tree as it was built (refit.c); negative: not known yet */
-    float support[38]; /* how far the mesh reaches in each of 26 directions (bound.c has where) */
+    float support[38]; /* how far the mesh reaches in each of 26 directions (reach.h has where) */
     struct daft_sides *sides; /* sides.h; NULL: nobody asked, or no triangle is one-sided */
     struct daft_inner *inner; /* inner.h; NULL: nobody asked, or there is no inside */
     struct daft_open *open;   /* open.h; NULL: nobody asked */

@@ -115,6 +115,8 @@ bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *fro
 /* The candidate boxes of one block's triangles, by the triangles' numbers. */
 void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *seen, const daft_block *block,
                                    daft_screen_box *out);
+/* seen_kernel.c: daft_raster_kernels.seen. */
+void DAFT_KERNEL(daft_seen_group)(const daft_raster *raster, uint32_t first);
 /* walk_kernel.c: what of a mesh is in the tile, and not hidden; some small triangles of it may be left waiting. */
 void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting);
 /* crowd_kernel.c: adds a mesh whose clusters are known and in doubt by little. False: that is not so. There is room for one. */

@@ -14,9 +14,9 @@ const daft_raster_kernels *daft_raster_kernels_for(int isa)
     return TABLE[isa];
 }
 
-bool daft_raster_init(daft_raster *raster, const daft_allocator *allocator, int workers, daft_error *error)
+bool daft_raster_init(daft_raster *raster, const daft_allocator *allocator, int workers, int isa, daft_error *error)
 {
-    *raster = (daft_raster){.allocator = allocator, .workers = workers};
+    *raster = (daft_raster){.allocator = allocator, .workers = workers, .kernels = daft_raster_kernels_for(isa)};
     raster->bins = daft_alloc_zero(allocator, (size_t)workers, sizeof *raster->bins);
     return raster->bins ? true : daft_fail_memory(error, "the renderer");
 }
@@ -115,13 +115,12 @@ static bool seen_setup(const daft_pencil *p, const daft_instance *instance, uint
     if (!daft_finite3(low) || !daft_finite3(high) || high.z <= 0 || outside_sides(p, low, high)) return false;
     seen->near_z = low.z;
     double f = (double)p->focal;
-    double cx = (double)p->width * 0.5 - 0.5 - (double)p->shift_x, cy = (double)p->height * 0.5 - 0.5 + (double)p->shift_y;
+    double cx = daft_pencil_middle_x(p), cy = daft_pencil_middle_y(p);
     if (!pixel_range(low.x, high.x, low.z, high.z, f, cx, p->width, &seen->x0, &seen->x1) ||
         !pixel_range(-high.y, -low.y, low.z, high.z, f, cy, p->height, &seen->y0, &seen->y1))
         return false;
     if (!instance->mesh) return sphere_range(p, seen, cx, cy);
-    int64_t triangles = instance->mesh->triangle_count, pixels = (int64_t)(seen->x1 - seen->x0 + 1) * (seen->y1 - seen->y0 + 1);
-    seen->dense = (low.z > 0 ? 6 : 4) * triangles >= pixels;
+    seen->dense = daft_seen_dense(seen);
     if (seen->bvh->sides) daft_outlook_from(seen->bvh, seen->mesh, &seen->to_camera, &seen->outlook, &seen->front);
     return true;
 }
@@ -157,18 +156,32 @@ static void add_to_tiles(const daft_raster *raster, daft_bins *bins, const daft_
                 bins->out_of_memory = true;
 }
 
+static bool is_mesh(const daft_instance *instance) { return instance->mesh && instance->mesh->triangle_count; }
+
+/* Fills raster->seen from one on, no further than `end`: of one instance, or of as many meshes as the kernel takes at once. Gives how many. */
+static uint32_t see(daft_raster *raster, uint32_t first, uint32_t end)
+{
+    uint32_t lanes = raster->kernels->lanes, meshes = 0;
+    while (meshes < lanes && first + meshes < end && is_mesh(&raster->instances[first + meshes])) meshes++;
+    if (meshes == lanes) {
+        raster->kernels->seen(raster, first);
+        return lanes;
+    }
+    daft_seen *seen = &raster->seen[first];
+    if (!seen_setup(&raster->pencil, &raster->instances[first], first, seen)) seen->instance = NULL;
+    return 1;
+}
+
 void daft_raster_bin(daft_raster *raster, uint32_t work, uint32_t worker)
 {
     daft_bins *bins = &raster->bins[worker];
     uint32_t first = work * INSTANCES_A_WORK_ITEM, end = daft_min_u(raster->instance_count, first + INSTANCES_A_WORK_ITEM);
-    for (uint32_t i = first; i < end; i++) {
-        daft_seen *seen = &raster->seen[i];
-        if (!seen_setup(&raster->pencil, &raster->instances[i], i, seen)) {
-            seen->instance = NULL;
-            continue;
+    for (uint32_t i = first; i < end;) {
+        for (uint32_t next = i + see(raster, i, end); i < next; i++) {
+            if (!raster->seen[i].instance) continue;
+            bins->seen++;
+            add_to_tiles(raster, bins, &raster->seen[i]);
         }
-        bins->seen++;
-        add_to_tiles(raster, bins, seen);
     }
 }
 

@@ -94,9 +94,10 @@ typedef struct daft_raster {
     size_t seen_capacity;
     uint32_t work_count;
     daft_bins *bins; /* one for each worker */
+    const struct daft_raster_kernels *kernels; /* for daft_raster_bin */
 } daft_raster;
 
-bool daft_raster_init(daft_raster *raster, const daft_allocator *allocator, int workers, daft_error *error);
+bool daft_raster_init(daft_raster *raster, const daft_allocator *allocator, int workers, int isa, daft_error *error);
 void daft_raster_free(daft_raster *raster);
 bool daft_raster_begin(daft_raster *raster, const daft_pencil *pencil, const daft_instance *instances, uint32_t count,
                        daft_error *error);
@@ -110,6 +111,9 @@ typedef struct daft_screen_box {
 
 typedef struct daft_raster_kernels {
     void (*tile)(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_tile *out);
+    /* Fills raster->seen for `lanes` instances from one on, all of meshes with triangles, as daft_raster_bin does one by one. */
+    void (*seen)(const daft_raster *raster, uint32_t first);
+    uint32_t lanes;
     /* The candidate boxes of a mesh's triangles, by their numbers, within the picture. */
     void (*boxes)(const daft_raster *raster, uint32_t instance, daft_screen_box *out);
 } daft_raster_kernels;
@@ -129,6 +133,15 @@ static inline daft_vec3 daft_pencil_ray(const daft_pencil *p, int x, int y)
 void daft_seen_corners(const daft_seen *seen, uint32_t triangle, daft_vec3 corner[3]);
 /* The exact depth of something that the ray is known to hit. */
 double daft_seen_depth(const daft_seen *seen, uint32_t triangle, daft_vec3 ray);
+/* Where the pixel is, not a whole number, that looks straight ahead: column and row. */
+static inline double daft_pencil_middle_x(const daft_pencil *p) { return (double)p->width * 0.5 - 0.5 - (double)p->shift_x; }
+static inline double daft_pencil_middle_y(const daft_pencil *p) { return (double)p->height * 0.5 - 0.5 + (double)p->shift_y; }
+/* Of a mesh whose pixels and near_z are known. */
+static inline bool daft_seen_dense(const daft_seen *seen)
+{
+    int64_t triangles = seen->mesh->triangle_count, pixels = (int64_t)(seen->x1 - seen->x0 + 1) * (seen->y1 - seen->y0 + 1);
+    return (seen->near_z > 0 ? 6 : 4) * triangles >= pixels;
+}
 /* Sets the tile's place and size. */
 void daft_tile_place(const daft_raster *raster, uint32_t tile, daft_tile *out);
 

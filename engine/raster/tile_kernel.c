@@ -162,4 +162,4 @@ static void find_boxes(const daft_raster *raster, uint32_t instance, daft_screen
         DAFT_KERNEL(daft_block_boxes)(&j, &raster->seen[instance], &bvh->blocks[i], out);
 }
 
-const daft_raster_kernels DAFT_KERNEL(daft_raster) = {resolve_tile, find_boxes};
+const daft_raster_kernels DAFT_KERNEL(daft_raster) = {resolve_tile, DAFT_KERNEL(daft_seen_group), DAFT_VL, find_boxes};

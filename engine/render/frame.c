@@ -28,7 +28,7 @@ daft_renderer *daft_renderer_create(const daft_allocator *allocator, int threads
     r->kernels = kernels_for(isa);
     daft_arena_init(&r->arena, &r->allocator);
     r->scratch = daft_alloc_zero(allocator, (size_t)threads, sizeof *r->scratch);
-    if (r->scratch && daft_raster_init(&r->raster, &r->allocator, threads, error)) return r;
+    if (r->scratch && daft_raster_init(&r->raster, &r->allocator, threads, isa, error)) return r;
     if (!r->scratch) daft_fail_memory(error, "the renderer");
     daft_renderer_destroy(r);
     return NULL;

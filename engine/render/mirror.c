@@ -125,7 +125,7 @@ static bool fill_mirror(daft_renderer *r, const daft_snapshot *snapshot, daft_mi
     uint32_t count = snapshot->instance_count;
     if (!daft_grow(&r->allocator, &m->instances, &m->instance_capacity, count, 0, sizeof *m->instances) ||
         !daft_grow(&r->allocator, &m->numbers, &m->number_capacity, count, 0, sizeof *m->numbers) ||
-        (!m->raster.bins && !daft_raster_init(&m->raster, &r->allocator, r->threads, error)))
+        (!m->raster.bins && !daft_raster_init(&m->raster, &r->allocator, r->threads, r->isa, error)))
         return daft_fail_memory(error, "what a mirror shows");
     m->count = 0;
     for (uint32_t i = 0; i < count; i++) {

@@ -181,7 +181,7 @@ bench_camera *bench_camera_create(bench *self, const bench_scene *scene, int thr
     camera->kernels = daft_raster_kernels_for(isa);
     camera->tiles = daft_alloc(&self->allocator, (size_t)threads, sizeof *camera->tiles);
     camera->instances = daft_alloc(&self->allocator, scene->thing_count, sizeof *camera->instances);
-    if (!camera->tiles || !camera->instances || !daft_raster_init(&camera->raster, &camera->allocator, threads, NULL)) {
+    if (!camera->tiles || !camera->instances || !daft_raster_init(&camera->raster, &camera->allocator, threads, isa, NULL)) {
         bench_camera_destroy(camera);
         return NULL;
     }

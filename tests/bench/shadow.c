@@ -320,7 +320,7 @@ static bool open_job(bench *self, shadow_job *job, daft_arena *arena, int thread
     job->clock_cost = clock_cost(threads);
     job->desks = daft_alloc_zero(&self->allocator, (size_t)threads, sizeof *job->desks);
     job->tlas = daft_tlas_build(arena, s->instances, s->count, NULL);
-    if (!job->desks || !job->tlas || !daft_raster_init(&job->raster, &self->allocator, threads, NULL)) return false;
+    if (!job->desks || !job->tlas || !daft_raster_init(&job->raster, &self->allocator, threads, isa, NULL)) return false;
     if (!self->peers || !job->api) return true;
     job->embree = job->api->create(s->instances, s->count, s->two_level, threads);
     return collect(self, job);
