@@ -3,6 +3,7 @@
 #include "fixtures.h"
 
 #include "accel/accel.h"
+#include "math/isa.h"
 
 static daft_affine random_map(void)
 {
@@ -81,11 +82,40 @@ static void a_diagonal_beam_is_bounded_tightly(void **unused)
     mesh_drop(&thing);
 }
 
+/* By registers as one by one, whatever stands beside what. */
+static void many_as_each(void **unused)
+{
+    (void)unused;
+    enum { THINGS = 300 };
+    fixture_seed(300);
+    fixture_mesh mesh[] = {mesh_ball(5, 1, 0.5f), mesh_ball(3, 2, 0)};
+    for (int isa = 0; isa <= daft_isa_best(); isa++)
+        for (int repeat = 0; repeat < 20; repeat++) {
+            daft_instance many[THINGS], each;
+            for (int i = 0; i < THINGS; i++) {
+                const fixture_mesh *thing = &mesh[random_bits() % 2];
+                many[i] = (daft_instance){.mesh = &thing->mesh, .bvh = thing->bvh, .to_frame = random_map()};
+                if (random_bits() % 64 == 0) many[i].mesh = NULL, many[i].bvh = NULL, many[i].radius = 2;
+                if (random_bits() % 64 == 0) many[i].bvh = NULL;
+            }
+            uint32_t count = THINGS - random_bits() % 40;
+            daft_accel_kernels_for(isa)->bound(many, count);
+            for (uint32_t i = 0; i < count; i++) {
+                each = many[i];
+                daft_instance_bound(&each);
+                assert_memory_equal(&many[i].low, &each.low, sizeof each.low);
+                assert_memory_equal(&many[i].high, &each.high, sizeof each.high);
+            }
+        }
+    mesh_drop(&mesh[0]), mesh_drop(&mesh[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bounds_hold_every_vertex),
         cmocka_unit_test(a_diagonal_beam_is_bounded_tightly),
+        cmocka_unit_test(many_as_each),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -200,6 +200,88 @@ static void walls_shadow_rooms(void **state)
     }
 }
 
+/* ---- snapshots ---- */
+
+enum { MANY = 6000 }; /* so many that all threads take part */
+
+static daft_mesh make_triangle(daft_scene *scene)
+{
+    static const daft_vec3 corners[] = {{0, 0, 0}, {1, 0, 0.5f}, {0, 1, 0}};
+    static const uint32_t indices[] = {0, 1, 2};
+    daft_mesh_def def = daft_default_mesh_def();
+    def.positions = corners, def.vertex_count = 3, def.indices = indices, def.triangle_count = 1;
+    daft_mesh mesh = daft_mesh_create(scene, &def, NULL);
+    assert_true(mesh.id != 0);
+    return mesh;
+}
+
+/* Things of all shapes, some of them on others, hidden, with a material of their own, or flat. Gives how many are shown. */
+static uint32_t make_many(daft_scene *scene, daft_material own, bool shown[MANY])
+{
+    daft_entity made[MANY];
+    uint32_t count = 0;
+    random_state = 77;
+    daft_mesh meshes[] = {make_triangle(scene), make_triangle(scene)};
+    scene->assets.meshes[meshes[1].id - 1]->mesh.slot_count = 3; /* as of a file; only things with a material of their own show it */
+    for (uint32_t i = 0; i < MANY; i++) {
+        daft_entity_def def = daft_default_entity_def();
+        uint32_t kind = (uint32_t)uniform(0, 5), on = (uint32_t)uniform(0, i);
+        bool hangs = i && uniform(0, 1) < 0.2, flat = uniform(0, 1) < 0.005;
+        def.shape = kind == 0 ? DAFT_SHAPE_NONE : kind == 1 ? DAFT_SHAPE_SPHERE : kind == 2 ? DAFT_SHAPE_BOX : DAFT_SHAPE_MESH;
+        if (def.shape == DAFT_SHAPE_MESH) def.mesh = meshes[kind - 3];
+        if (kind == 4) def.material = own;
+        def.position = daft_dv3(uniform(-9, 9), uniform(-9, 9), uniform(-9, 9));
+        def.visible = uniform(0, 1) < 0.9;
+        if (hangs) def.parent = made[on];
+        if (flat && kind >= 2) def.scale = daft_v3(1, 0, 1);
+        made[i] = daft_entity_create(scene, &def, NULL);
+        assert_true(made[i].id != 0);
+        bool fits = true, visible = true;
+        for (uint32_t at = daft_handle_index(made[i].id); at != DAFT_NONE; at = scene->entities[at].parent)
+            fits = fits && scene->entities[at].now.scale.y != 0, visible = visible && scene->entities[at].def.visible;
+        shown[i] = def.shape != DAFT_SHAPE_NONE && fits && visible;
+        count += shown[i];
+    }
+    return count;
+}
+
+/* What all threads make of them is each where it stands, in order, and what does not fit is told of once. */
+static void many_things_in_a_frame(void **state)
+{
+    fixture *f = *state;
+    static bool shown[MANY];
+    daft_material_def material = daft_default_material_def();
+    daft_material own = daft_material_create(f->scene, &material, NULL);
+    uint32_t expected = make_many(f->scene, own, shown), count, last = 0;
+    assert_in_range(expected, 3 * MANY / 5 / 2, MANY);
+    daft_arena arena;
+    daft_instance *instances;
+    daft_arena_init(&arena, f->scene->allocator);
+    for (int repeat = 0; repeat < 2; repeat++) {
+        assert_true(daft_snapshot_instances(f->scene, daft_dv3(0.1, 2, 3), 1, &arena, &instances, &count, NULL));
+        assert_int_equal(count, expected);
+    }
+    int warnings = f->warnings;
+    assert_true(warnings > 5);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t index = daft_handle_index(instances[i].entity);
+        const daft_entity_item *item = daft_entity_world(f->scene, index, 1);
+        assert_true(i == 0 || index > last);
+        last = index;
+        daft_instance alone = instances[i];
+        daft_instance_bound(&alone);
+        assert_memory_equal(&alone.low, &instances[i].low, 2 * sizeof alone.low);
+        for (int k = 0; k < 9; k++) assert_true(alone.to_frame.m[k] == (float)item->world.m[k]);
+        assert_true(alone.to_frame.t[0] == (float)(item->world.t[0] - 0.1) && alone.to_frame.t[1] == (float)(item->world.t[1] - 2));
+        daft_vec3 back = daft_affine_point(&alone.to_object, daft_affine_point(&alone.to_frame, daft_v3(1, 2, 3)));
+        assert_true(fabsf(back.x - 1) < 1e-4f && fabsf(back.y - 2) < 1e-4f && fabsf(back.z - 3) < 1e-4f);
+        uint32_t slots = alone.mesh && alone.mesh->slot_count ? alone.mesh->slot_count : 1;
+        for (uint32_t k = 0; k < slots; k++) assert_int_equal(alone.materials[k], item->def.material.id ? own.id - 1 : 0);
+        assert_true((alone.flags & DAFT_INSTANCE_CASTS_SHADOW) != 0);
+    }
+    daft_arena_free(&arena);
+}
+
 /* ---- interpolation ---- */
 
 static float drawn_x(fixture *f, float alpha)
@@ -406,6 +488,7 @@ int main(void)
         TEST(spheres_keep_equal_scales),
         TEST(singular_transforms_are_skipped),
         TEST(walls_shadow_rooms),
+        TEST(many_things_in_a_frame),
         TEST(drawing_interpolates),
         TEST(camera_interpolates),
         TEST(axes_follow_the_convention),

@@ -130,6 +130,8 @@ typedef struct daft_accel_kernels {
     void (*occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *stopped);
     /* Bits of the node's children that the ray meets in its interval, by their bounds; never those of an empty box. */
     uint32_t (*boxes)(const daft_node *node, const daft_ray *ray);
+    /* daft_instance_bound for each, with the same bits. */
+    void (*bound)(daft_instance *instances, uint32_t count);
 } daft_accel_kernels;
 
 const daft_accel_kernels *daft_accel_kernels_for(int isa);

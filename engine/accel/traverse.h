@@ -40,6 +40,8 @@ uint32_t DAFT_KERNEL(daft_occluded_packet)(const daft_tlas *tlas, const daft_ray
 void DAFT_KERNEL(daft_closest_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t ignore,
                                       daft_hit *hits);
 void DAFT_KERNEL(daft_occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *stopped);
+/* bound_kernel.c */
+void DAFT_KERNEL(daft_bound_all)(daft_instance *instances, uint32_t count);
 #endif
 
 #endif

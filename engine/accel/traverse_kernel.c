@@ -378,4 +378,5 @@ const daft_accel_kernels DAFT_KERNEL(daft_accel) = {DAFT_KERNEL(daft_closest),
                                                     DAFT_KERNEL(daft_occluded_packet),
                                                     DAFT_KERNEL(daft_closest_stream),
                                                     DAFT_KERNEL(daft_occluded_stream),
-                                                    boxes};
+                                                    boxes,
+                                                    DAFT_KERNEL(daft_bound_all)};

@@ -1,18 +1,13 @@
 /* Instances of meshes as the camera sees them, DAFT_VL of them at a time: what raster.c does for one, operation for
  * operation in double, so that the bits are the same. */
-#include "accel/reach.h"
+#include "accel/bound_lanes.h"
 #include "raster/kernels.h"
-
-typedef int64_t vl __attribute__((vector_size(DAFT_VL * 4))); /* a mask over double lanes: all bits, or none */
-
-DAFT_INLINE vd vd_select(vl m, vd a, vd b) { return (vd)((m & (vl)a) | (~m & (vl)b)); }
-DAFT_INLINE vd vd_larger(vd a, vd b) { return vd_select((vl)(a > b), a, b); }
 
 /* What is read of instances and meshes, by lane; a mesh that nothing is known of the sides of has `middle` 0. */
 typedef struct group {
     const daft_instance *instances;
     float frame[12][DAFT_VL]; /* to_frame */
-    float low[3][DAFT_VL], high[3][DAFT_VL];
+    daft_bounded meshes;
     double middle[3][DAFT_VL];
 } group;
 
@@ -31,15 +26,15 @@ static void read_group(const daft_instance *instances, group *g)
     g->instances = instances;
     for (int i = 0; i < DAFT_VL; i++) {
         const daft_affine *frame = &instances[i].to_frame;
-        const daft_trimesh *mesh = instances[i].mesh;
         const daft_sides *sides = instances[i].bvh->sides;
         const double *middle = sides ? &sides->middle.x : (const double[3]){0};
         for (int k = 0; k < 9; k++) g->frame[k][i] = frame->m[k];
         for (int k = 0; k < 3; k++) {
             g->frame[9 + k][i] = frame->t[k];
-            g->low[k][i] = (&mesh->low.x)[k], g->high[k][i] = (&mesh->high.x)[k], g->middle[k][i] = middle[k];
+            g->middle[k][i] = middle[k];
         }
     }
+    daft_bounded_read(instances, &g->meshes);
 }
 
 /* camera_map */
@@ -55,68 +50,6 @@ static void map_group(const daft_pencil *p, const group *g, views *v)
             for (int h = 0; h < 2; h++) part[h] = x * vf_half(a, h) + y * vf_half(b, h) + z * vf_half(c, h);
             vf_store(v->map[j < 3 ? 3 * i + j : 9 + i], vf_join(part[0], part[1]));
         }
-    }
-}
-
-/* ---- bounds: daft_instance_bound ---- */
-
-/* What is reached along a row of the map, and against it, by which of the mesh's directions (accel/reach.h). */
-typedef struct reaches {
-    vf axis[2], face[2], octant[2];
-    vf most, middle, least; /* of the row's components, without their signs */
-} reaches;
-
-static void find_reaches(const group *g, float (*row)[DAFT_VL], reaches *out)
-{
-    const vf x = vf_load(row[0]), y = vf_load(row[1]), z = vf_load(row[2]), zero = vf_set(0);
-    const vf a = vf_abs(x), b = vf_abs(y), c = vf_abs(z);
-    vbits xy = vm_bits(vf_le(b, a)), yz = vm_bits(vf_le(c, b)), xz = vm_bits(vf_le(c, a));
-    vbits nx = vm_bits(vf_lt(x, zero)), ny = vm_bits(vf_lt(y, zero)), nz = vm_bits(vf_lt(z, zero));
-    float found[6][DAFT_VL];
-    for (int i = 0; i < DAFT_VL; i++) {
-        const uint8_t *order = DAFT_REACH_ORDER[(xy >> i & 1) | (yz >> i & 1) << 1 | (xz >> i & 1) << 2];
-        uint32_t sign = (nx >> i & 1) | (ny >> i & 1) << 1 | (nz >> i & 1) << 2;
-        const float *support = g->instances[i].bvh->support;
-        for (int way = 0; way < 2; way++, sign ^= 7) {
-            found[way][i] = support[daft_reach_axis(order, sign)], found[2 + way][i] = support[daft_reach_face(order, sign)];
-            found[4 + way][i] = support[daft_reach_octant(sign)];
-        }
-    }
-    for (int way = 0; way < 2; way++) {
-        out->axis[way] = vf_load(found[way]), out->face[way] = vf_load(found[2 + way]);
-        out->octant[way] = vf_load(found[4 + way]);
-    }
-    out->most = vf_max(a, vf_max(b, c)), out->least = vf_min(a, vf_min(b, c));
-    out->middle = vf_max(vf_min(a, b), vf_min(vf_max(a, b), c));
-}
-
-static void bound_group(const group *g, views *v)
-{
-    vd low[3][2], high[3][2], size[2] = {{0}, {0}};
-    for (int k = 0; k < 3; k++) {
-        reaches r;
-        find_reaches(g, &v->map[3 * k], &r);
-        for (int h = 0; h < 2; h++) {
-            vd t = vf_half(vf_load(v->map[9 + k]), h), centre = t, half = {0}, along[2];
-            size[h] += vd_abs(t);
-            for (int j = 0; j < 3; j++) {
-                vd m = vf_half(vf_load(v->map[3 * k + j]), h), l = vf_half(vf_load(g->low[j]), h), u = vf_half(vf_load(g->high[j]), h);
-                centre += m * (l + u) * 0.5;
-                half += vd_abs(m) * (u - l) * 0.5;
-                size[h] += vd_abs(m) * vd_larger(vd_abs(l), vd_abs(u));
-            }
-            vd a = vf_half(r.most, h), b = vf_half(r.middle, h), c = vf_half(r.least, h);
-            for (int way = 0; way < 2; way++)
-                along[way] = (a - b) * vf_half(r.axis[way], h) + (b - c) * vf_half(r.face[way], h) + c * vf_half(r.octant[way], h);
-            vd l = centre - half, u = centre + half, ahead = t + along[0], behind = t - along[1];
-            high[k][h] = vd_select((vl)(ahead < u), ahead, u), low[k][h] = vd_select((vl)(behind > l), behind, l);
-        }
-    }
-    for (int k = 0; k < 3; k++) {
-        vd slack[2];
-        for (int h = 0; h < 2; h++) slack[h] = size[h] * (0x1p-20 + 0x1p-23);
-        vf_store(v->low[k], vf_join(low[k][0] - slack[0], low[k][1] - slack[1]));
-        vf_store(v->high[k], vf_join(high[k][0] + slack[0], high[k][1] + slack[1]));
     }
 }
 
@@ -215,7 +148,7 @@ DAFT_INLINE void look_from(const group *g, const vd point[3], vl known, vd det, 
     vd square = {0};
     vl outside = {0};
     for (int k = 0; k < 3; k++) {
-        vd low = vf_half(vf_load(g->low[k]), h), high = vf_half(vf_load(g->high[k]), h), p = point[k];
+        vd low = vf_half(vf_load(g->meshes.low[k]), h), high = vf_half(vf_load(g->meshes.high[k]), h), p = point[k];
         vd pad = out->blur + vd_abs(p) * 1e-9, far = vd_larger(vd_abs(p - low), vd_abs(p - high));
         outside |= (vl)(p < low - pad) | (vl)(p > high + pad);
         square += far * far;
@@ -238,7 +171,7 @@ static void outlook_half_of(const group *g, const views *v, int h, outlook_half 
     for (int k = 0; k < 3; k++) {
         vd moved = {0}; /* moved_off_by */
         for (int j = 0; j < 3; j++) {
-            vd low = vd_abs(vf_half(vf_load(g->low[j]), h)), high = vd_abs(vf_half(vf_load(g->high[j]), h));
+            vd low = vd_abs(vf_half(vf_load(g->meshes.low[j]), h)), high = vd_abs(vf_half(vf_load(g->meshes.high[j]), h));
             moved += vd_abs(m[3 * k + j]) * vd_larger(low, high);
         }
         vd e = (4.01 * moved + 1.01 * vd_abs(t[k])) * 0x1p-24;
@@ -285,7 +218,7 @@ void DAFT_KERNEL(daft_seen_group)(const daft_raster *raster, uint32_t first)
     views v;
     read_group(&raster->instances[first], &g);
     map_group(&raster->pencil, &g, &v);
-    bound_group(&g, &v);
+    daft_bound_lanes(&g.meshes, v.map, v.low, v.high);
     place_group(&raster->pencil, &v);
     outlook_group(&g, &v);
     for (int i = 0; i < DAFT_VL; i++) write_seen(&g, &v, i, first + (uint32_t)i, &raster->seen[first + (uint32_t)i]);

@@ -281,9 +281,13 @@ void daft_camera_insert(daft_scene *scene, const daft_camera *camera); /* room w
 /* Unit axes of a camera. */
 void daft_camera_axes(const daft_camera *camera, daft_vec3 *right, daft_vec3 *up, daft_vec3 *forward);
 
-/* ---- snapshot.c ---- */
+/* ---- snapshot.c, instances.c ---- */
 
 /* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena. */
+bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
+                             daft_instance **instances, uint32_t *count, daft_error *error);
+/* Whether a point of the frame is one that kernels can work with. */
+bool daft_fits_kernels(daft_vec3 point);
 /* Finds the sides (accel/sides.h) of meshes that many things of the last snapshot show. */
 void daft_assets_find_sides(daft_scene *scene);
 /* Finds the balls inside (accel/inner.h) of meshes that the last snapshot and those before have shown often enough under lamps
@@ -291,8 +295,6 @@ void daft_assets_find_sides(daft_scene *scene);
 void daft_assets_find_inner(daft_scene *scene);
 /* The smooth normals of meshes that the last snapshot shows for the first time: what only collides has none. */
 bool daft_assets_smooth(daft_scene *scene, daft_error *error);
-bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
-                             daft_instance **instances, uint32_t *count, daft_error *error);
 bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_snapshot *out,
                         daft_error *error);
 
