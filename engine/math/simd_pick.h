@@ -1,4 +1,4 @@
-/* Lanes picked by numbers that are kept as bytes, from tables that stand in registers; and bits of bytes. */
+/* Lanes picked by numbers that are kept as bytes, from tables that stand in registers; from rows anywhere in memory; and bits of bytes. */
 #ifndef DAFT_SIMD_PICK_H
 #define DAFT_SIMD_PICK_H
 
@@ -15,6 +15,22 @@ DAFT_INLINE vf vf_pick16(const vf table[16 / DAFT_VL], vi index)
     return (vf)_mm256_blendv_ps((__m256)low, (__m256)high, (__m256)(index << 28));
 #else
     return vf_gather((const float *)table, index);
+#endif
+}
+
+/* out[k]: float `at` + k of each lane's row. */
+DAFT_INLINE void vf_load_rows4(const float *const row[DAFT_VL], int at, vf out[4])
+{
+#ifdef DAFT_HAVE_X86
+    for (int i = 0; i < 4; i++) {
+        const float *from[DAFT_VL / 4];
+        for (int k = 0; k < DAFT_VL / 4; k++) from[k] = row[4 * k + i] + at;
+        out[i] = vf_load_fours(from);
+    }
+    vf_transpose4(out);
+#else
+    for (int k = 0; k < 4; k++)
+        for (int i = 0; i < DAFT_VL; i++) out[k][i] = row[i][at + k];
 #endif
 }
 

@@ -1,12 +1,13 @@
 /* Instances of meshes as the camera sees them, DAFT_VL of them at a time: what raster.c does for one, operation for
  * operation in double, so that the bits are the same. */
 #include "accel/bound_lanes.h"
+#include "math/simd_pick.h"
 #include "raster/kernels.h"
 
 /* What is read of instances and meshes, by lane; a mesh that nothing is known of the sides of has `middle` 0. */
 typedef struct group {
     const daft_instance *instances;
-    float frame[12][DAFT_VL]; /* to_frame */
+    vf frame[12]; /* to_frame */
     daft_bounded meshes;
     double middle[3][DAFT_VL];
 } group;
@@ -23,17 +24,15 @@ typedef struct views {
 
 static void read_group(const daft_instance *instances, group *g)
 {
+    const float *frames[DAFT_VL];
     g->instances = instances;
     for (int i = 0; i < DAFT_VL; i++) {
-        const daft_affine *frame = &instances[i].to_frame;
+        frames[i] = (const float *)&instances[i].to_frame;
         const daft_sides *sides = instances[i].bvh->sides;
         const double *middle = sides ? &sides->middle.x : (const double[3]){0};
-        for (int k = 0; k < 9; k++) g->frame[k][i] = frame->m[k];
-        for (int k = 0; k < 3; k++) {
-            g->frame[9 + k][i] = frame->t[k];
-            g->middle[k][i] = middle[k];
-        }
+        for (int k = 0; k < 3; k++) g->middle[k][i] = middle[k];
     }
+    for (int k = 0; k < 12; k += 4) vf_load_rows4(frames, k, g->frame + k);
     daft_bounded_read(instances, &g->meshes);
 }
 
@@ -45,7 +44,7 @@ static void map_group(const daft_pencil *p, const group *g, views *v)
         vd x = vd_set((double)axes[i].x), y = vd_set((double)axes[i].y), z = vd_set((double)axes[i].z);
         for (int j = 0; j < 4; j++) { /* the columns of m, then t */
             int at = j < 3 ? j : 9, step = j < 3 ? 3 : 1;
-            vf a = vf_load(g->frame[at]), b = vf_load(g->frame[at + step]), c = vf_load(g->frame[at + 2 * step]);
+            vf a = g->frame[at], b = g->frame[at + step], c = g->frame[at + 2 * step];
             vd part[2];
             for (int h = 0; h < 2; h++) part[h] = x * vf_half(a, h) + y * vf_half(b, h) + z * vf_half(c, h);
             vf_store(v->map[j < 3 ? 3 * i + j : 9 + i], vf_join(part[0], part[1]));

@@ -1,11 +1,14 @@
 /* The set-up of what a batch's rays meet: DAFT_VL triangles at a time, of any instances. A plane's normal and height are
  * taken in double, so that points on it are as precise as surface_kernel.c promises. */
+#include "math/simd_pick.h"
 #include "render/surface.h"
+
+#include <stddef.h>
 
 /* What is fetched of a group's triangles, lane by lane; lanes without one are not set, and what comes of them is dropped. */
 typedef struct stage {
     float corner[9][DAFT_VL], normal[9][DAFT_VL]; /* object space: x, y, z of corner 0, then of 1 and 2 */
-    float to_frame[12][DAFT_VL], to_object[9][DAFT_VL]; /* where instances differ */
+    const float *maps[DAFT_VL]; /* to_frame, and to_object behind it; of one instance the first alone is set */
     float size[DAFT_VL];
     int32_t word[DAFT_VL];
     vbits triangles, spheres, with_normals, textured;
@@ -48,12 +51,6 @@ static void stage_triangle(const daft_instance *s, uint32_t triangle, int lane, 
         out->normal[3 * k][lane] = n.x, out->normal[3 * k + 1][lane] = n.y, out->normal[3 * k + 2][lane] = n.z;
     }
     out->with_normals |= (vbits)1 << lane;
-}
-
-static void stage_maps(const daft_instance *s, int lane, stage *out)
-{
-    for (int k = 0; k < 9; k++) out->to_frame[k][lane] = s->to_frame.m[k], out->to_object[k][lane] = s->to_object.m[k];
-    for (int k = 0; k < 3; k++) out->to_frame[9 + k][lane] = s->to_frame.t[k];
 }
 
 void DAFT_KERNEL(daft_facets_fetch)(const daft_snapshot *snapshot, const daft_facets *facets, uint32_t first)
@@ -104,12 +101,14 @@ static void stage_alike(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
 static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t first, uint32_t count, stage *out)
 {
     out->triangles = out->spheres = out->with_normals = out->textured = 0, out->one_instance = true;
+    out->maps[0] = (const float *)&snapshot->instances[f->instance[first]].to_frame;
     for (uint32_t i = 1; i < count; i++) out->one_instance &= f->instance[first + i] == f->instance[first];
     const daft_trimesh *mesh = snapshot->instances[f->instance[first]].mesh;
     if (out->one_instance && mesh && !mesh->slots) {
         stage_alike(snapshot, f, first, count, out);
         return;
     }
+    for (uint32_t i = 1; i < DAFT_VL; i++) out->maps[i] = (const float *)&snapshot->instances[f->instance[first + (i < count ? i : 0)]].to_frame;
     for (uint32_t i = 0; i < count; i++) {
         const daft_instance *s = &snapshot->instances[f->instance[first + i]];
         uint32_t triangle = f->triangle[first + i];
@@ -122,7 +121,6 @@ static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
         }
         const float *t = s->to_frame.t;
         stage_triangle(s, triangle, (int)i, out);
-        if (!out->one_instance) stage_maps(s, (int)i, out);
         out->size[i] = fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2]);
         out->word[i] = (int32_t)material;
         if (snapshot->materials[material].texture != DAFT_NO_TEXTURE) out->textured |= (vbits)1 << i;
@@ -138,14 +136,12 @@ typedef struct group {
     vbits smooth;
 } group;
 
-static void move_group(const daft_instance *s, const stage *from, group *g)
+static void move_group(const stage *from, group *g)
 {
-    vf m[12], inverse[9];
-    for (int k = 0; k < 9; k++) {
-        m[k] = from->one_instance ? vf_set(s->to_frame.m[k]) : vf_load(from->to_frame[k]);
-        inverse[k] = from->one_instance ? vf_set(s->to_object.m[k]) : vf_load(from->to_object[k]);
-    }
-    for (int k = 0; k < 3; k++) m[9 + k] = from->one_instance ? vf_set(s->to_frame.t[k]) : vf_load(from->to_frame[9 + k]);
+    _Static_assert(offsetof(daft_instance, to_object) == offsetof(daft_instance, to_frame) + 12 * sizeof(float), "one behind the other");
+    vf m[24], *inverse = m + 12;
+    for (int k = 0; k < 24 && from->one_instance; k++) m[k] = vf_set(from->maps[0][k]);
+    for (int k = 0; k < 24 && !from->one_instance; k += 4) vf_load_rows4(from->maps, k, m + k);
     for (int k = 0; k < 3; k++) { /* as daft_affine_point, daft_affine_transposed and daft_normalize */
         vf3 p = {vf_load(from->corner[3 * k]), vf_load(from->corner[3 * k + 1]), vf_load(from->corner[3 * k + 2])};
         vf3 n = {vf_load(from->normal[3 * k]), vf_load(from->normal[3 * k + 1]), vf_load(from->normal[3 * k + 2])};
@@ -282,7 +278,7 @@ void DAFT_KERNEL(daft_facets_setup)(const daft_snapshot *snapshot, daft_facets *
     group g;
     fetch_group(snapshot, facets, first, count, &from);
     if (!from.triangles) return;
-    move_group(&snapshot->instances[facets->instance[first]], &from, &g);
+    move_group(&from, &g);
     group_planes(&g, rays->direction);
     group_sides(&g, rays->origin, from.with_normals);
     group_limits(&g, rays->origin, rays->unit);
