@@ -162,7 +162,11 @@ static bool is_mesh(const daft_instance *instance) { return instance->mesh && in
 static uint32_t see(daft_raster *raster, uint32_t first, uint32_t end)
 {
     uint32_t lanes = raster->kernels->lanes, meshes = 0;
-    while (meshes < lanes && first + meshes < end && is_mesh(&raster->instances[first + meshes])) meshes++;
+    const daft_instance *instances = &raster->instances[first];
+    for (; meshes < lanes && first + meshes < end && is_mesh(&instances[meshes]); meshes++) {
+        const char *ahead = (const char *)&instances[daft_min_u(meshes + lanes, end - first - 1)];
+        for (size_t line = 0; line < sizeof *instances; line += 64) __builtin_prefetch(ahead + line);
+    }
     if (meshes == lanes) {
         raster->kernels->seen(raster, first);
         return lanes;
