@@ -113,7 +113,8 @@ void stats_print_json(FILE *out, const daft_counters *c, const frame_times *time
                   {"mesh_builds", c->mesh_builds},
                   {"mesh_refits", c->mesh_refits},
                   {"mesh_sides", c->mesh_sides},
-                  {"mesh_insides", c->mesh_insides}};
+                  {"mesh_insides", c->mesh_insides},
+                  {"placings", c->placings}};
     fputs("  },\n  \"counters\": {", out);
     for (size_t i = 0; i < COUNT_OF(counts); i++)
         fprintf(out, "%s\"%s\": %" PRIu64, i ? ", " : "", counts[i].name, counts[i].value);

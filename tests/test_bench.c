@@ -102,7 +102,8 @@ static void list_names_what_there_is(void **unused)
     (void)unused;
     static const char *const names[] = {"cow, close up camera rays, exact",
                                         "1,000 instances of the cow camera rays, fast",
-                                        "100,000 instances of the cow frame, one lamp",
+                                        "100,000 instances of the cow frame, one lamp\n",
+                                        "1,000 instances of the cow frame, one lamp, the camera moves\n",
                                         "10,000 spheres camera rays",
                                         "interior intersection, exact to fast",
                                         "bunny, far frame, one lamp",

@@ -360,6 +360,171 @@ static void only_meshes_that_are_shown_have_normals(void **unused)
     stage_drop(s);
 }
 
+/* ---- what has not moved ---- */
+
+static void what_has_not_moved_stays_in_place(void **unused)
+{
+    (void)unused;
+    stage *s = stage_make(2);
+    daft_material_def def = daft_default_material_def();
+    daft_material plain = daft_material_create(s->scene, &def, NULL);
+    add_floor(s);
+    daft_entity ball = add_ball(s, daft_dv3(0, 1, 0), 1, plain);
+    add_lamp(s, DAFT_LIGHT_POINT, daft_dv3(3, 9, 0), daft_v3(0, -1, 0));
+    for (int i = 0; i < 3; i++) assert_int_equal(draw(s)->placings, 1);
+    daft_ray_hit hit;
+    daft_scene_cast_ray(s->scene, daft_dv3(0, 9, 0), daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, NULL);
+    daft_scene_set_ambient(s->scene, daft_v3(0.5f, 0.5f, 0.5f));
+    s->view.camera = daft_camera_look_at(daft_dv3(-8, 6, 2), daft_dv3(1, 0, 0), 1); /* from where it is */
+    for (int i = 0; i < 3; i++) {
+        daft_scene_begin_tick(s->scene);
+        s->view.alpha = 0.25f * (float)i;
+        assert_int_equal(draw(s)->placings, 1);
+    }
+    daft_transform place;
+    assert_true(daft_entity_get_transform(s->scene, ball, &place, NULL));
+    place.position.x = 2;
+    assert_true(daft_entity_set_transform(s->scene, ball, &place, false, NULL));
+    assert_int_equal(draw(s)->placings, 2);
+    assert_int_equal(draw(s)->placings, 2);
+    s->view.alpha = 0.75f;
+    assert_int_equal(draw(s)->placings, 3); /* it is between two places */
+    daft_scene_begin_tick(s->scene);
+    for (int i = 0; i < 2; i++) assert_int_equal(draw(s)->placings, 4); /* and has arrived */
+    s->view.camera.position.z += 1e-6;
+    assert_int_equal(draw(s)->placings, 5);
+    def.transmission = 1; /* it hides no lamp any more */
+    assert_true(daft_material_set(s->scene, plain, &def, NULL));
+    assert_int_equal(draw(s)->placings, 6);
+    assert_true(daft_entity_set_material(s->scene, ball, plain, NULL));
+    assert_int_equal(draw(s)->placings, 6); /* it had that already */
+    assert_true(daft_entity_destroy(s->scene, ball, NULL));
+    assert_int_equal(draw(s)->placings, 7);
+    stage_drop(s);
+}
+
+/* Everything that a game may change, in two scenes at once. */
+enum { TWINS = 2, THINGS = 24, MATERIALS = 3 };
+typedef struct twins {
+    stage *stage[TWINS];
+    daft_entity thing[TWINS][THINGS], toggled[TWINS];
+    daft_material material[TWINS][MATERIALS];
+    daft_mesh mesh[TWINS];
+} twins;
+
+static daft_dvec3 random_place(void)
+{
+    return daft_dv3(0.01 * random_below(1000) - 5, 0.01 * random_below(300), 0.01 * random_below(1000) - 5);
+}
+
+static daft_material_def random_material(void)
+{
+    daft_material_def def = daft_default_material_def();
+    def.diffuse = daft_v3(0.1f * (float)random_below(10), 0.5f, 0.2f);
+    if (random_below(3) == 0) def.transmission = 0.1f * (float)random_below(11);
+    return def;
+}
+
+static daft_entity_def random_thing(void)
+{
+    daft_entity_def def = daft_default_entity_def();
+    uint32_t kind = random_below(3);
+    def.shape = kind == 0 ? DAFT_SHAPE_SPHERE : kind == 1 ? DAFT_SHAPE_BOX : DAFT_SHAPE_MESH;
+    def.radius = 0.3f, def.position = random_place();
+    return def;
+}
+
+static void twins_make(twins *t)
+{
+    for (int i = 0; i < TWINS; i++) {
+        stage *s = t->stage[i] = stage_make(2);
+        add_lamp(s, DAFT_LIGHT_POINT, daft_dv3(3, 9, 0), daft_v3(0, -1, 0));
+        add_floor(s);
+        t->toggled[i] = add_ball(s, daft_dv3(0, 3, 0), 0.2f, (daft_material){0});
+        t->mesh[i] = make_tetrahedron(s);
+        for (int k = 0; k < THINGS; k++) t->thing[i][k] = (daft_entity){0};
+    }
+    for (int k = 0; k < MATERIALS; k++) {
+        daft_material_def def = random_material();
+        for (int i = 0; i < TWINS; i++) t->material[i][k] = daft_material_create(t->stage[i]->scene, &def, NULL);
+    }
+}
+
+static void renew(twins *t, uint32_t k, uint32_t material, const daft_entity_def *made)
+{
+    for (int i = 0; i < TWINS; i++) {
+        daft_entity_def def = *made;
+        if (t->thing[i][k].id) assert_true(daft_entity_destroy(t->stage[i]->scene, t->thing[i][k], NULL));
+        if (def.shape == DAFT_SHAPE_MESH) def.mesh = t->mesh[i];
+        def.material = t->material[i][material];
+        t->thing[i][k] = add(t->stage[i], &def);
+    }
+}
+
+static void change_thing(twins *t, uint32_t k, uint32_t what)
+{
+    const daft_entity_def def = random_thing();
+    uint32_t material = random_below(MATERIALS), visible = random_below(2), teleport = random_below(2);
+    if (!t->thing[0][k].id || what == 0) {
+        renew(t, k, material, &def);
+        return;
+    }
+    for (int i = 0; i < TWINS; i++) {
+        daft_scene *scene = t->stage[i]->scene;
+        daft_transform place;
+        assert_true(daft_entity_get_transform(scene, t->thing[i][k], &place, NULL));
+        place.position = def.position;
+        if (what == 1) assert_true(daft_entity_set_transform(scene, t->thing[i][k], &place, teleport, NULL));
+        if (what == 2) assert_true(daft_entity_set_visible(scene, t->thing[i][k], visible, NULL));
+        if (what == 3) assert_true(daft_entity_set_material(scene, t->thing[i][k], t->material[i][material], NULL));
+    }
+}
+
+static void change_scene(twins *t, uint32_t what)
+{
+    const daft_dvec3 from = random_place();
+    const daft_material_def def = random_material();
+    const float up = 0.1f * (float)random_below(10);
+    const daft_vec3 corners[4] = {{1, 1 + up, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}};
+    uint32_t material = random_below(MATERIALS);
+    for (int i = 0; i < TWINS; i++) {
+        stage *s = t->stage[i];
+        daft_ray_hit hit;
+        if (what == 0) s->view.camera = daft_camera_look_at(daft_dv3(from.x - 8, from.y + 3, from.z), daft_dv3(0, 0, 0), 1.2f);
+        if (what == 1) s->view.alpha = up;
+        if (what == 2) daft_scene_begin_tick(s->scene);
+        if (what == 3) daft_scene_cast_ray(s->scene, from, daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, NULL);
+        if (what == 4) assert_true(daft_material_set(s->scene, t->material[i][material], &def, NULL));
+        if (what == 5) assert_true(daft_mesh_set_positions(s->scene, t->mesh[i], corners, NULL, 4, NULL));
+        if (what == 6) s->view.intersection = material ? DAFT_INTERSECT_FAST : DAFT_INTERSECT_EXACT;
+    }
+}
+
+/* Pictures are those of a scene of which everything is put into place each time. */
+static void what_stays_in_place_looks_the_same(void **unused)
+{
+    (void)unused;
+    twins t;
+    uint64_t kept = 0;
+    random_state = 20261122;
+    twins_make(&t);
+    for (int step = 0; step < 300; step++) {
+        uint32_t what = random_below(12);
+        if (what < 4)
+            change_thing(&t, random_below(THINGS), what);
+        else if (what < 11)
+            change_scene(&t, what - 4);
+        daft_scene *other = t.stage[1]->scene; /* a change that changes nothing */
+        assert_true(daft_entity_set_visible(other, t.toggled[1], false, NULL) && daft_entity_set_visible(other, t.toggled[1], true, NULL));
+        for (int i = 0; i < TWINS; i++) draw(t.stage[i]);
+        assert_memory_equal(daft_image_pixels(t.stage[0]->image), daft_image_pixels(t.stage[1]->image), 4 * PIXELS);
+        assert_memory_equal(t.stage[0]->depth, t.stage[1]->depth, sizeof t.stage[0]->depth);
+        kept = daft_scene_counters(other)->placings - daft_scene_counters(t.stage[0]->scene)->placings;
+    }
+    assert_true(kept > 60 && kept < 240);
+    for (int i = 0; i < TWINS; i++) stage_drop(t.stage[i]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -371,6 +536,8 @@ int main(void)
         cmocka_unit_test(only_the_meshes_of_crowds_are_searched_for_sides),
         cmocka_unit_test(only_meshes_under_lamps_are_searched_inside),
         cmocka_unit_test(only_meshes_that_are_shown_have_normals),
+        cmocka_unit_test(what_has_not_moved_stays_in_place),
+        cmocka_unit_test(what_stays_in_place_looks_the_same),
     };
     return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);
 }

@@ -104,15 +104,18 @@ static bool prepare_refractions(daft_frame *frame, daft_error *error)
     return true;
 }
 
-/* The tree over instances, once a frame, where what is seen asks for rays; without a lamp's shadows that is not known before. */
+/* The tree over instances, where what is seen asks for rays; without a lamp's shadows that is not known before. It is
+ * there already in a frame's second sample, and where neither a thing nor the camera has moved since the last frame. */
 static bool prepare_tree(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
     const daft_snapshot *s = frame->snapshot;
     bool asked = frame->plan.shadows || frame->plan.reflects || frame->plan.refracts || s->reference;
-    if (frame->tlas || !asked) return true;
+    if (!asked) return true;
     const daft_tlas_def def = {s->intersection, r->threads, r->isa};
-    frame->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, &def, error);
+    if (!r->tlas) r->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, &def, error);
+    if (!r->tlas) r->placing = 0; /* half of one is forgotten, too */
+    frame->tlas = r->tlas;
     return frame->tlas != NULL;
 }
 
@@ -144,11 +147,18 @@ static bool prepare_tints(daft_renderer *r, daft_error *error)
     return true;
 }
 
+static void forget_tree(daft_renderer *r, const daft_snapshot *s)
+{
+    if (s->placing && s->placing == r->placing && s->intersection == r->intersection) return;
+    daft_arena_reset(&r->arena);
+    r->tlas = NULL, r->placing = s->placing, r->intersection = s->intersection;
+}
+
 static bool prepare(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
     const daft_snapshot *s = frame->snapshot;
-    daft_arena_reset(&r->arena);
+    forget_tree(r, s);
     for (int i = 0; i < r->threads; i++) {
         daft_scratch *scratch = &r->scratch[i];
         memset(scratch->ticks, 0, sizeof scratch->ticks);
@@ -212,11 +222,11 @@ static void counters_begin(daft_counters *c, const daft_snapshot *s, const daft_
 {
     const char *isa = c->isa;
     uint64_t queries = c->query_rays, builds = c->mesh_builds, refits = c->mesh_refits, sides = c->mesh_sides,
-             insides = c->mesh_insides;
+             insides = c->mesh_insides, placings = c->placings;
     memset(c, 0, sizeof *c);
     c->width = s->width, c->height = s->height, c->threads = r->threads;
     c->isa = isa, c->query_rays = queries, c->mesh_builds = builds, c->mesh_refits = refits, c->mesh_sides = sides;
-    c->mesh_insides = insides;
+    c->mesh_insides = insides, c->placings = placings;
 }
 
 bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, const daft_frame_target *target,

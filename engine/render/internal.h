@@ -59,7 +59,10 @@ struct daft_renderer {
     const daft_shade_kernels *shade;
     const daft_render_kernels *kernels;
     daft_raster raster;
-    daft_arena arena;
+    daft_arena arena; /* the tree over instances, kept as long as these are the same: */
+    const daft_tlas *tlas;
+    uint64_t placing;
+    daft_intersection intersection;
     daft_scratch *scratch; /* one for each worker */
     daft_lanes3 *passed;   /* the workers' */
     size_t passed_capacity;

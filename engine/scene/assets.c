@@ -244,7 +244,7 @@ enum { CROWD = 64, TRIANGLES_A_THING = 256 };
 
 static void find_sides(daft_scene *scene, daft_mesh_item *item)
 {
-    if (item->sides_settled || item->shown_pass != scene->pass || item->shown < CROWD) return;
+    if (item->sides_settled || item->shown_pass != scene->placed.pass || item->shown < CROWD) return;
     if (item->shown < item->mesh.triangle_count / TRIANGLES_A_THING) return;
     item->sides_settled = true;
     daft_bvh_find_sides(item->bvh, &item->mesh, scene->engine->threads);
@@ -264,7 +264,7 @@ enum { LIT_OFTEN = 16, SOME_TRIANGLES = 256 };
 
 static void find_inner(daft_scene *scene, daft_mesh_item *item)
 {
-    if (item->inner_settled || item->shown_pass != scene->pass || item->mesh.triangle_count < SOME_TRIANGLES) return;
+    if (item->inner_settled || item->shown_pass != scene->placed.pass || item->mesh.triangle_count < SOME_TRIANGLES) return;
     item->lit += daft_min_u(item->shown, LIT_OFTEN);
     if (item->lit < LIT_OFTEN) return;
     item->inner_settled = true;
@@ -278,7 +278,7 @@ enum { THINGS_A_TRIANGLE = 4 };
 
 static void find_open(daft_scene *scene, daft_mesh_item *item)
 {
-    if (item->open_settled || item->shown_pass != scene->pass || item->shown < CROWD || item->mesh.triangle_count < SOME_TRIANGLES) return;
+    if (item->open_settled || item->shown_pass != scene->placed.pass || item->shown < CROWD || item->mesh.triangle_count < SOME_TRIANGLES) return;
     item->open_settled = !daft_bvh_find_open(item->bvh, &item->mesh, item->shown / THINGS_A_TRIANGLE, scene->engine->threads);
 }
 
@@ -294,7 +294,7 @@ bool daft_assets_smooth(daft_scene *scene, daft_error *error)
 {
     for (uint32_t i = 0; i < scene->assets.mesh_count; i++) {
         daft_mesh_item *item = scene->assets.meshes[i];
-        if (item->mesh.normals || item->shown_pass != scene->pass) continue;
+        if (item->mesh.normals || item->shown_pass != scene->placed.pass) continue;
         if (!daft_obj_smooth(scene->allocator, &item->mesh, item->groups, error)) return false;
         daft_release(scene->allocator, item->groups);
         item->groups = NULL;

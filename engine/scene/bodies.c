@@ -311,7 +311,7 @@ static void pull_pose(daft_scene *scene, daft_entity_item *item, bool teleport)
     daft_world_get(scene->world, item->body, &state);
     if (same_pose(&item->now, &state)) return;
     if (item->moved_tick != scene->tick) item->before = item->now;
-    item->moved_tick = scene->tick;
+    item->moved_tick = scene->moved_tick = scene->tick;
     item->now.position = state.position;
     item->now.rotation = state.rotation;
     if (teleport) item->before = item->now;

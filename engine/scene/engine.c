@@ -138,7 +138,9 @@ daft_scene *daft_scene_create(daft_engine *engine, daft_error *error)
     scene->ambient = daft_v3(0.2f, 0.2f, 0.2f);
     scene->camera = scene->camera_before = daft_default_camera();
     scene->gravity = daft_v3(0, -9.81f, 0);
+    scene->moved_tick = UINT64_MAX;
     daft_arena_init(&scene->frame, scene->allocator);
+    daft_arena_init(&scene->placed.arena, scene->allocator);
     daft_arena_init(&scene->query.arena, scene->allocator);
     scene->counters.threads = engine->threads;
     scene->counters.isa = daft_isa_name(engine->isa);
@@ -169,6 +171,7 @@ void daft_scene_destroy(daft_scene *scene)
     daft_release(allocator, scene->cameras);
     daft_release(allocator, scene->moving);
     daft_arena_free(&scene->frame);
+    daft_arena_free(&scene->placed.arena);
     daft_arena_free(&scene->query.arena);
     scene->engine->scenes--;
     daft_release(allocator, scene);

@@ -270,7 +270,7 @@ bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft
         (item->body && !daft_body_check_position(transform->position, error)))
         return false;
     if (item->moved_tick != scene->tick) item->before = item->now;
-    item->moved_tick = scene->tick;
+    item->moved_tick = scene->moved_tick = scene->tick;
     item->now = *transform;
     item->now.rotation = unit(transform->rotation);
     if (teleport) item->before = item->now;
@@ -284,6 +284,7 @@ bool daft_entity_set_material(daft_scene *scene, daft_entity entity, daft_materi
     daft_error_clear(error);
     daft_entity_item *item = daft_entity_find(scene, entity, error);
     if (!item || (material.id != 0 && !daft_material_check(scene, material, error))) return false;
+    scene->looks += item->def.material.id != material.id;
     item->def.material = material;
     return true;
 }

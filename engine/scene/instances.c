@@ -83,6 +83,7 @@ typedef struct maker {
     daft_scene *scene;
     daft_dvec3 origin;
     float alpha;
+    bool counted;
     daft_arena *arena;
     const daft_accel_kernels *kernels;
     /* Of the materials, in order: things of one slot share them, since a line of a cache for each would be missed wherever many
@@ -151,7 +152,7 @@ static bool list_entity(maker *m, uint32_t index)
     if (!scene->entity_slots.items[index].live || item->def.shape == DAFT_SHAPE_NONE || !item->def.visible) return true;
     if (item->parent != DAFT_NONE && !daft_entity_world(scene, index, m->alpha)->shown) return true;
     daft_mesh_item *shape = shape_of(scene, item);
-    if (shape) count_shown(scene, shape);
+    if (shape && m->counted) count_shown(scene, shape);
     m->entities[m->count++] = index;
     return !repeats(item, shape) || repeat_material(m, item->def.material.id - 1);
 }
@@ -246,10 +247,10 @@ static uint32_t sift(maker *m)
     return kept;
 }
 
-bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
+bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, bool counted, daft_arena *arena,
                              daft_instance **instances, uint32_t *count, daft_error *error)
 {
-    maker m = {.scene = scene, .origin = origin, .alpha = alpha, .arena = arena};
+    maker m = {.scene = scene, .origin = origin, .alpha = alpha, .counted = counted, .arena = arena};
     *count = 0;
     if (!begin(&m)) return daft_fail_memory(error, "a snapshot's instances");
     scene->pass++;
@@ -261,5 +262,34 @@ bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, 
     daft_parallel_for(m.count < FEW ? 1 : scene->engine->threads, (m.count + TASK - 1) / TASK, place_task, &m);
     *instances = m.instances;
     *count = sift(&m);
+    return true;
+}
+
+/* ---- from frame to frame ---- */
+
+/* Whether the last frame's instances are what this one would see. Where nothing is between two ticks' poses, neither the tick nor alpha
+ * matters. */
+static bool still_valid(const daft_scene *scene, daft_dvec3 origin, float alpha)
+{
+    const daft_placed *p = &scene->placed;
+    bool still = p->still && scene->moved_tick != scene->tick;
+    return p->valid && p->revision == scene->revision && p->looks == scene->looks && p->origin.x == origin.x && p->origin.y == origin.y &&
+           p->origin.z == origin.z && (still || (p->tick == scene->tick && p->alpha == alpha));
+}
+
+bool daft_place_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_error *error)
+{
+    daft_placed *p = &scene->placed;
+    daft_instance *instances;
+    if (still_valid(scene, origin, alpha)) return true;
+    p->valid = false;
+    daft_arena_reset(&p->arena);
+    if (!daft_snapshot_instances(scene, origin, alpha, true, &p->arena, &instances, &p->count, error)) return false;
+    p->instances = instances;
+    p->revision = scene->revision, p->looks = scene->looks, p->tick = scene->tick, p->alpha = alpha, p->origin = origin;
+    p->still = scene->moved_tick != scene->tick;
+    p->number = ++scene->engine->placings, p->pass = scene->pass;
+    p->valid = true;
+    scene->counters.placings++;
     return true;
 }

@@ -110,6 +110,7 @@ bool daft_material_set(daft_scene *scene, daft_material material, const daft_mat
         return false;
     scene->assets.materials[material.id - 1] = *def;
     scene->assets.surfaces[material.id - 1] = surface_from(def);
+    scene->looks++;
     return true;
 }
 

@@ -25,6 +25,7 @@ struct daft_engine {
     daft_accel accel;
     int scenes;              /* alive */
     daft_renderer *renderer; /* made by the first daft_render */
+    uint64_t placings;       /* of all scenes' instances: no two have the same number */
 };
 
 /* An affine map in double, for composing; rounded to daft_affine once, relative to a frame's origin. */
@@ -130,6 +131,19 @@ typedef struct daft_query_cache {
     const daft_tlas *tlas;
 } daft_query_cache;
 
+/* The instances of the last frame, kept until something moves or looks different, or the camera moves on. */
+typedef struct daft_placed {
+    daft_arena arena;
+    bool valid;
+    uint64_t revision, looks, tick; /* the scene's */
+    bool still;                     /* nothing was between two ticks' poses; else it was drawn at: */
+    float alpha;
+    daft_dvec3 origin;
+    const daft_instance *instances;
+    uint32_t count;
+    uint64_t number, pass; /* the engine's placing; the pass that counted what is shown */
+} daft_placed;
+
 typedef struct daft_character_item {
     daft_sim_character now;
     daft_sim_walk_wish wish;
@@ -145,7 +159,9 @@ struct daft_scene {
     daft_entity_item *entities;
     size_t entity_capacity;
     uint64_t tick;     /* counts begin_tick */
+    uint64_t moved_tick; /* the last in which an entity moved from one pose to another; none: UINT64_MAX */
     uint64_t revision; /* counts changes of what a ray could hit */
+    uint64_t looks;    /* counts changes of materials, and of which entity has which */
     uint64_t pass;     /* counts walks over all world transforms */
 
     daft_slots light_slots;
@@ -175,7 +191,8 @@ struct daft_scene {
     size_t moving_capacity;
     uint32_t moving_count;
 
-    daft_arena frame; /* one picture's snapshot */
+    daft_arena frame; /* one picture's lamps */
+    daft_placed placed;
     daft_query_cache query;
     daft_counters counters;
 };
@@ -283,9 +300,11 @@ void daft_camera_axes(const daft_camera *camera, daft_vec3 *right, daft_vec3 *up
 
 /* ---- snapshot.c, instances.c ---- */
 
-/* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena. */
-bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
+/* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena. `counted`: they count as shown. */
+bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, bool counted, daft_arena *arena,
                              daft_instance **instances, uint32_t *count, daft_error *error);
+/* Sees to it that scene->placed is what a frame around `origin` sees. */
+bool daft_place_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_error *error);
 /* Whether a point of the frame is one that kernels can work with. */
 bool daft_fits_kernels(daft_vec3 point);
 /* Finds the sides (accel/sides.h) of meshes that many things of the last snapshot show. */

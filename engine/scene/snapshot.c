@@ -68,11 +68,8 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
     };
     daft_camera_axes(&view->camera, &out->right, &out->up, &out->forward);
     daft_arena_reset(&scene->frame);
-    daft_instance *instances;
-    if (!daft_snapshot_instances(scene, view->camera.position, view->alpha, &scene->frame, &instances,
-                                 &out->instance_count, error))
-        return false;
-    out->instances = instances;
+    if (!daft_place_instances(scene, view->camera.position, view->alpha, error)) return false;
+    out->instances = scene->placed.instances, out->instance_count = scene->placed.count, out->placing = scene->placed.number;
     daft_assets_find_sides(scene);
     if (!daft_assets_smooth(scene, error) || !fill_lamps(scene, view->camera.position, out, error)) return false;
     if (preset->shadows && some_casts(out)) daft_assets_find_inner(scene);

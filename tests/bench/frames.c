@@ -18,6 +18,7 @@ struct bench_frame {
     const bench_embree_api *api; /* NULL: there is no peer */
     bench_embree *embree;
     uint8_t *peer_pixels;
+    bool aside; /* the camera has moved */
 };
 
 /* ---- filling a scene ---- */
@@ -131,6 +132,15 @@ static double frame_ours(void *context)
     return bench_frame_ms(context);
 }
 
+/* A millimetre to and fro: for each frame all things are put into place anew, and the tree over them is made. */
+static double frame_moved(void *context)
+{
+    bench_frame *frame = context;
+    frame->aside = !frame->aside;
+    frame->view.camera.position.x += frame->aside ? 1e-3 : -1e-3;
+    return bench_frame_ms(context);
+}
+
 static double frame_peer(void *context)
 {
     bench_frame *frame = context;
@@ -196,7 +206,15 @@ static void measure_against_raylib(bench *self, const bench_scene *scene, int th
     bench_frame_destroy(frame);
 }
 
-static void measure_frame(bench *self, const bench_scene *scene, int threads)
+static const char STILL[] = "frame, one lamp", MOVED[] = "frame, one lamp, the camera moves";
+
+/* Where things are many, what is kept from frame to frame is told apart. */
+static bool wants_moved(bench *self, const char *scene)
+{
+    return strstr(scene, "instances") && bench_wants(self, scene, MOVED);
+}
+
+static void measure_frame(bench *self, const bench_scene *scene, int threads, bool still, bool moved)
 {
     bench_frame *frame = bench_frame_create(self, scene, threads, 1);
     if (!frame) return;
@@ -204,7 +222,7 @@ static void measure_frame(bench *self, const bench_scene *scene, int threads)
     frame->peer_pixels = daft_alloc_zero(&self->allocator, (size_t)(BENCH_WIDTH * BENCH_HEIGHT), 4);
     if (frame->api && frame->peer_pixels) frame->embree = frame->api->create_scene(scene, threads);
     bench_subject subject = {.scene = scene->name,
-                             .what = "frame, one lamp",
+                             .what = STILL,
                              .unit = "ms",
                              .isa = self->isa,
                              .threads = threads,
@@ -214,7 +232,9 @@ static void measure_frame(bench *self, const bench_scene *scene, int threads)
                              .peer_name = frame->api ? frame->api->name : "Embree",
                              .describe = frame_describe,
                              .budget = {2.5, 4, false}};
-    bench_measure(self, &subject);
+    if (still) bench_measure(self, &subject);
+    subject.what = MOVED, subject.ours = frame_moved;
+    if (moved) bench_measure(self, &subject);
     if (frame->api) frame->api->destroy(frame->embree);
     bench_frame_destroy(frame);
 }
@@ -370,12 +390,12 @@ void bench_frames(bench *self)
     int threads[2], count = bench_thread_counts(self, threads);
     for (size_t i = 0; i < bench_scene_count(); i++) {
         const char *name = bench_scene_name(i);
-        bool frames = bench_wants(self, name, "frame, one lamp"), unseen = wants_unseen(self, name), mirror = wants_mirror(self, name);
+        bool still = bench_wants(self, name, STILL), moved = wants_moved(self, name), unseen = wants_unseen(self, name), mirror = wants_mirror(self, name);
         bool raylib = raylib_ms(name) > 0 && bench_wants(self, name, AGAINST_RAYLIB);
         bench_scene scene;
-        if (!(frames || raylib || unseen || mirror) || !bench_scene_make(self, i, &scene)) continue;
+        if (!(still || moved || raylib || unseen || mirror) || !bench_scene_make(self, i, &scene)) continue;
         for (int t = 0; t < count; t++) {
-            if (frames) measure_frame(self, &scene, threads[t]);
+            if (still || moved) measure_frame(self, &scene, threads[t], still, moved);
             if (raylib) measure_against_raylib(self, &scene, threads[t]);
             if (unseen) measure_unseen(self, &scene, threads[t]);
             if (mirror) measure_mirror(self, &scene, threads[t]);
