@@ -69,22 +69,31 @@ static bool solved_now(const daft_sim_solver *s, uint32_t row) { return row >= s
 
 /* ---- colours ---- */
 
-/* The lowest colour free at both rows, and takes it. Row 0 and movers are always free. */
-static uint32_t take_colour(daft_sim_solver *s, uint32_t row_a, uint32_t row_b, uint32_t class)
+/* The masks and levels of bodies, by their indices; in the place before them, always free, stands all that does not yield. */
+static size_t place_of_body(uint32_t body) { return (size_t)body + 1; }
+
+static void clear_colours(daft_sim_solver *s, size_t place)
+{
+    s->masks[place] = 0;
+    for (size_t class = 0; class < CLASSES; class++) s->levels[place * CLASSES + class] = 0;
+}
+
+/* The lowest colour free at both places, and takes it. */
+static uint32_t take_colour(daft_sim_solver *s, size_t a, size_t b, uint32_t class)
 {
     uint32_t shift = class * MASKED;
-    uint64_t taken = (s->masks[row_a] | s->masks[row_b]) >> shift & UINT32_MAX, bit;
+    uint64_t taken = (s->masks[a] | s->masks[b]) >> shift & UINT32_MAX;
     if (taken != UINT32_MAX) {
         uint32_t colour = (uint32_t)__builtin_ctzll(~taken);
-        bit = (uint64_t)1 << (colour + shift);
-        if (row_a > s->mover_count) s->masks[row_a] |= bit;
-        if (row_b > s->mover_count) s->masks[row_b] |= bit;
+        uint64_t bit = (uint64_t)1 << (colour + shift);
+        s->masks[a] |= bit, s->masks[b] |= bit;
+        s->masks[0] = 0;
         return colour;
     }
-    uint32_t *a = &s->levels[row_a * CLASSES + class], *b = &s->levels[row_b * CLASSES + class];
-    uint32_t level = *a > *b ? *a : *b;
-    if (row_a > s->mover_count) *a = level + 1;
-    if (row_b > s->mover_count) *b = level + 1;
+    uint32_t *level_a = &s->levels[a * CLASSES + class], *level_b = &s->levels[b * CLASSES + class];
+    uint32_t level = *level_a > *level_b ? *level_a : *level_b;
+    *level_a = *level_b = level + 1;
+    s->levels[class] = 0;
     return MASKED + level;
 }
 
@@ -95,30 +104,6 @@ static uint8_t place_of(const daft_sim_solver *s, uint32_t row_a, uint32_t point
 {
     bool second = row_a - s->row_first >= (s->row_end - s->row_first) / 2;
     return (uint8_t)(second ? SIZES + points - 1 : SIZES - points);
-}
-
-/* Where those of a kind are counted. */
-static size_t kind_of(const daft_sim_constraint *c)
-{
-    uint32_t group = c->colour & 1 ? 1 + (c->row_b == 0) : 0;
-    return (size_t)(c->colour >> 1) * KINDS + (2 * group + c->firm) * PLACES + c->place;
-}
-
-static bool count_colour(daft_world *world, const daft_sim_constraint *c, uint32_t most[CLASSES])
-{
-    daft_sim_solver *s = world->solver;
-    uint32_t colour = c->colour >> 1, class = c->colour & 1;
-    size_t used = (size_t)(most[0] > most[1] ? most[0] : most[1]) * KINDS;
-    if (colour >= most[class]) {
-        size_t wanted = ((size_t)colour + 1) * KINDS;
-        if (!daft_grow(&world->allocator, &s->colour_counts, &s->colour_count_capacity, wanted, used,
-                       sizeof *s->colour_counts))
-            return false;
-        for (size_t i = used; i < wanted; i++) s->colour_counts[i] = 0;
-        most[class] = colour + 1;
-    }
-    s->colour_counts[kind_of(c)]++;
-    return true;
 }
 
 /* Whether a touch that met is solved, as it yields somewhere: a does. */
@@ -132,13 +117,14 @@ static bool reserve(daft_world *world, size_t rows)
 {
     daft_sim_solver *s = world->solver;
     const daft_allocator *a = &world->allocator;
-    size_t bodies = world->body_count, known = s->row_of_capacity;
+    size_t bodies = world->body_count, known = s->row_of_capacity, patches = 0;
+    for (size_t i = 0; i < world->met.count; i++) patches += world->met.items[i].patches;
     if (!reserve_rows(world, rows) || !daft_grow(a, &s->row_of, &s->row_of_capacity, bodies, known, sizeof *s->row_of))
         return false;
     memset(s->row_of + known, 0, (s->row_of_capacity - known) * sizeof *s->row_of);
     return daft_grow(a, &s->row_bodies, &s->row_body_capacity, rows, s->row_count, sizeof *s->row_bodies) &&
            daft_grow(a, &s->heap_of, &s->heap_of_capacity, bodies, 0, sizeof *s->heap_of) &&
-           daft_grow(a, &s->masks, &s->mask_capacity, rows, 0, sizeof *s->masks) &&
+           daft_grow(a, &s->masks, &s->mask_capacity, bodies + 1, 0, sizeof *s->masks) &&
            daft_grow(a, &s->constrained, &s->constrained_capacity, rows, 0, sizeof *s->constrained) &&
            daft_grow(a, &s->parting, &s->parting_capacity, rows, 0, sizeof *s->parting) &&
            daft_grow(a, &s->marks, &s->mark_capacity, rows, 0, sizeof *s->marks) &&
@@ -147,7 +133,8 @@ static bool reserve(daft_world *world, size_t rows)
            daft_grow(a, &s->asked, &s->asked_capacity, rows, 0, sizeof *s->asked) &&
            daft_grow(a, &s->targets, &s->target_capacity, rows, 0, sizeof *s->targets) &&
            daft_grow(a, &s->spins, &s->spin_capacity, rows / DAFT_SIM_LANES + 1, 0, sizeof *s->spins) &&
-           daft_grow(a, &s->levels, &s->level_capacity, rows * CLASSES, 0, sizeof *s->levels);
+           daft_grow(a, &s->levels, &s->level_capacity, (bodies + 1) * CLASSES, 0, sizeof *s->levels) &&
+           daft_grow(a, &s->contacts, &s->contact_capacity, patches, 0, sizeof *s->contacts);
 }
 
 /* Springs push each pair of a spot full of bodies apart, and those on the outside would get the sum of all their speeds.
@@ -170,23 +157,47 @@ static void part(daft_world *world, uint32_t row, uint32_t other)
     s->parting[row].swing = daft_sim_max(s->parting[row].swing, most.swing);
 }
 
-/* What contacts say of rows, of heaps of every pace, and room for their constraints. */
-static bool survey_contacts(daft_world *world)
+/* What contacts say of rows. */
+static void tell_rows(daft_world *world)
 {
     daft_sim_solver *s = world->solver;
-    size_t patches = 0;
-    s->contact_rows = 0;
+    s->constrained[0] = 0;
+    for (uint32_t row = 1; row < s->row_count; row++) {
+        uint32_t body = s->row_bodies[row];
+        s->row_of[body] = row;
+        s->constrained[row] = yields(world, row) && s->masks[place_of_body(body)] != 0 ? DAFT_SIM_TOUCHES : 0;
+    }
+    memset(s->parting, 0, s->row_count * sizeof *s->parting);
+    for (size_t i = 0; s->parts && i < world->met.count; i++) {
+        const daft_sim_met *met = &world->met.items[i];
+        if (!(met->flags & DAFT_SIM_MET_PARTS) || !is_solved(world, met)) continue;
+        uint32_t a = s->row_of[met->body_a], b = s->row_of[met->body_b];
+        part(world, a, b), part(world, b, a);
+    }
+}
+
+/* Heaps share no body, so the colours that contacts take are those of their own heaps, whichever pace these are of. */
+void daft_sim_contacts_colour(daft_world *world)
+{
+    daft_sim_solver *s = world->solver;
+    s->contact_count = s->contact_rows = 0;
+    s->contact_colours[0] = s->contact_colours[1] = 0;
+    s->parts = false;
     for (size_t i = 0; i < world->met.count; i++) {
         const daft_sim_met *met = &world->met.items[i];
         if (!is_solved(world, met)) continue;
-        uint32_t a = s->row_of[met->body_a], b = s->row_of[met->body_b];
-        s->constrained[a] |= DAFT_SIM_TOUCHES;
-        if (yields(world, b)) s->constrained[b] |= DAFT_SIM_TOUCHES;
-        if (met->flags & DAFT_SIM_MET_PARTS) part(world, a, b), part(world, b, a);
-        patches += met->patches;
+        bool both = yields(world, s->row_of[met->body_b]), firm = met->flags & DAFT_SIM_MET_FIRM;
+        size_t a = place_of_body(met->body_a), b = both ? place_of_body(met->body_b) : 0;
+        uint32_t class = !both, points = (met->points + met->patches - 1u) / met->patches; /* where there are several: about */
         s->contact_rows += 3u * met->patches + met->points;
+        s->parts |= (met->flags & DAFT_SIM_MET_PARTS) != 0;
+        for (uint32_t k = 0; k < met->patches; k++) {
+            uint32_t colour = take_colour(s, a, b, class);
+            if (colour >= s->contact_colours[class]) s->contact_colours[class] = colour + 1;
+            s->contacts[s->contact_count++] =
+                (daft_sim_coloured){met->touch, k, met->body_a, met->body_b, colour << 1 | class, (uint8_t)points, firm, false, 0};
+        }
     }
-    return daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, patches, 0, sizeof *s->constraints);
 }
 
 bool daft_sim_rows_assign(daft_world *world, float dt)
@@ -200,53 +211,89 @@ bool daft_sim_rows_assign(daft_world *world, float dt)
     s->row_bodies[0] = DAFT_SIM_NONE;
     for (size_t i = 0; i < world->movers.count; i++) s->row_bodies[row++] = world->movers.items[i];
     s->mover_count = (uint32_t)world->movers.count;
-    for (size_t i = 0; i < world->awake.count; i++) s->row_of[world->awake.items[i]] = row; /* any, but 0 */
-    order_rows(world, daft_sim_finer_paces(world, dt));
-    for (uint32_t r = 1; r < s->row_count; r++) s->row_of[s->row_bodies[r]] = r;
-    memset(s->asked, 0, s->row_count * sizeof *s->asked);
-    memset(s->parting, 0, s->row_count * sizeof *s->parting);
-    memset(s->constrained, 0, s->row_count * sizeof *s->constrained);
-    return survey_contacts(world);
-}
-
-static bool take_contact_colours(daft_world *world, uint32_t most[CLASSES])
-{
-    daft_sim_solver *s = world->solver;
-    s->constraint_count = 0;
-    for (size_t i = 0; i < world->met.count; i++) {
-        const daft_sim_met *met = &world->met.items[i];
-        if (!is_solved(world, met) || !solved_now(s, s->row_of[met->body_a])) continue;
-        uint32_t a = s->row_of[met->body_a], b = s->row_of[met->body_b], class = !yields(world, b);
-        bool firm = daft_sim_finer_is_firm(world, met);
-        uint32_t points = (met->points + met->patches - 1u) / met->patches; /* where there are several: about */
-        uint8_t place = place_of(s, a, points);
-        for (uint32_t k = 0; k < met->patches; k++) {
-            uint32_t colour = take_colour(s, a, b, class);
-            daft_sim_constraint c = {met->touch, k, a, b, colour << 1 | class, firm, place};
-            if (!count_colour(world, &c, most)) return false;
-            s->constraints[s->constraint_count++] = c;
-        }
+    for (size_t i = 0; i < world->awake.count; i++) {
+        s->row_of[world->awake.items[i]] = row; /* any, but 0 */
+        clear_colours(s, place_of_body(world->awake.items[i]));
     }
+    clear_colours(s, 0);
+    order_rows(world, daft_sim_finer_paces(world, dt));
+    tell_rows(world);
+    memset(s->asked, 0, s->row_count * sizeof *s->asked);
     return true;
 }
 
+/* Contacts are counted, and put in their places, in so many ranges at most, side by side. */
+enum { RANGES = 8, RANGE = 512 };
+
+typedef struct placing {
+    daft_world *world;
+    size_t range, kinds; /* contacts in each range; kinds of them */
+    uint32_t ranges;
+} placing;
+
+/* Where those of a kind are counted. */
+static uint32_t kind_of(const daft_sim_solver *s, const daft_sim_coloured *c, uint32_t row_a, uint32_t row_b)
+{
+    uint32_t group = c->colour & 1 ? 1 + (row_b == 0) : 0;
+    return (c->colour >> 1) * KINDS + (2 * group + c->firm) * PLACES + place_of(s, row_a, c->points);
+}
+
+/* Of each range and kind, how many contacts of the heaps that are being solved. */
+static void count_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    const placing *p = context;
+    daft_sim_solver *s = p->world->solver;
+    uint32_t *counts = &s->colour_counts[index * p->kinds];
+    size_t first = index * p->range, end = first + p->range;
+    if (end > s->contact_count) end = s->contact_count;
+    memset(counts, 0, p->kinds * sizeof *counts);
+    for (size_t i = first; i < end; i++) {
+        daft_sim_coloured *c = &s->contacts[i];
+        uint32_t row_a = s->row_of[c->body_a];
+        c->kind = DAFT_SIM_NONE;
+        if (!solved_now(s, row_a)) continue;
+        c->firm = c->firms && daft_sim_finer_is_firm(p->world, c->body_a);
+        c->kind = kind_of(s, c, row_a, s->row_of[c->body_b]);
+        counts[c->kind]++;
+    }
+}
+
+/* Counts have become where the next ones go. */
+static void place_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    const placing *p = context;
+    daft_sim_solver *s = p->world->solver;
+    uint32_t *next = &s->colour_counts[index * p->kinds];
+    size_t first = index * p->range, end = first + p->range;
+    if (end > s->contact_count) end = s->contact_count;
+    for (size_t i = first; i < end; i++) {
+        const daft_sim_coloured *c = &s->contacts[i];
+        if (c->kind == DAFT_SIM_NONE) continue;
+        s->slots[next[c->kind]++] = (daft_sim_slot){c->touch, c->patch, s->row_of[c->body_a], s->row_of[c->body_b], c->firm};
+    }
+}
+
 /* Gives how many blocks those of any number of points take, from block `first` on; counts become their next free slots. */
-static uint32_t lay_places(uint32_t counts[PLACES], uint32_t first)
+static uint32_t lay_places(const placing *p, uint32_t *counts, uint32_t first)
 {
     uint32_t slot = first * DAFT_SIM_LANES, next = slot;
-    for (int place = 0; place < PLACES; place++) {
-        uint32_t count = counts[place];
-        counts[place] = next;
-        next += count;
-    }
+    for (size_t place = 0; place < PLACES; place++)
+        for (size_t range = 0; range < p->ranges; range++) {
+            uint32_t *at = &counts[range * p->kinds + place], count = *at;
+            *at = next;
+            next += count;
+        }
     return (next - slot + DAFT_SIM_LANES - 1) / DAFT_SIM_LANES;
 }
 
 /* Colours in order, each on whole blocks, in which contacts have about as many points. */
-static bool lay_out(daft_world *world, const uint32_t most[CLASSES])
+static bool lay_out(const placing *p)
 {
+    daft_world *world = p->world;
     daft_sim_solver *s = world->solver;
-    s->colour_count = s->block_count = 0;
+    const uint32_t *most = s->contact_colours;
     if (!daft_grow(&world->allocator, &s->colours, &s->colour_capacity, (size_t)most[0] + most[1], 0,
                    sizeof *s->colours))
         return false;
@@ -255,7 +302,7 @@ static bool lay_out(daft_world *world, const uint32_t most[CLASSES])
             uint32_t *counts = &s->colour_counts[colour * KINDS], first = s->block_count, soft = 0;
             for (uint32_t firm = 0; firm < 2; firm++) {
                 for (uint32_t group = class; group <= 2 * class; group++)
-                    s->block_count += lay_places(counts + (2 * group + firm) * PLACES, s->block_count);
+                    s->block_count += lay_places(p, counts + (2 * group + firm) * PLACES, s->block_count);
                 if (!firm) soft = s->block_count;
             }
             if (s->block_count == first) continue;
@@ -266,22 +313,23 @@ static bool lay_out(daft_world *world, const uint32_t most[CLASSES])
                      sizeof *s->slots);
 }
 
-static void place_contacts(daft_sim_solver *s)
+bool daft_sim_contacts_place(daft_world *world)
 {
+    daft_sim_solver *s = world->solver;
+    const uint32_t *most = s->contact_colours;
+    placing p = {.world = world, .kinds = (size_t)(most[0] > most[1] ? most[0] : most[1]) * KINDS};
+    s->colour_count = s->block_count = 0;
+    if (s->contact_count == 0) return true;
+    p.ranges = daft_min_u((uint32_t)((s->contact_count + RANGE - 1) / RANGE), RANGES);
+    p.range = (s->contact_count + p.ranges - 1) / p.ranges;
+    if (!daft_grow(&world->allocator, &s->colour_counts, &s->colour_count_capacity, p.ranges * p.kinds, 0,
+                   sizeof *s->colour_counts))
+        return false;
+    daft_sim_for(world, p.ranges > 1, p.ranges, count_range, &p);
+    if (!lay_out(&p)) return false;
     for (size_t i = 0; i < (size_t)s->block_count * DAFT_SIM_LANES; i++) s->slots[i].touch = DAFT_SIM_NONE;
-    for (size_t i = 0; i < s->constraint_count; i++) {
-        const daft_sim_constraint *c = &s->constraints[i];
-        s->slots[s->colour_counts[kind_of(c)]++] = (daft_sim_slot){c->touch, c->patch, c->row_a, c->row_b, c->firm};
-    }
-}
-
-static void clear_masks(daft_sim_solver *s)
-{
-    uint32_t first = s->row_first, count = s->row_end - first, fixed = 1 + s->mover_count;
-    memset(s->masks, 0, fixed * sizeof *s->masks);
-    memset(s->masks + first, 0, count * sizeof *s->masks);
-    memset(s->levels, 0, (size_t)fixed * CLASSES * sizeof *s->levels);
-    memset(s->levels + (size_t)first * CLASSES, 0, (size_t)count * CLASSES * sizeof *s->levels);
+    daft_sim_for(world, p.ranges > 1, p.ranges, place_range, &p);
+    return true;
 }
 
 /* ---- joints ---- */
@@ -298,12 +346,13 @@ static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
         if (!daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, s->constraint_count + 1,
                        s->constraint_count, sizeof *s->constraints))
             return false;
-        if (yields(world, a)) s->constrained[a] |= DAFT_SIM_HELD;
-        if (yields(world, b)) s->constrained[b] |= DAFT_SIM_HELD;
-        uint32_t class = !(yields(world, a) && yields(world, b)), colour = take_colour(s, a, b, class);
-        daft_sim_constraint c = {i, 0, a, b, colour << 1 | class, false, 0};
-        if (!count_colour(world, &c, most)) return false;
-        s->constraints[s->constraint_count++] = c;
+        bool yields_a = yields(world, a), yields_b = yields(world, b);
+        if (yields_a) s->constrained[a] |= DAFT_SIM_HELD;
+        if (yields_b) s->constrained[b] |= DAFT_SIM_HELD;
+        size_t place_a = yields_a ? place_of_body(joint->body[0]) : 0, place_b = yields_b ? place_of_body(joint->body[1]) : 0;
+        uint32_t class = !(yields_a && yields_b), colour = take_colour(s, place_a, place_b, class);
+        if (colour >= most[class]) most[class] = colour + 1;
+        s->constraints[s->constraint_count++] = (daft_sim_constraint){i, a, b, colour << 1 | class};
     }
     return true;
 }
@@ -316,17 +365,9 @@ bool daft_sim_pace_begin(daft_world *world, uint32_t pace, float dt)
     s->row_end = s->pace_end[pace];
     s->substeps = world->substeps << pace;
     s->h = dt / (float)s->substeps;
-    clear_masks(world->solver);
+    for (uint32_t row = s->row_first; world->live_joints > 0 && row < s->row_end; row++)
+        clear_colours(s, place_of_body(s->row_bodies[row]));
     return colour_joints(world, most) && daft_sim_joints_place(world, most);
-}
-
-bool daft_sim_colour_contacts(daft_world *world)
-{
-    uint32_t most[CLASSES] = {0, 0};
-    clear_masks(world->solver);
-    if (!take_contact_colours(world, most) || !lay_out(world, most)) return false;
-    place_contacts(world->solver);
-    return true;
 }
 
 /* ---- blocks ---- */

@@ -155,12 +155,17 @@ static bool is_fast(const daft_sim_body *body, float dt)
 
 enum { GRAIN = 256, PARALLEL_BODIES = 512 };
 
+/* The last task, which is another worker's, is to find colours: that takes as long as to find heaps. */
 static void need_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
     const job *j = context;
-    const daft_world *world = j->world;
+    daft_world *world = j->world;
     size_t first = (size_t)index * GRAIN, end = first + GRAIN;
+    if (first >= world->awake.count) {
+        daft_sim_contacts_colour(world);
+        return;
+    }
     if (end > world->awake.count) end = world->awake.count;
     for (size_t i = first; i < end; i++) {
         const daft_sim_body *body = &world->bodies[world->awake.items[i]];
@@ -228,9 +233,9 @@ static bool some_pull(const daft_world *world)
     return false;
 }
 
-bool daft_sim_finer_is_firm(const daft_world *world, const daft_sim_met *met)
+bool daft_sim_finer_is_firm(const daft_world *world, uint32_t body)
 {
-    return world->solver->firm && met->flags & DAFT_SIM_MET_FIRM && heap_of(world, met->body_a)->firm;
+    return world->solver->firm && heap_of(world, body)->firm;
 }
 
 bool daft_sim_finer_paces(daft_world *world, float dt)
@@ -238,7 +243,7 @@ bool daft_sim_finer_paces(daft_world *world, float dt)
     daft_sim_solver *s = world->solver;
     uint32_t count = (uint32_t)world->awake.count;
     float most = 0;
-    daft_sim_beside(world, count >= PARALLEL_BODIES, find_heaps, (count + GRAIN - 1) / GRAIN, need_range, &(job){world, dt});
+    daft_sim_beside(world, count >= PARALLEL_BODIES, find_heaps, (count + GRAIN - 1) / GRAIN + 1, need_range, &(job){world, dt});
     for (size_t i = 0; i < count; i++) most = daft_sim_max(most, s->needs[i].finer);
     bool some = false; /* are to take finer ones */
     s->firm = false;

@@ -14,7 +14,7 @@ static uint32_t parts_of(const daft_sim_joint *j)
 static uint32_t *bin_of(const daft_world *world, const daft_sim_constraint *c, const uint32_t most[2])
 {
     uint32_t colour = (c->colour >> 1) + (c->colour & 1 ? most[0] : 0);
-    return &world->solver->joint_bins[colour * PARTS + parts_of(&world->joints[c->touch])];
+    return &world->solver->joint_bins[colour * PARTS + parts_of(&world->joints[c->joint])];
 }
 
 /* Counts become first slots; blocks of one colour follow each other. */
@@ -51,7 +51,7 @@ bool daft_sim_joints_place(daft_world *world, const uint32_t most[2])
     for (size_t i = 0; i < slots; i++) s->joint_slots[i].joint = DAFT_SIM_NONE;
     for (size_t i = 0; i < s->constraint_count; i++) {
         const daft_sim_constraint *c = &s->constraints[i];
-        s->joint_slots[(*bin_of(world, c, most))++] = (daft_sim_joint_slot){c->touch, {c->row_a, c->row_b}};
+        s->joint_slots[(*bin_of(world, c, most))++] = (daft_sim_joint_slot){c->joint, {c->row_a, c->row_b}};
     }
     return true;
 }

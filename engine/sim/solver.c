@@ -279,14 +279,7 @@ enum { FILL_GRAIN = 64, PARALLEL_ROWS = 256, MARK_SPINS = 1, MARK_HELD = 2, MARK
 typedef struct fill_job {
     daft_world *world;
     float dt;
-    bool coloured;
 } fill_job;
-
-static void colour(void *p)
-{
-    fill_job *j = p;
-    j->coloured = daft_sim_colour_contacts(j->world);
-}
 
 static void fill_range(void *p, uint32_t index, uint32_t worker)
 {
@@ -303,8 +296,7 @@ static void fill_range(void *p, uint32_t index, uint32_t worker)
     }
 }
 
-/* Rows, and beside them colours, which take one worker half as long. */
-static bool fill_rows(daft_world *world, float dt)
+static void fill_rows(daft_world *world, float dt)
 {
     const daft_sim_rows *rows = &world->solver->rows;
     float *zero[] = {rows->velocity, rows->moved, rows->gain, rows->turn, rows->mass};
@@ -316,14 +308,13 @@ static bool fill_rows(daft_world *world, float dt)
     s->spin_count = 0;
     s->holds = false, s->steady = true;
     for (uint32_t row = 1; row <= s->mover_count; row++) fill_row(world, row, dt);
-    fill_job j = {world, dt, false};
-    daft_sim_beside(world, count >= PARALLEL_ROWS, colour, (count + FILL_GRAIN - 1) / FILL_GRAIN, fill_range, &j);
+    fill_job j = {world, dt};
+    daft_sim_for(world, count >= PARALLEL_ROWS, (count + FILL_GRAIN - 1) / FILL_GRAIN, fill_range, &j);
     for (uint32_t row = s->row_first; row < s->row_end; row++) {
         if (s->marks[row] & MARK_SPINS) daft_sim_spin_add(world, row);
         s->holds |= (s->marks[row] & MARK_HELD) != 0;
         s->steady &= !(s->marks[row] & MARK_OTHER);
     }
-    return j.coloured;
 }
 
 /* The heaps of one pace. */
@@ -360,9 +351,10 @@ bool daft_sim_solve(daft_world *world, float dt)
     world->counters.rows = s->contact_rows;
     for (uint32_t pace = 0; pace < DAFT_SIM_PACES; pace++) {
         if (pace > 0 && s->pace_end[pace] == s->pace_end[pace - 1]) continue;
-        if (!daft_sim_pace_begin(world, pace, dt) || !fill_rows(world, dt) ||
+        if (!daft_sim_pace_begin(world, pace, dt) || !daft_sim_contacts_place(world) ||
             !daft_sim_stages_reserve(s->stages, most_stages(s)))
             return false;
+        fill_rows(world, dt);
         solve_pace(world, dt);
         count(world);
     }
@@ -399,7 +391,7 @@ void daft_sim_solver_destroy(daft_world *world)
     daft_sim_stages_free(s->stages);
     void *arrays[] = {s->rows.velocity, s->rows.moved, s->rows.gain,    s->rows.turn,     s->rows.mass,
                       s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_blocks,
-                      s->joint_slots,   s->joint_bins, s->joint_colours, s->masks,      s->levels,       s->constraints,   s->colour_counts,
+                      s->joint_slots,   s->joint_bins, s->joint_colours, s->masks,      s->levels,       s->constraints,   s->contacts, s->colour_counts,
                       s->spins,         s->targets,     s->constrained,   s->row_of,        s->heap_of,
                       s->asked,         s->heaps,      s->needs,         s->marks,         s->parting};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);

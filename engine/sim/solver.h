@@ -210,16 +210,23 @@ struct daft_sim_solver {
     uint32_t joint_colour_count;
 
     /* colour.c's scratch */
-    uint64_t *masks; /* of each row: colours taken */
+    uint64_t *masks; /* of each body: colours taken */
     uint32_t *levels;
     size_t mask_capacity, level_capacity;
-    struct daft_sim_constraint {
-        uint32_t touch, patch, row_a, row_b, colour;
-        bool firm;
-        uint8_t place; /* of contacts of as many points, and rows as near, which stand in a block (colour.c) */
+    struct daft_sim_constraint { /* joints of one pace */
+        uint32_t joint, row_a, row_b, colour;
     } *constraints;
     size_t constraint_capacity, constraint_count;
+    struct daft_sim_coloured { /* contacts of all paces, in the order of the listing */
+        uint32_t touch, patch, body_a, body_b, colour;
+        uint8_t points;
+        bool firms, firm; /* it carries much; it is solved as such */
+        uint32_t kind; /* of contacts of as many points, and rows as near, which stand in a block; DAFT_SIM_NONE: of another pace */
+    } *contacts;
+    size_t contact_capacity, contact_count;
+    uint32_t contact_colours[2]; /* of each class */
     uint32_t contact_rows; /* constraints of all contacts */
+    bool parts; /* some bodies are to part slowly */
     uint32_t *colour_counts;
     size_t colour_count_capacity;
 
@@ -247,6 +254,7 @@ enum { DAFT_SIM_HELD = 1 /* by a joint */, DAFT_SIM_TOUCHES = 2 /* has contacts 
 typedef struct daft_sim_heap daft_sim_heap;
 typedef struct daft_sim_slot daft_sim_slot;
 typedef struct daft_sim_constraint daft_sim_constraint;
+typedef struct daft_sim_coloured daft_sim_coloured;
 typedef struct daft_sim_need daft_sim_need;
 typedef struct daft_sim_joint_slot daft_sim_joint_slot;
 typedef struct daft_sim_parting daft_sim_parting;
@@ -257,8 +265,10 @@ typedef struct daft_sim_parting daft_sim_parting;
 bool daft_sim_rows_assign(daft_world *world, float dt);
 /* The heaps of one pace are the ones to be solved now: their rows, and colours for their joints. */
 bool daft_sim_pace_begin(daft_world *world, uint32_t pace, float dt);
-/* Colours for their contacts. */
-bool daft_sim_colour_contacts(daft_world *world);
+/* Colours for the contacts of all heaps, for which there is room. */
+void daft_sim_contacts_colour(daft_world *world);
+/* Blocks for those of the heaps to be solved now. False when memory is out. */
+bool daft_sim_contacts_place(daft_world *world);
 /* Fills block `index` from patches, and puts the impulses back. */
 void daft_sim_block_fill(daft_world *world, uint32_t index);
 void daft_sim_block_store(daft_world *world, uint32_t index);
@@ -271,10 +281,11 @@ bool daft_sim_finer_load(const daft_world *world, daft_sim_patch *patch, float i
 void daft_sim_finer_ask(const daft_world *world, const daft_sim_touch *touch, float load, const daft_sim_slot *slot);
 /* Substeps a second that a body asks for, which asked for `now`, by what its row carried in this step. */
 float daft_sim_finer_next(const daft_world *world, float now, uint32_t row);
-/* Finds heaps and their paces, for which there is room. False: all have the world's own. */
+/* Finds heaps and their paces, for which there is room, and beside them colours for contacts. False: all have the world's own
+ * pace. */
 bool daft_sim_finer_paces(daft_world *world, float dt);
-/* Whether a touch's contacts are solved as firm ones in this step. */
-bool daft_sim_finer_is_firm(const daft_world *world, const daft_sim_met *met);
+/* Whether a body's contacts that carry much are solved as firm ones in this step. */
+bool daft_sim_finer_is_firm(const daft_world *world, uint32_t body);
 
 /* ---- spin.c ---- */
 
