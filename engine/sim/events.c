@@ -3,6 +3,7 @@
 #include "sim/internal.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- pending events ---- */
 
@@ -143,7 +144,7 @@ static daft_sim_event change_event(const daft_world *world, daft_sim_touch *touc
     return event;
 }
 
-enum { GRAIN = 64, PARALLEL_TOUCHES = 512, PARALLEL_CHANGES = 32, AHEAD = 8 };
+enum { GRAIN = 64, PARALLEL_TOUCHES = 512, AHEAD = 8 };
 
 static uint32_t ranges_of(size_t count) { return (uint32_t)((count + GRAIN - 1) / GRAIN); }
 
@@ -210,25 +211,6 @@ static void report_sleepers(daft_world *world)
 
 enum { CONTACTS_SHIFT = 16 }; /* what a range came to: how many changed, and above that how many have patches */
 
-/* Those that changed stand in `order`, from where the range begins. */
-static void judge_range(void *context, uint32_t index, uint32_t worker)
-{
-    (void)worker;
-    daft_world *world = context;
-    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
-    uint32_t changed = 0, contacts = 0;
-    if (end > world->met.count) end = world->met.count;
-    for (size_t i = first; i < end; i++) {
-        if (i + AHEAD < end) __builtin_prefetch(&world->touches[world->met.items[i + AHEAD].touch], 1);
-        uint32_t touch = world->met.items[i].touch;
-        daft_sim_listed entry = judge(&world->touches[touch], touch);
-        world->merged.items[i] = entry;
-        contacts += (entry.state & HAS_PATCHES) != 0;
-        if (entry.state & CHANGED) world->order.items[first + changed++] = entry;
-    }
-    world->met_ranges.items[index] = contacts << CONTACTS_SHIFT | changed;
-}
-
 /* What is told of an entry, whose key is its bodies, is on its way. */
 DAFT_SIM_FETCH fetch_told(const daft_world *world, const daft_sim_listed *entry)
 {
@@ -240,33 +222,40 @@ DAFT_SIM_FETCH fetch_told(const daft_world *world, const daft_sim_listed *entry)
     __builtin_prefetch(&world->bodies[(uint32_t)entry->key].user);
 }
 
-/* Up to which event the changes of a range go; before, those of the ranges before it. */
-static void tell_range(void *context, uint32_t range, uint32_t worker)
+/* Events of what changed stand from where the range's own would if all had changed. */
+static void judge_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
-    const daft_world *world = context;
-    const daft_sim_listed *entries = &world->order.items[(size_t)range * GRAIN];
-    uint32_t first = range > 0 ? world->met_ranges.items[range - 1] : 0, changed = world->met_ranges.items[range] - first;
-    daft_sim_event *to = world->pending.items + world->pending.count;
-    for (uint32_t i = 0; i < changed; i++) {
-        if (i + AHEAD < changed) fetch_told(world, &entries[i + AHEAD]);
-        to[first + i] = change_event(world, &world->touches[entries[i].touch]);
+    daft_world *world = context;
+    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
+    uint32_t changed[GRAIN], changes = 0, contacts = 0;
+    if (end > world->met.count) end = world->met.count;
+    for (size_t i = first; i < end; i++) {
+        if (i + AHEAD < end) __builtin_prefetch(&world->touches[world->met.items[i + AHEAD].touch], 1);
+        uint32_t touch = world->met.items[i].touch;
+        daft_sim_listed entry = judge(&world->touches[touch], touch);
+        world->merged.items[i] = entry;
+        contacts += (entry.state & HAS_PATCHES) != 0;
+        if (!(entry.state & CHANGED)) continue;
+        fetch_told(world, &entry);
+        changed[changes++] = touch;
     }
+    daft_sim_event *to = world->pending.items + world->pending.count + first;
+    for (uint32_t i = 0; i < changes; i++) to[i] = change_event(world, &world->touches[changed[i]]);
+    world->met_ranges.items[index] = contacts << CONTACTS_SHIFT | changes;
 }
 
-/* There is room for their events. */
-static void tell_changes(daft_world *world)
+/* Puts the events of all ranges in a row. */
+static void gather_changes(daft_world *world)
 {
-    uint32_t ranges = ranges_of(world->met.count), changed = 0;
-    for (uint32_t range = 0; range < ranges; range++) {
-        uint32_t came_to = world->met_ranges.items[range];
+    daft_sim_event_list *list = &world->pending;
+    size_t from = list->count;
+    for (uint32_t range = 0; range < ranges_of(world->met.count); range++, from += GRAIN) {
+        uint32_t came_to = world->met_ranges.items[range], changes = came_to & ((1u << CONTACTS_SHIFT) - 1);
         world->counters.contacts += came_to >> CONTACTS_SHIFT;
-        changed += came_to & ((1u << CONTACTS_SHIFT) - 1);
-        world->met_ranges.items[range] = changed;
+        if (changes > 0 && from != list->count) memmove(&list->items[list->count], &list->items[from], changes * sizeof *list->items);
+        list->count += changes;
     }
-    if (changed == 0) return;
-    daft_sim_for(world, changed >= PARALLEL_CHANGES, ranges, tell_range, world);
-    world->pending.count += changed;
 }
 
 static void fill_range(void *context, uint32_t index, uint32_t worker)
@@ -331,7 +320,7 @@ void daft_sim_report(daft_world *world)
     world->untold = false;
     if (world->met.count == 0) return; /* there may be no memory yet to point to */
     for_ranges(world, world->met.count, judge_range);
-    tell_changes(world);
+    gather_changes(world);
     world->merged.count = world->met.count;
     world->untold = true;
 }

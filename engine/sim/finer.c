@@ -175,26 +175,53 @@ static void need_range(void *context, uint32_t index, uint32_t worker)
     }
 }
 
+/* What is summed up goes to its heap when another one's turn comes: in a large heap each sum would wait for the last. */
+static void add_up(daft_sim_heap *heap, const daft_sim_heap *more)
+{
+    heap->bodies += more->bodies;
+    heap->asked += more->asked;
+    heap->contacts += more->contacts;
+    heap->firm_contacts += more->firm_contacts;
+    heap->before = daft_max_u(heap->before, more->before);
+    heap->fast |= more->fast;
+    heap->deep |= more->deep;
+}
+
 /* Sums are of whole numbers, so their order does not matter. */
-static void survey(daft_world *world)
+static void survey_bodies(daft_world *world)
 {
     const daft_sim_solver *s = world->solver;
-    memset(s->heaps, 0, s->heap_count * sizeof *s->heaps);
+    daft_sim_heap sum = {0};
     for (size_t i = 0; i < world->awake.count; i++) {
-        daft_sim_heap *heap = heap_of(world, world->awake.items[i]);
-        heap->bodies++;
-        heap->asked += (uint64_t)s->needs[i].finer;
-        if (s->needs[i].before > heap->before) heap->before = s->needs[i].before;
-        heap->fast |= s->needs[i].fast;
+        uint32_t heap = s->heap_of[world->awake.items[i]];
+        sum.bodies++;
+        sum.asked += (uint64_t)s->needs[i].finer;
+        sum.before = daft_max_u(sum.before, s->needs[i].before);
+        sum.fast |= s->needs[i].fast;
+        if (i + 1 < world->awake.count && s->heap_of[world->awake.items[i + 1]] == heap) continue;
+        add_up(&s->heaps[heap], &sum);
+        sum = (daft_sim_heap){0};
     }
+}
+
+static void survey_contacts(daft_world *world)
+{
+    const daft_sim_solver *s = world->solver;
+    daft_sim_heap sum = {0};
+    uint32_t heap = 0;
     for (size_t i = 0; i < world->met.count; i++) {
         const daft_sim_met *met = &world->met.items[i];
         if (!(met->flags & (DAFT_SIM_MET_FIXED | DAFT_SIM_MET_JOINS)) || s->row_of[met->body_a] == 0) continue;
-        daft_sim_heap *heap = heap_of(world, met->body_a);
-        heap->contacts += met->patches;
-        heap->deep |= (met->flags & DAFT_SIM_MET_DEEP) != 0;
-        if (met->flags & DAFT_SIM_MET_FIRM) heap->firm_contacts += met->patches;
+        if (s->heap_of[met->body_a] != heap) {
+            add_up(&s->heaps[heap], &sum);
+            sum = (daft_sim_heap){0};
+            heap = s->heap_of[met->body_a];
+        }
+        sum.contacts += met->patches;
+        sum.deep |= (met->flags & DAFT_SIM_MET_DEEP) != 0;
+        if (met->flags & DAFT_SIM_MET_FIRM) sum.firm_contacts += met->patches;
     }
+    if (s->heap_count > 0) add_up(&s->heaps[heap], &sum);
 }
 
 static void join(daft_sim_heap *heap, float pull)
@@ -248,7 +275,9 @@ bool daft_sim_finer_paces(daft_world *world, float dt)
     bool some = false; /* are to take finer ones */
     s->firm = false;
     if (COLUMN * most * dt <= (float)world->substeps && !some_pull(world)) return false;
-    survey(world);
+    memset(s->heaps, 0, s->heap_count * sizeof *s->heaps);
+    survey_bodies(world);
+    survey_contacts(world);
     survey_joints(world);
     for (size_t i = 0; i < s->heap_count; i++) {
         daft_sim_heap *heap = &s->heaps[i];

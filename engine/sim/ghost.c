@@ -384,21 +384,6 @@ static bool is_deep(const daft_world *world, daft_sim_touch *touch)
 
 #define FILTERED UINT32_MAX /* as a body's fixed_met */
 
-/* A contact is a ghost beside another one only, and the way out matters for balls only. Of the bodies that met what does not
- * yield, the others are done. */
-static void keep_doubtful(daft_world *world)
-{
-    daft_sim_list *bodies = &world->ghosts;
-    size_t kept = 0;
-    for (size_t i = 0; i < bodies->count; i++) {
-        daft_sim_body *body = &world->bodies[bodies->items[i]];
-        bool doubtful = body->fixed_met > 1 || body->ball;
-        body->fixed_met = doubtful ? FILTERED : 0;
-        if (doubtful) bodies->items[kept++] = bodies->items[i];
-    }
-    bodies->count = kept;
-}
-
 typedef void visit_met(daft_world *world, daft_sim_met *met);
 
 /* Of all that met, those with what does not yield: few, and next to each other. */
@@ -408,21 +393,38 @@ static void for_fixed(daft_world *world, visit_met *visit)
     for (size_t range = 0; range < world->met_ranges.count; range++) {
         size_t end = at + (world->met_ranges.items[range] & ~DAFT_SIM_RANGE_FIXED);
         bool some = world->met_ranges.items[range] & DAFT_SIM_RANGE_FIXED;
-        for (size_t i = at; some && i < end; i++) {
-            if (i + AHEAD < end) __builtin_prefetch(&world->bodies[world->met.items[i + AHEAD].body_a].fixed_met, 1);
+        for (size_t i = at; some && i < end; i++)
             if (world->met.items[i].flags & DAFT_SIM_MET_FIXED) visit(world, &world->met.items[i]);
-        }
         at = end;
     }
 }
 
-static void count_fixed(daft_world *world, daft_sim_met *met)
+static void note_fixed(daft_world *world, daft_sim_met *met)
 {
-    daft_sim_list *bodies = &world->ghosts;
-    daft_sim_body *body = &world->bodies[met->body_a];
-    if (body->asleep) return;
-    if (body->fixed_met == 0) bodies->items[bodies->count++] = met->body_a;
-    body->fixed_met += met->patches > 1 && is_deep(world, &world->touches[met->touch]) ? 2 : 1;
+    world->ghosts.items[world->ghosts.count++] = (uint32_t)(met - world->met.items);
+}
+
+/* A contact is a ghost beside another one only, and the way out matters for balls only. Of what met what does not yield, the
+ * bodies that this may be about are left. */
+static void keep_doubtful(daft_world *world)
+{
+    daft_sim_list *list = &world->ghosts;
+    size_t bodies = 0, doubtful = 0;
+    for (size_t i = 0; i < list->count; i++) {
+        if (i + AHEAD < list->count) __builtin_prefetch(&world->bodies[world->met.items[list->items[i + AHEAD]].body_a].fixed_met, 1);
+        const daft_sim_met *met = &world->met.items[list->items[i]];
+        daft_sim_body *body = &world->bodies[met->body_a];
+        if (body->asleep) continue;
+        if (body->fixed_met == 0) list->items[bodies++] = met->body_a;
+        body->fixed_met += body->ball || (met->patches > 1 && is_deep(world, &world->touches[met->touch])) ? 2 : 1;
+    }
+    for (size_t i = 0; i < bodies; i++) {
+        daft_sim_body *body = &world->bodies[list->items[i]];
+        bool keep = body->fixed_met > 1;
+        body->fixed_met = keep ? FILTERED : 0;
+        if (keep) list->items[doubtful++] = list->items[i];
+    }
+    list->count = doubtful;
 }
 
 static void refresh_filtered(daft_world *world, daft_sim_met *met)
@@ -433,10 +435,10 @@ static void refresh_filtered(daft_world *world, daft_sim_met *met)
 bool daft_sim_ghosts_drop(daft_world *world, float dt)
 {
     daft_sim_list *bodies = &world->ghosts;
-    if (!daft_grow(&world->allocator, &bodies->items, &bodies->capacity, world->awake.count, 0, sizeof *bodies->items))
+    if (!daft_grow(&world->allocator, &bodies->items, &bodies->capacity, world->met.count, 0, sizeof *bodies->items))
         return false;
     bodies->count = 0;
-    for_fixed(world, count_fixed);
+    for_fixed(world, note_fixed);
     keep_doubtful(world);
     if (bodies->count == 0) return true;
     job j = {world, dt};

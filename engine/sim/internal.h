@@ -350,7 +350,7 @@ struct daft_world {
     daft_sim_list met_ranges; /* of each range of the listing that was looked at, how many have met, and DAFT_SIM_RANGE_FIXED */
     uint32_t *islands;    /* sleep.c: of each body that is awake, its parent in the union-find */
     size_t island_capacity;
-    daft_sim_list ghosts; /* bodies that met what does not yield, in this step */
+    daft_sim_list ghosts; /* scratch of ghost.c: of what met what does not yield */
     uint32_t asleep_count; /* bodies */
     uint32_t live_touches;
 

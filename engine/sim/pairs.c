@@ -435,13 +435,21 @@ static void wake_inside(daft_world *world, const daft_sim_touch *touch)
     if (world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC) daft_sim_wake(world, touch->body_a);
 }
 
-/* What a new touch is made from is on its way, and then the bodies' lists that it joins. */
-DAFT_SIM_FETCH fetch_pair(const daft_world *world, uint64_t key)
+/* What a new touch is made from is on its way, */
+DAFT_SIM_FETCH fetch_parts(const daft_world *world, uint64_t key)
 {
-    const uint32_t parts[2] = {(uint32_t)(key >> 32), (uint32_t)key};
-    for (int i = 0; i < 2; i++) __builtin_prefetch(&world->parts[parts[i]]);
+    __builtin_prefetch(&world->parts[key >> 32], 1);
+    __builtin_prefetch(&world->parts[(uint32_t)key], 1);
 }
 
+/* then the bodies, */
+DAFT_SIM_FETCH fetch_bodies(const daft_world *world, uint64_t key)
+{
+    __builtin_prefetch(&world->bodies[world->parts[key >> 32].body], 1);
+    __builtin_prefetch(&world->bodies[world->parts[(uint32_t)key].body], 1);
+}
+
+/* and their lists, which it joins. */
 DAFT_SIM_FETCH fetch_lists(const daft_world *world, uint64_t key)
 {
     const uint32_t parts[2] = {(uint32_t)(key >> 32), (uint32_t)key};
@@ -477,7 +485,8 @@ static void make_touches(daft_world *world)
             world->fresh_barred[barred++] = key;
             continue;
         }
-        if (i + 2 * AHEAD < world->candidate_count) fetch_pair(world, world->candidates[i + 2 * AHEAD]);
+        if (i + 3 * AHEAD < world->candidate_count) fetch_parts(world, world->candidates[i + 3 * AHEAD]);
+        if (i + 2 * AHEAD < world->candidate_count) fetch_bodies(world, world->candidates[i + 2 * AHEAD]);
         if (i + AHEAD < world->candidate_count) fetch_lists(world, world->candidates[i + AHEAD]);
         if (!daft_sim_may_meet(world, a, b)) {
             world->fresh_barred[barred++] = key;
