@@ -183,6 +183,8 @@ void daft_sim_contacts_colour(daft_world *world)
     s->contact_count = s->contact_rows = 0;
     s->contact_colours[0] = s->contact_colours[1] = 0;
     s->parts = false;
+    clear_colours(s, 0);
+    for (size_t i = 0; i < world->awake.count; i++) clear_colours(s, place_of_body(world->awake.items[i]));
     for (size_t i = 0; i < world->met.count; i++) {
         const daft_sim_met *met = &world->met.items[i];
         if (!is_solved(world, met)) continue;
@@ -211,11 +213,7 @@ bool daft_sim_rows_assign(daft_world *world, float dt)
     s->row_bodies[0] = DAFT_SIM_NONE;
     for (size_t i = 0; i < world->movers.count; i++) s->row_bodies[row++] = world->movers.items[i];
     s->mover_count = (uint32_t)world->movers.count;
-    for (size_t i = 0; i < world->awake.count; i++) {
-        s->row_of[world->awake.items[i]] = row; /* any, but 0 */
-        clear_colours(s, place_of_body(world->awake.items[i]));
-    }
-    clear_colours(s, 0);
+    for (size_t i = 0; i < world->awake.count; i++) s->row_of[world->awake.items[i]] = row; /* any, but 0 */
     order_rows(world, daft_sim_finer_paces(world, dt));
     tell_rows(world);
     memset(s->asked, 0, s->row_count * sizeof *s->asked);

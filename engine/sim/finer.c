@@ -79,14 +79,25 @@ bool daft_sim_finer_bears(const daft_world *world, const daft_sim_body *a, const
 }
 
 /* Bits of floats that are not negative are in the order of what they stand for. */
+static void raise(_Atomic uint32_t *to, float rate)
+{
+    uint32_t bits, most = atomic_load_explicit(to, memory_order_relaxed);
+    memcpy(&bits, &rate, sizeof bits);
+    while (bits > most && !atomic_compare_exchange_weak_explicit(to, &most, bits, memory_order_relaxed, memory_order_relaxed))
+        ;
+}
+
+static float raised_to(_Atomic uint32_t *to)
+{
+    uint32_t bits = atomic_load_explicit(to, memory_order_relaxed);
+    float rate;
+    memcpy(&rate, &bits, sizeof rate);
+    return rate;
+}
+
 static void ask(const daft_sim_solver *s, uint32_t row, float rate)
 {
-    uint32_t bits, most;
-    if (row <= s->mover_count) return;
-    memcpy(&bits, &rate, sizeof bits);
-    most = atomic_load_explicit(&s->asked[row], memory_order_relaxed);
-    while (bits > most && !atomic_compare_exchange_weak_explicit(&s->asked[row], &most, bits, memory_order_relaxed, memory_order_relaxed))
-        ;
+    if (row > s->mover_count) raise(&s->asked[row], rate);
 }
 
 void daft_sim_finer_ask(const daft_world *world, const daft_sim_touch *touch, float load, const daft_sim_slot *slot)
@@ -98,10 +109,7 @@ void daft_sim_finer_ask(const daft_world *world, const daft_sim_touch *touch, fl
 
 float daft_sim_finer_next(const daft_world *world, float now, uint32_t row)
 {
-    uint32_t bits = atomic_load_explicit(&world->solver->asked[row], memory_order_relaxed);
-    float asked;
-    memcpy(&asked, &bits, sizeof asked);
-    return daft_sim_max(LASTS * now, asked);
+    return daft_sim_max(LASTS * now, raised_to(&world->solver->asked[row]));
 }
 
 /* ---- heaps ---- */
@@ -109,6 +117,7 @@ float daft_sim_finer_next(const daft_world *world, float now, uint32_t row)
 typedef struct job {
     daft_world *world;
     float dt;
+    _Atomic uint32_t most; /* that a body asks for; a float's bits */
 } job;
 
 static daft_sim_heap *heap_of(const daft_world *world, uint32_t body)
@@ -159,9 +168,10 @@ enum { GRAIN = 256, PARALLEL_BODIES = 512 };
 static void need_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
-    const job *j = context;
+    job *j = context;
     daft_world *world = j->world;
     size_t first = (size_t)index * GRAIN, end = first + GRAIN;
+    float most = 0;
     if (first >= world->awake.count) {
         daft_sim_contacts_colour(world);
         return;
@@ -172,24 +182,32 @@ static void need_range(void *context, uint32_t index, uint32_t worker)
         uint32_t before = body->h > 0 ? (uint32_t)(daft_sim_min(j->dt / body->h, MOST_SUBSTEPS) + 0.5f) : 0;
         float finer = body->first_joint == DAFT_SIM_NONE ? body->finer : 0; /* heaps with joints get no finer ones */
         world->solver->needs[i] = (daft_sim_need){finer, before, is_fast(body, j->dt)};
+        most = daft_sim_max(most, finer);
     }
+    raise(&j->most, most);
 }
 
 /* What is summed up goes to its heap when another one's turn comes: in a large heap each sum would wait for the last. */
-static void add_up(daft_sim_heap *heap, const daft_sim_heap *more)
+static void add_bodies(daft_sim_heap *heap, const daft_sim_heap *more)
 {
     heap->bodies += more->bodies;
     heap->asked += more->asked;
-    heap->contacts += more->contacts;
-    heap->firm_contacts += more->firm_contacts;
     heap->before = daft_max_u(heap->before, more->before);
     heap->fast |= more->fast;
+}
+
+static void add_contacts(daft_sim_heap *heap, const daft_sim_heap *more)
+{
+    heap->contacts += more->contacts;
+    heap->firm_contacts += more->firm_contacts;
     heap->deep |= more->deep;
 }
 
-/* Sums are of whole numbers, so their order does not matter. */
-static void survey_bodies(daft_world *world)
+/* Sums are of whole numbers, so their order does not matter. What bodies say of a heap and what contacts say are apart. */
+static void survey_bodies(void *context, uint32_t index, uint32_t worker)
 {
+    (void)index, (void)worker;
+    const daft_world *world = context;
     const daft_sim_solver *s = world->solver;
     daft_sim_heap sum = {0};
     for (size_t i = 0; i < world->awake.count; i++) {
@@ -199,13 +217,14 @@ static void survey_bodies(daft_world *world)
         sum.before = daft_max_u(sum.before, s->needs[i].before);
         sum.fast |= s->needs[i].fast;
         if (i + 1 < world->awake.count && s->heap_of[world->awake.items[i + 1]] == heap) continue;
-        add_up(&s->heaps[heap], &sum);
+        add_bodies(&s->heaps[heap], &sum);
         sum = (daft_sim_heap){0};
     }
 }
 
-static void survey_contacts(daft_world *world)
+static void survey_contacts(void *context)
 {
+    const daft_world *world = context;
     const daft_sim_solver *s = world->solver;
     daft_sim_heap sum = {0};
     uint32_t heap = 0;
@@ -213,7 +232,7 @@ static void survey_contacts(daft_world *world)
         const daft_sim_met *met = &world->met.items[i];
         if (!(met->flags & (DAFT_SIM_MET_FIXED | DAFT_SIM_MET_JOINS)) || s->row_of[met->body_a] == 0) continue;
         if (s->heap_of[met->body_a] != heap) {
-            add_up(&s->heaps[heap], &sum);
+            add_contacts(&s->heaps[heap], &sum);
             sum = (daft_sim_heap){0};
             heap = s->heap_of[met->body_a];
         }
@@ -221,7 +240,7 @@ static void survey_contacts(daft_world *world)
         sum.deep |= (met->flags & DAFT_SIM_MET_DEEP) != 0;
         if (met->flags & DAFT_SIM_MET_FIRM) sum.firm_contacts += met->patches;
     }
-    if (s->heap_count > 0) add_up(&s->heaps[heap], &sum);
+    if (s->heap_count > 0) add_contacts(&s->heaps[heap], &sum);
 }
 
 static void join(daft_sim_heap *heap, float pull)
@@ -269,15 +288,13 @@ bool daft_sim_finer_paces(daft_world *world, float dt)
 {
     daft_sim_solver *s = world->solver;
     uint32_t count = (uint32_t)world->awake.count;
-    float most = 0;
-    daft_sim_beside(world, count >= PARALLEL_BODIES, find_heaps, (count + GRAIN - 1) / GRAIN + 1, need_range, &(job){world, dt});
-    for (size_t i = 0; i < count; i++) most = daft_sim_max(most, s->needs[i].finer);
-    bool some = false; /* are to take finer ones */
+    job j = {.world = world, .dt = dt};
+    daft_sim_beside(world, count >= PARALLEL_BODIES, find_heaps, (count + GRAIN - 1) / GRAIN + 1, need_range, &j);
+    bool some = false, deep = false; /* are to take finer ones; overlap deeply */
     s->firm = false;
-    if (COLUMN * most * dt <= (float)world->substeps && !some_pull(world)) return false;
+    if (COLUMN * raised_to(&j.most) * dt <= (float)world->substeps && !some_pull(world)) return false;
     memset(s->heaps, 0, s->heap_count * sizeof *s->heaps);
-    survey_bodies(world);
-    survey_contacts(world);
+    daft_sim_beside(world, count >= PARALLEL_BODIES, survey_contacts, 1, survey_bodies, world);
     survey_joints(world);
     for (size_t i = 0; i < s->heap_count; i++) {
         daft_sim_heap *heap = &s->heaps[i];
@@ -285,8 +302,9 @@ bool daft_sim_finer_paces(daft_world *world, float dt)
         heap->firm = heap->pace == 0 && heap->firm_contacts > 0 && heap->firm_contacts <= MOST_FIRM;
         s->firm |= heap->firm;
         some |= heap->pace > 0;
+        deep |= heap->deep;
     }
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; deep && i < count; i++)
         if (heap_of(world, world->awake.items[i])->deep) world->bodies[world->awake.items[i]].finer = 0;
     return some;
 }

@@ -353,7 +353,7 @@ static void filter_body(daft_world *world, uint32_t index, float dt)
     for (int i = 0; i < g.count; i++) squeeze(g.near[i].touch);
 }
 
-enum { GRAIN = 32, PARALLEL_BODIES = 256, AHEAD = 8 };
+enum { GRAIN = 4, PARALLEL_BODIES = 32, AHEAD = 8 };
 
 typedef struct job {
     daft_world *world;

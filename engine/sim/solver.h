@@ -259,6 +259,15 @@ typedef struct daft_sim_need daft_sim_need;
 typedef struct daft_sim_joint_slot daft_sim_joint_slot;
 typedef struct daft_sim_parting daft_sim_parting;
 
+/* The body of a row, and the row itself in some of the arrays, are on their way. */
+DAFT_SIM_FETCH daft_sim_row_fetch(const daft_world *world, uint32_t row, float *const arrays[], size_t count)
+{
+    const daft_sim_solver *s = world->solver;
+    if (row >= s->row_count) return;
+    daft_sim_body_fetch(&world->bodies[s->row_bodies[row]]);
+    for (size_t i = 0; i < count; i++) __builtin_prefetch(arrays[i] + (size_t)row * DAFT_SIM_ROW, 1);
+}
+
 /* ---- colour.c ---- */
 
 /* Rows for active bodies, by the pace of their heaps. False when memory is out. */

@@ -160,7 +160,12 @@ static void run_rows(void *context, uint32_t index, uint32_t worker)
     (void)worker;
     const row_job *j = context;
     uint32_t first = 1 + j->world->solver->mover_count + index * ROW_GRAIN, end = first + ROW_GRAIN;
-    for (uint32_t row = first; row < end && row < j->world->solver->row_count; row++) j->run(j->world, row);
+    const daft_sim_rows *rows = &j->world->solver->rows;
+    float *const arrays[] = {rows->velocity, rows->moved, rows->turn};
+    for (uint32_t row = first; row < end && row < j->world->solver->row_count; row++) {
+        daft_sim_row_fetch(j->world, row + DAFT_SIM_BODY_AHEAD, arrays, DAFT_COUNT_OF(arrays));
+        j->run(j->world, row);
+    }
 }
 
 static void for_rows(daft_world *world, void (*run)(daft_world *world, uint32_t row))
