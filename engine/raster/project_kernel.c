@@ -167,76 +167,124 @@ DAFT_INLINE void fetch_patch(const daft_patch *p)
     for (size_t k = 0; k < sizeof *p; k += 64) __builtin_prefetch((const char *)p + k);
 }
 
-/* Parts of patches with triangles that are not small: whether there are any cannot be guessed, so these come after all others. */
-typedef struct large_list {
-    uint32_t count;
-    uint32_t patch[DAFT_LEAVES * PATCH_PARTS + 1], part[DAFT_LEAVES * PATCH_PARTS + 1];
-    vbits lanes[DAFT_LEAVES * PATCH_PARTS + 1];
-} large_list;
+/* Patches' corners in the picture. */
+typedef struct patch_spots {
+    _Alignas(4 * DAFT_VL) float x[DAFT_LEAVES][DAFT_PATCH], y[DAFT_LEAVES][DAFT_PATCH], scale[DAFT_LEAVES][DAFT_PATCH];
+} patch_spots;
+
+static void spots_find(const lens *v, const daft_patch *all, const uint32_t *patches, uint32_t count, patch_spots *out)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        moved m;
+        fetch_patch(&all[patches[daft_min_u(i + AHEAD, count - 1)]]);
+        patch_move(v, &all[patches[i]], &m);
+        for (int part = 0; part < PATCH_PARTS; part++) {
+            spot at = spot_of(v, &(vf3){m.x[part], m.y[part], m.z[part]});
+            vf_store(&out->x[i][part * DAFT_VL], at.x), vf_store(&out->y[i][part * DAFT_VL], at.y);
+            vf_store(&out->scale[i][part * DAFT_VL], at.scale);
+        }
+    }
+}
+
+/* Of one of the coordinates, what triangles have at their corners. */
+DAFT_INLINE vf spots_pick(const float from[DAFT_PATCH], vi which)
+{
+    vf all[PATCH_PARTS];
+    for (int part = 0; part < PATCH_PARTS; part++) all[part] = vf_load(&from[part * DAFT_VL]);
+    return vf_pick16(all, which);
+}
 
 DAFT_INLINE vbits patch_sides(const lens *v, const daft_patch *p, uint32_t part)
 {
     return v->front ? p->one_sided >> (part * DAFT_VL) & DAFT_ALL_LANES : 0;
 }
 
-static void wait_all(const lens *v, const daft_seen *seen, const large_list *list, daft_waiting *out)
+/* Parts of patches, by number in a list of patches, and some of their triangles. */
+typedef struct part_list {
+    uint32_t count, at[DAFT_LEAVES * PATCH_PARTS + 1];
+    vbits lanes[DAFT_LEAVES * PATCH_PARTS + 1];
+} part_list;
+
+DAFT_INLINE void add_part(part_list *list, uint32_t at, vbits lanes)
 {
+    list->at[list->count] = at, list->lanes[list->count] = lanes;
+    list->count += lanes != 0;
+}
+
+/* Which triangles may be seen. */
+static uint32_t parts_find(const lens *v, const daft_patch *all, const uint32_t *patches, uint32_t count, const patch_spots *spots, part_list *small,
+                           part_list *large)
+{
+    uint32_t tested = 0;
+    small->count = large->count = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const daft_patch *p = &all[patches[i]];
+        tested += (uint32_t)__builtin_popcount(p->there);
+        for (uint32_t part = 0; part < PATCH_PARTS; part++) {
+            box pixels;
+            spot at[3];
+            for (int k = 0; k < 3; k++) {
+                vi which = vi_load_bytes(&p->at[k][part * DAFT_VL]);
+                at[k].x = spots_pick(spots->x[i], which), at[k].y = spots_pick(spots->y[i], which);
+            }
+            vbits little, lanes = p->there >> (part * DAFT_VL) & may_be_seen(v, at, patch_sides(v, p, part), NULL, &pixels, &little);
+            add_part(small, i * PATCH_PARTS + part, lanes & little);
+            add_part(large, i * PATCH_PARTS + part, lanes & ~little);
+        }
+    }
+    return tested;
+}
+
+static void add_parts(const daft_patch *all, const uint32_t *patches, const patch_spots *spots, const part_list *list, daft_projected *out)
+{
+    uint32_t n = out->count;
     for (uint32_t i = 0; i < list->count; i++) {
-        const daft_patch *p = &seen->bvh->sides->patches.items[list->patch[i]];
+        uint32_t slot = list->at[i] / PATCH_PARTS, first = list->at[i] % PATCH_PARTS * DAFT_VL;
+        const daft_patch *p = &all[patches[slot]];
+        spot at[3];
+        for (int k = 0; k < 3; k++) {
+            vi which = vi_load_bytes(&p->at[k][first]);
+            at[k] = (spot){spots_pick(spots->x[slot], which), spots_pick(spots->y[slot], which), spots_pick(spots->scale[slot], which)};
+        }
+        n = add_small(out, n, at, vi_load(&p->triangle[first]), list->lanes[i]);
+    }
+    out->count = n;
+}
+
+static void add_large_parts(const lens *v, const daft_seen *seen, const uint32_t *patches, const patch_spots *spots, const part_list *list, daft_waiting *out)
+{
+    const daft_patch *all = seen->bvh->sides->patches.items;
+    for (uint32_t i = 0; i < list->count; i++) {
+        uint32_t slot = list->at[i] / PATCH_PARTS, part = list->at[i] % PATCH_PARTS;
+        const daft_patch *p = &all[patches[slot]];
         moved m;
         vf3 corner[3];
         spot at[3];
         box pixels;
         vbits little;
-        uint32_t first = list->part[i] * DAFT_VL;
         patch_move(v, p, &m);
         for (int k = 0; k < 3; k++) {
-            vi which = vi_load_bytes(&p->at[k][first]);
+            vi which = vi_load_bytes(&p->at[k][part * DAFT_VL]);
             corner[k] = (vf3){vf_pick16(m.x, which), vf_pick16(m.y, which), vf_pick16(m.z, which)};
-            at[k] = spot_of(v, &corner[k]);
+            at[k].x = spots_pick(spots->x[slot], which), at[k].y = spots_pick(spots->y[slot], which);
         }
         may_be_seen(v, at, 0, NULL, &pixels, &little);
-        add_large(out, v, corner, box_bytes(&pixels), patch_sides(v, p, list->part[i]), seen->index, vi_load(&p->triangle[first]), list->lanes[i]);
+        add_large(out, v, corner, box_bytes(&pixels), patch_sides(v, p, part), seen->index, vi_load(&p->triangle[part * DAFT_VL]), list->lanes[i]);
     }
 }
 
+/* One step for all patches before the next: each is a chain of operations that wait for one another, and a processor looks no further
+ * ahead than to some hundred. */
 void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *patches, uint32_t count, daft_waiting *out)
 {
     const lens v = lens_of(job, seen);
     const daft_patch *all = seen->bvh->sides->patches.items;
-    uint32_t tested = 0, n = out->projected.count;
-    large_list large;
-    large.count = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const daft_patch *p = &all[patches[i]];
-        fetch_patch(&all[patches[daft_min_u(i + AHEAD, count - 1)]]);
-        vf x[PATCH_PARTS], y[PATCH_PARTS], scale[PATCH_PARTS];
-        moved m;
-        patch_move(&v, p, &m);
-        for (int part = 0; part < PATCH_PARTS; part++) {
-            spot at = spot_of(&v, &(vf3){m.x[part], m.y[part], m.z[part]});
-            x[part] = at.x, y[part] = at.y, scale[part] = at.scale;
-        }
-        tested += (uint32_t)__builtin_popcount(p->there);
-        for (uint32_t part = 0; part < PATCH_PARTS; part++) {
-            vi which[3];
-            box pixels;
-            spot at[3];
-            for (int k = 0; k < 3; k++) {
-                which[k] = vi_load_bytes(&p->at[k][part * DAFT_VL]);
-                at[k].x = vf_pick16(x, which[k]), at[k].y = vf_pick16(y, which[k]);
-            }
-            vbits little, lanes = p->there >> (part * DAFT_VL) & may_be_seen(&v, at, patch_sides(&v, p, part), NULL, &pixels, &little);
-            if (PATCH_PARTS > 2 && !lanes) continue; /* most often, and the rest costs more than a wrong guess */
-            for (int k = 0; k < 3; k++) at[k].scale = vf_pick16(scale, which[k]);
-            n = add_small(&out->projected, n, at, vi_load(&p->triangle[part * DAFT_VL]), lanes & little);
-            large.patch[large.count] = patches[i], large.part[large.count] = part, large.lanes[large.count] = lanes & ~little;
-            large.count += (lanes & ~little) != 0;
-        }
-    }
-    out->projected.count = n;
-    job->counters->tested += tested;
-    wait_all(&v, seen, &large, out);
+    patch_spots spots;
+    part_list small, large;
+    spots_find(&v, all, patches, count, &spots);
+    job->counters->tested += parts_find(&v, all, patches, count, &spots, &small, &large);
+    add_parts(all, patches, &spots, &small, &out->projected);
+    add_large_parts(&v, seen, patches, &spots, &large, out);
 }
 
 /* ---- pixels ---- */
