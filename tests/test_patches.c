@@ -6,10 +6,15 @@
 #include "geometry/adjacency.h"
 #include "geometry/trimesh.h"
 
-static daft_dvec3 middle_of(const daft_patches *p, const daft_ball *ball)
+static daft_dvec3 middle_of(const daft_patches *p, uint32_t level, uint32_t item)
 {
-    daft_dvec3 at = daft_dv3(ball->centre[0], ball->centre[1], ball->centre[2]);
-    return daft_dadd(daft_to_double(p->low), daft_dscale(at, (double)p->unit));
+    return daft_dadd(daft_to_double(p->low), daft_dscale(daft_outline_middle(&p->level[level], item), (double)p->unit));
+}
+
+/* In units. */
+static double radius_of(const daft_patches *p, uint32_t level, uint32_t item)
+{
+    return (double)p->level[level].items[item / DAFT_PATCH].ball[3][item % DAFT_PATCH];
 }
 
 static daft_dvec3 corner_of(const daft_patch *p, int corner, uint32_t triangle)
@@ -45,14 +50,14 @@ static void check_triangles(const fixture_mesh *m, const daft_patches *all, cons
 }
 
 /* Gives the largest distance from the ball's middle over its radius, less what is rounded up. */
-static double check_ball(const daft_patches *all, const daft_ball *ball, uint32_t first, uint32_t end)
+static double check_ball(const daft_patches *all, uint32_t level, uint32_t item, uint32_t first, uint32_t end)
 {
-    double most = 0, radius = ball->radius * (double)all->unit;
+    double most = 0, radius = radius_of(all, level, item) * (double)all->unit;
     for (uint32_t i = first * DAFT_PATCH; i < end * DAFT_PATCH; i++) {
         const daft_patch *p = &all->items[i / DAFT_PATCH];
         if (!(p->there >> (i % DAFT_PATCH) & 1)) continue;
         for (int k = 0; k < 3; k++) {
-            daft_dvec3 d = daft_dsub(corner_of(p, k, i % DAFT_PATCH), middle_of(all, ball));
+            daft_dvec3 d = daft_dsub(corner_of(p, k, i % DAFT_PATCH), middle_of(all, level, item));
             most = fmax(most, sqrt(daft_ddot(d, d)));
         }
     }
@@ -63,15 +68,15 @@ static double check_ball(const daft_patches *all, const daft_ball *ball, uint32_
 /* x·M⁻¹·x <= 1 for each corner: M - x·xᵀ has no negative minor. Gives the trace over the radius squared. */
 static double check_shape(const daft_patches *all, uint32_t patch)
 {
-    double m[DAFT_SHAPE], radius = all->level[0].balls[patch].radius, cut = (double)all->unit;
-    for (int k = 0; k < DAFT_SHAPE; k++) m[k] = (double)all->shape[k][patch];
+    double m[DAFT_SHAPE], radius = radius_of(all, 0, patch), cut = (double)all->unit;
+    for (int k = 0; k < DAFT_SHAPE; k++) m[k] = (double)all->shapes[patch / DAFT_PATCH].m[k][patch % DAFT_PATCH];
     double xx = m[1] * m[2] - m[5] * m[5], xy = m[4] * m[5] - m[3] * m[2], xz = m[3] * m[5] - m[1] * m[4];
     double yy = m[0] * m[2] - m[4] * m[4], zz = m[0] * m[1] - m[3] * m[3], yz = m[3] * m[4] - m[0] * m[5], det = m[0] * xx + m[3] * xy + m[4] * xz;
     const daft_patch *p = &all->items[patch];
     for (uint32_t i = 0; i < DAFT_PATCH; i++) {
         if (!(p->there >> i & 1)) continue;
         for (int k = 0; k < 3; k++) {
-            daft_dvec3 d = daft_dscale(daft_dsub(corner_of(p, k, i), middle_of(all, &all->level[0].balls[patch])), 1 / cut);
+            daft_dvec3 d = daft_dscale(daft_dsub(corner_of(p, k, i), middle_of(all, 0, patch)), 1 / cut);
             double form = xx * d.x * d.x + yy * d.y * d.y + zz * d.z * d.z + 2 * (xy * d.x * d.y + xz * d.x * d.z + yz * d.y * d.z);
             assert_true(form <= det);
         }
@@ -91,10 +96,10 @@ static double check_patches(const fixture_mesh *m)
     assert_true(daft_patches_make(m->bvh, &m->mesh, &adjacency, one_sided, &all));
     check_triangles(m, &all, one_sided);
     uint32_t count = all.level[0].count;
-    for (int level = 0; level < DAFT_PATCH_LEVELS; level++, each *= DAFT_PATCH) {
+    for (uint32_t level = 0; level < DAFT_PATCH_LEVELS; level++, each *= DAFT_PATCH) {
         assert_int_equal(all.level[level].count, (count + each - 1) / each);
         for (uint32_t i = 0; i < all.level[level].count; i++) {
-            double full = check_ball(&all, &all.level[level].balls[i], i * each, daft_min_u((i + 1) * each, count));
+            double full = check_ball(&all, level, i, i * each, daft_min_u((i + 1) * each, count));
             if (level == 0) assert_true(full > 0.99);
         }
     }
@@ -140,6 +145,18 @@ static void check_away(const fixture_mesh *m, uint32_t first, uint32_t end, daft
     }
 }
 
+/* By the bytes of which it is made. */
+static bool looks_away(const daft_outlines *o, uint32_t lane, const daft_glance *g)
+{
+    uint32_t look = 0;
+    for (int k = 0; k < 4; k++) {
+        int8_t byte = (int8_t)o->look[k][lane];
+        assert_true((float)byte == o->look[k][lane]);
+        look |= (uint32_t)(uint8_t)byte << 8 * k;
+    }
+    return daft_looks_away(look, o->spread[lane], g);
+}
+
 static void looks(void **unused)
 {
     (void)unused;
@@ -157,8 +174,7 @@ static void looks(void **unused)
         daft_glance g = daft_glance_of(m.bvh->sides, &outlook);
         for (uint32_t level = 0, each = 1; level < DAFT_PATCH_LEVELS; level++, each *= DAFT_PATCH)
             for (uint32_t i = 0; i < all->level[level].count; i++) {
-                const daft_outlines *o = &all->level[level];
-                if (!daft_looks_away(o->looks[i], o->spreads[i], &g)) continue;
+                if (!looks_away(&all->level[level].items[i / DAFT_PATCH], i % DAFT_PATCH, &g)) continue;
                 check_away(&m, i * each, daft_min_u((i + 1) * each, all->level[0].count), eye, sun ? 0 : 1);
                 away[level]++;
             }

@@ -218,10 +218,14 @@ static void fill_nodes(const cone_job *j)
     }
 }
 
-static daft_dvec3 ball_middle(const cone_job *j, const daft_ball *ball)
+static void fill_outline(const cone_job *j, int level, uint32_t i, const faces *f, uint32_t count)
 {
-    daft_dvec3 at = daft_dv3(ball->centre[0], ball->centre[1], ball->centre[2]);
-    return daft_dadd(daft_to_double(j->sides->patches.low), daft_dscale(at, (double)j->sides->patches.unit));
+    const daft_patches *p = &j->sides->patches;
+    daft_outlines *to = &p->level[level].items[i / DAFT_PATCH];
+    daft_dvec3 middle = daft_dadd(daft_to_double(p->low), daft_dscale(daft_outline_middle(&p->level[level], i), (double)p->unit));
+    uint32_t look;
+    cone_make(j, f, count, middle, &look, &to->spread[i % DAFT_PATCH]);
+    for (int k = 0; k < 4; k++) to->look[k][i % DAFT_PATCH] = (float)(int8_t)(look >> 8 * k);
 }
 
 static void fill_patches(const cone_job *j)
@@ -229,10 +233,7 @@ static void fill_patches(const cone_job *j)
     const daft_patches *p = &j->sides->patches;
     uint32_t quarters = p->level[0].count * (DAFT_PATCH / DAFT_BLOCK), each = DAFT_PATCH / DAFT_BLOCK;
     for (int level = 0; level < DAFT_PATCH_LEVELS; level++, each *= DAFT_PATCH)
-        for (uint32_t i = 0; i < p->level[level].count; i++) {
-            const daft_outlines *o = &p->level[level];
-            cone_make(j, j->patches + i * each, daft_min_u(each, quarters - i * each), ball_middle(j, &o->balls[i]), &o->looks[i], &o->spreads[i]);
-        }
+        for (uint32_t i = 0; i < p->level[level].count; i++) fill_outline(j, level, i, j->patches + i * each, daft_min_u(each, quarters - i * each));
 }
 
 bool daft_cones_fill(const daft_bvh *bvh, daft_sides *sides)

@@ -262,31 +262,31 @@ static daft_dvec3 middle_of(const daft_patch *patches, uint32_t count)
     return best;
 }
 
-static uint16_t units(double length, double unit, double round)
+static float units(double length, double unit, double round)
 {
-    return (uint16_t)fmin(fmax(length / unit + round, 0), UINT16_MAX);
+    return (float)floor(fmin(fmax(length / unit + round, 0), UINT16_MAX));
 }
 
-/* Centres are at most 32768 units from the low corner on each axis, and radii at most the diagonal of that cube: both fit. */
-static void ball_around(const daft_patches *p, uint32_t first, uint32_t count, daft_ball *out)
+/* Centres are at most 32768 units from the low corner on each axis, and radii at most the diagonal of that cube. */
+static void ball_around(const daft_patches *p, uint32_t first, uint32_t count, daft_outlines *out, uint32_t lane)
 {
     double unit = (double)p->unit;
     daft_dvec3 low = daft_to_double(p->low), middle = daft_dsub(middle_of(&p->items[first], count), low), far;
-    out->centre[0] = units(middle.x, unit, 0.5), out->centre[1] = units(middle.y, unit, 0.5), out->centre[2] = units(middle.z, unit, 0.5);
-    daft_dvec3 centre = daft_dv3(out->centre[0], out->centre[1], out->centre[2]);
-    out->radius = units(farthest(&p->items[first], count, daft_dadd(low, daft_dscale(centre, unit)), &far), unit, 1.01);
+    daft_dvec3 centre = daft_dv3((double)units(middle.x, unit, 0.5), (double)units(middle.y, unit, 0.5), (double)units(middle.z, unit, 0.5));
+    out->ball[0][lane] = (float)centre.x, out->ball[1][lane] = (float)centre.y, out->ball[2][lane] = (float)centre.z;
+    out->ball[3][lane] = units(farthest(&p->items[first], count, daft_dadd(low, daft_dscale(centre, unit)), &far), unit, 1.01);
 }
+
+static uint32_t sixteens(uint32_t count) { return (count + DAFT_PATCH - 1) / DAFT_PATCH; }
 
 static bool make_level(const daft_allocator *a, daft_patches *p, int level, uint32_t patches, uint32_t each)
 {
-    daft_outlines *to = &p->level[level];
+    daft_outline_level *to = &p->level[level];
     to->count = (patches + each - 1) / each;
-    size_t room = (size_t)to->count + DAFT_PATCH;
-    to->balls = daft_alloc_zero(a, room, sizeof *to->balls);
-    to->looks = daft_alloc_zero(a, room, sizeof *to->looks);
-    to->spreads = daft_alloc_zero(a, room, sizeof *to->spreads);
-    if (!to->balls || !to->looks || !to->spreads) return false;
-    for (uint32_t i = 0; i < to->count; i++) ball_around(p, i * each, daft_min_u(each, patches - i * each), &to->balls[i]);
+    to->items = daft_alloc_zero(a, sixteens(to->count), sizeof *to->items);
+    if (!to->items) return false;
+    for (uint32_t i = 0; i < to->count; i++)
+        ball_around(p, i * each, daft_min_u(each, patches - i * each), &to->items[i / DAFT_PATCH], i % DAFT_PATCH);
     return true;
 }
 
@@ -322,8 +322,7 @@ static void spread_of(double x[DAFT_PATCH][3], const double weight[DAFT_PATCH], 
 static void make_shape(const daft_patches *p, uint32_t at)
 {
     double x[DAFT_PATCH][3], weight[DAFT_PATCH], m[DAFT_SHAPE], inverse[DAFT_SHAPE], most;
-    const daft_ball *ball = &p->level[0].balls[at];
-    daft_dvec3 middle = daft_dv3(ball->centre[0], ball->centre[1], ball->centre[2]);
+    daft_dvec3 middle = daft_outline_middle(&p->level[0], at);
     for (uint32_t i = 0; i < DAFT_PATCH; i++) {
         daft_dvec3 d = daft_dsub(daft_dscale(daft_dsub(corner_at(&p->items[at], i), daft_to_double(p->low)), 1 / (double)p->unit), middle);
         x[i][0] = d.x, x[i][1] = d.y, x[i][2] = d.z, weight[i] = 1.0 / DAFT_PATCH;
@@ -342,16 +341,15 @@ static void make_shape(const daft_patches *p, uint32_t at)
         for (int i = 0; i < DAFT_PATCH; i++) weight[i] *= 1 - share;
         weight[far] += share;
     }
-    for (int k = 0; k < DAFT_SHAPE; k++) p->shape[k][at] = (float)(m[k] * most * (1 + 0x1p-9));
+    daft_shapes *to = &p->shapes[at / DAFT_PATCH];
+    for (int k = 0; k < DAFT_SHAPE; k++) to->m[k][at % DAFT_PATCH] = (float)(m[k] * most * (1 + 0x1p-9));
 }
 
 static bool make_shapes(const daft_allocator *a, daft_patches *p)
 {
-    size_t count = p->level[0].count;
-    for (int k = 0; k < DAFT_SHAPE; k++) {
-        p->shape[k] = daft_alloc_zero(a, count + DAFT_PATCH, sizeof *p->shape[k]);
-        if (!p->shape[k]) return false;
-    }
+    uint32_t count = p->level[0].count;
+    p->shapes = daft_alloc_zero(a, sixteens(count), sizeof *p->shapes);
+    if (!p->shapes) return false;
     for (uint32_t i = 0; i < count; i++) make_shape(p, i);
     return true;
 }
@@ -385,19 +383,14 @@ bool daft_patches_make(const daft_bvh *bvh, const daft_trimesh *mesh, const daft
 void daft_patches_free(const daft_allocator *allocator, daft_patches *p)
 {
     daft_release(allocator, p->items);
-    for (int k = 0; k < DAFT_SHAPE; k++) daft_release(allocator, p->shape[k]);
-    for (int i = 0; i < DAFT_PATCH_LEVELS; i++) {
-        daft_release(allocator, p->level[i].balls);
-        daft_release(allocator, p->level[i].looks);
-        daft_release(allocator, p->level[i].spreads);
-    }
+    daft_release(allocator, p->shapes);
+    for (int i = 0; i < DAFT_PATCH_LEVELS; i++) daft_release(allocator, p->level[i].items);
     *p = (daft_patches){0};
 }
 
 size_t daft_patches_bytes(const daft_patches *p)
 {
-    size_t bytes = p->level[0].count * sizeof *p->items + DAFT_SHAPE * (p->level[0].count + DAFT_PATCH) * sizeof *p->shape[0];
-    for (int i = 0; i < DAFT_PATCH_LEVELS; i++)
-        bytes += (p->level[i].count + DAFT_PATCH) * (sizeof *p->level[i].balls + sizeof *p->level[i].looks + sizeof *p->level[i].spreads);
+    size_t bytes = p->level[0].count * sizeof *p->items + sixteens(p->level[0].count) * sizeof *p->shapes;
+    for (int i = 0; i < DAFT_PATCH_LEVELS; i++) bytes += sixteens(p->level[i].count) * sizeof *p->level[i].items;
     return bytes;
 }

@@ -19,31 +19,41 @@ typedef struct daft_patch {
     uint32_t none[3];
 } daft_patch;
 
-/* In units from the mesh's low corner. It holds all corners of what it is around. */
-typedef struct daft_ball {
-    uint16_t centre[3], radius;
-} daft_ball;
-
-/* Of patches, clusters or groups: item i of one level is items 16·i and so on of the one below. look and spread as in daft_cones.
- * Room for sixteen more, that so many may be read anywhere. */
+/* Sixteen items of a level, side by side: all that one of the level above consists of. ball: the centre's x, y and z, then the radius, whole
+ * numbers of units from the mesh's low corner; it holds all corners of what it is around. look, spread: as in daft_cones, the bytes as
+ * floats. What is unpacked is read without a step between. */
 typedef struct daft_outlines {
-    uint32_t count;
-    daft_ball *balls;
-    uint32_t *looks;
-    float *spreads;
+    float ball[4][DAFT_PATCH], look[4][DAFT_PATCH], spread[DAFT_PATCH];
 } daft_outlines;
 
-/* An ellipsoid around each patch, about the middle of its ball: x within it has x·M⁻¹·x <= 1, with M in units squared. M's xx, yy, zz,
- * xy, xz and yz, by patches, with the same room. */
+/* Of patches, clusters or groups: items 16·i and so on of one level are what item i of the one above consists of. */
+typedef struct daft_outline_level {
+    uint32_t count;
+    daft_outlines *items; /* by sixteen */
+} daft_outline_level;
+
+/* An ellipsoid around each of sixteen patches, about the middle of its ball: x within it has x·M⁻¹·x <= 1, with M in units squared. M's xx,
+ * yy, zz, xy, xz and yz. */
 enum { DAFT_SHAPE = 6 };
+typedef struct daft_shapes {
+    float m[DAFT_SHAPE][DAFT_PATCH];
+} daft_shapes;
 
 typedef struct daft_patches {
     daft_vec3 low;
     float unit;
     daft_patch *items;
-    float *shape[DAFT_SHAPE];
-    daft_outlines level[DAFT_PATCH_LEVELS]; /* 0: of each patch */
+    daft_shapes *shapes;                         /* by sixteen */
+    daft_outline_level level[DAFT_PATCH_LEVELS]; /* 0: of each patch */
 } daft_patches;
+
+/* The middle of item i's ball, in units. */
+static inline daft_dvec3 daft_outline_middle(const daft_outline_level *level, uint32_t i)
+{
+    const daft_outlines *o = &level->items[i / DAFT_PATCH];
+    uint32_t lane = i % DAFT_PATCH;
+    return daft_dv3((double)o->ball[0][lane], (double)o->ball[1][lane], (double)o->ball[2][lane]);
+}
 
 struct daft_adjacency;
 /* one_sided: a bit for each triangle, 32 in a word. Looks are left to daft_cones_fill. False: memory is out. */

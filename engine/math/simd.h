@@ -202,6 +202,19 @@ DAFT_INLINE vf vf_rough_reciprocal(vf a)
     return 1 / a;
 #endif
 }
+/* The root of a > 0 but for a part in 2^11, another one on each machine; of 0, less and infinity it may be NaN. */
+DAFT_INLINE vf vf_rough_sqrt(vf a)
+{
+#if defined(DAFT_ISA_avx512)
+    return a * (vf)_mm512_rsqrt14_ps((__m512)a);
+#elif defined(DAFT_ISA_avx2)
+    return a * (vf)_mm256_rsqrt_ps((__m256)a);
+#elif defined(DAFT_HAVE_X86)
+    return a * (vf)_mm_rsqrt_ps((__m128)a);
+#else
+    return vf_sqrt(a);
+#endif
+}
 /* DAFT_VL / 4 rows of four floats side by side, from where each begins. */
 DAFT_INLINE vf vf_gather_rows(const float *const row[DAFT_VL / 4])
 {

@@ -93,20 +93,16 @@ typedef struct balls {
     vf x, y, z, radius;
 } balls;
 
-/* Four one after the other from each of the places. */
-DAFT_INLINE balls balls_load(const daft_ball *const from[DAFT_VL / 4])
+/* A register of sixteen items, from lane `at` on. */
+DAFT_INLINE balls balls_load(const daft_outlines *o, uint32_t at)
 {
-    const float *low[DAFT_VL / 4], *high[DAFT_VL / 4];
-    for (int i = 0; i < DAFT_VL / 4; i++) low[i] = (const float *)(const void *)from[i], high[i] = low[i] + 4;
-    vf a = vf_gather_rows(low), b = vf_gather_rows(high);
-    vi first = (vi)vf_even_fours(a, b), second = (vi)vf_odd_fours(a, b), half = vi_set(0xffff);
-    return (balls){vf_from_int(first & half), vf_from_int(first >> 16 & half), vf_from_int(second & half), vf_from_int(second >> 16 & half)};
+    return (balls){vf_load(&o->ball[0][at]), vf_load(&o->ball[1][at]), vf_load(&o->ball[2][at]), vf_load(&o->ball[3][at])};
 }
 
 /* Where balls are in the picture. */
 typedef struct discs {
     vf column, row, reach, z, inverse;
-    vbits apart; /* no ray of the tile's pixels meets them */
+    vm apart; /* no ray of the tile's pixels meets them */
 } discs;
 
 /* Comparisons are written so that a NaN leaves a ball in. */
@@ -119,80 +115,81 @@ DAFT_INLINE discs balls_project(const daft_tile_job *job, const daft_member *w, 
     vf reach = (b->radius * vf_set(w->reach[0]) + vf_set(w->reach[1])) * inverse + vf_set(DAFT_SCREEN_SLACK);
     vf x = column - vf_min(vf_max((column + whole) - whole, zero), vf_set(job->last_x));
     vf y = row - vf_min(vf_max((row + whole) - whole, zero), vf_set(job->last_y));
-    return (discs){column, row, reach, p[2], inverse, vm_bits(vm_and(vf_lt(reach * reach, x * x + y * y), vf_lt(zero, inverse)))};
+    return (discs){column, row, reach, p[2], inverse, vm_and(vf_lt(reach * reach, x * x + y * y), vf_lt(zero, inverse))};
 }
 
 /* The pixels that outlines reach. */
 typedef struct spans {
     vi x0, x1, y0, y1;
-    vbits none; /* there is no pixel */
+    vm none; /* there is no pixel */
 } spans;
 
 /* One axis of the pixels within reach, or but for a part in 2^8 there. Gives the lanes without any, for which it is some pixel. */
-DAFT_INLINE vbits span_of(vf at, vf reach, float last, vi *first, vi *end)
+DAFT_INLINE vm span_of(vf at, vf reach, float last, vi *first, vi *end)
 {
     vf zero = vf_set(0), most = vf_set(last);
     vf low = vf_min(vf_max(at - reach, zero), most), high = vf_min(vf_max(at + reach, zero), most);
     *first = vi_truncate(low + vf_set(1 - 0x1p-8f)), *end = vi_truncate(high);
     vm none = vi_lt(*end, *first);
     *first = vi_select(none, *end, *first);
-    return vm_bits(none);
+    return none;
 }
 
 DAFT_INLINE spans disc_spans(const daft_tile_job *job, const discs *d)
 {
     spans s;
     span_of(d->column, d->reach, job->last_x, &s.x0, &s.x1), span_of(d->row, d->reach, job->last_y, &s.y0, &s.y1);
-    s.none = 0; /* the disc holds one */
+    s.none = vm_from_bits(0); /* the disc holds one */
     return s;
 }
 
-/* Pixels x and y from the middle of ellipses that lie beyond them. */
-DAFT_INLINE vm beyond(const vf e[3], vf det, vf x, vf y)
-{
-    return vf_lt(det, e[2] * x * x - (e[1] + e[1]) * x * y + e[0] * y * y);
-}
+/* The form of ellipses at x and y from their middle: beyond them it is over their determinant. */
+DAFT_INLINE vf form_at(const vf e[3], vf x, vf y) { return e[2] * x * x - (e[1] + e[1]) * x * y + e[0] * y * y; }
 
-/* Of patches from one on, by their ellipses. Where these reach two pixels a side at most, each of the up to four is tried. Comparisons
- * and minima are written so that a NaN, from an overflow, leaves a patch in. */
-DAFT_INLINE spans ellipse_spans(const daft_tile_job *job, const daft_member *w, const balls *b, const discs *d, uint32_t patch)
+/* Of patches by their ellipses. Where these reach two pixels a side at most, each of the up to four is tried. Comparisons
+ * and minima are written so that a NaN, from an overflow, leaves a patch in: pixels are within a reach and one of the middle, and so forms of
+ * ellipses that are less than 2^30 wide are none. */
+DAFT_INLINE spans ellipse_spans(const daft_tile_job *job, const daft_member *w, const balls *b, const discs *d, const daft_shapes *shapes, uint32_t at)
 {
     spans s;
-    vf nearer = vf_set(w->seen->near_z) * d->inverse, square = nearer * nearer, e[3];
+    vf nearer = vf_set(w->seen->near_z) * d->inverse, square = nearer * nearer, e[3], wide = vf_set(1 + 0x1p-10f);
     vf blur = (b->radius * vf_set(w->blur) + vf_set(w->reach[1])) * d->inverse + vf_set(DAFT_SCREEN_SLACK), more = vf_set(17) * blur * blur;
     for (int k = 0; k < 3; k++) {
-        vf sum = vf_load(&w->patches->shape[0][patch]) * vf_set(w->shape[k][0]);
-        for (int i = 1; i < DAFT_SHAPE; i++) sum += vf_load(&w->patches->shape[i][patch]) * vf_set(w->shape[k][i]);
+        vf part[DAFT_SHAPE];
+        for (int i = 0; i < DAFT_SHAPE; i++) part[i] = vf_load(&shapes->m[i][at]) * vf_set(w->shape[k][i]);
+        vf sum = (part[0] + part[1]) + (part[2] + part[3]) + (part[4] + part[5]);
         e[k] = k == 1 ? sum * square : sum * square + more;
     }
-    vbits none_x = span_of(d->column, vf_min(vf_sqrt(e[0]), d->reach), job->last_x, &s.x0, &s.x1);
-    vbits none_y = span_of(d->row, vf_min(vf_sqrt(e[2]), d->reach), job->last_y, &s.y0, &s.y1);
+    vm none_x = span_of(d->column, vf_min(vf_rough_sqrt(e[0]) * wide, d->reach), job->last_x, &s.x0, &s.x1);
+    vm none_y = span_of(d->row, vf_min(vf_rough_sqrt(e[2]) * wide, d->reach), job->last_y, &s.y0, &s.y1);
     vf det = e[0] * e[2] - e[1] * e[1];
     vf xa = d->column - vf_from_int(s.x0), xb = d->column - vf_from_int(s.x1), ya = d->row - vf_from_int(s.y0), yb = d->row - vf_from_int(s.y1);
-    vm all = vm_and(vm_and(beyond(e, det, xa, ya), beyond(e, det, xb, ya)), vm_and(beyond(e, det, xa, yb), beyond(e, det, xb, yb)));
-    s.none = none_x | none_y | (vm_bits(all) & vm_bits(vi_lt((s.x1 - s.x0) | (s.y1 - s.y0), vi_set(2))));
+    vm few = vm_and(vi_lt((s.x1 - s.x0) | (s.y1 - s.y0), vi_set(2)), vf_lt(e[0] + e[2], vf_set(0x1p60f)));
+    vf least = vf_min(vf_min(form_at(e, xa, ya), form_at(e, xb, ya)), vf_min(form_at(e, xa, yb), form_at(e, xb, yb)));
+    s.none = vm_or(vm_or(none_x, none_y), vf_lt(vf_select(few, det, vf_set(INFINITY)), least));
     return s;
 }
 
 /* Lanes that look away: daft_looks_away. */
-DAFT_INLINE vbits away(const daft_member *w, vi look, vf spread)
+DAFT_INLINE vm away(const daft_member *w, const daft_outlines *o, uint32_t at)
 {
     const daft_glance *g = &w->glance;
-    vf towards = vf_from_int(look << 24 >> 24) * vf_set(g->x) + vf_from_int(look << 16 >> 24) * vf_set(g->y) +
-                 vf_from_int(look << 8 >> 24) * vf_set(g->z) + vf_set(g->margin);
-    return vm_bits(vf_lt(towards + spread * vf_set(g->reach), vf_from_int(look >> 24) * vf_set(g->step)));
+    vf towards = vf_load(&o->look[0][at]) * vf_set(g->x) + vf_load(&o->look[1][at]) * vf_set(g->y) + vf_load(&o->look[2][at]) * vf_set(g->z) + vf_set(g->margin);
+    return vf_lt(towards + vf_load(&o->spread[at]) * vf_set(g->reach), vf_load(&o->look[3][at]) * vf_set(g->step));
 }
 
-/* Adds those of `lanes`, items of a level from one on, that hold rays and do not look away. */
-DAFT_INLINE void add_sights(const daft_tile_job *job, const daft_member *w, int level, uint32_t first, vbits lanes, sights *out)
+/* Adds those of a register of the items that one of the level above consists of that hold rays and do not look away. */
+DAFT_INLINE void add_sights(const daft_tile_job *job, const daft_member *w, int level, uint32_t above, uint32_t at, sights *out)
 {
-    const daft_outlines *o = &w->patches->level[level];
-    const daft_ball *from[DAFT_VL / 4];
-    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = &o->balls[first + 4 * (uint32_t)i];
-    balls b = balls_load(from);
+    const daft_outline_level *l = &w->patches->level[level];
+    const daft_outlines *o = &l->items[above];
+    uint32_t first = above * DAFT_PATCH + at;
+    int left = (int)(l->count - first);
+    balls b = balls_load(o, at);
     discs d = balls_project(job, w, &b);
-    spans s = level ? disc_spans(job, &d) : ellipse_spans(job, w, &b, &d, first);
-    lanes &= ~(d.apart | s.none | away(w, vi_load(&o->looks[first]), vf_load(&o->spreads[first])));
+    spans s = level ? disc_spans(job, &d) : ellipse_spans(job, w, &b, &d, &w->patches->shapes[above], at);
+    vbits lanes = DAFT_VL == DAFT_PATCH || left > 0 ? vbits_first(left) : 0; /* an item of the level above holds one or more */
+    lanes &= ~vm_bits(vm_or(vm_or(d.apart, away(w, o, at)), s.none));
     vf z = d.z - (b.radius * vf_set(w->z_reach[0]) + vf_set(w->z_reach[1]));
     vf nearest = vf_select(vf_lt(vf_set(0), z), vf_rough_reciprocal(z) * vf_set(1 + 0x1p-10f), vf_set(INFINITY));
     vi_compress(&out->what[out->count], lanes, vi_set((int32_t)(first | w->tag)) + vi_iota());
@@ -247,9 +244,7 @@ static void take_patches(show *w, sights *patches)
 /* The sixteen items of a level that belong to one of the level above. */
 DAFT_INLINE void add_outlines(const show *w, const daft_member *m, int level, uint32_t above, sights *out)
 {
-    uint32_t count = m->patches->level[level].count;
-    for (uint32_t first = above * DAFT_PATCH; first < (above + 1) * DAFT_PATCH; first += DAFT_VL)
-        add_sights(w->job, m, level, first, first < count ? vbits_first((int)(count - first)) : 0, out);
+    for (uint32_t at = 0; at < DAFT_PATCH; at += DAFT_VL) add_sights(w->job, m, level, above, at, out);
 }
 
 static void take_clusters(show *w, sights *clusters, sights *patches)
