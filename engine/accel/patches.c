@@ -204,6 +204,17 @@ static void find_places(patch_job *j)
 
 /* ---- patches ---- */
 
+/* The longest edge, rounded up. */
+static float longest_edge(const daft_trimesh *mesh, uint32_t triangle)
+{
+    double square = 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        daft_dvec3 d = daft_dsub(mesh_corner(mesh, triangle, k), mesh_corner(mesh, triangle, (k + 1) % 3));
+        square = fmax(square, daft_ddot(d, d));
+    }
+    return (float)(sqrt(square) * (1 + 0x1p-23)) + FLT_MIN;
+}
+
 static void fill_patch(const patch_job *j, const patch_item *from, const uint32_t *one_sided, daft_patch *out)
 {
     uint32_t places[DAFT_PATCH], count = 0;
@@ -212,6 +223,7 @@ static void fill_patch(const patch_job *j, const patch_item *from, const uint32_
         out->triangle[i] = DAFT_NO_TRIANGLE;
         if (i >= from->count) continue;
         uint32_t triangle = out->triangle[i] = j->triangles[from->first + i];
+        out->edge = fmaxf(out->edge, longest_edge(j->mesh, triangle));
         out->one_sided |= (uint16_t)((one_sided[triangle / 32] >> (triangle % 32) & 1) << i);
         for (uint32_t k = 0; k < 3; k++) {
             uint32_t place = place_of(j, triangle, k), at = 0, vertex = j->mesh->indices[3 * (size_t)triangle + k];
@@ -370,9 +382,13 @@ bool daft_patches_make(const daft_bvh *bvh, const daft_trimesh *mesh, const daft
         out->items = daft_alloc_zero(a, j.count, sizeof *out->items);
         done = out->items != NULL;
     }
-    for (uint32_t i = 0; done && i < j.count; i++) fill_patch(&j, &j.items[i], one_sided, &out->items[i]);
+    for (uint32_t i = 0; done && i < j.count; i++) {
+        fill_patch(&j, &j.items[i], one_sided, &out->items[i]);
+        out->edge = fmaxf(out->edge, out->items[i].edge);
+    }
     for (uint32_t i = 0, each = 1; done && i < DAFT_PATCH_LEVELS; i++, each *= DAFT_PATCH) done = make_level(a, out, (int)i, j.count, each);
     done = done && make_shapes(a, out);
+    for (uint32_t i = 0; done && i < j.count; i++) out->radius = fmaxf(out->radius, out->level[0].items[i / DAFT_PATCH].ball[3][i % DAFT_PATCH]);
     daft_release(a, j.used);
     daft_release(a, j.triangles);
     daft_release(a, j.items);

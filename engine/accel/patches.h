@@ -10,13 +10,15 @@
 enum { DAFT_PATCH = 16, DAFT_PATCH_LEVELS = 3 };
 
 /* corner: x, y and z of each, unused ones like the first. at: which of them are triangle i's corner k. Bits of triangles that
- * are there, and of those that are one-sided; numbers of those that are not there are DAFT_NO_TRIANGLE. Five lines of a cache. */
+ * are there, and of those that are one-sided; numbers of those that are not there are DAFT_NO_TRIANGLE. edge: no less than the longest of
+ * its triangles' edges. Five lines of a cache. */
 typedef struct daft_patch {
     float corner[3][DAFT_PATCH];
     uint8_t at[3][DAFT_PATCH];
     uint32_t triangle[DAFT_PATCH];
     uint16_t there, one_sided;
-    uint32_t none[3];
+    float edge;
+    uint32_t none[2];
 } daft_patch;
 
 /* Sixteen items of a level, side by side: all that one of the level above consists of. ball: the centre's x, y and z, then the radius, whole
@@ -42,6 +44,7 @@ typedef struct daft_shapes {
 typedef struct daft_patches {
     daft_vec3 low;
     float unit;
+    float edge, radius; /* the largest of a patch, and, in units, of a patch's ball */
     daft_patch *items;
     daft_shapes *shapes;                         /* by sixteen */
     daft_outline_level level[DAFT_PATCH_LEVELS]; /* 0: of each patch */

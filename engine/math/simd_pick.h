@@ -1,4 +1,5 @@
-/* Lanes picked by numbers that are kept as bytes, from tables that stand in registers; from rows anywhere in memory; and bits of bytes. */
+/* Lanes picked by numbers that are kept as bytes, from tables that stand in registers; from rows anywhere in memory; bits of bytes; and
+ * words, two to a lane. */
 #ifndef DAFT_SIMD_PICK_H
 #define DAFT_SIMD_PICK_H
 
@@ -43,6 +44,48 @@ DAFT_INLINE vi vi_load_bytes(const uint8_t *p)
     return (vi)_mm256_cvtepu8_epi32(_mm_loadu_si64(p));
 #else
     return (vi){p[0], p[1], p[2], p[3]};
+#endif
+}
+
+/* The larger of each. */
+DAFT_INLINE vi vi_max(vi a, vi b)
+{
+#if defined(DAFT_ISA_avx512)
+    return (vi)_mm512_max_epi32((__m512i)a, (__m512i)b);
+#elif defined(DAFT_ISA_avx2)
+    return (vi)_mm256_max_epi32((__m256i)a, (__m256i)b);
+#else
+    return vi_select(vi_lt(a, b), b, a);
+#endif
+}
+
+/* Words of sixteen bits; the operators do the rest. */
+typedef int16_t vw __attribute__((vector_size(DAFT_VL * 4)));
+DAFT_INLINE vw vw_set(int low, int high) { return (vw)vi_set((low & 0xffff) | (int32_t)((uint32_t)high << 16)); }
+DAFT_INLINE vw vw_min(vw a, vw b)
+{
+#if defined(DAFT_ISA_avx512)
+    return (vw)_mm512_min_epi16((__m512i)a, (__m512i)b);
+#elif defined(DAFT_ISA_avx2)
+    return (vw)_mm256_min_epi16((__m256i)a, (__m256i)b);
+#elif defined(DAFT_HAVE_X86)
+    return (vw)_mm_min_epi16((__m128i)a, (__m128i)b);
+#else
+    vw less = (vw)(a < b);
+    return (less & a) | (~less & b);
+#endif
+}
+DAFT_INLINE vw vw_max(vw a, vw b)
+{
+#if defined(DAFT_ISA_avx512)
+    return (vw)_mm512_max_epi16((__m512i)a, (__m512i)b);
+#elif defined(DAFT_ISA_avx2)
+    return (vw)_mm256_max_epi16((__m256i)a, (__m256i)b);
+#elif defined(DAFT_HAVE_X86)
+    return (vw)_mm_max_epi16((__m128i)a, (__m128i)b);
+#else
+    vw less = (vw)(a < b);
+    return (less & b) | (~less & a);
 #endif
 }
 

@@ -44,6 +44,18 @@ static void shapes_begin(daft_member *w)
     w->blur = w->z_reach[0] * 24 + w->reach[0] * 0x1p-9f;
 }
 
+/* Corners a and b that are L apart are L/z·(focal + |x|) or less apart in the picture, in x and in y, z being that of one and x that of
+ * the other. So corners of a patch that holds a ray of the tile are within R0 = the tile's largest and 2r/z·(focal + R0), with r the
+ * patch's radius, and a triangle's extent, both ways in sum, is below 2·edge/z·(focal + R0)·(1 + 2r/z). 4D is taken with the mesh's largest
+ * r, and, in R, with its longest edge. */
+static void doubt_begin(daft_member *w, const daft_tile_job *job, float grow)
+{
+    float inverse = 1 / w->seen->near_z, reach = daft_tile_reach(job), radius = w->z_reach[0] * w->patches->radius * inverse;
+    float extent = 2 * grow * inverse * (job->raster->pencil.focal + reach) * (1 + 2 * radius) * (1 + 0x1p-6f);
+    float each = 20 * 0x1p-24f * (1 + 0x1p-6f) * (reach + 2 * extent * w->patches->edge);
+    w->doubt[0] = each * extent, w->doubt[1] = each * 0x1p-4f;
+}
+
 static inline float larger(float a, float b) { return a > b ? a : b; }
 
 /* How balls come to the tile. Where a ray of slope t (x and y of it over z) meets the ball around c, c is from the ray, in the
@@ -83,6 +95,7 @@ static bool member_begin(daft_member *w, const daft_tile_job *job, const daft_se
     w->z_reach[0] = sqrtf(stretch) * balls->unit * (1 + 0x1p-8f), w->z_reach[1] = 4 * pad[2];
     w->reach[0] = w->z_reach[0] * slant, w->reach[1] = 4 * (x + y) + 2 * DAFT_TILE * 4 * pad[2];
     shapes_begin(w);
+    doubt_begin(w, job, sqrtf(stretch));
     return true;
 }
 
@@ -224,7 +237,8 @@ static void draw_patches(show *w, uint32_t *patches, uint32_t count)
         uint32_t tag = patches[i] & ~ITEM;
         for (end = i; end < count && (patches[end] & ~ITEM) == tag; end++) patches[end] &= ITEM;
         projected->seen[runs] = w->crowd->members[tag >> TAG_SHIFT].seen, projected->run[runs] = projected->count;
-        DAFT_KERNEL(daft_patches_project)(w->job, projected->seen[runs++], &patches[i], end - i, w->waiting);
+        DAFT_KERNEL(daft_patches_project)(w->job, &w->crowd->members[tag >> TAG_SHIFT], &patches[i], end - i, w->waiting);
+        runs++;
     }
     projected->run_count = runs;
     while (projected->count) DAFT_KERNEL(daft_projected_take)(w->job, projected, &w->waiting->hits);

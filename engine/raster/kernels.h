@@ -81,6 +81,7 @@ typedef struct daft_member {
     float reach[2], z_reach[2]; /* its radius to pixels times z and to z, and what is added */
     float shape[3][DAFT_SHAPE]; /* a patch's to its ellipse's xx, xy and yy at the bounds' nearest z */
     float blur;                 /* a ball's radius to b times z (crowd_kernel.c) */
+    float doubt[2];             /* a patch's longest edge to 4D of its triangles (project_kernel.c), and what is added */
     daft_glance glance;
 } daft_member;
 
@@ -103,8 +104,10 @@ typedef struct daft_pencil_batch {
 /* project_kernel.c: blocks of one instance, by number. Those whose boxes are of two pixels a side at most are projected, others
  * wait. */
 void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count, daft_waiting *out);
-/* The same of patches, all of them in front of the camera. */
-void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *patches, uint32_t count, daft_waiting *out);
+/* The same of patches of a crowd's member, all of them in front of the camera. */
+void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_member *member, const uint32_t *patches, uint32_t count, daft_waiting *out);
+/* No less than the R of project_kernel.c, but for twice a triangle's extent. */
+DAFT_INLINE float daft_tile_reach(const daft_tile_job *job) { return (job->max_dx > job->max_dy ? job->max_dx : job->max_dy) + 2 * DAFT_TILE; }
 /* Takes up to DAFT_VL of those projected. */
 void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, daft_projected *from, daft_hits *out);
 /* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks. True: many or large ones of them may be seen and make a batch. False: few, and those wait. */

@@ -16,13 +16,13 @@
 #include "math/simd_pick.h"
 #include "raster/blocks.h"
 
-enum { PATCH_PARTS = DAFT_PATCH / DAFT_VL, AHEAD = 3 /* patches: a few hundred cycles */ };
+enum { PATCH_PARTS = DAFT_PATCH / DAFT_VL };
 
-/* The pixels within low..high and the slack, or but for a part in 2^8 there; none: end is below first. */
-DAFT_INLINE void pixel_range(vf low, vf high, float last, vi *first, vi *end)
+/* The pixels within low..high and the slack, or but for a part in 2^8 there; none: end is below first, which is no larger than `most`. */
+DAFT_INLINE void pixel_range(vf low, vf high, float last, float most, vi *first, vi *end)
 {
     vf slack = vf_set(DAFT_SCREEN_SLACK), up = vf_set(1 - 0x1p-8f - DAFT_SCREEN_SLACK);
-    *first = vi_truncate(vf_min(vf_max(low + up, vf_set(0)), vf_set(2 * DAFT_TILE)));
+    *first = vi_truncate(vf_min(vf_max(low + up, vf_set(0)), vf_set(most)));
     *end = vi_truncate(vf_min(high + slack, vf_set(last)));
 }
 
@@ -42,12 +42,10 @@ typedef struct lens {
     bool closely; /* no triangle counts as small */
 } lens;
 
-DAFT_INLINE float reach_of(const daft_tile_job *job) { return (job->max_dx > job->max_dy ? job->max_dx : job->max_dy) + 2 * DAFT_TILE; }
-
 DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_seen *seen)
 {
     bool closely = job->raster->pencil.intersection == DAFT_INTERSECT_WATERTIGHT;
-    return (lens){seen->to_camera, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, reach_of(job), seen->front, closely};
+    return (lens){seen->to_camera, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, daft_tile_reach(job), seen->front, closely};
 }
 
 /* D of the above, times a power of two; reach: a lens's. */
@@ -93,8 +91,8 @@ DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], vbits one_sided, 
         low_y = vf_select(front, low_y, zero), high_y = vf_select(front, high_y, vf_set(DAFT_TILE));
         *little &= vm_bits(front), out = (out & vm_bits(front)) | ~vm_bits(vf_lt(zero, most));
     }
-    pixel_range(low_x, high_x, v->last_x, &b->x0, &b->x1);
-    pixel_range(low_y, high_y, v->last_y, &b->y0, &b->y1);
+    pixel_range(low_x, high_x, v->last_x, 2 * DAFT_TILE, &b->x0, &b->x1);
+    pixel_range(low_y, high_y, v->last_y, 2 * DAFT_TILE, &b->y0, &b->y1);
     *little &= vm_bits(vi_lt((b->x1 - b->x0) | (b->y1 - b->y0), vi_set(2)));
     return DAFT_ALL_LANES & ~(out | vm_bits(vi_lt(b->x1, b->x0)) | vm_bits(vi_lt(b->y1, b->y0)));
 }
@@ -162,129 +160,148 @@ DAFT_INLINE void patch_move(const lens *v, const daft_patch *p, moved *out)
     }
 }
 
-DAFT_INLINE void fetch_patch(const daft_patch *p)
+/* Corners' places in parts of a pixel from the tile's middle, x and y in a lane's words: an instruction compares both, and there are more
+ * places for those of whole numbers than for comparisons and sums of floats. Beyond a pixel from the tile they are that far. */
+enum { PARTS = 1024, PARTS_SHIFT = 10, MIDDLE = DAFT_TILE / 2, OUTSIDE = 1 /* pixel */ };
+
+DAFT_INLINE vi words_of(vf x, vf y)
 {
-    for (size_t k = 0; k < sizeof *p; k += 64) __builtin_prefetch((const char *)p + k);
+    const vf most = vf_set((DAFT_TILE + OUTSIDE) * PARTS - 1), parts = vf_set(PARTS);
+    vi least = vi_set(-OUTSIDE * PARTS), middle = vi_set(MIDDLE * PARTS);
+    vi column = vi_max(vi_truncate(vf_min(x * parts, most)), least) - middle, row = vi_max(vi_truncate(vf_min(y * parts, most)), least) - middle;
+    return row << 16 | (column & vi_set(0xffff));
 }
 
-/* Patches' corners in the picture. */
-typedef struct patch_spots {
-    _Alignas(4 * DAFT_VL) float x[DAFT_LEAVES][DAFT_PATCH], y[DAFT_LEAVES][DAFT_PATCH], scale[DAFT_LEAVES][DAFT_PATCH];
-} patch_spots;
-
-static void spots_find(const lens *v, const daft_patch *all, const uint32_t *patches, uint32_t count, patch_spots *out)
+/* Last less first pixel of triangles' boxes in the tile, in words; below 0 where there is none. Boxes hold those of pixel_range: parts are
+ * off by less than one. */
+DAFT_INLINE vi words_span(const vi at[3], vw last)
 {
-    for (uint32_t i = 0; i < count; i++) {
-        moved m;
-        fetch_patch(&all[patches[daft_min_u(i + AHEAD, count - 1)]]);
-        patch_move(v, &all[patches[i]], &m);
+    const int slack = (int)(DAFT_SCREEN_SLACK * PARTS) + 2;
+    vw low = vw_min(vw_min((vw)at[0], (vw)at[1]), (vw)at[2]), high = vw_max(vw_max((vw)at[0], (vw)at[1]), (vw)at[2]);
+    vw first = vw_max((low + vw_set(PARTS - PARTS / 256 - slack, PARTS - PARTS / 256 - slack)) >> PARTS_SHIFT, vw_set(-MIDDLE, -MIDDLE));
+    return (vi)(vw_min((high + vw_set(slack, slack)) >> PARTS_SHIFT, last) - first);
+}
+
+/* Patches at work, in steps. Small and large triangles that may be seen are found by parts of patches: part k of patch i is i·PATCH_PARTS + k. */
+typedef struct patch_work {
+    uint32_t count;
+    const daft_patch *patch[DAFT_LEAVES];
+    float doubt[DAFT_LEAVES]; /* no more than -4D of any of its triangles */
+    _Alignas(4 * DAFT_VL) float x[DAFT_LEAVES][DAFT_PATCH], y[DAFT_LEAVES][DAFT_PATCH], scale[DAFT_LEAVES][DAFT_PATCH]; /* corners: spots */
+    int32_t words[DAFT_LEAVES][DAFT_PATCH];
+    vbits small[DAFT_LEAVES * PATCH_PARTS], large[DAFT_LEAVES * PATCH_PARTS];
+} patch_work;
+
+static void find_spots(const lens *v, const daft_member *m, const uint32_t *patches, patch_work *w)
+{
+    const daft_patch *all = m->patches->items;
+    const float doubt[2] = {-m->doubt[0], -m->doubt[1]};
+    for (uint32_t i = 0; i < w->count; i++) {
+        const daft_patch *p = w->patch[i] = &all[patches[i]];
+        moved at;
+        __builtin_prefetch(&p->at), __builtin_prefetch(&p->there); /* for the next steps */
+        patch_move(v, p, &at);
         for (int part = 0; part < PATCH_PARTS; part++) {
-            spot at = spot_of(v, &(vf3){m.x[part], m.y[part], m.z[part]});
-            vf_store(&out->x[i][part * DAFT_VL], at.x), vf_store(&out->y[i][part * DAFT_VL], at.y);
-            vf_store(&out->scale[i][part * DAFT_VL], at.scale);
+            spot s = spot_of(v, &(vf3){at.x[part], at.y[part], at.z[part]});
+            vf_store(&w->x[i][part * DAFT_VL], s.x), vf_store(&w->y[i][part * DAFT_VL], s.y), vf_store(&w->scale[i][part * DAFT_VL], s.scale);
+            vi_store(&w->words[i][part * DAFT_VL], words_of(s.x, s.y));
         }
+        w->doubt[i] = p->edge * doubt[0] + doubt[1];
     }
 }
 
-/* Of one of the coordinates, what triangles have at their corners. */
-DAFT_INLINE vf spots_pick(const float from[DAFT_PATCH], vi which)
+/* Which triangles may be seen. Turned instances, whose fronts have a negative area, have two corners exchanged. */
+static void find_seen(const lens *v, patch_work *w, uint64_t *tested)
 {
-    vf all[PATCH_PARTS];
-    for (int part = 0; part < PATCH_PARTS; part++) all[part] = vf_load(&from[part * DAFT_VL]);
-    return vf_pick16(all, which);
-}
-
-DAFT_INLINE vbits patch_sides(const lens *v, const daft_patch *p, uint32_t part)
-{
-    return v->front ? p->one_sided >> (part * DAFT_VL) & DAFT_ALL_LANES : 0;
-}
-
-/* Parts of patches, by number in a list of patches, and some of their triangles. */
-typedef struct part_list {
-    uint32_t count, at[DAFT_LEAVES * PATCH_PARTS + 1];
-    vbits lanes[DAFT_LEAVES * PATCH_PARTS + 1];
-} part_list;
-
-DAFT_INLINE void add_part(part_list *list, uint32_t at, vbits lanes)
-{
-    list->at[list->count] = at, list->lanes[list->count] = lanes;
-    list->count += lanes != 0;
-}
-
-/* Which triangles may be seen. */
-static uint32_t parts_find(const lens *v, const daft_patch *all, const uint32_t *patches, uint32_t count, const patch_spots *spots, part_list *small,
-                           part_list *large)
-{
-    uint32_t tested = 0;
-    small->count = large->count = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const daft_patch *p = &all[patches[i]];
-        tested += (uint32_t)__builtin_popcount(p->there);
+    const int second = v->front < 0 ? 2 : 1;
+    const vbits may_be_small = v->closely ? 0 : DAFT_ALL_LANES;
+    const vw last = vw_set((int)v->last_x - MIDDLE, (int)v->last_y - MIDDLE);
+    const vi none = vi_set(0), more = vi_set(~0x00010001), below = vi_set(INT32_MIN | 0x8000);
+    uint32_t sum = 0;
+    for (uint32_t i = 0; i < w->count; i++) {
+        const daft_patch *p = w->patch[i];
+        const uint8_t *at[3] = {p->at[0], p->at[second], p->at[3 - second]};
+        sum += (uint32_t)__builtin_popcount(p->there);
         for (uint32_t part = 0; part < PATCH_PARTS; part++) {
-            box pixels;
-            spot at[3];
+            vf x[3], y[3];
+            vi words[3];
             for (int k = 0; k < 3; k++) {
-                vi which = vi_load_bytes(&p->at[k][part * DAFT_VL]);
-                at[k].x = spots_pick(spots->x[i], which), at[k].y = spots_pick(spots->y[i], which);
+                vi which = vi_load_bytes(&at[k][part * DAFT_VL]);
+                x[k] = vf_lookup16(w->x[i], which), y[k] = vf_lookup16(w->y[i], which);
+                words[k] = (vi)vf_lookup16((const float *)(const void *)w->words[i], which);
             }
-            vbits little, lanes = p->there >> (part * DAFT_VL) & may_be_seen(v, at, patch_sides(v, p, part), NULL, &pixels, &little);
-            add_part(small, i * PATCH_PARTS + part, lanes & little);
-            add_part(large, i * PATCH_PARTS + part, lanes & ~little);
+            vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
+            vbits back = vm_bits(vf_lt(area, vf_set(w->doubt[i])));
+            vi span = words_span(words, last);
+            vbits lanes = (p->there & ~(p->one_sided & back << (part * DAFT_VL))) >> (part * DAFT_VL) & vm_bits(vi_eq(span & below, none));
+            vbits little = vm_bits(vi_eq(span & more, none)) & may_be_small;
+            w->small[i * PATCH_PARTS + part] = lanes & little, w->large[i * PATCH_PARTS + part] = lanes & ~little;
         }
     }
-    return tested;
+    *tested += sum;
 }
 
-static void add_parts(const daft_patch *all, const uint32_t *patches, const patch_spots *spots, const part_list *list, daft_projected *out)
+/* Those parts with some: which they are cannot be guessed. */
+static uint32_t list_parts(const vbits *lanes, uint32_t count, uint32_t *list)
 {
-    uint32_t n = out->count;
-    for (uint32_t i = 0; i < list->count; i++) {
-        uint32_t slot = list->at[i] / PATCH_PARTS, first = list->at[i] % PATCH_PARTS * DAFT_VL;
-        const daft_patch *p = &all[patches[slot]];
+    uint32_t n = 0;
+    for (uint32_t i = 0; i < count; i += DAFT_VL) {
+        vbits some = vbits_first((int)(count - i)) & ~vm_bits(vi_eq(vi_load(&lanes[i]), vi_set(0)));
+        vi_compress(&list[n], some, vi_iota() + vi_set((int32_t)i));
+        n += (uint32_t)__builtin_popcount(some);
+    }
+    return n;
+}
+
+static void add_small_ones(const patch_work *w, daft_projected *out)
+{
+    uint32_t list[DAFT_LEAVES * PATCH_PARTS + DAFT_VL], count = list_parts(w->small, w->count * PATCH_PARTS, list), n = out->count;
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t i = list[k] / PATCH_PARTS, first = list[k] % PATCH_PARTS * DAFT_VL;
+        const daft_patch *p = w->patch[i];
         spot at[3];
-        for (int k = 0; k < 3; k++) {
-            vi which = vi_load_bytes(&p->at[k][first]);
-            at[k] = (spot){spots_pick(spots->x[slot], which), spots_pick(spots->y[slot], which), spots_pick(spots->scale[slot], which)};
+        for (int corner = 0; corner < 3; corner++) {
+            vi which = vi_load_bytes(&p->at[corner][first]);
+            at[corner] = (spot){vf_lookup16(w->x[i], which), vf_lookup16(w->y[i], which), vf_lookup16(w->scale[i], which)};
         }
-        n = add_small(out, n, at, vi_load(&p->triangle[first]), list->lanes[i]);
+        n = add_small(out, n, at, vi_load(&p->triangle[first]), w->small[list[k]]);
     }
     out->count = n;
 }
 
-static void add_large_parts(const lens *v, const daft_seen *seen, const uint32_t *patches, const patch_spots *spots, const part_list *list, daft_waiting *out)
+static void add_large_ones(const lens *v, const daft_seen *seen, const patch_work *w, daft_waiting *out)
 {
-    const daft_patch *all = seen->bvh->sides->patches.items;
-    for (uint32_t i = 0; i < list->count; i++) {
-        uint32_t slot = list->at[i] / PATCH_PARTS, part = list->at[i] % PATCH_PARTS;
-        const daft_patch *p = &all[patches[slot]];
+    uint32_t list[DAFT_LEAVES * PATCH_PARTS + DAFT_VL], count = list_parts(w->large, w->count * PATCH_PARTS, list);
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t i = list[k] / PATCH_PARTS, first = list[k] % PATCH_PARTS * DAFT_VL;
+        const daft_patch *p = w->patch[i];
         moved m;
         vf3 corner[3];
         spot at[3];
         box pixels;
-        vbits little;
+        vbits little, sides = p->one_sided >> first;
         patch_move(v, p, &m);
-        for (int k = 0; k < 3; k++) {
-            vi which = vi_load_bytes(&p->at[k][part * DAFT_VL]);
-            corner[k] = (vf3){vf_pick16(m.x, which), vf_pick16(m.y, which), vf_pick16(m.z, which)};
-            at[k].x = spots_pick(spots->x[slot], which), at[k].y = spots_pick(spots->y[slot], which);
+        for (int c = 0; c < 3; c++) {
+            vi which = vi_load_bytes(&p->at[c][first]);
+            corner[c] = (vf3){vf_pick16(m.x, which), vf_pick16(m.y, which), vf_pick16(m.z, which)};
+            at[c].x = vf_lookup16(w->x[i], which), at[c].y = vf_lookup16(w->y[i], which);
         }
-        may_be_seen(v, at, 0, NULL, &pixels, &little);
-        add_large(out, v, corner, box_bytes(&pixels), patch_sides(v, p, part), seen->index, vi_load(&p->triangle[part * DAFT_VL]), list->lanes[i]);
+        vbits lanes = w->large[list[k]] & may_be_seen(v, at, sides, NULL, &pixels, &little);
+        add_large(out, v, corner, box_bytes(&pixels), sides, seen->index, vi_load(&p->triangle[first]), lanes);
     }
 }
 
 /* One step for all patches before the next: each is a chain of operations that wait for one another, and a processor looks no further
  * ahead than to some hundred. */
-void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *patches, uint32_t count, daft_waiting *out)
+void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_member *member, const uint32_t *patches, uint32_t count, daft_waiting *out)
 {
-    const lens v = lens_of(job, seen);
-    const daft_patch *all = seen->bvh->sides->patches.items;
-    patch_spots spots;
-    part_list small, large;
-    spots_find(&v, all, patches, count, &spots);
-    job->counters->tested += parts_find(&v, all, patches, count, &spots, &small, &large);
-    add_parts(all, patches, &spots, &small, &out->projected);
-    add_large_parts(&v, seen, patches, &spots, &large, out);
+    const lens v = lens_of(job, member->seen);
+    patch_work w;
+    w.count = count;
+    find_spots(&v, member, patches, &w);
+    find_seen(&v, &w, &job->counters->tested);
+    add_small_ones(&w, &out->projected);
+    add_large_ones(&v, member->seen, &w, out);
 }
 
 /* ---- pixels ---- */
@@ -339,7 +356,7 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, const vf x[3], const vf y
     vf extent = vf_max(vf_max(x[0], x[1]), x[2]) - vf_min(vf_min(x[0], x[1]), x[2]);
     extent += vf_max(vf_max(y[0], y[1]), y[2]) - vf_min(vf_min(y[0], y[1]), y[2]);
     vf least = vf_min(vf_min(scale[0], scale[1]), scale[2]), most = vf_max(vf_max(scale[0], scale[1]), scale[2]);
-    s->doubt = doubt_of(reach_of(job), extent, 1);
+    s->doubt = doubt_of(daft_tile_reach(job), extent, 1);
     s->error = vf_set(4) * s->doubt * (most - least) * inverse + vf_set(16 * UNIT) * most * over_focal;
     s->least = least * over_focal * vf_set(1 - 16 * UNIT), s->most = most * over_focal * vf_set(1 + 16 * UNIT);
 }
@@ -372,8 +389,8 @@ void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, daft_projected *
     box b;
     small s;
     for (int k = 0; k < 3; k++) x[k] = vf_load(&from->x[k][at]), y[k] = vf_load(&from->y[k][at]), scale[k] = vf_load(&from->scale[k][at]);
-    pixel_range(vf_min(vf_min(x[0], x[1]), x[2]), vf_max(vf_max(x[0], x[1]), x[2]), job->last_x, &b.x0, &b.x1);
-    pixel_range(vf_min(vf_min(y[0], y[1]), y[2]), vf_max(vf_max(y[0], y[1]), y[2]), job->last_y, &b.y0, &b.y1);
+    pixel_range(vf_min(vf_min(x[0], x[1]), x[2]), vf_max(vf_max(x[0], x[1]), x[2]), job->last_x, job->last_x, &b.x0, &b.x1);
+    pixel_range(vf_min(vf_min(y[0], y[1]), y[2]), vf_max(vf_max(y[0], y[1]), y[2]), job->last_y, job->last_y, &b.y0, &b.y1);
     vbits lanes = vbits_first((int)count), right = lanes & vm_bits(vi_lt(b.x0, b.x1)), below = lanes & vm_bits(vi_lt(b.y0, b.y1));
     s.triangle = vi_load(&from->triangle[at]);
     small_setup(job, x, y, scale, b.x0, b.y0, &s);
