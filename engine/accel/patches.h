@@ -15,10 +15,10 @@ enum { DAFT_PATCH = 16, DAFT_PATCH_LEVELS = 3 };
 typedef struct daft_patch {
     float corner[3][DAFT_PATCH];
     uint8_t at[3][DAFT_PATCH];
-    uint32_t triangle[DAFT_PATCH];
     uint16_t there, one_sided;
     float edge;
     uint32_t none[2];
+    uint32_t triangle[DAFT_PATCH]; /* last: many are left out before their numbers are read */
 } daft_patch;
 
 /* Sixteen items of a level, side by side: all that one of the level above consists of. ball: the centre's x, y and z, then the radius, whole

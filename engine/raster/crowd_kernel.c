@@ -141,7 +141,7 @@ typedef struct spans {
 DAFT_INLINE vm span_of(vf at, vf reach, float last, vi *first, vi *end)
 {
     vf zero = vf_set(0), most = vf_set(last);
-    vf low = vf_min(vf_max(at - reach, zero), most), high = vf_min(vf_max(at + reach, zero), most);
+    vf low = vf_min(vf_max(at - reach, zero), vf_set(2 * DAFT_TILE)), high = vf_min(at + reach, most);
     *first = vi_truncate(low + vf_set(1 - 0x1p-8f)), *end = vi_truncate(high);
     vm none = vi_lt(*end, *first);
     *first = vi_select(none, *end, *first);
@@ -202,7 +202,7 @@ DAFT_INLINE void add_sights(const daft_tile_job *job, const daft_member *w, int 
     discs d = balls_project(job, w, &b);
     spans s = level ? disc_spans(job, &d) : ellipse_spans(job, w, &b, &d, &w->patches->shapes[above], at);
     vbits lanes = DAFT_VL == DAFT_PATCH || left > 0 ? vbits_first(left) : 0; /* an item of the level above holds one or more */
-    lanes &= ~vm_bits(vm_or(vm_or(d.apart, away(w, o, at)), s.none));
+    lanes &= ~vm_bits(level ? vm_or(vm_or(d.apart, away(w, o, at)), s.none) : vm_or(away(w, o, at), s.none));
     vf z = d.z - (b.radius * vf_set(w->z_reach[0]) + vf_set(w->z_reach[1]));
     vf nearest = vf_select(vf_lt(vf_set(0), z), vf_rough_reciprocal(z) * vf_set(1 + 0x1p-10f), vf_set(INFINITY));
     vi_compress(&out->what[out->count], lanes, vi_set((int32_t)(first | w->tag)) + vi_iota());

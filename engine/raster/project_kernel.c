@@ -18,10 +18,10 @@
 
 enum { PATCH_PARTS = DAFT_PATCH / DAFT_VL };
 
-/* The pixels within low..high and the slack, or but for a part in 2^8 there; none: end is below first, which is no larger than `most`. */
+/* The pixels within low..high and the slack, or but for a part in 2^12 there; none: end is below first, which is no larger than `most`. */
 DAFT_INLINE void pixel_range(vf low, vf high, float last, float most, vi *first, vi *end)
 {
-    vf slack = vf_set(DAFT_SCREEN_SLACK), up = vf_set(1 - 0x1p-8f - DAFT_SCREEN_SLACK);
+    vf slack = vf_set(DAFT_SCREEN_SLACK), up = vf_set(1 - 0x1p-12f - DAFT_SCREEN_SLACK);
     *first = vi_truncate(vf_min(vf_max(low + up, vf_set(0)), vf_set(most)));
     *end = vi_truncate(vf_min(high + slack, vf_set(last)));
 }
@@ -178,7 +178,7 @@ DAFT_INLINE vi words_span(const vi at[3], vw last)
 {
     const int slack = (int)(DAFT_SCREEN_SLACK * PARTS) + 2;
     vw low = vw_min(vw_min((vw)at[0], (vw)at[1]), (vw)at[2]), high = vw_max(vw_max((vw)at[0], (vw)at[1]), (vw)at[2]);
-    vw first = vw_max((low + vw_set(PARTS - PARTS / 256 - slack, PARTS - PARTS / 256 - slack)) >> PARTS_SHIFT, vw_set(-MIDDLE, -MIDDLE));
+    vw first = vw_max((low + vw_set(PARTS - slack, PARTS - slack)) >> PARTS_SHIFT, vw_set(-MIDDLE, -MIDDLE));
     return (vi)(vw_min((high + vw_set(slack, slack)) >> PARTS_SHIFT, last) - first);
 }
 
@@ -199,7 +199,7 @@ static void find_spots(const lens *v, const daft_member *m, const uint32_t *patc
     for (uint32_t i = 0; i < w->count; i++) {
         const daft_patch *p = w->patch[i] = &all[patches[i]];
         moved at;
-        __builtin_prefetch(&p->at), __builtin_prefetch(&p->there); /* for the next steps */
+        __builtin_prefetch(&p->at); /* for the next step */
         patch_move(v, p, &at);
         for (int part = 0; part < PATCH_PARTS; part++) {
             spot s = spot_of(v, &(vf3){at.x[part], at.y[part], at.z[part]});
