@@ -43,6 +43,10 @@ static void check_triangles(const fixture_mesh *m, const daft_patches *all, cons
             const float from[3] = {m->mesh.x[vertex], m->mesh.y[vertex], m->mesh.z[vertex]}, to[3] = {p->corner[0][at], p->corner[1][at], p->corner[2][at]};
             assert_memory_equal(from, to, sizeof from);
         }
+        for (int k = 0; k < 3; k++) {
+            daft_dvec3 d = daft_dsub(corner_of(p, k, t), corner_of(p, (k + 1) % 3, t));
+            assert_true(daft_ddot(d, d) <= (double)p->edge * (double)p->edge && p->edge <= all->edge);
+        }
         seen[triangle] = 1, count++;
     }
     assert_int_equal(count, m->mesh.triangle_count);
@@ -100,7 +104,7 @@ static double check_patches(const fixture_mesh *m)
         assert_int_equal(all.level[level].count, (count + each - 1) / each);
         for (uint32_t i = 0; i < all.level[level].count; i++) {
             double full = check_ball(&all, level, i, i * each, daft_min_u((i + 1) * each, count));
-            if (level == 0) assert_true(full > 0.99);
+            if (level == 0) assert_true(full > 0.99 && radius_of(&all, 0, i) <= (double)all.radius);
         }
     }
     for (uint32_t i = 0; i < count; i++) assert_true(check_shape(&all, i) < 4);

@@ -21,9 +21,6 @@ typedef struct show {
     const daft_crowd *crowd;
 } show;
 
-enum { TAG_SHIFT = 32 - DAFT_CROWD_BITS };
-#define ITEM ((1u << TAG_SHIFT) - 1)
-
 /* Balls that hold rays: what they are of, and of which member, the pixels of the tile, and the largest w. */
 typedef struct sights {
     uint32_t count;
@@ -81,7 +78,7 @@ static bool member_begin(daft_member *w, const daft_tile_job *job, const daft_se
     w->seen = seen;
     w->glance = daft_glance_of(seen->bvh->sides, &seen->outlook);
     const daft_patches *balls = w->patches = &seen->bvh->sides->patches;
-    if (balls->level[0].count + 2 * DAFT_PATCH > ITEM) return false;
+    if (balls->level[0].count + 2 * DAFT_PATCH > DAFT_ITEM) return false;
     for (int i = 0; i < 4; i++) {
         float at[3];
         for (int k = 0; k < 3; k++)
@@ -227,22 +224,13 @@ DAFT_INLINE uint32_t not_hidden(const show *w, const sights *s, uint32_t *out)
 
 /* ---- patches ---- */
 
-/* Up to DAFT_LEAVES of them at a time, member by member. */
-static void draw_patches(show *w, uint32_t *patches, uint32_t count)
+/* Up to DAFT_LEAVES of them at a time. */
+static void draw_patches(show *w, const uint32_t *patches, uint32_t count)
 {
     daft_projected *projected = &w->waiting->projected;
-    uint32_t runs = 0;
-    for (uint32_t k = 0; k < DAFT_CROWD; k++) projected->run[k] = INT32_MAX;
-    for (uint32_t i = 0, end; i < count; i = end) {
-        uint32_t tag = patches[i] & ~ITEM;
-        for (end = i; end < count && (patches[end] & ~ITEM) == tag; end++) patches[end] &= ITEM;
-        projected->seen[runs] = w->crowd->members[tag >> TAG_SHIFT].seen, projected->run[runs] = projected->count;
-        DAFT_KERNEL(daft_patches_project)(w->job, &w->crowd->members[tag >> TAG_SHIFT], &patches[i], end - i, w->waiting);
-        runs++;
-    }
-    projected->run_count = runs;
-    while (projected->count) DAFT_KERNEL(daft_projected_take)(w->job, projected, &w->waiting->hits);
-    DAFT_KERNEL(daft_hits_draw)(w->job, projected->seen, &w->waiting->hits);
+    DAFT_KERNEL(daft_patches_project)(w->job, w->crowd, patches, count, w->waiting);
+    DAFT_KERNEL(daft_projected_hits)(w->job, projected, &w->waiting->hits);
+    DAFT_KERNEL(daft_hits_draw)(w->job, projected, &w->waiting->hits);
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 
@@ -267,7 +255,7 @@ static void take_clusters(show *w, sights *clusters, sights *patches)
     clusters->count = 0;
     w->job->counters->nodes += count;
     for (uint32_t i = 0; i < count; i++) {
-        add_outlines(w, &w->crowd->members[list[i] >> TAG_SHIFT], 0, list[i] & ITEM, patches);
+        add_outlines(w, &w->crowd->members[list[i] >> DAFT_TAG_SHIFT], 0, list[i] & DAFT_ITEM, patches);
         if (patches->count > LISTED - DAFT_PATCH) take_patches(w, patches);
     }
 }
@@ -275,7 +263,7 @@ static void take_clusters(show *w, sights *clusters, sights *patches)
 static void take_groups(show *w, sights *groups, sights *clusters, sights *patches)
 {
     for (uint32_t i = 0; i < groups->count; i++) {
-        add_outlines(w, &w->crowd->members[groups->what[i] >> TAG_SHIFT], 1, groups->what[i] & ITEM, clusters);
+        add_outlines(w, &w->crowd->members[groups->what[i] >> DAFT_TAG_SHIFT], 1, groups->what[i] & DAFT_ITEM, clusters);
         if (clusters->count > LISTED - DAFT_PATCH) take_clusters(w, clusters, patches);
     }
     groups->count = 0;
@@ -285,7 +273,7 @@ bool DAFT_KERNEL(daft_crowd_add)(const daft_tile_job *job, const daft_seen *seen
 {
     daft_member *m = &crowd->members[crowd->count];
     if (!member_begin(m, job, seen)) return false;
-    m->tag = crowd->count++ << TAG_SHIFT;
+    m->tag = crowd->count++ << DAFT_TAG_SHIFT;
     return true;
 }
 

@@ -445,37 +445,51 @@ static vbits draw_thin(daft_tile_job *j, const daft_pencil_batch *b, vbits some)
     return some;
 }
 
-static void fetch_doubted(const daft_seen *const *all, daft_hits *h)
+static void fetch_doubted(const daft_projected *from, daft_hits *h)
 {
-    for (uint32_t i = 0; i < h->doubted; i++) {
-        const daft_trimesh *mesh = all[h->doubted_run[i]]->mesh;
-        const uint32_t *corner = &mesh->indices[3 * (size_t)h->doubted_triangle[i]];
+    for (uint32_t i = 0; i < h->doubted_count; i++) {
+        const daft_trimesh *mesh = from->seen[from->member[h->doubted[i]]]->mesh;
+        const uint32_t *corner = &mesh->indices[3 * (size_t)from->triangle[h->doubted[i]]];
         for (int k = 0; k < 3; k++)
             __builtin_prefetch(&mesh->x[corner[k]]), __builtin_prefetch(&mesh->y[corner[k]]), __builtin_prefetch(&mesh->z[corner[k]]);
     }
-    h->doubted = 0;
+    h->doubted_count = 0;
 }
 
-void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, const daft_seen *const *all, daft_hits *h)
+static __attribute__((noinline)) void look_closely_at(daft_tile_job *j, int at, const thing *t, bool sure, float low, float high)
 {
-    fetch_doubted(all, h);
-    if (h->count) j->tile->one_thing = false;
-    for (uint32_t k = 0; k < h->count; k++) {
-        uint32_t at = h->place[k] & (DAFT_HIT_UNSURE - 1);
-        bool sure = !(h->place[k] & DAFT_HIT_UNSURE);
-        const daft_seen *seen = all[h->place[k] >> DAFT_HIT_RUN];
-        float low = h->low[k], high = j->exact ? h->high[k] : low;
+    if (sure || lane_hit(j, at, t)) lane_offer(j, at, t, low, high);
+}
+
+DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_projected *from, const daft_hits *h)
+{
+    uint32_t *instance = j->tile->instance, *triangle = j->tile->triangle;
+    for (uint32_t k = 0, count = h->count; k < count; k++) {
+        uint32_t hit = h->place[k], at = hit & (DAFT_HIT_UNSURE - 1), number = hit >> DAFT_HIT_TRIANGLE;
+        float low = h->low[k], high = exact ? h->high[k] : low;
         if (high < j->w_low[at]) continue;
+        const daft_seen *seen = from->seen[from->member[number]];
+        bool sure = !exact || !(hit & DAFT_HIT_UNSURE);
         j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
         if (__builtin_expect(sure && low > j->w_high[at], 1)) {
             j->w_low[at] = low, j->w_high[at] = high;
-            j->tile->instance[at] = seen->index, j->tile->triangle[at] = h->triangle[k];
+            instance[at] = seen->index, triangle[at] = from->triangle[number];
             continue;
         }
-        const thing t = {seen, h->triangle[k]};
-        if (sure || lane_hit(j, (int)at, &t)) lane_offer(j, (int)at, &t, low, high);
+        const thing t = {seen, from->triangle[number]};
+        look_closely_at(j, (int)at, &t, sure, low, high);
     }
-    h->count = 0;
+}
+
+void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, daft_projected *from, daft_hits *h)
+{
+    fetch_doubted(from, h);
+    if (h->count) j->tile->one_thing = false;
+    if (j->exact)
+        hits_draw_as(j, true, from, h);
+    else
+        hits_draw_as(j, false, from, h);
+    h->count = from->count = 0;
 }
 
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)

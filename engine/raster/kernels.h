@@ -42,23 +42,23 @@ enum { DAFT_LEAVES = 64, DAFT_LEAVES_ROOM = DAFT_LEAVES + DAFT_VL };
 enum { DAFT_WAITING_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + 3 * DAFT_VL };
 #define DAFT_WAITS_ONE_SIDED 0x80u /* in `pixels`: hits on its back do not count */
 #define DAFT_WAITS_TURNED 0x40u    /* its front is where det(corners) is negative */
-/* Small triangles in the picture whose boxes hold rays; scale: the focal length over z. They are in runs, of an instance each: run[k] is where
- * the k-th begins, and beyond the last one over any place. */
+/* Small triangles in the picture whose boxes hold rays, of up to DAFT_CROWD instances; scale: the focal length over z. */
 enum { DAFT_CROWD_BITS = 3, DAFT_CROWD = 1 << DAFT_CROWD_BITS };
 typedef struct daft_projected {
-    uint32_t count, run_count, run[DAFT_CROWD];
-    const daft_seen *seen[DAFT_CROWD]; /* of each run */
+    uint32_t count;
+    const daft_seen *seen[DAFT_CROWD];
     float x[3][DAFT_WAITING_ROOM], y[3][DAFT_WAITING_ROOM], scale[3][DAFT_WAITING_ROOM];
     uint32_t triangle[DAFT_WAITING_ROOM];
+    uint8_t member[DAFT_WAITING_ROOM]; /* which of `seen` it is of */
 } daft_projected;
 
-/* Pixels whose rays such triangles meet, or, where it says so, may meet; above the place is the number of the run. Of those that may, some
- * are named once more: what decides them is fetched before it is asked for. */
-enum { DAFT_HITS_ROOM = 4 * DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + DAFT_VL, DAFT_HIT_RUN = 16, DAFT_DOUBTED = 32 };
+/* Pixels whose rays such triangles meet, or, where it says so, may meet; above the place is the triangle's number among those projected. Of
+ * those that may, some are named once more: what decides them is fetched before it is asked for. */
+enum { DAFT_HITS_ROOM = 4 * DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + DAFT_VL, DAFT_HIT_TRIANGLE = 16, DAFT_DOUBTED = 32 };
 #define DAFT_HIT_UNSURE 0x8000u
 typedef struct daft_hits {
-    uint32_t count, doubted, doubted_run[DAFT_DOUBTED], doubted_triangle[DAFT_DOUBTED];
-    uint32_t place[DAFT_HITS_ROOM], triangle[DAFT_HITS_ROOM];
+    uint32_t count, doubted_count, doubted[DAFT_DOUBTED];
+    uint32_t place[DAFT_HITS_ROOM];
     float low[DAFT_HITS_ROOM], high[DAFT_HITS_ROOM]; /* of w; in inexact modes, low alone counts */
 } daft_hits;
 
@@ -76,7 +76,7 @@ typedef struct daft_waiting {
 typedef struct daft_member {
     const daft_seen *seen;
     const daft_patches *patches;
-    uint32_t tag;               /* its number in the crowd, above those of what it consists of */
+    uint32_t tag;               /* its number in the crowd, at DAFT_TAG_SHIFT, above those of what it consists of */
     float ball[12];             /* a ball's centre to x and y in pixels times z, and z; then the translation */
     float reach[2], z_reach[2]; /* its radius to pixels times z and to z, and what is added */
     float shape[3][DAFT_SHAPE]; /* a patch's to its ellipse's xx, xy and yy at the bounds' nearest z */
@@ -84,6 +84,9 @@ typedef struct daft_member {
     float doubt[2];             /* a patch's longest edge to 4D of its triangles (project_kernel.c), and what is added */
     daft_glance glance;
 } daft_member;
+
+enum { DAFT_TAG_SHIFT = 32 - DAFT_CROWD_BITS };
+#define DAFT_ITEM ((1u << DAFT_TAG_SHIFT) - 1)
 
 /* Instances that are drawn together. */
 typedef struct daft_crowd {
@@ -104,12 +107,12 @@ typedef struct daft_pencil_batch {
 /* project_kernel.c: blocks of one instance, by number. Those whose boxes are of two pixels a side at most are projected, others
  * wait. */
 void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count, daft_waiting *out);
-/* The same of patches of a crowd's member, all of them in front of the camera. */
-void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_member *member, const uint32_t *patches, uint32_t count, daft_waiting *out);
+/* The same of patches of a crowd, all of them in front of the camera: numbers and tags, those of a member one after the other. */
+void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_crowd *crowd, const uint32_t *patches, uint32_t count, daft_waiting *out);
 /* No less than the R of project_kernel.c, but for twice a triangle's extent. */
 DAFT_INLINE float daft_tile_reach(const daft_tile_job *job) { return (job->max_dx > job->max_dy ? job->max_dx : job->max_dy) + 2 * DAFT_TILE; }
-/* Takes up to DAFT_VL of those projected. */
-void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, daft_projected *from, daft_hits *out);
+/* The pixels of those projected. */
+void DAFT_KERNEL(daft_projected_hits)(const daft_tile_job *job, const daft_projected *from, daft_hits *out);
 /* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks. True: many or large ones of them may be seen and make a batch. False: few, and those wait. */
 bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
                                     daft_waiting *waiting, daft_pencil_batch *batch);
@@ -129,8 +132,8 @@ void DAFT_KERNEL(daft_crowd_draw)(daft_tile_job *job, daft_crowd *crowd, daft_wa
 void DAFT_KERNEL(daft_waiting_draw)(daft_tile_job *job, daft_waiting *waiting);
 /* Whether the pixels x0..x1, y0..y1 of the tile all see something whose w is above `nearest`. */
 bool DAFT_KERNEL(daft_pixels_hidden)(daft_tile_job *job, int x0, int x1, int y0, int y1, float nearest);
-/* draw_kernel.c. seen: of each run that was projected. */
-void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, const daft_seen *const *seen, daft_hits *hits);
+/* draw_kernel.c: draws these, and none of them are left. */
+void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, daft_projected *from, daft_hits *hits);
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
 /* The first batch of a tile, whose pixels are not cleared yet: a triangle that every ray hits fills it, and leaves the batch. False: none
  * does, and nothing is known of the pixels. */

@@ -185,60 +185,70 @@ DAFT_INLINE vi words_span(const vi at[3], vw last)
 /* Patches at work, in steps. Small and large triangles that may be seen are found by parts of patches: part k of patch i is i·PATCH_PARTS + k. */
 typedef struct patch_work {
     uint32_t count;
+    bool some_large;
     const daft_patch *patch[DAFT_LEAVES];
-    float doubt[DAFT_LEAVES]; /* no more than -4D of any of its triangles */
+    uint8_t member[DAFT_LEAVES];
+    float side[DAFT_LEAVES + DAFT_VL]; /* the sign of fronts' areas */
+    float doubt[DAFT_LEAVES];          /* no more than -4D of any of its triangles */
     _Alignas(4 * DAFT_VL) float x[DAFT_LEAVES][DAFT_PATCH], y[DAFT_LEAVES][DAFT_PATCH], scale[DAFT_LEAVES][DAFT_PATCH]; /* corners: spots */
     int32_t words[DAFT_LEAVES][DAFT_PATCH];
     vbits small[DAFT_LEAVES * PATCH_PARTS], large[DAFT_LEAVES * PATCH_PARTS];
 } patch_work;
 
-static void find_spots(const lens *v, const daft_member *m, const uint32_t *patches, patch_work *w)
+/* A member's patches, from one on. */
+static void find_spots(const daft_tile_job *job, const daft_member *m, const uint32_t *patches, uint32_t count, patch_work *w)
 {
+    const lens v = lens_of(job, m->seen);
     const daft_patch *all = m->patches->items;
     const float doubt[2] = {-m->doubt[0], -m->doubt[1]};
-    for (uint32_t i = 0; i < w->count; i++) {
-        const daft_patch *p = w->patch[i] = &all[patches[i]];
+    const uint32_t before = w->count;
+    for (uint32_t k = 0, i = before; k < count; k++, i++) {
+        const daft_patch *p = w->patch[i] = &all[patches[k] & DAFT_ITEM];
         moved at;
         __builtin_prefetch(&p->at); /* for the next step */
-        patch_move(v, p, &at);
+        patch_move(&v, p, &at);
         for (int part = 0; part < PATCH_PARTS; part++) {
-            spot s = spot_of(v, &(vf3){at.x[part], at.y[part], at.z[part]});
+            spot s = spot_of(&v, &(vf3){at.x[part], at.y[part], at.z[part]});
             vf_store(&w->x[i][part * DAFT_VL], s.x), vf_store(&w->y[i][part * DAFT_VL], s.y), vf_store(&w->scale[i][part * DAFT_VL], s.scale);
             vi_store(&w->words[i][part * DAFT_VL], words_of(s.x, s.y));
         }
         w->doubt[i] = p->edge * doubt[0] + doubt[1];
     }
+    memset(&w->member[before], (int)(m->tag >> DAFT_TAG_SHIFT), count);
+    for (uint32_t k = 0; k < count; k += DAFT_VL) vf_store(&w->side[before + k], vf_set((float)v.front));
+    w->count = before + count;
 }
 
-/* Which triangles may be seen. Turned instances, whose fronts have a negative area, have two corners exchanged. */
-static void find_seen(const lens *v, patch_work *w, uint64_t *tested)
+/* Which triangles may be seen. */
+static void find_seen(const daft_tile_job *job, patch_work *w)
 {
-    const int second = v->front < 0 ? 2 : 1;
-    const vbits may_be_small = v->closely ? 0 : DAFT_ALL_LANES;
-    const vw last = vw_set((int)v->last_x - MIDDLE, (int)v->last_y - MIDDLE);
+    const vbits may_be_small = job->raster->pencil.intersection == DAFT_INTERSECT_WATERTIGHT ? 0 : DAFT_ALL_LANES;
+    const vw last = vw_set((int)job->last_x - MIDDLE, (int)job->last_y - MIDDLE);
     const vi none = vi_set(0), more = vi_set(~0x00010001), below = vi_set(INT32_MIN | 0x8000);
-    uint32_t sum = 0;
+    uint32_t tested = 0;
+    vbits some_large = 0;
     for (uint32_t i = 0; i < w->count; i++) {
         const daft_patch *p = w->patch[i];
-        const uint8_t *at[3] = {p->at[0], p->at[second], p->at[3 - second]};
-        sum += (uint32_t)__builtin_popcount(p->there);
+        tested += (uint32_t)__builtin_popcount(p->there);
         for (uint32_t part = 0; part < PATCH_PARTS; part++) {
             vf x[3], y[3];
             vi words[3];
             for (int k = 0; k < 3; k++) {
-                vi which = vi_load_bytes(&at[k][part * DAFT_VL]);
+                vi which = vi_load_bytes(&p->at[k][part * DAFT_VL]);
                 x[k] = vf_lookup16(w->x[i], which), y[k] = vf_lookup16(w->y[i], which);
                 words[k] = (vi)vf_lookup16((const float *)(const void *)w->words[i], which);
             }
             vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
-            vbits back = vm_bits(vf_lt(area, vf_set(w->doubt[i])));
+            vbits back = vm_bits(vf_lt(area * vf_set(w->side[i]), vf_set(w->doubt[i])));
             vi span = words_span(words, last);
             vbits lanes = (p->there & ~(p->one_sided & back << (part * DAFT_VL))) >> (part * DAFT_VL) & vm_bits(vi_eq(span & below, none));
-            vbits little = vm_bits(vi_eq(span & more, none)) & may_be_small;
-            w->small[i * PATCH_PARTS + part] = lanes & little, w->large[i * PATCH_PARTS + part] = lanes & ~little;
+            vbits little = vm_bits(vi_eq(span & more, none)) & may_be_small, large = lanes & ~little;
+            w->small[i * PATCH_PARTS + part] = lanes & little, w->large[i * PATCH_PARTS + part] = large;
+            some_large |= large;
         }
     }
-    *tested += sum;
+    job->counters->tested += tested;
+    w->some_large = some_large != 0;
 }
 
 /* Those parts with some: which they are cannot be guessed. */
@@ -264,44 +274,55 @@ static void add_small_ones(const patch_work *w, daft_projected *out)
             vi which = vi_load_bytes(&p->at[corner][first]);
             at[corner] = (spot){vf_lookup16(w->x[i], which), vf_lookup16(w->y[i], which), vf_lookup16(w->scale[i], which)};
         }
+        memset(&out->member[n], w->member[i], DAFT_VL);
         n = add_small(out, n, at, vi_load(&p->triangle[first]), w->small[list[k]]);
     }
     out->count = n;
 }
 
-static void add_large_ones(const lens *v, const daft_seen *seen, const patch_work *w, daft_waiting *out)
+/* Of patches from one on, all of one member. */
+static void add_large_ones(const daft_tile_job *job, const daft_seen *seen, const patch_work *w, uint32_t from, uint32_t patches, daft_waiting *out)
 {
-    uint32_t list[DAFT_LEAVES * PATCH_PARTS + DAFT_VL], count = list_parts(w->large, w->count * PATCH_PARTS, list);
+    const lens v = lens_of(job, seen);
+    uint32_t list[DAFT_LEAVES * PATCH_PARTS + DAFT_VL], count = list_parts(&w->large[from * PATCH_PARTS], patches * PATCH_PARTS, list);
     for (uint32_t k = 0; k < count; k++) {
-        uint32_t i = list[k] / PATCH_PARTS, first = list[k] % PATCH_PARTS * DAFT_VL;
+        uint32_t number = from * PATCH_PARTS + list[k], i = number / PATCH_PARTS, first = number % PATCH_PARTS * DAFT_VL;
         const daft_patch *p = w->patch[i];
         moved m;
         vf3 corner[3];
         spot at[3];
         box pixels;
         vbits little, sides = p->one_sided >> first;
-        patch_move(v, p, &m);
+        patch_move(&v, p, &m);
         for (int c = 0; c < 3; c++) {
             vi which = vi_load_bytes(&p->at[c][first]);
             corner[c] = (vf3){vf_pick16(m.x, which), vf_pick16(m.y, which), vf_pick16(m.z, which)};
             at[c].x = vf_lookup16(w->x[i], which), at[c].y = vf_lookup16(w->y[i], which);
         }
-        vbits lanes = w->large[list[k]] & may_be_seen(v, at, sides, NULL, &pixels, &little);
-        add_large(out, v, corner, box_bytes(&pixels), sides, seen->index, vi_load(&p->triangle[first]), lanes);
+        vbits lanes = w->large[number] & may_be_seen(&v, at, sides, NULL, &pixels, &little);
+        add_large(out, &v, corner, box_bytes(&pixels), sides, seen->index, vi_load(&p->triangle[first]), lanes);
     }
 }
 
 /* One step for all patches before the next: each is a chain of operations that wait for one another, and a processor looks no further
  * ahead than to some hundred. */
-void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_member *member, const uint32_t *patches, uint32_t count, daft_waiting *out)
+void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_crowd *crowd, const uint32_t *patches, uint32_t count, daft_waiting *out)
 {
-    const lens v = lens_of(job, member->seen);
+    uint32_t first[DAFT_CROWD + 1], runs = 0;
+    const daft_member *member[DAFT_CROWD];
     patch_work w;
-    w.count = count;
-    find_spots(&v, member, patches, &w);
-    find_seen(&v, &w, &job->counters->tested);
+    w.count = 0;
+    for (uint32_t i = 0, end; i < count; i = end) {
+        uint32_t number = patches[i] >> DAFT_TAG_SHIFT;
+        for (end = i + 1; end < count && patches[end] >> DAFT_TAG_SHIFT == number;) end++;
+        member[runs] = &crowd->members[number], first[runs] = i;
+        out->projected.seen[number] = member[runs]->seen;
+        find_spots(job, member[runs], &patches[i], end - i, &w);
+        first[++runs] = end;
+    }
+    find_seen(job, &w);
     add_small_ones(&w, &out->projected);
-    add_large_ones(&v, member->seen, &w, out);
+    for (uint32_t r = 0; w.some_large && r < runs; r++) add_large_ones(job, member[r]->seen, &w, first[r], first[r + 1] - first[r], out);
 }
 
 /* ---- pixels ---- */
@@ -312,33 +333,35 @@ typedef struct small {
     vf a[2][3], b[2][3], doubt;
     vf base, slope[2];
     vf least, most, error; /* of w; only where floats are to be sure */
-    vi place, triangle;
 } small;
 
-/* Adds the lanes that cover the pixel `right` and `below` of their first one. Gives those that may. */
-DAFT_INLINE vbits add_hits(const daft_tile_job *job, const small *s, int right, int below, vbits lanes, daft_hits *out)
+enum { PIXELS = 4, ABREAST = 8 /* registers */ };
+
+/* Registers of triangles: of each of their first pixel, its right neighbour and the two below, which of them cover it, or may, and w. */
+typedef struct coverage {
+    _Alignas(4 * DAFT_VL) float low[ABREAST][PIXELS][DAFT_VL], high[ABREAST][PIXELS][DAFT_VL];
+    int32_t place[ABREAST][DAFT_VL];
+    vbits lanes[ABREAST][PIXELS], unsure[ABREAST][PIXELS];
+} coverage;
+
+DAFT_INLINE void cover_pixel(bool exact, const small *s, int pixel, vbits lanes, coverage *c, uint32_t i)
 {
     vf e[3];
-    edges_at(s->a[right], s->b[below], e);
-    vf inner = vf_min(vf_min(e[0], e[1]), e[2]), w = s->base + (e[1] * s->slope[0] + e[2] * s->slope[1]), low = w, high = w;
-    vi place = s->place + vi_set(below * DAFT_TILE_STRIDE + right);
-    vbits unsure = 0;
-    if (job->exact) {
+    edges_at(s->a[pixel & 1], s->b[pixel >> 1], e);
+    vf inner = vf_min(vf_min(e[0], e[1]), e[2]), w = s->base + (e[1] * s->slope[0] + e[2] * s->slope[1]), low = w;
+    if (exact) {
         lanes &= vm_bits(vf_le(vf_set(-2.25f) * s->doubt, inner));
         vm sure = vf_le(s->doubt, inner);
-        low = vf_select(sure, w - s->error, s->least), high = vf_select(sure, w + s->error, s->most);
-        place = vi_select(sure, place, place | vi_set(DAFT_HIT_UNSURE)), unsure = lanes & ~vm_bits(sure);
-        vf_compress(&out->high[out->count], lanes, high);
+        low = vf_select(sure, w - s->error, s->least);
+        vf_store(c->high[i][pixel], vf_select(sure, w + s->error, s->most));
+        c->unsure[i][pixel] = lanes & ~vm_bits(sure);
     } else
         lanes &= vm_bits(vf_le(vf_set(0), inner));
-    vi_compress(&out->place[out->count], lanes, place);
-    vi_compress(&out->triangle[out->count], lanes, s->triangle);
-    vf_compress(&out->low[out->count], lanes, low);
-    out->count += (uint32_t)__builtin_popcount(lanes);
-    return unsure;
+    vf_store(c->low[i][pixel], low);
+    c->lanes[i][pixel] = lanes;
 }
 
-DAFT_INLINE void small_setup(const daft_tile_job *job, const vf x[3], const vf y[3], const vf scale[3], vi x0, vi y0, small *s)
+DAFT_INLINE void small_setup(const daft_tile_job *job, bool exact, const vf x[3], const vf y[3], const vf scale[3], vi x0, vi y0, small *s)
 {
     vf px = vf_from_int(x0), py = vf_from_int(y0), one = vf_set(1), e[3], over_focal = vf_set(1 / job->raster->pencil.focal);
     for (int k = 0; k < 3; k++) s->a[0][k] = x[k] - px, s->b[0][k] = y[k] - py;
@@ -351,8 +374,7 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, const vf x[3], const vf y
     }
     vf inverse = over_focal / vf_abs(area);
     s->base = scale[0] * over_focal, s->slope[0] = (scale[1] - scale[0]) * inverse, s->slope[1] = (scale[2] - scale[0]) * inverse;
-    s->place = y0 * DAFT_TILE_STRIDE + x0;
-    if (!job->exact) return;
+    if (!exact) return;
     vf extent = vf_max(vf_max(x[0], x[1]), x[2]) - vf_min(vf_min(x[0], x[1]), x[2]);
     extent += vf_max(vf_max(y[0], y[1]), y[2]) - vf_min(vf_min(y[0], y[1]), y[2]);
     vf least = vf_min(vf_min(scale[0], scale[1]), scale[2]), most = vf_max(vf_max(scale[0], scale[1]), scale[2]);
@@ -361,47 +383,69 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, const vf x[3], const vf y
     s->least = least * over_focal * vf_set(1 - 16 * UNIT), s->most = most * over_focal * vf_set(1 + 16 * UNIT);
 }
 
-/* The numbers of runs, at places from `at` on. */
-DAFT_INLINE vi runs_of(const daft_projected *p, uint32_t at)
+/* Register i: the triangles from one on. */
+DAFT_INLINE void cover(const daft_tile_job *job, bool exact, const daft_projected *from, uint32_t at, coverage *c, uint32_t i)
 {
-    vi place = vi_iota() + vi_set((int32_t)at), run = vi_set(0);
-    if (p->run_count <= 1) return run;
-    for (int k = 1; k < DAFT_CROWD; k++) run = vi_select(vi_lt(place, vi_set((int32_t)p->run[k])), run, vi_set(k));
-    return run;
-}
-
-/* The numbers of their corners are on their way from memory from now on. */
-static __attribute__((noinline)) void add_doubted(const daft_projected *from, vi run, vi triangle, vbits lanes, daft_hits *out)
-{
-    uint32_t runs[DAFT_VL], triangles[DAFT_VL];
-    vi_store(runs, run), vi_store(triangles, triangle);
-    for (; lanes && out->doubted < DAFT_DOUBTED; lanes &= lanes - 1, out->doubted++) {
-        int i = __builtin_ctz(lanes);
-        __builtin_prefetch(&from->seen[runs[i]]->mesh->indices[3 * (size_t)triangles[i]]);
-        out->doubted_run[out->doubted] = runs[i], out->doubted_triangle[out->doubted] = triangles[i];
-    }
-}
-
-void DAFT_KERNEL(daft_projected_take)(const daft_tile_job *job, daft_projected *from, daft_hits *out)
-{
-    uint32_t count = daft_min_u(from->count, DAFT_VL), at = from->count - count;
     vf x[3], y[3], scale[3];
     box b;
     small s;
     for (int k = 0; k < 3; k++) x[k] = vf_load(&from->x[k][at]), y[k] = vf_load(&from->y[k][at]), scale[k] = vf_load(&from->scale[k][at]);
     pixel_range(vf_min(vf_min(x[0], x[1]), x[2]), vf_max(vf_max(x[0], x[1]), x[2]), job->last_x, job->last_x, &b.x0, &b.x1);
     pixel_range(vf_min(vf_min(y[0], y[1]), y[2]), vf_max(vf_max(y[0], y[1]), y[2]), job->last_y, job->last_y, &b.y0, &b.y1);
-    vbits lanes = vbits_first((int)count), right = lanes & vm_bits(vi_lt(b.x0, b.x1)), below = lanes & vm_bits(vi_lt(b.y0, b.y1));
-    s.triangle = vi_load(&from->triangle[at]);
-    small_setup(job, x, y, scale, b.x0, b.y0, &s);
-    vi run = runs_of(from, at);
-    s.place |= run << DAFT_HIT_RUN;
-    job->counters->binned += count;
-    if (!job->exact) lanes &= vm_bits(vf_lt(vf_abs(s.slope[0]) + vf_abs(s.slope[1]), vf_set(INFINITY)));
-    vbits unsure = add_hits(job, &s, 0, 0, lanes, out);
-    unsure |= add_hits(job, &s, 1, 0, lanes & right, out);
-    unsure |= add_hits(job, &s, 0, 1, lanes & below, out);
-    unsure |= add_hits(job, &s, 1, 1, lanes & right & below, out);
-    if (unsure) add_doubted(from, run, s.triangle, unsure, out);
-    from->count = at;
+    vbits lanes = vbits_first((int)(from->count - at)), right = vm_bits(vi_lt(b.x0, b.x1)), below = vm_bits(vi_lt(b.y0, b.y1));
+    small_setup(job, exact, x, y, scale, b.x0, b.y0, &s);
+    if (!exact) lanes &= vm_bits(vf_lt(vf_abs(s.slope[0]) + vf_abs(s.slope[1]), vf_set(INFINITY)));
+    vi_store(c->place[i], b.y0 * DAFT_TILE_STRIDE + b.x0 + ((vi_iota() + vi_set((int32_t)at)) << DAFT_HIT_TRIANGLE));
+    cover_pixel(exact, &s, 0, lanes, c, i);
+    cover_pixel(exact, &s, 1, lanes & right, c, i);
+    cover_pixel(exact, &s, 2, lanes & below, c, i);
+    cover_pixel(exact, &s, 3, lanes & right & below, c, i);
+}
+
+/* The numbers of their corners are on their way from memory from now on. */
+static __attribute__((noinline)) void add_doubted(const daft_projected *from, const int32_t *place, vbits lanes, daft_hits *out)
+{
+    for (; lanes && out->doubted_count < DAFT_DOUBTED; lanes &= lanes - 1) {
+        uint32_t number = (uint32_t)place[__builtin_ctz(lanes)] >> DAFT_HIT_TRIANGLE;
+        __builtin_prefetch(&from->seen[from->member[number]]->mesh->indices[3 * (size_t)from->triangle[number]]);
+        out->doubted[out->doubted_count++] = number;
+    }
+}
+
+DAFT_INLINE uint32_t add_hits(bool exact, const coverage *c, uint32_t i, int pixel, uint32_t n, daft_hits *out)
+{
+    vbits lanes = c->lanes[i][pixel];
+    vi place = vi_load(c->place[i]) + vi_set((pixel >> 1) * DAFT_TILE_STRIDE + (pixel & 1));
+    if (exact) {
+        place |= vi_select(vm_from_bits(c->unsure[i][pixel]), vi_set(DAFT_HIT_UNSURE), vi_set(0));
+        vf_compress(&out->high[n], lanes, vf_load(c->high[i][pixel]));
+    }
+    vi_compress(&out->place[n], lanes, place);
+    vf_compress(&out->low[n], lanes, vf_load(c->low[i][pixel]));
+    return n + (uint32_t)__builtin_popcount(lanes);
+}
+
+DAFT_INLINE void find_hits(const daft_tile_job *job, bool exact, const daft_projected *from, daft_hits *out)
+{
+    coverage c;
+    uint32_t n = out->count;
+    for (uint32_t first = 0; first < from->count; first += ABREAST * DAFT_VL) {
+        uint32_t count = daft_min_u((from->count - first + DAFT_VL - 1) / DAFT_VL, ABREAST);
+        for (uint32_t i = 0; i < count; i++) cover(job, exact, from, first + i * DAFT_VL, &c, i);
+        for (uint32_t i = 0; i < count; i++) {
+            for (int pixel = 0; pixel < PIXELS; pixel++) n = add_hits(exact, &c, i, pixel, n, out);
+            vbits unsure = exact ? c.unsure[i][0] | c.unsure[i][1] | c.unsure[i][2] | c.unsure[i][3] : 0;
+            if (unsure) add_doubted(from, c.place[i], unsure, out);
+        }
+    }
+    out->count = n;
+}
+
+void DAFT_KERNEL(daft_projected_hits)(const daft_tile_job *job, const daft_projected *from, daft_hits *out)
+{
+    job->counters->binned += from->count;
+    if (job->exact)
+        find_hits(job, true, from, out);
+    else
+        find_hits(job, false, from, out);
 }

@@ -139,7 +139,7 @@ static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t work
     uint32_t count = front_to_back(raster, tile, bins->order);
     daft_waiting waiting;
     daft_crowd crowd;
-    crowd.count = waiting.count = waiting.projected.count = waiting.hits.count = waiting.hits.doubted = 0;
+    crowd.count = waiting.count = waiting.projected.count = waiting.hits.count = waiting.hits.doubted_count = 0;
     uint32_t done = count && fill_pixels(&j, &raster->seen[(uint32_t)bins->order[0]], &waiting);
     if (!count) clear_pixels(&j);
     for (uint32_t i = done; i < count; i++) {

@@ -363,11 +363,13 @@ static void list_blocks(walk *w)
 static void draw_leaves(walk *w)
 {
     list_blocks(w);
-    w->waiting->projected.run_count = 1, w->waiting->projected.seen[0] = w->seen;
+    daft_projected *projected = &w->waiting->projected;
+    projected->seen[0] = w->seen;
     DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, w->blocks, w->block_count, w->waiting);
-    while (w->waiting->projected.count) DAFT_KERNEL(daft_projected_take)(w->job, &w->waiting->projected, &w->waiting->hits);
+    memset(projected->member, 0, projected->count);
+    DAFT_KERNEL(daft_projected_hits)(w->job, projected, &w->waiting->hits);
+    DAFT_KERNEL(daft_hits_draw)(w->job, projected, &w->waiting->hits);
     w->leaf_count = w->block_count = 0;
-    DAFT_KERNEL(daft_hits_draw)(w->job, &w->seen, &w->waiting->hits);
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
 }
 
