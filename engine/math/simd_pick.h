@@ -47,6 +47,16 @@ DAFT_INLINE vi vi_load_bytes(const uint8_t *p)
 #endif
 }
 
+/* table[which[i]] of a table in memory; bytes of 0 to 15. */
+DAFT_INLINE vf vf_pick_bytes(const float table[16], const uint8_t *which)
+{
+#if DAFT_VL > 4
+    return vf_lookup16(table, vi_load_bytes(which));
+#else
+    return (vf){table[which[0]], table[which[1]], table[which[2]], table[which[3]]};
+#endif
+}
+
 /* The larger of each. */
 DAFT_INLINE vi vi_max(vi a, vi b)
 {

@@ -234,9 +234,9 @@ static void find_seen(const daft_tile_job *job, patch_work *w)
             vf x[3], y[3];
             vi words[3];
             for (int k = 0; k < 3; k++) {
-                vi which = vi_load_bytes(&p->at[k][part * DAFT_VL]);
-                x[k] = vf_lookup16(w->x[i], which), y[k] = vf_lookup16(w->y[i], which);
-                words[k] = (vi)vf_lookup16((const float *)(const void *)w->words[i], which);
+                const uint8_t *which = &p->at[k][part * DAFT_VL];
+                x[k] = vf_pick_bytes(w->x[i], which), y[k] = vf_pick_bytes(w->y[i], which);
+                words[k] = (vi)vf_pick_bytes((const float *)(const void *)w->words[i], which);
             }
             vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
             vbits back = vm_bits(vf_lt(area * vf_set(w->side[i]), vf_set(w->doubt[i])));
@@ -271,8 +271,8 @@ static void add_small_ones(const patch_work *w, daft_projected *out)
         const daft_patch *p = w->patch[i];
         spot at[3];
         for (int corner = 0; corner < 3; corner++) {
-            vi which = vi_load_bytes(&p->at[corner][first]);
-            at[corner] = (spot){vf_lookup16(w->x[i], which), vf_lookup16(w->y[i], which), vf_lookup16(w->scale[i], which)};
+            const uint8_t *which = &p->at[corner][first];
+            at[corner] = (spot){vf_pick_bytes(w->x[i], which), vf_pick_bytes(w->y[i], which), vf_pick_bytes(w->scale[i], which)};
         }
         memset(&out->member[n], w->member[i], DAFT_VL);
         n = add_small(out, n, at, vi_load(&p->triangle[first]), w->small[list[k]]);
@@ -297,7 +297,7 @@ static void add_large_ones(const daft_tile_job *job, const daft_seen *seen, cons
         for (int c = 0; c < 3; c++) {
             vi which = vi_load_bytes(&p->at[c][first]);
             corner[c] = (vf3){vf_pick16(m.x, which), vf_pick16(m.y, which), vf_pick16(m.z, which)};
-            at[c].x = vf_lookup16(w->x[i], which), at[c].y = vf_lookup16(w->y[i], which);
+            at[c].x = vf_pick_bytes(w->x[i], &p->at[c][first]), at[c].y = vf_pick_bytes(w->y[i], &p->at[c][first]);
         }
         vbits lanes = w->large[number] & may_be_seen(&v, at, sides, NULL, &pixels, &little);
         add_large(out, &v, corner, box_bytes(&pixels), sides, seen->index, vi_load(&p->triangle[first]), lanes);
