@@ -192,7 +192,7 @@ typedef struct patch_work {
     float doubt[DAFT_LEAVES];          /* no more than -4D of any of its triangles */
     _Alignas(4 * DAFT_VL) float x[DAFT_LEAVES][DAFT_PATCH], y[DAFT_LEAVES][DAFT_PATCH], scale[DAFT_LEAVES][DAFT_PATCH]; /* corners: spots */
     int32_t words[DAFT_LEAVES][DAFT_PATCH];
-    vbits small[DAFT_LEAVES * PATCH_PARTS], large[DAFT_LEAVES * PATCH_PARTS];
+    vbits small[DAFT_LEAVES * PATCH_PARTS + DAFT_VL], large[DAFT_LEAVES * PATCH_PARTS + DAFT_VL]; /* are read by registers from anywhere */
 } patch_work;
 
 /* A member's patches, from one on. */
