@@ -481,14 +481,31 @@ DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_projected
     }
 }
 
+/* Leaves out what is hidden by now. */
+DAFT_INLINE void leave_hidden(const daft_tile_job *j, bool exact, daft_hits *h)
+{
+    uint32_t n = 0, count = h->count;
+    for (uint32_t k = 0; k < count; k += DAFT_VL) {
+        vbits lanes = vbits_first((int)(count - k));
+        vi place = vi_select(vm_from_bits(lanes), vi_load(&h->place[k]), vi_set(0));
+        vf low = vf_load(&h->low[k]), high = exact ? vf_load(&h->high[k]) : low;
+        lanes &= ~vm_bits(vf_lt(high, vf_gather(j->w_low, place & vi_set(DAFT_HIT_UNSURE - 1))));
+        vi_compress(&h->place[n], lanes, place);
+        vf_compress(&h->low[n], lanes, low);
+        if (exact) vf_compress(&h->high[n], lanes, high);
+        n += (uint32_t)__builtin_popcount(lanes);
+    }
+    h->count = n;
+}
+
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, daft_projected *from, daft_hits *h)
 {
     fetch_doubted(from, h);
     if (h->count) j->tile->one_thing = false;
     if (j->exact)
-        hits_draw_as(j, true, from, h);
+        leave_hidden(j, true, h), hits_draw_as(j, true, from, h);
     else
-        hits_draw_as(j, false, from, h);
+        leave_hidden(j, false, h), hits_draw_as(j, false, from, h);
     h->count = from->count = 0;
 }
 

@@ -182,6 +182,12 @@ DAFT_INLINE vi words_span(const vi at[3], vw last)
     return (vi)(vw_min((high + vw_set(slack, slack)) >> PARTS_SHIFT, last) - first);
 }
 
+/* A patch's corners in the picture. */
+typedef struct patch_corners {
+    _Alignas(4 * DAFT_VL) float x[DAFT_PATCH], y[DAFT_PATCH], scale[DAFT_PATCH]; /* spots */
+    int32_t words[DAFT_PATCH];
+} patch_corners;
+
 /* Patches at work, in steps. Small and large triangles that may be seen are found by parts of patches: part k of patch i is i·PATCH_PARTS + k. */
 typedef struct patch_work {
     uint32_t count;
@@ -190,8 +196,7 @@ typedef struct patch_work {
     uint8_t member[DAFT_LEAVES];
     float side[DAFT_LEAVES + DAFT_VL]; /* the sign of fronts' areas */
     float doubt[DAFT_LEAVES];          /* no more than -4D of any of its triangles */
-    _Alignas(4 * DAFT_VL) float x[DAFT_LEAVES][DAFT_PATCH], y[DAFT_LEAVES][DAFT_PATCH], scale[DAFT_LEAVES][DAFT_PATCH]; /* corners: spots */
-    int32_t words[DAFT_LEAVES][DAFT_PATCH];
+    patch_corners corners[DAFT_LEAVES];
     vbits small[DAFT_LEAVES * PATCH_PARTS + DAFT_VL], large[DAFT_LEAVES * PATCH_PARTS + DAFT_VL]; /* are read by registers from anywhere */
 } patch_work;
 
@@ -209,8 +214,8 @@ static void find_spots(const daft_tile_job *job, const daft_member *m, const uin
         patch_move(&v, p, &at);
         for (int part = 0; part < PATCH_PARTS; part++) {
             spot s = spot_of(&v, &(vf3){at.x[part], at.y[part], at.z[part]});
-            vf_store(&w->x[i][part * DAFT_VL], s.x), vf_store(&w->y[i][part * DAFT_VL], s.y), vf_store(&w->scale[i][part * DAFT_VL], s.scale);
-            vi_store(&w->words[i][part * DAFT_VL], words_of(s.x, s.y));
+            vf_store(&w->corners[i].x[part * DAFT_VL], s.x), vf_store(&w->corners[i].y[part * DAFT_VL], s.y), vf_store(&w->corners[i].scale[part * DAFT_VL], s.scale);
+            vi_store(&w->corners[i].words[part * DAFT_VL], words_of(s.x, s.y));
         }
         w->doubt[i] = p->edge * doubt[0] + doubt[1];
     }
@@ -235,8 +240,8 @@ static void find_seen(const daft_tile_job *job, patch_work *w)
             vi words[3];
             for (int k = 0; k < 3; k++) {
                 const uint8_t *which = &p->at[k][part * DAFT_VL];
-                x[k] = vf_pick_bytes(w->x[i], which), y[k] = vf_pick_bytes(w->y[i], which);
-                words[k] = (vi)vf_pick_bytes((const float *)(const void *)w->words[i], which);
+                x[k] = vf_pick_bytes(w->corners[i].x, which), y[k] = vf_pick_bytes(w->corners[i].y, which);
+                words[k] = (vi)vf_pick_bytes((const float *)(const void *)w->corners[i].words, which);
             }
             vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
             vbits back = vm_bits(vf_lt(area * vf_set(w->side[i]), vf_set(w->doubt[i])));
@@ -272,7 +277,7 @@ static void add_small_ones(const patch_work *w, daft_projected *out)
         spot at[3];
         for (int corner = 0; corner < 3; corner++) {
             const uint8_t *which = &p->at[corner][first];
-            at[corner] = (spot){vf_pick_bytes(w->x[i], which), vf_pick_bytes(w->y[i], which), vf_pick_bytes(w->scale[i], which)};
+            at[corner] = (spot){vf_pick_bytes(w->corners[i].x, which), vf_pick_bytes(w->corners[i].y, which), vf_pick_bytes(w->corners[i].scale, which)};
         }
         memset(&out->member[n], w->member[i], DAFT_VL);
         n = add_small(out, n, at, vi_load(&p->triangle[first]), w->small[list[k]]);
@@ -297,7 +302,7 @@ static void add_large_ones(const daft_tile_job *job, const daft_seen *seen, cons
         for (int c = 0; c < 3; c++) {
             vi which = vi_load_bytes(&p->at[c][first]);
             corner[c] = (vf3){vf_pick16(m.x, which), vf_pick16(m.y, which), vf_pick16(m.z, which)};
-            at[c].x = vf_pick_bytes(w->x[i], &p->at[c][first]), at[c].y = vf_pick_bytes(w->y[i], &p->at[c][first]);
+            at[c].x = vf_pick_bytes(w->corners[i].x, &p->at[c][first]), at[c].y = vf_pick_bytes(w->corners[i].y, &p->at[c][first]);
         }
         vbits lanes = w->large[number] & may_be_seen(&v, at, sides, NULL, &pixels, &little);
         add_large(out, &v, corner, box_bytes(&pixels), sides, seen->index, vi_load(&p->triangle[first]), lanes);
