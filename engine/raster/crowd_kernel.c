@@ -282,6 +282,7 @@ void DAFT_KERNEL(daft_crowd_draw)(daft_tile_job *job, daft_crowd *crowd, daft_wa
     show w = {.job = job, .waiting = waiting, .crowd = crowd};
     sights groups, clusters, patches;
     groups.count = clusters.count = patches.count = 0;
+    if (crowd->count) job->crowded = true;
     for (uint32_t i = 0; i < crowd->count; i++) {
         const daft_member *m = &crowd->members[i];
         uint32_t above = (m->patches->level[DAFT_PATCH_LEVELS - 1].count + DAFT_PATCH - 1) / DAFT_PATCH;

@@ -271,9 +271,26 @@ DAFT_INLINE void add_hits(hit_list *h, vbits lanes, vi places, vi lane, vm sure,
     h->count += (uint32_t)__builtin_popcount(lanes);
 }
 
-/* One after the other, since several may be of one pixel. */
-static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, const hit_list *h)
+/* Leaves out what is hidden by now: in a crowd it is much, and which cannot be guessed one by one. */
+static void leave_hidden_hits(const daft_tile_job *j, const daft_pencil_batch *b, hit_list *h)
 {
+    uint32_t n = 0, count = h->count;
+    for (uint32_t k = 0; k < count; k += DAFT_VL) {
+        vbits lanes = vbits_first((int)(count - k));
+        vi hit = vi_select(vm_from_bits(lanes), vi_load(&h->hit[k]), vi_set(0));
+        vf w = vf_load(&h->w[k]), high = w + vf_lookup(b->error, (hit >> HIT_LANE) & vi_set(DAFT_VL - 1));
+        lanes &= ~vm_bits(vf_lt(high, vf_gather(j->w_low, hit & vi_set((1 << HIT_LANE) - 1))));
+        vi_compress(&h->hit[n], lanes, hit);
+        vf_compress(&h->w[n], lanes, w);
+        n += (uint32_t)__builtin_popcount(lanes);
+    }
+    h->count = n;
+}
+
+/* One after the other, since several may be of one pixel. */
+static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, hit_list *h)
+{
+    if (j->crowded) leave_hidden_hits(j, b, h);
     for (uint32_t k = 0; k < h->count; k++) {
         uint32_t hit = h->hit[k], i = hit >> HIT_LANE & (DAFT_VL - 1);
         int at = (int)(hit & ((1u << HIT_LANE) - 1));
@@ -481,7 +498,7 @@ DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_projected
     }
 }
 
-/* Leaves out what is hidden by now. */
+/* The same of other hits. */
 DAFT_INLINE void leave_hidden(const daft_tile_job *j, bool exact, daft_hits *h)
 {
     uint32_t n = 0, count = h->count;
@@ -502,10 +519,13 @@ void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, daft_projected *from, daft_hi
 {
     fetch_doubted(from, h);
     if (h->count) j->tile->one_thing = false;
-    if (j->exact)
-        leave_hidden(j, true, h), hits_draw_as(j, true, from, h);
-    else
-        leave_hidden(j, false, h), hits_draw_as(j, false, from, h);
+    if (j->exact) {
+        if (j->crowded) leave_hidden(j, true, h);
+        hits_draw_as(j, true, from, h);
+    } else {
+        if (j->crowded) leave_hidden(j, false, h);
+        hits_draw_as(j, false, from, h);
+    }
     h->count = from->count = 0;
 }
 

@@ -28,6 +28,7 @@ typedef struct daft_tile_job {
     float last_x, last_y; /* its last column and row in the picture */
     float max_dx, max_dy; /* of any ray in the tile */
     bool exact;
+    bool crowded; /* a crowd is drawn, of which much is hidden */
     _Alignas(64) float dx[DAFT_TILE / DAFT_WINDOW_W][DAFT_VL]; /* of the rays of windows, by column */
     /* Every pixel's w in the cell is at least this; stale, by rows of cells: some pixel has come nearer since it was found. */
     _Alignas(64) float farthest[DAFT_CELLS_X][DAFT_CELLS_X];

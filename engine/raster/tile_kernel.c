@@ -124,7 +124,7 @@ static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *co
     j->last_x = (float)(tile->width - 1), j->last_y = (float)(tile->height - 1);
     j->max_dx = fmaxf(fabsf(first.x), fabsf(first.x + j->last_x + 3));
     j->max_dy = fmaxf(fabsf(first.y), fabsf(first.y - j->last_y - 3));
-    j->exact = raster->pencil.intersection == DAFT_INTERSECT_EXACT;
+    j->exact = raster->pencil.intersection == DAFT_INTERSECT_EXACT, j->crowded = false;
     for (int x = 0; x < DAFT_TILE; x += DAFT_WINDOW_W) vf_store(j->dx[x / DAFT_WINDOW_W], vf_set(j->left + (float)x) + vf_column());
 }
 
