@@ -20,9 +20,7 @@ DAFT_INLINE bool hidden(daft_tile_job *j, uint32_t pixels, float nearest)
     const float *w = &j->w_low[y0 * DAFT_TILE_STRIDE + x0];
     const uint8_t *row = ROWS[height];
     v8 least = v8_load(w);
-    for (int r = 0; r < 3; r++) least = v8_min(least, v8_load(w + row[r]));
-    if (height >= 4)
-        for (int r = 3; r < 7; r++) least = v8_min(least, v8_load(w + row[r]));
+    for (int r = 0; r < 7; r++) least = v8_min(least, v8_load(w + row[r])); /* without a branch on the height, which cannot be guessed */
     return !(v8_le_bits(least, v8_set(nearest)) & ((2u << width) - 1));
 }
 
