@@ -340,7 +340,7 @@ typedef struct small {
     vf least, most, error; /* of w; only where floats are to be sure */
 } small;
 
-enum { PIXELS = 4, ABREAST = 8 /* registers */ };
+enum { PIXELS = 4, ABREAST = 16 /* registers */ };
 
 /* Registers of triangles: of each of their first pixel, its right neighbour and the two below, which of them cover it, or may, and w. */
 typedef struct coverage {

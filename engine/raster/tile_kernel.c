@@ -3,7 +3,7 @@
 #include "raster/kernels.h"
 
 /* Pixels of the tile that an instance may reach, where it is drawn together with others: those do not hide each other from the start. */
-enum { LITTLE = 256 };
+enum { LITTLE = 400 };
 
 static void draw_instance(daft_tile_job *j, const daft_seen *seen, daft_crowd *crowd, daft_waiting *waiting)
 {
