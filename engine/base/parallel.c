@@ -88,6 +88,7 @@ enum { SPINS = 2000, SHARES = 64 };
 /* What is left of a part of a loop's indices: end << 32 | next. */
 typedef struct share {
     _Alignas(64) atomic_ullong left;
+    char apart[64]; /* processors fetch lines of memory in pairs */
 } share;
 
 /* Each worker has a share of a loop, the same part of it each time, so that what it works on stays in its caches; who is done
@@ -146,10 +147,10 @@ void daft_team_beside(daft_team *team, daft_own_part *own, uint32_t count, daft_
     int spins = 0;
     team->task = task, team->context = context;
     atomic_store_explicit(&team->unfinished, count, memory_order_relaxed);
-    for (uint64_t i = 0, next = 0; i < team->share_count; i++) {
-        uint64_t end = count * (i + 1) / team->share_count;
-        atomic_store_explicit(&team->shares[i].left, end << 32 | next, memory_order_release);
-        next = end;
+    for (uint64_t i = team->share_count, end = count; i-- > 0;) { /* the first's own at last: others would find it before theirs */
+        uint64_t begin = count * i / team->share_count;
+        atomic_store_explicit(&team->shares[i].left, end << 32 | begin, memory_order_release);
+        end = begin;
     }
     own(context);
     take_all(team, 0);

@@ -12,7 +12,7 @@ enum {
     MASKED = 32, /* colours of each class that a body's mask tells; its further constraints climb level by level */
     CLASSES = 2, /* 0: both bodies yield; 1: one of them */
     SIZES = DAFT_MANIFOLD_POINTS,
-    PLACES = 2 * SIZES,   /* see place_of */
+    PLACES = 3 * SIZES,   /* see place_of */
     GROUPS = CLASSES + 1, /* of the second class first those with a mover, then those with what is still */
     KINDS = 2 * GROUPS * PLACES /* of each group those that are not firm and those that are, by their places */
 };
@@ -97,13 +97,22 @@ static uint32_t take_colour(daft_sim_solver *s, size_t a, size_t b, uint32_t cla
     return MASKED + level;
 }
 
-/* Where contacts of so many points stand in a block of their kind: those of the first half of the rows, those of most points first;
- * then those of the others, the other way round. So two workers that take a half each find their rows in their own caches, and as
- * much to do, and where they meet, contacts have as many points. */
-static uint8_t place_of(const daft_sim_solver *s, uint32_t row_a, uint32_t points)
+/* Whether a row is of the second half of those being solved: in the caches of the second of two workers. */
+static bool is_late(const daft_sim_solver *s, uint32_t row) { return row - s->row_first >= (s->row_end - s->row_first) / 2; }
+
+/* Whether a contact's bodies are of both halves. */
+static bool crosses(const daft_sim_solver *s, uint32_t row_a, uint32_t row_b)
 {
-    bool second = row_a - s->row_first >= (s->row_end - s->row_first) / 2;
-    return (uint8_t)(second ? SIZES + points - 1 : SIZES - points);
+    return row_b > s->mover_count && is_late(s, row_a) != is_late(s, row_b);
+}
+
+/* Where contacts of so many points stand in a block of their kind: those of the first half of the rows, those of most points first;
+ * then those that cross, the other way round, so that they share few blocks; then those of the second half. So two workers that
+ * take a half each find their rows in their own caches, and as much to do. */
+static uint32_t place_of(const daft_sim_solver *s, uint32_t row_a, uint32_t row_b, uint32_t points)
+{
+    if (crosses(s, row_a, row_b)) return SIZES + points - 1;
+    return (is_late(s, row_a) ? 3u : 1u) * SIZES - points;
 }
 
 /* Whether a touch that met is solved, as it yields somewhere: a does. */
@@ -233,7 +242,7 @@ typedef struct placing {
 static uint32_t kind_of(const daft_sim_solver *s, const daft_sim_coloured *c, uint32_t row_a, uint32_t row_b)
 {
     uint32_t group = c->colour & 1 ? 1 + (row_b == 0) : 0;
-    return (c->colour >> 1) * KINDS + (2 * group + c->firm) * PLACES + place_of(s, row_a, c->points);
+    return (c->colour >> 1) * KINDS + (2 * group + c->firm) * PLACES + place_of(s, row_a, row_b, c->points);
 }
 
 /* Of each range and kind, how many contacts of the heaps that are being solved. */
@@ -421,6 +430,7 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     float longer = a->h > 0 ? world->solver->h / a->h : 1; /* than the substep that the impulses are of */
     daft_vec3 n = patch->normal, t = any_perpendicular(n), u = daft_cross(n, t);
     block->a[lane] = (int32_t)row_a, block->b[lane] = (int32_t)row_b;
+    block->crosses |= crosses(world->solver, row_a, row_b);
     block->writes_a |= 1u << lane;
     if (!fixed) block->writes_b |= 1u << lane;
     put3(block->normal, lane, n);

@@ -39,6 +39,7 @@ typedef struct daft_sim_block {
     int32_t lanes, points;                        /* in use; most points of any lane */
     bool rolls, bounces;
     bool still; /* no lane's b moves */
+    bool crosses; /* some lane's bodies are likely to be in different workers' caches */
     bool shares;           /* some lane's floor is shared: */
     daft_sim_lanes shared; /* 1 where b is one of several bodies of a floor: friction acts below a's centre, as on one */
     daft_sim_lanes normal[3], tangent[3]; /* the other tangent: normal × tangent */

@@ -14,6 +14,7 @@ enum { MAX_WORKERS = 64 };
 
 typedef struct share {
     _Alignas(64) atomic_ullong at; /* stage << 32 | batch */
+    char apart[64]; /* processors fetch lines of memory in pairs */
 } share;
 
 struct daft_sim_stages {
