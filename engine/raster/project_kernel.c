@@ -1,7 +1,8 @@
 /* Triangles of dense meshes in two steps. First they are moved to camera space and projected; one is dropped when its screen box
  * holds no pixel's ray, or when it is seen from a back that does not count. What is left stands side by side. Second, of these,
  * small ones (with boxes of two pixels a side at most) are decided at once, at each of their up to four pixels, and others wait
- * to be set up. Neither step has a branch that depends on triangles: a wrong guess would wait for the end of a long step.
+ * to be set up. Neither step has a branch that depends on triangles: a wrong guess would wait for the end of a long step. And each is in
+ * steps of its own, for many registers before the next, where one chain of operations would fill what a processor looks ahead to.
  *
  * Corners in the picture, relative to a pixel: u = 2^-24; the scale focal/z rounds once, its product with x once, the
  * difference with the tile's place once more, so that x is off by less than 2u·R with R = the largest x or y of a ray in the
