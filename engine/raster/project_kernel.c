@@ -73,8 +73,7 @@ typedef struct box {
 
 DAFT_INLINE vi box_bytes(const box *b) { return b->x0 | b->x1 << 8 | b->y0 << 16 | b->y1 << 24; }
 
-/* The lanes of triangles that may be seen; of all of them the pixels, and which are small. corner: NULL where all of them are in
- * front of the camera. */
+/* The lanes of triangles that may be seen; of all of them the pixels, and which are small. */
 DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], vbits one_sided, const vf3 *corner, box *b, vbits *little)
 {
     vf zero = vf_set(0), x[3], y[3];
@@ -85,13 +84,12 @@ DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], vbits one_sided, 
     vf doubt = doubt_of(v->reach, (high_x - low_x) + (high_y - low_y), -4);
     vbits out = one_sided & vm_bits(vf_lt(v->front < 0 ? -area : area, doubt));
     *little = v->closely ? 0 : DAFT_ALL_LANES;
-    if (corner) { /* a triangle through the camera's plane may reach anywhere */
-        vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z), most = vf_max(vf_max(corner[0].z, corner[1].z), corner[2].z);
-        vm front = vf_lt(zero, least);
-        low_x = vf_select(front, low_x, zero), high_x = vf_select(front, high_x, vf_set(DAFT_TILE));
-        low_y = vf_select(front, low_y, zero), high_y = vf_select(front, high_y, vf_set(DAFT_TILE));
-        *little &= vm_bits(front), out = (out & vm_bits(front)) | ~vm_bits(vf_lt(zero, most));
-    }
+    /* A triangle through the camera's plane may reach anywhere. */
+    vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z), most = vf_max(vf_max(corner[0].z, corner[1].z), corner[2].z);
+    vm front = vf_lt(zero, least);
+    low_x = vf_select(front, low_x, zero), high_x = vf_select(front, high_x, vf_set(DAFT_TILE));
+    low_y = vf_select(front, low_y, zero), high_y = vf_select(front, high_y, vf_set(DAFT_TILE));
+    *little &= vm_bits(front), out = (out & vm_bits(front)) | ~vm_bits(vf_lt(zero, most));
     pixel_range(low_x, high_x, v->last_x, 2 * DAFT_TILE, &b->x0, &b->x1);
     pixel_range(low_y, high_y, v->last_y, 2 * DAFT_TILE, &b->y0, &b->y1);
     *little &= vm_bits(vi_lt((b->x1 - b->x0) | (b->y1 - b->y0), vi_set(2)));
@@ -173,15 +171,17 @@ DAFT_INLINE vi words_of(vf x, vf y)
     return row << 16 | (column & vi_set(0xffff));
 }
 
-/* Last less first pixel of triangles' boxes in the tile, in words; below 0 where there is none. Boxes hold those of pixel_range: parts are
- * off by less than one. */
-DAFT_INLINE vi words_span(const vi at[3], vw last)
+/* The pixels of triangles' boxes in the tile, in words; none: end is below first. Boxes hold those of pixel_range: parts are off by less
+ * than one. */
+DAFT_INLINE void words_range(const vi at[3], vw last, vw *first, vw *end)
 {
     const int slack = (int)(DAFT_SCREEN_SLACK * PARTS) + 2;
     vw low = vw_min(vw_min((vw)at[0], (vw)at[1]), (vw)at[2]), high = vw_max(vw_max((vw)at[0], (vw)at[1]), (vw)at[2]);
-    vw first = vw_max((low + vw_set(PARTS - slack, PARTS - slack)) >> PARTS_SHIFT, vw_set(-MIDDLE, -MIDDLE));
-    return (vi)(vw_min((high + vw_set(slack, slack)) >> PARTS_SHIFT, last) - first);
+    *first = vw_max((low + vw_set(PARTS - slack, PARTS - slack)) >> PARTS_SHIFT, vw_set(-MIDDLE, -MIDDLE));
+    *end = vw_min((high + vw_set(slack, slack)) >> PARTS_SHIFT, last);
 }
+
+DAFT_INLINE vw last_words(const daft_tile_job *job) { return vw_set((int)job->last_x - MIDDLE, (int)job->last_y - MIDDLE); }
 
 /* A patch's corners in the picture. */
 typedef struct patch_corners {
@@ -229,7 +229,7 @@ static void find_spots(const daft_tile_job *job, const daft_member *m, const uin
 static void find_seen(const daft_tile_job *job, patch_work *w)
 {
     const vbits may_be_small = job->raster->pencil.intersection == DAFT_INTERSECT_WATERTIGHT ? 0 : DAFT_ALL_LANES;
-    const vw last = vw_set((int)job->last_x - MIDDLE, (int)job->last_y - MIDDLE);
+    const vw last = last_words(job);
     const vi none = vi_set(0), more = vi_set(~0x00010001), below = vi_set(INT32_MIN | 0x8000);
     uint32_t tested = 0;
     vbits some_large = 0;
@@ -239,6 +239,7 @@ static void find_seen(const daft_tile_job *job, patch_work *w)
         for (uint32_t part = 0; part < PATCH_PARTS; part++) {
             vf x[3], y[3];
             vi words[3];
+            vw from, to;
             for (int k = 0; k < 3; k++) {
                 const uint8_t *which = &p->at[k][part * DAFT_VL];
                 x[k] = vf_pick_bytes(w->corners[i].x, which), y[k] = vf_pick_bytes(w->corners[i].y, which);
@@ -246,7 +247,8 @@ static void find_seen(const daft_tile_job *job, patch_work *w)
             }
             vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
             vbits back = vm_bits(vf_lt(area * vf_set(w->side[i]), vf_set(w->doubt[i])));
-            vi span = words_span(words, last);
+            words_range(words, last, &from, &to);
+            vi span = (vi)(to - from);
             vbits lanes = (p->there & ~(p->one_sided & back << (part * DAFT_VL))) >> (part * DAFT_VL) & vm_bits(vi_eq(span & below, none));
             vbits little = vm_bits(vi_eq(span & more, none)) & may_be_small, large = lanes & ~little;
             w->small[i * PATCH_PARTS + part] = lanes & little, w->large[i * PATCH_PARTS + part] = large;
@@ -296,17 +298,17 @@ static void add_large_ones(const daft_tile_job *job, const daft_seen *seen, cons
         const daft_patch *p = w->patch[i];
         moved m;
         vf3 corner[3];
-        spot at[3];
-        box pixels;
-        vbits little, sides = p->one_sided >> first;
+        vi words[3];
+        vw low, high;
         patch_move(&v, p, &m);
         for (int c = 0; c < 3; c++) {
             vi which = vi_load_bytes(&p->at[c][first]);
             corner[c] = (vf3){vf_pick16(m.x, which), vf_pick16(m.y, which), vf_pick16(m.z, which)};
-            at[c].x = vf_pick_bytes(w->corners[i].x, &p->at[c][first]), at[c].y = vf_pick_bytes(w->corners[i].y, &p->at[c][first]);
+            words[c] = (vi)vf_pick_bytes((const float *)(const void *)w->corners[i].words, &p->at[c][first]);
         }
-        vbits lanes = w->large[number] & may_be_seen(&v, at, sides, NULL, &pixels, &little);
-        add_large(out, &v, corner, box_bytes(&pixels), sides, seen->index, vi_load(&p->triangle[first]), lanes);
+        words_range(words, last_words(job), &low, &high);
+        vi pixels = (vi)(low + vw_set(MIDDLE, MIDDLE)) | (vi)(high + vw_set(MIDDLE, MIDDLE)) << 8;
+        add_large(out, &v, corner, pixels, p->one_sided >> first, seen->index, vi_load(&p->triangle[first]), w->large[number]);
     }
 }
 
