@@ -397,6 +397,17 @@ static daft_hit nearest_of_each(const daft_tlas *const each[SPHERES], const daft
     return best;
 }
 
+/* A ray that ends about where it meets something, as one that does is sure to be stopped or not. */
+static bool stops_as_each(const daft_tlas *all, const daft_tlas *const each[SPHERES], daft_ray ray, float t)
+{
+    ray.tmax = t * (1 + (float)((int)(random_bits() % 9) - 4) * (random_bits() % 2 ? 0x1p-22f : 0.1f));
+    bool expected = false;
+    for (uint32_t i = 0; i < SPHERES; i++) expected |= daft_accel_kernels_for(0)->occluded(each[i], &ray);
+    for (int isa = 0; isa <= daft_isa_best(); isa++)
+        assert_int_equal(daft_accel_kernels_for(isa)->occluded(all, &ray), expected);
+    return expected;
+}
+
 static void crowded_spheres(void **unused)
 {
     (void)unused;
@@ -405,7 +416,7 @@ static void crowded_spheres(void **unused)
         float size, far, stretch;
     } SCALES[] = {{1, 0, 1},     {1, 1000, 1},     {1e-3f, 10, 1e-3f}, {1e5f, 1e6f, 1e4f}, {1, 0, 1e-10f},
                   {1, 1, 1e10f}, {1e9f, 1e10f, 1}, {1e-20f, 0, 1},     {1e18f, 0, 1}};
-    int hits = 0, misses = 0;
+    int hits = 0, misses = 0, stopped = 0, passed = 0;
     for (size_t round = 0; round < DAFT_COUNT_OF(SCALES); round++) {
         float size = SCALES[round].size, far = SCALES[round].far;
         daft_instance spheres[SPHERES];
@@ -415,6 +426,7 @@ static void crowded_spheres(void **unused)
             spheres[i] =
                 sphere_make(daft_add(place, daft_scale(random_vec3(-4, 4), size)), size * random_float(0.05f, 0.8f));
             if (i % 7 == 6) spheres[i].low.x -= size; /* larger bounds than are needed */
+            if (i % 5 == 4) spheres[i].flags = 0;
         }
         scene s;
         scene_build(&s, spheres, SPHERES);
@@ -433,12 +445,14 @@ static void crowded_spheres(void **unused)
             daft_accel_kernels_for(0)->closest(s.tlas, &ray, UINT32_MAX, &hit);
             assert_memory_equal(&hit, &expected, sizeof hit);
             hits += hit.instance != UINT32_MAX, misses += hit.instance == UINT32_MAX;
+            bool stops = stops_as_each(s.tlas, each, ray, hit.instance == UINT32_MAX ? INFINITY : hit.t);
+            stopped += stops, passed += !stops;
         }
         same_together(s.tlas, &c);
         daft_arena_free(&s.arena);
     }
-    print_message("%d hits, %d misses\n", hits, misses);
-    assert_true(hits > COMPANY && misses > COMPANY);
+    print_message("%d hits, %d misses; %d stopped, %d not\n", hits, misses, stopped, passed);
+    assert_true(hits > COMPANY && misses > COMPANY && stopped > COMPANY && passed > COMPANY);
 }
 
 static int depth_of(const daft_bvh *bvh, uint32_t child)

@@ -129,7 +129,7 @@ DAFT_INLINE sphere_view solo_spheres(const solo *s)
 {
     v4 o = s->origin + s->origin, d = s->direction;
     return (sphere_view){v8_set(o[0]), v8_set(o[1]), v8_set(o[2]), v8_set(d[0]), v8_set(d[1]), v8_set(d[2]),
-                         v8_set(s->square), v8_set(s->off), true};
+                         v8_set(s->square), v8_set(s->off), 0, true};
 }
 
 DAFT_INLINE void node_step(solo *s, bool any)
@@ -140,7 +140,8 @@ DAFT_INLINE void node_step(solo *s, bool any)
     uint32_t bits = boxes_met((const char *)node, s, &near);
     if (bits & node->spheres & s->spheres) {
         sphere_view view = solo_spheres(s);
-        bits = spheres_met(node, bits, &view);
+        sphere_sight sight = spheres_seen(node, &view);
+        bits = spheres_met(node, bits, &sight, &view);
     }
     s->top = push(top, node, bits, near, any);
 }

@@ -65,8 +65,8 @@ typedef struct daft_few {
         float shift[4], place[4]; /* to the mesh's space, and back; [3] is 0 */
         const daft_bvh *bvh;
         uint32_t child, index; /* where in the tree to begin; the instance */
-        bool casts_shadow;
     } things[DAFT_WIDTH];
+    uint32_t casters, leaves; /* bits of those that cast shadows; of those of one leaf */
 } daft_few;
 
 struct daft_tlas {

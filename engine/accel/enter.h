@@ -61,10 +61,11 @@ static __attribute__((unused)) float sphere_distance(const daft_instance *s, con
     return far >= tmin && far <= tmax ? far : -1;
 }
 
-/* A ray as a node's spheres see it: twice its origin, its direction, the square of that, and the least that sizes are
- * off by. */
+/* A ray as a node's spheres see it: twice its origin, its direction, the square and, as the sum of the axes, no less than the
+ * length of that, and the least that sizes are off by. */
 typedef struct sphere_view {
     v8 x2, y2, z2, dx, dy, dz, dd, pad;
+    float length;
     bool usual; /* nothing below under- or overflows unseen */
 } sphere_view;
 
@@ -75,24 +76,45 @@ DAFT_INLINE sphere_view sphere_view_of(v4 o, v4 d, bool plain)
     bool usual = plain && size > 0x1p-26f && size < 0x1p26f && far < DAFT_SPHERE_FAR;
     v8 dd = v8_set((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]), pad = v8_set(far * DAFT_SPHERE_OFF);
     return (sphere_view){v8_set(twice[0]), v8_set(twice[1]), v8_set(twice[2]), v8_set(d[0]), v8_set(d[1]), v8_set(d[2]),
-                         dd, pad, usual};
+                         dd, pad, size, usual};
 }
 
-/* Of a node's children in `bits`, those but for the spheres that the ray is sure to pass by or to leave behind. A
- * sphere stands in the middle of its bounds; all is taken twice as large. */
-DAFT_INLINE uint32_t spheres_met(const daft_node *node, uint32_t bits, const sphere_view *s)
+/* A node's spheres, in lanes: sizes and what they are off by, how far their centres lie along the ray and beside it, times the
+ * direction's length, and from its origin. All is twice as large, squares four times. */
+typedef struct sphere_sight {
+    v8 size, off, along, beside_square, way_square;
+} sphere_sight;
+
+/* A sphere stands in the middle of its bounds. */
+DAFT_INLINE sphere_sight spheres_seen(const daft_node *node, const sphere_view *s)
 {
-    v8 low = v8_load(node->bounds[0]), high = v8_load(node->bounds[3]);
+    v8 low = v8_load(node->bounds[0]), high = v8_load(node->bounds[3]), r = high - low;
     v8 x = low + high - s->x2, y = v8_load(node->bounds[1]) + v8_load(node->bounds[4]) - s->y2,
        z = v8_load(node->bounds[2]) + v8_load(node->bounds[5]) - s->z2;
     v8 i = y * s->dz - z * s->dy, j = z * s->dx - x * s->dz, k = x * s->dy - y * s->dx;
-    v8 r = high - low,
-       reach = r + (v8_max(x, -x) + v8_max(y, -y) + v8_max(z, -z) + r) * v8_set(DAFT_SPHERE_OFF) + s->pad,
-       square = reach * reach;
-    uint32_t beside = v8_le_bits(square * s->dd + v8_set(DAFT_TINY), i * i + j * j + k * k);
-    uint32_t behind = v8_le_bits(x * s->dx + y * s->dy + z * s->dz, v8_set(0)) &
-                      v8_le_bits(square + v8_set(DAFT_TINY), x * x + y * y + z * z);
+    v8 off = (v8_max(x, -x) + v8_max(y, -y) + v8_max(z, -z) + r) * v8_set(DAFT_SPHERE_OFF) + s->pad;
+    return (sphere_sight){r, off, x * s->dx + y * s->dy + z * s->dz, i * i + j * j + k * k, x * x + y * y + z * z};
+}
+
+/* Of a node's children in `bits`, those but for the spheres that the ray is sure to pass by or to leave behind. */
+DAFT_INLINE uint32_t spheres_met(const daft_node *node, uint32_t bits, const sphere_sight *at, const sphere_view *s)
+{
+    v8 reach = at->size + at->off, square = reach * reach;
+    uint32_t beside = v8_le_bits(square * s->dd + v8_set(DAFT_TINY), at->beside_square);
+    uint32_t behind = v8_le_bits(at->along, v8_set(0)) & v8_le_bits(square + v8_set(DAFT_TINY), at->way_square);
     return bits & ~(node->spheres & (beside | behind));
+}
+
+/* The spheres that the ray is sure to meet, and to leave, or to reach the middle of, within tmin..tmax: their distances, by
+ * whatever formula, are no question then. Bounds are wider than their spheres, by 12u of |o| + |c| + r; so twice what is off is
+ * taken. */
+DAFT_INLINE uint32_t spheres_pierced(const daft_node *node, const sphere_sight *at, const sphere_view *s, float tmin, float tmax)
+{
+    v8 twice = at->off + at->off, least = v8_max(at->size - twice, v8_set(0)), length = v8_set(s->length), dd = s->dd + s->dd;
+    uint32_t through = v8_le_bits(at->beside_square + v8_set(DAFT_TINY), least * least * s->dd);
+    uint32_t after = v8_le_bits(dd * v8_set(tmin * (1 + 0x1p-17f)), at->along - at->off * length);
+    uint32_t before = v8_le_bits(at->along + (at->size + twice) * length, dd * v8_set(tmax * (1 - 0x1p-17f)));
+    return node->spheres & through & after & before;
 }
 
 #endif

@@ -109,14 +109,23 @@ bool DAFT_KERNEL(daft_closest)(const daft_tlas *tlas, const daft_ray *ray, uint3
     return false;
 }
 
+/* What is a leaf alone, as ground is, stops nearly every ray that meets its box, and is soon asked: so it comes
+ * first. */
 static __attribute__((noinline)) bool few_stops(const daft_tlas *tlas, const daft_ray *ray, few_ray *f)
 {
+    const daft_few *few = tlas->few;
     daft_mesh_ray r = few_mesh_ray(ray, f, tlas->intersection);
     r.inner = daft_inner_of(ray->tmin, ray->tmax);
+    for (uint32_t leaves = f->bits & few->leaves; leaves; leaves &= leaves - 1) {
+        const few_thing *thing = &few->things[__builtin_ctz(leaves)];
+        few_enter(thing, ray, &r);
+        daft_nearest n = {.t = ray->tmax, .triangle = DAFT_NO_TRIANGLE};
+        if (DAFT_KERNEL(daft_leaf_stops)(thing->bvh->blocks, thing->child, &r, limit_of(ray->tmax, true), &n)) return true;
+    }
+    f->bits &= ~few->leaves;
     while (f->bits) {
         float enter;
-        const few_thing *thing = few_next(tlas->few, f, &enter);
-        if (!thing->casts_shadow) continue;
+        const few_thing *thing = few_next(few, f, &enter);
         slab_origin at = slab_origin_of(few_enter(thing, ray, &r));
         daft_nearest n = {.t = ray->tmax, .triangle = DAFT_NO_TRIANGLE};
         if (mesh_search(thing->bvh, thing->child, &f->way, &r, &at, &at, true, true, &n)) return true;
@@ -129,5 +138,5 @@ bool DAFT_KERNEL(daft_occluded)(const daft_tlas *tlas, const daft_ray *ray)
     few_ray f;
     few_answer answer = tlas->few ? few_meet(tlas->few, ray, &f) : FEW_UNUSUAL;
     if (answer == FEW_UNUSUAL) return DAFT_KERNEL(daft_occluded_at_large)(tlas, ray);
-    return answer == FEW_MET && few_stops(tlas, ray, &f);
+    return answer == FEW_MET && (f.bits &= tlas->few->casters) && few_stops(tlas, ray, &f);
 }

@@ -112,8 +112,9 @@ static void fill_few(daft_few *few, const daft_tlas *tlas)
             thing->place[k] = instance->to_frame.t[k];
         }
         thing->bvh = instance->bvh, thing->index = index;
-        thing->casts_shadow = instance->flags & DAFT_INSTANCE_CASTS_SHADOW;
         thing->child = root->child[1] == DAFT_CHILD_NONE ? root->child[0] : 0; /* the box of a single leaf is the mesh's */
+        few->casters |= (uint32_t)((instance->flags & DAFT_INSTANCE_CASTS_SHADOW) != 0) << i;
+        few->leaves |= thing->child >> 31 << i;
     }
 }
 

@@ -238,7 +238,10 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
         } else {
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
-            if (node->spheres & spheres) bits = spheres_met(node, bits, &view); /* asked of the node alone: it is known before the bits are */
+            if (node->spheres & spheres) { /* asked of the node alone: it is known before the bits are */
+                sphere_sight sight = spheres_seen(node, &view);
+                bits = spheres_met(node, bits, &sight, &view);
+            }
             if (bits) {
                 child = step(&tree, node, bits, near, &top);
                 continue;
@@ -256,14 +259,15 @@ void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, cons
 
 /* ---- a top level of one node, as scenes of few things have ---- */
 
-/* Of the things in bits, 1 or more, the nearest; its bit is taken away. Of two it is branched on, not looked up: the processor
- * foresees a branch and begins in the mesh at once, where it would wait for the nodes' boxes before it looked. */
-DAFT_INLINE uint32_t next_thing(const daft_node *node, uint32_t *bits, const float near[DAFT_WIDTH])
+/* Of the things in bits, 1 or more, the nearest, or the furthest; its bit is taken away. Of two it is branched on, not looked
+ * up: the processor foresees a branch and begins in the mesh at once, where it would wait for the nodes' boxes before it
+ * looked. */
+DAFT_INLINE uint32_t next_thing(const daft_node *node, uint32_t *bits, const float near[DAFT_WIDTH], bool furthest)
 {
     uint32_t at = (uint32_t)__builtin_ctz(*bits), child;
     for (uint32_t left = *bits & (*bits - 1); left; left &= left - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(left);
-        if (near[i] < near[at]) at = i;
+        if (furthest ? near[i] > near[at] : near[i] < near[at]) at = i;
     }
     *bits &= ~(1u << at);
     if (at > 1) return node->child[at] & ~DAFT_CHILD_LEAF;
@@ -292,19 +296,20 @@ DAFT_INLINE void few_closest(const daft_tlas *tlas, const daft_ray *ray, uint32_
     float near[DAFT_WIDTH] __attribute__((aligned(32)));
     uint32_t bits = few_things(tlas, ray, &frame, near);
     while (bits) {
-        uint32_t before = bits, index = next_thing(tlas->nodes.items, &bits, near);
+        uint32_t before = bits, index = next_thing(tlas->nodes.items, &bits, near, false);
         if (near[__builtin_ctz(before ^ bits)] > daft_past(hit->t)) return;
         if (index != ignore) instance_closest(tlas, index, ray, &frame, hit);
     }
 }
 
+/* The furthest first: what a ray leaves it seldom meets again, and ground below stops it soon. */
 DAFT_INLINE bool few_occluded(const daft_tlas *tlas, const daft_ray *ray)
 {
     lined_ray frame = lined(ray);
     float near[DAFT_WIDTH] __attribute__((aligned(32)));
     uint32_t bits = few_things(tlas, ray, &frame, near);
     while (bits)
-        if (instance_occluded(tlas, next_thing(tlas->nodes.items, &bits, near), ray, &frame)) return true;
+        if (instance_occluded(tlas, next_thing(tlas->nodes.items, &bits, near, true), ray, &frame)) return true;
     return false;
 }
 
@@ -320,11 +325,22 @@ bool DAFT_KERNEL(daft_closest_at_large)(const daft_tlas *tlas, const daft_ray *r
     return false;
 }
 
-DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daft_ray *ray)
+enum { FAR_APART = 20000 /* instances, more than caches near the core hold */ };
+
+DAFT_INLINE bool any_casts_shadow(const daft_tlas *tlas, const daft_node *node, uint32_t bits)
 {
-    ray_stack stack;
-    uint64_t *top = stack.items;
-    *top++ = STACK_END;
+    for (; bits; bits &= bits - 1)
+        if (tlas->instances[node->child[__builtin_ctz(bits)] & ~DAFT_CHILD_LEAF].flags & DAFT_INSTANCE_CASTS_SHADOW) return true;
+    return false;
+}
+
+/* In the order of the tree: what sorting saves in nodes it takes in time, and the nearest come last to stop a ray that leaves
+ * one of them. far_apart: what is put aside is fetched at once. */
+DAFT_INLINE bool upper_search(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, bool far_apart)
+{
+    code_stack stack;
+    uint32_t *top = stack.items;
+    *top++ = DAFT_CHILD_NONE;
     lined_ray frame = lined(ray);
     const tree_place tree = {tlas->nodes.items, tlas->instances, sizeof *tlas->instances, 0};
     slab_origin from, until;
@@ -334,20 +350,32 @@ DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daf
     const uint32_t spheres = view.usual ? 0xff : 0;
     v8 low = v8_set(daft_before(ray->tmin)), high = v8_set(daft_past(ray->tmax)), near;
     for (;;) {
-        if (child & DAFT_CHILD_LEAF) {
-            if (child == DAFT_CHILD_NONE) return false;
-            if (instance_occluded(tlas, child & ~DAFT_CHILD_LEAF, ray, &frame)) return true;
-        } else {
+        while (!(child & DAFT_CHILD_LEAF)) {
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
-            if (node->spheres & spheres) bits = spheres_met(node, bits, &view); /* asked of the node alone: it is known before the bits are */
-            if (bits) {
-                child = step(&tree, node, bits, near, &top);
-                continue;
+            if (node->spheres & spheres) {
+                sphere_sight sight = spheres_seen(node, &view);
+                if (any_casts_shadow(tlas, node, spheres_pierced(node, &sight, &view, ray->tmin, ray->tmax))) return true;
+                bits = spheres_met(node, bits, &sight, &view);
             }
+            uint32_t *base = top;
+            child = bits ? spread(node, bits, false, &top) : *--top;
+            for (; far_apart && base < top; base++) fetch(&tree, *base);
         }
-        child = pop(&top, INFINITY);
+        if (child == DAFT_CHILD_NONE) return false;
+        if (instance_occluded(tlas, child & ~DAFT_CHILD_LEAF, ray, &frame)) return true;
+        child = *--top;
     }
+}
+
+static __attribute__((noinline)) bool far_occluded(const daft_tlas *tlas, uint32_t child, const daft_ray *ray)
+{
+    return upper_search(tlas, child, ray, true);
+}
+
+DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daft_ray *ray)
+{
+    return tlas->instance_count > FAR_APART ? far_occluded(tlas, child, ray) : upper_search(tlas, child, ray, false);
 }
 
 bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray)
