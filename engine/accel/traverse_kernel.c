@@ -334,8 +334,8 @@ DAFT_INLINE bool any_casts_shadow(const daft_tlas *tlas, const daft_node *node, 
     return false;
 }
 
-/* In the order of the tree: what sorting saves in nodes it takes in time, and the nearest come last to stop a ray that leaves
- * one of them. far_apart: what is put aside is fetched at once. */
+/* In the order of the tree, where what is low, as ground is, stands first. Sorting would take more time than it saves, and the
+ * nearest are the last to stop a ray that leaves one of them. far_apart: what is put aside is fetched at once. */
 DAFT_INLINE bool upper_search(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, bool far_apart)
 {
     code_stack stack;
