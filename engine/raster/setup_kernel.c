@@ -162,6 +162,10 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_b
 
 /* ---- depth ---- */
 
+/* Where floats do not decide, depths are compared as daft_pencil_depth gives them: a mean of the corners' z, off by some 2^-51 of the
+ * largest. Intervals of w hold these depths too, or what is decided here would not agree with it. */
+#define COMPARED 0x1p-48f
+
 /* One triangle's plane of w in double, and its error bound. */
 static void depth_setup_double(const daft_tile_job *job, daft_pencil_batch *b, const lanes *l, int i)
 {
@@ -175,7 +179,8 @@ static void depth_setup_double(const daft_tile_job *job, daft_pencil_batch *b, c
     double w = (fabs(n.x) * dx + fabs(n.y) * dy + fabs(n.z) * f) * fabs(inverse);
     double rays = m[0] * dx + m[1] * dy + m[2] * f, corners = (m[0] * fabs(a.x) + m[1] * fabs(a.y) + m[2] * fabs(a.z)) * f;
     b->wx[i] = (float)(n.x * inverse), b->wy[i] = (float)(n.y * inverse), b->wz[i] = (float)(n.z * inverse * f);
-    b->error[i] = (float)(w * (4 * (double)UNIT) + (rays + corners * w) * fabs(inverse) * 0x1p-48) + TINY;
+    double far = fmax(fabs(a.z), fmax(fabs((double)corner[1].z), fabs((double)corner[2].z)));
+    b->error[i] = (float)(w * (4 * (double)UNIT) + (rays + corners * w) * fabs(inverse) * 0x1p-48 + w * w * far * (double)COMPARED) + TINY;
     if (b->error[i] < INFINITY) return;
     b->wx[i] = b->wy[i] = b->wz[i] = 0; /* nothing is known */
     b->error[i] = INFINITY;
@@ -216,7 +221,8 @@ DAFT_INLINE void depth_setup(const daft_tile_job *job, bool exact, daft_pencil_b
     vf w = vf_min((vf_abs(n.x) * dx + vf_abs(n.y) * dy + vf_abs(n.z) * focal) * scale, l->nearest);
     vf rays = m.x * dx + m.y * dy + m.z * focal;
     vf corners = (m.x * vf_abs(a.x) + m.y * vf_abs(a.y) + m.z * vf_abs(a.z)) * focal;
-    vf error = vf_set(12 * UNIT) * (rays + corners * w) * scale + vf_set(TINY);
+    vf far = vf_max(vf_abs(a.z), vf_max(vf_abs(l->corner[1].z), vf_abs(l->corner[2].z)));
+    vf error = vf_set(12 * UNIT) * (rays + corners * w) * scale + w * w * far * vf_set(COMPARED) + vf_set(TINY);
     vf_store(b->error, error);
     for (vbits coarse = live & ~vm_bits(vf_lt(error, w * vf_set(0x1p-12f))); coarse; coarse &= coarse - 1)
         depth_setup_double(job, b, l, __builtin_ctz(coarse));
