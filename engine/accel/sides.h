@@ -32,7 +32,7 @@ typedef struct daft_cones {
     float spread[DAFT_WIDTH];
 } daft_cones;
 
-/* 27 bytes for each triangle, of which patches are 22. */
+/* 27 bytes for each triangle, of which patches are 23. */
 typedef struct daft_sides {
     uint32_t triangle_count, count; /* of the mesh's; of one-sided ones */
     daft_dvec3 middle;              /* of the mesh's bounds: outlooks and offsets count from here */
