@@ -2,7 +2,7 @@
 #include "host.h"
 
 #include "api/api.h"
-#include "util.h"
+#include "common/util.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -9,9 +9,9 @@
 #ifndef RUNTIME_HOST_H
 #define RUNTIME_HOST_H
 
-#include "canvas.h"
-#include "home.h"
-#include "input.h"
+#include "hud/canvas.h"
+#include "common/home.h"
+#include "platform/input.h"
 
 #include <lua.h>
 

@@ -1,5 +1,5 @@
 /* The daft program. */
-#include "commands.h"
+#include "cli/commands.h"
 
 int main(int argc, char **argv)
 {

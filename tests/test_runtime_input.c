@@ -1,6 +1,6 @@
 /* runtime: input between ticks, and recordings: what is written reads back the same, and bad files say where. */
-#include "input.h"
-#include "recording.h"
+#include "platform/input.h"
+#include "game/recording.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* runtime: the game loop's arithmetic: how many updates at any frame rate, after stalls, and for how long. */
-#include "loop.h"
+#include "game/loop.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

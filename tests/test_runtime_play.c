@@ -1,8 +1,8 @@
 /* runtime: playing games without a window: the Lua API by games that check it from inside, script errors, recordings,
  * the same hashes on any number of threads, and the demo where there is no display. */
-#include "commands.h"
-#include "game.h"
-#include "home.h"
+#include "cli/commands.h"
+#include "game/game.h"
+#include "common/home.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -262,7 +262,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_api_does_what_it_says),
                                        cmocka_unit_test(bodies_do_what_the_manual_says),
-        cmocka_unit_test(the_sandbox_holds),
+                                       cmocka_unit_test(the_sandbox_holds),
                                        cmocka_unit_test(the_library_works),
                                        cmocka_unit_test(nonsense_never_crashes),
                                        cmocka_unit_test(the_games_of_the_design_and_of_the_house_play),

@@ -1,6 +1,6 @@
 /* runtime: text and rectangles over a picture: widths, line breaks, UTF-8, and nothing outside the picture, ever. */
-#include "canvas.h"
-#include "commands.h"
+#include "hud/canvas.h"
+#include "cli/commands.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

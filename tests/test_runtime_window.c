@@ -1,8 +1,8 @@
 /* runtime: a session and the menu on a platform made for tests: keys and clicks come from a list, a frame is 1/60 s. */
-#include "commands.h"
-#include "loop.h"
-#include "menu.h"
-#include "session.h"
+#include "cli/commands.h"
+#include "game/loop.h"
+#include "game/menu.h"
+#include "game/session.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

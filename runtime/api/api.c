@@ -2,14 +2,14 @@
  * through, the types of handles, and the printed reference. */
 #include "api/api.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-static const api_area *const AREAS[] = {&api_entity, &api_body,  &api_joint, &api_character, &api_query, &api_material,
+static const api_area *const AREAS[] = {&api_entity, &api_body,   &api_joint, &api_character, &api_query, &api_material,
                                         &api_light,  &api_camera, &api_input, &api_hud,       &api_world};
 
 static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased"};

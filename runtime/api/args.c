@@ -1,7 +1,7 @@
 /* Reading arguments: each reader names the argument, what it wanted and what it got. */
 #include "api/api.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <ctype.h>
 #include <float.h>

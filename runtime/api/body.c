@@ -1,12 +1,12 @@
 /* What makes an entity a body: the fields of daft.entity that say so, and the methods of bodies. */
 #include "api/body.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <math.h>
 
 static const char *const BODIES[] = {"static", "kinematic", "dynamic"};
-static const char *const COLLIDER_FIELDS[] = {"sphere", "box",     "capsule", "cylinder", "hull",    "mesh",
+static const char *const COLLIDER_FIELDS[] = {"sphere",  "box",     "capsule", "cylinder", "hull",    "mesh",
                                               "heights", "columns", "spacing", "position", "rotation"};
 
 /* Registry keys: tables from names to numbers, in the order in which a game first says them. */
@@ -17,7 +17,8 @@ enum { LAYERS = 32, SURFACES = 64, MAX_COLLIDERS = 4096 };
 /* ---- names ---- */
 
 /* The number of a name, from `first` on; new names get the next one. */
-static uint32_t name_number(lua_State *L, host *h, int index, const char *what, const void *key, uint32_t first, uint32_t limit)
+static uint32_t name_number(lua_State *L, host *h, int index, const char *what, const void *key, uint32_t first,
+                            uint32_t limit)
 {
     const char *name = api_text(L, h, index, what);
     if (lua_rawgetp(L, LUA_REGISTRYINDEX, key) != LUA_TTABLE) {
@@ -29,7 +30,8 @@ static uint32_t name_number(lua_State *L, host *h, int index, const char *what, 
     if (lua_getfield(L, -1, name) == LUA_TNIL) {
         lua_Integer number = (lua_Integer)first;
         for (lua_pushnil(L); lua_next(L, -3); lua_pop(L, 1)) number++;
-        if (number >= (lua_Integer)limit) api_error(L, h, "%s: '%s' is one name too many: there can be %d", what, name, (int)(limit - first));
+        if (number >= (lua_Integer)limit)
+            api_error(L, h, "%s: '%s' is one name too many: there can be %d", what, name, (int)(limit - first));
         lua_pushinteger(L, number);
         lua_setfield(L, -3, name);
         lua_pop(L, 1);
@@ -135,12 +137,14 @@ static void read_collider(lua_State *L, host *h, int index, daft_collider *out)
     index = lua_absindex(L, index);
     *out = daft_default_collider();
     if (lua_type(L, index) == LUA_TSTRING) {
-        out->kind = api_choice(L, h, index, "collider", NAMES, COUNT_OF(NAMES)) == 0 ? DAFT_COLLIDER_HULL : DAFT_COLLIDER_MESH;
+        out->kind =
+            api_choice(L, h, index, "collider", NAMES, COUNT_OF(NAMES)) == 0 ? DAFT_COLLIDER_HULL : DAFT_COLLIDER_MESH;
         return;
     }
     api_fields(L, h, index, "collider", COLLIDER_FIELDS, COUNT_OF(COLLIDER_FIELDS));
     int kinds = 0;
-    if (api_field(L, index, "sphere")) out->kind = DAFT_COLLIDER_SPHERE, out->radius = above_zero(L, h, -1, "sphere"), kinds++;
+    if (api_field(L, index, "sphere"))
+        out->kind = DAFT_COLLIDER_SPHERE, out->radius = above_zero(L, h, -1, "sphere"), kinds++;
     if (api_field(L, index, "box")) out->kind = DAFT_COLLIDER_BOX, out->size = api_vec3(L, h, -1, "box"), kinds++;
     if (api_field(L, index, "capsule")) read_capsule(L, h, -1, out), kinds++;
     if (api_field(L, index, "cylinder"))
@@ -189,8 +193,9 @@ static void read_switch(lua_State *L, host *h, const char *name, bool *value)
 static uint32_t read_locks(lua_State *L, host *h)
 {
     static const char *const AXES[] = {"x", "y", "z", "rotation", "position x", "position y", "position z", "position"};
-    static const uint32_t BITS[] = {DAFT_LOCK_X,          DAFT_LOCK_Y,          DAFT_LOCK_Z,          DAFT_LOCK_ROTATION,
-                                    DAFT_LOCK_POSITION_X, DAFT_LOCK_POSITION_Y, DAFT_LOCK_POSITION_Z, DAFT_LOCK_POSITION};
+    static const uint32_t BITS[] = {DAFT_LOCK_X,          DAFT_LOCK_Y,          DAFT_LOCK_Z,
+                                    DAFT_LOCK_ROTATION,   DAFT_LOCK_POSITION_X, DAFT_LOCK_POSITION_Y,
+                                    DAFT_LOCK_POSITION_Z, DAFT_LOCK_POSITION};
     int table = lua_absindex(L, -1);
     if (lua_type(L, table) != LUA_TTABLE) return BITS[api_choice(L, h, table, "lock", AXES, COUNT_OF(AXES))];
     uint32_t locks = 0;
@@ -252,7 +257,8 @@ static int impulse(lua_State *L, host *h)
 static int torque(lua_State *L, host *h)
 {
     daft_error error;
-    if (!daft_entity_apply_torque(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "torque"), &error))
+    if (!daft_entity_apply_torque(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "torque"),
+                                  &error))
         api_engine_error(L, h, &error);
     return 0;
 }
@@ -260,7 +266,8 @@ static int torque(lua_State *L, host *h)
 static int angular_impulse(lua_State *L, host *h)
 {
     daft_error error;
-    if (!daft_entity_apply_angular_impulse(h->def.scene, api_entity_at(L, h, 1, "entity"), api_triple(L, h, 2, "impulse"), &error))
+    if (!daft_entity_apply_angular_impulse(h->def.scene, api_entity_at(L, h, 1, "entity"),
+                                           api_triple(L, h, 2, "impulse"), &error))
         api_engine_error(L, h, &error);
     return 0;
 }
@@ -269,7 +276,8 @@ static int mass(lua_State *L, host *h)
 {
     daft_error error;
     float kg;
-    if (!daft_entity_get_mass(h->def.scene, api_entity_at(L, h, 1, "entity"), &kg, &error)) api_engine_error(L, h, &error);
+    if (!daft_entity_get_mass(h->def.scene, api_entity_at(L, h, 1, "entity"), &kg, &error))
+        api_engine_error(L, h, &error);
     lua_pushnumber(L, (double)kg);
     return 1;
 }
@@ -284,8 +292,10 @@ static int awake(lua_State *L, host *h)
         lua_pushboolean(L, is);
         return 1;
     }
-    if (h->picture) api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
-    if (!daft_entity_set_awake(h->def.scene, entity, api_boolean(L, h, 2, "awake"), &error)) api_engine_error(L, h, &error);
+    if (h->picture)
+        api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
+    if (!daft_entity_set_awake(h->def.scene, entity, api_boolean(L, h, 2, "awake"), &error))
+        api_engine_error(L, h, &error);
     return 0;
 }
 
@@ -294,7 +304,8 @@ static int layers(lua_State *L, host *h)
     daft_error error;
     uint32_t what = lua_isnoneornil(L, 2) ? 1 : api_layers(L, h, 2, "layer");
     uint32_t meets = lua_isnoneornil(L, 3) ? UINT32_MAX : api_layers(L, h, 3, "hits");
-    if (!daft_entity_set_layers(h->def.scene, api_entity_at(L, h, 1, "entity"), what, meets, &error)) api_engine_error(L, h, &error);
+    if (!daft_entity_set_layers(h->def.scene, api_entity_at(L, h, 1, "entity"), what, meets, &error))
+        api_engine_error(L, h, &error);
     return 0;
 }
 
@@ -302,14 +313,14 @@ static const api_function FUNCTIONS[] = {
     {"entity:push", "(x, y, z)", "A force in newtons over the next step, at the centre of a dynamic body.", push,
      API_CHANGES},
     {"entity:impulse", "(x, y, z [, point])",
-     "A kick in kilograms times metres a second, at the centre of a dynamic body or at a point {x, y, z} of the world.", impulse,
-     API_CHANGES},
+     "A kick in kilograms times metres a second, at the centre of a dynamic body or at a point {x, y, z} of the world.",
+     impulse, API_CHANGES},
     {"entity:torque", "(x, y, z)", "A torque in newton metres over the next step.", torque, API_CHANGES},
     {"entity:angular_impulse", "(x, y, z)", "A twist in kg·m²/s.", angular_impulse, API_CHANGES},
     {"entity:mass", "() -> kilograms", "Of a body; 0 where it is not dynamic.", mass, 0},
     {"entity:awake", "([on]) -> on", "Whether a body is awake; or wakes its heap, or lets it sleep.", awake, 0},
-    {"entity:layers", "([layer [, hits]])", "Gives a body other layers, as the fields layer and hits of daft.entity do.", layers,
-     API_CHANGES},
+    {"entity:layers", "([layer [, hits]])",
+     "Gives a body other layers, as the fields layer and hits of daft.entity do.", layers, API_CHANGES},
 };
 
 const api_area api_body = {"Bodies", FUNCTIONS, COUNT_OF(FUNCTIONS)};

@@ -1,7 +1,7 @@
 /* daft.camera. */
 #include "api/api.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <math.h>
 

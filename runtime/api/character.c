@@ -1,10 +1,11 @@
 /* daft.character: a capsule that walks about. */
 #include "api/body.h"
 
-#include "util.h"
+#include "common/util.h"
 
-static const char *const FIELDS[] = {"position", "entity", "radius", "height",  "step",       "slope",
-                                     "acceleration", "air_acceleration", "gravity", "mass", "force", "layer", "hits"};
+static const char *const FIELDS[] = {"position",     "entity",           "radius",  "height", "step",  "slope",
+                                     "acceleration", "air_acceleration", "gravity", "mass",   "force", "layer",
+                                     "hits"};
 
 static void read_sizes(lua_State *L, host *h, daft_character_def *def)
 {
@@ -137,11 +138,13 @@ static int valid(lua_State *L, host *h)
 static const api_function FUNCTIONS[] = {
     {"character", "{position =, entity =, radius =, height =, ...} -> character",
      "A capsule that walks, climbs steps and slopes, slides along walls, rides, jumps, and pushes bodies.\n"
-     "Also: step, slope (radians), acceleration, air_acceleration, gravity (a factor), mass, force, layer, hits. entity follows it.",
+     "Also: step, slope (radians), acceleration, air_acceleration, gravity (a factor), mass, force, layer, hits. "
+     "entity follows it.",
      create, API_CHANGES},
     {"character:walk", "(x, z)", "Walks so from now on, in m/s.", walk, API_CHANGES},
     {"character:jump", "(speed)", "Upwards in m/s, if it stands in this tick.", jump, API_CHANGES},
-    {"character:position", "([x, y, z]) -> x, y, z", "Of its middle; with arguments, it is there at once.", position, 0},
+    {"character:position", "([x, y, z]) -> x, y, z", "Of its middle; with arguments, it is there at once.", position,
+     0},
     {"character:velocity", "() -> x, y, z", "In m/s.", velocity, 0},
     {"character:ground", "() -> entity or nil, \"ground\", \"slope\", \"air\" or \"crushed\"",
      "What it stands on, and how: on ground, down a slope that is too steep, in the air, or held with too little room.",

@@ -1,16 +1,44 @@
 /* daft.entity and the methods of entities. */
 #include "api/body.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const FIELDS[] = {
-    "mesh",     "sphere",           "box",  "position", "rotation", "scale",    "material",    "parent",
-    "visible",  "casts_shadow",     "body", "density",  "mass",     "friction", "restitution", "rolling_resistance",
-    "velocity", "angular_velocity", "name", "data",     "collider", "static_friction", "surface", "belt",
-    "gravity_scale", "damping", "angular_damping", "lock", "layer", "hits", "sensor", "bullet", "sleeps"};
+static const char *const FIELDS[] = {"mesh",
+                                     "sphere",
+                                     "box",
+                                     "position",
+                                     "rotation",
+                                     "scale",
+                                     "material",
+                                     "parent",
+                                     "visible",
+                                     "casts_shadow",
+                                     "body",
+                                     "density",
+                                     "mass",
+                                     "friction",
+                                     "restitution",
+                                     "rolling_resistance",
+                                     "velocity",
+                                     "angular_velocity",
+                                     "name",
+                                     "data",
+                                     "collider",
+                                     "static_friction",
+                                     "surface",
+                                     "belt",
+                                     "gravity_scale",
+                                     "damping",
+                                     "angular_damping",
+                                     "lock",
+                                     "layer",
+                                     "hits",
+                                     "sensor",
+                                     "bullet",
+                                     "sleeps"};
 
 daft_entity api_entity_at(lua_State *L, host *h, int index, const char *what)
 {
@@ -287,12 +315,17 @@ static const api_function FUNCTIONS[] = {
      "Makes a thing. One shape: mesh = \"file.obj\", sphere = radius, box = {x, y, z} (edge lengths); none: a group.\n"
      "position = {x, y, z}, rotation = {yaw, pitch, roll} or {x, y, z, w}, scale = s or {x, y, z}, parent = entity,\n"
      "material = see daft.material, visible = true, casts_shadow = true,\n"
-     "body = \"static\", \"kinematic\" or \"dynamic\", velocity = {x, y, z}, angular_velocity = {x, y, z}, mass or density,\n"
-     "friction, static_friction, restitution, rolling_resistance, surface = \"name\", belt = {x, y, z}, gravity_scale, damping,\n"
-     "angular_damping, lock = \"rotation\", \"position\" or some of {\"x\", \"y\", \"z\", \"position x\", \"position y\", \"position z\"},\n"
+     "body = \"static\", \"kinematic\" or \"dynamic\", velocity = {x, y, z}, angular_velocity = {x, y, z}, mass or "
+     "density,\n"
+     "friction, static_friction, restitution, rolling_resistance, surface = \"name\", belt = {x, y, z}, gravity_scale, "
+     "damping,\n"
+     "angular_damping, lock = \"rotation\", \"position\" or some of {\"x\", \"y\", \"z\", \"position x\", \"position "
+     "y\", \"position z\"},\n"
      "layer = name(s), hits = name(s), sensor, bullet, sleeps,\n"
-     "collider = \"hull\", \"mesh\", or a table or list of tables {sphere = r}, {box = {x, y, z}}, {capsule = {radius =, height =}},\n"
-     "{cylinder = {radius =, height =}}, {hull = mesh}, {mesh = mesh} or {heights = list, columns = n, spacing = s}, each with position = and rotation =.\n"
+     "collider = \"hull\", \"mesh\", or a table or list of tables {sphere = r}, {box = {x, y, z}}, {capsule = {radius "
+     "=, height =}},\n"
+     "{cylinder = {radius =, height =}}, {hull = mesh}, {mesh = mesh} or {heights = list, columns = n, spacing = s}, "
+     "each with position = and rotation =.\n"
      "name = \"...\", data = anything. The fields e.name and e.data can be read and set.",
      create, API_CHANGES},
     {"entity:position", "([x, y, z]) -> x, y, z",

@@ -1,7 +1,7 @@
 /* daft.text and its kin: drawing over the picture, within daft.draw. */
 #include "api/api.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* daft.input: keys, mouse and wheel of this tick. Mouse buttons are also keys, named "mouse1" to "mouse5". */
 #include "api/api.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <stdio.h>
 

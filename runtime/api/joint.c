@@ -1,11 +1,11 @@
 /* Joints, what happened in the last step, and the simulation as a whole. */
 #include "api/body.h"
 
-#include "util.h"
+#include "common/util.h"
 
 static const char *const KINDS[] = {"ball", "hinge", "slider", "distance", "fixed", "drag"};
-static const char *const FIELDS[] = {"kind", "a", "b", "at", "to", "axis", "limit", "motor", "spring", "length",
-                                     "break_force", "break_torque", "collide"};
+static const char *const FIELDS[] = {"kind",  "a",      "b",      "at",          "to",           "axis",   "limit",
+                                     "motor", "spring", "length", "break_force", "break_torque", "collide"};
 static const char *const MOTOR_FIELDS[] = {"speed", "force"};
 static const char *const SPRING_FIELDS[] = {"hertz", "damping"};
 
@@ -30,7 +30,8 @@ static void read_limit(lua_State *L, host *h, daft_joint_def *def)
         def->upper = api_float(L, h, table, "limit");
         return;
     }
-    if (lua_type(L, table) != LUA_TTABLE || lua_rawlen(L, table) != 2) api_wrong(L, h, table, "limit", "number or {lower, upper}");
+    if (lua_type(L, table) != LUA_TTABLE || lua_rawlen(L, table) != 2)
+        api_wrong(L, h, table, "limit", "number or {lower, upper}");
     lua_rawgeti(L, table, 1);
     def->lower = api_float(L, h, -1, "limit");
     lua_rawgeti(L, table, 2);
@@ -60,7 +61,8 @@ static int create(lua_State *L, host *h)
     api_fields(L, h, 1, NULL, FIELDS, COUNT_OF(FIELDS));
     luaL_checkstack(L, COUNT_OF(FIELDS) + 16, NULL);
     daft_joint_def def = daft_default_joint_def();
-    if (api_field(L, 1, "kind")) def.kind = (daft_joint_kind)(DAFT_JOINT_BALL + api_choice(L, h, -1, "kind", KINDS, COUNT_OF(KINDS)));
+    if (api_field(L, 1, "kind"))
+        def.kind = (daft_joint_kind)(DAFT_JOINT_BALL + api_choice(L, h, -1, "kind", KINDS, COUNT_OF(KINDS)));
     if (api_field(L, 1, "a")) def.a = api_entity_at(L, h, -1, "a");
     if (!api_field(L, 1, "b")) api_error(L, h, "b: which entity does it hold?");
     def.b = api_entity_at(L, h, -1, "b");
@@ -143,7 +145,8 @@ static int limit(lua_State *L, host *h)
     daft_error error;
     float lower, upper;
     bool on = two_numbers(L, h, "lower", "upper", &lower, &upper);
-    if (!daft_joint_set_limit(h->def.scene, joint_at(L, h, 1), on, lower, upper, &error)) api_engine_error(L, h, &error);
+    if (!daft_joint_set_limit(h->def.scene, joint_at(L, h, 1), on, lower, upper, &error))
+        api_engine_error(L, h, &error);
     return 0;
 }
 
@@ -152,14 +155,16 @@ static int spring(lua_State *L, host *h)
     daft_error error;
     float hertz, damping;
     bool on = two_numbers(L, h, "hertz", "damping", &hertz, &damping);
-    if (!daft_joint_set_spring(h->def.scene, joint_at(L, h, 1), on, hertz, damping, &error)) api_engine_error(L, h, &error);
+    if (!daft_joint_set_spring(h->def.scene, joint_at(L, h, 1), on, hertz, damping, &error))
+        api_engine_error(L, h, &error);
     return 0;
 }
 
 static int target(lua_State *L, host *h)
 {
     daft_error error;
-    if (!daft_joint_set_target(h->def.scene, joint_at(L, h, 1), api_place(L, h, 2, "target"), &error)) api_engine_error(L, h, &error);
+    if (!daft_joint_set_target(h->def.scene, joint_at(L, h, 1), api_place(L, h, 2, "target"), &error))
+        api_engine_error(L, h, &error);
     return 0;
 }
 
@@ -213,16 +218,20 @@ static int physics(lua_State *L, host *h)
     static const char *const NAMES[] = {"substeps", "sleeping"};
     daft_error error;
     if (!lua_isnoneornil(L, 1)) {
-        if (h->picture) api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
+        if (h->picture)
+            api_error(L, h, "not within daft.draw: drawing must not change the game, so do this in daft.update");
         api_fields(L, h, 1, NULL, NAMES, COUNT_OF(NAMES));
-        if (api_field(L, 1, "substeps") && !daft_scene_set_substeps(h->def.scene, (int)api_whole(L, h, -1, "substeps"), &error))
+        if (api_field(L, 1, "substeps") &&
+            !daft_scene_set_substeps(h->def.scene, (int)api_whole(L, h, -1, "substeps"), &error))
             api_engine_error(L, h, &error);
         if (api_field(L, 1, "sleeping")) daft_scene_set_sleeping(h->def.scene, api_boolean(L, h, -1, "sleeping"));
     }
     daft_sim_counts c = daft_scene_sim_counts(h->def.scene);
-    const struct { const char *name; uint32_t value; } counts[] = {
-        {"bodies", c.bodies}, {"awake", c.awake}, {"joints", c.joints}, {"islands", c.islands},
-        {"pairs", c.pairs}, {"contacts", c.contacts}, {"rows", c.rows}, {"sweeps", c.sweeps}};
+    const struct {
+        const char *name;
+        uint32_t value;
+    } counts[] = {{"bodies", c.bodies}, {"awake", c.awake},       {"joints", c.joints}, {"islands", c.islands},
+                  {"pairs", c.pairs},   {"contacts", c.contacts}, {"rows", c.rows},     {"sweeps", c.sweeps}};
     lua_createtable(L, 0, COUNT_OF(counts));
     for (size_t i = 0; i < COUNT_OF(counts); i++) {
         lua_pushinteger(L, (lua_Integer)counts[i].value);
@@ -240,7 +249,8 @@ static int surfaces(lua_State *L, host *h)
     bool some = !lua_isnoneornil(L, 3);
     if (some) {
         api_fields(L, h, 3, "the table", NAMES, COUNT_OF(NAMES));
-        float *numbers[] = {&together.friction, &together.static_friction, &together.restitution, &together.rolling_resistance};
+        float *numbers[] = {&together.friction, &together.static_friction, &together.restitution,
+                            &together.rolling_resistance};
         for (size_t i = 0; i < COUNT_OF(NAMES); i++) *numbers[i] = field_number(L, h, 3, NAMES[i], NAMES[i], 0);
     }
     if (!daft_scene_set_surfaces(h->def.scene, a, b, some ? &together : NULL, &error)) api_engine_error(L, h, &error);
@@ -270,34 +280,47 @@ static int load_bodies(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"joint", "{...} -> joint",
-     "Joins two bodies, or one and the world: b = entity, a = entity (none: the world), kind = \"ball\", \"hinge\", \"slider\",\n"
-     "\"distance\", \"fixed\" or \"drag\", at = {x, y, z} or an entity (where; distance: the point on a), to = {x, y, z}\n"
-     "(distance: the point on b; drag: the target), axis = {x, y, z}, limit = {lower, upper} or a number, motor = {speed =,\n"
+     "Joins two bodies, or one and the world: b = entity, a = entity (none: the world), kind = \"ball\", \"hinge\", "
+     "\"slider\",\n"
+     "\"distance\", \"fixed\" or \"drag\", at = {x, y, z} or an entity (where; distance: the point on a), to = {x, y, "
+     "z}\n"
+     "(distance: the point on b; drag: the target), axis = {x, y, z}, limit = {lower, upper} or a number, motor = "
+     "{speed =,\n"
      "force =}, spring = {hertz =, damping =}, length =, break_force =, break_torque =, collide = false.",
      create, API_CHANGES},
     {"joint:destroy", "()", "Takes it away.", destroy, API_CHANGES},
     {"joint:valid", "() -> boolean", "False once it was destroyed, broke, or went with a body.", valid, 0},
-    {"joint:value", "() -> value, speed", "A hinge's angle, a slider's way, a distance's length; and how fast it changes.", value, 0},
+    {"joint:value", "() -> value, speed",
+     "A hinge's angle, a slider's way, a distance's length; and how fast it changes.", value, 0},
     {"joint:force", "() -> newtons, newton metres", "What it had to hold, as the mean over the last step.", force, 0},
-    {"joint:motor", "([speed, force])", "Drives a hinge or slider at a speed with at most a force, or brakes a ball; nothing: off.", motor, API_CHANGES},
+    {"joint:motor", "([speed, force])",
+     "Drives a hinge or slider at a speed with at most a force, or brakes a ball; nothing: off.", motor, API_CHANGES},
     {"joint:limit", "([lower, upper])", "Limits its value; nothing: off.", limit, API_CHANGES},
     {"joint:spring", "([hertz, damping])", "Makes it a spring; nothing: stiff.", spring, API_CHANGES},
     {"joint:target", "(x, y, z)", "Where a drag joint draws to.", target, API_CHANGES},
     {"events", "() -> list",
-     "What happened in the last step: {kind =, a =, b =, impulse =}. kind is \"begin\" or \"end\" of a contact, \"enter\" or\n"
-     "\"leave\" of a sensor (a), \"break\" or \"gone\" of a joint (joint =), \"sleep\" or \"wake\" of a body (a). A begin has\n"
+     "What happened in the last step: {kind =, a =, b =, impulse =}. kind is \"begin\" or \"end\" of a contact, "
+     "\"enter\" or\n"
+     "\"leave\" of a sensor (a), \"break\" or \"gone\" of a joint (joint =), \"sleep\" or \"wake\" of a body (a). A "
+     "begin has\n"
      "point =, normal = and speed =, too.",
      events, 0},
     {"physics", "([{...}]) -> counts",
-     "Sets substeps = 1 to 16 (4 unless set) and sleeping = true or false. Gives counts of the last step: bodies, awake,\n"
+     "Sets substeps = 1 to 16 (4 unless set) and sleeping = true or false. Gives counts of the last step: bodies, "
+     "awake,\n"
      "joints, islands, pairs, contacts, rows, sweeps.",
      physics, 0},
     {"surfaces", "(name, name [, {...}])",
-     "What counts where two kinds of surface meet: friction =, static_friction =, restitution =, rolling_resistance =; without\n"
+     "What counts where two kinds of surface meet: friction =, static_friction =, restitution =, rolling_resistance =; "
+     "without\n"
      "the table, what the bodies say. The field surface of daft.entity names an entity's.",
      surfaces, API_CHANGES},
-    {"save_bodies", "() -> string", "The state of all bodies, joints and characters, for daft.load_bodies in the same run of the game.", save_bodies, 0},
-    {"load_bodies", "(string)", "Puts all bodies, joints and characters back as they were; the entities must be the same.", load_bodies, API_CHANGES},
+    {"save_bodies", "() -> string",
+     "The state of all bodies, joints and characters, for daft.load_bodies in the same run of the game.", save_bodies,
+     0},
+    {"load_bodies", "(string)",
+     "Puts all bodies, joints and characters back as they were; the entities must be the same.", load_bodies,
+     API_CHANGES},
 };
 
 const api_area api_joint = {"Joints and physics", FUNCTIONS, COUNT_OF(FUNCTIONS)};

@@ -1,7 +1,7 @@
 /* daft.light, daft.ambient and daft.sky. */
 #include "api/api.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <string.h>
 
@@ -163,8 +163,8 @@ static const api_function FUNCTIONS[] = {
     {"light.point", "{position =, color =, shadow =} -> light", "Light from a point, equally bright at any distance.",
      point, API_CHANGES},
     {"light.spot", "{position =, direction =, angle =, inner =, color =, shadow =} -> light",
-     "A point light that shines into a cone: all of it within inner of the direction, none beyond angle, in radians.", spot,
-     API_CHANGES},
+     "A point light that shines into a cone: all of it within inner of the direction, none beyond angle, in radians.",
+     spot, API_CHANGES},
     {"light:set", "{...}", "Changes what the table names.", set, API_CHANGES},
     {"light:position", "(x, y, z)", "Moves a point light or a spot.", set_position, API_CHANGES},
     {"light:direction", "(x, y, z)", "Turns a sun or a spot.", set_direction, API_CHANGES},

@@ -1,16 +1,16 @@
 /* daft.material and daft.mesh: what entities look like. */
 #include "api/api.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const FIELDS[] = {"color",     "texture", "texture_scale", "ambient", "specular",
-                                     "shininess", "mirror",  "mirror_tint",   "emission",
-                                     "transmission", "transmission_tint", "refractive_index"};
+static const char *const FIELDS[] = {
+    "color",  "texture",     "texture_scale", "ambient",      "specular",          "shininess",
+    "mirror", "mirror_tint", "emission",      "transmission", "transmission_tint", "refractive_index"};
 
 /* Registry key of the table from a material's description to its handle. */
 static const char MATERIALS_KEY;
@@ -177,12 +177,31 @@ static void keep_shared(lua_State *L, const char *key, size_t length, daft_mater
 static daft_material shared_material(lua_State *L, host *h, const daft_material_def *def)
 {
     /* Field by field: the bytes between fields are not defined. */
-    float key[25] = {def->ambient.x,  def->ambient.y,     def->ambient.z,     def->diffuse.x,     def->diffuse.y,
-                     def->diffuse.z,  def->specular.x,    def->specular.y,    def->specular.z,    def->shininess,
-                     def->mirror,     def->mirror_tint.x, def->mirror_tint.y, def->mirror_tint.z, def->emission.x,
-                     def->emission.y, def->emission.z,    def->map_scale.x,   def->map_scale.y,   def->transmission,
-                     def->transmission_tint.x, def->transmission_tint.y, def->transmission_tint.z,
-                     def->refractive_index, 0};
+    float key[25] = {def->ambient.x,
+                     def->ambient.y,
+                     def->ambient.z,
+                     def->diffuse.x,
+                     def->diffuse.y,
+                     def->diffuse.z,
+                     def->specular.x,
+                     def->specular.y,
+                     def->specular.z,
+                     def->shininess,
+                     def->mirror,
+                     def->mirror_tint.x,
+                     def->mirror_tint.y,
+                     def->mirror_tint.z,
+                     def->emission.x,
+                     def->emission.y,
+                     def->emission.z,
+                     def->map_scale.x,
+                     def->map_scale.y,
+                     def->transmission,
+                     def->transmission_tint.x,
+                     def->transmission_tint.y,
+                     def->transmission_tint.z,
+                     def->refractive_index,
+                     0};
     memcpy(&key[24], &def->diffuse_map.id, sizeof key[24]);
     daft_material material;
     if (find_shared(L, (const char *)key, sizeof key, &material)) return material;
@@ -367,7 +386,8 @@ static const api_function FUNCTIONS[] = {
      "color = \"#rrggbb\" or {r, g, b}, texture = \"checker\" (an image in the game's folder or textures/),\n"
      "texture_scale = repeats or {u, v}, specular = colour or number, shininess = 0 to 1000,\n"
      "mirror = 0 to 1, mirror_tint = colour, emission = colour or number, ambient = colour or number,\n"
-     "transmission = 0 to 1, transmission_tint = colour, refractive_index = 1.5 (glass), 1.33 (water), 1 (no bending).\n"
+     "transmission = 0 to 1, transmission_tint = colour, refractive_index = 1.5 (glass), 1.33 (water), 1 (no "
+     "bending).\n"
      "Or \"file.mtl#name\". Where a material is wanted, such a table, a texture's name or a colour do too.",
      new_material, API_CHANGES},
     {"material:set", "{...}", "Changes what the table names, for everything that has this material.", set_material,

@@ -1,7 +1,7 @@
 /* daft.query: what rays, moving shapes, volumes and points meet among the bodies. */
 #include "api/body.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <float.h>
 
@@ -165,8 +165,10 @@ static const api_function FUNCTIONS[] = {
      "The same for a shape that moves: {sphere = radius}, {box = {x, y, z}} or {capsule = {radius, height}},\n"
      "and rotation.",
      cast, 0},
-    {"query.overlap", "(shape, at [, options]) -> entities", "The bodies that a shape overlaps, up to 256.", overlap, 0},
-    {"query.closest", "(from [, max_distance [, options]]) -> hit or nil", "The nearest point of any body.", closest, 0},
+    {"query.overlap", "(shape, at [, options]) -> entities", "The bodies that a shape overlaps, up to 256.", overlap,
+     0},
+    {"query.closest", "(from [, max_distance [, options]]) -> hit or nil", "The nearest point of any body.", closest,
+     0},
 };
 
 const api_area api_query = {"Queries of bodies", FUNCTIONS, COUNT_OF(FUNCTIONS)};

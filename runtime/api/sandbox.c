@@ -12,7 +12,7 @@
  *   - there is no __gc, and functions that would loop for ever out of the watchdog's sight refuse to. */
 #include "api/api.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <math.h>
 #include <stdlib.h>

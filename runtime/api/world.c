@@ -1,7 +1,7 @@
 /* Rays, gravity, time, random numbers, and the life of the game. */
 #include "api/api.h"
 
-#include "util.h"
+#include "common/util.h"
 
 #include <float.h>
 #include <math.h>

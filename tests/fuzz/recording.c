@@ -1,7 +1,7 @@
 /* Any bytes as a recording: what loads plays without harm, and written and read again it is the same. */
 #include "fuzz.h"
 
-#include "recording.h"
+#include "game/recording.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,0 +1,25 @@
+/* daft bench: hands over to the benchmark program beside this one. It is separate because it links the peers. */
+#include "cli/commands.h"
+
+#include "common/util.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+int command_bench(int argc, char **argv)
+{
+    (void)argc;
+    char folder[PATH_SIZE], program[PATH_SIZE];
+    if (!home_program_folder(folder, sizeof folder) ||
+        !path_join(program, sizeof program, folder, "tests/daft_bench")) {
+        fprintf(stderr, "daft bench: cannot tell where the program is\n");
+        return STATUS_BAD_INPUT;
+    }
+    argv[0] = program;
+    execv(program, argv);
+    fprintf(stderr, "daft bench: %s: %s\n", program, strerror(errno));
+    fprintf(stderr, "The benchmarks are built with the tests: './daft test' in the checkout builds them.\n");
+    return STATUS_BAD_INPUT;
+}

@@ -1,0 +1,84 @@
+/* Games as a whole: recordings that fit them, and a second of running. */
+#include "cli/check.h"
+
+#include "cli/commands.h"
+#include "game/game.h"
+#include "common/util.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool check_need_home(checker *c)
+{
+    if (c->has_home) return true;
+    daft_error error;
+    if (home_find(&c->where, &error) && (c->face = open_font(&c->where, &error))) return c->has_home = true;
+    check_problem(c, DAFT_SEVERITY_ERROR, &error);
+    return false;
+}
+
+void check_recording(checker *c, const char *path, const char *game)
+{
+    recording record;
+    daft_error error;
+    if (!recording_load(&record, path, &error)) {
+        check_problem(c, DAFT_SEVERITY_ERROR, &error);
+        return;
+    }
+    if (game && record.game[0] && strcmp(record.game, game) != 0)
+        check_tell(c, DAFT_SEVERITY_WARNING, path, 0, 0, "a recording of the game '%s', in the folder of '%s'",
+                   record.game, game);
+    if (record.end == 0) check_tell(c, DAFT_SEVERITY_WARNING, path, 0, 0, "the recording has no ticks");
+    recording_free(&record);
+}
+
+/* "NAME/file.lua:12: text", as scripts say it, at the file's own path. */
+static void tell_script_error(checker *c, const game_info *info, const char *message)
+{
+    const char *colon = strstr(message, ".lua:");
+    char file[PATH_SIZE], path[PATH_SIZE] = "";
+    size_t length = colon ? (size_t)(colon - message) + 4 : 0, name = strlen(info->name);
+    if (length > 0 && length < sizeof file) {
+        memcpy(file, message, length);
+        file[length] = 0;
+        bool fits = false;
+        if (strncmp(file, info->name, name) == 0 && file[name] == '/')
+            fits = path_join(path, sizeof path, info->folder, file + name + 1);
+        else if (strncmp(file, "scripts/", 8) == 0)
+            fits = path_join(path, sizeof path, c->where.scripts, file + 8);
+        if (!fits) path[0] = 0;
+    }
+    char *end = NULL;
+    long line = path[0] ? strtol(message + length + 1, &end, 10) : 0;
+    if (path[0] && end && strncmp(end, ": ", 2) == 0)
+        check_tell(c, DAFT_SEVERITY_ERROR, path, (int)line, 0, "%s", end + 2);
+    else
+        check_tell(c, DAFT_SEVERITY_ERROR, info->folder, 0, 0, "%s", message);
+}
+
+static bool run(game_state *play, daft_image *picture)
+{
+    for (int tick = 0; tick < 60 && !play->over; tick++)
+        if (!game_tick(play)) return false;
+    return game_draw(play, picture, 1);
+}
+
+void check_run_game(checker *c, const game_info *info)
+{
+    daft_error error;
+    game_state play;
+    game_def def = {.where = &c->where,
+                    .info = info,
+                    .engine = c->engine,
+                    .face = c->face,
+                    .quality = DAFT_QUALITY_DRAFT,
+                    .seed = 1};
+    daft_image *picture = daft_image_create(c->engine, 64, 36, &error);
+    if (!picture || !game_open(&play, &def, &error)) {
+        check_problem(c, DAFT_SEVERITY_ERROR, &error);
+    } else {
+        if (!run(&play, picture)) tell_script_error(c, info, play.scripts.message);
+        game_close(&play);
+    }
+    daft_image_destroy(picture);
+}

@@ -1,0 +1,105 @@
+/* What daft check says, on stdout and as JSON. */
+#include "cli/check.h"
+
+#include "common/json.h"
+#include "common/util.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const SEVERITIES[] = {
+    [DAFT_SEVERITY_NOTE] = "note", [DAFT_SEVERITY_WARNING] = "warning", [DAFT_SEVERITY_ERROR] = "error"};
+
+/* Meshes that share a material file meet its problems again and again. Without memory it is told again. */
+static bool is_new(checker *c, uint64_t hash)
+{
+    for (size_t i = 0; i < c->seen_count; i++)
+        if (c->seen[i] == hash) return false;
+    if (c->seen_count == c->seen_capacity) {
+        size_t more = c->seen_capacity ? 2 * c->seen_capacity : 64;
+        uint64_t *grown = realloc(c->seen, more * sizeof *grown);
+        if (!grown) return true;
+        c->seen = grown;
+        c->seen_capacity = more;
+    }
+    c->seen[c->seen_count++] = hash;
+    return true;
+}
+
+static void put_json(const checker *c, const char *severity, const daft_error *problem)
+{
+    fprintf(c->json, "%s\n  {\"file\": ", c->seen_count > 1 ? "," : "");
+    json_put_text(c->json, problem->file);
+    fprintf(c->json, ", \"line\": %d, \"column\": %d, \"severity\": \"%s\", \"text\": ", problem->line, problem->column,
+            severity);
+    json_put_text(c->json, problem->message);
+    fputc('}', c->json);
+}
+
+/* "a/b/../c" is "a/c": files that others name are then told under one name. */
+static void shorten(char *path)
+{
+    for (char *up = strstr(path, "/../"); up;) {
+        char *begin = up;
+        while (begin > path && begin[-1] != '/') begin--;
+        bool named = begin < up && strncmp(begin, "../", 3) != 0 && strncmp(begin, "./", 2) != 0;
+        if (named) memmove(begin, up + 4, strlen(up + 4) + 1);
+        up = strstr(named ? path : up + 1, "/../");
+    }
+}
+
+void check_problem(void *user, daft_severity severity, const daft_error *problem)
+{
+    checker *c = user;
+    daft_error full = *problem;
+    if (!full.file[0]) snprintf(full.file, sizeof full.file, "%s", c->path);
+    shorten(full.file);
+    char place[600], line[1200];
+    snprintf(place, sizeof place, "%s", full.file);
+    size_t used = strlen(place);
+    if (full.line > 0) used += (size_t)snprintf(place + used, sizeof place - used, ":%d", full.line);
+    if (full.line > 0 && full.column > 0) snprintf(place + used, sizeof place - used, ":%d", full.column);
+    snprintf(line, sizeof line, "%s: %s: %s", place, SEVERITIES[severity], full.message);
+    if (!is_new(c, daft_hash(line, strlen(line), 0))) return;
+    puts(line);
+    if (c->json) put_json(c, SEVERITIES[severity], &full);
+    c->errors += severity == DAFT_SEVERITY_ERROR;
+    c->warnings += severity == DAFT_SEVERITY_WARNING;
+    c->notes += severity == DAFT_SEVERITY_NOTE;
+}
+
+void check_warning(void *user, const daft_error *warning)
+{
+    check_problem(user, DAFT_SEVERITY_WARNING, warning);
+}
+
+void check_tell(checker *c, daft_severity severity, const char *file, int line, int column, const char *format, ...)
+{
+    daft_error problem = {.line = line, .column = column};
+    snprintf(problem.file, sizeof problem.file, "%s", file);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(problem.message, sizeof problem.message, format, arguments);
+    va_end(arguments);
+    check_problem(c, severity, &problem);
+}
+
+bool check_json_open(checker *c, const char *path, daft_error *error)
+{
+    c->json = fopen(path, "w");
+    if (!c->json) return fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
+    fputc('[', c->json);
+    return true;
+}
+
+bool check_json_close(checker *c, const char *path, daft_error *error)
+{
+    if (!c->json) return true;
+    fputs("\n]\n", c->json);
+    bool good = !ferror(c->json);
+    if (fclose(c->json) != 0) good = false;
+    c->json = NULL;
+    return good || fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
+}

@@ -1,0 +1,209 @@
+/* daft play: a game in a window, the menu of games, or a game without a window. */
+#include "cli/commands.h"
+
+#include "cli/cli.h"
+#include "game/menu.h"
+#include "game/session.h"
+#include "common/util.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const cli_command COMMAND = {
+    "play",
+    "[GAME]",
+    "Plays a game: a folder with a main.lua, or the name of one in games/. Without GAME: a menu.",
+    "In a window: Esc leaves, F1 shows what a frame costs, F11 or Alt+Enter fills the screen, F12 writes a picture.\n"
+    "Without a display it plays the game's recorded demo (marble's, without GAME) and writes daft-demo.png.",
+    0,
+    1};
+
+static const char DEFAULT_GAME[] = "marble", DEMO_PICTURE[] = "daft-demo.png";
+enum { DEMO_TICKS = 600 };
+
+typedef struct play_options {
+    bool headless, hash, every_frame;
+    long ticks, threads, shot_tick, seed;
+    cli_size size;
+    double scale;
+    daft_quality quality;
+    const char *record, *replay, *isa, *shot, *stats, *game;
+} play_options;
+
+typedef struct player {
+    play_options options;
+    home where;
+    daft_engine *engine;
+    font *face;
+    platform *screen;
+} player;
+
+static const daft_quality UNSAID = (daft_quality)-1;
+
+static daft_quality quality_or(const play_options *o, daft_quality usual)
+{
+    return o->quality == UNSAID ? usual : o->quality;
+}
+
+static session_def base_session(const player *p)
+{
+    const play_options *o = &p->options;
+    return (session_def){.screen = p->screen,
+                         .engine = p->engine,
+                         .where = &p->where,
+                         .face = p->face,
+                         .quality = quality_or(o, DAFT_QUALITY_GAME),
+                         .scale = o->scale,
+                         .fixed_size = p->screen->headless,
+                         .seed = (uint64_t)o->seed,
+                         .ticks = (uint64_t)o->ticks,
+                         .hash = o->hash,
+                         .every_frame = o->every_frame,
+                         .record = o->record,
+                         .replay = o->replay,
+                         .shot = o->shot,
+                         .shot_tick = (uint64_t)o->shot_tick,
+                         .stats = o->stats};
+}
+
+static int finish(session_end end, const daft_error *error)
+{
+    if (end != SESSION_FAILED) return STATUS_DONE;
+    return error->code == DAFT_OK ? STATUS_BAD_INPUT : report(error);
+}
+
+static bool find_game(const player *p, game_info *out)
+{
+    daft_error error;
+    if (home_find_game(&p->where, p->options.game ? p->options.game : DEFAULT_GAME, out, &error)) return true;
+    report(&error);
+    return false;
+}
+
+static bool open_null(player *p, int width, int height)
+{
+    daft_error error;
+    if (p->options.size.width) width = p->options.size.width, height = p->options.size.height;
+    p->screen = platform_open_null(width, height, &error);
+    if (!p->screen) report(&error);
+    return p->screen != NULL;
+}
+
+static int play_headless(player *p)
+{
+    game_info game;
+    daft_error error;
+    if (!find_game(p, &game) || !open_null(p, 320, 180)) return STATUS_BAD_INPUT;
+    session_def def = base_session(p);
+    if (!def.ticks && !def.replay) def.ticks = DEMO_TICKS;
+    return finish(session_play(&def, &game, &error), &error);
+}
+
+/* Nobody can see a window here: the game's recorded demo is played, and its last picture kept. */
+static int play_demo(player *p, const char *why)
+{
+    game_info game;
+    daft_error error;
+    if (!find_game(p, &game) || !open_null(p, 1280, 720)) return STATUS_BAD_INPUT;
+    session_def def = base_session(p);
+    char demo[PATH_SIZE + 16];
+    snprintf(demo, sizeof demo, "%s/demo.rec", game.folder);
+    bool has_demo = !def.replay && path_is_file(demo);
+    if (has_demo) def.replay = demo;
+    fprintf(stderr, "daft: there is no display to open a window on (%s): playing %s of %s without one.\n", why,
+            def.replay ? "the recorded demo" : "ten seconds", game.title);
+    /* Ten seconds, or less where the demo is shorter. */
+    if (!def.ticks) {
+        recording replay;
+        if (def.replay && !recording_load(&replay, def.replay, &error)) return report(&error);
+        def.ticks = DEMO_TICKS;
+        if (def.replay && replay.end > 0 && replay.end < DEMO_TICKS) def.ticks = replay.end;
+        if (def.replay) recording_free(&replay);
+    }
+    def.progress = true;
+    if (!def.hash && !def.every_frame)
+        def.quality = quality_or(&p->options, DAFT_QUALITY_HIGH); /* it draws one frame */
+    if (!def.shot) def.shot = DEMO_PICTURE, def.shot_tick = 0;
+    uint64_t began = clock_now_ns();
+    session_end end = session_play(&def, &game, &error);
+    if (end == SESSION_FAILED) return finish(end, &error);
+    fprintf(stderr, "daft: played %.0f seconds of game in %.1f s and wrote %s.\n", (double)def.ticks / 60,
+            (double)(clock_now_ns() - began) / 1e9, def.shot);
+    return STATUS_DONE;
+}
+
+static int play_menu(player *p)
+{
+    size_t count, chosen = 0;
+    game_info *games = home_list_games(&p->where, &count);
+    session_def def = base_session(p);
+    int status = STATUS_DONE;
+    for (;;) {
+        daft_error error;
+        menu_end picked = menu_show(&def, games, count, &chosen, &error);
+        if (picked == MENU_FAILED) status = report(&error);
+        if (picked != MENU_CHOSEN) break;
+        session_end end = session_play(&def, &games[chosen], &error);
+        if (end == SESSION_FAILED) status = finish(end, &error);
+        if (end == SESSION_FAILED || end == SESSION_CLOSED) break;
+    }
+    free(games);
+    return status;
+}
+
+static int play(player *p)
+{
+    daft_error error;
+    if (!home_find(&p->where, &error)) return report(&error);
+    game_info game;
+    if (p->options.game && !find_game(p, &game)) return STATUS_BAD_INPUT; /* before a window flashes up */
+    p->face = open_font(&p->where, &error);
+    if (!p->face) return report(&error);
+    p->engine = open_engine((int)p->options.threads, p->options.isa, DAFT_ACCEL_BVH);
+    if (!p->engine) return STATUS_BAD_INPUT;
+    if (p->options.headless) return play_headless(p);
+    cli_size size = p->options.size.width ? p->options.size : (cli_size){1280, 720};
+    p->screen = platform_open_sdl("DAFT", size.width, size.height, &error);
+    if (!p->screen) return play_demo(p, error.message);
+    if (!p->options.game) return play_menu(p);
+    session_def def = base_session(p);
+    return finish(session_play(&def, &game, &error), &error);
+}
+
+int command_play(int argc, char **argv)
+{
+    player p = {.options = {.scale = 1, .quality = UNSAID, .seed = 1}};
+    play_options *o = &p.options;
+    const cli_option options[] = {
+        {"headless", 0, CLI_FLAG, NULL, &o->headless, 0, 0, "no window: as fast as it can, for tests and servers"},
+        {"ticks", 0, CLI_COUNT, "N", &o->ticks, 1, 1000000000,
+         "end after N updates of 1/60 s (headless: 600, or the replay's)"},
+        {"record", 0, CLI_TEXT, "FILE", &o->record, 0, 0, "write what is pressed to FILE"},
+        {"replay", 0, CLI_TEXT, "FILE", &o->replay, 0, 0, "play what FILE recorded; in a window, then it is your turn"},
+        {"hash", 0, CLI_FLAG, NULL, &o->hash, 0, 0,
+         "print 'tick N state 0x... frame 0x...' every 60 ticks and at the end"},
+        {"size", 0, CLI_SIZE, "WxH", &o->size, 16, 8192,
+         "the window's size (1280x720); headless: the picture's (320x180)"},
+        {"scale", 0, CLI_NUMBER, "F", &o->scale, 0, 4, "pixels of the picture to pixels of the window (1)"},
+        {"quality", 'q', CLI_QUALITY, "Q", &o->quality, 0, 0, "draft, game (default), high or reference"},
+        {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 256, "worker threads; 0, the default: one for each processor"},
+        {"isa", 0, CLI_ISA, "X", &o->isa, 0, 0, "sse2, avx2 or avx512; default: the best there is"},
+        {"seed", 0, CLI_COUNT, "N", &o->seed, 0, 1000000000, "of the random numbers (1); a replay has its own"},
+        {"shot", 0, CLI_TEXT, "FILE", &o->shot, 0, 0, "write a picture (.png, .ppm) at the end"},
+        {"shot-tick", 0, CLI_COUNT, "N", &o->shot_tick, 1, 1000000000, "... or after update N"},
+        {"stats", 0, CLI_TEXT, "FILE", &o->stats, 0, 0, "write what the frames cost as JSON; - is the terminal"},
+        {"every-frame", 0, CLI_FLAG, NULL, &o->every_frame, 0, 0, "draw every frame, though headless; for --stats"}};
+    const char *operands[CLI_OPERANDS];
+    size_t count;
+    cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);
+    if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
+    if (o->shot_tick && !o->shot) return cli_refuse("play", "--shot-tick: --shot FILE is missing");
+    if (!(o->scale > 0)) return cli_refuse("play", "--scale: a number above 0 expected");
+    if (count > 0) o->game = operands[0];
+    int status = play(&p);
+    if (p.screen) p.screen->close(p.screen);
+    font_close(p.face);
+    daft_engine_destroy(p.engine);
+    return status;
+}

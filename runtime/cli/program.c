@@ -1,0 +1,78 @@
+/* Which command runs; daft help and daft version. */
+#include "cli/commands.h"
+
+#include "api/api.h"
+#include "common/util.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static int command_help(int argc, char **argv);
+static int command_version(int argc, char **argv);
+
+static const struct {
+    const char *name, *summary;
+    int (*run)(int argc, char **argv);
+} COMMANDS[] = {{"play", "play a game, or choose one from a menu", command_play},
+                {"render", "render a scene to a picture", command_render},
+                {"check", "check scenes, meshes, pictures and games for mistakes", command_check},
+                {"bench", "run the benchmarks", command_bench},
+                {"help", "this text; 'help COMMAND'; 'help lua': what games can call", command_help},
+                {"version", "the version", command_version}};
+
+static void print_usage(FILE *out)
+{
+    fprintf(out, "usage: daft COMMAND [...]\n\nDAFT, a 3D engine that needs no GPU.\n\n");
+    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++) fprintf(out, "  %-8s  %s\n", COMMANDS[i].name, COMMANDS[i].summary);
+    fprintf(out, "\n'daft COMMAND --help' tells more. Exit status: 0 done, 1 the input is bad, 2 wrong usage.\n");
+}
+
+static int command_version(int argc, char **argv)
+{
+    (void)argc, (void)argv;
+    printf("daft %d.%d.%d\n", DAFT_VERSION_MAJOR, DAFT_VERSION_MINOR, DAFT_VERSION_PATCH);
+    return STATUS_DONE;
+}
+
+static int unknown_command(const char *name)
+{
+    const char *names[COUNT_OF(COMMANDS)];
+    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++) names[i] = COMMANDS[i].name;
+    const char *near = nearest_name(name, names, COUNT_OF(names));
+    fprintf(stderr, "daft: there is no command '%s'%s%s%s\nTry 'daft help'.\n", name, near ? ": did you mean '" : "",
+            near ? near : "", near ? "'?" : "");
+    return STATUS_BAD_USAGE;
+}
+
+static int run_command(const char *name, int argc, char **argv)
+{
+    for (size_t i = 0; i < COUNT_OF(COMMANDS); i++)
+        if (strcmp(name, COMMANDS[i].name) == 0) return COMMANDS[i].run(argc, argv);
+    return unknown_command(name);
+}
+
+static int command_help(int argc, char **argv)
+{
+    if (argc > 1 && strcmp(argv[1], "lua") == 0) {
+        api_print_reference();
+        return STATUS_DONE;
+    }
+    if (argc > 1 && argv[1][0] != '-' && strcmp(argv[1], "help") != 0 && strcmp(argv[1], "version") != 0) {
+        char help[] = "--help", *arguments[] = {argv[1], help, NULL};
+        return run_command(argv[1], 2, arguments);
+    }
+    print_usage(stdout);
+    return STATUS_DONE;
+}
+
+int run_program(int argc, char **argv)
+{
+    if (argc < 2) {
+        print_usage(stderr);
+        return STATUS_BAD_USAGE;
+    }
+    const char *name = argv[1];
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) name = "help";
+    if (strcmp(name, "--version") == 0 || strcmp(name, "-V") == 0) name = "version";
+    return run_command(name, argc - 1, argv + 1);
+}

@@ -1,0 +1,190 @@
+/* daft render: one picture of a scene or a mesh, and what it cost. */
+#include "cli/commands.h"
+
+#include "cli/aov.h"
+#include "cli/cli.h"
+#include "common/progress.h"
+#include "common/stats.h"
+#include "common/util.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const cli_command COMMAND = {
+    "render",
+    "SCENE",
+    "Renders a .scene file, or a mesh (.obj) in front of a sky, to a picture.",
+    "The picture's format goes by its name: .png or .ppm. With -o a.png, --aov writes a.depth.pfm (metres along\n"
+    "the ray), a.normal.pfm (world axes), a.id.png and a.triangle.png (numbers: red + 256 green + 65536 blue).",
+    1,
+    1};
+
+typedef struct render_options {
+    const char *scene, *out, *isa, *stats;
+    daft_accel accel;
+    cli_size size;
+    daft_quality quality;
+    daft_intersection intersection;
+    long camera, threads, repeat;
+    bool camera_given, explain;
+    const char *aov_list;
+    aov_set aov;
+} render_options;
+
+/* Seen from the front right and above, so near that the corners of the mesh's bounds just fit. A corner c, relative to
+ * the middle, is at depth D + forward·c; it is in the picture where |right·c| <= tan·(D + forward·c), and the same up.
+ */
+static daft_camera frame_box(const daft_mesh_info *info, double aspect)
+{
+    const double fov = 0.8, across = daft_tan(fov / 2), back[3] = {0.42, 0.34, 0.8414};
+    const double flat = sqrt(back[0] * back[0] + back[2] * back[2]);
+    const double right[3] = {back[2] / flat, 0, -back[0] / flat};
+    const double up[3] = {-back[0] * back[1] / flat, flat, -back[2] * back[1] / flat};
+    const double low[3] = {(double)info->low.x, (double)info->low.y, (double)info->low.z};
+    const double high[3] = {(double)info->high.x, (double)info->high.y, (double)info->high.z};
+    double middle[3], distance = 0;
+    for (int i = 0; i < 3; i++) middle[i] = (low[i] + high[i]) / 2;
+    for (int corner = 0; corner < 8; corner++) {
+        double x = 0, y = 0, depth = 0;
+        for (int i = 0; i < 3; i++) {
+            double c = (corner >> i & 1 ? high[i] : low[i]) - middle[i];
+            x += right[i] * c, y += up[i] * c, depth -= back[i] * c;
+        }
+        distance = fmax(distance, fmax(fabs(x) / across, fabs(y) / (across * aspect)) - depth);
+    }
+    distance = distance > 0 ? distance * 1.06 : 1;
+    daft_dvec3 at = {middle[0], middle[1], middle[2]};
+    daft_dvec3 from = {at.x + distance * back[0], at.y + distance * back[1], at.z + distance * back[2]};
+    return daft_camera_look_at(from, at, (float)fov);
+}
+
+/* Sky, sun and a camera for a mesh that comes alone. */
+static bool frame_mesh(daft_scene *scene, const render_options *o, daft_camera *camera, daft_error *error)
+{
+    daft_mesh mesh = daft_mesh_load(scene, o->scene, error);
+    daft_mesh_info info;
+    if (mesh.id == 0 || !daft_mesh_get_info(scene, mesh, &info, error)) return false;
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH;
+    def.mesh = mesh;
+    if (!daft_entity_create(scene, &def, error).id) return false;
+    daft_light_def sun = daft_default_light_def();
+    sun.kind = DAFT_LIGHT_SUN;
+    sun.direction = (daft_vec3){-0.35f, -1, -0.9f};
+    sun.color = (daft_vec3){0.75f, 0.73f, 0.7f};
+    if (!daft_light_create(scene, &sun, error).id) return false;
+    daft_scene_set_ambient(scene, (daft_vec3){0.22f, 0.24f, 0.28f});
+    daft_scene_set_sky_gradient(scene, (daft_vec3){0.16f, 0.35f, 0.72f}, (daft_vec3){0.8f, 0.88f, 0.95f});
+
+    *camera = frame_box(&info, (double)o->size.height / (double)o->size.width);
+    return true;
+}
+
+static bool choose_camera(const daft_scene *scene, const render_options *o, daft_camera *camera, daft_error *error)
+{
+    uint32_t count = daft_scene_camera_count(scene);
+    if (o->camera < (long)count) {
+        if (count == 0) return true;
+        return daft_scene_get_camera((daft_scene *)(uintptr_t)scene, (uint32_t)o->camera, camera, error);
+    }
+    if (!o->camera_given && count == 0) {
+        *camera = daft_default_camera();
+        return true;
+    }
+    return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: %s has %u camera%s, counted from 0", o->camera, o->scene,
+                count, count == 1 ? "" : "s");
+}
+
+typedef struct progress_state {
+    progress_bar bar;
+    long frame, frames;
+} progress_state;
+
+static bool show_progress(void *user, float done)
+{
+    progress_state *state = user;
+    progress_show(&state->bar, ((double)state->frame + (double)done) / (double)state->frames);
+    return true;
+}
+
+static bool render(daft_scene *scene, const render_options *o, daft_image *image, frame_times *times, daft_error *error)
+{
+    daft_view view = daft_default_view();
+    bool is_mesh = has_extension(o->scene, ".obj");
+    if (is_mesh ? !frame_mesh(scene, o, &view.camera, error) : !daft_scene_load(scene, o->scene, error)) return false;
+    if (!is_mesh && !choose_camera(scene, o, &view.camera, error)) return false;
+    if (is_mesh && o->camera_given && o->camera > 0)
+        return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", o->camera);
+    view.quality = o->quality;
+    view.intersection = o->intersection;
+    view.aov = o->aov.arrays;
+    progress_state progress = {.frames = o->repeat};
+    progress_begin(&progress.bar, "rendering");
+    view.progress = show_progress;
+    view.progress_user = &progress;
+    bool good = true;
+    for (; good && progress.frame < o->repeat; progress.frame++) {
+        good = daft_render(scene, &view, image, error);
+        frame_times_add(times, daft_scene_counters(scene)->frame_ms);
+    }
+    progress_end(&progress.bar);
+    return good;
+}
+
+static bool run(daft_engine *engine, render_options *o, daft_error *error)
+{
+    frame_times times = {0};
+    daft_image *image = daft_image_create(engine, o->size.width, o->size.height, error);
+    daft_scene *scene =
+        image && aov_allocate(&o->aov, o->size.width, o->size.height, error) ? daft_scene_create(engine, error) : NULL;
+    bool good = scene && render(scene, o, image, &times, error) && daft_image_write(image, o->out, error) &&
+                aov_write(&o->aov, engine, o->out, error);
+    if (good && o->explain) stats_print_plan(stdout, daft_scene_counters(scene));
+    if (good && o->stats) good = stats_write(o->stats, daft_scene_counters(scene), &times, error);
+    daft_scene_destroy(scene);
+    daft_image_destroy(image);
+    aov_free(&o->aov);
+    frame_times_free(&times);
+    return good;
+}
+
+int command_render(int argc, char **argv)
+{
+    render_options o = {.size = {1280, 720}, .quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1};
+    const cli_option options[] = {
+        {"output", 'o', CLI_TEXT, "IMG", &o.out, 0, 0, "the picture to write: .png or .ppm (must be given)"},
+        {"size", 0, CLI_SIZE, "WxH", &o.size, 1, 16384, "of the picture (1280x720)"},
+        {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0, "draft, game (default), high or reference"},
+        {"intersect", 0, CLI_INTERSECT, "HOW", &o.intersection, 0, 0,
+         "how rays meet triangles: exact (default), watertight or fast"},
+        {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the file, counted from 0 (0)"},
+        {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256, "worker threads; 0, the default: one for each processor"},
+        {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "sse2, avx2 or avx512; default: the best there is"},
+        {"accel", 0, CLI_ACCEL, "X", &o.accel, 0, 0,
+         "bvh (default), sbvh or kdtree: what rays search meshes by; the picture is the same"},
+        {"aov", 0, CLI_TEXT, "LIST", &o.aov_list, 0, 0,
+         "also write depth,normal,id,triangle or some of them, in files beside IMG"},
+        {"explain", 0, CLI_FLAG, NULL, &o.explain, 0, 0, "print the plan: what ran and why, rays, milliseconds"},
+        {"stats", 0, CLI_TEXT, "FILE", &o.stats, 0, 0, "write what it cost as JSON; - is the terminal"},
+        {"repeat", 0, CLI_COUNT, "N", &o.repeat, 1, 100000, "render N times, for the figures of --stats (1)"}};
+    const char *operands[CLI_OPERANDS];
+    size_t count;
+    cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);
+    if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
+    o.scene = operands[0];
+    if (!o.out) return cli_refuse("render", "-o IMG is missing");
+    if (!has_extension(o.out, ".png") && !has_extension(o.out, ".ppm"))
+        return cli_refuse("render", "-o: a name that ends in .png or .ppm expected, got '%s'", o.out);
+    if (!has_extension(o.scene, ".scene") && !has_extension(o.scene, ".obj") && path_is_file(o.scene))
+        return cli_refuse("render", "'%s' is neither a .scene nor an .obj file", o.scene);
+    if (o.aov_list && !aov_parse(o.aov_list, &o.aov)) return STATUS_BAD_USAGE;
+    o.camera_given = o.camera >= 0;
+    if (!o.camera_given) o.camera = 0;
+    daft_engine *engine = open_engine((int)o.threads, o.isa, o.accel);
+    if (!engine) return STATUS_BAD_INPUT;
+    daft_error error;
+    int status = run(engine, &o, &error) ? STATUS_DONE : report(&error);
+    daft_engine_destroy(engine);
+    return status;
+}

@@ -1,0 +1,140 @@
+/* Where the program's own folders are, and which games there are. */
+#include "common/home.h"
+
+#include <ctype.h>
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+bool home_program_folder(char *out, size_t size)
+{
+    ssize_t length = readlink("/proc/self/exe", out, size - 1);
+    if (length <= 0) return false;
+    out[length] = 0;
+    char *slash = strrchr(out, '/');
+    if (!slash) return false;
+    slash[slash == out] = 0;
+    return true;
+}
+
+static bool try_root(home *out, const char *root)
+{
+    return path_join(out->games, PATH_SIZE, root, "games") && path_join(out->assets, PATH_SIZE, root, "assets") &&
+           path_join(out->scripts, PATH_SIZE, root, "scripts") && path_is_folder(out->games) &&
+           path_is_folder(out->scripts);
+}
+
+bool home_find(home *out, daft_error *error)
+{
+    const char *wish = getenv("DAFT_HOME");
+    if (wish && wish[0]) {
+        if (try_root(out, wish)) return true;
+        return fail(error, DAFT_ERROR_IO, "DAFT_HOME is '%s', but there are no folders games and scripts in it", wish);
+    }
+    char folder[PATH_SIZE], shared[PATH_SIZE];
+    if (!home_program_folder(folder, sizeof folder))
+        return fail(error, DAFT_ERROR_IO, "cannot tell where the program is: set DAFT_HOME to the folder with games/");
+    if (path_join(shared, sizeof shared, folder, "../share/daft") && try_root(out, shared)) return true;
+    for (;;) {
+        if (try_root(out, folder)) return true;
+        char *slash = strrchr(folder, '/');
+        if (!slash || folder[1] == 0) break;
+        slash[slash == folder] = 0;
+    }
+    return fail(error, DAFT_ERROR_IO,
+                "the folders games and scripts are neither above the program nor installed: set DAFT_HOME to theirs");
+}
+
+/* The comment lines that open main.lua: the first is the title (up to a colon), the rest the description. */
+static void describe(game_info *game)
+{
+    snprintf(game->title, sizeof game->title, "%s", game->name);
+    game->title[0] = (char)toupper((unsigned char)game->title[0]);
+    game->description[0] = 0;
+    char path[PATH_SIZE + 16], line[512];
+    snprintf(path, sizeof path, "%s/main.lua", game->folder);
+    FILE *file = fopen(path, "r");
+    if (!file) return;
+    for (int number = 0; fgets(line, sizeof line, file) && strncmp(line, "--", 2) == 0; number++) {
+        char *text = line + strspn(line, "- \t");
+        text[strcspn(text, "\r\n")] = 0;
+        if (number == 0) {
+            char *colon = strstr(text, ": ");
+            if (text[0]) snprintf(game->title, sizeof game->title, "%.*s", (int)(colon ? colon - text : 127), text);
+            text = colon ? colon + 2 : text + strlen(text);
+            text[0] = (char)toupper((unsigned char)text[0]);
+        }
+        size_t used = strlen(game->description);
+        if (text[0]) snprintf(game->description + used, sizeof game->description - used, "%s%s", used ? " " : "", text);
+    }
+    fclose(file);
+}
+
+static bool look_at_folder(const char *folder, game_info *out)
+{
+    char path[PATH_SIZE + 16], real[PATH_SIZE * 4];
+    snprintf(path, sizeof path, "%s/main.lua", folder);
+    if (!path_is_file(path)) return false;
+    snprintf(out->folder, sizeof out->folder, "%s", folder);
+    /* "." and ".." have the name of the folder they stand for. */
+    char *resolved = realpath(folder, NULL);
+    snprintf(real, sizeof real, "%s", resolved ? resolved : folder);
+    free(resolved);
+    path_base_name(real, out->name, sizeof out->name);
+    describe(out);
+    return true;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(((const game_info *)a)->name, ((const game_info *)b)->name);
+}
+
+game_info *home_list_games(const home *where, size_t *count)
+{
+    *count = 0;
+    DIR *folder = opendir(where->games);
+    if (!folder) return NULL;
+    game_info *games = NULL;
+    for (struct dirent *entry; (entry = readdir(folder));) {
+        char path[PATH_SIZE];
+        if (entry->d_name[0] == '.' || !path_join(path, sizeof path, where->games, entry->d_name)) continue;
+        game_info *more = realloc(games, (*count + 1) * sizeof *games);
+        if (!more) break;
+        games = more;
+        if (look_at_folder(path, &games[*count])) ++*count;
+    }
+    closedir(folder);
+    if (*count > 0) qsort(games, *count, sizeof *games, by_name);
+    return games;
+}
+
+bool home_find_game(const home *where, const char *name, game_info *out, daft_error *error)
+{
+    if (strlen(name) >= PATH_SIZE / 2) return fail(error, DAFT_ERROR_ARGUMENT, "the name of the game is too long");
+    if (look_at_folder(name, out)) return true;
+    char path[PATH_SIZE];
+    if (name[0] && name[0] != '/' && path_join(path, sizeof path, where->games, name) && look_at_folder(path, out))
+        return true;
+    if (path_is_folder(name)) return fail(error, DAFT_ERROR_IO, "%s: there is no main.lua in this folder", name);
+
+    size_t count;
+    game_info *games = home_list_games(where, &count);
+    const char **names = calloc(count + 1, sizeof *names);
+    char list[300] = "";
+    for (size_t i = 0; names && i < count; i++) {
+        names[i] = games[i].name;
+        size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", games[i].name);
+    }
+    const char *near = names ? nearest_name(name, names, count) : NULL;
+    if (near)
+        fail(error, DAFT_ERROR_ARGUMENT, "there is no game '%s': did you mean '%s'?", name, near);
+    else
+        fail(error, DAFT_ERROR_ARGUMENT, "there is no game '%s'; games/ has: %s", name, count ? list : "none");
+    free(names);
+    free(games);
+    return false;
+}

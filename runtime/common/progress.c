@@ -1,0 +1,33 @@
+/* Progress bars. */
+#include "common/progress.h"
+
+#include "common/util.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+void progress_begin(progress_bar *bar, const char *label)
+{
+    *bar = (progress_bar){.label = label, .shown = isatty(STDERR_FILENO), .began_ns = clock_now_ns()};
+}
+
+void progress_show(progress_bar *bar, double done)
+{
+    enum { WIDTH = 40 };
+    uint64_t now = clock_now_ns();
+    if (!bar->shown || (bar->last_ns && now - bar->last_ns < 100000000u)) return;
+    bar->last_ns = now;
+    done = done > 1 ? 1 : done >= 0 ? done : 0;
+    int full = (int)(done * WIDTH);
+    char cells[WIDTH + 1];
+    for (int i = 0; i < WIDTH; i++) cells[i] = i < full ? '#' : '.';
+    cells[WIDTH] = 0;
+    fprintf(stderr, "\r%s [%s] %3d%%  %.1f s", bar->label, cells, (int)(done * 100),
+            (double)(now - bar->began_ns) / 1e9);
+    fflush(stderr);
+}
+
+void progress_end(progress_bar *bar)
+{
+    if (bar->shown && bar->last_ns) fprintf(stderr, "\r\033[K");
+}

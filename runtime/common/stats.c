@@ -1,0 +1,138 @@
+/* What a frame cost, as JSON and as a table. */
+#include "common/stats.h"
+
+#include "common/json.h"
+#include "common/util.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- times ---- */
+
+void frame_times_add(frame_times *times, double ms)
+{
+    if (times->count == times->capacity) {
+        size_t capacity = times->capacity ? times->capacity * 2 : 256;
+        double *more = realloc(times->ms, capacity * sizeof *more);
+        if (!more) return;
+        times->ms = more;
+        times->capacity = capacity;
+    }
+    times->ms[times->count++] = ms;
+}
+
+void frame_times_free(frame_times *times)
+{
+    free(times->ms);
+    *times = (frame_times){0};
+}
+
+static int by_time(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+double frame_times_share(const frame_times *times, double share)
+{
+    double *sorted = times->count ? malloc(times->count * sizeof *sorted) : NULL;
+    if (!sorted) return 0;
+    memcpy(sorted, times->ms, times->count * sizeof *sorted);
+    qsort(sorted, times->count, sizeof *sorted, by_time);
+    double rank = ceil(share * (double)times->count);
+    double value = sorted[rank < 1 ? 0 : (size_t)rank - 1];
+    free(sorted);
+    return value;
+}
+
+/* ---- JSON ---- */
+
+/* JSON has no NaN and no infinity. */
+static void put_number(FILE *out, double value)
+{
+    fprintf(out, "%.4f", isfinite(value) ? value : 0.0);
+}
+
+static void put_effect(FILE *out, const daft_effect *effect, bool last)
+{
+    fputs("    ", out);
+    json_put_text(out, effect->name);
+    fprintf(out, ": {\"ran\": %s, \"why\": ", effect->ran ? "true" : "false");
+    json_put_text(out, effect->why);
+    fprintf(out, ", \"tiles\": %" PRIu32 ", \"rays\": %" PRIu64 ", \"bytes\": %" PRIu64 ", \"ms\": ", effect->tiles,
+            effect->rays, effect->bytes);
+    put_number(out, effect->ms);
+    fprintf(out, "}%s\n", last ? "" : ",");
+}
+
+void stats_print_json(FILE *out, const daft_counters *c, const frame_times *times)
+{
+    fprintf(out, "{\n  \"width\": %d,\n  \"height\": %d,\n  \"threads\": %d,\n  \"isa\": ", c->width, c->height,
+            c->threads);
+    json_put_text(out, c->isa);
+    fputs(",\n  \"frame_ms\": {\"median\": ", out);
+    put_number(out, frame_times_share(times, 0.5));
+    fputs(", \"p95\": ", out);
+    put_number(out, frame_times_share(times, 0.95));
+    fprintf(out, ", \"frames\": %zu},\n", times->count);
+    fprintf(out,
+            "  \"rays\": {\"camera\": %" PRIu64 ", \"shadow\": %" PRIu64 ", \"reflection\": %" PRIu64
+            ", \"refraction\": %" PRIu64 ", \"query\": %" PRIu64 "},\n  \"effects\": {\n",
+            c->camera_rays, c->shadow_rays, c->reflection_rays, c->refraction_rays, c->query_rays);
+    size_t named = 0;
+    for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++) named += c->effects[i].name != NULL;
+    for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++)
+        if (c->effects[i].name) put_effect(out, &c->effects[i], --named == 0);
+    const struct {
+        const char *name;
+        uint64_t value;
+    } counts[] = {{"instances_seen", c->instances_seen},
+                  {"triangles_tested", c->triangles_tested},
+                  {"triangles_binned", c->triangles_binned},
+                  {"spheres_binned", c->spheres_binned},
+                  {"exact_edges", c->exact_edges},
+                  {"exact_depths", c->exact_depths},
+                  {"shadow_points_kept", c->shadow_points_kept},
+                  {"mesh_builds", c->mesh_builds},
+                  {"mesh_refits", c->mesh_refits},
+                  {"mesh_sides", c->mesh_sides},
+                  {"mesh_insides", c->mesh_insides},
+                  {"placings", c->placings}};
+    fputs("  },\n  \"counters\": {", out);
+    for (size_t i = 0; i < COUNT_OF(counts); i++)
+        fprintf(out, "%s\"%s\": %" PRIu64, i ? ", " : "", counts[i].name, counts[i].value);
+    fputs("}\n}\n", out);
+}
+
+bool stats_write(const char *path, const daft_counters *counters, const frame_times *times, daft_error *error)
+{
+    if (strcmp(path, "-") == 0) {
+        stats_print_json(stdout, counters, times);
+        return true;
+    }
+    FILE *out = fopen(path, "w");
+    if (!out) return fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
+    stats_print_json(out, counters, times);
+    bool good = !ferror(out);
+    if (fclose(out) != 0) good = false;
+    return good || fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
+}
+
+/* ---- the plan ---- */
+
+void stats_print_plan(FILE *out, const daft_counters *c)
+{
+    fprintf(out, "%dx%d, %d thread%s, %s, %.2f ms\n", c->width, c->height, c->threads, c->threads == 1 ? "" : "s",
+            c->isa, c->frame_ms);
+    fprintf(out, "%-12s %-4s %7s %10s %10s %9s  %s\n", "effect", "ran", "tiles", "rays", "bytes", "ms", "why");
+    for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++) {
+        const daft_effect *effect = &c->effects[i];
+        if (!effect->name) continue;
+        fprintf(out, "%-12s %-4s %7" PRIu32 " %10" PRIu64 " %10" PRIu64 " %9.3f  %s\n", effect->name,
+                effect->ran ? "yes" : "no", effect->tiles, effect->rays, effect->bytes, effect->ms,
+                effect->why ? effect->why : "");
+    }
+}

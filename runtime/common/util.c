@@ -1,0 +1,162 @@
+/* The small things every file of the runtime needs. */
+#include "common/util.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <time.h>
+
+static void fill(daft_error *error, daft_status code, const char *file, int line, int column, const char *format,
+                 va_list arguments)
+{
+    error->code = code;
+    error->line = line;
+    error->column = column;
+    snprintf(error->file, sizeof error->file, "%s", file ? file : "");
+    vsnprintf(error->message, sizeof error->message, format, arguments);
+}
+
+bool fail(daft_error *error, daft_status code, const char *format, ...)
+{
+    if (!error) return false;
+    va_list arguments;
+    va_start(arguments, format);
+    fill(error, code, NULL, 0, 0, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+bool fail_at(daft_error *error, const char *file, int line, int column, const char *format, ...)
+{
+    if (!error) return false;
+    va_list arguments;
+    va_start(arguments, format);
+    fill(error, line > 0 ? DAFT_ERROR_SYNTAX : DAFT_ERROR_IO, file, line, column, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+int report(const daft_error *error)
+{
+    char text[1200];
+    fprintf(stderr, "daft: %s\n", daft_error_text(error, text, sizeof text));
+    return STATUS_BAD_INPUT;
+}
+
+/* Optimal string alignment: insertions, deletions, changes and swaps of neighbours. Words over 63 letters count as far.
+ */
+static size_t edit_distance(const char *a, const char *b)
+{
+    enum { LIMIT = 64 };
+    size_t n = strlen(a), m = strlen(b);
+    if (n >= LIMIT || m >= LIMIT) return LIMIT;
+    size_t rows[3][LIMIT];
+    size_t *before = rows[0], *last = rows[1], *row = rows[2];
+    for (size_t j = 0; j <= m; j++) before[j] = last[j] = j;
+    for (size_t i = 1; i <= n; i++) {
+        row[0] = i;
+        for (size_t j = 1; j <= m; j++) {
+            size_t best = last[j - 1] + (a[i - 1] != b[j - 1]);
+            if (last[j] + 1 < best) best = last[j] + 1;
+            if (row[j - 1] + 1 < best) best = row[j - 1] + 1;
+            bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+            if (swapped && before[j - 2] + 1 < best) best = before[j - 2] + 1;
+            row[j] = best;
+        }
+        size_t *free_row = before;
+        before = last, last = row, row = free_row;
+    }
+    return last[m];
+}
+
+const char *nearest_name(const char *word, const char *const *names, size_t count)
+{
+    size_t length = strlen(word), limit = length < 4 ? 1 : length < 8 ? 2 : 3, best = limit + 1;
+    const char *found = NULL;
+    for (size_t i = 0; i < count; i++) {
+        size_t distance = edit_distance(word, names[i]);
+        bool prefix = length >= 3 && strncmp(word, names[i], length) == 0;
+        if (prefix && distance > limit) distance = limit;
+        if (distance < best) best = distance, found = names[i];
+    }
+    return found;
+}
+
+bool path_join(char *out, size_t size, const char *folder, const char *name)
+{
+    size_t length = strlen(folder);
+    const char *slash = length == 0 || folder[length - 1] == '/' ? "" : "/";
+    int written = name[0] == '/' ? snprintf(out, size, "%s", name) : snprintf(out, size, "%s%s%s", folder, slash, name);
+    return written >= 0 && (size_t)written < size;
+}
+
+bool path_is_folder(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+bool path_is_file(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && !S_ISDIR(info.st_mode);
+}
+
+void path_base_name(const char *path, char *out, size_t size)
+{
+    size_t end = strlen(path);
+    while (end > 1 && path[end - 1] == '/') end--;
+    size_t begin = end;
+    while (begin > 0 && path[begin - 1] != '/') begin--;
+    snprintf(out, size, "%.*s", (int)(end - begin), path + begin);
+}
+
+bool has_extension(const char *path, const char *extension)
+{
+    size_t n = strlen(path), m = strlen(extension);
+    return n > m && strcasecmp(path + n - m, extension) == 0;
+}
+
+char *read_whole_file(const char *path, size_t *size, daft_error *error)
+{
+    if (path_is_folder(path)) {
+        fail_at(error, path, 0, 0, "a folder, not a file");
+        return NULL;
+    }
+    FILE *file = fopen(path, "rb");
+    if (!file) {
+        fail_at(error, path, 0, 0, "cannot be opened: %s", strerror(errno));
+        return NULL;
+    }
+    size_t capacity = 1 << 16, used = 0;
+    char *bytes = malloc(capacity);
+    while (bytes) {
+        used += fread(bytes + used, 1, capacity - 1 - used, file);
+        if (used < capacity - 1) break;
+        char *more = realloc(bytes, capacity * 2);
+        if (!more) free(bytes);
+        bytes = more;
+        capacity *= 2;
+    }
+    bool broken = ferror(file) != 0;
+    fclose(file);
+    if (!bytes || broken) {
+        free(bytes);
+        fail_at(error, path, 0, 0, broken ? "cannot be read" : "too large for the memory there is");
+        return NULL;
+    }
+    bytes[used] = 0;
+    *size = used;
+    return bytes;
+}
+
+uint64_t clock_now_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}

@@ -1,0 +1,137 @@
+/* One game being played. */
+#include "game/game.h"
+
+#include "game/loop.h"
+#include "common/util.h"
+
+#include <stdio.h>
+
+static bool stop(game_state *state)
+{
+    state->failed = true;
+    return false;
+}
+
+/* An engine's error at a place where no script runs becomes the game's message. */
+static bool stop_with(game_state *state, const char *what, const daft_error *error)
+{
+    char text[1100];
+    snprintf(state->scripts.message, sizeof state->scripts.message, "%s: %.900s", what,
+             daft_error_text(error, text, sizeof text));
+    state->scripts.trace[0] = 0;
+    return stop(state);
+}
+
+bool game_is_replaying(const game_state *state)
+{
+    return state->def.replay && state->ticks < state->def.replay->end;
+}
+
+static bool start(game_state *state, daft_error *error)
+{
+    state->failed = state->over = false;
+    state->scene = daft_scene_create(state->def.engine, error);
+    if (!state->scene) return false;
+    host_def def = {.where = state->def.where,
+                    .folder = state->def.info->folder,
+                    .name = state->def.info->name,
+                    .engine = state->def.engine,
+                    .scene = state->scene,
+                    .keys = &state->keys,
+                    .face = state->def.face,
+                    .seed = state->def.seed,
+                    .interrupted = state->def.interrupted,
+                    .user = state->def.user};
+    bool good = host_open(&state->scripts, &def);
+    state->scripts.replaying = game_is_replaying(state);
+    state->failed = !good || !host_load(&state->scripts);
+    return true;
+}
+
+static void end(game_state *state)
+{
+    host_close(&state->scripts);
+    daft_scene_destroy(state->scene);
+    state->scene = NULL;
+}
+
+bool game_open(game_state *state, const game_def *def, daft_error *error)
+{
+    *state = (game_state){.def = *def};
+    if (start(state, error)) return true;
+    end(state);
+    return false;
+}
+
+void game_close(game_state *state)
+{
+    end(state);
+}
+
+bool game_reload(game_state *state, daft_error *error)
+{
+    end(state);
+    return start(state, error);
+}
+
+static void take_input(game_state *state)
+{
+    input *keys = &state->keys;
+    input_begin_tick(keys);
+    bool replaying = game_is_replaying(state);
+    if (replaying) {
+        input_drop_queue(keys);
+        recording_play(state->def.replay, state->ticks, keys);
+    } else {
+        if (state->scripts.replaying) input_push_release_all(keys); /* the recording has just ended */
+        input_apply_queue(keys);
+    }
+    state->scripts.replaying = replaying;
+    for (size_t i = 0; state->def.record && i < keys->applied_count; i++)
+        recorder_add(state->def.record, state->ticks, &keys->applied[i]);
+}
+
+static bool call_key_handlers(game_state *state)
+{
+    const input *keys = &state->keys;
+    for (size_t i = 0; i < keys->applied_count; i++) {
+        const input_event *event = &keys->applied[i];
+        if (event->kind == INPUT_KEY && !host_key(&state->scripts, event->key, event->down)) return false;
+    }
+    return true;
+}
+
+bool game_tick(game_state *state)
+{
+    if (state->failed) return false;
+    daft_scene_begin_tick(state->scene);
+    take_input(state);
+    if (!call_key_handlers(state) || !host_update(&state->scripts, 1.0 / LOOP_RATE)) return stop(state);
+    daft_error error;
+    if (!daft_scene_step(state->scene, 1.0f / LOOP_RATE, &error)) return stop_with(state, "simulation", &error);
+    state->ticks++;
+    state->scripts.tick++;
+    state->over = state->scripts.quit;
+    if (state->scripts.restart && !state->over && !game_reload(state, &error))
+        return stop_with(state, "restart", &error);
+    return !state->failed;
+}
+
+bool game_draw(game_state *state, daft_image *picture, float alpha)
+{
+    if (state->failed) return false;
+    daft_view view = daft_default_view();
+    view.camera = daft_scene_camera(state->scene, alpha);
+    view.alpha = alpha;
+    view.quality = state->def.quality;
+    daft_error error;
+    if (!daft_render(state->scene, &view, picture, &error)) return stop_with(state, "drawing", &error);
+    canvas over = canvas_over(picture);
+    return host_draw(&state->scripts, &over) || stop(state);
+}
+
+uint64_t game_hash(const game_state *state)
+{
+    if (!state->scene) return 0; /* reloading ran out of memory */
+    return daft_hash(&state->scripts.random, sizeof state->scripts.random, daft_scene_hash(state->scene));
+}

@@ -1,0 +1,16 @@
+/* menu: the list of games in a window, over a small scene of its own. Arrow keys, Return and the mouse choose. */
+#ifndef RUNTIME_GAME_MENU_H
+#define RUNTIME_GAME_MENU_H
+
+#include "game/session.h"
+
+typedef enum menu_end {
+    MENU_CHOSEN,
+    MENU_LEFT, /* Esc, or the window was closed */
+    MENU_FAILED
+} menu_end;
+
+/* *chosen: the game to begin with, and the one that was chosen. */
+menu_end menu_show(const session_def *def, const game_info *games, size_t count, size_t *chosen, daft_error *error);
+
+#endif

@@ -1,0 +1,316 @@
+/* Plays one game on a platform. */
+#include "game/session.h"
+
+#include "game/loop.h"
+#include "hud/screens.h"
+#include "common/util.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+enum { HASH_TICKS = 60 };
+
+typedef struct session {
+    const session_def *def;
+    const game_info *info;
+    game_state play;
+    recording replay;
+    recorder *record;
+    daft_image *picture;
+    loop clock;
+    uint64_t last_ns;
+    bool left, closed, overlay, reported;
+    bool wants_reload, wants_shot, grabbed;
+    frame_times times;
+    double update_ms, frame_ms, turn_ms; /* smoothed, for the overlay */
+    uint64_t hashed, shot_done, turns;
+    progress_bar bar;
+} session;
+
+/* ---- the picture ---- */
+
+void session_picture_size(const session_def *def, int *width, int *height)
+{
+    def->screen->get_size(def->screen, width, height);
+    if (def->fixed_size) return;
+    double scale = def->scale;
+    if ((double)*width * scale > 1920) scale = 1920.0 / (double)*width;
+    if ((double)*height * scale > 1080) scale = 1080.0 / (double)*height;
+    *width = (int)((double)*width * scale + 0.5);
+    *height = (int)((double)*height * scale + 0.5);
+    if (*width < 16) *width = 16;
+    if (*height < 16) *height = 16;
+}
+
+bool session_fit_picture(const session_def *def, daft_image **picture, daft_error *error)
+{
+    int width, height;
+    session_picture_size(def, &width, &height);
+    if (*picture && daft_image_width(*picture) == width && daft_image_height(*picture) == height) return true;
+    daft_image *fresh = daft_image_create(def->engine, width, height, error);
+    if (!fresh) return false;
+    daft_image_destroy(*picture);
+    *picture = fresh;
+    return true;
+}
+
+void session_scale_mouse(platform *screen, input_event *event)
+{
+    if (event->kind != INPUT_MOVE && event->kind != INPUT_MOTION) return;
+    int width, height;
+    screen->get_size(screen, &width, &height);
+    event->x *= (float)CANVAS_HEIGHT * (float)width / (float)height;
+    event->y *= CANVAS_HEIGHT;
+}
+
+static void draw_overlay(session *s)
+{
+    overlay_figures figures = {s->turn_ms > 0 ? 1000 / s->turn_ms : 0, s->frame_ms, s->update_ms, s->clock.dropped,
+                               daft_scene_counters(s->play.scene)};
+    canvas over = canvas_over(s->picture);
+    screen_overlay(&over, s->def->face, &figures);
+}
+
+static double smooth(double before, double now)
+{
+    return before > 0 ? before * 0.95 + now * 0.05 : now;
+}
+
+/* Draws the game, or what stopped it. */
+static bool draw(session *s, float alpha, daft_error *error)
+{
+    if (!session_fit_picture(s->def, &s->picture, error)) return false;
+    uint64_t began = clock_now_ns();
+    if (game_draw(&s->play, s->picture, alpha)) {
+        double ms = (double)(clock_now_ns() - began) / 1e6;
+        s->frame_ms = smooth(s->frame_ms, ms);
+        if (s->def->stats) frame_times_add(&s->times, ms);
+        if (s->overlay) draw_overlay(s);
+    } else {
+        canvas over = canvas_over(s->picture);
+        screen_error(&over, s->def->face, s->info->title, s->play.scripts.message, s->play.scripts.trace);
+    }
+    return true;
+}
+
+/* ---- events ---- */
+
+static void own_key(session *s, int key)
+{
+    const char *name = input_key_name(key);
+    if (strcmp(name, "escape") == 0) s->left = true;
+    if (strcmp(name, "f1") == 0) s->overlay = !s->overlay;
+    if (strcmp(name, "f12") == 0) s->wants_shot = true;
+    if (strcmp(name, "r") == 0 && s->play.failed) s->wants_reload = true;
+}
+
+static void take_events(session *s)
+{
+    platform *screen = s->def->screen;
+    for (platform_event event; screen->poll(screen, &event);) {
+        switch (event.kind) {
+        case PLATFORM_CLOSE: s->closed = true; break;
+        case PLATFORM_FOCUS_LOST: input_push_release_all(&s->play.keys); break;
+        case PLATFORM_INPUT:
+            if (event.input.kind == INPUT_KEY && event.input.down) own_key(s, event.input.key);
+            session_scale_mouse(screen, &event.input);
+            input_push(&s->play.keys, &event.input);
+            break;
+        }
+    }
+}
+
+/* While a script runs for long: Esc and the window's close button still work. */
+static bool interrupted(void *user)
+{
+    session *s = user;
+    take_events(s);
+    return s->left || s->closed;
+}
+
+/* ---- what happens at certain ticks ---- */
+
+static bool print_hash(session *s, daft_error *error)
+{
+    if (!draw(s, 1, error)) return false;
+    if (s->play.failed) return true;
+    size_t size = 4 * (size_t)daft_image_width(s->picture) * (size_t)daft_image_height(s->picture);
+    printf("tick %" PRIu64 " state 0x%016" PRIx64 " frame 0x%016" PRIx64 "\n", s->play.ticks, game_hash(&s->play),
+           daft_hash(daft_image_pixels(s->picture), size, 0));
+    fflush(stdout);
+    s->hashed = s->play.ticks;
+    return true;
+}
+
+static bool take_shot(session *s, const char *path, daft_error *error)
+{
+    if (!draw(s, 1, error)) return false;
+    return s->play.failed || daft_image_write(s->picture, path, error);
+}
+
+static bool after_tick(session *s, daft_error *error)
+{
+    uint64_t tick = s->play.ticks;
+    if (s->def->hash && tick % HASH_TICKS == 0 && !print_hash(s, error)) return false;
+    if (s->def->shot && s->def->shot_tick == tick) {
+        s->shot_done = tick;
+        if (!take_shot(s, s->def->shot, error)) return false;
+    }
+    return true;
+}
+
+static bool at_end(session *s, daft_error *error)
+{
+    if (s->play.failed) return true;
+    if (s->def->hash && (s->hashed != s->play.ticks || s->play.ticks == 0) && !print_hash(s, error)) return false;
+    if (s->def->shot && s->def->shot_tick == 0 && !take_shot(s, s->def->shot, error)) return false;
+    if (s->def->shot && s->def->shot_tick > 0 && s->shot_done == 0)
+        return fail(error, DAFT_ERROR_ARGUMENT, "--shot-tick %" PRIu64 ": the game ended at tick %" PRIu64,
+                    s->def->shot_tick, s->play.ticks);
+    if (!s->def->stats) return true;
+    if (s->times.count == 0 && !draw(s, 1, error)) return false;
+    return s->play.failed || stats_write(s->def->stats, daft_scene_counters(s->play.scene), &s->times, error);
+}
+
+/* A picture to the current folder, named by the time. */
+static void own_shot(session *s)
+{
+    char name[64];
+    time_t now = time(NULL);
+    struct tm parts;
+    localtime_r(&now, &parts);
+    strftime(name, sizeof name, "daft-%Y%m%d-%H%M%S.png", &parts);
+    daft_error error;
+    if (s->picture && daft_image_write(s->picture, name, &error))
+        fprintf(stderr, "daft: wrote %s\n", name);
+    else if (s->picture)
+        report(&error);
+}
+
+static void report_script(session *s)
+{
+    if (!s->play.failed || s->reported) return;
+    progress_end(&s->bar);
+    fflush(stdout);
+    fprintf(stderr, "daft: %s\n%s%s", s->play.scripts.message, s->play.scripts.trace,
+            s->play.scripts.trace[0] ? "\n" : "");
+    s->reported = true;
+}
+
+/* ---- the loop ---- */
+
+static uint64_t last_tick(const session *s)
+{
+    if (s->def->ticks) return s->def->ticks;
+    return s->def->replay && s->def->screen->headless ? s->replay.end : UINT64_MAX;
+}
+
+static bool is_over(const session *s)
+{
+    return s->left || s->closed || s->play.over || s->play.ticks >= last_tick(s) ||
+           (s->play.failed && s->def->screen->headless);
+}
+
+static bool run_updates(session *s, int updates, daft_error *error)
+{
+    uint64_t began = clock_now_ns();
+    for (int i = 0; i < updates && !is_over(s); i++) {
+        uint64_t before = s->play.ticks;
+        game_tick(&s->play);
+        if (s->play.ticks > before && !s->play.failed && !after_tick(s, error)) return false;
+    }
+    if (updates > 0 && !s->play.failed) s->update_ms = smooth(s->update_ms, (double)(clock_now_ns() - began) / 1e6);
+    return true;
+}
+
+/* The mouse is the game's while it asks for it, and the user's while an error is shown. */
+static void grab_mouse(session *s, bool grab)
+{
+    if (grab != s->grabbed) s->def->screen->grab_mouse(s->def->screen, grab);
+    s->grabbed = grab;
+}
+
+static bool turn(session *s, daft_error *error)
+{
+    platform *screen = s->def->screen;
+    take_events(s);
+    if (s->wants_reload) {
+        s->wants_reload = s->reported = false;
+        if (!game_reload(&s->play, error)) return false;
+    }
+    grab_mouse(s, s->play.scripts.grab && !s->play.failed);
+    uint64_t now = screen->now_ns(screen);
+    uint64_t elapsed = now - s->last_ns;
+    s->last_ns = now;
+    if (s->turns++ > 1) s->turn_ms = smooth(s->turn_ms, (double)elapsed / 1e6); /* the first ones have no past */
+    if (!run_updates(s, loop_advance(&s->clock, elapsed), error)) return false;
+    if (s->def->every_frame || screen->wants_frame(screen)) {
+        if (!draw(s, loop_alpha(&s->clock), error) || !screen->present(screen, s->picture, error)) return false;
+    }
+    report_script(s);
+    if (s->wants_shot) own_shot(s);
+    s->wants_shot = false;
+    if (s->def->progress && last_tick(s) != UINT64_MAX)
+        progress_show(&s->bar, (double)s->play.ticks / (double)last_tick(s));
+    screen->end_frame(screen);
+    return true;
+}
+
+static bool open_files(session *s, daft_error *error)
+{
+    const session_def *def = s->def;
+    if (def->replay && !recording_load(&s->replay, def->replay, error)) return false;
+    if (def->replay && s->replay.game[0] && strcmp(s->replay.game, s->info->name) != 0)
+        return fail_at(error, def->replay, 0, 0, "this is a recording of the game '%s', not of '%s'", s->replay.game,
+                       s->info->name);
+    if (!def->record) return true;
+    s->record = recorder_open(def->record, s->info->name, def->replay ? s->replay.seed : def->seed, error);
+    return s->record != NULL;
+}
+
+static bool run(session *s, daft_error *error)
+{
+    if (!open_files(s, error)) return false;
+    const session_def *def = s->def;
+    game_def play = {.where = def->where,
+                     .info = s->info,
+                     .engine = def->engine,
+                     .face = def->face,
+                     .quality = def->quality,
+                     .seed = def->replay ? s->replay.seed : def->seed,
+                     .replay = def->replay ? &s->replay : NULL,
+                     .record = s->record,
+                     .interrupted = interrupted,
+                     .user = s};
+    if (!game_open(&s->play, &play, error)) return false;
+    progress_begin(&s->bar, s->info->title);
+    s->last_ns = def->screen->now_ns(def->screen);
+    bool good = true;
+    while (good && !is_over(s)) good = turn(s, error);
+    grab_mouse(s, false);
+    progress_end(&s->bar);
+    report_script(s);
+    good = good && at_end(s, error);
+    report_script(s);
+    return good;
+}
+
+session_end session_play(const session_def *def, const game_info *info, daft_error *error)
+{
+    session s = {.def = def, .info = info};
+    char title[160];
+    snprintf(title, sizeof title, "%s - DAFT", info->title);
+    def->screen->set_title(def->screen, title);
+    *error = (daft_error){0};
+    bool good = run(&s, error);
+    if (!recorder_close(s.record, s.play.ticks, good ? error : NULL)) good = false;
+    bool failed = s.play.failed && (def->screen->headless || s.play.over);
+    if (s.play.scene || s.play.scripts.L) game_close(&s.play);
+    recording_free(&s.replay);
+    daft_image_destroy(s.picture);
+    frame_times_free(&s.times);
+    if (!good || failed) return SESSION_FAILED;
+    return s.closed ? SESSION_CLOSED : s.left ? SESSION_LEFT : SESSION_DONE;
+}

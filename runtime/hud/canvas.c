@@ -1,0 +1,51 @@
+/* Rectangles over a finished picture. */
+#include "hud/canvas.h"
+
+#include <math.h>
+
+canvas canvas_over(daft_image *image)
+{
+    int height = daft_image_height(image);
+    return (canvas){daft_image_pixels(image), daft_image_width(image), height, (float)height / CANVAS_HEIGHT};
+}
+
+float canvas_hud_width(const canvas *target)
+{
+    return (float)target->width / target->unit;
+}
+
+/* Clamped to where coverage can still differ; NaN becomes `low`. */
+static float clamp(float value, float low, float high)
+{
+    if (!(value > low)) return low;
+    return value < high ? value : high;
+}
+
+static uint8_t blend(uint8_t under, uint8_t over, uint32_t alpha)
+{
+    return (uint8_t)((under * (255 - alpha) + over * alpha + 127) / 255);
+}
+
+static float overlap(float low, float high, int pixel)
+{
+    return fminf(high, (float)pixel + 1) - fmaxf(low, (float)pixel);
+}
+
+/* Pixels that the edges cut are covered in part. */
+void canvas_rect(const canvas *target, float x, float y, float width, float height, canvas_color color)
+{
+    float w = (float)target->width, h = (float)target->height, unit = target->unit;
+    if (!(width > 0) || !(height > 0) || !isfinite(x) || !isfinite(y)) return;
+    float left = clamp(x * unit, 0, w), right = clamp((x + width) * unit, 0, w);
+    float top = clamp(y * unit, 0, h), bottom = clamp((y + height) * unit, 0, h);
+    for (int row = (int)top; row < target->height && (float)row < bottom; row++) {
+        float across = overlap(top, bottom, row);
+        uint8_t *pixel = target->pixels + 4 * ((size_t)row * (size_t)target->width + (size_t)left);
+        for (int column = (int)left; column < target->width && (float)column < right; column++, pixel += 4) {
+            uint32_t alpha = (uint32_t)(across * overlap(left, right, column) * (float)color.a + 0.5f);
+            pixel[0] = blend(pixel[0], color.r, alpha);
+            pixel[1] = blend(pixel[1], color.g, alpha);
+            pixel[2] = blend(pixel[2], color.b, alpha);
+        }
+    }
+}

@@ -1,0 +1,18 @@
+/* screens: what the program itself shows over or instead of a game: the error screen and the overlay with figures. */
+#ifndef RUNTIME_HUD_SCREENS_H
+#define RUNTIME_HUD_SCREENS_H
+
+#include "hud/canvas.h"
+
+/* Over what is there, darkened: title, message and stack trace, and which keys help. */
+void screen_error(const canvas *target, font *face, const char *game, const char *message, const char *trace);
+
+typedef struct overlay_figures {
+    double frames_per_second, frame_ms, update_ms;
+    uint64_t dropped; /* updates given up since the start */
+    const daft_counters *counters;
+} overlay_figures;
+
+void screen_overlay(const canvas *target, font *face, const overlay_figures *figures);
+
+#endif

@@ -1,0 +1,242 @@
+/* Text from a TrueType font: each glyph is rasterized once for each pixel size and kept.
+ * The cache is a hash table with linear probing; when it is three quarters full it is emptied, which costs a game that
+ * shows thousands of different letters a little time and nothing else. */
+#include "hud/canvas.h"
+
+#include "common/util.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define STB_TRUETYPE_IMPLEMENTATION
+#define STBTT_STATIC
+#include <stb_truetype.h>
+
+enum { CACHE_SIZE = 2048, LARGEST_PIXELS = 512 };
+
+typedef struct glyph {
+    uint32_t key; /* code point · 1024 + pixel size; 0: empty */
+    int x, y;     /* of the bitmap's top left, from the pen on the base line */
+    int width, height;
+    unsigned char *coverage; /* NULL for blanks */
+} glyph;
+
+struct font {
+    stbtt_fontinfo info;
+    char *bytes;
+    int ascent, descent, gap; /* font units */
+    glyph cache[CACHE_SIZE];
+    size_t cached;
+};
+
+font *font_open(const char *path, daft_error *error)
+{
+    font *face = calloc(1, sizeof *face);
+    if (!face) {
+        fail(error, DAFT_ERROR_MEMORY, "out of memory for a font");
+        return NULL;
+    }
+    size_t size;
+    face->bytes = read_whole_file(path, &size, error);
+    int offset = face->bytes && size > 64 ? stbtt_GetFontOffsetForIndex((unsigned char *)face->bytes, 0) : -1;
+    if (offset < 0 || !stbtt_InitFont(&face->info, (unsigned char *)face->bytes, offset)) {
+        if (face->bytes) fail_at(error, path, 0, 0, "not a TrueType font");
+        font_close(face);
+        return NULL;
+    }
+    stbtt_GetFontVMetrics(&face->info, &face->ascent, &face->descent, &face->gap);
+    return face;
+}
+
+static void forget_glyphs(font *face)
+{
+    for (size_t i = 0; i < CACHE_SIZE; i++) free(face->cache[i].coverage);
+    memset(face->cache, 0, sizeof face->cache);
+    face->cached = 0;
+}
+
+void font_close(font *face)
+{
+    if (!face) return;
+    forget_glyphs(face);
+    free(face->bytes);
+    free(face);
+}
+
+/* The next code point, or 0 at the end. Broken sequences give U+FFFD for each byte that cannot start or go on. */
+static uint32_t next_code_point(const char **text)
+{
+    const unsigned char *at = (const unsigned char *)*text;
+    if (*at == 0) return 0;
+    int extra = *at < 0x80 ? 0 : (*at & 0xE0) == 0xC0 ? 1 : (*at & 0xF0) == 0xE0 ? 2 : (*at & 0xF8) == 0xF0 ? 3 : -1;
+    uint32_t code = extra <= 0 ? *at : *at & (0x3Fu >> extra);
+    for (int i = 1; i <= extra; i++) {
+        if ((at[i] & 0xC0) != 0x80)
+            extra = -1;
+        else
+            code = code << 6 | (at[i] & 0x3F);
+    }
+    *text += extra < 0 ? 1 : extra + 1;
+    return extra < 0 || code > 0x10FFFF || code == 0 ? 0xFFFD : code;
+}
+
+static const glyph *find_glyph(font *face, uint32_t code, int pixels)
+{
+    uint32_t key = code * 1024 + (uint32_t)pixels;
+    size_t slot = (key * 2654435761u) >> 21; /* 11 bits: CACHE_SIZE slots */
+    for (; face->cache[slot].key; slot = (slot + 1) % CACHE_SIZE)
+        if (face->cache[slot].key == key) return &face->cache[slot];
+    if (face->cached >= CACHE_SIZE * 3 / 4) {
+        forget_glyphs(face);
+        slot = (key * 2654435761u) >> 21;
+    }
+    glyph *found = &face->cache[slot];
+    found->key = key;
+    face->cached++;
+    float scale = stbtt_ScaleForPixelHeight(&face->info, (float)pixels);
+    int index = stbtt_FindGlyphIndex(&face->info, (int)code);
+    int x1, y1;
+    stbtt_GetGlyphBitmapBox(&face->info, index, scale, scale, &found->x, &found->y, &x1, &y1);
+    found->width = x1 - found->x, found->height = y1 - found->y;
+    if (found->width > 0 && found->height > 0) found->coverage = calloc((size_t)found->width, (size_t)found->height);
+    if (found->coverage)
+        stbtt_MakeGlyphBitmap(&face->info, found->coverage, found->width, found->height, found->width, scale, scale,
+                              index);
+    return found;
+}
+
+/* In font units, with the pair's kerning. */
+static int advance(const font *face, uint32_t code, uint32_t next)
+{
+    int width, bearing;
+    stbtt_GetCodepointHMetrics(&face->info, (int)code, &width, &bearing);
+    return next && next != '\n' ? width + stbtt_GetCodepointKernAdvance(&face->info, (int)code, (int)next) : width;
+}
+
+/* Of the line that starts at text, up to `end` or a newline. In font units. */
+static int line_advance(const font *face, const char *text, const char *end)
+{
+    int width = 0;
+    uint32_t code = next_code_point(&text);
+    while (code && code != '\n' && text <= end) {
+        uint32_t next = next_code_point(&text);
+        width += advance(face, code, next);
+        code = next;
+    }
+    return width;
+}
+
+static float units_scale(const font *face, float size)
+{
+    return size / (float)(face->ascent - face->descent);
+}
+
+float text_line_height(float size)
+{
+    return size * 1.2f;
+}
+
+float text_width(const font *face, const char *text, float size)
+{
+    int widest = 0;
+    for (const char *line = text; line;) {
+        const char *end = strchr(line, '\n');
+        int width = line_advance(face, line, end ? end : line + strlen(line));
+        if (width > widest) widest = width;
+        line = end ? end + 1 : NULL;
+    }
+    return (float)widest * units_scale(face, size);
+}
+
+static void draw_glyph(const canvas *target, const glyph *letter, int x, int y, canvas_color color)
+{
+    if (!letter->coverage) return;
+    x += letter->x, y += letter->y;
+    int left = x < 0 ? -x : 0, top = y < 0 ? -y : 0;
+    int right = target->width - x < letter->width ? target->width - x : letter->width;
+    int bottom = target->height - y < letter->height ? target->height - y : letter->height;
+    for (int row = top; row < bottom; row++) {
+        const unsigned char *coverage = letter->coverage + (size_t)row * (size_t)letter->width;
+        uint8_t *pixel = target->pixels + 4 * ((size_t)(y + row) * (size_t)target->width + (size_t)(x + left));
+        for (int column = left; column < right; column++, pixel += 4) {
+            uint32_t alpha = (coverage[column] * color.a + 127u) / 255;
+            if (alpha == 0) continue;
+            pixel[0] = (uint8_t)((pixel[0] * (255 - alpha) + color.r * alpha + 127) / 255);
+            pixel[1] = (uint8_t)((pixel[1] * (255 - alpha) + color.g * alpha + 127) / 255);
+            pixel[2] = (uint8_t)((pixel[2] * (255 - alpha) + color.b * alpha + 127) / 255);
+        }
+    }
+}
+
+static void draw_line(const canvas *target, font *face, const char *text, const char *end, float x, float y,
+                      const text_style *style)
+{
+    int pixels = (int)(style->size * target->unit + 0.5f);
+    pixels = pixels < 1 ? 1 : pixels > LARGEST_PIXELS ? LARGEST_PIXELS : pixels;
+    float scale = units_scale(face, style->size) * target->unit;
+    float pen = x * target->unit, base = y * target->unit + (float)face->ascent * scale;
+    int line = line_advance(face, text, end);
+    if (style->align != TEXT_LEFT) pen -= (float)line * scale * (style->align == TEXT_CENTER ? 0.5f : 1.0f);
+    /* Far outside, and NaN, before any conversion to int. */
+    if (!(fabsf(pen) < 1e6f) || !(fabsf(base) < 1e6f)) return;
+    int shadow = pixels / 16 > 1 ? pixels / 16 : 1;
+    canvas_color dark = {0, 0, 0, (uint8_t)(style->color.a * 5 / 8)};
+    for (int pass = style->shadow ? 0 : 1; pass < 2; pass++) {
+        const char *at = text;
+        int walked = 0;
+        uint32_t code = next_code_point(&at);
+        while (code && code != '\n' && at <= end) {
+            uint32_t next = next_code_point(&at);
+            int offset = pass == 0 ? shadow : 0;
+            draw_glyph(target, find_glyph(face, code, pixels), (int)floorf(pen + (float)walked * scale + 0.5f) + offset,
+                       (int)floorf(base + 0.5f) + offset, pass == 0 ? dark : style->color);
+            walked += advance(face, code, next);
+            code = next;
+        }
+    }
+}
+
+void text_draw(const canvas *target, font *face, const char *text, float x, float y, const text_style *style)
+{
+    if (!(style->size > 0) || !isfinite(style->size)) return;
+    for (const char *line = text; line; y += text_line_height(style->size)) {
+        const char *end = strchr(line, '\n');
+        draw_line(target, face, line, end ? end : line + strlen(line), x, y, style);
+        line = end ? end + 1 : NULL;
+    }
+}
+
+/* The end of the longest start of `text` that fits, at a blank where there is one; at least one byte. */
+static const char *break_line(const font *face, const char *text, float width, float scale)
+{
+    const char *fit = NULL, *at = text;
+    for (;;) {
+        const char *word = at + strspn(at, " ");
+        word += strcspn(word, " \n");
+        if (fit && (float)line_advance(face, text, word) * scale > width) return fit;
+        fit = at = word;
+        if (*at != ' ') break;
+    }
+    /* A single word may be too long by itself: it is cut between two letters, after the first at least. */
+    const char *least = text;
+    next_code_point(&least);
+    while (fit > least && (float)line_advance(face, text, fit) * scale > width) do
+            fit--;
+        while (fit > least && (*fit & 0xC0) == 0x80);
+    return fit;
+}
+
+float text_draw_wrapped(const canvas *target, font *face, const char *text, float x, float y, float width,
+                        const text_style *style)
+{
+    float scale = units_scale(face, style->size), top = y;
+    while (*text) {
+        const char *end = break_line(face, text, width, scale);
+        if (target) draw_line(target, face, text, end, x, y, style);
+        y += text_line_height(style->size);
+        text = end + strspn(end, " ");
+        if (*text == '\n') text++;
+    }
+    return y - top;
+}

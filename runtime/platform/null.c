@@ -1,0 +1,84 @@
+/* No window: no events, no picture unless the game's user asked for one, and time that moves one update a frame. */
+#include "platform/platform.h"
+
+#include "game/loop.h"
+#include "common/util.h"
+
+#include <stdlib.h>
+
+typedef struct null_platform {
+    platform face;
+    int width, height;
+    uint64_t frames;
+} null_platform;
+
+static void close_null(platform *self)
+{
+    free(self);
+}
+
+static bool poll_null(platform *self, platform_event *out)
+{
+    (void)self, (void)out;
+    return false;
+}
+
+static void size_null(platform *self, int *width, int *height)
+{
+    *width = ((null_platform *)self)->width;
+    *height = ((null_platform *)self)->height;
+}
+
+static bool wants_frame_null(platform *self)
+{
+    (void)self;
+    return false;
+}
+
+static bool present_null(platform *self, const daft_image *picture, daft_error *error)
+{
+    (void)self, (void)picture, (void)error;
+    return true;
+}
+
+static void end_frame_null(platform *self)
+{
+    ((null_platform *)self)->frames++;
+}
+
+/* Rounded up, so that exactly one update is due at each frame. */
+static uint64_t now_null(platform *self)
+{
+    return (((null_platform *)self)->frames * 1000000000u + LOOP_RATE - 1) / LOOP_RATE;
+}
+
+static void set_title_null(platform *self, const char *title)
+{
+    (void)self, (void)title;
+}
+static void grab_null(platform *self, bool grab)
+{
+    (void)self, (void)grab;
+}
+
+platform *platform_open_null(int width, int height, daft_error *error)
+{
+    null_platform *made = malloc(sizeof *made);
+    if (!made) {
+        fail(error, DAFT_ERROR_MEMORY, "out of memory");
+        return NULL;
+    }
+    *made = (null_platform){.face = {.headless = true,
+                                     .close = close_null,
+                                     .poll = poll_null,
+                                     .get_size = size_null,
+                                     .wants_frame = wants_frame_null,
+                                     .present = present_null,
+                                     .end_frame = end_frame_null,
+                                     .now_ns = now_null,
+                                     .set_title = set_title_null,
+                                     .grab_mouse = grab_null},
+                            .width = width,
+                            .height = height};
+    return &made->face;
+}

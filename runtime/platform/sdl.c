@@ -1,0 +1,245 @@
+/* A window by SDL2: one streaming texture the size of the picture, stretched over the window. F11 and Alt+Enter, which
+ * concern the window alone, are dealt with here. */
+#include "platform/platform.h"
+
+#include "common/util.h"
+
+#include <SDL.h>
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct sdl_platform {
+    platform face;
+    SDL_Window *window;
+    SDL_Renderer *renderer;
+    SDL_Texture *texture;
+    int texture_width, texture_height;
+    bool vsync, grabbed;
+    uint64_t last_frame_ns;
+} sdl_platform;
+
+static void close_sdl(platform *self)
+{
+    sdl_platform *sdl = (sdl_platform *)self;
+    if (sdl->texture) SDL_DestroyTexture(sdl->texture);
+    if (sdl->renderer) SDL_DestroyRenderer(sdl->renderer);
+    if (sdl->window) SDL_DestroyWindow(sdl->window);
+    SDL_Quit();
+    free(sdl);
+}
+
+/* By what the key says on this keyboard; where that is no name we know (letters of other alphabets), by where it is. */
+static int key_of(const SDL_Keysym *symbol)
+{
+    const char *names[] = {SDL_GetKeyName(symbol->sym), SDL_GetScancodeName(symbol->scancode)};
+    for (size_t i = 0; i < COUNT_OF(names); i++) {
+        char lower[32];
+        size_t length = 0;
+        for (; names[i][length] && length + 1 < sizeof lower; length++)
+            lower[length] = (char)tolower((unsigned char)names[i][length]);
+        lower[length] = 0;
+        int key = input_key_find(lower);
+        if (key >= 0) return key;
+    }
+    return -1;
+}
+
+/* Left is 1, middle 2, right 3, as in SDL. */
+static int button_of(Uint8 button)
+{
+    char name[16];
+    snprintf(name, sizeof name, "mouse%u", (unsigned)button);
+    return input_key_find(name);
+}
+
+static void toggle_fullscreen(sdl_platform *sdl)
+{
+    bool full = (SDL_GetWindowFlags(sdl->window) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
+    SDL_SetWindowFullscreen(sdl->window, full ? 0 : SDL_WINDOW_FULLSCREEN_DESKTOP);
+}
+
+static bool key_event(sdl_platform *sdl, const SDL_KeyboardEvent *event, input_event *out)
+{
+    if (event->repeat) return false;
+    bool down = event->type == SDL_KEYDOWN;
+    SDL_Keycode key = event->keysym.sym;
+    if (down && (key == SDLK_F11 || (key == SDLK_RETURN && (event->keysym.mod & KMOD_ALT)))) {
+        toggle_fullscreen(sdl);
+        return false;
+    }
+    *out = (input_event){.kind = INPUT_KEY, .key = key_of(&event->keysym), .down = down};
+    return out->key >= 0;
+}
+
+static bool mouse_event(sdl_platform *sdl, const SDL_Event *event, input_event *out)
+{
+    int width, height;
+    SDL_GetWindowSize(sdl->window, &width, &height);
+    switch (event->type) {
+    case SDL_MOUSEMOTION:
+        *out = (input_event){.kind = INPUT_MOVE,
+                             .x = (float)event->motion.x / (float)width,
+                             .y = (float)event->motion.y / (float)height};
+        if (sdl->grabbed)
+            *out = (input_event){.kind = INPUT_MOTION,
+                                 .x = (float)event->motion.xrel / (float)width,
+                                 .y = (float)event->motion.yrel / (float)height};
+        return true;
+    case SDL_MOUSEWHEEL:
+        *out = (input_event){.kind = INPUT_WHEEL, .x = (float)event->wheel.x, .y = (float)event->wheel.y};
+        return true;
+    default:
+        *out = (input_event){
+            .kind = INPUT_KEY, .key = button_of(event->button.button), .down = event->type == SDL_MOUSEBUTTONDOWN};
+        return out->key >= 0;
+    }
+}
+
+static bool poll_sdl(platform *self, platform_event *out)
+{
+    sdl_platform *sdl = (sdl_platform *)self;
+    for (SDL_Event event; SDL_PollEvent(&event);) {
+        out->kind = PLATFORM_INPUT;
+        switch (event.type) {
+        case SDL_QUIT: out->kind = PLATFORM_CLOSE; return true;
+        case SDL_WINDOWEVENT:
+            if (event.window.event != SDL_WINDOWEVENT_FOCUS_LOST) break;
+            out->kind = PLATFORM_FOCUS_LOST;
+            return true;
+        case SDL_KEYDOWN:
+        case SDL_KEYUP:
+            if (key_event(sdl, &event.key, &out->input)) return true;
+            break;
+        case SDL_MOUSEMOTION:
+        case SDL_MOUSEWHEEL:
+        case SDL_MOUSEBUTTONDOWN:
+        case SDL_MOUSEBUTTONUP:
+            if (mouse_event(sdl, &event, &out->input)) return true;
+            break;
+        default: break;
+        }
+    }
+    return false;
+}
+
+static void size_sdl(platform *self, int *width, int *height)
+{
+    sdl_platform *sdl = (sdl_platform *)self;
+    if (SDL_GetRendererOutputSize(sdl->renderer, width, height) != 0) *width = 1280, *height = 720;
+    if (*width < 1) *width = 1;
+    if (*height < 1) *height = 1;
+}
+
+static bool wants_frame_sdl(platform *self)
+{
+    sdl_platform *sdl = (sdl_platform *)self;
+    return !(SDL_GetWindowFlags(sdl->window) & (SDL_WINDOW_MINIMIZED | SDL_WINDOW_HIDDEN));
+}
+
+static bool present_sdl(platform *self, const daft_image *picture, daft_error *error)
+{
+    sdl_platform *sdl = (sdl_platform *)self;
+    int width = daft_image_width(picture), height = daft_image_height(picture);
+    if (!sdl->texture || width != sdl->texture_width || height != sdl->texture_height) {
+        if (sdl->texture) SDL_DestroyTexture(sdl->texture);
+        sdl->texture =
+            SDL_CreateTexture(sdl->renderer, SDL_PIXELFORMAT_RGBA32, SDL_TEXTUREACCESS_STREAMING, width, height);
+        if (!sdl->texture) return fail(error, DAFT_ERROR_UNSUPPORTED, "no texture for the window: %s", SDL_GetError());
+        SDL_SetTextureBlendMode(sdl->texture, SDL_BLENDMODE_NONE);
+        sdl->texture_width = width, sdl->texture_height = height;
+    }
+    SDL_UpdateTexture(sdl->texture, NULL, daft_image_pixels((daft_image *)(uintptr_t)picture), 4 * width);
+    SDL_RenderCopy(sdl->renderer, sdl->texture, NULL, NULL);
+    SDL_RenderPresent(sdl->renderer);
+    return true;
+}
+
+/* Where the display does not hold the loop back, 60 pictures a second are enough. */
+static void end_frame_sdl(platform *self)
+{
+    sdl_platform *sdl = (sdl_platform *)self;
+    const uint64_t frame = 1000000000u / 60;
+    uint64_t passed = clock_now_ns() - sdl->last_frame_ns;
+    if ((!sdl->vsync || !wants_frame_sdl(self)) && passed + 1000000u < frame)
+        SDL_Delay((Uint32)((frame - passed) / 1000000u));
+    sdl->last_frame_ns = clock_now_ns();
+}
+
+static uint64_t now_sdl(platform *self)
+{
+    (void)self;
+    return clock_now_ns();
+}
+
+static void set_title_sdl(platform *self, const char *title)
+{
+    SDL_SetWindowTitle(((sdl_platform *)self)->window, title);
+}
+
+static void grab_sdl(platform *self, bool grab)
+{
+    ((sdl_platform *)self)->grabbed = SDL_SetRelativeMouseMode(grab ? SDL_TRUE : SDL_FALSE) == 0 && grab;
+}
+
+/* On Linux SDL may find a way to draw on a console that nobody looks at: without a display server there is no window.
+ */
+static bool has_display(void)
+{
+#if defined(__linux__) || defined(__FreeBSD__)
+    const char *const names[] = {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"};
+    for (size_t i = 0; i < COUNT_OF(names); i++) {
+        const char *value = getenv(names[i]);
+        if (value && value[0]) return true;
+    }
+    return false;
+#else
+    return true;
+#endif
+}
+
+static bool open_window(sdl_platform *sdl, const char *title, int width, int height)
+{
+    SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "1");
+    SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");
+    if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) return false;
+    sdl->window = SDL_CreateWindow(title, SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width, height,
+                                   SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
+    if (!sdl->window) return false;
+    SDL_SetWindowMinimumSize(sdl->window, 320, 180);
+    sdl->renderer = SDL_CreateRenderer(sdl->window, -1, SDL_RENDERER_PRESENTVSYNC);
+    if (!sdl->renderer) sdl->renderer = SDL_CreateRenderer(sdl->window, -1, SDL_RENDERER_SOFTWARE);
+    SDL_RendererInfo info;
+    sdl->vsync = sdl->renderer && SDL_GetRendererInfo(sdl->renderer, &info) == 0 &&
+                 (info.flags & SDL_RENDERER_PRESENTVSYNC) && !(info.flags & SDL_RENDERER_SOFTWARE);
+    return sdl->renderer != NULL;
+}
+
+platform *platform_open_sdl(const char *title, int width, int height, daft_error *error)
+{
+    if (!has_display()) {
+        fail(error, DAFT_ERROR_UNSUPPORTED, "neither DISPLAY nor WAYLAND_DISPLAY is set");
+        return NULL;
+    }
+    sdl_platform *sdl = calloc(1, sizeof *sdl);
+    if (!sdl) {
+        fail(error, DAFT_ERROR_MEMORY, "out of memory");
+        return NULL;
+    }
+    sdl->face = (platform){.close = close_sdl,
+                           .poll = poll_sdl,
+                           .get_size = size_sdl,
+                           .wants_frame = wants_frame_sdl,
+                           .present = present_sdl,
+                           .end_frame = end_frame_sdl,
+                           .now_ns = now_sdl,
+                           .set_title = set_title_sdl,
+                           .grab_mouse = grab_sdl};
+    if (!open_window(sdl, title, width, height)) {
+        fail(error, DAFT_ERROR_UNSUPPORTED, "%s", SDL_GetError());
+        close_sdl(&sdl->face);
+        return NULL;
+    }
+    return &sdl->face;
+}
