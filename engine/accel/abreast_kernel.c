@@ -193,7 +193,7 @@ DAFT_INLINE bool enter(crowd *w, uint32_t lane, solo *s, uint32_t index, bool an
     const convoy *c = w->rays;
     const daft_instance *instance = &c->tlas->instances[index];
     if (index == c->ignore || (any && !(instance->flags & DAFT_INSTANCE_CASTS_SHADOW))) return false;
-    if (!instance->mesh || instance->kdtree || instance->bvh->turned) return enter_alone(w, lane, s, index, any);
+    if (!instance->mesh || instance->kdtree) return enter_alone(w, lane, s, index, any);
     lined_ray frame = {.origin = s->origin, .direction = s->direction}, own;
     bool finite;
     if (daft_is_shift(&instance->to_object)) {

@@ -14,7 +14,6 @@ typedef struct daft_bvh_def {
     int threads;
     int isa; /* of the builder's kernels; the tree is the same for any */
     bool spatial_splits; /* slow to build; triangles may stand in several leaves */
-    bool may_turn;       /* its boxes may stand along other axes than the mesh's, where they fit better; not with spatial splits */
 } daft_bvh_def;
 
 /* Over a mesh's triangles. The mesh must outlive it. NULL when memory is out. A mesh without triangles is fine. */
@@ -33,8 +32,7 @@ bool daft_bvh_find_sides(daft_bvh *bvh, const daft_trimesh *mesh, int threads);
 bool daft_bvh_find_inner(daft_bvh *bvh, const daft_trimesh *mesh);
 /* Finds where rays off the mesh's own triangles are free (open.h), for shadows of crowds: for so many triangles more. Takes some 20
  * microseconds for each, some eighty times as long as the build; kept until vertices move. Looks at the mesh's normals: of those that
- * come later it knows nothing, and is of no use then. How many are left; none where it cannot be: without memory, or where the tree's
- * boxes are turned. */
+ * come later it knows nothing, and is of no use then. How many are left; none without memory. */
 uint32_t daft_bvh_find_open(daft_bvh *bvh, const daft_trimesh *mesh, uint32_t triangles, int threads);
 void daft_bvh_free(daft_bvh *bvh);
 size_t daft_bvh_bytes(const daft_bvh *bvh);

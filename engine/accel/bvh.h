@@ -7,7 +7,6 @@
 #define DAFT_BVH_H
 
 #include "accel/accel.h"
-#include "accel/turn.h"
 
 #define DAFT_CHILD_LEAF 0x80000000u
 #define DAFT_CHILD_NONE 0xffffffffu
@@ -43,8 +42,6 @@ struct daft_bvh {
     daft_node_list nodes; /* empty: no triangle */
     daft_block *blocks;
     size_t block_count;
-    bool turned; /* boxes stand in the frame `turn` */
-    daft_turn turn;
     double cost; /* of the tree as it was built (refit.c); negative: not known yet */
     float support[38]; /* how far the mesh reaches in each of 26 directions (reach.h has where) */
     struct daft_sides *sides; /* sides.h; NULL: nobody asked, or no triangle is one-sided */

@@ -194,12 +194,11 @@ static void cone_make(const cone_job *j, const faces *f, uint32_t count, daft_dv
     *spread = (float)(127 * sqrt(1 - c * c) * (1 + 0x1p-20));
 }
 
-static daft_dvec3 box_middle(const cone_job *j, const daft_node *node, int child)
+static daft_dvec3 box_middle(const daft_node *node, int child)
 {
     double middle[3];
     for (int k = 0; k < 3; k++) middle[k] = ((double)node->bounds[k][child] + (double)node->bounds[k + 3][child]) * 0.5;
-    daft_dvec3 o = daft_dv3(middle[0], middle[1], middle[2]);
-    return j->bvh->turned ? daft_turn_back(&j->bvh->turn, o) : o;
+    return daft_dv3(middle[0], middle[1], middle[2]);
 }
 
 static void fill_nodes(const cone_job *j)
@@ -213,7 +212,7 @@ static void fill_nodes(const cone_job *j)
                 first = leaf ? block : j->first[child], end = leaf ? block + (child & 3) + 1 : j->end[child];
             }
             daft_cones *to = &j->sides->cones[n];
-            cone_make(j, j->faces + first, end - first, box_middle(j, node, i), &to->look[i], &to->spread[i]);
+            cone_make(j, j->faces + first, end - first, box_middle(node, i), &to->look[i], &to->spread[i]);
         }
     }
 }

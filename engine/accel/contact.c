@@ -239,9 +239,7 @@ static void meet_block(leaf *l, const daft_block *block)
 static void meet_all(leaf *l)
 {
     const daft_bvh *bvh = l->search->bvh;
-    daft_vec3 from = daft_v3(l->all_low[0], l->all_low[1], l->all_low[2]), until = daft_v3(l->all_high[0], l->all_high[1], l->all_high[2]);
-    if (bvh->turned) daft_turn_box(&bvh->turn, &from, &until);
-    const float low[3] = {from.x, from.y, from.z}, high[3] = {until.x, until.y, until.z};
+    const float *low = l->all_low, *high = l->all_high;
     uint32_t stack[DAFT_STACK];
     int top = 0;
     stack[top++] = 0;

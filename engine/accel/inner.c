@@ -78,7 +78,6 @@ static int push_children(entry *stack, int top, const daft_node *node, const dou
             double d = fmax(fmax((double)node->bounds[k][i] - p[k], p[k] - (double)node->bounds[k + 3][i]), 0);
             square += d * d;
         }
-        square *= 1 - 0x1p-16; /* turned boxes stand along axes that are a little off their length */
         if (square >= least) continue;
         int at = top++;
         for (; at > base && stack[at - 1].square < square; at--) stack[at] = stack[at - 1];
@@ -91,8 +90,7 @@ static int push_children(entry *stack, int top, const daft_node *node, const dou
 static bool find_nearest(chooser *c, nearest *n)
 {
     const daft_bvh *bvh = c->s->bvh;
-    daft_dvec3 q = bvh->turned ? daft_turn_point(&bvh->turn, n->from) : n->from;
-    const double p[3] = {q.x, q.y, q.z};
+    const double p[3] = {n->from.x, n->from.y, n->from.z};
     entry stack[DAFT_STACK];
     int top = 0;
     stack[top++] = (entry){0, 0};

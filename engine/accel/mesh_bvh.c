@@ -6,20 +6,6 @@
 
 #include <string.h>
 
-/* Along the axes of `turn`. */
-static void turned_fill(const daft_trimesh *mesh, const daft_turn *turn, uint32_t triangle, daft_build_prim *prim)
-{
-    const uint32_t *corner = &mesh->indices[3 * (size_t)triangle];
-    daft_vec3 low = daft_v3(INFINITY, INFINITY, INFINITY), high = daft_neg(low);
-    for (int i = 0; i < 3; i++) {
-        daft_vec3 p = daft_turn_corner(turn, daft_v3(mesh->x[corner[i]], mesh->y[corner[i]], mesh->z[corner[i]]));
-        low = daft_min3(low, p), high = daft_max3(high, p);
-    }
-    float slack = daft_turn_slack(turn);
-    *prim = (daft_build_prim){{low.x - slack, low.y - slack, low.z - slack}, triangle,
-                              {-(high.x + slack), -(high.y + slack), -(high.z + slack)}, 1};
-}
-
 static void prim_fill(const daft_trimesh *mesh, uint32_t triangle, daft_build_prim *prim)
 {
     const uint32_t *corner = &mesh->indices[3 * (size_t)triangle];
@@ -38,7 +24,6 @@ enum { FILL_CHUNK = 16384, TOO_FEW = 16384 }; /* fewer triangles are not worth w
 
 typedef struct fill_job {
     const daft_trimesh *mesh;
-    const daft_turn *turn; /* NULL: along the mesh's axes */
     daft_build_prim *prims;
 } fill_job;
 
@@ -47,8 +32,7 @@ static void fill_chunk(void *context, uint32_t index, uint32_t worker)
     (void)worker;
     const fill_job *job = context;
     uint32_t first = index * FILL_CHUNK, end = daft_min_u(first + FILL_CHUNK, job->mesh->triangle_count);
-    for (uint32_t i = first; i < end; i++)
-        job->turn ? turned_fill(job->mesh, job->turn, i, &job->prims[i]) : prim_fill(job->mesh, i, &job->prims[i]);
+    for (uint32_t i = first; i < end; i++) prim_fill(job->mesh, i, &job->prims[i]);
 }
 
 /* ---- out ---- */
@@ -86,11 +70,11 @@ typedef struct mesh_job {
     bool done;
 } mesh_job;
 
-static bool build_whole(daft_build *build, const daft_trimesh *mesh, const daft_turn *turn)
+static bool build_whole(daft_build *build, const daft_trimesh *mesh)
 {
     build->prims = daft_alloc(build->allocator, build->count, sizeof *build->prims);
     if (!build->prims) return false;
-    fill_job fill = {mesh, turn, build->prims};
+    fill_job fill = {mesh, build->prims};
     daft_team_for(build->team, (build->count + FILL_CHUNK - 1) / FILL_CHUNK, fill_chunk, &fill);
     bool done = daft_build_run(build);
     daft_release(build->allocator, build->prims);
@@ -110,8 +94,7 @@ static void build_mesh(void *context, daft_team *team)
                         .isa = job->def->isa,
                         .rule = {.leaf_size = DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK, .block_size = DAFT_BLOCK},
                         .count = count};
-    job->done = job->def->spatial_splits ? daft_build_spatial(&build, job->mesh)
-                                         : build_whole(&build, job->mesh, job->bvh->turned ? &job->bvh->turn : NULL);
+    job->done = job->def->spatial_splits ? daft_build_spatial(&build, job->mesh) : build_whole(&build, job->mesh);
     if (job->done) job->done = write_tree(&build, job->mesh, job->bvh);
     daft_build_free(&build);
 }
@@ -123,19 +106,10 @@ static void tree_release(daft_bvh *bvh)
     bvh->nodes = (daft_node_list){0}, bvh->blocks = NULL, bvh->block_count = 0;
 }
 
-/* The tree, and another one in its place where its nodes say that a turned one is much better. */
 static bool build_tree(mesh_job *job)
 {
-    daft_bvh *bvh = job->bvh;
-    int threads = job->mesh->triangle_count < TOO_FEW ? 1 : job->def->threads;
-    bool may_turn = job->def->may_turn && !job->def->spatial_splits;
     if (job->mesh->triangle_count == 0) return true;
-    bvh->turned = may_turn && daft_turn_find(job->mesh, &bvh->turn);
-    daft_parallel_script(threads, build_mesh, job);
-    if (!job->done || !may_turn || bvh->turned || !daft_turn_find_grouped(bvh, job->mesh, &bvh->turn)) return job->done;
-    tree_release(bvh);
-    bvh->turned = true;
-    daft_parallel_script(threads, build_mesh, job);
+    daft_parallel_script(job->mesh->triangle_count < TOO_FEW ? 1 : job->def->threads, build_mesh, job);
     return job->done;
 }
 

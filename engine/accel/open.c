@@ -358,7 +358,7 @@ size_t daft_open_bytes(const daft_bvh *bvh)
 
 static daft_open *make_open(daft_bvh *bvh, const daft_trimesh *mesh)
 {
-    if (bvh->nodes.count == 0 || bvh->turned) return NULL;
+    if (bvh->nodes.count == 0) return NULL;
     daft_vec3 size = daft_sub(mesh->high, mesh->low);
     daft_open *out = daft_alloc_zero(&bvh->allocator, 1, sizeof *out);
     uint32_t *cone = daft_alloc_zero(&bvh->allocator, mesh->triangle_count, sizeof *cone);

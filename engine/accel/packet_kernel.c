@@ -249,8 +249,7 @@ static void mesh_alone(convoy *c, const mesh_convoy *m, uint32_t child, vbits bi
     }
 }
 
-/* g: the rays as the tree's boxes see them; own: as they go through the mesh's space. */
-static void mesh_walk(convoy *c, const mesh_convoy *m, group *g, group *own, vbits bits)
+static void mesh_walk(convoy *c, const mesh_convoy *m, group *g, vbits bits)
 {
     packet_stack stack;
     int top = 0;
@@ -264,7 +263,7 @@ static void mesh_walk(convoy *c, const mesh_convoy *m, group *g, group *own, vbi
             child = descend(&stack, &top, g, child, c->limit, here, &here);
         if (child == DAFT_CHILD_NONE) continue;
         if (count_lanes(here) <= FEW_IN_MESH) mesh_alone(c, m, child, here);
-        else if (DAFT_KERNEL(daft_leaf_touch)(c, m, own, child, here)) g->most = own->most = most_of(c->limit, bits);
+        else if (DAFT_KERNEL(daft_leaf_touch)(c, m, g, child, here)) g->most = most_of(c->limit, bits);
     } while (next_child(&stack, &top, c->limit, bits, &child, &here));
 }
 
@@ -337,37 +336,11 @@ DAFT_INLINE void group_begin(group *g, vf3 o, const vf inverse[3], vf pad, const
     group_interval(g, c->limit, bits);
 }
 
-/* A tree whose boxes are turned: see turned_slabs in traverse_kernel.c. */
-static __attribute__((noinline)) void turned_walks(convoy *c, const mesh_convoy *m, vbits bits)
-{
-    const daft_turn *t = &m->instance->bvh->turn;
-    vf3 at = {m->o.x - vf_set(t->centre[0]), m->o.y - vf_set(t->centre[1]), m->o.z - vf_set(t->centre[2])};
-    vf3 o = {rows(t->m, at), rows(t->m + 3, at), rows(t->m + 6, at)}, d = {rows(t->m, m->d), rows(t->m + 3, m->d), rows(t->m + 6, m->d)};
-    vf far = vf3_magnitude(at) + vf_set(t->reach), length = vf3_magnitude(m->d), huge = vf_set(0x1p100f), zero = vf_set(0);
-    vm usual = vm_and(vf_lt(far, huge), vm_and(vf_lt(vf_set(0x1p-80f), length), vf_lt(length, huge)));
-    vf pad = vf_select(usual, far * vf_set(0x1p-20f), huge), little = vf_set(0x1p-100f);
-    o = (vf3){vf_select(usual, o.x, zero), vf_select(usual, o.y, zero), vf_select(usual, o.z, zero)};
-    d = (vf3){vf_select(usual, d.x, little), vf_select(usual, d.y, little), vf_select(usual, d.z, little)};
-    const vf inverse[3] = {vf_set(1) / d.x, vf_set(1) / d.y, vf_set(1) / d.z};
-    while (bits) {
-        vbits same = alike(d, alike(m->d, bits));
-        bits &= ~same;
-        group g, own;
-        group_begin(&g, o, inverse, pad, c, same);
-        group_begin(&own, m->o, m->inverse, zero, c, same);
-        mesh_walk(c, m, &g, &own, same);
-    }
-}
-
 static void mesh_walks(convoy *c, mesh_convoy *m, vbits bits)
 {
     mesh_convoy_setup(m, c);
     if (is_leaf(m->instance->bvh)) { /* whose box is the mesh's */
         DAFT_KERNEL(daft_leaf_touch)(c, m, NULL, m->instance->bvh->nodes.items->child[0], bits);
-        return;
-    }
-    if (m->instance->bvh->turned) {
-        turned_walks(c, m, bits);
         return;
     }
     while (bits) {
@@ -379,7 +352,7 @@ static void mesh_walks(convoy *c, mesh_convoy *m, vbits bits)
             continue;
         }
         group_begin(&g, m->o, m->inverse, vf_set(0), c, same);
-        mesh_walk(c, m, &g, &g, same);
+        mesh_walk(c, m, &g, same);
     }
 }
 

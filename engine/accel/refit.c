@@ -26,21 +26,6 @@ static block_box block_box_empty(void)
     return (block_box){{far, far, far}, {-far, -far, -far}};
 }
 
-/* Along the axes of `turn`, as daft_turn_corner says. */
-static void add_turned_block(block_box *box, const daft_turn *turn, const daft_block *block)
-{
-    const float *m = turn->m;
-    for (int corner = 0; corner < 3; corner++) {
-        v4 d[3];
-        for (int k = 0; k < 3; k++) d[k] = v4_load(block->corner[corner][k]) - v4_set(turn->centre[k]);
-        for (int k = 0; k < 3; k++) {
-            v4 p = v4_set(m[3 * k]) * d[0] + v4_set(m[3 * k + 1]) * d[1] + v4_set(m[3 * k + 2]) * d[2];
-            box->low[k] = v4_min(box->low[k], p);
-            box->high[k] = v4_max(box->high[k], p);
-        }
-    }
-}
-
 static void add_block(block_box *box, const daft_block *block)
 {
     for (int corner = 0; corner < 3; corner++)
@@ -68,7 +53,6 @@ static void fit_leaves(void *context, uint32_t index, uint32_t worker)
     (void)worker;
     const refit_job *job = context;
     const daft_bvh *bvh = job->bvh;
-    float slack = bvh->turned ? daft_turn_slack(&bvh->turn) : 0;
     size_t end = daft_min_u((index + 1) * NODES_A_TASK, (uint32_t)bvh->nodes.count);
     for (size_t n = (size_t)index * NODES_A_TASK; n < end; n++) {
         daft_node *node = &bvh->nodes.items[n];
@@ -77,10 +61,8 @@ static void fit_leaves(void *context, uint32_t index, uint32_t worker)
             if (child == DAFT_CHILD_NONE || !(child & DAFT_CHILD_LEAF)) continue;
             block_box box = block_box_empty();
             const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
-            for (uint32_t k = 0; k <= (child & 3); k++)
-                bvh->turned ? add_turned_block(&box, &bvh->turn, &block[k]) : add_block(&box, &block[k]);
-            for (int k = 0; k < 3; k++)
-                node->bounds[k][i] = least(box.low[k]) - slack, node->bounds[k + 3][i] = most(box.high[k]) + slack;
+            for (uint32_t k = 0; k <= (child & 3); k++) add_block(&box, &block[k]);
+            for (int k = 0; k < 3; k++) node->bounds[k][i] = least(box.low[k]), node->bounds[k + 3][i] = most(box.high[k]);
         }
     }
 }
@@ -142,7 +124,6 @@ bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def
     daft_open_drop(bvh);
     if (bvh->cost < 0) bvh->cost = tree_cost(bvh);
     refit_job job = {bvh, mesh};
-    bvh->turned = bvh->turned && daft_turn_fit(&bvh->turn, mesh);
     int threads = bvh->block_count < TOO_FEW_BLOCKS ? 1 : def->threads;
     daft_parallel_for(threads, (uint32_t)((bvh->block_count + BLOCKS_A_TASK - 1) / BLOCKS_A_TASK), move_blocks, &job);
     daft_parallel_for(threads, (uint32_t)((bvh->nodes.count + NODES_A_TASK - 1) / NODES_A_TASK), fit_leaves, &job);

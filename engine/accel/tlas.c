@@ -86,7 +86,7 @@ static bool is_identity(const float m[9])
 /* Far places are left out, so that nothing overflows on the way there. */
 static bool only_shifted(const daft_instance *instance)
 {
-    if (!instance->mesh || instance->kdtree || instance->bvh->turned || !is_identity(instance->to_object.m) ||
+    if (!instance->mesh || instance->kdtree || !is_identity(instance->to_object.m) ||
         !is_identity(instance->to_frame.m))
         return false;
     for (int k = 0; k < 3; k++)

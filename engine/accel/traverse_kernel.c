@@ -29,42 +29,6 @@ DAFT_INLINE daft_vec3 v4_point(v4 a) { return (daft_vec3){a[0], a[1], a[2]}; }
 
 /* ---- the lower level: in object space ---- */
 
-/* The ray as a turned tree's boxes see it. With u = 2^-24 the origin rounds four times and the direction three times, so on its
- * way to a point p of the mesh the ray is off by 7u of |origin - centre| and 3u of |p - centre|, both as sums over the axes;
- * boxes are seen larger by 16u of both. Where numbers are so large or small that they may over- or underflow, all are met. */
-DAFT_INLINE void turned_slabs(const daft_turn *turn, v4 o, v4 d, slab_way *way, slab_origin *from, slab_origin *until)
-{
-    v4 x, y, z, c = without_last(o - v4_load(turn->centre));
-    v4_transpose3(v4_load(turn->m), v4_load(turn->m + 3), v4_load(turn->m + 6), &x, &y, &z);
-    v4 origin = without_last((x * v4_set(c[0]) + y * v4_set(c[1])) + z * v4_set(c[2]));
-    v4 direction = without_last((x * v4_set(d[0]) + y * v4_set(d[1])) + z * v4_set(d[2]));
-    float far = fabsf(c[0]) + fabsf(c[1]) + fabsf(c[2]) + turn->reach, length = fabsf(d[0]) + fabsf(d[1]) + fabsf(d[2]);
-    float pad = far * 0x1p-20f;
-    if (!(far < 0x1p100f && length > 0x1p-80f && length < 0x1p100f)) {
-        pad = 0x1p100f; /* over any box there is: entered before all, left after all */
-        origin = v4_set(0), direction = without_last(v4_set(0x1p-100f));
-    }
-    v4 outwards = (v4)((v4i)v4_set(pad) | ((v4i)direction & (v4i)v4_set(-0.0f)));
-    *way = slab_way_of(direction, minus_inverse(direction));
-    *from = slab_origin_of(origin + outwards), *until = slab_origin_of(origin - outwards);
-}
-
-static __attribute__((noinline)) void turned_walk(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const daft_mesh_ray *r, daft_nearest *hit)
-{
-    slab_way way;
-    slab_origin from, until;
-    turned_slabs(&bvh->turn, o, d, &way, &from, &until);
-    mesh_walk(bvh, child, &way, r, &from, &until, false, false, hit);
-}
-
-static __attribute__((noinline)) bool turned_search(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const daft_mesh_ray *r, daft_nearest *hit)
-{
-    slab_way way;
-    slab_origin from, until;
-    turned_slabs(&bvh->turn, o, d, &way, &from, &until);
-    return mesh_search(bvh, child, &way, r, &from, &until, false, false, hit);
-}
-
 /* way: of the direction d. */
 static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_way *way, float tmin,
                                                    daft_intersection how, daft_nearest *hit)
@@ -73,7 +37,6 @@ static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF) DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, &r, daft_forward(daft_past(hit->t)), hit);
-    else if (bvh->turned) turned_walk(bvh, child, o, d, &r, hit);
     else if (tmin >= 0 && way->plain) mesh_walk(bvh, child, way, &r, &at, &at, true, false, hit);
     else mesh_walk(bvh, child, way, &r, &at, &at, false, false, hit);
 }
@@ -86,7 +49,6 @@ static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF) return DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, &r, daft_forward(daft_past(tmax)), &hit);
-    if (bvh->turned) return turned_search(bvh, child, o, d, &r, &hit);
     if (tmin >= 0 && way->plain) return mesh_search(bvh, child, way, &r, &at, &at, true, false, &hit);
     return mesh_search(bvh, child, way, &r, &at, &at, false, false, &hit);
 }

@@ -85,7 +85,6 @@ static bool cross_all(winder *w, crossings *c)
 {
     const daft_bvh *bvh = w->search->bvh;
     daft_dvec3 o = daft_to_double(c->o), d = daft_to_double(c->d);
-    if (bvh->turned) o = daft_turn_point(&bvh->turn, o), d = daft_turn_vector(&bvh->turn, d);
     const double from[3] = {o.x, o.y, o.z}, way[3] = {d.x, d.y, d.z};
     uint32_t stack[DAFT_STACK];
     int top = 0;

@@ -128,10 +128,6 @@ static void test_mesh(const daft_seen *seen, daft_vec3 ray, best *nearest)
         return;
     }
     const daft_bvh *bvh = seen->bvh;
-    if (bvh->turned) { /* pad, along any axis of the mesh's, is less than twice that along any other */
-        daft_dvec3 direction = apply(inverse, daft_to_double(ray));
-        r = ray_setup(daft_turn_point(&bvh->turn, origin), daft_turn_vector(&bvh->turn, direction)), pad *= 2;
-    }
     uint32_t stack[DAFT_STACK];
     int top = 0;
     stack[top++] = 0;

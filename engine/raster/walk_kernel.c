@@ -156,8 +156,6 @@ DAFT_INLINE void axis(const walk *w, int k, const node_pair *n, vf *low, vf *hig
 
 static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
 {
-    const daft_turn *turn = &seen->bvh->turn;
-    const daft_affine turned = seen->bvh->turned ? daft_turn_map(turn, &seen->to_camera) : seen->to_camera;
     const daft_affine *map = &seen->to_camera;
     const float *low = &seen->mesh->low.x, *high = &seen->mesh->high.x, focal = job->raster->pencil.focal;
     w->job = job, w->seen = seen, w->waiting = waiting, w->leaf_count = w->block_count = 0;
@@ -168,13 +166,8 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_
     for (int k = 0; k < 3; k++) {
         float size = fabsf(map->t[k]);
         for (int i = 0; i < 3; i++) size += fabsf(map->m[3 * k + i]) * fmaxf(fabsf(low[i]), fabsf(high[i]));
-        if (seen->bvh->turned) {
-            size += fabsf(turned.t[k]);
-            for (int i = 0; i < 3; i++) size += fabsf(turned.m[3 * k + i]) * turn->reach;
-        }
         pad[k] = size * 0x1p-20f;
     }
-    map = &turned;
     pad[0] = pad[0] * focal + pad[2] * fabsf(job->left);
     pad[1] = pad[1] * focal + pad[2] * fabsf(job->top);
     /* column = focal·x/z - left and row = top - focal·y/z, so their multiples by z are linear in the point. */

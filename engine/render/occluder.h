@@ -15,7 +15,6 @@ typedef struct mesh_caster {
     bool before; /* all of the mesh lies well before the lamp: */
     float off_uv, off_depth; /* then places in the picture, and depths, are off by less than this */
     picture_map map; /* object space to light space */
-    picture_map boxes; /* from where the tree's boxes stand */
     daft_affine back; /* and the way back, to where they stand */
     float pad[3];    /* there: what boxes must be larger by, along each axis, for points' ways to meet them */
 } mesh_caster;

@@ -295,7 +295,7 @@ static void walk(const mesh_caster *m, const picture_box *box, const block_set *
         const entry at = stack[--top];
         const daft_node *node = &bvh->nodes.items[at.node];
         if (go_alone(m, &at)) continue;
-        uint32_t in = DAFT_KERNEL(daft_node_project)(c->light, &m->boxes, node, &boxes);
+        uint32_t in = DAFT_KERNEL(daft_node_project)(c->light, &m->map, node, &boxes);
         if (in) in = children_narrow(&boxes, in, c->points, &at.behind, next, points);
         for (; in; in &= in - 1) {
             int i = __builtin_ctz(in);
@@ -321,7 +321,6 @@ bool DAFT_KERNEL(daft_mesh_clear)(const caster *c)
     const daft_bvh *bvh = c->instance->bvh;
     uint32_t stack[CLEAR_NODES * DAFT_WIDTH], looked = 0;
     int top = 0;
-    if (bvh->turned) return false;
     const daft_affine map = DAFT_KERNEL(daft_light_compose)(&c->light->map, &c->instance->to_frame, c->light->origin);
     const picture_map to_light = picture_map_make(&map);
     for (stack[top++] = 0; top > 0;) {

@@ -30,25 +30,6 @@ static void set_back(const caster *c, daft_affine *back, float pad[3])
     }
 }
 
-/* To a tree whose boxes are turned. Corners round by what they reach in the mesh's own space, so that counts as well; no magnitude
- * in the turn is over 1, so pads along all axes hold what places and ways are off by, and twice that what turning them adds. */
-static void turn_boxes(mesh_caster *m)
-{
-    const daft_turn *turn = &m->c.instance->bvh->turn;
-    const daft_affine own = m->back, map = daft_turn_map(turn, &m->map.map);
-    const float *low = &m->c.instance->mesh->low.x, *high = &m->c.instance->mesh->high.x, pad = 2 * (m->pad[0] + m->pad[1] + m->pad[2]);
-    m->boxes = picture_map_make(&map);
-    m->boxes.still += m->map.still;
-    for (int k = 0; k < 3; k++) {
-        daft_dvec3 column = daft_turn_vector(turn, daft_dv3((double)own.m[k], (double)own.m[3 + k], (double)own.m[6 + k]));
-        m->back.m[k] = (float)column.x, m->back.m[3 + k] = (float)column.y, m->back.m[6 + k] = (float)column.z;
-        m->boxes.still += m->map.reach[k] * fmaxf(fabsf(low[k]), fabsf(high[k]));
-        m->pad[k] = pad;
-    }
-    daft_dvec3 t = daft_turn_point(turn, daft_dv3((double)own.t[0], (double)own.t[1], (double)own.t[2]));
-    m->back.t[0] = (float)t.x, m->back.t[1] = (float)t.y, m->back.t[2] = (float)t.z;
-}
-
 /* What corners' boxes are off by, from all that the mesh reaches in light space, where that is not much more than its distance from
  * the lamp: depths by a few 2^-24 of it; places in the picture, which are no larger than it over the distance, by that over the
  * distance, by themselves times that, and by 2^-21 of themselves. */
@@ -69,10 +50,9 @@ void DAFT_KERNEL(daft_mesh_caster_make)(const caster *c, mesh_caster *out)
 {
     const daft_affine map = DAFT_KERNEL(daft_light_compose)(&c->light->map, &c->instance->to_frame, c->light->origin);
     out->c = *c;
-    out->map = picture_map_make(&map), out->size = out->map.still, out->boxes = out->map;
+    out->map = picture_map_make(&map), out->size = out->map.still;
     set_errors(out);
     set_back(c, &out->back, out->pad);
-    if (c->instance->bvh->turned) turn_boxes(out);
 }
 
 /* Whether the map to frame space keeps angles, but for rounding. */

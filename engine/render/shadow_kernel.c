@@ -22,8 +22,7 @@ enum {
     FEW_LOOKS = 64   /* nodes and things are looked at; who has not found out by then whether they are few takes them for many */
 };
 
-/* To sort the points of a large patch takes as long as some tests of it. Among many things, and behind long ones that slant, it would
- * be met by too many. */
+/* To sort the points of a large patch takes as long as some tests of it. Among many things it would be met by too many. */
 #define STRAY_OF_FEW  6.0f
 #define STRAY_OF_MANY 2.0f
 
@@ -617,17 +616,6 @@ static void cast_all(cast *c, shadow_points *points)
     cast_waiting(c, &list, points);
 }
 
-/* How many times larger than usual a patch may be. */
-static float stray_limit(const cast *c, bool few)
-{
-    bool slant = false;
-    for (uint32_t i = 0; few && i < c->caster_count; i++) {
-        const daft_instance *s = &c->tlas->instances[c->caster[i].number];
-        slant |= s->mesh && s->bvh->turned;
-    }
-    return few && !slant ? STRAY_OF_FEW : STRAY_OF_MANY;
-}
-
 /* The asked points form one pencil, whose lamp's axes and extent are set. Gives the number of points under something.
  */
 static uint32_t cast_pencil(cast *c, uint32_t *bits)
@@ -645,7 +633,7 @@ static uint32_t cast_pencil(cast *c, uint32_t *bits)
         }
     }
     if (few && c->caster_count == 0) return count;
-    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, !few, stray_limit(c, few), &points);
+    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, !few, few ? STRAY_OF_FEW : STRAY_OF_MANY, &points);
     if (few) {
         cast_remembered(c, &points);
     } else {

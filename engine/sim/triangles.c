@@ -86,8 +86,6 @@ static void visit_leaf(const daft_bvh *bvh, uint32_t code, daft_triangle_visit *
 static void query_mesh(const daft_bvh *bvh, const daft_aabb *q, daft_triangle_visit *visit, void *context)
 {
     uint32_t stack[DAFT_STACK], depth = 0;
-    daft_aabb turned = *q;
-    if (bvh->turned) daft_turn_box(&bvh->turn, &turned.low, &turned.high), q = &turned;
     if (bvh->nodes.count > 0) stack[depth++] = 0;
     while (depth > 0) {
         const daft_node *n = &bvh->nodes.items[stack[--depth]];
@@ -209,13 +207,6 @@ static void sweep_mesh(const sweep *s, const daft_bvh *bvh)
 {
     entry stack[DAFT_STACK];
     uint32_t depth = 0;
-    sweep turned = *s;
-    if (bvh->turned) {
-        const daft_turn *turn = &bvh->turn;
-        turned.origin = daft_turn_point(turn, s->origin), turned.direction = daft_turn_vector(turn, s->direction);
-        turned.reach = daft_turn_reach(turn, s->reach);
-        s = &turned;
-    }
     if (bvh->nodes.count > 0) stack[depth++] = (entry){0, 0};
     while (depth > 0) {
         entry e = stack[--depth];

@@ -4,10 +4,10 @@
  *
  *   harness.c   options, sampling
  *   report.c    the table with its budgets, the summary, the JSON
- *   models.c    meshes: files of an optional folder, and generated ones that are always there
+ *   models.c    meshes: files of an optional folder, and generated ones that are always there (beams.c)
  *   scenes.c    what both sides look at: meshes, instances, spheres, a room (scenes.h)
  *   camera.c    our camera rays; boxes.c: what becomes of them without the ray test
- *   render.c, rays.c, frames.c, load.c, trees.c, beams.c, game.c, growth.c, accuracy.c (svg.c), robust.c, machine.c   the benchmarks
+ *   render.c, rays.c, frames.c, load.c, trees.c, game.c, growth.c, accuracy.c (svg.c), robust.c, machine.c   the benchmarks
  *   sim.c (sim_scenes.c, sim_ours.c), sim_accuracy.c (sim_truth.c), sim_shapes.c   the benchmarks of the simulation
  *   embree.c, embree_frame.c, rays_embree.c, tinyobj.cpp, ode.c   the peers, built where their libraries are installed */
 #ifndef DAFT_BENCH_H
@@ -150,7 +150,6 @@ void bench_frames(bench *self);
 void bench_shadow(bench *self);
 void bench_load(bench *self);
 void bench_trees(bench *self);
-void bench_beams(bench *self); /* a tree turned, and not */
 void bench_game(bench *self);
 void bench_sim_shapes(bench *self); /* collision geometry */
 void bench_sim(bench *self);        /* steps of the simulation */

@@ -234,7 +234,6 @@ int main(int argc, char **argv)
     bench_shadow(&self);
     bench_load(&self);
     bench_trees(&self);
-    bench_beams(&self);
     bench_game(&self);
     bench_sim_shapes(&self);
     bench_sim(&self);

@@ -156,7 +156,7 @@ bool bench_model_load(bench *self, const bench_model *model, daft_trimesh *out)
 
 daft_bvh *bench_tree(bench *self, const daft_trimesh *mesh)
 {
-    const daft_bvh_def def = {.threads = daft_processor_count(), .isa = daft_isa_best(), .may_turn = true};
+    const daft_bvh_def def = {.threads = daft_processor_count(), .isa = daft_isa_best()};
     return daft_bvh_build(&self->allocator, mesh, &def, NULL);
 }
 

@@ -57,7 +57,7 @@ static double mtris(const tree_job *job, double ms) { return job->mesh.triangle_
 static double build_bvh(void *context)
 {
     tree_job *job = context;
-    const daft_bvh_def def = {.threads = job->threads, .isa = job->isa, .spatial_splits = job->spatial, .may_turn = true};
+    const daft_bvh_def def = {.threads = job->threads, .isa = job->isa, .spatial_splits = job->spatial};
     double start = daft_clock_ms();
     daft_bvh *bvh = daft_bvh_build(&job->self->allocator, &job->mesh, &def, NULL);
     double ms = daft_clock_ms() - start;
@@ -102,7 +102,7 @@ static void measure_builds(bench *self, const char *scene, tree_job *job)
 static double refit(void *context)
 {
     tree_job *job = context;
-    const daft_bvh_def def = {.threads = job->threads, .isa = job->isa, .spatial_splits = job->spatial, .may_turn = true};
+    const daft_bvh_def def = {.threads = job->threads, .isa = job->isa, .spatial_splits = job->spatial};
     double start = daft_clock_ms();
     daft_bvh_update(job->bvh, &job->mesh, &def);
     return mtris(job, daft_clock_ms() - start);
