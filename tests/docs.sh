@@ -16,7 +16,7 @@ passed=0
 fail() { echo "$*" && cat "$out/log" && exit 1; }
 
 # Every block between ```LANGUAGE and ``` becomes FILE-NUMBER.LANGUAGE.
-for page in "$root/README.md" "$root"/docs/*.md; do
+for page in "$root/README.md" $(find "$root/docs" -name "*.md"); do
     awk -v out="$out/$(basename "$page" .md)" '
         /^```$/ { name = "" }
         name != "" { print > name }
@@ -56,7 +56,7 @@ done
 sed -n 's/^  \(daft\.[a-z_.]*\|[a-z]*:[a-z_]*\).*/\1/p' "$out/log" | sort -u >"$out/names"
 while read -r name; do
     case $name in *:*) name=:${name#*:} ;; esac
-    grep -qF -- "$name" "$root/docs/lua-api.md" || fail "docs/lua-api.md leaves out $name"
+    grep -qF -- "$name" "$root/docs/reference/lua-api.md" || fail "docs/reference/lua-api.md leaves out $name"
     passed=$((passed + 1))
 done <"$out/names"
 [ "$(wc -l <"$out/names")" -gt 50 ] || fail "the program names too few functions"

@@ -1,4 +1,4 @@
-/* What the machine gives at most: bytes read from memory, and simple instructions; docs/performance.md holds the
+/* What the machine gives at most: bytes read from memory, and simple instructions; docs/measurements/performance.md holds the
  * kernels against them. */
 #include "bench.h"
 
