@@ -3,7 +3,7 @@
 #define CHARACTER_FIXTURE_H
 
 #include "fixtures.h"
-#include "sim/character.h"
+#include "sim/character/character.h"
 #include "sim_scene.h"
 
 static daft_dvec3 centre; /* of the scene at hand: the origin, or far away */

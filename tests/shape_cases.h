@@ -3,8 +3,8 @@
 #define DAFT_SHAPE_CASES_H
 
 #include "fixtures.h"
-#include "sim/manifold.h"
-#include "sim/shape.h"
+#include "sim/collide/manifold.h"
+#include "sim/shape/shape.h"
 
 #define MAYBE __attribute__((unused)) static
 

@@ -1,8 +1,8 @@
 /* Manifolds of convex pairs, against axes and distances found the slow way. */
 #include "shape_cases.h"
 
-#include "sim/manifold_box.h"
-#include "sim/manifold_round.h"
+#include "sim/collide/manifold_box.h"
+#include "sim/collide/manifold_round.h"
 
 enum { KINDS = 4 };
 

@@ -2,7 +2,7 @@
  * listings against the obvious one. */
 #include "fixtures.h"
 
-#include "sim/internal.h"
+#include "sim/world.h"
 
 enum { PARTS = 300 };
 

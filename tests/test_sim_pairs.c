@@ -3,7 +3,7 @@
 #include "sim_scene.h"
 
 #include "math/isa.h"
-#include "sim/internal.h"
+#include "sim/world.h"
 
 enum { BODIES = 160, MOST = 6000 };
 

@@ -1,6 +1,6 @@
 /* Queries: each against all bodies asked one by one, meshes against the renderer's rays, far from the origin as at it. */
 #include "fixtures.h"
-#include "sim/query.h"
+#include "sim/query/query.h"
 #include "sim_scene.h"
 
 #include "math/isa.h"

@@ -1,6 +1,6 @@
 /* Queries of bodies: definitions are checked here, sim/ answers, its bodies become entities. */
 #include "scene/scene.h"
-#include "sim/query.h"
+#include "sim/query/query.h"
 
 /* Metres. Beyond, the fraction of a motion is too coarse a number for a place on it. */
 #define FARTHEST 1e9f

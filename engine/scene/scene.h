@@ -16,7 +16,7 @@
 #include "render/render.h"
 #include "scene/check.h"
 #include "scene/handles.h"
-#include "sim/character.h"
+#include "sim/character/character.h"
 
 struct daft_engine {
     daft_allocator allocator;

@@ -1,7 +1,7 @@
-/* Bodies and their parts: definitions, mass, poses, velocities. A definition beyond the bounds of internal.h is
+/* Bodies and their parts: definitions, mass, poses, velocities. A definition beyond the bounds of world.h is
  * refused, a call with a number that is not finite or a body that is not there does nothing, a velocity beyond them is
  * clamped. */
-#include "sim/internal.h"
+#include "sim/world.h"
 
 #include <string.h>
 

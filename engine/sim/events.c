@@ -1,6 +1,6 @@
 /* What a step tells: contacts, and events in a fixed order. Calls between steps add to a list of their own, which the
  * next step delivers with its own. */
-#include "sim/internal.h"
+#include "sim/world.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -17,7 +17,7 @@
 
 #include "base/base.h"
 #include "math/vec.h"
-#include "sim/shape.h"
+#include "sim/shape/shape.h"
 
 typedef struct daft_world daft_world;
 

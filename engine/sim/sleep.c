@@ -2,7 +2,7 @@
  * second falls asleep as a whole: its bodies leave the lists that a step walks and go on a ring, on which they are woken
  * together. Islands are found by union-find over the touches that are listed, and only in steps in which some body has
  * been at rest for long enough. Bodies of infinite mass join no heaps. */
-#include "sim/internal.h"
+#include "sim/world.h"
 
 #include <stdatomic.h>
 

@@ -1,5 +1,5 @@
 /* One step of the world. A world without anything active does nothing. */
-#include "sim/solver.h"
+#include "sim/solve/solver.h"
 
 #include "math/real.h"
 

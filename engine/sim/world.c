@@ -1,7 +1,7 @@
 /* The world itself: settings, lists, hash, and small things that the rest of the room shares. What a caller passes is
  * checked in this file, body.c and joint.c, so that the step may rely on finite numbers within the bounds of
- * internal.h. */
-#include "sim/solver.h"
+ * world.h. */
+#include "sim/solve/solver.h"
 
 daft_world *daft_world_create(const daft_allocator *allocator, daft_error *error)
 {

@@ -2,7 +2,7 @@
 #include "sim_scenes.h"
 
 #include "math/real.h"
-#include "sim/manifold.h"
+#include "sim/collide/manifold.h"
 
 #include <stdlib.h>
 

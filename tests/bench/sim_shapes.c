@@ -2,7 +2,7 @@
 #include "bench.h"
 
 #include "accel/accel.h"
-#include "sim/manifold.h"
+#include "sim/collide/manifold.h"
 
 #include <stdio.h>
 

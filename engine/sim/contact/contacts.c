@@ -1,0 +1,563 @@
+/* What the touches of a step are like: manifolds from geometry, and what they keep from the step before.
+ *
+ * Margins. Two parts get contact points while still apart, as far as they may close in within the step; the solver
+ * lets them close the gap and no more. A point that they will not reach is left out, so that nothing trips over an
+ * edge it only passes. */
+#include "sim/contact/persistence.h"
+#include "sim/collide/manifold_box.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/* Of a movement within a step, as much as this share of the part's reach is met by wider margins; farther is swept. */
+#define MARGIN_OF_MOVE DAFT_ROUND_FAST
+
+/* ---- materials ---- */
+
+static float static_friction(const daft_sim_material *m) { return daft_sim_max(m->friction, m->static_friction); }
+
+static float rolling_radius(const daft_sim_part *a, const daft_sim_part *b)
+{
+    if (a->round != b->round) return a->round ? a->roll : b->roll;
+    return daft_sim_min(a->roll, b->roll);
+}
+
+void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch)
+{
+    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
+    const daft_sim_material *x = &a->material, *y = &b->material;
+    daft_sim_pair pair = {sqrtf(x->friction * y->friction), sqrtf(static_friction(x) * static_friction(y)),
+                          daft_sim_max(x->restitution, y->restitution),
+                          daft_sim_max(x->rolling_resistance, y->rolling_resistance)};
+    if (world->pairs && world->pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind].friction >= 0)
+        pair = world->pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind];
+    touch->known = true;
+    touch->belted = !daft_sim_is_zero(x->belt) || !daft_sim_is_zero(y->belt);
+    touch->friction = pair.friction;
+    touch->static_friction = daft_sim_max(pair.friction, pair.static_friction);
+    touch->restitution = pair.restitution;
+    touch->rolling = pair.rolling_resistance * rolling_radius(a, b);
+}
+
+/* ---- manifolds ---- */
+
+static daft_vec3 turned(const daft_rigid *f, daft_vec3 v)
+{
+    return daft_to_float(daft_rigid_vector(f, daft_to_double(v)));
+}
+
+/* Velocity of b's surface relative to a's at an anchor. */
+static daft_vec3 closing(const daft_sim_body *a, const daft_sim_body *b, daft_vec3 anchor, daft_vec3 apart)
+{
+    daft_vec3 va = daft_add(a->linear, daft_cross(a->angular, anchor));
+    daft_vec3 vb = daft_add(b->linear, daft_cross(b->angular, daft_add(anchor, apart)));
+    return daft_sub(vb, va);
+}
+
+typedef struct pair {
+    const daft_sim_body *a, *b;
+    daft_vec3 apart; /* from b's centre to a's */
+    float margin, dt;
+    float way; /* they go at most against each other within the step */
+} pair;
+
+/* Where a's manifolds are. */
+typedef struct place {
+    daft_rigid frame_a;
+    daft_vec3 offset; /* from a's centre of mass to part a's origin, world axes */
+    daft_vec3 shift;  /* of a against b, to where the manifold is */
+} place;
+
+/* Whether a point is within the margin, or will be within the step. */
+static bool is_met(const pair *p, daft_vec3 anchor, daft_vec3 normal, float separation)
+{
+    if (!(separation > p->margin)) return true;
+    float speed = daft_dot(closing(p->a, p->b, anchor, p->apart), normal);
+    return !(separation + speed * p->dt > p->margin);
+}
+
+static void convert(const pair *p, const place *where, const daft_manifold *from, daft_sim_patch *to)
+{
+    *to = (daft_sim_patch){.normal = daft_normalize(turned(&where->frame_a, from->normal)),
+                           .part_a = from->part_a,
+                           .part_b = from->part_b,
+                           .shift = where->shift};
+    for (uint32_t i = 0; i < from->count; i++) {
+        const daft_manifold_point *point = &from->points[i];
+        daft_vec3 anchor = daft_add(where->offset, turned(&where->frame_a, point->point));
+        if (!is_met(p, anchor, to->normal, point->separation)) continue;
+        to->points[to->count++] =
+            (daft_sim_patch_point){.anchor = anchor, .separation = point->separation, .id = point->id};
+    }
+}
+
+/* Bodies whose centres are closer, as a share of their reach, are in one place, and no way out is better than another. */
+#define ONE_PLACE (double)DAFT_ROUND_ONE_PLACE
+
+static double scattered(uint32_t part, uint32_t axis)
+{
+    uint32_t x = (3 * part + axis) * 0x9e3779b9u;
+    x = (x ^ x >> 15) * 0x2c1b3c6du;
+    x = (x ^ x >> 12) * 0x297a2d39u;
+    return (double)(x ^ x >> 15) * 0x1p-31 - 1;
+}
+
+/* Where many are made in one place, each has its own corner of it, so that they part in all directions and not in one
+ * line. */
+static void scatter(const daft_world *world, const daft_sim_touch *touch, const pair *p, daft_rigid *frame_a,
+                    daft_rigid *frame_b)
+{
+    daft_dvec3 way = daft_dsub(frame_b->p, frame_a->p);
+    double size = ONE_PLACE * (double)world->parts[touch->part_a].reach;
+    if (!(daft_ddot(way, way) < size * size) || p->b->kind != DAFT_BODY_DYNAMIC) return;
+    uint32_t a = touch->part_a, b = touch->part_b;
+    daft_dvec3 at_a = daft_dv3(scattered(a, 0), scattered(a, 1), scattered(a, 2));
+    daft_dvec3 at_b = daft_dv3(scattered(b, 0), scattered(b, 1), scattered(b, 2));
+    frame_a->p = daft_dadd(frame_a->p, daft_dscale(at_a, size));
+    frame_b->p = daft_dadd(frame_b->p, daft_dscale(at_b, size));
+}
+
+static uint32_t collide(const daft_world *world, daft_sim_touch *touch, const pair *p, daft_rigid frame_a, float reach,
+                        daft_manifold *found)
+{
+    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
+    daft_rigid frame_b = daft_sim_part_frame(p->b, b);
+    scatter(world, touch, p, &frame_a, &frame_b);
+    daft_relpose pose = daft_relpose_make(&frame_a, &frame_b);
+    return daft_collide(&a->shape, &b->shape, &pose, reach, found, touch->more ? DAFT_SIM_MAX_PATCHES : 1,
+                        &touch->cache);
+}
+
+/* ---- what fast bodies will meet within the step ---- */
+
+/* Gap at which they are taken to meet, as a share of the inner radius, and the share of it that does not matter. */
+#define MEETING_GAP 0.01
+#define MEETING_TOLERANCE 0.25
+
+daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt)
+{
+    daft_vec3 mean = body->linear;
+    if (body->kind == DAFT_BODY_DYNAMIC)
+        mean = daft_add(mean, daft_scale(world->gravity, 0.5f * body->gravity_scale * dt));
+    daft_quat rotation = daft_sim_turn(body->rotation, body->angular, dt);
+    daft_dvec3 centre = daft_rigid_to_local(&part->pose, daft_to_double(body->local_centre));
+    return (daft_sweep){.from = body->centre,
+                        .to = daft_dadd(body->centre, daft_to_double(daft_scale(mean, dt))),
+                        .rotation_from = daft_quat_normalize(daft_quat_mul(body->rotation, part->turn)),
+                        .rotation_to = daft_quat_normalize(daft_quat_mul(rotation, part->turn)),
+                        .centre = daft_to_float(centre)};
+}
+
+/* The manifold is that of where they meet; separations are those of now, along its normal. */
+static uint32_t foresee(const daft_world *world, daft_sim_touch *touch, pair *p, place *where, daft_manifold *found)
+{
+    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
+    daft_sweep way_a = daft_sim_plan(world, p->a, a, p->dt), way_b = daft_sim_plan(world, p->b, b, p->dt);
+    double gap = MEETING_GAP * (double)(a->inner > 0 ? a->inner : a->reach);
+    daft_impact impact;
+    daft_impact_kind kind =
+        daft_shape_impact(&a->shape, &way_a, &b->shape, &way_b, gap, MEETING_TOLERANCE * gap, &impact);
+    if (kind != DAFT_IMPACT_HIT) return 0;
+    daft_rigid at_a = daft_sweep_frame(&way_a, impact.t), at_b = daft_sweep_frame(&way_b, impact.t);
+    daft_relpose pose = daft_relpose_make(&at_a, &at_b);
+    uint32_t count = daft_collide(&a->shape, &b->shape, &pose, 2 * (float)gap, found,
+                                  touch->more ? DAFT_SIM_MAX_PATCHES : 1, NULL);
+    daft_dvec3 go_a = daft_dscale(daft_dsub(way_a.to, way_a.from), impact.t);
+    daft_dvec3 go_b = daft_dscale(daft_dsub(way_b.to, way_b.from), impact.t);
+    where->frame_a = at_a;
+    where->shift = daft_to_float(daft_dsub(go_a, go_b));
+    where->offset = daft_to_float(daft_dsub(at_a.p, daft_dadd(p->a->centre, go_a)));
+    p->apart = daft_add(p->apart, where->shift);
+    p->margin = INFINITY; /* they will meet */
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t k = 0; k < found[i].count; k++)
+            found[i].points[k].separation += daft_dot(where->shift, turned(&at_a, found[i].normal));
+    return count;
+}
+
+static float margin_of(float reach_a, float reach_b)
+{
+    return daft_sim_min(DAFT_SIM_MARGIN * daft_sim_min(reach_a, reach_b), DAFT_SIM_MAX_MARGIN);
+}
+
+/* Movement against each other within the step. */
+static float way_of(const pair *p)
+{
+    float speed = daft_length(daft_sub(p->a->linear, p->b->linear)) + daft_length(p->a->angular) * p->a->extent;
+    if (!daft_sim_is_zero(p->b->angular)) {
+        float arm = daft_sim_min(p->b->extent, daft_length(p->apart) + p->a->extent);
+        speed += daft_length(p->b->angular) * arm;
+    }
+    return speed * p->dt;
+}
+
+/* Dynamic bodies look out for each other where one is flagged, or where it is cheap. */
+static bool looks_out(const daft_sim_touch *touch, const pair *p, const daft_world *world)
+{
+    if (p->b->kind != DAFT_BODY_DYNAMIC || p->a->bullet || p->b->bullet) return true;
+    return world->parts[touch->part_a].shape.type == DAFT_GEOMETRY_SPHERE &&
+           world->parts[touch->part_b].shape.type == DAFT_GEOMETRY_SPHERE;
+}
+
+static bool is_fast(const daft_world *world, const daft_sim_touch *touch, const pair *p)
+{
+    return p->way > MARGIN_OF_MOVE * world->parts[touch->part_a].reach;
+}
+
+/* Of what was found between two, as much is relied upon. */
+#define CLEARANCE_SHARE 0.99
+
+/* Whether they were so far apart that they cannot have come near since, however they went. */
+static bool is_clear(const daft_world *world, const daft_sim_touch *touch, const pair *p)
+{
+    if (touch->patch_count > 0 || touch->cache.clearance <= 0 || p->b->kind == DAFT_BODY_KINEMATIC) return false;
+    double gone = (p->a->travel + p->b->travel) - touch->cleared_at;
+    return CLEARANCE_SHARE * (double)touch->cache.clearance - gone > (double)(p->margin + p->way) &&
+           !is_fast(world, touch, p);
+}
+
+static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p)
+{
+    place where = {.frame_a = daft_sim_part_frame(p->a, &world->parts[touch->part_a])};
+    where.offset = daft_to_float(daft_dsub(where.frame_a.p, p->a->centre));
+    daft_manifold found[DAFT_SIM_MAX_PATCHES];
+    daft_sim_patch fresh[DAFT_SIM_MAX_PATCHES], *patches = daft_sim_patches(touch);
+    bool fast = is_fast(world, touch, p);
+    touch->cache.clearance = 0;
+    uint32_t kept = 0, count = collide(world, touch, p, where.frame_a, p->margin + (fast ? 0 : p->way), found);
+    touch->cleared_at = p->a->travel + p->b->travel;
+    if (count == 0 && fast && looks_out(touch, p, world)) count = foresee(world, touch, p, &where, found);
+    for (uint32_t i = 0; i < count; i++) {
+        convert(p, &where, &found[i], &fresh[kept]);
+        if (p->a->locks & DAFT_LOCK_POSITION) daft_sim_flatten(world, touch, &fresh[kept]);
+        if (fresh[kept].count > 0) kept++;
+    }
+    daft_sim_inherit(fresh, kept, patches, touch->patch_count, daft_sim_lead(world, touch, p->dt));
+    for (uint32_t i = 0; i < kept; i++) patches[i] = fresh[i];
+    if (kept > 0 && !touch->known) daft_sim_touch_materials(world, touch);
+    touch->patch_count = kept;
+}
+
+static void update_sensor(const daft_world *world, daft_sim_touch *touch)
+{
+    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
+    daft_rigid frame_a = daft_sim_part_frame(&world->bodies[touch->body_a], a);
+    daft_rigid frame_b = daft_sim_part_frame(&world->bodies[touch->body_b], b);
+    bool swap = !daft_shape_has_mass(&a->shape);
+    daft_rigid relative = swap ? daft_rigid_relative(&frame_b, &frame_a) : daft_rigid_relative(&frame_a, &frame_b);
+    touch->patch_count = daft_shape_overlap(swap ? &b->shape : &a->shape, swap ? &a->shape : &b->shape, &relative, 0);
+}
+
+/* Whether geometry has to be asked: no for sensors, which are then done with, and for what is clear. */
+static bool begin(const daft_world *world, daft_sim_touch *touch, float dt, pair *p)
+{
+    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
+    if (touch->sensor) {
+        update_sensor(world, touch);
+        return false;
+    }
+    p->a = &world->bodies[touch->body_a], p->b = &world->bodies[touch->body_b], p->dt = dt;
+    p->apart = daft_to_float(daft_dsub(p->a->centre, p->b->centre));
+    p->margin = margin_of(a->reach, b->reach);
+    p->way = way_of(p);
+    return !is_clear(world, touch, p);
+}
+
+enum { GRAIN = 256, AHEAD = 16, PARALLEL_TOUCHES = 256 };
+
+/* ---- what is found in lanes ---- */
+
+/* The touch's own patch, for what was found in lanes: what it keeps stays, all else is set by who asks, or here. Gives how
+ * many points it had. */
+static uint32_t begin_patch(const daft_world *world, daft_sim_touch *touch)
+{
+    daft_sim_patch *patch = &touch->own;
+    daft_vec3 zero = daft_v3(0, 0, 0);
+    uint32_t had = touch->patch_count ? patch->count : 0;
+    patch->part_a = patch->part_b = (daft_shape_part){0, DAFT_NO_FEATURE};
+    patch->shift = zero;
+    patch->shared = false;
+    patch->total_impulse = patch->speed = 0;
+    if (touch->patch_count > 0) return had;
+    if (!touch->known) daft_sim_touch_materials(world, touch);
+    patch->friction_impulse = patch->rolling_impulse = patch->slip = zero;
+    patch->twist_impulse = patch->twist_slip = patch->load = 0;
+    return 0;
+}
+
+typedef struct boxes {
+    daft_box_batch batch;
+    daft_sim_listed *entries[DAFT_BOX_LANES];
+    float margins[DAFT_BOX_LANES];
+    int count;
+} boxes;
+
+typedef struct rounds {
+    daft_round_batch batch;
+    daft_sim_listed *entries[DAFT_ROUND_LANES];
+    int count;
+} rounds;
+
+/* What is at hand while a range of the listing is gone over. */
+typedef struct range {
+    const daft_world *world;
+    float dt;
+    rounds rounds, round_boxes;
+    boxes boxes;
+    daft_sim_listed *asked[GRAIN]; /* to be looked at one at a time */
+    size_t asked_count;
+} range;
+
+/* Whether a point found in lanes, which is not within the margin, counts nevertheless. */
+static bool will_reach(const range *r, const daft_sim_touch *touch, float margin, daft_vec3 anchor, daft_vec3 normal,
+                       float separation)
+{
+    pair p = {.a = &r->world->bodies[touch->body_a], .b = &r->world->bodies[touch->body_b], .margin = margin, .dt = r->dt};
+    p.apart = daft_to_float(daft_dsub(p.a->centre, p.b->centre));
+    return is_met(&p, anchor, normal, separation);
+}
+
+static void end_patch(daft_sim_touch *touch, daft_sim_listed *entry)
+{
+    touch->patch_count = touch->own.count > 0;
+    if (touch->patch_count) entry->state |= DAFT_SIM_LISTED_MET;
+}
+
+/* From body a's centre of mass to part a's origin. */
+static daft_vec3 offset_of(const daft_world *world, const daft_sim_touch *touch)
+{
+    const daft_outline *outline = &world->outlines[touch->part_a];
+    if (outline->centred) return daft_v3(0, 0, 0);
+    return daft_to_float(daft_dsub(outline->centre, world->bodies[touch->body_a].centre));
+}
+
+/* ---- spheres and capsules, side by side ---- */
+
+/* What find_patches does with the one manifold of a pair. */
+static void take_round(const range *r, rounds *all, int lane)
+{
+    daft_round_batch *batch = &all->batch;
+    daft_sim_touch *touch = &r->world->touches[all->entries[lane]->touch];
+    daft_sim_patch *patch = &touch->own;
+    daft_sim_kept old;
+    daft_sim_kept_set(&old, patch, begin_patch(r->world, touch), daft_sim_lead(r->world, touch, r->dt));
+    daft_vec3 offset = offset_of(r->world, touch);
+    patch->normal = daft_round_batch_get(batch->normal, lane);
+    patch->count = 0;
+    for (int i = 0; i < batch->count[lane]; i++) {
+        daft_vec3 anchor = daft_add(offset, daft_round_batch_get(batch->point[i], lane));
+        daft_sim_patch_point point = {.anchor = anchor, .separation = batch->separation[i][lane], .id = (uint32_t)batch->id[i][lane]};
+        if (point.separation <= batch->margin[lane] || will_reach(r, touch, batch->margin[lane], anchor, patch->normal, point.separation))
+            daft_sim_kept_put(&old, patch, point);
+    }
+    daft_sim_kept_end(&old, patch);
+    end_patch(touch, all->entries[lane]);
+}
+
+DAFT_SIM_FETCH fetch(const void *record, size_t size)
+{
+    for (size_t at = 0; at < size; at += 64) __builtin_prefetch((const char *)record + at);
+    __builtin_prefetch((const char *)record + size - 1); /* records do not begin where lines do */
+}
+
+/* To be looked at alone: its records are on their way. */
+static void ask(range *r, daft_sim_listed *entry)
+{
+    const daft_sim_touch *touch = &r->world->touches[entry->touch];
+    fetch(touch, entry->state ? sizeof *touch : offsetof(daft_sim_touch, next));
+    fetch(&r->world->parts[(uint32_t)entry->key], offsetof(daft_sim_part, pose));
+    r->asked[r->asked_count++] = entry;
+}
+
+static void collide_rounds(range *r, rounds *all)
+{
+    static const daft_round_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_round);
+    const daft_round_kernels *kernels = TABLE[r->world->isa];
+    (all == &r->rounds ? kernels->rounds : kernels->boxes)(r->world->outlines, &all->batch, all->count);
+    for (int lane = 0; lane < all->count; lane++) {
+        daft_sim_listed *entry = all->entries[lane];
+        int32_t state = all->batch.state[lane];
+        daft_sim_touch *touch = &r->world->touches[entry->touch];
+        if (state == DAFT_ROUND_ASK) {
+            ask(r, entry);
+        } else if (state == DAFT_ROUND_MET || entry->state & DAFT_SIM_LISTED_MET) {
+            touch->cache = (daft_pair_cache){0};
+            if (state == DAFT_ROUND_MET)
+                take_round(r, all, lane);
+            else
+                touch->patch_count = 0;
+        }
+    }
+    all->count = 0;
+}
+
+/* ---- pairs of boxes, side by side ---- */
+
+static void take_box(const range *r, boxes *all, int lane)
+{
+    daft_box_batch *batch = &all->batch;
+    daft_sim_touch *touch = &r->world->touches[all->entries[lane]->touch];
+    const daft_outline_frame *frames = r->world->box_frames;
+    daft_sim_patch *patch = &touch->own;
+    touch->cache = (daft_pair_cache){.kind = (uint8_t)batch->kind[lane], .clearance = batch->clearance[lane]};
+    touch->cleared_at = frames[touch->part_a].travel + frames[touch->part_b].travel;
+    if (batch->count[lane] == 0) {
+        touch->patch_count = 0;
+        return;
+    }
+    daft_sim_kept old;
+    daft_sim_kept_set(&old, patch, begin_patch(r->world, touch), daft_sim_lead(r->world, touch, r->dt));
+    patch->normal = daft_box_batch_get(batch->normal, lane);
+    patch->count = 0;
+    for (int i = 0; i < batch->count[lane]; i++) {
+        daft_sim_patch_point point = {.anchor = daft_box_batch_get(batch->point[i], lane),
+                                      .separation = batch->separation[i][lane],
+                                      .id = (uint32_t)batch->id[i][lane]};
+        if (point.separation <= all->margins[lane] || will_reach(r, touch, all->margins[lane], point.anchor, patch->normal, point.separation))
+            daft_sim_kept_put(&old, patch, point);
+    }
+    daft_sim_kept_end(&old, patch);
+    end_patch(touch, all->entries[lane]);
+}
+
+static void collide_boxes(range *r)
+{
+    static const daft_box_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_box);
+    boxes *all = &r->boxes;
+    TABLE[r->world->isa]->collide(&all->batch, all->count);
+    for (int lane = 0; lane < all->count; lane++) take_box(r, all, lane);
+    all->count = 0;
+}
+
+/* As is_clear, from outlines. */
+static bool are_boxes_clear(const range *r, const daft_sim_touch *touch, float far)
+{
+    const daft_outline_frame *frames = r->world->box_frames;
+    if (touch->patch_count > 0 || touch->cache.clearance <= 0 || r->world->outlines[touch->part_b].flags & DAFT_OUTLINE_DRIVEN)
+        return false;
+    double gone = (frames[touch->part_a].travel + frames[touch->part_b].travel) - touch->cleared_at;
+    return CLEARANCE_SHARE * (double)touch->cache.clearance - gone > (double)far;
+}
+
+static void add_boxes(range *r, daft_sim_listed *entry, uint32_t a, uint32_t b)
+{
+    const daft_outline *x = &r->world->outlines[a], *y = &r->world->outlines[b];
+    const daft_sim_touch *touch = &r->world->touches[entry->touch];
+    const daft_outline_frame *frames = r->world->box_frames;
+    float margin = margin_of(x->reach, y->reach), way = daft_length(daft_sub(x->move, y->move)) + (x->swing + y->swing);
+    daft_vec3 toward = daft_to_float(daft_dsub(y->centre, x->centre));
+    bool one_place = daft_length(toward) < 2 * DAFT_ROUND_ONE_PLACE * x->reach;
+    if (way > MARGIN_OF_MOVE * x->reach || one_place) {
+        ask(r, entry);
+        return;
+    }
+    if (are_boxes_clear(r, touch, margin + way)) return;
+    boxes *to = &r->boxes;
+    int lane = to->count++;
+    to->entries[lane] = entry, to->margins[lane] = margin;
+    daft_box_batch_put(&to->batch, lane, &frames[a].frame, &frames[b].frame, x->half, y->half, offset_of(r->world, touch));
+    to->batch.margin[lane] = margin + way;
+    to->batch.kind[lane] = touch->cache.kind;
+    if (to->count == DAFT_BOX_LANES) collide_boxes(r);
+}
+
+/* To the lanes where its kind is looked at, or to those that are looked at one at a time. */
+static void sort_in(range *r, daft_sim_listed *entry)
+{
+    const daft_outline *all = r->world->outlines;
+    uint32_t a = (uint32_t)(entry->key >> 32), b = (uint32_t)entry->key;
+    daft_outline_kind kind_a = all[a].kind, kind_b = all[b].kind;
+    if (kind_a == DAFT_OUTLINE_NONE || kind_b == DAFT_OUTLINE_NONE) {
+        ask(r, entry);
+        return;
+    }
+    if (kind_a == DAFT_OUTLINE_BOX && kind_b == DAFT_OUTLINE_BOX) {
+        add_boxes(r, entry, a, b);
+        return;
+    }
+    bool boxed = kind_a != kind_b;
+    rounds *to = boxed ? &r->round_boxes : &r->rounds;
+    int lane = to->count++;
+    to->entries[lane] = entry;
+    daft_round_batch_put(&to->batch, lane, all, a, b, margin_of(all[a].reach, all[b].reach));
+    if (boxed) daft_round_batch_put_box(&to->batch, lane, all, r->world->box_frames, kind_a == DAFT_OUTLINE_BOX);
+    if (to->count == DAFT_ROUND_LANES) collide_rounds(r, to);
+}
+
+/* ---- all ---- */
+
+typedef struct job {
+    daft_world *world;
+    float dt;
+} job;
+
+static void update_asked(range *r)
+{
+    const daft_world *world = r->world;
+    for (size_t i = 0; i < r->asked_count; i++) {
+        daft_sim_touch *touch = &world->touches[r->asked[i]->touch];
+        pair p;
+        if (begin(world, touch, r->dt, &p)) find_patches(world, touch, &p);
+        if (touch->patch_count > 0) r->asked[i]->state |= DAFT_SIM_LISTED_MET;
+    }
+}
+
+/* What is looked at for a pair in any case, and where it had patches, the record that keeps them. */
+DAFT_SIM_FETCH fetch_entry(const daft_world *world, const daft_sim_listed *entry)
+{
+    __builtin_prefetch(&world->outlines[entry->key >> 32]);
+    __builtin_prefetch(&world->outlines[(uint32_t)entry->key]);
+    const daft_sim_touch *touch = &world->touches[entry->touch];
+    if (entry->state) fetch(touch, sizeof *touch);
+    else __builtin_prefetch(&touch->cache); /* what boxes ask for */
+}
+
+static void update_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    const job *j = context;
+    daft_world *world = j->world;
+    size_t first = (size_t)index * GRAIN, left = world->listed.count - first, count = left < GRAIN ? left : GRAIN;
+    daft_sim_listed *entries = &world->listed.items[first];
+    range r;
+    r.world = world, r.dt = j->dt, r.asked_count = 0;
+    r.rounds.count = r.round_boxes.count = r.boxes.count = 0;
+    memset(r.rounds.batch.a, 0, sizeof r.rounds.batch.a), memset(r.rounds.batch.b, 0, sizeof r.rounds.batch.b);
+    memset(r.round_boxes.batch.a, 0, sizeof r.rounds.batch.a), memset(r.round_boxes.batch.b, 0, sizeof r.rounds.batch.b);
+    for (size_t i = 0; i < count; i++) {
+        if (i + AHEAD < count) fetch_entry(world, &entries[i + AHEAD]);
+        sort_in(&r, &entries[i]);
+    }
+    if (r.boxes.count > 0) collide_boxes(&r);
+    if (r.rounds.count > 0) collide_rounds(&r, &r.rounds);
+    if (r.round_boxes.count > 0) collide_rounds(&r, &r.round_boxes);
+    for (size_t i = 0; i < r.asked_count; i++)
+        fetch(&world->bodies[world->touches[r.asked[i]->touch].body_b], offsetof(daft_sim_body, force));
+    update_asked(&r);
+    daft_sim_met_range(world, index, first, count);
+}
+
+/* Touches of what is not convex have many manifolds. */
+static bool reserve_patches(daft_world *world)
+{
+    for (size_t i = 0; i < world->listed.count; i++) {
+        daft_sim_touch *touch = &world->touches[world->listed.items[i].touch];
+        if (!daft_sim_is_bare(world, touch)) continue;
+        touch->more = daft_alloc(&world->allocator, DAFT_SIM_MAX_PATCHES, sizeof *touch->more);
+        if (!touch->more) return false;
+        touch->patch_count = 0;
+    }
+    return true;
+}
+
+bool daft_sim_contacts_update(daft_world *world, float dt)
+{
+    if (world->bare && !reserve_patches(world)) return false;
+    world->bare = false;
+    job j = {world, dt};
+    uint32_t tasks = (uint32_t)((world->listed.count + GRAIN - 1) / GRAIN);
+    if (!daft_sim_met_reserve(world, tasks)) return false;
+    daft_sim_for(world, world->listed.count >= PARALLEL_TOUCHES, tasks, update_range, &j);
+    daft_sim_met_gather(world, GRAIN);
+    return true;
+}

@@ -1,0 +1,569 @@
+/* Rows for the bodies that move in this step, and colours for the constraints between them: constraints of one colour
+ * share no body that yields, so they can be solved side by side (graph colouring as in Box2D v3). Each constraint takes
+ * the lowest colour that is free at both its bodies, in the order of the listing; so the colours of one heap are its
+ * own, whatever else is in the world. Contacts with what does not yield come last: the solver ends with what cannot
+ * give way. */
+#include "sim/joint/joints.h"
+
+#include <stddef.h>
+#include <string.h>
+
+enum {
+    MASKED = 32, /* colours of each class that a body's mask tells; its further constraints climb level by level */
+    CLASSES = 2, /* 0: both bodies yield; 1: one of them */
+    SIZES = DAFT_MANIFOLD_POINTS,
+    PLACES = 3 * SIZES,   /* see place_of */
+    GROUPS = CLASSES + 1, /* of the second class first those with a mover, then those with what is still */
+    KINDS = 2 * GROUPS * PLACES /* of each group those that are not firm and those that are, by their places */
+};
+
+#define UNUSED_SEPARATION 1e20f
+
+/* ---- rows ---- */
+
+static bool reserve_rows(daft_world *world, size_t needed)
+{
+    daft_sim_solver *s = world->solver;
+    if (needed <= s->row_capacity) return true;
+    size_t capacity = 0, floats = DAFT_SIM_ROW;
+    float **rows[] = {&s->rows.velocity, &s->rows.moved, &s->rows.gain, &s->rows.turn, &s->rows.mass};
+    needed += needed / 2;
+    for (size_t i = 0; i < DAFT_COUNT_OF(rows); i++) {
+        capacity = s->row_capacity * floats;
+        if (!daft_grow(&world->allocator, rows[i], &capacity, needed * floats, 0, sizeof(float))) {
+            s->row_capacity = 0; /* some are larger than others now: all will be made anew */
+            return false;
+        }
+    }
+    s->row_capacity = needed;
+    return true;
+}
+
+static uint32_t pace_of(const daft_sim_solver *s, uint32_t body) { return s->heaps[s->heap_of[body]].pace; }
+
+/* Rows of the heaps of each pace follow each other. */
+static void order_rows(daft_world *world, bool paces)
+{
+    daft_sim_solver *s = world->solver;
+    uint32_t row = 1 + s->mover_count, next[DAFT_SIM_PACES] = {0};
+    for (size_t i = 0; i < world->awake.count; i++) next[paces ? pace_of(s, world->awake.items[i]) : 0]++;
+    for (uint32_t pace = 0; pace < DAFT_SIM_PACES; pace++) {
+        uint32_t count = next[pace];
+        next[pace] = row;
+        s->pace_end[pace] = row += count;
+    }
+    for (size_t i = 0; i < world->awake.count; i++)
+        s->row_bodies[next[paces ? pace_of(s, world->awake.items[i]) : 0]++] = world->awake.items[i];
+    s->row_count = row;
+}
+
+static uint32_t row_of(const daft_world *world, uint32_t body)
+{
+    return body == DAFT_SIM_NONE ? 0 : world->solver->row_of[body];
+}
+
+static bool yields(const daft_world *world, uint32_t row) { return row > world->solver->mover_count; }
+
+/* Of a heap that is being solved. */
+static bool solved_now(const daft_sim_solver *s, uint32_t row) { return row >= s->row_first && row < s->row_end; }
+
+/* ---- colours ---- */
+
+/* The masks and levels of bodies, by their indices; in the place before them, always free, stands all that does not yield. */
+static size_t place_of_body(uint32_t body) { return (size_t)body + 1; }
+
+static void clear_colours(daft_sim_solver *s, size_t place)
+{
+    s->masks[place] = 0;
+    for (size_t class = 0; class < CLASSES; class++) s->levels[place * CLASSES + class] = 0;
+}
+
+/* The lowest colour free at both places, and takes it. */
+static uint32_t take_colour(daft_sim_solver *s, size_t a, size_t b, uint32_t class)
+{
+    uint32_t shift = class * MASKED;
+    uint64_t taken = (s->masks[a] | s->masks[b]) >> shift & UINT32_MAX;
+    if (taken != UINT32_MAX) {
+        uint32_t colour = (uint32_t)__builtin_ctzll(~taken);
+        uint64_t bit = (uint64_t)1 << (colour + shift);
+        s->masks[a] |= bit, s->masks[b] |= bit;
+        s->masks[0] = 0;
+        return colour;
+    }
+    uint32_t *level_a = &s->levels[a * CLASSES + class], *level_b = &s->levels[b * CLASSES + class];
+    uint32_t level = *level_a > *level_b ? *level_a : *level_b;
+    *level_a = *level_b = level + 1;
+    s->levels[class] = 0;
+    return MASKED + level;
+}
+
+/* Whether a row is of the second half of those being solved: in the caches of the second of two workers. */
+static bool is_late(const daft_sim_solver *s, uint32_t row) { return row - s->row_first >= (s->row_end - s->row_first) / 2; }
+
+/* Whether a contact's bodies are of both halves. */
+static bool crosses(const daft_sim_solver *s, uint32_t row_a, uint32_t row_b)
+{
+    return row_b > s->mover_count && is_late(s, row_a) != is_late(s, row_b);
+}
+
+/* Where contacts of so many points stand in a block of their kind: those of the first half of the rows, those of most points first;
+ * then those that cross, the other way round, so that they share few blocks; then those of the second half. So two workers that
+ * take a half each find their rows in their own caches, and as much to do. */
+static uint32_t place_of(const daft_sim_solver *s, uint32_t row_a, uint32_t row_b, uint32_t points)
+{
+    if (crosses(s, row_a, row_b)) return SIZES + points - 1;
+    return (is_late(s, row_a) ? 3u : 1u) * SIZES - points;
+}
+
+/* Whether a touch that met is solved, as it yields somewhere: a does. */
+static bool is_solved(const daft_world *world, const daft_sim_met *met)
+{
+    return met->flags & (DAFT_SIM_MET_FIXED | DAFT_SIM_MET_JOINS) && yields(world, world->solver->row_of[met->body_a]);
+}
+
+/* Room for rows, and for what there is of each; of each body, for its row. */
+static bool reserve(daft_world *world, size_t rows)
+{
+    daft_sim_solver *s = world->solver;
+    const daft_allocator *a = &world->allocator;
+    size_t bodies = world->body_count, known = s->row_of_capacity, patches = 0;
+    for (size_t i = 0; i < world->met.count; i++) patches += world->met.items[i].patches;
+    if (!reserve_rows(world, rows) || !daft_grow(a, &s->row_of, &s->row_of_capacity, bodies, known, sizeof *s->row_of))
+        return false;
+    memset(s->row_of + known, 0, (s->row_of_capacity - known) * sizeof *s->row_of);
+    return daft_grow(a, &s->row_bodies, &s->row_body_capacity, rows, s->row_count, sizeof *s->row_bodies) &&
+           daft_grow(a, &s->heap_of, &s->heap_of_capacity, bodies, 0, sizeof *s->heap_of) &&
+           daft_grow(a, &s->masks, &s->mask_capacity, bodies + 1, 0, sizeof *s->masks) &&
+           daft_grow(a, &s->constrained, &s->constrained_capacity, rows, 0, sizeof *s->constrained) &&
+           daft_grow(a, &s->parting, &s->parting_capacity, rows, 0, sizeof *s->parting) &&
+           daft_grow(a, &s->marks, &s->mark_capacity, rows, 0, sizeof *s->marks) &&
+           daft_grow(a, &s->heaps, &s->heap_capacity, rows, 0, sizeof *s->heaps) &&
+           daft_grow(a, &s->needs, &s->need_capacity, rows, 0, sizeof *s->needs) &&
+           daft_grow(a, &s->asked, &s->asked_capacity, rows, 0, sizeof *s->asked) &&
+           daft_grow(a, &s->targets, &s->target_capacity, rows, 0, sizeof *s->targets) &&
+           daft_grow(a, &s->spins, &s->spin_capacity, rows / DAFT_SIM_LANES + 1, 0, sizeof *s->spins) &&
+           daft_grow(a, &s->levels, &s->level_capacity, (bodies + 1) * CLASSES, 0, sizeof *s->levels) &&
+           daft_grow(a, &s->contacts, &s->contact_capacity, patches, 0, sizeof *s->contacts);
+}
+
+/* Springs push each pair of a spot full of bodies apart, and those on the outside would get the sum of all their speeds.
+ * So what overlaps deeply becomes no faster than one push, or than it or the other came. */
+static void part(daft_world *world, uint32_t row, uint32_t other)
+{
+    const daft_sim_solver *s = world->solver;
+    if (!yields(world, row)) return;
+    daft_sim_parting most = {DAFT_SIM_PUSH_SPEED, DAFT_SIM_PUSH_SPEED};
+    const uint32_t rows[2] = {row, other};
+    for (int i = 0; i < 2; i++) {
+        if (rows[i] == 0) continue;
+        const daft_sim_body *body = &world->bodies[s->row_bodies[rows[i]]];
+        float speed = daft_length(body->linear), swing = daft_length(body->angular) * body->extent;
+        if (!yields(world, rows[i])) speed += swing; /* it has its way */
+        most.speed = daft_sim_max(most.speed, speed);
+        most.swing = daft_sim_max(most.swing, swing);
+    }
+    s->parting[row].speed = daft_sim_max(s->parting[row].speed, most.speed);
+    s->parting[row].swing = daft_sim_max(s->parting[row].swing, most.swing);
+}
+
+/* What contacts say of rows. */
+static void tell_rows(daft_world *world)
+{
+    daft_sim_solver *s = world->solver;
+    s->constrained[0] = 0;
+    for (uint32_t row = 1; row < s->row_count; row++) {
+        uint32_t body = s->row_bodies[row];
+        s->row_of[body] = row;
+        s->constrained[row] = yields(world, row) && s->masks[place_of_body(body)] != 0 ? DAFT_SIM_TOUCHES : 0;
+    }
+    memset(s->parting, 0, s->row_count * sizeof *s->parting);
+    for (size_t i = 0; s->parts && i < world->met.count; i++) {
+        const daft_sim_met *met = &world->met.items[i];
+        if (!(met->flags & DAFT_SIM_MET_PARTS) || !is_solved(world, met)) continue;
+        uint32_t a = s->row_of[met->body_a], b = s->row_of[met->body_b];
+        part(world, a, b), part(world, b, a);
+    }
+}
+
+/* Heaps share no body, so the colours that contacts take are those of their own heaps, whichever pace these are of. */
+void daft_sim_contacts_colour(daft_world *world)
+{
+    daft_sim_solver *s = world->solver;
+    s->contact_count = s->contact_rows = 0;
+    s->contact_colours[0] = s->contact_colours[1] = 0;
+    s->parts = false;
+    clear_colours(s, 0);
+    for (size_t i = 0; i < world->awake.count; i++) clear_colours(s, place_of_body(world->awake.items[i]));
+    for (size_t i = 0; i < world->met.count; i++) {
+        const daft_sim_met *met = &world->met.items[i];
+        if (!is_solved(world, met)) continue;
+        bool both = yields(world, s->row_of[met->body_b]), firm = met->flags & DAFT_SIM_MET_FIRM;
+        size_t a = place_of_body(met->body_a), b = both ? place_of_body(met->body_b) : 0;
+        uint32_t class = !both, points = (met->points + met->patches - 1u) / met->patches; /* where there are several: about */
+        s->contact_rows += 3u * met->patches + met->points;
+        s->parts |= (met->flags & DAFT_SIM_MET_PARTS) != 0;
+        for (uint32_t k = 0; k < met->patches; k++) {
+            uint32_t colour = take_colour(s, a, b, class);
+            if (colour >= s->contact_colours[class]) s->contact_colours[class] = colour + 1;
+            s->contacts[s->contact_count++] =
+                (daft_sim_coloured){met->touch, k, met->body_a, met->body_b, colour << 1 | class, (uint8_t)points, firm, false, 0};
+        }
+    }
+}
+
+bool daft_sim_rows_assign(daft_world *world, float dt)
+{
+    daft_sim_solver *s = world->solver;
+    size_t count = 1 + world->movers.count + world->awake.count;
+    if (!reserve(world, count)) return false;
+    for (uint32_t row = 1; row < s->row_count; row++) s->row_of[s->row_bodies[row]] = 0; /* of the last step */
+    s->row_count = 0;
+    uint32_t row = 1;
+    s->row_bodies[0] = DAFT_SIM_NONE;
+    for (size_t i = 0; i < world->movers.count; i++) s->row_bodies[row++] = world->movers.items[i];
+    s->mover_count = (uint32_t)world->movers.count;
+    for (size_t i = 0; i < world->awake.count; i++) s->row_of[world->awake.items[i]] = row; /* any, but 0 */
+    order_rows(world, daft_sim_finer_paces(world, dt));
+    tell_rows(world);
+    memset(s->asked, 0, s->row_count * sizeof *s->asked);
+    return true;
+}
+
+/* Contacts are counted, and put in their places, in so many ranges at most, side by side. */
+enum { RANGES = 8, RANGE = 512 };
+
+typedef struct placing {
+    daft_world *world;
+    size_t range, kinds; /* contacts in each range; kinds of them */
+    uint32_t ranges;
+} placing;
+
+/* Where those of a kind are counted. */
+static uint32_t kind_of(const daft_sim_solver *s, const daft_sim_coloured *c, uint32_t row_a, uint32_t row_b)
+{
+    uint32_t group = c->colour & 1 ? 1 + (row_b == 0) : 0;
+    return (c->colour >> 1) * KINDS + (2 * group + c->firm) * PLACES + place_of(s, row_a, row_b, c->points);
+}
+
+/* Of each range and kind, how many contacts of the heaps that are being solved. */
+static void count_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    const placing *p = context;
+    daft_sim_solver *s = p->world->solver;
+    uint32_t *counts = &s->colour_counts[index * p->kinds];
+    size_t first = index * p->range, end = first + p->range;
+    if (end > s->contact_count) end = s->contact_count;
+    memset(counts, 0, p->kinds * sizeof *counts);
+    for (size_t i = first; i < end; i++) {
+        daft_sim_coloured *c = &s->contacts[i];
+        uint32_t row_a = s->row_of[c->body_a];
+        c->kind = DAFT_SIM_NONE;
+        if (!solved_now(s, row_a)) continue;
+        c->firm = c->firms && daft_sim_finer_is_firm(p->world, c->body_a);
+        c->kind = kind_of(s, c, row_a, s->row_of[c->body_b]);
+        counts[c->kind]++;
+    }
+}
+
+/* Counts have become where the next ones go. */
+static void place_range(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    const placing *p = context;
+    daft_sim_solver *s = p->world->solver;
+    uint32_t *next = &s->colour_counts[index * p->kinds];
+    size_t first = index * p->range, end = first + p->range;
+    if (end > s->contact_count) end = s->contact_count;
+    for (size_t i = first; i < end; i++) {
+        const daft_sim_coloured *c = &s->contacts[i];
+        if (c->kind == DAFT_SIM_NONE) continue;
+        s->slots[next[c->kind]++] = (daft_sim_slot){c->touch, c->patch, s->row_of[c->body_a], s->row_of[c->body_b], c->firm};
+    }
+}
+
+/* Gives how many blocks those of any number of points take, from block `first` on; counts become their next free slots. */
+static uint32_t lay_places(const placing *p, uint32_t *counts, uint32_t first)
+{
+    uint32_t slot = first * DAFT_SIM_LANES, next = slot;
+    for (size_t place = 0; place < PLACES; place++)
+        for (size_t range = 0; range < p->ranges; range++) {
+            uint32_t *at = &counts[range * p->kinds + place], count = *at;
+            *at = next;
+            next += count;
+        }
+    return (next - slot + DAFT_SIM_LANES - 1) / DAFT_SIM_LANES;
+}
+
+/* Colours in order, each on whole blocks, in which contacts have about as many points. */
+static bool lay_out(const placing *p)
+{
+    daft_world *world = p->world;
+    daft_sim_solver *s = world->solver;
+    const uint32_t *most = s->contact_colours;
+    if (!daft_grow(&world->allocator, &s->colours, &s->colour_capacity, (size_t)most[0] + most[1], 0,
+                   sizeof *s->colours))
+        return false;
+    for (uint32_t class = 0; class < CLASSES; class++)
+        for (uint32_t colour = 0; colour < most[class]; colour++) {
+            uint32_t *counts = &s->colour_counts[colour * KINDS], first = s->block_count, soft = 0;
+            for (uint32_t firm = 0; firm < 2; firm++) {
+                for (uint32_t group = class; group <= 2 * class; group++)
+                    s->block_count += lay_places(p, counts + (2 * group + firm) * PLACES, s->block_count);
+                if (!firm) soft = s->block_count;
+            }
+            if (s->block_count == first) continue;
+            s->colours[s->colour_count++] = (daft_sim_colour){first, s->block_count - first, s->block_count - soft};
+        }
+    return daft_grow(&world->allocator, &s->blocks, &s->block_capacity, s->block_count, 0, sizeof *s->blocks) &&
+           daft_grow(&world->allocator, &s->slots, &s->slot_capacity, (size_t)s->block_count * DAFT_SIM_LANES, 0,
+                     sizeof *s->slots);
+}
+
+bool daft_sim_contacts_place(daft_world *world)
+{
+    daft_sim_solver *s = world->solver;
+    const uint32_t *most = s->contact_colours;
+    placing p = {.world = world, .kinds = (size_t)(most[0] > most[1] ? most[0] : most[1]) * KINDS};
+    s->colour_count = s->block_count = 0;
+    if (s->contact_count == 0) return true;
+    p.ranges = daft_min_u((uint32_t)((s->contact_count + RANGE - 1) / RANGE), RANGES);
+    p.range = (s->contact_count + p.ranges - 1) / p.ranges;
+    if (!daft_grow(&world->allocator, &s->colour_counts, &s->colour_count_capacity, p.ranges * p.kinds, 0,
+                   sizeof *s->colour_counts))
+        return false;
+    daft_sim_for(world, p.ranges > 1, p.ranges, count_range, &p);
+    if (!lay_out(&p)) return false;
+    for (size_t i = 0; i < (size_t)s->block_count * DAFT_SIM_LANES; i++) s->slots[i].touch = DAFT_SIM_NONE;
+    daft_sim_for(world, p.ranges > 1, p.ranges, place_range, &p);
+    return true;
+}
+
+/* ---- joints ---- */
+
+static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
+{
+    daft_sim_solver *s = world->solver;
+    s->constraint_count = 0;
+    for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
+        const daft_sim_joint *joint = &world->joints[i];
+        if (joint->kind == 0) continue;
+        uint32_t a = row_of(world, joint->body[0]), b = row_of(world, joint->body[1]);
+        if (!solved_now(s, a) && !solved_now(s, b)) continue;
+        if (!daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, s->constraint_count + 1,
+                       s->constraint_count, sizeof *s->constraints))
+            return false;
+        bool yields_a = yields(world, a), yields_b = yields(world, b);
+        if (yields_a) s->constrained[a] |= DAFT_SIM_HELD;
+        if (yields_b) s->constrained[b] |= DAFT_SIM_HELD;
+        size_t place_a = yields_a ? place_of_body(joint->body[0]) : 0, place_b = yields_b ? place_of_body(joint->body[1]) : 0;
+        uint32_t class = !(yields_a && yields_b), colour = take_colour(s, place_a, place_b, class);
+        if (colour >= most[class]) most[class] = colour + 1;
+        s->constraints[s->constraint_count++] = (daft_sim_constraint){i, a, b, colour << 1 | class};
+    }
+    return true;
+}
+
+bool daft_sim_pace_begin(daft_world *world, uint32_t pace, float dt)
+{
+    uint32_t most[CLASSES] = {0, 0};
+    daft_sim_solver *s = world->solver;
+    s->row_first = pace ? s->pace_end[pace - 1] : 1 + s->mover_count;
+    s->row_end = s->pace_end[pace];
+    s->substeps = world->substeps << pace;
+    s->h = dt / (float)s->substeps;
+    for (uint32_t row = s->row_first; world->live_joints > 0 && row < s->row_end; row++)
+        clear_colours(s, place_of_body(s->row_bodies[row]));
+    return colour_joints(world, most) && daft_sim_joints_place(world, most);
+}
+
+/* ---- blocks ---- */
+
+static void put3(daft_sim_lanes *to, int lane, daft_vec3 v)
+{
+    to[0][lane] = v.x, to[1][lane] = v.y, to[2][lane] = v.z;
+}
+static daft_vec3 get3(daft_sim_lanes *from, int lane) { return daft_v3(from[0][lane], from[1][lane], from[2][lane]); }
+
+static daft_vec3 any_perpendicular(daft_vec3 n)
+{
+    daft_vec3 axis = fabsf(n.x) < 0.6f ? daft_v3(1, 0, 0) : daft_v3(0, 1, 0);
+    return daft_normalize(daft_cross(n, axis));
+}
+
+static daft_vec3 belt_of(const daft_world *world, uint32_t body, uint32_t part)
+{
+    daft_vec3 belt = world->parts[part].material.belt;
+    return daft_sim_is_zero(belt) ? belt : daft_quat_rotate(world->bodies[body].rotation, belt);
+}
+
+/* What sticks has static friction. */
+#define STICK_SPEED 0.02f /* m/s */
+
+static float friction_of(const daft_world *world, const daft_sim_touch *touch, const daft_sim_patch *patch)
+{
+    if (!(touch->static_friction > touch->friction)) return touch->friction;
+    const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
+    daft_vec3 ra = patch->points[0].anchor, rb = daft_add(ra, daft_to_float(daft_dsub(a->centre, b->centre)));
+    daft_vec3 v = daft_sub(daft_add(b->linear, daft_cross(b->angular, rb)),
+                           daft_add(a->linear, daft_cross(a->angular, ra)));
+    v = daft_sub(v, daft_scale(patch->normal, daft_dot(v, patch->normal)));
+    return daft_length(v) < STICK_SPEED ? touch->static_friction : touch->friction;
+}
+
+/* Enough, in radians, that a point a metre away leaves its tangent by a micrometre within the step. */
+#define MIN_TURN 1e-3f
+
+static bool turns_about(daft_vec3 normal, const daft_sim_body *body, float dt)
+{
+    return fabsf(daft_dot(normal, body->angular)) * dt > MIN_TURN;
+}
+
+static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, const daft_sim_slot *slot,
+                      const float soft[2][3], float dt)
+{
+    daft_sim_touch *touch = &world->touches[slot->touch];
+    const daft_sim_patch *patch = &daft_sim_patches(touch)[slot->patch];
+    const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
+    uint32_t row_a = slot->row_a, row_b = slot->row_b;
+    bool fixed = !yields(world, row_b);
+    float longer = a->h > 0 ? world->solver->h / a->h : 1; /* than the substep that the impulses are of */
+    daft_vec3 n = patch->normal, t = any_perpendicular(n), u = daft_cross(n, t);
+    block->a[lane] = (int32_t)row_a, block->b[lane] = (int32_t)row_b;
+    block->crosses |= crosses(world->solver, row_a, row_b);
+    block->writes_a |= 1u << lane;
+    if (!fixed) block->writes_b |= 1u << lane;
+    put3(block->normal, lane, n);
+    put3(block->tangent, lane, t);
+    put3(block->apart, lane, daft_add(daft_to_float(daft_dsub(a->centre, b->centre)), patch->shift));
+    block->rate[lane] = soft[fixed][0], block->soft_mass[lane] = soft[fixed][1];
+    block->soft_impulse[lane] = soft[fixed][2];
+    block->friction[lane] = friction_of(world, touch, patch);
+    block->restitution[lane] = touch->restitution;
+    block->rolling[lane] = touch->rolling;
+    block->rolls |= touch->rolling > 0;
+    block->bounces |= touch->restitution > 0;
+    block->tangent_impulse[0][lane] = daft_dot(patch->friction_impulse, t) * longer;
+    block->tangent_impulse[1][lane] = daft_dot(patch->friction_impulse, u) * longer;
+    block->twist_impulse[lane] = patch->twist_impulse * longer;
+    block->slip[0][lane] = daft_dot(patch->slip, t);
+    block->slip[1][lane] = daft_dot(patch->slip, u);
+    block->twist_slip[lane] = patch->twist_slip;
+    block->shares |= patch->shared;
+    block->shared[lane] = patch->shared;
+    put3(block->rolling_impulse, lane, daft_scale(patch->rolling_impulse, longer));
+    if (turns_about(n, a, dt) || turns_about(n, b, dt)) {
+        block->turns = true;
+        for (int k = 0; k < 2; k++) block->bend_a[k][lane] = block->bend_b[k][lane] = 1;
+    }
+    if (touch->belted) {
+        daft_vec3 belt =
+            daft_sub(belt_of(world, touch->body_a, touch->part_a), belt_of(world, touch->body_b, touch->part_b));
+        block->belt[0][lane] = daft_dot(belt, t), block->belt[1][lane] = daft_dot(belt, u);
+    }
+    for (uint32_t i = 0; i < patch->count; i++) {
+        daft_sim_block_point *p = &block->point[i];
+        put3(p->arm_a, lane, patch->points[i].anchor);
+        p->separation[lane] = patch->points[i].separation;
+        p->impulse[lane] = patch->points[i].impulse * longer;
+    }
+}
+
+/* The springs of contacts (Catto), heavily overdamped: 37.7 Hz at 240 substeps a second. One pass changes an impulse
+ * by a share of what is wrong, so what is not solved fully acts as a spring of its own, without damping: it stays
+ * stable as long as a contact forgets (soft_impulse / h) faster than it pushes (soft_mass·rate), which is
+ * h·2π·hertz < 1. Stiffer ones make a pyramid sway; where they are too soft, substeps are shorter (substep_rate.c). Against what
+ * does not yield overlap is undone faster and the impulse is rigid. */
+#define HERTZ_SHARE       0.157f /* of the substeps' rate */
+#define FIRM_HERTZ_SHARE  0.4f   /* where passes are DAFT_SIM_FIRM_PASSES */
+#define FIXED_HERTZ_SHARE 0.5f
+#define CONTACT_DAMPING   10.0f
+
+static void make_soft(float hertz, float h, float out[3])
+{
+    float omega = 2 * (float)DAFT_PI * hertz;
+    float a1 = 2 * CONTACT_DAMPING + h * omega, a2 = h * omega * a1, a3 = 1 / (1 + a2);
+    out[0] = omega / a1, out[1] = a2 * a3, out[2] = a3;
+}
+
+/* The touches of a block, and their bodies, stand anywhere; those of the next one are on their way meanwhile. */
+DAFT_SIM_FETCH fetch_body(const daft_world *world, uint32_t row)
+{
+    if (row == 0) return; /* it rests */
+    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    __builtin_prefetch(body);
+    __builtin_prefetch(&body->centre);
+}
+
+DAFT_SIM_FETCH fetch_block(const daft_world *world, uint32_t index, bool bodies)
+{
+    const daft_sim_solver *s = world->solver;
+    if (index >= s->block_count) return;
+    const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
+    for (int lane = 0; lane < DAFT_SIM_LANES && slots[lane].touch != DAFT_SIM_NONE; lane++) {
+        const char *touch = (const char *)&world->touches[slots[lane].touch];
+        for (size_t at = 0; at < sizeof(daft_sim_touch); at += 64) __builtin_prefetch(touch + at, 1);
+        if (bodies) fetch_body(world, slots[lane].row_a), fetch_body(world, slots[lane].row_b);
+    }
+}
+
+void daft_sim_block_fill(daft_world *world, uint32_t index)
+{
+    fetch_block(world, index + 1, true);
+    daft_sim_solver *s = world->solver;
+    daft_sim_block *block = &s->blocks[index];
+    float h = s->h, soft[2][3];
+    bool firm = s->slots[(size_t)index * DAFT_SIM_LANES].firm;
+    make_soft((firm ? FIRM_HERTZ_SHARE : HERTZ_SHARE) / h, h, soft[0]);
+    make_soft(FIXED_HERTZ_SHARE / h, h, soft[1]);
+    soft[1][1] = 1, soft[1][2] = 0;
+    const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
+    int lanes = 0;
+    while (lanes < DAFT_SIM_LANES && slots[lanes].touch != DAFT_SIM_NONE) lanes++;
+    memset(block, 0, offsetof(daft_sim_block, inv_mass_a));
+    block->lanes = lanes;
+    block->still = slots[0].row_b == 0;
+    for (int lane = 0; lane < lanes; lane++) {
+        const daft_sim_patch *patch = &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch];
+        block->points = daft_max_i(block->points, (int)patch->count);
+    }
+    for (int i = 0; i < block->points; i++) {
+        memset(&block->point[i], 0, offsetof(daft_sim_block_point, arm_b));
+        for (int lane = 0; lane < DAFT_SIM_LANES; lane++) block->point[i].separation[lane] = UNUSED_SEPARATION;
+    }
+    for (int lane = 0; lane < lanes; lane++) fill_lane(world, block, lane, &slots[lane], soft, h * (float)s->substeps);
+}
+
+static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)
+{
+    daft_vec3 n = get3(block->normal, lane), t = get3(block->tangent, lane), u = daft_cross(n, t);
+    patch->friction_impulse = daft_add(daft_scale(t, block->tangent_impulse[0][lane]),
+                                       daft_scale(u, block->tangent_impulse[1][lane]));
+    patch->twist_impulse = block->twist_impulse[lane];
+    patch->slip = daft_add(daft_scale(t, block->slip[0][lane]), daft_scale(u, block->slip[1][lane]));
+    patch->twist_slip = block->twist_slip[lane];
+    patch->rolling_impulse = get3(block->rolling_impulse, lane);
+    patch->total_impulse = 0;
+    patch->speed = 0;
+    for (uint32_t i = 0; i < patch->count; i++) {
+        const daft_sim_block_point *p = &block->point[i];
+        patch->points[i].impulse = p->impulse[lane];
+        patch->total_impulse += p->total[lane];
+        if (p->total[lane] > 0) patch->speed = daft_sim_max(patch->speed, p->approach[lane]);
+    }
+}
+
+void daft_sim_block_store(daft_world *world, uint32_t index)
+{
+    fetch_block(world, index + 1, false);
+    daft_sim_solver *s = world->solver;
+    daft_sim_block *block = &s->blocks[index];
+    const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
+    for (int lane = 0; lane < block->lanes; lane++) {
+        daft_sim_patch *patch = &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch];
+        store_lane(block, lane, patch);
+        float light = daft_sim_max(block->inv_mass_a[lane], block->inv_mass_b[lane]);
+        if (daft_sim_finer_load(world, patch, light, s->h * (float)s->substeps))
+            daft_sim_finer_ask(world, &world->touches[slots[lane].touch], patch->load, &slots[lane]);
+    }
+}

@@ -1,0 +1,319 @@
+/* The solver's scratch: rows of numbers for the bodies that move in this step, and blocks of contact constraints, 16
+ * side by side. Constraints of one block never share a moving body, nor do blocks of one colour, so lanes and threads
+ * cannot change a bit. Blocks are 16 wide for every instruction set; kernels take them in runs of their own width. */
+#ifndef DAFT_SIM_SOLVER_H
+#define DAFT_SIM_SOLVER_H
+
+#include "math/isa.h"
+#include "sim/world.h"
+#include "sim/solve/stages.h"
+
+enum {
+    DAFT_SIM_LANES = 16,
+    DAFT_SIM_PACES = 6, /* a heap takes 1, 2, 4 … times the world's substeps: the powers of two up to 32 */
+    DAFT_SIM_ROW = 8 /* floats: what lanes load and transpose at once */
+};
+
+/* One float per lane, in a cache line of their own. */
+typedef float daft_sim_lanes[DAFT_SIM_LANES] __attribute__((aligned(64)));
+
+/* A normal constraint: one point of a manifold. `arm_`: anchor × normal; `push_`: that times the inverse inertia, the
+ * change of angular velocity by a unit impulse. Before prepare, arm_a holds the anchor itself. */
+typedef struct daft_sim_block_point {
+    daft_sim_lanes arm_a[3];
+    daft_sim_lanes separation; /* as the step began; huge: no such point in this lane */
+    daft_sim_lanes impulse;    /* of the last substep */
+    daft_sim_lanes total;      /* summed over the step */
+    /* What prepare makes: */
+    daft_sim_lanes arm_b[3], push_a[3], push_b[3];
+    daft_sim_lanes mass;       /* effective */
+    daft_sim_lanes approach;   /* speed at which they meet, 0 or more */
+    daft_sim_lanes lever;      /* distance from where friction acts */
+} daft_sim_block_point;
+
+/* Friction acts at the middle of a manifold's points, in two directions, and about the normal ("central friction", as
+ * in Box3D): the sum of the normal impulses bounds it. */
+typedef struct daft_sim_block {
+    int32_t a[DAFT_SIM_LANES], b[DAFT_SIM_LANES]; /* bodies' rows; 0: does not move */
+    uint32_t writes_a, writes_b;                  /* bits: lanes whose body yields */
+    int32_t lanes, points;                        /* in use; most points of any lane */
+    bool rolls, bounces;
+    bool still; /* no lane's b moves */
+    bool crosses; /* some lane's bodies are likely to be in different workers' caches */
+    bool shares;           /* some lane's floor is shared: */
+    daft_sim_lanes shared; /* 1 where b is one of several bodies of a floor: friction acts below a's centre, as on one */
+    daft_sim_lanes normal[3], tangent[3]; /* the other tangent: normal × tangent */
+    daft_sim_lanes apart[3];              /* from b's centre to a's: b's anchors are a's plus this; prepare's only */
+    daft_sim_lanes rate, soft_mass, soft_impulse; /* of the contact's spring */
+    daft_sim_lanes friction;
+    daft_sim_lanes tangent_impulse[2];
+    daft_sim_lanes slip[2], twist_slip; /* how far what sticks was dragged along: since when, see patches */
+    daft_sim_lanes belt[2];            /* the surfaces' speed along the tangents: a's less b's */
+    bool turns;                        /* some lane's bodies turn about the normal; those whose do not have zeros here: */
+    daft_sim_lanes bend_a[2], bend_b[2]; /* along the tangents, from the centre to where friction acts; else 1 before
+                                           prepare */
+    daft_sim_lanes twist_impulse;
+    daft_sim_lanes restitution;
+    daft_sim_lanes rolling, rolling_impulse[3];
+    /* What prepare makes: */
+    daft_sim_lanes inv_mass_a, inv_mass_b;
+    daft_sim_lanes arm_a[2][3], arm_b[2][3], push_a[2][3], push_b[2][3]; /* of friction, each tangent */
+    daft_sim_lanes tangent_mass[3];    /* inverse of the 2×2 matrix: 11, 12, 22 */
+    daft_sim_lanes twist_a[3], twist_b[3], twist_mass;
+    daft_sim_lanes rolling_mass;
+    daft_sim_lanes inertia_a[6], inertia_b[6]; /* inverse; rolling's */
+    daft_sim_block_point point[DAFT_MANIFOLD_POINTS];
+} daft_sim_block;
+
+/* Blocks first..first + count are one colour. */
+typedef struct daft_sim_colour {
+    uint32_t first, count;
+    uint32_t firm; /* of them, the last: contacts that are gone over more often (substep_rate.c) */
+} daft_sim_colour;
+
+enum { DAFT_SIM_FIRM_PASSES = 6 }; /* with springs, in a substep; others have one */
+
+typedef struct daft_sim_substep {
+    float h, inv_h;
+    float push_speed;
+    float elapsed; /* s since the step began, as far as bodies have moved */
+} daft_sim_substep;
+
+/* Rows of DAFT_SIM_ROW floats for each body that moves, and row 0, zero, for all that does not. */
+typedef struct daft_sim_rows {
+    float *velocity; /* linear, angular; 6, 7: the most that their lengths may be */
+    float *moved;    /* since the step began: along, and turned as the sum of angular velocities; floats that do not
+                        fade far from the origin; 6: length of a substep */
+    float *gain;     /* of velocity, per second, from gravity and forces; 6: 1 for bodies in free flight; 7: share
+                        of the linear velocity that damping leaves in a substep */
+    float *turn;     /* rotation since the step began, a quaternion; 4 to 6: the way, as in `moved`; 7: 1 for constrained
+                        bodies whose moments differ, 2 if their inertia was changed in this substep */
+    float *mass;     /* inverse mass; inverse inertia xx, xy, xz, yy, yz, zz, as the body has turned if that is far; share
+                        of the angular velocity left */
+} daft_sim_rows;
+
+typedef struct daft_sim_kernels {
+    void (*prepare)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
+    /* Of bodies whose inertia has changed: effective masses again. */
+    void (*refresh)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
+    void (*warm_start)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
+    /* biased: springs push overlap apart; otherwise the speed that gave is taken out again. */
+    void (*solve)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
+                  bool biased);
+    void (*bounce)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end);
+    void (*finish)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end);
+    /* Rows first..first + count. */
+    void (*gain)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h);
+    void (*move)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h);
+    /* Bits of those of up to 32 rows whose inertia is to be changed: they turn faster than `most`; marks them. */
+    uint32_t (*find_far)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float most);
+} daft_sim_kernels;
+
+DAFT_KERNEL_DECLARE(daft_sim_kernels, daft_sim);
+
+typedef struct daft_sim_joint_block daft_sim_joint_block; /* joints.h */
+typedef struct daft_sim_joint_kernels daft_sim_joint_kernels;
+
+/* Bodies in free rotation, side by side. */
+typedef struct daft_sim_spin {
+    int32_t row[DAFT_SIM_LANES];
+    int32_t lanes; /* in use */
+    daft_sim_lanes axes[4]; /* principal, in the world, as the step begins: a quaternion */
+    daft_sim_lanes moments[3], middle[3];
+    double momentum[3][DAFT_SIM_LANES]; /* world axes */
+    daft_sim_lanes jolts;               /* in this step, see angular_kernel.c */
+    daft_sim_lanes jolted; /* 1 where what constraints did in this substep leaves it its angular velocity */
+} daft_sim_spin;
+
+/* before: angular velocities become those of the middle of the substep; between, after constraints acted and before bodies
+ * are turned: their impulses join the momentum; after: angular velocities become what the momentum asks for. */
+typedef struct daft_sim_spin_kernels {
+    void (*before)(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count, float h);
+    void (*between)(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count, float h, float dt);
+    void (*after)(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count);
+} daft_sim_spin_kernels;
+
+DAFT_KERNEL_DECLARE(daft_sim_spin_kernels, daft_sim_spin);
+
+/* Bodies that a step moves: rows 1 to `movers` are kinematic, the others dynamic. */
+struct daft_sim_solver {
+    daft_sim_rows rows;
+    size_t row_capacity;
+    uint32_t *row_bodies; /* of each row */
+    size_t row_body_capacity;
+    uint32_t row_count, mover_count;
+    uint32_t *row_of; /* of each body; 0: it does not move */
+    size_t row_of_capacity;
+    uint8_t *constrained; /* of rows that some constraint acts on: DAFT_SIM_HELD and DAFT_SIM_TOUCHES */
+    size_t constrained_capacity;
+    uint8_t *marks; /* solver.c's scratch */
+    size_t mark_capacity;
+    struct daft_sim_parting {
+        float speed, swing; /* m/s, of the centre and of turning */
+    } *parting; /* of rows that overlap something deeply: the most that they may have; 0, 0: no more than any other */
+    size_t parting_capacity;
+    struct daft_sim_heap {
+        uint64_t asked; /* summed over the bodies */
+        uint32_t bodies, contacts, pace;
+        uint32_t before; /* substeps in the last step, the most of its bodies */
+        bool deep;   /* some overlap by so much that it is no load which presses them together */
+        bool joined; /* some have joints */
+        bool firm;   /* its firm contacts are solved as such */
+        uint32_t firm_contacts;
+        float pull;  /* substeps a second that its joints ask for */
+        bool fast;   /* some leave, within the step, the place that their contacts were found in */
+    } *heaps;
+    bool firm; /* some are */
+    size_t heap_capacity;
+    uint32_t heap_count;
+    uint32_t *heap_of; /* of each body that is awake and dynamic */
+    size_t heap_of_capacity;
+    struct daft_sim_need { /* of a body that is awake, by its place among those: */
+        float finer;
+        uint32_t before; /* substeps in the last step */
+        bool fast;
+    } *needs;
+    size_t need_capacity;
+    _Atomic uint32_t *asked; /* of each row: substeps a second, by what it carried in this step; a float's bits */
+    size_t asked_capacity;
+
+    /* The heaps that are being solved: those of one pace, in rows that follow each other. */
+    uint32_t pace_end[DAFT_SIM_PACES]; /* of rows */
+    uint32_t row_first, row_end;
+    int substeps;
+    float h; /* s */
+
+    daft_sim_block *blocks;
+    size_t block_capacity;
+    uint32_t block_count;
+    daft_sim_colour *colours;
+    size_t colour_capacity;
+    uint32_t colour_count;
+    /* Contacts in the order of colours: where each came from. */
+    struct daft_sim_slot {
+        uint32_t touch, patch, row_a, row_b;
+        bool firm; /* of all in its block */
+    } *slots;
+    size_t slot_capacity;
+
+    daft_sim_joint_block *joint_blocks;
+    size_t joint_block_capacity;
+    uint32_t joint_count, joint_block_count;
+    struct daft_sim_joint_slot { /* of each lane: */
+        uint32_t joint;          /* DAFT_SIM_NONE: none */
+        uint32_t row[2];
+    } *joint_slots;
+    size_t joint_slot_capacity;
+    uint32_t *joint_bins; /* joint_blocks.c's scratch */
+    size_t joint_bin_capacity;
+    daft_sim_colour *joint_colours;
+    size_t joint_colour_capacity;
+    uint32_t joint_colour_count;
+
+    /* colour.c's scratch */
+    uint64_t *masks; /* of each body: colours taken */
+    uint32_t *levels;
+    size_t mask_capacity, level_capacity;
+    struct daft_sim_constraint { /* joints of one pace */
+        uint32_t joint, row_a, row_b, colour;
+    } *constraints;
+    size_t constraint_capacity, constraint_count;
+    struct daft_sim_coloured { /* contacts of all paces, in the order of the listing */
+        uint32_t touch, patch, body_a, body_b, colour;
+        uint8_t points;
+        bool firms, firm; /* it carries much; it is solved as such */
+        uint32_t kind; /* of contacts of as many points, and rows as near, which stand in a block; DAFT_SIM_NONE: of another pace */
+    } *contacts;
+    size_t contact_capacity, contact_count;
+    uint32_t contact_colours[2]; /* of each class */
+    uint32_t contact_rows; /* constraints of all contacts */
+    bool parts; /* some bodies are to part slowly */
+    uint32_t *colour_counts;
+    size_t colour_count_capacity;
+
+    daft_sim_spin *spins; /* bodies whose moments of inertia differ, and that turn */
+    size_t spin_capacity;
+    uint32_t spin_count; /* blocks */
+    bool holds; /* some row's body must not move along some axis */
+    bool steady; /* no body's last substep was of another length than those now */
+
+    daft_sim_target *targets; /* of rows */
+    size_t target_capacity;
+    _Atomic uint32_t sweeps; /* of all, in this step */
+
+    daft_sim_stages *stages;
+    const daft_sim_kernels *kernels;
+    const daft_sim_joint_kernels *joint_kernels;
+    const daft_sim_spin_kernels *spin_kernels;
+};
+
+enum { DAFT_SIM_HELD = 1 /* by a joint */, DAFT_SIM_TOUCHES = 2 /* has contacts */ };
+
+/* How fast overlap is undone at most, so that deep overlap does not explode. */
+#define DAFT_SIM_PUSH_SPEED 3.0f /* m/s */
+
+typedef struct daft_sim_heap daft_sim_heap;
+typedef struct daft_sim_slot daft_sim_slot;
+typedef struct daft_sim_constraint daft_sim_constraint;
+typedef struct daft_sim_coloured daft_sim_coloured;
+typedef struct daft_sim_need daft_sim_need;
+typedef struct daft_sim_joint_slot daft_sim_joint_slot;
+typedef struct daft_sim_parting daft_sim_parting;
+
+/* The body of a row, and the row itself in some of the arrays, are on their way. */
+DAFT_SIM_FETCH daft_sim_row_fetch(const daft_world *world, uint32_t row, float *const arrays[], size_t count)
+{
+    const daft_sim_solver *s = world->solver;
+    if (row >= s->row_count) return;
+    daft_sim_body_fetch(&world->bodies[s->row_bodies[row]]);
+    for (size_t i = 0; i < count; i++) __builtin_prefetch(arrays[i] + (size_t)row * DAFT_SIM_ROW, 1);
+}
+
+/* ---- colour.c ---- */
+
+/* Rows for active bodies, by the pace of their heaps. False when memory is out. */
+bool daft_sim_rows_assign(daft_world *world, float dt);
+/* The heaps of one pace are the ones to be solved now: their rows, and colours for their joints. */
+bool daft_sim_pace_begin(daft_world *world, uint32_t pace, float dt);
+/* Colours for the contacts of all heaps, for which there is room. */
+void daft_sim_contacts_colour(daft_world *world);
+/* Blocks for those of the heaps to be solved now. False when memory is out. */
+bool daft_sim_contacts_place(daft_world *world);
+/* Fills block `index` from patches, and puts the impulses back. */
+void daft_sim_block_fill(daft_world *world, uint32_t index);
+void daft_sim_block_store(daft_world *world, uint32_t index);
+
+/* ---- substep_rate.c ---- */
+
+/* Notes what a patch carried in the step; true if that is much beside the lighter body's weight. */
+bool daft_sim_finer_load(const daft_world *world, daft_sim_patch *patch, float inv_mass, float dt);
+/* What such a contact asks for goes to the rows of its bodies: the most counts, so in any order, side by side. */
+void daft_sim_finer_ask(const daft_world *world, const daft_sim_touch *touch, float load, const daft_sim_slot *slot);
+/* Substeps a second that a body asks for, which asked for `now`, by what its row carried in this step. */
+float daft_sim_finer_next(const daft_world *world, float now, uint32_t row);
+/* Finds heaps and their paces, for which there is room, and beside them colours for contacts. False: all have the world's own
+ * pace. */
+bool daft_sim_finer_paces(daft_world *world, float dt);
+/* Whether a body's contacts that carry much are solved as firm ones in this step. */
+bool daft_sim_finer_is_firm(const daft_world *world, uint32_t body);
+
+/* ---- angular.c ---- */
+
+/* Whether the row's body turns freely, and so that it matters; then it joins those that do. There is room. */
+bool daft_sim_spins(const daft_world *world, uint32_t row);
+void daft_sim_spin_add(daft_world *world, uint32_t row);
+/* Turns farther than this in a substep, in radians, are beyond the midpoint rule. */
+#define DAFT_SIM_WILD_TURN 0.8f
+/* Gives constrained rows first..first + count the inertia of their bodies as they have turned, if they turn far; true if some
+ * do. The angular velocity is the same seen from the body, so its energy is; with the old inertia the next impulse could give
+ * it many times that. */
+bool daft_sim_spin_refresh(const daft_world *world, uint32_t first, uint32_t count, float dt);
+
+/* ---- solver.c ---- */
+
+/* Moves rows over dt and leaves the impulses in patches and joints. False when memory is out. */
+bool daft_sim_solve(daft_world *world, float dt);
+bool daft_sim_solver_create(daft_world *world);
+void daft_sim_solver_destroy(daft_world *world);
+
+#endif

@@ -1,0 +1,637 @@
+/* The inside of sim. No other room includes this.
+ *
+ * Data. A world is arrays of records under indices:
+ *   body    what it is, where, how fast; its parts, touches and joints hang on it as lists of indices
+ *   part    one shape of a body: a leaf in the tree of the body's kind, in bounds that are wider than it (fat)
+ *   touch   two parts whose bounds over the step meet, with the manifolds they have ("patches") and the impulses these
+ *           carry over to the next step. Part a's body is dynamic, except in touches of sensors; normals point from a to b.
+ *   joint   two bodies, a frame in each, and the impulses it carries over
+ *
+ * A body is active if it is dynamic and awake, or kinematic and moves. Only what is active is in a list that a step
+ * walks: `awake`, `movers`, and `listed`, the touches that have an active side, in the order of their keys. A body that
+ * sleeps is on a ring with those that fell asleep with it, and is woken with them.
+ *
+ * A step (step.c): bounds and near pairs (broad.c, groups.c, pairs.c) -> manifolds (contacts.c, met.c) -> islands that are met wake
+ * (sleep.c) -> colours (colour.c) -> substeps (solver.c, solver_kernel.c, joint_kernel.c, angular.c) -> sweeps (sweep.c),
+ * poses -> events (events.c) -> islands fall asleep (sleep.c).
+ *
+ * Everything a step computes is a function of bodies, touches and joints under their indices: never of the tree's
+ * shape, the order of lists, addresses, threads or time. So state can be saved as these records (state.c). */
+#ifndef DAFT_SIM_WORLD_H
+#define DAFT_SIM_WORLD_H
+
+#include "sim/collide/manifold.h"
+#include "sim/collide/manifold_round.h"
+#include "sim/sim.h"
+
+#include <stddef.h>
+
+#define DAFT_SIM_NONE UINT32_MAX
+
+enum {
+    DAFT_SIM_SUBSTEPS = 4,
+    DAFT_SIM_MAX_SUBSTEPS = 16,
+    /* Touches between dynamic parts that one part may own; the smaller one does, the one of lower index where they are
+     * equal. Twelve equal spheres can touch one, so only overlap meets this bound; it keeps thousands of bodies in one
+     * spot from making millions of touches. */
+    DAFT_SIM_MAX_PARTNERS = 32,
+    DAFT_SIM_MAX_PATCHES = 24 /* of one touch, with a mesh, field or compound */
+};
+
+/* Bounds that keep every float of the solver finite. Velocities beyond are clamped, definitions beyond refused. */
+#define DAFT_SIM_MAX_SPEED        1e4f /* m/s */
+#define DAFT_SIM_MAX_SPIN         1e6f /* rad/s */
+#define DAFT_SIM_MAX_ACCELERATION 1e9f /* m/s² */
+#define DAFT_SIM_MAX_DISTANCE     1e12 /* m from the origin */
+#define DAFT_SIM_MIN_MASS         1e-15
+#define DAFT_SIM_MAX_MASS         1e24
+#define DAFT_SIM_MAX_DT           1.0f
+#define DAFT_SIM_FINEST           1e6f /* substeps a second that are asked for */
+
+/* Points up to this far apart, as a share of the smaller part's reach, get a contact even where nothing moves:
+ * another contact may push one into the other. Never more than the second, in metres. */
+#define DAFT_SIM_MARGIN     0.02f
+#define DAFT_SIM_MAX_MARGIN 0.02f
+
+typedef daft_daabb daft_sim_bounds;
+
+static inline bool daft_sim_overlap(const daft_sim_bounds *a, const daft_sim_bounds *b)
+{
+    /* Without branches: which of the six fails first is anyone's guess. */
+    return (a->low.x <= b->high.x) & (b->low.x <= a->high.x) & (a->low.y <= b->high.y) & (b->low.y <= a->high.y) &
+           (a->low.z <= b->high.z) & (b->low.z <= a->high.z);
+}
+
+/* Of functions that fetch what will be asked for: gcc takes one that does nothing else for one without effect, unless it has
+ * become part of its caller before. */
+#define DAFT_SIM_FETCH static inline __attribute__((always_inline)) void
+
+/* ---- the tree (tree.c) ---- */
+
+/* A height-balanced tree of bounds; leaves are parts, entered and removed one at a time, moved where they stand, and all
+ * laid out anew from time to time. */
+typedef struct daft_sim_node { /* a cache line */
+    _Alignas(64) daft_sim_bounds bounds;
+    uint32_t parent; /* the next free node, where this one is free */
+    union {
+        uint32_t child[2];
+        uint32_t part; /* of a leaf */
+    };
+    int16_t height; /* 0: a leaf; -1: free */
+    bool stale;     /* an inner node: something below it was moved since its bounds were found */
+} daft_sim_node;
+
+/* Of a leaf: the middle of its bounds, twice as far. What it is rounded to changes the tree's shape only. */
+typedef struct daft_sim_key {
+    float middle[3];
+    uint32_t leaf;
+} daft_sim_key;
+
+typedef struct daft_sim_tree {
+    daft_sim_node *nodes;
+    size_t capacity, used; /* used: high-water mark */
+    uint32_t root, free_list, leaf_count;
+    uint32_t entered;   /* leaves, and moved, since it was last laid out */
+    daft_sim_key *keys; /* scratch of laying out */
+    size_t key_capacity;
+} daft_sim_tree;
+
+typedef void daft_sim_visit(void *context, uint32_t part);
+
+void daft_sim_tree_init(daft_sim_tree *tree);
+/* Room for `more` leaves; inserts right after cannot fail. */
+bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator, uint32_t more);
+uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds, uint32_t part);
+void daft_sim_tree_remove(daft_sim_tree *tree, uint32_t leaf);
+/* Gives a leaf other bounds, where it stands. False, and nothing is done: they are too far from what stands beside it,
+ * and it is to be removed and inserted. After all moves, and before anything else, the tree is fitted to them. */
+bool daft_sim_tree_move(daft_sim_tree *tree, uint32_t leaf, const daft_sim_bounds *bounds);
+void daft_sim_tree_fit(daft_sim_tree *tree);
+/* Lays the tree out anew if enough of its leaves were entered or moved one at a time since it last was: what grew so is
+ * searched twice as long. */
+void daft_sim_tree_tidy(daft_sim_tree *tree);
+/* Orders keys along the axis on which their middles are spread most: none of the first `wanted` is beyond any other. */
+void daft_sim_keys_part(daft_sim_key *keys, uint32_t count, uint32_t wanted);
+/* Calls visit for every leaf that overlaps, in an order that callers must not depend on. */
+void daft_sim_tree_query(const daft_sim_tree *tree, const daft_sim_bounds *bounds, daft_sim_visit *visit,
+                         void *context);
+
+/* ---- records ---- */
+
+typedef struct daft_sim_list {
+    uint32_t *items;
+    size_t count, capacity;
+} daft_sim_list;
+
+typedef struct daft_sim_part {
+    /* What contacts and new pairs look at first: */
+    _Alignas(64) daft_sim_shape shape;
+    float reach;  /* no point is farther from the part's origin */
+    bool round;   /* sphere or capsule */
+    bool posed;   /* pose is not the identity */
+    bool sensor;
+    bool dynamic; /* its body is */
+    uint32_t body; /* DAFT_SIM_NONE: a free slot */
+    uint32_t layers, mask;
+    uint32_t owned; /* touches counted against DAFT_SIM_MAX_PARTNERS */
+    uint32_t moved_slot; /* in the list of those that were placed since the last step */
+    uint32_t next; /* part of the body, in the order of its definition; the next free slot */
+
+    daft_rigid pose; /* in the body */
+    daft_vec3 place; /* the same as it was given, */
+    daft_quat turn;
+    daft_sim_material material;
+    float density;
+    uint32_t user, geometry_id;
+    uint32_t leaf;
+    daft_vec3 middle; /* in the part: of a ball within it, */
+    float inner;      /* its radius; 0: a surface */
+    float roll;       /* radius that rolling resistance counts with */
+} daft_sim_part;
+
+/* What a step asks for at the same time lies together, in cache lines of 64 bytes; what it hardly asks for comes last. */
+typedef struct daft_sim_body {
+    _Alignas(64) daft_body_kind kind; /* DAFT_BODY_NONE: a free slot */
+    bool bullet, may_sleep;
+    bool asleep;        /* dynamic */
+    bool round;         /* all three moments are equal */
+    uint32_t list_slot; /* in awake or movers, or DAFT_SIM_NONE */
+    uint32_t state;     /* in this step's solver; 0: does not move */
+    daft_vec3 linear, angular;
+    float extent;        /* no point is farther from the centre of mass */
+    float inv_mass;
+    uint32_t first_part, first_touch; /* touch: index · 2 + side */
+    float rest;          /* seconds it has hardly moved */
+    float h;             /* s: of the last substep it took, to which impulses belong; 0: none yet */
+
+    daft_dvec3 centre;   /* of mass */
+    double travel;       /* dynamic: no point has gone farther since the body was made, metres */
+    daft_quat rotation;
+    float finer;         /* substeps a second that what it carries asks for (substep_rate.c) */
+    float inner;         /* least of its parts': a move up to this is not swept */
+    float gravity_scale;
+    uint32_t locks;
+
+    daft_rigid frame; /* position and rotation */
+    daft_vec3 force, torque; /* over the next step */
+    float linear_damping, angular_damping;
+
+    daft_dvec3 position;
+    daft_vec3 moments; /* principal, kg·m² */
+    daft_quat axes;    /* principal axes, in the body */
+    daft_vec3 local_centre;
+
+    uint32_t user;
+    uint32_t first_joint;       /* index · 2 + side */
+    uint64_t joined;            /* bit k: a joint keeps it from touching the body k + 1 places after it (joint.c) */
+    float wanted_mass;          /* as defined; 0: from densities */
+    float mass;
+    daft_dvec3 target_position; /* kinematic bodies with has_target: the pose at the end of the next step */
+    daft_quat target_rotation;
+    bool has_target;
+    bool follows;          /* the velocity came from a target, so it ends with the step */
+    bool ball;             /* a part is a sphere */
+    bool joined_far;       /* a joint keeps it from touching a body more than 64 places from it */
+    uint32_t fixed_met;    /* scratch of ghost.c: touches with what does not yield */
+    uint32_t next_free;
+    uint32_t ring;         /* asleep: the next body that fell asleep with it */
+    daft_vec3 gone, turned; /* lately (sleep.c), if `rest` is not 0 */
+} daft_sim_body;
+
+typedef struct daft_sim_patch_point {
+    daft_vec3 anchor; /* from a's centre of mass, world axes */
+    float separation;
+    uint32_t id;
+    float impulse; /* of the last substep; the next step starts with it */
+} daft_sim_patch_point;
+
+typedef struct daft_sim_patch {
+    uint32_t count;
+    daft_vec3 normal;
+    daft_sim_patch_point points[DAFT_MANIFOLD_POINTS];
+    daft_vec3 friction_impulse, rolling_impulse; /* world axes */
+    float twist_impulse;
+    /* How far b's surface was dragged along a's since it last slid, and turned about the normal: what sticks is drawn
+     * back by it, so that a stack does not creep. */
+    daft_vec3 slip;
+    float twist_slip;
+    float load;          /* N, along the normal, lately (substep_rate.c) */
+    float total_impulse; /* normal, summed over the step */
+    float speed;         /* with which they met, 0 or more */
+    daft_shape_part part_a, part_b;
+    daft_vec3 shift; /* of a against b on the way to where they meet, if they are apart still */
+    bool shared; /* with others of one floor that a stands on: they do not yield, and are of one height and friction */
+} daft_sim_patch;
+
+typedef struct daft_sim_touch {
+    uint32_t part_a, part_b; /* part_a == DAFT_SIM_NONE: a free slot */
+    uint32_t body_a, body_b;
+    bool sensor;
+    bool listed;
+    bool owned_by_a;
+    bool touching; /* as events tell it */
+    bool known;    /* what follows from the parts' materials: found when it first has patches */
+    bool belted;   /* a side is a belt */
+    uint32_t patch_count;
+    daft_pair_cache cache;
+    double cleared_at; /* how far both bodies had gone when the cache's clearance was found */
+    uint32_t next[2], previous[2]; /* in the lists of body a and b; next[0] of free slots: the next one */
+    float friction, static_friction, restitution, rolling; /* rolling in metres */
+    daft_sim_patch own;
+    daft_sim_patch *more; /* DAFT_SIM_MAX_PATCHES of them where a part is not convex */
+} daft_sim_touch;
+
+/* In eights of floats, which lanes take and give back at once. */
+typedef struct daft_sim_joint {
+    _Alignas(32) daft_joint_kind kind; /* 0: a free slot */
+    uint32_t body[2];     /* DAFT_SIM_NONE: the world */
+    bool limit, motor, spring, collide;
+    float break_force, break_torque;
+    float force, torque; /* of the last step */
+
+    daft_dvec3 fixed;      /* the anchor in the world, or the drag's target */
+    uint32_t next[2];
+
+    daft_quat frame[2];    /* x: the axis; in the body */
+
+    daft_vec3 anchor[2];   /* in the body, from its centre of mass; the world: unused */
+    float lower, upper;
+
+    /* of the last substep: linear, angular, and along the axis: low, high, motor, spring */
+    daft_vec3 linear_impulse, angular_impulse;
+    float lower_impulse, upper_impulse;
+
+    daft_vec3 spin[2];   /* angular velocities as the last substep began */
+    float motor_impulse, spring_impulse;
+
+    float motor_speed, motor_force, hertz, damping, length;
+    uint32_t user, previous[2];
+} daft_sim_joint;
+
+/* Touches in the order of keys: part a, then part b. */
+typedef struct daft_sim_listed {
+    uint64_t key;
+    uint32_t touch;
+    uint32_t state;
+} daft_sim_listed;
+
+enum { DAFT_SIM_LISTED_MET = 1 /* it may have patches, or be touching as events tell it */ };
+
+typedef struct daft_sim_listing {
+    daft_sim_listed *items;
+    size_t count, capacity;
+} daft_sim_listing;
+
+/* A touch that has patches or is touching, with what the whole step asks of it, so that its record is left alone. */
+typedef struct daft_sim_met {
+    uint32_t touch, body_a, body_b;
+    uint16_t points;
+    uint8_t patches, flags;
+} daft_sim_met;
+
+enum {
+    DAFT_SIM_MET_FIXED = 1, /* it has patches, and b does not yield */
+    DAFT_SIM_MET_JOINS = 2, /* it has patches, and both yield */
+    DAFT_SIM_MET_DEEP = 4,  /* a overlaps by so much that it is no load which presses them together (substep_rate.c) */
+    DAFT_SIM_MET_PARTS = 8, /* they were made so, or were too fast: they are to part slowly (colour.c) */
+    DAFT_SIM_MET_FIRM = 16  /* at rest, and carries many times the lighter's weight (substep_rate.c) */
+};
+
+#define DAFT_SIM_RANGE_FIXED 0x80000000u /* some of a range's, in world->met_ranges, are DAFT_SIM_MET_FIXED */
+
+typedef struct daft_sim_meeting {
+    daft_sim_met *items;
+    size_t count, capacity;
+} daft_sim_meeting;
+
+typedef struct daft_sim_event_list {
+    daft_sim_event *items;
+    size_t count, capacity;
+} daft_sim_event_list;
+
+typedef struct daft_sim_solver daft_sim_solver; /* solver.h: scratch of a step */
+
+struct daft_world {
+    daft_allocator allocator;
+    daft_vec3 gravity;
+    int substeps, workers, isa;
+    bool sleeping;
+
+    daft_sim_body *bodies;
+    size_t body_capacity;
+    uint32_t body_count, free_body; /* high-water mark */
+    uint32_t live_bodies;
+    daft_sim_part *parts;
+    size_t part_capacity;
+    uint32_t part_count, free_part;
+    /* Of each part, apart from its record, since all pairs are asked for them in each step: */
+    daft_sim_bounds *fat;   /* as it stands in the tree */
+    daft_sim_bounds *tight; /* where it may be during this step, and the margin; of what stands still: where it is */
+    uint32_t *slots;        /* its place in the groups, or DAFT_SIM_NONE */
+    size_t fat_capacity, tight_capacity, slots_capacity;
+    daft_outline *outlines;         /* as the step begins, */
+    daft_outline_frame *box_frames; /* of boxes only (outline.c) */
+    size_t outline_capacity, box_frame_capacity;
+    daft_sim_touch *touches;
+    size_t touch_capacity;
+    uint32_t touch_count, free_touch;
+    daft_sim_joint *joints;
+    size_t joint_capacity;
+    uint32_t joint_count, free_joint, live_joints;
+
+    daft_sim_list awake;  /* dynamic */
+    daft_sim_list movers; /* kinematic bodies with a target or a velocity */
+    bool *left;           /* broad.c: of those awake, which have left their fat bounds */
+    size_t left_capacity;
+    daft_sim_list moved;  /* parts that were placed since the last step */
+    daft_sim_list astray; /* broad.c: parts that are to enter their tree anew */
+    daft_sim_listing listed, fresh_listed, merged;
+    daft_sim_listing order; /* scratch of events.c */
+    bool bare;            /* some listed touch needs room for manifolds */
+    daft_sim_meeting met; /* touches of the listing that have patches or are touching, in its order */
+    daft_sim_list met_ranges; /* of each range of the listing that was looked at, how many have met, and DAFT_SIM_RANGE_FIXED */
+    uint32_t *islands;    /* sleep.c: of each body that is awake, its parent in the union-find */
+    size_t island_capacity;
+    daft_sim_list ghosts; /* scratch of ghost.c: of what met what does not yield */
+    uint32_t asleep_count; /* bodies */
+    uint32_t live_touches;
+
+    /* Parts of what is active, or was placed since the last step, in groups (groups.h). */
+    struct daft_sim_group *groups;
+    daft_dvec3 group_origin; /* their floats are from here */
+    struct daft_sim_boxes *group_boxes; /* their bounds, side by side */
+    daft_sim_key *group_keys; /* scratch of putting them together */
+    size_t group_capacity, group_box_capacity, group_key_capacity;
+    uint32_t slot_count, grouped; /* slots up to the last one taken; parts in them */
+    uint32_t slots_late; /* taken since they were put together */
+    bool newcomers;      /* some may not be in their group yet */
+    double group_size;   /* the sum of their sizes, when they were put together; 0: unknown; -1: they have grown too much */
+    uint64_t *barred, *fresh_barred; /* near pairs that a joint keeps from touching, in order; scratch */
+    size_t barred_count, barred_capacity, fresh_barred_capacity;
+
+    daft_sim_tree trees[DAFT_BODY_DYNAMIC + 1]; /* one for each kind */
+    uint64_t changes;         /* counts steps and changes of the trees, from 1 on */
+    uint64_t settled_at;      /* of which the trees have all parts where they are (broad.c) */
+    daft_sim_pair *pairs; /* DAFT_SIM_MATERIAL_KINDS²; friction < 0: none. NULL: none at all */
+
+    daft_sim_solver *solver;
+    daft_team *team; /* during a step that is worth several workers */
+    uint32_t alone, alone_next; /* steps that are left to one worker, and how many next time (step.c) */
+    daft_sim_contact *report; /* first the contacts of what sleeps, made anew when some fell asleep or woke */
+    size_t report_count, report_capacity, report_asleep;
+    bool sleep_changed;
+    bool untold; /* the other contacts of the last step are in `merged`, by touch, and not in the report yet */
+    uint64_t *candidates, *ordered; /* pairs.c: keys of near pairs; scratch of ordering them */
+    size_t candidate_count, candidate_capacity, ordered_capacity;
+    daft_sim_event_list events, pending; /* of the last step; of calls since */
+    daft_sim_counters counters;
+    bool lost_event; /* memory was out: the next step says so */
+};
+
+/* ---- small things ---- */
+
+static inline const daft_sim_body *daft_sim_find(const daft_world *world, uint32_t body)
+{
+    if (body == 0 || body > world->body_count) return NULL;
+    const daft_sim_body *found = &world->bodies[body - 1];
+    return found->kind == DAFT_BODY_NONE ? NULL : found;
+}
+static inline bool daft_sim_is_active(const daft_sim_body *body)
+{
+    return body->list_slot != DAFT_SIM_NONE;
+}
+static inline daft_sim_patch *daft_sim_patches(daft_sim_touch *touch)
+{
+    return touch->more ? touch->more : &touch->own;
+}
+/* Touches of what is not convex have many manifolds; this one has no room for them yet. */
+static inline bool daft_sim_is_bare(const daft_world *world, const daft_sim_touch *touch)
+{
+    return !touch->more && !touch->sensor &&
+           !(daft_shape_is_convex(&world->parts[touch->part_a].shape) &&
+             daft_shape_is_convex(&world->parts[touch->part_b].shape));
+}
+static inline uint64_t daft_sim_touch_key(const daft_sim_touch *touch)
+{
+    return (uint64_t)touch->part_a << 32 | touch->part_b;
+}
+static inline daft_dvec3 daft_sim_dmin(daft_dvec3 a, daft_dvec3 b)
+{
+    return daft_dv3(a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z);
+}
+static inline daft_dvec3 daft_sim_dmax(daft_dvec3 a, daft_dvec3 b)
+{
+    return daft_dv3(a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z);
+}
+static inline float daft_sim_min(float a, float b) { return a < b ? a : b; }
+static inline float daft_sim_max(float a, float b) { return a > b ? a : b; }
+static inline bool daft_sim_is_zero(daft_vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
+
+/* A vector without what the body's locks forbid: of its position, or of its rotation. Bodies that are not dynamic take no notice. */
+static inline daft_vec3 daft_sim_held(const daft_sim_body *body, daft_vec3 v, uint32_t lock_x)
+{
+    uint32_t locks = body->kind == DAFT_BODY_DYNAMIC ? body->locks / lock_x : 0;
+    return daft_v3(locks & 1 ? 0 : v.x, locks & 2 ? 0 : v.y, locks & 4 ? 0 : v.z);
+}
+
+/* A vector no longer than `limit`; NaN components become -limit first. */
+daft_vec3 daft_sim_clamp_far(daft_vec3 v, float limit);
+static inline daft_vec3 daft_sim_clamp(daft_vec3 v, float limit)
+{
+    return daft_dot(v, v) < 0.25f * limit * limit ? v : daft_sim_clamp_far(v, limit); /* most are far from it */
+}
+/* q turned by angular·h. The angle is right to the fifth order of |angular|·h. */
+daft_quat daft_sim_turn(daft_quat q, daft_vec3 angular, float h);
+/* The frame of a part in the world. */
+daft_rigid daft_sim_part_frame(const daft_sim_body *body, const daft_sim_part *part);
+
+bool daft_sim_list_reserve(daft_world *world, daft_sim_list *list, size_t needed);
+void daft_sim_list_add(daft_world *world, daft_sim_list *list, uint32_t body);    /* room was reserved */
+void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t body); /* of bodies, by list_slot */
+
+/* What a step asks of a body is on its way, and so is the right to write there, which another processor may have. Loops over
+ * bodies call it for the one that follows so many places later. */
+enum { DAFT_SIM_BODY_AHEAD = 6 };
+DAFT_SIM_FETCH daft_sim_body_fetch(const daft_sim_body *body)
+{
+    for (size_t at = 0; at < offsetof(daft_sim_body, user); at += 64) __builtin_prefetch((const char *)body + at, 1);
+}
+
+/* ---- step.c ---- */
+
+/* Runs the tasks of a step's loop, on all its workers if that is `wide` enough to be worth it. */
+void daft_sim_for(const daft_world *world, bool wide, uint32_t tasks, daft_task *task, void *context);
+/* The same, while the calling worker does its own part, on which they do not depend, first. */
+void daft_sim_beside(const daft_world *world, bool wide, daft_own_part *own, uint32_t tasks, daft_task *task, void *context);
+
+/* ---- body.c, mass of bodies ---- */
+
+bool daft_sim_shape_check(const daft_sim_shape_def *def, daft_body_kind kind, daft_error *error);
+/* A part as it is before it enters a tree. */
+void daft_sim_part_fill(daft_sim_part *part, const daft_sim_shape_def *def, uint32_t body);
+
+/* Mass, centre and inertia from the parts. False with a message: no mass, or out of range. */
+bool daft_sim_body_weigh(const daft_world *world, daft_sim_body *body, daft_error *error);
+/* Sets pose and what follows from it. */
+void daft_sim_body_place(daft_sim_body *body, daft_dvec3 position, daft_quat rotation);
+/* The inverse of its inertia in world axes, turned as `frame` says: xx, xy, xz, yy, yz, zz. Zero for what is not dynamic, or
+ * locked. */
+void daft_sim_body_inverse_inertia(const daft_sim_body *body, const daft_rigid *frame, float out[6]);
+/* A kinematic body moves from now on; a dynamic one with its heap is awake. Neither fails: room was reserved. */
+void daft_sim_body_activate(daft_world *world, uint32_t index);
+
+/* ---- broad.c ---- */
+
+/* Room for the bounds of so many parts. */
+bool daft_sim_bounds_reserve(daft_world *world, size_t parts);
+
+daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t part);
+/* Enters the parts of a body into the tree of its kind, for which there is room, and marks them moved. */
+void daft_sim_broad_add(daft_world *world, uint32_t body);
+void daft_sim_broad_remove(daft_world *world, uint32_t body);
+/* Bounds over the coming step of everything that moves. False when memory is out. */
+bool daft_sim_broad_update(daft_world *world, float dt);
+/* The trees hold all parts where they are now, for queries. */
+void daft_sim_broad_settle(daft_world *world);
+/* The same for a body that falls asleep. */
+void daft_sim_broad_rest(daft_world *world, uint32_t body);
+
+/* ---- outline.c ---- */
+
+/* Room for the outlines of so many parts. */
+bool daft_sim_outlines_reserve(daft_world *world, size_t parts);
+/* Of a part, where it is, over a step of dt. */
+void daft_sim_outline_set(daft_world *world, uint32_t part, const daft_rigid *frame, float dt);
+/* Of all parts of a body that does not move. */
+void daft_sim_outlines_rest(daft_world *world, uint32_t body);
+
+/* ---- groups.c ---- */
+
+/* What is active, or was placed, joins the groups. False when memory is out. */
+bool daft_sim_groups_join(daft_world *world);
+/* The bodies that joints keep one from touching have changed. */
+void daft_sim_groups_joined(daft_world *world, uint32_t body);
+/* A part that rests from now on, or is to be removed. */
+void daft_sim_group_leave(daft_world *world, uint32_t part);
+/* To the bounds over the step. */
+void daft_sim_groups_fit(daft_world *world);
+/* Keys of near pairs go to world->candidates, in any order. False when memory is out. */
+bool daft_sim_groups_search(daft_world *world);
+
+/* ---- pairs.c ---- */
+
+/* Touches of all near pairs, and of no others that have an active side. False when memory is out. */
+bool daft_sim_pairs_find(daft_world *world);
+void daft_sim_touch_remove(daft_world *world, uint32_t touch);
+/* The same between steps: it leaves the listing too. */
+void daft_sim_touches_forget(daft_world *world, uint32_t body); /* the impulses they keep */
+void daft_sim_touch_drop(daft_world *world, uint32_t touch);
+void daft_sim_touches_remove(daft_world *world, uint32_t body);
+/* All touches of a body appear in the next listing. Room was reserved. */
+void daft_sim_touches_list(daft_world *world, uint32_t body);
+/* By keys; those of equal ones keep their order. scratch: room for as many. */
+void daft_sim_listed_sort(daft_sim_listed *items, size_t count, daft_sim_listed *scratch);
+/* Merges what is new. False when memory is out. */
+bool daft_sim_listing_update(daft_world *world);
+/* Whether two parts may touch at all. */
+bool daft_sim_may_meet(const daft_world *world, uint32_t part_a, uint32_t part_b);
+/* For loading: enters a touch that stands in its slot into lists. */
+void daft_sim_touch_enter(daft_world *world, uint32_t touch);
+bool daft_sim_pairs_reserve(daft_world *world, size_t more);
+
+/* ---- contacts.c ---- */
+
+/* Patches of everything listed, and which of it has met. False when memory is out. */
+bool daft_sim_contacts_update(daft_world *world, float dt);
+/* From the materials of its parts. */
+void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch);
+/* The way of a body's part over dt, as it is going now. */
+daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt);
+
+/* ---- met.c ---- */
+
+/* Finds which of the listed have met. False when memory is out. */
+bool daft_sim_met_update(daft_world *world);
+/* The same by ranges of the listing, side by side: room for what they find, what one of them finds, and all of it in a
+ * row. Every range but the last has `grain` entries. */
+bool daft_sim_met_reserve(daft_world *world, size_t ranges);
+void daft_sim_met_range(daft_world *world, uint32_t range, size_t first, size_t count);
+void daft_sim_met_gather(daft_world *world, size_t grain);
+/* After a change of its patches. */
+void daft_sim_met_refresh(const daft_world *world, daft_sim_met *met);
+
+/* ---- ghost.c ---- */
+
+/* Contacts with inner edges and walls go, and those with what is only passed. False when memory is out. */
+bool daft_sim_ghosts_drop(daft_world *world, float dt);
+
+/* ---- locked_axis.c ---- */
+
+/* Turns a patch into what both bodies are free to do; it may have no points then. */
+void daft_sim_flatten(const daft_world *world, const daft_sim_touch *touch, daft_sim_patch *patch);
+
+/* ---- sleep.c ---- */
+
+void daft_sim_wake(daft_world *world, uint32_t body);
+/* Wakes what touches a body, and what is joined to it. */
+void daft_sim_wake_neighbours(daft_world *world, uint32_t body);
+void daft_sim_wake_all(daft_world *world);
+/* Heaps asleep that something active touches. */
+void daft_sim_wake_met(daft_world *world);
+/* Rest times, islands, and who falls asleep. */
+void daft_sim_sleep_update(daft_world *world, float dt);
+/* Heaps of bodies that are awake, and the body that stands for the one that a body belongs to. */
+void daft_sim_islands_find(daft_world *world);
+uint32_t daft_sim_island_of(daft_world *world, uint32_t body);
+/* Puts a body's heap to sleep, if all of it may. */
+void daft_sim_sleep_island(daft_world *world, uint32_t body);
+
+/* ---- joint.c ---- */
+
+void daft_sim_joint_remove(daft_world *world, uint32_t joint, bool event);
+bool daft_sim_joints_reserve(daft_world *world, size_t more);
+void daft_sim_joint_link(daft_world *world, uint32_t joint); /* for loading */
+uint32_t daft_sim_joint_insert(daft_world *world, const daft_sim_joint *joint); /* room was reserved */
+/* Those that the last step's forces break. */
+void daft_sim_joints_break(daft_world *world);
+bool daft_sim_joined(const daft_world *world, uint32_t body_a, uint32_t body_b); /* by one that does not collide */
+
+/* ---- substep_rate.c ---- */
+
+float daft_sim_finer_begin(void); /* of a body that was made */
+/* Whether a patch carries many times the lighter body's weight, at rest. */
+bool daft_sim_finer_bears(const daft_world *world, const daft_sim_body *a, const daft_sim_body *b, float load);
+
+/* ---- sweep.c ---- */
+
+/* Where the solver puts the body of a row. */
+typedef struct daft_sim_target {
+    daft_dvec3 centre;
+    daft_quat rotation;
+    daft_dvec3 along; /* where it would get, along what it is pressed into; written for its own row only, as what follows: */
+    daft_dvec3 stop;  /* where it gets, and how fast it is there */
+    daft_quat stop_rotation;
+    daft_vec3 linear;
+    double share; /* of the way, on which it gets there; 1: all */
+    uint32_t sweeps;
+} daft_sim_target;
+/* Finds where a row's body stops on its way there. */
+void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targets);
+/* Then, of all: what joints hold to bodies that were stopped waits for them. */
+void daft_sim_sweep_joined(daft_world *world);
+
+/* ---- events.c ---- */
+
+void daft_sim_event_end(daft_world *world, const daft_sim_touch *touch); /* it is about to go */
+void daft_sim_event_joint(daft_world *world, daft_sim_event_kind kind, uint32_t joint, float value);
+void daft_sim_event_sleep(daft_world *world, daft_sim_event_kind kind, uint32_t body);
+/* Contacts and events of the step just made. */
+/* A removed body's contacts leave the report. */
+void daft_sim_report_forget(daft_world *world, uint32_t body);
+bool daft_sim_report_reserve(daft_world *world);
+/* Before touches or poses of the last step are changed. */
+void daft_sim_report_fill(daft_world *world);
+void daft_sim_report(daft_world *world);
+void daft_sim_events_deliver(daft_world *world);
+
+#endif
