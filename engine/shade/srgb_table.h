@@ -1,5 +1,5 @@
 /* Linear light of each sRGB byte (IEC 61966-2-1), as daft_srgb_to_linear gives it: data, so that the engine has no global to
- * fill. tests/test_shade.c compares the two. */
+ * fill. tests/unit/shade/test_shade.c compares the two. */
 #ifndef DAFT_SRGB_TABLE_H
 #define DAFT_SRGB_TABLE_H
 

@@ -2,7 +2,7 @@
  * ray_cases.csv. Prints how many of a hundred answers are right, and counts the wrong ones. */
 #include "robust.h"
 
-#include "../closed_shapes.h"
+#include "../support/closed_shapes.h"
 #include "math/isa.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * and infinity, which other libraries do not promise to take (tests/ray_cases.c runs them all). */
 #include "robust.h"
 
-#include "../closed_shapes.h"
+#include "../support/closed_shapes.h"
 
 #include <stdio.h>
 #include <stdlib.h>

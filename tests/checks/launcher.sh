@@ -9,7 +9,7 @@ trap 'rm -rf "$out"' EXIT
 root="$out/my checkout"
 log=$out/log
 mkdir -p "$root/engine/base" "$root/runtime" "$root/tests/bench" "$out/bin" "$out/else where"
-cp "$here/../daft" "$root/daft"
+cp "$here/../../daft" "$root/daft"
 echo >"$root/CMakeLists.txt"
 echo >"$root/CMakePresets.json"
 echo >"$root/engine/base/base.c"

@@ -5,7 +5,7 @@
 set -eu
 
 here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd)
-cd "${1:-$here/..}"
+cd "${1:-$here/../..}"
 sources=$(find engine runtime -name '*.[ch]' | LC_ALL=C sort)
 [ -n "$sources" ] || { echo "no sources under $PWD" >&2 && exit 1; }
 # shellcheck disable=SC2086 # the checkout's file names have no spaces

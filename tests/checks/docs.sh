@@ -8,7 +8,7 @@ program=$1
 build=$2
 cc=$3
 extra=${4:+-fsanitize=$4}
-root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
+root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 passed=0

@@ -6,7 +6,7 @@ set -eu
 
 archive=$1
 shared=$2
-header=$(dirname -- "$0")/../engine/daft.h
+header=$(dirname -- "$0")/../../engine/daft.h
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 bad=0

@@ -1,6 +1,6 @@
-/* The fuzzers' seeds, and every input that has once broken something (tests/fuzz/museum), through the same functions
+/* The fuzzers' seeds, and every input that has once broken something (tests/fuzz/corpus), through the same functions
  * that the fuzzers call. An input that breaks a promise aborts; the last file named is then the one. */
-#include "fuzz/fuzz.h"
+#include "fuzz.h"
 
 #include <dirent.h>
 #include <setjmp.h>
@@ -55,7 +55,7 @@ static void the_corpus_does_no_harm(void **state)
 {
     const target *what = *state;
     assert_true(replay_folder(what, "seeds") > 0);
-    replay_folder(what, "museum"); /* there is none where nothing has been found */
+    replay_folder(what, "corpus"); /* there is none where nothing has been found */
 }
 
 int main(void)
