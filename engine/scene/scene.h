@@ -14,7 +14,7 @@
 #include "image/image.h"
 #include "math/vec.h"
 #include "render/render.h"
-#include "scene/check.h"
+#include "scene/fields/check.h"
 #include "scene/handles.h"
 #include "sim/character/character.h"
 

@@ -1,7 +1,7 @@
 /* Which command runs; daft help and daft version. */
 #include "cli/commands.h"
 
-#include "api/api.h"
+#include "lua/api.h"
 #include "common/util.h"
 
 #include <stdio.h>

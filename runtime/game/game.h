@@ -6,7 +6,7 @@
 #ifndef RUNTIME_GAME_GAME_H
 #define RUNTIME_GAME_GAME_H
 
-#include "host.h"
+#include "lua/host.h"
 #include "game/recording.h"
 
 typedef struct game_def {

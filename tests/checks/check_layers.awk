@@ -24,7 +24,7 @@ function target(name, first) {
     first = name
     sub(/\/.*/, "", first)
     if (name == "daft.h" || (first in level && index(name, "/"))) return "engine/" name
-    if (first ~ /^(api|lua|common|platform|hud|game|cli)$/ && index(name, "/")) return "runtime/" name
+    if (first ~ /^(lua|common|platform|hud|game|cli)$/ && index(name, "/")) return "runtime/" name
     return normalised(folder name)
 }
 

@@ -1,7 +1,7 @@
 /* .scene files: what each line means, and that every mistake is told with its line and column and changes nothing. */
 #include "math/real.h"
 #include "scene/scene.h"
-#include "scene/scene_text.h"
+#include "scene/format/text.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,6 @@
 #include "daft.h"
 #include "loop.h"
-#include "api/api.h"
+#include "lua/api.h"
 #include <SDL.h>
 #include <math.h>
 #include "base/base.h" /* expect: runtime/ uses nothing of engine/ but daft.h */

@@ -1,5 +1,5 @@
 /* daft.material and daft.mesh: what entities look like. */
-#include "api/api.h"
+#include "lua/api.h"
 
 #include "common/util.h"
 

@@ -2,8 +2,8 @@
  * items name, then room is made for everything, and only then, when nothing can fail any more, the scene changes.
  * Angles are degrees here and nowhere else. */
 #include "math/real.h"
-#include "scene/scene_file.h"
-#include "scene/scene_text.h"
+#include "scene/format/load.h"
+#include "scene/format/text.h"
 
 #include <stdio.h>
 #include <string.h>

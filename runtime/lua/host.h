@@ -40,7 +40,7 @@ typedef struct host_def {
     void *user;
 } host_def;
 
-/* Open to runtime/api/ and the game only. */
+/* Open to runtime/lua/ and the game only. */
 typedef struct host {
     lua_State *L;
     host_def def;

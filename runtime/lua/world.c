@@ -1,5 +1,5 @@
 /* Rays, gravity, time, random numbers, and the life of the game. */
-#include "api/api.h"
+#include "lua/api.h"
 
 #include "common/util.h"
 

@@ -1,5 +1,5 @@
 /* daft.text and its kin: drawing over the picture, within daft.draw. */
-#include "api/api.h"
+#include "lua/api.h"
 
 #include "common/util.h"
 

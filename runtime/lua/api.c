@@ -1,6 +1,6 @@
 /* From the tables of functions to the table `daft`: registration, the one function that every binding is called
  * through, the types of handles, and the printed reference. */
-#include "api/api.h"
+#include "lua/api.h"
 
 #include "common/util.h"
 

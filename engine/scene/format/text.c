@@ -1,6 +1,6 @@
 /* Reading a line of a .scene file. A '#' begins a comment where a word could begin, and after a number; inside a word
  * it is a character like any other, since "file.mtl#name" is a path. Columns count bytes from 1. */
-#include "scene/scene_text.h"
+#include "scene/format/text.h"
 
 #include <locale.h>
 #include <math.h>

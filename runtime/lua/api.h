@@ -5,7 +5,7 @@
 #ifndef RUNTIME_API_H
 #define RUNTIME_API_H
 
-#include "host.h"
+#include "lua/host.h"
 
 #include <lauxlib.h>
 #include <lua.h>

@@ -1,5 +1,5 @@
 /* daft.query: what rays, moving shapes, volumes and points meet among the bodies. */
-#include "api/body.h"
+#include "lua/body.h"
 
 #include "common/util.h"
 

@@ -1,5 +1,5 @@
 /* Checks of values that come from outside. */
-#include "scene/check.h"
+#include "scene/fields/check.h"
 
 #include <stdio.h>
 

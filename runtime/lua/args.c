@@ -1,5 +1,5 @@
 /* Reading arguments: each reader names the argument, what it wanted and what it got. */
-#include "api/api.h"
+#include "lua/api.h"
 
 #include "common/util.h"
 

@@ -1,5 +1,5 @@
 /* daft.light, daft.ambient and daft.sky. */
-#include "api/api.h"
+#include "lua/api.h"
 
 #include "common/util.h"
 

@@ -1,5 +1,5 @@
 /* daft.camera. */
-#include "api/api.h"
+#include "lua/api.h"
 
 #include "common/util.h"
 

@@ -1,5 +1,5 @@
 /* daft.entity and the methods of entities. */
-#include "api/body.h"
+#include "lua/body.h"
 
 #include "common/util.h"
 

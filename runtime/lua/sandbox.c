@@ -10,7 +10,7 @@
  *   - table.sort is a stable merge sort (Lua's own picks pivots by the clock);
  *   - pcall, xpcall and coroutines pass on the error with which the watchdog stops a script;
  *   - there is no __gc, and functions that would loop for ever out of the watchdog's sight refuse to. */
-#include "api/api.h"
+#include "lua/api.h"
 
 #include "common/util.h"
 

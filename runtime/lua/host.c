@@ -1,7 +1,7 @@
 /* One Lua state that runs one game. */
-#include "host.h"
+#include "lua/host.h"
 
-#include "api/api.h"
+#include "lua/api.h"
 #include "common/util.h"
 
 #include <stdio.h>

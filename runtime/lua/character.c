@@ -1,5 +1,5 @@
 /* daft.character: a capsule that walks about. */
-#include "api/body.h"
+#include "lua/body.h"
 
 #include "common/util.h"
 

@@ -1,5 +1,5 @@
 /* Joints, what happened in the last step, and the simulation as a whole. */
-#include "api/body.h"
+#include "lua/body.h"
 
 #include "common/util.h"
 

@@ -1,5 +1,5 @@
 /* daft.input: keys, mouse and wheel of this tick. Mouse buttons are also keys, named "mouse1" to "mouse5". */
-#include "api/api.h"
+#include "lua/api.h"
 
 #include "common/util.h"
 

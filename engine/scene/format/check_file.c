@@ -1,6 +1,6 @@
 /* daft_check_file and daft_mesh_check: files are read as loading reads them, into a scene that is thrown away, with the
  * engine's warnings turned to whoever asked; what loading has no reason to look at is looked at here. */
-#include "scene/check_file.h"
+#include "scene/format/check_file.h"
 
 #include <string.h>
 #include <strings.h>

@@ -2,7 +2,7 @@
 #ifndef RUNTIME_API_BODY_H
 #define RUNTIME_API_BODY_H
 
-#include "api/api.h"
+#include "lua/api.h"
 
 /* The fields of daft.entity's table that make the entity a body. What the definition points to stays on the stack. */
 void api_read_body(lua_State *L, host *h, daft_entity_def *def);
