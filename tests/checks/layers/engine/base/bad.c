@@ -6,7 +6,7 @@
 #include "math/vec.h" /* expect: base/ is below math/ */
 #  include "../scene/scene.h" /* expect: base/ is below scene/ */
 #include "../../runtime/loop.h" /* expect: engine/ uses nothing above it */
-#include "lua/api.h" /* expect: engine/ uses nothing above it */
+#include "game/game.h" /* expect: engine/ uses nothing above it */
 #include <SDL2/SDL.h> /* expect: engine/ has no SDL and no Lua */
 #include <lua5.4/lua.h> /* expect: engine/ has no SDL and no Lua */
 #include "lauxlib.h" /* expect: engine/ has no SDL and no Lua */
