@@ -299,7 +299,7 @@ static void begin(crowd *w, convoy *c, uint32_t child, vbits bits)
     const vf o[3] = {c->o.x, c->o.y, c->o.z}, d[3] = {c->d.x, c->d.y, c->d.z};
     vf near[3], far[3], size = vf3_magnitude(c->d), way = vf3_magnitude(c->o), pad = way * vf_set(0x1p-20f); /* slab_upper_origins */
     vf square = vf3_dot(c->d, c->d), off = way * vf_set(2 * DAFT_SPHERE_OFF);
-    vbits usual = vm_bits(vm_and(vm_and(vf_lt(vf_set(0x1p-26f), size), vf_lt(size, vf_set(0x1p26f))),
+    vbits usual = vbits_from_mask(vm_and(vm_and(vf_lt(vf_set(0x1p-26f), size), vf_lt(size, vf_set(0x1p26f))),
                                  vf_lt(way, vf_set(DAFT_SPHERE_FAR / 2))));
     for (int k = 0; k < 3; k++) {
         vf outwards = (vf)((vi)pad | ((vi)d[k] & vi_set(INT32_MIN)));

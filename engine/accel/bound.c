@@ -8,7 +8,7 @@
  * further along n than the same sum of what is reached along these three. */
 #include "accel/bvh.h"
 #include "accel/reach.h"
-#include "math/simd.h"
+#include "math/simd/ops.h"
 
 enum { AXES = DAFT_REACH_AXES, FACES = DAFT_REACH_FACES, OCTANTS = DAFT_REACH_OCTANTS };
 

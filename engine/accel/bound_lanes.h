@@ -5,7 +5,7 @@
 
 #include "accel/bvh.h"
 #include "accel/reach.h"
-#include "math/simd.h"
+#include "math/simd/ops.h"
 
 typedef int64_t vl __attribute__((vector_size(DAFT_VL * 4))); /* a mask over double lanes: all bits, or none */
 
@@ -37,8 +37,8 @@ static inline void daft_reaches_find(const daft_bounded *of, float (*row)[DAFT_V
 {
     const vf x = vf_load(row[0]), y = vf_load(row[1]), z = vf_load(row[2]), zero = vf_set(0);
     const vf a = vf_abs(x), b = vf_abs(y), c = vf_abs(z);
-    vbits xy = vm_bits(vf_le(b, a)), yz = vm_bits(vf_le(c, b)), xz = vm_bits(vf_le(c, a));
-    vbits nx = vm_bits(vf_lt(x, zero)), ny = vm_bits(vf_lt(y, zero)), nz = vm_bits(vf_lt(z, zero));
+    vbits xy = vbits_from_mask(vf_le(b, a)), yz = vbits_from_mask(vf_le(c, b)), xz = vbits_from_mask(vf_le(c, a));
+    vbits nx = vbits_from_mask(vf_lt(x, zero)), ny = vbits_from_mask(vf_lt(y, zero)), nz = vbits_from_mask(vf_lt(z, zero));
     float found[6][DAFT_VL];
     for (int i = 0; i < DAFT_VL; i++) {
         const uint8_t *order = DAFT_REACH_ORDER[(xy >> i & 1) | (yz >> i & 1) << 1 | (xz >> i & 1) << 2];
@@ -60,17 +60,17 @@ static inline void daft_reaches_find(const daft_bounded *of, float (*row)[DAFT_V
 /* Half of the lanes along axis k, without slack; size: grows by the magnitudes. */
 DAFT_INLINE void daft_bound_axis(const daft_bounded *of, float (*map)[DAFT_VL], int k, const daft_reaches *r, int h, vd *size, vd *low, vd *high)
 {
-    vd t = vf_half(vf_load(map[9 + k]), h), centre = t, half = {0}, along[2];
+    vd t = vd_promote_half(vf_load(map[9 + k]), h), centre = t, half = {0}, along[2];
     *size += vd_abs(t);
     for (int j = 0; j < 3; j++) {
-        vd m = vf_half(vf_load(map[3 * k + j]), h), l = vf_half(vf_load(of->low[j]), h), u = vf_half(vf_load(of->high[j]), h);
+        vd m = vd_promote_half(vf_load(map[3 * k + j]), h), l = vd_promote_half(vf_load(of->low[j]), h), u = vd_promote_half(vf_load(of->high[j]), h);
         centre += m * (l + u) * 0.5;
         half += vd_abs(m) * (u - l) * 0.5;
         *size += vd_abs(m) * vd_larger(vd_abs(l), vd_abs(u));
     }
-    vd a = vf_half(r->most, h), b = vf_half(r->middle, h), c = vf_half(r->least, h);
+    vd a = vd_promote_half(r->most, h), b = vd_promote_half(r->middle, h), c = vd_promote_half(r->least, h);
     for (int way = 0; way < 2; way++)
-        along[way] = (a - b) * vf_half(r->axis[way], h) + (b - c) * vf_half(r->face[way], h) + c * vf_half(r->octant[way], h);
+        along[way] = (a - b) * vd_promote_half(r->axis[way], h) + (b - c) * vd_promote_half(r->face[way], h) + c * vd_promote_half(r->octant[way], h);
     vd ahead = t + along[0], behind = t - along[1];
     *high = vd_select((vl)(ahead < centre + half), ahead, centre + half);
     *low = vd_select((vl)(behind > centre - half), behind, centre - half);
@@ -87,8 +87,8 @@ static inline void daft_bound_lanes(const daft_bounded *of, float (*map)[DAFT_VL
     }
     for (int h = 0; h < 2; h++) size[h] *= 0x1p-20 + 0x1p-23;
     for (int k = 0; k < 3; k++) {
-        vf_store(low[k], vf_join(least[k][0] - size[0], least[k][1] - size[1]));
-        vf_store(high[k], vf_join(most[k][0] + size[0], most[k][1] + size[1]));
+        vf_store(low[k], vf_demote2(least[k][0] - size[0], least[k][1] - size[1]));
+        vf_store(high[k], vf_demote2(most[k][0] + size[0], most[k][1] + size[1]));
     }
 }
 

@@ -59,8 +59,8 @@ typedef struct grid_job {
 static bool grid_of(const daft_build_range *whole, daft_build_grid *grid)
 {
     uint32_t side = whole->count < 524288 ? 32 : whole->count < 4194304 ? 64 : 128;
-    *grid = (daft_build_grid){.low = v8_low(whole->middles), .side = side};
-    v4 extent = -(grid->low + v8_high(whole->middles));
+    *grid = (daft_build_grid){.low = v8_lower_half(whole->middles), .side = side};
+    v4 extent = -(grid->low + v8_upper_half(whole->middles));
     bool parts = false;
     grid->low[3] = 0, grid->scale = v4_set(0);
     for (int k = 0; k < 3; k++) {

@@ -10,8 +10,8 @@
 #define DAFT_BUILD_H
 
 #include "accel/bvh.h"
-#include "math/isa.h"
-#include "math/simd.h"
+#include "math/simd/dispatch.h"
+#include "math/simd/ops.h"
 
 /* Highs are negated, so that one minimum over eight lanes is the union of two boxes. */
 typedef struct daft_build_prim {

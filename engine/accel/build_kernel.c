@@ -37,7 +37,7 @@ static void measure(const prim *prims, range *r)
     for (uint32_t i = r->first; i < r->first + r->count; i++) {
         v4 c = prim_middle(&prims[i]);
         box = v8_min(box, prim_box(&prims[i]));
-        middles = v8_min(middles, v8_join(c, -c));
+        middles = v8_min(middles, v8_combine(-c, c));
         weight += prims[i].weight;
     }
     r->box = box, r->middles = middles, r->weight = weight;
@@ -65,8 +65,8 @@ typedef struct split {
 
 static binning binning_of(const range *r)
 {
-    binning b = {.low = v8_low(r->middles), .count = r->count <= FEW_PRIMS ? FEW_BINS : r->count <= MORE_PRIMS ? MORE_BINS : MAX_BINS};
-    v4 extent = -(b.low + v8_high(r->middles)), side = -(v8_low(r->box) + v8_high(r->box));
+    binning b = {.low = v8_lower_half(r->middles), .count = r->count <= FEW_PRIMS ? FEW_BINS : r->count <= MORE_PRIMS ? MORE_BINS : MAX_BINS};
+    v4 extent = -(b.low + v8_upper_half(r->middles)), side = -(v8_lower_half(r->box) + v8_upper_half(r->box));
     float longest = 0;
     b.low[3] = 0, b.scale = v4_set(0);
     for (int k = 0; k < 3; k++) {
@@ -97,7 +97,7 @@ static void fill_bins(const range *r, const prim *prims, const binning *how, bin
     }
 }
 
-DAFT_INLINE v4 box_sides(v8 box, float little) { return v4_set(little) - (v8_low(box) + v8_high(box)); }
+DAFT_INLINE v4 box_sides(v8 box, float little) { return v4_set(little) - (v8_lower_half(box) + v8_upper_half(box)); }
 
 /* Half the surface. */
 DAFT_INLINE float box_area(v8 box, float little)
@@ -129,7 +129,7 @@ DAFT_INLINE cost_rule cost_rule_of(const daft_build_rule *rule)
 DAFT_INLINE v4 costs(const v8 box[3], float little, v4i weight, cost_rule rule)
 {
     v4 cost = box_areas(box, little) * __builtin_convertvector((weight + rule.round) >> rule.shift, v4);
-    return v4_select((v4i)(weight == (v4i){0, 0, 0, 0}), v4_set(INFINITY), cost);
+    return v4_if_then_else((v4i)(weight == (v4i){0, 0, 0, 0}), v4_set(INFINITY), cost);
 }
 
 static split find_split(const daft_build_rule *build_rule, const bins *in, const binning *how)
@@ -150,7 +150,7 @@ static split find_split(const daft_build_rule *build_rule, const bins *in, const
         for (int k = 0; k < 3; k++) sum[k] = v8_min(sum[k], in->box[k][i - 1]);
         v4 cost = costs(sum, how->little, weight, rule) + right[i];
         v4i better = (v4i)(cost < best);
-        best = v4_select(better, cost, best);
+        best = v4_if_then_else(better, cost, best);
         best_at = (better & (v4i){i, i, i, i}) | (~better & best_at);
     }
     split s = {INFINITY, -1, 0};
@@ -178,8 +178,8 @@ static void partition(daft_build_prim *const prims[2], const range *r, const bin
     for (uint32_t i = 0; i < r->count; i++) {
         v8 box = prim_box(&in[i]);
         v4 c = prim_middle(&in[i]);
-        v8 both = v8_join(c, -c);
-        uint32_t goes_right = v4_bits((v4i)((c - how->low) * how->scale >= limit)) != 0;
+        v8 both = v8_combine(-c, c);
+        uint32_t goes_right = v4_bits_from_mask((v4i)((c - how->low) * how->scale >= limit)) != 0;
         memcpy(front, &box, sizeof box);
         memcpy(back, &box, sizeof box);
         middles[0] = v8_min(middles[0], v8_max(both, SIDE.lanes[goes_right]));

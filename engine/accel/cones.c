@@ -2,7 +2,7 @@
  * those below a child are a range, and each child's bound is made of its own triangles. Parts of many triangles look
  * every way and are not even tried, so time is linear. */
 #include "accel/find_sides.h"
-#include "math/simd.h"
+#include "math/simd/ops.h"
 
 enum { MOST_BLOCKS = 1024, STEPS = 8 };
 #define NEVER_AWAY 0x80000000u

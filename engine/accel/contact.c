@@ -9,7 +9,7 @@
  * A leaf with very many pairs is given up: its triangles count as touched. So time is bounded by the number of leaves; and
  * where a sample of them has many, the whole mesh is. */
 #include "accel/find_sides.h"
-#include "math/simd.h"
+#include "math/simd/ops.h"
 
 #include <string.h>
 

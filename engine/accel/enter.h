@@ -20,7 +20,7 @@ DAFT_INLINE lined_ray lined(const daft_ray *ray)
 
 DAFT_INLINE v4 shift_of(const daft_affine *map) { return __builtin_shufflevector(v4_load(map->m + 8), v4_set(0), 1, 2, 3, 4); }
 
-DAFT_INLINE bool finite_lanes(v4 a, v4 b) { return v4_bits((a - a) + (b - b) == v4_set(0)) == 15; }
+DAFT_INLINE bool finite_lanes(v4 a, v4 b) { return v4_bits_from_mask((a - a) + (b - b) == v4_set(0)) == 15; }
 
 /* daft_affine_point and daft_affine_vector side by side. False: it overflows. */
 DAFT_INLINE bool turn(const daft_affine *map, const lined_ray *frame, lined_ray *own)

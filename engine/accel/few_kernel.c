@@ -22,7 +22,7 @@ DAFT_INLINE few_answer few_meet(const daft_few *few, const daft_ray *ray, few_ra
     v4 inverse = v4_set(-1) / d, wide = inverse * v4_set(DAFT_WIDEN);
     float size = part[0] + part[1] + part[2]; /* lanes 3 are tmin and tmax */
     v4i usual = (v4i)(wide - wide == v4_set(0)) & (v4i)(v4_abs(o) < v4_set(DAFT_FEW_FAR));
-    if ((v4_bits(usual) & 7) != 7 || !(size > 0x1p-26f && size < 0x1p26f && ray->tmin >= 0 && ray->tmin <= ray->tmax))
+    if ((v4_bits_from_mask(usual) & 7) != 7 || !(size > 0x1p-26f && size < 0x1p26f && ray->tmin >= 0 && ray->tmin <= ray->tmax))
         return FEW_UNUSUAL;
     slab_way way = slab_way_of(d, inverse);
     slab_origin at = {v8_set(ray->origin.x) + v8_load(few->shift[0]), v8_set(ray->origin.y) + v8_load(few->shift[1]),

@@ -3,8 +3,8 @@
 #define DAFT_KDTREE_H
 
 #include "accel/accel.h"
-#include "math/isa.h"
-#include "math/simd.h"
+#include "math/simd/dispatch.h"
+#include "math/simd/ops.h"
 
 #include <string.h>
 

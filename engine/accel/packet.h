@@ -60,7 +60,7 @@ DAFT_INLINE int first_lane(vbits bits) { return __builtin_ctz(bits); }
 DAFT_INLINE void stop(convoy *c, vbits bits)
 {
     c->stopped |= bits;
-    c->limit = vf_select(vm_from_bits(bits), vf_set(-INFINITY), c->limit);
+    c->limit = vf_if_then_else(vm_from_bits(bits), vf_set(-INFINITY), c->limit);
 }
 
 /* In the order of daft_affine_point and daft_affine_vector. */
@@ -68,7 +68,7 @@ DAFT_INLINE vf rows(const float *m, vf3 p) { return vf_set(m[0]) * p.x + vf_set(
 
 DAFT_INLINE vf past_lanes(vf t) /* daft_past */
 {
-    return vf_select(vf_lt(vf_set(0), t), t * vf_set(1 + 0x1p-17f), t * vf_set(1 - 0x1p-17f));
+    return vf_if_then_else(vf_lt(vf_set(0), t), t * vf_set(1 + 0x1p-17f), t * vf_set(1 - 0x1p-17f));
 }
 
 /* ---- lanes for what works on single rays ---- */

@@ -48,7 +48,7 @@ DAFT_INLINE vbits boxes_met(const vf3 c[3], const group *g)
         enter = vf_max(vf_min(a * vf_set(g->inverse_ends[0][k]), a * vf_set(g->inverse_ends[1][k])), enter);
         leave = vf_min(vf_max(b * vf_set(g->wide_ends[0][k]), b * vf_set(g->wide_ends[1][k])), leave);
     }
-    return vm_bits(vf_le(enter, leave));
+    return vbits_from_mask(vf_le(enter, leave));
 }
 
 /* Lanes that touch triangle i at t, weights u and v, where that is nearer than what they have. */
@@ -56,18 +56,18 @@ static void take_lanes(convoy *c, vbits bits, const daft_block *b, uint32_t i, u
 {
     found *f = &c->hit;
     vf t = vf_load(f->t);
-    vbits nearer = bits & vm_bits(vf_lt(touch->t, t)), level = bits & ~nearer & vm_bits(vf_le(touch->t, t));
+    vbits nearer = bits & vbits_from_mask(vf_lt(touch->t, t)), level = bits & ~nearer & vbits_from_mask(vf_le(touch->t, t));
     for (; level; level &= level - 1) {
         int lane = first_lane(level);
         if (b->triangle[i] < f->triangle[lane]) nearer |= (vbits)1 << lane;
     }
     if (!nearer) return;
     vm won = vm_from_bits(nearer);
-    vf_store(f->t, vf_select(won, touch->t, t));
-    vf_store(f->u, vf_select(won, vf_clamp01(touch->v), vf_load(f->u)));
-    vf_store(f->v, vf_select(won, vf_clamp01(touch->w), vf_load(f->v)));
-    vi_store(f->triangle, vi_select(won, vi_set((int32_t)b->triangle[i]), vi_load(f->triangle)));
-    vi_store(f->place, vi_select(won, vi_set((int32_t)place), vi_load(f->place)));
+    vf_store(f->t, vf_if_then_else(won, touch->t, t));
+    vf_store(f->u, vf_if_then_else(won, vf_clamp01(touch->v), vf_load(f->u)));
+    vf_store(f->v, vf_if_then_else(won, vf_clamp01(touch->w), vf_load(f->v)));
+    vi_store(f->triangle, vi_if_then_else(won, vi_set((int32_t)b->triangle[i]), vi_load(f->triangle)));
+    vi_store(f->place, vi_if_then_else(won, vi_set((int32_t)place), vi_load(f->place)));
 }
 
 /* The same of one lane. */
@@ -84,7 +84,7 @@ typedef struct vd3 {
 } vd3;
 
 DAFT_INLINE daft_vec3 lane_of(const vf3 *v, int lane) { return (daft_vec3){v->x[lane], v->y[lane], v->z[lane]}; }
-DAFT_INLINE vd3 vd3_half(vf3 a, int half) { return (vd3){vf_half(a.x, half), vf_half(a.y, half), vf_half(a.z, half)}; }
+DAFT_INLINE vd3 vd3_half(vf3 a, int half) { return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)}; }
 DAFT_INLINE vd vd3_dot(daft_dvec3 a, vd3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 /* daft_touch_plain of triangle i and all rays; of those in `which`, the ones that touch in time. */
@@ -100,10 +100,10 @@ static __attribute__((noinline)) vbits lanes_measure(const convoy *c, const mesh
         vd inverse = 1 / vd3_dot(normal, ray);
         t[half] = vd3_dot(normal, s) * inverse, v[half] = vd3_dot(f, r) * inverse, w[half] = vd3_dot(e, r) * inverse;
     }
-    *out = (daft_touch){vf_join(t[0], t[1]), vf_join(v[0], v[1]), vf_join(w[0], w[1])};
+    *out = (daft_touch){vf_demote2(t[0], t[1]), vf_demote2(v[0], v[1]), vf_demote2(w[0], w[1])};
     /* distances may round to -0, which is not behind; rays with tmin < 0 come here alone */
-    vbits ahead = ~vm_bits(vi_lt((vi)out->t, vi_set(0)));
-    return which & ahead & vm_bits(daft_touch_within(out, c->tmin, vf_load(c->hit.t)));
+    vbits ahead = ~vbits_from_mask(vi_lt((vi)out->t, vi_set(0)));
+    return which & ahead & vbits_from_mask(daft_touch_within(out, c->tmin, vf_load(c->hit.t)));
 }
 
 DAFT_INLINE uint32_t place_of(const mesh_convoy *m, const daft_block *b, uint32_t i)
@@ -233,7 +233,7 @@ bool DAFT_KERNEL(daft_leaf_touch)(convoy *c, const mesh_convoy *m, const group *
     }
     if (!hits) return false;
     if (c->any) stop(c, hits);
-    else c->limit = vf_select(vm_from_bits(hits), past_lanes(vf_load(c->hit.t)), c->limit);
+    else c->limit = vf_if_then_else(vm_from_bits(hits), past_lanes(vf_load(c->hit.t)), c->limit);
     return true;
 }
 
@@ -252,7 +252,7 @@ static vbits sphere_lanes(const convoy *c, const daft_instance *s, vbits bits, v
         d[half] = way, centre[half] = to;
     }
     vf zero = vf_set(0);
-    bits &= ~vm_bits(vm_and(vf_lt(vf_join(forward[0], forward[1]), zero), vf_lt(vf_join(excess[0], excess[1]), zero)));
+    bits &= ~vbits_from_mask(vm_and(vf_lt(vf_demote2(forward[0], forward[1]), zero), vf_lt(vf_demote2(excess[0], excess[1]), zero)));
     if (!bits || !(r > 0)) return 0;
     for (int half = 0; half < 2; half++) {
         vd3 way = d[half], to = centre[half];
@@ -262,11 +262,11 @@ static vbits sphere_lanes(const convoy *c, const daft_instance *s, vbits bits, v
         vd length = vd_sqrt(discriminant / dd);
         near[half] = along - length, far[half] = along + length; /* NaN: beside it */
     }
-    vf first = vf_join(near[0], near[1]), second = vf_join(far[0], far[1]), tmax = vf_load(c->hit.t);
+    vf first = vf_demote2(near[0], near[1]), second = vf_demote2(far[0], far[1]), tmax = vf_load(c->hit.t);
     vm outside = vm_and(vf_le(c->tmin, first), vf_le(first, tmax));
     vm inside = vm_and(vf_le(c->tmin, second), vf_le(second, tmax));
-    *t = vf_select(outside, first, second);
-    return bits & vm_bits(vm_or(outside, inside));
+    *t = vf_if_then_else(outside, first, second);
+    return bits & vbits_from_mask(vm_or(outside, inside));
 }
 
 void DAFT_KERNEL(daft_sphere_touch)(convoy *c, uint32_t index, vbits bits)
@@ -331,7 +331,7 @@ static vf3 normals_of(const convoy *c, vbits hit)
     while (hit) {
         uint32_t index = c->hit.instance[first_lane(hit)];
         const daft_instance *instance = &c->tlas->instances[index];
-        vbits same = hit & vm_bits(vi_eq(vi_load(c->hit.instance), vi_set((int32_t)index)));
+        vbits same = hit & vbits_from_mask(vi_eq(vi_load(c->hit.instance), vi_set((int32_t)index)));
         vf3 n;
         if (instance->mesh) {
             corners_gather(&corners, &c->hit, instance, same);
@@ -343,7 +343,7 @@ static vf3 normals_of(const convoy *c, vbits hit)
                       c->o.z + c->d.z * t - vf_set(centre[2])};
         }
         vm m = vm_from_bits(same);
-        normal = (vf3){vf_select(m, n.x, normal.x), vf_select(m, n.y, normal.y), vf_select(m, n.z, normal.z)};
+        normal = (vf3){vf_if_then_else(m, n.x, normal.x), vf_if_then_else(m, n.y, normal.y), vf_if_then_else(m, n.z, normal.z)};
         hit &= ~same;
     }
     return normal;
@@ -355,7 +355,7 @@ static void hits_store(const vf numbers[8], vbits active, daft_hit *hits)
     _Static_assert(sizeof(daft_hit) == 8 * sizeof(float), "a hit is eight numbers");
     daft_hit aside[DAFT_VL] __attribute__((aligned(64)));
     bool all = active == DAFT_ALL_LANES && (uintptr_t)hits % 16 == 0;
-    vf_spread_rows8((float *)(all ? hits : aside), 8, numbers);
+    vf_store_interleaved8((float *)(all ? hits : aside), 8, numbers);
     if (all) return;
     for (; active; active &= active - 1) hits[first_lane(active)] = aside[first_lane(active)];
 }
@@ -363,7 +363,7 @@ static void hits_store(const vf numbers[8], vbits active, daft_hit *hits)
 vbits DAFT_KERNEL(daft_convoy_finish)(const convoy *c, vbits active, daft_hit *hits)
 {
     vi instance = vi_load(c->hit.instance);
-    vbits hit = active & ~vm_bits(vi_eq(instance, vi_set(-1)));
+    vbits hit = active & ~vbits_from_mask(vi_eq(instance, vi_set(-1)));
     vf3 n = {vf_set(0), vf_set(0), vf_set(0)};
     if (hit) n = normals_of(c, hit);
     vf numbers[8] = {vf_load(c->hit.t), vf_load(c->hit.u), vf_load(c->hit.v), (vf)instance,

@@ -28,14 +28,14 @@ DAFT_INLINE int count_lanes(vbits bits) { return __builtin_popcount(bits); }
 
 DAFT_INLINE float most_of(vf limit, vbits bits)
 {
-    return vf_most(vf_select(vm_from_bits(bits), limit, vf_set(-INFINITY)));
+    return vf_reduce_max(vf_if_then_else(vm_from_bits(bits), limit, vf_set(-INFINITY)));
 }
 
 /* The least lanes of four, of those in m. */
 DAFT_INLINE v4 least_of(vm m, vf a, vf b, vf c, vf d)
 {
     vf none = vf_set(INFINITY);
-    return vf_least4(vf_select(m, a, none), vf_select(m, b, none), vf_select(m, c, none), vf_select(m, d, none));
+    return v4_reduce_min4(vf_if_then_else(m, a, none), vf_if_then_else(m, b, none), vf_if_then_else(m, c, none), vf_if_then_else(m, d, none));
 }
 
 /* inverse: one over the direction. */
@@ -70,16 +70,16 @@ static void group_interval(group *g, vf limit, vbits bits)
     for (int k = 0; k < 3; k++) sign[k] = g->near_row[k] > g->far_row[k] ? INT32_MIN : 0, minus[k] = vi_set(sign[k]);
     sign[3] = INT32_MIN;
     /* along the way, the largest of near and the least of far */
-    v4 most = least_of(m, vf_xor_sign(-g->near[0], minus[0]), vf_xor_sign(-g->near[1], minus[1]),
-                       vf_xor_sign(-g->near[2], minus[2]), g->low);
-    v4 least = least_of(m, vf_xor_sign(g->far[0], minus[0]), vf_xor_sign(g->far[1], minus[1]),
-                        vf_xor_sign(g->far[2], minus[2]), g->low);
+    v4 most = least_of(m, vf_xor(-g->near[0], minus[0]), vf_xor(-g->near[1], minus[1]),
+                       vf_xor(-g->near[2], minus[2]), g->low);
+    v4 least = least_of(m, vf_xor(g->far[0], minus[0]), vf_xor(g->far[1], minus[1]),
+                        vf_xor(g->far[2], minus[2]), g->low);
     g->near_end = -(v4)((v4i)most ^ sign), g->far_end = (v4)((v4i)least ^ sign);
     g->inverse_ends[0] = least_of(m, g->inverse[0], g->inverse[1], g->inverse[2], g->low);
     g->inverse_ends[1] = -least_of(m, -g->inverse[0], -g->inverse[1], -g->inverse[2], g->low);
     for (int e = 0; e < 2; e++) g->wide_ends[e] = g->inverse_ends[e] * v4_set(WIDEN);
     v4 none = (g->wide_ends[0] - g->wide_ends[0]) + (g->wide_ends[1] - g->wide_ends[1]);
-    g->tight = (v4_bits(none == v4_set(0)) & 7) == 7;
+    g->tight = (v4_bits_from_mask(none == v4_set(0)) & 7) == 7;
     g->most = most_of(limit, bits);
 }
 
@@ -102,7 +102,7 @@ DAFT_INLINE uint32_t children_of(const daft_node *node)
 {
     v8i child;
     memcpy(&child, node->child, sizeof child);
-    return v8i_bits(child != (int32_t)DAFT_CHILD_NONE);
+    return v8_bits_from_mask(child != (int32_t)DAFT_CHILD_NONE);
 }
 
 /* The rays that meet one child. */
@@ -114,8 +114,8 @@ DAFT_INLINE vm child_test(const daft_node *node, uint32_t child, const group *g,
         for (int k = 2; k >= 0; k--) {
             vf low = vf_set(node->bounds[k][child]), high = vf_set(node->bounds[3 + k][child]);
             vm back = vi_lt((vi)g->inverse[k], vi_set(0));
-            enter = vf_max((vf_select(back, high, low) - g->near[k]) * g->inverse[k], enter);
-            leave = vf_min((vf_select(back, low, high) - g->far[k]) * g->wide[k], leave);
+            enter = vf_max((vf_if_then_else(back, high, low) - g->near[k]) * g->inverse[k], enter);
+            leave = vf_min((vf_if_then_else(back, low, high) - g->far[k]) * g->wide[k], leave);
         }
         *near = enter;
         return vf_le(enter, leave);
@@ -134,7 +134,7 @@ DAFT_INLINE void sphere_view(convoy *c)
     vf size = vf3_magnitude(c->d), far = vf3_magnitude(c->o) * vf_set(2);
     vm usual = vm_and(vm_and(vf_lt(vf_set(0x1p-26f), size), vf_lt(size, vf_set(0x1p26f))),
                       vf_lt(far, vf_set(DAFT_SPHERE_FAR)));
-    c->dd = vf3_dot(c->d, c->d), c->off = vf_select(usual, far * vf_set(DAFT_SPHERE_OFF), vf_set(INFINITY));
+    c->dd = vf3_dot(c->d, c->d), c->off = vf_if_then_else(usual, far * vf_set(DAFT_SPHERE_OFF), vf_set(INFINITY));
 }
 
 /* The rays that may hit one child, a sphere: spheres_met of traverse_kernel.c in lanes. */
@@ -149,7 +149,7 @@ DAFT_INLINE vbits sphere_test(const daft_node *node, uint32_t child, const convo
        tiny = vf_set(DAFT_TINY);
     vm beside = vf_lt(square * c->dd + tiny, vf3_dot(aside, aside));
     vm behind = vm_and(vf_lt(vf3_dot(to, c->d), vf_set(0)), vf_lt(square + tiny, vf3_dot(to, to)));
-    return ~vm_bits(vm_or(beside, behind));
+    return ~vbits_from_mask(vm_or(beside, behind));
 }
 
 /* What is put aside comes from far when many rays go their own ways: it is on its way before it is needed. */
@@ -176,11 +176,11 @@ static uint32_t descend(packet_stack *stack, int *top, const group *g, uint32_t 
     for (int base = *top; children; children &= children - 1) {
         uint32_t i = (uint32_t)__builtin_ctz(children), child = node->child[i];
         vf near;
-        vbits met = vm_bits(child_test(node, i, g, limit, &near)) & bits;
+        vbits met = vbits_from_mask(child_test(node, i, g, limit, &near)) & bits;
         if (met && node->spheres >> i & 1) met &= sphere_test(node, i, g->rays);
         if (!met) continue;
         float distance = g->tight ? at[i] : near[first_lane(met)];
-        near = vf_select(vm_from_bits(met), near, vf_set(NAN));
+        near = vf_if_then_else(vm_from_bits(met), near, vf_set(NAN));
         if (first == DAFT_CHILD_NONE) {
             first = child, nearest = distance, first_near = near, *here = met;
             continue;
@@ -208,7 +208,7 @@ static uint32_t descend(packet_stack *stack, int *top, const group *g, uint32_t 
 DAFT_INLINE bool next_child(const packet_stack *stack, int *top, vf limit, vbits bits, uint32_t *child, vbits *here)
 {
     while (--*top >= 0) {
-        *here = vm_bits(vf_le(stack->near[*top], limit)) & bits;
+        *here = vbits_from_mask(vf_le(stack->near[*top], limit)) & bits;
         *child = stack->child[*top];
         if (*here) return true;
     }
@@ -228,8 +228,8 @@ static void mesh_convoy_setup(mesh_convoy *m, const convoy *c)
 {
     vf size = vf3_magnitude(m->d), zero = vf_set(0);
     vm usual = vm_and(vf_lt(vf_set(0x1p-26f), size), vf_lt(size, vf_set(0x1p26f)));
-    m->scale = vf_select(usual, size * vf_set(22 * DAFT_ULP), vf_set(INFINITY));
-    m->floor = vf_select(vf_le(zero, c->tmin), vf_set(-DAFT_TINY), vf_set(-INFINITY));
+    m->scale = vf_if_then_else(usual, size * vf_set(22 * DAFT_ULP), vf_set(INFINITY));
+    m->floor = vf_if_then_else(vf_le(zero, c->tmin), vf_set(-DAFT_TINY), vf_set(-INFINITY));
 }
 
 /* Rays that are left alone go on from here by themselves. */
@@ -274,7 +274,7 @@ static vbits alike(vf3 d, vbits bits)
 {
     vi sign = vi_set(INT32_MIN);
     vi way = ((vi)d.x & sign) ^ (((vi)d.y & sign) >> 1 & vi_set(0x40000000)) ^ (((vi)d.z & sign) >> 2 & vi_set(0x20000000));
-    return bits & vm_bits(vi_eq(way, vi_set(way[first_lane(bits)])));
+    return bits & vbits_from_mask(vi_eq(way, vi_set(way[first_lane(bits)])));
 }
 
 /* Of rays that go on alone from a child of the upper level on, two or more plain ones do so in turns. The rest. */
@@ -361,7 +361,7 @@ static void instance_together(convoy *c, uint32_t index, vbits bits)
     const daft_instance *instance = &c->tlas->instances[index];
     mesh_convoy m = {.instance = instance};
     mesh_convoy_turn(&m, c, &instance->to_object);
-    bits &= vm_bits(finite_lanes(m.o, m.d));
+    bits &= vbits_from_mask(finite_lanes(m.o, m.d));
     if (c->any) {
         mesh_walks(c, &m, bits);
         return;
@@ -369,12 +369,12 @@ static void instance_together(convoy *c, uint32_t index, vbits bits)
     vf t = vf_load(c->hit.t);
     vi before = vi_load(c->hit.instance), triangle = vi_load(c->hit.triangle), self = vi_set((int32_t)index);
     /* a tie goes to the lower instance; none is the largest number */
-    vi mark = vi_select(vm_or(vi_lt(self, before), vi_lt(before, vi_set(0))), vi_set((int32_t)DAFT_NO_TRIANGLE), vi_set(0));
+    vi mark = vi_if_then_else(vm_or(vi_lt(self, before), vi_lt(before, vi_set(0))), vi_set((int32_t)DAFT_NO_TRIANGLE), vi_set(0));
     vi_store(c->hit.triangle, mark);
     mesh_walks(c, &m, bits);
     vm taken = vm_or(vf_lt(vf_load(c->hit.t), t), vm_not(vi_eq(vi_load(c->hit.triangle), mark)));
-    vi_store(c->hit.instance, vi_select(taken, self, before));
-    vi_store(c->hit.triangle, vi_select(taken, vi_load(c->hit.triangle), triangle));
+    vi_store(c->hit.instance, vi_if_then_else(taken, self, before));
+    vi_store(c->hit.triangle, vi_if_then_else(taken, vi_load(c->hit.triangle), triangle));
 }
 
 static void instance_touch(convoy *c, uint32_t index, vbits bits)
@@ -438,11 +438,11 @@ static vbits convoy_setup(convoy *c, const daft_ray_packet *rays, uint32_t first
     c->tmin = vf_load(rays->tmin + first);
     c->inverse[0] = vf_set(1) / c->d.x, c->inverse[1] = vf_set(1) / c->d.y, c->inverse[2] = vf_set(1) / c->d.z;
     vm usable = vm_and(finite_lanes(c->o, c->d), vm_and(vf_le(c->tmin, tmax), vf_lt(zero, vf3_magnitude(c->d))));
-    vbits bits = c->tlas->nodes.count ? active >> first & vm_bits(usable) : 0;
-    c->limit = vf_select(vm_from_bits(bits), past_lanes(tmax), vf_set(-INFINITY));
+    vbits bits = c->tlas->nodes.count ? active >> first & vbits_from_mask(usable) : 0;
+    c->limit = vf_if_then_else(vm_from_bits(bits), past_lanes(tmax), vf_set(-INFINITY));
     vf size = vf_set(0);
     for (int k = 0; k < 3; k++) size = vf_max(size, vf_abs(c->inverse[k]));
-    c->plain = vm_bits(vm_and(vm_and(vf_le(zero, c->tmin), vf_lt(size * vf_set(WIDEN), vf_set(INFINITY))),
+    c->plain = vbits_from_mask(vm_and(vm_and(vf_le(zero, c->tmin), vf_lt(size * vf_set(WIDEN), vf_set(INFINITY))),
                               vf_lt(vf3_magnitude(c->o), vf_set(0x1p100f))));
     c->few = c->tlas->nodes.count == 1 ? FEW_AMONG_FEW : c->any ? FEW_FOR_ANY : FEW_AMONG_MANY;
     c->inner_low = c->tmin * vf_set(1 + 0x1p-17f), c->inner_high = tmax * vf_set(1 - 0x1p-17f); /* of tmin >= 0 */
@@ -459,7 +459,7 @@ DAFT_INLINE bool few_instances(const daft_tlas *tlas)
 
 static void convoy_run(convoy *c, vbits bits)
 {
-    vbits backwards = bits & ~vm_bits(vf_le(vf_set(0), c->tmin)); /* their far planes are widened in another way */
+    vbits backwards = bits & ~vbits_from_mask(vf_le(vf_set(0), c->tmin)); /* their far planes are widened in another way */
     upper_alone(c, 0, backwards);
     if (few_instances(c->tlas) && bits & ~backwards) {
         upper_walk(c, bits & ~backwards, true);

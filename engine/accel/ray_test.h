@@ -37,8 +37,8 @@
 
 #include "accel/bvh.h"
 #include "math/exact.h"
-#include "math/isa.h"
-#include "math/simd.h"
+#include "math/simd/dispatch.h"
+#include "math/simd/ops.h"
 
 #define DAFT_ULP 0x1p-24f /* u: half a unit in the last place of 1 */
 #define DAFT_TINY 1e-36f  /* over the sum of a few underflowing products */
@@ -105,7 +105,7 @@ typedef struct daft_facet {
     vf sizes, area;
 } daft_facet;
 
-DAFT_INLINE vf vf3_largest(vf3 a) { return vf_most_of(vf_most_of(a.x, a.y), a.z); }
+DAFT_INLINE vf vf3_largest(vf3 a) { return vf_max_abs(vf_max_abs(a.x, a.y), a.z); }
 
 DAFT_INLINE daft_facet daft_facet_of(const vf3 c[3])
 {
@@ -130,18 +130,18 @@ DAFT_INLINE vbits daft_filter_pass(const daft_facet *f, vf3 o, vf3 d, vf scale, 
     vf reach = vf3_largest(s), size = reach * f->sizes + f->area, bound = size * scale + vf_set(DAFT_TINY);
     vf least = vf_min3(u, v, w), most = vf_max3(u, v, w), steep = vf_abs(sum);
     vm outside = vm_and(vf_lt(least, -bound), vf_lt(bound, most)), usable = vf_lt(size, vf_set(DAFT_FILTER_MOST));
-    vf along = vf_xor_sign(vf3_dot(s, f->normal), (vi)sum & vi_set(INT32_MIN)), off = reach * f->area * vf_set(49 * DAFT_ULP);
+    vf along = vf_xor(vf3_dot(s, f->normal), (vi)sum & vi_set(INT32_MIN)), off = reach * f->area * vf_set(49 * DAFT_ULP);
     vm before = vf_lt(along, floor - off), beyond = vf_lt(past * (steep + bound) + off, along);
     vm apart = vm_and(vm_or(before, beyond), vf_lt(bound, steep));
     *out = (daft_sides){least, most, steep, bound, along, off, usable};
-    return vm_bits(vm_and(usable, vm_or(outside, apart))) ^ DAFT_ALL_LANES;
+    return vbits_from_mask(vm_and(usable, vm_or(outside, apart))) ^ DAFT_ALL_LANES;
 }
 
 /* The lanes whose lines are plain. */
 DAFT_INLINE vbits daft_filter_plain(const daft_sides *s)
 {
     vm inside = vm_or(vf_lt(s->bound, s->least), vf_lt(s->most, -s->bound));
-    return vm_bits(vm_and(vm_and(inside, s->usable), vf_lt(s->off + s->off + vf_set(DAFT_TINY), vf_abs(s->along))));
+    return vbits_from_mask(vm_and(vm_and(inside, s->usable), vf_lt(s->off + s->off + vf_set(DAFT_TINY), vf_abs(s->along))));
 }
 
 /* Of the plain lanes, those that are hit for sure between two distances; see daft_inner_of. */
@@ -149,7 +149,7 @@ DAFT_INLINE vbits daft_filter_within(const daft_sides *s, vf low, vf high)
 {
     vf off = s->off + vf_set(DAFT_TINY);
     vm after = vf_lt(low * (s->sum + s->bound) + off, s->along), before = vf_lt(s->along + off, high * (s->sum - s->bound));
-    return vm_bits(vm_and(after, before));
+    return vbits_from_mask(vm_and(after, before));
 }
 
 /* What is surely within an interval, rounding and all: nothing, where negative distances count, too. */
@@ -185,7 +185,7 @@ DAFT_INLINE vbits daft_touch_floats(const vf3 c[3], vf3 o, vf3 d, vf tmin, vf tm
     vf inverse = vf_set(1) / (side[0] + side[1] + side[2]);
     out->v = side[1] * inverse, out->w = side[2] * inverse;
     out->t = (side[0] * inverse * q[0] + out->v * q[1] + out->w * q[2]) / vf3_dot(d, d); /* the corners' mean along the ray */
-    return vm_bits(vm_and(in, daft_touch_within(out, tmin, tmax)));
+    return vbits_from_mask(vm_and(in, daft_touch_within(out, tmin, tmax)));
 }
 
 typedef struct daft_exact_touch {
@@ -271,11 +271,11 @@ DAFT_INLINE void daft_blocks_load(const daft_block *b, int count, vf3 c[3])
                                     {DAFT_BLOCK_FLOATS, 2 * DAFT_BLOCK_FLOATS, 2 * DAFT_BLOCK_FLOATS},
                                     {DAFT_BLOCK_FLOATS, 2 * DAFT_BLOCK_FLOATS, 3 * DAFT_BLOCK_FLOATS}};
     const size_t *at = AT[count - 1];
-    vf_load_spread_pair(b->corner[0][0], at, &c[0].x, &c[0].y);
-    vf_load_spread_pair(b->corner[0][2], at, &c[0].z, &c[1].x);
-    vf_load_spread_pair(b->corner[1][1], at, &c[1].y, &c[1].z);
-    vf_load_spread_pair(b->corner[2][0], at, &c[2].x, &c[2].y);
-    c[2].z = vf_load_spread(b->corner[2][2], at, DAFT_FOURS);
+    vf_load_block_pairs_at(b->corner[0][0], at, &c[0].x, &c[0].y);
+    vf_load_block_pairs_at(b->corner[0][2], at, &c[0].z, &c[1].x);
+    vf_load_block_pairs_at(b->corner[1][1], at, &c[1].y, &c[1].z);
+    vf_load_block_pairs_at(b->corner[2][0], at, &c[2].x, &c[2].y);
+    c[2].z = vf_load_blocks_at(b->corner[2][2], at, DAFT_FOURS);
 }
 
 /* By the floats' word alone. */
@@ -343,7 +343,7 @@ DAFT_INLINE bool daft_finite_lines(daft_vec3 o, daft_vec3 d)
 DAFT_INLINE bool daft_ray_usable(const daft_ray *ray)
 {
     v4 o = v4_load((const float *)ray), d = v4_load((const float *)ray + 4); /* lanes 3: tmin and tmax */
-    uint32_t finite = v4_bits((o - o) + (d - d) == v4_set(0)), moves = v4_bits(d != v4_set(0));
+    uint32_t finite = v4_bits_from_mask((o - o) + (d - d) == v4_set(0)), moves = v4_bits_from_mask(d != v4_set(0));
     return ((finite & 7) == 7) & ((moves & 7) != 0) & (ray->tmin <= ray->tmax);
 }
 

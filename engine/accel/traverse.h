@@ -3,7 +3,7 @@
 #define DAFT_TRAVERSE_H
 
 #include "accel/accel.h"
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 
 DAFT_KERNEL_DECLARE(daft_accel_kernels, daft_accel);
 

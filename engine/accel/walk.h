@@ -64,7 +64,7 @@ DAFT_INLINE slab_way slab_way_of(v4 d, v4 inverse)
 #undef SIDES
     v4 i = inverse, w = i * v4_set(DAFT_WIDEN);
     return (slab_way){v8_set(i[0]), v8_set(i[1]), v8_set(i[2]), v8_set(w[0]), v8_set(w[1]), v8_set(w[2]),
-                      ROWS[v4_bits((v4i)d) & 7], v4_bits(w - w == v4_set(0)) == 15};
+                      ROWS[v4_bits_from_mask((v4i)d) & 7], v4_bits_from_mask(w - w == v4_set(0)) == 15};
 }
 
 /* The origin as near and as far planes see it on the upper level, where boxes are grown on each side: an instance's own

@@ -6,7 +6,7 @@
  * in all; of corners, positive indices of at most 8 digits. Whatever is not plain is left to the general reader in
  * obj_read.c, which gives the same bits for what is, and the messages for what is wrong. */
 #include "geometry/obj.h"
-#include "math/simd.h"
+#include "math/simd/ops.h"
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
 
@@ -86,7 +86,7 @@ static inline bool scan_real(rest *line, double *out)
 /* Three numbers and the line's end, or two (z is left alone); returns what follows, or NULL where they are not plain. */
 static inline const char *scan_vector(const char *p, int count, double *x, double *y, double *z)
 {
-    rest line = {p, daft_find_others(p)};
+    rest line = {p, vu8_nondigits_64(p)};
     if (!scan_real(&line, x) || line.at[-1] != ' ' || !scan_real(&line, y)) return NULL;
     if (count > 2 && (line.at[-1] != ' ' || !scan_real(&line, z))) return NULL;
     if (daft_is_break(line.at[-1])) return line.at;
@@ -134,7 +134,7 @@ static inline const char *scan_attribute(daft_obj_source *s, const char *p)
 /* "1 2 3" and the line's end, in 32 bytes; returns what follows, or NULL. */
 static inline const char *scan_triangle(const char *p, uint32_t *out)
 {
-    uint32_t first = daft_find_others_32(p), second = first & (first - 1), third = second & (second - 1);
+    uint32_t first = vu8_nondigits_32(p), second = first & (first - 1), third = second & (second - 1);
     if (!third) return NULL;
     unsigned a = (unsigned)__builtin_ctz(first), b = (unsigned)__builtin_ctz(second), c = (unsigned)__builtin_ctz(third);
     unsigned lengths[3] = {a, b - a - 1, c - b - 1};
@@ -153,7 +153,7 @@ static inline bool scan_index(rest *line, const char *last, uint32_t *index)
 {
     if (!line->others) {
         if (line->at >= last) return false;
-        line->others = daft_find_others(line->at);
+        line->others = vu8_nondigits_64(line->at);
         if (!line->others) return false;
     }
     unsigned count = (unsigned)__builtin_ctzll(line->others);

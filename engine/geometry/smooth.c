@@ -8,7 +8,7 @@
  * corners. The order is that of the corners, so the bits depend on the mesh alone. */
 #include "geometry/smooth.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #define DAFT_SMOOTH_H
 
 #include "geometry/trimesh.h"
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 
 /* Of each triangle. Apart, since most of what is asked for later is the normals. */
 typedef struct daft_smooth_faces {

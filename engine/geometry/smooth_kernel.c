@@ -1,6 +1,6 @@
 /* Normals and angles of triangles, many at a time, in double; and their sums around vertices. */
 #include "geometry/smooth.h"
-#include "math/simd.h"
+#include "math/simd/ops.h"
 
 /* Triangles are worked on by the block, so that what one step leaves is in the cache for the next. */
 enum { BLOCK = 64 };
@@ -92,15 +92,15 @@ static void measure_block(block *b, uint32_t count)
         for (int half = 0; half < 2; half++) {
             vd3 corner[3];
             for (int k = 0; k < 3; k++) {
-                corner[k].x = vf_half(vf_load(&b->corner[k][0][i]), half);
-                corner[k].y = vf_half(vf_load(&b->corner[k][1][i]), half);
-                corner[k].z = vf_half(vf_load(&b->corner[k][2][i]), half);
+                corner[k].x = vd_promote_half(vf_load(&b->corner[k][0][i]), half);
+                corner[k].y = vd_promote_half(vf_load(&b->corner[k][1][i]), half);
+                corner[k].z = vd_promote_half(vf_load(&b->corner[k][2][i]), half);
             }
             measure(corner[0], corner[1], corner[2], out[half]);
         }
         for (int k = 0; k < 3; k++) {
-            vf_store(&b->normal[k][i], vf_join(out[0][k], out[1][k]));
-            vf_store(&b->angle[k][i], vf_join(out[0][k + 3], out[1][k + 3]));
+            vf_store(&b->normal[k][i], vf_demote2(out[0][k], out[1][k]));
+            vf_store(&b->angle[k][i], vf_demote2(out[0][k + 3], out[1][k + 3]));
         }
     }
 }
@@ -246,8 +246,8 @@ static inline bool is_smooth_ring(const ring *r, uint32_t count, float cosine)
         to = v8u_permute(to, to);
     }
     v8u wrong = valid & (~single | (v8u)(least != none));
-    uint32_t bits = v8i_bits((v8i)creases);
-    return all == (1u << count) - 1 && !v8i_bits((v8i)wrong) && !(bits & (bits - 1));
+    uint32_t bits = v8_bits_from_mask((v8i)creases);
+    return all == (1u << count) - 1 && !v8_bits_from_mask((v8i)wrong) && !(bits & (bits - 1));
 }
 
 static void unlist_rings(const daft_trimesh *mesh, const daft_vec3 *normals, const uint32_t *groups, float cosine,
@@ -286,9 +286,9 @@ static inline void normalize_lanes(const daft_smooth_sum *sums, daft_vec3 *out)
 {
     float x[DAFT_VL], y[DAFT_VL], z[DAFT_VL];
     vd3 low = directions(sums), high = directions(sums + DAFT_VL / 2);
-    vf_store(x, vf_join(low.x, high.x));
-    vf_store(y, vf_join(low.y, high.y));
-    vf_store(z, vf_join(low.z, high.z));
+    vf_store(x, vf_demote2(low.x, high.x));
+    vf_store(y, vf_demote2(low.y, high.y));
+    vf_store(z, vf_demote2(low.z, high.z));
     for (int i = 0; i < DAFT_VL; i++) out[i] = daft_v3(x[i], y[i], z[i]);
 }
 

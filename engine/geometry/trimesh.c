@@ -1,6 +1,6 @@
 /* Meshes from arrays and boxes; what all meshes need. */
 #include "geometry/trimesh.h"
-#include "math/simd.h"
+#include "math/simd/ops.h"
 
 #include <string.h>
 

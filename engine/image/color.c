@@ -1,7 +1,7 @@
 /* The sRGB transfer curve (IEC 61966-2-1), with our own powers so that the bits do not depend on libm. */
 #include "image/color.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 
 static double decode(double encoded)
 {

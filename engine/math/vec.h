@@ -1,5 +1,5 @@
-/* math: vectors, matrices, quaternions; SIMD lanes (simd.h); exact predicates (exact.h); functions whose bits do not
- * depend on the system's libm (real.h). Promises: every result is the same on every machine, compiler and build type. */
+/* math: vectors, matrices, quaternions; SIMD lanes (simd/ops.h); exact predicates (exact.h); functions whose bits do not
+ * depend on the system's libm (trig.h). Promises: every result is the same on every machine, compiler and build type. */
 #ifndef DAFT_VEC_H
 #define DAFT_VEC_H
 

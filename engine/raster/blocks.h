@@ -18,14 +18,14 @@ DAFT_INLINE vf blocks_load(const daft_block **blocks, int corner, int axis)
 {
     const float *four[DAFT_BATCH_BLOCKS];
     for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) four[i] = blocks[i]->corner[corner][axis];
-    return vf_gather_rows(four);
+    return vf_gather_blocks(four);
 }
 
 DAFT_INLINE vi blocks_triangles(const daft_block **blocks)
 {
     const float *four[DAFT_BATCH_BLOCKS];
     for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) four[i] = (const float *)(const void *)blocks[i]->triangle;
-    return (vi)vf_gather_rows(four);
+    return (vi)vf_gather_blocks(four);
 }
 
 /* The same operations in the same order as daft_affine_point. */
@@ -51,13 +51,13 @@ DAFT_INLINE void waiting_add(daft_waiting *out, const vf3 corner[3], vi pixels, 
 {
     uint32_t at = out->count;
     for (int k = 0; k < 3; k++) {
-        vf_compress(&out->corner[3 * k][at], some, corner[k].x);
-        vf_compress(&out->corner[3 * k + 1][at], some, corner[k].y);
-        vf_compress(&out->corner[3 * k + 2][at], some, corner[k].z);
+        vf_compress_store(&out->corner[3 * k][at], some, corner[k].x);
+        vf_compress_store(&out->corner[3 * k + 1][at], some, corner[k].y);
+        vf_compress_store(&out->corner[3 * k + 2][at], some, corner[k].z);
     }
-    vi_compress(&out->pixels[at], some, pixels);
-    vf_compress(&out->nearest[at], some, nearest);
-    vi_compress(&out->triangle[at], some, triangle);
+    vi_compress_store(&out->pixels[at], some, pixels);
+    vf_compress_store(&out->nearest[at], some, nearest);
+    vi_compress_store(&out->triangle[at], some, triangle);
     vi_store(&out->instance[at], vi_set((int32_t)instance));
     out->count += (uint32_t)__builtin_popcount(some);
 }

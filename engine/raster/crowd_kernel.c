@@ -139,9 +139,9 @@ DAFT_INLINE vm span_of(vf at, vf reach, float last, vi *first, vi *end)
 {
     vf zero = vf_set(0), most = vf_set(last);
     vf low = vf_min(vf_max(at - reach, zero), vf_set(2 * DAFT_TILE)), high = vf_min(at + reach, most);
-    *first = vi_truncate(low + vf_set(1 - 0x1p-8f)), *end = vi_truncate(high);
+    *first = vi_convert_to(low + vf_set(1 - 0x1p-8f)), *end = vi_convert_to(high);
     vm none = vi_lt(*end, *first);
-    *first = vi_select(none, *end, *first);
+    *first = vi_if_then_else(none, *end, *first);
     return none;
 }
 
@@ -170,13 +170,13 @@ DAFT_INLINE spans ellipse_spans(const daft_tile_job *job, const daft_member *w, 
         vf sum = (part[0] + part[1]) + (part[2] + part[3]) + (part[4] + part[5]);
         e[k] = k == 1 ? sum * square : sum * square + more;
     }
-    vm none_x = span_of(d->column, vf_min(vf_rough_sqrt(e[0]) * wide, d->reach), job->last_x, &s.x0, &s.x1);
-    vm none_y = span_of(d->row, vf_min(vf_rough_sqrt(e[2]) * wide, d->reach), job->last_y, &s.y0, &s.y1);
+    vm none_x = span_of(d->column, vf_min(vf_approximate_sqrt(e[0]) * wide, d->reach), job->last_x, &s.x0, &s.x1);
+    vm none_y = span_of(d->row, vf_min(vf_approximate_sqrt(e[2]) * wide, d->reach), job->last_y, &s.y0, &s.y1);
     vf det = e[0] * e[2] - e[1] * e[1];
-    vf xa = d->column - vf_from_int(s.x0), xb = d->column - vf_from_int(s.x1), ya = d->row - vf_from_int(s.y0), yb = d->row - vf_from_int(s.y1);
+    vf xa = d->column - vf_convert_to(s.x0), xb = d->column - vf_convert_to(s.x1), ya = d->row - vf_convert_to(s.y0), yb = d->row - vf_convert_to(s.y1);
     vm few = vm_and(vi_lt((s.x1 - s.x0) | (s.y1 - s.y0), vi_set(2)), vf_lt(e[0] + e[2], vf_set(0x1p60f)));
     vf least = vf_min(vf_min(form_at(e, xa, ya), form_at(e, xb, ya)), vf_min(form_at(e, xa, yb), form_at(e, xb, yb)));
-    s.none = vm_or(vm_or(none_x, none_y), vf_lt(vf_select(few, det, vf_set(INFINITY)), least));
+    s.none = vm_or(vm_or(none_x, none_y), vf_lt(vf_if_then_else(few, det, vf_set(INFINITY)), least));
     return s;
 }
 
@@ -198,13 +198,13 @@ DAFT_INLINE void add_sights(const daft_tile_job *job, const daft_member *w, int 
     balls b = balls_load(o, at);
     discs d = balls_project(job, w, &b);
     spans s = level ? disc_spans(job, &d) : ellipse_spans(job, w, &b, &d, &w->patches->shapes[above], at);
-    vbits lanes = DAFT_VL == DAFT_PATCH || left > 0 ? vbits_first(left) : 0; /* an item of the level above holds one or more */
-    lanes &= ~vm_bits(level ? vm_or(vm_or(d.apart, away(w, o, at)), s.none) : vm_or(away(w, o, at), s.none));
+    vbits lanes = DAFT_VL == DAFT_PATCH || left > 0 ? vbits_first_n(left) : 0; /* an item of the level above holds one or more */
+    lanes &= ~vbits_from_mask(level ? vm_or(vm_or(d.apart, away(w, o, at)), s.none) : vm_or(away(w, o, at), s.none));
     vf z = d.z - (b.radius * vf_set(w->z_reach[0]) + vf_set(w->z_reach[1]));
-    vf nearest = vf_select(vf_lt(vf_set(0), z), vf_rough_reciprocal(z) * vf_set(1 + 0x1p-10f), vf_set(INFINITY));
-    vi_compress(&out->what[out->count], lanes, vi_set((int32_t)(first | w->tag)) + vi_iota());
-    vi_compress(&out->pixels[out->count], lanes, s.x0 | s.x1 << 8 | s.y0 << 16 | s.y1 << 24);
-    vf_compress(&out->nearest[out->count], lanes, nearest);
+    vf nearest = vf_if_then_else(vf_lt(vf_set(0), z), vf_approximate_reciprocal(z) * vf_set(1 + 0x1p-10f), vf_set(INFINITY));
+    vi_compress_store(&out->what[out->count], lanes, vi_set((int32_t)(first | w->tag)) + vi_iota());
+    vi_compress_store(&out->pixels[out->count], lanes, s.x0 | s.x1 << 8 | s.y0 << 16 | s.y1 << 24);
+    vf_compress_store(&out->nearest[out->count], lanes, nearest);
     out->count += (uint32_t)__builtin_popcount(lanes);
 }
 
@@ -213,10 +213,10 @@ DAFT_INLINE uint32_t not_hidden(const show *w, const sights *s, uint32_t *out)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < s->count; i += DAFT_VL) {
-        vbits lanes = vbits_first((int)(s->count - i));
-        vi pixels = vi_select(vm_from_bits(lanes), vi_load(&s->pixels[i]), vi_set(0));
+        vbits lanes = vbits_first_n((int)(s->count - i));
+        vi pixels = vi_if_then_else(vm_from_bits(lanes), vi_load(&s->pixels[i]), vi_set(0));
         lanes &= ~hidden_lanes(w->job, pixels, vf_load(&s->nearest[i]), lanes);
-        vi_compress(&out[count], lanes, vi_load(&s->what[i]));
+        vi_compress_store(&out[count], lanes, vi_load(&s->what[i]));
         count += (uint32_t)__builtin_popcount(lanes);
     }
     return count;

@@ -67,11 +67,11 @@ static bool lane_hit(daft_tile_job *j, int place, const thing *t)
 
 /* ---- windows ---- */
 
-DAFT_INLINE vf window_load(const float *p) { return vf_load_rows(p, DAFT_TILE_STRIDE); }
-DAFT_INLINE void window_store(float *p, vf v) { vf_store_rows(p, DAFT_TILE_STRIDE, v); }
+DAFT_INLINE vf window_load(const float *p) { return vf_load_blocks(p, DAFT_TILE_STRIDE); }
+DAFT_INLINE void window_store(float *p, vf v) { vf_store_blocks(p, DAFT_TILE_STRIDE, v); }
 DAFT_INLINE void window_put(void *p, vm m, uint32_t value)
 {
-    window_store(p, vf_select(m, (vf)vi_set((int32_t)value), window_load(p)));
+    window_store(p, vf_if_then_else(m, (vf)vi_set((int32_t)value), window_load(p)));
 }
 
 /* The pixels of a window at a place have come nearer. */
@@ -98,14 +98,14 @@ static __attribute__((noinline)) void look_closely(daft_tile_job *j, uint32_t at
 DAFT_INLINE void offer(daft_tile_job *j, uint32_t at, const thing *t, vbits hits, vbits unsure, vf low, vf high)
 {
     vf old_low = window_load(&j->w_low[at]);
-    hits &= ~vm_bits(vf_lt(high, old_low));
+    hits &= ~vbits_from_mask(vf_lt(high, old_low));
     if (!hits) return;
     vf old_high = window_load(&j->w_high[at]);
-    vbits take = hits & vm_bits(vf_lt(old_high, low)) & ~unsure, look = hits & ~take;
+    vbits take = hits & vbits_from_mask(vf_lt(old_high, low)) & ~unsure, look = hits & ~take;
     vm m = vm_from_bits(take);
     mark_stale(j, at);
-    window_store(&j->w_low[at], vf_select(m, low, old_low));
-    window_store(&j->w_high[at], vf_select(m, high, old_high));
+    window_store(&j->w_low[at], vf_if_then_else(m, low, old_low));
+    window_store(&j->w_high[at], vf_if_then_else(m, high, old_high));
     window_put(&j->tile->instance[at], m, t->seen->index);
     window_put(&j->tile->triangle[at], m, t->triangle);
     if (__builtin_expect(look != 0, 0)) {
@@ -141,9 +141,9 @@ bool DAFT_KERNEL(daft_batch_fill)(daft_tile_job *j, daft_pencil_batch *b)
     vf wx = vf_set(b->wx[i]), wy = vf_set(b->wy[i]), wz = vf_set(b->wz[i]), error = vf_set(b->error[i]), cap = vf_set(b->w_cap[i]);
     vi instance = vi_set((int32_t)b->instance[i]), triangle = vi_set((int32_t)b->triangle[i]);
     for (int at = 0; at < end; at += DAFT_VL) {
-        vf dx = vf_set(j->left) + vf_from_int(vi_iota() + vi_set(at % DAFT_TILE_STRIDE));
+        vf dx = vf_set(j->left) + vf_convert_to(vi_iota() + vi_set(at % DAFT_TILE_STRIDE));
         vf w = vf_min(wx * dx + (wy * vf_set(j->top - (float)(at / DAFT_TILE_STRIDE)) + wz), cap), low = w - error, high = w + error;
-        known &= vm_bits(vf_le(low, high));
+        known &= vbits_from_mask(vf_le(low, high));
         vf_store(&j->w_low[at], low), vf_store(&j->w_high[at], high);
         vi_store(&j->tile->instance[at], instance), vi_store(&j->tile->triangle[at], triangle);
     }
@@ -182,9 +182,9 @@ DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_row
 {
     vf dx = vf_load(j->dx[x / DAFT_WINDOW_W]);
     vf least = vf_min(vf_min(p->nx[0] * dx + r->e[0], p->nx[1] * dx + r->e[1]), p->nx[2] * dx + r->e[2]);
-    vbits hits = vm_bits(vf_le(p->outer, least));
+    vbits hits = vbits_from_mask(vf_le(p->outer, least));
     vf w = vf_min(p->wx * dx + r->w, p->cap);
-    offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vm_bits(vf_lt(p->sure, least)), w - p->error, w + p->error);
+    offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vbits_from_mask(vf_lt(p->sure, least)), w - p->error, w + p->error);
 }
 
 /* Windows of a tile in rows of eight, from row y0 of the tile on: bits of those that no edge has wholly on its outer side, by
@@ -205,11 +205,11 @@ static void find_windows(const daft_tile_job *j, const daft_pencil_batch *b, int
     for (int k = 0; k < WINDOW_WORDS; k++) bits[k] = 0;
     for (uint32_t q = 0; q < count; q += DAFT_VL) {
         vi window = vi_iota() + vi_set((int32_t)q);
-        vf dx = vf_set(j->left + half_w) + vf_from_int(window & vi_set(COLUMNS - 1)) * vf_set(DAFT_WINDOW_W);
-        vf dy = vf_set(j->top - (float)b->y0[i] - half_h) - vf_from_int(window >> 3) * vf_set(DAFT_WINDOW_H);
+        vf dx = vf_set(j->left + half_w) + vf_convert_to(window & vi_set(COLUMNS - 1)) * vf_set(DAFT_WINDOW_W);
+        vf dy = vf_set(j->top - (float)b->y0[i] - half_h) - vf_convert_to(window >> 3) * vf_set(DAFT_WINDOW_H);
         vf least = vf_set(INFINITY);
         for (int k = 0; k < 3; k++) least = vf_min(nx[k] * dx + ny[k] * dy + most[k], least);
-        bits[q / 64] |= (uint64_t)vm_bits(vf_le(outer, least)) << (q & 63);
+        bits[q / 64] |= (uint64_t)vbits_from_mask(vf_le(outer, least)) << (q & 63);
     }
 }
 
@@ -265,9 +265,9 @@ enum { HIT_LANE = 16 };
 
 DAFT_INLINE void add_hits(hit_list *h, vbits lanes, vi places, vi lane, vm sure, vf w)
 {
-    vi hit = places | lane << HIT_LANE | vi_select(sure, vi_set(0), vi_set(UNSURE));
-    vi_compress(&h->hit[h->count], lanes, hit);
-    vf_compress(&h->w[h->count], lanes, w);
+    vi hit = places | lane << HIT_LANE | vi_if_then_else(sure, vi_set(0), vi_set(UNSURE));
+    vi_compress_store(&h->hit[h->count], lanes, hit);
+    vf_compress_store(&h->w[h->count], lanes, w);
     h->count += (uint32_t)__builtin_popcount(lanes);
 }
 
@@ -276,12 +276,12 @@ static void leave_hidden_hits(const daft_tile_job *j, const daft_pencil_batch *b
 {
     uint32_t n = 0, count = h->count;
     for (uint32_t k = 0; k < count; k += DAFT_VL) {
-        vbits lanes = vbits_first((int)(count - k));
-        vi hit = vi_select(vm_from_bits(lanes), vi_load(&h->hit[k]), vi_set(0));
-        vf w = vf_load(&h->w[k]), high = w + vf_lookup(b->error, (hit >> HIT_LANE) & vi_set(DAFT_VL - 1));
-        lanes &= ~vm_bits(vf_lt(high, vf_gather(j->w_low, hit & vi_set((1 << HIT_LANE) - 1))));
-        vi_compress(&h->hit[n], lanes, hit);
-        vf_compress(&h->w[n], lanes, w);
+        vbits lanes = vbits_first_n((int)(count - k));
+        vi hit = vi_if_then_else(vm_from_bits(lanes), vi_load(&h->hit[k]), vi_set(0));
+        vf w = vf_load(&h->w[k]), high = w + vf_table_lookup(b->error, (hit >> HIT_LANE) & vi_set(DAFT_VL - 1));
+        lanes &= ~vbits_from_mask(vf_lt(high, vf_gather_index(j->w_low, hit & vi_set((1 << HIT_LANE) - 1))));
+        vi_compress_store(&h->hit[n], lanes, hit);
+        vf_compress_store(&h->w[n], lanes, w);
         n += (uint32_t)__builtin_popcount(lanes);
     }
     h->count = n;
@@ -313,8 +313,8 @@ DAFT_INLINE void boxes_of(const daft_pencil_batch *b, vi *x0, vi *y0, vi *wide, 
 {
     vm live = vm_from_bits(b->live);
     vi zero = vi_set(0);
-    *x0 = vi_select(live, vi_load(b->x0), zero), *wide = vi_select(live, vi_load(b->x1), zero) - *x0;
-    *y0 = vi_select(live, vi_load(b->y0), zero), *high = vi_select(live, vi_load(b->y1), zero) - *y0;
+    *x0 = vi_if_then_else(live, vi_load(b->x0), zero), *wide = vi_if_then_else(live, vi_load(b->x1), zero) - *x0;
+    *y0 = vi_if_then_else(live, vi_load(b->y0), zero), *high = vi_if_then_else(live, vi_load(b->y1), zero) - *y0;
 }
 
 /* Triangles with small boxes, side by side: in each step every lane looks at a pixel of its own. */
@@ -322,27 +322,27 @@ static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
 {
     vi x0, y0, wide, high, side = vi_set(TINY_SIDE);
     boxes_of(b, &x0, &y0, &wide, &high);
-    vbits tiny = b->live & ~b->covers & vm_bits(vm_and(vi_lt(wide, side), vi_lt(high, side)));
+    vbits tiny = b->live & ~b->covers & vbits_from_mask(vm_and(vi_lt(wide, side), vi_lt(high, side)));
     if (!tiny || __builtin_popcount(tiny) < TINY_LEAST) return 0;
     vf outer = vf_set(j->exact ? -1.0f : 0.0f), sure = vf_set(j->exact ? 1 : -INFINITY), error = vf_load(b->error);
     hit_list hits;
     hits.count = 0;
     for (int row = 0; row < TINY_SIDE; row++) {
-        vbits rows = row ? tiny & vm_bits(vi_lt(vi_set(row - 1), high)) : tiny;
+        vbits rows = row ? tiny & vbits_from_mask(vi_lt(vi_set(row - 1), high)) : tiny;
         if (!rows) break;
         vi y = y0 + vi_set(row);
-        vf dy = vf_set(j->top) - vf_from_int(y), e[3];
+        vf dy = vf_set(j->top) - vf_convert_to(y), e[3];
         for (int k = 0; k < 3; k++) e[k] = vf_load(b->ny[k]) * dy + vf_load(b->nz[k]);
         vf row_w = vf_load(b->wy) * dy + vf_load(b->wz);
         for (int column = 0; column < TINY_SIDE; column++) {
-            vbits lanes = column ? rows & vm_bits(vi_lt(vi_set(column - 1), wide)) : rows;
+            vbits lanes = column ? rows & vbits_from_mask(vi_lt(vi_set(column - 1), wide)) : rows;
             if (!lanes) break;
             vi x = x0 + vi_set(column), place = y * DAFT_TILE_STRIDE + x;
-            vf dx = vf_set(j->left) + vf_from_int(x), least = vf_set(INFINITY);
+            vf dx = vf_set(j->left) + vf_convert_to(x), least = vf_set(INFINITY);
             for (int k = 0; k < 3; k++) least = vf_min(vf_load(b->nx[k]) * dx + e[k], least);
             vf w = vf_min(vf_load(b->wx) * dx + row_w, vf_load(b->w_cap));
-            lanes &= vm_bits(vf_le(outer, least));
-            if (LOOKS_AHEAD) lanes &= ~vm_bits(vf_lt(w + error, vf_gather(j->w_low, place)));
+            lanes &= vbits_from_mask(vf_le(outer, least));
+            if (LOOKS_AHEAD) lanes &= ~vbits_from_mask(vf_lt(w + error, vf_gather_index(j->w_low, place)));
             add_hits(&hits, lanes, place, vi_iota(), vf_lt(sure, least), w);
         }
     }
@@ -377,27 +377,27 @@ static vbits spans_setup(const daft_tile_job *j, const daft_pencil_batch *b, vbi
 {
     vi x0, y0, wide, high, stride = vi_set(DAFT_TILE_STRIDE), one = vi_set(1), length = vi_set(THIN_LONG);
     boxes_of(b, &x0, &y0, &wide, &high);
-    some &= vm_bits(vm_or(vi_lt(length, wide), vi_lt(length, high)));
+    some &= vbits_from_mask(vm_or(vi_lt(length, wide), vi_lt(length, high)));
     if (__builtin_popcount(some) < THIN_LEAST) return 0;
     vm flat = vi_lt(high, wide);
-    vi last_row = vi_select(flat, wide, high);
-    vf last = vf_from_int(vi_select(flat, high, wide)), middle = vf_from_int(last_row) * vf_set(0.5f), from = vf_set(1 - SPAN_SLACK), to = last;
-    vf dx = vf_set(j->left) + vf_from_int(x0), dy = vf_set(j->top) - vf_from_int(y0), outer = vf_set(j->exact ? -1.0f : 0.0f);
+    vi last_row = vi_if_then_else(flat, wide, high);
+    vf last = vf_convert_to(vi_if_then_else(flat, high, wide)), middle = vf_convert_to(last_row) * vf_set(0.5f), from = vf_set(1 - SPAN_SLACK), to = last;
+    vf dx = vf_set(j->left) + vf_convert_to(x0), dy = vf_set(j->top) - vf_convert_to(y0), outer = vf_set(j->exact ? -1.0f : 0.0f);
     for (int k = 0; k < 3; k++) {
         vf nx = vf_load(b->nx[k]), ny = vf_load(b->ny[k]), nz = vf_load(b->nz[k]);
         vf size = vf_abs(nx) * vf_set(j->max_dx) + vf_abs(ny) * vf_set(j->max_dy) + vf_abs(nz);
-        vf across = vf_select(flat, -ny, nx), inverse = vf_set(1) / across;
-        vf at = (outer - vf_set(8 * UNIT) * size - (nx * dx + (ny * dy + nz))) * inverse, slope = vf_select(flat, -nx, ny) * inverse;
+        vf across = vf_if_then_else(flat, -ny, nx), inverse = vf_set(1) / across;
+        vf at = (outer - vf_set(8 * UNIT) * size - (nx * dx + (ny * dy + nz))) * inverse, slope = vf_if_then_else(flat, -nx, ny) * inverse;
         vm known = vf_lt(vf_abs(at) + vf_abs(slope) * vf_set(DAFT_TILE), vf_set(SPAN_PARTS)), below = vf_lt(vf_set(0), across);
-        vf least = vf_select(vm_and(known, below), at + vf_set(1 - 2 * SPAN_SLACK), vf_set(-INFINITY));
-        vf most = vf_select(vm_and(known, vm_not(below)), at + vf_set(SPAN_SLACK), vf_set(INFINITY));
-        slope = vf_select(known, slope, vf_set(0));
+        vf least = vf_if_then_else(vm_and(known, below), at + vf_set(1 - 2 * SPAN_SLACK), vf_set(-INFINITY));
+        vf most = vf_if_then_else(vm_and(known, vm_not(below)), at + vf_set(SPAN_SLACK), vf_set(INFINITY));
+        slope = vf_if_then_else(known, slope, vf_set(0));
         from = vf_max(from, least + slope * middle), to = vf_min(to, most + slope * middle);
         vf_store(s->low[k], least), vf_store(s->high[k], most), vf_store(s->slope[k], slope);
     }
     vi_store(s->last_row, last_row), vf_store(s->last, last);
-    vi_store(s->place, y0 * stride + x0), vi_store(s->row_step, vi_select(flat, one, stride)), vi_store(s->step, vi_select(flat, stride, one));
-    return some & vm_bits(vf_lt(to, from + vf_set(THIN_WIDTH - 1)));
+    vi_store(s->place, y0 * stride + x0), vi_store(s->row_step, vi_if_then_else(flat, one, stride)), vi_store(s->step, vi_if_then_else(flat, stride, one));
+    return some & vbits_from_mask(vf_lt(to, from + vf_set(THIN_WIDTH - 1)));
 }
 
 /* The pixels that lane i may cover: place | i << 16. Gives how many. */
@@ -406,16 +406,16 @@ DAFT_INLINE uint32_t spans_list(const spans *s, int i, uint32_t *list)
     vi first = vi_iota() * vi_set(s->row_step[i]) + vi_set(s->place[i] | i << 16), step = vi_set(s->step[i]);
     uint32_t count = 0;
     for (int row = 0; row <= s->last_row[i]; row += DAFT_VL) {
-        vf u = vf_from_int(vi_iota() + vi_set(row)), low = vf_set(1 - SPAN_SLACK), high = vf_set(s->last[i]);
+        vf u = vf_convert_to(vi_iota() + vi_set(row)), low = vf_set(1 - SPAN_SLACK), high = vf_set(s->last[i]);
         for (int k = 0; k < 3; k++) {
             vf more = vf_set(s->slope[k][i]) * u;
             low = vf_max(vf_set(s->low[k][i]) + more, low), high = vf_min(vf_set(s->high[k][i]) + more, high);
         }
-        vi v = vi_truncate(low), at = first + v * step;
-        vf column = vf_from_int(v);
-        vbits lanes = vbits_first(s->last_row[i] + 1 - row) & vm_bits(vf_le(column, high));
-        for (; lanes; lanes &= vm_bits(vf_le(column, high))) {
-            vi_compress(&list[count], lanes, at);
+        vi v = vi_convert_to(low), at = first + v * step;
+        vf column = vf_convert_to(v);
+        vbits lanes = vbits_first_n(s->last_row[i] + 1 - row) & vbits_from_mask(vf_le(column, high));
+        for (; lanes; lanes &= vbits_from_mask(vf_le(column, high))) {
+            vi_compress_store(&list[count], lanes, at);
             count += (uint32_t)__builtin_popcount(lanes);
             column += vf_set(1), at += step;
         }
@@ -431,16 +431,16 @@ static void draw_listed(daft_tile_job *j, const daft_pencil_batch *b, const uint
     hit_list hits;
     hits.count = 0;
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
-        vbits lanes = vbits_first((int)(count - i));
-        vi listed = vi_select(vm_from_bits(lanes), vi_load(&list[i]), vi_set(0));
+        vbits lanes = vbits_first_n((int)(count - i));
+        vi listed = vi_if_then_else(vm_from_bits(lanes), vi_load(&list[i]), vi_set(0));
         vi lane = listed >> 16, place = listed & vi_set(0xffff), y = place >> 5;
-        vf dx = vf_set(j->left) + vf_from_int(place & vi_set(DAFT_TILE_STRIDE - 1)), dy = vf_set(j->top) - vf_from_int(y), least = vf_set(INFINITY);
+        vf dx = vf_set(j->left) + vf_convert_to(place & vi_set(DAFT_TILE_STRIDE - 1)), dy = vf_set(j->top) - vf_convert_to(y), least = vf_set(INFINITY);
         for (int k = 0; k < 3; k++)
-            least = vf_min(vf_lookup(b->nx[k], lane) * dx + (vf_lookup(b->ny[k], lane) * dy + vf_lookup(b->nz[k], lane)), least);
-        vf w = vf_lookup(b->wx, lane) * dx + (vf_lookup(b->wy, lane) * dy + vf_lookup(b->wz, lane));
-        vf error = j->exact ? vf_lookup(b->error, lane) : vf_set(0);
-        w = vf_min(w, vf_lookup(b->w_cap, lane));
-        lanes &= vm_bits(vf_le(outer, least)) & ~vm_bits(vf_lt(w + error, vf_gather(j->w_low, place)));
+            least = vf_min(vf_table_lookup(b->nx[k], lane) * dx + (vf_table_lookup(b->ny[k], lane) * dy + vf_table_lookup(b->nz[k], lane)), least);
+        vf w = vf_table_lookup(b->wx, lane) * dx + (vf_table_lookup(b->wy, lane) * dy + vf_table_lookup(b->wz, lane));
+        vf error = j->exact ? vf_table_lookup(b->error, lane) : vf_set(0);
+        w = vf_min(w, vf_table_lookup(b->w_cap, lane));
+        lanes &= vbits_from_mask(vf_le(outer, least)) & ~vbits_from_mask(vf_lt(w + error, vf_gather_index(j->w_low, place)));
         add_hits(&hits, lanes, place, lane, vf_lt(sure, least), w);
     }
     offer_hits(j, b, &hits);
@@ -503,13 +503,13 @@ DAFT_INLINE void leave_hidden(const daft_tile_job *j, bool exact, daft_hits *h)
 {
     uint32_t n = 0, count = h->count;
     for (uint32_t k = 0; k < count; k += DAFT_VL) {
-        vbits lanes = vbits_first((int)(count - k));
-        vi place = vi_select(vm_from_bits(lanes), vi_load(&h->place[k]), vi_set(0));
+        vbits lanes = vbits_first_n((int)(count - k));
+        vi place = vi_if_then_else(vm_from_bits(lanes), vi_load(&h->place[k]), vi_set(0));
         vf low = vf_load(&h->low[k]), high = exact ? vf_load(&h->high[k]) : low;
-        lanes &= ~vm_bits(vf_lt(high, vf_gather(j->w_low, place & vi_set(DAFT_HIT_UNSURE - 1))));
-        vi_compress(&h->place[n], lanes, place);
-        vf_compress(&h->low[n], lanes, low);
-        if (exact) vf_compress(&h->high[n], lanes, high);
+        lanes &= ~vbits_from_mask(vf_lt(high, vf_gather_index(j->w_low, place & vi_set(DAFT_HIT_UNSURE - 1))));
+        vi_compress_store(&h->place[n], lanes, place);
+        vf_compress_store(&h->low[n], lanes, low);
+        if (exact) vf_compress_store(&h->high[n], lanes, high);
         n += (uint32_t)__builtin_popcount(lanes);
     }
     h->count = n;
@@ -567,20 +567,20 @@ void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_seen *seen, int 
             vf inverse = one / (dx * dx + dy * dy + vfocal * vfocal), along = (dx * vx + dy * vy + vfocal * vz) * inverse;
             vf ax = vx - dx * along, ay = vy - dy * along, az = vz - vfocal * along;
             vf disc = r2 - (ax * ax + ay * ay + az * az);
-            vbits lanes = DAFT_ALL_LANES & ~vm_bits(vf_lt(disc, -doubt));
+            vbits lanes = DAFT_ALL_LANES & ~vbits_from_mask(vf_lt(disc, -doubt));
             if (!lanes) continue;
-            vbits unsure = lanes & ~vm_bits(vf_lt(doubt, disc));
+            vbits unsure = lanes & ~vbits_from_mask(vf_lt(doubt, disc));
             vf chord = vf_sqrt(vf_max(disc, vf_set(0))), half = chord * vf_sqrt(inverse);
             vf error = vf_set(2) * doubt / vf_max(chord, root_doubt) + rounding;
             vf near = (along - half) * vfocal, far = (along + half) * vfocal;
-            vbits ahead = vm_bits(vf_lt(error, near)), behind = vm_bits(vf_lt(near, -error));
-            vbits inside = vm_bits(vf_lt(error, far)) & behind;
+            vbits ahead = vbits_from_mask(vf_lt(error, near)), behind = vbits_from_mask(vf_lt(near, -error));
+            vbits inside = vbits_from_mask(vf_lt(error, far)) & behind;
             unsure |= lanes & ~ahead & ~inside;
-            lanes &= ~(behind & vm_bits(vf_lt(far, -error)));
-            vf z = vf_select(vm_from_bits(ahead), near, far), low = z - error, high = z + error;
+            lanes &= ~(behind & vbits_from_mask(vf_lt(far, -error)));
+            vf z = vf_if_then_else(vm_from_bits(ahead), near, far), low = z - error, high = z + error;
             vm known = vm_from_bits(ahead | inside); /* then both are positive */
-            vf w_low = vf_select(known, vf_set(1 - 4 * UNIT) / vf_max(high, tiny), -inf);
-            vf w_high = vf_select(known, vf_set(1 + 4 * UNIT) / vf_max(low, tiny), inf);
+            vf w_low = vf_if_then_else(known, vf_set(1 - 4 * UNIT) / vf_max(high, tiny), -inf);
+            vf w_high = vf_if_then_else(known, vf_set(1 + 4 * UNIT) / vf_max(low, tiny), inf);
             offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), &t, lanes, unsure & lanes, w_low, w_high);
         }
     }

@@ -30,12 +30,12 @@ DAFT_INLINE vbits hidden_lanes(daft_tile_job *j, vi pixels, vf nearest, vbits la
 {
     vi byte = vi_set(255), x0 = pixels & byte, x1 = pixels >> 8 & byte;
     vi y0 = (pixels >> 16 & byte) * DAFT_TILE_STRIDE, y1 = (pixels >> 24 & byte) * DAFT_TILE_STRIDE;
-    vf w = vf_min(vf_gather(j->w_low, y0 + x0), vf_gather(j->w_low, y1 + x1));
-    vbits gone = lanes & ~vm_bits(vf_le(w, nearest));
-    if (!(gone & vm_bits(vi_lt(vi_set(1), (x1 - x0) + (y1 - y0))))) return gone;
-    w = vf_min(vf_gather(j->w_low, y0 + x1), vf_gather(j->w_low, y1 + x0));
-    gone &= ~vm_bits(vf_le(w, nearest));
-    vbits large = gone & ~vm_bits(vm_and(vi_lt(x1 - x0, vi_set(2)), vi_lt(y1 - y0, vi_set(2 * DAFT_TILE_STRIDE))));
+    vf w = vf_min(vf_gather_index(j->w_low, y0 + x0), vf_gather_index(j->w_low, y1 + x1));
+    vbits gone = lanes & ~vbits_from_mask(vf_le(w, nearest));
+    if (!(gone & vbits_from_mask(vi_lt(vi_set(1), (x1 - x0) + (y1 - y0))))) return gone;
+    w = vf_min(vf_gather_index(j->w_low, y0 + x1), vf_gather_index(j->w_low, y1 + x0));
+    gone &= ~vbits_from_mask(vf_le(w, nearest));
+    vbits large = gone & ~vbits_from_mask(vm_and(vi_lt(x1 - x0, vi_set(2)), vi_lt(y1 - y0, vi_set(2 * DAFT_TILE_STRIDE))));
     if (!large) return gone;
     uint32_t box[DAFT_VL];
     float least[DAFT_VL];

@@ -2,13 +2,13 @@
 #ifndef DAFT_RASTER_KERNELS_H
 #define DAFT_RASTER_KERNELS_H
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "raster/raster.h"
 
 DAFT_KERNEL_DECLARE(daft_raster_kernels, daft_raster);
 
 #ifdef DAFT_ISA
-#include "math/simd.h"
+#include "math/simd/ops.h"
 
 enum {
     DAFT_WINDOW_W = 4, /* pixels of a SIMD register */

@@ -14,7 +14,7 @@
  * Depth: the pixel is the mean of the corners, weighted by the edge functions, and so is 1/z. With weights that are off by D, and
  * their sum by as much again, the mean is off by less than 4D·(the largest 1/z - the least)/sum, and by 16u of the largest from
  * roundings. */
-#include "math/simd_pick.h"
+#include "math/simd/ops.h"
 #include "raster/blocks.h"
 
 enum { PATCH_PARTS = DAFT_PATCH / DAFT_VL };
@@ -23,8 +23,8 @@ enum { PATCH_PARTS = DAFT_PATCH / DAFT_VL };
 DAFT_INLINE void pixel_range(vf low, vf high, float last, float most, vi *first, vi *end)
 {
     vf slack = vf_set(DAFT_SCREEN_SLACK), up = vf_set(1 - 0x1p-12f - DAFT_SCREEN_SLACK);
-    *first = vi_truncate(vf_min(vf_max(low + up, vf_set(0)), vf_set(most)));
-    *end = vi_truncate(vf_min(high + slack, vf_set(last)));
+    *first = vi_convert_to(vf_min(vf_max(low + up, vf_set(0)), vf_set(most)));
+    *end = vi_convert_to(vf_min(high + slack, vf_set(last)));
 }
 
 DAFT_INLINE void edges_at(const vf a[3], const vf b[3], vf e[3])
@@ -82,29 +82,29 @@ DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], vbits one_sided, 
     vf low_y = vf_min(vf_min(y[0], y[1]), y[2]), high_y = vf_max(vf_max(y[0], y[1]), y[2]);
     vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
     vf doubt = doubt_of(v->reach, (high_x - low_x) + (high_y - low_y), -4);
-    vbits out = one_sided & vm_bits(vf_lt(v->front < 0 ? -area : area, doubt));
+    vbits out = one_sided & vbits_from_mask(vf_lt(v->front < 0 ? -area : area, doubt));
     *little = v->closely ? 0 : DAFT_ALL_LANES;
     /* A triangle through the camera's plane may reach anywhere. */
     vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z), most = vf_max(vf_max(corner[0].z, corner[1].z), corner[2].z);
     vm front = vf_lt(zero, least);
-    low_x = vf_select(front, low_x, zero), high_x = vf_select(front, high_x, vf_set(DAFT_TILE));
-    low_y = vf_select(front, low_y, zero), high_y = vf_select(front, high_y, vf_set(DAFT_TILE));
-    *little &= vm_bits(front), out = (out & vm_bits(front)) | ~vm_bits(vf_lt(zero, most));
+    low_x = vf_if_then_else(front, low_x, zero), high_x = vf_if_then_else(front, high_x, vf_set(DAFT_TILE));
+    low_y = vf_if_then_else(front, low_y, zero), high_y = vf_if_then_else(front, high_y, vf_set(DAFT_TILE));
+    *little &= vbits_from_mask(front), out = (out & vbits_from_mask(front)) | ~vbits_from_mask(vf_lt(zero, most));
     pixel_range(low_x, high_x, v->last_x, 2 * DAFT_TILE, &b->x0, &b->x1);
     pixel_range(low_y, high_y, v->last_y, 2 * DAFT_TILE, &b->y0, &b->y1);
-    *little &= vm_bits(vi_lt((b->x1 - b->x0) | (b->y1 - b->y0), vi_set(2)));
-    return DAFT_ALL_LANES & ~(out | vm_bits(vi_lt(b->x1, b->x0)) | vm_bits(vi_lt(b->y1, b->y0)));
+    *little &= vbits_from_mask(vi_lt((b->x1 - b->x0) | (b->y1 - b->y0), vi_set(2)));
+    return DAFT_ALL_LANES & ~(out | vbits_from_mask(vi_lt(b->x1, b->x0)) | vbits_from_mask(vi_lt(b->y1, b->y0)));
 }
 
 /* Small triangles go side by side. */
 DAFT_INLINE uint32_t add_small(daft_projected *out, uint32_t n, const spot at[3], vi triangle, vbits lanes)
 {
     for (int k = 0; k < 3; k++) {
-        vf_compress(&out->x[k][n], lanes, at[k].x);
-        vf_compress(&out->y[k][n], lanes, at[k].y);
-        vf_compress(&out->scale[k][n], lanes, at[k].scale);
+        vf_compress_store(&out->x[k][n], lanes, at[k].x);
+        vf_compress_store(&out->y[k][n], lanes, at[k].y);
+        vf_compress_store(&out->scale[k][n], lanes, at[k].scale);
     }
-    vi_compress(&out->triangle[n], lanes, triangle);
+    vi_compress_store(&out->triangle[n], lanes, triangle);
     return n + (uint32_t)__builtin_popcount(lanes);
 }
 
@@ -112,9 +112,9 @@ DAFT_INLINE uint32_t add_small(daft_projected *out, uint32_t n, const spot at[3]
 DAFT_INLINE void add_large(daft_waiting *out, const lens *v, const vf3 corner[3], vi pixels, vbits one_sided, uint32_t instance, vi triangle, vbits lanes)
 {
     vi flags = vi_set((int32_t)(DAFT_WAITS_ONE_SIDED | (v->front < 0 ? DAFT_WAITS_TURNED : 0)));
-    pixels |= vi_select(vm_from_bits(one_sided), flags, vi_set(0));
+    pixels |= vi_if_then_else(vm_from_bits(one_sided), flags, vi_set(0));
     vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z);
-    vf nearest = vf_select(vf_lt(vf_set(0), least), vf_set(1 + 4 * UNIT) / least, vf_set(INFINITY));
+    vf nearest = vf_if_then_else(vf_lt(vf_set(0), least), vf_set(1 + 4 * UNIT) / least, vf_set(INFINITY));
     waiting_add(out, corner, pixels, nearest, instance, triangle, lanes);
 }
 
@@ -134,7 +134,7 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen 
             corner[k] = move(&v.map, (vf3){blocks_load(all, k, 0), blocks_load(all, k, 1), blocks_load(all, k, 2)});
             at[k] = spot_of(&v, &corner[k]);
         }
-        vbits there = ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(some * DAFT_BLOCK)), little;
+        vbits there = ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first_n((int)(some * DAFT_BLOCK)), little;
         vbits one_sided = v.front ? blocks_sides(seen, &blocks[i], some) : 0;
         vbits lanes = there & may_be_seen(&v, at, one_sided, corner, &pixels, &little);
         n = add_small(&out->projected, n, at, triangle, lanes & little);
@@ -167,7 +167,7 @@ DAFT_INLINE vi words_of(vf x, vf y)
 {
     const vf most = vf_set((DAFT_TILE + OUTSIDE) * PARTS - 1), parts = vf_set(PARTS);
     vi least = vi_set(-OUTSIDE * PARTS), middle = vi_set(MIDDLE * PARTS);
-    vi column = vi_max(vi_truncate(vf_min(x * parts, most)), least) - middle, row = vi_max(vi_truncate(vf_min(y * parts, most)), least) - middle;
+    vi column = vi_max(vi_convert_to(vf_min(x * parts, most)), least) - middle, row = vi_max(vi_convert_to(vf_min(y * parts, most)), least) - middle;
     return row << 16 | (column & vi_set(0xffff));
 }
 
@@ -242,15 +242,15 @@ static void find_seen(const daft_tile_job *job, patch_work *w)
             vw from, to;
             for (int k = 0; k < 3; k++) {
                 const uint8_t *which = &p->at[k][part * DAFT_VL];
-                x[k] = vf_pick_bytes(w->corners[i].x, which), y[k] = vf_pick_bytes(w->corners[i].y, which);
-                words[k] = (vi)vf_pick_bytes((const float *)(const void *)w->corners[i].words, which);
+                x[k] = vf_table_lookup16_u8(w->corners[i].x, which), y[k] = vf_table_lookup16_u8(w->corners[i].y, which);
+                words[k] = (vi)vf_table_lookup16_u8((const float *)(const void *)w->corners[i].words, which);
             }
             vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
-            vbits back = vm_bits(vf_lt(area * vf_set(w->side[i]), vf_set(w->doubt[i])));
+            vbits back = vbits_from_mask(vf_lt(area * vf_set(w->side[i]), vf_set(w->doubt[i])));
             words_range(words, last, &from, &to);
             vi span = (vi)(to - from);
-            vbits lanes = (p->there & ~(p->one_sided & back << (part * DAFT_VL))) >> (part * DAFT_VL) & vm_bits(vi_eq(span & below, none));
-            vbits little = vm_bits(vi_eq(span & more, none)) & may_be_small, large = lanes & ~little;
+            vbits lanes = (p->there & ~(p->one_sided & back << (part * DAFT_VL))) >> (part * DAFT_VL) & vbits_from_mask(vi_eq(span & below, none));
+            vbits little = vbits_from_mask(vi_eq(span & more, none)) & may_be_small, large = lanes & ~little;
             w->small[i * PATCH_PARTS + part] = lanes & little, w->large[i * PATCH_PARTS + part] = large;
             some_large |= large;
         }
@@ -264,8 +264,8 @@ static uint32_t list_parts(const vbits *lanes, uint32_t count, uint32_t *list)
 {
     uint32_t n = 0;
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
-        vbits some = vbits_first((int)(count - i)) & ~vm_bits(vi_eq(vi_load(&lanes[i]), vi_set(0)));
-        vi_compress(&list[n], some, vi_iota() + vi_set((int32_t)i));
+        vbits some = vbits_first_n((int)(count - i)) & ~vbits_from_mask(vi_eq(vi_load(&lanes[i]), vi_set(0)));
+        vi_compress_store(&list[n], some, vi_iota() + vi_set((int32_t)i));
         n += (uint32_t)__builtin_popcount(some);
     }
     return n;
@@ -280,7 +280,7 @@ static void add_small_ones(const patch_work *w, daft_projected *out)
         spot at[3];
         for (int corner = 0; corner < 3; corner++) {
             const uint8_t *which = &p->at[corner][first];
-            at[corner] = (spot){vf_pick_bytes(w->corners[i].x, which), vf_pick_bytes(w->corners[i].y, which), vf_pick_bytes(w->corners[i].scale, which)};
+            at[corner] = (spot){vf_table_lookup16_u8(w->corners[i].x, which), vf_table_lookup16_u8(w->corners[i].y, which), vf_table_lookup16_u8(w->corners[i].scale, which)};
         }
         memset(&out->member[n], w->member[i], DAFT_VL);
         n = add_small(out, n, at, vi_load(&p->triangle[first]), w->small[list[k]]);
@@ -302,9 +302,9 @@ static void add_large_ones(const daft_tile_job *job, const daft_seen *seen, cons
         vw low, high;
         patch_move(&v, p, &m);
         for (int c = 0; c < 3; c++) {
-            vi which = vi_load_bytes(&p->at[c][first]);
-            corner[c] = (vf3){vf_pick16(m.x, which), vf_pick16(m.y, which), vf_pick16(m.z, which)};
-            words[c] = (vi)vf_pick_bytes((const float *)(const void *)w->corners[i].words, &p->at[c][first]);
+            vi which = vi_load_u8(&p->at[c][first]);
+            corner[c] = (vf3){vf_table_lookup16((const float *)m.x, which), vf_table_lookup16((const float *)m.y, which), vf_table_lookup16((const float *)m.z, which)};
+            words[c] = (vi)vf_table_lookup16_u8((const float *)(const void *)w->corners[i].words, &p->at[c][first]);
         }
         words_range(words, last_words(job), &low, &high);
         vi pixels = (vi)(low + vw_set(MIDDLE, MIDDLE)) | (vi)(high + vw_set(MIDDLE, MIDDLE)) << 8;
@@ -358,27 +358,27 @@ DAFT_INLINE void cover_pixel(bool exact, const small *s, int pixel, vbits lanes,
     edges_at(s->a[pixel & 1], s->b[pixel >> 1], e);
     vf inner = vf_min(vf_min(e[0], e[1]), e[2]), w = s->base + (e[1] * s->slope[0] + e[2] * s->slope[1]), low = w;
     if (exact) {
-        lanes &= vm_bits(vf_le(vf_set(-2.25f) * s->doubt, inner));
+        lanes &= vbits_from_mask(vf_le(vf_set(-2.25f) * s->doubt, inner));
         vm sure = vf_le(s->doubt, inner);
-        low = vf_select(sure, w - s->error, s->least);
-        vf_store(c->high[i][pixel], vf_select(sure, w + s->error, s->most));
-        c->unsure[i][pixel] = lanes & ~vm_bits(sure);
+        low = vf_if_then_else(sure, w - s->error, s->least);
+        vf_store(c->high[i][pixel], vf_if_then_else(sure, w + s->error, s->most));
+        c->unsure[i][pixel] = lanes & ~vbits_from_mask(sure);
     } else
-        lanes &= vm_bits(vf_le(vf_set(0), inner));
+        lanes &= vbits_from_mask(vf_le(vf_set(0), inner));
     vf_store(c->low[i][pixel], low);
     c->lanes[i][pixel] = lanes;
 }
 
 DAFT_INLINE void small_setup(const daft_tile_job *job, bool exact, const vf x[3], const vf y[3], const vf scale[3], vi x0, vi y0, small *s)
 {
-    vf px = vf_from_int(x0), py = vf_from_int(y0), one = vf_set(1), e[3], over_focal = vf_set(1 / job->raster->pencil.focal);
+    vf px = vf_convert_to(x0), py = vf_convert_to(y0), one = vf_set(1), e[3], over_focal = vf_set(1 / job->raster->pencil.focal);
     for (int k = 0; k < 3; k++) s->a[0][k] = x[k] - px, s->b[0][k] = y[k] - py;
     edges_at(s->a[0], s->b[0], e);
     vf area = e[0] + e[1] + e[2];
     vi sign = (vi)area & vi_set(INT32_MIN);
     for (int k = 0; k < 3; k++) {
-        s->a[1][k] = s->a[0][k] - one, s->b[1][k] = vf_xor_sign(s->b[0][k] - one, sign);
-        s->b[0][k] = vf_xor_sign(s->b[0][k], sign);
+        s->a[1][k] = s->a[0][k] - one, s->b[1][k] = vf_xor(s->b[0][k] - one, sign);
+        s->b[0][k] = vf_xor(s->b[0][k], sign);
     }
     vf inverse = over_focal / vf_abs(area);
     s->base = scale[0] * over_focal, s->slope[0] = (scale[1] - scale[0]) * inverse, s->slope[1] = (scale[2] - scale[0]) * inverse;
@@ -400,9 +400,9 @@ DAFT_INLINE void cover(const daft_tile_job *job, bool exact, const daft_projecte
     for (int k = 0; k < 3; k++) x[k] = vf_load(&from->x[k][at]), y[k] = vf_load(&from->y[k][at]), scale[k] = vf_load(&from->scale[k][at]);
     pixel_range(vf_min(vf_min(x[0], x[1]), x[2]), vf_max(vf_max(x[0], x[1]), x[2]), job->last_x, job->last_x, &b.x0, &b.x1);
     pixel_range(vf_min(vf_min(y[0], y[1]), y[2]), vf_max(vf_max(y[0], y[1]), y[2]), job->last_y, job->last_y, &b.y0, &b.y1);
-    vbits lanes = vbits_first((int)(from->count - at)), right = vm_bits(vi_lt(b.x0, b.x1)), below = vm_bits(vi_lt(b.y0, b.y1));
+    vbits lanes = vbits_first_n((int)(from->count - at)), right = vbits_from_mask(vi_lt(b.x0, b.x1)), below = vbits_from_mask(vi_lt(b.y0, b.y1));
     small_setup(job, exact, x, y, scale, b.x0, b.y0, &s);
-    if (!exact) lanes &= vm_bits(vf_lt(vf_abs(s.slope[0]) + vf_abs(s.slope[1]), vf_set(INFINITY)));
+    if (!exact) lanes &= vbits_from_mask(vf_lt(vf_abs(s.slope[0]) + vf_abs(s.slope[1]), vf_set(INFINITY)));
     vi_store(c->place[i], b.y0 * DAFT_TILE_STRIDE + b.x0 + ((vi_iota() + vi_set((int32_t)at)) << DAFT_HIT_TRIANGLE));
     cover_pixel(exact, &s, 0, lanes, c, i);
     cover_pixel(exact, &s, 1, lanes & right, c, i);
@@ -425,11 +425,11 @@ DAFT_INLINE uint32_t add_hits(bool exact, const coverage *c, uint32_t i, int pix
     vbits lanes = c->lanes[i][pixel];
     vi place = vi_load(c->place[i]) + vi_set((pixel >> 1) * DAFT_TILE_STRIDE + (pixel & 1));
     if (exact) {
-        place |= vi_select(vm_from_bits(c->unsure[i][pixel]), vi_set(DAFT_HIT_UNSURE), vi_set(0));
-        vf_compress(&out->high[n], lanes, vf_load(c->high[i][pixel]));
+        place |= vi_if_then_else(vm_from_bits(c->unsure[i][pixel]), vi_set(DAFT_HIT_UNSURE), vi_set(0));
+        vf_compress_store(&out->high[n], lanes, vf_load(c->high[i][pixel]));
     }
-    vi_compress(&out->place[n], lanes, place);
-    vf_compress(&out->low[n], lanes, vf_load(c->low[i][pixel]));
+    vi_compress_store(&out->place[n], lanes, place);
+    vf_compress_store(&out->low[n], lanes, vf_load(c->low[i][pixel]));
     return n + (uint32_t)__builtin_popcount(lanes);
 }
 

@@ -1,7 +1,7 @@
 /* The pencil's first pass: instances against the camera's frustum, and into tiles by their projected bounds. */
 #include "raster/raster.h"
 #include "math/exact.h"
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "raster/kernels.h"
 
 #include <string.h>

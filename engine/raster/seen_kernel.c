@@ -1,7 +1,7 @@
 /* Instances of meshes as the camera sees them, DAFT_VL of them at a time: what raster.c does for one, operation for
  * operation in double, so that the bits are the same. */
 #include "accel/bound_lanes.h"
-#include "math/simd_pick.h"
+#include "math/simd/ops.h"
 #include "raster/kernels.h"
 
 /* What is read of instances and meshes, by lane; a mesh that nothing is known of the sides of has `middle` 0. */
@@ -32,7 +32,7 @@ static void read_group(const daft_instance *instances, group *g)
         const double *middle = sides ? &sides->middle.x : (const double[3]){0};
         for (int k = 0; k < 3; k++) g->middle[k][i] = middle[k];
     }
-    for (int k = 0; k < 12; k += 4) vf_load_rows4(frames, k, g->frame + k);
+    for (int k = 0; k < 12; k += 4) vf_gather_rows4(frames, k, g->frame + k);
     daft_bounded_read(instances, &g->meshes);
 }
 
@@ -46,8 +46,8 @@ static void map_group(const daft_pencil *p, const group *g, views *v)
             int at = j < 3 ? j : 9, step = j < 3 ? 3 : 1;
             vf a = g->frame[at], b = g->frame[at + step], c = g->frame[at + 2 * step];
             vd part[2];
-            for (int h = 0; h < 2; h++) part[h] = x * vf_half(a, h) + y * vf_half(b, h) + z * vf_half(c, h);
-            vf_store(v->map[j < 3 ? 3 * i + j : 9 + i], vf_join(part[0], part[1]));
+            for (int h = 0; h < 2; h++) part[h] = x * vd_promote_half(a, h) + y * vd_promote_half(b, h) + z * vd_promote_half(c, h);
+            vf_store(v->map[j < 3 ? 3 * i + j : 9 + i], vf_demote2(part[0], part[1]));
         }
     }
 }
@@ -65,9 +65,9 @@ static vm all_finite(float (*values)[DAFT_VL])
 DAFT_INLINE vl beside(const daft_pencil *p, const views *v, int h)
 {
     vd half_x = vd_set((double)p->width * 0.5 + 1), half_y = vd_set((double)p->height * 0.5 + 1), f = vd_set((double)p->focal);
-    vd z = vf_half(vf_load(v->high[2]), h);
-    return (vl)(vf_half(vf_load(v->low[0]), h) * f > z * half_x) | (vl)(-vf_half(vf_load(v->high[0]), h) * f > z * half_x) |
-           (vl)(vf_half(vf_load(v->low[1]), h) * f > z * half_y) | (vl)(-vf_half(vf_load(v->high[1]), h) * f > z * half_y);
+    vd z = vd_promote_half(vf_load(v->high[2]), h);
+    return (vl)(vd_promote_half(vf_load(v->low[0]), h) * f > z * half_x) | (vl)(-vd_promote_half(vf_load(v->high[0]), h) * f > z * half_x) |
+           (vl)(vd_promote_half(vf_load(v->low[1]), h) * f > z * half_y) | (vl)(-vd_promote_half(vf_load(v->high[1]), h) * f > z * half_y);
 }
 
 /* To whole numbers, for magnitudes below 2^51. */
@@ -98,7 +98,7 @@ DAFT_INLINE vbits range_group(vf low, vf high, const views *v, const side *s, in
 {
     vd a[2], b[2], zero = {0}, last = vd_set(s->size - 1), beyond = last + 1;
     for (int h = 0; h < 2; h++) {
-        vd l = vf_half(low, h), u = vf_half(high, h), near = vf_half(vf_load(v->low[2]), h), far = vf_half(vf_load(v->high[2]), h);
+        vd l = vd_promote_half(low, h), u = vd_promote_half(high, h), near = vd_promote_half(vf_load(v->low[2]), h), far = vd_promote_half(vf_load(v->high[2]), h);
         vd x = s->focal * (l / vd_select((vl)(l < zero), near, far)) + s->centre;
         vd y = s->focal * (u / vd_select((vl)(u < zero), far, near)) + s->centre;
         x = vd_select((vl)(x < zero), zero, vd_select((vl)(x > beyond), beyond, x));
@@ -106,10 +106,10 @@ DAFT_INLINE vbits range_group(vf low, vf high, const views *v, const side *s, in
         vl before = (vl)(near > zero);
         a[h] = vd_select(before, vd_ceiling(x - 1e-3), zero), b[h] = vd_select(before, vd_floor(y + 1e-3), last);
     }
-    vf from = vf_join(a[0], a[1]), to = vf_join(b[0], b[1]);
-    vi_store(first, vi_truncate(from)), vi_store(end, vi_truncate(to));
+    vf from = vf_demote2(a[0], a[1]), to = vf_demote2(b[0], b[1]);
+    vi_store(first, vi_convert_to(from)), vi_store(end, vi_convert_to(to));
     vm some = vm_and(vf_le(from, to), vf_le(from, vf_set((float)(s->size - 1))));
-    return vm_bits(vm_and(some, vf_le(vf_set(0), to)));
+    return vbits_from_mask(vm_and(some, vf_le(vf_set(0), to)));
 }
 
 static void place_group(const daft_pencil *p, views *v)
@@ -118,8 +118,8 @@ static void place_group(const daft_pencil *p, views *v)
     const side across = {(double)p->focal, daft_pencil_middle_x(p), p->width}, down = {(double)p->focal, daft_pencil_middle_y(p), p->height};
     vd apart[2];
     for (int h = 0; h < 2; h++) apart[h] = vd_select(beside(p, v, h), vd_set(1), vd_set(0));
-    v->seen = vm_bits(vm_and(vm_and(all_finite(v->low), all_finite(v->high)), vf_lt(zero, vf_load(v->high[2]))));
-    v->seen &= vm_bits(vf_lt(vf_join(apart[0], apart[1]), vf_set(1)));
+    v->seen = vbits_from_mask(vm_and(vm_and(all_finite(v->low), all_finite(v->high)), vf_lt(zero, vf_load(v->high[2]))));
+    v->seen &= vbits_from_mask(vf_lt(vf_demote2(apart[0], apart[1]), vf_set(1)));
     v->seen &= range_group(x0, x1, v, &across, v->first[0], v->end[0]);
     v->seen &= range_group(-y1, -y0, v, &down, v->first[1], v->end[1]);
 }
@@ -147,7 +147,7 @@ DAFT_INLINE void look_from(const group *g, const vd point[3], vl known, vd det, 
     vd square = {0};
     vl outside = {0};
     for (int k = 0; k < 3; k++) {
-        vd low = vf_half(vf_load(g->meshes.low[k]), h), high = vf_half(vf_load(g->meshes.high[k]), h), p = point[k];
+        vd low = vd_promote_half(vf_load(g->meshes.low[k]), h), high = vd_promote_half(vf_load(g->meshes.high[k]), h), p = point[k];
         vd pad = out->blur + vd_abs(p) * 1e-9, far = vd_larger(vd_abs(p - low), vd_abs(p - high));
         outside |= (vl)(p < low - pad) | (vl)(p > high + pad);
         square += far * far;
@@ -160,8 +160,8 @@ DAFT_INLINE void look_from(const group *g, const vd point[3], vl known, vd det, 
 static void outlook_half_of(const group *g, const views *v, int h, outlook_half *out)
 {
     vd m[9], t[3];
-    for (int i = 0; i < 9; i++) m[i] = vf_half(vf_load(v->map[i]), h);
-    for (int i = 0; i < 3; i++) t[i] = vf_half(vf_load(v->map[9 + i]), h);
+    for (int i = 0; i < 9; i++) m[i] = vd_promote_half(vf_load(v->map[i]), h);
+    for (int i = 0; i < 3; i++) t[i] = vd_promote_half(vf_load(v->map[9 + i]), h);
     const vd3 row[3] = {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}};
     const vd3 column[3] = {vd3_cross(row[1], row[2]), vd3_cross(row[2], row[0]), vd3_cross(row[0], row[1])};
     vd det = vd3_dot(row[0], column[0]), size = vd_sqrt(vd3_dot(row[0], row[0]) * vd3_dot(column[0], column[0])), inverse = 1 / det;
@@ -170,7 +170,7 @@ static void outlook_half_of(const group *g, const views *v, int h, outlook_half 
     for (int k = 0; k < 3; k++) {
         vd moved = {0}; /* moved_off_by */
         for (int j = 0; j < 3; j++) {
-            vd low = vd_abs(vf_half(vf_load(g->meshes.low[j]), h)), high = vd_abs(vf_half(vf_load(g->meshes.high[j]), h));
+            vd low = vd_abs(vd_promote_half(vf_load(g->meshes.low[j]), h)), high = vd_abs(vd_promote_half(vf_load(g->meshes.high[j]), h));
             moved += vd_abs(m[3 * k + j]) * vd_larger(low, high);
         }
         vd e = (4.01 * moved + 1.01 * vd_abs(t[k])) * 0x1p-24;
@@ -186,10 +186,10 @@ static void outlook_group(const group *g, views *v)
 {
     outlook_half half[2];
     for (int h = 0; h < 2; h++) outlook_half_of(g, v, h, &half[h]);
-    for (int k = 0; k < 3; k++) vf_store(v->outlook[k], vf_join(half[0].at[k], half[1].at[k]));
-    vf reach = vf_join(half[0].reach, half[1].reach), front = vf_join(half[0].front, half[1].front);
-    vf_store(v->outlook[3], reach), vf_store(v->outlook[4], vf_join(half[0].blur, half[1].blur));
-    vi_store(v->front, vi_truncate(vf_select(vf_lt(reach, vf_set(INFINITY)), front, vf_set(0))));
+    for (int k = 0; k < 3; k++) vf_store(v->outlook[k], vf_demote2(half[0].at[k], half[1].at[k]));
+    vf reach = vf_demote2(half[0].reach, half[1].reach), front = vf_demote2(half[0].front, half[1].front);
+    vf_store(v->outlook[3], reach), vf_store(v->outlook[4], vf_demote2(half[0].blur, half[1].blur));
+    vi_store(v->front, vi_convert_to(vf_if_then_else(vf_lt(reach, vf_set(INFINITY)), front, vf_set(0))));
 }
 
 /* ---- the whole ---- */

@@ -33,9 +33,9 @@ DAFT_INLINE vm pixel_span(vf low, vf high, float last, vf *first, vf *end)
 {
     vf zero = vf_set(0), one = vf_set(1);
     vf a = vf_max(low - vf_set(DAFT_SCREEN_SLACK), zero), b = vf_min(high + vf_set(DAFT_SCREEN_SLACK), vf_set(last));
-    vf floor_a = vf_from_int(vi_truncate(a)); /* a >= 0; NaN was turned to 0 by vf_max */
-    *first = floor_a + vf_select(vf_lt(floor_a, a), one, zero);
-    *end = vf_from_int(vi_truncate(b));
+    vf floor_a = vf_convert_to(vi_convert_to(a)); /* a >= 0; NaN was turned to 0 by vf_max */
+    *first = floor_a + vf_if_then_else(vf_lt(floor_a, a), one, zero);
+    *end = vf_convert_to(vi_convert_to(b));
     return vm_and(vf_le(zero, b), vf_le(*first, *end));
 }
 
@@ -54,12 +54,12 @@ DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const 
     }
     /* A triangle through the camera's plane may reach anywhere. */
     vm front = vf_lt(zero, least), some = vf_lt(zero, most);
-    x0 = vf_select(front, x0, zero), x1 = vf_select(front, x1, vf_set(job->last_x));
-    y0 = vf_select(front, y0, zero), y1 = vf_select(front, y1, vf_set(job->last_y));
+    x0 = vf_if_then_else(front, x0, zero), x1 = vf_if_then_else(front, x1, vf_set(job->last_x));
+    y0 = vf_if_then_else(front, y0, zero), y1 = vf_if_then_else(front, y1, vf_set(job->last_y));
     some = vm_and(some, pixel_span(x0, x1, job->last_x, &l->x0, &l->x1));
     some = vm_and(some, pixel_span(y0, y1, job->last_y, &l->y0, &l->y1));
-    l->nearest = vf_select(front, vf_set(1 + 4 * UNIT) / least, inf);
-    l->some = vm_bits(some);
+    l->nearest = vf_if_then_else(front, vf_set(1 + 4 * UNIT) / least, inf);
+    l->some = vbits_from_mask(some);
 }
 
 void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *seen, const daft_block *block,
@@ -116,7 +116,7 @@ DAFT_INLINE vi facing(bool exact, const edge *e, const lanes *l, vbits *live)
     const vf3 *c = &l->corner[2];
     vf det = vf3_dot(e[2].n, *c);
     vf bound = edge_bound(&e[2], vf_abs(c->x), vf_abs(c->y), vf_abs(c->z));
-    vbits unsure = exact ? *live & ~vm_bits(vf_lt(bound, vf_abs(det))) : 0;
+    vbits unsure = exact ? *live & ~vbits_from_mask(vf_lt(bound, vf_abs(det))) : 0;
     vi sign = (vi)det & vi_set(INT32_MIN);
     for (; unsure; unsure &= unsure - 1) {
         int i = __builtin_ctz(unsure);
@@ -126,7 +126,7 @@ DAFT_INLINE vi facing(bool exact, const edge *e, const lanes *l, vbits *live)
         if (known == 0) *live &= ~((vbits)1 << i);
         sign[i] = known < 0 ? INT32_MIN : 0;
     }
-    *live &= ~(l->one_sided & (vm_bits(vi_lt(sign, vi_set(0))) ^ l->turned));
+    *live &= ~(l->one_sided & (vbits_from_mask(vi_lt(sign, vi_set(0))) ^ l->turned));
     return sign;
 }
 
@@ -144,20 +144,20 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_b
     vf outer = vf_set(exact ? -1.0f : 0.0f), hopeless = vf_set(exact ? 0.0f : -1.0f), zero = vf_set(0);
     vbits out = 0, covers = DAFT_ALL_LANES;
     for (int k = 0; k < 3; k++) {
-        vf scale = vf_xor_sign(exact ? vf_rough_reciprocal(edge_bound(&e[k], dx, dy, dz)) : vf_set(1), sign);
+        vf scale = vf_xor(exact ? vf_approximate_reciprocal(edge_bound(&e[k], dx, dy, dz)) : vf_set(1), sign);
         vf3 n = {e[k].n.x * scale, e[k].n.y * scale, e[k].n.z * scale * dz};
         vm whole = vf_lt(vf_abs(n.x) * dx + vf_abs(n.y) * dy + vf_abs(n.z), inf);
-        n = (vf3){vf_select(whole, n.x, zero), vf_select(whole, n.y, zero), vf_select(whole, n.z, hopeless)};
+        n = (vf3){vf_if_then_else(whole, n.x, zero), vf_if_then_else(whole, n.y, zero), vf_if_then_else(whole, n.z, hopeless)};
         vf xa = n.x * x0, xb = n.x * x1, ya = n.y * y0 + n.z, yb = n.y * y1 + n.z;
-        out |= vm_bits(vf_lt(vf_max(xa, xb) + vf_max(ya, yb), outer));
+        out |= vbits_from_mask(vf_lt(vf_max(xa, xb) + vf_max(ya, yb), outer));
         vf least = vf_min(xa, xb) + vf_min(ya, yb);
-        covers &= vm_bits(exact ? vf_lt(vf_set(1), least) : vf_le(zero, least));
+        covers &= vbits_from_mask(exact ? vf_lt(vf_set(1), least) : vf_le(zero, least));
         vf_store(b->nx[k], n.x), vf_store(b->ny[k], n.y), vf_store(b->nz[k], n.z);
     }
     vm whole_tile = vm_and(vm_and(vf_le(l->x0, zero), vf_le(vf_set(job->last_x), l->x1)),
                            vm_and(vf_le(l->y0, zero), vf_le(vf_set(job->last_y), l->y1)));
     *live &= ~out;
-    b->covers = covers & vm_bits(whole_tile) & *live;
+    b->covers = covers & vbits_from_mask(whole_tile) & *live;
 }
 
 /* ---- depth ---- */
@@ -193,7 +193,7 @@ DAFT_INLINE vf3 side(const lanes *l, int k)
     return (vf3){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
-DAFT_INLINE vf3 vf3_select(vm m, vf3 a, vf3 b) { return (vf3){vf_select(m, a.x, b.x), vf_select(m, a.y, b.y), vf_select(m, a.z, b.z)}; }
+DAFT_INLINE vf3 vf3_select(vm m, vf3 a, vf3 b) { return (vf3){vf_if_then_else(m, a.x, b.x), vf_if_then_else(m, a.y, b.y), vf_if_then_else(m, a.z, b.z)}; }
 
 /* Instead of sides 1 and 2, all but the longest one: side 1 × side 2 = side 2 × side 0 = side 0 × side 1. */
 DAFT_INLINE void shorter_sides(const lanes *l, vf3 *p, vf3 *q)
@@ -224,7 +224,7 @@ DAFT_INLINE void depth_setup(const daft_tile_job *job, bool exact, daft_pencil_b
     vf far = vf_max(vf_abs(a.z), vf_max(vf_abs(l->corner[1].z), vf_abs(l->corner[2].z)));
     vf error = vf_set(12 * UNIT) * (rays + corners * w) * scale + w * w * far * vf_set(COMPARED) + vf_set(TINY);
     vf_store(b->error, error);
-    for (vbits coarse = live & ~vm_bits(vf_lt(error, w * vf_set(0x1p-12f))); coarse; coarse &= coarse - 1)
+    for (vbits coarse = live & ~vbits_from_mask(vf_lt(error, w * vf_set(0x1p-12f))); coarse; coarse &= coarse - 1)
         depth_setup_double(job, b, l, __builtin_ctz(coarse));
 }
 
@@ -235,8 +235,8 @@ DAFT_INLINE bool set_up_as(const daft_tile_job *job, bool exact, const lanes *l,
     edges_setup(job, exact, batch, l, &live);
     if (!live) return false;
     depth_setup(job, exact, batch, l, live);
-    vi_store(batch->x0, vi_truncate(l->x0)), vi_store(batch->x1, vi_truncate(l->x1));
-    vi_store(batch->y0, vi_truncate(l->y0)), vi_store(batch->y1, vi_truncate(l->y1));
+    vi_store(batch->x0, vi_convert_to(l->x0)), vi_store(batch->x1, vi_convert_to(l->x1));
+    vi_store(batch->y0, vi_convert_to(l->y0)), vi_store(batch->y1, vi_convert_to(l->y1));
     batch->live = live;
     job->counters->binned += (uint64_t)__builtin_popcount(live);
     return true;
@@ -251,8 +251,8 @@ DAFT_INLINE bool set_up(const daft_tile_job *job, const lanes *l, vbits live, da
 DAFT_INLINE vi box_pixels(const lanes *l)
 {
     vi zero = vi_set(0), one_sided = vi_set(DAFT_WAITS_ONE_SIDED), turned = vi_set(DAFT_WAITS_TURNED);
-    vi flags = vi_select(vm_from_bits(l->one_sided), one_sided, zero) | vi_select(vm_from_bits(l->turned), turned, zero);
-    return vi_truncate(l->x0) | vi_truncate(l->x1) << 8 | vi_truncate(l->y0) << 16 | vi_truncate(l->y1) << 24 | flags;
+    vi flags = vi_if_then_else(vm_from_bits(l->one_sided), one_sided, zero) | vi_if_then_else(vm_from_bits(l->turned), turned, zero);
+    return vi_convert_to(l->x0) | vi_convert_to(l->x1) << 8 | vi_convert_to(l->y0) << 16 | vi_convert_to(l->y1) << 24 | flags;
 }
 
 static __attribute__((noinline)) void keep_few(daft_waiting *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
@@ -264,7 +264,7 @@ static __attribute__((noinline)) void keep_few(daft_waiting *out, const lanes *l
 DAFT_INLINE vbits small(const lanes *l)
 {
     vf two = vf_set(2);
-    return vm_bits(vm_and(vf_le(l->x1 - l->x0, two), vf_le(l->y1 - l->y0, two)));
+    return vbits_from_mask(vm_and(vf_le(l->x1 - l->x0, two), vf_le(l->y1 - l->y0, two)));
 }
 
 bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
@@ -276,7 +276,7 @@ bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *s
     blocks_at(seen, blocks, count, all);
     triangle = blocks_triangles(all);
     l.one_sided = seen->front ? blocks_sides(seen, blocks, count) : 0, l.turned = seen->front < 0 ? DAFT_ALL_LANES : 0;
-    vbits used = ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first((int)(count * DAFT_BLOCK));
+    vbits used = ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first_n((int)(count * DAFT_BLOCK));
     project(job, seen, all, &l);
     job->counters->tested += (uint64_t)__builtin_popcount(used);
     used &= l.some;
@@ -297,13 +297,13 @@ bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *fro
     for (int k = 0; k < 3; k++)
         l.corner[k] = (vf3){vf_load(&from->corner[3 * k][at]), vf_load(&from->corner[3 * k + 1][at]), vf_load(&from->corner[3 * k + 2][at])};
     vi pixels = vi_load(&from->pixels[at]), byte = vi_set(DAFT_TILE - 1);
-    l.x0 = vf_from_int(pixels & byte), l.x1 = vf_from_int(pixels >> 8 & byte);
-    l.y0 = vf_from_int(pixels >> 16 & byte), l.y1 = vf_from_int(pixels >> 24 & byte);
+    l.x0 = vf_convert_to(pixels & byte), l.x1 = vf_convert_to(pixels >> 8 & byte);
+    l.y0 = vf_convert_to(pixels >> 16 & byte), l.y1 = vf_convert_to(pixels >> 24 & byte);
     l.nearest = vf_load(&from->nearest[at]);
-    l.one_sided = vm_bits(vi_lt(vi_set(0), pixels & vi_set(DAFT_WAITS_ONE_SIDED)));
-    l.turned = vm_bits(vi_lt(vi_set(0), pixels & vi_set(DAFT_WAITS_TURNED)));
+    l.one_sided = vbits_from_mask(vi_lt(vi_set(0), pixels & vi_set(DAFT_WAITS_ONE_SIDED)));
+    l.turned = vbits_from_mask(vi_lt(vi_set(0), pixels & vi_set(DAFT_WAITS_TURNED)));
     vi_store(batch->instance, vi_load(&from->instance[at]));
     vi_store(batch->triangle, vi_load(&from->triangle[at]));
     from->count = at;
-    return set_up(job, &l, vbits_first((int)count), batch);
+    return set_up(job, &l, vbits_first_n((int)count), batch);
 }

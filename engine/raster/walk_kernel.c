@@ -108,15 +108,15 @@ static void draw_blocks(walk *w)
  * reach behind the camera are out where all that is in front of it lies beside the tile. */
 DAFT_INLINE vbits box_span(vf low, vf high, vf far, vf inverse_near, vf inverse_far, vm front, float last, vi *first, vi *end)
 {
-    vbits beside = vm_bits(vf_lt(high, far * -DAFT_SCREEN_SLACK)) | vm_bits(vf_lt(far * (last + DAFT_SCREEN_SLACK), low));
+    vbits beside = vbits_from_mask(vf_lt(high, far * -DAFT_SCREEN_SLACK)) | vbits_from_mask(vf_lt(far * (last + DAFT_SCREEN_SLACK), low));
     vf zero = vf_set(0), slack = vf_set(DAFT_SCREEN_SLACK), end_of_all = vf_set(last);
-    vf a = low * vf_select(vf_lt(low, zero), inverse_near, inverse_far) - slack;
-    vf b = high * vf_select(vf_lt(high, zero), inverse_far, inverse_near) + slack;
-    a = vf_max(vf_select(front, a, zero), zero), b = vf_min(vf_select(front, b, end_of_all), end_of_all);
-    vf whole = vf_from_int(vi_truncate(a));
-    whole = whole + vf_select(vf_lt(whole, a), vf_set(1), zero);
-    *first = vi_truncate(whole), *end = vi_truncate(b);
-    return vm_bits(vm_and(vf_le(zero, b), vf_le(whole, b))) & ~beside;
+    vf a = low * vf_if_then_else(vf_lt(low, zero), inverse_near, inverse_far) - slack;
+    vf b = high * vf_if_then_else(vf_lt(high, zero), inverse_far, inverse_near) + slack;
+    a = vf_max(vf_if_then_else(front, a, zero), zero), b = vf_min(vf_if_then_else(front, b, end_of_all), end_of_all);
+    vf whole = vf_convert_to(vi_convert_to(a));
+    whole = whole + vf_if_then_else(vf_lt(whole, a), vf_set(1), zero);
+    *first = vi_convert_to(whole), *end = vi_convert_to(b);
+    return vbits_from_mask(vm_and(vf_le(zero, b), vf_le(whole, b))) & ~beside;
 }
 
 /* Nodes whose children fill a register, or one that is looked at by parts. */
@@ -200,9 +200,9 @@ DAFT_INLINE vbits away(const walk *w, const node_pair *n)
     if (!a) return 0;
     vi look = (vi)vf_load_eights((const float *)(const void *)a->look, (const float *)(const void *)b->look, n->part);
     vf spread = vf_load_eights(a->spread, b->spread, n->part);
-    vf towards = vf_from_int(look << 24 >> 24) * vf_set(g->x) + vf_from_int(look << 16 >> 24) * vf_set(g->y) +
-                 vf_from_int(look << 8 >> 24) * vf_set(g->z) + vf_set(g->margin);
-    return vm_bits(vf_lt(towards + spread * vf_set(g->reach), vf_from_int(look >> 24) * vf_set(g->step)));
+    vf towards = vf_convert_to(look << 24 >> 24) * vf_set(g->x) + vf_convert_to(look << 16 >> 24) * vf_set(g->y) +
+                 vf_convert_to(look << 8 >> 24) * vf_set(g->z) + vf_set(g->margin);
+    return vbits_from_mask(vf_lt(towards + spread * vf_set(g->reach), vf_convert_to(look >> 24) * vf_set(g->step)));
 }
 
 /* Comparisons are written so that a NaN, from an overflow, leaves a box in. */
@@ -215,9 +215,9 @@ DAFT_INLINE boxes children(const walk *w, const node_pair *n)
     vf inverse_near = vf_set(1) / low[2], inverse_far = vf_set(1) / high[2];
     vbits x = box_span(low[0], high[0], high[2], inverse_near, inverse_far, front, w->job->last_x, &x0, &x1);
     vbits y = box_span(low[1], high[1], high[2], inverse_near, inverse_far, front, w->job->last_y, &y0, &y1);
-    vbits out = vm_bits(vf_le(high[2], zero)) | vm_bits(vi_eq(child, vi_set((int32_t)DAFT_CHILD_NONE)));
+    vbits out = vbits_from_mask(vf_le(high[2], zero)) | vbits_from_mask(vi_eq(child, vi_set((int32_t)DAFT_CHILD_NONE)));
     return (boxes){child, x0 | x1 << 8 | y0 << 16 | y1 << 24,
-                   vf_select(front, inverse_near * vf_set(1 + 0x1p-20f), vf_set(INFINITY)), x & y & ~out & ~away(w, n)};
+                   vf_if_then_else(front, inverse_near * vf_set(1 + 0x1p-20f), vf_set(INFINITY)), x & y & ~out & ~away(w, n)};
 }
 
 /* What a visit will read first: trees of large meshes do not stay in the nearer caches. */
@@ -285,24 +285,24 @@ static void draw_singly(walk *w)
 DAFT_INLINE void add_to_list(fresh_list *list, const boxes *b, vbits lanes)
 {
     uint32_t at = list->count;
-    vi_compress(&list->child[at], lanes, b->child);
-    vi_compress(&list->pixels[at], lanes, b->pixels);
-    vf_compress(&list->nearest[at], lanes, b->nearest);
+    vi_compress_store(&list->child[at], lanes, b->child);
+    vi_compress_store(&list->pixels[at], lanes, b->pixels);
+    vf_compress_store(&list->nearest[at], lanes, b->nearest);
     list->count = at + (uint32_t)__builtin_popcount(lanes);
 }
 
 /* The children of up to DAFT_EIGHTS nodes. */
 DAFT_INLINE void add_children(const walk *w, const uint32_t *nodes, uint32_t count, fresh *out)
 {
-    vbits there = vbits_first((int)(count * DAFT_WIDTH));
+    vbits there = vbits_first_n((int)(count * DAFT_WIDTH));
     for (int part = 0; part < DAFT_EIGHT_PARTS; part++) {
         node_pair two = pair_make(w, nodes[0], nodes[count > 1], part);
         boxes b = children(w, &two);
         b.some &= there;
-        vbits leaves = b.some & vm_bits(vi_lt(b.child, vi_set(0))), inner = b.some & ~leaves;
+        vbits leaves = b.some & vbits_from_mask(vi_lt(b.child, vi_set(0))), inner = b.some & ~leaves;
         vm m = vm_from_bits(inner);
-        out->least = vf_min(out->least, vf_select(m, b.nearest, vf_set(INFINITY)));
-        out->most = vf_max(out->most, vf_select(m, b.nearest, vf_set(0)));
+        out->least = vf_min(out->least, vf_if_then_else(m, b.nearest, vf_set(INFINITY)));
+        out->most = vf_max(out->most, vf_if_then_else(m, b.nearest, vf_set(0)));
         add_to_list(&out->leaves, &b, leaves);
         add_to_list(&out->nodes, &b, inner);
     }
@@ -318,20 +318,20 @@ static void push_nodes(const fresh *all, node_stack *s)
     memcpy(&least, &low, sizeof least), memcpy(&most, &high, sizeof most);
     uint32_t range = most - least, shift = range < ORDERS ? 0 : 30 - (uint32_t)__builtin_clz(range);
     for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
-        vf w = vf_select(vm_from_bits(vbits_first((int)(f->count - i))), vf_load(&f->nearest[i]), vf_set(low));
+        vf w = vf_if_then_else(vm_from_bits(vbits_first_n((int)(f->count - i))), vf_load(&f->nearest[i]), vf_set(low));
         vi_store(&near[i], ((vi)w - vi_set((int32_t)least)) >> (int)shift);
     }
     for (int k = 0; k < ORDERS; k++)
         for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
-            vbits these = vm_bits(vi_eq(vi_load(&near[i]), vi_set(k))) & vbits_first((int)(f->count - i));
-            vi_compress(&order[count], these, vi_iota() + vi_set((int32_t)i));
+            vbits these = vbits_from_mask(vi_eq(vi_load(&near[i]), vi_set(k))) & vbits_first_n((int)(f->count - i));
+            vi_compress_store(&order[count], these, vi_iota() + vi_set((int32_t)i));
             count += (uint32_t)__builtin_popcount(these);
         }
     for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
-        vi at = vi_select(vm_from_bits(vbits_first((int)(f->count - i))), vi_load(&order[i]), vi_set(0));
-        vi_store(&s->child[s->count + i], vi_gather(f->child, at));
-        vi_store(&s->pixels[s->count + i], vi_gather(f->pixels, at));
-        vf_store(&s->nearest[s->count + i], vf_gather(f->nearest, at));
+        vi at = vi_if_then_else(vm_from_bits(vbits_first_n((int)(f->count - i))), vi_load(&order[i]), vi_set(0));
+        vi_store(&s->child[s->count + i], vi_gather_index(f->child, at));
+        vi_store(&s->pixels[s->count + i], vi_gather_index(f->pixels, at));
+        vf_store(&s->nearest[s->count + i], vf_gather_index(f->nearest, at));
     }
     s->count += f->count;
 }
@@ -343,10 +343,10 @@ static void list_blocks(walk *w)
     vi slot = vi_iota() & vi_set(3), leaf = vi_iota() >> 2;
     for (uint32_t i = 0; i < w->leaf_count; i += DAFT_VL / 4) {
         const uint32_t *code = &w->leaves[i];
-        vi codes = (vi)vf_lookup16((const float *)(const void *)code, leaf);
+        vi codes = (vi)vf_table_lookup16((const float *)(const void *)code, leaf);
         uint32_t some = daft_min_u(w->leaf_count - i, DAFT_VL / 4);
-        vbits lanes = vbits_first((int)(4 * some)) & ~vm_bits(vi_lt(codes & vi_set(3), slot));
-        vi_compress(&w->blocks[w->block_count], lanes, ((codes & vi_set(INT32_MAX)) >> 2) + slot);
+        vbits lanes = vbits_first_n((int)(4 * some)) & ~vbits_from_mask(vi_lt(codes & vi_set(3), slot));
+        vi_compress_store(&w->blocks[w->block_count], lanes, ((codes & vi_set(INT32_MAX)) >> 2) + slot);
         w->block_count += (uint32_t)__builtin_popcount(lanes);
     }
 }
@@ -373,10 +373,10 @@ static void add_leaves(walk *w, const fresh_list *f)
     bool far = w->seen->bvh->block_count > NEAR_BLOCKS;
     if (w->leaf_count >= w->leaf_limit) draw_leaves(w);
     for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
-        vbits lanes = vbits_first((int)(f->count - i));
-        vi pixels = vi_select(vm_from_bits(lanes), vi_load(&f->pixels[i]), vi_set(0));
+        vbits lanes = vbits_first_n((int)(f->count - i));
+        vi pixels = vi_if_then_else(vm_from_bits(lanes), vi_load(&f->pixels[i]), vi_set(0));
         lanes &= ~hidden_lanes(w->job, pixels, vf_load(&f->nearest[i]), lanes);
-        vi_compress(&w->leaves[w->leaf_count], lanes, vi_load(&f->child[i]));
+        vi_compress_store(&w->leaves[w->leaf_count], lanes, vi_load(&f->child[i]));
         for (uint32_t more = (uint32_t)__builtin_popcount(lanes); more; more--, w->leaf_count++)
             if (far) prefetch(w->seen->bvh, w->leaves[w->leaf_count]);
         if (w->leaf_count >= DAFT_LEAVES) draw_leaves(w);
@@ -389,10 +389,10 @@ static uint32_t take_group(walk *w, node_stack *s, uint32_t group[GROUP + DAFT_V
     uint32_t some = s->count > CROWDED ? 1 : daft_min_u(s->count, GROUP), count = 0;
     s->count -= some;
     for (uint32_t i = 0; i < some; i += DAFT_VL) {
-        vbits lanes = vbits_first((int)(some - i));
-        vi pixels = vi_select(vm_from_bits(lanes), vi_load(&s->pixels[s->count + i]), vi_set(0));
+        vbits lanes = vbits_first_n((int)(some - i));
+        vi pixels = vi_if_then_else(vm_from_bits(lanes), vi_load(&s->pixels[s->count + i]), vi_set(0));
         lanes &= ~hidden_lanes(w->job, pixels, vf_load(&s->nearest[s->count + i]), lanes);
-        vi_compress(&group[count], lanes, vi_load(&s->child[s->count + i]));
+        vi_compress_store(&group[count], lanes, vi_load(&s->child[s->count + i]));
         count += (uint32_t)__builtin_popcount(lanes);
     }
     return count;

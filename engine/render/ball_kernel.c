@@ -90,7 +90,7 @@ static void ball_block(const caster *c, const ball *s, uint32_t b)
         }
         vm met = vm_and(vf_lt(-s->blur, disc), vf_lt(none, limit));
         if (c->convex) met = vm_and(met, vm_not(vi_eq(vi_load(&p->instance[k]), vi_set((int32_t)c->number))));
-        if (!vm_bits(met)) continue;
+        if (!vbits_from_mask(met)) continue;
         vf half = vf_sqrt(vf_max(disc, zero)) * scale, near = middle - half, far = middle + half;
         vf error = s->error + vf_set(2) * s->blur / vf_max(half, vf_sqrt(s->blur)); /* the last: of the root */
         vm dark = vm_and(vm_and(met, vf_lt(s->blur, disc)), vf_lt(near + error, limit)),
@@ -101,8 +101,8 @@ static void ball_block(const caster *c, const ball *s, uint32_t b)
             apart = vm_or(
                 apart, vm_or(vf_lt(far, lamp - error), vm_and(vf_lt(near, lamp - error), vf_lt(limit + error, far))));
         }
-        vf_store(&p->depth[k], vf_select(dark, none, limit));
-        for (vbits doubt = vm_bits(met) & ~vm_bits(vm_or(dark, apart)); doubt; doubt &= doubt - 1) {
+        vf_store(&p->depth[k], vf_if_then_else(dark, none, limit));
+        for (vbits doubt = vbits_from_mask(met) & ~vbits_from_mask(vm_or(dark, apart)); doubt; doubt &= doubt - 1) {
             uint32_t i = k + (uint32_t)__builtin_ctz(doubt);
             sight w = sight_of(c->batch, c->lamp, p->source[i]);
             if (ball_between(c->instance, &w)) p->depth[i] = -INFINITY;

@@ -1,6 +1,6 @@
 /* The set-up of what a batch's rays meet: DAFT_VL triangles at a time, of any instances. A plane's normal and height are
  * taken in double, so that points on it are as precise as surface_kernel.c promises. */
-#include "math/simd_pick.h"
+#include "math/simd/ops.h"
 #include "render/surface.h"
 
 #include <stddef.h>
@@ -78,7 +78,7 @@ static void stage_alike(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
     const uint32_t *indices = mesh->indices, *normal_indices = mesh->normal_indices ? mesh->normal_indices : indices, *triangles = &f->triangle[first];
     const daft_vec3 *normals = mesh->normals;
     const uint32_t material = s->materials[0];
-    const vbits lanes = vbits_first((int)count);
+    const vbits lanes = vbits_first_n((int)count);
     for (uint32_t i = 0; i < count; i++) {
         size_t at = 3 * (size_t)triangles[i];
         for (size_t k = 0; k < 3; k++) {
@@ -141,7 +141,7 @@ static void move_group(const stage *from, group *g)
     _Static_assert(offsetof(daft_instance, to_object) == offsetof(daft_instance, to_frame) + 12 * sizeof(float), "one behind the other");
     vf m[24], *inverse = m + 12;
     for (int k = 0; k < 24 && from->one_instance; k++) m[k] = vf_set(from->maps[0][k]);
-    for (int k = 0; k < 24 && !from->one_instance; k += 4) vf_load_rows4(from->maps, k, m + k);
+    for (int k = 0; k < 24 && !from->one_instance; k += 4) vf_gather_rows4(from->maps, k, m + k);
     for (int k = 0; k < 3; k++) { /* as daft_affine_point, daft_affine_transposed and daft_normalize */
         vf3 p = {vf_load(from->corner[3 * k]), vf_load(from->corner[3 * k + 1]), vf_load(from->corner[3 * k + 2])};
         vf3 n = {vf_load(from->normal[3 * k]), vf_load(from->normal[3 * k + 1]), vf_load(from->normal[3 * k + 2])};
@@ -157,9 +157,9 @@ typedef struct vd3 {
     vd x, y, z;
 } vd3;
 DAFT_INLINE vd vd3_dot(vd3 a, vd3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-DAFT_INLINE vd3 half3(vf3 a, int half) { return (vd3){vf_half(a.x, half), vf_half(a.y, half), vf_half(a.z, half)}; }
+DAFT_INLINE vd3 half3(vf3 a, int half) { return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)}; }
 DAFT_INLINE vd3 vd3_sub(vd3 a, vd3 b) { return (vd3){a.x - b.x, a.y - b.y, a.z - b.z}; }
-DAFT_INLINE vf3 join3(const vd3 a[2]) { return (vf3){vf_join(a[0].x, a[1].x), vf_join(a[0].y, a[1].y), vf_join(a[0].z, a[1].z)}; }
+DAFT_INLINE vf3 join3(const vd3 a[2]) { return (vf3){vf_demote2(a[0].x, a[1].x), vf_demote2(a[0].y, a[1].y), vf_demote2(a[0].z, a[1].z)}; }
 
 /* The plane's normal; a triangle without area faces the viewer. */
 DAFT_INLINE void group_planes(group *g, vf3 direction)
@@ -170,20 +170,20 @@ DAFT_INLINE void group_planes(group *g, vf3 direction)
         vd3 first = half3(g->corner[0], half), a = vd3_sub(half3(g->corner[1], half), first), b = vd3_sub(half3(g->corner[2], half), first);
         vd3 cross = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
         length[half] = vd_sqrt(vd3_dot(cross, cross));
-        some[half] = vd_positive(length[half]);
+        some[half] = vd_step(length[half]);
         vd scale = 1 / length[half];
         outward[half] = (vd3){cross.x * scale, cross.y * scale, cross.z * scale};
     }
     vf3 back = unit3(direction);
     back = (vf3){-back.x, -back.y, -back.z};
-    g->area = vf_join(length[0], length[1]);
-    g->outward = select3(vf_lt(vf_set(0), vf_join(some[0], some[1])), join3(outward), back);
+    g->area = vf_demote2(length[0], length[1]);
+    g->outward = select3(vf_lt(vf_set(0), vf_demote2(some[0], some[1])), join3(outward), back);
 }
 
 DAFT_INLINE vf3 flip3(vf3 a, vm m)
 {
-    vi sign = vi_select(m, vi_set((int32_t)0x80000000), vi_set(0));
-    return (vf3){vf_xor_sign(a.x, sign), vf_xor_sign(a.y, sign), vf_xor_sign(a.z, sign)};
+    vi sign = vi_if_then_else(m, vi_set((int32_t)0x80000000), vi_set(0));
+    return (vf3){vf_xor(a.x, sign), vf_xor(a.y, sign), vf_xor(a.z, sign)};
 }
 
 /* Turns the plane to the normals' side, finds whether they differ, then turns all of it to the viewer's. */
@@ -194,15 +194,15 @@ DAFT_INLINE void group_sides(group *g, vf3 origin, vbits with_normals)
     vm has = vm_from_bits(with_normals);
     g->outward = flip3(g->outward, vm_and(has, vf_lt(vf3_dot(sum, g->outward), zero)));
     vbits smooth = 0;
-    for (int k = 0; k < 3; k++) smooth |= vm_bits(vf_lt(vf3_dot(g->normal[k], g->outward), vf_set(0.999999f)));
+    for (int k = 0; k < 3; k++) smooth |= vbits_from_mask(vf_lt(vf3_dot(g->normal[k], g->outward), vf_set(0.999999f)));
     g->smooth = smooth & with_normals;
     vd height[2];
     for (int half = 0; half < 2; half++)
         height[half] = vd3_dot(half3(g->outward, half), vd3_sub(half3(g->corner[0], half), half3(origin, half)));
-    g->height = vf_join(height[0], height[1]);
+    g->height = vf_demote2(height[0], height[1]);
     vm behind = vf_lt(zero, g->height);
     g->outward = flip3(g->outward, behind);
-    g->height = vf_select(behind, -g->height, g->height);
+    g->height = vf_if_then_else(behind, -g->height, g->height);
     for (int k = 0; k < 3; k++) g->normal[k] = flip3(g->normal[k], behind);
 }
 
@@ -229,11 +229,11 @@ DAFT_INLINE void store_eight(float *rows, const vf v[8], vbits lanes)
 {
     int32_t row[DAFT_VL];
     if (lanes == DAFT_ALL_LANES) {
-        vf_spread_rows8(rows, DAFT_FACET_FLOATS, v);
+        vf_store_interleaved8(rows, DAFT_FACET_FLOATS, v);
         return;
     }
     vi_store(row, vi_iota() * vi_set(DAFT_FACET_FLOATS / 8));
-    vf_store_rows8(rows, row, v, lanes);
+    vf_scatter_rows8(rows, row, v, lanes);
 }
 
 /* Of facets that are neither smooth nor textured the first eight floats are all that is asked for. */
@@ -243,7 +243,7 @@ static void store_group(const group *g, const stage *from, float *rows)
     put3(v, FACET_OUTWARD, g->outward);
     v[FACET_HEIGHT] = g->height, v[FACET_LEAST] = g->least, v[FACET_MOST] = g->most, v[FACET_SIZE] = vf_load(from->size);
     vi word = vi_load(from->word);
-    v[FACET_WORD] = (vf)vi_select(vm_from_bits(g->smooth), word | vi_set(FACET_SMOOTH), word);
+    v[FACET_WORD] = (vf)vi_if_then_else(vm_from_bits(g->smooth), word | vi_set(FACET_SMOOTH), word);
     vbits lanes = ~from->spheres & DAFT_ALL_LANES;
     store_eight(rows, v, lanes);
     if (!((g->smooth | from->textured) & from->triangles)) return;

@@ -70,12 +70,12 @@ DAFT_INLINE void discs_place(const light *l, const picture_map *map, const daft_
     radius = radius - pad - vf_set(l->slack_u + l->slack_v) * away * slant;
     use = vm_and(use, vf_lt(zero, radius));
     vf part = radius / away, reach = l->sun ? part : part * slant / (one - part);
-    reach = vf_select(vf_lt(part, one), reach, inf);
+    reach = vf_if_then_else(vf_lt(part, one), reach, inf);
     vf_store(&out->u[i], at[0]), vf_store(&out->v[i], at[1]);
     vf_store(&out->slope_u[i], l->sun ? zero : at[0]), vf_store(&out->slope_v[i], l->sun ? zero : at[1]);
-    vf_store(&out->share[i], vf_select(use, part * part * vf_set(1 - 0x1p-16f), -one));
-    vf_store(&out->far[i], vf_select(use, far, inf));
-    vf_store(&out->low_u[i], vf_select(use, at[0] - reach, inf)), vf_store(&out->high_u[i], at[0] + reach);
+    vf_store(&out->share[i], vf_if_then_else(use, part * part * vf_set(1 - 0x1p-16f), -one));
+    vf_store(&out->far[i], vf_if_then_else(use, far, inf));
+    vf_store(&out->low_u[i], vf_if_then_else(use, at[0] - reach, inf)), vf_store(&out->high_u[i], at[0] + reach);
     vf_store(&out->low_v[i], at[1] - reach), vf_store(&out->high_v[i], at[1] + reach);
 }
 
@@ -102,7 +102,7 @@ DAFT_INLINE uint32_t discs_before(const discs *d, const shadow_points *p, uint32
     for (int i = 0; i < BALLS; i += DAFT_VL) {
         vm u = vm_and(vf_le(vf_load(&d->low_u[i]), vf_set(p->high_u[b])), vf_le(vf_set(p->low_u[b]), vf_load(&d->high_u[i])));
         vm v = vm_and(vf_le(vf_load(&d->low_v[i]), vf_set(p->high_v[b])), vf_le(vf_set(p->low_v[b]), vf_load(&d->high_v[i])));
-        all |= vm_bits(vm_and(vm_and(u, v), vf_le(vf_load(&d->far[i]), vf_set(p->far[b])))) << i;
+        all |= vbits_from_mask(vm_and(vm_and(u, v), vf_le(vf_load(&d->far[i]), vf_set(p->far[b])))) << i;
     }
     return all;
 }
@@ -114,7 +114,7 @@ DAFT_INLINE vbits points_stopped(const discs *d, int i, bool sun, const shadow_p
     vf du = u - vf_set(d->u[i]), dv = v - vf_set(d->v[i]), across = du * vf_set(d->slope_v[i]) - dv * vf_set(d->slope_u[i]);
     vf square = sun ? one : one + u * u + v * v;
     vm in = vf_lt(du * du + dv * dv + across * across, square * vf_set(d->share[i]));
-    return vm_bits(vm_and(in, vf_le(vf_set(d->far[i]), vf_load(&p->depth[at]))));
+    return vbits_from_mask(vm_and(in, vf_le(vf_set(d->far[i]), vf_load(&p->depth[at]))));
 }
 
 static uint32_t under_caps(const discs *d, uint32_t caps, const shadow_points *p, uint32_t b)
@@ -135,7 +135,7 @@ static void darken(const caster *c, uint32_t b, uint32_t dark)
         uint32_t at = b * SHADOW_BLOCK + k;
         vbits some = dark >> k & DAFT_ALL_LANES;
         if (c->convex) some &= ~lie_on(c, DAFT_NO_TRIANGLE, at);
-        vf_store(&p->depth[at], vf_select(vm_from_bits(some), vf_set(-INFINITY), vf_load(&p->depth[at])));
+        vf_store(&p->depth[at], vf_if_then_else(vm_from_bits(some), vf_set(-INFINITY), vf_load(&p->depth[at])));
     }
     block_darkened(p, b);
 }
@@ -150,12 +150,12 @@ bool DAFT_KERNEL(daft_inner_hides)(const caster *c)
     if (!lamp_is_outside(c)) return false;
     discs_setup(c, &d);
     for (int i = 0; i < BALLS; i += DAFT_VL) {
-        vbits in = vm_bits(vf_le(vf_load(&d.far[i]), vf_set(l->near))) & vm_bits(vi_eq(vi_load(&d.cap_bits[i]), vi_set(0)));
+        vbits in = vbits_from_mask(vf_le(vf_load(&d.far[i]), vf_set(l->near))) & vbits_from_mask(vi_eq(vi_load(&d.cap_bits[i]), vi_set(0)));
         for (int k = 0; k < 4 && in; k++) {
             vf du = vf_set(u[k]) - vf_load(&d.u[i]), dv = vf_set(v[k]) - vf_load(&d.v[i]);
             vf across = du * vf_load(&d.slope_v[i]) - dv * vf_load(&d.slope_u[i]);
             vf square = l->sun ? one : one + vf_set(u[k]) * vf_set(u[k]) + vf_set(v[k]) * vf_set(v[k]);
-            in &= vm_bits(vf_lt(du * du + dv * dv + across * across, square * vf_load(&d.share[i])));
+            in &= vbits_from_mask(vf_lt(du * du + dv * dv + across * across, square * vf_load(&d.share[i])));
         }
         if (in) return true;
     }

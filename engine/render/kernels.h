@@ -2,7 +2,7 @@
 #ifndef DAFT_RENDER_KERNELS_H
 #define DAFT_RENDER_KERNELS_H
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "raster/raster.h"
 #include "render/render.h"
 

@@ -55,7 +55,7 @@ DAFT_INLINE vf blocks_load(const leaf *const *leaves, int corner, int axis)
 {
     const float *from[DAFT_VL / 4];
     for (int i = 0; i < DAFT_VL / 4; i++) from[i] = leaves[i]->block->corner[corner][axis];
-    return vf_load_fours(from);
+    return vf_gather_blocks(from);
 }
 
 DAFT_INLINE vf row(const daft_affine *a, int k, vf3 p)
@@ -114,7 +114,7 @@ DAFT_INLINE vm corners_outside(const light *l, const corners *t, vf off)
 /* 1/z to 2^-21: boxes are wider than that, and nothing else comes of it. */
 DAFT_INLINE vf box_reciprocal(vf z)
 {
-    vf rough = vf_rough_reciprocal(z);
+    vf rough = vf_approximate_reciprocal(z);
     return rough * (vf_set(2) - z * rough);
 }
 
@@ -159,8 +159,8 @@ DAFT_INLINE void lanes_place(const mesh_caster *c, const corners *t, lanes *out)
     vf off_u = error.uv + vf_set(l->slack_u), off_v = error.uv + vf_set(l->slack_v);
     lu = lu - off_u, hu = hu + off_u, lv = lv - off_v, hv = hv + off_v;
     if (!c->before) {
-        lu = vf_select(error.whole, -inf, lu), hu = vf_select(error.whole, inf, hu);
-        lv = vf_select(error.whole, -inf, lv), hv = vf_select(error.whole, inf, hv);
+        lu = vf_if_then_else(error.whole, -inf, lu), hu = vf_if_then_else(error.whole, inf, hu);
+        lv = vf_if_then_else(error.whole, -inf, lv), hv = vf_if_then_else(error.whole, inf, hv);
     }
     near = near - error.depth - vf_set((fabsf(l->near) + fabsf(l->far)) * 0x1p-20f);
     vf_store(out->low_u, lu), vf_store(out->high_u, hu), vf_store(out->low_v, lv), vf_store(out->high_v, hv);
@@ -175,14 +175,14 @@ static inline vbits lanes_met(const mesh_caster *c, const corners *t, const lane
     vm in = vm_and(vm_and(vf_le(vf_set(l->low_u), hu), vf_le(lu, vf_set(l->high_u))),
                    vm_and(vf_le(vf_set(l->low_v), hv), vf_le(lv, vf_set(l->high_v))));
     in = vm_and(in, vf_le(vf_load(at->near), vf_set(l->far)));
-    if (l->sun || c->before) return vm_bits(in);
+    if (l->sun || c->before) return vbits_from_mask(in);
     vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])),
        far = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
     box_error error = near_lamp_error(c, t, near, vf_set(0));
     in = vm_and(in, vf_lt(vf_set(-l->away), far + error.depth));
     vm whole = vm_and(in, error.whole);
-    if (!vm_bits(whole)) return vm_bits(in);
-    return vm_bits(vm_and(in, vm_not(vm_and(whole, corners_outside(l, t, error.depth + vf_set(l->away * 0x1p-20f))))));
+    if (!vbits_from_mask(whole)) return vbits_from_mask(in);
+    return vbits_from_mask(vm_and(in, vm_not(vm_and(whole, corners_outside(l, t, error.depth + vf_set(l->away * 0x1p-20f))))));
 }
 
 /* Sets the triangles' numbers; gives the bits of those that are there, `count` blocks being real. */
@@ -190,9 +190,9 @@ DAFT_INLINE vbits lanes_name(const leaf *const *leaves, uint32_t count, lanes *o
 {
     const float *from[DAFT_VL / 4];
     for (int i = 0; i < DAFT_VL / 4; i++) from[i] = (const float *)leaves[i]->block->triangle;
-    vi triangle = (vi)vf_load_fours(from);
+    vi triangle = (vi)vf_gather_blocks(from);
     vi_store(out->triangle, triangle);
-    return vbits_first((int)daft_min_u(count, DAFT_VL / DAFT_BLOCK) * DAFT_BLOCK) & ~vm_bits(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE)));
+    return vbits_first_n((int)daft_min_u(count, DAFT_VL / DAFT_BLOCK) * DAFT_BLOCK) & ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE)));
 }
 
 DAFT_INLINE vf reach_of(vf3 a) { return vf_abs(a.x) + vf_abs(a.y) + vf_abs(a.z); }
@@ -210,10 +210,10 @@ static inline void lanes_planes(const light *l, const corners *t, vf size, lanes
     if (!l->sun) off = off * far + across * far * vf_set(32 * UNIT);
     vm sure = vf_lt(off, vf_abs(lamp));
     vi sign = (vi)lamp & vi_set((int32_t)0x80000000);
-    vf_store(out->plane[0], vf_xor_sign(n.x, sign)), vf_store(out->plane[1], vf_xor_sign(n.y, sign));
-    vf_store(out->plane[2], vf_xor_sign(n.z, sign));
-    vf surface = vf_xor_sign(at, sign) - (across * size * vf_set(32 * UNIT) + wrong * edges);
-    vf_store(out->surface, vf_select(sure, surface, vf_set(-INFINITY)));
+    vf_store(out->plane[0], vf_xor(n.x, sign)), vf_store(out->plane[1], vf_xor(n.y, sign));
+    vf_store(out->plane[2], vf_xor(n.z, sign));
+    vf surface = vf_xor(at, sign) - (across * size * vf_set(32 * UNIT) + wrong * edges);
+    vf_store(out->surface, vf_if_then_else(sure, surface, vf_set(-INFINITY)));
 }
 
 /* `planes`: the triangles' own are asked for as well. */

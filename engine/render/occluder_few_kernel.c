@@ -1,6 +1,6 @@
 /* The shadow pencil's points where few of them lie behind a node: by themselves, each a ray in the mesh's own space. See
  * occluder_kernel.c. */
-#include "math/simd_pick.h"
+#include "math/simd/ops.h"
 #include "render/occluder.h"
 
 enum {
@@ -33,7 +33,7 @@ static void few_ways(const mesh_caster *m, few_points *f)
             vf way = m->c.light->sun ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(away)));
             vf_store(&f->from[k][i], across + vf_set(b[3 * k + 2]) * z + vf_set(t[k]));
             vf_store(&f->inverse[k][i], way_inverse(way));
-            vbits some = vbits_first((int)(f->count - i)), falls = vm_bits(vf_lt(way_inverse(way), vf_set(0)));
+            vbits some = vbits_first_n((int)(f->count - i)), falls = vbits_from_mask(vf_lt(way_inverse(way), vf_set(0)));
             down[k] |= falls & some, up[k] |= ~falls & some;
         }
     }
@@ -51,11 +51,11 @@ DAFT_INLINE void few_add(const shadow_points *p, const block_points *some, few_p
     for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
         uint32_t at = some->block * SHADOW_BLOCK + k, count = out->count;
         vf depth = vf_load(&p->depth[at]);
-        vbits lit = some->points >> k & vm_bits(vf_lt(vf_set(-INFINITY), depth));
-        vf_compress(&out->u[count], lit, vf_load(&p->u[at])), vf_compress(&out->v[count], lit, vf_load(&p->v[at]));
-        vf_compress(&out->from[0][count], lit, vf_load(&p->x[at])), vf_compress(&out->from[1][count], lit, vf_load(&p->y[at]));
-        vf_compress(&out->depth[count], lit, depth);
-        vi_compress(&out->at[count], lit, vi_iota() + vi_set((int32_t)at));
+        vbits lit = some->points >> k & vbits_from_mask(vf_lt(vf_set(-INFINITY), depth));
+        vf_compress_store(&out->u[count], lit, vf_load(&p->u[at])), vf_compress_store(&out->v[count], lit, vf_load(&p->v[at]));
+        vf_compress_store(&out->from[0][count], lit, vf_load(&p->x[at])), vf_compress_store(&out->from[1][count], lit, vf_load(&p->y[at]));
+        vf_compress_store(&out->depth[count], lit, depth);
+        vi_compress_store(&out->at[count], lit, vi_iota() + vi_set((int32_t)at));
         out->count += (uint32_t)__builtin_popcount(lit);
     }
 }
@@ -66,7 +66,7 @@ DAFT_INLINE vbits triangles_over(const lanes *t, const few_points *f, uint32_t i
     vf u = vf_set(f->u[i]), v = vf_set(f->v[i]);
     vm in = vm_and(vm_and(vf_le(vf_load(t->low_u), u), vf_le(u, vf_load(t->high_u))),
                    vm_and(vf_le(vf_load(t->low_v), v), vf_le(v, vf_load(t->high_v))));
-    return vm_bits(vm_and(in, vf_le(vf_load(t->near), vf_set(f->depth[i]))));
+    return vbits_from_mask(vm_and(in, vf_le(vf_load(t->near), vf_set(f->depth[i]))));
 }
 
 DAFT_INLINE vf edges_at(const lanes *t, int k, vf3 d)
@@ -82,10 +82,10 @@ static bool point_hidden(const mesh_caster *m, const lanes *t, const leaf *const
     const vf3 d = {vf_set(p->x[at]), vf_set(p->y[at]), vf_set(p->z[at])};
     vf e0 = edges_at(t, 0, d), e1 = edges_at(t, 1, d), e2 = edges_at(t, 2, d);
     vf least = vf_min(e0, vf_min(e1, e2)), most = vf_max(e0, vf_max(e1, e2)), wide = vf_load(t->wide);
-    vbits side = vm_bits(vm_or(vf_le(-wide, least), vf_le(most, wide))) & triangles;
+    vbits side = vbits_from_mask(vm_or(vf_le(-wide, least), vf_le(most, wide))) & triangles;
     if (!side) return false;
     bool on = p->instance[at] == c->number, apart = c->convex || c->flat;
-    if (on && !apart) side &= ~vm_bits(vi_eq(vi_load(t->triangle), vi_set((int32_t)p->own[at])));
+    if (on && !apart) side &= ~vbits_from_mask(vi_eq(vi_load(t->triangle), vi_set((int32_t)p->own[at])));
     if (!side) return false;
     vf bound = vf_load(t->bound), rounding = vf_load(t->rounding), limit = vf_set(p->depth[at]);
     vm sure = vm_or(vf_le(-bound, least), vf_le(most, bound));
@@ -93,9 +93,9 @@ static bool point_hidden(const mesh_caster *m, const lanes *t, const leaf *const
     vf depth = (e0 * vf_load(t->depth[0]) + e1 * vf_load(t->depth[1]) + e2 * vf_load(t->depth[2])) * inverse;
     vf error = vf_abs(vf_load(t->slack) * inverse) + rounding;
     vf behind = c->light->sun ? vf_set(-INFINITY) : rounding - vf_set(c->light->away * (1 - 0x1p-20f));
-    if (vm_bits(vm_and(sure, vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)))) & side) return true;
+    if (vbits_from_mask(vm_and(sure, vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)))) & side) return true;
     if (on && (c->convex || (c->flat && p->own[at] != DAFT_NO_TRIANGLE))) return false;
-    for (vbits doubt = side & vm_bits(vf_lt(depth - error, limit)); doubt; doubt &= doubt - 1) {
+    for (vbits doubt = side & vbits_from_mask(vf_lt(depth - error, limit)); doubt; doubt &= doubt - 1) {
         int i = __builtin_ctz(doubt);
         if (DAFT_KERNEL(daft_stands_between)(c, leaves[i / DAFT_BLOCK]->block, i % DAFT_BLOCK, p->source[at])) return true;
     }
@@ -190,7 +190,7 @@ DAFT_INLINE void few_children(const mesh_caster *m, const few_entry *at, const f
     uint8_t met[FEW_POINTS] = {0};
     for (uint32_t any = children_met(m, node, f, at->behind & f->live, met); any; any &= any - 1) {
         int i = __builtin_ctz(any);
-        const few_entry next = {node->child[i], bits_by_place(met, f->count, i)};
+        const few_entry next = {node->child[i], vu8_test_bit(met, f->count, i)};
         bool ends = next.node >> 31;
         stack[*top] = next, leaves[*leaf_count] = next;
         *top += !ends, *leaf_count += ends;

@@ -67,7 +67,7 @@ DAFT_INLINE vbits triangles_before(const lanes *t, const shadow_points *p, uint3
 {
     vm u = vm_and(vf_le(vf_load(t->low_u), vf_set(p->high_u[b])), vf_le(vf_set(p->low_u[b]), vf_load(t->high_u)));
     vm v = vm_and(vf_le(vf_load(t->low_v), vf_set(p->high_v[b])), vf_le(vf_set(p->low_v[b]), vf_load(t->high_v)));
-    return vm_bits(vm_and(vm_and(u, v), vf_le(vf_load(t->near), vf_set(p->far[b]))));
+    return vbits_from_mask(vm_and(vm_and(u, v), vf_le(vf_load(t->near), vf_set(p->far[b]))));
 }
 
 /* A triangle's edges at some points' rays. */
@@ -116,7 +116,7 @@ static bool hide_points(const mesh_caster *m, const lanes *t, int i, const daft_
     uint32_t triangle = block->triangle[i % DAFT_BLOCK];
     bool apart = c->convex || c->flat;
     if (!apart) side = vm_and(side, vm_not(vm_from_bits(lie_on(c, triangle, first))));
-    if (!vm_bits(side)) return false;
+    if (!vbits_from_mask(side)) return false;
     vf limit = vf_load(&p->depth[first]), bound = vf_set(t->bound[i]), rounding = vf_set(t->rounding[i]);
     vm sure = vm_or(vf_le(-bound, e->least), vf_le(e->most, bound));
     vf inverse = vf_set(1) / (e->e0 + e->e1 + e->e2);
@@ -125,11 +125,11 @@ static bool hide_points(const mesh_caster *m, const lanes *t, int i, const daft_
     vf behind = c->light->sun ? vf_set(-INFINITY)
                               : rounding - vf_set(c->light->away * (1 - 0x1p-20f)); /* not beyond the lamp */
     vm dark = vm_and(vm_and(side, sure), vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)));
-    vf_store(&p->depth[first], vf_select(dark, vf_set(-INFINITY), limit));
-    vbits doubt = vm_bits(side) & vm_bits(vf_lt(depth - error, limit)) & ~vm_bits(dark);
+    vf_store(&p->depth[first], vf_if_then_else(dark, vf_set(-INFINITY), limit));
+    vbits doubt = vbits_from_mask(side) & vbits_from_mask(vf_lt(depth - error, limit)) & ~vbits_from_mask(dark);
     if (doubt && apart) doubt &= ~lie_on(c, triangle, first);
     if (doubt) look_closely(c, block, i % DAFT_BLOCK, first, doubt);
-    return (vm_bits(dark) | doubt) != 0;
+    return (vbits_from_mask(dark) | doubt) != 0;
 }
 
 /* Blocks and triangles that a point of the one may be hidden by: block · DAFT_VL + lane, and from PAIR_POINTS on bits of the
@@ -142,7 +142,7 @@ typedef struct pairs {
 /* The lanes with this triangle. */
 DAFT_INLINE vbits lanes_of(const lanes *t, uint32_t triangle)
 {
-    return vm_bits(vi_eq(vi_load(t->triangle), vi_set((int32_t)triangle)));
+    return vbits_from_mask(vi_eq(vi_load(t->triangle), vi_set((int32_t)triangle)));
 }
 
 static void pairs_begin(const caster *c, const lanes *t, vbits live, const block_set *behind, pairs *out)
@@ -154,7 +154,7 @@ static void pairs_begin(const caster *c, const lanes *t, vbits live, const block
             uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left);
             vbits own = lanes_of(t, p->on[b] == c->number ? p->sole[b] : DAFT_NO_TRIANGLE);
             vbits triangles = triangles_before(t, p, b) & live & ~own;
-            vi_compress(&out->pair[out->count], triangles, vi_iota() + vi_set((int32_t)(b * DAFT_VL)));
+            vi_compress_store(&out->pair[out->count], triangles, vi_iota() + vi_set((int32_t)(b * DAFT_VL)));
             out->count += (uint32_t)__builtin_popcount(triangles);
         }
 }
@@ -169,7 +169,7 @@ static void pairs_in_box(const lanes *t, const shadow_points *p, pairs *list)
         for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
             const some_points some = points_load(p, b * SHADOW_BLOCK + k);
             vm in = vm_and(points_within(t, i, &some), vf_lt(vf_set(-INFINITY), some.depth));
-            points |= vm_bits(vm_and(in, points_beyond(t, i, &some))) << k;
+            points |= vbits_from_mask(vm_and(in, points_beyond(t, i, &some))) << k;
         }
         list->pair[kept] = pair | points << PAIR_POINTS;
         kept += points != 0;
@@ -195,7 +195,7 @@ static void pairs_in_edges(const lanes *t, const shadow_points *p, pairs *list)
         for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
             const some_points some = points_load(p, b * SHADOW_BLOCK + k);
             const edges e = edges_of(t, i, &some);
-            points |= vm_bits(vm_or(vf_le(-wide, e.least), vf_le(e.most, wide))) << k;
+            points |= vbits_from_mask(vm_or(vf_le(-wide, e.least), vf_le(e.most, wide))) << k;
         }
         points &= list->pair[n] >> PAIR_POINTS;
         list->pair[kept] = pair | points << PAIR_POINTS;

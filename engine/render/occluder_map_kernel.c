@@ -85,14 +85,14 @@ static const daft_open *open_ways(const caster *c)
 DAFT_INLINE vbits leave_freely(const caster *c, const daft_open *open, const vf way[3], uint32_t at)
 {
     vi own = vi_load(&c->points->own[at]);
-    vbits on = vm_bits(vi_eq(vi_load(&c->points->instance[at]), vi_set((int32_t)c->number)));
-    on &= ~vm_bits(vi_eq(own, vi_set((int32_t)DAFT_NO_TRIANGLE)));
+    vbits on = vbits_from_mask(vi_eq(vi_load(&c->points->instance[at]), vi_set((int32_t)c->number)));
+    on &= ~vbits_from_mask(vi_eq(own, vi_set((int32_t)DAFT_NO_TRIANGLE)));
     if (!on) return 0;
-    vi cone = vi_gather(open->cone, vi_select(vm_from_bits(on), own, vi_set(0)));
-    vf x = vf_from_int((cone << 24) >> 24), y = vf_from_int((cone << 16) >> 24), z = vf_from_int((cone << 8) >> 24);
-    vf least = vf_from_int(cone >> 24), along = x * way[0] + y * way[1] + z * way[2];
+    vi cone = vi_gather_index(open->cone, vi_if_then_else(vm_from_bits(on), own, vi_set(0)));
+    vf x = vf_convert_to((cone << 24) >> 24), y = vf_convert_to((cone << 16) >> 24), z = vf_convert_to((cone << 8) >> 24);
+    vf least = vf_convert_to(cone >> 24), along = x * way[0] + y * way[1] + z * way[2];
     vf length = vf_sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
-    return on & vm_bits(vm_and(vf_lt(vf_set(0), least), vf_le(least * length, along)));
+    return on & vbits_from_mask(vm_and(vf_lt(vf_set(0), least), vf_le(least * length, along)));
 }
 
 /* A mesh's bounds, grown by what places and ways are off by there, and which ways leave it freely. */
@@ -117,7 +117,7 @@ DAFT_INLINE vbits ways_meet(const caster *c, const mesh_bounds *mesh, uint32_t a
         near = vf_max(vf_min(to_low, to_high), near), far = vf_min(vf_max(to_low, to_high), far);
     }
     *freely = mesh->open ? leave_freely(c, mesh->open, way, at) : 0;
-    return vm_bits(vf_le(near, far * vf_set(1 + 0x1p-20f)));
+    return vbits_from_mask(vf_le(near, far * vf_set(1 + 0x1p-20f)));
 }
 
 /* The bits of the block's points `in` whose ways meet the bounds, and in `freely` those that leave the mesh freely. */

@@ -3,7 +3,7 @@
 #define DAFT_SHADOW_H
 
 #include "accel/bvh.h"
-#include "math/simd.h"
+#include "math/simd/ops.h"
 #include "render/kernels.h"
 
 enum {
@@ -102,7 +102,7 @@ DAFT_INLINE uint32_t blocks_behind(const picture_box *box, const shadow_points *
         uint32_t b = group * SHADOW_GROUP + k;
         vm u = vm_and(vf_le(vf_set(box->low_u), vf_load(&p->high_u[b])), vf_le(vf_load(&p->low_u[b]), vf_set(box->high_u)));
         vm v = vm_and(vf_le(vf_set(box->low_v), vf_load(&p->high_v[b])), vf_le(vf_load(&p->low_v[b]), vf_set(box->high_v)));
-        in |= vm_bits(vm_and(vm_and(u, v), vf_le(vf_set(box->near), vf_load(&p->far[b])))) << k;
+        in |= vbits_from_mask(vm_and(vm_and(u, v), vf_le(vf_set(box->near), vf_load(&p->far[b])))) << k;
     }
     return in;
 }
@@ -116,7 +116,7 @@ DAFT_INLINE uint32_t points_behind(const picture_box *box, const shadow_points *
         vf u = vf_load(&p->u[at]), v = vf_load(&p->v[at]);
         vm in = vm_and(vm_and(vf_le(vf_set(box->low_u), u), vf_le(u, vf_set(box->high_u))),
                        vm_and(vf_le(vf_set(box->low_v), v), vf_le(v, vf_set(box->high_v))));
-        all |= vm_bits(vm_and(in, vf_le(vf_set(box->near), vf_load(&p->depth[at])))) << k;
+        all |= vbits_from_mask(vm_and(in, vf_le(vf_set(box->near), vf_load(&p->depth[at])))) << k;
     }
     return all;
 }
@@ -125,7 +125,7 @@ DAFT_INLINE uint32_t lit_points(const shadow_points *p, uint32_t b)
 {
     uint32_t lit = 0;
     for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
-        lit |= vm_bits(vf_lt(vf_set(-INFINITY), vf_load(&p->depth[b * SHADOW_BLOCK + k]))) << k;
+        lit |= vbits_from_mask(vf_lt(vf_set(-INFINITY), vf_load(&p->depth[b * SHADOW_BLOCK + k]))) << k;
     return lit;
 }
 
@@ -194,7 +194,7 @@ DAFT_INLINE void children_narrow_few(const node_boxes *n, uint32_t children, con
     for (uint32_t word = 0; word < DAFT_COUNT_OF(from->bits); word++)
         for (uint64_t left = from->bits[word]; left; left &= left - 1) {
             uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), met = children_before(n, p, b) & children;
-            pairs += v8i_list(&pair[pairs], met, (int32_t)(b * DAFT_WIDTH));
+            pairs += v8i_store_set_bits(&pair[pairs], met, (int32_t)(b * DAFT_WIDTH));
         }
     for (uint32_t k = 0; k < pairs; k++) {
         uint32_t b = pair[k] / DAFT_WIDTH, i = pair[k] % DAFT_WIDTH;
@@ -283,10 +283,10 @@ typedef struct caster {
 DAFT_INLINE vbits lie_on(const caster *c, uint32_t triangle, uint32_t first)
 {
     vm on = vi_eq(vi_load(&c->points->instance[first]), vi_set((int32_t)c->number));
-    if (c->convex) return vm_bits(on);
+    if (c->convex) return vbits_from_mask(on);
     vi own = vi_load(&c->points->own[first]);
-    if (c->flat) return vm_bits(on) & ~vm_bits(vi_eq(own, vi_set((int32_t)DAFT_NO_TRIANGLE)));
-    return vm_bits(on) & vm_bits(vi_eq(own, vi_set((int32_t)triangle)));
+    if (c->flat) return vbits_from_mask(on) & ~vbits_from_mask(vi_eq(own, vi_set((int32_t)DAFT_NO_TRIANGLE)));
+    return vbits_from_mask(on) & vbits_from_mask(vi_eq(own, vi_set((int32_t)triangle)));
 }
 
 /* From a point to the lamp, in double; a sun is one length of its direction away, and counts from there on. */
@@ -310,7 +310,7 @@ DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
 {
     vf most = vf_set(-INFINITY);
     for (uint32_t i = 0; i < SHADOW_BLOCK; i += DAFT_VL) most = vf_max(most, vf_load(&p->depth[b * SHADOW_BLOCK + i]));
-    if (vm_bits(vf_lt(vf_set(-INFINITY), most)) || p->low_u[b] > p->high_u[b]) return;
+    if (vbits_from_mask(vf_lt(vf_set(-INFINITY), most)) || p->low_u[b] > p->high_u[b]) return;
     p->low_u[b] = INFINITY, p->high_u[b] = -INFINITY;
     p->live--;
 }

@@ -78,8 +78,8 @@ DAFT_INLINE vf3 asked_points(const daft_batch *b, vbits in, uint32_t i, daft_vec
 {
     vm used = vm_from_bits(in);
     vf3 p = load3(daft_batch_lifted(b), i);
-    return (vf3){vf_select(used, p.x, vf_set(stand_in.x)), vf_select(used, p.y, vf_set(stand_in.y)),
-                 vf_select(used, p.z, vf_set(stand_in.z))};
+    return (vf3){vf_if_then_else(used, p.x, vf_set(stand_in.x)), vf_if_then_else(used, p.y, vf_set(stand_in.y)),
+                 vf_if_then_else(used, p.z, vf_set(stand_in.z))};
 }
 
 /* The first point whose bit is set: there is one. */
@@ -117,8 +117,8 @@ static bool measure(light *l, const daft_batch *b, const uint32_t *bits)
         ld = vf_min(p.z, ld), hd = vf_max(p.z, hd);
         ax = vf_max(vf_abs(p.x), ax), ay = vf_max(vf_abs(p.y), ay);
     }
-    l->low_u = vf_least(lu), l->high_u = vf_most(hu), l->low_v = vf_least(lv), l->high_v = vf_most(hv);
-    l->near = vf_least(ld), l->far = vf_most(hd), l->max_x = vf_most(ax), l->max_y = vf_most(ay);
+    l->low_u = vf_reduce_min(lu), l->high_u = vf_reduce_max(hu), l->low_v = vf_reduce_min(lv), l->high_v = vf_reduce_max(hv);
+    l->near = vf_reduce_min(ld), l->far = vf_reduce_max(hd), l->max_x = vf_reduce_max(ax), l->max_y = vf_reduce_max(ay);
     l->max_z = l->sun ? 1 : fmaxf(fabsf(l->near + l->away), fabsf(l->far + l->away));
     l->slack_u = widen(l->low_u, l->high_u), l->slack_v = widen(l->low_v, l->high_v);
     l->size = l->max_x + l->max_y + fmaxf(fabsf(l->near), fabsf(l->far));
@@ -171,16 +171,16 @@ static void know_points(cast *c)
         vi_store(&c->own[i], none);
         if (!in) continue;
         vm faces = vf_lt(vf_set(0), vf3_dot(load3(&b->outward, i), way_to_lamp(c->lamp, load3(daft_batch_lifted(b), i))));
-        vi own = vi_select(faces, vi_load(&b->triangle[i]), none);
+        vi own = vi_if_then_else(faces, vi_load(&b->triangle[i]), none);
         vi_store(&c->own[i], own);
-        apart |= in & ~(vm_bits(vi_eq(vi_load(&b->instance[i]), one)) & ~vm_bits(vi_eq(own, none)));
+        apart |= in & ~(vbits_from_mask(vi_eq(vi_load(&b->instance[i]), one)) & ~vbits_from_mask(vi_eq(own, none)));
         vf3 p = asked_points(b, in, i, stand_in);
         low.x = vf_min(p.x, low.x), high.x = vf_max(p.x, high.x);
         low.y = vf_min(p.y, low.y), high.y = vf_max(p.y, high.y);
         low.z = vf_min(p.z, low.z), high.z = vf_max(p.z, high.z);
     }
     c->sole = apart ? DAFT_NOTHING : b->instance[first];
-    set_extent(c, daft_v3(vf_least(low.x), vf_least(low.y), vf_least(low.z)), daft_v3(vf_most(high.x), vf_most(high.y), vf_most(high.z)));
+    set_extent(c, daft_v3(vf_reduce_min(low.x), vf_reduce_min(low.y), vf_reduce_min(low.z)), daft_v3(vf_reduce_max(high.x), vf_reduce_max(high.y), vf_reduce_max(high.z)));
 }
 
 /* Whether a place's product with the facet's normal, or a sun's direction's, is above 0 for the way from all of the extent to the lamp: rounding
@@ -305,7 +305,7 @@ DAFT_INLINE vbits rays_meet(const cast *c, const bound *s, uint32_t i)
     slab_axis(&t, vf_set(s->low.x), vf_set(s->high.x), vf_load(&p->x[i]), vf_load(&c->way.x[i]));
     slab_axis(&t, vf_set(s->low.y), vf_set(s->high.y), vf_load(&p->y[i]), vf_load(&c->way.y[i]));
     slab_axis(&t, vf_set(s->low.z), vf_set(s->high.z), vf_load(&p->z[i]), vf_load(&c->way.z[i]));
-    return vm_bits(vf_le(t.near, t.far));
+    return vbits_from_mask(vf_le(t.near, t.far));
 }
 
 /* Marks the points whose ray to the lamp meets the bound; gives whether there is one. Neither a convex thing nor a flat one
@@ -320,8 +320,8 @@ static bool mark_under(cast *c, const bound *box, const daft_instance *s, uint32
         if (!in) continue;
         if (!all) in &= rays_meet(c, box, i);
         if (convex || flat) {
-            vbits on = vm_bits(vi_eq(vi_load(&b->instance[i]), vi_set((int32_t)number)));
-            in &= ~(convex ? on : on & ~vm_bits(vi_eq(vi_load(&c->own[i]), vi_set((int32_t)DAFT_NO_TRIANGLE))));
+            vbits on = vbits_from_mask(vi_eq(vi_load(&b->instance[i]), vi_set((int32_t)number)));
+            in &= ~(convex ? on : on & ~vbits_from_mask(vi_eq(vi_load(&c->own[i]), vi_set((int32_t)DAFT_NO_TRIANGLE))));
         }
         c->under[i / 32] |= in << (i % 32);
         any |= in != 0;
@@ -661,7 +661,7 @@ static bool take_face(const cast *c, const uint32_t *asked, int face, uint32_t *
         vm on_z = vm_not(vm_or(on_x, on_y));
         vf along = face / 2 == 0 ? d.x : face / 2 == 1 ? d.y : d.z;
         vm on = face / 2 == 0 ? on_x : face / 2 == 1 ? on_y : on_z;
-        in &= vm_bits(vm_and(on, face % 2 ? vf_lt(along, zero) : vf_lt(zero, along)));
+        in &= vbits_from_mask(vm_and(on, face % 2 ? vf_lt(along, zero) : vf_lt(zero, along)));
         out[i / 32] |= in << (i % 32);
         any |= in;
     }

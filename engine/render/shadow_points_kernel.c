@@ -34,7 +34,7 @@ static bool is_whole_tile(const daft_batch *b)
     if (b->count != DAFT_TILE * DAFT_TILE) return false;
     vbits in_place = DAFT_ALL_LANES;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL)
-        in_place &= vm_bits(vi_eq(vi_load(&b->pixel[i]), vi_set((int32_t)i) + vi_iota()));
+        in_place &= vbits_from_mask(vi_eq(vi_load(&b->pixel[i]), vi_set((int32_t)i) + vi_iota()));
     return in_place == DAFT_ALL_LANES;
 }
 
@@ -70,9 +70,9 @@ static void list_kept(const daft_batch *b, const uint32_t *kept, kept_points *ou
     uint32_t count = 0;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = kept[i / 32] >> (i % 32) & DAFT_ALL_LANES;
-        vi_compress(&out->index[count], in, vi_iota() + vi_set((int32_t)i));
-        vi_compress(&out->patch[count], in, patches_of(vi_load(&b->pixel[i])));
-        vi_compress(&out->instance[count], in, vi_load(&b->instance[i]));
+        vi_compress_store(&out->index[count], in, vi_iota() + vi_set((int32_t)i));
+        vi_compress_store(&out->patch[count], in, patches_of(vi_load(&b->pixel[i])));
+        vi_compress_store(&out->instance[count], in, vi_load(&b->instance[i]));
         count += (uint32_t)__builtin_popcount(in);
     }
     out->count = count;
@@ -170,7 +170,7 @@ static bool place_points(const daft_batch *batch, const uint32_t *kept, bool cro
 /* DAFT_VL values from their places, of which the first is `from`; `rows`: they are in rows of four below each other. */
 DAFT_INLINE vi pick(const void *base, const uint32_t *at, const float *from, bool rows)
 {
-    return rows ? (vi)vf_load_rows(from, DAFT_TILE) : vi_gather(base, vi_load(at));
+    return rows ? (vi)vf_load_blocks(from, DAFT_TILE) : vi_gather_index(base, vi_load(at));
 }
 
 DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, bool rows, shadow_points *to)
@@ -191,7 +191,7 @@ DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, boo
                  (vf)pick(lifted->z, place, (const float *)lifted->z + place[0], rows)};
         p = to_light_space(l, p);
         picture_place seen = picture_of(l, p);
-        vf depth = vf_select(used, p.z, -inf);
+        vf depth = vf_if_then_else(used, p.z, -inf);
         vf_store(&to->u[at], seen.u), vf_store(&to->v[at], seen.v);
         vf_store(&to->x[at], p.x), vf_store(&to->y[at], p.y), vf_store(&to->z[at], seen.z);
         vf_store(&to->depth[at], depth);
@@ -199,16 +199,16 @@ DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, boo
         vi instance = pick(c->batch->instance, place, (const float *)c->batch->instance + place[0], rows);
         vi triangle = pick(c->own, place, (const float *)c->own + place[0], rows);
         vi_store(&to->instance[at], instance), vi_store(&to->own[at], triangle);
-        one |= vm_bits(vm_and(vi_eq(instance, on), vi_eq(triangle, own))) << k;
-        lu = vf_min(vf_select(used, seen.u, inf), lu), hu = vf_max(vf_select(used, seen.u, -inf), hu);
-        lv = vf_min(vf_select(used, seen.v, inf), lv), hv = vf_max(vf_select(used, seen.v, -inf), hv);
+        one |= vbits_from_mask(vm_and(vi_eq(instance, on), vi_eq(triangle, own))) << k;
+        lu = vf_min(vf_if_then_else(used, seen.u, inf), lu), hu = vf_max(vf_if_then_else(used, seen.u, -inf), hu);
+        lv = vf_min(vf_if_then_else(used, seen.v, inf), lv), hv = vf_max(vf_if_then_else(used, seen.v, -inf), hv);
         far = vf_max(depth, far);
     }
     bool alike = (from->used[b] & ~one) == 0;
     to->on[b] = alike ? c->batch->instance[first] : DAFT_NOTHING, to->sole[b] = alike ? c->own[first] : DAFT_NO_TRIANGLE;
-    const v4 box = vf_least4(lu, -hu, lv, -hv);
+    const v4 box = v4_reduce_min4(lu, -hu, lv, -hv);
     to->low_u[b] = box[0], to->high_u[b] = -box[1], to->low_v[b] = box[2], to->high_v[b] = -box[3];
-    to->far[b] = vf_most(far);
+    to->far[b] = vf_reduce_max(far);
 }
 
 /* ---- patches that are no neighbours to the lamp ---- */
@@ -262,7 +262,7 @@ DAFT_INLINE vi spread_bits(vi x)
 DAFT_INLINE vi picture_cell(vf place, float low, float scale)
 {
     vf at = (place - vf_set(low)) * vf_set(scale);
-    return vi_truncate(vf_min(vf_max(at, vf_set(0)), vf_set(255)));
+    return vi_convert_to(vf_min(vf_max(at, vf_set(0)), vf_set(255)));
 }
 
 static void add_strays(const shadow_points *p, uint32_t b, strays *out)
@@ -385,7 +385,7 @@ DAFT_INLINE bool is_patch(const uint32_t *source)
     const vi patch = (vi_iota() & vi_set(3)) + (vi_iota() >> 2) * vi_set(DAFT_TILE);
     vbits in_place = DAFT_ALL_LANES;
     for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
-        in_place &= vm_bits(vi_eq(vi_load(&source[k]), patch + vi_set((int32_t)(source[0] + k / 4 * DAFT_TILE))));
+        in_place &= vbits_from_mask(vi_eq(vi_load(&source[k]), patch + vi_set((int32_t)(source[0] + k / 4 * DAFT_TILE))));
     return in_place == DAFT_ALL_LANES && source[0] % 4 == 0;
 }
 
@@ -395,7 +395,7 @@ void DAFT_KERNEL(daft_shadow_dark)(const shadow_points *p, uint32_t *bits)
         const uint32_t *source = &p->source[b * SHADOW_BLOCK];
         uint32_t dark = p->used[b];
         for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
-            dark &= ~(vm_bits(vf_lt(vf_set(-INFINITY), vf_load(&p->depth[b * SHADOW_BLOCK + k]))) << k);
+            dark &= ~(vbits_from_mask(vf_lt(vf_set(-INFINITY), vf_load(&p->depth[b * SHADOW_BLOCK + k]))) << k);
         if (dark && is_patch(source)) {
             for (uint32_t row = 0; row < 4; row++) bits[source[0] / 32 + row] &= ~((dark >> (4 * row) & 15) << source[0] % 32);
             continue;

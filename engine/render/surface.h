@@ -2,7 +2,7 @@
 #ifndef DAFT_SURFACE_H
 #define DAFT_SURFACE_H
 
-#include "math/simd.h"
+#include "math/simd/ops.h"
 #include "render/kernels.h"
 
 /* Floats of a row of daft_facets: a triangle's, in frame space, normals unit and on the viewer's side. edge k: the plane of
@@ -35,13 +35,13 @@ DAFT_INLINE vf3 sub3(vf3 a, vf3 b) { return (vf3){a.x - b.x, a.y - b.y, a.z - b.
 DAFT_INLINE vf3 scale3(vf3 a, vf s) { return (vf3){a.x * s, a.y * s, a.z * s}; }
 DAFT_INLINE vf3 select3(vm m, vf3 a, vf3 b)
 {
-    return (vf3){vf_select(m, a.x, b.x), vf_select(m, a.y, b.y), vf_select(m, a.z, b.z)};
+    return (vf3){vf_if_then_else(m, a.x, b.x), vf_if_then_else(m, a.y, b.y), vf_if_then_else(m, a.z, b.z)};
 }
 /* Zero stays zero. */
 DAFT_INLINE vf3 unit3(vf3 a)
 {
     vf length2 = vf3_dot(a, a);
-    return scale3(a, vf_select(vf_lt(vf_set(0), length2), vf_set(1) / vf_sqrt(length2), vf_set(0)));
+    return scale3(a, vf_if_then_else(vf_lt(vf_set(0), length2), vf_set(1) / vf_sqrt(length2), vf_set(0)));
 }
 DAFT_INLINE vf3 load3(const daft_lanes3 *a, uint32_t at)
 {

@@ -13,7 +13,7 @@
  * Tracing Gems II, 2021, chapter 4). */
 #include "render/surface.h"
 
-#include "math/simd_real.h"
+#include "math/simd/elementary.h"
 
 /* What a batch's points need beside their place, normal and material. */
 enum {
@@ -73,12 +73,12 @@ DAFT_INLINE void corner_weights(const window *r, sort s, vf w[3])
         return;
     }
     for (int k = 0; k < 3; k++) w[k] = vf3_dot(part3(r, s, FACET_EDGE + 3 * k), r->direction);
-    vf sum = w[0] + w[1] + w[2], sign = vf_select(vf_lt(sum, zero), -one, one);
+    vf sum = w[0] + w[1] + w[2], sign = vf_if_then_else(vf_lt(sum, zero), -one, one);
     for (int k = 0; k < 3; k++) w[k] = vf_max(w[k] * sign, zero);
     sum = w[0] + w[1] + w[2];
     vm some = vf_lt(zero, sum);
     vf share = one / sum;
-    for (int k = 0; k < 3; k++) w[k] = vf_select(some, w[k] * share, vf_set(1.0f / 3));
+    for (int k = 0; k < 3; k++) w[k] = vf_if_then_else(some, w[k] * share, vf_set(1.0f / 3));
 }
 
 /* Where the rays meet the plane, but no further than the triangle's nearest and farthest corners are along them: seen
@@ -129,7 +129,7 @@ DAFT_INLINE vf sphere_way(vf3 centre, vf radius, vf3 d)
     vf dd = vf3_dot(d, d), along = vf3_dot(centre, d) / dd;
     vf3 aside = sub3(centre, scale3(d, along));
     vf half = vf_sqrt(vf_max(radius * radius - vf3_dot(aside, aside), vf_set(0)) / dd), near = along - half;
-    return vf_select(vf_lt(vf_set(0), near), near, along + half);
+    return vf_if_then_else(vf_lt(vf_set(0), near), near, along + half);
 }
 
 /* The points as first found are pushed onto the sphere along its normal. */
@@ -148,7 +148,7 @@ DAFT_INLINE void meet_spheres(const window *r, sort s, uint32_t wants, meeting *
         m->u = vf_set(0.5f) + vf_atan2(local.z, local.x) * vf_set(0.159154943f);
         m->v = vf_set(0.5f) + vf_asin(local.y) * vf_set(0.318309886f);
     }
-    vf side = vf_select(vf_lt(vf_set(0), vf3_dot(normal, d)), vf_set(-1), vf_set(1));
+    vf side = vf_if_then_else(vf_lt(vf_set(0), vf3_dot(normal, d)), vf_set(-1), vf_set(1));
     m->normal = m->outward = scale3(normal, side);
 }
 
@@ -159,8 +159,8 @@ DAFT_INLINE void take_spheres(const window *r, sort s, vbits spheres, uint32_t w
     meet_spheres(r, s, wants, &b);
     m->point = select3(which, b.point, m->point), m->lifted = select3(which, b.lifted, m->lifted);
     m->normal = select3(which, b.normal, m->normal), m->outward = select3(which, b.outward, m->outward);
-    m->size = vf_select(which, b.size, m->size), m->density = vf_select(which, b.density, m->density);
-    m->u = vf_select(which, b.u, m->u), m->v = vf_select(which, b.v, m->v);
+    m->size = vf_if_then_else(which, b.size, m->size), m->density = vf_if_then_else(which, b.density, m->density);
+    m->u = vf_if_then_else(which, b.u, m->u), m->v = vf_if_then_else(which, b.v, m->v);
 }
 
 /* rows: the number of each ray's row. */
@@ -169,7 +169,7 @@ DAFT_INLINE void load_parts(window *r, const daft_facets *f, const int32_t *rows
     enum { EIGHTS = DAFT_FACET_FLOATS / 8 };
     int32_t eighth[DAFT_VL];
     vi_store(eighth, vi_load(rows) * vi_set(EIGHTS));
-    for (int k = from; k < end; k++) vf_load_rows8(f->row[0] + 8 * k, eighth, r->part + 8 * k);
+    for (int k = from; k < end; k++) vf_gather_rows8(f->row[0] + 8 * k, eighth, r->part + 8 * k);
 }
 
 DAFT_INLINE void meet_mixed(window *r, bool camera, const daft_facets *f, const int32_t *rows, uint32_t wants, meeting *m)
@@ -177,8 +177,8 @@ DAFT_INLINE void meet_mixed(window *r, bool camera, const daft_facets *f, const 
     const sort s = {camera, false};
     load_parts(r, f, rows, 0, 1);
     m->word = (vi)r->part[FACET_WORD];
-    vbits smooth = vm_bits(vi_lt(m->word, vi_set(0)));
-    vbits spheres = vm_bits(vi_eq(m->word & vi_set(FACET_SPHERE), vi_set(FACET_SPHERE)));
+    vbits smooth = vbits_from_mask(vi_lt(m->word, vi_set(0)));
+    vbits spheres = vbits_from_mask(vi_eq(m->word & vi_set(FACET_SPHERE), vi_set(FACET_SPHERE)));
     if ((smooth | spheres) || (wants & WANT_TEXTURE)) load_parts(r, f, rows, 1, 5);
     if (wants & WANT_TEXTURE) load_parts(r, f, rows, 5, 6);
     m->density = m->u = m->v = vf_set(0);
@@ -271,7 +271,7 @@ DAFT_INLINE vbits run_ends(const daft_tile *tile, int at, int count)
 {
     vm same = vm_and(vi_eq(vi_load(&tile->instance[at]), vi_load(&tile->instance[at + 1])),
                      vi_eq(vi_load(&tile->triangle[at]), vi_load(&tile->triangle[at + 1])));
-    return (~vm_bits(same) & vbits_first(count)) | (vbits)1 << (count - 1);
+    return (~vbits_from_mask(same) & vbits_first_n(count)) | (vbits)1 << (count - 1);
 }
 
 /* Pixels put into the batches, and what they see beside those that see something. A pixel's number is its place in the tile. */
@@ -315,7 +315,7 @@ static void sort_seen(sorted *s, int at, vi instance, vi triangle, vbits same, v
         int first = __builtin_ctz(left);
         vbits before = (vbits)((1u << first) - 1), to_end = ends & ~before, run = (to_end ^ (to_end - 1)) & ~before;
         int32_t slot = find_slot(s->finder, s->tile->instance[at + first], s->tile->triangle[at + first]);
-        slots = vi_select(vm_from_bits(run), vi_set(slot), slots);
+        slots = vi_if_then_else(vm_from_bits(run), vi_set(slot), slots);
         left &= ~run;
     }
     vi_store(&s->slots[s->seen], slots);
@@ -325,7 +325,7 @@ static void sort_seen(sorted *s, int at, vi instance, vi triangle, vbits same, v
 /* Which of DAFT_VL pixels see what those above them see. */
 DAFT_INLINE vbits as_above(const daft_tile *tile, int at, vi instance, vi triangle)
 {
-    return vm_bits(vm_and(vi_eq(instance, vi_load(&tile->instance[at - DAFT_TILE_STRIDE])),
+    return vbits_from_mask(vm_and(vi_eq(instance, vi_load(&tile->instance[at - DAFT_TILE_STRIDE])),
                           vi_eq(triangle, vi_load(&tile->triangle[at - DAFT_TILE_STRIDE]))));
 }
 
@@ -348,7 +348,7 @@ static void sort_pixels(sorted *s)
                 vi_store(&s->points->instance[begin], instance);
                 vi_store(&s->points->triangle[begin], triangle);
                 s->seen += DAFT_VL;
-            } else if (tile->width - x >= DAFT_VL && !vm_bits(vi_eq(instance, vi_set((int32_t)DAFT_NOTHING)))) {
+            } else if (tile->width - x >= DAFT_VL && !vbits_from_mask(vi_eq(instance, vi_set((int32_t)DAFT_NOTHING)))) {
                 sort_seen(s, at, instance, triangle, same, slots);
             } else {
                 sort_runs(s, at, daft_min_i(DAFT_VL, tile->width - x));
@@ -371,8 +371,8 @@ DAFT_INLINE vf3 rays_at(const daft_pencil *p, vf x, vf y)
 DAFT_INLINE vf3 pixel_rays(const daft_pencil *p, daft_vec3 first, const uint32_t *pixel)
 {
     vi number = vi_load(pixel);
-    return rays_at(p, vf_set(first.x) + vf_from_int(number & vi_set(DAFT_TILE - 1)),
-                   vf_set(first.y) - vf_from_int(number >> __builtin_ctz(DAFT_TILE)));
+    return rays_at(p, vf_set(first.x) + vf_convert_to(number & vi_set(DAFT_TILE - 1)),
+                   vf_set(first.y) - vf_convert_to(number >> __builtin_ctz(DAFT_TILE)));
 }
 
 static void setup_seen(const daft_snapshot *snapshot, const daft_pencil *p, daft_facets *f)
@@ -402,7 +402,7 @@ static void seen_points(const daft_snapshot *snapshot, const daft_pencil *p, daf
         vf3 normal;
         const int32_t *slots = &f->slot[i];
         r.direction = pixel_rays(p, first, &b->pixel[i]);
-        if (vm_bits(vi_eq(vi_load(slots), vi_set(slots[0]))) == DAFT_ALL_LANES) {
+        if (vbits_from_mask(vi_eq(vi_load(slots), vi_set(slots[0]))) == DAFT_ALL_LANES) {
             bool flat = meet_uniform(&r, f, slots[0], wants, &m);
             if (flat && kept.slot != slots[0]) kept = (flat_normal){slots[0], unit3(m.normal)};
             normal = flat ? kept.unit : unit3(m.normal);
@@ -424,7 +424,7 @@ static bool sees_one_thing(const daft_tile *tile)
     if (tile->width != DAFT_TILE || tile->instance[0] == DAFT_NOTHING || tile->one_thing) return tile->one_thing;
     for (int at = 0; at < tile->height * DAFT_TILE_STRIDE; at += DAFT_VL) {
         vm same = vm_and(vi_eq(vi_load(&tile->instance[at]), instance), vi_eq(vi_load(&tile->triangle[at]), triangle));
-        if (vm_bits(same) != DAFT_ALL_LANES) return false;
+        if (vbits_from_mask(same) != DAFT_ALL_LANES) return false;
     }
     return true;
 }
@@ -457,7 +457,7 @@ static void common_points(const daft_pencil *p, daft_vec3 first, const float *ro
     const vf3 outward = facet_normal(row);
     window r = {.row = row};
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
-        vf x = vf_set(first.x) + vf_from_int(vi_iota() + vi_set((int32_t)(i % DAFT_TILE)));
+        vf x = vf_set(first.x) + vf_convert_to(vi_iota() + vi_set((int32_t)(i % DAFT_TILE)));
         r.direction = rays_at(p, x, vf_set(first.y - (float)(i / DAFT_TILE)));
         vf3 point = plane_point(&r, s, outward), view = scale3(unit3(r.direction), vf_set(-1));
         store3(&b->point, i, add3(point, spawn_offset(point, vf_set(row[FACET_SIZE]), outward, view)));

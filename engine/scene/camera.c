@@ -1,5 +1,5 @@
 /* Cameras: where they look, how they move between two ticks, and the list that scene files name. */
-#include "math/real.h"
+#include "math/trig.h"
 #include "scene/scene.h"
 
 daft_camera daft_default_camera(void)

@@ -1,5 +1,5 @@
 /* The engine, its images, and scenes as a whole. */
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "scene/scene.h"
 
 #include <string.h>

@@ -5,7 +5,7 @@
  * power of two of about 1,024 times the smallest thing in the scene, so rays from nearby share a tree, an origin is off
  * by at most 2^-24 · 0.87 · 1024, about 5e-5, of that smallest thing, and the answer depends on the scene and the ray
  * alone, not on the rays before it. */
-#include "math/real.h"
+#include "math/trig.h"
 #include "scene/scene.h"
 
 enum { CELL_SIZES = 1024 };

@@ -1,7 +1,7 @@
 /* The frame snapshot: what render/ and the ray queries see of a scene. Positions are subtracted from the frame's origin
  * in double and rounded to float once, so precision is the same wherever in the world the frame is. */
 #include "cost/cost.h"
-#include "math/real.h"
+#include "math/trig.h"
 #include "scene/scene.h"
 
 /* Against the sun's direction, unit; in double, so that no length is too short or too long. */

@@ -10,8 +10,8 @@ static __attribute__((noinline)) vi encode_exactly(vf x)
 {
     x = vf_clamp01(x);
     vf curve = vf_set(1.055f) * vf_pow(x, vf_set(1 / 2.4f)) - vf_set(0.055f);
-    vf encoded = vf_select(vf_le(x, vf_set(0.0031308f)), x * vf_set(12.92f), curve);
-    return vi_truncate(encoded * vf_set(255) + vf_set(0.5f));
+    vf encoded = vf_if_then_else(vf_le(x, vf_set(0.0031308f)), x * vf_set(12.92f), curve);
+    return vi_convert_to(encoded * vf_set(255) + vf_set(0.5f));
 }
 
 /* 255 · 1.055 · 2^(e · 5/12) by the last four bits of e + 127: e from -15 to 0, and those below are not on the curve. */
@@ -38,10 +38,10 @@ DAFT_INLINE vi encode_lanes(vf light, vbits *unsure)
 {
     vf x = vf_clamp01(light);
     vf m = (vf)(((vi)x & vi_set(0x007fffff)) | vi_set(0x3f800000));
-    vf curve = mantissa_power(m) * vf_lookup16(OCTAVES, (vi)x >> 23) - vf_set((255 * 0.055f - 0.5f) * (float)ONE);
+    vf curve = mantissa_power(m) * vf_table_lookup16(OCTAVES, (vi)x >> 23) - vf_set((255 * 0.055f - 0.5f) * (float)ONE);
     vf line = x * vf_set(12.92f) * vf_set(255 * (float)ONE) + vf_set(0.5f * (float)ONE);
-    vi fine = vi_truncate(vf_select(vf_le(x, vf_set(0.0031308f)), line, curve));
-    *unsure = vm_bits(vi_eq((fine + vi_set(1)) & vi_set(ONE - 2), vi_set(0)));
+    vi fine = vi_convert_to(vf_if_then_else(vf_le(x, vf_set(0.0031308f)), line, curve));
+    *unsure = vbits_from_mask(vi_eq((fine + vi_set(1)) & vi_set(ONE - 2), vi_set(0)));
     return fine;
 }
 

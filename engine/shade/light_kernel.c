@@ -25,7 +25,7 @@ DAFT_INLINE vf3 to_lamp(const daft_batch *batch, const daft_lamp *lamp, uint32_t
     vf3 p = lanes_load(&batch->point, i);
     vf3 l = {vf_set(lamp->position.x) - p.x, vf_set(lamp->position.y) - p.y, vf_set(lamp->position.z) - p.z};
     vf length2 = vf3_dot(l, l);
-    vf scale = vf_select(vf_lt(vf_set(0), length2), vf_set(1) / vf_sqrt(length2), vf_set(0));
+    vf scale = vf_if_then_else(vf_lt(vf_set(0), length2), vf_set(1) / vf_sqrt(length2), vf_set(0));
     return (vf3){l.x * scale, l.y * scale, l.z * scale};
 }
 
@@ -47,8 +47,8 @@ static uint32_t facing(daft_batch *batch, const daft_lamp *lamp, uint32_t bits[D
         vf3 l = to_lamp(batch, lamp, i);
         vf cosine = vf3_dot(lanes_load(&batch->normal, i), l);
         vf_store(&batch->cosine[i], cosine);
-        vbits lit = vm_bits(vf_lt(vf_set(0), cosine)) & vbits_first((int)(batch->count - i));
-        if (lamp->spot && lit) lit &= vm_bits(vf_lt(vf_set(0), cone_share(lamp, l)));
+        vbits lit = vbits_from_mask(vf_lt(vf_set(0), cosine)) & vbits_first_n((int)(batch->count - i));
+        if (lamp->spot && lit) lit &= vbits_from_mask(vf_lt(vf_set(0), cone_share(lamp, l)));
         bits[i / 32] |= lit << (i % 32);
         total += (uint32_t)__builtin_popcount(lit);
     }
@@ -60,7 +60,7 @@ DAFT_INLINE void add_highlight(const daft_batch *batch, const material_reader *m
 {
     vf3 n = lanes_load(&batch->normal, i), view = lanes_load(&batch->view, i), specular = MATERIAL_COLOR(m, specular);
     vf mirrored = vf_set(2) * cosine * vf3_dot(n, view) - vf3_dot(l, view), zero = vf_set(0);
-    vf power = vf_select(vf_lt(zero, mirrored), vf_pow(vf_clamp01(mirrored), MATERIAL_WORD(m, shininess)), zero);
+    vf power = vf_if_then_else(vf_lt(zero, mirrored), vf_pow(vf_clamp01(mirrored), MATERIAL_WORD(m, shininess)), zero);
     *sum = (vf3){sum->x + specular.x * power, sum->y + specular.y * power, sum->z + specular.z * power};
 }
 
@@ -91,9 +91,9 @@ static void add_lamp(daft_batch *batch, const daft_surface *materials, const daf
             sum = (vf3){sum.x * share.x, sum.y * share.y, sum.z * share.z};
         }
         vm mask = vm_from_bits(bits);
-        light.x = light.x + vf_select(mask, sum.x * vf_set(lamp->color.x), zero);
-        light.y = light.y + vf_select(mask, sum.y * vf_set(lamp->color.y), zero);
-        light.z = light.z + vf_select(mask, sum.z * vf_set(lamp->color.z), zero);
+        light.x = light.x + vf_if_then_else(mask, sum.x * vf_set(lamp->color.x), zero);
+        light.y = light.y + vf_if_then_else(mask, sum.y * vf_set(lamp->color.y), zero);
+        light.z = light.z + vf_if_then_else(mask, sum.z * vf_set(lamp->color.z), zero);
         lanes_store(&batch->light, i, light);
     }
 }
@@ -104,7 +104,7 @@ static void add_lamp(daft_batch *batch, const daft_surface *materials, const daf
 DAFT_INLINE bool in_a_row(const uint32_t *pixel, uint32_t i, uint32_t count)
 {
     vi row = vi_iota() + vi_set((int32_t)pixel[i]);
-    return count - i >= DAFT_VL && vm_bits(vi_eq(vi_load(&pixel[i]), row)) == DAFT_ALL_LANES;
+    return count - i >= DAFT_VL && vbits_from_mask(vi_eq(vi_load(&pixel[i]), row)) == DAFT_ALL_LANES;
 }
 
 static void put(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *light)

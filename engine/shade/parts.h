@@ -2,8 +2,8 @@
 #ifndef DAFT_SHADE_PARTS_H
 #define DAFT_SHADE_PARTS_H
 
-#include "math/isa.h"
-#include "math/simd_real.h"
+#include "math/simd/dispatch.h"
+#include "math/simd/elementary.h"
 #include "shade/shade.h"
 
 bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures);
@@ -45,15 +45,15 @@ DAFT_INLINE material_reader read_materials(const daft_batch *batch, const daft_s
     if (batch->one_material) return (material_reader){(const float *)materials, vi_set(0), true, batch->material[0]};
     uint32_t left = batch->count - i, first = batch->material[i];
     vi numbers = vi_load(&batch->material[i]);
-    vbits used = vbits_first(left > DAFT_VL ? DAFT_VL : (int)left);
-    bool same = (vm_bits(vi_eq(numbers, vi_set((int32_t)first))) & used) == used;
-    numbers = vi_select(vm_from_bits(used), numbers, vi_set((int32_t)first));
+    vbits used = vbits_first_n(left > DAFT_VL ? DAFT_VL : (int)left);
+    bool same = (vbits_from_mask(vi_eq(numbers, vi_set((int32_t)first))) & used) == used;
+    numbers = vi_if_then_else(vm_from_bits(used), numbers, vi_set((int32_t)first));
     return (material_reader){(const float *)materials, numbers * vi_set(SURFACE_WORDS), same, first};
 }
 DAFT_INLINE vf material_word(const material_reader *r, size_t word)
 {
     if (r->same) return vf_set(r->base[r->first * SURFACE_WORDS + word]);
-    return vf_gather(r->base + word, r->offset);
+    return vf_gather_index(r->base + word, r->offset);
 }
 #define MATERIAL_WORD(reader, member) material_word(reader, offsetof(daft_surface, member) / sizeof(float))
 #define MATERIAL_COLOR(reader, member)                                                                                  \

@@ -9,7 +9,7 @@ static void sky_constant(daft_vec3 color, uint32_t count, daft_lanes3 *out)
 DAFT_INLINE vf3 unit_lanes(vf3 d)
 {
     vf length2 = vf3_dot(d, d);
-    vf scale = vf_select(vf_lt(vf_set(0), length2), vf_set(1) / vf_sqrt(length2), vf_set(0));
+    vf scale = vf_if_then_else(vf_lt(vf_set(0), length2), vf_set(1) / vf_sqrt(length2), vf_set(0));
     return (vf3){d.x * scale, d.y * scale, d.z * scale};
 }
 
@@ -37,17 +37,17 @@ DAFT_INLINE taps place_taps(const daft_sky_image *image, vf x, vf y)
 {
     vf x0 = vf_floor(x), y0 = vf_floor(y), zero = vf_set(0), one = vf_set(1);
     vf right = vf_set((float)(image->width - 1)), bottom = vf_set((float)(image->height - 1));
-    vi xa = vi_truncate(vf_select(vf_lt(x0, zero), right, x0)), xb = vi_truncate(vf_select(vf_lt(x0, right), x0 + one, zero));
+    vi xa = vi_convert_to(vf_if_then_else(vf_lt(x0, zero), right, x0)), xb = vi_convert_to(vf_if_then_else(vf_lt(x0, right), x0 + one, zero));
     vi width = vi_set(image->width), three = vi_set(3);
-    vi ya = vi_truncate(vf_max(y0, zero)) * width, yb = vi_truncate(vf_min(y0 + one, bottom)) * width;
+    vi ya = vi_convert_to(vf_max(y0, zero)) * width, yb = vi_convert_to(vf_min(y0 + one, bottom)) * width;
     return (taps){(ya + xa) * three, (ya + xb) * three, (yb + xa) * three, (yb + xb) * three, x - x0, y - y0};
 }
 
 DAFT_INLINE vf fetch(const daft_sky_image *image, const taps *t, int channel)
 {
     const float *texels = image->texels + channel;
-    vf a = vf_gather(texels, t->above_left), b = vf_gather(texels, t->above_right);
-    vf c = vf_gather(texels, t->below_left), d = vf_gather(texels, t->below_right);
+    vf a = vf_gather_index(texels, t->above_left), b = vf_gather_index(texels, t->above_right);
+    vf c = vf_gather_index(texels, t->below_left), d = vf_gather_index(texels, t->below_right);
     vf top = a + (b - a) * t->across, bottom = c + (d - c) * t->across;
     return top + (bottom - top) * t->down;
 }

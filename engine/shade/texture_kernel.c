@@ -43,7 +43,7 @@ static void sample(const daft_texture_data *t, float u, float v, float level, fl
 
 DAFT_INLINE vf fraction(vf a)
 {
-    vf bounded = vf_select(vf_lt(vf_abs(a), vf_set(8388608.0f)), a, vf_set(0)); /* beyond 2^23 there is no fraction */
+    vf bounded = vf_if_then_else(vf_lt(vf_abs(a), vf_set(8388608.0f)), a, vf_set(0)); /* beyond 2^23 there is no fraction */
     return bounded - vf_floor(bounded);
 }
 

@@ -1,7 +1,7 @@
 /* One step of the world. A world without anything active does nothing. */
 #include "sim/solve/solver.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 
 #include <stdatomic.h>
 

@@ -3,7 +3,7 @@
  * exactly. As a table, as CSV, and as a plot of wrong pixels against milliseconds. */
 #include "scenes.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 #include "svg.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* A mesh for benchmarks: a leaning frame of beams, long thin triangles across the axes. */
 #include "scenes.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 
 #include <string.h>
 

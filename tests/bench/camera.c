@@ -3,7 +3,7 @@
 #include "scenes.h"
 
 #include "accel/accel.h"
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "raster/raster.h"
 
 #include <string.h>

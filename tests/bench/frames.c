@@ -2,7 +2,7 @@
  * Embree. And what an effect costs that the scene does not call for. */
 #include "scenes.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 
 #include <stdio.h>
 #include <stdlib.h>

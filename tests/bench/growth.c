@@ -3,7 +3,7 @@
  * time. Asked for with --only it goes all the way; in a run of everything it stops where a row takes long. */
 #include "scenes.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 
 #include <stdio.h>
 #include <string.h>

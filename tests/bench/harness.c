@@ -1,7 +1,7 @@
 /* Options, and sampling in turns. */
 #include "bench.h"
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 
 #include <ctype.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* What stands before the first frame: reading an OBJ file, building the BVH, and the memory that both take. */
 #include "bench.h"
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 
 #include "accel/accel.h"
 

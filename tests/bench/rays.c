@@ -2,8 +2,8 @@
  * lamp; one by one, sixteen together, and as a stream. */
 #include "rays.h"
 
-#include "math/isa.h"
-#include "math/real.h"
+#include "math/simd/dispatch.h"
+#include "math/trig.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "robust.h"
 
 #include "../support/closed_shapes.h"
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * m) and far (100 pixels tall); cows and spheres strewn about with random rotations; a room around the camera. */
 #include "scenes.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 
 #include <stdio.h>
 #include <stdlib.h>

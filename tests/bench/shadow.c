@@ -4,8 +4,8 @@
  * patches of 4 by 4 pixels. */
 #include "shadow.h"
 
-#include "math/isa.h"
-#include "math/real.h"
+#include "math/simd/dispatch.h"
+#include "math/trig.h"
 #include "raster/raster.h"
 #include "render/kernels.h"
 

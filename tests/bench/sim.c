@@ -2,7 +2,7 @@
  * the same steps, how far a stack drifts, and what the scene does not call for. */
 #include "sim_scenes.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 
 #include <stdio.h>
 #include <string.h>

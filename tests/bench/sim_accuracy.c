@@ -3,8 +3,8 @@
  * as a plot of error against time with the settings that no other beats on both. */
 #include "bench.h"
 
-#include "math/isa.h"
-#include "math/real.h"
+#include "math/simd/dispatch.h"
+#include "math/trig.h"
 #include "sim_truth.h"
 #include "svg.h"
 

@@ -1,7 +1,7 @@
 /* Our side of the simulation's benchmarks: a scene as a world of sim/. */
 #include "sim_scenes.h"
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 
 typedef struct ours {
     bench *self;

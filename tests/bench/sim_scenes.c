@@ -1,7 +1,7 @@
 /* The scenes of the simulation's benchmarks, and what is wrong with the poses that an engine gives. */
 #include "sim_scenes.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 #include "sim/collide/manifold.h"
 
 #include <stdlib.h>

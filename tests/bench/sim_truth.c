@@ -1,7 +1,7 @@
 /* The worlds whose motion is known. */
 #include "sim_truth.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 
 static const double GRAVITY = (double)9.81f;
 

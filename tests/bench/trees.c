@@ -2,8 +2,8 @@
  * 100,000 instances; and the kd-tree beside the BVH. */
 #include "bench.h"
 
-#include "math/isa.h"
-#include "math/real.h"
+#include "math/simd/dispatch.h"
+#include "math/trig.h"
 
 #include <stdio.h>
 #include <stdlib.h>

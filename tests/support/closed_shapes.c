@@ -2,7 +2,7 @@
 #include "closed_shapes.h"
 
 #include "math/exact.h"
-#include "math/real.h"
+#include "math/trig.h"
 
 #include <stdio.h>
 #include <stdlib.h>

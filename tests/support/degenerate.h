@@ -5,7 +5,7 @@
 
 #include "daft.h"
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "math/vec.h"
 
 #include <setjmp.h>

@@ -4,8 +4,8 @@
 
 #include "accel/bvh.h"
 #include "geometry/mesh.h"
-#include "math/isa.h"
-#include "math/real.h"
+#include "math/simd/dispatch.h"
+#include "math/trig.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

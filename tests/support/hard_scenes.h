@@ -6,7 +6,7 @@
 #include "daft.h"
 
 #include "base/base.h"
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "math/vec.h"
 
 #include <setjmp.h>

@@ -2,7 +2,7 @@
 #ifndef DAFT_SCENE_FIXTURE_H
 #define DAFT_SCENE_FIXTURE_H
 
-#include "math/real.h"
+#include "math/trig.h"
 #include "scene/scene.h"
 
 #include <setjmp.h>

@@ -4,7 +4,7 @@
 
 #include "sim/sim.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

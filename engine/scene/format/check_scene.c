@@ -1,6 +1,6 @@
 /* What is odd about a .scene file beyond what loading refuses: cameras and lights inside solids, the same thing twice
  * in one place, what cannot be drawn, what nothing lights. */
-#include "math/real.h"
+#include "math/trig.h"
 #include "scene/format/check_file.h"
 #include "scene/format/load.h"
 

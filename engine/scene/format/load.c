@@ -1,7 +1,7 @@
 /* The .scene format (docs have the whole): every line becomes an item of a list, then all files are loaded that the
  * items name, then room is made for everything, and only then, when nothing can fail any more, the scene changes.
  * Angles are degrees here and nowhere else. */
-#include "math/real.h"
+#include "math/trig.h"
 #include "scene/format/load.h"
 #include "scene/format/text.h"
 

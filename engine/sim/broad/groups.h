@@ -4,7 +4,7 @@
 #ifndef DAFT_SIM_GROUPS_H
 #define DAFT_SIM_GROUPS_H
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "sim/world.h"
 
 enum { DAFT_SIM_GROUP = 16 };

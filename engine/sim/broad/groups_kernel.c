@@ -1,7 +1,7 @@
 /* Bounds against those of a group, side by side. */
 #include "sim/broad/groups.h"
 
-#include "math/simd.h"
+#include "math/simd/ops.h"
 
 DAFT_INLINE uint32_t meets(const daft_sim_boxes *boxes, const float low[3], const float high[3])
 {
@@ -13,7 +13,7 @@ DAFT_INLINE uint32_t meets(const daft_sim_boxes *boxes, const float low[3], cons
             m = vm_and(m, vf_le(vf_set(low[axis]), vf_load(boxes->high[axis] + lane)));
             m = vm_and(m, vf_le(vf_load(boxes->low[axis] + lane), vf_set(high[axis])));
         }
-        out |= (uint32_t)vm_bits(m) << lane;
+        out |= (uint32_t)vbits_from_mask(m) << lane;
     }
     return out;
 }
@@ -26,7 +26,7 @@ DAFT_INLINE uint32_t found_by(const daft_sim_group *group, float reach, uint32_t
         vf mine = vf_set(reach), theirs = vf_load(group->reach + lane);
         vm later = vi_lt(vi_set((int32_t)part), vi_load(group->part + lane));
         vm m = vm_or(vf_lt(mine, theirs), vm_and(vf_le(mine, theirs), later));
-        out |= (uint32_t)vm_bits(m) << lane;
+        out |= (uint32_t)vbits_from_mask(m) << lane;
     }
     return out;
 }
@@ -51,7 +51,7 @@ static uint32_t cross(const daft_sim_group *group, const daft_sim_group *other, 
             hits &= (uint32_t)-2 << row;
         /* Whether any are hit is anyone's guess, so it is not asked. */
         for (uint32_t half = 0; half < DAFT_SIM_GROUP; half += 8)
-            count += v8i_list(out + count, hits >> half & 0xff, (int32_t)(row * DAFT_SIM_GROUP + half));
+            count += v8i_store_set_bits(out + count, hits >> half & 0xff, (int32_t)(row * DAFT_SIM_GROUP + half));
     }
     return count;
 }

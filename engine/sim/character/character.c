@@ -2,7 +2,7 @@
  * again. */
 #include "sim/character/character.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 #include "sim/character/mover.h"
 
 #include <string.h>

@@ -3,7 +3,7 @@
  *
  * A box much larger than the other is cut down to what is near the other before anything else, in double: what was 500
  * m of lever times a rounding error is gone, and every float below is of the size of the smaller box. */
-#include "math/simd.h"
+#include "math/simd/ops.h"
 #include "sim/collide/manifold_box.h"
 
 typedef struct pair {
@@ -128,8 +128,8 @@ static v4 edges(const pair *s, const axes *x, int i)
     v4 reach_a = v4_set(s->ha[i1]) * x->abs_row[i2] + v4_set(s->ha[i2]) * x->abs_row[i1];
     v4 square = one - r * r, reach_b = h1 * m2 + h2 * m1;
     v4i crossing = square > v4_set(DAFT_BOX_PARALLEL);
-    v4 length = v4_sqrt(v4_select(crossing, square, one));
-    return v4_select(crossing, ((distance - reach_a) - reach_b) / length, v4_set(-INFINITY));
+    v4 length = v4_sqrt(v4_if_then_else(crossing, square, one));
+    return v4_if_then_else(crossing, ((distance - reach_a) - reach_b) / length, v4_set(-INFINITY));
 }
 
 /* ---- a face ---- */

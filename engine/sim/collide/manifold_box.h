@@ -3,7 +3,7 @@
 #ifndef DAFT_SIM_MANIFOLD_BOX_H
 #define DAFT_SIM_MANIFOLD_BOX_H
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "sim/collide/manifold_parts.h"
 
 /* A box over this many times as large as the other is cut down, to this many times. */

@@ -4,7 +4,7 @@
 #ifndef DAFT_SIM_MANIFOLD_ROUND_H
 #define DAFT_SIM_MANIFOLD_ROUND_H
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "sim/collide/manifold_parts.h"
 
 /* Capsules whose angle's sine is less lie along each other: two points. */

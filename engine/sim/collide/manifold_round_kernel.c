@@ -1,6 +1,6 @@
 /* Spheres and capsules in lanes: what daft_collide_rounds and daft_collide_round_box do, in world axes from the centre
  * of the round part (the first of two). Where these branch, all branches are taken and one is chosen. */
-#include "math/simd.h"
+#include "math/simd/ops.h"
 #include "sim/collide/manifold_round.h"
 
 DAFT_INLINE vf3 add(vf3 a, vf3 b) { return (vf3){a.x + b.x, a.y + b.y, a.z + b.z}; }
@@ -8,7 +8,7 @@ DAFT_INLINE vf3 sub(vf3 a, vf3 b) { return (vf3){a.x - b.x, a.y - b.y, a.z - b.z
 DAFT_INLINE vf3 scale(vf3 a, vf s) { return (vf3){a.x * s, a.y * s, a.z * s}; }
 DAFT_INLINE vf3 select3(vm m, vf3 a, vf3 b)
 {
-    return (vf3){vf_select(m, a.x, b.x), vf_select(m, a.y, b.y), vf_select(m, a.z, b.z)};
+    return (vf3){vf_if_then_else(m, a.x, b.x), vf_if_then_else(m, a.y, b.y), vf_if_then_else(m, a.z, b.z)};
 }
 DAFT_INLINE vf3 load3(const daft_round_lanes *p, int lane)
 {
@@ -21,7 +21,7 @@ DAFT_INLINE void store3(daft_round_lanes *p, int lane, vf3 v)
     vf_store(p[2] + lane, v.z);
 }
 DAFT_INLINE vf clamp1(vf x) { return vf_min(vf_max(x, vf_set(-1)), vf_set(1)); }
-DAFT_INLINE vf over(vm good, vf a, vf b) { return a / vf_select(good, b, vf_set(1)); }
+DAFT_INLINE vf over(vm good, vf a, vf b) { return a / vf_if_then_else(good, b, vf_set(1)); }
 
 typedef struct outline {
     vf3 half, move;
@@ -33,7 +33,7 @@ DAFT_INLINE outline load_outline(const daft_outline *all, const int32_t *index)
     vf row[8];
     int32_t at[DAFT_VL];
     for (int i = 0; i < DAFT_VL; i++) at[i] = 2 * index[i];
-    vf_load_rows8(&all->half.x, at, row);
+    vf_gather_rows8(&all->half.x, at, row);
     return (outline){{row[0], row[1], row[2]}, {row[3], row[4], row[5]}, row[6], row[7]};
 }
 
@@ -73,7 +73,7 @@ DAFT_INLINE looks looks_of(const daft_round_batch *batch, int lane, const outlin
 {
     vf way = way_of(a, b), zero = vf_set(0);
     vm fast = vf_lt(vf_set(DAFT_ROUND_FAST) * vf_load(batch->reach + lane), way);
-    return (looks){vf_load(batch->margin + lane) + vf_select(fast, zero, way),
+    return (looks){vf_load(batch->margin + lane) + vf_if_then_else(fast, zero, way),
                    vm_and(fast, vf_lt(zero, vf_load(batch->watched + lane)))};
 }
 
@@ -81,9 +81,9 @@ DAFT_INLINE vm ask_of(vm near, vm unclear, vm out) { return vm_or(vm_and(near, u
 
 DAFT_INLINE bool store_state(daft_round_batch *batch, int lane, vm near, vm ask, vbits used)
 {
-    vi state = vi_select(near, vi_set(DAFT_ROUND_MET), vi_set(DAFT_ROUND_APART));
-    vi_store(batch->state + lane, vi_select(ask, vi_set(DAFT_ROUND_ASK), state));
-    return (vm_bits(near) & ~vm_bits(ask) & used) != 0;
+    vi state = vi_if_then_else(near, vi_set(DAFT_ROUND_MET), vi_set(DAFT_ROUND_APART));
+    vi_store(batch->state + lane, vi_if_then_else(ask, vi_set(DAFT_ROUND_ASK), state));
+    return (vbits_from_mask(near) & ~vbits_from_mask(ask) & used) != 0;
 }
 
 /* Two points, of which those beyond `most` do not count. */
@@ -91,10 +91,10 @@ DAFT_INLINE void set_points(found *f, const vf3 point[2], const vf separation[2]
 {
     vm first = vf_le(separation[0], most), second = vm_and(both, vf_le(separation[1], most));
     vi one = vi_set(1), none = vi_set(0);
-    f->count = vi_select(first, one, none) + vi_select(second, one, none);
+    f->count = vi_if_then_else(first, one, none) + vi_if_then_else(second, one, none);
     f->point[0] = select3(first, point[0], point[1]), f->point[1] = point[1];
-    f->separation[0] = vf_select(first, separation[0], separation[1]), f->separation[1] = separation[1];
-    f->id[0] = vi_select(first, id[0], id[1]), f->id[1] = id[1];
+    f->separation[0] = vf_if_then_else(first, separation[0], separation[1]), f->separation[1] = separation[1];
+    f->id[0] = vi_if_then_else(first, id[0], id[1]), f->id[1] = id[1];
 }
 
 /* ---- against each other ---- */
@@ -124,12 +124,12 @@ DAFT_INLINE void closest(const cores *c, vf *s, vf *t)
     vm crossing = vf_lt(vf_set(1e-6f) * product, determinant);
     vf cross = clamp1(over(crossing, c->at_a * c->square_b - c->along * c->at_b, determinant));
     vf middle = clamp1(over(c->long_a, c->at_a, c->square_a));
-    *s = vf_select(crossing, cross, vf_select(vm_or(c->long_b, vm_not(c->long_a)), zero, middle));
-    vf on_b = vf_select(c->long_b, over(c->long_b, c->along * *s - c->at_b, c->square_b), zero);
+    *s = vf_if_then_else(crossing, cross, vf_if_then_else(vm_or(c->long_b, vm_not(c->long_a)), zero, middle));
+    vf on_b = vf_if_then_else(c->long_b, over(c->long_b, c->along * *s - c->at_b, c->square_b), zero);
     vf end = clamp1(on_b);
     vm beyond = vf_lt(one, vf_abs(on_b));
-    vf back = vf_select(c->long_a, clamp1(over(c->long_a, end * c->along + c->at_a, c->square_a)), zero);
-    *s = vf_select(beyond, back, *s), *t = end;
+    vf back = vf_if_then_else(c->long_a, clamp1(over(c->long_a, end * c->along + c->at_a, c->square_a)), zero);
+    *s = vf_if_then_else(beyond, back, *s), *t = end;
 }
 
 /* Midway between both surfaces, at a place on each core. */
@@ -165,9 +165,9 @@ DAFT_INLINE void one_point(const cores *c, vf s, vf t, vm alone, found *f)
     vf separation;
     vf3 on_b = add(c->toward, scale(c->b.half, t));
     f->point[0] = select3(alone, between(c, scale(c->a.half, s), on_b, f->normal, &separation), f->point[0]);
-    f->separation[0] = vf_select(alone, separation, f->separation[0]);
-    f->id[0] = vi_select(alone, vi_set(2), f->id[0]);
-    f->count = vi_select(alone, vi_set(1), f->count);
+    f->separation[0] = vf_if_then_else(alone, separation, f->separation[0]);
+    f->id[0] = vi_if_then_else(alone, vi_set(2), f->id[0]);
+    f->count = vi_if_then_else(alone, vi_set(1), f->count);
 }
 
 static void rounds_lanes(const daft_outline *all, daft_round_batch *batch, int lane, vbits used)
@@ -200,7 +200,7 @@ typedef struct beside {
 DAFT_INLINE vf gap_along(const beside *s, int k, vf t)
 {
     vf zero = vf_set(0), high = s->high[k] + t * s->d[k], low = s->low[k] - t * s->d[k];
-    return vf_select(vf_lt(zero, high), high, vf_select(vf_lt(zero, low), -low, zero));
+    return vf_if_then_else(vf_lt(zero, high), high, vf_if_then_else(vf_lt(zero, low), -low, zero));
 }
 /* Half the slope of the squared distance there: it rises with t, in straight pieces. */
 DAFT_INLINE vf slope_at(const beside *s, vf t)
@@ -221,12 +221,12 @@ DAFT_INLINE vf closest_to_box(const beside *s)
         vm within = vm_and(there, vm_and(vf_lt(a, t), vf_lt(t, b)));
         vf slope = slope_at(s, t);
         vm falls = vm_and(within, vf_lt(slope, zero)), rises = vm_and(within, vm_not(vf_lt(slope, zero)));
-        a = vf_select(falls, t, a), slope_a = vf_select(falls, slope, slope_a);
-        b = vf_select(rises, t, b), slope_b = vf_select(rises, slope, slope_b);
+        a = vf_if_then_else(falls, t, a), slope_a = vf_if_then_else(falls, slope, slope_a);
+        b = vf_if_then_else(rises, t, b), slope_b = vf_if_then_else(rises, slope, slope_b);
     }
     vf rise = slope_b - slope_a;
     vf between = a - over(vf_lt(zero, rise), slope_a * (b - a), rise);
-    return vf_select(at_first, first, vf_select(at_last, last, between));
+    return vf_if_then_else(at_first, first, vf_if_then_else(at_last, last, between));
 }
 
 typedef struct meeting {
@@ -263,7 +263,7 @@ DAFT_INLINE void set_gap(meeting *m)
         several = vm_or(several, vm_and(some, beyond)), some = vm_or(some, beyond), all = vm_and(all, beyond);
         for (int i = 0; i < k; i++) m->axis[i] = vm_and(m->axis[i], vm_not(larger));
         m->axis[k] = larger;
-        most = vf_select(larger, size, most);
+        most = vf_if_then_else(larger, size, most);
     }
     m->farthest = most, m->distance = vf_sqrt(square);
     m->beside_face = several, m->beside_corner = all;
@@ -278,14 +278,14 @@ typedef struct stretch {
 DAFT_INLINE stretch stretch_over(const meeting *m, vm capsule)
 {
     vf zero = vf_set(0), one = vf_set(1), over_rim = vf_set(DAFT_ROUND_OVERHANG) * m->round.radius;
-    stretch out = {vf_select(capsule, vf_set(-1), zero), vf_select(capsule, one, zero), vm_not(vf_lt(one, zero))};
+    stretch out = {vf_if_then_else(capsule, vf_set(-1), zero), vf_if_then_else(capsule, one, zero), vm_not(vf_lt(one, zero))};
     for (int k = 0; k < 3; k++) {
         vf d = m->s.d[k], high = over_rim - m->s.high[k], low = m->s.low[k] - over_rim;
         vm across = vf_lt(zero, vf_abs(d)), over_it = vm_and(vf_le(zero, high), vf_le(low, zero));
         vf a = over(across, high, d), b = over(across, low, d);
         vm cuts = vm_and(across, vm_not(m->axis[k]));
-        out.from = vf_select(cuts, vf_max(vf_min(a, b), out.from), out.from);
-        out.to = vf_select(cuts, vf_min(vf_max(a, b), out.to), out.to);
+        out.from = vf_if_then_else(cuts, vf_max(vf_min(a, b), out.from), out.from);
+        out.to = vf_if_then_else(cuts, vf_min(vf_max(a, b), out.to), out.to);
         out.some = vm_and(out.some, vm_or(vm_or(across, over_it), m->axis[k]));
     }
     out.some = vm_and(out.some, vf_le(out.from, out.to));
@@ -299,21 +299,21 @@ DAFT_INLINE void over_face(const meeting *m, const stretch *over_it, vm capsule,
     vf3 face = {zero, zero, zero}, point[2];
     vf separation[2];
     for (int k = 0; k < 3; k++) {
-        vf3 out = scale(m->turn[k], vf_select(vf_lt(m->gap[k], zero), vf_set(-1), vf_set(1)));
+        vf3 out = scale(m->turn[k], vf_if_then_else(vf_lt(m->gap[k], zero), vf_set(-1), vf_set(1)));
         face = select3(m->axis[k], out, face);
     }
     for (int i = 0; i < 2; i++) {
         vf t = i ? over_it->to : over_it->from, high = zero;
         for (int k = 0; k < 3; k++) {
             vf move = t * m->s.d[k];
-            vf above = vf_select(vf_lt(zero, m->gap[k]), m->s.high[k] + move, m->s.low[k] - move);
-            high = vf_select(m->axis[k], above, high);
+            vf above = vf_if_then_else(vf_lt(zero, m->gap[k]), m->s.high[k] + move, m->s.low[k] - move);
+            high = vf_if_then_else(m->axis[k], above, high);
         }
         point[i] = sub(scale(m->round.half, t), scale(face, half * (high + m->round.radius)));
         separation[i] = high - m->round.radius;
     }
     f->normal = scale(face, m->box_first);
-    vi low = vi_select(vf_lt(zero, m->box_first), vi_set(0), vi_set(1 << 30));
+    vi low = vi_if_then_else(vf_lt(zero, m->box_first), vi_set(0), vi_set(1 << 30));
     set_points(f, point, separation, (vi[2]){low, low + vi_set(1)}, capsule, most);
 }
 
@@ -325,12 +325,12 @@ DAFT_INLINE void beside_edge(const meeting *m, vm here, vm capsule, found *f)
     for (int k = 0; k < 3; k++) away = add(away, scale(m->turn[k], m->gap[k] * inverse));
     vm inside = vm_and(capsule, vf_lt(vf_abs(m->t), vf_set(1)));
     vf3 at = sub(scale(m->round.half, m->t), scale(away, vf_set(0.5f) * (m->distance + m->round.radius)));
-    vi id = vi_set(5 << 28) | vi_select(inside, vi_set(1), vi_set(0));
+    vi id = vi_set(5 << 28) | vi_if_then_else(inside, vi_set(1), vi_set(0));
     f->normal = select3(here, scale(away, m->box_first), f->normal);
     f->point[0] = select3(here, at, f->point[0]);
-    f->separation[0] = vf_select(here, m->distance - m->round.radius, f->separation[0]);
-    f->id[0] = vi_select(here, id, f->id[0]);
-    f->count = vi_select(here, vi_set(1), f->count);
+    f->separation[0] = vf_if_then_else(here, m->distance - m->round.radius, f->separation[0]);
+    f->id[0] = vi_if_then_else(here, id, f->id[0]);
+    f->count = vi_if_then_else(here, vi_set(1), f->count);
 }
 
 static void boxes_lanes(const daft_outline *all, daft_round_batch *batch, int lane, vbits used)
@@ -359,12 +359,12 @@ static void boxes_lanes(const daft_outline *all, daft_round_batch *batch, int la
 
 static void rounds(const daft_outline *all, daft_round_batch *batch, int count)
 {
-    for (int lane = 0; lane < count; lane += DAFT_VL) rounds_lanes(all, batch, lane, vbits_first(count - lane));
+    for (int lane = 0; lane < count; lane += DAFT_VL) rounds_lanes(all, batch, lane, vbits_first_n(count - lane));
 }
 
 static void boxes(const daft_outline *all, daft_round_batch *batch, int count)
 {
-    for (int lane = 0; lane < count; lane += DAFT_VL) boxes_lanes(all, batch, lane, vbits_first(count - lane));
+    for (int lane = 0; lane < count; lane += DAFT_VL) boxes_lanes(all, batch, lane, vbits_first_n(count - lane));
 }
 
 const daft_round_kernels DAFT_KERNEL(daft_round) = {rounds, boxes};

@@ -1,7 +1,7 @@
 /* The separating-axis test between convex cores: faces of either, and pairs of edges whose arcs on the Gauss map cross
  * (Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013). A triangle's edge has half a great circle
  * for an arc and a segment's a whole one: there the third corner decides, or nothing. */
-#include "math/simd.h"
+#include "math/simd/ops.h"
 #include "sim/shape/gjk.h"
 #include "sim/collide/manifold_parts.h"
 
@@ -48,7 +48,7 @@ static void face_separations(const daft_poly *mine, uint32_t first, uint32_t cou
         v4 p[3];
         spread4(other->vertices[i], p);
         v4 d = dot4(n, p);
-        least = v4_select(d < least, d, least);
+        least = v4_if_then_else(d < least, d, least);
     }
     for (uint32_t i = 0; i < count; i++) out[i] = least[i] - mine->planes[first + i].offset;
 }
@@ -224,12 +224,12 @@ static uint32_t crossing_arcs(const edge *e, const edge_lanes *lanes, uint32_t i
     v4 t1 = dot4(mine, theirs);
     spread4(e->n2, mine);
     v4i crosses = t1 * dot4(mine, theirs) < v4_set(0);
-    if (v4_bits(crosses) == 0) return 0;
+    if (v4_bits_from_mask(crosses) == 0) return 0;
     spread4(e->d, mine);
     load3(lanes->n1, i, theirs);
     v4 u1 = dot4(mine, theirs);
     load3(lanes->n2, i, theirs);
-    return v4_bits(crosses & (u1 * dot4(mine, theirs) < v4_set(0)));
+    return v4_bits_from_mask(crosses & (u1 * dot4(mine, theirs) < v4_set(0)));
 }
 
 static void try_edges(const daft_poly *a, const daft_poly *b, float reach, float enough, daft_axis *best)

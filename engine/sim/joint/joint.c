@@ -1,7 +1,7 @@
 /* Joints as things that are made, asked and taken away. What they do to bodies is in joint_kernel.c. */
 #include "sim/world.h"
 
-#include "math/real.h"
+#include "math/trig.h"
 
 daft_sim_joint_def daft_default_sim_joint_def(void)
 {

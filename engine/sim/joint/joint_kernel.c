@@ -132,11 +132,11 @@ DAFT_INLINE void solve_limit(pass *p, float sign, vf room, float *impulse, vf *s
 {
     softness s = stiff(p);
     vm within = vf_lt(zero(), room);
-    s.mass = vf_select(within, vf_set(1), s.mass), s.impulse = vf_select(within, zero(), s.impulse);
-    vf bias = vf_select(within, room * p->inv_h, room * s.rate), old = vf_load(impulse);
+    s.mass = vf_if_then_else(within, vf_set(1), s.mass), s.impulse = vf_if_then_else(within, zero(), s.impulse);
+    vf bias = vf_if_then_else(within, room * p->inv_h, room * s.rate), old = vf_load(impulse);
     vf mass = vf_load((holds_limit(p->block) ? p->block->limit_mass : p->block->free_mass) + p->lane);
     vf wanted = wanted_free(mass, *speed * vf_set(sign) + bias, s, old, zero(), vf_set(NO_LIMIT));
-    if (!vm_bits(vm_or(vf_lt(zero(), wanted), vf_lt(zero(), vf_abs(old))))) return;
+    if (!vbits_from_mask(vm_or(vf_lt(zero(), wanted), vf_lt(zero(), vf_abs(old))))) return;
     vf_store(impulse, wanted);
     push_limit(p, (wanted - old) * vf_set(sign));
     *speed = free_speed(p);
@@ -148,7 +148,7 @@ DAFT_INLINE void solve_limits(pass *p, vf value)
     vf lower = vf_load(block->lower + p->lane), upper = vf_load(block->upper + p->lane);
     if (block->kind == DAFT_JOINT_HINGE) { /* beyond a limit is not beyond the other */
         vf turn = vf_set((float)(2 * DAFT_PI)), half = vf_set((float)DAFT_PI), d = value - vf_set(0.5f) * (lower + upper);
-        value = vf_select(vf_lt(half, d), value - turn, vf_select(vf_lt(d, -half), value + turn, value));
+        value = vf_if_then_else(vf_lt(half, d), value - turn, vf_if_then_else(vf_lt(d, -half), value + turn, value));
     }
     vf speed = free_speed(p);
     if (block->kind != DAFT_JOINT_BALL) solve_limit(p, 1, value - lower, block->lower_impulse + p->lane, &speed);
@@ -177,7 +177,7 @@ DAFT_INLINE vf rod_bend(const pass *p, vf length)
 {
     vf3 d = load3(p->block->along, p->lane), v = relative_velocity(p);
     vf along = vf3_dot(v, d), across = vf3_dot(v, v) - along * along;
-    vf turning = vf_select(vf_lt(vf_set(1e-9f), length), vf_set(0.5f) * p->h * across / length, zero());
+    vf turning = vf_if_then_else(vf_lt(vf_set(1e-9f), length), vf_set(0.5f) * p->h * across / length, zero());
     return vf3_dot(load3(p->block->bend, p->lane), d) + turning;
 }
 
@@ -240,7 +240,7 @@ DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, joint_block *block, co
     load_masses(&p);
     vm gives = vm_and(vf_lt(zero(), p.inv_mass[0]), vf_lt(zero(), p.inv_mass[1]));
     if (turns_with(block)) gives = vm_or(gives, vm_or(is_long(&p, 0), is_long(&p, 1)));
-    s.mass = vf_select(gives, s.mass, vf_set(1)), s.impulse = vf_select(gives, s.impulse, zero());
+    s.mass = vf_if_then_else(gives, s.mass, vf_set(1)), s.impulse = vf_if_then_else(gives, s.impulse, zero());
     store_soft(&block->stiff, lane, s);
     if (block->spring)
         store_soft(&block->soft, lane, make_soft(vf_load(block->hertz + lane), vf_load(block->damping + lane), h));
@@ -279,7 +279,7 @@ DAFT_INLINE bool springs(const joint_block *block)
 DAFT_INLINE vf bounded(float *impulse)
 {
     vf x = vf_load(impulse);
-    x = vf_select(vf_lt(vf_abs(x), vf_set(MOST_IMPULSE)), x, zero());
+    x = vf_if_then_else(vf_lt(vf_abs(x), vf_set(MOST_IMPULSE)), x, zero());
     vf_store(impulse, x);
     return x;
 }
@@ -294,7 +294,7 @@ DAFT_INLINE void carry(pass *p, vf3 *linear, vf3 *angular)
 {
     vm yields_a = vf_lt(zero(), p->inv_mass[0]), yields_b = vf_lt(zero(), p->inv_mass[1]);
     vf3 w = vf3_add(vf3_select(yields_a, p->a.w, none()), vf3_select(yields_b, p->b.w, none()));
-    vf share = vf_select(vm_and(yields_a, yields_b), vf_set(0.25f), vf_set(0.5f));
+    vf share = vf_if_then_else(vm_and(yields_a, yields_b), vf_set(0.25f), vf_set(0.5f));
     const quat unturned = {zero(), zero(), zero(), vf_set(1)};
     quat turn = turned(unturned, vf3_scale(w, share * p->h));
     *linear = rotate(turn, *linear);
@@ -371,7 +371,7 @@ DAFT_INLINE void solve_all(pass *p)
         break;
     case DAFT_JOINT_DRAG: {
         vf force = vf_load(block->motor_force + p->lane);
-        vf most = vf_select(vf_lt(zero(), force), force * p->h, vf_set(NO_LIMIT));
+        vf most = vf_if_then_else(vf_lt(zero(), force), force * p->h, vf_set(NO_LIMIT));
         if (p->biased) solve_points(p, whole(p), &most);
         break;
     }
@@ -418,10 +418,10 @@ DAFT_INLINE void shift(const daft_sim_rows *rows, const pass *p, const quat *tur
     store_body(rows->moved, index, &moved, side->writes >> p->lane & open);
     quat q = turned(*turn, angle);
     vf row[8];
-    vf_load_rows8(rows->turn, index, row);
+    vf_gather_rows8(rows->turn, index, row);
     row[0] = q.x, row[1] = q.y, row[2] = q.z, row[3] = q.w;
     row[4] = moved.v.x, row[5] = moved.v.y, row[6] = moved.v.z;
-    vf_store_rows8(rows->turn, index, row, side->writes >> p->lane & open);
+    vf_scatter_rows8(rows->turn, index, row, side->writes >> p->lane & open);
 }
 
 DAFT_INLINE bool close_lanes(const daft_sim_rows *rows, joint_block *block, int lane)
@@ -432,12 +432,12 @@ DAFT_INLINE bool close_lanes(const daft_sim_rows *rows, joint_block *block, int 
     vf3 offset = load3(block->offset, lane);
     vf apart = length_of(offset), most = vf_load(block->most_open + lane);
     vm opened = vf_lt(most, apart);
-    vbits open = vm_bits(opened);
+    vbits open = vbits_from_mask(opened);
     if (!open) return false;
     pass p = {.block = block, .lane = lane};
     load_masses(&p);
     place_points(&p);
-    vf excess = vf_select(opened, (apart - most) / vf_select(opened, apart, vf_set(1)), zero());
+    vf excess = vf_if_then_else(opened, (apart - most) / vf_if_then_else(opened, apart, vf_set(1)), zero());
     vf3 impulse = solve3(block->point, lane, vf3_scale(offset, excess));
     shift(rows, &p, &now[0].turn, 0, impulse, open);
     shift(rows, &p, &now[1].turn, 1, vf3_neg(impulse), open);

@@ -4,7 +4,7 @@
 #ifndef DAFT_SIM_JOINT_LANES_H
 #define DAFT_SIM_JOINT_LANES_H
 
-#include "math/simd_real.h"
+#include "math/simd/elementary.h"
 #include "sim/joint/joints.h"
 #include "sim/solve/lanes.h"
 
@@ -68,7 +68,7 @@ DAFT_INLINE softness make_soft(vf hertz, vf damping, vf h)
     vf omega = vf_set(2 * (float)DAFT_PI) * hertz, one = vf_set(1);
     vf a1 = vf_set(2) * damping + h * omega, a2 = h * omega * a1, a3 = one / (one + a2);
     vm some = vf_lt(zero(), omega);
-    return (softness){vf_select(some, omega / vf_select(some, a1, one), zero()), vf_select(some, a2 * a3, zero()), a3};
+    return (softness){vf_if_then_else(some, omega / vf_if_then_else(some, a1, one), zero()), vf_if_then_else(some, a2 * a3, zero()), a3};
 }
 DAFT_INLINE softness load_soft(const daft_sim_softness *s, int lane)
 {

@@ -19,7 +19,7 @@ typedef struct place_now {
 DAFT_INLINE place_now load_place(const daft_sim_rows *rows, const int32_t *index)
 {
     vf row[8];
-    vf_load_rows8(rows->turn, index, row);
+    vf_gather_rows8(rows->turn, index, row);
     return (place_now){{row[0], row[1], row[2], row[3]}, {row[4], row[5], row[6]}};
 }
 
@@ -64,14 +64,14 @@ DAFT_INLINE void place_turn(pass *p)
 DAFT_INLINE vf3 turn_error(const quat frame[2])
 {
     quat d = quat_mul(frame[1], conjugate(frame[0]));
-    vf twice = vf_select(vf_lt(d.w, zero()), vf_set(-2), vf_set(2));
+    vf twice = vf_if_then_else(vf_lt(d.w, zero()), vf_set(-2), vf_set(2));
     return vf3_scale((vf3){d.x, d.y, d.z}, twice);
 }
 /* Within ±pi. */
 DAFT_INLINE vf hinge_angle(const quat frame[2])
 {
     quat d = quat_mul(conjugate(frame[0]), frame[1]);
-    vf sign = vf_select(vf_lt(d.w, zero()), vf_set(-1), vf_set(1));
+    vf sign = vf_if_then_else(vf_lt(d.w, zero()), vf_set(-1), vf_set(1));
     return vf_set(2) * vf_atan2(sign * d.x, sign * d.w);
 }
 
@@ -149,7 +149,7 @@ DAFT_INLINE void place_cone(pass *p, vf3 axis, vf3 other)
     vf3 normal = vf3_cross(axis, other);
     vf sine = length_of(normal);
     vm leans = vf_lt(vf_set(1e-6f), sine); /* else there is no direction */
-    vf3 along = vf3_scale(normal, vf_select(leans, vf_set(1) / vf_select(leans, sine, vf_set(1)), zero()));
+    vf3 along = vf3_scale(normal, vf_if_then_else(leans, vf_set(1) / vf_if_then_else(leans, sine, vf_set(1)), zero()));
     place_free(p, along, vf_atan2(sine, vf3_dot(axis, other)));
 }
 DAFT_INLINE void place_distance(pass *p)
@@ -157,7 +157,7 @@ DAFT_INLINE void place_distance(pass *p)
     vf3 offset = load3(p->block->offset, p->lane), up = {zero(), vf_set(1), zero()};
     vf length = length_of(offset);
     vm apart = vf_lt(vf_set(1e-9f), length);
-    vf3 along = vf3_select(apart, vf3_scale(offset, vf_set(1) / vf_select(apart, length, vf_set(1))), up);
+    vf3 along = vf3_select(apart, vf3_scale(offset, vf_set(1) / vf_if_then_else(apart, length, vf_set(1))), up);
     place_free(p, along, length);
 }
 
@@ -209,7 +209,7 @@ DAFT_INLINE void refresh_masses(const daft_sim_rows *rows, joint_block *block, i
 {
     for (int i = 0; i < 2; i++) {
         vf row[8];
-        vf_load_rows8(rows->mass, block->side[i].row + lane, row);
+        vf_gather_rows8(rows->mass, block->side[i].row + lane, row);
         vf_store(block->side[i].inv_mass + lane, row[0]);
         for (int k = 0; k < 6; k++) vf_store(block->side[i].inertia[k] + lane, row[k + 1]);
     }

@@ -23,14 +23,14 @@ DAFT_INLINE places places_of(const uint32_t index[DAFT_SIM_LANES], int32_t rows,
 {
     places out;
     vi_store(out.row, vi_load(index + lane) * vi_set(rows));
-    out.used = vm_from_bits(vbits_first(lanes - lane));
+    out.used = vm_from_bits(vbits_first_n(lanes - lane));
     return out;
 }
 /* Zero in lanes that are not in use. */
 DAFT_INLINE void load_eight(const float *base, const places *at, vf out[8])
 {
-    vf_load_rows8(base, at->row, out);
-    for (int k = 0; k < 8; k++) out[k] = vf_select(at->used, out[k], zero());
+    vf_gather_rows8(base, at->row, out);
+    for (int k = 0; k < 8; k++) out[k] = vf_if_then_else(at->used, out[k], zero());
 }
 DAFT_INLINE void put3(daft_sim_lanes *to, int lane, const vf v[3]) { store3(to, lane, (vf3){v[0], v[1], v[2]}); }
 DAFT_INLINE void put4(daft_sim_lanes *to, int lane, const vf v[4])
@@ -52,9 +52,9 @@ DAFT_INLINE void fill_sides(const daft_sim_joint_source *from, joint_block *bloc
         places turned_by = places_of(from->body[i], BODY_ROWS, block->lanes, lane);
         vm world = vm_from_bits(from->world[i] >> lane & DAFT_ALL_LANES);
         load_eight(&from->bodies->rotation.x, &turned_by, row);
-        for (int k = 0; k < 4; k++) row[k] = vf_select(world, vf_set(k == 3), row[k]);
+        for (int k = 0; k < 4; k++) row[k] = vf_if_then_else(world, vf_set(k == 3), row[k]);
         put4(block->side[i].rotation, lane, row);
-        for (int k = 0; k < 3; k++) anchor[3 * i + k] = vf_select(world, zero(), anchor[3 * i + k]);
+        for (int k = 0; k < 3; k++) anchor[3 * i + k] = vf_if_then_else(world, zero(), anchor[3 * i + k]);
         put3(block->side[i].arm0, lane, anchor + 3 * i);
     }
 }
@@ -92,7 +92,7 @@ DAFT_INLINE void fill_lanes(const daft_sim_joint_source *from, joint_block *bloc
 
 /* ---- and back ---- */
 
-DAFT_INLINE vf finite1(vf x) { return vf_select(vf_le(vf_abs(x), vf_set(FLT_MAX)), x, zero()); }
+DAFT_INLINE vf finite1(vf x) { return vf_if_then_else(vf_le(vf_abs(x), vf_set(FLT_MAX)), x, zero()); }
 /* All zero if one is not finite. */
 DAFT_INLINE void get3(const daft_sim_lanes *from, int lane, vf out[3])
 {
@@ -102,20 +102,20 @@ DAFT_INLINE void get3(const daft_sim_lanes *from, int lane, vf out[3])
         out[k] = vf_load(from[k] + lane);
         good = vm_and(good, vf_le(vf_abs(out[k]), most));
     }
-    for (int k = 0; k < 3; k++) out[k] = vf_select(good, out[k], zero());
+    for (int k = 0; k < 3; k++) out[k] = vf_if_then_else(good, out[k], zero());
 }
 
 DAFT_INLINE void store_lanes(const daft_sim_joint_source *to, const joint_block *block, float dt, int lane)
 {
     places at = places_of(to->joint, JOINT_ROWS, block->lanes, lane);
-    vbits used = vm_bits(at.used);
+    vbits used = vbits_from_mask(at.used);
     vf row[8];
     get3(block->linear, lane, row), get3(block->angular, lane, row + 3);
     row[6] = finite1(vf_load(block->lower_impulse + lane)), row[7] = finite1(vf_load(block->upper_impulse + lane));
-    vf_store_rows8(&to->joints->linear_impulse.x, at.row, row, used);
+    vf_scatter_rows8(&to->joints->linear_impulse.x, at.row, row, used);
     get3(block->side[0].spin, lane, row), get3(block->side[1].spin, lane, row + 3);
     row[6] = finite1(vf_load(block->motor_impulse + lane)), row[7] = finite1(vf_load(block->spring_impulse + lane));
-    vf_store_rows8(&to->joints->spin[0].x, at.row, row, used);
+    vf_scatter_rows8(&to->joints->spin[0].x, at.row, row, used);
     float force[DAFT_VL], torque[DAFT_VL];
     vf_store(force, finite1(length_of(load3(block->linear_sum, lane)) / vf_set(dt)));
     vf_store(torque, finite1(length_of(load3(block->angular_sum, lane)) / vf_set(dt)));

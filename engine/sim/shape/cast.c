@@ -4,7 +4,7 @@
  * than the centres do along n plus both angular speeds times the arms: so time may go on by (d - target) over that
  * speed. Without rotation it is Newton's method on a convex function, which never oversteps and converges quadratically
  * on faces. */
-#include "math/real.h"
+#include "math/trig.h"
 #include "sim/shape/gjk.h"
 
 enum { MAX_STEPS = 200 };

@@ -23,10 +23,10 @@ typedef struct vd3 {
 
 DAFT_INLINE vd load(const double *p) { return *(const vd_unaligned *)p; }
 DAFT_INLINE void store(double *p, vd v) { *(vd_unaligned *)p = v; }
-DAFT_INLINE vd3 widen(vf3 a, int half) { return (vd3){vf_half(a.x, half), vf_half(a.y, half), vf_half(a.z, half)}; }
+DAFT_INLINE vd3 widen(vf3 a, int half) { return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)}; }
 DAFT_INLINE vf3 narrow(const vd3 a[2])
 {
-    return (vf3){vf_join(a[0].x, a[1].x), vf_join(a[0].y, a[1].y), vf_join(a[0].z, a[1].z)};
+    return (vf3){vf_demote2(a[0].x, a[1].x), vf_demote2(a[0].y, a[1].y), vf_demote2(a[0].z, a[1].z)};
 }
 DAFT_INLINE vd3 vd3_cross(vd3 a, vd3 b)
 {
@@ -55,7 +55,7 @@ DAFT_INLINE vd3 to_axes(const axes *m, vd3 v)
 DAFT_INLINE quat load_axes(const daft_sim_rows *rows, const daft_sim_spin *spin, int lane)
 {
     vf row[8];
-    vf_load_rows8(rows->turn, spin->row + lane, row);
+    vf_gather_rows8(rows->turn, spin->row + lane, row);
     quat a = {row[0], row[1], row[2], row[3]};
     quat b = {vf_load(spin->axes[0] + lane), vf_load(spin->axes[1] + lane), vf_load(spin->axes[2] + lane),
               vf_load(spin->axes[3] + lane)};
@@ -64,7 +64,7 @@ DAFT_INLINE quat load_axes(const daft_sim_rows *rows, const daft_sim_spin *spin,
 /* A rotation however long the rounded quaternion is: what it is off by would add up to energy. */
 DAFT_INLINE axes make_axes(quat q, int half)
 {
-    vd x = vf_half(q.x, half), y = vf_half(q.y, half), z = vf_half(q.z, half), w = vf_half(q.w, half);
+    vd x = vd_promote_half(q.x, half), y = vd_promote_half(q.y, half), z = vd_promote_half(q.z, half), w = vd_promote_half(q.w, half);
     vd s = 2 / (x * x + y * y + z * z + w * w);
     return (axes){{{1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)},
                    {s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w)},
@@ -105,7 +105,7 @@ DAFT_INLINE void store_momentum(daft_sim_spin *spin, int at, vd3 l)
     store(spin->momentum[1] + at, l.y);
     store(spin->momentum[2] + at, l.z);
 }
-DAFT_INLINE vbits used(const daft_sim_spin *spin, int lane) { return vbits_first(spin->lanes - lane); }
+DAFT_INLINE vbits used(const daft_sim_spin *spin, int lane) { return vbits_first_n(spin->lanes - lane); }
 
 DAFT_INLINE void before_lanes(const daft_sim_rows *rows, daft_sim_spin *spin, float h, int lane)
 {
@@ -139,7 +139,7 @@ DAFT_INLINE void between_lanes(const daft_sim_rows *rows, daft_sim_spin *spin, f
     vf turn = vf_sqrt(vf3_dot(b.w, b.w)) * vf_set(h);
     vm jolted = vm_or(vf_lt(vf_set(MAX_JOLT), jolts), vf_lt(vf_set(DAFT_SIM_WILD_TURN), turn));
     vf_store(spin->jolts + lane, jolts);
-    vf_store(spin->jolted + lane, vf_select(jolted, vf_set(1), vf_set(0)));
+    vf_store(spin->jolted + lane, vf_if_then_else(jolted, vf_set(1), vf_set(0)));
     for (int half = 0; half < 2; half++) {
         int at = lane + half * HALF;
         axes m = make_axes(q, half);
@@ -151,7 +151,7 @@ DAFT_INLINE void between_lanes(const daft_sim_rows *rows, daft_sim_spin *spin, f
 
 DAFT_INLINE vf bounded(vf w, vm jolted, vf was)
 {
-    return vf_select(vm_and(vf_le(vf_abs(w), vf_set(DAFT_SIM_MAX_SPIN)), vm_not(jolted)), w, was);
+    return vf_if_then_else(vm_and(vf_le(vf_abs(w), vf_set(DAFT_SIM_MAX_SPIN)), vm_not(jolted)), w, was);
 }
 
 DAFT_INLINE void after_lanes(const daft_sim_rows *rows, daft_sim_spin *spin, int lane)

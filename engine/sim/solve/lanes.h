@@ -2,7 +2,7 @@
 #ifndef DAFT_SIM_LANES_H
 #define DAFT_SIM_LANES_H
 
-#include "math/simd.h"
+#include "math/simd/ops.h"
 #include "sim/solve/solver.h"
 
 typedef struct body {
@@ -19,7 +19,7 @@ DAFT_INLINE vf3 vf3_cross(vf3 a, vf3 b)
 }
 DAFT_INLINE vf3 vf3_select(vm m, vf3 a, vf3 b)
 {
-    return (vf3){vf_select(m, a.x, b.x), vf_select(m, a.y, b.y), vf_select(m, a.z, b.z)};
+    return (vf3){vf_if_then_else(m, a.x, b.x), vf_if_then_else(m, a.y, b.y), vf_if_then_else(m, a.z, b.z)};
 }
 DAFT_INLINE vf3 load3(const daft_sim_lanes *p, int lane)
 {
@@ -35,14 +35,14 @@ DAFT_INLINE void store3(daft_sim_lanes *p, int lane, vf3 v)
 DAFT_INLINE vf inverse(vf x)
 {
     vm good = vf_lt(vf_set(0), x);
-    return vf_select(good, vf_set(1) / vf_select(good, x, vf_set(1)), vf_set(0));
+    return vf_if_then_else(good, vf_set(1) / vf_if_then_else(good, x, vf_set(1)), vf_set(0));
 }
 /* The factor that makes a vector of this squared length no longer than `limit`. */
 DAFT_INLINE vf shorten(vf square, vf limit)
 {
     vm longer = vf_lt(limit * limit, square);
-    vf length = vf_sqrt(vf_select(longer, square, vf_set(1)));
-    return vf_select(longer, limit / length, vf_set(1));
+    vf length = vf_sqrt(vf_if_then_else(longer, square, vf_set(1)));
+    return vf_if_then_else(longer, limit / length, vf_set(1));
 }
 /* A symmetric matrix: xx, xy, xz, yy, yz, zz. */
 DAFT_INLINE vf3 symmetric(const vf m[6], vf3 v)
@@ -64,14 +64,14 @@ DAFT_INLINE quat quat_mul(quat a, quat b)
 DAFT_INLINE body load_body(const float *rows, const int32_t *index)
 {
     vf row[8];
-    vf_load_rows8(rows, index, row);
+    vf_gather_rows8(rows, index, row);
     return (body){{row[0], row[1], row[2]}, {row[3], row[4], row[5]}, {row[6], row[7]}};
 }
 DAFT_INLINE void store_body(float *rows, const int32_t *index, const body *b, vbits lanes)
 {
     if (!lanes) return;
     const vf row[8] = {b->v.x, b->v.y, b->v.z, b->w.x, b->w.y, b->w.z, b->rest[0], b->rest[1]};
-    vf_store_rows8(rows, index, row, lanes);
+    vf_scatter_rows8(rows, index, row, lanes);
 }
 
 #endif

@@ -4,7 +4,7 @@
 #ifndef DAFT_SIM_SOLVER_H
 #define DAFT_SIM_SOLVER_H
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "sim/world.h"
 #include "sim/solve/stages.h"
 

@@ -44,7 +44,7 @@ DAFT_INLINE vf meeting_speed(const daft_sim_block_point *p, const body *a, const
     vf separation = vf_min(vf_load(p->separation + lane), vf_set(1e9f));
     vf square = speed * speed - vf_set(2) * acceleration * separation;
     vf meets = vf_sqrt(vf_max(square, zero));
-    return vf_select(vf_lt(speed, zero), meets, zero);
+    return vf_if_then_else(vf_lt(speed, zero), meets, zero);
 }
 
 DAFT_INLINE void respond_friction(daft_sim_block *block, const sides *s, int lane)
@@ -98,10 +98,10 @@ DAFT_INLINE sides load_sides(const daft_sim_rows *rows, daft_sim_block *block, i
 {
     sides s = {.normal = load3(block->normal, lane), .apart = load3(block->apart, lane)};
     vf row[8];
-    vf_load_rows8(rows->mass, block->a + lane, row);
+    vf_gather_rows8(rows->mass, block->a + lane, row);
     s.inv_mass_a = row[0];
     for (int k = 0; k < 6; k++) s.inertia_a[k] = row[k + 1];
-    vf_load_rows8(rows->mass, block->b + lane, row);
+    vf_gather_rows8(rows->mass, block->b + lane, row);
     s.inv_mass_b = row[0];
     for (int k = 0; k < 6; k++) s.inertia_b[k] = row[k + 1];
     vf_store(block->inv_mass_a + lane, s.inv_mass_a);
@@ -123,20 +123,20 @@ DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, daft_sim_block *block,
         daft_sim_block_point *p = &block->point[i];
         anchor[i] = load3(p->arm_a, lane);
         vm there = vf_lt(vf_load(p->separation + lane), vf_set(1e19f));
-        vf weight = vf_select(there, one, zero);
+        vf weight = vf_if_then_else(there, one, zero);
         count = count + weight;
         middle = vf3_add(middle, vf3_scale(anchor[i], weight));
         vf k = prepare_row(&s, anchor[i], s.normal, p->arm_a, p->arm_b, p->push_a, p->push_b, lane);
         vf_store(p->mass + lane, inverse(k));
         vf_store(p->approach + lane,
-                 vf_select(there, meeting_speed(p, &a, &b, s.normal, acceleration, lane), zero));
+                 vf_if_then_else(there, meeting_speed(p, &a, &b, s.normal, acceleration, lane), zero));
     }
     middle = vf3_scale(middle, inverse(count));
     if (block->shares) {
         vm below = vf_lt(zero, vf_load(block->shared + lane));
         vf3 foot = vf3_scale(s.normal, vf3_dot(s.normal, middle));
-        middle = (vf3){vf_select(below, foot.x, middle.x), vf_select(below, foot.y, middle.y),
-                       vf_select(below, foot.z, middle.z)};
+        middle = (vf3){vf_if_then_else(below, foot.x, middle.x), vf_if_then_else(below, foot.y, middle.y),
+                       vf_if_then_else(below, foot.z, middle.z)};
     }
     if (block->turns) prepare_bend(block, middle, s.apart, s.normal, lane);
     for (int i = 0; i < block->points; i++) {
@@ -247,7 +247,7 @@ DAFT_INLINE void store_both(float *rows, const daft_sim_block *block, const both
     if (!still) store_body(rows, block->b + lane, &all->b, block->writes_b >> lane);
 }
 
-DAFT_INLINE bool any(vf a) { return vm_bits(vf_lt(vf_set(0), vf_abs(a))) != 0; }
+DAFT_INLINE bool any(vf a) { return vbits_from_mask(vf_lt(vf_set(0), vf_abs(a))) != 0; }
 
 DAFT_INLINE void warm_start_lanes(const daft_sim_rows *rows, daft_sim_block *block, bool still, int lane)
 {
@@ -377,8 +377,8 @@ DAFT_INLINE void solve_friction(daft_sim_block *block, body *a, body *b, masses 
     vf_store(block->tangent_impulse[1] + lane, new_u);
     if (!s->on) {
         vm slides = vf_lt(scale, vf_set(1));
-        vf_store(block->slip[0] + lane, vf_select(slides, -way.t, slip_t));
-        vf_store(block->slip[1] + lane, vf_select(slides, -way.u, slip_u));
+        vf_store(block->slip[0] + lane, vf_if_then_else(slides, -way.t, slip_t));
+        vf_store(block->slip[1] + lane, vf_if_then_else(slides, -way.u, slip_u));
     }
     push(a, b, m, t, block->push_a[0], block->push_b[0], new_t - old_t, lane);
     push(a, b, m, u, block->push_a[1], block->push_b[1], new_u - old_u, lane);
@@ -396,7 +396,7 @@ DAFT_INLINE void solve_twist(daft_sim_block *block, body *a, body *b, vf3 n, vf 
     vf soft_mass = s->on ? s->mass : vf_set(1), soft_impulse = s->on ? s->impulse : vf_set(0);
     vf free = old - soft_mass * vf_load(block->twist_mass + lane) * speed - soft_impulse * old, wanted = vf_min(vf_max(free, -limit), limit);
     vf_store(block->twist_impulse + lane, wanted);
-    if (!s->on) vf_store(block->twist_slip + lane, vf_select(vf_lt(vf_abs(free), limit), slip, -way));
+    if (!s->on) vf_store(block->twist_slip + lane, vf_if_then_else(vf_lt(vf_abs(free), limit), slip, -way));
     twist(block, a, b, wanted - old, lane);
 }
 
@@ -435,15 +435,15 @@ DAFT_INLINE demand point_demand(const daft_sim_block_point *p, vf moved, const b
     separation = separation - vf3_dot(load3(p->arm_a, lane), turn_a->w);
     vm open = vf_lt(zero, separation);
     vf no_limit = vf_set(3e38f);
-    demand d = {vf_select(open, separation * s->inv_h, zero), mass, zero, no_limit};
+    demand d = {vf_if_then_else(open, separation * s->inv_h, zero), mass, zero, no_limit};
     if (!s->on) { /* what did not meet in this substep may do so in the next, which sees to that itself */
         vm met = vf_lt(zero, vf_load(p->impulse + lane));
-        d.most = vf_select(vm_and(open, vm_not(met)), zero, no_limit);
+        d.most = vf_if_then_else(vm_and(open, vm_not(met)), zero, no_limit);
         return d;
     }
-    d.bias = vf_select(open, d.bias, vf_max(separation * s->rate, s->push_speed));
-    d.mass = vf_select(open, mass, mass * s->mass);
-    d.soft_impulse = vf_select(open, zero, s->impulse);
+    d.bias = vf_if_then_else(open, d.bias, vf_max(separation * s->rate, s->push_speed));
+    d.mass = vf_if_then_else(open, mass, mass * s->mass);
+    d.soft_impulse = vf_if_then_else(open, zero, s->impulse);
     return d;
 }
 
@@ -451,7 +451,7 @@ DAFT_INLINE void solve_point(daft_sim_block_point *p, body *a, body *b, masses m
 {
     vf speed = row_speed(a, b, n, p->arm_a, p->arm_b, lane), old = vf_load(p->impulse + lane);
     vf wanted = old - d->mass * (speed + d->bias) - d->soft_impulse * old;
-    wanted = vf_select(solved, vf_min(vf_max(wanted, vf_set(0)), d->most), old);
+    wanted = vf_if_then_else(solved, vf_min(vf_max(wanted, vf_set(0)), d->most), old);
     vf_store(p->impulse + lane, wanted);
     push(a, b, m, n, p->push_a, p->push_b, wanted - old, lane);
 }
@@ -549,10 +549,10 @@ DAFT_INLINE void bounce_lanes(const daft_sim_rows *rows, daft_sim_block *block, 
         bounces = vm_and(bounces, vf_lt(zero, restitution));
         vf speed = row_speed(&a, &b, n, p->arm_a, p->arm_b, lane);
         vf impulse = -vf_load(p->mass + lane) * (speed - restitution * approach);
-        impulse = vf_select(bounces, vf_max(impulse, zero), zero);
+        impulse = vf_if_then_else(bounces, vf_max(impulse, zero), zero);
         push(&a, &b, m, n, p->push_a, p->push_b, impulse, lane);
         vf_store(p->total + lane, total + impulse);
-        vf kept = vf_select(vf_lt(zero, impulse), zero, vf_load(p->impulse + lane));
+        vf kept = vf_if_then_else(vf_lt(zero, impulse), zero, vf_load(p->impulse + lane));
         vf_store(p->impulse + lane, kept);
         sum = sum + impulse;
     }
@@ -560,7 +560,7 @@ DAFT_INLINE void bounce_lanes(const daft_sim_rows *rows, daft_sim_block *block, 
     vm bounced = vf_lt(zero, sum);
     vf kept[2], slip[2];
     for (int k = 0; k < 2; k++) {
-        kept[k] = vf_select(bounced, zero, vf_load(block->tangent_impulse[k] + lane));
+        kept[k] = vf_if_then_else(bounced, zero, vf_load(block->tangent_impulse[k] + lane));
         slip[k] = vf_load(block->slip[k] + lane);
         vf_store(block->tangent_impulse[k] + lane, zero);
     }
@@ -568,7 +568,7 @@ DAFT_INLINE void bounce_lanes(const daft_sim_rows *rows, daft_sim_block *block, 
     solve_friction(block, &a, &b, m, n, sum, &turn_a, &turn_b, &rigid, elapsed, lane);
     for (int k = 0; k < 2; k++) {
         vf_store(block->tangent_impulse[k] + lane, kept[k]);
-        vf_store(block->slip[k] + lane, vf_select(bounced, vf_load(block->slip[k] + lane), slip[k]));
+        vf_store(block->slip[k] + lane, vf_if_then_else(bounced, vf_load(block->slip[k] + lane), slip[k]));
     }
     store_body(rows->velocity, ia, &a, block->writes_a >> lane);
     store_body(rows->velocity, ib, &b, block->writes_b >> lane);
@@ -622,7 +622,7 @@ static const int32_t IN_ORDER[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13,
 DAFT_INLINE row_lanes rows_left(uint32_t first, uint32_t count, int32_t index[DAFT_VL])
 {
     for (uint32_t i = 0; i < DAFT_VL; i++) index[i] = (int32_t)(i < count ? i : 0);
-    return (row_lanes){(size_t)first * DAFT_SIM_ROW, index, vbits_first((int)count)};
+    return (row_lanes){(size_t)first * DAFT_SIM_ROW, index, vbits_first_n((int)count)};
 }
 DAFT_INLINE row_lanes rows_side_by_side(uint32_t first)
 {
@@ -639,9 +639,9 @@ DAFT_INLINE vf3 limit(vf3 v, vf most)
 {
     vf square = vf3_dot(v, v), one = vf_set(1), zero = vf_set(0);
     vm within = vf_le(square, most * most), finite = vf_le(square, vf_set(3e38f));
-    if (vm_bits(within) == DAFT_ALL_LANES) return v;
-    vf root = vf_sqrt(vf_select(finite, square, one));
-    vf factor = vf_select(within, one, vf_select(finite, most / vf_select(within, one, root), zero));
+    if (vbits_from_mask(within) == DAFT_ALL_LANES) return v;
+    vf root = vf_sqrt(vf_if_then_else(finite, square, one));
+    vf factor = vf_if_then_else(within, one, vf_if_then_else(finite, most / vf_if_then_else(within, one, root), zero));
     return vf3_select(vf_lt(zero, factor), vf3_scale(v, factor), (vf3){zero, zero, zero});
 }
 
@@ -672,8 +672,8 @@ DAFT_INLINE void turn_lanes(vf q[4], vf3 w, vf h)
     vf nz = q[2] + (z * q[3] + x * q[1] - y * q[0]), nw = q[3] - (x * q[0] + y * q[1] + z * q[2]);
     vf scale = vf_set(1) / vf_sqrt(nx * nx + ny * ny + nz * nz + nw * nw);
     vm still = vm_and(vm_and(vf_le(vf_abs(w.x), zero), vf_le(vf_abs(w.y), zero)), vf_le(vf_abs(w.z), zero));
-    q[0] = vf_select(still, q[0], nx * scale), q[1] = vf_select(still, q[1], ny * scale);
-    q[2] = vf_select(still, q[2], nz * scale), q[3] = vf_select(still, q[3], nw * scale);
+    q[0] = vf_if_then_else(still, q[0], nx * scale), q[1] = vf_if_then_else(still, q[1], ny * scale);
+    q[2] = vf_if_then_else(still, q[2], nz * scale), q[3] = vf_if_then_else(still, q[3], nw * scale);
 }
 
 DAFT_INLINE void move_lanes(const daft_sim_rows *rows, row_lanes at, vf h)
@@ -681,7 +681,7 @@ DAFT_INLINE void move_lanes(const daft_sim_rows *rows, row_lanes at, vf h)
     body b = load_row(rows->velocity, &at), moved = load_row(rows->moved, &at);
     body more = load_row(rows->gain, &at);
     vf q[8], behind = vf_set(0.5f) * h * more.rest[0];
-    vf_load_rows8(rows->turn + at.base, at.index, q);
+    vf_gather_rows8(rows->turn + at.base, at.index, q);
     limit_body(&b);
     moved.v = vf3_add(moved.v, vf3_scale(vf3_sub(b.v, vf3_scale(more.v, behind)), h));
     moved.w = vf3_add(moved.w, vf3_scale(b.w, h));
@@ -689,7 +689,7 @@ DAFT_INLINE void move_lanes(const daft_sim_rows *rows, row_lanes at, vf h)
     q[4] = moved.v.x, q[5] = moved.v.y, q[6] = moved.v.z;
     store_row(rows->velocity, &at, &b);
     store_row(rows->moved, &at, &moved);
-    vf_store_rows8(rows->turn + at.base, at.index, q, at.used);
+    vf_scatter_rows8(rows->turn + at.base, at.index, q, at.used);
 }
 
 static void move(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h)
@@ -703,12 +703,12 @@ DAFT_INLINE vbits far_lanes(const daft_sim_rows *rows, row_lanes at, float most)
 {
     vf turn[8], one = vf_set(1), two = vf_set(2), zero = vf_set(0);
     vf3 w = load_row(rows->velocity, &at).w;
-    vf_load_rows8(rows->turn + at.base, at.index, turn);
-    vbits watched = vm_bits(vf_lt(zero, turn[7])), was = vm_bits(vf_lt(one, turn[7])) & at.used;
-    vbits far = vm_bits(vf_lt(vf_set(most * most), vf3_dot(w, w))) & watched & at.used;
+    vf_gather_rows8(rows->turn + at.base, at.index, turn);
+    vbits watched = vbits_from_mask(vf_lt(zero, turn[7])), was = vbits_from_mask(vf_lt(one, turn[7])) & at.used;
+    vbits far = vbits_from_mask(vf_lt(vf_set(most * most), vf3_dot(w, w))) & watched & at.used;
     if (far != was) {
-        turn[7] = vf_select(vm_from_bits(far), two, vf_min(turn[7], one));
-        vf_store_rows8(rows->turn + at.base, at.index, turn, far ^ was);
+        turn[7] = vf_if_then_else(vm_from_bits(far), two, vf_min(turn[7], one));
+        vf_scatter_rows8(rows->turn + at.base, at.index, turn, far ^ was);
     }
     return far;
 }

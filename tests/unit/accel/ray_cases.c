@@ -13,7 +13,7 @@
 #include "accel/bvh.h"
 #include "geometry/mesh.h"
 #include "math/exact.h"
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "raster/raster.h"
 
 #include <ctype.h>

@@ -3,7 +3,7 @@
 #include "fixtures.h"
 
 #include "accel/accel.h"
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 
 static daft_affine random_map(void)
 {

@@ -1,7 +1,7 @@
 /* Images: what is read, what is refused and why, writing, the sRGB curve, mip chains, skies. */
 #include "image/color.h"
 #include "image/image.h"
-#include "math/real.h"
+#include "math/trig.h"
 #include "support_content.h"
 
 static counting memory;

@@ -1,5 +1,5 @@
 /* math: the deterministic functions against libm, over their whole range. Prints the worst error it saw. */
-#include "math/real.h"
+#include "math/trig.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -2,7 +2,7 @@
  * and no work for effects that nothing in sight calls for. */
 #include "daft.h"
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "math/vec.h"
 
 #include <setjmp.h>

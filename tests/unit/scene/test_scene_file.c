@@ -1,5 +1,5 @@
 /* .scene files: what each line means, and that every mistake is told with its line and column and changes nothing. */
-#include "math/real.h"
+#include "math/trig.h"
 #include "scene/scene.h"
 #include "scene/format/text.h"
 

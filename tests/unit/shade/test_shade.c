@@ -3,8 +3,8 @@
 #include "daft.h"
 
 #include "image/image.h"
-#include "math/isa.h"
-#include "math/simd_real.h"
+#include "math/simd/dispatch.h"
+#include "math/simd/elementary.h"
 #include "shade/shade.h"
 #include "shade/srgb_table.h"
 

@@ -2,7 +2,7 @@
  * layer or joined; while bodies come, go, are placed elsewhere and fall asleep; and many of them in one spot. */
 #include "sim_scene.h"
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "sim/world.h"
 
 enum { BODIES = 160, MOST = 6000 };

@@ -3,7 +3,7 @@
 #include "sim/query/query.h"
 #include "sim_scene.h"
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 
 enum { BODIES = 120, RAYS = 250 };
 

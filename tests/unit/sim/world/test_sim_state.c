@@ -2,7 +2,7 @@
  * goes on with the same bits from saved bytes; damaged bytes are an error. */
 #include "fixtures.h"
 
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 #include "sim_scene.h"
 
 typedef struct shapes {

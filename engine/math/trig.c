@@ -1,7 +1,7 @@
 /* Deterministic elementary functions in double: argument reduction, then a Taylor or Chebyshev-like series long enough
  * that the truncation error is below the rounding error. Only +, -, *, /, sqrt and exact bit operations are used, so
  * IEEE 754 fixes every bit. */
-#include "math/real.h"
+#include "math/trig.h"
 
 #include "daft.h" /* exports them */
 

@@ -1,7 +1,7 @@
 /* Functions whose results are state or pixels: libm's differ between systems, these do not. Each states its bound,
- * found by comparing with double-precision libm over the whole range (tests/unit/math/test_math.c). */
-#ifndef DAFT_REAL_H
-#define DAFT_REAL_H
+ * found by comparing with double-precision libm over the whole range (tests/test_math.c). */
+#ifndef DAFT_TRIG_H
+#define DAFT_TRIG_H
 
 /* Radians of any size up to 1e6; absolute error below 1e-15. NaN for non-finite. */
 double daft_sin(double x);

@@ -4,8 +4,8 @@
  * Arithmetic is written with the operators of GCC's vector extensions; what they do not have (comparison to a mask, select,
  * square root, gather) is here, with a plain twin for machines without intrinsics. No fused operations: every lane
  * computes exactly what the scalar code would, so all widths give the same bits. */
-#ifndef DAFT_SIMD_H
-#define DAFT_SIMD_H
+#ifndef DAFT_OPS_H
+#define DAFT_OPS_H
 
 #include <math.h>
 #include <stdbool.h>
@@ -54,17 +54,17 @@ DAFT_INLINE vm vi_lt(vi a, vi b) { return _mm512_cmplt_epi32_mask((__m512i)a, (_
 DAFT_INLINE vm vm_and(vm a, vm b) { return (vm)(a & b); }
 DAFT_INLINE vm vm_or(vm a, vm b) { return (vm)(a | b); }
 DAFT_INLINE vm vm_not(vm a) { return (vm)~a; }
-DAFT_INLINE vbits vm_bits(vm m) { return m; }
+DAFT_INLINE vbits vbits_from_mask(vm m) { return m; }
 DAFT_INLINE vm vm_from_bits(vbits b) { return (vm)b; }
-DAFT_INLINE vf vf_select(vm m, vf a, vf b) { return (vf)_mm512_mask_blend_ps(m, (__m512)b, (__m512)a); }
-DAFT_INLINE vi vi_select(vm m, vi a, vi b) { return (vi)_mm512_mask_blend_epi32(m, (__m512i)b, (__m512i)a); }
+DAFT_INLINE vf vf_if_then_else(vm m, vf a, vf b) { return (vf)_mm512_mask_blend_ps(m, (__m512)b, (__m512)a); }
+DAFT_INLINE vi vi_if_then_else(vm m, vi a, vi b) { return (vi)_mm512_mask_blend_epi32(m, (__m512i)b, (__m512i)a); }
 DAFT_INLINE vf vf_min(vf a, vf b) { return (vf)_mm512_min_ps((__m512)a, (__m512)b); }
 DAFT_INLINE vf vf_max(vf a, vf b) { return (vf)_mm512_max_ps((__m512)a, (__m512)b); }
 DAFT_INLINE vf vf_sqrt(vf a) { return (vf)_mm512_sqrt_ps((__m512)a); }
-DAFT_INLINE vf vf_gather(const float *base, vi index) { return (vf)_mm512_i32gather_ps((__m512i)index, base, 4); }
-DAFT_INLINE vi vi_gather(const void *base, vi index) { return (vi)_mm512_i32gather_epi32((__m512i)index, base, 4); }
-DAFT_INLINE vi vi_truncate(vf a) { return (vi)_mm512_cvttps_epi32((__m512)a); }
-DAFT_INLINE vf vf_from_int(vi a) { return (vf)_mm512_cvtepi32_ps((__m512i)a); }
+DAFT_INLINE vf vf_gather_index(const float *base, vi index) { return (vf)_mm512_i32gather_ps((__m512i)index, base, 4); }
+DAFT_INLINE vi vi_gather_index(const void *base, vi index) { return (vi)_mm512_i32gather_epi32((__m512i)index, base, 4); }
+DAFT_INLINE vi vi_convert_to(vf a) { return (vi)_mm512_cvttps_epi32((__m512)a); }
+DAFT_INLINE vf vf_convert_to(vi a) { return (vf)_mm512_cvtepi32_ps((__m512i)a); }
 DAFT_INLINE vf vf_iota(void) { return (vf){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}; }
 #else
 typedef vi vm; /* all ones or all zeros in a lane */
@@ -78,40 +78,40 @@ DAFT_INLINE vm vm_not(vm a) { return ~a; }
 #if defined(DAFT_ISA_avx2)
 DAFT_INLINE vf vf_set(float s) { return (vf)_mm256_set1_ps(s); }
 DAFT_INLINE vi vi_set(int32_t s) { return (vi)_mm256_set1_epi32(s); }
-DAFT_INLINE vbits vm_bits(vm m) { return (vbits)_mm256_movemask_ps((__m256)m); }
-DAFT_INLINE vf vf_select(vm m, vf a, vf b) { return (vf)_mm256_blendv_ps((__m256)b, (__m256)a, (__m256)m); }
-DAFT_INLINE vi vi_select(vm m, vi a, vi b) { return (vi)_mm256_blendv_epi8((__m256i)b, (__m256i)a, (__m256i)m); }
+DAFT_INLINE vbits vbits_from_mask(vm m) { return (vbits)_mm256_movemask_ps((__m256)m); }
+DAFT_INLINE vf vf_if_then_else(vm m, vf a, vf b) { return (vf)_mm256_blendv_ps((__m256)b, (__m256)a, (__m256)m); }
+DAFT_INLINE vi vi_if_then_else(vm m, vi a, vi b) { return (vi)_mm256_blendv_epi8((__m256i)b, (__m256i)a, (__m256i)m); }
 DAFT_INLINE vf vf_min(vf a, vf b) { return (vf)_mm256_min_ps((__m256)a, (__m256)b); }
 DAFT_INLINE vf vf_max(vf a, vf b) { return (vf)_mm256_max_ps((__m256)a, (__m256)b); }
 DAFT_INLINE vf vf_sqrt(vf a) { return (vf)_mm256_sqrt_ps((__m256)a); }
-DAFT_INLINE vf vf_gather(const float *base, vi index) { return (vf)_mm256_i32gather_ps(base, (__m256i)index, 4); }
-DAFT_INLINE vi vi_gather(const void *base, vi index) { return (vi)_mm256_i32gather_epi32((const int *)base, (__m256i)index, 4); }
-DAFT_INLINE vi vi_truncate(vf a) { return (vi)_mm256_cvttps_epi32((__m256)a); }
-DAFT_INLINE vf vf_from_int(vi a) { return (vf)_mm256_cvtepi32_ps((__m256i)a); }
+DAFT_INLINE vf vf_gather_index(const float *base, vi index) { return (vf)_mm256_i32gather_ps(base, (__m256i)index, 4); }
+DAFT_INLINE vi vi_gather_index(const void *base, vi index) { return (vi)_mm256_i32gather_epi32((const int *)base, (__m256i)index, 4); }
+DAFT_INLINE vi vi_convert_to(vf a) { return (vi)_mm256_cvttps_epi32((__m256)a); }
+DAFT_INLINE vf vf_convert_to(vi a) { return (vf)_mm256_cvtepi32_ps((__m256i)a); }
 DAFT_INLINE vf vf_iota(void) { return (vf){0, 1, 2, 3, 4, 5, 6, 7}; }
 #else
 DAFT_INLINE vf vf_set(float s) { return (vf){s, s, s, s}; }
 DAFT_INLINE vi vi_set(int32_t s) { return (vi){s, s, s, s}; }
-DAFT_INLINE vf vf_select(vm m, vf a, vf b) { return (vf)((m & (vi)a) | (~m & (vi)b)); }
-DAFT_INLINE vi vi_select(vm m, vi a, vi b) { return (m & a) | (~m & b); }
+DAFT_INLINE vf vf_if_then_else(vm m, vf a, vf b) { return (vf)((m & (vi)a) | (~m & (vi)b)); }
+DAFT_INLINE vi vi_if_then_else(vm m, vi a, vi b) { return (m & a) | (~m & b); }
 DAFT_INLINE vf vf_iota(void) { return (vf){0, 1, 2, 3}; }
 #ifdef DAFT_HAVE_X86
-DAFT_INLINE vbits vm_bits(vm m) { return (vbits)_mm_movemask_ps((__m128)m); }
+DAFT_INLINE vbits vbits_from_mask(vm m) { return (vbits)_mm_movemask_ps((__m128)m); }
 DAFT_INLINE vf vf_min(vf a, vf b) { return (vf)_mm_min_ps((__m128)a, (__m128)b); }
 DAFT_INLINE vf vf_max(vf a, vf b) { return (vf)_mm_max_ps((__m128)a, (__m128)b); }
 DAFT_INLINE vf vf_sqrt(vf a) { return (vf)_mm_sqrt_ps((__m128)a); }
-DAFT_INLINE vi vi_truncate(vf a) { return (vi)_mm_cvttps_epi32((__m128)a); }
-DAFT_INLINE vf vf_from_int(vi a) { return (vf)_mm_cvtepi32_ps((__m128i)a); }
+DAFT_INLINE vi vi_convert_to(vf a) { return (vi)_mm_cvttps_epi32((__m128)a); }
+DAFT_INLINE vf vf_convert_to(vi a) { return (vf)_mm_cvtepi32_ps((__m128i)a); }
 #else
-DAFT_INLINE vbits vm_bits(vm m) { return (vbits)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }
-DAFT_INLINE vf vf_min(vf a, vf b) { return vf_select(vf_lt(a, b), a, b); }
-DAFT_INLINE vf vf_max(vf a, vf b) { return vf_select(vf_lt(b, a), a, b); }
+DAFT_INLINE vbits vbits_from_mask(vm m) { return (vbits)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }
+DAFT_INLINE vf vf_min(vf a, vf b) { return vf_if_then_else(vf_lt(a, b), a, b); }
+DAFT_INLINE vf vf_max(vf a, vf b) { return vf_if_then_else(vf_lt(b, a), a, b); }
 DAFT_INLINE vf vf_sqrt(vf a) { return (vf){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])}; }
-DAFT_INLINE vi vi_truncate(vf a) { return __builtin_convertvector(a, vi); }
-DAFT_INLINE vf vf_from_int(vi a) { return __builtin_convertvector(a, vf); }
+DAFT_INLINE vi vi_convert_to(vf a) { return __builtin_convertvector(a, vi); }
+DAFT_INLINE vf vf_convert_to(vi a) { return __builtin_convertvector(a, vf); }
 #endif
-DAFT_INLINE vf vf_gather(const float *base, vi i) { return (vf){base[i[0]], base[i[1]], base[i[2]], base[i[3]]}; }
-DAFT_INLINE vi vi_gather(const void *p, vi i)
+DAFT_INLINE vf vf_gather_index(const float *base, vi i) { return (vf){base[i[0]], base[i[1]], base[i[2]], base[i[3]]}; }
+DAFT_INLINE vi vi_gather_index(const void *p, vi i)
 {
     const int32_t *base = p;
     return (vi){base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
@@ -127,27 +127,13 @@ DAFT_INLINE vm vm_from_bits(vbits b)
 
 #pragma GCC diagnostic pop
 
-DAFT_INLINE vi vi_iota(void) { return vi_truncate(vf_iota()); }
-/* Four floats from each of DAFT_VL / 4 places. */
-DAFT_INLINE vf vf_load_fours(const float *const from[DAFT_VL / 4])
-{
-#if defined(DAFT_ISA_avx512)
-    __m512 v = _mm512_castps128_ps512(_mm_loadu_ps(from[0]));
-    v = _mm512_insertf32x4(v, _mm_loadu_ps(from[1]), 1);
-    v = _mm512_insertf32x4(v, _mm_loadu_ps(from[2]), 2);
-    return (vf)_mm512_insertf32x4(v, _mm_loadu_ps(from[3]), 3);
-#elif defined(DAFT_ISA_avx2)
-    return (vf)_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(from[0])), _mm_loadu_ps(from[1]), 1);
-#else
-    return vf_load(from[0]);
-#endif
-}
+DAFT_INLINE vi vi_iota(void) { return vi_convert_to(vf_iota()); }
 /* Lanes as a block four wide: the lane's column and row. */
-DAFT_INLINE vf vf_column(void) { return vf_from_int(vi_iota() & vi_set(3)); }
-DAFT_INLINE vf vf_row(void) { return vf_from_int(vi_iota() >> 2); }
+DAFT_INLINE vf vf_column(void) { return vf_convert_to(vi_iota() & vi_set(3)); }
+DAFT_INLINE vf vf_row(void) { return vf_convert_to(vi_iota() >> 2); }
 DAFT_INLINE vf vf_abs(vf a) { return (vf)((vi)a & vi_set(0x7fffffff)); }
 /* The larger of the magnitudes; not of NaN. */
-DAFT_INLINE vf vf_most_of(vf a, vf b)
+DAFT_INLINE vf vf_max_abs(vf a, vf b)
 {
 #if defined(DAFT_ISA_avx512)
     return (vf)_mm512_range_ps((__m512)a, (__m512)b, 0xb); /* of absolute values, without a sign */
@@ -156,41 +142,18 @@ DAFT_INLINE vf vf_most_of(vf a, vf b)
 #endif
 }
 /* a with its sign flipped where the sign bit of s is set */
-DAFT_INLINE vf vf_xor_sign(vf a, vi sign) { return (vf)((vi)a ^ sign); }
+DAFT_INLINE vf vf_xor(vf a, vi sign) { return (vf)((vi)a ^ sign); }
 DAFT_INLINE vf vf_clamp01(vf a) { return vf_min(vf_max(a, vf_set(0)), vf_set(1)); }
 /* Largest whole number not above a, for |a| < 2^31. */
 DAFT_INLINE vf vf_floor(vf a)
 {
-    vf whole = vf_from_int(vi_truncate(a));
-    return vf_select(vf_lt(a, whole), whole - vf_set(1), whole);
+    vf whole = vf_convert_to(vi_convert_to(a));
+    return vf_if_then_else(vf_lt(a, whole), whole - vf_set(1), whole);
 }
 /* The lanes of a mask that i < count; count may be over DAFT_VL. */
-DAFT_INLINE vbits vbits_first(int count) { return count >= DAFT_VL ? DAFT_ALL_LANES : (vbits)((1u << count) - 1); }
-/* The least and the largest lane, none of them NaN: halves are compared until one lane is left. */
-#if defined(DAFT_ISA_avx512)
-DAFT_INLINE float vf_reduce_min(vf a) { return _mm512_reduce_min_ps((__m512)a); }
-DAFT_INLINE float vf_reduce_max(vf a) { return _mm512_reduce_max_ps((__m512)a); }
-#else
-DAFT_INLINE float vf_reduce_min(vf a)
-{
-    float lane[DAFT_VL];
-    vf_store(lane, a);
-    for (int half = DAFT_VL / 2; half; half /= 2)
-        for (int i = 0; i < half; i++) lane[i] = lane[i + half] < lane[i] ? lane[i + half] : lane[i];
-    return lane[0];
-}
-DAFT_INLINE float vf_reduce_max(vf a)
-{
-    float lane[DAFT_VL];
-    vf_store(lane, a);
-    for (int half = DAFT_VL / 2; half; half /= 2)
-        for (int i = 0; i < half; i++) lane[i] = lane[i + half] > lane[i] ? lane[i + half] : lane[i];
-    return lane[0];
-}
-#endif
-
+DAFT_INLINE vbits vbits_first_n(int count) { return count >= DAFT_VL ? DAFT_ALL_LANES : (vbits)((1u << count) - 1); }
 /* 1/a but for a part in 2^11, another one on each machine: only for what no result depends on. */
-DAFT_INLINE vf vf_rough_reciprocal(vf a)
+DAFT_INLINE vf vf_approximate_reciprocal(vf a)
 {
 #if defined(DAFT_ISA_avx512)
     return (vf)_mm512_rcp14_ps((__m512)a);
@@ -203,7 +166,7 @@ DAFT_INLINE vf vf_rough_reciprocal(vf a)
 #endif
 }
 /* The root of a > 0 but for a part in 2^11, another one on each machine; of 0, less and infinity it may be NaN. */
-DAFT_INLINE vf vf_rough_sqrt(vf a)
+DAFT_INLINE vf vf_approximate_sqrt(vf a)
 {
 #if defined(DAFT_ISA_avx512)
     return a * (vf)_mm512_rsqrt14_ps((__m512)a);
@@ -216,7 +179,7 @@ DAFT_INLINE vf vf_rough_sqrt(vf a)
 #endif
 }
 /* DAFT_VL / 4 rows of four floats side by side, from where each begins. */
-DAFT_INLINE vf vf_gather_rows(const float *const row[DAFT_VL / 4])
+DAFT_INLINE vf vf_gather_blocks(const float *const row[DAFT_VL / 4])
 {
 #if defined(DAFT_ISA_avx512)
     __m512 v = _mm512_castps128_ps512(_mm_loadu_ps(row[0]));
@@ -243,13 +206,13 @@ DAFT_INLINE vf vf_load_eights(const float *first, const float *second, int part)
 #endif
 }
 /* A window of such rows, `stride` floats apart. */
-DAFT_INLINE vf vf_load_rows(const float *p, int stride)
+DAFT_INLINE vf vf_load_blocks(const float *p, int stride)
 {
     const float *row[DAFT_VL / 4];
     for (int i = 0; i < DAFT_VL / 4; i++) row[i] = p + i * stride;
-    return vf_gather_rows(row);
+    return vf_gather_blocks(row);
 }
-DAFT_INLINE void vf_store_rows(float *p, int stride, vf v)
+DAFT_INLINE void vf_store_blocks(float *p, int stride, vf v)
 {
 #if defined(DAFT_ISA_avx512)
     _mm_storeu_ps(p, _mm512_castps512_ps128((__m512)v));
@@ -265,23 +228,8 @@ DAFT_INLINE void vf_store_rows(float *p, int stride, vf v)
 #endif
 }
 
-/* Of each four lanes: lanes 0 and 2 of a, then of b; lanes 1 and 3. */
-#if defined(DAFT_ISA_avx512)
-DAFT_INLINE vf vf_even_fours(vf a, vf b) { return (vf)_mm512_shuffle_ps((__m512)a, (__m512)b, 0x88); }
-DAFT_INLINE vf vf_odd_fours(vf a, vf b) { return (vf)_mm512_shuffle_ps((__m512)a, (__m512)b, 0xdd); }
-#elif defined(DAFT_ISA_avx2)
-DAFT_INLINE vf vf_even_fours(vf a, vf b) { return (vf)_mm256_shuffle_ps((__m256)a, (__m256)b, 0x88); }
-DAFT_INLINE vf vf_odd_fours(vf a, vf b) { return (vf)_mm256_shuffle_ps((__m256)a, (__m256)b, 0xdd); }
-#elif defined(DAFT_HAVE_X86)
-DAFT_INLINE vf vf_even_fours(vf a, vf b) { return (vf)_mm_shuffle_ps((__m128)a, (__m128)b, 0x88); }
-DAFT_INLINE vf vf_odd_fours(vf a, vf b) { return (vf)_mm_shuffle_ps((__m128)a, (__m128)b, 0xdd); }
-#else
-DAFT_INLINE vf vf_even_fours(vf a, vf b) { return (vf){a[0], a[2], b[0], b[2]}; }
-DAFT_INLINE vf vf_odd_fours(vf a, vf b) { return (vf){a[1], a[3], b[1], b[3]}; }
-#endif
-
 /* table[index & 15] */
-DAFT_INLINE vf vf_lookup16(const float table[16], vi index)
+DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index)
 {
 #if defined(DAFT_ISA_avx512)
     return (vf)_mm512_permutexvar_ps((__m512i)index, (__m512)vf_load(table));
@@ -290,19 +238,19 @@ DAFT_INLINE vf vf_lookup16(const float table[16], vi index)
     vf high = (vf)_mm256_permutevar8x32_ps((__m256)vf_load(table + 8), (__m256i)index);
     return (vf)_mm256_blendv_ps((__m256)low, (__m256)high, (__m256)(index << 28)); /* by the lanes' sign bits */
 #else
-    return vf_gather(table, index & vi_set(15));
+    return vf_gather_index(table, index & vi_set(15));
 #endif
 }
 
 /* table[index & (DAFT_VL - 1)] */
-DAFT_INLINE vf vf_lookup(const float table[DAFT_VL], vi index)
+DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index)
 {
 #if defined(DAFT_ISA_avx512)
-    return vf_lookup16(table, index);
+    return vf_table_lookup16(table, index);
 #elif defined(DAFT_ISA_avx2)
     return (vf)_mm256_permutevar8x32_ps((__m256)vf_load(table), (__m256i)index);
 #else
-    return vf_gather(table, index & vi_set(DAFT_VL - 1));
+    return vf_gather_index(table, index & vi_set(DAFT_VL - 1));
 #endif
 }
 
@@ -318,7 +266,7 @@ static const uint64_t DAFT_LANES_SIDE_BY_SIDE[256] __attribute__((unused)) = {DA
                                                                               DAFT_PLACES64(128u), DAFT_PLACES64(192u)};
 #endif
 /* The lanes of a mask, side by side; up to DAFT_VL numbers from `out` on may be written. */
-DAFT_INLINE void vf_compress(float *out, vbits lanes, vf v)
+DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v)
 {
 #if defined(DAFT_ISA_avx512)
     /* Lanes' numbers are compressed, once for all that one mask is used for: a permutation is quicker than a compression. */
@@ -332,9 +280,9 @@ DAFT_INLINE void vf_compress(float *out, vbits lanes, vf v)
     for (int i = 0; i < DAFT_VL; i++) *out = all[i], out += lanes >> i & 1;
 #endif
 }
-DAFT_INLINE void vi_compress(void *out, vbits lanes, vi v) { vf_compress(out, lanes, (vf)v); }
-/* The same, faster, for lanes of which none is NaN. */
-DAFT_INLINE float vf_least(vf a)
+DAFT_INLINE void vi_compress_store(void *out, vbits lanes, vi v) { vf_compress_store(out, lanes, (vf)v); }
+/* The least lane, and the largest; no lane is NaN. Of zeros of both signs either may come out. */
+DAFT_INLINE float vf_reduce_min(vf a)
 {
 #if defined(DAFT_ISA_avx512)
     return _mm512_reduce_min_ps((__m512)a);
@@ -343,10 +291,14 @@ DAFT_INLINE float vf_least(vf a)
     b = _mm_min_ps(b, _mm_movehl_ps(b, b));
     return _mm_cvtss_f32(_mm_min_ss(b, _mm_movehdup_ps(b)));
 #else
-    return vf_reduce_min(a);
+    float lane[DAFT_VL];
+    vf_store(lane, a);
+    for (int half = DAFT_VL / 2; half; half /= 2)
+        for (int i = 0; i < half; i++) lane[i] = lane[i + half] < lane[i] ? lane[i + half] : lane[i];
+    return lane[0];
 #endif
 }
-DAFT_INLINE float vf_most(vf a) { return -vf_least(-a); }
+DAFT_INLINE float vf_reduce_max(vf a) { return -vf_reduce_min(-a); }
 
 typedef struct vf3 {
     vf x, y, z;
@@ -357,35 +309,35 @@ DAFT_INLINE vf vf3_dot(vf3 a, vf3 b) { return a.x * b.x + a.y * b.y + a.z * b.z;
 
 typedef double vd __attribute__((vector_size(DAFT_VL * 4)));
 #if defined(DAFT_ISA_avx512)
-DAFT_INLINE vd vf_half(vf a, int half)
+DAFT_INLINE vd vd_promote_half(vf a, int half)
 {
     return (vd)_mm512_cvtps_pd(half ? _mm512_extractf32x8_ps((__m512)a, 1) : _mm512_castps512_ps256((__m512)a));
 }
-DAFT_INLINE vf vf_join(vd low, vd high)
+DAFT_INLINE vf vf_demote2(vd low, vd high)
 {
     return (vf)_mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps((__m512d)low)), _mm512_cvtpd_ps((__m512d)high), 1);
 }
 DAFT_INLINE vd vd_sqrt(vd a) { return (vd)_mm512_sqrt_pd((__m512d)a); }
 #elif defined(DAFT_ISA_avx2)
-DAFT_INLINE vd vf_half(vf a, int half)
+DAFT_INLINE vd vd_promote_half(vf a, int half)
 {
     return (vd)_mm256_cvtps_pd(half ? _mm256_extractf128_ps((__m256)a, 1) : _mm256_castps256_ps128((__m256)a));
 }
-DAFT_INLINE vf vf_join(vd low, vd high)
+DAFT_INLINE vf vf_demote2(vd low, vd high)
 {
     return (vf)_mm256_set_m128(_mm256_cvtpd_ps((__m256d)high), _mm256_cvtpd_ps((__m256d)low));
 }
 DAFT_INLINE vd vd_sqrt(vd a) { return (vd)_mm256_sqrt_pd((__m256d)a); }
 #elif defined(DAFT_HAVE_X86)
-DAFT_INLINE vd vf_half(vf a, int half) { return (vd)_mm_cvtps_pd(half ? _mm_movehl_ps((__m128)a, (__m128)a) : (__m128)a); }
-DAFT_INLINE vf vf_join(vd low, vd high)
+DAFT_INLINE vd vd_promote_half(vf a, int half) { return (vd)_mm_cvtps_pd(half ? _mm_movehl_ps((__m128)a, (__m128)a) : (__m128)a); }
+DAFT_INLINE vf vf_demote2(vd low, vd high)
 {
     return (vf)_mm_movelh_ps(_mm_cvtpd_ps((__m128d)low), _mm_cvtpd_ps((__m128d)high));
 }
 DAFT_INLINE vd vd_sqrt(vd a) { return (vd)_mm_sqrt_pd((__m128d)a); }
 #else
-DAFT_INLINE vd vf_half(vf a, int half) { return half ? (vd){(double)a[2], (double)a[3]} : (vd){(double)a[0], (double)a[1]}; }
-DAFT_INLINE vf vf_join(vd low, vd high) { return (vf){(float)low[0], (float)low[1], (float)high[0], (float)high[1]}; }
+DAFT_INLINE vd vd_promote_half(vf a, int half) { return half ? (vd){(double)a[2], (double)a[3]} : (vd){(double)a[0], (double)a[1]}; }
+DAFT_INLINE vf vf_demote2(vd low, vd high) { return (vf){(float)low[0], (float)low[1], (float)high[0], (float)high[1]}; }
 DAFT_INLINE vd vd_sqrt(vd a) { return (vd){sqrt(a[0]), sqrt(a[1])}; }
 #endif
 typedef double vd_unaligned __attribute__((vector_size(DAFT_VL * 4), aligned(8), may_alias));
@@ -410,7 +362,7 @@ DAFT_INLINE vd vd_abs(vd a)
     return (vd)((vl)a & ((vl){0} + INT64_MAX));
 }
 /* 1 where a > 0, else 0. */
-DAFT_INLINE vd vd_positive(vd a)
+DAFT_INLINE vd vd_step(vd a)
 {
     typedef int64_t vl __attribute__((vector_size(DAFT_VL * 4)));
     const vd none = {0};
@@ -456,7 +408,7 @@ DAFT_INLINE __m512 vf_load_eight_pair(const float *first, const float *second)
 #endif
 
 /* out[k]: float k of the rows base + 8·row[lane]. Rows are 16-byte aligned. */
-DAFT_INLINE void vf_load_rows8(const float *base, const int32_t *row, vf out[8])
+DAFT_INLINE void vf_gather_rows8(const float *base, const int32_t *row, vf out[8])
 {
 #if defined(DAFT_ISA_avx512)
     for (int i = 0; i < 4; i++) {
@@ -487,7 +439,7 @@ DAFT_INLINE void vf_load_rows8(const float *base, const int32_t *row, vf out[8])
 }
 
 /* The way back for all lanes, to rows `stride` floats apart; their places are multiples of 16 bytes. */
-DAFT_INLINE void vf_spread_rows8(float *base, int stride, const vf in[8])
+DAFT_INLINE void vf_store_interleaved8(float *base, int stride, const vf in[8])
 {
 #ifdef DAFT_HAVE_X86
     for (int half = 0; half < 2; half++) {
@@ -516,7 +468,7 @@ DAFT_INLINE void vf_spread_rows8(float *base, int stride, const vf in[8])
 
 #if defined(DAFT_ISA_avx512)
 /* The way back, for the lanes given; their rows differ. */
-DAFT_INLINE void vf_store_rows8(float *base, const int32_t *row, const vf in[8], vbits lanes)
+DAFT_INLINE void vf_scatter_rows8(float *base, const int32_t *row, const vf in[8], vbits lanes)
 {
     vf low[4] = {in[0], in[1], in[2], in[3]}, high[4] = {in[4], in[5], in[6], in[7]};
     float pair[8][DAFT_VL] __attribute__((aligned(64)));
@@ -558,7 +510,7 @@ DAFT_INLINE void vf_store_fours(float *base, const int32_t *row, vf r)
 #endif
 
 /* The way back, for the lanes given; their rows differ. */
-DAFT_INLINE void vf_store_rows8(float *base, const int32_t *row, const vf in[8], vbits lanes)
+DAFT_INLINE void vf_scatter_rows8(float *base, const int32_t *row, const vf in[8], vbits lanes)
 {
     for (int half = 0; half < 2; half++) {
         float square[4][DAFT_VL] __attribute__((aligned(64)));
@@ -585,7 +537,7 @@ DAFT_INLINE void vf_store_rows8(float *base, const int32_t *row, const vf in[8],
 
 /* The four floats at p, then those at p + at[0] and so on, `count` fours in all, no more than DAFT_VL / 4; zero in the
  * other lanes. */
-DAFT_INLINE vf vf_load_spread(const float *p, const size_t at[3], int count)
+DAFT_INLINE vf vf_load_blocks_at(const float *p, const size_t at[3], int count)
 {
 #if defined(DAFT_ISA_avx512)
     __m512 v = _mm512_zextps128_ps512(_mm_loadu_ps(p));
@@ -603,7 +555,7 @@ DAFT_INLINE vf vf_load_spread(const float *p, const size_t at[3], int count)
 }
 
 /* The same of eight floats from each place: the first fours in one register, the second in the other. */
-DAFT_INLINE void vf_load_spread_pair(const float *p, const size_t at[3], vf *first, vf *second)
+DAFT_INLINE void vf_load_block_pairs_at(const float *p, const size_t at[3], vf *first, vf *second)
 {
 #if defined(DAFT_ISA_avx512)
     __m512 low = _mm512_castps256_ps512(_mm256_loadu_ps(p)), high = _mm512_castps256_ps512(_mm256_loadu_ps(p + at[1]));
@@ -681,7 +633,7 @@ DAFT_INLINE uint32_t v8_eq_bits(v8 a, v8 b)
 }
 
 /* The numbers of the bits that are set, from `first` on, side by side; up to eight are written. Gives how many they are. */
-DAFT_INLINE uint32_t v8i_list(uint32_t *out, uint32_t bits, int32_t first)
+DAFT_INLINE uint32_t v8i_store_set_bits(uint32_t *out, uint32_t bits, int32_t first)
 {
     const v8i number = {first, first + 1, first + 2, first + 3, first + 4, first + 5, first + 6, first + 7};
 #if defined(DAFT_ISA_avx512)
@@ -693,7 +645,7 @@ DAFT_INLINE uint32_t v8i_list(uint32_t *out, uint32_t bits, int32_t first)
     return (uint32_t)__builtin_popcount(bits);
 }
 /* One bit for each lane of a comparison. */
-DAFT_INLINE uint32_t v8i_bits(v8i mask) { return v8_le_bits((v8)(mask & 0x3f800000), v8_set(0)) ^ 0xff; }
+DAFT_INLINE uint32_t v8_bits_from_mask(v8i mask) { return v8_le_bits((v8)(mask & 0x3f800000), v8_set(0)) ^ 0xff; }
 
 /* ---- 4 lanes ---- */
 
@@ -707,18 +659,18 @@ DAFT_INLINE v4 v4_load(const float *p)
     memcpy(&v, p, sizeof v);
     return v;
 }
-DAFT_INLINE v4 v4_select(v4i m, v4 a, v4 b) { return (v4)((m & (v4i)a) | (~m & (v4i)b)); }
+DAFT_INLINE v4 v4_if_then_else(v4i m, v4 a, v4 b) { return (v4)((m & (v4i)a) | (~m & (v4i)b)); }
 DAFT_INLINE v4 v4_abs(v4 a) { return (v4)((v4i)a & (v4i){0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff}); }
 #ifdef DAFT_HAVE_X86
-DAFT_INLINE uint32_t v4_bits(v4i m) { return (uint32_t)_mm_movemask_ps((__m128)m); }
+DAFT_INLINE uint32_t v4_bits_from_mask(v4i m) { return (uint32_t)_mm_movemask_ps((__m128)m); }
 DAFT_INLINE v4 v4_min(v4 a, v4 b) { return (v4)_mm_min_ps((__m128)a, (__m128)b); }
 DAFT_INLINE v4 v4_max(v4 a, v4 b) { return (v4)_mm_max_ps((__m128)a, (__m128)b); }
 DAFT_INLINE v4 v4_sqrt(v4 a) { return (v4)_mm_sqrt_ps((__m128)a); }
 #else
 DAFT_INLINE v4 v4_sqrt(v4 a) { return (v4){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])}; }
-DAFT_INLINE v4 v4_min(v4 a, v4 b) { return v4_select(a < b, a, b); }
-DAFT_INLINE v4 v4_max(v4 a, v4 b) { return v4_select(a > b, a, b); }
-DAFT_INLINE uint32_t v4_bits(v4i m) { return (uint32_t)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }
+DAFT_INLINE v4 v4_min(v4 a, v4 b) { return v4_if_then_else(a < b, a, b); }
+DAFT_INLINE v4 v4_max(v4 a, v4 b) { return v4_if_then_else(a > b, a, b); }
+DAFT_INLINE uint32_t v4_bits_from_mask(v4i m) { return (uint32_t)((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8)); }
 #endif
 
 /* Lanes 0 to 2 of three vectors by lane: x has the three lanes 0. Lane 3 means nothing. */
@@ -738,7 +690,7 @@ DAFT_INLINE void v4_transpose3(v4 a, v4 b, v4 c, v4 *x, v4 *y, v4 *z)
 #endif
 
 /* The least lane of each of four, none of them NaN. */
-DAFT_INLINE v4 vf_least4(vf a, vf b, vf c, vf d)
+DAFT_INLINE v4 v4_reduce_min4(vf a, vf b, vf c, vf d)
 {
 #ifdef DAFT_HAVE_X86
     vf r[4] = {a, b, c, d};
@@ -750,30 +702,30 @@ DAFT_INLINE v4 vf_least4(vf a, vf b, vf c, vf d)
     for (int i = 4; i < DAFT_VL; i += 4) all = v4_min(all, v4_load(each + i));
     return all;
 #else
-    return (v4){vf_least(a), vf_least(b), vf_least(c), vf_least(d)};
+    return (v4){vf_reduce_min(a), vf_reduce_min(b), vf_reduce_min(c), vf_reduce_min(d)};
 #endif
 }
 
 /* ---- eight lanes as two times four ---- */
 
 #if defined(DAFT_ISA_avx2) || defined(DAFT_ISA_avx512)
-DAFT_INLINE v4 v8_low(v8 a) { return (v4)_mm256_castps256_ps128((__m256)a); }
-DAFT_INLINE v4 v8_high(v8 a) { return (v4)_mm256_extractf128_ps((__m256)a, 1); }
-DAFT_INLINE v8 v8_join(v4 low, v4 high) { return (v8)_mm256_set_m128((__m128)high, (__m128)low); }
+DAFT_INLINE v4 v8_lower_half(v8 a) { return (v4)_mm256_castps256_ps128((__m256)a); }
+DAFT_INLINE v4 v8_upper_half(v8 a) { return (v4)_mm256_extractf128_ps((__m256)a, 1); }
+DAFT_INLINE v8 v8_combine(v4 high, v4 low) { return (v8)_mm256_set_m128((__m128)high, (__m128)low); }
 #else
 typedef union v8_pair {
     v8 whole;
     v4 half[2];
 } v8_pair;
-DAFT_INLINE v4 v8_low(v8 a) { return ((v8_pair){a}).half[0]; }
-DAFT_INLINE v4 v8_high(v8 a) { return ((v8_pair){a}).half[1]; }
-DAFT_INLINE v8 v8_join(v4 low, v4 high) { return ((v8_pair){.half = {low, high}}).whole; }
+DAFT_INLINE v4 v8_lower_half(v8 a) { return ((v8_pair){a}).half[0]; }
+DAFT_INLINE v4 v8_upper_half(v8 a) { return ((v8_pair){a}).half[1]; }
+DAFT_INLINE v8 v8_combine(v4 high, v4 low) { return ((v8_pair){.half = {low, high}}).whole; }
 #endif
 
 /* ---- text ---- */
 
 /* Bit i: p[i] is no decimal digit. Of 16, 32 and 64 bytes. */
-DAFT_INLINE uint32_t daft_find_others_16(const char *p)
+DAFT_INLINE uint32_t vu8_nondigits_16(const char *p)
 {
 #ifdef DAFT_HAVE_X86 /* '0' to '9' become 118 to 127, the largest of signed bytes */
     __m128i moved = _mm_add_epi8(_mm_loadu_si128((const __m128i *)(const void *)p), _mm_set1_epi8(127 - '9'));
@@ -784,13 +736,15 @@ DAFT_INLINE uint32_t daft_find_others_16(const char *p)
     return bits;
 #endif
 }
-DAFT_INLINE uint32_t daft_find_others_32(const char *p)
+DAFT_INLINE uint32_t vu8_nondigits_32(const char *p)
 {
-    return daft_find_others_16(p) | daft_find_others_16(p + 16) << 16;
+    return vu8_nondigits_16(p) | vu8_nondigits_16(p + 16) << 16;
 }
-DAFT_INLINE uint64_t daft_find_others(const char *p)
+DAFT_INLINE uint64_t vu8_nondigits_64(const char *p)
 {
-    return daft_find_others_32(p) | (uint64_t)daft_find_others_32(p + 32) << 32;
+    return vu8_nondigits_32(p) | (uint64_t)vu8_nondigits_32(p + 32) << 32;
 }
+
+#include "math/simd/pick.h"
 
 #endif

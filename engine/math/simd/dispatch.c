@@ -1,4 +1,4 @@
-#include "math/isa.h"
+#include "math/simd/dispatch.h"
 
 #include <stddef.h>
 #include <string.h>

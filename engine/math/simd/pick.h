@@ -1,32 +1,17 @@
 /* Lanes picked by numbers that are kept as bytes, from tables that stand in registers; from rows anywhere in memory; bits of bytes; and
  * words, two to a lane. */
-#ifndef DAFT_SIMD_PICK_H
-#define DAFT_SIMD_PICK_H
+#ifndef DAFT_PICK_H
+#define DAFT_PICK_H
 
-#include "math/simd.h"
-
-/* table[index] of a table of 16 that stands in registers; indices of 0 to 15. */
-DAFT_INLINE vf vf_pick16(const vf table[16 / DAFT_VL], vi index)
-{
-#if defined(DAFT_ISA_avx512)
-    return (vf)_mm512_permutexvar_ps((__m512i)index, (__m512)table[0]);
-#elif defined(DAFT_ISA_avx2)
-    vf low = (vf)_mm256_permutevar8x32_ps((__m256)table[0], (__m256i)index);
-    vf high = (vf)_mm256_permutevar8x32_ps((__m256)table[1], (__m256i)index);
-    return (vf)_mm256_blendv_ps((__m256)low, (__m256)high, (__m256)(index << 28));
-#else
-    return vf_gather((const float *)table, index);
-#endif
-}
 
 /* out[k]: float `at` + k of each lane's row. */
-DAFT_INLINE void vf_load_rows4(const float *const row[DAFT_VL], int at, vf out[4])
+DAFT_INLINE void vf_gather_rows4(const float *const row[DAFT_VL], int at, vf out[4])
 {
 #ifdef DAFT_HAVE_X86
     for (int i = 0; i < 4; i++) {
         const float *from[DAFT_VL / 4];
         for (int k = 0; k < DAFT_VL / 4; k++) from[k] = row[4 * k + i] + at;
-        out[i] = vf_load_fours(from);
+        out[i] = vf_gather_blocks(from);
     }
     vf_transpose4(out);
 #else
@@ -36,7 +21,7 @@ DAFT_INLINE void vf_load_rows4(const float *const row[DAFT_VL], int at, vf out[4
 }
 
 /* DAFT_VL bytes, 0 to 255. */
-DAFT_INLINE vi vi_load_bytes(const uint8_t *p)
+DAFT_INLINE vi vi_load_u8(const uint8_t *p)
 {
 #if defined(DAFT_ISA_avx512)
     return (vi)_mm512_cvtepu8_epi32(_mm_loadu_si128((const __m128i_u *)(const void *)p));
@@ -48,10 +33,10 @@ DAFT_INLINE vi vi_load_bytes(const uint8_t *p)
 }
 
 /* table[which[i]] of a table in memory; bytes of 0 to 15. */
-DAFT_INLINE vf vf_pick_bytes(const float table[16], const uint8_t *which)
+DAFT_INLINE vf vf_table_lookup16_u8(const float table[16], const uint8_t *which)
 {
 #if DAFT_VL > 4
-    return vf_lookup16(table, vi_load_bytes(which));
+    return vf_table_lookup16(table, vi_load_u8(which));
 #else
     return (vf){table[which[0]], table[which[1]], table[which[2]], table[which[3]]};
 #endif
@@ -65,7 +50,7 @@ DAFT_INLINE vi vi_max(vi a, vi b)
 #elif defined(DAFT_ISA_avx2)
     return (vi)_mm256_max_epi32((__m256i)a, (__m256i)b);
 #else
-    return vi_select(vi_lt(a, b), b, a);
+    return vi_if_then_else(vi_lt(a, b), b, a);
 #endif
 }
 
@@ -100,7 +85,7 @@ DAFT_INLINE vw vw_max(vw a, vw b)
 }
 
 /* Bit k of each of bytes 0 to 63, in their order. `count`: further bytes are 0. */
-DAFT_INLINE uint64_t bits_by_place(const uint8_t bytes[64], uint32_t count, int k)
+DAFT_INLINE uint64_t vu8_test_bit(const uint8_t bytes[64], uint32_t count, int k)
 {
 #if defined(DAFT_ISA_avx512)
     (void)count;

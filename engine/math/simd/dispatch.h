@@ -1,7 +1,7 @@
 /* Which instruction set a source is compiled for. A file named *_kernel.c is compiled once for each, with DAFT_ISA set
  * by the build; DAFT_KERNEL(name) gives its functions names that differ. The choice is made once, at start-up. */
-#ifndef DAFT_ISA_H
-#define DAFT_ISA_H
+#ifndef DAFT_DISPATCH_H
+#define DAFT_DISPATCH_H
 
 enum { DAFT_ISA_SSE2 = 0, DAFT_ISA_AVX2, DAFT_ISA_AVX512, DAFT_ISA_COUNT };
 
