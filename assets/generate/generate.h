@@ -15,6 +15,7 @@ bool generate_textures(const char *root);
 bool generate_sky(const char *root);
 bool generate_meshes(const char *root);
 bool generate_hard(const char *root);
+bool generate_forest(const char *root);
 
 /* Opens root/path for writing in binary; NULL after a message on stderr. */
 FILE *open_output(const char *root, const char *path);
@@ -41,7 +42,7 @@ color shade(color c, double factor);
 double clamp01(double x);
 double smoothstep(double low, double high, double x);
 
-/* Paints size×size pixels with 3×3 samples each and writes a PNG. */
+/* Paints size×size pixels with 3×3 samples each and writes a PNG, or a JPEG where the name ends so. */
 bool paint_square(const char *root, const char *path, int size, painter *paint);
 bool write_jpeg(const char *root, const char *path, const picture *p, int quality);
 

@@ -131,6 +131,7 @@ typedef struct blob {
     vec center, radius;
     double rough;
     int seed;
+    double tile, soft; /* tile 0: no texture, flat normals */
 } blob;
 
 static vec blob_point(const blob *b, vec d)
@@ -139,11 +140,34 @@ static vec blob_point(const blob *b, vec d)
     return add(b->center, v3(d.x * b->radius.x * push, d.y * b->radius.y * push, d.z * b->radius.z * push));
 }
 
+/* Texture coordinates along the two axes that the normal points along least. */
+static void project(corner *c, vec n, double tile)
+{
+    double x = fabs(n.x), y = fabs(n.y), z = fabs(n.z);
+    c->u = (x > y && x > z ? c->at.z : c->at.x) / tile;
+    c->v = (y > x && y > z ? c->at.z : c->at.y) / tile;
+}
+
+static void add_soft_triangle(const blob *b, const vec points[3], const vec directions[3])
+{
+    corner c[3];
+    vec flat = normal_of(cross(sub(points[1], points[0]), sub(points[2], points[0])));
+    for (int i = 0; i < 3; i++) {
+        vec round = normal_of(v3(directions[i].x / b->radius.x, directions[i].y / b->radius.y, directions[i].z / b->radius.z));
+        c[i] = (corner){points[i], normal_of(add(times(round, b->soft), times(flat, 1 - b->soft))), 0, 0};
+        project(&c[i], flat, b->tile);
+    }
+    add_face(b->m, c, 3, true);
+}
+
 static void split(const blob *b, vec p, vec q, vec r, int level)
 {
     if (level == 0) {
         vec triangle[3] = {blob_point(b, p), blob_point(b, q), blob_point(b, r)};
-        add_flat(b->m, triangle, 3);
+        if (b->tile > 0)
+            add_soft_triangle(b, triangle, (const vec[]){p, q, r});
+        else
+            add_flat(b->m, triangle, 3);
         return;
     }
     vec pq = normal_of(add(p, q)), qr = normal_of(add(q, r)), rp = normal_of(add(r, p));
@@ -151,7 +175,7 @@ static void split(const blob *b, vec p, vec q, vec r, int level)
     split(b, r, rp, qr, level - 1), split(b, pq, qr, rp, level - 1);
 }
 
-void add_blob(mesh *m, vec center, vec radius, int level, double rough, int seed)
+static void add_icosahedron(const blob *b, int level)
 {
     static const double g = 1.618033988749895;
     const vec v[12] = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
@@ -159,8 +183,36 @@ void add_blob(mesh *m, vec center, vec radius, int level, double rough, int seed
     static const int f[20][3] = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                                  {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-    blob b = {m, center, radius, rough, seed};
-    for (int i = 0; i < 20; i++) split(&b, normal_of(v[f[i][0]]), normal_of(v[f[i][1]]), normal_of(v[f[i][2]]), level);
+    for (int i = 0; i < 20; i++) split(b, normal_of(v[f[i][0]]), normal_of(v[f[i][1]]), normal_of(v[f[i][2]]), level);
+}
+
+void add_blob(mesh *m, vec center, vec radius, int level, double rough, int seed)
+{
+    blob b = {m, center, radius, rough, seed, 0, 0};
+    add_icosahedron(&b, level);
+}
+
+void add_soft_blob(mesh *m, vec center, vec radius, int level, double rough, int seed, double tile, double soft)
+{
+    blob b = {m, center, radius, rough, seed, tile, soft};
+    add_icosahedron(&b, level);
+}
+
+void add_panel(mesh *m, const vec p[4], double u0, double v0, double u1, double v1)
+{
+    vec n = normal_of(cross(sub(p[1], p[0]), sub(p[2], p[0])));
+    const corner c[4] = {{p[0], n, u0, v0}, {p[1], n, u1, v0}, {p[2], n, u1, v1}, {p[3], n, u0, v1}};
+    add_face(m, c, 4, true);
+}
+
+void add_box(mesh *m, vec a, vec b, double tile)
+{
+    double x = (b.x - a.x) / tile, y = (b.y - a.y) / tile, z = (b.z - a.z) / tile;
+    add_panel(m, (const vec[]){v3(a.x, a.y, b.z), v3(b.x, a.y, b.z), v3(b.x, b.y, b.z), v3(a.x, b.y, b.z)}, 0, 0, x, y);
+    add_panel(m, (const vec[]){v3(b.x, a.y, a.z), v3(a.x, a.y, a.z), v3(a.x, b.y, a.z), v3(b.x, b.y, a.z)}, 0, 0, x, y);
+    add_panel(m, (const vec[]){v3(b.x, a.y, b.z), v3(b.x, a.y, a.z), v3(b.x, b.y, a.z), v3(b.x, b.y, b.z)}, 0, 0, z, y);
+    add_panel(m, (const vec[]){v3(a.x, a.y, a.z), v3(a.x, a.y, b.z), v3(a.x, b.y, b.z), v3(a.x, b.y, a.z)}, 0, 0, z, y);
+    add_panel(m, (const vec[]){v3(a.x, b.y, b.z), v3(b.x, b.y, b.z), v3(b.x, b.y, a.z), v3(a.x, b.y, a.z)}, 0, 0, x, z);
 }
 
 /* ---- OBJ ---- */
@@ -222,7 +274,7 @@ bool write_mesh(const char *root, const char *path, const mesh *m)
                 numbers[k][2] = pooled(&pools[2], c->normal.x, c->normal.y, c->normal.z, 1e3);
             }
         }
-        fprintf(file, "# made by daft_generate, CC0\nmtllib meshes.mtl\n");
+        fprintf(file, "# made by daft_generate, CC0\nmtllib %s\n", m->library ? m->library : "meshes.mtl");
         write_pool(file, &pools[0], "v", 3, 1e4);
         write_pool(file, &pools[1], "vt", 2, 1e4);
         write_pool(file, &pools[2], "vn", 3, 1e3);
@@ -230,5 +282,26 @@ bool write_mesh(const char *root, const char *path, const mesh *m)
         ok = close_output(file, path);
     }
     free(pools), free(numbers);
+    return ok;
+}
+
+bool write_text(const char *root, const char *path, const char *text)
+{
+    FILE *file = open_output(root, path);
+    if (!file) return false;
+    fputs(text, file);
+    return close_output(file, path);
+}
+
+bool write_meshes(const char *root, const mesh_recipe *list, size_t count, const char *library)
+{
+    mesh *m = malloc(sizeof *m);
+    bool ok = m != NULL;
+    for (size_t i = 0; i < count && ok; i++) {
+        *m = (mesh){.library = library};
+        list[i].make(m);
+        ok = write_mesh(root, list[i].path, m);
+    }
+    free(m);
     return ok;
 }

@@ -20,7 +20,7 @@ vec cross(vec a, vec b);
 double length(vec a);
 vec normal_of(vec a);
 
-enum { MAX_CORNERS = 8192, MAX_FACES = 2048 };
+enum { MAX_CORNERS = 65536, MAX_FACES = 16384 };
 
 typedef struct corner {
     vec at, normal;
@@ -37,7 +37,8 @@ typedef struct mesh {
     corner corners[MAX_CORNERS];
     face faces[MAX_FACES];
     int corner_count, face_count;
-    const char *materials[8]; /* names in meshes.mtl */
+    const char *library;      /* the .mtl file beside the mesh; NULL: meshes.mtl */
+    const char *materials[8]; /* names in it */
     int material_count;
     int material; /* of the faces added next */
     vec move;     /* added to every point */
@@ -55,7 +56,24 @@ void add_lathe(mesh *m, const double (*profile)[2], int count, int sides, double
 void add_torus(mesh *m, vec center, double major, double minor, int around, int across, double from, double to);
 /* A sphere of 20·4^level flat triangles, each vertex moved outwards by `rough` times noise. */
 void add_blob(mesh *m, vec center, vec radius, int level, double rough, int seed);
+/* The same with a texture, one repeat in `tile` metres along the two axes that each triangle faces least, and with
+ * normals between the triangle's (soft 0) and the sphere's (soft 1). */
+void add_soft_blob(mesh *m, vec center, vec radius, int level, double rough, int seed, double tile, double soft);
+/* A textured quadrilateral with a flat normal: corners counter-clockwise from the lower left, u to the right, v up. */
+void add_panel(mesh *m, const vec points[4], double u0, double v0, double u1, double v1);
+/* A box from `low` to `high` without its bottom; the texture repeats every `tile` metres. */
+void add_box(mesh *m, vec low, vec high, double tile);
 
+/* One mesh of a list, and what fills it. */
+typedef struct mesh_recipe {
+    const char *path;
+    void (*make)(mesh *);
+} mesh_recipe;
+
+/* Makes and writes them all, with the materials of `library`. */
+bool write_meshes(const char *root, const mesh_recipe *list, size_t count, const char *library);
+/* Writes a text, such as a material library. */
+bool write_text(const char *root, const char *path, const char *text);
 bool write_mesh(const char *root, const char *path, const mesh *m);
 
 #endif

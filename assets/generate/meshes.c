@@ -2,7 +2,6 @@
 #include "mesh.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static const double TAU = 6.283185307179586;
 
@@ -280,35 +279,15 @@ static const char materials[] =
     "newmtl veil\nKa 0.9 0.3 0.35\nKd 0.9 0.3 0.35\nKs 0 0 0\nNs 1\nd 0.4\nillum 1\n\n"
     "newmtl cloth\nKa 0.9 0.10 0.08\nKd 0.9 0.10 0.08\nKs 0 0 0\nNs 1\nillum 1\n";
 
-static bool write_materials(const char *root)
-{
-    const char *path = "assets/meshes/meshes.mtl";
-    FILE *file = open_output(root, path);
-    if (!file) return false;
-    fputs(materials, file);
-    return close_output(file, path);
-}
-
 bool generate_meshes(const char *root)
 {
-    static const struct {
-        const char *path;
-        void (*make)(mesh *);
-    } list[] = {
-        {"assets/meshes/gem.obj", gem},   {"assets/meshes/star.obj", star},     {"assets/meshes/coin.obj", coin},
-        {"assets/meshes/ring.obj", ring}, {"assets/meshes/cup.obj", cup},       {"assets/meshes/pine.obj", pine},
-        {"assets/meshes/tree.obj", tree}, {"assets/meshes/rock.obj", rock},     {"assets/meshes/column.obj", column},
-        {"assets/meshes/flag.obj", flag}, {"assets/meshes/island.obj", island}, {"assets/meshes/slab.obj", slab},
+    static const mesh_recipe list[] = {
+        {"assets/meshes/gem.obj", gem},       {"assets/meshes/star.obj", star},     {"assets/meshes/coin.obj", coin},
+        {"assets/meshes/ring.obj", ring},     {"assets/meshes/cup.obj", cup},       {"assets/meshes/pine.obj", pine},
+        {"assets/meshes/tree.obj", tree},     {"assets/meshes/rock.obj", rock},     {"assets/meshes/column.obj", column},
+        {"assets/meshes/flag.obj", flag},     {"assets/meshes/island.obj", island}, {"assets/meshes/slab.obj", slab},
         {"assets/meshes/goblet.obj", goblet}, {"assets/meshes/prism.obj", prism},
     };
-    if (!write_materials(root)) return false;
-    mesh *m = malloc(sizeof *m);
-    bool ok = m != NULL;
-    for (size_t i = 0; i < sizeof list / sizeof list[0] && ok; i++) {
-        *m = (mesh){.material = 0};
-        list[i].make(m);
-        ok = write_mesh(root, list[i].path, m);
-    }
-    free(m);
-    return ok;
+    return write_text(root, "assets/meshes/meshes.mtl", materials) &&
+           write_meshes(root, list, sizeof list / sizeof list[0], NULL);
 }

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -87,7 +88,7 @@ bool paint_square(const char *root, const char *path, int size, painter *paint)
             *out++ = to_byte(c.r), *out++ = to_byte(c.g), *out++ = to_byte(c.b);
         }
     }
-    bool ok = write_png(root, path, &p);
+    bool ok = strstr(path, ".jpg") ? write_jpeg(root, path, &p, 85) : write_png(root, path, &p);
     free(p.pixels);
     return ok;
 }
