@@ -94,11 +94,10 @@ typedef void daft_warning_callback(void *user, const daft_error *warning);
 /* What rays search meshes by. Pictures and hits are the same, bit for bit. */
 typedef enum daft_accel {
     DAFT_ACCEL_BVH = 0, /* bounding volume hierarchies, by which pencils cull, too */
-    DAFT_ACCEL_SBVH,    /* the same with spatial splits: slow to build; for long thin triangles that lie across the axes */
     DAFT_ACCEL_KDTREE   /* kd-trees besides: camera, mirror and query rays go through them one by one; shadows stay pencils */
 } daft_accel;
 
-DAFT_API bool daft_accel_parse(const char *name, daft_accel *out); /* "bvh", "sbvh", "kdtree" */
+DAFT_API bool daft_accel_parse(const char *name, daft_accel *out); /* "bvh", "kdtree" */
 DAFT_API const char *daft_accel_name(daft_accel accel);
 
 typedef struct daft_engine_def {

@@ -13,7 +13,6 @@ typedef struct daft_bvh daft_bvh;
 typedef struct daft_bvh_def {
     int threads;
     int isa; /* of the builder's kernels; the tree is the same for any */
-    bool spatial_splits; /* slow to build; triangles may stand in several leaves */
 } daft_bvh_def;
 
 /* Over a mesh's triangles. The mesh must outlive it. NULL when memory is out. A mesh without triangles is fine. */

@@ -193,7 +193,6 @@ void daft_build_sink_free(const daft_allocator *allocator, daft_build_sink *sink
 {
     for (size_t i = 0; i < sink->chunk_count; i++) daft_release(allocator, sink->chunks[i]);
     daft_release(allocator, sink->chunks);
-    daft_release(allocator, sink->numbers);
 }
 
 static void run_task(void *context, uint32_t index, uint32_t worker)
@@ -207,7 +206,7 @@ static void run_task(void *context, uint32_t index, uint32_t worker)
     daft_build_fork *forks = sink->forks + sink->count;
     build->kernels->branch(&branch, &task->range);
     daft_build_weigh(&build->rule, forks, (size_t)(sink->forks + sink->count - forks));
-    task->forks = forks, task->numbers = build->numbers;
+    task->forks = forks;
 }
 
 static bool make_sinks(daft_build *build)

@@ -62,8 +62,6 @@ typedef struct daft_build_sink {
     size_t count, capacity;
     daft_build_fork **chunks;
     size_t chunk_count, chunk_capacity;
-    uint32_t *numbers; /* of prims, in the order of leaves; spatial.c alone, else they are the build's */
-    size_t number_count, number_capacity;
 } daft_build_sink;
 
 /* A part of the tree that is built by itself: its forks, the nodes and leaves above which no node is its own, and where what it
@@ -71,7 +69,6 @@ typedef struct daft_build_sink {
 typedef struct daft_build_task {
     daft_build_range range;
     const daft_build_fork *forks; /* NULL: memory was out */
-    const uint32_t *numbers;
     const daft_build_fork *trees[DAFT_WIDTH];
     uint32_t codes[DAFT_WIDTH];
     int tree_count;
@@ -142,8 +139,6 @@ typedef struct daft_build_out {
 
 /* False when memory is out; daft_build_free is to be called in either case. */
 bool daft_build_run(daft_build *build);
-/* The same with spatial splits (spatial.c), from the mesh itself; prims are not used. */
-bool daft_build_spatial(daft_build *build, const daft_trimesh *mesh);
 /* The tree, node_count and block_count of it. */
 void daft_build_write(daft_build *build, const daft_build_out *out);
 void daft_build_free(daft_build *build);

@@ -1,4 +1,4 @@
-/* Parts of triangles, for trees that cut them: kdtree.c, spatial.c. */
+/* Triangles clipped to the cells of the kd-tree. */
 #ifndef DAFT_CLIP_H
 #define DAFT_CLIP_H
 

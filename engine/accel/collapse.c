@@ -260,14 +260,13 @@ bool daft_build_collapse(daft_build *build)
 typedef struct writer {
     const daft_build *build;
     const daft_build_out *out;
-    const uint32_t *numbers;
     size_t node, block; /* the next */
 } writer;
 
 static uint32_t leaf_write(writer *w, const daft_build_fork *leaf)
 {
     if (w->build->rule.block_size == 1) return DAFT_CHILD_LEAF | leaf->first;
-    const uint32_t *numbers = w->numbers + leaf->first;
+    const uint32_t *numbers = w->build->numbers + leaf->first;
     uint32_t first = (uint32_t)w->block, blocks = blocks_of(&w->build->rule, leaf->count);
     for (uint32_t i = 0; i < blocks * DAFT_BLOCK; i++)
         w->out->blocks[first + i / DAFT_BLOCK].triangle[i % DAFT_BLOCK] = i < leaf->count ? numbers[i] : DAFT_NO_TRIANGLE;
@@ -296,7 +295,7 @@ static void write_task(void *context, uint32_t index, uint32_t worker)
     (void)worker;
     const write_job *job = context;
     daft_build_task *task = &job->build->tasks[index];
-    writer w = {job->build, job->out, task->numbers, task->node_base, task->block_base};
+    writer w = {job->build, job->out, task->node_base, task->block_base};
     for (int i = 0; i < task->tree_count; i++) task->codes[i] = tree_write(&w, task->trees[i], is_root(w.build, task->trees[i]));
 }
 

@@ -70,7 +70,7 @@ typedef struct mesh_job {
     bool done;
 } mesh_job;
 
-static bool build_whole(daft_build *build, const daft_trimesh *mesh)
+static bool build_nodes(daft_build *build, const daft_trimesh *mesh)
 {
     build->prims = daft_alloc(build->allocator, build->count, sizeof *build->prims);
     if (!build->prims) return false;
@@ -86,16 +86,13 @@ static bool build_whole(daft_build *build, const daft_trimesh *mesh)
 static void build_mesh(void *context, daft_team *team)
 {
     mesh_job *job = context;
-    const daft_allocator *a = &job->bvh->allocator;
-    uint32_t count = job->mesh->triangle_count;
-    daft_build build = {.allocator = a,
+    daft_build build = {.allocator = &job->bvh->allocator,
                         .team = team,
                         .threads = job->def->threads,
                         .isa = job->def->isa,
                         .rule = {.leaf_size = DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK, .block_size = DAFT_BLOCK},
-                        .count = count};
-    job->done = job->def->spatial_splits ? daft_build_spatial(&build, job->mesh) : build_whole(&build, job->mesh);
-    if (job->done) job->done = write_tree(&build, job->mesh, job->bvh);
+                        .count = job->mesh->triangle_count};
+    job->done = build_nodes(&build, job->mesh) && write_tree(&build, job->mesh, job->bvh);
     daft_build_free(&build);
 }
 

@@ -11,7 +11,7 @@ typedef struct winder {
     uint32_t *piece; /* of each triangle: the piece it was put in + 1; 0: none yet */
     uint32_t *stack;
     bool *solid;     /* of each piece: rays from outside do not come from behind it */
-    uint32_t *seen;  /* of each triangle: the line that last met it; spatial splits show it more than once */
+    uint32_t *seen;  /* of each triangle: the line that last met it */
     uint32_t line;   /* counts lines */
     uint64_t work;   /* tests of boxes and triangles left: where very many pieces use them up, the rest stay as they are */
 } winder;

@@ -33,7 +33,7 @@ bool daft_intersection_parse(const char *name, daft_intersection *out)
     return false;
 }
 
-static const char *const ACCELS[] = {"bvh", "sbvh", "kdtree"};
+static const char *const ACCELS[] = {"bvh", "kdtree"};
 
 const char *daft_accel_name(daft_accel accel)
 {

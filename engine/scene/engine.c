@@ -33,7 +33,7 @@ daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error)
         !choose_isa(def->isa, &isa, error))
         return NULL;
     if ((unsigned)def->accel > DAFT_ACCEL_KDTREE) {
-        daft_fail(error, DAFT_ERROR_ARGUMENT, "accel is %d; it must be bvh, sbvh or kdtree", (int)def->accel);
+        daft_fail(error, DAFT_ERROR_ARGUMENT, "accel is %d; it must be bvh or kdtree", (int)def->accel);
         return NULL;
     }
     daft_allocator allocator = def->allocator;

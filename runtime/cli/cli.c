@@ -12,7 +12,7 @@
 #include <string.h>
 
 static const char *const ISAS[] = {"sse2", "avx2", "avx512"};
-static const char *const ACCELS[] = {"bvh", "sbvh", "kdtree"};
+static const char *const ACCELS[] = {"bvh", "kdtree"};
 static const char *const INTERSECTIONS[] = {"exact", "watertight", "fast"};
 static const char *const QUALITIES[] = {"draft", "game", "high", "reference"};
 

@@ -162,7 +162,7 @@ int command_render(int argc, char **argv)
         {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256, "worker threads; 0, the default: one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "sse2, avx2 or avx512; default: the best there is"},
         {"accel", 0, CLI_ACCEL, "X", &o.accel, 0, 0,
-         "bvh (default), sbvh or kdtree: what rays search meshes by; the picture is the same"},
+         "bvh (default) or kdtree: what rays search meshes by; the picture is the same"},
         {"aov", 0, CLI_TEXT, "LIST", &o.aov_list, 0, 0,
          "also write depth,normal,id,triangle or some of them, in files beside IMG"},
         {"explain", 0, CLI_FLAG, NULL, &o.explain, 0, 0, "print the plan: what ran and why, rays, milliseconds"},

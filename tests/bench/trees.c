@@ -44,7 +44,6 @@ typedef struct tree_job {
     bench *self;
     daft_trimesh mesh;
     int threads, isa;
-    bool spatial;
     daft_bvh *bvh;
     daft_kdtree *kdtree;
     const bench_embree_api *api;
@@ -57,7 +56,7 @@ static double mtris(const tree_job *job, double ms) { return job->mesh.triangle_
 static double build_bvh(void *context)
 {
     tree_job *job = context;
-    const daft_bvh_def def = {.threads = job->threads, .isa = job->isa, .spatial_splits = job->spatial};
+    const daft_bvh_def def = {.threads = job->threads, .isa = job->isa};
     double start = daft_clock_ms();
     daft_bvh *bvh = daft_bvh_build(&job->self->allocator, &job->mesh, &def, NULL);
     double ms = daft_clock_ms() - start;
@@ -102,7 +101,7 @@ static void measure_builds(bench *self, const char *scene, tree_job *job)
 static double refit(void *context)
 {
     tree_job *job = context;
-    const daft_bvh_def def = {.threads = job->threads, .isa = job->isa, .spatial_splits = job->spatial};
+    const daft_bvh_def def = {.threads = job->threads, .isa = job->isa};
     double start = daft_clock_ms();
     daft_bvh_update(job->bvh, &job->mesh, &def);
     return mtris(job, daft_clock_ms() - start);
@@ -238,96 +237,6 @@ static void measure_kdtree(bench *self, const char *scene, tree_job *job)
     measure_rays(self, scene, job);
 }
 
-/* ---- long things that lie across the axes ---- */
-
-/* Long thin triangles along the four diagonals of space, one among nine small ones. */
-static bool make_needles(bench *self, daft_trimesh *out)
-{
-    enum { NEEDLES = 20000 };
-    daft_vec3 *positions = daft_alloc(&self->allocator, 3 * NEEDLES, sizeof *positions);
-    uint32_t *indices = daft_alloc(&self->allocator, 3 * NEEDLES, sizeof *indices);
-    uint64_t state = 3;
-    const daft_vec3 low = {-1, -1, -1}, high = {1, 1, 1};
-    for (uint32_t i = 0; positions && indices && i < NEEDLES; i++) {
-        daft_vec3 at = within(&state, low, high), along = daft_v3(0.5f, i & 1 ? 0.5f : -0.5f, i & 2 ? 0.5f : -0.5f);
-        if (i % 10) along = daft_scale(along, 0.02f);
-        positions[3 * i] = daft_sub(at, along), positions[3 * i + 1] = daft_add(at, along);
-        positions[3 * i + 2] = daft_add(at, daft_scale(daft_normalize(within(&state, low, high)), 0.01f));
-        for (uint32_t k = 0; k < 3; k++) indices[3 * i + k] = 3 * i + k;
-    }
-    daft_mesh_def def = daft_default_mesh_def();
-    daft_log log = {0};
-    def.positions = positions, def.normals = positions, def.vertex_count = 3 * NEEDLES;
-    def.indices = indices, def.triangle_count = NEEDLES;
-    bool made = positions && indices && daft_trimesh_from_arrays(&self->allocator, &def, &log, out, NULL);
-    daft_release(&self->allocator, positions);
-    daft_release(&self->allocator, indices);
-    return made;
-}
-
-/* Nearest and any hits through instances in two arrays of the same things. */
-static void compare_rays(bench *self, const char *scene, const char *what, daft_instance *ours, daft_instance *others, uint32_t count,
-                         const char *other_name)
-{
-    ray_job rays = {.rays = NULL};
-    int isa;
-    daft_isa_parse(self->isa, &isa);
-    rays.kernels = daft_accel_kernels_for(isa);
-    daft_arena_init(&rays.arena, &self->allocator);
-    daft_vec3 low = ours[0].low, high = ours[0].high;
-    for (uint32_t i = 0; i < count; i++) {
-        daft_instance_bound(&ours[i]);
-        daft_instance_bound(&others[i]);
-        low = daft_min3(i ? low : ours[i].low, ours[i].low), high = daft_max3(i ? high : ours[i].high, ours[i].high);
-    }
-    rays.rays = make_rays(self, low, high);
-    rays.top[0] = daft_tlas_build(&rays.arena, ours, count, NULL), rays.top[1] = daft_tlas_build(&rays.arena, others, count, NULL);
-    bench_subject subject = {.scene = scene, .what = what, .unit = "Mray/s", .isa = self->isa, .threads = 1, .ours = trace_first,
-                             .peer = trace_second, .context = &rays, .peer_name = other_name, .describe = describe_rays, .own_peer = true};
-    if (rays.rays && rays.top[0] && rays.top[1]) bench_measure(self, &subject);
-    daft_release(&self->allocator, rays.rays);
-    daft_arena_free(&rays.arena);
-}
-
-static daft_instance instance_of(const daft_trimesh *mesh, const daft_bvh *bvh)
-{
-    static const uint32_t material = 0;
-    const daft_affine same = {.m = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    return (daft_instance){.mesh = mesh, .bvh = bvh, .to_frame = same, .to_object = same, .materials = &material, .flags = DAFT_INSTANCE_CASTS_SHADOW};
-}
-
-static void measure_spatial(bench *self, const char *scene, tree_job *job)
-{
-    job->threads = 1, job->spatial = true;
-    const daft_bvh_def def = {.threads = daft_processor_count(), .isa = job->isa, .spatial_splits = true};
-    daft_bvh *spatial = daft_bvh_build(&self->allocator, &job->mesh, &def, NULL);
-    job->bvh = daft_bvh_build_mesh(&self->allocator, &job->mesh, daft_processor_count(), NULL);
-    if (spatial && job->bvh) {
-        double count = job->mesh.triangle_count;
-        bench_subject build = {.scene = scene, .what = "tree: spatial splits, build", .unit = "Mtri/s", .isa = self->isa, .threads = 1,
-                               .ours = build_bvh, .context = job};
-        bench_measure(self, &build);
-        bench_row row = {.what = "tree: spatial splits, memory", .unit = "B/tri", .isa = self->isa, .threads = 1,
-                         .ours = (double)daft_bvh_bytes(spatial) / count, .peer = (double)daft_bvh_bytes(job->bvh) / count,
-                         .peer_name = "plain BVH"};
-        bench_label(scene, row.scene, sizeof row.scene);
-        bench_add(self, &row);
-        daft_instance ours = instance_of(&job->mesh, spatial), others = instance_of(&job->mesh, job->bvh);
-        compare_rays(self, scene, "tree: spatial splits, nearest hit", &ours, &others, 1, "plain BVH");
-    }
-    daft_bvh_free(spatial);
-}
-
-static void measure_needles(bench *self, const char *scene)
-{
-    tree_job job = {.self = self};
-    daft_isa_parse(self->isa, &job.isa);
-    if (!make_needles(self, &job.mesh)) return;
-    measure_spatial(self, scene, &job);
-    daft_bvh_free(job.bvh);
-    daft_trimesh_free(&self->allocator, &job.mesh);
-}
-
 /* ---- the top level ---- */
 
 typedef struct top_job {
@@ -421,7 +330,6 @@ void bench_trees(bench *self)
         if (bench_wants(self, grounds[i].name, "tree: build")) measure_generated(self, grounds[i].name, grounds[i].count);
     for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
         if (bench_wants(self, BENCH_MODELS[i].name, "tree: refit and kd-tree")) measure_model(self, &BENCH_MODELS[i]);
-    if (bench_wants(self, "needles", "tree: spatial splits")) measure_needles(self, "needles");
     for (size_t i = 0; i < DAFT_COUNT_OF(tops); i++)
         if (bench_wants(self, tops[i].name, "tree: top level")) measure_top(self, tops[i].name, tops[i].count);
 }

@@ -77,7 +77,7 @@ void daft_assets_free(daft_scene *scene)
 static daft_bvh_def mesh_tree(const daft_scene *scene)
 {
     const daft_engine *engine = scene->engine;
-    return (daft_bvh_def){.threads = engine->threads, .isa = engine->isa, .spatial_splits = engine->accel == DAFT_ACCEL_SBVH};
+    return (daft_bvh_def){.threads = engine->threads, .isa = engine->isa};
 }
 
 /* Builds what a mesh needs beside its triangles. On failure the item is still to be freed. */

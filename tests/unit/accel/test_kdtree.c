@@ -208,12 +208,11 @@ static void draw(const char *scene_path, daft_accel accel, uint8_t *out)
 static void same_pictures_as_the_bvh(void **unused)
 {
     (void)unused;
-    static uint8_t pictures[3][4 * WIDTH * HEIGHT];
+    static uint8_t pictures[2][4 * WIDTH * HEIGHT];
     const char *const scenes[] = {"hello.scene", "islands.scene", "temple.scene"};
     for (size_t i = 0; i < DAFT_COUNT_OF(scenes); i++) {
-        for (int accel = 0; accel < 3; accel++) draw(scenes[i], (daft_accel)accel, pictures[accel]);
+        for (int accel = 0; accel < 2; accel++) draw(scenes[i], (daft_accel)accel, pictures[accel]);
         assert_memory_equal(pictures[0], pictures[1], sizeof pictures[0]);
-        assert_memory_equal(pictures[0], pictures[2], sizeof pictures[0]);
     }
 }
 

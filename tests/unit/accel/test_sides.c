@@ -437,23 +437,6 @@ static void same_for_all_threads(void **unused)
     mesh_drop(&ball), mesh_drop(&one), mesh_drop(&three);
 }
 
-static void split_triangles(void **unused)
-{
-    (void)unused;
-    fixture_seed(37);
-    daft_allocator allocator = daft_malloc_allocator();
-    fixture_mesh eight = mesh_eight(60), torus = mesh_torus(6, 40, 0.3f);
-    fixture_mesh *shapes[2] = {&eight, &torus};
-    for (int s = 0; s < 2; s++) {
-        uint32_t whole = one_sided_of(shapes[s]);
-        daft_bvh_free(shapes[s]->bvh);
-        shapes[s]->bvh = daft_bvh_build(&allocator, &shapes[s]->mesh, &(daft_bvh_def){.threads = 1, .isa = daft_isa_best(), .spatial_splits = true}, NULL);
-        assert_int_equal(one_sided_of(shapes[s]), whole);
-        for (int round = 0; round < 50; round++) check_cones(shapes[s], 10);
-        mesh_drop(shapes[s]);
-    }
-}
-
 static void gone_when_moved(void **unused)
 {
     (void)unused;
@@ -578,7 +561,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closed_shapes), cmocka_unit_test(shapes_of_two), cmocka_unit_test(crossing_shapes), cmocka_unit_test(odd_shapes),
-        cmocka_unit_test(cones), cmocka_unit_test(pictures), cmocka_unit_test(same_for_all_threads), cmocka_unit_test(split_triangles),
+        cmocka_unit_test(cones), cmocka_unit_test(pictures), cmocka_unit_test(same_for_all_threads),
         cmocka_unit_test(gone_when_moved), cmocka_unit_test(without_memory), cmocka_unit_test(hostile),
         cmocka_unit_test(fan_around_an_edge), cmocka_unit_test(models),
     };
