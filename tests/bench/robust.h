@@ -29,7 +29,7 @@ typedef struct robust_score {
     uint64_t asked, wrong[ROBUST_TRACERS];
 } robust_score;
 
-/* The classes of ../shared/cases/ray_cases.csv that are about meshes, triangles and spheres: fills in `scores`, returns
+/* The classes of tests/data/cases/ray_cases.csv that are about meshes, triangles and spheres: fills in `scores`, returns
  * how many; 0 where the file is missing. Tracers without a name are left out. */
 enum { ROBUST_CLASSES = 5 };
 size_t robust_cases(bench *self, const robust_tracer *tracers, robust_score scores[ROBUST_CLASSES]);

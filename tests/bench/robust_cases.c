@@ -1,6 +1,6 @@
 /* The rows of ray_cases.csv, whose answers were decided with exact rational arithmetic, judged by class as its README
  * says. Left out are the rows that only DAFT's own kernels can be asked: boxes, what is a matter of convention, and NaN
- * and infinity, which other libraries do not promise to take (tests/ray_cases.c runs them all). */
+ * and infinity, which other libraries do not promise to take (tests/unit/accel/ray_cases.c runs them all). */
 #include "robust.h"
 
 #include "../support/closed_shapes.h"

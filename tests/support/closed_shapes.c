@@ -163,7 +163,7 @@ static const char *folder(const char *variable, const char *fallback)
 
 const char *hard_cases_folder(void)
 {
-    return folder("DAFT_CASES", DAFT_ROOT "/../shared/cases");
+    return folder("DAFT_CASES", DAFT_ROOT "/tests/data/cases");
 }
 
 bool closed_shape_load(const daft_allocator *allocator, int file, closed_shape *out)
@@ -180,7 +180,7 @@ bool closed_shape_load(const daft_allocator *allocator, int file, closed_shape *
                                                     "meshes/uvsphere_embreepos.obj",
                                                     "models/cow.obj",
                                                     "models/fandisk.obj",
-                                                    "models/spot/spot.obj",
+                                                    "models/spot/spot_triangulated.obj",
                                                     "models/stanford-bunny.obj",
                                                     "models/nefertiti.obj"};
     char path[1024];

@@ -21,8 +21,8 @@ daft_vec3 hard_vec3(uint64_t *state, float low, float high);
 enum { CLOSED_KINDS = 8 };
 bool closed_shape_make(const daft_allocator *allocator, int kind, uint64_t *state, closed_shape *out);
 
-/* OBJ files of optional folders beside the checkout, or where DAFT_CASES and DAFT_DATA say. False: there is no such
- * file, or it is not closed. */
+/* OBJ files of tests/data/cases, and models of the optional folder ../shared/data beside the checkout; DAFT_CASES and
+ * DAFT_DATA name other folders. False: there is no such file, or it is not closed. */
 enum { CLOSED_FILES = 15 };
 bool closed_shape_load(const daft_allocator *allocator, int file, closed_shape *out);
 void closed_shape_free(const daft_allocator *allocator, closed_shape *shape);

@@ -108,6 +108,17 @@ static inline const char *write_test_text(const char *name, const char *text)
     return write_test_file(name, text, strlen(text));
 }
 
+/* A file of tests/data. */
+static inline const char *data_file(const char *name)
+{
+    static char path[4][1024];
+    static unsigned turn;
+    char *out = path[turn++ % 4];
+    snprintf(out, sizeof path[0], "%s/tests/data/%s", DAFT_ROOT, name);
+    if (!daft_file_exists(out)) fail_msg("tests/data/%s is missing", name);
+    return out;
+}
+
 /* A file of the folder that may stand beside the checkout; NULL (and a message) where it is not there. */
 static inline const char *shared_file(const char *name)
 {

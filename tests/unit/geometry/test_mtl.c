@@ -227,8 +227,7 @@ static void hard_files(void **unused)
     for (size_t i = 0; i < DAFT_COUNT_OF(files); i++) {
         char name[256];
         snprintf(name, sizeof name, "obj_hard/models/%s", files[i].name);
-        const char *path = shared_file(name);
-        if (!path) continue;
+        const char *path = data_file(name);
         daft_allocator allocator = counting_allocator(&memory);
         daft_log log = memo_log(&warnings);
         list = (daft_mtl_list){0};

@@ -631,8 +631,7 @@ static void files_that_break_other_loaders(void **unused)
     for (size_t i = 0; i < DAFT_COUNT_OF(hard_files); i++) {
         char name[256], shown[1100];
         snprintf(name, sizeof name, "obj_hard/%s", hard_files[i].name);
-        const char *path = shared_file(name);
-        if (!path) continue;
+        const char *path = data_file(name);
         daft_allocator allocator = counting_allocator(&memory);
         daft_log log = memo_log(&warnings);
         daft_obj obj;
@@ -658,16 +657,11 @@ static void files_that_break_other_loaders(void **unused)
 static void each_hard_polygon_keeps_its_area(void **unused)
 {
     (void)unused;
-    const char *path = shared_file("obj_hard/models/issue-319-002.obj");
-    if (path) {
-        daft_obj obj = load(path);
-        assert_true(fabs(area(&obj.mesh, 0, 5) - 3.0679) < 1e-4 && fabs(area(&obj.mesh, 5, 6) - 14.97) < 1e-4);
-        assert_true(fabs(area(&obj.mesh, 11, 3) - 1.5458) < 1e-4);
-        free_obj(&obj);
-    }
-    path = shared_file("obj_hard/models/issue-295-trianguation-failure.obj");
-    if (!path) return;
-    daft_obj obj = load(path);
+    daft_obj obj = load(data_file("obj_hard/models/issue-319-002.obj"));
+    assert_true(fabs(area(&obj.mesh, 0, 5) - 3.0679) < 1e-4 && fabs(area(&obj.mesh, 5, 6) - 14.97) < 1e-4);
+    assert_true(fabs(area(&obj.mesh, 11, 3) - 1.5458) < 1e-4);
+    free_obj(&obj);
+    obj = load(data_file("obj_hard/models/issue-295-trianguation-failure.obj"));
     for (uint32_t i = 0; i < 14; i++) assert_true(area(&obj.mesh, 2 * i, 2) == 1);
     free_obj(&obj);
 }
