@@ -9,7 +9,7 @@ trap 'rm -rf "$out"' EXIT
 
 cd "$here/layers"
 grep -rn 'expect: ' engine runtime | sed 's/^\([^:]*:[0-9]*\):.*expect: \(.*\) \*\/.*/\1 \2/' | LC_ALL=C sort >"$out/expected"
-if sh "$here/check_layers.sh" "$here/layers" >"$out/all"; then
+if sh "$here/check_layers.sh" "$here/layers" docs/map.md >"$out/all"; then
     echo "check_layers.sh passes a tree of bad samples" && exit 1
 fi
 sed 's/^\([^:]*:[0-9]*\): .*(\(.*\))$/\1 \2/' "$out/all" | LC_ALL=C sort >"$out/found"

@@ -1,0 +1,2 @@
+/* A room of the samples.
+ * Public headers: base.h */

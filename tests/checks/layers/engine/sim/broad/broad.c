@@ -1,0 +1,1 @@
+#include "sim/solve/solve.h" /* expect: no cycles between rooms */

@@ -1,0 +1,2 @@
+/* Public headers: broad.h */
+#include "math/simd/ops.h"

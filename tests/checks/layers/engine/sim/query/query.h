@@ -1,0 +1,2 @@
+/* Public headers: query.h */
+#include "sim/query/walk.h"

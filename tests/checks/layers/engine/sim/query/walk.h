@@ -1,0 +1,1 @@
+#include "query.h" /* expect: no cycles between files */

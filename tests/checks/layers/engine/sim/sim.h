@@ -1,0 +1,1 @@
+/* Public headers: sim.h query/query.h missing.h expect: listed headers exist */

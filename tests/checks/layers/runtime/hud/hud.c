@@ -1,0 +1,1 @@
+#include "platform/platform.h" /* expect: rooms name their public headers */

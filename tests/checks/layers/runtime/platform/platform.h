@@ -1,0 +1,1 @@
+/* Public headers: platform.h. expect: rooms are on the map */
