@@ -30,9 +30,10 @@ echo "cmake \$*" >>"$log"
 mkdir -p "$root/build/release"
 case \$1 in
 --preset)
-    echo "CMAKE_HOME_DIRECTORY:INTERNAL=$root" >"$root/build/release/CMakeCache.txt"
-    echo 'DAFT_BUILD_TESTS:BOOL=OFF' >>"$root/build/release/CMakeCache.txt"
-    : >"$root/build/release/build.ninja" ;;
+    mkdir -p "$root/build/\$2"
+    echo "CMAKE_HOME_DIRECTORY:INTERNAL=$root" >"$root/build/\$2/CMakeCache.txt"
+    echo 'DAFT_BUILD_TESTS:BOOL=OFF' >>"$root/build/\$2/CMakeCache.txt"
+    : >"$root/build/\$2/build.ninja" ;;
 --build)
     printf '#!/bin/sh\necho "in \$PWD: \$*"\nexit 7\n' >"$root/build/release/daft"
     chmod +x "$root/build/release/daft" ;;
@@ -50,7 +51,29 @@ case \$1 in install) : >"$out/has-sdl" ;; esac
 END
 # shellcheck disable=SC2016 # the fake expands these
 printf '#!/bin/sh\n[ "$1" = -n ] && shift\nexec "$@"\n' >"$out/bin/sudo"
-printf '#!/bin/sh\n' | tee "$out/bin/ninja" >"$out/bin/cc"
+printf '#!/bin/sh\n' | tee "$out/bin/ninja" "$out/bin/clang" "$out/bin/clang-format" "$out/bin/clang-tidy" "$out/bin/valgrind" >"$out/bin/cc"
+# A ctest that runs two tests, of which one is a program with three cases.
+cat >"$out/bin/ctest" <<END
+#!/bin/sh
+echo "ctest \$* seed=\${DAFT_SEED:-}" >>"$log"
+case "\$*" in *' -N '*) exit 0 ;; *nothing*) echo 'No tests were found!!!' && exit 0 ;; esac
+echo '1/2 Test #1: script ...........   Passed    0.01 sec'
+echo '2/2 Test #2: program ..........***Failed    0.01 sec'
+mkdir -p "\$2/Testing/Temporary"
+cat >"\$2/Testing/Temporary/LastTest.log" <<LOG
+1/2 Testing: script
+Output:
+----------------------------------------------------------
+fine
+<end of output>
+2/2 Testing: program
+Output:
+----------------------------------------------------------
+[  PASSED  ] 2 test(s).
+[  FAILED  ] 1 test(s), listed below:
+<end of output>
+LOG
+END
 chmod +x "$out"/bin/*
 PATH=$out/bin:$PATH
 
@@ -75,6 +98,10 @@ run test --filter
 check 'a filter needs its value' [ "$status" = 2 ]
 run test --fuzz --seconds 0
 check 'a fuzzer needs its time' [ "$status" = 2 ] && check 'and says so' says err "not '0'"
+run test --seed soon
+check 'a seed is a number' [ "$status" = 2 ] && check 'and says so' says err "not 'soon'"
+run test --help
+check 'the tests have a help of their own' says out '--memcheck'
 
 cd "$out/else where"
 run play 'a game' --ticks 3
@@ -119,6 +146,20 @@ check 'tests that cannot be built are one failure' [ "$(tail -n 1 "$out/out")" =
 rm "$out/broken"
 run play
 check 'and is tried again' builds 1 0
+
+run test --filter 'a|b'
+check 'a test that failed is status 1' [ "$status" = 1 ]
+check 'the last line counts the cases' [ "$(tail -n 1 "$out/out")" = '3 passed, 1 failed' ]
+check 'slow tests are left out' grep -q 'ctest .* -R a|b .*-LE ^slow\$' "$log"
+run test --all --seed 7
+check 'unless all are wanted' [ "$(grep -c -e '-LE' "$log")" = 0 ]
+check 'random tests get their seed' grep -q 'ctest .* seed=7' "$log" && check 'and it is told' says err 'is 7'
+run test --seed fresh
+check 'a fresh seed is a number' grep -q 'ctest .* seed=[0-9][0-9]*$' "$log"
+run test --memcheck
+check 'Valgrind has a build of its own' grep -q 'ctest .*/build/memcheck .*-L ^memcheck\$' "$log"
+run test --filter nothing
+check 'no test is a failure' [ "$status" = 1 ] && check 'and nothing passed' says out '0 passed, 0 failed'
 
 sed -i 's,INTERNAL=.*,INTERNAL=/nowhere,' "$root/build/release/CMakeCache.txt"
 touch "$root/engine/base/base.c"
