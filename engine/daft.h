@@ -727,14 +727,12 @@ typedef struct daft_counters {
     uint64_t shadow_points_kept; /* lit points under some occluder's bound: the only ones that cast a ray */
     uint64_t mesh_builds;  /* BVHs built since the scene was made */
     uint64_t mesh_refits;  /* BVHs fitted to moved vertices since the scene was made */
-    uint64_t mesh_sides;   /* meshes of crowds that were searched, since the scene was made, for triangles only seen from one side */
-    uint64_t mesh_insides; /* meshes under lamps that were searched, since the scene was made, for balls inside them */
     uint64_t placings; /* frames, since the scene was made, for which things were put into place and a tree over them was made: neither where
                         * nothing has moved or looks different since the last frame, nor the camera's position */
     daft_effect effects[DAFT_EFFECT_COUNT];
 } daft_counters;
 
-/* Of the last daft_render; query_rays, mesh_builds, mesh_refits, mesh_sides, mesh_insides and placings since the scene was made. */
+/* Of the last daft_render; query_rays, mesh_builds, mesh_refits and placings since the scene was made. */
 DAFT_API const daft_counters *daft_scene_counters(const daft_scene *scene);
 
 #ifdef __cplusplus

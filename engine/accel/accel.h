@@ -22,17 +22,6 @@ daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimes
 /* The mesh's vertices have moved, its triangles are the same: fits the boxes anew, or builds the tree anew where that has
  * become slow (then true). Cannot fail: without memory the fitted tree stays. */
 bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def *def);
-/* Finds the triangles whose backs no ray from outside the mesh meets first (sides.h), so that pencils may leave out what
- * looks away. Takes about six times as long as the build; kept until vertices move. True: there are some. Without memory
- * there are none. */
-bool daft_bvh_find_sides(daft_bvh *bvh, const daft_trimesh *mesh, int threads);
-/* Finds balls inside the mesh (inner.h), so that rays through them need not look at triangles. Takes a fraction of the build's
- * time; kept until vertices move. True: there are some. Without memory there are none. */
-bool daft_bvh_find_inner(daft_bvh *bvh, const daft_trimesh *mesh);
-/* Finds where rays off the mesh's own triangles are free (open.h), for shadows of crowds: for so many triangles more. Takes some 20
- * microseconds for each, some eighty times as long as the build; kept until vertices move. Looks at the mesh's normals: of those that
- * come later it knows nothing, and is of no use then. How many are left; none without memory. */
-uint32_t daft_bvh_find_open(daft_bvh *bvh, const daft_trimesh *mesh, uint32_t triangles, int threads);
 void daft_bvh_free(daft_bvh *bvh);
 size_t daft_bvh_bytes(const daft_bvh *bvh);
 

@@ -44,9 +44,6 @@ struct daft_bvh {
     size_t block_count;
     double cost; /* of the tree as it was built (refit.c); negative: not known yet */
     float support[38]; /* how far the mesh reaches in each of 26 directions (reach.h has where) */
-    struct daft_sides *sides; /* sides.h; NULL: nobody asked, or no triangle is one-sided */
-    struct daft_inner *inner; /* inner.h; NULL: nobody asked, or there is no inside */
-    struct daft_open *open;   /* open.h; NULL: nobody asked */
 };
 
 /* Fills support, anew when vertices have moved. */

@@ -1,8 +1,5 @@
 /* The bottom level: a tree over a mesh's triangles, their corners copied into blocks. */
 #include "accel/build.h"
-#include "accel/find_inner.h"
-#include "accel/find_sides.h"
-#include "accel/open.h"
 
 #include <string.h>
 
@@ -135,14 +132,10 @@ void daft_bvh_free(daft_bvh *bvh)
     if (!bvh) return;
     daft_allocator allocator = bvh->allocator;
     tree_release(bvh);
-    daft_sides_drop(bvh);
-    daft_inner_drop(bvh);
-    daft_open_drop(bvh);
     daft_release(&allocator, bvh);
 }
 
 size_t daft_bvh_bytes(const daft_bvh *bvh)
 {
-    return sizeof *bvh + bvh->nodes.capacity * sizeof(daft_node) + bvh->block_count * sizeof(daft_block) +
-           daft_sides_bytes(bvh) + (bvh->inner ? sizeof *bvh->inner : 0) + daft_open_bytes(bvh);
+    return sizeof *bvh + bvh->nodes.capacity * sizeof(daft_node) + bvh->block_count * sizeof(daft_block);
 }

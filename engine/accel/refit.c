@@ -2,9 +2,6 @@
  * gets worse as the triangles leave the places they were parted by; when the surface-area cost has grown by a share, it is
  * built anew (Lauterbach, Yoon, Tuft, Manocha, "RT-DEFORM: Interactive Ray Tracing of Dynamic Scenes using BVHs", 2006). */
 #include "accel/build.h"
-#include "accel/find_inner.h"
-#include "accel/find_sides.h"
-#include "accel/open.h"
 
 #include <float.h>
 
@@ -119,9 +116,6 @@ static void replace(daft_bvh *bvh, daft_bvh *fresh)
 bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def *def)
 {
     if (bvh->nodes.count == 0) return false;
-    daft_sides_drop(bvh);
-    daft_inner_drop(bvh);
-    daft_open_drop(bvh);
     if (bvh->cost < 0) bvh->cost = tree_cost(bvh);
     refit_job job = {bvh, mesh};
     int threads = bvh->block_count < TOO_FEW_BLOCKS ? 1 : def->threads;

@@ -37,15 +37,6 @@ DAFT_INLINE vf3 move(const daft_affine *a, vf3 p)
                  ((vf_set(m[6]) * p.x + vf_set(m[7]) * p.y) + vf_set(m[8]) * p.z) + vf_set(t[2])};
 }
 
-/* Of the triangles of blocks, which of them are one-sided. */
-DAFT_INLINE vbits blocks_sides(const daft_seen *seen, const uint32_t *blocks, uint32_t count)
-{
-    const uint8_t *sides = seen->bvh->sides->blocks;
-    vbits bits = 0;
-    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) bits |= (vbits)sides[blocks[i < count ? i : 0]] << (DAFT_BLOCK * i);
-    return bits;
-}
-
 /* Adds those of `some`. */
 DAFT_INLINE void waiting_add(daft_waiting *out, const vf3 corner[3], vi pixels, vf nearest, uint32_t instance, vi triangle, vbits some)
 {

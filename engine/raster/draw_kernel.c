@@ -271,26 +271,9 @@ DAFT_INLINE void add_hits(hit_list *h, vbits lanes, vi places, vi lane, vm sure,
     h->count += (uint32_t)__builtin_popcount(lanes);
 }
 
-/* Leaves out what is hidden by now: in a crowd it is much, and which cannot be guessed one by one. */
-static void leave_hidden_hits(const daft_tile_job *j, const daft_pencil_batch *b, hit_list *h)
-{
-    uint32_t n = 0, count = h->count;
-    for (uint32_t k = 0; k < count; k += DAFT_VL) {
-        vbits lanes = vbits_first_n((int)(count - k));
-        vi hit = vi_if_then_else(vm_from_bits(lanes), vi_load(&h->hit[k]), vi_set(0));
-        vf w = vf_load(&h->w[k]), high = w + vf_table_lookup(b->error, (hit >> HIT_LANE) & vi_set(DAFT_VL - 1));
-        lanes &= ~vbits_from_mask(vf_lt(high, vf_gather_index(j->w_low, hit & vi_set((1 << HIT_LANE) - 1))));
-        vi_compress_store(&h->hit[n], lanes, hit);
-        vf_compress_store(&h->w[n], lanes, w);
-        n += (uint32_t)__builtin_popcount(lanes);
-    }
-    h->count = n;
-}
-
 /* One after the other, since several may be of one pixel. */
 static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, hit_list *h)
 {
-    if (j->crowded) leave_hidden_hits(j, b, h);
     for (uint32_t k = 0; k < h->count; k++) {
         uint32_t hit = h->hit[k], i = hit >> HIT_LANE & (DAFT_VL - 1);
         int at = (int)(hit & ((1u << HIT_LANE) - 1));
@@ -465,7 +448,7 @@ static vbits draw_thin(daft_tile_job *j, const daft_pencil_batch *b, vbits some)
 static void fetch_doubted(const daft_projected *from, daft_hits *h)
 {
     for (uint32_t i = 0; i < h->doubted_count; i++) {
-        const daft_trimesh *mesh = from->seen[from->member[h->doubted[i]]]->mesh;
+        const daft_trimesh *mesh = from->seen->mesh;
         const uint32_t *corner = &mesh->indices[3 * (size_t)from->triangle[h->doubted[i]]];
         for (int k = 0; k < 3; k++)
             __builtin_prefetch(&mesh->x[corner[k]]), __builtin_prefetch(&mesh->y[corner[k]]), __builtin_prefetch(&mesh->z[corner[k]]);
@@ -485,7 +468,7 @@ DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_projected
         uint32_t hit = h->place[k], at = hit & (DAFT_HIT_UNSURE - 1), number = hit >> DAFT_HIT_TRIANGLE;
         float low = h->low[k], high = exact ? h->high[k] : low;
         if (high < j->w_low[at]) continue;
-        const daft_seen *seen = from->seen[from->member[number]];
+        const daft_seen *seen = from->seen;
         bool sure = !exact || !(hit & DAFT_HIT_UNSURE);
         j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
         if (__builtin_expect(sure && low > j->w_high[at], 1)) {
@@ -498,32 +481,13 @@ DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_projected
     }
 }
 
-/* The same of other hits. */
-DAFT_INLINE void leave_hidden(const daft_tile_job *j, bool exact, daft_hits *h)
-{
-    uint32_t n = 0, count = h->count;
-    for (uint32_t k = 0; k < count; k += DAFT_VL) {
-        vbits lanes = vbits_first_n((int)(count - k));
-        vi place = vi_if_then_else(vm_from_bits(lanes), vi_load(&h->place[k]), vi_set(0));
-        vf low = vf_load(&h->low[k]), high = exact ? vf_load(&h->high[k]) : low;
-        lanes &= ~vbits_from_mask(vf_lt(high, vf_gather_index(j->w_low, place & vi_set(DAFT_HIT_UNSURE - 1))));
-        vi_compress_store(&h->place[n], lanes, place);
-        vf_compress_store(&h->low[n], lanes, low);
-        if (exact) vf_compress_store(&h->high[n], lanes, high);
-        n += (uint32_t)__builtin_popcount(lanes);
-    }
-    h->count = n;
-}
-
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, daft_projected *from, daft_hits *h)
 {
     fetch_doubted(from, h);
     if (h->count) j->tile->one_thing = false;
     if (j->exact) {
-        if (j->crowded) leave_hidden(j, true, h);
         hits_draw_as(j, true, from, h);
     } else {
-        if (j->crowded) leave_hidden(j, false, h);
         hits_draw_as(j, false, from, h);
     }
     h->count = from->count = 0;

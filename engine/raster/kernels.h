@@ -28,7 +28,6 @@ typedef struct daft_tile_job {
     float last_x, last_y; /* its last column and row in the picture */
     float max_dx, max_dy; /* of any ray in the tile */
     bool exact;
-    bool crowded; /* a crowd is drawn, of which much is hidden */
     _Alignas(64) float dx[DAFT_TILE / DAFT_WINDOW_W][DAFT_VL]; /* of the rays of windows, by column */
     /* Every pixel's w in the cell is at least this; stale, by rows of cells: some pixel has come nearer since it was found. */
     _Alignas(64) float farthest[DAFT_CELLS_X][DAFT_CELLS_X];
@@ -41,16 +40,12 @@ typedef struct daft_tile_job {
  * may be added at a time. */
 enum { DAFT_LEAVES = 64, DAFT_LEAVES_ROOM = DAFT_LEAVES + DAFT_VL };
 enum { DAFT_WAITING_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + 3 * DAFT_VL };
-#define DAFT_WAITS_ONE_SIDED 0x80u /* in `pixels`: hits on its back do not count */
-#define DAFT_WAITS_TURNED 0x40u    /* its front is where det(corners) is negative */
-/* Small triangles in the picture whose boxes hold rays, of up to DAFT_CROWD instances; scale: the focal length over z. */
-enum { DAFT_CROWD_BITS = 3, DAFT_CROWD = 1 << DAFT_CROWD_BITS };
+/* Small triangles of one instance in the picture whose boxes hold rays; scale: the focal length over z. */
 typedef struct daft_projected {
     uint32_t count;
-    const daft_seen *seen[DAFT_CROWD];
+    const daft_seen *seen;
     float x[3][DAFT_WAITING_ROOM], y[3][DAFT_WAITING_ROOM], scale[3][DAFT_WAITING_ROOM];
     uint32_t triangle[DAFT_WAITING_ROOM];
-    uint8_t member[DAFT_WAITING_ROOM]; /* which of `seen` it is of */
 } daft_projected;
 
 /* Pixels whose rays such triangles meet, or, where it says so, may meet; above the place is the triangle's number among those projected. Of
@@ -67,33 +62,11 @@ typedef struct daft_waiting {
     uint32_t count;
     float corner[9][DAFT_WAITING_ROOM]; /* x, y, z of corner 0, then of 1 and 2, in camera space */
     float nearest[DAFT_WAITING_ROOM];   /* the largest w; infinite where a corner is not in front */
-    uint32_t pixels[DAFT_WAITING_ROOM]; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24, and flags */
+    uint32_t pixels[DAFT_WAITING_ROOM]; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24 */
     uint32_t instance[DAFT_WAITING_ROOM], triangle[DAFT_WAITING_ROOM];
     daft_projected projected; /* these and hits are of the instances at work: they do not wait for others */
     daft_hits hits;
 } daft_waiting;
-
-/* An instance's balls (accel/patches.h) as a tile sees them. */
-typedef struct daft_member {
-    const daft_seen *seen;
-    const daft_patches *patches;
-    uint32_t tag;               /* its number in the crowd, at DAFT_TAG_SHIFT, above those of what it consists of */
-    float ball[12];             /* a ball's centre to x and y in pixels times z, and z; then the translation */
-    float reach[2], z_reach[2]; /* its radius to pixels times z and to z, and what is added */
-    float shape[3][DAFT_SHAPE]; /* a patch's to its ellipse's xx, xy and yy at the bounds' nearest z */
-    float blur;                 /* a ball's radius to b times z (crowd_kernel.c) */
-    float doubt[2];             /* a patch's longest edge to 4D of its triangles (project_kernel.c), and what is added */
-    daft_glance glance;
-} daft_member;
-
-enum { DAFT_TAG_SHIFT = 32 - DAFT_CROWD_BITS };
-#define DAFT_ITEM ((1u << DAFT_TAG_SHIFT) - 1)
-
-/* Instances that are drawn together. */
-typedef struct daft_crowd {
-    uint32_t count;
-    daft_member members[DAFT_CROWD];
-} daft_crowd;
 
 /* Up to DAFT_VL triangles, set up. Edge k is opposite corner k. */
 typedef struct daft_pencil_batch {
@@ -108,8 +81,6 @@ typedef struct daft_pencil_batch {
 /* project_kernel.c: blocks of one instance, by number. Those whose boxes are of two pixels a side at most are projected, others
  * wait. */
 void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count, daft_waiting *out);
-/* The same of patches of a crowd, all of them in front of the camera: numbers and tags, those of a member one after the other. */
-void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_crowd *crowd, const uint32_t *patches, uint32_t count, daft_waiting *out);
 /* No less than the R of project_kernel.c, but for twice a triangle's extent. */
 DAFT_INLINE float daft_tile_reach(const daft_tile_job *job) { return (job->max_dx > job->max_dy ? job->max_dx : job->max_dy) + 2 * DAFT_TILE; }
 /* The pixels of those projected. */
@@ -126,10 +97,6 @@ void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *se
 void DAFT_KERNEL(daft_seen_group)(const daft_raster *raster, uint32_t first);
 /* walk_kernel.c: what of a mesh is in the tile, and not hidden; some small triangles of it may be left waiting. */
 void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting);
-/* crowd_kernel.c: adds a mesh whose clusters are known and in doubt by little. False: that is not so. There is room for one. */
-bool DAFT_KERNEL(daft_crowd_add)(const daft_tile_job *job, const daft_seen *seen, daft_crowd *crowd);
-/* As daft_mesh_draw, of all that are in it. */
-void DAFT_KERNEL(daft_crowd_draw)(daft_tile_job *job, daft_crowd *crowd, daft_waiting *waiting);
 void DAFT_KERNEL(daft_waiting_draw)(daft_tile_job *job, daft_waiting *waiting);
 /* Whether the pixels x0..x1, y0..y1 of the tile all see something whose w is above `nearest`. */
 bool DAFT_KERNEL(daft_pixels_hidden)(daft_tile_job *job, int x0, int x1, int y0, int y1, float nearest);

@@ -1,5 +1,5 @@
-/* Triangles of dense meshes in two steps. First they are moved to camera space and projected; one is dropped when its screen box
- * holds no pixel's ray, or when it is seen from a back that does not count. What is left stands side by side. Second, of these,
+/* Triangles of dense meshes in two steps. First they are moved to camera space and projected; one is dropped when its screen
+ * box holds no pixel's ray. What is left stands side by side. Second, of these,
  * small ones (with boxes of two pixels a side at most) are decided at once, at each of their up to four pixels, and others wait
  * to be set up. Neither step has a branch that depends on triangles: a wrong guess would wait for the end of a long step. And each is in
  * steps of its own, for many registers before the next, where one chain of operations would fill what a processor looks ahead to.
@@ -16,8 +16,6 @@
  * roundings. */
 #include "math/simd/ops.h"
 #include "raster/blocks.h"
-
-enum { PATCH_PARTS = DAFT_PATCH / DAFT_VL };
 
 /* The pixels within low..high and the slack, or but for a part in 2^12 there; none: end is below first, which is no larger than `most`. */
 DAFT_INLINE void pixel_range(vf low, vf high, float last, float most, vi *first, vi *end)
@@ -39,14 +37,13 @@ DAFT_INLINE void edges_at(const vf a[3], const vf b[3], vf e[3])
 typedef struct lens {
     daft_affine map;
     float focal, left, top, last_x, last_y, reach;
-    int front;
     bool closely; /* no triangle counts as small */
 } lens;
 
 DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_seen *seen)
 {
     bool closely = job->raster->pencil.intersection == DAFT_INTERSECT_WATERTIGHT;
-    return (lens){seen->to_camera, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, daft_tile_reach(job), seen->front, closely};
+    return (lens){seen->to_camera, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, daft_tile_reach(job), closely};
 }
 
 /* D of the above, times a power of two; reach: a lens's. */
@@ -74,22 +71,20 @@ typedef struct box {
 DAFT_INLINE vi box_bytes(const box *b) { return b->x0 | b->x1 << 8 | b->y0 << 16 | b->y1 << 24; }
 
 /* The lanes of triangles that may be seen; of all of them the pixels, and which are small. */
-DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], vbits one_sided, const vf3 *corner, box *b, vbits *little)
+DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], const vf3 *corner, box *b, vbits *little)
 {
     vf zero = vf_set(0), x[3], y[3];
     for (int k = 0; k < 3; k++) x[k] = at[k].x, y[k] = at[k].y;
     vf low_x = vf_min(vf_min(x[0], x[1]), x[2]), high_x = vf_max(vf_max(x[0], x[1]), x[2]);
     vf low_y = vf_min(vf_min(y[0], y[1]), y[2]), high_y = vf_max(vf_max(y[0], y[1]), y[2]);
-    vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
-    vf doubt = doubt_of(v->reach, (high_x - low_x) + (high_y - low_y), -4);
-    vbits out = one_sided & vbits_from_mask(vf_lt(v->front < 0 ? -area : area, doubt));
     *little = v->closely ? 0 : DAFT_ALL_LANES;
     /* A triangle through the camera's plane may reach anywhere. */
     vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z), most = vf_max(vf_max(corner[0].z, corner[1].z), corner[2].z);
     vm front = vf_lt(zero, least);
     low_x = vf_if_then_else(front, low_x, zero), high_x = vf_if_then_else(front, high_x, vf_set(DAFT_TILE));
     low_y = vf_if_then_else(front, low_y, zero), high_y = vf_if_then_else(front, high_y, vf_set(DAFT_TILE));
-    *little &= vbits_from_mask(front), out = (out & vbits_from_mask(front)) | ~vbits_from_mask(vf_lt(zero, most));
+    vbits out = ~vbits_from_mask(vf_lt(zero, most));
+    *little &= vbits_from_mask(front);
     pixel_range(low_x, high_x, v->last_x, 2 * DAFT_TILE, &b->x0, &b->x1);
     pixel_range(low_y, high_y, v->last_y, 2 * DAFT_TILE, &b->y0, &b->y1);
     *little &= vbits_from_mask(vi_lt((b->x1 - b->x0) | (b->y1 - b->y0), vi_set(2)));
@@ -109,10 +104,8 @@ DAFT_INLINE uint32_t add_small(daft_projected *out, uint32_t n, const spot at[3]
 }
 
 /* And others wait to be set up. */
-DAFT_INLINE void add_large(daft_waiting *out, const lens *v, const vf3 corner[3], vi pixels, vbits one_sided, uint32_t instance, vi triangle, vbits lanes)
+DAFT_INLINE void add_large(daft_waiting *out, const vf3 corner[3], vi pixels, uint32_t instance, vi triangle, vbits lanes)
 {
-    vi flags = vi_set((int32_t)(DAFT_WAITS_ONE_SIDED | (v->front < 0 ? DAFT_WAITS_TURNED : 0)));
-    pixels |= vi_if_then_else(vm_from_bits(one_sided), flags, vi_set(0));
     vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z);
     vf nearest = vf_if_then_else(vf_lt(vf_set(0), least), vf_set(1 + 4 * UNIT) / least, vf_set(INFINITY));
     waiting_add(out, corner, pixels, nearest, instance, triangle, lanes);
@@ -135,202 +128,13 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen 
             at[k] = spot_of(&v, &corner[k]);
         }
         vbits there = ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first_n((int)(some * DAFT_BLOCK)), little;
-        vbits one_sided = v.front ? blocks_sides(seen, &blocks[i], some) : 0;
-        vbits lanes = there & may_be_seen(&v, at, one_sided, corner, &pixels, &little);
+        vbits lanes = there & may_be_seen(&v, at, corner, &pixels, &little);
         n = add_small(&out->projected, n, at, triangle, lanes & little);
-        if (lanes & ~little) add_large(out, &v, corner, box_bytes(&pixels), one_sided, seen->index, triangle, lanes & ~little);
+        if (lanes & ~little) add_large(out, corner, box_bytes(&pixels), seen->index, triangle, lanes & ~little);
         tested += (uint32_t)__builtin_popcount(there);
     }
     out->projected.count = n;
     job->counters->tested += tested;
-}
-
-/* A patch's corners in camera space. */
-typedef struct moved {
-    vf x[PATCH_PARTS], y[PATCH_PARTS], z[PATCH_PARTS];
-} moved;
-
-DAFT_INLINE void patch_move(const lens *v, const daft_patch *p, moved *out)
-{
-    for (int part = 0; part < PATCH_PARTS; part++) {
-        const float *from = &p->corner[0][part * DAFT_VL];
-        vf3 at = move(&v->map, (vf3){vf_load(from), vf_load(from + DAFT_PATCH), vf_load(from + 2 * DAFT_PATCH)});
-        out->x[part] = at.x, out->y[part] = at.y, out->z[part] = at.z;
-    }
-}
-
-/* Corners' places in parts of a pixel from the tile's middle, x and y in a lane's words: an instruction compares both, and there are more
- * places for those of whole numbers than for comparisons and sums of floats. Beyond a pixel from the tile they are that far. */
-enum { PARTS = 1024, PARTS_SHIFT = 10, MIDDLE = DAFT_TILE / 2, OUTSIDE = 1 /* pixel */ };
-
-DAFT_INLINE vi words_of(vf x, vf y)
-{
-    const vf most = vf_set((DAFT_TILE + OUTSIDE) * PARTS - 1), parts = vf_set(PARTS);
-    vi least = vi_set(-OUTSIDE * PARTS), middle = vi_set(MIDDLE * PARTS);
-    vi column = vi_max(vi_convert_to(vf_min(x * parts, most)), least) - middle, row = vi_max(vi_convert_to(vf_min(y * parts, most)), least) - middle;
-    return row << 16 | (column & vi_set(0xffff));
-}
-
-/* The pixels of triangles' boxes in the tile, in words; none: end is below first. Boxes hold those of pixel_range: parts are off by less
- * than one. */
-DAFT_INLINE void words_range(const vi at[3], vw last, vw *first, vw *end)
-{
-    const int slack = (int)(DAFT_SCREEN_SLACK * PARTS) + 2;
-    vw low = vw_min(vw_min((vw)at[0], (vw)at[1]), (vw)at[2]), high = vw_max(vw_max((vw)at[0], (vw)at[1]), (vw)at[2]);
-    *first = vw_max((low + vw_set(PARTS - slack, PARTS - slack)) >> PARTS_SHIFT, vw_set(-MIDDLE, -MIDDLE));
-    *end = vw_min((high + vw_set(slack, slack)) >> PARTS_SHIFT, last);
-}
-
-DAFT_INLINE vw last_words(const daft_tile_job *job) { return vw_set((int)job->last_x - MIDDLE, (int)job->last_y - MIDDLE); }
-
-/* A patch's corners in the picture. */
-typedef struct patch_corners {
-    _Alignas(4 * DAFT_VL) float x[DAFT_PATCH], y[DAFT_PATCH], scale[DAFT_PATCH]; /* spots */
-    int32_t words[DAFT_PATCH];
-} patch_corners;
-
-/* Patches at work, in steps. Small and large triangles that may be seen are found by parts of patches: part k of patch i is i·PATCH_PARTS + k. */
-typedef struct patch_work {
-    uint32_t count;
-    bool some_large;
-    const daft_patch *patch[DAFT_LEAVES];
-    uint8_t member[DAFT_LEAVES];
-    float side[DAFT_LEAVES + DAFT_VL]; /* the sign of fronts' areas */
-    float doubt[DAFT_LEAVES];          /* no more than -4D of any of its triangles */
-    patch_corners corners[DAFT_LEAVES];
-    vbits small[DAFT_LEAVES * PATCH_PARTS + DAFT_VL], large[DAFT_LEAVES * PATCH_PARTS + DAFT_VL]; /* are read by registers from anywhere */
-} patch_work;
-
-/* A member's patches, from one on. */
-static void find_spots(const daft_tile_job *job, const daft_member *m, const uint32_t *patches, uint32_t count, patch_work *w)
-{
-    const lens v = lens_of(job, m->seen);
-    const daft_patch *all = m->patches->items;
-    const float doubt[2] = {-m->doubt[0], -m->doubt[1]};
-    const uint32_t before = w->count;
-    for (uint32_t k = 0, i = before; k < count; k++, i++) {
-        const daft_patch *p = w->patch[i] = &all[patches[k] & DAFT_ITEM];
-        moved at;
-        __builtin_prefetch(&p->at); /* for the next step */
-        patch_move(&v, p, &at);
-        for (int part = 0; part < PATCH_PARTS; part++) {
-            spot s = spot_of(&v, &(vf3){at.x[part], at.y[part], at.z[part]});
-            vf_store(&w->corners[i].x[part * DAFT_VL], s.x), vf_store(&w->corners[i].y[part * DAFT_VL], s.y), vf_store(&w->corners[i].scale[part * DAFT_VL], s.scale);
-            vi_store(&w->corners[i].words[part * DAFT_VL], words_of(s.x, s.y));
-        }
-        w->doubt[i] = p->edge * doubt[0] + doubt[1];
-    }
-    memset(&w->member[before], (int)(m->tag >> DAFT_TAG_SHIFT), count);
-    for (uint32_t k = 0; k < count; k += DAFT_VL) vf_store(&w->side[before + k], vf_set((float)v.front));
-    w->count = before + count;
-}
-
-/* Which triangles may be seen. */
-static void find_seen(const daft_tile_job *job, patch_work *w)
-{
-    const vbits may_be_small = job->raster->pencil.intersection == DAFT_INTERSECT_WATERTIGHT ? 0 : DAFT_ALL_LANES;
-    const vw last = last_words(job);
-    const vi none = vi_set(0), more = vi_set(~0x00010001), below = vi_set(INT32_MIN | 0x8000);
-    uint32_t tested = 0;
-    vbits some_large = 0;
-    for (uint32_t i = 0; i < w->count; i++) {
-        const daft_patch *p = w->patch[i];
-        tested += (uint32_t)__builtin_popcount(p->there);
-        for (uint32_t part = 0; part < PATCH_PARTS; part++) {
-            vf x[3], y[3];
-            vi words[3];
-            vw from, to;
-            for (int k = 0; k < 3; k++) {
-                const uint8_t *which = &p->at[k][part * DAFT_VL];
-                x[k] = vf_table_lookup16_u8(w->corners[i].x, which), y[k] = vf_table_lookup16_u8(w->corners[i].y, which);
-                words[k] = (vi)vf_table_lookup16_u8((const float *)(const void *)w->corners[i].words, which);
-            }
-            vf area = (x[2] - x[0]) * (y[1] - y[0]) - (x[1] - x[0]) * (y[2] - y[0]); /* positive where det(corners) is: y points down */
-            vbits back = vbits_from_mask(vf_lt(area * vf_set(w->side[i]), vf_set(w->doubt[i])));
-            words_range(words, last, &from, &to);
-            vi span = (vi)(to - from);
-            vbits lanes = (p->there & ~(p->one_sided & back << (part * DAFT_VL))) >> (part * DAFT_VL) & vbits_from_mask(vi_eq(span & below, none));
-            vbits little = vbits_from_mask(vi_eq(span & more, none)) & may_be_small, large = lanes & ~little;
-            w->small[i * PATCH_PARTS + part] = lanes & little, w->large[i * PATCH_PARTS + part] = large;
-            some_large |= large;
-        }
-    }
-    job->counters->tested += tested;
-    w->some_large = some_large != 0;
-}
-
-/* Those parts with some: which they are cannot be guessed. */
-static uint32_t list_parts(const vbits *lanes, uint32_t count, uint32_t *list)
-{
-    uint32_t n = 0;
-    for (uint32_t i = 0; i < count; i += DAFT_VL) {
-        vbits some = vbits_first_n((int)(count - i)) & ~vbits_from_mask(vi_eq(vi_load(&lanes[i]), vi_set(0)));
-        vi_compress_store(&list[n], some, vi_iota() + vi_set((int32_t)i));
-        n += (uint32_t)__builtin_popcount(some);
-    }
-    return n;
-}
-
-static void add_small_ones(const patch_work *w, daft_projected *out)
-{
-    uint32_t list[DAFT_LEAVES * PATCH_PARTS + DAFT_VL], count = list_parts(w->small, w->count * PATCH_PARTS, list), n = out->count;
-    for (uint32_t k = 0; k < count; k++) {
-        uint32_t i = list[k] / PATCH_PARTS, first = list[k] % PATCH_PARTS * DAFT_VL;
-        const daft_patch *p = w->patch[i];
-        spot at[3];
-        for (int corner = 0; corner < 3; corner++) {
-            const uint8_t *which = &p->at[corner][first];
-            at[corner] = (spot){vf_table_lookup16_u8(w->corners[i].x, which), vf_table_lookup16_u8(w->corners[i].y, which), vf_table_lookup16_u8(w->corners[i].scale, which)};
-        }
-        memset(&out->member[n], w->member[i], DAFT_VL);
-        n = add_small(out, n, at, vi_load(&p->triangle[first]), w->small[list[k]]);
-    }
-    out->count = n;
-}
-
-/* Of patches from one on, all of one member. */
-static void add_large_ones(const daft_tile_job *job, const daft_seen *seen, const patch_work *w, uint32_t from, uint32_t patches, daft_waiting *out)
-{
-    const lens v = lens_of(job, seen);
-    uint32_t list[DAFT_LEAVES * PATCH_PARTS + DAFT_VL], count = list_parts(&w->large[from * PATCH_PARTS], patches * PATCH_PARTS, list);
-    for (uint32_t k = 0; k < count; k++) {
-        uint32_t number = from * PATCH_PARTS + list[k], i = number / PATCH_PARTS, first = number % PATCH_PARTS * DAFT_VL;
-        const daft_patch *p = w->patch[i];
-        moved m;
-        vf3 corner[3];
-        vi words[3];
-        vw low, high;
-        patch_move(&v, p, &m);
-        for (int c = 0; c < 3; c++) {
-            vi which = vi_load_u8(&p->at[c][first]);
-            corner[c] = (vf3){vf_table_lookup16((const float *)m.x, which), vf_table_lookup16((const float *)m.y, which), vf_table_lookup16((const float *)m.z, which)};
-            words[c] = (vi)vf_table_lookup16_u8((const float *)(const void *)w->corners[i].words, &p->at[c][first]);
-        }
-        words_range(words, last_words(job), &low, &high);
-        vi pixels = (vi)(low + vw_set(MIDDLE, MIDDLE)) | (vi)(high + vw_set(MIDDLE, MIDDLE)) << 8;
-        add_large(out, &v, corner, pixels, p->one_sided >> first, seen->index, vi_load(&p->triangle[first]), w->large[number]);
-    }
-}
-
-/* One step for all patches before the next: each is a chain of operations that wait for one another, and a processor looks no further
- * ahead than to some hundred. */
-void DAFT_KERNEL(daft_patches_project)(const daft_tile_job *job, const daft_crowd *crowd, const uint32_t *patches, uint32_t count, daft_waiting *out)
-{
-    uint32_t first[DAFT_CROWD + 1], runs = 0;
-    const daft_member *member[DAFT_CROWD];
-    patch_work w;
-    w.count = 0;
-    for (uint32_t i = 0, end; i < count; i = end) {
-        uint32_t number = patches[i] >> DAFT_TAG_SHIFT;
-        for (end = i + 1; end < count && patches[end] >> DAFT_TAG_SHIFT == number;) end++;
-        member[runs] = &crowd->members[number], first[runs] = i;
-        out->projected.seen[number] = member[runs]->seen;
-        find_spots(job, member[runs], &patches[i], end - i, &w);
-        first[++runs] = end;
-    }
-    find_seen(job, &w);
-    add_small_ones(&w, &out->projected);
-    for (uint32_t r = 0; w.some_large && r < runs; r++) add_large_ones(job, member[r]->seen, &w, first[r], first[r + 1] - first[r], out);
 }
 
 /* ---- pixels ---- */
@@ -415,7 +219,7 @@ static __attribute__((noinline)) void add_doubted(const daft_projected *from, co
 {
     for (; lanes && out->doubted_count < DAFT_DOUBTED; lanes &= lanes - 1) {
         uint32_t number = (uint32_t)place[__builtin_ctz(lanes)] >> DAFT_HIT_TRIANGLE;
-        __builtin_prefetch(&from->seen[from->member[number]]->mesh->indices[3 * (size_t)from->triangle[number]]);
+        __builtin_prefetch(&from->seen->mesh->indices[3 * (size_t)from->triangle[number]]);
         out->doubted[out->doubted_count++] = number;
     }
 }

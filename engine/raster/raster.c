@@ -121,7 +121,6 @@ static bool seen_setup(const daft_pencil *p, const daft_instance *instance, uint
         return false;
     if (!instance->mesh) return sphere_range(p, seen, cx, cy);
     seen->dense = daft_seen_dense(seen);
-    if (seen->bvh->sides) daft_outlook_from(seen->bvh, seen->mesh, &seen->to_camera, &seen->outlook, &seen->front);
     return true;
 }
 

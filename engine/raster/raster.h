@@ -1,8 +1,7 @@
 /* raster: the pencil. Which thing does each of a camera's rays hit first?
  * Promises: every pixel is decided by a ray test with the exact predicates of math/exact.h, floats where their error bound
  * allows; the answer is the nearest hit by daft_pencil_depth, ties to the lower (instance, triangle), and so the same as
- * the reference path's (daft_reference_tile), whatever the instruction set, threads or order of work. What a closed mesh
- * shows of itself from outside is its front, so where backs are known not to be seen, hits on them do not count.
+ * the reference path's (daft_reference_tile), whatever the instruction set, threads or order of work.
  *
  * Camera space: x right, y up, z forward. The ray of pixel (x, y) is d = (x + 0.5 - width/2 + shift_x,
  * height/2 - y - 0.5 + shift_y, focal): halves and thirty-seconds, exact in floats.
@@ -14,7 +13,7 @@
 #ifndef DAFT_RASTER_H
 #define DAFT_RASTER_H
 
-#include "accel/sides.h"
+#include "accel/bvh.h"
 #include "base/base.h"
 
 enum {
@@ -43,11 +42,6 @@ typedef struct daft_seen {
     daft_affine to_camera;
     float near_z;       /* of its bounds in camera space */
     int x0, x1, y0, y1; /* pixels its bounds may cover, inclusive */
-    /* 1 or -1: the camera is outside the mesh, and triangles that are seen from their front have this sign of
-     * det(corners), corners in camera space as they are rounded; a hit on a one-sided triangle (sides.h) with the other
-     * sign counts for nothing. 0: every hit counts. */
-    int front;
-    daft_outlook outlook; /* the camera in the mesh's space, where front is not 0 */
     bool dense;         /* a mesh with a triangle or more to six pixels of them; to four around the camera, where most is elsewhere */
 } daft_seen;
 

@@ -52,7 +52,6 @@ static void test_triangle(const daft_seen *seen, uint32_t triangle, daft_vec3 ra
     daft_vec3 c[3];
     daft_seen_corners(seen, triangle, c);
     if (!daft_pencil_hits(c[0], c[1], c[2], ray)) return;
-    if (seen->front && daft_is_one_sided(seen->bvh->sides, triangle) && daft_det_sign(c[0], c[1], c[2]) != seen->front) return;
     offer(nearest, daft_pencil_depth(c[0], c[1], c[2], ray), seen->index, triangle);
 }
 

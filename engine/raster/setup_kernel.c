@@ -25,7 +25,6 @@ typedef struct lanes {
     vf x0, x1, y0, y1; /* whole numbers within the tile */
     vf nearest;        /* the largest w; infinite where a corner is not in front */
     vbits some;
-    vbits one_sided, turned; /* hits on the back do not count; the front is where det is negative */
 } lanes;
 
 /* The whole numbers within low..high, clamped to 0..last. */
@@ -66,7 +65,7 @@ void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *se
                                    daft_screen_box *out)
 {
     const daft_block *blocks[DAFT_BATCH_BLOCKS];
-    lanes l = {.one_sided = 0, .turned = 0};
+    lanes l;
     for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) blocks[i] = block;
     project(job, seen, blocks, &l);
     for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
@@ -109,8 +108,7 @@ static void lane_corners(const lanes *l, int i, daft_vec3 corner[3])
     for (int k = 0; k < 3; k++) corner[k] = daft_v3(l->corner[k].x[i], l->corner[k].y[i], l->corner[k].z[i]);
 }
 
-/* Sign bits that turn the edges so that inside is positive; lanes seen edge-on, or from a back that does not count, drop out of
- * *live. */
+/* Sign bits that turn the edges so that inside is positive; lanes seen edge-on drop out of *live. */
 DAFT_INLINE vi facing(bool exact, const edge *e, const lanes *l, vbits *live)
 {
     const vf3 *c = &l->corner[2];
@@ -126,7 +124,6 @@ DAFT_INLINE vi facing(bool exact, const edge *e, const lanes *l, vbits *live)
         if (known == 0) *live &= ~((vbits)1 << i);
         sign[i] = known < 0 ? INT32_MIN : 0;
     }
-    *live &= ~(l->one_sided & (vbits_from_mask(vi_lt(sign, vi_set(0))) ^ l->turned));
     return sign;
 }
 
@@ -250,9 +247,7 @@ DAFT_INLINE bool set_up(const daft_tile_job *job, const lanes *l, vbits live, da
 
 DAFT_INLINE vi box_pixels(const lanes *l)
 {
-    vi zero = vi_set(0), one_sided = vi_set(DAFT_WAITS_ONE_SIDED), turned = vi_set(DAFT_WAITS_TURNED);
-    vi flags = vi_if_then_else(vm_from_bits(l->one_sided), one_sided, zero) | vi_if_then_else(vm_from_bits(l->turned), turned, zero);
-    return vi_convert_to(l->x0) | vi_convert_to(l->x1) << 8 | vi_convert_to(l->y0) << 16 | vi_convert_to(l->y1) << 24 | flags;
+    return vi_convert_to(l->x0) | vi_convert_to(l->x1) << 8 | vi_convert_to(l->y0) << 16 | vi_convert_to(l->y1) << 24;
 }
 
 static __attribute__((noinline)) void keep_few(daft_waiting *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
@@ -275,7 +270,6 @@ bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *s
     const daft_block *all[DAFT_BATCH_BLOCKS];
     blocks_at(seen, blocks, count, all);
     triangle = blocks_triangles(all);
-    l.one_sided = seen->front ? blocks_sides(seen, blocks, count) : 0, l.turned = seen->front < 0 ? DAFT_ALL_LANES : 0;
     vbits used = ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first_n((int)(count * DAFT_BLOCK));
     project(job, seen, all, &l);
     job->counters->tested += (uint64_t)__builtin_popcount(used);
@@ -300,8 +294,6 @@ bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *fro
     l.x0 = vf_convert_to(pixels & byte), l.x1 = vf_convert_to(pixels >> 8 & byte);
     l.y0 = vf_convert_to(pixels >> 16 & byte), l.y1 = vf_convert_to(pixels >> 24 & byte);
     l.nearest = vf_load(&from->nearest[at]);
-    l.one_sided = vbits_from_mask(vi_lt(vi_set(0), pixels & vi_set(DAFT_WAITS_ONE_SIDED)));
-    l.turned = vbits_from_mask(vi_lt(vi_set(0), pixels & vi_set(DAFT_WAITS_TURNED)));
     vi_store(batch->instance, vi_load(&from->instance[at]));
     vi_store(batch->triangle, vi_load(&from->triangle[at]));
     from->count = at;

@@ -2,21 +2,13 @@
  * behind is left out as a whole. */
 #include "raster/kernels.h"
 
-/* Pixels of the tile that an instance may reach, where it is drawn together with others: those do not hide each other from the start. */
-enum { LITTLE = 400 };
-
-static void draw_instance(daft_tile_job *j, const daft_seen *seen, daft_crowd *crowd, daft_waiting *waiting)
+static void draw_instance(daft_tile_job *j, const daft_seen *seen, daft_waiting *waiting)
 {
     const daft_tile *t = j->tile;
     int x0 = daft_max_i(seen->x0 - t->x, 0), x1 = daft_min_i(seen->x1 - t->x, t->width - 1);
     int y0 = daft_max_i(seen->y0 - t->y, 0), y1 = daft_min_i(seen->y1 - t->y, t->height - 1);
     float nearest = seen->near_z > 0 ? 1 / seen->near_z * (1 + 0x1p-20f) : INFINITY;
     if (DAFT_KERNEL(daft_pixels_hidden)(j, x0, x1, y0, y1, nearest)) return;
-    if (seen->dense && DAFT_KERNEL(daft_crowd_add)(j, seen, crowd)) {
-        bool little = (x1 - x0 + 1) * (y1 - y0 + 1) <= LITTLE;
-        if (!little || crowd->count == DAFT_CROWD) DAFT_KERNEL(daft_crowd_draw)(j, crowd, waiting);
-        return;
-    }
     if (seen->mesh) {
         DAFT_KERNEL(daft_mesh_draw)(j, seen, waiting);
         return;
@@ -124,7 +116,7 @@ static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *co
     j->last_x = (float)(tile->width - 1), j->last_y = (float)(tile->height - 1);
     j->max_dx = fmaxf(fabsf(first.x), fabsf(first.x + j->last_x + 3));
     j->max_dy = fmaxf(fabsf(first.y), fabsf(first.y - j->last_y - 3));
-    j->exact = raster->pencil.intersection == DAFT_INTERSECT_EXACT, j->crowded = false;
+    j->exact = raster->pencil.intersection == DAFT_INTERSECT_EXACT;
     for (int x = 0; x < DAFT_TILE; x += DAFT_WINDOW_W) vf_store(j->dx[x / DAFT_WINDOW_W], vf_set(j->left + (float)x) + vf_column());
 }
 
@@ -138,16 +130,14 @@ static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t work
     job_begin(&j, raster, bins, out);
     uint32_t count = front_to_back(raster, tile, bins->order);
     daft_waiting waiting;
-    daft_crowd crowd;
-    crowd.count = waiting.count = waiting.projected.count = waiting.hits.count = waiting.hits.doubted_count = 0;
+    waiting.count = waiting.projected.count = waiting.hits.count = waiting.hits.doubted_count = 0;
     uint32_t done = count && fill_pixels(&j, &raster->seen[(uint32_t)bins->order[0]], &waiting);
     if (!count) clear_pixels(&j);
     for (uint32_t i = done; i < count; i++) {
         const char *ahead = (const char *)&raster->seen[(uint32_t)bins->order[daft_min_u(i + AHEAD, count - 1)]];
         __builtin_prefetch(ahead), __builtin_prefetch(ahead + sizeof(daft_seen) - 1);
-        draw_instance(&j, &raster->seen[(uint32_t)bins->order[i]], &crowd, &waiting);
+        draw_instance(&j, &raster->seen[(uint32_t)bins->order[i]], &waiting);
     }
-    DAFT_KERNEL(daft_crowd_draw)(&j, &crowd, &waiting);
     while (waiting.count) DAFT_KERNEL(daft_waiting_draw)(&j, &waiting);
 }
 

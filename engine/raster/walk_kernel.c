@@ -13,7 +13,7 @@ enum {
     CROWDED = 1024, /* so many wait: no more groups; what one node leads to adds DAFT_STACK at most */
     WAITING = CROWDED + FRESH + DAFT_STACK,
     ORDERS = 4,        /* distances that are told apart within a group */
-    FEW_LEAVES = 12,   /* drawn together where backs are drawn, too: things hide much of themselves */
+    FEW_LEAVES = 12,   /* drawn together: things hide much of themselves */
     NEAR_BLOCKS = 4096 /* so many, 640 KB, stay in the nearer caches by themselves */
 };
 
@@ -52,9 +52,7 @@ typedef struct walk {
     float m[9];
     float low_t[3], high_t[3]; /* the translation, less and more a pad over the error of a moved vertex */
     int low_at[9], high_at[9]; /* which of a node's bounds makes m's product least, and most */
-    const daft_cones *cones; /* of each node; NULL: all of the mesh counts, whichever way it looks */
-    daft_glance glance;
-    uint32_t leaf_limit, leaf_count, leaves[DAFT_LEAVES_ROOM + 16]; /* that wait, in groups: their codes */
+    uint32_t leaf_count, leaves[DAFT_LEAVES_ROOM + 16]; /* that wait, in groups: their codes */
     uint32_t block_count, blocks[DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS + DAFT_VL];
 } walk;
 
@@ -122,14 +120,13 @@ DAFT_INLINE vbits box_span(vf low, vf high, vf far, vf inverse_near, vf inverse_
 /* Nodes whose children fill a register, or one that is looked at by parts. */
 typedef struct node_pair {
     const daft_node *first, *second;
-    const daft_cones *first_cones, *second_cones;
     int part;
 } node_pair;
 
 DAFT_INLINE node_pair pair_make(const walk *w, uint32_t first, uint32_t second, int part)
 {
     const daft_node *nodes = w->seen->bvh->nodes.items;
-    return (node_pair){&nodes[first], &nodes[second], w->cones ? &w->cones[first] : NULL, w->cones ? &w->cones[second] : NULL, part};
+    return (node_pair){&nodes[first], &nodes[second], part};
 }
 
 /* at: in floats from the first bound of all. */
@@ -159,9 +156,6 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_
     const daft_affine *map = &seen->to_camera;
     const float *low = &seen->mesh->low.x, *high = &seen->mesh->high.x, focal = job->raster->pencil.focal;
     w->job = job, w->seen = seen, w->waiting = waiting, w->leaf_count = w->block_count = 0;
-    w->leaf_limit = seen->front ? DAFT_LEAVES : FEW_LEAVES;
-    w->cones = seen->front ? seen->bvh->sides->cones : NULL;
-    if (seen->front) w->glance = daft_glance_of(seen->bvh->sides, &seen->outlook);
     float pad[3];
     for (int k = 0; k < 3; k++) {
         float size = fabsf(map->t[k]);
@@ -192,19 +186,6 @@ typedef struct boxes {
     vbits some;
 } boxes;
 
-/* Children all of whose triangles are seen from backs that do not count: daft_cones_away. */
-DAFT_INLINE vbits away(const walk *w, const node_pair *n)
-{
-    const daft_cones *a = n->first_cones, *b = n->second_cones;
-    const daft_glance *g = &w->glance;
-    if (!a) return 0;
-    vi look = (vi)vf_load_eights((const float *)(const void *)a->look, (const float *)(const void *)b->look, n->part);
-    vf spread = vf_load_eights(a->spread, b->spread, n->part);
-    vf towards = vf_convert_to(look << 24 >> 24) * vf_set(g->x) + vf_convert_to(look << 16 >> 24) * vf_set(g->y) +
-                 vf_convert_to(look << 8 >> 24) * vf_set(g->z) + vf_set(g->margin);
-    return vbits_from_mask(vf_lt(towards + spread * vf_set(g->reach), vf_convert_to(look >> 24) * vf_set(g->step)));
-}
-
 /* Comparisons are written so that a NaN, from an overflow, leaves a box in. */
 DAFT_INLINE boxes children(const walk *w, const node_pair *n)
 {
@@ -217,7 +198,7 @@ DAFT_INLINE boxes children(const walk *w, const node_pair *n)
     vbits y = box_span(low[1], high[1], high[2], inverse_near, inverse_far, front, w->job->last_y, &y0, &y1);
     vbits out = vbits_from_mask(vf_le(high[2], zero)) | vbits_from_mask(vi_eq(child, vi_set((int32_t)DAFT_CHILD_NONE)));
     return (boxes){child, x0 | x1 << 8 | y0 << 16 | y1 << 24,
-                   vf_if_then_else(front, inverse_near * vf_set(1 + 0x1p-20f), vf_set(INFINITY)), x & y & ~out & ~away(w, n)};
+                   vf_if_then_else(front, inverse_near * vf_set(1 + 0x1p-20f), vf_set(INFINITY)), x & y & ~out};
 }
 
 /* What a visit will read first: trees of large meshes do not stay in the nearer caches. */
@@ -357,9 +338,8 @@ static void draw_leaves(walk *w)
 {
     list_blocks(w);
     daft_projected *projected = &w->waiting->projected;
-    projected->seen[0] = w->seen;
+    projected->seen = w->seen;
     DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, w->blocks, w->block_count, w->waiting);
-    memset(projected->member, 0, projected->count);
     DAFT_KERNEL(daft_projected_hits)(w->job, projected, &w->waiting->hits);
     DAFT_KERNEL(daft_hits_draw)(w->job, projected, &w->waiting->hits);
     w->leaf_count = w->block_count = 0;
@@ -371,7 +351,7 @@ static void draw_leaves(walk *w)
 static void add_leaves(walk *w, const fresh_list *f)
 {
     bool far = w->seen->bvh->block_count > NEAR_BLOCKS;
-    if (w->leaf_count >= w->leaf_limit) draw_leaves(w);
+    if (w->leaf_count >= FEW_LEAVES) draw_leaves(w);
     for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
         vbits lanes = vbits_first_n((int)(f->count - i));
         vi pixels = vi_if_then_else(vm_from_bits(lanes), vi_load(&f->pixels[i]), vi_set(0));

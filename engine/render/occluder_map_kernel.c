@@ -1,6 +1,5 @@
 /* The shadow pencil's meshes: how an instance's space lies to the lamp's, and which points' ways to the lamp meet the mesh's bounds
  * there. */
-#include "accel/open.h"
 #include "render/occluder.h"
 
 /* One instruction each, where fmaxf and fminf are calls; of NaN and a number, the second. */
@@ -55,112 +54,66 @@ void DAFT_KERNEL(daft_mesh_caster_make)(const caster *c, mesh_caster *out)
     set_back(c, &out->back, out->pad);
 }
 
-/* Whether the map to frame space keeps angles, but for rounding. */
-static bool is_even(const daft_affine *a)
-{
-    const float *m = a->m;
-    float sums[6], most = 0, least = INFINITY;
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3;
-        sums[i] = m[i] * m[i] + m[3 + i] * m[3 + i] + m[6 + i] * m[6 + i];
-        sums[3 + i] = fabsf(m[i] * m[j] + m[3 + i] * m[3 + j] + m[6 + i] * m[6 + j]);
-        most = larger(most, sums[i]), least = smaller(least, sums[i]);
-    }
-    return larger(most - least, larger(sums[3], larger(sums[4], sums[5]))) <= 0x1p-16f * least;
-}
-
-/* The free ways off the mesh's triangles, where they hold for the caster's points: NULL where they do not. Points are lifted by 2^-20 of what
- * there is in coordinates, and twice that bounds all that they may be beside their triangles by. */
-static const daft_open *open_ways(const caster *c)
-{
-    const daft_instance *s = c->instance;
-    const daft_open *open = s->bvh->open;
-    const float *t = s->to_frame.t, *o = s->to_object.m;
-    if (!open || open->normals != s->mesh->normals || !is_even(&s->to_frame)) return NULL;
-    float size = c->light->reach + fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2]), scale = sqrtf(o[0] * o[0] + o[1] * o[1] + o[2] * o[2]);
-    return size * scale * 0x1p-19f <= open->margin ? open : NULL;
-}
-
-/* The bits of the DAFT_VL points from `at` on that lie on the mesh and whose ways, in its own space, leave it freely. */
-DAFT_INLINE vbits leave_freely(const caster *c, const daft_open *open, const vf way[3], uint32_t at)
-{
-    vi own = vi_load(&c->points->own[at]);
-    vbits on = vbits_from_mask(vi_eq(vi_load(&c->points->instance[at]), vi_set((int32_t)c->number)));
-    on &= ~vbits_from_mask(vi_eq(own, vi_set((int32_t)DAFT_NO_TRIANGLE)));
-    if (!on) return 0;
-    vi cone = vi_gather_index(open->cone, vi_if_then_else(vm_from_bits(on), own, vi_set(0)));
-    vf x = vf_convert_to((cone << 24) >> 24), y = vf_convert_to((cone << 16) >> 24), z = vf_convert_to((cone << 8) >> 24);
-    vf least = vf_convert_to(cone >> 24), along = x * way[0] + y * way[1] + z * way[2];
-    vf length = vf_sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
-    return on & vbits_from_mask(vm_and(vf_lt(vf_set(0), least), vf_le(least * length, along)));
-}
-
-/* A mesh's bounds, grown by what places and ways are off by there, and which ways leave it freely. */
+/* A mesh's bounds, grown by what places and ways are off by there. */
 typedef struct mesh_bounds {
     daft_affine back;
     float low[3], high[3];
-    const daft_open *open; /* of blocks with points of the mesh */
 } mesh_bounds;
 
-/* The bits of the DAFT_VL points from `at` on whose ways to the lamp meet the bounds; without those on it that leave it `freely`. */
-DAFT_INLINE vbits ways_meet(const caster *c, const mesh_bounds *mesh, uint32_t at, vbits *freely)
+/* The bits of the DAFT_VL points from `at` on whose ways to the lamp meet the bounds. */
+DAFT_INLINE vbits ways_meet(const caster *c, const mesh_bounds *mesh, uint32_t at)
 {
     const shadow_points *p = c->points;
     const float *b = mesh->back.m, *t = mesh->back.t;
-    vf x = vf_load(&p->x[at]), y = vf_load(&p->y[at]), z = vf_load(&p->depth[at]), way[3];
+    vf x = vf_load(&p->x[at]), y = vf_load(&p->y[at]), z = vf_load(&p->depth[at]);
     vf near = vf_set(0), far = vf_set(c->light->sun ? INFINITY : 1.00001f);
     for (int k = 0; k < 3; k++) {
         vf across = vf_set(b[3 * k]) * x + vf_set(b[3 * k + 1]) * y, from = across + vf_set(b[3 * k + 2]) * z + vf_set(t[k]);
-        way[k] = c->light->sun ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(c->light->away)));
-        vf inverse = way_inverse(way[k]);
+        vf way = c->light->sun ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(c->light->away)));
+        vf inverse = way_inverse(way);
         vf to_low = (vf_set(mesh->low[k]) - from) * inverse, to_high = (vf_set(mesh->high[k]) - from) * inverse;
         near = vf_max(vf_min(to_low, to_high), near), far = vf_min(vf_max(to_low, to_high), far);
     }
-    *freely = mesh->open ? leave_freely(c, mesh->open, way, at) : 0;
     return vbits_from_mask(vf_le(near, far * vf_set(1 + 0x1p-20f)));
 }
 
-/* The bits of the block's points `in` whose ways meet the bounds, and in `freely` those that leave the mesh freely. */
-DAFT_INLINE uint32_t block_meets(const caster *c, const mesh_bounds *mesh, uint32_t b, uint32_t in, uint32_t *freely)
+/* The bits of the block's points `in` whose ways meet the bounds. */
+DAFT_INLINE uint32_t block_meets(const caster *c, const mesh_bounds *mesh, uint32_t b, uint32_t in)
 {
     uint32_t meet = 0;
-    *freely = 0;
     for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
-        vbits leave, some = ways_meet(c, mesh, b * SHADOW_BLOCK + k, &leave);
+        vbits some = ways_meet(c, mesh, b * SHADOW_BLOCK + k);
         if (c->convex || c->flat) some &= ~lie_on(c, DAFT_NO_TRIANGLE, b * SHADOW_BLOCK + k);
-        meet |= some << k, *freely |= leave << k;
+        meet |= some << k;
     }
     return meet & in;
 }
 
-static void set_bounds(const caster *c, bool own, mesh_bounds *out)
+static void set_bounds(const caster *c, mesh_bounds *out)
 {
     const daft_trimesh *mesh = c->instance->mesh;
     float pad[3];
     set_back(c, &out->back, pad);
     for (int k = 0; k < 3; k++) out->low[k] = (&mesh->low.x)[k] - pad[k], out->high[k] = (&mesh->high.x)[k] + pad[k];
-    out->open = own ? open_ways(c) : NULL;
 }
 
 uint32_t DAFT_KERNEL(daft_mesh_ways)(const caster *c, const picture_box *box, const block_set *behind, block_points *out)
 {
     mesh_bounds bounds;
     uint32_t some = 0, count = 0;
-    bool own = false;
     for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
         for (uint64_t left = behind->bits[word]; left; left &= left - 1) {
             uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left);
             out[some] = (block_points){b, points_behind(box, c->points, b)};
-            own |= out[some].points && (c->points->on[b] == c->number || c->points->on[b] == DAFT_NOTHING);
             some += out[some].points != 0;
         }
     if (!some) return 0;
-    set_bounds(c, own, &bounds);
+    set_bounds(c, &bounds);
     for (uint32_t i = 0; i < some; i++) {
-        uint32_t b = out[i].block, freely, in = block_meets(c, &bounds, b, out[i].points, &freely);
+        uint32_t b = out[i].block, in = block_meets(c, &bounds, b, out[i].points);
         c->points->under[b] |= in;
-        out[count] = (block_points){b, in & ~freely};
-        count += out[count].points != 0;
+        out[count] = (block_points){b, in};
+        count += in != 0;
     }
     return count;
 }

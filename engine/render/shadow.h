@@ -315,8 +315,6 @@ DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
     p->live--;
 }
 
-/* Whether one of the mesh's balls hides all of the light's points. */
-bool DAFT_KERNEL(daft_inner_hides)(const caster *c);
 /* Whether a few nodes of the mesh's tree tell that it hides none of the light's points. */
 bool DAFT_KERNEL(daft_mesh_clear)(const caster *c);
 /* Puts the points that the thing hides from the lamp to depth -inf; only those of the blocks behind its bounds, `box`. */
@@ -326,9 +324,6 @@ void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const picture_box *box, cons
 uint32_t DAFT_KERNEL(daft_mesh_ways)(const caster *c, const picture_box *box, const block_set *behind, block_points *out);
 /* daft_mesh_shadow, of these points. */
 void DAFT_KERNEL(daft_mesh_shadow_of)(const caster *c, const picture_box *box, const block_points *points, uint32_t count);
-/* The same of those whose way to the lamp goes through balls inside the mesh, where it has such (accel/inner.h): takes a
- * fraction of that. */
-void DAFT_KERNEL(daft_inner_shadow)(const caster *c, const block_points *points, uint32_t count);
 /* Makes the box as small as a sphere's is. */
 void DAFT_KERNEL(daft_ball_box)(const light *l, const daft_instance *s, picture_box *box);
 void DAFT_KERNEL(daft_ball_shadow)(const caster *c, const block_set *behind);

@@ -427,18 +427,10 @@ static void cast_one(const caster *one, const picture_box *box, const block_set 
         DAFT_KERNEL(daft_ball_shadow)(one, behind);
 }
 
-static bool has_inner(const caster *one) { return one->instance->mesh && one->instance->bvh->inner; }
-
 static void cast_remembered(const cast *c, shadow_points *points)
 {
     const block_set all = all_blocks(points);
     block_set behind;
-    for (uint32_t i = 0; i < c->caster_count && points->live; i++) {
-        const caster one = caster_of(c, c->caster[i].number, points);
-        block_points some[SHADOW_BLOCKS];
-        if (has_inner(&one) && blocks_narrow(&c->caster[i].box, points, &all, &behind))
-            DAFT_KERNEL(daft_inner_shadow)(&one, some, points_of(points, &c->caster[i].box, &behind, some));
-    }
     for (uint32_t i = 0; i < c->caster_count && points->live; i++) {
         const caster one = caster_of(c, c->caster[i].number, points);
         if (blocks_narrow(&c->caster[i].box, points, &all, &behind)) cast_one(&one, &c->caster[i].box, &behind);
@@ -456,18 +448,6 @@ static void drop_clear(cast *c)
         if (!apart || !DAFT_KERNEL(daft_mesh_clear)(&one)) c->caster[kept++] = c->caster[i];
     }
     c->caster_count = kept;
-}
-
-/* Whether all asked points are surely dark. */
-static bool all_dark(const cast *c)
-{
-    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++)
-        if (c->asked[word] & ~c->under[word]) return false;
-    for (uint32_t i = 0; i < c->caster_count; i++) {
-        const caster one = caster_of(c, c->caster[i].number, NULL);
-        if (has_inner(&one) && !one.convex && DAFT_KERNEL(daft_inner_hides)(&one)) return true;
-    }
-    return false;
 }
 
 /* Whether the box is behind all of the picture: then it says little about a thing that is large or slants. */
@@ -544,8 +524,6 @@ static void cast_waiting(const cast *c, waiting *list, shadow_points *points)
     list->count = 0;
 }
 
-/* Where the mesh has balls inside it is asked for these; its triangles wait
- * until the balls of others are. */
 static void meet_mesh(const cast *c, const caster *one, const picture_box *box, const block_set *behind, waiting *list)
 {
     shadow_points *p = one->points;
@@ -553,7 +531,6 @@ static void meet_mesh(const cast *c, const caster *one, const picture_box *box, 
     block_points *some = &list->parts[first];
     uint32_t count = DAFT_KERNEL(daft_mesh_ways)(one, box, behind, some);
     if (!count) return;
-    if (one->instance->bvh->inner) DAFT_KERNEL(daft_inner_shadow)(one, some, count);
     list->number[list->count] = one->number, list->box[list->count] = *box;
     list->first[++list->count] = first + count;
     if (list->count == WAITING || first + count + SHADOW_BLOCKS > PARTS) cast_waiting(c, list, p);
@@ -627,10 +604,6 @@ static uint32_t cast_pencil(cast *c, uint32_t *bits)
     if (few) {
         for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
         drop_clear(c);
-        if (all_dark(c)) {
-            for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) bits[word] &= ~c->asked[word];
-            return count;
-        }
     }
     if (few && c->caster_count == 0) return count;
     DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, !few, few ? STRAY_OF_FEW : STRAY_OF_MANY, &points);

@@ -137,12 +137,6 @@ static bool repeat_material(maker *m, uint32_t material)
     return all != NULL;
 }
 
-static void count_shown(const daft_scene *scene, daft_mesh_item *shape)
-{
-    if (shape->shown_pass != scene->pass) shape->shown_pass = scene->pass, shape->shown = 0;
-    shape->shown++;
-}
-
 /* Notes the entity if there is something of it to show. Where those with parents are is found here, since others may stand on the
  * same. False: memory is out. */
 static bool list_entity(maker *m, uint32_t index)
@@ -152,7 +146,7 @@ static bool list_entity(maker *m, uint32_t index)
     if (!scene->entity_slots.items[index].live || item->def.shape == DAFT_SHAPE_NONE || !item->def.visible) return true;
     if (item->parent != DAFT_NONE && !daft_entity_world(scene, index, m->alpha)->shown) return true;
     daft_mesh_item *shape = shape_of(scene, item);
-    if (shape && m->counted) count_shown(scene, shape);
+    if (shape && m->counted) shape->shown_pass = scene->pass;
     m->entities[m->count++] = index;
     return !repeats(item, shape) || repeat_material(m, item->def.material.id - 1);
 }

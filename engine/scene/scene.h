@@ -41,12 +41,7 @@ typedef struct daft_mesh_item {
     daft_kdtree *kdtree; /* NULL: the engine's accelerator is the BVH */
     uint32_t *materials; /* index of each slot's material */
     uint32_t *groups;    /* the file's, by which normals are smooth; gone once the mesh has its normals */
-    uint64_t shown_pass; /* shown counts this pass's instances */
-    uint32_t shown;
-    bool sides_settled; /* they were searched, or its vertices move and they are not worth it */
-    bool inner_settled; /* the same of balls inside */
-    bool open_settled;  /* and of free ways off it */
-    uint32_t lit; /* instances shown under lamps that cast shadows, until then */
+    uint64_t shown_pass; /* the last pass that listed an instance of it */
 } daft_mesh_item;
 
 /* A box's mesh, shared by the entities of the same size, gone with the last of them. */
@@ -307,11 +302,6 @@ bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, 
 bool daft_place_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_error *error);
 /* Whether a point of the frame is one that kernels can work with. */
 bool daft_fits_kernels(daft_vec3 point);
-/* Finds the sides (accel/sides.h) of meshes that many things of the last snapshot show. */
-void daft_assets_find_sides(daft_scene *scene);
-/* Finds the balls inside (accel/inner.h) of meshes that the last snapshot and those before have shown often enough under lamps
- * that cast shadows, and the free ways off (accel/open.h) those that many things of the last one show. */
-void daft_assets_find_inner(daft_scene *scene);
 /* The smooth normals of meshes that the last snapshot shows for the first time: what only collides has none. */
 bool daft_assets_smooth(daft_scene *scene, daft_error *error);
 bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_snapshot *out,

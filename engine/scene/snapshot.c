@@ -40,13 +40,6 @@ static bool fill_lamps(daft_scene *scene, daft_dvec3 origin, daft_snapshot *out,
     return true;
 }
 
-static bool some_casts(const daft_snapshot *s)
-{
-    for (uint32_t i = 0; i < s->lamp_count; i++)
-        if (s->lamps[i].casts_shadow) return true;
-    return false;
-}
-
 bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_snapshot *out,
                         daft_error *error)
 {
@@ -70,8 +63,6 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
     daft_arena_reset(&scene->frame);
     if (!daft_place_instances(scene, view->camera.position, view->alpha, error)) return false;
     out->instances = scene->placed.instances, out->instance_count = scene->placed.count, out->placing = scene->placed.number;
-    daft_assets_find_sides(scene);
     if (!daft_assets_smooth(scene, error) || !fill_lamps(scene, view->camera.position, out, error)) return false;
-    if (preset->shadows && some_casts(out)) daft_assets_find_inner(scene);
     return true;
 }

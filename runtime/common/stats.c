@@ -98,8 +98,6 @@ void stats_print_json(FILE *out, const daft_counters *c, const frame_times *time
                   {"shadow_points_kept", c->shadow_points_kept},
                   {"mesh_builds", c->mesh_builds},
                   {"mesh_refits", c->mesh_refits},
-                  {"mesh_sides", c->mesh_sides},
-                  {"mesh_insides", c->mesh_insides},
                   {"placings", c->placings}};
     fputs("  },\n  \"counters\": {", out);
     for (size_t i = 0; i < COUNT_OF(counts); i++)

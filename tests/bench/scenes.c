@@ -230,14 +230,11 @@ static bool make_kind(bench *self, const scene_entry *entry, bench_scene *out)
     return made && bench_add_meshes(self, out, 2);
 }
 
-enum { CROWD = 64 }; /* as in scene/assets.c: of so many, sides are worth looking for */
-
 bool bench_scene_build(bench *self, bench_scene *scene)
 {
     for (int i = 0; i < scene->mesh_count; i++) {
         scene->bvh[i] = bench_tree(self, &scene->mesh[i]);
         if (!scene->bvh[i]) return false;
-        if (scene->thing_count >= CROWD) daft_bvh_find_sides(scene->bvh[i], &scene->mesh[i], daft_processor_count());
     }
     return true;
 }

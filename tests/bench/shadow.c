@@ -361,7 +361,7 @@ static void measure(bench *self, stage *s, const char *scene, const char *what, 
     daft_arena_free(&arena);
 }
 
-static bool make_meshes(bench *self, const char *model, bool crowd, stage *s)
+static bool make_meshes(bench *self, const char *model, stage *s)
 {
     static const daft_vec3 corners[4] = {{-BENCH_GROUND, 0, -BENCH_GROUND},
                                          {-BENCH_GROUND, 0, BENCH_GROUND},
@@ -376,8 +376,6 @@ static bool make_meshes(bench *self, const char *model, bool crowd, stage *s)
     for (int i = 0; i < MESHES; i++) {
         s->bvh[i] = bench_tree(self, &s->mesh[i]);
         if (!s->bvh[i]) return false;
-        daft_bvh_find_inner(s->bvh[i], &s->mesh[i]); /* as a scene does with what it shows again and again, */
-        if (crowd) daft_bvh_find_open(s->bvh[i], &s->mesh[i], UINT32_MAX, daft_processor_count()); /* and with what many things show */
     }
     return true;
 }
@@ -388,7 +386,7 @@ static void measure_stage(bench *self, const stage_kind *kind, const char *model
     snprintf(scene, sizeof scene, "%s, %s", model, kind->name);
     if (!bench_wants(self, scene, kind->what)) return;
     stage *s = daft_alloc_zero(&self->allocator, 1, sizeof *s);
-    if (s && make_meshes(self, model, kind->fill == thousand, s)) {
+    if (s && make_meshes(self, model, s)) {
         kind->fill(s, kind->metres);
         int threads[2], count = bench_thread_counts(self, threads);
         for (int t = 0; t < count; t++) measure(self, s, scene, kind->what, threads[t]);

@@ -216,7 +216,6 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
         daft_kdtree_free(item->kdtree);
         item->kdtree = daft_kdtree_build(scene->allocator, &item->mesh, scene->engine->threads, NULL);
     }
-    item->sides_settled = item->inner_settled = item->open_settled = true;
     scene->counters.mesh_refits++;
     scene->revision++;
     return true;
@@ -236,58 +235,6 @@ bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info,
                              .bytes = daft_trimesh_bytes(&item->mesh) + daft_bvh_bytes(item->bvh) +
                                       (item->kdtree ? daft_kdtree_bytes(item->kdtree) : 0)};
     return true;
-}
-
-/* The search takes as long as some sixty frames gain by it for each of CROWD things with as many triangles; for larger
- * meshes more things must show them, so that one frame of a few is not kept waiting. */
-enum { CROWD = 64, TRIANGLES_A_THING = 256 };
-
-static void find_sides(daft_scene *scene, daft_mesh_item *item)
-{
-    if (item->sides_settled || item->shown_pass != scene->placed.pass || item->shown < CROWD) return;
-    if (item->shown < item->mesh.triangle_count / TRIANGLES_A_THING) return;
-    item->sides_settled = true;
-    daft_bvh_find_sides(item->bvh, &item->mesh, scene->engine->threads);
-    scene->counters.mesh_sides++;
-}
-
-void daft_assets_find_sides(daft_scene *scene)
-{
-    daft_assets *assets = &scene->assets;
-    for (uint32_t i = 0; i < assets->mesh_count; i++) find_sides(scene, assets->meshes[i]);
-    for (uint32_t i = 0; i < assets->box_slots.count; i++)
-        if (assets->box_slots.items[i].live) find_sides(scene, &assets->boxes[i]->shape);
-}
-
-/* The search takes as long as some four pictures gain by it where one thing fills them. What has few triangles is as fast without. */
-enum { LIT_OFTEN = 16, SOME_TRIANGLES = 256 };
-
-static void find_inner(daft_scene *scene, daft_mesh_item *item)
-{
-    if (item->inner_settled || item->shown_pass != scene->placed.pass || item->mesh.triangle_count < SOME_TRIANGLES) return;
-    item->lit += daft_min_u(item->shown, LIT_OFTEN);
-    if (item->lit < LIT_OFTEN) return;
-    item->inner_settled = true;
-    daft_bvh_find_inner(item->bvh, &item->mesh);
-    scene->counters.mesh_insides++;
-}
-
-/* A thing gains in a frame about a quarter of what the search takes for a triangle. So each frame as much is looked for as it may gain:
- * no frame is kept waiting, and a single one pays next to nothing. */
-enum { THINGS_A_TRIANGLE = 4 };
-
-static void find_open(daft_scene *scene, daft_mesh_item *item)
-{
-    if (item->open_settled || item->shown_pass != scene->placed.pass || item->shown < CROWD || item->mesh.triangle_count < SOME_TRIANGLES) return;
-    item->open_settled = !daft_bvh_find_open(item->bvh, &item->mesh, item->shown / THINGS_A_TRIANGLE, scene->engine->threads);
-}
-
-void daft_assets_find_inner(daft_scene *scene)
-{
-    for (uint32_t i = 0; i < scene->assets.mesh_count; i++) {
-        find_inner(scene, scene->assets.meshes[i]);
-        find_open(scene, scene->assets.meshes[i]);
-    }
 }
 
 bool daft_assets_smooth(daft_scene *scene, daft_error *error)

@@ -245,97 +245,6 @@ static void a_mesh_that_keeps_its_shape_is_built_once(void **unused)
     stage_drop(s);
 }
 
-/* Which of its triangles are only seen from outside is asked of a mesh that a crowd shows, once, and of no other. */
-static void only_the_meshes_of_crowds_are_searched_for_sides(void **unused)
-{
-    (void)unused;
-    stage *s = stage_make(2);
-    daft_entity_def def = daft_default_entity_def();
-    def.shape = DAFT_SHAPE_MESH, def.mesh = make_tetrahedron(s);
-    daft_mesh_info before, after;
-    assert_true(daft_mesh_get_info(s->scene, def.mesh, &before, NULL));
-    daft_entity last = {0};
-    for (int i = 0; i < 64; i++) {
-        assert_int_equal(draw(s)->mesh_sides, 0);
-        def.position = daft_dv3(3 * (i % 8), 0, 3 * (i / 8));
-        last = add(s, &def);
-    }
-    daft_ray_hit hit;
-    daft_scene_cast_ray(s->scene, daft_dv3(0, 9, 0), daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, NULL);
-    assert_true(daft_entity_set_visible(s->scene, last, false, NULL));
-    assert_int_equal(draw(s)->mesh_sides, 0);
-    assert_true(daft_mesh_get_info(s->scene, def.mesh, &after, NULL) && after.bytes == before.bytes);
-    assert_true(daft_entity_set_visible(s->scene, last, true, NULL));
-    for (int i = 0; i < 3; i++) assert_int_equal(draw(s)->mesh_sides, 1);
-    assert_true(daft_mesh_get_info(s->scene, def.mesh, &after, NULL) && after.bytes > before.bytes);
-    /* What moves its vertices is not searched again. */
-    static const daft_vec3 moved[4] = {{1, 2, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}};
-    assert_true(daft_mesh_set_positions(s->scene, def.mesh, moved, NULL, 4, NULL));
-    assert_int_equal(draw(s)->mesh_sides, 1);
-    assert_true(daft_mesh_get_info(s->scene, def.mesh, &after, NULL) && after.bytes <= before.bytes);
-    stage_drop(s);
-}
-
-/* Rings of vertices around two poles. */
-enum { RINGS = 12, COLUMNS = 16, BALL_CORNERS = RINGS * COLUMNS + 2 };
-static void ball_corners(float radius, daft_vec3 p[BALL_CORNERS])
-{
-    for (uint32_t i = 0; i < RINGS * COLUMNS; i++) {
-        double up = DAFT_PI * ((i / COLUMNS + 1.0) / (RINGS + 1) - 0.5), round = 2 * DAFT_PI * (i % COLUMNS) / COLUMNS;
-        float flat = radius * (float)daft_cos(up);
-        p[i] = daft_v3(flat * (float)daft_cos(round), radius * (float)daft_sin(up), flat * (float)daft_sin(round));
-    }
-    p[BALL_CORNERS - 2] = daft_v3(0, -radius, 0), p[BALL_CORNERS - 1] = daft_v3(0, radius, 0);
-}
-
-static daft_mesh make_ball(const stage *s)
-{
-    daft_vec3 p[BALL_CORNERS];
-    uint32_t index[6 * RINGS * COLUMNS], count = 0;
-    ball_corners(1, p);
-    for (uint32_t i = 0; i < RINGS; i++)
-        for (uint32_t j = 0; j < COLUMNS; j++) {
-            uint32_t a = i * COLUMNS + j, b = i * COLUMNS + (j + 1) % COLUMNS, c = a + COLUMNS, d = b + COLUMNS;
-            const uint32_t quad[6] = {a, c, b, b, c, d}, south[3] = {BALL_CORNERS - 2, a, b}, north[3] = {BALL_CORNERS - 1, b, a};
-            bool last = i + 1 == RINGS;
-            memcpy(index + count, last ? north : quad, last ? sizeof north : sizeof quad), count += last ? 3 : 6;
-            if (!i) memcpy(index + count, south, sizeof south), count += 3;
-        }
-    daft_mesh_def def = daft_default_mesh_def();
-    def.positions = p, def.vertex_count = BALL_CORNERS, def.indices = index, def.triangle_count = count / 3;
-    daft_mesh mesh = daft_mesh_create(s->scene, &def, NULL);
-    assert_true(mesh.id);
-    return mesh;
-}
-
-/* What is inside is asked of a mesh that lamps with shadows have shone on in some pictures, once; moved vertices end that. */
-static void only_meshes_under_lamps_are_searched_inside(void **unused)
-{
-    (void)unused;
-    stage *s = stage_make(2);
-    daft_entity_def def = daft_default_entity_def();
-    def.shape = DAFT_SHAPE_MESH, def.mesh = make_ball(s);
-    daft_entity ball = add(s, &def);
-    daft_mesh_info before, after;
-    assert_true(daft_mesh_get_info(s->scene, def.mesh, &before, NULL));
-    for (int i = 0; i < 20; i++) assert_int_equal(draw(s)->mesh_insides, 0);
-    add_lamp(s, DAFT_LIGHT_POINT, daft_dv3(3, 9, 0), daft_v3(0, -1, 0));
-    assert_true(daft_entity_set_visible(s->scene, ball, false, NULL));
-    for (int i = 0; i < 20; i++) assert_int_equal(draw(s)->mesh_insides, 0);
-    assert_true(daft_entity_set_visible(s->scene, ball, true, NULL));
-    for (int i = 0; i < 4; i++) assert_int_equal(draw(s)->mesh_insides, 0);
-    assert_true(daft_mesh_get_info(s->scene, def.mesh, &after, NULL) && after.bytes == before.bytes);
-    for (int i = 0; i < 40; i++) draw(s);
-    assert_int_equal(draw(s)->mesh_insides, 1);
-    assert_true(daft_mesh_get_info(s->scene, def.mesh, &after, NULL) && after.bytes > before.bytes);
-    daft_vec3 moved[BALL_CORNERS];
-    ball_corners(1.5f, moved);
-    assert_true(daft_mesh_set_positions(s->scene, def.mesh, moved, NULL, BALL_CORNERS, NULL));
-    for (int i = 0; i < 20; i++) assert_int_equal(draw(s)->mesh_insides, 1);
-    assert_true(daft_mesh_get_info(s->scene, def.mesh, &after, NULL) && after.bytes <= before.bytes);
-    stage_drop(s);
-}
-
 /* Smooth normals are made with the first picture that shows the mesh: what only collides, or is hidden, has none. */
 static void only_meshes_that_are_shown_have_normals(void **unused)
 {
@@ -533,8 +442,6 @@ int main(void)
         cmocka_unit_test(occluders_elsewhere_are_never_tested),
         cmocka_unit_test(mirrors_out_of_sight_cast_no_ray),
         cmocka_unit_test(a_mesh_that_keeps_its_shape_is_built_once),
-        cmocka_unit_test(only_the_meshes_of_crowds_are_searched_for_sides),
-        cmocka_unit_test(only_meshes_under_lamps_are_searched_inside),
         cmocka_unit_test(only_meshes_that_are_shown_have_normals),
         cmocka_unit_test(what_has_not_moved_stays_in_place),
         cmocka_unit_test(what_stays_in_place_looks_the_same),
