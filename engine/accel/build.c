@@ -35,7 +35,7 @@ static void measure_slice(void *context, uint32_t slice, uint32_t worker)
 static daft_build_range measure_whole(const daft_build *build)
 {
     measure_job job = {.build = build};
-    daft_team_for(build->team, SLICES, measure_slice, &job);
+    daft_region_for(build->region, SLICES, measure_slice, &job);
     daft_build_range whole = job.slices[0];
     whole.count = whole.weight = build->count;
     for (int i = 1; i < SLICES; i++) {
@@ -130,12 +130,12 @@ static bool sort_into_cells(daft_build *build, const daft_build_grid *grid)
     build->cell_first = daft_alloc(build->allocator, (size_t)most + 1, sizeof *build->cell_first);
     bool done = job.counts && build->cell_first;
     if (done) {
-        daft_team_for(build->team, SLICES, count_slice, &job);
+        daft_region_for(build->region, SLICES, count_slice, &job);
         place_cells(&job);
-        daft_team_for(build->team, SLICES, scatter_slice, &job);
+        daft_region_for(build->region, SLICES, scatter_slice, &job);
         build->cells = daft_alloc(build->allocator, 2 * (size_t)build->cell_count, sizeof *build->cells);
         done = build->cells != NULL;
-        if (done) daft_team_for(build->team, SLICES, make_cells, &job);
+        if (done) daft_region_for(build->region, SLICES, make_cells, &job);
     }
     daft_release(build->allocator, job.counts);
     return done;
@@ -241,12 +241,12 @@ bool daft_build_run(daft_build *build)
     daft_build_grid grid;
     if (build->count >= GRID_MIN && grid_of(&whole, &grid)) {
         if (!sort_into_cells(build, &grid) || !split_cells(build)) return false;
-        daft_team_for(build->team, (uint32_t)build->task_count, gather_task, build);
+        daft_region_for(build->region, (uint32_t)build->task_count, gather_task, build);
     } else if (!single_task(build, &whole)) {
         return false;
     }
     if (!make_sinks(build)) return false;
-    daft_team_for(build->team, (uint32_t)build->task_count, run_task, build);
+    daft_region_for(build->region, (uint32_t)build->task_count, run_task, build);
     return daft_build_collapse(build);
 }
 

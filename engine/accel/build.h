@@ -107,8 +107,8 @@ DAFT_KERNEL_DECLARE(daft_build_kernels, daft_build);
 
 typedef struct daft_build {
     const daft_allocator *allocator; /* scratch; an arena's hook for the top level */
-    daft_team *team;
-    int threads, isa; /* threads: the team's */
+    daft_region *region;
+    int threads, isa; /* threads: the region's */
     daft_build_rule rule;
     daft_build_prim *prims; /* reordered */
     uint32_t count;         /* at least 1 */

@@ -245,7 +245,7 @@ bool daft_build_collapse(daft_build *build)
         weigh_top(build);
         if (top_node(build, build->top.forks) == DAFT_CHILD_NONE) return false;
     }
-    daft_team_for(build->team, (uint32_t)build->task_count, tally_task, build);
+    daft_region_for(build->region, (uint32_t)build->task_count, tally_task, build);
     build->node_count = build->top_nodes.count, build->block_count = 0;
     for (size_t i = 0; i < build->task_count; i++) {
         daft_build_task *task = &build->tasks[i];
@@ -302,7 +302,7 @@ static void write_task(void *context, uint32_t index, uint32_t worker)
 void daft_build_write(daft_build *build, const daft_build_out *out)
 {
     write_job job = {build, out};
-    daft_team_for(build->team, (uint32_t)build->task_count, write_task, &job);
+    daft_region_for(build->region, (uint32_t)build->task_count, write_task, &job);
     for (size_t i = 0; i < build->top_nodes.count; i++) {
         out->nodes[i] = build->top_nodes.items[i];
         for (int k = 0; k < DAFT_WIDTH; k++) {

@@ -72,7 +72,7 @@ static bool build_nodes(daft_build *build, const daft_trimesh *mesh)
     build->prims = daft_alloc(build->allocator, build->count, sizeof *build->prims);
     if (!build->prims) return false;
     fill_job fill = {mesh, build->prims};
-    daft_team_for(build->team, (build->count + FILL_CHUNK - 1) / FILL_CHUNK, fill_chunk, &fill);
+    daft_region_for(build->region, (build->count + FILL_CHUNK - 1) / FILL_CHUNK, fill_chunk, &fill);
     bool done = daft_build_run(build);
     daft_release(build->allocator, build->prims);
     daft_release(build->allocator, build->other); /* what is written has no need of them */
@@ -80,11 +80,11 @@ static bool build_nodes(daft_build *build, const daft_trimesh *mesh)
     return done;
 }
 
-static void build_mesh(void *context, daft_team *team)
+static void build_mesh(void *context, daft_region *region)
 {
     mesh_job *job = context;
     daft_build build = {.allocator = &job->bvh->allocator,
-                        .team = team,
+                        .region = region,
                         .threads = job->def->threads,
                         .isa = job->def->isa,
                         .rule = {.leaf_size = DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK, .block_size = DAFT_BLOCK},
@@ -103,7 +103,7 @@ static void tree_release(daft_bvh *bvh)
 static bool build_tree(mesh_job *job)
 {
     if (job->mesh->triangle_count == 0) return true;
-    daft_parallel_script(job->mesh->triangle_count < TOO_FEW ? 1 : job->def->threads, build_mesh, job);
+    daft_parallel_region(job->mesh->triangle_count < TOO_FEW ? 1 : job->def->threads, build_mesh, job);
     return job->done;
 }
 

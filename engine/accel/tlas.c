@@ -28,12 +28,12 @@ typedef struct nodes_job {
     bool done;
 } nodes_job;
 
-static void build_nodes(void *context, daft_team *team)
+static void build_nodes(void *context, daft_region *region)
 {
     nodes_job *job = context;
     daft_allocator allocator = {job->arena, arena_allocate, arena_release};
     daft_build build = {.allocator = &allocator,
-                        .team = team,
+                        .region = region,
                         .threads = job->def->threads,
                         .isa = job->def->isa,
                         .rule = {.leaf_size = 1, .block_size = 1},
@@ -158,7 +158,7 @@ const daft_tlas *daft_tlas_build_for(daft_arena *arena, const daft_instance *ins
     }
     *tlas = (daft_tlas){.instances = instances, .instance_count = count, .intersection = def->intersection};
     nodes_job job = {arena, prims, used, def, &tlas->nodes, used == 0};
-    if (used > 0) daft_parallel_script(used < TOO_FEW ? 1 : def->threads, build_nodes, &job);
+    if (used > 0) daft_parallel_region(used < TOO_FEW ? 1 : def->threads, build_nodes, &job);
     if (job.done && any_round) mark_spheres(tlas, round);
     if (job.done && make_few(arena, tlas)) return tlas;
     daft_fail_memory(error, "the tree over instances");

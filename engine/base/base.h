@@ -1,9 +1,11 @@
-/* base: what every room stands on: errors as values, memory, parallel loops, the clock, hashes.
+/* base: what every room stands on: errors as values, memory, parallel loops (parallel.h), the clock,
+ * hashes.
  * Promises: no global state; every allocation goes through the caller's allocator; a parallel loop's results do not
  * depend on the number of workers as long as its tasks write only to what their index owns. */
 #ifndef DAFT_BASE_H
 #define DAFT_BASE_H
 
+#include "base/parallel.h"
 #include "daft.h"
 
 /* A definition carries this, so that one which did not come from its daft_default_…() maker is refused. */
@@ -61,27 +63,6 @@ void daft_arena_init(daft_arena *arena, const daft_allocator *allocator);
 void *daft_arena_alloc(daft_arena *arena, size_t count, size_t size); /* 64-byte aligned, NULL when memory is out */
 void daft_arena_reset(daft_arena *arena);
 void daft_arena_free(daft_arena *arena);
-
-/* ---- parallel loops (parallel.c) ---- */
-
-/* worker: 0 .. workers-1, stable for the length of one task; use it to pick scratch memory. */
-typedef void daft_task(void *context, uint32_t index, uint32_t worker);
-/* Runs task(context, i, worker) for every i < count, handing out indices in order; worker 0 is the calling thread. */
-void daft_parallel_for(int workers, uint32_t count, daft_task *task, void *context);
-/* Several loops with serial work between them, without waking and joining the workers for each: daft_parallel_script runs
- * script(context, team) on the calling thread, and within it daft_team_for(team, …) is a loop over all workers, which ends
- * when its tasks are done, whether or not every worker came for one. */
-typedef struct daft_team daft_team;
-typedef void daft_script(void *context, daft_team *team);
-void daft_parallel_script(int workers, daft_script *script, void *context);
-void daft_team_for(daft_team *team, uint32_t count, daft_task *task, void *context);
-/* The same, while the calling thread does something of its own first, which the tasks do not depend on, nor it on them. */
-typedef void daft_own_part(void *context);
-void daft_team_beside(daft_team *team, daft_own_part *own, uint32_t count, daft_task *task, void *context);
-int daft_team_size(const daft_team *team); /* workers that were asked for */
-/* For loops that wait for other workers; *spins counts from 0: it spins for a little while, then lets others run. */
-void daft_pause(int *spins);
-int daft_processor_count(void);
 
 /* ---- clock (clock.c) ---- */
 

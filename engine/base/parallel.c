@@ -1,132 +1,100 @@
-/* The one parallel loop. OpenMP by default; plain threads in the ThreadSanitizer build, because that tool does not
- * see the barriers of libgomp and would report every one of them as a race. */
+/* The scheduler: see parallel.h. */
 #include "base/base.h"
 
 #include <sched.h>
 #include <stdatomic.h>
 #include <unistd.h>
 
-typedef struct crew {
-    void (*work)(void *context, uint32_t worker);
-    void *context;
-} crew;
+/* ---- workers: run `work` on each of them and join ---- */
+
+typedef void worker_main(daft_region *region, uint32_t worker);
 
 #ifdef DAFT_PLAIN_THREADS
 #include <pthread.h>
 
-enum { MAX_WORKERS = 64 };
-
 typedef struct plain_worker {
-    const crew *all;
+    worker_main *work;
+    daft_region *region;
     uint32_t worker;
 } plain_worker;
 
 static void *plain_main(void *argument)
 {
     plain_worker *self = argument;
-    self->all->work(self->all->context, self->worker);
+    self->work(self->region, self->worker);
     return NULL;
 }
 
-static void run(const crew *all, int workers)
+static void run_workers(worker_main *work, daft_region *region, int workers)
 {
-    pthread_t threads[MAX_WORKERS];
-    plain_worker arguments[MAX_WORKERS];
+    pthread_t threads[DAFT_MAX_WORKERS];
+    plain_worker arguments[DAFT_MAX_WORKERS];
+    pthread_attr_t attributes;
     int started = 0;
-    if (workers > MAX_WORKERS) workers = MAX_WORKERS;
-    for (int i = 1; i < workers; i++) {
-        arguments[started] = (plain_worker){all, (uint32_t)i};
-        if (pthread_create(&threads[started], NULL, plain_main, &arguments[started]) != 0) break;
+    bool good = pthread_attr_init(&attributes) == 0 && pthread_attr_setstacksize(&attributes, DAFT_WORKER_STACK) == 0;
+    for (int i = 1; i < workers && good; i++) {
+        arguments[started] = (plain_worker){work, region, (uint32_t)i};
+        if (pthread_create(&threads[started], &attributes, plain_main, &arguments[started]) != 0) break;
         started++;
     }
-    all->work(all->context, 0);
+    work(region, 0);
     for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
+    pthread_attr_destroy(&attributes);
 }
 #else
 #include <omp.h>
 
-static void run(const crew *all, int workers)
+static void run_workers(worker_main *work, daft_region *region, int workers)
 {
 #pragma omp parallel num_threads(workers)
-    all->work(all->context, (uint32_t)omp_get_thread_num());
+    work(region, (uint32_t)omp_get_thread_num());
 }
 #endif
 
-/* ---- one loop ---- */
+/* ---- loops ---- */
 
-typedef struct loop {
-    atomic_uint next;
-    uint32_t count;
-    daft_task *task;
-    void *context;
-} loop;
+enum { SPINS = 2000 /* before a waiting worker lets others run: some tens of microseconds */ };
 
-static void work(void *context, uint32_t worker)
-{
-    loop *shared = context;
-    for (;;) {
-        uint32_t index = atomic_fetch_add_explicit(&shared->next, 1, memory_order_relaxed);
-        if (index >= shared->count) return;
-        shared->task(shared->context, index, worker);
-    }
-}
-
-void daft_parallel_for(int workers, uint32_t count, daft_task *task, void *context)
-{
-    loop shared = {0, count, task, context};
-    if ((uint32_t)daft_max_i(workers, 1) > count) workers = (int)count;
-    if (workers <= 1)
-        work(&shared, 0);
-    else
-        run(&(crew){work, &shared}, workers);
-}
-
-/* ---- a script ---- */
-
-enum { SPINS = 2000, SHARES = 64 };
-
-/* What is left of a part of a loop's indices: end << 32 | next. */
-typedef struct share {
+/* What is left of a worker's range: end << 32 | next. */
+typedef struct range {
     _Alignas(64) atomic_ullong left;
-    char apart[64]; /* processors fetch lines of memory in pairs */
-} share;
+    char apart[64]; /* processors fetch cache lines in pairs */
+} range;
 
-/* Each worker has a share of a loop, the same part of it each time, so that what it works on stays in its caches; who is done
- * with its own takes from the others'. A task belongs to whoever raises a share's `next`; its loop is not over before `unfinished`
- * is zero, so what the loop is can be read after that without a race. */
-struct daft_team {
-    share shares[SHARES];
+/* A task belongs to whoever raises a range's `next`. The loop is not over before `unfinished` is zero, so its task and context
+ * can be read after that without a race. */
+struct daft_region {
+    range ranges[DAFT_MAX_WORKERS];
     _Alignas(64) atomic_uint unfinished;
     atomic_bool over;
-    int workers;
-    uint32_t share_count;
+    uint32_t workers;
     daft_task *task;
     void *context;
-    daft_script *script;
-    void *script_context;
+    daft_region_body *body;
+    void *body_context;
 };
 
-static bool take_from(daft_team *team, share *from, uint32_t worker)
+static bool take_from(daft_region *region, range *from, uint32_t worker)
 {
     unsigned long long left = atomic_load_explicit(&from->left, memory_order_relaxed);
     do
         if ((uint32_t)left >= left >> 32) return false;
     while (!atomic_compare_exchange_weak_explicit(&from->left, &left, left + 1, memory_order_acquire, memory_order_relaxed));
-    team->task(team->context, (uint32_t)left, worker);
+    region->task(region->context, (uint32_t)left, worker);
     return true;
 }
 
-/* All that there is to do. It is told at once, as a line of memory that all write goes to and fro between them. */
-static bool take_all(daft_team *team, uint32_t worker)
+/* The worker's own range, then the others'. */
+static bool take_all(daft_region *region, uint32_t worker)
 {
     unsigned taken = 0;
-    for (uint32_t i = 0; i < team->share_count; i++)
-        while (take_from(team, &team->shares[(worker + i) % team->share_count], worker)) taken++;
-    if (taken) atomic_fetch_sub_explicit(&team->unfinished, taken, memory_order_release);
+    for (uint32_t i = 0; i < region->workers; i++)
+        while (take_from(region, &region->ranges[(worker + i) % region->workers], worker)) taken++;
+    if (taken) atomic_fetch_sub_explicit(&region->unfinished, taken, memory_order_release);
     return taken > 0;
 }
 
-void daft_pause(int *spins)
+static void wait_a_little(int *spins)
 {
     if (++*spins > SPINS) sched_yield();
 #if defined(__x86_64__) || defined(__i386__)
@@ -135,59 +103,107 @@ void daft_pause(int *spins)
 #endif
 }
 
-static void no_part(void *context) { (void)context; }
-
-void daft_team_for(daft_team *team, uint32_t count, daft_task *task, void *context)
-{
-    daft_team_beside(team, no_part, count, task, context);
-}
-
-void daft_team_beside(daft_team *team, daft_own_part *own, uint32_t count, daft_task *task, void *context)
+void daft_region_for(daft_region *region, uint32_t count, daft_task *task, void *context)
 {
     int spins = 0;
-    team->task = task, team->context = context;
-    atomic_store_explicit(&team->unfinished, count, memory_order_relaxed);
-    for (uint64_t i = team->share_count, end = count; i-- > 0;) { /* the first's own at last: others would find it before theirs */
-        uint64_t begin = count * i / team->share_count;
-        atomic_store_explicit(&team->shares[i].left, end << 32 | begin, memory_order_release);
-        end = begin;
-    }
-    own(context);
-    take_all(team, 0);
-    while (atomic_load_explicit(&team->unfinished, memory_order_acquire)) daft_pause(&spins);
-}
-
-int daft_team_size(const daft_team *team) { return team->workers; }
-
-static void join_in(void *context, uint32_t worker)
-{
-    daft_team *team = context;
-    int spins = 0;
-    if (worker == 0) {
-        team->script(team->script_context, team);
-        atomic_store_explicit(&team->over, true, memory_order_release);
+    if (!region || count <= 1) {
+        for (uint32_t i = 0; i < count; i++) task(context, i, 0);
         return;
     }
-    while (!atomic_load_explicit(&team->over, memory_order_acquire)) {
-        if (take_all(team, worker))
+    region->task = task, region->context = context;
+    atomic_store_explicit(&region->unfinished, count, memory_order_relaxed);
+    for (uint64_t i = region->workers, end = count; i-- > 0;) { /* the caller's range last: the others begin meanwhile */
+        uint64_t begin = count * i / region->workers;
+        atomic_store_explicit(&region->ranges[i].left, end << 32 | begin, memory_order_release);
+        end = begin;
+    }
+    take_all(region, 0);
+    while (atomic_load_explicit(&region->unfinished, memory_order_acquire)) wait_a_little(&spins);
+}
+
+/* ---- regions ---- */
+
+int daft_region_workers(const daft_region *region) { return region ? (int)region->workers : 1; }
+
+static void work(daft_region *region, uint32_t worker)
+{
+    int spins = 0;
+    if (worker == 0) {
+        region->body(region->body_context, region);
+        atomic_store_explicit(&region->over, true, memory_order_release);
+        return;
+    }
+    while (!atomic_load_explicit(&region->over, memory_order_acquire)) {
+        if (take_all(region, worker))
             spins = 0;
         else
-            daft_pause(&spins);
+            wait_a_little(&spins);
     }
 }
 
-void daft_parallel_script(int workers, daft_script *script, void *context)
+void daft_parallel_region(int workers, daft_region_body *body, void *context)
 {
-    daft_team team = {.workers = workers, .script = script, .script_context = context};
-    team.share_count = (uint32_t)daft_max_i(1, workers < SHARES ? workers : SHARES);
+    if (workers <= 1) {
+        body(context, NULL);
+        return;
+    }
+    workers = daft_min_i(workers, DAFT_MAX_WORKERS);
+    daft_region region = {.workers = (uint32_t)workers, .body = body, .body_context = context};
+    run_workers(work, &region, workers);
+}
+
+/* ---- one loop ---- */
+
+typedef struct loop {
+    uint32_t count;
+    daft_task *task;
+    void *context;
+} loop;
+
+static void run_loop(void *context, daft_region *region)
+{
+    const loop *l = context;
+    daft_region_for(region, l->count, l->task, l->context);
+}
+
+void daft_parallel_for(int workers, uint32_t count, daft_task *task, void *context)
+{
+    if ((uint32_t)daft_max_i(workers, 1) > count) workers = (int)count;
     if (workers <= 1)
-        join_in(&team, 0);
+        daft_region_for(NULL, count, task, context);
     else
-        run(&(crew){join_in, &team}, workers);
+        daft_parallel_region(workers, run_loop, &(loop){count, task, context});
+}
+
+/* ---- stages ---- */
+
+typedef struct stage_job {
+    const daft_stage *stage;
+    void *context;
+} stage_job;
+
+static void run_grain(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    const stage_job *j = context;
+    const daft_stage *s = j->stage;
+    uint32_t first = index * s->grain;
+    s->run(j->context, s->argument, s->first + first, daft_min_u(s->grain, s->count - first));
+}
+
+void daft_region_stages(daft_region *region, const daft_stage *stages, size_t count, void *context)
+{
+    bool alone = daft_region_workers(region) == 1;
+    for (const daft_stage *s = stages; s < stages + count; s++) {
+        if (alone || s->count <= s->grain)
+            s->run(context, s->argument, s->first, s->count);
+        else
+            daft_region_for(region, (s->count + s->grain - 1) / s->grain, run_grain, &(stage_job){s, context});
+    }
 }
 
 int daft_processor_count(void)
 {
     long count = sysconf(_SC_NPROCESSORS_ONLN);
-    return count < 1 ? 1 : count > 64 ? 64 : (int)count;
+    return count < 1 ? 1 : count > DAFT_MAX_WORKERS ? DAFT_MAX_WORKERS : (int)count;
 }

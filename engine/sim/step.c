@@ -217,34 +217,20 @@ static bool has_work(const daft_world *world)
 
 void daft_sim_for(const daft_world *world, bool wide, uint32_t tasks, daft_task *task, void *context)
 {
-    if (wide && world->team)
-        daft_team_for(world->team, tasks, task, context);
-    else
-        daft_parallel_for(1, tasks, task, context);
-}
-
-void daft_sim_beside(const daft_world *world, bool wide, daft_own_part *own, uint32_t tasks, daft_task *task, void *context)
-{
-    if (wide && world->team) {
-        daft_team_beside(world->team, own, tasks, task, context);
-        return;
-    }
-    own(context);
-    daft_parallel_for(1, tasks, task, context);
+    daft_region_for(wide ? world->region : NULL, tasks, task, context);
 }
 
 typedef struct work {
     daft_world *world;
     float dt;
     bool done;
-    double ended; /* ms, by the clock */
 } work;
 
-static void do_work(void *context, daft_team *team)
+static void do_work(void *context, daft_region *region)
 {
     work *w = context;
     daft_world *world = w->world;
-    world->team = daft_team_size(team) > 1 ? team : NULL;
+    world->region = region;
     w->done = find_work(world, w->dt) && daft_sim_solve(world, w->dt);
     if (w->done) {
         end_dynamics(world);
@@ -255,39 +241,14 @@ static void do_work(void *context, daft_team *team)
         daft_sim_joints_break(world);
         daft_sim_sleep_update(world, w->dt);
     }
-    world->team = NULL;
-    w->ended = daft_clock_ms();
+    world->region = NULL;
 }
 
-enum {
-    PARALLEL_BODIES = 128, /* workers come together once a step: for less, one is done before another has come */
-    MOST_ALONE = 64        /* steps */
-};
+enum { PARALLEL_BODIES = 128 /* workers come together once a step: for less, one is done before another has come */ };
 
-/* A worker leaves at once when a step is done; one that does not was not running, and where others want its processor,
- * all wait for it wherever it holds a task. Then the next steps are left to one worker, and each time it is found so,
- * twice as many. */
-#define LATE 1.0 /* ms */
-
-static void work_together(work *w, int workers)
+static int workers_for(const daft_world *world)
 {
-    daft_world *world = w->world;
-    daft_parallel_script(workers, do_work, w);
-    bool late = daft_clock_ms() - w->ended > LATE;
-    world->alone_next = late ? daft_min_u(daft_max_u(2 * world->alone_next, 4), MOST_ALONE) : 0;
-    world->alone = world->alone_next;
-}
-
-static void work_on(work *w)
-{
-    daft_world *world = w->world;
-    bool wide = world->workers > 1 && world->awake.count + world->moved.count >= PARALLEL_BODIES;
-    if (wide && world->alone == 0) {
-        work_together(w, world->workers);
-        return;
-    }
-    if (wide) world->alone--;
-    daft_parallel_script(1, do_work, w);
+    return world->awake.count + world->moved.count >= PARALLEL_BODIES ? world->workers : 1;
 }
 
 bool daft_world_step(daft_world *world, float dt, daft_error *error)
@@ -300,7 +261,7 @@ bool daft_world_step(daft_world *world, float dt, daft_error *error)
     if (has_work(world)) {
         world->untold = false;
         work w = {.world = world, .dt = dt};
-        work_on(&w);
+        daft_parallel_region(workers_for(world), do_work, &w);
         if (!w.done) {
             world->lost_event = false;
             return daft_fail_memory(error, "a step of the simulation");

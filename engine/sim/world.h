@@ -375,8 +375,7 @@ struct daft_world {
     daft_sim_pair *pairs; /* DAFT_SIM_MATERIAL_KINDS²; friction < 0: none. NULL: none at all */
 
     daft_sim_solver *solver;
-    daft_team *team; /* during a step that is worth several workers */
-    uint32_t alone, alone_next; /* steps that are left to one worker, and how many next time (step.c) */
+    daft_region *region; /* during a step that is worth several workers */
     daft_sim_contact *report; /* first the contacts of what sleeps, made anew when some fell asleep or woke */
     size_t report_count, report_capacity, report_asleep;
     bool sleep_changed;
@@ -459,10 +458,8 @@ DAFT_SIM_FETCH daft_sim_body_fetch(const daft_sim_body *body)
 
 /* ---- step.c ---- */
 
-/* Runs the tasks of a step's loop, on all its workers if that is `wide` enough to be worth it. */
+/* A loop of the step, on all its workers if that is `wide` enough to be worth it. */
 void daft_sim_for(const daft_world *world, bool wide, uint32_t tasks, daft_task *task, void *context);
-/* The same, while the calling worker does its own part, on which they do not depend, first. */
-void daft_sim_beside(const daft_world *world, bool wide, daft_own_part *own, uint32_t tasks, daft_task *task, void *context);
 
 /* ---- body.c, mass of bodies ---- */
 

@@ -12,9 +12,8 @@ enum {
     MASKED = 32, /* colours of each class that a body's mask tells; its further constraints climb level by level */
     CLASSES = 2, /* 0: both bodies yield; 1: one of them */
     SIZES = DAFT_MANIFOLD_POINTS,
-    PLACES = 3 * SIZES,   /* see place_of */
     GROUPS = CLASSES + 1, /* of the second class first those with a mover, then those with what is still */
-    KINDS = 2 * GROUPS * PLACES /* of each group those that are not firm and those that are, by their places */
+    KINDS = 2 * GROUPS * SIZES /* of each group those that are not firm and those that are; those of most points first */
 };
 
 #define UNUSED_SEPARATION 1e20f
@@ -95,24 +94,6 @@ static uint32_t take_colour(daft_sim_solver *s, size_t a, size_t b, uint32_t cla
     *level_a = *level_b = level + 1;
     s->levels[class] = 0;
     return MASKED + level;
-}
-
-/* Whether a row is of the second half of those being solved: in the caches of the second of two workers. */
-static bool is_late(const daft_sim_solver *s, uint32_t row) { return row - s->row_first >= (s->row_end - s->row_first) / 2; }
-
-/* Whether a contact's bodies are of both halves. */
-static bool crosses(const daft_sim_solver *s, uint32_t row_a, uint32_t row_b)
-{
-    return row_b > s->mover_count && is_late(s, row_a) != is_late(s, row_b);
-}
-
-/* Where contacts of so many points stand in a block of their kind: those of the first half of the rows, those of most points first;
- * then those that cross, the other way round, so that they share few blocks; then those of the second half. So two workers that
- * take a half each find their rows in their own caches, and as much to do. */
-static uint32_t place_of(const daft_sim_solver *s, uint32_t row_a, uint32_t row_b, uint32_t points)
-{
-    if (crosses(s, row_a, row_b)) return SIZES + points - 1;
-    return (is_late(s, row_a) ? 3u : 1u) * SIZES - points;
 }
 
 /* Whether a touch that met is solved, as it yields somewhere: a does. */
@@ -229,76 +210,42 @@ bool daft_sim_rows_assign(daft_world *world, float dt)
     return true;
 }
 
-/* Contacts are counted, and put in their places, in so many ranges at most, side by side. */
-enum { RANGES = 8, RANGE = 512 };
-
-typedef struct placing {
-    daft_world *world;
-    size_t range, kinds; /* contacts in each range; kinds of them */
-    uint32_t ranges;
-} placing;
-
 /* Where those of a kind are counted. */
-static uint32_t kind_of(const daft_sim_solver *s, const daft_sim_coloured *c, uint32_t row_a, uint32_t row_b)
+static uint32_t kind_of(const daft_sim_solver *s, const daft_sim_coloured *c)
 {
-    uint32_t group = c->colour & 1 ? 1 + (row_b == 0) : 0;
-    return (c->colour >> 1) * KINDS + (2 * group + c->firm) * PLACES + place_of(s, row_a, row_b, c->points);
+    uint32_t group = c->colour & 1 ? 1 + (s->row_of[c->body_b] == 0) : 0;
+    return (c->colour >> 1) * KINDS + (2 * group + c->firm) * SIZES + (SIZES - c->points);
 }
 
-/* Of each range and kind, how many contacts of the heaps that are being solved. */
-static void count_range(void *context, uint32_t index, uint32_t worker)
+/* Of each kind, how many contacts of the heaps that are being solved. */
+static void count_kinds(daft_world *world, uint32_t *counts)
 {
-    (void)worker;
-    const placing *p = context;
-    daft_sim_solver *s = p->world->solver;
-    uint32_t *counts = &s->colour_counts[index * p->kinds];
-    size_t first = index * p->range, end = first + p->range;
-    if (end > s->contact_count) end = s->contact_count;
-    memset(counts, 0, p->kinds * sizeof *counts);
-    for (size_t i = first; i < end; i++) {
+    daft_sim_solver *s = world->solver;
+    for (size_t i = 0; i < s->contact_count; i++) {
         daft_sim_coloured *c = &s->contacts[i];
-        uint32_t row_a = s->row_of[c->body_a];
         c->kind = DAFT_SIM_NONE;
-        if (!solved_now(s, row_a)) continue;
-        c->firm = c->firms && daft_sim_finer_is_firm(p->world, c->body_a);
-        c->kind = kind_of(s, c, row_a, s->row_of[c->body_b]);
+        if (!solved_now(s, s->row_of[c->body_a])) continue;
+        c->firm = c->firms && daft_sim_finer_is_firm(world, c->body_a);
+        c->kind = kind_of(s, c);
         counts[c->kind]++;
     }
 }
 
-/* Counts have become where the next ones go. */
-static void place_range(void *context, uint32_t index, uint32_t worker)
-{
-    (void)worker;
-    const placing *p = context;
-    daft_sim_solver *s = p->world->solver;
-    uint32_t *next = &s->colour_counts[index * p->kinds];
-    size_t first = index * p->range, end = first + p->range;
-    if (end > s->contact_count) end = s->contact_count;
-    for (size_t i = first; i < end; i++) {
-        const daft_sim_coloured *c = &s->contacts[i];
-        if (c->kind == DAFT_SIM_NONE) continue;
-        s->slots[next[c->kind]++] = (daft_sim_slot){c->touch, c->patch, s->row_of[c->body_a], s->row_of[c->body_b], c->firm};
-    }
-}
-
 /* Gives how many blocks those of any number of points take, from block `first` on; counts become their next free slots. */
-static uint32_t lay_places(const placing *p, uint32_t *counts, uint32_t first)
+static uint32_t lay_sizes(uint32_t *counts, uint32_t first)
 {
     uint32_t slot = first * DAFT_SIM_LANES, next = slot;
-    for (size_t place = 0; place < PLACES; place++)
-        for (size_t range = 0; range < p->ranges; range++) {
-            uint32_t *at = &counts[range * p->kinds + place], count = *at;
-            *at = next;
-            next += count;
-        }
+    for (size_t size = 0; size < SIZES; size++) {
+        uint32_t count = counts[size];
+        counts[size] = next;
+        next += count;
+    }
     return (next - slot + DAFT_SIM_LANES - 1) / DAFT_SIM_LANES;
 }
 
 /* Colours in order, each on whole blocks, in which contacts have about as many points. */
-static bool lay_out(const placing *p)
+static bool lay_out(daft_world *world)
 {
-    daft_world *world = p->world;
     daft_sim_solver *s = world->solver;
     const uint32_t *most = s->contact_colours;
     if (!daft_grow(&world->allocator, &s->colours, &s->colour_capacity, (size_t)most[0] + most[1], 0,
@@ -309,7 +256,7 @@ static bool lay_out(const placing *p)
             uint32_t *counts = &s->colour_counts[colour * KINDS], first = s->block_count, soft = 0;
             for (uint32_t firm = 0; firm < 2; firm++) {
                 for (uint32_t group = class; group <= 2 * class; group++)
-                    s->block_count += lay_places(p, counts + (2 * group + firm) * PLACES, s->block_count);
+                    s->block_count += lay_sizes(counts + (2 * group + firm) * SIZES, s->block_count);
                 if (!firm) soft = s->block_count;
             }
             if (s->block_count == first) continue;
@@ -320,22 +267,30 @@ static bool lay_out(const placing *p)
                      sizeof *s->slots);
 }
 
+static void fill_slots(daft_sim_solver *s)
+{
+    for (size_t i = 0; i < (size_t)s->block_count * DAFT_SIM_LANES; i++) s->slots[i].touch = DAFT_SIM_NONE;
+    for (size_t i = 0; i < s->contact_count; i++) {
+        const daft_sim_coloured *c = &s->contacts[i];
+        if (c->kind == DAFT_SIM_NONE) continue;
+        uint32_t slot = s->colour_counts[c->kind]++;
+        s->slots[slot] = (daft_sim_slot){c->touch, c->patch, s->row_of[c->body_a], s->row_of[c->body_b], c->firm};
+    }
+}
+
 bool daft_sim_contacts_place(daft_world *world)
 {
     daft_sim_solver *s = world->solver;
     const uint32_t *most = s->contact_colours;
-    placing p = {.world = world, .kinds = (size_t)(most[0] > most[1] ? most[0] : most[1]) * KINDS};
+    size_t kinds = (size_t)(most[0] > most[1] ? most[0] : most[1]) * KINDS;
     s->colour_count = s->block_count = 0;
     if (s->contact_count == 0) return true;
-    p.ranges = daft_min_u((uint32_t)((s->contact_count + RANGE - 1) / RANGE), RANGES);
-    p.range = (s->contact_count + p.ranges - 1) / p.ranges;
-    if (!daft_grow(&world->allocator, &s->colour_counts, &s->colour_count_capacity, p.ranges * p.kinds, 0,
-                   sizeof *s->colour_counts))
+    if (!daft_grow(&world->allocator, &s->colour_counts, &s->colour_count_capacity, kinds, 0, sizeof *s->colour_counts))
         return false;
-    daft_sim_for(world, p.ranges > 1, p.ranges, count_range, &p);
-    if (!lay_out(&p)) return false;
-    for (size_t i = 0; i < (size_t)s->block_count * DAFT_SIM_LANES; i++) s->slots[i].touch = DAFT_SIM_NONE;
-    daft_sim_for(world, p.ranges > 1, p.ranges, place_range, &p);
+    memset(s->colour_counts, 0, kinds * sizeof *s->colour_counts);
+    count_kinds(world, s->colour_counts);
+    if (!lay_out(world)) return false;
+    fill_slots(s);
     return true;
 }
 
@@ -430,7 +385,6 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     float longer = a->h > 0 ? world->solver->h / a->h : 1; /* than the substep that the impulses are of */
     daft_vec3 n = patch->normal, t = any_perpendicular(n), u = daft_cross(n, t);
     block->a[lane] = (int32_t)row_a, block->b[lane] = (int32_t)row_b;
-    block->crosses |= crosses(world->solver, row_a, row_b);
     block->writes_a |= 1u << lane;
     if (!fixed) block->writes_b |= 1u << lane;
     put3(block->normal, lane, n);

@@ -161,7 +161,7 @@ typedef void stage_run(void *context, int argument, uint32_t first, uint32_t cou
 
 static void add(daft_sim_solver *s, stage_run *run, int argument, uint32_t first, uint32_t count, uint32_t grain)
 {
-    daft_sim_stages_add(s->stages, (daft_sim_stage){run, argument, first, count, grain});
+    if (count > 0) s->stages[s->stage_count++] = (daft_stage){run, argument, first, count, grain};
 }
 static void add_contacts(daft_sim_solver *s, stage_run *run, int argument)
 {
@@ -326,7 +326,7 @@ static void solve_pace(daft_world *world, float dt)
     daft_sim_solver *s = world->solver;
     context c = {.world = world, .s = s, .dt = dt};
     c.substep = (daft_sim_substep){.h = s->h, .inv_h = (float)s->substeps / dt, .push_speed = DAFT_SIM_PUSH_SPEED};
-    daft_sim_stages_clear(s->stages);
+    s->stage_count = 0;
     add(s, stage_fill, 0, 0, s->block_count, BLOCK_GRAIN);
     add(s, stage_joint_fill, 0, 0, s->joint_block_count, BLOCK_GRAIN);
     for (int i = 1; i <= s->substeps; i++) add_substep(s, i);
@@ -335,7 +335,7 @@ static void solve_pace(daft_world *world, float dt)
     add(s, stage_store, 0, 0, s->block_count, BLOCK_GRAIN);
     add(s, stage_joint_store, 0, 0, s->joint_block_count, BLOCK_GRAIN);
     bool large = s->block_count + s->joint_block_count >= PARALLEL_BLOCKS;
-    daft_sim_stages_run(s->stages, large ? world->team : NULL, &c);
+    daft_region_stages(large ? world->region : NULL, s->stages, s->stage_count, &c);
 }
 
 static void count(daft_world *world)
@@ -355,7 +355,7 @@ bool daft_sim_solve(daft_world *world, float dt)
     for (uint32_t pace = 0; pace < DAFT_SIM_PACES; pace++) {
         if (pace > 0 && s->pace_end[pace] == s->pace_end[pace - 1]) continue;
         if (!daft_sim_pace_begin(world, pace, dt) || !daft_sim_contacts_place(world) ||
-            !daft_sim_stages_reserve(s->stages, most_stages(s)))
+            !daft_grow(&world->allocator, &s->stages, &s->stage_capacity, most_stages(s), 0, sizeof *s->stages))
             return false;
         fill_rows(world, dt);
         solve_pace(world, dt);
@@ -374,12 +374,6 @@ bool daft_sim_solver_create(daft_world *world)
     if (!world->solver) {
         world->solver = daft_alloc_zero(&world->allocator, 1, sizeof *world->solver);
         if (!world->solver) return false;
-        world->solver->stages = daft_sim_stages_create(&world->allocator);
-        if (!world->solver->stages) {
-            daft_release(&world->allocator, world->solver);
-            world->solver = NULL;
-            return false;
-        }
     }
     world->solver->kernels = TABLE[world->isa];
     world->solver->joint_kernels = JOINTS[world->isa];
@@ -391,12 +385,11 @@ void daft_sim_solver_destroy(daft_world *world)
 {
     daft_sim_solver *s = world->solver;
     if (!s) return;
-    daft_sim_stages_free(s->stages);
     void *arrays[] = {s->rows.velocity, s->rows.moved, s->rows.gain,    s->rows.turn,     s->rows.mass,
                       s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_blocks,
                       s->joint_slots,   s->joint_bins, s->joint_colours, s->masks,      s->levels,       s->constraints,   s->contacts, s->colour_counts,
                       s->spins,         s->targets,     s->constrained,   s->row_of,        s->heap_of,
-                      s->asked,         s->heaps,      s->needs,         s->marks,         s->parting};
+                      s->asked,         s->heaps,      s->needs,         s->marks,         s->parting,        s->stages};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
     daft_release(&world->allocator, s);
     world->solver = NULL;

@@ -6,7 +6,6 @@
 
 #include "math/simd/dispatch.h"
 #include "sim/world.h"
-#include "sim/solve/stages.h"
 
 enum {
     DAFT_SIM_LANES = 16,
@@ -39,7 +38,6 @@ typedef struct daft_sim_block {
     int32_t lanes, points;                        /* in use; most points of any lane */
     bool rolls, bounces;
     bool still; /* no lane's b moves */
-    bool crosses; /* some lane's bodies are likely to be in different workers' caches */
     bool shares;           /* some lane's floor is shared: */
     daft_sim_lanes shared; /* 1 where b is one of several bodies of a floor: friction acts below a's centre, as on one */
     daft_sim_lanes normal[3], tangent[3]; /* the other tangent: normal × tangent */
@@ -222,7 +220,7 @@ struct daft_sim_solver {
         uint32_t touch, patch, body_a, body_b, colour;
         uint8_t points;
         bool firms, firm; /* it carries much; it is solved as such */
-        uint32_t kind; /* of contacts of as many points, and rows as near, which stand in a block; DAFT_SIM_NONE: of another pace */
+        uint32_t kind; /* of contacts of as many points, which stand in a block; DAFT_SIM_NONE: of another pace */
     } *contacts;
     size_t contact_capacity, contact_count;
     uint32_t contact_colours[2]; /* of each class */
@@ -241,7 +239,8 @@ struct daft_sim_solver {
     size_t target_capacity;
     _Atomic uint32_t sweeps; /* of all, in this step */
 
-    daft_sim_stages *stages;
+    daft_stage *stages; /* of the heaps that are being solved */
+    size_t stage_capacity, stage_count;
     const daft_sim_kernels *kernels;
     const daft_sim_joint_kernels *joint_kernels;
     const daft_sim_spin_kernels *spin_kernels;

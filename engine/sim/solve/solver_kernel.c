@@ -267,20 +267,9 @@ DAFT_INLINE void warm_start_lanes(const daft_sim_rows *rows, daft_sim_block *blo
     store_both(rows->velocity, block, &all, still, lane);
 }
 
-/* Rows of the next block are on their way, where another worker may have them. */
-static inline void fetch_next(const float *rows, const daft_sim_block *block, const daft_sim_block *end)
-{
-    if (++block == end || !block->crosses) return;
-    for (int lane = 0; lane < block->lanes; lane++) {
-        __builtin_prefetch(rows + (size_t)block->a[lane] * DAFT_SIM_ROW, 1);
-        __builtin_prefetch(rows + (size_t)block->b[lane] * DAFT_SIM_ROW, 1);
-    }
-}
-
 static void warm_start(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
 {
     for (daft_sim_block *block = blocks; block < blocks + count; block++) {
-        fetch_next(rows->velocity, block, blocks + count);
         for (int lane = 0; lane < block->lanes; lane += DAFT_VL)
             if (block->still)
                 warm_start_lanes(rows, block, true, lane);
@@ -519,7 +508,6 @@ static void solve(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t co
     for (daft_sim_block *block = blocks; block < blocks + count; block++) {
         bool levers = block->points > 1 || block->shares; /* of friction, about the normal */
         int kind = 2 * !levers + block->still;
-        fetch_next(rows->velocity, block, blocks + count);
         for (int lane = 0; lane < block->lanes; lane += DAFT_VL) {
             if (kind == 3) solve_lanes(rows, block, substep, biased, true, true, lane);
             if (kind == 2) solve_lanes(rows, block, substep, biased, false, true, lane);

@@ -126,9 +126,8 @@ static daft_sim_heap *heap_of(const daft_world *world, uint32_t body)
 }
 
 /* Numbers them. */
-static void find_heaps(void *context)
+static void find_heaps(daft_world *world)
 {
-    daft_world *world = ((job *)context)->world;
     daft_sim_solver *s = world->solver;
     daft_sim_islands_find(world);
     s->heap_count = 0;
@@ -164,7 +163,16 @@ static bool is_fast(const daft_sim_body *body, float dt)
 
 enum { GRAIN = 256, PARALLEL_BODIES = 512 };
 
-/* The last task, which is another worker's, is to find colours: that takes as long as to find heaps. */
+/* Heaps and colours need nothing of each other. */
+static void find_heaps_or_colours(void *context, uint32_t index, uint32_t worker)
+{
+    (void)worker;
+    if (index == 0)
+        find_heaps(context);
+    else
+        daft_sim_contacts_colour(context);
+}
+
 static void need_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
@@ -172,10 +180,6 @@ static void need_range(void *context, uint32_t index, uint32_t worker)
     daft_world *world = j->world;
     size_t first = (size_t)index * GRAIN, end = first + GRAIN;
     float most = 0;
-    if (first >= world->awake.count) {
-        daft_sim_contacts_colour(world);
-        return;
-    }
     if (end > world->awake.count) end = world->awake.count;
     for (size_t i = first; i < end; i++) {
         const daft_sim_body *body = &world->bodies[world->awake.items[i]];
@@ -204,10 +208,8 @@ static void add_contacts(daft_sim_heap *heap, const daft_sim_heap *more)
 }
 
 /* Sums are of whole numbers, so their order does not matter. What bodies say of a heap and what contacts say are apart. */
-static void survey_bodies(void *context, uint32_t index, uint32_t worker)
+static void survey_bodies(const daft_world *world)
 {
-    (void)index, (void)worker;
-    const daft_world *world = context;
     const daft_sim_solver *s = world->solver;
     daft_sim_heap sum = {0};
     for (size_t i = 0; i < world->awake.count; i++) {
@@ -222,9 +224,8 @@ static void survey_bodies(void *context, uint32_t index, uint32_t worker)
     }
 }
 
-static void survey_contacts(void *context)
+static void survey_contacts(const daft_world *world)
 {
-    const daft_world *world = context;
     const daft_sim_solver *s = world->solver;
     daft_sim_heap sum = {0};
     uint32_t heap = 0;
@@ -289,12 +290,15 @@ bool daft_sim_finer_paces(daft_world *world, float dt)
     daft_sim_solver *s = world->solver;
     uint32_t count = (uint32_t)world->awake.count;
     job j = {.world = world, .dt = dt};
-    daft_sim_beside(world, count >= PARALLEL_BODIES, find_heaps, (count + GRAIN - 1) / GRAIN + 1, need_range, &j);
+    bool wide = count >= PARALLEL_BODIES;
+    daft_sim_for(world, wide, 2, find_heaps_or_colours, world);
+    daft_sim_for(world, wide, (count + GRAIN - 1) / GRAIN, need_range, &j);
     bool some = false, deep = false; /* are to take finer ones; overlap deeply */
     s->firm = false;
     if (COLUMN * raised_to(&j.most) * dt <= (float)world->substeps && !some_pull(world)) return false;
     memset(s->heaps, 0, s->heap_count * sizeof *s->heaps);
-    daft_sim_beside(world, count >= PARALLEL_BODIES, survey_contacts, 1, survey_bodies, world);
+    survey_bodies(world);
+    survey_contacts(world);
     survey_joints(world);
     for (size_t i = 0; i < s->heap_count; i++) {
         daft_sim_heap *heap = &s->heaps[i];
