@@ -103,19 +103,6 @@ static bool is_closed(daft_sim_touch *touch, float slack)
 /* A contact ends when the parts are this far apart, so that resting on edge does not flicker. */
 #define END_SLACK 1e-3f /* m */
 
-/* What a step tells of a touch: bits of its entry, whose key is the pair of bodies, the lower one first. */
-enum { REPORTED = 1, SWAPPED = 2, CHANGED = 4, HAS_PATCHES = 8 };
-
-static daft_sim_listed judge(daft_sim_touch *touch, uint32_t index)
-{
-    bool was = touch->touching, swap = touch->body_b < touch->body_a;
-    uint64_t a = swap ? touch->body_b : touch->body_a, b = swap ? touch->body_a : touch->body_b;
-    touch->touching = touch->sensor ? touch->patch_count > 0 : is_closed(touch, was ? END_SLACK : 0);
-    uint32_t state = (touch->touching && !touch->sensor ? REPORTED : 0) | (swap ? SWAPPED : 0) |
-                     (touch->touching != was ? CHANGED : 0) | (touch->patch_count > 0 ? HAS_PATCHES : 0);
-    return (daft_sim_listed){a << 32 | b, index, state};
-}
-
 static daft_sim_event end_event(const daft_world *world, const daft_sim_touch *touch)
 {
     bool swapped;
@@ -144,20 +131,10 @@ static daft_sim_event change_event(const daft_world *world, daft_sim_touch *touc
     return event;
 }
 
-enum { GRAIN = 64, PARALLEL_TOUCHES = 512, AHEAD = 8 };
-
-static uint32_t ranges_of(size_t count) { return (uint32_t)((count + GRAIN - 1) / GRAIN); }
-
 bool daft_sim_report_reserve(daft_world *world)
 {
     size_t touches = world->live_touches, events = world->pending.count + touches + world->awake.count;
     events += 2 * (size_t)world->live_joints;
-    daft_sim_listing *order = &world->order;
-    if (!daft_grow(&world->allocator, &order->items, &order->capacity, 2 * world->met.count, 0, sizeof *order->items) ||
-        !daft_grow(&world->allocator, &world->merged.items, &world->merged.capacity, world->met.count, 0,
-                   sizeof *world->merged.items) ||
-        !daft_sim_list_reserve(world, &world->met_ranges, ranges_of(world->met.count)))
-        return false;
     /* What the sleeping ones touch is written only when that changes: it must survive the growth. */
     return daft_grow(&world->allocator, &world->report, &world->report_capacity, touches, world->report_asleep,
                      sizeof *world->report) &&
@@ -209,98 +186,46 @@ static void report_sleepers(daft_world *world)
     world->sleep_changed = false;
 }
 
-enum { CONTACTS_SHIFT = 16 }; /* what a range came to: how many changed, and above that how many have patches */
-
-/* What is told of an entry, whose key is its bodies, is on its way. */
-DAFT_SIM_FETCH fetch_told(const daft_world *world, const daft_sim_listed *entry)
+/* Entries of what this step tells are flagged. */
+static void judge(daft_world *world, daft_sim_active *entry)
 {
-    const daft_sim_touch *touch = &world->touches[entry->touch];
-    __builtin_prefetch(touch);
-    __builtin_prefetch(&touch->own);
-    __builtin_prefetch(&touch->own.total_impulse);
-    __builtin_prefetch(&world->bodies[entry->key >> 32].user);
-    __builtin_prefetch(&world->bodies[(uint32_t)entry->key].user);
+    daft_sim_touch *touch = &world->touches[entry->touch];
+    bool was = touch->touching;
+    touch->touching = touch->sensor ? touch->patch_count > 0 : is_closed(touch, was ? END_SLACK : 0);
+    if (touch->touching != was) entry->flags |= DAFT_SIM_CHANGED;
+    if (touch->touching && !touch->sensor) entry->flags |= DAFT_SIM_REPORTED;
 }
 
-/* Events of what changed stand from where the range's own would if all had changed. */
+enum { GRAIN = 256, PARALLEL_TOUCHES = 1024 };
+
 static void judge_range(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
     daft_world *world = context;
     size_t first = (size_t)index * GRAIN, end = first + GRAIN;
-    uint32_t changed[GRAIN], changes = 0, contacts = 0;
-    if (end > world->met.count) end = world->met.count;
-    for (size_t i = first; i < end; i++) {
-        if (i + AHEAD < end) __builtin_prefetch(&world->touches[world->met.items[i + AHEAD].touch], 1);
-        uint32_t touch = world->met.items[i].touch;
-        daft_sim_listed entry = judge(&world->touches[touch], touch);
-        world->merged.items[i] = entry;
-        contacts += (entry.state & HAS_PATCHES) != 0;
-        if (!(entry.state & CHANGED)) continue;
-        fetch_told(world, &entry);
-        changed[changes++] = touch;
-    }
-    daft_sim_event *to = world->pending.items + world->pending.count + first;
-    for (uint32_t i = 0; i < changes; i++) to[i] = change_event(world, &world->touches[changed[i]]);
-    world->met_ranges.items[index] = contacts << CONTACTS_SHIFT | changes;
+    if (end > world->active.count) end = world->active.count;
+    for (size_t i = first; i < end; i++)
+        if (world->active.items[i].flags & DAFT_SIM_OVERLAPS) judge(world, &world->active.items[i]);
 }
 
-/* Puts the events of all ranges in a row. */
-static void gather_changes(daft_world *world)
+/* Entries that are reported go to `sorting`, by bodies, the lower one first. */
+static size_t order_report(daft_world *world)
 {
-    daft_sim_event_list *list = &world->pending;
-    size_t from = list->count;
-    for (uint32_t range = 0; range < ranges_of(world->met.count); range++, from += GRAIN) {
-        uint32_t came_to = world->met_ranges.items[range], changes = came_to & ((1u << CONTACTS_SHIFT) - 1);
-        world->counters.contacts += came_to >> CONTACTS_SHIFT;
-        if (changes > 0 && from != list->count) memmove(&list->items[list->count], &list->items[from], changes * sizeof *list->items);
-        list->count += changes;
+    daft_sim_active *sorted = world->sorting.items;
+    size_t count = 0;
+    for (size_t i = 0; i < world->active.count; i++) {
+        daft_sim_active entry = world->active.items[i];
+        if (!(entry.flags & DAFT_SIM_REPORTED)) continue;
+        uint64_t a = daft_min_u(entry.body_a, entry.body_b), b = daft_max_u(entry.body_a, entry.body_b);
+        entry.key = a << 32 | b;
+        sorted[count++] = entry;
     }
-}
-
-static void fill_range(void *context, uint32_t index, uint32_t worker)
-{
-    (void)worker;
-    daft_world *world = context;
-    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
-    if (end > world->merged.count) end = world->merged.count;
-    daft_sim_contact *report = world->report + world->report_asleep;
-    for (size_t i = first; i < end; i++) {
-        if (i + AHEAD < end) fetch_told(world, &world->merged.items[i + AHEAD]);
-        fill_contact(world, &world->touches[world->merged.items[i].touch], &report[i]);
-    }
-}
-
-static void for_ranges(daft_world *world, size_t count, daft_task *task)
-{
-    daft_sim_for(world, count >= PARALLEL_TOUCHES, ranges_of(count), task, world);
-}
-
-/* Leaves what is to be reported in `merged`, by bodies. Touches come in the order of their parts, which is nearly that of
- * their bodies, but for those whose bodies are swapped: they are ordered apart. */
-static void order_report(daft_world *world)
-{
-    daft_sim_listed *plain = world->merged.items, *swapped = world->order.items;
-    size_t plain_count = 0, swapped_count = 0;
-    for (size_t i = 0; i < world->merged.count; i++) {
-        daft_sim_listed entry = plain[i];
-        if (!(entry.state & REPORTED)) continue;
-        if (entry.state & SWAPPED)
-            swapped[swapped_count++] = entry;
-        else
-            plain[plain_count++] = entry;
-    }
-    daft_sim_listed_sort(swapped, swapped_count, swapped + swapped_count);
-    daft_sim_listed_sort(plain, plain_count, swapped + swapped_count);
-    world->merged.count = plain_count + swapped_count;
-    for (size_t at = world->merged.count; swapped_count > 0; at--) {
-        bool last = plain_count > 0 && plain[plain_count - 1].key > swapped[swapped_count - 1].key;
-        plain[at - 1] = last ? plain[--plain_count] : swapped[--swapped_count];
-    }
+    daft_sim_active_sort(sorted, count, sorted + world->sorting.capacity / 2);
+    return count;
 }
 
 /* Touches of the same two bodies, few, by their shapes. */
-static void order_same_bodies(daft_sim_contact *report, const daft_sim_listed *keys, size_t count)
+static void order_same_bodies(daft_sim_contact *report, const daft_sim_active *keys, size_t count)
 {
     for (size_t i = 1; i < count; i++) {
         if (keys[i].key != keys[i - 1].key) continue;
@@ -314,15 +239,17 @@ static void order_same_bodies(daft_sim_contact *report, const daft_sim_listed *k
 
 void daft_sim_report(daft_world *world)
 {
+    size_t count = world->active.count;
     if (world->sleep_changed) report_sleepers(world);
     world->counters.contacts = 0;
     world->report_count = world->report_asleep;
-    world->untold = false;
-    if (world->met.count == 0) return; /* there may be no memory yet to point to */
-    for_ranges(world, world->met.count, judge_range);
-    gather_changes(world);
-    world->merged.count = world->met.count;
     world->untold = true;
+    daft_sim_for(world, count >= PARALLEL_TOUCHES, (uint32_t)((count + GRAIN - 1) / GRAIN), judge_range, world);
+    for (size_t i = 0; i < count; i++) {
+        const daft_sim_active *entry = &world->active.items[i];
+        world->counters.contacts += entry->patches > 0;
+        if (entry->flags & DAFT_SIM_CHANGED) world->pending.items[world->pending.count++] = change_event(world, &world->touches[entry->touch]);
+    }
 }
 
 /* Contacts are told when somebody asks, or before what they are told from is changed. */
@@ -330,10 +257,11 @@ void daft_sim_report_fill(daft_world *world)
 {
     if (!world->untold) return;
     world->untold = false;
-    order_report(world);
-    for_ranges(world, world->merged.count, fill_range);
-    order_same_bodies(world->report + world->report_asleep, world->merged.items, world->merged.count);
-    world->report_count = world->report_asleep + world->merged.count;
+    daft_sim_contact *report = world->report + world->report_asleep;
+    size_t count = order_report(world);
+    for (size_t i = 0; i < count; i++) fill_contact(world, &world->touches[world->sorting.items[i].touch], &report[i]);
+    order_same_bodies(report, world->sorting.items, count);
+    world->report_count = world->report_asleep + count;
 }
 
 void daft_sim_report_forget(daft_world *world, uint32_t handle)

@@ -1,6 +1,6 @@
 /* Who sleeps. Bodies that touch or are joined are a heap (an island); one whose bodies have all hardly moved for half a
  * second falls asleep as a whole: its bodies leave the lists that a step walks and go on a ring, on which they are woken
- * together. Islands are found by union-find over the touches that are listed, and only in steps in which some body has
+ * together. Islands are found by union-find over the active touches, and only in steps in which some body has
  * been at rest for long enough. Bodies of infinite mass join no heaps. */
 #include "sim/world.h"
 
@@ -71,10 +71,10 @@ void daft_sim_wake_all(daft_world *world)
 
 void daft_sim_wake_met(daft_world *world)
 {
-    for (size_t i = 0; i < world->met.count && world->asleep_count > 0; i++) {
-        const daft_sim_met *met = &world->met.items[i];
-        if (!(met->flags & (DAFT_SIM_MET_FIXED | DAFT_SIM_MET_JOINS))) continue;
-        uint32_t a = met->body_a, b = met->body_b;
+    for (size_t i = 0; i < world->active.count && world->asleep_count > 0; i++) {
+        const daft_sim_active *entry = &world->active.items[i];
+        if (!(entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS))) continue;
+        uint32_t a = entry->body_a, b = entry->body_b;
         daft_sim_wake(world, a);
         if (world->bodies[b].asleep) daft_sim_wake(world, b);
     }
@@ -107,9 +107,9 @@ static bool is_dynamic(const daft_world *world, uint32_t body)
 void daft_sim_islands_find(daft_world *world)
 {
     for (size_t i = 0; i < world->awake.count; i++) world->islands[world->awake.items[i]] = world->awake.items[i];
-    for (size_t i = 0; i < world->met.count; i++) {
-        const daft_sim_met *met = &world->met.items[i];
-        if (met->flags & DAFT_SIM_MET_JOINS) join(world, met->body_a, met->body_b);
+    for (size_t i = 0; i < world->active.count; i++) {
+        const daft_sim_active *entry = &world->active.items[i];
+        if (entry->flags & DAFT_SIM_JOINS) join(world, entry->body_a, entry->body_b);
     }
     for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
         const daft_sim_joint *joint = &world->joints[i];
@@ -129,10 +129,10 @@ static bool moves_others(const daft_world *world, uint32_t body)
 /* What lies on something that moves does not sleep, nor what a belt drives or a motor. */
 static void keep_carried_awake(daft_world *world)
 {
-    for (size_t i = 0; i < world->met.count; i++) {
-        const daft_sim_touch *touch = &world->touches[world->met.items[i].touch];
-        if (touch->patch_count == 0 || touch->sensor) continue;
-        if (touch->belted || moves_others(world, touch->body_b)) world->bodies[touch->body_a].rest = 0;
+    for (size_t i = 0; i < world->active.count; i++) {
+        const daft_sim_active *entry = &world->active.items[i];
+        if (!(entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS))) continue;
+        if (world->touches[entry->touch].belted || moves_others(world, entry->body_b)) world->bodies[entry->body_a].rest = 0;
     }
     for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
         const daft_sim_joint *joint = &world->joints[i];
@@ -260,7 +260,8 @@ void daft_sim_sleep_update(daft_world *world, float dt)
 
 void daft_sim_sleep_island(daft_world *world, uint32_t index)
 {
-    if (!world->sleeping || !daft_sim_met_update(world)) return; /* touches may be gone since the step */
+    if (!world->sleeping) return;
+    daft_sim_active_refresh_all(world); /* patches may be gone since the step */
     daft_sim_islands_find(world);
     mark_islands(world, -1);
     uint32_t root = daft_sim_island_of(world, index), ready = world->bodies[root].state;

@@ -160,12 +160,7 @@ static void run_rows(void *context, uint32_t index, uint32_t worker)
     (void)worker;
     const row_job *j = context;
     uint32_t first = 1 + j->world->solver->mover_count + index * ROW_GRAIN, end = first + ROW_GRAIN;
-    const daft_sim_rows *rows = &j->world->solver->rows;
-    float *const arrays[] = {rows->velocity, rows->moved, rows->turn};
-    for (uint32_t row = first; row < end && row < j->world->solver->row_count; row++) {
-        daft_sim_row_fetch(j->world, row + DAFT_SIM_BODY_AHEAD, arrays, DAFT_COUNT_OF(arrays));
-        j->run(j->world, row);
-    }
+    for (uint32_t row = first; row < end && row < j->world->solver->row_count; row++) j->run(j->world, row);
 }
 
 static void for_rows(daft_world *world, void (*run)(daft_world *world, uint32_t row))
@@ -191,19 +186,23 @@ static void end_dynamics(daft_world *world)
 static void count(daft_world *world)
 {
     daft_sim_counters *c = &world->counters;
-    c->pairs = (uint32_t)world->listed.count;
+    c->pairs = (uint32_t)world->active.count;
     c->islands = world->solver->heap_count;
 }
 
 /* Finds what is there to be solved. Nothing has moved if it fails. */
 static bool find_work(daft_world *world, float dt)
 {
+    size_t active;
     for (size_t i = 0; i < world->movers.count; i++) begin_mover(&world->bodies[world->movers.items[i]], dt);
     if (!daft_sim_broad_update(world, dt) || !daft_sim_pairs_find(world)) return false;
     if (!daft_sim_contacts_update(world, dt) || !daft_sim_ghosts_drop(world, dt)) return false;
+    active = world->active.count;
     daft_sim_wake_met(world);
-    bool woken = world->fresh_listed.count > 0;
-    if (!daft_sim_listing_update(world) || (woken && !daft_sim_met_update(world))) return false;
+    if (world->active.count > active) { /* with touches of their own */
+        daft_sim_active_update(world);
+        daft_sim_active_refresh_all(world);
+    }
     return daft_sim_solver_create(world) && daft_sim_rows_assign(world, dt) && daft_sim_report_reserve(world) &&
            !world->lost_event;
 }

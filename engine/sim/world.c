@@ -17,6 +17,7 @@ daft_world *daft_world_create(const daft_allocator *allocator, daft_error *error
     world->isa = daft_isa_best();
     world->sleeping = true;
     world->changes = 1;
+    world->sorted = true;
     world->free_body = world->free_part = world->free_touch = world->free_joint = DAFT_SIM_NONE;
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_init(&world->trees[i]);
     return world;
@@ -29,11 +30,11 @@ void daft_world_destroy(daft_world *world)
     daft_sim_solver_destroy(world);
     for (uint32_t i = 0; i < world->touch_count; i++) daft_release(&allocator, world->touches[i].more);
     void *arrays[] = {world->bodies, world->parts, world->touches, world->joints, world->awake.items,
-                      world->movers.items, world->moved.items, world->listed.items, world->met.items,
-                      world->order.items, world->fat, world->tight, world->outlines, world->box_frames, world->slots,
-                      world->astray.items, world->groups, world->group_boxes, world->group_keys, world->barred,
-                      world->fresh_barred, world->ordered, world->left, world->ghosts.items, world->islands,
-                      world->met_ranges.items, world->merged.items, world->fresh_listed.items, world->pairs,
+                      world->movers.items, world->moved.items, world->active.items, world->sorting.items,
+                      world->fat, world->tight, world->outlines, world->box_frames, world->slots,
+                      world->astray.items, world->groups, world->group_boxes, world->group_keys, world->ordered,
+                      world->left, world->ghosts.items, world->islands,
+                      world->pairs,
                       world->report, world->events.items, world->pending.items, world->candidates};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&allocator, arrays[i]);
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) {

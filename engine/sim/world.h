@@ -8,10 +8,10 @@
  *   joint   two bodies, a frame in each, and the impulses it carries over
  *
  * A body is active if it is dynamic and awake, or kinematic and moves. Only what is active is in a list that a step
- * walks: `awake`, `movers`, and `listed`, the touches that have an active side, in the order of their keys. A body that
+ * walks: `awake`, `movers`, and the active list, of touches that have an active side, in the order of their keys. A body that
  * sleeps is on a ring with those that fell asleep with it, and is woken with them.
  *
- * A step (step.c): bounds and near pairs (broad.c, groups.c, pairs.c) -> manifolds (contacts.c, met.c) -> islands that are met wake
+ * A step (step.c): bounds and near pairs (broad.c, groups.c, pairs.c) -> manifolds (contacts.c) -> islands that are met wake
  * (sleep.c) -> colours (colour.c) -> substeps (solver.c, solver_kernel.c, joint_kernel.c, angular.c) -> sweeps (sweep.c),
  * poses -> events (events.c) -> islands fall asleep (sleep.c).
  *
@@ -61,10 +61,6 @@ static inline bool daft_sim_overlap(const daft_sim_bounds *a, const daft_sim_bou
     return (a->low.x <= b->high.x) & (b->low.x <= a->high.x) & (a->low.y <= b->high.y) & (b->low.y <= a->high.y) &
            (a->low.z <= b->high.z) & (b->low.z <= a->high.z);
 }
-
-/* Of functions that fetch what will be asked for: gcc takes one that does nothing else for one without effect, unless it has
- * become part of its caller before. */
-#define DAFT_SIM_FETCH static inline __attribute__((always_inline)) void
 
 /* ---- the tree (tree.c) ---- */
 
@@ -268,41 +264,30 @@ typedef struct daft_sim_joint {
     uint32_t user, previous[2];
 } daft_sim_joint;
 
-/* Touches in the order of keys: part a, then part b. */
-typedef struct daft_sim_listed {
-    uint64_t key;
-    uint32_t touch;
-    uint32_t state;
-} daft_sim_listed;
-
-enum { DAFT_SIM_LISTED_MET = 1 /* it may have patches, or be touching as events tell it */ };
-
-typedef struct daft_sim_listing {
-    daft_sim_listed *items;
-    size_t count, capacity;
-} daft_sim_listing;
-
-/* A touch that has patches or is touching, with what the whole step asks of it, so that its record is left alone. */
-typedef struct daft_sim_met {
+/* An entry of the active list: a touch that has an active side, and what the whole step asks of it, so that its record is left
+ * alone. */
+typedef struct daft_sim_active {
+    uint64_t key; /* part a, then part b */
     uint32_t touch, body_a, body_b;
     uint16_t points;
     uint8_t patches, flags;
-} daft_sim_met;
+} daft_sim_active;
 
 enum {
-    DAFT_SIM_MET_FIXED = 1, /* it has patches, and b does not yield */
-    DAFT_SIM_MET_JOINS = 2, /* it has patches, and both yield */
-    DAFT_SIM_MET_DEEP = 4,  /* a overlaps by so much that it is no load which presses them together (substep_rate.c) */
-    DAFT_SIM_MET_PARTS = 8, /* they were made so, or were too fast: they are to part slowly (colour.c) */
-    DAFT_SIM_MET_FIRM = 16  /* at rest, and carries many times the lighter's weight (substep_rate.c) */
+    DAFT_SIM_OVERLAPS = 1, /* it has patches, or is touching as events tell it; none of the others without this one */
+    DAFT_SIM_FIXED = 2,    /* it has patches, and b does not yield */
+    DAFT_SIM_JOINS = 4,    /* it has patches, and both yield */
+    DAFT_SIM_DEEP = 8,     /* a overlaps by so much that it is no load which presses them together (substep_rate.c) */
+    DAFT_SIM_PARTS = 16,   /* they were made so, or were too fast: they are to part slowly (colour.c) */
+    DAFT_SIM_FIRM = 32,    /* at rest, and carries many times the lighter's weight (substep_rate.c) */
+    DAFT_SIM_CHANGED = 64, /* it began or ended in this step (events.c) */
+    DAFT_SIM_REPORTED = 128 /* it is among the contacts that the step tells (events.c) */
 };
 
-#define DAFT_SIM_RANGE_FIXED 0x80000000u /* some of a range's, in world->met_ranges, are DAFT_SIM_MET_FIXED */
-
-typedef struct daft_sim_meeting {
-    daft_sim_met *items;
+typedef struct daft_sim_active_list {
+    daft_sim_active *items;
     size_t count, capacity;
-} daft_sim_meeting;
+} daft_sim_active_list;
 
 typedef struct daft_sim_event_list {
     daft_sim_event *items;
@@ -345,11 +330,10 @@ struct daft_world {
     size_t left_capacity;
     daft_sim_list moved;  /* parts that were placed since the last step */
     daft_sim_list astray; /* broad.c: parts that are to enter their tree anew */
-    daft_sim_listing listed, fresh_listed, merged;
-    daft_sim_listing order; /* scratch of events.c */
-    bool bare;            /* some listed touch needs room for manifolds */
-    daft_sim_meeting met; /* touches of the listing that have patches or are touching, in its order */
-    daft_sim_list met_ranges; /* of each range of the listing that was looked at, how many have met, and DAFT_SIM_RANGE_FIXED */
+    daft_sim_active_list active; /* in the order of keys, as far as it is `sorted` */
+    bool sorted;
+    daft_sim_active_list sorting; /* scratch: room for twice as many */
+    bool bare;            /* some active touch needs room for manifolds */
     uint32_t *islands;    /* sleep.c: of each body that is awake, its parent in the union-find */
     size_t island_capacity;
     daft_sim_list ghosts; /* scratch of ghost.c: of what met what does not yield */
@@ -366,8 +350,6 @@ struct daft_world {
     uint32_t slots_late; /* taken since they were put together */
     bool newcomers;      /* some may not be in their group yet */
     double group_size;   /* the sum of their sizes, when they were put together; 0: unknown; -1: they have grown too much */
-    uint64_t *barred, *fresh_barred; /* near pairs that a joint keeps from touching, in order; scratch */
-    size_t barred_count, barred_capacity, fresh_barred_capacity;
 
     daft_sim_tree trees[DAFT_BODY_DYNAMIC + 1]; /* one for each kind */
     uint64_t changes;         /* counts steps and changes of the trees, from 1 on */
@@ -379,7 +361,7 @@ struct daft_world {
     daft_sim_contact *report; /* first the contacts of what sleeps, made anew when some fell asleep or woke */
     size_t report_count, report_capacity, report_asleep;
     bool sleep_changed;
-    bool untold; /* the other contacts of the last step are in `merged`, by touch, and not in the report yet */
+    bool untold; /* the other contacts of the last step are flagged in the active list, and not in the report yet */
     uint64_t *candidates, *ordered; /* pairs.c: keys of near pairs; scratch of ordering them */
     size_t candidate_count, candidate_capacity, ordered_capacity;
     daft_sim_event_list events, pending; /* of the last step; of calls since */
@@ -448,14 +430,6 @@ bool daft_sim_list_reserve(daft_world *world, daft_sim_list *list, size_t needed
 void daft_sim_list_add(daft_world *world, daft_sim_list *list, uint32_t body);    /* room was reserved */
 void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t body); /* of bodies, by list_slot */
 
-/* What a step asks of a body is on its way, and so is the right to write there, which another processor may have. Loops over
- * bodies call it for the one that follows so many places later. */
-enum { DAFT_SIM_BODY_AHEAD = 6 };
-DAFT_SIM_FETCH daft_sim_body_fetch(const daft_sim_body *body)
-{
-    for (size_t at = 0; at < offsetof(daft_sim_body, user); at += 64) __builtin_prefetch((const char *)body + at, 1);
-}
-
 /* ---- step.c ---- */
 
 /* A loop of the step, on all its workers if that is `wide` enough to be worth it. */
@@ -520,16 +494,19 @@ bool daft_sim_groups_search(daft_world *world);
 /* Touches of all near pairs, and of no others that have an active side. False when memory is out. */
 bool daft_sim_pairs_find(daft_world *world);
 void daft_sim_touch_remove(daft_world *world, uint32_t touch);
-/* The same between steps: it leaves the listing too. */
 void daft_sim_touches_forget(daft_world *world, uint32_t body); /* the impulses they keep */
+/* Between steps: it leaves the active list too. */
 void daft_sim_touch_drop(daft_world *world, uint32_t touch);
 void daft_sim_touches_remove(daft_world *world, uint32_t body);
-/* All touches of a body appear in the next listing. Room was reserved. */
+/* All touches of a body go to the active list. Room was reserved. */
 void daft_sim_touches_list(daft_world *world, uint32_t body);
 /* By keys; those of equal ones keep their order. scratch: room for as many. */
-void daft_sim_listed_sort(daft_sim_listed *items, size_t count, daft_sim_listed *scratch);
-/* Merges what is new. False when memory is out. */
-bool daft_sim_listing_update(daft_world *world);
+void daft_sim_active_sort(daft_sim_active *items, size_t count, daft_sim_active *scratch);
+/* What joined the active list since it was last sorted goes to its place. */
+void daft_sim_active_update(daft_world *world);
+/* What its touch's patches say of an entry; of all that overlap. */
+void daft_sim_active_refresh(const daft_world *world, daft_sim_active *entry);
+void daft_sim_active_refresh_all(daft_world *world);
 /* Whether two parts may touch at all. */
 bool daft_sim_may_meet(const daft_world *world, uint32_t part_a, uint32_t part_b);
 /* For loading: enters a touch that stands in its slot into lists. */
@@ -538,24 +515,12 @@ bool daft_sim_pairs_reserve(daft_world *world, size_t more);
 
 /* ---- contacts.c ---- */
 
-/* Patches of everything listed, and which of it has met. False when memory is out. */
+/* Patches of everything active. False when memory is out. */
 bool daft_sim_contacts_update(daft_world *world, float dt);
 /* From the materials of its parts. */
 void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch);
 /* The way of a body's part over dt, as it is going now. */
 daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt);
-
-/* ---- met.c ---- */
-
-/* Finds which of the listed have met. False when memory is out. */
-bool daft_sim_met_update(daft_world *world);
-/* The same by ranges of the listing, side by side: room for what they find, what one of them finds, and all of it in a
- * row. Every range but the last has `grain` entries. */
-bool daft_sim_met_reserve(daft_world *world, size_t ranges);
-void daft_sim_met_range(daft_world *world, uint32_t range, size_t first, size_t count);
-void daft_sim_met_gather(daft_world *world, size_t grain);
-/* After a change of its patches. */
-void daft_sim_met_refresh(const daft_world *world, daft_sim_met *met);
 
 /* ---- ghost.c ---- */
 

@@ -212,7 +212,6 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
     bool bullets = false;
     if (end > world->awake.count) end = world->awake.count;
     for (size_t i = first; i < end; i++) {
-        if (i + DAFT_SIM_BODY_AHEAD < end) daft_sim_body_fetch(&world->bodies[world->awake.items[i + DAFT_SIM_BODY_AHEAD]]);
         world->left[i] = update_body(world, world->awake.items[i], j->dt);
         bullets |= world->bodies[world->awake.items[i]].bullet;
     }

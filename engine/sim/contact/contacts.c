@@ -6,7 +6,6 @@
 #include "sim/contact/persistence.h"
 #include "sim/collide/manifold_box.h"
 
-#include <stddef.h>
 #include <string.h>
 
 /* Of a movement within a step, as much as this share of the part's reach is met by wider margins; farther is swept. */
@@ -263,7 +262,7 @@ static bool begin(const daft_world *world, daft_sim_touch *touch, float dt, pair
     return !is_clear(world, touch, p);
 }
 
-enum { GRAIN = 256, AHEAD = 16, PARALLEL_TOUCHES = 256 };
+enum { GRAIN = 256, PARALLEL_TOUCHES = 256 };
 
 /* ---- what is found in lanes ---- */
 
@@ -287,24 +286,24 @@ static uint32_t begin_patch(const daft_world *world, daft_sim_touch *touch)
 
 typedef struct boxes {
     daft_box_batch batch;
-    daft_sim_listed *entries[DAFT_BOX_LANES];
+    daft_sim_active *entries[DAFT_BOX_LANES];
     float margins[DAFT_BOX_LANES];
     int count;
 } boxes;
 
 typedef struct rounds {
     daft_round_batch batch;
-    daft_sim_listed *entries[DAFT_ROUND_LANES];
+    daft_sim_active *entries[DAFT_ROUND_LANES];
     int count;
 } rounds;
 
-/* What is at hand while a range of the listing is gone over. */
+/* What is at hand while a range of the active list is gone over. */
 typedef struct range {
     const daft_world *world;
     float dt;
     rounds rounds, round_boxes;
     boxes boxes;
-    daft_sim_listed *asked[GRAIN]; /* to be looked at one at a time */
+    daft_sim_active *asked[GRAIN]; /* to be looked at one at a time */
     size_t asked_count;
 } range;
 
@@ -317,10 +316,10 @@ static bool will_reach(const range *r, const daft_sim_touch *touch, float margin
     return is_met(&p, anchor, normal, separation);
 }
 
-static void end_patch(daft_sim_touch *touch, daft_sim_listed *entry)
+static void end_patch(daft_sim_touch *touch, daft_sim_active *entry)
 {
     touch->patch_count = touch->own.count > 0;
-    if (touch->patch_count) entry->state |= DAFT_SIM_LISTED_MET;
+    if (touch->patch_count > 0) entry->flags |= DAFT_SIM_OVERLAPS;
 }
 
 /* From body a's centre of mass to part a's origin. */
@@ -354,20 +353,8 @@ static void take_round(const range *r, rounds *all, int lane)
     end_patch(touch, all->entries[lane]);
 }
 
-DAFT_SIM_FETCH fetch(const void *record, size_t size)
-{
-    for (size_t at = 0; at < size; at += 64) __builtin_prefetch((const char *)record + at);
-    __builtin_prefetch((const char *)record + size - 1); /* records do not begin where lines do */
-}
-
-/* To be looked at alone: its records are on their way. */
-static void ask(range *r, daft_sim_listed *entry)
-{
-    const daft_sim_touch *touch = &r->world->touches[entry->touch];
-    fetch(touch, entry->state ? sizeof *touch : offsetof(daft_sim_touch, next));
-    fetch(&r->world->parts[(uint32_t)entry->key], offsetof(daft_sim_part, pose));
-    r->asked[r->asked_count++] = entry;
-}
+/* To be looked at alone. */
+static void ask(range *r, daft_sim_active *entry) { r->asked[r->asked_count++] = entry; }
 
 static void collide_rounds(range *r, rounds *all)
 {
@@ -375,12 +362,12 @@ static void collide_rounds(range *r, rounds *all)
     const daft_round_kernels *kernels = TABLE[r->world->isa];
     (all == &r->rounds ? kernels->rounds : kernels->boxes)(r->world->outlines, &all->batch, all->count);
     for (int lane = 0; lane < all->count; lane++) {
-        daft_sim_listed *entry = all->entries[lane];
+        daft_sim_active *entry = all->entries[lane];
         int32_t state = all->batch.state[lane];
         daft_sim_touch *touch = &r->world->touches[entry->touch];
         if (state == DAFT_ROUND_ASK) {
             ask(r, entry);
-        } else if (state == DAFT_ROUND_MET || entry->state & DAFT_SIM_LISTED_MET) {
+        } else if (state == DAFT_ROUND_MET || entry->flags & DAFT_SIM_OVERLAPS) {
             touch->cache = (daft_pair_cache){0};
             if (state == DAFT_ROUND_MET)
                 take_round(r, all, lane);
@@ -439,7 +426,7 @@ static bool are_boxes_clear(const range *r, const daft_sim_touch *touch, float f
     return CLEARANCE_SHARE * (double)touch->cache.clearance - gone > (double)far;
 }
 
-static void add_boxes(range *r, daft_sim_listed *entry, uint32_t a, uint32_t b)
+static void add_boxes(range *r, daft_sim_active *entry, uint32_t a, uint32_t b)
 {
     const daft_outline *x = &r->world->outlines[a], *y = &r->world->outlines[b];
     const daft_sim_touch *touch = &r->world->touches[entry->touch];
@@ -462,7 +449,7 @@ static void add_boxes(range *r, daft_sim_listed *entry, uint32_t a, uint32_t b)
 }
 
 /* To the lanes where its kind is looked at, or to those that are looked at one at a time. */
-static void sort_in(range *r, daft_sim_listed *entry)
+static void sort_in(range *r, daft_sim_active *entry)
 {
     const daft_outline *all = r->world->outlines;
     uint32_t a = (uint32_t)(entry->key >> 32), b = (uint32_t)entry->key;
@@ -498,18 +485,8 @@ static void update_asked(range *r)
         daft_sim_touch *touch = &world->touches[r->asked[i]->touch];
         pair p;
         if (begin(world, touch, r->dt, &p)) find_patches(world, touch, &p);
-        if (touch->patch_count > 0) r->asked[i]->state |= DAFT_SIM_LISTED_MET;
+        if (touch->patch_count > 0) r->asked[i]->flags |= DAFT_SIM_OVERLAPS;
     }
-}
-
-/* What is looked at for a pair in any case, and where it had patches, the record that keeps them. */
-DAFT_SIM_FETCH fetch_entry(const daft_world *world, const daft_sim_listed *entry)
-{
-    __builtin_prefetch(&world->outlines[entry->key >> 32]);
-    __builtin_prefetch(&world->outlines[(uint32_t)entry->key]);
-    const daft_sim_touch *touch = &world->touches[entry->touch];
-    if (entry->state) fetch(touch, sizeof *touch);
-    else __builtin_prefetch(&touch->cache); /* what boxes ask for */
 }
 
 static void update_range(void *context, uint32_t index, uint32_t worker)
@@ -517,31 +494,23 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
     (void)worker;
     const job *j = context;
     daft_world *world = j->world;
-    size_t first = (size_t)index * GRAIN, left = world->listed.count - first, count = left < GRAIN ? left : GRAIN;
-    daft_sim_listed *entries = &world->listed.items[first];
-    range r;
-    r.world = world, r.dt = j->dt, r.asked_count = 0;
-    r.rounds.count = r.round_boxes.count = r.boxes.count = 0;
-    memset(r.rounds.batch.a, 0, sizeof r.rounds.batch.a), memset(r.rounds.batch.b, 0, sizeof r.rounds.batch.b);
-    memset(r.round_boxes.batch.a, 0, sizeof r.rounds.batch.a), memset(r.round_boxes.batch.b, 0, sizeof r.rounds.batch.b);
-    for (size_t i = 0; i < count; i++) {
-        if (i + AHEAD < count) fetch_entry(world, &entries[i + AHEAD]);
-        sort_in(&r, &entries[i]);
-    }
+    size_t first = (size_t)index * GRAIN, left = world->active.count - first, count = left < GRAIN ? left : GRAIN;
+    daft_sim_active *entries = &world->active.items[first];
+    range r = {.world = world, .dt = j->dt}; /* lanes past the last are read, too: all of them hold defined values */
+    for (size_t i = 0; i < count; i++) sort_in(&r, &entries[i]);
     if (r.boxes.count > 0) collide_boxes(&r);
     if (r.rounds.count > 0) collide_rounds(&r, &r.rounds);
     if (r.round_boxes.count > 0) collide_rounds(&r, &r.round_boxes);
-    for (size_t i = 0; i < r.asked_count; i++)
-        fetch(&world->bodies[world->touches[r.asked[i]->touch].body_b], offsetof(daft_sim_body, force));
     update_asked(&r);
-    daft_sim_met_range(world, index, first, count);
+    for (size_t i = 0; i < count; i++)
+        if (entries[i].flags) daft_sim_active_refresh(world, &entries[i]);
 }
 
 /* Touches of what is not convex have many manifolds. */
 static bool reserve_patches(daft_world *world)
 {
-    for (size_t i = 0; i < world->listed.count; i++) {
-        daft_sim_touch *touch = &world->touches[world->listed.items[i].touch];
+    for (size_t i = 0; i < world->active.count; i++) {
+        daft_sim_touch *touch = &world->touches[world->active.items[i].touch];
         if (!daft_sim_is_bare(world, touch)) continue;
         touch->more = daft_alloc(&world->allocator, DAFT_SIM_MAX_PATCHES, sizeof *touch->more);
         if (!touch->more) return false;
@@ -555,9 +524,7 @@ bool daft_sim_contacts_update(daft_world *world, float dt)
     if (world->bare && !reserve_patches(world)) return false;
     world->bare = false;
     job j = {world, dt};
-    uint32_t tasks = (uint32_t)((world->listed.count + GRAIN - 1) / GRAIN);
-    if (!daft_sim_met_reserve(world, tasks)) return false;
-    daft_sim_for(world, world->listed.count >= PARALLEL_TOUCHES, tasks, update_range, &j);
-    daft_sim_met_gather(world, GRAIN);
+    uint32_t tasks = (uint32_t)((world->active.count + GRAIN - 1) / GRAIN);
+    daft_sim_for(world, world->active.count >= PARALLEL_TOUCHES, tasks, update_range, &j);
     return true;
 }

@@ -353,7 +353,7 @@ static void filter_body(daft_world *world, uint32_t index, float dt)
     for (int i = 0; i < g.count; i++) squeeze(g.near[i].touch);
 }
 
-enum { GRAIN = 4, PARALLEL_BODIES = 32, AHEAD = 8 };
+enum { GRAIN = 4, PARALLEL_BODIES = 32 };
 
 typedef struct job {
     daft_world *world;
@@ -384,39 +384,19 @@ static bool is_deep(const daft_world *world, daft_sim_touch *touch)
 
 #define FILTERED UINT32_MAX /* as a body's fixed_met */
 
-typedef void visit_met(daft_world *world, daft_sim_met *met);
-
-/* Of all that met, those with what does not yield: few, and next to each other. */
-static void for_fixed(daft_world *world, visit_met *visit)
-{
-    size_t at = 0;
-    for (size_t range = 0; range < world->met_ranges.count; range++) {
-        size_t end = at + (world->met_ranges.items[range] & ~DAFT_SIM_RANGE_FIXED);
-        bool some = world->met_ranges.items[range] & DAFT_SIM_RANGE_FIXED;
-        for (size_t i = at; some && i < end; i++)
-            if (world->met.items[i].flags & DAFT_SIM_MET_FIXED) visit(world, &world->met.items[i]);
-        at = end;
-    }
-}
-
-static void note_fixed(daft_world *world, daft_sim_met *met)
-{
-    world->ghosts.items[world->ghosts.count++] = (uint32_t)(met - world->met.items);
-}
-
-/* A contact is a ghost beside another one only, and the way out matters for balls only. Of what met what does not yield, the
- * bodies that this may be about are left. */
-static void keep_doubtful(daft_world *world)
+/* A contact is a ghost beside another one only, and the way out matters for balls only. The bodies that this may be about, of
+ * those that overlap what does not yield. */
+static void find_doubtful(daft_world *world)
 {
     daft_sim_list *list = &world->ghosts;
     size_t bodies = 0, doubtful = 0;
-    for (size_t i = 0; i < list->count; i++) {
-        if (i + AHEAD < list->count) __builtin_prefetch(&world->bodies[world->met.items[list->items[i + AHEAD]].body_a].fixed_met, 1);
-        const daft_sim_met *met = &world->met.items[list->items[i]];
-        daft_sim_body *body = &world->bodies[met->body_a];
+    for (size_t i = 0; i < world->active.count; i++) {
+        const daft_sim_active *entry = &world->active.items[i];
+        if (!(entry->flags & DAFT_SIM_FIXED)) continue;
+        daft_sim_body *body = &world->bodies[entry->body_a];
         if (body->asleep) continue;
-        if (body->fixed_met == 0) list->items[bodies++] = met->body_a;
-        body->fixed_met += body->ball || (met->patches > 1 && is_deep(world, &world->touches[met->touch])) ? 2 : 1;
+        if (body->fixed_met == 0) list->items[bodies++] = entry->body_a;
+        body->fixed_met += body->ball || (entry->patches > 1 && is_deep(world, &world->touches[entry->touch])) ? 2 : 1;
     }
     for (size_t i = 0; i < bodies; i++) {
         daft_sim_body *body = &world->bodies[list->items[i]];
@@ -427,24 +407,25 @@ static void keep_doubtful(daft_world *world)
     list->count = doubtful;
 }
 
-static void refresh_filtered(daft_world *world, daft_sim_met *met)
+static void refresh_filtered(daft_world *world)
 {
-    if (world->bodies[met->body_a].fixed_met == FILTERED) daft_sim_met_refresh(world, met);
+    for (size_t i = 0; i < world->active.count; i++) {
+        daft_sim_active *entry = &world->active.items[i];
+        if (entry->flags & DAFT_SIM_FIXED && world->bodies[entry->body_a].fixed_met == FILTERED) daft_sim_active_refresh(world, entry);
+    }
 }
 
 bool daft_sim_ghosts_drop(daft_world *world, float dt)
 {
     daft_sim_list *bodies = &world->ghosts;
-    if (!daft_grow(&world->allocator, &bodies->items, &bodies->capacity, world->met.count, 0, sizeof *bodies->items))
+    if (!daft_grow(&world->allocator, &bodies->items, &bodies->capacity, world->awake.count, 0, sizeof *bodies->items))
         return false;
-    bodies->count = 0;
-    for_fixed(world, note_fixed);
-    keep_doubtful(world);
+    find_doubtful(world);
     if (bodies->count == 0) return true;
     job j = {world, dt};
     uint32_t tasks = (uint32_t)((bodies->count + GRAIN - 1) / GRAIN);
     daft_sim_for(world, bodies->count >= PARALLEL_BODIES, tasks, filter_range, &j);
-    for_fixed(world, refresh_filtered);
+    refresh_filtered(world);
     for (size_t i = 0; i < bodies->count; i++) world->bodies[bodies->items[i]].fixed_met = 0;
     return true;
 }

@@ -242,7 +242,6 @@ void daft_sim_joint_remove(daft_world *world, uint32_t index, bool event)
     unlink_joint(world, index, 1);
     for (int side = 0; side < 2; side++) set_joined(world, joint->body[side]);
     joint->kind = 0;
-    world->barred_count = 0; /* what it kept apart may meet again */
     joint->next[0] = world->free_joint;
     world->free_joint = index;
     world->live_joints--;

@@ -127,23 +127,6 @@ static void fill_rows(const daft_world *world, daft_sim_joint_block *block, cons
     }
 }
 
-/* The joints of a block stand anywhere, and their bodies; those of the next one are on their way meanwhile. */
-DAFT_SIM_FETCH fetch_block(const daft_world *world, uint32_t index)
-{
-    const daft_sim_solver *s = world->solver;
-    if (index >= s->joint_block_count) return;
-    const daft_sim_joint_slot *slots = &s->joint_slots[(size_t)index * DAFT_SIM_LANES];
-    for (int lane = 0; lane < DAFT_SIM_LANES && slots[lane].joint != DAFT_SIM_NONE; lane++) {
-        const char *joint = (const char *)&world->joints[slots[lane].joint];
-        for (size_t at = 0; at < sizeof(daft_sim_joint); at += 64) __builtin_prefetch(joint + at, 1);
-        for (int i = 0; i < 2; i++) {
-            if (slots[lane].row[i] == 0) continue;
-            const char *body = (const char *)&world->bodies[s->row_bodies[slots[lane].row[i]]];
-            __builtin_prefetch(body + offsetof(daft_sim_body, centre));
-        }
-    }
-}
-
 static int lanes_of(const daft_sim_joint_slot *slots)
 {
     int lanes = 0;
@@ -153,7 +136,6 @@ static int lanes_of(const daft_sim_joint_slot *slots)
 
 void daft_sim_joint_block_fill(daft_world *world, uint32_t index)
 {
-    fetch_block(world, index + 1);
     daft_sim_solver *s = world->solver;
     daft_sim_joint_block *block = &s->joint_blocks[index];
     const daft_sim_joint_slot *slots = &s->joint_slots[(size_t)index * DAFT_SIM_LANES];

@@ -1,10 +1,11 @@
 /* Rows for the bodies that move in this step, and colours for the constraints between them: constraints of one colour
  * share no body that yields, so they can be solved side by side (graph colouring as in Box2D v3). Each constraint takes
- * the lowest colour that is free at both its bodies, in the order of the listing; so the colours of one heap are its
+ * the lowest colour that is free at both its bodies, in the order of the active list; so the colours of one heap are its
  * own, whatever else is in the world. Contacts with what does not yield come last: the solver ends with what cannot
  * give way. */
 #include "sim/joint/joints.h"
 
+#include <stdatomic.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -97,9 +98,9 @@ static uint32_t take_colour(daft_sim_solver *s, size_t a, size_t b, uint32_t cla
 }
 
 /* Whether a touch that met is solved, as it yields somewhere: a does. */
-static bool is_solved(const daft_world *world, const daft_sim_met *met)
+static bool is_solved(const daft_world *world, const daft_sim_active *entry)
 {
-    return met->flags & (DAFT_SIM_MET_FIXED | DAFT_SIM_MET_JOINS) && yields(world, world->solver->row_of[met->body_a]);
+    return entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS) && yields(world, world->solver->row_of[entry->body_a]);
 }
 
 /* Room for rows, and for what there is of each; of each body, for its row. */
@@ -108,7 +109,7 @@ static bool reserve(daft_world *world, size_t rows)
     daft_sim_solver *s = world->solver;
     const daft_allocator *a = &world->allocator;
     size_t bodies = world->body_count, known = s->row_of_capacity, patches = 0;
-    for (size_t i = 0; i < world->met.count; i++) patches += world->met.items[i].patches;
+    for (size_t i = 0; i < world->active.count; i++) patches += world->active.items[i].patches;
     if (!reserve_rows(world, rows) || !daft_grow(a, &s->row_of, &s->row_of_capacity, bodies, known, sizeof *s->row_of))
         return false;
     memset(s->row_of + known, 0, (s->row_of_capacity - known) * sizeof *s->row_of);
@@ -158,10 +159,10 @@ static void tell_rows(daft_world *world)
         s->constrained[row] = yields(world, row) && s->masks[place_of_body(body)] != 0 ? DAFT_SIM_TOUCHES : 0;
     }
     memset(s->parting, 0, s->row_count * sizeof *s->parting);
-    for (size_t i = 0; s->parts && i < world->met.count; i++) {
-        const daft_sim_met *met = &world->met.items[i];
-        if (!(met->flags & DAFT_SIM_MET_PARTS) || !is_solved(world, met)) continue;
-        uint32_t a = s->row_of[met->body_a], b = s->row_of[met->body_b];
+    for (size_t i = 0; s->parts && i < world->active.count; i++) {
+        const daft_sim_active *entry = &world->active.items[i];
+        if (!(entry->flags & DAFT_SIM_PARTS) || !is_solved(world, entry)) continue;
+        uint32_t a = s->row_of[entry->body_a], b = s->row_of[entry->body_b];
         part(world, a, b), part(world, b, a);
     }
 }
@@ -175,19 +176,19 @@ void daft_sim_contacts_colour(daft_world *world)
     s->parts = false;
     clear_colours(s, 0);
     for (size_t i = 0; i < world->awake.count; i++) clear_colours(s, place_of_body(world->awake.items[i]));
-    for (size_t i = 0; i < world->met.count; i++) {
-        const daft_sim_met *met = &world->met.items[i];
-        if (!is_solved(world, met)) continue;
-        bool both = yields(world, s->row_of[met->body_b]), firm = met->flags & DAFT_SIM_MET_FIRM;
-        size_t a = place_of_body(met->body_a), b = both ? place_of_body(met->body_b) : 0;
-        uint32_t class = !both, points = (met->points + met->patches - 1u) / met->patches; /* where there are several: about */
-        s->contact_rows += 3u * met->patches + met->points;
-        s->parts |= (met->flags & DAFT_SIM_MET_PARTS) != 0;
-        for (uint32_t k = 0; k < met->patches; k++) {
+    for (size_t i = 0; i < world->active.count; i++) {
+        const daft_sim_active *entry = &world->active.items[i];
+        if (!is_solved(world, entry)) continue;
+        bool both = yields(world, s->row_of[entry->body_b]), firm = entry->flags & DAFT_SIM_FIRM;
+        size_t a = place_of_body(entry->body_a), b = both ? place_of_body(entry->body_b) : 0;
+        uint32_t class = !both, points = (entry->points + entry->patches - 1u) / entry->patches; /* where there are several: about */
+        s->contact_rows += 3u * entry->patches + entry->points;
+        s->parts |= (entry->flags & DAFT_SIM_PARTS) != 0;
+        for (uint32_t k = 0; k < entry->patches; k++) {
             uint32_t colour = take_colour(s, a, b, class);
             if (colour >= s->contact_colours[class]) s->contact_colours[class] = colour + 1;
             s->contacts[s->contact_count++] =
-                (daft_sim_coloured){met->touch, k, met->body_a, met->body_b, colour << 1 | class, (uint8_t)points, firm, false, 0};
+                (daft_sim_coloured){entry->touch, k, entry->body_a, entry->body_b, colour << 1 | class, (uint8_t)points, firm, false, 0};
         }
     }
 }
@@ -206,7 +207,7 @@ bool daft_sim_rows_assign(daft_world *world, float dt)
     for (size_t i = 0; i < world->awake.count; i++) s->row_of[world->awake.items[i]] = row; /* any, but 0 */
     order_rows(world, daft_sim_finer_paces(world, dt));
     tell_rows(world);
-    memset(s->asked, 0, s->row_count * sizeof *s->asked);
+    for (uint32_t i = 0; i < s->row_count; i++) atomic_init(&s->asked[i], 0);
     return true;
 }
 
@@ -440,30 +441,8 @@ static void make_soft(float hertz, float h, float out[3])
     out[0] = omega / a1, out[1] = a2 * a3, out[2] = a3;
 }
 
-/* The touches of a block, and their bodies, stand anywhere; those of the next one are on their way meanwhile. */
-DAFT_SIM_FETCH fetch_body(const daft_world *world, uint32_t row)
-{
-    if (row == 0) return; /* it rests */
-    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
-    __builtin_prefetch(body);
-    __builtin_prefetch(&body->centre);
-}
-
-DAFT_SIM_FETCH fetch_block(const daft_world *world, uint32_t index, bool bodies)
-{
-    const daft_sim_solver *s = world->solver;
-    if (index >= s->block_count) return;
-    const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
-    for (int lane = 0; lane < DAFT_SIM_LANES && slots[lane].touch != DAFT_SIM_NONE; lane++) {
-        const char *touch = (const char *)&world->touches[slots[lane].touch];
-        for (size_t at = 0; at < sizeof(daft_sim_touch); at += 64) __builtin_prefetch(touch + at, 1);
-        if (bodies) fetch_body(world, slots[lane].row_a), fetch_body(world, slots[lane].row_b);
-    }
-}
-
 void daft_sim_block_fill(daft_world *world, uint32_t index)
 {
-    fetch_block(world, index + 1, true);
     daft_sim_solver *s = world->solver;
     daft_sim_block *block = &s->blocks[index];
     float h = s->h, soft[2][3];
@@ -509,7 +488,6 @@ static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)
 
 void daft_sim_block_store(daft_world *world, uint32_t index)
 {
-    fetch_block(world, index + 1, false);
     daft_sim_solver *s = world->solver;
     daft_sim_block *block = &s->blocks[index];
     const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];

@@ -287,10 +287,7 @@ static void fill_range(void *p, uint32_t index, uint32_t worker)
     const fill_job *j = p;
     daft_sim_solver *s = j->world->solver;
     uint32_t first = s->row_first + index * FILL_GRAIN, end = daft_min_u(first + FILL_GRAIN, s->row_end);
-    const daft_sim_rows *rows = &s->rows;
-    float *const arrays[] = {rows->velocity, rows->moved, rows->gain, rows->turn, rows->mass};
     for (uint32_t row = first; row < end; row++) {
-        daft_sim_row_fetch(j->world, row + DAFT_SIM_BODY_AHEAD, arrays, DAFT_COUNT_OF(arrays));
         fill_row(j->world, row, j->dt);
         const daft_sim_body *body = &j->world->bodies[s->row_bodies[row]];
         bool held = body->locks & DAFT_LOCK_POSITION, other = body->h > 0 && body->h != s->h;

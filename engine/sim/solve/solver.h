@@ -216,7 +216,7 @@ struct daft_sim_solver {
         uint32_t joint, row_a, row_b, colour;
     } *constraints;
     size_t constraint_capacity, constraint_count;
-    struct daft_sim_coloured { /* contacts of all paces, in the order of the listing */
+    struct daft_sim_coloured { /* contacts of all paces, in the order of the active list */
         uint32_t touch, patch, body_a, body_b, colour;
         uint8_t points;
         bool firms, firm; /* it carries much; it is solved as such */
@@ -258,15 +258,6 @@ typedef struct daft_sim_coloured daft_sim_coloured;
 typedef struct daft_sim_need daft_sim_need;
 typedef struct daft_sim_joint_slot daft_sim_joint_slot;
 typedef struct daft_sim_parting daft_sim_parting;
-
-/* The body of a row, and the row itself in some of the arrays, are on their way. */
-DAFT_SIM_FETCH daft_sim_row_fetch(const daft_world *world, uint32_t row, float *const arrays[], size_t count)
-{
-    const daft_sim_solver *s = world->solver;
-    if (row >= s->row_count) return;
-    daft_sim_body_fetch(&world->bodies[s->row_bodies[row]]);
-    for (size_t i = 0; i < count; i++) __builtin_prefetch(arrays[i] + (size_t)row * DAFT_SIM_ROW, 1);
-}
 
 /* ---- colour.c ---- */
 

@@ -229,17 +229,17 @@ static void survey_contacts(const daft_world *world)
     const daft_sim_solver *s = world->solver;
     daft_sim_heap sum = {0};
     uint32_t heap = 0;
-    for (size_t i = 0; i < world->met.count; i++) {
-        const daft_sim_met *met = &world->met.items[i];
-        if (!(met->flags & (DAFT_SIM_MET_FIXED | DAFT_SIM_MET_JOINS)) || s->row_of[met->body_a] == 0) continue;
-        if (s->heap_of[met->body_a] != heap) {
+    for (size_t i = 0; i < world->active.count; i++) {
+        const daft_sim_active *entry = &world->active.items[i];
+        if (!(entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS)) || s->row_of[entry->body_a] == 0) continue;
+        if (s->heap_of[entry->body_a] != heap) {
             add_contacts(&s->heaps[heap], &sum);
             sum = (daft_sim_heap){0};
-            heap = s->heap_of[met->body_a];
+            heap = s->heap_of[entry->body_a];
         }
-        sum.contacts += met->patches;
-        sum.deep |= (met->flags & DAFT_SIM_MET_DEEP) != 0;
-        if (met->flags & DAFT_SIM_MET_FIRM) sum.firm_contacts += met->patches;
+        sum.contacts += entry->patches;
+        sum.deep |= (entry->flags & DAFT_SIM_DEEP) != 0;
+        if (entry->flags & DAFT_SIM_FIRM) sum.firm_contacts += entry->patches;
     }
     if (s->heap_count > 0) add_contacts(&s->heaps[heap], &sum);
 }

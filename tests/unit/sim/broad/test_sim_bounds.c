@@ -102,10 +102,10 @@ static void a_tree_finds_what_a_search_of_all_finds(void **unused)
 
 enum { MOST = 500 };
 
-static void sort_slowly(daft_sim_listed *items, size_t count)
+static void sort_slowly(daft_sim_active *items, size_t count)
 {
     for (size_t i = 1; i < count; i++) {
-        daft_sim_listed moved = items[i];
+        daft_sim_active moved = items[i];
         size_t k = i;
         for (; k > 0 && items[k - 1].key > moved.key; k--) items[k] = items[k - 1];
         items[k] = moved;
@@ -116,15 +116,15 @@ static void listings_are_sorted_and_equal_keys_keep_their_order(void **unused)
 {
     (void)unused;
     fixture_seed(812);
-    daft_sim_listed items[MOST], expected[MOST], scratch[MOST];
+    daft_sim_active items[MOST], expected[MOST], scratch[MOST];
     for (int round = 0; round < 400; round++) {
         size_t count = random_bits() % MOST;
         uint32_t step = 1 + random_bits() % 40; /* long runs in order, with breaks between them */
         for (size_t i = 0; i < count; i++) {
             uint64_t key = round % 2 ? random_bits() % 50 : i % step + (random_bits() % 9 == 0 ? random_bits() % 60 : 0);
-            expected[i] = items[i] = (daft_sim_listed){key, (uint32_t)i, 0};
+            expected[i] = items[i] = (daft_sim_active){.key = key, .touch = (uint32_t)i};
         }
-        daft_sim_listed_sort(items, count, scratch);
+        daft_sim_active_sort(items, count, scratch);
         sort_slowly(expected, count);
         for (size_t i = 0; i < count; i++) {
             assert_true(items[i].key == expected[i].key);

@@ -67,11 +67,11 @@ static void check_listing(const daft_world *world)
     static uint64_t keys[MOST];
     size_t count = search_all(world, keys), listed = 0;
     qsort(keys, count, sizeof *keys, by_value);
-    for (size_t i = 0; i < world->listed.count; i++) {
-        uint64_t key = world->listed.items[i].key;
+    for (size_t i = 0; i < world->active.count; i++) {
+        uint64_t key = world->active.items[i].key;
         if (!is_active(world, (uint32_t)(key >> 32)) && !is_active(world, (uint32_t)key)) continue;
         assert_true(listed < count && keys[listed] == key);
-        assert_true(daft_sim_touch_key(&world->touches[world->listed.items[i].touch]) == key);
+        assert_true(daft_sim_touch_key(&world->touches[world->active.items[i].touch]) == key);
         listed++;
     }
     assert_int_equal(listed, count);
@@ -106,7 +106,7 @@ static void change_some(daft_world *world, uint32_t *ids)
 static bool find_pairs(daft_world *world)
 {
     uint32_t asleep = world->asleep_count;
-    assert_true(daft_sim_broad_update(world, DT) && daft_sim_pairs_find(world) && daft_sim_listing_update(world));
+    assert_true(daft_sim_broad_update(world, DT) && daft_sim_pairs_find(world));
     return world->asleep_count == asleep;
 }
 
@@ -128,7 +128,7 @@ static void pairs_are_those_that_a_search_of_all_finds(void **unused)
                 check_listing(world);
                 checked++;
             }
-            if (world->listed.count > most) most = world->listed.count;
+            if (world->active.count > most) most = world->active.count;
             if (world->asleep_count > asleep) asleep = world->asleep_count;
             assert_true(daft_world_step(world, DT, NULL));
         }
@@ -153,7 +153,7 @@ static void none_is_lost_far_away(void **unused)
         for (int step = 0; step < 5; step++) {
             find_pairs(world);
             check_listing(world);
-            assert_true(world->listed.count > 20);
+            assert_true(world->active.count > 20);
             assert_true(daft_world_step(world, DT, NULL));
         }
         daft_world_destroy(world);
@@ -174,9 +174,9 @@ static void a_crowd_has_bounded_pairs(void **unused)
             uint64_t hash = 0;
             for (int step = 0; step < 3; step++) {
                 assert_true(daft_world_step(world, DT, NULL));
-                assert_true(world->listed.count > 10000 && world->listed.count <= 700 * DAFT_SIM_MAX_PARTNERS);
-                for (size_t i = 0; i < world->listed.count; i++)
-                    hash = daft_hash(&world->listed.items[i].key, sizeof(uint64_t), hash);
+                assert_true(world->active.count > 10000 && world->active.count <= 700 * DAFT_SIM_MAX_PARTNERS);
+                for (size_t i = 0; i < world->active.count; i++)
+                    hash = daft_hash(&world->active.items[i].key, sizeof(uint64_t), hash);
             }
             for (uint32_t i = 0; i < world->part_count; i++) assert_true(world->parts[i].owned <= DAFT_SIM_MAX_PARTNERS);
             hashes[runs++] = daft_world_hash(world, hash);
