@@ -16,6 +16,9 @@ bool generate_sky(const char *root);
 bool generate_meshes(const char *root);
 bool generate_hard(const char *root);
 bool generate_forest(const char *root);
+bool generate_hall(const char *root);
+bool generate_town(const char *root);
+bool generate_sculptures(const char *root); /* of the hall */
 
 /* Opens root/path for writing in binary; NULL after a message on stderr. */
 FILE *open_output(const char *root, const char *path);

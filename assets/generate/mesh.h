@@ -38,7 +38,7 @@ typedef struct mesh {
     face faces[MAX_FACES];
     int corner_count, face_count;
     const char *library;      /* the .mtl file beside the mesh; NULL: meshes.mtl */
-    const char *materials[8]; /* names in it */
+    const char *materials[16]; /* names in it */
     int material_count;
     int material; /* of the faces added next */
     vec move;     /* added to every point */
