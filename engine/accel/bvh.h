@@ -49,23 +49,8 @@ struct daft_bvh {
 /* Fills support, anew when vertices have moved. */
 void daft_bvh_measure(daft_bvh *bvh, const daft_trimesh *mesh);
 
-#define DAFT_FEW_FAR 0x1p60f
-
-/* A top level of one node whose things are all meshes that are only shifted, made ready for single rays: in the lanes, by
- * child of that node, the way into the mesh's space and its box there. */
-typedef struct daft_few {
-    float shift[3][DAFT_WIDTH], bounds[6][DAFT_WIDTH]; /* empty: as in daft_node */
-    struct daft_few_thing {
-        float shift[4], place[4]; /* to the mesh's space, and back; [3] is 0 */
-        const daft_bvh *bvh;
-        uint32_t child, index; /* where in the tree to begin; the instance */
-    } things[DAFT_WIDTH];
-    uint32_t casters, leaves; /* bits of those that cast shadows; of those of one leaf */
-} daft_few;
-
 struct daft_tlas {
     daft_node_list nodes; /* empty: no instance */
-    const daft_few *few;  /* NULL: it is not so */
     const daft_instance *instances;
     uint32_t instance_count;
     daft_intersection intersection;

@@ -1,8 +1,6 @@
 /* The top level: a tree over instances, built anew each frame into the frame's arena. */
 #include "accel/build.h"
 
-#include <math.h>
-
 enum { TOO_FEW = 20000 }; /* fewer instances are not worth waking others for */
 
 /* The builder takes memory from an allocator; this one hands out the arena's and never takes it back. */
@@ -76,64 +74,6 @@ static void mark_spheres(daft_tlas *tlas, const bool *round)
     }
 }
 
-static bool is_identity(const float m[9])
-{
-    for (int i = 0; i < 9; i++)
-        if (m[i] != (i % 4 == 0 ? 1.0f : 0.0f)) return false;
-    return true;
-}
-
-/* Far places are left out, so that nothing overflows on the way there. */
-static bool only_shifted(const daft_instance *instance)
-{
-    if (!instance->mesh || instance->kdtree || !is_identity(instance->to_object.m) ||
-        !is_identity(instance->to_frame.m))
-        return false;
-    for (int k = 0; k < 3; k++)
-        if (!(fabsf(instance->to_object.t[k]) < DAFT_FEW_FAR)) return false;
-    return true;
-}
-
-static void fill_few(daft_few *few, const daft_tlas *tlas)
-{
-    const daft_node *top = tlas->nodes.items;
-    for (uint32_t i = 0; i < DAFT_WIDTH; i++) {
-        if (top->child[i] == DAFT_CHILD_NONE) {
-            for (int k = 0; k < 3; k++) few->bounds[k][i] = INFINITY, few->bounds[3 + k][i] = -INFINITY;
-            continue;
-        }
-        uint32_t index = top->child[i] & ~DAFT_CHILD_LEAF;
-        const daft_instance *instance = &tlas->instances[index];
-        struct daft_few_thing *thing = &few->things[i];
-        const daft_node *root = instance->bvh->nodes.items;
-        for (int k = 0; k < 3; k++) {
-            few->shift[k][i] = thing->shift[k] = instance->to_object.t[k];
-            few->bounds[k][i] = (&instance->mesh->low.x)[k], few->bounds[3 + k][i] = (&instance->mesh->high.x)[k];
-            thing->place[k] = instance->to_frame.t[k];
-        }
-        thing->bvh = instance->bvh, thing->index = index;
-        thing->child = root->child[1] == DAFT_CHILD_NONE ? root->child[0] : 0; /* the box of a single leaf is the mesh's */
-        few->casters |= (uint32_t)((instance->flags & DAFT_INSTANCE_CASTS_SHADOW) != 0) << i;
-        few->leaves |= thing->child >> 31 << i;
-    }
-}
-
-/* True: it was made, or there is no call for it. */
-static bool make_few(daft_arena *arena, daft_tlas *tlas)
-{
-    if (tlas->nodes.count != 1) return true;
-    for (uint32_t i = 0; i < DAFT_WIDTH; i++) {
-        uint32_t child = tlas->nodes.items->child[i];
-        if (child != DAFT_CHILD_NONE && !only_shifted(&tlas->instances[child & ~DAFT_CHILD_LEAF])) return true;
-    }
-    daft_few *few = daft_arena_alloc(arena, 1, sizeof *few);
-    if (!few) return false;
-    *few = (daft_few){0};
-    fill_few(few, tlas);
-    tlas->few = few;
-    return true;
-}
-
 const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instances, uint32_t count, daft_error *error)
 {
     return daft_tlas_build_for(arena, instances, count, &(daft_tlas_def){DAFT_INTERSECT_EXACT, 1, daft_isa_best()}, error);
@@ -160,7 +100,7 @@ const daft_tlas *daft_tlas_build_for(daft_arena *arena, const daft_instance *ins
     nodes_job job = {arena, prims, used, def, &tlas->nodes, used == 0};
     if (used > 0) daft_parallel_region(used < TOO_FEW ? 1 : def->threads, build_nodes, &job);
     if (job.done && any_round) mark_spheres(tlas, round);
-    if (job.done && make_few(arena, tlas)) return tlas;
+    if (job.done) return tlas;
     daft_fail_memory(error, "the tree over instances");
     return NULL;
 }

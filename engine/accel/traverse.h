@@ -8,16 +8,10 @@
 DAFT_KERNEL_DECLARE(daft_accel_kernels, daft_accel);
 
 #ifdef DAFT_ISA
-/* few_kernel.c: one ray through all there is, as callers ask for it. */
-bool DAFT_KERNEL(daft_closest)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit);
-bool DAFT_KERNEL(daft_occluded)(const daft_tlas *tlas, const daft_ray *ray);
-
-/* traverse_kernel.c: the same of any scene and ray; through one instance, or from a child's code downwards; and from the nearest hit to what
- * callers get. Rays are in frame space. */
+/* traverse_kernel.c: one ray through one instance, or from a child's code downwards; and from the nearest hit to what callers get.
+ * Rays are in frame space. */
 struct daft_nearest;
 struct daft_mesh_ray;
-bool DAFT_KERNEL(daft_closest_at_large)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit);
-bool DAFT_KERNEL(daft_occluded_at_large)(const daft_tlas *tlas, const daft_ray *ray);
 void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, struct daft_nearest *hit);
 bool DAFT_KERNEL(daft_instance_occluded)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray);
 void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how,

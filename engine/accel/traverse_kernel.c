@@ -37,8 +37,8 @@ static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF) DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, &r, daft_forward(daft_past(hit->t)), hit);
-    else if (tmin >= 0 && way->plain) mesh_walk(bvh, child, way, &r, &at, &at, true, false, hit);
-    else mesh_walk(bvh, child, way, &r, &at, &at, false, false, hit);
+    else if (tmin >= 0 && way->plain) mesh_walk(bvh, child, way, &r, &at, &at, true, hit);
+    else mesh_walk(bvh, child, way, &r, &at, &at, false, hit);
 }
 
 static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_way *way, float tmin,
@@ -49,8 +49,8 @@ static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF) return DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, &r, daft_forward(daft_past(tmax)), &hit);
-    if (tmin >= 0 && way->plain) return mesh_search(bvh, child, way, &r, &at, &at, true, false, &hit);
-    return mesh_search(bvh, child, way, &r, &at, &at, false, false, &hit);
+    if (tmin >= 0 && way->plain) return mesh_search(bvh, child, way, &r, &at, &at, true, &hit);
+    return mesh_search(bvh, child, way, &r, &at, &at, false, &hit);
 }
 
 /* Through an instance's mesh. A mesh that is only shifted keeps the direction. */
@@ -275,16 +275,14 @@ DAFT_INLINE bool few_occluded(const daft_tlas *tlas, const daft_ray *ray)
     return false;
 }
 
-bool DAFT_KERNEL(daft_closest_at_large)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit)
+static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit)
 {
     daft_nearest nearest = {.t = ray->tmax, .instance = UINT32_MAX};
     if (tlas->nodes.count && daft_ray_usable(ray)) {
         if (tlas->nodes.count == 1) few_closest(tlas, ray, ignore, &nearest);
         else upper_closest(tlas, 0, ray, ignore, &nearest);
     }
-    if (nearest.instance != UINT32_MAX) return DAFT_KERNEL(daft_finish_hit)(tlas, ray, &nearest, hit);
-    *hit = (daft_hit){.t = ray->tmax, .instance = UINT32_MAX};
-    return false;
+    return DAFT_KERNEL(daft_finish_hit)(tlas, ray, &nearest, hit);
 }
 
 enum { FAR_APART = 20000 /* instances, more than caches near the core hold */ };
@@ -345,7 +343,7 @@ bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, con
     return upper_occluded(tlas, child, ray);
 }
 
-bool DAFT_KERNEL(daft_occluded_at_large)(const daft_tlas *tlas, const daft_ray *ray)
+static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
 {
     if (tlas->nodes.count == 0 || !daft_ray_usable(ray)) return false;
     return tlas->nodes.count == 1 ? few_occluded(tlas, ray) : upper_occluded(tlas, 0, ray);
@@ -362,8 +360,8 @@ static uint32_t boxes(const daft_node *node, const daft_ray *ray)
     return real & slab_test((const char *)node, &line.way, &o, &o, false, v8_set(ray->tmin), v8_set(ray->tmax), &near);
 }
 
-const daft_accel_kernels DAFT_KERNEL(daft_accel) = {DAFT_KERNEL(daft_closest),
-                                                    DAFT_KERNEL(daft_occluded),
+const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest,
+                                                    occluded,
                                                     DAFT_KERNEL(daft_closest_packet),
                                                     DAFT_KERNEL(daft_occluded_packet),
                                                     DAFT_KERNEL(daft_closest_stream),

@@ -1,6 +1,5 @@
-/* How a single ray goes through a mesh's tree: for traverse_kernel.c, which leads rays through whatever stands on the upper
- * level, and few_kernel.c, which has scenes of few things. How rays meet boxes and triangles is in ray_test.h; here it is in
- * which order.
+/* How a single ray goes through a mesh's tree, for traverse_kernel.c, which leads it through the upper level. How rays meet
+ * boxes and triangles is in ray_test.h; here it is in which order.
  *
  * Most nodes have one child or two that the ray meets; of several the nearest is kept in a register and the others are sorted
  * into the stack, distance and number in one word. (Ordered traversal and the stack's distances are those of Wald et al.,
@@ -226,10 +225,10 @@ DAFT_INLINE bool leaf_stops(const daft_block *blocks, uint32_t child, const daft
     return daft_blocks_touch(b, (int)(child & 3) + 1, r, past, hit, true);
 }
 
-/* Below `child`; `guess`: children are found by jumps (child_at) down to the first leaf: after that it would be wrong too often. hit->t limits the
- * search and hit->triangle breaks ties, so the order of traversal does not matter. */
+/* Below `child`. Down to the first leaf children are found by jumps (child_at); after that they would be wrong too often. hit->t
+ * limits the search and hit->triangle breaks ties, so the order of traversal does not matter. */
 DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
-                           const slab_origin *until, bool plain, bool guess, daft_nearest *hit)
+                           const slab_origin *until, bool plain, daft_nearest *hit)
 {
     ray_stack stack;
     uint64_t *top = stack.items;
@@ -240,7 +239,7 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
     v8 low = v8_set(begin_of(r->tmin, plain)), high = v8_set(limit), near;
     slab_near begins;
     begins.at[DAFT_WIDTH] = DAFT_INFINITY_BITS;
-    while (guess && !(child & DAFT_CHILD_LEAF)) {
+    for (bool guess = true; guess && !(child & DAFT_CHILD_LEAF);) {
         const char *node = node_at(nodes, child);
         uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
         guess = bits != 0;
@@ -261,7 +260,7 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
 
 /* Whether anything below `child` is hit before hit->t. */
 DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
-                             const slab_origin *until, bool plain, bool guess, daft_nearest *hit)
+                             const slab_origin *until, bool plain, daft_nearest *hit)
 {
     code_stack stack;
     uint32_t *top = stack.items;
@@ -269,7 +268,7 @@ DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way
     const daft_node *nodes = bvh->nodes.items;
     float limit = limit_of(hit->t, plain);
     v8 low = v8_set(begin_of(r->tmin, plain)), high = v8_set(limit), near;
-    while (guess && !(child & DAFT_CHILD_LEAF)) {
+    for (bool guess = true; guess && !(child & DAFT_CHILD_LEAF);) {
         const char *node = node_at(nodes, child);
         uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
         guess = bits != 0;

@@ -109,8 +109,8 @@ static void against_brute_force(void **unused)
     mesh_drop(&ball);
 }
 
-/* A top level of one node has a way of its own. Two things stand in one place: the lower number is hit. */
-static void few_things(void **unused)
+/* A top level of one node. Two instances stand in one place: the lower number is hit. */
+static void few_instances(void **unused)
 {
     (void)unused;
     fixture_seed(77);
@@ -468,9 +468,8 @@ static int depth_of(const daft_bvh *bvh, uint32_t child)
     return most + 1;
 }
 
-/* Every triangle is in exactly one block, and the stack holds any path. */
-/* Few things that are only shifted are met by a way of their own, which finds what the way for all scenes finds, bit for bit:
- * with things in one place, with flat ones, from far away, and for rays with odd numbers. */
+/* Every instruction set finds the same hits, bit for bit, among instances that are only shifted: several in one place, flat
+ * ones, from far away, and for rays with odd numbers. */
 static void shifted_things(void **unused)
 {
     (void)unused;
@@ -493,31 +492,31 @@ static void shifted_things(void **unused)
         if (count > 2) instances[count - 1] = instances[0];
         scene s;
         scene_build(&s, instances, count);
-        assert_non_null(s.tlas->few);
-        daft_tlas large = *s.tlas;
-        large.few = NULL;
         for (int kind = 0; kind < 8 * 8; kind++) {
             company c = {.count = 0};
             add_rays(&c, &s, kind % 8);
             for (uint32_t i = 0; i < c.count; i++) {
                 uint32_t ignore = random_bits() % 2 ? UINT32_MAX : random_bits() % count;
                 if (i % 16 == 5) c.rays[i].tmin = -0.0f; /* not below 0, but before it as bits */
-                for (int isa = 0; isa <= daft_isa_best(); isa++) {
+                const daft_accel_kernels *first = daft_accel_kernels_for(0);
+                daft_hit hit, expected;
+                bool expect_hit = first->closest(s.tlas, &c.rays[i], ignore, &expected);
+                bool expect_stop = first->occluded(s.tlas, &c.rays[i]);
+                for (int isa = 1; isa <= daft_isa_best(); isa++) {
                     const daft_accel_kernels *k = daft_accel_kernels_for(isa);
-                    daft_hit hit, expected;
                     bool found = k->closest(s.tlas, &c.rays[i], ignore, &hit);
-                    assert_int_equal(found, k->closest(&large, &c.rays[i], ignore, &expected));
+                    assert_int_equal(found, expect_hit);
                     assert_memory_equal(&hit, &expected, sizeof hit);
                     bool stops = k->occluded(s.tlas, &c.rays[i]);
-                    assert_int_equal(stops, k->occluded(&large, &c.rays[i]));
-                    hits += found, stopped += stops;
+                    assert_int_equal(stops, expect_stop);
                 }
+                hits += expect_hit, stopped += expect_stop;
             }
         }
         daft_arena_free(&s.arena);
     }
     print_message("%d hits, %d stopped\n", hits, stopped);
-    assert_true(hits > 5000 && stopped > 3000);
+    assert_true(hits > 1700 && stopped > 1000);
     mesh_drop(&ball);
     mesh_drop(&ground);
     mesh_drop(&soup);
@@ -577,7 +576,7 @@ static void degenerate_inputs(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(against_brute_force),
-                                       cmocka_unit_test(few_things),
+                                       cmocka_unit_test(few_instances),
                                        cmocka_unit_test(closed_meshes_leak_nothing),
                                        cmocka_unit_test(limits_and_ignore),
                                        cmocka_unit_test(packets_and_streams),
