@@ -1,4 +1,4 @@
-/* How single rays enter instances: their own ray in a mesh's space, and spheres. For traverse_kernel.c and abreast_kernel.c. */
+/* How single rays enter instances: their own ray in a mesh's space, and spheres. For traverse_kernel.c. */
 #ifndef DAFT_ENTER_H
 #define DAFT_ENTER_H
 

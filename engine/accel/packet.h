@@ -27,8 +27,6 @@ typedef struct convoy {
     vf limit; /* of boxes; -inf for lanes that ask nothing more */
     vf inner_low, inner_high; /* daft_inner */
     vf dd, off;               /* directions' squares, and what spheres may be off by at least; for sphere_test */
-    vbits plain;              /* lanes whose tmin is not negative and whose boxes' distances do not overflow */
-    int few;                  /* as many rays, or fewer, go on alone among instances */
 } convoy;
 
 /* The rays as boxes see them. */
@@ -105,8 +103,6 @@ DAFT_INLINE void lane_take(convoy *c, int i, const daft_nearest *n, const daft_b
 bool DAFT_KERNEL(daft_leaf_touch)(convoy *c, const mesh_convoy *m, const group *g, uint32_t child, vbits bits);
 /* Against the instance with this number, a sphere. */
 void DAFT_KERNEL(daft_sphere_touch)(convoy *c, uint32_t index, vbits bits);
-/* Rays that go their own ways from a child of the upper level on, in turns: abreast_kernel.c. All are plain. AVX-512 only. */
-void DAFT_KERNEL(daft_abreast)(convoy *c, uint32_t child, vbits bits);
 /* Fills the hits of the active lanes; gives those that hit. */
 vbits DAFT_KERNEL(daft_convoy_finish)(const convoy *c, vbits active, daft_hit *hits);
 

@@ -10,14 +10,8 @@
 #include "accel/packet.h"
 
 #define WIDEN (1 + 8 * DAFT_ULP)
-/* As many rays, or fewer, go on alone: among few instances, and among many, where it depends on what a ray alone costs and on
- * how alike they are that ask for any hit; and in a mesh, where leaves are cheap for few rays. */
-enum { FEW_AMONG_FEW = DAFT_VL / 4 + 1, FEW_IN_MESH = 1, ROW = sizeof(((daft_node *)0)->bounds[0]) };
-#ifdef DAFT_ISA_avx512
-enum { FEW_AMONG_MANY = DAFT_VL * 3 / 4, FEW_FOR_ANY = DAFT_VL / 2 };
-#else
-enum { FEW_AMONG_MANY = FEW_AMONG_FEW, FEW_FOR_ANY = FEW_AMONG_FEW };
-#endif
+/* As many rays, or fewer, go on alone: among instances, and in a mesh, where leaves are cheap for few rays. */
+enum { FEW_RAYS = DAFT_VL / 4 + 1, FEW_IN_MESH = 1, ROW = sizeof(((daft_node *)0)->bounds[0]) };
 
 typedef struct packet_stack {
     vf near[DAFT_STACK]; /* NaN: not met */
@@ -277,24 +271,10 @@ static vbits alike(vf3 d, vbits bits)
     return bits & vbits_from_mask(vi_eq(way, vi_set(way[first_lane(bits)])));
 }
 
-/* Of rays that go on alone from a child of the upper level on, two or more plain ones do so in turns. The rest. */
-DAFT_INLINE vbits abreast(convoy *c, uint32_t child, vbits bits)
-{
-#ifdef DAFT_ISA_avx512
-    vbits plain = bits & c->plain;
-    if (!(plain & (plain - 1))) return bits;
-    DAFT_KERNEL(daft_abreast)(c, child, plain);
-    return bits & ~plain;
-#else
-    (void)c, (void)child;
-    return bits;
-#endif
-}
-
 static void instance_alone(convoy *c, uint32_t index, vbits bits)
 {
     const daft_instance *instance = &c->tlas->instances[index];
-    for (bits = abreast(c, DAFT_CHILD_LEAF | index, bits); bits; bits &= bits - 1) {
+    for (; bits; bits &= bits - 1) {
         int i = first_lane(bits);
         daft_ray ray = lane_ray(c, i);
         if (c->any) {
@@ -383,13 +363,13 @@ static void instance_touch(convoy *c, uint32_t index, vbits bits)
     if (index == c->ignore || (c->any && !(instance->flags & DAFT_INSTANCE_CASTS_SHADOW))) return;
     if (!instance->mesh) DAFT_KERNEL(daft_sphere_touch)(c, index, bits);
     else if (instance->kdtree || instance->bvh->nodes.count == 0) instance_alone(c, index, bits);
-    else if (count_lanes(bits) <= c->few && !is_leaf(instance->bvh)) instance_alone(c, index, bits);
+    else if (count_lanes(bits) <= FEW_RAYS && !is_leaf(instance->bvh)) instance_alone(c, index, bits);
     else instance_together(c, index, bits);
 }
 
 static void upper_alone(convoy *c, uint32_t child, vbits bits)
 {
-    for (bits = abreast(c, child, bits); bits; bits &= bits - 1) {
+    for (; bits; bits &= bits - 1) {
         int i = first_lane(bits);
         daft_ray ray = lane_ray(c, i);
         if (c->any) {
@@ -417,7 +397,7 @@ static void upper_walk(convoy *c, vbits bits, bool mixed)
     if (!mixed) group_rows(&g, bits), group_interval(&g, c->limit, bits);
     uint32_t child = 0;
     do {
-        while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > c->few)
+        while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > FEW_RAYS)
             child = descend(&stack, &top, &g, child, c->limit, here, &here);
         if (child == DAFT_CHILD_NONE) continue;
         if (!(child & DAFT_CHILD_LEAF)) upper_alone(c, child, here);
@@ -440,11 +420,6 @@ static vbits convoy_setup(convoy *c, const daft_ray_packet *rays, uint32_t first
     vm usable = vm_and(finite_lanes(c->o, c->d), vm_and(vf_le(c->tmin, tmax), vf_lt(zero, vf3_magnitude(c->d))));
     vbits bits = c->tlas->nodes.count ? active >> first & vbits_from_mask(usable) : 0;
     c->limit = vf_if_then_else(vm_from_bits(bits), past_lanes(tmax), vf_set(-INFINITY));
-    vf size = vf_set(0);
-    for (int k = 0; k < 3; k++) size = vf_max(size, vf_abs(c->inverse[k]));
-    c->plain = vbits_from_mask(vm_and(vm_and(vf_le(zero, c->tmin), vf_lt(size * vf_set(WIDEN), vf_set(INFINITY))),
-                              vf_lt(vf3_magnitude(c->o), vf_set(0x1p100f))));
-    c->few = c->tlas->nodes.count == 1 ? FEW_AMONG_FEW : c->any ? FEW_FOR_ANY : FEW_AMONG_MANY;
     c->inner_low = c->tmin * vf_set(1 + 0x1p-17f), c->inner_high = tmax * vf_set(1 - 0x1p-17f); /* of tmin >= 0 */
     vf_store(c->hit.t, tmax), vf_store(c->hit.u, zero), vf_store(c->hit.v, zero);
     vi_store(c->hit.instance, vi_set(-1)), vi_store(c->hit.triangle, vi_set(0)), vi_store(c->hit.place, vi_set(0));
@@ -469,7 +444,7 @@ static void convoy_run(convoy *c, vbits bits)
     for (bits &= ~backwards; bits;) {
         vbits same = alike(c->d, bits);
         bits &= ~same;
-        if (count_lanes(same) <= c->few) alone |= same;
+        if (count_lanes(same) <= FEW_RAYS) alone |= same;
         else upper_walk(c, same, false);
     }
     upper_alone(c, 0, alone);
