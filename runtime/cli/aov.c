@@ -14,20 +14,19 @@
 static const char *const NAMES[AOV_COUNT] = {"depth", "normal", "id", "triangle"};
 static const char *const EXTENSIONS[AOV_COUNT] = {"pfm", "pfm", "png", "png"};
 
-/* ---- what is asked for ---- */
+/* ---- the list of channels ---- */
 
 static bool parse_word(const char *word, size_t length, aov_set *set)
 {
-    char text[32], near[64] = "";
+    char text[32], hint[HINT_SIZE];
     snprintf(text, sizeof text, "%.*s", (int)length, word);
     for (int i = 0; i < AOV_COUNT; i++) {
         if (strcmp(text, NAMES[i]) != 0) continue;
         set->wanted[i] = true;
         return true;
     }
-    const char *name = nearest_name(text, NAMES, AOV_COUNT);
-    if (name) snprintf(near, sizeof near, ": did you mean '%s'?", name);
-    cli_refuse("render", "--aov: a list of depth, normal, id, triangle expected, got '%s'%s", text, near);
+    cli_refuse("render", "--aov: a list of depth, normal, id, triangle expected, got '%s'%s", text,
+               did_you_mean(hint, "", text, NAMES, AOV_COUNT));
     return false;
 }
 
@@ -92,7 +91,7 @@ static void put_rows(FILE *out, const aov_set *set, int kind)
     }
 }
 
-/* To a temporary file first, so that a failure leaves no half one. */
+/* Writes to a temporary file and renames it, so that a failure leaves no partial file. */
 static bool write_floats(const aov_set *set, int kind, const char *path, daft_error *error)
 {
     char temporary[PATH_SIZE + 8];

@@ -1,4 +1,4 @@
-/* daft bench: hands over to the benchmark program beside this one. It is separate because it links the peers. */
+/* daft bench: replaces this process by tests/daft_bench beside it, a program of its own because it links the peers. */
 #include "cli/commands.h"
 
 #include "common/util.h"
@@ -14,7 +14,7 @@ int command_bench(int argc, char **argv)
     char folder[PATH_SIZE], program[PATH_SIZE];
     if (!home_program_folder(folder, sizeof folder) ||
         !path_join(program, sizeof program, folder, "tests/daft_bench")) {
-        fprintf(stderr, "daft bench: cannot tell where the program is\n");
+        fprintf(stderr, "daft bench: the program cannot find its own folder\n");
         return STATUS_BAD_INPUT;
     }
     argv[0] = program;

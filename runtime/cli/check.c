@@ -1,5 +1,5 @@
-/* daft check: reads each file as the program would, and looks closer. Folders are walked in the order of their names; a
- * folder with a main.lua is a game, which is also run for a second. */
+/* daft check: loads each file as the engine would and applies further checks. Folders are walked in alphabetical order;
+ * a folder with a main.lua is a game, which also runs for one second. */
 #include "cli/check.h"
 
 #include "cli/cli.h"
@@ -16,8 +16,8 @@ static const cli_command COMMAND = {
     "PATH...",
     "Checks scenes (.scene), meshes (.obj), materials (.mtl), pictures, scripts (.lua), recordings (.rec), games, and\n"
     "folders of them.",
-    "Each problem is a line 'file:line:column: error|warning|note: text'. A game also runs for one second, without a\n"
-    "window. Exit status 1 when there is an error.",
+    "Prints each problem as 'file:line:column: error|warning|note: text'. A game also runs for one second without a\n"
+    "window. Exit status 1 on any error.",
     1,
     CLI_OPERANDS};
 
@@ -25,7 +25,7 @@ static void check_folder(checker *c, const char *folder, const game_info *game);
 
 /* ---- files ---- */
 
-/* NULL: not one of ours. */
+/* NULL: a kind of file that is not checked. */
 static const char *extension_of(const char *path)
 {
     static const char *const known[] = {".scene", ".obj", ".mtl", ".lua", ".rec", ".png", ".jpg",
@@ -35,8 +35,8 @@ static const char *extension_of(const char *path)
     return NULL;
 }
 
-/* Cuts the last part of a path off: "." where there is none left. False at the top. */
-static bool go_up(char *path)
+/* Removes the last part of a path; "." when none is left. False at the top. */
+static bool to_parent(char *path)
 {
     char *slash = strrchr(path, '/');
     if (slash && slash != path) {
@@ -48,18 +48,18 @@ static bool go_up(char *path)
     return more;
 }
 
-/* A script by itself belongs to the game whose main.lua is beside it or above, if there is one. */
+/* A script given by itself belongs to the game whose main.lua is in its folder or above. */
 static void folder_of_script(const char *path, char out[PATH_SIZE])
 {
     char above[PATH_SIZE], main_file[PATH_SIZE];
     snprintf(above, sizeof above, "%s", path);
-    go_up(above);
+    to_parent(above);
     snprintf(out, PATH_SIZE, "%s", above);
     do {
         if (!path_join(main_file, sizeof main_file, above, "main.lua") || !path_is_file(main_file)) continue;
         snprintf(out, PATH_SIZE, "%s", above);
         return;
-    } while (go_up(above));
+    } while (to_parent(above));
 }
 
 static void check_file(checker *c, const char *path, const game_info *game)
@@ -102,7 +102,7 @@ static void check_entry(checker *c, const char *path, const game_info *game)
 {
     struct stat info;
     if (lstat(path, &info) != 0) return;
-    if (S_ISDIR(info.st_mode)) /* links to folders are not followed: they may lead round in circles */
+    if (S_ISDIR(info.st_mode)) /* symbolic links to folders are not followed: they may form cycles */
         enter_folder(c, path, game);
     else if (extension_of(path) && path_is_file(path))
         check_file(c, path, game);
@@ -118,7 +118,7 @@ static void check_folder(checker *c, const char *folder, const game_info *game)
     struct dirent **entries;
     int count = scandir(folder, &entries, is_visible, alphasort);
     if (count < 0) {
-        check_tell(c, DAFT_SEVERITY_ERROR, folder, 0, 0, "the folder cannot be read");
+        check_add(c, DAFT_SEVERITY_ERROR, folder, 0, 0, "cannot read the folder");
         return;
     }
     for (int i = 0; i < count; i++) {
@@ -126,8 +126,8 @@ static void check_folder(checker *c, const char *folder, const game_info *game)
         if (path_join(path, sizeof path, folder, entries[i]->d_name))
             check_entry(c, path, game);
         else
-            check_tell(c, DAFT_SEVERITY_WARNING, folder, 0, 0, "left out: the path of '%.100s' is too long",
-                       entries[i]->d_name);
+            check_add(c, DAFT_SEVERITY_WARNING, folder, 0, 0, "skipped '%.100s': its path is too long",
+                      entries[i]->d_name);
         free(entries[i]);
     }
     free(entries);
@@ -146,13 +146,14 @@ static void check_path(checker *c, const char *path)
     if (path_is_folder(path)) {
         size_t before = c->files;
         enter_folder(c, path, NULL);
-        if (c->files == before) check_tell(c, DAFT_SEVERITY_NOTE, path, 0, 0, "nothing in the folder can be checked");
+        if (c->files == before)
+            check_add(c, DAFT_SEVERITY_NOTE, path, 0, 0, "nothing in the folder can be checked");
         return;
     }
     game_info info;
     daft_error error;
     if (extension_of(path))
-        check_tell(c, DAFT_SEVERITY_ERROR, path, 0, 0, "there is no such file");
+        check_add(c, DAFT_SEVERITY_ERROR, path, 0, 0, "there is no such file");
     else if (!check_need_home(c))
         return;
     else if (home_find_game(&c->where, path, &info, &error))
@@ -161,22 +162,14 @@ static void check_path(checker *c, const char *path)
         check_problem(c, DAFT_SEVERITY_ERROR, &error);
 }
 
-static daft_engine *open_checking_engine(checker *c)
-{
-    daft_engine_def def = daft_default_engine_def();
-    def.warn = check_warning;
-    def.warn_user = c;
-    daft_error error;
-    daft_engine *engine = daft_engine_create(&def, &error);
-    if (!engine) report(&error);
-    return engine;
-}
-
 static int check_all(checker *c, const char *const *paths, size_t count, bool strict, const char *json)
 {
     daft_error error;
     if (json && !check_json_open(c, json, &error)) return report(&error);
-    c->engine = open_checking_engine(c);
+    daft_engine_def def = daft_default_engine_def();
+    def.warn = check_warning;
+    def.warn_user = c;
+    c->engine = open_engine(&def);
     if (!c->engine) return STATUS_BAD_INPUT;
     for (size_t i = 0; i < count; i++) check_path(c, paths[i]);
     printf("%zu file%s checked: %zu error%s, %zu warning%s\n", c->files, c->files == 1 ? "" : "s", c->errors,
@@ -190,12 +183,12 @@ int command_check(int argc, char **argv)
     bool strict = false;
     const char *json = NULL;
     const cli_option options[] = {
-        {.name = "strict", .kind = CLI_FLAG, .target = &strict, .help = "warnings fail too: exit status 1"},
+        {.name = "strict", .kind = CLI_FLAG, .target = &strict, .help = "exit with status 1 on warnings too"},
         {.name = "json",
          .kind = CLI_TEXT,
          .value = "FILE",
          .target = &json,
-         .help = "also writes the problems as a list of {file, line, column, severity, text}"}};
+         .help = "also write the problems as a list of {file, line, column, severity, text}"}};
     const char *operands[CLI_OPERANDS];
     size_t count;
     cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);
@@ -204,6 +197,6 @@ int command_check(int argc, char **argv)
     int status = check_all(&c, operands, count, strict, json);
     font_close(c.face);
     daft_engine_destroy(c.engine);
-    free(c.seen);
+    free(c.printed);
     return status;
 }

@@ -1,6 +1,6 @@
-/* check: what `daft check` found, and the parts of looking for it.
- * Each problem is one line on stdout, "file:line:column: error|warning|note: text", told once however often it is met.
- */
+/* check: the parts of `daft check`, and the problems it found.
+ * Each problem is one line on stdout, "file:line:column: error|warning|note: text", printed once however often it
+ * occurs. */
 #ifndef RUNTIME_CLI_CHECK_H
 #define RUNTIME_CLI_CHECK_H
 
@@ -11,19 +11,19 @@
 
 typedef struct checker {
     daft_engine *engine;
-    const char *path; /* being checked: where problems are that name no file */
-    home where;       /* found with the first game */
+    const char *path; /* the file being checked: the place of problems that name none */
+    home where;       /* filled before the first game */
     font *face;
     bool has_home;
     size_t files, errors, warnings, notes;
-    FILE *json;     /* or NULL */
-    uint64_t *seen; /* hashes of what was told */
-    size_t seen_count, seen_capacity;
+    FILE *json;        /* or NULL */
+    uint64_t *printed; /* hashes of the lines printed */
+    size_t printed_count, printed_capacity;
 } checker;
 
 /* ---- check_report.c ---- */
 
-void check_tell(checker *c, daft_severity severity, const char *file, int line, int column, const char *format, ...)
+void check_add(checker *c, daft_severity severity, const char *file, int line, int column, const char *format, ...)
     __attribute__((format(printf, 6, 7)));
 /* A daft_problem_callback; user: the checker. */
 void check_problem(void *user, daft_severity severity, const daft_error *problem);
@@ -34,14 +34,14 @@ bool check_json_close(checker *c, const char *path, daft_error *error);
 
 /* ---- check_lua.c ---- */
 
-/* Syntax, modules that are not there, and assets that are not there. `folder` is the game's. */
+/* Checks syntax, required modules and named assets. `folder` is the game's. */
 void check_lua(checker *c, const char *path, const char *folder);
 
 /* ---- check_game.c ---- */
 
 bool check_need_home(checker *c);
 void check_recording(checker *c, const char *path, const char *game);
-/* Runs a game for a second, without a window. */
+/* Runs a game for one second without a window. */
 void check_run_game(checker *c, const game_info *info);
 
 #endif

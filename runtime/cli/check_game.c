@@ -1,4 +1,4 @@
-/* Games as a whole: recordings that fit them, and a second of running. */
+/* Checks recordings against their game, and runs a game for one second. */
 #include "cli/check.h"
 
 #include "cli/commands.h"
@@ -26,14 +26,14 @@ void check_recording(checker *c, const char *path, const char *game)
         return;
     }
     if (game && record.game[0] && strcmp(record.game, game) != 0)
-        check_tell(c, DAFT_SEVERITY_WARNING, path, 0, 0, "a recording of the game '%s', in the folder of '%s'",
-                   record.game, game);
-    if (record.end == 0) check_tell(c, DAFT_SEVERITY_WARNING, path, 0, 0, "the recording has no ticks");
+        check_add(c, DAFT_SEVERITY_WARNING, path, 0, 0, "a recording of the game '%s', in the folder of '%s'",
+                  record.game, game);
+    if (record.end == 0) check_add(c, DAFT_SEVERITY_WARNING, path, 0, 0, "the recording has no ticks");
     recording_free(&record);
 }
 
-/* "NAME/file.lua:12: text", as scripts say it, at the file's own path. */
-static void tell_script_error(checker *c, const game_info *info, const char *message)
+/* Maps Lua's "NAME/file.lua:12: text" to the path of the file. */
+static void report_script_error(checker *c, const game_info *info, const char *message)
 {
     const char *colon = strstr(message, ".lua:");
     char file[PATH_SIZE], path[PATH_SIZE] = "";
@@ -51,9 +51,9 @@ static void tell_script_error(checker *c, const game_info *info, const char *mes
     char *end = NULL;
     long line = path[0] ? strtol(message + length + 1, &end, 10) : 0;
     if (path[0] && end && strncmp(end, ": ", 2) == 0)
-        check_tell(c, DAFT_SEVERITY_ERROR, path, (int)line, 0, "%s", end + 2);
+        check_add(c, DAFT_SEVERITY_ERROR, path, (int)line, 0, "%s", end + 2);
     else
-        check_tell(c, DAFT_SEVERITY_ERROR, info->folder, 0, 0, "%s", message);
+        check_add(c, DAFT_SEVERITY_ERROR, info->folder, 0, 0, "%s", message);
 }
 
 static bool run(game_state *play, daft_image *picture)
@@ -77,7 +77,7 @@ void check_run_game(checker *c, const game_info *info)
     if (!picture || !game_open(&play, &def, &error)) {
         check_problem(c, DAFT_SEVERITY_ERROR, &error);
     } else {
-        if (!run(&play, picture)) tell_script_error(c, info, play.scripts.message);
+        if (!run(&play, picture)) report_script_error(c, info, play.scripts.message);
         game_close(&play);
     }
     daft_image_destroy(picture);

@@ -1,8 +1,7 @@
-/* What can be said of a script without running it: whether it is Lua, whether the modules that it requires are there,
- * and whether the files are there that its strings name.
+/* Static checks of a script: syntax, the modules it requires, and the files its strings name.
  *
- * A string names a file where it says so by itself ("meshes/cup.obj") or by the field it is given to (mesh = "cup.obj",
- * texture = "brick"). One that is put together with .. or holds a % is left alone. */
+ * A string names a file by its extension ("meshes/cup.obj") or by the field it is assigned to (mesh = "cup.obj",
+ * texture = "brick"). Strings joined with .. or holding a % are skipped. */
 #include "cli/check.h"
 
 #include "common/util.h"
@@ -15,7 +14,7 @@
 
 /* ---- syntax ---- */
 
-/* Lua says "x:LINE: message"; line 0 where it does not. */
+/* Splits Lua's "x:LINE: message"; line 0 when there is none. */
 static const char *split_message(const char *message, int *line)
 {
     char *end;
@@ -31,20 +30,20 @@ static void check_syntax(checker *c, const char *path, const char *text, size_t 
 {
     lua_State *L = luaL_newstate();
     if (!L) {
-        check_tell(c, DAFT_SEVERITY_ERROR, path, 0, 0, "out of memory");
+        check_add(c, DAFT_SEVERITY_ERROR, path, 0, 0, "out of memory");
         return;
     }
     size_t mark = size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
     if (luaL_loadbufferx(L, text + mark, size - mark, "@x", "t") != LUA_OK) {
         const char *message = lua_tostring(L, -1);
         int line;
-        message = split_message(message ? message : "it cannot be compiled", &line);
-        check_tell(c, DAFT_SEVERITY_ERROR, path, line, 0, "%s", message);
+        message = split_message(message ? message : "syntax error", &line);
+        check_add(c, DAFT_SEVERITY_ERROR, path, line, 0, "%s", message);
     }
     lua_close(L);
 }
 
-/* ---- words and strings of a script ---- */
+/* ---- tokens ---- */
 
 typedef enum token_kind { TOKEN_END, TOKEN_WORD, TOKEN_STRING, TOKEN_OTHER, TOKEN_JOIN } token_kind;
 
@@ -68,7 +67,7 @@ static void step(scanner *s)
     }
 }
 
-/* [[…]] or [==[…]==]. False, and nothing read, where there is none. */
+/* Skips [[…]] or [==[…]==]. False, reading nothing, when none begins here. */
 static bool skip_long_bracket(scanner *s)
 {
     const char *p = s->at + 1;
@@ -148,7 +147,7 @@ static bool is_word(token word, const char *text)
     return word.length == strlen(text) && memcmp(word.at, text, word.length) == 0;
 }
 
-static bool is_there(const char *folder, const char *sub, const char *name, const char *extension)
+static bool exists_in(const char *folder, const char *sub, const char *name, const char *extension)
 {
     char inner[PATH_SIZE], path[PATH_SIZE];
     int written = snprintf(inner, sizeof inner, "%s%s%s", sub, name, extension);
@@ -156,8 +155,8 @@ static bool is_there(const char *folder, const char *sub, const char *name, cons
            path_is_file(path);
 }
 
-/* Where the functions of daft look: the game's folder, then assets/; meshes/ and textures/ in each. */
-static bool asset_is_there(const script *s, const char *name)
+/* Searches as the Lua API does: the game's folder, then assets/; in each also meshes/ and textures/. */
+static bool asset_exists(const script *s, const char *name)
 {
     static const char *const subs[] = {"", "meshes/", "textures/"};
     static const char *const extensions[] = {"", ".png", ".jpg", ".jpeg", ".tga", ".bmp"};
@@ -165,7 +164,7 @@ static bool asset_is_there(const script *s, const char *name)
     for (size_t f = 0; f < COUNT_OF(folders); f++)
         for (size_t i = 0; i < COUNT_OF(subs); i++)
             for (size_t k = 0; k < COUNT_OF(extensions); k++)
-                if (is_there(folders[f], subs[i], name, extensions[k])) return true;
+                if (exists_in(folders[f], subs[i], name, extensions[k])) return true;
     return false;
 }
 
@@ -178,7 +177,7 @@ static bool looks_like_asset(const char *name)
     return false;
 }
 
-/* False where it is empty, too long, or holds a zero byte. */
+/* False when it is empty, too long, or holds a zero byte. */
 static bool copy_text(token string, char *out, size_t size)
 {
     if (string.length == 0 || string.length >= size || memchr(string.at, 0, string.length)) return false;
@@ -193,9 +192,9 @@ static void check_asset(const script *s, token string, bool is_field)
     if (!copy_text(string, name, sizeof name) || strpbrk(name, "\\%*")) return;
     name[strcspn(name, "#")] = 0; /* file.mtl#name, and #rrggbb */
     if (!name[0]) return;
-    if ((!is_field && !looks_like_asset(name)) || asset_is_there(s, name)) return;
-    check_tell(s->check, is_field ? DAFT_SEVERITY_ERROR : DAFT_SEVERITY_WARNING, s->path, string.line, string.column,
-               "there is no file '%s', neither in the game's folder nor in assets/", name);
+    if ((!is_field && !looks_like_asset(name)) || asset_exists(s, name)) return;
+    check_add(s->check, is_field ? DAFT_SEVERITY_ERROR : DAFT_SEVERITY_WARNING, s->path, string.line, string.column,
+              "there is no file '%s', neither in the game's folder nor in assets/", name);
 }
 
 static void check_module(const script *s, token string)
@@ -204,13 +203,13 @@ static void check_module(const script *s, token string)
     if (!copy_text(string, name, sizeof name)) return;
     for (char *p = name; *p; p++)
         if (*p == '.') *p = '/';
-    if (is_there(s->folder, "", name, ".lua")) return;
-    if (s->check->has_home && is_there(s->check->where.scripts, "", name, ".lua")) return;
-    check_tell(s->check, DAFT_SEVERITY_ERROR, s->path, string.line, string.column,
-               "there is no module '%s.lua', neither in the game's folder nor in scripts/", name);
+    if (exists_in(s->folder, "", name, ".lua")) return;
+    if (s->check->has_home && exists_in(s->check->where.scripts, "", name, ".lua")) return;
+    check_add(s->check, DAFT_SEVERITY_ERROR, s->path, string.line, string.column,
+              "there is no module '%s.lua', neither in the game's folder nor in scripts/", name);
 }
 
-/* A string with the three tokens before it, the nearest last, and the one behind it. */
+/* Checks a string given the three tokens before it, nearest last, and the one after it. */
 static void check_string(const script *s, const token before[3], token string, token after)
 {
     if (before[2].kind == TOKEN_JOIN || after.kind == TOKEN_JOIN) return;

@@ -1,10 +1,9 @@
-/* What daft check says, on stdout and as JSON. */
+/* Prints the problems that daft check finds, as text and as JSON. */
 #include "cli/check.h"
 
 #include "common/json.h"
 #include "common/util.h"
 
-#include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,25 +11,26 @@
 static const char *const SEVERITIES[] = {
     [DAFT_SEVERITY_NOTE] = "note", [DAFT_SEVERITY_WARNING] = "warning", [DAFT_SEVERITY_ERROR] = "error"};
 
-/* Meshes that share a material file meet its problems again and again. Without memory it is told again. */
+/* Meshes that share a material file report its problems repeatedly; each is printed once. When memory runs out, a
+ * problem may be printed again. */
 static bool is_new(checker *c, uint64_t hash)
 {
-    for (size_t i = 0; i < c->seen_count; i++)
-        if (c->seen[i] == hash) return false;
-    if (c->seen_count == c->seen_capacity) {
-        size_t more = c->seen_capacity ? 2 * c->seen_capacity : 64;
-        uint64_t *grown = realloc(c->seen, more * sizeof *grown);
+    for (size_t i = 0; i < c->printed_count; i++)
+        if (c->printed[i] == hash) return false;
+    if (c->printed_count == c->printed_capacity) {
+        size_t more = c->printed_capacity ? 2 * c->printed_capacity : 64;
+        uint64_t *grown = realloc(c->printed, more * sizeof *grown);
         if (!grown) return true;
-        c->seen = grown;
-        c->seen_capacity = more;
+        c->printed = grown;
+        c->printed_capacity = more;
     }
-    c->seen[c->seen_count++] = hash;
+    c->printed[c->printed_count++] = hash;
     return true;
 }
 
 static void put_json(const checker *c, const char *severity, const daft_error *problem)
 {
-    fprintf(c->json, "%s\n  {\"file\": ", c->seen_count > 1 ? "," : "");
+    fprintf(c->json, "%s\n  {\"file\": ", c->printed_count > 1 ? "," : "");
     json_put_text(c->json, problem->file);
     fprintf(c->json, ", \"line\": %d, \"column\": %d, \"severity\": \"%s\", \"text\": ", problem->line, problem->column,
             severity);
@@ -38,7 +38,7 @@ static void put_json(const checker *c, const char *severity, const daft_error *p
     fputc('}', c->json);
 }
 
-/* "a/b/../c" is "a/c": files that others name are then told under one name. */
+/* "a/b/../c" becomes "a/c", so that a file has one name however it was reached. */
 static void shorten(char *path)
 {
     for (char *up = strstr(path, "/../"); up;) {
@@ -75,7 +75,7 @@ void check_warning(void *user, const daft_error *warning)
     check_problem(user, DAFT_SEVERITY_WARNING, warning);
 }
 
-void check_tell(checker *c, daft_severity severity, const char *file, int line, int column, const char *format, ...)
+void check_add(checker *c, daft_severity severity, const char *file, int line, int column, const char *format, ...)
 {
     daft_error problem = {.line = line, .column = column};
     snprintf(problem.file, sizeof problem.file, "%s", file);
@@ -88,18 +88,16 @@ void check_tell(checker *c, daft_severity severity, const char *file, int line, 
 
 bool check_json_open(checker *c, const char *path, daft_error *error)
 {
-    c->json = fopen(path, "w");
-    if (!c->json) return fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
-    fputc('[', c->json);
-    return true;
+    c->json = open_to_write(path, error);
+    if (c->json) fputc('[', c->json);
+    return c->json != NULL;
 }
 
 bool check_json_close(checker *c, const char *path, daft_error *error)
 {
     if (!c->json) return true;
     fputs("\n]\n", c->json);
-    bool good = !ferror(c->json);
-    if (fclose(c->json) != 0) good = false;
+    FILE *out = c->json;
     c->json = NULL;
-    return good || fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
+    return close_written(out, path, error);
 }

@@ -1,4 +1,4 @@
-/* The command line as data. */
+/* Parses the command line by a table of options, and prints --help from it. */
 #include "cli/cli.h"
 
 #include "common/util.h"
@@ -27,16 +27,7 @@ int cli_refuse(const char *command, const char *format, ...)
     return STATUS_BAD_USAGE;
 }
 
-static const char *hint(char *buffer, size_t size, const char *near, const char *dashes)
-{
-    if (near)
-        snprintf(buffer, size, ": did you mean '%s%s'?", dashes, near);
-    else
-        buffer[0] = 0;
-    return buffer;
-}
-
-/* One of a few words; the message lists them all. */
+/* Finds `text` among the words an option accepts; the message lists them. */
 static bool parse_word(const char *command, const cli_option *option, const char *text, const char *const *words,
                        size_t count, size_t *out)
 {
@@ -45,23 +36,23 @@ static bool parse_word(const char *command, const cli_option *option, const char
         *out = i;
         return true;
     }
-    char list[128] = "", near[96];
+    char list[128] = "", hint[HINT_SIZE];
     for (size_t i = 0; i < count; i++) {
         size_t used = strlen(list);
         snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", words[i]);
     }
     cli_refuse(command, "--%s: one of %s expected, got '%s'%s", option->name, list, text,
-               hint(near, sizeof near, nearest_name(text, words, count), ""));
+               did_you_mean(hint, "", text, words, count));
     return false;
 }
 
-static bool parse_count(const char *text, char end, long low, long high, long *out, const char **rest)
+static bool parse_count(const char *text, char end, long min, long max, long *out, const char **rest)
 {
     if (!isdigit((unsigned char)text[0]) && !(text[0] == '-' && isdigit((unsigned char)text[1]))) return false;
     char *after;
     errno = 0;
     *out = strtol(text, &after, 10);
-    if (errno || *after != end || *out < low || *out > high) return false;
+    if (errno || *after != end || *out < min || *out > max) return false;
     if (rest) *rest = after + (end != 0);
     return true;
 }
@@ -70,8 +61,8 @@ static bool parse_size(const cli_option *option, const char *text, cli_size *out
 {
     long width, height;
     const char *rest;
-    if (!parse_count(text, 'x', option->low, option->high, &width, &rest)) return false;
-    if (!parse_count(rest, 0, option->low, option->high, &height, NULL)) return false;
+    if (!parse_count(text, 'x', option->min, option->max, &width, &rest)) return false;
+    if (!parse_count(rest, 0, option->min, option->max, &height, NULL)) return false;
     *out = (cli_size){(int)width, (int)height};
     return true;
 }
@@ -80,8 +71,7 @@ static bool parse_number(const cli_option *option, const char *text, double *out
 {
     char *after;
     *out = strtod(text, &after);
-    return after != text && *after == 0 && isfinite(*out) && *out >= (double)option->low &&
-           *out <= (double)option->high;
+    return after != text && *after == 0 && isfinite(*out) && *out >= (double)option->min && *out <= (double)option->max;
 }
 
 static bool parse_value(const char *command, const cli_option *option, const char *text)
@@ -98,18 +88,18 @@ static bool parse_value(const char *command, const cli_option *option, const cha
         cli_refuse(command, "--%s: %s expected, got nothing", name, option->value);
         return false;
     case CLI_COUNT:
-        if (parse_count(text, 0, option->low, option->high, option->target, NULL)) return true;
-        cli_refuse(command, "--%s: a whole number from %ld to %ld expected, got '%s'", name, option->low, option->high,
+        if (parse_count(text, 0, option->min, option->max, option->target, NULL)) return true;
+        cli_refuse(command, "--%s: a whole number from %ld to %ld expected, got '%s'", name, option->min, option->max,
                    text);
         return false;
     case CLI_NUMBER:
         if (parse_number(option, text, option->target)) return true;
-        cli_refuse(command, "--%s: a number from %ld to %ld expected, got '%s'", name, option->low, option->high, text);
+        cli_refuse(command, "--%s: a number from %ld to %ld expected, got '%s'", name, option->min, option->max, text);
         return false;
     case CLI_SIZE:
         if (parse_size(option, text, option->target)) return true;
         cli_refuse(command, "--%s: WIDTHxHEIGHT expected, such as 1280x720, each from %ld to %ld, got '%s'", name,
-                   option->low, option->high, text);
+                   option->min, option->max, text);
         return false;
     case CLI_QUALITY:
         if (!parse_word(command, option, text, QUALITIES, COUNT_OF(QUALITIES), &word)) return false;
@@ -143,14 +133,13 @@ static const cli_option *find_option(const char *command, const cli_option *opti
     size_t known = 0;
     names[known++] = "help";
     for (size_t i = 0; i < count && known < COUNT_OF(names); i++) names[known++] = options[i].name;
-    char word[64], near[96];
+    char word[64], hint[HINT_SIZE];
     snprintf(word, sizeof word, "%.*s", (int)length, text + strspn(text, "-"));
-    cli_refuse(command, "there is no option '%.*s'%s", (int)length, text,
-               hint(near, sizeof near, nearest_name(word, names, known), "--"));
+    cli_refuse(command, "there is no option '%.*s'%s", (int)length, text, did_you_mean(hint, "--", word, names, known));
     return NULL;
 }
 
-/* Takes the option at argv[*index], and its value, which may be the next argument. */
+/* Takes the option at argv[*index] and its value, which may be the next argument. */
 static bool take_option(const char *command, const cli_option *options, size_t count, int argc, char **argv, int *index)
 {
     const char *text = argv[*index];
@@ -190,14 +179,14 @@ cli_outcome cli_parse(const cli_command *command, const cli_option *options, siz
             return CLI_HELPED;
         } else if (!options_end && text[0] == '-' && text[1]) {
             if (!take_option(command->name, options, option_count, argc, argv, &i)) return CLI_REFUSED;
-        } else if (*out_count == command->most || *out_count == CLI_OPERANDS) {
+        } else if (*out_count == command->max_operands || *out_count == CLI_OPERANDS) {
             cli_refuse(command->name, "'%s' is one operand too many", text);
             return CLI_REFUSED;
         } else {
             out_operands[(*out_count)++] = text;
         }
     }
-    if (*out_count < command->least) {
+    if (*out_count < command->min_operands) {
         cli_refuse(command->name, "%s is missing", command->operands);
         return CLI_REFUSED;
     }
@@ -218,5 +207,5 @@ void cli_print_help(const cli_command *command, const cli_option *options, size_
                  option->value ? option->value : "");
         printf("  %-26s %s\n", form, option->help);
     }
-    printf("  -h, --help                 this text\n");
+    printf("  -h, --help                 print this text\n");
 }

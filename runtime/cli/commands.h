@@ -1,4 +1,4 @@
-/* commands: what `daft NAME` does. Each takes its arguments with its own name first and returns the exit status. */
+/* commands: one function for each `daft NAME`. argv[0] is the command's name; the result is the exit status. */
 #ifndef RUNTIME_CLI_COMMANDS_H
 #define RUNTIME_CLI_COMMANDS_H
 
@@ -10,13 +10,13 @@ int command_render(int argc, char **argv);
 int command_check(int argc, char **argv);
 int command_bench(int argc, char **argv);
 
-/* The whole program, without the process around it. */
+/* main() without the process: chooses the command and runs it. */
 int run_program(int argc, char **argv);
 
-/* An engine whose warnings go to stderr. NULL with the message on stderr. */
-daft_engine *open_engine(int threads, const char *isa, daft_accel accel);
+/* Opens an engine, which prints its warnings on stderr unless def->warn takes them. NULL with the message on stderr. */
+daft_engine *open_engine(const daft_engine_def *def);
 
-/* The font of everything on the screen. NULL with the message in *error. */
+/* Opens the font of all text on the screen. NULL with the message in *error. */
 font *open_font(const home *where, daft_error *error);
 
 #endif

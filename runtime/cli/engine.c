@@ -1,4 +1,4 @@
-/* What several commands open: the engine and the font. */
+/* Opens the engine and the font, which several commands need. */
 #include "cli/commands.h"
 
 #include "common/util.h"
@@ -12,13 +12,10 @@ static void print_warning(void *unused, const daft_error *warning)
     fprintf(stderr, "warning: %s\n", daft_error_text(warning, text, sizeof text));
 }
 
-daft_engine *open_engine(int threads, const char *isa, daft_accel accel)
+daft_engine *open_engine(const daft_engine_def *wanted)
 {
-    daft_engine_def def = daft_default_engine_def();
-    def.threads = threads;
-    def.isa = isa;
-    def.accel = accel;
-    def.warn = print_warning;
+    daft_engine_def def = *wanted;
+    if (!def.warn) def.warn = print_warning;
     daft_error error;
     daft_engine *engine = daft_engine_create(&def, &error);
     if (!engine) report(&error);

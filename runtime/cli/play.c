@@ -1,4 +1,4 @@
-/* daft play: a game in a window, the menu of games, or a game without a window. */
+/* daft play: runs a game in a window, the menu of games, or a game without a window. */
 #include "cli/commands.h"
 
 #include "cli/cli.h"
@@ -13,9 +13,9 @@
 static const cli_command COMMAND = {
     "play",
     "[GAME]",
-    "Plays a game: a folder with a main.lua, or the name of one in games/. Without GAME: a menu.",
-    "In a window: Esc leaves, F1 shows what a frame costs, F11 or Alt+Enter fills the screen, F12 writes a picture.\n"
-    "Without a display it plays the game's recorded demo (marble's, without GAME) and writes daft-demo.png.",
+    "Plays a game: a folder with a main.lua, or the name of one in games/. Without GAME, shows a menu.",
+    "Keys: Esc leaves, F1 shows the time of each effect, F11 or Alt+Enter toggles full screen, F12 writes a picture.\n"
+    "Without a display it plays the game's recorded demo (marble's when GAME is missing) and writes daft-demo.png.",
     0,
     1};
 
@@ -39,11 +39,11 @@ typedef struct player {
     platform *screen;
 } player;
 
-static const daft_quality UNSAID = (daft_quality)-1;
+static const daft_quality NOT_GIVEN = (daft_quality)-1;
 
 static daft_quality quality_or(const play_options *o, daft_quality usual)
 {
-    return o->quality == UNSAID ? usual : o->quality;
+    return o->quality == NOT_GIVEN ? usual : o->quality;
 }
 
 static session_def base_session(const player *p)
@@ -100,7 +100,7 @@ static int play_headless(player *p)
     return finish(session_play(&def, &game, &error), &error);
 }
 
-/* Nobody can see a window here: the game's recorded demo is played, and its last picture kept. */
+/* Without a display: plays the game's recorded demo and writes its last picture. */
 static int play_demo(player *p, const char *why)
 {
     game_info game;
@@ -111,9 +111,9 @@ static int play_demo(player *p, const char *why)
     snprintf(demo, sizeof demo, "%s/demo.rec", game.folder);
     bool has_demo = !def.replay && path_is_file(demo);
     if (has_demo) def.replay = demo;
-    fprintf(stderr, "daft: there is no display to open a window on (%s): playing %s of %s without one.\n", why,
+    fprintf(stderr, "daft: there is no display (%s): playing %s of %s without a window.\n", why,
             def.replay ? "the recorded demo" : "ten seconds", game.title);
-    /* Ten seconds, or less where the demo is shorter. */
+    /* Ten seconds, or the whole demo when it is shorter. */
     if (!def.ticks) {
         recording replay;
         if (def.replay && !recording_load(&replay, def.replay, &error)) return report(&error);
@@ -123,7 +123,7 @@ static int play_demo(player *p, const char *why)
     }
     def.progress = true;
     if (!def.hash && !def.every_frame)
-        def.quality = quality_or(&p->options, DAFT_QUALITY_HIGH); /* it draws one frame */
+        def.quality = quality_or(&p->options, DAFT_QUALITY_HIGH); /* only one frame is drawn */
     if (!def.shot) def.shot = DEMO_PICTURE, def.shot_tick = 0;
     uint64_t began = clock_now_ns();
     session_end end = session_play(&def, &game, &error);
@@ -157,43 +157,49 @@ static int play(player *p)
     daft_error error;
     if (!home_find(&p->where, &error)) return report(&error);
     game_info game;
-    if (p->options.game && !find_game(p, &game)) return STATUS_BAD_INPUT; /* before a window flashes up */
+    if (p->options.game && !find_game(p, &game)) return STATUS_BAD_INPUT; /* report it before a window opens */
     p->face = open_font(&p->where, &error);
     if (!p->face) return report(&error);
-    p->engine = open_engine((int)p->options.threads, p->options.isa, DAFT_ACCEL_BVH);
+    daft_engine_def def = daft_default_engine_def();
+    def.threads = (int)p->options.threads;
+    def.isa = p->options.isa;
+    p->engine = open_engine(&def);
     if (!p->engine) return STATUS_BAD_INPUT;
     if (p->options.headless) return play_headless(p);
     cli_size size = p->options.size.width ? p->options.size : (cli_size){1280, 720};
     p->screen = platform_open_sdl("DAFT", size.width, size.height, &error);
     if (!p->screen) return play_demo(p, error.message);
     if (!p->options.game) return play_menu(p);
-    session_def def = base_session(p);
-    return finish(session_play(&def, &game, &error), &error);
+    session_def session = base_session(p);
+    return finish(session_play(&session, &game, &error), &error);
 }
 
 int command_play(int argc, char **argv)
 {
-    player p = {.options = {.scale = 1, .quality = UNSAID, .seed = 1}};
+    player p = {.options = {.scale = 1, .quality = NOT_GIVEN, .seed = 1}};
     play_options *o = &p.options;
     const cli_option options[] = {
-        {"headless", 0, CLI_FLAG, NULL, &o->headless, 0, 0, "no window: as fast as it can, for tests and servers"},
+        {"headless", 0, CLI_FLAG, NULL, &o->headless, 0, 0,
+         "run without a window, as fast as possible, for tests and servers"},
         {"ticks", 0, CLI_COUNT, "N", &o->ticks, 1, 1000000000,
          "end after N updates of 1/60 s (headless: 600, or the replay's)"},
-        {"record", 0, CLI_TEXT, "FILE", &o->record, 0, 0, "write what is pressed to FILE"},
-        {"replay", 0, CLI_TEXT, "FILE", &o->replay, 0, 0, "play what FILE recorded; in a window, then it is your turn"},
+        {"record", 0, CLI_TEXT, "FILE", &o->record, 0, 0, "record the input to FILE"},
+        {"replay", 0, CLI_TEXT, "FILE", &o->replay, 0, 0,
+         "play the recording FILE; a window then continues with live input"},
         {"hash", 0, CLI_FLAG, NULL, &o->hash, 0, 0,
          "print 'tick N state 0x... frame 0x...' every 60 ticks and at the end"},
         {"size", 0, CLI_SIZE, "WxH", &o->size, 16, 8192,
-         "the window's size (1280x720); headless: the picture's (320x180)"},
-        {"scale", 0, CLI_NUMBER, "F", &o->scale, 0, 4, "pixels of the picture to pixels of the window (1)"},
+         "size of the window (1280x720); headless: of the picture (320x180)"},
+        {"scale", 0, CLI_NUMBER, "F", &o->scale, 0, 4, "resolution of the picture relative to the window (1)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o->quality, 0, 0, "draft, game (default), high or reference"},
-        {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 256, "worker threads; 0, the default: one for each processor"},
-        {"isa", 0, CLI_ISA, "X", &o->isa, 0, 0, "sse2, avx2 or avx512; default: the best there is"},
-        {"seed", 0, CLI_COUNT, "N", &o->seed, 0, 1000000000, "of the random numbers (1); a replay has its own"},
+        {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 256,
+         "worker threads; 0, the default, is one for each processor"},
+        {"isa", 0, CLI_ISA, "X", &o->isa, 0, 0, "sse2, avx2 or avx512; default: the best available"},
+        {"seed", 0, CLI_COUNT, "N", &o->seed, 0, 1000000000, "seed of the random numbers (1); a replay uses its own"},
         {"shot", 0, CLI_TEXT, "FILE", &o->shot, 0, 0, "write a picture (.png, .ppm) at the end"},
-        {"shot-tick", 0, CLI_COUNT, "N", &o->shot_tick, 1, 1000000000, "... or after update N"},
-        {"stats", 0, CLI_TEXT, "FILE", &o->stats, 0, 0, "write what the frames cost as JSON; - is the terminal"},
-        {"every-frame", 0, CLI_FLAG, NULL, &o->every_frame, 0, 0, "draw every frame, though headless; for --stats"}};
+        {"shot-tick", 0, CLI_COUNT, "N", &o->shot_tick, 1, 1000000000, "write that picture after update N instead"},
+        {"stats", 0, CLI_TEXT, "FILE", &o->stats, 0, 0, "write frame times and counters as JSON; - is stdout"},
+        {"every-frame", 0, CLI_FLAG, NULL, &o->every_frame, 0, 0, "draw every frame when headless too, for --stats"}};
     const char *operands[CLI_OPERANDS];
     size_t count;
     cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);

@@ -15,16 +15,16 @@ static const struct {
     int (*run)(int argc, char **argv);
 } COMMANDS[] = {{"play", "play a game, or choose one from a menu", command_play},
                 {"render", "render a scene to a picture", command_render},
-                {"check", "check scenes, meshes, pictures and games for mistakes", command_check},
+                {"check", "check scenes, meshes, pictures and games for errors", command_check},
                 {"bench", "run the benchmarks", command_bench},
-                {"help", "this text; 'help COMMAND'; 'help lua': what games can call", command_help},
-                {"version", "the version", command_version}};
+                {"help", "print this text; 'help COMMAND': its options; 'help lua': the Lua API", command_help},
+                {"version", "print the version", command_version}};
 
 static void print_usage(FILE *out)
 {
     fprintf(out, "usage: daft COMMAND [...]\n\nDAFT, a 3D engine that needs no GPU.\n\n");
     for (size_t i = 0; i < COUNT_OF(COMMANDS); i++) fprintf(out, "  %-8s  %s\n", COMMANDS[i].name, COMMANDS[i].summary);
-    fprintf(out, "\n'daft COMMAND --help' tells more. Exit status: 0 done, 1 the input is bad, 2 wrong usage.\n");
+    fprintf(out, "\n'daft COMMAND --help' lists the options. Exit status: 0 done, 1 bad input, 2 wrong usage.\n");
 }
 
 static int command_version(int argc, char **argv)
@@ -38,9 +38,9 @@ static int unknown_command(const char *name)
 {
     const char *names[COUNT_OF(COMMANDS)];
     for (size_t i = 0; i < COUNT_OF(COMMANDS); i++) names[i] = COMMANDS[i].name;
-    const char *near = nearest_name(name, names, COUNT_OF(names));
-    fprintf(stderr, "daft: there is no command '%s'%s%s%s\nTry 'daft help'.\n", name, near ? ": did you mean '" : "",
-            near ? near : "", near ? "'?" : "");
+    char hint[HINT_SIZE];
+    fprintf(stderr, "daft: there is no command '%s'%s\nTry 'daft help'.\n", name,
+            did_you_mean(hint, "", name, names, COUNT_OF(names)));
     return STATUS_BAD_USAGE;
 }
 

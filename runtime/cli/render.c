@@ -1,4 +1,4 @@
-/* daft render: one picture of a scene or a mesh, and what it cost. */
+/* daft render: renders one picture of a scene or a mesh, and prints its cost. */
 #include "cli/commands.h"
 
 #include "cli/aov.h"
@@ -14,8 +14,9 @@
 static const cli_command COMMAND = {
     "render",
     "SCENE",
-    "Renders a .scene file, or a mesh (.obj) in front of a sky, to a picture.",
-    "The picture's format goes by its name: .png or .ppm. With -o a.png, --aov writes a.depth.pfm (metres along\n"
+    "Renders a picture of a .scene file, or of a mesh (.obj) in front of a sky.",
+    "The extension of the picture chooses its format: .png or .ppm. With -o a.png, --aov writes a.depth.pfm (metres "
+    "along\n"
     "the ray), a.normal.pfm (world axes), a.id.png and a.triangle.png (numbers: red + 256 green + 65536 blue).",
     1,
     1};
@@ -32,9 +33,9 @@ typedef struct render_options {
     aov_set aov;
 } render_options;
 
-/* Seen from the front right and above, so near that the corners of the mesh's bounds just fit. A corner c, relative to
- * the middle, is at depth D + forward·c; it is in the picture where |right·c| <= tan·(D + forward·c), and the same up.
- */
+/* Views the mesh from the front right and above, at the distance D at which the corners of its bounds just fit. A
+ * corner c, relative to the centre, has depth D + forward·c and lies in the picture when |right·c| <= tan·(D +
+ * forward·c), and likewise for up. */
 static daft_camera frame_box(const daft_mesh_info *info, double aspect)
 {
     const double fov = 0.8, across = daft_tan(fov / 2), back[3] = {0.42, 0.34, 0.8414};
@@ -59,7 +60,7 @@ static daft_camera frame_box(const daft_mesh_info *info, double aspect)
     return daft_camera_look_at(from, at, (float)fov);
 }
 
-/* Sky, sun and a camera for a mesh that comes alone. */
+/* Adds a sky, a sun and a camera for a mesh without a scene. */
 static bool frame_mesh(daft_scene *scene, const render_options *o, daft_camera *camera, daft_error *error)
 {
     daft_mesh mesh = daft_mesh_load(scene, o->scene, error);
@@ -153,21 +154,23 @@ int command_render(int argc, char **argv)
 {
     render_options o = {.size = {1280, 720}, .quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1};
     const cli_option options[] = {
-        {"output", 'o', CLI_TEXT, "IMG", &o.out, 0, 0, "the picture to write: .png or .ppm (must be given)"},
-        {"size", 0, CLI_SIZE, "WxH", &o.size, 1, 16384, "of the picture (1280x720)"},
+        {"output", 'o', CLI_TEXT, "IMG", &o.out, 0, 0, "the picture to write: .png or .ppm (required)"},
+        {"size", 0, CLI_SIZE, "WxH", &o.size, 1, 16384, "size of the picture (1280x720)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0, "draft, game (default), high or reference"},
         {"intersect", 0, CLI_INTERSECT, "HOW", &o.intersection, 0, 0,
-         "how rays meet triangles: exact (default), watertight or fast"},
+         "ray-triangle test: exact (default), watertight or fast"},
         {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the file, counted from 0 (0)"},
-        {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256, "worker threads; 0, the default: one for each processor"},
-        {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "sse2, avx2 or avx512; default: the best there is"},
+        {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256,
+         "worker threads; 0, the default, is one for each processor"},
+        {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "sse2, avx2 or avx512; default: the best available"},
         {"accel", 0, CLI_ACCEL, "X", &o.accel, 0, 0,
-         "bvh (default) or kdtree: what rays search meshes by; the picture is the same"},
+         "bvh (default) or kdtree: acceleration structure of meshes; the picture is the same"},
         {"aov", 0, CLI_TEXT, "LIST", &o.aov_list, 0, 0,
-         "also write depth,normal,id,triangle or some of them, in files beside IMG"},
-        {"explain", 0, CLI_FLAG, NULL, &o.explain, 0, 0, "print the plan: what ran and why, rays, milliseconds"},
-        {"stats", 0, CLI_TEXT, "FILE", &o.stats, 0, 0, "write what it cost as JSON; - is the terminal"},
-        {"repeat", 0, CLI_COUNT, "N", &o.repeat, 1, 100000, "render N times, for the figures of --stats (1)"}};
+         "also write these channels of each pixel beside IMG: depth,normal,id,triangle"},
+        {"explain", 0, CLI_FLAG, NULL, &o.explain, 0, 0,
+         "print the plan: each effect, why it ran or not, rays, milliseconds"},
+        {"stats", 0, CLI_TEXT, "FILE", &o.stats, 0, 0, "write times and counters as JSON; - is stdout"},
+        {"repeat", 0, CLI_COUNT, "N", &o.repeat, 1, 100000, "render N times, for the times of --stats (1)"}};
     const char *operands[CLI_OPERANDS];
     size_t count;
     cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);
@@ -181,7 +184,11 @@ int command_render(int argc, char **argv)
     if (o.aov_list && !aov_parse(o.aov_list, &o.aov)) return STATUS_BAD_USAGE;
     o.camera_given = o.camera >= 0;
     if (!o.camera_given) o.camera = 0;
-    daft_engine *engine = open_engine((int)o.threads, o.isa, o.accel);
+    daft_engine_def def = daft_default_engine_def();
+    def.threads = (int)o.threads;
+    def.isa = o.isa;
+    def.accel = o.accel;
+    daft_engine *engine = open_engine(&def);
     if (!engine) return STATUS_BAD_INPUT;
     daft_error error;
     int status = run(engine, &o, &error) ? STATUS_DONE : report(&error);

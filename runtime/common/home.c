@@ -1,4 +1,4 @@
-/* Where the program's own folders are, and which games there are. */
+/* Finds the program's folders and the games. */
 #include "common/home.h"
 
 #include <ctype.h>
@@ -31,11 +31,12 @@ bool home_find(home *out, daft_error *error)
     const char *wish = getenv("DAFT_HOME");
     if (wish && wish[0]) {
         if (try_root(out, wish)) return true;
-        return fail(error, DAFT_ERROR_IO, "DAFT_HOME is '%s', but there are no folders games and scripts in it", wish);
+        return fail(error, DAFT_ERROR_IO, "DAFT_HOME is '%s', which has no folders games and scripts", wish);
     }
     char folder[PATH_SIZE], shared[PATH_SIZE];
     if (!home_program_folder(folder, sizeof folder))
-        return fail(error, DAFT_ERROR_IO, "cannot tell where the program is: set DAFT_HOME to the folder with games/");
+        return fail(error, DAFT_ERROR_IO,
+                    "the program cannot find its own folder: set DAFT_HOME to the folder that holds games/");
     if (path_join(shared, sizeof shared, folder, "../share/daft") && try_root(out, shared)) return true;
     for (;;) {
         if (try_root(out, folder)) return true;
@@ -44,10 +45,11 @@ bool home_find(home *out, daft_error *error)
         slash[slash == folder] = 0;
     }
     return fail(error, DAFT_ERROR_IO,
-                "the folders games and scripts are neither above the program nor installed: set DAFT_HOME to theirs");
+                "no folders games and scripts above the program or in ../share/daft: set DAFT_HOME to the folder that "
+                "holds them");
 }
 
-/* The comment lines that open main.lua: the first is the title (up to a colon), the rest the description. */
+/* Reads the comment lines at the top of main.lua: the title up to the first colon, then the description. */
 static void describe(game_info *game)
 {
     snprintf(game->title, sizeof game->title, "%s", game->name);
@@ -72,13 +74,13 @@ static void describe(game_info *game)
     fclose(file);
 }
 
-static bool look_at_folder(const char *folder, game_info *out)
+static bool read_game(const char *folder, game_info *out)
 {
     char path[PATH_SIZE + 16], real[PATH_SIZE * 4];
     snprintf(path, sizeof path, "%s/main.lua", folder);
     if (!path_is_file(path)) return false;
     snprintf(out->folder, sizeof out->folder, "%s", folder);
-    /* "." and ".." have the name of the folder they stand for. */
+    /* "." and ".." get the name of the folder they stand for. */
     char *resolved = realpath(folder, NULL);
     snprintf(real, sizeof real, "%s", resolved ? resolved : folder);
     free(resolved);
@@ -104,7 +106,7 @@ game_info *home_list_games(const home *where, size_t *count)
         game_info *more = realloc(games, (*count + 1) * sizeof *games);
         if (!more) break;
         games = more;
-        if (look_at_folder(path, &games[*count])) ++*count;
+        if (read_game(path, &games[*count])) ++*count;
     }
     closedir(folder);
     if (*count > 0) qsort(games, *count, sizeof *games, by_name);
@@ -114,9 +116,9 @@ game_info *home_list_games(const home *where, size_t *count)
 bool home_find_game(const home *where, const char *name, game_info *out, daft_error *error)
 {
     if (strlen(name) >= PATH_SIZE / 2) return fail(error, DAFT_ERROR_ARGUMENT, "the name of the game is too long");
-    if (look_at_folder(name, out)) return true;
+    if (read_game(name, out)) return true;
     char path[PATH_SIZE];
-    if (name[0] && name[0] != '/' && path_join(path, sizeof path, where->games, name) && look_at_folder(path, out))
+    if (name[0] && name[0] != '/' && path_join(path, sizeof path, where->games, name) && read_game(path, out))
         return true;
     if (path_is_folder(name)) return fail(error, DAFT_ERROR_IO, "%s: there is no main.lua in this folder", name);
 
@@ -133,7 +135,7 @@ bool home_find_game(const home *where, const char *name, game_info *out, daft_er
     if (near)
         fail(error, DAFT_ERROR_ARGUMENT, "there is no game '%s': did you mean '%s'?", name, near);
     else
-        fail(error, DAFT_ERROR_ARGUMENT, "there is no game '%s'; games/ has: %s", name, count ? list : "none");
+        fail(error, DAFT_ERROR_ARGUMENT, "there is no game '%s'; games/ has: %s", name, count ? list : "nothing");
     free(names);
     free(games);
     return false;

@@ -1,5 +1,5 @@
-/* home: where the program's own folders are: games/, assets/ and scripts/; and which games there are.
- * They are looked for in $DAFT_HOME, then in each folder above the program, then in ../share/daft beside it. */
+/* home: finds the program's own folders games/, assets/ and scripts/, and the games in games/.
+ * Search order: $DAFT_HOME, ../share/daft beside the program, then each folder above the program. */
 #ifndef RUNTIME_COMMON_HOME_H
 #define RUNTIME_COMMON_HOME_H
 
@@ -20,9 +20,9 @@ typedef struct game_info {
     char description[512];
 } game_info;
 
-/* A folder with a main.lua, or the name of one in games/. The message names near misses. */
+/* `name`: a folder with a main.lua, or the name of one in games/. The message suggests near names. */
 bool home_find_game(const home *where, const char *name, game_info *out, daft_error *error);
-/* The games in games/, by name; freed with free(). NULL and 0 when there is none. */
+/* The games in games/, sorted by name; freed with free(). NULL and 0 when there are none. */
 game_info *home_list_games(const home *where, size_t *count);
 
 #endif

@@ -1,4 +1,4 @@
-/* Progress bars. */
+/* A progress bar on stderr. */
 #include "common/progress.h"
 
 #include "common/util.h"

@@ -4,7 +4,7 @@
 
 #include "daft.h"
 
-/* A bar on stderr, drawn at most ten times a second and only on a terminal. */
+/* A bar on stderr, drawn at most ten times a second, and only on a terminal. */
 typedef struct progress_bar {
     const char *label;
     bool shown;
@@ -13,7 +13,7 @@ typedef struct progress_bar {
 
 void progress_begin(progress_bar *bar, const char *label);
 void progress_show(progress_bar *bar, double done); /* 0..1 */
-/* Wipes the bar. */
+/* Erases the bar. */
 void progress_end(progress_bar *bar);
 
 #endif

@@ -4,7 +4,6 @@
 #include "common/json.h"
 #include "common/util.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -36,13 +35,13 @@ static int by_time(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-double frame_times_share(const frame_times *times, double share)
+double frame_times_quantile(const frame_times *times, double fraction)
 {
     double *sorted = times->count ? malloc(times->count * sizeof *sorted) : NULL;
     if (!sorted) return 0;
     memcpy(sorted, times->ms, times->count * sizeof *sorted);
     qsort(sorted, times->count, sizeof *sorted, by_time);
-    double rank = ceil(share * (double)times->count);
+    double rank = ceil(fraction * (double)times->count);
     double value = sorted[rank < 1 ? 0 : (size_t)rank - 1];
     free(sorted);
     return value;
@@ -74,9 +73,9 @@ void stats_print_json(FILE *out, const daft_counters *c, const frame_times *time
             c->threads);
     json_put_text(out, c->isa);
     fputs(",\n  \"frame_ms\": {\"median\": ", out);
-    put_number(out, frame_times_share(times, 0.5));
+    put_number(out, frame_times_quantile(times, 0.5));
     fputs(", \"p95\": ", out);
-    put_number(out, frame_times_share(times, 0.95));
+    put_number(out, frame_times_quantile(times, 0.95));
     fprintf(out, ", \"frames\": %zu},\n", times->count);
     fprintf(out,
             "  \"rays\": {\"camera\": %" PRIu64 ", \"shadow\": %" PRIu64 ", \"reflection\": %" PRIu64
@@ -111,12 +110,10 @@ bool stats_write(const char *path, const daft_counters *counters, const frame_ti
         stats_print_json(stdout, counters, times);
         return true;
     }
-    FILE *out = fopen(path, "w");
-    if (!out) return fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
+    FILE *out = open_to_write(path, error);
+    if (!out) return false;
     stats_print_json(out, counters, times);
-    bool good = !ferror(out);
-    if (fclose(out) != 0) good = false;
-    return good || fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
+    return close_written(out, path, error);
 }
 
 /* ---- the plan ---- */

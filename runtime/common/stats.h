@@ -12,17 +12,17 @@ typedef struct frame_times {
     size_t count, capacity;
 } frame_times;
 
-/* A time for which there is no memory is left out. */
+/* Drops the time when memory runs out. */
 void frame_times_add(frame_times *times, double ms);
 void frame_times_free(frame_times *times);
-/* The time that a share of the frames does not exceed: 0.5 is the median. 0 without frames. */
-double frame_times_share(const frame_times *times, double share);
+/* The quantile of the times: 0.5 is the median. 0 without frames. */
+double frame_times_quantile(const frame_times *times, double fraction);
 
 /* {"width", "height", "threads", "isa", "frame_ms": {"median", "p95", "frames"}, "rays", "effects", "counters"}.
- * Counters are of the last frame. */
+ * The counters are those of the last frame. path: "-" writes to stdout. */
 bool stats_write(const char *path, const daft_counters *counters, const frame_times *times, daft_error *error);
 void stats_print_json(FILE *out, const daft_counters *counters, const frame_times *times);
-/* The plan: each effect, whether it ran and why, tiles, rays, milliseconds. */
+/* Prints the plan: each effect, whether it ran and why, its tiles, rays and milliseconds. */
 void stats_print_plan(FILE *out, const daft_counters *counters);
 
 #endif

@@ -1,4 +1,4 @@
-/* The small things every file of the runtime needs. */
+/* Errors, near misses of names, paths, files, time. */
 #include "common/util.h"
 
 #include <errno.h>
@@ -47,8 +47,8 @@ int report(const daft_error *error)
     return STATUS_BAD_INPUT;
 }
 
-/* Optimal string alignment: insertions, deletions, changes and swaps of neighbours. Words over 63 letters count as far.
- */
+/* Optimal string alignment distance: insertions, deletions, substitutions, transpositions. LIMIT for words over 63
+ * letters. */
 static size_t edit_distance(const char *a, const char *b)
 {
     enum { LIMIT = 64 };
@@ -84,6 +84,15 @@ const char *nearest_name(const char *word, const char *const *names, size_t coun
         if (distance < best) best = distance, found = names[i];
     }
     return found;
+}
+
+const char *did_you_mean(char out[HINT_SIZE], const char *prefix, const char *word, const char *const *names,
+                         size_t count)
+{
+    const char *near = nearest_name(word, names, count);
+    out[0] = 0;
+    if (near) snprintf(out, HINT_SIZE, ": did you mean '%s%s'?", prefix, near);
+    return out;
 }
 
 bool path_join(char *out, size_t size, const char *folder, const char *name)
@@ -152,6 +161,20 @@ char *read_whole_file(const char *path, size_t *size, daft_error *error)
     bytes[used] = 0;
     *size = used;
     return bytes;
+}
+
+FILE *open_to_write(const char *path, daft_error *error)
+{
+    FILE *file = fopen(path, "w");
+    if (!file) fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
+    return file;
+}
+
+bool close_written(FILE *file, const char *path, daft_error *error)
+{
+    bool good = !ferror(file);
+    if (fclose(file) != 0) good = false;
+    return good || fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
 }
 
 uint64_t clock_now_ns(void)

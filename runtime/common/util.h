@@ -1,9 +1,12 @@
-/* util: the small things every file of the runtime needs: errors in the engine's form, near misses of names, paths,
- * time. Promises: nothing here keeps state. */
+/* common: what every room of the program uses, and no room of its own kind above it: errors in the engine's form,
+ * paths, time (util.h), the program's folders and games (home.h), figures of frames (stats.h), JSON text (json.h),
+ * progress bars (progress.h). All headers are public. Promises: nothing here keeps state. */
 #ifndef RUNTIME_COMMON_UTIL_H
 #define RUNTIME_COMMON_UTIL_H
 
 #include "daft.h"
+
+#include <stdio.h>
 
 enum { PATH_SIZE = 1024 };
 
@@ -19,8 +22,12 @@ bool fail_at(daft_error *error, const char *file, int line, int column, const ch
 /* "daft: file:line:column: message" on stderr; returns STATUS_BAD_INPUT. */
 int report(const daft_error *error);
 
-/* The name nearest to `word`, or NULL when none is near enough to be what was meant. */
+/* The name nearest to `word` by edit distance, or NULL when none is near enough to be a typing error. */
 const char *nearest_name(const char *word, const char *const *names, size_t count);
+enum { HINT_SIZE = 96 };
+/* Fills `out` with ": did you mean 'PREFIXname'?" for the nearest name, or with nothing. Returns `out`. */
+const char *did_you_mean(char out[HINT_SIZE], const char *prefix, const char *word, const char *const *names,
+                         size_t count);
 
 /* False when the result does not fit. */
 bool path_join(char *out, size_t size, const char *folder, const char *name);
@@ -29,8 +36,12 @@ bool path_is_file(const char *path);
 /* The last part of a path, without slashes at its end. */
 void path_base_name(const char *path, char *out, size_t size);
 bool has_extension(const char *path, const char *extension);
-/* A whole file and a zero byte after it; freed with free(). */
+/* Reads a whole file and appends a zero byte; freed with free(). */
 char *read_whole_file(const char *path, size_t *size, daft_error *error);
+/* Opens `path` for writing; NULL with a message. */
+FILE *open_to_write(const char *path, daft_error *error);
+/* Closes a file opened to write; false with a message when anything was not written. */
+bool close_written(FILE *file, const char *path, daft_error *error);
 
 uint64_t clock_now_ns(void); /* monotonic */
 

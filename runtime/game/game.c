@@ -1,4 +1,4 @@
-/* One game being played. */
+/* Runs one game, tick by tick. */
 #include "game/game.h"
 
 #include "game/loop.h"
@@ -12,7 +12,7 @@ static bool stop(game_state *state)
     return false;
 }
 
-/* An engine's error at a place where no script runs becomes the game's message. */
+/* Turns an engine error outside a script into the game's message. */
 static bool stop_with(game_state *state, const char *what, const daft_error *error)
 {
     char text[1100];
@@ -132,6 +132,6 @@ bool game_draw(game_state *state, daft_image *picture, float alpha)
 
 uint64_t game_hash(const game_state *state)
 {
-    if (!state->scene) return 0; /* reloading ran out of memory */
+    if (!state->scene) return 0; /* a reload ran out of memory */
     return daft_hash(&state->scripts.random, sizeof state->scripts.random, daft_scene_hash(state->scene));
 }

@@ -1,7 +1,9 @@
-/* game: one game being played: its scene, its scripts, its input, tick by tick. Knows no window and no clock.
- * One tick is: poses are remembered, input is applied (and recorded, or taken from a recording), daft.keypressed and
- * daft.keyreleased, daft.update(1/60), the simulation's step.
- * Promises: the same recording gives the same ticks. After a script's error the game stands still and says why until it
+/* game: everything from one tick of a game to a session at a window.
+ * Public headers: session.h (plays a game on a platform), menu.h (chooses one), recording.h (input files), loop.h (the
+ * fixed time step), game.h (this: one game, tick by tick, without a window or a clock).
+ * One tick stores the poses for interpolation, applies the input (live or recorded), calls daft.keypressed and
+ * daft.keyreleased, then daft.update(1/60), then steps the simulation.
+ * Promises: the same recording gives the same ticks. After a script error the game stops and keeps the message until it
  * is reloaded. */
 #ifndef RUNTIME_GAME_GAME_H
 #define RUNTIME_GAME_GAME_H
@@ -27,23 +29,24 @@ typedef struct game_state {
     daft_scene *scene;
     host scripts;
     input keys;
-    uint64_t ticks; /* since it was opened; a restart does not set it back */
-    bool failed;    /* scripts.message and scripts.trace say why */
+    uint64_t ticks; /* since game_open; a restart does not reset it */
+    bool failed;    /* scripts.message and scripts.trace hold the error */
     bool over;      /* daft.quit was called */
 } game_state;
 
-/* Runs main.lua and daft.load. False only when there is no memory; a script's error makes a game that has failed. */
+/* Runs main.lua and daft.load. False only when out of memory; a script error gives a game with `failed` set. */
 bool game_open(game_state *state, const game_def *def, daft_error *error);
 void game_close(game_state *state);
-/* Starts afresh: for R on the error screen, and for daft.restart. */
+/* Starts the game again: for R on the error screen, and for daft.restart. */
 bool game_reload(game_state *state, daft_error *error);
 
 /* False when the game has failed, now or before. */
 bool game_tick(game_state *state);
-/* The picture with what daft.draw puts over it; alpha: between the last two ticks. False when the game has failed. */
+/* Renders the scene and runs daft.draw over it; alpha interpolates between the last two ticks. False when the game has
+ * failed. */
 bool game_draw(game_state *state, daft_image *picture, float alpha);
 uint64_t game_hash(const game_state *state);
-/* Whether the recording still has ticks to play. */
+/* True while the recording has ticks left. */
 bool game_is_replaying(const game_state *state);
 
 #endif

@@ -1,11 +1,11 @@
-/* The arithmetic of the game loop. */
+/* The fixed time step. */
 #include "game/loop.h"
 
-static const uint64_t UPDATE = 1000000000u; /* of 1/60 ns */
+static const uint64_t UPDATE = 1000000000u; /* one update, in units of 1/60 ns */
 
 int loop_advance(loop *state, uint64_t elapsed_ns)
 {
-    /* An hour at most, so that the product cannot overflow after a night in suspend. */
+    /* At most an hour, so that the product cannot overflow after a night in suspend. */
     const uint64_t longest = (uint64_t)3600 * 1000000000u;
     if (elapsed_ns > longest) elapsed_ns = longest;
     state->owed += elapsed_ns * LOOP_RATE;

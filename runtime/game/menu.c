@@ -1,4 +1,4 @@
-/* The list of games, over a small scene: a chrome ball between coloured ones, seen from a camera that goes round. */
+/* The list of games over a small scene: a chrome ball among coloured ones, seen from an orbiting camera. */
 #include "game/menu.h"
 
 #include "common/util.h"
@@ -21,7 +21,7 @@ typedef struct menu {
     float mouse_x, mouse_y;
 } menu;
 
-/* ---- the scene behind ---- */
+/* ---- the background scene ---- */
 
 static bool add_ball(daft_scene *scene, double x, double z, float radius, daft_vec3 color, float mirror,
                      daft_error *error)
@@ -76,7 +76,7 @@ static bool build_scene(menu *m, daft_error *error)
 
 static bool draw_scene(menu *m, double seconds, daft_error *error)
 {
-    /* The look is turned a little to the left of the balls, so that they stand right of the list. */
+    /* The camera looks a little left of the balls, so that they stand right of the list. */
     double turn = 0.6 + seconds * 0.12;
     daft_dvec3 from = {9 * daft_cos(turn), 3.2, 9 * daft_sin(turn)};
     daft_view view = daft_default_view();
@@ -93,7 +93,7 @@ static size_t visible_rows(const menu *m)
     return m->count < rows ? m->count : rows;
 }
 
-/* As many whole words as fit in two lines. */
+/* Draws as many whole words as fit in two lines. */
 static void draw_description(const canvas *over, font *face, const char *description, float y, const text_style *style)
 {
     char text[512];
@@ -141,7 +141,7 @@ static void choose(menu *m, size_t which)
     if (m->chosen >= m->first + rows) m->first = m->chosen + 1 - rows;
 }
 
-/* The row under the mouse, or `count` where there is none. */
+/* The row under the mouse, or `count` for none. */
 static size_t row_under_mouse(const menu *m)
 {
     if (m->mouse_x < LEFT || m->mouse_x > LEFT + WIDTH || m->mouse_y < TOP) return m->count;

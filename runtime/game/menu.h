@@ -1,4 +1,4 @@
-/* menu: the list of games in a window, over a small scene of its own. Arrow keys, Return and the mouse choose. */
+/* menu: the list of games in a window, over a small scene. Arrow keys, Return and the mouse choose. */
 #ifndef RUNTIME_GAME_MENU_H
 #define RUNTIME_GAME_MENU_H
 
@@ -10,7 +10,7 @@ typedef enum menu_end {
     MENU_FAILED
 } menu_end;
 
-/* *chosen: the game to begin with, and the one that was chosen. */
+/* *chosen: the game selected at first; on return, the chosen game. */
 menu_end menu_show(const session_def *def, const game_info *games, size_t count, size_t *chosen, daft_error *error);
 
 #endif

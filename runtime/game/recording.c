@@ -1,4 +1,4 @@
-/* What was pressed, tick by tick, in and out of a text file. */
+/* Reads and writes recordings. */
 #include "game/recording.h"
 
 #include "game/loop.h"
@@ -80,11 +80,10 @@ static bool read_key(reader *in, input_event *event)
     if (event->key >= 0) return true;
     size_t count;
     const char *const *names = input_key_names(&count);
-    const char *near = nearest_name(in->at, names, count);
-    char hint[160];
-    snprintf(hint, sizeof hint, "there is no key%s%s%s", near ? " (did you mean '" : "", near ? near : "",
-             near ? "'?)" : "");
-    return bad(in, hint, in->at);
+    char hint[HINT_SIZE];
+    did_you_mean(hint, "", in->at, names, count);
+    return fail_at(in->error, in->path, in->number, (int)(in->at - in->line) + 1, "there is no key '%.80s'%s", in->at,
+                   hint);
 }
 
 static bool read_pair(reader *in, input_kind kind, input_event *event)
@@ -211,9 +210,8 @@ recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_
         return NULL;
     }
     snprintf(writer->path, sizeof writer->path, "%s", path);
-    writer->file = fopen(path, "w");
+    writer->file = open_to_write(path, error);
     if (!writer->file) {
-        fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
         free(writer);
         return NULL;
     }
@@ -235,9 +233,7 @@ bool recorder_close(recorder *writer, uint64_t end, daft_error *error)
 {
     if (!writer) return true;
     fprintf(writer->file, "end %" PRIu64 "\n", end);
-    bool good = !ferror(writer->file);
-    if (fclose(writer->file) != 0) good = false;
-    if (!good) fail_at(error, writer->path, 0, 0, "cannot be written: %s", strerror(errno));
+    bool good = close_written(writer->file, writer->path, error);
     free(writer);
     return good;
 }

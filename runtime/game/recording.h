@@ -1,9 +1,9 @@
-/* recording: what was pressed, tick by tick, as a text file that plays the same game again.
+/* recording: the input of a game, tick by tick, as a text file that replays it.
  *
  *     daft-recording 1          the format's version
  *     game marble
  *     rate 60                   ticks a second
- *     seed 1                    of the random numbers
+ *     seed 1                    seed of the random numbers
  *     12 +right                 at the start of tick 12 (counted from 0) the key goes down
  *     40 -right                 … and up
  *     41 mouse 640.5 360        the mouse, in HUD units from the top left
@@ -11,8 +11,8 @@
  *     41 wheel 0 1              notches, right and up positive
  *     end 600                   ticks in all; the last line
  *
- * Lines are in the order of their ticks; blank lines and lines that start with # say nothing.
- * Promises: what was recorded and read again is equal, bit for bit; a bad file fails with file:line:column. */
+ * Ticks ascend; blank lines and lines that start with # are ignored.
+ * Promises: a recording reads back bit for bit; a bad file fails with file:line:column. */
 #ifndef RUNTIME_GAME_RECORDING_H
 #define RUNTIME_GAME_RECORDING_H
 
@@ -35,14 +35,14 @@ typedef struct recording {
 
 bool recording_load(recording *out, const char *path, daft_error *error);
 void recording_free(recording *record);
-/* Applies the events of this tick; call it with rising ticks. */
+/* Applies the events of this tick; call it with ascending ticks. */
 void recording_play(recording *record, uint64_t tick, input *state);
 
-/* Writes while the game runs, so that nothing is lost when it fails. */
+/* Writes events while the game runs, so that a failed game leaves its recording. */
 typedef struct recorder recorder;
 recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_error *error);
 void recorder_add(recorder *writer, uint64_t tick, const input_event *event);
-/* Ends the file at `end` ticks. NULL is fine. False when something could not be written. */
+/* Ends the file at `end` ticks and closes it. NULL is fine. False when a write failed. */
 bool recorder_close(recorder *writer, uint64_t end, daft_error *error);
 
 #endif

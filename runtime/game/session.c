@@ -78,7 +78,7 @@ static double smooth(double before, double now)
     return before > 0 ? before * 0.95 + now * 0.05 : now;
 }
 
-/* Draws the game, or what stopped it. */
+/* Draws the game, or the error that stopped it. */
 static bool draw(session *s, float alpha, daft_error *error)
 {
     if (!session_fit_picture(s->def, &s->picture, error)) return false;
@@ -97,7 +97,7 @@ static bool draw(session *s, float alpha, daft_error *error)
 
 /* ---- events ---- */
 
-static void own_key(session *s, int key)
+static void handle_session_key(session *s, int key)
 {
     const char *name = input_key_name(key);
     if (strcmp(name, "escape") == 0) s->left = true;
@@ -114,7 +114,7 @@ static void take_events(session *s)
         case PLATFORM_CLOSE: s->closed = true; break;
         case PLATFORM_FOCUS_LOST: input_push_release_all(&s->play.keys); break;
         case PLATFORM_INPUT:
-            if (event.input.kind == INPUT_KEY && event.input.down) own_key(s, event.input.key);
+            if (event.input.kind == INPUT_KEY && event.input.down) handle_session_key(s, event.input.key);
             session_scale_mouse(screen, &event.input);
             input_push(&s->play.keys, &event.input);
             break;
@@ -122,7 +122,7 @@ static void take_events(session *s)
     }
 }
 
-/* While a script runs for long: Esc and the window's close button still work. */
+/* Called during a long script call, so that Esc and the close button still work. */
 static bool interrupted(void *user)
 {
     session *s = user;
@@ -130,7 +130,7 @@ static bool interrupted(void *user)
     return s->left || s->closed;
 }
 
-/* ---- what happens at certain ticks ---- */
+/* ---- hashes, shots, statistics ---- */
 
 static bool print_hash(session *s, daft_error *error)
 {
@@ -174,8 +174,8 @@ static bool at_end(session *s, daft_error *error)
     return s->play.failed || stats_write(s->def->stats, daft_scene_counters(s->play.scene), &s->times, error);
 }
 
-/* A picture to the current folder, named by the time. */
-static void own_shot(session *s)
+/* Writes a picture to the current folder, named by the time. */
+static void write_user_shot(session *s)
 {
     char name[64];
     time_t now = time(NULL);
@@ -225,7 +225,7 @@ static bool run_updates(session *s, int updates, daft_error *error)
     return true;
 }
 
-/* The mouse is the game's while it asks for it, and the user's while an error is shown. */
+/* The game holds the mouse while it asks for it; the error screen releases it. */
 static void grab_mouse(session *s, bool grab)
 {
     if (grab != s->grabbed) s->def->screen->grab_mouse(s->def->screen, grab);
@@ -244,13 +244,13 @@ static bool turn(session *s, daft_error *error)
     uint64_t now = screen->now_ns(screen);
     uint64_t elapsed = now - s->last_ns;
     s->last_ns = now;
-    if (s->turns++ > 1) s->turn_ms = smooth(s->turn_ms, (double)elapsed / 1e6); /* the first ones have no past */
+    if (s->turns++ > 1) s->turn_ms = smooth(s->turn_ms, (double)elapsed / 1e6); /* the first turns have no interval */
     if (!run_updates(s, loop_advance(&s->clock, elapsed), error)) return false;
     if (s->def->every_frame || screen->wants_frame(screen)) {
         if (!draw(s, loop_alpha(&s->clock), error) || !screen->present(screen, s->picture, error)) return false;
     }
     report_script(s);
-    if (s->wants_shot) own_shot(s);
+    if (s->wants_shot) write_user_shot(s);
     s->wants_shot = false;
     if (s->def->progress && last_tick(s) != UINT64_MAX)
         progress_show(&s->bar, (double)s->play.ticks / (double)last_tick(s));

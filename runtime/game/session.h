@@ -14,21 +14,21 @@ typedef struct session_def {
     const home *where;
     font *face;
     daft_quality quality;
-    double scale;    /* pixels of the picture to pixels of the window */
-    bool fixed_size; /* the picture is as large as the window, however large that is */
+    double scale;    /* resolution of the picture relative to the window */
+    bool fixed_size; /* the picture has exactly the size of the window */
     uint64_t seed;
     uint64_t ticks;              /* end after so many; 0: the recording's end, or never */
     bool hash;                   /* print a line every 60 ticks and at the end */
-    bool every_frame;            /* draw each frame, though nobody looks */
+    bool every_frame;            /* draw every frame when headless too */
     bool progress;               /* a bar on stderr */
     const char *record, *replay; /* files, or NULL */
-    const char *shot;            /* a picture's file, or NULL */
+    const char *shot;            /* file of a picture, or NULL */
     uint64_t shot_tick;          /* after so many ticks; 0: at the end */
-    const char *stats;           /* figures as JSON, or NULL */
+    const char *stats;           /* file for times and counters as JSON, or NULL */
 } session_def;
 
 typedef enum session_end {
-    SESSION_DONE,   /* the ticks or the recording came to their end, or the game quit */
+    SESSION_DONE,   /* ticks or recording ended, or the game quit */
     SESSION_LEFT,   /* Esc */
     SESSION_CLOSED, /* the window was closed */
     SESSION_FAILED  /* *error, or the script's message on stderr when error->code is DAFT_OK */
@@ -36,11 +36,11 @@ typedef enum session_end {
 
 session_end session_play(const session_def *def, const game_info *info, daft_error *error);
 
-/* The size of the picture for a window: scaled, and never more than 1920 by 1080 pixels unless that is asked for. */
+/* The size of the picture for the window: scaled, at most 1920x1080 unless fixed_size is set. */
 void session_picture_size(const session_def *def, int *width, int *height);
-/* Makes *picture that large, unless it is already. */
+/* Replaces *picture when its size differs from that. */
 bool session_fit_picture(const session_def *def, daft_image **picture, daft_error *error);
-/* The platform's mouse position as HUD units. */
+/* Converts the platform's mouse position to HUD units. */
 void session_scale_mouse(platform *screen, input_event *event);
 
 #endif

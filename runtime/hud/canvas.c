@@ -1,4 +1,4 @@
-/* Rectangles over a finished picture. */
+/* Draws rectangles over a finished picture. */
 #include "hud/canvas.h"
 
 #include <math.h>
@@ -14,7 +14,7 @@ float canvas_hud_width(const canvas *target)
     return (float)target->width / target->unit;
 }
 
-/* Clamped to where coverage can still differ; NaN becomes `low`. */
+/* Clamps; NaN becomes `low`. */
 static float clamp(float value, float low, float high)
 {
     if (!(value > low)) return low;
@@ -31,7 +31,7 @@ static float overlap(float low, float high, int pixel)
     return fminf(high, (float)pixel + 1) - fmaxf(low, (float)pixel);
 }
 
-/* Pixels that the edges cut are covered in part. */
+/* Pixels on the border blend by their coverage. */
 void canvas_rect(const canvas *target, float x, float y, float width, float height, canvas_color color)
 {
     float w = (float)target->width, h = (float)target->height, unit = target->unit;

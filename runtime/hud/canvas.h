@@ -1,8 +1,9 @@
-/* canvas: drawing over a finished picture: rectangles and text.
- * Places and sizes are in HUD units: the picture is 720 of them high, whatever its size in pixels, so that a HUD keeps
- * its proportions. Colours are sRGB with alpha and blend in sRGB.
- * Promises: nothing outside the picture is touched, for any coordinates, NaN among them. The same calls give the same
- * bytes everywhere. */
+/* hud: drawing over a finished picture: rectangles and text (canvas.h), and the program's own screens (screens.h). Both
+ * headers are public.
+ * Coordinates are in HUD units: every picture is 720 units high, so that a HUD keeps its proportions. Colours are sRGB
+ * with alpha and blend in sRGB.
+ * Promises: no write outside the picture for any coordinates, NaN included. The same calls give the same bytes
+ * everywhere. */
 #ifndef RUNTIME_HUD_CANVAS_H
 #define RUNTIME_HUD_CANVAS_H
 
@@ -34,19 +35,19 @@ void font_close(font *face); /* NULL is fine */
 typedef enum text_align { TEXT_LEFT, TEXT_CENTER, TEXT_RIGHT } text_align;
 
 typedef struct text_style {
-    float size; /* from the highest to the lowest letter, HUD units */
+    float size; /* ascent to descent, HUD units */
     canvas_color color;
     text_align align;
     bool shadow;
 } text_style;
 
-/* UTF-8; a newline starts a new line; what is not UTF-8 shows as the replacement character. x is the left end, the
- * middle or the right end of each line, y the top of the first. */
+/* Draws UTF-8; invalid bytes show as the replacement character. x is the left end, centre or right end of each line by
+ * style->align, y the top of the first. */
 void text_draw(const canvas *target, font *face, const char *text, float x, float y, const text_style *style);
-/* Of the widest line, in HUD units. */
+/* The width of the widest line, in HUD units. */
 float text_width(const font *face, const char *text, float size);
 float text_line_height(float size);
-/* Breaks lines at blanks so that none is wider than `width`. Draws (with a target) and returns the height it takes. */
+/* Breaks lines at blanks so that none exceeds `width`. Returns the height; draws when target is not NULL. */
 float text_draw_wrapped(const canvas *target, font *face, const char *text, float x, float y, float width,
                         const text_style *style);
 

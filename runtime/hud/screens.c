@@ -1,4 +1,4 @@
-/* The error screen and the overlay with figures. */
+/* The error screen and the overlay with frame times. */
 #include "hud/screens.h"
 
 #include "common/util.h"
@@ -22,7 +22,7 @@ void screen_error(const canvas *target, font *face, const char *game, const char
     float y = 96;
     y += text_draw_wrapped(target, face, message, margin, y, inner, &style) + 22;
     style.size = 18, style.color = GREY;
-    /* The trace, as far as there is room above the last line. */
+    /* As much of the trace as fits above the last line. */
     char line[400];
     while (trace && *trace && y < CANVAS_HEIGHT - 90) {
         const char *end = strchr(trace, '\n');

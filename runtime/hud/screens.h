@@ -1,15 +1,15 @@
-/* screens: what the program itself shows over or instead of a game: the error screen and the overlay with figures. */
+/* screens: the error screen, and the overlay with frame times (F1). */
 #ifndef RUNTIME_HUD_SCREENS_H
 #define RUNTIME_HUD_SCREENS_H
 
 #include "hud/canvas.h"
 
-/* Over what is there, darkened: title, message and stack trace, and which keys help. */
+/* Darkens the picture and draws title, message, stack trace and the keys that help. */
 void screen_error(const canvas *target, font *face, const char *game, const char *message, const char *trace);
 
 typedef struct overlay_figures {
     double frames_per_second, frame_ms, update_ms;
-    uint64_t dropped; /* updates given up since the start */
+    uint64_t dropped; /* updates dropped since the start */
     const daft_counters *counters;
 } overlay_figures;
 

@@ -1,6 +1,5 @@
-/* Text from a TrueType font: each glyph is rasterized once for each pixel size and kept.
- * The cache is a hash table with linear probing; when it is three quarters full it is emptied, which costs a game that
- * shows thousands of different letters a little time and nothing else. */
+/* Text from a TrueType font. Each glyph is rasterized once for each pixel size and cached in a hash table with linear
+ * probing, which is emptied at three quarters full. */
 #include "hud/canvas.h"
 
 #include "common/util.h"
@@ -64,7 +63,7 @@ void font_close(font *face)
     free(face);
 }
 
-/* The next code point, or 0 at the end. Broken sequences give U+FFFD for each byte that cannot start or go on. */
+/* The next code point, or 0 at the end. Each invalid byte gives U+FFFD. */
 static uint32_t next_code_point(const char **text)
 {
     const unsigned char *at = (const unsigned char *)*text;
@@ -106,7 +105,7 @@ static const glyph *find_glyph(font *face, uint32_t code, int pixels)
     return found;
 }
 
-/* In font units, with the pair's kerning. */
+/* The advance with kerning, in font units. */
 static int advance(const font *face, uint32_t code, uint32_t next)
 {
     int width, bearing;
@@ -114,7 +113,7 @@ static int advance(const font *face, uint32_t code, uint32_t next)
     return next && next != '\n' ? width + stbtt_GetCodepointKernAdvance(&face->info, (int)code, (int)next) : width;
 }
 
-/* Of the line that starts at text, up to `end` or a newline. In font units. */
+/* The advance of the line from `text` to `end` or a newline, in font units. */
 static int line_advance(const font *face, const char *text, const char *end)
 {
     int width = 0;
@@ -178,7 +177,7 @@ static void draw_line(const canvas *target, font *face, const char *text, const 
     float pen = x * target->unit, base = y * target->unit + (float)face->ascent * scale;
     int line = line_advance(face, text, end);
     if (style->align != TEXT_LEFT) pen -= (float)line * scale * (style->align == TEXT_CENTER ? 0.5f : 1.0f);
-    /* Far outside, and NaN, before any conversion to int. */
+    /* Reject far coordinates and NaN before converting to int. */
     if (!(fabsf(pen) < 1e6f) || !(fabsf(base) < 1e6f)) return;
     int shadow = pixels / 16 > 1 ? pixels / 16 : 1;
     canvas_color dark = {0, 0, 0, (uint8_t)(style->color.a * 5 / 8)};
@@ -207,7 +206,7 @@ void text_draw(const canvas *target, font *face, const char *text, float x, floa
     }
 }
 
-/* The end of the longest start of `text` that fits, at a blank where there is one; at least one byte. */
+/* The end of the longest prefix of `text` that fits, at a blank if possible; at least one character. */
 static const char *break_line(const font *face, const char *text, float width, float scale)
 {
     const char *fit = NULL, *at = text;
@@ -218,12 +217,12 @@ static const char *break_line(const font *face, const char *text, float width, f
         fit = at = word;
         if (*at != ' ') break;
     }
-    /* A single word may be too long by itself: it is cut between two letters, after the first at least. */
-    const char *least = text;
-    next_code_point(&least);
-    while (fit > least && (float)line_advance(face, text, fit) * scale > width) do
+    /* A word too long for the line is cut between two characters. */
+    const char *min_end = text;
+    next_code_point(&min_end);
+    while (fit > min_end && (float)line_advance(face, text, fit) * scale > width) do
             fit--;
-        while (fit > least && (*fit & 0xC0) == 0x80);
+        while (fit > min_end && (*fit & 0xC0) == 0x80);
     return fit;
 }
 

@@ -1,10 +1,10 @@
-/* Keys, mouse and wheel as the game sees them. */
+/* The state of keys, mouse and wheel. */
 #include "platform/input.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The order is never stored anywhere; recordings hold names. */
+/* Indices are never stored; recordings hold names. */
 static const char *const KEYS[] = {
     "a",         "b",        "c",         "d",          "e",           "f",         "g",          "h",
     "i",         "j",        "k",         "l",          "m",           "n",         "o",          "p",
@@ -58,7 +58,7 @@ void input_push(input *state, const input_event *event)
 
 void input_push_release_all(input *state)
 {
-    /* A full queue would swallow the releases and leave keys stuck: what was pressed since the last tick is dropped. */
+    /* A full queue would lose the releases and leave keys stuck, so it is emptied first. */
     if (state->queued + KEY_COUNT > INPUT_QUEUE) state->queued = 0;
     bool held[INPUT_KEYS];
     memcpy(held, state->down, sizeof held);
@@ -76,8 +76,8 @@ void input_begin_tick(input *state)
     state->applied_count = 0;
 }
 
-/* Carries the event out; false when it changed nothing. */
-static bool carry_out(input *state, const input_event *event)
+/* Changes the state; false when nothing changed. */
+static bool change_state(input *state, const input_event *event)
 {
     bool moves = isfinite(event->x) && isfinite(event->y) && (event->x != 0 || event->y != 0);
     switch (event->kind) {
@@ -103,8 +103,8 @@ static bool carry_out(input *state, const input_event *event)
 
 void input_apply(input *state, const input_event *event)
 {
-    if (state->applied_count == INPUT_QUEUE) return; /* what could not be recorded must not happen */
-    if (carry_out(state, event)) state->applied[state->applied_count++] = *event;
+    if (state->applied_count == INPUT_QUEUE) return; /* an event that cannot be recorded must not be applied */
+    if (change_state(state, event)) state->applied[state->applied_count++] = *event;
 }
 
 void input_apply_queue(input *state)

@@ -1,7 +1,7 @@
-/* input: keys, mouse and wheel as the game sees them: a state that changes only between ticks.
- * The platform queues events as they come; at the start of a tick the queue is applied, and what was applied can be
- * recorded and played again. Mouse buttons are keys named "mouse1" to "mouse5".
- * Promises: a tick's state depends on its events alone; an event that changes nothing (a repeat) vanishes. */
+/* input: the state of keys, mouse and wheel, which changes only between ticks.
+ * The platform queues events; the start of a tick applies the queue. Applied events can be recorded and replayed. Mouse
+ * buttons are keys named "mouse1" to "mouse5".
+ * Promises: a tick's state depends on its events alone; an event that changes nothing (a repeat) is dropped. */
 #ifndef RUNTIME_PLATFORM_INPUT_H
 #define RUNTIME_PLATFORM_INPUT_H
 
@@ -10,7 +10,7 @@
 
 enum { INPUT_KEYS = 128, INPUT_QUEUE = 256 };
 
-/* SDL's key names in lower case. -1 where there is none of that name, NULL where there is none of that number. */
+/* Keys have SDL's names in lower case. Unknown names give -1, unknown numbers NULL. */
 int input_key_find(const char *name);
 const char *input_key_name(int key);
 /* All names, for hints. */
@@ -32,21 +32,21 @@ typedef struct input {
     float mouse_x, mouse_y, motion_x, motion_y, wheel_x, wheel_y;
     input_event queue[INPUT_QUEUE]; /* for the next tick */
     size_t queued;
-    input_event applied[INPUT_QUEUE]; /* what changed something in this tick, in order */
+    input_event applied[INPUT_QUEUE]; /* the events that changed the state in this tick, in order */
     size_t applied_count;
 } input;
 
-/* Places of the mouse and its motions coalesce; when the queue is full the event is lost. */
+/* Queues an event. Consecutive mouse positions and motions coalesce; a full queue drops the event. */
 void input_push(input *state, const input_event *event);
-/* Queues a release of every key that is down: for when the window loses the focus. */
+/* Queues a release of every key held: for a window that loses the focus. */
 void input_push_release_all(input *state);
-/* Starts a tick: forgets what was pressed in the last one. */
+/* Starts a tick: clears pressed, released, motion and wheel. */
 void input_begin_tick(input *state);
-/* Applies one event to the tick that has begun. */
+/* Applies one event to the current tick. */
 void input_apply(input *state, const input_event *event);
 /* Applies the queue and empties it. */
 void input_apply_queue(input *state);
-/* Empties the queue: for when a recording plays instead. */
+/* Empties the queue while a recording plays. */
 void input_drop_queue(input *state);
 
 #endif

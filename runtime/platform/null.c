@@ -1,4 +1,4 @@
-/* No window: no events, no picture unless the game's user asked for one, and time that moves one update a frame. */
+/* No window: no events, and a clock that advances by one update a frame. */
 #include "platform/platform.h"
 
 #include "game/loop.h"

@@ -1,6 +1,6 @@
-/* platform: a window, its events and its clock; or none. The rest of the runtime does not know which: headless is a
- * back end (platform_null.c), not an `if`. The null platform's clock moves by one update with each frame, so that a
- * game runs as fast as it can; it never asks for a picture by itself. */
+/* platform: a window with its events and clock (sdl.c), or none (null.c), behind one table of functions; and the input
+ * state (input.h). Both headers are public. Headless is a back end, not an `if`: its clock advances by one update with
+ * each frame, so a game runs as fast as possible, and it never asks for a picture. */
 #ifndef RUNTIME_PLATFORM_PLATFORM_H
 #define RUNTIME_PLATFORM_PLATFORM_H
 
@@ -8,7 +8,7 @@
 #include "platform/input.h"
 
 typedef enum platform_event_kind {
-    PLATFORM_INPUT, /* a key, the mouse (x, y in shares of the window's width and height) or the wheel */
+    PLATFORM_INPUT, /* a key, the mouse (x, y as fractions of the window) or the wheel */
     PLATFORM_FOCUS_LOST,
     PLATFORM_CLOSE
 } platform_event_kind;
@@ -23,14 +23,14 @@ typedef struct platform platform;
 struct platform {
     bool headless;
     void (*close)(platform *self);
-    bool (*poll)(platform *self, platform_event *out);         /* false: no more for now */
+    bool (*poll)(platform *self, platform_event *out);         /* false: the queue is empty */
     void (*get_size)(platform *self, int *width, int *height); /* of the window in pixels */
-    bool (*wants_frame)(platform *self);                       /* whether anybody would see a picture now */
+    bool (*wants_frame)(platform *self);                       /* false while the window is hidden */
     bool (*present)(platform *self, const daft_image *picture, daft_error *error);
-    void (*end_frame)(platform *self); /* after each turn of the loop, with a picture or without */
+    void (*end_frame)(platform *self); /* after each turn of the loop */
     uint64_t (*now_ns)(platform *self);
     void (*set_title)(platform *self, const char *title);
-    void (*grab_mouse)(platform *self, bool grab); /* hidden, kept in the window; gives motions instead of places */
+    void (*grab_mouse)(platform *self, bool grab); /* hides and confines the mouse; events become relative motions */
 };
 
 /* NULL with a message when there is no display or the window cannot be made. */

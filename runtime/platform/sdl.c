@@ -1,5 +1,5 @@
-/* A window by SDL2: one streaming texture the size of the picture, stretched over the window. F11 and Alt+Enter, which
- * concern the window alone, are dealt with here. */
+/* A window by SDL2: one streaming texture of the picture's size, stretched over the window. F11 and Alt+Enter concern
+ * only the window and are handled here. */
 #include "platform/platform.h"
 
 #include "common/util.h"
@@ -30,7 +30,7 @@ static void close_sdl(platform *self)
     free(sdl);
 }
 
-/* By what the key says on this keyboard; where that is no name we know (letters of other alphabets), by where it is. */
+/* Names a key by its label on this keyboard, or, when that is unknown (other alphabets), by its position. */
 static int key_of(const SDL_Keysym *symbol)
 {
     const char *names[] = {SDL_GetKeyName(symbol->sym), SDL_GetScancodeName(symbol->scancode)};
@@ -156,7 +156,7 @@ static bool present_sdl(platform *self, const daft_image *picture, daft_error *e
     return true;
 }
 
-/* Where the display does not hold the loop back, 60 pictures a second are enough. */
+/* Without vertical sync, limits the loop to 60 pictures a second. */
 static void end_frame_sdl(platform *self)
 {
     sdl_platform *sdl = (sdl_platform *)self;
@@ -183,8 +183,7 @@ static void grab_sdl(platform *self, bool grab)
     ((sdl_platform *)self)->grabbed = SDL_SetRelativeMouseMode(grab ? SDL_TRUE : SDL_FALSE) == 0 && grab;
 }
 
-/* On Linux SDL may find a way to draw on a console that nobody looks at: without a display server there is no window.
- */
+/* On Linux SDL may draw on a console that nobody watches: without a display server there is no window. */
 static bool has_display(void)
 {
 #if defined(__linux__) || defined(__FreeBSD__)

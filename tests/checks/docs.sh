@@ -1,7 +1,7 @@
 #!/bin/sh
 # usage: docs.sh PROGRAM BUILD_FOLDER C_COMPILER SANITIZERS
 # The examples of README.md and docs/ do what they say: Lua is played, scenes are rendered, C is compiled and run.
-# And the manual leaves out no function that a game can call.
+# And the manual leaves out no function that a game can call, and no option of a command.
 set -eu
 
 program=$1
@@ -60,4 +60,22 @@ while read -r name; do
     passed=$((passed + 1))
 done <"$out/names"
 [ "$(wc -l <"$out/names")" -gt 50 ] || fail "the program names too few functions"
+# docs/reference/command-line.md names the options that `--help` prints, no more and no fewer.
+page=$root/docs/reference/command-line.md
+for command in play render check bench test; do
+    case $command in
+    bench) help=$build/tests/daft_bench ;;
+    test) help="$root/daft test" ;;
+    *) help="$program $command" ;;
+    esac
+    $help --help >"$out/log" 2>&1 || fail "daft $command --help fails"
+    [ "$command" != test ] || sed -i '/^  .*test/,/^  [^ ]*daft [^t]/!d' "$out/log"
+    grep -o -- '--[a-z][a-z-]*' "$out/log" | grep -vx -- '--help' | sort -u >"$out/accepted"
+    awk -v head="$command" '/^## / { on = ($0 ~ "daft " head "( |$)") } on && /^\|/' "$page" |
+        grep -o -- '`-[^`]*`' | grep -o -- '--[a-z][a-z-]*' | sort -u >"$out/written"
+    sed -i '/^--output$/d' "$out/accepted" # written as -o
+    diff "$out/accepted" "$out/written" >"$out/log" ||
+        fail "command-line.md and daft $command --help differ (< accepted, > written)"
+    passed=$((passed + 1))
+done
 echo "[  PASSED  ] $passed test(s)"
