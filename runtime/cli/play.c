@@ -2,6 +2,7 @@
 #include "cli/commands.h"
 
 #include "cli/cli.h"
+#include "game/loop.h"
 #include "game/menu.h"
 #include "game/session.h"
 #include "common/util.h"
@@ -85,7 +86,7 @@ static bool open_null(player *p, int width, int height)
 {
     daft_error error;
     if (p->options.size.width) width = p->options.size.width, height = p->options.size.height;
-    p->screen = platform_open_null(width, height, &error);
+    p->screen = platform_open_null(width, height, LOOP_RATE, &error);
     if (!p->screen) report(&error);
     return p->screen != NULL;
 }

@@ -1,6 +1,8 @@
-/* common: what every room of the program uses, and no room of its own kind above it: errors in the engine's form,
- * paths, time (util.h), the program's folders and games (home.h), figures of frames (stats.h), JSON text (json.h),
- * progress bars (progress.h). All headers are public. Promises: nothing here keeps state. */
+/* common: what every room of the program uses.
+ * Public headers: util.h home.h stats.h json.h progress.h
+ * util.h has errors in the engine's form, near misses of names, paths and time; home.h the program's folders and games;
+ * stats.h times and counters of frames; json.h text in JSON files; progress.h a progress bar.
+ * Promises: nothing here keeps state. */
 #ifndef RUNTIME_COMMON_UTIL_H
 #define RUNTIME_COMMON_UTIL_H
 

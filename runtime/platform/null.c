@@ -1,7 +1,6 @@
 /* No window: no events, and a clock that advances by one update a frame. */
 #include "platform/platform.h"
 
-#include "game/loop.h"
 #include "common/util.h"
 
 #include <stdlib.h>
@@ -9,7 +8,7 @@
 typedef struct null_platform {
     platform face;
     int width, height;
-    uint64_t frames;
+    uint64_t frames, rate;
 } null_platform;
 
 static void close_null(platform *self)
@@ -49,7 +48,8 @@ static void end_frame_null(platform *self)
 /* Rounded up, so that exactly one update is due at each frame. */
 static uint64_t now_null(platform *self)
 {
-    return (((null_platform *)self)->frames * 1000000000u + LOOP_RATE - 1) / LOOP_RATE;
+    const null_platform *null = (null_platform *)self;
+    return (null->frames * 1000000000u + null->rate - 1) / null->rate;
 }
 
 static void set_title_null(platform *self, const char *title)
@@ -61,7 +61,7 @@ static void grab_null(platform *self, bool grab)
     (void)self, (void)grab;
 }
 
-platform *platform_open_null(int width, int height, daft_error *error)
+platform *platform_open_null(int width, int height, int rate, daft_error *error)
 {
     null_platform *made = malloc(sizeof *made);
     if (!made) {
@@ -79,6 +79,7 @@ platform *platform_open_null(int width, int height, daft_error *error)
                                      .set_title = set_title_null,
                                      .grab_mouse = grab_null},
                             .width = width,
-                            .height = height};
+                            .height = height,
+                            .rate = (uint64_t)rate};
     return &made->face;
 }

@@ -1,6 +1,5 @@
-/* platform: a window with its events and clock (sdl.c), or none (null.c), behind one table of functions; and the input
- * state (input.h). Both headers are public. Headless is a back end, not an `if`: its clock advances by one update with
- * each frame, so a game runs as fast as possible, and it never asks for a picture. */
+/* platform: a window with its events and clock (sdl.c), or none (null.c), behind one table of functions; and the state
+ * of keys and mouse (input.h). Headless is a back end, not an `if`. Public headers: platform.h input.h */
 #ifndef RUNTIME_PLATFORM_PLATFORM_H
 #define RUNTIME_PLATFORM_PLATFORM_H
 
@@ -35,6 +34,8 @@ struct platform {
 
 /* NULL with a message when there is no display or the window cannot be made. */
 platform *platform_open_sdl(const char *title, int width, int height, daft_error *error);
-platform *platform_open_null(int width, int height, daft_error *error);
+/* No window: no events, and a clock that advances by 1/rate s with each frame, so that a game runs as fast as possible.
+ */
+platform *platform_open_null(int width, int height, int rate, daft_error *error);
 
 #endif
