@@ -51,7 +51,7 @@ static bool check_material(const daft_sim_material *m, daft_error *error)
         !check_range(error, "restitution", m->restitution, 1) ||
         !check_range(error, "rolling resistance", m->rolling_resistance, 1e6f))
         return false;
-    if (!daft_finite3(m->belt) || daft_length(m->belt) > DAFT_SIM_MAX_SPEED)
+    if (!daft_finite3(m->surface_velocity) || daft_length(m->surface_velocity) > DAFT_SIM_MAX_SPEED)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: the belt's speed is not finite or beyond %g m/s",
                          (double)DAFT_SIM_MAX_SPEED);
     if (m->kind < DAFT_SIM_MATERIAL_KINDS) return true;
@@ -248,7 +248,7 @@ static bool reserve(daft_world *world, const daft_sim_body_def *def)
            daft_grow(a, &world->parts, &world->part_capacity, parts, world->part_count, sizeof *world->parts) &&
            daft_sim_bounds_reserve(world, parts) && daft_sim_tree_reserve(&world->trees[def->kind], a, def->shape_count) &&
            daft_sim_list_reserve(world, list, bodies) &&
-           daft_grow(a, &world->islands, &world->island_capacity, bodies, 0, sizeof *world->islands);
+           daft_grow(a, &world->island_parents, &world->island_capacity, bodies, 0, sizeof *world->island_parents);
 }
 
 static uint32_t take_part(daft_world *world)
@@ -337,9 +337,9 @@ static uint32_t take_body(daft_world *world, const daft_sim_body_def *def)
                                            .linear_damping = def->linear_damping,
                                            .angular_damping = def->angular_damping,
                                            .wanted_mass = def->mass,
-                                           .finer = daft_sim_finer_begin(),
+                                           .substep_demand = daft_sim_substep_demand_begin(),
                                            .first_part = DAFT_SIM_NONE,
-                                           .first_touch = DAFT_SIM_NONE,
+                                           .first_pair = DAFT_SIM_NONE,
                                            .first_joint = DAFT_SIM_NONE,
                                            .list_slot = DAFT_SIM_NONE,
                                            .next_free = DAFT_SIM_NONE,
@@ -382,7 +382,7 @@ void daft_world_remove(daft_world *world, uint32_t handle)
     daft_sim_wake(world, index);
     daft_sim_wake_neighbours(world, index);
     while (body->first_joint != DAFT_SIM_NONE) daft_sim_joint_remove(world, body->first_joint >> 1, true);
-    daft_sim_touches_remove(world, index);
+    daft_sim_pairs_remove(world, index);
     if (body->list_slot != DAFT_SIM_NONE)
         daft_sim_list_remove(world, body->kind == DAFT_BODY_DYNAMIC ? &world->awake : &world->movers, index);
     daft_sim_broad_remove(world, index);
@@ -431,7 +431,7 @@ void daft_sim_body_activate(daft_world *world, uint32_t index)
         body->rest = 0;
     } else if (body->kind == DAFT_BODY_KINEMATIC && body->list_slot == DAFT_SIM_NONE) {
         daft_sim_list_add(world, &world->movers, index);
-        daft_sim_touches_list(world, index);
+        daft_sim_pairs_activate(world, index);
         daft_sim_wake_neighbours(world, index);
     }
 }
@@ -455,8 +455,8 @@ void daft_world_set_pose(daft_world *world, uint32_t handle, daft_dvec3 position
     daft_sim_body_place(body, position, rotation);
     daft_sim_broad_add(world, index);
     body->has_target = false;
-    daft_sim_touches_forget(world, index);
-    daft_sim_touches_list(world, index);
+    daft_sim_pairs_forget(world, index);
+    daft_sim_pairs_activate(world, index);
     if (body->kind == DAFT_BODY_DYNAMIC) daft_sim_body_activate(world, index);
 }
 
@@ -465,8 +465,8 @@ void daft_world_set_velocity(daft_world *world, uint32_t handle, daft_vec3 linea
     const daft_sim_body *found = daft_sim_find(world, handle);
     if (!found || found->kind == DAFT_BODY_STATIC || !daft_finite3(linear) || !daft_finite3(angular)) return;
     daft_sim_body *body = &world->bodies[handle - 1];
-    linear = daft_sim_held(body, daft_sim_clamp(linear, DAFT_SIM_MAX_SPEED), DAFT_LOCK_POSITION_X);
-    angular = daft_sim_held(body, daft_sim_clamp(angular, DAFT_SIM_MAX_SPIN), DAFT_LOCK_X);
+    linear = daft_sim_unlocked(body, daft_sim_clamp(linear, DAFT_SIM_MAX_SPEED), DAFT_LOCK_POSITION_X);
+    angular = daft_sim_unlocked(body, daft_sim_clamp(angular, DAFT_SIM_MAX_ANGULAR_SPEED), DAFT_LOCK_X);
     bool still = daft_sim_is_zero(linear) && daft_sim_is_zero(angular);
     body->linear = linear;
     body->angular = angular;
@@ -512,7 +512,7 @@ void daft_world_apply_impulse(daft_world *world, uint32_t handle, daft_vec3 impu
     daft_sim_body *body = pushed(world, handle);
     if (!body) return;
     daft_vec3 change = daft_sim_clamp(daft_scale(impulse, body->inv_mass), 2 * DAFT_SIM_MAX_SPEED);
-    change = daft_sim_held(body, change, DAFT_LOCK_POSITION_X);
+    change = daft_sim_unlocked(body, change, DAFT_LOCK_POSITION_X);
     body->linear = daft_sim_clamp(daft_add(body->linear, change), DAFT_SIM_MAX_SPEED);
 }
 
@@ -526,8 +526,8 @@ void daft_world_apply_angular_impulse(daft_world *world, uint32_t handle, daft_v
     daft_vec3 change = daft_v3(m[0] * impulse.x + m[1] * impulse.y + m[2] * impulse.z,
                                m[1] * impulse.x + m[3] * impulse.y + m[4] * impulse.z,
                                m[2] * impulse.x + m[4] * impulse.y + m[5] * impulse.z);
-    change = daft_sim_clamp(change, 2 * DAFT_SIM_MAX_SPIN);
-    body->angular = daft_sim_clamp(daft_add(body->angular, change), DAFT_SIM_MAX_SPIN);
+    change = daft_sim_clamp(change, 2 * DAFT_SIM_MAX_ANGULAR_SPEED);
+    body->angular = daft_sim_clamp(daft_add(body->angular, change), DAFT_SIM_MAX_ANGULAR_SPEED);
 }
 
 void daft_world_apply_impulse_at(daft_world *world, uint32_t handle, daft_vec3 impulse, daft_dvec3 point)
@@ -581,7 +581,7 @@ void daft_world_set_filter(daft_world *world, uint32_t handle, uint32_t layers, 
     uint32_t index = handle - 1;
     daft_sim_report_fill(world);
     daft_sim_wake_neighbours(world, index);
-    daft_sim_touches_remove(world, index);
+    daft_sim_pairs_remove(world, index);
     for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
         world->parts[i].layers = layers, world->parts[i].mask = mask;
     daft_sim_broad_remove(world, index);
@@ -596,8 +596,8 @@ bool daft_world_set_material(daft_world *world, uint32_t handle, const daft_sim_
     const daft_sim_body *body = &world->bodies[handle - 1];
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
         world->parts[i].material = *material;
-    for (uint32_t e = body->first_touch; e != DAFT_SIM_NONE; e = world->touches[e >> 1].next[e & 1])
-        daft_sim_touch_materials(world, &world->touches[e >> 1]);
+    for (uint32_t e = body->first_pair; e != DAFT_SIM_NONE; e = world->pairs[e >> 1].next[e & 1])
+        daft_sim_pair_materials(world, &world->pairs[e >> 1]);
     daft_sim_wake_neighbours(world, handle - 1);
     if (body->kind == DAFT_BODY_DYNAMIC) daft_sim_body_activate(world, handle - 1);
     return true;

@@ -19,11 +19,11 @@ static void add_event(daft_world *world, const daft_sim_event *event)
 }
 
 /* The pair as users see it: lower body first; a sensor first. */
-static daft_sim_event pair_event(const daft_world *world, const daft_sim_touch *touch, daft_sim_event_kind kind,
+static daft_sim_event pair_event(const daft_world *world, const daft_sim_pair *pair, daft_sim_event_kind kind,
                                  bool *swapped)
 {
-    bool swap = touch->sensor ? world->parts[touch->part_b].sensor : touch->body_b < touch->body_a;
-    uint32_t a = swap ? touch->part_b : touch->part_a, b = swap ? touch->part_a : touch->part_b;
+    bool swap = pair->sensor ? world->parts[pair->part_b].sensor : pair->body_b < pair->body_a;
+    uint32_t a = swap ? pair->part_b : pair->part_a, b = swap ? pair->part_a : pair->part_b;
     uint32_t body_a = world->parts[a].body, body_b = world->parts[b].body;
     *swapped = swap;
     return (daft_sim_event){.kind = kind,
@@ -57,45 +57,45 @@ void daft_sim_event_sleep(daft_world *world, daft_sim_event_kind kind, uint32_t 
 
 /* ---- the report ---- */
 
-static daft_dvec3 contact_point(const daft_world *world, const daft_sim_touch *touch, const daft_sim_patch *patch,
+static daft_dvec3 contact_point(const daft_world *world, const daft_sim_pair *pair, const daft_sim_manifold *manifold,
                                 uint32_t point)
 {
-    return daft_dadd(world->bodies[touch->body_a].centre, daft_to_double(patch->points[point].anchor));
+    return daft_dadd(world->bodies[pair->body_a].centre, daft_to_double(manifold->points[point].anchor));
 }
 
-static void fill_contact(const daft_world *world, daft_sim_touch *touch, daft_sim_contact *out)
+static void fill_contact(const daft_world *world, daft_sim_pair *pair, daft_sim_contact *out)
 {
     bool swapped;
-    daft_sim_event e = pair_event(world, touch, DAFT_SIM_CONTACT_BEGIN, &swapped);
+    daft_sim_event e = pair_event(world, pair, DAFT_SIM_CONTACT_BEGIN, &swapped);
     *out = (daft_sim_contact){.body_a = e.body_a,
                               .body_b = e.body_b,
                               .user_a = e.user_a,
                               .user_b = e.user_b,
                               .shape_user_a = e.shape_user_a,
                               .shape_user_b = e.shape_user_b};
-    const daft_sim_patch *patches = daft_sim_patches(touch);
+    const daft_sim_manifold *manifolds = daft_sim_manifolds(pair);
     float most = -1;
-    for (uint32_t i = 0; i < touch->patch_count; i++) {
-        const daft_sim_patch *patch = &patches[i];
-        out->impulse += patch->total_impulse;
-        if (patch->total_impulse <= most) continue;
-        most = patch->total_impulse;
+    for (uint32_t i = 0; i < pair->manifold_count; i++) {
+        const daft_sim_manifold *manifold = &manifolds[i];
+        out->impulse += manifold->total_impulse;
+        if (manifold->total_impulse <= most) continue;
+        most = manifold->total_impulse;
         uint32_t best = 0;
-        for (uint32_t k = 1; k < patch->count; k++)
-            if (patch->points[k].impulse > patch->points[best].impulse) best = k;
-        out->point = contact_point(world, touch, patch, best);
-        out->normal = swapped ? daft_neg(patch->normal) : patch->normal;
+        for (uint32_t k = 1; k < manifold->count; k++)
+            if (manifold->points[k].impulse > manifold->points[best].impulse) best = k;
+        out->point = contact_point(world, pair, manifold, best);
+        out->normal = swapped ? daft_neg(manifold->normal) : manifold->normal;
     }
 }
 
 /* After the step, along the normal, to first order. */
-static bool is_closed(daft_sim_touch *touch, float slack)
+static bool is_closed(daft_sim_pair *pair, float slack)
 {
-    const daft_sim_patch *patches = daft_sim_patches(touch);
-    for (uint32_t i = 0; i < touch->patch_count; i++) {
-        if (patches[i].total_impulse > 0) return true;
-        for (uint32_t k = 0; k < patches[i].count; k++)
-            if (patches[i].points[k].separation <= slack) return true;
+    const daft_sim_manifold *manifolds = daft_sim_manifolds(pair);
+    for (uint32_t i = 0; i < pair->manifold_count; i++) {
+        if (manifolds[i].total_impulse > 0) return true;
+        for (uint32_t k = 0; k < manifolds[i].count; k++)
+            if (manifolds[i].points[k].separation <= slack) return true;
     }
     return false;
 }
@@ -103,40 +103,40 @@ static bool is_closed(daft_sim_touch *touch, float slack)
 /* A contact ends when the parts are this far apart, so that resting on edge does not flicker. */
 #define END_SLACK 1e-3f /* m */
 
-static daft_sim_event end_event(const daft_world *world, const daft_sim_touch *touch)
+static daft_sim_event end_event(const daft_world *world, const daft_sim_pair *pair)
 {
     bool swapped;
-    return pair_event(world, touch, touch->sensor ? DAFT_SIM_TRIGGER_LEAVE : DAFT_SIM_CONTACT_END, &swapped);
+    return pair_event(world, pair, pair->sensor ? DAFT_SIM_TRIGGER_LEAVE : DAFT_SIM_CONTACT_END, &swapped);
 }
 
-void daft_sim_event_end(daft_world *world, const daft_sim_touch *touch)
+void daft_sim_event_end(daft_world *world, const daft_sim_pair *pair)
 {
-    daft_sim_event event = end_event(world, touch);
+    daft_sim_event event = end_event(world, pair);
     add_event(world, &event);
 }
 
-static daft_sim_event change_event(const daft_world *world, daft_sim_touch *touch)
+static daft_sim_event change_event(const daft_world *world, daft_sim_pair *pair)
 {
-    if (!touch->touching) return end_event(world, touch);
+    if (!pair->touching) return end_event(world, pair);
     bool swapped;
     daft_sim_event event =
-        pair_event(world, touch, touch->sensor ? DAFT_SIM_TRIGGER_ENTER : DAFT_SIM_CONTACT_BEGIN, &swapped);
-    if (!touch->sensor) {
+        pair_event(world, pair, pair->sensor ? DAFT_SIM_TRIGGER_ENTER : DAFT_SIM_CONTACT_BEGIN, &swapped);
+    if (!pair->sensor) {
         daft_sim_contact contact;
-        fill_contact(world, touch, &contact);
+        fill_contact(world, pair, &contact);
         event.point = contact.point, event.normal = contact.normal, event.impulse = contact.impulse;
-        const daft_sim_patch *patches = daft_sim_patches(touch);
-        for (uint32_t i = 0; i < touch->patch_count; i++) event.speed = daft_sim_max(event.speed, patches[i].speed);
+        const daft_sim_manifold *manifolds = daft_sim_manifolds(pair);
+        for (uint32_t i = 0; i < pair->manifold_count; i++) event.speed = daft_sim_max(event.speed, manifolds[i].speed);
     }
     return event;
 }
 
 bool daft_sim_report_reserve(daft_world *world)
 {
-    size_t touches = world->live_touches, events = world->pending.count + touches + world->awake.count;
+    size_t pairs = world->live_pairs, events = world->pending.count + pairs + world->awake.count;
     events += 2 * (size_t)world->live_joints;
     /* What the sleeping ones touch is written only when that changes: it must survive the growth. */
-    return daft_grow(&world->allocator, &world->report, &world->report_capacity, touches, world->report_asleep,
+    return daft_grow(&world->allocator, &world->report, &world->report_capacity, pairs, world->report_asleep,
                      sizeof *world->report) &&
            daft_grow(&world->allocator, &world->pending.items, &world->pending.capacity, events, world->pending.count,
                      sizeof *world->pending.items);
@@ -177,10 +177,10 @@ static int event_order(const void *p, const void *q)
 static void report_sleepers(daft_world *world)
 {
     world->report_asleep = 0;
-    for (uint32_t i = 0; i < world->touch_count; i++) {
-        daft_sim_touch *touch = &world->touches[i];
-        if (touch->part_a == DAFT_SIM_NONE || touch->listed || touch->sensor || !touch->touching) continue;
-        fill_contact(world, touch, &world->report[world->report_asleep++]);
+    for (uint32_t i = 0; i < world->pair_count; i++) {
+        daft_sim_pair *pair = &world->pairs[i];
+        if (pair->part_a == DAFT_SIM_NONE || pair->active || pair->sensor || !pair->touching) continue;
+        fill_contact(world, pair, &world->report[world->report_asleep++]);
     }
     if (world->report_asleep > 1) qsort(world->report, world->report_asleep, sizeof *world->report, contact_order);
     world->sleep_changed = false;
@@ -189,14 +189,14 @@ static void report_sleepers(daft_world *world)
 /* Entries of what this step tells are flagged. */
 static void judge(daft_world *world, daft_sim_active *entry)
 {
-    daft_sim_touch *touch = &world->touches[entry->touch];
-    bool was = touch->touching;
-    touch->touching = touch->sensor ? touch->patch_count > 0 : is_closed(touch, was ? END_SLACK : 0);
-    if (touch->touching != was) entry->flags |= DAFT_SIM_CHANGED;
-    if (touch->touching && !touch->sensor) entry->flags |= DAFT_SIM_REPORTED;
+    daft_sim_pair *pair = &world->pairs[entry->pair];
+    bool was = pair->touching;
+    pair->touching = pair->sensor ? pair->manifold_count > 0 : is_closed(pair, was ? END_SLACK : 0);
+    if (pair->touching != was) entry->flags |= DAFT_SIM_CHANGED;
+    if (pair->touching && !pair->sensor) entry->flags |= DAFT_SIM_REPORTED;
 }
 
-enum { GRAIN = 256, PARALLEL_TOUCHES = 1024 };
+enum { GRAIN = 256, PARALLEL_PAIRS = 1024 };
 
 static void judge_range(void *context, uint32_t index, uint32_t worker)
 {
@@ -224,7 +224,7 @@ static size_t order_report(daft_world *world)
     return count;
 }
 
-/* Touches of the same two bodies, few, by their shapes. */
+/* Pairs of the same two bodies, few, by their shapes. */
 static void order_same_bodies(daft_sim_contact *report, const daft_sim_active *keys, size_t count)
 {
     for (size_t i = 1; i < count; i++) {
@@ -244,11 +244,11 @@ void daft_sim_report(daft_world *world)
     world->counters.contacts = 0;
     world->report_count = world->report_asleep;
     world->untold = true;
-    daft_sim_for(world, count >= PARALLEL_TOUCHES, (uint32_t)((count + GRAIN - 1) / GRAIN), judge_range, world);
+    daft_sim_for(world, count >= PARALLEL_PAIRS, (uint32_t)((count + GRAIN - 1) / GRAIN), judge_range, world);
     for (size_t i = 0; i < count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
-        world->counters.contacts += entry->patches > 0;
-        if (entry->flags & DAFT_SIM_CHANGED) world->pending.items[world->pending.count++] = change_event(world, &world->touches[entry->touch]);
+        world->counters.contacts += entry->manifolds > 0;
+        if (entry->flags & DAFT_SIM_CHANGED) world->pending.items[world->pending.count++] = change_event(world, &world->pairs[entry->pair]);
     }
 }
 
@@ -259,7 +259,7 @@ void daft_sim_report_fill(daft_world *world)
     world->untold = false;
     daft_sim_contact *report = world->report + world->report_asleep;
     size_t count = order_report(world);
-    for (size_t i = 0; i < count; i++) fill_contact(world, &world->touches[world->sorting.items[i].touch], &report[i]);
+    for (size_t i = 0; i < count; i++) fill_contact(world, &world->pairs[world->sorting.items[i].pair], &report[i]);
     order_same_bodies(report, world->sorting.items, count);
     world->report_count = world->report_asleep + count;
 }

@@ -26,7 +26,7 @@ typedef struct daft_world daft_world;
 daft_world *daft_world_create(const daft_allocator *allocator, daft_error *error);
 void daft_world_destroy(daft_world *world);
 void daft_world_set_gravity(daft_world *world, daft_vec3 gravity); /* m/s²; wakes everything if it changed */
-/* 1 to 16, default 4. More cost more and stretch, sink and drift less. A heap at rest that carries many times the weight
+/* 1 to 16, default 4. More cost more and stretch, sink and drift less. An island at rest that carries many times the weight
  * of its bodies is taken in up to 32, if that is little work and it has no joints; one whose joints hold bodies of very unequal mass, too. */
 void daft_world_set_substeps(daft_world *world, int substeps);
 /* Workers (1 to 64, default 1) and instruction set (daft_isa_parse; default the best). Neither changes a bit. */
@@ -41,8 +41,8 @@ typedef struct daft_sim_material {
     float friction;           /* Coulomb's coefficient of what slides; two shapes: the geometric mean */
     float static_friction;    /* of what does not slide yet; below friction: the same as friction */
     float restitution;        /* two shapes: the larger */
-    float rolling_resistance; /* share of the normal load times the radius that brakes rolling; two: the larger */
-    daft_vec3 belt;           /* m/s: the surface moves so in the body's axes, like a conveyor's; two: the difference */
+    float rolling_resistance; /* fraction of the normal load times the radius that brakes rolling; two: the larger */
+    daft_vec3 surface_velocity;           /* m/s: the surface moves so in the body's axes, like a conveyor's; two: the difference */
     uint32_t kind;            /* below DAFT_SIM_MATERIAL_KINDS: for daft_world_set_pair */
 } daft_sim_material;
 
@@ -62,11 +62,11 @@ typedef struct daft_sim_shape_def {
 daft_sim_shape_def daft_default_sim_shape_def(void); /* a ball of 0.5 m, 1000 kg/m³, friction 0.6, every layer */
 
 /* Where both kinds of material meet, these numbers count instead of the combined ones. Kinds may be equal. */
-typedef struct daft_sim_pair {
+typedef struct daft_sim_material_pair {
     float friction, static_friction, restitution, rolling_resistance;
-} daft_sim_pair;
+} daft_sim_material_pair;
 /* NULL: combine again. Fails for kinds or numbers out of range, or without memory. */
-bool daft_world_set_pair(daft_world *world, uint32_t kind_a, uint32_t kind_b, const daft_sim_pair *pair,
+bool daft_world_set_pair(daft_world *world, uint32_t kind_a, uint32_t kind_b, const daft_sim_material_pair *pair,
                          daft_error *error);
 
 /* ---- bodies ---- */
@@ -113,7 +113,7 @@ void daft_world_apply_torque(daft_world *world, uint32_t body, daft_vec3 torque)
 void daft_world_apply_impulse(daft_world *world, uint32_t body, daft_vec3 impulse); /* kg·m/s, at once */
 void daft_world_apply_impulse_at(daft_world *world, uint32_t body, daft_vec3 impulse, daft_dvec3 point);
 void daft_world_apply_angular_impulse(daft_world *world, uint32_t body, daft_vec3 impulse); /* kg·m²/s */
-/* Waking wakes the whole heap that it belongs to; so does putting to sleep, if it may. */
+/* Waking wakes the whole island that it belongs to; so does putting to sleep, if it may. */
 void daft_world_set_awake(daft_world *world, uint32_t body, bool awake);
 bool daft_world_is_awake(const daft_world *world, uint32_t body);
 void daft_world_set_bullet(daft_world *world, uint32_t body, bool bullet);
@@ -225,7 +225,7 @@ typedef struct daft_sim_counters {
     uint32_t pairs;              /* of shapes whose bounds meet and that are looked at */
     uint32_t contacts;           /* pairs with a manifold */
     uint32_t rows;               /* of the solver: constraints in one pass */
-    uint32_t colours, substeps;  /* of the solver; the most of any heap; 0: it did not run */
+    uint32_t colours, substeps;  /* of the solver; the most of any island; 0: it did not run */
     uint32_t sweeps;             /* times of impact that were searched for */
 } daft_sim_counters;
 /* Of the last step. */

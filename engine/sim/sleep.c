@@ -1,7 +1,7 @@
-/* Who sleeps. Bodies that touch or are joined are a heap (an island); one whose bodies have all hardly moved for half a
+/* Who sleeps. Bodies that touch or are joined are an island; one whose bodies have all hardly moved for half a
  * second falls asleep as a whole: its bodies leave the lists that a step walks and go on a ring, on which they are woken
- * together. Islands are found by union-find over the active touches, and only in steps in which some body has
- * been at rest for long enough. Bodies of infinite mass join no heaps. */
+ * together. Islands are found by union-find over the active pairs, and only in steps in which some body has
+ * been at rest for long enough. Bodies of infinite mass join no islands. */
 #include "sim/world.h"
 
 #include <stdatomic.h>
@@ -12,7 +12,7 @@
  * than that, but nowhere farther than this from where it lately was. */
 #define TREMBLE_SPEED 0.25f
 #define TREMBLE_WAY   0.005f /* m, of any point; */
-#define TREMBLE_SHARE 0.04f  /* and of its extent */
+#define TREMBLE_FRACTION 0.04f  /* and of its extent */
 /* Joints that brake bring what sways to rest, but not where a heavy body stands on light limbs: those bend by some millimetres, and
  * contacts that are found once a step feed as much as the brakes take, so that a doll that stands astride sways for ever. What sways
  * no farther than so many times as far as what trembles is at rest, too, if it lasts; and time counts less. */
@@ -31,7 +31,7 @@ static void wake_one(daft_world *world, uint32_t index)
     body->ring = index;
     body->rest = 0;
     daft_sim_list_add(world, &world->awake, index);
-    daft_sim_touches_list(world, index);
+    daft_sim_pairs_activate(world, index);
     daft_sim_event_sleep(world, DAFT_SIM_WAKE, index);
 }
 
@@ -46,16 +46,16 @@ void daft_sim_wake(daft_world *world, uint32_t index)
 
 static uint32_t other_body(const daft_world *world, uint32_t edge)
 {
-    const daft_sim_touch *touch = &world->touches[edge >> 1];
-    return edge & 1 ? touch->body_a : touch->body_b;
+    const daft_sim_pair *pair = &world->pairs[edge >> 1];
+    return edge & 1 ? pair->body_a : pair->body_b;
 }
 
 void daft_sim_wake_neighbours(daft_world *world, uint32_t index)
 {
     const daft_sim_body *body = &world->bodies[index];
-    for (uint32_t e = body->first_touch; e != DAFT_SIM_NONE; e = world->touches[e >> 1].next[e & 1]) {
-        const daft_sim_touch *touch = &world->touches[e >> 1];
-        if (touch->patch_count > 0 && !touch->sensor) daft_sim_wake(world, other_body(world, e));
+    for (uint32_t e = body->first_pair; e != DAFT_SIM_NONE; e = world->pairs[e >> 1].next[e & 1]) {
+        const daft_sim_pair *pair = &world->pairs[e >> 1];
+        if (pair->manifold_count > 0 && !pair->sensor) daft_sim_wake(world, other_body(world, e));
     }
     for (uint32_t e = body->first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
         uint32_t other = world->joints[e >> 1].body[(e & 1) ^ 1];
@@ -84,7 +84,7 @@ void daft_sim_wake_met(daft_world *world)
 
 uint32_t daft_sim_island_of(daft_world *world, uint32_t index)
 {
-    uint32_t *islands = world->islands;
+    uint32_t *islands = world->island_parents;
     while (islands[index] != index) index = islands[index] = islands[islands[index]];
     return index;
 }
@@ -92,9 +92,9 @@ uint32_t daft_sim_island_of(daft_world *world, uint32_t index)
 /* The lower index is the root, so it does not depend on the order. What sleeps joins nothing. */
 static void join(daft_world *world, uint32_t a, uint32_t b)
 {
-    uint32_t *islands = world->islands;
+    uint32_t *islands = world->island_parents;
     if (world->asleep_count > 0 && (world->bodies[a].asleep || world->bodies[b].asleep)) return;
-    if (islands[a] == islands[b]) return; /* most, in a heap */
+    if (islands[a] == islands[b]) return; /* most, in an island */
     a = daft_sim_island_of(world, a), b = daft_sim_island_of(world, b);
     islands[a < b ? b : a] = a < b ? a : b;
 }
@@ -106,7 +106,7 @@ static bool is_dynamic(const daft_world *world, uint32_t body)
 
 void daft_sim_islands_find(daft_world *world)
 {
-    for (size_t i = 0; i < world->awake.count; i++) world->islands[world->awake.items[i]] = world->awake.items[i];
+    for (size_t i = 0; i < world->awake.count; i++) world->island_parents[world->awake.items[i]] = world->awake.items[i];
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
         if (entry->flags & DAFT_SIM_JOINS) join(world, entry->body_a, entry->body_b);
@@ -126,13 +126,13 @@ static bool moves_others(const daft_world *world, uint32_t body)
            daft_sim_is_active(&world->bodies[body]);
 }
 
-/* What lies on something that moves does not sleep, nor what a belt drives or a motor. */
+/* What lies on something that moves does not sleep, nor what a surface with a velocity of its own drives or a motor. */
 static void keep_carried_awake(daft_world *world)
 {
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
         if (!(entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS))) continue;
-        if (world->touches[entry->touch].belted || moves_others(world, entry->body_b)) world->bodies[entry->body_a].rest = 0;
+        if (world->pairs[entry->pair].surface_moves || moves_others(world, entry->body_b)) world->bodies[entry->body_a].rest = 0;
     }
     for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
         const daft_sim_joint *joint = &world->joints[i];
@@ -149,7 +149,7 @@ static bool brakes(const daft_sim_joint *joint)
     return joint->kind == DAFT_JOINT_FIXED || (joint->motor && joint->motor_speed == 0 && joint->motor_force > 0);
 }
 
-/* Whether all its joints brake, and none of them hangs it on what does not move: then its heap lies on something. */
+/* Whether all its joints brake, and none of them hangs it on what does not move: then its island lies on something. */
 static bool is_braked(const daft_world *world, const daft_sim_body *body)
 {
     for (uint32_t e = body->first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
@@ -168,13 +168,13 @@ static float way_of(daft_sim_body *body, float dt)
     return daft_length(body->gone) + daft_length(body->turned) * body->extent;
 }
 
-/* What of a step's time a body was at rest in, as a share. */
+/* What of a step's time a body was at rest in, as a fraction. */
 static float resting(const daft_world *world, daft_sim_body *body, float dt)
 {
     float spin = daft_sim_is_zero(body->angular) ? 0 : daft_length(body->angular) * body->extent;
     float speed = daft_length(body->linear) + spin;
     if (!body->may_sleep || !(speed < TREMBLE_SPEED)) return 0;
-    float way = way_of(body, dt), most = daft_sim_min(TREMBLE_WAY, TREMBLE_SHARE * body->extent);
+    float way = way_of(body, dt), most = daft_sim_min(TREMBLE_WAY, TREMBLE_FRACTION * body->extent);
     if (way < most || speed < REST_SPEED) return 1;
     return way < SWAY_WAY * most && is_braked(world, body) ? SWAY_COUNT : 0;
 }
@@ -196,8 +196,8 @@ static void rest_range(void *context, uint32_t index, uint32_t worker)
     bool tired = false;
     for (size_t i = first; i < end && i < awake->count; i++) {
         daft_sim_body *body = &j->world->bodies[awake->items[i]];
-        float share = resting(j->world, body, j->dt);
-        body->rest = share > 0 ? body->rest + share * j->dt : 0;
+        float fraction = resting(j->world, body, j->dt);
+        body->rest = fraction > 0 ? body->rest + fraction * j->dt : 0;
         tired |= body->rest >= REST_TIME;
     }
     if (tired) atomic_store_explicit(&j->tired, true, memory_order_relaxed);
@@ -211,7 +211,7 @@ static bool update_rest(daft_world *world, float dt)
     return atomic_load_explicit(&j.tired, memory_order_relaxed);
 }
 
-/* `state` of a root: 1 while all of its heap may sleep; then the body before it on the ring. */
+/* `state` of a root: 1 while all of its island may sleep; then the body before it on the ring. */
 static void mark_islands(daft_world *world, float least)
 {
     for (size_t i = 0; i < world->awake.count; i++) world->bodies[world->awake.items[i]].state = 1;
@@ -261,7 +261,7 @@ void daft_sim_sleep_update(daft_world *world, float dt)
 void daft_sim_sleep_island(daft_world *world, uint32_t index)
 {
     if (!world->sleeping) return;
-    daft_sim_active_refresh_all(world); /* patches may be gone since the step */
+    daft_sim_active_refresh_all(world); /* manifolds may be gone since the step */
     daft_sim_islands_find(world);
     mark_islands(world, -1);
     uint32_t root = daft_sim_island_of(world, index), ready = world->bodies[root].state;

@@ -12,9 +12,9 @@
 
 typedef struct header {
     uint32_t magic, version, layout; /* layout: sizes of the records */
-    uint32_t bodies, parts, touches, joints;
-    uint32_t free_body, free_part, free_touch, free_joint;
-    uint32_t live_bodies, live_joints, live_touches;
+    uint32_t bodies, parts, pairs, joints;
+    uint32_t free_body, free_part, free_pair, free_joint;
+    uint32_t live_bodies, live_joints, live_pairs;
     uint32_t awake, movers, moved, has_pairs;
     uint32_t sleeping;
     int32_t substeps;
@@ -24,8 +24,8 @@ typedef struct header {
 
 static uint32_t layout(void)
 {
-    const size_t sizes[] = {sizeof(daft_sim_body), sizeof(daft_sim_part), sizeof(daft_sim_touch),
-                            sizeof(daft_sim_joint), sizeof(daft_sim_patch)};
+    const size_t sizes[] = {sizeof(daft_sim_body), sizeof(daft_sim_part), sizeof(daft_sim_pair),
+                            sizeof(daft_sim_joint), sizeof(daft_sim_manifold)};
     return (uint32_t)daft_hash(sizes, sizeof sizes, 0);
 }
 
@@ -48,14 +48,14 @@ static void write_world(writer *w, const daft_world *world)
     put(w, world->parts, world->part_count * sizeof *world->parts);
     put(w, world->fat, world->part_count * sizeof *world->fat);
     put(w, world->tight, world->part_count * sizeof *world->tight);
-    put(w, world->touches, world->touch_count * sizeof *world->touches);
-    for (uint32_t i = 0; i < world->touch_count; i++)
-        if (world->touches[i].more) put(w, world->touches[i].more, DAFT_SIM_MAX_PATCHES * sizeof(daft_sim_patch));
+    put(w, world->pairs, world->pair_count * sizeof *world->pairs);
+    for (uint32_t i = 0; i < world->pair_count; i++)
+        if (world->pairs[i].more) put(w, world->pairs[i].more, DAFT_SIM_MAX_MANIFOLDS * sizeof(daft_sim_manifold));
     put(w, world->joints, world->joint_count * sizeof *world->joints);
     put(w, world->awake.items, world->awake.count * sizeof *world->awake.items);
     put(w, world->movers.items, world->movers.count * sizeof *world->movers.items);
     put(w, world->moved.items, world->moved.count * sizeof *world->moved.items);
-    if (world->pairs) put(w, world->pairs, DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS * sizeof *world->pairs);
+    if (world->material_pairs) put(w, world->material_pairs, DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS * sizeof *world->material_pairs);
 }
 
 bool daft_world_save(const daft_world *world, void **bytes, size_t *size, daft_error *error)
@@ -71,12 +71,12 @@ bool daft_world_save(const daft_world *world, void **bytes, size_t *size, daft_e
     memset(&h, 0, sizeof h);
     h.magic = MAGIC, h.version = VERSION, h.layout = layout();
     h.bodies = world->body_count, h.parts = world->part_count;
-    h.touches = world->touch_count, h.joints = world->joint_count;
+    h.pairs = world->pair_count, h.joints = world->joint_count;
     h.free_body = world->free_body, h.free_part = world->free_part;
-    h.free_touch = world->free_touch, h.free_joint = world->free_joint;
-    h.live_bodies = world->live_bodies, h.live_joints = world->live_joints, h.live_touches = world->live_touches;
+    h.free_pair = world->free_pair, h.free_joint = world->free_joint;
+    h.live_bodies = world->live_bodies, h.live_joints = world->live_joints, h.live_pairs = world->live_pairs;
     h.awake = (uint32_t)world->awake.count, h.movers = (uint32_t)world->movers.count;
-    h.moved = (uint32_t)world->moved.count, h.has_pairs = world->pairs != NULL;
+    h.moved = (uint32_t)world->moved.count, h.has_pairs = world->material_pairs != NULL;
     h.sleeping = world->sleeping, h.substeps = world->substeps, h.gravity = world->gravity;
     h.size = w.size, h.hash = daft_hash(memory + sizeof h, w.size, 0);
     memcpy(memory, &h, sizeof h);
@@ -125,18 +125,18 @@ static bool check_truths(const daft_world *w, const header *h)
 {
 #define BODY(f)  offsetof(daft_sim_body, f)
 #define PART(f)  offsetof(daft_sim_part, f)
-#define TOUCH(f) offsetof(daft_sim_touch, f)
+#define PAIR(f) offsetof(daft_sim_pair, f)
 #define JOINT(f) offsetof(daft_sim_joint, f)
     return TRUTHS(w->bodies, h->bodies, BODY(bullet), BODY(may_sleep), BODY(asleep), BODY(round),
                   BODY(has_target), BODY(follows), BODY(ball),
                   BODY(joined_far)) &&
            TRUTHS(w->parts, h->parts, PART(round), PART(posed), PART(sensor)) &&
-           TRUTHS(w->touches, h->touches, TOUCH(sensor), TOUCH(listed), TOUCH(owned_by_a), TOUCH(touching), TOUCH(known),
-                  TOUCH(belted)) &&
+           TRUTHS(w->pairs, h->pairs, PAIR(sensor), PAIR(active), PAIR(owned_by_a), PAIR(touching), PAIR(materials_cached),
+                  PAIR(surface_moves)) &&
            TRUTHS(w->joints, h->joints, JOINT(limit), JOINT(motor), JOINT(spring), JOINT(collide));
 #undef BODY
 #undef PART
-#undef TOUCH
+#undef PAIR
 #undef JOINT
 }
 
@@ -148,23 +148,23 @@ static bool read_records(daft_world *w, reader *r, const header *h)
     w->parts = take(w, r, h->parts, sizeof *w->parts, &w->part_capacity, &good);
     w->fat = take(w, r, h->parts, sizeof *w->fat, &w->fat_capacity, &good);
     w->tight = take(w, r, h->parts, sizeof *w->tight, &w->tight_capacity, &good);
-    w->touches = take(w, r, h->touches, sizeof *w->touches, &w->touch_capacity, &good);
-    for (uint32_t i = 0; w->touches && i < h->touches; i++) {
-        bool more = w->touches[i].more != NULL;
-        w->touches[i].more = NULL;
-        w->touch_count = i + 1; /* what destroying the world looks at */
-        if (more) w->touches[i].more = take(w, r, DAFT_SIM_MAX_PATCHES, sizeof(daft_sim_patch), &unused, &good);
+    w->pairs = take(w, r, h->pairs, sizeof *w->pairs, &w->pair_capacity, &good);
+    for (uint32_t i = 0; w->pairs && i < h->pairs; i++) {
+        bool more = w->pairs[i].more != NULL;
+        w->pairs[i].more = NULL;
+        w->pair_count = i + 1; /* what destroying the world looks at */
+        if (more) w->pairs[i].more = take(w, r, DAFT_SIM_MAX_MANIFOLDS, sizeof(daft_sim_manifold), &unused, &good);
     }
     w->joints = take(w, r, h->joints, sizeof *w->joints, &w->joint_capacity, &good);
     w->awake.items = take(w, r, h->awake, sizeof *w->awake.items, &w->awake.capacity, &good);
     w->movers.items = take(w, r, h->movers, sizeof *w->movers.items, &w->movers.capacity, &good);
     w->moved.items = take(w, r, h->moved, sizeof *w->moved.items, &w->moved.capacity, &good);
     if (h->has_pairs)
-        w->pairs = take(w, r, DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS, sizeof *w->pairs, &unused, &good);
+        w->material_pairs = take(w, r, DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS, sizeof *w->material_pairs, &unused, &good);
     w->body_count = h->bodies, w->part_count = h->parts, w->joint_count = h->joints;
     w->awake.count = h->awake, w->movers.count = h->movers, w->moved.count = h->moved;
     w->free_body = h->free_body, w->free_part = h->free_part;
-    w->free_touch = h->free_touch, w->free_joint = h->free_joint;
+    w->free_pair = h->free_pair, w->free_joint = h->free_joint;
     w->live_bodies = h->live_bodies, w->live_joints = h->live_joints;
     w->sleeping = h->sleeping != 0, w->substeps = h->substeps, w->gravity = h->gravity;
     return good && r->left == 0 && check_truths(w, h);
@@ -194,11 +194,11 @@ static bool check_body(daft_world *w, uint32_t index)
     const float numbers[] = {b->linear.x,      b->linear.y,       b->linear.z,        b->angular.x, b->angular.y,
                              b->angular.z,     b->force.x,        b->force.y,         b->force.z,   b->torque.x,
                              b->torque.y,      b->torque.z,       b->gravity_scale,   b->rest,      b->wanted_mass,
-                             b->linear_damping, b->angular_damping, b->finer, b->h,  b->gone.x, b->gone.y, b->gone.z,
+                             b->linear_damping, b->angular_damping, b->substep_demand, b->h,  b->gone.x, b->gone.y, b->gone.z,
                              b->turned.x, b->turned.y, b->turned.z};
     if (b->kind > DAFT_BODY_DYNAMIC || !all_finite(numbers, DAFT_COUNT_OF(numbers)) || !unit(b->rotation) ||
         !near(b->position) || !near(b->centre) || b->linear_damping < 0 || b->angular_damping < 0 ||
-        b->wanted_mass < 0 || !(b->finer >= 0 && b->finer <= DAFT_SIM_FINEST) || b->h < 0 ||
+        b->wanted_mass < 0 || !(b->substep_demand >= 0 && b->substep_demand <= DAFT_SIM_FINEST) || b->h < 0 ||
         (b->asleep && (b->kind != DAFT_BODY_DYNAMIC || b->ring >= w->body_count)))
         return false;
     if (b->has_target && (!near(b->target_position) || !unit(b->target_rotation))) return false;
@@ -210,7 +210,7 @@ static bool check_body(daft_world *w, uint32_t index)
     if (!daft_sim_body_weigh(w, b, &ignored)) return false;
     daft_sim_body_place(b, b->position, b->rotation);
     b->centre = centre;
-    b->first_touch = b->first_joint = b->list_slot = DAFT_SIM_NONE;
+    b->first_pair = b->first_joint = b->list_slot = DAFT_SIM_NONE;
     b->locks &= DAFT_LOCK_ROTATION | DAFT_LOCK_POSITION;
     b->joined = 0, b->joined_far = false;
     b->fixed_met = 0;
@@ -241,12 +241,12 @@ static bool check_part(daft_world *w, uint32_t index, daft_sim_find_shape *find,
     return true;
 }
 
-static bool check_patches(daft_sim_touch *t)
+static bool check_manifolds(daft_sim_pair *t)
 {
-    if (t->patch_count > (t->more ? DAFT_SIM_MAX_PATCHES : 1u)) return false;
+    if (t->manifold_count > (t->more ? DAFT_SIM_MAX_MANIFOLDS : 1u)) return false;
     if (!isfinite(t->cache.clearance) || !isfinite(t->cleared_at)) return false;
-    for (uint32_t i = 0; i < t->patch_count && !t->sensor; i++) {
-        const daft_sim_patch *p = &daft_sim_patches(t)[i];
+    for (uint32_t i = 0; i < t->manifold_count && !t->sensor; i++) {
+        const daft_sim_manifold *p = &daft_sim_manifolds(t)[i];
         if (p->count == 0 || p->count > DAFT_MANIFOLD_POINTS) return false;
         const float numbers[] = {p->normal.x,           p->normal.y,           p->normal.z,          p->twist_impulse,
                                  p->friction_impulse.x, p->friction_impulse.y, p->friction_impulse.z, p->twist_slip,
@@ -254,7 +254,7 @@ static bool check_patches(daft_sim_touch *t)
                                  p->slip.y,             p->slip.z,             p->total_impulse,     p->speed,            p->load};
         if (!all_finite(numbers, DAFT_COUNT_OF(numbers)) || p->load < 0) return false;
         for (uint32_t k = 0; k < p->count; k++) {
-            const daft_sim_patch_point *q = &p->points[k];
+            const daft_sim_manifold_point *q = &p->points[k];
             if (!daft_finite3(q->anchor) || !isfinite(q->separation) || !isfinite(q->impulse)) return false;
         }
     }
@@ -291,12 +291,12 @@ static bool check_chain(const daft_world *w, int what, uint32_t first, uint32_t 
         if (i >= count || found > count) return false;
         bool is_free = what == 0   ? w->bodies[i].kind == DAFT_BODY_NONE
                        : what == 1 ? w->parts[i].body == DAFT_SIM_NONE
-                       : what == 2 ? w->touches[i].part_a == DAFT_SIM_NONE
+                       : what == 2 ? w->pairs[i].part_a == DAFT_SIM_NONE
                                    : w->joints[i].kind == 0;
         if (!is_free) return false;
         i = what == 0   ? w->bodies[i].next_free
             : what == 1 ? w->parts[i].next
-            : what == 2 ? w->touches[i].next[0]
+            : what == 2 ? w->pairs[i].next[0]
                         : w->joints[i].next[0];
     }
     return found + live == count;
@@ -321,7 +321,7 @@ static bool enter_lists(daft_world *w)
             body->list_slot = (uint32_t)i;
         }
     return daft_sim_list_reserve(w, &w->awake, w->body_count) && daft_sim_list_reserve(w, &w->movers, w->body_count) &&
-           daft_grow(&w->allocator, &w->islands, &w->island_capacity, w->body_count, 0, sizeof *w->islands);
+           daft_grow(&w->allocator, &w->island_parents, &w->island_capacity, w->body_count, 0, sizeof *w->island_parents);
 }
 
 static bool enter_parts(daft_world *w)
@@ -352,7 +352,7 @@ static bool enter_parts(daft_world *w)
 }
 
 /* As groups.c has them: a dynamic one first, the sensor first, else the lower index. */
-static bool is_in_order(const daft_sim_touch *t, const daft_sim_part *a, const daft_sim_part *b)
+static bool is_in_order(const daft_sim_pair *t, const daft_sim_part *a, const daft_sim_part *b)
 {
     if (t->sensor) return a->sensor && !b->sensor;
     return a->dynamic && (!b->dynamic || t->part_a < t->part_b);
@@ -369,8 +369,8 @@ static bool differ(daft_world *w, uint32_t live)
 {
     size_t count = 0;
     if (!daft_grow(&w->allocator, &w->candidates, &w->candidate_capacity, live, 0, sizeof *w->candidates)) return false;
-    for (uint32_t i = 0; i < w->touch_count; i++)
-        if (w->touches[i].part_a != DAFT_SIM_NONE) w->candidates[count++] = daft_sim_touch_key(&w->touches[i]);
+    for (uint32_t i = 0; i < w->pair_count; i++)
+        if (w->pairs[i].part_a != DAFT_SIM_NONE) w->candidates[count++] = daft_sim_pair_key(&w->pairs[i]);
     if (count > 1) qsort(w->candidates, count, sizeof *w->candidates, by_value);
     for (size_t i = 1; i < count; i++)
         if (w->candidates[i - 1] == w->candidates[i]) return false;
@@ -378,21 +378,21 @@ static bool differ(daft_world *w, uint32_t live)
 }
 
 /* Records whose slots are checked already are linked where they stand. */
-static bool enter_touches(daft_world *w, uint32_t live)
+static bool enter_pairs(daft_world *w, uint32_t live)
 {
-    if (live > w->touch_count || !daft_sim_pairs_reserve(w, 0)) return false;
-    for (uint32_t i = 0; i < w->touch_count; i++) {
-        daft_sim_touch *t = &w->touches[i];
+    if (live > w->pair_count || !daft_sim_pairs_reserve(w, 0)) return false;
+    for (uint32_t i = 0; i < w->pair_count; i++) {
+        daft_sim_pair *t = &w->pairs[i];
         if (t->part_a == DAFT_SIM_NONE) continue;
         if (t->part_a >= w->part_count || t->part_b >= w->part_count || t->part_a == t->part_b) return false;
         const daft_sim_part *a = &w->parts[t->part_a], *b = &w->parts[t->part_b];
         if (a->body == DAFT_SIM_NONE || b->body == DAFT_SIM_NONE || a->body == b->body) return false;
         if (t->sensor != (a->sensor || b->sensor)) return false;
         t->body_a = a->body, t->body_b = b->body;
-        if (!is_in_order(t, a, b) || !check_patches(t)) return false;
-        daft_sim_touch_enter(w, i);
+        if (!is_in_order(t, a, b) || !check_manifolds(t)) return false;
+        daft_sim_pair_enter(w, i);
     }
-    return w->live_touches == live && differ(w, live);
+    return w->live_pairs == live && differ(w, live);
 }
 
 static bool enter_joints(daft_world *w)
@@ -413,20 +413,20 @@ static bool rebuild(daft_world *w, const header *h, daft_sim_find_shape *find, v
     }
     for (uint32_t i = 0; i < w->body_count; i++)
         if (!check_body(w, i)) return false;
-    for (uint32_t i = 0; w->pairs && i < DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS; i++)
-        if (!all_finite((const float *)&w->pairs[i], 4)) return false;
+    for (uint32_t i = 0; w->material_pairs && i < DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS; i++)
+        if (!all_finite((const float *)&w->material_pairs[i], 4)) return false;
     return check_chain(w, 0, h->free_body, h->bodies, h->live_bodies) &&
            check_chain(w, 1, h->free_part, h->parts, live_parts) &&
-           check_chain(w, 2, h->free_touch, h->touches, h->live_touches) &&
+           check_chain(w, 2, h->free_pair, h->pairs, h->live_pairs) &&
            check_chain(w, 3, h->free_joint, h->joints, h->live_joints) && enter_lists(w) && enter_parts(w) &&
-           enter_touches(w, h->live_touches) && enter_joints(w);
+           enter_pairs(w, h->live_pairs) && enter_joints(w);
 }
 
 static bool check_header(const header *h, const unsigned char *bytes, size_t size)
 {
     return h->magic == MAGIC && h->version == VERSION && h->layout == layout() && h->size == size &&
            h->hash == daft_hash(bytes, size, 0) && h->substeps >= 1 && h->substeps <= DAFT_SIM_MAX_SUBSTEPS &&
-           daft_finite3(h->gravity) && h->bodies < INT32_MAX && h->parts < INT32_MAX && h->touches < INT32_MAX &&
+           daft_finite3(h->gravity) && h->bodies < INT32_MAX && h->parts < INT32_MAX && h->pairs < INT32_MAX &&
            h->joints < INT32_MAX;
 }
 

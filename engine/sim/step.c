@@ -5,7 +5,7 @@
 
 #include <stdatomic.h>
 
-/* A body that moves more than this share of its inner radius in a step is swept. */
+/* A body that moves more than this fraction of its inner radius in a step is swept. */
 #define FAST_MOVE 0.5f
 
 /* ---- kinematic bodies ---- */
@@ -26,7 +26,7 @@ static void begin_mover(daft_sim_body *body, float dt)
     if (body->has_target) {
         daft_dvec3 way = daft_dsub(body->target_position, body->position);
         body->linear = daft_sim_clamp(daft_to_float(daft_dscale(way, 1 / (double)dt)), DAFT_SIM_MAX_SPEED);
-        body->angular = daft_sim_clamp(turning(body->rotation, body->target_rotation, dt), DAFT_SIM_MAX_SPIN);
+        body->angular = daft_sim_clamp(turning(body->rotation, body->target_rotation, dt), DAFT_SIM_MAX_ANGULAR_SPEED);
         body->follows = true;
     } else if (body->follows) {
         body->linear = body->angular = daft_v3(0, 0, 0);
@@ -75,7 +75,7 @@ static daft_vec3 row3(const float *row) { return daft_v3(row[0], row[1], row[2])
 /* Velocities, and where the body is to go; it is still where it was. */
 static void take_row(daft_world *world, uint32_t row)
 {
-    const daft_sim_rows *rows = &world->solver->rows;
+    const daft_sim_solver_bodies *rows = &world->solver->rows;
     daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     size_t at = (size_t)row * DAFT_SIM_ROW;
     const float *v = rows->velocity + at, *t = rows->turn + at;
@@ -85,7 +85,7 @@ static void take_row(daft_world *world, uint32_t row)
     *target = (daft_sim_target){.centre = body->centre, .rotation = body->rotation};
     if (!daft_finite3(linear) || !daft_finite3(angular)) linear = angular = daft_v3(0, 0, 0);
     body->h = rows->moved[at + 6];
-    body->finer = daft_sim_finer_next(world, body->finer, row);
+    body->substep_demand = daft_sim_substep_demand_next(world, body->substep_demand, row);
     body->linear = daft_sim_clamp(linear, v[6]);
     body->angular = daft_sim_clamp(angular, v[7]);
     body->force = body->torque = daft_v3(0, 0, 0);
@@ -103,7 +103,7 @@ static void sweep_row(daft_world *world, uint32_t row)
 {
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     daft_sim_target *target = &world->solver->targets[row];
-    target->stop = target->along = target->centre, target->stop_rotation = target->rotation, target->linear = body->linear, target->share = 1;
+    target->stop = target->along = target->centre, target->stop_rotation = target->rotation, target->linear = body->linear, target->fraction = 1;
     const float *m = world->solver->rows.moved + (size_t)row * DAFT_SIM_ROW;
     float swing = daft_length(row3(m + 3)) * daft_sim_max(body->extent - body->inner, 0);
     if (daft_length(row3(m)) + daft_sim_min(swing, 2 * body->extent) <= FAST_MOVE * body->inner) return;
@@ -187,7 +187,7 @@ static void count(daft_world *world)
 {
     daft_sim_counters *c = &world->counters;
     c->pairs = (uint32_t)world->active.count;
-    c->islands = world->solver->heap_count;
+    c->islands = world->solver->island_count;
 }
 
 /* Finds what is there to be solved. Nothing has moved if it fails. */
@@ -199,11 +199,11 @@ static bool find_work(daft_world *world, float dt)
     if (!daft_sim_contacts_update(world, dt) || !daft_sim_ghosts_drop(world, dt)) return false;
     active = world->active.count;
     daft_sim_wake_met(world);
-    if (world->active.count > active) { /* with touches of their own */
+    if (world->active.count > active) { /* with pairs of their own */
         daft_sim_active_update(world);
         daft_sim_active_refresh_all(world);
     }
-    return daft_sim_solver_create(world) && daft_sim_rows_assign(world, dt) && daft_sim_report_reserve(world) &&
+    return daft_sim_solver_create(world) && daft_sim_solver_bodies_assign(world, dt) && daft_sim_report_reserve(world) &&
            !world->lost_event;
 }
 

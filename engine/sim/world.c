@@ -18,7 +18,7 @@ daft_world *daft_world_create(const daft_allocator *allocator, daft_error *error
     world->sleeping = true;
     world->changes = 1;
     world->sorted = true;
-    world->free_body = world->free_part = world->free_touch = world->free_joint = DAFT_SIM_NONE;
+    world->free_body = world->free_part = world->free_pair = world->free_joint = DAFT_SIM_NONE;
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_init(&world->trees[i]);
     return world;
 }
@@ -28,13 +28,13 @@ void daft_world_destroy(daft_world *world)
     if (!world) return;
     daft_allocator allocator = world->allocator;
     daft_sim_solver_destroy(world);
-    for (uint32_t i = 0; i < world->touch_count; i++) daft_release(&allocator, world->touches[i].more);
-    void *arrays[] = {world->bodies, world->parts, world->touches, world->joints, world->awake.items,
+    for (uint32_t i = 0; i < world->pair_count; i++) daft_release(&allocator, world->pairs[i].more);
+    void *arrays[] = {world->bodies, world->parts, world->pairs, world->joints, world->awake.items,
                       world->movers.items, world->moved.items, world->active.items, world->sorting.items,
                       world->fat, world->tight, world->outlines, world->box_frames, world->slots,
                       world->astray.items, world->groups, world->group_boxes, world->group_keys, world->ordered,
-                      world->left, world->ghosts.items, world->islands,
-                      world->pairs,
+                      world->left, world->ghosts.items, world->island_parents,
+                      world->material_pairs,
                       world->report, world->events.items, world->pending.items, world->candidates};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&allocator, arrays[i]);
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) {
@@ -85,7 +85,7 @@ daft_sim_counters daft_world_counters(const daft_world *world)
 
 static bool in_range(float x, float most) { return x >= 0 && x <= most; }
 
-bool daft_world_set_pair(daft_world *world, uint32_t a, uint32_t b, const daft_sim_pair *pair, daft_error *error)
+bool daft_world_set_pair(daft_world *world, uint32_t a, uint32_t b, const daft_sim_material_pair *pair, daft_error *error)
 {
     if (a >= DAFT_SIM_MATERIAL_KINDS || b >= DAFT_SIM_MATERIAL_KINDS)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "material kinds %u and %u must be below %d", a, b,
@@ -95,16 +95,16 @@ bool daft_world_set_pair(daft_world *world, uint32_t a, uint32_t b, const daft_s
         return daft_fail(error, DAFT_ERROR_ARGUMENT,
                          "materials %u and %u: friction and rolling resistance must be 0 to 1e6, restitution 0 to 1", a,
                          b);
-    if (!world->pairs) {
+    if (!world->material_pairs) {
         size_t count = (size_t)DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS;
-        world->pairs = daft_alloc(&world->allocator, count, sizeof *world->pairs);
-        if (!world->pairs) return daft_fail_memory(error, "pairs of materials");
-        for (size_t i = 0; i < count; i++) world->pairs[i] = (daft_sim_pair){.friction = -1};
+        world->material_pairs = daft_alloc(&world->allocator, count, sizeof *world->material_pairs);
+        if (!world->material_pairs) return daft_fail_memory(error, "pairs of materials");
+        for (size_t i = 0; i < count; i++) world->material_pairs[i] = (daft_sim_material_pair){.friction = -1};
     }
-    daft_sim_pair value = pair ? *pair : (daft_sim_pair){.friction = -1};
-    world->pairs[a * DAFT_SIM_MATERIAL_KINDS + b] = world->pairs[b * DAFT_SIM_MATERIAL_KINDS + a] = value;
-    for (uint32_t i = 0; i < world->touch_count; i++)
-        if (world->touches[i].part_a != DAFT_SIM_NONE) daft_sim_touch_materials(world, &world->touches[i]);
+    daft_sim_material_pair value = pair ? *pair : (daft_sim_material_pair){.friction = -1};
+    world->material_pairs[a * DAFT_SIM_MATERIAL_KINDS + b] = world->material_pairs[b * DAFT_SIM_MATERIAL_KINDS + a] = value;
+    for (uint32_t i = 0; i < world->pair_count; i++)
+        if (world->pairs[i].part_a != DAFT_SIM_NONE) daft_sim_pair_materials(world, &world->pairs[i]);
     return true;
 }
 

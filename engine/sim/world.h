@@ -1,14 +1,14 @@
 /* The inside of sim. No other room includes this.
  *
  * Data. A world is arrays of records under indices:
- *   body    what it is, where, how fast; its parts, touches and joints hang on it as lists of indices
+ *   body    what it is, where, how fast; its parts, pairs and joints hang on it as lists of indices
  *   part    one shape of a body: a leaf in the tree of the body's kind, in bounds that are wider than it (fat)
- *   touch   two parts whose bounds over the step meet, with the manifolds they have ("patches") and the impulses these
- *           carry over to the next step. Part a's body is dynamic, except in touches of sensors; normals point from a to b.
+ *   pair    two parts whose bounds over the step meet, with the manifolds they have ("manifolds") and the impulses these
+ *           carry over to the next step. Part a's body is dynamic, except in pairs of sensors; normals point from a to b.
  *   joint   two bodies, a frame in each, and the impulses it carries over
  *
  * A body is active if it is dynamic and awake, or kinematic and moves. Only what is active is in a list that a step
- * walks: `awake`, `movers`, and the active list, of touches that have an active side, in the order of their keys. A body that
+ * walks: `awake`, `movers`, and the active list, of pairs that have an active side, in the order of their keys. A body that
  * sleeps is on a ring with those that fell asleep with it, and is woken with them.
  *
  * A step (step.c): bounds and near pairs (broad.c, groups.c, pairs.c) -> manifolds (contacts.c) -> islands that are met wake
@@ -31,16 +31,16 @@
 enum {
     DAFT_SIM_SUBSTEPS = 4,
     DAFT_SIM_MAX_SUBSTEPS = 16,
-    /* Touches between dynamic parts that one part may own; the smaller one does, the one of lower index where they are
+    /* Pairs between dynamic parts that one part may own; the smaller one does, the one of lower index where they are
      * equal. Twelve equal spheres can touch one, so only overlap meets this bound; it keeps thousands of bodies in one
-     * spot from making millions of touches. */
+     * spot from making millions of pairs. */
     DAFT_SIM_MAX_PARTNERS = 32,
-    DAFT_SIM_MAX_PATCHES = 24 /* of one touch, with a mesh, field or compound */
+    DAFT_SIM_MAX_MANIFOLDS = 24 /* of one pair, with a mesh, field or compound */
 };
 
 /* Bounds that keep every float of the solver finite. Velocities beyond are clamped, definitions beyond refused. */
 #define DAFT_SIM_MAX_SPEED        1e4f /* m/s */
-#define DAFT_SIM_MAX_SPIN         1e6f /* rad/s */
+#define DAFT_SIM_MAX_ANGULAR_SPEED         1e6f /* rad/s */
 #define DAFT_SIM_MAX_ACCELERATION 1e9f /* m/s² */
 #define DAFT_SIM_MAX_DISTANCE     1e12 /* m from the origin */
 #define DAFT_SIM_MIN_MASS         1e-15
@@ -48,7 +48,7 @@ enum {
 #define DAFT_SIM_MAX_DT           1.0f
 #define DAFT_SIM_FINEST           1e6f /* substeps a second that are asked for */
 
-/* Points up to this far apart, as a share of the smaller part's reach, get a contact even where nothing moves:
+/* Points up to this far apart, as a fraction of the smaller part's reach, get a contact even where nothing moves:
  * another contact may push one into the other. Never more than the second, in metres. */
 #define DAFT_SIM_MARGIN     0.02f
 #define DAFT_SIM_MAX_MARGIN 0.02f
@@ -156,14 +156,14 @@ typedef struct daft_sim_body {
     daft_vec3 linear, angular;
     float extent;        /* no point is farther from the centre of mass */
     float inv_mass;
-    uint32_t first_part, first_touch; /* touch: index · 2 + side */
+    uint32_t first_part, first_pair; /* pair: index · 2 + side */
     float rest;          /* seconds it has hardly moved */
     float h;             /* s: of the last substep it took, to which impulses belong; 0: none yet */
 
     daft_dvec3 centre;   /* of mass */
     double travel;       /* dynamic: no point has gone farther since the body was made, metres */
     daft_quat rotation;
-    float finer;         /* substeps a second that what it carries asks for (substep_rate.c) */
+    float substep_demand;         /* substeps a second that what it carries asks for (substep_rate.c) */
     float inner;         /* least of its parts': a move up to this is not swept */
     float gravity_scale;
     uint32_t locks;
@@ -188,23 +188,23 @@ typedef struct daft_sim_body {
     bool follows;          /* the velocity came from a target, so it ends with the step */
     bool ball;             /* a part is a sphere */
     bool joined_far;       /* a joint keeps it from touching a body more than 64 places from it */
-    uint32_t fixed_met;    /* scratch of ghost.c: touches with what does not yield */
+    uint32_t fixed_met;    /* scratch of ghost.c: pairs with what does not yield */
     uint32_t next_free;
     uint32_t ring;         /* asleep: the next body that fell asleep with it */
     daft_vec3 gone, turned; /* lately (sleep.c), if `rest` is not 0 */
 } daft_sim_body;
 
-typedef struct daft_sim_patch_point {
+typedef struct daft_sim_manifold_point {
     daft_vec3 anchor; /* from a's centre of mass, world axes */
     float separation;
     uint32_t id;
     float impulse; /* of the last substep; the next step starts with it */
-} daft_sim_patch_point;
+} daft_sim_manifold_point;
 
-typedef struct daft_sim_patch {
+typedef struct daft_sim_manifold {
     uint32_t count;
     daft_vec3 normal;
-    daft_sim_patch_point points[DAFT_MANIFOLD_POINTS];
+    daft_sim_manifold_point points[DAFT_MANIFOLD_POINTS];
     daft_vec3 friction_impulse, rolling_impulse; /* world axes */
     float twist_impulse;
     /* How far b's surface was dragged along a's since it last slid, and turned about the normal: what sticks is drawn
@@ -217,25 +217,25 @@ typedef struct daft_sim_patch {
     daft_shape_part part_a, part_b;
     daft_vec3 shift; /* of a against b on the way to where they meet, if they are apart still */
     bool shared; /* with others of one floor that a stands on: they do not yield, and are of one height and friction */
-} daft_sim_patch;
+} daft_sim_manifold;
 
-typedef struct daft_sim_touch {
+typedef struct daft_sim_pair {
     uint32_t part_a, part_b; /* part_a == DAFT_SIM_NONE: a free slot */
     uint32_t body_a, body_b;
     bool sensor;
-    bool listed;
+    bool active;
     bool owned_by_a;
     bool touching; /* as events tell it */
-    bool known;    /* what follows from the parts' materials: found when it first has patches */
-    bool belted;   /* a side is a belt */
-    uint32_t patch_count;
+    bool materials_cached;    /* what follows from the parts' materials: found when it first has manifolds */
+    bool surface_moves;   /* a side is a surface with a velocity of its own */
+    uint32_t manifold_count;
     daft_pair_cache cache;
     double cleared_at; /* how far both bodies had gone when the cache's clearance was found */
     uint32_t next[2], previous[2]; /* in the lists of body a and b; next[0] of free slots: the next one */
     float friction, static_friction, restitution, rolling; /* rolling in metres */
-    daft_sim_patch own;
-    daft_sim_patch *more; /* DAFT_SIM_MAX_PATCHES of them where a part is not convex */
-} daft_sim_touch;
+    daft_sim_manifold own;
+    daft_sim_manifold *more; /* DAFT_SIM_MAX_MANIFOLDS of them where a part is not convex */
+} daft_sim_pair;
 
 /* In eights of floats, which lanes take and give back at once. */
 typedef struct daft_sim_joint {
@@ -264,22 +264,22 @@ typedef struct daft_sim_joint {
     uint32_t user, previous[2];
 } daft_sim_joint;
 
-/* An entry of the active list: a touch that has an active side, and what the whole step asks of it, so that its record is left
+/* An entry of the active list: a pair that has an active side, and what the whole step asks of it, so that its record is left
  * alone. */
 typedef struct daft_sim_active {
     uint64_t key; /* part a, then part b */
-    uint32_t touch, body_a, body_b;
+    uint32_t pair, body_a, body_b;
     uint16_t points;
-    uint8_t patches, flags;
+    uint8_t manifolds, flags;
 } daft_sim_active;
 
 enum {
-    DAFT_SIM_OVERLAPS = 1, /* it has patches, or is touching as events tell it; none of the others without this one */
-    DAFT_SIM_FIXED = 2,    /* it has patches, and b does not yield */
-    DAFT_SIM_JOINS = 4,    /* it has patches, and both yield */
+    DAFT_SIM_OVERLAPS = 1, /* it has manifolds, or is touching as events tell it; none of the others without this one */
+    DAFT_SIM_FIXED = 2,    /* it has manifolds, and b does not yield */
+    DAFT_SIM_JOINS = 4,    /* it has manifolds, and both yield */
     DAFT_SIM_DEEP = 8,     /* a overlaps by so much that it is no load which presses them together (substep_rate.c) */
-    DAFT_SIM_PARTS = 16,   /* they were made so, or were too fast: they are to part slowly (colour.c) */
-    DAFT_SIM_FIRM = 32,    /* at rest, and carries many times the lighter's weight (substep_rate.c) */
+    DAFT_SIM_DEPENETRATES = 16,   /* they were made so, or were too fast: they are to part slowly (colour.c) */
+    DAFT_SIM_STIFF = 32,    /* at rest, and carries many times the lighter's weight (substep_rate.c) */
     DAFT_SIM_CHANGED = 64, /* it began or ended in this step (events.c) */
     DAFT_SIM_REPORTED = 128 /* it is among the contacts that the step tells (events.c) */
 };
@@ -317,9 +317,9 @@ struct daft_world {
     daft_outline *outlines;         /* as the step begins, */
     daft_outline_frame *box_frames; /* of boxes only (outline.c) */
     size_t outline_capacity, box_frame_capacity;
-    daft_sim_touch *touches;
-    size_t touch_capacity;
-    uint32_t touch_count, free_touch;
+    daft_sim_pair *pairs;
+    size_t pair_capacity;
+    uint32_t pair_count, free_pair;
     daft_sim_joint *joints;
     size_t joint_capacity;
     uint32_t joint_count, free_joint, live_joints;
@@ -333,12 +333,12 @@ struct daft_world {
     daft_sim_active_list active; /* in the order of keys, as far as it is `sorted` */
     bool sorted;
     daft_sim_active_list sorting; /* scratch: room for twice as many */
-    bool bare;            /* some active touch needs room for manifolds */
-    uint32_t *islands;    /* sleep.c: of each body that is awake, its parent in the union-find */
+    bool unallocated;            /* some active pair needs room for manifolds */
+    uint32_t *island_parents;    /* sleep.c: of each body that is awake, its parent in the union-find */
     size_t island_capacity;
     daft_sim_list ghosts; /* scratch of ghost.c: of what met what does not yield */
     uint32_t asleep_count; /* bodies */
-    uint32_t live_touches;
+    uint32_t live_pairs;
 
     /* Parts of what is active, or was placed since the last step, in groups (groups.h). */
     struct daft_sim_group *groups;
@@ -354,7 +354,7 @@ struct daft_world {
     daft_sim_tree trees[DAFT_BODY_DYNAMIC + 1]; /* one for each kind */
     uint64_t changes;         /* counts steps and changes of the trees, from 1 on */
     uint64_t settled_at;      /* of which the trees have all parts where they are (broad.c) */
-    daft_sim_pair *pairs; /* DAFT_SIM_MATERIAL_KINDS²; friction < 0: none. NULL: none at all */
+    daft_sim_material_pair *material_pairs; /* DAFT_SIM_MATERIAL_KINDS²; friction < 0: none. NULL: none at all */
 
     daft_sim_solver *solver;
     daft_region *region; /* during a step that is worth several workers */
@@ -381,20 +381,20 @@ static inline bool daft_sim_is_active(const daft_sim_body *body)
 {
     return body->list_slot != DAFT_SIM_NONE;
 }
-static inline daft_sim_patch *daft_sim_patches(daft_sim_touch *touch)
+static inline daft_sim_manifold *daft_sim_manifolds(daft_sim_pair *pair)
 {
-    return touch->more ? touch->more : &touch->own;
+    return pair->more ? pair->more : &pair->own;
 }
-/* Touches of what is not convex have many manifolds; this one has no room for them yet. */
-static inline bool daft_sim_is_bare(const daft_world *world, const daft_sim_touch *touch)
+/* Pairs of what is not convex have many manifolds; this one has no room for them yet. */
+static inline bool daft_sim_is_unallocated(const daft_world *world, const daft_sim_pair *pair)
 {
-    return !touch->more && !touch->sensor &&
-           !(daft_shape_is_convex(&world->parts[touch->part_a].shape) &&
-             daft_shape_is_convex(&world->parts[touch->part_b].shape));
+    return !pair->more && !pair->sensor &&
+           !(daft_shape_is_convex(&world->parts[pair->part_a].shape) &&
+             daft_shape_is_convex(&world->parts[pair->part_b].shape));
 }
-static inline uint64_t daft_sim_touch_key(const daft_sim_touch *touch)
+static inline uint64_t daft_sim_pair_key(const daft_sim_pair *pair)
 {
-    return (uint64_t)touch->part_a << 32 | touch->part_b;
+    return (uint64_t)pair->part_a << 32 | pair->part_b;
 }
 static inline daft_dvec3 daft_sim_dmin(daft_dvec3 a, daft_dvec3 b)
 {
@@ -409,7 +409,7 @@ static inline float daft_sim_max(float a, float b) { return a > b ? a : b; }
 static inline bool daft_sim_is_zero(daft_vec3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
 /* A vector without what the body's locks forbid: of its position, or of its rotation. Bodies that are not dynamic take no notice. */
-static inline daft_vec3 daft_sim_held(const daft_sim_body *body, daft_vec3 v, uint32_t lock_x)
+static inline daft_vec3 daft_sim_unlocked(const daft_sim_body *body, daft_vec3 v, uint32_t lock_x)
 {
     uint32_t locks = body->kind == DAFT_BODY_DYNAMIC ? body->locks / lock_x : 0;
     return daft_v3(locks & 1 ? 0 : v.x, locks & 2 ? 0 : v.y, locks & 4 ? 0 : v.z);
@@ -448,7 +448,7 @@ void daft_sim_body_place(daft_sim_body *body, daft_dvec3 position, daft_quat rot
 /* The inverse of its inertia in world axes, turned as `frame` says: xx, xy, xz, yy, yz, zz. Zero for what is not dynamic, or
  * locked. */
 void daft_sim_body_inverse_inertia(const daft_sim_body *body, const daft_rigid *frame, float out[6]);
-/* A kinematic body moves from now on; a dynamic one with its heap is awake. Neither fails: room was reserved. */
+/* A kinematic body moves from now on; a dynamic one with its island is awake. Neither fails: room was reserved. */
 void daft_sim_body_activate(daft_world *world, uint32_t index);
 
 /* ---- broad.c ---- */
@@ -491,34 +491,34 @@ bool daft_sim_groups_search(daft_world *world);
 
 /* ---- pairs.c ---- */
 
-/* Touches of all near pairs, and of no others that have an active side. False when memory is out. */
+/* Makes contact pairs of all parts that are near each other, and of no others that have an active side. False when memory is out. */
 bool daft_sim_pairs_find(daft_world *world);
-void daft_sim_touch_remove(daft_world *world, uint32_t touch);
-void daft_sim_touches_forget(daft_world *world, uint32_t body); /* the impulses they keep */
+void daft_sim_pair_remove(daft_world *world, uint32_t pair);
+void daft_sim_pairs_forget(daft_world *world, uint32_t body); /* the impulses they keep */
 /* Between steps: it leaves the active list too. */
-void daft_sim_touch_drop(daft_world *world, uint32_t touch);
-void daft_sim_touches_remove(daft_world *world, uint32_t body);
-/* All touches of a body go to the active list. Room was reserved. */
-void daft_sim_touches_list(daft_world *world, uint32_t body);
+void daft_sim_pair_drop(daft_world *world, uint32_t pair);
+void daft_sim_pairs_remove(daft_world *world, uint32_t body);
+/* All pairs of a body go to the active list. Room was reserved. */
+void daft_sim_pairs_activate(daft_world *world, uint32_t body);
 /* By keys; those of equal ones keep their order. scratch: room for as many. */
 void daft_sim_active_sort(daft_sim_active *items, size_t count, daft_sim_active *scratch);
 /* What joined the active list since it was last sorted goes to its place. */
 void daft_sim_active_update(daft_world *world);
-/* What its touch's patches say of an entry; of all that overlap. */
+/* What its pair's manifolds say of an entry; of all that overlap. */
 void daft_sim_active_refresh(const daft_world *world, daft_sim_active *entry);
 void daft_sim_active_refresh_all(daft_world *world);
 /* Whether two parts may touch at all. */
 bool daft_sim_may_meet(const daft_world *world, uint32_t part_a, uint32_t part_b);
-/* For loading: enters a touch that stands in its slot into lists. */
-void daft_sim_touch_enter(daft_world *world, uint32_t touch);
+/* For loading: enters a pair that stands in its slot into lists. */
+void daft_sim_pair_enter(daft_world *world, uint32_t pair);
 bool daft_sim_pairs_reserve(daft_world *world, size_t more);
 
 /* ---- contacts.c ---- */
 
-/* Patches of everything active. False when memory is out. */
+/* Manifolds of everything active. False when memory is out. */
 bool daft_sim_contacts_update(daft_world *world, float dt);
 /* From the materials of its parts. */
-void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch);
+void daft_sim_pair_materials(const daft_world *world, daft_sim_pair *pair);
 /* The way of a body's part over dt, as it is going now. */
 daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt);
 
@@ -529,8 +529,8 @@ bool daft_sim_ghosts_drop(daft_world *world, float dt);
 
 /* ---- locked_axis.c ---- */
 
-/* Turns a patch into what both bodies are free to do; it may have no points then. */
-void daft_sim_flatten(const daft_world *world, const daft_sim_touch *touch, daft_sim_patch *patch);
+/* Turns a manifold into what both bodies are free to do; it may have no points then. */
+void daft_sim_lock_axes(const daft_world *world, const daft_sim_pair *pair, daft_sim_manifold *manifold);
 
 /* ---- sleep.c ---- */
 
@@ -538,14 +538,14 @@ void daft_sim_wake(daft_world *world, uint32_t body);
 /* Wakes what touches a body, and what is joined to it. */
 void daft_sim_wake_neighbours(daft_world *world, uint32_t body);
 void daft_sim_wake_all(daft_world *world);
-/* Heaps asleep that something active touches. */
+/* Islands asleep that something active touches. */
 void daft_sim_wake_met(daft_world *world);
 /* Rest times, islands, and who falls asleep. */
 void daft_sim_sleep_update(daft_world *world, float dt);
-/* Heaps of bodies that are awake, and the body that stands for the one that a body belongs to. */
+/* Islands of bodies that are awake, and the body that stands for the one that a body belongs to. */
 void daft_sim_islands_find(daft_world *world);
 uint32_t daft_sim_island_of(daft_world *world, uint32_t body);
-/* Puts a body's heap to sleep, if all of it may. */
+/* Puts a body's island to sleep, if all of it may. */
 void daft_sim_sleep_island(daft_world *world, uint32_t body);
 
 /* ---- joint.c ---- */
@@ -560,9 +560,9 @@ bool daft_sim_joined(const daft_world *world, uint32_t body_a, uint32_t body_b);
 
 /* ---- substep_rate.c ---- */
 
-float daft_sim_finer_begin(void); /* of a body that was made */
-/* Whether a patch carries many times the lighter body's weight, at rest. */
-bool daft_sim_finer_bears(const daft_world *world, const daft_sim_body *a, const daft_sim_body *b, float load);
+float daft_sim_substep_demand_begin(void); /* of a body that was made */
+/* Whether a manifold carries many times the lighter body's weight, at rest. */
+bool daft_sim_load_is_heavy(const daft_world *world, const daft_sim_body *a, const daft_sim_body *b, float load);
 
 /* ---- sweep.c ---- */
 
@@ -574,7 +574,7 @@ typedef struct daft_sim_target {
     daft_dvec3 stop;  /* where it gets, and how fast it is there */
     daft_quat stop_rotation;
     daft_vec3 linear;
-    double share; /* of the way, on which it gets there; 1: all */
+    double fraction; /* of the way, on which it gets there; 1: all */
     uint32_t sweeps;
 } daft_sim_target;
 /* Finds where a row's body stops on its way there. */
@@ -584,15 +584,15 @@ void daft_sim_sweep_joined(daft_world *world);
 
 /* ---- events.c ---- */
 
-void daft_sim_event_end(daft_world *world, const daft_sim_touch *touch); /* it is about to go */
+void daft_sim_event_end(daft_world *world, const daft_sim_pair *pair); /* it is about to go */
 void daft_sim_event_joint(daft_world *world, daft_sim_event_kind kind, uint32_t joint, float value);
 void daft_sim_event_sleep(daft_world *world, daft_sim_event_kind kind, uint32_t body);
-/* Contacts and events of the step just made. */
 /* A removed body's contacts leave the report. */
 void daft_sim_report_forget(daft_world *world, uint32_t body);
 bool daft_sim_report_reserve(daft_world *world);
 /* Before touches or poses of the last step are changed. */
 void daft_sim_report_fill(daft_world *world);
+/* Contacts and events of the step just made. */
 void daft_sim_report(daft_world *world);
 void daft_sim_events_deliver(daft_world *world);
 

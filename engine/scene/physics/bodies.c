@@ -82,7 +82,7 @@ static daft_sim_shape_def shape_def(const daft_entity_def *def)
     shape.density = def->density;
     shape.material = (daft_sim_material){.friction = def->friction, .static_friction = def->static_friction,
                                          .restitution = def->restitution, .rolling_resistance = def->rolling_resistance,
-                                         .belt = def->belt, .kind = def->surface};
+                                         .surface_velocity = def->belt, .kind = def->surface};
     shape.layers = def->layers, shape.mask = def->mask;
     shape.sensor = def->sensor;
     return shape;
@@ -391,7 +391,7 @@ bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b
     daft_world *world = daft_scene_world(scene, error);
     if (!world) return false;
     if (!together) return daft_world_set_pair(world, kind_a, kind_b, NULL, error);
-    daft_sim_pair pair = {together->friction, together->static_friction, together->restitution, together->rolling_resistance};
+    daft_sim_material_pair pair = {together->friction, together->static_friction, together->restitution, together->rolling_resistance};
     return daft_world_set_pair(world, kind_a, kind_b, &pair, error);
 }
 

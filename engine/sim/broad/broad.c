@@ -7,7 +7,7 @@
 
 #include <stdatomic.h>
 
-/* Fat on each side, as a share of the reach, and how many steps' movement is taken ahead. A leaf is entered anew when
+/* Fat on each side, as a fraction of the reach, and how many steps' movement is taken ahead. A leaf is entered anew when
  * the part leaves it, or has grown much smaller than it (a shot that has come to rest). */
 #define FAT   0.1
 #define AHEAD 6.0

@@ -200,7 +200,7 @@ static void for_groups(daft_world *world, uint32_t grain, daft_task *task, void 
     daft_sim_for(world, count >= PARALLEL_GROUPS, (count + grain - 1) / grain, task, context);
 }
 
-/* How large groups may become, as a share of what they were when they were put together, and how many slots in them may be
+/* How large groups may become, as a fraction of what they were when they were put together, and how many slots in them may be
  * taken late, or be empty. */
 #define GROWN 1.25
 #define LATE  4

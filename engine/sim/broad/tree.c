@@ -164,7 +164,7 @@ void daft_sim_tree_remove(daft_sim_tree *tree, uint32_t leaf)
 
 /* ---- moving ---- */
 
-/* Half the surface of both together, as a share of the sum of theirs, up to which they go on standing side by side. */
+/* Half the surface of both together, as a fraction of the sum of theirs, up to which they go on standing side by side. */
 #define FAR_APART 4
 
 bool daft_sim_tree_move(daft_sim_tree *tree, uint32_t leaf, const daft_sim_bounds *bounds)

@@ -12,9 +12,9 @@
 #define MAX_SKIN 0.02
 /* What it stands on may move it by this, in m/s; more is a teleport, which leaves it behind. */
 #define MAX_RIDE 200.0
-/* Steep sides that leave less than this share of a fall hold it as well as ground does. */
+/* Steep sides that leave less than this fraction of a fall hold it as well as ground does. */
 #define HELD 0.1
-/* Overlap that cannot be undone, as a share of the radius. */
+/* Overlap that cannot be undone, as a fraction of the radius. */
 #define CRUSHED 0.05
 
 daft_sim_character_def daft_default_sim_character_def(void)
@@ -196,10 +196,10 @@ static bool can_land(daft_mover *m, const daft_sim_character_def *def, daft_dvec
     daft_mover_plane hit;
     double sine = sqrt(fmax(0, 1 - m->max_slope * m->max_slope));
     double ahead = (double)def->radius * (1 - 0.9 * sine) + 2 * m->skin;
-    double share = daft_mover_cast(m, daft_dscale(into, ahead), 0.5 * m->skin, NULL);
-    m->position = daft_dadd(m->position, daft_dscale(into, share * ahead));
-    share = daft_mover_cast(m, daft_dv3(0, -fall, 0), m->skin, &hit);
-    double height = share < 1 ? m->position.y - share * fall + hit.point.y : INFINITY;
+    double fraction = daft_mover_cast(m, daft_dscale(into, ahead), 0.5 * m->skin, NULL);
+    m->position = daft_dadd(m->position, daft_dscale(into, fraction * ahead));
+    fraction = daft_mover_cast(m, daft_dv3(0, -fall, 0), m->skin, &hit);
+    double height = fraction < 1 ? m->position.y - fraction * fall + hit.point.y : INFINITY;
     m->position = before;
     return height <= most && daft_mover_walkable(m, hit.normal);
 }
@@ -281,9 +281,9 @@ static bool snap_down(daft_mover *m, daft_sim_character *c)
 {
     daft_dvec3 before = m->position;
     double depth = (double)c->def.step_height + m->skin;
-    double share = daft_mover_cast(m, daft_dv3(0, -depth, 0), m->skin, NULL);
-    if (share >= 1) return false;
-    m->position.y -= share * depth;
+    double fraction = daft_mover_cast(m, daft_dv3(0, -depth, 0), m->skin, NULL);
+    if (fraction >= 1) return false;
+    m->position.y -= fraction * depth;
     daft_mover_collect(m);
     if (stand_on_plane(m, c) || (m->count > 0 && stand_over(m, c))) return true;
     m->position = before;

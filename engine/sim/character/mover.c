@@ -9,9 +9,9 @@ enum { SLIDES = 8, PASSES = 32, EXACT_LIMITS = 10, MANIFOLDS = 24 };
 
 #define SAME 0.999999 /* cosine of normals that are one */
 
-/* Casts end this near to the gap, as a share of it. */
+/* Casts end this near to the gap, as a fraction of it. */
 #define TOLERANCE 0.02
-/* What is nearer than the gap at the start of a cast cannot stop it. So one with a much smaller gap, this share of it,
+/* What is nearer than the gap at the start of a cast cannot stop it. So one with a much smaller gap, this fraction of it,
  * follows, and where even that does not do, one by a capsule that is so much thinner that nothing is too near, by these
  * shares of that gap (more than the tolerance, lest what is beside it counts as met); but no thinner than the last share
  * of the radius. */
@@ -258,7 +258,7 @@ typedef struct cast {
     daft_sim_shape capsule;
     daft_sim_way way;
     daft_dvec3 motion, normal, point;
-    double gap, met_gap, share;
+    double gap, met_gap, fraction;
     uint32_t part;
 } cast;
 
@@ -280,8 +280,8 @@ static void visit_cast(void *context, uint32_t index)
     daft_impact_kind kind =
         daft_shape_impact(&c->capsule, &moving, &part->shape, &still, c->gap, TOLERANCE * c->gap, &impact);
     if (kind != DAFT_IMPACT_HIT && kind != DAFT_IMPACT_GAVE_UP) return;
-    if (impact.t > c->share || (impact.t >= c->share && index >= c->part)) return;
-    c->share = impact.t;
+    if (impact.t > c->fraction || (impact.t >= c->fraction && index >= c->part)) return;
+    c->fraction = impact.t;
     c->met_gap = c->gap;
     c->part = index;
     c->normal = daft_dscale(daft_rigid_vector(&frame, impact.normal), -1);
@@ -295,13 +295,13 @@ static void cast_once(cast *c)
     daft_rigid frame = capsule_frame(m);
     c->way = daft_sim_way_of(&c->capsule, &frame, c->motion);
     c->way.reach = daft_dadd(c->way.reach, daft_dv3(2 * c->gap, 2 * c->gap, 2 * c->gap));
-    c->way.end = c->share;
+    c->way.end = c->fraction;
     daft_sim_walk(m->world, &c->way, &m->filter, visit_cast, c);
 }
 
 double daft_mover_cast(daft_mover *m, daft_dvec3 motion, double gap, daft_mover_plane *hit)
 {
-    cast c = {.mover = m, .capsule = m->capsule, .motion = motion, .gap = gap, .share = 1, .part = UINT32_MAX};
+    cast c = {.mover = m, .capsule = m->capsule, .motion = motion, .gap = gap, .fraction = 1, .part = UINT32_MAX};
     daft_mover_collect(m);
     double least = INFINITY;
     for (uint32_t i = 0; i < m->count; i++) least = fmin(least, m->planes[i].separation);
@@ -313,15 +313,15 @@ double daft_mover_cast(daft_mover *m, daft_dvec3 motion, double gap, daft_mover_
         c.capsule.radius = (float)fmax(radius + least - THINNER * c.gap, NEEDLE * radius);
         cast_once(&c);
     }
-    if (hit && c.share < 1)
+    if (hit && c.fraction < 1)
         *hit = (daft_mover_plane){
             .normal = c.normal,
             .separation = c.met_gap,
-            .point = daft_dsub(c.point, daft_dadd(m->position, daft_dscale(motion, c.share))),
+            .point = daft_dsub(c.point, daft_dadd(m->position, daft_dscale(motion, c.fraction))),
             .part = c.part,
             .number = UINT32_MAX - m->met_count,
         };
-    return c.share;
+    return c.fraction;
 }
 
 /* ---- sliding ---- */
@@ -337,9 +337,9 @@ void daft_mover_slide(daft_mover *m, daft_dvec3 motion)
         daft_dvec3 way = solve(limits, m->count, daft_dsub(goal, m->position), enough);
         if (daft_ddot(way, way) <= enough * enough) return;
         daft_mover_plane hit;
-        double share = daft_mover_cast(m, way, 0.5 * m->skin, &hit);
-        m->position = daft_dadd(m->position, daft_dscale(way, share));
-        if (share < 1) {
+        double fraction = daft_mover_cast(m, way, 0.5 * m->skin, &hit);
+        m->position = daft_dadd(m->position, daft_dscale(way, fraction));
+        if (fraction < 1) {
             uint32_t slot = m->met_count++ % DAFT_MOVER_MET;
             m->met[slot] = hit;
             m->met_at[slot] = m->position;

@@ -41,8 +41,8 @@ typedef struct daft_mover {
 
 /* The planes within two skins of the position, unless they are known. */
 void daft_mover_collect(daft_mover *m);
-/* The share of the motion it can go until it is `gap` metres from something. *hit, if not NULL: the plane of that, as
- * seen from there, where the share is below 1. */
+/* The fraction of the motion it can go until it is `gap` metres from something. *hit, if not NULL: the plane of that, as
+ * seen from there, where the fraction is below 1. */
 double daft_mover_cast(daft_mover *m, daft_dvec3 motion, double gap, daft_mover_plane *hit);
 /* Goes as near to position + motion as it can, sliding along what it meets, and out of what it overlaps. */
 void daft_mover_slide(daft_mover *m, daft_dvec3 motion);

@@ -15,8 +15,8 @@ enum { CYLINDER_SIDES = DAFT_HULL_MAX_VERTICES / 2 };
 #define SQUARE   0.02
 #define SIDEWAYS 0.1f /* of normals: a capsule's are the cylinder's */
 #define FLAT     0.9f /* of normals: the cap is met, not the rim */
-#define ON_RIM   0.05f /* share of the radius: points of the rim that is met are no farther beside the edge that points there */
-#define SHORT_BY 0.005f /* share of the radius: so much the prism's sides are within the cylinder, and more */
+#define ON_RIM   0.05f /* fraction of the radius: points of the rim that is met are no farther beside the edge that points there */
+#define SHORT_BY 0.005f /* fraction of the radius: so much the prism's sides are within the cylinder, and more */
 
 daft_hull *daft_hull_create_cylinder(const daft_allocator *allocator, float radius, float half_height, daft_error *error)
 {

@@ -8,16 +8,16 @@
 
 /* A box over this many times as large as the other is cut down, to this many times. */
 #define DAFT_BOX_LARGE 4.0f
-/* Axes within this share of the smaller box's size count as equally good: the first kind, or the cached one, wins. */
+/* Axes within this fraction of the smaller box's size count as equally good: the first kind, or the cached one, wins. */
 #define DAFT_BOX_EVEN 1e-3f
-/* The reference face reaches this share of its width farther when it clips: of boxes of one size that stand on each
+/* The reference face reaches this fraction of its width farther when it clips: of boxes of one size that stand on each
  * other the corners are points, whatever the last bits say. */
 #define DAFT_BOX_OVERHANG 1e-3f
 /* Edges whose angle's square sine is less are parallel: a face has their axis. */
 #define DAFT_BOX_PARALLEL 1e-5f
 /* An edge that changes by no more along a direction, in metres, does not meet the sides across it. */
 #define DAFT_BOX_FLAT 1e-30f
-/* A corner of the reference this share of the incident face outside of it is taken for within: rather one point twice
+/* A corner of the reference this fraction of the incident face outside of it is taken for within: rather one point twice
  * than none. */
 #define DAFT_BOX_SEAM 1e-5f
 /* Any direction in which corners of boxes differ. */

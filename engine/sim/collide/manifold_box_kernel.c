@@ -210,7 +210,7 @@ typedef struct choice {
 DAFT_INLINE vi choose(best_axis a, best_axis b, best_axis e, vf even, vi before, vm large_b)
 {
     vf zero = vf_set(0), face = vf_max(a.separation, b.separation);
-    vf beyond = vf_if_then_else(vf_lt(face, zero), vf_set(1 - DAFT_EDGE_SHARE) * face, face);
+    vf beyond = vf_if_then_else(vf_lt(face, zero), vf_set(1 - DAFT_EDGE_FRACTION) * face, face);
     vm none = vi_eq(before, vi_set(DAFT_AXIS_NONE)), crossed = vi_eq(before, vi_set(DAFT_AXIS_EDGES));
     vf more = vf_if_then_else(none, even, vf_if_then_else(crossed, -even, vf_set(2) * even));
     vm crosses = vm_and(vf_lt(beyond + more, e.separation), vm_or(vm_not(crossed), vf_lt(face, zero)));

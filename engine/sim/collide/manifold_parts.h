@@ -18,11 +18,11 @@ enum { DAFT_CLIP_MAX = 136 }; /* a face of 64 corners clipped by another */
  * count. */
 uint32_t daft_clip(const daft_clip_point *in, uint32_t count, float a, float b, float c, uint32_t edge,
                    daft_clip_point *out);
-/* Where two edges overlap by no more than this share less than a face does, the face's axis is the one: edges hold by
+/* Where two edges overlap by no more than this fraction less than a face does, the face's axis is the one: edges hold by
  * a single point, round which what lies on it turns farther in, and of solids deep in each other the best pair of edges
  * is another one in every step. (ODE asks for 5 %.) */
-#define DAFT_EDGE_SHARE 0.1f
-static inline float daft_edges_beyond(float face) { return face < 0 ? (1 - DAFT_EDGE_SHARE) * face : face; }
+#define DAFT_EDGE_FRACTION 0.1f
+static inline float daft_edges_beyond(float face) { return face < 0 ? (1 - DAFT_EDGE_FRACTION) * face : face; }
 
 /* Leaves at most four points that matter: of the deepest (within `even` of each other) one on the rim, the one farthest
  * from it, and the farthest to each side of the line between. Gives the count; the points keep their order. */

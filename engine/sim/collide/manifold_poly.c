@@ -1,7 +1,7 @@
 /* Manifolds of convex cores along an axis, and of all convex pairs that have no code of their own. */
 #include "sim/collide/manifold_parts.h"
 
-/* The reference face reaches this share of the smaller core's size farther when it clips; points within this share of
+/* The reference face reaches this fraction of the smaller core's size farther when it clips; points within this fraction of
  * it count as equally deep. */
 #define OVERHANG 1e-3f
 /* Sides of a face whose outward normals' cosine is less meet in a corner of under 41 degrees. */

@@ -9,17 +9,17 @@
 
 /* Capsules whose angle's sine is less lie along each other: two points. */
 #define DAFT_ROUND_PARALLEL 0.03f
-/* The stretch that they share is at least this share of half the shorter one. */
+/* The stretch that they share is at least this fraction of half the shorter one. */
 #define DAFT_ROUND_SHARED 0.02f
 /* Beyond the rim of a face by so little that it counts as over it, if part of the core is: the cosine of the way there with
- * the face's normal. A face reaches by this share of the rounding farther for that. */
+ * the face's normal. A face reaches by this fraction of the rounding farther for that. */
 #define DAFT_ROUND_ALONG_FACE 0.9999f
 #define DAFT_ROUND_OVERHANG 1e-3f
-/* Going farther against each other than this share of the first part's reach is fast. */
+/* Going farther against each other than this fraction of the first part's reach is fast. */
 #define DAFT_ROUND_FAST 0.5f
-/* Centres nearer than this share of it are in one place, and no way out is better than another. */
+/* Centres nearer than this fraction of it are in one place, and no way out is better than another. */
 #define DAFT_ROUND_ONE_PLACE 0.01f
-/* Cores nearer than this share of the roundings: rounding blurs the direction. */
+/* Cores nearer than this fraction of the roundings: rounding blurs the direction. */
 #define DAFT_ROUND_NEAR 1e-3f
 
 typedef enum daft_outline_kind { DAFT_OUTLINE_NONE, DAFT_OUTLINE_ROUND, DAFT_OUTLINE_BOX } daft_outline_kind;

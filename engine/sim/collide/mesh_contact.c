@@ -21,9 +21,9 @@
 /* Manifolds whose normals' cosine is over this are one. */
 #define SAME 0.99995f
 
-/* Points within this share of it of the deepest are as deep. */
+/* Points within this fraction of it of the deepest are as deep. */
 #define EVEN 1e-3f
-/* Points of one manifold that are nearer to each other than this share of the body's size are one. */
+/* Points of one manifold that are nearer to each other than this fraction of the body's size are one. */
 #define CLOSE 5e-3f
 
 enum { MAX_TURNED = 128, MAX_CLUSTERS = 32, DIRECTIONS = 8, MAX_RING = 64 };

@@ -5,7 +5,7 @@
 #include "sim/shape/gjk.h"
 #include "sim/collide/manifold_parts.h"
 
-/* Axes within this share of the smaller core's size count as equally good. */
+/* Axes within this fraction of the smaller core's size count as equally good. */
 #define EVEN 1e-3f
 /* Edges whose angle's square sine is less are parallel: a face has their axis. */
 #define PARALLEL 1e-5f

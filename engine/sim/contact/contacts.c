@@ -1,4 +1,4 @@
-/* What the touches of a step are like: manifolds from geometry, and what they keep from the step before.
+/* What the pairs of a step are like: manifolds from geometry, and what they keep from the step before.
  *
  * Margins. Two parts get contact points while still apart, as far as they may close in within the step; the solver
  * lets them close the gap and no more. A point that they will not reach is left out, so that nothing trips over an
@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* Of a movement within a step, as much as this share of the part's reach is met by wider margins; farther is swept. */
+/* Of a movement within a step, as much as this fraction of the part's reach is met by wider margins; farther is swept. */
 #define MARGIN_OF_MOVE DAFT_ROUND_FAST
 
 /* ---- materials ---- */
@@ -21,21 +21,21 @@ static float rolling_radius(const daft_sim_part *a, const daft_sim_part *b)
     return daft_sim_min(a->roll, b->roll);
 }
 
-void daft_sim_touch_materials(const daft_world *world, daft_sim_touch *touch)
+void daft_sim_pair_materials(const daft_world *world, daft_sim_pair *pair)
 {
-    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
+    const daft_sim_part *a = &world->parts[pair->part_a], *b = &world->parts[pair->part_b];
     const daft_sim_material *x = &a->material, *y = &b->material;
-    daft_sim_pair pair = {sqrtf(x->friction * y->friction), sqrtf(static_friction(x) * static_friction(y)),
+    daft_sim_material_pair mix = {sqrtf(x->friction * y->friction), sqrtf(static_friction(x) * static_friction(y)),
                           daft_sim_max(x->restitution, y->restitution),
                           daft_sim_max(x->rolling_resistance, y->rolling_resistance)};
-    if (world->pairs && world->pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind].friction >= 0)
-        pair = world->pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind];
-    touch->known = true;
-    touch->belted = !daft_sim_is_zero(x->belt) || !daft_sim_is_zero(y->belt);
-    touch->friction = pair.friction;
-    touch->static_friction = daft_sim_max(pair.friction, pair.static_friction);
-    touch->restitution = pair.restitution;
-    touch->rolling = pair.rolling_resistance * rolling_radius(a, b);
+    if (world->material_pairs && world->material_pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind].friction >= 0)
+        mix = world->material_pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind];
+    pair->materials_cached = true;
+    pair->surface_moves = !daft_sim_is_zero(x->surface_velocity) || !daft_sim_is_zero(y->surface_velocity);
+    pair->friction = mix.friction;
+    pair->static_friction = daft_sim_max(mix.friction, mix.static_friction);
+    pair->restitution = mix.restitution;
+    pair->rolling = mix.rolling_resistance * rolling_radius(a, b);
 }
 
 /* ---- manifolds ---- */
@@ -53,12 +53,12 @@ static daft_vec3 closing(const daft_sim_body *a, const daft_sim_body *b, daft_ve
     return daft_sub(vb, va);
 }
 
-typedef struct pair {
+typedef struct motion {
     const daft_sim_body *a, *b;
     daft_vec3 apart; /* from b's centre to a's */
     float margin, dt;
     float way; /* they go at most against each other within the step */
-} pair;
+} motion;
 
 /* Where a's manifolds are. */
 typedef struct place {
@@ -68,16 +68,16 @@ typedef struct place {
 } place;
 
 /* Whether a point is within the margin, or will be within the step. */
-static bool is_met(const pair *p, daft_vec3 anchor, daft_vec3 normal, float separation)
+static bool is_met(const motion *p, daft_vec3 anchor, daft_vec3 normal, float separation)
 {
     if (!(separation > p->margin)) return true;
     float speed = daft_dot(closing(p->a, p->b, anchor, p->apart), normal);
     return !(separation + speed * p->dt > p->margin);
 }
 
-static void convert(const pair *p, const place *where, const daft_manifold *from, daft_sim_patch *to)
+static void convert(const motion *p, const place *where, const daft_manifold *from, daft_sim_manifold *to)
 {
-    *to = (daft_sim_patch){.normal = daft_normalize(turned(&where->frame_a, from->normal)),
+    *to = (daft_sim_manifold){.normal = daft_normalize(turned(&where->frame_a, from->normal)),
                            .part_a = from->part_a,
                            .part_b = from->part_b,
                            .shift = where->shift};
@@ -86,11 +86,11 @@ static void convert(const pair *p, const place *where, const daft_manifold *from
         daft_vec3 anchor = daft_add(where->offset, turned(&where->frame_a, point->point));
         if (!is_met(p, anchor, to->normal, point->separation)) continue;
         to->points[to->count++] =
-            (daft_sim_patch_point){.anchor = anchor, .separation = point->separation, .id = point->id};
+            (daft_sim_manifold_point){.anchor = anchor, .separation = point->separation, .id = point->id};
     }
 }
 
-/* Bodies whose centres are closer, as a share of their reach, are in one place, and no way out is better than another. */
+/* Bodies whose centres are closer, as a fraction of their reach, are in one place, and no way out is better than another. */
 #define ONE_PLACE (double)DAFT_ROUND_ONE_PLACE
 
 static double scattered(uint32_t part, uint32_t axis)
@@ -103,33 +103,33 @@ static double scattered(uint32_t part, uint32_t axis)
 
 /* Where many are made in one place, each has its own corner of it, so that they part in all directions and not in one
  * line. */
-static void scatter(const daft_world *world, const daft_sim_touch *touch, const pair *p, daft_rigid *frame_a,
+static void scatter(const daft_world *world, const daft_sim_pair *pair, const motion *p, daft_rigid *frame_a,
                     daft_rigid *frame_b)
 {
     daft_dvec3 way = daft_dsub(frame_b->p, frame_a->p);
-    double size = ONE_PLACE * (double)world->parts[touch->part_a].reach;
+    double size = ONE_PLACE * (double)world->parts[pair->part_a].reach;
     if (!(daft_ddot(way, way) < size * size) || p->b->kind != DAFT_BODY_DYNAMIC) return;
-    uint32_t a = touch->part_a, b = touch->part_b;
+    uint32_t a = pair->part_a, b = pair->part_b;
     daft_dvec3 at_a = daft_dv3(scattered(a, 0), scattered(a, 1), scattered(a, 2));
     daft_dvec3 at_b = daft_dv3(scattered(b, 0), scattered(b, 1), scattered(b, 2));
     frame_a->p = daft_dadd(frame_a->p, daft_dscale(at_a, size));
     frame_b->p = daft_dadd(frame_b->p, daft_dscale(at_b, size));
 }
 
-static uint32_t collide(const daft_world *world, daft_sim_touch *touch, const pair *p, daft_rigid frame_a, float reach,
+static uint32_t collide(const daft_world *world, daft_sim_pair *pair, const motion *p, daft_rigid frame_a, float reach,
                         daft_manifold *found)
 {
-    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
+    const daft_sim_part *a = &world->parts[pair->part_a], *b = &world->parts[pair->part_b];
     daft_rigid frame_b = daft_sim_part_frame(p->b, b);
-    scatter(world, touch, p, &frame_a, &frame_b);
+    scatter(world, pair, p, &frame_a, &frame_b);
     daft_relpose pose = daft_relpose_make(&frame_a, &frame_b);
-    return daft_collide(&a->shape, &b->shape, &pose, reach, found, touch->more ? DAFT_SIM_MAX_PATCHES : 1,
-                        &touch->cache);
+    return daft_collide(&a->shape, &b->shape, &pose, reach, found, pair->more ? DAFT_SIM_MAX_MANIFOLDS : 1,
+                        &pair->cache);
 }
 
 /* ---- what fast bodies will meet within the step ---- */
 
-/* Gap at which they are taken to meet, as a share of the inner radius, and the share of it that does not matter. */
+/* Gap at which they are taken to meet, as a fraction of the inner radius, and the fraction of it that does not matter. */
 #define MEETING_GAP 0.01
 #define MEETING_TOLERANCE 0.25
 
@@ -148,9 +148,9 @@ daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, con
 }
 
 /* The manifold is that of where they meet; separations are those of now, along its normal. */
-static uint32_t foresee(const daft_world *world, daft_sim_touch *touch, pair *p, place *where, daft_manifold *found)
+static uint32_t foresee(const daft_world *world, daft_sim_pair *pair, motion *p, place *where, daft_manifold *found)
 {
-    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
+    const daft_sim_part *a = &world->parts[pair->part_a], *b = &world->parts[pair->part_b];
     daft_sweep way_a = daft_sim_plan(world, p->a, a, p->dt), way_b = daft_sim_plan(world, p->b, b, p->dt);
     double gap = MEETING_GAP * (double)(a->inner > 0 ? a->inner : a->reach);
     daft_impact impact;
@@ -160,7 +160,7 @@ static uint32_t foresee(const daft_world *world, daft_sim_touch *touch, pair *p,
     daft_rigid at_a = daft_sweep_frame(&way_a, impact.t), at_b = daft_sweep_frame(&way_b, impact.t);
     daft_relpose pose = daft_relpose_make(&at_a, &at_b);
     uint32_t count = daft_collide(&a->shape, &b->shape, &pose, 2 * (float)gap, found,
-                                  touch->more ? DAFT_SIM_MAX_PATCHES : 1, NULL);
+                                  pair->more ? DAFT_SIM_MAX_MANIFOLDS : 1, NULL);
     daft_dvec3 go_a = daft_dscale(daft_dsub(way_a.to, way_a.from), impact.t);
     daft_dvec3 go_b = daft_dscale(daft_dsub(way_b.to, way_b.from), impact.t);
     where->frame_a = at_a;
@@ -180,7 +180,7 @@ static float margin_of(float reach_a, float reach_b)
 }
 
 /* Movement against each other within the step. */
-static float way_of(const pair *p)
+static float way_of(const motion *p)
 {
     float speed = daft_length(daft_sub(p->a->linear, p->b->linear)) + daft_length(p->a->angular) * p->a->extent;
     if (!daft_sim_is_zero(p->b->angular)) {
@@ -191,96 +191,96 @@ static float way_of(const pair *p)
 }
 
 /* Dynamic bodies look out for each other where one is flagged, or where it is cheap. */
-static bool looks_out(const daft_sim_touch *touch, const pair *p, const daft_world *world)
+static bool looks_out(const daft_sim_pair *pair, const motion *p, const daft_world *world)
 {
     if (p->b->kind != DAFT_BODY_DYNAMIC || p->a->bullet || p->b->bullet) return true;
-    return world->parts[touch->part_a].shape.type == DAFT_GEOMETRY_SPHERE &&
-           world->parts[touch->part_b].shape.type == DAFT_GEOMETRY_SPHERE;
+    return world->parts[pair->part_a].shape.type == DAFT_GEOMETRY_SPHERE &&
+           world->parts[pair->part_b].shape.type == DAFT_GEOMETRY_SPHERE;
 }
 
-static bool is_fast(const daft_world *world, const daft_sim_touch *touch, const pair *p)
+static bool is_fast(const daft_world *world, const daft_sim_pair *pair, const motion *p)
 {
-    return p->way > MARGIN_OF_MOVE * world->parts[touch->part_a].reach;
+    return p->way > MARGIN_OF_MOVE * world->parts[pair->part_a].reach;
 }
 
 /* Of what was found between two, as much is relied upon. */
-#define CLEARANCE_SHARE 0.99
+#define CLEARANCE_FRACTION 0.99
 
 /* Whether they were so far apart that they cannot have come near since, however they went. */
-static bool is_clear(const daft_world *world, const daft_sim_touch *touch, const pair *p)
+static bool is_clear(const daft_world *world, const daft_sim_pair *pair, const motion *p)
 {
-    if (touch->patch_count > 0 || touch->cache.clearance <= 0 || p->b->kind == DAFT_BODY_KINEMATIC) return false;
-    double gone = (p->a->travel + p->b->travel) - touch->cleared_at;
-    return CLEARANCE_SHARE * (double)touch->cache.clearance - gone > (double)(p->margin + p->way) &&
-           !is_fast(world, touch, p);
+    if (pair->manifold_count > 0 || pair->cache.clearance <= 0 || p->b->kind == DAFT_BODY_KINEMATIC) return false;
+    double gone = (p->a->travel + p->b->travel) - pair->cleared_at;
+    return CLEARANCE_FRACTION * (double)pair->cache.clearance - gone > (double)(p->margin + p->way) &&
+           !is_fast(world, pair, p);
 }
 
-static void find_patches(const daft_world *world, daft_sim_touch *touch, pair *p)
+static void find_manifolds(const daft_world *world, daft_sim_pair *pair, motion *p)
 {
-    place where = {.frame_a = daft_sim_part_frame(p->a, &world->parts[touch->part_a])};
+    place where = {.frame_a = daft_sim_part_frame(p->a, &world->parts[pair->part_a])};
     where.offset = daft_to_float(daft_dsub(where.frame_a.p, p->a->centre));
-    daft_manifold found[DAFT_SIM_MAX_PATCHES];
-    daft_sim_patch fresh[DAFT_SIM_MAX_PATCHES], *patches = daft_sim_patches(touch);
-    bool fast = is_fast(world, touch, p);
-    touch->cache.clearance = 0;
-    uint32_t kept = 0, count = collide(world, touch, p, where.frame_a, p->margin + (fast ? 0 : p->way), found);
-    touch->cleared_at = p->a->travel + p->b->travel;
-    if (count == 0 && fast && looks_out(touch, p, world)) count = foresee(world, touch, p, &where, found);
+    daft_manifold found[DAFT_SIM_MAX_MANIFOLDS];
+    daft_sim_manifold fresh[DAFT_SIM_MAX_MANIFOLDS], *manifolds = daft_sim_manifolds(pair);
+    bool fast = is_fast(world, pair, p);
+    pair->cache.clearance = 0;
+    uint32_t kept = 0, count = collide(world, pair, p, where.frame_a, p->margin + (fast ? 0 : p->way), found);
+    pair->cleared_at = p->a->travel + p->b->travel;
+    if (count == 0 && fast && looks_out(pair, p, world)) count = foresee(world, pair, p, &where, found);
     for (uint32_t i = 0; i < count; i++) {
         convert(p, &where, &found[i], &fresh[kept]);
-        if (p->a->locks & DAFT_LOCK_POSITION) daft_sim_flatten(world, touch, &fresh[kept]);
+        if (p->a->locks & DAFT_LOCK_POSITION) daft_sim_lock_axes(world, pair, &fresh[kept]);
         if (fresh[kept].count > 0) kept++;
     }
-    daft_sim_inherit(fresh, kept, patches, touch->patch_count, daft_sim_lead(world, touch, p->dt));
-    for (uint32_t i = 0; i < kept; i++) patches[i] = fresh[i];
-    if (kept > 0 && !touch->known) daft_sim_touch_materials(world, touch);
-    touch->patch_count = kept;
+    daft_sim_persist(fresh, kept, manifolds, pair->manifold_count, daft_sim_extrapolation(world, pair, p->dt));
+    for (uint32_t i = 0; i < kept; i++) manifolds[i] = fresh[i];
+    if (kept > 0 && !pair->materials_cached) daft_sim_pair_materials(world, pair);
+    pair->manifold_count = kept;
 }
 
-static void update_sensor(const daft_world *world, daft_sim_touch *touch)
+static void update_sensor(const daft_world *world, daft_sim_pair *pair)
 {
-    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
-    daft_rigid frame_a = daft_sim_part_frame(&world->bodies[touch->body_a], a);
-    daft_rigid frame_b = daft_sim_part_frame(&world->bodies[touch->body_b], b);
+    const daft_sim_part *a = &world->parts[pair->part_a], *b = &world->parts[pair->part_b];
+    daft_rigid frame_a = daft_sim_part_frame(&world->bodies[pair->body_a], a);
+    daft_rigid frame_b = daft_sim_part_frame(&world->bodies[pair->body_b], b);
     bool swap = !daft_shape_has_mass(&a->shape);
     daft_rigid relative = swap ? daft_rigid_relative(&frame_b, &frame_a) : daft_rigid_relative(&frame_a, &frame_b);
-    touch->patch_count = daft_shape_overlap(swap ? &b->shape : &a->shape, swap ? &a->shape : &b->shape, &relative, 0);
+    pair->manifold_count = daft_shape_overlap(swap ? &b->shape : &a->shape, swap ? &a->shape : &b->shape, &relative, 0);
 }
 
 /* Whether geometry has to be asked: no for sensors, which are then done with, and for what is clear. */
-static bool begin(const daft_world *world, daft_sim_touch *touch, float dt, pair *p)
+static bool begin(const daft_world *world, daft_sim_pair *pair, float dt, motion *p)
 {
-    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
-    if (touch->sensor) {
-        update_sensor(world, touch);
+    const daft_sim_part *a = &world->parts[pair->part_a], *b = &world->parts[pair->part_b];
+    if (pair->sensor) {
+        update_sensor(world, pair);
         return false;
     }
-    p->a = &world->bodies[touch->body_a], p->b = &world->bodies[touch->body_b], p->dt = dt;
+    p->a = &world->bodies[pair->body_a], p->b = &world->bodies[pair->body_b], p->dt = dt;
     p->apart = daft_to_float(daft_dsub(p->a->centre, p->b->centre));
     p->margin = margin_of(a->reach, b->reach);
     p->way = way_of(p);
-    return !is_clear(world, touch, p);
+    return !is_clear(world, pair, p);
 }
 
-enum { GRAIN = 256, PARALLEL_TOUCHES = 256 };
+enum { GRAIN = 256, PARALLEL_PAIRS = 256 };
 
 /* ---- what is found in lanes ---- */
 
-/* The touch's own patch, for what was found in lanes: what it keeps stays, all else is set by who asks, or here. Gives how
+/* The pair's own manifold, for what was found in lanes: what it keeps stays, all else is set by who asks, or here. Gives how
  * many points it had. */
-static uint32_t begin_patch(const daft_world *world, daft_sim_touch *touch)
+static uint32_t begin_manifold(const daft_world *world, daft_sim_pair *pair)
 {
-    daft_sim_patch *patch = &touch->own;
+    daft_sim_manifold *manifold = &pair->own;
     daft_vec3 zero = daft_v3(0, 0, 0);
-    uint32_t had = touch->patch_count ? patch->count : 0;
-    patch->part_a = patch->part_b = (daft_shape_part){0, DAFT_NO_FEATURE};
-    patch->shift = zero;
-    patch->shared = false;
-    patch->total_impulse = patch->speed = 0;
-    if (touch->patch_count > 0) return had;
-    if (!touch->known) daft_sim_touch_materials(world, touch);
-    patch->friction_impulse = patch->rolling_impulse = patch->slip = zero;
-    patch->twist_impulse = patch->twist_slip = patch->load = 0;
+    uint32_t had = pair->manifold_count ? manifold->count : 0;
+    manifold->part_a = manifold->part_b = (daft_shape_part){0, DAFT_NO_FEATURE};
+    manifold->shift = zero;
+    manifold->shared = false;
+    manifold->total_impulse = manifold->speed = 0;
+    if (pair->manifold_count > 0) return had;
+    if (!pair->materials_cached) daft_sim_pair_materials(world, pair);
+    manifold->friction_impulse = manifold->rolling_impulse = manifold->slip = zero;
+    manifold->twist_impulse = manifold->twist_slip = manifold->load = 0;
     return 0;
 }
 
@@ -308,49 +308,49 @@ typedef struct range {
 } range;
 
 /* Whether a point found in lanes, which is not within the margin, counts nevertheless. */
-static bool will_reach(const range *r, const daft_sim_touch *touch, float margin, daft_vec3 anchor, daft_vec3 normal,
+static bool will_reach(const range *r, const daft_sim_pair *pair, float margin, daft_vec3 anchor, daft_vec3 normal,
                        float separation)
 {
-    pair p = {.a = &r->world->bodies[touch->body_a], .b = &r->world->bodies[touch->body_b], .margin = margin, .dt = r->dt};
+    motion p = {.a = &r->world->bodies[pair->body_a], .b = &r->world->bodies[pair->body_b], .margin = margin, .dt = r->dt};
     p.apart = daft_to_float(daft_dsub(p.a->centre, p.b->centre));
     return is_met(&p, anchor, normal, separation);
 }
 
-static void end_patch(daft_sim_touch *touch, daft_sim_active *entry)
+static void end_manifold(daft_sim_pair *pair, daft_sim_active *entry)
 {
-    touch->patch_count = touch->own.count > 0;
-    if (touch->patch_count > 0) entry->flags |= DAFT_SIM_OVERLAPS;
+    pair->manifold_count = pair->own.count > 0;
+    if (pair->manifold_count > 0) entry->flags |= DAFT_SIM_OVERLAPS;
 }
 
 /* From body a's centre of mass to part a's origin. */
-static daft_vec3 offset_of(const daft_world *world, const daft_sim_touch *touch)
+static daft_vec3 offset_of(const daft_world *world, const daft_sim_pair *pair)
 {
-    const daft_outline *outline = &world->outlines[touch->part_a];
+    const daft_outline *outline = &world->outlines[pair->part_a];
     if (outline->centred) return daft_v3(0, 0, 0);
-    return daft_to_float(daft_dsub(outline->centre, world->bodies[touch->body_a].centre));
+    return daft_to_float(daft_dsub(outline->centre, world->bodies[pair->body_a].centre));
 }
 
 /* ---- spheres and capsules, side by side ---- */
 
-/* What find_patches does with the one manifold of a pair. */
+/* What find_manifolds does with the one manifold of a pair. */
 static void take_round(const range *r, rounds *all, int lane)
 {
     daft_round_batch *batch = &all->batch;
-    daft_sim_touch *touch = &r->world->touches[all->entries[lane]->touch];
-    daft_sim_patch *patch = &touch->own;
-    daft_sim_kept old;
-    daft_sim_kept_set(&old, patch, begin_patch(r->world, touch), daft_sim_lead(r->world, touch, r->dt));
-    daft_vec3 offset = offset_of(r->world, touch);
-    patch->normal = daft_round_batch_get(batch->normal, lane);
-    patch->count = 0;
+    daft_sim_pair *pair = &r->world->pairs[all->entries[lane]->pair];
+    daft_sim_manifold *manifold = &pair->own;
+    daft_sim_persisted old;
+    daft_sim_persisted_set(&old, manifold, begin_manifold(r->world, pair), daft_sim_extrapolation(r->world, pair, r->dt));
+    daft_vec3 offset = offset_of(r->world, pair);
+    manifold->normal = daft_round_batch_get(batch->normal, lane);
+    manifold->count = 0;
     for (int i = 0; i < batch->count[lane]; i++) {
         daft_vec3 anchor = daft_add(offset, daft_round_batch_get(batch->point[i], lane));
-        daft_sim_patch_point point = {.anchor = anchor, .separation = batch->separation[i][lane], .id = (uint32_t)batch->id[i][lane]};
-        if (point.separation <= batch->margin[lane] || will_reach(r, touch, batch->margin[lane], anchor, patch->normal, point.separation))
-            daft_sim_kept_put(&old, patch, point);
+        daft_sim_manifold_point point = {.anchor = anchor, .separation = batch->separation[i][lane], .id = (uint32_t)batch->id[i][lane]};
+        if (point.separation <= batch->margin[lane] || will_reach(r, pair, batch->margin[lane], anchor, manifold->normal, point.separation))
+            daft_sim_persisted_put(&old, manifold, point);
     }
-    daft_sim_kept_end(&old, patch);
-    end_patch(touch, all->entries[lane]);
+    daft_sim_persisted_end(&old, manifold);
+    end_manifold(pair, all->entries[lane]);
 }
 
 /* To be looked at alone. */
@@ -364,15 +364,15 @@ static void collide_rounds(range *r, rounds *all)
     for (int lane = 0; lane < all->count; lane++) {
         daft_sim_active *entry = all->entries[lane];
         int32_t state = all->batch.state[lane];
-        daft_sim_touch *touch = &r->world->touches[entry->touch];
+        daft_sim_pair *pair = &r->world->pairs[entry->pair];
         if (state == DAFT_ROUND_ASK) {
             ask(r, entry);
         } else if (state == DAFT_ROUND_MET || entry->flags & DAFT_SIM_OVERLAPS) {
-            touch->cache = (daft_pair_cache){0};
+            pair->cache = (daft_pair_cache){0};
             if (state == DAFT_ROUND_MET)
                 take_round(r, all, lane);
             else
-                touch->patch_count = 0;
+                pair->manifold_count = 0;
         }
     }
     all->count = 0;
@@ -383,28 +383,28 @@ static void collide_rounds(range *r, rounds *all)
 static void take_box(const range *r, boxes *all, int lane)
 {
     daft_box_batch *batch = &all->batch;
-    daft_sim_touch *touch = &r->world->touches[all->entries[lane]->touch];
+    daft_sim_pair *pair = &r->world->pairs[all->entries[lane]->pair];
     const daft_outline_frame *frames = r->world->box_frames;
-    daft_sim_patch *patch = &touch->own;
-    touch->cache = (daft_pair_cache){.kind = (uint8_t)batch->kind[lane], .clearance = batch->clearance[lane]};
-    touch->cleared_at = frames[touch->part_a].travel + frames[touch->part_b].travel;
+    daft_sim_manifold *manifold = &pair->own;
+    pair->cache = (daft_pair_cache){.kind = (uint8_t)batch->kind[lane], .clearance = batch->clearance[lane]};
+    pair->cleared_at = frames[pair->part_a].travel + frames[pair->part_b].travel;
     if (batch->count[lane] == 0) {
-        touch->patch_count = 0;
+        pair->manifold_count = 0;
         return;
     }
-    daft_sim_kept old;
-    daft_sim_kept_set(&old, patch, begin_patch(r->world, touch), daft_sim_lead(r->world, touch, r->dt));
-    patch->normal = daft_box_batch_get(batch->normal, lane);
-    patch->count = 0;
+    daft_sim_persisted old;
+    daft_sim_persisted_set(&old, manifold, begin_manifold(r->world, pair), daft_sim_extrapolation(r->world, pair, r->dt));
+    manifold->normal = daft_box_batch_get(batch->normal, lane);
+    manifold->count = 0;
     for (int i = 0; i < batch->count[lane]; i++) {
-        daft_sim_patch_point point = {.anchor = daft_box_batch_get(batch->point[i], lane),
+        daft_sim_manifold_point point = {.anchor = daft_box_batch_get(batch->point[i], lane),
                                       .separation = batch->separation[i][lane],
                                       .id = (uint32_t)batch->id[i][lane]};
-        if (point.separation <= all->margins[lane] || will_reach(r, touch, all->margins[lane], point.anchor, patch->normal, point.separation))
-            daft_sim_kept_put(&old, patch, point);
+        if (point.separation <= all->margins[lane] || will_reach(r, pair, all->margins[lane], point.anchor, manifold->normal, point.separation))
+            daft_sim_persisted_put(&old, manifold, point);
     }
-    daft_sim_kept_end(&old, patch);
-    end_patch(touch, all->entries[lane]);
+    daft_sim_persisted_end(&old, manifold);
+    end_manifold(pair, all->entries[lane]);
 }
 
 static void collide_boxes(range *r)
@@ -417,19 +417,19 @@ static void collide_boxes(range *r)
 }
 
 /* As is_clear, from outlines. */
-static bool are_boxes_clear(const range *r, const daft_sim_touch *touch, float far)
+static bool are_boxes_clear(const range *r, const daft_sim_pair *pair, float far)
 {
     const daft_outline_frame *frames = r->world->box_frames;
-    if (touch->patch_count > 0 || touch->cache.clearance <= 0 || r->world->outlines[touch->part_b].flags & DAFT_OUTLINE_DRIVEN)
+    if (pair->manifold_count > 0 || pair->cache.clearance <= 0 || r->world->outlines[pair->part_b].flags & DAFT_OUTLINE_DRIVEN)
         return false;
-    double gone = (frames[touch->part_a].travel + frames[touch->part_b].travel) - touch->cleared_at;
-    return CLEARANCE_SHARE * (double)touch->cache.clearance - gone > (double)far;
+    double gone = (frames[pair->part_a].travel + frames[pair->part_b].travel) - pair->cleared_at;
+    return CLEARANCE_FRACTION * (double)pair->cache.clearance - gone > (double)far;
 }
 
 static void add_boxes(range *r, daft_sim_active *entry, uint32_t a, uint32_t b)
 {
     const daft_outline *x = &r->world->outlines[a], *y = &r->world->outlines[b];
-    const daft_sim_touch *touch = &r->world->touches[entry->touch];
+    const daft_sim_pair *pair = &r->world->pairs[entry->pair];
     const daft_outline_frame *frames = r->world->box_frames;
     float margin = margin_of(x->reach, y->reach), way = daft_length(daft_sub(x->move, y->move)) + (x->swing + y->swing);
     daft_vec3 toward = daft_to_float(daft_dsub(y->centre, x->centre));
@@ -438,13 +438,13 @@ static void add_boxes(range *r, daft_sim_active *entry, uint32_t a, uint32_t b)
         ask(r, entry);
         return;
     }
-    if (are_boxes_clear(r, touch, margin + way)) return;
+    if (are_boxes_clear(r, pair, margin + way)) return;
     boxes *to = &r->boxes;
     int lane = to->count++;
     to->entries[lane] = entry, to->margins[lane] = margin;
-    daft_box_batch_put(&to->batch, lane, &frames[a].frame, &frames[b].frame, x->half, y->half, offset_of(r->world, touch));
+    daft_box_batch_put(&to->batch, lane, &frames[a].frame, &frames[b].frame, x->half, y->half, offset_of(r->world, pair));
     to->batch.margin[lane] = margin + way;
-    to->batch.kind[lane] = touch->cache.kind;
+    to->batch.kind[lane] = pair->cache.kind;
     if (to->count == DAFT_BOX_LANES) collide_boxes(r);
 }
 
@@ -482,10 +482,10 @@ static void update_asked(range *r)
 {
     const daft_world *world = r->world;
     for (size_t i = 0; i < r->asked_count; i++) {
-        daft_sim_touch *touch = &world->touches[r->asked[i]->touch];
-        pair p;
-        if (begin(world, touch, r->dt, &p)) find_patches(world, touch, &p);
-        if (touch->patch_count > 0) r->asked[i]->flags |= DAFT_SIM_OVERLAPS;
+        daft_sim_pair *pair = &world->pairs[r->asked[i]->pair];
+        motion p;
+        if (begin(world, pair, r->dt, &p)) find_manifolds(world, pair, &p);
+        if (pair->manifold_count > 0) r->asked[i]->flags |= DAFT_SIM_OVERLAPS;
     }
 }
 
@@ -506,25 +506,25 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
         if (entries[i].flags) daft_sim_active_refresh(world, &entries[i]);
 }
 
-/* Touches of what is not convex have many manifolds. */
-static bool reserve_patches(daft_world *world)
+/* Pairs of what is not convex have many manifolds. */
+static bool reserve_manifolds(daft_world *world)
 {
     for (size_t i = 0; i < world->active.count; i++) {
-        daft_sim_touch *touch = &world->touches[world->active.items[i].touch];
-        if (!daft_sim_is_bare(world, touch)) continue;
-        touch->more = daft_alloc(&world->allocator, DAFT_SIM_MAX_PATCHES, sizeof *touch->more);
-        if (!touch->more) return false;
-        touch->patch_count = 0;
+        daft_sim_pair *pair = &world->pairs[world->active.items[i].pair];
+        if (!daft_sim_is_unallocated(world, pair)) continue;
+        pair->more = daft_alloc(&world->allocator, DAFT_SIM_MAX_MANIFOLDS, sizeof *pair->more);
+        if (!pair->more) return false;
+        pair->manifold_count = 0;
     }
     return true;
 }
 
 bool daft_sim_contacts_update(daft_world *world, float dt)
 {
-    if (world->bare && !reserve_patches(world)) return false;
-    world->bare = false;
+    if (world->unallocated && !reserve_manifolds(world)) return false;
+    world->unallocated = false;
     job j = {world, dt};
     uint32_t tasks = (uint32_t)((world->active.count + GRAIN - 1) / GRAIN);
-    daft_sim_for(world, world->active.count >= PARALLEL_TOUCHES, tasks, update_range, &j);
+    daft_sim_for(world, world->active.count >= PARALLEL_PAIRS, tasks, update_range, &j);
     return true;
 }

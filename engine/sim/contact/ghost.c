@@ -7,17 +7,17 @@
  * would be sent to and fro between the two. */
 #include "sim/world.h"
 
-/* How near to a body's surface a point counts as on it: a share of the moving part's size, and what rounding of its size
- * and rotation to floats may shift its surface by, as a share of its reach. */
+/* How near to a body's surface a point counts as on it: a fraction of the moving part's size, and what rounding of its size
+ * and rotation to floats may shift its surface by, as a fraction of its reach. */
 #define ON_SURFACE       1e-3
 #define CLIP_SLACK       6e-4 /* m: the clipping of manifolds leaves points outside a face by up to 0.5 mm */
 #define SURFACE_ROUNDING 2e-7
 
-enum { MAX_NEAR = 64 }; /* patches of one body with what does not yield; of more, those past it are left as they are */
+enum { MAX_NEAR = 64 }; /* manifolds of one body with what does not yield; of more, those past it are left as they are */
 
 typedef struct candidate {
-    daft_sim_touch *touch;
-    daft_sim_patch *patch;
+    daft_sim_pair *pair;
+    daft_sim_manifold *manifold;
     float separation; /* least of its points */
 } candidate;
 
@@ -30,22 +30,22 @@ typedef struct group {
 } group;
 
 /* Whether it will be met on the way only. */
-static bool is_ahead(const daft_sim_patch *patch) { return !daft_sim_is_zero(patch->shift); }
+static bool is_ahead(const daft_sim_manifold *manifold) { return !daft_sim_is_zero(manifold->shift); }
 
 static bool comes_before(const candidate *a, const candidate *b)
 {
     if (a->separation != b->separation) return a->separation < b->separation;
-    if (a->touch->part_b != b->touch->part_b) return a->touch->part_b < b->touch->part_b;
-    if (a->touch->part_a != b->touch->part_a) return a->touch->part_a < b->touch->part_a;
-    return a->patch < b->patch;
+    if (a->pair->part_b != b->pair->part_b) return a->pair->part_b < b->pair->part_b;
+    if (a->pair->part_a != b->pair->part_a) return a->pair->part_a < b->pair->part_a;
+    return a->manifold < b->manifold;
 }
 
-static void keep(group *g, daft_sim_touch *touch, daft_sim_patch *patch)
+static void keep(group *g, daft_sim_pair *pair, daft_sim_manifold *manifold)
 {
-    candidate c = {touch, patch, INFINITY};
-    for (uint32_t i = 0; i < patch->count; i++) c.separation = daft_sim_min(c.separation, patch->points[i].separation);
+    candidate c = {pair, manifold, INFINITY};
+    for (uint32_t i = 0; i < manifold->count; i++) c.separation = daft_sim_min(c.separation, manifold->points[i].separation);
     if (g->count == MAX_NEAR) return;
-    g->rests |= !is_ahead(patch);
+    g->rests |= !is_ahead(manifold);
     int i = g->count++;
     for (; i > 0 && comes_before(&c, &g->near[i - 1]); i--) g->near[i] = g->near[i - 1];
     g->near[i] = c;
@@ -53,7 +53,7 @@ static void keep(group *g, daft_sim_touch *touch, daft_sim_patch *patch)
 
 static double margin_on(const group *g, const candidate *mine, const daft_sim_part *other)
 {
-    const daft_sim_part *part = &g->world->parts[mine->touch->part_a];
+    const daft_sim_part *part = &g->world->parts[mine->pair->part_a];
     return CLIP_SLACK + ON_SURFACE * (double)part->reach + SURFACE_ROUNDING * (double)other->reach;
 }
 
@@ -71,10 +71,10 @@ static bool lies_on(const group *g, uint32_t index, daft_dvec3 at, double margin
 /* A contact's point on the surface of body b. */
 static daft_dvec3 point_on_b(const group *g, const candidate *c, uint32_t i)
 {
-    const daft_sim_patch_point *p = &c->patch->points[i];
-    float gap = p->separation - daft_dot(c->patch->shift, c->patch->normal);
-    daft_vec3 at = daft_add(p->anchor, daft_scale(c->patch->normal, 0.5f * gap));
-    return daft_dadd(g->world->bodies[c->touch->body_a].centre, daft_to_double(daft_add(at, c->patch->shift)));
+    const daft_sim_manifold_point *p = &c->manifold->points[i];
+    float gap = p->separation - daft_dot(c->manifold->shift, c->manifold->normal);
+    daft_vec3 at = daft_add(p->anchor, daft_scale(c->manifold->normal, 0.5f * gap));
+    return daft_dadd(g->world->bodies[c->pair->body_a].centre, daft_to_double(daft_add(at, c->manifold->shift)));
 }
 
 typedef struct probe {
@@ -105,10 +105,10 @@ static bool walled_up(const group *g, daft_dvec3 at, double margin, uint32_t but
 /* What rests on one body rolls past the edges of all others that are level with it, also of those it only passes. */
 static bool is_level(const group *g, const candidate *c)
 {
-    if (!g->rests || !is_ahead(c->patch)) return false;
-    for (uint32_t i = 0; i < c->patch->count; i++) {
-        const daft_sim_part *part = &g->world->parts[c->touch->part_b];
-        if (!walled_up(g, point_on_b(g, c, i), margin_on(g, c, part), c->touch->part_b)) return false;
+    if (!g->rests || !is_ahead(c->manifold)) return false;
+    for (uint32_t i = 0; i < c->manifold->count; i++) {
+        const daft_sim_part *part = &g->world->parts[c->pair->part_b];
+        if (!walled_up(g, point_on_b(g, c, i), margin_on(g, c, part), c->pair->part_b)) return false;
     }
     return true;
 }
@@ -117,21 +117,21 @@ static bool is_level(const group *g, const candidate *c)
  * reached may be met by the side of what slides, deeper than by its face. */
 static bool may_hide(const group *g, const candidate *other, const candidate *mine)
 {
-    float even = (float)ON_SURFACE * g->world->parts[mine->touch->part_a].reach;
-    return other->touch != mine->touch && other->patch->count > 0 && other->separation <= mine->separation + even;
+    float even = (float)ON_SURFACE * g->world->parts[mine->pair->part_a].reach;
+    return other->pair != mine->pair && other->manifold->count > 0 && other->separation <= mine->separation + even;
 }
 
 static bool is_hidden(const group *g, int c)
 {
     const candidate *mine = &g->near[c];
-    for (uint32_t i = 0; i < mine->patch->count; i++) {
+    for (uint32_t i = 0; i < mine->manifold->count; i++) {
         daft_dvec3 at = point_on_b(g, mine, i);
         bool found = false;
         for (int k = 0; k < g->count && !found; k++) {
             const candidate *other = &g->near[k];
             if (!may_hide(g, other, mine)) continue;
-            const daft_sim_part *part = &g->world->parts[other->touch->part_b];
-            found = lies_on(g, other->touch->part_b, at, margin_on(g, mine, part));
+            const daft_sim_part *part = &g->world->parts[other->pair->part_b];
+            found = lies_on(g, other->pair->part_b, at, margin_on(g, mine, part));
         }
         if (!found) return c > 0 && is_level(g, mine);
     }
@@ -151,9 +151,9 @@ static double face_of(daft_dvec3 p, daft_dvec3 h, int face, daft_dvec3 *normal)
 
 static void find_way_out(const group *g, candidate *c)
 {
-    const daft_sim_part *a = &g->world->parts[c->touch->part_a], *b = &g->world->parts[c->touch->part_b];
+    const daft_sim_part *a = &g->world->parts[c->pair->part_a], *b = &g->world->parts[c->pair->part_b];
     if (a->shape.type != DAFT_GEOMETRY_SPHERE || b->shape.type != DAFT_GEOMETRY_BOX) return;
-    const daft_sim_body *body = &g->world->bodies[c->touch->body_a];
+    const daft_sim_body *body = &g->world->bodies[c->pair->body_a];
     daft_rigid frame = daft_sim_part_frame(&g->world->bodies[b->body], b);
     daft_rigid mine = daft_sim_part_frame(body, a);
     daft_dvec3 local = daft_rigid_to_local(&frame, mine.p), h = daft_to_double(b->shape.half);
@@ -167,11 +167,11 @@ static void find_way_out(const group *g, candidate *c)
         if (walled_up(g, exit, margin, DAFT_SIM_NONE)) continue;
         best = depth;
         c->separation = -(float)depth - a->shape.radius;
-        c->patch->normal = daft_neg(daft_normalize(daft_to_float(out)));
-        c->patch->points[0].separation = c->separation;
-        c->patch->points[0].anchor = daft_to_float(daft_dsub(mine.p, body->centre));
-        c->patch->points[0].anchor =
-            daft_add(c->patch->points[0].anchor, daft_scale(c->patch->normal, 0.5f * (a->shape.radius - (float)depth)));
+        c->manifold->normal = daft_neg(daft_normalize(daft_to_float(out)));
+        c->manifold->points[0].separation = c->separation;
+        c->manifold->points[0].anchor = daft_to_float(daft_dsub(mine.p, body->centre));
+        c->manifold->points[0].anchor =
+            daft_add(c->manifold->points[0].anchor, daft_scale(c->manifold->normal, 0.5f * (a->shape.radius - (float)depth)));
     }
 }
 
@@ -180,10 +180,10 @@ static void find_way_out(const group *g, candidate *c)
 /* How far a contact's surface is from the middle of the part, towards the surface; below 0: the middle is behind it. */
 static float in_front(const group *g, const candidate *c)
 {
-    const daft_sim_part *part = &g->world->parts[c->touch->part_a];
-    daft_rigid frame = daft_sim_part_frame(&g->world->bodies[c->touch->body_a], part);
+    const daft_sim_part *part = &g->world->parts[c->pair->part_a];
+    daft_rigid frame = daft_sim_part_frame(&g->world->bodies[c->pair->body_a], part);
     daft_dvec3 way = daft_dsub(point_on_b(g, c, 0), daft_rigid_point(&frame, daft_to_double(part->middle)));
-    return daft_dot(daft_to_float(way), c->patch->normal);
+    return daft_dot(daft_to_float(way), c->manifold->normal);
 }
 
 /* A face of a one-sided mesh pushes what is behind it to its front, however deep it is: through a wall that is thinner
@@ -191,9 +191,9 @@ static float in_front(const group *g, const candidate *c)
 static bool is_behind(const group *g, int c)
 {
     const candidate *mine = &g->near[c];
-    if (g->world->parts[mine->touch->part_b].shape.type != DAFT_GEOMETRY_MESH || in_front(g, mine) >= 0) return false;
+    if (g->world->parts[mine->pair->part_b].shape.type != DAFT_GEOMETRY_MESH || in_front(g, mine) >= 0) return false;
     for (int k = 0; k < g->count; k++)
-        if (daft_dot(mine->patch->normal, g->near[k].patch->normal) < -0.5f && g->near[k].patch->count > 0 && in_front(g, &g->near[k]) > 0) return true;
+        if (daft_dot(mine->manifold->normal, g->near[k].manifold->normal) < -0.5f && g->near[k].manifold->count > 0 && in_front(g, &g->near[k]) > 0) return true;
     return false;
 }
 
@@ -201,7 +201,7 @@ static bool is_behind(const group *g, int c)
 
 #define UPRIGHT 0.9999f
 
-/* Gap at which a body that is swept along what it rests on meets something, as a share of how far it is lifted for that. */
+/* Gap at which a body that is swept along what it rests on meets something, as a fraction of how far it is lifted for that. */
 #define PASSING_GAP 0.25
 /* What turns farther in a step, in radians, may touch at a place that its planned way does not have. */
 #define PASSING_TURN 1.0f
@@ -210,13 +210,13 @@ static bool is_behind(const group *g, int c)
 typedef struct course {
     daft_sweep way;     /* as planned */
     daft_dvec3 bend, end, lift; /* of the centre of mass; lift: away from what it goes along then */
-    double bend_at;     /* share of the step; 1: it meets nothing before */
+    double bend_at;     /* fraction of the step; 1: it meets nothing before */
 } course;
 
 /* Share of the step after which a part on its way meets the plane of a contact; above 1: not in this step. */
 static double meeting_at(const candidate *c, daft_dvec3 move)
 {
-    double into = daft_ddot(move, daft_to_double(c->patch->normal)), gap = fmax(0, (double)c->separation);
+    double into = daft_ddot(move, daft_to_double(c->manifold->normal)), gap = fmax(0, (double)c->separation);
     return into > gap ? gap / into : 2;
 }
 
@@ -224,16 +224,16 @@ static double meeting_at(const candidate *c, daft_dvec3 move)
 static course course_of(const group *g, int c, double margin)
 {
     const candidate *mine = &g->near[c];
-    const daft_sim_part *part = &g->world->parts[mine->touch->part_a];
+    const daft_sim_part *part = &g->world->parts[mine->pair->part_a];
     course out = {.way = daft_sim_plan(g->world, &g->world->bodies[part->body], part, g->dt), .bend_at = 1};
     daft_dvec3 move = daft_dsub(out.way.to, out.way.from), along = move;
     double mine_at = meeting_at(mine, move);
     for (int k = 0; k < g->count; k++) {
         const candidate *on = &g->near[k];
-        if (k == c || on->patch->count == 0 || on->touch->part_a != mine->touch->part_a) continue;
+        if (k == c || on->manifold->count == 0 || on->pair->part_a != mine->pair->part_a) continue;
         double at = (double)on->separation <= margin ? 0 : meeting_at(on, move);
         if (at >= mine_at || at > out.bend_at || (at == out.bend_at && at > 0)) continue;
-        daft_dvec3 n = daft_to_double(on->patch->normal);
+        daft_dvec3 n = daft_to_double(on->manifold->normal);
         if (at < out.bend_at) along = move, out.lift = daft_dv3(0, 0, 0);
         out.bend_at = at;
         along = daft_dsub(along, daft_dscale(n, fmax(0, daft_ddot(along, n))));
@@ -247,15 +247,15 @@ static course course_of(const group *g, int c, double margin)
 /* The contact of a ball becomes that of where it will be met. went: how far the ball goes against the other until then. */
 static void turn_to_meeting(const group *g, candidate *c, const daft_impact *impact, daft_dvec3 went)
 {
-    const daft_sim_part *part = &g->world->parts[c->touch->part_a];
+    const daft_sim_part *part = &g->world->parts[c->pair->part_a];
     const daft_sim_body *body = &g->world->bodies[part->body];
     daft_rigid frame = daft_sim_part_frame(body, part);
     daft_vec3 n = daft_to_float(impact->normal), offset = daft_to_float(daft_dsub(frame.p, body->centre));
-    if (c->patch->count != 1 || daft_dot(n, c->patch->normal) > UPRIGHT) return;
-    c->patch->normal = n;
-    c->patch->shift = daft_to_float(went);
-    c->patch->points[0].anchor = daft_add(offset, daft_scale(n, part->shape.radius));
-    c->patch->points[0].separation = daft_sim_max(0, daft_dot(c->patch->shift, n));
+    if (c->manifold->count != 1 || daft_dot(n, c->manifold->normal) > UPRIGHT) return;
+    c->manifold->normal = n;
+    c->manifold->shift = daft_to_float(went);
+    c->manifold->points[0].anchor = daft_add(offset, daft_scale(n, part->shape.radius));
+    c->manifold->points[0].separation = daft_sim_max(0, daft_dot(c->manifold->shift, n));
 }
 
 /* A contact that is ahead pushes along the normal of now, or of where the two meet. Where a body goes past an edge, or rolls
@@ -264,7 +264,7 @@ static void turn_to_meeting(const group *g, candidate *c, const daft_impact *imp
  * counts as touching. */
 static bool is_passed(const group *g, candidate *mine, int c)
 {
-    const daft_sim_part *a = &g->world->parts[mine->touch->part_a], *b = &g->world->parts[mine->touch->part_b];
+    const daft_sim_part *a = &g->world->parts[mine->pair->part_a], *b = &g->world->parts[mine->pair->part_b];
     double margin = margin_on(g, mine, b), gap = PASSING_GAP * margin;
     bool wild = daft_length(g->world->bodies[a->body].angular) * g->dt > PASSING_TURN && a->shape.type != DAFT_GEOMETRY_SPHERE;
     if (wild || (double)mine->separation <= gap) return false;
@@ -296,61 +296,61 @@ static bool is_passed(const group *g, candidate *mine, int c)
 static bool is_one_floor(const group *g)
 {
     const candidate *first = NULL;
-    int patches = 0;
+    int manifolds = 0;
     for (int i = 0; i < g->count; i++) {
         const candidate *c = &g->near[i];
-        if (c->patch->count == 0) continue;
+        if (c->manifold->count == 0) continue;
         if (!first) first = c;
-        const daft_vec3 n = first->patch->normal, apart = daft_sub(c->patch->points[0].anchor, first->patch->points[0].anchor);
-        bool still = g->world->bodies[c->touch->body_b].kind == DAFT_BODY_STATIC && !c->touch->belted;
-        if (!still || is_ahead(c->patch) || c->touch->friction != first->touch->friction ||
-            daft_dot(c->patch->normal, n) < UPRIGHT || fabsf(daft_dot(apart, n)) > LEVEL)
+        const daft_vec3 n = first->manifold->normal, apart = daft_sub(c->manifold->points[0].anchor, first->manifold->points[0].anchor);
+        bool still = g->world->bodies[c->pair->body_b].kind == DAFT_BODY_STATIC && !c->pair->surface_moves;
+        if (!still || is_ahead(c->manifold) || c->pair->friction != first->pair->friction ||
+            daft_dot(c->manifold->normal, n) < UPRIGHT || fabsf(daft_dot(apart, n)) > LEVEL)
             return false;
-        patches++;
+        manifolds++;
     }
-    return patches > 1;
+    return manifolds > 1;
 }
 
 /* ---- all of them ---- */
 
-static void drop(candidate *c) { c->patch->count = 0; }
+static void drop(candidate *c) { c->manifold->count = 0; }
 
-static void squeeze(daft_sim_touch *touch)
+static void squeeze(daft_sim_pair *pair)
 {
-    daft_sim_patch *patches = daft_sim_patches(touch);
+    daft_sim_manifold *manifolds = daft_sim_manifolds(pair);
     uint32_t kept = 0;
-    for (uint32_t i = 0; i < touch->patch_count; i++)
-        if (patches[i].count > 0) {
-            if (kept != i) patches[kept] = patches[i];
+    for (uint32_t i = 0; i < pair->manifold_count; i++)
+        if (manifolds[i].count > 0) {
+            if (kept != i) manifolds[kept] = manifolds[i];
             kept++;
         }
-    touch->patch_count = kept;
+    pair->manifold_count = kept;
 }
 
-static bool is_fixed(const daft_world *world, const daft_sim_touch *touch)
+static bool is_fixed(const daft_world *world, const daft_sim_pair *pair)
 {
-    return touch->patch_count > 0 && !touch->sensor && world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC;
+    return pair->manifold_count > 0 && !pair->sensor && world->bodies[pair->body_b].kind != DAFT_BODY_DYNAMIC;
 }
 
 static void filter_body(daft_world *world, uint32_t index, float dt)
 {
     group g = {.world = world, .dt = dt};
-    for (uint32_t e = world->bodies[index].first_touch; e != DAFT_SIM_NONE; e = world->touches[e >> 1].next[e & 1]) {
-        daft_sim_touch *touch = &world->touches[e >> 1];
-        if (e & 1 || !is_fixed(world, touch)) continue;
-        for (uint32_t i = 0; i < touch->patch_count; i++) keep(&g, touch, &daft_sim_patches(touch)[i]);
+    for (uint32_t e = world->bodies[index].first_pair; e != DAFT_SIM_NONE; e = world->pairs[e >> 1].next[e & 1]) {
+        daft_sim_pair *pair = &world->pairs[e >> 1];
+        if (e & 1 || !is_fixed(world, pair)) continue;
+        for (uint32_t i = 0; i < pair->manifold_count; i++) keep(&g, pair, &daft_sim_manifolds(pair)[i]);
     }
     for (int i = 0; i < g.count; i++)
-        if (g.near[i].separation <= -world->parts[g.near[i].touch->part_a].inner) find_way_out(&g, &g.near[i]);
+        if (g.near[i].separation <= -world->parts[g.near[i].pair->part_a].inner) find_way_out(&g, &g.near[i]);
     for (int i = g.count - 1; i >= 0; i--)
         if (is_hidden(&g, i)) drop(&g.near[i]);
     for (int i = g.count - 1; i >= 0; i--)
-        if (g.near[i].patch->count > 0 && is_behind(&g, i)) drop(&g.near[i]);
+        if (g.near[i].manifold->count > 0 && is_behind(&g, i)) drop(&g.near[i]);
     for (int i = g.count - 1; i >= 0; i--)
-        if (g.near[i].patch->count > 0 && is_passed(&g, &g.near[i], i)) drop(&g.near[i]);
+        if (g.near[i].manifold->count > 0 && is_passed(&g, &g.near[i], i)) drop(&g.near[i]);
     if (is_one_floor(&g))
-        for (int i = 0; i < g.count; i++) g.near[i].patch->shared = true;
-    for (int i = 0; i < g.count; i++) squeeze(g.near[i].touch);
+        for (int i = 0; i < g.count; i++) g.near[i].manifold->shared = true;
+    for (int i = 0; i < g.count; i++) squeeze(g.near[i].pair);
 }
 
 enum { GRAIN = 4, PARALLEL_BODIES = 32 };
@@ -371,14 +371,14 @@ static void filter_range(void *context, uint32_t index, uint32_t worker)
 }
 
 /* So deep in a mesh that it may be pushed to both sides of a wall: it counts as two. */
-static bool is_deep(const daft_world *world, daft_sim_touch *touch)
+static bool is_deep(const daft_world *world, daft_sim_pair *pair)
 {
-    if (world->parts[touch->part_b].shape.type != DAFT_GEOMETRY_MESH) return false;
-    const daft_sim_patch *patches = daft_sim_patches(touch);
-    float deep = -0.5f * world->parts[touch->part_a].inner;
-    for (uint32_t i = 0; i < touch->patch_count; i++)
-        for (uint32_t k = 0; k < patches[i].count; k++)
-            if (patches[i].points[k].separation < deep) return true;
+    if (world->parts[pair->part_b].shape.type != DAFT_GEOMETRY_MESH) return false;
+    const daft_sim_manifold *manifolds = daft_sim_manifolds(pair);
+    float deep = -0.5f * world->parts[pair->part_a].inner;
+    for (uint32_t i = 0; i < pair->manifold_count; i++)
+        for (uint32_t k = 0; k < manifolds[i].count; k++)
+            if (manifolds[i].points[k].separation < deep) return true;
     return false;
 }
 
@@ -396,7 +396,7 @@ static void find_doubtful(daft_world *world)
         daft_sim_body *body = &world->bodies[entry->body_a];
         if (body->asleep) continue;
         if (body->fixed_met == 0) list->items[bodies++] = entry->body_a;
-        body->fixed_met += body->ball || (entry->patches > 1 && is_deep(world, &world->touches[entry->touch])) ? 2 : 1;
+        body->fixed_met += body->ball || (entry->manifolds > 1 && is_deep(world, &world->pairs[entry->pair])) ? 2 : 1;
     }
     for (size_t i = 0; i < bodies; i++) {
         daft_sim_body *body = &world->bodies[list->items[i]];

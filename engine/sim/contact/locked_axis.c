@@ -7,7 +7,7 @@
 #define LEAST_FREE 0.3f /* of a normal: what leans away from the plane by more is beside it */
 
 /* Bits of the axes along which no push moves any point of it: it would turn the body about the others. */
-static uint32_t held_along(const daft_sim_body *body)
+static uint32_t locked_along(const daft_sim_body *body)
 {
     uint32_t along = body->locks / DAFT_LOCK_POSITION_X & 7, about = body->locks / DAFT_LOCK_X & 7, held = 0;
     if (body->kind != DAFT_BODY_DYNAMIC) return 7;
@@ -28,36 +28,36 @@ static daft_dvec3 middle_of(const daft_sim_body *body, const daft_sim_part *part
 }
 
 /* The balls within them, as they are seen along what is locked. */
-static void part_middles(const daft_world *world, const daft_sim_touch *touch, uint32_t locks, daft_sim_patch *patch)
+static void part_middles(const daft_world *world, const daft_sim_pair *pair, uint32_t locks, daft_sim_manifold *manifold)
 {
-    const daft_sim_part *a = &world->parts[touch->part_a], *b = &world->parts[touch->part_b];
-    const daft_sim_body *body = &world->bodies[touch->body_a];
-    daft_dvec3 from = middle_of(body, a), to = middle_of(&world->bodies[touch->body_b], b);
+    const daft_sim_part *a = &world->parts[pair->part_a], *b = &world->parts[pair->part_b];
+    const daft_sim_body *body = &world->bodies[pair->body_a];
+    daft_dvec3 from = middle_of(body, a), to = middle_of(&world->bodies[pair->body_b], b);
     daft_vec3 apart = free_part(daft_to_float(daft_dsub(to, from)), locks);
     float deepest = 0, length = daft_length(apart), separation = length - (a->inner + b->inner);
-    for (uint32_t i = 0; i < patch->count; i++) deepest = daft_sim_min(deepest, patch->points[i].separation);
-    patch->count = 0;
+    for (uint32_t i = 0; i < manifold->count; i++) deepest = daft_sim_min(deepest, manifold->points[i].separation);
+    manifold->count = 0;
     if (!(separation < 0) || -deepest < daft_sim_min(a->inner, b->inner)) return; /* side by side */
-    patch->normal = length > 1e-4f * a->inner ? daft_scale(apart, 1 / length) : daft_normalize(free_part(daft_v3(1, 2, 3), locks));
+    manifold->normal = length > 1e-4f * a->inner ? daft_scale(apart, 1 / length) : daft_normalize(free_part(daft_v3(1, 2, 3), locks));
     daft_dvec3 at = daft_dadd(from, daft_to_double(daft_scale(apart, 0.5f)));
-    patch->points[patch->count++] = (daft_sim_patch_point){.anchor = daft_to_float(daft_dsub(at, body->centre)), .separation = separation};
+    manifold->points[manifold->count++] = (daft_sim_manifold_point){.anchor = daft_to_float(daft_dsub(at, body->centre)), .separation = separation};
 }
 
-void daft_sim_flatten(const daft_world *world, const daft_sim_touch *touch, daft_sim_patch *patch)
+void daft_sim_lock_axes(const daft_world *world, const daft_sim_pair *pair, daft_sim_manifold *manifold)
 {
-    const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
-    uint32_t locks = held_along(a) & held_along(b);
-    daft_vec3 normal = free_part(patch->normal, locks);
+    const daft_sim_body *a = &world->bodies[pair->body_a], *b = &world->bodies[pair->body_b];
+    uint32_t locks = locked_along(a) & locked_along(b);
+    daft_vec3 normal = free_part(manifold->normal, locks);
     float length = daft_length(normal);
     if (locks == 0) return;
     if (locks == 7) {
-        patch->count = 0;
+        manifold->count = 0;
         return;
     }
     if (length < LEAST_FREE) {
-        part_middles(world, touch, locks, patch);
+        part_middles(world, pair, locks, manifold);
         return;
     }
-    patch->normal = daft_scale(normal, 1 / length);
-    for (uint32_t i = 0; i < patch->count; i++) patch->points[i].separation /= length;
+    manifold->normal = daft_scale(normal, 1 / length);
+    for (uint32_t i = 0; i < manifold->count; i++) manifold->points[i].separation /= length;
 }

@@ -1,4 +1,4 @@
-/* Touches: near pairs of parts, made when their bounds over a step first meet, gone when they do not in a step in which
+/* Contact pairs: parts near each other, made when their bounds over a step first meet, gone when they do not in a step in which
  * one of them is active. They hang on both bodies as lists, and, while a side is active, in the active list that a step walks,
  * which is in the order of keys: the near pairs of a step, sorted too, are compared with it in one pass. */
 #include "sim/world.h"
@@ -6,158 +6,158 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- touches ---- */
+/* ---- pairs ---- */
 
 bool daft_sim_pairs_reserve(daft_world *world, size_t more)
 {
-    size_t slots = (size_t)world->touch_count + more;
+    size_t slots = (size_t)world->pair_count + more;
     return slots < INT32_MAX &&
-           daft_grow(&world->allocator, &world->touches, &world->touch_capacity, slots, world->touch_count,
-                     sizeof *world->touches) &&
-           daft_grow(&world->allocator, &world->active.items, &world->active.capacity, world->touch_capacity,
+           daft_grow(&world->allocator, &world->pairs, &world->pair_capacity, slots, world->pair_count,
+                     sizeof *world->pairs) &&
+           daft_grow(&world->allocator, &world->active.items, &world->active.capacity, world->pair_capacity,
                      world->active.count, sizeof *world->active.items) &&
-           daft_grow(&world->allocator, &world->sorting.items, &world->sorting.capacity, 2 * world->touch_capacity, 0,
+           daft_grow(&world->allocator, &world->sorting.items, &world->sorting.capacity, 2 * world->pair_capacity, 0,
                      sizeof *world->sorting.items);
 }
 
 static void link_edge(daft_world *world, uint32_t index, int side)
 {
-    daft_sim_touch *touch = &world->touches[index];
-    daft_sim_body *body = &world->bodies[side ? touch->body_b : touch->body_a];
-    uint32_t edge = index << 1 | (uint32_t)side, first = body->first_touch;
-    touch->next[side] = first;
-    touch->previous[side] = DAFT_SIM_NONE;
-    if (first != DAFT_SIM_NONE) world->touches[first >> 1].previous[first & 1] = edge;
-    body->first_touch = edge;
+    daft_sim_pair *pair = &world->pairs[index];
+    daft_sim_body *body = &world->bodies[side ? pair->body_b : pair->body_a];
+    uint32_t edge = index << 1 | (uint32_t)side, first = body->first_pair;
+    pair->next[side] = first;
+    pair->previous[side] = DAFT_SIM_NONE;
+    if (first != DAFT_SIM_NONE) world->pairs[first >> 1].previous[first & 1] = edge;
+    body->first_pair = edge;
 }
 
 static void unlink_edge(daft_world *world, uint32_t index, int side)
 {
-    daft_sim_touch *touch = &world->touches[index];
-    daft_sim_body *body = &world->bodies[side ? touch->body_b : touch->body_a];
-    uint32_t next = touch->next[side], previous = touch->previous[side];
-    if (next != DAFT_SIM_NONE) world->touches[next >> 1].previous[next & 1] = previous;
+    daft_sim_pair *pair = &world->pairs[index];
+    daft_sim_body *body = &world->bodies[side ? pair->body_b : pair->body_a];
+    uint32_t next = pair->next[side], previous = pair->previous[side];
+    if (next != DAFT_SIM_NONE) world->pairs[next >> 1].previous[next & 1] = previous;
     if (previous != DAFT_SIM_NONE)
-        world->touches[previous >> 1].next[previous & 1] = next;
+        world->pairs[previous >> 1].next[previous & 1] = next;
     else
-        body->first_touch = next;
+        body->first_pair = next;
 }
 
-static void list_touch(daft_world *world, uint32_t index)
+static void activate(daft_world *world, uint32_t index)
 {
-    daft_sim_touch *touch = &world->touches[index];
-    if (touch->listed) return;
-    touch->listed = true;
-    world->bare |= daft_sim_is_bare(world, touch);
+    daft_sim_pair *pair = &world->pairs[index];
+    if (pair->active) return;
+    pair->active = true;
+    world->unallocated |= daft_sim_is_unallocated(world, pair);
     daft_sim_active_list *list = &world->active;
-    daft_sim_active entry = {.key = daft_sim_touch_key(touch), .touch = index, .body_a = touch->body_a, .body_b = touch->body_b};
-    entry.flags = touch->patch_count > 0 || touch->touching ? DAFT_SIM_OVERLAPS : 0;
+    daft_sim_active entry = {.key = daft_sim_pair_key(pair), .pair = index, .body_a = pair->body_a, .body_b = pair->body_b};
+    entry.flags = pair->manifold_count > 0 || pair->touching ? DAFT_SIM_OVERLAPS : 0;
     if (list->count > 0 && list->items[list->count - 1].key > entry.key) world->sorted = false;
     list->items[list->count++] = entry;
 }
 
 static bool is_dynamic(const daft_world *world, uint32_t part) { return world->parts[part].dynamic; }
 
-/* Whether part a owns the touch of two dynamic parts. */
+/* Whether part a owns the pair of two dynamic parts. */
 static bool owns(const daft_world *world, uint32_t a, uint32_t b)
 {
     float mine = world->parts[a].reach, theirs = world->parts[b].reach;
     return mine < theirs || (mine == theirs && a < b);
 }
 
-void daft_sim_touch_enter(daft_world *world, uint32_t index)
+void daft_sim_pair_enter(daft_world *world, uint32_t index)
 {
-    daft_sim_touch *touch = &world->touches[index];
-    touch->listed = false;
-    touch->owned_by_a = false;
-    if (is_dynamic(world, touch->part_a) && is_dynamic(world, touch->part_b)) {
-        touch->owned_by_a = owns(world, touch->part_a, touch->part_b);
-        world->parts[touch->owned_by_a ? touch->part_a : touch->part_b].owned++;
+    daft_sim_pair *pair = &world->pairs[index];
+    pair->active = false;
+    pair->owned_by_a = false;
+    if (is_dynamic(world, pair->part_a) && is_dynamic(world, pair->part_b)) {
+        pair->owned_by_a = owns(world, pair->part_a, pair->part_b);
+        world->parts[pair->owned_by_a ? pair->part_a : pair->part_b].owned++;
     }
-    if (touch->known || touch->patch_count > 0) daft_sim_touch_materials(world, touch); /* of a world that was loaded */
+    if (pair->materials_cached || pair->manifold_count > 0) daft_sim_pair_materials(world, pair); /* of a world that was loaded */
     link_edge(world, index, 0);
     link_edge(world, index, 1);
-    world->live_touches++;
-    if (daft_sim_is_active(&world->bodies[touch->body_a]) || daft_sim_is_active(&world->bodies[touch->body_b]))
-        list_touch(world, index);
+    world->live_pairs++;
+    if (daft_sim_is_active(&world->bodies[pair->body_a]) || daft_sim_is_active(&world->bodies[pair->body_b]))
+        activate(world, index);
 }
 
 static uint32_t insert(daft_world *world, uint32_t part_a, uint32_t part_b)
 {
-    uint32_t index = world->free_touch;
+    uint32_t index = world->free_pair;
     if (index == DAFT_SIM_NONE)
-        index = world->touch_count++;
+        index = world->pair_count++;
     else
-        world->free_touch = world->touches[index].next[0];
-    daft_sim_touch *touch = &world->touches[index];
-    *touch = (daft_sim_touch){.part_a = part_a,
+        world->free_pair = world->pairs[index].next[0];
+    daft_sim_pair *pair = &world->pairs[index];
+    *pair = (daft_sim_pair){.part_a = part_a,
                               .part_b = part_b,
                               .body_a = world->parts[part_a].body,
                               .body_b = world->parts[part_b].body};
-    touch->sensor = world->parts[part_a].sensor || world->parts[part_b].sensor;
-    daft_sim_touch_enter(world, index);
+    pair->sensor = world->parts[part_a].sensor || world->parts[part_b].sensor;
+    daft_sim_pair_enter(world, index);
     return index;
 }
 
 /* Its place in the active list is cleared by who calls. */
-void daft_sim_touch_remove(daft_world *world, uint32_t index)
+void daft_sim_pair_remove(daft_world *world, uint32_t index)
 {
-    daft_sim_touch *touch = &world->touches[index];
-    if (touch->touching) daft_sim_event_end(world, touch);
-    if (is_dynamic(world, touch->part_a) && is_dynamic(world, touch->part_b))
-        world->parts[touch->owned_by_a ? touch->part_a : touch->part_b].owned--;
+    daft_sim_pair *pair = &world->pairs[index];
+    if (pair->touching) daft_sim_event_end(world, pair);
+    if (is_dynamic(world, pair->part_a) && is_dynamic(world, pair->part_b))
+        world->parts[pair->owned_by_a ? pair->part_a : pair->part_b].owned--;
     unlink_edge(world, index, 0);
     unlink_edge(world, index, 1);
-    daft_release(&world->allocator, touch->more);
-    touch->more = NULL;
-    touch->part_a = touch->part_b = DAFT_SIM_NONE;
-    touch->next[0] = world->free_touch;
-    world->free_touch = index;
-    world->live_touches--;
+    daft_release(&world->allocator, pair->more);
+    pair->more = NULL;
+    pair->part_a = pair->part_b = DAFT_SIM_NONE;
+    pair->next[0] = world->free_pair;
+    world->free_pair = index;
+    world->live_pairs--;
 }
 
-/* Entries of touches that are gone go too: their slots may be taken again. */
+/* Entries of pairs that are gone go too: their slots may be taken again. */
 static void forget_entries(daft_world *world)
 {
     daft_sim_active_list *list = &world->active;
     size_t kept = 0;
     for (size_t i = 0; i < list->count; i++)
-        if (world->touches[list->items[i].touch].part_a != DAFT_SIM_NONE) list->items[kept++] = list->items[i];
+        if (world->pairs[list->items[i].pair].part_a != DAFT_SIM_NONE) list->items[kept++] = list->items[i];
     list->count = kept;
 }
 
-void daft_sim_touch_drop(daft_world *world, uint32_t index)
+void daft_sim_pair_drop(daft_world *world, uint32_t index)
 {
-    daft_sim_touch_remove(world, index);
+    daft_sim_pair_remove(world, index);
     forget_entries(world);
 }
 
-void daft_sim_touches_remove(daft_world *world, uint32_t body)
+void daft_sim_pairs_remove(daft_world *world, uint32_t body)
 {
-    bool listed = false;
-    for (uint32_t edge = world->bodies[body].first_touch, next; edge != DAFT_SIM_NONE; edge = next) {
-        next = world->touches[edge >> 1].next[edge & 1];
-        listed |= world->touches[edge >> 1].listed;
-        daft_sim_touch_remove(world, edge >> 1);
+    bool active = false;
+    for (uint32_t edge = world->bodies[body].first_pair, next; edge != DAFT_SIM_NONE; edge = next) {
+        next = world->pairs[edge >> 1].next[edge & 1];
+        active |= world->pairs[edge >> 1].active;
+        daft_sim_pair_remove(world, edge >> 1);
     }
-    if (listed) forget_entries(world);
+    if (active) forget_entries(world);
 }
 
-void daft_sim_touches_list(daft_world *world, uint32_t body)
+void daft_sim_pairs_activate(daft_world *world, uint32_t body)
 {
-    for (uint32_t edge = world->bodies[body].first_touch; edge != DAFT_SIM_NONE;
-         edge = world->touches[edge >> 1].next[edge & 1])
-        list_touch(world, edge >> 1);
+    for (uint32_t edge = world->bodies[body].first_pair; edge != DAFT_SIM_NONE;
+         edge = world->pairs[edge >> 1].next[edge & 1])
+        activate(world, edge >> 1);
 }
 
-void daft_sim_touches_forget(daft_world *world, uint32_t body)
+void daft_sim_pairs_forget(daft_world *world, uint32_t body)
 {
-    for (uint32_t edge = world->bodies[body].first_touch; edge != DAFT_SIM_NONE;
-         edge = world->touches[edge >> 1].next[edge & 1])
-        world->touches[edge >> 1].patch_count = 0, world->touches[edge >> 1].cache.clearance = 0;
+    for (uint32_t edge = world->bodies[body].first_pair; edge != DAFT_SIM_NONE;
+         edge = world->pairs[edge >> 1].next[edge & 1])
+        world->pairs[edge >> 1].manifold_count = 0, world->pairs[edge >> 1].cache.clearance = 0;
 }
 
-/* ---- new pairs ---- */
+/* ---- near parts ---- */
 
 bool daft_sim_may_meet(const daft_world *world, uint32_t a, uint32_t b)
 {
@@ -208,13 +208,13 @@ static uint64_t *sort_near(daft_world *world)
     return sort_by_bits(by_b, other, world->candidate_count, 32, bits);
 }
 
-/* A touch of two that rest is no longer active, and stays. */
+/* A pair of two that rest is no longer active, and stays. */
 static void lose(daft_world *world, const daft_sim_active *entry)
 {
     if (world->slots[entry->key >> 32] != DAFT_SIM_NONE || world->slots[(uint32_t)entry->key] != DAFT_SIM_NONE)
-        daft_sim_touch_remove(world, entry->touch);
+        daft_sim_pair_remove(world, entry->pair);
     else
-        world->touches[entry->touch].listed = false;
+        world->pairs[entry->pair].active = false;
 }
 
 /* What is active and not near goes. Of what is near and not active the keys are left at the begin of `near`: gives how many. */
@@ -238,12 +238,12 @@ static size_t compare(daft_world *world, uint64_t *near, size_t count)
 }
 
 /* What stands in a body that sleeps wakes it. */
-static void wake_inside(daft_world *world, const daft_sim_touch *touch)
+static void wake_inside(daft_world *world, const daft_sim_pair *pair)
 {
-    const daft_sim_body *a = &world->bodies[touch->body_a];
-    if (touch->sensor || !a->asleep || !daft_sim_overlap(&world->tight[touch->part_a], &world->tight[touch->part_b]))
+    const daft_sim_body *a = &world->bodies[pair->body_a];
+    if (pair->sensor || !a->asleep || !daft_sim_overlap(&world->tight[pair->part_a], &world->tight[pair->part_b]))
         return;
-    if (world->bodies[touch->body_b].kind != DAFT_BODY_DYNAMIC) daft_sim_wake(world, touch->body_a);
+    if (world->bodies[pair->body_b].kind != DAFT_BODY_DYNAMIC) daft_sim_wake(world, pair->body_a);
 }
 
 static bool is_owner_full(const daft_world *world, uint32_t a, uint32_t b)
@@ -252,12 +252,12 @@ static bool is_owner_full(const daft_world *world, uint32_t a, uint32_t b)
            world->parts[owns(world, a, b) ? a : b].owned >= DAFT_SIM_MAX_PARTNERS;
 }
 
-static void make_touches(daft_world *world, const uint64_t *near, size_t count)
+static void make_pairs(daft_world *world, const uint64_t *near, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         uint32_t a = (uint32_t)(near[i] >> 32), b = (uint32_t)near[i];
         if (!daft_sim_may_meet(world, a, b) || is_owner_full(world, a, b)) continue;
-        wake_inside(world, &world->touches[insert(world, a, b)]);
+        wake_inside(world, &world->pairs[insert(world, a, b)]);
     }
 }
 
@@ -316,22 +316,22 @@ void daft_sim_active_update(daft_world *world)
 
 void daft_sim_active_refresh(const daft_world *world, daft_sim_active *entry)
 {
-    daft_sim_touch *touch = &world->touches[entry->touch];
-    const daft_sim_patch *patches = daft_sim_patches(touch);
-    entry->patches = (uint8_t)touch->patch_count, entry->points = 0;
-    entry->flags = touch->patch_count > 0 || touch->touching ? DAFT_SIM_OVERLAPS : 0;
-    if (touch->sensor || touch->patch_count == 0) return;
+    daft_sim_pair *pair = &world->pairs[entry->pair];
+    const daft_sim_manifold *manifolds = daft_sim_manifolds(pair);
+    entry->manifolds = (uint8_t)pair->manifold_count, entry->points = 0;
+    entry->flags = pair->manifold_count > 0 || pair->touching ? DAFT_SIM_OVERLAPS : 0;
+    if (pair->sensor || pair->manifold_count == 0) return;
     float least = INFINITY, load = 0;
-    for (uint32_t i = 0; i < touch->patch_count; i++) {
-        entry->points = (uint16_t)(entry->points + patches[i].count);
-        load = daft_sim_max(load, patches[i].load);
-        for (uint32_t k = 0; k < patches[i].count; k++) least = daft_sim_min(least, patches[i].points[k].separation);
+    for (uint32_t i = 0; i < pair->manifold_count; i++) {
+        entry->points = (uint16_t)(entry->points + manifolds[i].count);
+        load = daft_sim_max(load, manifolds[i].load);
+        for (uint32_t k = 0; k < manifolds[i].count; k++) least = daft_sim_min(least, manifolds[i].points[k].separation);
     }
-    const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
+    const daft_sim_body *a = &world->bodies[pair->body_a], *b = &world->bodies[pair->body_b];
     entry->flags |= b->kind == DAFT_BODY_DYNAMIC ? DAFT_SIM_JOINS : DAFT_SIM_FIXED;
     if (least < -DEEP * a->extent) entry->flags |= DAFT_SIM_DEEP;
-    if (least < -DEEP * daft_sim_min(a->extent, b->extent)) entry->flags |= DAFT_SIM_PARTS;
-    if (daft_sim_finer_bears(world, a, b, load)) entry->flags |= DAFT_SIM_FIRM;
+    if (least < -DEEP * daft_sim_min(a->extent, b->extent)) entry->flags |= DAFT_SIM_DEPENETRATES;
+    if (daft_sim_load_is_heavy(world, a, b, load)) entry->flags |= DAFT_SIM_STIFF;
 }
 
 void daft_sim_active_refresh_all(daft_world *world)
@@ -351,7 +351,7 @@ bool daft_sim_pairs_find(daft_world *world)
     uint64_t *near = sort_near(world);
     size_t fresh = compare(world, near, world->candidate_count);
     if (!daft_sim_pairs_reserve(world, fresh)) return false;
-    make_touches(world, near, fresh);
+    make_pairs(world, near, fresh);
     forget_moved(world);
     daft_sim_active_update(world);
     return true;

@@ -169,19 +169,19 @@ static void place_side(const daft_world *world, daft_sim_joint *joint, int side,
     joint->anchor[side] = daft_quat_rotate(back, daft_to_float(daft_dsub(anchor, body->centre)));
 }
 
-static void forget_touches(daft_world *world, const daft_sim_joint *joint)
+static void forget_pairs(daft_world *world, const daft_sim_joint *joint)
 {
     if (joint->collide || joint->body[0] == DAFT_SIM_NONE) return;
     daft_sim_report_fill(world);
     bool any = true;
     while (any) {
         any = false;
-        for (uint32_t e = world->bodies[joint->body[0]].first_touch; e != DAFT_SIM_NONE && !any;
-             e = world->touches[e >> 1].next[e & 1]) {
-            const daft_sim_touch *touch = &world->touches[e >> 1];
-            uint32_t other = e & 1 ? touch->body_a : touch->body_b;
-            if (other != joint->body[1] || touch->sensor) continue;
-            daft_sim_touch_drop(world, e >> 1);
+        for (uint32_t e = world->bodies[joint->body[0]].first_pair; e != DAFT_SIM_NONE && !any;
+             e = world->pairs[e >> 1].next[e & 1]) {
+            const daft_sim_pair *pair = &world->pairs[e >> 1];
+            uint32_t other = e & 1 ? pair->body_a : pair->body_b;
+            if (other != joint->body[1] || pair->sensor) continue;
+            daft_sim_pair_drop(world, e >> 1);
             any = true;
         }
     }
@@ -217,7 +217,7 @@ uint32_t daft_world_add_joint(daft_world *world, const daft_sim_joint_def *d, da
     daft_dvec3 apart = daft_dsub(d->anchor_b, d->anchor);
     if (two && joint.length == 0) joint.length = (float)sqrt(daft_ddot(apart, apart));
     uint32_t index = daft_sim_joint_insert(world, &joint);
-    forget_touches(world, &joint);
+    forget_pairs(world, &joint);
     for (int side = 0; side < 2; side++)
         if (joint.body[side] != DAFT_SIM_NONE && world->bodies[joint.body[side]].kind == DAFT_BODY_DYNAMIC)
             daft_sim_body_activate(world, joint.body[side]);

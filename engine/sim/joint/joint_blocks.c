@@ -92,7 +92,7 @@ static daft_dvec3 find_side(const daft_world *world, const daft_sim_joint_slot *
 static bool is_struck(const daft_world *world, uint32_t row)
 {
     const daft_sim_solver *s = world->solver;
-    if (!(s->constrained[row] & DAFT_SIM_TOUCHES)) return false;
+    if (!(s->constrained[row] & DAFT_SIM_IN_CONTACT)) return false;
     daft_vec3 v = world->bodies[s->row_bodies[row]].linear;
     return daft_dot(v, v) > FAST * FAST;
 }

@@ -9,7 +9,7 @@
 #include "sim/joint/joint_records.h"
 
 /* Rigid joints are springs as stiff as the substeps allow. */
-#define JOINT_HERTZ_SHARE 0.35f /* of the substeps' rate */
+#define JOINT_HERTZ_FRACTION 0.35f /* of the substeps' rate */
 #define JOINT_DAMPING     5.0f
 #define NO_LIMIT          3e38f
 #define MOST_IMPULSE      1e37f /* what is beyond is forgotten, and so is what is not finite */
@@ -217,7 +217,7 @@ DAFT_INLINE vm is_long(const pass *p, int i)
 }
 
 /* Everything as the step begins. */
-DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, joint_block *block, const daft_sim_substep *substep, int lane)
+DAFT_INLINE void prepare_lanes(const daft_sim_solver_bodies *rows, joint_block *block, const daft_sim_substep *substep, int lane)
 {
     refresh_masses(rows, block, lane);
     vf3 arm[2];
@@ -235,7 +235,7 @@ DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, joint_block *block, co
     store3(block->offset, lane, offset);
     vf_store(block->most_open + lane, vf_set(MOST_OPEN) + vf_load(block->most_open + lane) * length_of(offset));
     vf h = vf_set(substep->h);
-    softness s = make_soft(vf_set(JOINT_HERTZ_SHARE * substep->inv_h), vf_set(JOINT_DAMPING), h);
+    softness s = make_soft(vf_set(JOINT_HERTZ_FRACTION * substep->inv_h), vf_set(JOINT_DAMPING), h);
     pass p = {.block = block, .lane = lane};
     load_masses(&p);
     vm gives = vm_and(vf_lt(zero(), p.inv_mass[0]), vf_lt(zero(), p.inv_mass[1]));
@@ -294,9 +294,9 @@ DAFT_INLINE void carry(pass *p, vf3 *linear, vf3 *angular)
 {
     vm yields_a = vf_lt(zero(), p->inv_mass[0]), yields_b = vf_lt(zero(), p->inv_mass[1]);
     vf3 w = vf3_add(vf3_select(yields_a, p->a.w, none()), vf3_select(yields_b, p->b.w, none()));
-    vf share = vf_if_then_else(vm_and(yields_a, yields_b), vf_set(0.25f), vf_set(0.5f));
+    vf fraction = vf_if_then_else(vm_and(yields_a, yields_b), vf_set(0.25f), vf_set(0.5f));
     const quat unturned = {zero(), zero(), zero(), vf_set(1)};
-    quat turn = turned(unturned, vf3_scale(w, share * p->h));
+    quat turn = turned(unturned, vf3_scale(w, fraction * p->h));
     *linear = rotate(turn, *linear);
     if (angular) *angular = rotate(turn, *angular);
 }
@@ -323,7 +323,7 @@ DAFT_INLINE bool twists(const joint_block *block)
            (block->kind == DAFT_JOINT_BALL && block->motor);
 }
 
-DAFT_INLINE void warm_start_lanes(const daft_sim_rows *rows, joint_block *block, const daft_sim_substep *substep, int lane)
+DAFT_INLINE void warm_start_lanes(const daft_sim_solver_bodies *rows, joint_block *block, const daft_sim_substep *substep, int lane)
 {
     pass p = begin_pass(rows, block, lane, substep, true);
     lengthen_arm(&p);
@@ -390,7 +390,7 @@ DAFT_INLINE void add_sums(joint_block *block, int lane)
     if (twists(block)) store3(block->angular_sum, lane, vf3_add(load3(block->angular_sum, lane), angular));
 }
 
-DAFT_INLINE void relax_lanes(const daft_sim_rows *rows, joint_block *block, const daft_sim_substep *substep, bool place,
+DAFT_INLINE void relax_lanes(const daft_sim_solver_bodies *rows, joint_block *block, const daft_sim_substep *substep, bool place,
                              bool turned_far, int lane)
 {
     place_now now[2] = {0};
@@ -407,7 +407,7 @@ DAFT_INLINE void relax_lanes(const daft_sim_rows *rows, joint_block *block, cons
 
 /* ---- what opened ---- */
 
-DAFT_INLINE void shift(const daft_sim_rows *rows, const pass *p, const quat *turn, int i, vf3 impulse, vbits open)
+DAFT_INLINE void shift(const daft_sim_solver_bodies *rows, const pass *p, const quat *turn, int i, vf3 impulse, vbits open)
 {
     const joint_side *side = &p->block->side[i];
     const int32_t *index = side->row + p->lane;
@@ -424,7 +424,7 @@ DAFT_INLINE void shift(const daft_sim_rows *rows, const pass *p, const quat *tur
     vf_scatter_rows8(rows->turn, index, row, side->writes >> p->lane & open);
 }
 
-DAFT_INLINE bool close_lanes(const daft_sim_rows *rows, joint_block *block, int lane)
+DAFT_INLINE bool close_lanes(const daft_sim_solver_bodies *rows, joint_block *block, int lane)
 {
     const place_now now[2] = {load_place(rows, block->side[0].row + lane), load_place(rows, block->side[1].row + lane)};
     place_arms(block, now, lane);
@@ -454,17 +454,17 @@ static void store(const daft_sim_joint_source *to, const joint_block *block, flo
 {
     for (int lane = 0; lane < block->lanes; lane += DAFT_VL) store_lanes(to, block, dt, lane);
 }
-static void prepare(const daft_sim_rows *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep)
+static void prepare(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) prepare_lanes(rows, &blocks[i], substep, lane);
 }
-static void warm_start(const daft_sim_rows *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep)
+static void warm_start(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) warm_start_lanes(rows, &blocks[i], substep, lane);
 }
-static void solve(const daft_sim_rows *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep)
+static void solve(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) {
@@ -473,14 +473,14 @@ static void solve(const daft_sim_rows *rows, joint_block *blocks, uint32_t count
             end_pass(rows, &p);
         }
 }
-static bool close(const daft_sim_rows *rows, joint_block *blocks, uint32_t count)
+static bool close(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count)
 {
     bool moved = false;
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) moved |= close_lanes(rows, &blocks[i], lane);
     return moved;
 }
-static void relax(const daft_sim_rows *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep, bool place,
+static void relax(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep, bool place,
                   bool turned_far)
 {
     for (uint32_t i = 0; i < count; i++)

@@ -157,7 +157,7 @@ DAFT_INLINE void load_masses(pass *p)
         p->arm[i] = load3(side->arm, p->lane);
     }
 }
-DAFT_INLINE pass begin_pass(const daft_sim_rows *rows, joint_block *block, int lane, const daft_sim_substep *substep,
+DAFT_INLINE pass begin_pass(const daft_sim_solver_bodies *rows, joint_block *block, int lane, const daft_sim_substep *substep,
                             bool biased)
 {
     pass p = {.block = block, .lane = lane, .h = vf_set(substep->h), .inv_h = vf_set(substep->inv_h), .biased = biased};
@@ -166,7 +166,7 @@ DAFT_INLINE pass begin_pass(const daft_sim_rows *rows, joint_block *block, int l
     p.b = load_body(rows->velocity, block->side[1].row + lane);
     return p;
 }
-DAFT_INLINE void end_pass(const daft_sim_rows *rows, const pass *p)
+DAFT_INLINE void end_pass(const daft_sim_solver_bodies *rows, const pass *p)
 {
     const joint_side *side = p->block->side;
     store_body(rows->velocity, side[0].row + p->lane, &p->a, side[0].writes >> p->lane);

@@ -16,7 +16,7 @@ typedef struct place_now {
     vf3 way;
 } place_now;
 
-DAFT_INLINE place_now load_place(const daft_sim_rows *rows, const int32_t *index)
+DAFT_INLINE place_now load_place(const daft_sim_solver_bodies *rows, const int32_t *index)
 {
     vf row[8];
     vf_gather_rows8(rows->turn, index, row);
@@ -205,7 +205,7 @@ DAFT_INLINE void place_directions(pass *p, const quat turn[2])
     if (holds_limit(block)) place_limit(p);
 }
 
-DAFT_INLINE void refresh_masses(const daft_sim_rows *rows, joint_block *block, int lane)
+DAFT_INLINE void refresh_masses(const daft_sim_solver_bodies *rows, joint_block *block, int lane)
 {
     for (int i = 0; i < 2; i++) {
         vf row[8];

@@ -5,7 +5,7 @@
 
 #include "sim/solve/solver.h"
 
-/* What a spring does in a substep: the share of an error to undo per second, of a change to make, and of an impulse to
+/* What a spring does in a substep: the fraction of an error to undo per second, of a change to make, and of an impulse to
  * forget. */
 typedef struct daft_sim_softness {
     daft_sim_lanes rate, mass, impulse;
@@ -29,7 +29,7 @@ struct daft_sim_joint_block {
     int32_t lanes;             /* in use */
     daft_sim_joint_side side[2];
     daft_sim_lanes offset0[3], offset[3]; /* from anchor a to anchor b; before prepare: from centre a to centre b */
-    daft_sim_lanes most_open; /* what is farther apart is put back; before prepare: the share of offset0 that it may be */
+    daft_sim_lanes most_open; /* what is farther apart is put back; before prepare: the fraction of offset0 that it may be */
     daft_sim_softness stiff, soft;        /* of what is rigid; of the spring */
     daft_sim_lanes bend[3];               /* arms turn within a substep: their anchors' mean velocity, less that now */
     daft_sim_lanes point[6];              /* L·D·Lᵀ of the anchors' response to impulses there, D inverted */
@@ -62,19 +62,19 @@ struct daft_sim_joint_kernels {
     void (*fill)(const daft_sim_joint_source *from, daft_sim_joint_block *block);
     /* What they keep of it, after a step of dt. */
     void (*store)(const daft_sim_joint_source *to, const daft_sim_joint_block *block, float dt);
-    void (*prepare)(const daft_sim_rows *rows, daft_sim_joint_block *blocks, uint32_t count,
+    void (*prepare)(const daft_sim_solver_bodies *rows, daft_sim_joint_block *blocks, uint32_t count,
                     const daft_sim_substep *substep);
-    void (*warm_start)(const daft_sim_rows *rows, daft_sim_joint_block *blocks, uint32_t count,
+    void (*warm_start)(const daft_sim_solver_bodies *rows, daft_sim_joint_block *blocks, uint32_t count,
                        const daft_sim_substep *substep);
     /* With springs, which aim at the end of the substep. */
-    void (*solve)(const daft_sim_rows *rows, daft_sim_joint_block *blocks, uint32_t count,
+    void (*solve)(const daft_sim_solver_bodies *rows, daft_sim_joint_block *blocks, uint32_t count,
                   const daft_sim_substep *substep);
     /* Bodies have moved: places arms. True if anchors came apart so far that bodies were put back, which moves the arms of
      * others. */
-    bool (*close)(const daft_sim_rows *rows, daft_sim_joint_block *blocks, uint32_t count);
+    bool (*close)(const daft_sim_solver_bodies *rows, daft_sim_joint_block *blocks, uint32_t count);
     /* Directions anew; arms too if some are not where `close` left them, and masses if some body turned far; then a pass
      * without springs. */
-    void (*relax)(const daft_sim_rows *rows, daft_sim_joint_block *blocks, uint32_t count,
+    void (*relax)(const daft_sim_solver_bodies *rows, daft_sim_joint_block *blocks, uint32_t count,
                   const daft_sim_substep *substep, bool place, bool turned_far);
 };
 

@@ -5,7 +5,7 @@
 #include "sim/world.h"
 #include "sim/query/query.h"
 
-/* A box of half extents `reach`, its centre going from origin by motion. `end`: the share of the motion up to which
+/* A box of half extents `reach`, its centre going from origin by motion. `end`: the fraction of the motion up to which
  * anything matters; visitors lower it, and a negative one ends the walk. */
 typedef struct daft_sim_way {
     daft_dvec3 origin, motion, reach;

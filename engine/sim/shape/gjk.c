@@ -9,9 +9,9 @@
 
 #include <string.h>
 
-/* The nearest point is exact to this share of the square distance. */
+/* The nearest point is exact to this fraction of the square distance. */
 #define EXACT 1e-13
-/* A square distance that is no more than this share of the squares of what it comes from is none. */
+/* A square distance that is no more than this fraction of the squares of what it comes from is none. */
 #define NOTHING 1e-28
 
 enum { MAX_STEPS = 128 };

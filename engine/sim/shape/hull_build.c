@@ -9,7 +9,7 @@
 #include "sim/shape/hull_build.h"
 
 #define NOTHING UINT32_MAX
-/* Rounding of coordinates, as a share of the largest: points nearer to a face's plane than this are on it. */
+/* Rounding of coordinates, as a fraction of the largest: points nearer to a face's plane than this are on it. */
 #define ROUNDING 4e-7
 
 enum { MAX_FACES = DAFT_HULL_MAX_FACES + 4 };

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A triangle whose height is below this share of its longest side has no area to speak of. */
+/* A triangle whose height is below this fraction of its longest side has no area to speak of. */
 #define SLIVER 1e-6
 
 typedef struct placed {

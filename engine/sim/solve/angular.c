@@ -8,7 +8,7 @@
 #define SLOW_TURN 0.02f /* rad */
 #define NO_TURN   1e-6f
 
-bool daft_sim_spins(const daft_world *world, uint32_t row)
+bool daft_sim_integrates_angular(const daft_world *world, uint32_t row)
 {
     const daft_sim_solver *s = world->solver;
     const daft_sim_body *body = &world->bodies[s->row_bodies[row]];
@@ -17,17 +17,17 @@ bool daft_sim_spins(const daft_world *world, uint32_t row)
     return turn > (s->constrained[row] ? SLOW_TURN : NO_TURN) && turn < DAFT_SIM_WILD_TURN;
 }
 
-void daft_sim_spin_add(daft_world *world, uint32_t row)
+void daft_sim_angular_add(daft_world *world, uint32_t row)
 {
     daft_sim_solver *s = world->solver;
     const daft_sim_body *body = &world->bodies[s->row_bodies[row]];
-    if (s->spin_count == 0 || s->spins[s->spin_count - 1].lanes == DAFT_SIM_LANES) {
-        daft_sim_spin *fresh = &s->spins[s->spin_count++];
+    if (s->angular_count == 0 || s->angular[s->angular_count - 1].lanes == DAFT_SIM_LANES) {
+        daft_sim_angular *fresh = &s->angular[s->angular_count++];
         memset(fresh, 0, sizeof *fresh);
         for (int lane = 0; lane < DAFT_SIM_LANES; lane++)
             for (int k = 0; k < 4; k++) fresh->axes[k][lane] = fresh->moments[k % 3][lane] = 1; /* no lane divides by 0 */
     }
-    daft_sim_spin *spin = &s->spins[s->spin_count - 1];
+    daft_sim_angular *spin = &s->angular[s->angular_count - 1];
     int lane = spin->lanes++;
     daft_quat axes = daft_quat_mul(body->rotation, body->axes);
     spin->row[lane] = (int32_t)row;
@@ -43,7 +43,7 @@ void daft_sim_spin_add(daft_world *world, uint32_t row)
 
 static void refresh(const daft_world *world, uint32_t row)
 {
-    const daft_sim_rows *rows = &world->solver->rows;
+    const daft_sim_solver_bodies *rows = &world->solver->rows;
     size_t at = (size_t)row * DAFT_SIM_ROW;
     const float *turn = rows->turn + at;
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
@@ -52,7 +52,7 @@ static void refresh(const daft_world *world, uint32_t row)
     daft_sim_body_inverse_inertia(body, &frame, rows->mass + at + 1);
 }
 
-bool daft_sim_spin_refresh(const daft_world *world, uint32_t first, uint32_t count, float dt)
+bool daft_sim_angular_refresh(const daft_world *world, uint32_t first, uint32_t count, float dt)
 {
     const daft_sim_solver *s = world->solver;
     enum { MOST = 32 };

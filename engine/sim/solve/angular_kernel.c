@@ -52,7 +52,7 @@ DAFT_INLINE vd3 to_axes(const axes *m, vd3 v)
 }
 
 /* turn·axes, as floats. */
-DAFT_INLINE quat load_axes(const daft_sim_rows *rows, const daft_sim_spin *spin, int lane)
+DAFT_INLINE quat load_axes(const daft_sim_solver_bodies *rows, const daft_sim_angular *spin, int lane)
 {
     vf row[8];
     vf_gather_rows8(rows->turn, spin->row + lane, row);
@@ -91,23 +91,23 @@ DAFT_INLINE vd3 newton_step(vd3 inertia, vd3 w, vd3 start, vd half_h)
     return (vd3){w.x - s * vd3_dot(f, bc), w.y - s * vd3_dot(f, ca), w.z - s * vd3_dot(f, ab)};
 }
 
-DAFT_INLINE vd3 load_moments(const daft_sim_spin *spin, int lane, int half)
+DAFT_INLINE vd3 load_moments(const daft_sim_angular *spin, int lane, int half)
 {
     return widen(load3(spin->moments, lane), half);
 }
-DAFT_INLINE vd3 load_momentum(const daft_sim_spin *spin, int at)
+DAFT_INLINE vd3 load_momentum(const daft_sim_angular *spin, int at)
 {
     return (vd3){load(spin->momentum[0] + at), load(spin->momentum[1] + at), load(spin->momentum[2] + at)};
 }
-DAFT_INLINE void store_momentum(daft_sim_spin *spin, int at, vd3 l)
+DAFT_INLINE void store_momentum(daft_sim_angular *spin, int at, vd3 l)
 {
     store(spin->momentum[0] + at, l.x);
     store(spin->momentum[1] + at, l.y);
     store(spin->momentum[2] + at, l.z);
 }
-DAFT_INLINE vbits used(const daft_sim_spin *spin, int lane) { return vbits_first_n(spin->lanes - lane); }
+DAFT_INLINE vbits used(const daft_sim_angular *spin, int lane) { return vbits_first_n(spin->lanes - lane); }
 
-DAFT_INLINE void before_lanes(const daft_sim_rows *rows, daft_sim_spin *spin, float h, int lane)
+DAFT_INLINE void before_lanes(const daft_sim_solver_bodies *rows, daft_sim_angular *spin, float h, int lane)
 {
     body b = load_body(rows->velocity, spin->row + lane);
     quat q = load_axes(rows, spin, lane);
@@ -130,7 +130,7 @@ DAFT_INLINE void before_lanes(const daft_sim_rows *rows, daft_sim_spin *spin, fl
  * momentum of a long body, seen in axes that are off by a part of that, would spin it about its length. */
 #define MAX_JOLT 0.08f
 
-DAFT_INLINE void between_lanes(const daft_sim_rows *rows, daft_sim_spin *spin, float h, float dt, int lane)
+DAFT_INLINE void between_lanes(const daft_sim_solver_bodies *rows, daft_sim_angular *spin, float h, float dt, int lane)
 {
     body b = load_body(rows->velocity, spin->row + lane);
     quat q = load_axes(rows, spin, lane);
@@ -151,10 +151,10 @@ DAFT_INLINE void between_lanes(const daft_sim_rows *rows, daft_sim_spin *spin, f
 
 DAFT_INLINE vf bounded(vf w, vm jolted, vf was)
 {
-    return vf_if_then_else(vm_and(vf_le(vf_abs(w), vf_set(DAFT_SIM_MAX_SPIN)), vm_not(jolted)), w, was);
+    return vf_if_then_else(vm_and(vf_le(vf_abs(w), vf_set(DAFT_SIM_MAX_ANGULAR_SPEED)), vm_not(jolted)), w, was);
 }
 
-DAFT_INLINE void after_lanes(const daft_sim_rows *rows, daft_sim_spin *spin, int lane)
+DAFT_INLINE void after_lanes(const daft_sim_solver_bodies *rows, daft_sim_angular *spin, int lane)
 {
     vm jolted = vf_lt(vf_set(0), vf_load(spin->jolted + lane));
     body b = load_body(rows->velocity, spin->row + lane);
@@ -172,20 +172,20 @@ DAFT_INLINE void after_lanes(const daft_sim_rows *rows, daft_sim_spin *spin, int
 
 /* ---- blocks ---- */
 
-static void before(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count, float h)
+static void before(const daft_sim_solver_bodies *rows, daft_sim_angular *spins, uint32_t count, float h)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < spins[i].lanes; lane += DAFT_VL) before_lanes(rows, &spins[i], h, lane);
 }
-static void between(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count, float h, float dt)
+static void between(const daft_sim_solver_bodies *rows, daft_sim_angular *spins, uint32_t count, float h, float dt)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < spins[i].lanes; lane += DAFT_VL) between_lanes(rows, &spins[i], h, dt, lane);
 }
-static void after(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count)
+static void after(const daft_sim_solver_bodies *rows, daft_sim_angular *spins, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < spins[i].lanes; lane += DAFT_VL) after_lanes(rows, &spins[i], lane);
 }
 
-const daft_sim_spin_kernels DAFT_KERNEL(daft_sim_spin) = {before, between, after};
+const daft_sim_angular_kernels DAFT_KERNEL(daft_sim_angular) = {before, between, after};

@@ -1,6 +1,6 @@
 /* Rows for the bodies that move in this step, and colours for the constraints between them: constraints of one colour
  * share no body that yields, so they can be solved side by side (graph colouring as in Box2D v3). Each constraint takes
- * the lowest colour that is free at both its bodies, in the order of the active list; so the colours of one heap are its
+ * the lowest colour that is free at both its bodies, in the order of the active list; so the colours of one island are its
  * own, whatever else is in the world. Contacts with what does not yield come last: the solver ends with what cannot
  * give way. */
 #include "sim/joint/joints.h"
@@ -14,7 +14,7 @@ enum {
     CLASSES = 2, /* 0: both bodies yield; 1: one of them */
     SIZES = DAFT_MANIFOLD_POINTS,
     GROUPS = CLASSES + 1, /* of the second class first those with a mover, then those with what is still */
-    KINDS = 2 * GROUPS * SIZES /* of each group those that are not firm and those that are; those of most points first */
+    KINDS = 2 * GROUPS * SIZES /* of each group those that are not stiff and those that are; those of most points first */
 };
 
 #define UNUSED_SEPARATION 1e20f
@@ -39,21 +39,21 @@ static bool reserve_rows(daft_world *world, size_t needed)
     return true;
 }
 
-static uint32_t pace_of(const daft_sim_solver *s, uint32_t body) { return s->heaps[s->heap_of[body]].pace; }
+static uint32_t rate_of(const daft_sim_solver *s, uint32_t body) { return s->islands[s->island_of[body]].rate; }
 
-/* Rows of the heaps of each pace follow each other. */
-static void order_rows(daft_world *world, bool paces)
+/* Rows of the islands of each substep rate follow each other. */
+static void order_rows(daft_world *world, bool rates)
 {
     daft_sim_solver *s = world->solver;
-    uint32_t row = 1 + s->mover_count, next[DAFT_SIM_PACES] = {0};
-    for (size_t i = 0; i < world->awake.count; i++) next[paces ? pace_of(s, world->awake.items[i]) : 0]++;
-    for (uint32_t pace = 0; pace < DAFT_SIM_PACES; pace++) {
-        uint32_t count = next[pace];
-        next[pace] = row;
-        s->pace_end[pace] = row += count;
+    uint32_t row = 1 + s->mover_count, next[DAFT_SIM_RATES] = {0};
+    for (size_t i = 0; i < world->awake.count; i++) next[rates ? rate_of(s, world->awake.items[i]) : 0]++;
+    for (uint32_t rate = 0; rate < DAFT_SIM_RATES; rate++) {
+        uint32_t count = next[rate];
+        next[rate] = row;
+        s->rate_end[rate] = row += count;
     }
     for (size_t i = 0; i < world->awake.count; i++)
-        s->row_bodies[next[paces ? pace_of(s, world->awake.items[i]) : 0]++] = world->awake.items[i];
+        s->row_bodies[next[rates ? rate_of(s, world->awake.items[i]) : 0]++] = world->awake.items[i];
     s->row_count = row;
 }
 
@@ -64,7 +64,7 @@ static uint32_t row_of(const daft_world *world, uint32_t body)
 
 static bool yields(const daft_world *world, uint32_t row) { return row > world->solver->mover_count; }
 
-/* Of a heap that is being solved. */
+/* Of an island that is being solved. */
 static bool solved_now(const daft_sim_solver *s, uint32_t row) { return row >= s->row_first && row < s->row_end; }
 
 /* ---- colours ---- */
@@ -97,7 +97,7 @@ static uint32_t take_colour(daft_sim_solver *s, size_t a, size_t b, uint32_t cla
     return MASKED + level;
 }
 
-/* Whether a touch that met is solved, as it yields somewhere: a does. */
+/* Whether a pair that met is solved, as it yields somewhere: a does. */
 static bool is_solved(const daft_world *world, const daft_sim_active *entry)
 {
     return entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS) && yields(world, world->solver->row_of[entry->body_a]);
@@ -108,33 +108,33 @@ static bool reserve(daft_world *world, size_t rows)
 {
     daft_sim_solver *s = world->solver;
     const daft_allocator *a = &world->allocator;
-    size_t bodies = world->body_count, known = s->row_of_capacity, patches = 0;
-    for (size_t i = 0; i < world->active.count; i++) patches += world->active.items[i].patches;
+    size_t bodies = world->body_count, known = s->row_of_capacity, manifolds = 0;
+    for (size_t i = 0; i < world->active.count; i++) manifolds += world->active.items[i].manifolds;
     if (!reserve_rows(world, rows) || !daft_grow(a, &s->row_of, &s->row_of_capacity, bodies, known, sizeof *s->row_of))
         return false;
     memset(s->row_of + known, 0, (s->row_of_capacity - known) * sizeof *s->row_of);
     return daft_grow(a, &s->row_bodies, &s->row_body_capacity, rows, s->row_count, sizeof *s->row_bodies) &&
-           daft_grow(a, &s->heap_of, &s->heap_of_capacity, bodies, 0, sizeof *s->heap_of) &&
+           daft_grow(a, &s->island_of, &s->island_of_capacity, bodies, 0, sizeof *s->island_of) &&
            daft_grow(a, &s->masks, &s->mask_capacity, bodies + 1, 0, sizeof *s->masks) &&
            daft_grow(a, &s->constrained, &s->constrained_capacity, rows, 0, sizeof *s->constrained) &&
-           daft_grow(a, &s->parting, &s->parting_capacity, rows, 0, sizeof *s->parting) &&
+           daft_grow(a, &s->depenetration, &s->depenetration_capacity, rows, 0, sizeof *s->depenetration) &&
            daft_grow(a, &s->marks, &s->mark_capacity, rows, 0, sizeof *s->marks) &&
-           daft_grow(a, &s->heaps, &s->heap_capacity, rows, 0, sizeof *s->heaps) &&
+           daft_grow(a, &s->islands, &s->island_capacity, rows, 0, sizeof *s->islands) &&
            daft_grow(a, &s->needs, &s->need_capacity, rows, 0, sizeof *s->needs) &&
            daft_grow(a, &s->asked, &s->asked_capacity, rows, 0, sizeof *s->asked) &&
            daft_grow(a, &s->targets, &s->target_capacity, rows, 0, sizeof *s->targets) &&
-           daft_grow(a, &s->spins, &s->spin_capacity, rows / DAFT_SIM_LANES + 1, 0, sizeof *s->spins) &&
+           daft_grow(a, &s->angular, &s->angular_capacity, rows / DAFT_SIM_LANES + 1, 0, sizeof *s->angular) &&
            daft_grow(a, &s->levels, &s->level_capacity, (bodies + 1) * CLASSES, 0, sizeof *s->levels) &&
-           daft_grow(a, &s->contacts, &s->contact_capacity, patches, 0, sizeof *s->contacts);
+           daft_grow(a, &s->contacts, &s->contact_capacity, manifolds, 0, sizeof *s->contacts);
 }
 
 /* Springs push each pair of a spot full of bodies apart, and those on the outside would get the sum of all their speeds.
  * So what overlaps deeply becomes no faster than one push, or than it or the other came. */
-static void part(daft_world *world, uint32_t row, uint32_t other)
+static void limit_depenetration(daft_world *world, uint32_t row, uint32_t other)
 {
     const daft_sim_solver *s = world->solver;
     if (!yields(world, row)) return;
-    daft_sim_parting most = {DAFT_SIM_PUSH_SPEED, DAFT_SIM_PUSH_SPEED};
+    daft_sim_depenetration most = {DAFT_SIM_PUSH_SPEED, DAFT_SIM_PUSH_SPEED};
     const uint32_t rows[2] = {row, other};
     for (int i = 0; i < 2; i++) {
         if (rows[i] == 0) continue;
@@ -144,8 +144,8 @@ static void part(daft_world *world, uint32_t row, uint32_t other)
         most.speed = daft_sim_max(most.speed, speed);
         most.swing = daft_sim_max(most.swing, swing);
     }
-    s->parting[row].speed = daft_sim_max(s->parting[row].speed, most.speed);
-    s->parting[row].swing = daft_sim_max(s->parting[row].swing, most.swing);
+    s->depenetration[row].speed = daft_sim_max(s->depenetration[row].speed, most.speed);
+    s->depenetration[row].swing = daft_sim_max(s->depenetration[row].swing, most.swing);
 }
 
 /* What contacts say of rows. */
@@ -156,44 +156,44 @@ static void tell_rows(daft_world *world)
     for (uint32_t row = 1; row < s->row_count; row++) {
         uint32_t body = s->row_bodies[row];
         s->row_of[body] = row;
-        s->constrained[row] = yields(world, row) && s->masks[place_of_body(body)] != 0 ? DAFT_SIM_TOUCHES : 0;
+        s->constrained[row] = yields(world, row) && s->masks[place_of_body(body)] != 0 ? DAFT_SIM_IN_CONTACT : 0;
     }
-    memset(s->parting, 0, s->row_count * sizeof *s->parting);
-    for (size_t i = 0; s->parts && i < world->active.count; i++) {
+    memset(s->depenetration, 0, s->row_count * sizeof *s->depenetration);
+    for (size_t i = 0; s->depenetrates && i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
-        if (!(entry->flags & DAFT_SIM_PARTS) || !is_solved(world, entry)) continue;
+        if (!(entry->flags & DAFT_SIM_DEPENETRATES) || !is_solved(world, entry)) continue;
         uint32_t a = s->row_of[entry->body_a], b = s->row_of[entry->body_b];
-        part(world, a, b), part(world, b, a);
+        limit_depenetration(world, a, b), limit_depenetration(world, b, a);
     }
 }
 
-/* Heaps share no body, so the colours that contacts take are those of their own heaps, whichever pace these are of. */
+/* Islands share no body, so the colours that contacts take are those of their own islands, whichever substep rate these are of. */
 void daft_sim_contacts_colour(daft_world *world)
 {
     daft_sim_solver *s = world->solver;
     s->contact_count = s->contact_rows = 0;
     s->contact_colours[0] = s->contact_colours[1] = 0;
-    s->parts = false;
+    s->depenetrates = false;
     clear_colours(s, 0);
     for (size_t i = 0; i < world->awake.count; i++) clear_colours(s, place_of_body(world->awake.items[i]));
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
         if (!is_solved(world, entry)) continue;
-        bool both = yields(world, s->row_of[entry->body_b]), firm = entry->flags & DAFT_SIM_FIRM;
+        bool both = yields(world, s->row_of[entry->body_b]), stiff = entry->flags & DAFT_SIM_STIFF;
         size_t a = place_of_body(entry->body_a), b = both ? place_of_body(entry->body_b) : 0;
-        uint32_t class = !both, points = (entry->points + entry->patches - 1u) / entry->patches; /* where there are several: about */
-        s->contact_rows += 3u * entry->patches + entry->points;
-        s->parts |= (entry->flags & DAFT_SIM_PARTS) != 0;
-        for (uint32_t k = 0; k < entry->patches; k++) {
+        uint32_t class = !both, points = (entry->points + entry->manifolds - 1u) / entry->manifolds; /* where there are several: about */
+        s->contact_rows += 3u * entry->manifolds + entry->points;
+        s->depenetrates |= (entry->flags & DAFT_SIM_DEPENETRATES) != 0;
+        for (uint32_t k = 0; k < entry->manifolds; k++) {
             uint32_t colour = take_colour(s, a, b, class);
             if (colour >= s->contact_colours[class]) s->contact_colours[class] = colour + 1;
             s->contacts[s->contact_count++] =
-                (daft_sim_coloured){entry->touch, k, entry->body_a, entry->body_b, colour << 1 | class, (uint8_t)points, firm, false, 0};
+                (daft_sim_coloured){entry->pair, k, entry->body_a, entry->body_b, colour << 1 | class, (uint8_t)points, stiff, false, 0};
         }
     }
 }
 
-bool daft_sim_rows_assign(daft_world *world, float dt)
+bool daft_sim_solver_bodies_assign(daft_world *world, float dt)
 {
     daft_sim_solver *s = world->solver;
     size_t count = 1 + world->movers.count + world->awake.count;
@@ -205,7 +205,7 @@ bool daft_sim_rows_assign(daft_world *world, float dt)
     for (size_t i = 0; i < world->movers.count; i++) s->row_bodies[row++] = world->movers.items[i];
     s->mover_count = (uint32_t)world->movers.count;
     for (size_t i = 0; i < world->awake.count; i++) s->row_of[world->awake.items[i]] = row; /* any, but 0 */
-    order_rows(world, daft_sim_finer_paces(world, dt));
+    order_rows(world, daft_sim_substep_rates(world, dt));
     tell_rows(world);
     for (uint32_t i = 0; i < s->row_count; i++) atomic_init(&s->asked[i], 0);
     return true;
@@ -215,10 +215,10 @@ bool daft_sim_rows_assign(daft_world *world, float dt)
 static uint32_t kind_of(const daft_sim_solver *s, const daft_sim_coloured *c)
 {
     uint32_t group = c->colour & 1 ? 1 + (s->row_of[c->body_b] == 0) : 0;
-    return (c->colour >> 1) * KINDS + (2 * group + c->firm) * SIZES + (SIZES - c->points);
+    return (c->colour >> 1) * KINDS + (2 * group + c->stiff) * SIZES + (SIZES - c->points);
 }
 
-/* Of each kind, how many contacts of the heaps that are being solved. */
+/* Of each kind, how many contacts of the islands that are being solved. */
 static void count_kinds(daft_world *world, uint32_t *counts)
 {
     daft_sim_solver *s = world->solver;
@@ -226,7 +226,7 @@ static void count_kinds(daft_world *world, uint32_t *counts)
         daft_sim_coloured *c = &s->contacts[i];
         c->kind = DAFT_SIM_NONE;
         if (!solved_now(s, s->row_of[c->body_a])) continue;
-        c->firm = c->firms && daft_sim_finer_is_firm(world, c->body_a);
+        c->stiff = c->loaded && daft_sim_is_stiff(world, c->body_a);
         c->kind = kind_of(s, c);
         counts[c->kind]++;
     }
@@ -255,10 +255,10 @@ static bool lay_out(daft_world *world)
     for (uint32_t class = 0; class < CLASSES; class++)
         for (uint32_t colour = 0; colour < most[class]; colour++) {
             uint32_t *counts = &s->colour_counts[colour * KINDS], first = s->block_count, soft = 0;
-            for (uint32_t firm = 0; firm < 2; firm++) {
+            for (uint32_t stiff = 0; stiff < 2; stiff++) {
                 for (uint32_t group = class; group <= 2 * class; group++)
-                    s->block_count += lay_sizes(counts + (2 * group + firm) * SIZES, s->block_count);
-                if (!firm) soft = s->block_count;
+                    s->block_count += lay_sizes(counts + (2 * group + stiff) * SIZES, s->block_count);
+                if (!stiff) soft = s->block_count;
             }
             if (s->block_count == first) continue;
             s->colours[s->colour_count++] = (daft_sim_colour){first, s->block_count - first, s->block_count - soft};
@@ -270,12 +270,12 @@ static bool lay_out(daft_world *world)
 
 static void fill_slots(daft_sim_solver *s)
 {
-    for (size_t i = 0; i < (size_t)s->block_count * DAFT_SIM_LANES; i++) s->slots[i].touch = DAFT_SIM_NONE;
+    for (size_t i = 0; i < (size_t)s->block_count * DAFT_SIM_LANES; i++) s->slots[i].pair = DAFT_SIM_NONE;
     for (size_t i = 0; i < s->contact_count; i++) {
         const daft_sim_coloured *c = &s->contacts[i];
         if (c->kind == DAFT_SIM_NONE) continue;
         uint32_t slot = s->colour_counts[c->kind]++;
-        s->slots[slot] = (daft_sim_slot){c->touch, c->patch, s->row_of[c->body_a], s->row_of[c->body_b], c->firm};
+        s->slots[slot] = (daft_sim_slot){c->pair, c->manifold, s->row_of[c->body_a], s->row_of[c->body_b], c->stiff};
     }
 }
 
@@ -310,8 +310,8 @@ static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
                        s->constraint_count, sizeof *s->constraints))
             return false;
         bool yields_a = yields(world, a), yields_b = yields(world, b);
-        if (yields_a) s->constrained[a] |= DAFT_SIM_HELD;
-        if (yields_b) s->constrained[b] |= DAFT_SIM_HELD;
+        if (yields_a) s->constrained[a] |= DAFT_SIM_JOINTED;
+        if (yields_b) s->constrained[b] |= DAFT_SIM_JOINTED;
         size_t place_a = yields_a ? place_of_body(joint->body[0]) : 0, place_b = yields_b ? place_of_body(joint->body[1]) : 0;
         uint32_t class = !(yields_a && yields_b), colour = take_colour(s, place_a, place_b, class);
         if (colour >= most[class]) most[class] = colour + 1;
@@ -320,13 +320,13 @@ static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
     return true;
 }
 
-bool daft_sim_pace_begin(daft_world *world, uint32_t pace, float dt)
+bool daft_sim_rate_begin(daft_world *world, uint32_t rate, float dt)
 {
     uint32_t most[CLASSES] = {0, 0};
     daft_sim_solver *s = world->solver;
-    s->row_first = pace ? s->pace_end[pace - 1] : 1 + s->mover_count;
-    s->row_end = s->pace_end[pace];
-    s->substeps = world->substeps << pace;
+    s->row_first = rate ? s->rate_end[rate - 1] : 1 + s->mover_count;
+    s->row_end = s->rate_end[rate];
+    s->substeps = world->substeps << rate;
     s->h = dt / (float)s->substeps;
     for (uint32_t row = s->row_first; world->live_joints > 0 && row < s->row_end; row++)
         clear_colours(s, place_of_body(s->row_bodies[row]));
@@ -347,24 +347,24 @@ static daft_vec3 any_perpendicular(daft_vec3 n)
     return daft_normalize(daft_cross(n, axis));
 }
 
-static daft_vec3 belt_of(const daft_world *world, uint32_t body, uint32_t part)
+static daft_vec3 surface_velocity_of(const daft_world *world, uint32_t body, uint32_t part)
 {
-    daft_vec3 belt = world->parts[part].material.belt;
-    return daft_sim_is_zero(belt) ? belt : daft_quat_rotate(world->bodies[body].rotation, belt);
+    daft_vec3 surface_velocity = world->parts[part].material.surface_velocity;
+    return daft_sim_is_zero(surface_velocity) ? surface_velocity : daft_quat_rotate(world->bodies[body].rotation, surface_velocity);
 }
 
 /* What sticks has static friction. */
 #define STICK_SPEED 0.02f /* m/s */
 
-static float friction_of(const daft_world *world, const daft_sim_touch *touch, const daft_sim_patch *patch)
+static float friction_of(const daft_world *world, const daft_sim_pair *pair, const daft_sim_manifold *manifold)
 {
-    if (!(touch->static_friction > touch->friction)) return touch->friction;
-    const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
-    daft_vec3 ra = patch->points[0].anchor, rb = daft_add(ra, daft_to_float(daft_dsub(a->centre, b->centre)));
+    if (!(pair->static_friction > pair->friction)) return pair->friction;
+    const daft_sim_body *a = &world->bodies[pair->body_a], *b = &world->bodies[pair->body_b];
+    daft_vec3 ra = manifold->points[0].anchor, rb = daft_add(ra, daft_to_float(daft_dsub(a->centre, b->centre)));
     daft_vec3 v = daft_sub(daft_add(b->linear, daft_cross(b->angular, rb)),
                            daft_add(a->linear, daft_cross(a->angular, ra)));
-    v = daft_sub(v, daft_scale(patch->normal, daft_dot(v, patch->normal)));
-    return daft_length(v) < STICK_SPEED ? touch->static_friction : touch->friction;
+    v = daft_sub(v, daft_scale(manifold->normal, daft_dot(v, manifold->normal)));
+    return daft_length(v) < STICK_SPEED ? pair->static_friction : pair->friction;
 }
 
 /* Enough, in radians, that a point a metre away leaves its tangent by a micrometre within the step. */
@@ -378,60 +378,60 @@ static bool turns_about(daft_vec3 normal, const daft_sim_body *body, float dt)
 static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, const daft_sim_slot *slot,
                       const float soft[2][3], float dt)
 {
-    daft_sim_touch *touch = &world->touches[slot->touch];
-    const daft_sim_patch *patch = &daft_sim_patches(touch)[slot->patch];
-    const daft_sim_body *a = &world->bodies[touch->body_a], *b = &world->bodies[touch->body_b];
+    daft_sim_pair *pair = &world->pairs[slot->pair];
+    const daft_sim_manifold *manifold = &daft_sim_manifolds(pair)[slot->manifold];
+    const daft_sim_body *a = &world->bodies[pair->body_a], *b = &world->bodies[pair->body_b];
     uint32_t row_a = slot->row_a, row_b = slot->row_b;
     bool fixed = !yields(world, row_b);
     float longer = a->h > 0 ? world->solver->h / a->h : 1; /* than the substep that the impulses are of */
-    daft_vec3 n = patch->normal, t = any_perpendicular(n), u = daft_cross(n, t);
+    daft_vec3 n = manifold->normal, t = any_perpendicular(n), u = daft_cross(n, t);
     block->a[lane] = (int32_t)row_a, block->b[lane] = (int32_t)row_b;
     block->writes_a |= 1u << lane;
     if (!fixed) block->writes_b |= 1u << lane;
     put3(block->normal, lane, n);
     put3(block->tangent, lane, t);
-    put3(block->apart, lane, daft_add(daft_to_float(daft_dsub(a->centre, b->centre)), patch->shift));
+    put3(block->apart, lane, daft_add(daft_to_float(daft_dsub(a->centre, b->centre)), manifold->shift));
     block->rate[lane] = soft[fixed][0], block->soft_mass[lane] = soft[fixed][1];
     block->soft_impulse[lane] = soft[fixed][2];
-    block->friction[lane] = friction_of(world, touch, patch);
-    block->restitution[lane] = touch->restitution;
-    block->rolling[lane] = touch->rolling;
-    block->rolls |= touch->rolling > 0;
-    block->bounces |= touch->restitution > 0;
-    block->tangent_impulse[0][lane] = daft_dot(patch->friction_impulse, t) * longer;
-    block->tangent_impulse[1][lane] = daft_dot(patch->friction_impulse, u) * longer;
-    block->twist_impulse[lane] = patch->twist_impulse * longer;
-    block->slip[0][lane] = daft_dot(patch->slip, t);
-    block->slip[1][lane] = daft_dot(patch->slip, u);
-    block->twist_slip[lane] = patch->twist_slip;
-    block->shares |= patch->shared;
-    block->shared[lane] = patch->shared;
-    put3(block->rolling_impulse, lane, daft_scale(patch->rolling_impulse, longer));
+    block->friction[lane] = friction_of(world, pair, manifold);
+    block->restitution[lane] = pair->restitution;
+    block->rolling[lane] = pair->rolling;
+    block->rolls |= pair->rolling > 0;
+    block->bounces |= pair->restitution > 0;
+    block->tangent_impulse[0][lane] = daft_dot(manifold->friction_impulse, t) * longer;
+    block->tangent_impulse[1][lane] = daft_dot(manifold->friction_impulse, u) * longer;
+    block->twist_impulse[lane] = manifold->twist_impulse * longer;
+    block->slip[0][lane] = daft_dot(manifold->slip, t);
+    block->slip[1][lane] = daft_dot(manifold->slip, u);
+    block->twist_slip[lane] = manifold->twist_slip;
+    block->shares |= manifold->shared;
+    block->shared[lane] = manifold->shared;
+    put3(block->rolling_impulse, lane, daft_scale(manifold->rolling_impulse, longer));
     if (turns_about(n, a, dt) || turns_about(n, b, dt)) {
         block->turns = true;
         for (int k = 0; k < 2; k++) block->bend_a[k][lane] = block->bend_b[k][lane] = 1;
     }
-    if (touch->belted) {
-        daft_vec3 belt =
-            daft_sub(belt_of(world, touch->body_a, touch->part_a), belt_of(world, touch->body_b, touch->part_b));
-        block->belt[0][lane] = daft_dot(belt, t), block->belt[1][lane] = daft_dot(belt, u);
+    if (pair->surface_moves) {
+        daft_vec3 surface_velocity =
+            daft_sub(surface_velocity_of(world, pair->body_a, pair->part_a), surface_velocity_of(world, pair->body_b, pair->part_b));
+        block->surface_velocity[0][lane] = daft_dot(surface_velocity, t), block->surface_velocity[1][lane] = daft_dot(surface_velocity, u);
     }
-    for (uint32_t i = 0; i < patch->count; i++) {
+    for (uint32_t i = 0; i < manifold->count; i++) {
         daft_sim_block_point *p = &block->point[i];
-        put3(p->arm_a, lane, patch->points[i].anchor);
-        p->separation[lane] = patch->points[i].separation;
-        p->impulse[lane] = patch->points[i].impulse * longer;
+        put3(p->arm_a, lane, manifold->points[i].anchor);
+        p->separation[lane] = manifold->points[i].separation;
+        p->impulse[lane] = manifold->points[i].impulse * longer;
     }
 }
 
 /* The springs of contacts (Catto), heavily overdamped: 37.7 Hz at 240 substeps a second. One pass changes an impulse
- * by a share of what is wrong, so what is not solved fully acts as a spring of its own, without damping: it stays
+ * by a fraction of what is wrong, so what is not solved fully acts as a spring of its own, without damping: it stays
  * stable as long as a contact forgets (soft_impulse / h) faster than it pushes (soft_mass·rate), which is
  * h·2π·hertz < 1. Stiffer ones make a pyramid sway; where they are too soft, substeps are shorter (substep_rate.c). Against what
  * does not yield overlap is undone faster and the impulse is rigid. */
-#define HERTZ_SHARE       0.157f /* of the substeps' rate */
-#define FIRM_HERTZ_SHARE  0.4f   /* where passes are DAFT_SIM_FIRM_PASSES */
-#define FIXED_HERTZ_SHARE 0.5f
+#define HERTZ_FRACTION       0.157f /* of the substeps' rate */
+#define STIFF_HERTZ_FRACTION  0.4f   /* where passes are DAFT_SIM_STIFF_PASSES */
+#define FIXED_HERTZ_FRACTION 0.5f
 #define CONTACT_DAMPING   10.0f
 
 static void make_soft(float hertz, float h, float out[3])
@@ -446,19 +446,19 @@ void daft_sim_block_fill(daft_world *world, uint32_t index)
     daft_sim_solver *s = world->solver;
     daft_sim_block *block = &s->blocks[index];
     float h = s->h, soft[2][3];
-    bool firm = s->slots[(size_t)index * DAFT_SIM_LANES].firm;
-    make_soft((firm ? FIRM_HERTZ_SHARE : HERTZ_SHARE) / h, h, soft[0]);
-    make_soft(FIXED_HERTZ_SHARE / h, h, soft[1]);
+    bool stiff = s->slots[(size_t)index * DAFT_SIM_LANES].stiff;
+    make_soft((stiff ? STIFF_HERTZ_FRACTION : HERTZ_FRACTION) / h, h, soft[0]);
+    make_soft(FIXED_HERTZ_FRACTION / h, h, soft[1]);
     soft[1][1] = 1, soft[1][2] = 0;
     const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
     int lanes = 0;
-    while (lanes < DAFT_SIM_LANES && slots[lanes].touch != DAFT_SIM_NONE) lanes++;
+    while (lanes < DAFT_SIM_LANES && slots[lanes].pair != DAFT_SIM_NONE) lanes++;
     memset(block, 0, offsetof(daft_sim_block, inv_mass_a));
     block->lanes = lanes;
     block->still = slots[0].row_b == 0;
     for (int lane = 0; lane < lanes; lane++) {
-        const daft_sim_patch *patch = &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch];
-        block->points = daft_max_i(block->points, (int)patch->count);
+        const daft_sim_manifold *manifold = &daft_sim_manifolds(&world->pairs[slots[lane].pair])[slots[lane].manifold];
+        block->points = daft_max_i(block->points, (int)manifold->count);
     }
     for (int i = 0; i < block->points; i++) {
         memset(&block->point[i], 0, offsetof(daft_sim_block_point, arm_b));
@@ -467,22 +467,22 @@ void daft_sim_block_fill(daft_world *world, uint32_t index)
     for (int lane = 0; lane < lanes; lane++) fill_lane(world, block, lane, &slots[lane], soft, h * (float)s->substeps);
 }
 
-static void store_lane(daft_sim_block *block, int lane, daft_sim_patch *patch)
+static void store_lane(daft_sim_block *block, int lane, daft_sim_manifold *manifold)
 {
     daft_vec3 n = get3(block->normal, lane), t = get3(block->tangent, lane), u = daft_cross(n, t);
-    patch->friction_impulse = daft_add(daft_scale(t, block->tangent_impulse[0][lane]),
+    manifold->friction_impulse = daft_add(daft_scale(t, block->tangent_impulse[0][lane]),
                                        daft_scale(u, block->tangent_impulse[1][lane]));
-    patch->twist_impulse = block->twist_impulse[lane];
-    patch->slip = daft_add(daft_scale(t, block->slip[0][lane]), daft_scale(u, block->slip[1][lane]));
-    patch->twist_slip = block->twist_slip[lane];
-    patch->rolling_impulse = get3(block->rolling_impulse, lane);
-    patch->total_impulse = 0;
-    patch->speed = 0;
-    for (uint32_t i = 0; i < patch->count; i++) {
+    manifold->twist_impulse = block->twist_impulse[lane];
+    manifold->slip = daft_add(daft_scale(t, block->slip[0][lane]), daft_scale(u, block->slip[1][lane]));
+    manifold->twist_slip = block->twist_slip[lane];
+    manifold->rolling_impulse = get3(block->rolling_impulse, lane);
+    manifold->total_impulse = 0;
+    manifold->speed = 0;
+    for (uint32_t i = 0; i < manifold->count; i++) {
         const daft_sim_block_point *p = &block->point[i];
-        patch->points[i].impulse = p->impulse[lane];
-        patch->total_impulse += p->total[lane];
-        if (p->total[lane] > 0) patch->speed = daft_sim_max(patch->speed, p->approach[lane]);
+        manifold->points[i].impulse = p->impulse[lane];
+        manifold->total_impulse += p->total[lane];
+        if (p->total[lane] > 0) manifold->speed = daft_sim_max(manifold->speed, p->approach[lane]);
     }
 }
 
@@ -492,10 +492,10 @@ void daft_sim_block_store(daft_world *world, uint32_t index)
     daft_sim_block *block = &s->blocks[index];
     const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
     for (int lane = 0; lane < block->lanes; lane++) {
-        daft_sim_patch *patch = &daft_sim_patches(&world->touches[slots[lane].touch])[slots[lane].patch];
-        store_lane(block, lane, patch);
+        daft_sim_manifold *manifold = &daft_sim_manifolds(&world->pairs[slots[lane].pair])[slots[lane].manifold];
+        store_lane(block, lane, manifold);
         float light = daft_sim_max(block->inv_mass_a[lane], block->inv_mass_b[lane]);
-        if (daft_sim_finer_load(world, patch, light, s->h * (float)s->substeps))
-            daft_sim_finer_ask(world, &world->touches[slots[lane].touch], patch->load, &slots[lane]);
+        if (daft_sim_substep_load(world, manifold, light, s->h * (float)s->substeps))
+            daft_sim_substep_ask(world, &world->pairs[slots[lane].pair], manifold->load, &slots[lane]);
     }
 }

@@ -9,7 +9,7 @@
 enum {
     BLOCK_GRAIN = 1,
     ROW_GRAIN = 64,
-    SPIN_GRAIN = 2,
+    ANGULAR_GRAIN = 2,
     PARALLEL_BLOCKS = 32, /* fewer are solved faster by one worker */
     CLOSE_PASSES = 3
 };
@@ -62,7 +62,7 @@ static void stage_move(void *p, int argument, uint32_t first, uint32_t count)
 static void stage_turn(void *p, int substep, uint32_t first, uint32_t count)
 {
     context *c = p;
-    if (daft_sim_spin_refresh(c->world, first, count, c->dt))
+    if (daft_sim_angular_refresh(c->world, first, count, c->dt))
         atomic_store_explicit(&c->turning, substep, memory_order_relaxed);
 }
 static void stage_refresh(void *p, int substep, uint32_t first, uint32_t count)
@@ -132,24 +132,24 @@ static void stage_joint_store(void *p, int argument, uint32_t first, uint32_t co
     context *c = p;
     for (uint32_t i = first; i < first + count; i++) daft_sim_joint_block_store(c->world, i, c->dt);
 }
-enum { SPIN_BEFORE, SPIN_BETWEEN, SPIN_AFTER };
-static void stage_spin(void *p, int when, uint32_t first, uint32_t count)
+enum { ANGULAR_BEFORE, ANGULAR_BETWEEN, ANGULAR_AFTER };
+static void stage_angular(void *p, int when, uint32_t first, uint32_t count)
 {
     context *c = p;
-    daft_sim_spin *spins = c->s->spins + first;
-    if (when == SPIN_BEFORE) c->s->spin_kernels->before(&c->s->rows, spins, count, c->substep.h);
-    if (when == SPIN_BETWEEN) c->s->spin_kernels->between(&c->s->rows, spins, count, c->substep.h, c->dt);
-    if (when == SPIN_AFTER) c->s->spin_kernels->after(&c->s->rows, spins, count);
+    daft_sim_angular *spins = c->s->angular + first;
+    if (when == ANGULAR_BEFORE) c->s->angular_kernels->before(&c->s->rows, spins, count, c->substep.h);
+    if (when == ANGULAR_BETWEEN) c->s->angular_kernels->between(&c->s->rows, spins, count, c->substep.h, c->dt);
+    if (when == ANGULAR_AFTER) c->s->angular_kernels->after(&c->s->rows, spins, count);
 }
 /* What must not move along an axis was pushed by constraints as if it might: that is taken back. */
-static void stage_hold(void *p, int argument, uint32_t first, uint32_t count)
+static void stage_locks(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
     for (uint32_t row = first; row < first + count; row++) {
         uint32_t locks = c->world->bodies[c->s->row_bodies[row]].locks / DAFT_LOCK_POSITION_X;
         size_t at = (size_t)row * DAFT_SIM_ROW;
-        const daft_sim_rows *rows = &c->s->rows;
+        const daft_sim_solver_bodies *rows = &c->s->rows;
         for (size_t k = 0; k < 3; k++)
             if (locks >> k & 1) rows->velocity[at + k] = rows->moved[at + k] = rows->turn[at + 4 + k] = 0;
     }
@@ -168,11 +168,11 @@ static void add_contacts(daft_sim_solver *s, stage_run *run, int argument)
     for (uint32_t i = 0; i < s->colour_count; i++)
         add(s, run, argument, s->colours[i].first, s->colours[i].count, BLOCK_GRAIN);
 }
-static void add_firm(daft_sim_solver *s, stage_run *run, int argument)
+static void add_stiff(daft_sim_solver *s, stage_run *run, int argument)
 {
     for (uint32_t i = 0; i < s->colour_count; i++) {
         const daft_sim_colour *c = &s->colours[i];
-        add(s, run, argument, c->first + c->count - c->firm, c->firm, BLOCK_GRAIN);
+        add(s, run, argument, c->first + c->count - c->stiff, c->stiff, BLOCK_GRAIN);
     }
 }
 static void add_joints(daft_sim_solver *s, stage_run *run, int argument)
@@ -181,39 +181,39 @@ static void add_joints(daft_sim_solver *s, stage_run *run, int argument)
         add(s, run, argument, s->joint_colours[i].first, s->joint_colours[i].count, BLOCK_GRAIN);
 }
 
-static void add_hold(daft_sim_solver *s)
+static void add_locks(daft_sim_solver *s)
 {
-    if (s->holds) add(s, stage_hold, 0, s->row_first, s->row_end - s->row_first, ROW_GRAIN);
+    if (s->locks) add(s, stage_locks, 0, s->row_first, s->row_end - s->row_first, ROW_GRAIN);
 }
 
 static void add_substep(daft_sim_solver *s, int substep)
 {
     uint32_t dynamic = s->row_first, rows = s->row_end - dynamic;
     add(s, stage_gain, 0, dynamic, rows, ROW_GRAIN);
-    add(s, stage_spin, SPIN_BEFORE, 0, s->spin_count, SPIN_GRAIN);
+    add(s, stage_angular, ANGULAR_BEFORE, 0, s->angular_count, ANGULAR_GRAIN);
     add_joints(s, stage_joint_warm, 0);
     add_contacts(s, stage_warm, 0);
     add_joints(s, stage_joint_solve, 0);
     add_joints(s, stage_joint_solve, 0); /* long chains need it, and it costs little beside contacts */
     add_contacts(s, stage_solve, 2 * (substep - 1));
-    for (int pass = 1; s->firm && pass < DAFT_SIM_FIRM_PASSES; pass++) add_firm(s, stage_solve, 2 * (substep - 1));
-    add_hold(s);
-    add(s, stage_spin, SPIN_BETWEEN, 0, s->spin_count, SPIN_GRAIN);
+    for (int pass = 1; s->stiff && pass < DAFT_SIM_STIFF_PASSES; pass++) add_stiff(s, stage_solve, 2 * (substep - 1));
+    add_locks(s);
+    add(s, stage_angular, ANGULAR_BETWEEN, 0, s->angular_count, ANGULAR_GRAIN);
     add(s, stage_move, 0, 1, s->mover_count, ROW_GRAIN);
     add(s, stage_move, 0, dynamic, rows, ROW_GRAIN);
-    add(s, stage_spin, SPIN_AFTER, 0, s->spin_count, SPIN_GRAIN);
+    add(s, stage_angular, ANGULAR_AFTER, 0, s->angular_count, ANGULAR_GRAIN);
     for (int pass = 0; pass < CLOSE_PASSES; pass++) add_joints(s, stage_joint_close, CLOSE_PASSES * substep + pass);
-    add_hold(s);
+    add_locks(s);
     add(s, stage_turn, substep, dynamic, rows, ROW_GRAIN);
     add(s, stage_refresh, substep, 0, s->block_count, BLOCK_GRAIN);
     add_joints(s, stage_joint_relax, CLOSE_PASSES * substep + CLOSE_PASSES - 1);
     add_contacts(s, stage_solve, 2 * substep - 1);
-    add_hold(s);
+    add_locks(s);
 }
 
 static size_t most_stages(const daft_sim_solver *s)
 {
-    size_t substep = 14 + (2 + DAFT_SIM_FIRM_PASSES) * (size_t)s->colour_count + (4 + CLOSE_PASSES) * (size_t)s->joint_colour_count;
+    size_t substep = 14 + (2 + DAFT_SIM_STIFF_PASSES) * (size_t)s->colour_count + (4 + CLOSE_PASSES) * (size_t)s->joint_colour_count;
     return 9 + (size_t)s->substeps * substep + s->colour_count;
 }
 
@@ -235,7 +235,7 @@ static daft_vec3 apply_inertia(const float m[6], daft_vec3 v)
  * Euler method, whose energy does not drift. A body that something holds gets all of it evenly over the substeps. */
 static void fill_row(const daft_world *world, uint32_t row, float dt)
 {
-    const daft_sim_rows *rows = &world->solver->rows;
+    const daft_sim_solver_bodies *rows = &world->solver->rows;
     daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     size_t at = (size_t)row * DAFT_SIM_ROW;
     float *velocity = rows->velocity + at, *gain = rows->gain + at, *mass = rows->mass + at, *turn = rows->turn + at;
@@ -254,15 +254,15 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
         twist = daft_sim_clamp(apply_inertia(mass + 1, body->torque), DAFT_SIM_MAX_ACCELERATION);
         if (!constrained) {
             linear = daft_sim_clamp(daft_add(linear, daft_scale(push, dt)), DAFT_SIM_MAX_SPEED);
-            angular = daft_sim_clamp(daft_add(angular, daft_scale(twist, dt)), DAFT_SIM_MAX_SPIN);
+            angular = daft_sim_clamp(daft_add(angular, daft_scale(twist, dt)), DAFT_SIM_MAX_ANGULAR_SPEED);
             push = twist = zero;
         }
         push = daft_add(push, daft_scale(world->gravity, body->gravity_scale));
-        push = daft_sim_held(body, push, DAFT_LOCK_POSITION_X), linear = daft_sim_held(body, linear, DAFT_LOCK_POSITION_X);
+        push = daft_sim_unlocked(body, push, DAFT_LOCK_POSITION_X), linear = daft_sim_unlocked(body, linear, DAFT_LOCK_POSITION_X);
     }
     put(velocity, linear, angular);
-    velocity[6] = DAFT_SIM_MAX_SPEED, velocity[7] = DAFT_SIM_MAX_SPIN;
-    const daft_sim_parting *most = &world->solver->parting[row];
+    velocity[6] = DAFT_SIM_MAX_SPEED, velocity[7] = DAFT_SIM_MAX_ANGULAR_SPEED;
+    const daft_sim_depenetration *most = &world->solver->depenetration[row];
     if (dynamic && most->speed > 0) {
         /* Falling stays free. */
         velocity[6] = daft_sim_max(most->speed, daft_length(daft_add(linear, daft_scale(push, dt))));
@@ -274,7 +274,7 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     mass[7] = 1 / (1 + h * body->angular_damping);
 }
 
-enum { FILL_GRAIN = 64, PARALLEL_ROWS = 256, MARK_SPINS = 1, MARK_HELD = 2, MARK_OTHER = 4 };
+enum { FILL_GRAIN = 64, PARALLEL_ROWS = 256, MARK_ANGULAR = 1, MARK_LOCKED = 2, MARK_OTHER = 4 };
 
 typedef struct fill_job {
     daft_world *world;
@@ -291,34 +291,34 @@ static void fill_range(void *p, uint32_t index, uint32_t worker)
         fill_row(j->world, row, j->dt);
         const daft_sim_body *body = &j->world->bodies[s->row_bodies[row]];
         bool held = body->locks & DAFT_LOCK_POSITION, other = body->h > 0 && body->h != s->h;
-        s->marks[row] = (uint8_t)((daft_sim_spins(j->world, row) ? MARK_SPINS : 0) | (held ? MARK_HELD : 0) |
+        s->marks[row] = (uint8_t)((daft_sim_integrates_angular(j->world, row) ? MARK_ANGULAR : 0) | (held ? MARK_LOCKED : 0) |
                                   (other ? MARK_OTHER : 0));
     }
 }
 
 static void fill_rows(daft_world *world, float dt)
 {
-    const daft_sim_rows *rows = &world->solver->rows;
+    const daft_sim_solver_bodies *rows = &world->solver->rows;
     float *zero[] = {rows->velocity, rows->moved, rows->gain, rows->turn, rows->mass};
     for (size_t i = 0; i < DAFT_COUNT_OF(zero); i++)
         for (int k = 0; k < DAFT_SIM_ROW; k++) zero[i][k] = 0;
     rows->turn[3] = 1;
     daft_sim_solver *s = world->solver;
     uint32_t count = s->row_end - s->row_first;
-    s->spin_count = 0;
-    s->holds = false, s->steady = true;
+    s->angular_count = 0;
+    s->locks = false, s->steady = true;
     for (uint32_t row = 1; row <= s->mover_count; row++) fill_row(world, row, dt);
     fill_job j = {world, dt};
     daft_sim_for(world, count >= PARALLEL_ROWS, (count + FILL_GRAIN - 1) / FILL_GRAIN, fill_range, &j);
     for (uint32_t row = s->row_first; row < s->row_end; row++) {
-        if (s->marks[row] & MARK_SPINS) daft_sim_spin_add(world, row);
-        s->holds |= (s->marks[row] & MARK_HELD) != 0;
+        if (s->marks[row] & MARK_ANGULAR) daft_sim_angular_add(world, row);
+        s->locks |= (s->marks[row] & MARK_LOCKED) != 0;
         s->steady &= !(s->marks[row] & MARK_OTHER);
     }
 }
 
-/* The heaps of one pace. */
-static void solve_pace(daft_world *world, float dt)
+/* The islands of one substep rate. */
+static void solve_rate(daft_world *world, float dt)
 {
     daft_sim_solver *s = world->solver;
     context c = {.world = world, .s = s, .dt = dt};
@@ -328,7 +328,7 @@ static void solve_pace(daft_world *world, float dt)
     add(s, stage_joint_fill, 0, 0, s->joint_block_count, BLOCK_GRAIN);
     for (int i = 1; i <= s->substeps; i++) add_substep(s, i);
     add_contacts(s, stage_bounce, 0);
-    add_hold(s);
+    add_locks(s);
     add(s, stage_store, 0, 0, s->block_count, BLOCK_GRAIN);
     add(s, stage_joint_store, 0, 0, s->joint_block_count, BLOCK_GRAIN);
     bool large = s->block_count + s->joint_block_count >= PARALLEL_BLOCKS;
@@ -349,13 +349,13 @@ bool daft_sim_solve(daft_world *world, float dt)
 {
     daft_sim_solver *s = world->solver;
     world->counters.rows = s->contact_rows;
-    for (uint32_t pace = 0; pace < DAFT_SIM_PACES; pace++) {
-        if (pace > 0 && s->pace_end[pace] == s->pace_end[pace - 1]) continue;
-        if (!daft_sim_pace_begin(world, pace, dt) || !daft_sim_contacts_place(world) ||
+    for (uint32_t rate = 0; rate < DAFT_SIM_RATES; rate++) {
+        if (rate > 0 && s->rate_end[rate] == s->rate_end[rate - 1]) continue;
+        if (!daft_sim_rate_begin(world, rate, dt) || !daft_sim_contacts_place(world) ||
             !daft_grow(&world->allocator, &s->stages, &s->stage_capacity, most_stages(s), 0, sizeof *s->stages))
             return false;
         fill_rows(world, dt);
-        solve_pace(world, dt);
+        solve_rate(world, dt);
         count(world);
     }
     return true;
@@ -367,14 +367,14 @@ bool daft_sim_solver_create(daft_world *world)
 {
     static const daft_sim_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim);
     static const daft_sim_joint_kernels *const JOINTS[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_joint);
-    static const daft_sim_spin_kernels *const SPINS[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_spin);
+    static const daft_sim_angular_kernels *const SPINS[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_angular);
     if (!world->solver) {
         world->solver = daft_alloc_zero(&world->allocator, 1, sizeof *world->solver);
         if (!world->solver) return false;
     }
     world->solver->kernels = TABLE[world->isa];
     world->solver->joint_kernels = JOINTS[world->isa];
-    world->solver->spin_kernels = SPINS[world->isa];
+    world->solver->angular_kernels = SPINS[world->isa];
     return true;
 }
 
@@ -385,8 +385,8 @@ void daft_sim_solver_destroy(daft_world *world)
     void *arrays[] = {s->rows.velocity, s->rows.moved, s->rows.gain,    s->rows.turn,     s->rows.mass,
                       s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_blocks,
                       s->joint_slots,   s->joint_bins, s->joint_colours, s->masks,      s->levels,       s->constraints,   s->contacts, s->colour_counts,
-                      s->spins,         s->targets,     s->constrained,   s->row_of,        s->heap_of,
-                      s->asked,         s->heaps,      s->needs,         s->marks,         s->parting,        s->stages};
+                      s->angular,         s->targets,     s->constrained,   s->row_of,        s->island_of,
+                      s->asked,         s->islands,      s->needs,         s->marks,         s->depenetration,        s->stages};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
     daft_release(&world->allocator, s);
     world->solver = NULL;

@@ -9,7 +9,7 @@
 
 enum {
     DAFT_SIM_LANES = 16,
-    DAFT_SIM_PACES = 6, /* a heap takes 1, 2, 4 … times the world's substeps: the powers of two up to 32 */
+    DAFT_SIM_RATES = 6, /* an island takes 1, 2, 4 … times the world's substeps: the powers of two up to 32 */
     DAFT_SIM_ROW = 8 /* floats: what lanes load and transpose at once */
 };
 
@@ -45,8 +45,8 @@ typedef struct daft_sim_block {
     daft_sim_lanes rate, soft_mass, soft_impulse; /* of the contact's spring */
     daft_sim_lanes friction;
     daft_sim_lanes tangent_impulse[2];
-    daft_sim_lanes slip[2], twist_slip; /* how far what sticks was dragged along: since when, see patches */
-    daft_sim_lanes belt[2];            /* the surfaces' speed along the tangents: a's less b's */
+    daft_sim_lanes slip[2], twist_slip; /* how far what sticks was dragged along: since when, see manifolds */
+    daft_sim_lanes surface_velocity[2];            /* the surfaces' speed along the tangents: a's less b's */
     bool turns;                        /* some lane's bodies turn about the normal; those whose do not have zeros here: */
     daft_sim_lanes bend_a[2], bend_b[2]; /* along the tangents, from the centre to where friction acts; else 1 before
                                            prepare */
@@ -66,10 +66,10 @@ typedef struct daft_sim_block {
 /* Blocks first..first + count are one colour. */
 typedef struct daft_sim_colour {
     uint32_t first, count;
-    uint32_t firm; /* of them, the last: contacts that are gone over more often (substep_rate.c) */
+    uint32_t stiff; /* of them, the last: contacts that are gone over more often (substep_rate.c) */
 } daft_sim_colour;
 
-enum { DAFT_SIM_FIRM_PASSES = 6 }; /* with springs, in a substep; others have one */
+enum { DAFT_SIM_STIFF_PASSES = 6 }; /* with springs, in a substep; others have one */
 
 typedef struct daft_sim_substep {
     float h, inv_h;
@@ -78,7 +78,7 @@ typedef struct daft_sim_substep {
 } daft_sim_substep;
 
 /* Rows of DAFT_SIM_ROW floats for each body that moves, and row 0, zero, for all that does not. */
-typedef struct daft_sim_rows {
+typedef struct daft_sim_solver_bodies {
     float *velocity; /* linear, angular; 6, 7: the most that their lengths may be */
     float *moved;    /* since the step began: along, and turned as the sum of angular velocities; floats that do not
                         fade far from the origin; 6: length of a substep */
@@ -88,23 +88,23 @@ typedef struct daft_sim_rows {
                         bodies whose moments differ, 2 if their inertia was changed in this substep */
     float *mass;     /* inverse mass; inverse inertia xx, xy, xz, yy, yz, zz, as the body has turned if that is far; share
                         of the angular velocity left */
-} daft_sim_rows;
+} daft_sim_solver_bodies;
 
 typedef struct daft_sim_kernels {
-    void (*prepare)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
+    void (*prepare)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count);
     /* Of bodies whose inertia has changed: effective masses again. */
-    void (*refresh)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
-    void (*warm_start)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count);
+    void (*refresh)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count);
+    void (*warm_start)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count);
     /* biased: springs push overlap apart; otherwise the speed that gave is taken out again. */
-    void (*solve)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
+    void (*solve)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
                   bool biased);
-    void (*bounce)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end);
-    void (*finish)(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end);
+    void (*bounce)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end);
+    void (*finish)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end);
     /* Rows first..first + count. */
-    void (*gain)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h);
-    void (*move)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h);
+    void (*gain)(const daft_sim_solver_bodies *rows, uint32_t first, uint32_t count, float h);
+    void (*move)(const daft_sim_solver_bodies *rows, uint32_t first, uint32_t count, float h);
     /* Bits of those of up to 32 rows whose inertia is to be changed: they turn faster than `most`; marks them. */
-    uint32_t (*find_far)(const daft_sim_rows *rows, uint32_t first, uint32_t count, float most);
+    uint32_t (*find_far)(const daft_sim_solver_bodies *rows, uint32_t first, uint32_t count, float most);
 } daft_sim_kernels;
 
 DAFT_KERNEL_DECLARE(daft_sim_kernels, daft_sim);
@@ -113,7 +113,7 @@ typedef struct daft_sim_joint_block daft_sim_joint_block; /* joints.h */
 typedef struct daft_sim_joint_kernels daft_sim_joint_kernels;
 
 /* Bodies in free rotation, side by side. */
-typedef struct daft_sim_spin {
+typedef struct daft_sim_angular {
     int32_t row[DAFT_SIM_LANES];
     int32_t lanes; /* in use */
     daft_sim_lanes axes[4]; /* principal, in the world, as the step begins: a quaternion */
@@ -121,53 +121,53 @@ typedef struct daft_sim_spin {
     double momentum[3][DAFT_SIM_LANES]; /* world axes */
     daft_sim_lanes jolts;               /* in this step, see angular_kernel.c */
     daft_sim_lanes jolted; /* 1 where what constraints did in this substep leaves it its angular velocity */
-} daft_sim_spin;
+} daft_sim_angular;
 
 /* before: angular velocities become those of the middle of the substep; between, after constraints acted and before bodies
  * are turned: their impulses join the momentum; after: angular velocities become what the momentum asks for. */
-typedef struct daft_sim_spin_kernels {
-    void (*before)(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count, float h);
-    void (*between)(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count, float h, float dt);
-    void (*after)(const daft_sim_rows *rows, daft_sim_spin *spins, uint32_t count);
-} daft_sim_spin_kernels;
+typedef struct daft_sim_angular_kernels {
+    void (*before)(const daft_sim_solver_bodies *rows, daft_sim_angular *spins, uint32_t count, float h);
+    void (*between)(const daft_sim_solver_bodies *rows, daft_sim_angular *spins, uint32_t count, float h, float dt);
+    void (*after)(const daft_sim_solver_bodies *rows, daft_sim_angular *spins, uint32_t count);
+} daft_sim_angular_kernels;
 
-DAFT_KERNEL_DECLARE(daft_sim_spin_kernels, daft_sim_spin);
+DAFT_KERNEL_DECLARE(daft_sim_angular_kernels, daft_sim_angular);
 
 /* Bodies that a step moves: rows 1 to `movers` are kinematic, the others dynamic. */
 struct daft_sim_solver {
-    daft_sim_rows rows;
+    daft_sim_solver_bodies rows;
     size_t row_capacity;
     uint32_t *row_bodies; /* of each row */
     size_t row_body_capacity;
     uint32_t row_count, mover_count;
     uint32_t *row_of; /* of each body; 0: it does not move */
     size_t row_of_capacity;
-    uint8_t *constrained; /* of rows that some constraint acts on: DAFT_SIM_HELD and DAFT_SIM_TOUCHES */
+    uint8_t *constrained; /* of rows that some constraint acts on: DAFT_SIM_JOINTED and DAFT_SIM_IN_CONTACT */
     size_t constrained_capacity;
     uint8_t *marks; /* solver.c's scratch */
     size_t mark_capacity;
-    struct daft_sim_parting {
+    struct daft_sim_depenetration {
         float speed, swing; /* m/s, of the centre and of turning */
-    } *parting; /* of rows that overlap something deeply: the most that they may have; 0, 0: no more than any other */
-    size_t parting_capacity;
-    struct daft_sim_heap {
+    } *depenetration; /* of rows that overlap something deeply: the most that they may have; 0, 0: no more than any other */
+    size_t depenetration_capacity;
+    struct daft_sim_island {
         uint64_t asked; /* summed over the bodies */
-        uint32_t bodies, contacts, pace;
+        uint32_t bodies, contacts, rate;
         uint32_t before; /* substeps in the last step, the most of its bodies */
         bool deep;   /* some overlap by so much that it is no load which presses them together */
         bool joined; /* some have joints */
-        bool firm;   /* its firm contacts are solved as such */
-        uint32_t firm_contacts;
+        bool stiff;   /* its stiff contacts are solved as such */
+        uint32_t stiff_contacts;
         float pull;  /* substeps a second that its joints ask for */
         bool fast;   /* some leave, within the step, the place that their contacts were found in */
-    } *heaps;
-    bool firm; /* some are */
-    size_t heap_capacity;
-    uint32_t heap_count;
-    uint32_t *heap_of; /* of each body that is awake and dynamic */
-    size_t heap_of_capacity;
+    } *islands;
+    bool stiff; /* some are */
+    size_t island_capacity;
+    uint32_t island_count;
+    uint32_t *island_of; /* of each body that is awake and dynamic */
+    size_t island_of_capacity;
     struct daft_sim_need { /* of a body that is awake, by its place among those: */
-        float finer;
+        float substep_demand;
         uint32_t before; /* substeps in the last step */
         bool fast;
     } *needs;
@@ -175,8 +175,8 @@ struct daft_sim_solver {
     _Atomic uint32_t *asked; /* of each row: substeps a second, by what it carried in this step; a float's bits */
     size_t asked_capacity;
 
-    /* The heaps that are being solved: those of one pace, in rows that follow each other. */
-    uint32_t pace_end[DAFT_SIM_PACES]; /* of rows */
+    /* The islands that are being solved: those of one substep rate, in rows that follow each other. */
+    uint32_t rate_end[DAFT_SIM_RATES]; /* of rows */
     uint32_t row_first, row_end;
     int substeps;
     float h; /* s */
@@ -189,8 +189,8 @@ struct daft_sim_solver {
     uint32_t colour_count;
     /* Contacts in the order of colours: where each came from. */
     struct daft_sim_slot {
-        uint32_t touch, patch, row_a, row_b;
-        bool firm; /* of all in its block */
+        uint32_t pair, manifold, row_a, row_b;
+        bool stiff; /* of all in its block */
     } *slots;
     size_t slot_capacity;
 
@@ -212,96 +212,96 @@ struct daft_sim_solver {
     uint64_t *masks; /* of each body: colours taken */
     uint32_t *levels;
     size_t mask_capacity, level_capacity;
-    struct daft_sim_constraint { /* joints of one pace */
+    struct daft_sim_constraint { /* joints of one substep rate */
         uint32_t joint, row_a, row_b, colour;
     } *constraints;
     size_t constraint_capacity, constraint_count;
-    struct daft_sim_coloured { /* contacts of all paces, in the order of the active list */
-        uint32_t touch, patch, body_a, body_b, colour;
+    struct daft_sim_coloured { /* contacts of all substep rates, in the order of the active list */
+        uint32_t pair, manifold, body_a, body_b, colour;
         uint8_t points;
-        bool firms, firm; /* it carries much; it is solved as such */
-        uint32_t kind; /* of contacts of as many points, which stand in a block; DAFT_SIM_NONE: of another pace */
+        bool loaded, stiff; /* it carries much; it is solved as such */
+        uint32_t kind; /* of contacts of as many points, which stand in a block; DAFT_SIM_NONE: of another substep rate */
     } *contacts;
     size_t contact_capacity, contact_count;
     uint32_t contact_colours[2]; /* of each class */
     uint32_t contact_rows; /* constraints of all contacts */
-    bool parts; /* some bodies are to part slowly */
+    bool depenetrates; /* some bodies are to part slowly */
     uint32_t *colour_counts;
     size_t colour_count_capacity;
 
-    daft_sim_spin *spins; /* bodies whose moments of inertia differ, and that turn */
-    size_t spin_capacity;
-    uint32_t spin_count; /* blocks */
-    bool holds; /* some row's body must not move along some axis */
+    daft_sim_angular *angular; /* bodies whose moments of inertia differ, and that turn */
+    size_t angular_capacity;
+    uint32_t angular_count; /* blocks */
+    bool locks; /* some row's body must not move along some axis */
     bool steady; /* no body's last substep was of another length than those now */
 
     daft_sim_target *targets; /* of rows */
     size_t target_capacity;
     _Atomic uint32_t sweeps; /* of all, in this step */
 
-    daft_stage *stages; /* of the heaps that are being solved */
+    daft_stage *stages; /* of the islands that are being solved */
     size_t stage_capacity, stage_count;
     const daft_sim_kernels *kernels;
     const daft_sim_joint_kernels *joint_kernels;
-    const daft_sim_spin_kernels *spin_kernels;
+    const daft_sim_angular_kernels *angular_kernels;
 };
 
-enum { DAFT_SIM_HELD = 1 /* by a joint */, DAFT_SIM_TOUCHES = 2 /* has contacts */ };
+enum { DAFT_SIM_JOINTED = 1 /* by a joint */, DAFT_SIM_IN_CONTACT = 2 /* has contacts */ };
 
 /* How fast overlap is undone at most, so that deep overlap does not explode. */
 #define DAFT_SIM_PUSH_SPEED 3.0f /* m/s */
 
-typedef struct daft_sim_heap daft_sim_heap;
+typedef struct daft_sim_island daft_sim_island;
 typedef struct daft_sim_slot daft_sim_slot;
 typedef struct daft_sim_constraint daft_sim_constraint;
 typedef struct daft_sim_coloured daft_sim_coloured;
 typedef struct daft_sim_need daft_sim_need;
 typedef struct daft_sim_joint_slot daft_sim_joint_slot;
-typedef struct daft_sim_parting daft_sim_parting;
+typedef struct daft_sim_depenetration daft_sim_depenetration;
 
 /* ---- colour.c ---- */
 
-/* Rows for active bodies, by the pace of their heaps. False when memory is out. */
-bool daft_sim_rows_assign(daft_world *world, float dt);
-/* The heaps of one pace are the ones to be solved now: their rows, and colours for their joints. */
-bool daft_sim_pace_begin(daft_world *world, uint32_t pace, float dt);
-/* Colours for the contacts of all heaps, for which there is room. */
+/* Rows for active bodies, by the substep rate of their islands. False when memory is out. */
+bool daft_sim_solver_bodies_assign(daft_world *world, float dt);
+/* The islands of one substep rate are the ones to be solved now: their rows, and colours for their joints. */
+bool daft_sim_rate_begin(daft_world *world, uint32_t rate, float dt);
+/* Colours for the contacts of all islands, for which there is room. */
 void daft_sim_contacts_colour(daft_world *world);
-/* Blocks for those of the heaps to be solved now. False when memory is out. */
+/* Blocks for those of the islands to be solved now. False when memory is out. */
 bool daft_sim_contacts_place(daft_world *world);
-/* Fills block `index` from patches, and puts the impulses back. */
+/* Fills block `index` from manifolds, and puts the impulses back. */
 void daft_sim_block_fill(daft_world *world, uint32_t index);
 void daft_sim_block_store(daft_world *world, uint32_t index);
 
 /* ---- substep_rate.c ---- */
 
-/* Notes what a patch carried in the step; true if that is much beside the lighter body's weight. */
-bool daft_sim_finer_load(const daft_world *world, daft_sim_patch *patch, float inv_mass, float dt);
+/* Notes what a manifold carried in the step; true if that is much beside the lighter body's weight. */
+bool daft_sim_substep_load(const daft_world *world, daft_sim_manifold *manifold, float inv_mass, float dt);
 /* What such a contact asks for goes to the rows of its bodies: the most counts, so in any order, side by side. */
-void daft_sim_finer_ask(const daft_world *world, const daft_sim_touch *touch, float load, const daft_sim_slot *slot);
+void daft_sim_substep_ask(const daft_world *world, const daft_sim_pair *pair, float load, const daft_sim_slot *slot);
 /* Substeps a second that a body asks for, which asked for `now`, by what its row carried in this step. */
-float daft_sim_finer_next(const daft_world *world, float now, uint32_t row);
-/* Finds heaps and their paces, for which there is room, and beside them colours for contacts. False: all have the world's own
- * pace. */
-bool daft_sim_finer_paces(daft_world *world, float dt);
-/* Whether a body's contacts that carry much are solved as firm ones in this step. */
-bool daft_sim_finer_is_firm(const daft_world *world, uint32_t body);
+float daft_sim_substep_demand_next(const daft_world *world, float now, uint32_t row);
+/* Finds islands and their substep rates, for which there is room, and beside them colours for contacts. False: all have the world's own
+ * substep rate. */
+bool daft_sim_substep_rates(daft_world *world, float dt);
+/* Whether a body's contacts that carry much are solved as stiff ones in this step. */
+bool daft_sim_is_stiff(const daft_world *world, uint32_t body);
 
 /* ---- angular.c ---- */
 
 /* Whether the row's body turns freely, and so that it matters; then it joins those that do. There is room. */
-bool daft_sim_spins(const daft_world *world, uint32_t row);
-void daft_sim_spin_add(daft_world *world, uint32_t row);
+bool daft_sim_integrates_angular(const daft_world *world, uint32_t row);
+void daft_sim_angular_add(daft_world *world, uint32_t row);
 /* Turns farther than this in a substep, in radians, are beyond the midpoint rule. */
 #define DAFT_SIM_WILD_TURN 0.8f
 /* Gives constrained rows first..first + count the inertia of their bodies as they have turned, if they turn far; true if some
  * do. The angular velocity is the same seen from the body, so its energy is; with the old inertia the next impulse could give
  * it many times that. */
-bool daft_sim_spin_refresh(const daft_world *world, uint32_t first, uint32_t count, float dt);
+bool daft_sim_angular_refresh(const daft_world *world, uint32_t first, uint32_t count, float dt);
 
 /* ---- solver.c ---- */
 
-/* Moves rows over dt and leaves the impulses in patches and joints. False when memory is out. */
+/* Moves rows over dt and leaves the impulses in manifolds and joints. False when memory is out. */
 bool daft_sim_solve(daft_world *world, float dt);
 bool daft_sim_solver_create(daft_world *world);
 void daft_sim_solver_destroy(daft_world *world);

@@ -94,7 +94,7 @@ DAFT_INLINE void prepare_rolling(daft_sim_block *block, const sides *s, int lane
     vf_store(block->rolling_mass + lane, inverse(trace)); /* about the axis that yields most: never too much */
 }
 
-DAFT_INLINE sides load_sides(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+DAFT_INLINE sides load_sides(const daft_sim_solver_bodies *rows, daft_sim_block *block, int lane)
 {
     sides s = {.normal = load3(block->normal, lane), .apart = load3(block->apart, lane)};
     vf row[8];
@@ -109,7 +109,7 @@ DAFT_INLINE sides load_sides(const daft_sim_rows *rows, daft_sim_block *block, i
     return s;
 }
 
-DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+DAFT_INLINE void prepare_lanes(const daft_sim_solver_bodies *rows, daft_sim_block *block, int lane)
 {
     const int32_t *ia = block->a + lane, *ib = block->b + lane;
     body a = load_body(rows->velocity, ia), b = load_body(rows->velocity, ib);
@@ -147,7 +147,7 @@ DAFT_INLINE void prepare_lanes(const daft_sim_rows *rows, daft_sim_block *block,
     if (block->rolls) prepare_rolling(block, &s, lane);
 }
 
-static void prepare(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
+static void prepare(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) prepare_lanes(rows, &blocks[i], lane);
@@ -155,7 +155,7 @@ static void prepare(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t 
 
 /* ---- bodies that turned far within the step, whose inertia is another ---- */
 
-DAFT_INLINE void refresh_lanes(const daft_sim_rows *rows, daft_sim_block *block, int lane)
+DAFT_INLINE void refresh_lanes(const daft_sim_solver_bodies *rows, daft_sim_block *block, int lane)
 {
     sides s = load_sides(rows, block, lane);
     for (int i = 0; i < block->points; i++) {
@@ -167,7 +167,7 @@ DAFT_INLINE void refresh_lanes(const daft_sim_rows *rows, daft_sim_block *block,
     if (block->rolls) prepare_rolling(block, &s, lane);
 }
 
-static bool has_turned(const daft_sim_rows *rows, const daft_sim_block *block)
+static bool has_turned(const daft_sim_solver_bodies *rows, const daft_sim_block *block)
 {
     for (int lane = 0; lane < block->lanes; lane++)
         if (rows->turn[(size_t)block->a[lane] * DAFT_SIM_ROW + 7] > 1 ||
@@ -176,7 +176,7 @@ static bool has_turned(const daft_sim_rows *rows, const daft_sim_block *block)
     return false;
 }
 
-static void refresh(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
+static void refresh(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; has_turned(rows, &blocks[i]) && lane < blocks[i].lanes; lane += DAFT_VL)
@@ -249,7 +249,7 @@ DAFT_INLINE void store_both(float *rows, const daft_sim_block *block, const both
 
 DAFT_INLINE bool any(vf a) { return vbits_from_mask(vf_lt(vf_set(0), vf_abs(a))) != 0; }
 
-DAFT_INLINE void warm_start_lanes(const daft_sim_rows *rows, daft_sim_block *block, bool still, int lane)
+DAFT_INLINE void warm_start_lanes(const daft_sim_solver_bodies *rows, daft_sim_block *block, bool still, int lane)
 {
     both all = load_both(rows->velocity, block, still, lane);
     body *a = &all.a, *b = still ? NULL : &all.b;
@@ -267,7 +267,7 @@ DAFT_INLINE void warm_start_lanes(const daft_sim_rows *rows, daft_sim_block *blo
     store_both(rows->velocity, block, &all, still, lane);
 }
 
-static void warm_start(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count)
+static void warm_start(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count)
 {
     for (daft_sim_block *block = blocks; block < blocks + count; block++) {
         for (int lane = 0; lane < block->lanes; lane += DAFT_VL)
@@ -296,15 +296,15 @@ DAFT_INLINE drag bent(const daft_sim_block *block, vf a, const vf *b, int lane)
     return d;
 }
 
-/* How far b's surface moved along a's in the step, beyond what belts carry it, in the directions of friction. What turns
+/* How far b's surface moved along a's in the step, beyond what moving surfaces carry it, in the directions of friction. What turns
  * about the normal moves along a circle: the second order of that is what a turntable's passenger would creep by. */
 DAFT_INLINE drag dragged(const daft_sim_block *block, const body *turn_a, const body *turn_b, vf3 n, vf3 t, vf3 u,
                          float elapsed, int lane)
 {
     drag d = {row_speed(turn_a, turn_b, t, block->arm_a[0], block->arm_b[0], lane),
               row_speed(turn_a, turn_b, u, block->arm_a[1], block->arm_b[1], lane)};
-    d.t = d.t - vf_load(block->belt[0] + lane) * vf_set(elapsed);
-    d.u = d.u - vf_load(block->belt[1] + lane) * vf_set(elapsed);
+    d.t = d.t - vf_load(block->surface_velocity[0] + lane) * vf_set(elapsed);
+    d.u = d.u - vf_load(block->surface_velocity[1] + lane) * vf_set(elapsed);
     if (!block->turns) return d;
     vf a = vf3_dot(n, turn_a->w);
     drag more = bent(block, vf_set(0.5f) * a * a, NULL, lane);
@@ -321,8 +321,8 @@ DAFT_INLINE drag dragged(const daft_sim_block *block, const body *turn_a, const 
 #define SMALL_TURN 0.25f
 DAFT_INLINE vf turned_share(vf w, vf t)
 {
-    vf angle = w * t, share = angle * vf_set(1 / SMALL_TURN);
-    return w * angle * vf_max(vf_set(1) - share * share, vf_set(0));
+    vf angle = w * t, fraction = angle * vf_set(1 / SMALL_TURN);
+    return w * angle * vf_max(vf_set(1) - fraction * fraction, vf_set(0));
 }
 
 /* What turns about the normal has turned its arm since the step began, and its surface's velocity with it: by so much,
@@ -342,8 +342,8 @@ DAFT_INLINE void solve_friction(daft_sim_block *block, body *a, body *b, masses 
 {
     float middle = s->on ? 0.5f * s->h : 0; /* springs aim at the mean velocity of the substep */
     vf3 t = load3(block->tangent, lane), u = vf3_cross(n, t);
-    vf vt = row_speed(a, b, t, block->arm_a[0], block->arm_b[0], lane) - vf_load(block->belt[0] + lane);
-    vf vu = row_speed(a, b, u, block->arm_a[1], block->arm_b[1], lane) - vf_load(block->belt[1] + lane);
+    vf vt = row_speed(a, b, t, block->arm_a[0], block->arm_b[0], lane) - vf_load(block->surface_velocity[0] + lane);
+    vf vu = row_speed(a, b, u, block->arm_a[1], block->arm_b[1], lane) - vf_load(block->surface_velocity[1] + lane);
     drag way = dragged(block, turn_a, turn_b, n, t, u, elapsed, lane);
     if (block->turns) {
         drag bend = turned_velocity(block, a, b, n, elapsed + middle, lane);
@@ -482,7 +482,7 @@ DAFT_INLINE sums solve_points(daft_sim_block *block, body *a, body *b, masses m,
 }
 
 /* still, single: of all lanes, as the block says. */
-DAFT_INLINE void solve_lanes(const daft_sim_rows *rows, daft_sim_block *block, const daft_sim_substep *substep,
+DAFT_INLINE void solve_lanes(const daft_sim_solver_bodies *rows, daft_sim_block *block, const daft_sim_substep *substep,
                              bool biased, bool still, bool single, int lane)
 {
     both all = load_both(rows->velocity, block, still, lane), turns = load_both(rows->moved, block, still, lane);
@@ -502,7 +502,7 @@ DAFT_INLINE void solve_lanes(const daft_sim_rows *rows, daft_sim_block *block, c
     store_both(rows->velocity, block, &all, still, lane);
 }
 
-static void solve(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
+static void solve(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
                   bool biased)
 {
     for (daft_sim_block *block = blocks; block < blocks + count; block++) {
@@ -522,7 +522,7 @@ static void solve(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t co
 #define BOUNCE_SPEED 1.0f /* m/s; slower contacts do not bounce */
 
 /* The bounce's impulse adds to the step's, and gives friction its share; it is not kept for the next step's start. */
-DAFT_INLINE void bounce_lanes(const daft_sim_rows *rows, daft_sim_block *block, float elapsed, int lane)
+DAFT_INLINE void bounce_lanes(const daft_sim_solver_bodies *rows, daft_sim_block *block, float elapsed, int lane)
 {
     const int32_t *ia = block->a + lane, *ib = block->b + lane;
     body a = load_body(rows->velocity, ia), b = load_body(rows->velocity, ib);
@@ -562,7 +562,7 @@ DAFT_INLINE void bounce_lanes(const daft_sim_rows *rows, daft_sim_block *block, 
     store_body(rows->velocity, ib, &b, block->writes_b >> lane);
 }
 
-static void bounce(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end)
+static void bounce(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; blocks[i].bounces && lane < blocks[i].lanes; lane += DAFT_VL)
@@ -571,7 +571,7 @@ static void bounce(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t c
 
 /* ---- the end: what was dragged in this step adds to what was before, and turns with the surfaces ---- */
 
-DAFT_INLINE void finish_lanes(const daft_sim_rows *rows, daft_sim_block *block, float elapsed, int lane)
+DAFT_INLINE void finish_lanes(const daft_sim_solver_bodies *rows, daft_sim_block *block, float elapsed, int lane)
 {
     body a = load_body(rows->moved, block->a + lane), b = load_body(rows->moved, block->b + lane);
     vf3 n = load3(block->normal, lane), t = load3(block->tangent, lane), u = vf3_cross(n, t);
@@ -589,7 +589,7 @@ DAFT_INLINE void finish_lanes(const daft_sim_rows *rows, daft_sim_block *block, 
     vf_store(block->twist_slip + lane, vf_load(block->twist_slip + lane) + (twist_b - twist_a));
 }
 
-static void finish(const daft_sim_rows *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end)
+static void finish(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) finish_lanes(rows, &blocks[i], end->elapsed, lane);
@@ -635,7 +635,7 @@ DAFT_INLINE vf3 limit(vf3 v, vf most)
 
 DAFT_INLINE void limit_body(body *b) { b->v = limit(b->v, b->rest[0]), b->w = limit(b->w, b->rest[1]); }
 
-DAFT_INLINE void gain_lanes(const daft_sim_rows *rows, row_lanes at, vf h)
+DAFT_INLINE void gain_lanes(const daft_sim_solver_bodies *rows, row_lanes at, vf h)
 {
     body b = load_row(rows->velocity, &at), more = load_row(rows->gain, &at);
     vf left = load_row(rows->mass, &at).rest[1];
@@ -645,7 +645,7 @@ DAFT_INLINE void gain_lanes(const daft_sim_rows *rows, row_lanes at, vf h)
     store_row(rows->velocity, &at, &b);
 }
 
-static void gain(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h)
+static void gain(const daft_sim_solver_bodies *rows, uint32_t first, uint32_t count, float h)
 {
     int32_t index[DAFT_VL];
     for (; count >= DAFT_VL; first += DAFT_VL, count -= DAFT_VL) gain_lanes(rows, rows_side_by_side(first), vf_set(h));
@@ -664,7 +664,7 @@ DAFT_INLINE void turn_lanes(vf q[4], vf3 w, vf h)
     q[2] = vf_if_then_else(still, q[2], nz * scale), q[3] = vf_if_then_else(still, q[3], nw * scale);
 }
 
-DAFT_INLINE void move_lanes(const daft_sim_rows *rows, row_lanes at, vf h)
+DAFT_INLINE void move_lanes(const daft_sim_solver_bodies *rows, row_lanes at, vf h)
 {
     body b = load_row(rows->velocity, &at), moved = load_row(rows->moved, &at);
     body more = load_row(rows->gain, &at);
@@ -680,14 +680,14 @@ DAFT_INLINE void move_lanes(const daft_sim_rows *rows, row_lanes at, vf h)
     vf_scatter_rows8(rows->turn + at.base, at.index, q, at.used);
 }
 
-static void move(const daft_sim_rows *rows, uint32_t first, uint32_t count, float h)
+static void move(const daft_sim_solver_bodies *rows, uint32_t first, uint32_t count, float h)
 {
     int32_t index[DAFT_VL];
     for (; count >= DAFT_VL; first += DAFT_VL, count -= DAFT_VL) move_lanes(rows, rows_side_by_side(first), vf_set(h));
     if (count > 0) move_lanes(rows, rows_left(first, count, index), vf_set(h));
 }
 
-DAFT_INLINE vbits far_lanes(const daft_sim_rows *rows, row_lanes at, float most)
+DAFT_INLINE vbits far_lanes(const daft_sim_solver_bodies *rows, row_lanes at, float most)
 {
     vf turn[8], one = vf_set(1), two = vf_set(2), zero = vf_set(0);
     vf3 w = load_row(rows->velocity, &at).w;
@@ -701,7 +701,7 @@ DAFT_INLINE vbits far_lanes(const daft_sim_rows *rows, row_lanes at, float most)
     return far;
 }
 
-static uint32_t find_far(const daft_sim_rows *rows, uint32_t first, uint32_t count, float most)
+static uint32_t find_far(const daft_sim_solver_bodies *rows, uint32_t first, uint32_t count, float most)
 {
     int32_t index[DAFT_VL];
     uint32_t far = 0, at = 0;

@@ -1,15 +1,15 @@
-/* How many substeps a heap is taken in. The spring of a contact is as stiff as the length of a substep allows (colour.c),
+/* How many substeps an island is taken in. The spring of a contact is as stiff as the length of a substep allows (colour.c),
  * so a load that is many times the weight of what it presses on needs shorter ones: what lies under it sinks by the
  * square of their length, and a column buckles. Of n cubes of side s, with a spring of frequency omega at each corner,
  * it stands while
  *     omega² > g n³ / s                    (Greenhill 1881, q L³ < 7.84 E I, with the springs as the column's E I)
  * and contacts can have omega = 1 / h. So each contact between bodies at rest to each other asks for a rate of substeps
- * by the load that it lately carried, and a heap is taken in twice, four, eight times as many substeps as the world's
- * as its contacts ask, if they are so few that it does not matter. A heap's substeps are its own, whatever else there
+ * by the load that it lately carried, and an island is taken in twice, four, eight times as many substeps as the world's
+ * as its contacts ask, if they are so few that it does not matter. An island's substeps are its own, whatever else there
  * is. Bodies begin with the finest, so that what is made at rest does not sink before its loads are known.
  *
- * Where that is too much work, as for a column that stands in a heap of hundreds, or where there are joints, the few contacts that
- * carry much are made firm instead: their springs are solved several times in a substep, which spreads what each does
+ * Where that is too much work, as for a column that stands in an island of hundreds, or where there are joints, the few contacts that
+ * carry much are made stiff instead: their springs are solved several times in a substep, which spreads what each does
  * along the column, and so may be stiffer. A column of 20 then sinks by 16 mm instead of 1, and stands.
  *
  * Joints ask by their bodies' masses: what a chain stretches by grows with the load at its end, in weights of its links, and
@@ -19,33 +19,33 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define LOAD_SHARE 0.2f  /* of the last step in the load: a knock is no load */
+#define LOAD_FRACTION 0.2f  /* of the last step in the load: a knock is no load */
 #define MOST_LOAD  1e30f /* N: it stays finite */
 #define STRAIN     6.5f  /* weights of the lighter body; what carries less asks for nothing */
 #define REST_SPEED 0.05f /* m/s, of one's fastest point against the other's */
 #define MARGIN     25.0f /* of omega²: columns sink by 2 mm at most, and do not only just stand */
 #define LEAST_G    1.0f  /* m/s²: where there is less gravity, what presses is no weight */
-#define COLUMN     2.5f  /* times the mean of what its bodies ask for is what a heap gets */
+#define COLUMN     2.5f  /* times the mean of what its bodies ask for is what an island gets */
 #define EVEN_MASSES 100.0f /* times the other's mass: a joint between bodies that differ by less asks for nothing, */
 #define EVEN_RATE   240.0f /* and one of so much would for as many substeps a second */
 #define FAST   0.1f  /* of its extent: if its fastest point moves by more in a step */
-#define STAYS      1.4f  /* times what is asked for, before a heap takes fewer substeps: it would go to and fro */
+#define STAYS      1.4f  /* times what is asked for, before an island takes fewer substeps: it would go to and fro */
 #define LASTS      0.9f  /* of what was asked for, in a step in which nothing asks */
 
 enum {
     MOST_SUBSTEPS = 32,
-    MOST_WORK = 14400, /* contacts times substeps of a heap; about half a millisecond */
-    MOST_FIRM = 32     /* firm contacts of a heap: a hundredth of the time that a thousand bodies take */
+    MOST_WORK = 14400, /* contacts times substeps of an island; about half a millisecond */
+    MAX_STIFF = 32     /* stiff contacts of an island: a hundredth of the time that a thousand bodies take */
 };
 
-float daft_sim_finer_begin(void) { return MOST_SUBSTEPS * 60; }
+float daft_sim_substep_demand_begin(void) { return MOST_SUBSTEPS * 60; }
 
 static float gravity(const daft_world *world) { return daft_sim_max(daft_length(world->gravity), LEAST_G); }
 
-bool daft_sim_finer_load(const daft_world *world, daft_sim_patch *patch, float inv_mass, float dt)
+bool daft_sim_substep_load(const daft_world *world, daft_sim_manifold *manifold, float inv_mass, float dt)
 {
-    patch->load += LOAD_SHARE * (daft_sim_min(patch->total_impulse / dt, MOST_LOAD) - patch->load);
-    return patch->load * inv_mass > STRAIN * gravity(world);
+    manifold->load += LOAD_FRACTION * (daft_sim_min(manifold->total_impulse / dt, MOST_LOAD) - manifold->load);
+    return manifold->load * inv_mass > STRAIN * gravity(world);
 }
 
 static float rest_speed(const daft_sim_body *a, const daft_sim_body *b)
@@ -68,7 +68,7 @@ static float asked_by(const daft_world *world, const daft_sim_body *a, const daf
     return daft_sim_min(sqrtf(MARGIN * push / side) * weights, DAFT_SIM_FINEST);
 }
 
-bool daft_sim_finer_bears(const daft_world *world, const daft_sim_body *a, const daft_sim_body *b, float load)
+bool daft_sim_load_is_heavy(const daft_world *world, const daft_sim_body *a, const daft_sim_body *b, float load)
 {
     if (!(load > 0)) return false;
     /* Nearly all carry far less, and are told so without a root. */
@@ -100,19 +100,19 @@ static void ask(const daft_sim_solver *s, uint32_t row, float rate)
     if (row > s->mover_count) raise(&s->asked[row], rate);
 }
 
-void daft_sim_finer_ask(const daft_world *world, const daft_sim_touch *touch, float load, const daft_sim_slot *slot)
+void daft_sim_substep_ask(const daft_world *world, const daft_sim_pair *pair, float load, const daft_sim_slot *slot)
 {
-    float rate = asked_by(world, &world->bodies[touch->body_a], &world->bodies[touch->body_b], load);
+    float rate = asked_by(world, &world->bodies[pair->body_a], &world->bodies[pair->body_b], load);
     ask(world->solver, slot->row_a, rate);
     ask(world->solver, slot->row_b, rate);
 }
 
-float daft_sim_finer_next(const daft_world *world, float now, uint32_t row)
+float daft_sim_substep_demand_next(const daft_world *world, float now, uint32_t row)
 {
     return daft_sim_max(LASTS * now, raised_to(&world->solver->asked[row]));
 }
 
-/* ---- heaps ---- */
+/* ---- islands ---- */
 
 typedef struct job {
     daft_world *world;
@@ -120,39 +120,39 @@ typedef struct job {
     _Atomic uint32_t most; /* that a body asks for; a float's bits */
 } job;
 
-static daft_sim_heap *heap_of(const daft_world *world, uint32_t body)
+static daft_sim_island *island_of(const daft_world *world, uint32_t body)
 {
-    return &world->solver->heaps[world->solver->heap_of[body]];
+    return &world->solver->islands[world->solver->island_of[body]];
 }
 
 /* Numbers them. */
-static void find_heaps(daft_world *world)
+static void number_islands(daft_world *world)
 {
     daft_sim_solver *s = world->solver;
     daft_sim_islands_find(world);
-    s->heap_count = 0;
+    s->island_count = 0;
     for (size_t i = 0; i < world->awake.count; i++) {
         uint32_t body = world->awake.items[i];
-        if (world->islands[body] == body) s->heap_of[body] = s->heap_count++;
+        if (world->island_parents[body] == body) s->island_of[body] = s->island_count++;
     }
     for (size_t i = 0; i < world->awake.count; i++) {
         uint32_t body = world->awake.items[i];
-        s->heap_of[body] = s->heap_of[daft_sim_island_of(world, body)];
+        s->island_of[body] = s->island_of[daft_sim_island_of(world, body)];
     }
 }
 
-/* The least pace that does what is asked for within the work allowed. In a column, where loads grow evenly, bodies ask
- * for two fifths of what the lowest does on average; in a broad heap for much less. */
-static uint32_t pace_of(const daft_world *world, const daft_sim_heap *heap, float dt)
+/* The least substep rate that does what is asked for within the work allowed. In a column, where loads grow evenly, bodies ask
+ * for two fifths of what the lowest does on average; in a broad island for much less. */
+static uint32_t rate_of(const daft_world *world, const daft_sim_island *island, float dt)
 {
-    if (heap->joined ? heap->pull == 0 : heap->contacts == 0 || heap->deep || heap->fast) return 0;
-    uint32_t pace = 0, substeps = (uint32_t)world->substeps;
-    float wanted = heap->joined ? heap->pull * dt : COLUMN * (float)heap->asked / (float)heap->bodies * dt;
-    while (pace + 1 < DAFT_SIM_PACES && 2 * substeps <= MOST_SUBSTEPS &&
-           2 * substeps * (uint64_t)heap->contacts <= MOST_WORK &&
-           (float)substeps < (2 * substeps <= heap->before ? STAYS * wanted : wanted))
-        substeps *= 2, pace++;
-    return pace;
+    if (island->joined ? island->pull == 0 : island->contacts == 0 || island->deep || island->fast) return 0;
+    uint32_t rate = 0, substeps = (uint32_t)world->substeps;
+    float wanted = island->joined ? island->pull * dt : COLUMN * (float)island->asked / (float)island->bodies * dt;
+    while (rate + 1 < DAFT_SIM_RATES && 2 * substeps <= MOST_SUBSTEPS &&
+           2 * substeps * (uint64_t)island->contacts <= MOST_WORK &&
+           (float)substeps < (2 * substeps <= island->before ? STAYS * wanted : wanted))
+        substeps *= 2, rate++;
+    return rate;
 }
 
 /* Contacts are found once a step. A stiff spring at a point that the body has left within the step gives it energy. */
@@ -163,12 +163,12 @@ static bool is_fast(const daft_sim_body *body, float dt)
 
 enum { GRAIN = 256, PARALLEL_BODIES = 512 };
 
-/* Heaps and colours need nothing of each other. */
-static void find_heaps_or_colours(void *context, uint32_t index, uint32_t worker)
+/* Islands and colours need nothing of each other. */
+static void number_islands_or_colour(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
     if (index == 0)
-        find_heaps(context);
+        number_islands(context);
     else
         daft_sim_contacts_colour(context);
 }
@@ -184,70 +184,70 @@ static void need_range(void *context, uint32_t index, uint32_t worker)
     for (size_t i = first; i < end; i++) {
         const daft_sim_body *body = &world->bodies[world->awake.items[i]];
         uint32_t before = body->h > 0 ? (uint32_t)(daft_sim_min(j->dt / body->h, MOST_SUBSTEPS) + 0.5f) : 0;
-        float finer = body->first_joint == DAFT_SIM_NONE ? body->finer : 0; /* heaps with joints get no finer ones */
-        world->solver->needs[i] = (daft_sim_need){finer, before, is_fast(body, j->dt)};
-        most = daft_sim_max(most, finer);
+        float substep_demand = body->first_joint == DAFT_SIM_NONE ? body->substep_demand : 0; /* islands with joints get no finer ones */
+        world->solver->needs[i] = (daft_sim_need){substep_demand, before, is_fast(body, j->dt)};
+        most = daft_sim_max(most, substep_demand);
     }
     raise(&j->most, most);
 }
 
-/* What is summed up goes to its heap when another one's turn comes: in a large heap each sum would wait for the last. */
-static void add_bodies(daft_sim_heap *heap, const daft_sim_heap *more)
+/* What is summed up goes to its island when another one's turn comes: in a large island each sum would wait for the last. */
+static void add_bodies(daft_sim_island *island, const daft_sim_island *more)
 {
-    heap->bodies += more->bodies;
-    heap->asked += more->asked;
-    heap->before = daft_max_u(heap->before, more->before);
-    heap->fast |= more->fast;
+    island->bodies += more->bodies;
+    island->asked += more->asked;
+    island->before = daft_max_u(island->before, more->before);
+    island->fast |= more->fast;
 }
 
-static void add_contacts(daft_sim_heap *heap, const daft_sim_heap *more)
+static void add_contacts(daft_sim_island *island, const daft_sim_island *more)
 {
-    heap->contacts += more->contacts;
-    heap->firm_contacts += more->firm_contacts;
-    heap->deep |= more->deep;
+    island->contacts += more->contacts;
+    island->stiff_contacts += more->stiff_contacts;
+    island->deep |= more->deep;
 }
 
-/* Sums are of whole numbers, so their order does not matter. What bodies say of a heap and what contacts say are apart. */
+/* Sums are of whole numbers, so their order does not matter. What bodies say of an island and what contacts say are apart. */
 static void survey_bodies(const daft_world *world)
 {
     const daft_sim_solver *s = world->solver;
-    daft_sim_heap sum = {0};
+    daft_sim_island sum = {0};
     for (size_t i = 0; i < world->awake.count; i++) {
-        uint32_t heap = s->heap_of[world->awake.items[i]];
+        uint32_t island = s->island_of[world->awake.items[i]];
         sum.bodies++;
-        sum.asked += (uint64_t)s->needs[i].finer;
+        sum.asked += (uint64_t)s->needs[i].substep_demand;
         sum.before = daft_max_u(sum.before, s->needs[i].before);
         sum.fast |= s->needs[i].fast;
-        if (i + 1 < world->awake.count && s->heap_of[world->awake.items[i + 1]] == heap) continue;
-        add_bodies(&s->heaps[heap], &sum);
-        sum = (daft_sim_heap){0};
+        if (i + 1 < world->awake.count && s->island_of[world->awake.items[i + 1]] == island) continue;
+        add_bodies(&s->islands[island], &sum);
+        sum = (daft_sim_island){0};
     }
 }
 
 static void survey_contacts(const daft_world *world)
 {
     const daft_sim_solver *s = world->solver;
-    daft_sim_heap sum = {0};
-    uint32_t heap = 0;
+    daft_sim_island sum = {0};
+    uint32_t island = 0;
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
         if (!(entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS)) || s->row_of[entry->body_a] == 0) continue;
-        if (s->heap_of[entry->body_a] != heap) {
-            add_contacts(&s->heaps[heap], &sum);
-            sum = (daft_sim_heap){0};
-            heap = s->heap_of[entry->body_a];
+        if (s->island_of[entry->body_a] != island) {
+            add_contacts(&s->islands[island], &sum);
+            sum = (daft_sim_island){0};
+            island = s->island_of[entry->body_a];
         }
-        sum.contacts += entry->patches;
+        sum.contacts += entry->manifolds;
         sum.deep |= (entry->flags & DAFT_SIM_DEEP) != 0;
-        if (entry->flags & DAFT_SIM_FIRM) sum.firm_contacts += entry->patches;
+        if (entry->flags & DAFT_SIM_STIFF) sum.stiff_contacts += entry->manifolds;
     }
-    if (s->heap_count > 0) add_contacts(&s->heaps[heap], &sum);
+    if (s->island_count > 0) add_contacts(&s->islands[island], &sum);
 }
 
-static void join(daft_sim_heap *heap, float pull)
+static void join(daft_sim_island *island, float pull)
 {
-    heap->joined = true;
-    heap->pull = daft_sim_max(heap->pull, pull);
+    island->joined = true;
+    island->pull = daft_sim_max(island->pull, pull);
 }
 
 /* Substeps a second that a joint asks for: a chain of 20 links stretches by a fiftieth of a link so. Joints expect the next
@@ -268,7 +268,7 @@ static void survey_joints(daft_world *world)
         for (int side = 0; joint->kind != 0 && side < 2; side++) {
             uint32_t body = joint->body[side];
             if (body != DAFT_SIM_NONE && world->bodies[body].kind == DAFT_BODY_DYNAMIC && !world->bodies[body].asleep)
-                join(heap_of(world, body), pull_of(world, joint));
+                join(island_of(world, body), pull_of(world, joint));
         }
     }
 }
@@ -280,35 +280,35 @@ static bool some_pull(const daft_world *world)
     return false;
 }
 
-bool daft_sim_finer_is_firm(const daft_world *world, uint32_t body)
+bool daft_sim_is_stiff(const daft_world *world, uint32_t body)
 {
-    return world->solver->firm && heap_of(world, body)->firm;
+    return world->solver->stiff && island_of(world, body)->stiff;
 }
 
-bool daft_sim_finer_paces(daft_world *world, float dt)
+bool daft_sim_substep_rates(daft_world *world, float dt)
 {
     daft_sim_solver *s = world->solver;
     uint32_t count = (uint32_t)world->awake.count;
     job j = {.world = world, .dt = dt};
     bool wide = count >= PARALLEL_BODIES;
-    daft_sim_for(world, wide, 2, find_heaps_or_colours, world);
+    daft_sim_for(world, wide, 2, number_islands_or_colour, world);
     daft_sim_for(world, wide, (count + GRAIN - 1) / GRAIN, need_range, &j);
     bool some = false, deep = false; /* are to take finer ones; overlap deeply */
-    s->firm = false;
+    s->stiff = false;
     if (COLUMN * raised_to(&j.most) * dt <= (float)world->substeps && !some_pull(world)) return false;
-    memset(s->heaps, 0, s->heap_count * sizeof *s->heaps);
+    memset(s->islands, 0, s->island_count * sizeof *s->islands);
     survey_bodies(world);
     survey_contacts(world);
     survey_joints(world);
-    for (size_t i = 0; i < s->heap_count; i++) {
-        daft_sim_heap *heap = &s->heaps[i];
-        heap->pace = pace_of(world, heap, dt);
-        heap->firm = heap->pace == 0 && heap->firm_contacts > 0 && heap->firm_contacts <= MOST_FIRM;
-        s->firm |= heap->firm;
-        some |= heap->pace > 0;
-        deep |= heap->deep;
+    for (size_t i = 0; i < s->island_count; i++) {
+        daft_sim_island *island = &s->islands[i];
+        island->rate = rate_of(world, island, dt);
+        island->stiff = island->rate == 0 && island->stiff_contacts > 0 && island->stiff_contacts <= MAX_STIFF;
+        s->stiff |= island->stiff;
+        some |= island->rate > 0;
+        deep |= island->deep;
     }
     for (size_t i = 0; deep && i < count; i++)
-        if (heap_of(world, world->awake.items[i])->deep) world->bodies[world->awake.items[i]].finer = 0;
+        if (island_of(world, world->awake.items[i])->deep) world->bodies[world->awake.items[i]].substep_demand = 0;
     return some;
 }

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* Bodies stop this far from what they hit, as a share of the inner radius, but no farther than MAX_GAP; and the share of
+/* Bodies stop this far from what they hit, as a fraction of the inner radius, but no farther than MAX_GAP; and the fraction of
  * that which does not matter. */
 #define TARGET    0.04
 #define MAX_GAP   0.005 /* m */
@@ -26,7 +26,7 @@ typedef struct sweep {
     daft_dvec3 middle; /* of the core as the step begins */
     daft_dvec3 to;     /* of the body's centre */
     daft_vec3 linear;  /* of the body */
-    double target, share;
+    double target, fraction;
     uint32_t count;    /* times of impact searched for */
     uint32_t first;    /* part that is met first; DAFT_SIM_NONE: none */
     bool pressed;      /* it does not yield, and the body is deep in it */
@@ -88,9 +88,9 @@ static void visit(void *context, uint32_t other)
     daft_impact impact;
     s->count++;
     daft_impact_kind kind = daft_shape_impact(&ball, &s->core, &hit->shape, &its, target, TOLERANCE * target, &impact);
-    if (!is_hit(kind) || impact.t > s->share || (impact.t == s->share && other > s->first)) return;
+    if (!is_hit(kind) || impact.t > s->fraction || (impact.t == s->fraction && other > s->first)) return;
     bool yields = s->world->bodies[hit->body].kind == DAFT_BODY_DYNAMIC;
-    s->share = impact.t;
+    s->fraction = impact.t;
     s->first = other;
     s->pressed = pressed && !yields;
     s->normal = impact.normal;
@@ -153,27 +153,27 @@ static void sweep_part(sweep *s, uint32_t index, daft_quat rotation)
 
 static void sweep_body(sweep *s, const daft_sim_body *body, daft_quat rotation)
 {
-    s->share = 1;
+    s->fraction = 1;
     s->first = DAFT_SIM_NONE;
     s->pressed = false;
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = s->world->parts[i].next)
         if (!s->world->parts[i].sensor && daft_shape_has_mass(&s->world->parts[i].shape)) sweep_part(s, i, rotation);
 }
 
-static void stop_at(daft_sim_target *t, const daft_sim_body *body, double share)
+static void stop_at(daft_sim_target *t, const daft_sim_body *body, double fraction)
 {
-    t->share = share;
+    t->fraction = fraction;
     t->stop = t->along;
-    if (share == 1) return;
-    t->stop = daft_dadd(body->centre, daft_dscale(daft_dsub(t->along, body->centre), share));
-    t->stop_rotation = daft_quat_nlerp(body->rotation, t->rotation, (float)share);
+    if (fraction == 1) return;
+    t->stop = daft_dadd(body->centre, daft_dscale(daft_dsub(t->along, body->centre), fraction));
+    t->stop_rotation = daft_quat_nlerp(body->rotation, t->rotation, (float)fraction);
 }
 
 static daft_dvec3 within_locks(const daft_sim_body *body, daft_dvec3 to)
 {
     if (!(body->locks & DAFT_LOCK_POSITION)) return to;
     daft_vec3 way = daft_to_float(daft_dsub(to, body->centre));
-    return daft_dadd(body->centre, daft_to_double(daft_sim_held(body, way, DAFT_LOCK_POSITION_X)));
+    return daft_dadd(body->centre, daft_to_double(daft_sim_unlocked(body, way, DAFT_LOCK_POSITION_X)));
 }
 
 /* What is joined to a body that is made to go along a wall goes on into it: of a way that would open joints by more than
@@ -184,7 +184,7 @@ static double share_with_joined(const sweep *s, const daft_sim_body *body, daft_
 {
     daft_dvec3 aside = daft_dsub(wanted, s->to);
     double far = body->first_joint == DAFT_SIM_NONE ? 0 : sqrt(daft_ddot(aside, aside));
-    return far * s->share > MOST_TURNED_ASIDE ? MOST_TURNED_ASIDE / far : s->share;
+    return far * s->fraction > MOST_TURNED_ASIDE ? MOST_TURNED_ASIDE / far : s->fraction;
 }
 
 void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targets)
@@ -207,7 +207,7 @@ void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targ
 /* ---- what is joined to it ---- */
 
 /* A limb that is stopped while the rest of a doll goes on would have its joint torn open by the rest of the way. So of two
- * bodies in a joint neither gets much farther than the other, as a share of its own way: each joint adds this. */
+ * bodies in a joint neither gets much farther than the other, as a fraction of its own way: each joint adds this. */
 #define AHEAD_OF_JOINED (1.0 / 64)
 
 /* Rows whose neighbours are to be looked at: a ring in which each is once at most. */
@@ -232,23 +232,23 @@ static uint32_t take(waiting *w)
     return row;
 }
 
-static bool hold_back(daft_sim_target *t, const daft_sim_body *body, double share)
+static bool hold_back(daft_sim_target *t, const daft_sim_body *body, double fraction)
 {
-    if (!(share < t->share)) return false;
-    stop_at(t, body, share);
+    if (!(fraction < t->fraction)) return false;
+    stop_at(t, body, fraction);
     return true;
 }
 
 static void hold_neighbours(const daft_world *world, waiting *w, uint32_t row)
 {
     daft_sim_target *targets = world->solver->targets;
-    double share = targets[row].share + AHEAD_OF_JOINED;
+    double fraction = targets[row].fraction + AHEAD_OF_JOINED;
     const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
     for (uint32_t e = body->first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
         const daft_sim_joint *joint = &world->joints[e >> 1];
         uint32_t other = joint->body[(e & 1) ^ 1], at = other == DAFT_SIM_NONE ? 0 : world->solver->row_of[other];
         if (joint->spring || at <= world->solver->mover_count) continue;
-        if (hold_back(&targets[at], &world->bodies[other], share)) put(w, at);
+        if (hold_back(&targets[at], &world->bodies[other], fraction)) put(w, at);
     }
 }
 
@@ -261,6 +261,6 @@ void daft_sim_sweep_joined(daft_world *world)
     waiting w = {.rows = s->levels, .in = s->marks, .size = s->row_count};
     memset(s->marks, 0, s->row_count);
     for (uint32_t row = first; row < s->row_count; row++)
-        if (s->targets[row].share < 1) put(&w, row);
+        if (s->targets[row].fraction < 1) put(&w, row);
     while (w.count > 0) hold_neighbours(world, &w, take(&w));
 }

@@ -122,13 +122,13 @@ static void listings_are_sorted_and_equal_keys_keep_their_order(void **unused)
         uint32_t step = 1 + random_bits() % 40; /* long runs in order, with breaks between them */
         for (size_t i = 0; i < count; i++) {
             uint64_t key = round % 2 ? random_bits() % 50 : i % step + (random_bits() % 9 == 0 ? random_bits() % 60 : 0);
-            expected[i] = items[i] = (daft_sim_active){.key = key, .touch = (uint32_t)i};
+            expected[i] = items[i] = (daft_sim_active){.key = key, .pair = (uint32_t)i};
         }
         daft_sim_active_sort(items, count, scratch);
         sort_slowly(expected, count);
         for (size_t i = 0; i < count; i++) {
             assert_true(items[i].key == expected[i].key);
-            assert_int_equal(items[i].touch, expected[i].touch);
+            assert_int_equal(items[i].pair, expected[i].pair);
         }
     }
 }

@@ -71,7 +71,7 @@ static void check_listing(const daft_world *world)
         uint64_t key = world->active.items[i].key;
         if (!is_active(world, (uint32_t)(key >> 32)) && !is_active(world, (uint32_t)key)) continue;
         assert_true(listed < count && keys[listed] == key);
-        assert_true(daft_sim_touch_key(&world->touches[world->active.items[i].touch]) == key);
+        assert_true(daft_sim_pair_key(&world->pairs[world->active.items[i].pair]) == key);
         listed++;
     }
     assert_int_equal(listed, count);
