@@ -14,8 +14,8 @@ local function place(target)
     return target[1], target[2], target[3]
 end
 
--- The share of the way to go in one step.
-local function share(dt, smooth)
+-- The fraction of the remaining distance to cover in one tick.
+local function fraction(dt, smooth)
     if smooth <= 0 then return 1 end
     return 1 - math.exp(-dt / smooth)
 end
@@ -51,7 +51,7 @@ function Follow:update(dt, jump)
     local to_y = y + self.height
     local to_z = z - self.distance * math.sin(self.yaw)
     jump = jump or not self.x
-    local k = jump and 1 or share(dt, self.smooth)
+    local k = jump and 1 or fraction(dt, self.smooth)
     self.x = jump and to_x or self.x + (to_x - self.x) * k
     self.y = jump and to_y or self.y + (to_y - self.y) * k
     self.z = jump and to_z or self.z + (to_z - self.z) * k
@@ -81,7 +81,7 @@ function Orbit:zoom(factor)
 end
 
 function Orbit:update(dt, jump)
-    local k = (jump or not self.shown) and 1 or share(dt, self.smooth)
+    local k = (jump or not self.shown) and 1 or fraction(dt, self.smooth)
     self.now_yaw = self.now_yaw + (self.yaw - self.now_yaw) * k
     self.now_pitch = self.now_pitch + (self.pitch - self.now_pitch) * k
     self.now_distance = self.now_distance + (self.distance - self.now_distance) * k

@@ -56,8 +56,8 @@ end
 function Tween:update(dt)
     if self.time >= self.seconds then return false end
     self.time = math.min(self.seconds, self.time + dt)
-    local share = self.curve(self.time / self.seconds)
-    for key, from in pairs(self.from) do self.value[key] = from + (self.to[key] - from) * share end
+    local weight = self.curve(self.time / self.seconds)
+    for key, from in pairs(self.from) do self.value[key] = from + (self.to[key] - from) * weight end
     if self.time < self.seconds then return false end
     for key, target in pairs(self.to) do self.value[key] = target end
     return true
