@@ -37,7 +37,8 @@ typedef struct smoother {
     char *scratch; /* for these */
     daft_smooth_faces faces;
     daft_smooth_sum *sums_of; /* each vertex */
-    daft_smooth_lists lists;  /* of vertices that take more than adding up */
+    daft_smooth_lists lists;  /* of vertices that take more than adding up; filled where any_listed */
+    bool any_listed;
     spoke *spokes;    /* as many as the vertex with most corners has */
     daft_dvec3 *sums; /* of each set of them */
     edge *edges;      /* twice as many, for fans that are not small */
@@ -259,7 +260,8 @@ static bool prepare(smoother *s)
     lay_out(s);
     memset(s->sums_of, 0, mesh->vertex_count * sizeof *s->sums_of);
     s->kernels->add_faces(mesh, s->faces, s->sums_of);
-    uint32_t most = choose_listed(s) ? list_corners(s) : 0;
+    s->any_listed = choose_listed(s);
+    uint32_t most = s->any_listed ? list_corners(s) : 0;
     s->spokes = daft_alloc(s->allocator, most, sizeof *s->spokes);
     s->sums = daft_alloc(s->allocator, most, sizeof *s->sums);
     s->edges = daft_alloc(s->allocator, most > SMALL_FAN ? 2 * (size_t)most : 1, sizeof *s->edges);
@@ -286,7 +288,7 @@ static bool smooth_vertices(smoother *s)
     uint32_t end = mesh->vertex_count;
     s->kernels->normalize(s->sums_of, end, mesh->normals);
     mesh->normal_count = end;
-    for (uint32_t first = 0, next; first < end; first = next) {
+    for (uint32_t first = 0, next; s->any_listed && first < end; first = next) {
         next = end - first < TOGETHER ? end : first + TOGETHER;
         s->kernels->unlist_rings(mesh, s->faces.normals, s->groups, s->cosine, &s->lists, first, next);
         for (uint32_t vertex = first; vertex < next; vertex++)

@@ -19,7 +19,7 @@ typedef struct daft_smooth_sum {
     float count;        /* exact up to 2^24 */
 } daft_smooth_sum;
 
-/* Corners by vertex: those of vertex v stand at corners[first[v] .. first[v + 1] - 1], in the order of the triangles. */
+/* Filled only where some vertex is listed. Corners by vertex: those of vertex v stand at corners[first[v] .. first[v + 1] - 1], in the order of the triangles. */
 typedef struct daft_smooth_lists {
     uint8_t *listed; /* 0: the vertex has none here, since all its corners are one set */
     uint32_t *first; /* vertex_count + 1 */

@@ -1,6 +1,7 @@
 /* Meshes from arrays, boxes, and smooth normals against a slow, obvious twin. */
 #include "geometry/mesh.h"
 #include "geometry/smooth.h"
+#include "math/trig.h"
 #include "support_content.h"
 
 static counting memory;
@@ -220,6 +221,66 @@ static void smooth_normals_agree_with_the_twin(void **unused)
         for (uint32_t k = 0; k < 3 * mesh.triangle_count; k++) {
             daft_vec3 face = daft_trimesh_face_normal(&mesh, k / 3);
             assert_true(daft_dot(face, normal_at(&mesh, k)) > 0.999999f);
+        }
+        free_mesh(&mesh);
+    }
+}
+
+/* Fresh memory holds one number everywhere. */
+static void *filled_allocate(void *user, size_t size, size_t alignment)
+{
+    (void)alignment;
+    uint32_t *words = malloc(size + sizeof *words);
+    for (size_t i = 0; words && i <= size / sizeof *words; i++) words[i] = *(const uint32_t *)user;
+    return words;
+}
+
+static void filled_release(void *user, void *pointer)
+{
+    (void)user;
+    free(pointer);
+}
+
+/* So smooth that no vertex needs its corners listed. */
+static daft_trimesh make_torus(void)
+{
+    enum { AROUND = 64 };
+    static daft_vec3 positions[AROUND * AROUND];
+    static uint32_t indices[6 * AROUND * AROUND];
+    for (uint32_t i = 0; i < AROUND * AROUND; i++) {
+        double a = 2 * DAFT_PI * (i % AROUND) / AROUND, b = 2 * DAFT_PI * (double)(i / AROUND) / AROUND, r = 3 + daft_cos(b);
+        positions[i] = daft_v3((float)(r * daft_cos(a)), (float)daft_sin(b), (float)(r * daft_sin(a)));
+        uint32_t right = i / AROUND * AROUND + (i + 1) % AROUND, up = (i + AROUND) % (AROUND * AROUND);
+        uint32_t far = (right + AROUND) % (AROUND * AROUND);
+        const uint32_t two[6] = {i, up, right, right, up, far};
+        memcpy(indices + 6 * i, two, sizeof two);
+    }
+    daft_mesh_def def = {DAFT_COOKIE, positions, NULL, NULL, AROUND * AROUND, indices, 2 * AROUND * AROUND};
+    return from_arrays(&def);
+}
+
+/* Normals are the same whatever fresh memory holds: of a torus, where no vertex has its corners listed, and of
+ * sheets, where some or all have. */
+static void fresh_memory_does_not_matter(void **unused)
+{
+    (void)unused;
+    static const float bumps[] = {0, 0.05f, 3}; /* 0: the torus */
+    for (size_t i = 0; i < DAFT_COUNT_OF(bumps); i++) {
+        daft_trimesh mesh = i ? make_sheet(bumps[i]) : make_torus(), again = mesh;
+        for (uint32_t word = 0; word < 10; word++) {
+            uint32_t fill = word < 9 ? word : UINT32_MAX;
+            daft_allocator allocator = {&fill, filled_allocate, filled_release};
+            again.normals = NULL, again.normal_indices = NULL, again.normal_count = 0;
+            assert_true(daft_trimesh_smooth(&allocator, &again, DAFT_SMOOTH_CREASE, NULL));
+            if (word == 0) {
+                daft_allocator counted = {&memory, counting_allocate, counting_release};
+                assert_true(daft_trimesh_smooth(&counted, &mesh, DAFT_SMOOTH_CREASE, NULL));
+            }
+            assert_int_equal(again.normal_count, mesh.normal_count);
+            assert_memory_equal(again.normals, mesh.normals, mesh.normal_count * sizeof *mesh.normals);
+            assert_int_equal(!again.normal_indices, !mesh.normal_indices);
+            free(again.normals);
+            free(again.normal_indices);
         }
         free_mesh(&mesh);
     }
@@ -483,6 +544,7 @@ int main(void)
         cmocka_unit_test(every_instruction_set_finds_the_same_rings),
         cmocka_unit_test(bounds_are_those_of_the_triangles),
         cmocka_unit_test(smooth_normals_agree_with_the_twin),
+        cmocka_unit_test(fresh_memory_does_not_matter),
         cmocka_unit_test(unusual_fans),
         cmocka_unit_test(normals_do_not_depend_on_scale),
         cmocka_unit_test(slivers_get_some_unit_normal),
