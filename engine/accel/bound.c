@@ -51,8 +51,8 @@ void daft_bvh_measure(daft_bvh *bvh, const daft_trimesh *mesh)
         bvh->support[place[k][1]] = -least_of(e.least[k]);
     }
     for (int k = 0; k < 3; k++) {
-        bvh->support[AXES + 2 * k] = (&mesh->high.x)[k];
-        bvh->support[AXES + 2 * k + 1] = -(&mesh->low.x)[k];
+        bvh->support[AXES + 2 * k] = daft_v3_at(mesh->high, k);
+        bvh->support[AXES + 2 * k + 1] = -daft_v3_at(mesh->low, k);
     }
 }
 
@@ -71,11 +71,10 @@ static void reach(const float *support, const double n[3], double out[2])
 
 static void bound_sphere(daft_instance *instance)
 {
-    float *low = &instance->low.x, *high = &instance->high.x;
     for (int k = 0; k < 3; k++) {
         float at = instance->to_frame.t[k], slack = (fabsf(at) + instance->radius) * 0x1p-22f;
-        low[k] = at - instance->radius - slack;
-        high[k] = at + instance->radius + slack;
+        daft_v3_put(&instance->low, k, at - instance->radius - slack);
+        daft_v3_put(&instance->high, k, at + instance->radius + slack);
     }
 }
 
@@ -89,14 +88,14 @@ void daft_instance_bound(daft_instance *instance)
         bound_sphere(instance);
         return;
     }
-    const float *a = &instance->mesh->low.x, *b = &instance->mesh->high.x;
+    const daft_vec3 a = instance->mesh->low, b = instance->mesh->high;
     const daft_affine *map = &instance->to_frame;
     double low[3], high[3], size = 0;
     for (int k = 0; k < 3; k++) {
         double centre = (double)map->t[k], half = 0, row[3], along[2];
         size += fabs(centre);
         for (int j = 0; j < 3; j++) {
-            double m = row[j] = (double)map->m[3 * k + j], l = (double)a[j], h = (double)b[j];
+            double m = row[j] = (double)map->m[3 * k + j], l = (double)daft_v3_at(a, j), h = (double)daft_v3_at(b, j);
             centre += m * (l + h) * 0.5;
             half += fabs(m) * (h - l) * 0.5;
             size += fabs(m) * (fabs(l) > fabs(h) ? fabs(l) : fabs(h));
@@ -110,7 +109,7 @@ void daft_instance_bound(daft_instance *instance)
     }
     double slack = size * (0x1p-20 + 0x1p-23);
     for (int k = 0; k < 3; k++) {
-        (&instance->low.x)[k] = (float)(low[k] - slack);
-        (&instance->high.x)[k] = (float)(high[k] + slack);
+        daft_v3_put(&instance->low, k, (float)(low[k] - slack));
+        daft_v3_put(&instance->high, k, (float)(high[k] + slack));
     }
 }

@@ -24,7 +24,7 @@ DAFT_INLINE void daft_bounded_read(const daft_instance *instances, daft_bounded 
     for (int i = 0; i < DAFT_VL; i++) {
         const daft_trimesh *mesh = instances[i].mesh;
         out->support[i] = instances[i].bvh->support;
-        for (int k = 0; k < 3; k++) out->low[k][i] = (&mesh->low.x)[k], out->high[k][i] = (&mesh->high.x)[k];
+        for (int k = 0; k < 3; k++) out->low[k][i] = daft_v3_at(mesh->low, k), out->high[k][i] = daft_v3_at(mesh->high, k);
     }
 }
 

@@ -18,7 +18,21 @@ DAFT_INLINE lined_ray lined(const daft_ray *ray)
     return (lined_ray){without_last(v4_load((const float *)ray)), d, slab_way_of(d, minus_inverse(d))};
 }
 
-DAFT_INLINE v4 shift_of(const daft_affine *map) { return __builtin_shufflevector(v4_load(map->m + 8), v4_set(0), 1, 2, 3, 4); }
+/* A map's twelve numbers in a row, so that whole registers are loaded across the end of its matrix. */
+typedef struct affine_rows {
+    v4 x, y, z, t; /* rows; lane 3: anything. t: the translation, lane 3: 0 */
+} affine_rows;
+
+DAFT_INLINE affine_rows affine_rows_of(const daft_affine *map)
+{
+    float row[12];
+    _Static_assert(sizeof *map == sizeof row, "nothing between the matrix and the translation");
+    memcpy(row, map, sizeof row);
+    return (affine_rows){v4_load(row), v4_load(row + 3), v4_load(row + 6),
+                         __builtin_shufflevector(v4_load(row + 8), v4_set(0), 1, 2, 3, 4)};
+}
+
+DAFT_INLINE v4 shift_of(const daft_affine *map) { return affine_rows_of(map).t; }
 
 DAFT_INLINE bool finite_lanes(v4 a, v4 b) { return v4_bits_from_mask((a - a) + (b - b) == v4_set(0)) == 15; }
 
@@ -26,8 +40,9 @@ DAFT_INLINE bool finite_lanes(v4 a, v4 b) { return v4_bits_from_mask((a - a) + (
 DAFT_INLINE bool turn(const daft_affine *map, const lined_ray *frame, lined_ray *own)
 {
     v4 o = frame->origin, d = frame->direction, x, y, z;
-    v4_transpose3(v4_load(map->m), v4_load(map->m + 3), v4_load(map->m + 6), &x, &y, &z);
-    own->origin = without_last(((x * v4_set(o[0]) + y * v4_set(o[1])) + z * v4_set(o[2])) + shift_of(map));
+    affine_rows rows = affine_rows_of(map);
+    v4_transpose3(rows.x, rows.y, rows.z, &x, &y, &z);
+    own->origin = without_last(((x * v4_set(o[0]) + y * v4_set(o[1])) + z * v4_set(o[2])) + rows.t);
     own->direction = without_last((x * v4_set(d[0]) + y * v4_set(d[1])) + z * v4_set(d[2]));
     own->way = slab_way_of(own->direction, minus_inverse(own->direction));
     return finite_lanes(own->origin, own->direction);

@@ -330,9 +330,8 @@ static bool make_corners(const daft_trimesh *mesh, daft_kdtree *tree)
 static bool build_tree(kd_job *job, int threads)
 {
     const daft_trimesh *mesh = job->mesh;
-    const float *low = &mesh->low.x, *high = &mesh->high.x;
     task whole = {.count = mesh->triangle_count, .repeats = REPEATS * (size_t)mesh->triangle_count + 64};
-    for (int k = 0; k < 3; k++) whole.cell.low[k] = low[k], whole.cell.high[k] = high[k];
+    for (int k = 0; k < 3; k++) whole.cell.low[k] = daft_v3_at(mesh->low, k), whole.cell.high[k] = daft_v3_at(mesh->high, k);
     for (uint32_t n = mesh->triangle_count; n > 0; n /= 2) whole.depth += 2; /* counts down from the deepest there may be */
     whole.depth = DAFT_KD_DEPTH - daft_min_u(whole.depth + 8, DAFT_KD_DEPTH);
     job->top = (part){.allocator = job->allocator, .mesh = mesh, .defer = mesh->triangle_count > TASK_COUNT};

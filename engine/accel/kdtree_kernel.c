@@ -38,7 +38,7 @@ DAFT_INLINE float sooner(float t, float share) { return t - fabsf(t) * share; }
 /* The ray's interval within the tree's bounds. False: it misses them. */
 static bool enter(const daft_kdtree *tree, const kd_ray *r, float tmin, float tmax, kd_entry *out)
 {
-    const float *low = &tree->low.x, *high = &tree->high.x;
+    const float low[3] = {tree->low.x, tree->low.y, tree->low.z}, high[3] = {tree->high.x, tree->high.y, tree->high.z};
     *out = (kd_entry){0, sooner(tmin, HIT), wider(tmax, HIT)};
     for (int k = 0; k < 3; k++) {
         if (r->d[k] == 0) {

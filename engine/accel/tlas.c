@@ -53,8 +53,8 @@ static bool is_bounded_sphere(const daft_instance *instance)
     daft_instance bounded = *instance;
     daft_instance_bound(&bounded);
     for (int k = 0; k < 3; k++) {
-        float low = (&instance->low.x)[k], high = (&instance->high.x)[k];
-        if ((&bounded.low.x)[k] != low || (&bounded.high.x)[k] != high || low < -DAFT_SPHERE_FAR ||
+        float low = daft_v3_at(instance->low, k), high = daft_v3_at(instance->high, k);
+        if (daft_v3_at(bounded.low, k) != low || daft_v3_at(bounded.high, k) != high || low < -DAFT_SPHERE_FAR ||
             high > DAFT_SPHERE_FAR)
             return false;
     }

@@ -20,6 +20,9 @@ static inline daft_vec3 daft_cross(daft_vec3 a, daft_vec3 b)
 {
     return daft_v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
+/* Component k of a vector: 0 is x, 1 y, 2 z. */
+static inline float daft_v3_at(daft_vec3 v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
+static inline void daft_v3_put(daft_vec3 *v, int k, float s) { *(k == 0 ? &v->x : k == 1 ? &v->y : &v->z) = s; }
 static inline float daft_length(daft_vec3 a) { return sqrtf(daft_dot(a, a)); }
 /* Zero stays zero. */
 static inline daft_vec3 daft_normalize(daft_vec3 a)
@@ -47,6 +50,7 @@ static inline daft_dvec3 daft_dcross(daft_dvec3 a, daft_dvec3 b)
     return daft_dv3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 static inline daft_dvec3 daft_to_double(daft_vec3 a) { return daft_dv3((double)a.x, (double)a.y, (double)a.z); }
+static inline double daft_dv3_at(daft_dvec3 v, int k) { return k == 0 ? v.x : k == 1 ? v.y : v.z; }
 static inline daft_vec3 daft_to_float(daft_dvec3 a) { return daft_v3((float)a.x, (float)a.y, (float)a.z); }
 static inline bool daft_dfinite3(daft_dvec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 
