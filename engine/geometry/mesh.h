@@ -78,7 +78,7 @@ daft_mtl daft_mtl_default(void);
 typedef struct daft_obj {
     daft_trimesh mesh;
     daft_mtl_list slots; /* slot i of the mesh has the material slots.items[i] */
-    uint32_t *groups;    /* of daft_obj_load_bare: what daft_obj_smooth takes; NULL: none */
+    uint32_t *groups;    /* smoothing group of each triangle, for daft_obj_smooth; NULL: none, or no longer needed */
 } daft_obj;
 
 bool daft_obj_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
@@ -88,12 +88,12 @@ bool daft_obj_parse(const daft_allocator *allocator, const char *path, const cha
                     const daft_log *log, daft_obj *out, daft_error *error);
 void daft_obj_free(const daft_allocator *allocator, daft_obj *obj);
 
-/* daft_obj_load for a mesh that may never be drawn: where no corner has a normal in the file, mesh.normals is NULL, and
- * daft_obj_smooth makes those that daft_obj_load would have, bit for bit. That takes as long as all
- * the rest, or twice that. On failure the mesh is as it was. */
-bool daft_obj_load_bare(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
-                        daft_error *error);
-bool daft_obj_smooth(const daft_allocator *allocator, daft_trimesh *mesh, const uint32_t *groups, daft_error *error);
+/* daft_obj_load in two steps. The first leaves mesh.normals NULL where no corner has a normal in the file: enough to collide
+ * with. The second computes those, which takes as long as the first or twice that; where there are normals it does nothing.
+ * On failure the mesh is as it was. */
+bool daft_obj_load_triangles(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
+                             daft_error *error);
+bool daft_obj_smooth(const daft_allocator *allocator, daft_obj *obj, daft_error *error);
 
 /* ---- what is odd: mesh_check.c, obj_check.c ---- */
 

@@ -58,17 +58,33 @@ static bool finish(daft_obj_source *source, bool done, daft_obj *obj, daft_obj *
     return done;
 }
 
+/* Takes the groups along where normals are still to be computed. */
+static bool make_normals(daft_obj_source *source, daft_obj *obj, daft_error *error)
+{
+    if (!daft_obj_make_normals(source, &obj->mesh, error)) return false;
+    if (!obj->mesh.normals) obj->groups = source->groups, source->groups = NULL;
+    return true;
+}
+
+/* Frees what was loaded where that fails. */
+static bool smooth_loaded(const daft_allocator *allocator, daft_obj *obj, daft_error *error)
+{
+    if (daft_obj_smooth(allocator, obj, error)) return true;
+    daft_obj_free(allocator, obj);
+    return false;
+}
+
 bool daft_obj_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
                     const daft_log *log, daft_obj *out, daft_error *error)
 {
     daft_obj obj = {0};
     daft_obj_source source = {.text = daft_text_open(path, text, size, log), .allocator = allocator};
-    bool done = read_text(&source, &obj, error) && daft_obj_make_normals(&source, &obj.mesh, false, error);
-    return finish(&source, done, &obj, out);
+    bool done = read_text(&source, &obj, error) && make_normals(&source, &obj, error);
+    return finish(&source, done, &obj, out) && smooth_loaded(allocator, out, error);
 }
 
-static bool load(const daft_allocator *allocator, const char *path, const daft_log *log, bool bare, daft_obj *out,
-                 daft_error *error)
+bool daft_obj_load_triangles(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
+                             daft_error *error)
 {
     size_t size;
     char *text = daft_file_read(allocator, path, &size, error);
@@ -77,34 +93,29 @@ static bool load(const daft_allocator *allocator, const char *path, const daft_l
     daft_obj_source source = {.text = daft_text_open(path, text, size, log), .allocator = allocator};
     bool done = read_text(&source, &obj, error);
     daft_release(allocator, text);
-    done = done && daft_obj_make_normals(&source, &obj.mesh, bare, error);
-    if (done && !obj.mesh.normals) obj.groups = source.groups, source.groups = NULL;
+    done = done && make_normals(&source, &obj, error);
     return finish(&source, done, &obj, out);
 }
 
 bool daft_obj_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
                    daft_error *error)
 {
-    return load(allocator, path, log, false, out, error);
+    return daft_obj_load_triangles(allocator, path, log, out, error) && smooth_loaded(allocator, out, error);
 }
 
-bool daft_obj_load_bare(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
-                        daft_error *error)
+bool daft_obj_smooth(const daft_allocator *allocator, daft_obj *obj, daft_error *error)
 {
-    return load(allocator, path, log, true, out, error);
-}
-
-bool daft_obj_smooth(const daft_allocator *allocator, daft_trimesh *mesh, const uint32_t *groups, daft_error *error)
-{
-    daft_trimesh smooth = *mesh;
-    bool done = daft_trimesh_smooth_groups(allocator, &smooth, DAFT_SMOOTH_CREASE, groups, error);
-    if (done) {
-        *mesh = smooth;
-    } else {
+    if (obj->mesh.normals) return true;
+    daft_trimesh smooth = obj->mesh;
+    if (!daft_trimesh_smooth_groups(allocator, &smooth, DAFT_SMOOTH_CREASE, obj->groups, error)) {
         daft_release(allocator, smooth.normals);
         daft_release(allocator, smooth.normal_indices);
+        return false;
     }
-    return done;
+    obj->mesh = smooth;
+    daft_release(allocator, obj->groups);
+    obj->groups = NULL;
+    return true;
 }
 
 void daft_obj_free(const daft_allocator *allocator, daft_obj *obj)

@@ -62,9 +62,9 @@ void daft_obj_source_free(daft_obj_source *source);
 
 /* Arrays to a mesh (obj_mesh.c), which takes what it can use as it is out of the source: all but the normals. */
 bool daft_obj_make_mesh(daft_obj_source *source, daft_trimesh *mesh, daft_error *error);
-/* Those are last. The text may be gone by then: it is as large as what they need beside it. Of a file without normals
- * there are none where it is `bare`. */
-bool daft_obj_make_normals(daft_obj_source *source, daft_trimesh *mesh, bool bare, daft_error *error);
+/* Those are last. The text may be gone by then: it is as large as what they need beside it. None, where no
+ * corner of the file has one. */
+bool daft_obj_make_normals(daft_obj_source *source, daft_trimesh *mesh, daft_error *error);
 
 static inline daft_vec3 daft_obj_position(const daft_obj_source *source, size_t index)
 {

@@ -176,7 +176,7 @@ static bool check(daft_obj_source *source, daft_obj *obj, daft_error *error)
     source->face_of = daft_alloc(source->allocator, source->triangle_count, sizeof *source->face_of);
     if (!source->face_of) return daft_fail_memory(error, "checking a mesh");
     return daft_obj_make_mesh(source, &obj->mesh, error) && daft_obj_make_slots(source, &obj->slots, error) &&
-           daft_obj_make_normals(source, &obj->mesh, false, error) && look_at_mesh(&c, &obj->mesh, error);
+           daft_obj_make_normals(source, &obj->mesh, error) && look_at_mesh(&c, &obj->mesh, error);
 }
 
 bool daft_obj_check(const daft_allocator *allocator, const char *path, const daft_log *log,

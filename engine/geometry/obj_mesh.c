@@ -347,14 +347,14 @@ static bool merge_normals(daft_obj_source *s, daft_trimesh *mesh, const daft_tri
     return true;
 }
 
-bool daft_obj_make_normals(daft_obj_source *s, daft_trimesh *mesh, bool bare, daft_error *error)
+bool daft_obj_make_normals(daft_obj_source *s, daft_trimesh *mesh, daft_error *error)
 {
     bool any_zero = normalize_all(s);
     bool any_absent = mesh->normal_indices && find_absent(s, mesh, any_zero);
     if (!any_present(mesh->normal_indices, 3 * (size_t)mesh->triangle_count)) {
         daft_release(s->allocator, mesh->normal_indices);
         mesh->normal_indices = NULL;
-        return bare || daft_trimesh_smooth_groups(s->allocator, mesh, DAFT_SMOOTH_CREASE, s->groups, error);
+        return true;
     }
     daft_trimesh computed = *mesh;
     computed.normals = NULL;

@@ -83,7 +83,6 @@ typedef struct maker {
     daft_scene *scene;
     daft_dvec3 origin;
     float alpha;
-    bool counted;
     daft_arena *arena;
     const daft_accel_kernels *kernels;
     /* Of the materials, in order: things of one slot share them, since a line of a cache for each would be missed wherever many
@@ -146,7 +145,6 @@ static bool list_entity(maker *m, uint32_t index)
     if (!scene->entity_slots.items[index].live || item->def.shape == DAFT_SHAPE_NONE || !item->def.visible) return true;
     if (item->parent != DAFT_NONE && !daft_entity_world(scene, index, m->alpha)->shown) return true;
     daft_mesh_item *shape = shape_of(scene, item);
-    if (shape && m->counted) shape->shown_pass = scene->pass;
     m->entities[m->count++] = index;
     return !repeats(item, shape) || repeat_material(m, item->def.material.id - 1);
 }
@@ -241,10 +239,10 @@ static uint32_t sift(maker *m)
     return kept;
 }
 
-bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, bool counted, daft_arena *arena,
+bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
                              daft_instance **instances, uint32_t *count, daft_error *error)
 {
-    maker m = {.scene = scene, .origin = origin, .alpha = alpha, .counted = counted, .arena = arena};
+    maker m = {.scene = scene, .origin = origin, .alpha = alpha, .arena = arena};
     *count = 0;
     if (!begin(&m)) return daft_fail_memory(error, "a snapshot's instances");
     scene->pass++;
@@ -278,11 +276,11 @@ bool daft_place_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daf
     if (still_valid(scene, origin, alpha)) return true;
     p->valid = false;
     daft_arena_reset(&p->arena);
-    if (!daft_snapshot_instances(scene, origin, alpha, true, &p->arena, &instances, &p->count, error)) return false;
+    if (!daft_snapshot_instances(scene, origin, alpha, &p->arena, &instances, &p->count, error)) return false;
     p->instances = instances;
     p->revision = scene->revision, p->looks = scene->looks, p->tick = scene->tick, p->alpha = alpha, p->origin = origin;
     p->still = scene->moved_tick != scene->tick;
-    p->number = ++scene->engine->placings, p->pass = scene->pass;
+    p->number = ++scene->engine->placings;
     p->valid = true;
     scene->counters.placings++;
     return true;

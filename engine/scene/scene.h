@@ -40,8 +40,6 @@ typedef struct daft_mesh_item {
     daft_bvh *bvh;
     daft_kdtree *kdtree; /* NULL: the engine's accelerator is the BVH */
     uint32_t *materials; /* index of each slot's material */
-    uint32_t *groups;    /* the file's, by which normals are smooth; gone once the mesh has its normals */
-    uint64_t shown_pass; /* the last pass that listed an instance of it */
 } daft_mesh_item;
 
 /* A box's mesh, shared by the entities of the same size, gone with the last of them. */
@@ -136,7 +134,7 @@ typedef struct daft_placed {
     daft_dvec3 origin;
     const daft_instance *instances;
     uint32_t count;
-    uint64_t number, pass; /* the engine's placing; the pass that counted what is shown */
+    uint64_t number; /* the engine's placing */
 } daft_placed;
 
 typedef struct daft_character_item {
@@ -295,15 +293,13 @@ void daft_camera_axes(const daft_camera *camera, daft_vec3 *right, daft_vec3 *up
 
 /* ---- snapshot.c, instances.c ---- */
 
-/* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena. `counted`: they count as shown. */
-bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, bool counted, daft_arena *arena,
+/* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena */
+bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
                              daft_instance **instances, uint32_t *count, daft_error *error);
 /* Sees to it that scene->placed is what a frame around `origin` sees. */
 bool daft_place_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_error *error);
 /* Whether a point of the frame is one that kernels can work with. */
 bool daft_fits_kernels(daft_vec3 point);
-/* The smooth normals of meshes that the last snapshot shows for the first time: what only collides has none. */
-bool daft_assets_smooth(daft_scene *scene, daft_error *error);
 bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_snapshot *out,
                         daft_error *error);
 

@@ -63,6 +63,5 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
     daft_arena_reset(&scene->frame);
     if (!daft_place_instances(scene, view->camera.position, view->alpha, error)) return false;
     out->instances = scene->placed.instances, out->instance_count = scene->placed.count, out->placing = scene->placed.number;
-    if (!daft_assets_smooth(scene, error) || !fill_lamps(scene, view->camera.position, out, error)) return false;
-    return true;
+    return fill_lamps(scene, view->camera.position, out, error);
 }

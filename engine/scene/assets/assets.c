@@ -18,7 +18,6 @@ static void mesh_free(const daft_scene *scene, daft_mesh_item *item)
     daft_kdtree_free(item->kdtree);
     daft_trimesh_free(scene->allocator, &item->mesh);
     daft_release(scene->allocator, item->materials);
-    daft_release(scene->allocator, item->groups);
     daft_release(scene->allocator, item->path);
 }
 
@@ -111,10 +110,9 @@ static bool mesh_read(daft_scene *scene, const char *path, daft_mesh_item *item,
     if (!item->path) return daft_fail_memory(error, "a path");
     item->hash = daft_path_hash(path);
     daft_obj obj = {0};
-    if (!daft_obj_load_bare(scene->allocator, path, &scene->engine->log, &obj, error)) return false;
-    item->mesh = obj.mesh, item->groups = obj.groups; /* from here on the item owns the triangles */
+    if (!daft_obj_load(scene->allocator, path, &scene->engine->log, &obj, error)) return false;
+    item->mesh = obj.mesh; /* from here on the item owns the triangles */
     memset(&obj.mesh, 0, sizeof obj.mesh);
-    obj.groups = NULL;
     bool done = mesh_finish(scene, item, error);
     for (size_t i = 0; done && i < obj.slots.count && i < item->mesh.slot_count; i++) {
         daft_material material = daft_material_from_mtl(scene, &obj.slots.items[i], error);
@@ -208,8 +206,6 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
     if (daft_geometry_uses_mesh(scene, mesh))
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "the mesh's triangles are what a body is made of: they do not move");
     if (!daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
-    daft_release(scene->allocator, item->groups);
-    item->groups = NULL;
     const daft_bvh_def def = mesh_tree(scene);
     if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
     if (item->kdtree) { /* without memory for another, rays go through the BVH, to the same hits */
@@ -234,18 +230,6 @@ bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info,
                              .high = item->mesh.high,
                              .bytes = daft_trimesh_bytes(&item->mesh) + daft_bvh_bytes(item->bvh) +
                                       (item->kdtree ? daft_kdtree_bytes(item->kdtree) : 0)};
-    return true;
-}
-
-bool daft_assets_smooth(daft_scene *scene, daft_error *error)
-{
-    for (uint32_t i = 0; i < scene->assets.mesh_count; i++) {
-        daft_mesh_item *item = scene->assets.meshes[i];
-        if (item->mesh.normals || item->shown_pass != scene->placed.pass) continue;
-        if (!daft_obj_smooth(scene->allocator, &item->mesh, item->groups, error)) return false;
-        daft_release(scene->allocator, item->groups);
-        item->groups = NULL;
-    }
     return true;
 }
 

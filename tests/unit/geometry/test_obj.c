@@ -518,16 +518,16 @@ static void normals_may_come_later(void **unused)
         snprintf(text, sizeof text, ROOF "%s", cases[i].faces);
         daft_obj whole = parse(text), bare;
         const char *path = write_test_text("bare.obj", text);
-        assert_true(daft_obj_load_bare(&allocator, path, NULL, &bare, NULL));
+        assert_true(daft_obj_load_triangles(&allocator, path, NULL, &bare, NULL));
         assert_int_equal(!bare.mesh.normals, cases[i].bare);
         assert_int_equal(!bare.mesh.normal_indices && !bare.mesh.normal_count, cases[i].bare);
         if (cases[i].bare) {
             long live = memory.live;
             memory.fail_at = memory.calls;
-            assert_false(daft_obj_smooth(&allocator, &bare.mesh, bare.groups, NULL));
+            assert_false(daft_obj_smooth(&allocator, &bare, NULL));
             memory.fail_at = -1;
             assert_true(!bare.mesh.normals && !bare.mesh.normal_indices && memory.live == live);
-            assert_true(daft_obj_smooth(&allocator, &bare.mesh, bare.groups, NULL));
+            assert_true(daft_obj_smooth(&allocator, &bare, NULL) && !bare.groups);
         }
         check_mesh(&bare);
         const daft_trimesh *a = &whole.mesh, *b = &bare.mesh;
