@@ -127,7 +127,7 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
     bool good = true;
     for (; good && progress.frame < o->repeat; progress.frame++) {
         good = daft_render(scene, &view, image, error);
-        frame_times_add(times, daft_scene_counters(scene)->frame_ms);
+        frame_times_add(times, daft_scene_counters(scene)->frame_ms, daft_scene_counters(scene));
     }
     progress_end(&progress.bar);
     return good;

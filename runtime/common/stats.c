@@ -11,7 +11,7 @@
 
 /* ---- times ---- */
 
-void frame_times_add(frame_times *times, double ms)
+void frame_times_add(frame_times *times, double ms, const daft_counters *counters)
 {
     if (times->count == times->capacity) {
         size_t capacity = times->capacity ? times->capacity * 2 : 256;
@@ -21,6 +21,7 @@ void frame_times_add(frame_times *times, double ms)
         times->capacity = capacity;
     }
     times->ms[times->count++] = ms;
+    for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++) times->effects[i] += counters->effects[i].ms;
 }
 
 void frame_times_free(frame_times *times)
@@ -55,7 +56,7 @@ static void put_number(FILE *out, double value)
     fprintf(out, "%.4f", isfinite(value) ? value : 0.0);
 }
 
-static void put_effect(FILE *out, const daft_effect *effect, bool last)
+static void put_effect(FILE *out, const daft_effect *effect, double mean_ms, bool last)
 {
     fputs("    ", out);
     json_put_text(out, effect->name);
@@ -64,6 +65,8 @@ static void put_effect(FILE *out, const daft_effect *effect, bool last)
     fprintf(out, ", \"tiles\": %" PRIu32 ", \"rays\": %" PRIu64 ", \"bytes\": %" PRIu64 ", \"ms\": ", effect->tiles,
             effect->rays, effect->bytes);
     put_number(out, effect->ms);
+    fputs(", \"mean_ms\": ", out);
+    put_number(out, mean_ms);
     fprintf(out, "}%s\n", last ? "" : ",");
 }
 
@@ -82,9 +85,10 @@ void stats_print_json(FILE *out, const daft_counters *c, const frame_times *time
             ", \"refraction\": %" PRIu64 ", \"query\": %" PRIu64 "},\n  \"effects\": {\n",
             c->camera_rays, c->shadow_rays, c->reflection_rays, c->refraction_rays, c->query_rays);
     size_t named = 0;
+    double frames = times->count ? (double)times->count : 1;
     for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++) named += c->effects[i].name != NULL;
     for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++)
-        if (c->effects[i].name) put_effect(out, &c->effects[i], --named == 0);
+        if (c->effects[i].name) put_effect(out, &c->effects[i], times->effects[i] / frames, --named == 0);
     const struct {
         const char *name;
         uint64_t value;

@@ -6,20 +6,21 @@
 
 #include <stdio.h>
 
-/* Times of frames, in the order they were drawn. */
+/* Times of frames, in the order they were drawn, and the sums of their effects. */
 typedef struct frame_times {
     double *ms;
     size_t count, capacity;
+    double effects[DAFT_EFFECT_COUNT];
 } frame_times;
 
-/* Drops the time when memory runs out. */
-void frame_times_add(frame_times *times, double ms);
+/* `counters`: those of the frame. Drops the time when memory runs out. */
+void frame_times_add(frame_times *times, double ms, const daft_counters *counters);
 void frame_times_free(frame_times *times);
 /* The quantile of the times: 0.5 is the median. 0 without frames. */
 double frame_times_quantile(const frame_times *times, double fraction);
 
 /* {"width", "height", "threads", "isa", "frame_ms": {"median", "p95", "frames"}, "rays", "effects", "counters"}.
- * The counters are those of the last frame. path: "-" writes to stdout. */
+ * The counters are those of the last frame, but for the effects' "mean_ms", the mean of all frames. path: "-" writes to stdout. */
 bool stats_write(const char *path, const daft_counters *counters, const frame_times *times, daft_error *error);
 void stats_print_json(FILE *out, const daft_counters *counters, const frame_times *times);
 /* Prints the plan: each effect, whether it ran and why, its tiles, rays and milliseconds. */

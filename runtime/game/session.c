@@ -86,7 +86,7 @@ static bool draw(session *s, float alpha, daft_error *error)
     if (game_draw(&s->play, s->picture, alpha)) {
         double ms = (double)(clock_now_ns() - began) / 1e6;
         s->frame_ms = smooth(s->frame_ms, ms);
-        if (s->def->stats) frame_times_add(&s->times, ms);
+        if (s->def->stats) frame_times_add(&s->times, ms, daft_scene_counters(s->play.scene));
         if (s->overlay) draw_overlay(s);
     } else {
         canvas over = canvas_over(s->picture);

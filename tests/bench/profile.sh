@@ -2,7 +2,7 @@
 # Where the instructions of a benchmark go, by function: for each pixel, and for each triangle that was looked at.
 # usage: tests/bench/profile.sh 'SCENE ROW' [ISA]      in the checkout, after ./daft bench has built the benchmarks
 #   tests/bench/profile.sh 'bunny, whole camera rays, exact' avx2
-#   tests/bench/profile.sh 'bunny, whole frame, one lamp' sse2
+#   tests/bench/profile.sh 'bunny, whole frame, one light' sse2
 # Counts with valgrind's callgrind, which knows no AVX-512; one frame, one thread, what comes before and after left out.
 set -eu
 

@@ -1,0 +1,134 @@
+/* Rows `scene frame, NAME`: each scene of assets/scenes in quality `game`, through daft.h alone. The first camera sways as a
+ * person looking around does: up to 40 cm along and 20 cm across, 6 degrees to the sides, over 120 frames, so that no frame
+ * shows what the one before showed and each is drawn whole. What may stay from frame to frame stays, as it would for a
+ * user. Beside them stands the time of a frame in which nothing moves. */
+#include "frames/users.h"
+
+#include "math/trig.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FRAMES = 120, WIDTH = 1280, HEIGHT = 720 };
+
+typedef struct show {
+    daft_engine *engine;
+    daft_scene *scene;
+    daft_image *image;
+    daft_view view;
+    int threads;
+} show;
+
+static void ignore(void *user, const daft_error *warning)
+{
+    (void)user, (void)warning;
+}
+
+static bool open_show(bench *self, const char *path, int threads, show *s, daft_error *error)
+{
+    daft_engine_def def = daft_default_engine_def();
+    def.threads = threads, def.isa = self->isa, def.warn = ignore;
+    *s = (show){.view = daft_default_view(), .threads = threads};
+    s->view.quality = DAFT_QUALITY_GAME;
+    s->engine = daft_engine_create(&def, error);
+    if (s->engine) s->scene = daft_scene_create(s->engine, error);
+    if (s->scene && daft_scene_load(s->scene, path, error)) s->image = daft_image_create(s->engine, WIDTH, HEIGHT, error);
+    if (s->image) s->view.camera = daft_scene_camera(s->scene, 1);
+    return s->image != NULL;
+}
+
+static void close_show(show *s)
+{
+    daft_image_destroy(s->image);
+    if (s->scene) daft_scene_destroy(s->scene);
+    if (s->engine) daft_engine_destroy(s->engine);
+}
+
+static daft_camera sway(const daft_camera *from, int frame)
+{
+    double turn = 2 * DAFT_PI * (frame + 0.5) / FRAMES, along = 0.4 * daft_sin(turn), across = 0.2 * daft_sin(2 * turn);
+    double c = daft_cos((double)from->yaw), s = daft_sin((double)from->yaw); /* yaw 0 looks along +X, positive turns to +Z */
+    daft_camera camera = *from;
+    camera.position.x += along * c - across * s, camera.position.z += along * s + across * c;
+    camera.yaw += (float)(6 * DAFT_PI / 180 * daft_sin(turn));
+    return camera;
+}
+
+/* Milliseconds; negative on failure. */
+static double draw(show *s, const daft_camera *camera)
+{
+    daft_view view = s->view;
+    view.camera = *camera;
+    double start = bench_clock_ms(s->threads);
+    if (!daft_render(s->scene, &view, s->image, NULL)) return -1;
+    return bench_clock_ms(s->threads) - start;
+}
+
+static int by_time(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* The sway once: fills `out`. */
+static bool show_all(show *s, users_frames *out)
+{
+    double ms[FRAMES];
+    *out = (users_frames){.frames = FRAMES};
+    for (int i = 0; i < FRAMES; i++) {
+        daft_camera camera = sway(&s->view.camera, i);
+        if ((ms[i] = draw(s, &camera)) < 0) return false;
+        const daft_effect *effects = daft_scene_counters(s->scene)->effects;
+        for (int k = 0; k < DAFT_EFFECT_COUNT; k++) out->names[k] = effects[k].name, out->effects[k] += effects[k].ms / FRAMES;
+    }
+    qsort(ms, FRAMES, sizeof ms[0], by_time);
+    out->median = ms[FRAMES / 2], out->p95 = ms[FRAMES * 95 / 100 - 1];
+    return true;
+}
+
+static void measure_scene(bench *self, const char *row, const char *path, int threads)
+{
+    show s;
+    daft_error error = {0};
+    char text[1200], note[64];
+    users_frames best = {0};
+    fprintf(stderr, "%s, %d thread%s\n", row, threads, threads == 1 ? "" : "s");
+    bool good = open_show(self, path, threads, &s, &error) && draw(&s, &s.view.camera) >= 0;
+    for (int i = 0; good && i < (self->rounds ? self->rounds : 2); i++) {
+        users_frames f;
+        good = show_all(&s, &f);
+        if (i == 0 || f.median < best.median) best = f;
+    }
+    if (good) {
+        draw(&s, &s.view.camera);
+        snprintf(note, sizeof note, "a still one %.2f ms", draw(&s, &s.view.camera));
+        users_report(self, row, threads, &best, note, 0, 0);
+    } else {
+        bench_note(self, true, "%s: %s", row, daft_error_text(&error, text, sizeof text));
+    }
+    close_show(&s);
+}
+
+static int is_scene(const struct dirent *entry)
+{
+    const char *dot = strrchr(entry->d_name, '.');
+    return dot && strcmp(dot, ".scene") == 0;
+}
+
+void bench_shown_scenes(bench *self)
+{
+    struct dirent **files;
+    int found = scandir(DAFT_ROOT "/assets/scenes", &files, is_scene, alphasort), counts[2];
+    int count = bench_thread_counts(self, counts);
+    for (int i = 0; i < found; i++) {
+        char row[64], path[512];
+        snprintf(row, sizeof row, "scene frame, %.*s", (int)(strlen(files[i]->d_name) - 6), files[i]->d_name);
+        snprintf(path, sizeof path, "%s/assets/scenes/%.200s", DAFT_ROOT, files[i]->d_name);
+        if (users_wants(self, row))
+            for (int t = 0; t < count; t++) measure_scene(self, row, path, counts[t]);
+        free(files[i]);
+    }
+    if (found >= 0) free(files);
+}

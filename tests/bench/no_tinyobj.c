@@ -1,4 +1,0 @@
-/* Where tinyobjloader or a C++ compiler is not installed. */
-#include "bench.h"
-
-bench_obj_loader *bench_find_tinyobj(void) { return NULL; }
