@@ -1,14 +1,14 @@
-/* base: what every room stands on: errors as values, memory, parallel loops (parallel.h), the clock,
- * hashes.
- * Promises: no global state; every allocation goes through the caller's allocator; a parallel loop's results do not
- * depend on the number of workers as long as its tasks write only to what their index owns. */
+/* base: errors as values, memory, files, the parallel scheduler, the clock, hashes: what every room uses.
+ * Public headers: base.h parallel.h
+ * Promises: no global state; every allocation uses the caller's allocator; the results of a parallel loop do not depend
+ * on the number of workers, as long as a task writes only to what its index owns. */
 #ifndef DAFT_BASE_H
 #define DAFT_BASE_H
 
 #include "base/parallel.h"
 #include "daft.h"
 
-/* A definition carries this, so that one which did not come from its daft_default_…() maker is refused. */
+/* Every definition struct carries this; one that did not come from its daft_default_…() maker is rejected. */
 #define DAFT_COOKIE 0xDAF7C0DEu
 
 #define DAFT_COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
@@ -24,12 +24,12 @@ static inline uint32_t daft_max_u(uint32_t a, uint32_t b) { return a > b ? a : b
 bool daft_fail(daft_error *error, daft_status code, const char *format, ...) __attribute__((format(printf, 3, 4)));
 bool daft_fail_at(daft_error *error, daft_status code, const char *file, int line, int column, const char *format, ...)
     __attribute__((format(printf, 6, 7)));
-/* An error that says memory ran out for `what`. */
+/* "out of memory for WHAT". */
 bool daft_fail_memory(daft_error *error, const char *what);
 /* Sets *error to DAFT_OK. */
 void daft_error_clear(daft_error *error);
 
-/* Where warnings go. A zero value swallows them. */
+/* Where warnings go. A zero value drops them. */
 typedef struct daft_log {
     daft_warning_callback *warn;
     void *user;
@@ -67,8 +67,8 @@ void daft_arena_free(daft_arena *arena);
 /* ---- clock (clock.c) ---- */
 
 double daft_clock_ms(void); /* monotonic, milliseconds */
-/* For spans too short for that one, which takes longer to read: ticks of a unit that is found by holding it against the clock. Processors
- * may be some ticks apart. */
+/* A counter for short spans, cheaper to read than the clock, against which its unit is calibrated. Processors may differ by
+ * some ticks. */
 uint64_t daft_clock_ticks(void);
 
 /* ---- files (file.c) ---- */
@@ -76,7 +76,7 @@ uint64_t daft_clock_ticks(void);
 /* Reads a whole file into memory and appends a zero byte that *size does not count. A directory, a missing or an
  * unreadable file fails with a message that names it. Release with daft_release. */
 char *daft_file_read(const daft_allocator *allocator, const char *path, size_t *size, daft_error *error);
-/* Joins the folder of `base` (a file's path) and `path` (left alone where absolute) into out. False if it is too long. */
+/* Joins the folder of `base` (a file's path) and `path` (unchanged when absolute) into out. False if it is too long. */
 bool daft_path_beside(const char *base, const char *path, char *out, size_t size);
 bool daft_file_exists(const char *path);
 

@@ -1,3 +1,4 @@
+/* The monotonic clock, and the processor's time stamp counter. */
 #include "base/base.h"
 
 #include <time.h>

@@ -1,4 +1,4 @@
-/* Errors as values: a code, a place and one line of English. */
+/* Errors as values: a code, a position in a file, and one line of English. */
 #include "base/base.h"
 
 #include <stdarg.h>

@@ -1,4 +1,4 @@
-/* Whole files in memory, and paths beside other paths. */
+/* Reads whole files; joins paths. */
 #include "base/base.h"
 
 #include <errno.h>
@@ -46,7 +46,7 @@ char *daft_file_read(const daft_allocator *allocator, const char *path, size_t *
         daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "is a directory, not a file");
         return NULL;
     }
-    /* A scene that somebody was sent may name anything; /dev/zero has no end. */
+    /* A scene from elsewhere may name any file; /dev/zero never ends. */
     if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode)) {
         daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "is a device, not a file");
         return NULL;

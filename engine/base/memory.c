@@ -1,4 +1,4 @@
-/* Memory: the caller's allocator, growing arrays, and arenas whose blocks outlive a reset. */
+/* Memory: the caller's allocator, growing arrays, and arenas that keep their blocks across resets. */
 #include "base/base.h"
 
 #include <stdlib.h>
@@ -7,14 +7,14 @@
 
 enum { ALIGNMENT = 64, BLOCK_BYTES = 1 << 20, HUGE_PAGE = 1 << 21 };
 
-/* Large blocks begin where the system can back them with huge pages, and ask for that: the first touch of 4 KB costs
- * about a microsecond, which is as long as loading takes to fill it. The rest behind the last whole one stays as it is. */
+/* Large blocks are aligned to huge pages and request them: the first touch of a 4 KB page costs about a microsecond, as
+ * much as loading takes to fill it. The part behind the last whole huge page uses small ones. */
 static void *allocate_large(size_t size)
 {
     void *memory;
     if (posix_memalign(&memory, HUGE_PAGE, size) != 0) return NULL;
 #ifdef MADV_HUGEPAGE
-    madvise(memory, size - size % HUGE_PAGE, MADV_HUGEPAGE); /* a wish: what it returns makes no difference */
+    madvise(memory, size - size % HUGE_PAGE, MADV_HUGEPAGE); /* a hint: its result does not matter */
 #endif
     return memory;
 }
