@@ -1,11 +1,11 @@
--- Cameras that move by themselves: one that follows a thing, one that circles around a place.
+-- Cameras that move by themselves: one follows an entity, one orbits a position.
 --
 --     local camera = require "camera"
 --     local eye = camera.follow { target = ball, distance = 8, height = 3 }
 --     function daft.update(dt) eye:update(dt) end
 --
--- A target is an entity or {x, y, z}. Distances are in metres, angles in radians, times in seconds. What is glided to
--- is reached by 63 % in `smooth` seconds, whatever the length of the step.
+-- A target is an entity or {x, y, z}. Distances are in metres, angles in radians, times in seconds. Smoothing
+-- covers 63 % of the remaining way in `smooth` seconds, whatever the length of the step.
 
 local camera = {}
 
@@ -44,7 +44,7 @@ function camera.follow(options)
     return setmetatable(self, Follow)
 end
 
--- Once a step. With jump = true it is there at once.
+-- Call it once a tick. With jump = true it arrives at once.
 function Follow:update(dt, jump)
     local x, y, z = place(self.target)
     local to_x = x - self.distance * math.cos(self.yaw)
@@ -61,8 +61,8 @@ end
 local Orbit = {}
 Orbit.__index = Orbit
 
--- Circles around the target: yaw and pitch are where the camera looks (positive pitch: down from above), distance how
--- far away it is. turn() and zoom() say where it should go; it glides there.
+-- Orbits the target: yaw and pitch are where the camera looks (positive pitch: down from above), distance how
+-- far away it is. turn() and zoom() set its goal; it moves there smoothly.
 function camera.orbit(options)
     local self = read(options, { distance = 8, yaw = 0, pitch = 0.5, smooth = 0.1, fov = math.rad(75),
                                  nearest = 1, farthest = 1000 }, "orbit")

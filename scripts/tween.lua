@@ -1,4 +1,4 @@
--- Values that glide from one number to another.
+-- Values that move smoothly from one number to another.
 --
 --     local tween = require "tween"
 --     local door = tween.new(1.5, { y = 0 }, { y = 3 }, "in_out")

@@ -101,6 +101,18 @@ static int play_headless(player *p)
     return finish(session_play(&def, &game, &error), &error);
 }
 
+/* Ten seconds, or the whole recording when it is shorter. */
+static bool demo_ticks(const char *replay, uint64_t *ticks, daft_error *error)
+{
+    *ticks = DEMO_TICKS;
+    if (!replay) return true;
+    recording record;
+    if (!recording_load(&record, replay, error)) return false;
+    if (record.end > 0 && record.end < DEMO_TICKS) *ticks = record.end;
+    recording_free(&record);
+    return true;
+}
+
 /* Without a display: plays the game's recorded demo and writes its last picture. */
 static int play_demo(player *p, const char *why)
 {
@@ -114,14 +126,7 @@ static int play_demo(player *p, const char *why)
     if (has_demo) def.replay = demo;
     fprintf(stderr, "daft: there is no display (%s): playing %s of %s without a window.\n", why,
             def.replay ? "the recorded demo" : "ten seconds", game.title);
-    /* Ten seconds, or the whole demo when it is shorter. */
-    if (!def.ticks) {
-        recording replay;
-        if (def.replay && !recording_load(&replay, def.replay, &error)) return report(&error);
-        def.ticks = DEMO_TICKS;
-        if (def.replay && replay.end > 0 && replay.end < DEMO_TICKS) def.ticks = replay.end;
-        if (def.replay) recording_free(&replay);
-    }
+    if (!def.ticks && !demo_ticks(def.replay, &def.ticks, &error)) return report(&error);
     def.progress = true;
     if (!def.hash && !def.every_frame)
         def.quality = quality_or(&p->options, DAFT_QUALITY_HIGH); /* only one frame is drawn */

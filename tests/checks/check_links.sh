@@ -1,8 +1,8 @@
 #!/bin/sh
 # usage: check_links.sh [ROOT]
-# The manual's links lead somewhere: each relative link and image of a page names a file that exists, and each #anchor a
-# heading of that page. The pages whose code names are promised to be true (architecture.md) name files and functions
-# that exist: `path/file.c` from the root, engine/ or runtime/, `function()` and `daft_type` anywhere in the sources.
+# The manual's links lead somewhere: each relative link and image of a page names a file that exists, each #anchor a
+# heading of that page, and docs/index.md links every page. Code names in architecture.md are true: `path/file.c` exists
+# below the root, engine/ or runtime/; `function()` and `daft_type` stand in the sources.
 set -eu
 
 root=$(CDPATH='' cd -- "${1:-$(dirname -- "$0")/../..}" && pwd)
@@ -32,6 +32,11 @@ for page in $pages; do
         case $link in *#*) anchors_of "$target" | grep -qxF -- "${link#*#}" ||
             complain "$page" "there is no heading for '$link'" ;; esac
     done
+done
+
+# Every page of the manual is in its index.
+for page in $(find docs -name '*.md' -not -name index.md | LC_ALL=C sort); do
+    grep -qF "](${page#docs/})" docs/index.md || complain docs/index.md "leaves out $page"
 done
 
 # Names of code in the pages that guide through it.
