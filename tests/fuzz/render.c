@@ -314,7 +314,7 @@ static void draw(player *p, bool reference, seen *out)
     view.camera = daft_scene_camera(p->scene, 1);
     view.quality = DAFT_QUALITY_GAME;
     view.reference = reference;
-    view.aov = (daft_aov){out->depth, out->normal, out->entity, out->triangle};
+    view.aov = (daft_aov){.depth = out->depth, .normal = out->normal, .entity = out->entity, .triangle = out->triangle};
     FUZZ_CHECK(picture && daft_render(p->scene, &view, picture, &error));
     add_to_digest(p, daft_image_pixels(picture), 4 * PIXELS);
     daft_image_destroy(picture);

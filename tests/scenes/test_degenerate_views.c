@@ -22,7 +22,7 @@ static void sizes_and_angles_at_their_ends(void **unused)
         daft_image *image = daft_image_create(s->engine, cases[i].width, cases[i].height, &error);
         daft_view view = daft_default_view();
         view.camera = daft_camera_look_at(daft_dv3(0, 0, 0), daft_dv3(5, 0, 1.5), cases[i].fov);
-        view.aov = (daft_aov){depth, normal, entity, NULL};
+        view.aov = (daft_aov){.depth = depth, .normal = normal, .entity = entity};
         for (int q = 0; q < QUALITY_COUNT; q++) {
             view.quality = QUALITIES[q];
             if (!daft_render(s->scene, &view, image, &error)) fail_msg("%s", error.message);

@@ -155,7 +155,7 @@ __attribute__((unused)) static picture *draw_from(stage *s, daft_quality quality
     view.quality = quality;
     view.samples = quality == DAFT_QUALITY_REFERENCE ? 4 : 0; /* 16 are slow, and show nothing more here */
     view.camera = camera;
-    view.aov = (daft_aov){p->depth, p->normal, p->entity, p->triangle};
+    view.aov = (daft_aov){.depth = p->depth, .normal = p->normal, .entity = p->entity, .triangle = p->triangle};
     daft_error error = {0};
     if (!daft_render(s->scene, &view, s->image, &error)) fail_msg("%s", error.message);
     memcpy(p->pixels, daft_image_pixels(s->image), sizeof p->pixels);

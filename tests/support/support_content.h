@@ -38,7 +38,7 @@ static void counting_release(void *user, void *pointer)
 static inline daft_allocator counting_allocator(counting *c)
 {
     *c = (counting){0, 0, -1};
-    return (daft_allocator){c, counting_allocate, counting_release};
+    return (daft_allocator){.user = c, .allocate = counting_allocate, .release = counting_release};
 }
 
 typedef struct memo {

@@ -169,7 +169,7 @@ static void memory_may_run_out_at_any_moment(void **unused)
     int failures = 0;
     for (bool built = false; !built; failures++) {
         meter taken = {.left = failures};
-        const daft_allocator allocator = {&taken, meter_allocate, meter_release};
+        const daft_allocator allocator = {.user = &taken, .allocate = meter_allocate, .release = meter_release};
         daft_error error = {0};
         daft_kdtree *tree = daft_kdtree_build(&allocator, &m.mesh, 1 + failures % 3, &error);
         built = tree != NULL;

@@ -9,7 +9,7 @@ static memo warnings;
 
 static void free_mesh(daft_trimesh *mesh)
 {
-    daft_allocator allocator = {&memory, counting_allocate, counting_release};
+    daft_allocator allocator = {.user = &memory, .allocate = counting_allocate, .release = counting_release};
     daft_trimesh_free(&allocator, mesh);
     assert_int_equal(memory.live, 0);
 }
@@ -214,7 +214,7 @@ static void smooth_normals_agree_with_the_twin(void **unused)
         daft_trimesh mesh = make_sheet(bumps[i]);
         check_against_twin(&mesh, (double)DAFT_SMOOTH_CREASE, 1);
         if (bumps[i] == 0) assert_null(mesh.normal_indices); /* one normal a vertex */
-        daft_allocator allocator = {&memory, counting_allocate, counting_release};
+        daft_allocator allocator = {.user = &memory, .allocate = counting_allocate, .release = counting_release};
         assert_true(daft_trimesh_smooth(&allocator, &mesh, 1.2f, NULL));
         check_against_twin(&mesh, 1.2, 1);
         assert_true(daft_trimesh_smooth(&allocator, &mesh, 0, NULL));
@@ -363,7 +363,7 @@ static void touching_is_not_joining(void **unused)
     }
     board.indices = indices, board.triangle_count = kept;
     board.normals = NULL, board.normal_indices = NULL;
-    daft_allocator allocator = {&memory, counting_allocate, counting_release};
+    daft_allocator allocator = {.user = &memory, .allocate = counting_allocate, .release = counting_release};
     assert_true(daft_trimesh_smooth(&allocator, &board, DAFT_SMOOTH_CREASE, NULL));
     check_against_twin(&board, (double)DAFT_SMOOTH_CREASE, 1);
     daft_release(&allocator, board.normals);

@@ -17,7 +17,7 @@ static bool read_bytes(const char *bytes, size_t size, daft_error *error)
 
 static void done(void)
 {
-    daft_allocator allocator = {&memory, counting_allocate, counting_release};
+    daft_allocator allocator = {.user = &memory, .allocate = counting_allocate, .release = counting_release};
     daft_mtl_list_free(&allocator, &list);
     assert_int_equal(memory.live, 0);
 }
@@ -193,7 +193,7 @@ static void a_failure_keeps_the_list(void **unused)
 {
     (void)unused;
     read_text("newmtl a\nnewmtl b\n");
-    daft_allocator allocator = {&memory, counting_allocate, counting_release};
+    daft_allocator allocator = {.user = &memory, .allocate = counting_allocate, .release = counting_release};
     const char *path =
         write_test_text("bad.mtl", "newmtl c\nnewmtl d\nnewmtl e\nnewmtl f\nnewmtl g\nnewmtl h\nnewmtl i\nKd x\n");
     assert_false(daft_mtl_load(&allocator, path, NULL, &list, NULL));

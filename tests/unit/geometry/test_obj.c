@@ -15,7 +15,7 @@ static bool parse_bytes(const char *text, size_t size, daft_obj *obj, daft_error
 
 static void free_obj(daft_obj *obj)
 {
-    daft_allocator allocator = {&memory, counting_allocate, counting_release};
+    daft_allocator allocator = {.user = &memory, .allocate = counting_allocate, .release = counting_release};
     daft_obj_free(&allocator, obj);
     assert_int_equal(memory.live, 0);
 }

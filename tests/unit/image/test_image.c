@@ -246,7 +246,7 @@ static daft_texture_data build(const uint8_t *rgba, int width, int height)
 
 static void free_texture(daft_texture_data *texture)
 {
-    daft_allocator allocator = {&memory, counting_allocate, counting_release};
+    daft_allocator allocator = {.user = &memory, .allocate = counting_allocate, .release = counting_release};
     daft_texture_free(&allocator, texture);
     assert_int_equal(memory.live, 0);
 }

@@ -39,7 +39,7 @@ static stage *stage_make(const char *isa, int threads)
     s->image = daft_image_create(s->engine, WIDTH, HEIGHT, &error);
     assert_true(s->scene && s->image);
     s->view = daft_default_view();
-    s->view.aov = (daft_aov){s->depth, s->normal, s->entity, s->triangle};
+    s->view.aov = (daft_aov){.depth = s->depth, .normal = s->normal, .entity = s->entity, .triangle = s->triangle};
     return s;
 }
 

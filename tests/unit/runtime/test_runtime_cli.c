@@ -221,7 +221,7 @@ static void aov_files_hold_what_the_library_says(void **unused)
     daft_image *image = daft_image_create(engine, AOV_WIDTH, AOV_HEIGHT, NULL);
     assert_true(daft_scene_load(scene, DAFT_ROOT "/assets/scenes/temple.scene", NULL));
     daft_view view = daft_default_view();
-    view.aov = (daft_aov){depth, normal, entity, triangle};
+    view.aov = (daft_aov){.depth = depth, .normal = normal, .entity = entity, .triangle = triangle};
     assert_true(daft_scene_get_camera(scene, 0, &view.camera, NULL));
     assert_true(daft_render(scene, &view, image, NULL));
 

@@ -329,7 +329,7 @@ static void every_allocation_may_fail(void **state)
         daft_error error;
         daft_engine_def def = daft_default_engine_def();
         def.threads = 1;
-        def.allocator = (daft_allocator){&m, metered_allocate, metered_release};
+        def.allocator = (daft_allocator){.user = &m, .allocate = metered_allocate, .release = metered_release};
         bool done = run(&p, &def, &error);
         finish(&p);
         assert_int_equal(m.live, 0);
@@ -356,7 +356,7 @@ static void a_settled_frame_allocates_nothing(void **state)
     daft_ray_hit hit;
     daft_engine_def def = daft_default_engine_def();
     def.threads = 1;
-    def.allocator = (daft_allocator){&m, metered_allocate, metered_release};
+    def.allocator = (daft_allocator){.user = &m, .allocate = metered_allocate, .release = metered_release};
     assert_true(run(&p, &def, &error));
     daft_view view = daft_default_view();
     for (int frame = 0; frame < 5; frame++) {

@@ -424,7 +424,7 @@ static void checks_end_well_without_memory(void **unused)
         int left = 1 << 20;
         daft_engine_def def = daft_default_engine_def();
         def.threads = 1;
-        def.allocator = (daft_allocator){&left, scarce_allocate, scarce_release};
+        def.allocator = (daft_allocator){.user = &left, .allocate = scarce_allocate, .release = scarce_release};
         daft_engine *engine = daft_engine_create(&def, NULL);
         assert_non_null(engine);
         daft_error error;

@@ -77,7 +77,7 @@ static void set_up_engine(fixture *f)
     def.threads = 1;
     def.warn = on_warning;
     def.warn_user = f;
-    def.allocator = (daft_allocator){f, counted_allocate, counted_release};
+    def.allocator = (daft_allocator){.user = f, .allocate = counted_allocate, .release = counted_release};
     f->engine = daft_engine_create(&def, NULL);
     f->scene = daft_scene_create(f->engine, NULL);
 }

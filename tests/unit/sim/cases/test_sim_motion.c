@@ -380,7 +380,7 @@ static void a_million_steps_of_rest_change_nothing(void **unused)
 {
     (void)unused;
     heap = daft_malloc_allocator();
-    daft_allocator counted = {NULL, counted_allocate, counted_release};
+    daft_allocator counted = {.user = NULL, .allocate = counted_allocate, .release = counted_release};
     daft_error error = {0};
     daft_world *world = daft_world_create(&counted, &error);
     assert_non_null(world);

@@ -212,7 +212,7 @@ static void memory_may_run_out_at_any_time(void **unused)
     bool done = false;
     for (int n = 0; !done; n++) {
         failing f = {daft_malloc_allocator(), n};
-        daft_allocator allocator = {&f, failing_allocate, failing_release};
+        daft_allocator allocator = {.user = &f, .allocate = failing_allocate, .release = failing_release};
         daft_error error = {0};
         daft_hull *h = daft_hull_create(&allocator, p, 30, 0, &error);
         if (!h) assert_int_equal(error.code, DAFT_ERROR_MEMORY);

@@ -394,7 +394,7 @@ static void a_settled_step_allocates_nothing(void **unused)
 {
     (void)unused;
     heap = daft_malloc_allocator();
-    daft_allocator counting = {NULL, counting_allocate, counting_release};
+    daft_allocator counting = {.user = NULL, .allocate = counting_allocate, .release = counting_release};
     daft_error error;
     daft_world *world = daft_world_create(&counting, &error);
     add_tray(world, daft_dv3(0, 0, 0), 2);

@@ -560,7 +560,7 @@ static void failing_release(void *user, void *pointer)
 
 static bool run_with_failures(int calls)
 {
-    daft_allocator allocator = {NULL, failing_allocate, failing_release};
+    daft_allocator allocator = {.user = NULL, .allocate = failing_allocate, .release = failing_release};
     daft_error error;
     calls_left = calls;
     daft_world *world = daft_world_create(&allocator, &error);
