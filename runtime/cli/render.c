@@ -66,6 +66,7 @@ static bool frame_mesh(daft_scene *scene, const render_options *o, daft_camera *
     daft_mesh mesh = daft_mesh_load(scene, o->scene, error);
     daft_mesh_info info;
     if (mesh.id == 0 || !daft_mesh_get_info(scene, mesh, &info, error)) return false;
+    if (info.triangle_count == 0) return fail_at(error, o->scene, 0, 0, "the mesh has no triangles to draw");
     daft_entity_def def = daft_default_entity_def();
     def.shape = DAFT_SHAPE_MESH;
     def.mesh = mesh;

@@ -97,6 +97,21 @@ static void bad_input_is_status_1_with_a_message(void **unused)
     unlink("/tmp/daft-x.png");
 }
 
+static void a_mesh_without_faces_is_refused(void **unused)
+{
+    (void)unused;
+    char path[64];
+    snprintf(path, sizeof path, "/tmp/daft-faceless-%d.obj", (int)getpid());
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs("v 0 0 0\nv 1 0 0\n", file);
+    assert_int_equal(fclose(file), 0);
+    int status = run_daft(output, "render %s -o /tmp/daft-faceless.png --size 8x8", path);
+    unlink(path);
+    assert_status(status, 1, output);
+    assert_says(output, ".obj: the mesh has no triangles to draw");
+}
+
 static void help_is_status_0(void **unused)
 {
     (void)unused;
@@ -290,6 +305,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(wrong_usage_is_status_2_with_a_hint),
                                        cmocka_unit_test(bad_input_is_status_1_with_a_message),
+                                       cmocka_unit_test(a_mesh_without_faces_is_refused),
                                        cmocka_unit_test(help_is_status_0),
                                        cmocka_unit_test(stats_are_json_with_the_promised_names),
                                        cmocka_unit_test(explain_prints_the_plan_and_nothing_draws_a_bar_in_a_pipe),
