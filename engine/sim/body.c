@@ -2,6 +2,12 @@
  * refused, a call with a number that is not finite or a body that is not there does nothing, a velocity beyond them is
  * clamped. */
 #include "sim/world.h"
+#include "sim/broad/broad.h"
+#include "sim/contact/contact.h"
+#include "sim/events.h"
+#include "sim/joint/joint.h"
+#include "sim/sleep.h"
+#include "sim/solve/solver.h"
 
 #include <string.h>
 
@@ -248,7 +254,7 @@ static bool reserve(daft_world *world, const daft_sim_body_def *def)
            daft_grow(a, &world->parts, &world->part_capacity, parts, world->part_count, sizeof *world->parts) &&
            daft_sim_bounds_reserve(world, parts) && daft_sim_tree_reserve(&world->trees[def->kind], a, def->shape_count) &&
            daft_sim_list_reserve(world, list, bodies) &&
-           daft_grow(a, &world->island_parents, &world->island_capacity, bodies, 0, sizeof *world->island_parents);
+           daft_grow(a, &world->scratch.island_parents, &world->scratch.island_capacity, bodies, 0, sizeof *world->scratch.island_parents);
 }
 
 static uint32_t take_part(daft_world *world)

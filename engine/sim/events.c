@@ -1,6 +1,8 @@
 /* What a step tells: contacts, and events in a fixed order. Calls between steps add to a list of their own, which the
  * next step delivers with its own. */
 #include "sim/world.h"
+#include "sim/contact/contact.h"
+#include "sim/events.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -211,7 +213,7 @@ static void judge_range(void *context, uint32_t index, uint32_t worker)
 /* Entries that are reported go to `sorting`, by bodies, the lower one first. */
 static size_t order_report(daft_world *world)
 {
-    daft_sim_active *sorted = world->sorting.items;
+    daft_sim_active *sorted = world->scratch.sorting.items;
     size_t count = 0;
     for (size_t i = 0; i < world->active.count; i++) {
         daft_sim_active entry = world->active.items[i];
@@ -220,7 +222,7 @@ static size_t order_report(daft_world *world)
         entry.key = a << 32 | b;
         sorted[count++] = entry;
     }
-    daft_sim_active_sort(sorted, count, sorted + world->sorting.capacity / 2);
+    daft_sim_active_sort(sorted, count, sorted + world->scratch.sorting.capacity / 2);
     return count;
 }
 
@@ -259,8 +261,8 @@ void daft_sim_report_fill(daft_world *world)
     world->untold = false;
     daft_sim_contact *report = world->report + world->report_asleep;
     size_t count = order_report(world);
-    for (size_t i = 0; i < count; i++) fill_contact(world, &world->pairs[world->sorting.items[i].pair], &report[i]);
-    order_same_bodies(report, world->sorting.items, count);
+    for (size_t i = 0; i < count; i++) fill_contact(world, &world->pairs[world->scratch.sorting.items[i].pair], &report[i]);
+    order_same_bodies(report, world->scratch.sorting.items, count);
     world->report_count = world->report_asleep + count;
 }
 

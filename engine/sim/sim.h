@@ -7,6 +7,13 @@
  * "Solver2D", 2024; Macklin et al., "Small Steps in Physics Simulation", 2019), solved in colours of independent
  * constraints, in SIMD lanes.
  *
+ * Public headers: sim.h shape/shape.h query/query.h character/character.h
+ * Inner headers: world.h sleep.h events.h
+ *
+ * One step (step.c): targets and forces -> broad/ near parts -> contact/ pairs, with manifolds from collide/ -> islands (sleep.c)
+ * -> solve/ and joint/ constraints in colours, in substeps (substeps.c) -> sweep.c -> events.c, sleep.c. Bodies are in body.c,
+ * the saved state in state.c.
+ *
  * Definitions: masses 1e-15 to 1e24 kg, within 1e12 m of the origin, friction and rolling resistance 0 to 1e6,
  * restitution 0 to 1; others are refused. Velocities are clamped to 1e4 m/s and 1e6 rad/s. A call that takes a body,
  * shape or joint which is not there, or a number which is not finite, does nothing.

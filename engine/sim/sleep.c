@@ -3,6 +3,10 @@
  * together. Islands are found by union-find over the active pairs, and only in steps in which some body has
  * been at rest for long enough. Bodies of infinite mass join no islands. */
 #include "sim/world.h"
+#include "sim/broad/broad.h"
+#include "sim/contact/contact.h"
+#include "sim/events.h"
+#include "sim/sleep.h"
 
 #include <stdatomic.h>
 
@@ -84,7 +88,7 @@ void daft_sim_wake_met(daft_world *world)
 
 uint32_t daft_sim_island_of(daft_world *world, uint32_t index)
 {
-    uint32_t *islands = world->island_parents;
+    uint32_t *islands = world->scratch.island_parents;
     while (islands[index] != index) index = islands[index] = islands[islands[index]];
     return index;
 }
@@ -92,7 +96,7 @@ uint32_t daft_sim_island_of(daft_world *world, uint32_t index)
 /* The lower index is the root, so it does not depend on the order. What sleeps joins nothing. */
 static void join(daft_world *world, uint32_t a, uint32_t b)
 {
-    uint32_t *islands = world->island_parents;
+    uint32_t *islands = world->scratch.island_parents;
     if (world->asleep_count > 0 && (world->bodies[a].asleep || world->bodies[b].asleep)) return;
     if (islands[a] == islands[b]) return; /* most, in an island */
     a = daft_sim_island_of(world, a), b = daft_sim_island_of(world, b);
@@ -106,7 +110,7 @@ static bool is_dynamic(const daft_world *world, uint32_t body)
 
 void daft_sim_islands_find(daft_world *world)
 {
-    for (size_t i = 0; i < world->awake.count; i++) world->island_parents[world->awake.items[i]] = world->awake.items[i];
+    for (size_t i = 0; i < world->awake.count; i++) world->scratch.island_parents[world->awake.items[i]] = world->awake.items[i];
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
         if (entry->flags & DAFT_SIM_JOINS) join(world, entry->body_a, entry->body_b);

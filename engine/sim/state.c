@@ -2,6 +2,9 @@
  * pairs are built anew when loading, since no result depends on their shape; what free slots are taken next is kept.
  * Every index and number is checked, so that bytes which were made up, and not only damaged ones, are an error. */
 #include "sim/world.h"
+#include "sim/broad/broad.h"
+#include "sim/contact/contact.h"
+#include "sim/joint/joint.h"
 
 #include <stddef.h>
 #include <stdlib.h>
@@ -321,13 +324,13 @@ static bool enter_lists(daft_world *w)
             body->list_slot = (uint32_t)i;
         }
     return daft_sim_list_reserve(w, &w->awake, w->body_count) && daft_sim_list_reserve(w, &w->movers, w->body_count) &&
-           daft_grow(&w->allocator, &w->island_parents, &w->island_capacity, w->body_count, 0, sizeof *w->island_parents);
+           daft_grow(&w->allocator, &w->scratch.island_parents, &w->scratch.island_capacity, w->body_count, 0, sizeof *w->scratch.island_parents);
 }
 
 static bool enter_parts(daft_world *w)
 {
     if (!daft_grow(&w->allocator, &w->slots, &w->slots_capacity, w->part_count, 0, sizeof *w->slots) ||
-        !daft_sim_list_reserve(w, &w->moved, w->part_count) || !daft_sim_list_reserve(w, &w->astray, w->part_count) ||
+        !daft_sim_list_reserve(w, &w->moved, w->part_count) || !daft_sim_list_reserve(w, &w->scratch.astray, w->part_count) ||
         !daft_sim_outlines_reserve(w, w->part_count))
         return false;
     w->newcomers = true;
@@ -368,12 +371,12 @@ static int by_value(const void *p, const void *q)
 static bool differ(daft_world *w, uint32_t live)
 {
     size_t count = 0;
-    if (!daft_grow(&w->allocator, &w->candidates, &w->candidate_capacity, live, 0, sizeof *w->candidates)) return false;
+    if (!daft_grow(&w->allocator, &w->scratch.candidates, &w->scratch.candidate_capacity, live, 0, sizeof *w->scratch.candidates)) return false;
     for (uint32_t i = 0; i < w->pair_count; i++)
-        if (w->pairs[i].part_a != DAFT_SIM_NONE) w->candidates[count++] = daft_sim_pair_key(&w->pairs[i]);
-    if (count > 1) qsort(w->candidates, count, sizeof *w->candidates, by_value);
+        if (w->pairs[i].part_a != DAFT_SIM_NONE) w->scratch.candidates[count++] = daft_sim_pair_key(&w->pairs[i]);
+    if (count > 1) qsort(w->scratch.candidates, count, sizeof *w->scratch.candidates, by_value);
     for (size_t i = 1; i < count; i++)
-        if (w->candidates[i - 1] == w->candidates[i]) return false;
+        if (w->scratch.candidates[i - 1] == w->scratch.candidates[i]) return false;
     return true;
 }
 

@@ -1,5 +1,10 @@
 /* One step of the world. A world without anything active does nothing. */
 #include "sim/solve/solver.h"
+#include "sim/broad/broad.h"
+#include "sim/contact/contact.h"
+#include "sim/events.h"
+#include "sim/joint/joint.h"
+#include "sim/sleep.h"
 
 #include "math/trig.h"
 
@@ -75,13 +80,13 @@ static daft_vec3 row3(const float *row) { return daft_v3(row[0], row[1], row[2])
 /* Velocities, and where the body is to go; it is still where it was. */
 static void take_row(daft_world *world, uint32_t row)
 {
-    const daft_sim_solver_bodies *rows = &world->solver->rows;
-    daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    const daft_sim_solver_bodies *rows = &world->scratch.solver->rows;
+    daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
     size_t at = (size_t)row * DAFT_SIM_ROW;
     const float *v = rows->velocity + at, *t = rows->turn + at;
     daft_vec3 linear = row3(v), angular = row3(v + 3), way = row3(rows->moved + at);
     daft_quat turn = {t[0], t[1], t[2], t[3]};
-    daft_sim_target *target = &world->solver->targets[row];
+    daft_sim_target *target = &world->scratch.solver->targets[row];
     *target = (daft_sim_target){.centre = body->centre, .rotation = body->rotation};
     if (!daft_finite3(linear) || !daft_finite3(angular)) linear = angular = daft_v3(0, 0, 0);
     body->h = rows->moved[at + 6];
@@ -101,14 +106,14 @@ static void take_row(daft_world *world, uint32_t row)
 
 static void sweep_row(daft_world *world, uint32_t row)
 {
-    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
-    daft_sim_target *target = &world->solver->targets[row];
+    const daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
+    daft_sim_target *target = &world->scratch.solver->targets[row];
     target->stop = target->along = target->centre, target->stop_rotation = target->rotation, target->linear = body->linear, target->fraction = 1;
-    const float *m = world->solver->rows.moved + (size_t)row * DAFT_SIM_ROW;
+    const float *m = world->scratch.solver->rows.moved + (size_t)row * DAFT_SIM_ROW;
     float swing = daft_length(row3(m + 3)) * daft_sim_max(body->extent - body->inner, 0);
     if (daft_length(row3(m)) + daft_sim_min(swing, 2 * body->extent) <= FAST_MOVE * body->inner) return;
-    daft_sim_sweep(world, row, world->solver->targets);
-    atomic_fetch_add_explicit(&world->solver->sweeps, target->sweeps, memory_order_relaxed);
+    daft_sim_sweep(world, row, world->scratch.solver->targets);
+    atomic_fetch_add_explicit(&world->scratch.solver->sweeps, target->sweeps, memory_order_relaxed);
 }
 
 /* How far the points of a body go at most: its centre's way, and twice the difference of the rotations' quaternions from
@@ -140,8 +145,8 @@ static void turn_back(daft_sim_body *body, const daft_sim_target *t)
 
 static void place_row(daft_world *world, uint32_t row)
 {
-    daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
-    const daft_sim_target *target = &world->solver->targets[row];
+    daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
+    const daft_sim_target *target = &world->scratch.solver->targets[row];
     body->travel += travel_of(body, target->stop, target->stop_rotation);
     body->linear = target->linear;
     if (!body->round && !(body->locks & DAFT_LOCK_ROTATION) && is_turned_less(target)) turn_back(body, target);
@@ -159,20 +164,20 @@ static void run_rows(void *context, uint32_t index, uint32_t worker)
 {
     (void)worker;
     const row_job *j = context;
-    uint32_t first = 1 + j->world->solver->mover_count + index * ROW_GRAIN, end = first + ROW_GRAIN;
-    for (uint32_t row = first; row < end && row < j->world->solver->row_count; row++) j->run(j->world, row);
+    uint32_t first = 1 + j->world->scratch.solver->mover_count + index * ROW_GRAIN, end = first + ROW_GRAIN;
+    for (uint32_t row = first; row < end && row < j->world->scratch.solver->row_count; row++) j->run(j->world, row);
 }
 
 static void for_rows(daft_world *world, void (*run)(daft_world *world, uint32_t row))
 {
-    uint32_t count = world->solver->row_count - (1 + world->solver->mover_count);
+    uint32_t count = world->scratch.solver->row_count - (1 + world->scratch.solver->mover_count);
     daft_sim_for(world, count >= PARALLEL_ROWS, (count + ROW_GRAIN - 1) / ROW_GRAIN, run_rows, &(row_job){world, run});
 }
 
 /* All ways are swept before any body moves, so the order does not matter. */
 static void end_dynamics(daft_world *world)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     atomic_store_explicit(&s->sweeps, 0, memory_order_relaxed);
     for_rows(world, take_row);
     for_rows(world, sweep_row);
@@ -187,24 +192,35 @@ static void count(daft_world *world)
 {
     daft_sim_counters *c = &world->counters;
     c->pairs = (uint32_t)world->active.count;
-    c->islands = world->solver->island_count;
+    c->islands = world->scratch.solver->island_count;
 }
 
-/* Finds what is there to be solved. Nothing has moved if it fails. */
-static bool find_work(daft_world *world, float dt)
+static void begin_movers(daft_world *world, float dt)
 {
-    size_t active;
     for (size_t i = 0; i < world->movers.count; i++) begin_mover(&world->bodies[world->movers.items[i]], dt);
-    if (!daft_sim_broad_update(world, dt) || !daft_sim_pairs_find(world)) return false;
-    if (!daft_sim_contacts_update(world, dt) || !daft_sim_ghosts_drop(world, dt)) return false;
-    active = world->active.count;
+}
+
+/* Islands that sleep and are touched wake, with pairs of their own. */
+static void wake_touched(daft_world *world)
+{
+    size_t active = world->active.count;
     daft_sim_wake_met(world);
-    if (world->active.count > active) { /* with pairs of their own */
-        daft_sim_active_update(world);
-        daft_sim_active_refresh_all(world);
-    }
-    return daft_sim_solver_create(world) && daft_sim_solver_bodies_assign(world, dt) && daft_sim_report_reserve(world) &&
-           !world->lost_event;
+    if (world->active.count == active) return;
+    daft_sim_active_update(world);
+    daft_sim_active_refresh_all(world);
+}
+
+/* From bodies to all that is to be solved. Nothing has moved if it fails. */
+static bool find_constraints(daft_world *world, float dt)
+{
+    begin_movers(world, dt);
+    if (!daft_sim_broad_update(world, dt)) return false;    /* bodies -> bounds over the step */
+    if (!daft_sim_pairs_find(world)) return false;          /* bounds -> pairs */
+    if (!daft_sim_contacts_update(world, dt)) return false; /* pairs -> manifolds */
+    if (!daft_sim_ghosts_drop(world, dt)) return false;
+    wake_touched(world);
+    if (!daft_sim_solver_create(world) || !daft_sim_solver_bodies_assign(world, dt)) return false; /* pairs -> islands -> colours */
+    return daft_sim_report_reserve(world) && !world->lost_event;
 }
 
 /* What was added or teleported may wake what sleeps. */
@@ -216,31 +232,32 @@ static bool has_work(const daft_world *world)
 
 void daft_sim_for(const daft_world *world, bool wide, uint32_t tasks, daft_task *task, void *context)
 {
-    daft_region_for(wide ? world->region : NULL, tasks, task, context);
+    daft_region_for(wide ? world->scratch.region : NULL, tasks, task, context);
 }
 
+/* The stages of a step, on a region of workers. */
 typedef struct work {
     daft_world *world;
     float dt;
     bool done;
 } work;
 
-static void do_work(void *context, daft_region *region)
+static void run_step(void *context, daft_region *region)
 {
     work *w = context;
     daft_world *world = w->world;
-    world->region = region;
-    w->done = find_work(world, w->dt) && daft_sim_solve(world, w->dt);
+    world->scratch.region = region;
+    w->done = find_constraints(world, w->dt) && daft_sim_solve(world, w->dt); /* constraints -> velocities, ways, in substeps */
     if (w->done) {
-        end_dynamics(world);
+        end_dynamics(world); /* ways, cut short by sweeps -> poses */
         end_movers(world, w->dt);
         world->changes++;
         count(world);
-        daft_sim_report(world);
+        daft_sim_report(world); /* pairs, poses -> contacts and events, */
         daft_sim_joints_break(world);
-        daft_sim_sleep_update(world, w->dt);
+        daft_sim_sleep_update(world, w->dt); /* sleep */
     }
-    world->region = NULL;
+    world->scratch.region = NULL;
 }
 
 enum { PARALLEL_BODIES = 128 /* workers come together once a step: for less, one is done before another has come */ };
@@ -260,7 +277,7 @@ bool daft_world_step(daft_world *world, float dt, daft_error *error)
     if (has_work(world)) {
         world->untold = false;
         work w = {.world = world, .dt = dt};
-        daft_parallel_region(workers_for(world), do_work, &w);
+        daft_parallel_region(workers_for(world), run_step, &w);
         if (!w.done) {
             world->lost_event = false;
             return daft_fail_memory(error, "a step of the simulation");

@@ -2,6 +2,9 @@
  * checked in this file, body.c and joint.c, so that the step may rely on finite numbers within the bounds of
  * world.h. */
 #include "sim/solve/solver.h"
+#include "sim/broad/broad.h"
+#include "sim/contact/contact.h"
+#include "sim/sleep.h"
 
 daft_world *daft_world_create(const daft_allocator *allocator, daft_error *error)
 {
@@ -30,12 +33,12 @@ void daft_world_destroy(daft_world *world)
     daft_sim_solver_destroy(world);
     for (uint32_t i = 0; i < world->pair_count; i++) daft_release(&allocator, world->pairs[i].more);
     void *arrays[] = {world->bodies, world->parts, world->pairs, world->joints, world->awake.items,
-                      world->movers.items, world->moved.items, world->active.items, world->sorting.items,
+                      world->movers.items, world->moved.items, world->active.items, world->scratch.sorting.items,
                       world->fat, world->tight, world->outlines, world->box_frames, world->slots,
-                      world->astray.items, world->groups, world->group_boxes, world->group_keys, world->ordered,
-                      world->left, world->ghosts.items, world->island_parents,
+                      world->scratch.astray.items, world->groups, world->group_boxes, world->scratch.group_keys, world->scratch.ordered,
+                      world->scratch.left, world->scratch.ghosts.items, world->scratch.island_parents,
                       world->material_pairs,
-                      world->report, world->events.items, world->pending.items, world->candidates};
+                      world->report, world->events.items, world->pending.items, world->scratch.candidates};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&allocator, arrays[i]);
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) {
         daft_release(&allocator, world->trees[i].nodes);

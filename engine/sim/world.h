@@ -1,9 +1,9 @@
-/* The inside of sim. No other room includes this.
+/* The inside of sim: the world's records, for all of the room's inner rooms.
  *
  * Data. A world is arrays of records under indices:
  *   body    what it is, where, how fast; its parts, pairs and joints hang on it as lists of indices
  *   part    one shape of a body: a leaf in the tree of the body's kind, in bounds that are wider than it (fat)
- *   pair    two parts whose bounds over the step meet, with the manifolds they have ("manifolds") and the impulses these
+ *   pair    two parts whose bounds over the step meet, with the manifolds they have and the impulses these
  *           carry over to the next step. Part a's body is dynamic, except in pairs of sensors; normals point from a to b.
  *   joint   two bodies, a frame in each, and the impulses it carries over
  *
@@ -12,21 +12,20 @@
  * sleeps is on a ring with those that fell asleep with it, and is woken with them.
  *
  * A step (step.c): bounds and near pairs (broad.c, groups.c, pairs.c) -> manifolds (contacts.c) -> islands that are met wake
- * (sleep.c) -> colours (colour.c) -> substeps (solver.c, solver_kernel.c, joint_kernel.c, angular.c) -> sweeps (sweep.c),
+ * (sleep.c) -> colours (colour.c) -> substeps (substeps.c, solver_kernel.c, joint_kernel.c, angular.c) -> sweeps (sweep.c),
  * poses -> events (events.c) -> islands fall asleep (sleep.c).
  *
- * Everything a step computes is a function of bodies, touches and joints under their indices: never of the tree's
+ * Everything a step computes is a function of bodies, pairs and joints under their indices: never of the tree's
  * shape, the order of lists, addresses, threads or time. So state can be saved as these records (state.c). */
 #ifndef DAFT_SIM_WORLD_H
 #define DAFT_SIM_WORLD_H
 
+#include "sim/broad/tree.h"
 #include "sim/collide/manifold.h"
 #include "sim/collide/manifold_round.h"
 #include "sim/sim.h"
 
 #include <stddef.h>
-
-#define DAFT_SIM_NONE UINT32_MAX
 
 enum {
     DAFT_SIM_SUBSTEPS = 4,
@@ -35,6 +34,7 @@ enum {
      * equal. Twelve equal spheres can touch one, so only overlap meets this bound; it keeps thousands of bodies in one
      * spot from making millions of pairs. */
     DAFT_SIM_MAX_PARTNERS = 32,
+    DAFT_SIM_JOINED_PLACES = 64, /* bits of a body's `joined` */
     DAFT_SIM_MAX_MANIFOLDS = 24 /* of one pair, with a mesh, field or compound */
 };
 
@@ -53,65 +53,6 @@ enum {
 #define DAFT_SIM_MARGIN     0.02f
 #define DAFT_SIM_MAX_MARGIN 0.02f
 
-typedef daft_daabb daft_sim_bounds;
-
-static inline bool daft_sim_overlap(const daft_sim_bounds *a, const daft_sim_bounds *b)
-{
-    /* Without branches: which of the six fails first is anyone's guess. */
-    return (a->low.x <= b->high.x) & (b->low.x <= a->high.x) & (a->low.y <= b->high.y) & (b->low.y <= a->high.y) &
-           (a->low.z <= b->high.z) & (b->low.z <= a->high.z);
-}
-
-/* ---- the tree (tree.c) ---- */
-
-/* A height-balanced tree of bounds; leaves are parts, entered and removed one at a time, moved where they stand, and all
- * laid out anew from time to time. */
-typedef struct daft_sim_node { /* a cache line */
-    _Alignas(64) daft_sim_bounds bounds;
-    uint32_t parent; /* the next free node, where this one is free */
-    union {
-        uint32_t child[2];
-        uint32_t part; /* of a leaf */
-    };
-    int16_t height; /* 0: a leaf; -1: free */
-    bool stale;     /* an inner node: something below it was moved since its bounds were found */
-} daft_sim_node;
-
-/* Of a leaf: the middle of its bounds, twice as far. What it is rounded to changes the tree's shape only. */
-typedef struct daft_sim_key {
-    float middle[3];
-    uint32_t leaf;
-} daft_sim_key;
-
-typedef struct daft_sim_tree {
-    daft_sim_node *nodes;
-    size_t capacity, used; /* used: high-water mark */
-    uint32_t root, free_list, leaf_count;
-    uint32_t entered;   /* leaves, and moved, since it was last laid out */
-    daft_sim_key *keys; /* scratch of laying out */
-    size_t key_capacity;
-} daft_sim_tree;
-
-typedef void daft_sim_visit(void *context, uint32_t part);
-
-void daft_sim_tree_init(daft_sim_tree *tree);
-/* Room for `more` leaves; inserts right after cannot fail. */
-bool daft_sim_tree_reserve(daft_sim_tree *tree, const daft_allocator *allocator, uint32_t more);
-uint32_t daft_sim_tree_insert(daft_sim_tree *tree, const daft_sim_bounds *bounds, uint32_t part);
-void daft_sim_tree_remove(daft_sim_tree *tree, uint32_t leaf);
-/* Gives a leaf other bounds, where it stands. False, and nothing is done: they are too far from what stands beside it,
- * and it is to be removed and inserted. After all moves, and before anything else, the tree is fitted to them. */
-bool daft_sim_tree_move(daft_sim_tree *tree, uint32_t leaf, const daft_sim_bounds *bounds);
-void daft_sim_tree_fit(daft_sim_tree *tree);
-/* Lays the tree out anew if enough of its leaves were entered or moved one at a time since it last was: what grew so is
- * searched twice as long. */
-void daft_sim_tree_tidy(daft_sim_tree *tree);
-/* Orders keys along the axis on which their middles are spread most: none of the first `wanted` is beyond any other. */
-void daft_sim_keys_part(daft_sim_key *keys, uint32_t count, uint32_t wanted);
-/* Calls visit for every leaf that overlaps, in an order that callers must not depend on. */
-void daft_sim_tree_query(const daft_sim_tree *tree, const daft_sim_bounds *bounds, daft_sim_visit *visit,
-                         void *context);
-
 /* ---- records ---- */
 
 typedef struct daft_sim_list {
@@ -129,7 +70,7 @@ typedef struct daft_sim_part {
     bool dynamic; /* its body is */
     uint32_t body; /* DAFT_SIM_NONE: a free slot */
     uint32_t layers, mask;
-    uint32_t owned; /* touches counted against DAFT_SIM_MAX_PARTNERS */
+    uint32_t owned; /* pairs counted against DAFT_SIM_MAX_PARTNERS */
     uint32_t moved_slot; /* in the list of those that were placed since the last step */
     uint32_t next; /* part of the body, in the order of its definition; the next free slot */
 
@@ -296,77 +237,85 @@ typedef struct daft_sim_event_list {
 
 typedef struct daft_sim_solver daft_sim_solver; /* solver.h: scratch of a step */
 
-struct daft_world {
-    daft_allocator allocator;
-    daft_vec3 gravity;
-    int substeps, workers, isa;
-    bool sleeping;
+/* What a step may forget: no result depends on what this holds as a step begins. */
+typedef struct daft_sim_step_scratch {
+    daft_region *region;     /* during a step that is worth several workers */
+    daft_sim_solver *solver;
+    bool *left;              /* broad.c: of bodies that are awake, which have left their fat bounds */
+    size_t left_capacity;
+    daft_sim_list astray;    /* broad.c: parts that are to enter their tree anew */
+    daft_sim_key *group_keys; /* groups.c: of putting them together */
+    size_t group_key_capacity;
+    uint64_t *candidates, *ordered; /* keys of near pairs; of ordering them */
+    size_t candidate_count, candidate_capacity, ordered_capacity;
+    daft_sim_active_list sorting; /* of the active list: room for twice as many */
+    daft_sim_list ghosts;    /* ghost.c: bodies that overlap what does not yield */
+    uint32_t *island_parents; /* sleep.c: of each body that is awake, its parent in the union-find */
+    size_t island_capacity;
+} daft_sim_step_scratch;
 
+struct daft_world {
+    /* ---- options ---- */
+    daft_allocator allocator;
+    int workers, isa;
+
+    /* ---- state: what is saved; hashed are the bodies' poses and velocities ---- */
+    daft_vec3 gravity;
+    int substeps;
+    bool sleeping;
+    daft_sim_material_pair *material_pairs; /* DAFT_SIM_MATERIAL_KINDS²; friction < 0: none. NULL: none at all */
     daft_sim_body *bodies;
     size_t body_capacity;
-    uint32_t body_count, free_body; /* high-water mark */
-    uint32_t live_bodies;
+    uint32_t body_count, free_body, live_bodies; /* count: high-water mark */
     daft_sim_part *parts;
     size_t part_capacity;
     uint32_t part_count, free_part;
-    /* Of each part, apart from its record, since all pairs are asked for them in each step: */
-    daft_sim_bounds *fat;   /* as it stands in the tree */
+    daft_sim_bounds *fat;   /* of each part: as it stands in the tree */
     daft_sim_bounds *tight; /* where it may be during this step, and the margin; of what stands still: where it is */
-    uint32_t *slots;        /* its place in the groups, or DAFT_SIM_NONE */
-    size_t fat_capacity, tight_capacity, slots_capacity;
-    daft_outline *outlines;         /* as the step begins, */
-    daft_outline_frame *box_frames; /* of boxes only (outline.c) */
-    size_t outline_capacity, box_frame_capacity;
+    size_t fat_capacity, tight_capacity;
     daft_sim_pair *pairs;
     size_t pair_capacity;
-    uint32_t pair_count, free_pair;
+    uint32_t pair_count, free_pair, live_pairs;
     daft_sim_joint *joints;
     size_t joint_capacity;
     uint32_t joint_count, free_joint, live_joints;
-
-    daft_sim_list awake;  /* dynamic */
+    daft_sim_list awake;  /* dynamic bodies */
     daft_sim_list movers; /* kinematic bodies with a target or a velocity */
-    bool *left;           /* broad.c: of those awake, which have left their fat bounds */
-    size_t left_capacity;
     daft_sim_list moved;  /* parts that were placed since the last step */
-    daft_sim_list astray; /* broad.c: parts that are to enter their tree anew */
-    daft_sim_active_list active; /* in the order of keys, as far as it is `sorted` */
-    bool sorted;
-    daft_sim_active_list sorting; /* scratch: room for twice as many */
-    bool unallocated;            /* some active pair needs room for manifolds */
-    uint32_t *island_parents;    /* sleep.c: of each body that is awake, its parent in the union-find */
-    size_t island_capacity;
-    daft_sim_list ghosts; /* scratch of ghost.c: of what met what does not yield */
-    uint32_t asleep_count; /* bodies */
-    uint32_t live_pairs;
 
+    /* ---- what follows from the state, kept up with it, made anew when a world is loaded ---- */
+    uint32_t asleep_count; /* bodies */
+    daft_sim_active_list active; /* in the order of keys, if it is `sorted` */
+    bool sorted;
+    bool unallocated;        /* some active pair needs room for manifolds */
+    daft_sim_tree trees[DAFT_BODY_DYNAMIC + 1]; /* one for each kind */
+    uint64_t changes;        /* counts steps and changes of the trees, from 1 on */
+    uint64_t settled_at;     /* of which the trees have all parts where they are (broad.c) */
+    daft_outline *outlines;  /* of each part, as the step begins; */
+    daft_outline_frame *box_frames; /* of boxes only (outline.c) */
+    size_t outline_capacity, box_frame_capacity;
+    uint32_t *slots;         /* of each part: its place in the groups, or DAFT_SIM_NONE */
+    size_t slots_capacity;
     /* Parts of what is active, or was placed since the last step, in groups (groups.h). */
     struct daft_sim_group *groups;
-    daft_dvec3 group_origin; /* their floats are from here */
     struct daft_sim_boxes *group_boxes; /* their bounds, side by side */
-    daft_sim_key *group_keys; /* scratch of putting them together */
-    size_t group_capacity, group_box_capacity, group_key_capacity;
+    size_t group_capacity, group_box_capacity;
+    daft_dvec3 group_origin; /* their floats are from here */
     uint32_t slot_count, grouped; /* slots up to the last one taken; parts in them */
-    uint32_t slots_late; /* taken since they were put together */
-    bool newcomers;      /* some may not be in their group yet */
-    double group_size;   /* the sum of their sizes, when they were put together; 0: unknown; -1: they have grown too much */
+    uint32_t slots_late;     /* taken since they were put together */
+    bool newcomers;          /* some may not be in their group yet */
+    double group_size;       /* the sum of their sizes, when they were put together; 0: unknown; -1: they have grown too much */
 
-    daft_sim_tree trees[DAFT_BODY_DYNAMIC + 1]; /* one for each kind */
-    uint64_t changes;         /* counts steps and changes of the trees, from 1 on */
-    uint64_t settled_at;      /* of which the trees have all parts where they are (broad.c) */
-    daft_sim_material_pair *material_pairs; /* DAFT_SIM_MATERIAL_KINDS²; friction < 0: none. NULL: none at all */
-
-    daft_sim_solver *solver;
-    daft_region *region; /* during a step that is worth several workers */
+    /* ---- what the last step, and calls since, tell ---- */
     daft_sim_contact *report; /* first the contacts of what sleeps, made anew when some fell asleep or woke */
     size_t report_count, report_capacity, report_asleep;
     bool sleep_changed;
     bool untold; /* the other contacts of the last step are flagged in the active list, and not in the report yet */
-    uint64_t *candidates, *ordered; /* pairs.c: keys of near pairs; scratch of ordering them */
-    size_t candidate_count, candidate_capacity, ordered_capacity;
     daft_sim_event_list events, pending; /* of the last step; of calls since */
-    daft_sim_counters counters;
     bool lost_event; /* memory was out: the next step says so */
+    daft_sim_counters counters;
+
+    daft_sim_step_scratch scratch;
 };
 
 /* ---- small things ---- */
@@ -435,6 +384,21 @@ void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t body)
 /* A loop of the step, on all its workers if that is `wide` enough to be worth it. */
 void daft_sim_for(const daft_world *world, bool wide, uint32_t tasks, daft_task *task, void *context);
 
+/* ---- substeps.c ---- */
+
+/* Moves what is active over dt and leaves the impulses in manifolds and joints. False when memory is out. */
+bool daft_sim_solve(daft_world *world, float dt);
+bool daft_sim_solver_create(daft_world *world);
+void daft_sim_solver_destroy(daft_world *world);
+
+/* ---- sweep.c ---- */
+
+struct daft_sim_target; /* solve/solver.h */
+/* Finds where a row's body stops on its way there. */
+void daft_sim_sweep(const daft_world *world, uint32_t row, struct daft_sim_target *targets);
+/* Then, of all: what joints hold to bodies that were stopped waits for them. */
+void daft_sim_sweep_joined(daft_world *world);
+
 /* ---- body.c, mass of bodies ---- */
 
 bool daft_sim_shape_check(const daft_sim_shape_def *def, daft_body_kind kind, daft_error *error);
@@ -450,150 +414,5 @@ void daft_sim_body_place(daft_sim_body *body, daft_dvec3 position, daft_quat rot
 void daft_sim_body_inverse_inertia(const daft_sim_body *body, const daft_rigid *frame, float out[6]);
 /* A kinematic body moves from now on; a dynamic one with its island is awake. Neither fails: room was reserved. */
 void daft_sim_body_activate(daft_world *world, uint32_t index);
-
-/* ---- broad.c ---- */
-
-/* Room for the bounds of so many parts. */
-bool daft_sim_bounds_reserve(daft_world *world, size_t parts);
-
-daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t part);
-/* Enters the parts of a body into the tree of its kind, for which there is room, and marks them moved. */
-void daft_sim_broad_add(daft_world *world, uint32_t body);
-void daft_sim_broad_remove(daft_world *world, uint32_t body);
-/* Bounds over the coming step of everything that moves. False when memory is out. */
-bool daft_sim_broad_update(daft_world *world, float dt);
-/* The trees hold all parts where they are now, for queries. */
-void daft_sim_broad_settle(daft_world *world);
-/* The same for a body that falls asleep. */
-void daft_sim_broad_rest(daft_world *world, uint32_t body);
-
-/* ---- outline.c ---- */
-
-/* Room for the outlines of so many parts. */
-bool daft_sim_outlines_reserve(daft_world *world, size_t parts);
-/* Of a part, where it is, over a step of dt. */
-void daft_sim_outline_set(daft_world *world, uint32_t part, const daft_rigid *frame, float dt);
-/* Of all parts of a body that does not move. */
-void daft_sim_outlines_rest(daft_world *world, uint32_t body);
-
-/* ---- groups.c ---- */
-
-/* What is active, or was placed, joins the groups. False when memory is out. */
-bool daft_sim_groups_join(daft_world *world);
-/* The bodies that joints keep one from touching have changed. */
-void daft_sim_groups_joined(daft_world *world, uint32_t body);
-/* A part that rests from now on, or is to be removed. */
-void daft_sim_group_leave(daft_world *world, uint32_t part);
-/* To the bounds over the step. */
-void daft_sim_groups_fit(daft_world *world);
-/* Keys of near pairs go to world->candidates, in any order. False when memory is out. */
-bool daft_sim_groups_search(daft_world *world);
-
-/* ---- pairs.c ---- */
-
-/* Makes contact pairs of all parts that are near each other, and of no others that have an active side. False when memory is out. */
-bool daft_sim_pairs_find(daft_world *world);
-void daft_sim_pair_remove(daft_world *world, uint32_t pair);
-void daft_sim_pairs_forget(daft_world *world, uint32_t body); /* the impulses they keep */
-/* Between steps: it leaves the active list too. */
-void daft_sim_pair_drop(daft_world *world, uint32_t pair);
-void daft_sim_pairs_remove(daft_world *world, uint32_t body);
-/* All pairs of a body go to the active list. Room was reserved. */
-void daft_sim_pairs_activate(daft_world *world, uint32_t body);
-/* By keys; those of equal ones keep their order. scratch: room for as many. */
-void daft_sim_active_sort(daft_sim_active *items, size_t count, daft_sim_active *scratch);
-/* What joined the active list since it was last sorted goes to its place. */
-void daft_sim_active_update(daft_world *world);
-/* What its pair's manifolds say of an entry; of all that overlap. */
-void daft_sim_active_refresh(const daft_world *world, daft_sim_active *entry);
-void daft_sim_active_refresh_all(daft_world *world);
-/* Whether two parts may touch at all. */
-bool daft_sim_may_meet(const daft_world *world, uint32_t part_a, uint32_t part_b);
-/* For loading: enters a pair that stands in its slot into lists. */
-void daft_sim_pair_enter(daft_world *world, uint32_t pair);
-bool daft_sim_pairs_reserve(daft_world *world, size_t more);
-
-/* ---- contacts.c ---- */
-
-/* Manifolds of everything active. False when memory is out. */
-bool daft_sim_contacts_update(daft_world *world, float dt);
-/* From the materials of its parts. */
-void daft_sim_pair_materials(const daft_world *world, daft_sim_pair *pair);
-/* The way of a body's part over dt, as it is going now. */
-daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt);
-
-/* ---- ghost.c ---- */
-
-/* Contacts with inner edges and walls go, and those with what is only passed. False when memory is out. */
-bool daft_sim_ghosts_drop(daft_world *world, float dt);
-
-/* ---- locked_axis.c ---- */
-
-/* Turns a manifold into what both bodies are free to do; it may have no points then. */
-void daft_sim_lock_axes(const daft_world *world, const daft_sim_pair *pair, daft_sim_manifold *manifold);
-
-/* ---- sleep.c ---- */
-
-void daft_sim_wake(daft_world *world, uint32_t body);
-/* Wakes what touches a body, and what is joined to it. */
-void daft_sim_wake_neighbours(daft_world *world, uint32_t body);
-void daft_sim_wake_all(daft_world *world);
-/* Islands asleep that something active touches. */
-void daft_sim_wake_met(daft_world *world);
-/* Rest times, islands, and who falls asleep. */
-void daft_sim_sleep_update(daft_world *world, float dt);
-/* Islands of bodies that are awake, and the body that stands for the one that a body belongs to. */
-void daft_sim_islands_find(daft_world *world);
-uint32_t daft_sim_island_of(daft_world *world, uint32_t body);
-/* Puts a body's island to sleep, if all of it may. */
-void daft_sim_sleep_island(daft_world *world, uint32_t body);
-
-/* ---- joint.c ---- */
-
-void daft_sim_joint_remove(daft_world *world, uint32_t joint, bool event);
-bool daft_sim_joints_reserve(daft_world *world, size_t more);
-void daft_sim_joint_link(daft_world *world, uint32_t joint); /* for loading */
-uint32_t daft_sim_joint_insert(daft_world *world, const daft_sim_joint *joint); /* room was reserved */
-/* Those that the last step's forces break. */
-void daft_sim_joints_break(daft_world *world);
-bool daft_sim_joined(const daft_world *world, uint32_t body_a, uint32_t body_b); /* by one that does not collide */
-
-/* ---- substep_rate.c ---- */
-
-float daft_sim_substep_demand_begin(void); /* of a body that was made */
-/* Whether a manifold carries many times the lighter body's weight, at rest. */
-bool daft_sim_load_is_heavy(const daft_world *world, const daft_sim_body *a, const daft_sim_body *b, float load);
-
-/* ---- sweep.c ---- */
-
-/* Where the solver puts the body of a row. */
-typedef struct daft_sim_target {
-    daft_dvec3 centre;
-    daft_quat rotation;
-    daft_dvec3 along; /* where it would get, along what it is pressed into; written for its own row only, as what follows: */
-    daft_dvec3 stop;  /* where it gets, and how fast it is there */
-    daft_quat stop_rotation;
-    daft_vec3 linear;
-    double fraction; /* of the way, on which it gets there; 1: all */
-    uint32_t sweeps;
-} daft_sim_target;
-/* Finds where a row's body stops on its way there. */
-void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targets);
-/* Then, of all: what joints hold to bodies that were stopped waits for them. */
-void daft_sim_sweep_joined(daft_world *world);
-
-/* ---- events.c ---- */
-
-void daft_sim_event_end(daft_world *world, const daft_sim_pair *pair); /* it is about to go */
-void daft_sim_event_joint(daft_world *world, daft_sim_event_kind kind, uint32_t joint, float value);
-void daft_sim_event_sleep(daft_world *world, daft_sim_event_kind kind, uint32_t body);
-/* A removed body's contacts leave the report. */
-void daft_sim_report_forget(daft_world *world, uint32_t body);
-bool daft_sim_report_reserve(daft_world *world);
-/* Before touches or poses of the last step are changed. */
-void daft_sim_report_fill(daft_world *world);
-/* Contacts and events of the step just made. */
-void daft_sim_report(daft_world *world);
-void daft_sim_events_deliver(daft_world *world);
 
 #endif

@@ -4,6 +4,7 @@
  * each has over the step (tight). So what is dynamic and awake is moved in its tree only when something asks for it there:
  * a query, or the sweep of a bullet. */
 #include "sim/world.h"
+#include "sim/broad/broad.h"
 
 #include <stdatomic.h>
 
@@ -41,7 +42,7 @@ bool daft_sim_bounds_reserve(daft_world *world, size_t parts)
     return daft_grow(a, &world->fat, &world->fat_capacity, parts, used, sizeof *world->fat) &&
            daft_grow(a, &world->tight, &world->tight_capacity, parts, used, sizeof *world->tight) &&
            daft_grow(a, &world->slots, &world->slots_capacity, parts, used, sizeof *world->slots) &&
-           daft_sim_list_reserve(world, &world->moved, parts) && daft_sim_list_reserve(world, &world->astray, parts) &&
+           daft_sim_list_reserve(world, &world->moved, parts) && daft_sim_list_reserve(world, &world->scratch.astray, parts) &&
            daft_sim_outlines_reserve(world, parts);
 }
 
@@ -170,7 +171,7 @@ static void widen(daft_world *world, uint32_t index, const daft_sim_bounds *boun
     const daft_sim_part *part = &world->parts[index];
     fatten(world, index, bounds, ahead);
     if (!daft_sim_tree_move(&world->trees[world->bodies[part->body].kind], part->leaf, &world->fat[index]))
-        world->astray.items[world->astray.count++] = index; /* room for every part was reserved */
+        world->scratch.astray.items[world->scratch.astray.count++] = index; /* room for every part was reserved */
 }
 
 static void widen_body(daft_world *world, uint32_t index, float dt)
@@ -185,13 +186,13 @@ static void widen_body(daft_world *world, uint32_t index, float dt)
 static void fit_trees(daft_world *world)
 {
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_fit(&world->trees[i]);
-    for (size_t i = 0; i < world->astray.count; i++) {
-        uint32_t index = world->astray.items[i];
+    for (size_t i = 0; i < world->scratch.astray.count; i++) {
+        uint32_t index = world->scratch.astray.items[i];
         const daft_sim_part *part = &world->parts[index];
         daft_sim_tree_remove(&world->trees[world->bodies[part->body].kind], part->leaf);
         enter(world, index);
     }
-    world->astray.count = 0;
+    world->scratch.astray.count = 0;
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) daft_sim_tree_tidy(&world->trees[i]);
 }
 
@@ -212,7 +213,7 @@ static void update_range(void *context, uint32_t index, uint32_t worker)
     bool bullets = false;
     if (end > world->awake.count) end = world->awake.count;
     for (size_t i = first; i < end; i++) {
-        world->left[i] = update_body(world, world->awake.items[i], j->dt);
+        world->scratch.left[i] = update_body(world, world->awake.items[i], j->dt);
         bullets |= world->bodies[world->awake.items[i]].bullet;
     }
     if (bullets) atomic_store_explicit(&j->bullets, true, memory_order_relaxed);
@@ -223,12 +224,12 @@ bool daft_sim_broad_update(daft_world *world, float dt)
     size_t count = world->awake.count;
     job j = {world, dt, false};
     if (!daft_sim_groups_join(world) ||
-        !daft_grow(&world->allocator, &world->left, &world->left_capacity, count, 0, sizeof *world->left))
+        !daft_grow(&world->allocator, &world->scratch.left, &world->scratch.left_capacity, count, 0, sizeof *world->scratch.left))
         return false;
     daft_sim_for(world, count >= PARALLEL_BODIES, (uint32_t)((count + GRAIN - 1) / GRAIN), update_range, &j);
     bool bullets = atomic_load_explicit(&j.bullets, memory_order_relaxed);
     for (size_t i = 0; bullets && i < count; i++)
-        if (world->left[i]) widen_body(world, world->awake.items[i], dt);
+        if (world->scratch.left[i]) widen_body(world, world->awake.items[i], dt);
     for (size_t i = 0; i < world->movers.count; i++)
         if (update_body(world, world->movers.items[i], dt)) widen_body(world, world->movers.items[i], dt);
     fit_trees(world);

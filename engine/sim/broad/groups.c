@@ -6,6 +6,7 @@
  * is then found by the smaller of the two, which keeps those of lowest index, and no more than may be its own. What rests
  * is asked for in the trees, by a group's bounds. */
 #include "sim/broad/groups.h"
+#include "sim/broad/broad.h"
 
 #include <float.h>
 #include <stdatomic.h>
@@ -131,7 +132,7 @@ bool daft_sim_groups_join(daft_world *world)
     size_t slots = world->slot_count + more, groups = groups_of(slots);
     if (!daft_grow(a, &world->groups, &world->group_capacity, groups, used, sizeof *world->groups) ||
         !daft_grow(a, &world->group_boxes, &world->group_box_capacity, groups_of(groups), 0, sizeof *world->group_boxes) ||
-        !daft_grow(a, &world->group_keys, &world->group_key_capacity, slots, 0, sizeof *world->group_keys))
+        !daft_grow(a, &world->scratch.group_keys, &world->scratch.group_key_capacity, slots, 0, sizeof *world->scratch.group_keys))
         return false;
     for_parts(world, join, NULL);
     world->newcomers = false;
@@ -160,10 +161,10 @@ static void put_together(daft_world *world)
         const daft_sim_bounds *b = &world->tight[part];
         if (count == 0) world->group_origin = b->low;
         daft_dvec3 m = daft_dsub(daft_dadd(b->low, b->high), daft_dscale(world->group_origin, 2));
-        world->group_keys[count++] = (daft_sim_key){{(float)m.x, (float)m.y, (float)m.z}, part};
+        world->scratch.group_keys[count++] = (daft_sim_key){{(float)m.x, (float)m.y, (float)m.z}, part};
     }
-    halve(world->group_keys, count);
-    for (uint32_t i = 0; i < count; i++) take_slot(world, i, world->group_keys[i].leaf);
+    halve(world->scratch.group_keys, count);
+    for (uint32_t i = 0; i < count; i++) take_slot(world, i, world->scratch.group_keys[i].leaf);
     world->slot_count = count;
     world->slots_late = 0;
     world->group_size = 0;
@@ -262,8 +263,8 @@ static void hand_over(search *s)
 {
     daft_world *world = s->found->world;
     size_t at = atomic_fetch_add_explicit(&s->found->count, s->batched, memory_order_relaxed);
-    if (s->batched && at + s->batched <= world->candidate_capacity)
-        memcpy(world->candidates + at, s->batch, s->batched * sizeof *s->batch);
+    if (s->batched && at + s->batched <= world->scratch.candidate_capacity)
+        memcpy(world->scratch.candidates + at, s->batch, s->batched * sizeof *s->batch);
     s->batched = 0;
 }
 
@@ -311,7 +312,7 @@ static bool is_pair(const search *s, const daft_sim_group *other, uint32_t row, 
     uint32_t a = g->body[row], b = other->body[lane], places = (a < b ? b - a : a - b) - 1;
     uint64_t joined = a < b ? g->joined[row] : other->joined[lane];
     bool senses = (g->class[row] | other->class[lane]) & DAFT_SIM_SENSES, meet = a != b;
-    meet &= senses | (places >= 64) | !(joined >> (places & 63) & 1);
+    meet &= senses | (places >= DAFT_SIM_JOINED_PLACES) | !(joined >> (places & (DAFT_SIM_JOINED_PLACES - 1)) & 1);
     meet &= (g->layers[row] & other->mask[lane]) != 0;
     meet &= (other->layers[lane] & g->mask[row]) != 0;
     meet &= may_meet(g->class[row], other->class[lane]);
@@ -416,18 +417,18 @@ static void search_range(void *context, uint32_t index, uint32_t worker)
 static bool search_all(daft_world *world, bool by_size, size_t most)
 {
     for (size_t needed = 8 * (size_t)world->grouped;;) {
-        if (!daft_grow(&world->allocator, &world->candidates, &world->candidate_capacity, needed, 0,
-                       sizeof *world->candidates))
+        if (!daft_grow(&world->allocator, &world->scratch.candidates, &world->scratch.candidate_capacity, needed, 0,
+                       sizeof *world->scratch.candidates))
             return false;
         found_pairs found = {world, most, by_size, 0};
         for_groups(world, SEARCH_GRAIN, search_range, &found);
-        needed = world->candidate_count = atomic_load_explicit(&found.count, memory_order_relaxed);
-        if (needed <= world->candidate_capacity || needed > most) return true;
+        needed = world->scratch.candidate_count = atomic_load_explicit(&found.count, memory_order_relaxed);
+        if (needed <= world->scratch.candidate_capacity || needed > most) return true;
     }
 }
 
 bool daft_sim_groups_search(daft_world *world)
 {
     size_t most = CROWDED * (size_t)world->grouped;
-    return search_all(world, false, most) && (world->candidate_count <= most || search_all(world, true, SIZE_MAX));
+    return search_all(world, false, most) && (world->scratch.candidate_count <= most || search_all(world, true, SIZE_MAX));
 }

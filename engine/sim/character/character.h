@@ -7,6 +7,8 @@
  * deeper than a step; the same calls give the same bits. It pushes dynamic bodies with a bounded force and rides on
  * what it stands on. Dynamic bodies do not feel it but for that.
  *
+ * Public headers: character.h
+ *
  * The state is a plain struct of the caller's: a copy of it is a saved character. Up is +Y. */
 #ifndef DAFT_SIM_CHARACTER_H
 #define DAFT_SIM_CHARACTER_H

@@ -1,7 +1,9 @@
-/* sim/manifold: where two shapes touch: a normal and up to four points for every pair of convex parts, by the
+/* sim/collide: where two shapes touch: a normal and up to four points for every pair of convex parts, by the
  * separating-axis test and clipping (Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013; "Robust
  * Contact Creation for Physics Simulations", GDC 2015; Catto, Box2D v3). Stateless but for a small cache that the
  * caller keeps with the pair.
+ *
+ * Public headers: manifold.h manifold_box.h manifold_round.h
  *
  * Precision. Everything is computed in a's frame, in float, near a: pass the dynamic (or smaller) body as a. b may be a
  * box of 1,000 m or a mesh of 10 km: its faces are brought near to a in double first, so a small box on it rests

@@ -4,6 +4,7 @@
  * lets them close the gap and no more. A point that they will not reach is left out, so that nothing trips over an
  * edge it only passes. */
 #include "sim/contact/persistence.h"
+#include "sim/contact/contact.h"
 #include "sim/collide/manifold_box.h"
 
 #include <string.h>

@@ -6,6 +6,7 @@
  * A ball whose centre is inside a box leaves it by the nearest face, but not through one that leads into a neighbour: it
  * would be sent to and fro between the two. */
 #include "sim/world.h"
+#include "sim/contact/contact.h"
 
 /* How near to a body's surface a point counts as on it: a fraction of the moving part's size, and what rounding of its size
  * and rotation to floats may shift its surface by, as a fraction of its reach. */
@@ -366,8 +367,8 @@ static void filter_range(void *context, uint32_t index, uint32_t worker)
     const job *j = context;
     daft_world *world = j->world;
     size_t first = (size_t)index * GRAIN, end = first + GRAIN;
-    if (end > world->ghosts.count) end = world->ghosts.count;
-    for (size_t i = first; i < end; i++) filter_body(world, world->ghosts.items[i], j->dt);
+    if (end > world->scratch.ghosts.count) end = world->scratch.ghosts.count;
+    for (size_t i = first; i < end; i++) filter_body(world, world->scratch.ghosts.items[i], j->dt);
 }
 
 /* So deep in a mesh that it may be pushed to both sides of a wall: it counts as two. */
@@ -388,7 +389,7 @@ static bool is_deep(const daft_world *world, daft_sim_pair *pair)
  * those that overlap what does not yield. */
 static void find_doubtful(daft_world *world)
 {
-    daft_sim_list *list = &world->ghosts;
+    daft_sim_list *list = &world->scratch.ghosts;
     size_t bodies = 0, doubtful = 0;
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
@@ -417,7 +418,7 @@ static void refresh_filtered(daft_world *world)
 
 bool daft_sim_ghosts_drop(daft_world *world, float dt)
 {
-    daft_sim_list *bodies = &world->ghosts;
+    daft_sim_list *bodies = &world->scratch.ghosts;
     if (!daft_grow(&world->allocator, &bodies->items, &bodies->capacity, world->awake.count, 0, sizeof *bodies->items))
         return false;
     find_doubtful(world);

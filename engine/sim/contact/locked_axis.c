@@ -3,6 +3,7 @@
  * nothing holds. So normals lie in what is free, and separations are those along them. Two that are within each other beside
  * their plane, whose nearest way out is out of it, part by the way between their middles. */
 #include "sim/world.h"
+#include "sim/contact/contact.h"
 
 #define LEAST_FREE 0.3f /* of a normal: what leans away from the plane by more is beside it */
 

@@ -2,6 +2,11 @@
  * one of them is active. They hang on both bodies as lists, and, while a side is active, in the active list that a step walks,
  * which is in the order of keys: the near pairs of a step, sorted too, are compared with it in one pass. */
 #include "sim/world.h"
+#include "sim/broad/broad.h"
+#include "sim/contact/contact.h"
+#include "sim/events.h"
+#include "sim/sleep.h"
+#include "sim/solve/solver.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,8 +21,8 @@ bool daft_sim_pairs_reserve(daft_world *world, size_t more)
                      sizeof *world->pairs) &&
            daft_grow(&world->allocator, &world->active.items, &world->active.capacity, world->pair_capacity,
                      world->active.count, sizeof *world->active.items) &&
-           daft_grow(&world->allocator, &world->sorting.items, &world->sorting.capacity, 2 * world->pair_capacity, 0,
-                     sizeof *world->sorting.items);
+           daft_grow(&world->allocator, &world->scratch.sorting.items, &world->scratch.sorting.capacity, 2 * world->pair_capacity, 0,
+                     sizeof *world->scratch.sorting.items);
 }
 
 static void link_edge(daft_world *world, uint32_t index, int side)
@@ -159,6 +164,19 @@ void daft_sim_pairs_forget(daft_world *world, uint32_t body)
 
 /* ---- near parts ---- */
 
+static bool is_joined(const daft_world *world, uint32_t body_a, uint32_t body_b)
+{
+    uint32_t first = daft_min_u(body_a, body_b), places = daft_max_u(body_a, body_b) - first;
+    if (places == 0) return false;
+    if (places <= DAFT_SIM_JOINED_PLACES) return world->bodies[first].joined >> (places - 1) & 1;
+    if (!world->bodies[body_a].joined_far) return false;
+    for (uint32_t e = world->bodies[body_a].first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
+        const daft_sim_joint *joint = &world->joints[e >> 1];
+        if (!joint->collide && joint->body[(e & 1) ^ 1] == body_b) return true;
+    }
+    return false;
+}
+
 bool daft_sim_may_meet(const daft_world *world, uint32_t a, uint32_t b)
 {
     const daft_sim_part *x = &world->parts[a], *y = &world->parts[b];
@@ -166,7 +184,7 @@ bool daft_sim_may_meet(const daft_world *world, uint32_t a, uint32_t b)
     daft_body_kind kind_x = world->bodies[x->body].kind, kind_y = world->bodies[y->body].kind;
     if (x->sensor || y->sensor) return !(x->sensor && y->sensor) && (kind_x != DAFT_BODY_STATIC || kind_y != DAFT_BODY_STATIC);
     if (kind_x != DAFT_BODY_DYNAMIC && kind_y != DAFT_BODY_DYNAMIC) return false;
-    return !daft_sim_joined(world, x->body, y->body);
+    return !is_joined(world, x->body, y->body);
 }
 
 enum { DIGIT = 8 /* bits */ };
@@ -203,9 +221,9 @@ static uint64_t *sort_near(daft_world *world)
 {
     uint32_t bits = 1;
     while (bits < 32 && world->part_count >> bits) bits++;
-    uint64_t *by_b = sort_by_bits(world->candidates, world->ordered, world->candidate_count, 0, bits);
-    uint64_t *other = by_b == world->ordered ? world->candidates : world->ordered;
-    return sort_by_bits(by_b, other, world->candidate_count, 32, bits);
+    uint64_t *by_b = sort_by_bits(world->scratch.candidates, world->scratch.ordered, world->scratch.candidate_count, 0, bits);
+    uint64_t *other = by_b == world->scratch.ordered ? world->scratch.candidates : world->scratch.ordered;
+    return sort_by_bits(by_b, other, world->scratch.candidate_count, 32, bits);
 }
 
 /* A pair of two that rest is no longer active, and stays. */
@@ -308,7 +326,7 @@ void daft_sim_active_sort(daft_sim_active *items, size_t count, daft_sim_active 
 
 void daft_sim_active_update(daft_world *world)
 {
-    if (!world->sorted) daft_sim_active_sort(world->active.items, world->active.count, world->sorting.items);
+    if (!world->sorted) daft_sim_active_sort(world->active.items, world->active.count, world->scratch.sorting.items);
     world->sorted = true;
 }
 
@@ -345,11 +363,11 @@ void daft_sim_active_refresh_all(daft_world *world)
 bool daft_sim_pairs_find(daft_world *world)
 {
     daft_sim_active_update(world);
-    if (!daft_sim_groups_search(world) || !daft_grow(&world->allocator, &world->ordered, &world->ordered_capacity,
-                                                     world->candidate_count, 0, sizeof *world->ordered))
+    if (!daft_sim_groups_search(world) || !daft_grow(&world->allocator, &world->scratch.ordered, &world->scratch.ordered_capacity,
+                                                     world->scratch.candidate_count, 0, sizeof *world->scratch.ordered))
         return false;
     uint64_t *near = sort_near(world);
-    size_t fresh = compare(world, near, world->candidate_count);
+    size_t fresh = compare(world, near, world->scratch.candidate_count);
     if (!daft_sim_pairs_reserve(world, fresh)) return false;
     make_pairs(world, near, fresh);
     forget_moved(world);

@@ -1,5 +1,9 @@
 /* Joints as things that are made, asked and taken away. What they do to bodies is in joint_kernel.c. */
 #include "sim/world.h"
+#include "sim/broad/broad.h"
+#include "sim/contact/contact.h"
+#include "sim/events.h"
+#include "sim/joint/joint.h"
 
 #include "math/trig.h"
 
@@ -106,8 +110,6 @@ static void unlink_joint(daft_world *world, uint32_t index, int side)
         world->bodies[joint->body[side]].first_joint = next;
 }
 
-enum { JOINED_PLACES = 64 }; /* bits of a body's `joined` */
-
 /* The bodies that joints keep one from touching: pairs are asked for them all the time, and most are made one after another. */
 static void set_joined(daft_world *world, uint32_t index)
 {
@@ -119,7 +121,7 @@ static void set_joined(daft_world *world, uint32_t index)
         const daft_sim_joint *joint = &world->joints[e >> 1];
         uint32_t other = joint->body[(e & 1) ^ 1], places = other > index ? other - index : index - other;
         if (joint->collide || other == DAFT_SIM_NONE) continue;
-        if (places > JOINED_PLACES)
+        if (places > DAFT_SIM_JOINED_PLACES)
             body->joined_far = true;
         else if (other > index)
             body->joined |= (uint64_t)1 << (places - 1);
@@ -258,18 +260,6 @@ void daft_world_remove_joint(daft_world *world, uint32_t handle)
     if (find_joint(world, handle)) daft_sim_joint_remove(world, handle - 1, false);
 }
 
-bool daft_sim_joined(const daft_world *world, uint32_t body_a, uint32_t body_b)
-{
-    uint32_t first = daft_min_u(body_a, body_b), places = daft_max_u(body_a, body_b) - first;
-    if (places == 0) return false;
-    if (places <= JOINED_PLACES) return world->bodies[first].joined >> (places - 1) & 1;
-    if (!world->bodies[body_a].joined_far) return false;
-    for (uint32_t e = world->bodies[body_a].first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
-        const daft_sim_joint *joint = &world->joints[e >> 1];
-        if (!joint->collide && joint->body[(e & 1) ^ 1] == body_b) return true;
-    }
-    return false;
-}
 
 void daft_sim_joints_break(daft_world *world)
 {

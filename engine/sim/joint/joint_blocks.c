@@ -4,6 +4,38 @@
 #include <stddef.h>
 #include <string.h>
 
+/* ---- colours ---- */
+
+static uint32_t row_of(const daft_world *world, uint32_t body)
+{
+    return body == DAFT_SIM_NONE ? 0 : world->scratch.solver->row_of[body];
+}
+
+bool daft_sim_joints_colour(daft_world *world, uint32_t most[DAFT_SIM_CLASSES])
+{
+    daft_sim_solver *s = world->scratch.solver;
+    s->constraint_count = 0;
+    for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
+        const daft_sim_joint *joint = &world->joints[i];
+        if (joint->kind == 0) continue;
+        uint32_t a = row_of(world, joint->body[0]), b = row_of(world, joint->body[1]);
+        if (!daft_sim_row_is_solved(s, a) && !daft_sim_row_is_solved(s, b)) continue;
+        if (!daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, s->constraint_count + 1,
+                       s->constraint_count, sizeof *s->constraints))
+            return false;
+        bool yields_a = daft_sim_row_yields(s, a), yields_b = daft_sim_row_yields(s, b);
+        if (yields_a) s->constrained[a] |= DAFT_SIM_JOINTED;
+        if (yields_b) s->constrained[b] |= DAFT_SIM_JOINTED;
+        size_t place_a = yields_a ? daft_sim_colour_place(joint->body[0]) : 0, place_b = yields_b ? daft_sim_colour_place(joint->body[1]) : 0;
+        uint32_t class = !(yields_a && yields_b), colour = daft_sim_colour_take(s, place_a, place_b, class);
+        if (colour >= most[class]) most[class] = colour + 1;
+        s->constraints[s->constraint_count++] = (daft_sim_constraint){i, a, b, colour << 1 | class};
+    }
+    return true;
+}
+
+/* ---- blocks ---- */
+
 enum { PARTS = 64 }; /* kinds of blocks: of joint, and which of limit, motor and spring it has */
 
 static uint32_t parts_of(const daft_sim_joint *j)
@@ -14,7 +46,7 @@ static uint32_t parts_of(const daft_sim_joint *j)
 static uint32_t *bin_of(const daft_world *world, const daft_sim_constraint *c, const uint32_t most[2])
 {
     uint32_t colour = (c->colour >> 1) + (c->colour & 1 ? most[0] : 0);
-    return &world->solver->joint_bins[colour * PARTS + parts_of(&world->joints[c->joint])];
+    return &world->scratch.solver->joint_bins[colour * PARTS + parts_of(&world->joints[c->joint])];
 }
 
 /* Counts become first slots; blocks of one colour follow each other. */
@@ -35,7 +67,7 @@ static void lay_out(daft_sim_solver *s, uint32_t colours)
 
 bool daft_sim_joints_place(daft_world *world, const uint32_t most[2])
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     size_t colours = (size_t)most[0] + most[1], bins = colours * PARTS;
     s->joint_count = (uint32_t)s->constraint_count;
     if (!daft_grow(&world->allocator, &s->joint_bins, &s->joint_bin_capacity, bins, 0, sizeof *s->joint_bins) ||
@@ -63,8 +95,8 @@ static float longer_than_before(const daft_world *world, const daft_sim_joint_sl
 {
     float before = 0;
     for (int i = 0; i < 2; i++)
-        if (slot->row[i] > world->solver->mover_count) before = world->bodies[world->solver->row_bodies[slot->row[i]]].h;
-    return before > 0 && before != world->solver->h ? world->solver->h / before : 1;
+        if (slot->row[i] > world->scratch.solver->mover_count) before = world->bodies[world->scratch.solver->row_bodies[slot->row[i]]].h;
+    return before > 0 && before != world->scratch.solver->h ? world->scratch.solver->h / before : 1;
 }
 
 static void put3(daft_sim_lanes *to, int lane, daft_vec3 v)
@@ -91,7 +123,7 @@ static daft_dvec3 find_side(const daft_world *world, const daft_sim_joint_slot *
 
 static bool is_struck(const daft_world *world, uint32_t row)
 {
-    const daft_sim_solver *s = world->solver;
+    const daft_sim_solver *s = world->scratch.solver;
     if (!(s->constrained[row] & DAFT_SIM_IN_CONTACT)) return false;
     daft_vec3 v = world->bodies[s->row_bodies[row]].linear;
     return daft_dot(v, v) > FAST * FAST;
@@ -109,13 +141,13 @@ static void fill_rows(const daft_world *world, daft_sim_joint_block *block, cons
     for (int lane = 0; lane < block->lanes; lane++) {
         const daft_sim_joint_slot *slot = &slots[lane];
         out->joint[lane] = slot->joint;
-        out->longer[lane] = world->solver->steady ? 1 : longer_than_before(world, slot);
+        out->longer[lane] = world->scratch.solver->steady ? 1 : longer_than_before(world, slot);
         block->most_open[lane] = left_open(world, slot);
         daft_dvec3 from[2];
         for (int i = 0; i < 2; i++) {
             from[i] = find_side(world, slot, i, lane, out);
             block->side[i].row[lane] = (int32_t)slot->row[i];
-            block->side[i].writes |= (uint32_t)(slot->row[i] > world->solver->mover_count) << lane;
+            block->side[i].writes |= (uint32_t)(slot->row[i] > world->scratch.solver->mover_count) << lane;
         }
         put3(block->offset0, lane, daft_to_float(daft_dsub(from[1], from[0])));
     }
@@ -136,7 +168,7 @@ static int lanes_of(const daft_sim_joint_slot *slots)
 
 void daft_sim_joint_block_fill(daft_world *world, uint32_t index)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     daft_sim_joint_block *block = &s->joint_blocks[index];
     const daft_sim_joint_slot *slots = &s->joint_slots[(size_t)index * DAFT_SIM_LANES];
     const daft_sim_joint *first = &world->joints[slots[0].joint];
@@ -150,7 +182,7 @@ void daft_sim_joint_block_fill(daft_world *world, uint32_t index)
 
 void daft_sim_joint_block_store(daft_world *world, uint32_t index, float dt)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     const daft_sim_joint_block *block = &s->joint_blocks[index];
     const daft_sim_joint_slot *slots = &s->joint_slots[(size_t)index * DAFT_SIM_LANES];
     daft_sim_joint_source to = {.joints = world->joints};

@@ -80,7 +80,9 @@ struct daft_sim_joint_kernels {
 
 DAFT_KERNEL_DECLARE(daft_sim_joint_kernels, daft_sim_joint);
 
-/* Blocks from the constraints of one pace's joints; most: colours of each class. False when memory is out. */
+/* Colours for the joints of the islands that are being solved; most: gives how many of each class. False when memory is out. */
+bool daft_sim_joints_colour(daft_world *world, uint32_t most[DAFT_SIM_CLASSES]);
+/* Blocks from these constraints. False when memory is out. */
 bool daft_sim_joints_place(daft_world *world, const uint32_t most[2]);
 /* Fills block `index` from joints, and puts back what they keep. */
 void daft_sim_joint_block_fill(daft_world *world, uint32_t index);

@@ -2,6 +2,8 @@
  * shape in its own frame in double, so answers are as good 1e7 m from the origin as at it. Meshes are asked through the
  * same tree of triangles that the renderer draws and casts rays by.
  *
+ * Public headers: query.h walk.h
+ *
  * Answers depend on where bodies are now, never on the trees' shape: of equal ones the lower body counts, then the
  * lower shape. Asking changes nothing in the state and allocates nothing. Numbers that are not finite or beyond
  * DAFT_SIM_MAX_QUERY, and rays without direction, meet nothing. */

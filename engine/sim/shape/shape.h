@@ -1,11 +1,12 @@
 /* sim/shape: what bodies are made of, as pure geometry. No world, no bodies; nothing here is kept between calls but
  * what the caller keeps.
  *
- *   shape.c, mass.c      making shapes, bounds, support, mass
- *   hull.c, hull_*.c     convex hulls from points
- *   mesh_shape.c         adjacency of a triangle mesh; heightfield.c: the same of a grid of heights; compound.c:
- * children gjk.c                distance and closest points; cast.c: sweeps; ray.c: rays manifold.h           where two
- * shapes touch
+ *   shape.c, mass.c       making shapes, bounds, support, mass
+ *   hull.c, hull_build.c  convex hulls from points
+ *   mesh_shape.c          adjacency of a triangle mesh; heightfield.c: the same of a grid of heights; compound.c: children
+ *   gjk.c, distance.c     distance and closest points; cast.c: sweeps; ray.c: rays
+ *
+ * Public headers: shape.h triangles.h gjk.h
  *
  * Sizes 1e-4 to 1e7 m. All numbers are finite after a maker has returned true; makers refuse anything else with a
  * message. Same bits on every machine: only +, -, *, / and square roots. No function but the makers allocates. */

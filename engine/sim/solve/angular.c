@@ -10,7 +10,7 @@
 
 bool daft_sim_integrates_angular(const daft_world *world, uint32_t row)
 {
-    const daft_sim_solver *s = world->solver;
+    const daft_sim_solver *s = world->scratch.solver;
     const daft_sim_body *body = &world->bodies[s->row_bodies[row]];
     if (body->kind != DAFT_BODY_DYNAMIC || body->round || body->locks & DAFT_LOCK_ROTATION) return false;
     float turn = daft_length(body->angular) * s->h;
@@ -19,7 +19,7 @@ bool daft_sim_integrates_angular(const daft_world *world, uint32_t row)
 
 void daft_sim_angular_add(daft_world *world, uint32_t row)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     const daft_sim_body *body = &world->bodies[s->row_bodies[row]];
     if (s->angular_count == 0 || s->angular[s->angular_count - 1].lanes == DAFT_SIM_LANES) {
         daft_sim_angular *fresh = &s->angular[s->angular_count++];
@@ -43,10 +43,10 @@ void daft_sim_angular_add(daft_world *world, uint32_t row)
 
 static void refresh(const daft_world *world, uint32_t row)
 {
-    const daft_sim_solver_bodies *rows = &world->solver->rows;
+    const daft_sim_solver_bodies *rows = &world->scratch.solver->rows;
     size_t at = (size_t)row * DAFT_SIM_ROW;
     const float *turn = rows->turn + at;
-    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    const daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
     daft_quat q = {turn[0], turn[1], turn[2], turn[3]};
     daft_rigid frame = daft_rigid_make(daft_dv3(0, 0, 0), daft_quat_mul(q, body->rotation));
     daft_sim_body_inverse_inertia(body, &frame, rows->mass + at + 1);
@@ -54,7 +54,7 @@ static void refresh(const daft_world *world, uint32_t row)
 
 bool daft_sim_angular_refresh(const daft_world *world, uint32_t first, uint32_t count, float dt)
 {
-    const daft_sim_solver *s = world->solver;
+    const daft_sim_solver *s = world->scratch.solver;
     enum { MOST = 32 };
     bool any = false;
     for (uint32_t i = 0; i < count; i += MOST) {

@@ -3,7 +3,7 @@
  * the lowest colour that is free at both its bodies, in the order of the active list; so the colours of one island are its
  * own, whatever else is in the world. Contacts with what does not yield come last: the solver ends with what cannot
  * give way. */
-#include "sim/joint/joints.h"
+#include "sim/solve/solver.h"
 
 #include <stdatomic.h>
 #include <stddef.h>
@@ -11,7 +11,7 @@
 
 enum {
     MASKED = 32, /* colours of each class that a body's mask tells; its further constraints climb level by level */
-    CLASSES = 2, /* 0: both bodies yield; 1: one of them */
+    CLASSES = DAFT_SIM_CLASSES,
     SIZES = DAFT_MANIFOLD_POINTS,
     GROUPS = CLASSES + 1, /* of the second class first those with a mover, then those with what is still */
     KINDS = 2 * GROUPS * SIZES /* of each group those that are not stiff and those that are; those of most points first */
@@ -23,7 +23,7 @@ enum {
 
 static bool reserve_rows(daft_world *world, size_t needed)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     if (needed <= s->row_capacity) return true;
     size_t capacity = 0, floats = DAFT_SIM_ROW;
     float **rows[] = {&s->rows.velocity, &s->rows.moved, &s->rows.gain, &s->rows.turn, &s->rows.mass};
@@ -44,7 +44,7 @@ static uint32_t rate_of(const daft_sim_solver *s, uint32_t body) { return s->isl
 /* Rows of the islands of each substep rate follow each other. */
 static void order_rows(daft_world *world, bool rates)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     uint32_t row = 1 + s->mover_count, next[DAFT_SIM_RATES] = {0};
     for (size_t i = 0; i < world->awake.count; i++) next[rates ? rate_of(s, world->awake.items[i]) : 0]++;
     for (uint32_t rate = 0; rate < DAFT_SIM_RATES; rate++) {
@@ -57,29 +57,17 @@ static void order_rows(daft_world *world, bool rates)
     s->row_count = row;
 }
 
-static uint32_t row_of(const daft_world *world, uint32_t body)
-{
-    return body == DAFT_SIM_NONE ? 0 : world->solver->row_of[body];
-}
-
-static bool yields(const daft_world *world, uint32_t row) { return row > world->solver->mover_count; }
-
-/* Of an island that is being solved. */
-static bool solved_now(const daft_sim_solver *s, uint32_t row) { return row >= s->row_first && row < s->row_end; }
+static bool yields(const daft_world *world, uint32_t row) { return daft_sim_row_yields(world->scratch.solver, row); }
 
 /* ---- colours ---- */
 
-/* The masks and levels of bodies, by their indices; in the place before them, always free, stands all that does not yield. */
-static size_t place_of_body(uint32_t body) { return (size_t)body + 1; }
-
-static void clear_colours(daft_sim_solver *s, size_t place)
+void daft_sim_colours_clear(daft_sim_solver *s, size_t place)
 {
     s->masks[place] = 0;
     for (size_t class = 0; class < CLASSES; class++) s->levels[place * CLASSES + class] = 0;
 }
 
-/* The lowest colour free at both places, and takes it. */
-static uint32_t take_colour(daft_sim_solver *s, size_t a, size_t b, uint32_t class)
+uint32_t daft_sim_colour_take(daft_sim_solver *s, size_t a, size_t b, uint32_t class)
 {
     uint32_t shift = class * MASKED;
     uint64_t taken = (s->masks[a] | s->masks[b]) >> shift & UINT32_MAX;
@@ -100,13 +88,13 @@ static uint32_t take_colour(daft_sim_solver *s, size_t a, size_t b, uint32_t cla
 /* Whether a pair that met is solved, as it yields somewhere: a does. */
 static bool is_solved(const daft_world *world, const daft_sim_active *entry)
 {
-    return entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS) && yields(world, world->solver->row_of[entry->body_a]);
+    return entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS) && yields(world, world->scratch.solver->row_of[entry->body_a]);
 }
 
 /* Room for rows, and for what there is of each; of each body, for its row. */
 static bool reserve(daft_world *world, size_t rows)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     const daft_allocator *a = &world->allocator;
     size_t bodies = world->body_count, known = s->row_of_capacity, manifolds = 0;
     for (size_t i = 0; i < world->active.count; i++) manifolds += world->active.items[i].manifolds;
@@ -132,7 +120,7 @@ static bool reserve(daft_world *world, size_t rows)
  * So what overlaps deeply becomes no faster than one push, or than it or the other came. */
 static void limit_depenetration(daft_world *world, uint32_t row, uint32_t other)
 {
-    const daft_sim_solver *s = world->solver;
+    const daft_sim_solver *s = world->scratch.solver;
     if (!yields(world, row)) return;
     daft_sim_depenetration most = {DAFT_SIM_PUSH_SPEED, DAFT_SIM_PUSH_SPEED};
     const uint32_t rows[2] = {row, other};
@@ -151,12 +139,12 @@ static void limit_depenetration(daft_world *world, uint32_t row, uint32_t other)
 /* What contacts say of rows. */
 static void tell_rows(daft_world *world)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     s->constrained[0] = 0;
     for (uint32_t row = 1; row < s->row_count; row++) {
         uint32_t body = s->row_bodies[row];
         s->row_of[body] = row;
-        s->constrained[row] = yields(world, row) && s->masks[place_of_body(body)] != 0 ? DAFT_SIM_IN_CONTACT : 0;
+        s->constrained[row] = yields(world, row) && s->masks[daft_sim_colour_place(body)] != 0 ? DAFT_SIM_IN_CONTACT : 0;
     }
     memset(s->depenetration, 0, s->row_count * sizeof *s->depenetration);
     for (size_t i = 0; s->depenetrates && i < world->active.count; i++) {
@@ -170,22 +158,22 @@ static void tell_rows(daft_world *world)
 /* Islands share no body, so the colours that contacts take are those of their own islands, whichever substep rate these are of. */
 void daft_sim_contacts_colour(daft_world *world)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     s->contact_count = s->contact_rows = 0;
     s->contact_colours[0] = s->contact_colours[1] = 0;
     s->depenetrates = false;
-    clear_colours(s, 0);
-    for (size_t i = 0; i < world->awake.count; i++) clear_colours(s, place_of_body(world->awake.items[i]));
+    daft_sim_colours_clear(s, 0);
+    for (size_t i = 0; i < world->awake.count; i++) daft_sim_colours_clear(s, daft_sim_colour_place(world->awake.items[i]));
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
         if (!is_solved(world, entry)) continue;
         bool both = yields(world, s->row_of[entry->body_b]), stiff = entry->flags & DAFT_SIM_STIFF;
-        size_t a = place_of_body(entry->body_a), b = both ? place_of_body(entry->body_b) : 0;
+        size_t a = daft_sim_colour_place(entry->body_a), b = both ? daft_sim_colour_place(entry->body_b) : 0;
         uint32_t class = !both, points = (entry->points + entry->manifolds - 1u) / entry->manifolds; /* where there are several: about */
         s->contact_rows += 3u * entry->manifolds + entry->points;
         s->depenetrates |= (entry->flags & DAFT_SIM_DEPENETRATES) != 0;
         for (uint32_t k = 0; k < entry->manifolds; k++) {
-            uint32_t colour = take_colour(s, a, b, class);
+            uint32_t colour = daft_sim_colour_take(s, a, b, class);
             if (colour >= s->contact_colours[class]) s->contact_colours[class] = colour + 1;
             s->contacts[s->contact_count++] =
                 (daft_sim_coloured){entry->pair, k, entry->body_a, entry->body_b, colour << 1 | class, (uint8_t)points, stiff, false, 0};
@@ -195,7 +183,7 @@ void daft_sim_contacts_colour(daft_world *world)
 
 bool daft_sim_solver_bodies_assign(daft_world *world, float dt)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     size_t count = 1 + world->movers.count + world->awake.count;
     if (!reserve(world, count)) return false;
     for (uint32_t row = 1; row < s->row_count; row++) s->row_of[s->row_bodies[row]] = 0; /* of the last step */
@@ -221,11 +209,11 @@ static uint32_t kind_of(const daft_sim_solver *s, const daft_sim_coloured *c)
 /* Of each kind, how many contacts of the islands that are being solved. */
 static void count_kinds(daft_world *world, uint32_t *counts)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     for (size_t i = 0; i < s->contact_count; i++) {
         daft_sim_coloured *c = &s->contacts[i];
         c->kind = DAFT_SIM_NONE;
-        if (!solved_now(s, s->row_of[c->body_a])) continue;
+        if (!daft_sim_row_is_solved(s, s->row_of[c->body_a])) continue;
         c->stiff = c->loaded && daft_sim_is_stiff(world, c->body_a);
         c->kind = kind_of(s, c);
         counts[c->kind]++;
@@ -247,7 +235,7 @@ static uint32_t lay_sizes(uint32_t *counts, uint32_t first)
 /* Colours in order, each on whole blocks, in which contacts have about as many points. */
 static bool lay_out(daft_world *world)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     const uint32_t *most = s->contact_colours;
     if (!daft_grow(&world->allocator, &s->colours, &s->colour_capacity, (size_t)most[0] + most[1], 0,
                    sizeof *s->colours))
@@ -281,7 +269,7 @@ static void fill_slots(daft_sim_solver *s)
 
 bool daft_sim_contacts_place(daft_world *world)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     const uint32_t *most = s->contact_colours;
     size_t kinds = (size_t)(most[0] > most[1] ? most[0] : most[1]) * KINDS;
     s->colour_count = s->block_count = 0;
@@ -293,44 +281,6 @@ bool daft_sim_contacts_place(daft_world *world)
     if (!lay_out(world)) return false;
     fill_slots(s);
     return true;
-}
-
-/* ---- joints ---- */
-
-static bool colour_joints(daft_world *world, uint32_t most[CLASSES])
-{
-    daft_sim_solver *s = world->solver;
-    s->constraint_count = 0;
-    for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
-        const daft_sim_joint *joint = &world->joints[i];
-        if (joint->kind == 0) continue;
-        uint32_t a = row_of(world, joint->body[0]), b = row_of(world, joint->body[1]);
-        if (!solved_now(s, a) && !solved_now(s, b)) continue;
-        if (!daft_grow(&world->allocator, &s->constraints, &s->constraint_capacity, s->constraint_count + 1,
-                       s->constraint_count, sizeof *s->constraints))
-            return false;
-        bool yields_a = yields(world, a), yields_b = yields(world, b);
-        if (yields_a) s->constrained[a] |= DAFT_SIM_JOINTED;
-        if (yields_b) s->constrained[b] |= DAFT_SIM_JOINTED;
-        size_t place_a = yields_a ? place_of_body(joint->body[0]) : 0, place_b = yields_b ? place_of_body(joint->body[1]) : 0;
-        uint32_t class = !(yields_a && yields_b), colour = take_colour(s, place_a, place_b, class);
-        if (colour >= most[class]) most[class] = colour + 1;
-        s->constraints[s->constraint_count++] = (daft_sim_constraint){i, a, b, colour << 1 | class};
-    }
-    return true;
-}
-
-bool daft_sim_rate_begin(daft_world *world, uint32_t rate, float dt)
-{
-    uint32_t most[CLASSES] = {0, 0};
-    daft_sim_solver *s = world->solver;
-    s->row_first = rate ? s->rate_end[rate - 1] : 1 + s->mover_count;
-    s->row_end = s->rate_end[rate];
-    s->substeps = world->substeps << rate;
-    s->h = dt / (float)s->substeps;
-    for (uint32_t row = s->row_first; world->live_joints > 0 && row < s->row_end; row++)
-        clear_colours(s, place_of_body(s->row_bodies[row]));
-    return colour_joints(world, most) && daft_sim_joints_place(world, most);
 }
 
 /* ---- blocks ---- */
@@ -383,7 +333,7 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
     const daft_sim_body *a = &world->bodies[pair->body_a], *b = &world->bodies[pair->body_b];
     uint32_t row_a = slot->row_a, row_b = slot->row_b;
     bool fixed = !yields(world, row_b);
-    float longer = a->h > 0 ? world->solver->h / a->h : 1; /* than the substep that the impulses are of */
+    float longer = a->h > 0 ? world->scratch.solver->h / a->h : 1; /* than the substep that the impulses are of */
     daft_vec3 n = manifold->normal, t = any_perpendicular(n), u = daft_cross(n, t);
     block->a[lane] = (int32_t)row_a, block->b[lane] = (int32_t)row_b;
     block->writes_a |= 1u << lane;
@@ -443,7 +393,7 @@ static void make_soft(float hertz, float h, float out[3])
 
 void daft_sim_block_fill(daft_world *world, uint32_t index)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     daft_sim_block *block = &s->blocks[index];
     float h = s->h, soft[2][3];
     bool stiff = s->slots[(size_t)index * DAFT_SIM_LANES].stiff;
@@ -488,7 +438,7 @@ static void store_lane(daft_sim_block *block, int lane, daft_sim_manifold *manif
 
 void daft_sim_block_store(daft_world *world, uint32_t index)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     daft_sim_block *block = &s->blocks[index];
     const daft_sim_slot *slots = &s->slots[(size_t)index * DAFT_SIM_LANES];
     for (int lane = 0; lane < block->lanes; lane++) {

@@ -1,4 +1,9 @@
-/* The solver's scratch: rows of numbers for the bodies that move in this step, and blocks of contact constraints, 16
+/* sim/solve: constraints become velocities and poses ("soft step", Catto, "Solver2D", 2024).
+ * Promises: the same bits for every number of lanes and workers; no velocity beyond the bounds of world.h.
+ *
+ * Public headers: solver.h lanes.h
+ *
+ * The solver's scratch: rows of numbers for the bodies that move in this step, and blocks of contact constraints, 16
  * side by side. Constraints of one block never share a moving body, nor do blocks of one colour, so lanes and threads
  * cannot change a bit. Blocks are 16 wide for every instruction set; kernels take them in runs of their own width. */
 #ifndef DAFT_SIM_SOLVER_H
@@ -89,6 +94,18 @@ typedef struct daft_sim_solver_bodies {
     float *mass;     /* inverse mass; inverse inertia xx, xy, xz, yy, yz, zz, as the body has turned if that is far; share
                         of the angular velocity left */
 } daft_sim_solver_bodies;
+
+/* Where the solver puts the body of a row. */
+typedef struct daft_sim_target {
+    daft_dvec3 centre;
+    daft_quat rotation;
+    daft_dvec3 along; /* where it would get, along what it is pressed into; written for its own row only, as what follows: */
+    daft_dvec3 stop;  /* where it gets, and how fast it is there */
+    daft_quat stop_rotation;
+    daft_vec3 linear;
+    double fraction; /* of the way, on which it gets there; 1: all */
+    uint32_t sweeps;
+} daft_sim_target;
 
 typedef struct daft_sim_kernels {
     void (*prepare)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count);
@@ -261,10 +278,21 @@ typedef struct daft_sim_depenetration daft_sim_depenetration;
 
 /* ---- colour.c ---- */
 
+enum { DAFT_SIM_CLASSES = 2 /* of constraints, 0: both bodies yield; 1: one of them */ };
+/* The masks and levels of bodies, by their indices; in the place before them, always free, stands all that does not yield. */
+static inline size_t daft_sim_colour_place(uint32_t body) { return (size_t)body + 1; }
+void daft_sim_colours_clear(daft_sim_solver *solver, size_t place);
+/* The lowest colour that is free at both places, and takes it. */
+uint32_t daft_sim_colour_take(daft_sim_solver *solver, size_t a, size_t b, uint32_t class);
+static inline bool daft_sim_row_yields(const daft_sim_solver *solver, uint32_t row) { return row > solver->mover_count; }
+/* Whether it is of an island that is being solved. */
+static inline bool daft_sim_row_is_solved(const daft_sim_solver *solver, uint32_t row)
+{
+    return row >= solver->row_first && row < solver->row_end;
+}
+
 /* Rows for active bodies, by the substep rate of their islands. False when memory is out. */
 bool daft_sim_solver_bodies_assign(daft_world *world, float dt);
-/* The islands of one substep rate are the ones to be solved now: their rows, and colours for their joints. */
-bool daft_sim_rate_begin(daft_world *world, uint32_t rate, float dt);
 /* Colours for the contacts of all islands, for which there is room. */
 void daft_sim_contacts_colour(daft_world *world);
 /* Blocks for those of the islands to be solved now. False when memory is out. */
@@ -287,6 +315,10 @@ bool daft_sim_substep_rates(daft_world *world, float dt);
 /* Whether a body's contacts that carry much are solved as stiff ones in this step. */
 bool daft_sim_is_stiff(const daft_world *world, uint32_t body);
 
+float daft_sim_substep_demand_begin(void); /* of a body that was made */
+/* Whether a manifold carries many times the lighter body's weight, at rest. */
+bool daft_sim_load_is_heavy(const daft_world *world, const daft_sim_body *a, const daft_sim_body *b, float load);
+
 /* ---- angular.c ---- */
 
 /* Whether the row's body turns freely, and so that it matters; then it joins those that do. There is room. */
@@ -298,12 +330,5 @@ void daft_sim_angular_add(daft_world *world, uint32_t row);
  * do. The angular velocity is the same seen from the body, so its energy is; with the old inertia the next impulse could give
  * it many times that. */
 bool daft_sim_angular_refresh(const daft_world *world, uint32_t first, uint32_t count, float dt);
-
-/* ---- solver.c ---- */
-
-/* Moves rows over dt and leaves the impulses in manifolds and joints. False when memory is out. */
-bool daft_sim_solve(daft_world *world, float dt);
-bool daft_sim_solver_create(daft_world *world);
-void daft_sim_solver_destroy(daft_world *world);
 
 #endif

@@ -15,6 +15,7 @@
  * Joints ask by their bodies' masses: what a chain stretches by grows with the load at its end, in weights of its links, and
  * shrinks with the square of the substeps. */
 #include "sim/solve/solver.h"
+#include "sim/sleep.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -103,13 +104,13 @@ static void ask(const daft_sim_solver *s, uint32_t row, float rate)
 void daft_sim_substep_ask(const daft_world *world, const daft_sim_pair *pair, float load, const daft_sim_slot *slot)
 {
     float rate = asked_by(world, &world->bodies[pair->body_a], &world->bodies[pair->body_b], load);
-    ask(world->solver, slot->row_a, rate);
-    ask(world->solver, slot->row_b, rate);
+    ask(world->scratch.solver, slot->row_a, rate);
+    ask(world->scratch.solver, slot->row_b, rate);
 }
 
 float daft_sim_substep_demand_next(const daft_world *world, float now, uint32_t row)
 {
-    return daft_sim_max(LASTS * now, raised_to(&world->solver->asked[row]));
+    return daft_sim_max(LASTS * now, raised_to(&world->scratch.solver->asked[row]));
 }
 
 /* ---- islands ---- */
@@ -122,18 +123,18 @@ typedef struct job {
 
 static daft_sim_island *island_of(const daft_world *world, uint32_t body)
 {
-    return &world->solver->islands[world->solver->island_of[body]];
+    return &world->scratch.solver->islands[world->scratch.solver->island_of[body]];
 }
 
 /* Numbers them. */
 static void number_islands(daft_world *world)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     daft_sim_islands_find(world);
     s->island_count = 0;
     for (size_t i = 0; i < world->awake.count; i++) {
         uint32_t body = world->awake.items[i];
-        if (world->island_parents[body] == body) s->island_of[body] = s->island_count++;
+        if (world->scratch.island_parents[body] == body) s->island_of[body] = s->island_count++;
     }
     for (size_t i = 0; i < world->awake.count; i++) {
         uint32_t body = world->awake.items[i];
@@ -185,7 +186,7 @@ static void need_range(void *context, uint32_t index, uint32_t worker)
         const daft_sim_body *body = &world->bodies[world->awake.items[i]];
         uint32_t before = body->h > 0 ? (uint32_t)(daft_sim_min(j->dt / body->h, MOST_SUBSTEPS) + 0.5f) : 0;
         float substep_demand = body->first_joint == DAFT_SIM_NONE ? body->substep_demand : 0; /* islands with joints get no finer ones */
-        world->solver->needs[i] = (daft_sim_need){substep_demand, before, is_fast(body, j->dt)};
+        world->scratch.solver->needs[i] = (daft_sim_need){substep_demand, before, is_fast(body, j->dt)};
         most = daft_sim_max(most, substep_demand);
     }
     raise(&j->most, most);
@@ -210,7 +211,7 @@ static void add_contacts(daft_sim_island *island, const daft_sim_island *more)
 /* Sums are of whole numbers, so their order does not matter. What bodies say of an island and what contacts say are apart. */
 static void survey_bodies(const daft_world *world)
 {
-    const daft_sim_solver *s = world->solver;
+    const daft_sim_solver *s = world->scratch.solver;
     daft_sim_island sum = {0};
     for (size_t i = 0; i < world->awake.count; i++) {
         uint32_t island = s->island_of[world->awake.items[i]];
@@ -226,7 +227,7 @@ static void survey_bodies(const daft_world *world)
 
 static void survey_contacts(const daft_world *world)
 {
-    const daft_sim_solver *s = world->solver;
+    const daft_sim_solver *s = world->scratch.solver;
     daft_sim_island sum = {0};
     uint32_t island = 0;
     for (size_t i = 0; i < world->active.count; i++) {
@@ -282,12 +283,12 @@ static bool some_pull(const daft_world *world)
 
 bool daft_sim_is_stiff(const daft_world *world, uint32_t body)
 {
-    return world->solver->stiff && island_of(world, body)->stiff;
+    return world->scratch.solver->stiff && island_of(world, body)->stiff;
 }
 
 bool daft_sim_substep_rates(daft_world *world, float dt)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     uint32_t count = (uint32_t)world->awake.count;
     job j = {.world = world, .dt = dt};
     bool wide = count >= PARALLEL_BODIES;

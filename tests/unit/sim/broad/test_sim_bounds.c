@@ -3,6 +3,7 @@
 #include "fixtures.h"
 
 #include "sim/world.h"
+#include "sim/contact/contact.h"
 
 enum { PARTS = 300 };
 

@@ -4,6 +4,8 @@
 
 #include "math/simd/dispatch.h"
 #include "sim/world.h"
+#include "sim/broad/broad.h"
+#include "sim/contact/contact.h"
 
 enum { BODIES = 160, MOST = 6000 };
 

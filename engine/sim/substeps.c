@@ -235,13 +235,13 @@ static daft_vec3 apply_inertia(const float m[6], daft_vec3 v)
  * Euler method, whose energy does not drift. A body that something holds gets all of it evenly over the substeps. */
 static void fill_row(const daft_world *world, uint32_t row, float dt)
 {
-    const daft_sim_solver_bodies *rows = &world->solver->rows;
-    daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    const daft_sim_solver_bodies *rows = &world->scratch.solver->rows;
+    daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
     size_t at = (size_t)row * DAFT_SIM_ROW;
     float *velocity = rows->velocity + at, *gain = rows->gain + at, *mass = rows->mass + at, *turn = rows->turn + at;
     daft_vec3 zero = daft_v3(0, 0, 0), linear = body->linear, angular = body->angular, push = zero, twist = zero;
-    float h = world->solver->h;
-    bool dynamic = body->kind == DAFT_BODY_DYNAMIC, constrained = world->solver->constrained[row];
+    float h = world->scratch.solver->h;
+    bool dynamic = body->kind == DAFT_BODY_DYNAMIC, constrained = world->scratch.solver->constrained[row];
     body->state = row;
     put(rows->moved + at, zero, zero);
     rows->moved[at + 6] = h;
@@ -262,7 +262,7 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
     }
     put(velocity, linear, angular);
     velocity[6] = DAFT_SIM_MAX_SPEED, velocity[7] = DAFT_SIM_MAX_ANGULAR_SPEED;
-    const daft_sim_depenetration *most = &world->solver->depenetration[row];
+    const daft_sim_depenetration *most = &world->scratch.solver->depenetration[row];
     if (dynamic && most->speed > 0) {
         /* Falling stays free. */
         velocity[6] = daft_sim_max(most->speed, daft_length(daft_add(linear, daft_scale(push, dt))));
@@ -285,7 +285,7 @@ static void fill_range(void *p, uint32_t index, uint32_t worker)
 {
     (void)worker;
     const fill_job *j = p;
-    daft_sim_solver *s = j->world->solver;
+    daft_sim_solver *s = j->world->scratch.solver;
     uint32_t first = s->row_first + index * FILL_GRAIN, end = daft_min_u(first + FILL_GRAIN, s->row_end);
     for (uint32_t row = first; row < end; row++) {
         fill_row(j->world, row, j->dt);
@@ -298,12 +298,12 @@ static void fill_range(void *p, uint32_t index, uint32_t worker)
 
 static void fill_rows(daft_world *world, float dt)
 {
-    const daft_sim_solver_bodies *rows = &world->solver->rows;
+    const daft_sim_solver_bodies *rows = &world->scratch.solver->rows;
     float *zero[] = {rows->velocity, rows->moved, rows->gain, rows->turn, rows->mass};
     for (size_t i = 0; i < DAFT_COUNT_OF(zero); i++)
         for (int k = 0; k < DAFT_SIM_ROW; k++) zero[i][k] = 0;
     rows->turn[3] = 1;
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     uint32_t count = s->row_end - s->row_first;
     s->angular_count = 0;
     s->locks = false, s->steady = true;
@@ -317,10 +317,24 @@ static void fill_rows(daft_world *world, float dt)
     }
 }
 
+/* The islands of one substep rate are the ones to be solved now: their rows, and colours for their joints. */
+static bool begin_rate(daft_world *world, uint32_t rate, float dt)
+{
+    uint32_t most[DAFT_SIM_CLASSES] = {0, 0};
+    daft_sim_solver *s = world->scratch.solver;
+    s->row_first = rate ? s->rate_end[rate - 1] : 1 + s->mover_count;
+    s->row_end = s->rate_end[rate];
+    s->substeps = world->substeps << rate;
+    s->h = dt / (float)s->substeps;
+    for (uint32_t row = s->row_first; world->live_joints > 0 && row < s->row_end; row++)
+        daft_sim_colours_clear(s, daft_sim_colour_place(s->row_bodies[row]));
+    return daft_sim_joints_colour(world, most) && daft_sim_joints_place(world, most);
+}
+
 /* The islands of one substep rate. */
 static void solve_rate(daft_world *world, float dt)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     context c = {.world = world, .s = s, .dt = dt};
     c.substep = (daft_sim_substep){.h = s->h, .inv_h = (float)s->substeps / dt, .push_speed = DAFT_SIM_PUSH_SPEED};
     s->stage_count = 0;
@@ -332,12 +346,12 @@ static void solve_rate(daft_world *world, float dt)
     add(s, stage_store, 0, 0, s->block_count, BLOCK_GRAIN);
     add(s, stage_joint_store, 0, 0, s->joint_block_count, BLOCK_GRAIN);
     bool large = s->block_count + s->joint_block_count >= PARALLEL_BLOCKS;
-    daft_region_stages(large ? world->region : NULL, s->stages, s->stage_count, &c);
+    daft_region_stages(large ? world->scratch.region : NULL, s->stages, s->stage_count, &c);
 }
 
 static void count(daft_world *world)
 {
-    const daft_sim_solver *s = world->solver;
+    const daft_sim_solver *s = world->scratch.solver;
     daft_sim_counters *c = &world->counters;
     c->rows += 6 * s->joint_count;
     c->colours += s->colour_count + s->joint_colour_count;
@@ -347,11 +361,11 @@ static void count(daft_world *world)
 
 bool daft_sim_solve(daft_world *world, float dt)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     world->counters.rows = s->contact_rows;
     for (uint32_t rate = 0; rate < DAFT_SIM_RATES; rate++) {
         if (rate > 0 && s->rate_end[rate] == s->rate_end[rate - 1]) continue;
-        if (!daft_sim_rate_begin(world, rate, dt) || !daft_sim_contacts_place(world) ||
+        if (!begin_rate(world, rate, dt) || !daft_sim_contacts_place(world) ||
             !daft_grow(&world->allocator, &s->stages, &s->stage_capacity, most_stages(s), 0, sizeof *s->stages))
             return false;
         fill_rows(world, dt);
@@ -368,19 +382,19 @@ bool daft_sim_solver_create(daft_world *world)
     static const daft_sim_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim);
     static const daft_sim_joint_kernels *const JOINTS[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_joint);
     static const daft_sim_angular_kernels *const SPINS[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_angular);
-    if (!world->solver) {
-        world->solver = daft_alloc_zero(&world->allocator, 1, sizeof *world->solver);
-        if (!world->solver) return false;
+    if (!world->scratch.solver) {
+        world->scratch.solver = daft_alloc_zero(&world->allocator, 1, sizeof *world->scratch.solver);
+        if (!world->scratch.solver) return false;
     }
-    world->solver->kernels = TABLE[world->isa];
-    world->solver->joint_kernels = JOINTS[world->isa];
-    world->solver->angular_kernels = SPINS[world->isa];
+    world->scratch.solver->kernels = TABLE[world->isa];
+    world->scratch.solver->joint_kernels = JOINTS[world->isa];
+    world->scratch.solver->angular_kernels = SPINS[world->isa];
     return true;
 }
 
 void daft_sim_solver_destroy(daft_world *world)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     if (!s) return;
     void *arrays[] = {s->rows.velocity, s->rows.moved, s->rows.gain,    s->rows.turn,     s->rows.mass,
                       s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_blocks,
@@ -389,5 +403,5 @@ void daft_sim_solver_destroy(daft_world *world)
                       s->asked,         s->islands,      s->needs,         s->marks,         s->depenetration,        s->stages};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
     daft_release(&world->allocator, s);
-    world->solver = NULL;
+    world->scratch.solver = NULL;
 }

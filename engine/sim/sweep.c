@@ -6,6 +6,7 @@
  * loses the speed with which it would: contacts may miss what spins at hundreds of radians a second. So the middle of a
  * body that is fast enough to be swept never changes sides. */
 #include "sim/solve/solver.h"
+#include "sim/contact/contact.h"
 
 #include <string.h>
 
@@ -189,7 +190,7 @@ static double share_with_joined(const sweep *s, const daft_sim_body *body, daft_
 
 void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targets)
 {
-    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    const daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
     daft_sim_target *target = &targets[row];
     if (!is_watched(world, body, target->centre)) return;
     sweep s = {.world = world, .targets = targets, .to = target->centre, .linear = body->linear};
@@ -241,13 +242,13 @@ static bool hold_back(daft_sim_target *t, const daft_sim_body *body, double frac
 
 static void hold_neighbours(const daft_world *world, waiting *w, uint32_t row)
 {
-    daft_sim_target *targets = world->solver->targets;
+    daft_sim_target *targets = world->scratch.solver->targets;
     double fraction = targets[row].fraction + AHEAD_OF_JOINED;
-    const daft_sim_body *body = &world->bodies[world->solver->row_bodies[row]];
+    const daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
     for (uint32_t e = body->first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
         const daft_sim_joint *joint = &world->joints[e >> 1];
-        uint32_t other = joint->body[(e & 1) ^ 1], at = other == DAFT_SIM_NONE ? 0 : world->solver->row_of[other];
-        if (joint->spring || at <= world->solver->mover_count) continue;
+        uint32_t other = joint->body[(e & 1) ^ 1], at = other == DAFT_SIM_NONE ? 0 : world->scratch.solver->row_of[other];
+        if (joint->spring || at <= world->scratch.solver->mover_count) continue;
         if (hold_back(&targets[at], &world->bodies[other], fraction)) put(w, at);
     }
 }
@@ -255,7 +256,7 @@ static void hold_neighbours(const daft_world *world, waiting *w, uint32_t row)
 /* Each gets the least of what all that were stopped leave it, in whatever order they are looked at. */
 void daft_sim_sweep_joined(daft_world *world)
 {
-    daft_sim_solver *s = world->solver;
+    daft_sim_solver *s = world->scratch.solver;
     uint32_t first = 1 + s->mover_count;
     if (world->live_joints == 0 || s->row_count == first) return;
     waiting w = {.rows = s->levels, .in = s->marks, .size = s->row_count};

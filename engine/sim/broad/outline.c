@@ -1,6 +1,7 @@
 /* Outlines: what is asked of a part for each of its pairs, of shapes simple enough. They follow from what body and part
  * are, so they are no state of the world's. */
 #include "sim/world.h"
+#include "sim/broad/broad.h"
 
 static daft_outline_kind kind_of(const daft_sim_part *part, const daft_sim_body *body)
 {
