@@ -1,9 +1,9 @@
 #!/bin/sh
-# Where the instructions of a benchmark go, by function: for each pixel, and for each triangle that was looked at.
+# Where the instructions of a benchmark go, by function: for each pixel and for each triangle tested.
 # usage: tests/bench/profile.sh 'SCENE ROW' [ISA]      in the checkout, after ./daft bench has built the benchmarks
 #   tests/bench/profile.sh 'bunny, whole camera rays, exact' avx2
 #   tests/bench/profile.sh 'bunny, whole frame, one light' sse2
-# Counts with valgrind's callgrind, which knows no AVX-512; one frame, one thread, what comes before and after left out.
+# Counts with valgrind's callgrind, which knows no AVX-512; one frame, one thread, without what comes before and after.
 set -eu
 
 [ $# -ge 1 ] || { sed -n '2,5s/^# //p' "$0" >&2 && exit 2; }

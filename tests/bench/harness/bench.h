@@ -3,7 +3,7 @@
  * each: what disturbs a sample only ever makes it slower.
  *
  *   harness/  options and sampling (main.c), the table and the JSON (report.c), the manual's tables (tables.c), plots
- *             (svg.c), meshes (models.c) and scenes (scenes.c) that both sides see, Embree (embree.c), machine.c
+ *             (svg.c), meshes (models.c) and scenes (scenes.c) that both sides see, Embree (embree.c)
  *   frames/   users' frames: games.c, shown_scenes.c; whole frames against Embree (frames.c, embree_frame.c), growth.c
  *   rays/     camera rays (visibility.c, camera.c), shadow.c, rays.c, what a right pixel costs (accuracy.c), robust.c
  *   load/     OBJ files, trees, memory     sim/   steps of the simulation, what a right motion costs */
@@ -114,6 +114,13 @@ daft_bvh *bench_tree(bench *self, const daft_trimesh *mesh);
 /* A copy of the positions as the public API takes them. Released with daft_release. */
 daft_vec3 *bench_positions(bench *self, const daft_trimesh *mesh);
 
+/* A number in 0..1 of 24 bits, and the state after it. */
+static inline float bench_random(uint64_t *state)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (float)(*state >> 40) * 0x1p-24f;
+}
+
 /* ---- peers ---- */
 
 /* What both sides see: through a pinhole camera. */
@@ -154,13 +161,14 @@ void bench_rays(bench *self);
 void bench_frames(bench *self);
 void bench_shadow(bench *self);
 void bench_load(bench *self);
+/* A row of building a mesh's tree, beside Embree's (load.c). */
+void bench_measure_build(bench *self, const char *scene, const char *what, const daft_trimesh *mesh);
 void bench_trees(bench *self);
 void bench_sim_shapes(bench *self); /* collision geometry */
 void bench_sim(bench *self);        /* steps of the simulation */
 void bench_sim_accuracy(bench *self); /* what a right motion costs */
 void bench_growth(bench *self);   /* time against triangles, instances, pixels, lights, threads */
 void bench_accuracy(bench *self); /* what a right pixel costs */
-void bench_machine(bench *self);  /* what the machine gives at most */
 void bench_robust(bench *self); /* how often wrong, not how fast */
 
 #endif

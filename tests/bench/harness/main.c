@@ -293,7 +293,6 @@ int main(int argc, char **argv)
     bench_accuracy(&self);
     bench_sim_accuracy(&self);
     bench_robust(&self);
-    bench_machine(&self);
     if (!self.list && self.count > 0) bench_print(&self);
     if (!self.list && self.count == 0 && !self.failed)
         bench_note(&self, true, "no benchmark has '%s' in its name; --list names them all", self.only ? self.only : "");

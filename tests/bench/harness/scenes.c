@@ -82,23 +82,16 @@ static void look_at_model(bench_scene *scene, scene_kind kind)
 
 /* ---- instances ---- */
 
-/* A number in 0..1, and the state after it. */
-static float random_unit(uint64_t *state)
-{
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (float)(*state >> 40) * 0x1p-24f;
-}
-
 static float random_between(uint64_t *state, float low, float high)
 {
-    return low + (high - low) * random_unit(state);
+    return low + (high - low) * bench_random(state);
 }
 
 /* Uniform over all rotations: Shoemake, "Uniform Random Rotations" (Graphics Gems III, 1992). */
 static daft_quat random_rotation(uint64_t *state)
 {
-    double u = (double)random_unit(state), v = 2 * DAFT_PI * (double)random_unit(state),
-           w = 2 * DAFT_PI * (double)random_unit(state);
+    double u = (double)bench_random(state), v = 2 * DAFT_PI * (double)bench_random(state),
+           w = 2 * DAFT_PI * (double)bench_random(state);
     double a = sqrt(1 - u), b = sqrt(u);
     return (daft_quat){(float)(a * daft_sin(v)), (float)(a * daft_cos(v)), (float)(b * daft_sin(w)),
                        (float)(b * daft_cos(w))};

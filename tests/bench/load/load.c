@@ -113,7 +113,7 @@ static void measure_obj(bench *self, const bench_model *model)
 
 typedef struct build_job {
     bench *self;
-    daft_trimesh mesh;
+    const daft_trimesh *mesh;
     int threads;
     size_t bytes;
     const bench_embree_api *api;
@@ -125,44 +125,50 @@ static double build_ours(void *context)
     build_job *job = context;
     const daft_bvh_def def = {.threads = job->threads, .isa = daft_isa_best()};
     double start = daft_clock_ms();
-    daft_bvh *bvh = daft_bvh_build(&job->self->allocator, &job->mesh, &def, NULL);
+    daft_bvh *bvh = daft_bvh_build(&job->self->allocator, job->mesh, &def, NULL);
     double ms = daft_clock_ms() - start;
     if (!bvh) return -1;
-    job->bytes = daft_bvh_bytes(bvh) + daft_trimesh_bytes(&job->mesh);
+    job->bytes = daft_bvh_bytes(bvh) + daft_trimesh_bytes(job->mesh);
     daft_bvh_free(bvh);
-    return job->mesh.triangle_count / ms / 1e3;
+    return job->mesh->triangle_count / ms / 1e3;
 }
 
 static double build_peer(void *context)
 {
     build_job *job = context;
-    return job->mesh.triangle_count / job->api->build_ms(job->embree) / 1e3;
+    return job->mesh->triangle_count / job->api->build_ms(job->embree) / 1e3;
 }
 
 static void build_describe(void *context, char *out, size_t size)
 {
     build_job *job = context;
-    snprintf(out, size, "%u triangles, %.1f bytes each with the mesh", job->mesh.triangle_count,
-             (double)job->bytes / job->mesh.triangle_count);
+    snprintf(out, size, "%u triangles, %.1f bytes each with the mesh", job->mesh->triangle_count,
+             (double)job->bytes / job->mesh->triangle_count);
 }
 
-static void measure_build(bench *self, const bench_model *model)
+void bench_measure_build(bench *self, const char *scene, const char *what, const daft_trimesh *mesh)
 {
-    build_job job = {.self = self, .api = self->peers ? bench_find_embree() : NULL};
-    if (!bench_model_load(self, model, &job.mesh)) return;
+    build_job job = {.self = self, .mesh = mesh, .api = self->peers ? bench_find_embree() : NULL};
     int threads[2], count = bench_thread_counts(self, threads);
     for (int t = 0; t < count; t++) {
         job.threads = threads[t];
-        if (job.api) job.embree = job.api->create(&job.mesh, false, threads[t]);
-        bench_subject subject = {.scene = model->name, .what = "BVH build", .unit = "Mtri/s", .isa = self->isa,
-                                 .threads = threads[t], .ours = build_ours, .peer = job.embree ? build_peer : NULL,
-                                 .context = &job, .peer_name = job.api ? job.api->name : "Embree",
-                                 .describe = build_describe, .budget = {.floor = 1}};
+        if (job.api) job.embree = job.api->create(mesh, false, threads[t]);
+        bench_subject subject = {.scene = scene, .what = what, .unit = "Mtri/s", .isa = self->isa, .threads = threads[t],
+                                 .ours = build_ours, .peer = job.embree ? build_peer : NULL, .context = &job,
+                                 .peer_name = job.api ? job.api->name : "Embree", .describe = build_describe,
+                                 .budget = {.floor = 1}};
         bench_measure(self, &subject);
         if (job.api) job.api->destroy(job.embree);
         job.embree = NULL;
     }
-    daft_trimesh_free(&self->allocator, &job.mesh);
+}
+
+static void measure_build(bench *self, const bench_model *model)
+{
+    daft_trimesh mesh;
+    if (!bench_model_load(self, model, &mesh)) return;
+    bench_measure_build(self, model->name, "BVH build", &mesh);
+    daft_trimesh_free(&self->allocator, &mesh);
 }
 
 static void measure_memory(bench *self, const bench_model *model)

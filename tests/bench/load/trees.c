@@ -17,38 +17,12 @@ static daft_vec3 bumpy(double u, double v)
     return daft_v3((float)(u - 0.5), (float)height, (float)(v - 0.5));
 }
 
-/* About `triangles` of bumpy ground; the normals are given, so that none are computed. */
-static bool make_ground(bench *self, uint32_t triangles, daft_trimesh *out)
-{
-    uint32_t side = (uint32_t)sqrt(triangles / 2.0), row = side + 1;
-    daft_vec3 *positions = daft_alloc(&self->allocator, (size_t)row * row, sizeof *positions);
-    uint32_t *indices = daft_alloc(&self->allocator, 6 * (size_t)side * side, sizeof *indices);
-    bool made = positions && indices;
-    for (uint32_t i = 0; made && i < row * row; i++) positions[i] = bumpy((double)(i % row) / side, (double)(i / row) / side);
-    for (uint32_t i = 0; made && i < side * side; i++) {
-        uint32_t a = i / side * row + i % side;
-        const uint32_t corners[6] = {a, a + row, a + row + 1, a, a + row + 1, a + 1};
-        memcpy(indices + 6 * (size_t)i, corners, sizeof corners);
-    }
-    daft_mesh_def def = daft_default_mesh_def();
-    daft_log log = {0};
-    def.positions = positions, def.normals = positions, def.vertex_count = row * row;
-    def.indices = indices, def.triangle_count = 2 * side * side;
-    made = made && daft_trimesh_from_arrays(&self->allocator, &def, &log, out, NULL);
-    daft_release(&self->allocator, positions);
-    daft_release(&self->allocator, indices);
-    return made;
-}
-
 typedef struct tree_job {
     bench *self;
     daft_trimesh mesh;
     int threads, isa;
     daft_bvh *bvh;
     daft_kdtree *kdtree;
-    const bench_embree_api *api;
-    bench_embree *embree;
-    size_t bytes;
 } tree_job;
 
 static double mtris(const tree_job *job, double ms) { return job->mesh.triangle_count / ms / 1e3; }
@@ -61,39 +35,8 @@ static double build_bvh(void *context)
     daft_bvh *bvh = daft_bvh_build(&job->self->allocator, &job->mesh, &def, NULL);
     double ms = daft_clock_ms() - start;
     if (!bvh) return -1;
-    job->bytes = daft_bvh_bytes(bvh);
     daft_bvh_free(bvh);
     return mtris(job, ms);
-}
-
-static double build_embree(void *context)
-{
-    tree_job *job = context;
-    return mtris(job, job->api->build_ms(job->embree));
-}
-
-static void describe_build(void *context, char *out, size_t size)
-{
-    const tree_job *job = context;
-    snprintf(out, size, "%u triangles, %.1f bytes each without the mesh", job->mesh.triangle_count,
-             (double)job->bytes / job->mesh.triangle_count);
-}
-
-static void measure_builds(bench *self, const char *scene, tree_job *job)
-{
-    int threads[2], count = bench_thread_counts(self, threads);
-    for (int t = 0; t < count; t++) {
-        job->threads = threads[t];
-        job->api = self->peers ? bench_find_embree() : NULL;
-        if (job->api) job->embree = job->api->create(&job->mesh, false, threads[t]);
-        bench_subject subject = {.scene = scene, .what = "tree: build", .unit = "Mtri/s", .isa = self->isa,
-                                 .threads = threads[t], .ours = build_bvh, .peer = job->embree ? build_embree : NULL,
-                                 .context = job, .peer_name = job->api ? job->api->name : "Embree",
-                                 .describe = describe_build, .budget = {.floor = 1}};
-        bench_measure(self, &subject);
-        if (job->api) job->api->destroy(job->embree);
-        job->embree = NULL;
-    }
 }
 
 /* ---- refit ---- */
@@ -128,7 +71,6 @@ static double build_kdtree(void *context)
     daft_kdtree *tree = daft_kdtree_build(&job->self->allocator, &job->mesh, job->threads, NULL);
     double ms = daft_clock_ms() - start;
     if (!tree) return -1;
-    job->bytes = daft_kdtree_bytes(tree);
     daft_kdtree_free(tree);
     return mtris(job, ms);
 }
@@ -166,17 +108,11 @@ static void describe_rays(void *context, char *out, size_t size)
     snprintf(out, size, "%d rays, %u and %u hits", RAYS, job->hits[0], job->hits[1]);
 }
 
-static float unit_float(uint64_t *state)
-{
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (float)(*state >> 40) * 0x1p-24f;
-}
-
 static daft_vec3 within(uint64_t *state, daft_vec3 low, daft_vec3 high)
 {
     daft_vec3 size = daft_sub(high, low);
-    float x = unit_float(state), y = unit_float(state);
-    return daft_v3(low.x + x * size.x, low.y + y * size.y, low.z + unit_float(state) * size.z);
+    float x = bench_random(state), y = bench_random(state);
+    return daft_v3(low.x + x * size.x, low.y + y * size.y, low.z + bench_random(state) * size.z);
 }
 
 /* From anywhere in the box, grown by half, to anywhere in it. */
@@ -272,7 +208,7 @@ static void measure_top(bench *self, const char *scene, uint32_t count)
     for (uint32_t i = 0; job.instances && i < count; i++) {
         daft_vec3 at = within(&state, daft_v3(-100, -10, -100), daft_v3(100, 10, 100));
         job.instances[i].to_frame = (daft_affine){.m = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .t = {at.x, at.y, at.z}};
-        job.instances[i].radius = 0.2f + unit_float(&state);
+        job.instances[i].radius = 0.2f + bench_random(&state);
         daft_instance_bound(&job.instances[i]);
     }
     int threads[2], ways = bench_thread_counts(self, threads);
@@ -308,14 +244,14 @@ static void measure_model(bench *self, const bench_model *model)
 
 static void measure_generated(bench *self, const char *scene, uint32_t triangles)
 {
-    tree_job job = {.self = self};
-    daft_isa_parse(self->isa, &job.isa);
-    if (!make_ground(self, triangles, &job.mesh)) {
+    daft_trimesh mesh;
+    uint32_t side = (uint32_t)sqrt(triangles / 2.0);
+    if (!bench_grid(self, side, side, bumpy, &mesh)) {
         bench_note(self, true, "%s cannot be made", scene);
         return;
     }
-    measure_builds(self, scene, &job);
-    job_free(&job);
+    bench_measure_build(self, scene, "tree: build", &mesh);
+    daft_trimesh_free(&self->allocator, &mesh);
 }
 
 void bench_trees(bench *self)

@@ -86,10 +86,10 @@ static bool run_all(const bench *self, accuracy_job *job)
 
 /* ---- hard scenes ---- */
 
+/* In -1..1. */
 static float noise(uint64_t *state)
 {
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (float)(*state >> 40) * 0x1p-23f - 1; /* -1..1 */
+    return 2 * bench_random(state) - 1;
 }
 
 typedef struct soup {

@@ -1,5 +1,5 @@
 /* Rays that share no origin, a second: from what the camera sees, bounced at random (diffuse), mirrored, and towards the
- * light; one by one and sixteen together. */
+ * light; one by one, sixteen together, and as a stream. */
 #include "rays.h"
 
 #include "math/simd/dispatch.h"
@@ -19,8 +19,10 @@ static const struct {
     bench_budget budget;
 } ROWS[] = {
     {"rays, single, diffuse", RAYS_CLOSEST_SINGLE, AIM_DIFFUSE, {.floor = 0.9}},
+    {"rays, stream, diffuse", RAYS_CLOSEST_STREAM, AIM_DIFFUSE, {0, 0, false}},
     {"rays, single, mirror", RAYS_CLOSEST_SINGLE, AIM_MIRROR, {0, 0, false}},
     {"rays, packet, mirror", RAYS_CLOSEST_PACKET, AIM_MIRROR, {.floor = 0.9}},
+    {"rays, stream, mirror", RAYS_CLOSEST_STREAM, AIM_MIRROR, {0, 0, false}},
     {"occlusion, single", RAYS_OCCLUDED_SINGLE, AIM_DIFFUSE, {.floor = 0.9}},
     {"occlusion, packet", RAYS_OCCLUDED_PACKET, AIM_LIGHT, {0, 0, false}},
 };
@@ -36,6 +38,7 @@ typedef struct rays_job {
     uint32_t count; /* a multiple of 16 */
     daft_ray *rays;
     daft_ray_packet *packets;
+    daft_hit *stream_hits;
     uint64_t hits[64]; /* one for each worker */
     const bench_embree_api *scene_api;
     const rays_embree_api *api;
@@ -135,6 +138,10 @@ static uint64_t trace_range(const rays_job *job, uint32_t first, uint32_t end)
         hits += count_bits(job->kernels->closest_packet(job->tlas, &job->packets[i / 16], 0xffff, UINT32_MAX, hit));
     for (uint32_t i = first; i < end && job->how == RAYS_OCCLUDED_PACKET; i += DAFT_PACKET)
         hits += count_bits(job->kernels->occluded_packet(job->tlas, &job->packets[i / 16], 0xffff));
+    if (job->how == RAYS_CLOSEST_STREAM) {
+        job->kernels->closest_stream(job->tlas, job->rays + first, end - first, UINT32_MAX, job->stream_hits + first);
+        for (uint32_t i = first; i < end; i++) hits += job->stream_hits[i].instance != UINT32_MAX;
+    }
     return hits;
 }
 
@@ -156,13 +163,14 @@ static double rays_ours(void *context)
     return mrays(job, bench_clock_ms(job->threads) - start);
 }
 
-/* Packets: the faster of its two modes, for coherent rays and for others. */
+/* Packets: the faster of its two modes, for coherent rays and for others. It has no streams: single rays. */
 static double rays_peer(void *context)
 {
     rays_job *job = context;
     bool packet = job->how == RAYS_CLOSEST_PACKET || job->how == RAYS_OCCLUDED_PACKET;
-    double ms = job->api->trace_ms(job->embree, job->how, false, &job->peer_hits);
-    if (packet) ms = fmin(ms, job->api->trace_ms(job->embree, job->how, true, &job->peer_hits));
+    rays_how how = job->how == RAYS_CLOSEST_STREAM ? RAYS_CLOSEST_SINGLE : job->how;
+    double ms = job->api->trace_ms(job->embree, how, false, &job->peer_hits);
+    if (packet) ms = fmin(ms, job->api->trace_ms(job->embree, how, true, &job->peer_hits));
     return mrays(job, ms);
 }
 
@@ -208,10 +216,11 @@ static bool job_begin(bench *self, const bench_scene *scene, rays_job *job)
     daft_arena_init(&job->arena, &self->allocator);
     job->rays = daft_arena_alloc(&job->arena, most, sizeof *job->rays);
     job->packets = daft_arena_alloc(&job->arena, most / DAFT_PACKET, sizeof *job->packets);
+    job->stream_hits = daft_arena_alloc(&job->arena, most, sizeof *job->stream_hits);
     job->instances = daft_arena_alloc(&job->arena, scene->instance_count, sizeof *job->instances);
     for (uint32_t i = 0; job->instances && i < scene->instance_count; i++) job->instances[i] = bench_engine_instance(scene, i);
     if (job->instances) job->tlas = daft_tlas_build(&job->arena, job->instances, scene->instance_count, NULL);
-    return job->rays && job->packets && job->tlas;
+    return job->rays && job->packets && job->stream_hits && job->tlas;
 }
 
 static void measure_threads(bench *self, rays_job *job, int threads)

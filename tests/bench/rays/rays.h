@@ -10,6 +10,7 @@ typedef enum rays_how {
     RAYS_OCCLUDED_SINGLE,
     RAYS_CLOSEST_PACKET,
     RAYS_OCCLUDED_PACKET,
+    RAYS_CLOSEST_STREAM,
     RAYS_HOW_COUNT
 } rays_how;
 

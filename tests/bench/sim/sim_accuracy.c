@@ -177,7 +177,7 @@ static svg_plot plot_of(report *all, const char *note)
 
 static void describe(const outcome *o, bool beaten, char *out, size_t size)
 {
-    int used = snprintf(out, size, "%s%10.4f mm off", beaten ? "      " : "FRONT ", o->error * 1e3);
+    int used = snprintf(out, size, "%serror %.4g mm", beaten ? "      " : "FRONT ", o->error * 1e3);
     if (o->energy > 0) used += snprintf(out + used, size - (size_t)used, ", energy %.3g%%", o->energy * 100);
     if (o->stretch > 0) used += snprintf(out + used, size - (size_t)used, ", joints %.3g mm", o->stretch * 1e3);
     if (o->overlap > 0) used += snprintf(out + used, size - (size_t)used, ", overlap %.3g mm", o->overlap * 1e3);
