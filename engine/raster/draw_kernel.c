@@ -117,43 +117,6 @@ DAFT_INLINE void offer(daft_tile_job *j, uint32_t at, const thing *t, vbits hits
 
 /* ---- triangles ---- */
 
-/* Every ray of the tile hits: only depths are to be compared. */
-static void draw_covering(daft_tile_job *j, const daft_pencil_batch *b, int i, const thing *t)
-{
-    vf wx = vf_set(b->wx[i]), wy = vf_set(b->wy[i]), wz = vf_set(b->wz[i]), error = vf_set(b->error[i]);
-    vf cap = vf_set(b->w_cap[i]);
-    for (int y = 0; y <= b->y1[i]; y += DAFT_WINDOW_H) {
-        vf row = wy * (vf_set(j->top - (float)y) - vf_row()) + wz;
-        for (int x = 0; x <= b->x1[i]; x += DAFT_WINDOW_W) {
-            vf w = vf_min(wx * vf_load(j->dx[x / DAFT_WINDOW_W]) + row, cap);
-            offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, DAFT_ALL_LANES, 0, w - error, w + error);
-        }
-    }
-}
-
-/* Pixels below the tile's last row count as infinitely near. Rows by their pixels side by side: a ray's x and y are exact, so w comes
- * out as in windows. */
-bool DAFT_KERNEL(daft_batch_fill)(daft_tile_job *j, daft_pencil_batch *b)
-{
-    vbits covers = b->live & b->covers, known = DAFT_ALL_LANES;
-    if (!covers || j->tile->width != DAFT_TILE) return false;
-    int i = __builtin_ctz(covers), end = j->tile->height * DAFT_TILE_STRIDE;
-    vf wx = vf_set(b->wx[i]), wy = vf_set(b->wy[i]), wz = vf_set(b->wz[i]), error = vf_set(b->error[i]), cap = vf_set(b->w_cap[i]);
-    vi instance = vi_set((int32_t)b->instance[i]), triangle = vi_set((int32_t)b->triangle[i]);
-    for (int at = 0; at < end; at += DAFT_VL) {
-        vf dx = vf_set(j->left) + vf_convert_to(vi_iota() + vi_set(at % DAFT_TILE_STRIDE));
-        vf w = vf_min(wx * dx + (wy * vf_set(j->top - (float)(at / DAFT_TILE_STRIDE)) + wz), cap), low = w - error, high = w + error;
-        known &= vbits_from_mask(vf_le(low, high));
-        vf_store(&j->w_low[at], low), vf_store(&j->w_high[at], high);
-        vi_store(&j->tile->instance[at], instance), vi_store(&j->tile->triangle[at], triangle);
-    }
-    for (int at = end; at < DAFT_TILE_ROOM; at += DAFT_VL) vf_store(&j->w_low[at], vf_set(INFINITY)), vf_store(&j->w_high[at], vf_set(INFINITY));
-    if (known != DAFT_ALL_LANES) return false;
-    b->live &= ~((vbits)1 << i);
-    j->tile->one_thing = true;
-    return true;
-}
-
 /* A triangle's planes in all lanes. Inside is e >= outer, and sure beyond `sure`. */
 typedef struct planes {
     vf nx[3], ny[3], nz[3], wx, wy, wz, cap, error, outer, sure;
@@ -187,11 +150,14 @@ DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_row
     offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vbits_from_mask(vf_lt(p->sure, least)), w - p->error, w + p->error);
 }
 
-/* Windows of a tile in rows of eight, from row y0 of the tile on: bits of those that no edge has wholly on its outer side, by
+/* ---- large triangles: a window of pixels at a time ---- */
+
+/* Windows of a tile in rows of COLUMNS, from row y0 of the tile on: bits of those that no edge has wholly on its outer side, by
  * each edge function at the window's middle and what it may grow by from there. Products and sums are off by less than 3u of
  * what it is made of, here and at the window's rays. */
-enum { FIND_FROM = 8 }; /* pixels a side */
+enum { FIND_FROM = 8 }; /* pixels a side of boxes in which windows are searched for: of a long triangle they are few */
 enum { COLUMNS = DAFT_TILE / DAFT_WINDOW_W, WINDOW_WORDS = COLUMNS * DAFT_TILE / DAFT_WINDOW_H / 64 };
+_Static_assert(COLUMNS == 8 && WINDOW_WORDS >= 1, "a row of windows is a byte of a word");
 
 static void find_windows(const daft_tile_job *j, const daft_pencil_batch *b, int i, uint32_t count, uint64_t bits[WINDOW_WORDS])
 {
@@ -206,14 +172,14 @@ static void find_windows(const daft_tile_job *j, const daft_pencil_batch *b, int
     for (uint32_t q = 0; q < count; q += DAFT_VL) {
         vi window = vi_iota() + vi_set((int32_t)q);
         vf dx = vf_set(j->left + half_w) + vf_convert_to(window & vi_set(COLUMNS - 1)) * vf_set(DAFT_WINDOW_W);
-        vf dy = vf_set(j->top - (float)b->y0[i] - half_h) - vf_convert_to(window >> 3) * vf_set(DAFT_WINDOW_H);
+        vf dy = vf_set(j->top - (float)b->y0[i] - half_h) - vf_convert_to(window >> __builtin_ctz(COLUMNS)) * vf_set(DAFT_WINDOW_H);
         vf least = vf_set(INFINITY);
         for (int k = 0; k < 3; k++) least = vf_min(nx[k] * dx + ny[k] * dy + most[k], least);
         bits[q / 64] |= (uint64_t)vbits_from_mask(vf_le(outer, least)) << (q & 63);
     }
 }
 
-/* Large boxes, of which long thin triangles are in few windows: these are found first. */
+/* Large boxes: long thin triangles are in few of their windows, which are found first. */
 static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, const thing *t)
 {
     planes p = planes_of(j, b, i);
@@ -222,7 +188,7 @@ static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, cons
     uint64_t found[WINDOW_WORDS];
     find_windows(j, b, i, count, found);
     for (uint32_t first = 0; first < count; first += 64) {
-        uint64_t left = found[first / 64] & columns * 0x0101010101010101u;
+        uint64_t left = found[first / 64] & columns * 0x0101010101010101u; /* the columns, in each row */
         if (count - first < 64) left &= ((uint64_t)1 << (count - first)) - 1;
         for (; left; left &= left - 1) {
             uint32_t q = first + (uint32_t)__builtin_ctzll(left);
@@ -233,7 +199,7 @@ static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, cons
     }
 }
 
-static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, const thing *t)
+static void draw_all_windows(daft_tile_job *j, const daft_pencil_batch *b, int i, const thing *t)
 {
     planes p = planes_of(j, b, i);
     int x0 = b->x0[i] & -DAFT_WINDOW_W, x1 = b->x1[i], y1 = b->y1[i];
@@ -243,21 +209,23 @@ static void draw_triangle(daft_tile_job *j, const daft_pencil_batch *b, int i, c
     }
 }
 
-/* Pixels a side of the boxes of triangles that are looked at side by side; fewer of them than TINY_LEAST go one by one.
- * Measured: a window of 16 lanes is wasted on larger triangles than one of eight is. */
-enum { TINY_SIDE = DAFT_VL >= 16 ? 6 : 2, TINY_LEAST = DAFT_VL / 4 };
-/* Whether pixels that see something nearer are left before they are listed: to gather sixteen takes longer than to list the few. */
-enum { LOOKS_AHEAD = DAFT_VL < 16 };
+static void draw_large(daft_tile_job *j, const daft_pencil_batch *b, int i)
+{
+    const thing t = {&j->raster->seen[b->instance[i]], b->triangle[i]};
+    if (b->x1[i] - b->x0[i] >= FIND_FROM && b->y1[i] - b->y0[i] >= FIND_FROM)
+        draw_found(j, b, i, &t);
+    else
+        draw_all_windows(j, b, i, &t);
+}
 
 /* So many pixels of thin triangles are looked at together; one triangle adds a tile's at most. */
 enum { THIN_MANY = 256, THIN_ROOM = THIN_MANY + DAFT_TILE * DAFT_TILE + DAFT_VL };
-enum { HITS_ROOM = THIN_ROOM > TINY_SIDE * TINY_SIDE * DAFT_VL ? THIN_ROOM : TINY_SIDE * TINY_SIDE * DAFT_VL };
 
 /* Lanes that meet the rays of pixels of their own. */
 typedef struct hit_list {
     uint32_t count;
-    uint32_t hit[HITS_ROOM]; /* the pixel's place | lane << HIT_LANE, and UNSURE */
-    float w[HITS_ROOM];      /* off by the lane's error */
+    uint32_t hit[THIN_ROOM]; /* the pixel's place | lane << HIT_LANE, and UNSURE */
+    float w[THIN_ROOM];      /* off by the lane's error */
 } hit_list;
 
 enum { HIT_LANE = 16 };
@@ -298,39 +266,6 @@ DAFT_INLINE void boxes_of(const daft_pencil_batch *b, vi *x0, vi *y0, vi *wide, 
     vi zero = vi_set(0);
     *x0 = vi_if_then_else(live, vi_load(b->x0), zero), *wide = vi_if_then_else(live, vi_load(b->x1), zero) - *x0;
     *y0 = vi_if_then_else(live, vi_load(b->y0), zero), *high = vi_if_then_else(live, vi_load(b->y1), zero) - *y0;
-}
-
-/* Triangles with small boxes, side by side: in each step every lane looks at a pixel of its own. */
-static vbits draw_tiny(daft_tile_job *j, const daft_pencil_batch *b)
-{
-    vi x0, y0, wide, high, side = vi_set(TINY_SIDE);
-    boxes_of(b, &x0, &y0, &wide, &high);
-    vbits tiny = b->live & ~b->covers & vbits_from_mask(vm_and(vi_lt(wide, side), vi_lt(high, side)));
-    if (!tiny || __builtin_popcount(tiny) < TINY_LEAST) return 0;
-    vf outer = vf_set(j->exact ? -1.0f : 0.0f), sure = vf_set(j->exact ? 1 : -INFINITY), error = vf_load(b->error);
-    hit_list hits;
-    hits.count = 0;
-    for (int row = 0; row < TINY_SIDE; row++) {
-        vbits rows = row ? tiny & vbits_from_mask(vi_lt(vi_set(row - 1), high)) : tiny;
-        if (!rows) break;
-        vi y = y0 + vi_set(row);
-        vf dy = vf_set(j->top) - vf_convert_to(y), e[3];
-        for (int k = 0; k < 3; k++) e[k] = vf_load(b->ny[k]) * dy + vf_load(b->nz[k]);
-        vf row_w = vf_load(b->wy) * dy + vf_load(b->wz);
-        for (int column = 0; column < TINY_SIDE; column++) {
-            vbits lanes = column ? rows & vbits_from_mask(vi_lt(vi_set(column - 1), wide)) : rows;
-            if (!lanes) break;
-            vi x = x0 + vi_set(column), place = y * DAFT_TILE_STRIDE + x;
-            vf dx = vf_set(j->left) + vf_convert_to(x), least = vf_set(INFINITY);
-            for (int k = 0; k < 3; k++) least = vf_min(vf_load(b->nx[k]) * dx + e[k], least);
-            vf w = vf_min(vf_load(b->wx) * dx + row_w, vf_load(b->w_cap));
-            lanes &= vbits_from_mask(vf_le(outer, least));
-            if (LOOKS_AHEAD) lanes &= ~vbits_from_mask(vf_lt(w + error, vf_gather_index(j->w_low, place)));
-            add_hits(&hits, lanes, place, vi_iota(), vf_lt(sure, least), w);
-        }
-    }
-    offer_hits(j, b, &hits);
-    return tiny;
 }
 
 /* ---- thin triangles ---- */
@@ -416,7 +351,7 @@ static void draw_listed(daft_tile_job *j, const daft_pencil_batch *b, const uint
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
         vbits lanes = vbits_first_n((int)(count - i));
         vi listed = vi_if_then_else(vm_from_bits(lanes), vi_load(&list[i]), vi_set(0));
-        vi lane = listed >> 16, place = listed & vi_set(0xffff), y = place >> 5;
+        vi lane = listed >> 16, place = listed & vi_set(0xffff), y = place >> __builtin_ctz(DAFT_TILE_STRIDE);
         vf dx = vf_set(j->left) + vf_convert_to(place & vi_set(DAFT_TILE_STRIDE - 1)), dy = vf_set(j->top) - vf_convert_to(y), least = vf_set(INFINITY);
         for (int k = 0; k < 3; k++)
             least = vf_min(vf_table_lookup(b->nx[k], lane) * dx + (vf_table_lookup(b->ny[k], lane) * dy + vf_table_lookup(b->nz[k], lane)), least);
@@ -484,7 +419,6 @@ DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_projected
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, daft_projected *from, daft_hits *h)
 {
     fetch_doubted(from, h);
-    if (h->count) j->tile->one_thing = false;
     if (j->exact) {
         hits_draw_as(j, true, from, h);
     } else {
@@ -495,18 +429,8 @@ void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, daft_projected *from, daft_hi
 
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
 {
-    j->tile->one_thing = false;
-    vbits live = b->live & ~draw_tiny(j, b);
-    for (live &= ~draw_thin(j, b, live & ~b->covers); live; live &= live - 1) {
-        int i = __builtin_ctz(live);
-        const thing t = {&j->raster->seen[b->instance[i]], b->triangle[i]};
-        if (b->covers >> i & 1)
-            draw_covering(j, b, i, &t);
-        else if (b->x1[i] - b->x0[i] >= FIND_FROM && b->y1[i] - b->y0[i] >= FIND_FROM)
-            draw_found(j, b, i, &t);
-        else
-            draw_triangle(j, b, i, &t);
-    }
+    vbits live = b->live;
+    for (live &= ~draw_thin(j, b, live); live; live &= live - 1) draw_large(j, b, __builtin_ctz(live));
 }
 
 /* ---- spheres ---- */
@@ -517,7 +441,6 @@ void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_seen *seen, int 
 {
     const thing t = {seen, 0};
     const float *c = seen->to_camera.t;
-    j->tile->one_thing = false;
     float radius = seen->instance->radius, focal = j->raster->pencil.focal;
     float reach = sqrtf(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + radius, limit = 32 * UNIT * reach * reach + TINY;
     vf vx = vf_set(c[0]), vy = vf_set(c[1]), vz = vf_set(c[2]), vfocal = vf_set(focal), doubt = vf_set(limit), one = vf_set(1);

@@ -70,7 +70,7 @@ typedef struct daft_waiting {
 
 /* Up to DAFT_VL triangles, set up. Edge k is opposite corner k. */
 typedef struct daft_pencil_batch {
-    vbits live, covers;                                   /* lanes that may be hit; that every ray of the tile hits */
+    vbits live;                                           /* lanes that may be hit */
     float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL]; /* over the bound of e; nz times the focal length */
     float wx[DAFT_VL], wy[DAFT_VL], wz[DAFT_VL];          /* w = wx·dx + wy·dy + wz */
     float error[DAFT_VL], w_cap[DAFT_VL];
@@ -103,9 +103,6 @@ bool DAFT_KERNEL(daft_pixels_hidden)(daft_tile_job *job, int x0, int x1, int y0,
 /* draw_kernel.c: draws these, and none of them are left. */
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, daft_projected *from, daft_hits *hits);
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
-/* The first batch of a tile, whose pixels are not cleared yet: a triangle that every ray hits fills it, and leaves the batch. False: none
- * does, and nothing is known of the pixels. */
-bool DAFT_KERNEL(daft_batch_fill)(daft_tile_job *job, daft_pencil_batch *batch);
 /* The pixels x0..x1, y0..y1 of the tile against a sphere. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_seen *seen, int x0, int x1, int y0, int y1);
 

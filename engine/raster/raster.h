@@ -73,7 +73,6 @@ typedef struct daft_bins {
 /* Visibility of one tile. Row r starts at r·DAFT_TILE_STRIDE. */
 typedef struct daft_tile {
     int x, y, width, height; /* in the picture */
-    bool one_thing;          /* all its pixels see what the first one sees; false: that is not known */
     _Alignas(64) uint32_t instance[DAFT_TILE_ROOM];
     _Alignas(64) uint32_t triangle[DAFT_TILE_ROOM];
 } daft_tile;

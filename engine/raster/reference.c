@@ -198,7 +198,6 @@ static best trace(const daft_raster *raster, const daft_tlas *tlas, daft_vec3 ra
 void daft_reference_tile(const daft_raster *raster, const daft_tlas *tlas, uint32_t tile, daft_tile *out)
 {
     daft_tile_place(raster, tile, out);
-    out->one_thing = false;
     for (int row = 0; row < out->height; row++) {
         for (int column = 0; column < out->width; column++) {
             best nearest = trace(raster, tlas, daft_pencil_ray(&raster->pencil, out->x + column, out->y + row));

@@ -139,7 +139,7 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_b
     vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), dz = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
     vf x0 = vf_set(job->left) + l->x0, x1 = vf_set(job->left) + l->x1, y0 = vf_set(job->top) - l->y1, y1 = vf_set(job->top) - l->y0;
     vf outer = vf_set(exact ? -1.0f : 0.0f), hopeless = vf_set(exact ? 0.0f : -1.0f), zero = vf_set(0);
-    vbits out = 0, covers = DAFT_ALL_LANES;
+    vbits out = 0;
     for (int k = 0; k < 3; k++) {
         vf scale = vf_xor(exact ? vf_approximate_reciprocal(edge_bound(&e[k], dx, dy, dz)) : vf_set(1), sign);
         vf3 n = {e[k].n.x * scale, e[k].n.y * scale, e[k].n.z * scale * dz};
@@ -147,14 +147,9 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_b
         n = (vf3){vf_if_then_else(whole, n.x, zero), vf_if_then_else(whole, n.y, zero), vf_if_then_else(whole, n.z, hopeless)};
         vf xa = n.x * x0, xb = n.x * x1, ya = n.y * y0 + n.z, yb = n.y * y1 + n.z;
         out |= vbits_from_mask(vf_lt(vf_max(xa, xb) + vf_max(ya, yb), outer));
-        vf least = vf_min(xa, xb) + vf_min(ya, yb);
-        covers &= vbits_from_mask(exact ? vf_lt(vf_set(1), least) : vf_le(zero, least));
         vf_store(b->nx[k], n.x), vf_store(b->ny[k], n.y), vf_store(b->nz[k], n.z);
     }
-    vm whole_tile = vm_and(vm_and(vf_le(l->x0, zero), vf_le(vf_set(job->last_x), l->x1)),
-                           vm_and(vf_le(l->y0, zero), vf_le(vf_set(job->last_y), l->y1)));
     *live &= ~out;
-    b->covers = covers & vbits_from_mask(whole_tile) & *live;
 }
 
 /* ---- depth ---- */

@@ -90,28 +90,10 @@ static void clear_pixels(daft_tile_job *j)
         if (i % DAFT_TILE_STRIDE >= t->width || i / DAFT_TILE_STRIDE >= t->height) j->w_low[i] = j->w_high[i] = INFINITY;
 }
 
-/* The nearest thing of a tile that is not cleared yet. A floor or a wall fills it, and then nothing is to be cleared. False: it is still to be
- * drawn. */
-static bool fill_pixels(daft_tile_job *j, const daft_seen *seen, daft_waiting *waiting)
-{
-    uint32_t blocks[DAFT_BATCH_BLOCKS];
-    daft_pencil_batch batch;
-    bool few = seen->mesh && !seen->dense && seen->bvh->block_count && seen->bvh->block_count <= DAFT_BATCH_BLOCKS;
-    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) blocks[i] = i;
-    bool some = few && DAFT_KERNEL(daft_blocks_setup)(j, seen, blocks, (uint32_t)seen->bvh->block_count, waiting, &batch);
-    if (some && DAFT_KERNEL(daft_batch_fill)(j, &batch))
-        clear_cells(j, true);
-    else
-        clear_pixels(j);
-    if (some && batch.live) DAFT_KERNEL(daft_batch_draw)(j, &batch);
-    return few;
-}
-
 static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *counters, daft_tile *tile)
 {
     daft_vec3 first = daft_pencil_ray(&raster->pencil, tile->x, tile->y);
     j->raster = raster, j->counters = counters, j->tile = tile;
-    tile->one_thing = false;
     j->left = first.x, j->top = first.y;
     j->last_x = (float)(tile->width - 1), j->last_y = (float)(tile->height - 1);
     j->max_dx = fmaxf(fabsf(first.x), fabsf(first.x + j->last_x + 3));
@@ -131,9 +113,8 @@ static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t work
     uint32_t count = front_to_back(raster, tile, bins->order);
     daft_waiting waiting;
     waiting.count = waiting.projected.count = waiting.hits.count = waiting.hits.doubted_count = 0;
-    uint32_t done = count && fill_pixels(&j, &raster->seen[(uint32_t)bins->order[0]], &waiting);
-    if (!count) clear_pixels(&j);
-    for (uint32_t i = done; i < count; i++) {
+    clear_pixels(&j);
+    for (uint32_t i = 0; i < count; i++) {
         const char *ahead = (const char *)&raster->seen[(uint32_t)bins->order[daft_min_u(i + AHEAD, count - 1)]];
         __builtin_prefetch(ahead), __builtin_prefetch(ahead + sizeof(daft_seen) - 1);
         draw_instance(&j, &raster->seen[(uint32_t)bins->order[i]], &waiting);

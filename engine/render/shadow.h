@@ -297,7 +297,7 @@ typedef struct sight {
 
 DAFT_INLINE sight sight_of(const daft_batch *b, const daft_lamp *lamp, uint32_t i)
 {
-    const daft_lanes3 *lifted = daft_batch_lifted(b);
+    const daft_lanes3 *lifted = &b->lifted;
     daft_dvec3 from = daft_to_double(daft_v3(lifted->x[i], lifted->y[i], lifted->z[i]));
     return (sight){from, lamp->sun ? daft_to_double(lamp->to_light) : daft_dsub(daft_to_double(lamp->position), from),
                  lamp->sun};

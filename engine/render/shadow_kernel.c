@@ -77,7 +77,7 @@ static void light_axes(light *l, daft_vec3 z)
 DAFT_INLINE vf3 asked_points(const daft_batch *b, vbits in, uint32_t i, daft_vec3 stand_in)
 {
     vm used = vm_from_bits(in);
-    vf3 p = load3(daft_batch_lifted(b), i);
+    vf3 p = load3(&b->lifted, i);
     return (vf3){vf_if_then_else(used, p.x, vf_set(stand_in.x)), vf_if_then_else(used, p.y, vf_set(stand_in.y)),
                  vf_if_then_else(used, p.z, vf_set(stand_in.z))};
 }
@@ -93,7 +93,7 @@ static uint32_t first_of(const uint32_t *bits)
 static daft_vec3 first_point(const daft_batch *b, const uint32_t *bits)
 {
     uint32_t i = first_of(bits);
-    const daft_lanes3 *lifted = daft_batch_lifted(b);
+    const daft_lanes3 *lifted = &b->lifted;
     return daft_v3(lifted->x[i], lifted->y[i], lifted->z[i]);
 }
 
@@ -144,7 +144,7 @@ static void know_ways(cast *c)
     const vf one = vf_set(1);
     if (c->ways_known) return;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
-        vf3 d = way_to_lamp(c->lamp, load3(daft_batch_lifted(b), i));
+        vf3 d = way_to_lamp(c->lamp, load3(&b->lifted, i));
         vf_store(&c->way.x[i], one / d.x), vf_store(&c->way.y[i], one / d.y), vf_store(&c->way.z[i], one / d.z);
     }
     c->ways_known = true;
@@ -170,7 +170,7 @@ static void know_points(cast *c)
         vbits in = bits_at(c->asked, i);
         vi_store(&c->own[i], none);
         if (!in) continue;
-        vm faces = vf_lt(vf_set(0), vf3_dot(load3(&b->outward, i), way_to_lamp(c->lamp, load3(daft_batch_lifted(b), i))));
+        vm faces = vf_lt(vf_set(0), vf3_dot(load3(&b->outward, i), way_to_lamp(c->lamp, load3(&b->lifted, i))));
         vi own = vi_if_then_else(faces, vi_load(&b->triangle[i]), none);
         vi_store(&c->own[i], own);
         apart |= in & ~(vbits_from_mask(vi_eq(vi_load(&b->instance[i]), one)) & ~vbits_from_mask(vi_eq(own, none)));
@@ -181,44 +181,6 @@ static void know_points(cast *c)
     }
     c->sole = apart ? DAFT_NOTHING : b->instance[first];
     set_extent(c, daft_v3(vf_reduce_min(low.x), vf_reduce_min(low.y), vf_reduce_min(low.z)), daft_v3(vf_reduce_max(high.x), vf_reduce_max(high.y), vf_reduce_max(high.z)));
-}
-
-/* Whether a place's product with the facet's normal, or a sun's direction's, is above 0 for the way from all of the extent to the lamp: rounding
- * is far below 2^-18 of what the product is made of. */
-static bool faces_lamp(const cast *c, daft_vec3 outward)
-{
-    const daft_lamp *lamp = c->lamp;
-    const float *to = lamp->sun ? &lamp->to_light.x : &lamp->position.x, *n = &outward.x;
-    float least = 0, size = 0;
-    for (int k = 0; k < 3; k++) {
-        float from = lamp->sun ? 0 : n[k] > 0 ? (&c->high.x)[k] : (&c->low.x)[k];
-        least += n[k] * (to[k] - from), size += fabsf(n[k]) * (fabsf(to[k]) + fabsf(from));
-    }
-    return least > size * 0x1p-18f;
-}
-
-/* Bounds of what know_points finds where one flat facet fills the tile and surely faces the lamp. What is seen of its plane n·p = h is the hull
- * of four points. With u = 2^-24 and M the largest |x| + |y| + |z| of them and of the instance's place, points are off along their rays by
- * M·(3u·M/h + 2u), and are moved off the facet by no more than 32u·M. False: it is not known; then nothing is. */
-static bool know_facet(cast *c)
-{
-    const daft_batch *b = c->batch;
-    if (!b->filled) return false;
-    const float *t = c->tlas->instances[b->instance[0]].to_frame.t;
-    const daft_vec3 n = daft_v3(b->outward.x[0], b->outward.y[0], b->outward.z[0]);
-    const uint32_t at[4] = {0, DAFT_TILE - 1, b->count - DAFT_TILE, b->count - 1};
-    daft_vec3 low = daft_v3(INFINITY, INFINITY, INFINITY), high = daft_neg(low), p = low;
-    for (int i = 0; i < 4; i++) {
-        p = daft_v3(b->point.x[at[i]], b->point.y[at[i]], b->point.z[at[i]]);
-        low = daft_min3(low, p), high = daft_max3(high, p);
-    }
-    daft_vec3 most = daft_max3(daft_neg(low), high);
-    float size = fabsf(most.x) + fabsf(most.y) + fabsf(most.z) + fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2]);
-    float height = fabsf(daft_dot(n, p)) - size * 0x1p-18f, pad = size * 0x1p-18f * (1 + size / height);
-    if (!(height > 0 && pad < INFINITY)) return false;
-    c->sole = b->instance[0];
-    set_extent(c, daft_sub(low, daft_v3(pad, pad, pad)), daft_add(high, daft_v3(pad, pad, pad)));
-    return faces_lamp(c, n);
 }
 
 typedef struct bound {
@@ -300,7 +262,7 @@ DAFT_INLINE void slab_axis(slab *s, vf low, vf high, vf p, vf inverse)
 /* The bits of the DAFT_VL points from i on whose rays meet the bound. */
 DAFT_INLINE vbits rays_meet(const cast *c, const bound *s, uint32_t i)
 {
-    const daft_lanes3 *p = daft_batch_lifted(c->batch);
+    const daft_lanes3 *p = &c->batch->lifted;
     slab t = {vf_set(0), vf_set(c->lamp->sun ? INFINITY : 1.00001f)};
     slab_axis(&t, vf_set(s->low.x), vf_set(s->high.x), vf_load(&p->x[i]), vf_load(&c->way.x[i]));
     slab_axis(&t, vf_set(s->low.y), vf_set(s->high.y), vf_load(&p->y[i]), vf_load(&c->way.y[i]));
@@ -628,7 +590,7 @@ static bool take_face(const cast *c, const uint32_t *asked, int face, uint32_t *
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = bits_at(asked, i);
         if (!in) continue;
-        vf3 d = minus(load3(daft_batch_lifted(b), i), c->light.origin);
+        vf3 d = minus(load3(&b->lifted, i), c->light.origin);
         vf ax = vf_abs(d.x), ay = vf_abs(d.y), az = vf_abs(d.z);
         vm on_x = vm_and(vf_le(ay, ax), vf_le(az, ax)), on_y = vm_and(vm_not(on_x), vf_le(az, ay));
         vm on_z = vm_not(vm_or(on_x, on_y));
@@ -705,7 +667,6 @@ static bool cast_begin(cast *c, const daft_batch *points, const daft_lamp *lamp,
     uint32_t any = 0;
     for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) any |= bits[word];
     if (tlas->nodes.count == 0 || !any) return false;
-    if (know_facet(c) && all_clear(c)) return false;
     know_points(c);
     return !all_clear(c);
 }

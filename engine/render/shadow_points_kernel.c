@@ -185,7 +185,7 @@ DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, boo
         uint32_t at = b * SHADOW_BLOCK + k;
         const uint32_t *place = &from->at[at];
         vm used = vm_from_bits(from->used[b] >> k & DAFT_ALL_LANES);
-        const daft_lanes3 *lifted = daft_batch_lifted(c->batch);
+        const daft_lanes3 *lifted = &c->batch->lifted;
         vf3 p = {(vf)pick(lifted->x, place, (const float *)lifted->x + place[0], rows),
                  (vf)pick(lifted->y, place, (const float *)lifted->y + place[0], rows),
                  (vf)pick(lifted->z, place, (const float *)lifted->z + place[0], rows)};

@@ -416,82 +416,14 @@ static void seen_points(const daft_snapshot *snapshot, const daft_pencil *p, daf
     }
 }
 
-/* ---- a tile that one flat facet fills ---- */
-
-static bool sees_one_thing(const daft_tile *tile)
-{
-    const vi instance = vi_set((int32_t)tile->instance[0]), triangle = vi_set((int32_t)tile->triangle[0]);
-    if (tile->width != DAFT_TILE || tile->instance[0] == DAFT_NOTHING || tile->one_thing) return tile->one_thing;
-    for (int at = 0; at < tile->height * DAFT_TILE_STRIDE; at += DAFT_VL) {
-        vm same = vm_and(vi_eq(vi_load(&tile->instance[at]), instance), vi_eq(vi_load(&tile->triangle[at]), triangle));
-        if (vbits_from_mask(same) != DAFT_ALL_LANES) return false;
-    }
-    return true;
-}
-
-DAFT_INLINE vf3 facet_normal(const float *row) { return set3(daft_v3(row[FACET_OUTWARD], row[FACET_OUTWARD + 1], row[FACET_OUTWARD + 2])); }
-
-/* What all its points have in common; nothing is done where the last tile was filled by the same. */
-static void set_common(const daft_facets *f, daft_batch *b)
-{
-    const float *row = f->row[0];
-    uint32_t material;
-    memcpy(&material, &row[FACET_WORD], sizeof material);
-    bool same = b->filled && b->instance[0] == f->instance[0] && b->triangle[0] == f->triangle[0] && b->material[0] == material;
-    if (same && !memcmp(b->outward.x, &row[FACET_OUTWARD], sizeof *row) && !memcmp(b->outward.y, &row[FACET_OUTWARD + 1], sizeof *row) &&
-        !memcmp(b->outward.z, &row[FACET_OUTWARD + 2], sizeof *row))
-        return;
-    const vf3 outward = facet_normal(row), normal = unit3(outward);
-    for (uint32_t i = 0; i < DAFT_BATCH; i += DAFT_VL) {
-        vi_store(&b->pixel[i], vi_iota() + vi_set((int32_t)i));
-        vi_store(&b->instance[i], vi_set((int32_t)f->instance[0])), vi_store(&b->triangle[i], vi_set((int32_t)f->triangle[0]));
-        vi_store(&b->material[i], vi_set((int32_t)material));
-        store3(&b->outward, i, outward), store3(&b->normal, i, normal);
-    }
-    b->filled = true;
-}
-
-static void common_points(const daft_pencil *p, daft_vec3 first, const float *row, daft_batch *b)
-{
-    const sort s = {true, true};
-    const vf3 outward = facet_normal(row);
-    window r = {.row = row};
-    for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
-        vf x = vf_set(first.x) + vf_convert_to(vi_iota() + vi_set((int32_t)(i % DAFT_TILE)));
-        r.direction = rays_at(p, x, vf_set(first.y - (float)(i / DAFT_TILE)));
-        vf3 point = plane_point(&r, s, outward), view = scale3(unit3(r.direction), vf_set(-1));
-        store3(&b->point, i, add3(point, spawn_offset(point, vf_set(row[FACET_SIZE]), outward, view)));
-    }
-}
-
-/* False: that is not what the tile sees, or more is asked for than shadows. */
-static bool fill_tile(const daft_surfaces_def *def, const daft_tile *tile, daft_vec3 first, daft_facets *f, daft_batch *b)
-{
-    int32_t word;
-    if (!sees_one_thing(tile)) return false;
-    f->count = 1, f->instance[0] = tile->instance[0], f->triangle[0] = tile->triangle[0];
-    setup_seen(def->snapshot, def->pencil, f);
-    memcpy(&word, &f->row[0][FACET_WORD], sizeof word);
-    if (word & (FACET_SMOOTH | FACET_SPHERE) || wants_of(f->traits, def) & ~(uint32_t)WANT_SHADOW) return false;
-    b->count = (uint32_t)(tile->height * DAFT_TILE);
-    set_common(f, b);
-    common_points(def->pencil, first, f->row[0], b);
-    return true;
-}
-
 void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets, daft_batch *points,
                                 daft_ray_batch *sky)
 {
     const daft_pencil *p = def->pencil;
     daft_vec3 first = daft_pencil_ray(p, tile->x, tile->y);
-    if (fill_tile(def, tile, first, facets, points)) {
-        sky->count = 0;
-        points->traits = facets->traits, points->one_material = true;
-        return;
-    }
     finder f = {.snapshot = def->snapshot, .facets = facets};
     sorted pixels = {tile, &f, points, sky, facets->slot, 0, 0};
-    facets->count = 0, points->filled = false;
+    facets->count = 0;
     sort_pixels(&pixels);
     setup_seen(def->snapshot, p, facets);
     points->traits = facets->traits, points->one_material = facets->one_material;
@@ -522,13 +454,22 @@ static void take_hits(const daft_snapshot *snapshot, const daft_ray_batch *from,
     }
 }
 
+/* Lanes past the last hit repeat it: all that a register reads was written. */
+static void repeat_last(const daft_facets *f, daft_batch *b)
+{
+    uint32_t last = b->count + f->count - 1, end = b->count + (f->count + DAFT_VL - 1) / DAFT_VL * DAFT_VL;
+    float *all[] = {b->point.x, b->point.y, b->point.z, b->view.x, b->view.y, b->view.z, b->u, b->v, b->footprint, b->reach};
+    for (size_t k = 0; k < DAFT_COUNT_OF(all); k++)
+        for (uint32_t at = last + 1; at < end; at++) all[k][at] = all[k][last];
+}
+
 void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *from, uint32_t first, const daft_hit *hits,
                                   uint32_t count, daft_facets *facets, daft_batch *points)
 {
     const uint32_t wants = WANT_SHADOW | WANT_VIEW | WANT_TEXTURE | WANT_PATH | WANT_REACH;
     facets->count = 0, facets->traits = 0, facets->last_material = UINT32_MAX;
-    points->filled = false;
     take_hits(snapshot, from, first, hits, count, facets, points);
+    if (facets->count) repeat_last(facets, points);
     for (uint32_t i = 0; i < facets->count; i += DAFT_VL) {
         uint32_t at = points->count + i;
         int32_t slots[DAFT_VL];
@@ -537,7 +478,8 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
         meeting m;
         r.origin = load3(&points->point, at), r.direction = direction;
         r.u = vf_load(&points->u[at]), r.v = vf_load(&points->v[at]), r.t = vf_load(&points->footprint[at]);
-        vi_store(slots, vi_iota() + vi_set((int32_t)i));
+        vi own = vi_iota() + vi_set((int32_t)i), last = vi_set((int32_t)facets->count - 1);
+        vi_store(slots, vi_if_then_else(vi_lt(own, last), own, last));
         const facet_rays rays = {r.origin, direction, direction};
         DAFT_KERNEL(daft_facets_setup)(snapshot, facets, i, daft_min_u(DAFT_VL, facets->count - i), &rays);
         meet_mixed(&r, false, facets, slots, wants, &m);

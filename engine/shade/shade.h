@@ -65,8 +65,6 @@ typedef struct daft_batch {
     uint32_t count;
     uint32_t traits;   /* of the points' materials, all of them; where one is missing, so may be what only it calls for */
     bool one_material; /* all points' */
-    bool filled;       /* one flat facet fills a tile: `lifted` is not set, since it would be `point`, and what all points have in
-                        * common is set for a whole tile, and stays for the next one. Who sets points otherwise clears it. */
     daft_lanes3 point;   /* rays that leave the surface start here: on its outer side by more than the error of the hit */
     daft_lanes3 lifted;  /* the same for shadow rays: raised off the facets to where the smooth surface would be */
     daft_lanes3 normal;  /* shading normal, unit */
@@ -85,9 +83,6 @@ typedef struct daft_batch {
     daft_lanes3 light;               /* what it sends to the viewer */
     float cosine[DAFT_BATCH_ROOM];   /* between the normal and the way to the lamp that was asked for last */
 } daft_batch;
-
-/* Where shadow rays start. */
-static inline const daft_lanes3 *daft_batch_lifted(const daft_batch *b) { return b->filled ? &b->point : &b->lifted; }
 
 typedef struct daft_shade_kernels {
     /* albedo: white, or the texture's colour, trilinear in linear light. True if any point has a texture. */

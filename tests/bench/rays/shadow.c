@@ -187,7 +187,7 @@ static uint64_t count_bits(const uint32_t *bits)
 static void collect_points(shadow_job *job, const desk *d)
 {
     shadow_origins *to = job->collect;
-    const daft_lanes3 *lifted = daft_batch_lifted(&d->points);
+    const daft_lanes3 *lifted = &d->points.lifted;
     for (uint32_t patch = 0; patch < 64; patch++)
         for (uint32_t i = 0; i < d->points.count; i++) {
             uint32_t pixel = d->points.pixel[i], x = pixel % DAFT_TILE, y = pixel / DAFT_TILE;
