@@ -47,19 +47,19 @@ static void offer(best *nearest, double z, uint32_t instance, uint32_t triangle)
     if (wins) *nearest = (best){z, instance, triangle};
 }
 
-static void test_triangle(const daft_seen *seen, uint32_t triangle, daft_vec3 ray, best *nearest)
+static void test_triangle(const daft_view_instance *view, uint32_t triangle, daft_vec3 ray, best *nearest)
 {
     daft_vec3 c[3];
-    daft_seen_corners(seen, triangle, c);
+    daft_view_corners(view, triangle, c);
     if (!daft_pencil_hits(c[0], c[1], c[2], ray)) return;
-    offer(nearest, daft_pencil_depth(c[0], c[1], c[2], ray), seen->index, triangle);
+    offer(nearest, daft_pencil_depth(c[0], c[1], c[2], ray), view->index, triangle);
 }
 
 /* The inverse of the map to camera space, in double, and how far a moved vertex may be from where the exact map would
  * put it, measured back in object space. */
-static double invert(const daft_seen *seen, double inverse[9])
+static double invert(const daft_view_instance *view, double inverse[9])
 {
-    const float *m = seen->to_camera.m, *t = seen->to_camera.t;
+    const float *m = view->to_view.m, *t = view->to_view.t;
     double a[9];
     for (int i = 0; i < 9; i++) a[i] = (double)m[i];
     double c0 = a[4] * a[8] - a[5] * a[7], c1 = a[5] * a[6] - a[3] * a[8], c2 = a[3] * a[7] - a[4] * a[6];
@@ -67,7 +67,7 @@ static double invert(const daft_seen *seen, double inverse[9])
     inverse[0] = c0 * scale, inverse[1] = (a[2] * a[7] - a[1] * a[8]) * scale, inverse[2] = (a[1] * a[5] - a[2] * a[4]) * scale;
     inverse[3] = c1 * scale, inverse[4] = (a[0] * a[8] - a[2] * a[6]) * scale, inverse[5] = (a[2] * a[3] - a[0] * a[5]) * scale;
     inverse[6] = c2 * scale, inverse[7] = (a[1] * a[6] - a[0] * a[7]) * scale, inverse[8] = (a[0] * a[4] - a[1] * a[3]) * scale;
-    const daft_trimesh *mesh = seen->mesh;
+    const daft_trimesh *mesh = view->mesh;
     double reach = 0, size = 0, stretch = 0;
     const float *low = &mesh->low.x, *high = &mesh->high.x;
     for (int k = 0; k < 3; k++) {
@@ -91,9 +91,9 @@ typedef struct cell_entry {
 } cell_entry;
 
 /* Every cell within pad of the ray. A plane that the ray runs along lies 1e300 away, or at hand where it is within pad. */
-static void test_cells(const daft_seen *seen, const double_ray *r, double pad, daft_vec3 ray, best *nearest)
+static void test_cells(const daft_view_instance *view, const double_ray *r, double pad, daft_vec3 ray, best *nearest)
 {
-    const daft_kdtree *tree = seen->instance->kdtree;
+    const daft_kdtree *tree = view->instance->kdtree;
     cell_entry stack[DAFT_KD_DEPTH + 4];
     int top = 0;
     stack[top++] = (cell_entry){0, 0, 1e280};
@@ -102,7 +102,7 @@ static void test_cells(const daft_seen *seen, const double_ray *r, double pad, d
         const daft_kd_node *node = &tree->nodes[at.node];
         uint32_t axis = node->code & 3, pair = node->code >> 2;
         if (axis == DAFT_KD_LEAF) {
-            for (uint32_t i = 0; i < node->count; i++) test_triangle(seen, tree->items[pair + i], ray, nearest);
+            for (uint32_t i = 0; i < node->count; i++) test_triangle(view, tree->items[pair + i], ray, nearest);
             continue;
         }
         double plane = (double)node->split - r->origin[axis];
@@ -115,18 +115,18 @@ static void test_cells(const daft_seen *seen, const double_ray *r, double pad, d
     }
 }
 
-static void test_mesh(const daft_seen *seen, daft_vec3 ray, best *nearest)
+static void test_mesh(const daft_view_instance *view, daft_vec3 ray, best *nearest)
 {
     double inverse[9];
-    double pad = invert(seen, inverse);
-    const float *t = seen->to_camera.t;
+    double pad = invert(view, inverse);
+    const float *t = view->to_view.t;
     daft_dvec3 origin = apply(inverse, daft_dv3(-(double)t[0], -(double)t[1], -(double)t[2]));
     double_ray r = ray_setup(origin, apply(inverse, daft_to_double(ray)));
-    if (seen->instance->kdtree) {
-        test_cells(seen, &r, pad, ray, nearest);
+    if (view->instance->kdtree) {
+        test_cells(view, &r, pad, ray, nearest);
         return;
     }
-    const daft_bvh *bvh = seen->bvh;
+    const daft_bvh *bvh = view->bvh;
     uint32_t stack[DAFT_STACK];
     int top = 0;
     stack[top++] = 0;
@@ -136,7 +136,7 @@ static void test_mesh(const daft_seen *seen, daft_vec3 ray, best *nearest)
             const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
             for (uint32_t i = 0; i < ((child & 3) + 1) * DAFT_BLOCK; i++) {
                 uint32_t triangle = block[i / DAFT_BLOCK].triangle[i % DAFT_BLOCK];
-                if (triangle != DAFT_NO_TRIANGLE) test_triangle(seen, triangle, ray, nearest);
+                if (triangle != DAFT_NO_TRIANGLE) test_triangle(view, triangle, ray, nearest);
             }
             continue;
         }
@@ -148,15 +148,15 @@ static void test_mesh(const daft_seen *seen, daft_vec3 ray, best *nearest)
 
 static void test_instance(const daft_raster *raster, uint32_t index, daft_vec3 ray, best *nearest)
 {
-    const daft_seen *seen = &raster->seen[index];
-    if (!seen->instance) return;
-    if (seen->mesh) {
-        test_mesh(seen, ray, nearest);
+    const daft_view_instance *view = &raster->visible[index];
+    if (!view->instance) return;
+    if (view->mesh) {
+        test_mesh(view, ray, nearest);
         return;
     }
-    const float *c = seen->to_camera.t;
+    const float *c = view->to_view.t;
     double t;
-    if (daft_pencil_sphere(daft_v3(c[0], c[1], c[2]), seen->instance->radius, ray, &t))
+    if (daft_pencil_sphere(daft_v3(c[0], c[1], c[2]), view->instance->radius, ray, &t))
         offer(nearest, t * (double)ray.z, index, 0);
 }
 

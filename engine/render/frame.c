@@ -24,12 +24,15 @@ daft_renderer *daft_renderer_create(const daft_allocator *allocator, int threads
     r->isa = isa;
     r->accel = daft_accel_kernels_for(isa);
     r->raster_kernels = daft_raster_kernels_for(isa);
+    r->sample_kernels = daft_sample_kernels_for(isa);
     r->shade = daft_shade_kernels_for(isa);
     r->kernels = kernels_for(isa);
     daft_arena_init(&r->arena, &r->allocator);
     r->scratch = daft_alloc_zero(allocator, (size_t)threads, sizeof *r->scratch);
-    if (r->scratch && daft_raster_init(&r->raster, &r->allocator, threads, isa, error)) return r;
-    if (!r->scratch) daft_fail_memory(error, "the renderer");
+    r->sample_scratch = daft_alloc_zero(allocator, (size_t)threads, r->sample_kernels->scratch_size);
+    bool some = r->scratch && r->sample_scratch;
+    if (some && daft_raster_init(&r->raster, &r->allocator, threads, isa, error)) return r;
+    if (!some) daft_fail_memory(error, "the renderer");
     daft_renderer_destroy(r);
     return NULL;
 }
@@ -41,6 +44,7 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_raster_free(&r->raster);
     daft_arena_free(&r->arena);
     daft_release(&allocator, r->scratch);
+    daft_release(&allocator, r->sample_scratch);
     daft_release(&allocator, r->passed);
     daft_release(&allocator, r->refracted);
     daft_mirrors_free(r);
@@ -76,12 +80,9 @@ static void count_bins(const daft_renderer *r, daft_counters *c)
         c->spheres_binned += bins->spheres;
         c->exact_edges += bins->exact_edges;
         c->exact_depths += bins->exact_depths;
-        c->instances_seen += bins->seen;
-        c->effects[DAFT_EFFECT_VISIBILITY].bytes += bins->order_capacity * sizeof *bins->order +
-                                                    bins->block_capacity * sizeof *bins->blocks +
-                                                    bins->tile_capacity * sizeof *bins->tiles;
+        c->instances_seen += bins->visible;
     }
-    c->effects[DAFT_EFFECT_VISIBILITY].bytes += r->raster.seen_capacity * sizeof *r->raster.seen;
+    c->effects[DAFT_EFFECT_VISIBILITY].bytes += daft_raster_bytes(&r->raster);
 }
 
 static bool out_of_memory(const daft_renderer *r)
@@ -112,9 +113,9 @@ static bool prepare_tree(daft_frame *frame, daft_error *error)
     const daft_snapshot *s = frame->snapshot;
     bool asked = frame->plan.shadows || frame->plan.reflects || frame->plan.refracts || s->reference;
     if (!asked) return true;
-    const daft_tlas_def def = {s->intersection, r->threads, r->isa};
+    const daft_tlas_def def = {.intersection = s->intersection, .threads = r->threads, .isa = r->isa};
     if (!r->tlas) r->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, &def, error);
-    if (!r->tlas) r->placing = 0; /* half of one is forgotten, too */
+    if (!r->tlas) r->revision = 0; /* half of one is forgotten, too */
     frame->tlas = r->tlas;
     return frame->tlas != NULL;
 }
@@ -124,7 +125,8 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     daft_renderer *r = frame->renderer;
     const daft_snapshot *s = frame->snapshot;
     double start = daft_clock_ms();
-    frame->pencil = (daft_pencil){s->right, s->up, s->forward, s->focal, s->width, s->height, s->intersection, 0, 0};
+    frame->pencil = (daft_pencil){.right = s->right, .up = s->up, .forward = s->forward, .focal = s->focal, .width = s->width,
+                                  .height = s->height, .intersection = s->intersection};
     sample_shift(s->samples, frame->sample, &frame->pencil.shift_x, &frame->pencil.shift_y);
     if (!daft_raster_begin(&r->raster, &frame->pencil, s->instances, s->instance_count, error)) return false;
     daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
@@ -149,9 +151,9 @@ static bool prepare_tints(daft_renderer *r, daft_error *error)
 
 static void forget_tree(daft_renderer *r, const daft_snapshot *s)
 {
-    if (s->placing && s->placing == r->placing && s->intersection == r->intersection) return;
+    if (s->revision && s->revision == r->revision && s->intersection == r->intersection) return;
     daft_arena_reset(&r->arena);
-    r->tlas = NULL, r->placing = s->placing, r->intersection = s->intersection;
+    r->tlas = NULL, r->revision = s->revision, r->intersection = s->intersection;
 }
 
 static bool prepare(daft_frame *frame, daft_error *error)

@@ -2,7 +2,6 @@
 #ifndef DAFT_RENDER_INTERNAL_H
 #define DAFT_RENDER_INTERNAL_H
 
-#include "cost/cost.h"
 #include "render/kernels.h"
 
 #include <stdatomic.h>
@@ -25,8 +24,8 @@ typedef struct daft_scratch {
     daft_ray_batch rays, sky;
     daft_lanes3 sky_color;
     daft_lanes3 color; /* of the tile's pixels: row · DAFT_TILE + column */
-    uint32_t candidates[DAFT_MAX_CASTERS];
-    uint32_t lit[DAFT_BATCH_WORDS], under[DAFT_BATCH_WORDS];
+    uint32_t candidates[DAFT_MAX_OCCLUDERS];
+    uint32_t lit[DAFT_SAMPLES_WORDS], under[DAFT_SAMPLES_WORDS];
     daft_lanes3 *passed;       /* of the running lamp's light; NULL until some shadow lets light through */
     daft_ray_batch *refracted; /* waiting, of each depth; NULL until something is seen that light may pass */
     uint64_t ticks[DAFT_EFFECT_COUNT];
@@ -56,14 +55,16 @@ struct daft_renderer {
     int threads, isa;
     const daft_accel_kernels *accel;
     const daft_raster_kernels *raster_kernels;
+    const daft_sample_kernels *sample_kernels;
     const daft_shade_kernels *shade;
     const daft_render_kernels *kernels;
     daft_raster raster;
     daft_arena arena; /* the tree over instances, kept as long as these are the same: */
     const daft_tlas *tlas;
-    uint64_t placing;
+    uint64_t revision;
     daft_intersection intersection;
     daft_scratch *scratch; /* one for each worker */
+    uint8_t *sample_scratch; /* the workers', sample_kernels->scratch_size each */
     daft_lanes3 *passed;   /* the workers' */
     size_t passed_capacity;
     daft_ray_batch *refracted; /* the workers' */

@@ -6,13 +6,30 @@
 #include "raster/raster.h"
 #include "render/render.h"
 
-enum { DAFT_MAX_CASTERS = 256 };
-
 /* How far off a surface rays start. In units of u = 2^-24 and of S = |x| + |y| + |z| of the point plus that of the instance's
  * translation: the point is off by 6 (height, normal, their quotient with the ray, and the product), corners moved by to_frame
  * in another order by 4, and the way into object space by 6 (a rounded map, three products, three sums). Sixteen covers their
  * sum. */
 #define DAFT_SPAWN_ERROR (16 * 0x1p-24f)
+
+_Static_assert((int)DAFT_BATCH == (int)DAFT_SAMPLES && (int)DAFT_BATCH_ROOM >= (int)DAFT_SAMPLES_ROOM,
+               "a batch is a set of samples");
+
+/* A batch's points as they ask for a light. */
+static inline daft_samples daft_samples_of(const daft_batch *b)
+{
+    return (daft_samples){.count = b->count,
+                          .origin = {b->shadow_origin.x, b->shadow_origin.y, b->shadow_origin.z},
+                          .outward = {b->outward.x, b->outward.y, b->outward.z},
+                          .instance = b->instance,
+                          .triangle = b->triangle,
+                          .pixel = b->pixel};
+}
+
+static inline daft_apex daft_apex_of(const daft_lamp *light)
+{
+    return (daft_apex){.infinite = light->sun, .at = light->sun ? light->to_light : light->position};
+}
 
 /* Rays, side by side, with where they came from. */
 typedef struct daft_ray_batch {
@@ -57,14 +74,6 @@ typedef struct daft_render_kernels {
     /* Appends the points where the rays first.. hit, all of them set; misses are left out. */
     void (*hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first, const daft_hit *hits,
                        uint32_t count, daft_facets *facets, daft_batch *points);
-    /* Takes away the bits of the points that the instance hides from the lamp, or, with DAFT_NOTHING, that any shadow
-     * caster does. Gives the number of points whose ray met its bounds, the only ones that were tested. */
-    uint32_t (*shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, uint32_t instance,
-                        uint32_t bits[DAFT_BATCH_WORDS]);
-    /* The instances of DAFT_INSTANCE_TINTS_SHADOW whose bounds some point's ray meets; their number, or UINT32_MAX where
-     * there may be more or the lamp is among the points. */
-    uint32_t (*tints)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas,
-                      const uint32_t bits[DAFT_BATCH_WORDS], uint32_t out[DAFT_MAX_CASTERS]);
     /* The rays that points send on. `refracted` may be NULL: then nothing is seen that transmits, or it is not followed
      * any more. Both are overwritten. */
     void (*spawn)(const daft_snapshot *snapshot, const daft_batch *points, const daft_spawning *allowed,
@@ -78,10 +87,6 @@ void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *t
                                 daft_ray_batch *sky);
 void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first,
                                   const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points);
-uint32_t DAFT_KERNEL(daft_shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, uint32_t instance,
-                                   uint32_t bits[DAFT_BATCH_WORDS]);
-uint32_t DAFT_KERNEL(daft_tints)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas,
-                                 const uint32_t bits[DAFT_BATCH_WORDS], uint32_t out[DAFT_MAX_CASTERS]);
 #endif
 
 #endif

@@ -96,10 +96,10 @@ static void find_planes(daft_frame *frame)
 {
     const daft_raster *raster = &frame->renderer->raster;
     for (uint32_t i = 0; i < raster->instance_count; i++) {
-        const daft_seen *seen = &raster->seen[i];
-        const daft_instance *s = seen->instance;
+        const daft_view_instance *view = &raster->visible[i];
+        const daft_instance *s = view->instance;
         if (!s || !s->mesh || s->mesh->triangle_count > MIRROR_TRIANGLES) continue;
-        if ((seen->x1 - seen->x0 + 1) * (seen->y1 - seen->y0 + 1) < MIRROR_BOUND) continue;
+        if ((view->x1 - view->x0 + 1) * (view->y1 - view->y0 + 1) < MIRROR_BOUND) continue;
         for (uint32_t t = 0; t < s->mesh->triangle_count; t++) {
             plane at;
             const daft_surface *m = &frame->snapshot->materials[s->materials[s->mesh->slots ? s->mesh->slots[t] : 0]];
@@ -181,7 +181,7 @@ size_t daft_mirrors_bytes(const daft_renderer *r)
     for (int i = 0; i < DAFT_MAX_MIRRORS; i++) {
         const daft_mirror *m = &r->mirrors[i];
         bytes += m->instance_capacity * sizeof *m->instances + m->number_capacity * sizeof *m->numbers;
-        bytes += m->raster.seen_capacity * sizeof *m->raster.seen;
+        bytes += daft_raster_bytes(&m->raster);
     }
     return bytes;
 }

@@ -94,7 +94,7 @@ void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft
     const bool asked = plan->reflections || plan->refractions;
     plan->reflects = plan->refracts = false;
     for (uint32_t i = 0; asked && i < raster->instance_count && !(plan->reflects && plan->refracts); i++) {
-        const daft_instance *instance = raster->seen[i].instance;
+        const daft_instance *instance = raster->visible[i].instance;
         if (!instance) continue;
         bool mirror = plan->reflections && (has(snapshot, instance, mirrors) || has(snapshot, instance, bends));
         plan->reflects |= mirror;

@@ -2,6 +2,8 @@
  * Promises: reads only the snapshot; the same snapshot gives the same bytes for any number of threads and any
  * instruction set; what the scene does not call for is not run, and the counters say so.
  *
+ * Public headers: render.h
+ *
  * The snapshot is flat arrays in frame space: world axes, origin at the camera, floats. The caller rebases (in double). */
 #ifndef DAFT_RENDER_H
 #define DAFT_RENDER_H
@@ -11,6 +13,19 @@
 #include "geometry/mesh.h"
 #include "image/image.h"
 #include "shade/shade.h"
+
+/* A quality is data: nothing else in the engine switches on its name. */
+typedef struct daft_preset {
+    const char *name;
+    int samples;      /* per pixel */
+    int reflections;  /* mirror bounces followed; 0: none */
+    int refractions;  /* surfaces that a path which passes through some may meet */
+    float min_weight; /* mirrored and refracted rays that weigh less in the pixel in all colours are not cast */
+    bool shadows;
+    bool reference;   /* camera rays alone through the BVH */
+} daft_preset;
+
+const daft_preset *daft_quality_preset(daft_quality quality);
 
 typedef struct daft_renderer daft_renderer; /* scratch memory that outlives a frame */
 
@@ -24,7 +39,7 @@ typedef struct daft_snapshot {
     daft_quality quality;
     const daft_instance *instances; /* visible ones, in entity order */
     uint32_t instance_count;
-    uint64_t placing; /* a number that these instances have, and no others had or will have; 0: there is none */
+    uint64_t revision; /* a number that these instances have, and no others had or will have; 0: there is none */
     const daft_surface *materials;
     uint32_t material_count;
     const daft_texture_data *textures;

@@ -161,5 +161,5 @@ static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft
     }
 }
 
-const daft_render_kernels DAFT_KERNEL(daft_render) = {DAFT_KERNEL(daft_surfaces), DAFT_KERNEL(daft_hit_points),
-                                                      DAFT_KERNEL(daft_shadows), DAFT_KERNEL(daft_tints), spawn};
+const daft_render_kernels DAFT_KERNEL(daft_render) = {
+    .surfaces = DAFT_KERNEL(daft_surfaces), .hit_points = DAFT_KERNEL(daft_hit_points), .spawn = spawn};

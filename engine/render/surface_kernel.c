@@ -8,7 +8,7 @@
  * reaches to the horizon. Rays that leave start off the surface by more than that, and than the rounding on their way
  * into an instance's space. They start towards the viewer by as much again: in a concave corner a point may lie across the
  * other wall by its error, where going off its own surface, which runs along that wall, does not bring it back; the way
- * that its ray came is free. No constant depends on the scene's scale. Shadow rays start from a point lifted to where the
+ * that its ray came is free. No constant depends on the scene's scale. Shadow rays start from a point raised to where the
  * smooth surface would be, so that facets do not show in the terminator (Hanika, "Hacking the Shadow Terminator", Ray
  * Tracing Gems II, 2021, chapter 4). */
 #include "render/surface.h"
@@ -17,7 +17,7 @@
 
 /* What a batch's points need beside their place, normal and material. */
 enum {
-    WANT_SHADOW = 1,  /* the lifted point and the facet's normal */
+    WANT_SHADOW = 1,  /* the shadow origin and the facet's normal */
     WANT_VIEW = 2,    /* the way to the viewer */
     WANT_TEXTURE = 4, /* uv and the footprint */
     WANT_PATH = 8,    /* what rays that go on need: weight, reach, spawn error */
@@ -46,7 +46,7 @@ typedef struct window {
 
 /* Where they meet it. `normal` is not unit yet, and the points lie on the surface. */
 typedef struct meeting {
-    vf3 point, lifted, normal, outward;
+    vf3 point, shadow_origin, normal, outward;
     vf size, density, u, v;
     vi word;
 } meeting;
@@ -94,18 +94,18 @@ DAFT_INLINE vf3 plane_point(const window *r, sort s, vf3 outward)
 /* The corner's tangent plane pulls the point up where the point lies below it. */
 DAFT_INLINE vf3 lift_point(const vf3 corner[3], const vf3 normal[3], vf3 point, const vf w[3])
 {
-    vf3 lifted = point;
+    vf3 shadow_origin = point;
     for (int k = 0; k < 3; k++) {
         vf below = vf_min(vf3_dot(sub3(point, corner[k]), normal[k]), vf_set(0));
-        lifted = sub3(lifted, scale3(normal[k], below * w[k]));
+        shadow_origin = sub3(shadow_origin, scale3(normal[k], below * w[k]));
     }
-    return lifted;
+    return shadow_origin;
 }
 
 DAFT_INLINE void meet_facets(const window *r, sort s, vbits smooth, uint32_t wants, meeting *m)
 {
     m->outward = m->normal = part3(r, s, FACET_OUTWARD);
-    m->point = m->lifted = plane_point(r, s, m->outward);
+    m->point = m->shadow_origin = plane_point(r, s, m->outward);
     m->size = part(r, s, FACET_SIZE);
     if (!smooth && !(wants & WANT_TEXTURE)) return;
     vf w[3];
@@ -120,7 +120,7 @@ DAFT_INLINE void meet_facets(const window *r, sort s, vbits smooth, uint32_t wan
     for (int k = 0; k < 3; k++) corner[k] = part3(r, s, FACET_CORNER + 3 * k), normal[k] = part3(r, s, FACET_NORMAL + 3 * k);
     vm which = vm_from_bits(smooth);
     m->normal = select3(which, mean3(normal, w), m->normal);
-    if (wants & WANT_SHADOW) m->lifted = select3(which, lift_point(corner, normal, m->point, w), m->point);
+    if (wants & WANT_SHADOW) m->shadow_origin = select3(which, lift_point(corner, normal, m->point, w), m->point);
 }
 
 /* How far along rays from the origin, which are known to hit, the sphere is. As daft_pencil_sphere, in lanes. */
@@ -139,7 +139,7 @@ DAFT_INLINE void meet_spheres(const window *r, sort s, uint32_t wants, meeting *
     vf radius = part(r, s, SPHERE_RADIUS);
     vf3 near = s.camera ? scale3(d, sphere_way(centre, radius, d)) : add3(r->origin, scale3(d, r->t));
     vf3 normal = unit3(sub3(near, centre));
-    m->point = m->lifted = add3(centre, scale3(normal, radius));
+    m->point = m->shadow_origin = add3(centre, scale3(normal, radius));
     m->size = part(r, s, FACET_SIZE);
     if (wants & WANT_TEXTURE) {
         vf3 local = unit3((vf3){vf3_dot(part3(r, s, SPHERE_TURN), normal), vf3_dot(part3(r, s, SPHERE_TURN + 3), normal),
@@ -157,7 +157,7 @@ DAFT_INLINE void take_spheres(const window *r, sort s, vbits spheres, uint32_t w
     meeting b = *m;
     vm which = vm_from_bits(spheres);
     meet_spheres(r, s, wants, &b);
-    m->point = select3(which, b.point, m->point), m->lifted = select3(which, b.lifted, m->lifted);
+    m->point = select3(which, b.point, m->point), m->shadow_origin = select3(which, b.shadow_origin, m->shadow_origin);
     m->normal = select3(which, b.normal, m->normal), m->outward = select3(which, b.outward, m->outward);
     m->size = vf_if_then_else(which, b.size, m->size), m->density = vf_if_then_else(which, b.density, m->density);
     m->u = vf_if_then_else(which, b.u, m->u), m->v = vf_if_then_else(which, b.v, m->v);
@@ -219,7 +219,7 @@ DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf r
     store3(&b->normal, at, normal);
     vi_store(&b->material[at], m->word & vi_set(FACET_MATERIAL));
     if (wants & WANT_SHADOW) {
-        store3(&b->lifted, at, add3(m->lifted, off));
+        store3(&b->shadow_origin, at, add3(m->shadow_origin, off));
         store3(&b->outward, at, m->outward);
     }
     if (wants & WANT_VIEW) store3(&b->view, at, view);

@@ -1,5 +1,5 @@
 /* daft_render: checks the view, makes the snapshot, asks render/ for the picture, gives ids back as entities. */
-#include "cost/cost.h"
+#include "render/render.h"
 #include "scene/scene.h"
 
 daft_view daft_default_view(void)

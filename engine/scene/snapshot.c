@@ -1,6 +1,6 @@
 /* The frame snapshot: what render/ and the ray queries see of a scene. Positions are subtracted from the frame's origin
  * in double and rounded to float once, so precision is the same wherever in the world the frame is. */
-#include "cost/cost.h"
+#include "render/render.h"
 #include "math/trig.h"
 #include "scene/scene.h"
 
@@ -62,6 +62,6 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
     daft_camera_axes(&view->camera, &out->right, &out->up, &out->forward);
     daft_arena_reset(&scene->frame);
     if (!daft_place_instances(scene, view->camera.position, view->alpha, error)) return false;
-    out->instances = scene->placed.instances, out->instance_count = scene->placed.count, out->placing = scene->placed.number;
+    out->instances = scene->placed.instances, out->instance_count = scene->placed.count, out->revision = scene->placed.number;
     return fill_lamps(scene, view->camera.position, out, error);
 }

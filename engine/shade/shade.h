@@ -66,7 +66,7 @@ typedef struct daft_batch {
     uint32_t traits;   /* of the points' materials, all of them; where one is missing, so may be what only it calls for */
     bool one_material; /* all points' */
     daft_lanes3 point;   /* rays that leave the surface start here: on its outer side by more than the error of the hit */
-    daft_lanes3 lifted;  /* the same for shadow rays: raised off the facets to where the smooth surface would be */
+    daft_lanes3 shadow_origin;  /* the same for shadow rays: raised off the facets to where the smooth surface would be */
     daft_lanes3 normal;  /* shading normal, unit */
     daft_lanes3 outward; /* geometric normal, unit, towards the viewer */
     daft_lanes3 view;    /* to the viewer, unit */

@@ -90,7 +90,7 @@ static void keep(bench_boxes *job, const box *b, uint32_t worker)
     }
 }
 
-static daft_vec3 to_camera(const bench_view *view, daft_vec3 p)
+static daft_vec3 to_view(const bench_view *view, daft_vec3 p)
 {
     return daft_v3(daft_dot(view->right, p), daft_dot(view->up, p), daft_dot(view->forward, p));
 }
@@ -98,7 +98,7 @@ static daft_vec3 to_camera(const bench_view *view, daft_vec3 p)
 static bool beyond_sides(const bench_view *view, const daft_instance *instance)
 {
     daft_vec3 half = daft_scale(daft_sub(instance->high, instance->low), 0.5f);
-    daft_vec3 c = to_camera(view, daft_add(instance->low, half));
+    daft_vec3 c = to_view(view, daft_add(instance->low, half));
     float r = daft_length(half), w = (float)view->width * 0.5f, h = (float)view->height * 0.5f, f = view->focal;
     return c.z < -r || (fabsf(c.x) * f - c.z * w) > r * sqrtf(f * f + w * w) ||
            (fabsf(c.y) * f - c.z * h) > r * sqrtf(f * f + h * h);
@@ -113,7 +113,7 @@ static void project_task(void *context, uint32_t index, uint32_t worker)
     box out = {.seen = (uint64_t)index << 32};
     if (!instance.mesh) {
         bounds b = sphere_bounds(
-            to_camera(view, daft_v3(instance.to_frame.t[0], instance.to_frame.t[1], instance.to_frame.t[2])),
+            to_view(view, daft_v3(instance.to_frame.t[0], instance.to_frame.t[1], instance.to_frame.t[2])),
             instance.radius, view->focal);
         if (pixels_of(view, &b, &out)) keep(job, &out, worker);
         return;
@@ -124,7 +124,7 @@ static void project_task(void *context, uint32_t index, uint32_t worker)
         for (int k = 0; k < 3; k++) {
             uint32_t v = mesh->indices[3 * (size_t)i + (size_t)k];
             corner[k] =
-                to_camera(view, daft_affine_point(&instance.to_frame, daft_v3(mesh->x[v], mesh->y[v], mesh->z[v])));
+                to_view(view, daft_affine_point(&instance.to_frame, daft_v3(mesh->x[v], mesh->y[v], mesh->z[v])));
         }
         bounds b = triangle_bounds(corner, view->focal);
         out.seen = (uint64_t)index << 32 | i;

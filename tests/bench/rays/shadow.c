@@ -166,8 +166,10 @@ typedef struct shadow_job {
     const daft_tlas *tlas;
     const daft_raster_kernels *raster_kernels;
     const daft_render_kernels *kernels;
+    const daft_sample_kernels *sample_kernels;
     const daft_shade_kernels *shade;
     desk *desks;
+    uint8_t *scratch; /* of each desk's shadows */
     shadow_origins *collect; /* where the points are to be written, one worker; else NULL */
     shadow_origins origins;
     const shadow_embree_api *api;
@@ -187,12 +189,12 @@ static uint64_t count_bits(const uint32_t *bits)
 static void collect_points(shadow_job *job, const desk *d)
 {
     shadow_origins *to = job->collect;
-    const daft_lanes3 *lifted = &d->points.lifted;
+    const daft_lanes3 *origin = &d->points.shadow_origin;
     for (uint32_t patch = 0; patch < 64; patch++)
         for (uint32_t i = 0; i < d->points.count; i++) {
             uint32_t pixel = d->points.pixel[i], x = pixel % DAFT_TILE, y = pixel / DAFT_TILE;
             if (y / 4 * 8 + x / 4 != patch || !(d->lit[i / 32] >> (i % 32) & 1) || to->count == to->capacity) continue;
-            to->x[to->count] = lifted->x[i], to->y[to->count] = lifted->y[i], to->z[to->count++] = lifted->z[i];
+            to->x[to->count] = origin->x[i], to->y[to->count] = origin->y[i], to->z[to->count++] = origin->z[i];
         }
 }
 
@@ -213,8 +215,11 @@ static void tile_task(void *context, uint32_t index, uint32_t worker)
     if (rays == 0) return;
     if (job->collect) collect_points(job, d);
     int workers = job->raster.workers;
+    const daft_sample_kernels *k = job->sample_kernels;
     double start = bench_clock_ms(workers);
-    d->kept += job->kernels->shadows(&d->points, &job->stage->light, job->tlas, DAFT_NOTHING, d->lit);
+    const daft_samples samples = daft_samples_of(&d->points);
+    const daft_apex apex = daft_apex_of(&job->stage->light);
+    d->kept += k->shadows(&samples, &apex, job->tlas, DAFT_NOTHING, d->lit, job->scratch + worker * k->scratch_size);
     d->ms += bench_clock_ms(workers) - start - job->clock_cost;
     d->rays += rays;
     d->dark += rays - count_bits(d->lit);
@@ -304,7 +309,7 @@ static bool open_job(bench *self, shadow_job *job, daft_arena *arena, int thread
     int isa;
     daft_isa_parse(self->isa, &isa);
     job->raster_kernels = daft_raster_kernels_for(isa), job->shade = daft_shade_kernels_for(isa),
-    job->kernels = TABLE[isa];
+    job->kernels = TABLE[isa], job->sample_kernels = daft_sample_kernels_for(isa);
     static const daft_surface plain = {.diffuse = {0.8f, 0.8f, 0.8f}, .texture = DAFT_NO_TEXTURE};
     job->snapshot = (daft_snapshot){.materials = &plain,
                                     .material_count = 1,
@@ -318,8 +323,9 @@ static bool open_job(bench *self, shadow_job *job, daft_arena *arena, int thread
                                     .instance_count = s->count};
     job->clock_cost = clock_cost(threads);
     job->desks = daft_alloc_zero(&self->allocator, (size_t)threads, sizeof *job->desks);
+    job->scratch = daft_alloc_zero(&self->allocator, (size_t)threads, job->sample_kernels->scratch_size);
     job->tlas = daft_tlas_build(arena, s->instances, s->count, NULL);
-    if (!job->desks || !job->tlas || !daft_raster_init(&job->raster, &self->allocator, threads, isa, NULL)) return false;
+    if (!job->desks || !job->scratch || !job->tlas || !daft_raster_init(&job->raster, &self->allocator, threads, isa, NULL)) return false;
     if (!self->peers || !job->api) return true;
     job->embree = job->api->create(s->instances, s->count, s->two_level, threads);
     return collect(self, job);
@@ -330,6 +336,7 @@ static void close_job(bench *self, shadow_job *job)
     if (job->embree) job->api->destroy(job->embree);
     daft_raster_free(&job->raster);
     daft_release(&self->allocator, job->desks);
+    daft_release(&self->allocator, job->scratch);
     daft_release(&self->allocator, job->origins.x);
     daft_release(&self->allocator, job->origins.y);
     daft_release(&self->allocator, job->origins.z);

@@ -116,7 +116,7 @@ static void keep_box(sight *out, int x0, int x1, int y0, int y1)
 static void keep_boxes(const daft_raster *raster, int isa, sight *out)
 {
     daft_screen_box boxes[12];
-    const daft_seen *s = &raster->seen[0];
+    const daft_view_instance *s = &raster->visible[0];
     out->found = false, out->x0 = WIDTH, out->y0 = HEIGHT, out->x1 = out->y1 = -1;
     out->seen = s->instance != NULL;
     if (!out->seen) return;

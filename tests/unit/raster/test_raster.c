@@ -309,7 +309,7 @@ static void brute_force(void **unused)
         double nearest = INFINITY;
         uint32_t triangle = 0;
         for (uint32_t k = 0; k < mesh.mesh.triangle_count; k++) {
-            daft_seen_corners(&raster.seen[0], k, c);
+            daft_view_corners(&raster.visible[0], k, c);
             if (!daft_pencil_hits(c[0], c[1], c[2], ray)) continue;
             double z = daft_pencil_depth(c[0], c[1], c[2], ray);
             if (z < nearest) nearest = z, triangle = k;
@@ -441,8 +441,8 @@ static void culling(void **unused)
         daft_instance instance = instance_make(&mesh, affine_make(daft_quat_identity(), daft_v3(1, 1, 1), hidden[i]));
         assert_true(daft_raster_begin(&raster, &pencil, &instance, 1, &error));
         daft_raster_bin(&raster, 0, 0);
-        assert_int_equal(raster.bins[0].seen, 0);
-        assert_null(raster.seen[0].instance);
+        assert_int_equal(raster.bins[0].visible, 0);
+        assert_null(raster.visible[0].instance);
     }
     daft_instance speck = instance_make(&mesh, affine_make(daft_quat_identity(), daft_v3(1e-3f, 1e-3f, 1e-3f), daft_v3(5, 0, 0)));
     pencil.shift_x = pencil.shift_y = 0.25f; /* WIDTH is even, HEIGHT odd: the speck lies between rays in x alone */
@@ -463,14 +463,14 @@ static void culling(void **unused)
 }
 
 /* What things look like to the camera, taken by groups and alone. */
-static void compare_seen(const daft_seen *group, const daft_seen *alone, uint32_t index)
+static void compare_seen(const daft_view_instance *group, const daft_view_instance *alone, uint32_t index)
 {
     assert_ptr_equal(group->instance, alone->instance);
     if (!alone->instance) return;
     assert_int_equal(group->index, index);
     assert_ptr_equal(group->mesh, alone->mesh);
     assert_ptr_equal(group->bvh, alone->bvh);
-    assert_memory_equal(&group->to_camera, &alone->to_camera, sizeof alone->to_camera);
+    assert_memory_equal(&group->to_view, &alone->to_view, sizeof alone->to_view);
     assert_memory_equal(&group->near_z, &alone->near_z, sizeof alone->near_z);
     assert_int_equal(group->x0, alone->x0), assert_int_equal(group->x1, alone->x1);
     assert_int_equal(group->y0, alone->y0), assert_int_equal(group->y1, alone->y1);
@@ -509,8 +509,8 @@ static void groups_and_alone(void **unused)
             for (uint32_t i = 0; i < THINGS; i++) {
                 assert_true(daft_raster_begin(&alone, &pencil, &things[i], 1, NULL));
                 daft_raster_bin(&alone, 0, 0);
-                compare_seen(&group.seen[i], &alone.seen[0], i);
-                seen += alone.seen[0].instance != NULL;
+                compare_seen(&group.visible[i], &alone.visible[0], i);
+                seen += alone.visible[0].instance != NULL;
             }
         }
         daft_raster_free(&group), daft_raster_free(&alone);

@@ -50,23 +50,39 @@ static void fill_points(daft_batch *b, daft_vec3 place, float size)
     b->count = 700 + random_bits() % 300;
     for (uint32_t i = 0; i < b->count; i++) {
         daft_vec3 p = daft_add(place, daft_add(daft_scale(u, random_float(-1, 1)), daft_scale(v, random_float(-1, 1))));
-        b->lifted.x[i] = p.x, b->lifted.y[i] = p.y, b->lifted.z[i] = p.z;
+        b->shadow_origin.x[i] = p.x, b->shadow_origin.y[i] = p.y, b->shadow_origin.z[i] = p.z;
         b->instance[i] = UINT32_MAX;
     }
 }
 
 static bool lit_by_ray(const stage *s, const daft_batch *b, const daft_lamp *lamp, uint32_t i)
 {
-    daft_ray ray = {.origin = {b->lifted.x[i], b->lifted.y[i], b->lifted.z[i]}, .direction = lamp->to_light, .tmax = INFINITY};
+    daft_ray ray = {.origin = {b->shadow_origin.x[i], b->shadow_origin.y[i], b->shadow_origin.z[i]}, .direction = lamp->to_light, .tmax = INFINITY};
     if (!lamp->sun) ray.direction = daft_sub(lamp->position, ray.origin), ray.tmax = 1;
     return !daft_accel_kernels_for(0)->occluded(s->tlas, &ray);
 }
 
-DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);
-static const daft_render_kernels *kernels(int isa)
+static uint32_t cast(int isa, const daft_batch *b, const daft_lamp *lamp, const daft_tlas *tlas, uint32_t instance, uint32_t *bits)
 {
-    static const daft_render_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_render);
-    return TABLE[isa];
+    const daft_sample_kernels *k = daft_sample_kernels_for(isa);
+    const daft_samples samples = daft_samples_of(b);
+    const daft_apex apex = daft_apex_of(lamp);
+    void *scratch = aligned_alloc(64, k->scratch_size);
+    memset(scratch, 0xa5, k->scratch_size); /* nothing of it is kept */
+    uint32_t kept = k->shadows(&samples, &apex, tlas, instance, bits, scratch);
+    free(scratch);
+    return kept;
+}
+
+static uint32_t cast_tints(int isa, const daft_batch *b, const daft_lamp *lamp, const daft_tlas *tlas, const uint32_t *bits, uint32_t *out)
+{
+    const daft_sample_kernels *k = daft_sample_kernels_for(isa);
+    const daft_samples samples = daft_samples_of(b);
+    const daft_apex apex = daft_apex_of(lamp);
+    void *scratch = aligned_alloc(64, k->scratch_size);
+    uint32_t count = k->tints(&samples, &apex, tlas, bits, out, scratch);
+    free(scratch);
+    return count;
 }
 
 typedef struct tally {
@@ -80,7 +96,7 @@ static void compare(const stage *s, const daft_batch *b, const daft_lamp *lamp, 
         if (i % 7) asked[i / 32] |= (uint32_t)1 << (i % 32);
     for (int isa = 0; isa <= daft_isa_best(); isa++) {
         memcpy(bits[isa], asked, sizeof asked);
-        uint32_t under = kernels(isa)->shadows(b, lamp, s->tlas, DAFT_NOTHING, bits[isa]);
+        uint32_t under = cast(isa, b, lamp, s->tlas, DAFT_NOTHING, bits[isa]);
         if (isa) assert_int_equal(under, kept);
         kept = under;
         assert_memory_equal(bits[isa], bits[0], sizeof asked);
@@ -145,7 +161,7 @@ static void fill_on_surface(const daft_instance *s, daft_batch *b, uint32_t firs
         daft_vec3 e = daft_sub(p[1], p[0]), f = daft_sub(p[2], p[0]), up = daft_normalize(daft_cross(e, f));
         float v = random_float(0, 1), w = random_float(0, 1 - v), over = random_float(1e-5f, 1e-3f) * (i % 5 ? 1.0f : -1.0f);
         daft_vec3 at = daft_add(daft_add(p[0], daft_add(daft_scale(e, v), daft_scale(f, w))), daft_scale(up, over));
-        b->lifted.x[i] = at.x, b->lifted.y[i] = at.y, b->lifted.z[i] = at.z;
+        b->shadow_origin.x[i] = at.x, b->shadow_origin.y[i] = at.y, b->shadow_origin.z[i] = at.z;
         b->instance[i] = UINT32_MAX;
     }
 }
@@ -161,7 +177,7 @@ static void points_on_surfaces(void **unused)
         stage_make(&s);
         for (uint32_t i = 1; i < s.count; i += i % 4 == 3 ? 2 : 1) { /* all but the spheres */
             fill_on_surface(&s.instances[i], b, random_bits() % s.instances[i].mesh->triangle_count);
-            daft_vec3 at = {b->lifted.x[0], b->lifted.y[0], b->lifted.z[0]};
+            daft_vec3 at = {b->shadow_origin.x[0], b->shadow_origin.y[0], b->shadow_origin.z[0]};
             daft_lamp lamp = {.sun = i % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
             lamp.position = daft_add(at, daft_scale(random_vec3(-1, 1), random_float(0.1f, 6)));
             compare(&s, b, &lamp, &sum);
@@ -187,14 +203,14 @@ static void beside_many(void **unused)
         b->count = 1000;
         for (uint32_t i = 0; i < b->count; i++) {
             daft_vec3 p = i < 500 ? daft_v3(random_float(-4, 4), -9, random_float(-4, 4)) : daft_v3(random_float(10, 14), -9, random_float(-4, 4));
-            b->lifted.x[i] = p.x, b->lifted.y[i] = p.y, b->lifted.z[i] = p.z;
+            b->shadow_origin.x[i] = p.x, b->shadow_origin.y[i] = p.y, b->shadow_origin.z[i] = p.z;
             b->instance[i] = UINT32_MAX, b->pixel[i] = i;
         }
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
             uint32_t bits[DAFT_BATCH_WORDS] = {0}, lit = 0;
             daft_lamp lamp = {.sun = true, .casts_shadow = true, .to_light = {0, 1, 0}};
             for (uint32_t i = 0; i < b->count; i++) bits[i / 32] |= (uint32_t)1 << (i % 32);
-            uint32_t kept = kernels(isa)->shadows(b, &lamp, s.tlas, DAFT_NOTHING, bits);
+            uint32_t kept = cast(isa, b, &lamp, s.tlas, DAFT_NOTHING, bits);
             for (int word = 0; word < DAFT_BATCH_WORDS; word++) lit += (uint32_t)__builtin_popcount(bits[word]);
             assert_true(kept <= 500 && kept >= 1000 - lit);
             for (uint32_t i = 500; i < 1000; i++) assert_true(bits[i / 32] >> (i % 32) & 1);
@@ -220,23 +236,23 @@ static void one_at_a_time(void **unused)
         daft_lamp lamp = {.sun = round % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
         lamp.position = daft_scale(random_vec3(-1, 1), 9);
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
-            uint32_t all[DAFT_BATCH_WORDS] = {0}, each[DAFT_BATCH_WORDS], tints[DAFT_MAX_CASTERS];
+            uint32_t all[DAFT_BATCH_WORDS] = {0}, each[DAFT_BATCH_WORDS], tints[DAFT_MAX_OCCLUDERS];
             for (uint32_t i = 0; i < b->count; i++) all[i / 32] |= (uint32_t)1 << (i % 32);
             memcpy(each, all, sizeof all);
             for (uint32_t i = 0; i < s.count; i++) {
                 uint32_t alone[DAFT_BATCH_WORDS], gone = 0;
                 if (!(s.instances[i].flags & DAFT_INSTANCE_CASTS_SHADOW)) continue;
                 for (int word = 0; word < DAFT_BATCH_WORDS; word++) alone[word] = all[word];
-                kernels(isa)->shadows(b, &lamp, s.tlas, i, alone);
+                cast(isa, b, &lamp, s.tlas, i, alone);
                 for (int word = 0; word < DAFT_BATCH_WORDS; word++) gone |= all[word] & ~alone[word], each[word] &= alone[word];
                 s.instances[i].flags = DAFT_INSTANCE_TINTS_SHADOW;
-                uint32_t count = kernels(isa)->tints(b, &lamp, s.tlas, all, tints);
+                uint32_t count = cast_tints(isa, b, &lamp, s.tlas, all, tints);
                 assert_true(count <= 1 || count == UINT32_MAX);
                 if (gone) assert_true(count == UINT32_MAX || (count == 1 && tints[0] == i));
                 s.instances[i].flags = DAFT_INSTANCE_CASTS_SHADOW;
                 found += gone != 0;
             }
-            kernels(isa)->shadows(b, &lamp, s.tlas, DAFT_NOTHING, all);
+            cast(isa, b, &lamp, s.tlas, DAFT_NOTHING, all);
             assert_memory_equal(all, each, sizeof all);
             for (uint32_t i = 0; i < b->count; i++) dark += !(all[i / 32] >> (i % 32) & 1);
         }
@@ -265,7 +281,7 @@ static void flat_ground(void **unused)
     for (uint32_t i = 0; i < b->count; i++) {
         float x = random_float(-8, 8), z = random_float(-8, 8);
         daft_vec3 p = daft_add(daft_affine_point(&instance.to_frame, daft_v3(x, 0, z)), daft_scale(up, 1e-5f));
-        b->lifted.x[i] = p.x, b->lifted.y[i] = p.y, b->lifted.z[i] = p.z;
+        b->shadow_origin.x[i] = p.x, b->shadow_origin.y[i] = p.y, b->shadow_origin.z[i] = p.z;
         b->outward.x[i] = up.x, b->outward.y[i] = up.y, b->outward.z[i] = up.z;
         b->triangle[i] = x > z ? 1 : 0; /* either: which one matters to nobody */
         b->pixel[i] = i;
@@ -275,7 +291,7 @@ static void flat_ground(void **unused)
             uint32_t bits[DAFT_BATCH_WORDS] = {0}, lit = 0;
             daft_lamp lamp = {.casts_shadow = true, .position = daft_add(daft_v3(3, -2, 5), daft_scale(up, 4 * (float)side))};
             for (uint32_t i = 0; i < b->count; i++) bits[i / 32] |= (uint32_t)1 << (i % 32);
-            assert_int_equal(kernels(isa)->shadows(b, &lamp, tlas, DAFT_NOTHING, bits), side > 0 ? 0 : 900);
+            assert_int_equal(cast(isa, b, &lamp, tlas, DAFT_NOTHING, bits), side > 0 ? 0 : 900);
             for (int word = 0; word < DAFT_BATCH_WORDS; word++) lit += (uint32_t)__builtin_popcount(bits[word]);
             assert_int_equal(lit, side > 0 ? 900 : 0);
         }
@@ -308,7 +324,7 @@ static void floors(void **unused)
             b->count = 900;
             for (uint32_t k = 0; k < b->count; k++) {
                 const daft_vec3 p = {x + random_float(-size, size), -3 + 1e-4f, z + random_float(-size, size)};
-                b->lifted.x[k] = p.x, b->lifted.y[k] = p.y, b->lifted.z[k] = p.z;
+                b->shadow_origin.x[k] = p.x, b->shadow_origin.y[k] = p.y, b->shadow_origin.z[k] = p.z;
                 b->outward.x[k] = b->outward.z[k] = 0, b->outward.y[k] = 1;
                 b->instance[k] = 1, b->triangle[k] = p.x > p.z, b->pixel[k] = k;
             }

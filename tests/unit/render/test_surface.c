@@ -1,4 +1,4 @@
-/* Surfaces: points, normals and lifted points of a tile's pixels against each pixel's ray met alone with what it sees, in
+/* Surfaces: points, normals and shadow origins of a tile's pixels against each pixel's ray met alone with what it sees, in
  * double; of rays that were followed, the same; and every instruction set gives the same bits. */
 #include "fixtures.h"
 
@@ -46,7 +46,8 @@ static stage *stage_make(uint32_t kinds)
     for (int i = 0; i < 3; i++) s->materials[i] = (daft_surface){.index = 1, .texture = DAFT_NO_TEXTURE};
     s->materials[1].specular = daft_v3(0.5f, 0.5f, 0.5f), s->materials[2].mirror = daft_v3(0.5f, 0, 0);
     daft_vec3 forward = daft_normalize(daft_v3(1, 0.1f, -0.05f)), right = daft_normalize(daft_cross(forward, daft_v3(0, 1, 0)));
-    s->pencil = (daft_pencil){right, daft_cross(right, forward), forward, 90, WIDTH, HEIGHT, DAFT_INTERSECT_EXACT, 0.125f, -0.375f};
+    s->pencil = (daft_pencil){.right = right, .up = daft_cross(right, forward), .forward = forward, .focal = 90, .width = WIDTH,
+                              .height = HEIGHT, .shift_x = 0.125f, .shift_y = -0.375f};
     s->snapshot = (daft_snapshot){.width = WIDTH, .height = HEIGHT, .focal = 90, .instances = s->instances,
                                   .instance_count = THINGS, .materials = s->materials, .material_count = 3};
     s->allocator = daft_malloc_allocator();
@@ -67,7 +68,7 @@ static void stage_drop(stage *s)
 /* ---- the twin ---- */
 
 typedef struct met {
-    daft_dvec3 point, normal, outward, lifted;
+    daft_dvec3 point, normal, outward, shadow_origin;
 } met;
 
 static daft_dvec3 unit(daft_dvec3 a) { return daft_dscale(a, 1 / sqrt(daft_ddot(a, a))); }
@@ -97,11 +98,11 @@ static met meet_triangle(const daft_instance *t, uint32_t triangle, daft_dvec3 o
         e[k] = daft_dcross(daft_dsub(c[(k + 1) % 3], out.point), daft_dsub(c[(k + 2) % 3], out.point));
         w[k] = fabs(daft_ddot(e[k], out.outward)), all += w[k];
     }
-    out.lifted = out.point;
+    out.shadow_origin = out.point;
     for (int k = 0; k < 3; k++) {
         double below = fmin(daft_ddot(daft_dsub(out.point, c[k]), n[k]), 0);
         mean = daft_dadd(mean, daft_dscale(n[k], w[k] / all));
-        out.lifted = daft_dsub(out.lifted, daft_dscale(n[k], below * w[k] / all));
+        out.shadow_origin = daft_dsub(out.shadow_origin, daft_dscale(n[k], below * w[k] / all));
     }
     out.normal = unit(mean);
     return out;
@@ -114,7 +115,7 @@ static met meet_sphere(const daft_instance *t, daft_dvec3 o, daft_dvec3 d)
     met out;
     out.point = daft_dadd(o, daft_dscale(d, along > half ? along - half : along + half));
     out.normal = out.outward = daft_dscale(unit(daft_dsub(out.point, c)), along > half ? 1 : -1);
-    out.lifted = out.point;
+    out.shadow_origin = out.point;
     return out;
 }
 
@@ -133,7 +134,7 @@ static bool compare(const stage *s, const daft_batch *b, uint32_t i, daft_dvec3 
     assert_true(apart(&b->point, i, m.point) < 2e-4);
     assert_true(apart(&b->outward, i, m.outward) < (t->mesh ? 1e-5 : 1e-3));
     if (fabs(daft_ddot(m.normal, m.outward)) > 0.2) assert_true(apart(&b->normal, i, m.normal) < 2e-3);
-    assert_true(apart(&b->lifted, i, m.lifted) < 2e-3);
+    assert_true(apart(&b->shadow_origin, i, m.shadow_origin) < 2e-3);
     assert_int_equal(b->material[i], t->materials[0]);
     return true;
 }
@@ -153,7 +154,7 @@ static void same_bits(const daft_batch *a, const daft_batch *b, uint32_t traits)
     same_lanes(&a->point, &b->point, a->count);
     same_lanes(&a->normal, &b->normal, a->count);
     same_lanes(&a->outward, &b->outward, a->count);
-    same_lanes(&a->lifted, &b->lifted, a->count);
+    same_lanes(&a->shadow_origin, &b->shadow_origin, a->count);
     if (traits) same_lanes(&a->view, &b->view, a->count);
     if (traits & DAFT_TRAIT_SENDS) same_lanes(&a->weight, &b->weight, a->count);
     assert_memory_equal(a->pixel, b->pixel, a->count * sizeof a->pixel[0]);

@@ -2,7 +2,7 @@
 #ifndef DAFT_HIDDEN_H
 #define DAFT_HIDDEN_H
 
-#include "raster/kernels.h"
+#include "raster/grid/grid.h"
 
 /* pixels: x0 | x1 << 8 | y0 << 16 | y1 << 24, of the tile; least: no w in the box is larger. By cells. */
 bool DAFT_KERNEL(daft_cells_hidden)(daft_tile_job *j, uint32_t pixels, float least);
@@ -10,6 +10,7 @@ bool DAFT_KERNEL(daft_cells_hidden)(daft_tile_job *j, uint32_t pixels, float lea
 /* Where rows 1 to 7 begin, of a box whose last row is given: beyond it that row again. */
 #define ROW(last, r) (uint8_t)(DAFT_TILE_STRIDE * ((r) < (last) ? (r) : (last)))
 #define ROWS_TO(last) {ROW(last, 1), ROW(last, 2), ROW(last, 3), ROW(last, 4), ROW(last, 5), ROW(last, 6), ROW(last, 7)}
+_Static_assert(7 * DAFT_TILE_STRIDE <= UINT8_MAX, "rows of a small box are counted in bytes");
 static const uint8_t ROWS[8][7] = {ROWS_TO(0), ROWS_TO(1), ROWS_TO(2), ROWS_TO(3), ROWS_TO(4), ROWS_TO(5), ROWS_TO(6), ROWS_TO(7)};
 
 /* Whether all pixels of a visit see something nearer: by the pixels themselves where they are few. */

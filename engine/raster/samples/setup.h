@@ -1,29 +1,26 @@
-/* Triangles that may hide points from a lamp, DAFT_VL at a time: moved to light space, their boxes in its picture, their edges
+/* Triangles that may hide points from a light, DAFT_VL at a time: moved to view space, their boxes in its picture, their edges
  * and their planes. See occluder_kernel.c for the method. */
 #ifndef DAFT_OCCLUDER_H
 #define DAFT_OCCLUDER_H
 
-#include "render/shadow.h"
-
-#define UNIT 0x1p-24f
-#define TINY 1e-36f
+#include "raster/samples/samples.h"
 
 /* A mesh on its way through its tree. */
-typedef struct mesh_caster {
-    caster c;
+typedef struct mesh_occluder {
+    occluder c;
     float size; /* of the map's translation: what corners may lose beside their own coordinates */
     bool before; /* all of the mesh lies well before the lamp: */
     float off_uv, off_depth; /* then places in the picture, and depths, are off by less than this */
-    picture_map map; /* object space to light space */
+    picture_map map; /* object space to view space */
     daft_affine back; /* and the way back, to where they stand */
-    float pad[3];    /* there: what boxes must be larger by, along each axis, for points' ways to meet them */
-} mesh_caster;
+    float pad[3];    /* there: what boxes must be larger by, along each axis, for points' rays to meet them */
+} mesh_occluder;
 
-void DAFT_KERNEL(daft_mesh_caster_make)(const caster *c, mesh_caster *out);
+void DAFT_KERNEL(daft_mesh_occluder_make)(const occluder *c, mesh_occluder *out);
 /* Puts the points to depth -inf that triangles below the child hide, leaf or not. Points go there one by one, so this is for few. */
-void DAFT_KERNEL(daft_few_shadow)(const mesh_caster *m, uint32_t child, const block_points *points, uint32_t count);
-/* Whether the triangle, closed, stands between the point and the lamp, by frame space's own numbers. */
-bool DAFT_KERNEL(daft_stands_between)(const caster *c, const daft_block *block, int lane, uint32_t point);
+void DAFT_KERNEL(daft_few_shadow)(const mesh_occluder *m, uint32_t child, const block_points *points, uint32_t count);
+/* Whether the triangle, closed, stands between the point and the light, by frame space's own numbers. */
+bool DAFT_KERNEL(daft_stands_between)(const occluder *c, const daft_block *block, int lane, uint32_t point);
 
 /* Leaf blocks, waiting to be tested against the points behind their leaf's box: blocks of them, or few by themselves. */
 typedef struct leaf {
@@ -51,23 +48,16 @@ DAFT_INLINE uint32_t list_leaf(const daft_bvh *bvh, uint32_t child, const block_
 
 DAFT_INLINE void fetch_node(const daft_bvh *bvh, uint32_t child) { fetch_lines(&bvh->nodes.items[child], sizeof(daft_node)); }
 
-DAFT_INLINE vf blocks_load(const leaf *const *leaves, int corner, int axis)
+/* The blocks of leaves in a register. */
+DAFT_INLINE void blocks_of(const leaf *const *leaves, const daft_block *out[DAFT_BATCH_BLOCKS])
 {
-    const float *from[DAFT_VL / 4];
-    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = leaves[i]->block->corner[corner][axis];
-    return vf_gather_blocks(from);
-}
-
-DAFT_INLINE vf row(const daft_affine *a, int k, vf3 p)
-{
-    return ((vf_set(a->m[3 * k]) * p.x + vf_set(a->m[3 * k + 1]) * p.y) + vf_set(a->m[3 * k + 2]) * p.z) +
-           vf_set(a->t[k]);
+    for (int i = 0; i < DAFT_BATCH_BLOCKS; i++) out[i] = leaves[i]->block;
 }
 
 /* One over a way along an axis: finite, so that products with it are numbers. */
-DAFT_INLINE vf way_inverse(vf way) { return vf_max(vf_min(vf_set(1) / way, vf_set(1e30f)), vf_set(-1e30f)); }
+DAFT_INLINE vf inverse_of(vf way) { return vf_max(vf_min(vf_set(1) / way, vf_set(1e30f)), vf_set(-1e30f)); }
 
-/* Triangles set up: edges' planes, corners' depths, their boxes in the picture, and their own planes: the lamp is on the
+/* Triangles set up: edges' planes, corners' depths, their boxes in the picture, and their own planes: the light is on the
  * side where a point's product with `plane` is less than `surface`. */
 typedef struct lanes {
     float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL], depth[3][DAFT_VL];
@@ -82,28 +72,30 @@ typedef struct corners {
     vf depth[3];
 } corners;
 
-DAFT_INLINE corners corners_move(const mesh_caster *c, const leaf *const *leaves)
+DAFT_INLINE corners corners_move(const mesh_occluder *c, const leaf *const *leaves)
 {
     corners out;
+    const daft_block *blocks[DAFT_BATCH_BLOCKS];
+    const daft_pencil *p = &c->c.view->pencil;
+    blocks_of(leaves, blocks);
     for (int k = 0; k < 3; k++) {
-        vf3 p = {blocks_load(leaves, k, 0), blocks_load(leaves, k, 1), blocks_load(leaves, k, 2)};
-        out.depth[k] = row(&c->map.map, 2, p);
-        out.p[k] = (vf3){row(&c->map.map, 0, p), row(&c->map.map, 1, p),
-                         c->c.light->sun ? vf_set(1) : out.depth[k] + vf_set(c->c.light->away)};
+        vf3 at = blocks_corner(&c->map.map, blocks, k);
+        out.depth[k] = at.z;
+        out.p[k] = (vf3){at.x, at.y, p->parallel ? vf_set(1) : at.z + vf_set(p->away)};
     }
     return out;
 }
 
 /* As beyond_side, of triangles whose corners are off by `off`. */
-DAFT_INLINE vm corners_beyond(const corners *t, int axis, float edge, float side, vf off)
+DAFT_INLINE vm corners_beyond(const corners *t, int axis, float limit, float side, vf off)
 {
-    vf least = vf_set(INFINITY), slope = vf_set(edge);
+    vf least = vf_set(INFINITY), slope = vf_set(limit);
     for (int k = 0; k < 3; k++)
         least = vf_min(((axis ? t->p[k].y : t->p[k].x) - slope * t->p[k].z) * vf_set(side), least);
-    return vf_lt(off * vf_set(1 + fabsf(edge)), least);
+    return vf_lt(off * vf_set(1 + fabsf(limit)), least);
 }
 
-DAFT_INLINE vm corners_outside(const light *l, const corners *t, vf off)
+DAFT_INLINE vm corners_outside(const light_view *l, const corners *t, vf off)
 {
     return vm_or(vm_or(corners_beyond(t, 0, l->high_u + l->slack_u, 1, off),
                        corners_beyond(t, 0, l->low_u - l->slack_u, -1, off)),
@@ -118,7 +110,7 @@ DAFT_INLINE vf box_reciprocal(vf z)
     return rough * (vf_set(2) - z * rough);
 }
 
-/* How much larger than their corners say triangles' boxes are in the picture; and those that reach beside or behind the lamp, which
+/* How much larger than their corners say triangles' boxes are in the picture; and those that reach beside or behind the light, which
  * are before all of it. */
 typedef struct box_error {
     vf uv, depth;
@@ -126,16 +118,16 @@ typedef struct box_error {
 } box_error;
 
 /* Of meshes that are near the lamp: from the corners themselves. */
-DAFT_INLINE box_error near_lamp_error(const mesh_caster *c, const corners *t, vf near, vf reach)
+DAFT_INLINE box_error near_apex_error(const mesh_occluder *c, const corners *t, vf near, vf reach)
 {
-    const light *l = c->c.light;
+    const light_view *l = c->c.view;
     vf size = vf_set(c->size), unit = vf_set(0x1p-20f); /* corners are off by a few 2^-24 of it */
     for (int k = 0; k < 3; k++) size = vf_max(vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]), size);
     box_error out = {.depth = size * unit, .whole = vm_from_bits(0)};
     out.uv = out.depth;
-    if (l->sun) return out;
-    out.uv = (size / (near - vf_set(-l->away)) + reach) * unit;
-    out.whole = vf_le(near - out.depth, vf_set(-l->away + l->away * 0x1p-20f));
+    if (l->pencil.parallel) return out;
+    out.uv = (size / (near - vf_set(-l->pencil.away)) + reach) * unit;
+    out.whole = vf_le(near - out.depth, vf_set(-l->pencil.away + l->pencil.away * 0x1p-20f));
     return out;
 }
 
@@ -145,17 +137,17 @@ DAFT_INLINE vf most_reach(vf low_u, vf high_u, vf low_v, vf high_v)
 }
 
 /* Sets the triangles' boxes. */
-DAFT_INLINE void lanes_place(const mesh_caster *c, const corners *t, lanes *out)
+DAFT_INLINE void lanes_place(const mesh_occluder *c, const corners *t, lanes *out)
 {
-    const light *l = c->c.light;
+    const light_view *l = c->c.view;
     vf inf = vf_set(INFINITY), lu = inf, hu = -inf, lv = inf, hv = -inf;
     vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2]));
     for (int k = 0; k < 3; k++) {
-        vf scale = l->sun ? vf_set(1) : box_reciprocal(t->p[k].z), u = t->p[k].x * scale, v = t->p[k].y * scale;
+        vf scale = l->pencil.parallel ? vf_set(1) : box_reciprocal(t->p[k].z), u = t->p[k].x * scale, v = t->p[k].y * scale;
         lu = vf_min(u, lu), hu = vf_max(u, hu), lv = vf_min(v, lv), hv = vf_max(v, hv);
     }
     box_error error = {vf_set(c->off_uv), vf_set(c->off_depth), vm_from_bits(0)};
-    if (!c->before) error = near_lamp_error(c, t, near, most_reach(lu, hu, lv, hv));
+    if (!c->before) error = near_apex_error(c, t, near, most_reach(lu, hu, lv, hv));
     vf off_u = error.uv + vf_set(l->slack_u), off_v = error.uv + vf_set(l->slack_v);
     lu = lu - off_u, hu = hu + off_u, lv = lv - off_v, hv = hv + off_v;
     if (!c->before) {
@@ -168,48 +160,48 @@ DAFT_INLINE void lanes_place(const mesh_caster *c, const corners *t, lanes *out)
 }
 
 /* The bits of the triangles that may meet the points' extent. */
-static inline vbits lanes_met(const mesh_caster *c, const corners *t, const lanes *at)
+static inline vbits lanes_met(const mesh_occluder *c, const corners *t, const lanes *at)
 {
-    const light *l = c->c.light;
+    const light_view *l = c->c.view;
     vf lu = vf_load(at->low_u), hu = vf_load(at->high_u), lv = vf_load(at->low_v), hv = vf_load(at->high_v);
     vm in = vm_and(vm_and(vf_le(vf_set(l->low_u), hu), vf_le(lu, vf_set(l->high_u))),
                    vm_and(vf_le(vf_set(l->low_v), hv), vf_le(lv, vf_set(l->high_v))));
     in = vm_and(in, vf_le(vf_load(at->near), vf_set(l->far)));
-    if (l->sun || c->before) return vbits_from_mask(in);
+    if (l->pencil.parallel || c->before) return vbits_from_mask(in);
     vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])),
        far = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
-    box_error error = near_lamp_error(c, t, near, vf_set(0));
-    in = vm_and(in, vf_lt(vf_set(-l->away), far + error.depth));
+    box_error error = near_apex_error(c, t, near, vf_set(0));
+    in = vm_and(in, vf_lt(vf_set(-l->pencil.away), far + error.depth));
     vm whole = vm_and(in, error.whole);
     if (!vbits_from_mask(whole)) return vbits_from_mask(in);
-    return vbits_from_mask(vm_and(in, vm_not(vm_and(whole, corners_outside(l, t, error.depth + vf_set(l->away * 0x1p-20f))))));
+    return vbits_from_mask(vm_and(in, vm_not(vm_and(whole, corners_outside(l, t, error.depth + vf_set(l->pencil.away * 0x1p-20f))))));
 }
 
 /* Sets the triangles' numbers; gives the bits of those that are there, `count` blocks being real. */
 DAFT_INLINE vbits lanes_name(const leaf *const *leaves, uint32_t count, lanes *out)
 {
-    const float *from[DAFT_VL / 4];
-    for (int i = 0; i < DAFT_VL / 4; i++) from[i] = (const float *)leaves[i]->block->triangle;
-    vi triangle = (vi)vf_gather_blocks(from);
+    const daft_block *blocks[DAFT_BATCH_BLOCKS];
+    blocks_of(leaves, blocks);
+    vi triangle = blocks_triangles(blocks);
     vi_store(out->triangle, triangle);
     return vbits_first_n((int)daft_min_u(count, DAFT_VL / DAFT_BLOCK) * DAFT_BLOCK) & ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE)));
 }
 
 DAFT_INLINE vf reach_of(vf3 a) { return vf_abs(a.x) + vf_abs(a.y) + vf_abs(a.z); }
 
-/* The triangles' planes in light space, for passing over points that are surely before them. With u = 2^-24: points and
+/* The triangles' planes in view space, for passing over points that are surely before them. With u = 2^-24: points and
  * corners are off by 8u of `size`, and the plane through corners that are off is so, too; the product of edges is off by
- * 10u·|e|·|f|. Where the lamp is within that of the plane, nothing is sure. */
-static inline void lanes_planes(const light *l, const corners *t, vf size, lanes *out)
+ * 10u·|e|·|f|. Where the light is within that of the plane, nothing is sure. */
+static inline void lanes_planes(const light_view *l, const corners *t, vf size, lanes *out)
 {
     vf3 a = {t->p[0].x, t->p[0].y, t->depth[0]};
     vf3 e = {t->p[1].x - a.x, t->p[1].y - a.y, t->depth[1] - a.z}, f = {t->p[2].x - a.x, t->p[2].y - a.y, t->depth[2] - a.z};
     vf3 n = {e.y * f.z - e.z * f.y, e.z * f.x - e.x * f.z, e.x * f.y - e.y * f.x};
     vf edges = reach_of(e) + reach_of(f), across = reach_of(n), at = vf3_dot(n, a), wrong = edges * edges * vf_set(16 * UNIT);
-    vf lamp = l->sun ? n.z : at + n.z * vf_set(l->away), off = wrong, far = size + vf_set(l->away);
-    if (!l->sun) off = off * far + across * far * vf_set(32 * UNIT);
-    vm sure = vf_lt(off, vf_abs(lamp));
-    vi sign = (vi)lamp & vi_set((int32_t)0x80000000);
+    vf light = l->pencil.parallel ? n.z : at + n.z * vf_set(l->pencil.away), off = wrong, far = size + vf_set(l->pencil.away);
+    if (!l->pencil.parallel) off = off * far + across * far * vf_set(32 * UNIT);
+    vm sure = vf_lt(off, vf_abs(light));
+    vi sign = (vi)light & vi_set((int32_t)0x80000000);
     vf_store(out->plane[0], vf_xor(n.x, sign)), vf_store(out->plane[1], vf_xor(n.y, sign));
     vf_store(out->plane[2], vf_xor(n.z, sign));
     vf surface = vf_xor(at, sign) - (across * size * vf_set(32 * UNIT) + wrong * edges);
@@ -217,30 +209,27 @@ static inline void lanes_planes(const light *l, const corners *t, vf size, lanes
 }
 
 /* `planes`: the triangles' own are asked for as well. */
-DAFT_INLINE void lanes_setup(const mesh_caster *c, const corners *t, bool planes, lanes *out)
+DAFT_INLINE void lanes_setup(const mesh_occluder *c, const corners *t, bool planes, lanes *out)
 {
-    const light *l = c->c.light;
+    const light_view *l = c->c.view;
     vf bound = vf_set(0), across = vf_set(0), along = vf_set(0), size = vf_set(c->size);
     vf dx = vf_set(l->max_x), dy = vf_set(l->max_y), dz = vf_set(l->max_z);
     for (int k = 0; k < 3; k++) {
         vf3 a = t->p[(k + 1) % 3], b = t->p[(k + 2) % 3];
-        vf ez = l->sun ? vf_set(0) : t->depth[(k + 1) % 3] - t->depth[(k + 2) % 3];
-        vf3 e = {a.x - b.x, a.y - b.y, ez}, s = {a.x + b.x, a.y + b.y, a.z + b.z};
-        vf yz = e.y * s.z, zy = e.z * s.y, zx = e.z * s.x, xz = e.x * s.z, xy = e.x * s.y, yx = e.y * s.x;
-        vf nx = yz - zy, ny = zx - xz, nz = xy - yx;
-        vf_store(out->nx[k], nx), vf_store(out->ny[k], ny), vf_store(out->nz[k], nz);
+        const edge e = edge_setup(a, b, l->pencil.parallel ? vf_set(0) : t->depth[(k + 1) % 3] - t->depth[(k + 2) % 3]);
+        vf m = edge_size(&e, dx, dy, dz);
+        vf_store(out->nx[k], e.n.x), vf_store(out->ny[k], e.n.y), vf_store(out->nz[k], e.n.z);
         vf_store(out->depth[k], t->depth[k]);
-        vf m = (vf_abs(yz) + vf_abs(zy)) * dx + (vf_abs(zx) + vf_abs(xz)) * dy + (vf_abs(xy) + vf_abs(yx)) * dz;
-        bound = vf_max(bound, m), across = vf_max(across, vf_abs(nx) + vf_abs(ny)), along = vf_max(along, vf_abs(nz));
+        bound = vf_max(bound, m), across = vf_max(across, vf_abs(e.n.x) + vf_abs(e.n.y)), along = vf_max(along, vf_abs(e.n.z));
         size = vf_max(size, vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]));
     }
-    bound = bound * vf_set(10 * UNIT) + vf_set(TINY); /* of which 2: z is rounded where the lamp's distance is added */
+    bound = bound * vf_set(10 * UNIT) + vf_set(TINY); /* of which 2: z is rounded where the light's distance is added */
     /* Points and corners are rounded themselves. Neighbours agree on how, so this matters only for not passing over
      * what look_closely would find to stand between. */
     size = size + vf_set(l->size);
     if (planes) lanes_planes(l, t, size, out);
     vf wide = across * size;
-    if (!l->sun) wide = wide + along * (size + vf_set(2 * l->max_z));
+    if (!l->pencil.parallel) wide = wide + along * (size + vf_set(2 * l->max_z));
     wide = bound + wide * vf_set(8 * UNIT);
     vf low = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])),
        high = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));

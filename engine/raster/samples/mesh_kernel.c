@@ -1,28 +1,28 @@
-/* The shadow pencil's occluders: an instance's tree is walked with its nodes' boxes in the lamp's picture
- * (picture_kernel.c), down to those that lie before lit points; the triangles found are moved to light space and set up
+/* The shadow pencil's occluders: an instance's tree is walked with its nodes' boxes in the light's picture
+ * (picture_kernel.c), down to those that lie before lit points; the triangles found are moved to view space and set up
  * DAFT_VL at a time. Each block of points whose box meets some of them is tested against these: lanes are points. Blocks in
  * which all is dark meet nothing any more. Where few points are left behind a node, they leave their blocks and go on by
- * themselves: their ways to the lamp are turned into the thing's own space and held against nodes' boxes there, which takes
+ * themselves: their rays to the light are turned into the instance's own space and held against nodes' boxes there, which takes
  * less for each point but more for many, and each point is tested against all set-up triangles at once: lanes are triangles.
  * Which triangles are looked at depends on that, and what hides a point does not.
  *
- * One edge test serves lamps and suns: n = (a - b) × (a + b), e = n·ray, with the bound of raster/tile_kernel.c.
+ * One edge test serves lights and suns: n = (a - b) × (a + b), e = n·ray, with the bound of raster/tile_kernel.c.
  *
- * A point is in shadow when no edge has it surely outside and the triangle is surely nearer to the lamp. Depths are off
- * by some 2^-18 of the way to the lamp, which is much where it is far: triangles whose depth is that close to the
+ * A point is in shadow when no edge has it surely outside and the triangle is surely nearer to the light. Depths are off
+ * by some 2^-18 of the way to the light, which is much where it is far: triangles whose depth is that close to the
  * point's are decided again, in double, from the point and the corners in frame space, where they are off only by the
  * spawn error, and the point was put off its surface by more than that. A point's own triangle is left out, unless it
- * faces away from the lamp, as the smooth inside of a vessel may; so are all of a convex or a flat thing's for its own
+ * faces away from the light, as the smooth inside of a vessel may; so are all of a convex or a flat instance's for its own
  * points. So no light leaks between triangles or through the walls of a corner, and a surface does not shadow itself by
  * rounding. */
-#include "render/occluder.h"
+#include "raster/samples/setup.h"
 
 enum {
     LIST = 64,     /* leaf blocks before their triangles are tested */
     FEW_ALONE = 32,   /* so many behind a node go on by themselves: where triangles are so much smaller than their distances,
                        * boxes of 16 say little */
     CLEAR_NODES = 12, /* who meets no leaf in so many is clear of the mesh */
-    FEW_OF_MESH = 512 /* the same where it is known which points' ways meet the mesh's bounds */
+    FEW_OF_MESH = 512 /* the same where it is known which points' rays meet the mesh's bounds */
 };
 
 /* A multiple of a × b that is negated, bit for bit, where a and b are exchanged. */
@@ -31,9 +31,9 @@ static double edge_side(daft_dvec3 a, daft_dvec3 b, daft_dvec3 d)
     return daft_ddot(daft_dcross(daft_dsub(a, b), daft_dadd(a, b)), d);
 }
 
-bool DAFT_KERNEL(daft_stands_between)(const caster *c, const daft_block *block, int lane, uint32_t point)
+bool DAFT_KERNEL(daft_stands_between)(const occluder *c, const daft_block *block, int lane, uint32_t point)
 {
-    sight w = sight_of(c->batch, c->lamp, point);
+    shadow_ray w = shadow_ray_of(c->samples, c->light, point);
     const float *m = c->instance->to_frame.m, *t = c->instance->to_frame.t;
     daft_dvec3 q[3];
     for (int k = 0; k < 3; k++) {
@@ -46,13 +46,13 @@ bool DAFT_KERNEL(daft_stands_between)(const caster *c, const daft_block *block, 
     }
     daft_dvec3 normal = daft_dcross(daft_dsub(q[1], q[0]), daft_dsub(q[2], q[0]));
     double along = daft_ddot(normal, w.direction);
-    if (along == 0 || !on_sight(&w, daft_ddot(normal, q[0]) / along)) return false;
+    if (along == 0 || !on_shadow_ray(&w, daft_ddot(normal, q[0]) / along)) return false;
     double u = edge_side(q[1], q[2], w.direction), v = edge_side(q[2], q[0], w.direction),
            s = edge_side(q[0], q[1], w.direction);
     return (u >= 0 && v >= 0 && s >= 0) || (u <= 0 && v <= 0 && s <= 0);
 }
 
-static __attribute__((noinline)) void look_closely(const caster *c, const daft_block *block, int lane, uint32_t first,
+static __attribute__((noinline)) void look_closely(const occluder *c, const daft_block *block, int lane, uint32_t first,
                                                    vbits doubt)
 {
     shadow_points *p = c->points;
@@ -99,7 +99,7 @@ DAFT_INLINE vm points_within(const lanes *t, int i, const some_points *p)
                   vm_and(vf_le(vf_set(t->low_v[i]), p->v), vf_le(p->v, vf_set(t->high_v[i]))));
 }
 
-/* Those that are not surely on the lamp's side of its plane: most of what a surface's own triangles meet is. */
+/* Those that are not surely on the light's side of its plane: most of what a surface's own triangles meet is. */
 DAFT_INLINE vm points_beyond(const lanes *t, int i, const some_points *p)
 {
     vf at = vf_set(t->plane[0][i]) * p->ray.x + vf_set(t->plane[1][i]) * p->ray.y + vf_set(t->plane[2][i]) * p->depth;
@@ -108,10 +108,10 @@ DAFT_INLINE vm points_beyond(const lanes *t, int i, const some_points *p)
 
 /* Of points that the triangle may hide, puts those that it does to depth -inf; gives whether there are any. An overflow
  * gives NaN, which is in front of nothing. */
-static bool hide_points(const mesh_caster *m, const lanes *t, int i, const daft_block *block, const edges *e, vm side,
+static bool hide_points(const mesh_occluder *m, const lanes *t, int i, const daft_block *block, const edges *e, vm side,
                         uint32_t first)
 {
-    const caster *c = &m->c;
+    const occluder *c = &m->c;
     shadow_points *p = c->points;
     uint32_t triangle = block->triangle[i % DAFT_BLOCK];
     bool apart = c->convex || c->flat;
@@ -122,8 +122,8 @@ static bool hide_points(const mesh_caster *m, const lanes *t, int i, const daft_
     vf inverse = vf_set(1) / (e->e0 + e->e1 + e->e2);
     vf depth = (e->e0 * vf_set(t->depth[0][i]) + e->e1 * vf_set(t->depth[1][i]) + e->e2 * vf_set(t->depth[2][i])) * inverse;
     vf error = vf_abs(vf_set(t->slack[i]) * inverse) + rounding;
-    vf behind = c->light->sun ? vf_set(-INFINITY)
-                              : rounding - vf_set(c->light->away * (1 - 0x1p-20f)); /* not beyond the lamp */
+    vf behind = c->view->pencil.parallel ? vf_set(-INFINITY)
+                              : rounding - vf_set(c->view->pencil.away * (1 - 0x1p-20f)); /* not beyond the light */
     vm dark = vm_and(vm_and(side, sure), vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)));
     vf_store(&p->depth[first], vf_if_then_else(dark, vf_set(-INFINITY), limit));
     vbits doubt = vbits_from_mask(side) & vbits_from_mask(vf_lt(depth - error, limit)) & ~vbits_from_mask(dark);
@@ -145,7 +145,7 @@ DAFT_INLINE vbits lanes_of(const lanes *t, uint32_t triangle)
     return vbits_from_mask(vi_eq(vi_load(t->triangle), vi_set((int32_t)triangle)));
 }
 
-static void pairs_begin(const caster *c, const lanes *t, vbits live, const block_set *behind, pairs *out)
+static void pairs_begin(const occluder *c, const lanes *t, vbits live, const block_set *behind, pairs *out)
 {
     const shadow_points *p = c->points;
     out->count = 0;
@@ -204,7 +204,7 @@ static void pairs_in_edges(const lanes *t, const shadow_points *p, pairs *list)
     list->count = kept;
 }
 
-static void pairs_hide(const mesh_caster *m, const lanes *t, const leaf *const *leaves, const pairs *list)
+static void pairs_hide(const mesh_occluder *m, const lanes *t, const leaf *const *leaves, const pairs *list)
 {
     shadow_points *p = m->c.points;
     for (uint32_t n = 0; n < list->count; n++) {
@@ -222,7 +222,7 @@ static void pairs_hide(const mesh_caster *m, const lanes *t, const leaf *const *
 }
 
 /* `count` of the leaves' blocks are real. */
-static void test_leaves(const mesh_caster *m, const leaf *const *leaves, uint32_t count)
+static void test_leaves(const mesh_occluder *m, const leaf *const *leaves, uint32_t count)
 {
     lanes t;
     pairs list;
@@ -244,7 +244,7 @@ static void test_leaves(const mesh_caster *m, const leaf *const *leaves, uint32_
 
 /* ---- trees ---- */
 
-static void flush(const mesh_caster *c, const leaf *list, uint32_t count)
+static void flush(const mesh_occluder *c, const leaf *list, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i += DAFT_VL / 4) {
         const leaf *leaves[DAFT_VL / 4];
@@ -260,7 +260,7 @@ typedef struct entry {
 } entry;
 
 /* Where few points are left, they go on by themselves. */
-static bool go_alone(const mesh_caster *m, const entry *at)
+static bool go_alone(const mesh_occluder *m, const entry *at)
 {
     block_points few[SHADOW_BLOCKS];
     if (at->count > FEW_ALONE) return false;
@@ -279,9 +279,9 @@ static uint32_t count_behind(const shadow_points *p, const picture_box *box, con
     return count;
 }
 
-static void walk(const mesh_caster *m, const picture_box *box, const block_set *behind)
+static void walk(const mesh_occluder *m, const picture_box *box, const block_set *behind)
 {
-    const caster *c = &m->c;
+    const occluder *c = &m->c;
     const daft_bvh *bvh = c->instance->bvh;
     entry stack[DAFT_STACK];
     leaf list[LIST + DAFT_MAX_LEAF_BLOCKS];
@@ -295,7 +295,7 @@ static void walk(const mesh_caster *m, const picture_box *box, const block_set *
         const entry at = stack[--top];
         const daft_node *node = &bvh->nodes.items[at.node];
         if (go_alone(m, &at)) continue;
-        uint32_t in = DAFT_KERNEL(daft_node_project)(c->light, &m->map, node, &boxes);
+        uint32_t in = DAFT_KERNEL(daft_node_project)(c->view, &m->map, node, &boxes);
         if (in) in = children_narrow(&boxes, in, c->points, &at.behind, next, points);
         for (; in; in &= in - 1) {
             int i = __builtin_ctz(in);
@@ -316,18 +316,18 @@ static void walk(const mesh_caster *m, const picture_box *box, const block_set *
     flush(m, list, count);
 }
 
-bool DAFT_KERNEL(daft_mesh_clear)(const caster *c)
+bool DAFT_KERNEL(daft_mesh_clear)(const occluder *c)
 {
     const daft_bvh *bvh = c->instance->bvh;
     uint32_t stack[CLEAR_NODES * DAFT_WIDTH], looked = 0;
     int top = 0;
-    const daft_affine map = DAFT_KERNEL(daft_light_compose)(&c->light->map, &c->instance->to_frame, c->light->origin);
+    const daft_affine map = daft_pencil_map(&c->view->pencil, &c->instance->to_frame);
     const picture_map to_light = picture_map_make(&map);
     for (stack[top++] = 0; top > 0;) {
         node_boxes boxes;
         const daft_node *node = &bvh->nodes.items[stack[--top]];
         if (looked++ == CLEAR_NODES) return false;
-        for (uint32_t in = DAFT_KERNEL(daft_node_project)(c->light, &to_light, node, &boxes); in; in &= in - 1) {
+        for (uint32_t in = DAFT_KERNEL(daft_node_project)(c->view, &to_light, node, &boxes); in; in &= in - 1) {
             uint32_t child = node->child[__builtin_ctz(in)];
             if (child == DAFT_CHILD_NONE) continue;
             if (child & DAFT_CHILD_LEAF) return false;
@@ -337,20 +337,20 @@ bool DAFT_KERNEL(daft_mesh_clear)(const caster *c)
     return true;
 }
 
-void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const picture_box *box, const block_set *behind)
+void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const picture_box *box, const block_set *behind)
 {
-    mesh_caster m;
-    DAFT_KERNEL(daft_mesh_caster_make)(c, &m);
+    mesh_occluder m;
+    DAFT_KERNEL(daft_mesh_occluder_make)(c, &m);
     walk(&m, box, behind);
 }
 
-void DAFT_KERNEL(daft_mesh_shadow_of)(const caster *c, const picture_box *box, const block_points *points, uint32_t count)
+void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const picture_box *box, const block_points *points, uint32_t count)
 {
-    mesh_caster m;
+    mesh_occluder m;
     block_set behind = {{0}};
     uint32_t all = 0;
     for (uint32_t i = 0; i < count; i++) all += (uint32_t)__builtin_popcount(points[i].points);
-    DAFT_KERNEL(daft_mesh_caster_make)(c, &m);
+    DAFT_KERNEL(daft_mesh_occluder_make)(c, &m);
     if (all <= FEW_OF_MESH) {
         DAFT_KERNEL(daft_few_shadow)(&m, 0, points, count);
         return;

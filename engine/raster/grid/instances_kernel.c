@@ -1,8 +1,8 @@
-/* Instances of meshes as the camera sees them, DAFT_VL of them at a time: what raster.c does for one, operation for
+/* Instances of meshes as the camera sees them, DAFT_VL of them at a time: what bounds.c does for one, operation for
  * operation in double, so that the bits are the same. */
 #include "accel/bound_lanes.h"
 #include "math/simd/ops.h"
-#include "raster/kernels.h"
+#include "raster/grid/grid.h"
 
 /* What is read of instances and meshes, by lane. */
 typedef struct group {
@@ -13,10 +13,10 @@ typedef struct group {
 
 /* What is found of them. */
 typedef struct views {
-    float map[12][DAFT_VL]; /* to_camera */
+    float map[12][DAFT_VL]; /* to_view */
     float low[3][DAFT_VL], high[3][DAFT_VL]; /* of the bounds in camera space */
     int32_t first[2][DAFT_VL], end[2][DAFT_VL]; /* pixels: columns, rows */
-    vbits seen;
+    vbits visible;
 } views;
 
 static void read_group(const daft_instance *instances, group *g)
@@ -28,7 +28,7 @@ static void read_group(const daft_instance *instances, group *g)
     daft_bounded_read(instances, &g->meshes);
 }
 
-/* camera_map */
+/* daft_pencil_map; a grid's origin is 0 */
 static void map_group(const daft_pencil *p, const group *g, views *v)
 {
     const daft_vec3 axes[3] = {p->right, p->up, p->forward};
@@ -110,30 +110,30 @@ static void place_group(const daft_pencil *p, views *v)
     const side across = {(double)p->focal, daft_pencil_middle_x(p), p->width}, down = {(double)p->focal, daft_pencil_middle_y(p), p->height};
     vd apart[2];
     for (int h = 0; h < 2; h++) apart[h] = vd_select(beside(p, v, h), vd_set(1), vd_set(0));
-    v->seen = vbits_from_mask(vm_and(vm_and(all_finite(v->low), all_finite(v->high)), vf_lt(zero, vf_load(v->high[2]))));
-    v->seen &= vbits_from_mask(vf_lt(vf_demote2(apart[0], apart[1]), vf_set(1)));
-    v->seen &= range_group(x0, x1, v, &across, v->first[0], v->end[0]);
-    v->seen &= range_group(-y1, -y0, v, &down, v->first[1], v->end[1]);
+    v->visible = vbits_from_mask(vm_and(vm_and(all_finite(v->low), all_finite(v->high)), vf_lt(zero, vf_load(v->high[2]))));
+    v->visible &= vbits_from_mask(vf_lt(vf_demote2(apart[0], apart[1]), vf_set(1)));
+    v->visible &= range_group(x0, x1, v, &across, v->first[0], v->end[0]);
+    v->visible &= range_group(-y1, -y0, v, &down, v->first[1], v->end[1]);
 }
 
 /* ---- the whole ---- */
 
-static void write_seen(const group *g, const views *v, int i, uint32_t index, daft_seen *out)
+static void write_view(const group *g, const views *v, int i, uint32_t index, daft_view_instance *out)
 {
     const daft_instance *instance = &g->instances[i];
-    if (!(v->seen >> i & 1)) {
+    if (!(v->visible >> i & 1)) {
         out->instance = NULL;
         return;
     }
     out->instance = instance, out->mesh = instance->mesh, out->bvh = instance->bvh, out->index = index;
-    for (int k = 0; k < 9; k++) out->to_camera.m[k] = v->map[k][i];
-    for (int k = 0; k < 3; k++) out->to_camera.t[k] = v->map[9 + k][i];
+    for (int k = 0; k < 9; k++) out->to_view.m[k] = v->map[k][i];
+    for (int k = 0; k < 3; k++) out->to_view.t[k] = v->map[9 + k][i];
     out->near_z = v->low[2][i];
     out->x0 = v->first[0][i], out->x1 = v->end[0][i], out->y0 = v->first[1][i], out->y1 = v->end[1][i];
-    out->dense = daft_seen_dense(out);
+    out->dense = daft_view_dense(out);
 }
 
-void DAFT_KERNEL(daft_seen_group)(const daft_raster *raster, uint32_t first)
+void DAFT_KERNEL(daft_instances_project)(const daft_raster *raster, uint32_t first)
 {
     group g;
     views v;
@@ -141,5 +141,5 @@ void DAFT_KERNEL(daft_seen_group)(const daft_raster *raster, uint32_t first)
     map_group(&raster->pencil, &g, &v);
     daft_bound_lanes(&g.meshes, v.map, v.low, v.high);
     place_group(&raster->pencil, &v);
-    for (int i = 0; i < DAFT_VL; i++) write_seen(&g, &v, i, first + (uint32_t)i, &raster->seen[first + (uint32_t)i]);
+    for (int i = 0; i < DAFT_VL; i++) write_view(&g, &v, i, first + (uint32_t)i, &raster->visible[first + (uint32_t)i]);
 }

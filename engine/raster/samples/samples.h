@@ -1,38 +1,46 @@
-/* What the two kernel sources of the shadow pencil share. See shadow_kernel.c for the method. */
-#ifndef DAFT_SHADOW_H
-#define DAFT_SHADOW_H
+/* raster/samples: the points of a tile that ask for one light, against what may hide it. The shadow rays share the light, so seen
+ * from there they are a pencil, and the points are its picture.
+ *
+ *     light_kernel.c   the order of work: which instances may stand between, then each of them; the kernel table
+ *     blocks_kernel.c  points into blocks of 16 neighbours, whose boxes in the picture are what occluders are looked up in
+ *     nodes_kernel.c   boxes of a tree's nodes, seen from the light
+ *     mesh_kernel.c    a mesh's tree down to the triangles before lit blocks, and these against the blocks: lanes are points
+ *     few_kernel.c     the same where few points are left: each a ray in the mesh's own space, lanes are nodes and triangles
+ *     map_kernel.c     a mesh's map to view space and back, with its errors
+ *     setup.h          triangles moved, their boxes, planes of edges, their own planes
+ *     sphere_kernel.c  spheres
+ *
+ * Public headers: samples.h */
+#ifndef DAFT_SAMPLES_H
+#define DAFT_SAMPLES_H
 
-#include "accel/bvh.h"
-#include "math/simd/ops.h"
-#include "render/kernels.h"
+#include "math/simd/dispatch.h"
+#include "raster/raster.h"
+#include "raster/triangles.h"
 
 enum {
     SHADOW_BLOCK = 16,                              /* points in a block, whatever the instruction set */
-    SHADOW_TILE_BLOCKS = DAFT_BATCH / SHADOW_BLOCK, /* patches of 4 by 4 pixels in a tile */
+    SHADOW_TILE_BLOCKS = DAFT_SAMPLES / SHADOW_BLOCK, /* patches of 4 by 4 pixels in a tile */
     SHADOW_BLOCKS = 2 * SHADOW_TILE_BLOCKS,         /* each patch begins a block, and so does what is left of them */
     SHADOW_LANES = SHADOW_BLOCKS * SHADOW_BLOCK,
     SHADOW_GROUP = 16,                              /* blocks that are looked at together, whatever the instruction set */
     SHADOW_FEW = 16                                 /* up to so many are looked at one by one */
 };
 
-/* A lamp's view of some points. Light space has its origin in their middle, so its coordinates are as precise as the
- * points are however far the lamp is; x and y are across the light, the depth d along it. A point lamp is at (0, 0,
- * -away): a point's ray is (x, y, d + away). A sun's is (x, y, 1). u = x/z and v = y/z are the picture's coordinates.
- */
-typedef struct light {
-    bool sun;
-    daft_vec3 origin;                   /* of light space, in frame space */
-    daft_affine map;                    /* frame space to light space */
+/* A light's view of some points. The pencil's origin is in their middle, so coordinates are as precise as the points are
+ * however far the light is; x and y are across the light, the depth d along it. A point's ray is (x, y, d + away) or, of a
+ * parallel pencil, (x, y, 1). u = x/z and v = y/z are the picture's coordinates. */
+typedef struct light_view {
+    daft_pencil pencil;
     float low_u, low_v, high_u, high_v; /* of the points */
     float slack_u, slack_v;             /* over the rounding of projected coordinates */
-    float away;                         /* of the lamp from the origin; sun: 0 */
     float near, far;                    /* depths of the points */
     float max_x, max_y, max_z;          /* magnitudes of the rays' components */
     float size;                         /* largest |x|, |y| and |d|, added up */
     float reach;                        /* no less than |x| + |y| + |z| of any point, in frame space */
-} light;
+} light_view;
 
-/* A box in a lamp's picture, from a depth on. */
+/* A box in a light's picture, from a depth on. */
 typedef struct picture_box {
     float low_u, high_u, low_v, high_v, near;
 } picture_box;
@@ -41,7 +49,7 @@ typedef struct picture_box {
  * each group's. */
 typedef struct shadow_points {
     uint32_t count, live; /* blocks, and those with a lit point; the boxes of the others are empty */
-    uint32_t used[SHADOW_BLOCKS], under[SHADOW_BLOCKS]; /* bits: of points; of those that lie behind some thing's box */
+    uint32_t used[SHADOW_BLOCKS], under[SHADOW_BLOCKS]; /* bits: of points; of those that lie behind some instance's box */
     uint32_t on[SHADOW_BLOCKS], sole[SHADOW_BLOCKS]; /* the instance and the own triangle of all of a block's points; or
                                                       * DAFT_NOTHING, DAFT_NO_TRIANGLE */
     _Alignas(64) float low_u[SHADOW_BLOCKS], high_u[SHADOW_BLOCKS], low_v[SHADOW_BLOCKS], high_v[SHADOW_BLOCKS];
@@ -54,7 +62,7 @@ typedef struct shadow_points {
                                               * DAFT_NO_TRIANGLE */
 } shadow_points;
 
-/* A map to light space, and what bounds the rounding of what it moves: sums of its columns' magnitudes, and of its
+/* A map to view space, and what bounds the rounding of what it moves: sums of its columns' magnitudes, and of its
  * translation's. */
 typedef struct picture_map {
     daft_affine map;
@@ -66,6 +74,13 @@ DAFT_INLINE picture_map picture_map_make(const daft_affine *map)
     picture_map out = {*map, {0, 0, 0}, fabsf(map->t[0]) + fabsf(map->t[1]) + fabsf(map->t[2])};
     for (int j = 0; j < 3; j++) out.reach[j] = fabsf(map->m[j]) + fabsf(map->m[3 + j]) + fabsf(map->m[6 + j]);
     return out;
+}
+
+/* Frame space to view space. */
+DAFT_INLINE picture_map view_map_of(const daft_pencil *view)
+{
+    const daft_affine same = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}, map = daft_pencil_map(view, &same);
+    return picture_map_make(&map);
 }
 
 /* Boxes of a node's children. */
@@ -222,7 +237,7 @@ DAFT_INLINE uint32_t children_narrow(const node_boxes *n, uint32_t children, con
     return any;
 }
 
-/* A mesh of no thickness: none of its triangles hides those of its points from a lamp that face it. */
+/* A mesh of no thickness: none of its triangles hides those of its points from a light that face it. */
 DAFT_INLINE bool is_flat(const daft_instance *s)
 {
     if (!s->mesh) return false;
@@ -230,57 +245,98 @@ DAFT_INLINE bool is_flat(const daft_instance *s)
     return size.x == 0 || size.y == 0 || size.z == 0;
 }
 
-/* Points are moved by differences, so that far from the frame's origin as much of their precision is left as they have.
- */
-DAFT_INLINE vf3 to_light_space(const light *l, vf3 p)
+/* Points are moved by differences, so that far from the frame's origin as much of their precision is left as they have. */
+DAFT_INLINE vf3 to_view_space(const daft_pencil *view, vf3 p)
 {
-    const float *m = l->map.m;
-    vf3 d = {p.x - vf_set(l->origin.x), p.y - vf_set(l->origin.y), p.z - vf_set(l->origin.z)};
+    const float *m = &view->right.x;
+    vf3 d = {p.x - vf_set(view->origin.x), p.y - vf_set(view->origin.y), p.z - vf_set(view->origin.z)};
     return (vf3){vf_set(m[0]) * d.x + vf_set(m[1]) * d.y + vf_set(m[2]) * d.z,
                  vf_set(m[3]) * d.x + vf_set(m[4]) * d.y + vf_set(m[5]) * d.z,
                  vf_set(m[6]) * d.x + vf_set(m[7]) * d.y + vf_set(m[8]) * d.z};
 }
 
-/* Where in the picture a point of light space is, and the z of its ray. */
+/* Where in the picture a point of view space is, and the z of its ray. */
 typedef struct picture_place {
     vf u, v, z;
 } picture_place;
 
-DAFT_INLINE picture_place picture_of(const light *l, vf3 p)
+DAFT_INLINE picture_place picture_of(const light_view *l, vf3 p)
 {
-    if (l->sun) return (picture_place){p.x, p.y, vf_set(1)};
-    vf z = p.z + vf_set(l->away), inverse = vf_set(1) / z;
+    if (l->pencil.parallel) return (picture_place){p.x, p.y, vf_set(1)};
+    vf z = p.z + vf_set(l->pencil.away), inverse = vf_set(1) / z;
     return (picture_place){p.x * inverse, p.y * inverse, z};
 }
 
+/* ---- what blocks_kernel.c works with ---- */
+
+/* Where each block's points are among the samples. */
+typedef struct places {
+    uint32_t count;
+    bool rows;                    /* four and four of a block's places follow each other */
+    uint32_t used[SHADOW_BLOCKS]; /* bits */
+    uint32_t at[SHADOW_LANES];
+} places;
+
+/* The kept points, one after the other. */
+typedef struct kept_points {
+    uint32_t count;
+    uint32_t index[DAFT_SAMPLES_ROOM + DAFT_VL], patch[DAFT_SAMPLES_ROOM + DAFT_VL], instance[DAFT_SAMPLES_ROOM + DAFT_VL];
+} kept_points;
+
+/* The instances that points lie on, numbered as they come, by keys: each begins a block, so there is room for so many. */
+enum { INSTANCES = SHADOW_BLOCKS - SHADOW_TILE_BLOCKS, INSTANCE_KEYS = 256, INSTANCE_KEY_BITS = 8 };
+typedef struct instance_list {
+    uint32_t count, points[INSTANCES];
+    uint32_t instance[INSTANCE_KEYS];
+    uint8_t after[INSTANCE_KEYS]; /* one after the number of the key's instance; 0: it has none */
+    uint8_t of[DAFT_SAMPLES_ROOM]; /* the instance of each point */
+} instance_list;
+
+enum { PLACE_BITS = 11 }; /* of a point's place among the samples */
+_Static_assert(DAFT_SAMPLES_ROOM < 1 << PLACE_BITS, "");
+
+/* Points of patches across a silhouette: Morton code of their place in the picture, 8 bits an axis, above their place
+ * in the batch. */
+typedef struct strays {
+    uint32_t count, jump; /* bits of the code that differ across more than two usual blocks */
+    float most;           /* larger blocks are taken apart */
+    float low_u, low_v, scale;
+    uint32_t key[DAFT_SAMPLES_ROOM];
+    uint32_t free_count, free[SHADOW_BLOCKS]; /* blocks that were taken apart */
+} strays;
+
+typedef struct block_scratch {
+    places places;
+    kept_points kept;
+    instance_list instances;
+    strays strays;
+} block_scratch;
+
 /* Puts the points whose bits are in `kept` into blocks. `own`: the triangle that a point lies on and that cannot shadow it,
- * or DAFT_NO_TRIANGLE. `stray`: patches that many times larger than usual are taken apart. `crowd`: the points lie on many things, or
- * many things may hide them. */
-void DAFT_KERNEL(daft_shadow_blocks)(const light *l, const daft_batch *batch, const uint32_t *own, const uint32_t *kept,
-                                     bool crowd, float stray, shadow_points *to);
+ * or DAFT_NO_TRIANGLE. `stray`: patches that many times larger than usual are taken apart. `crowd`: the points lie on many instances, or
+ * many instances may hide them. */
+void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *samples, const uint32_t *own, const uint32_t *kept,
+                                     bool crowd, float stray, block_scratch *scratch, shadow_points *to);
 
 /* Takes away the bits of the points that went dark. */
 void DAFT_KERNEL(daft_shadow_dark)(const shadow_points *p, uint32_t *bits);
 
-/* The map b, then a, from whose origin `origin` is taken first. */
-daft_affine DAFT_KERNEL(daft_light_compose)(const daft_affine *a, const daft_affine *b, daft_vec3 origin);
-
 /* Projects the children through the map; gives the bits of those that meet the points' extent. */
-uint32_t DAFT_KERNEL(daft_node_project)(const light *l, const picture_map *map, const daft_node *node, node_boxes *out);
+uint32_t DAFT_KERNEL(daft_node_project)(const light_view *l, const picture_map *map, const daft_node *node, node_boxes *out);
 
-/* A thing that may hide points from a lamp. */
-typedef struct caster {
-    const light *light;
-    const daft_lamp *lamp;
-    const daft_batch *batch;
+/* A instance that may hide points from a light. */
+typedef struct occluder {
+    const light_view *view;
+    const daft_apex *light;
+    const daft_samples *samples;
     const daft_instance *instance;
     uint32_t number; /* of the instance */
     bool convex, flat;
     shadow_points *points;
-} caster;
+} occluder;
 
-/* The lanes whose point lies on this very triangle, or on this convex thing. */
-DAFT_INLINE vbits lie_on(const caster *c, uint32_t triangle, uint32_t first)
+/* The lanes whose point lies on this very triangle, or on this convex instance. */
+DAFT_INLINE vbits lie_on(const occluder *c, uint32_t triangle, uint32_t first)
 {
     vm on = vi_eq(vi_load(&c->points->instance[first]), vi_set((int32_t)c->number));
     if (c->convex) return vbits_from_mask(on);
@@ -289,21 +345,19 @@ DAFT_INLINE vbits lie_on(const caster *c, uint32_t triangle, uint32_t first)
     return vbits_from_mask(on) & vbits_from_mask(vi_eq(own, vi_set((int32_t)triangle)));
 }
 
-/* From a point to the lamp, in double; a sun is one length of its direction away, and counts from there on. */
-typedef struct sight {
+/* From a point to the light, in double; to an infinite apex one length of its direction away, and counts from there on. */
+typedef struct shadow_ray {
     daft_dvec3 from, direction;
     bool endless;
-} sight;
+} shadow_ray;
 
-DAFT_INLINE sight sight_of(const daft_batch *b, const daft_lamp *lamp, uint32_t i)
+DAFT_INLINE shadow_ray shadow_ray_of(const daft_samples *p, const daft_apex *light, uint32_t i)
 {
-    const daft_lanes3 *lifted = &b->lifted;
-    daft_dvec3 from = daft_to_double(daft_v3(lifted->x[i], lifted->y[i], lifted->z[i]));
-    return (sight){from, lamp->sun ? daft_to_double(lamp->to_light) : daft_dsub(daft_to_double(lamp->position), from),
-                 lamp->sun};
+    daft_dvec3 from = daft_to_double(daft_v3(p->origin.x[i], p->origin.y[i], p->origin.z[i])), to = daft_to_double(light->at);
+    return (shadow_ray){from, light->infinite ? to : daft_dsub(to, from), light->infinite};
 }
 
-DAFT_INLINE bool on_sight(const sight *w, double t) { return t > 0 && (w->endless || t < 1); }
+DAFT_INLINE bool on_shadow_ray(const shadow_ray *w, double t) { return t > 0 && (w->endless || t < 1); }
 
 /* Takes the block out of what is looked at when its last point has gone dark. */
 DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
@@ -316,16 +370,16 @@ DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
 }
 
 /* Whether a few nodes of the mesh's tree tell that it hides none of the light's points. */
-bool DAFT_KERNEL(daft_mesh_clear)(const caster *c);
-/* Puts the points that the thing hides from the lamp to depth -inf; only those of the blocks behind its bounds, `box`. */
-void DAFT_KERNEL(daft_mesh_shadow)(const caster *c, const picture_box *box, const block_set *behind);
-/* Marks the lit points of blocks behind the thing's box whose ways to the lamp meet the bounds of its mesh, and gives those that it may
+bool DAFT_KERNEL(daft_mesh_clear)(const occluder *c);
+/* Puts the points that the instance hides from the light to depth -inf; only those of the blocks behind its bounds, `box`. */
+void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const picture_box *box, const block_set *behind);
+/* Marks the lit points of blocks behind the instance's box whose rays to the light meet the bounds of its mesh, and gives those that it may
  * shadow: not its own that cannot be. Gives the number of blocks that have any. */
-uint32_t DAFT_KERNEL(daft_mesh_ways)(const caster *c, const picture_box *box, const block_set *behind, block_points *out);
+uint32_t DAFT_KERNEL(daft_mesh_candidates)(const occluder *c, const picture_box *box, const block_set *behind, block_points *out);
 /* daft_mesh_shadow, of these points. */
-void DAFT_KERNEL(daft_mesh_shadow_of)(const caster *c, const picture_box *box, const block_points *points, uint32_t count);
+void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const picture_box *box, const block_points *points, uint32_t count);
 /* Makes the box as small as a sphere's is. */
-void DAFT_KERNEL(daft_ball_box)(const light *l, const daft_instance *s, picture_box *box);
-void DAFT_KERNEL(daft_ball_shadow)(const caster *c, const block_set *behind);
+void DAFT_KERNEL(daft_sphere_occluder_box)(const light_view *l, const daft_instance *s, picture_box *box);
+void DAFT_KERNEL(daft_sphere_occluder_shadow)(const occluder *c, const block_set *behind);
 
 #endif

@@ -1,28 +1,13 @@
-/* The shadow pencil's picture: where boxes of a tree project to, seen from the lamp. A box's middle is projected, and what
+/* The shadow pencil's picture: where boxes of a tree project to, seen from the light. A box's middle is projected, and what
  * it reaches beside the ray there: that is as tight as the hull of its corners but for the share that the box's depth has in
  * its distance, and costs a third. */
-#include "render/shadow.h"
-
-daft_affine DAFT_KERNEL(daft_light_compose)(const daft_affine *a, const daft_affine *b, daft_vec3 origin)
-{
-    daft_affine out;
-    for (int i = 0; i < 3; i++) {
-        const float *row = &a->m[3 * i];
-        for (int j = 0; j < 3; j++)
-            out.m[3 * i + j] = (float)((double)row[0] * (double)b->m[j] + (double)row[1] * (double)b->m[3 + j] +
-                                       (double)row[2] * (double)b->m[6 + j]);
-        out.t[i] = (float)((double)row[0] * ((double)b->t[0] - (double)origin.x) +
-                           (double)row[1] * ((double)b->t[1] - (double)origin.y) +
-                           (double)row[2] * ((double)b->t[2] - (double)origin.z));
-    }
-    return out;
-}
+#include "raster/samples/samples.h"
 
 DAFT_INLINE v8 v8_abs(v8 a) { return (v8)((v8i)a & 0x7fffffff); }
 
 typedef struct v8_box {
-    v8 centre[3], half[3]; /* light space; half its extent along object axes */
-    v8 reach, off;         /* half its extent in depth; a bound of the rounding of light space's coordinates */
+    v8 centre[3], half[3]; /* view space; half its extent along object axes */
+    v8 reach, off;         /* half its extent in depth; a bound of the rounding of view space's coordinates */
 } v8_box;
 
 DAFT_INLINE v8_box box_move(const picture_map *map, const daft_node *node)
@@ -52,28 +37,28 @@ DAFT_INLINE v8 reach_beside(const v8_box *b, const daft_affine *map, int axis, v
     return half;
 }
 
-/* Bits of the boxes that lie on the outer side of x = edge·z (axis 0) or y = edge·z (axis 1), `side` being -1 or 1. This
- * says something, too, of boxes that reach beside or behind the lamp. */
-DAFT_INLINE uint32_t beyond_side(const v8_box *b, const picture_map *map, float away, int axis, float edge, float side)
+/* Bits of the boxes that lie on the outer side of x = limit·z (axis 0) or y = limit·z (axis 1), `side` being -1 or 1. This
+ * says something, too, of boxes that reach beside or behind the light. */
+DAFT_INLINE uint32_t beyond_side(const v8_box *b, const picture_map *map, float away, int axis, float limit, float side)
 {
-    v8 slope = v8_set(edge), middle = (b->centre[axis] - slope * (b->centre[2] + v8_set(away))) * v8_set(side);
-    v8 half = b->off * v8_set(1 + fabsf(edge)) + v8_set(away * fabsf(edge) * 0x1p-22f);
+    v8 slope = v8_set(limit), middle = (b->centre[axis] - slope * (b->centre[2] + v8_set(away))) * v8_set(side);
+    v8 half = b->off * v8_set(1 + fabsf(limit)) + v8_set(away * fabsf(limit) * 0x1p-22f);
     return ~v8_le_bits(middle, half + reach_beside(b, &map->map, axis, slope));
 }
 
-static uint32_t beyond_sides(const light *l, const v8_box *b, const picture_map *map)
+static uint32_t beyond_sides(const light_view *l, const v8_box *b, const picture_map *map)
 {
-    return beyond_side(b, map, l->away, 0, l->high_u + l->slack_u, 1) |
-           beyond_side(b, map, l->away, 0, l->low_u - l->slack_u, -1) |
-           beyond_side(b, map, l->away, 1, l->high_v + l->slack_v, 1) |
-           beyond_side(b, map, l->away, 1, l->low_v - l->slack_v, -1);
+    return beyond_side(b, map, l->pencil.away, 0, l->high_u + l->slack_u, 1) |
+           beyond_side(b, map, l->pencil.away, 0, l->low_u - l->slack_u, -1) |
+           beyond_side(b, map, l->pencil.away, 1, l->high_v + l->slack_v, 1) |
+           beyond_side(b, map, l->pencil.away, 1, l->low_v - l->slack_v, -1);
 }
 
 typedef struct v8_range {
     v8 low, high;
 } v8_range;
 
-/* A point lamp's picture of boxes before it, along an axis across the light. `inverse`: one over the distance of the box's
+/* A point light's picture of boxes before it, along an axis across the light. `inverse`: one over the distance of the box's
  * middle, `most` over that of its near side. With u = c/z of the middle, a point that is dx and dz from there is seen
  * (dx - u·dz)/(z + dz) beside it. Coordinates are off by `off`, distances by that and `rounding`. */
 DAFT_INLINE v8_range project_axis(const v8_box *b, const picture_map *map, int axis, v8 inverse, v8 most, v8 rounding)
@@ -90,22 +75,22 @@ DAFT_INLINE v8_range sun_axis(const v8_box *b, const picture_map *map, int axis)
     return (v8_range){b->centre[axis] - half, b->centre[axis] + half};
 }
 
-uint32_t DAFT_KERNEL(daft_node_project)(const light *l, const picture_map *map, const daft_node *node, node_boxes *out)
+uint32_t DAFT_KERNEL(daft_node_project)(const light_view *l, const picture_map *map, const daft_node *node, node_boxes *out)
 {
     v8_box box = box_move(map, node);
     box.off = box.off + v8_set((fabsf(l->near) + fabsf(l->far)) * 0x1p-20f);
     v8 near = box.centre[2] - box.reach - box.off, far = box.centre[2] + box.reach + box.off;
     v8_range u, v;
     uint32_t in = v8_le_bits(near, v8_set(l->far)), beside = 0, everywhere = 0;
-    if (l->sun) {
+    if (l->pencil.parallel) {
         u = sun_axis(&box, map, 0), v = sun_axis(&box, map, 1);
     } else {
-        const v8 one = v8_set(1), lamp = v8_set(-l->away), rounding = v8_set(l->away * 0x1p-22f);
-        in &= v8_le_bits(lamp, far + rounding);
-        beside = v8_le_bits(near - rounding, lamp);
-        everywhere = in & beside; /* it reaches beside or behind the lamp */
+        const v8 one = v8_set(1), light = v8_set(-l->pencil.away), rounding = v8_set(l->pencil.away * 0x1p-22f);
+        in &= v8_le_bits(light, far + rounding);
+        beside = v8_le_bits(near - rounding, light);
+        everywhere = in & beside; /* it reaches beside or behind the light */
         if (everywhere) everywhere &= ~beyond_sides(l, &box, map);
-        v8 inverse = one / (box.centre[2] - lamp), most = one / (near - lamp);
+        v8 inverse = one / (box.centre[2] - light), most = one / (near - light);
         u = project_axis(&box, map, 0, inverse, most, rounding), v = project_axis(&box, map, 1, inverse, most, rounding);
     }
     u.low = u.low - v8_set(l->slack_u), u.high = u.high + v8_set(l->slack_u);

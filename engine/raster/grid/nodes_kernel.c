@@ -5,7 +5,7 @@
  * Where triangles are large each node waits for what is in front of it, so that it may turn out to be hidden. Where there is
  * one or more to a pixel, nodes are looked at in groups, without a branch that depends on one of them: there, what a
  * processor guesses wrong costs more than the arithmetic. */
-#include "raster/hidden.h"
+#include "raster/grid/hidden.h"
 
 enum {
     GROUP = 16, /* nodes */
@@ -48,7 +48,7 @@ typedef struct node_stack {
 typedef struct walk {
     daft_tile_job *job;
     daft_waiting *waiting;
-    const daft_seen *seen;
+    const daft_view_instance *view;
     float m[9];
     float low_t[3], high_t[3]; /* the translation, less and more a pad over the error of a moved vertex */
     int low_at[9], high_at[9]; /* which of a node's bounds makes m's product least, and most */
@@ -96,7 +96,7 @@ static void draw_blocks(walk *w)
 {
     daft_pencil_batch batch;
     if (!w->block_count) return;
-    if (DAFT_KERNEL(daft_blocks_setup)(w->job, w->seen, w->blocks, w->block_count, w->waiting, &batch))
+    if (DAFT_KERNEL(daft_blocks_setup)(w->job, w->view, w->blocks, w->block_count, w->waiting, &batch))
         DAFT_KERNEL(daft_batch_draw)(w->job, &batch);
     w->block_count = 0;
     while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
@@ -125,7 +125,7 @@ typedef struct node_pair {
 
 DAFT_INLINE node_pair pair_make(const walk *w, uint32_t first, uint32_t second, int part)
 {
-    const daft_node *nodes = w->seen->bvh->nodes.items;
+    const daft_node *nodes = w->view->bvh->nodes.items;
     return (node_pair){&nodes[first], &nodes[second], part};
 }
 
@@ -151,11 +151,11 @@ DAFT_INLINE void axis(const walk *w, int k, const node_pair *n, vf *low, vf *hig
     *high = x * bounds_load(n, b[0]) + y * bounds_load(n, b[1]) + z * bounds_load(n, b[2]) + vf_set(w->high_t[k]);
 }
 
-static void walk_begin(walk *w, daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
+static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *view, daft_waiting *waiting)
 {
-    const daft_affine *map = &seen->to_camera;
-    const float *low = &seen->mesh->low.x, *high = &seen->mesh->high.x, focal = job->raster->pencil.focal;
-    w->job = job, w->seen = seen, w->waiting = waiting, w->leaf_count = w->block_count = 0;
+    const daft_affine *map = &view->to_view;
+    const float *low = &view->mesh->low.x, *high = &view->mesh->high.x, focal = job->raster->pencil.focal;
+    w->job = job, w->view = view, w->waiting = waiting, w->leaf_count = w->block_count = 0;
     float pad[3];
     for (int k = 0; k < 3; k++) {
         float size = fabsf(map->t[k]);
@@ -217,7 +217,7 @@ static void prefetch_all(const daft_bvh *bvh, const fresh_list *list)
 
 /* ---- one node after the other ---- */
 
-/* Pushes the children that may be seen, the nearest last. */
+/* Pushes the children that may be view, the nearest last. */
 static int push_children(walk *w, uint32_t node, visit *stack, int top)
 {
     int first = top;
@@ -231,7 +231,7 @@ static int push_children(walk *w, uint32_t node, visit *stack, int top)
             for (; at > first && stack[at - 1].nearest > v.nearest; at--) stack[at] = stack[at - 1];
             stack[at] = v;
             top++;
-            prefetch(w->seen->bvh, v.child);
+            prefetch(w->view->bvh, v.child);
         }
     }
     return top;
@@ -338,8 +338,8 @@ static void draw_leaves(walk *w)
 {
     list_blocks(w);
     daft_projected *projected = &w->waiting->projected;
-    projected->seen = w->seen;
-    DAFT_KERNEL(daft_blocks_project)(w->job, w->seen, w->blocks, w->block_count, w->waiting);
+    projected->view = w->view;
+    DAFT_KERNEL(daft_blocks_project)(w->job, w->view, w->blocks, w->block_count, w->waiting);
     DAFT_KERNEL(daft_projected_hits)(w->job, projected, &w->waiting->hits);
     DAFT_KERNEL(daft_hits_draw)(w->job, projected, &w->waiting->hits);
     w->leaf_count = w->block_count = 0;
@@ -350,7 +350,7 @@ static void draw_leaves(walk *w)
  * met: until then they are on their way from memory. */
 static void add_leaves(walk *w, const fresh_list *f)
 {
-    bool far = w->seen->bvh->block_count > NEAR_BLOCKS;
+    bool far = w->view->bvh->block_count > NEAR_BLOCKS;
     if (w->leaf_count >= FEW_LEAVES) draw_leaves(w);
     for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
         vbits lanes = vbits_first_n((int)(f->count - i));
@@ -358,7 +358,7 @@ static void add_leaves(walk *w, const fresh_list *f)
         lanes &= ~hidden_lanes(w->job, pixels, vf_load(&f->nearest[i]), lanes);
         vi_compress_store(&w->leaves[w->leaf_count], lanes, vi_load(&f->child[i]));
         for (uint32_t more = (uint32_t)__builtin_popcount(lanes); more; more--, w->leaf_count++)
-            if (far) prefetch(w->seen->bvh, w->leaves[w->leaf_count]);
+            if (far) prefetch(w->view->bvh, w->leaves[w->leaf_count]);
         if (w->leaf_count >= DAFT_LEAVES) draw_leaves(w);
     }
 }
@@ -388,18 +388,18 @@ static void draw_grouped(walk *w)
         f.leaves.count = f.nodes.count = 0, f.least = vf_set(INFINITY), f.most = vf_set(0);
         for (uint32_t i = 0; i < count; i += DAFT_EIGHTS) add_children(w, &group[i], count - i, &f);
         w->job->counters->nodes += count;
-        if (w->seen->bvh->block_count > NEAR_BLOCKS) prefetch_all(w->seen->bvh, &f.nodes);
+        if (w->view->bvh->block_count > NEAR_BLOCKS) prefetch_all(w->view->bvh, &f.nodes);
         add_leaves(w, &f.leaves);
         push_nodes(&f, &waiting);
     }
     draw_leaves(w);
 }
 
-void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting)
+void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_view_instance *view, daft_waiting *waiting)
 {
     walk w;
-    walk_begin(&w, job, seen, waiting);
-    if (seen->dense)
+    walk_begin(&w, job, view, waiting);
+    if (view->dense)
         draw_grouped(&w);
     else
         draw_singly(&w);

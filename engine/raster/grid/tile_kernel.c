@@ -1,19 +1,19 @@
 /* Resolving a tile: its instances front to back. The farthest w is kept for each cell of 4 × 4 pixels, so that what lies
  * behind is left out as a whole. */
-#include "raster/kernels.h"
+#include "raster/grid/grid.h"
 
-static void draw_instance(daft_tile_job *j, const daft_seen *seen, daft_waiting *waiting)
+static void draw_instance(daft_tile_job *j, const daft_view_instance *view, daft_waiting *waiting)
 {
     const daft_tile *t = j->tile;
-    int x0 = daft_max_i(seen->x0 - t->x, 0), x1 = daft_min_i(seen->x1 - t->x, t->width - 1);
-    int y0 = daft_max_i(seen->y0 - t->y, 0), y1 = daft_min_i(seen->y1 - t->y, t->height - 1);
-    float nearest = seen->near_z > 0 ? 1 / seen->near_z * (1 + 0x1p-20f) : INFINITY;
+    int x0 = daft_max_i(view->x0 - t->x, 0), x1 = daft_min_i(view->x1 - t->x, t->width - 1);
+    int y0 = daft_max_i(view->y0 - t->y, 0), y1 = daft_min_i(view->y1 - t->y, t->height - 1);
+    float nearest = view->near_z > 0 ? 1 / view->near_z * (1 + 0x1p-20f) : INFINITY;
     if (DAFT_KERNEL(daft_pixels_hidden)(j, x0, x1, y0, y1, nearest)) return;
-    if (seen->mesh) {
-        DAFT_KERNEL(daft_mesh_draw)(j, seen, waiting);
+    if (view->mesh) {
+        DAFT_KERNEL(daft_mesh_draw)(j, view, waiting);
         return;
     }
-    DAFT_KERNEL(daft_sphere_draw)(j, seen, x0, x1, y0, y1);
+    DAFT_KERNEL(daft_sphere_draw)(j, view, x0, x1, y0, y1);
     j->counters->spheres++;
 }
 
@@ -106,31 +106,36 @@ enum { AHEAD = 8 }; /* instances in a tile stand anywhere in memory */
 
 static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_tile *out)
 {
-    daft_tile_job j;
+    daft_grid_scratch *scratch = (daft_grid_scratch *)raster->scratch + worker;
+    daft_tile_job *j = &scratch->job;
+    daft_waiting *waiting = &scratch->waiting;
     daft_bins *bins = &raster->bins[worker];
     daft_tile_place(raster, tile, out);
-    job_begin(&j, raster, bins, out);
+    job_begin(j, raster, bins, out);
     uint32_t count = front_to_back(raster, tile, bins->order);
-    daft_waiting waiting;
-    waiting.count = waiting.projected.count = waiting.hits.count = waiting.hits.doubted_count = 0;
-    clear_pixels(&j);
+    waiting->count = waiting->projected.count = waiting->hits.count = waiting->hits.doubted_count = 0;
+    clear_pixels(j);
     for (uint32_t i = 0; i < count; i++) {
-        const char *ahead = (const char *)&raster->seen[(uint32_t)bins->order[daft_min_u(i + AHEAD, count - 1)]];
-        __builtin_prefetch(ahead), __builtin_prefetch(ahead + sizeof(daft_seen) - 1);
-        draw_instance(&j, &raster->seen[(uint32_t)bins->order[i]], &waiting);
+        const char *ahead = (const char *)&raster->visible[(uint32_t)bins->order[daft_min_u(i + AHEAD, count - 1)]];
+        __builtin_prefetch(ahead), __builtin_prefetch(ahead + sizeof(daft_view_instance) - 1);
+        draw_instance(j, &raster->visible[(uint32_t)bins->order[i]], waiting);
     }
-    while (waiting.count) DAFT_KERNEL(daft_waiting_draw)(&j, &waiting);
+    while (waiting->count) DAFT_KERNEL(daft_waiting_draw)(j, waiting);
 }
 
 /* The whole picture counts as one tile. */
 static void find_boxes(const daft_raster *raster, uint32_t instance, daft_screen_box *out)
 {
-    daft_tile_job j;
+    daft_tile_job *j = &((daft_grid_scratch *)raster->scratch)->job;
     daft_tile picture = {.width = raster->pencil.width, .height = raster->pencil.height};
     const daft_bvh *bvh = raster->instances[instance].bvh;
-    job_begin(&j, raster, &raster->bins[0], &picture);
+    job_begin(j, raster, &raster->bins[0], &picture);
     for (size_t i = 0; i < bvh->block_count; i++)
-        DAFT_KERNEL(daft_block_boxes)(&j, &raster->seen[instance], &bvh->blocks[i], out);
+        DAFT_KERNEL(daft_block_boxes)(j, &raster->visible[instance], &bvh->blocks[i], out);
 }
 
-const daft_raster_kernels DAFT_KERNEL(daft_raster) = {resolve_tile, DAFT_KERNEL(daft_seen_group), DAFT_VL, find_boxes};
+const daft_raster_kernels DAFT_KERNEL(daft_raster) = {.scratch_size = sizeof(daft_grid_scratch),
+                                                      .tile = resolve_tile,
+                                                      .instances = DAFT_KERNEL(daft_instances_project),
+                                                      .lanes = DAFT_VL,
+                                                      .boxes = find_boxes};

@@ -1,27 +1,18 @@
 /* The shadow pencil's points in blocks of 16: patches of 4 by 4 pixels, which lie side by side on a surface and so in the
- * lamp's picture; in crowds, points of one thing. Patches across a silhouette do not: those that are much larger there than usual
+ * light's picture; in crowds, points of one instance. Patches across a silhouette do not: those that are much larger there than usual
  * are taken apart, and their points make blocks along a Morton curve in that picture. */
-#include "render/shadow.h"
+#include "raster/samples/samples.h"
 
-#define TINY 1e-36f
+/* A block of one instance is large where the instance is: only what is far apart on it makes another. */
+#define STRAY_OF_INSTANCES 64.0f
 
-/* A block of one thing is large where the thing is: only what is far apart on it makes another. */
-#define STRAY_OF_THINGS 64.0f
-
-typedef struct pencil {
-    const light *light;
-    const daft_batch *batch;
+typedef struct blocks_job {
+    const light_view *view;
+    const daft_samples *samples;
     const uint32_t *own;
-} pencil;
+} blocks_job;
 
-/* Where each block's points are in the batch. */
-typedef struct places {
-    uint32_t count;
-    bool rows;                    /* four and four of a block's places follow each other */
-    uint32_t used[SHADOW_BLOCKS]; /* bits */
-    uint32_t at[SHADOW_LANES];
-} places;
-
+_Static_assert(DAFT_TILE == 32, "a tile's row is a word of a set of bits; three bits of a patch's column and row make its place on the curve");
 
 static uint32_t patch_column(uint32_t patch)
 {
@@ -29,7 +20,7 @@ static uint32_t patch_column(uint32_t patch)
 }
 
 /* A batch that holds the tile's pixels one after the other needs no sorting. */
-static bool is_whole_tile(const daft_batch *b)
+static bool is_whole_tile(const daft_samples *b)
 {
     if (b->count != DAFT_TILE * DAFT_TILE) return false;
     vbits in_place = DAFT_ALL_LANES;
@@ -55,17 +46,11 @@ static void place_whole_tile(const uint32_t *kept, places *out)
 /* Patches along a Morton curve: 16 in a row form a square, so groups are compact. */
 DAFT_INLINE vi patches_of(vi pixel)
 {
-    vi x = (pixel >> 2) & vi_set(7), y = pixel >> 7; /* of 4 by 4 pixels */
+    vi x = (pixel >> 2) & vi_set(7), y = pixel >> __builtin_ctz(4 * DAFT_TILE); /* of 4 by 4 pixels */
     return (x & vi_set(1)) | (y & vi_set(1)) << 1 | (x & vi_set(2)) << 1 | (y & vi_set(2)) << 2 | (x & vi_set(4)) << 2 | (y & vi_set(4)) << 3;
 }
 
-/* The kept points, one after the other. */
-typedef struct kept_points {
-    uint32_t count;
-    uint32_t index[DAFT_BATCH_ROOM + DAFT_VL], patch[DAFT_BATCH_ROOM + DAFT_VL], instance[DAFT_BATCH_ROOM + DAFT_VL];
-} kept_points;
-
-static void list_kept(const daft_batch *b, const uint32_t *kept, kept_points *out)
+static void list_kept(const daft_samples *b, const uint32_t *kept, kept_points *out)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
@@ -100,70 +85,61 @@ static void place_by_patches(const kept_points *list, places *out)
     for (uint32_t k = 0; k < list->count; k++) out->at[next[list->patch[k]]++] = list->index[k];
 }
 
-/* The things that points lie on, numbered as they come, by keys: each begins a block, so there is room for so many. */
-enum { THINGS = SHADOW_BLOCKS - SHADOW_TILE_BLOCKS, THING_KEYS = 256, THING_KEY_BITS = 8 };
-typedef struct things {
-    uint32_t count, points[THINGS];
-    uint32_t instance[THING_KEYS];
-    uint8_t after[THING_KEYS]; /* one after the number of the key's thing; 0: it has none */
-    uint8_t of[DAFT_BATCH_ROOM]; /* the thing of each point */
-} things;
-
-/* THINGS: there are too many. */
-DAFT_INLINE uint32_t thing_of(things *t, uint32_t instance)
+/* INSTANCES: there are too many. */
+DAFT_INLINE uint32_t instance_of(instance_list *t, uint32_t instance)
 {
-    uint32_t key = instance * 0x9e3779b1u >> (32 - THING_KEY_BITS);
-    while (t->after[key] && t->instance[key] != instance) key = (key + 1) % THING_KEYS;
+    uint32_t key = instance * 0x9e3779b1u >> (32 - INSTANCE_KEY_BITS);
+    while (t->after[key] && t->instance[key] != instance) key = (key + 1) % INSTANCE_KEYS;
     if (t->after[key]) return t->after[key] - 1u;
-    if (t->count == THINGS) return THINGS;
+    if (t->count == INSTANCES) return INSTANCES;
     t->instance[key] = instance, t->points[t->count] = 0;
     t->after[key] = (uint8_t)(t->count + 1);
     return t->count++;
 }
 
-static bool know_things(const kept_points *list, things *out)
+static bool list_instances(const kept_points *list, instance_list *out)
 {
-    uint32_t last = DAFT_NOTHING, thing = 0;
+    uint32_t last = DAFT_NOTHING, instance = 0;
     out->count = 0;
     memset(out->after, 0, sizeof out->after);
     for (uint32_t k = 0; k < list->count; k++) {
-        if (list->instance[k] != last || k == 0) thing = thing_of(out, last = list->instance[k]);
-        if (thing == THINGS) return false;
-        out->of[k] = (uint8_t)thing, out->points[thing]++;
+        if (list->instance[k] != last || k == 0) instance = instance_of(out, last = list->instance[k]);
+        if (instance == INSTANCES) return false;
+        out->of[k] = (uint8_t)instance, out->points[instance]++;
     }
     return true;
 }
 
-/* Thing by thing, and patch by patch of each: where patches hold some points of this and some of that, blocks of one thing each are
- * fewer, and each is small. False: there are too many things. */
-static bool place_by_things(const kept_points *list, places *out)
+/* Instance by instance, and patch by patch of each: where patches hold some points of this and some of that, blocks of one instance each are
+ * fewer, and each is small. False: there are too many instances. */
+static bool place_by_instances(const kept_points *list, instance_list *all, places *out)
 {
-    uint32_t next[SHADOW_TILE_BLOCKS] = {0}, first[THINGS], sum = 0;
-    uint16_t sorted[DAFT_BATCH_ROOM];
-    things all;
-    if (!know_things(list, &all)) return false;
+    uint32_t next[SHADOW_TILE_BLOCKS] = {0}, first[INSTANCES], sum = 0;
+    uint16_t sorted[DAFT_SAMPLES_ROOM];
+    if (!list_instances(list, all)) return false;
     for (uint32_t k = 0; k < list->count; k++) next[list->patch[k]]++;
     for (uint32_t patch = 0; patch < SHADOW_TILE_BLOCKS; patch++) {
         uint32_t points = next[patch];
         next[patch] = sum, sum += points;
     }
     for (uint32_t k = 0; k < list->count; k++) sorted[next[list->patch[k]]++] = (uint16_t)k;
-    blocks_for(all.points, all.count, first, out);
-    for (uint32_t k = 0; k < list->count; k++) out->at[first[all.of[sorted[k]]]++] = list->index[sorted[k]];
+    blocks_for(all->points, all->count, first, out);
+    for (uint32_t k = 0; k < list->count; k++) out->at[first[all->of[sorted[k]]]++] = list->index[sorted[k]];
     return true;
 }
 
-/* Gives whether the blocks are of one thing each. */
-static bool place_points(const daft_batch *batch, const uint32_t *kept, bool crowd, places *out)
+/* Gives whether the blocks are of one instance each. */
+static bool place_points(const daft_samples *samples, const uint32_t *kept, bool crowd, block_scratch *scratch)
 {
-    kept_points list;
-    bool whole = is_whole_tile(batch);
-    if (crowd || !whole) list_kept(batch, kept, &list);
-    if (crowd && place_by_things(&list, out)) return true;
+    kept_points *list = &scratch->kept;
+    places *out = &scratch->places;
+    bool whole = is_whole_tile(samples);
+    if (crowd || !whole) list_kept(samples, kept, list);
+    if (crowd && place_by_instances(list, &scratch->instances, out)) return true;
     if (whole)
         place_whole_tile(kept, out);
     else
-        place_by_patches(&list, out);
+        place_by_patches(list, out);
     return false;
 }
 
@@ -173,30 +149,30 @@ DAFT_INLINE vi pick(const void *base, const uint32_t *at, const float *from, boo
     return rows ? (vi)vf_load_blocks(from, DAFT_TILE) : vi_gather_index(base, vi_load(at));
 }
 
-DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, bool rows, shadow_points *to)
+DAFT_INLINE void fill_block(const blocks_job *c, const places *from, uint32_t b, bool rows, shadow_points *to)
 {
-    const light *l = c->light;
+    const light_view *l = c->view;
     const vf inf = vf_set(INFINITY);
     vf lu = inf, lv = inf, hu = -inf, hv = -inf, far = -inf;
     uint32_t first = from->at[b * SHADOW_BLOCK + (uint32_t)__builtin_ctz(from->used[b])], one = 0;
-    const vi on = vi_set((int32_t)c->batch->instance[first]), own = vi_set((int32_t)c->own[first]);
+    const vi on = vi_set((int32_t)c->samples->instance[first]), own = vi_set((int32_t)c->own[first]);
     to->used[b] = from->used[b], to->under[b] = 0;
     for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
         uint32_t at = b * SHADOW_BLOCK + k;
         const uint32_t *place = &from->at[at];
         vm used = vm_from_bits(from->used[b] >> k & DAFT_ALL_LANES);
-        const daft_lanes3 *lifted = &c->batch->lifted;
-        vf3 p = {(vf)pick(lifted->x, place, (const float *)lifted->x + place[0], rows),
-                 (vf)pick(lifted->y, place, (const float *)lifted->y + place[0], rows),
-                 (vf)pick(lifted->z, place, (const float *)lifted->z + place[0], rows)};
-        p = to_light_space(l, p);
+        const daft_points3 *origin = &c->samples->origin;
+        vf3 p = {(vf)pick(origin->x, place, (const float *)origin->x + place[0], rows),
+                 (vf)pick(origin->y, place, (const float *)origin->y + place[0], rows),
+                 (vf)pick(origin->z, place, (const float *)origin->z + place[0], rows)};
+        p = to_view_space(&l->pencil, p);
         picture_place seen = picture_of(l, p);
         vf depth = vf_if_then_else(used, p.z, -inf);
         vf_store(&to->u[at], seen.u), vf_store(&to->v[at], seen.v);
         vf_store(&to->x[at], p.x), vf_store(&to->y[at], p.y), vf_store(&to->z[at], seen.z);
         vf_store(&to->depth[at], depth);
         vi_store(&to->source[at], vi_load(place));
-        vi instance = pick(c->batch->instance, place, (const float *)c->batch->instance + place[0], rows);
+        vi instance = pick(c->samples->instance, place, (const float *)c->samples->instance + place[0], rows);
         vi triangle = pick(c->own, place, (const float *)c->own + place[0], rows);
         vi_store(&to->instance[at], instance), vi_store(&to->own[at], triangle);
         one |= vbits_from_mask(vm_and(vi_eq(instance, on), vi_eq(triangle, own))) << k;
@@ -205,25 +181,14 @@ DAFT_INLINE void fill_block(const pencil *c, const places *from, uint32_t b, boo
         far = vf_max(depth, far);
     }
     bool alike = (from->used[b] & ~one) == 0;
-    to->on[b] = alike ? c->batch->instance[first] : DAFT_NOTHING, to->sole[b] = alike ? c->own[first] : DAFT_NO_TRIANGLE;
+    to->on[b] = alike ? c->samples->instance[first] : DAFT_NOTHING, to->sole[b] = alike ? c->own[first] : DAFT_NO_TRIANGLE;
     const v4 box = v4_reduce_min4(lu, -hu, lv, -hv);
     to->low_u[b] = box[0], to->high_u[b] = -box[1], to->low_v[b] = box[2], to->high_v[b] = -box[3];
     to->far[b] = vf_reduce_max(far);
 }
 
-/* ---- patches that are no neighbours to the lamp ---- */
+/* ---- patches that are no neighbours to the light ---- */
 
-enum { PLACE_BITS = 11 }; /* of a place in a batch: DAFT_BATCH_ROOM < 2^11 */
-
-/* Points of patches across a silhouette: Morton code of their place in the picture, 8 bits an axis, above their place
- * in the batch. */
-typedef struct strays {
-    uint32_t count, jump; /* bits of the code that differ across more than two usual blocks */
-    float most;           /* larger blocks are taken apart */
-    float low_u, low_v, scale;
-    uint32_t key[DAFT_BATCH_ROOM];
-    uint32_t free_count, free[SHADOW_BLOCKS]; /* blocks that were taken apart */
-} strays;
 
 static float block_size(const shadow_points *p, uint32_t b)
 {
@@ -309,7 +274,7 @@ static void take_strays(const shadow_points *p, float usual, float stray, strays
 /* By the upper six bits of each axis; the order within such a cell does not matter. */
 static void sort_strays(strays *s)
 {
-    uint32_t other[DAFT_BATCH_ROOM], *from = s->key, *to = other;
+    uint32_t other[DAFT_SAMPLES_ROOM], *from = s->key, *to = other;
     for (uint32_t shift = PLACE_BITS + 4; shift < PLACE_BITS + 16; shift += 6) {
         uint32_t next[64] = {0}, sum = 0;
         for (uint32_t i = 0; i < s->count; i++) next[from[i] >> shift & 63]++;
@@ -334,7 +299,7 @@ static uint32_t begin_block(strays *s, places *out)
 }
 
 /* Blocks along the curve; a jump ends a block that is half full, as long as the others have room. */
-static void place_strays(const pencil *c, strays *s, places *out, shadow_points *to)
+static void place_strays(const blocks_job *c, strays *s, places *out, shadow_points *to)
 {
     uint32_t used = SHADOW_BLOCK, b = 0, room = s->free_count + SHADOW_BLOCKS - out->count;
     out->rows = false;
@@ -357,23 +322,23 @@ static void empty_block(shadow_points *p, uint32_t b)
     p->used[b] = 0;
 }
 
-void DAFT_KERNEL(daft_shadow_blocks)(const light *l, const daft_batch *batch, const uint32_t *own, const uint32_t *kept,
-                                     bool crowd, float stray, shadow_points *to)
+void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *samples, const uint32_t *own, const uint32_t *kept,
+                                     bool crowd, float stray, block_scratch *scratch, shadow_points *to)
 {
-    const pencil c = {l, batch, own};
-    places from;
-    strays apart;
-    if (place_points(batch, kept, crowd, &from)) stray = STRAY_OF_THINGS;
-    for (uint32_t b = 0; b < from.count; b++)
-        from.rows ? fill_block(&c, &from, b, true, to) : fill_block(&c, &from, b, false, to);
-    to->count = from.count;
-    take_strays(to, usual_size(to), stray, &apart);
-    if (apart.count) {
-        sort_strays(&apart);
-        place_strays(&c, &apart, &from, to);
+    const blocks_job c = {l, samples, own};
+    places *from = &scratch->places;
+    strays *apart = &scratch->strays;
+    if (place_points(samples, kept, crowd, scratch)) stray = STRAY_OF_INSTANCES;
+    for (uint32_t b = 0; b < from->count; b++)
+        from->rows ? fill_block(&c, from, b, true, to) : fill_block(&c, from, b, false, to);
+    to->count = from->count;
+    take_strays(to, usual_size(to), stray, apart);
+    if (apart->count) {
+        sort_strays(apart);
+        place_strays(&c, apart, from, to);
     }
-    to->count = from.count, to->live = to->count - apart.free_count;
-    for (uint32_t i = 0; i < apart.free_count; i++) empty_block(to, apart.free[i]);
+    to->count = from->count, to->live = to->count - apart->free_count;
+    for (uint32_t i = 0; i < apart->free_count; i++) empty_block(to, apart->free[i]);
     for (uint32_t b = to->count; b % SHADOW_GROUP; b++) empty_block(to, b); /* what is read past the end meets nothing */
 }
 

@@ -5,15 +5,13 @@
  * A lane whose e is beyond 1 for every edge is inside, below -1 for one outside (setup_kernel.c has the bounds); between,
  * the exact predicates decide. Pixels keep the interval of their nearest w: those that are apart need no closer look. */
 #include "math/exact.h"
-#include "raster/kernels.h"
+#include "raster/grid/grid.h"
 
-#define UNIT 0x1p-24f
-#define TINY 1e-36f
 #define SPHERE_ROUNDING 0x1p-18f
 
 /* What is drawn: a triangle or a sphere. */
 typedef struct thing {
-    const daft_seen *seen;
+    const daft_view_instance *view;
     uint32_t triangle; /* 0 for a sphere */
 } thing;
 
@@ -30,7 +28,7 @@ static void lane_write(daft_tile_job *j, int place, const thing *t, float low, f
 {
     j->w_low[place] = low;
     j->w_high[place] = high;
-    j->tile->instance[place] = t->seen->index;
+    j->tile->instance[place] = t->view->index;
     j->tile->triangle[place] = t->triangle;
 }
 
@@ -39,9 +37,9 @@ static void lane_compare(daft_tile_job *j, int place, const thing *t, float low,
 {
     daft_vec3 ray = place_ray(j, place);
     uint32_t instance = j->tile->instance[place], triangle = j->tile->triangle[place];
-    double mine = daft_seen_depth(t->seen, t->triangle, ray), other = daft_seen_depth(&j->raster->seen[instance], triangle, ray);
+    double mine = daft_view_depth(t->view, t->triangle, ray), other = daft_view_depth(&j->raster->visible[instance], triangle, ray);
     j->counters->exact_depths++;
-    bool wins = mine < other || (mine == other && (t->seen->index < instance || (t->seen->index == instance && t->triangle < triangle)));
+    bool wins = mine < other || (mine == other && (t->view->index < instance || (t->view->index == instance && t->triangle < triangle)));
     if (wins) lane_write(j, place, t, low, high);
 }
 
@@ -58,9 +56,9 @@ static void lane_offer(daft_tile_job *j, int place, const thing *t, float low, f
 static bool lane_hit(daft_tile_job *j, int place, const thing *t)
 {
     daft_vec3 ray = place_ray(j, place);
-    if (!t->seen->mesh) return daft_seen_depth(t->seen, 0, ray) < INFINITY;
+    if (!t->view->mesh) return daft_view_depth(t->view, 0, ray) < INFINITY;
     daft_vec3 corner[3];
-    daft_seen_corners(t->seen, t->triangle, corner);
+    daft_view_corners(t->view, t->triangle, corner);
     j->counters->exact_edges++;
     return daft_pencil_hits(corner[0], corner[1], corner[2], ray);
 }
@@ -106,7 +104,7 @@ DAFT_INLINE void offer(daft_tile_job *j, uint32_t at, const thing *t, vbits hits
     mark_stale(j, at);
     window_store(&j->w_low[at], vf_if_then_else(m, low, old_low));
     window_store(&j->w_high[at], vf_if_then_else(m, high, old_high));
-    window_put(&j->tile->instance[at], m, t->seen->index);
+    window_put(&j->tile->instance[at], m, t->view->index);
     window_put(&j->tile->triangle[at], m, t->triangle);
     if (__builtin_expect(look != 0, 0)) {
         float lows[DAFT_VL], highs[DAFT_VL];
@@ -211,7 +209,7 @@ static void draw_all_windows(daft_tile_job *j, const daft_pencil_batch *b, int i
 
 static void draw_large(daft_tile_job *j, const daft_pencil_batch *b, int i)
 {
-    const thing t = {&j->raster->seen[b->instance[i]], b->triangle[i]};
+    const thing t = {&j->raster->visible[b->instance[i]], b->triangle[i]};
     if (b->x1[i] - b->x0[i] >= FIND_FROM && b->y1[i] - b->y0[i] >= FIND_FROM)
         draw_found(j, b, i, &t);
     else
@@ -254,7 +252,7 @@ static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, hit_list *h
             j->tile->instance[at] = b->instance[i], j->tile->triangle[at] = b->triangle[i];
             continue;
         }
-        const thing t = {&j->raster->seen[b->instance[i]], b->triangle[i]};
+        const thing t = {&j->raster->visible[b->instance[i]], b->triangle[i]};
         if (sure || lane_hit(j, at, &t)) lane_offer(j, at, &t, low, high);
     }
 }
@@ -383,7 +381,7 @@ static vbits draw_thin(daft_tile_job *j, const daft_pencil_batch *b, vbits some)
 static void fetch_doubted(const daft_projected *from, daft_hits *h)
 {
     for (uint32_t i = 0; i < h->doubted_count; i++) {
-        const daft_trimesh *mesh = from->seen->mesh;
+        const daft_trimesh *mesh = from->view->mesh;
         const uint32_t *corner = &mesh->indices[3 * (size_t)from->triangle[h->doubted[i]]];
         for (int k = 0; k < 3; k++)
             __builtin_prefetch(&mesh->x[corner[k]]), __builtin_prefetch(&mesh->y[corner[k]]), __builtin_prefetch(&mesh->z[corner[k]]);
@@ -403,15 +401,15 @@ DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_projected
         uint32_t hit = h->place[k], at = hit & (DAFT_HIT_UNSURE - 1), number = hit >> DAFT_HIT_TRIANGLE;
         float low = h->low[k], high = exact ? h->high[k] : low;
         if (high < j->w_low[at]) continue;
-        const daft_seen *seen = from->seen;
+        const daft_view_instance *view = from->view;
         bool sure = !exact || !(hit & DAFT_HIT_UNSURE);
         j->stale[at / DAFT_TILE_STRIDE / DAFT_CELL] |= 1u << at % DAFT_TILE_STRIDE / DAFT_CELL;
         if (__builtin_expect(sure && low > j->w_high[at], 1)) {
             j->w_low[at] = low, j->w_high[at] = high;
-            instance[at] = seen->index, triangle[at] = from->triangle[number];
+            instance[at] = view->index, triangle[at] = from->triangle[number];
             continue;
         }
-        const thing t = {seen, from->triangle[number]};
+        const thing t = {view, from->triangle[number]};
         look_closely_at(j, (int)at, &t, sure, low, high);
     }
 }
@@ -437,11 +435,11 @@ void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
 
 /* |error(discriminant)| <= 32u·(|c| + r)², from a projection that is off by a few u·|c| and is squared. Its root is then off
  * by less than 2·error / max(root, sqrt(error)); z by that and a few u of the sphere's reach. */
-void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_seen *seen, int x0, int x1, int y0, int y1)
+void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_view_instance *view, int x0, int x1, int y0, int y1)
 {
-    const thing t = {seen, 0};
-    const float *c = seen->to_camera.t;
-    float radius = seen->instance->radius, focal = j->raster->pencil.focal;
+    const thing t = {view, 0};
+    const float *c = view->to_view.t;
+    float radius = view->instance->radius, focal = j->raster->pencil.focal;
     float reach = sqrtf(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + radius, limit = 32 * UNIT * reach * reach + TINY;
     vf vx = vf_set(c[0]), vy = vf_set(c[1]), vz = vf_set(c[2]), vfocal = vf_set(focal), doubt = vf_set(limit), one = vf_set(1);
     vf r2 = vf_set(radius * radius), root_doubt = vf_set(sqrtf(limit)), rounding = vf_set(reach * SPHERE_ROUNDING);

@@ -1,7 +1,7 @@
 /* The shadow pencil's points where few of them lie behind a node: by themselves, each a ray in the mesh's own space. See
  * occluder_kernel.c. */
 #include "math/simd/ops.h"
-#include "render/occluder.h"
+#include "raster/samples/setup.h"
 
 enum {
     FEW_POINTS = 64, /* at a time */
@@ -14,26 +14,26 @@ typedef struct few_points {
     uint64_t live; /* those that are still lit */
     _Alignas(64) float u[FEW_POINTS + DAFT_VL], v[FEW_POINTS + DAFT_VL], depth[FEW_POINTS + DAFT_VL];
     _Alignas(64) float from[3][FEW_POINTS + DAFT_VL], inverse[3][FEW_POINTS + DAFT_VL]; /* object space: places, and one over
-                                                                                       * the ways to the lamp */
+                                                                                       * the rays to the light */
     bool alike;                /* along each axis all ways go up, or all down: */
     uint32_t first[3], last[3]; /* the rows of a node's bounds that they meet first and last; where not, any way round */
     float first_pad[3], last_pad[3]; /* what is added to these rows */
     uint32_t at[FEW_POINTS + DAFT_VL]; /* among the blocks' */
 } few_points;
 
-/* Places in light space become such in object space, and their ways to the lamp are set. */
-static void few_ways(const mesh_caster *m, few_points *f)
+/* Places in view space become such in object space, and their rays to the light are set. */
+static void few_rays(const mesh_occluder *m, few_points *f)
 {
-    const float *b = m->back.m, *t = m->back.t, away = m->c.light->away;
+    const float *b = m->back.m, *t = m->back.t, away = m->c.view->pencil.away;
     vbits up[3] = {0}, down[3] = {0};
     for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
         vf x = vf_load(&f->from[0][i]), y = vf_load(&f->from[1][i]), z = vf_load(&f->depth[i]);
         for (int k = 0; k < 3; k++) {
             vf across = vf_set(b[3 * k]) * x + vf_set(b[3 * k + 1]) * y;
-            vf way = m->c.light->sun ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(away)));
+            vf way = m->c.view->pencil.parallel ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(away)));
             vf_store(&f->from[k][i], across + vf_set(b[3 * k + 2]) * z + vf_set(t[k]));
-            vf_store(&f->inverse[k][i], way_inverse(way));
-            vbits some = vbits_first_n((int)(f->count - i)), falls = vbits_from_mask(vf_lt(way_inverse(way), vf_set(0)));
+            vf_store(&f->inverse[k][i], inverse_of(way));
+            vbits some = vbits_first_n((int)(f->count - i)), falls = vbits_from_mask(vf_lt(inverse_of(way), vf_set(0)));
             down[k] |= falls & some, up[k] |= ~falls & some;
         }
     }
@@ -75,9 +75,9 @@ DAFT_INLINE vf edges_at(const lanes *t, int k, vf3 d)
 }
 
 /* Whether one of the triangles hides the point: hide_points, with triangles for lanes. */
-static bool point_hidden(const mesh_caster *m, const lanes *t, const leaf *const *leaves, vbits triangles, uint32_t at)
+static bool point_hidden(const mesh_occluder *m, const lanes *t, const leaf *const *leaves, vbits triangles, uint32_t at)
 {
-    const caster *c = &m->c;
+    const occluder *c = &m->c;
     const shadow_points *p = c->points;
     const vf3 d = {vf_set(p->x[at]), vf_set(p->y[at]), vf_set(p->z[at])};
     vf e0 = edges_at(t, 0, d), e1 = edges_at(t, 1, d), e2 = edges_at(t, 2, d);
@@ -92,7 +92,7 @@ static bool point_hidden(const mesh_caster *m, const lanes *t, const leaf *const
     vf inverse = vf_set(1) / (e0 + e1 + e2);
     vf depth = (e0 * vf_load(t->depth[0]) + e1 * vf_load(t->depth[1]) + e2 * vf_load(t->depth[2])) * inverse;
     vf error = vf_abs(vf_load(t->slack) * inverse) + rounding;
-    vf behind = c->light->sun ? vf_set(-INFINITY) : rounding - vf_set(c->light->away * (1 - 0x1p-20f));
+    vf behind = c->view->pencil.parallel ? vf_set(-INFINITY) : rounding - vf_set(c->view->pencil.away * (1 - 0x1p-20f));
     if (vbits_from_mask(vm_and(sure, vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)))) & side) return true;
     if (on && (c->convex || (c->flat && p->own[at] != DAFT_NO_TRIANGLE))) return false;
     for (vbits doubt = side & vbits_from_mask(vf_lt(depth - error, limit)); doubt; doubt &= doubt - 1) {
@@ -102,7 +102,7 @@ static bool point_hidden(const mesh_caster *m, const lanes *t, const leaf *const
     return false;
 }
 
-static void few_darken(const mesh_caster *m, few_points *f, uint32_t i)
+static void few_darken(const mesh_occluder *m, few_points *f, uint32_t i)
 {
     shadow_points *p = m->c.points;
     f->live &= ~((uint64_t)1 << i);
@@ -111,7 +111,7 @@ static void few_darken(const mesh_caster *m, few_points *f, uint32_t i)
 }
 
 /* Which points lie behind which triangles' boxes is found first, so that no branch hangs on it. */
-static void few_test(const mesh_caster *m, few_points *f, const leaf *const *leaves, uint32_t blocks)
+static void few_test(const mesh_occluder *m, few_points *f, const leaf *const *leaves, uint32_t blocks)
 {
     lanes t;
     uint32_t count = 0, point[FEW_POINTS + 1];
@@ -141,7 +141,7 @@ typedef struct few_entry {
     uint64_t behind;
 } few_entry;
 
-static void few_flush(const mesh_caster *m, const few_entry *ends, uint32_t count, few_points *f)
+static void few_flush(const mesh_occluder *m, const few_entry *ends, uint32_t count, few_points *f)
 {
     leaf list[(FEW_LEAVES + DAFT_WIDTH) * DAFT_MAX_LEAF_BLOCKS];
     uint32_t blocks = 0;
@@ -156,10 +156,10 @@ static void few_flush(const mesh_caster *m, const few_entry *ends, uint32_t coun
     }
 }
 
-/* Which of the points' ways to the lamp meet which of a node's children, in `met` as bits for each point: few points cost less so than
- * boxes seen from the lamp. Gives the bits of the children that some meet. Where all ways go up an axis, or all down, it is known which
+/* Which of the points' rays to the light meet which of a node's children, in `met` as bits for each point: few points cost less so than
+ * boxes seen from the light. Gives the bits of the children that some meet. Where all ways go up an axis, or all down, it is known which
  * side of a box they come to first; of an empty box that is infinitely far. */
-DAFT_INLINE uint32_t children_met(const mesh_caster *m, const daft_node *node, const few_points *f, uint64_t from, uint8_t *met)
+DAFT_INLINE uint32_t children_met(const mesh_occluder *m, const daft_node *node, const few_points *f, uint64_t from, uint8_t *met)
 {
     uint32_t any = 0;
     v8 first[3], last[3];
@@ -169,7 +169,7 @@ DAFT_INLINE uint32_t children_met(const mesh_caster *m, const daft_node *node, c
     }
     for (uint64_t left = from; left; left &= left - 1) {
         uint32_t i = (uint32_t)__builtin_ctzll(left);
-        v8 near = v8_set(0), far = v8_set(m->c.light->sun ? INFINITY : 1.00001f);
+        v8 near = v8_set(0), far = v8_set(m->c.view->pencil.parallel ? INFINITY : 1.00001f);
         for (int k = 0; k < 3; k++) {
             v8 at = v8_set(f->from[k][i]), inverse = v8_set(f->inverse[k][i]);
             v8 a = (first[k] - at) * inverse, b = (last[k] - at) * inverse;
@@ -183,7 +183,7 @@ DAFT_INLINE uint32_t children_met(const mesh_caster *m, const daft_node *node, c
 }
 
 /* A node's children that some of the points lie behind: nodes go on the stack, leaves to the list. No branch hangs on which. */
-DAFT_INLINE void few_children(const mesh_caster *m, const few_entry *at, const few_points *f, few_entry *stack, int *top,
+DAFT_INLINE void few_children(const mesh_occluder *m, const few_entry *at, const few_points *f, few_entry *stack, int *top,
                               few_entry *leaves, uint32_t *leaf_count)
 {
     const daft_node *node = &m->c.instance->bvh->nodes.items[at->node];
@@ -197,7 +197,7 @@ DAFT_INLINE void few_children(const mesh_caster *m, const few_entry *at, const f
     }
 }
 
-static void few_walk(const mesh_caster *m, uint32_t root, few_points *f)
+static void few_walk(const mesh_occluder *m, uint32_t root, few_points *f)
 {
     const daft_bvh *bvh = m->c.instance->bvh;
     few_entry stack[DAFT_STACK], ends[FEW_LEAVES + DAFT_WIDTH];
@@ -217,16 +217,16 @@ static void few_walk(const mesh_caster *m, uint32_t root, few_points *f)
 }
 
 /* Those that are added so far. */
-static void few_cast(const mesh_caster *m, uint32_t child, few_points *f)
+static void few_cast(const mesh_occluder *m, uint32_t child, few_points *f)
 {
     if (!f->count) return;
     f->live = ~(uint64_t)0 >> (FEW_POINTS - f->count);
-    few_ways(m, f);
+    few_rays(m, f);
     few_walk(m, child, f);
     f->count = 0;
 }
 
-void DAFT_KERNEL(daft_few_shadow)(const mesh_caster *m, uint32_t child, const block_points *points, uint32_t count)
+void DAFT_KERNEL(daft_few_shadow)(const mesh_occluder *m, uint32_t child, const block_points *points, uint32_t count)
 {
     few_points few;
     few.count = 0;

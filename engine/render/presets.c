@@ -1,13 +1,15 @@
-#include "cost/cost.h"
+/* The quality presets, and the names of qualities, intersections and accelerators. */
+#include "render/render.h"
 
 #include <string.h>
 
 /* Half a step of 8-bit sRGB is 1/3300 of white. */
 static const daft_preset PRESETS[] = {
-    [DAFT_QUALITY_DRAFT] = {"draft", 1, 0, 6, 1.0f / 256, false, false},
-    [DAFT_QUALITY_GAME] = {"game", 1, 2, 12, 1.0f / 2048, true, false},
-    [DAFT_QUALITY_HIGH] = {"high", 4, 6, 16, 1.0f / 2048, true, false},
-    [DAFT_QUALITY_REFERENCE] = {"reference", 16, 10, 24, 1.0f / 4096, true, true},
+    [DAFT_QUALITY_DRAFT] = {.name = "draft", .samples = 1, .refractions = 6, .min_weight = 1.0f / 256},
+    [DAFT_QUALITY_GAME] = {.name = "game", .samples = 1, .reflections = 2, .refractions = 12, .min_weight = 1.0f / 2048, .shadows = true},
+    [DAFT_QUALITY_HIGH] = {.name = "high", .samples = 4, .reflections = 6, .refractions = 16, .min_weight = 1.0f / 2048, .shadows = true},
+    [DAFT_QUALITY_REFERENCE] = {.name = "reference", .samples = 16, .reflections = 10, .refractions = 24, .min_weight = 1.0f / 4096,
+                                .shadows = true, .reference = true},
 };
 
 const daft_preset *daft_quality_preset(daft_quality quality)

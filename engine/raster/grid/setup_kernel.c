@@ -1,13 +1,10 @@
 /* Triangles set up for a tile, DAFT_VL at a time: moved to camera space, projected, dropped when their screen box holds no
  * pixel's ray or an edge has all of it on its outer side; then the planes of their edges and of their inverse depth.
  *
- * Edge functions. The plane of the origin and an edge a, b has the normal n = (a - b) × (a + b) = 2·a × b; exchanging a and
- * b negates each bit, so neighbours see the same number. e = n·d is positive on the inner side after all three are turned
- * by the sign of det(a, b, c). With u = 2^-24: a - b and a + b round once, each product once, their difference once, so a
- * component of n is off by at most 4u·M with M = |x|·|y'| + |y|·|x'| of its two products; the three products with d and two
- * sums add 3u·|n|·|d|. Together |error(e)| <= 7u·(Mx·|dx| + My·|dy| + Mz·|dz|) to first order. n is then divided by
- * that bound, which adds one more u, so that e is sure beyond 1 whatever the size of its edge; the bound takes 9u, which
- * covers its own roundings and that its reciprocal is rough, and adds TINY for underflow. Where the numbers overflow, n becomes 0 and nothing is sure.
+ * Edge functions e = n·d (triangles.h) are positive on the inner side after all three are turned by the sign of det(a, b, c).
+ * n is divided by the bound of its error, which adds one more u, so that e is sure beyond 1 whatever the size of its edge; the
+ * bound takes 9u, which covers its own roundings and that its reciprocal is rough, and adds TINY for underflow. Where the
+ * numbers overflow, n becomes 0 and nothing is sure.
  *
  * Depth. The inverse depth w = 1/z is linear over the picture: with the triangle's normal N, the product of two sides, and
  * D = N·a, w·focal = N·d / D. N is off by 4u·M as above, N·d by 3u more, D by 3u·Σ M·|a| and the quotients by 2u each; so
@@ -15,7 +12,7 @@
  * more than 2^-12 of w itself (a floor under the camera) N and D are taken in double, and what is left is the rounding of w's
  * own three terms. The sides are the shorter two: of a sliver's longer two M is as much larger than N as it is longer than wide. */
 #include "math/exact.h"
-#include "raster/blocks.h"
+#include "raster/grid/grid.h"
 
 /* ---- projection ---- */
 
@@ -38,14 +35,13 @@ DAFT_INLINE vm pixel_span(vf low, vf high, float last, vf *first, vf *end)
     return vm_and(vf_le(zero, b), vf_le(*first, *end));
 }
 
-DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const daft_block **blocks, lanes *l)
+DAFT_INLINE void project(const daft_tile_job *job, const daft_view_instance *view, const daft_block *const *blocks, lanes *l)
 {
     vf zero = vf_set(0), focal = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
     vf left = vf_set(job->left), top = vf_set(job->top);
     vf x0 = inf, x1 = -inf, y0 = inf, y1 = -inf, least = inf, most = -inf;
     for (int k = 0; k < 3; k++) {
-        vf3 p = {blocks_load(blocks, k, 0), blocks_load(blocks, k, 1), blocks_load(blocks, k, 2)};
-        vf3 c = l->corner[k] = move(&seen->to_camera, p);
+        vf3 c = l->corner[k] = blocks_corner(&view->to_view, blocks, k);
         vf scale = focal / c.z;
         vf x = c.x * scale - left, y = top - c.y * scale;
         x0 = vf_min(x, x0), x1 = vf_max(x, x1), y0 = vf_min(y, y0), y1 = vf_max(y, y1);
@@ -61,13 +57,13 @@ DAFT_INLINE void project(const daft_tile_job *job, const daft_seen *seen, const 
     l->some = vbits_from_mask(some);
 }
 
-void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *seen, const daft_block *block,
+void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_view_instance *view, const daft_block *block,
                                    daft_screen_box *out)
 {
     const daft_block *blocks[DAFT_BATCH_BLOCKS];
     lanes l;
     for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) blocks[i] = block;
-    project(job, seen, blocks, &l);
+    project(job, view, blocks, &l);
     for (uint32_t i = 0; i < DAFT_BLOCK; i++) {
         daft_screen_box box = {(int16_t)l.x0[i], (int16_t)l.x1[i], (int16_t)l.y0[i], (int16_t)l.y1[i]};
         if (block->triangle[i] == DAFT_NO_TRIANGLE) continue;
@@ -76,18 +72,6 @@ void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *se
 }
 
 /* ---- edges ---- */
-
-typedef struct edge {
-    vf3 n;
-    vf mx, my, mz; /* the M of the bound */
-} edge;
-
-DAFT_INLINE edge edge_setup(vf3 a, vf3 b)
-{
-    vf3 e = {a.x - b.x, a.y - b.y, a.z - b.z}, s = {a.x + b.x, a.y + b.y, a.z + b.z};
-    vf yz = e.y * s.z, zy = e.z * s.y, zx = e.z * s.x, xz = e.x * s.z, xy = e.x * s.y, yx = e.y * s.x;
-    return (edge){{yz - zy, zx - xz, xy - yx}, vf_abs(yz) + vf_abs(zy), vf_abs(zx) + vf_abs(xz), vf_abs(xy) + vf_abs(yx)};
-}
 
 /* The same without a bound. (a × b as it stands takes six operations less, cancels in far triangles, and loses their hits.) */
 DAFT_INLINE edge edge_setup_fast(vf3 a, vf3 b)
@@ -99,10 +83,10 @@ DAFT_INLINE edge edge_setup_fast(vf3 a, vf3 b)
 
 DAFT_INLINE vf edge_bound(const edge *e, vf dx, vf dy, vf dz)
 {
-    return vf_set(9 * UNIT) * (e->mx * dx + e->my * dy + e->mz * dz) + vf_set(TINY);
+    return vf_set(9 * UNIT) * edge_size(e, dx, dy, dz) + vf_set(TINY);
 }
 
-/* What daft_seen_corners gives, without a way to the mesh. */
+/* What daft_view_corners gives, without a way to the mesh. */
 static void lane_corners(const lanes *l, int i, daft_vec3 corner[3])
 {
     for (int k = 0; k < 3; k++) corner[k] = daft_v3(l->corner[k].x[i], l->corner[k].y[i], l->corner[k].z[i]);
@@ -132,9 +116,10 @@ DAFT_INLINE vi facing(bool exact, const edge *e, const lanes *l, vbits *live)
 DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_batch *b, const lanes *l, vbits *live)
 {
     edge e[3];
-    for (int k = 0; k < 3; k++)
-        e[k] = exact ? edge_setup(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3])
-                     : edge_setup_fast(l->corner[(k + 1) % 3], l->corner[(k + 2) % 3]);
+    for (int k = 0; k < 3; k++) {
+        vf3 p = l->corner[(k + 1) % 3], q = l->corner[(k + 2) % 3];
+        e[k] = exact ? edge_setup(p, q, p.z - q.z) : edge_setup_fast(p, q);
+    }
     vi sign = facing(exact, e, l, live);
     vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), dz = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
     vf x0 = vf_set(job->left) + l->x0, x1 = vf_set(job->left) + l->x1, y0 = vf_set(job->top) - l->y1, y1 = vf_set(job->top) - l->y0;
@@ -257,24 +242,24 @@ DAFT_INLINE vbits small(const lanes *l)
     return vbits_from_mask(vm_and(vf_le(l->x1 - l->x0, two), vf_le(l->y1 - l->y0, two)));
 }
 
-bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
+bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count,
                                     daft_waiting *waiting, daft_pencil_batch *batch)
 {
     lanes l;
     vi triangle;
     const daft_block *all[DAFT_BATCH_BLOCKS];
-    blocks_at(seen, blocks, count, all);
+    blocks_at(view, blocks, count, all);
     triangle = blocks_triangles(all);
     vbits used = ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first_n((int)(count * DAFT_BLOCK));
-    project(job, seen, all, &l);
+    project(job, view, all, &l);
     job->counters->tested += (uint64_t)__builtin_popcount(used);
     used &= l.some;
     if (!used) return false;
     if (__builtin_popcount(used) <= DAFT_VL / 2 && !(used & ~small(&l))) {
-        keep_few(waiting, &l, used, seen->index, triangle);
+        keep_few(waiting, &l, used, view->index, triangle);
         return false;
     }
-    vi_store(batch->instance, vi_set((int32_t)seen->index));
+    vi_store(batch->instance, vi_set((int32_t)view->index));
     vi_store(batch->triangle, triangle);
     return set_up(job, &l, used, batch);
 }

@@ -15,7 +15,7 @@
  * their sum by as much again, the mean is off by less than 4D·(the largest 1/z - the least)/sum, and by 16u of the largest from
  * roundings. */
 #include "math/simd/ops.h"
-#include "raster/blocks.h"
+#include "raster/grid/grid.h"
 
 /* The pixels within low..high and the slack, or but for a part in 2^12 there; none: end is below first, which is no larger than `most`. */
 DAFT_INLINE void pixel_range(vf low, vf high, float last, float most, vi *first, vi *end)
@@ -40,10 +40,10 @@ typedef struct lens {
     bool closely; /* no triangle counts as small */
 } lens;
 
-DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_seen *seen)
+DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_view_instance *view)
 {
     bool closely = job->raster->pencil.intersection == DAFT_INTERSECT_WATERTIGHT;
-    return (lens){seen->to_camera, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, daft_tile_reach(job), closely};
+    return (lens){view->to_view, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, daft_tile_reach(job), closely};
 }
 
 /* D of the above, times a power of two; reach: a lens's. */
@@ -70,7 +70,7 @@ typedef struct box {
 
 DAFT_INLINE vi box_bytes(const box *b) { return b->x0 | b->x1 << 8 | b->y0 << 16 | b->y1 << 24; }
 
-/* The lanes of triangles that may be seen; of all of them the pixels, and which are small. */
+/* The lanes of triangles that may be view; of all of them the pixels, and which are small. */
 DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], const vf3 *corner, box *b, vbits *little)
 {
     vf zero = vf_set(0), x[3], y[3];
@@ -111,26 +111,26 @@ DAFT_INLINE void add_large(daft_waiting *out, const vf3 corner[3], vi pixels, ui
     waiting_add(out, corner, pixels, nearest, instance, triangle, lanes);
 }
 
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count, daft_waiting *out)
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count, daft_waiting *out)
 {
-    const lens v = lens_of(job, seen);
+    const lens v = lens_of(job, view);
     uint32_t tested = 0, n = out->projected.count;
     for (uint32_t i = 0; i < count; i += DAFT_BATCH_BLOCKS) {
         const daft_block *all[DAFT_BATCH_BLOCKS];
         uint32_t some = daft_min_u(count - i, DAFT_BATCH_BLOCKS);
-        blocks_at(seen, &blocks[i], some, all);
+        blocks_at(view, &blocks[i], some, all);
         vi triangle = blocks_triangles(all);
         box pixels;
         vf3 corner[3];
         spot at[3];
         for (int k = 0; k < 3; k++) {
-            corner[k] = move(&v.map, (vf3){blocks_load(all, k, 0), blocks_load(all, k, 1), blocks_load(all, k, 2)});
+            corner[k] = blocks_corner(&v.map, all, k);
             at[k] = spot_of(&v, &corner[k]);
         }
         vbits there = ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first_n((int)(some * DAFT_BLOCK)), little;
         vbits lanes = there & may_be_seen(&v, at, corner, &pixels, &little);
         n = add_small(&out->projected, n, at, triangle, lanes & little);
-        if (lanes & ~little) add_large(out, corner, box_bytes(&pixels), seen->index, triangle, lanes & ~little);
+        if (lanes & ~little) add_large(out, corner, box_bytes(&pixels), view->index, triangle, lanes & ~little);
         tested += (uint32_t)__builtin_popcount(there);
     }
     out->projected.count = n;
@@ -219,7 +219,7 @@ static __attribute__((noinline)) void add_doubted(const daft_projected *from, co
 {
     for (; lanes && out->doubted_count < DAFT_DOUBTED; lanes &= lanes - 1) {
         uint32_t number = (uint32_t)place[__builtin_ctz(lanes)] >> DAFT_HIT_TRIANGLE;
-        __builtin_prefetch(&from->seen->mesh->indices[3 * (size_t)from->triangle[number]]);
+        __builtin_prefetch(&from->view->mesh->indices[3 * (size_t)from->triangle[number]]);
         out->doubted[out->doubted_count++] = number;
     }
 }

@@ -1,6 +1,19 @@
-/* What the pencil's kernels share: a tile at work and a batch of triangles that are set up for it. raster.c picks. */
-#ifndef DAFT_RASTER_KERNELS_H
-#define DAFT_RASTER_KERNELS_H
+/* raster/grid: a tile's pixels against triangles and spheres, for the nearest hit of each ray.
+ *
+ *     tile_kernel.c       instances of the tile, front to back, into its pixels; the kernel table
+ *     instances_kernel.c  instances to screen boxes, a register of them at a time
+ *     nodes_kernel.c      an instance's tree against the tile, by screen boxes of nodes, down to blocks of triangles
+ *     setup_kernel.c      blocks to planes of edges and of inverse depth
+ *     coverage_kernel.c   set-up triangles to pixels: large ones by windows, slivers by rows; spheres; depth intervals
+ *     small_kernel.c      triangles of two pixels a side in dense meshes, without planes
+ *     hidden.h            whether pixels see something nearer already
+ *
+ * A stage reads the job and what the stage before wrote, and writes its own batch: blocks, daft_projected, daft_waiting,
+ * daft_pencil_batch, daft_hits. All of them lie in one daft_grid_scratch for each worker.
+ *
+ * Public headers: grid.h */
+#ifndef DAFT_GRID_H
+#define DAFT_GRID_H
 
 #include "math/simd/dispatch.h"
 #include "raster/raster.h"
@@ -8,12 +21,11 @@
 DAFT_KERNEL_DECLARE(daft_raster_kernels, daft_raster);
 
 #ifdef DAFT_ISA
-#include "math/simd/ops.h"
+#include "raster/triangles.h"
 
 enum {
     DAFT_WINDOW_W = 4, /* pixels of a SIMD register */
     DAFT_WINDOW_H = DAFT_VL / DAFT_WINDOW_W,
-    DAFT_BATCH_BLOCKS = DAFT_VL / DAFT_BLOCK,
     DAFT_CELL = 4, /* pixels a side of the parts of a tile for which the farthest is kept */
     DAFT_CELLS_X = DAFT_TILE / DAFT_CELL
 };
@@ -43,7 +55,7 @@ enum { DAFT_WAITING_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK 
 /* Small triangles of one instance in the picture whose boxes hold rays; scale: the focal length over z. */
 typedef struct daft_projected {
     uint32_t count;
-    const daft_seen *seen;
+    const daft_view_instance *view;
     float x[3][DAFT_WAITING_ROOM], y[3][DAFT_WAITING_ROOM], scale[3][DAFT_WAITING_ROOM];
     uint32_t triangle[DAFT_WAITING_ROOM];
 } daft_projected;
@@ -68,6 +80,12 @@ typedef struct daft_waiting {
     daft_hits hits;
 } daft_waiting;
 
+/* A worker's: nothing of it outlives a tile. */
+typedef struct daft_grid_scratch {
+    daft_tile_job job;
+    daft_waiting waiting;
+} daft_grid_scratch;
+
 /* Up to DAFT_VL triangles, set up. Edge k is opposite corner k. */
 typedef struct daft_pencil_batch {
     vbits live;                                           /* lanes that may be hit */
@@ -78,33 +96,55 @@ typedef struct daft_pencil_batch {
     uint32_t instance[DAFT_VL], triangle[DAFT_VL];
 } daft_pencil_batch;
 
-/* project_kernel.c: blocks of one instance, by number. Those whose boxes are of two pixels a side at most are projected, others
+/* small_kernel.c: blocks of one instance, by number. Those whose boxes are of two pixels a side at most are projected, others
  * wait. */
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count, daft_waiting *out);
-/* No less than the R of project_kernel.c, but for twice a triangle's extent. */
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count, daft_waiting *out);
+/* No less than the R of small_kernel.c, but for twice a triangle's extent. */
 DAFT_INLINE float daft_tile_reach(const daft_tile_job *job) { return (job->max_dx > job->max_dy ? job->max_dx : job->max_dy) + 2 * DAFT_TILE; }
 /* The pixels of those projected. */
 void DAFT_KERNEL(daft_projected_hits)(const daft_tile_job *job, const daft_projected *from, daft_hits *out);
 /* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks. True: many or large ones of them may be seen and make a batch. False: few, and those wait. */
-bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_seen *seen, const uint32_t *blocks, uint32_t count,
+bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count,
                                     daft_waiting *waiting, daft_pencil_batch *batch);
 /* A batch from the last of those waiting. False: nothing of them is to be drawn. */
 bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *from, daft_pencil_batch *batch);
 /* The candidate boxes of one block's triangles, by the triangles' numbers. */
-void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_seen *seen, const daft_block *block,
+void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_view_instance *view, const daft_block *block,
                                    daft_screen_box *out);
-/* seen_kernel.c: daft_raster_kernels.seen. */
-void DAFT_KERNEL(daft_seen_group)(const daft_raster *raster, uint32_t first);
-/* walk_kernel.c: what of a mesh is in the tile, and not hidden; some small triangles of it may be left waiting. */
-void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_seen *seen, daft_waiting *waiting);
+/* seen_kernel.c: daft_raster_kernels.view. */
+void DAFT_KERNEL(daft_instances_project)(const daft_raster *raster, uint32_t first);
+/* nodes_kernel.c: what of a mesh is in the tile, and not hidden; some small triangles of it may be left waiting. */
+void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_view_instance *view, daft_waiting *waiting);
 void DAFT_KERNEL(daft_waiting_draw)(daft_tile_job *job, daft_waiting *waiting);
 /* Whether the pixels x0..x1, y0..y1 of the tile all see something whose w is above `nearest`. */
 bool DAFT_KERNEL(daft_pixels_hidden)(daft_tile_job *job, int x0, int x1, int y0, int y1, float nearest);
-/* draw_kernel.c: draws these, and none of them are left. */
+/* coverage_kernel.c: draws these, and none of them are left. */
 void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, daft_projected *from, daft_hits *hits);
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
 /* The pixels x0..x1, y0..y1 of the tile against a sphere. */
-void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_seen *seen, int x0, int x1, int y0, int y1);
+void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_view_instance *view, int x0, int x1, int y0, int y1);
+
+/* Blocks by number; nothing is computed from what is not there. */
+DAFT_INLINE void blocks_at(const daft_view_instance *view, const uint32_t *blocks, uint32_t count, const daft_block *out[DAFT_BATCH_BLOCKS])
+{
+    for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) out[i] = &view->bvh->blocks[blocks[i < count ? i : 0]];
+}
+
+/* Adds those of `some`. */
+DAFT_INLINE void waiting_add(daft_waiting *out, const vf3 corner[3], vi pixels, vf nearest, uint32_t instance, vi triangle, vbits some)
+{
+    uint32_t at = out->count;
+    for (int k = 0; k < 3; k++) {
+        vf_compress_store(&out->corner[3 * k][at], some, corner[k].x);
+        vf_compress_store(&out->corner[3 * k + 1][at], some, corner[k].y);
+        vf_compress_store(&out->corner[3 * k + 2][at], some, corner[k].z);
+    }
+    vi_compress_store(&out->pixels[at], some, pixels);
+    vf_compress_store(&out->nearest[at], some, nearest);
+    vi_compress_store(&out->triangle[at], some, triangle);
+    vi_store(&out->instance[at], vi_set((int32_t)instance));
+    out->count += (uint32_t)__builtin_popcount(some);
+}
 
 /* A screen box is widened by this many pixels: over the error of three roundings of coordinates up to 2^13. */
 #define DAFT_SCREEN_SLACK 0.004f

@@ -1,51 +1,51 @@
-/* Shadow pencils: the rays from a tile's points to one lamp share their far end, so seen from the lamp they are a
+/* Shadow pencils: the rays from a tile's points to one light share their far end, so seen from the light they are a
  * pencil, and the tile's points are its picture.
  *
  *   1. The box around all the rays is taken down the tree over instances. Mostly nothing is there.
- *   2. The points that face the lamp are measured in light space: their extent in its picture.
+ *   2. The points that face the light are measured in view space: their extent in its picture.
  *   3. The tree over instances is walked with that extent. Where it meets few, each is asked which points' rays meet its
  * bound, and only these points are kept. Where it meets many, all points are, and are marked as the walk of step 5 comes to
  * an instance whose bound they lie behind.
- *   4. The points are put into blocks of 16 (shadow_points_kernel.c). The blocks' boxes in the picture are the grid that
- * occluders are looked up in: fine where the points are dense and coarse where they are not, wherever the lamp stands.
- *   5. Each instance is walked down to the triangles before a block (occluder_kernel.c), or met as a sphere
- * (ball_kernel.c).
+ *   4. The points are put into blocks of 16 (blocks_kernel.c). The blocks' boxes in the picture are the grid that
+ * occluders are looked up in: fine where the points are dense and coarse where they are not, wherever the light stands.
+ *   5. Each instance is walked down to the triangles before a block (mesh_kernel.c), or met as a sphere
+ * (sphere_kernel.c).
  *
- * Where no frustum holds the tile's points, because the lamp is among them, they are parted among the six faces of a
+ * Where no frustum holds the tile's points, because the light is among them, they are parted among the six faces of a
  * cube around it, and each face is a pencil. */
-#include "render/shadow.h"
+#include "raster/samples/samples.h"
 
 #define TINY  1e-36f
 
 enum {
-    FEW_CASTERS = 8, /* each is asked which points are under it, before blocks are made */
-    FEW_LOOKS = 64   /* nodes and things are looked at; who has not found out by then whether they are few takes them for many */
+    FEW_OCCLUDERS = 8, /* each is asked which points are under it, before blocks are made */
+    FEW_LOOKS = 64   /* nodes and instances are looked at; who has not found out by then whether they are few takes them for many */
 };
 
-/* To sort the points of a large patch takes as long as some tests of it. Among many things it would be met by too many. */
+/* To sort the points of a large patch takes as long as some tests of it. Among many instances it would be met by too many. */
 #define STRAY_OF_FEW  6.0f
 #define STRAY_OF_MANY 2.0f
 
-/* A tile's points and one lamp. */
+/* A tile's points and one light. */
 typedef struct cast {
-    const daft_batch *batch;
-    const daft_lamp *lamp;
+    const daft_samples *samples;
+    const daft_apex *light;
     const daft_tlas *tlas;
-    uint32_t flag, only;     /* of the casters; the only one, or DAFT_NOTHING */
+    uint32_t flag, only;     /* of the occluders; the only one, or DAFT_NOTHING */
     const uint32_t *asked; /* bits of the points */
-    light light;
-    picture_map view; /* frame space to light space */
+    light_view view;
+    picture_map frame_map; /* frame space to view space */
     daft_vec3 low, high; /* of the points, in frame space */
-    bool ways_known;
-    uint32_t sole; /* the instance that all the points lie on, on the side that faces the lamp; or DAFT_NOTHING */
-    uint32_t caster_count; /* beyond DAFT_MAX_CASTERS: more than are remembered */
+    bool inverses_known;
+    uint32_t sole; /* the instance that all the points lie on, on the side that faces the light; or DAFT_NOTHING */
+    uint32_t occluder_count; /* beyond DAFT_MAX_OCCLUDERS: more than are remembered */
     struct {
         uint32_t number;
         picture_box box;
-    } caster[DAFT_MAX_CASTERS];
-    uint32_t under[DAFT_BATCH_WORDS];
-    daft_lanes3 way; /* one over the rays' directions */
-    uint32_t own[DAFT_BATCH_ROOM];
+    } occluder[DAFT_MAX_OCCLUDERS];
+    uint32_t under[DAFT_SAMPLES_WORDS];
+    float inverse[3][DAFT_SAMPLES_ROOM]; /* one over the rays' directions */
+    uint32_t own[DAFT_SAMPLES_ROOM];
 } cast;
 
 DAFT_INLINE vbits bits_at(const uint32_t *bits, uint32_t i)
@@ -53,7 +53,7 @@ DAFT_INLINE vbits bits_at(const uint32_t *bits, uint32_t i)
     return bits[i / 32] >> (i % 32) & DAFT_ALL_LANES;
 }
 
-DAFT_INLINE vf3 load3(const daft_lanes3 *a, uint32_t i)
+DAFT_INLINE vf3 load3(const daft_points3 *a, uint32_t i)
 {
     return (vf3){vf_load(&a->x[i]), vf_load(&a->y[i]), vf_load(&a->z[i])};
 }
@@ -63,21 +63,19 @@ DAFT_INLINE vf3 minus(vf3 a, daft_vec3 b)
     return (vf3){a.x - vf_set(b.x), a.y - vf_set(b.y), a.z - vf_set(b.z)};
 }
 
-/* ---- light space ---- */
+/* ---- view space ---- */
 
-static void light_axes(light *l, daft_vec3 z)
+static void set_axes(daft_pencil *view, daft_vec3 z)
 {
     daft_vec3 least = fabsf(z.y) < 0.7f ? daft_v3(0, 1, 0) : daft_v3(1, 0, 0);
-    daft_vec3 x = daft_normalize(daft_cross(z, least)), y = daft_cross(x, z), o = l->origin;
-    l->map = (daft_affine){{x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z},
-                           {-daft_dot(x, o), -daft_dot(y, o), -daft_dot(z, o)}};
+    view->right = daft_normalize(daft_cross(z, least)), view->up = daft_cross(view->right, z), view->forward = z;
 }
 
 /* DAFT_VL asked points from i on; in place of the others, `stand_in`, which is one of the asked. */
-DAFT_INLINE vf3 asked_points(const daft_batch *b, vbits in, uint32_t i, daft_vec3 stand_in)
+DAFT_INLINE vf3 asked_points(const daft_samples *b, vbits in, uint32_t i, daft_vec3 stand_in)
 {
     vm used = vm_from_bits(in);
-    vf3 p = load3(&b->lifted, i);
+    vf3 p = load3(&b->origin, i);
     return (vf3){vf_if_then_else(used, p.x, vf_set(stand_in.x)), vf_if_then_else(used, p.y, vf_set(stand_in.y)),
                  vf_if_then_else(used, p.z, vf_set(stand_in.z))};
 }
@@ -90,11 +88,10 @@ static uint32_t first_of(const uint32_t *bits)
     return word * 32 + (uint32_t)__builtin_ctz(bits[word]);
 }
 
-static daft_vec3 first_point(const daft_batch *b, const uint32_t *bits)
+static daft_vec3 first_point(const daft_samples *b, const uint32_t *bits)
 {
     uint32_t i = first_of(bits);
-    const daft_lanes3 *lifted = &b->lifted;
-    return daft_v3(lifted->x[i], lifted->y[i], lifted->z[i]);
+    return daft_v3(b->origin.x[i], b->origin.y[i], b->origin.z[i]);
 }
 
 static float widen(float low, float high)
@@ -102,8 +99,8 @@ static float widen(float low, float high)
     return (high - low) * 1e-5f + (fabsf(low) + fabsf(high)) * 0x1p-20f + TINY;
 }
 
-/* The extent of the points. False: some lie beside or behind the lamp, and no picture plane holds them all. */
-static bool measure(light *l, const daft_batch *b, const uint32_t *bits)
+/* The extent of the points. False: some lie beside or behind the light, and no picture plane holds them all. */
+static bool measure(light_view *l, const daft_samples *b, const uint32_t *bits)
 {
     const vf inf = vf_set(INFINITY);
     const daft_vec3 first = first_point(b, bits);
@@ -111,7 +108,7 @@ static bool measure(light *l, const daft_batch *b, const uint32_t *bits)
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = bits_at(bits, i);
         if (!in) continue;
-        vf3 p = to_light_space(l, asked_points(b, in, i, first));
+        vf3 p = to_view_space(&l->pencil, asked_points(b, in, i, first));
         const picture_place seen = picture_of(l, p);
         lu = vf_min(seen.u, lu), hu = vf_max(seen.u, hu), lv = vf_min(seen.v, lv), hv = vf_max(seen.v, hv);
         ld = vf_min(p.z, ld), hd = vf_max(p.z, hd);
@@ -119,11 +116,11 @@ static bool measure(light *l, const daft_batch *b, const uint32_t *bits)
     }
     l->low_u = vf_reduce_min(lu), l->high_u = vf_reduce_max(hu), l->low_v = vf_reduce_min(lv), l->high_v = vf_reduce_max(hv);
     l->near = vf_reduce_min(ld), l->far = vf_reduce_max(hd), l->max_x = vf_reduce_max(ax), l->max_y = vf_reduce_max(ay);
-    l->max_z = l->sun ? 1 : fmaxf(fabsf(l->near + l->away), fabsf(l->far + l->away));
+    l->max_z = l->pencil.parallel ? 1 : fmaxf(fabsf(l->near + l->pencil.away), fabsf(l->far + l->pencil.away));
     l->slack_u = widen(l->low_u, l->high_u), l->slack_v = widen(l->low_v, l->high_v);
     l->size = l->max_x + l->max_y + fmaxf(fabsf(l->near), fabsf(l->far));
-    if (l->sun) return true;
-    float near = l->near + l->away,
+    if (l->pencil.parallel) return true;
+    float near = l->near + l->pencil.away,
           off = l->size / near * 0x1p-21f; /* coordinates are off by a few 2^-24 of the largest */
     l->slack_u += off, l->slack_v += off;
     return near > 0 && fmaxf(l->max_x, l->max_y) < 8 * near;
@@ -131,36 +128,35 @@ static bool measure(light *l, const daft_batch *b, const uint32_t *bits)
 
 /* ---- which points lie under something's bounds ---- */
 
-DAFT_INLINE vf3 way_to_lamp(const daft_lamp *lamp, vf3 p)
+DAFT_INLINE vf3 direction_to(const daft_apex *light, vf3 p)
 {
-    daft_vec3 l = lamp->sun ? lamp->to_light : lamp->position;
-    vf3 to = {vf_set(l.x), vf_set(l.y), vf_set(l.z)};
-    return lamp->sun ? to : (vf3){to.x - p.x, to.y - p.y, to.z - p.z};
+    vf3 to = {vf_set(light->at.x), vf_set(light->at.y), vf_set(light->at.z)};
+    return light->infinite ? to : (vf3){to.x - p.x, to.y - p.y, to.z - p.z};
 }
 
-static void know_ways(cast *c)
+static void know_inverses(cast *c)
 {
-    const daft_batch *b = c->batch;
+    const daft_samples *b = c->samples;
     const vf one = vf_set(1);
-    if (c->ways_known) return;
+    if (c->inverses_known) return;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
-        vf3 d = way_to_lamp(c->lamp, load3(&b->lifted, i));
-        vf_store(&c->way.x[i], one / d.x), vf_store(&c->way.y[i], one / d.y), vf_store(&c->way.z[i], one / d.z);
+        vf3 d = direction_to(c->light, load3(&b->origin, i));
+        vf_store(&c->inverse[0][i], one / d.x), vf_store(&c->inverse[1][i], one / d.y), vf_store(&c->inverse[2][i], one / d.z);
     }
-    c->ways_known = true;
+    c->inverses_known = true;
 }
 
 static void set_extent(cast *c, daft_vec3 low, daft_vec3 high)
 {
     c->low = low, c->high = high;
     daft_vec3 most = daft_max3(daft_neg(c->low), c->high);
-    c->light.reach = fabsf(most.x) + fabsf(most.y) + fabsf(most.z);
+    c->view.reach = fabsf(most.x) + fabsf(most.y) + fabsf(most.z);
 }
 
-/* The points' extent; which triangles cannot shadow the points that lie on them, and whether all points lie on one thing's. */
-static void know_points(cast *c)
+/* The points' extent; which triangles cannot shadow the points that lie on them, and whether all points lie on one instance's. */
+static void measure_points(cast *c)
 {
-    const daft_batch *b = c->batch;
+    const daft_samples *b = c->samples;
     uint32_t first = first_of(c->asked);
     vbits apart = 0;
     const daft_vec3 stand_in = first_point(b, c->asked);
@@ -170,7 +166,7 @@ static void know_points(cast *c)
         vbits in = bits_at(c->asked, i);
         vi_store(&c->own[i], none);
         if (!in) continue;
-        vm faces = vf_lt(vf_set(0), vf3_dot(load3(&b->outward, i), way_to_lamp(c->lamp, load3(&b->lifted, i))));
+        vm faces = vf_lt(vf_set(0), vf3_dot(load3(&b->outward, i), direction_to(c->light, load3(&b->origin, i))));
         vi own = vi_if_then_else(faces, vi_load(&b->triangle[i]), none);
         vi_store(&c->own[i], own);
         apart |= in & ~(vbits_from_mask(vi_eq(vi_load(&b->instance[i]), one)) & ~vbits_from_mask(vi_eq(own, none)));
@@ -192,21 +188,21 @@ typedef struct bound {
 static bound grown_bound(const cast *c, const daft_instance *s)
 {
     daft_vec3 h = daft_max3(daft_neg(s->low), s->high);
-    float pad = (c->light.reach + fabsf(h.x) + fabsf(h.y) + fabsf(h.z)) * 0x1p-20f;
+    float pad = (c->view.reach + fabsf(h.x) + fabsf(h.y) + fabsf(h.z)) * 0x1p-20f;
     daft_vec3 by = daft_v3(pad, pad, pad);
     return (bound){daft_sub(s->low, by), daft_add(s->high, by)};
 }
 
 /* Whether rays from between the points' corners have left the bound on one axis before they come to it on another. Along
- * an axis they go between `slow` and `fast` of their length, towards the lamp. */
+ * an axis they go between `slow` and `fast` of their length, towards the light. */
 static bool rays_apart(const cast *c, const bound *s)
 {
-    const daft_lamp *lamp = c->lamp;
-    const float *to = lamp->sun ? &lamp->to_light.x : &lamp->position.x;
-    float enter = 0, leave = lamp->sun ? INFINITY : 1;
+    const daft_apex *light = c->light;
+    const float *to = &light->at.x;
+    float enter = 0, leave = light->infinite ? INFINITY : 1;
     for (int k = 0; k < 3; k++) {
         float low = (&c->low.x)[k], high = (&c->high.x)[k], before = (&s->low.x)[k] - high, past = (&s->high.x)[k] - low;
-        float slow = lamp->sun ? to[k] : to[k] - high, fast = lamp->sun ? to[k] : to[k] - low;
+        float slow = light->infinite ? to[k] : to[k] - high, fast = light->infinite ? to[k] : to[k] - low;
         if (fast < 0) { /* the same seen from the other side */
             float other = -slow;
             slow = -fast, fast = other;
@@ -221,17 +217,17 @@ static bool rays_apart(const cast *c, const bound *s)
 /* Whether all the rays stay clear of the bound, as far as the box around them tells. */
 static bool rays_clear(const cast *c, const bound *s)
 {
-    const daft_lamp *lamp = c->lamp;
-    const float *to = lamp->sun ? &lamp->to_light.x : &lamp->position.x, *low = &c->low.x, *high = &c->high.x;
+    const daft_apex *light = c->light;
+    const float *to = &light->at.x, *low = &c->low.x, *high = &c->high.x;
     for (int k = 0; k < 3; k++) {
-        float from = lamp->sun ? (to[k] < 0 ? -INFINITY : low[k]) : fminf(low[k], to[k]);
-        float end = lamp->sun ? (to[k] > 0 ? INFINITY : high[k]) : fmaxf(high[k], to[k]);
+        float from = light->infinite ? (to[k] < 0 ? -INFINITY : low[k]) : fminf(low[k], to[k]);
+        float end = light->infinite ? (to[k] > 0 ? INFINITY : high[k]) : fmaxf(high[k], to[k]);
         if ((&s->high.x)[k] < from || (&s->low.x)[k] > end) return true;
     }
     return rays_apart(c, s);
 }
 
-/* Whether the rays may meet the thing in its bound: neither a convex thing nor a flat one shadows its own points. */
+/* Whether the rays may meet the instance in its bound: neither a convex instance nor a flat one shadows its own points. */
 static bool may_shadow(const cast *c, uint32_t number, bound *box)
 {
     const daft_instance *s = &c->tlas->instances[number];
@@ -262,21 +258,21 @@ DAFT_INLINE void slab_axis(slab *s, vf low, vf high, vf p, vf inverse)
 /* The bits of the DAFT_VL points from i on whose rays meet the bound. */
 DAFT_INLINE vbits rays_meet(const cast *c, const bound *s, uint32_t i)
 {
-    const daft_lanes3 *p = &c->batch->lifted;
-    slab t = {vf_set(0), vf_set(c->lamp->sun ? INFINITY : 1.00001f)};
-    slab_axis(&t, vf_set(s->low.x), vf_set(s->high.x), vf_load(&p->x[i]), vf_load(&c->way.x[i]));
-    slab_axis(&t, vf_set(s->low.y), vf_set(s->high.y), vf_load(&p->y[i]), vf_load(&c->way.y[i]));
-    slab_axis(&t, vf_set(s->low.z), vf_set(s->high.z), vf_load(&p->z[i]), vf_load(&c->way.z[i]));
+    const daft_points3 *p = &c->samples->origin;
+    slab t = {vf_set(0), vf_set(c->light->infinite ? INFINITY : 1.00001f)};
+    slab_axis(&t, vf_set(s->low.x), vf_set(s->high.x), vf_load(&p->x[i]), vf_load(&c->inverse[0][i]));
+    slab_axis(&t, vf_set(s->low.y), vf_set(s->high.y), vf_load(&p->y[i]), vf_load(&c->inverse[1][i]));
+    slab_axis(&t, vf_set(s->low.z), vf_set(s->high.z), vf_load(&p->z[i]), vf_load(&c->inverse[2][i]));
     return vbits_from_mask(vf_le(t.near, t.far));
 }
 
-/* Marks the points whose ray to the lamp meets the bound; gives whether there is one. Neither a convex thing nor a flat one
+/* Marks the points whose ray to the light meets the bound; gives whether there is one. Neither a convex instance nor a flat one
  * shadows its own points. */
 static bool mark_under(cast *c, const bound *box, const daft_instance *s, uint32_t number)
 {
-    const daft_batch *b = c->batch;
+    const daft_samples *b = c->samples;
     bool any = false, convex = s->flags & DAFT_INSTANCE_CONVEX, flat = is_flat(s), all = holds_points(c, box);
-    if (!all) know_ways(c);
+    if (!all) know_inverses(c);
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = bits_at(c->asked, i);
         if (!in) continue;
@@ -291,29 +287,29 @@ static bool mark_under(cast *c, const bound *box, const daft_instance *s, uint32
     return any;
 }
 
-/* Remembers the thing, one of a node's children, if points may lie under it. */
+/* Remembers the instance, one of a node's children, if points may lie under it. */
 static void remember(cast *c, uint32_t number, const node_boxes *boxes, int i)
 {
     bound box;
     if (!may_shadow(c, number, &box)) return;
-    if (c->caster_count < DAFT_MAX_CASTERS) {
-        c->caster[c->caster_count].number = number;
-        c->caster[c->caster_count].box = node_child(boxes, i);
+    if (c->occluder_count < DAFT_MAX_OCCLUDERS) {
+        c->occluder[c->occluder_count].number = number;
+        c->occluder[c->occluder_count].box = node_child(boxes, i);
     }
-    c->caster_count++;
+    c->occluder_count++;
 }
 
-/* Marks the points under the things that are remembered, and forgets those that have none. */
-static void mark_casters(cast *c)
+/* Marks the points under the instances that are remembered, and forgets those that have none. */
+static void mark_occluders(cast *c)
 {
     uint32_t kept = 0;
     memset(c->under, 0, sizeof c->under);
-    for (uint32_t i = 0; i < c->caster_count; i++) {
-        const daft_instance *s = &c->tlas->instances[c->caster[i].number];
+    for (uint32_t i = 0; i < c->occluder_count; i++) {
+        const daft_instance *s = &c->tlas->instances[c->occluder[i].number];
         const bound box = grown_bound(c, s);
-        if (mark_under(c, &box, s, c->caster[i].number)) c->caster[kept++] = c->caster[i];
+        if (mark_under(c, &box, s, c->occluder[i].number)) c->occluder[kept++] = c->occluder[i];
     }
-    c->caster_count = kept;
+    c->occluder_count = kept;
 }
 
 /* The one instance that is asked for, as the only child of a node. */
@@ -326,25 +322,25 @@ static void find_one(cast *c)
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < DAFT_WIDTH; i++)
             node.bounds[k][i] = i ? INFINITY : low[k], node.bounds[3 + k][i] = i ? -INFINITY : high[k];
-    if (DAFT_KERNEL(daft_node_project)(&c->light, &c->view, &node, &boxes) & 1) remember(c, c->only, &boxes, 0);
+    if (DAFT_KERNEL(daft_node_project)(&c->view, &c->frame_map, &node, &boxes) & 1) remember(c, c->only, &boxes, 0);
 }
 
-/* Remembers the things that points lie under, and marks these points. False: there may be more than `most` such things, or
+/* Remembers the instances that points lie under, and marks these points. False: there may be more than `most` such instances, or
  * more than `looks` had to be looked at, and it is not known which points are under something. */
-static bool find_casters(cast *c, uint32_t most, uint32_t looks)
+static bool find_occluders(cast *c, uint32_t most, uint32_t looks)
 {
     uint32_t stack[DAFT_STACK], looked = 0;
     int top = 0;
-    c->caster_count = 0;
+    c->occluder_count = 0;
     if (c->only != DAFT_NOTHING)
         find_one(c);
     else
         stack[top++] = 0;
-    while (top > 0 && c->caster_count <= most) {
+    while (top > 0 && c->occluder_count <= most) {
         if (looked++ > looks) return false;
         node_boxes boxes;
         const daft_node *node = &c->tlas->nodes.items[stack[--top]];
-        for (uint32_t in = DAFT_KERNEL(daft_node_project)(&c->light, &c->view, node, &boxes); in; in &= in - 1) {
+        for (uint32_t in = DAFT_KERNEL(daft_node_project)(&c->view, &c->frame_map, node, &boxes); in; in &= in - 1) {
             int i = __builtin_ctz(in);
             uint32_t child = node->child[i], number = child & ~DAFT_CHILD_LEAF;
             if (child == DAFT_CHILD_NONE) continue;
@@ -354,8 +350,8 @@ static bool find_casters(cast *c, uint32_t most, uint32_t looks)
                 remember(c, number, &boxes, i);
         }
     }
-    if (c->caster_count > most) return false;
-    mark_casters(c);
+    if (c->occluder_count > most) return false;
+    mark_occluders(c);
     return true;
 }
 
@@ -368,12 +364,12 @@ static block_set all_blocks(const shadow_points *p)
     return all;
 }
 
-static caster caster_of(const cast *c, uint32_t number, shadow_points *points)
+static occluder occluder_of(const cast *c, uint32_t number, shadow_points *points)
 {
     const daft_instance *s = &c->tlas->instances[number];
-    return (caster){.light = &c->light,
-                    .lamp = c->lamp,
-                    .batch = c->batch,
+    return (occluder){.view = &c->view,
+                    .light = c->light,
+                    .samples = c->samples,
                     .instance = s,
                     .number = number,
                     .convex = s->flags & DAFT_INSTANCE_CONVEX,
@@ -381,21 +377,21 @@ static caster caster_of(const cast *c, uint32_t number, shadow_points *points)
                     .points = points};
 }
 
-static void cast_one(const caster *one, const picture_box *box, const block_set *behind)
+static void cast_one(const occluder *one, const picture_box *box, const block_set *behind)
 {
     if (one->instance->mesh)
         DAFT_KERNEL(daft_mesh_shadow)(one, box, behind);
     else
-        DAFT_KERNEL(daft_ball_shadow)(one, behind);
+        DAFT_KERNEL(daft_sphere_occluder_shadow)(one, behind);
 }
 
 static void cast_remembered(const cast *c, shadow_points *points)
 {
     const block_set all = all_blocks(points);
     block_set behind;
-    for (uint32_t i = 0; i < c->caster_count && points->live; i++) {
-        const caster one = caster_of(c, c->caster[i].number, points);
-        if (blocks_narrow(&c->caster[i].box, points, &all, &behind)) cast_one(&one, &c->caster[i].box, &behind);
+    for (uint32_t i = 0; i < c->occluder_count && points->live; i++) {
+        const occluder one = occluder_of(c, c->occluder[i].number, points);
+        if (blocks_narrow(&c->occluder[i].box, points, &all, &behind)) cast_one(&one, &c->occluder[i].box, &behind);
     }
 }
 
@@ -404,16 +400,16 @@ static void cast_remembered(const cast *c, shadow_points *points)
 static void drop_clear(cast *c)
 {
     uint32_t kept = 0;
-    for (uint32_t i = 0; i < c->caster_count; i++) {
-        const caster one = caster_of(c, c->caster[i].number, NULL);
+    for (uint32_t i = 0; i < c->occluder_count; i++) {
+        const occluder one = occluder_of(c, c->occluder[i].number, NULL);
         bool apart = one.instance->mesh && c->sole != DAFT_NOTHING && c->sole != one.number;
-        if (!apart || !DAFT_KERNEL(daft_mesh_clear)(&one)) c->caster[kept++] = c->caster[i];
+        if (!apart || !DAFT_KERNEL(daft_mesh_clear)(&one)) c->occluder[kept++] = c->occluder[i];
     }
-    c->caster_count = kept;
+    c->occluder_count = kept;
 }
 
-/* Whether the box is behind all of the picture: then it says little about a thing that is large or slants. */
-static bool covers(const picture_box *box, const light *l)
+/* Whether the box is behind all of the picture: then it says little about a instance that is large or slants. */
+static bool covers(const picture_box *box, const light_view *l)
 {
     return box->low_u <= l->low_u && box->high_u >= l->high_u && box->low_v <= l->low_v && box->high_v >= l->high_v;
 }
@@ -430,10 +426,10 @@ static uint32_t bits_of_block(const shadow_points *p, uint32_t b, uint32_t in, c
 
 /* Marks the points of the blocks that lie behind the sphere's box, but for its own where it cannot shadow them. Takes the
  * blocks out of `behind` that have none; false: none has. */
-static bool mark_behind(cast *c, const caster *one, const picture_box *box, block_set *behind)
+static bool mark_behind(cast *c, const occluder *one, const picture_box *box, block_set *behind)
 {
     shadow_points *p = one->points;
-    bool slow = covers(box, &c->light);
+    bool slow = covers(box, &c->view);
     if (slow) {
         bound around;
         memset(c->under, 0, sizeof c->under);
@@ -458,11 +454,11 @@ typedef struct entry {
 
 /* Things with the boxes that the tree has of them, and the blocks behind these. */
 enum { MET = 16, WAITING = 256, PARTS = 2048 };
-typedef struct met_things {
+typedef struct met_instances {
     uint32_t count, number[MET + DAFT_WIDTH];
     picture_box box[MET + DAFT_WIDTH];
     block_set behind[MET + DAFT_WIDTH];
-} met_things;
+} met_instances;
 
 /* Meshes, and the points that their triangles may hide, block by block. */
 typedef struct waiting {
@@ -471,10 +467,19 @@ typedef struct waiting {
     block_points parts[PARTS];
 } waiting;
 
+/* A worker's: nothing of it outlives a call. */
+typedef struct light_scratch {
+    cast cast;
+    shadow_points points;
+    block_scratch blocks;
+    met_instances met;
+    waiting waiting;
+} light_scratch;
+
 static void cast_waiting(const cast *c, waiting *list, shadow_points *points)
 {
     for (uint32_t i = 0; i < list->count && points->live; i++) {
-        const caster one = caster_of(c, list->number[i], points);
+        const occluder one = occluder_of(c, list->number[i], points);
         block_points *some = &list->parts[list->first[i]];
         uint32_t kept = 0;
         for (uint32_t k = 0; k < list->first[i + 1] - list->first[i]; k++) {
@@ -486,29 +491,29 @@ static void cast_waiting(const cast *c, waiting *list, shadow_points *points)
     list->count = 0;
 }
 
-static void meet_mesh(const cast *c, const caster *one, const picture_box *box, const block_set *behind, waiting *list)
+static void meet_mesh(const cast *c, const occluder *one, const picture_box *box, const block_set *behind, waiting *list)
 {
     shadow_points *p = one->points;
     uint32_t first = list->first[list->count];
     block_points *some = &list->parts[first];
-    uint32_t count = DAFT_KERNEL(daft_mesh_ways)(one, box, behind, some);
+    uint32_t count = DAFT_KERNEL(daft_mesh_candidates)(one, box, behind, some);
     if (!count) return;
     list->number[list->count] = one->number, list->box[list->count] = *box;
     list->first[++list->count] = first + count;
     if (list->count == WAITING || first + count + SHADOW_BLOCKS > PARTS) cast_waiting(c, list, p);
 }
 
-static void cast_met(cast *c, met_things *met, waiting *list, shadow_points *points)
+static void cast_met(cast *c, met_instances *met, waiting *list, shadow_points *points)
 {
     for (uint32_t i = 0; i < met->count && points->live; i++) {
-        const caster one = caster_of(c, met->number[i], points);
+        const occluder one = occluder_of(c, met->number[i], points);
         if (!(one.instance->flags & c->flag)) continue;
         if (one.instance->mesh) {
             meet_mesh(c, &one, &met->box[i], &met->behind[i], list);
             continue;
         }
-        DAFT_KERNEL(daft_ball_box)(&c->light, one.instance, &met->box[i]);
-        if (mark_behind(c, &one, &met->box[i], &met->behind[i])) DAFT_KERNEL(daft_ball_shadow)(&one, &met->behind[i]);
+        DAFT_KERNEL(daft_sphere_occluder_box)(&c->view, one.instance, &met->box[i]);
+        if (mark_behind(c, &one, &met->box[i], &met->behind[i])) DAFT_KERNEL(daft_sphere_occluder_shadow)(&one, &met->behind[i]);
     }
     met->count = 0;
 }
@@ -519,14 +524,15 @@ DAFT_INLINE void fetch_lines(const void *from, size_t size)
     for (size_t line = 0; line < size; line += 64) __builtin_prefetch((const char *)from + line);
 }
 
-/* Among many things: walks their tree with all the blocks, and marks the points under each. */
-static void cast_all(cast *c, shadow_points *points)
+/* Among many instances: walks their tree with all the blocks, and marks the points under each. */
+static void cast_all(cast *c, light_scratch *scratch)
 {
     entry stack[DAFT_STACK];
-    met_things met;
-    waiting list;
+    shadow_points *points = &scratch->points;
+    met_instances *met = &scratch->met;
+    waiting *list = &scratch->waiting;
     int top = 0;
-    met.count = list.count = list.first[0] = 0;
+    met->count = list->count = list->first[0] = 0;
     stack[top++] = (entry){0, all_blocks(points)};
     while (top > 0 && points->live) {
         node_boxes boxes;
@@ -534,7 +540,7 @@ static void cast_all(cast *c, shadow_points *points)
         uint32_t count[DAFT_WIDTH];
         const entry at = stack[--top];
         const daft_node *node = &c->tlas->nodes.items[at.node];
-        uint32_t in = DAFT_KERNEL(daft_node_project)(&c->light, &c->view, node, &boxes);
+        uint32_t in = DAFT_KERNEL(daft_node_project)(&c->view, &c->frame_map, node, &boxes);
         if (in) in = children_narrow(&boxes, in, points, &at.behind, next, count);
         for (; in; in &= in - 1) {
             int i = __builtin_ctz(in);
@@ -547,50 +553,51 @@ static void cast_all(cast *c, shadow_points *points)
             }
             const picture_box box = node_child(&boxes, i);
             fetch_lines(&c->tlas->instances[number], sizeof *c->tlas->instances);
-            met.number[met.count] = number, met.box[met.count] = box, met.behind[met.count++] = next[i];
+            met->number[met->count] = number, met->box[met->count] = box, met->behind[met->count++] = next[i];
         }
-        if (met.count >= MET) cast_met(c, &met, &list, points);
+        if (met->count >= MET) cast_met(c, met, list, points);
     }
-    cast_met(c, &met, &list, points);
-    cast_waiting(c, &list, points);
+    cast_met(c, met, list, points);
+    cast_waiting(c, list, points);
 }
 
-/* The asked points form one pencil, whose lamp's axes and extent are set. Gives the number of points under something.
+/* The asked points form one pencil, whose light's axes and extent are set. Gives the number of points under something.
  */
-static uint32_t cast_pencil(cast *c, uint32_t *bits)
+static uint32_t cast_pencil(light_scratch *scratch, uint32_t *bits)
 {
-    shadow_points points;
+    cast *c = &scratch->cast;
+    shadow_points *points = &scratch->points;
     uint32_t count = 0;
-    c->view = picture_map_make(&c->light.map);
-    bool few = find_casters(c, FEW_CASTERS, FEW_LOOKS);
+    c->frame_map = view_map_of(&c->view.pencil);
+    bool few = find_occluders(c, FEW_OCCLUDERS, FEW_LOOKS);
     if (few) {
-        for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
+        for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
         drop_clear(c);
     }
-    if (few && c->caster_count == 0) return count;
-    DAFT_KERNEL(daft_shadow_blocks)(&c->light, c->batch, c->own, few ? c->under : c->asked, !few, few ? STRAY_OF_FEW : STRAY_OF_MANY, &points);
+    if (few && c->occluder_count == 0) return count;
+    DAFT_KERNEL(daft_shadow_blocks)(&c->view, c->samples, c->own, few ? c->under : c->asked, !few, few ? STRAY_OF_FEW : STRAY_OF_MANY, &scratch->blocks, points);
     if (few) {
-        cast_remembered(c, &points);
+        cast_remembered(c, points);
     } else {
-        cast_all(c, &points);
-        for (uint32_t b = 0; b < points.count; b++) count += (uint32_t)__builtin_popcount(points.under[b]);
+        cast_all(c, scratch);
+        for (uint32_t b = 0; b < points->count; b++) count += (uint32_t)__builtin_popcount(points->under[b]);
     }
-    DAFT_KERNEL(daft_shadow_dark)(&points, bits);
+    DAFT_KERNEL(daft_shadow_dark)(points, bits);
     return count;
 }
 
 /* The points on a face of the cube around the lamp: those whose largest difference is on this axis, with this sign.
- * Points at the lamp itself are on none. */
+ * Points at the light itself are on none. */
 static bool take_face(const cast *c, const uint32_t *asked, int face, uint32_t *out)
 {
-    const daft_batch *b = c->batch;
+    const daft_samples *b = c->samples;
     const vf zero = vf_set(0);
     uint32_t any = 0;
-    memset(out, 0, DAFT_BATCH_WORDS * sizeof out[0]);
+    memset(out, 0, DAFT_SAMPLES_WORDS * sizeof out[0]);
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = bits_at(asked, i);
         if (!in) continue;
-        vf3 d = minus(load3(&b->lifted, i), c->light.origin);
+        vf3 d = minus(load3(&b->origin, i), c->view.pencil.origin);
         vf ax = vf_abs(d.x), ay = vf_abs(d.y), az = vf_abs(d.z);
         vm on_x = vm_and(vf_le(ay, ax), vf_le(az, ax)), on_y = vm_and(vm_not(on_x), vf_le(az, ay));
         vm on_z = vm_not(vm_or(on_x, on_y));
@@ -603,18 +610,19 @@ static bool take_face(const cast *c, const uint32_t *asked, int face, uint32_t *
     return any != 0;
 }
 
-static uint32_t cast_faces(cast *c, uint32_t *bits)
+static uint32_t cast_faces(light_scratch *scratch, uint32_t *bits)
 {
+    cast *c = &scratch->cast;
     static const daft_vec3 AXIS[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-    uint32_t asked[DAFT_BATCH_WORDS], on_face[DAFT_BATCH_WORDS], count = 0;
+    uint32_t asked[DAFT_SAMPLES_WORDS], on_face[DAFT_SAMPLES_WORDS], count = 0;
     memcpy(asked, bits, sizeof asked);
-    c->light.origin = c->lamp->position, c->light.away = 0;
+    c->view.pencil.origin = c->light->at, c->view.pencil.away = 0, c->view.pencil.parallel = false;
     for (int face = 0; face < 6; face++) {
         if (!take_face(c, asked, face, on_face)) continue;
-        light_axes(&c->light, AXIS[face]);
-        measure(&c->light, c->batch, on_face);
+        set_axes(&c->view.pencil, AXIS[face]);
+        measure(&c->view, c->samples, on_face);
         c->asked = on_face;
-        count += cast_pencil(c, bits);
+        count += cast_pencil(scratch, bits);
     }
     return count;
 }
@@ -622,22 +630,22 @@ static uint32_t cast_faces(cast *c, uint32_t *bits)
 /* Bits of the children that the box around all the rays meets. */
 static uint32_t children_met(const cast *c, const daft_node *node)
 {
-    const daft_lamp *lamp = c->lamp;
-    const float *to = lamp->sun ? &lamp->to_light.x : &lamp->position.x, *low = &c->low.x, *high = &c->high.x;
-    v8 size = v8_set(c->light.reach);
+    const daft_apex *light = c->light;
+    const float *to = &light->at.x, *low = &c->low.x, *high = &c->high.x;
+    v8 size = v8_set(c->view.reach);
     uint32_t met = 0xff;
     for (int k = 0; k < 3; k++) size = size + v8_max(-v8_load(node->bounds[k]), v8_load(node->bounds[3 + k]));
     size = size * v8_set(0x1p-19f);
     for (int k = 0; k < 3; k++) {
-        float from = lamp->sun ? (to[k] < 0 ? -INFINITY : low[k]) : fminf(low[k], to[k]);
-        float end = lamp->sun ? (to[k] > 0 ? INFINITY : high[k]) : fmaxf(high[k], to[k]);
+        float from = light->infinite ? (to[k] < 0 ? -INFINITY : low[k]) : fminf(low[k], to[k]);
+        float end = light->infinite ? (to[k] > 0 ? INFINITY : high[k]) : fmaxf(high[k], to[k]);
         met &= v8_le_bits(v8_set(from), v8_load(node->bounds[3 + k]) + size) &
                v8_le_bits(v8_load(node->bounds[k]) - size, v8_set(end));
     }
     return met;
 }
 
-/* Whether nothing can stand between the points and the lamp, as far as is known before the lamp's picture is. */
+/* Whether nothing can stand between the points and the light, as far as is known before the light's picture is. */
 static bool all_clear(const cast *c)
 {
     bound box;
@@ -661,46 +669,50 @@ static bool all_clear(const cast *c)
 }
 
 /* False: nothing can hide the points. */
-static bool cast_begin(cast *c, const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, const uint32_t *bits)
+static bool cast_begin(cast *c, const daft_samples *points, const daft_apex *light, const daft_tlas *tlas, const uint32_t *bits)
 {
-    c->batch = points, c->lamp = lamp, c->tlas = tlas, c->asked = bits, c->ways_known = false;
+    c->samples = points, c->light = light, c->tlas = tlas, c->asked = bits, c->inverses_known = false;
     uint32_t any = 0;
-    for (uint32_t word = 0; word < DAFT_BATCH_WORDS; word++) any |= bits[word];
+    for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++) any |= bits[word];
     if (tlas->nodes.count == 0 || !any) return false;
-    know_points(c);
+    measure_points(c);
     return !all_clear(c);
 }
 
-/* Looks at the points from the lamp. False: no picture holds them all. */
+/* Looks at the points from the light. False: no picture holds them all. */
 static bool cast_setup(cast *c)
 {
-    const daft_lamp *lamp = c->lamp;
-    daft_vec3 middle = daft_scale(daft_add(c->low, c->high), 0.5f), way = daft_sub(middle, lamp->position);
-    c->light.sun = lamp->sun;
-    c->light.origin = middle;
-    c->light.away = lamp->sun ? 0 : daft_length(way);
-    light_axes(&c->light, lamp->sun ? daft_neg(lamp->to_light) : daft_normalize(way));
-    return measure(&c->light, c->batch, c->asked);
+    const daft_apex *light = c->light;
+    daft_vec3 middle = daft_scale(daft_add(c->low, c->high), 0.5f), way = daft_sub(middle, light->at);
+    c->view.pencil.parallel = light->infinite;
+    c->view.pencil.origin = middle;
+    c->view.pencil.away = light->infinite ? 0 : daft_length(way);
+    set_axes(&c->view.pencil, light->infinite ? daft_neg(light->at) : daft_normalize(way));
+    return measure(&c->view, c->samples, c->asked);
 }
 
-uint32_t DAFT_KERNEL(daft_shadows)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas, uint32_t instance,
-                                   uint32_t bits[DAFT_BATCH_WORDS])
+static uint32_t shadows(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas, uint32_t instance,
+                        uint32_t bits[DAFT_SAMPLES_WORDS], void *memory)
 {
-    cast c;
-    c.flag = DAFT_INSTANCE_CASTS_SHADOW, c.only = instance;
-    if (!cast_begin(&c, points, lamp, tlas, bits)) return 0;
-    return cast_setup(&c) ? cast_pencil(&c, bits) : cast_faces(&c, bits);
+    light_scratch *scratch = memory;
+    cast *c = &scratch->cast;
+    c->flag = DAFT_INSTANCE_CASTS_SHADOW, c->only = instance;
+    if (!cast_begin(c, points, light, tlas, bits)) return 0;
+    return cast_setup(c) ? cast_pencil(scratch, bits) : cast_faces(scratch, bits);
 }
 
-uint32_t DAFT_KERNEL(daft_tints)(const daft_batch *points, const daft_lamp *lamp, const daft_tlas *tlas,
-                                 const uint32_t bits[DAFT_BATCH_WORDS], uint32_t out[DAFT_MAX_CASTERS])
+static uint32_t tints(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas,
+                      const uint32_t bits[DAFT_SAMPLES_WORDS], uint32_t out[DAFT_MAX_OCCLUDERS], void *memory)
 {
-    cast c;
-    c.flag = DAFT_INSTANCE_TINTS_SHADOW, c.only = DAFT_NOTHING;
-    if (!cast_begin(&c, points, lamp, tlas, bits)) return 0;
-    if (!cast_setup(&c)) return UINT32_MAX;
-    c.view = picture_map_make(&c.light.map);
-    if (!find_casters(&c, DAFT_MAX_CASTERS, UINT32_MAX)) return UINT32_MAX;
-    for (uint32_t i = 0; i < c.caster_count; i++) out[i] = c.caster[i].number;
-    return c.caster_count;
+    cast *c = &((light_scratch *)memory)->cast;
+    c->flag = DAFT_INSTANCE_TINTS_SHADOW, c->only = DAFT_NOTHING;
+    if (!cast_begin(c, points, light, tlas, bits)) return 0;
+    if (!cast_setup(c)) return UINT32_MAX;
+    c->frame_map = view_map_of(&c->view.pencil);
+    if (!find_occluders(c, DAFT_MAX_OCCLUDERS, UINT32_MAX)) return UINT32_MAX;
+    for (uint32_t i = 0; i < c->occluder_count; i++) out[i] = c->occluder[i].number;
+    return c->occluder_count;
 }
+
+const daft_sample_kernels DAFT_KERNEL(daft_samples) = {
+    .scratch_size = (sizeof(light_scratch) + 63) / 64 * 64, .shadows = shadows, .tints = tints};

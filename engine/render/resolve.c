@@ -1,0 +1,71 @@
+/* From the light of a tile's pixels to bytes. */
+#include "render/tile.h"
+
+#include <string.h>
+
+static float clamp_unit(float x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
+
+/* Samples are clamped to what a display shows before they are averaged: one very bright sample must not win an edge. */
+static void add_sample(const tile_job *j, int row)
+{
+    const daft_tile *tile = &j->s->tile;
+    const daft_lanes3 *color = j->color;
+    float *sum = j->r->sum + 3 * ((size_t)(tile->y + row) * (size_t)j->snapshot->width + (size_t)tile->x);
+    for (int x = 0; x < tile->width; x++) {
+        int at = row * DAFT_TILE + x;
+        const float sample[3] = {color->x[at], color->y[at], color->z[at]};
+        for (int k = 0; k < 3; k++) sum[3 * x + k] = (j->frame->sample ? sum[3 * x + k] : 0) + clamp_unit(sample[k]);
+    }
+}
+
+static void mean_row(const tile_job *j, int row, float weight)
+{
+    const daft_tile *tile = &j->s->tile;
+    daft_lanes3 *color = &j->s->color;
+    const float *sum = j->r->sum + 3 * ((size_t)(tile->y + row) * (size_t)j->snapshot->width + (size_t)tile->x);
+    for (int x = 0; x < tile->width; x++) {
+        int at = row * DAFT_TILE + x;
+        color->x[at] = sum[3 * x] * weight, color->y[at] = sum[3 * x + 1] * weight, color->z[at] = sum[3 * x + 2] * weight;
+    }
+}
+
+bool daft_tile_is_plain(const tile_job *j)
+{
+    return j->s->points.count == 0 && j->snapshot->sky.kind == DAFT_SKY_COLOR && j->snapshot->samples == 1;
+}
+
+void daft_tile_fill_plain(tile_job *j)
+{
+    const daft_tile *tile = &j->s->tile;
+    daft_lanes3 *color = &j->s->sky_color;
+    uint8_t rgba[4];
+    j->r->shade->sky(&j->snapshot->sky, &j->s->sky.direction, 1, color);
+    j->r->shade->encode(color->x, color->y, color->z, 1, rgba);
+    for (int row = 0; row < tile->height; row++) {
+        size_t pixel = (size_t)(tile->y + row) * (size_t)j->snapshot->width + (size_t)tile->x;
+        uint8_t *to = j->frame->target->pixels + 4 * pixel;
+        for (int x = 0; x < tile->width; x++) memcpy(to + 4 * x, rgba, sizeof rgba);
+    }
+    ran(j, DAFT_EFFECT_SKY);
+    ran(j, DAFT_EFFECT_RESOLVE);
+    book(j, DAFT_EFFECT_SKY);
+}
+
+void daft_tile_resolve(tile_job *j)
+{
+    const daft_snapshot *snapshot = j->snapshot;
+    const daft_tile *tile = &j->s->tile;
+    bool last = j->frame->sample == snapshot->samples - 1;
+    const daft_lanes3 *color = snapshot->samples > 1 ? &j->s->color : j->color;
+    for (int row = 0; row < tile->height; row++) {
+        if (snapshot->samples > 1) add_sample(j, row);
+        if (!last) continue;
+        if (snapshot->samples > 1) mean_row(j, row, 1 / (float)snapshot->samples);
+        int at = row * DAFT_TILE;
+        size_t pixel = (size_t)(tile->y + row) * (size_t)snapshot->width + (size_t)tile->x;
+        j->r->shade->encode(&color->x[at], &color->y[at], &color->z[at], (uint32_t)tile->width,
+                            j->frame->target->pixels + 4 * pixel);
+    }
+    ran(j, DAFT_EFFECT_RESOLVE);
+    book(j, DAFT_EFFECT_RESOLVE);
+}

@@ -1,0 +1,72 @@
+/* Secondary rays of a tile: spawned by its points, traced through the BVH in streams or known by planar mirrors. */
+#include "render/tile.h"
+
+enum { STREAM = 256 }; /* rays that are asked together */
+
+static daft_ray ray_of(const daft_ray_batch *rays, uint32_t i)
+{
+    return (daft_ray){.origin = {rays->origin.x[i], rays->origin.y[i], rays->origin.z[i]},
+                      .direction = {rays->direction.x[i], rays->direction.y[i], rays->direction.z[i]},
+                      .tmax = INFINITY};
+}
+
+/* What the rays first.. of a batch hit; gives how many they are. `shown`: bits of the flat mirrors that know it of theirs. */
+static uint32_t trace_some(const tile_job *j, const daft_ray_batch *rays, uint32_t first, uint32_t shown, daft_hit hits[STREAM])
+{
+    daft_ray stream[STREAM];
+    daft_hit found[STREAM];
+    uint32_t place[STREAM], count = daft_min_u(STREAM, rays->count - first), asked = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (shown && daft_mirrors_hit(j->frame, shown, j->worker, &j->s->tile, rays, first + i, &hits[i])) continue;
+        place[asked] = i;
+        stream[asked++] = ray_of(rays, first + i);
+    }
+    j->r->accel->closest_stream(j->frame->tlas, stream, asked, UINT32_MAX, found);
+    for (uint32_t i = 0; i < asked; i++) hits[place[i]] = found[i];
+    return count;
+}
+
+static void see_sky(daft_ray_batch *sky, const daft_ray_batch *rays, uint32_t i)
+{
+    uint32_t at = sky->count++;
+    sky->direction.x[at] = rays->direction.x[i], sky->direction.y[at] = rays->direction.y[i];
+    sky->direction.z[at] = rays->direction.z[i];
+    sky->weight.x[at] = rays->weight.x[i], sky->weight.y[at] = rays->weight.y[i], sky->weight.z[at] = rays->weight.z[i];
+    sky->pixel[at] = rays->pixel[i];
+}
+
+void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next)
+{
+    daft_scratch *s = j->s;
+    daft_hit hits[STREAM];
+    next->count = next->traits = 0, next->one_material = false;
+    s->sky.count = 0;
+    for (uint32_t first = 0, count; first < rays->count; first += count) {
+        count = trace_some(j, rays, first, shown, hits);
+        for (uint32_t i = 0; i < count; i++)
+            if (hits[i].instance == UINT32_MAX) see_sky(&s->sky, rays, first + i);
+        j->r->kernels->hit_points(j->snapshot, rays, first, hits, count, &s->facets, next);
+    }
+    s->rays_cast[effect] += rays->count;
+    ran(j, effect);
+    book(j, effect);
+}
+
+void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth)
+{
+    const daft_plan *plan = &j->frame->plan;
+    daft_spawning allowed = {.mirrors = plan->reflects && depth < plan->preset->reflections, .least = plan->preset->min_weight};
+    bool through = j->frame->plan.refracts && depth < plan->preset->refractions;
+    j->s->rays.count = 0;
+    if (!(points->traits & DAFT_TRAIT_SENDS)) return;
+    if (allowed.mirrors || through)
+        j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, through ? &j->s->refracted[depth] : NULL);
+}
+
+int daft_tile_deepest_waiting(const tile_job *j, int depth)
+{
+    if (!j->frame->plan.refracts) return -1;
+    depth = daft_min_i(depth, j->frame->plan.preset->refractions - 1);
+    while (depth >= 0 && j->s->refracted[depth].count == 0) depth--;
+    return depth;
+}

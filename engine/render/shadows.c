@@ -1,0 +1,71 @@
+/* Light visibility of a batch: the points become samples of the light's pencil (raster/view.h), a spot's as a point light's, since
+ * its cone was asked before. Occluders take a point's light away; what transmits takes a fraction of it. */
+#include "render/tile.h"
+
+#include <string.h>
+
+static void *samples_scratch(const tile_job *j)
+{
+    return j->r->sample_scratch + j->worker * j->r->sample_kernels->scratch_size;
+}
+
+static uint32_t cast(tile_job *j, const daft_batch *points, const daft_lamp *light, uint32_t instance, uint32_t *bits)
+{
+    const daft_samples samples = daft_samples_of(points);
+    const daft_apex apex = daft_apex_of(light);
+    return j->r->sample_kernels->shadows(&samples, &apex, j->frame->tlas, instance, bits, samples_scratch(j));
+}
+
+void daft_tile_shadows(tile_job *j, const daft_batch *points, const daft_lamp *light)
+{
+    daft_scratch *s = j->s;
+    uint32_t rays = cast(j, points, light, DAFT_NOTHING, s->lit);
+    s->rays_cast[DAFT_EFFECT_SHADOW] += rays;
+    s->shadow_points += rays;
+    if (rays) ran(j, DAFT_EFFECT_SHADOW);
+    book(j, DAFT_EFFECT_SHADOW);
+}
+
+/* The fraction of light that an instance transmits: the mean of its materials. */
+static daft_vec3 transmittance(const daft_snapshot *snapshot, const daft_instance *instance)
+{
+    uint32_t slots = instance->mesh && instance->mesh->slot_count ? instance->mesh->slot_count : 1;
+    daft_vec3 sum = {0, 0, 0};
+    for (uint32_t i = 0; i < slots; i++) sum = daft_add(sum, snapshot->materials[instance->materials[i]].through);
+    return daft_scale(sum, 1 / (float)slots);
+}
+
+/* The lit points that the instance hides from the light keep of it what the instance transmits. */
+static void tint_points(tile_job *j, const daft_batch *points, const daft_lamp *light, uint32_t instance)
+{
+    daft_scratch *s = j->s;
+    daft_lanes3 *passed = s->passed;
+    memcpy(s->under, s->lit, sizeof s->under);
+    uint32_t rays = cast(j, points, light, instance, s->under);
+    s->rays_cast[DAFT_EFFECT_SHADOW] += rays;
+    s->shadow_points += rays;
+    if (rays) ran(j, DAFT_EFFECT_SHADOW);
+    daft_vec3 fraction = transmittance(j->snapshot, &j->snapshot->instances[instance]);
+    for (uint32_t i = 0; i < points->count; i++) {
+        if (!((s->lit[i / 32] & ~s->under[i / 32]) >> (i % 32) & 1)) continue;
+        passed->x[i] *= fraction.x, passed->y[i] *= fraction.y, passed->z[i] *= fraction.z;
+    }
+}
+
+const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const daft_lamp *light)
+{
+    daft_scratch *s = j->s;
+    const daft_samples samples = daft_samples_of(points);
+    const daft_apex apex = daft_apex_of(light);
+    uint32_t count = j->r->sample_kernels->tints(&samples, &apex, j->frame->tlas, s->lit, s->candidates, samples_scratch(j));
+    if (count == 0) return NULL;
+    for (uint32_t i = 0; i < points->count + 16; i++) s->passed->x[i] = s->passed->y[i] = s->passed->z[i] = 1;
+    if (count != UINT32_MAX) {
+        for (uint32_t i = 0; i < count; i++) tint_points(j, points, light, s->candidates[i]);
+    } else {
+        for (uint32_t i = 0; i < j->snapshot->instance_count; i++)
+            if (j->snapshot->instances[i].flags & DAFT_INSTANCE_TINTS_SHADOW) tint_points(j, points, light, i);
+    }
+    book(j, DAFT_EFFECT_SHADOW);
+    return s->passed;
+}

@@ -1,0 +1,52 @@
+/* A tile at work, and its stages in their order. Each reads what the one before it wrote into the worker's scratch. */
+#ifndef DAFT_RENDER_TILE_H
+#define DAFT_RENDER_TILE_H
+
+#include "render/internal.h"
+
+typedef struct tile_job {
+    const daft_frame *frame;
+    const daft_renderer *r;
+    const daft_snapshot *snapshot;
+    daft_scratch *s;
+    uint32_t number, worker;  /* of the tile */
+    const daft_lanes3 *color; /* of the tile's pixels, in the end */
+    uint64_t since;           /* when the running effect began */
+    bool ran[DAFT_EFFECT_COUNT];
+} tile_job;
+
+/* Books the time since the last call on an effect. */
+static inline void book(tile_job *j, daft_effect_kind effect)
+{
+    uint64_t now = daft_clock_ticks();
+    if (now > j->since) j->s->ticks[effect] += now - j->since;
+    j->since = now;
+}
+
+static inline void ran(tile_job *j, daft_effect_kind effect)
+{
+    if (!j->ran[effect]) j->s->tiles[effect]++;
+    j->ran[effect] = true;
+}
+
+/* shadows.c: takes away the bits s->lit of the points that are hidden from the light. */
+void daft_tile_shadows(tile_job *j, const daft_batch *points, const daft_lamp *light);
+/* The fraction of the light that arrives through what transmits, once for each instance in between, however thick. NULL:
+ * nothing is in between. */
+const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const daft_lamp *light);
+/* secondary.c: the rays that points `depth` surfaces away send on, into s->rays, and s->refracted[depth] where some transmit. */
+void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth);
+/* Traces rays: hits become the batch `next`, misses see s->sky. `shown`: bits of the planar mirrors that know their rays' hits. */
+void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next);
+/* The deepest of the refracted rays that wait for points at `depth` or less to be done. Deeper ones have been followed, so
+ * one batch for each depth is room enough. -1: none. */
+int daft_tile_deepest_waiting(const tile_job *j, int depth);
+/* resolve.c: j->color into the picture's bytes, over all samples. */
+void daft_tile_resolve(tile_job *j);
+/* The bytes of a tile that sees nothing but a sky of one colour. */
+bool daft_tile_is_plain(const tile_job *j);
+void daft_tile_fill_plain(tile_job *j);
+/* aov.c: what the caller asked for beside colour, of the first sample. */
+void daft_tile_aov(tile_job *j);
+
+#endif
