@@ -2,11 +2,14 @@
 # usage: check_links.sh [ROOT]
 # What the manual names is there. Links: each relative link and image of a page names a file, each #anchor a heading of that
 # page, and docs/index.md links every page. Paths: `engine/x.c`, `tests/y/` and the like exist, on any page. Code: each
-# `function()` and `daft_type` of architecture.md stands in the sources.
+# `function()` and `daft_type` of architecture.md stands in the sources, a function in a file that its line names.
+# shellcheck disable=SC2013,SC2016 # names without blanks; backticks as text
 set -eu
 
 root=$(CDPATH='' cd -- "${1:-$(dirname -- "$0")/../..}" && pwd)
 cd "$root"
+out=$(mktemp)
+trap 'rm -f "$out"' EXIT
 bad=0
 count=0
 
@@ -37,7 +40,7 @@ for page in $pages; do
     done
     for name in $(names_of "$page"); do
         case $name in
-        *[A-Z*…{\<$]*) ;;
+        *[A-Z*…\{\<$]*) ;;
         engine/* | runtime/* | tests/* | assets/* | games/* | scripts/* | docs/* | examples/* | .ci/* | .github/*)
             count=$((count + 1))
             [ -e "$name" ] || complain "$page" "there is no '$name'" ;;
@@ -61,6 +64,17 @@ for name in $(names_of "$page"); do
     count=$((count + 1))
     grep -rqw --include='*.[ch]' -- "$name" engine runtime tests || complain "$page" "no source has '$name'"
 done
+
+# A line that names functions beside files: each function stands in one of these files.
+grep -n '`[^`]*()`.*`[^`]*\.[ch]`' "$page" | tr -d '|' >"$out"
+while IFS= read -r line; do
+    names=$(echo "$line" | grep -o '`[^` ]*`' | tr -d '`')
+    files=$(echo "$names" | grep '/.*\.[ch]$')
+    for name in $(echo "$names" | grep '()$'); do
+        # shellcheck disable=SC2086 # a list of files
+        grep -qw -- "${name%??}" $files 2>/dev/null || complain "$page:${line%%:*}" "no file of this line has $name"
+    done
+done <"$out"
 
 [ "$count" -gt 100 ] || { echo "only $count names found: the pages were not read" && exit 1; }
 [ "$bad" = 0 ] || exit 1
