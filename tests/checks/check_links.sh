@@ -23,7 +23,7 @@ anchors_of() {
 # Names in backticks, outside of code blocks. Upper case marks a placeholder: `tests/unit/ROOM/`.
 names_of() { sed '/^```/,/^```/d' "$1" | grep -o '`[^` ]*`' | tr -d '`' | sort -u; }
 
-pages=$(find . -name '*.md' -not -path './build/*' -not -path './.git/*' | LC_ALL=C sort)
+pages=$(find . -name '*.md' -not -path './build/*' -not -path './.git/*' -not -path './tests/checks/layers/*' | LC_ALL=C sort)
 for page in $pages; do
     folder=$(dirname "$page")
     for link in $(sed '/^```/,/^```/d; s/`[^`]*`//g' "$page" | grep -o '\](\([^)]*\))' | sed 's/^](//; s/)$//; s/ ".*//'); do
