@@ -1,5 +1,6 @@
-/* The scene `forest`: plants and rocks of 200 to 3,000 triangles, the ground with a path through it, and where each of the
- * thousand stands. Crowns are rough balls under a texture of leaves, with single sprigs that break their outline. */
+/* The scene `forest`: plants and rocks of 200 to 3,000 triangles, the ground with a path through it, and where each of
+ * the thousand stands. Crowns are rough balls under a texture of leaves, with single sprigs that break their outline.
+ */
 #include "mesh.h"
 
 #include <math.h>
@@ -64,7 +65,8 @@ static color bark(double u, double v)
 
 static color birch_bark(double u, double v)
 {
-    double line = noise(u * 5, v * 34, 170, 241), mark = smoothstep(0.42, 0.62, line + 0.25 * noise(u * 9, v * 9, 9, 243));
+    double line = noise(u * 5, v * 34, 170, 241),
+           mark = smoothstep(0.42, 0.62, line + 0.25 * noise(u * 9, v * 9, 9, 243));
     color c = shade(mix(rgb(0xe9e4d8), rgb(0xc9bfae), 0.5 + fractal(u * 4, v * 8, 8, 4, 245)), 1 + 0.04 * line);
     return mix(c, rgb(0x2f2a27), mark);
 }
@@ -86,8 +88,11 @@ static color path_color(double u, double v)
     double middle = fabs(u - 0.5), earth = smoothstep(0.44, 0.34, middle + ragged);
     color c = mix(rgb(0x9a7b52), rgb(0xc4a376), 0.5 + 0.8 * fractal(u * 6, v * 6, 6, 5, 265));
     c = shade(c, 1 - 0.16 * smoothstep(0.10, 0.02, fabs(middle - 0.17)) + 0.1 * noise(u * 60, v * 60, 60, 267));
-    double stone = hash01((int)(u * 26), (int)(v * 26), 269), su = u * 26 - floor(u * 26) - 0.5, sv = v * 26 - floor(v * 26) - 0.5;
-    if (stone > 0.93) c = mix(c, shade(rgb(0xb5aea0), 1.05 + 0.5 * (sv - su)), smoothstep(0.40, 0.30, sqrt(su * su + sv * sv) + 0.3 * (1 - stone)));
+    double stone = hash01((int)(u * 26), (int)(v * 26), 269), su = u * 26 - floor(u * 26) - 0.5,
+           sv = v * 26 - floor(v * 26) - 0.5;
+    if (stone > 0.93)
+        c = mix(c, shade(rgb(0xb5aea0), 1.05 + 0.5 * (sv - su)),
+                smoothstep(0.40, 0.30, sqrt(su * su + sv * sv) + 0.3 * (1 - stone)));
     return mix(floor_color(u, v), c, earth);
 }
 
@@ -141,13 +146,17 @@ static void add_tube(mesh *m, const vec *points, const double *radii, int count,
 static void add_sprigs(mesh *m, vec center, vec radius, int count, double size, int seed)
 {
     for (int i = 0; i < count; i++) {
-        vec d = direction(i, seed), base = add(center, v3(0.86 * d.x * radius.x, 0.86 * d.y * radius.y, 0.86 * d.z * radius.z));
+        vec d = direction(i, seed),
+            base = add(center, v3(0.86 * d.x * radius.x, 0.86 * d.y * radius.y, 0.86 * d.z * radius.z));
         vec out = normal_of(add(add(d, v3(0, 0.25, 0)), times(direction(i, seed + 1), 0.7)));
-        vec side = normal_of(cross(out, direction(i, seed + 2))), normal = normal_of(add(times(d, 2), cross(side, out)));
+        vec side = normal_of(cross(out, direction(i, seed + 2))),
+            normal = normal_of(add(times(d, 2), cross(side, out)));
         double s = size * (0.7 + 0.6 * hash01(i, 3, seed)), u = hash01(i, 4, seed), v = hash01(i, 5, seed);
         vec middle = add(base, times(out, 0.5 * s)), tip = add(base, times(out, s));
-        const corner c[4] = {{base, normal, u, v}, {add(middle, times(side, 0.36 * s)), normal, u + 0.3, v + 0.2},
-                             {tip, normal, u, v + 0.45}, {sub(middle, times(side, 0.36 * s)), normal, u - 0.3, v + 0.2}};
+        const corner c[4] = {{base, normal, u, v},
+                             {add(middle, times(side, 0.36 * s)), normal, u + 0.3, v + 0.2},
+                             {tip, normal, u, v + 0.45},
+                             {sub(middle, times(side, 0.36 * s)), normal, u - 0.3, v + 0.2}};
         add_face(m, c, 4, true);
     }
 }
@@ -164,7 +173,8 @@ static void oak_of(mesh *m, int seed)
     double radii[6], lean = 0.5 * (hash01(0, 0, seed) - 0.5);
     for (int i = 0; i < 6; i++) {
         double t = i / 5.0;
-        spine[i] = v3(lean * t * t + 0.08 * noise(t * 3, 0.5, 64, seed), 3.4 * t - 0.25, 0.1 * noise(t * 3, 7.5, 64, seed + 1));
+        spine[i] = v3(lean * t * t + 0.08 * noise(t * 3, 0.5, 64, seed), 3.4 * t - 0.25,
+                      0.1 * noise(t * 3, 7.5, 64, seed + 1));
         radii[i] = 0.23 * (1 - 0.55 * t) + 0.16 * pow(1 - t, 6);
     }
     use_material(m, "bark");
@@ -172,7 +182,8 @@ static void oak_of(mesh *m, int seed)
     for (int i = 0; i < 4; i++) {
         double a = TAU * (i + 0.6 * hash01(i, 7, seed)) / 4;
         vec from = spine[3 + i % 2], tip = add(from, v3(1.15 * cos(a), 1.0, 1.15 * sin(a)));
-        add_tube(m, (const vec[]){from, times(add(from, add(tip, v3(0, -0.2, 0))), 0.5), tip}, (const double[]){0.11, 0.08, 0.04}, 3, 6, 1.4);
+        add_tube(m, (const vec[]){from, times(add(from, add(tip, v3(0, -0.2, 0))), 0.5), tip},
+                 (const double[]){0.11, 0.08, 0.04}, 3, 6, 1.4);
     }
     use_material(m, "leaves");
     vec top = add(spine[5], v3(0, 1.0, 0));
@@ -186,8 +197,14 @@ static void oak_of(mesh *m, int seed)
     }
 }
 
-static void oak(mesh *m) { oak_of(m, 300); }
-static void oak_wide(mesh *m) { oak_of(m, 340); }
+static void oak(mesh *m)
+{
+    oak_of(m, 300);
+}
+static void oak_wide(mesh *m)
+{
+    oak_of(m, 340);
+}
 
 static void birch_of(mesh *m, int seed)
 {
@@ -195,7 +212,8 @@ static void birch_of(mesh *m, int seed)
     double radii[8];
     for (int i = 0; i < 8; i++) {
         double t = i / 7.0;
-        spine[i] = v3(0.7 * (hash01(0, 1, seed) - 0.5) * t * t + 0.06 * noise(t * 4, 0.5, 64, seed), 6.2 * t - 0.2, 0.5 * (hash01(0, 2, seed) - 0.5) * t * t);
+        spine[i] = v3(0.7 * (hash01(0, 1, seed) - 0.5) * t * t + 0.06 * noise(t * 4, 0.5, 64, seed), 6.2 * t - 0.2,
+                      0.5 * (hash01(0, 2, seed) - 0.5) * t * t);
         radii[i] = 0.13 * (1 - 0.85 * t) + 0.03;
     }
     use_material(m, "birch_bark");
@@ -212,15 +230,22 @@ static void birch_of(mesh *m, int seed)
     add_crown(m, add(spine[7], v3(0, -0.1, 0)), v3(0.5, 0.8, 0.5), 1, 50, 0.34, seed + 60);
 }
 
-static void birch(mesh *m) { birch_of(m, 400); }
-static void birch_slim(mesh *m) { birch_of(m, 430); }
+static void birch(mesh *m)
+{
+    birch_of(m, 400);
+}
+static void birch_slim(mesh *m)
+{
+    birch_of(m, 430);
+}
 
 /* Branches in whorls, each two bent panels that droop to a tip; shorter the higher. */
 static void spruce_of(mesh *m, int whorls, double height, double spread, int seed)
 {
     static const double stem[][2] = {{0.30, -0.2}, {0.21, 0.3}, {0.18, 1.2}, {0.02, 1.0}};
     double profile[4][2];
-    for (int i = 0; i < 4; i++) profile[i][0] = stem[i][0] * height / 7, profile[i][1] = i < 3 ? stem[i][1] : 0.97 * height;
+    for (int i = 0; i < 4; i++)
+        profile[i][0] = stem[i][0] * height / 7, profile[i][1] = i < 3 ? stem[i][1] : 0.97 * height;
     use_material(m, "bark");
     add_lathe(m, profile, 4, 8, 2);
     for (int k = 0; k < whorls; k++) {
@@ -228,7 +253,8 @@ static void spruce_of(mesh *m, int whorls, double height, double spread, int see
         int branches = k < whorls / 2 ? 11 : k < whorls - 2 ? 9 : 6;
         use_material(m, k % 3 ? "needles" : "needles_dark");
         for (int i = 0; i < branches; i++) {
-            double a = TAU * (i + 0.37 * k + 0.35 * hash01(i, k, seed)) / branches, r = reach * (0.8 + 0.35 * hash01(i, k, seed + 1));
+            double a = TAU * (i + 0.37 * k + 0.35 * hash01(i, k, seed)) / branches,
+                   r = reach * (0.8 + 0.35 * hash01(i, k, seed + 1));
             double half = TAU * 0.56 / branches, droop = 0.30 * r, y = low + 0.10 * (hash01(i, k, seed + 2) - 0.5);
             vec root = v3(0, y + 0.42 * reach + 0.18, 0), tip = v3(r * cos(a), y - droop, r * sin(a));
             vec left = v3(0.66 * r * cos(a - half), y - 0.25 * droop, 0.66 * r * sin(a - half));
@@ -236,16 +262,25 @@ static void spruce_of(mesh *m, int whorls, double height, double spread, int see
             vec ridge = v3(0.62 * r * cos(a), y + 0.20 * r, 0.62 * r * sin(a));
             vec up = normal_of(v3(cos(a), 1.1, sin(a)));
             const corner top = {root, up, 0.5, 0}, middle = {ridge, up, 0.5, 0.6}, end = {tip, up, 0.5, 1};
-            vec ln = normal_of(v3(cos(a - 2 * half), 0.8, sin(a - 2 * half))), rn = normal_of(v3(cos(a + 2 * half), 0.8, sin(a + 2 * half)));
+            vec ln = normal_of(v3(cos(a - 2 * half), 0.8, sin(a - 2 * half))),
+                rn = normal_of(v3(cos(a + 2 * half), 0.8, sin(a + 2 * half)));
             const corner l = {left, ln, 0, 0.6}, rr = {right, rn, 1, 0.6};
-            add_face(m, (const corner[]){top, middle, l}, 3, true), add_face(m, (const corner[]){middle, end, l}, 3, true);
-            add_face(m, (const corner[]){top, rr, middle}, 3, true), add_face(m, (const corner[]){middle, rr, end}, 3, true);
+            add_face(m, (const corner[]){top, middle, l}, 3, true),
+                add_face(m, (const corner[]){middle, end, l}, 3, true);
+            add_face(m, (const corner[]){top, rr, middle}, 3, true),
+                add_face(m, (const corner[]){middle, rr, end}, 3, true);
         }
     }
 }
 
-static void spruce(mesh *m) { spruce_of(m, 15, 7.5, 1.75, 500); }
-static void spruce_young(mesh *m) { spruce_of(m, 9, 3.4, 1.15, 520); }
+static void spruce(mesh *m)
+{
+    spruce_of(m, 15, 7.5, 1.75, 500);
+}
+static void spruce_young(mesh *m)
+{
+    spruce_of(m, 9, 3.4, 1.15, 520);
+}
 
 static void bush(mesh *m)
 {
@@ -273,7 +308,8 @@ static void fern(mesh *m)
     enum { FRONDS = 11, PARTS = 6 };
     use_material(m, "fern");
     for (int i = 0; i < FRONDS; i++) {
-        double a = TAU * (i + 0.5 * hash01(i, 0, 651)) / FRONDS, length_ = 0.75 + 0.35 * hash01(i, 1, 651), rise = 0.75 + 0.4 * hash01(i, 2, 651);
+        double a = TAU * (i + 0.5 * hash01(i, 0, 651)) / FRONDS, length_ = 0.75 + 0.35 * hash01(i, 1, 651),
+               rise = 0.75 + 0.4 * hash01(i, 2, 651);
         vec out = v3(cos(a), 0, sin(a)), side = v3(-sin(a), 0, cos(a));
         for (int k = 0; k < PARTS; k++) {
             double s[2] = {(double)k / PARTS, (k + 1.0) / PARTS};
@@ -295,10 +331,14 @@ static void tuft(mesh *m)
 {
     use_material(m, "blade");
     for (int i = 0; i < 70; i++) {
-        double a = TAU * hash01(i, 0, 661), r = 0.42 * sqrt(hash01(i, 1, 661)), tall = 0.22 + 0.30 * hash01(i, 2, 661), b = TAU * hash01(i, 3, 661);
-        vec root = v3(r * cos(a), -0.02, r * sin(a)), side = v3(0.012 * sin(b), 0, -0.012 * cos(b)), bend = v3(0.35 * tall * cos(b), 0, 0.35 * tall * sin(b));
-        vec middle = add(root, add(v3(0, 0.62 * tall, 0), times(bend, 0.4))), tip = add(root, add(v3(0, tall, 0), bend));
-        add_panel(m, (const vec[]){sub(root, side), add(root, side), add(middle, side), sub(middle, side)}, 0, 0, 0.1, 0.6);
+        double a = TAU * hash01(i, 0, 661), r = 0.42 * sqrt(hash01(i, 1, 661)), tall = 0.22 + 0.30 * hash01(i, 2, 661),
+               b = TAU * hash01(i, 3, 661);
+        vec root = v3(r * cos(a), -0.02, r * sin(a)), side = v3(0.012 * sin(b), 0, -0.012 * cos(b)),
+            bend = v3(0.35 * tall * cos(b), 0, 0.35 * tall * sin(b));
+        vec middle = add(root, add(v3(0, 0.62 * tall, 0), times(bend, 0.4))),
+            tip = add(root, add(v3(0, tall, 0), bend));
+        add_panel(m, (const vec[]){sub(root, side), add(root, side), add(middle, side), sub(middle, side)}, 0, 0, 0.1,
+                  0.6);
         add_flat(m, (const vec[]){sub(middle, side), add(middle, side), tip}, 3);
     }
     use_material(m, "petal");
@@ -326,7 +366,8 @@ static void stones(mesh *m)
 static void stump(mesh *m)
 {
     static const double wood[][2] = {{0.52, -0.1}, {0.40, 0.06}, {0.34, 0.22}, {0.33, 0.46}, {0.33, 0.46}, {0, 0.47}};
-    static const double cap[][2] = {{0.03, 0}, {0.022, 0.10}, {0.022, 0.10}, {0.10, 0.09}, {0.10, 0.09}, {0.095, 0.125}, {0.06, 0.16}, {0, 0.175}};
+    static const double cap[][2] = {{0.03, 0},    {0.022, 0.10},  {0.022, 0.10}, {0.10, 0.09},
+                                    {0.10, 0.09}, {0.095, 0.125}, {0.06, 0.16},  {0, 0.175}};
     use_material(m, "bark");
     add_lathe(m, wood, 6, 14, 3);
     use_material(m, "mushroom");
@@ -359,8 +400,9 @@ static corner ground_corner(double x, double w, bool path)
 
 static void ground(mesh *m)
 {
-    static const double across[] = {-62, -48, -38, -30, -24, -19, -15, -12, -9.5, -7.5, -6, -4.6, -3.4, -2.6, -1.9, -0.95, 0, 0.95,
-                                    1.9, 2.6, 3.4, 4.6, 6,   7.5, 9.5, 12,  15,  19,   24,   30, 38,   48,   62};
+    static const double across[] = {-62,  -48,  -38,  -30,  -24,   -19, -15,  -12, -9.5, -7.5, -6,
+                                    -4.6, -3.4, -2.6, -1.9, -0.95, 0,   0.95, 1.9, 2.6,  3.4,  4.6,
+                                    6,    7.5,  9.5,  12,   15,    19,  24,   30,  38,   48,   62};
     enum { COLUMNS = sizeof across / sizeof across[0] - 1, ROWS = 104 };
     for (int i = 0; i < ROWS; i++) {
         double a = -16 + 1.4 * i, b = a + 1.4;
@@ -368,7 +410,8 @@ static void ground(mesh *m)
             double w = across[k], x = across[k + 1];
             bool path = fabs(w + x) < 3.8;
             use_material(m, path ? "path" : "floor");
-            const corner c[4] = {ground_corner(a, w, path), ground_corner(a, x, path), ground_corner(b, x, path), ground_corner(b, w, path)};
+            const corner c[4] = {ground_corner(a, w, path), ground_corner(a, x, path), ground_corner(b, x, path),
+                                 ground_corner(b, w, path)};
             add_face(m, c, 4, true);
         }
     }
@@ -417,12 +460,12 @@ static place find_place(const kind *k, int i, int seed, const place *taken, int 
 static bool write_plants(const char *root)
 {
     static const kind kinds[] = {
-        {"oak", 95, 5.0, 42, 0.9, 1.5, 0.1, 1.5},      {"oak_wide", 75, 5.4, 42, 0.9, 1.5, 0.1, 1.5},
-        {"birch", 70, 3.6, 26, 0.9, 1.35, 0.05, 0.8},  {"birch_slim", 60, 3.3, 26, 0.8, 1.3, 0.05, 0.8},
-        {"spruce", 130, 6.0, 54, 0.9, 1.7, 0.1, 1.1},  {"spruce_young", 60, 3.8, 30, 0.6, 1.3, 0.05, 0.8},
-        {"bush", 90, 2.9, 22, 0.8, 1.7, 0.06, 0.5},    {"berries", 50, 2.7, 14, 0.7, 1.2, 0.06, 0.5},
-        {"boulder", 45, 3.3, 26, 0.5, 1.7, 0.2, 0.7},  {"stump", 20, 2.7, 14, 0.8, 1.3, 0.05, 0.4},
-        {"stones", 55, 2.0, 9, 0.5, 1.4, 0.03, 0.3},   {"fern", 120, 2.3, 14, 0.6, 1.2, 0.03, 0.4},
+        {"oak", 95, 5.0, 42, 0.9, 1.5, 0.1, 1.5},     {"oak_wide", 75, 5.4, 42, 0.9, 1.5, 0.1, 1.5},
+        {"birch", 70, 3.6, 26, 0.9, 1.35, 0.05, 0.8}, {"birch_slim", 60, 3.3, 26, 0.8, 1.3, 0.05, 0.8},
+        {"spruce", 130, 6.0, 54, 0.9, 1.7, 0.1, 1.1}, {"spruce_young", 60, 3.8, 30, 0.6, 1.3, 0.05, 0.8},
+        {"bush", 90, 2.9, 22, 0.8, 1.7, 0.06, 0.5},   {"berries", 50, 2.7, 14, 0.7, 1.2, 0.06, 0.5},
+        {"boulder", 45, 3.3, 26, 0.5, 1.7, 0.2, 0.7}, {"stump", 20, 2.7, 14, 0.8, 1.3, 0.05, 0.4},
+        {"stones", 55, 2.0, 9, 0.5, 1.4, 0.03, 0.3},  {"fern", 120, 2.3, 14, 0.6, 1.2, 0.03, 0.4},
         {"tuft", 130, 1.75, 8, 0.8, 1.5, 0.01, 0.2},
     };
     enum { MAX_PLANTS = 1000 };
@@ -463,13 +506,13 @@ static const char materials[] =
 bool generate_forest(const char *root)
 {
     static const mesh_recipe list[] = {
-        {"assets/meshes/forest/oak.obj", oak},       {"assets/meshes/forest/oak_wide.obj", oak_wide},
-        {"assets/meshes/forest/birch.obj", birch},   {"assets/meshes/forest/birch_slim.obj", birch_slim},
-        {"assets/meshes/forest/spruce.obj", spruce}, {"assets/meshes/forest/spruce_young.obj", spruce_young},
-        {"assets/meshes/forest/bush.obj", bush},     {"assets/meshes/forest/berries.obj", berries},
-        {"assets/meshes/forest/fern.obj", fern},     {"assets/meshes/forest/tuft.obj", tuft},
+        {"assets/meshes/forest/oak.obj", oak},         {"assets/meshes/forest/oak_wide.obj", oak_wide},
+        {"assets/meshes/forest/birch.obj", birch},     {"assets/meshes/forest/birch_slim.obj", birch_slim},
+        {"assets/meshes/forest/spruce.obj", spruce},   {"assets/meshes/forest/spruce_young.obj", spruce_young},
+        {"assets/meshes/forest/bush.obj", bush},       {"assets/meshes/forest/berries.obj", berries},
+        {"assets/meshes/forest/fern.obj", fern},       {"assets/meshes/forest/tuft.obj", tuft},
         {"assets/meshes/forest/boulder.obj", boulder}, {"assets/meshes/forest/stones.obj", stones},
-        {"assets/meshes/forest/stump.obj", stump},   {"assets/meshes/forest/ground.obj", ground},
+        {"assets/meshes/forest/stump.obj", stump},     {"assets/meshes/forest/ground.obj", ground},
     };
     return paint_forest(root) && write_text(root, "assets/meshes/forest/forest.mtl", materials) &&
            write_meshes(root, list, sizeof list / sizeof list[0], "forest.mtl") && write_plants(root);

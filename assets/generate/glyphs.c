@@ -4,19 +4,19 @@
 #include "generate.h"
 
 /* Side bearings by how an edge looks: straight stems need the most air, slanted and open edges the least. */
-#define STEM 68
+#define STEM  68
 #define ROUND 46
 #define SLANT 20
-#define OPEN 34
+#define OPEN  34
 
 #define BOWL_e "M 20 222 L 407 222 E 204 210 204 218 3 318"
 #define BOWL_a "O 203 210 203 218 ; M 414 424 L 414 0"
 #define BOWL_o "O 210 210 210 218"
 #define BOWL_u "M 0 420 L 0 190 E 190 190 190 198 180 360 ; M 380 420 L 380 0"
-#define BIG_A "M 0 0 L 260 610 L 520 0 ; M 85 190 L 435 190"
-#define BIG_O "O 315 305 315 313"
-#define BIG_U "M 0 610 L 0 235 E 235 235 235 243 180 360 L 470 610"
-#define BIG_S "E 190 456 185 162 30 270 E 190 143 200 151 90 -150"
+#define BIG_A  "M 0 0 L 260 610 L 520 0 ; M 85 190 L 435 190"
+#define BIG_O  "O 315 305 315 313"
+#define BIG_U  "M 0 610 L 0 235 E 235 235 235 243 180 360 L 470 610"
+#define BIG_S  "E 190 456 185 162 30 270 E 190 143 200 151 90 -150"
 
 const glyph font_glyphs[] = {
     {' ', 130, 130, ""},
@@ -51,8 +51,7 @@ const glyph font_glyphs[] = {
     {'=', OPEN, OPEN, "M 0 180 L 380 180 ; M 0 370 L 380 370"},
     {'>', OPEN, OPEN, "M 0 470 L 360 270 L 0 70"},
     {'?', OPEN, OPEN, "E 170 448 170 170 165 -50 L 180 265 L 170 200 ; D 170 10 56"},
-    {'@', ROUND, ROUND,
-     "O 315 215 125 145 ; M 440 360 L 440 190 E 535 190 95 92 180 360 E 320 215 310 325 -4 305"},
+    {'@', ROUND, ROUND, "O 315 215 125 145 ; M 440 360 L 440 190 E 535 190 95 92 180 360 E 320 215 310 325 -4 305"},
     {'A', SLANT, SLANT, BIG_A},
     {'B', STEM, ROUND, "M 20 308 L 205 308 E 205 459 151 151 -90 90 L 0 610 L 0 0 L 225 0 E 225 154 168 154 -90 90"},
     {'C', ROUND, OPEN, "E 310 305 310 313 42 318"},
@@ -115,36 +114,37 @@ const glyph font_glyphs[] = {
     {'|', 80, 80, "M 0 720 L 0 -140"},
     {'}', OPEN, OPEN, "E 0 590 90 90 90 0 L 90 365 L 170 285 L 90 205 L 90 -20 E 0 -20 90 90 0 -90"},
     {'~', OPEN, OPEN, "E 100 230 100 90 180 45 E 320 288 100 90 225 360"},
-    {0xb0, OPEN, OPEN, "O 100 515 100 100"},                                          /* degree */
-    {0xb7, OPEN, OPEN, "D 56 240 56"},                                               /* middle dot */
-    {0xc4, SLANT, SLANT, BIG_A " ; D 160 770 56 ; D 360 770 56"},                     /* Ä */
-    {0xd6, ROUND, ROUND, BIG_O " ; D 210 770 56 ; D 420 770 56"},                     /* Ö */
-    {0xd7, OPEN, OPEN, "M 0 100 L 330 430 ; M 0 430 L 330 100"},                      /* × */
-    {0xdc, STEM, STEM, BIG_U " ; D 130 770 56 ; D 340 770 56"},                       /* Ü */
+    {0xb0, OPEN, OPEN, "O 100 515 100 100"},                                                    /* degree */
+    {0xb7, OPEN, OPEN, "D 56 240 56"},                                                          /* middle dot */
+    {0xc4, SLANT, SLANT, BIG_A " ; D 160 770 56 ; D 360 770 56"},                               /* Ä */
+    {0xd6, ROUND, ROUND, BIG_O " ; D 210 770 56 ; D 420 770 56"},                               /* Ö */
+    {0xd7, OPEN, OPEN, "M 0 100 L 330 430 ; M 0 430 L 330 100"},                                /* × */
+    {0xdc, STEM, STEM, BIG_U " ; D 130 770 56 ; D 340 770 56"},                                 /* Ü */
     {0xdf, STEM, ROUND, "M 0 0 L 0 480 E 155 480 155 178 180 -65 ; E 200 158 190 166 80 -115"}, /* ß */
-    {0xe4, ROUND, STEM, BOWL_a " ; D 110 595 54 ; D 300 595 54"},                     /* ä */
-    {0xe8, ROUND, ROUND, BOWL_e " ; M 150 650 L 240 560"},                            /* è */
-    {0xe9, ROUND, ROUND, BOWL_e " ; M 260 650 L 170 560"},                            /* é */
-    {0xf6, ROUND, ROUND, BOWL_o " ; D 115 595 54 ; D 305 595 54"},                    /* ö */
-    {0xfc, STEM, STEM, BOWL_u " ; D 95 595 54 ; D 285 595 54"},                       /* ü */
-    {0x2013, OPEN, OPEN, "M 0 240 L 400 240"},                                        /* en dash */
-    {0x2014, OPEN, OPEN, "M 0 240 L 800 240"},                                        /* em dash */
-    {0x2018, OPEN, OPEN, "M 0 480 L 45 620"},                                         /* single quotes */
+    {0xe4, ROUND, STEM, BOWL_a " ; D 110 595 54 ; D 300 595 54"},                               /* ä */
+    {0xe8, ROUND, ROUND, BOWL_e " ; M 150 650 L 240 560"},                                      /* è */
+    {0xe9, ROUND, ROUND, BOWL_e " ; M 260 650 L 170 560"},                                      /* é */
+    {0xf6, ROUND, ROUND, BOWL_o " ; D 115 595 54 ; D 305 595 54"},                              /* ö */
+    {0xfc, STEM, STEM, BOWL_u " ; D 95 595 54 ; D 285 595 54"},                                 /* ü */
+    {0x2013, OPEN, OPEN, "M 0 240 L 400 240"},                                                  /* en dash */
+    {0x2014, OPEN, OPEN, "M 0 240 L 800 240"},                                                  /* em dash */
+    {0x2018, OPEN, OPEN, "M 0 480 L 45 620"},                                                   /* single quotes */
     {0x2019, OPEN, OPEN, "M 45 620 L 0 480"},
-    {0x201c, OPEN, OPEN, "M 0 480 L 45 620 ; M 130 480 L 175 620"},                   /* double quotes */
+    {0x201c, OPEN, OPEN, "M 0 480 L 45 620 ; M 130 480 L 175 620"}, /* double quotes */
     {0x201d, OPEN, OPEN, "M 45 620 L 0 480 ; M 175 620 L 130 480"},
-    {0x2022, OPEN, OPEN, "D 110 270 110"},                                            /* bullet */
-    {0x2026, 60, 60, "D 56 10 56 ; D 266 10 56 ; D 476 10 56"},                       /* ellipsis */
+    {0x2022, OPEN, OPEN, "D 110 270 110"},                                                    /* bullet */
+    {0x2026, 60, 60, "D 56 10 56 ; D 266 10 56 ; D 476 10 56"},                               /* ellipsis */
     {0x20ac, OPEN, OPEN, "E 360 305 290 313 45 315 ; M 0 365 L 390 365 ; M 0 245 L 370 245"}, /* € */
-    {0x2190, OPEN, OPEN, "M 560 270 L 0 270 ; M 200 460 L 0 270 L 200 80"},           /* ← */
-    {0x2191, OPEN, OPEN, "M 190 0 L 190 560 ; M 0 360 L 190 560 L 380 360"},          /* ↑ */
-    {0x2192, OPEN, OPEN, "M 0 270 L 560 270 ; M 360 460 L 560 270 L 360 80"},         /* → */
-    {0x2193, OPEN, OPEN, "M 190 560 L 190 0 ; M 0 200 L 190 0 L 380 200"},            /* ↓ */
-    {0x25c6, OPEN, OPEN, "M 230 590 L 0 290 L 230 -10 L 460 290 F"},                  /* ◆ */
-    {0x25cf, OPEN, OPEN, "D 270 290 290"},                                            /* ● */
-    {0x2605, OPEN, OPEN, "M 285 600 L 356 397 L 570 393 L 399 263 L 461 57 L 285 180 L 109 57 L 171 263 L 0 393 "
-                         "L 214 397 F"},                                              /* ★ */
-    {0x2665, OPEN, OPEN, "E 135 430 135 140 15 207 L 270 20 E 405 430 135 140 -27 165 F"},          /* ♥ */
-    {0x2713, OPEN, OPEN, "M 0 270 L 170 80 L 480 520"},                               /* ✓ */
+    {0x2190, OPEN, OPEN, "M 560 270 L 0 270 ; M 200 460 L 0 270 L 200 80"},                   /* ← */
+    {0x2191, OPEN, OPEN, "M 190 0 L 190 560 ; M 0 360 L 190 560 L 380 360"},                  /* ↑ */
+    {0x2192, OPEN, OPEN, "M 0 270 L 560 270 ; M 360 460 L 560 270 L 360 80"},                 /* → */
+    {0x2193, OPEN, OPEN, "M 190 560 L 190 0 ; M 0 200 L 190 0 L 380 200"},                    /* ↓ */
+    {0x25c6, OPEN, OPEN, "M 230 590 L 0 290 L 230 -10 L 460 290 F"},                          /* ◆ */
+    {0x25cf, OPEN, OPEN, "D 270 290 290"},                                                    /* ● */
+    {0x2605, OPEN, OPEN,
+     "M 285 600 L 356 397 L 570 393 L 399 263 L 461 57 L 285 180 L 109 57 L 171 263 L 0 393 "
+     "L 214 397 F"},                                                                       /* ★ */
+    {0x2665, OPEN, OPEN, "E 135 430 135 140 15 207 L 270 20 E 405 430 135 140 -27 165 F"}, /* ♥ */
+    {0x2713, OPEN, OPEN, "M 0 270 L 170 80 L 480 520"},                                    /* ✓ */
 };
 const int font_glyph_count = (int)(sizeof font_glyphs / sizeof font_glyphs[0]);

@@ -1,5 +1,5 @@
-/* assets/scenes/hard: meshes of the scenes whose difficulty is numerical. Plain shapes with few triangles; the scenes beside
- * them put them where floats are short of digits. */
+/* assets/scenes/hard: meshes of the scenes whose difficulty is numerical. Plain shapes with few triangles; the scenes
+ * beside them put them where floats are short of digits. */
 #include "generate.h"
 
 enum { NEEDLES = 150, STRIPES = 16 };
@@ -11,8 +11,8 @@ static FILE *begin(const char *root, const char *path, const char *material)
     return f;
 }
 
-/* Slim three-sided pyramids, 17 mm wide and up to 3 m tall, on a square of 16 m: from nearby they are pixels wide, from afar
- * a small part of one. */
+/* Slim three-sided pyramids, 17 mm wide and up to 3 m tall, on a square of 16 m: from nearby they are pixels wide, from
+ * afar a small part of one. */
 static bool needles(const char *root)
 {
     const char *path = "assets/scenes/hard/needles.obj";
@@ -21,8 +21,8 @@ static bool needles(const char *root)
     for (int i = 0; i < NEEDLES; i++) {
         double x = 16 * hash01(i, 0, 3) - 8, z = 16 * hash01(i, 1, 3) - 8, tall = 1.5 + 1.5 * hash01(i, 2, 3);
         double lean_x = 0.3 * hash01(i, 3, 3) - 0.15, lean_z = 0.3 * hash01(i, 4, 3) - 0.15;
-        fprintf(f, "v %.4f 0 %.4f\nv %.4f 0 %.4f\nv %.4f 0 %.4f\nv %.4f %.4f %.4f\n", x + 0.01, z, x - 0.005, z - 0.0087,
-                x - 0.005, z + 0.0087, x + lean_x, tall, z + lean_z);
+        fprintf(f, "v %.4f 0 %.4f\nv %.4f 0 %.4f\nv %.4f 0 %.4f\nv %.4f %.4f %.4f\n", x + 0.01, z, x - 0.005,
+                z - 0.0087, x - 0.005, z + 0.0087, x + lean_x, tall, z + lean_z);
     }
     for (int i = 0; i < NEEDLES; i++) {
         int a = 4 * i + 1, b = a + 1, c = a + 2, top = a + 3;
@@ -75,7 +75,8 @@ static bool block(const char *root, const char *path, const char *material, cons
 
 bool generate_hard(const char *root)
 {
-    static const double CUBE[2][3] = {{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}}, RIDGE[2][3] = {{-0.005, -1, -0.01}, {0, 1, 0.01}};
+    static const double CUBE[2][3] = {{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}},
+                        RIDGE[2][3] = {{-0.005, -1, -0.01}, {0, 1, 0.01}};
     return needles(root) && stripes(root) && square(root, "assets/scenes/hard/wall.obj", "green", false) &&
            square(root, "assets/scenes/hard/ground.obj", "sand", true) &&
            block(root, "assets/scenes/hard/cube.obj", "bone", CUBE[0], CUBE[1]) &&

@@ -153,7 +153,8 @@ static void add_soft_triangle(const blob *b, const vec points[3], const vec dire
     corner c[3];
     vec flat = normal_of(cross(sub(points[1], points[0]), sub(points[2], points[0])));
     for (int i = 0; i < 3; i++) {
-        vec round = normal_of(v3(directions[i].x / b->radius.x, directions[i].y / b->radius.y, directions[i].z / b->radius.z));
+        vec round =
+            normal_of(v3(directions[i].x / b->radius.x, directions[i].y / b->radius.y, directions[i].z / b->radius.z));
         c[i] = (corner){points[i], normal_of(add(times(round, b->soft), times(flat, 1 - b->soft))), 0, 0};
         project(&c[i], flat, b->tile);
     }

@@ -37,7 +37,7 @@ typedef struct mesh {
     corner corners[MAX_CORNERS];
     face faces[MAX_FACES];
     int corner_count, face_count;
-    const char *library;      /* the .mtl file beside the mesh; NULL: meshes.mtl */
+    const char *library;       /* the .mtl file beside the mesh; NULL: meshes.mtl */
     const char *materials[16]; /* names in it */
     int material_count;
     int material; /* of the faces added next */

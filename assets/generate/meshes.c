@@ -86,7 +86,8 @@ static void cup(mesh *m)
     add_torus(m, v3(0.355, 0.62, 0), 0.13, 0.028, 12, 8, -TAU * 0.38, TAU * 0.28);
 }
 
-/* A wine glass with walls, closed: up the outer side, over the lip, and down the inner one. 0.31 wide to each side, 1.12 high. */
+/* A wine glass with walls, closed: up the outer side, over the lip, and down the inner one. 0.31 wide to each
+ * side, 1.12 high. */
 static void goblet(mesh *m)
 {
     static const double profile[][2] = {{0, 0},        {0.30, 0},     {0.30, 0},     {0.312, 0.012}, {0.27, 0.03},
@@ -282,10 +283,12 @@ static const char materials[] =
 bool generate_meshes(const char *root)
 {
     static const mesh_recipe list[] = {
-        {"assets/meshes/gem.obj", gem},       {"assets/meshes/star.obj", star},     {"assets/meshes/coin.obj", coin},
-        {"assets/meshes/ring.obj", ring},     {"assets/meshes/cup.obj", cup},       {"assets/meshes/pine.obj", pine},
-        {"assets/meshes/tree.obj", tree},     {"assets/meshes/rock.obj", rock},     {"assets/meshes/column.obj", column},
-        {"assets/meshes/flag.obj", flag},     {"assets/meshes/island.obj", island}, {"assets/meshes/slab.obj", slab},
+        {"assets/meshes/gem.obj", gem},       {"assets/meshes/star.obj", star},
+        {"assets/meshes/coin.obj", coin},     {"assets/meshes/ring.obj", ring},
+        {"assets/meshes/cup.obj", cup},       {"assets/meshes/pine.obj", pine},
+        {"assets/meshes/tree.obj", tree},     {"assets/meshes/rock.obj", rock},
+        {"assets/meshes/column.obj", column}, {"assets/meshes/flag.obj", flag},
+        {"assets/meshes/island.obj", island}, {"assets/meshes/slab.obj", slab},
         {"assets/meshes/goblet.obj", goblet}, {"assets/meshes/prism.obj", prism},
     };
     return write_text(root, "assets/meshes/meshes.mtl", materials) &&

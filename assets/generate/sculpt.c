@@ -1,7 +1,7 @@
-/* Sculptures: solids given by a signed distance, turned into quadrilaterals by surface nets (Gibson 1998), and two figures
- * for the hall: a sitting cat and a woman with a lamp. A net has one vertex for each cell that the surface crosses, put
- * where the distance is zero along its gradient; four cells around an edge that crosses it make a face. The OBJ counts
- * its vertices backwards (`f -1 -40 …`), which keeps the file short. */
+/* Sculptures: solids given by a signed distance, turned into quadrilaterals by surface nets (Gibson 1998), and two
+ * figures for the hall: a sitting cat and a woman with a lamp. A net has one vertex for each cell that the surface
+ * crosses, put where the distance is zero along its gradient; four cells around an edge that crosses it make a face.
+ * The OBJ counts its vertices backwards (`f -1 -40 …`), which keeps the file short. */
 #include "mesh.h"
 
 #include <math.h>
@@ -58,22 +58,28 @@ static double cat_side(vec p) /* x is never negative: both sides are one */
     double fore = limb(p, v3(0.105, 0.74, 0.10), 0.085, v3(0.098, 0.10, 0.205), 0.058);
     fore = join(fore, ellipsoid(p, v3(0.098, 0.05, 0.25), v3(0.068, 0.055, 0.10)), 0.05);
     for (int i = -1; i <= 1; i++) /* clefts between the toes */
-        if (i) fore = -join(-fore, limb(p, v3(0.098 + 0.022 * i, 0.045, 0.30), 0.006, v3(0.098 + 0.028 * i, 0.03, 0.37), 0.009), 0.02);
+        if (i)
+            fore = -join(-fore,
+                         limb(p, v3(0.098 + 0.022 * i, 0.045, 0.30), 0.006, v3(0.098 + 0.028 * i, 0.03, 0.37), 0.009),
+                         0.02);
     return join(d, fore, 0.03);
 }
 
 static double cat_head(vec p, vec q) /* q: p with x made positive */
 {
     double d = ellipsoid(p, v3(0, 1.18, 0.10), v3(0.168, 0.145, 0.160));
-    d = join(d, ellipsoid(q, v3(0.085, 1.145, 0.16), v3(0.085, 0.075, 0.09)), 0.05);  /* cheek */
+    d = join(d, ellipsoid(q, v3(0.085, 1.145, 0.16), v3(0.085, 0.075, 0.09)), 0.05);   /* cheek */
     d = join(d, ellipsoid(q, v3(0.032, 1.117, 0.245), v3(0.048, 0.042, 0.055)), 0.03); /* muzzle */
     d = join(d, ellipsoid(p, v3(0, 1.075, 0.215), v3(0.045, 0.035, 0.05)), 0.03);      /* chin */
     d = join(d, limb(p, v3(0, 1.24, 0.215), 0.028, v3(0, 1.15, 0.285), 0.020), 0.04);  /* bridge and nose */
     d = -join(-d, ellipsoid(q, v3(0.083, 1.205, 0.262), v3(0.046, 0.026, 0.034)), 0.02);
     d = join(d, ellipsoid(q, v3(0.080, 1.203, 0.222), v3(0.036, 0.027, 0.036)), 0.005); /* eye */
-    vec r = v3(q.x, q.y, (p.z - 0.075) * 1.7 + 0.075); /* ears are flat */
+    vec r = v3(q.x, q.y, (p.z - 0.075) * 1.7 + 0.075);                                  /* ears are flat */
     double ear = limb(r, v3(0.105, 1.27, 0.075), 0.085, v3(0.150, 1.495, 0.075), 0.008);
-    ear = -join(-ear, limb(v3(q.x, q.y, (p.z - 0.135) * 1.5 + 0.135), v3(0.108, 1.275, 0.135), 0.062, v3(0.146, 1.46, 0.135), 0.006), 0.02);
+    ear = -join(
+        -ear,
+        limb(v3(q.x, q.y, (p.z - 0.135) * 1.5 + 0.135), v3(0.108, 1.275, 0.135), 0.062, v3(0.146, 1.46, 0.135), 0.006),
+        0.02);
     return join(d, ear, 0.03);
 }
 
@@ -128,13 +134,13 @@ static double head(vec p)
     q = v3(c * q.x - s * q.z, q.y, s * q.x + c * q.z);
     vec m = v3(fabs(q.x), q.y, q.z);
     double d = ellipsoid(q, v3(0, 0.02, 0), v3(0.080, 0.100, 0.096));
-    d = join(d, ellipsoid(q, v3(0, -0.055, 0.028), v3(0.056, 0.062, 0.062)), 0.04);        /* jaw */
-    d = join(d, limb(q, v3(0, 0.020, 0.092), 0.008, v3(0, -0.030, 0.111), 0.012), 0.018);  /* nose */
+    d = join(d, ellipsoid(q, v3(0, -0.055, 0.028), v3(0.056, 0.062, 0.062)), 0.04);       /* jaw */
+    d = join(d, limb(q, v3(0, 0.020, 0.092), 0.008, v3(0, -0.030, 0.111), 0.012), 0.018); /* nose */
     d = -join(-d, ellipsoid(m, v3(0.034, 0.012, 0.096), v3(0.022, 0.013, 0.017)), 0.012);
-    d = join(d, ellipsoid(m, v3(0.032, 0.010, 0.078), v3(0.016, 0.010, 0.012)), 0.006);    /* eye */
+    d = join(d, ellipsoid(m, v3(0.032, 0.010, 0.078), v3(0.016, 0.010, 0.012)), 0.006); /* eye */
     d = join(d, limb(m, v3(0.006, -0.062, 0.088), 0.007, v3(0.018, -0.060, 0.080), 0.004), 0.008);
     d = join(d, limb(m, v3(0, -0.072, 0.086), 0.008, v3(0.012, -0.070, 0.080), 0.004), 0.006);
-    d = join(d, ellipsoid(q, v3(0, -0.100, 0.062), v3(0.024, 0.020, 0.024)), 0.03);        /* chin */
+    d = join(d, ellipsoid(q, v3(0, -0.100, 0.062), v3(0.024, 0.020, 0.024)), 0.03); /* chin */
     double wave = 0.005 * sin(55 * atan2(q.x, q.y + 0.02) + 30 * q.z);
     double hair = ellipsoid(q, v3(0, 0.045, -0.022), v3(0.098, 0.100, 0.104)) + wave;
     hair = -join(-hair, ellipsoid(q, v3(0, -0.01, 0.125), v3(0.068, 0.088, 0.085)), 0.02); /* the face is free */
@@ -162,7 +168,8 @@ static double lamp(vec p)
     double bowl = fmax(ellipsoid(q, v3(0, 0.085, 0), v3(0.095, 0.075, 0.095)), q.y - 0.095);
     d = join(d, fmax(bowl, 0.02 - q.y), 0.01);
     d = join(d, ring(q, v3(0, 0.095, 0), v3(0, 1, 0), 0.090, 0.010), 0.004);
-    double twist = atan2(q.z, q.x) + 9 * q.y, flame = 0.058 * sin(clamp01((q.y - 0.07) / 0.23) * 2.6) + 0.010 * sin(3 * twist);
+    double twist = atan2(q.z, q.x) + 9 * q.y,
+           flame = 0.058 * sin(clamp01((q.y - 0.07) / 0.23) * 2.6) + 0.010 * sin(3 * twist);
     return join(d, fmax(0.6 * (r - flame), fmax(0.07 - q.y, q.y - 0.29)), 0.01);
 }
 
@@ -172,7 +179,8 @@ static double shawl(vec p)
     vec axis = normal_of(v3(0.55, 0.83, 0.06)), q = v3(p.x, p.y, p.z * 1.22);
     double fold = 0.010 * sin(34 * (p.x * axis.x + p.y * axis.y) + 5 * p.z);
     double d = ring(q, v3(0.02, 1.19, 0), axis, 0.190, 0.034) + fold;
-    double fall = limb(p, v3(0.262, 1.10, -0.035), 0.040, v3(0.300, 0.42, -0.02), 0.052) + 0.012 * sin(16 * atan2(p.z, p.x - 0.28) + 4 * p.y);
+    double fall = limb(p, v3(0.262, 1.10, -0.035), 0.040, v3(0.300, 0.42, -0.02), 0.052) +
+                  0.012 * sin(16 * atan2(p.z, p.x - 0.28) + 4 * p.y);
     return join(d, fall, 0.03);
 }
 
@@ -211,7 +219,9 @@ static size_t grid_index(const net *s, int x, int y, int z)
 static vec gradient(const net *s, vec p)
 {
     double e = 0.1 * s->cell, d = s->inside(p);
-    return times(v3(s->inside(add(p, v3(e, 0, 0))) - d, s->inside(add(p, v3(0, e, 0))) - d, s->inside(add(p, v3(0, 0, e))) - d), 1 / e);
+    return times(
+        v3(s->inside(add(p, v3(e, 0, 0))) - d, s->inside(add(p, v3(0, e, 0))) - d, s->inside(add(p, v3(0, 0, e))) - d),
+        1 / e);
 }
 
 /* The mean of where the cell's edges cross the surface, then moved onto it. */
@@ -274,13 +284,15 @@ static void net_layer(net *s, int y)
             if (!crosses(s, x, y, z)) continue;
             vec p = net_vertex(s, x, y, z);
             s->vertex[grid_index(s, x, y, z)] = ++s->count;
-            fprintf(s->file, "v %.4g %.5g %.4g\n", round(p.x * 1e4) / 1e4, round(p.y * 1e4) / 1e4, round(p.z * 1e4) / 1e4);
+            fprintf(s->file, "v %.4g %.5g %.4g\n", round(p.x * 1e4) / 1e4, round(p.y * 1e4) / 1e4,
+                    round(p.z * 1e4) / 1e4);
             for (int axis = 0; axis < 3; axis++) net_face(s, x, y, z, axis);
         }
     }
 }
 
-static bool cast(const char *root, const char *path, solid *inside, vec low, vec high, double cell, const char *material)
+static bool cast(const char *root, const char *path, solid *inside, vec low, vec high, double cell,
+                 const char *material)
 {
     vec size = times(sub(high, low), 1 / cell);
     net s = {.inside = inside, .low = low, .cell = cell, .n = {(int)size.x, (int)size.y, (int)size.z}};
@@ -301,6 +313,8 @@ static bool cast(const char *root, const char *path, solid *inside, vec low, vec
 
 bool generate_sculptures(const char *root)
 {
-    return cast(root, "assets/meshes/hall/cat.obj", cat, v3(-0.6, -0.15, -0.65), v3(0.6, 1.56, 0.65), 0.0158, "bronze") &&
-           cast(root, "assets/meshes/hall/woman.obj", woman, v3(-0.55, -0.13, -0.55), v3(0.55, 2.2, 0.55), 0.0140, "white_marble");
+    return cast(root, "assets/meshes/hall/cat.obj", cat, v3(-0.6, -0.15, -0.65), v3(0.6, 1.56, 0.65), 0.0158,
+                "bronze") &&
+           cast(root, "assets/meshes/hall/woman.obj", woman, v3(-0.55, -0.13, -0.55), v3(0.55, 2.2, 0.55), 0.0140,
+                "white_marble");
 }

@@ -1,6 +1,6 @@
-/* A frame as an expert would write it with Embree: packets of 16 camera rays, and everything between them in 16 lanes as
- * well: points, smooth normals, facing, packets of 16 shadow rays to the light from what faces it, Lambert's law, sRGB bytes
- * by table. The same picture as frames.c's, but for rounding. Compiled for the processor that builds it. */
+/* A frame as an expert would write it with Embree: packets of 16 camera rays, and everything between them in 16 lanes
+ * as well: points, smooth normals, facing, packets of 16 shadow rays to the light from what faces it, Lambert's law,
+ * sRGB bytes by table. The same picture as frames.c's, but for rounding. Compiled for the processor that builds it. */
 #include "harness/embree.h"
 
 #ifdef DAFT_EMBREE
@@ -30,16 +30,28 @@ typedef struct frame_job {
     uint32_t srgb[SRGB_STEPS]; /* words, which are gathered */
 } frame_job;
 
-static lanes splat(float x) { return x - (lanes){0}; }
-static lanes blend(mask m, lanes a, lanes b) { return (lanes)(((mask)a & m) | ((mask)b & ~m)); }
+static lanes splat(float x)
+{
+    return x - (lanes){0};
+}
+static lanes blend(mask m, lanes a, lanes b)
+{
+    return (lanes)(((mask)a & m) | ((mask)b & ~m));
+}
 static lanes load(const float from[16])
 {
     lanes x;
     memcpy(&x, from, sizeof x);
     return x;
 }
-static void store(lanes x, float to[16]) { memcpy(to, &x, sizeof x); }
-static lanes dot(lanes3 a, lanes3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static void store(lanes x, float to[16])
+{
+    memcpy(to, &x, sizeof x);
+}
+static lanes dot(lanes3 a, lanes3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 static lanes root(lanes x)
 {
@@ -139,7 +151,8 @@ static void write_pixels(const frame_job *job, mask hit, lanes cosine, int x0, i
 {
     const daft_vec3 albedo = BENCH_ALBEDO, ambient = BENCH_AMBIENT, color = BENCH_LIGHT_COLOR, sky = BENCH_SKY;
     const float still[3] = {albedo.x * ambient.x, albedo.y * ambient.y, albedo.z * ambient.z},
-                lit[3] = {albedo.x * color.x, albedo.y * color.y, albedo.z * color.z}, beyond[3] = {sky.x, sky.y, sky.z};
+                lit[3] = {albedo.x * color.x, albedo.y * color.y, albedo.z * color.z},
+                beyond[3] = {sky.x, sky.y, sky.z};
     uint32_t rgba[16];
     for (int i = 0; i < 16; i++) rgba[i] = 0xff000000u;
     for (int channel = 0; channel < 3; channel++) {

@@ -1,5 +1,5 @@
 /* Whole frames through the public API: camera rays, shadows, Lambert's law, sRGB bytes; against the same written with
- * Embree. And what an effect costs that the scene does not call for. */
+ * Embree. And the cost of an effect that the scene does not call for. */
 #include "harness/scenes.h"
 
 #include "math/trig.h"
@@ -91,7 +91,8 @@ bench_frame *bench_frame_create(bench *self, const bench_scene *scene, int threa
     frame->engine = daft_engine_create(&def, &error);
     if (frame->engine) frame->scene = daft_scene_create(frame->engine, &error);
     if (frame->scene) frame->image = daft_image_create(frame->engine, scene->view.width, scene->view.height, &error);
-    if (frame->image && add_instances(self, frame->scene, scene, &error) && add_lights(frame->scene, scene, lights, &error))
+    if (frame->image && add_instances(self, frame->scene, scene, &error) &&
+        add_lights(frame->scene, scene, lights, &error))
         return frame;
     bench_note(self, true, "%s: %s", scene->name, daft_error_text(&error, text, sizeof text));
     bench_frame_destroy(frame);
@@ -132,7 +133,7 @@ static double frame_ours(void *context)
     return bench_frame_ms(context);
 }
 
-/* A millimetre to and fro: for each frame all instances are put into place anew, and the tree over them is made. */
+/* The camera moves by a millimetre to and fro, so each frame rebuilds the instance list and the TLAS. */
 static double frame_moved(void *context)
 {
     bench_frame *frame = context;
@@ -147,7 +148,7 @@ static double frame_peer(void *context)
     return frame->api->frame_ms(frame->embree, frame->shown, frame->peer_pixels);
 }
 
-/* Milliseconds of each part; and whether both drew the same picture: pixels more than 8 of 255 steps apart. */
+/* Milliseconds of each part, and the pixels in which the two pictures differ by more than 8 of 255 steps. */
 static void frame_describe(void *context, char *out, size_t size)
 {
     bench_frame *frame = context;
@@ -172,7 +173,7 @@ static void frame_describe(void *context, char *out, size_t size)
 
 static const char STILL[] = "frame, one light", MOVED[] = "frame, one light, the camera moves";
 
-/* Where instances are many, what is kept from frame to frame is told apart. */
+/* Scenes of instances have a row of their own for frames that keep nothing. */
 static bool wants_moved(bench *self, const char *scene)
 {
     return strstr(scene, "instances") && bench_wants(self, scene, MOVED);
@@ -255,7 +256,7 @@ static bool add_unseen(bench_frame *frame, const bench_scene *scene)
     return def.material.id && daft_entity_create(frame->scene, &def, NULL).id;
 }
 
-/* What differs between the rows that compare two frames of ours. */
+/* The parts in which rows that compare two of our frames differ. */
 typedef struct frame_pair {
     const char *what, *peer_name;
     void (*describe)(void *context, char *out, size_t size);
@@ -294,14 +295,15 @@ static const char MIRROR[] = "frame, mirror on the ground, no light";
 static const char *const MIRROR_SCENES[] = {"cow, whole", "bunny, whole", "1,000 instances of the cow"};
 enum { MIRROR_CELLS = 8 };
 
-/* Of cells · cells · 2 triangles: where they are many, the engine does not look for planes among them. */
+/* A square of cells · cells · 2 triangles. The engine searches only small meshes for planes. */
 static bool add_mirror(bench_frame *frame, const bench_scene *scene, uint32_t cells)
 {
     daft_vec3 at[(MIRROR_CELLS + 1) * (MIRROR_CELLS + 1)];
     uint32_t indices[6 * MIRROR_CELLS * MIRROR_CELLS], count = 0, side = cells + 1;
     float size = 2 * daft_length(scene->view.from);
     for (uint32_t i = 0; i < side * side; i++)
-        at[i] = daft_v3(((float)(i % side) / (float)cells - 0.5f) * size, 0.001f, ((float)(i / side) / (float)cells - 0.5f) * size);
+        at[i] = daft_v3(((float)(i % side) / (float)cells - 0.5f) * size, 0.001f,
+                        ((float)(i / side) / (float)cells - 0.5f) * size);
     for (uint32_t i = 0; i < cells * cells; i++) {
         uint32_t a = i / cells * side + i % cells;
         const uint32_t corners[6] = {a, a + side, a + 1, a + 1, a + side, a + side + 1};
@@ -354,7 +356,8 @@ void bench_frames(bench *self)
     int threads[2], count = bench_thread_counts(self, threads);
     for (size_t i = 0; i < bench_scene_count(); i++) {
         const char *name = bench_scene_name(i);
-        bool still = bench_wants(self, name, STILL), moved = wants_moved(self, name), unseen = wants_unseen(self, name), mirror = wants_mirror(self, name);
+        bool still = bench_wants(self, name, STILL), moved = wants_moved(self, name), unseen = wants_unseen(self, name),
+             mirror = wants_mirror(self, name);
         bench_scene scene;
         if (!(still || moved || unseen || mirror) || !bench_scene_make(self, i, &scene)) continue;
         for (int t = 0; t < count; t++) {

@@ -44,8 +44,8 @@ typedef struct start_job {
 static double start_up(void *context)
 {
     const start_job *job = context;
-    const char *const words[] = {"daft",  "play", "marble", "--headless", "--ticks", "1", "--hash", "--threads", job->threads,
-                                 "--isa", job->isa};
+    const char *const words[] = {"daft",   "play",      "marble",     "--headless", "--ticks", "1",
+                                 "--hash", "--threads", job->threads, "--isa",      job->isa};
     return run_program(words, DAFT_COUNT_OF(words));
 }
 
@@ -61,8 +61,15 @@ void bench_start_up(bench *self)
     if (!bench_wants(self, "marble", "start-up")) return;
     start_job job = {.isa = self->isa};
     snprintf(job.threads, sizeof job.threads, "%d", counts[count - 1]);
-    bench_subject subject = {.scene = "marble", .what = "start-up", .unit = "ms", .isa = self->isa, .threads = counts[count - 1],
-                             .ours = start_up, .context = &job, .describe = start_up_describe, .budget = {200, 80, true}};
+    bench_subject subject = {.scene = "marble",
+                             .what = "start-up",
+                             .unit = "ms",
+                             .isa = self->isa,
+                             .threads = counts[count - 1],
+                             .ours = start_up,
+                             .context = &job,
+                             .describe = start_up_describe,
+                             .budget = {200, 80, true}};
     bench_measure(self, &subject);
 }
 
@@ -78,14 +85,17 @@ static double number_after(const char *json, const char *name)
 }
 
 static const char *const EFFECTS[DAFT_EFFECT_COUNT] = {
-    [DAFT_EFFECT_VISIBILITY] = "visibility", [DAFT_EFFECT_SURFACE] = "surface",       [DAFT_EFFECT_TEXTURE] = "texture",
-    [DAFT_EFFECT_SHADOW] = "shadow",         [DAFT_EFFECT_LIGHTING] = "lighting",     [DAFT_EFFECT_REFLECTION] = "reflection",
-    [DAFT_EFFECT_REFRACTION] = "refraction", [DAFT_EFFECT_SKY] = "sky",               [DAFT_EFFECT_RESOLVE] = "resolve"};
+    [DAFT_EFFECT_VISIBILITY] = "visibility", [DAFT_EFFECT_SURFACE] = "surface",
+    [DAFT_EFFECT_TEXTURE] = "texture",       [DAFT_EFFECT_SHADOW] = "shadow",
+    [DAFT_EFFECT_LIGHTING] = "lighting",     [DAFT_EFFECT_REFLECTION] = "reflection",
+    [DAFT_EFFECT_REFRACTION] = "refraction", [DAFT_EFFECT_SKY] = "sky",
+    [DAFT_EFFECT_RESOLVE] = "resolve"};
 
 static void read_stats(const char *json, users_frames *out)
 {
     const char *frame = strstr(json, "\"frame_ms\""), *effects = strstr(json, "\"effects\"");
-    *out = (users_frames){.median = number_after(frame, "median"), .p95 = number_after(frame, "p95"),
+    *out = (users_frames){.median = number_after(frame, "median"),
+                          .p95 = number_after(frame, "p95"),
                           .frames = (int)number_after(frame, "frames")};
     for (int i = 0; i < DAFT_EFFECT_COUNT; i++) {
         char key[64];
@@ -103,8 +113,9 @@ static bool play_demo(bench *self, const char *game, int threads, users_frames *
     snprintf(demo, sizeof demo, "%s/games/%s/demo.rec", DAFT_ROOT, game);
     snprintf(stats, sizeof stats, "%s/daft_bench_%ld.json", folder ? folder : "/tmp", (long)getpid());
     snprintf(count, sizeof count, "%d", threads);
-    const char *const words[] = {"daft", "play",   game,     "--headless", "--every-frame", "--replay", demo,    "--size",
-                                 "1280x720", "--stats", stats, "--threads",  count,           "--isa",    self->isa};
+    const char *const words[] = {"daft",     "play",      game,     "--headless", "--every-frame",
+                                 "--replay", demo,        "--size", "1280x720",   "--stats",
+                                 stats,      "--threads", count,    "--isa",      self->isa};
     size_t size;
     bool played = run_program(words, DAFT_COUNT_OF(words)) >= 0;
     char *json = played ? daft_file_read(&self->allocator, stats, &size, NULL) : NULL;
@@ -142,7 +153,8 @@ static int has_demo(const struct dirent *entry)
 void bench_games(bench *self)
 {
     struct dirent **games;
-    int found = scandir(DAFT_ROOT "/games", &games, has_demo, alphasort), counts[2], count = bench_thread_counts(self, counts);
+    int found = scandir(DAFT_ROOT "/games", &games, has_demo, alphasort), counts[2],
+        count = bench_thread_counts(self, counts);
     for (int i = 0; i < found; i++) {
         char scene[64];
         snprintf(scene, sizeof scene, "game frame, %.50s", games[i]->d_name);

@@ -1,6 +1,6 @@
 /* The group growth: how the time of a frame (camera rays, shadows, Lambert) grows with triangles, instances, pixels,
  * lights and threads. The peer of each row is the row before it, so its ratio says what the step cost: 0.5 is twice the
- * time. Asked for with --only it goes all the way; in a run of everything it stops where a row takes long. */
+ * time. With --only it runs to the end; a run of everything stops before the slow rows. */
 #include "harness/scenes.h"
 
 #include "math/trig.h"
@@ -14,7 +14,7 @@ typedef struct growth {
     bench *self;
     const char *scene;
     double before; /* milliseconds of the row before; negative: this is the first */
-    bool wall;     /* on the wall clock, also of one thread, since other numbers of threads are compared with it */
+    bool wall;     /* use the wall clock for one thread too, because rows of more threads compare with it */
 } growth;
 
 static double frame_ms(void *context)
@@ -35,7 +35,7 @@ static void describe(void *context, char *out, size_t size)
              (unsigned long long)c->shadow_rays);
 }
 
-/* `min_ratio`: of the ratio to the row before, where this row must keep it; 0: none. */
+/* min_ratio: the floor of the ratio to the row before; 0: none. */
 static void add_step(growth *g, const bench_scene *scene, const char *what, int threads, int lights, double min_ratio)
 {
     bench *self = g->self;
@@ -64,7 +64,7 @@ static growth begin(bench *self, const char *scene)
     return (growth){self, scene, -1, false};
 }
 
-static bool all_the_way(const bench *self)
+static bool to_the_end(const bench *self)
 {
     return self->only != NULL;
 }
@@ -98,7 +98,7 @@ static void with_triangles(bench *self)
 {
     enum { LARGEST = 10000000, LARGEST_OF_ALL = 1024000 };
     growth g = begin(self, "growth, triangles");
-    uint32_t limit = all_the_way(self) ? LARGEST : LARGEST_OF_ALL, pixels = BENCH_WIDTH * BENCH_HEIGHT;
+    uint32_t limit = to_the_end(self) ? LARGEST : LARGEST_OF_ALL, pixels = BENCH_WIDTH * BENCH_HEIGHT;
     for (uint32_t n = 1000, last = 0; n <= limit && n != last; last = n, n = n * 2 > LARGEST ? LARGEST : n * 2) {
         char what[32];
         bench_scene scene;
@@ -115,7 +115,7 @@ static void with_triangles(bench *self)
 static void with_instances(bench *self)
 {
     growth g = begin(self, "growth, instances");
-    for (uint32_t n = 1; n <= (all_the_way(self) ? 100000u : 1000u); n *= 10) {
+    for (uint32_t n = 1; n <= (to_the_end(self) ? 100000u : 1000u); n *= 10) {
         char what[32];
         bench_scene scene;
         snprintf(what, sizeof what, "frame, %u", n);
@@ -129,7 +129,7 @@ static void with_pixels(bench *self)
 {
     static const int SIZES[][2] = {{320, 180}, {640, 360}, {1280, 720}, {1920, 1080}, {2560, 1440}, {3840, 2160}};
     growth g = begin(self, "growth, pixels");
-    for (size_t i = 0; i < (all_the_way(self) ? DAFT_COUNT_OF(SIZES) : 4); i++) {
+    for (size_t i = 0; i < (to_the_end(self) ? DAFT_COUNT_OF(SIZES) : 4); i++) {
         char what[32];
         bench_scene scene;
         snprintf(what, sizeof what, "frame, %dx%d", SIZES[i][0], SIZES[i][1]);
@@ -143,7 +143,7 @@ static void with_pixels(bench *self)
 static void with_lights(bench *self)
 {
     growth g = begin(self, "growth, lights");
-    for (int n = 1; n <= (all_the_way(self) ? 64 : 16); n *= 2) {
+    for (int n = 1; n <= (to_the_end(self) ? 64 : 16); n *= 2) {
         char what[32];
         bench_scene scene;
         snprintf(what, sizeof what, "frame, %d", n);

@@ -1,7 +1,7 @@
-/* Rows `scene frame, NAME`: each scene of assets/scenes in quality `game`, through daft.h alone. The first camera sways as a
- * person looking around does: up to 40 cm along and 20 cm across, 6 degrees to the sides, over 120 frames, so that no frame
- * shows what the one before showed and each is drawn whole. What may stay from frame to frame stays, as it would for a
- * user. Beside them stands the time of a frame in which nothing moves. */
+/* Rows `scene frame, NAME`: each scene of assets/scenes in quality `game`, through daft.h alone. The first camera sways
+ * as a person looking around does: up to 40 cm along and 20 cm across, 6 degrees to the sides, over 120 frames, so that
+ * no frame repeats the one before and each is drawn in full. What the engine keeps from frame to frame stays kept, as
+ * for a user. The row also reports the time of a frame in which nothing moves. */
 #include "frames/users.h"
 
 #include "math/trig.h"
@@ -34,7 +34,8 @@ static bool open_show(bench *self, const char *path, int threads, show *s, daft_
     s->view.quality = DAFT_QUALITY_GAME;
     s->engine = daft_engine_create(&def, error);
     if (s->engine) s->scene = daft_scene_create(s->engine, error);
-    if (s->scene && daft_scene_load(s->scene, path, error)) s->image = daft_image_create(s->engine, WIDTH, HEIGHT, error);
+    if (s->scene && daft_scene_load(s->scene, path, error))
+        s->image = daft_image_create(s->engine, WIDTH, HEIGHT, error);
     if (s->image) s->view.camera = daft_scene_camera(s->scene, 1);
     return s->image != NULL;
 }
@@ -49,7 +50,8 @@ static void close_show(show *s)
 static daft_camera sway(const daft_camera *from, int frame)
 {
     double turn = 2 * DAFT_PI * (frame + 0.5) / FRAMES, along = 0.4 * daft_sin(turn), across = 0.2 * daft_sin(2 * turn);
-    double c = daft_cos((double)from->yaw), s = daft_sin((double)from->yaw); /* yaw 0 looks along +X, positive turns to +Z */
+    double c = daft_cos((double)from->yaw),
+           s = daft_sin((double)from->yaw); /* yaw 0 looks along +X, positive turns to +Z */
     daft_camera camera = *from;
     camera.position.x += along * c - across * s, camera.position.z += along * s + across * c;
     camera.yaw += (float)(6 * DAFT_PI / 180 * daft_sin(turn));
@@ -81,7 +83,8 @@ static bool show_all(show *s, users_frames *out)
         daft_camera camera = sway(&s->view.camera, i);
         if ((ms[i] = draw(s, &camera)) < 0) return false;
         const daft_effect *effects = daft_scene_counters(s->scene)->effects;
-        for (int k = 0; k < DAFT_EFFECT_COUNT; k++) out->names[k] = effects[k].name, out->effects[k] += effects[k].ms / FRAMES;
+        for (int k = 0; k < DAFT_EFFECT_COUNT; k++)
+            out->names[k] = effects[k].name, out->effects[k] += effects[k].ms / FRAMES;
     }
     qsort(ms, FRAMES, sizeof ms[0], by_time);
     out->median = ms[FRAMES / 2], out->p95 = ms[FRAMES * 95 / 100 - 1];

@@ -19,7 +19,8 @@ static void write_effects(const users_frames *f, const char *note, char *out, si
             used += snprintf(out + used, size - (size_t)used, " %s %.2f", f->names[i], f->effects[i]);
 }
 
-void users_report(bench *self, const char *scene, int threads, const users_frames *f, const char *note, double floor, double aim)
+void users_report(bench *self, const char *scene, int threads, const users_frames *f, const char *note, double floor,
+                  double aim)
 {
     bench_row row = {.unit = "ms", .isa = self->isa, .threads = threads, .peer = -1};
     snprintf(row.scene, sizeof row.scene, "%s", scene);

@@ -1,6 +1,6 @@
-/* bench: the harness of the benchmarks. A benchmark is two functions that return one sample each, ours and a peer's on the
- * same work; the harness runs them in turns, so that a slow moment of the machine meets both, and reports the best of
- * each: what disturbs a sample only ever makes it slower.
+/* bench: the harness of the benchmarks. A benchmark is two functions that return one sample each, ours and a peer's on
+ * the same work; the harness runs them in turns, so that a slow moment of the machine meets both, and reports the best
+ * of each: what disturbs a sample only ever makes it slower.
  *
  *   harness/  options and sampling (main.c), the table and the JSON (report.c), the manual's tables (tables.c), plots
  *             (svg.c), meshes (models.c) and scenes (scenes.c) that both sides see, Embree (embree.c)
@@ -53,7 +53,7 @@ typedef struct bench_subject {
     int threads;
     bench_sample *ours, *peer; /* peer: NULL where there is none, or it is not installed */
     void *context;
-    const char *peer_name; /* NULL: nothing to compare with */
+    const char *peer_name;                                   /* NULL: nothing to compare with */
     void (*describe)(void *context, char *out, size_t size); /* counters, after the last round; may be NULL */
     bench_budget budget;
     bool own_peer; /* the peer is ours, too: it runs without --peers */
@@ -63,16 +63,16 @@ typedef struct bench_subject {
 bool bench_wants(bench *self, const char *scene, const char *what);
 /* Samples both sides and adds the row; gives it, or NULL on failure. It is valid until the next one. */
 const bench_row *bench_measure(bench *self, const bench_subject *subject);
-/* The same, and a second row of the same figures, without the peer, under another name and budget. */
+/* The same, with a second row of the same figures under another name and budget, without the peer. */
 void bench_measure_twice(bench *self, const bench_subject *subject, const char *what, bench_budget budget);
-/* A row whose figures are known already. False when memory is out. */
+/* Adds a row whose figures are already known. False: out of memory. */
 bool bench_add(bench *self, const bench_row *row);
-/* The clock for work of so many threads. Of one, the calling one: what it has spent on a processor itself, since the turns
- * that other programs take would fall on longer samples more than on shorter ones. Of more: the wall clock. */
+/* The clock for work of so many threads. One thread: its own processor time, because the time slices of other programs
+ * would hit long samples more than short ones. More threads: the wall clock. */
 double bench_clock_ms(int threads);
 /* Fills in the thread counts to measure, returns how many. */
 int bench_thread_counts(const bench *self, int out[2]);
-/* Says on stderr why something is left out or went wrong; `fatal` makes the exit status 1. */
+/* Writes to stderr why something is left out or failed; `fatal` makes the exit status 1. */
 void bench_note(bench *self, bool fatal, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* ---- report.c ---- */
@@ -94,7 +94,7 @@ bool bench_write_tables(bench *self);
 typedef struct bench_model {
     const char *name;
     const char *file;   /* in the models folder; NULL: generated */
-    uint32_t triangles; /* of the file, and about those of what stands in where it is missing */
+    uint32_t triangles; /* of the file, and approximately of its stand-in */
 } bench_model;
 
 extern const bench_model BENCH_MODELS[];
@@ -104,7 +104,7 @@ const bench_model *bench_model_named(const char *name);
 /* The file of a model; false when it has none or it is not there. */
 bool bench_model_path(const bench_model *model, char *out, size_t size);
 bool bench_model_load(bench *self, const bench_model *model, daft_trimesh *out);
-/* The scene's name as it is shown: it says where something stands in for a model. */
+/* The scene's displayed name, which says whether a stand-in replaces a model. */
 void bench_label(const char *scene, char *out, size_t size);
 /* A grid of columns by rows cells over u, v in 0..1, two triangles each, counter-clockwise where u, v is clockwise. */
 typedef daft_vec3 bench_surface(double u, double v);
@@ -123,7 +123,7 @@ static inline float bench_random(uint64_t *state)
 
 /* ---- peers ---- */
 
-/* What both sides see: through a pinhole camera. */
+/* A pinhole camera for both sides. */
 typedef struct bench_view {
     int width, height;
     daft_vec3 from, at, right, up, forward;
@@ -164,11 +164,11 @@ void bench_load(bench *self);
 /* A row of building a mesh's tree, beside Embree's (load.c). */
 void bench_measure_build(bench *self, const char *scene, const char *what, const daft_trimesh *mesh);
 void bench_trees(bench *self);
-void bench_sim_shapes(bench *self); /* collision geometry */
-void bench_sim(bench *self);        /* steps of the simulation */
+void bench_sim_shapes(bench *self);   /* collision geometry */
+void bench_sim(bench *self);          /* steps of the simulation */
 void bench_sim_accuracy(bench *self); /* what a right motion costs */
-void bench_growth(bench *self);   /* time against triangles, instances, pixels, lights, threads */
-void bench_accuracy(bench *self); /* what a right pixel costs */
-void bench_robust(bench *self); /* how often wrong, not how fast */
+void bench_growth(bench *self);       /* time against triangles, instances, pixels, lights, threads */
+void bench_accuracy(bench *self);     /* what a right pixel costs */
+void bench_robust(bench *self);       /* how often wrong, not how fast */
 
 #endif

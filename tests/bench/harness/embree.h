@@ -1,4 +1,4 @@
-/* What the files of the peer Embree share. */
+/* Shared by the files that call Embree. */
 #ifndef DAFT_BENCH_EMBREE_H
 #define DAFT_BENCH_EMBREE_H
 

@@ -60,9 +60,9 @@ void bench_note(bench *self, bool fatal, const char *format, ...)
     self->failed |= fatal;
 }
 
-/* Samples are enough when there are as many as asked for, or else nine, and then more for up to a third of a second,
- * since short ones are the noisy ones (a second where ours stands against ours, and percents are looked for); or, past
- * the third, when they have taken five seconds. */
+/* Enough samples: as many as --rounds says; else nine, and more until a third of a second has passed, because short
+ * samples are noisy (one second for rows that compare two of ours, where percents matter). After three samples, five
+ * seconds are always enough. */
 static bool enough(const bench *self, const bench_subject *subject, int count, double ms)
 {
     if (count >= 3 && ms > 5e3) return true;
@@ -75,8 +75,8 @@ static double better(const bench_row *row, double a, double b)
     return bench_smaller_is_better(row) == (a < b) ? a : b;
 }
 
-/* One round of warming up, then rounds of ours and the peer's in turns. A first round of two seconds has no need of
- * warming up and counts. False if a sample failed. */
+/* One warm-up round, then rounds of ours and the peer's in turns. A first round longer than two seconds counts. False:
+ * a sample failed. */
 static bool sample(const bench *self, const bench_subject *subject, bool peer, bench_row *row)
 {
     double start = daft_clock_ms();
@@ -250,7 +250,8 @@ static void describe_run(bench *self, int argc, char **argv)
 {
     size_t used = (size_t)snprintf(self->command, sizeof self->command, "daft bench");
     for (int i = 1; i < argc && used < sizeof self->command; i++) {
-        bool output = strncmp(argv[i], "--json", 6) == 0 || strncmp(argv[i], "--csv", 5) == 0 || strncmp(argv[i], "--svg", 5) == 0;
+        bool output = strncmp(argv[i], "--json", 6) == 0 || strncmp(argv[i], "--csv", 5) == 0 ||
+                      strncmp(argv[i], "--svg", 5) == 0;
         if (output && !strchr(argv[i], '=')) i++;
         if (output) continue;
         const char *quote = strchr(argv[i], ' ') ? "'" : "";

@@ -1,4 +1,4 @@
-/* What the benchmarks say in the end: the table with its budgets, the rows under their floor, the JSON. */
+/* The output: the table with its budgets, the rows below their floor, the JSON. */
 #include "bench.h"
 
 #include <stdio.h>
@@ -17,7 +17,7 @@ double bench_ratio(const bench_row *row)
 
 /* ---- budgets ---- */
 
-/* What is reached, as a fraction of `goal`; negative where there is nothing to judge. */
+/* The result as a fraction of `goal`; negative: nothing to judge. */
 static double fraction_of(const bench_row *row, double goal)
 {
     if (!(goal > 0)) return -1;
@@ -39,7 +39,7 @@ static void goal_cell(double goal, char *out, size_t size)
         snprintf(out, size, "-");
 }
 
-/* How far the aim is: what is reached of it, in percent; "!" marks what is under its floor. */
+/* The fraction of the aim that is reached, in percent; "!" marks a row below its floor. */
 static void reached_cell(const bench_row *row, char *out, size_t size)
 {
     double fraction = fraction_of(row, row->budget.aim);
@@ -156,8 +156,8 @@ static void write_row(FILE *file, const bench *self, const bench_row *row)
     write_number(file, "floor", budget ? row->budget.floor : -1);
     write_number(file, "aim", budget ? row->budget.aim : -1);
     fprintf(file, ", \"budget_of\": %s", !budget ? "null" : row->budget.of_value ? "\"ours\"" : "\"ratio\"");
-    fprintf(file, ", \"counters\": \"%s\", \"date\": \"%s\", \"machine\": \"%s\", \"command\": \"%s\"}", row->counters, self->date,
-            self->machine, self->command);
+    fprintf(file, ", \"counters\": \"%s\", \"date\": \"%s\", \"machine\": \"%s\", \"command\": \"%s\"}", row->counters,
+            self->date, self->machine, self->command);
 }
 
 bool bench_write_json(const bench *self)

@@ -1,4 +1,4 @@
-/* What the benchmarks look at. Meshes of 1 m on a ground plane, close up (the mesh fills the picture), whole (from 2.2
+/* The scenes of the yardsticks: meshes of 1 m on a ground plane, close up (the mesh fills the picture), whole (from 2.2
  * m) and far (100 pixels tall); cows and spheres strewn about with random rotations; a room around the camera. */
 #include "scenes.h"
 
@@ -147,13 +147,13 @@ static daft_vec3 column_point(double u, double v)
     return daft_v3((float)(radius * daft_cos(yaw)), (float)(4 * v), (float)(radius * daft_sin(yaw)));
 }
 
-typedef struct heap {
+typedef struct soup {
     daft_vec3 *positions;
     uint32_t *indices;
     uint32_t vertices, triangles;
-} heap;
+} soup;
 
-static void heap_add(heap *to, const daft_trimesh *mesh, daft_vec3 at)
+static void soup_add(soup *to, const daft_trimesh *mesh, daft_vec3 at)
 {
     for (uint32_t i = 0; i < 3 * mesh->triangle_count; i++)
         to->indices[3 * to->triangles + i] = to->vertices + mesh->indices[i];
@@ -170,12 +170,12 @@ static bool join_room(bench *self, const daft_trimesh *room, const daft_trimesh 
 {
     size_t vertices = room->vertex_count + COLUMNS * (size_t)column->vertex_count;
     size_t triangles = room->triangle_count + COLUMNS * (size_t)column->triangle_count;
-    heap all = {.positions = daft_alloc(&self->allocator, vertices, sizeof(daft_vec3)),
+    soup all = {.positions = daft_alloc(&self->allocator, vertices, sizeof(daft_vec3)),
                 .indices = daft_alloc(&self->allocator, triangles, 3 * sizeof(uint32_t))};
     bool made = all.positions && all.indices;
-    if (made) heap_add(&all, room, daft_v3(0, 0, 0));
+    if (made) soup_add(&all, room, daft_v3(0, 0, 0));
     for (int i = 0; made && i < COLUMNS; i++)
-        heap_add(&all, column, daft_v3(-4 + 2 * (float)(i / 2), 0, i % 2 ? 2.2f : -2.2f));
+        soup_add(&all, column, daft_v3(-4 + 2 * (float)(i / 2), 0, i % 2 ? 2.2f : -2.2f));
     daft_mesh_def def = daft_default_mesh_def();
     def.positions = all.positions, def.vertex_count = all.vertices;
     def.indices = all.indices, def.triangle_count = all.triangles;

@@ -1,4 +1,4 @@
-/* What both sides of a rendering benchmark look at, and our camera rays into it. */
+/* The scenes of the rendering benchmarks, and our camera rays into them. */
 #ifndef DAFT_BENCH_SCENES_H
 #define DAFT_BENCH_SCENES_H
 
@@ -83,9 +83,9 @@ const daft_counters *bench_frame_counters(const bench_frame *frame);
 const uint8_t *bench_frame_pixels(const bench_frame *frame);
 
 /* What the light and the surfaces are like, for ours and the peer's. */
-#define BENCH_ALBEDO     ((daft_vec3){0.8f, 0.75f, 0.7f})
-#define BENCH_AMBIENT    ((daft_vec3){0.2f, 0.22f, 0.25f})
+#define BENCH_ALBEDO      ((daft_vec3){0.8f, 0.75f, 0.7f})
+#define BENCH_AMBIENT     ((daft_vec3){0.2f, 0.22f, 0.25f})
 #define BENCH_LIGHT_COLOR ((daft_vec3){0.9f, 0.85f, 0.8f})
-#define BENCH_SKY        ((daft_vec3){0.5f, 0.6f, 0.8f})
+#define BENCH_SKY         ((daft_vec3){0.5f, 0.6f, 0.8f})
 
 #endif

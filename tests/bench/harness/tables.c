@@ -3,9 +3,9 @@
  *     <!-- bench: camera rays, exact | camera rays, fast; threads 1; columns; counters -->
  *     <!-- /bench -->
  *
- * Rows are those of the JSON files whose "scene what" contains one of the patterns. `threads N` keeps rows of N threads,
- * `columns` gives each `what` a column of its own, `counters` adds what was counted.
- * What stands between the two marks is replaced; a section without rows stays as it is, and is noted on stderr. */
+ * Rows are those of the JSON files whose "scene what" contains one of the patterns. `threads N` keeps rows of N
+ * threads, `columns` gives each `what` a column of its own, `counters` adds what was counted. What stands between the
+ * two marks is replaced; a section without rows stays as it is, and is noted on stderr. */
 #include "bench.h"
 
 #include <dirent.h>
@@ -61,9 +61,11 @@ static double number_of(const char *line, const char *name)
 
 static bool read_row(const char *line, table_row *r)
 {
-    if (!text_of(line, "scene", r->scene, sizeof r->scene) || !text_of(line, "what", r->what, sizeof r->what)) return false;
+    if (!text_of(line, "scene", r->scene, sizeof r->scene) || !text_of(line, "what", r->what, sizeof r->what))
+        return false;
     text_of(line, "unit", r->unit, sizeof r->unit), text_of(line, "isa", r->isa, sizeof r->isa);
-    text_of(line, "peer_name", r->peer_name, sizeof r->peer_name), text_of(line, "counters", r->counters, sizeof r->counters);
+    text_of(line, "peer_name", r->peer_name, sizeof r->peer_name),
+        text_of(line, "counters", r->counters, sizeof r->counters);
     text_of(line, "date", r->date, sizeof r->date), text_of(line, "machine", r->machine, sizeof r->machine);
     text_of(line, "command", r->command, sizeof r->command);
     r->ours = number_of(line, "ours"), r->peer = number_of(line, "peer"), r->ratio = number_of(line, "ratio");
@@ -174,10 +176,11 @@ static void put_origin(FILE *out, const tables *t, const section *s)
         const table_row *r = &t->rows[i];
         bool told = !chosen(s, r);
         for (size_t k = 0; k < i && !told; k++)
-            told = chosen(s, &t->rows[k]) && strcmp(r->command, t->rows[k].command) == 0 && strcmp(r->date, t->rows[k].date) == 0 &&
-                   r->threads == t->rows[k].threads;
+            told = chosen(s, &t->rows[k]) && strcmp(r->command, t->rows[k].command) == 0 &&
+                   strcmp(r->date, t->rows[k].date) == 0 && r->threads == t->rows[k].threads;
         if (!told)
-            fprintf(out, "%s, %s, %d thread%s, %s: `%s`\n", r->machine, r->isa, r->threads, r->threads == 1 ? "" : "s", r->date, r->command);
+            fprintf(out, "%s, %s, %d thread%s, %s: `%s`\n", r->machine, r->isa, r->threads, r->threads == 1 ? "" : "s",
+                    r->date, r->command);
     }
     fputc('\n', out);
 }
@@ -187,9 +190,10 @@ static void put_rows(FILE *out, const tables *t, const section *s)
     bool peers = false, floors = false;
     for (size_t i = 0; i < t->count; i++)
         if (chosen(s, &t->rows[i])) peers |= !isnan(t->rows[i].peer), floors |= !isnan(t->rows[i].floor);
-    fprintf(out, "| scene | what | threads | DAFT |%s%s%s\n", peers ? " peer | | ratio |" : "", floors ? " floor |" : "",
-            s->counters ? " counted |" : "");
-    fprintf(out, "|---|---|--:|--:|%s%s%s\n", peers ? "--:|---|--:|" : "", floors ? "--:|" : "", s->counters ? "---|" : "");
+    fprintf(out, "| scene | what | threads | DAFT |%s%s%s\n", peers ? " peer | | ratio |" : "",
+            floors ? " floor |" : "", s->counters ? " counted |" : "");
+    fprintf(out, "|---|---|--:|--:|%s%s%s\n", peers ? "--:|---|--:|" : "", floors ? "--:|" : "",
+            s->counters ? "---|" : "");
     for (size_t i = 0; i < t->count; i++) {
         const table_row *r = &t->rows[i];
         if (!chosen(s, r)) continue;
@@ -228,15 +232,16 @@ static void put_columns(FILE *out, const tables *t, const section *s)
         const table_row *first = &t->rows[i];
         bool done = !chosen(s, first);
         for (size_t k = 0; k < i && !done; k++)
-            done = chosen(s, &t->rows[k]) && strcmp(first->scene, t->rows[k].scene) == 0 && first->threads == t->rows[k].threads;
+            done = chosen(s, &t->rows[k]) && strcmp(first->scene, t->rows[k].scene) == 0 &&
+                   first->threads == t->rows[k].threads;
         if (done) continue;
         const char *counters = "";
         fprintf(out, "| %s | %d |", first->scene, first->threads);
         for (int c = 0; c < count; c++) {
             const table_row *found = NULL;
             for (size_t k = i; k < t->count && !found; k++)
-                if (chosen(s, &t->rows[k]) && strcmp(first->scene, t->rows[k].scene) == 0 && first->threads == t->rows[k].threads &&
-                    strcmp(t->rows[k].what, columns[c]) == 0)
+                if (chosen(s, &t->rows[k]) && strcmp(first->scene, t->rows[k].scene) == 0 &&
+                    first->threads == t->rows[k].threads && strcmp(t->rows[k].what, columns[c]) == 0)
                     found = &t->rows[k];
             if (found && found->counters[0]) counters = found->counters;
             fputc(' ', out);

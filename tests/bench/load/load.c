@@ -1,4 +1,4 @@
-/* What stands before the first frame: reading an OBJ file, building the BVH, and the memory that both take. */
+/* The work before the first frame: reading an OBJ file, building the BVH, and the memory of both. */
 #include "harness/bench.h"
 
 #include "math/simd/dispatch.h"
@@ -58,7 +58,8 @@ static bool write_obj(const daft_trimesh *mesh, const char *path)
     if (!file) return false;
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         double x = (double)mesh->x[i], y = (double)mesh->y[i], z = (double)mesh->z[i];
-        fprintf(file, "v %.6f %.6f %.6f\nvt %.5f %.5f\nvn %.4f %.4f %.4f\n", x, y, z, x + 0.5, z + 0.5, -y, 1 - y * y, y);
+        fprintf(file, "v %.6f %.6f %.6f\nvt %.5f %.5f\nvn %.4f %.4f %.4f\n", x, y, z, x + 0.5, z + 0.5, -y, 1 - y * y,
+                y);
     }
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         const uint32_t *v = &mesh->indices[3 * (size_t)i];
@@ -90,9 +91,17 @@ static void measure_file(bench *self, const bench_model *model, const char *path
     struct stat status;
     if (stat(path, &status) != 0) return;
     obj_job job = {self, path, (double)status.st_size / 1e6, 0, 0, false, self->peers ? bench_find_tinyobj() : NULL};
-    bench_subject subject = {.scene = model->name, .what = TRIANGLES_ALONE, .unit = "MB/s", .isa = self->isa, .threads = 1,
-                             .ours = obj_ours, .peer = job.peer ? obj_peer : NULL, .context = &job,
-                             .peer_name = "tinyobjloader", .describe = obj_describe, .budget = {.floor = 4}};
+    bench_subject subject = {.scene = model->name,
+                             .what = TRIANGLES_ALONE,
+                             .unit = "MB/s",
+                             .isa = self->isa,
+                             .threads = 1,
+                             .ours = obj_ours,
+                             .peer = job.peer ? obj_peer : NULL,
+                             .context = &job,
+                             .peer_name = "tinyobjloader",
+                             .describe = obj_describe,
+                             .budget = {.floor = 4}};
     if (alone) bench_measure(self, &subject);
     job.with_normals = true;
     subject.what = WITH_NORMALS, subject.budget = (bench_budget){0};
@@ -101,7 +110,8 @@ static void measure_file(bench *self, const bench_model *model, const char *path
 
 static void measure_obj(bench *self, const bench_model *model)
 {
-    bool alone = bench_wants(self, model->name, TRIANGLES_ALONE), with_normals = bench_wants(self, model->name, WITH_NORMALS);
+    bool alone = bench_wants(self, model->name, TRIANGLES_ALONE),
+         with_normals = bench_wants(self, model->name, WITH_NORMALS);
     char path[1024];
     bool temporary;
     if ((!alone && !with_normals) || !obj_path(self, model, path, sizeof path, &temporary)) return;
@@ -153,9 +163,16 @@ void bench_measure_build(bench *self, const char *scene, const char *what, const
     for (int t = 0; t < count; t++) {
         job.threads = threads[t];
         if (job.api) job.embree = job.api->create(mesh, false, threads[t]);
-        bench_subject subject = {.scene = scene, .what = what, .unit = "Mtri/s", .isa = self->isa, .threads = threads[t],
-                                 .ours = build_ours, .peer = job.embree ? build_peer : NULL, .context = &job,
-                                 .peer_name = job.api ? job.api->name : "Embree", .describe = build_describe,
+        bench_subject subject = {.scene = scene,
+                                 .what = what,
+                                 .unit = "Mtri/s",
+                                 .isa = self->isa,
+                                 .threads = threads[t],
+                                 .ours = build_ours,
+                                 .peer = job.embree ? build_peer : NULL,
+                                 .context = &job,
+                                 .peer_name = job.api ? job.api->name : "Embree",
+                                 .describe = build_describe,
                                  .budget = {.floor = 1}};
         bench_measure(self, &subject);
         if (job.api) job.api->destroy(job.embree);
@@ -178,8 +195,13 @@ static void measure_memory(bench *self, const bench_model *model)
     daft_bvh *bvh = daft_bvh_build_mesh(&self->allocator, &mesh, 1, NULL);
     if (bvh) {
         double count = mesh.triangle_count, own = (double)daft_trimesh_bytes(&mesh), tree = (double)daft_bvh_bytes(bvh);
-        bench_row row = {.what = "memory", .unit = "B/tri", .isa = self->isa, .threads = 1, .ours = (own + tree) / count,
-                         .peer = -1, .budget = {96, 0, true}};
+        bench_row row = {.what = "memory",
+                         .unit = "B/tri",
+                         .isa = self->isa,
+                         .threads = 1,
+                         .ours = (own + tree) / count,
+                         .peer = -1,
+                         .budget = {96, 0, true}};
         bench_label(model->name, row.scene, sizeof row.scene);
         snprintf(row.counters, sizeof row.counters, "mesh %.1f, BVH %.1f bytes a triangle", own / count, tree / count);
         bench_add(self, &row);

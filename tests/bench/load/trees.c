@@ -1,5 +1,5 @@
-/* Trees: how long they take to build, to fit and to go through, for meshes of 1,000 to 10 million triangles and for up to
- * 100,000 instances; and the kd-tree beside the BVH. */
+/* Trees: how long they take to build, to fit and to go through, for meshes of 1,000 to 10 million triangles and for up
+ * to 100,000 instances; and the kd-tree beside the BVH. */
 #include "harness/bench.h"
 
 #include "math/simd/dispatch.h"
@@ -25,7 +25,10 @@ typedef struct tree_job {
     daft_kdtree *kdtree;
 } tree_job;
 
-static double mtris(const tree_job *job, double ms) { return job->mesh.triangle_count / ms / 1e3; }
+static double mtris(const tree_job *job, double ms)
+{
+    return job->mesh.triangle_count / ms / 1e3;
+}
 
 static double build_bvh(void *context)
 {
@@ -55,9 +58,16 @@ static void measure_refit(bench *self, const char *scene, tree_job *job)
     int threads[2], count = bench_thread_counts(self, threads);
     for (int t = 0; t < count && job->bvh; t++) {
         job->threads = threads[t];
-        bench_subject subject = {.scene = scene, .what = "tree: refit", .unit = "Mtri/s", .isa = self->isa,
-                                 .threads = threads[t], .ours = refit, .peer = build_bvh, .context = job,
-                                 .peer_name = "our build", .own_peer = true};
+        bench_subject subject = {.scene = scene,
+                                 .what = "tree: refit",
+                                 .unit = "Mtri/s",
+                                 .isa = self->isa,
+                                 .threads = threads[t],
+                                 .ours = refit,
+                                 .peer = build_bvh,
+                                 .context = job,
+                                 .peer_name = "our build",
+                                 .own_peer = true};
         bench_measure(self, &subject);
     }
 }
@@ -99,8 +109,14 @@ static double trace(ray_job *job, int which)
     return RAYS / (daft_clock_ms() - start) / 1e3;
 }
 
-static double trace_first(void *context) { return trace(context, 0); }
-static double trace_second(void *context) { return trace(context, 1); }
+static double trace_first(void *context)
+{
+    return trace(context, 0);
+}
+static double trace_second(void *context)
+{
+    return trace(context, 1);
+}
 
 static void describe_rays(void *context, char *out, size_t size)
 {
@@ -133,8 +149,13 @@ static void place(ray_job *rays, const tree_job *job)
     const daft_affine same = {.m = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     static const uint32_t material = 0;
     for (int i = 0; i < 2; i++) {
-        rays->instance[i] = (daft_instance){.mesh = &job->mesh, .bvh = job->bvh, .kdtree = i ? NULL : job->kdtree, .to_frame = same,
-                                            .to_object = same, .materials = &material, .flags = DAFT_INSTANCE_CASTS_SHADOW};
+        rays->instance[i] = (daft_instance){.mesh = &job->mesh,
+                                            .bvh = job->bvh,
+                                            .kdtree = i ? NULL : job->kdtree,
+                                            .to_frame = same,
+                                            .to_object = same,
+                                            .materials = &material,
+                                            .flags = DAFT_INSTANCE_CASTS_SHADOW};
         daft_instance_bound(&rays->instance[i]);
         rays->top[i] = daft_tlas_build(&rays->arena, &rays->instance[i], 1, NULL);
     }
@@ -142,14 +163,23 @@ static void place(ray_job *rays, const tree_job *job)
 
 static void measure_rays(bench *self, const char *scene, const tree_job *job)
 {
-    ray_job rays = {.kernels = daft_accel_kernels_for(job->isa), .rays = make_rays(self, job->mesh.low, job->mesh.high)};
+    ray_job rays = {.kernels = daft_accel_kernels_for(job->isa),
+                    .rays = make_rays(self, job->mesh.low, job->mesh.high)};
     daft_arena_init(&rays.arena, &self->allocator);
     place(&rays, job);
     for (int any = 0; any < 2 && rays.rays && rays.top[0] && rays.top[1]; any++) {
         rays.any = any;
-        bench_subject subject = {.scene = scene, .what = any ? "tree: kd-tree, any hit" : "tree: kd-tree, nearest hit",
-                                 .unit = "Mray/s", .isa = self->isa, .threads = 1, .ours = trace_first, .peer = trace_second,
-                                 .context = &rays, .peer_name = "our BVH", .describe = describe_rays, .own_peer = true};
+        bench_subject subject = {.scene = scene,
+                                 .what = any ? "tree: kd-tree, any hit" : "tree: kd-tree, nearest hit",
+                                 .unit = "Mray/s",
+                                 .isa = self->isa,
+                                 .threads = 1,
+                                 .ours = trace_first,
+                                 .peer = trace_second,
+                                 .context = &rays,
+                                 .peer_name = "our BVH",
+                                 .describe = describe_rays,
+                                 .own_peer = true};
         bench_measure(self, &subject);
     }
     daft_release(&self->allocator, rays.rays);
@@ -161,12 +191,24 @@ static void measure_kdtree(bench *self, const char *scene, tree_job *job)
     job->threads = 1;
     job->kdtree = daft_kdtree_build(&self->allocator, &job->mesh, daft_processor_count(), NULL);
     if (!job->kdtree || !job->bvh) return;
-    bench_subject build = {.scene = scene, .what = "tree: kd-tree, build", .unit = "Mtri/s", .isa = self->isa, .threads = 1,
-                           .ours = build_kdtree, .peer = build_bvh, .context = job, .peer_name = "our BVH", .own_peer = true};
+    bench_subject build = {.scene = scene,
+                           .what = "tree: kd-tree, build",
+                           .unit = "Mtri/s",
+                           .isa = self->isa,
+                           .threads = 1,
+                           .ours = build_kdtree,
+                           .peer = build_bvh,
+                           .context = job,
+                           .peer_name = "our BVH",
+                           .own_peer = true};
     bench_measure(self, &build);
     double count = job->mesh.triangle_count;
-    bench_row row = {.what = "tree: kd-tree, memory", .unit = "B/tri", .isa = self->isa, .threads = 1,
-                     .ours = (double)daft_kdtree_bytes(job->kdtree) / count, .peer = (double)daft_bvh_bytes(job->bvh) / count,
+    bench_row row = {.what = "tree: kd-tree, memory",
+                     .unit = "B/tri",
+                     .isa = self->isa,
+                     .threads = 1,
+                     .ours = (double)daft_kdtree_bytes(job->kdtree) / count,
+                     .peer = (double)daft_bvh_bytes(job->bvh) / count,
                      .peer_name = "our BVH"};
     bench_label(scene, row.scene, sizeof row.scene);
     bench_add(self, &row);
@@ -195,7 +237,8 @@ static double build_top(void *context)
 static void describe_top(void *context, char *out, size_t size)
 {
     const top_job *job = context;
-    snprintf(out, size, "%u spheres, %.1f bytes each with scratch memory", job->count, (double)job->arena.bytes / job->count);
+    snprintf(out, size, "%u spheres, %.1f bytes each with scratch memory", job->count,
+             (double)job->arena.bytes / job->count);
 }
 
 static void measure_top(bench *self, const char *scene, uint32_t count)
@@ -214,8 +257,14 @@ static void measure_top(bench *self, const char *scene, uint32_t count)
     int threads[2], ways = bench_thread_counts(self, threads);
     for (int t = 0; job.instances && t < ways; t++) {
         job.def.threads = threads[t];
-        bench_subject subject = {.scene = scene, .what = "tree: top level", .unit = "ms", .isa = self->isa, .threads = threads[t],
-                                 .ours = build_top, .context = &job, .describe = describe_top};
+        bench_subject subject = {.scene = scene,
+                                 .what = "tree: top level",
+                                 .unit = "ms",
+                                 .isa = self->isa,
+                                 .threads = threads[t],
+                                 .ours = build_top,
+                                 .context = &job,
+                                 .describe = describe_top};
         bench_measure(self, &subject);
     }
     daft_release(&self->allocator, job.instances);
@@ -259,11 +308,15 @@ void bench_trees(bench *self)
     static const struct {
         const char *name;
         uint32_t count;
-    } grounds[] = {{"1,000 triangles", 1000}, {"10,000 triangles", 10000}, {"100,000 triangles", 100000},
-                   {"1 million triangles", 1000000}, {"10 million triangles", 10000000}},
+    } grounds[] = {{"1,000 triangles", 1000},
+                   {"10,000 triangles", 10000},
+                   {"100,000 triangles", 100000},
+                   {"1 million triangles", 1000000},
+                   {"10 million triangles", 10000000}},
       tops[] = {{"1,000 instances", 1000}, {"10,000 instances", 10000}, {"100,000 instances", 100000}};
     for (size_t i = 0; i < DAFT_COUNT_OF(grounds); i++)
-        if (bench_wants(self, grounds[i].name, "tree: build")) measure_generated(self, grounds[i].name, grounds[i].count);
+        if (bench_wants(self, grounds[i].name, "tree: build"))
+            measure_generated(self, grounds[i].name, grounds[i].count);
     for (size_t i = 0; i < BENCH_MODEL_COUNT; i++)
         if (bench_wants(self, BENCH_MODELS[i].name, "tree: refit and kd-tree")) measure_model(self, &BENCH_MODELS[i]);
     for (size_t i = 0; i < DAFT_COUNT_OF(tops); i++)

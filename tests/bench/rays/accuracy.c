@@ -1,6 +1,6 @@
-/* The group visibility-accuracy: what a right pixel costs. Each method of finding what the camera sees is timed and compared,
- * pixel by pixel, with the oracle: every ray alone through the trees, in double, the sign of each predicate decided
- * exactly. As a table, as CSV, and as a plot of wrong pixels against milliseconds. */
+/* The group visibility-accuracy: what a right pixel costs. Each method of finding what the camera sees is timed and
+ * compared, pixel by pixel, with the oracle: every ray alone through the trees, in double, the sign of each predicate
+ * decided exactly. As a table, as CSV, and as a plot of wrong pixels against milliseconds. */
 #include "harness/scenes.h"
 
 #include "math/trig.h"
@@ -36,7 +36,8 @@ static const svg_series METHOD[METHODS] = {
 
 typedef struct result {
     double ms;
-    uint64_t wrong, holes, ghosts; /* holes: nothing is seen where something is; ghosts: the other method round */
+    uint64_t wrong, holes,
+        ghosts; /* holes: nothing is seen where something is; ghosts: something is seen where nothing is */
 } result;
 
 typedef struct accuracy_job {

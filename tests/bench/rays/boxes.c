@@ -1,13 +1,13 @@
 /* Visibility by projected boxes alone: each triangle is drawn as the rectangle of pixels it may cover, at the depth of
- * its nearest corner, and the nearest rectangle wins. What the pencil starts from, without the ray test that decides:
- * the price and the error of leaving it out. Instances are projected in parallel into bands of rows, and bands are drawn
- * in parallel. */
+ * its nearest corner, and the nearest rectangle wins. The pencil starts from these boxes; this file measures
+ * the time and the error without the ray test. Instances are projected in parallel into bands of rows, and bands are
+ * drawn in parallel. */
 #include "harness/scenes.h"
 
 #include <string.h>
 
 enum { BAND = 16 };
-#define NEAREST 1e-4f /* metres in front of the camera; what is nearer is cut off */
+#define NEAREST 1e-4f /* metres in front of the camera: the near plane */
 
 typedef struct box {
     uint64_t seen;
@@ -42,7 +42,7 @@ static void take(bounds *b, daft_vec3 p, float focal)
     b->z = p.z < b->z ? p.z : b->z;
 }
 
-/* A triangle's part in front of the camera. */
+/* The part of a triangle in front of the near plane. */
 static bounds triangle_bounds(const daft_vec3 corner[3], float focal)
 {
     bounds b = {INFINITY, -INFINITY, INFINITY, -INFINITY, INFINITY};
@@ -65,7 +65,7 @@ static bounds sphere_bounds(daft_vec3 c, float radius, float focal)
     return (bounds){x - half, x + half, y - half, y + half, c.z - radius};
 }
 
-/* The pixels whose centres lie within; false where there are none. */
+/* The pixels whose centres lie within the triangle's bounds; false: none. */
 static bool pixels_of(const bench_view *view, const bounds *b, box *out)
 {
     float w = (float)view->width * 0.5f - 0.5f, h = (float)view->height * 0.5f - 0.5f;

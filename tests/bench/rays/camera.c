@@ -1,5 +1,5 @@
 /* Our camera rays, as render.c and accuracy.c measure them: the pencil's three passes around a scene's instances, and
- * the slow twin that tells what is true. All that the benchmarks know of raster/ is here. */
+ * the slow twin that is the oracle. Only this file and shadow.c include raster/. */
 #include "harness/scenes.h"
 
 #include "accel/accel.h"
@@ -66,7 +66,8 @@ static bool begin(bench_camera *camera, daft_intersection intersection)
                           .width = view->width,
                           .height = view->height,
                           .intersection = intersection};
-    if (!daft_raster_begin(&camera->raster, &pencil, camera->instances, camera->scene->instance_count, NULL)) return false;
+    if (!daft_raster_begin(&camera->raster, &pencil, camera->instances, camera->scene->instance_count, NULL))
+        return false;
     daft_parallel_for(camera->raster.workers, camera->raster.work_count, bin_task, camera);
     return true;
 }
@@ -181,7 +182,8 @@ bench_camera *bench_camera_create(bench *self, const bench_scene *scene, int thr
     camera->kernels = daft_raster_kernels_for(isa);
     camera->tiles = daft_alloc(&self->allocator, (size_t)threads, sizeof *camera->tiles);
     camera->instances = daft_alloc(&self->allocator, scene->instance_count, sizeof *camera->instances);
-    if (!camera->tiles || !camera->instances || !daft_raster_init(&camera->raster, &camera->allocator, threads, isa, NULL)) {
+    if (!camera->tiles || !camera->instances ||
+        !daft_raster_init(&camera->raster, &camera->allocator, threads, isa, NULL)) {
         bench_camera_destroy(camera);
         return NULL;
     }

@@ -1,5 +1,5 @@
-/* Rays that share no origin, a second: from what the camera sees, bounced at random (diffuse), mirrored, and towards the
- * light; one by one, sixteen together, and as a stream. */
+/* Rays that share no origin, a second: from what the camera sees, bounced at random (diffuse), mirrored, and towards
+ * the light; one by one, sixteen together, and as a stream. */
 #include "rays.h"
 
 #include "math/simd/dispatch.h"
@@ -57,7 +57,8 @@ static float random_unit(uint32_t *state)
 
 static daft_vec3 random_direction(uint32_t *state)
 {
-    double y = 2 * (double)random_unit(state) - 1, around = 2 * DAFT_PI * (double)random_unit(state), r = sqrt(1 - y * y);
+    double y = 2 * (double)random_unit(state) - 1, around = 2 * DAFT_PI * (double)random_unit(state),
+           r = sqrt(1 - y * y);
     return daft_v3((float)(r * daft_cos(around)), (float)y, (float)(r * daft_sin(around)));
 }
 
@@ -72,8 +73,8 @@ static daft_vec3 smooth_normal(const daft_instance *instance, const daft_hit *hi
 }
 
 /* From the point a camera's ray hit. */
-static daft_ray spawn(const daft_instance *instance, const daft_ray *camera, const daft_hit *hit, rays_aim aim, daft_vec3 light,
-                      uint32_t *state)
+static daft_ray spawn(const daft_instance *instance, const daft_ray *camera, const daft_hit *hit, rays_aim aim,
+                      daft_vec3 light, uint32_t *state)
 {
     daft_vec3 flat = daft_normalize(hit->normal);
     if (daft_dot(flat, camera->direction) > 0) flat = daft_neg(flat);
@@ -98,7 +99,8 @@ static daft_ray camera_ray(const bench_view *view, uint32_t i)
     uint32_t block = i / 16, x = block % (WIDTH / 4) * 4 + i % 4, y = block / (WIDTH / 4) * 4 + i / 4 % 4;
     float scale = (float)view->width / WIDTH, px = ((float)x + 0.5f) * scale - (float)view->width * 0.5f,
           py = (float)view->height * 0.5f - ((float)y + 0.5f) * scale;
-    daft_vec3 d = daft_add(daft_scale(view->right, px), daft_add(daft_scale(view->up, py), daft_scale(view->forward, view->focal)));
+    daft_vec3 d = daft_add(daft_scale(view->right, px),
+                           daft_add(daft_scale(view->up, py), daft_scale(view->forward, view->focal)));
     return (daft_ray){.direction = daft_normalize(d), .tmax = INFINITY};
 }
 
@@ -124,7 +126,10 @@ static bool fill_rays(rays_job *job, rays_aim aim)
 
 /* ---- ours ---- */
 
-static uint32_t count_bits(uint32_t bits) { return (uint32_t)__builtin_popcount(bits); }
+static uint32_t count_bits(uint32_t bits)
+{
+    return (uint32_t)__builtin_popcount(bits);
+}
 
 static uint64_t trace_range(const rays_job *job, uint32_t first, uint32_t end)
 {
@@ -152,7 +157,10 @@ static void trace_task(void *context, uint32_t index, uint32_t worker)
     job->hits[worker] += trace_range(job, first, daft_min_u(first + RAYS_TASK, job->count));
 }
 
-static double mrays(const rays_job *job, double ms) { return (double)job->count / ms / 1e3; }
+static double mrays(const rays_job *job, double ms)
+{
+    return (double)job->count / ms / 1e3;
+}
 
 static double rays_ours(void *context)
 {
@@ -198,10 +206,17 @@ static void measure_rows(bench *self, rays_job *job)
             }
             filled = true;
             job->how = ROWS[i].how;
-            bench_subject subject = {.scene = job->scene->name, .what = ROWS[i].what, .unit = "Mray/s", .isa = self->isa,
-                                     .threads = job->threads, .ours = rays_ours, .peer = job->embree ? rays_peer : NULL,
-                                     .context = job, .peer_name = job->scene_api ? job->scene_api->name : "Embree",
-                                     .describe = rays_describe, .budget = ROWS[i].budget};
+            bench_subject subject = {.scene = job->scene->name,
+                                     .what = ROWS[i].what,
+                                     .unit = "Mray/s",
+                                     .isa = self->isa,
+                                     .threads = job->threads,
+                                     .ours = rays_ours,
+                                     .peer = job->embree ? rays_peer : NULL,
+                                     .context = job,
+                                     .peer_name = job->scene_api ? job->scene_api->name : "Embree",
+                                     .describe = rays_describe,
+                                     .budget = ROWS[i].budget};
             bench_measure(self, &subject);
         }
     }
@@ -218,7 +233,8 @@ static bool job_begin(bench *self, const bench_scene *scene, rays_job *job)
     job->packets = daft_arena_alloc(&job->arena, most / DAFT_PACKET, sizeof *job->packets);
     job->stream_hits = daft_arena_alloc(&job->arena, most, sizeof *job->stream_hits);
     job->instances = daft_arena_alloc(&job->arena, scene->instance_count, sizeof *job->instances);
-    for (uint32_t i = 0; job->instances && i < scene->instance_count; i++) job->instances[i] = bench_engine_instance(scene, i);
+    for (uint32_t i = 0; job->instances && i < scene->instance_count; i++)
+        job->instances[i] = bench_engine_instance(scene, i);
     if (job->instances) job->tlas = daft_tlas_build(&job->arena, job->instances, scene->instance_count, NULL);
     return job->rays && job->packets && job->stream_hits && job->tlas;
 }

@@ -1,5 +1,5 @@
-/* Rays through trees: what rays.c measures and rays_embree.c measures against. Both sides read rays that lie ready in the
- * layout they like best; only tracing is timed. */
+/* Rays through trees: ours (rays.c) and Embree's (rays_embree.c). Each side reads rays from memory in the layout that
+ * suits it best; only tracing is timed. */
 #ifndef DAFT_BENCH_RAYS_H
 #define DAFT_BENCH_RAYS_H
 

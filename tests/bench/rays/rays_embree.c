@@ -81,11 +81,15 @@ static uint64_t trace_single(const rays_embree *self, uint32_t first, uint32_t e
         struct RTCRayHit query = self->single[i];
         bool occluded = self->how == RAYS_OCCLUDED_SINGLE;
 #if DAFT_EMBREE == 4
-        if (occluded) rtcOccluded1(scene, &query.ray, NULL);
-        else rtcIntersect1(scene, &query, NULL);
+        if (occluded)
+            rtcOccluded1(scene, &query.ray, NULL);
+        else
+            rtcIntersect1(scene, &query, NULL);
 #else
-        if (occluded) rtcOccluded1(scene, &context, &query.ray);
-        else rtcIntersect1(scene, &context, &query);
+        if (occluded)
+            rtcOccluded1(scene, &context, &query.ray);
+        else
+            rtcIntersect1(scene, &context, &query);
 #endif
         hits += occluded ? query.ray.tfar < 0 : query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
     }
@@ -98,8 +102,10 @@ static uint64_t trace_packets(const rays_embree *self, uint32_t first, uint32_t 
     for (uint32_t p = first / 16; p < end / 16; p++) {
         struct RTCRayHit16 query = self->packets[p];
         bool occluded = self->how == RAYS_OCCLUDED_PACKET;
-        if (occluded) bench_embree_occluded(self->scene, self->coherent, BENCH_EMBREE_ALL, &query.ray);
-        else bench_embree_intersect(self->scene, self->coherent, &query);
+        if (occluded)
+            bench_embree_occluded(self->scene, self->coherent, BENCH_EMBREE_ALL, &query.ray);
+        else
+            bench_embree_intersect(self->scene, self->coherent, &query);
         for (int i = 0; i < 16; i++)
             hits += occluded ? query.ray.tfar[i] < 0 : query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
     }
@@ -128,7 +134,13 @@ static double trace_ms(rays_embree *self, rays_how how, bool coherent, uint64_t 
 
 static const rays_embree_api API = {create, destroy, load, trace_ms};
 
-const rays_embree_api *rays_find_embree(void) { return &API; }
+const rays_embree_api *rays_find_embree(void)
+{
+    return &API;
+}
 #else
-const rays_embree_api *rays_find_embree(void) { return NULL; }
+const rays_embree_api *rays_find_embree(void)
+{
+    return NULL;
+}
 #endif

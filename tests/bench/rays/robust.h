@@ -1,5 +1,5 @@
-/* The group `robust`: not how fast but how often wrong. The same hard rays go through DAFT and, where it is installed,
- * through Embree in its fast mode (its default) and in its robust mode. */
+/* The group `robust` counts wrong answers instead of time. The same hard rays go through DAFT and, where it is
+ * installed, through Embree in its fast mode (its default) and in its robust mode. */
 #ifndef DAFT_BENCH_ROBUST_H
 #define DAFT_BENCH_ROBUST_H
 
@@ -23,14 +23,14 @@ bool robust_open_embree(bool robust, robust_tracer *out);
 
 enum { ROBUST_TRACERS = 3 }; /* ours, Embree fast, Embree robust */
 
-/* What one row of the table says: right answers out of so many, by tracer. */
+/* One row of the table: right answers of each tracer, out of how many. */
 typedef struct robust_score {
     const char *scene, *what;
     uint64_t asked, wrong[ROBUST_TRACERS];
 } robust_score;
 
-/* The classes of tests/data/cases/ray_cases.csv that are about meshes, triangles and spheres: fills in `scores`, returns
- * how many; 0 where the file is missing. Tracers without a name are left out. */
+/* The classes of tests/data/cases/ray_cases.csv that are about meshes, triangles and spheres: fills in `scores`,
+ * returns how many; 0 where the file is missing. Tracers without a name are left out. */
 enum { ROBUST_CLASSES = 5 };
 size_t robust_cases(bench *self, const robust_tracer *tracers, robust_score scores[ROBUST_CLASSES]);
 

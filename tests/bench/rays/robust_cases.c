@@ -1,6 +1,6 @@
 /* The rows of ray_cases.csv, whose answers were decided with exact rational arithmetic, judged by class as its README
- * says. Left out are the rows that only DAFT's own kernels can be asked: boxes, what is a matter of convention, and NaN
- * and infinity, which other libraries do not promise to take (tests/unit/accel/ray_cases.c runs them all). */
+ * says. Rows that other libraries cannot answer are left out: boxes, cases decided by convention, NaN
+ * and infinity (tests/unit/accel/ray_cases.c runs them all). */
 #include "robust.h"
 
 #include "closed_shapes.h"
@@ -97,8 +97,7 @@ static answer ask(const robust_tracer *tracer, const row *header, const row *r, 
 
 /* ---- judging ---- */
 
-/* Ill-conditioned rows may be missed; what is reported lies within a thousandth of the triangle's size of its bounds.
- */
+/* Ill-conditioned rows may be missed. A reported hit lies within a thousandth of the triangle's size of its bounds. */
 static bool near_triangle(const daft_trimesh *mesh, const daft_ray *ray, float t)
 {
     daft_vec3 size = daft_sub(mesh->high, mesh->low);

@@ -1,7 +1,7 @@
 /* Shadow rays a second. A ray is a point that a pixel sees and that faces the light; both sides get exactly the same
- * points. Ours are timed where the frame asks for them, tile after tile: the time within, less what the clock itself takes,
- * summed over the workers, over their number. Embree's packets are timed as a whole, with the same points laid out in
- * patches of 4 by 4 pixels. */
+ * points. Ours are timed tile by tile, where the frame casts them: the sum of these times over all workers, less the
+ * cost of the clock, divided by the number of workers. Embree's packets are timed as a whole, with the same points laid
+ * out in blocks of 4 by 4 pixels. */
 #include "shadow.h"
 
 #include "math/simd/dispatch.h"
@@ -25,7 +25,7 @@ typedef struct stage {
     bool two_level;
 } stage;
 
-/* Puts the camera somewhere: before any instance is added. */
+/* Places the camera. Call it before the first instance is added. */
 static void look(stage *s, daft_vec3 from, daft_vec3 at)
 {
     bench_view *v = &s->view;
@@ -148,7 +148,7 @@ static const stage_kind KINDS[] = {
 
 /* ---- ours ---- */
 
-/* A worker's own. */
+/* One worker's memory. */
 typedef struct desk {
     daft_tile tile;
     daft_facets facets;
@@ -169,8 +169,8 @@ typedef struct shadow_job {
     const daft_sample_kernels *sample_kernels;
     const daft_shade_kernels *shade;
     desk *desks;
-    uint8_t *scratch; /* of each desk's shadows */
-    shadow_origins *collect; /* where the points are to be written, one worker; else NULL */
+    uint8_t *scratch;        /* of each desk's shadows */
+    shadow_origins *collect; /* receives the points, with one worker; NULL: nothing is collected */
     shadow_origins origins;
     const shadow_embree_api *api;
     shadow_embree *embree;
@@ -225,7 +225,7 @@ static void tile_task(void *context, uint32_t index, uint32_t worker)
     d->dark += rays - count_bits(d->lit);
 }
 
-/* What reading the clock adds to what is measured: the min of many, so too little is taken off rather than too much. */
+/* The cost of reading the clock: the minimum of many, so that rather too little is subtracted than too much. */
 static double clock_cost(int workers)
 {
     double min = INFINITY;
@@ -325,7 +325,9 @@ static bool open_job(bench *self, shadow_job *job, daft_arena *arena, int thread
     job->desks = daft_alloc_zero(&self->allocator, (size_t)threads, sizeof *job->desks);
     job->scratch = daft_alloc_zero(&self->allocator, (size_t)threads, job->sample_kernels->scratch_size);
     job->tlas = daft_tlas_build(arena, s->instances, s->count, NULL);
-    if (!job->desks || !job->scratch || !job->tlas || !daft_raster_init(&job->raster, &self->allocator, threads, isa, NULL)) return false;
+    if (!job->desks || !job->scratch || !job->tlas ||
+        !daft_raster_init(&job->raster, &self->allocator, threads, isa, NULL))
+        return false;
     if (!self->peers || !job->api) return true;
     job->embree = job->api->create(s->instances, s->count, s->two_level, threads);
     return collect(self, job);

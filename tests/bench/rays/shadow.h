@@ -6,7 +6,7 @@
 #include "harness/bench.h"
 #include "shade/shade.h"
 
-/* Where shadow rays start, in the order of the tiles and in these of patches of 4 by 4 pixels. */
+/* Where shadow rays start, in the order of tiles, and within them of blocks of 4 by 4 pixels. */
 typedef struct shadow_origins {
     float *x, *y, *z;
     size_t count, capacity; /* with room for 16 more */
@@ -15,10 +15,10 @@ typedef struct shadow_origins {
 typedef struct shadow_embree shadow_embree;
 typedef struct shadow_embree_api {
     const char *name;
-    /* The instances as they are placed in frame space: baked into one scene, or one level of instances. */
+    /* The instances in frame space: baked into one scene, or one level of instances. */
     shadow_embree *(*create)(const daft_instance *instances, uint32_t count, bool two_level, int threads);
     void (*destroy)(shadow_embree *self);
-    /* Milliseconds for packets of 16 rays from the origins to the light; *dark: how many are stopped. */
+    /* Milliseconds for packets of 16 rays from the origins to the light; *dark: the number that hit something. */
     double (*occluded_ms)(shadow_embree *self, const shadow_origins *from, const daft_lamp *light, uint64_t *dark);
 } shadow_embree_api;
 

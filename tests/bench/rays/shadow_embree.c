@@ -1,4 +1,4 @@
-/* Shadow rays through Embree: packets of 16, its coherent flag set but where there are instances (3.13 hangs there). */
+/* Shadow rays through Embree: packets of 16, marked coherent except for scenes of instances, in which 3.13 hangs. */
 #include "shadow.h"
 
 #ifdef DAFT_EMBREE

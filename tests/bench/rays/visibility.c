@@ -1,5 +1,5 @@
-/* Camera rays a second: the exact test and the fast one against Embree's packets, and what the exact one costs beside
- * our own others. Both sides are timed around all they do in a frame. */
+/* Camera rays a second: the exact test and the fast one against Embree's packets, and the cost of the exact one
+ * beside our other two. Both sides are timed around all their work for a frame. */
 #include "harness/scenes.h"
 
 #include <stdio.h>
@@ -9,7 +9,7 @@ typedef struct camera_job {
     const bench_scene *scene;
     bench_camera *camera;
     uint64_t peer_hits;
-    daft_intersection other; /* what the exact test is compared with */
+    daft_intersection other; /* the test that the exact one is compared with */
     const bench_embree_api *api;
     bench_embree *embree;
 } camera_job;
@@ -54,7 +54,7 @@ static void camera_describe(void *context, char *out, size_t size)
         snprintf(out + used, size - (size_t)used, ", peer %+lld hits", (long long)(job->peer_hits - c.hits));
 }
 
-/* What the other way gets wrong, against the exact one. */
+/* The pixels in which the other test differs from the exact one. */
 static void other_describe(void *context, char *out, size_t size)
 {
     enum { PIXELS = BENCH_WIDTH * BENCH_HEIGHT };

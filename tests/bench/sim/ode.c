@@ -103,7 +103,8 @@ static void *create(bench *owner, const sim_scene *scene, int threads)
         daft_release(&owner->allocator, bodies);
         return NULL;
     }
-    *self = (ode_world){owner, dWorldCreate(), dSweepAndPruneSpaceCreate(0, dSAP_AXES_XZY), dJointGroupCreate(0), bodies};
+    *self =
+        (ode_world){owner, dWorldCreate(), dSweepAndPruneSpaceCreate(0, dSAP_AXES_XZY), dJointGroupCreate(0), bodies};
     dWorldSetGravity(self->world, 0, -9.81, 0);
     dWorldSetAutoDisableFlag(self->world, scene->sleeping);
     dCreatePlane(self->space, 0, 1, 0, 0);

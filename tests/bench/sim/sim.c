@@ -1,5 +1,5 @@
-/* The group sim: milliseconds a step beside ODE on the same scenes, how far bodies are in each other and joints apart in
- * the same steps, how far a stack drifts, and what the scene does not call for. */
+/* The group sim: milliseconds a step beside ODE on the same scenes, how deep bodies overlap and how far joints open in
+ * the same steps, how far a stack drifts, and what idle worlds cost. */
 #include "sim_scenes.h"
 
 #include "math/trig.h"
@@ -31,7 +31,7 @@ static bool run_steps(const side *s, void *world, int steps)
     return true;
 }
 
-/* Steps that are timed in `looks` parts; after each, poses are looked at outside of the time. */
+/* Steps, timed in `looks` parts. Between the parts, outside the time, poses are measured. */
 static bool timed_steps(job *j, side *s, void *world)
 {
     double ms = 0;
@@ -58,11 +58,17 @@ static double sample(job *j, side *s)
     return good ? s->ms : -1;
 }
 
-static double sample_ours(void *context) { return sample(context, &((job *)context)->sides[0]); }
-static double sample_peer(void *context) { return sample(context, &((job *)context)->sides[1]); }
+static double sample_ours(void *context)
+{
+    return sample(context, &((job *)context)->sides[0]);
+}
+static double sample_peer(void *context)
+{
+    return sample(context, &((job *)context)->sides[1]);
+}
 
-/* Two of ours, step by step in turns: a processor's clock, and how far apart processors are on a virtual machine, may change from one
- * second to the next, and then it does so for both. */
+/* Two of ours, step by step in turns, so that changes of the processor's clock and of the distance between virtual
+ * processors meet both. */
 static double sample_in_turns(void *context)
 {
     job *j = context;
@@ -84,7 +90,10 @@ static double sample_in_turns(void *context)
     }
     return good ? j->sides[0].ms : -1;
 }
-static double sample_other(void *context) { return ((const job *)context)->sides[1].ms; } /* taken with the first one's */
+static double sample_other(void *context)
+{
+    return ((const job *)context)->sides[1].ms;
+} /* taken with the first one's */
 
 static job make_job(bench *self, const sim_scene *scene, int steps, int looks)
 {
@@ -97,26 +106,37 @@ static job make_job(bench *self, const sim_scene *scene, int steps, int looks)
 static void describe(void *context, char *out, size_t size)
 {
     const job *j = context;
-    snprintf(out, size, "%u bodies, %u joints, mean of %d steps", j->scene->body_count, j->scene->joint_count, j->steps);
+    snprintf(out, size, "%u bodies, %u joints, mean of %d steps", j->scene->body_count, j->scene->joint_count,
+             j->steps);
 }
 
 static bench_subject subject_of(job *j, const char *scene, const char *what, bench_budget budget)
 {
-    return (bench_subject){.scene = scene, .what = what, .unit = "ms", .isa = j->self->isa, .threads = 1,
-                           .ours = sample_ours, .peer = j->sides[1].engine ? sample_peer : NULL, .context = j,
-                           .peer_name = "ODE QuickStep", .describe = describe, .budget = budget};
+    return (bench_subject){.scene = scene,
+                           .what = what,
+                           .unit = "ms",
+                           .isa = j->self->isa,
+                           .threads = 1,
+                           .ours = sample_ours,
+                           .peer = j->sides[1].engine ? sample_peer : NULL,
+                           .context = j,
+                           .peer_name = "ODE QuickStep",
+                           .describe = describe,
+                           .budget = budget};
 }
 
 /* ---- rows of faults ---- */
 
-static double mean_depth(const sim_faults *f) { return f->points ? f->depth_sum / (double)f->points : 0; }
+static double mean_depth(const sim_faults *f)
+{
+    return f->points ? f->depth_sum / (double)f->points : 0;
+}
 
 static void add_fault_row(const job *j, const char *scene, const char *what, double ours, double peer,
                           const char *counters, bench_budget budget)
 {
     bool peers = j->self->peers;
-    bench_row row = {.unit = "mm", .isa = j->self->isa, .threads = 1, .ours = ours * 1e3, .peer = -1,
-                     .budget = budget};
+    bench_row row = {.unit = "mm", .isa = j->self->isa, .threads = 1, .ours = ours * 1e3, .peer = -1, .budget = budget};
     snprintf(row.scene, sizeof row.scene, "%s", scene);
     snprintf(row.what, sizeof row.what, "%s", what);
     snprintf(row.counters, sizeof row.counters, "%s", counters);
@@ -125,7 +145,7 @@ static void add_fault_row(const job *j, const char *scene, const char *what, dou
     bench_add(j->self, &row);
 }
 
-/* Time, and then what the same steps looked like: in each other no deeper than the peer's, on average and at worst. */
+/* Rows of time, then of faults in the same steps: overlap must not exceed the peer's, on average and at worst. */
 static void with_faults(bench *self, job *j, const char *scene, const char *what, bench_budget budget)
 {
     bench_subject subject = subject_of(j, scene, what, budget);
@@ -207,8 +227,8 @@ static void sleepers(bench *self)
 
 /* ---- stacks ---- */
 
-/* How far the top box is sideways of where it stood, at most, over a minute, or how far at all once it fell; and how far
- * it sank. False on failure. */
+/* The maximum sideways distance of the top box over a minute, or its whole distance once it fell; and how far it sank.
+ * False on failure. */
 static bool watch_top(bench *self, const sim_scene *stack, const sim_engine *engine, double *drift, double *sunk)
 {
     uint32_t top = stack->body_count - 1;
@@ -272,8 +292,8 @@ static void idle_describe(void *context, char *out, size_t size)
 {
     const idle *self = context;
     daft_sim_counters c = daft_world_counters(self->world);
-    snprintf(out, size, "%u bodies, %u awake, %u pairs, %u contacts, %u rows, %u substeps, %u sweeps", c.bodies, c.awake,
-             c.pairs, c.contacts, c.rows, c.substeps, c.sweeps);
+    snprintf(out, size, "%u bodies, %u awake, %u pairs, %u contacts, %u rows, %u substeps, %u sweeps", c.bodies,
+             c.awake, c.pairs, c.contacts, c.rows, c.substeps, c.sweeps);
 }
 
 static bool add_boxes(daft_world *world, daft_body_kind kind, int count, double y)
@@ -297,8 +317,15 @@ static void nothing_to_do(bench *self, const char *what, int statics, int kinema
     bool good = empty.world && add_boxes(empty.world, DAFT_BODY_STATIC, statics, 0) &&
                 add_boxes(empty.world, DAFT_BODY_KINEMATIC, kinematics, 1.5) &&
                 daft_world_step(empty.world, 1.0f / BENCH_SIM_HZ, NULL);
-    bench_subject subject = {.scene = "sim, nothing moves", .what = what, .unit = "ms", .isa = self->isa, .threads = 1,
-                             .ours = idle_ms, .context = &empty, .describe = idle_describe, .budget = {0.001, 0, true}};
+    bench_subject subject = {.scene = "sim, nothing moves",
+                             .what = what,
+                             .unit = "ms",
+                             .isa = self->isa,
+                             .threads = 1,
+                             .ours = idle_ms,
+                             .context = &empty,
+                             .describe = idle_describe,
+                             .budget = {0.001, 0, true}};
     if (good)
         bench_measure(self, &subject);
     else

@@ -1,6 +1,6 @@
-/* The group sim-accuracy: what a right motion costs. Worlds whose motion is known (sim_truth.c) run with 1 to 16 substeps
- * at 30 to 240 Hz; the error of a point, energy, joints, overlap and drift stand beside the time. As a table, as CSV, and
- * as a plot of error against time with the settings that no other beats on both. */
+/* The group sim-accuracy: what a right motion costs. Worlds whose motion is known (sim_truth.c) run with 1 to 16
+ * substeps at 30 to 240 Hz; the error of a point, energy, joints, overlap and drift stand beside the time. As a table,
+ * as CSV, and as a plot of error against time with the settings that no other beats on both. */
 #include "harness/bench.h"
 
 #include "math/simd/dispatch.h"
@@ -15,15 +15,17 @@
 enum { RATES = 4, DEPTHS = 5, SETTINGS = RATES * DEPTHS, REFERENCE_HZ = 3840, PANELS = TRUTH_CASES + 1 };
 static const int HZ[RATES] = {30, 60, 120, 240}, SUBSTEPS[DEPTHS] = {1, 2, 4, 8, 16};
 
-/* By number of substeps down, by rate across. */
+/* Rows: substeps; columns: rates. */
 #define ROW_OF(depth, color)                                                                                           \
     {"30 Hz, " depth, color, SVG_TRIANGLE}, {"60 Hz, " depth, color, SVG_DISC}, {"120 Hz, " depth, color, SVG_SQUARE}, \
-        {"240 Hz, " depth, color, SVG_DIAMOND}
+    {                                                                                                                  \
+        "240 Hz, " depth, color, SVG_DIAMOND                                                                           \
+    }
 static const svg_series SERIES[SETTINGS] = {ROW_OF("1 substep", "#8c6d46"), ROW_OF("2 substeps", "#d9641e"),
                                             ROW_OF("4 substeps", "#2c8a3d"), ROW_OF("8 substeps", "#1f77b4"),
                                             ROW_OF("16 substeps", "#7b4fa3")};
 
-/* Metres; energy: the most it changed, as a share of the most kinetic energy there was. ms: a simulated second. */
+/* Metres; energy: its maximum change, as a fraction of the maximum kinetic energy; ms: of a simulated second. */
 typedef struct outcome {
     double ms, error, energy, stretch, overlap, drift;
 } outcome;
@@ -58,7 +60,7 @@ static bool step_to_frame(truth_run *run, int hz)
     return !run->failed;
 }
 
-/* Where the point is after each 1/30 s; and, in `out` unless it is NULL, what else went wrong on the way. */
+/* The point's position after each 1/30 s; other errors go to `out`, unless it is NULL. */
 static bool watch(bench *self, const truth_case *c, int hz, int substeps, daft_dvec3 *frames, outcome *out)
 {
     truth_run run = begin(self, c, substeps);
@@ -101,7 +103,10 @@ static double error_of(const truth_case *c, const daft_dvec3 *frames, const daft
 }
 
 /* Without --only just the rate that games use. */
-static bool is_measured(const bench *self, size_t setting) { return self->only || HZ[setting % RATES] == 60; }
+static bool is_measured(const bench *self, size_t setting)
+{
+    return self->only || HZ[setting % RATES] == 60;
+}
 
 static bool measure_case(bench *self, const truth_case *c, report *all)
 {
@@ -158,7 +163,7 @@ static void add_means(report *all)
 
 static svg_plot plot_of(report *all, const char *note)
 {
-    /* Micrometres; what is below one is drawn as none. */
+    /* Micrometres; errors below one are drawn as zero. */
     for (size_t i = 0; i < all->count; i++) {
         double error = all->outcomes[i].error * 1e6;
         all->points[i].y = error < 1 ? 0 : error;
@@ -225,10 +230,11 @@ void bench_sim_accuracy(bench *self)
         if (!measure_case(self, &TRUTH[i], all)) bench_note(self, true, "%s failed", name);
     }
     if (all->panels == TRUTH_CASES) add_means(all);
-    snprintf(note, sizeof note,
-             "Root mean square over the last second, one thread, %s, nothing sleeps. Filled and joined: the Pareto front; "
-             "hollow: another setting is both faster and no less right. Below 0: less than a micrometre.",
-             self->isa);
+    snprintf(
+        note, sizeof note,
+        "Root mean square over the last second, one thread, %s, nothing sleeps. Filled and joined: the Pareto front; "
+        "hollow: another setting is both faster and no less right. Below 0: less than a micrometre.",
+        self->isa);
     svg_plot plot = plot_of(all, note);
     add_rows(self, all, &plot);
     if (self->csv && all->count && !write_csv(self, all, &plot)) bench_note(self, true, "cannot write %s", self->csv);

@@ -1,4 +1,4 @@
-/* The scenes of the simulation's benchmarks, and what is wrong with the poses that an engine gives. */
+/* The scenes of the simulation's benchmarks, and the faults of an engine's poses. */
 #include "sim_scenes.h"
 
 #include "math/trig.h"
@@ -82,15 +82,21 @@ bool bench_sim_sleepers(bench *self, uint32_t count, sim_scene *out)
 enum { PELVIS, CHEST, HEAD, ARM, LEG = ARM + 4, PARTS = LEG + 4 }; /* limbs: left upper, lower, right upper, lower */
 
 /* A limb of two capsules along y, hung on `trunk`; the lower one bends one way. */
-static bool add_limb(bench *self, sim_scene *scene, uint32_t trunk, daft_dvec3 top, float half, float radius, float bend)
+static bool add_limb(bench *self, sim_scene *scene, uint32_t trunk, daft_dvec3 top, float half, float radius,
+                     float bend)
 {
     daft_sim_shape shape;
     daft_shape_capsule(half, radius, &shape, NULL);
     uint32_t upper = scene->body_count;
     double reach = 2 * ((double)half + (double)radius);
     sim_joint root = {.a = trunk, .b = upper, .anchor = top};
-    sim_joint middle = {.a = upper, .b = upper + 1, .anchor = daft_dv3(top.x, top.y - reach, top.z), .hinge = true,
-                        .axis = daft_v3(1, 0, 0), .lower = bend < 0 ? bend : 0, .upper = bend < 0 ? 0 : bend};
+    sim_joint middle = {.a = upper,
+                        .b = upper + 1,
+                        .anchor = daft_dv3(top.x, top.y - reach, top.z),
+                        .hinge = true,
+                        .axis = daft_v3(1, 0, 0),
+                        .lower = bend < 0 ? bend : 0,
+                        .upper = bend < 0 ? 0 : bend};
     return add_body(self, scene, shape, daft_dv3(top.x, top.y - 0.5 * reach, top.z), daft_quat_identity()) &&
            add_body(self, scene, shape, daft_dv3(top.x, top.y - 1.5 * reach, top.z), daft_quat_identity()) &&
            add_joint(self, scene, root) && add_joint(self, scene, middle);
@@ -110,11 +116,11 @@ static bool add_ragdoll(bench *self, sim_scene *scene, daft_dvec3 at)
     sim_joint neck = {.a = first + CHEST, .b = first + HEAD, .anchor = daft_dv3(at.x, at.y + 0.62, at.z)};
     good = good && add_joint(self, scene, waist) && add_joint(self, scene, neck);
     for (int side = -1; side <= 1; side += 2)
-        good = good && add_limb(self, scene, first + CHEST, daft_dv3(at.x + 0.26 * side, at.y + 0.55, at.z), 0.1f, 0.05f,
-                                -2.4f);
+        good = good && add_limb(self, scene, first + CHEST, daft_dv3(at.x + 0.26 * side, at.y + 0.55, at.z), 0.1f,
+                                0.05f, -2.4f);
     for (int side = -1; side <= 1; side += 2)
-        good = good && add_limb(self, scene, first + PELVIS, daft_dv3(at.x + 0.1 * side, at.y - 0.12, at.z), 0.14f, 0.07f,
-                                2.4f);
+        good = good && add_limb(self, scene, first + PELVIS, daft_dv3(at.x + 0.1 * side, at.y - 0.12, at.z), 0.14f,
+                                0.07f, 2.4f);
     return good;
 }
 

@@ -1,5 +1,5 @@
-/* What the benchmarks of the simulation have in common: scenes as data, from which every engine builds its own world, and
- * what is measured in the poses that come of it, the same way for all. */
+/* Shared by the benchmarks of the simulation: scenes as data, from which each engine builds its world, and one measure
+ * of the poses that come out. */
 #ifndef DAFT_BENCH_SIM_SCENES_H
 #define DAFT_BENCH_SIM_SCENES_H
 
@@ -56,14 +56,14 @@ typedef struct sim_engine {
 const sim_engine *bench_sim_ours(void);
 const sim_engine *bench_find_ode(void); /* NULL where ODE is not part of this build */
 
-/* How far bodies are in each other, and joints apart. */
+/* How deep bodies overlap, and how far joints open. */
 typedef struct sim_faults {
     double deepest, depth_sum; /* metres; over points of contact at which surfaces overlap */
     double widest;             /* metres between the anchors of a joint, at most */
     uint64_t points;
 } sim_faults;
 
-/* Adds what is found in the poses of now. False when memory is out. */
+/* Adds the faults of the current poses. False: out of memory. */
 bool bench_sim_look(bench *self, const sim_scene *scene, const sim_engine *engine, void *world, sim_faults *faults);
 
 #endif

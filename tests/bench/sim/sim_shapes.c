@@ -1,4 +1,5 @@
-/* Collision geometry: manifolds of resting pairs, distances, rays and sweeps, one call after the other on one thread. */
+/* Collision geometry: manifolds of resting pairs, distances, rays and sweeps, one call after the other on one thread.
+ */
 #include "harness/bench.h"
 
 #include "accel/accel.h"
@@ -64,13 +65,14 @@ static void describe(void *context, char *out, size_t size)
     snprintf(out, size, "%.0f ns a call; %.0f%% touch", 1e3 / job->rate, 100.0 * (double)job->found / CALLS);
 }
 
-/* b about `gap` under a, turned about the vertical, tilted by as much as `tilt`. */
+/* b lies about `gap` below a, turned about the vertical and tilted by up to `tilt`. */
 static void set_poses(shape_job *job, double gap, float tilt, float spread)
 {
     uint64_t state = 7;
     for (uint32_t i = 0; i < POSES; i++) {
         float yaw = random_unit(&state), x = random_unit(&state), z = random_unit(&state);
-        daft_quat turn = daft_quat_normalize((daft_quat){tilt * random_unit(&state), yaw, tilt * random_unit(&state), 1});
+        daft_quat turn =
+            daft_quat_normalize((daft_quat){tilt * random_unit(&state), yaw, tilt * random_unit(&state), 1});
         daft_rigid identity = daft_rigid_identity(), pose = daft_rigid_make(daft_dv3(0, 0, 0), turn);
         daft_daabb a = daft_shape_bounds(&job->a, &identity), b = daft_shape_bounds(&job->b, &pose);
         pose.p = daft_dv3((double)(spread * x), a.low.y - b.high.y - gap, (double)(spread * z));
@@ -83,8 +85,14 @@ static void set_poses(shape_job *job, double gap, float tilt, float spread)
 static void measure(bench *self, shape_job *job, const char *what)
 {
     if (!bench_wants(self, "sim-shapes", what)) return;
-    bench_subject subject = {.scene = "sim-shapes", .what = what, .unit = "M/s", .isa = self->isa, .threads = 1,
-                             .ours = rate, .context = job, .describe = describe};
+    bench_subject subject = {.scene = "sim-shapes",
+                             .what = what,
+                             .unit = "M/s",
+                             .isa = self->isa,
+                             .threads = 1,
+                             .ours = rate,
+                             .context = job,
+                             .describe = describe};
     bench_measure(self, &subject);
 }
 
@@ -113,7 +121,10 @@ static bool flat_grid(bench *self, daft_trimesh *out)
             const uint32_t corner[6] = {a, b, b + 1, a, b + 1, a + 1};
             for (int k = 0; k < 6; k++) index[used++] = corner[k];
         }
-    daft_mesh_def def = {.cookie = DAFT_COOKIE, .positions = p, .vertex_count = SIDE * SIDE, .indices = index,
+    daft_mesh_def def = {.cookie = DAFT_COOKIE,
+                         .positions = p,
+                         .vertex_count = SIDE * SIDE,
+                         .indices = index,
                          .triangle_count = 2 * GRID * GRID};
     return daft_trimesh_from_arrays(&self->allocator, &def, NULL, out, NULL);
 }

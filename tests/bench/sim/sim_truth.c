@@ -12,7 +12,7 @@ static void add(truth_run *run, daft_body_kind kind, daft_sim_shape shape, daft_
 {
     daft_sim_shape_def part = daft_default_sim_shape_def();
     part.shape = shape, part.material.friction = friction;
-    if (run->joint_count) part.mask = 0; /* what hangs together does not meet */
+    if (run->joint_count) part.mask = 0; /* linked bodies do not collide */
     daft_sim_body_def def = daft_default_sim_body_def();
     def.kind = kind, def.position = at, def.rotation = turn, def.mass = mass, def.shapes = &part, def.shape_count = 1;
     uint32_t body = daft_world_add(run->world, &def, NULL);
@@ -57,8 +57,14 @@ static daft_sim_state state_of(const truth_run *run, uint32_t body)
     return state;
 }
 
-static daft_dvec3 first_point(const truth_run *run) { return state_of(run, 0).position; }
-static daft_dvec3 last_point(const truth_run *run) { return state_of(run, run->body_count - 1).position; }
+static daft_dvec3 first_point(const truth_run *run)
+{
+    return state_of(run, 0).position;
+}
+static daft_dvec3 last_point(const truth_run *run)
+{
+    return state_of(run, run->body_count - 1).position;
+}
 
 /* ---- a projectile: x = v t, y = v t - g t^2 / 2 ---- */
 

@@ -1,5 +1,5 @@
-/* Small worlds whose motion is known, for what accuracy costs in the simulation: each is built, watched while it runs,
- * and has a closed form, or equations that are integrated here in double, apart from the engine. */
+/* Small worlds whose motion is known, to measure the accuracy of the simulation. Each has a closed form, or equations
+ * that are integrated here in double, independently of the engine. */
 #ifndef DAFT_BENCH_SIM_TRUTH_H
 #define DAFT_BENCH_SIM_TRUTH_H
 
@@ -18,19 +18,19 @@ typedef struct truth_run {
 typedef struct truth_case {
     const char *name;
     int seconds;
-    void (*build)(truth_run *run);                   /* in an empty world; sets `failed` if it cannot */
-    daft_dvec3 (*point)(const truth_run *run);       /* the point that is watched */
-    void (*exact)(int seconds, daft_dvec3 *frames);  /* where it is after each 1/30 s; NULL: not known */
-    double (*overlap)(const truth_run *run);         /* of neighbours, metres; NULL: nothing touches */
-    double (*drift)(const truth_run *run);           /* of what should stand, metres; NULL: nothing should */
-    bool conservative;                               /* its energy should stay */
+    void (*build)(truth_run *run);                  /* in an empty world; sets `failed` if it cannot */
+    daft_dvec3 (*point)(const truth_run *run);      /* the point that is watched */
+    void (*exact)(int seconds, daft_dvec3 *frames); /* where it is after each 1/30 s; NULL: not known */
+    double (*overlap)(const truth_run *run);        /* of neighbours, metres; NULL: nothing touches */
+    double (*drift)(const truth_run *run);          /* of what should stand, metres; NULL: nothing should */
+    bool conservative;                              /* its energy should stay */
 } truth_case;
 
 enum { TRUTH_CASES = 6 };
 extern const truth_case TRUTH[TRUTH_CASES];
 
-double truth_energy(const truth_run *run);   /* J, of all that moves; potential 0 at y = 0 */
+double truth_energy(const truth_run *run); /* J, of all that moves; potential 0 at y = 0 */
 double truth_kinetic(const truth_run *run);
-double truth_stretch(const truth_run *run);  /* metres between the anchors of a joint, at most */
+double truth_stretch(const truth_run *run); /* metres between the anchors of a joint, at most */
 
 #endif
