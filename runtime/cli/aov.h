@@ -1,5 +1,4 @@
-/* aov: what `daft render --aov` writes beside the picture: depth, normals, entity and triangle numbers of each pixel.
- */
+/* aov: what `daft render --aov` writes beside the picture: depth, normals, entity and triangle of each pixel. */
 #ifndef RUNTIME_CLI_AOV_H
 #define RUNTIME_CLI_AOV_H
 

@@ -2,8 +2,8 @@
  * drawing, come out.
  *
  * An update is 1/60 s. A frame runs at most LOOP_MAX_UPDATES and drops the rest, so a slow machine plays slower instead
- * of falling further behind. Promises: exact integer arithmetic: N seconds in pieces of any length give 60·N updates.
- */
+ * of falling further behind.
+ * Promises: integer arithmetic: N seconds in pieces of any length give 60·N updates. */
 #ifndef RUNTIME_GAME_LOOP_H
 #define RUNTIME_GAME_LOOP_H
 

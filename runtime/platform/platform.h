@@ -34,8 +34,7 @@ struct platform {
 
 /* NULL with a message when there is no display or the window cannot be made. */
 platform *platform_open_sdl(const char *title, int width, int height, daft_error *error);
-/* No window: no events, and a clock that advances by 1/rate s with each frame, so that a game runs as fast as possible.
- */
+/* No window: no events, and a clock that advances by 1/rate s with each frame, so a game runs as fast as possible. */
 platform *platform_open_null(int width, int height, int rate, daft_error *error);
 
 #endif
