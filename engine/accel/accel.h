@@ -1,6 +1,9 @@
 /* accel: bounding volume hierarchies over triangles and over instances, and rays through them.
  * Promises: binned-SAH builds in O(n log n) with bounded depth whatever the input; traversal that never misses a box by
- * rounding; the same hit on every instruction set. Rays are turned into each object's space, never objects into the world's. */
+ * rounding; the same hit on every instruction set. Rays are moved into each object's space, never objects into the world's.
+ *
+ * Public headers: accel.h bvh.h bound_lanes.h kdtree.h. Inner headers: ray_test.h reach.h.
+ * build/ makes the trees, traverse/ takes rays through them. */
 #ifndef DAFT_ACCEL_H
 #define DAFT_ACCEL_H
 

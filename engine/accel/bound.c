@@ -80,7 +80,7 @@ static void bound_sphere(daft_instance *instance)
 
 /* The bounds hold every vertex as daft_affine_point rounds it: the exact image of the object-space box, widened by the
  * error of that formula (3 products, 3 sums: below 4·2^-24 of the sum of magnitudes), and by what rays are off that are
- * moved into the object's space (traverse_kernel.c: 13·2^-24 of the magnitudes on all axes). What is reached along
+ * moved into the object's space (single_kernel.c: 13·2^-24 of the magnitudes on all axes). What is reached along
  * diagonals is off by another 2·2^-24 of them. */
 void daft_instance_bound(daft_instance *instance)
 {

@@ -1,6 +1,6 @@
 /* Bounds of many instances: those of meshes by registers, the others one by one. */
 #include "accel/bound_lanes.h"
-#include "accel/traverse.h"
+#include "accel/traverse/traverse.h"
 
 static void bound_group(daft_instance *instances)
 {

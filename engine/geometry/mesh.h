@@ -1,6 +1,9 @@
 /* geometry: triangle meshes and where they come from: OBJ/MTL files, arrays, boxes.
  * Promises: a mesh that stands has only finite positions, indices in range and no triangle with two equal corners;
- * triangles that share an edge in the file share its two vertex numbers here, whatever their normals and uvs do. */
+ * triangles that share an edge in the file share its two vertex numbers here, whatever their normals and uvs do.
+ *
+ * Public headers: mesh.h. Inner headers: trimesh.h polygon.h.
+ * formats/ reads files, analysis/ finds what is known of a mesh before it is drawn. */
 #ifndef DAFT_GEOMETRY_H
 #define DAFT_GEOMETRY_H
 

@@ -1,6 +1,6 @@
 /* Meshes from arrays, boxes, and smooth normals against a slow, obvious twin. */
 #include "geometry/mesh.h"
-#include "geometry/smooth.h"
+#include "geometry/analysis/smooth.h"
 #include "math/trig.h"
 #include "support_content.h"
 

@@ -1,6 +1,6 @@
 /* Plain lines of OBJ files (obj_scan.c) against the general reader, which sees the same lines with tabs for blanks: the
  * same bits, the same warnings, the same errors at the same places. */
-#include "geometry/obj.h"
+#include "geometry/formats/obj.h"
 #include "support_content.h"
 
 enum { ROOM = 1 << 15 };

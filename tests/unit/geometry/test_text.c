@@ -1,5 +1,5 @@
 /* Reading text: numbers against the C library's, integers, joined lines, places, quotes. */
-#include "geometry/text.h"
+#include "geometry/formats/text.h"
 
 #include "support_content.h"
 
