@@ -31,7 +31,7 @@ typedef struct bench_row {
 typedef struct bench {
     const char *only, *json, *isa; /* isa: NULL for the best there is */
     const char *tables;            /* a folder of the manual's pages to fill from `from`; NULL: measure */
-    const char *from[8];           /* JSON files; the rest: NULL */
+    const char *from[32];          /* JSON files; the rest: NULL */
     const char *csv, *svg;         /* where visibility-accuracy or sim-accuracy is written; NULL: nowhere */
     int threads;                   /* 0: one, and all there are */
     int rounds;                    /* 0: as many as it takes */

@@ -150,7 +150,7 @@ static const char USAGE[] =
     "  --only PATTERN  only benchmarks with PATTERN in their name\n"
     "  --json FILE     write the results as JSON, too\n"
     "  --tables DIR    measure nothing; fill the tables of the manual's pages in DIR from the files of --from\n"
-    "  --from FILE     JSON of an earlier run; up to eight times, for one run each\n"
+    "  --from FILE     JSON of an earlier run; may be given 32 times, for one run each\n"
     "  --csv FILE      of visibility-accuracy or sim-accuracy, as --only says: write its points as CSV, too\n"
     "  --svg FILE      of the same: plot error against milliseconds\n"
     "  --threads N     measure with N threads (default: with one, and with all)\n"

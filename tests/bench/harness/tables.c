@@ -179,8 +179,8 @@ static void put_origin(FILE *out, const tables *t, const section *s)
             told = chosen(s, &t->rows[k]) && strcmp(r->command, t->rows[k].command) == 0 &&
                    strcmp(r->date, t->rows[k].date) == 0 && r->threads == t->rows[k].threads;
         if (!told)
-            fprintf(out, "%s, %s, %d thread%s, %s: `%s`\n", r->machine, r->isa, r->threads, r->threads == 1 ? "" : "s",
-                    r->date, r->command);
+            fprintf(out, "- %s, %s, %d thread%s, %s: `%s`\n", r->machine, r->isa, r->threads,
+                    r->threads == 1 ? "" : "s", r->date, r->command);
     }
     fputc('\n', out);
 }
