@@ -1,7 +1,7 @@
 /* DAFT: a 3D engine in C that needs no GPU. The one public header of libdaft.
  *
  * Life of a program: make an engine, make a scene in it, fill the scene (from a file or by calls), render views of it
- * into images, cast rays, step it, destroy the scene, destroy the engine..
+ * into images, cast rays, step it, destroy the scene, destroy the engine.
  *
  * Conventions: right-handed, Y up; metres, seconds, kilograms, radians. Colours are linear light, 1 is white. Images
  * have the top row first. Counter-clockwise triangles face the viewer. A quaternion is (x, y, z, w) with w real.
@@ -13,7 +13,9 @@
  * that takes it fails with DAFT_ERROR_HANDLE.
  *
  * Threads: an engine and everything in it belongs to one calling thread at a time; the library uses its own worker
- * threads inside a call. Results do not depend on how many, bit for bit. Different engines are independent. */
+ * threads inside a call. Results do not depend on how many, bit for bit. Different engines are independent.
+ *
+ * The fields of the structs that users fill are listed at the end, as data: see daft_fields. */
 #ifndef DAFT_H
 #define DAFT_H
 
@@ -93,8 +95,8 @@ typedef void daft_warning_callback(void *user, const daft_error *warning);
 
 /* What rays search meshes by. Pictures and hits are the same, bit for bit. */
 typedef enum daft_accel {
-    DAFT_ACCEL_BVH = 0, /* bounding volume hierarchies, by which pencils cull, too */
-    DAFT_ACCEL_KDTREE   /* kd-trees besides: camera, mirror and query rays go through them one by one; shadows stay pencils */
+    DAFT_ACCEL_BVH = 0, /* bounding volume hierarchies, which the rasterizer culls by as well */
+    DAFT_ACCEL_KDTREE   /* kd-trees besides: camera, mirror and query rays go through them one by one; shadows do not */
 } daft_accel;
 
 DAFT_API bool daft_accel_parse(const char *name, daft_accel *out); /* "bvh", "kdtree" */
@@ -171,7 +173,7 @@ DAFT_API bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const d
 typedef struct daft_mesh_info {
     uint32_t vertex_count, triangle_count, material_count;
     daft_vec3 low, high; /* bounds in the mesh's own space */
-    size_t bytes;        /* mesh, attributes and BVH; a file's smooth normals from the first picture with them on */
+    size_t bytes;        /* of memory: vertices, attributes, indices and trees */
 } daft_mesh_info;
 
 DAFT_API bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info, daft_error *error);
@@ -196,15 +198,15 @@ DAFT_API daft_texture daft_texture_load(daft_scene *scene, const char *path, daf
 
 typedef struct daft_material_def {
     uint32_t cookie;
-    daft_vec3 ambient;     /* Ka: share of the ambient light that is reflected */
+    daft_vec3 ambient;     /* Ka: the fraction of the ambient light that it reflects */
     daft_vec3 diffuse;     /* Kd */
     daft_vec3 specular;    /* Ks */
     float shininess;       /* Ns: Phong exponent, 0..1000 */
-    float mirror;          /* 0..1: share of the mirrored ray's light, tinted by `mirror_tint` */
+    float mirror;          /* 0..1: the weight of the mirrored ray's light, which mirror_tint colours */
     daft_vec3 mirror_tint; /* 1, 1, 1 */
     daft_vec3 emission;    /* light it gives off by itself; lights nothing else */
     /* Light that passes through, 0..1: the rest is left to `ambient` and `diffuse`. At each surface Fresnel's equations
-     * divide it between a mirrored and a refracted ray. What is outside a thing, or between two, counts as air. */
+     * divide it between a mirrored and a refracted ray. Everything outside closed meshes, and between two of them, counts as air. */
     float transmission;
     daft_vec3 transmission_tint; /* 0..1 each: the refracted ray's light is multiplied by it, at each surface; 1, 1, 1 */
     float refractive_index;      /* 0.001..10; 1: no bending and no mirroring; water 1.33, glass 1.5 (the default) */
@@ -238,7 +240,7 @@ typedef enum daft_collider_kind {
     DAFT_COLLIDER_HULL, /* the convex hull of a mesh's vertices, of at most 64 corners */
     DAFT_COLLIDER_MESH, /* a mesh's triangles, from both sides; static and kinematic bodies */
     DAFT_COLLIDER_FIELD, /* a grid of heights; static and kinematic bodies */
-    DAFT_COLLIDER_CYLINDER /* around its y axis; rolls as a round thing does. Rays and casts meet a prism of 32 sides within it */
+    DAFT_COLLIDER_CYLINDER /* around its y axis; rolls smoothly. Rays and casts meet a prism of 32 sides within it */
 } daft_collider_kind;
 
 /* A part of a body, in the entity's axes and in metres: the entity's scale counts for hulls and meshes alone. Lengths are
@@ -282,7 +284,7 @@ typedef struct daft_entity_def {
     daft_quat rotation;
     daft_vec3 scale; /* spheres take only equal scales */
     bool visible;
-    bool casts_shadow; /* where all of its materials transmit, light comes through times their mean share and tint */
+    bool casts_shadow; /* where all of its materials transmit, light comes through, weighted by their mean transmission and tint */
     daft_body_kind body; /* entities without a parent; spheres and boxes unscaled. The scale stays as it was made */
     const daft_collider *colliders; /* what the body is made of, read by daft_entity_create; none: what is drawn, and of a mesh
                                        the hull where the body is dynamic, else the triangles */
@@ -292,15 +294,15 @@ typedef struct daft_entity_def {
     float friction;           /* Coulomb's coefficient; two bodies: the geometric mean */
     float static_friction;    /* of what does not slide yet; less than friction: the same */
     float restitution;        /* 0..1; two bodies: the larger */
-    float rolling_resistance; /* share of the normal load times the radius that brakes rolling; the larger */
+    float rolling_resistance; /* fraction of load times radius that brakes rolling; two bodies: the larger */
     uint32_t surface;         /* 0..63: which kind of surface, for daft_scene_set_surfaces */
-    daft_vec3 belt;           /* m/s: the surface runs so in the entity's axes, as a conveyor's does */
+    daft_vec3 belt;           /* m/s: the velocity of its surface in the entity's axes, as a conveyor belt's */
     float gravity_scale;      /* 1 */
-    float linear_damping, angular_damping; /* share of the velocity lost in a second, for small ones */
+    float linear_damping, angular_damping; /* 1/s: fraction of the velocity lost in a second, for small ones */
     uint32_t locks;  /* DAFT_LOCK_… */
     uint32_t layers; /* bits: what it is; the first by default */
-    uint32_t mask;   /* bits: what it meets; two meet where each one's layers have a bit of the other's mask; default all */
-    bool sensor;     /* meets nothing: what enters and leaves it makes events */
+    uint32_t mask;   /* bits: what it collides with; two bodies do where each one's layers have a bit of the other's mask; default all */
+    bool sensor;     /* collides with nothing: what enters and leaves it makes events */
     bool bullet;     /* dynamic: does not pass through fast dynamic bodies either */
     bool sleeps;     /* may; default true */
 } daft_entity_def;
@@ -337,7 +339,7 @@ DAFT_API bool daft_entity_apply_impulse_at(daft_scene *scene, daft_entity entity
 DAFT_API bool daft_entity_apply_torque(daft_scene *scene, daft_entity entity, daft_vec3 torque, daft_error *error); /* N·m, over the next tick */
 DAFT_API bool daft_entity_apply_angular_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_error *error); /* kg·m²/s */
 DAFT_API bool daft_entity_get_mass(daft_scene *scene, daft_entity entity, float *kg, daft_error *error); /* 0: not dynamic */
-/* Bodies at rest fall asleep, heap by heap, and cost nothing; whatever touches or moves them wakes them. */
+/* Bodies at rest fall asleep, island by island, and cost nothing; whatever touches or moves them wakes them. */
 DAFT_API bool daft_entity_get_awake(daft_scene *scene, daft_entity entity, bool *awake, daft_error *error);
 DAFT_API bool daft_entity_set_awake(daft_scene *scene, daft_entity entity, bool awake, daft_error *error);
 DAFT_API bool daft_entity_set_layers(daft_scene *scene, daft_entity entity, uint32_t layers, uint32_t mask, daft_error *error);
@@ -375,7 +377,7 @@ typedef struct daft_event {
 } daft_event;
 
 /* What happened in the last tick and by calls since the one before, in a fixed order: by kind, then by bodies and joints.
- * Anything may be changed while they are gone through. Returns how many there are. */
+ * The scene may be changed while the caller goes through them. Returns how many there are. */
 DAFT_API uint32_t daft_scene_events(const daft_scene *scene, daft_event *out, uint32_t capacity);
 
 /* ---- scenes: joints ---------------------------------------------------------------------------------------------- */
@@ -397,7 +399,7 @@ typedef struct daft_joint_def {
     daft_dvec3 anchor_b; /* distance: the point on b; drag: the target */
     daft_vec3 axis;      /* hinge, slider, ball with a cone: in the world, any length */
     bool limit;          /* hinge, slider, distance: between lower and upper; ball: upper is the cone's half angle */
-    float lower, upper;  /* from the pose of now; hinge within ±pi; distance: whole lengths */
+    float lower, upper;  /* relative to the pose at creation; hinge: radians within ±pi; slider: metres; distance: lengths */
     bool motor;          /* hinge, slider; ball: a brake, whose speed is always 0 */
     float motor_speed, motor_force; /* rad/s and N·m, m/s and N; of b relative to a */
     bool spring;         /* distance: about its length; hinge, slider: about 0; ball, fixed: the whole joint gives */
@@ -411,12 +413,12 @@ typedef struct daft_joint_state {
     daft_joint_kind kind;
     daft_entity a, b;
     daft_dvec3 anchor_a, anchor_b; /* in the world */
-    float value; /* hinge: angle; slider: way; distance: length; ball with a cone: angle */
+    float value; /* hinge: angle; slider: displacement; distance: length; ball with a cone: angle */
     float speed; /* of the value; hinge, slider */
     float force, torque; /* N, N·m, mean over the last tick */
 } daft_joint_state;
 
-DAFT_API daft_joint_def daft_default_joint_def(void); /* a ball joint to the world; springs of 2 Hz, damping ratio 0.5 */
+DAFT_API daft_joint_def daft_default_joint_def(void); /* a ball joint to the world; springs of 2 Hz, damping ratio 0.7 */
 DAFT_API daft_joint daft_joint_create(daft_scene *scene, const daft_joint_def *def, daft_error *error);
 DAFT_API bool daft_joint_destroy(daft_scene *scene, daft_joint joint, daft_error *error);
 DAFT_API bool daft_joint_is_valid(const daft_scene *scene, daft_joint joint); /* not broken, not gone with a body */
@@ -448,7 +450,7 @@ DAFT_API bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_
 /* Of the last tick. */
 typedef struct daft_sim_counts {
     uint32_t bodies, awake;   /* awake: dynamic ones */
-    uint32_t joints, islands; /* islands: heaps of bodies that touch or are joined, and are awake */
+    uint32_t joints, islands; /* islands: groups of awake bodies that touch or are joined */
     uint32_t pairs, contacts; /* pairs of parts whose bounds meet, and that touch */
     uint32_t rows;            /* constraints solved in each substep */
     uint32_t sweeps;          /* searches for the time of an impact */
@@ -479,7 +481,7 @@ typedef struct daft_light_def {
     uint32_t cookie;
     daft_light_kind kind;
     daft_dvec3 position; /* point and spot: where; no falloff with distance */
-    daft_vec3 direction; /* sun and spot: the way its light travels, a spot's in the middle; any length but zero */
+    daft_vec3 direction; /* sun and spot: where its light travels to, a spot's along its axis; any length but zero */
     daft_vec3 color;
     bool casts_shadow;
     /* Spot: radians from the direction, 0 <= inner_angle <= outer_angle <= pi, outer_angle > 0. All of the light within the
@@ -590,7 +592,7 @@ typedef struct daft_query_hit {
     daft_entity entity;
     uint32_t triangle; /* of a mesh or height field; 0 for other shapes */
     daft_dvec3 position;
-    daft_vec3 normal; /* unit, of the surface, towards what met it; zero where nothing says */
+    daft_vec3 normal; /* unit, of the surface, towards the ray or volume; zero where an overlap defines none */
     float distance;   /* metres along the motion, or from the point */
     bool inside;      /* it began inside, or overlapping: distance 0 */
 } daft_query_hit;
@@ -651,7 +653,7 @@ DAFT_API daft_character_def daft_default_character_def(void);
 DAFT_API daft_character daft_character_create(daft_scene *scene, const daft_character_def *def, daft_error *error);
 DAFT_API bool daft_character_destroy(daft_scene *scene, daft_character character, daft_error *error);
 DAFT_API bool daft_character_is_valid(const daft_scene *scene, daft_character character);
-/* The velocity it walks with from the next step on, m/s; y counts for nothing. */
+/* The velocity it walks with from the next step on, m/s; y is ignored. */
 DAFT_API bool daft_character_walk(daft_scene *scene, daft_character character, daft_vec3 velocity, daft_error *error);
 /* Upwards in m/s, in the next step, if it stands then. */
 DAFT_API bool daft_character_jump(daft_scene *scene, daft_character character, float speed, daft_error *error);
@@ -695,7 +697,7 @@ DAFT_API bool daft_check_file(daft_engine *engine, const char *path, daft_proble
 
 typedef enum daft_effect_kind {
     DAFT_EFFECT_VISIBILITY = 0,
-    DAFT_EFFECT_SURFACE, /* positions, normals, texture coordinates of what is seen */
+    DAFT_EFFECT_SURFACE, /* positions, normals, texture coordinates of visible points */
     DAFT_EFFECT_TEXTURE,
     DAFT_EFFECT_SHADOW,
     DAFT_EFFECT_LIGHTING,
@@ -727,13 +729,109 @@ typedef struct daft_counters {
     uint64_t shadow_points_kept; /* lit points under some occluder's bound: the only ones that cast a ray */
     uint64_t mesh_builds;  /* BVHs built since the scene was made */
     uint64_t mesh_refits;  /* BVHs fitted to moved vertices since the scene was made */
-    uint64_t placings; /* frames, since the scene was made, for which things were put into place and a tree over them was made: neither where
-                        * nothing has moved or looks different since the last frame, nor the camera's position */
+    /* Frames, since the scene was made, that rebuilt the list of instances and the tree over it: none where nothing has moved
+     * or looks different since the frame before, and the camera is where it was. */
+    uint64_t instance_updates;
     daft_effect effects[DAFT_EFFECT_COUNT];
 } daft_counters;
 
-/* Of the last daft_render; query_rays, mesh_builds, mesh_refits and placings since the scene was made. */
+/* Of the last daft_render; query_rays, mesh_builds, mesh_refits and instance_updates since the scene was made. */
 DAFT_API const daft_counters *daft_scene_counters(const daft_scene *scene);
+
+/* ---- the fields of the structs, as data ---------------------------------------------------------------------------- */
+
+/* Each struct below has one list of its fields: name, type, range, default, unit and a sentence. The library's defaults,
+ * checks, state hash and .scene options come from these lists, and so do the tables of Lua and of the manual; editors and
+ * bindings of other languages can read them instead of repeating them. All of it is constant and lives as long as the
+ * program; nothing here needs an engine, and any thread may call it. */
+
+typedef enum daft_struct {
+    DAFT_STRUCT_ENGINE_DEF = 0,
+    DAFT_STRUCT_MATERIAL_DEF,
+    DAFT_STRUCT_ENTITY_DEF,
+    DAFT_STRUCT_COLLIDER,
+    DAFT_STRUCT_JOINT_DEF,
+    DAFT_STRUCT_SURFACES,
+    DAFT_STRUCT_CAMERA,
+    DAFT_STRUCT_LIGHT_DEF,
+    DAFT_STRUCT_VIEW,
+    DAFT_STRUCT_QUERY_FILTER,
+    DAFT_STRUCT_VOLUME,
+    DAFT_STRUCT_CHARACTER_DEF,
+    DAFT_STRUCT_COUNTERS,
+    DAFT_STRUCT_SIM_COUNTS,
+    DAFT_STRUCT_COUNT
+} daft_struct;
+
+typedef enum daft_field_type {
+    DAFT_FIELD_BOOL = 0,
+    DAFT_FIELD_INT,
+    DAFT_FIELD_UINT, /* uint32_t */
+    DAFT_FIELD_UINT64,
+    DAFT_FIELD_FLOAT,
+    DAFT_FIELD_DOUBLE,
+    DAFT_FIELD_CHOICE, /* an enum: `choices` names its values */
+    DAFT_FIELD_VEC2,
+    DAFT_FIELD_VEC3,
+    DAFT_FIELD_COLOR,     /* daft_vec3, linear light */
+    DAFT_FIELD_DIRECTION, /* daft_vec3 of any length but zero */
+    DAFT_FIELD_POSITION,  /* daft_dvec3 */
+    DAFT_FIELD_ROTATION,  /* daft_quat of any length but zero */
+    DAFT_FIELD_MESH,
+    DAFT_FIELD_TEXTURE,
+    DAFT_FIELD_MATERIAL,
+    DAFT_FIELD_ENTITY,
+    DAFT_FIELD_STRUCT, /* another struct of this list: `nested` */
+    DAFT_FIELD_TEXT,   /* const char *, or NULL */
+    DAFT_FIELD_OTHER,  /* pointers, callbacks and cookies: neither checked nor packed, parsed or printed */
+    DAFT_FIELD_TYPE_COUNT
+} daft_field_type;
+
+enum { /* daft_field.flags */
+    DAFT_FIELD_GREY = 1,        /* Lua: one number stands for all components */
+    DAFT_FIELD_HASHED = 2,      /* its bytes are in the state's hash at any value; others are where they are not the default */
+    DAFT_FIELD_HASHED_USED = 4, /* the same, but only where the struct's kind uses it */
+    DAFT_FIELD_NOT_HASHED = 8   /* never: the simulation's state shows what it does */
+};
+
+typedef struct daft_field {
+    const char *name; /* of the member */
+    daft_field_type type;
+    size_t offset, size;        /* bytes, in the struct */
+    const char *doc;            /* one sentence without its full stop */
+    const char *unit;           /* "m", "rad", "kg/m³"; NULL: a plain number */
+    double min, max;            /* of each component; both 0: any finite number. FLT_TRUE_MIN: above 0; max may be infinity */
+    double initial[4];          /* the default, component by component */
+    const char *const *choices; /* names of the values 0, 1, …; NULL where a value has none */
+    uint32_t choice_count;
+    uint32_t kinds;     /* bit k: used where the struct's first choice is k; 0: used always */
+    const char *lua;    /* its name in tables of Lua, or NULL */
+    const char *scene;  /* its name in options of .scene files, name=value, or NULL */
+    daft_struct nested; /* DAFT_FIELD_STRUCT */
+    uint32_t flags;
+} daft_field;
+
+/* The fields in the order of the struct. NULL, and a count of 0, for what is no struct of the list. */
+DAFT_API const daft_field *daft_fields(daft_struct which, uint32_t *count);
+DAFT_API const char *daft_struct_name(daft_struct which); /* "daft_light_def"; "unknown" */
+DAFT_API size_t daft_struct_size(daft_struct which);      /* bytes */
+/* The field with this member name, or NULL. */
+DAFT_API const daft_field *daft_field_find(daft_struct which, const char *name);
+/* Writes what the default maker gives; the struct's size at `out`, padding is zero. */
+DAFT_API void daft_struct_default(daft_struct which, void *out);
+/* Whether every field is within its range, as far as that can be told without a scene: handles are not looked up. The
+ * message names the first that is not, its value and its range. */
+DAFT_API bool daft_struct_check(daft_struct which, const void *value, daft_error *error);
+/* The fields' bytes one after the other, without padding and without DAFT_FIELD_OTHER: two structs are equal where these
+ * are. Writes them where `capacity` is enough, and returns how many there are. */
+DAFT_API size_t daft_struct_pack(daft_struct which, const void *value, void *out, size_t capacity);
+/* "between 0 and 1", "finite and above 0", "point, sun or spot". Returns `buffer`. */
+DAFT_API const char *daft_field_range(const daft_field *field, char *buffer, size_t size);
+/* The field of the struct at `value` as text: "0.5", "1, 0, 0", "true", "spot", "none". Returns `buffer`. */
+DAFT_API const char *daft_field_print(const daft_field *field, const void *value, char *buffer, size_t size);
+/* Sets the field of the struct at `value` from such text; components are separated by commas. Numbers, choices and booleans
+ * only. On failure the struct is as it was. */
+DAFT_API bool daft_field_parse(const daft_field *field, const char *text, void *value, daft_error *error);
 
 #ifdef __cplusplus
 }

@@ -29,6 +29,8 @@ typedef struct daft_trimesh {
 
 void daft_trimesh_free(const daft_allocator *allocator, daft_trimesh *mesh);
 size_t daft_trimesh_bytes(const daft_trimesh *mesh);
+/* All of it, in memory of its own. */
+bool daft_trimesh_copy(const daft_allocator *allocator, const daft_trimesh *mesh, daft_trimesh *out, daft_error *error);
 
 /* Copies arrays in (a triangle with an index out of range is an error; one with a non-finite or repeated corner is dropped
  * with a warning). Without normals, smooth ones are computed across edges flatter than 40 degrees. */

@@ -35,6 +35,36 @@ size_t daft_trimesh_bytes(const daft_trimesh *mesh)
     return bytes + (mesh->slots ? mesh->triangle_count * sizeof(uint16_t) : 0);
 }
 
+/* A copy of `size` bytes, or NULL for NULL. Sets *done to false where memory is out. */
+static void *copy_of(const daft_allocator *allocator, const void *from, size_t count, size_t size, bool *done)
+{
+    void *copy = from ? daft_alloc(allocator, count, size) : NULL;
+    if (copy && count) memcpy(copy, from, count * size);
+    *done = *done && (copy || !from);
+    return copy;
+}
+
+bool daft_trimesh_copy(const daft_allocator *allocator, const daft_trimesh *mesh, daft_trimesh *out, daft_error *error)
+{
+    bool done = true;
+    size_t room = padded(mesh->vertex_count), corners = 3 * (size_t)mesh->triangle_count;
+    daft_trimesh copy = *mesh;
+    copy.x = copy_of(allocator, mesh->x, room, sizeof *mesh->x, &done);
+    copy.y = copy_of(allocator, mesh->y, room, sizeof *mesh->y, &done);
+    copy.z = copy_of(allocator, mesh->z, room, sizeof *mesh->z, &done);
+    copy.indices = copy_of(allocator, mesh->indices, corners, sizeof *mesh->indices, &done);
+    copy.normals = copy_of(allocator, mesh->normals, mesh->normal_count, sizeof *mesh->normals, &done);
+    copy.normal_indices = copy_of(allocator, mesh->normal_indices, corners, sizeof *mesh->normal_indices, &done);
+    copy.uvs = copy_of(allocator, mesh->uvs, mesh->uv_count, sizeof *mesh->uvs, &done);
+    copy.uv_indices = copy_of(allocator, mesh->uv_indices, corners, sizeof *mesh->uv_indices, &done);
+    copy.slots = copy_of(allocator, mesh->slots, mesh->triangle_count, sizeof *mesh->slots, &done);
+    if (done)
+        *out = copy;
+    else
+        daft_trimesh_free(allocator, &copy);
+    return done || daft_fail_memory(error, "a copy of a mesh");
+}
+
 bool daft_trimesh_set_positions(const daft_allocator *allocator, daft_trimesh *mesh, const daft_vec3 *positions,
                                 uint32_t count, daft_error *error)
 {

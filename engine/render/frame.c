@@ -223,10 +223,10 @@ static void sum_effects(const daft_frame *frame, daft_counters *c, double since,
 static void counters_begin(daft_counters *c, const daft_snapshot *s, const daft_renderer *r)
 {
     const char *isa = c->isa;
-    uint64_t queries = c->query_rays, builds = c->mesh_builds, refits = c->mesh_refits, placings = c->placings;
+    uint64_t queries = c->query_rays, builds = c->mesh_builds, refits = c->mesh_refits, updates = c->instance_updates;
     memset(c, 0, sizeof *c);
     c->width = s->width, c->height = s->height, c->threads = r->threads;
-    c->isa = isa, c->query_rays = queries, c->mesh_builds = builds, c->mesh_refits = refits, c->placings = placings;
+    c->isa = isa, c->query_rays = queries, c->mesh_builds = builds, c->mesh_refits = refits, c->instance_updates = updates;
 }
 
 bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, const daft_frame_target *target,

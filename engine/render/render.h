@@ -39,7 +39,7 @@ typedef struct daft_snapshot {
     daft_quality quality;
     const daft_instance *instances; /* visible ones, in entity order */
     uint32_t instance_count;
-    uint64_t revision; /* a number that these instances have, and no others had or will have; 0: there is none */
+    uint64_t revision; /* of these instances; no others had or will have it. 0: nothing is kept of them */
     const daft_surface *materials;
     uint32_t material_count;
     const daft_texture_data *textures;
@@ -66,7 +66,7 @@ typedef struct daft_frame_target {
 
 daft_renderer *daft_renderer_create(const daft_allocator *allocator, int threads, int isa, daft_error *error);
 void daft_renderer_destroy(daft_renderer *renderer);
-/* counters: the renderer adds to nothing, it sets every field but query_rays, mesh_builds, mesh_refits, placings,
+/* counters: the renderer adds to nothing, it sets every field but query_rays, mesh_builds, mesh_refits, instance_updates,
  * threads and isa. */
 bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, const daft_frame_target *target,
                        daft_counters *counters, daft_error *error);

@@ -4,7 +4,9 @@
 
 daft_camera daft_default_camera(void)
 {
-    return (daft_camera){.fov = (float)(DAFT_PI / 2)};
+    daft_camera camera;
+    daft_struct_default(DAFT_STRUCT_CAMERA, &camera);
+    return camera;
 }
 
 /* From one place at itself, and from or at nowhere, it looks along +X. */

@@ -8,7 +8,9 @@ enum { MAX_THREADS = 64, MAX_IMAGE_SIDE = 16384 };
 
 daft_engine_def daft_default_engine_def(void)
 {
-    return (daft_engine_def){.cookie = DAFT_COOKIE};
+    daft_engine_def def;
+    daft_struct_default(DAFT_STRUCT_ENGINE_DEF, &def);
+    return def;
 }
 
 static bool choose_isa(const char *name, int *isa, daft_error *error)
@@ -29,13 +31,9 @@ daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error)
 {
     daft_error_clear(error);
     int isa;
-    if (!daft_check_pointer(error, "def", def) || !daft_check_cookie(error, def->cookie, "daft_default_engine_def") ||
+    if (!daft_check_pointer(error, "def", def) || !daft_struct_check(DAFT_STRUCT_ENGINE_DEF, def, error) ||
         !choose_isa(def->isa, &isa, error))
         return NULL;
-    if ((unsigned)def->accel > DAFT_ACCEL_KDTREE) {
-        daft_fail(error, DAFT_ERROR_ARGUMENT, "accel is %d; it must be bvh or kdtree", (int)def->accel);
-        return NULL;
-    }
     daft_allocator allocator = def->allocator;
     if (!allocator.allocate && !allocator.release) {
         allocator = daft_malloc_allocator();
@@ -139,8 +137,6 @@ daft_scene *daft_scene_create(daft_engine *engine, daft_error *error)
     scene->camera = scene->camera_before = daft_default_camera();
     scene->gravity = daft_v3(0, -9.81f, 0);
     scene->moved_tick = UINT64_MAX;
-    daft_arena_init(&scene->frame, scene->allocator);
-    daft_arena_init(&scene->placed.arena, scene->allocator);
     daft_arena_init(&scene->query.arena, scene->allocator);
     scene->counters.threads = engine->threads;
     scene->counters.isa = daft_isa_name(engine->isa);
@@ -158,8 +154,9 @@ void daft_scene_destroy(daft_scene *scene)
     for (uint32_t i = 0; i < scene->entity_slots.count; i++)
         if (scene->entity_slots.items[i].live) daft_release(allocator, scene->entities[i].geometries);
     daft_geometries_free(scene);
+    daft_frames_free(scene);
     daft_assets_free(scene);
-    daft_sky_free(allocator, &scene->sky_image);
+    daft_sky_item_free(scene, scene->sky_item);
     daft_slots_free(&scene->entity_slots, allocator);
     daft_slots_free(&scene->light_slots, allocator);
     daft_slots_free(&scene->joint_slots, allocator);
@@ -170,8 +167,6 @@ void daft_scene_destroy(daft_scene *scene)
     daft_release(allocator, scene->lights);
     daft_release(allocator, scene->cameras);
     daft_release(allocator, scene->moving);
-    daft_arena_free(&scene->frame);
-    daft_arena_free(&scene->placed.arena);
     daft_arena_free(&scene->query.arena);
     scene->engine->scenes--;
     daft_release(allocator, scene);

@@ -7,21 +7,9 @@
 
 daft_entity_def daft_default_entity_def(void)
 {
-    return (daft_entity_def){
-        .cookie = DAFT_COOKIE,
-        .radius = 0.5f,
-        .size = {1, 1, 1},
-        .rotation = {0, 0, 0, 1},
-        .scale = {1, 1, 1},
-        .visible = true,
-        .casts_shadow = true,
-        .density = 1000,
-        .friction = 0.5f,
-        .gravity_scale = 1,
-        .layers = 1,
-        .mask = UINT32_MAX,
-        .sleeps = true,
-    };
+    daft_entity_def def;
+    daft_struct_default(DAFT_STRUCT_ENTITY_DEF, &def);
+    return def;
 }
 
 daft_entity_item *daft_entity_find(const daft_scene *scene, daft_entity entity, daft_error *error)
@@ -44,26 +32,6 @@ static bool transform_check(const daft_transform *transform, daft_error *error)
     return daft_check_finite_position(error, "position", transform->position) &&
            daft_check_rotation(error, "rotation", transform->rotation) &&
            daft_check_finite3(error, "scale", transform->scale);
-}
-
-/* The sizes of the shape in use must be above zero; those of the others only finite. */
-static bool shape_check(const daft_scene *scene, const daft_entity_def *def, daft_error *error)
-{
-    bool sphere = def->shape == DAFT_SHAPE_SPHERE, box = def->shape == DAFT_SHAPE_BOX;
-    const char *allowed = "finite and above 0";
-    if (!daft_check_range(error, "radius", (double)def->radius, sphere ? DAFT_ABOVE_ZERO : -DAFT_ANY_FLOAT,
-                          DAFT_ANY_FLOAT, sphere ? allowed : "finite"))
-        return false;
-    const float size[3] = {def->size.x, def->size.y, def->size.z};
-    for (int i = 0; i < 3; i++) {
-        const char *const names[3] = {"size.x", "size.y", "size.z"};
-        if (!daft_check_range(error, names[i], (double)size[i], box ? DAFT_ABOVE_ZERO : -DAFT_ANY_FLOAT, DAFT_ANY_FLOAT,
-                              box ? allowed : "finite"))
-            return false;
-    }
-    if (def->shape == DAFT_SHAPE_MESH) return daft_mesh_find(scene, def->mesh, error) != NULL;
-    return (unsigned)def->shape <= DAFT_SHAPE_BOX ||
-           daft_fail(error, DAFT_ERROR_ARGUMENT, "shape is %d; it must be none, mesh, sphere or box", (int)def->shape);
 }
 
 static bool parent_check(const daft_scene *scene, const daft_entity_def *def, daft_error *error)
@@ -89,10 +57,8 @@ static bool parent_check(const daft_scene *scene, const daft_entity_def *def, da
 
 bool daft_entity_check(daft_scene *scene, const daft_entity_def *def, daft_error *error)
 {
-    if (!daft_check_pointer(error, "def", def) || !daft_check_cookie(error, def->cookie, "daft_default_entity_def"))
-        return false;
-    daft_transform transform = {def->position, def->rotation, def->scale};
-    return transform_check(&transform, error) && shape_check(scene, def, error) &&
+    if (!daft_check_pointer(error, "def", def) || !daft_struct_check(DAFT_STRUCT_ENTITY_DEF, def, error)) return false;
+    return (def->shape != DAFT_SHAPE_MESH || daft_mesh_find(scene, def->mesh, error)) &&
            (def->material.id == 0 || daft_material_check(scene, def->material, error)) &&
            parent_check(scene, def, error) && daft_body_check(def, error);
 }
@@ -140,7 +106,7 @@ daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, ui
     item->def.colliders = NULL, item->def.collider_count = 0; /* the caller's */
     if (body) item->body = body->body, item->geometries = body->geometries, item->geometry_count = body->geometry_count;
     item->parent = item->first_child = item->next = item->previous = DAFT_NONE;
-    item->now = (daft_transform){def->position, unit(def->rotation), def->scale};
+    item->now = (daft_transform){.position = def->position, .rotation = unit(def->rotation), .scale = def->scale};
     item->before = item->now;
     item->moved_tick = scene->tick;
     if (def->parent.id) link_child(scene, daft_slots_find(&scene->entity_slots, def->parent.id), index);
@@ -148,7 +114,7 @@ daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, ui
         item->moving_slot = scene->moving_count;
         scene->moving[scene->moving_count++] = index;
     }
-    scene->revision++;
+    daft_scene_touch(scene);
     return entity;
 }
 
@@ -213,7 +179,7 @@ bool daft_entity_destroy(daft_scene *scene, daft_entity entity, daft_error *erro
         if (at == top) break;
         at = up;
     }
-    scene->revision++;
+    daft_scene_touch(scene);
     return true;
 }
 
@@ -275,7 +241,7 @@ bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft
     item->now.rotation = unit(transform->rotation);
     if (teleport) item->before = item->now;
     if (item->body) daft_world_set_pose(scene->world, item->body, item->now.position, item->now.rotation, teleport);
-    scene->revision++;
+    daft_scene_touch(scene);
     return true;
 }
 
@@ -284,7 +250,7 @@ bool daft_entity_set_material(daft_scene *scene, daft_entity entity, daft_materi
     daft_error_clear(error);
     daft_entity_item *item = daft_entity_find(scene, entity, error);
     if (!item || (material.id != 0 && !daft_material_check(scene, material, error))) return false;
-    scene->looks += item->def.material.id != material.id;
+    if (item->def.material.id != material.id) daft_scene_touch(scene);
     item->def.material = material;
     return true;
 }
@@ -294,7 +260,7 @@ bool daft_entity_set_visible(daft_scene *scene, daft_entity entity, bool visible
     daft_error_clear(error);
     daft_entity_item *item = daft_entity_find(scene, entity, error);
     if (!item) return false;
-    if (item->def.visible != visible) scene->revision++;
+    if (item->def.visible != visible) daft_scene_touch(scene);
     item->def.visible = visible;
     return true;
 }

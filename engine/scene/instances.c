@@ -144,7 +144,7 @@ static bool list_entity(maker *m, uint32_t index)
     const daft_entity_item *item = &scene->entities[index];
     if (!scene->entity_slots.items[index].live || item->def.shape == DAFT_SHAPE_NONE || !item->def.visible) return true;
     if (item->parent != DAFT_NONE && !daft_entity_world(scene, index, m->alpha)->shown) return true;
-    daft_mesh_item *shape = shape_of(scene, item);
+    const daft_mesh_item *shape = shape_of(scene, item);
     m->entities[m->count++] = index;
     return !repeats(item, shape) || repeat_material(m, item->def.material.id - 1);
 }
@@ -245,7 +245,7 @@ bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, 
     maker m = {.scene = scene, .origin = origin, .alpha = alpha, .arena = arena};
     *count = 0;
     if (!begin(&m)) return daft_fail_memory(error, "a snapshot's instances");
-    scene->pass++;
+    scene->walk = ++scene->engine->revision;
     for (uint32_t i = 0; i < scene->entity_slots.count; i++) {
         const daft_entity_item *ahead = &scene->entities[daft_min_u(i + AHEAD, scene->entity_slots.count - 1)];
         __builtin_prefetch(&ahead->def.shape), __builtin_prefetch(&ahead->parent);
@@ -254,34 +254,5 @@ bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, 
     daft_parallel_for(m.count < FEW ? 1 : scene->engine->threads, (m.count + TASK - 1) / TASK, place_task, &m);
     *instances = m.instances;
     *count = sift(&m);
-    return true;
-}
-
-/* ---- from frame to frame ---- */
-
-/* Whether the last frame's instances are what this one would see. Where nothing is between two ticks' poses, neither the tick nor alpha
- * matters. */
-static bool still_valid(const daft_scene *scene, daft_dvec3 origin, float alpha)
-{
-    const daft_placed *p = &scene->placed;
-    bool still = p->still && scene->moved_tick != scene->tick;
-    return p->valid && p->revision == scene->revision && p->looks == scene->looks && p->origin.x == origin.x && p->origin.y == origin.y &&
-           p->origin.z == origin.z && (still || (p->tick == scene->tick && p->alpha == alpha));
-}
-
-bool daft_place_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_error *error)
-{
-    daft_placed *p = &scene->placed;
-    daft_instance *instances;
-    if (still_valid(scene, origin, alpha)) return true;
-    p->valid = false;
-    daft_arena_reset(&p->arena);
-    if (!daft_snapshot_instances(scene, origin, alpha, &p->arena, &instances, &p->count, error)) return false;
-    p->instances = instances;
-    p->revision = scene->revision, p->looks = scene->looks, p->tick = scene->tick, p->alpha = alpha, p->origin = origin;
-    p->still = scene->moved_tick != scene->tick;
-    p->number = ++scene->engine->placings;
-    p->valid = true;
-    scene->counters.placings++;
     return true;
 }

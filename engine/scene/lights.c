@@ -3,38 +3,18 @@
 
 daft_light_def daft_default_light_def(void)
 {
-    return (daft_light_def){
-        .cookie = DAFT_COOKIE,
-        .kind = DAFT_LIGHT_POINT,
-        .direction = {0, -1, 0},
-        .color = {1, 1, 1},
-        .casts_shadow = true,
-        .inner_angle = (float)(DAFT_PI / 8),
-        .outer_angle = (float)(DAFT_PI / 6),
-    };
-}
-
-static bool check_cone(const daft_light_def *def, daft_error *error)
-{
-    float inner = def->inner_angle, outer = def->outer_angle;
-    if (!(outer > 0 && outer <= (float)DAFT_PI))
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "outer_angle is %g; it must be above 0 and at most pi, in radians", (double)outer);
-    if (inner >= 0 && inner <= outer) return true;
-    return daft_fail(error, DAFT_ERROR_ARGUMENT, "inner_angle is %g; it must be 0 or more and at most outer_angle, which is %g",
-                     (double)inner, (double)outer);
+    daft_light_def def;
+    daft_struct_default(DAFT_STRUCT_LIGHT_DEF, &def);
+    return def;
 }
 
 bool daft_light_check(const daft_light_def *def, daft_error *error)
 {
-    if (!daft_check_pointer(error, "def", def) || !daft_check_cookie(error, def->cookie, "daft_default_light_def"))
-        return false;
-    if ((unsigned)def->kind > DAFT_LIGHT_SPOT)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "kind is %d; it must be point, sun or spot", (int)def->kind);
-    return daft_check_finite_position(error, "position", def->position) &&
-           daft_check_finite3(error, "direction", def->direction) &&
-           (def->kind == DAFT_LIGHT_POINT || daft_check_direction(error, "direction", def->direction)) &&
-           (def->kind != DAFT_LIGHT_SPOT || check_cone(def, error)) &&
-           daft_check_color(error, "color", def->color);
+    if (!daft_check_pointer(error, "def", def) || !daft_struct_check(DAFT_STRUCT_LIGHT_DEF, def, error)) return false;
+    float inner = def->inner_angle, outer = def->outer_angle;
+    return def->kind != DAFT_LIGHT_SPOT || inner <= outer ||
+           daft_fail(error, DAFT_ERROR_ARGUMENT, "inner_angle is %g; it must be at most outer_angle, which is %g",
+                     (double)inner, (double)outer);
 }
 
 bool daft_lights_reserve(daft_scene *scene, uint32_t more, daft_error *error)
@@ -119,18 +99,40 @@ void daft_scene_set_ambient(daft_scene *scene, daft_vec3 color)
     if (color_or_warn(scene, "the ambient light's color", color)) scene->ambient = color;
 }
 
-void daft_sky_image_adopt(daft_scene *scene, daft_sky_image *image)
+daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *path, daft_error *error)
 {
-    daft_sky_free(scene->allocator, &scene->sky_image);
-    scene->sky_image = *image;
-    *image = (daft_sky_image){0};
-    scene->sky = (daft_sky){.kind = DAFT_SKY_IMAGE, .image = &scene->sky_image};
+    daft_sky_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
+    if (!item) daft_fail_memory(error, "a sky");
+    if (item && daft_sky_read(scene->allocator, path, &item->image, error)) return item;
+    daft_release(scene->allocator, item);
+    return NULL;
+}
+
+void daft_sky_item_free(const daft_scene *scene, daft_sky_item *item)
+{
+    if (!item) return;
+    daft_sky_free(scene->allocator, &item->image);
+    daft_release(scene->allocator, item);
+}
+
+static void free_retired_sky(const daft_scene *scene, daft_retired *item) { daft_sky_item_free(scene, (daft_sky_item *)item); }
+
+static void let_go_of_sky(daft_scene *scene)
+{
+    if (scene->sky_item) daft_retire(scene, &scene->sky_item->retired, free_retired_sky);
+    scene->sky_item = NULL;
+}
+
+void daft_sky_adopt(daft_scene *scene, daft_sky_item *item)
+{
+    let_go_of_sky(scene);
+    scene->sky_item = item;
+    scene->sky = (daft_sky){.kind = DAFT_SKY_IMAGE, .image = &item->image};
 }
 
 static void set_plain_sky(daft_scene *scene, daft_sky_kind kind, daft_vec3 zenith, daft_vec3 horizon)
 {
-    daft_sky_free(scene->allocator, &scene->sky_image);
-    scene->sky_image = (daft_sky_image){0};
+    let_go_of_sky(scene);
     scene->sky = (daft_sky){.kind = kind, .zenith = zenith, .horizon = horizon};
 }
 
@@ -148,10 +150,8 @@ void daft_scene_set_sky_gradient(daft_scene *scene, daft_vec3 zenith, daft_vec3 
 bool daft_scene_set_sky_image(daft_scene *scene, const char *path, daft_error *error)
 {
     daft_error_clear(error);
-    daft_sky_image image = {0};
-    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path) ||
-        !daft_sky_read(scene->allocator, path, &image, error))
-        return false;
-    daft_sky_image_adopt(scene, &image);
-    return true;
+    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path)) return false;
+    daft_sky_item *item = daft_sky_item_read(scene, path, error);
+    if (item) daft_sky_adopt(scene, item);
+    return item != NULL;
 }

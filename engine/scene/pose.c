@@ -83,25 +83,25 @@ static void resolve(daft_scene *scene, uint32_t index, float alpha)
     if (item->moved_tick == scene->tick) pose = daft_transform_mix(&item->before, &item->now, alpha);
     item->world = daft_daffine_from(&pose);
     item->shown = item->def.visible;
-    item->world_stamp = scene->pass;
+    item->walk_stamp = scene->walk;
     if (item->parent == DAFT_NONE) return;
     const daft_entity_item *parent = &scene->entities[item->parent];
     item->world = daft_daffine_compose(&parent->world, &item->world);
     item->shown = item->shown && parent->shown;
 }
 
-/* Climbs to the nearest ancestor that this pass has resolved, leaving a trail, and walks the trail back down: linear in
- * the number of entities over a whole pass, whatever the depth. */
+/* Climbs to the nearest ancestor that this walk has resolved, leaving a trail, and walks the trail back down: linear in
+ * the number of entities over a whole walk, whatever the depth. */
 daft_entity_item *daft_entity_world(daft_scene *scene, uint32_t index, float alpha)
 {
     daft_entity_item *items = scene->entities;
-    if (items[index].world_stamp == scene->pass) return &items[index];
+    if (items[index].walk_stamp == scene->walk) return &items[index];
     uint32_t top = index;
-    items[top].walk = DAFT_NONE;
-    while (items[top].parent != DAFT_NONE && items[items[top].parent].world_stamp != scene->pass) {
-        items[items[top].parent].walk = top;
+    items[top].below = DAFT_NONE;
+    while (items[top].parent != DAFT_NONE && items[items[top].parent].walk_stamp != scene->walk) {
+        items[items[top].parent].below = top;
         top = items[top].parent;
     }
-    for (; top != DAFT_NONE; top = items[top].walk) resolve(scene, top, alpha);
+    for (; top != DAFT_NONE; top = items[top].below) resolve(scene, top, alpha);
     return &items[index];
 }

@@ -30,7 +30,7 @@ static double world_size(const daft_scene *scene, const daft_entity_item *item)
 static double grid_cell(daft_scene *scene)
 {
     double smallest = INFINITY;
-    scene->pass++;
+    scene->walk = ++scene->engine->revision;
     for (uint32_t i = 0; i < scene->entity_slots.count; i++) {
         if (!scene->entity_slots.items[i].live || scene->entities[i].def.shape == DAFT_SHAPE_NONE) continue;
         const daft_entity_item *item = daft_entity_world(scene, i, 1);
@@ -153,7 +153,7 @@ static void fill_hit(daft_scene *scene, const daft_hit *found, daft_dvec3 origin
                      daft_ray_hit *out)
 {
     const daft_instance *instance = &scene->query.instances[found->instance];
-    scene->pass++;
+    scene->walk = ++scene->engine->revision;
     const daft_entity_item *item = daft_entity_world(scene, daft_handle_index(instance->entity), 1);
     daft_daffine frame = item->world;
     frame.t[0] -= origin.x, frame.t[1] -= origin.y, frame.t[2] -= origin.z;

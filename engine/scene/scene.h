@@ -25,7 +25,7 @@ struct daft_engine {
     daft_accel accel;
     int scenes;              /* alive */
     daft_renderer *renderer; /* made by the first daft_render */
-    uint64_t placings;       /* of all scenes' instances: no two have the same number */
+    uint64_t revision;       /* counts changes of all scenes, and stamps what was made from them: no two stamps are equal */
 };
 
 /* An affine map in double, for composing; rounded to daft_affine once, relative to a frame's origin. */
@@ -33,7 +33,15 @@ typedef struct daft_daffine {
     double m[9], t[3];
 } daft_daffine;
 
+/* What the scene has let go of while frames may still read it. The first member of whatever can be retired. */
+typedef struct daft_retired {
+    struct daft_retired *next;
+    uint64_t frame; /* the last frame that may read it */
+    void (*free)(const daft_scene *scene, struct daft_retired *item);
+} daft_retired;
+
 typedef struct daft_mesh_item {
+    daft_retired retired;
     char *path; /* NULL: not from a file */
     uint64_t hash;
     daft_trimesh mesh;
@@ -44,10 +52,21 @@ typedef struct daft_mesh_item {
 
 /* A box's mesh, shared by the entities of the same size, gone with the last of them. */
 typedef struct daft_box_item {
+    daft_mesh_item shape; /* first, as it is what is retired */
     daft_vec3 size;
     uint32_t users;
-    daft_mesh_item shape;
 } daft_box_item;
+
+/* A texture that another has taken the place of. */
+typedef struct daft_texture_item {
+    daft_retired retired;
+    daft_texture_data data;
+} daft_texture_item;
+
+typedef struct daft_sky_item {
+    daft_retired retired;
+    daft_sky_image image;
+} daft_sky_item;
 
 typedef struct daft_asset_key {
     char *path;
@@ -84,7 +103,7 @@ typedef struct daft_geometry_item {
     daft_vec3 scale;
     daft_hull *hull;
     daft_mesh_shape *triangles;
-    daft_field *field;
+    daft_height_field *field;
     daft_trimesh scaled; /* the triangles' own mesh and tree, where the scale is not 1 */
     daft_bvh *bvh;
 } daft_geometry_item;
@@ -104,8 +123,8 @@ typedef struct daft_entity_item {
     uint32_t *geometries;  /* that the body is made of; NULL: none */
     uint32_t geometry_count;
     uint32_t moving_slot;  /* dynamic and kinematic bodies: index into scene.moving */
-    uint32_t walk;         /* scratch of daft_entity_world */
-    uint64_t world_stamp;  /* world and shown are those of this pass */
+    uint32_t below;        /* scratch of daft_entity_world */
+    uint64_t walk_stamp;   /* world and shown are those of this walk */
     daft_daffine world;
     bool shown; /* visible, and so is every ancestor */
     bool warned;
@@ -124,18 +143,22 @@ typedef struct daft_query_cache {
     const daft_tlas *tlas;
 } daft_query_cache;
 
-/* The instances of the last frame, kept until something moves or looks different, or the camera moves on. */
-typedef struct daft_placed {
-    daft_arena arena;
-    bool valid;
-    uint64_t revision, looks, tick; /* the scene's */
-    bool still;                     /* nothing was between two ticks' poses; else it was drawn at: */
+/* A picture in the making: the snapshot, and the memory of everything it points to but meshes, texels and sky images, which
+ * are retired, never freed or changed, while a frame that may read them is taken. Taken and released on the scene's thread;
+ * in between any one thread may draw it, while the scene is changed and stepped. */
+typedef struct daft_scene_frame {
+    struct daft_scene_frame *next;
+    bool taken;
+    uint64_t number; /* counts takes */
+    daft_snapshot snapshot;
+    daft_counters counters; /* of the drawing */
+    daft_arena lights, instances;
+    /* The instances are kept for the next frame that sees the same: */
+    uint64_t revision, tick; /* the scene's; revision 0: there are none */
+    bool still;              /* nothing was between two ticks' poses; else it was drawn at: */
     float alpha;
     daft_dvec3 origin;
-    const daft_instance *instances;
-    uint32_t count;
-    uint64_t number; /* the engine's placing */
-} daft_placed;
+} daft_scene_frame;
 
 typedef struct daft_character_item {
     daft_sim_character now;
@@ -153,16 +176,15 @@ struct daft_scene {
     size_t entity_capacity;
     uint64_t tick;     /* counts begin_tick */
     uint64_t moved_tick; /* the last in which an entity moved from one pose to another; none: UINT64_MAX */
-    uint64_t revision; /* counts changes of what a ray could hit */
-    uint64_t looks;    /* counts changes of materials, and of which entity has which */
-    uint64_t pass;     /* counts walks over all world transforms */
+    uint64_t revision; /* the engine's, at the last change of what a frame or a ray could see */
+    uint64_t walk;     /* the engine's, at the last walk over all world transforms */
 
     daft_slots light_slots;
     daft_light_def *lights;
     size_t light_capacity;
     daft_vec3 ambient;
     daft_sky sky;
-    daft_sky_image sky_image;
+    daft_sky_item *sky_item; /* NULL: no image */
 
     daft_camera camera, camera_before;
     daft_camera *cameras; /* those that scene files name */
@@ -184,8 +206,9 @@ struct daft_scene {
     size_t moving_capacity;
     uint32_t moving_count;
 
-    daft_arena frame; /* one picture's lamps */
-    daft_placed placed;
+    daft_scene_frame *frames; /* taken and free ones */
+    uint64_t frames_taken;    /* so far */
+    daft_retired *retired;
     daft_query_cache query;
     daft_counters counters;
 };
@@ -237,7 +260,7 @@ daft_daffine daft_daffine_compose(const daft_daffine *outer, const daft_daffine 
 /* False when it is singular or not finite. */
 bool daft_daffine_invert(const daft_daffine *a, daft_daffine *out);
 daft_transform daft_transform_mix(const daft_transform *before, const daft_transform *now, float alpha);
-/* Fills world and shown of the entity. All calls of one pass use one scene->pass and one alpha. */
+/* Fills world and shown of the entity. All calls of one walk use one alpha. */
 daft_entity_item *daft_entity_world(daft_scene *scene, uint32_t index, float alpha);
 bool daft_scale_is_uniform(daft_vec3 scale);
 
@@ -285,22 +308,38 @@ uint64_t daft_characters_hash(const daft_scene *scene, uint64_t hash);
 bool daft_lights_reserve(daft_scene *scene, uint32_t more, daft_error *error);
 bool daft_light_check(const daft_light_def *def, daft_error *error);
 daft_light daft_light_insert(daft_scene *scene, const daft_light_def *def); /* room was reserved */
-void daft_sky_image_adopt(daft_scene *scene, daft_sky_image *image);        /* takes the texels */
+void daft_sky_adopt(daft_scene *scene, daft_sky_item *item); /* belongs to the scene from now on */
+daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *path, daft_error *error);
+void daft_sky_item_free(const daft_scene *scene, daft_sky_item *item); /* NULL is fine */
 bool daft_cameras_reserve(daft_scene *scene, uint32_t more, daft_error *error);
 void daft_camera_insert(daft_scene *scene, const daft_camera *camera); /* room was reserved; the first one is set */
 /* Unit axes of a camera. */
 void daft_camera_axes(const daft_camera *camera, daft_vec3 *right, daft_vec3 *up, daft_vec3 *forward);
 
+/* ---- frames.c ---- */
+
+/* Something that a frame or a ray could see has changed. */
+void daft_scene_touch(daft_scene *scene);
+/* A frame of the view, or NULL. */
+daft_scene_frame *daft_frame_take(daft_scene *scene, const daft_view *view, int width, int height, daft_error *error);
+/* Draws a taken frame; reads nothing of the scene. One frame of an engine is drawn at a time. */
+bool daft_frame_draw(daft_scene_frame *frame, daft_renderer *renderer, const daft_frame_target *target, daft_error *error);
+/* The frame's counters become the scene's. */
+void daft_frame_release(daft_scene *scene, daft_scene_frame *frame);
+/* Frees the item once no frame that is taken now may read it. */
+void daft_retire(daft_scene *scene, daft_retired *item, void (*free)(const daft_scene *scene, daft_retired *item));
+bool daft_frame_is_taken(const daft_scene *scene);
+void daft_frames_free(daft_scene *scene);
+
 /* ---- snapshot.c, instances.c ---- */
 
-/* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena */
+/* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena; textures and surfaces
+ * are still the scene's. */
 bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
                              daft_instance **instances, uint32_t *count, daft_error *error);
-/* Sees to it that scene->placed is what a frame around `origin` sees. */
-bool daft_place_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_error *error);
 /* Whether a point of the frame is one that kernels can work with. */
 bool daft_fits_kernels(daft_vec3 point);
-bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_snapshot *out,
+bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_scene_frame *frame,
                         daft_error *error);
 
 #endif

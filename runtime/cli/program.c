@@ -17,7 +17,7 @@ static const struct {
                 {"render", "render a scene to a picture", command_render},
                 {"check", "check scenes, meshes, pictures and games for errors", command_check},
                 {"bench", "run the benchmarks", command_bench},
-                {"help", "print this text; 'help COMMAND': its options; 'help lua': the Lua API", command_help},
+                {"help", "print this text; 'help COMMAND': its options; 'help lua', 'help fields': the API", command_help},
                 {"version", "print the version", command_version}};
 
 static void print_usage(FILE *out)
@@ -57,6 +57,7 @@ static int command_help(int argc, char **argv)
         api_print_reference();
         return STATUS_DONE;
     }
+    if (argc > 1 && strcmp(argv[1], "fields") == 0) return command_fields(argc - 1, argv + 1);
     if (argc > 1 && argv[1][0] != '-' && strcmp(argv[1], "help") != 0 && strcmp(argv[1], "version") != 0) {
         char help[] = "--help", *arguments[] = {argv[1], help, NULL};
         return run_command(argv[1], 2, arguments);

@@ -70,6 +70,21 @@ static void put_effect(FILE *out, const daft_effect *effect, double mean_ms, boo
     fprintf(out, "}%s\n", last ? "" : ",");
 }
 
+/* Every count but those of rays, which have a list of their own. */
+static void put_counts(FILE *out, const daft_counters *c)
+{
+    uint32_t count;
+    const daft_field *fields = daft_fields(DAFT_STRUCT_COUNTERS, &count);
+    const char *between = "";
+    for (uint32_t i = 0; i < count; i++) {
+        uint64_t value;
+        if (fields[i].type != DAFT_FIELD_UINT64 || strstr(fields[i].name, "_rays")) continue;
+        memcpy(&value, (const char *)c + fields[i].offset, sizeof value);
+        fprintf(out, "%s\"%s\": %" PRIu64, between, fields[i].name, value);
+        between = ", ";
+    }
+}
+
 void stats_print_json(FILE *out, const daft_counters *c, const frame_times *times)
 {
     fprintf(out, "{\n  \"width\": %d,\n  \"height\": %d,\n  \"threads\": %d,\n  \"isa\": ", c->width, c->height,
@@ -89,22 +104,8 @@ void stats_print_json(FILE *out, const daft_counters *c, const frame_times *time
     for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++) named += c->effects[i].name != NULL;
     for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++)
         if (c->effects[i].name) put_effect(out, &c->effects[i], times->effects[i] / frames, --named == 0);
-    const struct {
-        const char *name;
-        uint64_t value;
-    } counts[] = {{"instances_seen", c->instances_seen},
-                  {"triangles_tested", c->triangles_tested},
-                  {"triangles_binned", c->triangles_binned},
-                  {"spheres_binned", c->spheres_binned},
-                  {"exact_edges", c->exact_edges},
-                  {"exact_depths", c->exact_depths},
-                  {"shadow_points_kept", c->shadow_points_kept},
-                  {"mesh_builds", c->mesh_builds},
-                  {"mesh_refits", c->mesh_refits},
-                  {"placings", c->placings}};
     fputs("  },\n  \"counters\": {", out);
-    for (size_t i = 0; i < COUNT_OF(counts); i++)
-        fprintf(out, "%s\"%s\": %" PRIu64, i ? ", " : "", counts[i].name, counts[i].value);
+    put_counts(out, c);
     fputs("}\n}\n", out);
 }
 

@@ -1,6 +1,6 @@
 /* From the tables of functions to the table `daft`: registration, the one function that every binding is called
  * through, the types of handles, and the printed reference. */
-#include "lua/api.h"
+#include "lua/fields.h"
 
 #include "common/util.h"
 
@@ -405,6 +405,27 @@ void api_push_entity(lua_State *L, uint32_t id)
 
 /* ---- the reference ---- */
 
+enum { NAME_WIDTH = 20, VALUE_WIDTH = 36 };
+
+static void print_field(void *unused, const char *name, const char *value, const char *initial, const char *doc)
+{
+    (void)unused;
+    printf("        %-*s %-*s %s", NAME_WIDTH, name, VALUE_WIDTH, value, doc);
+    printf(*initial ? " (%s)\n" : "\n", initial);
+}
+
+/* The fields of the tables that the function takes. */
+static void print_forms(const char *function)
+{
+    size_t count;
+    const api_form *const *forms = api_forms(&count);
+    for (size_t i = 0; i < count; i++) {
+        if (strcmp(forms[i]->function, function) != 0) continue;
+        if (strstr(forms[i]->title, function) == NULL || strstr(forms[i]->title, "options")) printf("      %s:\n", forms[i]->title);
+        api_describe_form(forms[i], print_field, NULL);
+    }
+}
+
 void api_print_reference(void)
 {
     printf(
@@ -421,6 +442,7 @@ void api_print_reference(void)
                 printf("      %.*s\n", (int)(end ? end - line : (long)strlen(line)), line);
                 line = end ? end + 1 : NULL;
             }
+            print_forms(function->name);
         }
     }
 }

@@ -84,6 +84,7 @@ int api_key(lua_State *L, host *h, int index, const char *what);
 void api_fields(lua_State *L, host *h, int index, const char *what, const char *const *names, size_t count);
 /* Pushes the field and is true; or pushes nothing and is false where it is nil. */
 bool api_field(lua_State *L, int table, const char *name);
+bool api_has_field(lua_State *L, int table, const char *name);
 
 int api_push_vec3(lua_State *L, double x, double y, double z);    /* as a table */
 int api_push_numbers(lua_State *L, double x, double y, double z); /* as three values */

@@ -264,6 +264,13 @@ bool api_field(lua_State *L, int table, const char *name)
     return false;
 }
 
+bool api_has_field(lua_State *L, int table, const char *name)
+{
+    bool has = api_field(L, table, name);
+    if (has) lua_pop(L, 1);
+    return has;
+}
+
 int api_push_vec3(lua_State *L, double x, double y, double z)
 {
     lua_createtable(L, 3, 0);

@@ -5,10 +5,6 @@
 
 #include <math.h>
 
-static const char *const BODIES[] = {"static", "kinematic", "dynamic"};
-static const char *const COLLIDER_FIELDS[] = {"sphere",  "box",     "capsule", "cylinder", "hull",    "mesh",
-                                              "heights", "columns", "spacing", "position", "rotation"};
-
 /* Registry keys: tables from names to numbers, in the order in which a game first says them. */
 static const char LAYERS_KEY, SURFACES_KEY;
 
@@ -95,13 +91,6 @@ void api_capsule(lua_State *L, host *h, int index, float *radius, float *height)
     read_round(L, h, index, "capsule", radius, height);
 }
 
-static void read_capsule(lua_State *L, host *h, int index, daft_collider *out)
-{
-    out->kind = DAFT_COLLIDER_CAPSULE;
-    api_capsule(L, h, index, &out->radius, &out->height);
-    if (!(out->height > 2 * out->radius)) api_error(L, h, "capsule: its height must be more than twice its radius");
-}
-
 /* The heights stay on the stack until the entity is made. */
 static void read_heights(lua_State *L, host *h, int table, int index, daft_collider *out)
 {
@@ -130,6 +119,73 @@ static void read_heights(lua_State *L, host *h, int table, int index, daft_colli
     out->spacing = (daft_vec2){spacing.x, spacing.z};
 }
 
+static void collide_sphere(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    daft_collider *c = out;
+    c->kind = DAFT_COLLIDER_SPHERE, c->radius = above_zero(L, h, -1, "sphere");
+}
+
+static void collide_box(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    daft_collider *c = out;
+    c->kind = DAFT_COLLIDER_BOX, c->size = api_vec3(L, h, -1, "box");
+}
+
+static void collide_capsule(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    daft_collider *c = out;
+    c->kind = DAFT_COLLIDER_CAPSULE;
+    api_capsule(L, h, -1, &c->radius, &c->height);
+    if (!(c->height > 2 * c->radius)) api_error(L, h, "capsule: its height must be more than twice its radius");
+}
+
+static void collide_cylinder(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    daft_collider *c = out;
+    c->kind = DAFT_COLLIDER_CYLINDER;
+    read_round(L, h, -1, "cylinder", &c->radius, &c->height);
+}
+
+static void collide_hull(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    daft_collider *c = out;
+    c->kind = DAFT_COLLIDER_HULL, c->mesh = api_mesh_at(L, h, -1, "hull");
+}
+
+static void collide_mesh(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    daft_collider *c = out;
+    c->kind = DAFT_COLLIDER_MESH, c->mesh = api_mesh_at(L, h, -1, "mesh");
+}
+
+static void collide_heights(lua_State *L, host *h, int table, void *out)
+{
+    read_heights(L, h, table, -1, out);
+}
+
+enum { COLLIDER_SHAPES = 7 }; /* the first of these; one must be there */
+static const api_special COLLIDER_SPECIALS[] = {
+    {.name = "sphere", .read = collide_sphere, .value = "number, m", .doc = "A sphere's radius"},
+    {.name = "box", .read = collide_box, .value = "{x, y, z}, m", .doc = "A box's edge lengths"},
+    {.name = "capsule", .read = collide_capsule, .value = "{radius =, height =}", .doc = "Upright, height from end to end"},
+    {.name = "cylinder", .read = collide_cylinder, .value = "{radius =, height =}",
+     .doc = "Upright; rays and casts meet a prism of 32 sides within it"},
+    {.name = "hull", .read = collide_hull, .value = "mesh or \"file.obj\"", .doc = "The convex hull of a mesh, of at most 64 corners"},
+    {.name = "mesh", .read = collide_mesh, .value = "mesh or \"file.obj\"",
+     .doc = "Its triangles, from both sides; static and kinematic bodies"},
+    {.name = "heights", .read = collide_heights, .value = "list of numbers",
+     .doc = "A grid of heights, row by row; false makes a hole; static and kinematic bodies"},
+    {.name = "columns", .value = "whole number", .doc = "Heights in a row"},
+    {.name = "spacing", .value = "number or {x, 0, z}, m", .doc = "Between columns and rows; 1 unless given"}};
+
+const api_form api_collider_form = {"entity", "collider", DAFT_STRUCT_COLLIDER, -1, COLLIDER_SPECIALS, COUNT_OF(COLLIDER_SPECIALS)};
+
 /* A name for what is drawn, or a table. Values that the collider points to stay on the stack. */
 static void read_collider(lua_State *L, host *h, int index, daft_collider *out)
 {
@@ -137,28 +193,21 @@ static void read_collider(lua_State *L, host *h, int index, daft_collider *out)
     index = lua_absindex(L, index);
     *out = daft_default_collider();
     if (lua_type(L, index) == LUA_TSTRING) {
-        out->kind =
-            api_choice(L, h, index, "collider", NAMES, COUNT_OF(NAMES)) == 0 ? DAFT_COLLIDER_HULL : DAFT_COLLIDER_MESH;
+        size_t choice = api_choice(L, h, index, "collider", NAMES, COUNT_OF(NAMES));
+        out->kind = choice == 0 ? DAFT_COLLIDER_HULL : DAFT_COLLIDER_MESH;
         return;
     }
-    api_fields(L, h, index, "collider", COLLIDER_FIELDS, COUNT_OF(COLLIDER_FIELDS));
+    api_read_struct(L, h, index, "collider", &api_collider_form, out);
     int kinds = 0;
-    if (api_field(L, index, "sphere"))
-        out->kind = DAFT_COLLIDER_SPHERE, out->radius = above_zero(L, h, -1, "sphere"), kinds++;
-    if (api_field(L, index, "box")) out->kind = DAFT_COLLIDER_BOX, out->size = api_vec3(L, h, -1, "box"), kinds++;
-    if (api_field(L, index, "capsule")) read_capsule(L, h, -1, out), kinds++;
-    if (api_field(L, index, "cylinder"))
-        out->kind = DAFT_COLLIDER_CYLINDER, read_round(L, h, -1, "cylinder", &out->radius, &out->height), kinds++;
-    if (api_field(L, index, "hull")) out->kind = DAFT_COLLIDER_HULL, out->mesh = api_mesh_at(L, h, -1, "hull"), kinds++;
-    if (api_field(L, index, "mesh")) out->kind = DAFT_COLLIDER_MESH, out->mesh = api_mesh_at(L, h, -1, "mesh"), kinds++;
-    if (api_field(L, index, "heights")) read_heights(L, h, index, -1, out), kinds++;
-    if (kinds != 1) api_error(L, h, "collider: one of sphere, box, capsule, cylinder, hull, mesh and heights expected");
-    if (api_field(L, index, "position")) out->position = api_vec3(L, h, -1, "position");
-    if (api_field(L, index, "rotation")) out->rotation = api_rotation(L, h, -1, "rotation");
+    for (size_t i = 0; i < COLLIDER_SHAPES; i++) kinds += api_has_field(L, index, COLLIDER_SPECIALS[i].name);
+    if (kinds != 1)
+        api_error(L, h, "collider: one of sphere, box, capsule, cylinder, hull, mesh and heights expected");
 }
 
-static void read_colliders(lua_State *L, host *h, daft_entity_def *def)
+void api_read_colliders(lua_State *L, host *h, int whole, void *out)
 {
+    (void)whole;
+    daft_entity_def *def = out;
     int table = lua_absindex(L, -1);
     size_t count = lua_type(L, table) == LUA_TTABLE ? lua_rawlen(L, table) : 0;
     if (count > MAX_COLLIDERS) api_error(L, h, "collider: at most %d parts expected", MAX_COLLIDERS);
@@ -173,62 +222,46 @@ static void read_colliders(lua_State *L, host *h, daft_entity_def *def)
     def->collider_count = count ? (uint32_t)count : 1;
 }
 
-/* ---- daft.entity ---- */
+/* ---- fields of daft.entity ---- */
 
-static float read_positive(lua_State *L, host *h, const char *name, float otherwise, bool zero_too)
+void api_read_surface(lua_State *L, host *h, int table, void *out)
 {
-    if (!api_field(L, 1, name)) return otherwise;
-    float value = api_float(L, h, -1, name);
-    if (!(zero_too ? value >= 0 : value > 0))
-        api_wrong(L, h, -1, name, zero_too ? "number of 0 or more" : "number above 0");
-    return value;
+    (void)table;
+    ((daft_entity_def *)out)->surface = api_surface(L, h, -1, "surface");
 }
 
-static void read_switch(lua_State *L, host *h, const char *name, bool *value)
+void api_read_layer(lua_State *L, host *h, int table, void *out)
 {
-    if (api_field(L, 1, name)) *value = api_boolean(L, h, -1, name);
+    (void)table;
+    ((daft_entity_def *)out)->layers = api_layers(L, h, -1, "layer");
+}
+
+void api_read_hits(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    ((daft_entity_def *)out)->mask = api_layers(L, h, -1, "hits");
 }
 
 /* "rotation", "position", or some of "x", "y", "z" and "position x", … */
-static uint32_t read_locks(lua_State *L, host *h)
+void api_read_locks(lua_State *L, host *h, int whole, void *out)
 {
     static const char *const AXES[] = {"x", "y", "z", "rotation", "position x", "position y", "position z", "position"};
     static const uint32_t BITS[] = {DAFT_LOCK_X,          DAFT_LOCK_Y,          DAFT_LOCK_Z,
                                     DAFT_LOCK_ROTATION,   DAFT_LOCK_POSITION_X, DAFT_LOCK_POSITION_Y,
                                     DAFT_LOCK_POSITION_Z, DAFT_LOCK_POSITION};
+    (void)whole;
+    daft_entity_def *def = out;
     int table = lua_absindex(L, -1);
-    if (lua_type(L, table) != LUA_TTABLE) return BITS[api_choice(L, h, table, "lock", AXES, COUNT_OF(AXES))];
-    uint32_t locks = 0;
+    def->locks = 0;
+    if (lua_type(L, table) != LUA_TTABLE) {
+        def->locks = BITS[api_choice(L, h, table, "lock", AXES, COUNT_OF(AXES))];
+        return;
+    }
     for (lua_Integer i = 1, count = (lua_Integer)lua_rawlen(L, table); i <= count; i++) {
         lua_rawgeti(L, table, i);
-        locks |= BITS[api_choice(L, h, -1, "lock", AXES, COUNT_OF(AXES))];
+        def->locks |= BITS[api_choice(L, h, -1, "lock", AXES, COUNT_OF(AXES))];
         lua_pop(L, 1);
     }
-    return locks;
-}
-
-void api_read_body(lua_State *L, host *h, daft_entity_def *def)
-{
-    if (api_field(L, 1, "body"))
-        def->body = (daft_body_kind)(DAFT_BODY_STATIC + api_choice(L, h, -1, "body", BODIES, COUNT_OF(BODIES)));
-    def->density = read_positive(L, h, "density", def->density, false);
-    def->mass = read_positive(L, h, "mass", def->mass, false);
-    def->friction = read_positive(L, h, "friction", def->friction, true);
-    def->static_friction = read_positive(L, h, "static_friction", def->static_friction, true);
-    def->restitution = read_positive(L, h, "restitution", def->restitution, true);
-    def->rolling_resistance = read_positive(L, h, "rolling_resistance", def->rolling_resistance, true);
-    def->linear_damping = read_positive(L, h, "damping", def->linear_damping, true);
-    def->angular_damping = read_positive(L, h, "angular_damping", def->angular_damping, true);
-    if (api_field(L, 1, "gravity_scale")) def->gravity_scale = api_float(L, h, -1, "gravity_scale");
-    if (api_field(L, 1, "surface")) def->surface = api_surface(L, h, -1, "surface");
-    if (api_field(L, 1, "belt")) def->belt = api_vec3(L, h, -1, "belt");
-    if (api_field(L, 1, "lock")) def->locks = read_locks(L, h);
-    if (api_field(L, 1, "layer")) def->layers = api_layers(L, h, -1, "layer");
-    if (api_field(L, 1, "hits")) def->mask = api_layers(L, h, -1, "hits");
-    read_switch(L, h, "sensor", &def->sensor);
-    read_switch(L, h, "bullet", &def->bullet);
-    read_switch(L, h, "sleeps", &def->sleeps);
-    if (api_field(L, 1, "collider")) read_colliders(L, h, def);
 }
 
 /* ---- methods ---- */
@@ -318,7 +351,7 @@ static const api_function FUNCTIONS[] = {
     {"entity:torque", "(x, y, z)", "A torque in newton metres over the next step.", torque, API_CHANGES},
     {"entity:angular_impulse", "(x, y, z)", "A twist in kg·m²/s.", angular_impulse, API_CHANGES},
     {"entity:mass", "() -> kilograms", "Of a body; 0 where it is not dynamic.", mass, 0},
-    {"entity:awake", "([on]) -> on", "Whether a body is awake; or wakes its heap, or lets it sleep.", awake, 0},
+    {"entity:awake", "([on]) -> on", "Whether a body is awake; or wakes its island, or lets it sleep.", awake, 0},
     {"entity:layers", "([layer [, hits]])",
      "Gives a body other layers, as the fields layer and hits of daft.entity do.", layers, API_CHANGES},
 };

@@ -2,10 +2,10 @@
 #ifndef RUNTIME_API_BODY_H
 #define RUNTIME_API_BODY_H
 
-#include "lua/api.h"
+#include "lua/fields.h"
 
-/* The fields of daft.entity's table that make the entity a body. What the definition points to stays on the stack. */
-void api_read_body(lua_State *L, host *h, daft_entity_def *def);
+/* Readers of daft.entity's fields. */
+api_reader api_read_colliders, api_read_surface, api_read_locks, api_read_layer, api_read_hits;
 /* The number of a surface's name, 1 to 63. */
 uint32_t api_surface(lua_State *L, host *h, int index, const char *what);
 /* {radius, height} or {radius =, height =}: both above 0. Leaves what is not given. */

@@ -1,43 +1,41 @@
 /* daft.character: a capsule that walks about. */
 #include "lua/body.h"
+#include "lua/fields.h"
 
 #include "common/util.h"
 
-static const char *const FIELDS[] = {"position",     "entity",           "radius",  "height", "step",  "slope",
-                                     "acceleration", "air_acceleration", "gravity", "mass",   "force", "layer",
-                                     "hits"};
-
-static void read_sizes(lua_State *L, host *h, daft_character_def *def)
+static void read_layer(lua_State *L, host *h, int table, void *out)
 {
-    struct {
-        const char *name;
-        float *value;
-    } numbers[] = {{"radius", &def->radius},
-                   {"height", &def->height},
-                   {"step", &def->step_height},
-                   {"slope", &def->max_slope},
-                   {"acceleration", &def->acceleration},
-                   {"air_acceleration", &def->air_acceleration},
-                   {"gravity", &def->gravity_scale},
-                   {"mass", &def->mass},
-                   {"force", &def->push_force}};
-    for (size_t i = 0; i < COUNT_OF(numbers); i++)
-        if (api_field(L, 1, numbers[i].name)) *numbers[i].value = api_float(L, h, -1, numbers[i].name);
+    (void)table;
+    ((daft_character_def *)out)->layers = api_layers(L, h, -1, "layer");
 }
+
+static void read_hits(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    ((daft_character_def *)out)->mask = api_layers(L, h, -1, "hits");
+}
+
+/* It is where its entity is. */
+static void at_entity(lua_State *L, host *h, int table, void *out)
+{
+    if (api_has_field(L, table, "position") || !api_field(L, table, "entity")) return;
+    ((daft_character_def *)out)->position = api_place(L, h, -1, "entity");
+    lua_pop(L, 1);
+}
+
+static const api_special SPECIALS[] = {
+    {.name = "position", .value = "{x, y, z} or entity", .doc = "Of the capsule's centre; where entity is unless given"},
+    {.name = "entity", .after = at_entity},
+    {.name = "layer", .read = read_layer, .value = "name or names"},
+    {.name = "hits", .read = read_hits, .value = "name or names"}};
+
+const api_form api_character_form = {"character", "daft.character", DAFT_STRUCT_CHARACTER_DEF, -1, SPECIALS, COUNT_OF(SPECIALS)};
 
 static int create(lua_State *L, host *h)
 {
-    api_fields(L, h, 1, NULL, FIELDS, COUNT_OF(FIELDS));
-    luaL_checkstack(L, COUNT_OF(FIELDS) + 8, NULL);
     daft_character_def def = daft_default_character_def();
-    if (api_field(L, 1, "entity")) {
-        def.entity = api_entity_at(L, h, -1, "entity");
-        def.position = api_place(L, h, -1, "entity");
-    }
-    if (api_field(L, 1, "position")) def.position = api_place(L, h, -1, "position");
-    if (api_field(L, 1, "layer")) def.layers = api_layers(L, h, -1, "layer");
-    if (api_field(L, 1, "hits")) def.mask = api_layers(L, h, -1, "hits");
-    read_sizes(L, h, &def);
+    api_read_struct(L, h, 1, NULL, &api_character_form, &def);
     daft_error error;
     daft_character character = daft_character_create(h->def.scene, &def, &error);
     if (character.id == 0) api_engine_error(L, h, &error);
@@ -136,11 +134,8 @@ static int valid(lua_State *L, host *h)
 }
 
 static const api_function FUNCTIONS[] = {
-    {"character", "{position =, entity =, radius =, height =, ...} -> character",
-     "A capsule that walks, climbs steps and slopes, slides along walls, rides, jumps, and pushes bodies.\n"
-     "Also: step, slope (radians), acceleration, air_acceleration, gravity (a factor), mass, force, layer, hits. "
-     "entity follows it.",
-     create, API_CHANGES},
+    {"character", "{...} -> character",
+     "A capsule that walks, climbs steps and slopes, slides along walls, rides, jumps, and pushes bodies.", create, API_CHANGES},
     {"character:walk", "(x, z)", "Walks so from now on, in m/s.", walk, API_CHANGES},
     {"character:jump", "(speed)", "Upwards in m/s, if it stands in this tick.", jump, API_CHANGES},
     {"character:position", "([x, y, z]) -> x, y, z", "Of its middle; with arguments, it is there at once.", position,

@@ -6,67 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const FIELDS[] = {"mesh",
-                                     "sphere",
-                                     "box",
-                                     "position",
-                                     "rotation",
-                                     "scale",
-                                     "material",
-                                     "parent",
-                                     "visible",
-                                     "casts_shadow",
-                                     "body",
-                                     "density",
-                                     "mass",
-                                     "friction",
-                                     "restitution",
-                                     "rolling_resistance",
-                                     "velocity",
-                                     "angular_velocity",
-                                     "name",
-                                     "data",
-                                     "collider",
-                                     "static_friction",
-                                     "surface",
-                                     "belt",
-                                     "gravity_scale",
-                                     "damping",
-                                     "angular_damping",
-                                     "lock",
-                                     "layer",
-                                     "hits",
-                                     "sensor",
-                                     "bullet",
-                                     "sleeps"};
-
 daft_entity api_entity_at(lua_State *L, host *h, int index, const char *what)
 {
     return (daft_entity){api_check_handle(L, h, index, API_ENTITY, what)->id};
 }
 
 /* ---- creation ---- */
-
-static void read_shape(lua_State *L, host *h, daft_entity_def *def)
-{
-    int shapes = 0;
-    if (api_field(L, 1, "mesh")) {
-        def->shape = DAFT_SHAPE_MESH, shapes++;
-        def->mesh = api_mesh_at(L, h, -1, "mesh");
-    }
-    if (api_field(L, 1, "sphere")) {
-        def->shape = DAFT_SHAPE_SPHERE, shapes++;
-        def->radius = api_float(L, h, -1, "sphere");
-        if (!(def->radius > 0)) api_wrong(L, h, -1, "sphere", "radius above 0");
-    }
-    if (api_field(L, 1, "box")) {
-        def->shape = DAFT_SHAPE_BOX, shapes++;
-        def->size = api_vec3(L, h, -1, "box");
-        if (!(def->size.x > 0) || !(def->size.y > 0) || !(def->size.z > 0))
-            api_error(L, h, "box: edge lengths above 0 expected");
-    }
-    if (shapes > 1) api_error(L, h, "only one of mesh, sphere and box expected");
-}
 
 static daft_vec3 read_scale(lua_State *L, host *h, int index)
 {
@@ -75,24 +20,56 @@ static daft_vec3 read_scale(lua_State *L, host *h, int index)
     return (daft_vec3){scale, scale, scale};
 }
 
-static void read_place(lua_State *L, host *h, daft_entity_def *def)
+static void show_mesh(lua_State *L, host *h, int table, void *out)
 {
-    if (api_field(L, 1, "position")) def->position = api_dvec3(L, h, -1, "position");
-    if (api_field(L, 1, "rotation")) def->rotation = api_rotation(L, h, -1, "rotation");
-    if (api_field(L, 1, "scale")) def->scale = read_scale(L, h, -1);
-    if (api_field(L, 1, "parent")) def->parent = api_entity_at(L, h, -1, "parent");
-    if (api_field(L, 1, "visible")) def->visible = api_boolean(L, h, -1, "visible");
-    if (api_field(L, 1, "casts_shadow")) def->casts_shadow = api_boolean(L, h, -1, "casts_shadow");
+    (void)L, (void)h, (void)table;
+    ((daft_entity_def *)out)->shape = DAFT_SHAPE_MESH;
 }
+
+static void show_sphere(lua_State *L, host *h, int table, void *out)
+{
+    (void)L, (void)h, (void)table;
+    ((daft_entity_def *)out)->shape = DAFT_SHAPE_SPHERE;
+}
+
+static void show_box(lua_State *L, host *h, int table, void *out)
+{
+    (void)L, (void)h, (void)table;
+    ((daft_entity_def *)out)->shape = DAFT_SHAPE_BOX;
+}
+
+/* 0 says in C that the density counts; here one leaves the field out. */
+static void check_mass(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    if (!(((daft_entity_def *)out)->mass > 0)) api_error(L, h, "mass is 0; it must be above 0");
+}
+
+static const api_special SPECIALS[] = {
+    {.name = "mesh", .after = show_mesh, .doc = "The mesh that is drawn; an entity without mesh, sphere and box is a group"},
+    {.name = "sphere", .after = show_sphere},
+    {.name = "box", .after = show_box},
+    {.name = "mass", .after = check_mass, .value = "number, kg, above 0", .doc = "Its mass; from the density unless given"},
+    {.name = "collider", .read = api_read_colliders, .value = "\"hull\", \"mesh\", table or list of tables"},
+    {.name = "surface", .read = api_read_surface, .value = "name", .doc = "The kind of its surface, for daft.surfaces"},
+    {.name = "lock", .read = api_read_locks, .value = "name or list of names",
+     .doc = "\"rotation\", \"x\", \"y\", \"z\": axes of the world about which it does not turn; \"position\", \"position x\", "
+            "\"position y\", \"position z\": along which its centre of mass does not move"},
+    {.name = "layer", .read = api_read_layer, .value = "name or names"},
+    {.name = "hits", .read = api_read_hits, .value = "name or names"},
+    {.name = "velocity", .value = "{x, y, z}, m/s", .doc = "Of a body that moves"},
+    {.name = "angular_velocity", .value = "{x, y, z}, rad/s", .doc = "Of a body that moves"},
+    {.name = "name", .value = "string", .doc = "e.name can be read and set"},
+    {.name = "data", .value = "anything", .doc = "e.data can be read and set"}};
+
+const api_form api_entity_form = {"entity", "daft.entity", DAFT_STRUCT_ENTITY_DEF, -1, SPECIALS, COUNT_OF(SPECIALS)};
 
 static int create(lua_State *L, host *h)
 {
-    api_fields(L, h, 1, NULL, FIELDS, COUNT_OF(FIELDS));
-    luaL_checkstack(L, COUNT_OF(FIELDS) + 8, NULL);
     daft_entity_def def = daft_default_entity_def();
-    read_shape(L, h, &def);
-    read_place(L, h, &def);
-    api_read_body(L, h, &def);
+    api_read_struct(L, h, 1, NULL, &api_entity_form, &def);
+    if (api_has_field(L, 1, "mesh") + api_has_field(L, 1, "sphere") + api_has_field(L, 1, "box") > 1)
+        api_error(L, h, "only one of mesh, sphere and box expected");
     daft_vec3 linear = {0, 0, 0}, angular = {0, 0, 0};
     bool moves = api_field(L, 1, "velocity");
     if (moves) linear = api_vec3(L, h, -1, "velocity");
@@ -101,8 +78,6 @@ static int create(lua_State *L, host *h)
     if ((moves || turns) && def.body != DAFT_BODY_DYNAMIC && def.body != DAFT_BODY_KINEMATIC)
         api_error(L, h, "velocity: only a body that is \"dynamic\" or \"kinematic\" has one");
     if (api_field(L, 1, "name")) api_text(L, h, -1, "name");
-    if (api_field(L, 1, "material")) def.material = api_material_at(L, h, -1, "material");
-
     daft_error error;
     daft_entity entity = daft_entity_create(h->def.scene, &def, &error);
     if (entity.id == 0) api_engine_error(L, h, &error);
@@ -312,22 +287,7 @@ static int valid(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"entity", "{...} -> entity",
-     "Makes a thing. One shape: mesh = \"file.obj\", sphere = radius, box = {x, y, z} (edge lengths); none: a group.\n"
-     "position = {x, y, z}, rotation = {yaw, pitch, roll} or {x, y, z, w}, scale = s or {x, y, z}, parent = entity,\n"
-     "material = see daft.material, visible = true, casts_shadow = true,\n"
-     "body = \"static\", \"kinematic\" or \"dynamic\", velocity = {x, y, z}, angular_velocity = {x, y, z}, mass or "
-     "density,\n"
-     "friction, static_friction, restitution, rolling_resistance, surface = \"name\", belt = {x, y, z}, gravity_scale, "
-     "damping,\n"
-     "angular_damping, lock = \"rotation\", \"position\" or some of {\"x\", \"y\", \"z\", \"position x\", \"position "
-     "y\", \"position z\"},\n"
-     "layer = name(s), hits = name(s), sensor, bullet, sleeps,\n"
-     "collider = \"hull\", \"mesh\", or a table or list of tables {sphere = r}, {box = {x, y, z}}, {capsule = {radius "
-     "=, height =}},\n"
-     "{cylinder = {radius =, height =}}, {hull = mesh}, {mesh = mesh} or {heights = list, columns = n, spacing = s}, "
-     "each with position = and rotation =.\n"
-     "name = \"...\", data = anything. The fields e.name and e.data can be read and set.",
-     create, API_CHANGES},
+     "Makes an entity: at most one of mesh, sphere and box is drawn, and a body is simulated.", create, API_CHANGES},
     {"entity:position", "([x, y, z]) -> x, y, z",
      "Where it is, or puts it there (also {x, y, z}). Drawing glides from the last place to this one.", position, 0},
     {"entity:teleport", "(x, y, z)", "Puts it there at once, without a glide.", teleport, API_CHANGES},

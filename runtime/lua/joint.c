@@ -1,11 +1,9 @@
 /* Joints, what happened in the last step, and the simulation as a whole. */
 #include "lua/body.h"
+#include "lua/fields.h"
 
 #include "common/util.h"
 
-static const char *const KINDS[] = {"ball", "hinge", "slider", "distance", "fixed", "drag"};
-static const char *const FIELDS[] = {"kind",  "a",      "b",      "at",          "to",           "axis",   "limit",
-                                     "motor", "spring", "length", "break_force", "break_torque", "collide"};
 static const char *const MOTOR_FIELDS[] = {"speed", "force"};
 static const char *const SPRING_FIELDS[] = {"hertz", "damping"};
 
@@ -22,8 +20,10 @@ static float field_number(lua_State *L, host *h, int table, const char *name, co
 }
 
 /* {lower, upper}, or one number for a cone or a rope. */
-static void read_limit(lua_State *L, host *h, daft_joint_def *def)
+static void read_limit(lua_State *L, host *h, int whole, void *out)
 {
+    (void)whole;
+    daft_joint_def *def = out;
     int table = lua_absindex(L, -1);
     def->limit = true;
     if (lua_type(L, table) == LUA_TNUMBER) {
@@ -38,47 +38,51 @@ static void read_limit(lua_State *L, host *h, daft_joint_def *def)
     def->upper = api_float(L, h, -1, "limit");
 }
 
-static void read_drives(lua_State *L, host *h, daft_joint_def *def)
+static void read_motor(lua_State *L, host *h, int whole, void *out)
 {
-    if (api_field(L, 1, "motor")) {
-        int table = lua_absindex(L, -1);
-        api_fields(L, h, table, "motor", MOTOR_FIELDS, COUNT_OF(MOTOR_FIELDS));
-        def->motor = true;
-        def->motor_speed = field_number(L, h, table, "speed", "motor.speed", 0);
-        def->motor_force = field_number(L, h, table, "force", "motor.force", 0);
-    }
-    if (api_field(L, 1, "spring")) {
-        int table = lua_absindex(L, -1);
-        api_fields(L, h, table, "spring", SPRING_FIELDS, COUNT_OF(SPRING_FIELDS));
-        def->spring = true;
-        def->hertz = field_number(L, h, table, "hertz", "spring.hertz", def->hertz);
-        def->damping = field_number(L, h, table, "damping", "spring.damping", def->damping);
-    }
+    (void)whole;
+    daft_joint_def *def = out;
+    int table = lua_absindex(L, -1);
+    api_fields(L, h, table, "motor", MOTOR_FIELDS, COUNT_OF(MOTOR_FIELDS));
+    def->motor = true;
+    def->motor_speed = field_number(L, h, table, "speed", "motor.speed", 0);
+    def->motor_force = field_number(L, h, table, "force", "motor.force", 0);
 }
+
+static void read_spring(lua_State *L, host *h, int whole, void *out)
+{
+    (void)whole;
+    daft_joint_def *def = out;
+    int table = lua_absindex(L, -1);
+    api_fields(L, h, table, "spring", SPRING_FIELDS, COUNT_OF(SPRING_FIELDS));
+    def->spring = true;
+    def->hertz = field_number(L, h, table, "hertz", "spring.hertz", def->hertz);
+    def->damping = field_number(L, h, table, "damping", "spring.damping", def->damping);
+}
+
+static const api_special SPECIALS[] = {
+    {.name = "at", .value = "{x, y, z} or entity", .doc = "Where, in the world; distance: the point on a; where b is unless given"},
+    {.name = "to", .value = "{x, y, z} or entity", .doc = "distance: the point on b; drag: the target; where b is unless given"},
+    {.name = "limit", .read = read_limit, .value = "{lower, upper} or number",
+     .doc = "Radians of a hinge, metres of a slider or a distance; a number: a ball's cone, a rope's length"},
+    {.name = "motor", .read = read_motor, .value = "{speed =, force =}",
+     .doc = "rad/s and N m, or m/s and N; of a ball: a brake, the friction of a shoulder"},
+    {.name = "spring", .read = read_spring, .value = "{hertz =, damping =}"}};
+
+const api_form api_joint_form = {"joint", "daft.joint", DAFT_STRUCT_JOINT_DEF, -1, SPECIALS, COUNT_OF(SPECIALS)};
 
 static int create(lua_State *L, host *h)
 {
-    api_fields(L, h, 1, NULL, FIELDS, COUNT_OF(FIELDS));
-    luaL_checkstack(L, COUNT_OF(FIELDS) + 16, NULL);
     daft_joint_def def = daft_default_joint_def();
-    if (api_field(L, 1, "kind"))
-        def.kind = (daft_joint_kind)(DAFT_JOINT_BALL + api_choice(L, h, -1, "kind", KINDS, COUNT_OF(KINDS)));
-    if (api_field(L, 1, "a")) def.a = api_entity_at(L, h, -1, "a");
-    if (!api_field(L, 1, "b")) api_error(L, h, "b: which entity does it hold?");
-    def.b = api_entity_at(L, h, -1, "b");
     daft_transform place;
     daft_error error;
-    if (!daft_entity_get_transform(h->def.scene, def.b, &place, &error)) api_engine_error(L, h, &error);
-    def.anchor = def.anchor_b = place.position;
-    if (api_field(L, 1, "at")) def.anchor = api_place(L, h, -1, "at");
-    if (api_field(L, 1, "to")) def.anchor_b = api_place(L, h, -1, "to");
-    if (api_field(L, 1, "axis")) def.axis = api_vec3(L, h, -1, "axis");
-    if (api_field(L, 1, "limit")) read_limit(L, h, &def);
-    read_drives(L, h, &def);
-    def.length = field_number(L, h, 1, "length", "length", 0);
-    def.break_force = field_number(L, h, 1, "break_force", "break_force", 0);
-    def.break_torque = field_number(L, h, 1, "break_torque", "break_torque", 0);
-    if (api_field(L, 1, "collide")) def.collide = api_boolean(L, h, -1, "collide");
+    if (lua_type(L, 1) == LUA_TTABLE && api_field(L, 1, "b")) { /* the anchors are where b is unless the table says so */
+        def.b = api_entity_at(L, h, -1, "b");
+        if (!daft_entity_get_transform(h->def.scene, def.b, &place, &error)) api_engine_error(L, h, &error);
+        def.anchor = def.anchor_b = place.position;
+    }
+    api_read_struct(L, h, 1, NULL, &api_joint_form, &def);
+    if (!def.b.id) api_error(L, h, "b: which entity does it hold?");
     daft_joint joint = daft_joint_create(h->def.scene, &def, &error);
     if (joint.id == 0) api_engine_error(L, h, &error);
     api_new_handle(L, API_JOINT, joint.id);
@@ -227,32 +231,19 @@ static int physics(lua_State *L, host *h)
         if (api_field(L, 1, "sleeping")) daft_scene_set_sleeping(h->def.scene, api_boolean(L, h, -1, "sleeping"));
     }
     daft_sim_counts c = daft_scene_sim_counts(h->def.scene);
-    const struct {
-        const char *name;
-        uint32_t value;
-    } counts[] = {{"bodies", c.bodies}, {"awake", c.awake},       {"joints", c.joints}, {"islands", c.islands},
-                  {"pairs", c.pairs},   {"contacts", c.contacts}, {"rows", c.rows},     {"sweeps", c.sweeps}};
-    lua_createtable(L, 0, COUNT_OF(counts));
-    for (size_t i = 0; i < COUNT_OF(counts); i++) {
-        lua_pushinteger(L, (lua_Integer)counts[i].value);
-        lua_setfield(L, -2, counts[i].name);
-    }
+    api_push_struct(L, DAFT_STRUCT_SIM_COUNTS, &c);
     return 1;
 }
 
+const api_form api_surfaces_form = {"surfaces", "daft.surfaces", DAFT_STRUCT_SURFACES, -1, NULL, 0};
+
 static int surfaces(lua_State *L, host *h)
 {
-    static const char *const NAMES[] = {"friction", "static_friction", "restitution", "rolling_resistance"};
     daft_error error;
     uint32_t a = api_surface(L, h, 1, "surface"), b = api_surface(L, h, 2, "surface");
     daft_surfaces together = {0};
     bool some = !lua_isnoneornil(L, 3);
-    if (some) {
-        api_fields(L, h, 3, "the table", NAMES, COUNT_OF(NAMES));
-        float *numbers[] = {&together.friction, &together.static_friction, &together.restitution,
-                            &together.rolling_resistance};
-        for (size_t i = 0; i < COUNT_OF(NAMES); i++) *numbers[i] = field_number(L, h, 3, NAMES[i], NAMES[i], 0);
-    }
+    if (some) api_read_struct(L, h, 3, "the table", &api_surfaces_form, &together);
     if (!daft_scene_set_surfaces(h->def.scene, a, b, some ? &together : NULL, &error)) api_engine_error(L, h, &error);
     return 0;
 }
@@ -280,18 +271,11 @@ static int load_bodies(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"joint", "{...} -> joint",
-     "Joins two bodies, or one and the world: b = entity, a = entity (none: the world), kind = \"ball\", \"hinge\", "
-     "\"slider\",\n"
-     "\"distance\", \"fixed\" or \"drag\", at = {x, y, z} or an entity (where; distance: the point on a), to = {x, y, "
-     "z}\n"
-     "(distance: the point on b; drag: the target), axis = {x, y, z}, limit = {lower, upper} or a number, motor = "
-     "{speed =,\n"
-     "force =}, spring = {hertz =, damping =}, length =, break_force =, break_torque =, collide = false.",
-     create, API_CHANGES},
+     "Joins two bodies, or one and the world.", create, API_CHANGES},
     {"joint:destroy", "()", "Takes it away.", destroy, API_CHANGES},
     {"joint:valid", "() -> boolean", "False once it was destroyed, broke, or went with a body.", valid, 0},
     {"joint:value", "() -> value, speed",
-     "A hinge's angle, a slider's way, a distance's length; and how fast it changes.", value, 0},
+     "A hinge's angle, a slider's displacement, a distance's length; and how fast it changes.", value, 0},
     {"joint:force", "() -> newtons, newton metres", "What it had to hold, as the mean over the last step.", force, 0},
     {"joint:motor", "([speed, force])",
      "Drives a hinge or slider at a speed with at most a force, or brakes a ball; nothing: off.", motor, API_CHANGES},
@@ -311,10 +295,7 @@ static const api_function FUNCTIONS[] = {
      "joints, islands, pairs, contacts, rows, sweeps.",
      physics, 0},
     {"surfaces", "(name, name [, {...}])",
-     "What counts where two kinds of surface meet: friction =, static_friction =, restitution =, rolling_resistance =; "
-     "without\n"
-     "the table, what the bodies say. The field surface of daft.entity names an entity's.",
-     surfaces, API_CHANGES},
+     "What counts where two kinds of surface meet; without the table, what the bodies say.", surfaces, API_CHANGES},
     {"save_bodies", "() -> string",
      "The state of all bodies, joints and characters, for daft.load_bodies in the same run of the game.", save_bodies,
      0},

@@ -1,35 +1,33 @@
 /* daft.light, daft.ambient and daft.sky. */
-#include "lua/api.h"
+#include "lua/fields.h"
 
 #include "common/util.h"
 
 #include <string.h>
 
-static const char *const SUN_FIELDS[] = {"direction", "color", "shadow"};
-static const char *const POINT_FIELDS[] = {"position", "color", "shadow"};
-static const char *const SPOT_FIELDS[] = {"position", "direction", "angle", "inner", "color", "shadow"};
-
-static void read_cone(lua_State *L, host *h, int table, daft_light_def *def)
+/* A cone that only says how wide it is fades over its outer quarter. */
+static void narrow_inner(lua_State *L, host *h, int table, void *out)
 {
-    bool wide = api_field(L, table, "angle");
-    if (wide) def->outer_angle = api_float(L, h, -1, "angle"), def->inner_angle = 0.75f * def->outer_angle;
-    if (api_field(L, table, "inner")) def->inner_angle = api_float(L, h, -1, "inner");
+    (void)h;
+    daft_light_def *def = out;
+    if (!api_has_field(L, table, "inner")) def->inner_angle = 0.75f * def->outer_angle;
 }
+
+static const api_special SPOT_SPECIALS[] = {{.name = "angle", .after = narrow_inner},
+                                            {.name = "inner", .doc = "All of its light is within this angle of the direction; "
+                                                                     "three quarters of angle where only that is given"}};
+
+const api_form api_sun_form = {"light.sun", "daft.light.sun", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_SUN, NULL, 0};
+const api_form api_point_form = {"light.point", "daft.light.point", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_POINT, NULL, 0};
+const api_form api_spot_form = {"light.spot", "daft.light.spot", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_SPOT, SPOT_SPECIALS,
+                                COUNT_OF(SPOT_SPECIALS)};
 
 /* Changes what the table at `table` names. */
 static void read_light(lua_State *L, host *h, int table, daft_light_def *def)
 {
-    if (def->kind == DAFT_LIGHT_SUN)
-        api_fields(L, h, table, NULL, SUN_FIELDS, COUNT_OF(SUN_FIELDS));
-    else if (def->kind == DAFT_LIGHT_SPOT)
-        api_fields(L, h, table, NULL, SPOT_FIELDS, COUNT_OF(SPOT_FIELDS));
-    else
-        api_fields(L, h, table, NULL, POINT_FIELDS, COUNT_OF(POINT_FIELDS));
-    if (api_field(L, table, "position")) def->position = api_place(L, h, -1, "position");
-    if (api_field(L, table, "direction")) def->direction = api_vec3(L, h, -1, "direction");
-    if (api_field(L, table, "color")) def->color = api_color(L, h, -1, "color");
-    if (def->kind == DAFT_LIGHT_SPOT) read_cone(L, h, table, def);
-    if (api_field(L, table, "shadow")) def->casts_shadow = api_boolean(L, h, -1, "shadow");
+    static const api_form *const FORMS[] = {
+        [DAFT_LIGHT_POINT] = &api_point_form, [DAFT_LIGHT_SUN] = &api_sun_form, [DAFT_LIGHT_SPOT] = &api_spot_form};
+    api_read_struct(L, h, table, NULL, FORMS[def->kind], def);
 }
 
 static int create(lua_State *L, host *h, daft_light_kind kind)
@@ -158,18 +156,17 @@ static int sky_image(lua_State *L, host *h)
 }
 
 static const api_function FUNCTIONS[] = {
-    {"light.sun", "{direction =, color =, shadow =} -> light",
-     "Light from infinitely far; direction is the way it travels. shadow = false casts none.", sun, API_CHANGES},
-    {"light.point", "{position =, color =, shadow =} -> light", "Light from a point, equally bright at any distance.",
-     point, API_CHANGES},
-    {"light.spot", "{position =, direction =, angle =, inner =, color =, shadow =} -> light",
-     "A point light that shines into a cone: all of it within inner of the direction, none beyond angle, in radians.",
-     spot, API_CHANGES},
+    {"light.sun", "{...} -> light",
+     "Light from infinitely far.", sun, API_CHANGES},
+    {"light.point", "{...} -> light",
+     "Light from a point, equally bright at any distance.", point, API_CHANGES},
+    {"light.spot", "{...} -> light",
+     "A point light that shines into a cone.", spot, API_CHANGES},
     {"light:set", "{...}", "Changes what the table names.", set, API_CHANGES},
     {"light:position", "(x, y, z)", "Moves a point light or a spot.", set_position, API_CHANGES},
     {"light:direction", "(x, y, z)", "Turns a sun or a spot.", set_direction, API_CHANGES},
     {"light:color", "(color)", "Values above 1 are brighter.", set_color, API_CHANGES},
-    {"light:shadow", "(on)", "Whether things cast shadows in it.", set_shadow, API_CHANGES},
+    {"light:shadow", "(on)", "Whether entities cast shadows in it.", set_shadow, API_CHANGES},
     {"light:destroy", "()", "Puts it out for good.", destroy, API_CHANGES},
     {"light:valid", "() -> boolean", "False once it has been destroyed.", valid, 0},
     {"ambient", "(color)", "Light from everywhere.", ambient, API_CHANGES},

@@ -1,5 +1,5 @@
 /* daft.material and daft.mesh: what entities look like. */
-#include "lua/api.h"
+#include "lua/fields.h"
 
 #include "common/util.h"
 
@@ -7,10 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const char *const FIELDS[] = {
-    "color",  "texture",     "texture_scale", "ambient",      "specular",          "shininess",
-    "mirror", "mirror_tint", "emission",      "transmission", "transmission_tint", "refractive_index"};
 
 /* Registry key of the table from a material's description to its handle. */
 static const char MATERIALS_KEY;
@@ -82,61 +78,38 @@ static daft_texture load_texture(lua_State *L, host *h, const char *what, const 
 
 /* ---- materials ---- */
 
-static float share(lua_State *L, host *h, const char *name, float high)
+/* With a texture and no colour of its own a material is white. */
+static void read_texture(lua_State *L, host *h, int table, void *out)
 {
-    float value = api_float(L, h, -1, name);
-    if (value < 0 || value > high) {
-        char wanted[64];
-        snprintf(wanted, sizeof wanted, "number from 0 to %g", (double)high);
-        api_wrong(L, h, -1, name, wanted);
-    }
-    return value;
+    daft_material_def *def = out;
+    const daft_vec3 white = {1, 1, 1};
+    def->diffuse_map = load_texture(L, h, "texture", api_text(L, h, -1, "texture"));
+    if (api_has_field(L, table, "color")) return;
+    def->diffuse = white;
+    if (!api_has_field(L, table, "ambient")) def->ambient = white;
 }
 
-/* A colour, or one number for all three. */
-static daft_vec3 color_or_number(lua_State *L, host *h, const char *name)
+/* A colour is of all light, unless the ambient one has its own. */
+static void color_ambient(lua_State *L, host *h, int table, void *out)
 {
-    if (lua_type(L, -1) != LUA_TNUMBER) return api_color(L, h, -1, name);
-    float value = share(L, h, name, 1e6f);
-    return (daft_vec3){value, value, value};
+    (void)h;
+    daft_material_def *def = out;
+    if (!api_has_field(L, table, "ambient")) def->ambient = def->diffuse;
 }
+
+static const api_special SPECIALS[] = {
+    {.name = "color", .after = color_ambient,
+     .doc = "Lambert's reflection, and that of ambient light unless ambient is given; white where there is a texture"},
+    {.name = "texture", .read = read_texture, .value = "\"name\"",
+     .doc = "An image: \"checker\" is textures/checker.png in the game's folder or in assets/"}};
+
+const api_form api_material_form = {"material", "daft.material", DAFT_STRUCT_MATERIAL_DEF, -1, SPECIALS, COUNT_OF(SPECIALS)};
 
 /* Changes what the table at `table` names. */
 static void read_material(lua_State *L, host *h, int table, daft_material_def *def)
 {
-    table = lua_absindex(L, table);
-    api_fields(L, h, table, "material", FIELDS, COUNT_OF(FIELDS));
-    luaL_checkstack(L, COUNT_OF(FIELDS) + 8, NULL);
     int top = lua_gettop(L);
-    if (api_field(L, table, "color")) {
-        def->diffuse = api_color(L, h, -1, "color");
-        def->ambient = def->diffuse;
-    }
-    if (api_field(L, table, "texture")) {
-        def->diffuse_map = load_texture(L, h, "texture", api_text(L, h, -1, "texture"));
-        lua_pop(L, 1);
-        if (!api_field(L, table, "color")) def->diffuse = def->ambient = (daft_vec3){1, 1, 1};
-    }
-    if (api_field(L, table, "texture_scale")) {
-        if (lua_type(L, -1) == LUA_TNUMBER) {
-            def->map_scale.x = def->map_scale.y = api_float(L, h, -1, "texture_scale");
-        } else {
-            if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 2)
-                api_wrong(L, h, -1, "texture_scale", "number or {u, v}");
-            lua_rawgeti(L, -1, 1);
-            lua_rawgeti(L, -2, 2);
-            def->map_scale = (daft_vec2){api_float(L, h, -2, "texture_scale"), api_float(L, h, -1, "texture_scale")};
-        }
-    }
-    if (api_field(L, table, "ambient")) def->ambient = color_or_number(L, h, "ambient");
-    if (api_field(L, table, "specular")) def->specular = color_or_number(L, h, "specular");
-    if (api_field(L, table, "shininess")) def->shininess = share(L, h, "shininess", 1000);
-    if (api_field(L, table, "mirror")) def->mirror = share(L, h, "mirror", 1);
-    if (api_field(L, table, "mirror_tint")) def->mirror_tint = api_color(L, h, -1, "mirror_tint");
-    if (api_field(L, table, "transmission")) def->transmission = share(L, h, "transmission", 1);
-    if (api_field(L, table, "transmission_tint")) def->transmission_tint = api_color(L, h, -1, "transmission_tint");
-    if (api_field(L, table, "refractive_index")) def->refractive_index = api_float(L, h, -1, "refractive_index");
-    if (api_field(L, table, "emission")) def->emission = color_or_number(L, h, "emission");
+    api_read_struct(L, h, table, "material", &api_material_form, def);
     lua_settop(L, top);
 }
 
@@ -176,37 +149,13 @@ static void keep_shared(lua_State *L, const char *key, size_t length, daft_mater
 
 static daft_material shared_material(lua_State *L, host *h, const daft_material_def *def)
 {
-    /* Field by field: the bytes between fields are not defined. */
-    float key[25] = {def->ambient.x,
-                     def->ambient.y,
-                     def->ambient.z,
-                     def->diffuse.x,
-                     def->diffuse.y,
-                     def->diffuse.z,
-                     def->specular.x,
-                     def->specular.y,
-                     def->specular.z,
-                     def->shininess,
-                     def->mirror,
-                     def->mirror_tint.x,
-                     def->mirror_tint.y,
-                     def->mirror_tint.z,
-                     def->emission.x,
-                     def->emission.y,
-                     def->emission.z,
-                     def->map_scale.x,
-                     def->map_scale.y,
-                     def->transmission,
-                     def->transmission_tint.x,
-                     def->transmission_tint.y,
-                     def->transmission_tint.z,
-                     def->refractive_index,
-                     0};
-    memcpy(&key[24], &def->diffuse_map.id, sizeof key[24]);
+    char key[512];
+    size_t size = daft_struct_pack(DAFT_STRUCT_MATERIAL_DEF, def, key, sizeof key);
     daft_material material;
-    if (find_shared(L, (const char *)key, sizeof key, &material)) return material;
+    if (size > sizeof key) return create(L, h, def);
+    if (find_shared(L, key, size, &material)) return material;
     material = create(L, h, def);
-    keep_shared(L, (const char *)key, sizeof key, material);
+    keep_shared(L, key, size, material);
     return material;
 }
 
@@ -383,13 +332,7 @@ static int mesh_bounds(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"material", "{...} -> material",
-     "color = \"#rrggbb\" or {r, g, b}, texture = \"checker\" (an image in the game's folder or textures/),\n"
-     "texture_scale = repeats or {u, v}, specular = colour or number, shininess = 0 to 1000,\n"
-     "mirror = 0 to 1, mirror_tint = colour, emission = colour or number, ambient = colour or number,\n"
-     "transmission = 0 to 1, transmission_tint = colour, refractive_index = 1.5 (glass), 1.33 (water), 1 (no "
-     "bending).\n"
-     "Or \"file.mtl#name\". Where a material is wanted, such a table, a texture's name or a colour do too.",
-     new_material, API_CHANGES},
+     "Or \"file.mtl#name\". Where a material is wanted, such a table, a texture's name or a colour do too.", new_material, API_CHANGES},
     {"material:set", "{...}", "Changes what the table names, for everything that has this material.", set_material,
      API_CHANGES},
     {"mesh", "(\"file.obj\") or {positions =, triangles =, normals =, uvs =} -> mesh",

@@ -1,5 +1,6 @@
 /* daft.query: what rays, moving shapes, volumes and points meet among the bodies. */
 #include "lua/body.h"
+#include "lua/fields.h"
 
 #include "common/util.h"
 
@@ -7,22 +8,30 @@
 
 enum { MOST = 256 }; /* hits in a list */
 
-static const char *const OPTIONS[] = {"ignore", "static", "kinematic", "dynamic", "sensors", "layer", "hits"};
 static const char *const SHAPES[] = {"sphere", "box", "capsule", "rotation"};
+
+static void read_layer(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    ((daft_query_filter *)out)->layers = api_layers(L, h, -1, "layer");
+}
+
+static void read_hits(lua_State *L, host *h, int table, void *out)
+{
+    (void)table;
+    ((daft_query_filter *)out)->mask = api_layers(L, h, -1, "hits");
+}
+
+static const api_special SPECIALS[] = {{.name = "layer", .read = read_layer, .value = "name or names"},
+                                       {.name = "hits", .read = read_hits, .value = "name or names"}};
+
+const api_form api_filter_form = {"query.ray", "daft.query's options", DAFT_STRUCT_QUERY_FILTER, -1, SPECIALS, COUNT_OF(SPECIALS)};
 
 /* The table of options at index, or none. */
 static daft_query_filter read_filter(lua_State *L, host *h, int index)
 {
     daft_query_filter f = daft_default_query_filter();
-    if (lua_isnoneornil(L, index)) return f;
-    api_fields(L, h, index, "options", OPTIONS, COUNT_OF(OPTIONS));
-    if (api_field(L, index, "ignore")) f.ignore = api_entity_at(L, h, -1, "ignore");
-    if (api_field(L, index, "static")) f.statics = api_boolean(L, h, -1, "static");
-    if (api_field(L, index, "kinematic")) f.kinematics = api_boolean(L, h, -1, "kinematic");
-    if (api_field(L, index, "dynamic")) f.dynamics = api_boolean(L, h, -1, "dynamic");
-    if (api_field(L, index, "layer")) f.layers = api_layers(L, h, -1, "layer");
-    if (api_field(L, index, "hits")) f.mask = api_layers(L, h, -1, "hits");
-    if (api_field(L, index, "sensors")) f.sensors = api_boolean(L, h, -1, "sensors");
+    if (!lua_isnoneornil(L, index)) api_read_struct(L, h, index, "options", &api_filter_form, &f);
     return f;
 }
 
@@ -155,10 +164,7 @@ static int closest(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"query.ray", "(from, direction [, max_distance [, options]]) -> hit or nil",
-     "The nearest body along a ray: {entity =, distance =, position =, normal =, inside =}.\n"
-     "options: {ignore = entity, static = false, kinematic = false, dynamic = false, sensors = true,\n"
-     "layer = name(s), hits = name(s)}.",
-     ray, 0},
+     "The nearest body along a ray: {entity =, distance =, position =, normal =, inside =}.", ray, 0},
     {"query.all", "(from, direction [, max_distance [, options]]) -> hits",
      "All bodies along a ray, nearest first, up to 256.", rays, 0},
     {"query.cast", "(shape, from, direction [, max_distance [, options]]) -> hit or nil",

@@ -122,7 +122,7 @@ static int load_scene(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"raycast", "(from, direction [, max_distance [, ignore]]) -> hit or nil",
-     "The nearest visible thing along a ray: {entity =, distance =, position =, normal =, triangle =}.\n"
+     "The nearest visible entity along a ray: {entity =, distance =, position =, normal =, triangle =}.\n"
      "from may be an entity; ignore is one that the ray passes through.",
      raycast, 0},
     {"gravity", "(x, y, z)", "In m/s²; 0, -9.81, 0 unless set.", gravity, API_CHANGES},

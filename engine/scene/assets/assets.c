@@ -12,6 +12,7 @@ bool daft_assets_init(daft_scene *scene, daft_error *error)
     return daft_material_create(scene, &def, error).id != 0;
 }
 
+/* The mesh of a file, of arrays, or a box's, which is the first member of its item. */
 static void mesh_free(const daft_scene *scene, daft_mesh_item *item)
 {
     if (item->bvh) daft_bvh_free(item->bvh);
@@ -19,7 +20,10 @@ static void mesh_free(const daft_scene *scene, daft_mesh_item *item)
     daft_trimesh_free(scene->allocator, &item->mesh);
     daft_release(scene->allocator, item->materials);
     daft_release(scene->allocator, item->path);
+    daft_release(scene->allocator, item);
 }
+
+static void free_retired_mesh(const daft_scene *scene, daft_retired *item) { mesh_free(scene, (daft_mesh_item *)item); }
 
 daft_assets_mark daft_assets_remember(const daft_scene *scene)
 {
@@ -35,7 +39,6 @@ void daft_assets_roll_back(daft_scene *scene, daft_assets_mark mark)
         daft_mesh_item *item = assets->meshes[--assets->mesh_count];
         daft_map_remove(&assets->mesh_map, item->hash, assets->mesh_count);
         mesh_free(scene, item);
-        daft_release(scene->allocator, item);
     }
     while (assets->material_key_count > mark.material_keys) {
         daft_asset_key *key = &assets->material_keys[--assets->material_key_count];
@@ -59,7 +62,6 @@ void daft_assets_free(daft_scene *scene)
     for (uint32_t i = 0; i < assets->box_slots.count; i++) {
         if (!assets->box_slots.items[i].live) continue;
         mesh_free(scene, &assets->boxes[i]->shape);
-        daft_release(allocator, assets->boxes[i]);
     }
     daft_slots_free(&assets->box_slots, allocator);
     daft_map_free(&assets->mesh_map, allocator);
@@ -153,7 +155,6 @@ daft_mesh daft_mesh_load(daft_scene *scene, const char *path, daft_error *error)
     daft_assets_mark mark = daft_assets_remember(scene);
     if (mesh_read(scene, path, item, error)) return mesh_add(scene, item);
     mesh_free(scene, item);
-    daft_release(scene->allocator, item);
     daft_assets_roll_back(scene, mark);
     return (daft_mesh){0};
 }
@@ -184,7 +185,6 @@ daft_mesh daft_mesh_create(daft_scene *scene, const daft_mesh_def *def, daft_err
         mesh_finish(scene, item, error))
         return mesh_add(scene, item);
     mesh_free(scene, item);
-    daft_release(scene->allocator, item);
     return (daft_mesh){0};
 }
 
@@ -193,6 +193,28 @@ daft_mesh_item *daft_mesh_find(const daft_scene *scene, daft_mesh mesh, daft_err
     if (mesh.id > 0 && mesh.id <= scene->assets.mesh_count) return scene->assets.meshes[mesh.id - 1];
     daft_fail(error, DAFT_ERROR_HANDLE, mesh.id ? "mesh %u is not one of this scene" : "the mesh is none (0)", mesh.id);
     return NULL;
+}
+
+/* A frame may be reading the mesh: another with the same contents takes its place. NULL: memory is out. */
+static daft_mesh_item *mesh_replace(daft_scene *scene, daft_mesh mesh, daft_error *error)
+{
+    daft_mesh_item **place = &scene->assets.meshes[mesh.id - 1], *old = *place;
+    daft_mesh_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
+    if (!item || !daft_trimesh_copy(scene->allocator, &old->mesh, &item->mesh, error)) {
+        daft_release(scene->allocator, item);
+        daft_fail_memory(error, "a mesh");
+        return NULL;
+    }
+    if (!mesh_finish(scene, item, error)) {
+        mesh_free(scene, item);
+        return NULL;
+    }
+    memcpy(item->materials, old->materials, daft_max_u(old->mesh.slot_count, 1) * sizeof *item->materials);
+    item->path = old->path, item->hash = old->hash;
+    old->path = NULL;
+    *place = item;
+    daft_retire(scene, &old->retired, free_retired_mesh);
+    return item;
 }
 
 bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 *positions, const daft_vec3 *normals,
@@ -205,15 +227,16 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "%u positions for a mesh of %u vertices", count, item->mesh.vertex_count);
     if (daft_geometry_uses_mesh(scene, mesh))
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "the mesh's triangles are what a body is made of: they do not move");
-    if (!daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
+    if (daft_frame_is_taken(scene)) item = mesh_replace(scene, mesh, error);
+    if (!item || !daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
     const daft_bvh_def def = mesh_tree(scene);
     if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
-    if (item->kdtree) { /* without memory for another, rays go through the BVH, to the same hits */
+    if (scene->engine->accel == DAFT_ACCEL_KDTREE) { /* without memory for one, rays go through the BVH, to the same hits */
         daft_kdtree_free(item->kdtree);
         item->kdtree = daft_kdtree_build(scene->allocator, &item->mesh, scene->engine->threads, NULL);
     }
     scene->counters.mesh_refits++;
-    scene->revision++;
+    daft_scene_touch(scene);
     return true;
 }
 
@@ -273,7 +296,6 @@ uint32_t daft_box_acquire(daft_scene *scene, daft_vec3 size, daft_error *error)
         return index;
     }
     mesh_free(scene, &box->shape);
-    daft_release(scene->allocator, box);
     return DAFT_NONE;
 }
 
@@ -284,8 +306,7 @@ void daft_box_drop(daft_scene *scene, uint32_t index)
     if (--box->users > 0) return;
     daft_map_remove(&assets->box_map, size_hash(box->size), index);
     daft_slots_remove(&assets->box_slots, index);
-    mesh_free(scene, &box->shape);
-    daft_release(scene->allocator, box);
+    daft_retire(scene, &box->shape.retired, free_retired_mesh);
 }
 
 /* ---- textures ---- */
@@ -327,6 +348,28 @@ static daft_texture texture_add(daft_scene *scene, const char *path, daft_textur
     return (daft_texture){++assets->texture_count};
 }
 
+static void free_retired_texture(const daft_scene *scene, daft_retired *item)
+{
+    daft_texture_free(scene->allocator, &((daft_texture_item *)item)->data);
+    daft_release(scene->allocator, item);
+}
+
+/* Takes the data, also on failure. */
+static daft_texture replace_texture(daft_scene *scene, uint32_t texture, daft_texture_data *data, daft_error *error)
+{
+    daft_texture_item *old = daft_alloc_zero(scene->allocator, 1, sizeof *old);
+    if (!old) {
+        daft_fail_memory(error, "a texture");
+        daft_texture_free(scene->allocator, data);
+        return (daft_texture){0};
+    }
+    old->data = scene->assets.textures[texture - 1];
+    scene->assets.textures[texture - 1] = *data;
+    daft_scene_touch(scene);
+    daft_retire(scene, &old->retired, free_retired_texture);
+    return (daft_texture){texture};
+}
+
 daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *error)
 {
     daft_error_clear(error);
@@ -338,9 +381,7 @@ daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *
     if (!daft_texture_read(scene->allocator, path, &data, error)) return (daft_texture){0};
     if (!cached) return texture_add(scene, path, &data, error);
     /* a material has asked for it before it was there: the checker gives way */
-    daft_texture_free(scene->allocator, &scene->assets.textures[cached - 1]);
-    scene->assets.textures[cached - 1] = data;
-    return (daft_texture){cached};
+    return replace_texture(scene, cached, &data, error);
 }
 
 daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_error *error)

@@ -6,17 +6,9 @@
 
 daft_material_def daft_default_material_def(void)
 {
-    return (daft_material_def){
-        .cookie = DAFT_COOKIE,
-        .ambient = {0.8f, 0.8f, 0.8f},
-        .diffuse = {0.8f, 0.8f, 0.8f},
-        .specular = {0.2f, 0.2f, 0.2f},
-        .shininess = 30,
-        .mirror_tint = {1, 1, 1},
-        .transmission_tint = {1, 1, 1},
-        .refractive_index = 1.5f,
-        .map_scale = {1, 1},
-    };
+    daft_material_def def;
+    daft_struct_default(DAFT_STRUCT_MATERIAL_DEF, &def);
+    return def;
 }
 
 static daft_surface surface_from(const daft_material_def *def)
@@ -37,29 +29,9 @@ static daft_surface surface_from(const daft_material_def *def)
     };
 }
 
-/* A filter that gave more light than it gets would let light grow without end between two panes. */
-static bool filter_check(daft_vec3 tint, daft_error *error)
-{
-    return daft_check_range(error, "transmission_tint.x", (double)tint.x, 0, 1, "between 0 and 1") &&
-           daft_check_range(error, "transmission_tint.y", (double)tint.y, 0, 1, "between 0 and 1") &&
-           daft_check_range(error, "transmission_tint.z", (double)tint.z, 0, 1, "between 0 and 1");
-}
-
 static bool def_check(const daft_scene *scene, const daft_material_def *def, daft_error *error)
 {
-    return daft_check_pointer(error, "def", def) &&
-           daft_check_cookie(error, def->cookie, "daft_default_material_def") &&
-           daft_check_color(error, "ambient", def->ambient) && daft_check_color(error, "diffuse", def->diffuse) &&
-           daft_check_color(error, "specular", def->specular) && daft_check_color(error, "emission", def->emission) &&
-           daft_check_color(error, "mirror_tint", def->mirror_tint) &&
-           daft_check_range(error, "shininess", (double)def->shininess, 0, 1000, "between 0 and 1000") &&
-           daft_check_range(error, "mirror", (double)def->mirror, 0, 1, "between 0 and 1") &&
-           daft_check_range(error, "transmission", (double)def->transmission, 0, 1, "between 0 and 1") &&
-           filter_check(def->transmission_tint, error) &&
-           daft_check_range(error, "refractive_index", (double)def->refractive_index, (double)0.001f, 10,
-                            "between 0.001 and 10") &&
-           daft_check_finite(error, "map_scale.x", (double)def->map_scale.x) &&
-           daft_check_finite(error, "map_scale.y", (double)def->map_scale.y) &&
+    return daft_check_pointer(error, "def", def) && daft_struct_check(DAFT_STRUCT_MATERIAL_DEF, def, error) &&
            daft_texture_check(scene, def->diffuse_map, error);
 }
 
@@ -110,7 +82,7 @@ bool daft_material_set(daft_scene *scene, daft_material material, const daft_mat
         return false;
     scene->assets.materials[material.id - 1] = *def;
     scene->assets.surfaces[material.id - 1] = surface_from(def);
-    scene->looks++;
+    daft_scene_touch(scene);
     return true;
 }
 

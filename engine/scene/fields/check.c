@@ -70,21 +70,7 @@ bool daft_check_direction(daft_error *error, const char *name, daft_vec3 value)
 
 bool daft_check_camera(daft_error *error, const char *name, const daft_camera *camera)
 {
-    char field[64];
-    const struct {
-        const char *name;
-        float value;
-    } angles[] = {{"yaw", camera->yaw}, {"pitch", camera->pitch}, {"roll", camera->roll}};
-    snprintf(field, sizeof field, "%s.position", name);
-    if (!daft_check_finite_position(error, field, camera->position)) return false;
-    /* daft_sin states its error up to a million radians */
-    for (size_t i = 0; i < DAFT_COUNT_OF(angles); i++) {
-        snprintf(field, sizeof field, "%s.%s", name, angles[i].name);
-        if (!daft_check_range(error, field, (double)angles[i].value, -1e6, 1e6,
-                              "finite and between -1e6 and 1e6 radians"))
-            return false;
-    }
-    snprintf(field, sizeof field, "%s.fov", name);
-    return daft_check_range(error, field, (double)camera->fov, (double)1e-6f, 3.1415,
-                            "between 1e-6 and 3.1415 radians (below pi)");
+    char before[64];
+    snprintf(before, sizeof before, "%s.", name);
+    return daft_struct_check_named(DAFT_STRUCT_CAMERA, camera, before, error);
 }

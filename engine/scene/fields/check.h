@@ -3,13 +3,7 @@
 #ifndef DAFT_CHECK_H
 #define DAFT_CHECK_H
 
-#include "base/base.h"
-#include "math/vec.h"
-
-#include <float.h>
-
-#define DAFT_ABOVE_ZERO ((double)FLT_TRUE_MIN)
-#define DAFT_ANY_FLOAT ((double)FLT_MAX)
+#include "scene/fields/fields.h"
 
 bool daft_check_pointer(daft_error *error, const char *name, const void *pointer);
 bool daft_check_cookie(daft_error *error, uint32_t cookie, const char *maker);

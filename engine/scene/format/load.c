@@ -5,6 +5,7 @@
 #include "scene/format/load.h"
 #include "scene/format/text.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -27,8 +28,7 @@ typedef struct loader {
     daft_arena arena; /* paths */
     item *items;
     size_t count, capacity;
-    daft_sky_image sky;
-    bool has_sky;
+    daft_sky_item *sky; /* the last one named, or NULL */
     const daft_scene_watch *watch; /* or NULL */
     daft_error error;
 } loader;
@@ -98,6 +98,77 @@ static bool read_path(reader *read, const char *what, item *into)
     return true;
 }
 
+/* ---- options: name=value after an item's numbers and paths, for the fields that have .scene names ---- */
+
+enum { LONGEST_OPTION = 200 };
+
+/* The word that comes next, if it is an option: a letter first, a '=' in it. */
+static size_t option_length(daft_scene_text *text)
+{
+    if (daft_scene_text_ends(text) || !isalpha((unsigned char)*text->at)) return 0;
+    const char *at = text->at;
+    bool equals = false;
+    for (; at < text->end && !strchr(" \t\r\n", *at); at++) equals |= *at == '=';
+    return equals ? (size_t)(at - text->at) : 0;
+}
+
+/* Whether one of an item's optional numbers comes next. */
+static bool more_numbers(reader *read) { return !daft_scene_text_ends(&read->text) && option_length(&read->text) == 0; }
+
+static const daft_field *option_field(daft_struct which, const char *name)
+{
+    uint32_t count;
+    const daft_field *fields = daft_fields(which, &count);
+    for (uint32_t i = 0; i < count; i++)
+        if (fields[i].scene && strcmp(fields[i].scene, name) == 0) return &fields[i];
+    return NULL;
+}
+
+static bool fail_option(reader *read, int column, daft_struct which, const char *name)
+{
+    char known[LONGEST_OPTION] = "";
+    uint32_t count;
+    const daft_field *fields = daft_fields(which, &count);
+    for (uint32_t i = 0; i < count; i++)
+        if (fields[i].scene) snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", *known ? ", " : "", fields[i].scene);
+    return daft_scene_text_fail(&read->text, column, "unknown option '%.40s'; known are %s", name, known);
+}
+
+/* Angles are degrees here. */
+static bool set_option(const daft_field *field, const char *value, void *out, daft_error *error)
+{
+    daft_field shown = *field;
+    bool angle = field->unit && strcmp(field->unit, "rad") == 0;
+    double numbers[4], degree = DAFT_PI / 180;
+    shown.name = field->scene;
+    if (angle) shown.unit = "degrees", shown.min /= degree, shown.max /= degree;
+    if (!daft_field_parse(&shown, value, out, error)) return false;
+    if (!angle) return true;
+    uint32_t count = daft_field_numbers(field, out, numbers);
+    for (uint32_t i = 0; i < count; i++) numbers[i] *= degree;
+    daft_field_set_numbers(field, out, numbers);
+    return true;
+}
+
+static bool read_options(reader *read, daft_struct which, void *out)
+{
+    for (size_t length; (length = option_length(&read->text)) > 0;) {
+        daft_token token;
+        char text[LONGEST_OPTION];
+        daft_error why;
+        if (!daft_scene_text_word(&read->text, "an option", &token)) return false;
+        snprintf(text, sizeof text, "%.*s", (int)token.length, token.text);
+        char *value = strchr(text, '=');
+        if (token.length >= sizeof text || !value)
+            return daft_scene_text_fail(&read->text, token.column, "the option has more than %d characters", LONGEST_OPTION - 1);
+        *value++ = 0;
+        const daft_field *field = option_field(which, text);
+        if (!field) return fail_option(read, token.column, which, text);
+        if (!set_option(field, value, out, &why)) return daft_scene_text_fail(&read->text, token.column, "%s", why.message);
+    }
+    return true;
+}
+
 /* ---- items ---- */
 
 static bool read_camera(reader *read, item *out)
@@ -105,12 +176,12 @@ static bool read_camera(reader *read, item *out)
     out->kind = DAFT_ITEM_CAMERA;
     out->camera = daft_default_camera();
     if (!read_position(read, &out->camera.position)) return false;
-    if (daft_scene_text_ends(&read->text)) return true;
+    if (!more_numbers(read)) return true;
     double pitch, yaw, fov;
     if (!read_degrees(read, "pitch", &pitch) || !read_degrees(read, "yaw", &yaw)) return false;
     out->camera.pitch = (float)pitch;
     out->camera.yaw = (float)yaw;
-    if (daft_scene_text_ends(&read->text)) return true;
+    if (!more_numbers(read)) return true;
     if (!daft_scene_text_number(&read->text, "fov", 1e-4, 179.99, "above 0 and below 180 degrees", &fov)) return false;
     out->camera.fov = (float)(fov * (DAFT_PI / 180));
     return true;
@@ -154,10 +225,10 @@ static bool read_sun(reader *read, item *out)
 static bool read_cone(reader *read, daft_light_def *out)
 {
     double outer, inner;
-    if (daft_scene_text_ends(&read->text)) return true;
+    if (!more_numbers(read)) return true;
     if (!daft_scene_text_number(&read->text, "angle", 1e-4, 180, "above 0 and at most 180 degrees", &outer)) return false;
     inner = 0.75 * outer;
-    if (!daft_scene_text_ends(&read->text) &&
+    if (more_numbers(read) &&
         !daft_scene_text_number(&read->text, "inner", 0, outer, "0 or more and at most the angle before it", &inner))
         return false;
     out->outer_angle = fminf((float)(outer * (DAFT_PI / 180)), (float)DAFT_PI);
@@ -211,11 +282,11 @@ static bool read_mesh(reader *read, item *out)
     out->entity = daft_default_entity_def();
     out->entity.shape = DAFT_SHAPE_MESH;
     if (!read_path(read, "the path of a mesh", out) || !read_position(read, &out->entity.position)) return false;
-    if (daft_scene_text_ends(&read->text)) return true;
+    if (!more_numbers(read)) return true;
     float scale;
     if (!read_scale(read, &scale)) return false;
     out->entity.scale = daft_v3(scale, scale, scale);
-    if (daft_scene_text_ends(&read->text)) return true;
+    if (!more_numbers(read)) return true;
     double x, y, z;
     if (!read_degrees(read, "rot_x", &x) || !read_degrees(read, "rot_y", &y) || !read_degrees(read, "rot_z", &z))
         return false;
@@ -227,16 +298,18 @@ static bool read_mesh(reader *read, item *out)
 static const struct {
     const char *word, *usage;
     bool (*read)(reader *read, item *out);
+    daft_struct options; /* whose fields may follow; DAFT_STRUCT_COUNT: none */
+    size_t offset;       /* of that struct in an item */
 } KEYWORDS[] = {
-    {"camera", "camera x y z [pitch yaw [fov]]", read_camera},
-    {"skybox", "skybox path", read_skybox},
-    {"light", "light x y z r g b", read_light},
-    {"sphere", "sphere x y z r material_path", read_sphere},
-    {"mesh", "mesh mesh_path x y z [scale [rot_x rot_y rot_z]]", read_mesh},
-    {"sun", "sun dx dy dz r g b", read_sun},
-    {"spot", "spot x y z dx dy dz r g b [angle [inner]]", read_spot},
-    {"ambient", "ambient r g b", read_ambient},
-    {"include", "include path", NULL},
+    {"camera", "camera x y z [pitch yaw [fov]]", read_camera, DAFT_STRUCT_CAMERA, offsetof(item, camera)},
+    {"skybox", "skybox path", read_skybox, DAFT_STRUCT_COUNT, 0},
+    {"light", "light x y z r g b", read_light, DAFT_STRUCT_LIGHT_DEF, offsetof(item, light)},
+    {"sphere", "sphere x y z r material_path", read_sphere, DAFT_STRUCT_ENTITY_DEF, offsetof(item, entity)},
+    {"mesh", "mesh mesh_path x y z [scale [rot_x rot_y rot_z]]", read_mesh, DAFT_STRUCT_ENTITY_DEF, offsetof(item, entity)},
+    {"sun", "sun dx dy dz r g b", read_sun, DAFT_STRUCT_LIGHT_DEF, offsetof(item, light)},
+    {"spot", "spot x y z dx dy dz r g b [angle [inner]]", read_spot, DAFT_STRUCT_LIGHT_DEF, offsetof(item, light)},
+    {"ambient", "ambient r g b", read_ambient, DAFT_STRUCT_COUNT, 0},
+    {"include", "include path", NULL, DAFT_STRUCT_COUNT, 0},
 };
 
 static bool fail_unknown(reader *read, daft_token word)
@@ -300,7 +373,10 @@ static bool read_line(reader *read)
         if (strlen(KEYWORDS[i].word) != word.length || memcmp(KEYWORDS[i].word, word.text, word.length) != 0) continue;
         read->text.usage = KEYWORDS[i].usage;
         if (!KEYWORDS[i].read) return read_include(read, &made);
-        return KEYWORDS[i].read(read, &made) && daft_scene_text_finish(&read->text) && keep_item(read->loader, &made);
+        return KEYWORDS[i].read(read, &made) &&
+               (KEYWORDS[i].options == DAFT_STRUCT_COUNT ||
+                read_options(read, KEYWORDS[i].options, (char *)&made + KEYWORDS[i].offset)) &&
+               daft_scene_text_finish(&read->text) && keep_item(read->loader, &made);
     }
     return fail_unknown(read, word);
 }
@@ -342,11 +418,10 @@ static bool read_file(loader *load, const char *path, const source *parent)
 
 static bool load_sky(loader *load, const char *path)
 {
-    daft_sky_image image = {0};
-    if (!daft_sky_read(load->scene->allocator, path, &image, &load->error)) return false;
-    daft_sky_free(load->scene->allocator, &load->sky);
-    load->sky = image;
-    load->has_sky = true;
+    daft_sky_item *sky = daft_sky_item_read(load->scene, path, &load->error);
+    if (!sky) return false;
+    daft_sky_item_free(load->scene, load->sky);
+    load->sky = sky;
     return true;
 }
 
@@ -399,7 +474,8 @@ static void commit(loader *load)
         case DAFT_ITEM_REFUSED: break;
         }
     }
-    if (load->has_sky) daft_sky_image_adopt(scene, &load->sky);
+    if (load->sky) daft_sky_adopt(scene, load->sky);
+    load->sky = NULL;
 }
 
 static bool load_all(loader *load, const char *path)
@@ -432,7 +508,7 @@ bool daft_scene_load_watched(daft_scene *scene, const char *path, const daft_sce
     else
         daft_assets_roll_back(scene, mark);
     if (done && watch) watch->loaded(watch->user, load.items, load.count);
-    daft_sky_free(scene->allocator, &load.sky);
+    daft_sky_item_free(scene, load.sky);
     daft_release(scene->allocator, load.items);
     daft_arena_free(&load.arena);
     if (!done && error) *error = load.error;

@@ -2,7 +2,8 @@
  * it is a character like any other, since "file.mtl#name" is a path. Columns count bytes from 1. */
 #include "scene/format/text.h"
 
-#include <locale.h>
+#include "scene/fields/number.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -100,51 +101,6 @@ bool daft_scene_text_word(daft_scene_text *text, const char *what, daft_token *o
 
 /* ---- numbers ---- */
 
-static size_t count_digits(const char *at, const char *end)
-{
-    const char *start = at;
-    while (at < end && *at >= '0' && *at <= '9') at++;
-    return (size_t)(at - start);
-}
-
-/* [+-] digits [. digits] [e [+-] digits], with digits on at least one side of the point. No hexadecimal, inf or nan. */
-static bool is_number(daft_token token)
-{
-    const char *at = token.text, *end = at + token.length;
-    if (at < end && (*at == '+' || *at == '-')) at++;
-    size_t whole = count_digits(at, end), fraction = 0;
-    at += whole;
-    if (at < end && *at == '.') {
-        fraction = count_digits(at + 1, end);
-        at += fraction + 1;
-    }
-    if (whole + fraction == 0) return false;
-    if (at < end && (*at == 'e' || *at == 'E')) {
-        at++;
-        if (at < end && (*at == '+' || *at == '-')) at++;
-        size_t exponent = count_digits(at, end);
-        if (exponent == 0) return false;
-        at += exponent;
-    }
-    return at == end;
-}
-
-enum { LONGEST_NUMBER = 127 };
-
-/* strtod rounds correctly, but reads the decimal point of the host program's locale. */
-static double to_double(daft_token token)
-{
-    char buffer[LONGEST_NUMBER + 17];
-    const char *point = memchr(token.text, '.', token.length);
-    int whole = (int)(point ? point - token.text : (ptrdiff_t)token.length);
-    if (point)
-        snprintf(buffer, sizeof buffer, "%.*s%.8s%.*s", whole, token.text, localeconv()->decimal_point,
-                 (int)token.length - whole - 1, point + 1);
-    else
-        snprintf(buffer, sizeof buffer, "%.*s", whole, token.text);
-    return strtod(buffer, NULL);
-}
-
 bool daft_scene_text_number(daft_scene_text *text, const char *what, double low, double high, const char *allowed,
                             double *out)
 {
@@ -152,12 +108,11 @@ bool daft_scene_text_number(daft_scene_text *text, const char *what, double low,
     const char *start = text->at;
     while (text->at < text->end && !is_blank(*text->at) && *text->at != '\n' && *text->at != '#') text->at++;
     daft_token token = {start, (size_t)(text->at - start), column_of(text, start)};
-    if (token.length > LONGEST_NUMBER)
-        return daft_scene_text_fail(text, token.column, "%s has more than %d characters", what, LONGEST_NUMBER);
-    if (!is_number(token))
+    if (token.length > DAFT_LONGEST_NUMBER)
+        return daft_scene_text_fail(text, token.column, "%s has more than %d characters", what, DAFT_LONGEST_NUMBER);
+    if (!daft_number_parse(token.text, token.length, out))
         return daft_scene_text_fail(text, token.column, "expected %s (a number), '%s' came; the form is: %s", what,
                                     daft_token_show(token).text, text->usage);
-    *out = to_double(token);
     if (*out >= low && *out <= high) return true;
     return daft_scene_text_fail(text, token.column, "%s is %s; it must be %s", what, daft_token_show(token).text,
                                 allowed);

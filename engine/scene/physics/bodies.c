@@ -3,23 +3,6 @@
 
 static const char *const KINDS[] = {"none", "static", "kinematic", "dynamic"};
 
-static bool material_check(const daft_entity_def *def, daft_error *error)
-{
-    const char *any = "finite and 0 or more";
-    return daft_check_range(error, "density", (double)def->density, DAFT_ABOVE_ZERO, DAFT_ANY_FLOAT,
-                            "finite and above 0") &&
-           daft_check_range(error, "mass", (double)def->mass, 0, DAFT_ANY_FLOAT, any) &&
-           daft_check_range(error, "friction", (double)def->friction, 0, DAFT_ANY_FLOAT, any) &&
-           daft_check_range(error, "static_friction", (double)def->static_friction, 0, DAFT_ANY_FLOAT, any) &&
-           daft_check_range(error, "restitution", (double)def->restitution, 0, 1, "between 0 and 1") &&
-           daft_check_range(error, "rolling_resistance", (double)def->rolling_resistance, 0, DAFT_ANY_FLOAT, any) &&
-           daft_check_range(error, "surface", def->surface, 0, DAFT_SIM_MATERIAL_KINDS - 1, "0 to 63") &&
-           daft_check_range(error, "linear_damping", (double)def->linear_damping, 0, DAFT_ANY_FLOAT, any) &&
-           daft_check_range(error, "angular_damping", (double)def->angular_damping, 0, DAFT_ANY_FLOAT, any) &&
-           daft_check_finite(error, "gravity_scale", (double)def->gravity_scale) &&
-           daft_check_finite3(error, "belt", def->belt);
-}
-
 static bool scale_check(const daft_entity_def *def, daft_error *error)
 {
     bool round = def->shape == DAFT_SHAPE_SPHERE, unscaled = def->scale.x == 1 && def->scale.y == 1 && def->scale.z == 1;
@@ -30,11 +13,7 @@ static bool scale_check(const daft_entity_def *def, daft_error *error)
 
 bool daft_body_check(const daft_entity_def *def, daft_error *error)
 {
-    if (!material_check(def, error)) return false;
     if (def->body == DAFT_BODY_NONE) return true;
-    if ((unsigned)def->body > DAFT_BODY_DYNAMIC)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %d; it must be none, static, kinematic or dynamic",
-                         (int)def->body);
     const char *kind = KINDS[def->body];
     if (def->collider_count == 0 && def->shape == DAFT_SHAPE_NONE)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the shape is none; a body needs a shape or a collider", kind);
@@ -315,7 +294,7 @@ static void pull_pose(daft_scene *scene, daft_entity_item *item, bool teleport)
     item->now.position = state.position;
     item->now.rotation = state.rotation;
     if (teleport) item->before = item->now;
-    scene->revision++;
+    daft_scene_touch(scene);
 }
 
 void daft_scene_pull_all_poses(daft_scene *scene)
@@ -337,6 +316,11 @@ bool daft_scene_step(daft_scene *scene, float dt, daft_error *error)
     return daft_characters_step(scene, dt, error);
 }
 
+static daft_contact contact_of(const daft_sim_contact *from, daft_entity a, daft_entity b)
+{
+    return (daft_contact){.a = a, .b = b, .point = from->point, .normal = from->normal, .impulse = from->impulse};
+}
+
 /* Contacts of entities that were destroyed since the tick are left out. */
 uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out, uint32_t capacity)
 {
@@ -347,7 +331,7 @@ uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out, uint32_
         const daft_sim_contact *from = &contacts[i];
         daft_entity a = {from->user_a}, b = {from->user_b};
         if (!daft_entity_is_valid(scene, a) || !daft_entity_is_valid(scene, b)) continue;
-        if (out && count < capacity) out[count] = (daft_contact){a, b, from->point, from->normal, from->impulse};
+        if (out && count < capacity) out[count] = contact_of(from, a, b);
         count++;
     }
     return count;
@@ -362,7 +346,14 @@ uint32_t daft_scene_events(const daft_scene *scene, daft_event *out, uint32_t ca
     uint32_t all = daft_world_events(scene->world, &events);
     for (uint32_t i = 0; out && i < all && i < capacity; i++) {
         const daft_sim_event *e = &events[i];
-        out[i] = (daft_event){(daft_event_kind)e->kind, {e->user_a}, {e->user_b}, {e->joint_user}, e->point, e->normal, e->impulse, e->speed};
+        out[i] = (daft_event){.kind = (daft_event_kind)e->kind,
+                              .a = {e->user_a},
+                              .b = {e->user_b},
+                              .joint = {e->joint_user},
+                              .point = e->point,
+                              .normal = e->normal,
+                              .impulse = e->impulse,
+                              .speed = e->speed};
     }
     return all;
 }
@@ -391,7 +382,10 @@ bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b
     daft_world *world = daft_scene_world(scene, error);
     if (!world) return false;
     if (!together) return daft_world_set_pair(world, kind_a, kind_b, NULL, error);
-    daft_sim_material_pair pair = {together->friction, together->static_friction, together->restitution, together->rolling_resistance};
+    daft_sim_material_pair pair = {.friction = together->friction,
+                                   .static_friction = together->static_friction,
+                                   .restitution = together->restitution,
+                                   .rolling_resistance = together->rolling_resistance};
     return daft_world_set_pair(world, kind_a, kind_b, &pair, error);
 }
 
@@ -399,5 +393,12 @@ daft_sim_counts daft_scene_sim_counts(const daft_scene *scene)
 {
     if (!scene->world) return (daft_sim_counts){0};
     daft_sim_counters c = daft_world_counters(scene->world);
-    return (daft_sim_counts){c.bodies, c.awake, c.joints, c.islands, c.pairs, c.contacts, c.rows, c.sweeps};
+    return (daft_sim_counts){.bodies = c.bodies,
+                             .awake = c.awake,
+                             .joints = c.joints,
+                             .islands = c.islands,
+                             .pairs = c.pairs,
+                             .contacts = c.contacts,
+                             .rows = c.rows,
+                             .sweeps = c.sweeps};
 }

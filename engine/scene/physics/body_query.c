@@ -7,24 +7,23 @@
 
 daft_query_filter daft_default_query_filter(void)
 {
-    return (daft_query_filter){.cookie = DAFT_COOKIE,
-                               .statics = true,
-                               .kinematics = true,
-                               .dynamics = true,
-                               .layers = UINT32_MAX,
-                               .mask = UINT32_MAX};
+    daft_query_filter filter;
+    daft_struct_default(DAFT_STRUCT_QUERY_FILTER, &filter);
+    return filter;
 }
 
 daft_volume daft_default_volume(void)
 {
-    return (daft_volume){.cookie = DAFT_COOKIE, .size = {1, 1, 1}, .rotation = {0, 0, 0, 1}};
+    daft_volume volume;
+    daft_struct_default(DAFT_STRUCT_VOLUME, &volume);
+    return volume;
 }
 
 static bool read_filter(daft_scene *scene, const daft_query_filter *from, daft_sim_filter *out, daft_error *error)
 {
     *out = daft_default_sim_filter();
     if (!from) return true;
-    if (!daft_check_cookie(error, from->cookie, "daft_default_query_filter")) return false;
+    if (!daft_struct_check(DAFT_STRUCT_QUERY_FILTER, from, error)) return false;
     out->kinds = (uint32_t)from->statics << DAFT_BODY_STATIC | (uint32_t)from->kinematics << DAFT_BODY_KINEMATIC |
                  (uint32_t)from->dynamics << DAFT_BODY_DYNAMIC;
     out->layers = from->layers;
@@ -39,9 +38,7 @@ static bool read_filter(daft_scene *scene, const daft_query_filter *from, daft_s
 
 static bool read_volume(const daft_volume *from, daft_sim_shape *out, daft_error *error)
 {
-    if (!daft_check_pointer(error, "volume", from) || !daft_check_cookie(error, from->cookie, "daft_default_volume") ||
-        !daft_check_rotation(error, "rotation", from->rotation))
-        return false;
+    if (!daft_check_pointer(error, "volume", from) || !daft_struct_check(DAFT_STRUCT_VOLUME, from, error)) return false;
     if (from->radius == 0) return daft_shape_box(daft_scale(from->size, 0.5f), out, error);
     if (from->height == 0) return daft_shape_sphere(from->radius, out, error);
     return daft_shape_capsule(0.5f * from->height - from->radius, from->radius, out, error);

@@ -3,25 +3,14 @@
 
 daft_character_def daft_default_character_def(void)
 {
-    daft_sim_character_def sim = daft_default_sim_character_def();
-    return (daft_character_def){.cookie = DAFT_COOKIE,
-                                .radius = sim.radius,
-                                .height = sim.height,
-                                .step_height = sim.step_height,
-                                .max_slope = sim.max_slope,
-                                .acceleration = sim.acceleration,
-                                .air_acceleration = sim.air_acceleration,
-                                .gravity_scale = sim.gravity_scale,
-                                .mass = sim.mass,
-                                .push_force = sim.push_force,
-                                .layers = sim.layers,
-                                .mask = sim.mask};
+    daft_character_def def;
+    daft_struct_default(DAFT_STRUCT_CHARACTER_DEF, &def);
+    return def;
 }
 
 static bool read_def(daft_scene *scene, const daft_character_def *def, daft_sim_character_def *out, daft_error *error)
 {
-    if (!daft_check_pointer(error, "def", def) || !daft_check_cookie(error, def->cookie, "daft_default_character_def"))
-        return false;
+    if (!daft_check_pointer(error, "def", def) || !daft_struct_check(DAFT_STRUCT_CHARACTER_DEF, def, error)) return false;
     *out = (daft_sim_character_def){.position = def->position,
                                     .radius = def->radius,
                                     .height = def->height,

@@ -6,7 +6,9 @@
 
 daft_collider daft_default_collider(void)
 {
-    return (daft_collider){.kind = DAFT_COLLIDER_SPHERE, .radius = 0.5f, .height = 2, .size = {1, 1, 1}, .spacing = {1, 1}, .rotation = {0, 0, 0, 1}};
+    daft_collider collider;
+    daft_struct_default(DAFT_STRUCT_COLLIDER, &collider);
+    return collider;
 }
 
 static const char *const KINDS[] = {"", "sphere", "capsule", "box", "hull", "mesh", "field", "cylinder"};
@@ -17,7 +19,7 @@ static void item_free(daft_scene *scene, daft_geometry_item *item)
 {
     if (item->hull) daft_hull_free(item->hull);
     if (item->triangles) daft_mesh_shape_free(item->triangles);
-    if (item->field) daft_field_free(item->field);
+    if (item->field) daft_height_field_free(item->field);
     if (item->bvh) daft_bvh_free(item->bvh);
     daft_trimesh_free(scene->allocator, &item->scaled);
     daft_release(scene->allocator, item);
@@ -116,7 +118,7 @@ static bool make(daft_scene *scene, const daft_collider *collider, const daft_me
         return item->hull != NULL;
     }
     if (!daft_check_pointer(error, "heights", collider->heights)) return false;
-    item->field = daft_field_create(scene->allocator, collider->heights, collider->columns, collider->rows,
+    item->field = daft_height_field_create(scene->allocator, collider->heights, collider->columns, collider->rows,
                                     collider->spacing.x, collider->spacing.y, error);
     return item->field != NULL;
 }
@@ -174,7 +176,7 @@ bool daft_collider_acquire(daft_scene *scene, const daft_collider *collider, con
                            daft_sim_shape_def *out, daft_error *error)
 {
     out->geometry_id = 0;
-    if (!daft_check_finite3(error, "the collider's position", collider->position)) return false;
+    if (!daft_struct_check_named(DAFT_STRUCT_COLLIDER, collider, "the collider's ", error)) return false;
     out->position = collider->position;
     out->rotation = collider->rotation;
     switch (collider->kind) {

@@ -3,8 +3,9 @@
 
 daft_joint_def daft_default_joint_def(void)
 {
-    daft_sim_joint_def sim = daft_default_sim_joint_def();
-    return (daft_joint_def){.cookie = DAFT_COOKIE, .kind = sim.kind, .axis = sim.axis, .hertz = sim.hertz, .damping = sim.damping};
+    daft_joint_def def;
+    daft_struct_default(DAFT_STRUCT_JOINT_DEF, &def);
+    return def;
 }
 
 static uint32_t joint_find(const daft_scene *scene, daft_joint joint, daft_error *error)
@@ -42,7 +43,7 @@ daft_joint daft_joint_create(daft_scene *scene, const daft_joint_def *def, daft_
     const daft_joint none = {0};
     daft_error_clear(error);
     if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "def", def) ||
-        !daft_check_cookie(error, def->cookie, "daft_default_joint_def") || !joints_reserve(scene, error))
+        !daft_struct_check(DAFT_STRUCT_JOINT_DEF, def, error) || !joints_reserve(scene, error))
         return none;
     daft_sim_joint_def sim = daft_default_sim_joint_def();
     sim.kind = def->kind;
@@ -87,7 +88,15 @@ bool daft_joint_get(daft_scene *scene, daft_joint joint, daft_joint_state *out, 
     daft_sim_joint_state s;
     const daft_joint_item *item = &scene->joints[index];
     if (!daft_world_get_joint(scene->world, item->joint, &s)) return daft_fail(error, DAFT_ERROR_HANDLE, "the joint is gone");
-    *out = (daft_joint_state){s.kind, item->a, item->b, s.anchor_a, s.anchor_b, s.value, s.speed, s.force, s.torque};
+    *out = (daft_joint_state){.kind = s.kind,
+                             .a = item->a,
+                             .b = item->b,
+                             .anchor_a = s.anchor_a,
+                             .anchor_b = s.anchor_b,
+                             .value = s.value,
+                             .speed = s.speed,
+                             .force = s.force,
+                             .torque = s.torque};
     return true;
 }
 

@@ -24,7 +24,7 @@ static bool check(const float *heights, uint32_t columns, uint32_t rows, float s
 }
 
 /* Widens range[2] by a cell, unless it is a hole. NaN in range: nothing yet. */
-static void add_cell(const daft_field *f, uint32_t column, uint32_t row, float range[2])
+static void add_cell(const daft_height_field *f, uint32_t column, uint32_t row, float range[2])
 {
     const float *h = f->heights + (size_t)row * f->columns + column;
     const float corner[4] = {h[0], h[1], h[f->columns], h[f->columns + 1]};
@@ -38,7 +38,7 @@ static void add_cell(const daft_field *f, uint32_t column, uint32_t row, float r
     if (!(range[1] >= high)) range[1] = high;
 }
 
-static void fill_first_level(daft_field *f)
+static void fill_first_level(daft_height_field *f)
 {
     for (uint32_t bz = 0; bz < f->level_rows[0]; bz++)
         for (uint32_t bx = 0; bx < f->level_columns[0]; bx++) {
@@ -49,7 +49,7 @@ static void fill_first_level(daft_field *f)
         }
 }
 
-static void fill_level(daft_field *f, uint32_t level)
+static void fill_level(daft_height_field *f, uint32_t level)
 {
     const float *substep_demand = f->ranges + 2 * (size_t)f->level_first[level - 1];
     uint32_t wide = f->level_columns[level - 1], deep = f->level_rows[level - 1];
@@ -69,7 +69,7 @@ static void fill_level(daft_field *f, uint32_t level)
 }
 
 /* Gives how many blocks there are in all. */
-static uint32_t lay_levels(daft_field *f)
+static uint32_t lay_levels(daft_height_field *f)
 {
     uint32_t x = (f->columns - 1 + BLOCK - 1) / BLOCK, z = (f->rows - 1 + BLOCK - 1) / BLOCK, total = 0;
     for (f->levels = 0;;) {
@@ -82,11 +82,11 @@ static uint32_t lay_levels(daft_field *f)
     }
 }
 
-daft_field *daft_field_create(const daft_allocator *allocator, const float *heights, uint32_t columns, uint32_t rows,
+daft_height_field *daft_height_field_create(const daft_allocator *allocator, const float *heights, uint32_t columns, uint32_t rows,
                               float spacing_x, float spacing_z, daft_error *error)
 {
     if (!check(heights, columns, rows, spacing_x, spacing_z, error)) return NULL;
-    daft_field *f = daft_alloc_zero(allocator, 1, sizeof *f);
+    daft_height_field *f = daft_alloc_zero(allocator, 1, sizeof *f);
     size_t samples = (size_t)columns * rows;
     if (f) {
         f->allocator = *allocator;
@@ -95,7 +95,7 @@ daft_field *daft_field_create(const daft_allocator *allocator, const float *heig
         f->ranges = daft_alloc(allocator, lay_levels(f), 2 * sizeof(float));
     }
     if (!f || !f->heights || !f->ranges) {
-        daft_field_free(f);
+        daft_height_field_free(f);
         daft_fail_memory(error, "a height field");
         return NULL;
     }
@@ -108,7 +108,7 @@ daft_field *daft_field_create(const daft_allocator *allocator, const float *heig
     return f;
 }
 
-void daft_field_free(daft_field *field)
+void daft_height_field_free(daft_height_field *field)
 {
     if (!field) return;
     daft_allocator allocator = field->allocator;

@@ -91,7 +91,7 @@ daft_sim_shape daft_shape_mesh(const daft_mesh_shape *mesh)
 {
     return (daft_sim_shape){.type = DAFT_GEOMETRY_MESH, .mesh = mesh};
 }
-daft_sim_shape daft_shape_field(const daft_field *field)
+daft_sim_shape daft_shape_field(const daft_height_field *field)
 {
     return (daft_sim_shape){.type = DAFT_GEOMETRY_FIELD, .field = field};
 }
@@ -170,7 +170,7 @@ daft_daabb daft_shape_bounds(const daft_sim_shape *s, const daft_rigid *pose)
     case DAFT_GEOMETRY_HULL: return hull_bounds(s->hull, pose);
     case DAFT_GEOMETRY_MESH: return turned_bounds(s->mesh->mesh->low, s->mesh->mesh->high, pose);
     case DAFT_GEOMETRY_FIELD: {
-        const daft_field *f = s->field;
+        const daft_height_field *f = s->field;
         float x = (float)(f->columns - 1) * f->spacing_x, z = (float)(f->rows - 1) * f->spacing_z;
         if (!(f->low <= f->high)) return (daft_daabb){pose->p, pose->p};
         return turned_bounds(daft_v3(0, f->low, 0), daft_v3(x, f->high, z), pose);

@@ -82,7 +82,7 @@ typedef enum daft_geometry {
 
 typedef struct daft_hull daft_hull;
 typedef struct daft_mesh_shape daft_mesh_shape;
-typedef struct daft_field daft_field;
+typedef struct daft_height_field daft_height_field;
 typedef struct daft_compound daft_compound;
 
 /* A value to copy about. What it points to is immutable, may be shared by any number of shapes, and must outlive them.
@@ -95,7 +95,7 @@ typedef struct daft_sim_shape {
     union {
         const daft_hull *hull;
         const daft_mesh_shape *mesh;
-        const daft_field *field;
+        const daft_height_field *field;
         const daft_compound *compound;
     };
 } daft_sim_shape;
@@ -106,7 +106,7 @@ bool daft_shape_capsule(float half_height, float radius, daft_sim_shape *out, da
 bool daft_shape_box(daft_vec3 half, daft_sim_shape *out, daft_error *error);
 daft_sim_shape daft_shape_hull(const daft_hull *hull);
 daft_sim_shape daft_shape_mesh(const daft_mesh_shape *mesh);
-daft_sim_shape daft_shape_field(const daft_field *field);
+daft_sim_shape daft_shape_field(const daft_height_field *field);
 daft_sim_shape daft_shape_compound(const daft_compound *compound);
 
 /* Whether it is sphere, capsule, box or hull. */
@@ -221,7 +221,7 @@ void daft_mesh_shape_free(daft_mesh_shape *shape);
  * row·spacing_z. A cell whose corners are not all finite is a hole. Each cell is two triangles, 2·cell and 2·cell + 1,
  * cut from (0, 0) to (1, 1), with cell = row·(columns - 1) + column. The front is up; a body
  * that touches the ground is pushed up however deep it is. */
-struct daft_field {
+struct daft_height_field {
     daft_allocator allocator;
     uint32_t columns, rows;
     float spacing_x, spacing_z;
@@ -233,9 +233,9 @@ struct daft_field {
 };
 
 /* 2 to 16,384 columns and rows; spacings 1e-4 to 1e5 m; heights within 1e7 m, or NaN. */
-daft_field *daft_field_create(const daft_allocator *allocator, const float *heights, uint32_t columns, uint32_t rows,
+daft_height_field *daft_height_field_create(const daft_allocator *allocator, const float *heights, uint32_t columns, uint32_t rows,
                               float spacing_x, float spacing_z, daft_error *error);
-void daft_field_free(daft_field *field);
+void daft_height_field_free(daft_height_field *field);
 
 /* ---- compounds (compound.c) ---- */
 

@@ -15,21 +15,21 @@ daft_dvec3 daft_triangle_normal(const daft_vec3 corners[3])
 
 /* ---- one triangle ---- */
 
-static daft_vec3 sample(const daft_field *f, uint32_t column, uint32_t row)
+static daft_vec3 sample(const daft_height_field *f, uint32_t column, uint32_t row)
 {
     return daft_v3((float)column * f->spacing_x, f->heights[(size_t)row * f->columns + column],
                    (float)row * f->spacing_z);
 }
 
 /* Also false outside of the field, where columns and rows wrap round to huge ones. */
-static bool is_cell(const daft_field *f, uint32_t column, uint32_t row)
+static bool is_cell(const daft_height_field *f, uint32_t column, uint32_t row)
 {
     if (column >= f->columns - 1 || row >= f->rows - 1) return false;
     const float *h = f->heights + (size_t)row * f->columns + column;
     return isfinite(h[0]) && isfinite(h[1]) && isfinite(h[f->columns]) && isfinite(h[f->columns + 1]);
 }
 
-static bool field_triangle(const daft_field *f, uint32_t triangle, daft_vec3 corners[3])
+static bool field_triangle(const daft_height_field *f, uint32_t triangle, daft_vec3 corners[3])
 {
     uint32_t cell = triangle / 2, column = cell % (f->columns - 1), row = cell / (f->columns - 1);
     if (!is_cell(f, column, row)) return false;
@@ -61,7 +61,7 @@ static const struct across {
 bool daft_triangle_across(const daft_sim_shape *s, uint32_t triangle, uint32_t k, uint32_t *other, uint32_t *other_k)
 {
     if (s->type == DAFT_GEOMETRY_FIELD) {
-        const daft_field *f = s->field;
+        const daft_height_field *f = s->field;
         const struct across *a = &field_across[triangle & 1][k];
         uint32_t cell = triangle / 2, column = cell % (f->columns - 1), row = cell / (f->columns - 1);
         column = (uint32_t)((int)column + a->cell_x), row = (uint32_t)((int)row + a->cell_z);
@@ -109,7 +109,7 @@ static uint32_t cell_at(float x, float spacing, uint32_t count)
     return cell < (float)(count - 1) ? (uint32_t)cell : count - 1;
 }
 
-static void visit_cells(const daft_field *f, const uint32_t from[2], const uint32_t to[2], float low, float high,
+static void visit_cells(const daft_height_field *f, const uint32_t from[2], const uint32_t to[2], float low, float high,
                         daft_triangle_visit *visit, void *context)
 {
     for (uint32_t row = from[1]; row <= to[1]; row++)
@@ -124,7 +124,7 @@ static void visit_cells(const daft_field *f, const uint32_t from[2], const uint3
         }
 }
 
-static void query_field(const daft_field *f, const daft_aabb *q, daft_triangle_visit *visit, void *context)
+static void query_field(const daft_height_field *f, const daft_aabb *q, daft_triangle_visit *visit, void *context)
 {
     float x = (float)(f->columns - 1) * f->spacing_x, z = (float)(f->rows - 1) * f->spacing_z;
     if (!(q->low.y <= f->high && q->high.y >= f->low) || q->low.x > x || q->low.z > z || q->high.x < 0 || q->high.z < 0)
@@ -219,7 +219,7 @@ static void sweep_mesh(const sweep *s, const daft_bvh *bvh)
 }
 
 /* Box of a field's block; false for a hole. */
-static bool block_box(const daft_field *f, uint32_t level, uint32_t x, uint32_t z, daft_dvec3 *low, daft_dvec3 *high)
+static bool block_box(const daft_height_field *f, uint32_t level, uint32_t x, uint32_t z, daft_dvec3 *low, daft_dvec3 *high)
 {
     const float *range = f->ranges + 2 * (size_t)(f->level_first[level] + z * f->level_columns[level] + x);
     if (isnan(range[0])) return false;
@@ -230,7 +230,7 @@ static bool block_box(const daft_field *f, uint32_t level, uint32_t x, uint32_t 
     return true;
 }
 
-static void sweep_cells(const sweep *s, const daft_field *f, uint32_t x, uint32_t z)
+static void sweep_cells(const sweep *s, const daft_height_field *f, uint32_t x, uint32_t z)
 {
     for (uint32_t row = z * BLOCK; row < (z + 1) * BLOCK && row < f->rows - 1; row++)
         for (uint32_t column = x * BLOCK; column < (x + 1) * BLOCK && column < f->columns - 1; column++) {
@@ -246,7 +246,7 @@ static void sweep_cells(const sweep *s, const daft_field *f, uint32_t x, uint32_
 }
 
 /* The depth of recursion is the number of levels. */
-static void sweep_block(const sweep *s, const daft_field *f, uint32_t level, uint32_t x, uint32_t z)
+static void sweep_block(const sweep *s, const daft_height_field *f, uint32_t level, uint32_t x, uint32_t z)
 {
     entry list[4];
     uint32_t count = 0;

@@ -245,23 +245,6 @@ static void a_mesh_that_keeps_its_shape_is_built_once(void **unused)
     stage_drop(s);
 }
 
-/* A mesh is analysed when it is loaded: its normals and trees take no more memory, and no other work, once it is drawn. */
-static void pictures_add_nothing_to_a_mesh(void **unused)
-{
-    (void)unused;
-    stage *s = stage_make(2);
-    daft_entity_def def = daft_default_entity_def();
-    const char *path = write_test_text("roof.obj", "v -1 0 0\nv 0 0 1\nv 0 0 -1\nv 1 -1 0\ns 1\nf 1 2 3\nf 2 4 3\n");
-    def.shape = DAFT_SHAPE_MESH, def.mesh = daft_mesh_load(s->scene, path, NULL);
-    daft_mesh_info loaded, drawn;
-    assert_true(daft_mesh_get_info(s->scene, def.mesh, &loaded, NULL));
-    assert_true(loaded.bytes >= loaded.vertex_count * 2 * sizeof(daft_vec3)); /* positions and normals at least */
-    add(s, &def);
-    for (int i = 0; i < 3; i++) assert_int_equal(draw(s)->mesh_builds, 1);
-    assert_true(daft_mesh_get_info(s->scene, def.mesh, &drawn, NULL) && drawn.bytes == loaded.bytes);
-    stage_drop(s);
-}
-
 /* ---- what has not moved ---- */
 
 static void what_has_not_moved_stays_in_place(void **unused)
@@ -273,7 +256,7 @@ static void what_has_not_moved_stays_in_place(void **unused)
     add_floor(s);
     daft_entity ball = add_ball(s, daft_dv3(0, 1, 0), 1, plain);
     add_lamp(s, DAFT_LIGHT_POINT, daft_dv3(3, 9, 0), daft_v3(0, -1, 0));
-    for (int i = 0; i < 3; i++) assert_int_equal(draw(s)->placings, 1);
+    for (int i = 0; i < 3; i++) assert_int_equal(draw(s)->instance_updates, 1);
     daft_ray_hit hit;
     daft_scene_cast_ray(s->scene, daft_dv3(0, 9, 0), daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, NULL);
     daft_scene_set_ambient(s->scene, daft_v3(0.5f, 0.5f, 0.5f));
@@ -281,27 +264,27 @@ static void what_has_not_moved_stays_in_place(void **unused)
     for (int i = 0; i < 3; i++) {
         daft_scene_begin_tick(s->scene);
         s->view.alpha = 0.25f * (float)i;
-        assert_int_equal(draw(s)->placings, 1);
+        assert_int_equal(draw(s)->instance_updates, 1);
     }
     daft_transform place;
     assert_true(daft_entity_get_transform(s->scene, ball, &place, NULL));
     place.position.x = 2;
     assert_true(daft_entity_set_transform(s->scene, ball, &place, false, NULL));
-    assert_int_equal(draw(s)->placings, 2);
-    assert_int_equal(draw(s)->placings, 2);
+    assert_int_equal(draw(s)->instance_updates, 2);
+    assert_int_equal(draw(s)->instance_updates, 2);
     s->view.alpha = 0.75f;
-    assert_int_equal(draw(s)->placings, 3); /* it is between two places */
+    assert_int_equal(draw(s)->instance_updates, 3); /* it is between two places */
     daft_scene_begin_tick(s->scene);
-    for (int i = 0; i < 2; i++) assert_int_equal(draw(s)->placings, 4); /* and has arrived */
+    for (int i = 0; i < 2; i++) assert_int_equal(draw(s)->instance_updates, 4); /* and has arrived */
     s->view.camera.position.z += 1e-6;
-    assert_int_equal(draw(s)->placings, 5);
+    assert_int_equal(draw(s)->instance_updates, 5);
     def.transmission = 1; /* it hides no lamp any more */
     assert_true(daft_material_set(s->scene, plain, &def, NULL));
-    assert_int_equal(draw(s)->placings, 6);
+    assert_int_equal(draw(s)->instance_updates, 6);
     assert_true(daft_entity_set_material(s->scene, ball, plain, NULL));
-    assert_int_equal(draw(s)->placings, 6); /* it had that already */
+    assert_int_equal(draw(s)->instance_updates, 6); /* it had that already */
     assert_true(daft_entity_destroy(s->scene, ball, NULL));
-    assert_int_equal(draw(s)->placings, 7);
+    assert_int_equal(draw(s)->instance_updates, 7);
     stage_drop(s);
 }
 
@@ -421,7 +404,7 @@ static void what_stays_in_place_looks_the_same(void **unused)
         for (int i = 0; i < TWINS; i++) draw(t.stage[i]);
         assert_memory_equal(daft_image_pixels(t.stage[0]->image), daft_image_pixels(t.stage[1]->image), 4 * PIXELS);
         assert_memory_equal(t.stage[0]->depth, t.stage[1]->depth, sizeof t.stage[0]->depth);
-        kept = daft_scene_counters(other)->placings - daft_scene_counters(t.stage[0]->scene)->placings;
+        kept = daft_scene_counters(other)->instance_updates - daft_scene_counters(t.stage[0]->scene)->instance_updates;
     }
     assert_true(kept > 60 && kept < 240);
     for (int i = 0; i < TWINS; i++) stage_drop(t.stage[i]);
@@ -435,7 +418,6 @@ int main(void)
         cmocka_unit_test(occluders_elsewhere_are_never_tested),
         cmocka_unit_test(mirrors_out_of_sight_cast_no_ray),
         cmocka_unit_test(a_mesh_that_keeps_its_shape_is_built_once),
-        cmocka_unit_test(pictures_add_nothing_to_a_mesh),
         cmocka_unit_test(what_has_not_moved_stays_in_place),
         cmocka_unit_test(what_stays_in_place_looks_the_same),
     };

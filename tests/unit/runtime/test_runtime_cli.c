@@ -58,6 +58,7 @@ static void wrong_usage_is_status_2_with_a_hint(void **unused)
                  {"play --scale nan", "--scale: a number"},
                  {"play --shot-tick 5", "--shot FILE is missing"},
                  {"play -z", "there is no option '-z'"},
+                 {"help fields daft_lamp", "nothing has the name 'daft_lamp'"},
                  {"check", "PATH... is missing"}};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         int status = run_daft(output, "%s", wrong[i].arguments);
@@ -115,7 +116,7 @@ static void a_mesh_without_faces_is_refused(void **unused)
 static void help_is_status_0(void **unused)
 {
     (void)unused;
-    static const char *const helps[] = {"help",        "--help",    "-h",           "--version", "help lua",
+    static const char *const helps[] = {"help",        "--help",    "-h",           "--version", "help lua", "help fields", "help fields daft_light_def",
                                         "play --help", "render -h", "check --help", "help play", "help render"};
     for (size_t i = 0; i < sizeof helps / sizeof helps[0]; i++) {
         int status = run_daft(output, "%s", helps[i]);

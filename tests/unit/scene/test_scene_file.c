@@ -128,6 +128,23 @@ static double degrees(double radians) { return radians * 180 / DAFT_PI; }
 
 /* ---- good files ---- */
 
+/* Options follow an item's numbers and paths; what is optional there may be left out before them. */
+static void items_have_options(void **state)
+{
+    fixture *f = *state;
+    load_good(f, "camera 0 0 0 roll=90\ncamera 0 0 0 10 20 roll=-45 # leans left\nlight 0 1 0 1 1 1 shadow=off\n"
+                 "spot 0 1 0 0 -1 0 1 1 1 40 shadow=false\nsun 0 -1 0 1 1 1 shadow=on\n"
+                 "sphere 0 0 0 1 m.mtl visible=no\nmesh t.obj 0 0 0 2 shadow=no visible=yes\n");
+    daft_camera camera;
+    assert_true(daft_scene_get_camera(f->scene, 0, &camera, NULL) && fabs(degrees((double)camera.roll) - 90) < 1e-4);
+    assert_true(daft_scene_get_camera(f->scene, 1, &camera, NULL) && fabs(degrees((double)camera.roll) + 45) < 1e-4);
+    assert_true(fabs(degrees((double)camera.yaw) - 20) < 1e-4);
+    assert_false(f->scene->lights[0].casts_shadow || f->scene->lights[1].casts_shadow);
+    assert_true(f->scene->lights[2].casts_shadow && fabs(degrees((double)f->scene->lights[1].outer_angle) - 40) < 1e-4);
+    assert_true(!entity(f, 0)->def.visible && entity(f, 0)->def.casts_shadow);
+    assert_true(entity(f, 1)->def.visible && !entity(f, 1)->def.casts_shadow && entity(f, 1)->def.scale.x == 2);
+}
+
 static void every_line_means_what_the_manual_says(void **state)
 {
     fixture *f = *state;
@@ -305,6 +322,13 @@ static const struct {
     {"mesh t.obj 0 0 0 0\n", 1, 18, "scale is 0; it must be a finite number that is not 0"},
     {"mesh t.obj 0 0 0 1 90\n", 1, 22, "expected rot_y"},
     {"mesh t.obj 0 0 0 1 0 0 0 0\n", 1, 26, "unexpected '0'"},
+    {"light 1 2 3 1 1 1 shadow=perhaps\n", 1, 19, "shadow is 'perhaps'; it must be true or false"},
+    {"light 1 2 3 1 1 1 shdow=off\n", 1, 19, "unknown option 'shdow'; known are shadow"},
+    {"light 1 2 3 1 1 1 shadow\n", 1, 19, "unexpected 'shadow'"},
+    {"light 1 2 3 shadow=off\n", 1, 13, "expected r (a number)"},
+    {"camera 0 0 0 roll=1,2\n", 1, 14, "roll is '1,2'; it must be a number"},
+    {"camera 0 0 0 roll=1e9\n", 1, 14, "roll is 1e+09; it must be between -5.72958e+07 and 5.72958e+07 degrees"},
+    {"ambient 1 1 1 shadow=off\n", 1, 15, "unexpected 'shadow=off'"},
     {"mesh\n", 1, 5, "expected the path of a mesh"},
     {"skybox no.png\n", 1, 8, "no.png"},
     {"skybox sky.tga sky.tga\n", 1, 16, "unexpected 'sky.tga'; the form is: skybox path"},
@@ -488,6 +512,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(every_line_means_what_the_manual_says),
+        TEST(items_have_options),
         TEST(materials_keep_their_meaning),
         TEST(glass_keeps_its_meaning),
         TEST(includes_are_relative_to_their_file),

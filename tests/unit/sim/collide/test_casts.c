@@ -203,7 +203,7 @@ static float wave(int x, int z)
 }
 
 /* The same ground as a field and as a mesh, with a hole. */
-static void ground(surface *mesh, daft_field **field)
+static void ground(surface *mesh, daft_height_field **field)
 {
     daft_allocator allocator = daft_malloc_allocator();
     float heights[SIDE * SIDE];
@@ -223,7 +223,7 @@ static void ground(surface *mesh, daft_field **field)
             triangles += 2;
         }
     *mesh = surface_of(mesh_make(p, SIDE * SIDE, index, triangles));
-    *field = daft_field_create(&allocator, heights, SIDE, SIDE, 0.5f, 0.25f, NULL);
+    *field = daft_height_field_create(&allocator, heights, SIDE, SIDE, 0.5f, 0.25f, NULL);
     assert_non_null(*field);
 }
 
@@ -232,7 +232,7 @@ static void fields_and_meshes_agree(void **unused)
     (void)unused;
     fixture_seed(705);
     surface mesh;
-    daft_field *field;
+    daft_height_field *field;
     ground(&mesh, &field);
     daft_sim_shape f = daft_shape_field(field);
     int hits = 0, through = 0;
@@ -278,7 +278,7 @@ static void fields_and_meshes_agree(void **unused)
         drop(&a);
     }
     print_message("%d rays hit, %d went by\n", hits, through);
-    daft_field_free(field);
+    daft_height_field_free(field);
     surface_drop(&mesh);
 }
 
@@ -384,7 +384,7 @@ static void odd_fields(void **unused)
     float h[9] = {NAN, NAN, NAN, NAN, 1, NAN, NAN, NAN, NAN};
     daft_error error = {0};
     daft_ray_result r;
-    daft_field *f = daft_field_create(&allocator, h, 3, 3, 1, 1, &error);
+    daft_height_field *f = daft_height_field_create(&allocator, h, 3, 3, 1, 1, &error);
     assert_non_null(f);
     daft_sim_shape s = daft_shape_field(f), ball = must_sphere(5);
     assert_false(daft_shape_raycast(&s, daft_dv3(1, 5, 1), daft_dv3(0, -1, 0), 100, &r));
@@ -393,14 +393,14 @@ static void odd_fields(void **unused)
     daft_relpose pose = daft_relpose_make(&a, &a);
     assert_int_equal(daft_collide(&ball, &s, &pose, 1, &m, 1, NULL), 0);
     assert_false(daft_shape_overlap(&ball, &s, &a, 1));
-    daft_field_free(f);
-    assert_null(daft_field_create(&allocator, h, 1, 3, 1, 1, &error));
-    assert_null(daft_field_create(&allocator, h, 3, 3, 0, 1, &error));
-    assert_null(daft_field_create(&allocator, h, 3, 3, 1, NAN, &error));
+    daft_height_field_free(f);
+    assert_null(daft_height_field_create(&allocator, h, 1, 3, 1, 1, &error));
+    assert_null(daft_height_field_create(&allocator, h, 3, 3, 0, 1, &error));
+    assert_null(daft_height_field_create(&allocator, h, 3, 3, 1, NAN, &error));
     h[3] = 1e9f;
-    assert_null(daft_field_create(&allocator, h, 3, 3, 1, 1, &error));
+    assert_null(daft_height_field_create(&allocator, h, 3, 3, 1, 1, &error));
     h[3] = INFINITY;
-    assert_null(daft_field_create(&allocator, h, 3, 3, 1, 1, &error));
+    assert_null(daft_height_field_create(&allocator, h, 3, 3, 1, 1, &error));
 }
 
 int main(void)

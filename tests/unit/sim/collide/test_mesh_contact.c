@@ -39,7 +39,7 @@ typedef enum floor_kind { GRID, SEAMS, T_JUNCTIONS, DIRTY, FIELD, FLOORS } floor
 static const char *const FLOOR_NAMES[FLOORS] = {"grid", "doubled vertices", "T-junctions", "dirty", "field"};
 
 /* 10 m by 10 m around the origin, at y = 0. */
-static surface flat_floor(floor_kind kind, daft_field **field)
+static surface flat_floor(floor_kind kind, daft_height_field **field)
 {
     soup *s = &made;
     s->vertices = s->triangles = 0;
@@ -47,7 +47,7 @@ static surface flat_floor(floor_kind kind, daft_field **field)
     if (kind == FIELD) {
         static const float zero[(N + 1) * (N + 1)];
         daft_allocator allocator = daft_malloc_allocator();
-        *field = daft_field_create(&allocator, zero, N + 1, N + 1, 0.5f, 0.5f, NULL);
+        *field = daft_height_field_create(&allocator, zero, N + 1, N + 1, 0.5f, 0.5f, NULL);
         return (surface){.s = daft_shape_field(*field)};
     }
     if (kind == GRID || kind == DIRTY) {
@@ -73,12 +73,12 @@ static surface flat_floor(floor_kind kind, daft_field **field)
     return surface_of(mesh_make(s->p, s->vertices, s->index, s->triangles));
 }
 
-static void floor_drop(surface *s, daft_field *field)
+static void floor_drop(surface *s, daft_height_field *field)
 {
     if (s->shape)
         surface_drop(s);
     else
-        daft_field_free(field);
+        daft_height_field_free(field);
 }
 
 static daft_sim_shape some_shape(uint32_t kind, float size)
@@ -119,7 +119,7 @@ static void a_flat_floor_has_no_edges(void **unused)
     (void)unused;
     fixture_seed(801);
     for (floor_kind kind = 0; kind < FLOORS; kind++) {
-        daft_field *field = NULL;
+        daft_height_field *field = NULL;
         surface ground = flat_floor(kind, &field);
         for (uint32_t round = 0; round < 1600; round++) {
             daft_sim_shape s = some_shape(round / 4 % 4, 0.6f);
@@ -160,7 +160,7 @@ static void four_corners_bear_a_crate(void **unused)
     (void)unused;
     fixture_seed(802);
     for (floor_kind kind = 0; kind < FLOORS; kind++) {
-        daft_field *field = NULL;
+        daft_height_field *field = NULL;
         surface ground = flat_floor(kind, &field);
         for (int round = 0; round < 300; round++) {
             daft_sim_shape crate = must_box(1.2f, 0.4f, 0.9f);
@@ -400,7 +400,7 @@ static void other_orders_and_compounds(void **unused)
     (void)unused;
     fixture_seed(806);
     daft_allocator allocator = daft_malloc_allocator();
-    daft_field *none = NULL;
+    daft_height_field *none = NULL;
     surface ground = flat_floor(GRID, &none);
     daft_child legs[2] = {{must_box(0.1f, 0.5f, 0.1f), daft_rigid_identity()},
                           {must_sphere(0.5f), daft_rigid_identity()}};

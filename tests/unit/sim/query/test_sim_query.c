@@ -22,7 +22,7 @@ typedef struct zoo {
     fixture_mesh ball;
     daft_mesh_shape *mesh;
     daft_hull *hull;
-    daft_field *field;
+    daft_height_field *field;
     daft_compound *compound;
 } zoo;
 
@@ -56,7 +56,7 @@ static void make_shapes(zoo *z)
     z->ball = mesh_ball(12, 1, 0.2f);
     z->mesh = daft_mesh_shape_create(&heap, &z->ball.mesh, z->ball.bvh, true, &error);
     z->hull = daft_hull_create(&heap, points, 12, 0, &error);
-    z->field = daft_field_create(&heap, heights, 12, 12, 0.3f, 0.2f, &error);
+    z->field = daft_height_field_create(&heap, heights, 12, 12, 0.3f, 0.2f, &error);
     daft_child children[3];
     for (int i = 0; i < 3; i++)
         children[i] = (daft_child){random_convex(z, i), daft_rigid_make(random_in(-1, 1), random_turn())};
@@ -116,7 +116,7 @@ static void drop_zoo(zoo *z)
 {
     daft_world_destroy(z->world);
     daft_compound_free(z->compound);
-    daft_field_free(z->field);
+    daft_height_field_free(z->field);
     daft_hull_free(z->hull);
     daft_mesh_shape_free(z->mesh);
     mesh_drop(&z->ball);

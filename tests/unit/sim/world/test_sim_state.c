@@ -7,7 +7,7 @@
 
 typedef struct shapes {
     daft_hull *hull;
-    daft_field *field;
+    daft_height_field *field;
     daft_compound *compound;
     fixture_mesh mesh;
     daft_mesh_shape *surface;
@@ -25,7 +25,7 @@ static shapes make_shapes(void)
     s.hull = daft_hull_create(&allocator, wedge, DAFT_COUNT_OF(wedge), 0, &error);
     float heights[17 * 17];
     for (int i = 0; i < 17 * 17; i++) heights[i] = 0.3f * (float)((i * 7919 % 13) % 5) / 5 - 0.2f;
-    s.field = daft_field_create(&allocator, heights, 17, 17, 0.5f, 0.5f, &error);
+    s.field = daft_height_field_create(&allocator, heights, 17, 17, 0.5f, 0.5f, &error);
     daft_child children[2] = {{.pose = daft_rigid_identity()}, {.pose = daft_rigid_identity()}};
     assert_true(daft_shape_box(daft_v3(0.5f, 0.15f, 0.15f), &children[0].shape, &error));
     assert_true(daft_shape_sphere(0.3f, &children[1].shape, &error));
@@ -41,7 +41,7 @@ static void free_shapes(shapes *s)
 {
     daft_mesh_shape_free(s->surface);
     daft_hull_free(s->hull);
-    daft_field_free(s->field);
+    daft_height_field_free(s->field);
     daft_compound_free(s->compound);
     mesh_drop(&s->mesh);
 }

@@ -1,0 +1,26 @@
+#include "scene/fields/fields.h"
+
+#define ROW(m, ...) DAFT_ROW(daft_light_def, m, __VA_ARGS__)
+
+static const char *const KINDS[] = {"point", "sun", "spot"};
+enum { POINT = 1 << DAFT_LIGHT_POINT, SUN = 1 << DAFT_LIGHT_SUN, SPOT = 1 << DAFT_LIGHT_SPOT };
+
+static const daft_field ROWS[] = {
+    DAFT_COOKIE_ROW(daft_light_def),
+    DAFT_CHOICE_ROW(daft_light_def, kind, KINDS, .flags = DAFT_FIELD_HASHED,
+                    .doc = "A point, the sun, or a spot: a point light that shines into a cone"),
+    ROW(position, .unit = "m", .kinds = POINT | SPOT, .lua = "position", .flags = DAFT_FIELD_HASHED,
+        .doc = "Where it is; the light is equally bright at any distance"),
+    DAFT_DIRECTION_ROW(daft_light_def, direction, .initial = {0, -1, 0}, .kinds = SUN | SPOT, .lua = "direction",
+                       .flags = DAFT_FIELD_HASHED, .doc = "Where its light travels to: a spot's axis; any length but zero"),
+    DAFT_COLOR_ROW(daft_light_def, color, ZERO_OR_MORE, .initial = {1, 1, 1}, .lua = "color", .flags = DAFT_FIELD_HASHED,
+                   .doc = "Its colour in linear light; values over 1 are brighter"),
+    ROW(casts_shadow, .initial = {true}, .lua = "shadow", .scene = "shadow", .flags = DAFT_FIELD_HASHED,
+        .doc = "Whether entities cast shadows in it"),
+    ROW(inner_angle, .unit = "rad", FROM(0, DAFT_PI_FLOAT), .initial = {DAFT_PI / 8}, .kinds = SPOT, .lua = "inner",
+        .flags = DAFT_FIELD_HASHED_USED, .doc = "All of its light is within this angle of the direction; at most outer_angle"),
+    ROW(outer_angle, .unit = "rad", FROM(DAFT_ABOVE_ZERO, DAFT_PI_FLOAT), .initial = {DAFT_PI / 6}, .kinds = SPOT,
+        .lua = "angle", .flags = DAFT_FIELD_HASHED_USED, .doc = "None of its light is beyond this angle of the direction"),
+};
+
+const daft_field_list daft_light_fields = DAFT_FIELD_LIST(daft_light_def, ROWS);

@@ -1,0 +1,51 @@
+/* The engine, the camera, and what a picture is asked with. */
+#include "scene/fields/fields.h"
+
+#define ENGINE(m, ...) DAFT_ROW(daft_engine_def, m, __VA_ARGS__)
+#define CAMERA(m, ...) DAFT_ROW(daft_camera, m, __VA_ARGS__)
+#define VIEW(m, ...) DAFT_ROW(daft_view, m, __VA_ARGS__)
+
+static const char *const ACCELS[] = {"bvh", "kdtree"};
+static const char *const QUALITIES[] = {"draft", "game", "high", "reference"};
+static const char *const INTERSECTIONS[] = {"exact", "watertight", "fast"};
+
+static const daft_field ENGINE_ROWS[] = {
+    DAFT_COOKIE_ROW(daft_engine_def),
+    ENGINE(threads, .doc = "Worker threads, at most 64; 0: one for each processor"),
+    ENGINE(isa, .doc = "The instruction set of the kernels: sse2, avx2 or avx512; none: the best this processor has"),
+    DAFT_CHOICE_ROW(daft_engine_def, accel, ACCELS, .doc = "What rays search meshes by; pictures and hits are the same"),
+    DAFT_OTHER_ROW(daft_engine_def, allocator, .doc = "Where all memory comes from; all zero: malloc"),
+    DAFT_OTHER_ROW(daft_engine_def, warn, .doc = "Called with each warning; none: they are dropped"),
+    DAFT_OTHER_ROW(daft_engine_def, warn_user, .doc = "Handed to warn"),
+};
+
+const daft_field_list daft_engine_fields = DAFT_FIELD_LIST(daft_engine_def, ENGINE_ROWS);
+
+/* daft_sin states its error up to a million radians. */
+#define ANGLES .unit = "rad", FROM(-1e6, 1e6)
+
+static const daft_field CAMERA_ROWS[] = {
+    CAMERA(position, .unit = "m", .lua = "position", .flags = DAFT_FIELD_HASHED, .doc = "Where it is"),
+    CAMERA(yaw, ANGLES, .lua = "yaw", .flags = DAFT_FIELD_HASHED, .doc = "0 looks along +X, positive turns right, towards +Z"),
+    CAMERA(pitch, ANGLES, .lua = "pitch", .flags = DAFT_FIELD_HASHED, .doc = "Positive looks down"),
+    CAMERA(roll, ANGLES, .lua = "roll", .scene = "roll", .flags = DAFT_FIELD_HASHED, .doc = "Positive leans right"),
+    CAMERA(fov, .unit = "rad", FROM((double)1e-6f, 3.1415), .initial = {DAFT_PI / 2}, .lua = "fov",
+           .flags = DAFT_FIELD_HASHED, .doc = "The horizontal angle of view, below pi"),
+};
+
+const daft_field_list daft_camera_fields = DAFT_FIELD_LIST(daft_camera, CAMERA_ROWS);
+
+static const daft_field VIEW_ROWS[] = {
+    DAFT_COOKIE_ROW(daft_view),
+    DAFT_STRUCT_ROW(daft_view, camera, daft_camera, DAFT_STRUCT_CAMERA, .doc = "Where from"),
+    VIEW(alpha, FROM(0, 1), .initial = {1}, .doc = "Between the last two ticks: 0 is the one before, 1 is now"),
+    DAFT_CHOICE_ROW(daft_view, quality, QUALITIES, .initial = {DAFT_QUALITY_GAME}, .doc = "How much work a picture may be"),
+    VIEW(samples, FROM(0, 16), .doc = "Samples of a pixel: 1, 4 or 16; 0: the quality's"),
+    DAFT_CHOICE_ROW(daft_view, intersection, INTERSECTIONS, .doc = "How rays and triangles meet"),
+    VIEW(reference, .doc = "Whether camera rays go alone through the BVH, as in the quality reference"),
+    DAFT_OTHER_ROW(daft_view, aov, .doc = "Arrays for depth, normals, entities and triangles of each pixel"),
+    DAFT_OTHER_ROW(daft_view, progress, .doc = "Told how much is done, 0 to 1; returns false to stop"),
+    DAFT_OTHER_ROW(daft_view, progress_user, .doc = "Handed to progress"),
+};
+
+const daft_field_list daft_view_fields = DAFT_FIELD_LIST(daft_view, VIEW_ROWS);

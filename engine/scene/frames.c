@@ -1,0 +1,158 @@
+/* Frames: their life from taking to release, and when what they may read is freed.
+ *
+ * A frame's snapshot points to three kinds of memory: the frame's own arenas (instances, surfaces, the table of textures,
+ * lights); meshes, texels and sky images, which never change once a frame may read them and which are retired when the
+ * scene lets go of them; nothing else. Taking and releasing happen on the scene's thread, so nothing here is atomic. */
+#include "scene/scene.h"
+
+void daft_scene_touch(daft_scene *scene) { scene->revision = ++scene->engine->revision; }
+
+/* ---- what is let go of ---- */
+
+bool daft_frame_is_taken(const daft_scene *scene)
+{
+    for (const daft_scene_frame *f = scene->frames; f; f = f->next)
+        if (f->taken) return true;
+    return false;
+}
+
+/* Frees what no frame that is taken may read. */
+static void free_retired(daft_scene *scene)
+{
+    uint64_t oldest = UINT64_MAX;
+    for (const daft_scene_frame *f = scene->frames; f; f = f->next)
+        if (f->taken && f->number < oldest) oldest = f->number;
+    for (daft_retired **link = &scene->retired; *link;) {
+        daft_retired *item = *link;
+        if (item->frame >= oldest) {
+            link = &item->next;
+            continue;
+        }
+        *link = item->next;
+        item->free(scene, item);
+    }
+}
+
+void daft_retire(daft_scene *scene, daft_retired *item, void (*free)(const daft_scene *scene, daft_retired *item))
+{
+    item->free = free;
+    item->frame = scene->frames_taken;
+    item->next = scene->retired;
+    scene->retired = item;
+    free_retired(scene);
+}
+
+/* ---- frames ---- */
+
+/* Whether the frame's instances are what one around `origin` would see now. Where nothing is between two ticks' poses, neither
+ * the tick nor alpha matters. */
+static bool still_valid(const daft_scene *scene, const daft_scene_frame *f, const daft_view *view)
+{
+    daft_dvec3 origin = view->camera.position;
+    bool still = f->still && scene->moved_tick != scene->tick;
+    return f->revision && f->revision == scene->revision && f->origin.x == origin.x && f->origin.y == origin.y &&
+           f->origin.z == origin.z && (still || (f->tick == scene->tick && f->alpha == view->alpha));
+}
+
+static daft_scene_frame *frame_new(daft_scene *scene, daft_error *error)
+{
+    daft_scene_frame *f = daft_alloc_zero(scene->allocator, 1, sizeof *f);
+    if (!f) {
+        daft_fail_memory(error, "a frame");
+        return NULL;
+    }
+    daft_arena_init(&f->lights, scene->allocator);
+    daft_arena_init(&f->instances, scene->allocator);
+    f->next = scene->frames;
+    scene->frames = f;
+    return f;
+}
+
+/* A free frame, best one whose instances are still right. */
+static daft_scene_frame *frame_pick(daft_scene *scene, const daft_view *view, daft_error *error)
+{
+    daft_scene_frame *any = NULL;
+    for (daft_scene_frame *f = scene->frames; f; f = f->next) {
+        if (f->taken) continue;
+        if (still_valid(scene, f, view)) return f;
+        any = f;
+    }
+    return any ? any : frame_new(scene, error);
+}
+
+/* Instances, and with them what they index: surfaces and textures. */
+static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view *view, daft_error *error)
+{
+    daft_snapshot *s = &f->snapshot;
+    daft_instance *instances;
+    const daft_assets *assets = &scene->assets;
+    if (still_valid(scene, f, view)) return true;
+    f->revision = 0;
+    daft_arena_reset(&f->instances);
+    if (!daft_snapshot_instances(scene, view->camera.position, view->alpha, &f->instances, &instances, &s->instance_count, error))
+        return false;
+    daft_surface *surfaces = daft_arena_alloc(&f->instances, assets->material_count, sizeof *surfaces);
+    daft_texture_data *textures = daft_arena_alloc(&f->instances, assets->texture_count, sizeof *textures);
+    if (!surfaces || !textures) return daft_fail_memory(error, "a snapshot's materials");
+    for (uint32_t i = 0; i < assets->material_count; i++) surfaces[i] = assets->surfaces[i];
+    for (uint32_t i = 0; i < assets->texture_count; i++) textures[i] = assets->textures[i];
+    s->instances = instances;
+    s->materials = surfaces, s->material_count = assets->material_count;
+    s->textures = textures, s->texture_count = assets->texture_count;
+    s->revision = ++scene->engine->revision;
+    f->revision = scene->revision, f->tick = scene->tick, f->alpha = view->alpha, f->origin = view->camera.position;
+    f->still = scene->moved_tick != scene->tick;
+    scene->counters.instance_updates++;
+    return true;
+}
+
+daft_scene_frame *daft_frame_take(daft_scene *scene, const daft_view *view, int width, int height, daft_error *error)
+{
+    if (!scene->revision) daft_scene_touch(scene); /* nothing has been put into it yet */
+    daft_scene_frame *f = frame_pick(scene, view, error);
+    if (!f || !frame_place(scene, f, view, error) || !daft_snapshot_fill(scene, view, width, height, f, error)) return NULL;
+    f->counters = scene->counters;
+    f->taken = true;
+    f->number = ++scene->frames_taken;
+    return f;
+}
+
+/* The renderer writes instance numbers where the caller wants entities: both are 32 bits, so they are turned in place. */
+static void name_entities(const daft_snapshot *snapshot, uint32_t *ids, bool drawn)
+{
+    _Static_assert(sizeof(daft_entity) == sizeof(uint32_t), "an entity is one number");
+    if (!ids) return;
+    size_t count = (size_t)snapshot->width * (size_t)snapshot->height;
+    for (size_t i = 0; i < count; i++)
+        ids[i] = drawn && ids[i] < snapshot->instance_count ? snapshot->instances[ids[i]].entity : 0;
+}
+
+bool daft_frame_draw(daft_scene_frame *frame, daft_renderer *renderer, const daft_frame_target *target, daft_error *error)
+{
+    bool drawn = daft_render_frame(renderer, &frame->snapshot, target, &frame->counters, error);
+    name_entities(&frame->snapshot, target->aov.instance, drawn);
+    return drawn;
+}
+
+/* What is counted since the scene was made may have gone on while the frame was drawn. */
+void daft_frame_release(daft_scene *scene, daft_scene_frame *frame)
+{
+    daft_counters *c = &frame->counters, *all = &scene->counters;
+    c->query_rays = all->query_rays, c->mesh_builds = all->mesh_builds, c->mesh_refits = all->mesh_refits;
+    c->instance_updates = all->instance_updates;
+    *all = *c;
+    frame->taken = false;
+    free_retired(scene);
+}
+
+void daft_frames_free(daft_scene *scene)
+{
+    for (daft_scene_frame *f = scene->frames, *next; f; f = next) {
+        next = f->next;
+        daft_arena_free(&f->lights);
+        daft_arena_free(&f->instances);
+        daft_release(scene->allocator, f);
+    }
+    scene->frames = NULL;
+    free_retired(scene);
+}
