@@ -183,7 +183,7 @@ static void oak_of(mesh *m, int seed)
         double a = TAU * (i + 0.6 * hash01(i, 7, seed)) / 4;
         vec from = spine[3 + i % 2], tip = add(from, v3(1.15 * cos(a), 1.0, 1.15 * sin(a)));
         add_tube(m, (const vec[]){from, times(add(from, add(tip, v3(0, -0.2, 0))), 0.5), tip},
-                 (const double[]){0.11, 0.08, 0.04}, 3, 6, 1.4);
+                 (const double[]){0.11 + 0.003 * i, 0.08, 0.04}, 3, 6, 1.4); /* two start at one point: no shared rings */
     }
     use_material(m, "leaves");
     vec top = add(spine[5], v3(0, 1.0, 0));
@@ -222,7 +222,7 @@ static void birch_of(mesh *m, int seed)
         double a = TAU * 0.381966 * i, t = 0.42 + 0.06 * i, reach = 1.25 * (1.15 - t);
         vec from = add(spine[(int)(t * 7)], v3(0, 0.2, 0)), tip = add(from, v3(reach * cos(a), 0.55, reach * sin(a)));
         use_material(m, "birch_bark");
-        add_tube(m, (const vec[]){from, tip}, (const double[]){0.04, 0.015}, 2, 4, 1);
+        add_tube(m, (const vec[]){from, tip}, (const double[]){0.04 + 0.001 * i, 0.015}, 2, 4, 1);
         use_material(m, "birch_leaves");
         double s = 0.5 + 0.25 * hash01(i, 12, seed);
         add_crown(m, add(tip, v3(0, -0.05, 0)), v3(s, 0.85 * s, s), 1, 45, 0.36, seed + 30 + i);

@@ -131,7 +131,7 @@ static void add_bay(mesh *m, double x, double side)
     add_box(m, v3(x, 5.8, near), v3(x + BAY, 6.15, far), 2);
     add_rectangle(m, v3(x, 5.8, near), v3(BAY, 0, 0), v3(0, 0, far - near), 2, 0.2);
     near = fmin(z, z - side * 0.10), far = fmax(z, z - side * 0.10);
-    add_box(m, v3(x, 1.3, near), v3(x + BAY, 1.40, far), 2);
+    add_box(m, v3(x, 1.302, near), v3(x + BAY, 1.40, far), 2); /* off the panelling's edge */
     use_material(m, "damask");
     add_rectangle(m, v3(start, 6.15, z), right, v3(0, TOP - 6.15, 0), 2, 0.42);
 }
