@@ -80,6 +80,12 @@ typedef struct daft_error {
 /* Writes "file:line:column: message", leaving out what is not known. Returns `buffer`. */
 DAFT_API const char *daft_error_text(const daft_error *error, char *buffer, size_t size);
 
+/* ---- files ------------------------------------------------------------------------------------------------------- */
+
+/* Writes a whole file, or nothing: a temporary file beside it is flushed to the disk and renamed, so the old file stays
+ * until the new one is whole. Fails with DAFT_ERROR_IO where `path` is a folder, a device, a pipe or a symbolic link. */
+DAFT_API bool daft_write_file(const char *path, const void *bytes, size_t size, daft_error *error);
+
 /* ---- engine ------------------------------------------------------------------------------------------------------ */
 
 typedef struct daft_engine daft_engine;

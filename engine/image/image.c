@@ -3,9 +3,8 @@
 
 #include "image/color.h"
 #include "image/decode.h"
+#include "base/writer.h"
 
-#include <errno.h>
-#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -76,15 +75,9 @@ uint8_t *daft_image_pixels(daft_image *image)
 
 /* ---- writing ---- */
 
-typedef struct writer {
-    FILE *file;
-    bool failed;
-} writer;
-
 static void write_bytes(void *context, void *bytes, int size)
 {
-    writer *to = context;
-    if (fwrite(bytes, 1, (size_t)size, to->file) != (size_t)size) to->failed = true;
+    daft_writer_put(context, bytes, (size_t)size);
 }
 
 static bool is_opaque(const daft_image *image)
@@ -104,8 +97,8 @@ static uint8_t *drop_alpha(const daft_image *image)
     return rgb;
 }
 
-/* Both return false without a message when memory is out; a write that fails shows in to->failed. */
-static bool write_png(const daft_image *image, writer *to)
+/* Both return false without a message when memory is out; the writer remembers a write that fails. */
+static bool write_png(const daft_image *image, daft_writer *to)
 {
     if (!is_opaque(image))
         return stbi_write_png_to_func(write_bytes, to, image->width, image->height, 4, image->pixels, 4 * image->width);
@@ -115,18 +108,18 @@ static bool write_png(const daft_image *image, writer *to)
     return done;
 }
 
-static bool write_ppm(const daft_image *image, writer *to)
+static bool write_ppm(const daft_image *image, daft_writer *to)
 {
     uint8_t *rgb = drop_alpha(image);
     if (!rgb) return false;
     size_t size = 3 * (size_t)image->width * (size_t)image->height;
-    if (fprintf(to->file, "P6\n%d %d\n255\n", image->width, image->height) < 0) to->failed = true;
-    if (fwrite(rgb, 1, size, to->file) != size) to->failed = true;
+    daft_writer_print(to, "P6\n%d %d\n255\n", image->width, image->height);
+    daft_writer_put(to, rgb, size);
     daft_release(&image->allocator, rgb);
     return true;
 }
 
-typedef bool write_function(const daft_image *image, writer *to);
+typedef bool write_function(const daft_image *image, daft_writer *to);
 
 static write_function *format_of(const char *path)
 {
@@ -137,19 +130,6 @@ static write_function *format_of(const char *path)
     return NULL;
 }
 
-/* Writes, flushes and closes `temporary`; what went wrong is in *error. */
-static bool write_file(const daft_image *image, write_function *write, const char *temporary, const char *path,
-                       daft_error *error)
-{
-    writer to = {fopen(temporary, "wb"), false};
-    if (!to.file) return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "cannot open for writing: %s", strerror(errno));
-    bool had_memory = write(image, &to);
-    if (fclose(to.file) != 0) to.failed = true;
-    if (!had_memory) return daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for encoding the image");
-    if (to.failed) return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "cannot write: %s", strerror(errno));
-    return true;
-}
-
 bool daft_image_write(const daft_image *image, const char *path, daft_error *error)
 {
     if (!image || !image->pixels) return daft_fail(error, DAFT_ERROR_ARGUMENT, "no image to write");
@@ -158,14 +138,9 @@ bool daft_image_write(const daft_image *image, const char *path, daft_error *err
     if (!write)
         return daft_fail_at(error, DAFT_ERROR_UNSUPPORTED, path, 0, 0,
                             "images are written as .png or .ppm, by the extension of the name");
-    size_t size = strlen(path) + sizeof ".tmp~";
-    char *temporary = daft_alloc(&image->allocator, size, 1);
-    if (!temporary) return daft_fail_memory(error, "a file name");
-    snprintf(temporary, size, "%s.tmp~", path);
-    bool done = write_file(image, write, temporary, path, error);
-    if (done && rename(temporary, path) != 0)
-        done = daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "cannot write: %s", strerror(errno));
-    if (!done) remove(temporary);
-    daft_release(&image->allocator, temporary);
-    return done;
+    daft_writer *to = daft_writer_open(&image->allocator, path, error);
+    if (!to) return false;
+    if (write(image, to)) return daft_writer_commit(to, error);
+    daft_writer_abandon(to);
+    return daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for encoding the image");
 }

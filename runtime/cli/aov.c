@@ -6,7 +6,6 @@
 #include "cli/cli.h"
 #include "common/util.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -91,20 +90,12 @@ static void put_rows(FILE *out, const aov_set *set, int kind)
     }
 }
 
-/* Writes to a temporary file and renames it, so that a failure leaves no partial file. */
 static bool write_floats(const aov_set *set, int kind, const char *path, daft_error *error)
 {
-    char temporary[PATH_SIZE + 8];
-    snprintf(temporary, sizeof temporary, "%s.tmp~", path);
-    FILE *out = fopen(temporary, "wb");
-    if (!out) return fail_at(error, path, 0, 0, "cannot open for writing: %s", strerror(errno));
-    put_rows(out, set, kind);
-    bool good = !ferror(out);
-    if (fclose(out) != 0) good = false;
-    if (good && rename(temporary, path) == 0) return true;
-    fail_at(error, path, 0, 0, "cannot write: %s", strerror(errno));
-    remove(temporary);
-    return false;
+    draft_file out;
+    if (!draft_open(&out, error)) return false;
+    put_rows(out.file, set, kind);
+    return draft_commit(&out, path, error);
 }
 
 static bool write_numbers(const aov_set *set, int kind, daft_engine *engine, const char *path, daft_error *error)

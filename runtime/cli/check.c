@@ -165,7 +165,7 @@ static void check_path(checker *c, const char *path)
 static int check_all(checker *c, const char *const *paths, size_t count, bool strict, const char *json)
 {
     daft_error error;
-    if (json && !check_json_open(c, json, &error)) return report(&error);
+    if (json && !check_json_open(c, &error)) return report(&error);
     daft_engine_def def = daft_default_engine_def();
     def.warn = check_warning;
     def.warn_user = c;

@@ -6,6 +6,7 @@
 
 #include "hud/canvas.h"
 #include "common/home.h"
+#include "common/util.h"
 
 #include <stdio.h>
 
@@ -16,7 +17,7 @@ typedef struct checker {
     font *face;
     bool has_home;
     size_t files, errors, warnings, notes;
-    FILE *json;        /* or NULL */
+    draft_file json;       /* its file is NULL where no report is wanted */
     uint64_t *printed; /* hashes of the lines printed */
     size_t printed_count, printed_capacity;
 } checker;
@@ -29,7 +30,7 @@ void check_add(checker *c, daft_severity severity, const char *file, int line, i
 void check_problem(void *user, daft_severity severity, const daft_error *problem);
 /* A daft_warning_callback; user: the checker. */
 void check_warning(void *user, const daft_error *warning);
-bool check_json_open(checker *c, const char *path, daft_error *error);
+bool check_json_open(checker *c, daft_error *error);
 bool check_json_close(checker *c, const char *path, daft_error *error);
 
 /* ---- check_lua.c ---- */

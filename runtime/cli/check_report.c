@@ -30,12 +30,13 @@ static bool is_new(checker *c, uint64_t hash)
 
 static void put_json(const checker *c, const char *severity, const daft_error *problem)
 {
-    fprintf(c->json, "%s\n  {\"file\": ", c->printed_count > 1 ? "," : "");
-    json_put_text(c->json, problem->file);
-    fprintf(c->json, ", \"line\": %d, \"column\": %d, \"severity\": \"%s\", \"text\": ", problem->line, problem->column,
+    FILE *out = c->json.file;
+    fprintf(out, "%s\n  {\"file\": ", c->printed_count > 1 ? "," : "");
+    json_put_text(out, problem->file);
+    fprintf(out, ", \"line\": %d, \"column\": %d, \"severity\": \"%s\", \"text\": ", problem->line, problem->column,
             severity);
-    json_put_text(c->json, problem->message);
-    fputc('}', c->json);
+    json_put_text(out, problem->message);
+    fputc('}', out);
 }
 
 /* "a/b/../c" becomes "a/c", so that a file has one name however it was reached. */
@@ -64,7 +65,7 @@ void check_problem(void *user, daft_severity severity, const daft_error *problem
     snprintf(line, sizeof line, "%s: %s: %s", place, SEVERITIES[severity], full.message);
     if (!is_new(c, daft_hash(line, strlen(line), 0))) return;
     puts(line);
-    if (c->json) put_json(c, SEVERITIES[severity], &full);
+    if (c->json.file) put_json(c, SEVERITIES[severity], &full);
     c->errors += severity == DAFT_SEVERITY_ERROR;
     c->warnings += severity == DAFT_SEVERITY_WARNING;
     c->notes += severity == DAFT_SEVERITY_NOTE;
@@ -86,18 +87,16 @@ void check_add(checker *c, daft_severity severity, const char *file, int line, i
     check_problem(c, severity, &problem);
 }
 
-bool check_json_open(checker *c, const char *path, daft_error *error)
+bool check_json_open(checker *c, daft_error *error)
 {
-    c->json = open_to_write(path, error);
-    if (c->json) fputc('[', c->json);
-    return c->json != NULL;
+    if (!draft_open(&c->json, error)) return false;
+    fputc('[', c->json.file);
+    return true;
 }
 
 bool check_json_close(checker *c, const char *path, daft_error *error)
 {
-    if (!c->json) return true;
-    fputs("\n]\n", c->json);
-    FILE *out = c->json;
-    c->json = NULL;
-    return close_written(out, path, error);
+    if (!c->json.file) return true;
+    fputs("\n]\n", c->json.file);
+    return draft_commit(&c->json, path, error);
 }

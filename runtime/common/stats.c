@@ -115,10 +115,10 @@ bool stats_write(const char *path, const daft_counters *counters, const frame_ti
         stats_print_json(stdout, counters, times);
         return true;
     }
-    FILE *out = open_to_write(path, error);
-    if (!out) return false;
-    stats_print_json(out, counters, times);
-    return close_written(out, path, error);
+    draft_file out;
+    if (!draft_open(&out, error)) return false;
+    stats_print_json(out.file, counters, times);
+    return draft_commit(&out, path, error);
 }
 
 /* ---- the plan ---- */

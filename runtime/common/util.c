@@ -163,18 +163,22 @@ char *read_whole_file(const char *path, size_t *size, daft_error *error)
     return bytes;
 }
 
-FILE *open_to_write(const char *path, daft_error *error)
+bool draft_open(draft_file *out, daft_error *error)
 {
-    FILE *file = fopen(path, "w");
-    if (!file) fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
-    return file;
+    *out = (draft_file){0};
+    out->file = open_memstream(&out->bytes, &out->size);
+    return out->file || fail(error, DAFT_ERROR_MEMORY, "out of memory for a file's text");
 }
 
-bool close_written(FILE *file, const char *path, daft_error *error)
+bool draft_commit(draft_file *out, const char *path, daft_error *error)
 {
-    bool good = !ferror(file);
-    if (fclose(file) != 0) good = false;
-    return good || fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
+    bool good = !ferror(out->file);
+    if (fclose(out->file) != 0) good = false;
+    good = good ? daft_write_file(path, out->bytes, out->size, error)
+                : fail_at(error, path, 0, 0, "out of memory for the file's text");
+    free(out->bytes);
+    *out = (draft_file){0};
+    return good;
 }
 
 uint64_t clock_now_ns(void)

@@ -40,10 +40,16 @@ void path_base_name(const char *path, char *out, size_t size);
 bool has_extension(const char *path, const char *extension);
 /* Reads a whole file and appends a zero byte; freed with free(). */
 char *read_whole_file(const char *path, size_t *size, daft_error *error);
-/* Opens `path` for writing; NULL with a message. */
-FILE *open_to_write(const char *path, daft_error *error);
-/* Closes a file opened to write; false with a message when anything was not written. */
-bool close_written(FILE *file, const char *path, daft_error *error);
+
+/* A file in the making: what is printed to `file` stays in memory until draft_commit writes all of it or nothing. */
+typedef struct draft_file {
+    FILE *file;
+    char *bytes;
+    size_t size;
+} draft_file;
+bool draft_open(draft_file *out, daft_error *error);
+/* Writes the file (daft_write_file) and frees the memory, also where it fails. */
+bool draft_commit(draft_file *out, const char *path, daft_error *error);
 
 uint64_t clock_now_ns(void); /* monotonic */
 
