@@ -6,11 +6,14 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 /* ---- reading ---- */
 
@@ -122,6 +125,17 @@ static bool read_event(reader *in, recording *out, size_t *capacity)
     return true;
 }
 
+/* How far a recording reaches is known by these, should its end be missing. */
+static bool read_mark(reader *in, recording *out)
+{
+    uint64_t ticks;
+    if (!take_count(in, &ticks, "a number of ticks expected") || !line_ends(in)) return false;
+    if (ticks < out->end || (out->count > 0 && out->items[out->count - 1].tick >= ticks))
+        return bad(in, "the ticks must not go back", NULL);
+    out->end = ticks;
+    return true;
+}
+
 static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
 {
     if (*ended) return bad(in, "text after the 'end' line", NULL);
@@ -131,6 +145,7 @@ static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
         strcpy(out->game, in->at);
         return true;
     }
+    if (take_word(in, "tick")) return read_mark(in, out);
     if (take_word(in, "rate")) {
         uint64_t rate;
         if (!take_count(in, &rate, "a number of ticks a second expected")) return false;
@@ -138,12 +153,26 @@ static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
     }
     if (take_word(in, "seed")) return take_count(in, &out->seed, "a whole number expected") && line_ends(in);
     if (!take_word(in, "end")) return read_event(in, out, capacity);
+    uint64_t marked = out->end;
     if (!take_count(in, &out->end, "a number of ticks expected")) return false;
+    if (out->end < marked) return bad(in, "the recording ends before its last tick", NULL);
     if (out->count > 0 && out->items[out->count - 1].tick >= out->end)
         return bad(in, "the recording ends before its last event", NULL);
     *ended = true;
     return line_ends(in);
 }
+
+/* The game was killed: what came after the last mark is not whole, and is left out. */
+static bool end_cut(reader *in, recording *out)
+{
+    if (out->end == 0) return fail_at(in->error, in->path, in->number, 1, "the 'end' line is missing: the file was cut short");
+    while (out->count > 0 && out->items[out->count - 1].tick >= out->end) out->count--;
+    out->cut = true;
+    return true;
+}
+
+/* Whether the line is the file's last and without an end of its own: its writer was stopped in the middle of it. */
+static bool is_half(const char *line, const char *next) { return !next && *line; }
 
 static bool read_lines(reader *in, char *text, recording *out)
 {
@@ -152,19 +181,20 @@ static bool read_lines(reader *in, char *text, recording *out)
     for (char *line = text; line; in->number++) {
         char *next = strchr(line, '\n');
         if (next) *next++ = 0;
+        if (is_half(line, next) && out->end > 0 && !ended) break;
         size_t length = strlen(line);
         while (length > 0 && isspace((unsigned char)line[length - 1])) line[--length] = 0;
         in->line = in->at = line;
         line = next;
         skip_blanks(in);
         if (in->number == 1) {
-            if (take_word(in, "daft-recording") && strcmp(in->at, "1") == 0) continue;
+            if (take_word(in, "daft-recording") && (strcmp(in->at, "1") == 0 || strcmp(in->at, "2") == 0)) continue;
             return bad(in, "'daft-recording 1' expected: this is not a recording of this version", NULL);
         }
         if (*in->at == 0 || *in->at == '#') continue;
         if (!read_line(in, out, &capacity, &ended)) return false;
     }
-    return ended || fail_at(in->error, in->path, in->number, 1, "the 'end' line is missing: the file was cut short");
+    return ended || end_cut(in, out);
 }
 
 bool recording_load(recording *out, const char *path, daft_error *error)
@@ -199,8 +229,38 @@ void recording_play(recording *record, uint64_t tick, input *state)
 
 struct recorder {
     FILE *file;
-    char path[PATH_SIZE];
+    char path[PATH_SIZE], part[PATH_SIZE + 8];
 };
+
+/* The file that is being recorded is locked, so that no other game takes it for a left-over one. */
+static bool keep_left_over(const recorder *writer, daft_error *error)
+{
+    char old[PATH_SIZE + 16];
+    int file = open(writer->part, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (file < 0) return true;
+    bool busy = flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    close(file);
+    if (busy) return fail_at(error, writer->path, 0, 0, "another game is being recorded to this file");
+    snprintf(old, sizeof old, "%s-old", writer->part);
+    return rename(writer->part, old) == 0 || fail_at(error, writer->part, 0, 0, "cannot be renamed: %s", strerror(errno));
+}
+
+static bool open_part(recorder *writer, const char *path, daft_error *error)
+{
+    int length = snprintf(writer->path, sizeof writer->path, "%s", path);
+    if (length < 0 || (size_t)length >= sizeof writer->path) return fail_at(error, path, 0, 0, "the name is too long");
+    snprintf(writer->part, sizeof writer->part, "%s.part", path);
+    if (path_is_folder(path)) return fail_at(error, path, 0, 0, "a folder, not a file");
+    if (!keep_left_over(writer, error)) return false;
+    int file = open(writer->part, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (file < 0) return fail_at(error, path, 0, 0, "cannot be written: %s", strerror(errno));
+    flock(file, LOCK_EX | LOCK_NB);
+    writer->file = fdopen(file, "w");
+    if (writer->file) return true;
+    close(file);
+    unlink(writer->part);
+    return fail(error, DAFT_ERROR_MEMORY, "out of memory for a recording");
+}
 
 recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_error *error)
 {
@@ -209,13 +269,11 @@ recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_
         fail(error, DAFT_ERROR_MEMORY, "out of memory for a recording");
         return NULL;
     }
-    snprintf(writer->path, sizeof writer->path, "%s", path);
-    writer->file = open_to_write(path, error);
-    if (!writer->file) {
+    if (!open_part(writer, path, error)) {
         free(writer);
         return NULL;
     }
-    fprintf(writer->file, "daft-recording 1\ngame %s\nrate %d\nseed %" PRIu64 "\n", game, LOOP_RATE, seed);
+    fprintf(writer->file, "daft-recording 2\ngame %s\nrate %d\nseed %" PRIu64 "\n", game, LOOP_RATE, seed);
     return writer;
 }
 
@@ -229,11 +287,33 @@ void recorder_add(recorder *writer, uint64_t tick, const input_event *event)
         fprintf(writer->file, "%s %.9g %.9g\n", names[event->kind], (double)event->x, (double)event->y);
 }
 
+void recorder_tick(recorder *writer, uint64_t ticks)
+{
+    if (ticks % LOOP_RATE != 0) return;
+    fprintf(writer->file, "tick %" PRIu64 "\n", ticks);
+    fflush(writer->file);
+}
+
+/* Flushes the file and its new name to the disk. */
+static bool put_in_place(recorder *writer)
+{
+    char folder[PATH_SIZE];
+    const char *slash = strrchr(writer->path, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - writer->path) + 1 : 1, slash ? writer->path : ".");
+    if (fflush(writer->file) != 0 || ferror(writer->file) || fsync(fileno(writer->file)) != 0) return false;
+    if (rename(writer->part, writer->path) != 0) return false;
+    int descriptor = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor >= 0) fsync(descriptor), close(descriptor);
+    return true;
+}
+
 bool recorder_close(recorder *writer, uint64_t end, daft_error *error)
 {
     if (!writer) return true;
     fprintf(writer->file, "end %" PRIu64 "\n", end);
-    bool good = close_written(writer->file, writer->path, error);
+    bool good = put_in_place(writer) || fail_at(error, writer->path, 0, 0, "cannot be written: %s", strerror(errno));
+    if (!good) unlink(writer->part);
+    fclose(writer->file);
     free(writer);
     return good;
 }

@@ -1,6 +1,6 @@
 /* recording: the input of a game, tick by tick, as a text file that replays it.
  *
- *     daft-recording 1          the format's version
+ *     daft-recording 2          the format's version (1 had no 'tick' lines)
  *     game marble
  *     rate 60                   ticks a second
  *     seed 1                    seed of the random numbers
@@ -9,10 +9,16 @@
  *     41 mouse 640.5 360        the mouse, in HUD units from the top left
  *     41 motion -3 0.5          the grabbed mouse, in HUD units right and down
  *     41 wheel 0 1              notches, right and up positive
+ *     tick 60                   60 ticks have been recorded; once a second
  *     end 600                   ticks in all; the last line
  *
  * Ticks ascend; blank lines and lines that start with # are ignored.
- * Promises: a recording reads back bit for bit; a bad file fails with file:line:column. */
+ *
+ * A recording in the making is FILE.part, and becomes FILE when the game ends; until then an older FILE stays as it was. It is
+ * flushed once a second, so that of a killed game all but its last second can be replayed: `--replay FILE.part`. What a killed
+ * game left is kept as FILE.part-old when the next recording begins.
+ * Promises: a recording reads back bit for bit; one that was cut short plays up to its last whole second; any other bad file
+ * fails with file:line:column. */
 #ifndef RUNTIME_GAME_RECORDING_H
 #define RUNTIME_GAME_RECORDING_H
 
@@ -28,6 +34,7 @@ typedef struct recording {
     char game[128];
     uint64_t seed;
     uint64_t end; /* ticks */
+    bool cut;     /* there is no 'end' line: `end` is the last tick that is known */
     recording_item *items;
     size_t count;
     size_t next; /* the first item not yet played */
@@ -42,7 +49,9 @@ void recording_play(recording *record, uint64_t tick, input *state);
 typedef struct recorder recorder;
 recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_error *error);
 void recorder_add(recorder *writer, uint64_t tick, const input_event *event);
-/* Ends the file at `end` ticks and closes it. NULL is fine. False when a write failed. */
+/* After each tick: `ticks` have been recorded so far. */
+void recorder_tick(recorder *writer, uint64_t ticks);
+/* Ends the file at `end` ticks and puts it into place. NULL is fine. False where a write failed: then FILE is as it was. */
 bool recorder_close(recorder *writer, uint64_t end, daft_error *error);
 
 #endif

@@ -219,6 +219,7 @@ static bool run_updates(session *s, int updates, daft_error *error)
     for (int i = 0; i < updates && !is_over(s); i++) {
         uint64_t before = s->play.ticks;
         game_tick(&s->play);
+        if (s->play.ticks > before && s->record) recorder_tick(s->record, s->play.ticks);
         if (s->play.ticks > before && !s->play.failed && !after_tick(s, error)) return false;
     }
     if (updates > 0 && !s->play.failed) s->update_ms = smooth(s->update_ms, (double)(clock_now_ns() - began) / 1e6);
@@ -265,6 +266,8 @@ static bool open_files(session *s, daft_error *error)
     if (def->replay && s->replay.game[0] && strcmp(s->replay.game, s->info->name) != 0)
         return fail_at(error, def->replay, 0, 0, "this is a recording of the game '%s', not of '%s'", s->replay.game,
                        s->info->name);
+    if (def->replay && s->replay.cut)
+        fprintf(stderr, "daft: %s was cut short: it plays up to tick %" PRIu64 "\n", def->replay, s->replay.end);
     if (!def->record) return true;
     s->record = recorder_open(def->record, s->info->name, def->replay ? s->replay.seed : def->seed, error);
     return s->record != NULL;

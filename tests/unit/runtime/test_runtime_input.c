@@ -13,6 +13,8 @@
 
 #include <cmocka.h>
 
+#include <signal.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 static uint64_t state;
@@ -164,6 +166,65 @@ static void playing_gives_each_tick_its_events(void **unused)
     unlink(temporary());
 }
 
+/* A killed game's recording ends anywhere; it plays up to its last whole second. */
+static void a_cut_recording_plays_to_its_last_second(void **unused)
+{
+    (void)unused;
+    static const char text[] = "daft-recording 2\ngame x\n5 +left\ntick 60\n70 -left\n90 +up\ntick 120\n130 +down\n131 mouse 1.5";
+    for (size_t size = strlen("daft-recording 2\ngame x\n5 +left\ntick 60\n"); size < sizeof text; size++) {
+        FILE *file = fopen(temporary(), "w");
+        fwrite(text, 1, size, file);
+        fclose(file);
+        daft_error error;
+        recording record;
+        assert_true(recording_load(&record, temporary(), &error));
+        bool two = size >= (size_t)(strstr(text, "130") - text);
+        assert_true(record.cut);
+        assert_int_equal(record.end, two ? 120 : 60);
+        assert_int_equal(record.count, two ? 3 : 1);
+        recording_free(&record);
+    }
+    unlink(temporary());
+}
+
+/* The old recording stays until the new one is whole, and what a killed game left is kept. */
+static void a_killed_game_loses_no_recording(void **unused)
+{
+    (void)unused;
+    char path[64], part[128], old[140];
+    daft_error error;
+    snprintf(path, sizeof path, "%s", temporary());
+    snprintf(part, sizeof part, "%s.part", path);
+    snprintf(old, sizeof old, "%s-old", part);
+    const input_event event = {.kind = INPUT_KEY, .key = key("left"), .down = true};
+    assert_true(recorder_close(recorder_open(path, "first", 1, &error), 10, &error));
+    pid_t child = fork();
+    if (child == 0) {
+        recorder *writer = recorder_open(path, "second", 1, &error);
+        recorder_add(writer, 3, &event);
+        for (uint64_t tick = 1; tick < 100; tick++) recorder_tick(writer, tick);
+        raise(SIGKILL);
+    }
+    waitpid(child, NULL, 0);
+    recording record;
+    assert_true(recording_load(&record, path, &error));
+    assert_string_equal(record.game, "first");
+    recording_free(&record);
+    assert_true(recorder_close(recorder_open(path, "third", 1, &error), 10, &error));
+    assert_true(recording_load(&record, old, &error));
+    assert_string_equal(record.game, "second");
+    assert_true(record.cut && record.end == 60 && record.count == 1);
+    recording_free(&record);
+    assert_int_equal(access(part, F_OK), -1);
+    recorder *busy = recorder_open(path, "fourth", 1, &error);
+    assert_non_null(busy);
+    assert_null(recorder_open(path, "fifth", 1, &error));
+    assert_non_null(strstr(error.message, "another game"));
+    assert_true(recorder_close(busy, 1, &error));
+    unlink(path);
+    unlink(old);
+}
+
 static void bad_files_say_where(void **unused)
 {
     (void)unused;
@@ -173,7 +234,10 @@ static void bad_files_say_where(void **unused)
         const char *message;
     } bad[] = {
         {"", 1, 1, "not a recording"},
-        {"daft-recording 2\nend 1\n", 1, 16, "not a recording of this version"},
+        {"daft-recording 3\nend 1\n", 1, 16, "not a recording of this version"},
+        {"daft-recording 2\ntick 60\ntick 59\nend 60\n", 3, 8, "must not go back"},
+        {"daft-recording 2\n60 +left\ntick 60\nend 90\n", 3, 8, "must not go back"},
+        {"daft-recording 2\ntick 60\nend 59\n", 3, 7, "before its last tick"},
         {"daft-recording 1\n", 3, 1, "'end' line is missing"},
         {"daft-recording 1\ngame\nend 1\n", 2, 5, "a game's name"},
         {"daft-recording 1\nrate 30\nend 1\n", 2, 8, "60 ticks"},
@@ -241,6 +305,8 @@ int main(void)
                                        cmocka_unit_test(every_key_name_finds_its_key),
                                        cmocka_unit_test(what_is_recorded_reads_back_to_the_bit),
                                        cmocka_unit_test(playing_gives_each_tick_its_events),
+                                       cmocka_unit_test(a_cut_recording_plays_to_its_last_second),
+                                       cmocka_unit_test(a_killed_game_loses_no_recording),
                                        cmocka_unit_test(bad_files_say_where),
                                        cmocka_unit_test(random_bytes_do_no_harm)};
     return cmocka_run_group_tests(tests, NULL, NULL);
