@@ -3,6 +3,7 @@
 
 #include "lua/api.h"
 #include "common/util.h"
+#include "lua/patterns.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -54,14 +55,13 @@ static void *allocate(void *user, void *pointer, size_t old_size, size_t new_siz
 
 enum { WATCH_STEP = 200000 };
 
-/* Called every WATCH_STEP instructions: a game in an endless loop must not take the window with it. */
-static void watch(lua_State *L, lua_Debug *unused)
+/* Raises an error where the callback has run for too long; `steps` of it since the last look. */
+static void watch_steps(lua_State *L, uint64_t steps)
 {
-    (void)unused;
     host *state = api_host(L);
     uint64_t ran = clock_now_ns() - state->call_began;
     const char *name = state->callback;
-    state->call_ran += WATCH_STEP;
+    state->call_ran += steps;
     if (state->def.instructions && state->call_ran > state->def.instructions) {
         state->stopped = true;
         luaL_error(L, "%s ran too long", name);
@@ -75,6 +75,15 @@ static void watch(lua_State *L, lua_Debug *unused)
         luaL_error(L, "%s was stopped", name);
     }
 }
+
+/* Called every WATCH_STEP instructions: a game in an endless loop must not take the window with it. */
+static void watch(lua_State *L, lua_Debug *unused)
+{
+    (void)unused;
+    watch_steps(L, WATCH_STEP);
+}
+
+void host_poll(lua_State *L) { watch_steps(L, PATTERNS_POLL_STEPS); }
 
 /* ---- files ---- */
 

@@ -74,6 +74,8 @@ bool host_load(host *state);
 bool host_update(host *state, double dt);
 bool host_key(host *state, int key, bool down);
 bool host_draw(host *state, const canvas *picture);
+/* For library functions that loop in C: raises an error where the callback has run for too long. */
+void host_poll(lua_State *L);
 
 void random_seed(random_state *state, uint64_t seed);
 uint64_t random_next(random_state *state);

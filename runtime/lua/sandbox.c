@@ -13,6 +13,7 @@
 #include "lua/api.h"
 
 #include "common/util.h"
+#include "lua/patterns.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -440,6 +441,7 @@ void sandbox_open(lua_State *L)
     lua_pop(L, 1);
     lua_getfield(L, -1, LUA_STRLIBNAME);
     wrap(L, "rep", repeat);
+    patterns_open(L, host_poll);
     lua_pushnil(L);
     lua_setfield(L, -2, "dump");
     lua_pop(L, 2);
