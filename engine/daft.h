@@ -111,7 +111,7 @@ DAFT_API const char *daft_accel_name(daft_accel accel);
 typedef struct daft_engine_def {
     uint32_t cookie;
     int threads;              /* worker threads; 0: one for each processor */
-    const char *isa;          /* "sse2", "avx2", "avx512"; NULL: the best this processor has */
+    const char *isa;          /* "plain", "sse2", "avx2", "avx512"; NULL: the best this build and processor have */
     daft_accel accel;
     daft_allocator allocator; /* all zero: malloc */
     daft_warning_callback *warn;

@@ -7,10 +7,8 @@
 #include "accel/reach.h"
 #include "math/simd/ops.h"
 
-typedef int64_t vl __attribute__((vector_size(DAFT_VL * 4))); /* a mask over double lanes: all bits, or none */
 
-DAFT_INLINE vd vd_select(vl m, vd a, vd b) { return (vd)((m & (vl)a) | (~m & (vl)b)); }
-DAFT_INLINE vd vd_larger(vd a, vd b) { return vd_select((vl)(a > b), a, b); }
+DAFT_INLINE vd vd_larger(vd a, vd b) { return vd_if_then_else((vl)(a > b), a, b); }
 
 /* What is read of the meshes, by lane. */
 typedef struct daft_bounded {
@@ -72,8 +70,8 @@ DAFT_INLINE void daft_bound_axis(const daft_bounded *of, float (*map)[DAFT_VL], 
     for (int way = 0; way < 2; way++)
         along[way] = (a - b) * vd_promote_half(r->axis[way], h) + (b - c) * vd_promote_half(r->face[way], h) + c * vd_promote_half(r->octant[way], h);
     vd ahead = t + along[0], behind = t - along[1];
-    *high = vd_select((vl)(ahead < centre + half), ahead, centre + half);
-    *low = vd_select((vl)(behind > centre - half), behind, centre - half);
+    *high = vd_if_then_else((vl)(ahead < centre + half), ahead, centre + half);
+    *low = vd_if_then_else((vl)(behind > centre - half), behind, centre - half);
 }
 
 /* map: m, then t of the maps that meshes are moved by. */

@@ -275,7 +275,7 @@ DAFT_INLINE void daft_blocks_load(const daft_block *b, int count, vf3 c[3])
     vf_load_block_pairs_at(b->corner[0][2], at, &c[0].z, &c[1].x);
     vf_load_block_pairs_at(b->corner[1][1], at, &c[1].y, &c[1].z);
     vf_load_block_pairs_at(b->corner[2][0], at, &c[2].x, &c[2].y);
-    c[2].z = vf_load_blocks_at(b->corner[2][2], at, DAFT_FOURS);
+    c[2].z = vf_load_blocks_at(b->corner[2][2], at);
 }
 
 /* By the floats' word alone. */

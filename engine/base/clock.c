@@ -1,18 +1,10 @@
 /* The monotonic clock, and the processor's time stamp counter. */
 #include "base/base.h"
+#include "base/cpu.h"
 
 #include <time.h>
 
-#if defined(__x86_64__) || defined(__i386__)
-uint64_t daft_clock_ticks(void) { return __builtin_ia32_rdtsc(); }
-#else
-uint64_t daft_clock_ticks(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
-}
-#endif
+uint64_t daft_clock_ticks(void) { return daft_cpu_ticks(); }
 
 double daft_clock_ms(void)
 {

@@ -1,5 +1,6 @@
 /* The scheduler: see parallel.h. */
 #include "base/base.h"
+#include "base/cpu.h"
 
 #include <sched.h>
 #include <stdatomic.h>
@@ -96,11 +97,10 @@ static bool take_all(daft_region *region, uint32_t worker)
 
 static void wait_a_little(int *spins)
 {
-    if (++*spins > SPINS) sched_yield();
-#if defined(__x86_64__) || defined(__i386__)
+    if (++*spins > SPINS)
+        sched_yield();
     else
-        __builtin_ia32_pause();
-#endif
+        daft_cpu_pause();
 }
 
 void daft_region_for(daft_region *region, uint32_t count, daft_task *task, void *context)

@@ -1,5 +1,6 @@
 /* image: pixels in memory, files in and out, textures with their mip chains, skies.
- * Promises: linear light inside, sRGB at the edges; a texture that cannot be had is a visible checker, never a crash. */
+ * Promises: linear light inside, sRGB at the edges; a texture that cannot be had is a visible checker, never a crash.
+ * Public headers: image.h */
 #ifndef DAFT_IMAGE_ROOM_H
 #define DAFT_IMAGE_ROOM_H
 

@@ -1,5 +1,5 @@
 /* Functions whose results are state or pixels: libm's differ between systems, these do not. Each states its bound,
- * found by comparing with double-precision libm over the whole range (tests/test_math.c). */
+ * found by comparing with double-precision libm over the whole range (tests/unit/math/test_math.c). */
 #ifndef DAFT_TRIG_H
 #define DAFT_TRIG_H
 

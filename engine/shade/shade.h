@@ -1,5 +1,6 @@
 /* shade: what a surface does with light: materials, lamps, sky, and the arithmetic of Lambert and Phong over batches.
- * Promises: linear light; the same bits on every instruction set; no rays: who asks for light says what is visible. */
+ * Promises: linear light; the same bits on every instruction set; no rays: who asks for light says what is visible.
+ * Public headers: shade.h */
 #ifndef DAFT_SHADE_H
 #define DAFT_SHADE_H
 

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const ISAS[] = {"sse2", "avx2", "avx512"};
+static const char *const ISAS[] = {"plain", "sse2", "avx2", "avx512"};
 static const char *const ACCELS[] = {"bvh", "kdtree"};
 static const char *const INTERSECTIONS[] = {"exact", "watertight", "fast"};
 static const char *const QUALITIES[] = {"draft", "game", "high", "reference"};

@@ -15,7 +15,7 @@ typedef enum cli_kind {
     CLI_SIZE,      /* cli_size: WIDTHxHEIGHT, each min..max */
     CLI_QUALITY,   /* daft_quality */
     CLI_INTERSECT, /* daft_intersection */
-    CLI_ISA,       /* const char *: sse2, avx2, avx512 */
+    CLI_ISA,       /* const char *: plain, sse2, avx2, avx512 */
     CLI_ACCEL      /* daft_accel: bvh, kdtree */
 } cli_kind;
 

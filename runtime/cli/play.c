@@ -200,7 +200,7 @@ int command_play(int argc, char **argv)
         {"quality", 'q', CLI_QUALITY, "Q", &o->quality, 0, 0, "draft, game (default), high or reference"},
         {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 256,
          "worker threads; 0, the default, is one for each processor"},
-        {"isa", 0, CLI_ISA, "X", &o->isa, 0, 0, "sse2, avx2 or avx512; default: the best available"},
+        {"isa", 0, CLI_ISA, "X", &o->isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"},
         {"seed", 0, CLI_COUNT, "N", &o->seed, 0, 1000000000, "seed of the random numbers (1); a replay uses its own"},
         {"shot", 0, CLI_TEXT, "FILE", &o->shot, 0, 0, "write a picture (.png, .ppm) at the end"},
         {"shot-tick", 0, CLI_COUNT, "N", &o->shot_tick, 1, 1000000000, "write that picture after update N instead"},

@@ -163,7 +163,7 @@ int command_render(int argc, char **argv)
         {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the file, counted from 0 (0)"},
         {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256,
          "worker threads; 0, the default, is one for each processor"},
-        {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "sse2, avx2 or avx512; default: the best available"},
+        {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"},
         {"accel", 0, CLI_ACCEL, "X", &o.accel, 0, 0,
          "bvh (default) or kdtree: acceleration structure of meshes; the picture is the same"},
         {"aov", 0, CLI_TEXT, "LIST", &o.aov_list, 0, 0,

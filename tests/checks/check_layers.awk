@@ -101,6 +101,10 @@ function check_private(path, name, there) {
 }
 
 function check_engine(name, quoted, path, other, mine) {
+    if (!targets && name ~ /intrin\.h$|^arm_neon\.h$|^wasm_simd128\.h$/) {
+        complain("includes " name, "instruction sets are math/simd/'s")
+        return
+    }
     if (name ~ /^(SDL|lua|lauxlib|lualib)/) {
         complain("includes " name, "engine/ has no SDL and no Lua")
         return
@@ -159,6 +163,7 @@ FNR == 1 {
     folder = FILENAME
     sub(/[^\/]*$/, "", folder)
     engine = folder ~ /^engine\//
+    targets = folder == "engine/math/simd/"
     room = room_of(FILENAME)
     top = room == "" ? "" : top_of(room)
     if (engine && room != "" && !(name_of(room) in level))
@@ -183,6 +188,8 @@ FNR == 1 {
 {
     code = code_of($0)
     if (!engine) next
+    if (!targets && code ~ /(^|[^A-Za-z0-9_])(_mm[0-9]*_|__m(128|256|512)|__builtin_ia32_|DAFT_ISA_(plain|sse2|avx2|avx512)($|[^A-Za-z0-9_]))/)
+        complain("asks which machine it is on", "instruction sets are math/simd/'s")
     if (code ~ /(^|[^A-Za-z0-9_])(stdout|stderr|stdin)($|[^A-Za-z0-9_])/)
         complain("names a standard stream", "engine/ reads and prints nothing by itself")
     if (code ~ /(^|[^A-Za-z0-9_])(v?printf|puts|putchar|perror)[ \t]*\(/)

@@ -89,7 +89,7 @@ static void fill_bins(const range *r, const prim *prims, const binning *how, bin
     }
     for (uint32_t i = r->first; i < r->first + r->count; i++) {
         v8 box = prim_box(&prims[i]);
-        v4i at = __builtin_convertvector(place_of(how, &prims[i]), v4i);
+        v4i at = v4i_convert_to(place_of(how, &prims[i]));
         for (int k = 0; k < 3; k++) {
             out->box[k][at[k]] = v8_min(out->box[k][at[k]], box);
             out->weight[at[k]][k] += (int32_t)prims[i].weight;
@@ -299,7 +299,7 @@ static bool grow(daft_build_branch *branch, const range *r)
 
 DAFT_INLINE uint32_t cell_of(const daft_build_grid *grid, const prim *p)
 {
-    v4i at = __builtin_convertvector((prim_middle(p) - grid->low) * grid->scale, v4i);
+    v4i at = v4i_convert_to((prim_middle(p) - grid->low) * grid->scale);
     return (uint32_t)at[0] + grid->side * ((uint32_t)at[1] + grid->side * (uint32_t)at[2]);
 }
 

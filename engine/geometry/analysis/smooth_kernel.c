@@ -15,13 +15,6 @@ typedef struct vd3 {
     vd x, y, z;
 } vd3;
 
-typedef int64_t vl __attribute__((vector_size(DAFT_VL * 4)));
-
-DAFT_INLINE vd vd_select(vl mask, vd a, vd b)
-{
-    return (vd)((mask & (vl)a) | (~mask & (vl)b));
-}
-
 DAFT_INLINE vd3 vd3_sub(vd3 a, vd3 b)
 {
     return (vd3){a.x - b.x, a.y - b.y, a.z - b.z};
@@ -36,8 +29,8 @@ DAFT_INLINE vd vd3_dot(vd3 a, vd3 b)
 DAFT_INLINE vd arc_cosine(vd x)
 {
     const vd zero = {0}, one = zero + 1;
-    vd a = vd_select((vl)(x < zero), -x, x);
-    a = vd_select((vl)(a < one), a, one);
+    vd a = vd_if_then_else((vl)(x < zero), -x, x);
+    a = vd_if_then_else((vl)(a < one), a, one);
     vd series = zero - 0.0012624911;
     series = series * a + 0.0066700901;
     series = series * a - 0.0170881256;
@@ -47,7 +40,7 @@ DAFT_INLINE vd arc_cosine(vd x)
     series = series * a - 0.2145988016;
     series = series * a + 1.5707963050;
     vd angle = vd_sqrt(one - a) * series;
-    return vd_select((vl)(x < zero), DAFT_PI - angle, angle);
+    return vd_if_then_else((vl)(x < zero), DAFT_PI - angle, angle);
 }
 
 /* Half the lanes: out has the normal's x, y, z and the angles. A corner without an angle weighs nothing. */
@@ -58,15 +51,15 @@ DAFT_INLINE void measure(vd3 a, vd3 b, vd3 c, vd out[6])
     vd ab2 = vd3_dot(ab, ab), ac2 = vd3_dot(ac, ac), bc2 = vd3_dot(bc, bc);
     vd3 n = {ab.y * ac.z - ab.z * ac.y, ab.z * ac.x - ab.x * ac.z, ab.x * ac.y - ab.y * ac.x};
     vd length = vd_sqrt(vd3_dot(n, n));
-    vd scale = one / vd_select((vl)(length > zero), length, one);
+    vd scale = one / vd_if_then_else((vl)(length > zero), length, one);
     out[0] = n.x * scale, out[1] = n.y * scale, out[2] = n.z * scale;
     vl wide = (vl)(ab2 > zero) & (vl)(ac2 > zero) & (vl)(bc2 > zero);
-    vd at_a = arc_cosine(vd3_dot(ab, ac) / vd_select(wide, vd_sqrt(ab2 * ac2), one));
-    vd at_b = arc_cosine(-vd3_dot(ab, bc) / vd_select(wide, vd_sqrt(ab2 * bc2), one));
+    vd at_a = arc_cosine(vd3_dot(ab, ac) / vd_if_then_else(wide, vd_sqrt(ab2 * ac2), one));
+    vd at_b = arc_cosine(-vd3_dot(ab, bc) / vd_if_then_else(wide, vd_sqrt(ab2 * bc2), one));
     vd at_c = DAFT_PI - at_a - at_b;
-    out[3] = vd_select(wide, at_a, zero);
-    out[4] = vd_select(wide, at_b, zero);
-    out[5] = vd_select(wide & (vl)(at_c > zero), at_c, zero);
+    out[3] = vd_if_then_else(wide, at_a, zero);
+    out[4] = vd_if_then_else(wide, at_b, zero);
+    out[5] = vd_if_then_else(wide & (vl)(at_c > zero), at_c, zero);
 }
 
 /* Corners of `count` triangles from `first` on, and of the last again up to whole lanes. Calls for the sums they will be
@@ -165,17 +158,7 @@ typedef struct ring {
     uint32_t group[DAFT_SMOOTH_RING];
 } ring;
 
-/* a[i] in lane l, where i is lane l of `from`: 0 to 7. */
-DAFT_INLINE v8u v8u_permute(v8u a, v8u from)
-{
-#if defined(DAFT_ISA_avx2) || defined(DAFT_ISA_avx512)
-    return (v8u)_mm256_permutevar8x32_epi32((__m256i)a, (__m256i)from);
-#else
-    v8u out;
-    for (int i = 0; i < 8; i++) out[i] = a[from[i]];
-    return out;
-#endif
-}
+DAFT_INLINE v8u v8u_permute(v8u a, v8u from) { return (v8u)v8i_table_lookup((v8i)a, (v8i)from); }
 
 DAFT_INLINE v8u v8u_load(const void *p)
 {
@@ -276,10 +259,10 @@ DAFT_INLINE vd3 directions(const daft_smooth_sum *sums)
     }
     vd3 v = {x, y, z};
     vd length = vd_sqrt(vd3_dot(v, v));
-    vd scale = one / vd_select((vl)(length > zero), length, one);
+    vd scale = one / vd_if_then_else((vl)(length > zero), length, one);
     v.x *= scale, v.y *= scale, v.z *= scale;
     vl good = (vl)(vd3_dot(v, v) > zero + 0.5);
-    return (vd3){vd_select(good, v.x, zero), vd_select(good, v.y, one), vd_select(good, v.z, zero)};
+    return (vd3){vd_if_then_else(good, v.x, zero), vd_if_then_else(good, v.y, one), vd_if_then_else(good, v.z, zero)};
 }
 
 static inline void normalize_lanes(const daft_smooth_sum *sums, daft_vec3 *out)

@@ -1,36 +1,63 @@
+/* The instruction sets of the build and of the processor. */
 #include "math/simd/dispatch.h"
 
-#include <stddef.h>
 #include <string.h>
 
-static const char *const NAMES[DAFT_ISA_COUNT] = {"sse2", "avx2", "avx512"};
+enum { KNOWN = 4 };
+static const char *const NAMES[KNOWN] = {"plain", "sse2", "avx2", "avx512"};
+
+/* By number in this build: its place in NAMES. */
+static const int BUILT[DAFT_ISA_COUNT] = {
+#ifdef DAFT_BUILDS_plain
+    0,
+#endif
+#ifdef DAFT_BUILDS_sse2
+    1,
+#endif
+#ifdef DAFT_BUILDS_avx2
+    2,
+#endif
+#ifdef DAFT_BUILDS_avx512
+    3,
+#endif
+};
+
+/* The place in NAMES of the widest that the processor has. */
+static int processor_best(void)
+{
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_cpu_init();
+    /* The wider kernels use both; every processor with AVX2 that was ever built has them, machines that imitate one may not. */
+    if (!__builtin_cpu_supports("bmi") || !__builtin_cpu_supports("bmi2")) return 1;
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
+        __builtin_cpu_supports("avx512bw"))
+        return 3;
+    return __builtin_cpu_supports("avx2") ? 2 : 1;
+#else
+    return 0;
+#endif
+}
 
 int daft_isa_best(void)
 {
-#ifdef DAFT_HAVE_X86
-    __builtin_cpu_init();
-    /* The wider kernels use both; every processor with AVX2 that was ever built has them, machines that imitate one may not. */
-    if (!__builtin_cpu_supports("bmi") || !__builtin_cpu_supports("bmi2")) return DAFT_ISA_SSE2;
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512bw"))
-        return DAFT_ISA_AVX512;
-    if (__builtin_cpu_supports("avx2")) return DAFT_ISA_AVX2;
-#endif
-    return DAFT_ISA_SSE2;
+    int isa = DAFT_ISA_COUNT - 1, has = processor_best();
+    while (isa > 0 && BUILT[isa] > has) isa--;
+    return isa;
 }
 
-const char *daft_isa_name(int isa) { return isa >= 0 && isa < DAFT_ISA_COUNT ? NAMES[isa] : "unknown"; }
+const char *daft_isa_name(int isa) { return isa >= 0 && isa < DAFT_ISA_COUNT ? NAMES[BUILT[isa]] : "unknown"; }
+const char *daft_isa_names(void) { return "plain, sse2, avx2, avx512"; }
 
-bool daft_isa_parse(const char *name, int *out)
+daft_isa_status daft_isa_find(const char *name, int *isa)
 {
-    *out = daft_isa_best();
-    if (!name) return true;
-    for (int i = 0; i < DAFT_ISA_COUNT; i++) {
-        if (strcmp(name, NAMES[i]) != 0) continue;
-        bool has = i <= *out;
-        *out = i;
-        return has;
-    }
-    *out = -1;
-    return false;
+    int known = 0, built = 0;
+    *isa = daft_isa_best();
+    if (!name) return DAFT_ISA_READY;
+    while (known < KNOWN && strcmp(name, NAMES[known]) != 0) known++;
+    if (known == KNOWN) return DAFT_ISA_UNKNOWN;
+    while (built < DAFT_ISA_COUNT && BUILT[built] != known) built++;
+    if (built == DAFT_ISA_COUNT) return DAFT_ISA_NOT_BUILT;
+    if (built > *isa) return DAFT_ISA_UNSUPPORTED;
+    *isa = built;
+    return DAFT_ISA_READY;
 }

@@ -1,5 +1,5 @@
 /* Elementary functions over lanes, for colours and texture coordinates: about 22 bits good, and the same bits in every
- * width. tests/test_simd.c measures the errors stated here. */
+ * width. tests/unit/math/test_simd.c measures the errors stated here. */
 #ifndef DAFT_ELEMENTARY_H
 #define DAFT_ELEMENTARY_H
 

@@ -71,12 +71,12 @@ DAFT_INLINE vd vd_whole(vd a)
 DAFT_INLINE vd vd_ceiling(vd a)
 {
     vd whole = vd_whole(a);
-    return vd_select((vl)(whole < a), whole + 1, whole);
+    return vd_if_then_else((vl)(whole < a), whole + 1, whole);
 }
 DAFT_INLINE vd vd_floor(vd a)
 {
     vd whole = vd_whole(a);
-    return vd_select((vl)(whole > a), whole - 1, whole);
+    return vd_if_then_else((vl)(whole > a), whole - 1, whole);
 }
 
 /* Pixels along one side of the picture. */
@@ -91,12 +91,12 @@ DAFT_INLINE vbits range_group(vf low, vf high, const views *v, const side *s, in
     vd a[2], b[2], zero = {0}, last = vd_set(s->size - 1), beyond = last + 1;
     for (int h = 0; h < 2; h++) {
         vd l = vd_promote_half(low, h), u = vd_promote_half(high, h), near = vd_promote_half(vf_load(v->low[2]), h), far = vd_promote_half(vf_load(v->high[2]), h);
-        vd x = s->focal * (l / vd_select((vl)(l < zero), near, far)) + s->centre;
-        vd y = s->focal * (u / vd_select((vl)(u < zero), far, near)) + s->centre;
-        x = vd_select((vl)(x < zero), zero, vd_select((vl)(x > beyond), beyond, x));
-        y = vd_select((vl)(y > last), last, vd_select((vl)(y < zero - 1), zero - 1, y));
+        vd x = s->focal * (l / vd_if_then_else((vl)(l < zero), near, far)) + s->centre;
+        vd y = s->focal * (u / vd_if_then_else((vl)(u < zero), far, near)) + s->centre;
+        x = vd_if_then_else((vl)(x < zero), zero, vd_if_then_else((vl)(x > beyond), beyond, x));
+        y = vd_if_then_else((vl)(y > last), last, vd_if_then_else((vl)(y < zero - 1), zero - 1, y));
         vl before = (vl)(near > zero);
-        a[h] = vd_select(before, vd_ceiling(x - 1e-3), zero), b[h] = vd_select(before, vd_floor(y + 1e-3), last);
+        a[h] = vd_if_then_else(before, vd_ceiling(x - 1e-3), zero), b[h] = vd_if_then_else(before, vd_floor(y + 1e-3), last);
     }
     vf from = vf_demote2(a[0], a[1]), to = vf_demote2(b[0], b[1]);
     vi_store(first, vi_convert_to(from)), vi_store(end, vi_convert_to(to));
@@ -109,7 +109,7 @@ static void place_group(const daft_pencil *p, views *v)
     const vf zero = vf_set(0), x0 = vf_load(v->low[0]), x1 = vf_load(v->high[0]), y0 = vf_load(v->low[1]), y1 = vf_load(v->high[1]);
     const side across = {(double)p->focal, daft_pencil_middle_x(p), p->width}, down = {(double)p->focal, daft_pencil_middle_y(p), p->height};
     vd apart[2];
-    for (int h = 0; h < 2; h++) apart[h] = vd_select(beside(p, v, h), vd_set(1), vd_set(0));
+    for (int h = 0; h < 2; h++) apart[h] = vd_if_then_else(beside(p, v, h), vd_set(1), vd_set(0));
     v->visible = vbits_from_mask(vm_and(vm_and(all_finite(v->low), all_finite(v->high)), vf_lt(zero, vf_load(v->high[2]))));
     v->visible &= vbits_from_mask(vf_lt(vf_demote2(apart[0], apart[1]), vf_set(1)));
     v->visible &= range_group(x0, x1, v, &across, v->first[0], v->end[0]);

@@ -59,25 +59,22 @@ DAFT_INLINE half_pair relate(const daft_box_batch *batch, const pair *s, int lan
 
 /* ---- cut down, in double ---- */
 
-typedef int64_t vd_mask __attribute__((vector_size(DAFT_VL * 4)));
-
-DAFT_INLINE vd pick_of(vd_mask m, vd a, vd b) { return (vd)((m & (vd_mask)a) | (~m & (vd_mask)b)); }
 
 /* Farther than `depth` from all faces. */
-DAFT_INLINE vd_mask deep(const vd p[3], const vd h[3], vd depth)
+DAFT_INLINE vl deep(const vd p[3], const vd h[3], vd depth)
 {
-    vd_mask out = vd_abs(p[0]) <= h[0] - depth;
+    vl out = vd_abs(p[0]) <= h[0] - depth;
     for (int k = 1; k < 3; k++) out &= vd_abs(p[k]) <= h[k] - depth;
     return out;
 }
 
 /* As in manifold_box.c, where `large` says so; shift: 0 elsewhere. */
-DAFT_INLINE void cut_down(vd h[3], vd c[3], vd reach, vd_mask large, vd shift[3])
+DAFT_INLINE void cut_down(vd h[3], vd c[3], vd reach, vl large, vd shift[3])
 {
     for (int k = 0; k < 3; k++) {
         vd low = vd_max(-h[k], c[k] - reach), high = -vd_max(-h[k], -(c[k] + reach));
-        h[k] = pick_of(large, (high - low) / 2, h[k]);
-        shift[k] = pick_of(large, (high + low) / 2, vd_set(0));
+        h[k] = vd_if_then_else(large, (high - low) / 2, h[k]);
+        shift[k] = vd_if_then_else(large, (high + low) / 2, vd_set(0));
         c[k] -= shift[k];
     }
 }
@@ -92,8 +89,8 @@ typedef struct cut {
 DAFT_INLINE void cut_half(half_pair *p, const pair *s, cut *c, int half)
 {
     vd none[3] = {vd_set(0), vd_set(0), vd_set(0)}, zero = vd_set(0), many = vd_set(DAFT_BOX_LARGE), r[3][3];
-    vd_mask b = (vd_promote_half(c->large_b, half) > zero) & ~deep(p->q, p->hb, 2 * p->ball_a);
-    vd_mask a = (vd_promote_half(c->large_a, half) > zero) & ~deep(p->p, p->ha, 2 * p->ball_b);
+    vl b = (vd_promote_half(c->large_b, half) > zero) & ~deep(p->q, p->hb, 2 * p->ball_a);
+    vl a = (vd_promote_half(c->large_a, half) > zero) & ~deep(p->p, p->ha, 2 * p->ball_b);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) r[i][j] = vd_promote_half(s->r[i][j], half);
     cut_down(p->hb, p->q, many * p->ball_a + vd_promote_half(s->margin, half), b, none);
@@ -103,8 +100,8 @@ DAFT_INLINE void cut_half(half_pair *p, const pair *s, cut *c, int half)
         from_q[k] = -((r[k][0] * p->q[0] + r[k][1] * p->q[1]) + r[k][2] * p->q[2]);
         from_p[k] = -((r[0][k] * p->p[0] + r[1][k] * p->p[1]) + r[2][k] * p->p[2]);
     }
-    for (int k = 0; k < 3; k++) p->p[k] = pick_of(b, from_q[k], p->p[k]), p->q[k] = pick_of(a, from_p[k], p->q[k]);
-    c->b[half] = pick_of(b, zero + 1, zero);
+    for (int k = 0; k < 3; k++) p->p[k] = vd_if_then_else(b, from_q[k], p->p[k]), p->q[k] = vd_if_then_else(a, from_p[k], p->q[k]);
+    c->b[half] = vd_if_then_else(b, zero + 1, zero);
 }
 
 DAFT_INLINE vf largest(const vf h[3]) { return vf_max(h[2], vf_max(h[0], h[1])); }

@@ -14,15 +14,10 @@ enum { NEWTON_STEPS = 3 }; /* from the speed at the start: errors of |h·w|^2, ^
 /* Half of the lanes of a block that are taken at once, in double. */
 enum { HALF = DAFT_VL / 2 };
 
-typedef double vd_unaligned __attribute__((vector_size(DAFT_VL * 4), aligned(8), may_alias));
-typedef int64_t vl __attribute__((vector_size(DAFT_VL * 4)));
-
 typedef struct vd3 {
     vd x, y, z;
 } vd3;
 
-DAFT_INLINE vd load(const double *p) { return *(const vd_unaligned *)p; }
-DAFT_INLINE void store(double *p, vd v) { *(vd_unaligned *)p = v; }
 DAFT_INLINE vd3 widen(vf3 a, int half) { return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)}; }
 DAFT_INLINE vf3 narrow(const vd3 a[2])
 {
@@ -97,13 +92,13 @@ DAFT_INLINE vd3 load_moments(const daft_sim_angular *spin, int lane, int half)
 }
 DAFT_INLINE vd3 load_momentum(const daft_sim_angular *spin, int at)
 {
-    return (vd3){load(spin->momentum[0] + at), load(spin->momentum[1] + at), load(spin->momentum[2] + at)};
+    return (vd3){vd_load(spin->momentum[0] + at), vd_load(spin->momentum[1] + at), vd_load(spin->momentum[2] + at)};
 }
 DAFT_INLINE void store_momentum(daft_sim_angular *spin, int at, vd3 l)
 {
-    store(spin->momentum[0] + at, l.x);
-    store(spin->momentum[1] + at, l.y);
-    store(spin->momentum[2] + at, l.z);
+    vd_store(spin->momentum[0] + at, l.x);
+    vd_store(spin->momentum[1] + at, l.y);
+    vd_store(spin->momentum[2] + at, l.z);
 }
 DAFT_INLINE vbits used(const daft_sim_angular *spin, int lane) { return vbits_first_n(spin->lanes - lane); }
 

@@ -154,7 +154,7 @@ static const char USAGE[] =
     "  --csv FILE      of visibility-accuracy or sim-accuracy, as --only says: write its points as CSV, too\n"
     "  --svg FILE      of the same: plot error against milliseconds\n"
     "  --threads N     measure with N threads (default: with one, and with all)\n"
-    "  --isa X         sse2, avx2 or avx512 (default: the best there is)\n"
+    "  --isa X         plain, sse2, avx2 or avx512 (default: the best there is)\n"
     "  --rounds N      samples to take the best of (default: 9, and more of short ones)\n"
     "  --list          print the names of the benchmarks\n"
     "  --help          this text\n"
@@ -272,8 +272,12 @@ int main(int argc, char **argv)
         if (status) return status;
     }
     int isa;
-    if (!daft_isa_parse(self.isa, &isa))
-        return refuse(isa < 0 ? "--isa: sse2, avx2 or avx512 expected, got" : "this processor does not have", self.isa);
+    switch (daft_isa_find(self.isa, &isa)) {
+    case DAFT_ISA_READY: break;
+    case DAFT_ISA_UNKNOWN: return refuse("--isa: plain, sse2, avx2 or avx512 expected, got", self.isa);
+    case DAFT_ISA_NOT_BUILT: return refuse("this build has no kernels for", self.isa);
+    case DAFT_ISA_UNSUPPORTED: return refuse("this processor does not have", self.isa);
+    }
     self.isa = daft_isa_name(isa);
 
     describe_run(&self, argc, argv);

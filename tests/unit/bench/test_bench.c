@@ -77,7 +77,7 @@ static void wrong_usage_is_status_2(void **unused)
                                            {"--threads 0", "1 to 64 expected, got '0'"},
                                            {"--threads=two", "1 to 64 expected, got 'two'"},
                                            {"--rounds 102", "1 to 101 expected, got '102'"},
-                                           {"--isa mmx", "sse2, avx2 or avx512 expected, got 'mmx'"}};
+                                           {"--isa mmx", "plain, sse2, avx2 or avx512 expected, got 'mmx'"}};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         assert_int_equal(run("", wrong[i][0]), 2);
         assert_says(output, wrong[i][1]);

@@ -27,7 +27,7 @@ static void engines_check_their_definition(void **state)
     def = daft_default_engine_def();
     def.isa = "mmx";
     assert_null(daft_engine_create(&def, &error));
-    assert_string_equal(error.message, "unknown instruction set 'mmx'; known are sse2, avx2, avx512");
+    assert_string_equal(error.message, "unknown instruction set 'mmx'; known are plain, sse2, avx2, avx512");
     def = daft_default_engine_def();
     def.allocator.release = (void (*)(void *, void *))1;
     assert_null(daft_engine_create(&def, &error));

@@ -1,1 +1,3 @@
 /* How. */
+#include <emmintrin.h>
+typedef __m128 native;
