@@ -36,7 +36,7 @@ size_t daft_kdtree_bytes(const daft_kdtree *tree);
 
 enum {
     DAFT_INSTANCE_CASTS_SHADOW = 1,
-    DAFT_INSTANCE_CONVEX = 2, /* no point of it that faces a lamp lies in its own shadow */
+    DAFT_INSTANCE_CONVEX = 2, /* no point of it that faces a light lies in its own shadow */
     DAFT_INSTANCE_TINTS_SHADOW = 4 /* in place of CASTS_SHADOW: some of the light comes through */
 };
 

@@ -1,4 +1,4 @@
-/* Decoding image files: the only place that sees stb_image. */
+/* Decoding image files: the only user of stb_image. */
 #ifndef DAFT_DECODE_H
 #define DAFT_DECODE_H
 

@@ -1,4 +1,4 @@
-/* Skies: equirectangular images in linear light. HDR files are that already; 8-bit ones go through the sRGB curve. */
+/* Skies: equirectangular images in linear light. HDR files hold linear light; 8-bit files are decoded by the sRGB curve. */
 #include "image/color.h"
 #include "image/decode.h"
 #include "image/image.h"

@@ -24,7 +24,7 @@ void daft_tile_aov(tile_job *j)
         uint32_t number = s->points.pixel[i];
         uint32_t place = number / DAFT_TILE * DAFT_TILE_STRIDE + number % DAFT_TILE;
         size_t at = tile_pixel(j, number);
-        if (aov->depth) aov->depth[at] = s->points.reach[i];
+        if (aov->depth) aov->depth[at] = s->points.distance[i];
         if (aov->normal) aov->normal[at] = daft_v3(s->points.normal.x[i], s->points.normal.y[i], s->points.normal.z[i]);
         if (aov->instance) aov->instance[at] = s->tile.instance[place];
         if (aov->triangle) aov->triangle[at] = s->tile.triangle[place];

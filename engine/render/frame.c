@@ -105,7 +105,7 @@ static bool prepare_refractions(daft_frame *frame, daft_error *error)
     return true;
 }
 
-/* The tree over instances, where what is seen asks for rays; without a lamp's shadows that is not known before. It is
+/* The tree over instances, where what is seen asks for rays; without a light's shadows that is not known before. It is
  * there already in a frame's second sample, and where neither a thing nor the camera has moved since the last frame. */
 static bool prepare_tree(daft_frame *frame, daft_error *error)
 {

@@ -9,7 +9,7 @@
 /* What a frame may need at all, before anything is known to be visible. */
 typedef struct daft_plan {
     const daft_preset *preset;
-    bool shadows, reflections;                /* some lamp casts them onto something; some material mirrors */
+    bool shadows, reflections;                /* some light casts them onto something; some material mirrors */
     bool tints, refractions;                  /* some of these shadows let light through; some material transmits */
     bool reflects, refracts;                  /* of the running sample: what is seen may send such rays on */
     const char *why[DAFT_EFFECT_COUNT];       /* what calls for the effect, or why nothing can */
@@ -26,7 +26,7 @@ typedef struct daft_scratch {
     daft_lanes3 color; /* of the tile's pixels: row · DAFT_TILE + column */
     uint32_t candidates[DAFT_MAX_OCCLUDERS];
     uint32_t lit[DAFT_SAMPLES_WORDS], under[DAFT_SAMPLES_WORDS];
-    daft_lanes3 *passed;       /* of the running lamp's light; NULL until some shadow lets light through */
+    daft_lanes3 *passed;       /* of the running light's light; NULL until some shadow lets light through */
     daft_ray_batch *refracted; /* waiting, of each depth; NULL until something is seen that light may pass */
     uint64_t ticks[DAFT_EFFECT_COUNT];
     uint32_t tiles[DAFT_EFFECT_COUNT];

@@ -26,7 +26,7 @@ static inline daft_samples daft_samples_of(const daft_batch *b)
                           .pixel = b->pixel};
 }
 
-static inline daft_apex daft_apex_of(const daft_lamp *light)
+static inline daft_apex daft_apex_of(const daft_light_source *light)
 {
     return (daft_apex){.infinite = light->sun, .at = light->sun ? light->to_light : light->position};
 }
@@ -36,7 +36,7 @@ typedef struct daft_ray_batch {
     uint32_t count;
     daft_lanes3 origin, direction; /* directions are unit */
     daft_lanes3 weight;
-    float reach[DAFT_BATCH_ROOM];
+    float distance[DAFT_BATCH_ROOM];
     uint32_t pixel[DAFT_BATCH_ROOM];
 } daft_ray_batch;
 
@@ -55,8 +55,8 @@ typedef struct daft_facets {
 typedef struct daft_surfaces_def {
     const daft_snapshot *snapshot;
     const daft_pencil *pencil;
-    bool shadows; /* some lamp may cast them */
-    bool reach;
+    bool shadows; /* some light may cast them */
+    bool distance;
 } daft_surfaces_def;
 
 /* What points may still send on: rays that are mirrored as a material or Fresnel's equations ask; and which rays, by their

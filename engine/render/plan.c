@@ -8,10 +8,10 @@ static bool some_flag(const daft_snapshot *snapshot, uint32_t flags)
     return false;
 }
 
-static bool lamp_casts(const daft_snapshot *snapshot)
+static bool light_casts(const daft_snapshot *snapshot)
 {
-    for (uint32_t i = 0; i < snapshot->lamp_count; i++)
-        if (snapshot->lamps[i].casts_shadow) return true;
+    for (uint32_t i = 0; i < snapshot->light_count; i++)
+        if (snapshot->lights[i].casts_shadow) return true;
     return false;
 }
 
@@ -52,8 +52,8 @@ static const char *shadow_reason(const daft_snapshot *snapshot, const daft_prese
 {
     *run = false;
     if (!preset->shadows) return "this quality has no shadows";
-    if (snapshot->lamp_count == 0) return "the scene has no light";
-    if (!lamp_casts(snapshot)) return "no light casts shadows";
+    if (snapshot->light_count == 0) return "the scene has no light";
+    if (!light_casts(snapshot)) return "no light casts shadows";
     if (!some_flag(snapshot, DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_TINTS_SHADOW)) return "nothing visible casts shadows";
     *run = true;
     return "lit points lie under something's bounds, seen from a light";
@@ -77,7 +77,7 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     why[DAFT_EFFECT_SHADOW] = shadow_reason(snapshot, plan.preset, &plan.shadows);
     none[DAFT_EFFECT_SHADOW] = plan.shadows ? "no lit point lies under anything's bounds, seen from a light" : why[DAFT_EFFECT_SHADOW];
     why[DAFT_EFFECT_LIGHTING] = "a lit surface is seen";
-    none[DAFT_EFFECT_LIGHTING] = snapshot->lamp_count ? "no surface that faces a light is seen" : "the scene has no light";
+    none[DAFT_EFFECT_LIGHTING] = snapshot->light_count ? "no surface that faces a light is seen" : "the scene has no light";
     why[DAFT_EFFECT_REFLECTION] = reflection_reason(snapshot, plan.preset, &plan.reflections);
     none[DAFT_EFFECT_REFLECTION] = plan.reflections ? "no mirror is seen" : why[DAFT_EFFECT_REFLECTION];
     plan.tints = plan.shadows && some_material(snapshot, transmits) && some_flag(snapshot, DAFT_INSTANCE_TINTS_SHADOW);

@@ -44,8 +44,8 @@ typedef struct daft_snapshot {
     uint32_t material_count;
     const daft_texture_data *textures;
     uint32_t texture_count;
-    const daft_lamp *lamps;
-    uint32_t lamp_count;
+    const daft_light_source *lights;
+    uint32_t light_count;
     daft_vec3 ambient;
     daft_sky sky;
 } daft_snapshot;

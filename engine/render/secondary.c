@@ -56,11 +56,11 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth)
 {
     const daft_plan *plan = &j->frame->plan;
     daft_spawning allowed = {.mirrors = plan->reflects && depth < plan->preset->reflections, .least = plan->preset->min_weight};
-    bool through = j->frame->plan.refracts && depth < plan->preset->refractions;
+    bool refracts = j->frame->plan.refracts && depth < plan->preset->refractions;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;
-    if (allowed.mirrors || through)
-        j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, through ? &j->s->refracted[depth] : NULL);
+    if (allowed.mirrors || refracts)
+        j->r->kernels->spawn(j->snapshot, points, &allowed, &j->s->rays, refracts ? &j->s->refracted[depth] : NULL);
 }
 
 int daft_tile_deepest_waiting(const tile_job *j, int depth)

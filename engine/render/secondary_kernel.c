@@ -85,7 +85,7 @@ static void add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3
     rays->origin.x[at] = origin.x, rays->origin.y[at] = origin.y, rays->origin.z[at] = origin.z;
     rays->direction.x[at] = d.x, rays->direction.y[at] = d.y, rays->direction.z[at] = d.z;
     rays->weight.x[at] = weight.x, rays->weight.y[at] = weight.y, rays->weight.z[at] = weight.z;
-    rays->reach[at] = b->reach[i];
+    rays->distance[at] = b->distance[i];
     rays->pixel[at] = b->pixel[i];
 }
 
@@ -137,7 +137,7 @@ static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t 
     daft_vec3 back = daft_mul(weight, daft_add(mirror, daft_v3(share, share, share)));
     if (counts(back, allowed->least))
         add_ray(b, i, lane3(&b->point, i), mirrored(view, normal, outward), back, mirror_rays);
-    daft_vec3 on = daft_mul(weight, daft_scale(material->through, 1 - f.fresnel));
+    daft_vec3 on = daft_mul(weight, daft_scale(material->transmittance, 1 - f.fresnel));
     if (counts(on, allowed->least))
         add_ray(b, i, place_beyond(snapshot, b, i), refracted(&f, view, normal, outward), on, refracted_rays);
 }

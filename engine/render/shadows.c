@@ -9,14 +9,14 @@ static void *samples_scratch(const tile_job *j)
     return j->r->sample_scratch + j->worker * j->r->sample_kernels->scratch_size;
 }
 
-static uint32_t cast(tile_job *j, const daft_batch *points, const daft_lamp *light, uint32_t instance, uint32_t *bits)
+static uint32_t cast(tile_job *j, const daft_batch *points, const daft_light_source *light, uint32_t instance, uint32_t *bits)
 {
     const daft_samples samples = daft_samples_of(points);
     const daft_apex apex = daft_apex_of(light);
     return j->r->sample_kernels->shadows(&samples, &apex, j->frame->tlas, instance, bits, samples_scratch(j));
 }
 
-void daft_tile_shadows(tile_job *j, const daft_batch *points, const daft_lamp *light)
+void daft_tile_shadows(tile_job *j, const daft_batch *points, const daft_light_source *light)
 {
     daft_scratch *s = j->s;
     uint32_t rays = cast(j, points, light, DAFT_NOTHING, s->lit);
@@ -31,12 +31,12 @@ static daft_vec3 transmittance(const daft_snapshot *snapshot, const daft_instanc
 {
     uint32_t slots = instance->mesh && instance->mesh->slot_count ? instance->mesh->slot_count : 1;
     daft_vec3 sum = {0, 0, 0};
-    for (uint32_t i = 0; i < slots; i++) sum = daft_add(sum, snapshot->materials[instance->materials[i]].through);
+    for (uint32_t i = 0; i < slots; i++) sum = daft_add(sum, snapshot->materials[instance->materials[i]].transmittance);
     return daft_scale(sum, 1 / (float)slots);
 }
 
 /* The lit points that the instance hides from the light keep of it what the instance transmits. */
-static void tint_points(tile_job *j, const daft_batch *points, const daft_lamp *light, uint32_t instance)
+static void tint_points(tile_job *j, const daft_batch *points, const daft_light_source *light, uint32_t instance)
 {
     daft_scratch *s = j->s;
     daft_lanes3 *passed = s->passed;
@@ -52,7 +52,7 @@ static void tint_points(tile_job *j, const daft_batch *points, const daft_lamp *
     }
 }
 
-const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const daft_lamp *light)
+const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const daft_light_source *light)
 {
     daft_scratch *s = j->s;
     const daft_samples samples = daft_samples_of(points);

@@ -21,15 +21,15 @@ enum {
     WANT_VIEW = 2,    /* the way to the viewer */
     WANT_TEXTURE = 4, /* uv and the footprint */
     WANT_PATH = 8,    /* what rays that go on need: weight, reach, spawn error */
-    WANT_REACH = 16
+    WANT_DISTANCE = 16
 };
 
 static uint32_t wants_of(uint32_t traits, const daft_surfaces_def *def)
 {
-    uint32_t wants = (def->shadows ? WANT_SHADOW : 0u) | (def->reach ? WANT_REACH : 0u);
+    uint32_t wants = (def->shadows ? WANT_SHADOW : 0u) | (def->distance ? WANT_DISTANCE : 0u);
     if (traits & DAFT_TRAIT_SPECULAR) wants |= WANT_VIEW;
-    if (traits & DAFT_TRAIT_TEXTURE) wants |= WANT_TEXTURE | WANT_REACH;
-    if (traits & DAFT_TRAIT_SENDS) wants |= WANT_SHADOW | WANT_VIEW | WANT_PATH | WANT_REACH;
+    if (traits & DAFT_TRAIT_TEXTURE) wants |= WANT_TEXTURE | WANT_DISTANCE;
+    if (traits & DAFT_TRAIT_SENDS) wants |= WANT_SHADOW | WANT_VIEW | WANT_PATH | WANT_DISTANCE;
     return wants;
 }
 
@@ -223,7 +223,7 @@ DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf r
         store3(&b->outward, at, m->outward);
     }
     if (wants & WANT_VIEW) store3(&b->view, at, view);
-    if (wants & WANT_REACH) vf_store(&b->reach[at], reach);
+    if (wants & WANT_DISTANCE) vf_store(&b->distance[at], reach);
     if (wants & WANT_TEXTURE) {
         vf cosine = vf_max(vf_abs(vf3_dot(m->outward, view)), vf_set(0.01f)), spread = reach / vf_set(focal);
         vf_store(&b->footprint[at], spread * m->density / vf_sqrt(cosine));
@@ -410,7 +410,7 @@ static void seen_points(const daft_snapshot *snapshot, const daft_pencil *p, daf
             meet_mixed(&r, true, f, slots, wants, &m);
             normal = unit3(m.normal);
         }
-        vf reach = wants & WANT_REACH ? vf_sqrt(vf3_dot(m.point, m.point)) : vf_set(0);
+        vf reach = wants & WANT_DISTANCE ? vf_sqrt(vf3_dot(m.point, m.point)) : vf_set(0);
         store_meeting(&m, r.direction, normal, reach, snapshot->focal, wants, b, i);
         if (wants & WANT_PATH) store3(&b->weight, i, set3(daft_v3(1, 1, 1)));
     }
@@ -448,7 +448,7 @@ static void take_hits(const daft_snapshot *snapshot, const daft_ray_batch *from,
         b->view.x[at] = from->direction.x[ray], b->view.y[at] = from->direction.y[ray], b->view.z[at] = from->direction.z[ray];
         b->weight.x[at] = from->weight.x[ray], b->weight.y[at] = from->weight.y[ray], b->weight.z[at] = from->weight.z[ray];
         b->u[at] = hit->u, b->v[at] = hit->v, b->footprint[at] = hit->t;
-        b->reach[at] = from->reach[ray] + hit->t;
+        b->distance[at] = from->distance[ray] + hit->t;
         b->pixel[at] = from->pixel[ray];
         b->instance[at] = f->instance[slot], b->triangle[at] = f->triangle[slot];
     }
@@ -458,7 +458,7 @@ static void take_hits(const daft_snapshot *snapshot, const daft_ray_batch *from,
 static void repeat_last(const daft_facets *f, daft_batch *b)
 {
     uint32_t last = b->count + f->count - 1, end = b->count + (f->count + DAFT_VL - 1) / DAFT_VL * DAFT_VL;
-    float *all[] = {b->point.x, b->point.y, b->point.z, b->view.x, b->view.y, b->view.z, b->u, b->v, b->footprint, b->reach};
+    float *all[] = {b->point.x, b->point.y, b->point.z, b->view.x, b->view.y, b->view.z, b->u, b->v, b->footprint, b->distance};
     for (size_t k = 0; k < DAFT_COUNT_OF(all); k++)
         for (uint32_t at = last + 1; at < end; at++) all[k][at] = all[k][last];
 }
@@ -466,7 +466,7 @@ static void repeat_last(const daft_facets *f, daft_batch *b)
 void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *from, uint32_t first, const daft_hit *hits,
                                   uint32_t count, daft_facets *facets, daft_batch *points)
 {
-    const uint32_t wants = WANT_SHADOW | WANT_VIEW | WANT_TEXTURE | WANT_PATH | WANT_REACH;
+    const uint32_t wants = WANT_SHADOW | WANT_VIEW | WANT_TEXTURE | WANT_PATH | WANT_DISTANCE;
     facets->count = 0, facets->traits = 0, facets->last_material = UINT32_MAX;
     take_hits(snapshot, from, first, hits, count, facets, points);
     if (facets->count) repeat_last(facets, points);
@@ -483,7 +483,7 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
         const facet_rays rays = {r.origin, direction, direction};
         DAFT_KERNEL(daft_facets_setup)(snapshot, facets, i, daft_min_u(DAFT_VL, facets->count - i), &rays);
         meet_mixed(&r, false, facets, slots, wants, &m);
-        store_meeting(&m, direction, unit3(m.normal), vf_load(&points->reach[at]), snapshot->focal, wants, points, at);
+        store_meeting(&m, direction, unit3(m.normal), vf_load(&points->distance[at]), snapshot->focal, wants, points, at);
     }
     points->count += facets->count;
     points->traits |= facets->traits;

@@ -24,14 +24,14 @@ static void light_points(tile_job *j, daft_batch *points)
         ran(j, DAFT_EFFECT_TEXTURE);
         book(j, DAFT_EFFECT_TEXTURE);
     }
-    for (uint32_t i = 0; i < snapshot->lamp_count; i++) {
-        const daft_lamp *light = &snapshot->lamps[i];
+    for (uint32_t i = 0; i < snapshot->light_count; i++) {
+        const daft_light_source *light = &snapshot->lights[i];
         if (j->r->shade->facing(points, light, j->s->lit) == 0) continue;
         ran(j, DAFT_EFFECT_LIGHTING);
         book(j, DAFT_EFFECT_LIGHTING);
         if (j->frame->plan.shadows && light->casts_shadow) daft_tile_shadows(j, points, light);
         const daft_lanes3 *passed = j->frame->plan.tints && light->casts_shadow ? daft_tile_tints(j, points, light) : NULL;
-        j->r->shade->lamp(points, snapshot->materials, light, j->s->lit, passed, first);
+        j->r->shade->direct_light(points, snapshot->materials, light, j->s->lit, passed, first);
         first = NULL;
     }
     if (first) j->r->shade->ambient(points, snapshot->materials, *first);
@@ -44,7 +44,7 @@ static void add_sky(tile_job *j, const daft_ray_batch *rays)
     if (rays->count == 0) return;
     daft_scratch *s = j->s;
     j->r->shade->sky(&j->snapshot->sky, &rays->direction, rays->count, &s->sky_color);
-    j->r->shade->add(&s->color, rays->pixel, rays->count, &rays->weight, &s->sky_color);
+    j->r->shade->scatter_add(&s->color, rays->pixel, rays->count, &rays->weight, &s->sky_color);
     ran(j, DAFT_EFFECT_SKY);
     book(j, DAFT_EFFECT_SKY);
 }
@@ -63,11 +63,11 @@ static void shade_visible(tile_job *j)
         return;
     }
     j->color = &s->color;
-    if (points->count) kernels->put(&s->color, points->pixel, points->count, &points->light);
+    if (points->count) kernels->scatter(&s->color, points->pixel, points->count, &points->light);
     book(j, DAFT_EFFECT_LIGHTING);
     if (sky->count == 0) return;
     kernels->sky(&j->snapshot->sky, &sky->direction, sky->count, &s->sky_color);
-    kernels->put(&s->color, sky->pixel, sky->count, &s->sky_color);
+    kernels->scatter(&s->color, sky->pixel, sky->count, &s->sky_color);
     ran(j, DAFT_EFFECT_SKY);
     book(j, DAFT_EFFECT_SKY);
 }
@@ -80,7 +80,7 @@ static void shade(tile_job *j)
     for (int depth = 0;; depth++) {
         if (depth && points->count) {
             light_points(j, points);
-            j->r->shade->add(&s->color, points->pixel, points->count, &points->weight, &points->light);
+            j->r->shade->scatter_add(&s->color, points->pixel, points->count, &points->weight, &points->light);
         }
         daft_tile_spawn(j, points, depth);
         if (s->rays.count) {
@@ -121,7 +121,7 @@ void daft_render_tile(void *context, uint32_t tile, uint32_t worker)
     const daft_surfaces_def def = {.snapshot = frame->snapshot,
                                    .pencil = &frame->pencil,
                                    .shadows = frame->plan.shadows,
-                                   .reach = frame->target->aov.depth != NULL};
+                                   .distance = frame->target->aov.depth != NULL};
     see(&j, tile, worker);
     j.r->kernels->surfaces(&def, &j.s->tile, &j.s->facets, &j.s->points, &j.s->sky);
     if (j.s->points.count) ran(&j, DAFT_EFFECT_SURFACE);

@@ -159,7 +159,7 @@ static const uint32_t *materials_of(const maker *m, const daft_entity_item *item
     return repeats(item, shape) ? m->repeated[material] : &m->numbers[material];
 }
 
-/* Whether the camera is outside a box or a sphere, with a margin for rounding. Its points that face a lamp then lie in
+/* Whether the camera is outside a box or a sphere, with a margin for rounding. Its points that face a light then lie in
  * no shadow of its own; with the camera inside, the walls that are seen may. */
 static bool seen_from_outside(const daft_entity_item *item, const daft_instance *instance)
 {
@@ -179,7 +179,7 @@ static uint32_t shadow_of(const daft_scene *scene, const daft_instance *instance
     for (uint32_t i = 0; i < slots; i++) {
         const daft_surface *surface = &scene->assets.surfaces[instance->materials[i]];
         if (surface->transmission == 0) return DAFT_INSTANCE_CASTS_SHADOW;
-        dims |= surface->through.x < 1 || surface->through.y < 1 || surface->through.z < 1;
+        dims |= surface->transmittance.x < 1 || surface->transmittance.y < 1 || surface->transmittance.z < 1;
     }
     return dims ? DAFT_INSTANCE_TINTS_SHADOW : 0;
 }

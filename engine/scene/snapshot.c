@@ -11,7 +11,7 @@ static daft_vec3 towards_light(daft_vec3 direction)
     return daft_to_float(daft_dscale(d, -1 / sqrt(daft_ddot(d, d))));
 }
 
-static void set_cone(const daft_light_def *def, daft_lamp *light)
+static void set_cone(const daft_light_def *def, daft_light_source *light)
 {
     double outer = daft_cos((double)def->outer_angle), range = daft_cos((double)def->inner_angle) - outer;
     light->spot = true;
@@ -21,9 +21,9 @@ static void set_cone(const daft_light_def *def, daft_lamp *light)
 }
 
 /* False: so far away that it lights nothing. */
-static bool make_light(const daft_light_def *def, daft_dvec3 origin, daft_lamp *light)
+static bool make_light(const daft_light_def *def, daft_dvec3 origin, daft_light_source *light)
 {
-    *light = (daft_lamp){.sun = def->kind == DAFT_LIGHT_SUN, .casts_shadow = def->casts_shadow, .color = def->color};
+    *light = (daft_light_source){.sun = def->kind == DAFT_LIGHT_SUN, .casts_shadow = def->casts_shadow, .color = def->color};
     if (def->kind == DAFT_LIGHT_SPOT) set_cone(def, light);
     if (light->sun)
         light->to_light = towards_light(def->direction);
@@ -36,12 +36,12 @@ static bool fill_lights(daft_scene *scene, daft_dvec3 origin, daft_scene_frame *
 {
     daft_snapshot *s = &frame->snapshot;
     daft_arena_reset(&frame->lights);
-    daft_lamp *lights = daft_arena_alloc(&frame->lights, scene->light_slots.live, sizeof *lights);
+    daft_light_source *lights = daft_arena_alloc(&frame->lights, scene->light_slots.live, sizeof *lights);
     if (!lights) return daft_fail_memory(error, "a snapshot's lights");
-    s->lamp_count = 0;
+    s->light_count = 0;
     for (uint32_t i = 0; i < scene->light_slots.count; i++)
-        if (scene->light_slots.items[i].live && make_light(&scene->lights[i], origin, &lights[s->lamp_count])) s->lamp_count++;
-    s->lamps = lights;
+        if (scene->light_slots.items[i].live && make_light(&scene->lights[i], origin, &lights[s->light_count])) s->light_count++;
+    s->lights = lights;
     return true;
 }
 

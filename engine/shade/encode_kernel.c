@@ -1,9 +1,9 @@
-/* The way out: linear light to sRGB bytes (IEC 61966-2-1). The byte is the curve's, by powers that are good to some 2^-21,
- * plus a half and rounded down. Where that sum is not close to a whole number, a polynomial says the same: of all floats up to 1 the two
- * sums differ by at most 1.7e-4. The few lanes that are closer than 2^-FINE, which is more, take the powers themselves. */
-#include "shade/parts.h"
+/* Encoding: linear light to sRGB bytes (IEC 61966-2-1). A byte is floor(255·curve + 1/2), the curve by vf_pow, which is good to
+ * 2^-21. A polynomial gives the same byte where its sum is not close to a whole number: over all floats up to 1 the two sums
+ * differ by at most 1.7e-4. The few lanes that are closer than 2^-FINE, which is more, are computed by vf_pow. */
+#include "shade/batch_lanes.h"
 
-enum { FINE = 12, ONE = 1 << FINE }; /* bytes with so many bits behind the point */
+enum { FINE = 12, ONE = 1 << FINE }; /* fraction bits of a byte */
 
 /* NaN becomes 0. */
 static __attribute__((noinline)) vi encode_exactly(vf x)
@@ -21,7 +21,7 @@ static const float OCTAVES[16] = {OCTAVE(3.53472122f), OCTAVE(4.71828676f), OCTA
                                   OCTAVE(35.6277574f), OCTAVE(47.5573505f), OCTAVE(63.4814467f), OCTAVE(84.7375651f),
                                   OCTAVE(113.111079f), OCTAVE(150.985176f), OCTAVE(201.541031f), OCTAVE(269.025f)};
 
-/* m^(5/12) on 1..2, interpolated at Chebyshev's places. */
+/* m^(5/12) on 1..2, interpolated at Chebyshev nodes. */
 DAFT_INLINE vf mantissa_power(vf m)
 {
     vf s = vf_set(-0.00269152573f);
@@ -33,7 +33,7 @@ DAFT_INLINE vf mantissa_power(vf m)
     return s * m + vf_set(0.351870149f);
 }
 
-/* In FINE bits; sets the lanes whose byte is not sure. */
+/* Bytes with FINE fraction bits; `unsure`: the lanes whose byte is not certain. */
 DAFT_INLINE vi encode_lanes(vf light, vbits *unsure)
 {
     vf x = vf_clamp01(light);

@@ -2,12 +2,13 @@
  * Phong, "Illumination for Computer Generated Pictures" (1975): the specular term is the cosine between the mirrored light
  * and the viewer, raised to the material's shininess. */
 #include "shade/kernels.h"
-#include "shade/parts.h"
+#include "shade/batch_lanes.h"
 
 DAFT_INLINE vf3 ambient_light(const daft_batch *batch, const material_reader *m, uint32_t i, daft_vec3 color)
 {
-    vf3 share = times_albedo(batch, i, MATERIAL_COLOR(m, ambient)), glow = MATERIAL_COLOR(m, emission);
-    return (vf3){glow.x + share.x * vf_set(color.x), glow.y + share.y * vf_set(color.y), glow.z + share.z * vf_set(color.z)};
+    vf3 reflected = times_albedo(batch, i, MATERIAL_COLOR(m, ambient)), emitted = MATERIAL_COLOR(m, emission);
+    return (vf3){emitted.x + reflected.x * vf_set(color.x), emitted.y + reflected.y * vf_set(color.y),
+                 emitted.z + reflected.z * vf_set(color.z)};
 }
 
 static void ambient(daft_batch *batch, const daft_surface *materials, daft_vec3 color)
@@ -18,42 +19,46 @@ static void ambient(daft_batch *batch, const daft_surface *materials, daft_vec3 
     }
 }
 
-/* Unit vectors to the lamp. */
-DAFT_INLINE vf3 to_lamp(const daft_batch *batch, const daft_lamp *lamp, uint32_t i)
+/* Unit vectors to the light. */
+DAFT_INLINE vf3 direction_to(const daft_batch *batch, const daft_light_source *source, uint32_t i)
 {
-    if (lamp->sun) return (vf3){vf_set(lamp->to_light.x), vf_set(lamp->to_light.y), vf_set(lamp->to_light.z)};
+    if (source->sun) return (vf3){vf_set(source->to_light.x), vf_set(source->to_light.y), vf_set(source->to_light.z)};
     vf3 p = lanes_load(&batch->point, i);
-    vf3 l = {vf_set(lamp->position.x) - p.x, vf_set(lamp->position.y) - p.y, vf_set(lamp->position.z) - p.z};
+    vf3 l = {vf_set(source->position.x) - p.x, vf_set(source->position.y) - p.y, vf_set(source->position.z) - p.z};
     vf length2 = vf3_dot(l, l);
     vf scale = vf_if_then_else(vf_lt(vf_set(0), length2), vf_set(1) / vf_sqrt(length2), vf_set(0));
     return (vf3){l.x * scale, l.y * scale, l.z * scale};
 }
 
-/* The share of a spot's light that goes the way that comes along l: a cubic between the cosines of its two angles (Pharr,
- * Jakob, Humphreys, "Physically Based Rendering", 4th edition, 12.2.1). */
-DAFT_INLINE vf cone_share(const daft_lamp *lamp, vf3 l)
+/* The fraction of a spot's intensity in the direction -l: a cubic between the cosines of its two angles (Pharr, Jakob, Humphreys,
+ * "Physically Based Rendering", 4th edition, 12.2.1). */
+DAFT_INLINE vf cone_falloff(const daft_light_source *source, vf3 l)
 {
-    daft_vec3 a = lamp->to_light;
+    daft_vec3 a = source->to_light;
     vf cosine = vf3_dot(l, (vf3){vf_set(a.x), vf_set(a.y), vf_set(a.z)});
-    vf t = vf_clamp01((cosine - vf_set(lamp->cone_cosine)) * vf_set(lamp->cone_scale));
+    vf t = vf_clamp01((cosine - vf_set(source->cone_cosine)) * vf_set(source->cone_scale));
     return t * t * (vf_set(3) - vf_set(2) * t);
 }
 
-static uint32_t facing(daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS])
+static uint32_t facing(daft_batch *batch, const daft_light_source *source, uint32_t bits[DAFT_BATCH_WORDS])
 {
     uint32_t total = 0;
     memset(bits, 0, DAFT_BATCH_WORDS * sizeof bits[0]);
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
-        vf3 l = to_lamp(batch, lamp, i);
+        vf3 l = direction_to(batch, source, i);
         vf cosine = vf3_dot(lanes_load(&batch->normal, i), l);
         vf_store(&batch->cosine[i], cosine);
         vbits lit = vbits_from_mask(vf_lt(vf_set(0), cosine)) & vbits_first_n((int)(batch->count - i));
-        if (lamp->spot && lit) lit &= vbits_from_mask(vf_lt(vf_set(0), cone_share(lamp, l)));
+        if (source->spot && lit) lit &= vbits_from_mask(vf_lt(vf_set(0), cone_falloff(source, l)));
         bits[i / 32] |= lit << (i % 32);
         total += (uint32_t)__builtin_popcount(lit);
     }
     return total;
 }
+
+/* Powers below this count as none: no byte of a picture shows them, and products with them are subnormal numbers, which take
+ * a hundred cycles each. */
+#define LEAST_POWER 0x1p-96f
 
 /* Adds Phong's highlight. */
 DAFT_INLINE void add_highlight(const daft_batch *batch, const material_reader *m, uint32_t i, vf3 l, vf cosine, vf3 *sum)
@@ -61,11 +66,12 @@ DAFT_INLINE void add_highlight(const daft_batch *batch, const material_reader *m
     vf3 n = lanes_load(&batch->normal, i), view = lanes_load(&batch->view, i), specular = MATERIAL_COLOR(m, specular);
     vf mirrored = vf_set(2) * cosine * vf3_dot(n, view) - vf3_dot(l, view), zero = vf_set(0);
     vf power = vf_if_then_else(vf_lt(zero, mirrored), vf_pow(vf_clamp01(mirrored), MATERIAL_WORD(m, shininess)), zero);
+    power = vf_if_then_else(vf_lt(vf_set(LEAST_POWER), power), power, zero);
     *sum = (vf3){sum->x + specular.x * power, sum->y + specular.y * power, sum->z + specular.z * power};
 }
 
-static void add_lamp(daft_batch *batch, const daft_surface *materials, const daft_lamp *lamp,
-                     const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *passed, const daft_vec3 *first)
+static void direct_light(daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
+                     const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_vec3 *first)
 {
     const vf zero = vf_set(0);
     const bool specular = batch->traits & DAFT_TRAIT_SPECULAR;
@@ -81,33 +87,33 @@ static void add_lamp(daft_batch *batch, const daft_surface *materials, const daf
         vf cosine = vf_load(&batch->cosine[i]);
         vf3 sum = times_albedo(batch, i, MATERIAL_COLOR(&m, diffuse));
         sum = (vf3){sum.x * cosine, sum.y * cosine, sum.z * cosine};
-        if (specular) add_highlight(batch, &m, i, to_lamp(batch, lamp, i), cosine, &sum);
-        if (lamp->spot) {
-            vf share = cone_share(lamp, to_lamp(batch, lamp, i));
-            sum = (vf3){sum.x * share, sum.y * share, sum.z * share};
+        if (specular) add_highlight(batch, &m, i, direction_to(batch, source, i), cosine, &sum);
+        if (source->spot) {
+            vf falloff = cone_falloff(source, direction_to(batch, source, i));
+            sum = (vf3){sum.x * falloff, sum.y * falloff, sum.z * falloff};
         }
-        if (passed) {
-            vf3 share = lanes_load(passed, i);
-            sum = (vf3){sum.x * share.x, sum.y * share.y, sum.z * share.z};
+        if (arriving) {
+            vf3 fraction = lanes_load(arriving, i);
+            sum = (vf3){sum.x * fraction.x, sum.y * fraction.y, sum.z * fraction.z};
         }
         vm mask = vm_from_bits(bits);
-        light.x = light.x + vf_if_then_else(mask, sum.x * vf_set(lamp->color.x), zero);
-        light.y = light.y + vf_if_then_else(mask, sum.y * vf_set(lamp->color.y), zero);
-        light.z = light.z + vf_if_then_else(mask, sum.z * vf_set(lamp->color.z), zero);
+        light.x = light.x + vf_if_then_else(mask, sum.x * vf_set(source->color.x), zero);
+        light.y = light.y + vf_if_then_else(mask, sum.y * vf_set(source->color.y), zero);
+        light.z = light.z + vf_if_then_else(mask, sum.z * vf_set(source->color.z), zero);
         lanes_store(&batch->light, i, light);
     }
 }
 
 /* ---- from points to pixels ---- */
 
-/* Whether DAFT_VL points from i on are used and lie side by side in a row of pixels. */
+/* Whether DAFT_VL points from i on are used and belong to neighbouring pixels of a row. */
 DAFT_INLINE bool in_a_row(const uint32_t *pixel, uint32_t i, uint32_t count)
 {
     vi row = vi_iota() + vi_set((int32_t)pixel[i]);
     return count - i >= DAFT_VL && vbits_from_mask(vi_eq(vi_load(&pixel[i]), row)) == DAFT_ALL_LANES;
 }
 
-static void put(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *light)
+static void scatter(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *light)
 {
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
         uint32_t left = count - i;
@@ -122,7 +128,7 @@ static void put(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const
     }
 }
 
-static void add(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,
+static void scatter_add(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,
                 const daft_lanes3 *light)
 {
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
@@ -141,5 +147,13 @@ static void add(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const
     }
 }
 
-const daft_shade_kernels DAFT_KERNEL(daft_shade) = {DAFT_KERNEL(daft_albedo),    ambient, facing, add_lamp,
-                                                    DAFT_KERNEL(daft_sky_color), put,     add,     DAFT_KERNEL(daft_encode)};
+const daft_shade_kernels DAFT_KERNEL(daft_shade) = {
+    .albedo = DAFT_KERNEL(daft_albedo),
+    .ambient = ambient,
+    .facing = facing,
+    .direct_light = direct_light,
+    .sky = DAFT_KERNEL(daft_sky_color),
+    .scatter = scatter,
+    .scatter_add = scatter_add,
+    .encode = DAFT_KERNEL(daft_encode),
+};

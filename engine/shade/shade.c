@@ -1,3 +1,4 @@
+/* Picks the kernels of an instruction set. */
 #include "shade/kernels.h"
 
 const daft_shade_kernels *daft_shade_kernels_for(int isa)

@@ -1,5 +1,6 @@
-/* shade: what a surface does with light: materials, lamps, sky, and the arithmetic of Lambert and Phong over batches.
- * Promises: linear light; the same bits on every instruction set; no rays: who asks for light says what is visible.
+/* shade: what a surface does with light: materials, textures, light sources, sky, Lambert and Phong, and the encoding to sRGB.
+ * All are functions of points in lanes: a batch in, a batch out, no state.
+ * Promises: linear light; the same bits on every instruction set; no rays: the caller says which points a light reaches.
  * Public headers: shade.h */
 #ifndef DAFT_SHADE_H
 #define DAFT_SHADE_H
@@ -12,17 +13,17 @@
 
 /* A material as the kernels read it: words in this order, gathered by their number. */
 typedef struct daft_surface {
-    daft_vec3 ambient, diffuse; /* what is not transmitted of them */
+    daft_vec3 ambient, diffuse; /* times 1 - transmission */
     daft_vec3 specular, emission;
-    daft_vec3 mirror; /* share times tint */
-    daft_vec3 through; /* transmission times its tint */
+    daft_vec3 mirror; /* reflected fraction times tint */
+    daft_vec3 transmittance; /* transmission times its tint */
     float transmission, index;
     float shininess;
     uint32_t texture; /* index into the snapshot's textures, or DAFT_NO_TEXTURE */
     daft_vec2 map_scale;
 } daft_surface;
 
-/* What a material's points call for beside Lambert's law. */
+/* Traits of materials: what their points call for beside Lambert's law. */
 enum { DAFT_TRAIT_TEXTURE = 1, DAFT_TRAIT_SPECULAR = 2, DAFT_TRAIT_SENDS = 4 /* mirrors or transmits */ };
 
 static inline uint32_t daft_surface_traits(const daft_surface *m)
@@ -33,15 +34,15 @@ static inline uint32_t daft_surface_traits(const daft_surface *m)
            (sends ? DAFT_TRAIT_SENDS : 0u);
 }
 
-typedef struct daft_lamp {
+typedef struct daft_light_source {
     bool sun;
     bool casts_shadow;
     daft_vec3 position; /* point and spot, frame space */
     daft_vec3 to_light; /* sun and spot: unit, against its direction */
     daft_vec3 color;
     bool spot;
-    float cone_cosine, cone_scale; /* spot: of the outer angle; one over what the inner angle's is larger */
-} daft_lamp;
+    float cone_cosine, cone_scale; /* spot: cosine of the outer angle; 1 / (cosine of the inner angle - cone_cosine) */
+} daft_light_source;
 
 typedef enum daft_sky_kind { DAFT_SKY_COLOR = 0, DAFT_SKY_GRADIENT, DAFT_SKY_IMAGE } daft_sky_kind;
 
@@ -56,6 +57,7 @@ enum {
     DAFT_BATCH_ROOM = DAFT_BATCH + 16, /* one whole SIMD store past the end */
     DAFT_BATCH_WORDS = DAFT_BATCH / 32 + 1
 };
+_Static_assert(DAFT_BATCH % 32 == 0 && DAFT_BATCH % 16 == 0, "bit sets and SIMD stores divide a batch evenly");
 
 typedef struct daft_lanes3 {
     float x[DAFT_BATCH_ROOM], y[DAFT_BATCH_ROOM], z[DAFT_BATCH_ROOM];
@@ -67,14 +69,14 @@ typedef struct daft_batch {
     uint32_t traits;   /* of the points' materials, all of them; where one is missing, so may be what only it calls for */
     bool one_material; /* all points' */
     daft_lanes3 point;   /* rays that leave the surface start here: on its outer side by more than the error of the hit */
-    daft_lanes3 shadow_origin;  /* the same for shadow rays: raised off the facets to where the smooth surface would be */
+    daft_lanes3 shadow_origin; /* the same for shadow rays: raised off the facets to where the smooth surface would be */
     daft_lanes3 normal;  /* shading normal, unit */
     daft_lanes3 outward; /* geometric normal, unit, towards the viewer */
     daft_lanes3 view;    /* to the viewer, unit */
     float u[DAFT_BATCH_ROOM], v[DAFT_BATCH_ROOM]; /* of points whose material has a texture */
     float footprint[DAFT_BATCH_ROOM]; /* side of the pixel's patch on the surface, in units of u and v */
     float extent[DAFT_BATCH_ROOM];    /* metres that the spawn error counts beside the point's own coordinates */
-    float reach[DAFT_BATCH_ROOM];     /* metres travelled from the camera to here */
+    float distance[DAFT_BATCH_ROOM];  /* metres travelled from the camera to here */
     uint32_t material[DAFT_BATCH_ROOM];
     uint32_t instance[DAFT_BATCH_ROOM];
     uint32_t triangle[DAFT_BATCH_ROOM]; /* of the instance's mesh; 0 on a sphere */
@@ -82,7 +84,7 @@ typedef struct daft_batch {
     daft_lanes3 weight;              /* how much of its light arrives there */
     daft_lanes3 albedo;              /* the texture's colour, or 1 */
     daft_lanes3 light;               /* what it sends to the viewer */
-    float cosine[DAFT_BATCH_ROOM];   /* between the normal and the way to the lamp that was asked for last */
+    float cosine[DAFT_BATCH_ROOM];   /* between the normal and the direction to the light that `facing` was called for last */
 } daft_batch;
 
 typedef struct daft_shade_kernels {
@@ -90,19 +92,19 @@ typedef struct daft_shade_kernels {
     bool (*albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures);
     /* light = emission + ambient. */
     void (*ambient)(daft_batch *batch, const daft_surface *materials, daft_vec3 ambient);
-    /* Sets the bits of the points that the lamp could light (it is on the side the normals face, and they are in its cone);
-     * gives their number. Sets the points' cosine. */
-    uint32_t (*facing)(daft_batch *batch, const daft_lamp *lamp, uint32_t bits[DAFT_BATCH_WORDS]);
-    /* Adds Lambert and Phong of the lamp that `facing` was asked for last, for the points whose bits are set; of its light the share `passed` arrives, or
-     * all of it where that is NULL. `first`, the ambient light: this is the first lamp that lights them; does as `ambient` would before. */
-    void (*lamp)(daft_batch *batch, const daft_surface *materials, const daft_lamp *lamp,
-                 const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *passed, const daft_vec3 *first);
+    /* Sets the bits of the points that face the light (their normal's side, and inside a spot's cone) and gives their number.
+     * Sets all points' `cosine`. */
+    uint32_t (*facing)(daft_batch *batch, const daft_light_source *source, uint32_t bits[DAFT_BATCH_WORDS]);
+    /* Adds Lambert and Phong of the light that `facing` was called for last, to the points whose bits are set. `arriving`: the
+     * fraction of its light that reaches each point, by colour; NULL: all of it. `first`: the ambient light, for the first light
+     * of a batch; does what `ambient` does before it adds; NULL: for later ones. */
+    void (*direct_light)(daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
+                         const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_vec3 *first);
     /* The sky's colour in `count` directions of any length. */
     void (*sky)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
-    /* Sets the colors at the pixels' numbers, or adds light times its weight to them. */
-    void (*put)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *light);
-    void (*add)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,
-                const daft_lanes3 *light);
+    /* color[pixel[i]] = light[i], and += weight[i]·light[i]. */
+    void (*scatter)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *light);
+    void (*scatter_add)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight, const daft_lanes3 *light);
     /* `count` pixels from linear light to sRGB bytes with alpha 255. */
     void (*encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba);
 } daft_shade_kernels;

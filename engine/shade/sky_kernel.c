@@ -1,5 +1,5 @@
 /* The sky in given directions: one colour, a gradient from horizon to zenith, or an equirectangular image, bilinear. */
-#include "shade/parts.h"
+#include "shade/batch_lanes.h"
 
 static void sky_constant(daft_vec3 color, uint32_t count, daft_lanes3 *out)
 {
@@ -13,7 +13,7 @@ DAFT_INLINE vf3 unit_lanes(vf3 d)
     return (vf3){d.x * scale, d.y * scale, d.z * scale};
 }
 
-/* Below the horizon the gradient is mirrored, darkened to two thirds: the light of the ground. */
+/* Below the horizon the gradient is mirrored and darkens to two thirds at the nadir. */
 static void sky_gradient(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *out)
 {
     vf3 h = {vf_set(sky->horizon.x), vf_set(sky->horizon.y), vf_set(sky->horizon.z)};
@@ -26,7 +26,7 @@ static void sky_gradient(const daft_sky *sky, const daft_lanes3 *direction, uint
     }
 }
 
-/* Places of the four texels around each lane's point, in floats from the image's first, and the weights between them. */
+/* Offsets in floats of the four texels around each lane's point, and the weights between them. */
 typedef struct taps {
     vi above_left, above_right, below_left, below_right;
     vf across, down;
@@ -58,7 +58,7 @@ static void sky_image(const daft_sky_image *image, const daft_lanes3 *direction,
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
         vf3 d = unit_lanes(lanes_load(direction, i));
         vf u = half + vf_atan2(d.z, d.x) * vf_set(0.159154943f), v = half + vf_asin(d.y) * vf_set(0.318309886f);
-        /* a NaN direction, or lanes past the last, end up at a corner */
+        /* NaN directions, and lanes past the last, sample a corner. */
         vf x = vf_min(vf_max(u * width - half, -half), width - half);
         vf y = vf_min(vf_max((vf_set(1) - v) * height - half, -half), height - vf_set(1));
         taps t = place_taps(image, x, y);

@@ -1,13 +1,13 @@
-/* Textures: trilinear, repeating, filtered in linear light. The level comes from the side of the pixel's patch in texels
- * (Williams, "Pyramidal Parametrics", 1983). Coordinates and weights are computed in lanes, texels are fetched one by one. */
-#include "shade/parts.h"
+/* Texture sampling: trilinear, repeating, filtered in linear light. The mip level is the log2 of the footprint's side in texels
+ * (Williams, "Pyramidal Parametrics", 1983). Coordinates and levels are computed in lanes, texels are fetched point by point. */
+#include "shade/batch_lanes.h"
 
 #include "shade/srgb_table.h"
 
-/* Of -1..size. */
+/* Repeats i of -1..size. */
 DAFT_INLINE int wrap(int i, int size) { return i < 0 ? size - 1 : i < size ? i : 0; }
 
-/* Rounds down what is above -1. */
+/* Floor, for x > -1. */
 DAFT_INLINE int floor_small(float x) { return (int)(x + 1) - 1; }
 
 /* u, v in 0..1. The top row has v = 1. */
@@ -34,11 +34,12 @@ static void sample(const daft_texture_data *t, float u, float v, float level, fl
     float last = (float)(t->levels - 1);
     level = level > 0 ? (level < last ? level : last) : 0;
     int fine = (int)level;
-    /* the middle half of a level's range blends; at its ends one level does, which halves the fetches and is not seen */
-    float share = (level - (float)fine) * 2 - 0.5f;
-    if (share >= 1) fine++, share = 0;
-    bilinear(t, fine, u, v, share > 0 ? 1 - share : 1, color);
-    if (share > 0) bilinear(t, fine + 1, u, v, share, color);
+    /* Two levels blend in the middle half of the interval between them; in the outer quarters one level serves, which halves the
+     * fetches and is not seen. */
+    float blend = (level - (float)fine) * 2 - 0.5f;
+    if (blend >= 1) fine++, blend = 0;
+    bilinear(t, fine, u, v, blend > 0 ? 1 - blend : 1, color);
+    if (blend > 0) bilinear(t, fine + 1, u, v, blend, color);
 }
 
 DAFT_INLINE vf fraction(vf a)
@@ -47,7 +48,7 @@ DAFT_INLINE vf fraction(vf a)
     return bounded - vf_floor(bounded);
 }
 
-/* The side of each point's texture, in texels; 0: none. False: no point has one. */
+/* The side of each point's texture in texels, 0 without a texture. False: no point has one. */
 static bool texture_sizes(const daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
                           uint32_t i, uint32_t used, float size[DAFT_VL])
 {
@@ -69,10 +70,10 @@ static bool sample_lanes(daft_batch *batch, const daft_surface *materials, const
     if (!texture_sizes(batch, materials, textures, i, used, size)) return false;
     material_reader m = read_materials(batch, materials, i);
     vf su = MATERIAL_WORD(&m, map_scale.x), sv = MATERIAL_WORD(&m, map_scale.y);
-    vf patch = vf_load(&batch->footprint[i]) * vf_sqrt(vf_abs(su * sv)) * vf_load(size);
+    vf texels = vf_load(&batch->footprint[i]) * vf_sqrt(vf_abs(su * sv)) * vf_load(size);
     vf_store(u, fraction(vf_load(&batch->u[i]) * su));
     vf_store(v, fraction(vf_load(&batch->v[i]) * sv));
-    vf_store(level, vf_log2(vf_max(patch, vf_set(1e-20f))));
+    vf_store(level, vf_log2(vf_max(texels, vf_set(1e-20f))));
     for (uint32_t k = 0; k < used; k++) {
         if (size[k] == 0) continue;
         float color[3];

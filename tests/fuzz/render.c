@@ -381,7 +381,7 @@ static daft_engine *make_engine(const char *isa)
 int render_input(const uint8_t *data, size_t size)
 {
     static daft_engine *least, *best;
-    if (!least) least = make_engine("sse2");
+    if (!least) least = make_engine(DAFT_NARROWEST_ISA);
     if (!best) best = make_engine(NULL);
     FUZZ_CHECK(best);
     uint64_t result = play_on(best, data, size);

@@ -85,7 +85,7 @@ static bool stripes_in_front(const stage *s, int i)
     return s->entity[i].id == expected;
 }
 
-/* The segment from the wall's point to the lamp meets the ridge's box: dark; else lit. */
+/* The segment from the wall's point to the light meets the ridge's box: dark; else lit. */
 static bool in_ridge_shadow(double y, double z)
 {
     const double low[3] = {-0.005, -1, 3.99}, high[3] = {0, 1, 4.01}, o[3] = {0, y, z}, d[3] = {-0.01, -y, -z};

@@ -50,7 +50,7 @@ static void glasses(stage *s, const place *w)
     add(s, turned);
 }
 
-/* Like a game's: a floor, boxes, balls, turned meshes, a mirror wall and a chrome ball, glass, a sun and a lamp that cast
+/* Like a game's: a floor, boxes, balls, turned meshes, a mirror wall and a chrome ball, glass, a sun and a light that cast
  * shadows. */
 static void fill(stage *s, const place *w)
 {
@@ -73,7 +73,7 @@ static void fill(stage *s, const place *w)
     turned_column(s, w);
     glasses(s, w);
     sun(s, daft_v3(0.4f, -1, 0.27f), 0.7f);
-    lamp(s, at(w, 4.2, 2.7, 0.4), 0.5f);
+    source(s, at(w, 4.2, 2.7, 0.4), 0.5f);
     daft_scene_set_sky_gradient(s->scene, daft_v3(0.2f, 0.4f, 0.8f), daft_v3(0.8f, 0.9f, 1));
     s->view.camera.position = at(w, -1.3, 1.9, 0.7);
     s->view.camera.pitch = 0.19f, s->view.camera.yaw = -0.04f, s->view.camera.fov = 1.3f;

@@ -213,7 +213,7 @@ static void compare_with_tracer(stage *s, const world *w, const char *what)
     assert_int_equal(far_off, 0);
 }
 
-/* The sky upside down within the ball, and a lamp's image where the lens maker's formula has it. */
+/* The sky upside down within the ball, and a light's image where the lens maker's formula has it. */
 static void ball_is_a_lens(void **unused)
 {
     (void)unused;
@@ -222,7 +222,7 @@ static void ball_is_a_lens(void **unused)
     stage *s = stage_make(WIDTH, HEIGHT, NULL, 2);
     s->view.camera.fov = 0.7f;
     compare_with_tracer(s, &w, "ball");
-    /* Paraxial rays of a ball of index 1.5 meet 1.5 r behind its centre if they come from afar; the lamp 8 away is seen
+    /* Paraxial rays of a ball of index 1.5 meet 1.5 r behind its centre if they come from afar; the light 8 away is seen
      * at 1 / (1/1.5 - 1/8) = 1.846 before it, smaller and on the other side. */
     double distance = 1 / (1 / 1.5 - 1.0 / 8), size = distance / 8, away = 4 - distance;
     int x = (int)(WIDTH / 2.0 - WIDTH / 2.0 / daft_tan(0.35) * 0.5 * size / away);
@@ -391,12 +391,12 @@ static int floor_light(stage *s)
 static void shadows_let_light_through(void **unused)
 {
     (void)unused;
-    for (int by_lamp = 0; by_lamp < 2; by_lamp++) {
+    for (int by_light = 0; by_light < 2; by_light++) {
         stage *s = stage_make(WIDTH, HEIGHT, NULL, 2);
         daft_scene_set_ambient(s->scene, BLACK);
         add(s, box(daft_dv3(0, -0.5, 0), daft_v3(40, 1, 40), matte(s, WHITE, 0)));
-        if (by_lamp)
-            lamp(s, daft_dv3(0, 9, 0), 1);
+        if (by_light)
+            source(s, daft_dv3(0, 9, 0), 1);
         else
             sun(s, daft_v3(0, -1, 0), 1);
         s->view.camera = daft_camera_look_at(daft_dv3(-6, 1.5, 0), daft_dv3(0, 0, 0), 0.5f);
@@ -417,7 +417,7 @@ static void shadows_let_light_through(void **unused)
     }
 }
 
-/* A lamp within a ball of green glass lights the room in green; and a lamp among the points of one tile, where each ray goes
+/* A light within a ball of green glass lights the room in green; and a light among the points of one tile, where each ray goes
  * alone, does what the pencil does. */
 static void lanterns(void **unused)
 {
@@ -426,8 +426,8 @@ static void lanterns(void **unused)
     daft_scene_set_ambient(s->scene, BLACK);
     daft_entity room = add(s, box(daft_dv3(0, 0, 0), daft_v3(12, 6, 12), matte(s, WHITE, 0)));
     add(s, sphere(daft_dv3(3, 0, 0), 0.5f, glass(s, 1, daft_v3(0, 1, 0.25f))));
-    lamp(s, daft_dv3(3, 0, 0), 1);
-    s->view.camera.position = daft_dv3(-3, 0, 0), s->view.camera.fov = 2.5f; /* small tiles see wall all around the lamp */
+    source(s, daft_dv3(3, 0, 0), 1);
+    s->view.camera.position = daft_dv3(-3, 0, 0), s->view.camera.fov = 2.5f; /* small tiles see wall all around the light */
     draw(s);
     int seen = 0;
     for (int i = 0; i < s->pixels; i++) {
@@ -475,7 +475,7 @@ static void dress(stage *s)
     }
     add(s, sphere(daft_dv3(9, 1, 0), 0.5f, glowing(s, daft_v3(1, 1, 0))));
     sun(s, daft_v3(1, -2, 0.7f), 1);
-    lamp(s, daft_dv3(4, 2, -3), 0.5f);
+    source(s, daft_dv3(4, 2, -3), 0.5f);
 }
 
 static void the_same_however_computed(void **unused)

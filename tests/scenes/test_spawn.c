@@ -1,5 +1,5 @@
 /* Where rays leave surfaces: shadow and mirrored rays start outside the error of the point that was hit, and not further.
- * What a lamp lights in full shows no dark pixel (acne), where no light comes there is exactly none (leaks), and convex
+ * What a light lights in full shows no dark pixel (acne), where no light comes there is exactly none (leaks), and convex
  * mirrors do not see themselves: for spheres from 10⁻³ to 10⁶ m, meshes scaled by 10⁻³ to 10³ and turned, from 1 m to 10⁵ m
  * away. Wrong pixels are counted, and there must be none. */
 #include "hard_scenes.h"
@@ -190,14 +190,14 @@ static void meshes_in_the_sun(void **unused)
 
 /* ---- rooms ---- */
 
-/* A lamp and the camera within one closed, convex thing: every wall that is seen is lit. */
-static void count_dark(const stage *s, daft_dvec3 lamp_at, tally *t)
+/* A light and the camera within one closed, convex thing: every wall that is seen is lit. */
+static void count_dark(const stage *s, daft_dvec3 light_at, tally *t)
 {
     for (int i = 0; i < s->pixels; i++) {
         daft_dvec3 ray = pixel_ray(s, i % WIDTH, i / WIDTH);
-        daft_dvec3 to_lamp = daft_dsub(lamp_at, daft_dadd(s->view.camera.position,
+        daft_dvec3 direction_to = daft_dsub(light_at, daft_dadd(s->view.camera.position,
                                                           daft_dscale(ray, (double)s->depth[i] / sqrt(daft_ddot(ray, ray)))));
-        double cosine = daft_ddot(to_lamp, daft_to_double(s->normal[i])) / sqrt(daft_ddot(to_lamp, to_lamp));
+        double cosine = daft_ddot(direction_to, daft_to_double(s->normal[i])) / sqrt(daft_ddot(direction_to, direction_to));
         if (s->entity[i].id == 0) {
             t->wrong++; /* a crack */
             continue;
@@ -225,7 +225,7 @@ static daft_dvec3 within(const daft_entity_def *def, double size, double part)
     return daft_dadd(def->position, daft_dscale(any_way(), size * part));
 }
 
-static void lamps_inside(void **unused)
+static void lights_inside(void **unused)
 {
     (void)unused;
     tally t = {0, 0, 0};
@@ -235,15 +235,15 @@ static void lamps_inside(void **unused)
             daft_entity_def def = room(s, i % 3, daft_dv3(100, 1e6, -7), size);
             daft_scene_set_ambient(s->scene, daft_v3(0, 0, 0));
             add(s, def);
-            daft_dvec3 lamp_at = within(&def, size, i < 3 ? 0.4 : 0.1);
-            lamp(s, lamp_at, 4);
+            daft_dvec3 light_at = within(&def, size, i < 3 ? 0.4 : 0.1);
+            source(s, light_at, 4);
             daft_dvec3 from = within(&def, size, 0.3), at = within(&def, size, 0.05);
             s->view.camera = daft_camera_look_at(from, at, 2);
             draw(s);
-            count_dark(s, lamp_at, &t);
+            count_dark(s, light_at, &t);
             stage_drop(s);
         }
-    report("lamps in rooms", t);
+    report("lights in rooms", t);
 }
 
 static void count_light(const stage *s, tally *t)
@@ -256,8 +256,8 @@ static void count_light(const stage *s, tally *t)
     t->pictures++;
 }
 
-/* Lamps and the sun outside, the camera inside, often close to a wall or in a corner: black. */
-static void lamps_outside(void **unused)
+/* Lights and the sun outside, the camera inside, often close to a wall or in a corner: black. */
+static void lights_outside(void **unused)
 {
     (void)unused;
     tally t = {0, 0, 0};
@@ -269,8 +269,8 @@ static void lamps_outside(void **unused)
             if (i % 3 == 1) def.rotation = daft_quat_identity();
             add(s, def);
             /* beside a wall, near an edge's line, far away */
-            lamp(s, daft_dadd(def.position, daft_dscale(any_way(), size * (i < 6 ? 0.9 : 100))), 1000);
-            lamp(s, daft_dadd(def.position, daft_dv3(0.5001 * size, (double)any(-0.49f, 0.49f) * size, 0.499 * size)), 1000);
+            source(s, daft_dadd(def.position, daft_dscale(any_way(), size * (i < 6 ? 0.9 : 100))), 1000);
+            source(s, daft_dadd(def.position, daft_dv3(0.5001 * size, (double)any(-0.49f, 0.49f) * size, 0.499 * size)), 1000);
             sun(s, any3(-1, 1), 1000);
             double corner = i % 3 == 1 ? 0.4999 : 0.2;
             daft_dvec3 eye = daft_dadd(def.position, daft_dscale(daft_dv3(corner, -corner, corner), size));
@@ -279,7 +279,7 @@ static void lamps_outside(void **unused)
             count_light(s, &t);
             stage_drop(s);
         }
-    report("lamps outside of rooms", t);
+    report("lights outside of rooms", t);
 }
 
 /* A room of six slabs that only touch: nothing comes in along the seams. */
@@ -301,7 +301,7 @@ static void seams_are_tight(void **unused)
             daft_vec3 down = any3(-1, 1);
             down.y = -1;
             sun(s, down, 1000);
-            lamp(s, daft_dv3(size * 3, size * 2, size), 1000);
+            source(s, daft_dv3(size * 3, size * 2, size), 1000);
             s->view.camera = daft_camera_look_at(daft_dv3(-0.3 * size, -0.2 * size, 0.1 * size),
                                                  daft_dv3(i % 2 ? h : 0, h, i > 1 ? -h : h), 2);
             draw(s);
@@ -313,7 +313,7 @@ static void seams_are_tight(void **unused)
 
 /* ---- grazing light ---- */
 
-/* A lamp close above a floor lights all of it, just below it nothing. */
+/* A light close above a floor lights all of it, just below it nothing. */
 static void grazing(double scale, double height, uint32_t side, double away, tally *lit, tally *dark)
 {
     for (int below = 0; below < 2; below++) {
@@ -323,8 +323,8 @@ static void grazing(double scale, double height, uint32_t side, double away, tal
         add(s, instance(floor_mesh(s, side), daft_dv3(0, 0, 0), (float)scale, turn, matte(s, daft_v3(1, 1, 1), 0)));
         daft_dvec3 up = daft_to_double(daft_quat_rotate(turn, daft_v3(0, 1, 0)));
         daft_dvec3 along = daft_to_double(daft_quat_rotate(turn, daft_v3(0.83f, 0, 0.31f)));
-        daft_dvec3 lamp_at = daft_dadd(daft_dscale(along, scale), daft_dscale(up, (below ? -1 : 1) * height * scale));
-        lamp(s, lamp_at, (float)(100 / height));
+        daft_dvec3 light_at = daft_dadd(daft_dscale(along, scale), daft_dscale(up, (below ? -1 : 1) * height * scale));
+        source(s, light_at, (float)(100 / height));
         daft_dvec3 eye = daft_dscale(daft_dadd(daft_dscale(up, 1), daft_dscale(along, -1)), scale * away);
         s->view.camera = daft_camera_look_at(eye, daft_dv3(0, 0, 0), (float)fmin(1, 1 / away));
         draw(s);
@@ -339,7 +339,7 @@ static void grazing(double scale, double height, uint32_t side, double away, tal
     }
 }
 
-static void grazing_lamps(void **unused)
+static void grazing_lights(void **unused)
 {
     (void)unused;
     tally lit = {0, 0, 0}, dark = {0, 0, 0};
@@ -347,8 +347,8 @@ static void grazing_lamps(void **unused)
         for (double height = 1e-1; height > 5e-4; height *= 0.1)
             for (uint32_t side = 1; side <= 64; side *= 8)
                 for (double away = 1; away <= 64; away *= 8) grazing(scale, height, side, away, &lit, &dark);
-    report("floors lit by a grazing lamp", lit);
-    report("floors over a lamp", dark);
+    report("floors lit by a grazing light", lit);
+    report("floors over a light", dark);
 }
 
 /* ---- mirrors ---- */
@@ -401,8 +401,8 @@ static void convex_mirrors(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spheres_in_the_sun), cmocka_unit_test(meshes_in_the_sun), cmocka_unit_test(lamps_inside),
-        cmocka_unit_test(lamps_outside),      cmocka_unit_test(seams_are_tight),   cmocka_unit_test(grazing_lamps),
+        cmocka_unit_test(spheres_in_the_sun), cmocka_unit_test(meshes_in_the_sun), cmocka_unit_test(lights_inside),
+        cmocka_unit_test(lights_outside),      cmocka_unit_test(seams_are_tight),   cmocka_unit_test(grazing_lights),
         cmocka_unit_test(convex_mirrors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -112,7 +112,7 @@ static stage *stage_bare(const char *isa)
     return s;
 }
 
-/* A floor, a ball, a mirror that sees the whole room, a block and a ball that falls; a sun and a lamp. The camera is at
+/* A floor, a ball, a mirror that sees the whole room, a block and a ball that falls; a sun and a light. The camera is at
  * the origin and looks along +X. */
 __attribute__((unused)) static stage *stage_make_on(const char *isa)
 {

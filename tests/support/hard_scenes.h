@@ -129,7 +129,7 @@ __attribute__((unused)) static daft_light sun(stage *s, daft_vec3 direction, flo
     return out;
 }
 
-__attribute__((unused)) static daft_light lamp(stage *s, daft_dvec3 position, float brightness)
+__attribute__((unused)) static daft_light source(stage *s, daft_dvec3 position, float brightness)
 {
     daft_light_def def = daft_default_light_def();
     def.position = position, def.color = daft_v3(brightness, brightness, brightness);

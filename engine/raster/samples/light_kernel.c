@@ -586,7 +586,7 @@ static uint32_t cast_pencil(light_scratch *scratch, uint32_t *bits)
     return count;
 }
 
-/* The points on a face of the cube around the lamp: those whose largest difference is on this axis, with this sign.
+/* The points on a face of the cube around the light: those whose largest difference is on this axis, with this sign.
  * Points at the light itself are on none. */
 static bool take_face(const cast *c, const uint32_t *asked, int face, uint32_t *out)
 {

@@ -30,7 +30,7 @@ static void set_back(const occluder *c, daft_affine *back, float pad[3])
 }
 
 /* What corners' boxes are off by, from all that the mesh reaches in view space, where that is not much more than its distance from
- * the lamp: depths by a few 2^-24 of it; places in the picture, which are no larger than it over the distance, by that over the
+ * the light: depths by a few 2^-24 of it; places in the picture, which are no larger than it over the distance, by that over the
  * distance, by themselves times that, and by 2^-21 of themselves. */
 static void set_errors(mesh_occluder *m)
 {

@@ -9,7 +9,7 @@
 typedef struct mesh_occluder {
     occluder c;
     float size; /* of the map's translation: what corners may lose beside their own coordinates */
-    bool before; /* all of the mesh lies well before the lamp: */
+    bool before; /* all of the mesh lies well before the light: */
     float off_uv, off_depth; /* then places in the picture, and depths, are off by less than this */
     picture_map map; /* object space to view space */
     daft_affine back; /* and the way back, to where they stand */
@@ -117,7 +117,7 @@ typedef struct box_error {
     vm whole;
 } box_error;
 
-/* Of meshes that are near the lamp: from the corners themselves. */
+/* Of meshes that are near the light: from the corners themselves. */
 DAFT_INLINE box_error near_apex_error(const mesh_occluder *c, const corners *t, vf near, vf reach)
 {
     const light_view *l = c->c.view;

@@ -20,7 +20,7 @@ static daft_surface surface_from(const daft_material_def *def)
         .specular = def->specular,
         .emission = def->emission,
         .mirror = daft_scale(def->mirror_tint, def->mirror),
-        .through = daft_scale(def->transmission_tint, def->transmission),
+        .transmittance = daft_scale(def->transmission_tint, def->transmission),
         .transmission = def->transmission,
         .index = def->refractive_index,
         .shininess = def->shininess,

@@ -21,7 +21,7 @@ typedef struct stage {
     daft_instance instances[COWS + 1]; /* frame space: the origin is at the camera */
     uint32_t count;
     bench_view view;
-    daft_lamp light;
+    daft_light_source light;
     bool two_level;
 } stage;
 
@@ -58,12 +58,12 @@ static const double UPRIGHT[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
 static void light_at(stage *s, daft_vec3 at)
 {
-    s->light = (daft_lamp){.casts_shadow = true, .position = daft_sub(at, s->view.from), .color = {1, 1, 1}};
+    s->light = (daft_light_source){.casts_shadow = true, .position = daft_sub(at, s->view.from), .color = {1, 1, 1}};
 }
 
 static void sun_from(stage *s, daft_vec3 to_light)
 {
-    s->light = (daft_lamp){.sun = true, .casts_shadow = true, .to_light = daft_normalize(to_light), .color = {1, 1, 1}};
+    s->light = (daft_light_source){.sun = true, .casts_shadow = true, .to_light = daft_normalize(to_light), .color = {1, 1, 1}};
 }
 
 /* The model on the ground, from in front, to the side and above. */

@@ -102,14 +102,14 @@ static shadow_embree *create(const daft_instance *instances, uint32_t count, boo
 typedef struct ray_job {
     const shadow_embree *self;
     const shadow_origins *from;
-    const daft_lamp *light;
+    const daft_light_source *light;
     uint64_t dark[64]; /* one for each worker */
 } ray_job;
 
 static void set_rays(const ray_job *job, size_t first, int *valid, struct RTCRay16 *packet)
 {
     const shadow_origins *from = job->from;
-    const daft_lamp *light = job->light;
+    const daft_light_source *light = job->light;
     for (size_t i = 0; i < 16; i++) {
         float x = from->x[first + i], y = from->y[first + i], z = from->z[first + i];
         valid[i] = first + i < from->count ? -1 : 0;
@@ -150,7 +150,7 @@ static void trace_chunk(void *context, uint32_t chunk, uint32_t worker)
     job->dark[worker] += dark;
 }
 
-static double occluded_ms(shadow_embree *self, const shadow_origins *from, const daft_lamp *light, uint64_t *dark)
+static double occluded_ms(shadow_embree *self, const shadow_origins *from, const daft_light_source *light, uint64_t *dark)
 {
     ray_job job = {.self = self, .from = from, .light = light};
     double start = bench_clock_ms(self->threads);

@@ -185,7 +185,7 @@ static void rows_are_json_with_the_promised_names(void **unused)
     static const char *const names[] = {"\"scene\": \"cow",
                                         "\"what\": \"intersection, exact to fast\"",
                                         "\"threads\": 1",
-                                        "\"isa\": \"sse2\"",
+                                        "\"isa\": \"" DAFT_NARROWEST_ISA "\"",
                                         "\"ours\": ",
                                         "\"peer\": ",
                                         "\"peer_name\": \"fast\"",
@@ -199,7 +199,7 @@ static void rows_are_json_with_the_promised_names(void **unused)
                                         "\"unit\": \"B/tri\"",
                                         "\"peer\": null",
                                         "\"budget_of\": \"ours\""};
-    snprintf(arguments, sizeof arguments, "--only 'cow, far inter' --rounds 1 --threads 1 --isa sse2 --json %s",
+    snprintf(arguments, sizeof arguments, "--only 'cow, far inter' --rounds 1 --threads 1 --isa " DAFT_NARROWEST_ISA " --json %s",
              temporary("json"));
     assert_ran("", arguments);
     assert_says(output, "of aim");

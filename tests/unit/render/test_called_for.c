@@ -80,7 +80,7 @@ static daft_mesh make_tetrahedron(stage *s)
     return mesh;
 }
 
-static void add_lamp(stage *s, daft_light_kind kind, daft_dvec3 at, daft_vec3 direction)
+static void add_light(stage *s, daft_light_kind kind, daft_dvec3 at, daft_vec3 direction)
 {
     daft_light_def def = daft_default_light_def();
     def.kind = kind, def.position = at, def.direction = direction;
@@ -151,7 +151,7 @@ static void only_points_under_an_occluders_bounds_are_tested(void **unused)
     for (int shape = 0; shape < 2; shape++) {
         stage *s = stage_make(2);
         daft_entity floor = add_floor(s);
-        add_lamp(s, DAFT_LIGHT_SUN, daft_dv3(0, 0, 0), daft_v3(0, -1, 0));
+        add_light(s, DAFT_LIGHT_SUN, daft_dv3(0, 0, 0), daft_v3(0, -1, 0));
         if (shape == 0) {
             add_ball(s, daft_dv3(1, 3, -1), 1, (daft_material){0});
         } else {
@@ -174,7 +174,7 @@ static void only_points_under_an_occluders_bounds_are_tested(void **unused)
     }
 }
 
-/* Off to the side, behind the lamp, under the floor: nothing that could hide the lamp from a point that is seen. */
+/* Off to the side, behind the light, under the floor: nothing that could hide the light from a point that is seen. */
 static void occluders_elsewhere_are_never_tested(void **unused)
 {
     (void)unused;
@@ -183,9 +183,9 @@ static void occluders_elsewhere_are_never_tested(void **unused)
         stage *s = stage_make(1);
         add_floor(s);
         if (i == 1)
-            add_lamp(s, DAFT_LIGHT_POINT, daft_dv3(0, 7, 0), daft_v3(0, -1, 0));
+            add_light(s, DAFT_LIGHT_POINT, daft_dv3(0, 7, 0), daft_v3(0, -1, 0));
         else
-            add_lamp(s, DAFT_LIGHT_SUN, daft_dv3(0, 0, 0), daft_v3(0, -1, 0));
+            add_light(s, DAFT_LIGHT_SUN, daft_dv3(0, 0, 0), daft_v3(0, -1, 0));
         add_ball(s, balls[i], 1, (daft_material){0});
         const daft_counters *c = draw(s);
         assert_true(c->effects[DAFT_EFFECT_LIGHTING].ran);
@@ -236,7 +236,7 @@ static void a_mesh_that_keeps_its_shape_is_built_once(void **unused)
         assert_true(daft_scene_step(s->scene, 1.0f / 60, NULL));
         daft_material_def material = daft_default_material_def();
         assert_true(daft_entity_set_material(s->scene, first, daft_material_create(s->scene, &material, NULL), NULL));
-        add_lamp(s, DAFT_LIGHT_POINT, daft_dv3(i, 9, 0), daft_v3(0, -1, 0));
+        add_light(s, DAFT_LIGHT_POINT, daft_dv3(i, 9, 0), daft_v3(0, -1, 0));
         daft_ray_hit hit;
         daft_scene_cast_ray(s->scene, daft_dv3(0, 9, 0), daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, NULL);
         s->view.camera = daft_camera_look_at(daft_dv3(-8 + i, 6, 2), daft_dv3(0, 0, 0), 1.2f);
@@ -255,7 +255,7 @@ static void what_has_not_moved_stays_in_place(void **unused)
     daft_material plain = daft_material_create(s->scene, &def, NULL);
     add_floor(s);
     daft_entity ball = add_ball(s, daft_dv3(0, 1, 0), 1, plain);
-    add_lamp(s, DAFT_LIGHT_POINT, daft_dv3(3, 9, 0), daft_v3(0, -1, 0));
+    add_light(s, DAFT_LIGHT_POINT, daft_dv3(3, 9, 0), daft_v3(0, -1, 0));
     for (int i = 0; i < 3; i++) assert_int_equal(draw(s)->instance_updates, 1);
     daft_ray_hit hit;
     daft_scene_cast_ray(s->scene, daft_dv3(0, 9, 0), daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, NULL);
@@ -278,7 +278,7 @@ static void what_has_not_moved_stays_in_place(void **unused)
     for (int i = 0; i < 2; i++) assert_int_equal(draw(s)->instance_updates, 4); /* and has arrived */
     s->view.camera.position.z += 1e-6;
     assert_int_equal(draw(s)->instance_updates, 5);
-    def.transmission = 1; /* it hides no lamp any more */
+    def.transmission = 1; /* it hides no light any more */
     assert_true(daft_material_set(s->scene, plain, &def, NULL));
     assert_int_equal(draw(s)->instance_updates, 6);
     assert_true(daft_entity_set_material(s->scene, ball, plain, NULL));
@@ -323,7 +323,7 @@ static void twins_make(twins *t)
 {
     for (int i = 0; i < TWINS; i++) {
         stage *s = t->stage[i] = stage_make(2);
-        add_lamp(s, DAFT_LIGHT_POINT, daft_dv3(3, 9, 0), daft_v3(0, -1, 0));
+        add_light(s, DAFT_LIGHT_POINT, daft_dv3(3, 9, 0), daft_v3(0, -1, 0));
         add_floor(s);
         t->toggled[i] = add_ball(s, daft_dv3(0, 3, 0), 0.2f, (daft_material){0});
         t->mesh[i] = make_tetrahedron(s);

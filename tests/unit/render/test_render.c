@@ -205,7 +205,7 @@ static void spot_cone(void **unused)
 }
 
 /* The shadow of a box on the ground, pixel by pixel: lit where the ray to the sun misses the box. */
-static void box_shadow(daft_vec3 to_sun, bool lamp)
+static void box_shadow(daft_vec3 to_sun, bool source)
 {
     stage *s = stage_make(NULL, 2);
     daft_scene_set_ambient(s->scene, daft_v3(0, 0, 0));
@@ -214,7 +214,7 @@ static void box_shadow(daft_vec3 to_sun, bool lamp)
     add(s, box(daft_dv3(6, 0.5, 0.3), daft_v3(1, 2, 3), white));
     s->view.camera = daft_camera_look_at(daft_dv3(-2, 5, 1), daft_dv3(6, 0, 0), 1.2f);
     daft_light_def def = daft_default_light_def();
-    def.kind = lamp ? DAFT_LIGHT_POINT : DAFT_LIGHT_SUN;
+    def.kind = source ? DAFT_LIGHT_POINT : DAFT_LIGHT_SUN;
     def.position = daft_to_double(to_sun), def.direction = daft_neg(to_sun), def.color = daft_v3(1, 1, 1);
     daft_light_create(s->scene, &def, NULL);
     draw(s);
@@ -230,9 +230,9 @@ static void box_shadow(daft_vec3 to_sun, bool lamp)
         daft_dvec3 d = daft_dadd(daft_dscale(right, px), daft_dadd(daft_dscale(up, py), daft_dscale(forward, f)));
         daft_dvec3 at = daft_dadd(s->view.camera.position, daft_dscale(d, (double)s->depth[i] / sqrt(daft_ddot(d, d))));
         at.y = -0.999;
-        daft_vec3 way = lamp ? daft_to_float(daft_dsub(def.position, at)) : to_sun;
+        daft_vec3 way = source ? daft_to_float(daft_dsub(def.position, at)) : to_sun;
         daft_ray_hit hit;
-        bool dark = daft_scene_cast_ray(s->scene, at, way, lamp ? daft_length(way) : 1000, ground, &hit, &error);
+        bool dark = daft_scene_cast_ray(s->scene, at, way, source ? daft_length(way) : 1000, ground, &hit, &error);
         wrong += dark != (pixel(s, i % WIDTH, i / WIDTH)[0] == 0);
         shadowed += dark, looked++;
     }
@@ -378,7 +378,7 @@ static void only_what_is_called_for(void **unused)
 static void many_instances(void **unused)
 {
     (void)unused;
-    stage *s = stage_make(NULL, 2), *plain = stage_make("sse2", 1);
+    stage *s = stage_make(NULL, 2), *plain = stage_make(DAFT_NARROWEST_ISA, 1);
     for (int i = 0; i < 900; i++) { /* more shadow casters over a tile than a list of candidates holds */
         daft_dvec3 at = daft_dv3(4 + i % 30 * 0.2, i / 30 * 0.1, (i * 7 % 31 - 15) * 0.2);
         add(s, sphere(at, 0.06f, matte(s, 0.8f, 0.2f, 0)));

@@ -1,4 +1,4 @@
-/* The shadow pencil against single rays: for points anywhere, suns, lamps far off, close by, inside the scene and among the
+/* The shadow pencil against single rays: for points anywhere, suns, lights far off, close by, inside the scene and among the
  * points, meshes, spheres and mirrored instances, both say the same but for points on a shadow's very edge; and every
  * instruction set says exactly the same. */
 #include "fixtures.h"
@@ -55,18 +55,18 @@ static void fill_points(daft_batch *b, daft_vec3 place, float size)
     }
 }
 
-static bool lit_by_ray(const stage *s, const daft_batch *b, const daft_lamp *lamp, uint32_t i)
+static bool lit_by_ray(const stage *s, const daft_batch *b, const daft_light_source *source, uint32_t i)
 {
-    daft_ray ray = {.origin = {b->shadow_origin.x[i], b->shadow_origin.y[i], b->shadow_origin.z[i]}, .direction = lamp->to_light, .tmax = INFINITY};
-    if (!lamp->sun) ray.direction = daft_sub(lamp->position, ray.origin), ray.tmax = 1;
+    daft_ray ray = {.origin = {b->shadow_origin.x[i], b->shadow_origin.y[i], b->shadow_origin.z[i]}, .direction = source->to_light, .tmax = INFINITY};
+    if (!source->sun) ray.direction = daft_sub(source->position, ray.origin), ray.tmax = 1;
     return !daft_accel_kernels_for(0)->occluded(s->tlas, &ray);
 }
 
-static uint32_t cast(int isa, const daft_batch *b, const daft_lamp *lamp, const daft_tlas *tlas, uint32_t instance, uint32_t *bits)
+static uint32_t cast(int isa, const daft_batch *b, const daft_light_source *source, const daft_tlas *tlas, uint32_t instance, uint32_t *bits)
 {
     const daft_sample_kernels *k = daft_sample_kernels_for(isa);
     const daft_samples samples = daft_samples_of(b);
-    const daft_apex apex = daft_apex_of(lamp);
+    const daft_apex apex = daft_apex_of(source);
     void *scratch = aligned_alloc(64, k->scratch_size);
     memset(scratch, 0xa5, k->scratch_size); /* nothing of it is kept */
     uint32_t kept = k->shadows(&samples, &apex, tlas, instance, bits, scratch);
@@ -74,11 +74,11 @@ static uint32_t cast(int isa, const daft_batch *b, const daft_lamp *lamp, const 
     return kept;
 }
 
-static uint32_t cast_tints(int isa, const daft_batch *b, const daft_lamp *lamp, const daft_tlas *tlas, const uint32_t *bits, uint32_t *out)
+static uint32_t cast_tints(int isa, const daft_batch *b, const daft_light_source *source, const daft_tlas *tlas, const uint32_t *bits, uint32_t *out)
 {
     const daft_sample_kernels *k = daft_sample_kernels_for(isa);
     const daft_samples samples = daft_samples_of(b);
-    const daft_apex apex = daft_apex_of(lamp);
+    const daft_apex apex = daft_apex_of(source);
     void *scratch = aligned_alloc(64, k->scratch_size);
     uint32_t count = k->tints(&samples, &apex, tlas, bits, out, scratch);
     free(scratch);
@@ -89,14 +89,14 @@ typedef struct tally {
     int lit, dark, edge, pencils;
 } tally;
 
-static void compare(const stage *s, const daft_batch *b, const daft_lamp *lamp, tally *sum)
+static void compare(const stage *s, const daft_batch *b, const daft_light_source *source, tally *sum)
 {
     uint32_t asked[DAFT_BATCH_WORDS] = {0}, bits[DAFT_ISA_COUNT][DAFT_BATCH_WORDS], kept = 0;
     for (uint32_t i = 0; i < b->count; i++)
         if (i % 7) asked[i / 32] |= (uint32_t)1 << (i % 32);
     for (int isa = 0; isa <= daft_isa_best(); isa++) {
         memcpy(bits[isa], asked, sizeof asked);
-        uint32_t under = cast(isa, b, lamp, s->tlas, DAFT_NOTHING, bits[isa]);
+        uint32_t under = cast(isa, b, source, s->tlas, DAFT_NOTHING, bits[isa]);
         if (isa) assert_int_equal(under, kept);
         kept = under;
         assert_memory_equal(bits[isa], bits[0], sizeof asked);
@@ -106,13 +106,13 @@ static void compare(const stage *s, const daft_batch *b, const daft_lamp *lamp, 
         bool was = asked[i / 32] >> (i % 32) & 1, lit = bits[0][i / 32] >> (i % 32) & 1;
         if (!was) assert_false(lit);
         if (!was) continue;
-        if (lit != lit_by_ray(s, b, lamp, i)) sum->edge++;
+        if (lit != lit_by_ray(s, b, source, i)) sum->edge++;
         if (lit) sum->lit++;
         else sum->dark++;
     }
 }
 
-static void run_with(uint32_t count, float size, bool sun, float lamp_distance, float patch)
+static void run_with(uint32_t count, float size, bool sun, float light_distance, float patch)
 {
     daft_batch *b = calloc(1, sizeof *b);
     tally sum = {0};
@@ -121,10 +121,10 @@ static void run_with(uint32_t count, float size, bool sun, float lamp_distance, 
         stage_make_of(&s, count, size);
         for (int i = 0; i < 4; i++) {
             fill_points(b, random_vec3(-5, 5), patch);
-            daft_lamp lamp = {.sun = sun, .casts_shadow = true};
-            lamp.to_light = daft_normalize(random_vec3(-1, 1));
-            lamp.position = daft_scale(random_vec3(-1, 1), lamp_distance);
-            compare(&s, b, &lamp, &sum);
+            daft_light_source source = {.sun = sun, .casts_shadow = true};
+            source.to_light = daft_normalize(random_vec3(-1, 1));
+            source.position = daft_scale(random_vec3(-1, 1), light_distance);
+            compare(&s, b, &source, &sum);
         }
         stage_drop(&s);
     }
@@ -134,21 +134,21 @@ static void run_with(uint32_t count, float size, bool sun, float lamp_distance, 
     free(b);
 }
 
-static void run(bool sun, float lamp_distance, float patch) { run_with(8, 1, sun, lamp_distance, patch); }
+static void run(bool sun, float light_distance, float patch) { run_with(8, 1, sun, light_distance, patch); }
 
 static void suns(void **unused) { (void)unused, fixture_seed(61), run(true, 0, 1); }
 static void large_patches(void **unused) { (void)unused, fixture_seed(62), run(true, 0, 8); }
-static void far_lamps(void **unused) { (void)unused, fixture_seed(63), run(false, 1000, 1); }
-static void lamps_beyond_the_hills(void **unused) { (void)unused, fixture_seed(66), run(false, 1e5f, 1); }
-static void lamps_in_the_scene(void **unused) { (void)unused, fixture_seed(64), run(false, 4, 1); }
-static void lamps_among_the_points(void **unused) { (void)unused, fixture_seed(65), run(false, 3, 4); }
+static void far_lights(void **unused) { (void)unused, fixture_seed(63), run(false, 1000, 1); }
+static void lights_beyond_the_hills(void **unused) { (void)unused, fixture_seed(66), run(false, 1e5f, 1); }
+static void lights_in_the_scene(void **unused) { (void)unused, fixture_seed(64), run(false, 4, 1); }
+static void lights_among_the_points(void **unused) { (void)unused, fixture_seed(65), run(false, 3, 4); }
 
 static void suns_over_many(void **unused) { (void)unused, fixture_seed(71), run_with(MANY, 0.3f, true, 0, 1); }
-static void lamps_over_many(void **unused) { (void)unused, fixture_seed(72), run_with(MANY, 0.3f, false, 30, 1); }
-static void lamps_far_from_many(void **unused) { (void)unused, fixture_seed(73), run_with(MANY, 0.2f, false, 1e5f, 3); }
-static void lamps_among_many(void **unused) { (void)unused, fixture_seed(74), run_with(MANY, 0.2f, false, 3, 4); }
+static void lights_over_many(void **unused) { (void)unused, fixture_seed(72), run_with(MANY, 0.3f, false, 30, 1); }
+static void lights_far_from_many(void **unused) { (void)unused, fixture_seed(73), run_with(MANY, 0.2f, false, 1e5f, 3); }
+static void lights_among_many(void **unused) { (void)unused, fixture_seed(74), run_with(MANY, 0.2f, false, 3, 4); }
 
-/* Points a little above or below triangles that are neighbours, their lamps at any angle over these, grazing ones, too: most of
+/* Points a little above or below triangles that are neighbours, their lights at any angle over these, grazing ones, too: most of
  * what is close to them does not hide them. */
 static void fill_on_surface(const daft_instance *s, daft_batch *b, uint32_t first)
 {
@@ -178,9 +178,9 @@ static void points_on_surfaces(void **unused)
         for (uint32_t i = 1; i < s.count; i += i % 4 == 3 ? 2 : 1) { /* all but the spheres */
             fill_on_surface(&s.instances[i], b, random_bits() % s.instances[i].mesh->triangle_count);
             daft_vec3 at = {b->shadow_origin.x[0], b->shadow_origin.y[0], b->shadow_origin.z[0]};
-            daft_lamp lamp = {.sun = i % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
-            lamp.position = daft_add(at, daft_scale(random_vec3(-1, 1), random_float(0.1f, 6)));
-            compare(&s, b, &lamp, &sum);
+            daft_light_source source = {.sun = i % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
+            source.position = daft_add(at, daft_scale(random_vec3(-1, 1), random_float(0.1f, 6)));
+            compare(&s, b, &source, &sum);
         }
         stage_drop(&s);
     }
@@ -208,9 +208,9 @@ static void beside_many(void **unused)
         }
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
             uint32_t bits[DAFT_BATCH_WORDS] = {0}, lit = 0;
-            daft_lamp lamp = {.sun = true, .casts_shadow = true, .to_light = {0, 1, 0}};
+            daft_light_source source = {.sun = true, .casts_shadow = true, .to_light = {0, 1, 0}};
             for (uint32_t i = 0; i < b->count; i++) bits[i / 32] |= (uint32_t)1 << (i % 32);
-            uint32_t kept = cast(isa, b, &lamp, s.tlas, DAFT_NOTHING, bits);
+            uint32_t kept = cast(isa, b, &source, s.tlas, DAFT_NOTHING, bits);
             for (int word = 0; word < DAFT_BATCH_WORDS; word++) lit += (uint32_t)__builtin_popcount(bits[word]);
             assert_true(kept <= 500 && kept >= 1000 - lit);
             for (uint32_t i = 500; i < 1000; i++) assert_true(bits[i / 32] >> (i % 32) & 1);
@@ -233,8 +233,8 @@ static void one_at_a_time(void **unused)
         stage s;
         stage_make(&s);
         fill_points(b, random_vec3(-5, 5), 2);
-        daft_lamp lamp = {.sun = round % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
-        lamp.position = daft_scale(random_vec3(-1, 1), 9);
+        daft_light_source source = {.sun = round % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
+        source.position = daft_scale(random_vec3(-1, 1), 9);
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
             uint32_t all[DAFT_BATCH_WORDS] = {0}, each[DAFT_BATCH_WORDS], tints[DAFT_MAX_OCCLUDERS];
             for (uint32_t i = 0; i < b->count; i++) all[i / 32] |= (uint32_t)1 << (i % 32);
@@ -243,16 +243,16 @@ static void one_at_a_time(void **unused)
                 uint32_t alone[DAFT_BATCH_WORDS], gone = 0;
                 if (!(s.instances[i].flags & DAFT_INSTANCE_CASTS_SHADOW)) continue;
                 for (int word = 0; word < DAFT_BATCH_WORDS; word++) alone[word] = all[word];
-                cast(isa, b, &lamp, s.tlas, i, alone);
+                cast(isa, b, &source, s.tlas, i, alone);
                 for (int word = 0; word < DAFT_BATCH_WORDS; word++) gone |= all[word] & ~alone[word], each[word] &= alone[word];
                 s.instances[i].flags = DAFT_INSTANCE_TINTS_SHADOW;
-                uint32_t count = cast_tints(isa, b, &lamp, s.tlas, all, tints);
+                uint32_t count = cast_tints(isa, b, &source, s.tlas, all, tints);
                 assert_true(count <= 1 || count == UINT32_MAX);
                 if (gone) assert_true(count == UINT32_MAX || (count == 1 && tints[0] == i));
                 s.instances[i].flags = DAFT_INSTANCE_CASTS_SHADOW;
                 found += gone != 0;
             }
-            cast(isa, b, &lamp, s.tlas, DAFT_NOTHING, all);
+            cast(isa, b, &source, s.tlas, DAFT_NOTHING, all);
             assert_memory_equal(all, each, sizeof all);
             for (uint32_t i = 0; i < b->count; i++) dark += !(all[i / 32] >> (i % 32) & 1);
         }
@@ -262,7 +262,7 @@ static void one_at_a_time(void **unused)
     free(b);
 }
 
-/* Points of a mesh of no thickness that face the lamp are asked for only under other things; those that face away are dark. */
+/* Points of a mesh of no thickness that face the light are asked for only under other things; those that face away are dark. */
 static void flat_ground(void **unused)
 {
     (void)unused;
@@ -289,9 +289,9 @@ static void flat_ground(void **unused)
     for (int side = -1; side <= 1; side += 2)
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
             uint32_t bits[DAFT_BATCH_WORDS] = {0}, lit = 0;
-            daft_lamp lamp = {.casts_shadow = true, .position = daft_add(daft_v3(3, -2, 5), daft_scale(up, 4 * (float)side))};
+            daft_light_source source = {.casts_shadow = true, .position = daft_add(daft_v3(3, -2, 5), daft_scale(up, 4 * (float)side))};
             for (uint32_t i = 0; i < b->count; i++) bits[i / 32] |= (uint32_t)1 << (i % 32);
-            assert_int_equal(cast(isa, b, &lamp, tlas, DAFT_NOTHING, bits), side > 0 ? 0 : 900);
+            assert_int_equal(cast(isa, b, &source, tlas, DAFT_NOTHING, bits), side > 0 ? 0 : 900);
             for (int word = 0; word < DAFT_BATCH_WORDS; word++) lit += (uint32_t)__builtin_popcount(bits[word]);
             assert_int_equal(lit, side > 0 ? 900 : 0);
         }
@@ -328,10 +328,10 @@ static void floors(void **unused)
                 b->outward.x[k] = b->outward.z[k] = 0, b->outward.y[k] = 1;
                 b->instance[k] = 1, b->triangle[k] = p.x > p.z, b->pixel[k] = k;
             }
-            daft_lamp lamp = {.sun = i % 2, .casts_shadow = true, .to_light = daft_normalize(daft_add(daft_v3(0, 2, 0), random_vec3(-1, 1)))};
-            lamp.position = daft_add(daft_v3(0, 9, 0), random_vec3(-4, 4));
+            daft_light_source source = {.sun = i % 2, .casts_shadow = true, .to_light = daft_normalize(daft_add(daft_v3(0, 2, 0), random_vec3(-1, 1)))};
+            source.position = daft_add(daft_v3(0, 9, 0), random_vec3(-4, 4));
             tally one = {0};
-            compare(&s, b, &lamp, &one);
+            compare(&s, b, &source, &one);
             whole[0] += one.lit == 0, whole[1] += one.dark == 0;
             sum.lit += one.lit, sum.dark += one.dark, sum.edge += one.edge;
         }
@@ -345,10 +345,10 @@ static void floors(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(suns), cmocka_unit_test(large_patches), cmocka_unit_test(far_lamps),
-        cmocka_unit_test(lamps_beyond_the_hills), cmocka_unit_test(lamps_in_the_scene), cmocka_unit_test(lamps_among_the_points),
-        cmocka_unit_test(suns_over_many), cmocka_unit_test(lamps_over_many), cmocka_unit_test(lamps_far_from_many),
-        cmocka_unit_test(lamps_among_many), cmocka_unit_test(points_on_surfaces), cmocka_unit_test(beside_many),
+        cmocka_unit_test(suns), cmocka_unit_test(large_patches), cmocka_unit_test(far_lights),
+        cmocka_unit_test(lights_beyond_the_hills), cmocka_unit_test(lights_in_the_scene), cmocka_unit_test(lights_among_the_points),
+        cmocka_unit_test(suns_over_many), cmocka_unit_test(lights_over_many), cmocka_unit_test(lights_far_from_many),
+        cmocka_unit_test(lights_among_many), cmocka_unit_test(points_on_surfaces), cmocka_unit_test(beside_many),
         cmocka_unit_test(one_at_a_time), cmocka_unit_test(flat_ground), cmocka_unit_test(floors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -254,7 +254,7 @@ static void rays_meet_what_they_hit(void **unused)
             daft_ray ray = {.origin = o, .direction = d, .tmax = INFINITY};
             s->rays.origin.x[i] = o.x, s->rays.origin.y[i] = o.y, s->rays.origin.z[i] = o.z;
             s->rays.direction.x[i] = d.x, s->rays.direction.y[i] = d.y, s->rays.direction.z[i] = d.z;
-            s->rays.pixel[i] = i, s->rays.reach[i] = 1;
+            s->rays.pixel[i] = i, s->rays.distance[i] = 1;
             daft_accel_kernels_for(0)->closest(tlas, &ray, UINT32_MAX, &hits[i]);
         }
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
@@ -266,7 +266,7 @@ static void rays_meet_what_they_hit(void **unused)
         for (uint32_t i = 0; i < b->count; i++) {
             uint32_t ray = b->pixel[i];
             assert_int_equal(b->instance[i], hits[ray].instance);
-            assert_true(b->reach[i] == 1 + hits[ray].t);
+            assert_true(b->distance[i] == 1 + hits[ray].t);
             daft_dvec3 o = daft_dv3((double)s->rays.origin.x[ray], (double)s->rays.origin.y[ray], (double)s->rays.origin.z[ray]);
             daft_dvec3 d = daft_dv3((double)s->rays.direction.x[ray], (double)s->rays.direction.y[ray], (double)s->rays.direction.z[ray]);
             looked += compare(s, b, i, o, d);

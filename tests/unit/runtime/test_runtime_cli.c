@@ -165,7 +165,7 @@ static void explain_prints_the_plan_and_nothing_draws_a_bar_in_a_pipe(void **unu
 static void pictures_do_not_depend_on_threads(void **unused)
 {
     (void)unused;
-    static const char *const ways[] = {"--threads 1", "--threads 2", "--threads 3 --isa sse2"};
+    static const char *const ways[] = {"--threads 1", "--threads 2", "--threads 3 --isa " DAFT_NARROWEST_ISA};
     char first[4 * 97 * 55], path[64];
     snprintf(path, sizeof path, "/tmp/daft-threads-%d.png", (int)getpid());
     daft_engine_def def = daft_default_engine_def();

@@ -184,7 +184,7 @@ static void a_broken_game_reloads(void **unused)
 static void hashes_do_not_depend_on_threads_or_instruction_set(void **unused)
 {
     (void)unused;
-    static const char *const ways[] = {"--threads 2", "--threads 5", "--isa sse2"};
+    static const char *const ways[] = {"--threads 2", "--threads 5", "--isa " DAFT_NARROWEST_ISA};
     int status = run_daft(again, "play tests/games/bot --headless --hash --ticks 150 --threads 1");
     assert_status(status, 0, again);
     assert_says(again, "tick 150 state 0x");

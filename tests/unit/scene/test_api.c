@@ -36,11 +36,11 @@ static void engines_check_their_definition(void **state)
     for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
         def = daft_default_engine_def();
         def.threads = threads[i][0];
-        def.isa = "sse2";
+        def.isa = DAFT_NARROWEST_ISA;
         daft_engine *engine = daft_engine_create(&def, &error);
         assert_non_null(engine);
         assert_int_equal(daft_engine_threads(engine), threads[i][1]);
-        assert_string_equal(daft_engine_isa(engine), "sse2");
+        assert_string_equal(daft_engine_isa(engine), DAFT_NARROWEST_ISA);
         daft_engine_destroy(engine);
     }
     def = daft_default_engine_def();
@@ -217,7 +217,7 @@ static void the_same_everywhere(void **state)
     const struct {
         int threads;
         const char *isa;
-    } cases[] = {{1, "sse2"}, {2, "sse2"}, {7, "avx2"}, {2, "avx512"}, {1, NULL}};
+    } cases[] = {{1, DAFT_NARROWEST_ISA}, {2, DAFT_NARROWEST_ISA}, {7, "avx2"}, {2, "avx512"}, {1, NULL}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         program p = {0};
         daft_error error;

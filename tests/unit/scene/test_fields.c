@@ -273,7 +273,7 @@ static void text_goes_both_ways(void **state)
                {color, "1, 2, 3, 4", "it must be numbers"},
                {color, "1, 2, -3", "color.z is -3; it must be finite and 0 or more"},
                {color, "1, 2, nan", "it must be numbers"},
-               {kind, "lamp", "kind is 'lamp'; it must be point, sun or spot"},
+               {kind, "light", "kind is 'light'; it must be point, sun or spot"},
                {color + 1, "perhaps", "casts_shadow is 'perhaps'; it must be true or false"},
                {color - 4, "1", "cookie cannot be set from text"}};
     for (size_t i = 0; i < DAFT_COUNT_OF(bad); i++) {

@@ -458,10 +458,10 @@ static void hash_sees_every_change(void **state)
     seen[count++] = daft_scene_hash(f->scene);
     assert_true(daft_entity_set_material(f->scene, ball, (daft_material){1}, NULL));
     seen[count++] = daft_scene_hash(f->scene);
-    daft_light lamp = daft_light_create(f->scene, &light, NULL);
+    daft_light source = daft_light_create(f->scene, &light, NULL);
     seen[count++] = daft_scene_hash(f->scene);
     light.color.y = 0.5f;
-    assert_true(daft_light_set(f->scene, lamp, &light, NULL));
+    assert_true(daft_light_set(f->scene, source, &light, NULL));
     seen[count++] = daft_scene_hash(f->scene);
     camera.roll = 0.1f;
     assert_true(daft_scene_set_camera(f->scene, &camera, true, NULL));

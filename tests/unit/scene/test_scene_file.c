@@ -434,7 +434,7 @@ static void include_cycles_end(void **state)
 static void garbage_is_survived(void **state)
 {
     fixture *f = *state;
-    static const char good[] = "camera 1 2 3 4 5 6\nlight 1 2 3 1 1 1 # lamp\nmesh t.obj 1 2 3 4 5 6 7\n"
+    static const char good[] = "camera 1 2 3 4 5 6\nlight 1 2 3 1 1 1 # light\nmesh t.obj 1 2 3 4 5 6 7\n"
                                "sphere 1 2 3 4 \"m.mtl#shiny one\"\nsun 0 1 0 1 1 1\nambient 1 1 1\n";
     static const char bytes[] = "0123456789.-+eE \t\n\r\"#x\0\xff/s";
     uint64_t random = 12345;

@@ -1,6 +1,6 @@
-/* What the kernel sources of one instruction set share. */
-#ifndef DAFT_SHADE_PARTS_H
-#define DAFT_SHADE_PARTS_H
+/* Batches and materials in lanes: what the kernel sources of shade share. */
+#ifndef DAFT_BATCH_LANES_H
+#define DAFT_BATCH_LANES_H
 
 #include "math/simd/dispatch.h"
 #include "math/simd/elementary.h"
@@ -19,7 +19,7 @@ DAFT_INLINE void lanes_store(daft_lanes3 *a, uint32_t i, vf3 v)
     vf_store(&a->x[i], v.x), vf_store(&a->y[i], v.y), vf_store(&a->z[i], v.z);
 }
 
-/* a times the points' albedo, which is set where some have a texture and 1 elsewhere. */
+/* a times the points' albedo: 1 unless some point of the batch has a texture. */
 DAFT_INLINE vf3 times_albedo(const daft_batch *batch, uint32_t i, vf3 a)
 {
     if (!(batch->traits & DAFT_TRAIT_TEXTURE)) return a;
@@ -39,6 +39,7 @@ typedef struct material_reader {
 } material_reader;
 
 enum { SURFACE_WORDS = sizeof(daft_surface) / sizeof(float) };
+_Static_assert(sizeof(daft_surface) == SURFACE_WORDS * sizeof(float), "materials are gathered by words");
 
 DAFT_INLINE material_reader read_materials(const daft_batch *batch, const daft_surface *materials, uint32_t i)
 {
