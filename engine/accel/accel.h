@@ -22,8 +22,8 @@ typedef struct daft_bvh_def {
 daft_bvh *daft_bvh_build(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_bvh_def *def, daft_error *error);
 /* The same with the best instruction set. */
 daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error);
-/* The mesh's vertices have moved, its triangles are the same: fits the boxes anew, or builds the tree anew where that has
- * become slow (then true). Cannot fail: without memory the fitted tree stays. */
+/* The mesh's vertices have moved, its triangles are the same: refits the boxes, or rebuilds the tree where its cost has grown
+ * (then true). Cannot fail: without memory the fitted tree stays. */
 bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def *def);
 void daft_bvh_free(daft_bvh *bvh);
 size_t daft_bvh_bytes(const daft_bvh *bvh);
@@ -40,7 +40,7 @@ enum {
     DAFT_INSTANCE_TINTS_SHADOW = 4 /* in place of CASTS_SHADOW: some of the light comes through */
 };
 
-/* One thing to be drawn or hit: a mesh or, with mesh NULL, a sphere around to_frame's translation. */
+/* What is drawn or hit: a mesh or, with mesh NULL, a sphere around to_frame's translation. */
 typedef struct daft_instance {
     const daft_trimesh *mesh;
     const daft_bvh *bvh;
@@ -54,7 +54,7 @@ typedef struct daft_instance {
     uint32_t flags;
 } daft_instance;
 
-/* Computes low and high, from its bvh where there is one: tight for things that lie across their own axes or the frame's. */
+/* Computes low and high, from its bvh where there is one: tight also for a mesh that lies across its own axes or the frame's. */
 void daft_instance_bound(daft_instance *instance);
 
 typedef struct daft_tlas_def {
@@ -104,22 +104,22 @@ static inline void daft_ray_packet_set(daft_ray_packet *packet, uint32_t lane, c
 typedef struct daft_accel_kernels {
     /* Nearest hit in tmin <= t <= tmax. `ignore`: an instance index to pass through, or UINT32_MAX. */
     bool (*closest)(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_hit *hit);
-    /* Whether any shadow-casting instance stops the ray. Stops at the first. */
+    /* Any-hit query: whether a shadow-casting instance occludes the ray. */
     bool (*occluded)(const daft_tlas *tlas, const daft_ray *ray);
-    /* Sixteen rays that go about the same way: bit i of `active` asks for ray i, and hits[i] becomes, bit for bit, what
+    /* Sixteen rays of about one direction: bit i of `active` asks for ray i, and hits[i] becomes, bit for bit, what
      * `closest` finds; those of the others are not touched. Gives the bits of the rays that hit. */
     uint32_t (*closest_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active, uint32_t ignore,
                                daft_hit hits[DAFT_PACKET]);
-    /* The bits of the active rays that are stopped. */
+    /* The bits of the active rays that are occluded. */
     uint32_t (*occluded_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active);
-    /* Any number of rays, best in an order in which neighbours are alike: rays of one octant are traced together.
+    /* Any number of rays, best in an order in which neighbours are similar: packets are made of rays of one octant.
      * hits[i] becomes what `closest` finds for rays[i]. */
     void (*closest_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t ignore, daft_hit *hits);
-    /* Sets bit i % 32 of stopped[i / 32] for the rays that are stopped and clears it for the others. */
-    void (*occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *stopped);
+    /* Sets bit i % 32 of occluded[i / 32] for the rays that are occluded and clears it for the others. */
+    void (*occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *occluded);
     /* Bits of the node's children that the ray meets in its interval, by their bounds; never those of an empty box. */
     uint32_t (*boxes)(const daft_node *node, const daft_ray *ray);
-    /* daft_instance_bound for each, with the same bits. */
+    /* daft_instance_bound for each instance, with the same bits. */
     void (*bound)(daft_instance *instances, uint32_t count);
 } daft_accel_kernels;
 

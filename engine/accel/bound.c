@@ -1,11 +1,10 @@
-/* The bounds of an instance: what its mesh reaches along the frame's axes, which in the mesh's own space go any way.
+/* Bounds of instances in the frame, from a 26-DOP of the mesh (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986).
  *
- * A box knows that only along its own axes, and a turned box is bounded by much more than what is in it: a beam across a
- * diagonal by a cube. So a mesh is also measured along the diagonals of the faces and of the space, 13 directions both
- * ways (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986, bound things by such slabs). Any direction n is a sum, with
- * weights that are not negative, of one axis, one diagonal of a face and one of the space: with |n| sorted as a >= b >= c,
- * (a - b) of the largest's axis, b - c of the diagonal between the larger two, and c of the octant's. No point reaches
- * further along n than the same sum of what is reached along these three. */
+ * The box around a rotated box is much larger than its contents: a beam along a diagonal would get a cube. So a mesh is also
+ * measured along the diagonals of the box's faces and of the box: 13 directions, both ways. Any direction n is a sum, with
+ * weights that are not negative, of one axis, one face diagonal and one space diagonal: with |n| sorted as a >= b >= c,
+ * (a - b) of the largest component's axis, b - c of the diagonal between the larger two, and c of the octant's. No point
+ * reaches further along n than the same sum of the support along these three. */
 #include "accel/bvh.h"
 #include "accel/reach.h"
 #include "math/simd/ops.h"

@@ -1,4 +1,4 @@
-/* The trees themselves, for accel/ and for raster/, which culls by them.
+/* The trees' data, for accel/ and for raster/, which culls by them.
  *
  * A node holds up to eight children as arrays, so one SIMD test answers for all. Leaves are blocks of four triangles with
  * their corners copied in, so a ray touches nothing but the tree. Blocks stand in depth-first
@@ -22,7 +22,7 @@ enum { DAFT_WIDTH = 8, DAFT_BLOCK = 4, DAFT_MAX_LEAF_BLOCKS = 4, DAFT_STACK = 51
 struct daft_node {
     float bounds[6][DAFT_WIDTH];
     uint32_t child[DAFT_WIDTH];
-    uint32_t spheres, none[DAFT_WIDTH - 1]; /* none: 0, to whole lines of a cache */
+    uint32_t spheres, unused[DAFT_WIDTH - 1]; /* unused: 0; fills cache lines */
 };
 
 /* corner[k][axis][i]: corner k of triangle i. Unused places have the number DAFT_NO_TRIANGLE, the largest, and the corners of
@@ -43,10 +43,10 @@ struct daft_bvh {
     daft_block *blocks;
     size_t block_count;
     double cost; /* of the tree as it was built (refit.c); negative: not known yet */
-    float support[38]; /* how far the mesh reaches in each of 26 directions (reach.h has where) */
+    float support[38]; /* of the mesh, along 26 directions (reach.h has the order) */
 };
 
-/* Fills support, anew when vertices have moved. */
+/* Computes support; again when vertices have moved. */
 void daft_bvh_measure(daft_bvh *bvh, const daft_trimesh *mesh);
 
 struct daft_tlas {

@@ -53,7 +53,7 @@ DAFT_INLINE daft_vec3 daft_block_corner(const daft_block *b, int corner, uint32_
     return daft_v3(b->corner[corner][0][i], b->corner[corner][1][i], b->corner[corner][2][i]);
 }
 
-DAFT_INLINE bool daft_is_shift(const daft_affine *map)
+DAFT_INLINE bool daft_is_translation(const daft_affine *map)
 {
     static const float UNTURNED[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     return v8_eq_bits(v8_load(map->m), v8_load(UNTURNED)) == 0xff && map->m[8] == 1;
@@ -116,14 +116,14 @@ DAFT_INLINE daft_facet daft_facet_of(const vf3 c[3])
 
 /* What the filter found of lanes: least and largest of the sides, and their sum, off by no more than `bound`; distances times
  * the sum's magnitude, off by no more than `off`; whether all of it is far from overflow. */
-typedef struct daft_sides {
+typedef struct daft_edge_tests {
     vf least, most, sum, bound, along, off;
     vm usable;
-} daft_sides;
+} daft_edge_tests;
 
 /* The lanes that may be hit before `past`, daft_past of a distance that is 0 or more. NaN passes. A ray that leaves a surface
  * has its triangle right behind it, so looking there turns away one in every ray. */
-DAFT_INLINE vbits daft_filter_pass(const daft_facet *f, vf3 o, vf3 d, vf scale, vf floor, vf past, daft_sides *out)
+DAFT_INLINE vbits daft_filter_pass(const daft_facet *f, vf3 o, vf3 d, vf scale, vf floor, vf past, daft_edge_tests *out)
 {
     vf3 s = vf3_sub(f->corner, o), r = vf3_cross(s, d);
     vf u = vf3_dot(f->b, r), v = vf3_dot(f->a, r), sum = vf3_dot(f->normal, d), w = sum - u - v;
@@ -133,19 +133,19 @@ DAFT_INLINE vbits daft_filter_pass(const daft_facet *f, vf3 o, vf3 d, vf scale, 
     vf along = vf_xor(vf3_dot(s, f->normal), (vi)sum & vi_set(INT32_MIN)), off = reach * f->area * vf_set(49 * DAFT_ULP);
     vm before = vf_lt(along, floor - off), beyond = vf_lt(past * (steep + bound) + off, along);
     vm apart = vm_and(vm_or(before, beyond), vf_lt(bound, steep));
-    *out = (daft_sides){least, most, steep, bound, along, off, usable};
+    *out = (daft_edge_tests){least, most, steep, bound, along, off, usable};
     return vbits_from_mask(vm_and(usable, vm_or(outside, apart))) ^ DAFT_ALL_LANES;
 }
 
 /* The lanes whose lines are plain. */
-DAFT_INLINE vbits daft_filter_plain(const daft_sides *s)
+DAFT_INLINE vbits daft_filter_plain(const daft_edge_tests *s)
 {
     vm inside = vm_or(vf_lt(s->bound, s->least), vf_lt(s->most, -s->bound));
     return vbits_from_mask(vm_and(vm_and(inside, s->usable), vf_lt(s->off + s->off + vf_set(DAFT_TINY), vf_abs(s->along))));
 }
 
 /* Of the plain lanes, those that are hit for sure between two distances; see daft_inner_of. */
-DAFT_INLINE vbits daft_filter_within(const daft_sides *s, vf low, vf high)
+DAFT_INLINE vbits daft_filter_within(const daft_edge_tests *s, vf low, vf high)
 {
     vf off = s->off + vf_set(DAFT_TINY);
     vm after = vf_lt(low * (s->sum + s->bound) + off, s->along), before = vf_lt(s->along + off, high * (s->sum - s->bound));
@@ -162,17 +162,17 @@ DAFT_INLINE daft_inner daft_inner_of(float tmin, float tmax)
     return (daft_inner){tmin >= 0 ? tmin * (1 + 0x1p-17f) : INFINITY, tmax * (1 - 0x1p-17f)};
 }
 
-typedef struct daft_touch {
+typedef struct daft_lane_hits {
     vf t, v, w; /* distances; weights of corners 1 and 2 */
-} daft_touch;
+} daft_lane_hits;
 
-DAFT_INLINE vm daft_touch_within(const daft_touch *touch, vf tmin, vf tmax)
+DAFT_INLINE vm daft_hits_within(const daft_lane_hits *touch, vf tmin, vf tmax)
 {
     return vm_and(vf_le(tmin, touch->t), vf_le(touch->t, tmax));
 }
 
 /* The floats' word alone; `fast` takes the edges' planes as the corners come. */
-DAFT_INLINE vbits daft_touch_floats(const vf3 c[3], vf3 o, vf3 d, vf tmin, vf tmax, bool fast, daft_touch *out)
+DAFT_INLINE vbits daft_intersect_floats(const vf3 c[3], vf3 o, vf3 d, vf tmin, vf tmax, bool fast, daft_lane_hits *out)
 {
     vf3 p[3] = {vf3_sub(c[0], o), vf3_sub(c[1], o), vf3_sub(c[2], o)};
     vf side[3], q[3], zero = vf_set(0);
@@ -185,34 +185,34 @@ DAFT_INLINE vbits daft_touch_floats(const vf3 c[3], vf3 o, vf3 d, vf tmin, vf tm
     vf inverse = vf_set(1) / (side[0] + side[1] + side[2]);
     out->v = side[1] * inverse, out->w = side[2] * inverse;
     out->t = (side[0] * inverse * q[0] + out->v * q[1] + out->w * q[2]) / vf3_dot(d, d); /* the corners' mean along the ray */
-    return vbits_from_mask(vm_and(in, daft_touch_within(out, tmin, tmax)));
+    return vbits_from_mask(vm_and(in, daft_hits_within(out, tmin, tmax)));
 }
 
-typedef struct daft_exact_touch {
+typedef struct daft_exact_hit {
     float t, v, w;
-} daft_exact_touch;
+} daft_exact_hit;
 
-DAFT_INLINE bool daft_touch_ends(double t, double v, double w, float tmin, float tmax, daft_exact_touch *out)
+DAFT_INLINE bool daft_hit_accept(double t, double v, double w, float tmin, float tmax, daft_exact_hit *out)
 {
     if (t < 0 && tmin >= 0) return false; /* distances may round to -0 */
-    *out = (daft_exact_touch){(float)t, (float)v, (float)w};
+    *out = (daft_exact_hit){(float)t, (float)v, (float)w};
     return out->t >= tmin && out->t <= tmax;
 }
 
 /* A plain line's distance and weights: whether they are in tmin..tmax. */
-DAFT_INLINE bool daft_touch_plain(const daft_block *b, uint32_t i, daft_vec3 o, daft_vec3 d, float tmin, float tmax,
-                                  daft_exact_touch *out)
+DAFT_INLINE bool daft_intersect_plain(const daft_block *b, uint32_t i, daft_vec3 o, daft_vec3 d, float tmin, float tmax,
+                                  daft_exact_hit *out)
 {
     daft_dvec3 c = daft_to_double(daft_block_corner(b, 0, i)), s = daft_dsub(c, daft_to_double(o)), ray = daft_to_double(d);
     daft_dvec3 e = daft_dsub(c, daft_to_double(daft_block_corner(b, 1, i)));
     daft_dvec3 f = daft_dsub(daft_to_double(daft_block_corner(b, 2, i)), c), normal = daft_dcross(f, e), r = daft_dcross(s, ray);
     double inverse = 1 / daft_ddot(normal, ray);
-    return daft_touch_ends(daft_ddot(s, normal) * inverse, daft_ddot(f, r) * inverse, daft_ddot(e, r) * inverse, tmin, tmax, out);
+    return daft_hit_accept(daft_ddot(s, normal) * inverse, daft_ddot(f, r) * inverse, daft_ddot(e, r) * inverse, tmin, tmax, out);
 }
 
 /* Of any other line: whether it touches, and where. */
-static __attribute__((noinline, unused)) bool daft_touch_exact(const daft_block *b, uint32_t i, daft_vec3 o, daft_vec3 d,
-                                                               float tmin, float tmax, daft_exact_touch *out)
+static __attribute__((noinline, unused)) bool daft_intersect_exact(const daft_block *b, uint32_t i, daft_vec3 o, daft_vec3 d,
+                                                               float tmin, float tmax, daft_exact_hit *out)
 {
     daft_dvec3 ray = daft_to_double(d), origin = daft_to_double(o), p[3];
     daft_vec3 c[3] = {daft_block_corner(b, 0, i), daft_block_corner(b, 1, i), daft_block_corner(b, 2, i)};
@@ -221,7 +221,7 @@ static __attribute__((noinline, unused)) bool daft_touch_exact(const daft_block 
     for (int k = 0; k < 3; k++) p[k] = daft_dsub(daft_to_double(c[k]), origin);
     daft_pencil_weights(p[0], p[1], p[2], d, w);
     for (int k = 0; k < 3; k++) along += w[k] * daft_ddot(p[k], ray);
-    return daft_touch_ends(along / daft_ddot(ray, ray), w[1], w[2], tmin, tmax, out);
+    return daft_hit_accept(along / daft_ddot(ray, ray), w[1], w[2], tmin, tmax, out);
 }
 
 /* ---- hits ---- */
@@ -236,7 +236,7 @@ typedef struct daft_nearest {
 
 DAFT_INLINE float daft_unit_clamped(float s) { return s > 0 ? (s < 1 ? s : 1) : 0; }
 
-DAFT_INLINE void daft_nearest_take(daft_nearest *hit, const daft_block *b, uint32_t i, float t, float u, float v)
+DAFT_INLINE void daft_nearest_update(daft_nearest *hit, const daft_block *b, uint32_t i, float t, float u, float v)
 {
     if (!(t < hit->t || (t == hit->t && b->triangle[i] < hit->triangle))) return;
     hit->t = t, hit->u = daft_unit_clamped(u), hit->v = daft_unit_clamped(v);
@@ -283,14 +283,14 @@ static __attribute__((noinline, unused)) bool daft_blocks_touch_floats(const daf
                                                                        daft_nearest *hit)
 {
     vf3 c[3];
-    daft_touch touch;
+    daft_lane_hits touch;
     bool any = false;
     daft_blocks_load(b, count, c);
-    vbits bits = daft_touch_floats(c, vf3_set(r->origin), vf3_set(r->direction), vf_set(r->tmin), vf_set(hit->t),
+    vbits bits = daft_intersect_floats(c, vf3_set(r->origin), vf3_set(r->direction), vf_set(r->tmin), vf_set(hit->t),
                                    r->how == DAFT_INTERSECT_FAST, &touch) & ((1u << count * DAFT_BLOCK) - 1);
     for (; bits; bits &= bits - 1, any = true) {
         uint32_t i = (uint32_t)__builtin_ctz(bits);
-        daft_nearest_take(hit, b + i / DAFT_BLOCK, i % DAFT_BLOCK, touch.t[i], touch.v[i], touch.w[i]);
+        daft_nearest_update(hit, b + i / DAFT_BLOCK, i % DAFT_BLOCK, touch.t[i], touch.v[i], touch.w[i]);
     }
     return any;
 }
@@ -303,12 +303,12 @@ static __attribute__((noinline, unused)) bool daft_blocks_take(const daft_block 
     for (; maybe; maybe &= maybe - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(maybe), i = lane % DAFT_BLOCK;
         const daft_block *block = b + lane / DAFT_BLOCK;
-        daft_exact_touch e;
+        daft_exact_hit e;
         if (block->triangle[i] == DAFT_NO_TRIANGLE) continue;
-        if (plain >> lane & 1 ? !daft_touch_plain(block, i, r->origin, r->direction, r->tmin, hit->t, &e)
-                              : !daft_touch_exact(block, i, r->origin, r->direction, r->tmin, hit->t, &e))
+        if (plain >> lane & 1 ? !daft_intersect_plain(block, i, r->origin, r->direction, r->tmin, hit->t, &e)
+                              : !daft_intersect_exact(block, i, r->origin, r->direction, r->tmin, hit->t, &e))
             continue;
-        daft_nearest_take(hit, block, i, e.t, e.v, e.w);
+        daft_nearest_update(hit, block, i, e.t, e.v, e.w);
         found = true;
     }
     return found;
@@ -317,11 +317,11 @@ static __attribute__((noinline, unused)) bool daft_blocks_take(const daft_block 
 /* The blocks b[0..count), count at most DAFT_FOURS. True: some touch within tmin..hit->t, and *hit is the nearest; where
  * `any` is asked, it may be left as it was. past: daft_past(hit->t), 0 or more. Most are sure to miss; that is found without a
  * frame on the stack. */
-DAFT_INLINE bool daft_blocks_touch(const daft_block *b, int count, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
+DAFT_INLINE bool daft_blocks_intersect(const daft_block *b, int count, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
 {
     if (r->how != DAFT_INTERSECT_EXACT) return daft_blocks_touch_floats(b, count, r, hit);
     vf3 c[3];
-    daft_sides sides;
+    daft_edge_tests sides;
     daft_blocks_load(b, count, c);
     daft_facet facet = daft_facet_of(c);
     vbits maybe = daft_filter_pass(&facet, vf3_set(r->origin), vf3_set(r->direction), vf_set(r->filter.scale),

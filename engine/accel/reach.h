@@ -1,5 +1,5 @@
-/* How far a mesh reaches along a direction, at most: bound.c has the reason. What is looked up in daft_bvh.support depends
- * on the direction's octant and on the order of its components' sizes. */
+/* An upper bound of a mesh's support along a direction, from its 26-DOP (bound.c). Which three of the numbers in daft_bvh.support
+ * it takes depends on the direction's octant and on the order of its components' magnitudes. */
 #ifndef DAFT_REACH_H
 #define DAFT_REACH_H
 

@@ -3,9 +3,10 @@
  * This header is the builder of both levels of BVH: build.c has the threads, build_kernel.c the loops over boxes, collapse.c what
  * comes after them.
  *
- * Ranges of prims are parted in two, again and again: a tree of forks. A large set is first sorted into the cells of a grid by
+ * Ranges of primitives (`prims`) are split in two, recursively. The nodes of this binary tree are called forks, to tell them
+ * from the nodes of eight that they become. A large set is first sorted into the cells of a grid by
  * the middles of its boxes. A cell is then a box with a weight, and the top of the tree is built over cells by the code that
- * builds over boxes; what is below a few cells is a task. When all are parted, the forks are cut into nodes of eight and leaves,
+ * builds over boxes; what is below a few cells is a task. When all ranges are split, the forks are collapsed into nodes of eight and leaves,
  * across the borders of tasks. Tasks are found by one thread and depend on the set alone, and a task owns what it writes, so
  * the tree is the same for any number of threads. */
 #ifndef DAFT_BUILD_H
@@ -42,18 +43,18 @@ typedef struct daft_build_rule {
 #define DAFT_LEAF_COST 1.5f
 #define DAFT_BLOCK_COST 0.15f
 
-/* A range that was parted in two, or that is not parted further. */
+/* A range that was split in two, or that is not split further: a node of the binary tree. */
 typedef struct daft_build_fork { /* a line of a cache */
     float low[3];
-    uint32_t right; /* how much further in its list the right part stands; the left one is next. 0: not parted */
+    uint32_t right; /* how much further in its list the right part stands; the left one is next. 0: not split */
     float high[3];  /* negated */
-    uint32_t first; /* of its numbers; where leaves are prims, the prim; over cells, where it is not parted, its task */
+    uint32_t first; /* of its numbers; where leaves are prims, the prim; over cells, where it is not split, its task */
     /* What the cheapest forest of at most i + 1 trees costs, nodes or leaves that together hold the range (collapse.c). Where it is
      * less than that of one tree fewer, its lowest three bits say how many of the trees are of the left part. */
     float cost[DAFT_WIDTH - 1];
     uint16_t count; /* of prims, or the largest there is, where they are more; those of a bundle are the forks that follow */
     uint8_t left;   /* how many of the eight children of a node over the range are of the left part; 0: it is a leaf */
-    uint8_t bundle; /* prims that are leaves each, and not parted further */
+    uint8_t bundle; /* prims that are leaves each, and not split further */
 } daft_build_fork;
 
 static inline uint16_t daft_build_few(size_t count) { return count < UINT16_MAX ? (uint16_t)count : UINT16_MAX; }
@@ -97,7 +98,7 @@ typedef struct daft_build_grid {
 typedef struct daft_build_kernels {
     /* Fills box, middles and weight of a range from its prims. */
     void (*measure)(const daft_build_prim *prims, daft_build_range *range);
-    /* Parts a range as far as it is worth it, or down to tasks. False: memory is out. */
+    /* Splits a range as far as it is worth it, or down to tasks. False: memory is out. */
     bool (*branch)(daft_build_branch *branch, const daft_build_range *range);
     void (*count)(const daft_build_grid *grid, const daft_build_prim *prims, uint32_t count, uint32_t *counts);
     /* Copies prims to where `next` of their cell says. */

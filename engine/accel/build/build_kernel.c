@@ -1,6 +1,6 @@
-/* The builder's loops: top-down binned SAH (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007), in
- * two each time; which of the parts become nodes is found when all are there (collapse.c). Below MEDIAN_DEPTH, and where no
- * plane parts the middles, ranges are halved by count, so the depth is bounded for any input and the time is O(n log n).
+/* The builder's loops: top-down binned SAH (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007), recursively in
+ * two; collapse.c then chooses which ranges become nodes. Below MEDIAN_DEPTH, and where no plane separates the box centres, ranges
+ * are halved by count, so the depth is bounded for any input and the time is O(n log n).
  *
  * Prims are moved between two buffers, the left side from the front and the right side from the back, without a branch.
  * Areas are those of sides longer by a little, so that boxes without area are still told apart by their length and their

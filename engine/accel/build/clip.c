@@ -30,9 +30,9 @@ void daft_part_clip(const daft_trimesh *mesh, daft_part *r, int axis, float at, 
         const double *a = p[i], *b = p[(i + 1) % 3];
         bool inside = below ? a[axis] <= plane_at : a[axis] >= plane_at;
         bool crosses = (a[axis] < plane_at && b[axis] > plane_at) || (a[axis] > plane_at && b[axis] < plane_at);
-        double share = crosses ? (plane_at - a[axis]) / (b[axis] - a[axis]) : 0;
+        double fraction = crosses ? (plane_at - a[axis]) / (b[axis] - a[axis]) : 0;
         for (int k = 0; k < 3; k++) {
-            double cut = k == axis ? plane_at : a[k] + share * (b[k] - a[k]);
+            double cut = k == axis ? plane_at : a[k] + fraction * (b[k] - a[k]);
             if (inside) low[k] = fmin(low[k], a[k]), high[k] = fmax(high[k], a[k]);
             if (crosses) low[k] = fmin(low[k], cut), high[k] = fmax(high[k], cut);
         }

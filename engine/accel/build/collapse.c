@@ -1,8 +1,7 @@
-/* From forks to nodes of eight: which ranges become nodes and which leaves, so that the whole costs a ray the least there is for
- * these forks (Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section
- * 3.1). From the leaves up, each fork learns what the cheapest forest of at most 1, 2, … 7 trees costs that holds its range; a
- * node is made of such forests of its two parts. Costs are the surface of what is entered times a constant each for nodes, leaves
- * and blocks.
+/* Collapses the binary tree into nodes of eight: chooses which ranges become nodes and which leaves, at minimal cost to a ray for
+ * this binary tree (Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section
+ * 3.1). From the leaves up, each fork gets the cost of the cheapest forest of at most 1, 2, … 7 trees over its range; a node is
+ * made of such forests of its two sides. A cost is a surface times a constant for nodes, leaves or blocks.
  *
  * The forks of a task are weighed by who built them, those over cells when all tasks are done, as if a task's first fork
  * stood where the task does. A task then knows its trees: up to seven, whose parent is a node of the top's. */
@@ -17,7 +16,7 @@
 
 enum { TREES = DAFT_WIDTH - 1 }; /* that one part of a node has at most */
 
-/* ---- what costs the least ---- */
+/* ---- costs ---- */
 
 /* Half the surface. */
 static float fork_area(const daft_build_fork *fork)
@@ -44,7 +43,7 @@ static int lowest_bits(float cost)
 
 /* Lane i: what i + 1 trees cost, some of the left part and the others of the right; the lowest bits say how many are left. Sums of
  * what costs too much may become NaN by these; v8_min gives its second argument then. */
-static v8 share(const daft_build_fork *left, const daft_build_fork *right)
+static v8 best_forests(const daft_build_fork *left, const daft_build_fork *right)
 {
     float behind[2 * DAFT_WIDTH]; /* right's costs, with lanes before them that cost too much */
     v8 best = v8_set(FLT_MAX);
@@ -72,7 +71,7 @@ static void fork_weigh(const daft_build_rule *rule, daft_build_fork *fork)
         for (int i = 0; i < TREES; i++) fork->cost[i] = least;
         return;
     }
-    v8_store(cost, share(fork + 1, fork + fork->right));
+    v8_store(cost, best_forests(fork + 1, fork + fork->right));
     float node = cost[TREES] + area * DAFT_NODE_COST;
     if (node < least) least = node, fork->left = (uint8_t)lowest_bits(cost[TREES]);
     for (int i = 0; i < TREES; i++) {
@@ -136,7 +135,7 @@ static forest children(const daft_build_fork *fork)
 static void node_fill(daft_node *node, const forest *from, const uint32_t *codes)
 {
     node->spheres = 0;
-    memset(node->none, 0, sizeof node->none);
+    memset(node->unused, 0, sizeof node->unused);
     for (int i = 0; i < DAFT_WIDTH; i++) {
         bool there = i < from->count;
         node->child[i] = there ? codes[i] : DAFT_CHILD_NONE;

@@ -4,7 +4,7 @@
  * KD-tree Construction", 2007); below, at every side of every triangle's box.
  *
  * Depth is bounded by the logarithm of the number of triangles, and how often triangles are repeated by REPEATS in the mean;
- * each part of the tree has its share of that, so the tree is the same for any number of threads. */
+ * each subtree has its part of that, so the tree is the same for any number of threads. */
 #include "accel/bvh.h"
 #include "accel/build/clip.h"
 #include "accel/kdtree.h"
@@ -204,9 +204,9 @@ static bool grow_sides(part *p, const task *t, size_t first, plane cut, size_t b
     p->nodes[t->slot] = (daft_kd_node){.split = cut.at, .code = (uint32_t)pair << 2 | (uint32_t)cut.axis};
     take_side(p->mesh, p->refs + first, t->count, cut, false, p->refs + top);
     take_side(p->mesh, p->refs + first, t->count, cut, true, p->refs + top + above);
-    size_t share = spare * below / (below + above);
-    task lower = {t->cell, NULL, (uint32_t)below, t->depth + 1, share, pair};
-    task upper = {t->cell, NULL, (uint32_t)above, t->depth + 1, spare - share, pair + 1};
+    size_t lower_spare = spare * below / (below + above);
+    task lower = {t->cell, NULL, (uint32_t)below, t->depth + 1, lower_spare, pair};
+    task upper = {t->cell, NULL, (uint32_t)above, t->depth + 1, spare - lower_spare, pair + 1};
     lower.cell.high[cut.axis] = upper.cell.low[cut.axis] = cut.at;
     return grow_node(p, &lower, top + above) && grow_node(p, &upper, top);
 }

@@ -1,12 +1,11 @@
-/* Refit: the boxes of a tree around triangles that have moved, from the leaves up. The tree stays as it was parted, so it
- * gets worse as the triangles leave the places they were parted by; when the surface-area cost has grown by a share, it is
- * built anew (Lauterbach, Yoon, Tuft, Manocha, "RT-DEFORM: Interactive Ray Tracing of Dynamic Scenes using BVHs", 2006). */
+/* Refit: fits the boxes of a tree to triangles that have moved, from the leaves up. The splits stay, so the tree gets worse as
+ * triangles leave their places; when the surface-area cost has grown to WORSE times that of the build, the tree is rebuilt (Lauterbach, Yoon, Tuft, Manocha, "RT-DEFORM: Interactive Ray Tracing of Dynamic Scenes using BVHs", 2006). */
 #include "accel/build/build.h"
 
 #include <float.h>
 
 enum { NODES_A_TASK = 256, BLOCKS_A_TASK = 1024, TOO_FEW_BLOCKS = 1024 };
-#define WORSE 1.4 /* the share: theirs */
+#define WORSE 1.4 /* theirs */
 
 typedef struct refit_job {
     daft_bvh *bvh;

@@ -32,8 +32,8 @@ static kd_ray ray_setup(daft_vec3 o, daft_vec3 d)
     return (kd_ray){{o.x, o.y, o.z}, {d.x, d.y, d.z}, {1 / d.x, 1 / d.y, 1 / d.z}};
 }
 
-DAFT_INLINE float wider(float t, float share) { return t + fabsf(t) * share; }
-DAFT_INLINE float sooner(float t, float share) { return t - fabsf(t) * share; }
+DAFT_INLINE float wider(float t, float fraction) { return t + fabsf(t) * fraction; }
+DAFT_INLINE float sooner(float t, float fraction) { return t - fabsf(t) * fraction; }
 
 /* The ray's interval within the tree's bounds. False: it misses them. */
 static bool enter(const daft_kdtree *tree, const kd_ray *r, float tmin, float tmax, kd_entry *out)
@@ -113,7 +113,7 @@ void DAFT_KERNEL(daft_kd_closest)(const daft_kdtree *tree, daft_vec3 o, daft_vec
             daft_block block;
             gather(tree, items + i, leaf->count - i, &block);
             float past = daft_forward(daft_past(hit->t));
-            if (daft_blocks_touch(&block, 1, &m, past, hit, false)) hit->block = NULL; /* this one goes */
+            if (daft_blocks_intersect(&block, 1, &m, past, hit, false)) hit->block = NULL; /* this one goes */
         }
     }
 }
@@ -132,7 +132,7 @@ bool DAFT_KERNEL(daft_kd_occluded)(const daft_kdtree *tree, daft_vec3 o, daft_ve
         for (uint32_t i = 0; i < leaf->count; i += DAFT_BLOCK) {
             daft_block block;
             gather(tree, items + i, leaf->count - i, &block);
-            if (daft_blocks_touch(&block, 1, &m, daft_forward(daft_past(tmax)), &hit, true)) return true;
+            if (daft_blocks_intersect(&block, 1, &m, daft_forward(daft_past(tmax)), &hit, true)) return true;
         }
     }
     return false;

@@ -1,11 +1,10 @@
-/* How a single ray goes through a mesh's tree, for single_kernel.c, which leads it through the upper level. How rays meet
- * boxes and triangles is in ray_test.h; here it is in which order.
+/* How a single ray traverses a mesh's tree; single_kernel.c traverses the upper level. ray_test.h has the arithmetic of boxes
+ * and triangles, this header the order of visits.
  *
- * Most nodes have one child or two that the ray meets; of several the nearest is kept in a register and the others are sorted
- * into the stack, distance and number in one word. (Ordered traversal and the stack's distances are those of Wald et al.,
- * "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014.) The stack ends in a child that is none, so that no count
- * is kept. The blocks of a leaf go through the filter together, as many as there are lanes for; what the filter costs is most
- * of a leaf, and a leaf costs about as much as two nodes. */
+ * At most nodes a ray meets one child or two. The nearest continues in a register; the others are sorted into the stack,
+ * distance and number in one word (Wald et al., "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014). The bottom
+ * of the stack is a sentinel, child NONE, so that no count is kept. The blocks of a leaf go through the filter together, as
+ * many as there are lanes for: the filter is most of a leaf's cost, and a leaf costs about as much as two nodes. */
 #ifndef DAFT_MESH_TRAVERSAL_H
 #define DAFT_MESH_TRAVERSAL_H
 
@@ -16,32 +15,32 @@
 #define DAFT_INFINITY_BITS 0x7f800000
 enum { ROW = sizeof(((daft_node *)0)->bounds[0]) };
 
-/* A direction as boxes see it: minus one over it, and the same widened; where in bounds, in bytes, the planes stand that it
- * enters and leaves by. */
-typedef struct slab_way {
+/* A direction for the slab test: its negated inverse, and the same widened; and the offsets in bytes, from a node's bounds, of
+ * the planes by which it enters and leaves. */
+typedef struct slab_direction {
     v8 ix, iy, iz, wx, wy, wz;
     const size_t *rows;
     bool plain; /* no inverse overflows */
-} slab_way;
+} slab_direction;
 
 /* An origin, in each lane. */
 typedef struct slab_origin {
     v8 x, y, z;
 } slab_origin;
 
-/* Children to visit, each below the bits of its entry distance; the nearest on top. Under all of them a child that is none,
- * nearer than any. */
+/* Children to visit, the nearest on top: the bits of the entry distance, then the child's code. The bottom is a sentinel: child
+ * NONE at distance -infinity. */
 typedef struct ray_stack {
     uint64_t items[1 + DAFT_STACK + DAFT_WIDTH];
 } ray_stack;
 
-/* Children to visit in any order, above one that is none; places for eight at a time. */
+/* Children to visit in any order; the bottom is NONE. Up to eight are pushed at a time. */
 typedef struct code_stack {
     uint32_t items[1 + DAFT_STACK + 2 * DAFT_WIDTH];
 } code_stack;
 
-/* Where the ray enters boxes, as bits: they are ordered as the distances are, or, below 0, in some way that costs time alone.
- * Behind them infinity, for who asks of a second box where there is one. */
+/* Entry distances as bits, which compare as the distances do; negative ones compare otherwise, which costs time alone. The last
+ * is infinity, for two_lowest where there is one box only. */
 typedef struct slab_near {
     int32_t at[DAFT_WIDTH + 1];
 } __attribute__((aligned(32))) slab_near;
@@ -54,7 +53,7 @@ DAFT_INLINE v4 minus_inverse(v4 d) { return v4_set(-1) / (v4)((v4i)d | (v4i)(v4)
 DAFT_INLINE slab_origin slab_origin_of(v4 o) { return (slab_origin){v8_set(o[0]), v8_set(o[1]), v8_set(o[2])}; }
 
 /* No branches: the directions' signs cannot be predicted. */
-DAFT_INLINE slab_way slab_way_of(v4 d, v4 inverse)
+DAFT_INLINE slab_direction slab_direction_of(v4 d, v4 inverse)
 {
 #define SIDES(x, y, z) {(x) * ROW, (y) * ROW, (z) * ROW, (3 - (x)) * ROW, (5 - (y)) * ROW, (7 - (z)) * ROW}
     /* by the signs of x, y and z */
@@ -62,7 +61,7 @@ DAFT_INLINE slab_way slab_way_of(v4 d, v4 inverse)
                                       SIDES(0, 1, 5), SIDES(3, 1, 5), SIDES(0, 4, 5), SIDES(3, 4, 5)};
 #undef SIDES
     v4 i = inverse, w = i * v4_set(DAFT_WIDEN);
-    return (slab_way){v8_set(i[0]), v8_set(i[1]), v8_set(i[2]), v8_set(w[0]), v8_set(w[1]), v8_set(w[2]),
+    return (slab_direction){v8_set(i[0]), v8_set(i[1]), v8_set(i[2]), v8_set(w[0]), v8_set(w[1]), v8_set(w[2]),
                       ROWS[v4_bits_from_mask((v4i)d) & 7], v4_bits_from_mask(w - w == v4_set(0)) == 15};
 }
 
@@ -80,7 +79,7 @@ DAFT_INLINE void slab_upper_origins(v4 o, v4 d, slab_origin *near, slab_origin *
 DAFT_INLINE v8 planes(const char *node, size_t row) { return v8_load((const float *)(node + row)); }
 
 /* Bits of the children the ray meets in tmin..tmax; their entry distances in near. `plain`: the way is, and tmin not negative. */
-DAFT_INLINE uint32_t slab_test(const char *node, const slab_way *r, const slab_origin *from, const slab_origin *until, bool plain,
+DAFT_INLINE uint32_t slab_test(const char *node, const slab_direction *r, const slab_origin *from, const slab_origin *until, bool plain,
                                v8 tmin, v8 tmax, v8 *near)
 {
     v8 x0 = (from->x - planes(node, r->rows[0])) * r->ix, x1 = (until->x - planes(node, r->rows[3])) * r->wx;
@@ -105,7 +104,7 @@ typedef struct tree_place {
     int leaf_shift;
 } tree_place;
 
-/* What is put aside may have to come from far: it is on its way before it is needed. */
+/* Prefetches a child that is pushed. */
 DAFT_INLINE void fetch(const tree_place *tree, uint32_t child)
 {
     const char *leaf = (const char *)tree->leaves + (size_t)((child & ~DAFT_CHILD_LEAF) >> tree->leaf_shift) * tree->leaf_size;
@@ -113,8 +112,8 @@ DAFT_INLINE void fetch(const tree_place *tree, uint32_t child)
     for (size_t i = 0; i < sizeof *tree->nodes; i += 64) __builtin_prefetch(at + i);
 }
 
-/* Child i of a node, found by a jump, not a look-up. A processor foresees jumps, so it begins in the child before it knows that
- * the ray meets it: rays that begin near the last one's origin go down to its leaf the same way. */
+/* Child i of a node, by a jump, not a look-up. The processor predicts jumps, so it starts on the child before its box is tested:
+ * rays that begin near the last one's origin descend to the same leaf. */
 DAFT_INLINE uint32_t child_at(const daft_node *node, uint32_t i)
 {
     uint32_t child;
@@ -127,7 +126,7 @@ DAFT_INLINE uint32_t child_at(const daft_node *node, uint32_t i)
 }
 
 /* Of the children in bits, 1 or more: the nearest is the answer, the others are pushed, nearest last. */
-DAFT_INLINE uint32_t step(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, uint64_t **top)
+DAFT_INLINE uint32_t push_sorted(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, uint64_t **top)
 {
     uint32_t i = (uint32_t)__builtin_ctz(bits), at[DAFT_WIDTH] __attribute__((aligned(32)));
     bits &= bits - 1;
@@ -158,9 +157,9 @@ DAFT_INLINE two_bits two_lowest(uint32_t bits)
     return (two_bits){(uint32_t)__builtin_ctz(bits), (uint32_t)__builtin_ctz(left | 1u << DAFT_WIDTH), left};
 }
 
-/* As step, on the way down to the first leaf. Whether it is one child or two, and which comes first, no branch asks: one would
- * be guessed wrong in every second ray. */
-DAFT_INLINE uint32_t step_down(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, slab_near *begins, uint64_t **top)
+/* push_sorted on the way down to the first leaf. Without a branch on whether there are one or two children and which is nearer:
+ * it would be mispredicted for every second ray. */
+DAFT_INLINE uint32_t push_predicted(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, slab_near *begins, uint64_t **top)
 {
     two_bits two = two_lowest(bits);
     const int32_t *at = begins->at;
@@ -181,7 +180,7 @@ DAFT_INLINE uint32_t step_down(const tree_place *tree, const daft_node *node, ui
 }
 
 /* Of the children in bits, 1 or more, in any order: one is the answer, the others are pushed. */
-DAFT_INLINE uint32_t spread(const daft_node *node, uint32_t bits, bool guess, uint32_t **top)
+DAFT_INLINE uint32_t push_unsorted(const daft_node *node, uint32_t bits, bool guess, uint32_t **top)
 {
     two_bits two = two_lowest(bits);
     (*top)[0] = node->child[two.second % DAFT_WIDTH];
@@ -215,20 +214,19 @@ DAFT_INLINE bool leaf_closest(const daft_block *blocks, uint32_t child, const da
 {
     const daft_block *b = &blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     if ((int)DAFT_FOURS < (int)DAFT_MAX_LEAF_BLOCKS) return DAFT_KERNEL(daft_leaf_closest)(blocks, child, r, past, hit);
-    return daft_blocks_touch(b, (int)(child & 3) + 1, r, past, hit, false);
+    return daft_blocks_intersect(b, (int)(child & 3) + 1, r, past, hit, false);
 }
 
 DAFT_INLINE bool leaf_stops(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
 {
     const daft_block *b = &blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     if ((int)DAFT_FOURS < (int)DAFT_MAX_LEAF_BLOCKS) return DAFT_KERNEL(daft_leaf_stops)(blocks, child, r, past, hit);
-    return daft_blocks_touch(b, (int)(child & 3) + 1, r, past, hit, true);
+    return daft_blocks_intersect(b, (int)(child & 3) + 1, r, past, hit, true);
 }
 
-/* Below `child`. Down to the first leaf children are found by jumps (child_at); after that they would be wrong too often. hit->t
- * limits the search and hit->triangle breaks ties, so the order of traversal does not matter. */
-DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
-                           const slab_origin *until, bool plain, daft_nearest *hit)
+/* The nearest hit below `child`, a code of the tree. Down to the first leaf children are predicted (child_at); later ones would be
+ * mispredicted too often. hit->t limits the search and hit->triangle breaks ties, so the order of visits does not matter. */
+DAFT_INLINE void mesh_traverse(const daft_bvh *bvh, uint32_t child, const slab_direction *way, const daft_mesh_ray *r, const slab_origin *at, bool plain, daft_nearest *hit)
 {
     ray_stack stack;
     uint64_t *top = stack.items;
@@ -241,15 +239,15 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
     begins.at[DAFT_WIDTH] = DAFT_INFINITY_BITS;
     for (bool guess = true; guess && !(child & DAFT_CHILD_LEAF);) {
         const char *node = node_at(nodes, child);
-        uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
+        uint32_t bits = slab_test(node, way, at, at, plain, low, high, &near);
         guess = bits != 0;
-        child = bits ? step_down(&tree, (const daft_node *)node, bits, near, &begins, &top) : pop(&top, limit);
+        child = bits ? push_predicted(&tree, (const daft_node *)node, bits, near, &begins, &top) : pop(&top, limit);
     }
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
-            uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
-            child = bits ? step(&tree, (const daft_node *)node, bits, near, &top) : pop(&top, limit);
+            uint32_t bits = slab_test(node, way, at, at, plain, low, high, &near);
+            child = bits ? push_sorted(&tree, (const daft_node *)node, bits, near, &top) : pop(&top, limit);
         }
         if (child == DAFT_CHILD_NONE) return;
         if (leaf_closest(bvh->blocks, child, r, plain ? limit : daft_forward(limit), hit))
@@ -259,8 +257,7 @@ DAFT_INLINE void mesh_walk(const daft_bvh *bvh, uint32_t child, const slab_way *
 }
 
 /* Whether anything below `child` is hit before hit->t. */
-DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way *way, const daft_mesh_ray *r, const slab_origin *from,
-                             const slab_origin *until, bool plain, daft_nearest *hit)
+DAFT_INLINE bool mesh_any_hit(const daft_bvh *bvh, uint32_t child, const slab_direction *way, const daft_mesh_ray *r, const slab_origin *at, bool plain, daft_nearest *hit)
 {
     code_stack stack;
     uint32_t *top = stack.items;
@@ -270,15 +267,15 @@ DAFT_INLINE bool mesh_search(const daft_bvh *bvh, uint32_t child, const slab_way
     v8 low = v8_set(begin_of(r->tmin, plain)), high = v8_set(limit), near;
     for (bool guess = true; guess && !(child & DAFT_CHILD_LEAF);) {
         const char *node = node_at(nodes, child);
-        uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
+        uint32_t bits = slab_test(node, way, at, at, plain, low, high, &near);
         guess = bits != 0;
-        child = bits ? spread((const daft_node *)node, bits, true, &top) : *--top;
+        child = bits ? push_unsorted((const daft_node *)node, bits, true, &top) : *--top;
     }
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
-            uint32_t bits = slab_test(node, way, from, until, plain, low, high, &near);
-            child = bits ? spread((const daft_node *)node, bits, false, &top) : *--top;
+            uint32_t bits = slab_test(node, way, at, at, plain, low, high, &near);
+            child = bits ? push_unsorted((const daft_node *)node, bits, false, &top) : *--top;
         }
         if (child == DAFT_CHILD_NONE) return false;
         if (leaf_stops(bvh->blocks, child, r, plain ? limit : daft_forward(limit), hit)) return true;

@@ -1,17 +1,17 @@
-/* Rays together through the two levels: a lane is a ray. Sixteen rays are sorted into groups that enter boxes by the same
- * planes; as many as there are lanes travel together.
+/* Packet traversal of both levels. Sixteen rays are split by the signs of their directions, so that all rays of a packet enter
+ * boxes by the same planes; a packet has as many rays as there are lanes.
  *
- * A node's eight boxes are first met by all rays at once, as an interval of origins and of inverse directions (Boulos et
- * al., "Geometric and Arithmetic Culling Methods for Entire Ray Packets", 2006): rounding is monotonic, so the interval's
- * ends, computed like a ray's, hold every ray's own result. Children that are left are met by each ray, with the
- * arithmetic of single rays. Where few rays are left, they go on alone (Benthin et al., "Combining Single and Packet-Ray
- * Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture", 2012). What a ray hits does not depend on any of
- * this: see "Order" in ray_test.h. */
+ * A node's eight boxes are tested against the whole packet first, as an interval of origins and of inverse directions (Boulos
+ * et al., "Geometric and Arithmetic Culling Methods for Entire Ray Packets", 2006). Rounding is monotonic, so the interval's
+ * ends, computed as for one ray, bound every ray's own result. The children that remain are tested ray by ray, with the
+ * arithmetic of single rays. When few rays of the packet remain, each continues as a single ray (Benthin et al., "Combining
+ * Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture", 2012). Hits do not depend on
+ * any of this: see "Order" in ray_test.h. */
 #include "accel/traverse/packet.h"
 
 #define WIDEN (1 + 8 * DAFT_ULP)
-/* As many rays, or fewer, go on alone: among instances, and in a mesh, where leaves are cheap for few rays. */
-enum { FEW_RAYS = DAFT_VL / 4 + 1, FEW_IN_MESH = 1, ROW = sizeof(((daft_node *)0)->bounds[0]) };
+/* So many rays of a packet, or fewer, continue as single rays: among instances, and in a mesh, where leaves are cheap. */
+enum { SINGLE_RAYS = DAFT_VL / 4 + 1, SINGLE_IN_MESH = 1, ROW = sizeof(((daft_node *)0)->bounds[0]) };
 
 typedef struct packet_stack {
     vf near[DAFT_STACK]; /* NaN: not met */
@@ -20,20 +20,20 @@ typedef struct packet_stack {
 
 DAFT_INLINE int count_lanes(vbits bits) { return __builtin_popcount(bits); }
 
-DAFT_INLINE float most_of(vf limit, vbits bits)
+DAFT_INLINE float max_limit(vf limit, vbits bits)
 {
     return vf_reduce_max(vf_if_then_else(vm_from_bits(bits), limit, vf_set(-INFINITY)));
 }
 
 /* The least lanes of four, of those in m. */
-DAFT_INLINE v4 least_of(vm m, vf a, vf b, vf c, vf d)
+DAFT_INLINE v4 min_lanes(vm m, vf a, vf b, vf c, vf d)
 {
     vf none = vf_set(INFINITY);
     return v4_reduce_min4(vf_if_then_else(m, a, none), vf_if_then_else(m, b, none), vf_if_then_else(m, c, none), vf_if_then_else(m, d, none));
 }
 
 /* inverse: one over the direction. */
-static void group_setup(group *g, vf3 o, const vf inverse[3], vf pad, vf tmin)
+static void slabs_setup(packet_slabs *g, vf3 o, const vf inverse[3], vf pad, vf tmin)
 {
     const vf from[3] = {o.x, o.y, o.z};
     for (int k = 0; k < 3; k++) {
@@ -45,8 +45,8 @@ static void group_setup(group *g, vf3 o, const vf inverse[3], vf pad, vf tmin)
     g->mixed = true, g->tight = false;
 }
 
-/* All go the way that the first of `bits` goes: by the same planes in and out of boxes. */
-static void group_rows(group *g, vbits bits)
+/* All rays have the signs of the first of `bits`: they enter and leave boxes by the same planes. */
+static void slabs_rows(packet_slabs *g, vbits bits)
 {
     for (int k = 0; k < 3; k++) {
         bool back = signbit(g->inverse[k][first_lane(bits)]);
@@ -55,8 +55,8 @@ static void group_rows(group *g, vbits bits)
     g->mixed = false;
 }
 
-/* What all of the rays in `bits` have in common; needed where there are more than a few boxes to meet. */
-static void group_interval(group *g, vf limit, vbits bits)
+/* The interval that holds all rays in `bits`; it pays from a few boxes on. */
+static void slabs_interval(packet_slabs *g, vf limit, vbits bits)
 {
     vi minus[3];
     v4i sign;
@@ -64,21 +64,21 @@ static void group_interval(group *g, vf limit, vbits bits)
     for (int k = 0; k < 3; k++) sign[k] = g->near_row[k] > g->far_row[k] ? INT32_MIN : 0, minus[k] = vi_set(sign[k]);
     sign[3] = INT32_MIN;
     /* along the way, the largest of near and the least of far */
-    v4 most = least_of(m, vf_xor(-g->near[0], minus[0]), vf_xor(-g->near[1], minus[1]),
+    v4 most = min_lanes(m, vf_xor(-g->near[0], minus[0]), vf_xor(-g->near[1], minus[1]),
                        vf_xor(-g->near[2], minus[2]), g->low);
-    v4 least = least_of(m, vf_xor(g->far[0], minus[0]), vf_xor(g->far[1], minus[1]),
+    v4 least = min_lanes(m, vf_xor(g->far[0], minus[0]), vf_xor(g->far[1], minus[1]),
                         vf_xor(g->far[2], minus[2]), g->low);
     g->near_end = -(v4)((v4i)most ^ sign), g->far_end = (v4)((v4i)least ^ sign);
-    g->inverse_ends[0] = least_of(m, g->inverse[0], g->inverse[1], g->inverse[2], g->low);
-    g->inverse_ends[1] = -least_of(m, -g->inverse[0], -g->inverse[1], -g->inverse[2], g->low);
+    g->inverse_ends[0] = min_lanes(m, g->inverse[0], g->inverse[1], g->inverse[2], g->low);
+    g->inverse_ends[1] = -min_lanes(m, -g->inverse[0], -g->inverse[1], -g->inverse[2], g->low);
     for (int e = 0; e < 2; e++) g->wide_ends[e] = g->inverse_ends[e] * v4_set(WIDEN);
     v4 none = (g->wide_ends[0] - g->wide_ends[0]) + (g->wide_ends[1] - g->wide_ends[1]);
     g->tight = (v4_bits_from_mask(none == v4_set(0)) & 7) == 7;
-    g->most = most_of(limit, bits);
+    g->most = max_limit(limit, bits);
 }
 
-/* Children that some ray may meet; the least distances in *near. */
-DAFT_INLINE uint32_t interval_test(const daft_node *node, const group *g, v8 *near)
+/* Bits of the children that some ray may meet; their smallest entry distances in *near. */
+DAFT_INLINE uint32_t interval_test(const daft_node *node, const packet_slabs *g, v8 *near)
 {
     const char *at = (const char *)node->bounds;
     v8 enter = v8_set(g->near_end[3]), leave = v8_set(g->most);
@@ -100,7 +100,7 @@ DAFT_INLINE uint32_t children_of(const daft_node *node)
 }
 
 /* The rays that meet one child. */
-DAFT_INLINE vm child_test(const daft_node *node, uint32_t child, const group *g, vf limit, vf *near)
+DAFT_INLINE vm child_test(const daft_node *node, uint32_t child, const packet_slabs *g, vf limit, vf *near)
 {
     const char *at = (const char *)&node->bounds[0][child];
     vf enter = g->low, leave = limit;
@@ -123,7 +123,7 @@ DAFT_INLINE vm child_test(const daft_node *node, uint32_t child, const group *g,
 }
 
 /* What sphere_test needs of the rays. Where numbers may overflow, all spheres are met. */
-DAFT_INLINE void sphere_view(convoy *c)
+DAFT_INLINE void sphere_view(packet *c)
 {
     vf size = vf3_magnitude(c->d), far = vf3_magnitude(c->o) * vf_set(2);
     vm usual = vm_and(vm_and(vf_lt(vf_set(0x1p-26f), size), vf_lt(size, vf_set(0x1p26f))),
@@ -132,7 +132,7 @@ DAFT_INLINE void sphere_view(convoy *c)
 }
 
 /* The rays that may hit one child, a sphere: spheres_met of single_kernel.c in lanes. */
-DAFT_INLINE vbits sphere_test(const daft_node *node, uint32_t child, const convoy *c)
+DAFT_INLINE vbits sphere_test(const daft_node *node, uint32_t child, const packet *c)
 {
     float low = node->bounds[0][child], high = node->bounds[3][child], r = high - low;
     vf x = vf_set(low + high) - (c->o.x + c->o.x),
@@ -146,8 +146,8 @@ DAFT_INLINE vbits sphere_test(const daft_node *node, uint32_t child, const convo
     return ~vbits_from_mask(vm_or(beside, behind));
 }
 
-/* What is put aside comes from far when many rays go their own ways: it is on its way before it is needed. */
-DAFT_INLINE void fetch(const group *g, uint32_t child)
+/* Prefetches a child that is pushed. */
+DAFT_INLINE void fetch(const packet_slabs *g, uint32_t child)
 {
     size_t leaf = (child & ~DAFT_CHILD_LEAF) >> g->leaf_shift;
     const char *at = child & DAFT_CHILD_LEAF ? (const char *)g->leaves + leaf * g->leaf_size : (const char *)&g->nodes[child];
@@ -156,7 +156,7 @@ DAFT_INLINE void fetch(const group *g, uint32_t child)
 
 /* Of a node's children that rays meet the nearest, or none, and *here the rays; the others go on the stack, the nearest on
  * top. */
-static uint32_t descend(packet_stack *stack, int *top, const group *g, uint32_t number, vf limit, vbits bits, vbits *here)
+static uint32_t descend(packet_stack *stack, int *top, const packet_slabs *g, uint32_t number, vf limit, vbits bits, vbits *here)
 {
     const daft_node *node = &g->nodes[number];
     float at[DAFT_WIDTH], order[DAFT_WIDTH], nearest = 0;
@@ -218,7 +218,7 @@ DAFT_INLINE vm finite_lanes(vf3 o, vf3 d) /* daft_finite_lines */
 /* ---- the lower level ---- */
 
 /* daft_filter_of */
-static void mesh_convoy_setup(mesh_convoy *m, const convoy *c)
+static void mesh_packet_setup(mesh_packet *m, const packet *c)
 {
     vf size = vf3_magnitude(m->d), zero = vf_set(0);
     vm usual = vm_and(vf_lt(vf_set(0x1p-26f), size), vf_lt(size, vf_set(0x1p26f)));
@@ -226,24 +226,24 @@ static void mesh_convoy_setup(mesh_convoy *m, const convoy *c)
     m->floor = vf_if_then_else(vf_le(zero, c->tmin), vf_set(-DAFT_TINY), vf_set(-INFINITY));
 }
 
-/* Rays that are left alone go on from here by themselves. */
-static void mesh_alone(convoy *c, const mesh_convoy *m, uint32_t child, vbits bits)
+/* The rays in `bits` continue from `child` as single rays. */
+static void mesh_single(packet *c, const mesh_packet *m, uint32_t child, vbits bits)
 {
     for (; bits; bits &= bits - 1) {
         int i = first_lane(bits);
         daft_ray ray = lane_ray(c, i);
         if (c->any) {
-            if (DAFT_KERNEL(daft_mesh_occluded)(m->instance, child, &ray, c->tlas->intersection)) stop(c, (vbits)1 << i);
+            if (DAFT_KERNEL(daft_mesh_occluded)(m->instance, child, &ray, c->tlas->intersection)) mark_occluded(c, (vbits)1 << i);
             continue;
         }
         daft_nearest n = {.t = c->hit.t[i], .triangle = c->hit.triangle[i], .instance = c->hit.instance[i], .u = c->hit.u[i],
                           .v = c->hit.v[i]};
         DAFT_KERNEL(daft_mesh_closest)(m->instance, child, &ray, c->tlas->intersection, &n);
-        lane_take(c, i, &n, m->instance->bvh);
+        lane_store(c, i, &n, m->instance->bvh);
     }
 }
 
-static void mesh_walk(convoy *c, const mesh_convoy *m, group *g, vbits bits)
+static void mesh_traverse(packet *c, const mesh_packet *m, packet_slabs *g, vbits bits)
 {
     packet_stack stack;
     int top = 0;
@@ -253,44 +253,44 @@ static void mesh_walk(convoy *c, const mesh_convoy *m, group *g, vbits bits)
     g->leaf_shift = 2;
     uint32_t child = 0;
     do {
-        while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > FEW_IN_MESH)
+        while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > SINGLE_IN_MESH)
             child = descend(&stack, &top, g, child, c->limit, here, &here);
         if (child == DAFT_CHILD_NONE) continue;
-        if (count_lanes(here) <= FEW_IN_MESH) mesh_alone(c, m, child, here);
-        else if (DAFT_KERNEL(daft_leaf_touch)(c, m, g, child, here)) g->most = most_of(c->limit, bits);
+        if (count_lanes(here) <= SINGLE_IN_MESH) mesh_single(c, m, child, here);
+        else if (DAFT_KERNEL(daft_packet_leaf)(c, m, g, child, here)) g->most = max_limit(c->limit, bits);
     } while (next_child(&stack, &top, c->limit, bits, &child, &here));
 }
 
 /* ---- the upper level ---- */
 
-/* The lanes of `bits` that go the way the first of them goes: the same signs. */
-static vbits alike(vf3 d, vbits bits)
+/* The lanes of `bits` whose directions have the signs of the first of them. */
+static vbits same_octant(vf3 d, vbits bits)
 {
     vi sign = vi_set(INT32_MIN);
     vi way = ((vi)d.x & sign) ^ (((vi)d.y & sign) >> 1 & vi_set(0x40000000)) ^ (((vi)d.z & sign) >> 2 & vi_set(0x20000000));
     return bits & vbits_from_mask(vi_eq(way, vi_set(way[first_lane(bits)])));
 }
 
-static void instance_alone(convoy *c, uint32_t index, vbits bits)
+static void instance_single(packet *c, uint32_t index, vbits bits)
 {
     const daft_instance *instance = &c->tlas->instances[index];
     for (; bits; bits &= bits - 1) {
         int i = first_lane(bits);
         daft_ray ray = lane_ray(c, i);
         if (c->any) {
-            if (DAFT_KERNEL(daft_instance_occluded)(c->tlas, index, &ray)) stop(c, (vbits)1 << i);
+            if (DAFT_KERNEL(daft_instance_occluded)(c->tlas, index, &ray)) mark_occluded(c, (vbits)1 << i);
             continue;
         }
         daft_nearest n = lane_nearest(c, i);
         DAFT_KERNEL(daft_instance_closest)(c->tlas, index, &ray, &n);
-        if (n.instance == index) lane_take(c, i, &n, instance->bvh);
+        if (n.instance == index) lane_store(c, i, &n, instance->bvh);
     }
 }
 
 /* The rays in the mesh's space. A mesh that is only shifted keeps the directions. */
-static void mesh_convoy_turn(mesh_convoy *m, const convoy *c, const daft_affine *map)
+static void mesh_packet_move(mesh_packet *m, const packet *c, const daft_affine *map)
 {
-    if (daft_is_shift(map)) {
+    if (daft_is_translation(map)) {
         m->o = (vf3){c->o.x + vf_set(map->t[0]), c->o.y + vf_set(map->t[1]), c->o.z + vf_set(map->t[2])};
         m->d = c->d;
         for (int k = 0; k < 3; k++) m->inverse[k] = c->inverse[k];
@@ -308,42 +308,42 @@ DAFT_INLINE bool is_leaf(const daft_bvh *bvh)
     return root->child[1] == DAFT_CHILD_NONE && root->child[0] & DAFT_CHILD_LEAF;
 }
 
-/* Of rays in `bits` that all go one way. */
-DAFT_INLINE void group_begin(group *g, vf3 o, const vf inverse[3], vf pad, const convoy *c, vbits bits)
+/* Of rays in `bits` of one octant. */
+DAFT_INLINE void slabs_begin(packet_slabs *g, vf3 o, const vf inverse[3], vf pad, const packet *c, vbits bits)
 {
-    group_setup(g, o, inverse, pad, c->tmin);
-    group_rows(g, bits);
-    group_interval(g, c->limit, bits);
+    slabs_setup(g, o, inverse, pad, c->tmin);
+    slabs_rows(g, bits);
+    slabs_interval(g, c->limit, bits);
 }
 
-static void mesh_walks(convoy *c, mesh_convoy *m, vbits bits)
+static void mesh_traverse_octants(packet *c, mesh_packet *m, vbits bits)
 {
-    mesh_convoy_setup(m, c);
+    mesh_packet_setup(m, c);
     if (is_leaf(m->instance->bvh)) { /* whose box is the mesh's */
-        DAFT_KERNEL(daft_leaf_touch)(c, m, NULL, m->instance->bvh->nodes.items->child[0], bits);
+        DAFT_KERNEL(daft_packet_leaf)(c, m, NULL, m->instance->bvh->nodes.items->child[0], bits);
         return;
     }
     while (bits) {
-        group g;
-        vbits same = alike(m->d, bits);
+        packet_slabs g;
+        vbits same = same_octant(m->d, bits);
         bits &= ~same;
-        if (count_lanes(same) <= FEW_IN_MESH) {
-            mesh_alone(c, m, 0, same);
+        if (count_lanes(same) <= SINGLE_IN_MESH) {
+            mesh_single(c, m, 0, same);
             continue;
         }
-        group_begin(&g, m->o, m->inverse, vf_set(0), c, same);
-        mesh_walk(c, m, &g, same);
+        slabs_begin(&g, m->o, m->inverse, vf_set(0), c, same);
+        mesh_traverse(c, m, &g, same);
     }
 }
 
-static void instance_together(convoy *c, uint32_t index, vbits bits)
+static void instance_packet(packet *c, uint32_t index, vbits bits)
 {
     const daft_instance *instance = &c->tlas->instances[index];
-    mesh_convoy m = {.instance = instance};
-    mesh_convoy_turn(&m, c, &instance->to_object);
+    mesh_packet m = {.instance = instance};
+    mesh_packet_move(&m, c, &instance->to_object);
     bits &= vbits_from_mask(finite_lanes(m.o, m.d));
     if (c->any) {
-        mesh_walks(c, &m, bits);
+        mesh_traverse_octants(c, &m, bits);
         return;
     }
     vf t = vf_load(c->hit.t);
@@ -351,65 +351,65 @@ static void instance_together(convoy *c, uint32_t index, vbits bits)
     /* a tie goes to the lower instance; none is the largest number */
     vi mark = vi_if_then_else(vm_or(vi_lt(self, before), vi_lt(before, vi_set(0))), vi_set((int32_t)DAFT_NO_TRIANGLE), vi_set(0));
     vi_store(c->hit.triangle, mark);
-    mesh_walks(c, &m, bits);
+    mesh_traverse_octants(c, &m, bits);
     vm taken = vm_or(vf_lt(vf_load(c->hit.t), t), vm_not(vi_eq(vi_load(c->hit.triangle), mark)));
     vi_store(c->hit.instance, vi_if_then_else(taken, self, before));
     vi_store(c->hit.triangle, vi_if_then_else(taken, vi_load(c->hit.triangle), triangle));
 }
 
-static void instance_touch(convoy *c, uint32_t index, vbits bits)
+static void instance_intersect(packet *c, uint32_t index, vbits bits)
 {
     const daft_instance *instance = &c->tlas->instances[index];
     if (index == c->ignore || (c->any && !(instance->flags & DAFT_INSTANCE_CASTS_SHADOW))) return;
-    if (!instance->mesh) DAFT_KERNEL(daft_sphere_touch)(c, index, bits);
-    else if (instance->kdtree || instance->bvh->nodes.count == 0) instance_alone(c, index, bits);
-    else if (count_lanes(bits) <= FEW_RAYS && !is_leaf(instance->bvh)) instance_alone(c, index, bits);
-    else instance_together(c, index, bits);
+    if (!instance->mesh) DAFT_KERNEL(daft_packet_sphere)(c, index, bits);
+    else if (instance->kdtree || instance->bvh->nodes.count == 0) instance_single(c, index, bits);
+    else if (count_lanes(bits) <= SINGLE_RAYS && !is_leaf(instance->bvh)) instance_single(c, index, bits);
+    else instance_packet(c, index, bits);
 }
 
-static void upper_alone(convoy *c, uint32_t child, vbits bits)
+static void upper_single(packet *c, uint32_t child, vbits bits)
 {
     for (; bits; bits &= bits - 1) {
         int i = first_lane(bits);
         daft_ray ray = lane_ray(c, i);
         if (c->any) {
-            if (DAFT_KERNEL(daft_upper_occluded)(c->tlas, child, &ray)) stop(c, (vbits)1 << i);
+            if (DAFT_KERNEL(daft_upper_occluded)(c->tlas, child, &ray)) mark_occluded(c, (vbits)1 << i);
             continue;
         }
         daft_nearest n = lane_nearest(c, i);
         DAFT_KERNEL(daft_upper_closest)(c->tlas, child, &ray, c->ignore, &n);
-        lane_take(c, i, &n, n.instance == UINT32_MAX ? NULL : c->tlas->instances[n.instance].bvh);
+        lane_store(c, i, &n, n.instance == UINT32_MAX ? NULL : c->tlas->instances[n.instance].bvh);
     }
 }
 
-/* mixed: their directions' signs differ. */
-static void upper_walk(convoy *c, vbits bits, bool mixed)
+/* mixed: the signs of their directions differ. */
+static void upper_traverse(packet *c, vbits bits, bool mixed)
 {
     packet_stack stack;
-    group g;
+    packet_slabs g;
     int top = 0;
     vbits here = bits;
     g.rays = c, g.nodes = c->tlas->nodes.items, g.leaves = c->tlas->instances, g.leaf_size = sizeof(daft_instance),
     g.leaf_shift = 0;
     vf pad = vf3_magnitude(c->o) * vf_set(0x1p-20f); /* as for single rays: single_kernel.c */
-    group_setup(&g, c->o, c->inverse, pad, c->tmin);
+    slabs_setup(&g, c->o, c->inverse, pad, c->tmin);
     sphere_view(c);
-    if (!mixed) group_rows(&g, bits), group_interval(&g, c->limit, bits);
+    if (!mixed) slabs_rows(&g, bits), slabs_interval(&g, c->limit, bits);
     uint32_t child = 0;
     do {
-        while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > FEW_RAYS)
+        while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > SINGLE_RAYS)
             child = descend(&stack, &top, &g, child, c->limit, here, &here);
         if (child == DAFT_CHILD_NONE) continue;
-        if (!(child & DAFT_CHILD_LEAF)) upper_alone(c, child, here);
-        else instance_touch(c, child & ~DAFT_CHILD_LEAF, here);
-        if (g.tight) g.most = most_of(c->limit, bits);
+        if (!(child & DAFT_CHILD_LEAF)) upper_single(c, child, here);
+        else instance_intersect(c, child & ~DAFT_CHILD_LEAF, here);
+        if (g.tight) g.most = max_limit(c->limit, bits);
     } while (next_child(&stack, &top, c->limit, bits, &child, &here));
 }
 
 /* ---- sixteen rays ---- */
 
 /* The rays from `first` on; gives those of the active that can hit anything: see daft_ray_usable. */
-static vbits convoy_setup(convoy *c, const daft_ray_packet *rays, uint32_t first, uint32_t active)
+static vbits packet_setup(packet *c, const daft_ray_packet *rays, uint32_t first, uint32_t active)
 {
     vf tmax = vf_load(rays->tmax + first), zero = vf_set(0);
     c->rays = rays, c->first = first;
@@ -426,28 +426,28 @@ static vbits convoy_setup(convoy *c, const daft_ray_packet *rays, uint32_t first
     return bits;
 }
 
-/* So few boxes that finding out what rays have in common takes longer. */
-DAFT_INLINE bool few_instances(const daft_tlas *tlas)
+/* So few boxes that finding the interval takes longer. */
+DAFT_INLINE bool is_small(const daft_tlas *tlas)
 {
     return tlas->nodes.count == 1 && tlas->nodes.items->child[3] == DAFT_CHILD_NONE;
 }
 
-static void convoy_run(convoy *c, vbits bits)
+static void packet_trace(packet *c, vbits bits)
 {
     vbits backwards = bits & ~vbits_from_mask(vf_le(vf_set(0), c->tmin)); /* their far planes are widened in another way */
-    upper_alone(c, 0, backwards);
-    if (few_instances(c->tlas) && bits & ~backwards) {
-        upper_walk(c, bits & ~backwards, true);
+    upper_single(c, 0, backwards);
+    if (is_small(c->tlas) && bits & ~backwards) {
+        upper_traverse(c, bits & ~backwards, true);
         return;
     }
     vbits alone = 0;
     for (bits &= ~backwards; bits;) {
-        vbits same = alike(c->d, bits);
+        vbits same = same_octant(c->d, bits);
         bits &= ~same;
-        if (count_lanes(same) <= FEW_RAYS) alone |= same;
-        else upper_walk(c, same, false);
+        if (count_lanes(same) <= SINGLE_RAYS) alone |= same;
+        else upper_traverse(c, same, false);
     }
-    upper_alone(c, 0, alone);
+    upper_single(c, 0, alone);
 }
 
 uint32_t DAFT_KERNEL(daft_closest_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active,
@@ -455,10 +455,10 @@ uint32_t DAFT_KERNEL(daft_closest_packet)(const daft_tlas *tlas, const daft_ray_
 {
     uint32_t bits = 0;
     for (uint32_t first = 0; first < DAFT_PACKET; first += DAFT_VL) {
-        convoy c;
-        c.tlas = tlas, c.ignore = ignore, c.any = false, c.stopped = 0;
-        convoy_run(&c, convoy_setup(&c, rays, first, active));
-        bits |= DAFT_KERNEL(daft_convoy_finish)(&c, active >> first & DAFT_ALL_LANES, hits + first) << first;
+        packet c;
+        c.tlas = tlas, c.ignore = ignore, c.any = false, c.occluded = 0;
+        packet_trace(&c, packet_setup(&c, rays, first, active));
+        bits |= DAFT_KERNEL(daft_packet_finish)(&c, active >> first & DAFT_ALL_LANES, hits + first) << first;
     }
     return bits;
 }
@@ -467,10 +467,10 @@ uint32_t DAFT_KERNEL(daft_occluded_packet)(const daft_tlas *tlas, const daft_ray
 {
     uint32_t bits = 0;
     for (uint32_t first = 0; first < DAFT_PACKET; first += DAFT_VL) {
-        convoy c;
-        c.tlas = tlas, c.ignore = UINT32_MAX, c.any = true, c.stopped = 0;
-        convoy_run(&c, convoy_setup(&c, rays, first, active));
-        bits |= c.stopped << first;
+        packet c;
+        c.tlas = tlas, c.ignore = UINT32_MAX, c.any = true, c.occluded = 0;
+        packet_trace(&c, packet_setup(&c, rays, first, active));
+        bits |= c.occluded << first;
     }
     return bits;
 }

@@ -1,8 +1,8 @@
-/* What rays that travel together hit: the triangles of leaves, spheres, and what callers get of it.
+/* What a packet hits: the triangles of leaves, spheres, and the hit records that callers get.
  *
- * The triangles of a leaf are first met by all rays at once, as boxes are; of ten, three or four are left. Those meet ray by
- * ray or triangle by triangle, whichever are fewer: the filter takes as long for one ray and all triangles as for one triangle
- * and all rays. */
+ * A leaf's triangles are first tested by their boxes against the whole packet, as nodes' children are; of ten, three or four
+ * remain. These are tested ray by ray or triangle by triangle, whichever are fewer: the filter takes as long for one ray and
+ * all triangles as for one triangle and all rays. */
 #include "accel/traverse/packet.h"
 
 /* ---- triangles ---- */
@@ -29,7 +29,7 @@ DAFT_INLINE vf3 rows_of(const float rows[3][DAFT_VL], uint32_t i)
 }
 
 /* The rays that may hit triangle i; how surely. */
-DAFT_INLINE vbits lanes_filter(const facets *f, uint32_t i, const mesh_convoy *m, vf past, daft_sides *sides)
+DAFT_INLINE vbits lanes_filter(const facets *f, uint32_t i, const mesh_packet *m, vf past, daft_edge_tests *sides)
 {
     daft_facet one = {rows_of(f->corner, i), rows_of(f->a, i),      rows_of(f->b, i),
                       rows_of(f->normal, i), vf_set(f->sizes[i]), vf_set(f->area[i])};
@@ -37,7 +37,7 @@ DAFT_INLINE vbits lanes_filter(const facets *f, uint32_t i, const mesh_convoy *m
 }
 
 /* The triangles with these corners whose box some ray may meet: interval_test of packet_kernel.c. */
-DAFT_INLINE vbits boxes_met(const vf3 c[3], const group *g)
+DAFT_INLINE vbits boxes_met(const vf3 c[3], const packet_slabs *g)
 {
     vf low[3] = {vf_min3(c[0].x, c[1].x, c[2].x), vf_min3(c[0].y, c[1].y, c[2].y), vf_min3(c[0].z, c[1].z, c[2].z)};
     vf high[3] = {vf_max3(c[0].x, c[1].x, c[2].x), vf_max3(c[0].y, c[1].y, c[2].y), vf_max3(c[0].z, c[1].z, c[2].z)};
@@ -52,9 +52,9 @@ DAFT_INLINE vbits boxes_met(const vf3 c[3], const group *g)
 }
 
 /* Lanes that touch triangle i at t, weights u and v, where that is nearer than what they have. */
-static void take_lanes(convoy *c, vbits bits, const daft_block *b, uint32_t i, uint32_t place, const daft_touch *touch)
+static void store_lanes(packet *c, vbits bits, const daft_block *b, uint32_t i, uint32_t place, const daft_lane_hits *touch)
 {
-    found *f = &c->hit;
+    packet_hits *f = &c->hit;
     vf t = vf_load(f->t);
     vbits nearer = bits & vbits_from_mask(vf_lt(touch->t, t)), level = bits & ~nearer & vbits_from_mask(vf_le(touch->t, t));
     for (; level; level &= level - 1) {
@@ -71,9 +71,9 @@ static void take_lanes(convoy *c, vbits bits, const daft_block *b, uint32_t i, u
 }
 
 /* The same of one lane. */
-static void take_lane(convoy *c, int lane, const daft_block *b, uint32_t i, uint32_t place, const daft_exact_touch *e)
+static void store_lane(packet *c, int lane, const daft_block *b, uint32_t i, uint32_t place, const daft_exact_hit *e)
 {
-    found *f = &c->hit;
+    packet_hits *f = &c->hit;
     if (!(e->t < f->t[lane] || (e->t == f->t[lane] && b->triangle[i] < f->triangle[lane]))) return;
     f->t[lane] = e->t, f->u[lane] = daft_unit_clamped(e->v), f->v[lane] = daft_unit_clamped(e->w);
     f->triangle[lane] = b->triangle[i], f->place[lane] = place;
@@ -87,9 +87,9 @@ DAFT_INLINE daft_vec3 lane_of(const vf3 *v, int lane) { return (daft_vec3){v->x[
 DAFT_INLINE vd3 vd3_half(vf3 a, int half) { return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)}; }
 DAFT_INLINE vd vd3_dot(daft_dvec3 a, vd3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/* daft_touch_plain of triangle i and all rays; of those in `which`, the ones that touch in time. */
-static __attribute__((noinline)) vbits lanes_measure(const convoy *c, const mesh_convoy *m, const daft_block *b, uint32_t i,
-                                                     vbits which, daft_touch *out)
+/* daft_intersect_plain of triangle i and all rays; of those in `which`, the ones that touch in time. */
+static __attribute__((noinline)) vbits lanes_measure(const packet *c, const mesh_packet *m, const daft_block *b, uint32_t i,
+                                                     vbits which, daft_lane_hits *out)
 {
     daft_dvec3 p = daft_to_double(daft_block_corner(b, 0, i)), e = daft_dsub(p, daft_to_double(daft_block_corner(b, 1, i)));
     daft_dvec3 f = daft_dsub(daft_to_double(daft_block_corner(b, 2, i)), p), normal = daft_dcross(f, e);
@@ -100,57 +100,57 @@ static __attribute__((noinline)) vbits lanes_measure(const convoy *c, const mesh
         vd inverse = 1 / vd3_dot(normal, ray);
         t[half] = vd3_dot(normal, s) * inverse, v[half] = vd3_dot(f, r) * inverse, w[half] = vd3_dot(e, r) * inverse;
     }
-    *out = (daft_touch){vf_demote2(t[0], t[1]), vf_demote2(v[0], v[1]), vf_demote2(w[0], w[1])};
+    *out = (daft_lane_hits){vf_demote2(t[0], t[1]), vf_demote2(v[0], v[1]), vf_demote2(w[0], w[1])};
     /* distances may round to -0, which is not behind; rays with tmin < 0 come here alone */
     vbits ahead = ~vbits_from_mask(vi_lt((vi)out->t, vi_set(0)));
-    return which & ahead & vbits_from_mask(daft_touch_within(out, c->tmin, vf_load(c->hit.t)));
+    return which & ahead & vbits_from_mask(daft_hits_within(out, c->tmin, vf_load(c->hit.t)));
 }
 
-DAFT_INLINE uint32_t place_of(const mesh_convoy *m, const daft_block *b, uint32_t i)
+DAFT_INLINE uint32_t place_of(const mesh_packet *m, const daft_block *b, uint32_t i)
 {
     return (uint32_t)(b - m->instance->bvh->blocks) * DAFT_BLOCK + i;
 }
 
 /* The rays in `maybe` against triangle i; gives those that touch. */
-static vbits lanes_exact(convoy *c, const mesh_convoy *m, const daft_block *b, uint32_t i, vbits maybe, const daft_sides *sides)
+static vbits lanes_exact(packet *c, const mesh_packet *m, const daft_block *b, uint32_t i, vbits maybe, const daft_edge_tests *sides)
 {
     vbits plain = daft_filter_plain(sides) & maybe, bits = 0;
     if (c->any) {
         bits = plain & daft_filter_within(sides, c->inner_low, c->inner_high);
         plain &= ~bits, maybe &= ~bits;
     }
-    daft_touch touch = {vf_set(0), vf_set(0), vf_set(0)};
+    daft_lane_hits touch = {vf_set(0), vf_set(0), vf_set(0)};
     if (plain) bits |= lanes_measure(c, m, b, i, plain, &touch);
     for (vbits left = maybe & ~plain; left; left &= left - 1) {
         int lane = first_lane(left);
-        daft_exact_touch e;
-        if (!daft_touch_exact(b, i, lane_of(&m->o, lane), lane_of(&m->d, lane), c->tmin[lane], c->hit.t[lane], &e)) continue;
+        daft_exact_hit e;
+        if (!daft_intersect_exact(b, i, lane_of(&m->o, lane), lane_of(&m->d, lane), c->tmin[lane], c->hit.t[lane], &e)) continue;
         touch.t[lane] = e.t, touch.v[lane] = e.v, touch.w[lane] = e.w;
         bits |= (vbits)1 << lane;
     }
-    if (bits && !c->any) take_lanes(c, bits, b, i, place_of(m, b, i), &touch);
+    if (bits && !c->any) store_lanes(c, bits, b, i, place_of(m, b, i), &touch);
     return bits;
 }
 
 /* The same by the floats' word alone. */
-static __attribute__((noinline)) vbits lanes_floats(convoy *c, const mesh_convoy *m, const daft_block *b, uint32_t i, vbits which)
+static __attribute__((noinline)) vbits lanes_floats(packet *c, const mesh_packet *m, const daft_block *b, uint32_t i, vbits which)
 {
     vf3 corner[3];
     for (int k = 0; k < 3; k++)
         corner[k] = (vf3){vf_set(b->corner[k][0][i]), vf_set(b->corner[k][1][i]), vf_set(b->corner[k][2][i])};
-    daft_touch touch;
+    daft_lane_hits touch;
     bool fast = c->tlas->intersection == DAFT_INTERSECT_FAST;
-    vbits bits = daft_touch_floats(corner, m->o, m->d, c->tmin, vf_load(c->hit.t), fast, &touch) & which;
-    if (bits && !c->any) take_lanes(c, bits, b, i, place_of(m, b, i), &touch);
+    vbits bits = daft_intersect_floats(corner, m->o, m->d, c->tmin, vf_load(c->hit.t), fast, &touch) & which;
+    if (bits && !c->any) store_lanes(c, bits, b, i, place_of(m, b, i), &touch);
     return bits;
 }
 
 /* One ray and the triangles in `which`; whether it touches any. */
-static bool ray_touch(convoy *c, const mesh_convoy *m, const daft_facet *f, const daft_block *b, vbits which, int lane)
+static bool ray_intersect(packet *c, const mesh_packet *m, const daft_facet *f, const daft_block *b, vbits which, int lane)
 {
     const daft_vec3 o = lane_of(&m->o, lane), d = lane_of(&m->d, lane);
     const float tmin = c->tmin[lane], past = c->limit[lane];
-    daft_sides sides;
+    daft_edge_tests sides;
     bool touches = false;
     vbits maybe = which & daft_filter_pass(f, vf3_set(o), vf3_set(d), vf_set(m->scale[lane]), vf_set(m->floor[lane]),
                                            vf_set(past > 0 ? past : 0), &sides);
@@ -160,20 +160,20 @@ static bool ray_touch(convoy *c, const mesh_convoy *m, const daft_facet *f, cons
     for (; maybe; maybe &= maybe - 1) {
         uint32_t at = (uint32_t)__builtin_ctz(maybe), i = at % DAFT_BLOCK;
         const daft_block *block = b + at / DAFT_BLOCK;
-        daft_exact_touch e;
+        daft_exact_hit e;
         if (block->triangle[i] == DAFT_NO_TRIANGLE) continue;
-        if (plain >> at & 1 ? !daft_touch_plain(block, i, o, d, tmin, c->hit.t[lane], &e)
-                            : !daft_touch_exact(block, i, o, d, tmin, c->hit.t[lane], &e))
+        if (plain >> at & 1 ? !daft_intersect_plain(block, i, o, d, tmin, c->hit.t[lane], &e)
+                            : !daft_intersect_exact(block, i, o, d, tmin, c->hit.t[lane], &e))
             continue;
         if (c->any) return true;
-        take_lane(c, lane, block, i, place_of(m, block, i), &e);
+        store_lane(c, lane, block, i, place_of(m, block, i), &e);
         touches = true;
     }
     return touches;
 }
 
 /* One triangle after the other, of those in `which`. */
-static vbits triangles_touch(convoy *c, const mesh_convoy *m, const daft_facet *f, const daft_block *b, vbits which, vbits bits)
+static vbits triangles_intersect(packet *c, const mesh_packet *m, const daft_facet *f, const daft_block *b, vbits which, vbits bits)
 {
     facets each;
     vbits hits = 0;
@@ -181,19 +181,19 @@ static vbits triangles_touch(convoy *c, const mesh_convoy *m, const daft_facet *
     for (; which && bits; which &= which - 1) {
         uint32_t at = (uint32_t)__builtin_ctz(which), i = at % DAFT_BLOCK;
         const daft_block *block = b + at / DAFT_BLOCK;
-        daft_sides sides;
+        daft_edge_tests sides;
         if (block->triangle[i] == DAFT_NO_TRIANGLE) continue;
         vbits maybe = lanes_filter(&each, at, m, c->limit, &sides) & bits;
         if (!maybe) continue;
-        vbits touched = lanes_exact(c, m, block, i, maybe, &sides);
-        hits |= touched;
-        if (c->any) bits &= ~touched;
+        vbits hit_now = lanes_exact(c, m, block, i, maybe, &sides);
+        hits |= hit_now;
+        if (c->any) bits &= ~hit_now;
     }
     return hits;
 }
 
 /* Blocks, at most DAFT_FOURS; gives the lanes that touch. */
-static vbits blocks_touch(convoy *c, const mesh_convoy *m, const group *g, const daft_block *b, int count, vbits bits)
+static vbits blocks_intersect(packet *c, const mesh_packet *m, const packet_slabs *g, const daft_block *b, int count, vbits bits)
 {
     vf3 corner[3];
     vbits which = (1u << count * DAFT_BLOCK) - 1, hits = 0;
@@ -201,38 +201,38 @@ static vbits blocks_touch(convoy *c, const mesh_convoy *m, const group *g, const
     if (g && g->tight) which &= boxes_met(corner, g);
     if (!which) return 0;
     daft_facet f = daft_facet_of(corner);
-    if (__builtin_popcount(bits) >= __builtin_popcount(which)) return triangles_touch(c, m, &f, b, which, bits);
-    for (; bits; bits &= bits - 1) hits |= (vbits)ray_touch(c, m, &f, b, which, first_lane(bits)) << first_lane(bits);
+    if (__builtin_popcount(bits) >= __builtin_popcount(which)) return triangles_intersect(c, m, &f, b, which, bits);
+    for (; bits; bits &= bits - 1) hits |= (vbits)ray_intersect(c, m, &f, b, which, first_lane(bits)) << first_lane(bits);
     return hits;
 }
 
-static vbits blocks_touch_floats(convoy *c, const mesh_convoy *m, const daft_block *b, const daft_block *end, vbits bits)
+static vbits blocks_intersect_floats(packet *c, const mesh_packet *m, const daft_block *b, const daft_block *end, vbits bits)
 {
     vbits hits = 0;
     for (; b < end && bits; b++) {
         for (uint32_t i = 0; i < DAFT_BLOCK && b->triangle[i] != DAFT_NO_TRIANGLE; i++) {
-            vbits touched = lanes_floats(c, m, b, i, bits);
-            hits |= touched;
-            if (c->any) bits &= ~touched;
+            vbits hit_now = lanes_floats(c, m, b, i, bits);
+            hits |= hit_now;
+            if (c->any) bits &= ~hit_now;
         }
     }
     return hits;
 }
 
-bool DAFT_KERNEL(daft_leaf_touch)(convoy *c, const mesh_convoy *m, const group *g, uint32_t child, vbits bits)
+bool DAFT_KERNEL(daft_packet_leaf)(packet *c, const mesh_packet *m, const packet_slabs *g, uint32_t child, vbits bits)
 {
     const daft_block *b = &m->instance->bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2], *end = b + (child & 3) + 1;
     vbits hits = 0, now = bits;
     if (c->tlas->intersection != DAFT_INTERSECT_EXACT) {
-        hits = blocks_touch_floats(c, m, b, end, bits);
+        hits = blocks_intersect_floats(c, m, b, end, bits);
     } else {
         for (int left = (int)(end - b); left > 0 && now; b += DAFT_FOURS, left -= DAFT_FOURS) {
-            hits |= blocks_touch(c, m, g, b, daft_min_i(left, DAFT_FOURS), now);
+            hits |= blocks_intersect(c, m, g, b, daft_min_i(left, DAFT_FOURS), now);
             if (c->any) now = bits & ~hits;
         }
     }
     if (!hits) return false;
-    if (c->any) stop(c, hits);
+    if (c->any) mark_occluded(c, hits);
     else c->limit = vf_if_then_else(vm_from_bits(hits), past_lanes(vf_load(c->hit.t)), c->limit);
     return true;
 }
@@ -240,7 +240,7 @@ bool DAFT_KERNEL(daft_leaf_touch)(convoy *c, const mesh_convoy *m, const group *
 /* ---- spheres ---- */
 
 /* The rays in `bits` that a sphere stops in time, and where: sphere_distance of single_kernel.c in lanes. */
-static vbits sphere_lanes(const convoy *c, const daft_instance *s, vbits bits, vf *t)
+static vbits sphere_lanes(const packet *c, const daft_instance *s, vbits bits, vf *t)
 {
     vd near[2], far[2], forward[2], excess[2];
     vd3 d[2], centre[2];
@@ -269,15 +269,15 @@ static vbits sphere_lanes(const convoy *c, const daft_instance *s, vbits bits, v
     return bits & vbits_from_mask(vm_or(outside, inside));
 }
 
-void DAFT_KERNEL(daft_sphere_touch)(convoy *c, uint32_t index, vbits bits)
+void DAFT_KERNEL(daft_packet_sphere)(packet *c, uint32_t index, vbits bits)
 {
     vf t;
     bits = sphere_lanes(c, &c->tlas->instances[index], bits, &t);
     if (c->any) {
-        stop(c, bits);
+        mark_occluded(c, bits);
         return;
     }
-    found *f = &c->hit;
+    packet_hits *f = &c->hit;
     for (; bits; bits &= bits - 1) {
         int i = first_lane(bits);
         if (t[i] == f->t[i] && index > f->instance[i]) continue;
@@ -293,7 +293,7 @@ typedef struct corner_lanes {
     float at[3][3][DAFT_VL];
 } corner_lanes;
 
-static void corners_gather(corner_lanes *out, const found *f, const daft_instance *instance, vbits bits)
+static void corners_gather(corner_lanes *out, const packet_hits *f, const daft_instance *instance, vbits bits)
 {
     for (; bits; bits &= bits - 1) {
         int lane = first_lane(bits);
@@ -312,7 +312,7 @@ static void corners_gather(corner_lanes *out, const found *f, const daft_instanc
 
 static vf3 mesh_normals(const corner_lanes *corners, const daft_affine *map)
 {
-    bool shift = daft_is_shift(map);
+    bool shift = daft_is_translation(map);
     vf3 p[3];
     for (int k = 0; k < 3; k++) {
         vf3 c = {vf_load(corners->at[k][0]), vf_load(corners->at[k][1]), vf_load(corners->at[k][2])};
@@ -322,7 +322,7 @@ static vf3 mesh_normals(const corner_lanes *corners, const daft_affine *map)
     return vf3_cross(vf3_sub(p[1], p[0]), vf3_sub(p[2], p[0]));
 }
 
-static vf3 normals_of(const convoy *c, vbits hit)
+static vf3 normals_of(const packet *c, vbits hit)
 {
     vf zero = vf_set(0);
     vf3 normal = {zero, zero, zero};
@@ -360,7 +360,7 @@ static void hits_store(const vf numbers[8], vbits active, daft_hit *hits)
     for (; active; active &= active - 1) hits[first_lane(active)] = aside[first_lane(active)];
 }
 
-vbits DAFT_KERNEL(daft_convoy_finish)(const convoy *c, vbits active, daft_hit *hits)
+vbits DAFT_KERNEL(daft_packet_finish)(const packet *c, vbits active, daft_hit *hits)
 {
     vi instance = vi_load(c->hit.instance);
     vbits hit = active & ~vbits_from_mask(vi_eq(instance, vi_set(-1)));

@@ -1,28 +1,28 @@
-/* Single rays through the two levels: through whatever instances there are, and from an instance's tree upwards for what
- * calls for single rays. A mesh that is only shifted keeps the ray's direction and what was found of it. */
+/* Single rays through both levels, and from any node or instance downwards for packets that fall apart into single rays. A mesh
+ * that is only translated keeps the ray's direction and its inverse. */
 #include "accel/traverse/instance_ray.h"
 #include "accel/kdtree.h"
 
 /* A leaf; `child` is its code. Called, so that nodes keep their registers. */
-DAFT_INLINE bool leaf_touch(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
+DAFT_INLINE bool leaf_intersect(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
 {
     const daft_block *b = &blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     int count = (int)(child & 3) + 1;
     bool found = false;
-    if ((int)DAFT_FOURS == (int)DAFT_MAX_LEAF_BLOCKS) return daft_blocks_touch(b, count, r, past, hit, any);
+    if ((int)DAFT_FOURS == (int)DAFT_MAX_LEAF_BLOCKS) return daft_blocks_intersect(b, count, r, past, hit, any);
     for (; count > 0 && !(any && found); b += DAFT_FOURS, count -= DAFT_FOURS)
-        found |= daft_blocks_touch(b, daft_min_i(count, DAFT_FOURS), r, past, hit, any);
+        found |= daft_blocks_intersect(b, daft_min_i(count, DAFT_FOURS), r, past, hit, any);
     return found;
 }
 
 bool DAFT_KERNEL(daft_leaf_closest)(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
 {
-    return leaf_touch(blocks, child, r, past, hit, false);
+    return leaf_intersect(blocks, child, r, past, hit, false);
 }
 
 bool DAFT_KERNEL(daft_leaf_stops)(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
 {
-    return leaf_touch(blocks, child, r, past, hit, true);
+    return leaf_intersect(blocks, child, r, past, hit, true);
 }
 
 DAFT_INLINE daft_vec3 v4_point(v4 a) { return (daft_vec3){a[0], a[1], a[2]}; }
@@ -30,18 +30,18 @@ DAFT_INLINE daft_vec3 v4_point(v4 a) { return (daft_vec3){a[0], a[1], a[2]}; }
 /* ---- the lower level: in object space ---- */
 
 /* way: of the direction d. */
-static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_way *way, float tmin,
+static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_direction *way, float tmin,
                                                    daft_intersection how, daft_nearest *hit)
 {
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, hit->t, how);
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF) DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, &r, daft_forward(daft_past(hit->t)), hit);
-    else if (tmin >= 0 && way->plain) mesh_walk(bvh, child, way, &r, &at, &at, true, hit);
-    else mesh_walk(bvh, child, way, &r, &at, &at, false, hit);
+    else if (tmin >= 0 && way->plain) mesh_traverse(bvh, child, way, &r, &at, true, hit);
+    else mesh_traverse(bvh, child, way, &r, &at, false, hit);
 }
 
-static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_way *way, float tmin,
+static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_direction *way, float tmin,
                                                     float tmax, daft_intersection how)
 {
     daft_nearest hit = {.t = tmax, .triangle = DAFT_NO_TRIANGLE};
@@ -49,46 +49,46 @@ static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF) return DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, &r, daft_forward(daft_past(tmax)), &hit);
-    if (tmin >= 0 && way->plain) return mesh_search(bvh, child, way, &r, &at, &at, true, &hit);
-    return mesh_search(bvh, child, way, &r, &at, &at, false, &hit);
+    if (tmin >= 0 && way->plain) return mesh_any_hit(bvh, child, way, &r, &at, true, &hit);
+    return mesh_any_hit(bvh, child, way, &r, &at, false, &hit);
 }
 
 /* Through an instance's mesh. A mesh that is only shifted keeps the direction. */
-DAFT_INLINE void turned_closest(const daft_instance *instance, uint32_t child, const lined_ray *frame, float tmin,
+DAFT_INLINE void instance_mesh_closest(const daft_instance *instance, uint32_t child, const simd_ray *frame, float tmin,
                                 daft_intersection how, daft_nearest *hit)
 {
-    lined_ray own;
-    if (daft_is_shift(&instance->to_object)) {
-        v4 o = frame->origin + shift_of(&instance->to_object);
+    simd_ray local;
+    if (daft_is_translation(&instance->to_object)) {
+        v4 o = frame->origin + translation_of(&instance->to_object);
         if (finite_lanes(o, o)) mesh_closest(instance->bvh, child, o, frame->direction, &frame->way, tmin, how, hit);
-    } else if (turn(&instance->to_object, frame, &own)) {
-        mesh_closest(instance->bvh, child, own.origin, own.direction, &own.way, tmin, how, hit);
+    } else if (to_object_space(&instance->to_object, frame, &local)) {
+        mesh_closest(instance->bvh, child, local.origin, local.direction, &local.way, tmin, how, hit);
     }
 }
 
-DAFT_INLINE bool turned_occluded(const daft_instance *instance, uint32_t child, const lined_ray *frame, float tmin, float tmax,
+DAFT_INLINE bool instance_mesh_occluded(const daft_instance *instance, uint32_t child, const simd_ray *frame, float tmin, float tmax,
                                  daft_intersection how)
 {
-    lined_ray own;
-    if (daft_is_shift(&instance->to_object)) {
-        v4 o = frame->origin + shift_of(&instance->to_object);
+    simd_ray local;
+    if (daft_is_translation(&instance->to_object)) {
+        v4 o = frame->origin + translation_of(&instance->to_object);
         return finite_lanes(o, o) && mesh_occluded(instance->bvh, child, o, frame->direction, &frame->way, tmin, tmax, how);
     }
-    return turn(&instance->to_object, frame, &own) &&
-           mesh_occluded(instance->bvh, child, own.origin, own.direction, &own.way, tmin, tmax, how);
+    return to_object_space(&instance->to_object, frame, &local) &&
+           mesh_occluded(instance->bvh, child, local.origin, local.direction, &local.way, tmin, tmax, how);
 }
 
 void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how,
                                     daft_nearest *hit)
 {
-    lined_ray frame = lined(ray);
-    turned_closest(instance, child, &frame, ray->tmin, how, hit);
+    simd_ray frame = simd_ray_of(ray);
+    instance_mesh_closest(instance, child, &frame, ray->tmin, how, hit);
 }
 
 bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how)
 {
-    lined_ray frame = lined(ray);
-    return turned_occluded(instance, child, &frame, ray->tmin, ray->tmax, how);
+    simd_ray frame = simd_ray_of(ray);
+    return instance_mesh_occluded(instance, child, &frame, ray->tmin, ray->tmax, how);
 }
 
 /* ---- the upper level ---- */
@@ -100,7 +100,7 @@ static void kd_closest(const daft_instance *instance, const daft_ray *ray, daft_
 }
 
 /* `frame`: the ray. */
-DAFT_INLINE void instance_closest(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, const lined_ray *frame, daft_nearest *hit)
+DAFT_INLINE void instance_closest(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, const simd_ray *frame, daft_nearest *hit)
 {
     const daft_instance *instance = &tlas->instances[index];
     if (instance->mesh) {
@@ -109,7 +109,7 @@ DAFT_INLINE void instance_closest(const daft_tlas *tlas, uint32_t index, const d
         uint32_t before = hit->triangle;
         float t = hit->t;
         if (instance->kdtree) kd_closest(instance, ray, tlas->intersection, hit);
-        else turned_closest(instance, 0, frame, ray->tmin, tlas->intersection, hit);
+        else instance_mesh_closest(instance, 0, frame, ray->tmin, tlas->intersection, hit);
         if (hit->t < t || hit->triangle != before) hit->instance = index;
         else hit->triangle = triangle;
         return;
@@ -119,7 +119,7 @@ DAFT_INLINE void instance_closest(const daft_tlas *tlas, uint32_t index, const d
     *hit = (daft_nearest){.t = t, .instance = index};
 }
 
-DAFT_INLINE bool instance_occluded(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, const lined_ray *frame)
+DAFT_INLINE bool instance_occluded(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, const simd_ray *frame)
 {
     const daft_instance *instance = &tlas->instances[index];
     if (!(instance->flags & DAFT_INSTANCE_CASTS_SHADOW)) return false;
@@ -129,25 +129,25 @@ DAFT_INLINE bool instance_occluded(const daft_tlas *tlas, uint32_t index, const 
         return DAFT_KERNEL(daft_kd_occluded)(instance->kdtree, daft_affine_point(&instance->to_object, ray->origin),
                                              daft_affine_vector(&instance->to_object, ray->direction), ray->tmin, ray->tmax,
                                              tlas->intersection);
-    return turned_occluded(instance, 0, frame, ray->tmin, ray->tmax, tlas->intersection);
+    return instance_mesh_occluded(instance, 0, frame, ray->tmin, ray->tmax, tlas->intersection);
 }
 
 void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, daft_nearest *hit)
 {
-    lined_ray frame = lined(ray);
+    simd_ray frame = simd_ray_of(ray);
     instance_closest(tlas, index, ray, &frame, hit);
 }
 
 bool DAFT_KERNEL(daft_instance_occluded)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray)
 {
-    lined_ray frame = lined(ray);
+    simd_ray frame = simd_ray_of(ray);
     return instance_occluded(tlas, index, ray, &frame);
 }
 
 static daft_vec3 triangle_normal(const daft_instance *instance, const daft_nearest *hit)
 {
     const daft_affine *map = &instance->to_frame;
-    bool shift = daft_is_shift(map);
+    bool shift = daft_is_translation(map);
     daft_vec3 p[3];
     for (int k = 0; k < 3; k++) {
         uint32_t v = hit->block ? 0 : instance->mesh->indices[3 * (size_t)hit->triangle + (size_t)k];
@@ -180,7 +180,7 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
     ray_stack stack;
     uint64_t *top = stack.items;
     *top++ = STACK_END;
-    lined_ray frame = lined(ray);
+    simd_ray frame = simd_ray_of(ray);
     const tree_place tree = {tlas->nodes.items, tlas->instances, sizeof *tlas->instances, 0};
     slab_origin from, until;
     slab_upper_origins(frame.origin, frame.direction, &from, &until);
@@ -201,11 +201,11 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
             if (node->spheres & spheres) { /* asked of the node alone: it is known before the bits are */
-                sphere_sight sight = spheres_seen(node, &view);
+                node_spheres sight = node_spheres_of(node, &view);
                 bits = spheres_met(node, bits, &sight, &view);
             }
             if (bits) {
-                child = step(&tree, node, bits, near, &top);
+                child = push_sorted(&tree, node, bits, near, &top);
                 continue;
             }
         }
@@ -219,12 +219,11 @@ void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, cons
     upper_closest(tlas, child, ray, ignore, hit);
 }
 
-/* ---- a top level of one node, as scenes of few things have ---- */
+/* ---- a top level of one node: up to eight instances ---- */
 
-/* Of the things in bits, 1 or more, the nearest, or the furthest; its bit is taken away. Of two it is branched on, not looked
- * up: the processor foresees a branch and begins in the mesh at once, where it would wait for the nodes' boxes before it
- * looked. */
-DAFT_INLINE uint32_t next_thing(const daft_node *node, uint32_t *bits, const float near[DAFT_WIDTH], bool furthest)
+/* The nearest or the furthest of the instances in bits, 1 or more; clears its bit. Of the first two it is chosen by a branch,
+ * not a look-up: a predicted branch starts on the mesh before the boxes are tested. */
+DAFT_INLINE uint32_t next_instance(const daft_node *node, uint32_t *bits, const float near[DAFT_WIDTH], bool furthest)
 {
     uint32_t at = (uint32_t)__builtin_ctz(*bits), child;
     for (uint32_t left = *bits & (*bits - 1); left; left &= left - 1) {
@@ -239,8 +238,8 @@ DAFT_INLINE uint32_t next_thing(const daft_node *node, uint32_t *bits, const flo
     return child & ~DAFT_CHILD_LEAF;
 }
 
-/* The things whose boxes the ray meets, and where it enters them. */
-DAFT_INLINE uint32_t few_things(const daft_tlas *tlas, const daft_ray *ray, const lined_ray *frame, float near[DAFT_WIDTH])
+/* The instances whose boxes the ray meets, and where it enters them. */
+DAFT_INLINE uint32_t root_children(const daft_tlas *tlas, const daft_ray *ray, const simd_ray *frame, float near[DAFT_WIDTH])
 {
     slab_origin from, until;
     slab_upper_origins(frame->origin, frame->direction, &from, &until);
@@ -252,26 +251,26 @@ DAFT_INLINE uint32_t few_things(const daft_tlas *tlas, const daft_ray *ray, cons
     return bits & v8_le_bits(v8_load(tlas->nodes.items->bounds[0]), v8_load(tlas->nodes.items->bounds[3]));
 }
 
-DAFT_INLINE void few_closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_nearest *hit)
+DAFT_INLINE void root_closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore, daft_nearest *hit)
 {
-    lined_ray frame = lined(ray);
+    simd_ray frame = simd_ray_of(ray);
     float near[DAFT_WIDTH] __attribute__((aligned(32)));
-    uint32_t bits = few_things(tlas, ray, &frame, near);
+    uint32_t bits = root_children(tlas, ray, &frame, near);
     while (bits) {
-        uint32_t before = bits, index = next_thing(tlas->nodes.items, &bits, near, false);
+        uint32_t before = bits, index = next_instance(tlas->nodes.items, &bits, near, false);
         if (near[__builtin_ctz(before ^ bits)] > daft_past(hit->t)) return;
         if (index != ignore) instance_closest(tlas, index, ray, &frame, hit);
     }
 }
 
 /* The furthest first: what a ray leaves it seldom meets again, and ground below stops it soon. */
-DAFT_INLINE bool few_occluded(const daft_tlas *tlas, const daft_ray *ray)
+DAFT_INLINE bool root_occluded(const daft_tlas *tlas, const daft_ray *ray)
 {
-    lined_ray frame = lined(ray);
+    simd_ray frame = simd_ray_of(ray);
     float near[DAFT_WIDTH] __attribute__((aligned(32)));
-    uint32_t bits = few_things(tlas, ray, &frame, near);
+    uint32_t bits = root_children(tlas, ray, &frame, near);
     while (bits)
-        if (instance_occluded(tlas, next_thing(tlas->nodes.items, &bits, near, true), ray, &frame)) return true;
+        if (instance_occluded(tlas, next_instance(tlas->nodes.items, &bits, near, true), ray, &frame)) return true;
     return false;
 }
 
@@ -279,7 +278,7 @@ static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore,
 {
     daft_nearest nearest = {.t = ray->tmax, .instance = UINT32_MAX};
     if (tlas->nodes.count && daft_ray_usable(ray)) {
-        if (tlas->nodes.count == 1) few_closest(tlas, ray, ignore, &nearest);
+        if (tlas->nodes.count == 1) root_closest(tlas, ray, ignore, &nearest);
         else upper_closest(tlas, 0, ray, ignore, &nearest);
     }
     return DAFT_KERNEL(daft_finish_hit)(tlas, ray, &nearest, hit);
@@ -296,12 +295,12 @@ DAFT_INLINE bool any_casts_shadow(const daft_tlas *tlas, const daft_node *node, 
 
 /* In the order of the tree, where what is low, as ground is, stands first. Sorting would take more time than it saves, and the
  * nearest are the last to stop a ray that leaves one of them. far_apart: what is put aside is fetched at once. */
-DAFT_INLINE bool upper_search(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, bool far_apart)
+DAFT_INLINE bool upper_any_hit(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, bool far_apart)
 {
     code_stack stack;
     uint32_t *top = stack.items;
     *top++ = DAFT_CHILD_NONE;
-    lined_ray frame = lined(ray);
+    simd_ray frame = simd_ray_of(ray);
     const tree_place tree = {tlas->nodes.items, tlas->instances, sizeof *tlas->instances, 0};
     slab_origin from, until;
     slab_upper_origins(frame.origin, frame.direction, &from, &until);
@@ -314,12 +313,12 @@ DAFT_INLINE bool upper_search(const daft_tlas *tlas, uint32_t child, const daft_
             const daft_node *node = &tlas->nodes.items[child];
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
             if (node->spheres & spheres) {
-                sphere_sight sight = spheres_seen(node, &view);
+                node_spheres sight = node_spheres_of(node, &view);
                 if (any_casts_shadow(tlas, node, spheres_pierced(node, &sight, &view, ray->tmin, ray->tmax))) return true;
                 bits = spheres_met(node, bits, &sight, &view);
             }
             uint32_t *base = top;
-            child = bits ? spread(node, bits, false, &top) : *--top;
+            child = bits ? push_unsorted(node, bits, false, &top) : *--top;
             for (; far_apart && base < top; base++) fetch(&tree, *base);
         }
         if (child == DAFT_CHILD_NONE) return false;
@@ -330,12 +329,12 @@ DAFT_INLINE bool upper_search(const daft_tlas *tlas, uint32_t child, const daft_
 
 static __attribute__((noinline)) bool far_occluded(const daft_tlas *tlas, uint32_t child, const daft_ray *ray)
 {
-    return upper_search(tlas, child, ray, true);
+    return upper_any_hit(tlas, child, ray, true);
 }
 
 DAFT_INLINE bool upper_occluded(const daft_tlas *tlas, uint32_t child, const daft_ray *ray)
 {
-    return tlas->instance_count > FAR_APART ? far_occluded(tlas, child, ray) : upper_search(tlas, child, ray, false);
+    return tlas->instance_count > FAR_APART ? far_occluded(tlas, child, ray) : upper_any_hit(tlas, child, ray, false);
 }
 
 bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray)
@@ -346,13 +345,13 @@ bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, con
 static bool occluded(const daft_tlas *tlas, const daft_ray *ray)
 {
     if (tlas->nodes.count == 0 || !daft_ray_usable(ray)) return false;
-    return tlas->nodes.count == 1 ? few_occluded(tlas, ray) : upper_occluded(tlas, 0, ray);
+    return tlas->nodes.count == 1 ? root_occluded(tlas, ray) : upper_occluded(tlas, 0, ray);
 }
 
 static uint32_t boxes(const daft_node *node, const daft_ray *ray)
 {
     if (!daft_ray_usable(ray)) return 0;
-    lined_ray line = lined(ray);
+    simd_ray line = simd_ray_of(ray);
     slab_origin o = slab_origin_of(line.origin);
     v8 near;
     uint32_t real = 0xff;

@@ -1,6 +1,6 @@
-/* Streams of rays: rays of one octant travel together. A run of rays is sorted by octant, keeping the order within each,
+/* Streams of rays: packets are made of rays of one octant. A run of rays is sorted by octant, keeping the order within each,
  * and cut into packets of sixteen (in the spirit of Barringer and Akenine-Möller, "Dynamic Ray Stream Traversal", 2014,
- * who regroup at every node; neighbours in a stream are mostly alike to begin with). */
+ * who regroup at every node; neighbours in a stream are mostly similar to begin with). */
 #include "accel/ray_test.h"
 #include "accel/traverse/traverse.h"
 
@@ -54,12 +54,12 @@ void DAFT_KERNEL(daft_closest_stream)(const daft_tlas *tlas, const daft_ray *ray
     }
 }
 
-void DAFT_KERNEL(daft_occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *stopped)
+void DAFT_KERNEL(daft_occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *occluded)
 {
     uint16_t order[RUN];
     uint32_t first[OCTANTS + 1];
     daft_ray_packet packet;
-    for (uint32_t i = 0; i < (count + 31) / 32; i++) stopped[i] = 0;
+    for (uint32_t i = 0; i < (count + 31) / 32; i++) occluded[i] = 0;
     for (uint32_t base = 0; base < count; base += RUN) {
         sort(rays + base, daft_min_u(RUN, count - base), order, first);
         for (uint32_t k = 0; k < OCTANTS; k++)
@@ -68,7 +68,7 @@ void DAFT_KERNEL(daft_occluded_stream)(const daft_tlas *tlas, const daft_ray *ra
                 uint32_t bits = DAFT_KERNEL(daft_occluded_packet)(tlas, &packet, first_bits(size));
                 for (uint32_t i = 0; i < size; i++) {
                     uint32_t ray = base + order[at + i];
-                    stopped[ray / 32] |= (bits >> i & 1) << ray % 32;
+                    occluded[ray / 32] |= (bits >> i & 1) << ray % 32;
                 }
             }
     }

@@ -24,7 +24,7 @@ void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, cons
 bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray);
 bool DAFT_KERNEL(daft_finish_hit)(const daft_tlas *tlas, const daft_ray *ray, const struct daft_nearest *nearest,
                                   daft_hit *hit);
-/* Against the blocks of a leaf; `child` is its code. See daft_blocks_touch. */
+/* Against the blocks of a leaf; `child` is its code. See daft_blocks_intersect. */
 bool DAFT_KERNEL(daft_leaf_closest)(const daft_block *blocks, uint32_t child, const struct daft_mesh_ray *r, float past,
                                     struct daft_nearest *hit);
 bool DAFT_KERNEL(daft_leaf_stops)(const daft_block *blocks, uint32_t child, const struct daft_mesh_ray *r, float past,
@@ -35,7 +35,7 @@ uint32_t DAFT_KERNEL(daft_closest_packet)(const daft_tlas *tlas, const daft_ray_
 uint32_t DAFT_KERNEL(daft_occluded_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active);
 void DAFT_KERNEL(daft_closest_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t ignore,
                                       daft_hit *hits);
-void DAFT_KERNEL(daft_occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *stopped);
+void DAFT_KERNEL(daft_occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *occluded);
 /* bound_kernel.c */
 void DAFT_KERNEL(daft_bound_all)(daft_instance *instances, uint32_t count);
 #endif
