@@ -69,7 +69,7 @@ static double invert(const daft_view_instance *view, double inverse[9])
     inverse[6] = c2 * scale, inverse[7] = (a[1] * a[6] - a[0] * a[7]) * scale, inverse[8] = (a[0] * a[4] - a[1] * a[3]) * scale;
     const daft_trimesh *mesh = view->mesh;
     double reach = 0, size = 0, stretch = 0;
-    const float *low = &mesh->low.x, *high = &mesh->high.x;
+    const float low[3] = {mesh->low.x, mesh->low.y, mesh->low.z}, high[3] = {mesh->high.x, mesh->high.y, mesh->high.z};
     for (int k = 0; k < 3; k++) {
         reach = fmax(reach, fmax(fabs((double)low[k]), fabs((double)high[k])));
         stretch = fmax(stretch, fabs(inverse[3 * k]) + fabs(inverse[3 * k + 1]) + fabs(inverse[3 * k + 2]));

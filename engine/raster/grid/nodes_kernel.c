@@ -154,7 +154,8 @@ DAFT_INLINE void axis(const walk *w, int k, const node_pair *n, vf *low, vf *hig
 static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *view, daft_waiting *waiting)
 {
     const daft_affine *map = &view->to_view;
-    const float *low = &view->mesh->low.x, *high = &view->mesh->high.x, focal = job->raster->pencil.focal;
+    const daft_vec3 from = view->mesh->low, until = view->mesh->high;
+    const float low[3] = {from.x, from.y, from.z}, high[3] = {until.x, until.y, until.z}, focal = job->raster->pencil.focal;
     w->job = job, w->view = view, w->waiting = waiting, w->leaf_count = w->block_count = 0;
     float pad[3];
     for (int k = 0; k < 3; k++) {

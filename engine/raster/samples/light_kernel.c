@@ -198,15 +198,15 @@ static bound grown_bound(const cast *c, const daft_instance *s)
 static bool rays_apart(const cast *c, const bound *s)
 {
     const daft_apex *light = c->light;
-    const float *to = &light->at.x;
+    const float to[3] = {light->at.x, light->at.y, light->at.z};
     float enter = 0, leave = light->infinite ? INFINITY : 1;
     for (int k = 0; k < 3; k++) {
-        float low = (&c->low.x)[k], high = (&c->high.x)[k], before = (&s->low.x)[k] - high, past = (&s->high.x)[k] - low;
+        float low = daft_v3_at(c->low, k), high = daft_v3_at(c->high, k), before = daft_v3_at(s->low, k) - high, past = daft_v3_at(s->high, k) - low;
         float slow = light->infinite ? to[k] : to[k] - high, fast = light->infinite ? to[k] : to[k] - low;
         if (fast < 0) { /* the same seen from the other side */
             float other = -slow;
             slow = -fast, fast = other;
-            before = low - (&s->high.x)[k], past = high - (&s->low.x)[k];
+            before = low - daft_v3_at(s->high, k), past = high - daft_v3_at(s->low, k);
         }
         if (!(slow > 0)) continue;
         enter = fmaxf(enter, before / fast), leave = fminf(leave, past / slow);
@@ -218,11 +218,11 @@ static bool rays_apart(const cast *c, const bound *s)
 static bool rays_clear(const cast *c, const bound *s)
 {
     const daft_apex *light = c->light;
-    const float *to = &light->at.x, *low = &c->low.x, *high = &c->high.x;
+    const float to[3] = {light->at.x, light->at.y, light->at.z}, low[3] = {c->low.x, c->low.y, c->low.z}, high[3] = {c->high.x, c->high.y, c->high.z};
     for (int k = 0; k < 3; k++) {
         float from = light->infinite ? (to[k] < 0 ? -INFINITY : low[k]) : fminf(low[k], to[k]);
         float end = light->infinite ? (to[k] > 0 ? INFINITY : high[k]) : fmaxf(high[k], to[k]);
-        if ((&s->high.x)[k] < from || (&s->low.x)[k] > end) return true;
+        if (daft_v3_at(s->high, k) < from || daft_v3_at(s->low, k) > end) return true;
     }
     return rays_apart(c, s);
 }
@@ -631,7 +631,7 @@ static uint32_t cast_faces(light_scratch *scratch, uint32_t *bits)
 static uint32_t children_met(const cast *c, const daft_node *node)
 {
     const daft_apex *light = c->light;
-    const float *to = &light->at.x, *low = &c->low.x, *high = &c->high.x;
+    const float to[3] = {light->at.x, light->at.y, light->at.z}, low[3] = {c->low.x, c->low.y, c->low.z}, high[3] = {c->high.x, c->high.y, c->high.z};
     v8 size = v8_set(c->view.reach);
     uint32_t met = 0xff;
     for (int k = 0; k < 3; k++) size = size + v8_max(-v8_load(node->bounds[k]), v8_load(node->bounds[3 + k]));

@@ -16,7 +16,7 @@ static void set_back(const occluder *c, daft_affine *back, float pad[3])
     const daft_instance *s = c->instance;
     const float *o = s->to_object.m, *r = (&l->pencil.right.x), at[3] = {l->pencil.origin.x, l->pencil.origin.y, l->pencil.origin.z};
     float size = 0, share;
-    for (int k = 0; k < 3; k++) size += larger(fabsf((&s->low.x)[k] - at[k]), fabsf((&s->high.x)[k] - at[k]));
+    for (int k = 0; k < 3; k++) size += larger(fabsf(daft_v3_at(s->low, k) - at[k]), fabsf(daft_v3_at(s->high, k) - at[k]));
     size = 2 * size + l->size;
     share = smaller(2 * size / (l->near + l->pencil.away), 1);
     if (!l->pencil.parallel && share > 0) size += share * l->pencil.away;
@@ -35,7 +35,8 @@ static void set_back(const occluder *c, daft_affine *back, float pad[3])
 static void set_errors(mesh_occluder *m)
 {
     const light_view *l = m->c.view;
-    const float *low = &m->c.instance->mesh->low.x, *high = &m->c.instance->mesh->high.x, *depth = &m->map.map.m[6];
+    const daft_vec3 from = m->c.instance->mesh->low, until = m->c.instance->mesh->high;
+    const float low[3] = {from.x, from.y, from.z}, high[3] = {until.x, until.y, until.z}, *depth = &m->map.map.m[6];
     float size = m->map.still, near = m->map.map.t[2] + l->pencil.away;
     for (int k = 0; k < 3; k++) {
         size += m->map.reach[k] * larger(fabsf(low[k]), fabsf(high[k]));
@@ -94,7 +95,7 @@ static void set_bounds(const occluder *c, mesh_bounds *out)
     const daft_trimesh *mesh = c->instance->mesh;
     float pad[3];
     set_back(c, &out->back, pad);
-    for (int k = 0; k < 3; k++) out->low[k] = (&mesh->low.x)[k] - pad[k], out->high[k] = (&mesh->high.x)[k] + pad[k];
+    for (int k = 0; k < 3; k++) out->low[k] = daft_v3_at(mesh->low, k) - pad[k], out->high[k] = daft_v3_at(mesh->high, k) + pad[k];
 }
 
 uint32_t DAFT_KERNEL(daft_mesh_candidates)(const occluder *c, const picture_box *box, const block_set *behind, block_points *out)

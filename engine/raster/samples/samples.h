@@ -248,11 +248,11 @@ DAFT_INLINE bool is_flat(const daft_instance *s)
 /* Points are moved by differences, so that far from the frame's origin as much of their precision is left as they have. */
 DAFT_INLINE vf3 to_view_space(const daft_pencil *view, vf3 p)
 {
-    const float *m = &view->right.x;
     vf3 d = {p.x - vf_set(view->origin.x), p.y - vf_set(view->origin.y), p.z - vf_set(view->origin.z)};
-    return (vf3){vf_set(m[0]) * d.x + vf_set(m[1]) * d.y + vf_set(m[2]) * d.z,
-                 vf_set(m[3]) * d.x + vf_set(m[4]) * d.y + vf_set(m[5]) * d.z,
-                 vf_set(m[6]) * d.x + vf_set(m[7]) * d.y + vf_set(m[8]) * d.z};
+    const daft_vec3 r = view->right, u = view->up, f = view->forward;
+    return (vf3){vf_set(r.x) * d.x + vf_set(r.y) * d.y + vf_set(r.z) * d.z,
+                 vf_set(u.x) * d.x + vf_set(u.y) * d.y + vf_set(u.z) * d.z,
+                 vf_set(f.x) * d.x + vf_set(f.y) * d.y + vf_set(f.z) * d.z};
 }
 
 /* Where in the picture a point of view space is, and the z of its ray. */

@@ -372,7 +372,7 @@ static uint32_t edge_contact(const pair *s, int i, int j, float separation, daft
     uint32_t corner_a = 0, corner_b = 0;
     for (int k = 0; k < 3; k++) {
         if (k != i) {
-            bool low = (&n.x)[k] < 0;
+            bool low = daft_v3_at(n, k) < 0;
             va[k] = low ? -s->ha[k] : s->ha[k];
             corner_a |= (uint32_t)low << k;
         }

@@ -60,7 +60,7 @@ static inline void daft_box_batch_put(daft_box_batch *batch, int lane, const daf
     for (int k = 0; k < 3; k++) {
         batch->a[k][lane] = place[0][k], batch->b[k][lane] = place[1][k];
         batch->half_a[k][lane] = half[0][k], batch->half_b[k][lane] = half[1][k];
-        batch->origin[k][lane] = (&origin.x)[k];
+        batch->origin[k][lane] = daft_v3_at(origin, k);
     }
     for (int i = 0; i < 9; i++) batch->a[3 + i][lane] = a->m[i], batch->b[3 + i][lane] = b->m[i];
 }

@@ -100,7 +100,7 @@ typedef struct beside {
 static beside beside_box(const daft_sim_shape *round, const daft_sim_shape *box, const daft_relpose *pose, bool box_first)
 {
     const double *centre = box_first ? &pose->p.x : &pose->q.x;
-    const float *h = &box->half.x, *r = pose->r;
+    const float h[3] = {box->half.x, box->half.y, box->half.z}, *r = pose->r;
     float half = round->type == DAFT_GEOMETRY_CAPSULE ? round->half_height : 0;
     beside out;
     for (int k = 0; k < 3; k++) {

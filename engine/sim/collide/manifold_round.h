@@ -85,7 +85,7 @@ static inline void daft_round_batch_put(daft_round_batch *batch, int lane, const
                                         float margin)
 {
     daft_vec3 toward = daft_to_float(daft_dsub(all[b].centre, all[a].centre));
-    for (int k = 0; k < 3; k++) batch->toward[k][lane] = (&toward.x)[k];
+    for (int k = 0; k < 3; k++) batch->toward[k][lane] = daft_v3_at(toward, k);
     batch->a[lane] = (int32_t)a, batch->b[lane] = (int32_t)b;
     batch->margin[lane] = margin, batch->reach[lane] = all[a].reach;
     bool spheres = all[a].flags & all[b].flags & DAFT_OUTLINE_SPHERE;
@@ -104,7 +104,7 @@ static inline void daft_round_batch_put_box(daft_round_batch *batch, int lane, c
     const double *m = frames[batch->b[lane]].frame.m;
     daft_dvec3 d = daft_dsub(all[batch->a[lane]].centre, box->centre);
     for (int k = 0; k < 3; k++) {
-        double c = (m[k] * d.x + m[3 + k] * d.y) + m[6 + k] * d.z, h = (double)(&box->half.x)[k];
+        double c = (m[k] * d.x + m[3 + k] * d.y) + m[6 + k] * d.z, h = (double)daft_v3_at(box->half, k);
         batch->high[k][lane] = (float)(c - h), batch->low[k][lane] = (float)(-c - h);
     }
     for (int i = 0; i < 9; i++) batch->turn[i][lane] = (float)m[i];

@@ -59,7 +59,7 @@ static void set_box(daft_poly *poly, daft_vec3 h, const daft_relpose *pose)
         for (int high = 0; high < 2; high++) {
             float s = high ? 1.0f : -1.0f;
             daft_vec3 n = daft_v3(k == 0 ? s : 0, k == 1 ? s : 0, k == 2 ? s : 0);
-            poly->planes[2 * k + high] = posed_plane(pose, n, (&h.x)[k]);
+            poly->planes[2 * k + high] = posed_plane(pose, n, daft_v3_at(h, k));
         }
 }
 

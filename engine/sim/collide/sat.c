@@ -92,7 +92,7 @@ static void try_box_faces(const daft_poly *box, const daft_poly *triangle, uint3
     of_box->kind = of_triangle->kind = DAFT_AXIS_NONE;
     for (uint32_t f = 0; f < 6; f++) {
         const daft_plane *plane = &box->planes[f];
-        float s = (f & 1 ? (&triangle->low.x)[f / 2] : -(&triangle->high.x)[f / 2]) - plane->offset;
+        float s = (f & 1 ? daft_v3_at(triangle->low, (int)(f / 2)) : -daft_v3_at(triangle->high, (int)(f / 2))) - plane->offset;
         if (s > of_box->separation)
             *of_box = (daft_axis){.kind = DAFT_AXIS_FACE_A, .a = f, .separation = s, .normal = plane->normal};
     }
@@ -203,9 +203,9 @@ static void fill_lanes(const edge *e, uint32_t count, edge_lanes *out)
         static const edge none = {0};
         const edge *from = i < count ? &e[i] : &none;
         for (int k = 0; k < 3; k++) {
-            out->d[k][i] = (&from->d.x)[k];
-            out->n1[k][i] = (&from->n1.x)[k];
-            out->n2[k][i] = (&from->n2.x)[k];
+            out->d[k][i] = daft_v3_at(from->d, k);
+            out->n1[k][i] = daft_v3_at(from->n1, k);
+            out->n2[k][i] = daft_v3_at(from->n2, k);
         }
     }
 }
@@ -257,11 +257,11 @@ static void try_edges(const daft_poly *a, const daft_poly *b, float reach, float
  * (Akenine-Möller, "Fast 3D Triangle-Box Overlap Testing", 2001). */
 static float box_edges_bound(const daft_poly *box, const daft_poly *triangle)
 {
-    const float *h = &box->high.x;
+    const float h[3] = {box->high.x, box->high.y, box->high.z};
     float most = -INFINITY;
     for (int k = 0; k < 3; k++) {
-        const float *p = &triangle->vertices[k].x, *q = &triangle->vertices[(k + 1) % 3].x;
-        const float *r = &triangle->vertices[(k + 2) % 3].x;
+        const daft_vec3 *v0 = &triangle->vertices[k], *v1 = &triangle->vertices[(k + 1) % 3], *v2 = &triangle->vertices[(k + 2) % 3];
+        const float p[3] = {v0->x, v0->y, v0->z}, q[3] = {v1->x, v1->y, v1->z}, r[3] = {v2->x, v2->y, v2->z};
         float d[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
         float square[3] = {d[0] * d[0], d[1] * d[1], d[2] * d[2]}, all = (square[0] + square[1]) + square[2];
         for (int i = 0; i < 3; i++) { /* the axis: (0, -d[v], d[u]) for i = 0, and so on */

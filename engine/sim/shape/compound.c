@@ -10,9 +10,9 @@ static daft_aabb float_bounds(const daft_daabb *b)
     /* Rounded outwards: a float is off by less than 2^-23 of itself. */
     daft_aabb out = {daft_to_float(b->low), daft_to_float(b->high)};
     for (int k = 0; k < 3; k++) {
-        float *low = &(&out.low.x)[k], *high = &(&out.high.x)[k];
-        *low -= fabsf(*low) * 0x1p-22f;
-        *high += fabsf(*high) * 0x1p-22f;
+        float low = daft_v3_at(out.low, k), high = daft_v3_at(out.high, k);
+        daft_v3_put(&out.low, k, low - fabsf(low) * 0x1p-22f);
+        daft_v3_put(&out.high, k, high + fabsf(high) * 0x1p-22f);
     }
     return out;
 }
@@ -26,7 +26,7 @@ typedef struct tree_builder {
 
 static float middle(const daft_aabb *b, int axis)
 {
-    return (&b->low.x)[axis] + (&b->high.x)[axis];
+    return daft_v3_at(b->low, axis) + daft_v3_at(b->high, axis);
 }
 
 /* Insertion into order by the middle along an axis, then by number: quick enough for what a person puts together, and a
@@ -60,7 +60,7 @@ static void build(tree_builder *t, uint32_t first, uint32_t count)
     if (count > 1) {
         daft_vec3 size = daft_sub(node->bounds.high, node->bounds.low);
         int axis = size.y > size.x ? 1 : 0;
-        if (size.z > (&size.x)[axis]) axis = 2;
+        if (size.z > daft_v3_at(size, axis)) axis = 2;
         sort_range(t, first, count, axis);
         build(t, first, count / 2);
         node->second = t->used;

@@ -100,14 +100,14 @@ static bool lay_grid(builder *b, daft_error *error)
             return daft_fail(error, DAFT_ERROR_ARGUMENT, "point %u of a convex hull is not finite", i);
         low = daft_min3(low, b->points[i]), high = daft_max3(high, b->points[i]);
     }
-    const float *l = &low.x, *h = &high.x;
+    const float l[3] = {low.x, low.y, low.z}, h[3] = {high.x, high.y, high.z};
     double largest = 0;
     for (int k = 0; k < 3; k++) {
         largest = fmax(largest, fmax(fabs((double)l[k]), fabs((double)h[k])));
         double half = ((double)h[k] - (double)l[k]) / 2, middle = ((double)h[k] + (double)l[k]) / 2;
         double scale = half > 0 ? 0x1p29 / half : 0;
         for (uint32_t i = 0; i < b->count; i++)
-            b->grid[i][k] = (int32_t)floor(((double)(&b->points[i].x)[k] - middle) * scale + 0.5);
+            b->grid[i][k] = (int32_t)floor(((double)daft_v3_at(b->points[i], k) - middle) * scale + 0.5);
     }
     if (largest > (double)DAFT_SHAPE_MAX_SIZE)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "a convex hull reaches %g m; the most is %g", largest,
@@ -123,10 +123,10 @@ static void widest(const builder *b, uint32_t *first, uint32_t *second)
     for (int k = 0; k < 3; k++) {
         uint32_t least = 0, greatest = 0;
         for (uint32_t i = 1; i < b->count; i++) {
-            if ((&b->points[i].x)[k] < (&b->points[least].x)[k]) least = i;
-            if ((&b->points[i].x)[k] > (&b->points[greatest].x)[k]) greatest = i;
+            if (daft_v3_at(b->points[i], k) < daft_v3_at(b->points[least], k)) least = i;
+            if (daft_v3_at(b->points[i], k) > daft_v3_at(b->points[greatest], k)) greatest = i;
         }
-        double extent = (double)(&b->points[greatest].x)[k] - (double)(&b->points[least].x)[k];
+        double extent = (double)daft_v3_at(b->points[greatest], k) - (double)daft_v3_at(b->points[least], k);
         if (extent > most) most = extent, *first = least, *second = greatest;
     }
 }

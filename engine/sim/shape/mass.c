@@ -30,7 +30,7 @@ typedef struct integrals {
 static void add_tetrahedron(integrals *sum, daft_dvec3 u, daft_dvec3 v, daft_dvec3 w)
 {
     double det = daft_ddot(u, daft_dcross(v, w));
-    const double *a = &u.x, *b = &v.x, *c = &w.x;
+    const double a[3] = {u.x, u.y, u.z}, b[3] = {v.x, v.y, v.z}, c[3] = {w.x, w.y, w.z};
     sum->volume += det / 6;
     for (int i = 0; i < 3; i++) {
         double total = (a[i] + b[i]) + c[i];

@@ -89,7 +89,7 @@ static void try_planes(ray *r, const daft_sim_shape *shape)
         for (int i = 0; i < 6; i++) {
             double sign = i & 1 ? 1 : -1;
             daft_dvec3 n = daft_dv3(i / 2 == 0 ? sign : 0, i / 2 == 1 ? sign : 0, i / 2 == 2 ? sign : 0);
-            if (!cut(r, n, (double)(&shape->half.x)[i / 2], &s)) return;
+            if (!cut(r, n, (double)daft_v3_at(shape->half, i / 2), &s)) return;
         }
     }
     take(r, s.first, s.normal, DAFT_NO_FEATURE);

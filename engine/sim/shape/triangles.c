@@ -149,9 +149,9 @@ bool daft_sweep_meets(daft_dvec3 origin, daft_dvec3 direction, daft_dvec3 reach,
 {
     double first = 0, last = tmax;
     for (int k = 0; k < 3; k++) {
-        double o = (&origin.x)[k], d = (&direction.x)[k], r = (&reach.x)[k];
+        double o = daft_dv3_at(origin, k), d = daft_dv3_at(direction, k), r = daft_dv3_at(reach, k);
         double more = r + 1e-12 * (fabs(o) + fabs(d));
-        double l = (&low.x)[k] - more, h = (&high.x)[k] + more;
+        double l = daft_dv3_at(low, k) - more, h = daft_dv3_at(high, k) + more;
         if (d == 0) {
             if (o < l || o > h) return false;
             continue;
