@@ -73,7 +73,7 @@ void daft_sim_wake_all(daft_world *world)
         if (world->bodies[i].kind == DAFT_BODY_DYNAMIC) daft_sim_wake(world, i);
 }
 
-void daft_sim_wake_met(daft_world *world)
+void daft_sim_wake_touched(daft_world *world)
 {
     for (size_t i = 0; i < world->active.count && world->asleep_count > 0; i++) {
         const daft_sim_active *entry = &world->active.items[i];

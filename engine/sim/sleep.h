@@ -11,7 +11,7 @@ void daft_sim_wake(daft_world *world, uint32_t body);
 void daft_sim_wake_neighbours(daft_world *world, uint32_t body);
 void daft_sim_wake_all(daft_world *world);
 /* Islands asleep that something active touches. */
-void daft_sim_wake_met(daft_world *world);
+void daft_sim_wake_touched(daft_world *world);
 /* Rest times, islands, and who falls asleep. */
 void daft_sim_sleep_update(daft_world *world, float dt);
 /* Islands of bodies that are awake, and the body that stands for the one that a body belongs to. */

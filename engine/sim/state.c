@@ -216,7 +216,7 @@ static bool check_body(daft_world *w, uint32_t index)
     b->first_pair = b->first_joint = b->list_slot = DAFT_SIM_NONE;
     b->locks &= DAFT_LOCK_ROTATION | DAFT_LOCK_POSITION;
     b->joined = 0, b->joined_far = false;
-    b->fixed_met = 0;
+    b->fixed_pairs = 0;
     if (!isfinite(b->travel)) return false;
     w->asleep_count += b->asleep;
     return true;
@@ -459,4 +459,23 @@ bool daft_world_load(daft_world *world, const void *bytes, size_t size, daft_sim
     *fresh = swap;
     daft_world_destroy(fresh);
     return true;
+}
+
+/* ---- the hash ---- */
+
+uint64_t daft_world_hash(const daft_world *world, uint64_t seed)
+{
+    uint64_t hash = daft_hash(&world->body_count, sizeof world->body_count, seed);
+    for (uint32_t i = 0; i < world->body_count; i++) {
+        const daft_sim_body *body = &world->bodies[i];
+        if (body->kind == DAFT_BODY_NONE) continue;
+        const double position[] = {body->position.x, body->position.y, body->position.z};
+        const float rest[] = {body->rotation.x, body->rotation.y, body->rotation.z, body->rotation.w, body->linear.x,
+                              body->linear.y,   body->linear.z,   body->angular.x,  body->angular.y,  body->angular.z};
+        const uint32_t flags[] = {i, body->asleep};
+        hash = daft_hash(flags, sizeof flags, hash);
+        hash = daft_hash(position, sizeof position, hash);
+        hash = daft_hash(rest, sizeof rest, hash);
+    }
+    return hash;
 }

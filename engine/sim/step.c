@@ -204,7 +204,7 @@ static void begin_movers(daft_world *world, float dt)
 static void wake_touched(daft_world *world)
 {
     size_t active = world->active.count;
-    daft_sim_wake_met(world);
+    daft_sim_wake_touched(world);
     if (world->active.count == active) return;
     daft_sim_active_update(world);
     daft_sim_active_refresh_all(world);

@@ -400,7 +400,7 @@ void daft_sim_solver_destroy(daft_world *world)
                       s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_blocks,
                       s->joint_slots,   s->joint_bins, s->joint_colours, s->masks,      s->levels,       s->constraints,   s->contacts, s->colour_counts,
                       s->angular,         s->targets,     s->constrained,   s->row_of,        s->island_of,
-                      s->asked,         s->islands,      s->needs,         s->marks,         s->depenetration,        s->stages};
+                      s->asked,         s->islands, s->marks,         s->depenetration,        s->stages};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
     daft_release(&world->allocator, s);
     world->scratch.solver = NULL;

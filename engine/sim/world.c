@@ -1,4 +1,4 @@
-/* The world itself: settings, lists, hash, and small things that the rest of the room shares. What a caller passes is
+/* The world itself: settings, lists, and small things that the rest of the room shares. What a caller passes is
  * checked in this file, body.c and joint.c, so that the step may rely on finite numbers within the bounds of
  * world.h. */
 #include "sim/solve/solver.h"
@@ -157,21 +157,4 @@ void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t index
     world->bodies[index].list_slot = DAFT_SIM_NONE;
     for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
         daft_sim_group_leave(world, i);
-}
-
-uint64_t daft_world_hash(const daft_world *world, uint64_t seed)
-{
-    uint64_t hash = daft_hash(&world->body_count, sizeof world->body_count, seed);
-    for (uint32_t i = 0; i < world->body_count; i++) {
-        const daft_sim_body *body = &world->bodies[i];
-        if (body->kind == DAFT_BODY_NONE) continue;
-        const double position[] = {body->position.x, body->position.y, body->position.z};
-        const float rest[] = {body->rotation.x, body->rotation.y, body->rotation.z, body->rotation.w, body->linear.x,
-                              body->linear.y,   body->linear.z,   body->angular.x,  body->angular.y,  body->angular.z};
-        const uint32_t flags[] = {i, body->asleep};
-        hash = daft_hash(flags, sizeof flags, hash);
-        hash = daft_hash(position, sizeof position, hash);
-        hash = daft_hash(rest, sizeof rest, hash);
-    }
-    return hash;
 }

@@ -129,7 +129,7 @@ typedef struct daft_sim_body {
     bool follows;          /* the velocity came from a target, so it ends with the step */
     bool ball;             /* a part is a sphere */
     bool joined_far;       /* a joint keeps it from touching a body more than 64 places from it */
-    uint32_t fixed_met;    /* scratch of ghost.c: pairs with what does not yield */
+    uint32_t fixed_pairs;    /* scratch of ghost.c: pairs with what does not yield */
     uint32_t next_free;
     uint32_t ring;         /* asleep: the next body that fell asleep with it */
     daft_vec3 gone, turned; /* lately (sleep.c), if `rest` is not 0 */

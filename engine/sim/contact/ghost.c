@@ -383,7 +383,7 @@ static bool is_deep(const daft_world *world, daft_sim_pair *pair)
     return false;
 }
 
-#define FILTERED UINT32_MAX /* as a body's fixed_met */
+#define FILTERED UINT32_MAX /* as a body's fixed_pairs */
 
 /* A contact is a ghost beside another one only, and the way out matters for balls only. The bodies that this may be about, of
  * those that overlap what does not yield. */
@@ -396,13 +396,13 @@ static void find_doubtful(daft_world *world)
         if (!(entry->flags & DAFT_SIM_FIXED)) continue;
         daft_sim_body *body = &world->bodies[entry->body_a];
         if (body->asleep) continue;
-        if (body->fixed_met == 0) list->items[bodies++] = entry->body_a;
-        body->fixed_met += body->ball || (entry->manifolds > 1 && is_deep(world, &world->pairs[entry->pair])) ? 2 : 1;
+        if (body->fixed_pairs == 0) list->items[bodies++] = entry->body_a;
+        body->fixed_pairs += body->ball || (entry->manifolds > 1 && is_deep(world, &world->pairs[entry->pair])) ? 2 : 1;
     }
     for (size_t i = 0; i < bodies; i++) {
         daft_sim_body *body = &world->bodies[list->items[i]];
-        bool keep = body->fixed_met > 1;
-        body->fixed_met = keep ? FILTERED : 0;
+        bool keep = body->fixed_pairs > 1;
+        body->fixed_pairs = keep ? FILTERED : 0;
         if (keep) list->items[doubtful++] = list->items[i];
     }
     list->count = doubtful;
@@ -412,7 +412,7 @@ static void refresh_filtered(daft_world *world)
 {
     for (size_t i = 0; i < world->active.count; i++) {
         daft_sim_active *entry = &world->active.items[i];
-        if (entry->flags & DAFT_SIM_FIXED && world->bodies[entry->body_a].fixed_met == FILTERED) daft_sim_active_refresh(world, entry);
+        if (entry->flags & DAFT_SIM_FIXED && world->bodies[entry->body_a].fixed_pairs == FILTERED) daft_sim_active_refresh(world, entry);
     }
 }
 
@@ -427,6 +427,6 @@ bool daft_sim_ghosts_drop(daft_world *world, float dt)
     uint32_t tasks = (uint32_t)((bodies->count + GRAIN - 1) / GRAIN);
     daft_sim_for(world, bodies->count >= PARALLEL_BODIES, tasks, filter_range, &j);
     refresh_filtered(world);
-    for (size_t i = 0; i < bodies->count; i++) world->bodies[bodies->items[i]].fixed_met = 0;
+    for (size_t i = 0; i < bodies->count; i++) world->bodies[bodies->items[i]].fixed_pairs = 0;
     return true;
 }

@@ -5,7 +5,7 @@
 #include "sim/world.h"
 #include "sim/contact/contact.h"
 
-#define LEAST_FREE 0.3f /* of a normal: what leans away from the plane by more is beside it */
+#define MIN_FREE 0.3f /* of a normal: what leans away from the plane by more is beside it */
 
 /* Bits of the axes along which no push moves any point of it: it would turn the body about the others. */
 static uint32_t locked_along(const daft_sim_body *body)
@@ -55,7 +55,7 @@ void daft_sim_lock_axes(const daft_world *world, const daft_sim_pair *pair, daft
         manifold->count = 0;
         return;
     }
-    if (length < LEAST_FREE) {
+    if (length < MIN_FREE) {
         part_middles(world, pair, locks, manifold);
         return;
     }

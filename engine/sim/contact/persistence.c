@@ -16,13 +16,13 @@
  * taken in more substeps than the world's are put ahead by more: the last step says in how many (b may be one that does not move). */
 #define LEAD_FADES 0.05f
 #define LEAD_ALONE 0.04f /* with one substep: all of it fades */
-#define MOST_LEAD  0.9f
+#define MAX_LEAD  0.9f
 #define SMOOTH     0.3f /* of its length: what has changed by more is another place */
 
 float daft_sim_extrapolation(const daft_world *world, const daft_sim_pair *pair, float dt)
 {
     float h = world->bodies[pair->body_a].h, n = h > 0 ? floorf(daft_sim_min(dt / h, 99) + 0.5f) : (float)world->substeps;
-    return n > 1 ? daft_sim_min((n - 1) / (n + 1) + LEAD_FADES, MOST_LEAD) : LEAD_ALONE;
+    return n > 1 ? daft_sim_min((n - 1) / (n + 1) + LEAD_FADES, MAX_LEAD) : LEAD_ALONE;
 }
 
 static daft_vec3 ahead(daft_vec3 now, daft_vec3 before, float lead)

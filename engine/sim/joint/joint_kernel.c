@@ -12,11 +12,11 @@
 #define JOINT_HERTZ_FRACTION 0.35f /* of the substeps' rate */
 #define JOINT_DAMPING     5.0f
 #define NO_LIMIT          3e38f
-#define MOST_IMPULSE      1e37f /* what is beyond is forgotten, and so is what is not finite */
+#define MAX_IMPULSE      1e37f /* what is beyond is forgotten, and so is what is not finite */
 
 /* Where a blow moves the anchors apart by more than they were, in metres, the bodies are put back, without a change of velocity. What
  * was apart before the step is left to springs: joints that cannot all be held would toss their bodies about. */
-#define MOST_OPEN 0.003f
+#define MAX_OPEN 0.003f
 
 /* ---- constraints ---- */
 
@@ -233,7 +233,7 @@ DAFT_INLINE void prepare_lanes(const daft_sim_solver_bodies *rows, joint_block *
     vf3 offset = vf3_add(load3(block->offset0, lane), vf3_sub(arm[1], arm[0]));
     store3(block->offset0, lane, offset);
     store3(block->offset, lane, offset);
-    vf_store(block->most_open + lane, vf_set(MOST_OPEN) + vf_load(block->most_open + lane) * length_of(offset));
+    vf_store(block->most_open + lane, vf_set(MAX_OPEN) + vf_load(block->most_open + lane) * length_of(offset));
     vf h = vf_set(substep->h);
     softness s = make_soft(vf_set(JOINT_HERTZ_FRACTION * substep->inv_h), vf_set(JOINT_DAMPING), h);
     pass p = {.block = block, .lane = lane};
@@ -279,7 +279,7 @@ DAFT_INLINE bool springs(const joint_block *block)
 DAFT_INLINE vf bounded(float *impulse)
 {
     vf x = vf_load(impulse);
-    x = vf_if_then_else(vf_lt(vf_abs(x), vf_set(MOST_IMPULSE)), x, zero());
+    x = vf_if_then_else(vf_lt(vf_abs(x), vf_set(MAX_IMPULSE)), x, zero());
     vf_store(impulse, x);
     return x;
 }

@@ -108,7 +108,6 @@ static bool reserve(daft_world *world, size_t rows)
            daft_grow(a, &s->depenetration, &s->depenetration_capacity, rows, 0, sizeof *s->depenetration) &&
            daft_grow(a, &s->marks, &s->mark_capacity, rows, 0, sizeof *s->marks) &&
            daft_grow(a, &s->islands, &s->island_capacity, rows, 0, sizeof *s->islands) &&
-           daft_grow(a, &s->needs, &s->need_capacity, rows, 0, sizeof *s->needs) &&
            daft_grow(a, &s->asked, &s->asked_capacity, rows, 0, sizeof *s->asked) &&
            daft_grow(a, &s->targets, &s->target_capacity, rows, 0, sizeof *s->targets) &&
            daft_grow(a, &s->angular, &s->angular_capacity, rows / DAFT_SIM_LANES + 1, 0, sizeof *s->angular) &&

@@ -183,12 +183,6 @@ struct daft_sim_solver {
     uint32_t island_count;
     uint32_t *island_of; /* of each body that is awake and dynamic */
     size_t island_of_capacity;
-    struct daft_sim_need { /* of a body that is awake, by its place among those: */
-        float substep_demand;
-        uint32_t before; /* substeps in the last step */
-        bool fast;
-    } *needs;
-    size_t need_capacity;
     _Atomic uint32_t *asked; /* of each row: substeps a second, by what it carried in this step; a float's bits */
     size_t asked_capacity;
 
@@ -272,7 +266,6 @@ typedef struct daft_sim_island daft_sim_island;
 typedef struct daft_sim_slot daft_sim_slot;
 typedef struct daft_sim_constraint daft_sim_constraint;
 typedef struct daft_sim_coloured daft_sim_coloured;
-typedef struct daft_sim_need daft_sim_need;
 typedef struct daft_sim_joint_slot daft_sim_joint_slot;
 typedef struct daft_sim_depenetration daft_sim_depenetration;
 

@@ -21,11 +21,11 @@
 #include <string.h>
 
 #define LOAD_FRACTION 0.2f  /* of the last step in the load: a knock is no load */
-#define MOST_LOAD  1e30f /* N: it stays finite */
+#define MAX_LOAD  1e30f /* N: it stays finite */
 #define STRAIN     6.5f  /* weights of the lighter body; what carries less asks for nothing */
 #define REST_SPEED 0.05f /* m/s, of one's fastest point against the other's */
 #define MARGIN     25.0f /* of omega²: columns sink by 2 mm at most, and do not only just stand */
-#define LEAST_G    1.0f  /* m/s²: where there is less gravity, what presses is no weight */
+#define MIN_GRAVITY    1.0f  /* m/s²: where there is less gravity, what presses is no weight */
 #define COLUMN     2.5f  /* times the mean of what its bodies ask for is what an island gets */
 #define EVEN_MASSES 100.0f /* times the other's mass: a joint between bodies that differ by less asks for nothing, */
 #define EVEN_RATE   240.0f /* and one of so much would for as many substeps a second */
@@ -34,18 +34,18 @@
 #define LASTS      0.9f  /* of what was asked for, in a step in which nothing asks */
 
 enum {
-    MOST_SUBSTEPS = 32,
-    MOST_WORK = 14400, /* contacts times substeps of an island; about half a millisecond */
+    MAX_SUBSTEPS = 32,
+    MAX_WORK = 14400, /* contacts times substeps of an island; about half a millisecond */
     MAX_STIFF = 32     /* stiff contacts of an island: a hundredth of the time that a thousand bodies take */
 };
 
-float daft_sim_substep_demand_begin(void) { return MOST_SUBSTEPS * 60; }
+float daft_sim_substep_demand_begin(void) { return MAX_SUBSTEPS * 60; }
 
-static float gravity(const daft_world *world) { return daft_sim_max(daft_length(world->gravity), LEAST_G); }
+static float gravity(const daft_world *world) { return daft_sim_max(daft_length(world->gravity), MIN_GRAVITY); }
 
 bool daft_sim_substep_load(const daft_world *world, daft_sim_manifold *manifold, float inv_mass, float dt)
 {
-    manifold->load += LOAD_FRACTION * (daft_sim_min(manifold->total_impulse / dt, MOST_LOAD) - manifold->load);
+    manifold->load += LOAD_FRACTION * (daft_sim_min(manifold->total_impulse / dt, MAX_LOAD) - manifold->load);
     return manifold->load * inv_mass > STRAIN * gravity(world);
 }
 
@@ -115,12 +115,6 @@ float daft_sim_substep_demand_next(const daft_world *world, float now, uint32_t 
 
 /* ---- islands ---- */
 
-typedef struct job {
-    daft_world *world;
-    float dt;
-    _Atomic uint32_t most; /* that a body asks for; a float's bits */
-} job;
-
 static daft_sim_island *island_of(const daft_world *world, uint32_t body)
 {
     return &world->scratch.solver->islands[world->scratch.solver->island_of[body]];
@@ -149,8 +143,8 @@ static uint32_t rate_of(const daft_world *world, const daft_sim_island *island, 
     if (island->joined ? island->pull == 0 : island->contacts == 0 || island->deep || island->fast) return 0;
     uint32_t rate = 0, substeps = (uint32_t)world->substeps;
     float wanted = island->joined ? island->pull * dt : COLUMN * (float)island->asked / (float)island->bodies * dt;
-    while (rate + 1 < DAFT_SIM_RATES && 2 * substeps <= MOST_SUBSTEPS &&
-           2 * substeps * (uint64_t)island->contacts <= MOST_WORK &&
+    while (rate + 1 < DAFT_SIM_RATES && 2 * substeps <= MAX_SUBSTEPS &&
+           2 * substeps * (uint64_t)island->contacts <= MAX_WORK &&
            (float)substeps < (2 * substeps <= island->before ? STAYS * wanted : wanted))
         substeps *= 2, rate++;
     return rate;
@@ -162,7 +156,7 @@ static bool is_fast(const daft_sim_body *body, float dt)
     return (daft_length(body->linear) + daft_length(body->angular) * body->extent) * dt > FAST * body->extent;
 }
 
-enum { GRAIN = 256, PARALLEL_BODIES = 512 };
+enum { PARALLEL_BODIES = 512 };
 
 /* Islands and colours need nothing of each other. */
 static void number_islands_or_colour(void *context, uint32_t index, uint32_t worker)
@@ -174,75 +168,41 @@ static void number_islands_or_colour(void *context, uint32_t index, uint32_t wor
         daft_sim_contacts_colour(context);
 }
 
-static void need_range(void *context, uint32_t index, uint32_t worker)
+/* Islands with joints get no shorter substeps for what bodies carry. */
+static float demand_of(const daft_sim_body *body) { return body->first_joint == DAFT_SIM_NONE ? body->substep_demand : 0; }
+
+static float max_demand(const daft_world *world)
 {
-    (void)worker;
-    job *j = context;
-    daft_world *world = j->world;
-    size_t first = (size_t)index * GRAIN, end = first + GRAIN;
     float most = 0;
-    if (end > world->awake.count) end = world->awake.count;
-    for (size_t i = first; i < end; i++) {
-        const daft_sim_body *body = &world->bodies[world->awake.items[i]];
-        uint32_t before = body->h > 0 ? (uint32_t)(daft_sim_min(j->dt / body->h, MOST_SUBSTEPS) + 0.5f) : 0;
-        float substep_demand = body->first_joint == DAFT_SIM_NONE ? body->substep_demand : 0; /* islands with joints get no finer ones */
-        world->scratch.solver->needs[i] = (daft_sim_need){substep_demand, before, is_fast(body, j->dt)};
-        most = daft_sim_max(most, substep_demand);
-    }
-    raise(&j->most, most);
+    for (size_t i = 0; i < world->awake.count; i++)
+        most = daft_sim_max(most, demand_of(&world->bodies[world->awake.items[i]]));
+    return most;
 }
 
-/* What is summed up goes to its island when another one's turn comes: in a large island each sum would wait for the last. */
-static void add_bodies(daft_sim_island *island, const daft_sim_island *more)
+/* Sums are of whole numbers, so their order does not matter. */
+static void survey_bodies(daft_world *world, float dt)
 {
-    island->bodies += more->bodies;
-    island->asked += more->asked;
-    island->before = daft_max_u(island->before, more->before);
-    island->fast |= more->fast;
-}
-
-static void add_contacts(daft_sim_island *island, const daft_sim_island *more)
-{
-    island->contacts += more->contacts;
-    island->stiff_contacts += more->stiff_contacts;
-    island->deep |= more->deep;
-}
-
-/* Sums are of whole numbers, so their order does not matter. What bodies say of an island and what contacts say are apart. */
-static void survey_bodies(const daft_world *world)
-{
-    const daft_sim_solver *s = world->scratch.solver;
-    daft_sim_island sum = {0};
     for (size_t i = 0; i < world->awake.count; i++) {
-        uint32_t island = s->island_of[world->awake.items[i]];
-        sum.bodies++;
-        sum.asked += (uint64_t)s->needs[i].substep_demand;
-        sum.before = daft_max_u(sum.before, s->needs[i].before);
-        sum.fast |= s->needs[i].fast;
-        if (i + 1 < world->awake.count && s->island_of[world->awake.items[i + 1]] == island) continue;
-        add_bodies(&s->islands[island], &sum);
-        sum = (daft_sim_island){0};
+        const daft_sim_body *body = &world->bodies[world->awake.items[i]];
+        daft_sim_island *island = island_of(world, world->awake.items[i]);
+        uint32_t before = body->h > 0 ? (uint32_t)(daft_sim_min(dt / body->h, MAX_SUBSTEPS) + 0.5f) : 0;
+        island->bodies++;
+        island->asked += (uint64_t)demand_of(body);
+        island->before = daft_max_u(island->before, before);
+        island->fast |= is_fast(body, dt);
     }
 }
 
-static void survey_contacts(const daft_world *world)
+static void survey_contacts(daft_world *world)
 {
-    const daft_sim_solver *s = world->scratch.solver;
-    daft_sim_island sum = {0};
-    uint32_t island = 0;
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
-        if (!(entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS)) || s->row_of[entry->body_a] == 0) continue;
-        if (s->island_of[entry->body_a] != island) {
-            add_contacts(&s->islands[island], &sum);
-            sum = (daft_sim_island){0};
-            island = s->island_of[entry->body_a];
-        }
-        sum.contacts += entry->manifolds;
-        sum.deep |= (entry->flags & DAFT_SIM_DEEP) != 0;
-        if (entry->flags & DAFT_SIM_STIFF) sum.stiff_contacts += entry->manifolds;
+        if (!(entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS)) || world->scratch.solver->row_of[entry->body_a] == 0) continue;
+        daft_sim_island *island = island_of(world, entry->body_a);
+        island->contacts += entry->manifolds;
+        island->deep |= (entry->flags & DAFT_SIM_DEEP) != 0;
+        if (entry->flags & DAFT_SIM_STIFF) island->stiff_contacts += entry->manifolds;
     }
-    if (s->island_count > 0) add_contacts(&s->islands[island], &sum);
 }
 
 static void join(daft_sim_island *island, float pull)
@@ -290,15 +250,12 @@ bool daft_sim_substep_rates(daft_world *world, float dt)
 {
     daft_sim_solver *s = world->scratch.solver;
     uint32_t count = (uint32_t)world->awake.count;
-    job j = {.world = world, .dt = dt};
-    bool wide = count >= PARALLEL_BODIES;
-    daft_sim_for(world, wide, 2, number_islands_or_colour, world);
-    daft_sim_for(world, wide, (count + GRAIN - 1) / GRAIN, need_range, &j);
+    daft_sim_for(world, count >= PARALLEL_BODIES, 2, number_islands_or_colour, world);
     bool some = false, deep = false; /* are to take finer ones; overlap deeply */
     s->stiff = false;
-    if (COLUMN * raised_to(&j.most) * dt <= (float)world->substeps && !some_pull(world)) return false;
+    if (COLUMN * max_demand(world) * dt <= (float)world->substeps && !some_pull(world)) return false;
     memset(s->islands, 0, s->island_count * sizeof *s->islands);
-    survey_bodies(world);
+    survey_bodies(world, dt);
     survey_contacts(world);
     survey_joints(world);
     for (size_t i = 0; i < s->island_count; i++) {
