@@ -17,6 +17,7 @@ typedef struct table_row {
     char scene[64], what[64], unit[16], isa[16], peer_name[48], counters[320], date[16], machine[128], command[512];
     double ours, peer, ratio, floor; /* NAN: none */
     int threads;
+    bool of_value; /* the floor is about our own figure, else about the ratio */
 } table_row;
 
 enum { MAX_PATTERNS = 8, MAX_COLUMNS = 24 };
@@ -70,6 +71,8 @@ static bool read_row(const char *line, table_row *r)
     text_of(line, "command", r->command, sizeof r->command);
     r->ours = number_of(line, "ours"), r->peer = number_of(line, "peer"), r->ratio = number_of(line, "ratio");
     r->floor = number_of(line, "floor"), r->threads = (int)number_of(line, "threads");
+    char budget_of[8];
+    r->of_value = text_of(line, "budget_of", budget_of, sizeof budget_of) && strcmp(budget_of, "ours") == 0;
     return true;
 }
 
@@ -157,14 +160,14 @@ static void put_figure(FILE *out, double value)
 
 static void put_ratio(FILE *out, const table_row *r)
 {
-    if (!isnan(r->ratio)) fprintf(out, r->ratio < 10 ? "%.2f" : "%.1f", r->ratio);
+    if (!isnan(r->ratio)) fprintf(out, "%.*f", r->ratio < 10 ? 2 : r->ratio < 100 ? 1 : 0, r->ratio);
 }
 
-/* Under its floor, whether that is about the ratio or, where there is no peer, about our own figure. */
+/* Below its floor. */
 static bool missed(const table_row *r)
 {
     if (isnan(r->floor)) return false;
-    if (!isnan(r->ratio)) return r->ratio < r->floor;
+    if (!r->of_value) return r->ratio < r->floor;
     bool smaller = strcmp(r->unit, "ms") == 0 || strcmp(r->unit, "mm") == 0 || strncmp(r->unit, "B/", 2) == 0;
     return smaller ? r->ours > r->floor : r->ours < r->floor;
 }

@@ -189,7 +189,7 @@ static void five_thousand_boxes(bench *self)
         j.looks = 0, j.clock_threads = 2;
         j.sides[0].threads = 2;
         j.sides[1] = (side){.engine = bench_sim_ours(), .threads = 1};
-        bench_subject subject = subject_of(&j, scene, both, (bench_budget){1.6, 0, false});
+        bench_subject subject = subject_of(&j, scene, both, (bench_budget){1.5, 0, false});
         subject.threads = 2, subject.ours = sample_in_turns, subject.peer = sample_other;
         subject.peer_name = "one thread", subject.own_peer = true;
         if (threads) bench_measure(self, &subject);
