@@ -137,13 +137,13 @@ daft_entity daft_entity_create(daft_scene *scene, const daft_entity_def *def, da
         box = daft_box_acquire(scene, def->size, error);
         if (box == DAFT_NONE) return (daft_entity){0};
     }
-    daft_entity_def placed = *def;
-    placed.rotation = unit(def->rotation);
-    if (!daft_body_create(scene, &placed, next_handle(&scene->entity_slots), &body, error)) {
+    daft_entity_def unit_def = *def;
+    unit_def.rotation = unit(def->rotation);
+    if (!daft_body_create(scene, &unit_def, next_handle(&scene->entity_slots), &body, error)) {
         if (box != DAFT_NONE) daft_box_drop(scene, box);
         return (daft_entity){0};
     }
-    return daft_entity_insert(scene, &placed, box, &body);
+    return daft_entity_insert(scene, &unit_def, box, &body);
 }
 
 /* ---- death ---- */
@@ -215,14 +215,15 @@ static bool scale_check(const daft_scene *scene, uint32_t root, const daft_entit
 {
     daft_vec3 made = scene->entities[root].now.scale;
     if (def->body != DAFT_BODY_NONE && (scale.x != made.x || scale.y != made.y || scale.z != made.z))
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "scale is %g, %g, %g; a body keeps that which it was made with, %g, %g, %g",
-                         (double)scale.x, (double)scale.y, (double)scale.z, (double)made.x, (double)made.y, (double)made.z);
+        return daft_fail(error, DAFT_ERROR_ARGUMENT,
+                         "scale is %g, %g, %g; a body keeps that which it was made with, %g, %g, %g", (double)scale.x,
+                         (double)scale.y, (double)scale.z, (double)made.x, (double)made.y, (double)made.z);
     if (daft_scale_is_uniform(scale)) return true;
     for (uint32_t at = root; at != DAFT_NONE; at = subtree_next(scene, root, at))
         if (scene->entities[at].def.shape == DAFT_SHAPE_SPHERE)
-            return daft_fail(error, DAFT_ERROR_ARGUMENT,
-                             "scale is %g, %g, %g; %s must be equal in all three axes", (double)scale.x,
-                             (double)scale.y, (double)scale.z, at == root ? "a sphere's" : "above a sphere it");
+            return daft_fail(error, DAFT_ERROR_ARGUMENT, "scale is %g, %g, %g; %s must be equal in all three axes",
+                             (double)scale.x, (double)scale.y, (double)scale.z,
+                             at == root ? "a sphere's" : "above a sphere it");
     return true;
 }
 

@@ -1,8 +1,9 @@
 /* Frames: their life from taking to release, and when what they may read is freed.
  *
- * A frame's snapshot points to three kinds of memory: the frame's own arenas (instances, surfaces, the table of textures,
- * lights); meshes, texels and sky images, which never change once a frame may read them and which are retired when the
- * scene lets go of them; nothing else. Taking and releasing happen on the scene's thread, so nothing here is atomic. */
+ * A frame's snapshot points to three kinds of memory: the frame's own arenas (instances, surfaces, the table of
+ * textures, lights); meshes, texels and sky images, which never change once a frame may read them and which are retired
+ * when the scene lets go of them; nothing else. Taking and releasing happen on the scene's thread, so nothing here is
+ * atomic. */
 #include "scene/scene.h"
 
 void daft_scene_touch(daft_scene *scene) { scene->revision = ++scene->engine->revision; }
@@ -44,8 +45,8 @@ void daft_retire(daft_scene *scene, daft_retired *item, void (*free)(const daft_
 
 /* ---- frames ---- */
 
-/* Whether the frame's instances are what one around `origin` would see now. Where nothing is between two ticks' poses, neither
- * the tick nor alpha matters. */
+/* Whether the frame's instances are what one around `origin` would see now. Where nothing is between two ticks' poses,
+ * neither the tick nor alpha matters. */
 static bool still_valid(const daft_scene *scene, const daft_scene_frame *f, const daft_view *view)
 {
     daft_dvec3 origin = view->camera.position;
@@ -89,7 +90,8 @@ static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view 
     if (still_valid(scene, f, view)) return true;
     f->revision = 0;
     daft_arena_reset(&f->instances);
-    if (!daft_snapshot_instances(scene, view->camera.position, view->alpha, &f->instances, &instances, &s->instance_count, error))
+    if (!daft_snapshot_instances(scene, view->camera.position, view->alpha, &f->instances, &instances,
+                                 &s->instance_count, error))
         return false;
     daft_surface *surfaces = daft_arena_alloc(&f->instances, assets->material_count, sizeof *surfaces);
     daft_texture_data *textures = daft_arena_alloc(&f->instances, assets->texture_count, sizeof *textures);
@@ -110,14 +112,16 @@ daft_scene_frame *daft_frame_take(daft_scene *scene, const daft_view *view, int 
 {
     if (!scene->revision) daft_scene_touch(scene); /* nothing has been put into it yet */
     daft_scene_frame *f = frame_pick(scene, view, error);
-    if (!f || !frame_place(scene, f, view, error) || !daft_snapshot_fill(scene, view, width, height, f, error)) return NULL;
+    if (!f || !frame_place(scene, f, view, error) || !daft_snapshot_fill(scene, view, width, height, f, error))
+        return NULL;
     f->counters = scene->counters;
     f->taken = true;
     f->number = ++scene->frames_taken;
     return f;
 }
 
-/* The renderer writes instance numbers where the caller wants entities: both are 32 bits, so they are turned in place. */
+/* The renderer writes instance numbers where the caller wants entities: both are 32 bits, so they are turned in place.
+ */
 static void name_entities(const daft_snapshot *snapshot, uint32_t *ids, bool drawn)
 {
     _Static_assert(sizeof(daft_entity) == sizeof(uint32_t), "an entity is one number");
@@ -127,7 +131,8 @@ static void name_entities(const daft_snapshot *snapshot, uint32_t *ids, bool dra
         ids[i] = drawn && ids[i] < snapshot->instance_count ? snapshot->instances[ids[i]].entity : 0;
 }
 
-bool daft_frame_draw(daft_scene_frame *frame, daft_renderer *renderer, const daft_frame_target *target, daft_error *error)
+bool daft_frame_draw(daft_scene_frame *frame, daft_renderer *renderer, const daft_frame_target *target,
+                     daft_error *error)
 {
     bool drawn = daft_render_frame(renderer, &frame->snapshot, target, &frame->counters, error);
     name_entities(&frame->snapshot, target->aov.instance, drawn);

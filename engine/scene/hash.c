@@ -1,4 +1,5 @@
-/* The hash of a scene's state, from the lists of fields: what a field is flagged for there decides whether it counts. */
+/* The hash of a scene's state, from the lists of fields: what a field is flagged for there decides whether it counts.
+ */
 #include "scene/scene.h"
 
 #define HASH(field) hash = daft_hash(&(field), sizeof(field), hash)

@@ -1,5 +1,5 @@
-/* The instances of a frame: what render/ and the ray queries see of entities. Which there are is found one after the other;
- * where each is, its inverse and its bounds are worked out by all threads. */
+/* The instances of a frame: what render/ and the ray queries see of entities. Which there are is found one after the
+ * other; where each is, its inverse and its bounds are worked out by all threads. */
 #include "scene/scene.h"
 
 static bool finite_affine(const daft_affine *a)
@@ -11,9 +11,7 @@ static bool finite_affine(const daft_affine *a)
 }
 
 /* Products of three coordinates are the largest numbers that kernels make of them, so 1e12 metres stay inside floats;
- * and what is smaller than 1e-15 metres vanishes among denormals. Beyond that nothing is drawn, instead of something
- * wrong.
- */
+ * and what is smaller than 1e-15 metres vanishes among denormals. Beyond these limits an entity is not drawn. */
 #define FARTHEST 1e12f
 #define SMALLEST 1e-15f
 
@@ -25,7 +23,8 @@ bool daft_fits_kernels(daft_vec3 p)
 static bool fits_bounds(daft_vec3 low, daft_vec3 high)
 {
     daft_vec3 size = daft_sub(high, low);
-    return daft_fits_kernels(low) && daft_fits_kernels(high) && (size.x >= SMALLEST || size.y >= SMALLEST || size.z >= SMALLEST);
+    return daft_fits_kernels(low) && daft_fits_kernels(high) &&
+           (size.x >= SMALLEST || size.y >= SMALLEST || size.z >= SMALLEST);
 }
 
 /* In the frame, and in the mesh's own space, to which rays are turned. */
@@ -85,10 +84,10 @@ typedef struct maker {
     float alpha;
     daft_arena *arena;
     const daft_accel_kernels *kernels;
-    /* Of the materials, in order: things of one slot share them, since a line of a cache for each would be missed wherever many
-     * are seen. And of each material that stands for all slots of something, as often as any mesh has slots. */
+    /* Material indices. `numbers`: 0, 1, 2, …, shared by the instances with one slot, which saves each a cache line of
+     * its own. `repeated`: for a material that covers all slots of a mesh, its index as often as any mesh has slots. */
     const uint32_t *numbers, **repeated;
-    uint32_t most_slots;
+    uint32_t max_slots;
     uint32_t count, *entities; /* those to show, by index */
     daft_instance *instances;
     bool *fits; /* by instance */
@@ -99,23 +98,24 @@ enum { AHEAD = 16 };             /* entities: little of each is looked at */
 
 static const uint32_t *make_numbers(const daft_scene *scene, daft_arena *arena)
 {
-    uint32_t count = scene->assets.material_count ? scene->assets.material_count : 1, *numbers = daft_arena_alloc(arena, count, sizeof *numbers);
+    uint32_t count = scene->assets.material_count ? scene->assets.material_count : 1,
+             *numbers = daft_arena_alloc(arena, count, sizeof *numbers);
     for (uint32_t i = 0; numbers && i < count; i++) numbers[i] = i;
     return numbers;
 }
 
 static bool begin(maker *m)
 {
-    uint32_t most = m->scene->entity_slots.live, materials = m->scene->assets.material_count + 1;
+    uint32_t max = m->scene->entity_slots.live, materials = m->scene->assets.material_count + 1;
     m->kernels = daft_accel_kernels_for(m->scene->engine->isa);
     m->numbers = make_numbers(m->scene, m->arena);
     m->repeated = daft_arena_alloc(m->arena, materials, sizeof *m->repeated);
-    m->entities = daft_arena_alloc(m->arena, most, sizeof *m->entities);
-    m->instances = daft_arena_alloc(m->arena, most, sizeof *m->instances);
-    m->fits = daft_arena_alloc(m->arena, most, sizeof *m->fits);
+    m->entities = daft_arena_alloc(m->arena, max, sizeof *m->entities);
+    m->instances = daft_arena_alloc(m->arena, max, sizeof *m->instances);
+    m->fits = daft_arena_alloc(m->arena, max, sizeof *m->fits);
     for (uint32_t i = 0; m->repeated && i < materials; i++) m->repeated[i] = NULL;
     for (uint32_t i = 0; i < m->scene->assets.mesh_count; i++)
-        m->most_slots = daft_max_u(m->most_slots, m->scene->assets.meshes[i]->mesh.slot_count);
+        m->max_slots = daft_max_u(m->max_slots, m->scene->assets.meshes[i]->mesh.slot_count);
     return m->numbers && m->repeated && m->entities && m->instances && m->fits;
 }
 
@@ -130,14 +130,14 @@ static bool repeats(const daft_entity_item *item, const daft_mesh_item *shape)
 static bool repeat_material(maker *m, uint32_t material)
 {
     if (m->repeated[material]) return true;
-    uint32_t *all = daft_arena_alloc(m->arena, m->most_slots, sizeof *all);
-    for (uint32_t i = 0; all && i < m->most_slots; i++) all[i] = material;
+    uint32_t *all = daft_arena_alloc(m->arena, m->max_slots, sizeof *all);
+    for (uint32_t i = 0; all && i < m->max_slots; i++) all[i] = material;
     m->repeated[material] = all;
     return all != NULL;
 }
 
-/* Notes the entity if there is something of it to show. Where those with parents are is found here, since others may stand on the
- * same. False: memory is out. */
+/* Notes the entity if there is something of it to show. Where those with parents are is found here, since others may
+ * stand on the same. False: memory is out. */
 static bool list_entity(maker *m, uint32_t index)
 {
     daft_scene *scene = m->scene;
@@ -160,7 +160,7 @@ static const uint32_t *materials_of(const maker *m, const daft_entity_item *item
 }
 
 /* Whether the camera is outside a box or a sphere, with a margin for rounding. Its points that face a light then lie in
- * no shadow of its own; with the camera inside, the walls that are seen may. */
+ * no shadow of its own; with the camera inside, visible walls may. */
 static bool seen_from_outside(const daft_entity_item *item, const daft_instance *instance)
 {
     const float *camera = instance->to_object.t, half = 0.50001f;
@@ -171,7 +171,7 @@ static bool seen_from_outside(const daft_entity_item *item, const daft_instance 
            (fabsf(camera[0]) > half * size.x || fabsf(camera[1]) > half * size.y || fabsf(camera[2]) > half * size.z);
 }
 
-/* A shadow is whole as long as some material lets no light pass, and none where all let all of it pass. */
+/* The shadow is full if some material transmits nothing, and none if all of them transmit everything. */
 static uint32_t shadow_of(const daft_scene *scene, const daft_instance *instance)
 {
     uint32_t slots = instance->mesh && instance->mesh->slot_count ? instance->mesh->slot_count : 1;

@@ -115,7 +115,10 @@ void daft_sky_item_free(const daft_scene *scene, daft_sky_item *item)
     daft_release(scene->allocator, item);
 }
 
-static void free_retired_sky(const daft_scene *scene, daft_retired *item) { daft_sky_item_free(scene, (daft_sky_item *)item); }
+static void free_retired_sky(const daft_scene *scene, daft_retired *item)
+{
+    daft_sky_item_free(scene, (daft_sky_item *)item);
+}
 
 static void let_go_of_sky(daft_scene *scene)
 {

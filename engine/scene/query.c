@@ -2,9 +2,9 @@
  * computed again from that one shape in double.
  *
  * The tree is kept until something moves. Its frame's origin is the ray's origin rounded to a grid whose cell is a
- * power of two of about 1,024 times the smallest thing in the scene, so rays from nearby share a tree, an origin is off
- * by at most 2^-24 · 0.87 · 1024, about 5e-5, of that smallest thing, and the answer depends on the scene and the ray
- * alone, not on the rays before it. */
+ * power of two of about 1,024 times the smallest entity in the scene, so rays from nearby share a tree, an origin is
+ * off by at most 2^-24 · 0.87 · 1024, about 5e-5, of that smallest entity, and the answer depends on the scene and the
+ * ray alone, not on the rays before it. */
 #include "math/trig.h"
 #include "scene/scene.h"
 
@@ -57,8 +57,7 @@ static bool cache_build(daft_scene *scene, daft_dvec3 origin, daft_error *error)
     cache->instance_of = daft_arena_alloc(&cache->arena, scene->entity_slots.count, sizeof *cache->instance_of);
     if (!cache->instance_of) return daft_fail_memory(error, "a ray query");
     for (uint32_t i = 0; i < scene->entity_slots.count; i++) cache->instance_of[i] = DAFT_NONE;
-    for (uint32_t i = 0; i < cache->instance_count; i++)
-        cache->instance_of[daft_handle_index(instances[i].entity)] = i;
+    for (uint32_t i = 0; i < cache->instance_count; i++) cache->instance_of[daft_handle_index(instances[i].entity)] = i;
     const daft_tlas_def def = {DAFT_INTERSECT_EXACT, scene->engine->threads, scene->engine->isa};
     cache->tlas = daft_tlas_build_for(&cache->arena, instances, cache->instance_count, &def, error);
     if (!cache->tlas) return false;
@@ -73,8 +72,7 @@ static bool cache_refresh(daft_scene *scene, daft_dvec3 from, daft_error *error)
     daft_query_cache *cache = &scene->query;
     bool changed = !cache->valid || cache->revision != scene->revision;
     if (changed) cache->cell = grid_cell(scene);
-    daft_dvec3 origin =
-        daft_dv3(snap(from.x, cache->cell), snap(from.y, cache->cell), snap(from.z, cache->cell));
+    daft_dvec3 origin = daft_dv3(snap(from.x, cache->cell), snap(from.y, cache->cell), snap(from.z, cache->cell));
     if (!changed && origin.x == cache->origin.x && origin.y == cache->origin.y && origin.z == cache->origin.z)
         return true;
     return cache_build(scene, origin, error);
@@ -172,7 +170,7 @@ static void fill_hit(daft_scene *scene, const daft_hit *found, daft_dvec3 origin
     };
 }
 
-/* The float search looks a little further than asked, since the last word on the distance is the double's. */
+/* The float search reaches a little past the limit: the distance in double decides. */
 static daft_ray float_ray(const daft_query_cache *cache, daft_dvec3 origin, daft_dvec3 direction, float max_distance)
 {
     double far = (double)max_distance * (1 + 1e-5) + cache->cell * 0x1p-22;

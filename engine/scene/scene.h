@@ -25,7 +25,7 @@ struct daft_engine {
     daft_accel accel;
     int scenes;              /* alive */
     daft_renderer *renderer; /* made by the first daft_render */
-    uint64_t revision;       /* counts changes of all scenes, and stamps what was made from them: no two stamps are equal */
+    uint64_t revision; /* counts changes of all scenes, and stamps what was made from them: no two stamps are equal */
 };
 
 /* An affine map in double, for composing; rounded to daft_affine once, relative to a frame's origin. */
@@ -116,15 +116,15 @@ typedef struct daft_joint_item {
 typedef struct daft_entity_item {
     daft_entity_def def; /* its transform is not kept up to date: `now` is */
     daft_transform now, before;
-    uint64_t moved_tick; /* `before` means something in this tick alone */
+    uint64_t moved_tick;                          /* `before` means something in this tick alone */
     uint32_t parent, first_child, next, previous; /* indices; next and previous: the parent's other children */
-    uint32_t box;          /* DAFT_SHAPE_BOX: index into assets.boxes */
-    uint32_t body;         /* of the world, 0: none */
-    uint32_t *geometries;  /* that the body is made of; NULL: none */
+    uint32_t box;                                 /* DAFT_SHAPE_BOX: index into assets.boxes */
+    uint32_t body;                                /* of the world, 0: none */
+    uint32_t *geometries;                         /* that the body is made of; NULL: none */
     uint32_t geometry_count;
-    uint32_t moving_slot;  /* dynamic and kinematic bodies: index into scene.moving */
-    uint32_t below;        /* scratch of daft_entity_world */
-    uint64_t walk_stamp;   /* world and shown are those of this walk */
+    uint32_t moving_slot; /* dynamic and kinematic bodies: index into scene.moving */
+    uint32_t below;       /* scratch of daft_entity_world */
+    uint64_t walk_stamp;  /* world and shown are those of this walk */
     daft_daffine world;
     bool shown; /* visible, and so is every ancestor */
     bool warned;
@@ -135,7 +135,7 @@ typedef struct daft_query_cache {
     daft_arena arena;
     bool valid;
     uint64_t revision;
-    double cell;             /* metres: the origin is a multiple */
+    double cell; /* metres: the origin is a multiple */
     daft_dvec3 origin;
     const daft_instance *instances;
     uint32_t instance_count;
@@ -143,9 +143,9 @@ typedef struct daft_query_cache {
     const daft_tlas *tlas;
 } daft_query_cache;
 
-/* A picture in the making: the snapshot, and the memory of everything it points to but meshes, texels and sky images, which
- * are retired, never freed or changed, while a frame that may read them is taken. Taken and released on the scene's thread;
- * in between any one thread may draw it, while the scene is changed and stepped. */
+/* A picture in the making: the snapshot, and the memory of everything it points to but meshes, texels and sky images,
+ * which are retired, never freed or changed, while a frame that may read them is taken. Taken and released on the
+ * scene's thread; in between any one thread may draw it, while the scene is changed and stepped. */
 typedef struct daft_scene_frame {
     struct daft_scene_frame *next;
     bool taken;
@@ -174,10 +174,10 @@ struct daft_scene {
     daft_slots entity_slots;
     daft_entity_item *entities;
     size_t entity_capacity;
-    uint64_t tick;     /* counts begin_tick */
+    uint64_t tick;       /* counts begin_tick */
     uint64_t moved_tick; /* the last in which an entity moved from one pose to another; none: UINT64_MAX */
-    uint64_t revision; /* the engine's, at the last change of what a frame or a ray could see */
-    uint64_t walk;     /* the engine's, at the last walk over all world transforms */
+    uint64_t revision;   /* the engine's, at the last change of what a frame or a ray could see */
+    uint64_t walk;       /* the engine's, at the last walk over all world transforms */
 
     daft_slots light_slots;
     daft_light_def *lights;
@@ -308,7 +308,7 @@ uint64_t daft_characters_hash(const daft_scene *scene, uint64_t hash);
 bool daft_lights_reserve(daft_scene *scene, uint32_t more, daft_error *error);
 bool daft_light_check(const daft_light_def *def, daft_error *error);
 daft_light daft_light_insert(daft_scene *scene, const daft_light_def *def); /* room was reserved */
-void daft_sky_adopt(daft_scene *scene, daft_sky_item *item); /* belongs to the scene from now on */
+void daft_sky_adopt(daft_scene *scene, daft_sky_item *item);                /* belongs to the scene from now on */
 daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *path, daft_error *error);
 void daft_sky_item_free(const daft_scene *scene, daft_sky_item *item); /* NULL is fine */
 bool daft_cameras_reserve(daft_scene *scene, uint32_t more, daft_error *error);
@@ -323,7 +323,8 @@ void daft_scene_touch(daft_scene *scene);
 /* A frame of the view, or NULL. */
 daft_scene_frame *daft_frame_take(daft_scene *scene, const daft_view *view, int width, int height, daft_error *error);
 /* Draws a taken frame; reads nothing of the scene. One frame of an engine is drawn at a time. */
-bool daft_frame_draw(daft_scene_frame *frame, daft_renderer *renderer, const daft_frame_target *target, daft_error *error);
+bool daft_frame_draw(daft_scene_frame *frame, daft_renderer *renderer, const daft_frame_target *target,
+                     daft_error *error);
 /* The frame's counters become the scene's. */
 void daft_frame_release(daft_scene *scene, daft_scene_frame *frame);
 /* Frees the item once no frame that is taken now may read it. */
@@ -333,8 +334,8 @@ void daft_frames_free(daft_scene *scene);
 
 /* ---- snapshot.c, instances.c ---- */
 
-/* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena; textures and surfaces
- * are still the scene's. */
+/* The instances of visible entities in entity order, in a frame around `origin`. Memory from the arena; textures and
+ * surfaces are still the scene's. */
 bool daft_snapshot_instances(daft_scene *scene, daft_dvec3 origin, float alpha, daft_arena *arena,
                              daft_instance **instances, uint32_t *count, daft_error *error);
 /* Whether a point of the frame is one that kernels can work with. */

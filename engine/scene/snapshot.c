@@ -1,5 +1,5 @@
-/* What a frame's snapshot says of the view, the lights and the sky. Positions are subtracted from the frame's origin in double
- * and rounded to float once, so precision is the same wherever in the world the frame is. */
+/* What a frame's snapshot says of the view, the lights and the sky. Positions are subtracted from the frame's origin in
+ * double and rounded to float once, so precision is the same wherever in the world the frame is. */
 #include "math/trig.h"
 #include "render/render.h"
 #include "scene/scene.h"
@@ -23,7 +23,8 @@ static void set_cone(const daft_light_def *def, daft_light_source *light)
 /* False: so far away that it lights nothing. */
 static bool make_light(const daft_light_def *def, daft_dvec3 origin, daft_light_source *light)
 {
-    *light = (daft_light_source){.sun = def->kind == DAFT_LIGHT_SUN, .casts_shadow = def->casts_shadow, .color = def->color};
+    *light =
+        (daft_light_source){.sun = def->kind == DAFT_LIGHT_SUN, .casts_shadow = def->casts_shadow, .color = def->color};
     if (def->kind == DAFT_LIGHT_SPOT) set_cone(def, light);
     if (light->sun)
         light->to_light = towards_light(def->direction);
@@ -40,7 +41,8 @@ static bool fill_lights(daft_scene *scene, daft_dvec3 origin, daft_scene_frame *
     if (!lights) return daft_fail_memory(error, "a snapshot's lights");
     s->light_count = 0;
     for (uint32_t i = 0; i < scene->light_slots.count; i++)
-        if (scene->light_slots.items[i].live && make_light(&scene->lights[i], origin, &lights[s->light_count])) s->light_count++;
+        if (scene->light_slots.items[i].live && make_light(&scene->lights[i], origin, &lights[s->light_count]))
+            s->light_count++;
     s->lights = lights;
     return true;
 }

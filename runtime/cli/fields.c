@@ -1,5 +1,5 @@
-/* daft help fields: the structs of the C library, the tables of Lua and the options of .scene files as tables in Markdown, from
- * the lists of fields. The manual's tables are made by it (docs/tables.sh). */
+/* daft help fields: the structs of the C library, the tables of Lua and the options of .scene files as tables in
+ * Markdown, from the lists of fields. The manual's tables are made by it (docs/tables.sh). */
 #include "cli/commands.h"
 
 #include "common/util.h"
@@ -18,17 +18,26 @@ static void put_cell(const char *text, bool code)
 
 /* ---- C ---- */
 
-static const char *const TYPES[DAFT_FIELD_TYPE_COUNT] = {
-    [DAFT_FIELD_BOOL] = "bool",           [DAFT_FIELD_INT] = "int",
-    [DAFT_FIELD_UINT] = "uint32_t",       [DAFT_FIELD_UINT64] = "uint64_t",
-    [DAFT_FIELD_FLOAT] = "float",         [DAFT_FIELD_DOUBLE] = "double",
-    [DAFT_FIELD_CHOICE] = "enum",         [DAFT_FIELD_VEC2] = "daft_vec2",
-    [DAFT_FIELD_VEC3] = "daft_vec3",      [DAFT_FIELD_COLOR] = "daft_vec3",
-    [DAFT_FIELD_DIRECTION] = "daft_vec3", [DAFT_FIELD_POSITION] = "daft_dvec3",
-    [DAFT_FIELD_ROTATION] = "daft_quat",  [DAFT_FIELD_MESH] = "daft_mesh",
-    [DAFT_FIELD_TEXTURE] = "daft_texture", [DAFT_FIELD_MATERIAL] = "daft_material",
-    [DAFT_FIELD_ENTITY] = "daft_entity",  [DAFT_FIELD_STRUCT] = "struct",
-    [DAFT_FIELD_TEXT] = "const char *",   [DAFT_FIELD_OTHER] = ""};
+static const char *const TYPES[DAFT_FIELD_TYPE_COUNT] = {[DAFT_FIELD_BOOL] = "bool",
+                                                         [DAFT_FIELD_INT] = "int",
+                                                         [DAFT_FIELD_UINT] = "uint32_t",
+                                                         [DAFT_FIELD_UINT64] = "uint64_t",
+                                                         [DAFT_FIELD_FLOAT] = "float",
+                                                         [DAFT_FIELD_DOUBLE] = "double",
+                                                         [DAFT_FIELD_CHOICE] = "enum",
+                                                         [DAFT_FIELD_VEC2] = "daft_vec2",
+                                                         [DAFT_FIELD_VEC3] = "daft_vec3",
+                                                         [DAFT_FIELD_COLOR] = "daft_vec3",
+                                                         [DAFT_FIELD_DIRECTION] = "daft_vec3",
+                                                         [DAFT_FIELD_POSITION] = "daft_dvec3",
+                                                         [DAFT_FIELD_ROTATION] = "daft_quat",
+                                                         [DAFT_FIELD_MESH] = "daft_mesh",
+                                                         [DAFT_FIELD_TEXTURE] = "daft_texture",
+                                                         [DAFT_FIELD_MATERIAL] = "daft_material",
+                                                         [DAFT_FIELD_ENTITY] = "daft_entity",
+                                                         [DAFT_FIELD_STRUCT] = "struct",
+                                                         [DAFT_FIELD_TEXT] = "const char *",
+                                                         [DAFT_FIELD_OTHER] = ""};
 
 static void print_struct(daft_struct which)
 {

@@ -25,15 +25,9 @@ const api_area *const *api_areas(size_t *count)
     return AREAS;
 }
 
-host *api_host(lua_State *L)
-{
-    return *(host **)lua_getextraspace(L);
-}
+host *api_host(lua_State *L) { return *(host **)lua_getextraspace(L); }
 
-void api_push(lua_State *L)
-{
-    lua_rawgetp(L, LUA_REGISTRYINDEX, &DAFT_KEY);
-}
+void api_push(lua_State *L) { lua_rawgetp(L, LUA_REGISTRYINDEX, &DAFT_KEY); }
 
 /* ---- errors ---- */
 
@@ -238,7 +232,7 @@ static int handle_text(lua_State *L)
     return 1;
 }
 
-/* Two handles of the same thing are equal. */
+/* Two handles of the same entity, light, … are equal. */
 static int handle_equal(lua_State *L)
 {
     const api_handle *a = lua_touserdata(L, 1), *b = lua_touserdata(L, 2);
@@ -421,7 +415,8 @@ static void print_forms(const char *function)
     const api_form *const *forms = api_forms(&count);
     for (size_t i = 0; i < count; i++) {
         if (strcmp(forms[i]->function, function) != 0) continue;
-        if (strstr(forms[i]->title, function) == NULL || strstr(forms[i]->title, "options")) printf("      %s:\n", forms[i]->title);
+        if (strstr(forms[i]->title, function) == NULL || strstr(forms[i]->title, "options"))
+            printf("      %s:\n", forms[i]->title);
         api_describe_form(forms[i], print_field, NULL);
     }
 }

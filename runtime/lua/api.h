@@ -75,7 +75,7 @@ canvas_color api_hud_color(lua_State *L, host *h, int index, const char *what);
 /* {yaw, pitch, roll} or a quaternion {x, y, z, w}. */
 daft_quat api_rotation(lua_State *L, host *h, int index, const char *what);
 daft_quat api_quat_from_angles(double yaw, double pitch, double roll);
-/* One of the names; its place. */
+/* One of the names; its index. */
 size_t api_choice(lua_State *L, host *h, int index, const char *what, const char *const *names, size_t count);
 int api_key(lua_State *L, host *h, int index, const char *what);
 
@@ -101,7 +101,7 @@ typedef struct api_handle {
 
 /* Pushes a new userdata of the type. */
 api_handle *api_new_handle(lua_State *L, api_type type, uint32_t id);
-/* The handle at index, or NULL when it is no such thing. */
+/* The handle at index, or NULL when it is not of this type. */
 api_handle *api_test_handle(lua_State *L, int index, api_type type);
 api_handle *api_check_handle(lua_State *L, host *h, int index, api_type type, const char *what);
 const char *api_type_name(lua_State *L, int index);

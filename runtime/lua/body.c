@@ -164,27 +164,37 @@ static void collide_mesh(lua_State *L, host *h, int table, void *out)
     c->kind = DAFT_COLLIDER_MESH, c->mesh = api_mesh_at(L, h, -1, "mesh");
 }
 
-static void collide_heights(lua_State *L, host *h, int table, void *out)
-{
-    read_heights(L, h, table, -1, out);
-}
+static void collide_heights(lua_State *L, host *h, int table, void *out) { read_heights(L, h, table, -1, out); }
 
 enum { COLLIDER_SHAPES = 7 }; /* the first of these; one must be there */
 static const api_special COLLIDER_SPECIALS[] = {
     {.name = "sphere", .read = collide_sphere, .value = "number, m", .doc = "A sphere's radius"},
     {.name = "box", .read = collide_box, .value = "{x, y, z}, m", .doc = "A box's edge lengths"},
-    {.name = "capsule", .read = collide_capsule, .value = "{radius =, height =}", .doc = "Upright, height from end to end"},
-    {.name = "cylinder", .read = collide_cylinder, .value = "{radius =, height =}",
+    {.name = "capsule",
+     .read = collide_capsule,
+     .value = "{radius =, height =}",
+     .doc = "Upright, height from end to end"},
+    {.name = "cylinder",
+     .read = collide_cylinder,
+     .value = "{radius =, height =}",
      .doc = "Upright; rays and casts meet a prism of 32 sides within it"},
-    {.name = "hull", .read = collide_hull, .value = "mesh or \"file.obj\"", .doc = "The convex hull of a mesh, of at most 64 corners"},
-    {.name = "mesh", .read = collide_mesh, .value = "mesh or \"file.obj\"",
+    {.name = "hull",
+     .read = collide_hull,
+     .value = "mesh or \"file.obj\"",
+     .doc = "The convex hull of a mesh, of at most 64 corners"},
+    {.name = "mesh",
+     .read = collide_mesh,
+     .value = "mesh or \"file.obj\"",
      .doc = "Its triangles, from both sides; static and kinematic bodies"},
-    {.name = "heights", .read = collide_heights, .value = "list of numbers",
+    {.name = "heights",
+     .read = collide_heights,
+     .value = "list of numbers",
      .doc = "A grid of heights, row by row; false makes a hole; static and kinematic bodies"},
     {.name = "columns", .value = "whole number", .doc = "Heights in a row"},
     {.name = "spacing", .value = "number or {x, 0, z}, m", .doc = "Between columns and rows; 1 unless given"}};
 
-const api_form api_collider_form = {"entity", "collider", DAFT_STRUCT_COLLIDER, -1, COLLIDER_SPECIALS, COUNT_OF(COLLIDER_SPECIALS)};
+const api_form api_collider_form = {"entity", "collider",        DAFT_STRUCT_COLLIDER,
+                                    -1,       COLLIDER_SPECIALS, COUNT_OF(COLLIDER_SPECIALS)};
 
 /* A name for what is drawn, or a table. Values that the collider points to stay on the stack. */
 static void read_collider(lua_State *L, host *h, int index, daft_collider *out)
@@ -200,8 +210,7 @@ static void read_collider(lua_State *L, host *h, int index, daft_collider *out)
     api_read_struct(L, h, index, "collider", &api_collider_form, out);
     int kinds = 0;
     for (size_t i = 0; i < COLLIDER_SHAPES; i++) kinds += api_has_field(L, index, COLLIDER_SPECIALS[i].name);
-    if (kinds != 1)
-        api_error(L, h, "collider: one of sphere, box, capsule, cylinder, hull, mesh and heights expected");
+    if (kinds != 1) api_error(L, h, "collider: one of sphere, box, capsule, cylinder, hull, mesh and heights expected");
 }
 
 void api_read_colliders(lua_State *L, host *h, int whole, void *out)

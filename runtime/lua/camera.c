@@ -3,12 +3,12 @@
 
 #include "common/util.h"
 
-
 static const char *const LOOK_FIELDS[] = {"from", "at", "fov", "teleport"};
 static const api_special SET_SPECIALS[] = {
     {.name = "teleport", .value = "true or false", .doc = "Whether it jumps there without a glide"}};
 
-const api_form api_camera_form = {"camera.set", "daft.camera.set", DAFT_STRUCT_CAMERA, -1, SET_SPECIALS, COUNT_OF(SET_SPECIALS)};
+const api_form api_camera_form = {"camera.set", "daft.camera.set", DAFT_STRUCT_CAMERA,
+                                  -1,           SET_SPECIALS,      COUNT_OF(SET_SPECIALS)};
 
 static bool read_teleport(lua_State *L, host *h)
 {
@@ -58,10 +58,8 @@ static const api_function FUNCTIONS[] = {
      "From a place to a place; either may be an entity: where it is now. fov is horizontal, in radians.\n"
      "teleport = true jumps there without a glide.",
      look, API_CHANGES},
-    {"camera.set", "{...}",
-     "What is not named stays.", set, API_CHANGES},
-    {"camera.get", "() -> {...}",
-     "The same fields but teleport.", get, 0},
+    {"camera.set", "{...}", "What is not named stays.", set, API_CHANGES},
+    {"camera.get", "() -> {...}", "The same fields but teleport.", get, 0},
 };
 
 const api_area api_camera = {"Camera", FUNCTIONS, COUNT_OF(FUNCTIONS)};

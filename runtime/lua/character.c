@@ -24,13 +24,15 @@ static void at_entity(lua_State *L, host *h, int table, void *out)
     lua_pop(L, 1);
 }
 
-static const api_special SPECIALS[] = {
-    {.name = "position", .value = "{x, y, z} or entity", .doc = "Of the capsule's centre; where entity is unless given"},
-    {.name = "entity", .after = at_entity},
-    {.name = "layer", .read = read_layer, .value = "name or names"},
-    {.name = "hits", .read = read_hits, .value = "name or names"}};
+static const api_special SPECIALS[] = {{.name = "position",
+                                        .value = "{x, y, z} or entity",
+                                        .doc = "Of the capsule's centre; where entity is unless given"},
+                                       {.name = "entity", .after = at_entity},
+                                       {.name = "layer", .read = read_layer, .value = "name or names"},
+                                       {.name = "hits", .read = read_hits, .value = "name or names"}};
 
-const api_form api_character_form = {"character", "daft.character", DAFT_STRUCT_CHARACTER_DEF, -1, SPECIALS, COUNT_OF(SPECIALS)};
+const api_form api_character_form = {"character", "daft.character", DAFT_STRUCT_CHARACTER_DEF,
+                                     -1,          SPECIALS,         COUNT_OF(SPECIALS)};
 
 static int create(lua_State *L, host *h)
 {
@@ -135,7 +137,8 @@ static int valid(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"character", "{...} -> character",
-     "A capsule that walks, climbs steps and slopes, slides along walls, rides, jumps, and pushes bodies.", create, API_CHANGES},
+     "A capsule that walks, climbs steps and slopes, slides along walls, rides, jumps, and pushes bodies.", create,
+     API_CHANGES},
     {"character:walk", "(x, z)", "Walks so from now on, in m/s.", walk, API_CHANGES},
     {"character:jump", "(speed)", "Upwards in m/s, if it stands in this tick.", jump, API_CHANGES},
     {"character:position", "([x, y, z]) -> x, y, z", "Of its middle; with arguments, it is there at once.", position,

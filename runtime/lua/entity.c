@@ -46,14 +46,22 @@ static void check_mass(lua_State *L, host *h, int table, void *out)
 }
 
 static const api_special SPECIALS[] = {
-    {.name = "mesh", .after = show_mesh, .doc = "The mesh that is drawn; an entity without mesh, sphere and box is a group"},
+    {.name = "mesh",
+     .after = show_mesh,
+     .doc = "The mesh that is drawn; an entity without mesh, sphere and box is a group"},
     {.name = "sphere", .after = show_sphere},
     {.name = "box", .after = show_box},
-    {.name = "mass", .after = check_mass, .value = "number, kg, above 0", .doc = "Its mass; from the density unless given"},
+    {.name = "mass",
+     .after = check_mass,
+     .value = "number, kg, above 0",
+     .doc = "Its mass; from the density unless given"},
     {.name = "collider", .read = api_read_colliders, .value = "\"hull\", \"mesh\", table or list of tables"},
     {.name = "surface", .read = api_read_surface, .value = "name", .doc = "The kind of its surface, for daft.surfaces"},
-    {.name = "lock", .read = api_read_locks, .value = "name or list of names",
-     .doc = "\"rotation\", \"x\", \"y\", \"z\": axes of the world about which it does not turn; \"position\", \"position x\", "
+    {.name = "lock",
+     .read = api_read_locks,
+     .value = "name or list of names",
+     .doc = "\"rotation\", \"x\", \"y\", \"z\": axes of the world about which it does not turn; \"position\", "
+            "\"position x\", "
             "\"position y\", \"position z\": along which its centre of mass does not move"},
     {.name = "layer", .read = api_read_layer, .value = "name or names"},
     {.name = "hits", .read = api_read_hits, .value = "name or names"},

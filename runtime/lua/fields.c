@@ -43,10 +43,7 @@ static size_t names_of(const api_form *form, const char *names[MAX_NAMES])
 
 /* ---- reading ---- */
 
-static uint32_t size_of_vector(daft_field_type type)
-{
-    return type == DAFT_FIELD_VEC2 ? 2 : 3;
-}
+static uint32_t size_of_vector(daft_field_type type) { return type == DAFT_FIELD_VEC2 ? 2 : 3; }
 
 static void read_vec2(lua_State *L, host *h, const char *what, float *out)
 {
@@ -224,9 +221,9 @@ void api_push_struct(lua_State *L, daft_struct which, const void *value)
 
 /* ---- the reference ---- */
 
-static const api_form *const FORMS[] = {&api_entity_form, &api_collider_form, &api_joint_form, &api_surfaces_form,
-                                        &api_character_form, &api_filter_form, &api_material_form, &api_sun_form,
-                                        &api_point_form, &api_spot_form, &api_camera_form};
+static const api_form *const FORMS[] = {&api_entity_form,    &api_collider_form, &api_joint_form,    &api_surfaces_form,
+                                        &api_character_form, &api_filter_form,   &api_material_form, &api_sun_form,
+                                        &api_point_form,     &api_spot_form,     &api_camera_form};
 
 const api_form *const *api_forms(size_t *count)
 {
@@ -299,8 +296,10 @@ static const daft_field *field_named(const api_form *form, const char *name)
     return NULL;
 }
 
-void api_describe_form(const api_form *form, void (*row)(void *user, const char *name, const char *value, const char *initial,
-                                                         const char *doc), void *user)
+void api_describe_form(const api_form *form,
+                       void (*row)(void *user, const char *name, const char *value, const char *initial,
+                                   const char *doc),
+                       void *user)
 {
     const char *names[MAX_NAMES];
     size_t count = names_of(form, names);

@@ -1,17 +1,18 @@
-/* Tables of Lua from the lists of fields in daft.h: reading, checking, writing and describing them. A field with a Lua name
- * needs nothing here; one whose value in Lua is not the value in C has a reader of its own. */
+/* Tables of Lua from the lists of fields in daft.h: reading, checking, writing and describing them. A field with a Lua
+ * name needs nothing here; one whose value in Lua is not the value in C has a reader of its own. */
 #ifndef RUNTIME_LUA_FIELDS_H
 #define RUNTIME_LUA_FIELDS_H
 
 #include "lua/api.h"
 
-/* `table` is the whole table's place on the stack. A reader finds the value on top of it; what `out` then points to stays
- * there. */
+/* `table` is the whole table's place on the stack. A reader finds the value on top of it; what `out` then points to
+ * stays there. */
 typedef void api_reader(lua_State *L, host *h, int table, void *out);
 
 typedef struct api_special {
-    const char *name;  /* in Lua: of a field, or of what is no field */
-    api_reader *read;  /* instead of reading by the field's type; NULL for what is no field: who reads the table looks for it */
+    const char *name; /* in Lua: of a field, or of what is no field */
+    api_reader
+        *read; /* instead of reading by the field's type; NULL for what is no field: who reads the table looks for it */
     api_reader *after; /* called once the field, which is there, and all others are read */
     const char *value; /* for the reference: what it may be; NULL: as its type says */
     const char *doc;   /* NULL: the field's */
@@ -35,11 +36,14 @@ void api_push_struct(lua_State *L, daft_struct which, const void *value);
 /* ---- the reference ---- */
 
 const api_form *const *api_forms(size_t *count);
-/* Calls `row` for every name in the form: what it may be, its default ("" where there is none to tell), its sentence. */
-void api_describe_form(const api_form *form, void (*row)(void *user, const char *name, const char *value, const char *initial,
-                                                         const char *doc), void *user);
+/* Calls `row` for every name in the form: what it may be, its default ("" where there is none to tell), its sentence.
+ */
+void api_describe_form(const api_form *form,
+                       void (*row)(void *user, const char *name, const char *value, const char *initial,
+                                   const char *doc),
+                       void *user);
 
-extern const api_form api_entity_form, api_collider_form, api_material_form, api_sun_form, api_point_form, api_spot_form,
-    api_camera_form, api_joint_form, api_surfaces_form, api_character_form, api_filter_form;
+extern const api_form api_entity_form, api_collider_form, api_material_form, api_sun_form, api_point_form,
+    api_spot_form, api_camera_form, api_joint_form, api_surfaces_form, api_character_form, api_filter_form;
 
 #endif

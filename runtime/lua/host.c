@@ -11,10 +11,7 @@
 
 /* ---- random numbers ---- */
 
-static uint64_t rotate(uint64_t x, int k)
-{
-    return x << k | x >> (64 - k);
-}
+static uint64_t rotate(uint64_t x, int k) { return x << k | x >> (64 - k); }
 
 uint64_t random_next(random_state *state)
 {
@@ -46,8 +43,8 @@ static void *allocate(void *user, void *pointer, size_t old_size, size_t new_siz
         state->memory -= held;
         return NULL;
     }
-    size_t most = state->def.memory ? state->def.memory : HOST_MEMORY;
-    if (new_size > held && state->memory - held + new_size > most) return NULL;
+    size_t max = state->def.memory ? state->def.memory : HOST_MEMORY;
+    if (new_size > held && state->memory - held + new_size > max) return NULL;
     void *grown = realloc(pointer, new_size);
     if (grown) state->memory += new_size - held;
     return grown;
@@ -232,10 +229,7 @@ static bool call(host *state, const char *shown, request what)
     return status == LUA_OK;
 }
 
-bool host_load(host *state)
-{
-    return call(state, "daft.load", (request){.callback = "load"});
-}
+bool host_load(host *state) { return call(state, "daft.load", (request){.callback = "load"}); }
 
 bool host_update(host *state, double dt)
 {

@@ -11,18 +11,9 @@ static int push_state(lua_State *L, host *h, const bool *states)
     return 1;
 }
 
-static int down(lua_State *L, host *h)
-{
-    return push_state(L, h, h->def.keys->down);
-}
-static int pressed(lua_State *L, host *h)
-{
-    return push_state(L, h, h->def.keys->pressed);
-}
-static int released(lua_State *L, host *h)
-{
-    return push_state(L, h, h->def.keys->released);
-}
+static int down(lua_State *L, host *h) { return push_state(L, h, h->def.keys->down); }
+static int pressed(lua_State *L, host *h) { return push_state(L, h, h->def.keys->pressed); }
+static int released(lua_State *L, host *h) { return push_state(L, h, h->def.keys->released); }
 
 static int axis(lua_State *L, host *h)
 {
@@ -57,18 +48,9 @@ static int button(lua_State *L, host *h, const bool *states)
     return 1;
 }
 
-static int mouse_down(lua_State *L, host *h)
-{
-    return button(L, h, h->def.keys->down);
-}
-static int mouse_pressed(lua_State *L, host *h)
-{
-    return button(L, h, h->def.keys->pressed);
-}
-static int mouse_released(lua_State *L, host *h)
-{
-    return button(L, h, h->def.keys->released);
-}
+static int mouse_down(lua_State *L, host *h) { return button(L, h, h->def.keys->down); }
+static int mouse_pressed(lua_State *L, host *h) { return button(L, h, h->def.keys->pressed); }
+static int mouse_released(lua_State *L, host *h) { return button(L, h, h->def.keys->released); }
 
 static int wheel(lua_State *L, host *h)
 {

@@ -61,11 +61,19 @@ static void read_spring(lua_State *L, host *h, int whole, void *out)
 }
 
 static const api_special SPECIALS[] = {
-    {.name = "at", .value = "{x, y, z} or entity", .doc = "Where, in the world; distance: the point on a; where b is unless given"},
-    {.name = "to", .value = "{x, y, z} or entity", .doc = "distance: the point on b; drag: the target; where b is unless given"},
-    {.name = "limit", .read = read_limit, .value = "{lower, upper} or number",
+    {.name = "at",
+     .value = "{x, y, z} or entity",
+     .doc = "Where, in the world; distance: the point on a; where b is unless given"},
+    {.name = "to",
+     .value = "{x, y, z} or entity",
+     .doc = "distance: the point on b; drag: the target; where b is unless given"},
+    {.name = "limit",
+     .read = read_limit,
+     .value = "{lower, upper} or number",
      .doc = "Radians of a hinge, metres of a slider or a distance; a number: a ball's cone, a rope's length"},
-    {.name = "motor", .read = read_motor, .value = "{speed =, force =}",
+    {.name = "motor",
+     .read = read_motor,
+     .value = "{speed =, force =}",
      .doc = "rad/s and N m, or m/s and N; of a ball: a brake, the friction of a shoulder"},
     {.name = "spring", .read = read_spring, .value = "{hertz =, damping =}"}};
 
@@ -76,7 +84,8 @@ static int create(lua_State *L, host *h)
     daft_joint_def def = daft_default_joint_def();
     daft_transform place;
     daft_error error;
-    if (lua_type(L, 1) == LUA_TTABLE && api_field(L, 1, "b")) { /* the anchors are where b is unless the table says so */
+    if (lua_type(L, 1) == LUA_TTABLE &&
+        api_field(L, 1, "b")) { /* the anchors are where b is unless the table says so */
         def.b = api_entity_at(L, h, -1, "b");
         if (!daft_entity_get_transform(h->def.scene, def.b, &place, &error)) api_engine_error(L, h, &error);
         def.anchor = def.anchor_b = place.position;
@@ -138,9 +147,10 @@ static bool two_numbers(lua_State *L, host *h, const char *first, const char *se
 static int motor(lua_State *L, host *h)
 {
     daft_error error;
-    float speed, most;
-    bool on = two_numbers(L, h, "speed", "force", &speed, &most);
-    if (!daft_joint_set_motor(h->def.scene, joint_at(L, h, 1), on, speed, most, &error)) api_engine_error(L, h, &error);
+    float speed, max_force;
+    bool on = two_numbers(L, h, "speed", "force", &speed, &max_force);
+    if (!daft_joint_set_motor(h->def.scene, joint_at(L, h, 1), on, speed, max_force, &error))
+        api_engine_error(L, h, &error);
     return 0;
 }
 
@@ -215,7 +225,7 @@ static int events(lua_State *L, host *h)
     return 1;
 }
 
-/* ---- the whole ---- */
+/* ---- the simulation as a whole ---- */
 
 static int physics(lua_State *L, host *h)
 {
@@ -270,8 +280,7 @@ static int load_bodies(lua_State *L, host *h)
 }
 
 static const api_function FUNCTIONS[] = {
-    {"joint", "{...} -> joint",
-     "Joins two bodies, or one and the world.", create, API_CHANGES},
+    {"joint", "{...} -> joint", "Joins two bodies, or one and the world.", create, API_CHANGES},
     {"joint:destroy", "()", "Takes it away.", destroy, API_CHANGES},
     {"joint:valid", "() -> boolean", "False once it was destroyed, broke, or went with a body.", valid, 0},
     {"joint:value", "() -> value, speed",

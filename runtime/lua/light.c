@@ -14,13 +14,14 @@ static void narrow_inner(lua_State *L, host *h, int table, void *out)
 }
 
 static const api_special SPOT_SPECIALS[] = {{.name = "angle", .after = narrow_inner},
-                                            {.name = "inner", .doc = "All of its light is within this angle of the direction; "
-                                                                     "three quarters of angle where only that is given"}};
+                                            {.name = "inner",
+                                             .doc = "All of its light is within this angle of the direction; "
+                                                    "three quarters of angle where only that is given"}};
 
 const api_form api_sun_form = {"light.sun", "daft.light.sun", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_SUN, NULL, 0};
 const api_form api_point_form = {"light.point", "daft.light.point", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_POINT, NULL, 0};
-const api_form api_spot_form = {"light.spot", "daft.light.spot", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_SPOT, SPOT_SPECIALS,
-                                COUNT_OF(SPOT_SPECIALS)};
+const api_form api_spot_form = {"light.spot",    "daft.light.spot", DAFT_STRUCT_LIGHT_DEF,
+                                DAFT_LIGHT_SPOT, SPOT_SPECIALS,     COUNT_OF(SPOT_SPECIALS)};
 
 /* Changes what the table at `table` names. */
 static void read_light(lua_State *L, host *h, int table, daft_light_def *def)
@@ -42,19 +43,10 @@ static int create(lua_State *L, host *h, daft_light_kind kind)
     return 1;
 }
 
-static int sun(lua_State *L, host *h)
-{
-    return create(L, h, DAFT_LIGHT_SUN);
-}
-static int point(lua_State *L, host *h)
-{
-    return create(L, h, DAFT_LIGHT_POINT);
-}
+static int sun(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_SUN); }
+static int point(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_POINT); }
 
-static int spot(lua_State *L, host *h)
-{
-    return create(L, h, DAFT_LIGHT_SPOT);
-}
+static int spot(lua_State *L, host *h) { return create(L, h, DAFT_LIGHT_SPOT); }
 
 static daft_light_def get(lua_State *L, host *h)
 {
@@ -156,12 +148,9 @@ static int sky_image(lua_State *L, host *h)
 }
 
 static const api_function FUNCTIONS[] = {
-    {"light.sun", "{...} -> light",
-     "Light from infinitely far.", sun, API_CHANGES},
-    {"light.point", "{...} -> light",
-     "Light from a point, equally bright at any distance.", point, API_CHANGES},
-    {"light.spot", "{...} -> light",
-     "A point light that shines into a cone.", spot, API_CHANGES},
+    {"light.sun", "{...} -> light", "Light from infinitely far.", sun, API_CHANGES},
+    {"light.point", "{...} -> light", "Light from a point, equally bright at any distance.", point, API_CHANGES},
+    {"light.spot", "{...} -> light", "A point light that shines into a cone.", spot, API_CHANGES},
     {"light:set", "{...}", "Changes what the table names.", set, API_CHANGES},
     {"light:position", "(x, y, z)", "Moves a point light or a spot.", set_position, API_CHANGES},
     {"light:direction", "(x, y, z)", "Turns a sun or a spot.", set_direction, API_CHANGES},

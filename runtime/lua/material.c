@@ -26,10 +26,7 @@ static bool find_texture(const host *h, const char *name, char *out, size_t size
     return false;
 }
 
-static int by_text(const void *a, const void *b)
-{
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
+static int by_text(const void *a, const void *b) { return strcmp(*(char *const *)a, *(char *const *)b); }
 
 /* Adds the names in FOLDER/textures, without their extensions. */
 static size_t list_textures(const char *folder, char **names, size_t count, size_t capacity)
@@ -98,12 +95,16 @@ static void color_ambient(lua_State *L, host *h, int table, void *out)
 }
 
 static const api_special SPECIALS[] = {
-    {.name = "color", .after = color_ambient,
+    {.name = "color",
+     .after = color_ambient,
      .doc = "Lambert's reflection, and that of ambient light unless ambient is given; white where there is a texture"},
-    {.name = "texture", .read = read_texture, .value = "\"name\"",
+    {.name = "texture",
+     .read = read_texture,
+     .value = "\"name\"",
      .doc = "An image: \"checker\" is textures/checker.png in the game's folder or in assets/"}};
 
-const api_form api_material_form = {"material", "daft.material", DAFT_STRUCT_MATERIAL_DEF, -1, SPECIALS, COUNT_OF(SPECIALS)};
+const api_form api_material_form = {"material", "daft.material", DAFT_STRUCT_MATERIAL_DEF,
+                                    -1,         SPECIALS,        COUNT_OF(SPECIALS)};
 
 /* Changes what the table at `table` names. */
 static void read_material(lua_State *L, host *h, int table, daft_material_def *def)
@@ -332,7 +333,8 @@ static int mesh_bounds(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"material", "{...} -> material",
-     "Or \"file.mtl#name\". Where a material is wanted, such a table, a texture's name or a colour do too.", new_material, API_CHANGES},
+     "Or \"file.mtl#name\". Where a material is wanted, such a table, a texture's name or a colour do too.",
+     new_material, API_CHANGES},
     {"material:set", "{...}", "Changes what the table names, for everything that has this material.", set_material,
      API_CHANGES},
     {"mesh", "(\"file.obj\") or {positions =, triangles =, normals =, uvs =} -> mesh",

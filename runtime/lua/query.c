@@ -25,7 +25,8 @@ static void read_hits(lua_State *L, host *h, int table, void *out)
 static const api_special SPECIALS[] = {{.name = "layer", .read = read_layer, .value = "name or names"},
                                        {.name = "hits", .read = read_hits, .value = "name or names"}};
 
-const api_form api_filter_form = {"query.ray", "daft.query's options", DAFT_STRUCT_QUERY_FILTER, -1, SPECIALS, COUNT_OF(SPECIALS)};
+const api_form api_filter_form = {"query.ray", "daft.query's options", DAFT_STRUCT_QUERY_FILTER, -1,
+                                  SPECIALS,    COUNT_OF(SPECIALS)};
 
 /* The table of options at index, or none. */
 static daft_query_filter read_filter(lua_State *L, host *h, int index)

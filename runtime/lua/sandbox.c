@@ -191,10 +191,7 @@ static int sort(lua_State *L)
 
 /* ---- math ---- */
 
-static double argument(lua_State *L, int index)
-{
-    return luaL_checknumber(L, index);
-}
+static double argument(lua_State *L, int index) { return luaL_checknumber(L, index); }
 
 static int push_number(lua_State *L, double value)
 {
@@ -204,38 +201,14 @@ static int push_number(lua_State *L, double value)
 
 static const double LOG2_E = 1.4426950408889634;
 
-static int m_sin(lua_State *L)
-{
-    return push_number(L, daft_sin(argument(L, 1)));
-}
-static int m_cos(lua_State *L)
-{
-    return push_number(L, daft_cos(argument(L, 1)));
-}
-static int m_tan(lua_State *L)
-{
-    return push_number(L, daft_tan(argument(L, 1)));
-}
-static int m_asin(lua_State *L)
-{
-    return push_number(L, daft_asin(argument(L, 1)));
-}
-static int m_acos(lua_State *L)
-{
-    return push_number(L, daft_acos(argument(L, 1)));
-}
-static int m_atan(lua_State *L)
-{
-    return push_number(L, daft_atan2(argument(L, 1), luaL_optnumber(L, 2, 1)));
-}
-static int m_exp(lua_State *L)
-{
-    return push_number(L, daft_exp2(argument(L, 1) * LOG2_E));
-}
-static int m_sqrt(lua_State *L)
-{
-    return push_number(L, sqrt(argument(L, 1)));
-}
+static int m_sin(lua_State *L) { return push_number(L, daft_sin(argument(L, 1))); }
+static int m_cos(lua_State *L) { return push_number(L, daft_cos(argument(L, 1))); }
+static int m_tan(lua_State *L) { return push_number(L, daft_tan(argument(L, 1))); }
+static int m_asin(lua_State *L) { return push_number(L, daft_asin(argument(L, 1))); }
+static int m_acos(lua_State *L) { return push_number(L, daft_acos(argument(L, 1))); }
+static int m_atan(lua_State *L) { return push_number(L, daft_atan2(argument(L, 1), luaL_optnumber(L, 2, 1))); }
+static int m_exp(lua_State *L) { return push_number(L, daft_exp2(argument(L, 1) * LOG2_E)); }
+static int m_sqrt(lua_State *L) { return push_number(L, sqrt(argument(L, 1))); }
 
 static int m_log(lua_State *L)
 {

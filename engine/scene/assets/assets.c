@@ -159,10 +159,7 @@ daft_mesh daft_mesh_load(daft_scene *scene, const char *path, daft_error *error)
     return (daft_mesh){0};
 }
 
-daft_mesh_def daft_default_mesh_def(void)
-{
-    return (daft_mesh_def){.cookie = DAFT_COOKIE};
-}
+daft_mesh_def daft_default_mesh_def(void) { return (daft_mesh_def){.cookie = DAFT_COOKIE}; }
 
 static bool mesh_def_check(const daft_mesh_def *def, daft_error *error)
 {
@@ -224,14 +221,17 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
     daft_mesh_item *item = daft_check_pointer(error, "scene", scene) ? daft_mesh_find(scene, mesh, error) : NULL;
     if (!item || !daft_check_pointer(error, "positions", positions)) return false;
     if (count != item->mesh.vertex_count)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "%u positions for a mesh of %u vertices", count, item->mesh.vertex_count);
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "%u positions for a mesh of %u vertices", count,
+                         item->mesh.vertex_count);
     if (daft_geometry_uses_mesh(scene, mesh))
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "the mesh's triangles are what a body is made of: they do not move");
+        return daft_fail(error, DAFT_ERROR_ARGUMENT,
+                         "the mesh's triangles are what a body is made of: they do not move");
     if (daft_frame_is_taken(scene)) item = mesh_replace(scene, mesh, error);
     if (!item || !daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
     const daft_bvh_def def = mesh_tree(scene);
     if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
-    if (scene->engine->accel == DAFT_ACCEL_KDTREE) { /* without memory for one, rays go through the BVH, to the same hits */
+    if (scene->engine->accel ==
+        DAFT_ACCEL_KDTREE) { /* without memory for one, rays go through the BVH, to the same hits */
         daft_kdtree_free(item->kdtree);
         item->kdtree = daft_kdtree_build(scene->allocator, &item->mesh, scene->engine->threads, NULL);
     }

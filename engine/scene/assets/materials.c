@@ -90,13 +90,13 @@ bool daft_material_set(daft_scene *scene, daft_material material, const daft_mat
 
 static float largest(daft_vec3 v)
 {
-    float most = v.x > v.y ? v.x : v.y;
-    return most > v.z ? most : v.z;
+    float max = v.x > v.y ? v.x : v.y;
+    return max > v.z ? max : v.z;
 }
 
-/* How much light passes: what d says is missing. Models 6 and 7 ("refraction on") let all of it pass where d says nothing,
- * 4 and 9 ("glass on") so only where there is a Tf; unless that is black. Other models are seen straight through, and their
- * Tf, which exporters write without meaning it, is left alone. */
+/* How much light passes: what d says is missing. Models 6 and 7 ("refraction on") let all of it pass where d says
+ * nothing, 4 and 9 ("glass on") so only where there is a Tf; unless that is black. Other models are seen straight
+ * through, and their Tf, which exporters write without meaning it, is left alone. */
 void daft_material_transmit(const daft_mtl *mtl, daft_material_def *def)
 {
     bool refracts = mtl->illum == 6 || mtl->illum == 7, glass = mtl->illum == 4 || mtl->illum == 9;
@@ -107,15 +107,15 @@ void daft_material_transmit(const daft_mtl *mtl, daft_material_def *def)
     if (mtl->opacity == 1 && (refracts || mtl->has_filter) && largest(mtl->filter) > 0) def->transmission = 1;
 }
 
-/* MTL's illumination models: 0 and 1 have no highlight, 2 has, 3 and above reflect as well, by Ks's share. What passes
+/* MTL's illumination models: 0 and 1 have no highlight, 2 has, 3 and above reflect as well, by Ks. What passes
  * light is mirrored by Fresnel's equations, and only what does not pass by Ks. */
 static void illuminate(const daft_mtl *mtl, daft_material_def *def)
 {
     def->specular = mtl->illum <= 1 ? daft_v3(0, 0, 0) : mtl->specular;
-    float share = mtl->illum >= 3 && mtl->illum <= 9 ? largest(mtl->specular) : 0;
-    if (!(share > 0)) return;
-    def->mirror = (share < 1 ? share : 1) * (1 - def->transmission);
-    def->mirror_tint = daft_scale(mtl->specular, 1 / share);
+    float weight = mtl->illum >= 3 && mtl->illum <= 9 ? largest(mtl->specular) : 0;
+    if (!(weight > 0)) return;
+    def->mirror = (weight < 1 ? weight : 1) * (1 - def->transmission);
+    def->mirror_tint = daft_scale(mtl->specular, 1 / weight);
 }
 
 daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daft_error *error)

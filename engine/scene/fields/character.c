@@ -16,12 +16,15 @@ static const daft_field ROWS[] = {
         .doc = "With which it takes up the speed it is asked for, on the ground"),
     ROW(air_acceleration, .unit = "m/s²", FROM(0, 1e6), .initial = {12}, .lua = "air_acceleration",
         .doc = "The same in the air"),
-    ROW(gravity_scale, FROM(0, 1000), .initial = {1}, .lua = "gravity", .doc = "The fraction of gravity that acts on it"),
+    ROW(gravity_scale, FROM(0, 1000), .initial = {1}, .lua = "gravity",
+        .doc = "The fraction of gravity that acts on it"),
     ROW(mass, .unit = "kg", FROM(0, 1e9), .initial = {80}, .lua = "mass", .doc = "What weighs on what it stands on"),
-    ROW(push_force, .unit = "N", FROM(0, 1e9), .initial = {400}, .lua = "force", .doc = "The most it pushes bodies with"),
+    ROW(push_force, .unit = "N", FROM(0, 1e9), .initial = {400}, .lua = "force",
+        .doc = "The most it pushes bodies with"),
     ROW(layers, .initial = {1}, .lua = "layer", .doc = "The layers that it is in"),
     ROW(mask, .initial = {UINT32_MAX}, .lua = "hits", .doc = "The layers that it meets"),
-    ROW(entity, .lua = "entity", .doc = "One that goes where the character goes, or none; its own body is not in the way"),
+    ROW(entity, .lua = "entity",
+        .doc = "One that goes where the character goes, or none; its own body is not in the way"),
 };
 
 const daft_field_list daft_character_fields = DAFT_FIELD_LIST(daft_character_def, ROWS);

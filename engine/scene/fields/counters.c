@@ -25,7 +25,8 @@ static const daft_field ROWS[] = {
     ROW(mesh_builds, .doc = "BVHs built since the scene was made"),
     ROW(mesh_refits, .doc = "BVHs fitted to moved vertices since the scene was made"),
     ROW(instance_updates, .doc = "Frames since the scene was made that rebuilt the list of instances"),
-    DAFT_OTHER_ROW(daft_counters, effects, .doc = "What each effect did: whether it ran, why, its tiles, rays, bytes, ms"),
+    DAFT_OTHER_ROW(daft_counters, effects,
+                   .doc = "What each effect did: whether it ran, why, its tiles, rays, bytes, ms"),
 };
 
 const daft_field_list daft_counters_fields = DAFT_FIELD_LIST(daft_counters, ROWS);

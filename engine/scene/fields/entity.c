@@ -1,7 +1,7 @@
 /* Entities, and what their bodies are made of. */
 #include "scene/fields/fields.h"
 
-#define ENTITY(m, ...) DAFT_ROW(daft_entity_def, m, __VA_ARGS__)
+#define ENTITY(m, ...)   DAFT_ROW(daft_entity_def, m, __VA_ARGS__)
 #define COLLIDER(m, ...) DAFT_ROW(daft_collider, m, __VA_ARGS__)
 
 static const char *const SHAPES[] = {"none", "mesh", "sphere", "box"};
@@ -12,13 +12,15 @@ enum { SEEN = DAFT_FIELD_HASHED, BODY = DAFT_FIELD_NOT_HASHED };
 
 static const daft_field ENTITY_ROWS[] = {
     DAFT_COOKIE_ROW(daft_entity_def),
-    DAFT_CHOICE_ROW(daft_entity_def, shape, SHAPES, .flags = SEEN, .doc = "What is drawn; none: a group, or a body alone"),
+    DAFT_CHOICE_ROW(daft_entity_def, shape, SHAPES, .flags = SEEN,
+                    .doc = "What is drawn; none: a group, or a body alone"),
     ENTITY(mesh, .kinds = MESH, .lua = "mesh", .flags = SEEN, .doc = "The mesh that is drawn"),
     ENTITY(radius, .unit = "m", ABOVE_ZERO, .initial = {0.5}, .kinds = SPHERE, .lua = "sphere", .flags = SEEN,
            .doc = "The sphere's radius"),
     ENTITY(size, .unit = "m", ABOVE_ZERO, .initial = {1, 1, 1}, .kinds = BOX, .lua = "box", .flags = SEEN,
            .doc = "The box's edge lengths"),
-    ENTITY(material, .lua = "material", .flags = SEEN, .doc = "What it is made of; none: the mesh's own, or a light grey"),
+    ENTITY(material, .lua = "material", .flags = SEEN,
+           .doc = "What it is made of; none: the mesh's own, or a light grey"),
     ENTITY(parent, .lua = "parent", .flags = SEEN,
            .doc = "The entity within which position, rotation and scale are; none: the world"),
     ENTITY(position, .unit = "m", .lua = "position", .flags = SEEN, .doc = "Where it is"),
@@ -31,9 +33,10 @@ static const daft_field ENTITY_ROWS[] = {
            .doc = "Whether it casts shadows; light comes through materials that transmit"),
     DAFT_CHOICE_ROW(daft_entity_def, body, BODIES, .lua = "body", .flags = SEEN,
                     .doc = "How the simulation moves it: not at all, as the game says, or by forces and contacts"),
-    DAFT_OTHER_ROW(daft_entity_def, colliders, .lua = "collider",
-                   .doc = "What the body is made of; none: what is drawn, of a mesh the hull where it is dynamic, else the "
-                          "triangles"),
+    DAFT_OTHER_ROW(
+        daft_entity_def, colliders, .lua = "collider",
+        .doc = "What the body is made of; none: what is drawn, of a mesh the hull where it is dynamic, else the "
+               "triangles"),
     ENTITY(collider_count, .flags = BODY, .doc = "How many colliders there are"),
     ENTITY(density, .unit = "kg/m³", ABOVE_ZERO, .initial = {1000}, .lua = "density", .flags = SEEN,
            .doc = "The mass of a cubic metre of it"),
@@ -46,10 +49,12 @@ static const daft_field ENTITY_ROWS[] = {
            .doc = "How much of a bounce comes back; between two bodies the larger holds"),
     ENTITY(rolling_resistance, ZERO_OR_MORE, .lua = "rolling_resistance", .flags = SEEN,
            .doc = "What brakes rolling, as a fraction of load times radius; the larger of two bodies' holds"),
-    ENTITY(surface, FROM(0, 63), .lua = "surface", .flags = BODY, .doc = "The kind of its surface, for pairs of surfaces"),
+    ENTITY(surface, FROM(0, 63), .lua = "surface", .flags = BODY,
+           .doc = "The kind of its surface, for pairs of surfaces"),
     ENTITY(belt, .unit = "m/s", .lua = "belt", .flags = BODY,
            .doc = "The velocity of its surface in its own axes, as a conveyor's"),
-    ENTITY(gravity_scale, .initial = {1}, .lua = "gravity_scale", .flags = BODY, .doc = "The fraction of gravity that acts on it"),
+    ENTITY(gravity_scale, .initial = {1}, .lua = "gravity_scale", .flags = BODY,
+           .doc = "The fraction of gravity that acts on it"),
     ENTITY(linear_damping, .unit = "1/s", ZERO_OR_MORE, .lua = "damping", .flags = BODY,
            .doc = "The fraction of its velocity that it loses in a second, for small ones"),
     ENTITY(angular_damping, .unit = "1/s", ZERO_OR_MORE, .lua = "angular_damping", .flags = BODY,
@@ -82,15 +87,18 @@ static const daft_field COLLIDER_ROWS[] = {
     COLLIDER(radius, .unit = "m", LENGTHS, .initial = {0.5}, .kinds = ROUND, .doc = "Of a sphere, capsule or cylinder"),
     COLLIDER(height, .unit = "m", LENGTHS, .initial = {2}, .kinds = LONG,
              .doc = "From end to end along y; a capsule's is more than twice its radius"),
-    COLLIDER(size, .unit = "m", LENGTHS, .initial = {1, 1, 1}, .kinds = 1 << DAFT_COLLIDER_BOX, .doc = "A box's edge lengths"),
+    COLLIDER(size, .unit = "m", LENGTHS, .initial = {1, 1, 1}, .kinds = 1 << DAFT_COLLIDER_BOX,
+             .doc = "A box's edge lengths"),
     COLLIDER(mesh, .kinds = 1 << DAFT_COLLIDER_HULL | 1 << DAFT_COLLIDER_MESH,
              .doc = "Of a hull (at most 64 corners) or of triangles; none: the entity's"),
-    DAFT_OTHER_ROW(daft_collider, heights, .unit = "m", .kinds = FIELD,
-                   .doc = "A height field's heights row by row: heights[row * columns + column] is at x = column * spacing.x, "
-                          "z = row * spacing.y; NaN makes a hole; copied"),
+    DAFT_OTHER_ROW(
+        daft_collider, heights, .unit = "m", .kinds = FIELD,
+        .doc = "A height field's heights row by row: heights[row * columns + column] is at x = column * spacing.x, "
+               "z = row * spacing.y; NaN makes a hole; copied"),
     COLLIDER(columns, .kinds = FIELD, .doc = "Heights in a row, 2 to 16384"),
     COLLIDER(rows, .kinds = FIELD, .doc = "Rows of heights, 2 to 16384"),
-    COLLIDER(spacing, .unit = "m", LENGTHS, .initial = {1, 1}, .kinds = FIELD, .doc = "Between columns, and between rows"),
+    COLLIDER(spacing, .unit = "m", LENGTHS, .initial = {1, 1}, .kinds = FIELD,
+             .doc = "Between columns, and between rows"),
     COLLIDER(position, .unit = "m", .lua = "position", .doc = "In the entity's axes"),
     COLLIDER(rotation, .initial = {0, 0, 0, 1}, .lua = "rotation", .doc = "In the entity's axes"),
 };

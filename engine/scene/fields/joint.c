@@ -1,7 +1,7 @@
 /* Joints, and what holds between two kinds of surface. */
 #include "scene/fields/fields.h"
 
-#define ROW(m, ...) DAFT_ROW(daft_joint_def, m, __VA_ARGS__)
+#define ROW(m, ...)      DAFT_ROW(daft_joint_def, m, __VA_ARGS__)
 #define SURFACES(m, ...) DAFT_ROW(daft_surfaces, m, __VA_ARGS__)
 
 static const char *const KINDS[] = {NULL, "ball", "hinge", "slider", "distance", "fixed", "drag"};
@@ -20,30 +20,40 @@ enum {
 
 static const daft_field ROWS[] = {
     DAFT_COOKIE_ROW(daft_joint_def),
-    DAFT_CHOICE_ROW(daft_joint_def, kind, KINDS, .initial = {DAFT_JOINT_BALL}, .lua = "kind",
-                    .doc = "ball: two points stay together; hinge: and so do two axes; slider: moves along an axis and does not "
-                           "turn; distance: a rod, rope or spring; fixed: does not move; drag: draws a point to a target"),
+    DAFT_CHOICE_ROW(
+        daft_joint_def, kind, KINDS, .initial = {DAFT_JOINT_BALL}, .lua = "kind",
+        .doc = "ball: two points stay together; hinge: and so do two axes; slider: moves along an axis and does not "
+               "turn; distance: a rod, rope or spring; fixed: does not move; drag: draws a point to a target"),
     ROW(a, .lua = "a", .doc = "The first body; none: the world itself"),
     ROW(b, .lua = "b", .doc = "The second body"),
-    ROW(anchor, .unit = "m", .lua = "at", .doc = "Where, in the world, as the bodies stand now; distance: the point on a"),
-    ROW(anchor_b, .unit = "m", .kinds = DISTANCE | DRAG, .lua = "to", .doc = "distance: the point on b; drag: the target"),
+    ROW(anchor, .unit = "m", .lua = "at",
+        .doc = "Where, in the world, as the bodies stand now; distance: the point on a"),
+    ROW(anchor_b, .unit = "m", .kinds = DISTANCE | DRAG, .lua = "to",
+        .doc = "distance: the point on b; drag: the target"),
     ROW(axis, .initial = {0, 1, 0}, .kinds = BALL | HINGE | SLIDER, .lua = "axis",
         .doc = "Of a hinge, a slider, or a ball's cone, in the world; any length"),
     ROW(limit, .lua = "limit", .doc = "Whether lower and upper hold"),
     ROW(lower, FROM((double)-1e7f, (double)1e7f),
-        .doc = "The lowest value, from the pose of now: radians of a hinge within pi, metres of a slider; distance: a length"),
+        .doc = "The lowest value, from the pose of now: radians of a hinge within pi, metres of a slider; distance: a "
+               "length"),
     ROW(upper, FROM((double)-1e7f, (double)1e7f), .doc = "The highest value; ball: half the angle of its cone"),
     ROW(motor, .kinds = BALL | HINGE | SLIDER, .lua = "motor", .doc = "Whether it is driven; a ball is braked"),
-    ROW(motor_speed, FROM((double)-1e6f, (double)1e6f), .kinds = HINGE | SLIDER, .doc = "rad/s or m/s, of b relative to a"),
-    ROW(motor_force, FORCES, .kinds = BALL | HINGE | SLIDER, .doc = "The greatest torque in N m, or force in N, of the motor"),
+    ROW(motor_speed, FROM((double)-1e6f, (double)1e6f), .kinds = HINGE | SLIDER,
+        .doc = "rad/s or m/s, of b relative to a"),
+    ROW(motor_force, FORCES, .kinds = BALL | HINGE | SLIDER,
+        .doc = "The greatest torque in N m, or force in N, of the motor"),
     ROW(spring, .lua = "spring",
         .doc = "distance: a spring about its length; hinge, slider: about 0; ball, fixed: the whole joint gives"),
-    ROW(hertz, .unit = "Hz", FROM(0, (double)1e6f), .initial = {2}, .doc = "The frequency of the two bodies on the spring"),
-    ROW(damping, FROM(0, (double)1e6f), .initial = {0.7}, .doc = "The damping ratio of the spring; 1: it does not swing"),
+    ROW(hertz, .unit = "Hz", FROM(0, (double)1e6f), .initial = {2},
+        .doc = "The frequency of the two bodies on the spring"),
+    ROW(damping, FROM(0, (double)1e6f), .initial = {0.7},
+        .doc = "The damping ratio of the spring; 1: it does not swing"),
     ROW(length, .unit = "m", FROM(0, (double)1e7f), .kinds = DISTANCE, .lua = "length",
         .doc = "Between the two points; 0: what it is now"),
-    ROW(break_force, .unit = "N", FORCES, .lua = "break_force", .doc = "The mean over a tick at which it breaks; 0: never"),
-    ROW(break_torque, .unit = "N m", FORCES, .lua = "break_torque", .doc = "The mean over a tick at which it breaks; 0: never"),
+    ROW(break_force, .unit = "N", FORCES, .lua = "break_force",
+        .doc = "The mean over a tick at which it breaks; 0: never"),
+    ROW(break_torque, .unit = "N m", FORCES, .lua = "break_torque",
+        .doc = "The mean over a tick at which it breaks; 0: never"),
     ROW(collide, .lua = "collide", .doc = "Whether the two bodies still touch each other"),
 };
 

@@ -12,15 +12,18 @@ static const daft_field ROWS[] = {
     ROW(position, .unit = "m", .kinds = POINT | SPOT, .lua = "position", .flags = DAFT_FIELD_HASHED,
         .doc = "Where it is; the light is equally bright at any distance"),
     DAFT_DIRECTION_ROW(daft_light_def, direction, .initial = {0, -1, 0}, .kinds = SUN | SPOT, .lua = "direction",
-                       .flags = DAFT_FIELD_HASHED, .doc = "Where its light travels to: a spot's axis; any length but zero"),
-    DAFT_COLOR_ROW(daft_light_def, color, ZERO_OR_MORE, .initial = {1, 1, 1}, .lua = "color", .flags = DAFT_FIELD_HASHED,
-                   .doc = "Its colour in linear light; values over 1 are brighter"),
+                       .flags = DAFT_FIELD_HASHED,
+                       .doc = "Where its light travels to: a spot's axis; any length but zero"),
+    DAFT_COLOR_ROW(daft_light_def, color, ZERO_OR_MORE, .initial = {1, 1, 1}, .lua = "color",
+                   .flags = DAFT_FIELD_HASHED, .doc = "Its colour in linear light; values over 1 are brighter"),
     ROW(casts_shadow, .initial = {true}, .lua = "shadow", .scene = "shadow", .flags = DAFT_FIELD_HASHED,
         .doc = "Whether entities cast shadows in it"),
     ROW(inner_angle, .unit = "rad", FROM(0, DAFT_PI_FLOAT), .initial = {DAFT_PI / 8}, .kinds = SPOT, .lua = "inner",
-        .flags = DAFT_FIELD_HASHED_USED, .doc = "All of its light is within this angle of the direction; at most outer_angle"),
+        .flags = DAFT_FIELD_HASHED_USED,
+        .doc = "All of its light is within this angle of the direction; at most outer_angle"),
     ROW(outer_angle, .unit = "rad", FROM(DAFT_ABOVE_ZERO, DAFT_PI_FLOAT), .initial = {DAFT_PI / 6}, .kinds = SPOT,
-        .lua = "angle", .flags = DAFT_FIELD_HASHED_USED, .doc = "None of its light is beyond this angle of the direction"),
+        .lua = "angle", .flags = DAFT_FIELD_HASHED_USED,
+        .doc = "None of its light is beyond this angle of the direction"),
 };
 
 const daft_field_list daft_light_fields = DAFT_FIELD_LIST(daft_light_def, ROWS);

@@ -1,6 +1,6 @@
 #include "scene/fields/fields.h"
 
-#define ROW(m, ...) DAFT_ROW(daft_material_def, m, __VA_ARGS__)
+#define ROW(m, ...)   DAFT_ROW(daft_material_def, m, __VA_ARGS__)
 #define COLOR(m, ...) DAFT_COLOR_ROW(daft_material_def, m, __VA_ARGS__)
 
 static const daft_field ROWS[] = {
@@ -11,7 +11,8 @@ static const daft_field ROWS[] = {
           .doc = "Lambert's reflection (Kd), times the texture"),
     COLOR(specular, ZERO_OR_MORE, .initial = {0.2, 0.2, 0.2}, .lua = "specular", .flags = DAFT_FIELD_GREY,
           .doc = "Phong's highlight (Ks)"),
-    ROW(shininess, FROM(0, 1000), .initial = {30}, .lua = "shininess", .doc = "Phong's exponent (Ns): higher is smaller"),
+    ROW(shininess, FROM(0, 1000), .initial = {30}, .lua = "shininess",
+        .doc = "Phong's exponent (Ns): higher is smaller"),
     ROW(mirror, FROM(0, 1), .lua = "mirror", .doc = "The weight of the mirrored ray's light"),
     COLOR(mirror_tint, ZERO_OR_MORE, .initial = {1, 1, 1}, .lua = "mirror_tint",
           .doc = "The mirrored light is multiplied by it"),

@@ -27,8 +27,14 @@ const char *daft_intersection_name(daft_intersection intersection)
     return choice_name(DAFT_STRUCT_VIEW, "intersection", intersection);
 }
 
-bool daft_accel_parse(const char *name, daft_accel *out) { return choice_parse(DAFT_STRUCT_ENGINE_DEF, "accel", name, out); }
-bool daft_quality_parse(const char *name, daft_quality *out) { return choice_parse(DAFT_STRUCT_VIEW, "quality", name, out); }
+bool daft_accel_parse(const char *name, daft_accel *out)
+{
+    return choice_parse(DAFT_STRUCT_ENGINE_DEF, "accel", name, out);
+}
+bool daft_quality_parse(const char *name, daft_quality *out)
+{
+    return choice_parse(DAFT_STRUCT_VIEW, "quality", name, out);
+}
 bool daft_intersection_parse(const char *name, daft_intersection *out)
 {
     return choice_parse(DAFT_STRUCT_VIEW, "intersection", name, out);

@@ -108,8 +108,8 @@ static bool fits_type(const daft_field *field, const double *numbers, uint32_t c
     double high = field->type == DAFT_FIELD_INT ? 2147483647.0 : field->type == DAFT_FIELD_UINT ? 4294967295.0 : 0x1p53;
     for (uint32_t i = 0; whole && i < count; i++)
         if (!(numbers[i] >= low && numbers[i] <= high) || numbers[i] != floor(numbers[i]))
-            return daft_fail(error, DAFT_ERROR_ARGUMENT, "%s is %g; it must be a whole number between %g and %g", field->name,
-                             numbers[i], low, high);
+            return daft_fail(error, DAFT_ERROR_ARGUMENT, "%s is %g; it must be a whole number between %g and %g",
+                             field->name, numbers[i], low, high);
     return true;
 }
 

@@ -19,7 +19,8 @@ const daft_field_list daft_query_filter_fields = DAFT_FIELD_LIST(daft_query_filt
 
 static const daft_field VOLUME_ROWS[] = {
     DAFT_COOKIE_ROW(daft_volume),
-    VOLUME(size, .unit = "m", .initial = {1, 1, 1}, .lua = "box", .doc = "The edge lengths of a box, where the radius is 0"),
+    VOLUME(size, .unit = "m", .initial = {1, 1, 1}, .lua = "box",
+           .doc = "The edge lengths of a box, where the radius is 0"),
     VOLUME(radius, .unit = "m", .lua = "sphere", .doc = "Of a sphere, or of a capsule where there is a height too"),
     VOLUME(height, .unit = "m", .doc = "Of a capsule along y, from end to end"),
     VOLUME(rotation, .initial = {0, 0, 0, 1}, .lua = "rotation", .doc = "How it is turned"),

@@ -107,8 +107,8 @@ static bool check_used(const daft_field *field, bool used, const void *value, co
     if (field->type == DAFT_FIELD_DIRECTION)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "%s%s is 0, 0, 0; it must have a length", before, field->name);
     if (field->type == DAFT_FIELD_ROTATION)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "%s%s is 0, 0, 0, 0; it must be a quaternion that is not zero", before,
-                         field->name);
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "%s%s is 0, 0, 0, 0; it must be a quaternion that is not zero",
+                         before, field->name);
     return true;
 }
 
@@ -125,7 +125,8 @@ bool daft_struct_check_named(daft_struct which, const void *value, const char *b
         if (field->type == DAFT_FIELD_STRUCT) {
             char inner[96];
             snprintf(inner, sizeof inner, "%s%s.", before, field->name);
-            if (!daft_struct_check_named(field->nested, (const char *)value + field->offset, inner, error)) return false;
+            if (!daft_struct_check_named(field->nested, (const char *)value + field->offset, inner, error))
+                return false;
         } else if (!check_used(field, daft_field_used(list, field, value), value, before, error)) {
             return false;
         }

@@ -3,7 +3,7 @@
 
 #define ENGINE(m, ...) DAFT_ROW(daft_engine_def, m, __VA_ARGS__)
 #define CAMERA(m, ...) DAFT_ROW(daft_camera, m, __VA_ARGS__)
-#define VIEW(m, ...) DAFT_ROW(daft_view, m, __VA_ARGS__)
+#define VIEW(m, ...)   DAFT_ROW(daft_view, m, __VA_ARGS__)
 
 static const char *const ACCELS[] = {"bvh", "kdtree"};
 static const char *const QUALITIES[] = {"draft", "game", "high", "reference"};
@@ -13,7 +13,8 @@ static const daft_field ENGINE_ROWS[] = {
     DAFT_COOKIE_ROW(daft_engine_def),
     ENGINE(threads, .doc = "Worker threads, at most 64; 0: one for each processor"),
     ENGINE(isa, .doc = "The instruction set of the kernels: sse2, avx2 or avx512; none: the best this processor has"),
-    DAFT_CHOICE_ROW(daft_engine_def, accel, ACCELS, .doc = "What rays search meshes by; pictures and hits are the same"),
+    DAFT_CHOICE_ROW(daft_engine_def, accel, ACCELS,
+                    .doc = "What rays search meshes by; pictures and hits are the same"),
     DAFT_OTHER_ROW(daft_engine_def, allocator, .doc = "Where all memory comes from; all zero: malloc"),
     DAFT_OTHER_ROW(daft_engine_def, warn, .doc = "Called with each warning; none: they are dropped"),
     DAFT_OTHER_ROW(daft_engine_def, warn_user, .doc = "Handed to warn"),
@@ -26,7 +27,8 @@ const daft_field_list daft_engine_fields = DAFT_FIELD_LIST(daft_engine_def, ENGI
 
 static const daft_field CAMERA_ROWS[] = {
     CAMERA(position, .unit = "m", .lua = "position", .flags = DAFT_FIELD_HASHED, .doc = "Where it is"),
-    CAMERA(yaw, ANGLES, .lua = "yaw", .flags = DAFT_FIELD_HASHED, .doc = "0 looks along +X, positive turns right, towards +Z"),
+    CAMERA(yaw, ANGLES, .lua = "yaw", .flags = DAFT_FIELD_HASHED,
+           .doc = "0 looks along +X, positive turns right, towards +Z"),
     CAMERA(pitch, ANGLES, .lua = "pitch", .flags = DAFT_FIELD_HASHED, .doc = "Positive looks down"),
     CAMERA(roll, ANGLES, .lua = "roll", .scene = "roll", .flags = DAFT_FIELD_HASHED, .doc = "Positive leans right"),
     CAMERA(fov, .unit = "rad", FROM((double)1e-6f, 3.1415), .initial = {DAFT_PI / 2}, .lua = "fov",
@@ -39,7 +41,8 @@ static const daft_field VIEW_ROWS[] = {
     DAFT_COOKIE_ROW(daft_view),
     DAFT_STRUCT_ROW(daft_view, camera, daft_camera, DAFT_STRUCT_CAMERA, .doc = "Where from"),
     VIEW(alpha, FROM(0, 1), .initial = {1}, .doc = "Between the last two ticks: 0 is the one before, 1 is now"),
-    DAFT_CHOICE_ROW(daft_view, quality, QUALITIES, .initial = {DAFT_QUALITY_GAME}, .doc = "How much work a picture may be"),
+    DAFT_CHOICE_ROW(daft_view, quality, QUALITIES, .initial = {DAFT_QUALITY_GAME},
+                    .doc = "How much work a picture may be"),
     VIEW(samples, FROM(0, 16), .doc = "Samples of a pixel: 1, 4 or 16; 0: the quality's"),
     DAFT_CHOICE_ROW(daft_view, intersection, INTERSECTIONS, .doc = "How rays and triangles meet"),
     VIEW(reference, .doc = "Whether camera rays go alone through the BVH, as in the quality reference"),

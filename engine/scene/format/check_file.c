@@ -1,5 +1,5 @@
 /* daft_check_file and daft_mesh_check: files are read as loading reads them, into a scene that is thrown away, with the
- * engine's warnings turned to whoever asked; what loading has no reason to look at is looked at here. */
+ * engine's warnings turned to whoever asked; what loading need not look at is examined here. */
 #include "scene/format/check_file.h"
 
 #include <string.h>
@@ -66,7 +66,8 @@ static void check_transmission(const daft_problems *problems, const daft_mtl *mt
     bool refracts = mtl->illum == 6 || mtl->illum == 7, glass = mtl->illum == 4 || mtl->illum == 9;
     if ((refracts || glass) && mtl->has_filter && mtl->filter.x == 0 && mtl->filter.y == 0 && mtl->filter.z == 0)
         daft_problem_at(problems, DAFT_SEVERITY_WARNING, DAFT_ERROR_ARGUMENT, mtl->file, 0, 0,
-                        "the material '%s' should let light through (illum %d), but its Tf is black", mtl->name, mtl->illum);
+                        "the material '%s' should let light through (illum %d), but its Tf is black", mtl->name,
+                        mtl->illum);
     else if (refracts && def.refractive_index == 1)
         daft_problem_at(problems, DAFT_SEVERITY_NOTE, DAFT_ERROR_ARGUMENT, mtl->file, 0, 0,
                         "the material '%s' should bend light (illum %d), but its Ni is 1", mtl->name, mtl->illum);
@@ -75,9 +76,9 @@ static void check_transmission(const daft_problems *problems, const daft_mtl *mt
                         "the material '%s' lets all light through: nothing but its highlights is seen", mtl->name);
 }
 
-/* Light that is bent on its way in is bent back on its way out, if there is one. */
-static bool check_solid(const daft_allocator *allocator, const char *path, const daft_problems *problems, const daft_obj *obj,
-                        daft_error *error)
+/* A refracted ray needs a closed mesh: it leaves through another surface. */
+static bool check_solid(const daft_allocator *allocator, const char *path, const daft_problems *problems,
+                        const daft_obj *obj, daft_error *error)
 {
     bool bends = false;
     for (size_t i = 0; i < obj->slots.count; i++) {

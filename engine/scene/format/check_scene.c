@@ -1,4 +1,4 @@
-/* What is odd about a .scene file beyond what loading refuses: cameras and lights inside solids, the same thing twice
+/* What is odd about a .scene file beyond what loading refuses: cameras and lights inside solids, the same entity twice
  * in one place, what cannot be drawn, what nothing lights. */
 #include "math/trig.h"
 #include "scene/format/check_file.h"
@@ -93,7 +93,7 @@ static void check_inside(const checker *c, const daft_scene_item *at, daft_dvec3
                         solid->kind == DAFT_ITEM_SPHERE ? "sphere" : "mesh", solid->source, solid->line);
 }
 
-/* ---- things ---- */
+/* ---- entities ---- */
 
 /* The frame snapshot leaves out what reaches farther than 1e12 metres, in the world or in the mesh's own space, and
  * spheres whose squared radius would underflow. */
@@ -111,7 +111,7 @@ static bool can_be_drawn(const checker *c, const daft_scene_item *item)
     return reach <= farthest && reach * scale <= farthest && 1 / scale <= farthest;
 }
 
-static void check_thing(const checker *c, const daft_scene_item *item)
+static void check_entity(const checker *c, const daft_scene_item *item)
 {
     if (!can_be_drawn(c, item))
         tell(c, DAFT_SEVERITY_WARNING, item, "it is not drawn: it is larger than 1e12 metres, or too small for floats");
@@ -121,8 +121,8 @@ static void check_thing(const checker *c, const daft_scene_item *item)
         tell(c, DAFT_SEVERITY_WARNING, item, "the mesh is empty: nothing is drawn");
 }
 
-/* All that makes two things cover each other. */
-static uint64_t thing_hash(const daft_scene_item *item)
+/* Everything that decides whether two entities coincide. */
+static uint64_t entity_hash(const daft_scene_item *item)
 {
     const daft_entity_def *e = &item->entity;
     double values[] = {e->position.x + 0.0,
@@ -146,7 +146,7 @@ static bool check_twins(const checker *c)
     for (uint32_t i = 0; i < c->count; i++) {
         const daft_scene_item *item = &c->items[i];
         if (item->kind != DAFT_ITEM_SPHERE && item->kind != DAFT_ITEM_MESH) continue;
-        uint64_t hash = thing_hash(item); /* 64 bits: two different things do not meet in one */
+        uint64_t hash = entity_hash(item); /* 64 bits: different entities do not collide */
         uint32_t cursor = 0, first = daft_map_next(&map, hash, &cursor);
         if (first == DAFT_NONE)
             daft_map_add(&map, hash, i);
@@ -161,25 +161,22 @@ static bool check_twins(const checker *c)
 
 /* ---- the scene as a whole ---- */
 
-static bool is_black(daft_vec3 color)
-{
-    return color.x == 0 && color.y == 0 && color.z == 0;
-}
+static bool is_black(daft_vec3 color) { return color.x == 0 && color.y == 0 && color.z == 0; }
 
 static void check_whole(const checker *c)
 {
-    size_t cameras = 0, lights = 0, things = 0, skies = 0;
+    size_t cameras = 0, lights = 0, entities = 0, skies = 0;
     for (size_t i = 0; i < c->count; i++) {
         const daft_scene_item *item = &c->items[i];
         cameras += item->kind == DAFT_ITEM_CAMERA;
         lights += item->kind == DAFT_ITEM_LIGHT && !is_black(item->light.color);
-        things += item->kind == DAFT_ITEM_SPHERE || item->kind == DAFT_ITEM_MESH;
+        entities += item->kind == DAFT_ITEM_SPHERE || item->kind == DAFT_ITEM_MESH;
         if (item->kind == DAFT_ITEM_SKYBOX && skies++ > 0)
             tell(c, DAFT_SEVERITY_WARNING, item, "a second skybox: it takes the place of the one before");
     }
     if (c->refused) return; /* what is missing may be in a line that could not be read */
     if (cameras == 0) tell(c, DAFT_SEVERITY_NOTE, NULL, "no camera: it is seen from the origin, looking along +X");
-    if (things > 0 && lights == 0 && is_black(c->scene->ambient))
+    if (entities > 0 && lights == 0 && is_black(c->scene->ambient))
         tell(c, DAFT_SEVERITY_WARNING, NULL, "no light, and no ambient light: everything is black");
 }
 
@@ -190,7 +187,7 @@ static void on_loaded(void *user, const daft_scene_item *items, size_t count)
     c->count = count;
     for (size_t i = 0; i < count; i++) {
         const daft_scene_item *item = &items[i];
-        if (item->kind == DAFT_ITEM_SPHERE || item->kind == DAFT_ITEM_MESH) check_thing(c, item);
+        if (item->kind == DAFT_ITEM_SPHERE || item->kind == DAFT_ITEM_MESH) check_entity(c, item);
         if (item->kind == DAFT_ITEM_CAMERA) check_inside(c, item, item->camera.position, "camera");
         if (item->kind != DAFT_ITEM_LIGHT) continue;
         if (is_black(item->light.color)) tell(c, DAFT_SEVERITY_NOTE, item, "a black light lights nothing");

@@ -28,7 +28,7 @@ typedef struct loader {
     daft_arena arena; /* paths */
     item *items;
     size_t count, capacity;
-    daft_sky_item *sky; /* the last one named, or NULL */
+    daft_sky_item *sky;            /* the last one named, or NULL */
     const daft_scene_watch *watch; /* or NULL */
     daft_error error;
 } loader;
@@ -130,7 +130,8 @@ static bool fail_option(reader *read, int column, daft_struct which, const char 
     uint32_t count;
     const daft_field *fields = daft_fields(which, &count);
     for (uint32_t i = 0; i < count; i++)
-        if (fields[i].scene) snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", *known ? ", " : "", fields[i].scene);
+        if (fields[i].scene)
+            snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", *known ? ", " : "", fields[i].scene);
     return daft_scene_text_fail(&read->text, column, "unknown option '%.40s'; known are %s", name, known);
 }
 
@@ -160,11 +161,13 @@ static bool read_options(reader *read, daft_struct which, void *out)
         snprintf(text, sizeof text, "%.*s", (int)token.length, token.text);
         char *value = strchr(text, '=');
         if (token.length >= sizeof text || !value)
-            return daft_scene_text_fail(&read->text, token.column, "the option has more than %d characters", LONGEST_OPTION - 1);
+            return daft_scene_text_fail(&read->text, token.column, "the option has more than %d characters",
+                                        LONGEST_OPTION - 1);
         *value++ = 0;
         const daft_field *field = option_field(which, text);
         if (!field) return fail_option(read, token.column, which, text);
-        if (!set_option(field, value, out, &why)) return daft_scene_text_fail(&read->text, token.column, "%s", why.message);
+        if (!set_option(field, value, out, &why))
+            return daft_scene_text_fail(&read->text, token.column, "%s", why.message);
     }
     return true;
 }
@@ -226,7 +229,8 @@ static bool read_cone(reader *read, daft_light_def *out)
 {
     double outer, inner;
     if (!more_numbers(read)) return true;
-    if (!daft_scene_text_number(&read->text, "angle", 1e-4, 180, "above 0 and at most 180 degrees", &outer)) return false;
+    if (!daft_scene_text_number(&read->text, "angle", 1e-4, 180, "above 0 and at most 180 degrees", &outer))
+        return false;
     inner = 0.75 * outer;
     if (more_numbers(read) &&
         !daft_scene_text_number(&read->text, "inner", 0, outer, "0 or more and at most the angle before it", &inner))
@@ -305,7 +309,8 @@ static const struct {
     {"skybox", "skybox path", read_skybox, DAFT_STRUCT_COUNT, 0},
     {"light", "light x y z r g b", read_light, DAFT_STRUCT_LIGHT_DEF, offsetof(item, light)},
     {"sphere", "sphere x y z r material_path", read_sphere, DAFT_STRUCT_ENTITY_DEF, offsetof(item, entity)},
-    {"mesh", "mesh mesh_path x y z [scale [rot_x rot_y rot_z]]", read_mesh, DAFT_STRUCT_ENTITY_DEF, offsetof(item, entity)},
+    {"mesh", "mesh mesh_path x y z [scale [rot_x rot_y rot_z]]", read_mesh, DAFT_STRUCT_ENTITY_DEF,
+     offsetof(item, entity)},
     {"sun", "sun dx dy dz r g b", read_sun, DAFT_STRUCT_LIGHT_DEF, offsetof(item, light)},
     {"spot", "spot x y z dx dy dz r g b [angle [inner]]", read_spot, DAFT_STRUCT_LIGHT_DEF, offsetof(item, light)},
     {"ambient", "ambient r g b", read_ambient, DAFT_STRUCT_COUNT, 0},

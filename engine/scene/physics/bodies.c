@@ -5,7 +5,8 @@ static const char *const KINDS[] = {"none", "static", "kinematic", "dynamic"};
 
 static bool scale_check(const daft_entity_def *def, daft_error *error)
 {
-    bool round = def->shape == DAFT_SHAPE_SPHERE, unscaled = def->scale.x == 1 && def->scale.y == 1 && def->scale.z == 1;
+    bool round = def->shape == DAFT_SHAPE_SPHERE,
+         unscaled = def->scale.x == 1 && def->scale.y == 1 && def->scale.z == 1;
     if (unscaled || (!round && def->shape != DAFT_SHAPE_BOX)) return true;
     return daft_fail(error, DAFT_ERROR_ARGUMENT, "scale is %g, %g, %g; a body's must be 1, 1, 1: size it by its %s",
                      (double)def->scale.x, (double)def->scale.y, (double)def->scale.z, round ? "radius" : "size");
@@ -16,7 +17,8 @@ bool daft_body_check(const daft_entity_def *def, daft_error *error)
     if (def->body == DAFT_BODY_NONE) return true;
     const char *kind = KINDS[def->body];
     if (def->collider_count == 0 && def->shape == DAFT_SHAPE_NONE)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the shape is none; a body needs a shape or a collider", kind);
+        return daft_fail(error, DAFT_ERROR_ARGUMENT,
+                         "body is %s but the shape is none; a body needs a shape or a collider", kind);
     if (def->collider_count && !daft_check_pointer(error, "colliders", def->colliders)) return false;
     if (def->parent.id)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "body is %s but the entity has a parent; a body must have none",
@@ -51,7 +53,8 @@ static daft_collider collider_of(const daft_entity_def *def)
     daft_collider collider = daft_default_collider();
     collider.radius = def->radius, collider.size = def->size;
     if (def->shape == DAFT_SHAPE_BOX) collider.kind = DAFT_COLLIDER_BOX;
-    if (def->shape == DAFT_SHAPE_MESH) collider.kind = def->body == DAFT_BODY_DYNAMIC ? DAFT_COLLIDER_HULL : DAFT_COLLIDER_MESH;
+    if (def->shape == DAFT_SHAPE_MESH)
+        collider.kind = def->body == DAFT_BODY_DYNAMIC ? DAFT_COLLIDER_HULL : DAFT_COLLIDER_MESH;
     return collider;
 }
 
@@ -59,9 +62,12 @@ static daft_sim_shape_def shape_def(const daft_entity_def *def)
 {
     daft_sim_shape_def shape = daft_default_sim_shape_def();
     shape.density = def->density;
-    shape.material = (daft_sim_material){.friction = def->friction, .static_friction = def->static_friction,
-                                         .restitution = def->restitution, .rolling_resistance = def->rolling_resistance,
-                                         .surface_velocity = def->belt, .kind = def->surface};
+    shape.material = (daft_sim_material){.friction = def->friction,
+                                         .static_friction = def->static_friction,
+                                         .restitution = def->restitution,
+                                         .rolling_resistance = def->rolling_resistance,
+                                         .surface_velocity = def->belt,
+                                         .kind = def->surface};
     shape.layers = def->layers, shape.mask = def->mask;
     shape.sensor = def->sensor;
     return shape;
@@ -99,7 +105,8 @@ static bool make_shapes(daft_scene *scene, const daft_entity_def *def, const daf
     return true;
 }
 
-bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, daft_made_body *made, daft_error *error)
+bool daft_body_create(daft_scene *scene, const daft_entity_def *def, uint32_t entity, daft_made_body *made,
+                      daft_error *error)
 {
     *made = (daft_made_body){0};
     if (def->body == DAFT_BODY_NONE) return true;
@@ -138,16 +145,16 @@ void daft_body_destroy(daft_scene *scene, uint32_t index)
 
 /* ---- velocities, forces ---- */
 
-/* Finds an entity whose body is of `least` kind or of one that obeys more: static, kinematic, dynamic. */
-static daft_entity_item *body_find(daft_scene *scene, daft_entity entity, daft_body_kind least, daft_error *error)
+/* Finds an entity whose body is of the kind `min` or a later one: static, kinematic, dynamic. */
+static daft_entity_item *body_find(daft_scene *scene, daft_entity entity, daft_body_kind min, daft_error *error)
 {
     daft_entity_item *item = daft_entity_find(scene, entity, error);
-    if (!item || (item->body && item->def.body >= least)) return item;
+    if (!item || (item->body && item->def.body >= min)) return item;
     if (!item->body)
         daft_fail(error, DAFT_ERROR_ARGUMENT, "the entity has no body");
     else
         daft_fail(error, DAFT_ERROR_ARGUMENT, "the entity's body is %s; it must be %s", KINDS[item->def.body],
-                  least == DAFT_BODY_DYNAMIC ? "dynamic" : "dynamic or kinematic");
+                  min == DAFT_BODY_DYNAMIC ? "dynamic" : "dynamic or kinematic");
     return NULL;
 }
 
@@ -193,11 +200,13 @@ bool daft_entity_apply_impulse(daft_scene *scene, daft_entity entity, daft_vec3 
     return true;
 }
 
-bool daft_entity_apply_impulse_at(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_dvec3 point, daft_error *error)
+bool daft_entity_apply_impulse_at(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_dvec3 point,
+                                  daft_error *error)
 {
     daft_error_clear(error);
     const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
-    if (!item || !daft_check_finite3(error, "impulse", impulse) || !daft_check_finite_position(error, "point", point)) return false;
+    if (!item || !daft_check_finite3(error, "impulse", impulse) || !daft_check_finite_position(error, "point", point))
+        return false;
     daft_world_apply_impulse_at(scene->world, item->body, impulse, point);
     return true;
 }
@@ -339,7 +348,8 @@ uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out, uint32_
 
 uint32_t daft_scene_events(const daft_scene *scene, daft_event *out, uint32_t capacity)
 {
-    _Static_assert((int)DAFT_EVENT_CONTACT_BEGIN == (int)DAFT_SIM_CONTACT_BEGIN && (int)DAFT_EVENT_WAKE == (int)DAFT_SIM_WAKE,
+    _Static_assert((int)DAFT_EVENT_CONTACT_BEGIN == (int)DAFT_SIM_CONTACT_BEGIN &&
+                       (int)DAFT_EVENT_WAKE == (int)DAFT_SIM_WAKE,
                    "the kinds are the same numbers");
     if (!scene->world) return 0;
     const daft_sim_event *events;
@@ -363,7 +373,8 @@ uint32_t daft_scene_events(const daft_scene *scene, daft_event *out, uint32_t ca
 bool daft_scene_set_substeps(daft_scene *scene, int substeps, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_check_range(error, "substeps", substeps, 1, 16, "1 to 16")) return false;
+    if (!daft_check_pointer(error, "scene", scene) || !daft_check_range(error, "substeps", substeps, 1, 16, "1 to 16"))
+        return false;
     daft_world *world = daft_scene_world(scene, error);
     if (world) daft_world_set_substeps(world, substeps);
     return world != NULL;
@@ -375,7 +386,8 @@ void daft_scene_set_sleeping(daft_scene *scene, bool allowed)
     if (world) daft_world_set_sleeping(world, allowed);
 }
 
-bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b, const daft_surfaces *together, daft_error *error)
+bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b, const daft_surfaces *together,
+                             daft_error *error)
 {
     daft_error_clear(error);
     if (!daft_check_pointer(error, "scene", scene)) return false;

@@ -44,8 +44,9 @@ static bool read_volume(const daft_volume *from, daft_sim_shape *out, daft_error
     return daft_shape_capsule(0.5f * from->height - from->radius, from->radius, out, error);
 }
 
-/* The way from the origin. */
-static bool read_way(daft_dvec3 origin, daft_vec3 direction, float max_distance, daft_dvec3 *motion, daft_error *error)
+/* The displacement from the origin. */
+static bool read_displacement(daft_dvec3 origin, daft_vec3 direction, float max_distance, daft_dvec3 *motion,
+                              daft_error *error)
 {
     if (!daft_check_finite_position(error, "origin", origin) || !daft_check_direction(error, "direction", direction) ||
         !daft_check_range(error, "max_distance", (double)max_distance, 0, INFINITY, "0 or more"))
@@ -72,7 +73,7 @@ static bool give(const daft_sim_hit *found, daft_query_hit *hit)
     return true;
 }
 
-/* The room's lists hold more than callers ask for: a list on the stack, or the allocator's where it is longer. */
+/* Hits of the simulation: on the stack, or from the allocator where the caller's list is longer. */
 enum { SHORT_LIST = 64 };
 
 typedef struct hit_list {
@@ -103,7 +104,7 @@ bool daft_query_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, f
     daft_sim_hit found;
     daft_error_clear(error);
     if (!daft_check_pointer(error, "scene", scene) || !read_filter(scene, filter, &f, error) ||
-        !read_way(origin, direction, max_distance, &motion, error))
+        !read_displacement(origin, direction, max_distance, &motion, error))
         return false;
     scene->counters.query_rays++;
     return scene->world && daft_world_cast_ray(scene->world, origin, motion, &f, &found) && give(&found, hit);
@@ -118,11 +119,11 @@ uint32_t daft_query_ray_all(daft_scene *scene, daft_dvec3 origin, daft_vec3 dire
     daft_error_clear(error);
     if (!hits) capacity = 0;
     if (!daft_check_pointer(error, "scene", scene) || !read_filter(scene, filter, &f, error) ||
-        !read_way(origin, direction, max_distance, &motion, error) || !list_begin(&list, scene, capacity, error))
+        !read_displacement(origin, direction, max_distance, &motion, error) ||
+        !list_begin(&list, scene, capacity, error))
         return 0;
     scene->counters.query_rays++;
-    uint32_t count =
-        scene->world ? daft_world_cast_ray_all(scene->world, origin, motion, &f, list.hits, capacity) : 0;
+    uint32_t count = scene->world ? daft_world_cast_ray_all(scene->world, origin, motion, &f, list.hits, capacity) : 0;
     return list_end(&list, count, hits, capacity);
 }
 
@@ -135,10 +136,9 @@ bool daft_query_cast(daft_scene *scene, const daft_volume *volume, daft_dvec3 or
     daft_sim_hit found;
     daft_error_clear(error);
     if (!daft_check_pointer(error, "scene", scene) || !read_filter(scene, filter, &f, error) ||
-        !read_volume(volume, &shape, error) || !read_way(origin, direction, max_distance, &motion, error))
+        !read_volume(volume, &shape, error) || !read_displacement(origin, direction, max_distance, &motion, error))
         return false;
-    return scene->world &&
-           daft_world_cast_shape(scene->world, &shape, origin, volume->rotation, motion, &f, &found) &&
+    return scene->world && daft_world_cast_shape(scene->world, &shape, origin, volume->rotation, motion, &f, &found) &&
            give(&found, hit);
 }
 
@@ -154,9 +154,9 @@ uint32_t daft_query_overlap(daft_scene *scene, const daft_volume *volume, daft_d
         !read_volume(volume, &shape, error) || !daft_check_finite_position(error, "position", position) ||
         !list_begin(&list, scene, capacity, error))
         return 0;
-    uint32_t count = scene->world ? daft_world_overlap(scene->world, &shape, position, volume->rotation, &f, list.hits,
-                                                       capacity)
-                                  : 0;
+    uint32_t count = scene->world
+                         ? daft_world_overlap(scene->world, &shape, position, volume->rotation, &f, list.hits, capacity)
+                         : 0;
     return list_end(&list, count, hits, capacity);
 }
 

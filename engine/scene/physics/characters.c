@@ -10,7 +10,8 @@ daft_character_def daft_default_character_def(void)
 
 static bool read_def(daft_scene *scene, const daft_character_def *def, daft_sim_character_def *out, daft_error *error)
 {
-    if (!daft_check_pointer(error, "def", def) || !daft_struct_check(DAFT_STRUCT_CHARACTER_DEF, def, error)) return false;
+    if (!daft_check_pointer(error, "def", def) || !daft_struct_check(DAFT_STRUCT_CHARACTER_DEF, def, error))
+        return false;
     *out = (daft_sim_character_def){.position = def->position,
                                     .radius = def->radius,
                                     .height = def->height,
@@ -26,10 +27,10 @@ static bool read_def(daft_scene *scene, const daft_character_def *def, daft_sim_
     if (def->entity.id == 0) return true;
     const daft_entity_item *item = daft_entity_find(scene, def->entity, error);
     if (!item) return false;
-    if (item->def.parent.id)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "a character's entity must have no parent");
+    if (item->def.parent.id) return daft_fail(error, DAFT_ERROR_ARGUMENT, "a character's entity must have no parent");
     if (item->def.body == DAFT_BODY_DYNAMIC)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "a character's entity is dynamic; it must be kinematic or no body");
+        return daft_fail(error, DAFT_ERROR_ARGUMENT,
+                         "a character's entity is dynamic; it must be kinematic or no body");
     out->ignore = item->body;
     return true;
 }
@@ -88,8 +89,8 @@ static daft_character_item *find(const daft_scene *scene, daft_character charact
     if (character.id == 0)
         daft_fail(error, DAFT_ERROR_HANDLE, "the character is none (0)");
     else
-        daft_fail(error, DAFT_ERROR_HANDLE,
-                  "character 0x%x is stale: it was destroyed, or is not one of this scene", character.id);
+        daft_fail(error, DAFT_ERROR_HANDLE, "character 0x%x is stale: it was destroyed, or is not one of this scene",
+                  character.id);
     return NULL;
 }
 

@@ -1,5 +1,5 @@
-/* What bodies are made of. Hulls, triangles and fields are kept by number while some body uses them, so entities that look
- * alike share one; a saved state names them by these numbers. */
+/* What bodies are made of. Hulls, triangles and fields are kept by number while some body uses them, so entities that
+ * look alike share one; a saved state names them by these numbers. */
 #include "scene/scene.h"
 
 #include <string.h>
@@ -100,8 +100,8 @@ static bool make_triangles(daft_scene *scene, const daft_mesh_item *mesh, daft_g
 {
     bool as_is = item->scale.x == 1 && item->scale.y == 1 && item->scale.z == 1;
     if (!as_is && !scale_mesh(scene, &mesh->mesh, item, error)) return false;
-    item->triangles = daft_mesh_shape_create(scene->allocator, as_is ? &mesh->mesh : &item->scaled, as_is ? mesh->bvh : item->bvh,
-                                             false, error);
+    item->triangles = daft_mesh_shape_create(scene->allocator, as_is ? &mesh->mesh : &item->scaled,
+                                             as_is ? mesh->bvh : item->bvh, false, error);
     return item->triangles != NULL;
 }
 
@@ -119,7 +119,7 @@ static bool make(daft_scene *scene, const daft_collider *collider, const daft_me
     }
     if (!daft_check_pointer(error, "heights", collider->heights)) return false;
     item->field = daft_height_field_create(scene->allocator, collider->heights, collider->columns, collider->rows,
-                                    collider->spacing.x, collider->spacing.y, error);
+                                           collider->spacing.x, collider->spacing.y, error);
     return item->field != NULL;
 }
 
@@ -189,10 +189,13 @@ bool daft_collider_acquire(daft_scene *scene, const daft_collider *collider, con
     case DAFT_COLLIDER_MESH:
     case DAFT_COLLIDER_FIELD:
         if (def->body == DAFT_BODY_DYNAMIC)
-            return daft_fail(error, DAFT_ERROR_ARGUMENT, "the collider is a %s, which has no mass: a dynamic body can be a hull",
+            return daft_fail(error, DAFT_ERROR_ARGUMENT,
+                             "the collider is a %s, which has no mass: a dynamic body can be a hull",
                              KINDS[collider->kind]);
-        return acquire(scene, collider, def, collider->kind == DAFT_COLLIDER_MESH ? DAFT_GEOMETRY_MESH : DAFT_GEOMETRY_FIELD, out, error);
+        return acquire(scene, collider, def,
+                       collider->kind == DAFT_COLLIDER_MESH ? DAFT_GEOMETRY_MESH : DAFT_GEOMETRY_FIELD, out, error);
     }
-    return daft_fail(error, DAFT_ERROR_ARGUMENT, "the collider's kind is %d; it must be sphere, capsule, box, hull, mesh, field or cylinder",
+    return daft_fail(error, DAFT_ERROR_ARGUMENT,
+                     "the collider's kind is %d; it must be sphere, capsule, box, hull, mesh, field or cylinder",
                      (int)collider->kind);
 }

@@ -16,7 +16,8 @@ static uint32_t joint_find(const daft_scene *scene, daft_joint joint, daft_error
     if (joint.id == 0)
         daft_fail(error, DAFT_ERROR_HANDLE, "the joint is none (0)");
     else
-        daft_fail(error, DAFT_ERROR_HANDLE, "joint 0x%x is stale: it was destroyed, broke or went with a body", joint.id);
+        daft_fail(error, DAFT_ERROR_HANDLE, "joint 0x%x is stale: it was destroyed, broke or went with a body",
+                  joint.id);
     return DAFT_NONE;
 }
 
@@ -31,7 +32,8 @@ static uint32_t body_of(daft_scene *scene, daft_entity entity, const char *name,
 static bool joints_reserve(daft_scene *scene, daft_error *error)
 {
     uint32_t needed = daft_slots_needed(&scene->joint_slots, 1);
-    if (needed > DAFT_MAX_SLOTS) return daft_fail(error, DAFT_ERROR_ARGUMENT, "a scene holds at most %d joints", DAFT_MAX_SLOTS);
+    if (needed > DAFT_MAX_SLOTS)
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "a scene holds at most %d joints", DAFT_MAX_SLOTS);
     return (daft_slots_reserve(&scene->joint_slots, scene->allocator, 1) &&
             daft_grow(scene->allocator, &scene->joints, &scene->joint_capacity, needed, scene->joint_slots.count,
                       sizeof *scene->joints)) ||
@@ -87,16 +89,17 @@ bool daft_joint_get(daft_scene *scene, daft_joint joint, daft_joint_state *out, 
     if (index == DAFT_NONE || !daft_check_pointer(error, "out", out)) return false;
     daft_sim_joint_state s;
     const daft_joint_item *item = &scene->joints[index];
-    if (!daft_world_get_joint(scene->world, item->joint, &s)) return daft_fail(error, DAFT_ERROR_HANDLE, "the joint is gone");
+    if (!daft_world_get_joint(scene->world, item->joint, &s))
+        return daft_fail(error, DAFT_ERROR_HANDLE, "the joint is gone");
     *out = (daft_joint_state){.kind = s.kind,
-                             .a = item->a,
-                             .b = item->b,
-                             .anchor_a = s.anchor_a,
-                             .anchor_b = s.anchor_b,
-                             .value = s.value,
-                             .speed = s.speed,
-                             .force = s.force,
-                             .torque = s.torque};
+                              .a = item->a,
+                              .b = item->b,
+                              .anchor_a = s.anchor_a,
+                              .anchor_b = s.anchor_b,
+                              .value = s.value,
+                              .speed = s.speed,
+                              .force = s.force,
+                              .torque = s.torque};
     return true;
 }
 
@@ -126,7 +129,8 @@ bool daft_joint_set_spring(daft_scene *scene, daft_joint joint, bool on, float h
 {
     daft_error_clear(error);
     uint32_t index = joint_find(scene, joint, error);
-    if (index == DAFT_NONE || !daft_check_range(error, "hertz", (double)hertz, 0, DAFT_ANY_FLOAT, "finite and 0 or more") ||
+    if (index == DAFT_NONE ||
+        !daft_check_range(error, "hertz", (double)hertz, 0, DAFT_ANY_FLOAT, "finite and 0 or more") ||
         !daft_check_range(error, "damping", (double)damping, 0, DAFT_ANY_FLOAT, "finite and 0 or more"))
         return false;
     daft_world_set_joint_spring(scene->world, scene->joints[index].joint, on, hertz, damping);

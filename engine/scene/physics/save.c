@@ -1,8 +1,10 @@
-/* The bodies' state as bytes: which entity has which body, the joints' handles, the characters, and the world's own bytes.
+/* The bodies' state as bytes: which entity has which body, the joints' handles, the characters, and the world's own
+ * bytes.
  *
  *   header, `bodies` × {entity, body}, `joints` × slot, `joints` × joint, `characters` × character, the world
  *
- * What it needs to be in the scene, entities with their bodies and characters, is compared before anything is changed. */
+ * What it needs to be in the scene, entities with their bodies and characters, is compared before anything is changed.
+ */
 #include "scene/scene.h"
 
 #include <string.h>
@@ -12,7 +14,7 @@ static const char MAGIC[8] = "DAFTSIM";
 typedef struct state_header {
     char magic[8];
     uint32_t version, header_bytes;
-    uint32_t bodies, joints;                          /* joints: slots ever used */
+    uint32_t bodies, joints; /* joints: slots ever used */
     uint32_t characters, pad;
     uint32_t live, free_count, first_free, last_free; /* of the joints' slots */
     uint64_t world_bytes;
@@ -77,9 +79,16 @@ size_t daft_scene_save_bodies(const daft_scene *scene, void *out, size_t capacit
     size_t world_bytes = 0;
     if (scene->world && !daft_world_save(scene->world, &world, &world_bytes, error)) return 0;
     const daft_slots *slots = &scene->joint_slots;
-    state_header header = {.version = 1, .header_bytes = sizeof header, .bodies = count_bodies(scene), .joints = slots->count,
-                           .characters = scene->character_slots.live, .live = slots->live, .free_count = slots->free_count, .first_free = slots->first_free,
-                           .last_free = slots->last_free, .world_bytes = world_bytes};
+    state_header header = {.version = 1,
+                           .header_bytes = sizeof header,
+                           .bodies = count_bodies(scene),
+                           .joints = slots->count,
+                           .characters = scene->character_slots.live,
+                           .live = slots->live,
+                           .free_count = slots->free_count,
+                           .first_free = slots->first_free,
+                           .last_free = slots->last_free,
+                           .world_bytes = world_bytes};
     memcpy(header.magic, MAGIC, sizeof MAGIC);
     size_t size = fixed_bytes(&header) + world_bytes;
     if (out && capacity >= size) write_state(scene, &header, world, out);
@@ -87,19 +96,24 @@ size_t daft_scene_save_bodies(const daft_scene *scene, void *out, size_t capacit
     return size;
 }
 
-static bool damaged(daft_error *error) { return daft_fail(error, DAFT_ERROR_SYNTAX, "these bytes are not a saved state of bodies, or are damaged"); }
+static bool damaged(daft_error *error)
+{
+    return daft_fail(error, DAFT_ERROR_SYNTAX, "these bytes are not a saved state of bodies, or are damaged");
+}
 
 static bool bodies_match(const daft_scene *scene, const state_header *header, const char *at, daft_error *error)
 {
     if (header->bodies != count_bodies(scene))
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "the state has %u bodies and the scene has %u: it must be loaded into the same entities",
+        return daft_fail(error, DAFT_ERROR_ARGUMENT,
+                         "the state has %u bodies and the scene has %u: it must be loaded into the same entities",
                          header->bodies, count_bodies(scene));
     for (uint32_t i = 0; i < header->bodies; i++) {
         state_body body;
         memcpy(&body, at + i * sizeof body, sizeof body);
         uint32_t index = daft_slots_find(&scene->entity_slots, body.entity);
         if (index == DAFT_NONE || scene->entities[index].body != body.body)
-            return daft_fail(error, DAFT_ERROR_ARGUMENT, "entity 0x%x of the state is not in the scene as it was", body.entity);
+            return daft_fail(error, DAFT_ERROR_ARGUMENT, "entity 0x%x of the state is not in the scene as it was",
+                             body.entity);
     }
     return true;
 }
@@ -117,10 +131,11 @@ static bool character_sound(const char *at)
     memcpy(&c, at, sizeof c);
     const daft_sim_character *n = &c.now;
     daft_sim_character made;
-    return daft_sim_character_init(&made, &n->def, NULL) && daft_body_check_position(n->position, NULL) && daft_finite3(n->velocity) &&
-           daft_finite3(n->ground_normal) && daft_finite3(n->ground_velocity) && isfinite(n->turn) &&
-           daft_dfinite3(n->ground_local) && daft_dfinite3(n->ground_position) && daft_check_rotation(NULL, "", n->ground_rotation) &&
-           daft_finite3(c.wish.velocity) && c.wish.jump >= 0 && c.wish.jump <= 1e4f;
+    return daft_sim_character_init(&made, &n->def, NULL) && daft_body_check_position(n->position, NULL) &&
+           daft_finite3(n->velocity) && daft_finite3(n->ground_normal) && daft_finite3(n->ground_velocity) &&
+           isfinite(n->turn) && daft_dfinite3(n->ground_local) && daft_dfinite3(n->ground_position) &&
+           daft_check_rotation(NULL, "", n->ground_rotation) && daft_finite3(c.wish.velocity) && c.wish.jump >= 0 &&
+           c.wish.jump <= 1e4f;
 }
 
 static bool characters_match(const daft_scene *scene, const state_header *header, const char *at, daft_error *error)
@@ -170,7 +185,8 @@ static bool joints_reserve(daft_scene *scene, uint32_t count, daft_error *error)
 {
     daft_slots *slots = &scene->joint_slots;
     return (daft_grow(scene->allocator, &slots->items, &slots->capacity, count, slots->count, sizeof *slots->items) &&
-            daft_grow(scene->allocator, &scene->joints, &scene->joint_capacity, count, slots->count, sizeof *scene->joints)) ||
+            daft_grow(scene->allocator, &scene->joints, &scene->joint_capacity, count, slots->count,
+                      sizeof *scene->joints)) ||
            daft_fail_memory(error, "the list of joints");
 }
 
@@ -178,8 +194,9 @@ static bool header_read(const void *bytes, size_t size, state_header *h)
 {
     if (!bytes || size < sizeof *h) return false;
     memcpy(h, bytes, sizeof *h);
-    return memcmp(h->magic, MAGIC, sizeof MAGIC) == 0 && h->version == 1 && h->header_bytes == sizeof *h && h->bodies <= DAFT_MAX_SLOTS &&
-           h->joints <= DAFT_MAX_SLOTS && h->characters <= DAFT_MAX_SLOTS && fixed_bytes(h) <= size && h->world_bytes == size - fixed_bytes(h);
+    return memcmp(h->magic, MAGIC, sizeof MAGIC) == 0 && h->version == 1 && h->header_bytes == sizeof *h &&
+           h->bodies <= DAFT_MAX_SLOTS && h->joints <= DAFT_MAX_SLOTS && h->characters <= DAFT_MAX_SLOTS &&
+           fixed_bytes(h) <= size && h->world_bytes == size - fixed_bytes(h);
 }
 
 bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, daft_error *error)
@@ -189,7 +206,8 @@ bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, d
     if (!daft_check_pointer(error, "scene", scene)) return false;
     if (!header_read(bytes, size, &h)) return damaged(error);
     const char *bodies = (const char *)bytes + sizeof h, *slots = bodies + h.bodies * sizeof(state_body);
-    const char *joints = slots + h.joints * sizeof(daft_slot), *characters = joints + h.joints * sizeof(daft_joint_item);
+    const char *joints = slots + h.joints * sizeof(daft_slot),
+               *characters = joints + h.joints * sizeof(daft_joint_item);
     const char *world = characters + h.characters * sizeof(state_character);
     if (!bodies_match(scene, &h, bodies, error) || !characters_match(scene, &h, characters, error)) return false;
     if (!slots_sound(&h, slots)) return damaged(error);
@@ -202,7 +220,8 @@ bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, d
         memcpy(scene->joints, joints, h.joints * sizeof(daft_joint_item));
     }
     daft_slots *s = &scene->joint_slots;
-    s->count = h.joints, s->live = h.live, s->free_count = h.free_count, s->first_free = h.first_free, s->last_free = h.last_free;
+    s->count = h.joints, s->live = h.live, s->free_count = h.free_count, s->first_free = h.first_free,
+    s->last_free = h.last_free;
     daft_scene_pull_all_poses(scene);
     characters_load(scene, h.characters, characters);
     return true;

@@ -345,8 +345,8 @@ static void every_allocation_may_fail(void **state)
     }
 }
 
-/* A settled scene's second picture takes nothing from the allocator, nor do its ticks and its rays. With one worker: how
- * many share the work is settled at once, how they share it only when each has had its largest share. */
+/* A settled scene's second picture takes nothing from the allocator, nor do its ticks and its rays. With one worker:
+ * how many share the work is settled at once, how they share it only when each has had its largest share. */
 static void a_settled_frame_allocates_nothing(void **state)
 {
     (void)state;

@@ -58,10 +58,7 @@ static const char *put(const char *name, const char *text)
     return path;
 }
 
-static void make_folder(const char *name)
-{
-    assert_int_equal(mkdir(remember(name), 0700), 0);
-}
+static void make_folder(const char *name) { assert_int_equal(mkdir(remember(name), 0700), 0); }
 
 static void expect(const char *arguments, int status, const char *says)
 {
@@ -176,7 +173,8 @@ static void every_bad_line_of_a_scene_is_told(void **unused)
                 ":3:14: error: r is 0; it must be above", ":4:14: error: r is -1",
                 ":5:14: error: expected r (a number), 'nan' came", ":6:6: error: ", ":7:22: error: scale is 0",
                 ":8:5: error: the sun's direction is 0 0 0", ":9:12: error: the spot's direction is 0 0 0",
-                ":10:24: error: angle is 0", ":11:27: error: inner is 30; it must be 0 or more and at most the angle before it");
+                ":10:24: error: angle is 0",
+                ":11:27: error: inner is 30; it must be 0 or more and at most the angle before it");
     assert_says(output, "1 file checked: 11 errors, 0 warnings");
 }
 

@@ -14,9 +14,10 @@
 #include <string.h>
 
 /* Calls `body` with each struct and field. */
-#define EACH_FIELD(which, field)                                                                                        \
-    for (daft_struct which = 0; which < DAFT_STRUCT_COUNT; which++)                                                     \
-        for (const daft_field *field = daft_fields(which, NULL), *end = field + field_count(which); field < end; field++)
+#define EACH_FIELD(which, field)                                                                                       \
+    for (daft_struct which = 0; which < DAFT_STRUCT_COUNT; which++)                                                    \
+        for (const daft_field *field = daft_fields(which, NULL), *end = field + field_count(which); field < end;       \
+             field++)
 
 static uint32_t field_count(daft_struct which)
 {
@@ -56,13 +57,15 @@ static void declared_name(const char *from, const char *to, char *out, size_t si
     const char *start = from, *call = memchr(from, '(', (size_t)(to - from));
     const char *bracket = memchr(from, '[', (size_t)(to - from));
     if (call)
-        for (start = call + 1; !isalpha((unsigned char)*start); start++) {}
+        for (start = call + 1; !isalpha((unsigned char)*start); start++) {
+        }
     const char *end = call ? start : bracket ? bracket : to;
     if (call)
         while (isalnum((unsigned char)*end) || *end == '_') end++;
     while (!isalnum((unsigned char)end[-1])) end--;
     if (!call)
-        for (start = end; isalnum((unsigned char)start[-1]) || start[-1] == '_'; start--) {}
+        for (start = end; isalnum((unsigned char)start[-1]) || start[-1] == '_'; start--) {
+        }
     snprintf(out, size, "%.*s", (int)(end - start), start);
 }
 
@@ -106,8 +109,8 @@ static void rows_cover_every_byte(void **state)
         const daft_field *fields = daft_fields(which, NULL);
         for (uint32_t i = 0; i < field_count(which); i++) {
             if (fields[i].offset < at || fields[i].offset - at >= sizeof(double))
-                fail_msg("%s.%s begins at byte %zu, the row before ends at %zu", daft_struct_name(which), fields[i].name,
-                         fields[i].offset, at);
+                fail_msg("%s.%s begins at byte %zu, the row before ends at %zu", daft_struct_name(which),
+                         fields[i].name, fields[i].offset, at);
             at = fields[i].offset + fields[i].size;
         }
         assert_true(daft_struct_size(which) - at < sizeof(double));
@@ -117,7 +120,8 @@ static void rows_cover_every_byte(void **state)
 static void every_field_is_described(void **state)
 {
     (void)state;
-    EACH_FIELD(which, field) {
+    EACH_FIELD(which, field)
+    {
         size_t length = field->doc ? strlen(field->doc) : 0;
         if (length < 5 || field->doc[length - 1] == '.') fail_msg("%s.%s", daft_struct_name(which), field->name);
         for (const daft_field *other = daft_fields(which, NULL); other < field; other++) {
@@ -174,14 +178,16 @@ static void what_is_out_of_range_is_refused(void **state)
 {
     (void)state;
     uint32_t refused = 0;
-    EACH_FIELD(which, field) {
+    EACH_FIELD(which, field)
+    {
         char value[LARGEST];
         daft_error error;
         double numbers[4], bad[] = {(double)NAN, (double)INFINITY, field->min - 1, field->max * 2 + 1};
         bool one_sided = isinf(field->max), any = field->min == 0 && field->max == 0;
         make_default(which, value);
         uint32_t count = daft_field_numbers(field, value, numbers);
-        bool real = field->type >= DAFT_FIELD_FLOAT && field->type <= DAFT_FIELD_ROTATION && field->type != DAFT_FIELD_CHOICE;
+        bool real =
+            field->type >= DAFT_FIELD_FLOAT && field->type <= DAFT_FIELD_ROTATION && field->type != DAFT_FIELD_CHOICE;
         for (size_t k = 0; real && k < (any ? 2 : one_sided ? 3 : 4); k++) {
             double changed[4];
             memcpy(changed, numbers, sizeof changed);
@@ -226,7 +232,8 @@ static void kinds_use_their_fields_alone(void **state)
 static void every_change_shows(void **state)
 {
     (void)state;
-    EACH_FIELD(which, field) {
+    EACH_FIELD(which, field)
+    {
         char value[LARGEST], packed[2][LARGEST];
         double numbers[4];
         make_default(which, value);
@@ -250,7 +257,8 @@ static void text_goes_both_ways(void **state)
 {
     (void)state;
     daft_error error;
-    EACH_FIELD(which, field) {
+    EACH_FIELD(which, field)
+    {
         char value[LARGEST], again[LARGEST], text[200];
         make_default(which, value);
         make_default(which, again);

@@ -1,5 +1,6 @@
-/* Frames: what one draws stays as it was when it was taken, while another thread changes the scene; and nothing that it reads is
- * freed or written before it is released. Meant for ThreadSanitizer and valgrind as much as for its own assertions. */
+/* Frames: what one draws stays as it was when it was taken, while another thread changes the scene; and nothing that it
+ * reads is freed or written before it is released. Meant for ThreadSanitizer and valgrind as much as for its own
+ * assertions. */
 #include "scene_fixture.h"
 
 #include <pthread.h>
@@ -83,7 +84,7 @@ static void change_everything(stage *s, int turn)
     assert_true(daft_material_get(s->scene, s->material, &look, &error));
     look.diffuse = daft_v3(0.1f * (float)turn, 0, 1), look.mirror = 0;
     assert_true(daft_material_set(s->scene, s->material, &look, &error));
-    for (int i = 0; i < 40; i++) daft_material_create(s->scene, &look, NULL); /* the table moves */
+    for (int i = 0; i < 40; i++) daft_material_create(s->scene, &look, NULL);  /* the table moves */
     if (turn == 0) assert_true(daft_entity_destroy(s->scene, s->box, &error)); /* the last box of its size */
     daft_transform t;
     assert_true(daft_entity_get_transform(s->scene, s->meshes[0], &t, &error));

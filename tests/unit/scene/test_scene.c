@@ -91,7 +91,7 @@ static void children_follow_their_parent(void **state)
     daft_entity parent = daft_entity_create(f->scene, &def, NULL);
     daft_entity child = make_sphere(f->scene, 1, 0, 0, 0.5f, parent);
     make_sphere(f->scene, 0, 3, 0, 0.25f, child);
-    assert_true(fabsf(drop(f, 10, -2) - 43.5f) < 1e-5f); /* the grandchild's top: y = 6 + 0.5 */
+    assert_true(fabsf(drop(f, 10, -2) - 43.5f) < 1e-5f);   /* the grandchild's top: y = 6 + 0.5 */
     assert_true(fabsf(drop(f, 10.6, -2) - 49.2f) < 1e-4f); /* beside it the child, radius 1: y = 0.8 */
     assert_true(drop(f, 11, 0) < 0);
     daft_transform local = transform_of(f->scene, child);
@@ -215,19 +215,24 @@ static daft_mesh make_triangle(daft_scene *scene)
     return mesh;
 }
 
-/* Things of all shapes, some of them on others, hidden, with a material of their own, or flat. Gives how many are shown. */
+/* Things of all shapes, some of them on others, hidden, with a material of their own, or flat. Gives how many are
+ * shown. */
 static uint32_t make_many(daft_scene *scene, daft_material own, bool shown[MANY])
 {
     daft_entity made[MANY];
     uint32_t count = 0;
     random_state = 77;
     daft_mesh meshes[] = {make_triangle(scene), make_triangle(scene)};
-    scene->assets.meshes[meshes[1].id - 1]->mesh.slot_count = 3; /* as of a file; only things with a material of their own show it */
+    scene->assets.meshes[meshes[1].id - 1]->mesh.slot_count =
+        3; /* as of a file; only things with a material of their own show it */
     for (uint32_t i = 0; i < MANY; i++) {
         daft_entity_def def = daft_default_entity_def();
         uint32_t kind = (uint32_t)uniform(0, 5), on = (uint32_t)uniform(0, i);
         bool hangs = i && uniform(0, 1) < 0.2, flat = uniform(0, 1) < 0.005;
-        def.shape = kind == 0 ? DAFT_SHAPE_NONE : kind == 1 ? DAFT_SHAPE_SPHERE : kind == 2 ? DAFT_SHAPE_BOX : DAFT_SHAPE_MESH;
+        def.shape = kind == 0   ? DAFT_SHAPE_NONE
+                    : kind == 1 ? DAFT_SHAPE_SPHERE
+                    : kind == 2 ? DAFT_SHAPE_BOX
+                                : DAFT_SHAPE_MESH;
         if (def.shape == DAFT_SHAPE_MESH) def.mesh = meshes[kind - 3];
         if (kind == 4) def.material = own;
         def.position = daft_dv3(uniform(-9, 9), uniform(-9, 9), uniform(-9, 9));
@@ -272,11 +277,13 @@ static void many_things_in_a_frame(void **state)
         daft_instance_bound(&alone);
         assert_memory_equal(&alone.low, &instances[i].low, 2 * sizeof alone.low);
         for (int k = 0; k < 9; k++) assert_true(alone.to_frame.m[k] == (float)item->world.m[k]);
-        assert_true(alone.to_frame.t[0] == (float)(item->world.t[0] - 0.1) && alone.to_frame.t[1] == (float)(item->world.t[1] - 2));
+        assert_true(alone.to_frame.t[0] == (float)(item->world.t[0] - 0.1) &&
+                    alone.to_frame.t[1] == (float)(item->world.t[1] - 2));
         daft_vec3 back = daft_affine_point(&alone.to_object, daft_affine_point(&alone.to_frame, daft_v3(1, 2, 3)));
         assert_true(fabsf(back.x - 1) < 1e-4f && fabsf(back.y - 2) < 1e-4f && fabsf(back.z - 3) < 1e-4f);
         uint32_t slots = alone.mesh && alone.mesh->slot_count ? alone.mesh->slot_count : 1;
-        for (uint32_t k = 0; k < slots; k++) assert_int_equal(alone.materials[k], item->def.material.id ? own.id - 1 : 0);
+        for (uint32_t k = 0; k < slots; k++)
+            assert_int_equal(alone.materials[k], item->def.material.id ? own.id - 1 : 0);
         assert_true((alone.flags & DAFT_INSTANCE_CASTS_SHADOW) != 0);
     }
     daft_arena_free(&arena);
@@ -479,22 +486,14 @@ static void hash_sees_every_change(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(stale_handles_are_errors),
-        TEST(handles_never_come_back),
-        TEST(map_finds_what_it_holds),
-        TEST(children_follow_their_parent),
-        TEST(deep_chains_are_harmless),
-        TEST(siblings_die_alone),
-        TEST(spheres_keep_equal_scales),
-        TEST(singular_transforms_are_skipped),
-        TEST(walls_shadow_rooms),
-        TEST(many_things_in_a_frame),
-        TEST(drawing_interpolates),
-        TEST(camera_interpolates),
-        TEST(axes_follow_the_convention),
-        TEST(materials_are_kept),
-        TEST(lights_come_and_go),
-        TEST(boxes_share_their_mesh),
+        TEST(stale_handles_are_errors),   TEST(handles_never_come_back),
+        TEST(map_finds_what_it_holds),    TEST(children_follow_their_parent),
+        TEST(deep_chains_are_harmless),   TEST(siblings_die_alone),
+        TEST(spheres_keep_equal_scales),  TEST(singular_transforms_are_skipped),
+        TEST(walls_shadow_rooms),         TEST(many_things_in_a_frame),
+        TEST(drawing_interpolates),       TEST(camera_interpolates),
+        TEST(axes_follow_the_convention), TEST(materials_are_kept),
+        TEST(lights_come_and_go),         TEST(boxes_share_their_mesh),
         TEST(hash_sees_every_change),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -181,7 +181,8 @@ static void layers_and_sensors(void **unused)
     (void)unused;
     place p = place_make();
     ground(p.scene);
-    daft_entity_def ghost = thing(DAFT_SHAPE_SPHERE, 0, 1, 0), gate = thing(DAFT_SHAPE_BOX, 5, 1, 0), ball = thing(DAFT_SHAPE_SPHERE, 5, 3, 0);
+    daft_entity_def ghost = thing(DAFT_SHAPE_SPHERE, 0, 1, 0), gate = thing(DAFT_SHAPE_BOX, 5, 1, 0),
+                    ball = thing(DAFT_SHAPE_SPHERE, 5, 3, 0);
     ghost.layers = 2, ghost.mask = 2;
     gate.body = DAFT_BODY_STATIC, gate.sensor = true;
     daft_entity through = add(p.scene, &ghost), door = add(p.scene, &gate), visitor = add(p.scene, &ball);
@@ -191,7 +192,8 @@ static void layers_and_sensors(void **unused)
         daft_event events[16];
         uint32_t count = daft_scene_events(p.scene, events, 16);
         for (uint32_t i = 0; i < count && i < 16; i++) {
-            entered += events[i].kind == DAFT_EVENT_TRIGGER_ENTER && events[i].a.id == door.id && events[i].b.id == visitor.id;
+            entered +=
+                events[i].kind == DAFT_EVENT_TRIGGER_ENTER && events[i].a.id == door.id && events[i].b.id == visitor.id;
             left += events[i].kind == DAFT_EVENT_TRIGGER_LEAVE;
             begun += events[i].kind == DAFT_EVENT_CONTACT_BEGIN && events[i].speed > 1;
         }
@@ -238,7 +240,8 @@ static void joints_hold_and_break(void **unused)
         run(p.scene, 1);
         daft_event events[8];
         uint32_t count = daft_scene_events(p.scene, events, 8);
-        for (uint32_t k = 0; k < count && k < 8; k++) broke |= events[k].kind == DAFT_EVENT_JOINT_BREAK && events[k].joint.id == joint.id;
+        for (uint32_t k = 0; k < count && k < 8; k++)
+            broke |= events[k].kind == DAFT_EVENT_JOINT_BREAK && events[k].joint.id == joint.id;
     }
     assert_true(broke);
     assert_false(daft_joint_is_valid(p.scene, joint));
@@ -252,7 +255,8 @@ static void states_go_on_with_the_same_bits(void **unused)
     ground(p.scene);
     daft_entity entities[12];
     for (int i = 0; i < 12; i++) {
-        daft_entity_def def = thing(i % 3 ? DAFT_SHAPE_BOX : DAFT_SHAPE_SPHERE, 0.3 * (i % 2), 1 + 1.1 * i, 0.1 * (i % 3));
+        daft_entity_def def =
+            thing(i % 3 ? DAFT_SHAPE_BOX : DAFT_SHAPE_SPHERE, 0.3 * (i % 2), 1 + 1.1 * i, 0.1 * (i % 3));
         entities[i] = add(p.scene, &def);
     }
     daft_character_def walker = daft_default_character_def();
@@ -302,7 +306,8 @@ static void surfaces(void **unused)
     (void)unused;
     place p = place_make();
     daft_entity_def floor = daft_default_entity_def();
-    floor.shape = DAFT_SHAPE_BOX, floor.size = daft_v3(40, 1, 40), floor.position = daft_dv3(0, -0.5, 0), floor.body = DAFT_BODY_STATIC;
+    floor.shape = DAFT_SHAPE_BOX, floor.size = daft_v3(40, 1, 40), floor.position = daft_dv3(0, -0.5, 0),
+    floor.body = DAFT_BODY_STATIC;
     floor.surface = 1;
     add(p.scene, &floor);
     daft_entity_def box = thing(DAFT_SHAPE_BOX, 0, 0.5, 0);
@@ -378,10 +383,14 @@ static void bad_bodies(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_collider_rests), cmocka_unit_test(locks_hold),
+        cmocka_unit_test(every_collider_rests),
+        cmocka_unit_test(locks_hold),
         cmocka_unit_test(ground_of_triangles_and_heights),
-        cmocka_unit_test(layers_and_sensors),   cmocka_unit_test(joints_hold_and_break),
-        cmocka_unit_test(states_go_on_with_the_same_bits), cmocka_unit_test(surfaces), cmocka_unit_test(bad_bodies),
+        cmocka_unit_test(layers_and_sensors),
+        cmocka_unit_test(joints_hold_and_break),
+        cmocka_unit_test(states_go_on_with_the_same_bits),
+        cmocka_unit_test(surfaces),
+        cmocka_unit_test(bad_bodies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

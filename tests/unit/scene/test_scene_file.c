@@ -233,18 +233,24 @@ static void materials_keep_their_meaning(void **state)
     assert_non_null(strstr(error.message, "no material 'blue'; it has red, shiny one, matt"));
 }
 
-/* What d, Tf, Ni and illum make of light that passes. Exporters write Ni and Tf beside any model: only 4, 6, 7, 9 mean it. */
+/* What d, Tf, Ni and illum make of light that passes. Exporters write Ni and Tf beside any model: only 4, 6, 7, 9 mean
+ * it. */
 static void glass_keeps_its_meaning(void **state)
 {
     fixture *f = *state;
     static const struct {
         const char *lines;
         float transmission, tint, index, mirror;
-    } rows[] = {{"illum 2\nNi 1.5\nTf 0 0 0", 0, 1, 1, 0},      {"illum 2\nNi 1.5\nd 0.25\nTf 1 .5 1", .75f, 1, 1, 0},
-                {"illum 7\nNi 1.5\nKs 1", 1, 1, 1.5f, 0},         {"illum 6\nNi 1.33\nTf 1 0.5 0.25", 1, .5f, 1.33f, 0},
-                {"illum 7\nNi 1.5\nd 0.5\nKs .5", .5f, 1, 1.5f, .25f}, {"illum 6\nd 1\nTf 0 0 0", 0, 0, 1, 0},
-                {"illum 4\nNi 1.5\nKs 1", 0, 1, 1.5f, 1},         {"illum 4\nNi 1.5\nTr 0.5\nTf 1 .25 1", .5f, .25f, 1.5f, 0},
-                {"illum 9\nNi 1.4\nTf .9 .8 .7", 1, .8f, 1.4f, 0}, {"illum 3\nNi 9\nKs 1\nTr 0.5", .5f, 1, 1, .5f}};
+    } rows[] = {{"illum 2\nNi 1.5\nTf 0 0 0", 0, 1, 1, 0},
+                {"illum 2\nNi 1.5\nd 0.25\nTf 1 .5 1", .75f, 1, 1, 0},
+                {"illum 7\nNi 1.5\nKs 1", 1, 1, 1.5f, 0},
+                {"illum 6\nNi 1.33\nTf 1 0.5 0.25", 1, .5f, 1.33f, 0},
+                {"illum 7\nNi 1.5\nd 0.5\nKs .5", .5f, 1, 1.5f, .25f},
+                {"illum 6\nd 1\nTf 0 0 0", 0, 0, 1, 0},
+                {"illum 4\nNi 1.5\nKs 1", 0, 1, 1.5f, 1},
+                {"illum 4\nNi 1.5\nTr 0.5\nTf 1 .25 1", .5f, .25f, 1.5f, 0},
+                {"illum 9\nNi 1.4\nTf .9 .8 .7", 1, .8f, 1.4f, 0},
+                {"illum 3\nNi 9\nKs 1\nTr 0.5", .5f, 1, 1, .5f}};
     for (size_t i = 0; i < DAFT_COUNT_OF(rows); i++) {
         char text[256], name[32];
         snprintf(text, sizeof text, "newmtl a\n%s\n", rows[i].lines);
@@ -279,8 +285,12 @@ static void byte_order_mark_is_skipped(void **state)
 {
     fixture *f = *state;
     daft_error error;
-    load_good(f, "\xef\xbb\xbf" "camera 1 2 3");
-    assert_false(load(f, "\xef\xbb\xbf" "camra 1 2 3", &error));
+    load_good(f, "\xef\xbb\xbf"
+                 "camera 1 2 3");
+    assert_false(load(f,
+                      "\xef\xbb\xbf"
+                      "camra 1 2 3",
+                      &error));
     assert_int_equal(error.column, 1);
 }
 

@@ -200,7 +200,8 @@ static void moved_vertices_are_seen(void **state)
     for (int i = 1; i <= 4; i++) {
         for (int k = 0; k < 3; k++) positions[k].y = (float)i;
         assert_true(daft_mesh_set_positions(f->scene, def.mesh, positions, i % 2 ? normals : NULL, 3, NULL));
-        assert_true(daft_scene_cast_ray(f->scene, daft_dv3(0.2, 10, 0.2), daft_v3(0, -1, 0), 20, (daft_entity){0}, &hit, NULL));
+        assert_true(
+            daft_scene_cast_ray(f->scene, daft_dv3(0.2, 10, 0.2), daft_v3(0, -1, 0), 20, (daft_entity){0}, &hit, NULL));
         assert_true(hit.position.y == i);
         assert_true(daft_scene_counters(f->scene)->mesh_refits == (uint64_t)i);
     }
@@ -213,7 +214,8 @@ static void moved_vertices_are_seen(void **state)
     assert_int_equal(error.code, DAFT_ERROR_ARGUMENT);
     assert_false(daft_mesh_set_positions(f->scene, (daft_mesh){0}, positions, NULL, 3, &error));
     assert_int_equal(error.code, DAFT_ERROR_HANDLE);
-    assert_true(daft_scene_cast_ray(f->scene, daft_dv3(0.2, 10, 0.2), daft_v3(0, -1, 0), 20, (daft_entity){0}, &hit, NULL));
+    assert_true(
+        daft_scene_cast_ray(f->scene, daft_dv3(0.2, 10, 0.2), daft_v3(0, -1, 0), 20, (daft_entity){0}, &hit, NULL));
     assert_true(hit.position.y == 4); /* what failed has changed nothing */
 }
 
@@ -242,12 +244,8 @@ static void queries_have_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(rays_meet_boxes),
-        TEST(far_is_as_good_as_near),
-        TEST(rays_meet_spheres),
-        TEST(rays_meet_meshes),
-        TEST(moved_vertices_are_seen),
-        TEST(queries_have_no_memory),
+        TEST(rays_meet_boxes),  TEST(far_is_as_good_as_near),  TEST(rays_meet_spheres),
+        TEST(rays_meet_meshes), TEST(moved_vertices_are_seen), TEST(queries_have_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -131,7 +131,7 @@ static void bodies_die_with_their_entities(void **state)
 
 static const double BAD[] = {NAN, INFINITY, -INFINITY};
 
-#define FLOATS(count) (count), sizeof(float)
+#define FLOATS(count)  (count), sizeof(float)
 #define DOUBLES(count) (count), sizeof(double)
 typedef struct field {
     const char *name;
@@ -297,12 +297,9 @@ static void sizes_are_checked(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        TEST(bodies_say_what_they_may_be),
-        TEST(a_ball_falls_and_rests),
-        TEST(kinematic_bodies_move),
-        TEST(bodies_die_with_their_entities),
-        TEST(only_numbers_get_in),
-        TEST(rays_are_checked),
+        TEST(bodies_say_what_they_may_be), TEST(a_ball_falls_and_rests),
+        TEST(kinematic_bodies_move),       TEST(bodies_die_with_their_entities),
+        TEST(only_numbers_get_in),         TEST(rays_are_checked),
         TEST(sizes_are_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
