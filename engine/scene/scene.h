@@ -4,7 +4,8 @@
  * query structure, one that is never rendered has no renderer.
  *
  * This header is private to the room. Data: assets are append-only arrays (a handle is index + 1; a failed load cuts
- * them back to where they were), entities and lights are slot maps with parallel arrays of items. */
+ * them back to where they were), entities and lights are slot maps with parallel arrays of items.
+ * Public headers: scene.h */
 #ifndef DAFT_SCENE_H
 #define DAFT_SCENE_H
 

@@ -1,7 +1,8 @@
 /* api: the functions a game sees as `daft`. Each area is one file and one table of functions, with their form and what
  * they do beside them: registration, messages and the reference (`daft help lua`) all come from these tables.
  *
- * A binding reads its arguments, calls libdaft, and only then may raise an error. */
+ * A binding reads its arguments, calls libdaft, and only then may raise an error.
+ * Public headers: api.h host.h fields.h */
 #ifndef RUNTIME_API_H
 #define RUNTIME_API_H
 

@@ -1,4 +1,5 @@
-/* What a line of a .scene file says, and how daft_check_file looks on while files are read. */
+/* What a line of a .scene file says, and how daft_check_file looks on while files are read.
+ * Public headers: none */
 #ifndef DAFT_SCENE_FILE_H
 #define DAFT_SCENE_FILE_H
 

@@ -1,0 +1,1 @@
+/* expect: rooms name their public headers */

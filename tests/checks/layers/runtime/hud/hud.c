@@ -1,1 +1,0 @@
-#include "platform/platform.h" /* expect: rooms name their public headers */
