@@ -13,7 +13,7 @@ typedef struct hard_scene {
     uint32_t camera;
     uint64_t hash;
     truth *truth;
-    int least; /* pixels that see something */
+    int min_seen; /* pixels that see something */
 } hard_scene;
 
 static stage *scene_load(const hard_scene *h, const char *isa, int threads)
@@ -78,7 +78,7 @@ static bool stripes_in_front(const stage *s, int i)
     daft_transform t = transform_of(s, stripes);
     daft_dvec3 d = dquat_rotate(t.rotation, pixel_ray(s, i % WIDTH, i / WIDTH), -1);
     daft_dvec3 o = dquat_rotate(t.rotation, daft_dscale(t.position, -1), -1);
-    double way = -o.x / d.x, y = (o.y + way * d.y) / 300, z = (o.z + way * d.z) / 300;
+    double along = -o.x / d.x, y = (o.y + along * d.y) / 300, z = (o.z + along * d.z) / 300;
     double pitch = (z + 1) * 8, in = pitch - floor(pitch), edge = fmin(fmin(in, 1 - in), fabs(in - 0.5));
     if (edge < 1e-4 || fabs(fabs(z) - 1) < 1e-4 || fabs(fabs(y) - 1) < 1e-4) return true; /* on an outline */
     uint32_t expected = fabs(z) > 1 || fabs(y) > 1 ? 0 : in < 0.5 ? stripes : wall;
@@ -100,7 +100,7 @@ static bool in_ridge_shadow(double y, double z)
 static bool wall_is_lit(const stage *s, int i)
 {
     daft_dvec3 d = pixel_ray(s, i % WIDTH, i / WIDTH);
-    double way = 11 / d.x, y = way * d.y, z = way * d.z;
+    double t = 11 / d.x, y = t * d.y, z = t * d.z;
     if (s->entity[i].id != nth(s, 0)) return fabs(y) > 10 || fabs(z) > 10 || s->entity[i].id == nth(s, 1);
     bool dark = in_ridge_shadow(y, z), lit = pixel(s, i % WIDTH, i / WIDTH)[1] > 0;
     for (int k = 0; k < 4; k++) /* within a centimetre of the shadow's edge */
@@ -138,14 +138,14 @@ static bool walls_of_corner(const stage *s, int i)
     daft_dvec3 eye = s->view.camera.position, ray = pixel_ray(s, i % WIDTH, i / WIDTH);
     const double o[3] = {eye.x, eye.y, eye.z}, d[3] = {ray.x, ray.y, ray.z};
     const float n[3] = {s->normal[i].x, s->normal[i].y, s->normal[i].z};
-    double way[3];
+    double t[3];
     int first = 0;
     for (int k = 0; k < 3; k++) {
-        way[k] = ((d[k] > 0 ? 5 : -5) - o[k]) / d[k];
-        if (way[k] < way[first]) first = k;
+        t[k] = ((d[k] > 0 ? 5 : -5) - o[k]) / d[k];
+        if (t[k] < t[first]) first = k;
     }
     for (int k = 0; k < 3; k++)
-        if (k != first && way[k] < way[first] * 1.006) return true; /* at an edge, of walls 10⁻⁴ ± 2.4e-7 m away */
+        if (k != first && t[k] < t[first] * 1.006) return true; /* at an edge, of walls 10⁻⁴ ± 2.4e-7 m away */
     /* the room's corners are floats, 2.4e-7 m apart there: the point lies on the wall within a micrometre, and the
      * rounding of its depth */
     double off = (double)s->depth[i] / sqrt(daft_ddot(ray, ray)) * d[first] + o[first] - (d[first] > 0 ? 5 : -5);
@@ -158,10 +158,10 @@ static bool ground_to_the_horizon(const stage *s, int i)
     uint32_t ground = nth(s, 0);
     if (s->entity[i].id != 0 && s->entity[i].id != ground) return seen_by_rays(s, i);
     daft_dvec3 d = pixel_ray(s, i % WIDTH, i / WIDTH);
-    double way = d.y < 0 ? -2 / d.y : INFINITY, reach = fmax(fabs(way * d.x), fabs(way * d.z)) / 1e7;
+    double t = d.y < 0 ? -2 / d.y : INFINITY, reach = fmax(fabs(t * d.x), fabs(t * d.z)) / 1e7;
     if (reach > 0.999 && reach < 1.001) return true;
     if (s->entity[i].id != (reach < 1 ? ground : 0)) return false;
-    double depth = way * sqrt(daft_ddot(d, d));
+    double depth = t * sqrt(daft_ddot(d, d));
     return reach > 1 || fabs((double)s->depth[i] - depth) <= 1e-5 * depth;
 }
 
@@ -209,7 +209,7 @@ static void like_the_truth(void **unused)
         }
         print_message("%s, camera %u: %d pixels see something, %d are wrong\n", h->name, h->camera, seen, wrong);
         if (wrong) fail_msg("%s: %d pixels are wrong, the first at %d, %d", h->name, wrong, first % WIDTH, first / WIDTH);
-        assert_true(seen >= h->least);
+        assert_true(seen >= h->min_seen);
         stage_drop(s);
     }
 }

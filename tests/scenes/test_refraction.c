@@ -32,7 +32,7 @@ static daft_material glowing(stage *s, daft_vec3 emission)
 
 static const daft_vec3 WHITE = {1, 1, 1}, BLACK = {0, 0, 0};
 
-/* The share that is mirrored, from the sines: Fresnel as in the textbook, not as the kernel writes it. */
+/* The fraction that is mirrored, from the sines: Fresnel as in the textbook, not as the kernel writes it. */
 static double fresnel(double cosine, double from, double to)
 {
     double sine = from / to * sqrt(fmax(0, 1 - cosine * cosine));
@@ -91,11 +91,11 @@ static void window_of_snell(void **unused)
     int bright = 0, dark = 0;
     for (int i = 0; i < s->pixels; i++) {
         daft_dvec3 d = pixel_ray(s, i % WIDTH, i / WIDTH);
-        double cosine = d.y / sqrt(daft_ddot(d, d)), share = fresnel(cosine, index, 1);
-        if (share < 1 && share > 0.9) continue; /* within a pixel's width the light goes from some to none */
-        int expected = encoded(1 - share), value = pixel(s, i % WIDTH, i / WIDTH)[1];
+        double cosine = d.y / sqrt(daft_ddot(d, d)), fraction = fresnel(cosine, index, 1);
+        if (fraction < 1 && fraction > 0.9) continue; /* within a pixel's width the light goes from some to none */
+        int expected = encoded(1 - fraction), value = pixel(s, i % WIDTH, i / WIDTH)[1];
         if (abs(value - expected) > 1) fail_msg("pixel %d: %d, not %d", i, value, expected);
-        bright += share < 0.1, dark += share == 1;
+        bright += fraction < 0.1, dark += fraction == 1;
     }
     assert_true(bright > 2000 && dark > 1000);
     stage_drop(s);
@@ -484,17 +484,17 @@ static void the_same_however_computed(void **unused)
     uint64_t start = state;
     for (int quality = DAFT_QUALITY_DRAFT; quality <= DAFT_QUALITY_GAME; quality++) {
         uint64_t expected = 0;
-        for (int way = 0; way <= daft_isa_best() + 3; way++) {
-            bool by_isa = way <= daft_isa_best();
-            stage *s = stage_make(WIDTH, HEIGHT, by_isa ? daft_isa_name(way) : NULL, by_isa ? 1 : 3 * (way - daft_isa_best()));
+        for (int variant = 0; variant <= daft_isa_best() + 3; variant++) {
+            bool by_isa = variant <= daft_isa_best();
+            stage *s = stage_make(WIDTH, HEIGHT, by_isa ? daft_isa_name(variant) : NULL, by_isa ? 1 : 3 * (variant - daft_isa_best()));
             state = start; /* the same turns */
             dress(s);
-            s->view.camera.fov = 1, s->view.quality = (daft_quality)quality, s->view.reference = way == daft_isa_best() + 3;
+            s->view.camera.fov = 1, s->view.quality = (daft_quality)quality, s->view.reference = variant == daft_isa_best() + 3;
             const daft_counters *c = draw(s);
             uint64_t hash = daft_hash(&c->refraction_rays, sizeof c->refraction_rays, picture_hash(s));
             hash = daft_hash(&c->reflection_rays, sizeof c->reflection_rays, hash);
             if (!expected) expected = hash;
-            if (hash != expected) fail_msg("way %d gives another picture", way);
+            if (hash != expected) fail_msg("variant %d gives another picture", variant);
             assert_true(c->refraction_rays > 2000);
             stage_drop(s);
         }

@@ -49,13 +49,13 @@ static inline double feet(const daft_sim_character *c)
     return c->position.y - 0.5 * (double)c->def.height - centre.y;
 }
 
-static inline bool is_inside(daft_world *world, const daft_sim_character *c, float share)
+static inline bool is_inside(daft_world *world, const daft_sim_character *c, float fraction)
 {
     daft_sim_shape capsule;
     daft_error error;
     daft_sim_filter statics = daft_default_sim_filter();
     statics.kinds = 1u << DAFT_BODY_STATIC;
-    float radius = c->def.radius * share;
+    float radius = c->def.radius * fraction;
     assert_true(daft_shape_capsule(0.5f * c->def.height - c->def.radius + 1e-3f, radius, &capsule, &error));
     return daft_world_overlap(world, &capsule, c->position, daft_quat_identity(), &statics, NULL, 0) > 0;
 }

@@ -277,9 +277,9 @@ int exact_crossings(const daft_trimesh *mesh, daft_vec3 origin, daft_vec3 direct
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         const daft_vec3 c[3] = {mesh_corner(mesh, i, 0), mesh_corner(mesh, i, 1), mesh_corner(mesh, i, 2)};
         if (!daft_line_hits(origin, c[0], c[1], c[2], direction)) continue;
-        int way = forward(origin, c, direction);
-        if (way == 0) return -1;
-        before += way<0, after += way> 0;
+        int sign = forward(origin, c, direction);
+        if (sign == 0) return -1;
+        before += sign<0, after += sign> 0;
     }
     return (before + after) % 2 ? -1 : after; /* odd: the origin's own triangle is left out */
 }
@@ -299,9 +299,9 @@ bool point_inside(const daft_trimesh *mesh, uint64_t *state, daft_vec3 *out)
     int tries = mesh->triangle_count > 10000 ? 60 : 1000;
     for (int i = 0; i < tries; i++) {
         uint32_t kind = hard_bits(state) % 4;
-        daft_vec3 share = hard_vec3(state, 0, 1);
-        if (kind == 1) share = daft_v3(floorf(share.x * 8) / 8, floorf(share.y * 8) / 8, floorf(share.z * 8) / 8);
-        *out = kind == 2 ? surface_point(mesh, state) : daft_add(mesh->low, daft_mul(size, share));
+        daft_vec3 fraction = hard_vec3(state, 0, 1);
+        if (kind == 1) fraction = daft_v3(floorf(fraction.x * 8) / 8, floorf(fraction.y * 8) / 8, floorf(fraction.z * 8) / 8);
+        *out = kind == 2 ? surface_point(mesh, state) : daft_add(mesh->low, daft_mul(size, fraction));
         if (exact_crossings(mesh, *out, hard_vec3(state, -1, 1)) % 2 == 1) return true;
     }
     return false;

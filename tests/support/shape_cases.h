@@ -112,10 +112,10 @@ MAYBE cloud cloud_of(const daft_sim_shape *s, const daft_rigid *pose)
 /* How far b is from a along n (unit, from a to b): negative for overlap. */
 MAYBE double apart_along(const cloud *a, const cloud *b, daft_dvec3 n)
 {
-    double most = -INFINITY, least = INFINITY;
-    for (uint32_t i = 0; i < a->count; i++) most = fmax(most, daft_ddot(n, a->points[i]));
-    for (uint32_t i = 0; i < b->count; i++) least = fmin(least, daft_ddot(n, b->points[i]));
-    return least - most - a->radius - b->radius;
+    double max = -INFINITY, min = INFINITY;
+    for (uint32_t i = 0; i < a->count; i++) max = fmax(max, daft_ddot(n, a->points[i]));
+    for (uint32_t i = 0; i < b->count; i++) min = fmin(min, daft_ddot(n, b->points[i]));
+    return min - max - a->radius - b->radius;
 }
 
 MAYBE void try_axis(const cloud *a, const cloud *b, daft_dvec3 n, double *best)
@@ -151,15 +151,15 @@ MAYBE double oracle_distance(const cloud *a, const cloud *b)
     weight[0][0] = 1;
     daft_dvec3 v = daft_dsub(b->points[0], a->points[0]);
     for (int step = 0; step < 100000; step++) {
-        double least = INFINITY, most = -INFINITY, square = daft_ddot(v, v);
+        double min = INFINITY, max = -INFINITY, square = daft_ddot(v, v);
         uint32_t best[2] = {0, 0}, worst[2] = {0, 0};
         for (uint32_t i = 0; i < a->count; i++)
             for (uint32_t j = 0; j < b->count; j++) {
                 double d = daft_ddot(v, daft_dsub(b->points[j], a->points[i]));
-                if (d < least) least = d, best[0] = i, best[1] = j;
-                if (weight[i][j] > 0 && d > most) most = d, worst[0] = i, worst[1] = j;
+                if (d < min) min = d, best[0] = i, best[1] = j;
+                if (weight[i][j] > 0 && d > max) max = d, worst[0] = i, worst[1] = j;
             }
-        if (square - least < 1e-9 * square || square < 1e-16) break;
+        if (square - min < 1e-9 * square || square < 1e-16) break;
         daft_dvec3 d = daft_dsub(daft_dsub(b->points[best[1]], a->points[best[0]]),
                                  daft_dsub(b->points[worst[1]], a->points[worst[0]]));
         if (!(daft_ddot(d, d) > 0)) break; /* nothing is better than what has weight */

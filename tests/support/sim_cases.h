@@ -57,9 +57,9 @@ static inline daft_dvec3 place_of(const daft_world *world, const variant *v, uin
 }
 
 /* Velocities as the scene has them. A spin is an axial vector: its part along x is what a mirror keeps. */
-static inline daft_vec3 variant_way(const variant *v, daft_vec3 way)
+static inline daft_vec3 variant_direction(const variant *v, daft_vec3 d)
 {
-    return daft_v3((float)v->side * way.x, way.y, way.z);
+    return daft_v3((float)v->side * d.x, d.y, d.z);
 }
 static inline daft_vec3 variant_spin(const variant *v, daft_vec3 spin)
 {
@@ -67,7 +67,7 @@ static inline daft_vec3 variant_spin(const variant *v, daft_vec3 spin)
 }
 static inline void launch(daft_world *world, const variant *v, uint32_t body, daft_vec3 linear, daft_vec3 angular)
 {
-    daft_world_set_velocity(world, body, variant_way(v, linear), variant_spin(v, angular));
+    daft_world_set_velocity(world, body, variant_direction(v, linear), variant_spin(v, angular));
 }
 
 static inline uint32_t put_floor(daft_world *world, const variant *v, float half)
@@ -81,7 +81,7 @@ static inline daft_sim_state state_in(const daft_world *world, const variant *v,
     daft_sim_state s = state_of(world, body);
     s.position = variant_from(v, s.position);
     s.rotation = variant_turn(v, s.rotation);
-    s.linear = variant_way(v, s.linear), s.angular = variant_spin(v, s.angular);
+    s.linear = variant_direction(v, s.linear), s.angular = variant_spin(v, s.angular);
     return s;
 }
 
@@ -91,7 +91,7 @@ static inline fixture_mesh variant_mesh(const variant *v, const daft_vec3 *p, ui
     daft_vec3 *at = malloc(vertices * sizeof *at);
     uint32_t *wound = malloc(3 * (size_t)triangles * sizeof *wound);
     assert_true(at && wound);
-    for (uint32_t i = 0; i < vertices; i++) at[i] = variant_way(v, p[i]);
+    for (uint32_t i = 0; i < vertices; i++) at[i] = variant_direction(v, p[i]);
     for (uint32_t i = 0; i < 3 * triangles; i += 3) {
         wound[i] = index[i];
         wound[i + 1] = index[v->side < 0 ? i + 2 : i + 1], wound[i + 2] = index[v->side < 0 ? i + 1 : i + 2];

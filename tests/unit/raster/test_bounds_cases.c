@@ -177,11 +177,11 @@ static double exit_depth(const row *r, daft_vec3 d)
         double square = (double)r->g[3] * (double)r->g[3] - daft_ddot(aside, aside);
         return (along + sqrt(square > 0 ? square / dd : 0)) * ray.z;
     }
-    const double way[3] = {ray.x, ray.y, -ray.z};
+    const double direction[3] = {ray.x, ray.y, -ray.z};
     double far = INFINITY;
     for (int k = 0; k < 3; k++) {
-        double a = (double)r->g[k] / way[k], b = (double)r->g[k + 3] / way[k];
-        if (way[k] != 0 && fmax(a, b) < far) far = fmax(a, b);
+        double a = (double)r->g[k] / direction[k], b = (double)r->g[k + 3] / direction[k];
+        if (direction[k] != 0 && fmax(a, b) < far) far = fmax(a, b);
     }
     return far * ray.z;
 }

@@ -125,7 +125,7 @@ static void same_bytes_however_computed(void **unused)
                 hash = daft_hash(s->depth, sizeof s->depth, hash);
                 hash = daft_hash(s->triangle, sizeof s->triangle, hash);
                 if (!expected) expected = hash;
-                if (hash != expected) fail_msg("%s: %s, way %d gives other bytes", scenes[i], daft_isa_name(isa), kind);
+                if (hash != expected) fail_msg("%s: %s, variant %d gives other bytes", scenes[i], daft_isa_name(isa), kind);
                 stage_drop(s);
             }
         }
@@ -180,11 +180,11 @@ static void spot_cone(void **unused)
     int bright = 0, dim = 0, dark = 0;
     for (int i = 0; i < PIXELS; i++) {
         double f = WIDTH / 2.0, px = i % WIDTH + 0.5 - WIDTH / 2.0, py = HEIGHT / 2.0 - (double)(i / WIDTH) - 0.5;
-        daft_dvec3 way = daft_dsub(daft_dscale(daft_dv3(f, py, px), 4.5 / f), def.position);
-        way = daft_dscale(way, 1 / sqrt(daft_ddot(way, way)));
-        double t = (daft_ddot(way, axis) - cos(0.5)) / (cos(0.3) - cos(0.5));
+        daft_dvec3 direction = daft_dsub(daft_dscale(daft_dv3(f, py, px), 4.5 / f), def.position);
+        direction = daft_dscale(direction, 1 / sqrt(daft_ddot(direction, direction)));
+        double t = (daft_ddot(direction, axis) - cos(0.5)) / (cos(0.3) - cos(0.5));
         t = t < 0 ? 0 : t > 1 ? 1 : t;
-        int expected = encoded(0.8 * way.x * t * t * (3 - 2 * t));
+        int expected = encoded(0.8 * direction.x * t * t * (3 - 2 * t));
         assert_in_range(pixel(s, i % WIDTH, i / WIDTH)[0], expected > 0 ? expected - 1 : 0, expected + 1);
         bright += t == 1, dim += t > 0 && t < 1, dark += t == 0;
     }
@@ -230,9 +230,9 @@ static void box_shadow(daft_vec3 to_sun, bool source)
         daft_dvec3 d = daft_dadd(daft_dscale(right, px), daft_dadd(daft_dscale(up, py), daft_dscale(forward, f)));
         daft_dvec3 at = daft_dadd(s->view.camera.position, daft_dscale(d, (double)s->depth[i] / sqrt(daft_ddot(d, d))));
         at.y = -0.999;
-        daft_vec3 way = source ? daft_to_float(daft_dsub(def.position, at)) : to_sun;
+        daft_vec3 direction = source ? daft_to_float(daft_dsub(def.position, at)) : to_sun;
         daft_ray_hit hit;
-        bool dark = daft_scene_cast_ray(s->scene, at, way, source ? daft_length(way) : 1000, ground, &hit, &error);
+        bool dark = daft_scene_cast_ray(s->scene, at, direction, source ? daft_length(direction) : 1000, ground, &hit, &error);
         wrong += dark != (pixel(s, i % WIDTH, i / WIDTH)[0] == 0);
         shadowed += dark, looked++;
     }

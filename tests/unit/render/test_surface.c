@@ -27,7 +27,7 @@ typedef struct stage {
     daft_ray_batch sky, rays;
 } stage;
 
-/* Matte; glossy, which asks for the way to the viewer; mirroring, which asks for all that rays need. */
+/* Matte; glossy, which asks for the direction to the viewer; mirroring, which asks for all that rays need. */
 static const uint32_t MATERIALS[3] = {0, 1, 2};
 
 static stage *stage_make(uint32_t kinds)

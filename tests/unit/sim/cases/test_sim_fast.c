@@ -214,7 +214,7 @@ static uint32_t add_pair_of_boxes(daft_world *world, const variant *v, daft_dvec
     daft_sim_shape_def parts[2] = {daft_default_sim_shape_def(), daft_default_sim_shape_def()};
     for (int i = 0; i < 2; i++) {
         parts[i].shape = (daft_sim_shape){.type = DAFT_GEOMETRY_BOX, .half = i ? daft_v3(0.1f, 0.3f, 0.1f) : daft_v3(0.4f, 0.1f, 0.1f)};
-        parts[i].position = variant_way(v, i ? daft_v3(0.3f, 0.4f, 0) : daft_v3(0, 0, 0));
+        parts[i].position = variant_direction(v, i ? daft_v3(0.3f, 0.4f, 0) : daft_v3(0, 0, 0));
     }
     daft_sim_body_def def = daft_default_sim_body_def();
     def.position = variant_at(v, at), def.rotation = variant_turn(v, turn);

@@ -111,7 +111,7 @@ static orbit_error orbit(const variant *v, int orbits, int steps_an_orbit, uint6
             double r = sqrt(daft_ddot(s.position, s.position)), off = (0.5 * speed_of(s) * speed_of(s) - mu / r) / first - 1;
             out.most = fmax(out.most, fabs(off));
             sum += off * (n - 0.5 * (orbits - 1)) / steps_an_orbit;
-            daft_world_apply_force(world, id, variant_way(v, daft_to_float(daft_dscale(s.position, -mass * mu / (r * r * r)))));
+            daft_world_apply_force(world, id, variant_direction(v, daft_to_float(daft_dscale(s.position, -mass * mu / (r * r * r)))));
             steps(world, 1);
         }
     }

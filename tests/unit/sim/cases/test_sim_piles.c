@@ -366,7 +366,7 @@ static uint32_t tie(daft_world *world, const ragdoll *r, daft_joint_kind kind, u
     if (kind == DAFT_JOINT_HINGE)
         def.axis = variant_spin(r->v, daft_quat_rotate(r->turn, daft_v3(1, 0, 0)));
     else
-        def.axis = variant_way(r->v, daft_quat_rotate(r->turn, daft_v3(0, -1, 0)));
+        def.axis = variant_direction(r->v, daft_quat_rotate(r->turn, daft_v3(0, -1, 0)));
     def.limit = true, def.lower = lower, def.upper = upper;
     def.motor = true, def.motor_force = 2; /* N·m of friction */
     uint32_t joint = daft_world_add_joint(world, &def, &error);

@@ -404,7 +404,7 @@ static uint64_t circular_orbit(const variant *v)
         if (i == 0) first = energy;
         worst = fmax(worst, fabs(energy / first - 1));
         if (i > TICKS / 10 * 9) late = fmax(late, fabs(energy / first - 1));
-        daft_world_apply_force(world, id, variant_way(v, daft_to_float(daft_dscale(s.position, -mass * mu / (r * r * r)))));
+        daft_world_apply_force(world, id, variant_direction(v, daft_to_float(daft_dscale(s.position, -mass * mu / (r * r * r)))));
         steps(world, 1);
     }
     print_message("energy within %g, in the last tenth %g\n", worst, late);

@@ -266,7 +266,7 @@ static uint64_t crate_on_belt(const variant *v)
 {
     daft_world *world = variant_world(v);
     one_shape belt = box(daft_v3(50, 0.5f, 2), 0, -0.5, 0);
-    belt.part.material.surface_velocity = variant_way(v, daft_v3(2, 0, 0));
+    belt.part.material.surface_velocity = variant_direction(v, daft_v3(2, 0, 0));
     put(world, v, belt);
     uint32_t crate = put(world, v, dynamic_box(daft_v3(0.3f, 0.3f, 0.3f), -20, 0.3, 0));
     steps(world, 60);
