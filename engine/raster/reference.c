@@ -162,9 +162,9 @@ static void test_instance(const daft_raster *raster, uint32_t index, daft_vec3 r
 
 static double largest(const daft_node *node, int child)
 {
-    double most = 0;
-    for (int k = 0; k < 6; k++) most = fmax(most, fabs((double)node->bounds[k][child]));
-    return most;
+    double max = 0;
+    for (int k = 0; k < 6; k++) max = fmax(max, fabs((double)node->bounds[k][child]));
+    return max;
 }
 
 static best trace(const daft_raster *raster, const daft_tlas *tlas, daft_vec3 ray)

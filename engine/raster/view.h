@@ -14,7 +14,8 @@
  * are computed from their pixel, stand in windows of a register, and ask for the nearest hit, so pixels keep an interval of
  * inverse depth. A light's points are loaded, stand in blocks of neighbours, and ask for any hit nearer to the light, so blocks
  * drop out once they are dark, and depths count from the points' middle, which keeps their precision for a far light. One
- * coverage loop for both would lose the floors of camera rays.
+ * coverage loop for both would load a grid's rays from memory. Boxes of nodes are projected in two ways, too: a grid's wide and
+ * cheap (intervals of x and z), a light's tight and dearer, since behind each box stand several tests of points.
  *
  * Promises: each ray is decided by the exact predicates of math/exact.h, in floats where their error bound allows; a pixel's
  * answer is the nearest hit by daft_pencil_depth, ties to the lower (instance, triangle), and so that of the reference path

@@ -132,7 +132,7 @@ static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
 /* A group in frame space. */
 typedef struct group {
     vf3 corner[3], normal[3], outward;
-    vf area, height, least, most;
+    vf area, height, min, max;
     vbits smooth;
 } group;
 
@@ -209,10 +209,10 @@ DAFT_INLINE void group_sides(group *g, vf3 origin, vbits with_normals)
 /* The range of t of rays along `unit`. */
 DAFT_INLINE void group_limits(group *g, vf3 origin, vf3 unit)
 {
-    g->least = vf_set(INFINITY), g->most = vf_set(-INFINITY);
+    g->min = vf_set(INFINITY), g->max = vf_set(-INFINITY);
     for (int k = 0; k < 3; k++) {
         vf along = vf3_dot(sub3(g->corner[k], origin), unit);
-        g->least = vf_min(along, g->least), g->most = vf_max(along, g->most);
+        g->min = vf_min(along, g->min), g->max = vf_max(along, g->max);
     }
 }
 
@@ -241,7 +241,7 @@ static void store_group(const group *g, const stage *from, float *rows)
 {
     vf v[DAFT_FACET_FLOATS];
     put3(v, FACET_OUTWARD, g->outward);
-    v[FACET_HEIGHT] = g->height, v[FACET_LEAST] = g->least, v[FACET_MOST] = g->most, v[FACET_SIZE] = vf_load(from->size);
+    v[FACET_HEIGHT] = g->height, v[FACET_LEAST] = g->min, v[FACET_MOST] = g->max, v[FACET_SIZE] = vf_load(from->size);
     vi word = vi_load(from->word);
     v[FACET_WORD] = (vf)vi_if_then_else(vm_from_bits(g->smooth), word | vi_set(FACET_SMOOTH), word);
     vbits lanes = ~from->spheres & DAFT_ALL_LANES;

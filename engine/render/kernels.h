@@ -40,7 +40,7 @@ typedef struct daft_ray_batch {
     uint32_t pixel[DAFT_BATCH_ROOM];
 } daft_ray_batch;
 
-/* The different things that a batch's rays meet. Rows are the kernels' own: see render/surface.h. */
+/* The different facets (triangles or spheres) that a batch's rays meet. Rows are the kernels' own: see render/surface.h. */
 enum { DAFT_FACET_FLOATS = 48 };
 typedef struct daft_facets {
     uint32_t count;
@@ -60,10 +60,10 @@ typedef struct daft_surfaces_def {
 } daft_surfaces_def;
 
 /* What points may still send on: rays that are mirrored as a material or Fresnel's equations ask; and which rays, by their
- * share of the pixel, do not count any more. */
+ * fraction of the pixel, do not count any more. */
 typedef struct daft_spawning {
     bool mirrors;
-    float least;
+    float min;
 } daft_spawning;
 
 typedef struct daft_render_kernels {

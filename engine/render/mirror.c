@@ -1,7 +1,7 @@
 /* Flat mirrors as pencils: the rays that a plane sends on from the camera meet in the mirrored eye, so what they see is what a
- * camera there would see through the mirror. The mirrored camera's picture says which thing each ray meets first; where on
+ * camera there would see through the mirror. The mirrored camera's picture says which instance each ray meets first; where on
  * it is found from the ray itself. What reaches through the plane may hide, from the mirrored eye, what lies before it: a
- * ray whose thing turns out to lie behind its origin is asked on its own, as those of curved mirrors are. */
+ * ray whose instance turns out to lie behind its origin is asked on its own, as those of curved mirrors are. */
 #include "render/internal.h"
 
 enum {

@@ -23,9 +23,9 @@ static daft_vec3 mirrored(daft_vec3 view, daft_vec3 normal, daft_vec3 outward)
 /* What happens to a ray at a surface between two indices. */
 typedef struct interface {
     float eta;     /* the index on the viewer's side over the one beyond */
-    float cosine;  /* between the normal and the way to the viewer, up to 1; more than 0, though smooth normals may face away */
+    float cosine;  /* between the normal and the direction to the viewer, up to 1; more than 0, though smooth normals may face away */
     float beyond;  /* between the normal and the refracted ray; 0 where all is mirrored */
-    float fresnel; /* share that is mirrored */
+    float fresnel; /* fraction that is mirrored */
 } interface;
 
 static interface interface_at(float eta, float cosine)
@@ -89,7 +89,7 @@ static void add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3
     rays->pixel[at] = b->pixel[i];
 }
 
-static bool counts(daft_vec3 weight, float least) { return weight.x > least || weight.y > least || weight.z > least; }
+static bool counts(daft_vec3 weight, float min) { return weight.x > min || weight.y > min || weight.z > min; }
 
 /* What moves a point that lies closer than `margin` to the sides of its triangle, or beyond one by rounding, away from them. */
 static daft_vec3 off_sides(const daft_instance *instance, uint32_t triangle, daft_vec3 p, daft_vec3 normal, float margin)
@@ -133,9 +133,9 @@ static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t 
     float eta = from_inside(snapshot, b, i) ? material->index : 1 / material->index;
     interface f = interface_at(eta, daft_dot(normal, view));
     if (!allowed->mirrors && f.fresnel < 1) f.fresnel = 0;
-    float share = material->transmission * f.fresnel;
-    daft_vec3 back = daft_mul(weight, daft_add(mirror, daft_v3(share, share, share)));
-    if (counts(back, allowed->least))
+    float fraction = material->transmission * f.fresnel;
+    daft_vec3 back = daft_mul(weight, daft_add(mirror, daft_v3(fraction, fraction, fraction)));
+    if (counts(back, allowed->min))
         add_ray(b, i, lane3(&b->point, i), mirrored(view, normal, outward), back, mirror_rays);
     daft_vec3 on = daft_mul(weight, daft_scale(material->transmittance, 1 - f.fresnel));
     if (counts(on, allowed->least))
@@ -155,7 +155,7 @@ static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft
             continue;
         }
         daft_vec3 weight = daft_mul(lane3(&b->weight, i), mirror);
-        if (!counts(weight, allowed->least)) continue;
+        if (!counts(weight, allowed->min)) continue;
         daft_vec3 d = mirrored(lane3(&b->view, i), lane3(&b->normal, i), lane3(&b->outward, i));
         add_ray(b, i, lane3(&b->point, i), d, weight, mirror_rays);
     }

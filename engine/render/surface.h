@@ -1,4 +1,4 @@
-/* What the two kernel sources of surfaces share: things that a batch's rays meet, set up. */
+/* What the two kernel sources of surfaces share: facets that a batch's rays meet, set up. */
 #ifndef DAFT_SURFACE_H
 #define DAFT_SURFACE_H
 
@@ -6,7 +6,7 @@
 #include "render/kernels.h"
 
 /* Floats of a row of daft_facets: a triangle's, in frame space, normals unit and on the viewer's side. edge k: the plane of
- * the eye and the edge opposite corner k; a camera ray's share of it, among the three, is the corner's weight. */
+ * the eye and the edge opposite corner k; a camera ray's product with it, among the three, is the corner's weight. */
 enum {
     FACET_OUTWARD = 0, /* the plane's normal, unit, on the viewer's side */
     FACET_HEIGHT = 3,  /* of the plane over the rays' origin, against `outward`: 0 or less */
@@ -52,16 +52,16 @@ DAFT_INLINE void store3(daft_lanes3 *out, uint32_t at, vf3 v)
     vf_store(&out->x[at], v.x), vf_store(&out->y[at], v.y), vf_store(&out->z[at], v.z);
 }
 
-/* Rays that meet a group's things. `unit` is the way along which t counts: t = 1 is as far as it is long. */
+/* Rays that meet a group's facets. `unit` is the vector along which t counts: t = 1 is as far as it is long. */
 typedef struct facet_rays {
     vf3 origin, direction, unit;
 } facet_rays;
 
-/* Sets up the things first..first + count of the list, at most DAFT_VL; adds to the list's traits. */
+/* Sets up the facets first..first + count of the list, at most DAFT_VL; adds to the list's traits. */
 void DAFT_KERNEL(daft_facets_setup)(const daft_snapshot *snapshot, daft_facets *facets, uint32_t first, uint32_t count,
                                     const facet_rays *rays);
 
-/* The corners of the up to DAFT_VL things from `first` on, which are anywhere, are on their way from memory before they are set up. */
+/* The corners of the up to DAFT_VL facets from `first` on, which are anywhere, are on their way from memory before they are set up. */
 void DAFT_KERNEL(daft_facets_fetch)(const daft_snapshot *snapshot, const daft_facets *facets, uint32_t first);
 
 #endif

@@ -1,5 +1,5 @@
 /* From "this pixel sees that triangle" to points with normals, texture coordinates and places to spawn rays from. First the
- * different things that the rays meet are listed and set up (facet_kernel.c), then DAFT_VL rays at a time are brought to
+ * different facets that the rays meet are listed and set up (facet_kernel.c), then DAFT_VL rays at a time are brought to
  * them: by broadcast where all meet the same one, else by rows of what was set up. Only what the tile's materials and the
  * plan call for is stored.
  *
@@ -18,7 +18,7 @@
 /* What a batch's points need beside their place, normal and material. */
 enum {
     WANT_SHADOW = 1,  /* the shadow origin and the facet's normal */
-    WANT_VIEW = 2,    /* the way to the viewer */
+    WANT_VIEW = 2,    /* the direction to the viewer */
     WANT_TEXTURE = 4, /* uv and the footprint */
     WANT_PATH = 8,    /* what rays that go on need: weight, reach, spawn error */
     WANT_DISTANCE = 16
@@ -40,7 +40,7 @@ static uint32_t wants_of(uint32_t traits, const daft_surfaces_def *def)
 typedef struct window {
     vf3 origin, direction;
     vf u, v, t;
-    const float *row; /* of the one thing that all meet */
+    const float *row; /* of the one facet that all meet */
     vf part[DAFT_FACET_FLOATS];
 } window;
 
@@ -77,8 +77,8 @@ DAFT_INLINE void corner_weights(const window *r, sort s, vf w[3])
     for (int k = 0; k < 3; k++) w[k] = vf_max(w[k] * sign, zero);
     sum = w[0] + w[1] + w[2];
     vm some = vf_lt(zero, sum);
-    vf share = one / sum;
-    for (int k = 0; k < 3; k++) w[k] = vf_if_then_else(some, w[k] * share, vf_set(1.0f / 3));
+    vf fraction = one / sum;
+    for (int k = 0; k < 3; k++) w[k] = vf_if_then_else(some, w[k] * fraction, vf_set(1.0f / 3));
 }
 
 /* Where the rays meet the plane, but no further than the triangle's nearest and farthest corners are along them: seen
@@ -236,7 +236,7 @@ DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf r
 
 enum { FINDER = 256 };
 
-/* What was seen last is kept by a hash of its numbers: a thing that comes up again in a later window is the same. */
+/* What was seen last is kept by a hash of its numbers: a facet that comes up again in a later window is the same. */
 typedef struct finder {
     const daft_snapshot *snapshot;
     daft_facets *facets;
@@ -252,7 +252,7 @@ DAFT_INLINE void prefetch_facet(const daft_instance *s, uint32_t triangle)
     if (s->mesh->normal_indices) __builtin_prefetch(&s->mesh->normal_indices[3 * (size_t)triangle]);
 }
 
-/* No branch hangs on whether the thing is a new one, which would be guessed wrong every other time. */
+/* No branch hangs on whether the facet is a new one, which would be guessed wrong every other time. */
 DAFT_INLINE int32_t find_slot(finder *f, uint32_t instance, uint32_t triangle)
 {
     daft_facets *list = f->facets;
@@ -266,7 +266,7 @@ DAFT_INLINE int32_t find_slot(finder *f, uint32_t instance, uint32_t triangle)
     return (int32_t)slot;
 }
 
-/* Bits of the pixels of a row, from `at` on, that are the last of a run that sees one thing; `count` of them count. */
+/* Bits of the pixels of a row, from `at` on, that are the last of a run that sees one facet; `count` of them count. */
 DAFT_INLINE vbits run_ends(const daft_tile *tile, int at, int count)
 {
     vm same = vm_and(vi_eq(vi_load(&tile->instance[at]), vi_load(&tile->instance[at + 1])),
@@ -306,7 +306,7 @@ static void sort_runs(sorted *s, int at, int count)
 }
 
 /* DAFT_VL pixels that all see something; those of `same` see what is at `slots`. */
-static void sort_seen(sorted *s, int at, vi instance, vi triangle, vbits same, vi slots)
+static void sort_visible(sorted *s, int at, vi instance, vi triangle, vbits same, vi slots)
 {
     vbits ends = run_ends(s->tile, at, DAFT_VL);
     vi_store(&s->points->pixel[s->seen], vi_iota() + vi_set(at));
@@ -349,7 +349,7 @@ static void sort_pixels(sorted *s)
                 vi_store(&s->points->triangle[begin], triangle);
                 s->seen += DAFT_VL;
             } else if (tile->width - x >= DAFT_VL && !vbits_from_mask(vi_eq(instance, vi_set((int32_t)DAFT_NOTHING)))) {
-                sort_seen(s, at, instance, triangle, same, slots);
+                sort_visible(s, at, instance, triangle, same, slots);
             } else {
                 sort_runs(s, at, daft_min_i(DAFT_VL, tile->width - x));
             }
@@ -375,7 +375,7 @@ DAFT_INLINE vf3 pixel_rays(const daft_pencil *p, daft_vec3 first, const uint32_t
                    vf_set(first.y) - vf_convert_to(number >> __builtin_ctz(DAFT_TILE)));
 }
 
-static void setup_seen(const daft_snapshot *snapshot, const daft_pencil *p, daft_facets *f)
+static void setup_visible(const daft_snapshot *snapshot, const daft_pencil *p, daft_facets *f)
 {
     const facet_rays rays = {set3(daft_v3(0, 0, 0)), set3(p->forward), set3(daft_scale(p->forward, 1 / p->focal))};
     f->traits = 0, f->one_material = true, f->last_material = UINT32_MAX;
@@ -392,7 +392,7 @@ typedef struct flat_normal {
     vf3 unit;
 } flat_normal;
 
-static void seen_points(const daft_snapshot *snapshot, const daft_pencil *p, daft_vec3 first, const daft_facets *f, uint32_t wants,
+static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, daft_vec3 first, const daft_facets *f, uint32_t wants,
                         daft_batch *b)
 {
     flat_normal kept = {.slot = -1};
@@ -425,9 +425,9 @@ void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *t
     sorted pixels = {tile, &f, points, sky, facets->slot, 0, 0};
     facets->count = 0;
     sort_pixels(&pixels);
-    setup_seen(def->snapshot, p, facets);
+    setup_visible(def->snapshot, p, facets);
     points->traits = facets->traits, points->one_material = facets->one_material;
-    seen_points(def->snapshot, p, first, facets, wants_of(facets->traits, def), points);
+    visible_points(def->snapshot, p, first, facets, wants_of(facets->traits, def), points);
     if (def->snapshot->sky.kind == DAFT_SKY_COLOR) return;
     for (uint32_t i = 0; i < sky->count; i += DAFT_VL) store3(&sky->direction, i, pixel_rays(p, first, &sky->pixel[i]));
 }

@@ -10,10 +10,10 @@
 #define SPHERE_ROUNDING 0x1p-18f
 
 /* What is drawn: a triangle or a sphere. */
-typedef struct thing {
+typedef struct primitive {
     const daft_view_instance *view;
     uint32_t triangle; /* 0 for a sphere */
-} thing;
+} primitive;
 
 /* ---- single lanes that floats could not decide ---- */
 
@@ -24,7 +24,7 @@ static daft_vec3 place_ray(const daft_tile_job *j, int place)
     return daft_pencil_ray(&j->raster->pencil, j->tile->x + place % DAFT_TILE_STRIDE, j->tile->y + place / DAFT_TILE_STRIDE);
 }
 
-static void lane_write(daft_tile_job *j, int place, const thing *t, float low, float high)
+static void lane_write(daft_tile_job *j, int place, const primitive *t, float low, float high)
 {
     j->w_low[place] = low;
     j->w_high[place] = high;
@@ -33,7 +33,7 @@ static void lane_write(daft_tile_job *j, int place, const thing *t, float low, f
 }
 
 /* The depths are too close for floats: compare the true ones, then the numbers. */
-static void lane_compare(daft_tile_job *j, int place, const thing *t, float low, float high)
+static void lane_compare(daft_tile_job *j, int place, const primitive *t, float low, float high)
 {
     daft_vec3 ray = place_ray(j, place);
     uint32_t instance = j->tile->instance[place], triangle = j->tile->triangle[place];
@@ -44,7 +44,7 @@ static void lane_compare(daft_tile_job *j, int place, const thing *t, float low,
 }
 
 /* A hit with the interval of its w: nearer, farther, or to be looked at closely. */
-static void lane_offer(daft_tile_job *j, int place, const thing *t, float low, float high)
+static void lane_offer(daft_tile_job *j, int place, const primitive *t, float low, float high)
 {
     if (!(low <= high)) low = -INFINITY, high = INFINITY; /* an overflow: nothing is known */
     if (j->tile->instance[place] == DAFT_NOTHING || low > j->w_high[place])
@@ -53,7 +53,7 @@ static void lane_offer(daft_tile_job *j, int place, const thing *t, float low, f
         lane_compare(j, place, t, low, high);
 }
 
-static bool lane_hit(daft_tile_job *j, int place, const thing *t)
+static bool lane_hit(daft_tile_job *j, int place, const primitive *t)
 {
     daft_vec3 ray = place_ray(j, place);
     if (!t->view->mesh) return daft_view_depth(t->view, 0, ray) < INFINITY;
@@ -81,7 +81,7 @@ DAFT_INLINE void mark_stale(daft_tile_job *j, uint32_t at)
 }
 
 /* The lanes that floats leave open: one by one. */
-static __attribute__((noinline)) void look_closely(daft_tile_job *j, uint32_t at, const thing *t, vbits look, vbits unsure,
+static __attribute__((noinline)) void look_closely(daft_tile_job *j, uint32_t at, const primitive *t, vbits look, vbits unsure,
                                                    const float *low, const float *high)
 {
     for (; look; look &= look - 1) {
@@ -93,7 +93,7 @@ static __attribute__((noinline)) void look_closely(daft_tile_job *j, uint32_t at
 
 /* Offers lanes with intervals of w to a window: decided in lanes where the intervals are apart. One branch: whether there
  * is anything to do is hard to predict, the rest is not. */
-DAFT_INLINE void offer(daft_tile_job *j, uint32_t at, const thing *t, vbits hits, vbits unsure, vf low, vf high)
+DAFT_INLINE void offer(daft_tile_job *j, uint32_t at, const primitive *t, vbits hits, vbits unsure, vf low, vf high)
 {
     vf old_low = window_load(&j->w_low[at]);
     hits &= ~vbits_from_mask(vf_lt(high, old_low));
@@ -139,13 +139,13 @@ DAFT_INLINE window_rows rows_of(const daft_tile_job *j, const planes *p, int y)
     return (window_rows){{p->ny[0] * dy + p->nz[0], p->ny[1] * dy + p->nz[1], p->ny[2] * dy + p->nz[2]}, p->wy * dy + p->wz};
 }
 
-DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_rows *r, int x, int y, const thing *t)
+DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_rows *r, int x, int y, const primitive *t)
 {
     vf dx = vf_load(j->dx[x / DAFT_WINDOW_W]);
-    vf least = vf_min(vf_min(p->nx[0] * dx + r->e[0], p->nx[1] * dx + r->e[1]), p->nx[2] * dx + r->e[2]);
-    vbits hits = vbits_from_mask(vf_le(p->outer, least));
+    vf min = vf_min(vf_min(p->nx[0] * dx + r->e[0], p->nx[1] * dx + r->e[1]), p->nx[2] * dx + r->e[2]);
+    vbits hits = vbits_from_mask(vf_le(p->outer, min));
     vf w = vf_min(p->wx * dx + r->w, p->cap);
-    offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vbits_from_mask(vf_lt(p->sure, least)), w - p->error, w + p->error);
+    offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vbits_from_mask(vf_lt(p->sure, min)), w - p->error, w + p->error);
 }
 
 /* ---- large triangles: a window of pixels at a time ---- */
@@ -159,26 +159,26 @@ _Static_assert(COLUMNS == 8 && WINDOW_WORDS >= 1, "a row of windows is a byte of
 
 static void find_windows(const daft_tile_job *j, const daft_pencil_batch *b, int i, uint32_t count, uint64_t bits[WINDOW_WORDS])
 {
-    vf nx[3], ny[3], most[3], outer = vf_set(j->exact ? -1.0f : 0.0f);
+    vf nx[3], ny[3], max[3], outer = vf_set(j->exact ? -1.0f : 0.0f);
     const float half_w = (DAFT_WINDOW_W - 1) * 0.5f, half_h = (DAFT_WINDOW_H - 1) * 0.5f;
     for (int k = 0; k < 3; k++) {
         float x = fabsf(b->nx[k][i]), y = fabsf(b->ny[k][i]), z = b->nz[k][i];
         nx[k] = vf_set(b->nx[k][i]), ny[k] = vf_set(b->ny[k][i]);
-        most[k] = vf_set(z + x * half_w + y * half_h + 8 * UNIT * (x * j->max_dx + y * j->max_dy + fabsf(z)));
+        max[k] = vf_set(z + x * half_w + y * half_h + 8 * UNIT * (x * j->max_dx + y * j->max_dy + fabsf(z)));
     }
     for (int k = 0; k < WINDOW_WORDS; k++) bits[k] = 0;
     for (uint32_t q = 0; q < count; q += DAFT_VL) {
         vi window = vi_iota() + vi_set((int32_t)q);
         vf dx = vf_set(j->left + half_w) + vf_convert_to(window & vi_set(COLUMNS - 1)) * vf_set(DAFT_WINDOW_W);
         vf dy = vf_set(j->top - (float)b->y0[i] - half_h) - vf_convert_to(window >> __builtin_ctz(COLUMNS)) * vf_set(DAFT_WINDOW_H);
-        vf least = vf_set(INFINITY);
-        for (int k = 0; k < 3; k++) least = vf_min(nx[k] * dx + ny[k] * dy + most[k], least);
-        bits[q / 64] |= (uint64_t)vbits_from_mask(vf_le(outer, least)) << (q & 63);
+        vf min = vf_set(INFINITY);
+        for (int k = 0; k < 3; k++) min = vf_min(nx[k] * dx + ny[k] * dy + max[k], min);
+        bits[q / 64] |= (uint64_t)vbits_from_mask(vf_le(outer, min)) << (q & 63);
     }
 }
 
 /* Large boxes: long thin triangles are in few of their windows, which are found first. */
-static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, const thing *t)
+static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, const primitive *t)
 {
     planes p = planes_of(j, b, i);
     uint32_t columns = (2u << b->x1[i] / DAFT_WINDOW_W) - (1u << b->x0[i] / DAFT_WINDOW_W);
@@ -197,7 +197,7 @@ static void draw_found(daft_tile_job *j, const daft_pencil_batch *b, int i, cons
     }
 }
 
-static void draw_all_windows(daft_tile_job *j, const daft_pencil_batch *b, int i, const thing *t)
+static void draw_all_windows(daft_tile_job *j, const daft_pencil_batch *b, int i, const primitive *t)
 {
     planes p = planes_of(j, b, i);
     int x0 = b->x0[i] & -DAFT_WINDOW_W, x1 = b->x1[i], y1 = b->y1[i];
@@ -209,7 +209,7 @@ static void draw_all_windows(daft_tile_job *j, const daft_pencil_batch *b, int i
 
 static void draw_large(daft_tile_job *j, const daft_pencil_batch *b, int i)
 {
-    const thing t = {&j->raster->visible[b->instance[i]], b->triangle[i]};
+    const primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i]};
     if (b->x1[i] - b->x0[i] >= FIND_FROM && b->y1[i] - b->y0[i] >= FIND_FROM)
         draw_found(j, b, i, &t);
     else
@@ -252,7 +252,7 @@ static void offer_hits(daft_tile_job *j, const daft_pencil_batch *b, hit_list *h
             j->tile->instance[at] = b->instance[i], j->tile->triangle[at] = b->triangle[i];
             continue;
         }
-        const thing t = {&j->raster->visible[b->instance[i]], b->triangle[i]};
+        const primitive t = {&j->raster->visible[b->instance[i]], b->triangle[i]};
         if (sure || lane_hit(j, at, &t)) lane_offer(j, at, &t, low, high);
     }
 }
@@ -305,11 +305,11 @@ static vbits spans_setup(const daft_tile_job *j, const daft_pencil_batch *b, vbi
         vf across = vf_if_then_else(flat, -ny, nx), inverse = vf_set(1) / across;
         vf at = (outer - vf_set(8 * UNIT) * size - (nx * dx + (ny * dy + nz))) * inverse, slope = vf_if_then_else(flat, -nx, ny) * inverse;
         vm known = vf_lt(vf_abs(at) + vf_abs(slope) * vf_set(DAFT_TILE), vf_set(SPAN_PARTS)), below = vf_lt(vf_set(0), across);
-        vf least = vf_if_then_else(vm_and(known, below), at + vf_set(1 - 2 * SPAN_SLACK), vf_set(-INFINITY));
-        vf most = vf_if_then_else(vm_and(known, vm_not(below)), at + vf_set(SPAN_SLACK), vf_set(INFINITY));
+        vf min = vf_if_then_else(vm_and(known, below), at + vf_set(1 - 2 * SPAN_SLACK), vf_set(-INFINITY));
+        vf max = vf_if_then_else(vm_and(known, vm_not(below)), at + vf_set(SPAN_SLACK), vf_set(INFINITY));
         slope = vf_if_then_else(known, slope, vf_set(0));
-        from = vf_max(from, least + slope * middle), to = vf_min(to, most + slope * middle);
-        vf_store(s->low[k], least), vf_store(s->high[k], most), vf_store(s->slope[k], slope);
+        from = vf_max(from, min + slope * middle), to = vf_min(to, max + slope * middle);
+        vf_store(s->low[k], min), vf_store(s->high[k], max), vf_store(s->slope[k], slope);
     }
     vi_store(s->last_row, last_row), vf_store(s->last, last);
     vi_store(s->place, y0 * stride + x0), vi_store(s->row_step, vi_if_then_else(flat, one, stride)), vi_store(s->step, vi_if_then_else(flat, stride, one));
@@ -350,14 +350,14 @@ static void draw_listed(daft_tile_job *j, const daft_pencil_batch *b, const uint
         vbits lanes = vbits_first_n((int)(count - i));
         vi listed = vi_if_then_else(vm_from_bits(lanes), vi_load(&list[i]), vi_set(0));
         vi lane = listed >> 16, place = listed & vi_set(0xffff), y = place >> __builtin_ctz(DAFT_TILE_STRIDE);
-        vf dx = vf_set(j->left) + vf_convert_to(place & vi_set(DAFT_TILE_STRIDE - 1)), dy = vf_set(j->top) - vf_convert_to(y), least = vf_set(INFINITY);
+        vf dx = vf_set(j->left) + vf_convert_to(place & vi_set(DAFT_TILE_STRIDE - 1)), dy = vf_set(j->top) - vf_convert_to(y), min = vf_set(INFINITY);
         for (int k = 0; k < 3; k++)
-            least = vf_min(vf_table_lookup(b->nx[k], lane) * dx + (vf_table_lookup(b->ny[k], lane) * dy + vf_table_lookup(b->nz[k], lane)), least);
+            min = vf_min(vf_table_lookup(b->nx[k], lane) * dx + (vf_table_lookup(b->ny[k], lane) * dy + vf_table_lookup(b->nz[k], lane)), min);
         vf w = vf_table_lookup(b->wx, lane) * dx + (vf_table_lookup(b->wy, lane) * dy + vf_table_lookup(b->wz, lane));
         vf error = j->exact ? vf_table_lookup(b->error, lane) : vf_set(0);
         w = vf_min(w, vf_table_lookup(b->w_cap, lane));
-        lanes &= vbits_from_mask(vf_le(outer, least)) & ~vbits_from_mask(vf_lt(w + error, vf_gather_index(j->w_low, place)));
-        add_hits(&hits, lanes, place, lane, vf_lt(sure, least), w);
+        lanes &= vbits_from_mask(vf_le(outer, min)) & ~vbits_from_mask(vf_lt(w + error, vf_gather_index(j->w_low, place)));
+        add_hits(&hits, lanes, place, lane, vf_lt(sure, min), w);
     }
     offer_hits(j, b, &hits);
 }
@@ -378,7 +378,7 @@ static vbits draw_thin(daft_tile_job *j, const daft_pencil_batch *b, vbits some)
     return some;
 }
 
-static void fetch_doubted(const daft_projected *from, daft_hits *h)
+static void fetch_doubted(const daft_small *from, daft_hits *h)
 {
     for (uint32_t i = 0; i < h->doubted_count; i++) {
         const daft_trimesh *mesh = from->view->mesh;
@@ -389,12 +389,12 @@ static void fetch_doubted(const daft_projected *from, daft_hits *h)
     h->doubted_count = 0;
 }
 
-static __attribute__((noinline)) void look_closely_at(daft_tile_job *j, int at, const thing *t, bool sure, float low, float high)
+static __attribute__((noinline)) void look_closely_at(daft_tile_job *j, int at, const primitive *t, bool sure, float low, float high)
 {
     if (sure || lane_hit(j, at, t)) lane_offer(j, at, t, low, high);
 }
 
-DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_projected *from, const daft_hits *h)
+DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_small *from, const daft_hits *h)
 {
     uint32_t *instance = j->tile->instance, *triangle = j->tile->triangle;
     for (uint32_t k = 0, count = h->count; k < count; k++) {
@@ -409,12 +409,12 @@ DAFT_INLINE void hits_draw_as(daft_tile_job *j, bool exact, const daft_projected
             instance[at] = view->index, triangle[at] = from->triangle[number];
             continue;
         }
-        const thing t = {view, from->triangle[number]};
+        const primitive t = {view, from->triangle[number]};
         look_closely_at(j, (int)at, &t, sure, low, high);
     }
 }
 
-void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, daft_projected *from, daft_hits *h)
+void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *j, daft_small *from, daft_hits *h)
 {
     fetch_doubted(from, h);
     if (j->exact) {
@@ -437,7 +437,7 @@ void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
  * by less than 2·error / max(root, sqrt(error)); z by that and a few u of the sphere's reach. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_view_instance *view, int x0, int x1, int y0, int y1)
 {
-    const thing t = {view, 0};
+    const primitive t = {view, 0};
     const float *c = view->to_view.t;
     float radius = view->instance->radius, focal = j->raster->pencil.focal;
     float reach = sqrtf(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + radius, limit = 32 * UNIT * reach * reach + TINY;

@@ -8,7 +8,7 @@
  *     small_kernel.c      triangles of two pixels a side in dense meshes, without planes
  *     hidden.h            whether pixels see something nearer already
  *
- * A stage reads the job and what the stage before wrote, and writes its own batch: blocks, daft_projected, daft_waiting,
+ * A stage reads the job and what the stage before wrote, and writes its own batch: blocks, daft_small, daft_queue,
  * daft_pencil_batch, daft_hits. All of them lie in one daft_grid_scratch for each worker.
  *
  * Public headers: grid.h */
@@ -51,14 +51,14 @@ typedef struct daft_tile_job {
 /* Triangles whose screen boxes hold some ray of the tile, waiting until there are enough to be set up. DAFT_LEAVES_ROOM leaves
  * may be added at a time. */
 enum { DAFT_LEAVES = 64, DAFT_LEAVES_ROOM = DAFT_LEAVES + DAFT_VL };
-enum { DAFT_WAITING_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + 3 * DAFT_VL };
+enum { DAFT_QUEUE_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + 3 * DAFT_VL };
 /* Small triangles of one instance in the picture whose boxes hold rays; scale: the focal length over z. */
-typedef struct daft_projected {
+typedef struct daft_small {
     uint32_t count;
     const daft_view_instance *view;
-    float x[3][DAFT_WAITING_ROOM], y[3][DAFT_WAITING_ROOM], scale[3][DAFT_WAITING_ROOM];
-    uint32_t triangle[DAFT_WAITING_ROOM];
-} daft_projected;
+    float x[3][DAFT_QUEUE_ROOM], y[3][DAFT_QUEUE_ROOM], scale[3][DAFT_QUEUE_ROOM];
+    uint32_t triangle[DAFT_QUEUE_ROOM];
+} daft_small;
 
 /* Pixels whose rays such triangles meet, or, where it says so, may meet; above the place is the triangle's number among those projected. Of
  * those that may, some are named once more: what decides them is fetched before it is asked for. */
@@ -70,20 +70,20 @@ typedef struct daft_hits {
     float low[DAFT_HITS_ROOM], high[DAFT_HITS_ROOM]; /* of w; in inexact modes, low alone counts */
 } daft_hits;
 
-typedef struct daft_waiting {
+typedef struct daft_queue {
     uint32_t count;
-    float corner[9][DAFT_WAITING_ROOM]; /* x, y, z of corner 0, then of 1 and 2, in camera space */
-    float nearest[DAFT_WAITING_ROOM];   /* the largest w; infinite where a corner is not in front */
-    uint32_t pixels[DAFT_WAITING_ROOM]; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24 */
-    uint32_t instance[DAFT_WAITING_ROOM], triangle[DAFT_WAITING_ROOM];
-    daft_projected projected; /* these and hits are of the instances at work: they do not wait for others */
+    float corner[9][DAFT_QUEUE_ROOM]; /* x, y, z of corner 0, then of 1 and 2, in camera space */
+    float nearest[DAFT_QUEUE_ROOM];   /* the largest w; infinite where a corner is not in front */
+    uint32_t pixels[DAFT_QUEUE_ROOM]; /* of the tile: x0 | x1 << 8 | y0 << 16 | y1 << 24 */
+    uint32_t instance[DAFT_QUEUE_ROOM], triangle[DAFT_QUEUE_ROOM];
+    daft_small small; /* these and hits are of the instances at work: they do not wait for others */
     daft_hits hits;
-} daft_waiting;
+} daft_queue;
 
 /* A worker's: nothing of it outlives a tile. */
 typedef struct daft_grid_scratch {
     daft_tile_job job;
-    daft_waiting waiting;
+    daft_queue queue;
 } daft_grid_scratch;
 
 /* Up to DAFT_VL triangles, set up. Edge k is opposite corner k. */
@@ -98,28 +98,28 @@ typedef struct daft_pencil_batch {
 
 /* small_kernel.c: blocks of one instance, by number. Those whose boxes are of two pixels a side at most are projected, others
  * wait. */
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count, daft_waiting *out);
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count, daft_queue *out);
 /* No less than the R of small_kernel.c, but for twice a triangle's extent. */
 DAFT_INLINE float daft_tile_reach(const daft_tile_job *job) { return (job->max_dx > job->max_dy ? job->max_dx : job->max_dy) + 2 * DAFT_TILE; }
 /* The pixels of those projected. */
-void DAFT_KERNEL(daft_projected_hits)(const daft_tile_job *job, const daft_projected *from, daft_hits *out);
+void DAFT_KERNEL(daft_small_hits)(const daft_tile_job *job, const daft_small *from, daft_hits *out);
 /* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks. True: many or large ones of them may be seen and make a batch. False: few, and those wait. */
 bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count,
-                                    daft_waiting *waiting, daft_pencil_batch *batch);
+                                    daft_queue *queue, daft_pencil_batch *batch);
 /* A batch from the last of those waiting. False: nothing of them is to be drawn. */
-bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *from, daft_pencil_batch *batch);
+bool DAFT_KERNEL(daft_queue_setup)(const daft_tile_job *job, daft_queue *from, daft_pencil_batch *batch);
 /* The candidate boxes of one block's triangles, by the triangles' numbers. */
 void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_view_instance *view, const daft_block *block,
                                    daft_screen_box *out);
 /* seen_kernel.c: daft_raster_kernels.view. */
 void DAFT_KERNEL(daft_instances_project)(const daft_raster *raster, uint32_t first);
 /* nodes_kernel.c: what of a mesh is in the tile, and not hidden; some small triangles of it may be left waiting. */
-void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_view_instance *view, daft_waiting *waiting);
-void DAFT_KERNEL(daft_waiting_draw)(daft_tile_job *job, daft_waiting *waiting);
+void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_view_instance *view, daft_queue *queue);
+void DAFT_KERNEL(daft_queue_draw)(daft_tile_job *job, daft_queue *queue);
 /* Whether the pixels x0..x1, y0..y1 of the tile all see something whose w is above `nearest`. */
 bool DAFT_KERNEL(daft_pixels_hidden)(daft_tile_job *job, int x0, int x1, int y0, int y1, float nearest);
 /* coverage_kernel.c: draws these, and none of them are left. */
-void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, daft_projected *from, daft_hits *hits);
+void DAFT_KERNEL(daft_hits_draw)(daft_tile_job *job, daft_small *from, daft_hits *hits);
 void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *batch);
 /* The pixels x0..x1, y0..y1 of the tile against a sphere. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_view_instance *view, int x0, int x1, int y0, int y1);
@@ -131,7 +131,7 @@ DAFT_INLINE void blocks_at(const daft_view_instance *view, const uint32_t *block
 }
 
 /* Adds those of `some`. */
-DAFT_INLINE void waiting_add(daft_waiting *out, const vf3 corner[3], vi pixels, vf nearest, uint32_t instance, vi triangle, vbits some)
+DAFT_INLINE void queue_add(daft_queue *out, const vf3 corner[3], vi pixels, vf nearest, uint32_t instance, vi triangle, vbits some)
 {
     uint32_t at = out->count;
     for (int k = 0; k < 3; k++) {

@@ -5,7 +5,7 @@
 #include "raster/grid/grid.h"
 
 /* pixels: x0 | x1 << 8 | y0 << 16 | y1 << 24, of the tile; least: no w in the box is larger. By cells. */
-bool DAFT_KERNEL(daft_cells_hidden)(daft_tile_job *j, uint32_t pixels, float least);
+bool DAFT_KERNEL(daft_cells_hidden)(daft_tile_job *j, uint32_t pixels, float min);
 
 /* Where rows 1 to 7 begin, of a box whose last row is given: beyond it that row again. */
 #define ROW(last, r) (uint8_t)(DAFT_TILE_STRIDE * ((r) < (last) ? (r) : (last)))
@@ -20,9 +20,9 @@ DAFT_INLINE bool hidden(daft_tile_job *j, uint32_t pixels, float nearest)
     if (width >= 8 || height >= 8) return DAFT_KERNEL(daft_cells_hidden)(j, pixels, nearest);
     const float *w = &j->w_low[y0 * DAFT_TILE_STRIDE + x0];
     const uint8_t *row = ROWS[height];
-    v8 least = v8_load(w);
-    for (int r = 0; r < 7; r++) least = v8_min(least, v8_load(w + row[r])); /* without a branch on the height, which cannot be guessed */
-    return !(v8_le_bits(least, v8_set(nearest)) & ((2u << width) - 1));
+    v8 min = v8_load(w);
+    for (int r = 0; r < 7; r++) min = v8_min(min, v8_load(w + row[r])); /* without a branch on the height, which cannot be guessed */
+    return !(v8_le_bits(min, v8_set(nearest)) & ((2u << width) - 1));
 }
 
 /* The lanes whose boxes are hidden; `pixels` is 0 in the others. Two corners of all boxes are looked at side by side, then the
@@ -39,11 +39,11 @@ DAFT_INLINE vbits hidden_lanes(daft_tile_job *j, vi pixels, vf nearest, vbits la
     vbits large = gone & ~vbits_from_mask(vm_and(vi_lt(x1 - x0, vi_set(2)), vi_lt(y1 - y0, vi_set(2 * DAFT_TILE_STRIDE))));
     if (!large) return gone;
     uint32_t box[DAFT_VL];
-    float least[DAFT_VL];
-    vi_store(box, pixels), vf_store(least, nearest);
+    float min[DAFT_VL];
+    vi_store(box, pixels), vf_store(min, nearest);
     for (; large; large &= large - 1) {
         int i = __builtin_ctz(large);
-        gone &= ~((vbits)!hidden(j, box[i], least[i]) << i);
+        gone &= ~((vbits)!hidden(j, box[i], min[i]) << i);
     }
     return gone;
 }

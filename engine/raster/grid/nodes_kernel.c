@@ -13,8 +13,8 @@ enum {
     CROWDED = 1024, /* so many wait: no more groups; what one node leads to adds DAFT_STACK at most */
     WAITING = CROWDED + FRESH + DAFT_STACK,
     ORDERS = 4,        /* distances that are told apart within a group */
-    FEW_LEAVES = 12,   /* drawn together: things hide much of themselves */
-    NEAR_BLOCKS = 4096 /* so many, 640 KB, stay in the nearer caches by themselves */
+    FEW_LEAVES = 12,   /* drawn together: instances hide much of themselves */
+    NEAR_BLOCKS = 4096 /* so many, 640 KB, stay in the nearer caches without a prefetch */
 };
 
 /* A node or leaf to be looked at. */
@@ -34,7 +34,7 @@ typedef struct fresh_list {
 /* What a group leads to. */
 typedef struct fresh {
     fresh_list leaves, nodes;
-    vf least, most; /* over the lanes: of the nodes' nearest */
+    vf min, max; /* over the lanes: of the nodes' nearest */
 } fresh;
 
 /* Nodes that wait for their turn, the last one first. */
@@ -47,7 +47,7 @@ typedef struct node_stack {
 /* An instance's map to the tile: x and y come out in pixels times z. */
 typedef struct walk {
     daft_tile_job *job;
-    daft_waiting *waiting;
+    daft_queue *queue;
     const daft_view_instance *view;
     float m[9];
     float low_t[3], high_t[3]; /* the translation, less and more a pad over the error of a moved vertex */
@@ -61,16 +61,16 @@ typedef struct walk {
 static void refresh_cell(daft_tile_job *j, uint32_t x, uint32_t y)
 {
     const float *w = &j->w_low[y * DAFT_CELL * DAFT_TILE_STRIDE + x * DAFT_CELL];
-    v4 least = v4_min(v4_min(v4_load(w), v4_load(w + DAFT_TILE_STRIDE)),
+    v4 min = v4_min(v4_min(v4_load(w), v4_load(w + DAFT_TILE_STRIDE)),
                       v4_min(v4_load(w + 2 * DAFT_TILE_STRIDE), v4_load(w + 3 * DAFT_TILE_STRIDE)));
-    float a = least[0] < least[1] ? least[0] : least[1], b = least[2] < least[3] ? least[2] : least[3];
+    float a = min[0] < min[1] ? min[0] : min[1], b = min[2] < min[3] ? min[2] : min[3];
     j->farthest[y][x] = a < b ? a : b;
 }
 
-bool DAFT_KERNEL(daft_cells_hidden)(daft_tile_job *j, uint32_t pixels, float least)
+bool DAFT_KERNEL(daft_cells_hidden)(daft_tile_job *j, uint32_t pixels, float min)
 {
     uint32_t x0 = pixels & 255, x1 = pixels >> 8 & 255, y0 = pixels >> 16 & 255, last = (pixels >> 24) / DAFT_CELL;
-    v8 nearest = v8_set(least);
+    v8 nearest = v8_set(min);
     uint32_t columns = (2u << x1 / DAFT_CELL) - (1u << x0 / DAFT_CELL);
     for (uint32_t y = y0 / DAFT_CELL; y <= last; y++) {
         uint32_t open = v8_le_bits(v8_load(j->farthest[y]), nearest) & columns;
@@ -85,10 +85,10 @@ bool DAFT_KERNEL(daft_cells_hidden)(daft_tile_job *j, uint32_t pixels, float lea
 
 /* ---- nodes and leaves ---- */
 
-void DAFT_KERNEL(daft_waiting_draw)(daft_tile_job *job, daft_waiting *waiting)
+void DAFT_KERNEL(daft_queue_draw)(daft_tile_job *job, daft_queue *queue)
 {
     daft_pencil_batch batch;
-    if (DAFT_KERNEL(daft_waiting_setup)(job, waiting, &batch)) DAFT_KERNEL(daft_batch_draw)(job, &batch);
+    if (DAFT_KERNEL(daft_queue_setup)(job, queue, &batch)) DAFT_KERNEL(daft_batch_draw)(job, &batch);
 }
 
 /* At once if they are large or many: they may hide others. */
@@ -96,10 +96,10 @@ static void draw_blocks(walk *w)
 {
     daft_pencil_batch batch;
     if (!w->block_count) return;
-    if (DAFT_KERNEL(daft_blocks_setup)(w->job, w->view, w->blocks, w->block_count, w->waiting, &batch))
+    if (DAFT_KERNEL(daft_blocks_setup)(w->job, w->view, w->blocks, w->block_count, w->queue, &batch))
         DAFT_KERNEL(daft_batch_draw)(w->job, &batch);
     w->block_count = 0;
-    while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
+    while (w->queue->count >= DAFT_VL) DAFT_KERNEL(daft_queue_draw)(w->job, w->queue);
 }
 
 /* One axis of boxes, over z: low..high before the division by z within near..far, where both are positive. Boxes that
@@ -151,7 +151,7 @@ DAFT_INLINE void axis(const walk *w, int k, const node_pair *n, vf *low, vf *hig
     *high = x * bounds_load(n, b[0]) + y * bounds_load(n, b[1]) + z * bounds_load(n, b[2]) + vf_set(w->high_t[k]);
 }
 
-static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *view, daft_waiting *waiting)
+static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *view, daft_queue *queue)
 {
     const daft_affine *map = &view->to_view;
     const daft_vec3 from = view->mesh->low, until = view->mesh->high;
@@ -283,8 +283,8 @@ DAFT_INLINE void add_children(const walk *w, const uint32_t *nodes, uint32_t cou
         b.some &= there;
         vbits leaves = b.some & vbits_from_mask(vi_lt(b.child, vi_set(0))), inner = b.some & ~leaves;
         vm m = vm_from_bits(inner);
-        out->least = vf_min(out->least, vf_if_then_else(m, b.nearest, vf_set(INFINITY)));
-        out->most = vf_max(out->most, vf_if_then_else(m, b.nearest, vf_set(0)));
+        out->min = vf_min(out->min, vf_if_then_else(m, b.nearest, vf_set(INFINITY)));
+        out->max = vf_max(out->max, vf_if_then_else(m, b.nearest, vf_set(0)));
         add_to_list(&out->leaves, &b, leaves);
         add_to_list(&out->nodes, &b, inner);
     }
@@ -295,13 +295,13 @@ static void push_nodes(const fresh *all, node_stack *s)
 {
     const fresh_list *f = &all->nodes;
     int32_t near[FRESH + DAFT_VL], order[FRESH + DAFT_VL]; /* near: one of ORDERS */
-    float low = vf_reduce_min(all->least), high = vf_reduce_max(all->most);
-    uint32_t least, most, count = 0;
-    memcpy(&least, &low, sizeof least), memcpy(&most, &high, sizeof most);
-    uint32_t range = most - least, shift = range < ORDERS ? 0 : 30 - (uint32_t)__builtin_clz(range);
+    float low = vf_reduce_min(all->min), high = vf_reduce_max(all->max);
+    uint32_t min, max, count = 0;
+    memcpy(&min, &low, sizeof min), memcpy(&max, &high, sizeof max);
+    uint32_t range = max - min, shift = range < ORDERS ? 0 : 30 - (uint32_t)__builtin_clz(range);
     for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
         vf w = vf_if_then_else(vm_from_bits(vbits_first_n((int)(f->count - i))), vf_load(&f->nearest[i]), vf_set(low));
-        vi_store(&near[i], ((vi)w - vi_set((int32_t)least)) >> (int)shift);
+        vi_store(&near[i], ((vi)w - vi_set((int32_t)min)) >> (int)shift);
     }
     for (int k = 0; k < ORDERS; k++)
         for (uint32_t i = 0; i < f->count; i += DAFT_VL) {
@@ -338,13 +338,13 @@ static void list_blocks(walk *w)
 static void draw_leaves(walk *w)
 {
     list_blocks(w);
-    daft_projected *projected = &w->waiting->projected;
-    projected->view = w->view;
-    DAFT_KERNEL(daft_blocks_project)(w->job, w->view, w->blocks, w->block_count, w->waiting);
-    DAFT_KERNEL(daft_projected_hits)(w->job, projected, &w->waiting->hits);
-    DAFT_KERNEL(daft_hits_draw)(w->job, projected, &w->waiting->hits);
+    daft_small *small = &w->queue->small;
+    small->view = w->view;
+    DAFT_KERNEL(daft_blocks_project)(w->job, w->view, w->blocks, w->block_count, w->queue);
+    DAFT_KERNEL(daft_small_hits)(w->job, small, &w->queue->hits);
+    DAFT_KERNEL(daft_hits_draw)(w->job, small, &w->queue->hits);
     w->leaf_count = w->block_count = 0;
-    while (w->waiting->count >= DAFT_VL) DAFT_KERNEL(daft_waiting_draw)(w->job, w->waiting);
+    while (w->queue->count >= DAFT_VL) DAFT_KERNEL(daft_queue_draw)(w->job, w->queue);
 }
 
 /* Leaves that are not hidden. Their order counts for little, since many are drawn together. They are drawn once the next ones are
@@ -381,25 +381,25 @@ static uint32_t take_group(walk *w, node_stack *s, uint32_t group[GROUP + DAFT_V
 
 static void draw_grouped(walk *w)
 {
-    node_stack waiting;
+    node_stack queue;
     fresh f;
     uint32_t group[GROUP + DAFT_VL] = {0};
-    waiting.count = 0;
-    for (uint32_t count = 1; count || waiting.count; count = take_group(w, &waiting, group)) {
-        f.leaves.count = f.nodes.count = 0, f.least = vf_set(INFINITY), f.most = vf_set(0);
+    queue.count = 0;
+    for (uint32_t count = 1; count || queue.count; count = take_group(w, &queue, group)) {
+        f.leaves.count = f.nodes.count = 0, f.min = vf_set(INFINITY), f.max = vf_set(0);
         for (uint32_t i = 0; i < count; i += DAFT_EIGHTS) add_children(w, &group[i], count - i, &f);
         w->job->counters->nodes += count;
         if (w->view->bvh->block_count > NEAR_BLOCKS) prefetch_all(w->view->bvh, &f.nodes);
         add_leaves(w, &f.leaves);
-        push_nodes(&f, &waiting);
+        push_nodes(&f, &queue);
     }
     draw_leaves(w);
 }
 
-void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_view_instance *view, daft_waiting *waiting)
+void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_view_instance *view, daft_queue *queue)
 {
     walk w;
-    walk_begin(&w, job, view, waiting);
+    walk_begin(&w, job, view, queue);
     if (view->dense)
         draw_grouped(&w);
     else

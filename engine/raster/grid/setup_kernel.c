@@ -39,21 +39,21 @@ DAFT_INLINE void project(const daft_tile_job *job, const daft_view_instance *vie
 {
     vf zero = vf_set(0), focal = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
     vf left = vf_set(job->left), top = vf_set(job->top);
-    vf x0 = inf, x1 = -inf, y0 = inf, y1 = -inf, least = inf, most = -inf;
+    vf x0 = inf, x1 = -inf, y0 = inf, y1 = -inf, min = inf, max = -inf;
     for (int k = 0; k < 3; k++) {
         vf3 c = l->corner[k] = blocks_corner(&view->to_view, blocks, k);
         vf scale = focal / c.z;
         vf x = c.x * scale - left, y = top - c.y * scale;
         x0 = vf_min(x, x0), x1 = vf_max(x, x1), y0 = vf_min(y, y0), y1 = vf_max(y, y1);
-        least = vf_min(c.z, least), most = vf_max(c.z, most);
+        min = vf_min(c.z, min), max = vf_max(c.z, max);
     }
     /* A triangle through the camera's plane may reach anywhere. */
-    vm front = vf_lt(zero, least), some = vf_lt(zero, most);
+    vm front = vf_lt(zero, min), some = vf_lt(zero, max);
     x0 = vf_if_then_else(front, x0, zero), x1 = vf_if_then_else(front, x1, vf_set(job->last_x));
     y0 = vf_if_then_else(front, y0, zero), y1 = vf_if_then_else(front, y1, vf_set(job->last_y));
     some = vm_and(some, pixel_span(x0, x1, job->last_x, &l->x0, &l->x1));
     some = vm_and(some, pixel_span(y0, y1, job->last_y, &l->y0, &l->y1));
-    l->nearest = vf_if_then_else(front, vf_set(1 + 4 * UNIT) / least, inf);
+    l->nearest = vf_if_then_else(front, vf_set(1 + 4 * UNIT) / min, inf);
     l->some = vbits_from_mask(some);
 }
 
@@ -230,9 +230,9 @@ DAFT_INLINE vi box_pixels(const lanes *l)
     return vi_convert_to(l->x0) | vi_convert_to(l->x1) << 8 | vi_convert_to(l->y0) << 16 | vi_convert_to(l->y1) << 24;
 }
 
-static __attribute__((noinline)) void keep_few(daft_waiting *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
+static __attribute__((noinline)) void keep_few(daft_queue *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
 {
-    waiting_add(out, l->corner, box_pixels(l), l->nearest, instance, triangle, some);
+    queue_add(out, l->corner, box_pixels(l), l->nearest, instance, triangle, some);
 }
 
 /* Lanes that cover little: what is behind them waits for nobody. */
@@ -243,7 +243,7 @@ DAFT_INLINE vbits small(const lanes *l)
 }
 
 bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count,
-                                    daft_waiting *waiting, daft_pencil_batch *batch)
+                                    daft_queue *queue, daft_pencil_batch *batch)
 {
     lanes l;
     vi triangle;
@@ -256,7 +256,7 @@ bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_view_in
     used &= l.some;
     if (!used) return false;
     if (__builtin_popcount(used) <= DAFT_VL / 2 && !(used & ~small(&l))) {
-        keep_few(waiting, &l, used, view->index, triangle);
+        keep_few(queue, &l, used, view->index, triangle);
         return false;
     }
     vi_store(batch->instance, vi_set((int32_t)view->index));
@@ -264,7 +264,7 @@ bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_view_in
     return set_up(job, &l, used, batch);
 }
 
-bool DAFT_KERNEL(daft_waiting_setup)(const daft_tile_job *job, daft_waiting *from, daft_pencil_batch *batch)
+bool DAFT_KERNEL(daft_queue_setup)(const daft_tile_job *job, daft_queue *from, daft_pencil_batch *batch)
 {
     lanes l;
     uint32_t count = daft_min_u(from->count, DAFT_VL), at = from->count - count;

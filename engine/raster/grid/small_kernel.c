@@ -18,10 +18,10 @@
 #include "raster/grid/grid.h"
 
 /* The pixels within low..high and the slack, or but for a part in 2^12 there; none: end is below first, which is no larger than `most`. */
-DAFT_INLINE void pixel_range(vf low, vf high, float last, float most, vi *first, vi *end)
+DAFT_INLINE void pixel_range(vf low, vf high, float last, float max, vi *first, vi *end)
 {
     vf slack = vf_set(DAFT_SCREEN_SLACK), up = vf_set(1 - 0x1p-12f - DAFT_SCREEN_SLACK);
-    *first = vi_convert_to(vf_min(vf_max(low + up, vf_set(0)), vf_set(most)));
+    *first = vi_convert_to(vf_min(vf_max(low + up, vf_set(0)), vf_set(max)));
     *end = vi_convert_to(vf_min(high + slack, vf_set(last)));
 }
 
@@ -79,11 +79,11 @@ DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], const vf3 *corner
     vf low_y = vf_min(vf_min(y[0], y[1]), y[2]), high_y = vf_max(vf_max(y[0], y[1]), y[2]);
     *little = v->closely ? 0 : DAFT_ALL_LANES;
     /* A triangle through the camera's plane may reach anywhere. */
-    vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z), most = vf_max(vf_max(corner[0].z, corner[1].z), corner[2].z);
-    vm front = vf_lt(zero, least);
+    vf min = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z), max = vf_max(vf_max(corner[0].z, corner[1].z), corner[2].z);
+    vm front = vf_lt(zero, min);
     low_x = vf_if_then_else(front, low_x, zero), high_x = vf_if_then_else(front, high_x, vf_set(DAFT_TILE));
     low_y = vf_if_then_else(front, low_y, zero), high_y = vf_if_then_else(front, high_y, vf_set(DAFT_TILE));
-    vbits out = ~vbits_from_mask(vf_lt(zero, most));
+    vbits out = ~vbits_from_mask(vf_lt(zero, max));
     *little &= vbits_from_mask(front);
     pixel_range(low_x, high_x, v->last_x, 2 * DAFT_TILE, &b->x0, &b->x1);
     pixel_range(low_y, high_y, v->last_y, 2 * DAFT_TILE, &b->y0, &b->y1);
@@ -92,7 +92,7 @@ DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], const vf3 *corner
 }
 
 /* Small triangles go side by side. */
-DAFT_INLINE uint32_t add_small(daft_projected *out, uint32_t n, const spot at[3], vi triangle, vbits lanes)
+DAFT_INLINE uint32_t add_small(daft_small *out, uint32_t n, const spot at[3], vi triangle, vbits lanes)
 {
     for (int k = 0; k < 3; k++) {
         vf_compress_store(&out->x[k][n], lanes, at[k].x);
@@ -104,17 +104,17 @@ DAFT_INLINE uint32_t add_small(daft_projected *out, uint32_t n, const spot at[3]
 }
 
 /* And others wait to be set up. */
-DAFT_INLINE void add_large(daft_waiting *out, const vf3 corner[3], vi pixels, uint32_t instance, vi triangle, vbits lanes)
+DAFT_INLINE void add_large(daft_queue *out, const vf3 corner[3], vi pixels, uint32_t instance, vi triangle, vbits lanes)
 {
-    vf least = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z);
-    vf nearest = vf_if_then_else(vf_lt(vf_set(0), least), vf_set(1 + 4 * UNIT) / least, vf_set(INFINITY));
-    waiting_add(out, corner, pixels, nearest, instance, triangle, lanes);
+    vf min = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z);
+    vf nearest = vf_if_then_else(vf_lt(vf_set(0), min), vf_set(1 + 4 * UNIT) / min, vf_set(INFINITY));
+    queue_add(out, corner, pixels, nearest, instance, triangle, lanes);
 }
 
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count, daft_waiting *out)
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count, daft_queue *out)
 {
     const lens v = lens_of(job, view);
-    uint32_t tested = 0, n = out->projected.count;
+    uint32_t tested = 0, n = out->small.count;
     for (uint32_t i = 0; i < count; i += DAFT_BATCH_BLOCKS) {
         const daft_block *all[DAFT_BATCH_BLOCKS];
         uint32_t some = daft_min_u(count - i, DAFT_BATCH_BLOCKS);
@@ -129,11 +129,11 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_
         }
         vbits there = ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first_n((int)(some * DAFT_BLOCK)), little;
         vbits lanes = there & may_be_seen(&v, at, corner, &pixels, &little);
-        n = add_small(&out->projected, n, at, triangle, lanes & little);
+        n = add_small(&out->small, n, at, triangle, lanes & little);
         if (lanes & ~little) add_large(out, corner, box_bytes(&pixels), view->index, triangle, lanes & ~little);
         tested += (uint32_t)__builtin_popcount(there);
     }
-    out->projected.count = n;
+    out->small.count = n;
     job->counters->tested += tested;
 }
 
@@ -144,7 +144,7 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_
 typedef struct small {
     vf a[2][3], b[2][3], doubt;
     vf base, slope[2];
-    vf least, most, error; /* of w; only where floats are to be sure */
+    vf min, max, error; /* of w; only where floats are to be sure */
 } small;
 
 enum { PIXELS = 4, ABREAST = 16 /* registers */ };
@@ -164,8 +164,8 @@ DAFT_INLINE void cover_pixel(bool exact, const small *s, int pixel, vbits lanes,
     if (exact) {
         lanes &= vbits_from_mask(vf_le(vf_set(-2.25f) * s->doubt, inner));
         vm sure = vf_le(s->doubt, inner);
-        low = vf_if_then_else(sure, w - s->error, s->least);
-        vf_store(c->high[i][pixel], vf_if_then_else(sure, w + s->error, s->most));
+        low = vf_if_then_else(sure, w - s->error, s->min);
+        vf_store(c->high[i][pixel], vf_if_then_else(sure, w + s->error, s->max));
         c->unsure[i][pixel] = lanes & ~vbits_from_mask(sure);
     } else
         lanes &= vbits_from_mask(vf_le(vf_set(0), inner));
@@ -189,14 +189,14 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, bool exact, const vf x[3]
     if (!exact) return;
     vf extent = vf_max(vf_max(x[0], x[1]), x[2]) - vf_min(vf_min(x[0], x[1]), x[2]);
     extent += vf_max(vf_max(y[0], y[1]), y[2]) - vf_min(vf_min(y[0], y[1]), y[2]);
-    vf least = vf_min(vf_min(scale[0], scale[1]), scale[2]), most = vf_max(vf_max(scale[0], scale[1]), scale[2]);
+    vf min = vf_min(vf_min(scale[0], scale[1]), scale[2]), max = vf_max(vf_max(scale[0], scale[1]), scale[2]);
     s->doubt = doubt_of(daft_tile_reach(job), extent, 1);
-    s->error = vf_set(4) * s->doubt * (most - least) * inverse + vf_set(16 * UNIT) * most * over_focal;
-    s->least = least * over_focal * vf_set(1 - 16 * UNIT), s->most = most * over_focal * vf_set(1 + 16 * UNIT);
+    s->error = vf_set(4) * s->doubt * (max - min) * inverse + vf_set(16 * UNIT) * max * over_focal;
+    s->min = min * over_focal * vf_set(1 - 16 * UNIT), s->max = max * over_focal * vf_set(1 + 16 * UNIT);
 }
 
 /* Register i: the triangles from one on. */
-DAFT_INLINE void cover(const daft_tile_job *job, bool exact, const daft_projected *from, uint32_t at, coverage *c, uint32_t i)
+DAFT_INLINE void cover(const daft_tile_job *job, bool exact, const daft_small *from, uint32_t at, coverage *c, uint32_t i)
 {
     vf x[3], y[3], scale[3];
     box b;
@@ -215,7 +215,7 @@ DAFT_INLINE void cover(const daft_tile_job *job, bool exact, const daft_projecte
 }
 
 /* The numbers of their corners are on their way from memory from now on. */
-static __attribute__((noinline)) void add_doubted(const daft_projected *from, const int32_t *place, vbits lanes, daft_hits *out)
+static __attribute__((noinline)) void add_doubted(const daft_small *from, const int32_t *place, vbits lanes, daft_hits *out)
 {
     for (; lanes && out->doubted_count < DAFT_DOUBTED; lanes &= lanes - 1) {
         uint32_t number = (uint32_t)place[__builtin_ctz(lanes)] >> DAFT_HIT_TRIANGLE;
@@ -237,7 +237,7 @@ DAFT_INLINE uint32_t add_hits(bool exact, const coverage *c, uint32_t i, int pix
     return n + (uint32_t)__builtin_popcount(lanes);
 }
 
-DAFT_INLINE void find_hits(const daft_tile_job *job, bool exact, const daft_projected *from, daft_hits *out)
+DAFT_INLINE void find_hits(const daft_tile_job *job, bool exact, const daft_small *from, daft_hits *out)
 {
     coverage c;
     uint32_t n = out->count;
@@ -253,7 +253,7 @@ DAFT_INLINE void find_hits(const daft_tile_job *job, bool exact, const daft_proj
     out->count = n;
 }
 
-void DAFT_KERNEL(daft_projected_hits)(const daft_tile_job *job, const daft_projected *from, daft_hits *out)
+void DAFT_KERNEL(daft_small_hits)(const daft_tile_job *job, const daft_small *from, daft_hits *out)
 {
     job->counters->binned += from->count;
     if (job->exact)

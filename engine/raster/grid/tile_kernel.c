@@ -2,7 +2,7 @@
  * behind is left out as a whole. */
 #include "raster/grid/grid.h"
 
-static void draw_instance(daft_tile_job *j, const daft_view_instance *view, daft_waiting *waiting)
+static void draw_instance(daft_tile_job *j, const daft_view_instance *view, daft_queue *queue)
 {
     const daft_tile *t = j->tile;
     int x0 = daft_max_i(view->x0 - t->x, 0), x1 = daft_min_i(view->x1 - t->x, t->width - 1);
@@ -10,7 +10,7 @@ static void draw_instance(daft_tile_job *j, const daft_view_instance *view, daft
     float nearest = view->near_z > 0 ? 1 / view->near_z * (1 + 0x1p-20f) : INFINITY;
     if (DAFT_KERNEL(daft_pixels_hidden)(j, x0, x1, y0, y1, nearest)) return;
     if (view->mesh) {
-        DAFT_KERNEL(daft_mesh_draw)(j, view, waiting);
+        DAFT_KERNEL(daft_mesh_draw)(j, view, queue);
         return;
     }
     DAFT_KERNEL(daft_sphere_draw)(j, view, x0, x1, y0, y1);
@@ -108,19 +108,19 @@ static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t work
 {
     daft_grid_scratch *scratch = (daft_grid_scratch *)raster->scratch + worker;
     daft_tile_job *j = &scratch->job;
-    daft_waiting *waiting = &scratch->waiting;
+    daft_queue *queue = &scratch->queue;
     daft_bins *bins = &raster->bins[worker];
     daft_tile_place(raster, tile, out);
     job_begin(j, raster, bins, out);
     uint32_t count = front_to_back(raster, tile, bins->order);
-    waiting->count = waiting->projected.count = waiting->hits.count = waiting->hits.doubted_count = 0;
+    queue->count = queue->small.count = queue->hits.count = queue->hits.doubted_count = 0;
     clear_pixels(j);
     for (uint32_t i = 0; i < count; i++) {
         const char *ahead = (const char *)&raster->visible[(uint32_t)bins->order[daft_min_u(i + AHEAD, count - 1)]];
         __builtin_prefetch(ahead), __builtin_prefetch(ahead + sizeof(daft_view_instance) - 1);
-        draw_instance(j, &raster->visible[(uint32_t)bins->order[i]], waiting);
+        draw_instance(j, &raster->visible[(uint32_t)bins->order[i]], queue);
     }
-    while (waiting->count) DAFT_KERNEL(daft_waiting_draw)(j, waiting);
+    while (queue->count) DAFT_KERNEL(daft_queue_draw)(j, queue);
 }
 
 /* The whole picture counts as one tile. */

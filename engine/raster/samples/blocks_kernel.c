@@ -1,6 +1,6 @@
-/* The shadow pencil's points in blocks of 16: patches of 4 by 4 pixels, which lie side by side on a surface and so in the
- * light's picture; in crowds, points of one instance. Patches across a silhouette do not: those that are much larger there than usual
- * are taken apart, and their points make blocks along a Morton curve in that picture. */
+/* Points in blocks of 16: patches of 4 by 4 pixels, which lie side by side on a surface and so in the light's picture; where many
+ * instances are about, points of one instance each. Patches across a silhouette are spread: blocks much larger than usual are
+ * taken apart, and their points make blocks along a Morton curve in the picture. */
 #include "raster/samples/samples.h"
 
 /* A block of one instance is large where the instance is: only what is far apart on it makes another. */
@@ -249,7 +249,7 @@ static void strays_setup(const shadow_points *p, float usual, strays *out)
     out->count = out->free_count = 0;
     out->low_u = out->low_v = INFINITY;
     for (uint32_t b = 0; b < p->count; b++) {
-        if (block_size(p, b) <= out->most) continue;
+        if (block_size(p, b) <= out->max) continue;
         out->low_u = fminf(out->low_u, p->low_u[b]), high_u = fmaxf(high_u, p->high_u[b]);
         out->low_v = fminf(out->low_v, p->low_v[b]), high_v = fmaxf(high_v, p->high_v[b]);
     }
@@ -262,10 +262,10 @@ static void strays_setup(const shadow_points *p, float usual, strays *out)
 /* Takes the blocks apart that are so many times larger than usual. */
 static void take_strays(const shadow_points *p, float usual, float stray, strays *out)
 {
-    out->most = stray * usual;
+    out->max = stray * usual;
     strays_setup(p, usual, out);
     for (uint32_t b = 0; b < p->count; b++) {
-        if (block_size(p, b) <= out->most) continue;
+        if (block_size(p, b) <= out->max) continue;
         add_strays(p, b, out);
         out->free[out->free_count++] = b;
     }

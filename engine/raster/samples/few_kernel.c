@@ -1,5 +1,5 @@
-/* The shadow pencil's points where few of them lie behind a node: by themselves, each a ray in the mesh's own space. See
- * occluder_kernel.c. */
+/* Few points behind a node of a mesh: each is a ray in the mesh's own space, held against eight boxes or DAFT_VL triangles at a
+ * time. See mesh_kernel.c for what hides a point. */
 #include "math/simd/ops.h"
 #include "raster/samples/setup.h"
 
@@ -8,14 +8,14 @@ enum {
     FEW_LEAVES = 24  /* leaves before their triangles are tested */
 };
 
-/* Points by themselves, not in blocks; sets of them are bits. */
+/* Points one by one, not in blocks; sets of them are bits. */
 typedef struct few_points {
     uint32_t count;
     uint64_t live; /* those that are still lit */
     _Alignas(64) float u[FEW_POINTS + DAFT_VL], v[FEW_POINTS + DAFT_VL], depth[FEW_POINTS + DAFT_VL];
     _Alignas(64) float from[3][FEW_POINTS + DAFT_VL], inverse[3][FEW_POINTS + DAFT_VL]; /* object space: places, and one over
                                                                                        * the rays to the light */
-    bool alike;                /* along each axis all ways go up, or all down: */
+    bool alike;                /* along each axis all rays go up, or all down: */
     uint32_t first[3], last[3]; /* the rows of a node's bounds that they meet first and last; where not, any way round */
     float first_pad[3], last_pad[3]; /* what is added to these rows */
     uint32_t at[FEW_POINTS + DAFT_VL]; /* among the blocks' */
@@ -30,10 +30,10 @@ static void few_rays(const mesh_occluder *m, few_points *f)
         vf x = vf_load(&f->from[0][i]), y = vf_load(&f->from[1][i]), z = vf_load(&f->depth[i]);
         for (int k = 0; k < 3; k++) {
             vf across = vf_set(b[3 * k]) * x + vf_set(b[3 * k + 1]) * y;
-            vf way = m->c.view->pencil.parallel ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(away)));
+            vf direction = m->c.view->pencil.parallel ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(away)));
             vf_store(&f->from[k][i], across + vf_set(b[3 * k + 2]) * z + vf_set(t[k]));
-            vf_store(&f->inverse[k][i], inverse_of(way));
-            vbits some = vbits_first_n((int)(f->count - i)), falls = vbits_from_mask(vf_lt(inverse_of(way), vf_set(0)));
+            vf_store(&f->inverse[k][i], inverse_of(direction));
+            vbits some = vbits_first_n((int)(f->count - i)), falls = vbits_from_mask(vf_lt(inverse_of(direction), vf_set(0)));
             down[k] |= falls & some, up[k] |= ~falls & some;
         }
     }
@@ -81,14 +81,14 @@ static bool point_hidden(const mesh_occluder *m, const lanes *t, const leaf *con
     const shadow_points *p = c->points;
     const vf3 d = {vf_set(p->x[at]), vf_set(p->y[at]), vf_set(p->z[at])};
     vf e0 = edges_at(t, 0, d), e1 = edges_at(t, 1, d), e2 = edges_at(t, 2, d);
-    vf least = vf_min(e0, vf_min(e1, e2)), most = vf_max(e0, vf_max(e1, e2)), wide = vf_load(t->wide);
-    vbits side = vbits_from_mask(vm_or(vf_le(-wide, least), vf_le(most, wide))) & triangles;
+    vf min = vf_min(e0, vf_min(e1, e2)), max = vf_max(e0, vf_max(e1, e2)), wide = vf_load(t->wide);
+    vbits side = vbits_from_mask(vm_or(vf_le(-wide, min), vf_le(max, wide))) & triangles;
     if (!side) return false;
     bool on = p->instance[at] == c->number, apart = c->convex || c->flat;
     if (on && !apart) side &= ~vbits_from_mask(vi_eq(vi_load(t->triangle), vi_set((int32_t)p->own[at])));
     if (!side) return false;
     vf bound = vf_load(t->bound), rounding = vf_load(t->rounding), limit = vf_set(p->depth[at]);
-    vm sure = vm_or(vf_le(-bound, least), vf_le(most, bound));
+    vm sure = vm_or(vf_le(-bound, min), vf_le(max, bound));
     vf inverse = vf_set(1) / (e0 + e1 + e2);
     vf depth = (e0 * vf_load(t->depth[0]) + e1 * vf_load(t->depth[1]) + e2 * vf_load(t->depth[2])) * inverse;
     vf error = vf_abs(vf_load(t->slack) * inverse) + rounding;
@@ -157,7 +157,7 @@ static void few_flush(const mesh_occluder *m, const few_entry *ends, uint32_t co
 }
 
 /* Which of the points' rays to the light meet which of a node's children, in `met` as bits for each point: few points cost less so than
- * boxes seen from the light. Gives the bits of the children that some meet. Where all ways go up an axis, or all down, it is known which
+ * boxes seen from the light. Gives the bits of the children that some meet. Where all rays go up an axis, or all down, it is known which
  * side of a box they come to first; of an empty box that is infinitely far. */
 DAFT_INLINE uint32_t children_met(const mesh_occluder *m, const daft_node *node, const few_points *f, uint64_t from, uint8_t *met)
 {

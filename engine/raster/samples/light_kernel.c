@@ -1,18 +1,16 @@
-/* Shadow pencils: the rays from a tile's points to one light share their far end, so seen from the light they are a
- * pencil, and the tile's points are its picture.
+/* The points of a tile against one light: the order of work.
  *
- *   1. The box around all the rays is taken down the tree over instances. Mostly nothing is there.
- *   2. The points that face the light are measured in view space: their extent in its picture.
- *   3. The tree over instances is walked with that extent. Where it meets few, each is asked which points' rays meet its
- * bound, and only these points are kept. Where it meets many, all points are, and are marked as the walk of step 5 comes to
- * an instance whose bound they lie behind.
- *   4. The points are put into blocks of 16 (blocks_kernel.c). The blocks' boxes in the picture are the grid that
- * occluders are looked up in: fine where the points are dense and coarse where they are not, wherever the light stands.
- *   5. Each instance is walked down to the triangles before a block (mesh_kernel.c), or met as a sphere
- * (sphere_kernel.c).
+ *   1. The box around all shadow rays goes down the tree over instances. Mostly nothing is there.
+ *   2. The points that face the light are measured in view space: their extent in the light's picture.
+ *   3. The tree over instances is walked with that extent. Where it meets few instances, their bounds say which points' rays
+ *      meet them, and only these points are kept. Where it meets many, all points are kept, and step 5 marks those behind an
+ *      instance's bounds.
+ *   4. Points go into blocks of 16 (blocks_kernel.c). The blocks' boxes in the picture are the grid that occluders are looked up
+ *      in: fine where the points are dense, coarse where they are not, wherever the light stands.
+ *   5. Each instance is walked down to the triangles before a block (mesh_kernel.c), or met as a sphere (sphere_kernel.c).
  *
- * Where no frustum holds the tile's points, because the light is among them, they are parted among the six faces of a
- * cube around it, and each face is a pencil. */
+ * Where no frustum holds the tile's points, because the light is among them, they are divided among the six faces of a cube
+ * around it, and each face is a pencil. */
 #include "raster/samples/samples.h"
 
 #define TINY  1e-36f
@@ -67,8 +65,8 @@ DAFT_INLINE vf3 minus(vf3 a, daft_vec3 b)
 
 static void set_axes(daft_pencil *view, daft_vec3 z)
 {
-    daft_vec3 least = fabsf(z.y) < 0.7f ? daft_v3(0, 1, 0) : daft_v3(1, 0, 0);
-    view->right = daft_normalize(daft_cross(z, least)), view->up = daft_cross(view->right, z), view->forward = z;
+    daft_vec3 min = fabsf(z.y) < 0.7f ? daft_v3(0, 1, 0) : daft_v3(1, 0, 0);
+    view->right = daft_normalize(daft_cross(z, min)), view->up = daft_cross(view->right, z), view->forward = z;
 }
 
 /* DAFT_VL asked points from i on; in place of the others, `stand_in`, which is one of the asked. */
@@ -149,8 +147,8 @@ static void know_inverses(cast *c)
 static void set_extent(cast *c, daft_vec3 low, daft_vec3 high)
 {
     c->low = low, c->high = high;
-    daft_vec3 most = daft_max3(daft_neg(c->low), c->high);
-    c->view.reach = fabsf(most.x) + fabsf(most.y) + fabsf(most.z);
+    daft_vec3 max = daft_max3(daft_neg(c->low), c->high);
+    c->view.reach = fabsf(max.x) + fabsf(max.y) + fabsf(max.z);
 }
 
 /* The points' extent; which triangles cannot shadow the points that lie on them, and whether all points lie on one instance's. */
@@ -247,7 +245,7 @@ typedef struct slab {
     vf near, far;
 } slab;
 
-/* A product that is NaN, of a plane through the point and a way along it, says nothing. */
+/* A product that is NaN, of a plane through the point and a direction along it, says nothing. */
 DAFT_INLINE void slab_axis(slab *s, vf low, vf high, vf p, vf inverse)
 {
     vf a = (low - p) * inverse, b = (high - p) * inverse;
@@ -327,7 +325,7 @@ static void find_one(cast *c)
 
 /* Remembers the instances that points lie under, and marks these points. False: there may be more than `most` such instances, or
  * more than `looks` had to be looked at, and it is not known which points are under something. */
-static bool find_occluders(cast *c, uint32_t most, uint32_t looks)
+static bool find_occluders(cast *c, uint32_t max, uint32_t looks)
 {
     uint32_t stack[DAFT_STACK], looked = 0;
     int top = 0;
@@ -336,7 +334,7 @@ static bool find_occluders(cast *c, uint32_t most, uint32_t looks)
         find_one(c);
     else
         stack[top++] = 0;
-    while (top > 0 && c->occluder_count <= most) {
+    while (top > 0 && c->occluder_count <= max) {
         if (looked++ > looks) return false;
         node_boxes boxes;
         const daft_node *node = &c->tlas->nodes.items[stack[--top]];
@@ -350,7 +348,7 @@ static bool find_occluders(cast *c, uint32_t most, uint32_t looks)
                 remember(c, number, &boxes, i);
         }
     }
-    if (c->occluder_count > most) return false;
+    if (c->occluder_count > max) return false;
     mark_occluders(c);
     return true;
 }
@@ -453,7 +451,7 @@ typedef struct entry {
 } entry;
 
 /* Things with the boxes that the tree has of them, and the blocks behind these. */
-enum { MET = 16, WAITING = 256, PARTS = 2048 };
+enum { MET = 16, MESHES = 256, PARTS = 2048 };
 typedef struct met_instances {
     uint32_t count, number[MET + DAFT_WIDTH];
     picture_box box[MET + DAFT_WIDTH];
@@ -461,11 +459,11 @@ typedef struct met_instances {
 } met_instances;
 
 /* Meshes, and the points that their triangles may hide, block by block. */
-typedef struct waiting {
-    uint32_t count, number[WAITING], first[WAITING + 1];
-    picture_box box[WAITING];
+typedef struct mesh_queue {
+    uint32_t count, number[MESHES], first[MESHES + 1];
+    picture_box box[MESHES];
     block_points parts[PARTS];
-} waiting;
+} mesh_queue;
 
 /* A worker's: nothing of it outlives a call. */
 typedef struct light_scratch {
@@ -473,10 +471,10 @@ typedef struct light_scratch {
     shadow_points points;
     block_scratch blocks;
     met_instances met;
-    waiting waiting;
+    mesh_queue mesh_queue;
 } light_scratch;
 
-static void cast_waiting(const cast *c, waiting *list, shadow_points *points)
+static void cast_queued(const cast *c, mesh_queue *list, shadow_points *points)
 {
     for (uint32_t i = 0; i < list->count && points->live; i++) {
         const occluder one = occluder_of(c, list->number[i], points);
@@ -491,7 +489,7 @@ static void cast_waiting(const cast *c, waiting *list, shadow_points *points)
     list->count = 0;
 }
 
-static void meet_mesh(const cast *c, const occluder *one, const picture_box *box, const block_set *behind, waiting *list)
+static void meet_mesh(const cast *c, const occluder *one, const picture_box *box, const block_set *behind, mesh_queue *list)
 {
     shadow_points *p = one->points;
     uint32_t first = list->first[list->count];
@@ -500,10 +498,10 @@ static void meet_mesh(const cast *c, const occluder *one, const picture_box *box
     if (!count) return;
     list->number[list->count] = one->number, list->box[list->count] = *box;
     list->first[++list->count] = first + count;
-    if (list->count == WAITING || first + count + SHADOW_BLOCKS > PARTS) cast_waiting(c, list, p);
+    if (list->count == MESHES || first + count + SHADOW_BLOCKS > PARTS) cast_queued(c, list, p);
 }
 
-static void cast_met(cast *c, met_instances *met, waiting *list, shadow_points *points)
+static void cast_met(cast *c, met_instances *met, mesh_queue *list, shadow_points *points)
 {
     for (uint32_t i = 0; i < met->count && points->live; i++) {
         const occluder one = occluder_of(c, met->number[i], points);
@@ -530,7 +528,7 @@ static void cast_all(cast *c, light_scratch *scratch)
     entry stack[DAFT_STACK];
     shadow_points *points = &scratch->points;
     met_instances *met = &scratch->met;
-    waiting *list = &scratch->waiting;
+    mesh_queue *list = &scratch->mesh_queue;
     int top = 0;
     met->count = list->count = list->first[0] = 0;
     stack[top++] = (entry){0, all_blocks(points)};
@@ -558,7 +556,7 @@ static void cast_all(cast *c, light_scratch *scratch)
         if (met->count >= MET) cast_met(c, met, list, points);
     }
     cast_met(c, met, list, points);
-    cast_waiting(c, list, points);
+    cast_queued(c, list, points);
 }
 
 /* The asked points form one pencil, whose light's axes and extent are set. Gives the number of points under something.
@@ -683,11 +681,11 @@ static bool cast_begin(cast *c, const daft_samples *points, const daft_apex *lig
 static bool cast_setup(cast *c)
 {
     const daft_apex *light = c->light;
-    daft_vec3 middle = daft_scale(daft_add(c->low, c->high), 0.5f), way = daft_sub(middle, light->at);
+    daft_vec3 middle = daft_scale(daft_add(c->low, c->high), 0.5f), axis = daft_sub(middle, light->at);
     c->view.pencil.parallel = light->infinite;
     c->view.pencil.origin = middle;
-    c->view.pencil.away = light->infinite ? 0 : daft_length(way);
-    set_axes(&c->view.pencil, light->infinite ? daft_neg(light->at) : daft_normalize(way));
+    c->view.pencil.away = light->infinite ? 0 : daft_length(axis);
+    set_axes(&c->view.pencil, light->infinite ? daft_neg(light->at) : daft_normalize(axis));
     return measure(&c->view, c->samples, c->asked);
 }
 

@@ -1,5 +1,4 @@
-/* The shadow pencil's meshes: how an instance's space lies to the light's, and which points' rays to the light meet the mesh's bounds
- * there. */
+/* A mesh's map to view space and back, the errors of both, and which points' rays meet the mesh's bounds in its own space. */
 #include "raster/samples/setup.h"
 
 /* One instruction each, where fmaxf and fminf are calls; of NaN and a number, the second. */
@@ -7,7 +6,7 @@ static inline float larger(float a, float b) { return a > b ? a : b; }
 static inline float smaller(float a, float b) { return a < b ? a : b; }
 
 /* View space to the instance's own. With u = 2^-24, s the size of what points and corners are in view space and f the largest
- * share of the way to the light that a box reaches: places are off by some 8u of |map|·s and of the translation, ways by that
+ * share of the direction to the light that a box reaches: places are off by some 8u of |map|·s and of the translation, rays by that
  * and 8u of |map|·f·away; corners that a test in view space takes for met by no more than 16u of the first. Their sum is
  * below 2^-18. */
 static void set_back(const occluder *c, daft_affine *back, float pad[3])
@@ -55,7 +54,7 @@ void DAFT_KERNEL(daft_mesh_occluder_make)(const occluder *c, mesh_occluder *out)
     set_back(c, &out->back, out->pad);
 }
 
-/* A mesh's bounds, grown by what places and ways are off by there. */
+/* A mesh's bounds, grown by what places and rays are off by there. */
 typedef struct mesh_bounds {
     daft_affine back;
     float low[3], high[3];
@@ -70,8 +69,8 @@ DAFT_INLINE vbits rays_meet_bounds(const occluder *c, const mesh_bounds *mesh, u
     vf near = vf_set(0), far = vf_set(c->view->pencil.parallel ? INFINITY : 1.00001f);
     for (int k = 0; k < 3; k++) {
         vf across = vf_set(b[3 * k]) * x + vf_set(b[3 * k + 1]) * y, from = across + vf_set(b[3 * k + 2]) * z + vf_set(t[k]);
-        vf way = c->view->pencil.parallel ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(c->view->pencil.away)));
-        vf inverse = inverse_of(way);
+        vf direction = c->view->pencil.parallel ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(c->view->pencil.away)));
+        vf inverse = inverse_of(direction);
         vf to_low = (vf_set(mesh->low[k]) - from) * inverse, to_high = (vf_set(mesh->high[k]) - from) * inverse;
         near = vf_max(vf_min(to_low, to_high), near), far = vf_min(vf_max(to_low, to_high), far);
     }

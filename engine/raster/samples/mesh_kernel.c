@@ -1,25 +1,20 @@
-/* The shadow pencil's occluders: an instance's tree is walked with its nodes' boxes in the light's picture
- * (picture_kernel.c), down to those that lie before lit points; the triangles found are moved to view space and set up
- * DAFT_VL at a time. Each block of points whose box meets some of them is tested against these: lanes are points. Blocks in
- * which all is dark meet nothing any more. Where few points are left behind a node, they leave their blocks and go on by
- * themselves: their rays to the light are turned into the instance's own space and held against nodes' boxes there, which takes
- * less for each point but more for many, and each point is tested against all set-up triangles at once: lanes are triangles.
- * Which triangles are looked at depends on that, and what hides a point does not.
+/* Meshes as occluders: the tree is walked with the boxes of its nodes in the light's picture (nodes_kernel.c), down to those that
+ * lie before lit points; the triangles found are moved to view space and set up DAFT_VL at a time. Each block of points whose
+ * box meets some of them is tested against these: lanes are points. Blocks in which all points are dark are skipped from then
+ * on. Where few points are left behind a node, few_kernel.c takes them one by one: lanes are triangles. This chooses which
+ * triangles are tested; it never changes what hides a point.
  *
- * One edge test serves lights and suns: n = (a - b) × (a + b), e = n·ray, with the bound of raster/tile_kernel.c.
- *
- * A point is in shadow when no edge has it surely outside and the triangle is surely nearer to the light. Depths are off
- * by some 2^-18 of the way to the light, which is much where it is far: triangles whose depth is that close to the
- * point's are decided again, in double, from the point and the corners in frame space, where they are off only by the
- * spawn error, and the point was put off its surface by more than that. A point's own triangle is left out, unless it
- * faces away from the light, as the smooth inside of a vessel may; so are all of a convex or a flat instance's for its own
- * points. So no light leaks between triangles or through the walls of a corner, and a surface does not shadow itself by
- * rounding. */
+ * A point is in shadow when no edge has it surely outside and the triangle is surely nearer to the light. Depths are off by
+ * some 2^-18 of the distance to the light, which is much where it is far. Triangles whose depth is that close to the point's
+ * are decided again, in double, from the point and the corners in frame space, where they are off only by the spawn error, and
+ * the point was put off its surface by more than that. A point's own triangle is left out, unless it faces away from the
+ * light, as the smooth inside of a vessel may; so are all triangles of a convex or a flat instance for its own points. So no
+ * light leaks between triangles or through the walls of a corner, and a surface does not shadow itself by rounding. */
 #include "raster/samples/setup.h"
 
 enum {
     LIST = 64,     /* leaf blocks before their triangles are tested */
-    FEW_ALONE = 32,   /* so many behind a node go on by themselves: where triangles are so much smaller than their distances,
+    FEW_ALONE = 32,   /* so many behind a node go on one by one: where triangles are so much smaller than their distances,
                        * boxes of 16 say little */
     CLEAR_NODES = 12, /* who meets no leaf in so many is clear of the mesh */
     FEW_OF_MESH = 512 /* the same where it is known which points' rays meet the mesh's bounds */
@@ -72,7 +67,7 @@ DAFT_INLINE vbits triangles_before(const lanes *t, const shadow_points *p, uint3
 
 /* A triangle's edges at some points' rays. */
 typedef struct edges {
-    vf e0, e1, e2, least, most;
+    vf e0, e1, e2, min, max;
 } edges;
 
 DAFT_INLINE vf edge_at(const lanes *t, int k, int i, vf3 d)
@@ -118,7 +113,7 @@ static bool hide_points(const mesh_occluder *m, const lanes *t, int i, const daf
     if (!apart) side = vm_and(side, vm_not(vm_from_bits(lie_on(c, triangle, first))));
     if (!vbits_from_mask(side)) return false;
     vf limit = vf_load(&p->depth[first]), bound = vf_set(t->bound[i]), rounding = vf_set(t->rounding[i]);
-    vm sure = vm_or(vf_le(-bound, e->least), vf_le(e->most, bound));
+    vm sure = vm_or(vf_le(-bound, e->min), vf_le(e->max, bound));
     vf inverse = vf_set(1) / (e->e0 + e->e1 + e->e2);
     vf depth = (e->e0 * vf_set(t->depth[0][i]) + e->e1 * vf_set(t->depth[1][i]) + e->e2 * vf_set(t->depth[2][i])) * inverse;
     vf error = vf_abs(vf_set(t->slack[i]) * inverse) + rounding;
@@ -180,7 +175,7 @@ static void pairs_in_box(const lanes *t, const shadow_points *p, pairs *list)
 DAFT_INLINE edges edges_of(const lanes *t, int i, const some_points *p)
 {
     edges e = {.e0 = edge_at(t, 0, i, p->ray), .e1 = edge_at(t, 1, i, p->ray), .e2 = edge_at(t, 2, i, p->ray)};
-    e.least = vf_min(e.e0, vf_min(e.e1, e.e2)), e.most = vf_max(e.e0, vf_max(e.e1, e.e2));
+    e.min = vf_min(e.e0, vf_min(e.e1, e.e2)), e.max = vf_max(e.e0, vf_max(e.e1, e.e2));
     return e;
 }
 
@@ -195,7 +190,7 @@ static void pairs_in_edges(const lanes *t, const shadow_points *p, pairs *list)
         for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL) {
             const some_points some = points_load(p, b * SHADOW_BLOCK + k);
             const edges e = edges_of(t, i, &some);
-            points |= vbits_from_mask(vm_or(vf_le(-wide, e.least), vf_le(e.most, wide))) << k;
+            points |= vbits_from_mask(vm_or(vf_le(-wide, e.min), vf_le(e.max, wide))) << k;
         }
         points &= list->pair[n] >> PAIR_POINTS;
         list->pair[kept] = pair | points << PAIR_POINTS;
@@ -259,7 +254,7 @@ typedef struct entry {
     block_set behind;
 } entry;
 
-/* Where few points are left, they go on by themselves. */
+/* Where few points are left, they go on one by one. */
 static bool go_alone(const mesh_occluder *m, const entry *at)
 {
     block_points few[SHADOW_BLOCKS];

@@ -1,6 +1,5 @@
-/* The shadow pencil's picture: where boxes of a tree project to, seen from the light. A box's middle is projected, and what
- * it reaches beside the ray there: that is as tight as the hull of its corners but for the share that the box's depth has in
- * its distance, and costs a third. */
+/* Boxes of a tree's nodes in the light's picture. The box's middle is projected, then how far the box reaches beside the ray through
+ * it: as tight as the hull of its corners but for the box's depth over its distance, at a third of the cost. */
 #include "raster/samples/samples.h"
 
 DAFT_INLINE v8 v8_abs(v8 a) { return (v8)((v8i)a & 0x7fffffff); }
@@ -61,11 +60,11 @@ typedef struct v8_range {
 /* A point light's picture of boxes before it, along an axis across the light. `inverse`: one over the distance of the box's
  * middle, `most` over that of its near side. With u = c/z of the middle, a point that is dx and dz from there is seen
  * (dx - u·dz)/(z + dz) beside it. Coordinates are off by `off`, distances by that and `rounding`. */
-DAFT_INLINE v8_range project_axis(const v8_box *b, const picture_map *map, int axis, v8 inverse, v8 most, v8 rounding)
+DAFT_INLINE v8_range project_axis(const v8_box *b, const picture_map *map, int axis, v8 inverse, v8 max, v8 rounding)
 {
     v8 middle = b->centre[axis] * inverse;
-    v8 half = reach_beside(b, &map->map, axis, middle) * most;
-    half = half + (b->off + (v8_abs(middle) + half) * (b->off + rounding)) * most;
+    v8 half = reach_beside(b, &map->map, axis, middle) * max;
+    half = half + (b->off + (v8_abs(middle) + half) * (b->off + rounding)) * max;
     return (v8_range){middle - half, middle + half};
 }
 
@@ -90,8 +89,8 @@ uint32_t DAFT_KERNEL(daft_node_project)(const light_view *l, const picture_map *
         beside = v8_le_bits(near - rounding, light);
         everywhere = in & beside; /* it reaches beside or behind the light */
         if (everywhere) everywhere &= ~beyond_sides(l, &box, map);
-        v8 inverse = one / (box.centre[2] - light), most = one / (near - light);
-        u = project_axis(&box, map, 0, inverse, most, rounding), v = project_axis(&box, map, 1, inverse, most, rounding);
+        v8 inverse = one / (box.centre[2] - light), max = one / (near - light);
+        u = project_axis(&box, map, 0, inverse, max, rounding), v = project_axis(&box, map, 1, inverse, max, rounding);
     }
     u.low = u.low - v8_set(l->slack_u), u.high = u.high + v8_set(l->slack_u);
     v.low = v.low - v8_set(l->slack_v), v.high = v.high + v8_set(l->slack_v);

@@ -299,7 +299,7 @@ _Static_assert(DAFT_SAMPLES_ROOM < 1 << PLACE_BITS, "");
  * in the batch. */
 typedef struct strays {
     uint32_t count, jump; /* bits of the code that differ across more than two usual blocks */
-    float most;           /* larger blocks are taken apart */
+    float max;           /* larger blocks are taken apart */
     float low_u, low_v, scale;
     uint32_t key[DAFT_SAMPLES_ROOM];
     uint32_t free_count, free[SHADOW_BLOCKS]; /* blocks that were taken apart */
@@ -362,9 +362,9 @@ DAFT_INLINE bool on_shadow_ray(const shadow_ray *w, double t) { return t > 0 && 
 /* Takes the block out of what is looked at when its last point has gone dark. */
 DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
 {
-    vf most = vf_set(-INFINITY);
-    for (uint32_t i = 0; i < SHADOW_BLOCK; i += DAFT_VL) most = vf_max(most, vf_load(&p->depth[b * SHADOW_BLOCK + i]));
-    if (vbits_from_mask(vf_lt(vf_set(-INFINITY), most)) || p->low_u[b] > p->high_u[b]) return;
+    vf max = vf_set(-INFINITY);
+    for (uint32_t i = 0; i < SHADOW_BLOCK; i += DAFT_VL) max = vf_max(max, vf_load(&p->depth[b * SHADOW_BLOCK + i]));
+    if (vbits_from_mask(vf_lt(vf_set(-INFINITY), max)) || p->low_u[b] > p->high_u[b]) return;
     p->low_u[b] = INFINITY, p->high_u[b] = -INFINITY;
     p->live--;
 }

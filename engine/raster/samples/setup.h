@@ -1,5 +1,5 @@
-/* Triangles that may hide points from a light, DAFT_VL at a time: moved to view space, their boxes in its picture, their edges
- * and their planes. See occluder_kernel.c for the method. */
+/* Triangles that may hide points from a light, DAFT_VL at a time: moved to view space, their boxes in the picture, the planes of
+ * their edges and their own. See mesh_kernel.c for the test. */
 #ifndef DAFT_OCCLUDER_H
 #define DAFT_OCCLUDER_H
 
@@ -22,7 +22,7 @@ void DAFT_KERNEL(daft_few_shadow)(const mesh_occluder *m, uint32_t child, const 
 /* Whether the triangle, closed, stands between the point and the light, by frame space's own numbers. */
 bool DAFT_KERNEL(daft_stands_between)(const occluder *c, const daft_block *block, int lane, uint32_t point);
 
-/* Leaf blocks, waiting to be tested against the points behind their leaf's box: blocks of them, or few by themselves. */
+/* Leaf blocks, waiting to be tested against the points behind their leaf's box: blocks of them, or few one by one. */
 typedef struct leaf {
     const daft_block *block;
     block_set behind;
@@ -54,8 +54,8 @@ DAFT_INLINE void blocks_of(const leaf *const *leaves, const daft_block *out[DAFT
     for (int i = 0; i < DAFT_BATCH_BLOCKS; i++) out[i] = leaves[i]->block;
 }
 
-/* One over a way along an axis: finite, so that products with it are numbers. */
-DAFT_INLINE vf inverse_of(vf way) { return vf_max(vf_min(vf_set(1) / way, vf_set(1e30f)), vf_set(-1e30f)); }
+/* One over a direction along an axis: finite, so that products with it are numbers. */
+DAFT_INLINE vf inverse_of(vf direction) { return vf_max(vf_min(vf_set(1) / direction, vf_set(1e30f)), vf_set(-1e30f)); }
 
 /* Triangles set up: edges' planes, corners' depths, their boxes in the picture, and their own planes: the light is on the
  * side where a point's product with `plane` is less than `surface`. */
@@ -89,10 +89,10 @@ DAFT_INLINE corners corners_move(const mesh_occluder *c, const leaf *const *leav
 /* As beyond_side, of triangles whose corners are off by `off`. */
 DAFT_INLINE vm corners_beyond(const corners *t, int axis, float limit, float side, vf off)
 {
-    vf least = vf_set(INFINITY), slope = vf_set(limit);
+    vf min = vf_set(INFINITY), slope = vf_set(limit);
     for (int k = 0; k < 3; k++)
-        least = vf_min(((axis ? t->p[k].y : t->p[k].x) - slope * t->p[k].z) * vf_set(side), least);
-    return vf_lt(off * vf_set(1 + fabsf(limit)), least);
+        min = vf_min(((axis ? t->p[k].y : t->p[k].x) - slope * t->p[k].z) * vf_set(side), min);
+    return vf_lt(off * vf_set(1 + fabsf(limit)), min);
 }
 
 DAFT_INLINE vm corners_outside(const light_view *l, const corners *t, vf off)

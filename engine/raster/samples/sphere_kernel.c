@@ -1,5 +1,5 @@
-/* The shadow pencil's spheres: blocks of points behind a sphere's bounds, against the sphere. What is within the error of
- * its edge or its depth is decided again in double. */
+/* Spheres as occluders: blocks of points behind a sphere's box, against the sphere. What lies within the error of its edge or its
+ * depth is decided again in double. */
 #include "raster/samples/samples.h"
 
 #include <string.h>
@@ -19,7 +19,7 @@ static bool sphere_between(const daft_instance *s, const shadow_ray *w)
 }
 
 /* A sphere is a surface: with the light within, it is its far side that may stand between. The bound of the
- * discriminant's error is that of raster/tile_kernel.c. */
+ * discriminant's error is that of grid/coverage_kernel.c. */
 typedef struct sphere {
     vf cx, cy, cz;          /* view space */
     vf square, blur, error; /* radius squared; |error(discriminant)|; of depths */
