@@ -55,7 +55,7 @@ void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind e
 void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth)
 {
     const daft_plan *plan = &j->frame->plan;
-    daft_spawning allowed = {.mirrors = plan->reflects && depth < plan->preset->reflections, .least = plan->preset->min_weight};
+    daft_spawning allowed = {.mirrors = plan->reflects && depth < plan->preset->reflections, .min = plan->preset->min_weight};
     bool refracts = j->frame->plan.refracts && depth < plan->preset->refractions;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;

@@ -138,7 +138,7 @@ static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t 
     if (counts(back, allowed->min))
         add_ray(b, i, lane3(&b->point, i), mirrored(view, normal, outward), back, mirror_rays);
     daft_vec3 on = daft_mul(weight, daft_scale(material->transmittance, 1 - f.fresnel));
-    if (counts(on, allowed->least))
+    if (counts(on, allowed->min))
         add_ray(b, i, place_beyond(snapshot, b, i), refracted(&f, view, normal, outward), on, refracted_rays);
 }
 

@@ -156,7 +156,7 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *vi
     const daft_affine *map = &view->to_view;
     const daft_vec3 from = view->mesh->low, until = view->mesh->high;
     const float low[3] = {from.x, from.y, from.z}, high[3] = {until.x, until.y, until.z}, focal = job->raster->pencil.focal;
-    w->job = job, w->view = view, w->waiting = waiting, w->leaf_count = w->block_count = 0;
+    w->job = job, w->view = view, w->queue = queue, w->leaf_count = w->block_count = 0;
     float pad[3];
     for (int k = 0; k < 3; k++) {
         float size = fabsf(map->t[k]);

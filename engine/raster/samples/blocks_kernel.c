@@ -1,10 +1,7 @@
-/* Points in blocks of 16: patches of 4 by 4 pixels, which lie side by side on a surface and so in the light's picture; where many
- * instances are about, points of one instance each. Patches across a silhouette are spread: blocks much larger than usual are
- * taken apart, and their points make blocks along a Morton curve in the picture. */
+/* Points in blocks of 16: patches of 4 by 4 pixels, which lie side by side on a surface and so in the light's picture.
+ * Patches across a silhouette are spread: blocks much larger than usual are taken apart, and their points make blocks along a
+ * Morton curve in the picture. */
 #include "raster/samples/samples.h"
-
-/* A block of one instance is large where the instance is: only what is far apart on it makes another. */
-#define STRAY_OF_INSTANCES 64.0f
 
 typedef struct blocks_job {
     const light_view *view;
@@ -57,7 +54,6 @@ static void list_kept(const daft_samples *b, const uint32_t *kept, kept_points *
         vbits in = kept[i / 32] >> (i % 32) & DAFT_ALL_LANES;
         vi_compress_store(&out->index[count], in, vi_iota() + vi_set((int32_t)i));
         vi_compress_store(&out->patch[count], in, patches_of(vi_load(&b->pixel[i])));
-        vi_compress_store(&out->instance[count], in, vi_load(&b->instance[i]));
         count += (uint32_t)__builtin_popcount(in);
     }
     out->count = count;
@@ -85,62 +81,14 @@ static void place_by_patches(const kept_points *list, places *out)
     for (uint32_t k = 0; k < list->count; k++) out->at[next[list->patch[k]]++] = list->index[k];
 }
 
-/* INSTANCES: there are too many. */
-DAFT_INLINE uint32_t instance_of(instance_list *t, uint32_t instance)
+static void place_points(const daft_samples *samples, const uint32_t *kept, block_scratch *scratch)
 {
-    uint32_t key = instance * 0x9e3779b1u >> (32 - INSTANCE_KEY_BITS);
-    while (t->after[key] && t->instance[key] != instance) key = (key + 1) % INSTANCE_KEYS;
-    if (t->after[key]) return t->after[key] - 1u;
-    if (t->count == INSTANCES) return INSTANCES;
-    t->instance[key] = instance, t->points[t->count] = 0;
-    t->after[key] = (uint8_t)(t->count + 1);
-    return t->count++;
-}
-
-static bool list_instances(const kept_points *list, instance_list *out)
-{
-    uint32_t last = DAFT_NOTHING, instance = 0;
-    out->count = 0;
-    memset(out->after, 0, sizeof out->after);
-    for (uint32_t k = 0; k < list->count; k++) {
-        if (list->instance[k] != last || k == 0) instance = instance_of(out, last = list->instance[k]);
-        if (instance == INSTANCES) return false;
-        out->of[k] = (uint8_t)instance, out->points[instance]++;
+    if (is_whole_tile(samples)) {
+        place_whole_tile(kept, &scratch->places);
+        return;
     }
-    return true;
-}
-
-/* Instance by instance, and patch by patch of each: where patches hold some points of this and some of that, blocks of one instance each are
- * fewer, and each is small. False: there are too many instances. */
-static bool place_by_instances(const kept_points *list, instance_list *all, places *out)
-{
-    uint32_t next[SHADOW_TILE_BLOCKS] = {0}, first[INSTANCES], sum = 0;
-    uint16_t sorted[DAFT_SAMPLES_ROOM];
-    if (!list_instances(list, all)) return false;
-    for (uint32_t k = 0; k < list->count; k++) next[list->patch[k]]++;
-    for (uint32_t patch = 0; patch < SHADOW_TILE_BLOCKS; patch++) {
-        uint32_t points = next[patch];
-        next[patch] = sum, sum += points;
-    }
-    for (uint32_t k = 0; k < list->count; k++) sorted[next[list->patch[k]]++] = (uint16_t)k;
-    blocks_for(all->points, all->count, first, out);
-    for (uint32_t k = 0; k < list->count; k++) out->at[first[all->of[sorted[k]]]++] = list->index[sorted[k]];
-    return true;
-}
-
-/* Gives whether the blocks are of one instance each. */
-static bool place_points(const daft_samples *samples, const uint32_t *kept, bool crowd, block_scratch *scratch)
-{
-    kept_points *list = &scratch->kept;
-    places *out = &scratch->places;
-    bool whole = is_whole_tile(samples);
-    if (crowd || !whole) list_kept(samples, kept, list);
-    if (crowd && place_by_instances(list, &scratch->instances, out)) return true;
-    if (whole)
-        place_whole_tile(kept, out);
-    else
-        place_by_patches(list, out);
-    return false;
+    list_kept(samples, kept, &scratch->kept);
+    place_by_patches(&scratch->kept, &scratch->places);
 }
 
 /* DAFT_VL values from their places, of which the first is `from`; `rows`: they are in rows of four below each other. */
@@ -323,12 +271,12 @@ static void empty_block(shadow_points *p, uint32_t b)
 }
 
 void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *samples, const uint32_t *own, const uint32_t *kept,
-                                     bool crowd, float stray, block_scratch *scratch, shadow_points *to)
+                                     float stray, block_scratch *scratch, shadow_points *to)
 {
     const blocks_job c = {l, samples, own};
     places *from = &scratch->places;
     strays *apart = &scratch->strays;
-    if (place_points(samples, kept, crowd, scratch)) stray = STRAY_OF_INSTANCES;
+    place_points(samples, kept, scratch);
     for (uint32_t b = 0; b < from->count; b++)
         from->rows ? fill_block(&c, from, b, true, to) : fill_block(&c, from, b, false, to);
     to->count = from->count;

@@ -393,19 +393,6 @@ static void cast_remembered(const cast *c, shadow_points *points)
     }
 }
 
-/* Forgets what stays clear of all the points by nodes of its tree, which are closer around it than its bounds: they need not be put into
- * blocks for that. */
-static void drop_clear(cast *c)
-{
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < c->occluder_count; i++) {
-        const occluder one = occluder_of(c, c->occluder[i].number, NULL);
-        bool apart = one.instance->mesh && c->sole != DAFT_NOTHING && c->sole != one.number;
-        if (!apart || !DAFT_KERNEL(daft_mesh_clear)(&one)) c->occluder[kept++] = c->occluder[i];
-    }
-    c->occluder_count = kept;
-}
-
 /* Whether the box is behind all of the picture: then it says little about a instance that is large or slants. */
 static bool covers(const picture_box *box, const light_view *l)
 {
@@ -570,10 +557,9 @@ static uint32_t cast_pencil(light_scratch *scratch, uint32_t *bits)
     bool few = find_occluders(c, FEW_OCCLUDERS, FEW_LOOKS);
     if (few) {
         for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
-        drop_clear(c);
     }
     if (few && c->occluder_count == 0) return count;
-    DAFT_KERNEL(daft_shadow_blocks)(&c->view, c->samples, c->own, few ? c->under : c->asked, !few, few ? STRAY_OF_FEW : STRAY_OF_MANY, &scratch->blocks, points);
+    DAFT_KERNEL(daft_shadow_blocks)(&c->view, c->samples, c->own, few ? c->under : c->asked, few ? STRAY_OF_FEW : STRAY_OF_MANY, &scratch->blocks, points);
     if (few) {
         cast_remembered(c, points);
     } else {

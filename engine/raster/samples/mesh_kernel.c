@@ -16,7 +16,6 @@ enum {
     LIST = 64,     /* leaf blocks before their triangles are tested */
     FEW_ALONE = 32,   /* so many behind a node go on one by one: where triangles are so much smaller than their distances,
                        * boxes of 16 say little */
-    CLEAR_NODES = 12, /* who meets no leaf in so many is clear of the mesh */
     FEW_OF_MESH = 512 /* the same where it is known which points' rays meet the mesh's bounds */
 };
 
@@ -309,27 +308,6 @@ static void walk(const mesh_occluder *m, const picture_box *box, const block_set
         }
     }
     flush(m, list, count);
-}
-
-bool DAFT_KERNEL(daft_mesh_clear)(const occluder *c)
-{
-    const daft_bvh *bvh = c->instance->bvh;
-    uint32_t stack[CLEAR_NODES * DAFT_WIDTH], looked = 0;
-    int top = 0;
-    const daft_affine map = daft_pencil_map(&c->view->pencil, &c->instance->to_frame);
-    const picture_map to_light = picture_map_make(&map);
-    for (stack[top++] = 0; top > 0;) {
-        node_boxes boxes;
-        const daft_node *node = &bvh->nodes.items[stack[--top]];
-        if (looked++ == CLEAR_NODES) return false;
-        for (uint32_t in = DAFT_KERNEL(daft_node_project)(c->view, &to_light, node, &boxes); in; in &= in - 1) {
-            uint32_t child = node->child[__builtin_ctz(in)];
-            if (child == DAFT_CHILD_NONE) continue;
-            if (child & DAFT_CHILD_LEAF) return false;
-            stack[top++] = child;
-        }
-    }
-    return true;
 }
 
 void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const picture_box *box, const block_set *behind)

@@ -280,17 +280,8 @@ typedef struct places {
 /* The kept points, one after the other. */
 typedef struct kept_points {
     uint32_t count;
-    uint32_t index[DAFT_SAMPLES_ROOM + DAFT_VL], patch[DAFT_SAMPLES_ROOM + DAFT_VL], instance[DAFT_SAMPLES_ROOM + DAFT_VL];
+    uint32_t index[DAFT_SAMPLES_ROOM + DAFT_VL], patch[DAFT_SAMPLES_ROOM + DAFT_VL];
 } kept_points;
-
-/* The instances that points lie on, numbered as they come, by keys: each begins a block, so there is room for so many. */
-enum { INSTANCES = SHADOW_BLOCKS - SHADOW_TILE_BLOCKS, INSTANCE_KEYS = 256, INSTANCE_KEY_BITS = 8 };
-typedef struct instance_list {
-    uint32_t count, points[INSTANCES];
-    uint32_t instance[INSTANCE_KEYS];
-    uint8_t after[INSTANCE_KEYS]; /* one after the number of the key's instance; 0: it has none */
-    uint8_t of[DAFT_SAMPLES_ROOM]; /* the instance of each point */
-} instance_list;
 
 enum { PLACE_BITS = 11 }; /* of a point's place among the samples */
 _Static_assert(DAFT_SAMPLES_ROOM < 1 << PLACE_BITS, "");
@@ -308,15 +299,13 @@ typedef struct strays {
 typedef struct block_scratch {
     places places;
     kept_points kept;
-    instance_list instances;
     strays strays;
 } block_scratch;
 
 /* Puts the points whose bits are in `kept` into blocks. `own`: the triangle that a point lies on and that cannot shadow it,
- * or DAFT_NO_TRIANGLE. `stray`: patches that many times larger than usual are taken apart. `crowd`: the points lie on many instances, or
- * many instances may hide them. */
+ * or DAFT_NO_TRIANGLE. `stray`: patches that many times larger than usual are taken apart. */
 void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *samples, const uint32_t *own, const uint32_t *kept,
-                                     bool crowd, float stray, block_scratch *scratch, shadow_points *to);
+                                     float stray, block_scratch *scratch, shadow_points *to);
 
 /* Takes away the bits of the points that went dark. */
 void DAFT_KERNEL(daft_shadow_dark)(const shadow_points *p, uint32_t *bits);
@@ -369,8 +358,6 @@ DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
     p->live--;
 }
 
-/* Whether a few nodes of the mesh's tree tell that it hides none of the light's points. */
-bool DAFT_KERNEL(daft_mesh_clear)(const occluder *c);
 /* Puts the points that the instance hides from the light to depth -inf; only those of the blocks behind its bounds, `box`. */
 void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const picture_box *box, const block_set *behind);
 /* Marks the lit points of blocks behind the instance's box whose rays to the light meet the bounds of its mesh, and gives those that it may
