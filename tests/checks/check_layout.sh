@@ -15,6 +15,8 @@ done
 # The samples of check_layers are bad on purpose.
 sources=$(find engine runtime tests examples assets -name '*.[ch]' -not -path 'tests/checks/layers/*' | LC_ALL=C sort)
 if [ "${1:-}" = --apply ]; then
+    # Twice: what the first time wraps, the second may join.
+    echo "$sources" | xargs "$format" -i
     echo "$sources" | xargs "$format" -i
     exit
 fi

@@ -73,6 +73,7 @@ DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index)
     return (vf)_mm256_blendv_ps(low, high, (__m256)(index << 28)); /* by bit 3, as the sign */
 }
 
+/* clang-format off: macros that read as a table */
 /* For each mask of eight lanes, the numbers of those in it, a byte each. */
 #define DAFT_PLACE(m, i) ((m) >> (i) & 1 ? (uint64_t)(i) << 8 * __builtin_popcount((m) & ((1u << (i)) - 1)) : 0)
 #define DAFT_PLACES(m) \
@@ -82,6 +83,7 @@ DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index)
 #define DAFT_PLACES64(m) DAFT_PLACES16(m), DAFT_PLACES16((m) + 16), DAFT_PLACES16((m) + 32), DAFT_PLACES16((m) + 48)
 static const uint64_t DAFT_LANES_SIDE_BY_SIDE[256] __attribute__((unused)) = {DAFT_PLACES64(0u), DAFT_PLACES64(64u),
                                                                               DAFT_PLACES64(128u), DAFT_PLACES64(192u)};
+/* clang-format on */
 #undef DAFT_PLACES64
 #undef DAFT_PLACES16
 #undef DAFT_PLACES4

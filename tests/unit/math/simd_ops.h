@@ -33,6 +33,7 @@ typedef union simd_out {
     uint64_t q[4 * SIMD_ROWS];
 } __attribute__((aligned(64))) simd_out;
 
+/* clang-format off: a table */
 /* X(name, kind): kind is 'b' where all bits agree, 'f' and 'd' where one NaN of floats or doubles is as good as another. */
 #define SIMD_OPS(X)                                                                                                            \
     X(vf_load, 'b') X(vi_load, 'b') X(vd_load, 'b') X(v8_load, 'b') X(v4_load, 'b') X(vi_iota, 'b')                            \
@@ -54,6 +55,7 @@ typedef union simd_out {
     X(v4_min, 'b') X(v4_max, 'b') X(v4_sqrt, 'f') X(v4_abs, 'b') X(v4i_convert_to, 'b') X(v4_bits_from_mask, 'b')              \
     X(v4_transpose3, 'b') X(v4_reduce_min4, 'b') X(vu8_nondigits_16, 'b') X(vu8_nondigits_32, 'b') X(vu8_nondigits_64, 'b')    \
     X(vu8_test_bit, 'b')
+/* clang-format on */
 
 #define SIMD_ENUM(name, kind) SIMD_##name,
 enum { SIMD_OPS(SIMD_ENUM) SIMD_COUNT };
