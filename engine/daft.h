@@ -39,10 +39,12 @@ extern "C" {
 
 /* ---- plain values ------------------------------------------------------------------------------------------------ */
 
+/* clang-format off */
 typedef struct daft_vec2 { float x, y; } daft_vec2;
 typedef struct daft_vec3 { float x, y, z; } daft_vec3;
 typedef struct daft_dvec3 { double x, y, z; } daft_dvec3; /* a position in the world */
 typedef struct daft_quat { float x, y, z, w; } daft_quat;
+/* clang-format on */
 
 /* ---- numbers: the same bits on every machine, where libm's differ ------------------------------------------------- */
 
@@ -83,7 +85,8 @@ DAFT_API const char *daft_error_text(const daft_error *error, char *buffer, size
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
 /* Writes a whole file, or nothing: a temporary file beside it is flushed to the disk and renamed, so the old file stays
- * until the new one is whole. Fails with DAFT_ERROR_IO where `path` is a folder, a device, a pipe or a symbolic link. */
+ * until the new one is whole. Fails with DAFT_ERROR_IO where `path` is a folder, a device, a pipe or a symbolic link.
+ */
 DAFT_API bool daft_write_file(const char *path, const void *bytes, size_t size, daft_error *error);
 
 /* ---- engine ------------------------------------------------------------------------------------------------------ */
@@ -110,8 +113,8 @@ DAFT_API const char *daft_accel_name(daft_accel accel);
 
 typedef struct daft_engine_def {
     uint32_t cookie;
-    int threads;              /* worker threads; 0: one for each processor */
-    const char *isa;          /* "plain", "sse2", "avx2", "avx512"; NULL: the best this build and processor have */
+    int threads;     /* worker threads; 0: one for each processor */
+    const char *isa; /* "plain", "sse2", "avx2", "avx512"; NULL: the best this build and processor have */
     daft_accel accel;
     daft_allocator allocator; /* all zero: malloc */
     daft_warning_callback *warn;
@@ -141,12 +144,14 @@ DAFT_API bool daft_image_write(const daft_image *image, const char *path, daft_e
 /* ---- scenes: assets ---------------------------------------------------------------------------------------------- */
 
 typedef struct daft_scene daft_scene;
+/* clang-format off */
 typedef struct daft_mesh { uint32_t id; } daft_mesh;
 typedef struct daft_texture { uint32_t id; } daft_texture;
 typedef struct daft_material { uint32_t id; } daft_material;
 typedef struct daft_light { uint32_t id; } daft_light;
 typedef struct daft_entity { uint32_t id; } daft_entity;
 typedef struct daft_joint { uint32_t id; } daft_joint;
+/* clang-format on */
 
 DAFT_API daft_scene *daft_scene_create(daft_engine *engine, daft_error *error);
 DAFT_API void daft_scene_destroy(daft_scene *scene);
@@ -169,12 +174,12 @@ typedef struct daft_mesh_def {
 DAFT_API daft_mesh_def daft_default_mesh_def(void);
 DAFT_API daft_mesh daft_mesh_create(daft_scene *scene, const daft_mesh_def *def, daft_error *error);
 
-/* Moves a mesh's vertices: `count`, daft_mesh_info.vertex_count of them, positions that are all finite, and as many normals,
- * or NULL: smooth across edges flatter than 40 degrees, which takes longer than all the rest. Triangles, texture coordinates
- * and materials stay. The boxes of the BVH are fitted anew; once that has made rays 1.4 times as costly as they were when
- * it was built, it is built anew (Lauterbach et al., "RT-DEFORM", 2006). */
-DAFT_API bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 *positions, const daft_vec3 *normals,
-                                      uint32_t count, daft_error *error);
+/* Moves a mesh's vertices: `count`, daft_mesh_info.vertex_count of them, positions that are all finite, and as many
+ * normals, or NULL: smooth across edges flatter than 40 degrees, which takes longer than all the rest. Triangles,
+ * texture coordinates and materials stay. The boxes of the BVH are fitted anew; once that has made rays 1.4 times as
+ * costly as they were when it was built, it is built anew (Lauterbach et al., "RT-DEFORM", 2006). */
+DAFT_API bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 *positions,
+                                      const daft_vec3 *normals, uint32_t count, daft_error *error);
 
 typedef struct daft_mesh_info {
     uint32_t vertex_count, triangle_count, material_count;
@@ -187,8 +192,8 @@ DAFT_API bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_in
 /* What is odd about a mesh. None of it stops rendering. Edges and triangles are told apart by where their corners are,
  * whatever the vertices' numbers. */
 typedef struct daft_mesh_report {
-    uint32_t left_out;            /* triangles of the source that are not in the mesh: a corner repeated or not finite */
-    uint32_t without_area;        /* triangles lower than a millionth of their longest edge */
+    uint32_t left_out;     /* triangles of the source that are not in the mesh: a corner repeated or not finite */
+    uint32_t without_area; /* triangles lower than a millionth of their longest edge */
     uint32_t duplicate_triangles; /* with the corners of an earlier one, in the same sense */
     uint32_t duplicate_vertices;  /* used ones, in the place of an earlier one */
     uint32_t unused_vertices;
@@ -212,9 +217,11 @@ typedef struct daft_material_def {
     daft_vec3 mirror_tint; /* 1, 1, 1 */
     daft_vec3 emission;    /* light it gives off by itself; lights nothing else */
     /* Light that passes through, 0..1: the rest is left to `ambient` and `diffuse`. At each surface Fresnel's equations
-     * divide it between a mirrored and a refracted ray. Everything outside closed meshes, and between two of them, counts as air. */
+     * divide it between a mirrored and a refracted ray. Everything outside closed meshes, and between two of them,
+     * counts as air. */
     float transmission;
-    daft_vec3 transmission_tint; /* 0..1 each: the refracted ray's light is multiplied by it, at each surface; 1, 1, 1 */
+    daft_vec3 transmission_tint; /* 0..1 each: the refracted ray's light is multiplied by it, at each surface; 1, 1, 1
+                                  */
     float refractive_index;      /* 0.001..10; 1: no bending and no mirroring; water 1.33, glass 1.5 (the default) */
     daft_texture diffuse_map;
     daft_vec2 map_scale; /* repeats of the texture over one unit of u and v */
@@ -243,22 +250,22 @@ typedef enum daft_collider_kind {
     DAFT_COLLIDER_SPHERE = 1,
     DAFT_COLLIDER_CAPSULE, /* around its y axis */
     DAFT_COLLIDER_BOX,
-    DAFT_COLLIDER_HULL, /* the convex hull of a mesh's vertices, of at most 64 corners */
-    DAFT_COLLIDER_MESH, /* a mesh's triangles, from both sides; static and kinematic bodies */
-    DAFT_COLLIDER_FIELD, /* a grid of heights; static and kinematic bodies */
+    DAFT_COLLIDER_HULL,    /* the convex hull of a mesh's vertices, of at most 64 corners */
+    DAFT_COLLIDER_MESH,    /* a mesh's triangles, from both sides; static and kinematic bodies */
+    DAFT_COLLIDER_FIELD,   /* a grid of heights; static and kinematic bodies */
     DAFT_COLLIDER_CYLINDER /* around its y axis; rolls smoothly. Rays and casts meet a prism of 32 sides within it */
 } daft_collider_kind;
 
-/* A part of a body, in the entity's axes and in metres: the entity's scale counts for hulls and meshes alone. Lengths are
- * 1e-4 to 1e7 m. */
+/* A part of a body, in the entity's axes and in metres: the entity's scale counts for hulls and meshes alone. Lengths
+ * are 1e-4 to 1e7 m. */
 typedef struct daft_collider {
     daft_collider_kind kind;
     float radius;         /* sphere, capsule, cylinder */
     float height;         /* from end to end; capsule: more than twice the radius */
     daft_vec3 size;       /* box: edge lengths */
     daft_mesh mesh;       /* hull, mesh; none: the entity's */
-    const float *heights; /* field: heights[row·columns + column] lies at x = column·spacing.x, z = row·spacing.y; copied. NaN
-                             makes a hole. 2 to 16,384 columns and rows */
+    const float *heights; /* field: heights[row·columns + column] lies at x = column·spacing.x, z = row·spacing.y;
+                             copied. NaN makes a hole. 2 to 16,384 columns and rows */
     uint32_t columns, rows;
     daft_vec2 spacing;
     daft_vec3 position;
@@ -267,15 +274,16 @@ typedef struct daft_collider {
 
 DAFT_API daft_collider daft_default_collider(void); /* a sphere of 0.5 m */
 
-enum { /* axes of the world about which a dynamic body does not turn, and along which its centre of mass does not move */
-    DAFT_LOCK_X = 1,
-    DAFT_LOCK_Y = 2,
-    DAFT_LOCK_Z = 4,
-    DAFT_LOCK_ROTATION = 7,
-    DAFT_LOCK_POSITION_X = 8,
-    DAFT_LOCK_POSITION_Y = 16,
-    DAFT_LOCK_POSITION_Z = 32,
-    DAFT_LOCK_POSITION = 56
+enum { /* axes of the world about which a dynamic body does not turn, and along which its centre of mass does not move
+        */
+       DAFT_LOCK_X = 1,
+       DAFT_LOCK_Y = 2,
+       DAFT_LOCK_Z = 4,
+       DAFT_LOCK_ROTATION = 7,
+       DAFT_LOCK_POSITION_X = 8,
+       DAFT_LOCK_POSITION_Y = 16,
+       DAFT_LOCK_POSITION_Z = 32,
+       DAFT_LOCK_POSITION = 56
 };
 
 typedef struct daft_entity_def {
@@ -290,10 +298,11 @@ typedef struct daft_entity_def {
     daft_quat rotation;
     daft_vec3 scale; /* spheres take only equal scales */
     bool visible;
-    bool casts_shadow; /* where all of its materials transmit, light comes through, weighted by their mean transmission and tint */
+    bool casts_shadow; /* where all of its materials transmit, light comes through, weighted by their mean transmission
+                          and tint */
     daft_body_kind body; /* entities without a parent; spheres and boxes unscaled. The scale stays as it was made */
-    const daft_collider *colliders; /* what the body is made of, read by daft_entity_create; none: what is drawn, and of a mesh
-                                       the hull where the body is dynamic, else the triangles */
+    const daft_collider *colliders; /* what the body is made of, read by daft_entity_create; none: what is drawn, and of
+                                       a mesh the hull where the body is dynamic, else the triangles */
     uint32_t collider_count;
     float density;            /* kg/m³ */
     float mass;               /* kg; 0: from the density */
@@ -305,12 +314,13 @@ typedef struct daft_entity_def {
     daft_vec3 belt;           /* m/s: the velocity of its surface in the entity's axes, as a conveyor belt's */
     float gravity_scale;      /* 1 */
     float linear_damping, angular_damping; /* 1/s: fraction of the velocity lost in a second, for small ones */
-    uint32_t locks;  /* DAFT_LOCK_… */
-    uint32_t layers; /* bits: what it is; the first by default */
-    uint32_t mask;   /* bits: what it collides with; two bodies do where each one's layers have a bit of the other's mask; default all */
-    bool sensor;     /* collides with nothing: what enters and leaves it makes events */
-    bool bullet;     /* dynamic: does not pass through fast dynamic bodies either */
-    bool sleeps;     /* may; default true */
+    uint32_t locks;                        /* DAFT_LOCK_… */
+    uint32_t layers;                       /* bits: what it is; the first by default */
+    uint32_t mask; /* bits: what it collides with; two bodies do where each one's layers have a bit of the other's mask;
+                      default all */
+    bool sensor;   /* collides with nothing: what enters and leaves it makes events */
+    bool bullet;   /* dynamic: does not pass through fast dynamic bodies either */
+    bool sleeps;   /* may; default true */
 } daft_entity_def;
 
 DAFT_API daft_entity_def daft_default_entity_def(void);
@@ -329,7 +339,8 @@ typedef struct daft_transform {
 DAFT_API bool daft_entity_get_transform(daft_scene *scene, daft_entity entity, daft_transform *out, daft_error *error);
 DAFT_API bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft_transform *transform,
                                         bool teleport, daft_error *error);
-DAFT_API bool daft_entity_set_material(daft_scene *scene, daft_entity entity, daft_material material, daft_error *error);
+DAFT_API bool daft_entity_set_material(daft_scene *scene, daft_entity entity, daft_material material,
+                                       daft_error *error);
 DAFT_API bool daft_entity_set_visible(daft_scene *scene, daft_entity entity, bool visible, daft_error *error);
 
 /* Bodies. Velocities in m/s and rad/s, in world axes; an impulse in kg·m/s acts at the centre; a force in newtons acts
@@ -342,15 +353,20 @@ DAFT_API bool daft_entity_apply_force(daft_scene *scene, daft_entity entity, daf
 DAFT_API bool daft_entity_apply_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_error *error);
 DAFT_API bool daft_entity_apply_impulse_at(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_dvec3 point,
                                            daft_error *error);
-DAFT_API bool daft_entity_apply_torque(daft_scene *scene, daft_entity entity, daft_vec3 torque, daft_error *error); /* N·m, over the next tick */
-DAFT_API bool daft_entity_apply_angular_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_error *error); /* kg·m²/s */
-DAFT_API bool daft_entity_get_mass(daft_scene *scene, daft_entity entity, float *kg, daft_error *error); /* 0: not dynamic */
+DAFT_API bool daft_entity_apply_torque(daft_scene *scene, daft_entity entity, daft_vec3 torque,
+                                       daft_error *error); /* N·m, over the next tick */
+DAFT_API bool daft_entity_apply_angular_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse,
+                                                daft_error *error);                                      /* kg·m²/s */
+DAFT_API bool daft_entity_get_mass(daft_scene *scene, daft_entity entity, float *kg, daft_error *error); /* 0: not
+                                                                                                            dynamic */
 /* Bodies at rest fall asleep, island by island, and cost nothing; whatever touches or moves them wakes them. */
 DAFT_API bool daft_entity_get_awake(daft_scene *scene, daft_entity entity, bool *awake, daft_error *error);
 DAFT_API bool daft_entity_set_awake(daft_scene *scene, daft_entity entity, bool awake, daft_error *error);
-DAFT_API bool daft_entity_set_layers(daft_scene *scene, daft_entity entity, uint32_t layers, uint32_t mask, daft_error *error);
+DAFT_API bool daft_entity_set_layers(daft_scene *scene, daft_entity entity, uint32_t layers, uint32_t mask,
+                                     daft_error *error);
 
-/* What touched in the last tick, in a fixed order. The normal points from a to b; the impulse is its sum over the tick. */
+/* What touched in the last tick, in a fixed order. The normal points from a to b; the impulse is its sum over the tick.
+ */
 typedef struct daft_contact {
     daft_entity a, b;
     daft_dvec3 point;
@@ -358,7 +374,8 @@ typedef struct daft_contact {
     float impulse; /* kg·m/s */
 } daft_contact;
 
-DAFT_API uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out, uint32_t capacity); /* all there are */
+DAFT_API uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out, uint32_t capacity); /* all there are
+                                                                                                       */
 
 typedef enum daft_event_kind {
     DAFT_EVENT_CONTACT_BEGIN = 1, /* point, normal, impulse, speed */
@@ -382,8 +399,8 @@ typedef struct daft_event {
     float speed;      /* m/s at which they met */
 } daft_event;
 
-/* What happened in the last tick and by calls since the one before, in a fixed order: by kind, then by bodies and joints.
- * The scene may be changed while the caller goes through them. Returns how many there are. */
+/* What happened in the last tick and by calls since the one before, in a fixed order: by kind, then by bodies and
+ * joints. The scene may be changed while the caller goes through them. Returns how many there are. */
 DAFT_API uint32_t daft_scene_events(const daft_scene *scene, daft_event *out, uint32_t capacity);
 
 /* ---- scenes: joints ---------------------------------------------------------------------------------------------- */
@@ -405,34 +422,40 @@ typedef struct daft_joint_def {
     daft_dvec3 anchor_b; /* distance: the point on b; drag: the target */
     daft_vec3 axis;      /* hinge, slider, ball with a cone: in the world, any length */
     bool limit;          /* hinge, slider, distance: between lower and upper; ball: upper is the cone's half angle */
-    float lower, upper;  /* relative to the pose at creation; hinge: radians within ±pi; slider: metres; distance: lengths */
+    float lower, upper;  /* relative to the pose at creation; hinge: radians within ±pi; slider: metres; distance:
+                            lengths */
     bool motor;          /* hinge, slider; ball: a brake, whose speed is always 0 */
     float motor_speed, motor_force; /* rad/s and N·m, m/s and N; of b relative to a */
-    bool spring;         /* distance: about its length; hinge, slider: about 0; ball, fixed: the whole joint gives */
+    bool spring;          /* distance: about its length; hinge, slider: about 0; ball, fixed: the whole joint gives */
     float hertz, damping; /* of the spring: frequency of the two bodies on it, and damping ratio */
     float length;         /* distance: 0 takes what it is now */
     float break_force, break_torque; /* N, N·m, mean over a tick; 0: never */
-    bool collide;         /* the two bodies touch each other still */
+    bool collide;                    /* the two bodies touch each other still */
 } daft_joint_def;
 
 typedef struct daft_joint_state {
     daft_joint_kind kind;
     daft_entity a, b;
     daft_dvec3 anchor_a, anchor_b; /* in the world */
-    float value; /* hinge: angle; slider: displacement; distance: length; ball with a cone: angle */
-    float speed; /* of the value; hinge, slider */
-    float force, torque; /* N, N·m, mean over the last tick */
+    float value;                   /* hinge: angle; slider: displacement; distance: length; ball with a cone: angle */
+    float speed;                   /* of the value; hinge, slider */
+    float force, torque;           /* N, N·m, mean over the last tick */
 } daft_joint_state;
 
-DAFT_API daft_joint_def daft_default_joint_def(void); /* a ball joint to the world; springs of 2 Hz, damping ratio 0.7 */
+DAFT_API daft_joint_def daft_default_joint_def(void); /* a ball joint to the world; springs of 2 Hz, damping ratio 0.7
+                                                       */
 DAFT_API daft_joint daft_joint_create(daft_scene *scene, const daft_joint_def *def, daft_error *error);
 DAFT_API bool daft_joint_destroy(daft_scene *scene, daft_joint joint, daft_error *error);
 DAFT_API bool daft_joint_is_valid(const daft_scene *scene, daft_joint joint); /* not broken, not gone with a body */
 DAFT_API bool daft_joint_get(daft_scene *scene, daft_joint joint, daft_joint_state *out, daft_error *error);
-DAFT_API bool daft_joint_set_motor(daft_scene *scene, daft_joint joint, bool on, float speed, float force, daft_error *error);
-DAFT_API bool daft_joint_set_limit(daft_scene *scene, daft_joint joint, bool on, float lower, float upper, daft_error *error);
-DAFT_API bool daft_joint_set_spring(daft_scene *scene, daft_joint joint, bool on, float hertz, float damping, daft_error *error);
-DAFT_API bool daft_joint_set_target(daft_scene *scene, daft_joint joint, daft_dvec3 target, daft_error *error); /* drag */
+DAFT_API bool daft_joint_set_motor(daft_scene *scene, daft_joint joint, bool on, float speed, float force,
+                                   daft_error *error);
+DAFT_API bool daft_joint_set_limit(daft_scene *scene, daft_joint joint, bool on, float lower, float upper,
+                                   daft_error *error);
+DAFT_API bool daft_joint_set_spring(daft_scene *scene, daft_joint joint, bool on, float hertz, float damping,
+                                    daft_error *error);
+DAFT_API bool daft_joint_set_target(daft_scene *scene, daft_joint joint, daft_dvec3 target, daft_error *error); /* drag
+                                                                                                                 */
 
 /* ---- scenes: the simulation as a whole --------------------------------------------------------------------------- */
 
@@ -444,13 +467,15 @@ DAFT_API void daft_scene_set_sleeping(daft_scene *scene, bool allowed); /* defau
 typedef struct daft_surfaces {
     float friction, static_friction, restitution, rolling_resistance;
 } daft_surfaces;
-DAFT_API bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b, const daft_surfaces *together,
-                                      daft_error *error); /* NULL: what the bodies say */
+DAFT_API bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b,
+                                      const daft_surfaces *together, daft_error *error); /* NULL: what the bodies say */
 
-/* The state of all bodies, joints and characters as bytes: loaded into the same scene, with the same entities, it goes on with the same
- * bits. Writes them where `capacity` is enough, and returns how many there are; 0: failed. They are for this build alone. */
+/* The state of all bodies, joints and characters as bytes: loaded into the same scene, with the same entities, it goes
+ * on with the same bits. Writes them where `capacity` is enough, and returns how many there are; 0: failed. They are
+ * for this build alone. */
 DAFT_API size_t daft_scene_save_bodies(const daft_scene *scene, void *out, size_t capacity, daft_error *error);
-/* Fails for bytes that are damaged and where entities with bodies or characters have come or gone; joints come back as they were. */
+/* Fails for bytes that are damaged and where entities with bodies or characters have come or gone; joints come back as
+ * they were. */
 DAFT_API bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, daft_error *error);
 
 /* Of the last tick. */
@@ -490,9 +515,9 @@ typedef struct daft_light_def {
     daft_vec3 direction; /* sun and spot: where its light travels to, a spot's along its axis; any length but zero */
     daft_vec3 color;
     bool casts_shadow;
-    /* Spot: radians from the direction, 0 <= inner_angle <= outer_angle <= pi, outer_angle > 0. All of the light within the
-     * inner angle, none beyond the outer; between, a cubic of the angle's cosine (Pharr, Jakob, Humphreys, "Physically
-     * Based Rendering", 4th edition, 12.2.1). Default pi/8 and pi/6. */
+    /* Spot: radians from the direction, 0 <= inner_angle <= outer_angle <= pi, outer_angle > 0. All of the light within
+     * the inner angle, none beyond the outer; between, a cubic of the angle's cosine (Pharr, Jakob, Humphreys,
+     * "Physically Based Rendering", 4th edition, 12.2.1). Default pi/8 and pi/6. */
     float inner_angle, outer_angle;
 } daft_light_def;
 
@@ -524,7 +549,8 @@ typedef enum daft_quality {
     DAFT_QUALITY_DRAFT = 0, /* one sample, no shadows, no reflections, through six surfaces that transmit */
     DAFT_QUALITY_GAME,      /* one sample, shadows, reflections two deep, through twelve surfaces */
     DAFT_QUALITY_HIGH,      /* four samples, reflections six deep, through sixteen surfaces */
-    DAFT_QUALITY_REFERENCE  /* sixteen samples, every camera ray alone through the BVH, reflections ten deep, through 24 */
+    DAFT_QUALITY_REFERENCE  /* sixteen samples, every camera ray alone through the BVH, reflections ten deep, through 24
+                             */
 } daft_quality;
 
 DAFT_API bool daft_quality_parse(const char *name, daft_quality *out);
@@ -533,7 +559,8 @@ DAFT_API const char *daft_quality_name(daft_quality quality);
 /* How rays and triangles meet; what each costs is measured by `daft bench --only intersection`. */
 typedef enum daft_intersection {
     DAFT_INTERSECT_EXACT = 0,  /* the true answer for the vertices as they are: no cracks, no double hits */
-    DAFT_INTERSECT_WATERTIGHT, /* floats alone, but the same ones for both triangles at an edge: cracks at vertices only */
+    DAFT_INTERSECT_WATERTIGHT, /* floats alone, but the same ones for both triangles at an edge: cracks at vertices only
+                                */
     DAFT_INTERSECT_FAST        /* floats alone: a few rays slip through along edges */
 } daft_intersection;
 
@@ -553,9 +580,9 @@ typedef struct daft_view {
     daft_camera camera;
     float alpha; /* between the last two ticks: 0 the one before, 1 now */
     daft_quality quality;
-    int samples;       /* per pixel; 0: the quality's; else 1, 4 or 16 */
+    int samples; /* per pixel; 0: the quality's; else 1, 4 or 16 */
     daft_intersection intersection;
-    bool reference;    /* camera rays alone through the BVH, as in DAFT_QUALITY_REFERENCE */
+    bool reference; /* camera rays alone through the BVH, as in DAFT_QUALITY_REFERENCE */
     daft_aov aov;
     bool (*progress)(void *user, float done); /* done 0..1; return false to stop; called from the calling thread */
     void *progress_user;
@@ -575,21 +602,22 @@ typedef struct daft_ray_hit {
     daft_vec2 uv;
 } daft_ray_hit;
 
-/* The nearest hit of a visible entity within max_distance. `ignore` may be none. False with error->code DAFT_OK: a miss. */
+/* The nearest hit of a visible entity within max_distance. `ignore` may be none. False with error->code DAFT_OK: a
+ * miss. */
 DAFT_API bool daft_scene_cast_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, float max_distance,
                                   daft_entity ignore, daft_ray_hit *hit, daft_error *error);
 
 /* ---- queries of bodies ------------------------------------------------------------------------------------------- */
 
-/* Rays, moving shapes, volumes and points against the bodies of the simulation, as they are now, visible or not. Answers
- * are in double: as good 1e7 m from the origin as at it. Distances beyond 1e9 m count as that. */
+/* Rays, moving shapes, volumes and points against the bodies of the simulation, as they are now, visible or not.
+ * Answers are in double: as good 1e7 m from the origin as at it. Distances beyond 1e9 m count as that. */
 
 typedef struct daft_query_filter {
     uint32_t cookie;
     bool statics, kinematics, dynamics; /* which kinds of bodies are met */
     bool sensors;                       /* whether sensors are met as well */
-    uint32_t layers, mask;              /* as between two bodies: each side's layers must have a bit of the other's mask */
-    daft_entity ignore;                 /* none, or one to pass through */
+    uint32_t layers, mask; /* as between two bodies: each side's layers must have a bit of the other's mask */
+    daft_entity ignore;    /* none, or one to pass through */
 } daft_query_filter;
 
 DAFT_API daft_query_filter daft_default_query_filter(void); /* every body but sensors */
@@ -613,7 +641,8 @@ typedef struct daft_volume {
 
 DAFT_API daft_volume daft_default_volume(void); /* a box of 1 m */
 
-/* `filter` may be NULL: the default. False with error->code DAFT_OK: a miss. Of equally near ones the older body counts. */
+/* `filter` may be NULL: the default. False with error->code DAFT_OK: a miss. Of equally near ones the older body
+ * counts. */
 DAFT_API bool daft_query_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, float max_distance,
                              const daft_query_filter *filter, daft_query_hit *hit, daft_error *error);
 /* The nearest hit of each body's shapes, in order; the first `capacity` of them. Gives how many there are. */
@@ -622,22 +651,26 @@ DAFT_API uint32_t daft_query_ray_all(daft_scene *scene, daft_dvec3 origin, daft_
                                      daft_error *error);
 /* A volume that moves without turning (conservative advancement; Mirtich 1996, van den Bergen 2004). */
 DAFT_API bool daft_query_cast(daft_scene *scene, const daft_volume *volume, daft_dvec3 origin, daft_vec3 direction,
-                              float max_distance, const daft_query_filter *filter, daft_query_hit *hit, daft_error *error);
+                              float max_distance, const daft_query_filter *filter, daft_query_hit *hit,
+                              daft_error *error);
 /* The bodies that a volume overlaps, oldest first: entity and inside are set. */
 DAFT_API uint32_t daft_query_overlap(daft_scene *scene, const daft_volume *volume, daft_dvec3 position,
                                      const daft_query_filter *filter, daft_query_hit *hits, uint32_t capacity,
                                      daft_error *error);
 /* The nearest point of any body. */
-DAFT_API bool daft_query_closest(daft_scene *scene, daft_dvec3 point, float max_distance, const daft_query_filter *filter,
-                                 daft_query_hit *hit, daft_error *error);
+DAFT_API bool daft_query_closest(daft_scene *scene, daft_dvec3 point, float max_distance,
+                                 const daft_query_filter *filter, daft_query_hit *hit, daft_error *error);
 
 /* ---- characters -------------------------------------------------------------------------------------------------- */
 
 /* A capsule that walks about: it climbs steps and slopes up to its limits, slides along walls, follows the ground
- * downwards, rides what it stands on, jumps, and pushes dynamic bodies with a bounded force. It does not pass through what
- * stands still, however fast it is. It is no body: bodies feel it only through its pushes and its weight. Characters move
- * at the end of daft_scene_step, oldest first. (Collide and slide: Catto, Box2D v3.1; steps: Rouwe, Jolt Physics.) */
+ * downwards, rides what it stands on, jumps, and pushes dynamic bodies with a bounded force. It does not pass through
+ * what stands still, however fast it is. It is no body: bodies feel it only through its pushes and its weight.
+ * Characters move at the end of daft_scene_step, oldest first. (Collide and slide: Catto, Box2D v3.1; steps: Rouwe,
+ * Jolt Physics.) */
+/* clang-format off */
 typedef struct daft_character { uint32_t id; } daft_character;
+/* clang-format on */
 
 typedef struct daft_character_def {
     uint32_t cookie;
@@ -651,7 +684,7 @@ typedef struct daft_character_def {
     float mass;             /* kg */
     float push_force;       /* N: the most it pushes bodies with */
     uint32_t layers, mask;
-    daft_entity entity;     /* none, or one that goes where the character goes; its own body is not in the way */
+    daft_entity entity; /* none, or one that goes where the character goes; its own body is not in the way */
 } daft_character_def;
 
 /* 0.3 m in radius, 1.8 m high, climbs 0.35 m and 50 degrees, 80 kg, 400 N. */
@@ -664,7 +697,8 @@ DAFT_API bool daft_character_walk(daft_scene *scene, daft_character character, d
 /* Upwards in m/s, in the next step, if it stands then. */
 DAFT_API bool daft_character_jump(daft_scene *scene, daft_character character, float speed, daft_error *error);
 /* There at once, and off the ground. */
-DAFT_API bool daft_character_teleport(daft_scene *scene, daft_character character, daft_dvec3 position, daft_error *error);
+DAFT_API bool daft_character_teleport(daft_scene *scene, daft_character character, daft_dvec3 position,
+                                      daft_error *error);
 /* Crouches or rises, its feet where they are. False with error->code DAFT_OK: there is no room. */
 DAFT_API bool daft_character_set_height(daft_scene *scene, daft_character character, float height, daft_error *error);
 
@@ -677,7 +711,7 @@ typedef struct daft_character_state {
     bool crushed;       /* is held where it has too little room */
     daft_entity ground; /* what it stands on, or none */
     daft_vec3 ground_normal;
-    float turn;         /* radians about y by which what it stands on turned in the last step */
+    float turn; /* radians about y by which what it stands on turned in the last step */
 } daft_character_state;
 
 DAFT_API bool daft_character_get(daft_scene *scene, daft_character character, daft_character_state *out,
@@ -730,13 +764,13 @@ typedef struct daft_counters {
     double frame_ms;
     uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays, query_rays;
     uint64_t instances_seen, triangles_tested, triangles_binned, spheres_binned;
-    uint64_t exact_edges;  /* edge tests that floats could not decide */
-    uint64_t exact_depths; /* depth comparisons that floats could not decide */
+    uint64_t exact_edges;        /* edge tests that floats could not decide */
+    uint64_t exact_depths;       /* depth comparisons that floats could not decide */
     uint64_t shadow_points_kept; /* lit points under some occluder's bound: the only ones that cast a ray */
-    uint64_t mesh_builds;  /* BVHs built since the scene was made */
-    uint64_t mesh_refits;  /* BVHs fitted to moved vertices since the scene was made */
-    /* Frames, since the scene was made, that rebuilt the list of instances and the tree over it: none where nothing has moved
-     * or looks different since the frame before, and the camera is where it was. */
+    uint64_t mesh_builds;        /* BVHs built since the scene was made */
+    uint64_t mesh_refits;        /* BVHs fitted to moved vertices since the scene was made */
+    /* Frames, since the scene was made, that rebuilt the list of instances and the tree over it: none where nothing has
+     * moved or looks different since the frame before, and the camera is where it was. */
     uint64_t instance_updates;
     daft_effect effects[DAFT_EFFECT_COUNT];
 } daft_counters;
@@ -746,10 +780,10 @@ DAFT_API const daft_counters *daft_scene_counters(const daft_scene *scene);
 
 /* ---- the fields of the structs, as data ---------------------------------------------------------------------------- */
 
-/* Each struct below has one list of its fields: name, type, range, default, unit and a sentence. The library's defaults,
- * checks, state hash and .scene options come from these lists, and so do the tables of Lua and of the manual; editors and
- * bindings of other languages can read them instead of repeating them. All of it is constant and lives as long as the
- * program; nothing here needs an engine, and any thread may call it. */
+/* Each struct below has one list of its fields: name, type, range, default, unit and a sentence. The library's
+ * defaults, checks, state hash and .scene options come from these lists, and so do the tables of Lua and of the manual;
+ * editors and bindings of other languages can read them instead of repeating them. All of it is constant and lives as
+ * long as the program; nothing here needs an engine, and any thread may call it. */
 
 typedef enum daft_struct {
     DAFT_STRUCT_ENGINE_DEF = 0,
@@ -793,21 +827,22 @@ typedef enum daft_field_type {
     DAFT_FIELD_TYPE_COUNT
 } daft_field_type;
 
-enum { /* daft_field.flags */
-    DAFT_FIELD_GREY = 1,        /* Lua: one number stands for all components */
-    DAFT_FIELD_HASHED = 2,      /* its bytes are in the state's hash at any value; others are where they are not the default */
-    DAFT_FIELD_HASHED_USED = 4, /* the same, but only where the struct's kind uses it */
-    DAFT_FIELD_NOT_HASHED = 8   /* never: the simulation's state shows what it does */
+enum {                             /* daft_field.flags */
+       DAFT_FIELD_GREY = 1,        /* Lua: one number stands for all components */
+       DAFT_FIELD_HASHED = 2,      /* its bytes are in the state's hash at any value; others are where they are not the
+                                      default */
+       DAFT_FIELD_HASHED_USED = 4, /* the same, but only where the struct's kind uses it */
+       DAFT_FIELD_NOT_HASHED = 8   /* never: the simulation's state shows what it does */
 };
 
 typedef struct daft_field {
     const char *name; /* of the member */
     daft_field_type type;
-    size_t offset, size;        /* bytes, in the struct */
-    const char *doc;            /* one sentence without its full stop */
-    const char *unit;           /* "m", "rad", "kg/m³"; NULL: a plain number */
-    double min, max;            /* of each component; both 0: any finite number. FLT_TRUE_MIN: above 0; max may be infinity */
-    double initial[4];          /* the default, component by component */
+    size_t offset, size; /* bytes, in the struct */
+    const char *doc;     /* one sentence without its full stop */
+    const char *unit;    /* "m", "rad", "kg/m³"; NULL: a plain number */
+    double min, max;     /* of each component; both 0: any finite number. FLT_TRUE_MIN: above 0; max may be infinity */
+    double initial[4];   /* the default, component by component */
     const char *const *choices; /* names of the values 0, 1, …; NULL where a value has none */
     uint32_t choice_count;
     uint32_t kinds;     /* bit k: used where the struct's first choice is k; 0: used always */
@@ -828,15 +863,15 @@ DAFT_API void daft_struct_default(daft_struct which, void *out);
 /* Whether every field is within its range, as far as that can be told without a scene: handles are not looked up. The
  * message names the first that is not, its value and its range. */
 DAFT_API bool daft_struct_check(daft_struct which, const void *value, daft_error *error);
-/* The fields' bytes one after the other, without padding and without DAFT_FIELD_OTHER: two structs are equal where these
- * are. Writes them where `capacity` is enough, and returns how many there are. */
+/* The fields' bytes one after the other, without padding and without DAFT_FIELD_OTHER: two structs are equal where
+ * these are. Writes them where `capacity` is enough, and returns how many there are. */
 DAFT_API size_t daft_struct_pack(daft_struct which, const void *value, void *out, size_t capacity);
 /* "between 0 and 1", "finite and above 0", "point, sun or spot". Returns `buffer`. */
 DAFT_API const char *daft_field_range(const daft_field *field, char *buffer, size_t size);
 /* The field of the struct at `value` as text: "0.5", "1, 0, 0", "true", "spot", "none". Returns `buffer`. */
 DAFT_API const char *daft_field_print(const daft_field *field, const void *value, char *buffer, size_t size);
-/* Sets the field of the struct at `value` from such text; components are separated by commas. Numbers, choices and booleans
- * only. On failure the struct is as it was. */
+/* Sets the field of the struct at `value` from such text; components are separated by commas. Numbers, choices and
+ * booleans only. On failure the struct is as it was. */
 DAFT_API bool daft_field_parse(const daft_field *field, const char *text, void *value, daft_error *error);
 
 #ifdef __cplusplus

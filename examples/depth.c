@@ -1,5 +1,6 @@
-/* depth SCENE [FOLDER]: what the depth camera of a robot sees while it drives ahead: eight images of 160 × 120 pixels, as
- * 16-bit PGM files in millimetres (the format of most depth cameras; 0 means nothing in range), and the obstacle ahead. */
+/* depth SCENE [FOLDER]: what the depth camera of a robot sees while it drives ahead: eight images of 160 × 120 pixels,
+ * as 16-bit PGM files in millimetres (the format of most depth cameras; 0 means nothing in range), and the obstacle
+ * ahead. */
 #include <daft.h>
 #include <stdio.h>
 

@@ -1,4 +1,5 @@
-/* hello [IMAGE]: a red ball on a white floor, under the sun, as a PNG file. The shortest program that draws something. */
+/* hello [IMAGE]: a red ball on a white floor, under the sun, as a PNG file. The shortest program that draws something.
+ */
 #include <daft.h>
 #include <stdio.h>
 
@@ -31,8 +32,8 @@ static bool fill(daft_scene *scene, daft_error *error)
     sun.direction = (daft_vec3){1, -2, 0.5f};
 
     daft_scene_set_sky_gradient(scene, (daft_vec3){0.2f, 0.4f, 0.9f}, (daft_vec3){0.8f, 0.9f, 1});
-    return ball.material.id && daft_entity_create(scene, &ball, error).id && daft_entity_create(scene, &floor, error).id &&
-           daft_light_create(scene, &sun, error).id;
+    return ball.material.id && daft_entity_create(scene, &ball, error).id &&
+           daft_entity_create(scene, &floor, error).id && daft_light_create(scene, &sun, error).id;
 }
 
 int main(int argc, char **argv)

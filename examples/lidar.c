@@ -1,5 +1,5 @@
-/* lidar SCENE [FILE.ply]: one sweep of a lidar with 16 beams that stands at the scene's camera. Each ray is a query for the
- * nearest hit; the points become an ASCII PLY file with the distance of each. */
+/* lidar SCENE [FILE.ply]: one sweep of a lidar with 16 beams that stands at the scene's camera. Each ray is a query for
+ * the nearest hit; the points become an ASCII PLY file with the distance of each. */
 #include <daft.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,8 +35,10 @@ static bool turn(daft_scene *scene, daft_dvec3 origin, sweep *out, daft_error *e
     for (int step = 0; step < STEPS; step++)
         for (int beam = 0; beam < BEAMS; beam++) {
             daft_ray_hit *hit = &out->hits[out->count];
-            if (daft_scene_cast_ray(scene, origin, direction(beam, step), RANGE, (daft_entity){0}, hit, error)) out->count++;
-            else if (error->code != DAFT_OK) return false;
+            if (daft_scene_cast_ray(scene, origin, direction(beam, step), RANGE, (daft_entity){0}, hit, error))
+                out->count++;
+            else if (error->code != DAFT_OK)
+                return false;
         }
     return true;
 }
@@ -51,7 +53,8 @@ static bool save(const sweep *points, const char *path)
             points->count);
     for (uint32_t i = 0; i < points->count; i++) {
         const daft_ray_hit *hit = &points->hits[i];
-        fprintf(file, "%.6f %.6f %.6f %.4f\n", hit->position.x, hit->position.y, hit->position.z, (double)hit->distance);
+        fprintf(file, "%.6f %.6f %.6f %.4f\n", hit->position.x, hit->position.y, hit->position.z,
+                (double)hit->distance);
     }
     return fclose(file) == 0;
 }

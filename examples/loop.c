@@ -1,6 +1,6 @@
-/* loop [FRAMES]: a tower of boxes is hit by a ball, and every tick is drawn into one image that is used again, as a program
- * does that shows it in a window or sends it elsewhere. Prints the time of a frame, and a hash that is the same on every
- * machine; the last frame becomes loop.png. */
+/* loop [FRAMES]: a tower of boxes is hit by a ball, and every tick is drawn into one image that is used again, as a
+ * program does that shows it in a window or sends it elsewhere. Prints the time of a frame, and a hash that is the same
+ * on every machine; the last frame becomes loop.png. */
 #include <daft.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +15,8 @@ static int fail(const daft_error *error)
     return 1;
 }
 
-static daft_entity add_box(daft_scene *scene, daft_body_kind body, daft_vec3 size, daft_dvec3 position, daft_error *error)
+static daft_entity add_box(daft_scene *scene, daft_body_kind body, daft_vec3 size, daft_dvec3 position,
+                           daft_error *error)
 {
     daft_entity_def box = daft_default_entity_def();
     box.shape = DAFT_SHAPE_BOX;
@@ -27,7 +28,9 @@ static bool fill(daft_scene *scene, daft_error *error)
 {
     bool made = add_box(scene, DAFT_BODY_STATIC, (daft_vec3){20, 1, 20}, (daft_dvec3){0, -0.5, 0}, error).id;
     for (int i = 0; i < BOXES && made; i++)
-        made = add_box(scene, DAFT_BODY_DYNAMIC, (daft_vec3){0.6f, 0.4f, 0.6f}, (daft_dvec3){0, 0.2 + 0.4 * i, 0}, error).id;
+        made =
+            add_box(scene, DAFT_BODY_DYNAMIC, (daft_vec3){0.6f, 0.4f, 0.6f}, (daft_dvec3){0, 0.2 + 0.4 * i, 0}, error)
+                .id;
 
     daft_entity_def ball = daft_default_entity_def();
     ball.shape = DAFT_SHAPE_SPHERE, ball.radius = 0.3f;
@@ -65,7 +68,8 @@ int main(int argc, char **argv)
     for (int i = 0; i < frames; i++) {
         if (!advance(scene, &view, image, &error)) return fail(&error);
         ms += daft_scene_counters(scene)->frame_ms;
-        hash = daft_hash(daft_image_pixels(image), 4 * WIDTH * HEIGHT, hash); /* here a program would show the picture */
+        hash = daft_hash(daft_image_pixels(image), 4 * WIDTH * HEIGHT, hash); /* here a program would show the picture
+                                                                               */
     }
     if (!daft_image_write(image, "loop.png", &error)) return fail(&error);
     printf("%d frames, %.2f ms each\n", frames, frames ? ms / frames : 0);

@@ -1,7 +1,4 @@
 /* The daft program. */
 #include "cli/commands.h"
 
-int main(int argc, char **argv)
-{
-    return run_program(argc, argv);
-}
+int main(int argc, char **argv) { return run_program(argc, argv); }

@@ -23,18 +23,9 @@ static void put8(table *t, int v)
 {
     if (t->size < MAX_FILE) t->bytes[t->size++] = (uint8_t)v;
 }
-static void put16(table *t, int v)
-{
-    put8(t, v >> 8 & 255), put8(t, v & 255);
-}
-static void put32(table *t, uint32_t v)
-{
-    put16(t, (int)(v >> 16)), put16(t, (int)(v & 65535));
-}
-static void put64(table *t, uint64_t v)
-{
-    put32(t, (uint32_t)(v >> 32)), put32(t, (uint32_t)v);
-}
+static void put16(table *t, int v) { put8(t, v >> 8 & 255), put8(t, v & 255); }
+static void put32(table *t, uint32_t v) { put16(t, (int)(v >> 16)), put16(t, (int)(v & 65535)); }
+static void put64(table *t, uint64_t v) { put32(t, (uint32_t)(v >> 32)), put32(t, (uint32_t)v); }
 static void put_text(table *t, const char *s)
 {
     while (*s) put8(t, *s++);
@@ -59,10 +50,7 @@ static const char *const tags[TABLES] = {"OS/2", "cmap", "glyf", "head", "hhea",
 
 /* ---- outlines ---- */
 
-static int units(double v)
-{
-    return (int)floor(v * SCALE + 0.5);
-}
+static int units(double v) { return (int)floor(v * SCALE + 0.5); }
 
 static void ink_box(const outline *o, double *low_x, double *high_x)
 {

@@ -9,10 +9,7 @@ static const double TAU = 6.283185307179586;
 
 /* ---- textures: leaves, needles, bark, the ground ---- */
 
-static double edge_distance(double f)
-{
-    return f < 0.5 ? f : 1 - f;
-}
+static double edge_distance(double f) { return f < 0.5 ? f : 1 - f; }
 
 /* The distance in cells to the nearest leaf's middle line, and which leaf it is: leaves lie on a jittered grid, and
  * those with a higher hash lie on top. */
@@ -38,15 +35,9 @@ static color leaf_layer(double u, double v, int count, int seed, color dark, col
     return c;
 }
 
-static color leaves(double u, double v)
-{
-    return leaf_layer(u, v, 11, 201, rgb(0x3f7f27), rgb(0x9fd052));
-}
+static color leaves(double u, double v) { return leaf_layer(u, v, 11, 201, rgb(0x3f7f27), rgb(0x9fd052)); }
 
-static color birch_leaves(double u, double v)
-{
-    return leaf_layer(u, v, 14, 211, rgb(0x7d9c2c), rgb(0xe6d65a));
-}
+static color birch_leaves(double u, double v) { return leaf_layer(u, v, 14, 211, rgb(0x7d9c2c), rgb(0xe6d65a)); }
 
 static color needles(double u, double v)
 {
@@ -183,7 +174,8 @@ static void oak_of(mesh *m, int seed)
         double a = TAU * (i + 0.6 * hash01(i, 7, seed)) / 4;
         vec from = spine[3 + i % 2], tip = add(from, v3(1.15 * cos(a), 1.0, 1.15 * sin(a)));
         add_tube(m, (const vec[]){from, times(add(from, add(tip, v3(0, -0.2, 0))), 0.5), tip},
-                 (const double[]){0.11 + 0.003 * i, 0.08, 0.04}, 3, 6, 1.4); /* two start at one point: no shared rings */
+                 (const double[]){0.11 + 0.003 * i, 0.08, 0.04}, 3, 6, 1.4); /* two start at one point: no shared rings
+                                                                              */
     }
     use_material(m, "leaves");
     vec top = add(spine[5], v3(0, 1.0, 0));
@@ -197,14 +189,8 @@ static void oak_of(mesh *m, int seed)
     }
 }
 
-static void oak(mesh *m)
-{
-    oak_of(m, 300);
-}
-static void oak_wide(mesh *m)
-{
-    oak_of(m, 340);
-}
+static void oak(mesh *m) { oak_of(m, 300); }
+static void oak_wide(mesh *m) { oak_of(m, 340); }
 
 static void birch_of(mesh *m, int seed)
 {
@@ -230,14 +216,8 @@ static void birch_of(mesh *m, int seed)
     add_crown(m, add(spine[7], v3(0, -0.1, 0)), v3(0.5, 0.8, 0.5), 1, 50, 0.34, seed + 60);
 }
 
-static void birch(mesh *m)
-{
-    birch_of(m, 400);
-}
-static void birch_slim(mesh *m)
-{
-    birch_of(m, 430);
-}
+static void birch(mesh *m) { birch_of(m, 400); }
+static void birch_slim(mesh *m) { birch_of(m, 430); }
 
 /* Branches in whorls, each two bent panels that droop to a tip; shorter the higher. */
 static void spruce_of(mesh *m, int whorls, double height, double spread, int seed)
@@ -273,14 +253,8 @@ static void spruce_of(mesh *m, int whorls, double height, double spread, int see
     }
 }
 
-static void spruce(mesh *m)
-{
-    spruce_of(m, 15, 7.5, 1.75, 500);
-}
-static void spruce_young(mesh *m)
-{
-    spruce_of(m, 9, 3.4, 1.15, 520);
-}
+static void spruce(mesh *m) { spruce_of(m, 15, 7.5, 1.75, 500); }
+static void spruce_young(mesh *m) { spruce_of(m, 9, 3.4, 1.15, 520); }
 
 static void bush(mesh *m)
 {
@@ -380,10 +354,7 @@ static void stump(mesh *m)
 
 /* ---- the ground ---- */
 
-static double path_at(double x)
-{
-    return 3.6 * sin(x / 13) + 1.6 * sin(x / 6.3 + 1);
-}
+static double path_at(double x) { return 3.6 * sin(x / 13) + 1.6 * sin(x / 6.3 + 1); }
 
 static double height_at(double x, double z)
 {

@@ -225,8 +225,8 @@ static void mirror(mesh *m)
     const double half = 2.2, high = 4.2;
     use_material(m, "mirror");
     add_flat(m, (const vec[]){v3(0, 0, -half), v3(0, 0, half), v3(0, high, half), v3(0, high, -half)}, 4);
-    static const double steps[][3] = {
-        {0.00, 0.10, 0.05}, {0.10, 0.22, 0.14}, {0.22, 0.30, 0.08}}; /* from, to, how far it stands out */
+    static const double steps[][3] = {{0.00, 0.10, 0.05}, {0.10, 0.22, 0.14}, {0.22, 0.30, 0.08}}; /* from, to, how far
+                                                                                                      it stands out */
     use_material(m, "gold");
     for (int i = 0; i < 3; i++) {
         double a = steps[i][0], b = steps[i][1], x = -steps[i][2];

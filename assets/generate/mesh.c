@@ -7,26 +7,11 @@
 
 static const double TAU = 6.283185307179586;
 
-vec add(vec a, vec b)
-{
-    return v3(a.x + b.x, a.y + b.y, a.z + b.z);
-}
-vec sub(vec a, vec b)
-{
-    return v3(a.x - b.x, a.y - b.y, a.z - b.z);
-}
-vec times(vec a, double s)
-{
-    return v3(a.x * s, a.y * s, a.z * s);
-}
-vec cross(vec a, vec b)
-{
-    return v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
-}
-double length(vec a)
-{
-    return sqrt(a.x * a.x + a.y * a.y + a.z * a.z);
-}
+vec add(vec a, vec b) { return v3(a.x + b.x, a.y + b.y, a.z + b.z); }
+vec sub(vec a, vec b) { return v3(a.x - b.x, a.y - b.y, a.z - b.z); }
+vec times(vec a, double s) { return v3(a.x * s, a.y * s, a.z * s); }
+vec cross(vec a, vec b) { return v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x); }
+double length(vec a) { return sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
 vec normal_of(vec a)
 {
     double l = length(a);
@@ -60,10 +45,7 @@ void add_flat(mesh *m, const vec *points, int count)
     add_face(m, corners, count, false);
 }
 
-static bool same_point(const double *a, const double *b)
-{
-    return fabs(a[0] - b[0]) + fabs(a[1] - b[1]) < 1e-9;
-}
+static bool same_point(const double *a, const double *b) { return fabs(a[0] - b[0]) + fabs(a[1] - b[1]) < 1e-9; }
 
 /* The profile's outward normal at the end `i` of the piece between i and i + step. */
 static void profile_normal(const double (*p)[2], int count, int i, int step, double out[2])

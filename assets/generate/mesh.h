@@ -9,10 +9,7 @@ typedef struct vec {
     double x, y, z;
 } vec;
 
-static inline vec v3(double x, double y, double z)
-{
-    return (vec){x, y, z};
-}
+static inline vec v3(double x, double y, double z) { return (vec){x, y, z}; }
 vec add(vec a, vec b);
 vec sub(vec a, vec b);
 vec times(vec a, double s);

@@ -15,23 +15,11 @@ static uint32_t hash3(int x, int y, int z)
     return mix_bits((uint32_t)x + mix_bits((uint32_t)y + mix_bits((uint32_t)z + 0x9e3779b9u)));
 }
 
-double hash01(int x, int y, int seed)
-{
-    return hash3(x, y, seed) / 4294967296.0;
-}
+double hash01(int x, int y, int seed) { return hash3(x, y, seed) / 4294967296.0; }
 
-static double fade(double t)
-{
-    return t * t * t * (t * (t * 6 - 15) + 10);
-}
-static double lerp(double a, double b, double t)
-{
-    return a + (b - a) * t;
-}
-static int wrap(int i, int period)
-{
-    return ((i % period) + period) % period;
-}
+static double fade(double t) { return t * t * t * (t * (t * 6 - 15) + 10); }
+static double lerp(double a, double b, double t) { return a + (b - a) * t; }
+static int wrap(int i, int period) { return ((i % period) + period) % period; }
 
 static double gradient2(int x, int y, int period, int seed, double dx, double dy)
 {

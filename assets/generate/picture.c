@@ -12,38 +12,23 @@
 #include <stb_image_write.h>
 #pragma GCC diagnostic pop
 
-color rgb(int hex)
-{
-    return (color){(hex >> 16 & 255) / 255.0, (hex >> 8 & 255) / 255.0, (hex & 255) / 255.0};
-}
-double clamp01(double x)
-{
-    return x < 0 ? 0 : x > 1 ? 1 : x;
-}
+color rgb(int hex) { return (color){(hex >> 16 & 255) / 255.0, (hex >> 8 & 255) / 255.0, (hex & 255) / 255.0}; }
+double clamp01(double x) { return x < 0 ? 0 : x > 1 ? 1 : x; }
 color mix(color a, color b, double t)
 {
     t = clamp01(t);
     return (color){a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
 }
-color shade(color c, double factor)
-{
-    return (color){c.r * factor, c.g * factor, c.b * factor};
-}
+color shade(color c, double factor) { return (color){c.r * factor, c.g * factor, c.b * factor}; }
 double smoothstep(double low, double high, double x)
 {
     double t = clamp01((x - low) / (high - low));
     return t * t * (3 - 2 * t);
 }
 
-static uint8_t to_byte(double x)
-{
-    return (uint8_t)(clamp01(x) * 255 + 0.5);
-}
+static uint8_t to_byte(double x) { return (uint8_t)(clamp01(x) * 255 + 0.5); }
 
-static void put_bytes(void *context, void *data, int size)
-{
-    fwrite(data, 1, (size_t)size, (FILE *)context);
-}
+static void put_bytes(void *context, void *data, int size) { fwrite(data, 1, (size_t)size, (FILE *)context); }
 
 static bool write_png(const char *root, const char *path, const picture *p)
 {

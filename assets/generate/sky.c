@@ -47,10 +47,7 @@ static color above(const double d[3])
     return mix(c, rgb(0xffffff), smoothstep(0.075, 0.045, angle));
 }
 
-static color sky(const double d[3])
-{
-    return d[1] >= 0 ? above(d) : below(d);
-}
+static color sky(const double d[3]) { return d[1] >= 0 ? above(d) : below(d); }
 
 static void paint_row(int y, uint8_t *out)
 {

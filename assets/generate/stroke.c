@@ -60,10 +60,7 @@ static point start_tangent(const segment *s)
     return s->arc ? arc_tangent(s, s->a0) : unit(s->to.x - s->from.x, s->to.y - s->from.y);
 }
 
-static point end_tangent(const segment *s)
-{
-    return s->arc ? arc_tangent(s, s->a1) : start_tangent(s);
-}
+static point end_tangent(const segment *s) { return s->arc ? arc_tangent(s, s->a1) : start_tangent(s); }
 
 static point left_of(point p, point tangent, double radius)
 {

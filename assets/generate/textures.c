@@ -5,15 +5,9 @@
 
 static const double TAU = 6.283185307179586;
 
-static double cell(double x, int count)
-{
-    return x * count - floor(x * count);
-}
+static double cell(double x, int count) { return x * count - floor(x * count); }
 /* The distance to the nearest edge of a cell, 0 at the edge and 0.5 in the middle. */
-static double edge(double f)
-{
-    return f < 0.5 ? f : 1 - f;
-}
+static double edge(double f) { return f < 0.5 ? f : 1 - f; }
 
 /* A light that falls on bevelled tiles from the upper left: brighter on the left and upper rim, darker on the others.
  */

@@ -270,18 +270,12 @@ static void build(mesh *m, const house *h, bool hip, int dormers)
     add_chimney(m, 0.28 * h->width, -0.18 * h->depth, high, high + h->pitch * z * 0.9 + 0.8);
 }
 
-static void cottage(mesh *m)
-{
-    build(m, &(house){7.2, 6.5, 1, 1.15, "cream", "front_cream", "roof", false}, false, 1);
-}
+static void cottage(mesh *m) { build(m, &(house){7.2, 6.5, 1, 1.15, "cream", "front_cream", "roof", false}, false, 1); }
 static void cottage_blue(mesh *m)
 {
     build(m, &(house){6.6, 6.0, 1, 1.2, "blue", "front_blue", "roof_dark", false}, false, 0);
 }
-static void house_rose(mesh *m)
-{
-    build(m, &(house){7.2, 7.2, 2, 1.0, "rose", "front_rose", "roof", false}, false, 2);
-}
+static void house_rose(mesh *m) { build(m, &(house){7.2, 7.2, 2, 1.0, "rose", "front_rose", "roof", false}, false, 2); }
 static void house_ochre(mesh *m)
 {
     build(m, &(house){9.6, 7.8, 2, 0.8, "ochre", "front_ochre", "roof", false}, true, 0);

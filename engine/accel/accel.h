@@ -1,6 +1,7 @@
 /* accel: bounding volume hierarchies over triangles and over instances, and rays through them.
  * Promises: binned-SAH builds in O(n log n) with bounded depth whatever the input; traversal that never misses a box by
- * rounding; the same hit on every instruction set. Rays are moved into each object's space, never objects into the world's.
+ * rounding; the same hit on every instruction set. Rays are moved into each object's space, never objects into the
+ * world's.
  *
  * Public headers: accel.h bvh.h bound_lanes.h kdtree.h. Inner headers: ray_test.h reach.h.
  * build/ makes the trees, traverse/ takes rays through them. */
@@ -19,24 +20,28 @@ typedef struct daft_bvh_def {
 } daft_bvh_def;
 
 /* Over a mesh's triangles. The mesh must outlive it. NULL when memory is out. A mesh without triangles is fine. */
-daft_bvh *daft_bvh_build(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_bvh_def *def, daft_error *error);
+daft_bvh *daft_bvh_build(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_bvh_def *def,
+                         daft_error *error);
 /* The same with the best instruction set. */
-daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error);
-/* The mesh's vertices have moved, its triangles are the same: refits the boxes, or rebuilds the tree where its cost has grown
- * (then true). Cannot fail: without memory the fitted tree stays. */
+daft_bvh *daft_bvh_build_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, int threads,
+                              daft_error *error);
+/* The mesh's vertices have moved, its triangles are the same: refits the boxes, or rebuilds the tree where its cost has
+ * grown (then true). Cannot fail: without memory the fitted tree stays. */
 bool daft_bvh_update(daft_bvh *bvh, const daft_trimesh *mesh, const daft_bvh_def *def);
 void daft_bvh_free(daft_bvh *bvh);
 size_t daft_bvh_bytes(const daft_bvh *bvh);
 
-/* The other accelerator, for single rays alone: finds the same hits, bit for bit. The same for any number of threads. */
+/* The other accelerator, for single rays alone: finds the same hits, bit for bit. The same for any number of threads.
+ */
 typedef struct daft_kdtree daft_kdtree;
-daft_kdtree *daft_kdtree_build(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error);
+daft_kdtree *daft_kdtree_build(const daft_allocator *allocator, const daft_trimesh *mesh, int threads,
+                               daft_error *error);
 void daft_kdtree_free(daft_kdtree *tree);
 size_t daft_kdtree_bytes(const daft_kdtree *tree);
 
 enum {
     DAFT_INSTANCE_CASTS_SHADOW = 1,
-    DAFT_INSTANCE_CONVEX = 2, /* no point of it that faces a light lies in its own shadow */
+    DAFT_INSTANCE_CONVEX = 2,      /* no point of it that faces a light lies in its own shadow */
     DAFT_INSTANCE_TINTS_SHADOW = 4 /* in place of CASTS_SHADOW: some of the light comes through */
 };
 
@@ -54,7 +59,8 @@ typedef struct daft_instance {
     uint32_t flags;
 } daft_instance;
 
-/* Computes low and high, from its bvh where there is one: tight also for a mesh that lies across its own axes or the frame's. */
+/* Computes low and high, from its bvh where there is one: tight also for a mesh that lies across its own axes or the
+ * frame's. */
 void daft_instance_bound(daft_instance *instance);
 
 typedef struct daft_tlas_def {
@@ -94,7 +100,8 @@ typedef struct daft_ray_packet {
 
 static inline void daft_ray_packet_set(daft_ray_packet *packet, uint32_t lane, const daft_ray *ray)
 {
-    packet->origin[0][lane] = ray->origin.x, packet->origin[1][lane] = ray->origin.y, packet->origin[2][lane] = ray->origin.z;
+    packet->origin[0][lane] = ray->origin.x, packet->origin[1][lane] = ray->origin.y,
+    packet->origin[2][lane] = ray->origin.z;
     packet->direction[0][lane] = ray->direction.x, packet->direction[1][lane] = ray->direction.y;
     packet->direction[2][lane] = ray->direction.z;
     packet->tmin[lane] = ray->tmin, packet->tmax[lane] = ray->tmax;
@@ -114,7 +121,8 @@ typedef struct daft_accel_kernels {
     uint32_t (*occluded_packet)(const daft_tlas *tlas, const daft_ray_packet *rays, uint32_t active);
     /* Any number of rays, best in an order in which neighbours are similar: packets are made of rays of one octant.
      * hits[i] becomes what `closest` finds for rays[i]. */
-    void (*closest_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t ignore, daft_hit *hits);
+    void (*closest_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t ignore,
+                           daft_hit *hits);
     /* Sets bit i % 32 of occluded[i / 32] for the rays that are occluded and clears it for the others. */
     void (*occluded_stream)(const daft_tlas *tlas, const daft_ray *rays, uint32_t count, uint32_t *occluded);
     /* Bits of the node's children that the ray meets in its interval, by their bounds; never those of an empty box. */

@@ -1,10 +1,10 @@
 /* Bounds of instances in the frame, from a 26-DOP of the mesh (Kay and Kajiya, "Ray Tracing Complex Scenes", 1986).
  *
- * The box around a rotated box is much larger than its contents: a beam along a diagonal would get a cube. So a mesh is also
- * measured along the diagonals of the box's faces and of the box: 13 directions, both ways. Any direction n is a sum, with
- * weights that are not negative, of one axis, one face diagonal and one space diagonal: with |n| sorted as a >= b >= c,
- * (a - b) of the largest component's axis, b - c of the diagonal between the larger two, and c of the octant's. No point
- * reaches further along n than the same sum of the support along these three. */
+ * The box around a rotated box is much larger than its contents: a beam along a diagonal would get a cube. So a mesh is
+ * also measured along the diagonals of the box's faces and of the box: 13 directions, both ways. Any direction n is a
+ * sum, with weights that are not negative, of one axis, one face diagonal and one space diagonal: with |n| sorted as a
+ * >= b >= c, (a - b) of the largest component's axis, b - c of the diagonal between the larger two, and c of the
+ * octant's. No point reaches further along n than the same sum of the support along these three. */
 #include "accel/bvh.h"
 #include "accel/reach.h"
 #include "math/simd/ops.h"
@@ -23,23 +23,17 @@ static inline void add_points(extremes *e, v4 x, v4 y, v4 z)
     for (int i = 0; i < 10; i++) e->least[i] = v4_min(e->least[i], along[i]), e->most[i] = v4_max(e->most[i], along[i]);
 }
 
-static float least_of(v4 a)
-{
-    return fminf(fminf(a[0], a[1]), fminf(a[2], a[3]));
-}
+static float least_of(v4 a) { return fminf(fminf(a[0], a[1]), fminf(a[2], a[3])); }
 
-static float most_of(v4 a)
-{
-    return fmaxf(fmaxf(a[0], a[1]), fmaxf(a[2], a[3]));
-}
+static float most_of(v4 a) { return fmaxf(fmaxf(a[0], a[1]), fmaxf(a[2], a[3])); }
 
 void daft_bvh_measure(daft_bvh *bvh, const daft_trimesh *mesh)
 {
     /* Signs of what is least and largest along each: x, y, z are bits 0, 1, 2. */
-    static const uint8_t place[10][2] = {{FACES + 0, FACES + 6},  {FACES + 4, FACES + 2},  {FACES + 8, FACES + 13},
-                                         {FACES + 12, FACES + 9}, {FACES + 16, FACES + 19}, {FACES + 18, FACES + 17},
-                                         {OCTANTS, OCTANTS + 7},  {OCTANTS + 4, OCTANTS + 3},
-                                         {OCTANTS + 2, OCTANTS + 5}, {OCTANTS + 6, OCTANTS + 1}};
+    static const uint8_t place[10][2] = {
+        {FACES + 0, FACES + 6},     {FACES + 4, FACES + 2},    {FACES + 8, FACES + 13}, {FACES + 12, FACES + 9},
+        {FACES + 16, FACES + 19},   {FACES + 18, FACES + 17},  {OCTANTS, OCTANTS + 7},  {OCTANTS + 4, OCTANTS + 3},
+        {OCTANTS + 2, OCTANTS + 5}, {OCTANTS + 6, OCTANTS + 1}};
     extremes e;
     for (int i = 0; i < 10; i++) e.least[i] = v4_set(INFINITY), e.most[i] = v4_set(-INFINITY);
     uint32_t count = mesh->vertex_count, i = 0;
@@ -60,10 +54,12 @@ static void reach(const float *support, const double n[3], double out[2])
 {
     double size[3] = {fabs(n[0]), fabs(n[1]), fabs(n[2])};
     unsigned sign = (n[0] < 0) | (unsigned)(n[1] < 0) << 1 | (unsigned)(n[2] < 0) << 2;
-    const uint8_t *o = DAFT_REACH_ORDER[(size[0] >= size[1]) | (unsigned)(size[1] >= size[2]) << 1 | (unsigned)(size[0] >= size[2]) << 2];
+    const uint8_t *o = DAFT_REACH_ORDER[(size[0] >= size[1]) | (unsigned)(size[1] >= size[2]) << 1 |
+                                        (unsigned)(size[0] >= size[2]) << 2];
     double a = size[o[0]] - size[o[1]], b = size[o[1]] - size[o[2]], c = size[o[2]];
     for (int way = 0; way < 2; way++, sign ^= 7) {
-        float axis = support[daft_reach_axis(o, sign)], face = support[daft_reach_face(o, sign)], octant = support[daft_reach_octant(sign)];
+        float axis = support[daft_reach_axis(o, sign)], face = support[daft_reach_face(o, sign)],
+              octant = support[daft_reach_octant(sign)];
         out[way] = a * (double)axis + b * (double)face + c * (double)octant;
     }
 }

@@ -22,7 +22,8 @@ static void bound_group(daft_instance *instances)
 void DAFT_KERNEL(daft_bound_all)(daft_instance *instances, uint32_t count)
 {
     for (uint32_t i = 0, some; i < count; i += some) {
-        for (some = 0; some < DAFT_VL && i + some < count && instances[i + some].mesh && instances[i + some].bvh;) some++;
+        for (some = 0; some < DAFT_VL && i + some < count && instances[i + some].mesh && instances[i + some].bvh;)
+            some++;
         if (some == DAFT_VL)
             bound_group(&instances[i]);
         else

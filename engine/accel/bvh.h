@@ -1,15 +1,15 @@
 /* The trees' data, for accel/ and for raster/, which culls by them.
  *
- * A node holds up to eight children as arrays, so one SIMD test answers for all. Leaves are blocks of four triangles with
- * their corners copied in, so a ray touches nothing but the tree. Blocks stand in depth-first
- * order, and a node before those below it. */
+ * A node holds up to eight children as arrays, so one SIMD test answers for all. Leaves are blocks of four triangles
+ * with their corners copied in, so a ray touches nothing but the tree. Blocks stand in depth-first order, and a node
+ * before those below it. */
 #ifndef DAFT_BVH_H
 #define DAFT_BVH_H
 
 #include "accel/accel.h"
 
-#define DAFT_CHILD_LEAF 0x80000000u
-#define DAFT_CHILD_NONE 0xffffffffu
+#define DAFT_CHILD_LEAF  0x80000000u
+#define DAFT_CHILD_NONE  0xffffffffu
 #define DAFT_NO_TRIANGLE 0xffffffffu
 #define DAFT_SPHERE_FAR  0x1p30f
 
@@ -25,8 +25,9 @@ struct daft_node {
     uint32_t spheres, unused[DAFT_WIDTH - 1]; /* unused: 0; fills cache lines */
 };
 
-/* corner[k][axis][i]: corner k of triangle i. Unused places have the number DAFT_NO_TRIANGLE, the largest, and the corners of
- * the last triangle: a ray that hits them hits that one as well, at the same distance, and lower numbers win ties. */
+/* corner[k][axis][i]: corner k of triangle i. Unused places have the number DAFT_NO_TRIANGLE, the largest, and the
+ * corners of the last triangle: a ray that hits them hits that one as well, at the same distance, and lower numbers win
+ * ties. */
 typedef struct daft_block {
     float corner[3][3][DAFT_BLOCK];
     uint32_t triangle[DAFT_BLOCK];
@@ -42,7 +43,7 @@ struct daft_bvh {
     daft_node_list nodes; /* empty: no triangle */
     daft_block *blocks;
     size_t block_count;
-    double cost; /* of the tree as it was built (refit.c); negative: not known yet */
+    double cost;       /* of the tree as it was built (refit.c); negative: not known yet */
     float support[38]; /* of the mesh, along 26 directions (reach.h has the order) */
 };
 

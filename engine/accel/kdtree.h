@@ -10,8 +10,8 @@
 
 enum { DAFT_KD_LEAF = 3, DAFT_KD_DEPTH = 60 };
 
-/* code: pair << 2 | axis, the pair of children standing side by side, the one below the plane first; or first << 2 | LEAF,
- * where the leaf's triangles begin among `items`; `split` then holds how many they are. */
+/* code: pair << 2 | axis, the pair of children standing side by side, the one below the plane first; or first << 2 |
+ * LEAF, where the leaf's triangles begin among `items`; `split` then holds how many they are. */
 typedef struct daft_kd_node {
     union {
         float split;
@@ -36,7 +36,8 @@ struct daft_kdtree {
 struct daft_nearest;
 void DAFT_KERNEL(daft_kd_closest)(const daft_kdtree *tree, daft_vec3 o, daft_vec3 d, float tmin, daft_intersection how,
                                   struct daft_nearest *hit);
-bool DAFT_KERNEL(daft_kd_occluded)(const daft_kdtree *tree, daft_vec3 o, daft_vec3 d, float tmin, float tmax, daft_intersection how);
+bool DAFT_KERNEL(daft_kd_occluded)(const daft_kdtree *tree, daft_vec3 o, daft_vec3 d, float tmin, float tmax,
+                                   daft_intersection how);
 #endif
 
 #endif

@@ -35,8 +35,8 @@ typedef struct daft_log {
     void *user;
 } daft_log;
 
-void daft_warn_at(const daft_log *log, daft_status code, const char *file, int line, int column, const char *format, ...)
-    __attribute__((format(printf, 6, 7)));
+void daft_warn_at(const daft_log *log, daft_status code, const char *file, int line, int column, const char *format,
+                  ...) __attribute__((format(printf, 6, 7)));
 
 /* ---- memory (memory.c) ---- */
 
@@ -67,8 +67,8 @@ void daft_arena_free(daft_arena *arena);
 /* ---- clock (clock.c) ---- */
 
 double daft_clock_ms(void); /* monotonic, milliseconds */
-/* A counter for short spans, cheaper to read than the clock, against which its unit is calibrated. Processors may differ by
- * some ticks. */
+/* A counter for short spans, cheaper to read than the clock, against which its unit is calibrated. Processors may
+ * differ by some ticks. */
 uint64_t daft_clock_ticks(void);
 
 /* ---- files (file.c) ---- */

@@ -47,7 +47,8 @@ void daft_error_clear(daft_error *error)
     if (error) memset(error, 0, sizeof *error);
 }
 
-void daft_warn_at(const daft_log *log, daft_status code, const char *file, int line, int column, const char *format, ...)
+void daft_warn_at(const daft_log *log, daft_status code, const char *file, int line, int column, const char *format,
+                  ...)
 {
     if (!log || !log->warn) return;
     daft_error warning;

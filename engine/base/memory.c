@@ -33,10 +33,7 @@ static void malloc_release(void *user, void *pointer)
     free(pointer);
 }
 
-daft_allocator daft_malloc_allocator(void)
-{
-    return (daft_allocator){NULL, malloc_allocate, malloc_release};
-}
+daft_allocator daft_malloc_allocator(void) { return (daft_allocator){NULL, malloc_allocate, malloc_release}; }
 
 void *daft_alloc(const daft_allocator *allocator, size_t count, size_t size)
 {

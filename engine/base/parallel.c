@@ -62,8 +62,8 @@ typedef struct range {
     char apart[64]; /* processors fetch cache lines in pairs */
 } range;
 
-/* A task belongs to whoever raises a range's `next`. The loop is not over before `unfinished` is zero, so its task and context
- * can be read after that without a race. */
+/* A task belongs to whoever raises a range's `next`. The loop is not over before `unfinished` is zero, so its task and
+ * context can be read after that without a race. */
 struct daft_region {
     range ranges[DAFT_MAX_WORKERS];
     _Alignas(64) atomic_uint unfinished;
@@ -80,7 +80,8 @@ static bool take_from(daft_region *region, range *from, uint32_t worker)
     unsigned long long left = atomic_load_explicit(&from->left, memory_order_relaxed);
     do
         if ((uint32_t)left >= left >> 32) return false;
-    while (!atomic_compare_exchange_weak_explicit(&from->left, &left, left + 1, memory_order_acquire, memory_order_relaxed));
+    while (!atomic_compare_exchange_weak_explicit(&from->left, &left, left + 1, memory_order_acquire,
+                                                  memory_order_relaxed));
     region->task(region->context, (uint32_t)left, worker);
     return true;
 }
@@ -112,7 +113,8 @@ void daft_region_for(daft_region *region, uint32_t count, daft_task *task, void 
     }
     region->task = task, region->context = context;
     atomic_store_explicit(&region->unfinished, count, memory_order_relaxed);
-    for (uint64_t i = region->workers, end = count; i-- > 0;) { /* the caller's range last: the others begin meanwhile */
+    for (uint64_t i = region->workers, end = count; i-- > 0;) { /* the caller's range last: the others begin meanwhile
+                                                                 */
         uint64_t begin = count * i / region->workers;
         atomic_store_explicit(&region->ranges[i].left, end << 32 | begin, memory_order_release);
         end = begin;

@@ -1,18 +1,18 @@
 /* base/parallel: the one scheduler.
  *
- *   region   workers that stay together for as long as one function, the region's body, runs. The body runs on worker 0, the
- *            calling thread; what it does outside of loops is serial. The others wait for loops.
- *   loop     task(context, index, worker) for every index below a count. Each worker has a range of the indices and takes them
- *            one at a time; who is done with its own takes from the others' ranges. A loop ends when all its tasks are done,
- *            whether or not every worker came for one, so a worker that the system does not run delays nobody.
- *   stages   a list of loops with a barrier after each.
+ *   region   workers that stay together for as long as one function, the region's body, runs. The body runs on worker
+ * 0, the calling thread; what it does outside of loops is serial. The others wait for loops. loop     task(context,
+ * index, worker) for every index below a count. Each worker has a range of the indices and takes them one at a time;
+ * who is done with its own takes from the others' ranges. A loop ends when all its tasks are done, whether or not every
+ * worker came for one, so a worker that the system does not run delays nobody. stages   a list of loops with a barrier
+ * after each.
  *
- * Promise: results do not depend on the number of workers or on who took what, as long as a task writes only to what its
- * index owns, or to the scratch of its worker.
+ * Promise: results do not depend on the number of workers or on who took what, as long as a task writes only to what
+ * its index owns, or to the scratch of its worker.
  *
- * Workers are OpenMP's, or plain threads in the ThreadSanitizer build, which does not see libgomp's barriers and would report
- * each of them as a race. A worker has a stack of at least DAFT_WORKER_STACK bytes: plain threads are given it, OpenMP's
- * threads have the system's default (8 MiB with glibc; OMP_STACKSIZE changes it). */
+ * Workers are OpenMP's, or plain threads in the ThreadSanitizer build, which does not see libgomp's barriers and would
+ * report each of them as a race. A worker has a stack of at least DAFT_WORKER_STACK bytes: plain threads are given it,
+ * OpenMP's threads have the system's default (8 MiB with glibc; OMP_STACKSIZE changes it). */
 #ifndef DAFT_BASE_PARALLEL_H
 #define DAFT_BASE_PARALLEL_H
 

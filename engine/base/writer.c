@@ -96,7 +96,8 @@ static bool make_temporary(daft_writer *writer, mode_t mode)
         snprintf(writer->temporary, sizeof writer->temporary, PREFIX "%016llx" SUFFIX, (unsigned long long)number);
         writer->file =
             openat(writer->folder, writer->temporary, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
-        if (writer->file >= 0) return flock(writer->file, LOCK_EX | LOCK_NB) == 0 || errno == ENOLCK || errno == ENOTSUP;
+        if (writer->file >= 0)
+            return flock(writer->file, LOCK_EX | LOCK_NB) == 0 || errno == ENOLCK || errno == ENOTSUP;
         if (errno != EEXIST) return false;
     }
     return false;
@@ -211,10 +212,7 @@ void daft_writer_put_at(daft_writer *writer, uint64_t offset, const void *bytes,
 }
 
 /* fsync of a folder tells the disk about the new name; file systems that cannot say so. */
-static bool sync_folder(int folder)
-{
-    return fsync(folder) == 0 || errno == EINVAL || errno == ENOTSUP;
-}
+static bool sync_folder(int folder) { return fsync(folder) == 0 || errno == EINVAL || errno == ENOTSUP; }
 
 bool daft_writer_commit(daft_writer *writer, daft_error *error)
 {

@@ -32,13 +32,13 @@ size_t daft_trimesh_bytes(const daft_trimesh *mesh);
 /* All of it, in memory of its own. */
 bool daft_trimesh_copy(const daft_allocator *allocator, const daft_trimesh *mesh, daft_trimesh *out, daft_error *error);
 
-/* Copies arrays in (a triangle with an index out of range is an error; one with a non-finite or repeated corner is dropped
- * with a warning). Without normals, smooth ones are computed across edges flatter than 40 degrees. */
+/* Copies arrays in (a triangle with an index out of range is an error; one with a non-finite or repeated corner is
+ * dropped with a warning). Without normals, smooth ones are computed across edges flatter than 40 degrees. */
 bool daft_trimesh_from_arrays(const daft_allocator *allocator, const daft_mesh_def *def, const daft_log *log,
                               daft_trimesh *out, daft_error *error);
 
-/* The same triangles with their vertices moved: vertex_count positions, all finite, and as many normals or NULL, for smooth
- * ones as above. On failure the mesh is as it was. */
+/* The same triangles with their vertices moved: vertex_count positions, all finite, and as many normals or NULL, for
+ * smooth ones as above. On failure the mesh is as it was. */
 bool daft_trimesh_deform(const daft_allocator *allocator, daft_trimesh *mesh, const daft_vec3 *positions,
                          const daft_vec3 *normals, daft_error *error);
 
@@ -46,9 +46,9 @@ bool daft_trimesh_deform(const daft_allocator *allocator, daft_trimesh *mesh, co
  * left corner, so textures keep their size. 8 vertices, 12 triangles. */
 bool daft_trimesh_box(const daft_allocator *allocator, daft_vec3 size, daft_trimesh *out, daft_error *error);
 
-/* Fills normals and normal_indices: at each corner the angle-weighted mean of the faces around the vertex that meet this
- * one across edges flatter than `crease` radians. Each vertex has a normal under its own number, others of the same vertex
- * follow behind; where no vertex has others, normal_indices is NULL. */
+/* Fills normals and normal_indices: at each corner the angle-weighted mean of the faces around the vertex that meet
+ * this one across edges flatter than `crease` radians. Each vertex has a normal under its own number, others of the
+ * same vertex follow behind; where no vertex has others, normal_indices is NULL. */
 bool daft_trimesh_smooth(const daft_allocator *allocator, daft_trimesh *mesh, float crease, daft_error *error);
 
 /* ---- OBJ and MTL ---- */
@@ -57,12 +57,12 @@ typedef struct daft_mtl {
     char name[256];
     daft_vec3 ambient, diffuse, specular, emission; /* Ka Kd Ks Ke */
     float shininess, index, opacity;                /* Ns Ni d */
-    daft_vec3 filter; /* Tf: 0..1 each */
-    bool has_filter;  /* the file names it */
+    daft_vec3 filter;                               /* Tf: 0..1 each */
+    bool has_filter;                                /* the file names it */
     int illum;
-    char diffuse_map[1024]; /* path as opened (folder of the MTL joined), empty: none */
+    char diffuse_map[1024];                   /* path as opened (folder of the MTL joined), empty: none */
     int diffuse_map_line, diffuse_map_column; /* where the file names it, for warnings */
-    char file[1024]; /* the MTL file it came from, for warnings; empty: none */
+    char file[1024];                          /* the MTL file it came from, for warnings; empty: none */
 } daft_mtl;
 
 typedef struct daft_mtl_list {
@@ -73,7 +73,8 @@ typedef struct daft_mtl_list {
 /* Appends the materials of a file. On failure the list is as it was. */
 bool daft_mtl_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_mtl_list *list,
                    daft_error *error);
-/* The same from memory; `path` names the source in messages and is what maps are beside. `text` ends with a zero byte. */
+/* The same from memory; `path` names the source in messages and is what maps are beside. `text` ends with a zero byte.
+ */
 bool daft_mtl_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
                     const daft_log *log, daft_mtl_list *list, daft_error *error);
 void daft_mtl_list_free(const daft_allocator *allocator, daft_mtl_list *list);
@@ -93,9 +94,9 @@ bool daft_obj_parse(const daft_allocator *allocator, const char *path, const cha
                     const daft_log *log, daft_obj *out, daft_error *error);
 void daft_obj_free(const daft_allocator *allocator, daft_obj *obj);
 
-/* daft_obj_load in two steps. The first leaves mesh.normals NULL where no corner has a normal in the file: enough to collide
- * with. The second computes those, which takes as long as the first or twice that; where there are normals it does nothing.
- * On failure the mesh is as it was. */
+/* daft_obj_load in two steps. The first leaves mesh.normals NULL where no corner has a normal in the file: enough to
+ * collide with. The second computes those, which takes as long as the first or twice that; where there are normals it
+ * does nothing. On failure the mesh is as it was. */
 bool daft_obj_load_triangles(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
                              daft_error *error);
 bool daft_obj_smooth(const daft_allocator *allocator, daft_obj *obj, daft_error *error);
@@ -124,8 +125,8 @@ typedef struct daft_problems {
     void *user;
 } daft_problems;
 
-void daft_problem_at(const daft_problems *problems, daft_severity severity, daft_status code, const char *file, int line,
-                     int column, const char *format, ...) __attribute__((format(printf, 7, 8)));
+void daft_problem_at(const daft_problems *problems, daft_severity severity, daft_status code, const char *file,
+                     int line, int column, const char *format, ...) __attribute__((format(printf, 7, 8)));
 
 /* daft_obj_load that also tells what is odd about the file. What loading itself warns of goes to `log`. */
 bool daft_obj_check(const daft_allocator *allocator, const char *path, const daft_log *log,

@@ -20,10 +20,7 @@ void daft_trimesh_free(const daft_allocator *allocator, daft_trimesh *mesh)
     *mesh = (daft_trimesh){0};
 }
 
-static size_t padded(size_t count)
-{
-    return (count + LANES - 1) / LANES * LANES;
-}
+static size_t padded(size_t count) { return (count + LANES - 1) / LANES * LANES; }
 
 size_t daft_trimesh_bytes(const daft_trimesh *mesh)
 {

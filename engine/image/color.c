@@ -8,10 +8,7 @@ static double decode(double encoded)
     return encoded <= 0.04045 ? encoded / 12.92 : daft_pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-float daft_srgb_to_linear(float encoded)
-{
-    return encoded > 0 ? (float)decode((double)encoded) : 0;
-}
+float daft_srgb_to_linear(float encoded) { return encoded > 0 ? (float)decode((double)encoded) : 0; }
 
 float daft_linear_to_srgb(float linear)
 {

@@ -60,25 +60,13 @@ void daft_image_destroy(daft_image *image)
     daft_release(&allocator, image);
 }
 
-int daft_image_width(const daft_image *image)
-{
-    return image ? image->width : 0;
-}
-int daft_image_height(const daft_image *image)
-{
-    return image ? image->height : 0;
-}
-uint8_t *daft_image_pixels(daft_image *image)
-{
-    return image ? image->pixels : NULL;
-}
+int daft_image_width(const daft_image *image) { return image ? image->width : 0; }
+int daft_image_height(const daft_image *image) { return image ? image->height : 0; }
+uint8_t *daft_image_pixels(daft_image *image) { return image ? image->pixels : NULL; }
 
 /* ---- writing ---- */
 
-static void write_bytes(void *context, void *bytes, int size)
-{
-    daft_writer_put(context, bytes, (size_t)size);
-}
+static void write_bytes(void *context, void *bytes, int size) { daft_writer_put(context, bytes, (size_t)size); }
 
 static bool is_opaque(const daft_image *image)
 {

@@ -21,7 +21,8 @@ float daft_srgb_to_linear(float encoded);
 float daft_linear_to_srgb(float linear); /* clamps to 0..1 */
 
 /* Level 0 is the full image; each level halves both sides (at least 1), box filtered in linear light. Texels are sRGB
- * bytes, RGBA; `linear` turns a byte into linear light. Row 0 is the TOP row; v = 0 is the bottom (OBJ's convention). */
+ * bytes, RGBA; `linear` turns a byte into linear light. Row 0 is the TOP row; v = 0 is the bottom (OBJ's convention).
+ */
 enum { DAFT_MAX_MIPS = 15 };
 typedef struct daft_texture_data {
     int levels;

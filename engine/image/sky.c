@@ -1,4 +1,5 @@
-/* Skies: equirectangular images in linear light. HDR files hold linear light; 8-bit files are decoded by the sRGB curve. */
+/* Skies: equirectangular images in linear light. HDR files hold linear light; 8-bit files are decoded by the sRGB
+ * curve. */
 #include "image/color.h"
 #include "image/decode.h"
 #include "image/image.h"

@@ -165,7 +165,8 @@ static int differences_sign(const difference a[3], const difference b[3], const 
         value += (left - right) * c[i].high;
         size += (fabs(left) + fabs(right)) * fabs(c[i].high);
     }
-    /* three rounded factors, two products, a difference and two sums: 8 roundings; 16 leaves room for those of `size` */
+    /* three rounded factors, two products, a difference and two sums: 8 roundings; 16 leaves room for those of `size`
+     */
     double bound = 16 * ROUNDOFF * size;
     if (value > bound) return 1;
     if (value < -bound) return -1;
@@ -175,7 +176,9 @@ static int differences_sign(const difference a[3], const difference b[3], const 
 static int side_of(const difference a[3], const difference b[3], daft_vec3 d)
 {
     const difference directions[4][3] = {{{(double)d.x, 0}, {(double)d.y, 0}, {(double)d.z, 0}},
-                                         {{1, 0}, {0, 0}, {0, 0}}, {{0, 0}, {1, 0}, {0, 0}}, {{0, 0}, {0, 0}, {1, 0}}};
+                                         {{1, 0}, {0, 0}, {0, 0}},
+                                         {{0, 0}, {1, 0}, {0, 0}},
+                                         {{0, 0}, {0, 0}, {1, 0}}};
     int side = 0;
     for (int i = 0; i < 4 && side == 0; i++) side = differences_sign(a, b, directions[i]);
     return side;

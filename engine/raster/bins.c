@@ -10,8 +10,8 @@ static bool tile_add(const daft_raster *raster, daft_bins *bins, uint32_t tile, 
     daft_bin_list *list = &bins->tiles[tile];
     uint32_t place = list->count % DAFT_BIN_ITEMS;
     if (place == 0) {
-        if (!daft_grow(raster->allocator, &bins->blocks, &bins->block_capacity, bins->block_count + 1, bins->block_count,
-                       sizeof *bins->blocks))
+        if (!daft_grow(raster->allocator, &bins->blocks, &bins->block_capacity, bins->block_count + 1,
+                       bins->block_count, sizeof *bins->blocks))
             return false;
         uint32_t fresh = (uint32_t)bins->block_count++;
         if (list->count)
@@ -32,13 +32,15 @@ static void add_to_tiles(const daft_raster *raster, daft_bins *bins, const daft_
     memcpy(&bits, &z, sizeof bits);
     for (int y = view->y0 / DAFT_TILE; y <= view->y1 / DAFT_TILE; y++)
         for (int x = view->x0 / DAFT_TILE; x <= view->x1 / DAFT_TILE; x++)
-            if (!bins->out_of_memory && !tile_add(raster, bins, (uint32_t)(y * raster->tiles_x + x), (uint64_t)bits << 32 | view->index))
+            if (!bins->out_of_memory &&
+                !tile_add(raster, bins, (uint32_t)(y * raster->tiles_x + x), (uint64_t)bits << 32 | view->index))
                 bins->out_of_memory = true;
 }
 
 static bool is_mesh(const daft_instance *instance) { return instance->mesh && instance->mesh->triangle_count; }
 
-/* Fills raster->visible from one on, no further than `end`: of one instance, or of as many meshes as the kernel takes at once. Gives how many. */
+/* Fills raster->visible from one on, no further than `end`: of one instance, or of as many meshes as the kernel takes
+ * at once. Gives how many. */
 static uint32_t see(daft_raster *raster, uint32_t first, uint32_t end)
 {
     uint32_t lanes = raster->kernels->lanes, meshes = 0;
@@ -59,7 +61,8 @@ static uint32_t see(daft_raster *raster, uint32_t first, uint32_t end)
 void daft_raster_bin(daft_raster *raster, uint32_t work, uint32_t worker)
 {
     daft_bins *bins = &raster->bins[worker];
-    uint32_t first = work * INSTANCES_A_WORK_ITEM, end = daft_min_u(raster->instance_count, first + INSTANCES_A_WORK_ITEM);
+    uint32_t first = work * INSTANCES_A_WORK_ITEM,
+             end = daft_min_u(raster->instance_count, first + INSTANCES_A_WORK_ITEM);
     for (uint32_t i = first; i < end;) {
         for (uint32_t next = i + see(raster, i, end); i < next; i++) {
             if (!raster->visible[i].instance) continue;
@@ -75,11 +78,13 @@ static bool clear_bins(daft_raster *raster)
     for (int i = 0; i < raster->workers; i++) {
         daft_bins *bins = &raster->bins[i];
         if (!daft_grow(raster->allocator, &bins->tiles, &bins->tile_capacity, tiles, 0, sizeof *bins->tiles) ||
-            !daft_grow(raster->allocator, &bins->order, &bins->order_capacity, 2 * (size_t)raster->instance_count, 0, sizeof *bins->order))
+            !daft_grow(raster->allocator, &bins->order, &bins->order_capacity, 2 * (size_t)raster->instance_count, 0,
+                       sizeof *bins->order))
             return false;
         memset(bins->tiles, 0, tiles * sizeof *bins->tiles);
         bins->block_count = 0;
-        bins->visible = bins->nodes = bins->tested = bins->binned = bins->spheres = bins->exact_edges = bins->exact_depths = 0;
+        bins->visible = bins->nodes = bins->tested = bins->binned = bins->spheres = bins->exact_edges =
+            bins->exact_depths = 0;
         bins->out_of_memory = false;
     }
     return true;

@@ -1,11 +1,13 @@
-/* Where instances are seen from a pencil's apex: the map to view space, and the pixels that an instance's bounds may cover. */
+/* Where instances are seen from a pencil's apex: the map to view space, and the pixels that an instance's bounds may
+ * cover. */
 #include "raster/raster.h"
 #include "math/exact.h"
 
 daft_affine daft_pencil_map(const daft_pencil *p, const daft_affine *frame)
 {
     const daft_vec3 axes[3] = {p->right, p->up, p->forward}, o = p->origin;
-    const double x = (double)frame->t[0] - (double)o.x, y = (double)frame->t[1] - (double)o.y, z = (double)frame->t[2] - (double)o.z;
+    const double x = (double)frame->t[0] - (double)o.x, y = (double)frame->t[1] - (double)o.y,
+                 z = (double)frame->t[2] - (double)o.z;
     daft_affine map;
     for (int i = 0; i < 3; i++) {
         daft_dvec3 axis = daft_to_double(axes[i]);
@@ -20,15 +22,16 @@ daft_affine daft_pencil_map(const daft_pencil *p, const daft_affine *frame)
 static void view_box(const daft_view_instance *view, daft_vec3 *low, daft_vec3 *high)
 {
     daft_instance moved;
-    moved.mesh = view->mesh, moved.bvh = view->bvh, moved.radius = view->instance->radius, moved.to_frame = view->to_view;
+    moved.mesh = view->mesh, moved.bvh = view->bvh, moved.radius = view->instance->radius,
+    moved.to_frame = view->to_view;
     daft_instance_bound(&moved); /* reads no more of it */
     *low = moved.low;
     *high = moved.high;
 }
 
 /* The pixels whose rays may meet a box: exclusive of those whose ray lies beyond a side of it. False: none. */
-static bool pixel_range(float low, float high, float near_z, float far_z, double focal, double centre, int size, int *first,
-                        int *last)
+static bool pixel_range(float low, float high, float near_z, float far_z, double focal, double centre, int size,
+                        int *first, int *last)
 {
     double a = 0, b = size - 1;
     if (near_z > 0) {
@@ -56,7 +59,8 @@ static bool outside_sides(const daft_pencil *p, daft_vec3 low, daft_vec3 high)
 static bool sphere_range(const daft_pencil *p, daft_view_instance *view, double cx, double cy)
 {
     const float *c = view->to_view.t;
-    double z = (double)c[2], r = (double)view->instance->radius * (1 + 0x1p-20) + fabs(z) * 0x1p-20, f = (double)p->focal;
+    double z = (double)c[2], r = (double)view->instance->radius * (1 + 0x1p-20) + fabs(z) * 0x1p-20,
+           f = (double)p->focal;
     if (!(z > r * 1.001)) return true; /* around the camera or through its plane: the whole picture */
     double x0, x1, y0, y1;
     daft_sphere_slopes((double)c[0], z, r, &x0, &x1);
@@ -65,7 +69,8 @@ static bool sphere_range(const daft_pencil *p, daft_view_instance *view, double 
            pixel_range((float)y0, (float)y1, 1, 1, f, cy, p->height, &view->y0, &view->y1);
 }
 
-bool daft_view_instance_make(const daft_pencil *p, const daft_instance *instance, uint32_t index, daft_view_instance *view)
+bool daft_view_instance_make(const daft_pencil *p, const daft_instance *instance, uint32_t index,
+                             daft_view_instance *view)
 {
     if (instance->mesh && instance->mesh->triangle_count == 0) return false;
     *view = (daft_view_instance){.instance = instance, .mesh = instance->mesh, .bvh = instance->bvh, .index = index};

@@ -1,9 +1,10 @@
 /* A grid of pixels against the snapshot's instances, and the kernels of each instruction set. See view.h.
  *
- * Passes: daft_raster_begin; daft_raster_bin (once for each work item, in parallel) puts the instances that may be visible into
- * tiles by their projected bounds; a kernel's `tile` (once for each tile, in parallel) walks the trees of its instances front
- * to back, by the screen boxes of their nodes: what lies beside the tile, between the rays of its pixels or behind what
- * they see already is left out by whole subtrees. What is left is set up some triangles at a time, and rays decide. */
+ * Passes: daft_raster_begin; daft_raster_bin (once for each work item, in parallel) puts the instances that may be
+ * visible into tiles by their projected bounds; a kernel's `tile` (once for each tile, in parallel) walks the trees of
+ * its instances front to back, by the screen boxes of their nodes: what lies beside the tile, between the rays of its
+ * pixels or behind what they see already is left out by whole subtrees. What is left is set up some triangles at a
+ * time, and rays decide. */
 #ifndef DAFT_RASTER_H
 #define DAFT_RASTER_H
 
@@ -21,7 +22,8 @@ typedef struct daft_view_instance {
     daft_affine to_view;
     float near_z;       /* of its bounds in view space */
     int x0, x1, y0, y1; /* pixels its bounds may cover, inclusive */
-    bool dense;         /* a mesh with a triangle or more to six pixels of them; to four around the camera, where most is elsewhere */
+    bool dense; /* a mesh with a triangle or more to six pixels of them; to four around the camera, where most is
+                   elsewhere */
 } daft_view_instance;
 
 /* Instances in a tile, in the order in which they sort: the bits of near_z << 32 | number. */
@@ -43,8 +45,8 @@ typedef struct daft_bins {
     size_t tile_capacity;
     uint64_t *order; /* a tile's instances, front to back; and room to sort them */
     size_t order_capacity;
-    /* Instances in the picture; nodes and triangles whose boxes were tested (a triangle once for each tile); triangles set
-     * up; spheres in tiles; decisions that floats could not make. */
+    /* Instances in the picture; nodes and triangles whose boxes were tested (a triangle once for each tile); triangles
+     * set up; spheres in tiles; decisions that floats could not make. */
     uint64_t visible, nodes, tested, binned, spheres, exact_edges, exact_depths;
     bool out_of_memory;
 } daft_bins;
@@ -86,7 +88,8 @@ typedef struct daft_screen_box {
 typedef struct daft_raster_kernels {
     size_t scratch_size; /* of a worker */
     void (*tile)(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_tile *out);
-    /* Fills raster->visible for `lanes` instances from one on, all of meshes with triangles, as daft_raster_bin does one by one. */
+    /* Fills raster->visible for `lanes` instances from one on, all of meshes with triangles, as daft_raster_bin does
+     * one by one. */
     void (*instances)(const daft_raster *raster, uint32_t first);
     uint32_t lanes;
     /* The candidate boxes of a mesh's triangles, by their numbers, within the picture. */
@@ -99,18 +102,20 @@ const daft_raster_kernels *daft_raster_kernels_for(int isa);
 typedef struct daft_sample_kernels {
     size_t scratch_size; /* of a worker, at a multiple of 64 bytes */
     /* Clears the bits of the points that the instance hides from the light or, with DAFT_NOTHING, that any of
-     * DAFT_INSTANCE_CASTS_SHADOW does. Gives the number of points whose ray met its bounds, the only ones that were tested. */
+     * DAFT_INSTANCE_CASTS_SHADOW does. Gives the number of points whose ray met its bounds, the only ones that were
+     * tested. */
     uint32_t (*shadows)(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas, uint32_t instance,
                         uint32_t bits[DAFT_SAMPLES_WORDS], void *scratch);
-    /* The instances of DAFT_INSTANCE_TINTS_SHADOW whose bounds some point's ray meets; their number, or UINT32_MAX where
-     * there may be more or the light is among the points. */
+    /* The instances of DAFT_INSTANCE_TINTS_SHADOW whose bounds some point's ray meets; their number, or UINT32_MAX
+     * where there may be more or the light is among the points. */
     uint32_t (*tints)(const daft_samples *points, const daft_apex *light, const daft_tlas *tlas,
                       const uint32_t bits[DAFT_SAMPLES_WORDS], uint32_t out[DAFT_MAX_OCCLUDERS], void *scratch);
 } daft_sample_kernels;
 
 const daft_sample_kernels *daft_sample_kernels_for(int isa);
 
-/* The slow, obvious twin: every ray alone through the two trees, in scalar double, the same predicates at the leaves. */
+/* The slow, obvious twin: every ray alone through the two trees, in scalar double, the same predicates at the leaves.
+ */
 void daft_reference_tile(const daft_raster *raster, const daft_tlas *tlas, uint32_t tile, daft_tile *out);
 
 /* ---- shared by the two paths ---- */
@@ -119,11 +124,13 @@ void daft_view_corners(const daft_view_instance *view, uint32_t triangle, daft_v
 /* The exact depth of something that the ray is known to hit. */
 double daft_view_depth(const daft_view_instance *view, uint32_t triangle, daft_vec3 ray);
 /* Fills the view of one instance. False: none of it can be seen. */
-bool daft_view_instance_make(const daft_pencil *p, const daft_instance *instance, uint32_t index, daft_view_instance *out);
+bool daft_view_instance_make(const daft_pencil *p, const daft_instance *instance, uint32_t index,
+                             daft_view_instance *out);
 /* Of a mesh whose pixels and near_z are known. */
 static inline bool daft_view_dense(const daft_view_instance *view)
 {
-    int64_t triangles = view->mesh->triangle_count, pixels = (int64_t)(view->x1 - view->x0 + 1) * (view->y1 - view->y0 + 1);
+    int64_t triangles = view->mesh->triangle_count,
+            pixels = (int64_t)(view->x1 - view->x0 + 1) * (view->y1 - view->y0 + 1);
     return (view->near_z > 0 ? 6 : 4) * triangles >= pixels;
 }
 /* Sets the tile's place and size. */

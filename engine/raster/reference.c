@@ -1,5 +1,6 @@
-/* The reference path: one ray at a time, scalar, double. It shares with the pencil what defines the answer (how vertices
- * are moved, the predicates, the depth) and nothing of how candidates are found: boxes here are only ever too large. */
+/* The reference path: one ray at a time, scalar, double. It shares with the pencil what defines the answer (how
+ * vertices are moved, the predicates, the depth) and nothing of how candidates are found: boxes here are only ever too
+ * large. */
 #include "accel/kdtree.h"
 #include "math/exact.h"
 #include "raster/raster.h"
@@ -42,8 +43,8 @@ static bool box_met(const daft_node *node, int child, const double_ray *ray, dou
 static void offer(best *nearest, double z, uint32_t instance, uint32_t triangle)
 {
     bool wins = z < nearest->z ||
-                (z == nearest->z && (instance < nearest->instance ||
-                                     (instance == nearest->instance && triangle < nearest->triangle)));
+                (z == nearest->z &&
+                 (instance < nearest->instance || (instance == nearest->instance && triangle < nearest->triangle)));
     if (wins) *nearest = (best){z, instance, triangle};
 }
 
@@ -64,9 +65,12 @@ static double invert(const daft_view_instance *view, double inverse[9])
     for (int i = 0; i < 9; i++) a[i] = (double)m[i];
     double c0 = a[4] * a[8] - a[5] * a[7], c1 = a[5] * a[6] - a[3] * a[8], c2 = a[3] * a[7] - a[4] * a[6];
     double scale = 1 / (a[0] * c0 + a[1] * c1 + a[2] * c2);
-    inverse[0] = c0 * scale, inverse[1] = (a[2] * a[7] - a[1] * a[8]) * scale, inverse[2] = (a[1] * a[5] - a[2] * a[4]) * scale;
-    inverse[3] = c1 * scale, inverse[4] = (a[0] * a[8] - a[2] * a[6]) * scale, inverse[5] = (a[2] * a[3] - a[0] * a[5]) * scale;
-    inverse[6] = c2 * scale, inverse[7] = (a[1] * a[6] - a[0] * a[7]) * scale, inverse[8] = (a[0] * a[4] - a[1] * a[3]) * scale;
+    inverse[0] = c0 * scale, inverse[1] = (a[2] * a[7] - a[1] * a[8]) * scale,
+    inverse[2] = (a[1] * a[5] - a[2] * a[4]) * scale;
+    inverse[3] = c1 * scale, inverse[4] = (a[0] * a[8] - a[2] * a[6]) * scale,
+    inverse[5] = (a[2] * a[3] - a[0] * a[5]) * scale;
+    inverse[6] = c2 * scale, inverse[7] = (a[1] * a[6] - a[0] * a[7]) * scale,
+    inverse[8] = (a[0] * a[4] - a[1] * a[3]) * scale;
     const daft_trimesh *mesh = view->mesh;
     double reach = 0, size = 0, stretch = 0;
     const float low[3] = {mesh->low.x, mesh->low.y, mesh->low.z}, high[3] = {mesh->high.x, mesh->high.y, mesh->high.z};
@@ -90,7 +94,8 @@ typedef struct cell_entry {
     double near, far;
 } cell_entry;
 
-/* Every cell within pad of the ray. A plane that the ray runs along lies 1e300 away, or at hand where it is within pad. */
+/* Every cell within pad of the ray. A plane that the ray runs along lies 1e300 away, or at hand where it is within pad.
+ */
 static void test_cells(const daft_view_instance *view, const double_ray *r, double pad, daft_vec3 ray, best *nearest)
 {
     const daft_kdtree *tree = view->instance->kdtree;

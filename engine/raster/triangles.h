@@ -1,9 +1,11 @@
-/* Blocks of triangles in lanes, moved to view space, and the planes that the apex makes with their edges. For both sample sets.
+/* Blocks of triangles in lanes, moved to view space, and the planes that the apex makes with their edges. For both
+ * sample sets.
  *
- * Edge functions. The plane of the apex and an edge a, b has the normal n = (a - b) × (a + b) = 2·a × b; exchanging a and
- * b negates each bit, so neighbours see the same number. With u = 2^-24: a - b and a + b round once, each product once, their
- * difference once, so a component of n is off by at most 4u·M with M = |x|·|y'| + |y|·|x'| of its two products; the three
- * products with a ray d and two sums add 3u·|n|·|d|. Together |error(n·d)| <= 7u·(Mx·|dx| + My·|dy| + Mz·|dz|) to first order. */
+ * Edge functions. The plane of the apex and an edge a, b has the normal n = (a - b) × (a + b) = 2·a × b; exchanging a
+ * and b negates each bit, so neighbours see the same number. With u = 2^-24: a - b and a + b round once, each product
+ * once, their difference once, so a component of n is off by at most 4u·M with M = |x|·|y'| + |y|·|x'| of its two
+ * products; the three products with a ray d and two sums add 3u·|n|·|d|. Together |error(n·d)| <= 7u·(Mx·|dx| + My·|dy|
+ * + Mz·|dz|) to first order. */
 #ifndef DAFT_TRIANGLES_H
 #define DAFT_TRIANGLES_H
 
@@ -41,7 +43,8 @@ DAFT_INLINE vf3 move(const daft_affine *a, vf3 p)
 
 DAFT_INLINE vf3 blocks_corner(const daft_affine *map, const daft_block *const *blocks, int corner)
 {
-    return move(map, (vf3){blocks_load(blocks, corner, 0), blocks_load(blocks, corner, 1), blocks_load(blocks, corner, 2)});
+    return move(map,
+                (vf3){blocks_load(blocks, corner, 0), blocks_load(blocks, corner, 1), blocks_load(blocks, corner, 2)});
 }
 
 /* The plane of an edge, and the M of the bound. */
@@ -55,7 +58,8 @@ DAFT_INLINE edge edge_setup(vf3 a, vf3 b, vf ez)
 {
     vf3 e = {a.x - b.x, a.y - b.y, ez}, s = {a.x + b.x, a.y + b.y, a.z + b.z};
     vf yz = e.y * s.z, zy = e.z * s.y, zx = e.z * s.x, xz = e.x * s.z, xy = e.x * s.y, yx = e.y * s.x;
-    return (edge){{yz - zy, zx - xz, xy - yx}, vf_abs(yz) + vf_abs(zy), vf_abs(zx) + vf_abs(xz), vf_abs(xy) + vf_abs(yx)};
+    return (edge){
+        {yz - zy, zx - xz, xy - yx}, vf_abs(yz) + vf_abs(zy), vf_abs(zx) + vf_abs(xz), vf_abs(xy) + vf_abs(yx)};
 }
 
 /* The M's sum over a ray's components, or over bounds of them. */

@@ -1,11 +1,12 @@
-/* The set-up of what a batch's rays meet: DAFT_VL triangles at a time, of any instances. A plane's normal and height are
- * taken in double, so that points on it are as precise as surface_kernel.c promises. */
+/* The set-up of what a batch's rays meet: DAFT_VL triangles at a time, of any instances. A plane's normal and height
+ * are taken in double, so that points on it are as precise as surface_kernel.c promises. */
 #include "math/simd/ops.h"
 #include "render/surface.h"
 
 #include <stddef.h>
 
-/* What is fetched of a group's triangles, lane by lane; lanes without one are not set, and what comes of them is dropped. */
+/* What is fetched of a group's triangles, lane by lane; lanes without one are not set, and what comes of them is
+ * dropped. */
 typedef struct stage {
     float corner[9][DAFT_VL], normal[9][DAFT_VL]; /* object space: x, y, z of corner 0, then of 1 and 2 */
     const float *maps[DAFT_VL]; /* to_frame, and to_object behind it; of one instance the first alone is set */
@@ -32,7 +33,8 @@ static void set_sphere(const daft_instance *s, float row[DAFT_FACET_FLOATS])
     row[SPHERE_RADIUS] = s->radius;
     row[FACET_SIZE] = fabsf(t[0]) + fabsf(t[1]) + fabsf(t[2]) + s->radius;
     memcpy(&row[FACET_WORD], &word, sizeof word);
-    row[FACET_DENSITY] = 0.225079079f / s->radius; /* the map's area is 2·pi·r by pi·r: its mean density is 1 / (sqrt(2)·pi·r) */
+    row[FACET_DENSITY] = 0.225079079f / s->radius; /* the map's area is 2·pi·r by pi·r: its mean density is 1 /
+                                                      (sqrt(2)·pi·r) */
 }
 
 static void stage_triangle(const daft_instance *s, uint32_t triangle, int lane, stage *out)
@@ -41,7 +43,8 @@ static void stage_triangle(const daft_instance *s, uint32_t triangle, int lane, 
     const uint32_t *corner = &mesh->indices[3 * (size_t)triangle];
     for (int k = 0; k < 3; k++) {
         uint32_t v = corner[k];
-        out->corner[3 * k][lane] = mesh->x[v], out->corner[3 * k + 1][lane] = mesh->y[v], out->corner[3 * k + 2][lane] = mesh->z[v];
+        out->corner[3 * k][lane] = mesh->x[v], out->corner[3 * k + 1][lane] = mesh->y[v],
+                        out->corner[3 * k + 2][lane] = mesh->z[v];
     }
     out->triangles |= (vbits)1 << lane;
     if (!mesh->normals) return;
@@ -62,20 +65,23 @@ void DAFT_KERNEL(daft_facets_fetch)(const daft_snapshot *snapshot, const daft_fa
         if (!mesh) continue;
         const uint32_t *corner = &mesh->indices[3 * (size_t)facets->triangle[i]];
         for (int k = 0; k < 3; k++)
-            __builtin_prefetch(&mesh->x[corner[k]]), __builtin_prefetch(&mesh->y[corner[k]]), __builtin_prefetch(&mesh->z[corner[k]]);
+            __builtin_prefetch(&mesh->x[corner[k]]), __builtin_prefetch(&mesh->y[corner[k]]),
+                __builtin_prefetch(&mesh->z[corner[k]]);
         if (!mesh->normals) continue;
         const uint32_t *at = mesh->normal_indices ? &mesh->normal_indices[3 * (size_t)facets->triangle[i]] : corner;
         for (int k = 0; k < 3; k++) __builtin_prefetch(&mesh->normals[at[k]]);
     }
 }
 
-/* Triangles of one mesh of one material. What they have in common is read once, since for all that the compiler knows each store may change it. */
+/* Triangles of one mesh of one material. What they have in common is read once, since for all that the compiler knows
+ * each store may change it. */
 static void stage_alike(const daft_snapshot *snapshot, daft_facets *f, uint32_t first, uint32_t count, stage *out)
 {
     const daft_instance *s = &snapshot->instances[f->instance[first]];
     const daft_trimesh *mesh = s->mesh;
     const float *x = mesh->x, *y = mesh->y, *z = mesh->z, *t = s->to_frame.t;
-    const uint32_t *indices = mesh->indices, *normal_indices = mesh->normal_indices ? mesh->normal_indices : indices, *triangles = &f->triangle[first];
+    const uint32_t *indices = mesh->indices, *normal_indices = mesh->normal_indices ? mesh->normal_indices : indices,
+                   *triangles = &f->triangle[first];
     const daft_vec3 *normals = mesh->normals;
     const uint32_t material = s->materials[0];
     const vbits lanes = vbits_first_n((int)count);
@@ -108,7 +114,8 @@ static void fetch_group(const daft_snapshot *snapshot, daft_facets *f, uint32_t 
         stage_alike(snapshot, f, first, count, out);
         return;
     }
-    for (uint32_t i = 1; i < DAFT_VL; i++) out->maps[i] = (const float *)&snapshot->instances[f->instance[first + (i < count ? i : 0)]].to_frame;
+    for (uint32_t i = 1; i < DAFT_VL; i++)
+        out->maps[i] = (const float *)&snapshot->instances[f->instance[first + (i < count ? i : 0)]].to_frame;
     for (uint32_t i = 0; i < count; i++) {
         const daft_instance *s = &snapshot->instances[f->instance[first + i]];
         uint32_t triangle = f->triangle[first + i];
@@ -138,16 +145,19 @@ typedef struct group {
 
 static void move_group(const stage *from, group *g)
 {
-    _Static_assert(offsetof(daft_instance, to_object) == offsetof(daft_instance, to_frame) + 12 * sizeof(float), "one behind the other");
+    _Static_assert(offsetof(daft_instance, to_object) == offsetof(daft_instance, to_frame) + 12 * sizeof(float),
+                   "one behind the other");
     vf m[24], *inverse = m + 12;
     for (int k = 0; k < 24 && from->one_instance; k++) m[k] = vf_set(from->maps[0][k]);
     for (int k = 0; k < 24 && !from->one_instance; k += 4) vf_gather_rows4(from->maps, k, m + k);
     for (int k = 0; k < 3; k++) { /* as daft_affine_point, daft_affine_transposed and daft_normalize */
         vf3 p = {vf_load(from->corner[3 * k]), vf_load(from->corner[3 * k + 1]), vf_load(from->corner[3 * k + 2])};
         vf3 n = {vf_load(from->normal[3 * k]), vf_load(from->normal[3 * k + 1]), vf_load(from->normal[3 * k + 2])};
-        g->corner[k] = (vf3){((m[0] * p.x + m[1] * p.y) + m[2] * p.z) + m[9], ((m[3] * p.x + m[4] * p.y) + m[5] * p.z) + m[10],
-                             ((m[6] * p.x + m[7] * p.y) + m[8] * p.z) + m[11]};
-        n = (vf3){(inverse[0] * n.x + inverse[3] * n.y) + inverse[6] * n.z, (inverse[1] * n.x + inverse[4] * n.y) + inverse[7] * n.z,
+        g->corner[k] =
+            (vf3){((m[0] * p.x + m[1] * p.y) + m[2] * p.z) + m[9], ((m[3] * p.x + m[4] * p.y) + m[5] * p.z) + m[10],
+                  ((m[6] * p.x + m[7] * p.y) + m[8] * p.z) + m[11]};
+        n = (vf3){(inverse[0] * n.x + inverse[3] * n.y) + inverse[6] * n.z,
+                  (inverse[1] * n.x + inverse[4] * n.y) + inverse[7] * n.z,
                   (inverse[2] * n.x + inverse[5] * n.y) + inverse[8] * n.z};
         g->normal[k] = unit3(n);
     }
@@ -157,9 +167,15 @@ typedef struct vd3 {
     vd x, y, z;
 } vd3;
 DAFT_INLINE vd vd3_dot(vd3 a, vd3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-DAFT_INLINE vd3 half3(vf3 a, int half) { return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)}; }
+DAFT_INLINE vd3 half3(vf3 a, int half)
+{
+    return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)};
+}
 DAFT_INLINE vd3 vd3_sub(vd3 a, vd3 b) { return (vd3){a.x - b.x, a.y - b.y, a.z - b.z}; }
-DAFT_INLINE vf3 join3(const vd3 a[2]) { return (vf3){vf_demote2(a[0].x, a[1].x), vf_demote2(a[0].y, a[1].y), vf_demote2(a[0].z, a[1].z)}; }
+DAFT_INLINE vf3 join3(const vd3 a[2])
+{
+    return (vf3){vf_demote2(a[0].x, a[1].x), vf_demote2(a[0].y, a[1].y), vf_demote2(a[0].z, a[1].z)};
+}
 
 /* The plane's normal; a triangle without area faces the viewer. */
 DAFT_INLINE void group_planes(group *g, vf3 direction)
@@ -167,7 +183,8 @@ DAFT_INLINE void group_planes(group *g, vf3 direction)
     vd3 outward[2];
     vd length[2], some[2];
     for (int half = 0; half < 2; half++) {
-        vd3 first = half3(g->corner[0], half), a = vd3_sub(half3(g->corner[1], half), first), b = vd3_sub(half3(g->corner[2], half), first);
+        vd3 first = half3(g->corner[0], half), a = vd3_sub(half3(g->corner[1], half), first),
+            b = vd3_sub(half3(g->corner[2], half), first);
         vd3 cross = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
         length[half] = vd_sqrt(vd3_dot(cross, cross));
         some[half] = vd_step(length[half]);

@@ -52,7 +52,8 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r);
 }
 
-/* Where in the pixel a sample lies. Four: a rotated grid; sixteen: each column and each row of a 16 × 16 grid holds one. */
+/* Where in the pixel a sample lies. Four: a rotated grid; sixteen: each column and each row of a 16 × 16 grid holds
+ * one. */
 static void sample_shift(int samples, int i, float *x, float *y)
 {
     static const float FOUR[4][2] = {{-0.125f, -0.375f}, {0.375f, -0.125f}, {0.125f, 0.375f}, {-0.375f, 0.125f}};
@@ -125,14 +126,20 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     daft_renderer *r = frame->renderer;
     const daft_snapshot *s = frame->snapshot;
     double start = daft_clock_ms();
-    frame->pencil = (daft_pencil){.right = s->right, .up = s->up, .forward = s->forward, .focal = s->focal, .width = s->width,
-                                  .height = s->height, .intersection = s->intersection};
+    frame->pencil = (daft_pencil){.right = s->right,
+                                  .up = s->up,
+                                  .forward = s->forward,
+                                  .focal = s->focal,
+                                  .width = s->width,
+                                  .height = s->height,
+                                  .intersection = s->intersection};
     sample_shift(s->samples, frame->sample, &frame->pencil.shift_x, &frame->pencil.shift_y);
     if (!daft_raster_begin(&r->raster, &frame->pencil, s->instances, s->instance_count, error)) return false;
     daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
     if (out_of_memory(r)) return daft_fail_memory(error, "the visible triangles");
     daft_plan_narrow(&frame->plan, s, &r->raster);
-    if (!prepare_refractions(frame, error) || !prepare_tree(frame, error) || !daft_mirrors_prepare(frame, error)) return false;
+    if (!prepare_refractions(frame, error) || !prepare_tree(frame, error) || !daft_mirrors_prepare(frame, error))
+        return false;
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
     frame->tile_count = (uint32_t)(r->raster.tiles_x * r->raster.tiles_y);
     daft_parallel_for(r->threads, frame->tile_count, daft_render_tile, frame);
@@ -185,7 +192,8 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
         e[ON_TREE[i]].bytes = r->arena.bytes;
         break;
     }
-    if (e[DAFT_EFFECT_SHADOW].ran && frame->plan.tints) e[DAFT_EFFECT_SHADOW].bytes += r->passed_capacity * sizeof *r->passed;
+    if (e[DAFT_EFFECT_SHADOW].ran && frame->plan.tints)
+        e[DAFT_EFFECT_SHADOW].bytes += r->passed_capacity * sizeof *r->passed;
     if (e[DAFT_EFFECT_REFLECTION].ran) e[DAFT_EFFECT_REFLECTION].bytes += daft_mirrors_bytes(r);
     if (e[DAFT_EFFECT_REFRACTION].ran) e[DAFT_EFFECT_REFRACTION].bytes += r->refracted_capacity * sizeof *r->refracted;
     if (frame->snapshot->samples > 1) e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
@@ -226,7 +234,8 @@ static void counters_begin(daft_counters *c, const daft_snapshot *s, const daft_
     uint64_t queries = c->query_rays, builds = c->mesh_builds, refits = c->mesh_refits, updates = c->instance_updates;
     memset(c, 0, sizeof *c);
     c->width = s->width, c->height = s->height, c->threads = r->threads;
-    c->isa = isa, c->query_rays = queries, c->mesh_builds = builds, c->mesh_refits = refits, c->instance_updates = updates;
+    c->isa = isa, c->query_rays = queries, c->mesh_builds = builds, c->mesh_refits = refits,
+    c->instance_updates = updates;
 }
 
 bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, const daft_frame_target *target,

@@ -9,10 +9,10 @@
 /* What a frame may need at all, before anything is known to be visible. */
 typedef struct daft_plan {
     const daft_preset *preset;
-    bool shadows, reflections;                /* some light casts them onto something; some material mirrors */
-    bool tints, refractions;                  /* some of these shadows let light through; some material transmits */
-    bool reflects, refracts;                  /* of the running sample: what is seen may send such rays on */
-    const char *why[DAFT_EFFECT_COUNT];       /* what calls for the effect, or why nothing can */
+    bool shadows, reflections;                   /* some light casts them onto something; some material mirrors */
+    bool tints, refractions;                     /* some of these shadows let light through; some material transmits */
+    bool reflects, refracts;                     /* of the running sample: what is seen may send such rays on */
+    const char *why[DAFT_EFFECT_COUNT];          /* what calls for the effect, or why nothing can */
     const char *why_not_seen[DAFT_EFFECT_COUNT]; /* the reason if no tile runs it after all */
 } daft_plan;
 
@@ -63,16 +63,16 @@ struct daft_renderer {
     const daft_tlas *tlas;
     uint64_t revision;
     daft_intersection intersection;
-    daft_scratch *scratch; /* one for each worker */
+    daft_scratch *scratch;   /* one for each worker */
     uint8_t *sample_scratch; /* the workers', sample_kernels->scratch_size each */
-    daft_lanes3 *passed;   /* the workers' */
+    daft_lanes3 *passed;     /* the workers' */
     size_t passed_capacity;
     daft_ray_batch *refracted; /* the workers' */
     size_t refracted_capacity;
     daft_mirror mirrors[DAFT_MAX_MIRRORS];
     daft_tile *mirrored; /* the workers', for each mirror */
     size_t mirrored_capacity;
-    float *sum;            /* linear light of all samples so far: 3·width·height; NULL until more than one is asked for */
+    float *sum; /* linear light of all samples so far: 3·width·height; NULL until more than one is asked for */
     size_t sum_capacity;
 };
 
@@ -93,19 +93,21 @@ typedef struct daft_frame {
 
 /* plan.c */
 daft_plan daft_plan_make(const daft_snapshot *snapshot);
-/* Whether what the pencil may see (the instances in its bins) mirrors; and whether it transmits, or shows in a mirror what may. */
+/* Whether what the pencil may see (the instances in its bins) mirrors; and whether it transmits, or shows in a mirror
+ * what may. */
 void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster);
 /* mirror.c. Finds the flat mirrors that are worth a pass of their own, and puts what they may show into tiles. */
 bool daft_mirrors_prepare(daft_frame *frame, daft_error *error);
 void daft_mirrors_free(daft_renderer *renderer);
 size_t daft_mirrors_bytes(const daft_renderer *renderer);
-/* Draws what the mirrors show that enough of the rays come from; gives their bits. The rays are what the tile's own pixels
- * send on. */
+/* Draws what the mirrors show that enough of the rays come from; gives their bits. The rays are what the tile's own
+ * pixels send on. */
 uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t worker, const daft_tile *tile,
                            const daft_ray_batch *rays);
-/* What the ray hits, as `closest` would say but for the normal. False: that is not known, and the ray has to be cast. */
-bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const daft_tile *tile, const daft_ray_batch *rays,
-                      uint32_t ray, daft_hit *hit);
+/* What the ray hits, as `closest` would say but for the normal. False: that is not known, and the ray has to be cast.
+ */
+bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const daft_tile *tile,
+                      const daft_ray_batch *rays, uint32_t ray, daft_hit *hit);
 /* tile.c: a daft_task */
 void daft_render_tile(void *frame, uint32_t tile, uint32_t worker);
 

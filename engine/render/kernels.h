@@ -6,10 +6,10 @@
 #include "raster/raster.h"
 #include "render/render.h"
 
-/* How far off a surface rays start. In units of u = 2^-24 and of S = |x| + |y| + |z| of the point plus that of the instance's
- * translation: the point is off by 6 (height, normal, their quotient with the ray, and the product), corners moved by to_frame
- * in another order by 4, and the way into object space by 6 (a rounded map, three products, three sums). Sixteen covers their
- * sum. */
+/* How far off a surface rays start. In units of u = 2^-24 and of S = |x| + |y| + |z| of the point plus that of the
+ * instance's translation: the point is off by 6 (height, normal, their quotient with the ray, and the product), corners
+ * moved by to_frame in another order by 4, and the way into object space by 6 (a rounded map, three products, three
+ * sums). Sixteen covers their sum. */
 #define DAFT_SPAWN_ERROR (16 * 0x1p-24f)
 
 _Static_assert((int)DAFT_BATCH == (int)DAFT_SAMPLES && (int)DAFT_BATCH_ROOM >= (int)DAFT_SAMPLES_ROOM,
@@ -40,7 +40,8 @@ typedef struct daft_ray_batch {
     uint32_t pixel[DAFT_BATCH_ROOM];
 } daft_ray_batch;
 
-/* The different facets (triangles or spheres) that a batch's rays meet. Rows are the kernels' own: see render/surface.h. */
+/* The different facets (triangles or spheres) that a batch's rays meet. Rows are the kernels' own: see
+ * render/surface.h. */
 enum { DAFT_FACET_FLOATS = 48 };
 typedef struct daft_facets {
     uint32_t count;
@@ -59,16 +60,16 @@ typedef struct daft_surfaces_def {
     bool distance;
 } daft_surfaces_def;
 
-/* What points may still send on: rays that are mirrored as a material or Fresnel's equations ask; and which rays, by their
- * fraction of the pixel, do not count any more. */
+/* What points may still send on: rays that are mirrored as a material or Fresnel's equations ask; and which rays, by
+ * their fraction of the pixel, do not count any more. */
 typedef struct daft_spawning {
     bool mirrors;
     float min;
 } daft_spawning;
 
 typedef struct daft_render_kernels {
-    /* The surfaces that a tile's pixels see become points of weight 1, of which only what is asked for is set; the other
-     * pixels become rays into the sky, with directions where the sky has more than one colour. */
+    /* The surfaces that a tile's pixels see become points of weight 1, of which only what is asked for is set; the
+     * other pixels become rays into the sky, with directions where the sky has more than one colour. */
     void (*surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets, daft_batch *points,
                      daft_ray_batch *sky);
     /* Appends the points where the rays first.. hit, all of them set; misses are left out. */
@@ -83,8 +84,8 @@ typedef struct daft_render_kernels {
 DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);
 
 #ifdef DAFT_ISA
-void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets, daft_batch *points,
-                                daft_ray_batch *sky);
+void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets,
+                                daft_batch *points, daft_ray_batch *sky);
 void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first,
                                   const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points);
 #endif

@@ -1,7 +1,8 @@
-/* Flat mirrors as pencils: the rays that a plane sends on from the camera meet in the mirrored eye, so what they see is what a
- * camera there would see through the mirror. The mirrored camera's picture says which instance each ray meets first; where on
- * it is found from the ray itself. What reaches through the plane may hide, from the mirrored eye, what lies before it: a
- * ray whose instance turns out to lie behind its origin is asked on its own, as those of curved mirrors are. */
+/* Flat mirrors as pencils: the rays that a plane sends on from the camera meet in the mirrored eye, so what they see is
+ * what a camera there would see through the mirror. The mirrored camera's picture says which instance each ray meets
+ * first; where on it is found from the ray itself. What reaches through the plane may hide, from the mirrored eye, what
+ * lies before it: a ray whose instance turns out to lie behind its origin is asked on its own, as those of curved
+ * mirrors are. */
 #include "render/internal.h"
 
 enum {
@@ -82,7 +83,9 @@ static void add_triangle(daft_frame *frame, uint32_t instance, uint32_t triangle
     float near = 1e-5f * (float)at->away;
     for (int i = 0; i < frame->mirror_count; i++) {
         daft_mirror *m = &mirrors[i];
-        if (m->instance != instance || daft_dot(normal, m->normal) < 0.9999999f || fabsf((float)at->away - m->away) > near) continue;
+        if (m->instance != instance || daft_dot(normal, m->normal) < 0.9999999f ||
+            fabsf((float)at->away - m->away) > near)
+            continue;
         m->triangles |= (uint64_t)1 << triangle;
         return;
     }
@@ -115,7 +118,8 @@ static void find_planes(daft_frame *frame)
 static float reach_before(const daft_mirror *m, const daft_instance *s)
 {
     daft_vec3 n = m->normal;
-    daft_vec3 p = daft_v3(n.x > 0 ? s->high.x : s->low.x, n.y > 0 ? s->high.y : s->low.y, n.z > 0 ? s->high.z : s->low.z);
+    daft_vec3 p =
+        daft_v3(n.x > 0 ? s->high.x : s->low.x, n.y > 0 ? s->high.y : s->low.y, n.z > 0 ? s->high.z : s->low.z);
     return daft_dot(n, p) + m->away;
 }
 
@@ -140,10 +144,7 @@ static bool fill_mirror(daft_renderer *r, const daft_snapshot *snapshot, daft_mi
     return daft_raster_begin(&m->raster, &m->pencil, m->instances, m->count, error);
 }
 
-static void bin_task(void *context, uint32_t index, uint32_t worker)
-{
-    daft_raster_bin(context, index, worker);
-}
+static void bin_task(void *context, uint32_t index, uint32_t worker) { daft_raster_bin(context, index, worker); }
 
 bool daft_mirrors_prepare(daft_frame *frame, daft_error *error)
 {
@@ -161,7 +162,8 @@ bool daft_mirrors_prepare(daft_frame *frame, daft_error *error)
         for (int k = 0; k < r->threads; k++)
             if (m->raster.bins[k].out_of_memory) return daft_fail_memory(error, "what a mirror shows");
     }
-    if (frame->mirror_count) frame->plan.why[DAFT_EFFECT_REFLECTION] = "a mirror is seen; flat ones show a mirrored camera's picture";
+    if (frame->mirror_count)
+        frame->plan.why[DAFT_EFFECT_REFLECTION] = "a mirror is seen; flat ones show a mirrored camera's picture";
     return true;
 }
 
@@ -216,12 +218,14 @@ uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t wo
     return shown;
 }
 
-/* Where the ray meets the triangle's plane, ahead of its origin; the weights are those of the point of it that is nearest. */
+/* Where the ray meets the triangle's plane, ahead of its origin; the weights are those of the point of it that is
+ * nearest. */
 static bool meet_triangle(const daft_instance *s, uint32_t triangle, daft_dvec3 o, daft_dvec3 d, daft_hit *hit)
 {
     const uint32_t *corner = &s->mesh->indices[3 * (size_t)triangle];
     daft_dvec3 a = daft_to_double(frame_corner(s, corner[0])), from = daft_dsub(o, a);
-    daft_dvec3 e1 = daft_dsub(daft_to_double(frame_corner(s, corner[1])), a), e2 = daft_dsub(daft_to_double(frame_corner(s, corner[2])), a);
+    daft_dvec3 e1 = daft_dsub(daft_to_double(frame_corner(s, corner[1])), a),
+               e2 = daft_dsub(daft_to_double(frame_corner(s, corner[2])), a);
     daft_dvec3 p = daft_dcross(d, e2), q = daft_dcross(from, e1); /* Möller and Trumbore, 1997 */
     double det = daft_ddot(e1, p), t = daft_ddot(e2, q) / det, u = daft_ddot(from, p) / det, v = daft_ddot(d, q) / det;
     if (!(t > 0) || !(fabs(u) + fabs(v) < 1e6)) return false;
@@ -241,8 +245,8 @@ static bool meet_sphere(const daft_instance *s, daft_dvec3 o, daft_dvec3 d, daft
     return hit->t > 0 && hit->t < INFINITY;
 }
 
-bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const daft_tile *tile, const daft_ray_batch *rays,
-                      uint32_t ray, daft_hit *hit)
+bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const daft_tile *tile,
+                      const daft_ray_batch *rays, uint32_t ray, daft_hit *hit)
 {
     uint32_t pixel = rays->pixel[ray];
     int which = mirror_at(frame, tile, pixel);
@@ -255,6 +259,7 @@ bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, 
     hit->instance = r->mirrors[which].numbers[number], hit->triangle = seen->triangle[pixel];
     const daft_instance *s = &frame->snapshot->instances[hit->instance];
     daft_dvec3 o = daft_dv3((double)rays->origin.x[ray], (double)rays->origin.y[ray], (double)rays->origin.z[ray]);
-    daft_dvec3 d = daft_dv3((double)rays->direction.x[ray], (double)rays->direction.y[ray], (double)rays->direction.z[ray]);
+    daft_dvec3 d =
+        daft_dv3((double)rays->direction.x[ray], (double)rays->direction.y[ray], (double)rays->direction.z[ray]);
     return s->mesh ? meet_triangle(s, hit->triangle, o, d, hit) : meet_sphere(s, o, d, hit);
 }

@@ -54,7 +54,8 @@ static const char *shadow_reason(const daft_snapshot *snapshot, const daft_prese
     if (!preset->shadows) return "this quality has no shadows";
     if (snapshot->light_count == 0) return "the scene has no light";
     if (!light_casts(snapshot)) return "no light casts shadows";
-    if (!some_flag(snapshot, DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_TINTS_SHADOW)) return "nothing visible casts shadows";
+    if (!some_flag(snapshot, DAFT_INSTANCE_CASTS_SHADOW | DAFT_INSTANCE_TINTS_SHADOW))
+        return "nothing visible casts shadows";
     *run = true;
     return "lit points lie under something's bounds, seen from a light";
 }
@@ -75,9 +76,11 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     why[DAFT_EFFECT_SURFACE] = "a surface is seen", none[DAFT_EFFECT_SURFACE] = "no surface is seen";
     why[DAFT_EFFECT_TEXTURE] = "a textured surface is seen", none[DAFT_EFFECT_TEXTURE] = "no textured surface is seen";
     why[DAFT_EFFECT_SHADOW] = shadow_reason(snapshot, plan.preset, &plan.shadows);
-    none[DAFT_EFFECT_SHADOW] = plan.shadows ? "no lit point lies under anything's bounds, seen from a light" : why[DAFT_EFFECT_SHADOW];
+    none[DAFT_EFFECT_SHADOW] =
+        plan.shadows ? "no lit point lies under anything's bounds, seen from a light" : why[DAFT_EFFECT_SHADOW];
     why[DAFT_EFFECT_LIGHTING] = "a lit surface is seen";
-    none[DAFT_EFFECT_LIGHTING] = snapshot->light_count ? "no surface that faces a light is seen" : "the scene has no light";
+    none[DAFT_EFFECT_LIGHTING] =
+        snapshot->light_count ? "no surface that faces a light is seen" : "the scene has no light";
     why[DAFT_EFFECT_REFLECTION] = reflection_reason(snapshot, plan.preset, &plan.reflections);
     none[DAFT_EFFECT_REFLECTION] = plan.reflections ? "no mirror is seen" : why[DAFT_EFFECT_REFLECTION];
     plan.tints = plan.shadows && some_material(snapshot, transmits) && some_flag(snapshot, DAFT_INSTANCE_TINTS_SHADOW);

@@ -4,7 +4,8 @@
  *
  * Public headers: render.h
  *
- * The snapshot is flat arrays in frame space: world axes, origin at the camera, floats. The caller rebases (in double). */
+ * The snapshot is flat arrays in frame space: world axes, origin at the camera, floats. The caller rebases (in double).
+ */
 #ifndef DAFT_RENDER_H
 #define DAFT_RENDER_H
 
@@ -22,7 +23,7 @@ typedef struct daft_preset {
     int refractions;  /* surfaces that a path which passes through some may meet */
     float min_weight; /* mirrored and refracted rays that weigh less in the pixel in all colours are not cast */
     bool shadows;
-    bool reference;   /* camera rays alone through the BVH */
+    bool reference; /* camera rays alone through the BVH */
 } daft_preset;
 
 const daft_preset *daft_quality_preset(daft_quality quality);
@@ -35,7 +36,7 @@ typedef struct daft_snapshot {
     float focal;                  /* pixels: (width/2) / tan(fov/2) */
     int samples;                  /* 1, 4 or 16 */
     daft_intersection intersection;
-    bool reference;               /* camera rays one by one through the accelerator */
+    bool reference; /* camera rays one by one through the accelerator */
     daft_quality quality;
     const daft_instance *instances; /* visible ones, in entity order */
     uint32_t instance_count;
@@ -66,8 +67,8 @@ typedef struct daft_frame_target {
 
 daft_renderer *daft_renderer_create(const daft_allocator *allocator, int threads, int isa, daft_error *error);
 void daft_renderer_destroy(daft_renderer *renderer);
-/* counters: the renderer adds to nothing, it sets every field but query_rays, mesh_builds, mesh_refits, instance_updates,
- * threads and isa. */
+/* counters: the renderer adds to nothing, it sets every field but query_rays, mesh_builds, mesh_refits,
+ * instance_updates, threads and isa. */
 bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, const daft_frame_target *target,
                        daft_counters *counters, daft_error *error);
 

@@ -25,7 +25,8 @@ static void mean_row(const tile_job *j, int row, float weight)
     const float *sum = j->r->sum + 3 * ((size_t)(tile->y + row) * (size_t)j->snapshot->width + (size_t)tile->x);
     for (int x = 0; x < tile->width; x++) {
         int at = row * DAFT_TILE + x;
-        color->x[at] = sum[3 * x] * weight, color->y[at] = sum[3 * x + 1] * weight, color->z[at] = sum[3 * x + 2] * weight;
+        color->x[at] = sum[3 * x] * weight, color->y[at] = sum[3 * x + 1] * weight,
+        color->z[at] = sum[3 * x + 2] * weight;
     }
 }
 

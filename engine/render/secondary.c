@@ -10,8 +10,10 @@ static daft_ray ray_of(const daft_ray_batch *rays, uint32_t i)
                       .tmax = INFINITY};
 }
 
-/* What the rays first.. of a batch hit; gives how many they are. `shown`: bits of the flat mirrors that know it of theirs. */
-static uint32_t trace_some(const tile_job *j, const daft_ray_batch *rays, uint32_t first, uint32_t shown, daft_hit hits[STREAM])
+/* What the rays first.. of a batch hit; gives how many they are. `shown`: bits of the flat mirrors that know it of
+ * theirs. */
+static uint32_t trace_some(const tile_job *j, const daft_ray_batch *rays, uint32_t first, uint32_t shown,
+                           daft_hit hits[STREAM])
 {
     daft_ray stream[STREAM];
     daft_hit found[STREAM];
@@ -55,7 +57,8 @@ void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind e
 void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth)
 {
     const daft_plan *plan = &j->frame->plan;
-    daft_spawning allowed = {.mirrors = plan->reflects && depth < plan->preset->reflections, .min = plan->preset->min_weight};
+    daft_spawning allowed = {.mirrors = plan->reflects && depth < plan->preset->reflections,
+                             .min = plan->preset->min_weight};
     bool refracts = j->frame->plan.refracts && depth < plan->preset->refractions;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;

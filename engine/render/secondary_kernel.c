@@ -1,10 +1,10 @@
 /* Rays that surfaces send on, mirrored and refracted, and the kernels of render/ in one table.
  *
- * Where a surface transmits, Fresnel's equations (for light that is not polarised) divide what is transmitted between the
- * mirrored and the refracted ray, and Snell's law bends the latter; past the critical angle all of it is mirrored. Which
- * index lies on which side follows from the hit alone, by the surface's outer side, so nothing is carried along a path: a
- * camera may stand in glass, and parts may cross each other; what lies beyond a surface that is left counts as air. Radiance
- * is not scaled by the square of the index: it would be scaled back where the light leaves again. */
+ * Where a surface transmits, Fresnel's equations (for light that is not polarised) divide what is transmitted between
+ * the mirrored and the refracted ray, and Snell's law bends the latter; past the critical angle all of it is mirrored.
+ * Which index lies on which side follows from the hit alone, by the surface's outer side, so nothing is carried along a
+ * path: a camera may stand in glass, and parts may cross each other; what lies beyond a surface that is left counts as
+ * air. Radiance is not scaled by the square of the index: it would be scaled back where the light leaves again. */
 #include "render/kernels.h"
 
 #define GRAZING 1e-3f /* the sine of the least angle between a facet and a ray that leaves it */
@@ -22,9 +22,10 @@ static daft_vec3 mirrored(daft_vec3 view, daft_vec3 normal, daft_vec3 outward)
 
 /* What happens to a ray at a surface between two indices. */
 typedef struct interface {
-    float eta;     /* the index on the viewer's side over the one beyond */
-    float cosine;  /* between the normal and the direction to the viewer, up to 1; more than 0, though smooth normals may face away */
-    float beyond;  /* between the normal and the refracted ray; 0 where all is mirrored */
+    float eta;    /* the index on the viewer's side over the one beyond */
+    float cosine; /* between the normal and the direction to the viewer, up to 1; more than 0, though smooth normals may
+                     face away */
+    float beyond; /* between the normal and the refracted ray; 0 where all is mirrored */
     float fresnel; /* fraction that is mirrored */
 } interface;
 
@@ -51,8 +52,8 @@ static daft_vec3 refracted(const interface *f, daft_vec3 view, daft_vec3 normal,
     return daft_normalize(d);
 }
 
-/* Whether a mesh's facet is seen from its inner side: the outer one is where its normals point, as for shading, or where
- * its corners run counter-clockwise if it has none. */
+/* Whether a mesh's facet is seen from its inner side: the outer one is where its normals point, as for shading, or
+ * where its corners run counter-clockwise if it has none. */
 static bool facet_from_inside(const daft_instance *instance, uint32_t triangle, daft_vec3 outward)
 {
     const daft_trimesh *mesh = instance->mesh;
@@ -79,7 +80,8 @@ static bool from_inside(const daft_snapshot *snapshot, const daft_batch *b, uint
     return daft_dot(daft_sub(lane3(&b->point, i), daft_v3(centre[0], centre[1], centre[2])), outward) < 0;
 }
 
-static void add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3 d, daft_vec3 weight, daft_ray_batch *rays)
+static void add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3 d, daft_vec3 weight,
+                    daft_ray_batch *rays)
 {
     uint32_t at = rays->count++;
     rays->origin.x[at] = origin.x, rays->origin.y[at] = origin.y, rays->origin.z[at] = origin.z;
@@ -91,14 +93,17 @@ static void add_ray(const daft_batch *b, uint32_t i, daft_vec3 origin, daft_vec3
 
 static bool counts(daft_vec3 weight, float min) { return weight.x > min || weight.y > min || weight.z > min; }
 
-/* What moves a point that lies closer than `margin` to the sides of its triangle, or beyond one by rounding, away from them. */
-static daft_vec3 off_sides(const daft_instance *instance, uint32_t triangle, daft_vec3 p, daft_vec3 normal, float margin)
+/* What moves a point that lies closer than `margin` to the sides of its triangle, or beyond one by rounding, away from
+ * them. */
+static daft_vec3 off_sides(const daft_instance *instance, uint32_t triangle, daft_vec3 p, daft_vec3 normal,
+                           float margin)
 {
     const daft_trimesh *mesh = instance->mesh;
     const uint32_t *corner = &mesh->indices[3 * (size_t)triangle];
     daft_vec3 c[3], shift = {0, 0, 0};
     for (int k = 0; k < 3; k++)
-        c[k] = daft_affine_point(&instance->to_frame, daft_v3(mesh->x[corner[k]], mesh->y[corner[k]], mesh->z[corner[k]]));
+        c[k] =
+            daft_affine_point(&instance->to_frame, daft_v3(mesh->x[corner[k]], mesh->y[corner[k]], mesh->z[corner[k]]));
     for (int k = 0; k < 3; k++) {
         daft_vec3 a = c[k], in = daft_normalize(daft_cross(normal, daft_sub(c[(k + 1) % 3], a)));
         if (daft_dot(in, daft_sub(c[(k + 2) % 3], a)) < 0) in = daft_neg(in);
@@ -108,9 +113,9 @@ static daft_vec3 off_sides(const daft_instance *instance, uint32_t triangle, daf
     return shift;
 }
 
-/* Batches hold points that lie off the surface by e along `outward` and e along `view`; this one lies e beyond it, and half
- * as much again for the roundings on the way. Within e of a facet's side it may lie across the neighbouring one, inside
- * when it is meant to be outside or the other way round; so it is moved away from sides by as much. */
+/* Batches hold points that lie off the surface by e along `outward` and e along `view`; this one lies e beyond it, and
+ * half as much again for the roundings on the way. Within e of a facet's side it may lie across the neighbouring one,
+ * inside when it is meant to be outside or the other way round; so it is moved away from sides by as much. */
 static daft_vec3 place_beyond(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i)
 {
     const daft_instance *instance = &snapshot->instances[b->instance[i]];
@@ -122,8 +127,8 @@ static daft_vec3 place_beyond(const daft_snapshot *snapshot, const daft_batch *b
     return daft_sub(on, daft_scale(outward, 1.5f * error));
 }
 
-/* A point that transmits: `mirror` is what its material mirrors besides. Where mirrored rays are not followed any more, what
- * can be refracted is, in full; what cannot still is mirrored, since that is the only way the light has. */
+/* A point that transmits: `mirror` is what its material mirrors besides. Where mirrored rays are not followed any more,
+ * what can be refracted is, in full; what cannot still is mirrored, since that is the only way the light has. */
 static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t i, daft_vec3 mirror,
                    const daft_spawning *allowed, daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays)
 {
@@ -142,8 +147,8 @@ static void divide(const daft_snapshot *snapshot, const daft_batch *b, uint32_t 
         add_ray(b, i, place_beyond(snapshot, b, i), refracted(&f, view, normal, outward), on, refracted_rays);
 }
 
-static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft_spawning *allowed, daft_ray_batch *mirror_rays,
-                  daft_ray_batch *refracted_rays)
+static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft_spawning *allowed,
+                  daft_ray_batch *mirror_rays, daft_ray_batch *refracted_rays)
 {
     mirror_rays->count = 0;
     if (refracted_rays) refracted_rays->count = 0;

@@ -1,5 +1,6 @@
-/* Light visibility of a batch: the points become samples of the light's pencil (raster/view.h), a spot's as a point light's, since
- * its cone was asked before. Occluders take a point's light away; what transmits takes a fraction of it. */
+/* Light visibility of a batch: the points become samples of the light's pencil (raster/view.h), a spot's as a point
+ * light's, since its cone was asked before. Occluders take a point's light away; what transmits takes a fraction of it.
+ */
 #include "render/tile.h"
 
 #include <string.h>
@@ -9,7 +10,8 @@ static void *samples_scratch(const tile_job *j)
     return j->r->sample_scratch + j->worker * j->r->sample_kernels->scratch_size;
 }
 
-static uint32_t cast(tile_job *j, const daft_batch *points, const daft_light_source *light, uint32_t instance, uint32_t *bits)
+static uint32_t cast(tile_job *j, const daft_batch *points, const daft_light_source *light, uint32_t instance,
+                     uint32_t *bits)
 {
     const daft_samples samples = daft_samples_of(points);
     const daft_apex apex = daft_apex_of(light);
@@ -57,7 +59,8 @@ const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const 
     daft_scratch *s = j->s;
     const daft_samples samples = daft_samples_of(points);
     const daft_apex apex = daft_apex_of(light);
-    uint32_t count = j->r->sample_kernels->tints(&samples, &apex, j->frame->tlas, s->lit, s->candidates, samples_scratch(j));
+    uint32_t count =
+        j->r->sample_kernels->tints(&samples, &apex, j->frame->tlas, s->lit, s->candidates, samples_scratch(j));
     if (count == 0) return NULL;
     for (uint32_t i = 0; i < points->count + 16; i++) s->passed->x[i] = s->passed->y[i] = s->passed->z[i] = 1;
     if (count != UINT32_MAX) {

@@ -5,8 +5,9 @@
 #include "math/simd/ops.h"
 #include "render/kernels.h"
 
-/* Floats of a row of daft_facets: a triangle's, in frame space, normals unit and on the viewer's side. edge k: the plane of
- * the eye and the edge opposite corner k; a camera ray's product with it, among the three, is the corner's weight. */
+/* Floats of a row of daft_facets: a triangle's, in frame space, normals unit and on the viewer's side. edge k: the
+ * plane of the eye and the edge opposite corner k; a camera ray's product with it, among the three, is the corner's
+ * weight. */
 enum {
     FACET_OUTWARD = 0, /* the plane's normal, unit, on the viewer's side */
     FACET_HEIGHT = 3,  /* of the plane over the rays' origin, against `outward`: 0 or less */
@@ -61,7 +62,8 @@ typedef struct facet_rays {
 void DAFT_KERNEL(daft_facets_setup)(const daft_snapshot *snapshot, daft_facets *facets, uint32_t first, uint32_t count,
                                     const facet_rays *rays);
 
-/* The corners of the up to DAFT_VL facets from `first` on, which are anywhere, are on their way from memory before they are set up. */
+/* The corners of the up to DAFT_VL facets from `first` on, which are anywhere, are on their way from memory before they
+ * are set up. */
 void DAFT_KERNEL(daft_facets_fetch)(const daft_snapshot *snapshot, const daft_facets *facets, uint32_t first);
 
 #endif

@@ -1,16 +1,16 @@
-/* From "this pixel sees that triangle" to points with normals, texture coordinates and places to spawn rays from. First the
- * different facets that the rays meet are listed and set up (facet_kernel.c), then DAFT_VL rays at a time are brought to
- * them: by broadcast where all meet the same one, else by rows of what was set up. Only what the tile's materials and the
- * plan call for is stored.
+/* From "this pixel sees that triangle" to points with normals, texture coordinates and places to spawn rays from. First
+ * the different facets that the rays meet are listed and set up (facet_kernel.c), then DAFT_VL rays at a time are
+ * brought to them: by broadcast where all meet the same one, else by rows of what was set up. Only what the tile's
+ * materials and the plan call for is stored.
  *
- * Points lie where their ray meets the triangle's plane, whose normal and height are taken in double once a triangle: so a
- * point's error is a few 2^-24 of its own distance along the ray, and less across the plane, even on a triangle that
- * reaches to the horizon. Rays that leave start off the surface by more than that, and than the rounding on their way
- * into an instance's space. They start towards the viewer by as much again: in a concave corner a point may lie across the
- * other wall by its error, where going off its own surface, which runs along that wall, does not bring it back; the way
- * that its ray came is free. No constant depends on the scene's scale. Shadow rays start from a point raised to where the
- * smooth surface would be, so that facets do not show in the terminator (Hanika, "Hacking the Shadow Terminator", Ray
- * Tracing Gems II, 2021, chapter 4). */
+ * Points lie where their ray meets the triangle's plane, whose normal and height are taken in double once a triangle:
+ * so a point's error is a few 2^-24 of its own distance along the ray, and less across the plane, even on a triangle
+ * that reaches to the horizon. Rays that leave start off the surface by more than that, and than the rounding on their
+ * way into an instance's space. They start towards the viewer by as much again: in a concave corner a point may lie
+ * across the other wall by its error, where going off its own surface, which runs along that wall, does not bring it
+ * back; the way that its ray came is free. No constant depends on the scene's scale. Shadow rays start from a point
+ * raised to where the smooth surface would be, so that facets do not show in the terminator (Hanika, "Hacking the
+ * Shadow Terminator", Ray Tracing Gems II, 2021, chapter 4). */
 #include "render/surface.h"
 
 #include "math/simd/elementary.h"
@@ -35,8 +35,8 @@ static uint32_t wants_of(uint32_t traits, const daft_surfaces_def *def)
 
 /* ---- rays and what they meet ---- */
 
-/* DAFT_VL rays with what was set up for each. Camera rays begin at the frame's origin and go `focal` forwards; of others it
- * is known where they hit: the corners' weights on a triangle, t on a sphere. */
+/* DAFT_VL rays with what was set up for each. Camera rays begin at the frame's origin and go `focal` forwards; of
+ * others it is known where they hit: the corners' weights on a triangle, t on a sphere. */
 typedef struct window {
     vf3 origin, direction;
     vf u, v, t;
@@ -57,7 +57,10 @@ typedef struct sort {
 } sort;
 
 DAFT_INLINE vf part(const window *w, sort s, int k) { return s.uniform ? vf_set(w->row[k]) : w->part[k]; }
-DAFT_INLINE vf3 part3(const window *w, sort s, int k) { return (vf3){part(w, s, k), part(w, s, k + 1), part(w, s, k + 2)}; }
+DAFT_INLINE vf3 part3(const window *w, sort s, int k)
+{
+    return (vf3){part(w, s, k), part(w, s, k + 1), part(w, s, k + 2)};
+}
 
 DAFT_INLINE vf3 mean3(const vf3 a[3], const vf w[3])
 {
@@ -117,7 +120,8 @@ DAFT_INLINE void meet_facets(const window *r, sort s, vbits smooth, uint32_t wan
     }
     if (!smooth) return;
     vf3 corner[3], normal[3];
-    for (int k = 0; k < 3; k++) corner[k] = part3(r, s, FACET_CORNER + 3 * k), normal[k] = part3(r, s, FACET_NORMAL + 3 * k);
+    for (int k = 0; k < 3; k++)
+        corner[k] = part3(r, s, FACET_CORNER + 3 * k), normal[k] = part3(r, s, FACET_NORMAL + 3 * k);
     vm which = vm_from_bits(smooth);
     m->normal = select3(which, mean3(normal, w), m->normal);
     if (wants & WANT_SHADOW) m->shadow_origin = select3(which, lift_point(corner, normal, m->point, w), m->point);
@@ -142,8 +146,9 @@ DAFT_INLINE void meet_spheres(const window *r, sort s, uint32_t wants, meeting *
     m->point = m->shadow_origin = add3(centre, scale3(normal, radius));
     m->size = part(r, s, FACET_SIZE);
     if (wants & WANT_TEXTURE) {
-        vf3 local = unit3((vf3){vf3_dot(part3(r, s, SPHERE_TURN), normal), vf3_dot(part3(r, s, SPHERE_TURN + 3), normal),
-                                vf3_dot(part3(r, s, SPHERE_TURN + 6), normal)});
+        vf3 local =
+            unit3((vf3){vf3_dot(part3(r, s, SPHERE_TURN), normal), vf3_dot(part3(r, s, SPHERE_TURN + 3), normal),
+                        vf3_dot(part3(r, s, SPHERE_TURN + 6), normal)});
         m->density = part(r, s, FACET_DENSITY);
         m->u = vf_set(0.5f) + vf_atan2(local.z, local.x) * vf_set(0.159154943f);
         m->v = vf_set(0.5f) + vf_asin(local.y) * vf_set(0.318309886f);
@@ -172,7 +177,8 @@ DAFT_INLINE void load_parts(window *r, const daft_facets *f, const int32_t *rows
     for (int k = from; k < end; k++) vf_gather_rows8(f->row[0] + 8 * k, eighth, r->part + 8 * k);
 }
 
-DAFT_INLINE void meet_mixed(window *r, bool camera, const daft_facets *f, const int32_t *rows, uint32_t wants, meeting *m)
+DAFT_INLINE void meet_mixed(window *r, bool camera, const daft_facets *f, const int32_t *rows, uint32_t wants,
+                            meeting *m)
 {
     const sort s = {camera, false};
     load_parts(r, f, rows, 0, 1);
@@ -210,8 +216,8 @@ DAFT_INLINE vf3 spawn_offset(vf3 point, vf size, vf3 outward, vf3 view)
 }
 
 /* Off the surface, and into the batch. */
-DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf reach, float focal, uint32_t wants, daft_batch *b,
-                               uint32_t at)
+DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf reach, float focal, uint32_t wants,
+                               daft_batch *b, uint32_t at)
 {
     vf3 view = scale3(unit3(direction), vf_set(-1));
     vf3 off = spawn_offset(m->point, m->size, m->outward, view);
@@ -274,7 +280,8 @@ DAFT_INLINE vbits run_ends(const daft_tile *tile, int at, int count)
     return (~vbits_from_mask(same) & vbits_first_n(count)) | (vbits)1 << (count - 1);
 }
 
-/* Pixels put into the batches, and what they see beside those that see something. A pixel's number is its place in the tile. */
+/* Pixels put into the batches, and what they see beside those that see something. A pixel's number is its place in the
+ * tile. */
 typedef struct sorted {
     const daft_tile *tile;
     finder *finder;
@@ -326,13 +333,14 @@ static void sort_visible(sorted *s, int at, vi instance, vi triangle, vbits same
 DAFT_INLINE vbits as_above(const daft_tile *tile, int at, vi instance, vi triangle)
 {
     return vbits_from_mask(vm_and(vi_eq(instance, vi_load(&tile->instance[at - DAFT_TILE_STRIDE])),
-                          vi_eq(triangle, vi_load(&tile->triangle[at - DAFT_TILE_STRIDE]))));
+                                  vi_eq(triangle, vi_load(&tile->triangle[at - DAFT_TILE_STRIDE]))));
 }
 
 static void sort_pixels(sorted *s)
 {
     const daft_tile *tile = s->tile;
-    uint32_t above[DAFT_TILE / DAFT_VL]; /* where the slots of the window above begin, or DAFT_NOTHING: it sees some sky */
+    uint32_t above[DAFT_TILE / DAFT_VL]; /* where the slots of the window above begin, or DAFT_NOTHING: it sees some sky
+                                          */
     for (int i = 0; i < DAFT_TILE / DAFT_VL; i++) above[i] = DAFT_NOTHING;
     for (int row = 0; row < tile->height; row++)
         for (int x = 0; x < tile->width; x += DAFT_VL) {
@@ -392,8 +400,8 @@ typedef struct flat_normal {
     vf3 unit;
 } flat_normal;
 
-static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, daft_vec3 first, const daft_facets *f, uint32_t wants,
-                        daft_batch *b)
+static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, daft_vec3 first, const daft_facets *f,
+                           uint32_t wants, daft_batch *b)
 {
     flat_normal kept = {.slot = -1};
     window r = {.row = NULL}; /* once: a debug build cannot tell that each window reads what it set */
@@ -416,8 +424,8 @@ static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, 
     }
 }
 
-void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets, daft_batch *points,
-                                daft_ray_batch *sky)
+void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets,
+                                daft_batch *points, daft_ray_batch *sky)
 {
     const daft_pencil *p = def->pencil;
     daft_vec3 first = daft_pencil_ray(p, tile->x, tile->y);
@@ -444,9 +452,12 @@ static void take_hits(const daft_snapshot *snapshot, const daft_ray_batch *from,
         uint32_t ray = first + i, slot = f->count++, at = b->count + slot;
         f->instance[slot] = hit->instance;
         f->triangle[slot] = snapshot->instances[hit->instance].mesh ? hit->triangle : 0;
-        b->point.x[at] = from->origin.x[ray], b->point.y[at] = from->origin.y[ray], b->point.z[at] = from->origin.z[ray];
-        b->view.x[at] = from->direction.x[ray], b->view.y[at] = from->direction.y[ray], b->view.z[at] = from->direction.z[ray];
-        b->weight.x[at] = from->weight.x[ray], b->weight.y[at] = from->weight.y[ray], b->weight.z[at] = from->weight.z[ray];
+        b->point.x[at] = from->origin.x[ray], b->point.y[at] = from->origin.y[ray],
+        b->point.z[at] = from->origin.z[ray];
+        b->view.x[at] = from->direction.x[ray], b->view.y[at] = from->direction.y[ray],
+        b->view.z[at] = from->direction.z[ray];
+        b->weight.x[at] = from->weight.x[ray], b->weight.y[at] = from->weight.y[ray],
+        b->weight.z[at] = from->weight.z[ray];
         b->u[at] = hit->u, b->v[at] = hit->v, b->footprint[at] = hit->t;
         b->distance[at] = from->distance[ray] + hit->t;
         b->pixel[at] = from->pixel[ray];
@@ -458,13 +469,14 @@ static void take_hits(const daft_snapshot *snapshot, const daft_ray_batch *from,
 static void repeat_last(const daft_facets *f, daft_batch *b)
 {
     uint32_t last = b->count + f->count - 1, end = b->count + (f->count + DAFT_VL - 1) / DAFT_VL * DAFT_VL;
-    float *all[] = {b->point.x, b->point.y, b->point.z, b->view.x, b->view.y, b->view.z, b->u, b->v, b->footprint, b->distance};
+    float *all[] = {b->point.x, b->point.y, b->point.z, b->view.x,    b->view.y,
+                    b->view.z,  b->u,       b->v,       b->footprint, b->distance};
     for (size_t k = 0; k < DAFT_COUNT_OF(all); k++)
         for (uint32_t at = last + 1; at < end; at++) all[k][at] = all[k][last];
 }
 
-void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *from, uint32_t first, const daft_hit *hits,
-                                  uint32_t count, daft_facets *facets, daft_batch *points)
+void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *from, uint32_t first,
+                                  const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points)
 {
     const uint32_t wants = WANT_SHADOW | WANT_VIEW | WANT_TEXTURE | WANT_PATH | WANT_DISTANCE;
     facets->count = 0, facets->traits = 0, facets->last_material = UINT32_MAX;
@@ -483,7 +495,8 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
         const facet_rays rays = {r.origin, direction, direction};
         DAFT_KERNEL(daft_facets_setup)(snapshot, facets, i, daft_min_u(DAFT_VL, facets->count - i), &rays);
         meet_mixed(&r, false, facets, slots, wants, &m);
-        store_meeting(&m, direction, unit3(m.normal), vf_load(&points->distance[at]), snapshot->focal, wants, points, at);
+        store_meeting(&m, direction, unit3(m.normal), vf_load(&points->distance[at]), snapshot->focal, wants, points,
+                      at);
     }
     points->count += facets->count;
     points->traits |= facets->traits;

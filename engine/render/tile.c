@@ -1,6 +1,6 @@
-/* A tile from visibility to bytes. Points are shaded in batches: first what the pixels see, then what mirrors see in it,
- * and so on; each batch runs only the effects that its own points call for. Where a batch sends on both mirrored and
- * refracted rays, the refracted ones wait until the mirrored ones have been followed to their end. */
+/* A tile from visibility to bytes. Points are shaded in batches: first what the pixels see, then what mirrors see in
+ * it, and so on; each batch runs only the effects that its own points call for. Where a batch sends on both mirrored
+ * and refracted rays, the refracted ones wait until the mirrored ones have been followed to their end. */
 #include "render/tile.h"
 
 static void see(tile_job *j, uint32_t tile, uint32_t worker)
@@ -30,7 +30,8 @@ static void light_points(tile_job *j, daft_batch *points)
         ran(j, DAFT_EFFECT_LIGHTING);
         book(j, DAFT_EFFECT_LIGHTING);
         if (j->frame->plan.shadows && light->casts_shadow) daft_tile_shadows(j, points, light);
-        const daft_lanes3 *passed = j->frame->plan.tints && light->casts_shadow ? daft_tile_tints(j, points, light) : NULL;
+        const daft_lanes3 *passed =
+            j->frame->plan.tints && light->casts_shadow ? daft_tile_tints(j, points, light) : NULL;
         j->r->shade->direct_light(points, snapshot->materials, light, j->s->lit, passed, first);
         first = NULL;
     }
@@ -49,8 +50,8 @@ static void add_sky(tile_job *j, const daft_ray_batch *rays)
     book(j, DAFT_EFFECT_SKY);
 }
 
-/* What the pixels see without anything that is sent on. A tile full of surfaces has its points in the pixels' order, and
- * their light is the picture. */
+/* What the pixels see without anything that is sent on. A tile full of surfaces has its points in the pixels' order,
+ * and their light is the picture. */
 static void shade_visible(tile_job *j)
 {
     daft_scratch *s = j->s;
@@ -104,7 +105,8 @@ static void report(daft_frame *frame, uint32_t worker)
     uint32_t done = atomic_fetch_add(&frame->tiles_done, 1) + 1;
     if (worker != 0 || !frame->target->progress) return;
     float total = (float)frame->tile_count * (float)frame->snapshot->samples;
-    if (!frame->target->progress(frame->target->progress_user, (float)done / total)) atomic_store(&frame->cancelled, true);
+    if (!frame->target->progress(frame->target->progress_user, (float)done / total))
+        atomic_store(&frame->cancelled, true);
 }
 
 void daft_render_tile(void *context, uint32_t tile, uint32_t worker)

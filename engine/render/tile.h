@@ -31,15 +31,18 @@ static inline void ran(tile_job *j, daft_effect_kind effect)
 
 /* shadows.c: takes away the bits s->lit of the points that are hidden from the light. */
 void daft_tile_shadows(tile_job *j, const daft_batch *points, const daft_light_source *light);
-/* The fraction of the light that arrives through what transmits, once for each instance in between, however thick. NULL:
- * nothing is in between. */
+/* The fraction of the light that arrives through what transmits, once for each instance in between, however thick.
+ * NULL: nothing is in between. */
 const daft_lanes3 *daft_tile_tints(tile_job *j, const daft_batch *points, const daft_light_source *light);
-/* secondary.c: the rays that points `depth` surfaces away send on, into s->rays, and s->refracted[depth] where some transmit. */
+/* secondary.c: the rays that points `depth` surfaces away send on, into s->rays, and s->refracted[depth] where some
+ * transmit. */
 void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth);
-/* Traces rays: hits become the batch `next`, misses see s->sky. `shown`: bits of the planar mirrors that know their rays' hits. */
-void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown, daft_batch *next);
-/* The deepest of the refracted rays that wait for points at `depth` or less to be done. Deeper ones have been followed, so
- * one batch for each depth is room enough. -1: none. */
+/* Traces rays: hits become the batch `next`, misses see s->sky. `shown`: bits of the planar mirrors that know their
+ * rays' hits. */
+void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind effect, uint32_t shown,
+                     daft_batch *next);
+/* The deepest of the refracted rays that wait for points at `depth` or less to be done. Deeper ones have been followed,
+ * so one batch for each depth is room enough. -1: none. */
 int daft_tile_deepest_waiting(const tile_job *j, int depth);
 /* resolve.c: j->color into the picture's bytes, over all samples. */
 void daft_tile_resolve(tile_job *j);

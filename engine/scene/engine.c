@@ -18,12 +18,15 @@ static bool choose_isa(const char *name, int *isa, daft_error *error)
     switch (daft_isa_find(name, isa)) {
     case DAFT_ISA_READY: return true;
     case DAFT_ISA_NOT_BUILT:
-        return daft_fail(error, DAFT_ERROR_UNSUPPORTED, "this build has no kernels for %s; the best it has is %s", name, daft_isa_name(*isa));
+        return daft_fail(error, DAFT_ERROR_UNSUPPORTED, "this build has no kernels for %s; the best it has is %s", name,
+                         daft_isa_name(*isa));
     case DAFT_ISA_UNSUPPORTED:
-        return daft_fail(error, DAFT_ERROR_UNSUPPORTED, "this processor has no %s; the best it has is %s", name, daft_isa_name(*isa));
+        return daft_fail(error, DAFT_ERROR_UNSUPPORTED, "this processor has no %s; the best it has is %s", name,
+                         daft_isa_name(*isa));
     case DAFT_ISA_UNKNOWN: break;
     }
-    return daft_fail(error, DAFT_ERROR_ARGUMENT, "unknown instruction set '%.64s'; known are %s", name, daft_isa_names());
+    return daft_fail(error, DAFT_ERROR_ARGUMENT, "unknown instruction set '%.64s'; known are %s", name,
+                     daft_isa_names());
 }
 
 daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error)

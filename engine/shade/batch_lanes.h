@@ -57,7 +57,7 @@ DAFT_INLINE vf material_word(const material_reader *r, size_t word)
     return vf_gather_index(r->base + word, r->offset);
 }
 #define MATERIAL_WORD(reader, member) material_word(reader, offsetof(daft_surface, member) / sizeof(float))
-#define MATERIAL_COLOR(reader, member)                                                                                  \
+#define MATERIAL_COLOR(reader, member)                                                                                 \
     ((vf3){MATERIAL_WORD(reader, member.x), MATERIAL_WORD(reader, member.y), MATERIAL_WORD(reader, member.z)})
 
 #endif

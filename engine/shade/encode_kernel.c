@@ -1,6 +1,7 @@
-/* Encoding: linear light to sRGB bytes (IEC 61966-2-1). A byte is floor(255·curve + 1/2), the curve by vf_pow, which is good to
- * 2^-21. A polynomial gives the same byte where its sum is not close to a whole number: over all floats up to 1 the two sums
- * differ by at most 1.7e-4. The few lanes that are closer than 2^-FINE, which is more, are computed by vf_pow. */
+/* Encoding: linear light to sRGB bytes (IEC 61966-2-1). A byte is floor(255·curve + 1/2), the curve by vf_pow, which is
+ * good to 2^-21. A polynomial gives the same byte where its sum is not close to a whole number: over all floats up to 1
+ * the two sums differ by at most 1.7e-4. The few lanes that are closer than 2^-FINE, which is more, are computed by
+ * vf_pow. */
 #include "shade/batch_lanes.h"
 
 enum { FINE = 12, ONE = 1 << FINE }; /* fraction bits of a byte */
@@ -14,7 +15,8 @@ static __attribute__((noinline)) vi encode_exactly(vf x)
     return vi_convert_to(encoded * vf_set(255) + vf_set(0.5f));
 }
 
-/* 255 · 1.055 · 2^(e · 5/12) by the last four bits of e + 127: e from -15 to 0, and those below are not on the curve. */
+/* 255 · 1.055 · 2^(e · 5/12) by the last four bits of e + 127: e from -15 to 0, and those below are not on the curve.
+ */
 #define OCTAVE(x) ((x) * (float)ONE)
 static const float OCTAVES[16] = {OCTAVE(3.53472122f), OCTAVE(4.71828676f), OCTAVE(6.29815721f), OCTAVE(8.40703125f),
                                   OCTAVE(11.2220404f), OCTAVE(14.9796267f), OCTAVE(19.9954028f), OCTAVE(26.6906605f),

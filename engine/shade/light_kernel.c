@@ -1,6 +1,6 @@
 /* Ambient, Lambert and Phong light over batches.
- * Phong, "Illumination for Computer Generated Pictures" (1975): the specular term is the cosine between the mirrored light
- * and the viewer, raised to the material's shininess. */
+ * Phong, "Illumination for Computer Generated Pictures" (1975): the specular term is the cosine between the mirrored
+ * light and the viewer, raised to the material's shininess. */
 #include "shade/kernels.h"
 #include "shade/batch_lanes.h"
 
@@ -30,8 +30,8 @@ DAFT_INLINE vf3 direction_to(const daft_batch *batch, const daft_light_source *s
     return (vf3){l.x * scale, l.y * scale, l.z * scale};
 }
 
-/* The fraction of a spot's intensity in the direction -l: a cubic between the cosines of its two angles (Pharr, Jakob, Humphreys,
- * "Physically Based Rendering", 4th edition, 12.2.1). */
+/* The fraction of a spot's intensity in the direction -l: a cubic between the cosines of its two angles (Pharr, Jakob,
+ * Humphreys, "Physically Based Rendering", 4th edition, 12.2.1). */
 DAFT_INLINE vf cone_falloff(const daft_light_source *source, vf3 l)
 {
     daft_vec3 a = source->to_light;
@@ -56,12 +56,13 @@ static uint32_t facing(daft_batch *batch, const daft_light_source *source, uint3
     return total;
 }
 
-/* Powers below this count as none: no byte of a picture shows them, and products with them are subnormal numbers, which take
- * a hundred cycles each. */
+/* Powers below this count as none: no byte of a picture shows them, and products with them are subnormal numbers, which
+ * take a hundred cycles each. */
 #define LEAST_POWER 0x1p-96f
 
 /* Adds Phong's highlight. */
-DAFT_INLINE void add_highlight(const daft_batch *batch, const material_reader *m, uint32_t i, vf3 l, vf cosine, vf3 *sum)
+DAFT_INLINE void add_highlight(const daft_batch *batch, const material_reader *m, uint32_t i, vf3 l, vf cosine,
+                               vf3 *sum)
 {
     vf3 n = lanes_load(&batch->normal, i), view = lanes_load(&batch->view, i), specular = MATERIAL_COLOR(m, specular);
     vf mirrored = vf_set(2) * cosine * vf3_dot(n, view) - vf3_dot(l, view), zero = vf_set(0);
@@ -71,7 +72,7 @@ DAFT_INLINE void add_highlight(const daft_batch *batch, const material_reader *m
 }
 
 static void direct_light(daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
-                     const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_vec3 *first)
+                         const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_vec3 *first)
 {
     const vf zero = vf_set(0);
     const bool specular = batch->traits & DAFT_TRAIT_SPECULAR;
@@ -129,7 +130,7 @@ static void scatter(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, c
 }
 
 static void scatter_add(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,
-                const daft_lanes3 *light)
+                        const daft_lanes3 *light)
 {
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
         vf3 l = lanes_load(light, i), w = lanes_load(weight, i);

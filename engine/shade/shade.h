@@ -1,7 +1,6 @@
-/* shade: what a surface does with light: materials, textures, light sources, sky, Lambert and Phong, and the encoding to sRGB.
- * All are functions of points in lanes: a batch in, a batch out, no state.
- * Promises: linear light; the same bits on every instruction set; no rays: the caller says which points a light reaches.
- * Public headers: shade.h */
+/* shade: what a surface does with light: materials, textures, light sources, sky, Lambert and Phong, and the encoding
+ * to sRGB. All are functions of points in lanes: a batch in, a batch out, no state. Promises: linear light; the same
+ * bits on every instruction set; no rays: the caller says which points a light reaches. Public headers: shade.h */
 #ifndef DAFT_SHADE_H
 #define DAFT_SHADE_H
 
@@ -15,7 +14,7 @@
 typedef struct daft_surface {
     daft_vec3 ambient, diffuse; /* times 1 - transmission */
     daft_vec3 specular, emission;
-    daft_vec3 mirror; /* reflected fraction times tint */
+    daft_vec3 mirror;        /* reflected fraction times tint */
     daft_vec3 transmittance; /* transmission times its tint */
     float transmission, index;
     float shininess;
@@ -53,7 +52,7 @@ typedef struct daft_sky {
 } daft_sky;
 
 enum {
-    DAFT_BATCH = 1024,                  /* points in one batch: a tile's pixels */
+    DAFT_BATCH = 1024,                 /* points in one batch: a tile's pixels */
     DAFT_BATCH_ROOM = DAFT_BATCH + 16, /* one whole SIMD store past the end */
     DAFT_BATCH_WORDS = DAFT_BATCH / 32 + 1
 };
@@ -66,25 +65,27 @@ typedef struct daft_lanes3 {
 /* Points to be shaded, in frame space. Bit sets have point i at bit i % 32 of word i / 32. */
 typedef struct daft_batch {
     uint32_t count;
-    uint32_t traits;   /* of the points' materials, all of them; where one is missing, so may be what only it calls for */
+    uint32_t traits; /* of the points' materials, all of them; where one is missing, so may be what only it calls for */
     bool one_material; /* all points' */
-    daft_lanes3 point;   /* rays that leave the surface start here: on its outer side by more than the error of the hit */
-    daft_lanes3 shadow_origin; /* the same for shadow rays: raised off the facets to where the smooth surface would be */
-    daft_lanes3 normal;  /* shading normal, unit */
-    daft_lanes3 outward; /* geometric normal, unit, towards the viewer */
-    daft_lanes3 view;    /* to the viewer, unit */
+    daft_lanes3 point; /* rays that leave the surface start here: on its outer side by more than the error of the hit */
+    daft_lanes3 shadow_origin; /* the same for shadow rays: raised off the facets to where the smooth surface would be
+                                */
+    daft_lanes3 normal;        /* shading normal, unit */
+    daft_lanes3 outward;       /* geometric normal, unit, towards the viewer */
+    daft_lanes3 view;          /* to the viewer, unit */
     float u[DAFT_BATCH_ROOM], v[DAFT_BATCH_ROOM]; /* of points whose material has a texture */
-    float footprint[DAFT_BATCH_ROOM]; /* side of the pixel's patch on the surface, in units of u and v */
-    float extent[DAFT_BATCH_ROOM];    /* metres that the spawn error counts beside the point's own coordinates */
-    float distance[DAFT_BATCH_ROOM];  /* metres travelled from the camera to here */
+    float footprint[DAFT_BATCH_ROOM];             /* side of the pixel's patch on the surface, in units of u and v */
+    float extent[DAFT_BATCH_ROOM];   /* metres that the spawn error counts beside the point's own coordinates */
+    float distance[DAFT_BATCH_ROOM]; /* metres travelled from the camera to here */
     uint32_t material[DAFT_BATCH_ROOM];
     uint32_t instance[DAFT_BATCH_ROOM];
     uint32_t triangle[DAFT_BATCH_ROOM]; /* of the instance's mesh; 0 on a sphere */
-    uint32_t pixel[DAFT_BATCH_ROOM]; /* where in the tile it counts */
-    daft_lanes3 weight;              /* how much of its light arrives there */
-    daft_lanes3 albedo;              /* the texture's colour, or 1 */
-    daft_lanes3 light;               /* what it sends to the viewer */
-    float cosine[DAFT_BATCH_ROOM];   /* between the normal and the direction to the light that `facing` was called for last */
+    uint32_t pixel[DAFT_BATCH_ROOM];    /* where in the tile it counts */
+    daft_lanes3 weight;                 /* how much of its light arrives there */
+    daft_lanes3 albedo;                 /* the texture's colour, or 1 */
+    daft_lanes3 light;                  /* what it sends to the viewer */
+    float cosine[DAFT_BATCH_ROOM]; /* between the normal and the direction to the light that `facing` was called for
+                                      last */
 } daft_batch;
 
 typedef struct daft_shade_kernels {
@@ -92,19 +93,20 @@ typedef struct daft_shade_kernels {
     bool (*albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures);
     /* light = emission + ambient. */
     void (*ambient)(daft_batch *batch, const daft_surface *materials, daft_vec3 ambient);
-    /* Sets the bits of the points that face the light (their normal's side, and inside a spot's cone) and gives their number.
-     * Sets all points' `cosine`. */
+    /* Sets the bits of the points that face the light (their normal's side, and inside a spot's cone) and gives their
+     * number. Sets all points' `cosine`. */
     uint32_t (*facing)(daft_batch *batch, const daft_light_source *source, uint32_t bits[DAFT_BATCH_WORDS]);
-    /* Adds Lambert and Phong of the light that `facing` was called for last, to the points whose bits are set. `arriving`: the
-     * fraction of its light that reaches each point, by colour; NULL: all of it. `first`: the ambient light, for the first light
-     * of a batch; does what `ambient` does before it adds; NULL: for later ones. */
+    /* Adds Lambert and Phong of the light that `facing` was called for last, to the points whose bits are set.
+     * `arriving`: the fraction of its light that reaches each point, by colour; NULL: all of it. `first`: the ambient
+     * light, for the first light of a batch; does what `ambient` does before it adds; NULL: for later ones. */
     void (*direct_light)(daft_batch *batch, const daft_surface *materials, const daft_light_source *source,
                          const uint32_t lit[DAFT_BATCH_WORDS], const daft_lanes3 *arriving, const daft_vec3 *first);
     /* The sky's colour in `count` directions of any length. */
     void (*sky)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
     /* color[pixel[i]] = light[i], and += weight[i]·light[i]. */
     void (*scatter)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *light);
-    void (*scatter_add)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight, const daft_lanes3 *light);
+    void (*scatter_add)(daft_lanes3 *color, const uint32_t *pixel, uint32_t count, const daft_lanes3 *weight,
+                        const daft_lanes3 *light);
     /* `count` pixels from linear light to sRGB bytes with alpha 255. */
     void (*encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba);
 } daft_shade_kernels;

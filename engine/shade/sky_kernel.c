@@ -3,7 +3,8 @@
 
 static void sky_constant(daft_vec3 color, uint32_t count, daft_lanes3 *out)
 {
-    for (uint32_t i = 0; i < count; i += DAFT_VL) lanes_store(out, i, (vf3){vf_set(color.x), vf_set(color.y), vf_set(color.z)});
+    for (uint32_t i = 0; i < count; i += DAFT_VL)
+        lanes_store(out, i, (vf3){vf_set(color.x), vf_set(color.y), vf_set(color.z)});
 }
 
 DAFT_INLINE vf3 unit_lanes(vf3 d)
@@ -21,7 +22,8 @@ static void sky_gradient(const daft_sky *sky, const daft_lanes3 *direction, uint
     for (uint32_t i = 0; i < count; i += DAFT_VL) {
         vf y = unit_lanes(lanes_load(direction, i)).y, rise = vf_sqrt(vf_abs(y));
         vf shade = vf_set(1) + vf_min(y, vf_set(0)) * vf_set(1.0f / 3);
-        vf3 color = {(h.x + (z.x - h.x) * rise) * shade, (h.y + (z.y - h.y) * rise) * shade, (h.z + (z.z - h.z) * rise) * shade};
+        vf3 color = {(h.x + (z.x - h.x) * rise) * shade, (h.y + (z.y - h.y) * rise) * shade,
+                     (h.z + (z.z - h.z) * rise) * shade};
         lanes_store(out, i, color);
     }
 }
@@ -37,7 +39,8 @@ DAFT_INLINE taps place_taps(const daft_sky_image *image, vf x, vf y)
 {
     vf x0 = vf_floor(x), y0 = vf_floor(y), zero = vf_set(0), one = vf_set(1);
     vf right = vf_set((float)(image->width - 1)), bottom = vf_set((float)(image->height - 1));
-    vi xa = vi_convert_to(vf_if_then_else(vf_lt(x0, zero), right, x0)), xb = vi_convert_to(vf_if_then_else(vf_lt(x0, right), x0 + one, zero));
+    vi xa = vi_convert_to(vf_if_then_else(vf_lt(x0, zero), right, x0)),
+       xb = vi_convert_to(vf_if_then_else(vf_lt(x0, right), x0 + one, zero));
     vi width = vi_set(image->width), three = vi_set(3);
     vi ya = vi_convert_to(vf_max(y0, zero)) * width, yb = vi_convert_to(vf_min(y0 + one, bottom)) * width;
     return (taps){(ya + xa) * three, (ya + xb) * three, (yb + xa) * three, (yb + xb) * three, x - x0, y - y0};

@@ -1,5 +1,6 @@
-/* Texture sampling: trilinear, repeating, filtered in linear light. The mip level is the log2 of the footprint's side in texels
- * (Williams, "Pyramidal Parametrics", 1983). Coordinates and levels are computed in lanes, texels are fetched point by point. */
+/* Texture sampling: trilinear, repeating, filtered in linear light. The mip level is the log2 of the footprint's side
+ * in texels (Williams, "Pyramidal Parametrics", 1983). Coordinates and levels are computed in lanes, texels are fetched
+ * point by point. */
 #include "shade/batch_lanes.h"
 
 #include "shade/srgb_table.h"
@@ -34,8 +35,8 @@ static void sample(const daft_texture_data *t, float u, float v, float level, fl
     float last = (float)(t->levels - 1);
     level = level > 0 ? (level < last ? level : last) : 0;
     int fine = (int)level;
-    /* Two levels blend in the middle half of the interval between them; in the outer quarters one level serves, which halves the
-     * fetches and is not seen. */
+    /* Two levels blend in the middle half of the interval between them; in the outer quarters one level serves, which
+     * halves the fetches and is not seen. */
     float blend = (level - (float)fine) * 2 - 0.5f;
     if (blend >= 1) fine++, blend = 0;
     bilinear(t, fine, u, v, blend > 0 ? 1 - blend : 1, color);
@@ -44,7 +45,8 @@ static void sample(const daft_texture_data *t, float u, float v, float level, fl
 
 DAFT_INLINE vf fraction(vf a)
 {
-    vf bounded = vf_if_then_else(vf_lt(vf_abs(a), vf_set(8388608.0f)), a, vf_set(0)); /* beyond 2^23 there is no fraction */
+    vf bounded = vf_if_then_else(vf_lt(vf_abs(a), vf_set(8388608.0f)), a, vf_set(0)); /* beyond 2^23 there is no
+                                                                                         fraction */
     return bounded - vf_floor(bounded);
 }
 
@@ -63,8 +65,8 @@ static bool texture_sizes(const daft_batch *batch, const daft_surface *materials
     return any;
 }
 
-static bool sample_lanes(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures, uint32_t i,
-                         uint32_t used)
+static bool sample_lanes(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
+                         uint32_t i, uint32_t used)
 {
     float size[DAFT_VL], u[DAFT_VL], v[DAFT_VL], level[DAFT_VL];
     if (!texture_sizes(batch, materials, textures, i, used, size)) return false;

@@ -126,7 +126,8 @@ static bool check_def(const daft_sim_body_def *def, daft_error *error)
         !check_range(error, "angular damping", def->angular_damping, 1e6f))
         return false;
     if (fabsf(def->gravity_scale) <= 1e6f) return true;
-    return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: gravity scale %g is not within 1e6", (double)def->gravity_scale);
+    return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: gravity scale %g is not within 1e6",
+                     (double)def->gravity_scale);
 }
 
 /* ---- mass ---- */
@@ -205,8 +206,15 @@ static void locked_inverse(const double m[6], uint32_t locks, float out[6])
             k[3 * r + c] = (locks >> r & 1) || (locks >> c & 1) ? (r == c ? 1 : 0) : m[OF[3 * r + c]];
     double c00 = k[4] * k[8] - k[5] * k[7], c01 = k[2] * k[7] - k[1] * k[8], c02 = k[1] * k[5] - k[2] * k[4];
     double det = k[0] * c00 + k[3] * c01 + k[6] * c02;
-    const double inverse[9] = {c00 / det, c01 / det, c02 / det, 0, (k[0] * k[8] - k[2] * k[6]) / det,
-                               (k[2] * k[3] - k[0] * k[5]) / det, 0, 0, (k[0] * k[4] - k[1] * k[3]) / det};
+    const double inverse[9] = {c00 / det,
+                               c01 / det,
+                               c02 / det,
+                               0,
+                               (k[0] * k[8] - k[2] * k[6]) / det,
+                               (k[2] * k[3] - k[0] * k[5]) / det,
+                               0,
+                               0,
+                               (k[0] * k[4] - k[1] * k[3]) / det};
     static const int AT[6] = {0, 1, 2, 4, 5, 8};
     for (int i = 0; i < 6; i++) {
         bool locked = (locks >> (AT[i] / 3) & 1) || (locks >> (AT[i] % 3) & 1);
@@ -252,9 +260,11 @@ static bool reserve(daft_world *world, const daft_sim_body_def *def)
     return bodies < INT32_MAX && parts < INT32_MAX &&
            daft_grow(a, &world->bodies, &world->body_capacity, bodies, world->body_count, sizeof *world->bodies) &&
            daft_grow(a, &world->parts, &world->part_capacity, parts, world->part_count, sizeof *world->parts) &&
-           daft_sim_bounds_reserve(world, parts) && daft_sim_tree_reserve(&world->trees[def->kind], a, def->shape_count) &&
+           daft_sim_bounds_reserve(world, parts) &&
+           daft_sim_tree_reserve(&world->trees[def->kind], a, def->shape_count) &&
            daft_sim_list_reserve(world, list, bodies) &&
-           daft_grow(a, &world->scratch.island_parents, &world->scratch.island_capacity, bodies, 0, sizeof *world->scratch.island_parents);
+           daft_grow(a, &world->scratch.island_parents, &world->scratch.island_capacity, bodies, 0,
+                     sizeof *world->scratch.island_parents);
 }
 
 static uint32_t take_part(daft_world *world)
@@ -287,7 +297,9 @@ void daft_sim_part_fill(daft_sim_part *part, const daft_sim_shape_def *def, uint
     if (def->shape.type == DAFT_GEOMETRY_HULL) part->middle = def->shape.hull->centre;
     part->inner = daft_shape_inner_radius(&def->shape, part->middle);
     part->round = def->shape.type == DAFT_GEOMETRY_SPHERE || def->shape.type == DAFT_GEOMETRY_CAPSULE;
-    part->roll = part->round ? def->shape.radius : daft_shape_is_cylinder(&def->shape) ? def->shape.hull->cylinder : part->inner;
+    part->roll = part->round                           ? def->shape.radius
+                 : daft_shape_is_cylinder(&def->shape) ? def->shape.hull->cylinder
+                                                       : part->inner;
 }
 
 static void add_parts(daft_world *world, daft_sim_body *body, uint32_t index, const daft_sim_body_def *def)
@@ -597,7 +609,8 @@ void daft_world_set_filter(daft_world *world, uint32_t handle, uint32_t layers, 
 
 bool daft_world_set_material(daft_world *world, uint32_t handle, const daft_sim_material *material, daft_error *error)
 {
-    if (!daft_sim_find(world, handle)) return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: there is none of this number");
+    if (!daft_sim_find(world, handle))
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: there is none of this number");
     if (!check_material(material, error)) return false;
     const daft_sim_body *body = &world->bodies[handle - 1];
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)

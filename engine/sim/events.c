@@ -144,7 +144,7 @@ bool daft_sim_report_reserve(daft_world *world)
                      sizeof *world->pending.items);
 }
 
-#define ORDER(x, y) \
+#define ORDER(x, y)                                                                                                    \
     if ((x) != (y)) return (x) < (y) ? -1 : 1
 
 static int contact_order(const void *p, const void *q)
@@ -250,7 +250,8 @@ void daft_sim_report(daft_world *world)
     for (size_t i = 0; i < count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
         world->counters.contacts += entry->manifolds > 0;
-        if (entry->flags & DAFT_SIM_CHANGED) world->pending.items[world->pending.count++] = change_event(world, &world->pairs[entry->pair]);
+        if (entry->flags & DAFT_SIM_CHANGED)
+            world->pending.items[world->pending.count++] = change_event(world, &world->pairs[entry->pair]);
     }
 }
 
@@ -261,7 +262,8 @@ void daft_sim_report_fill(daft_world *world)
     world->untold = false;
     daft_sim_contact *report = world->report + world->report_asleep;
     size_t count = order_report(world);
-    for (size_t i = 0; i < count; i++) fill_contact(world, &world->pairs[world->scratch.sorting.items[i].pair], &report[i]);
+    for (size_t i = 0; i < count; i++)
+        fill_contact(world, &world->pairs[world->scratch.sorting.items[i].pair], &report[i]);
     order_same_bodies(report, world->scratch.sorting.items, count);
     world->report_count = world->report_asleep + count;
 }

@@ -10,9 +10,10 @@
  * Public headers: sim.h shape/shape.h query/query.h character/character.h
  * Inner headers: world.h sleep.h events.h
  *
- * One step (step.c): targets and forces -> broad/ near parts -> contact/ pairs, with manifolds from collide/ -> islands (sleep.c)
- * -> solve/ and joint/ constraints in colours, in substeps (substeps.c) -> sweep.c -> events.c, sleep.c. Bodies are in body.c,
- * the saved state in state.c.
+ * One step (step.c): targets and forces -> broad/ near parts -> contact/ pairs, with manifolds from collide/ -> islands
+ * (sleep.c)
+ * -> solve/ and joint/ constraints in colours, in substeps (substeps.c) -> sweep.c -> events.c, sleep.c. Bodies are in
+ * body.c, the saved state in state.c.
  *
  * Definitions: masses 1e-15 to 1e24 kg, within 1e12 m of the origin, friction and rolling resistance 0 to 1e6,
  * restitution 0 to 1; others are refused. Velocities are clamped to 1e4 m/s and 1e6 rad/s. A call that takes a body,
@@ -33,8 +34,9 @@ typedef struct daft_world daft_world;
 daft_world *daft_world_create(const daft_allocator *allocator, daft_error *error);
 void daft_world_destroy(daft_world *world);
 void daft_world_set_gravity(daft_world *world, daft_vec3 gravity); /* m/s²; wakes everything if it changed */
-/* 1 to 16, default 4. More cost more and stretch, sink and drift less. An island at rest that carries many times the weight
- * of its bodies is taken in up to 32, if that is little work and it has no joints; one whose joints hold bodies of very unequal mass, too. */
+/* 1 to 16, default 4. More cost more and stretch, sink and drift less. An island at rest that carries many times the
+ * weight of its bodies is taken in up to 32, if that is little work and it has no joints; one whose joints hold bodies
+ * of very unequal mass, too. */
 void daft_world_set_substeps(daft_world *world, int substeps);
 /* Workers (1 to 64, default 1) and instruction set (daft_isa_parse; default the best). Neither changes a bit. */
 void daft_world_set_workers(daft_world *world, int workers, int isa);
@@ -45,12 +47,13 @@ void daft_world_set_sleeping(daft_world *world, bool allowed); /* default true *
 enum { DAFT_SIM_MATERIAL_KINDS = 64 };
 
 typedef struct daft_sim_material {
-    float friction;           /* Coulomb's coefficient of what slides; two shapes: the geometric mean */
-    float static_friction;    /* of what does not slide yet; below friction: the same as friction */
-    float restitution;        /* two shapes: the larger */
-    float rolling_resistance; /* fraction of the normal load times the radius that brakes rolling; two: the larger */
-    daft_vec3 surface_velocity;           /* m/s: the surface moves so in the body's axes, like a conveyor's; two: the difference */
-    uint32_t kind;            /* below DAFT_SIM_MATERIAL_KINDS: for daft_world_set_pair */
+    float friction;             /* Coulomb's coefficient of what slides; two shapes: the geometric mean */
+    float static_friction;      /* of what does not slide yet; below friction: the same as friction */
+    float restitution;          /* two shapes: the larger */
+    float rolling_resistance;   /* fraction of the normal load times the radius that brakes rolling; two: the larger */
+    daft_vec3 surface_velocity; /* m/s: the surface moves so in the body's axes, like a conveyor's; two: the difference
+                                 */
+    uint32_t kind;              /* below DAFT_SIM_MATERIAL_KINDS: for daft_world_set_pair */
 } daft_sim_material;
 
 typedef struct daft_sim_shape_def {
@@ -85,9 +88,9 @@ typedef struct daft_sim_body_def {
     daft_vec3 linear, angular; /* m/s, of the centre of mass; rad/s; world axes */
     const daft_sim_shape_def *shapes;
     uint32_t shape_count;
-    float mass; /* kg; 0: from the densities */
+    float mass;                                           /* kg; 0: from the densities */
     float gravity_scale, linear_damping, angular_damping; /* dampings in 1/s */
-    uint32_t locks; /* DAFT_LOCK_… */
+    uint32_t locks;                                       /* DAFT_LOCK_… */
     bool bullet;    /* dynamic: does not pass through other dynamic bodies either */
     bool may_sleep; /* default true */
     uint32_t user;
@@ -113,8 +116,8 @@ void daft_world_set_pose(daft_world *world, uint32_t body, daft_dvec3 position, 
 /* A kinematic body keeps moving so; a static one does not take it. */
 void daft_world_set_velocity(daft_world *world, uint32_t body, daft_vec3 linear, daft_vec3 angular);
 void daft_world_get(const daft_world *world, uint32_t body, daft_sim_state *out);
-float daft_world_mass(const daft_world *world, uint32_t body); /* kg; 0: not dynamic */
-daft_dvec3 daft_world_centre(const daft_world *world, uint32_t body); /* of mass */
+float daft_world_mass(const daft_world *world, uint32_t body);                      /* kg; 0: not dynamic */
+daft_dvec3 daft_world_centre(const daft_world *world, uint32_t body);               /* of mass */
 void daft_world_apply_force(daft_world *world, uint32_t body, daft_vec3 force);     /* N, over the next step */
 void daft_world_apply_torque(daft_world *world, uint32_t body, daft_vec3 torque);   /* N·m, over the next step */
 void daft_world_apply_impulse(daft_world *world, uint32_t body, daft_vec3 impulse); /* kg·m/s, at once */
@@ -141,11 +144,11 @@ typedef struct daft_sim_joint_def {
     float lower, upper;      /* from the pose of now; hinge within ±pi; distance: absolute lengths */
     bool motor;              /* hinge, slider; ball: a brake with at most motor_force N·m, friction for ragdolls */
     float motor_speed, motor_force; /* rad/s and N·m, m/s and N; b relative to a */
-    bool spring;             /* distance: about `length`; hinge, slider: about 0; ball, fixed: the whole joint gives */
-    float hertz, damping;    /* of the spring: frequency of the two bodies at it, and damping ratio */
-    float length;            /* distance: 0 takes what it is now */
+    bool spring;          /* distance: about `length`; hinge, slider: about 0; ball, fixed: the whole joint gives */
+    float hertz, damping; /* of the spring: frequency of the two bodies at it, and damping ratio */
+    float length;         /* distance: 0 takes what it is now */
     float break_force, break_torque; /* N, N·m, mean over a step; 0: never */
-    bool collide;            /* the two bodies touch each other still */
+    bool collide;                    /* the two bodies touch each other still */
     uint32_t user;
 } daft_sim_joint_def;
 
@@ -227,13 +230,13 @@ bool daft_world_load(daft_world *world, const void *bytes, size_t size, daft_sim
                      daft_error *error);
 
 typedef struct daft_sim_counters {
-    uint32_t bodies, awake;      /* awake: dynamic bodies */
-    uint32_t joints, islands;    /* islands: of bodies that are awake */
-    uint32_t pairs;              /* of shapes whose bounds meet and that are looked at */
-    uint32_t contacts;           /* pairs with a manifold */
-    uint32_t rows;               /* of the solver: constraints in one pass */
-    uint32_t colours, substeps;  /* of the solver; the most of any island; 0: it did not run */
-    uint32_t sweeps;             /* times of impact that were searched for */
+    uint32_t bodies, awake;     /* awake: dynamic bodies */
+    uint32_t joints, islands;   /* islands: of bodies that are awake */
+    uint32_t pairs;             /* of shapes whose bounds meet and that are looked at */
+    uint32_t contacts;          /* pairs with a manifold */
+    uint32_t rows;              /* of the solver: constraints in one pass */
+    uint32_t colours, substeps; /* of the solver; the most of any island; 0: it did not run */
+    uint32_t sweeps;            /* times of impact that were searched for */
 } daft_sim_counters;
 /* Of the last step. */
 daft_sim_counters daft_world_counters(const daft_world *world);

@@ -1,7 +1,7 @@
 /* Who sleeps. Bodies that touch or are joined are an island; one whose bodies have all hardly moved for half a
- * second falls asleep as a whole: its bodies leave the lists that a step walks and go on a ring, on which they are woken
- * together. Islands are found by union-find over the active pairs, and only in steps in which some body has
- * been at rest for long enough. Bodies of infinite mass join no islands. */
+ * second falls asleep as a whole: its bodies leave the lists that a step walks and go on a ring, on which they are
+ * woken together. Islands are found by union-find over the active pairs, and only in steps in which some body has been
+ * at rest for long enough. Bodies of infinite mass join no islands. */
 #include "sim/world.h"
 #include "sim/broad/broad.h"
 #include "sim/contact/contact.h"
@@ -12,14 +12,15 @@
 
 #define REST_SPEED 0.05f /* m/s of the fastest point; slower is at rest */
 #define REST_TIME  0.5f  /* s */
-/* What trembles in its place is at rest, too, as limbs do that are wedged under a body whose joints press them there: faster
- * than that, but nowhere farther than this from where it lately was. */
-#define TREMBLE_SPEED 0.25f
-#define TREMBLE_WAY   0.005f /* m, of any point; */
+/* What trembles in its place is at rest, too, as limbs do that are wedged under a body whose joints press them there:
+ * faster than that, but nowhere farther than this from where it lately was. */
+#define TREMBLE_SPEED    0.25f
+#define TREMBLE_WAY      0.005f /* m, of any point; */
 #define TREMBLE_FRACTION 0.04f  /* and of its extent */
-/* Joints that brake bring what sways to rest, but not where a heavy body stands on light limbs: those bend by some millimetres, and
- * contacts that are found once a step feed as much as the brakes take, so that a doll that stands astride sways for ever. What sways
- * no farther than so many times as far as what trembles is at rest, too, if it lasts; and time counts less. */
+/* Joints that brake bring what sways to rest, but not where a heavy body stands on light limbs: those bend by some
+ * millimetres, and contacts that are found once a step feed as much as the brakes take, so that a doll that stands
+ * astride sways for ever. What sways no farther than so many times as far as what trembles is at rest, too, if it
+ * lasts; and time counts less. */
 #define SWAY_WAY   3.0f
 #define SWAY_COUNT 0.25f
 
@@ -110,7 +111,8 @@ static bool is_dynamic(const daft_world *world, uint32_t body)
 
 void daft_sim_islands_find(daft_world *world)
 {
-    for (size_t i = 0; i < world->awake.count; i++) world->scratch.island_parents[world->awake.items[i]] = world->awake.items[i];
+    for (size_t i = 0; i < world->awake.count; i++)
+        world->scratch.island_parents[world->awake.items[i]] = world->awake.items[i];
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
         if (entry->flags & DAFT_SIM_JOINS) join(world, entry->body_a, entry->body_b);
@@ -136,7 +138,8 @@ static void keep_carried_awake(daft_world *world)
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
         if (!(entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS))) continue;
-        if (world->pairs[entry->pair].surface_moves || moves_others(world, entry->body_b)) world->bodies[entry->body_a].rest = 0;
+        if (world->pairs[entry->pair].surface_moves || moves_others(world, entry->body_b))
+            world->bodies[entry->body_a].rest = 0;
     }
     for (uint32_t i = 0; world->live_joints > 0 && i < world->joint_count; i++) {
         const daft_sim_joint *joint = &world->joints[i];

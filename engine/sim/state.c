@@ -27,8 +27,8 @@ typedef struct header {
 
 static uint32_t layout(void)
 {
-    const size_t sizes[] = {sizeof(daft_sim_body), sizeof(daft_sim_part), sizeof(daft_sim_pair),
-                            sizeof(daft_sim_joint), sizeof(daft_sim_manifold)};
+    const size_t sizes[] = {sizeof(daft_sim_body), sizeof(daft_sim_part), sizeof(daft_sim_pair), sizeof(daft_sim_joint),
+                            sizeof(daft_sim_manifold)};
     return (uint32_t)daft_hash(sizes, sizeof sizes, 0);
 }
 
@@ -58,7 +58,9 @@ static void write_world(writer *w, const daft_world *world)
     put(w, world->awake.items, world->awake.count * sizeof *world->awake.items);
     put(w, world->movers.items, world->movers.count * sizeof *world->movers.items);
     put(w, world->moved.items, world->moved.count * sizeof *world->moved.items);
-    if (world->material_pairs) put(w, world->material_pairs, DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS * sizeof *world->material_pairs);
+    if (world->material_pairs)
+        put(w, world->material_pairs,
+            DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS * sizeof *world->material_pairs);
 }
 
 bool daft_world_save(const daft_world *world, void **bytes, size_t *size, daft_error *error)
@@ -120,22 +122,21 @@ static bool truths(const void *records, size_t count, size_t size, const size_t 
     return true;
 }
 
-#define TRUTHS(records, count, ...)                                                                                       \
-    truths(records, count, sizeof *(records), (const size_t[]){__VA_ARGS__},                                              \
+#define TRUTHS(records, count, ...)                                                                                    \
+    truths(records, count, sizeof *(records), (const size_t[]){__VA_ARGS__},                                           \
            sizeof((const size_t[]){__VA_ARGS__}) / sizeof(size_t))
 
 static bool check_truths(const daft_world *w, const header *h)
 {
 #define BODY(f)  offsetof(daft_sim_body, f)
 #define PART(f)  offsetof(daft_sim_part, f)
-#define PAIR(f) offsetof(daft_sim_pair, f)
+#define PAIR(f)  offsetof(daft_sim_pair, f)
 #define JOINT(f) offsetof(daft_sim_joint, f)
-    return TRUTHS(w->bodies, h->bodies, BODY(bullet), BODY(may_sleep), BODY(asleep), BODY(round),
-                  BODY(has_target), BODY(follows), BODY(ball),
-                  BODY(joined_far)) &&
+    return TRUTHS(w->bodies, h->bodies, BODY(bullet), BODY(may_sleep), BODY(asleep), BODY(round), BODY(has_target),
+                  BODY(follows), BODY(ball), BODY(joined_far)) &&
            TRUTHS(w->parts, h->parts, PART(round), PART(posed), PART(sensor)) &&
-           TRUTHS(w->pairs, h->pairs, PAIR(sensor), PAIR(active), PAIR(owned_by_a), PAIR(touching), PAIR(materials_cached),
-                  PAIR(surface_moves)) &&
+           TRUTHS(w->pairs, h->pairs, PAIR(sensor), PAIR(active), PAIR(owned_by_a), PAIR(touching),
+                  PAIR(materials_cached), PAIR(surface_moves)) &&
            TRUTHS(w->joints, h->joints, JOINT(limit), JOINT(motor), JOINT(spring), JOINT(collide));
 #undef BODY
 #undef PART
@@ -163,7 +164,8 @@ static bool read_records(daft_world *w, reader *r, const header *h)
     w->movers.items = take(w, r, h->movers, sizeof *w->movers.items, &w->movers.capacity, &good);
     w->moved.items = take(w, r, h->moved, sizeof *w->moved.items, &w->moved.capacity, &good);
     if (h->has_pairs)
-        w->material_pairs = take(w, r, DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS, sizeof *w->material_pairs, &unused, &good);
+        w->material_pairs =
+            take(w, r, DAFT_SIM_MATERIAL_KINDS * DAFT_SIM_MATERIAL_KINDS, sizeof *w->material_pairs, &unused, &good);
     w->body_count = h->bodies, w->part_count = h->parts, w->joint_count = h->joints;
     w->awake.count = h->awake, w->movers.count = h->movers, w->moved.count = h->moved;
     w->free_body = h->free_body, w->free_part = h->free_part;
@@ -194,11 +196,11 @@ static bool check_body(daft_world *w, uint32_t index)
 {
     daft_sim_body *b = &w->bodies[index];
     if (b->kind == DAFT_BODY_NONE) return true;
-    const float numbers[] = {b->linear.x,      b->linear.y,       b->linear.z,        b->angular.x, b->angular.y,
-                             b->angular.z,     b->force.x,        b->force.y,         b->force.z,   b->torque.x,
-                             b->torque.y,      b->torque.z,       b->gravity_scale,   b->rest,      b->wanted_mass,
-                             b->linear_damping, b->angular_damping, b->substep_demand, b->h,  b->gone.x, b->gone.y, b->gone.z,
-                             b->turned.x, b->turned.y, b->turned.z};
+    const float numbers[] = {b->linear.x,       b->linear.y,        b->linear.z,       b->angular.x, b->angular.y,
+                             b->angular.z,      b->force.x,         b->force.y,        b->force.z,   b->torque.x,
+                             b->torque.y,       b->torque.z,        b->gravity_scale,  b->rest,      b->wanted_mass,
+                             b->linear_damping, b->angular_damping, b->substep_demand, b->h,         b->gone.x,
+                             b->gone.y,         b->gone.z,          b->turned.x,       b->turned.y,  b->turned.z};
     if (b->kind > DAFT_BODY_DYNAMIC || !all_finite(numbers, DAFT_COUNT_OF(numbers)) || !unit(b->rotation) ||
         !near(b->position) || !near(b->centre) || b->linear_damping < 0 || b->angular_damping < 0 ||
         b->wanted_mass < 0 || !(b->substep_demand >= 0 && b->substep_demand <= DAFT_SIM_FINEST) || b->h < 0 ||
@@ -231,9 +233,16 @@ static bool check_part(daft_world *w, uint32_t index, daft_sim_find_shape *find,
     if (type >= DAFT_GEOMETRY_HULL && type <= DAFT_GEOMETRY_COMPOUND &&
         (!find || !find(context, p->geometry_id, type, &p->shape) || p->shape.type != type))
         return false;
-    daft_sim_shape_def def = {.shape = p->shape, .position = p->place, .rotation = p->turn, .density = p->density,
-                              .material = p->material, .layers = p->layers, .mask = p->mask, .sensor = p->sensor,
-                              .user = p->user, .geometry_id = p->geometry_id};
+    daft_sim_shape_def def = {.shape = p->shape,
+                              .position = p->place,
+                              .rotation = p->turn,
+                              .density = p->density,
+                              .material = p->material,
+                              .layers = p->layers,
+                              .mask = p->mask,
+                              .sensor = p->sensor,
+                              .user = p->user,
+                              .geometry_id = p->geometry_id};
     daft_error ignored;
     if (!daft_sim_shape_check(&def, w->bodies[p->body].kind, &ignored)) return false;
     uint32_t next = p->next, body = p->body, moved = p->moved_slot;
@@ -251,10 +260,23 @@ static bool check_manifolds(daft_sim_pair *t)
     for (uint32_t i = 0; i < t->manifold_count && !t->sensor; i++) {
         const daft_sim_manifold *p = &daft_sim_manifolds(t)[i];
         if (p->count == 0 || p->count > DAFT_MANIFOLD_POINTS) return false;
-        const float numbers[] = {p->normal.x,           p->normal.y,           p->normal.z,          p->twist_impulse,
-                                 p->friction_impulse.x, p->friction_impulse.y, p->friction_impulse.z, p->twist_slip,
-                                 p->rolling_impulse.x,  p->rolling_impulse.y,  p->rolling_impulse.z, p->slip.x,
-                                 p->slip.y,             p->slip.z,             p->total_impulse,     p->speed,            p->load};
+        const float numbers[] = {p->normal.x,
+                                 p->normal.y,
+                                 p->normal.z,
+                                 p->twist_impulse,
+                                 p->friction_impulse.x,
+                                 p->friction_impulse.y,
+                                 p->friction_impulse.z,
+                                 p->twist_slip,
+                                 p->rolling_impulse.x,
+                                 p->rolling_impulse.y,
+                                 p->rolling_impulse.z,
+                                 p->slip.x,
+                                 p->slip.y,
+                                 p->slip.z,
+                                 p->total_impulse,
+                                 p->speed,
+                                 p->load};
         if (!all_finite(numbers, DAFT_COUNT_OF(numbers)) || p->load < 0) return false;
         for (uint32_t k = 0; k < p->count; k++) {
             const daft_sim_manifold_point *q = &p->points[k];
@@ -268,13 +290,33 @@ static bool check_joint(const daft_world *w, const daft_sim_joint *j)
 {
     if (j->kind == 0) return true;
     if (j->kind > DAFT_JOINT_DRAG || !daft_dfinite3(j->fixed)) return false;
-    const float numbers[] = {j->lower,           j->upper,          j->motor_speed,   j->motor_force,
-                             j->hertz,           j->damping,        j->length,        j->break_force,
-                             j->break_torque,    j->motor_impulse,  j->lower_impulse, j->upper_impulse,
-                             j->spring_impulse,  j->force,          j->torque,        j->linear_impulse.x,
-                             j->linear_impulse.y, j->linear_impulse.z, j->angular_impulse.x, j->angular_impulse.y,
-                             j->angular_impulse.z, j->spin[0].x, j->spin[0].y, j->spin[0].z, j->spin[1].x,
-                             j->spin[1].y, j->spin[1].z};
+    const float numbers[] = {j->lower,
+                             j->upper,
+                             j->motor_speed,
+                             j->motor_force,
+                             j->hertz,
+                             j->damping,
+                             j->length,
+                             j->break_force,
+                             j->break_torque,
+                             j->motor_impulse,
+                             j->lower_impulse,
+                             j->upper_impulse,
+                             j->spring_impulse,
+                             j->force,
+                             j->torque,
+                             j->linear_impulse.x,
+                             j->linear_impulse.y,
+                             j->linear_impulse.z,
+                             j->angular_impulse.x,
+                             j->angular_impulse.y,
+                             j->angular_impulse.z,
+                             j->spin[0].x,
+                             j->spin[0].y,
+                             j->spin[0].z,
+                             j->spin[1].x,
+                             j->spin[1].y,
+                             j->spin[1].z};
     if (!all_finite(numbers, DAFT_COUNT_OF(numbers)) || j->hertz < 0 || j->damping < 0) return false;
     bool dynamic = false;
     for (int side = 0; side < 2; side++) {
@@ -310,7 +352,8 @@ static bool check_chain(const daft_world *w, int what, uint32_t first, uint32_t 
 static bool enter_lists(daft_world *w)
 {
     size_t dynamic = 0;
-    for (uint32_t i = 0; i < w->body_count; i++) dynamic += w->bodies[i].kind == DAFT_BODY_DYNAMIC && !w->bodies[i].asleep;
+    for (uint32_t i = 0; i < w->body_count; i++)
+        dynamic += w->bodies[i].kind == DAFT_BODY_DYNAMIC && !w->bodies[i].asleep;
     if (dynamic != w->awake.count) return false;
     const daft_sim_list *lists[] = {&w->awake, &w->movers};
     for (int k = 0; k < 2; k++)
@@ -324,14 +367,15 @@ static bool enter_lists(daft_world *w)
             body->list_slot = (uint32_t)i;
         }
     return daft_sim_list_reserve(w, &w->awake, w->body_count) && daft_sim_list_reserve(w, &w->movers, w->body_count) &&
-           daft_grow(&w->allocator, &w->scratch.island_parents, &w->scratch.island_capacity, w->body_count, 0, sizeof *w->scratch.island_parents);
+           daft_grow(&w->allocator, &w->scratch.island_parents, &w->scratch.island_capacity, w->body_count, 0,
+                     sizeof *w->scratch.island_parents);
 }
 
 static bool enter_parts(daft_world *w)
 {
     if (!daft_grow(&w->allocator, &w->slots, &w->slots_capacity, w->part_count, 0, sizeof *w->slots) ||
-        !daft_sim_list_reserve(w, &w->moved, w->part_count) || !daft_sim_list_reserve(w, &w->scratch.astray, w->part_count) ||
-        !daft_sim_outlines_reserve(w, w->part_count))
+        !daft_sim_list_reserve(w, &w->moved, w->part_count) ||
+        !daft_sim_list_reserve(w, &w->scratch.astray, w->part_count) || !daft_sim_outlines_reserve(w, w->part_count))
         return false;
     w->newcomers = true;
     for (uint32_t i = 0; i < w->part_count; i++) {
@@ -371,7 +415,9 @@ static int by_value(const void *p, const void *q)
 static bool differ(daft_world *w, uint32_t live)
 {
     size_t count = 0;
-    if (!daft_grow(&w->allocator, &w->scratch.candidates, &w->scratch.candidate_capacity, live, 0, sizeof *w->scratch.candidates)) return false;
+    if (!daft_grow(&w->allocator, &w->scratch.candidates, &w->scratch.candidate_capacity, live, 0,
+                   sizeof *w->scratch.candidates))
+        return false;
     for (uint32_t i = 0; i < w->pair_count; i++)
         if (w->pairs[i].part_a != DAFT_SIM_NONE) w->scratch.candidates[count++] = daft_sim_pair_key(&w->pairs[i]);
     if (count > 1) qsort(w->scratch.candidates, count, sizeof *w->scratch.candidates, by_value);

@@ -48,9 +48,8 @@ static void end_movers(daft_world *world, float dt)
         if (body->has_target)
             daft_sim_body_place(body, body->target_position, body->target_rotation);
         else if (!still)
-            daft_sim_body_place(
-                body, daft_dadd(body->position, daft_dscale(daft_to_double(body->linear), (double)dt)),
-                daft_sim_turn(body->rotation, body->angular, dt));
+            daft_sim_body_place(body, daft_dadd(body->position, daft_dscale(daft_to_double(body->linear), (double)dt)),
+                                daft_sim_turn(body->rotation, body->angular, dt));
         if (still && !body->has_target) daft_sim_list_remove(world, &world->movers, index);
         body->has_target = false;
     }
@@ -108,7 +107,8 @@ static void sweep_row(daft_world *world, uint32_t row)
 {
     const daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
     daft_sim_target *target = &world->scratch.solver->targets[row];
-    target->stop = target->along = target->centre, target->stop_rotation = target->rotation, target->linear = body->linear, target->fraction = 1;
+    target->stop = target->along = target->centre, target->stop_rotation = target->rotation,
+    target->linear = body->linear, target->fraction = 1;
     const float *m = world->scratch.solver->rows.moved + (size_t)row * DAFT_SIM_ROW;
     float swing = daft_length(row3(m + 3)) * daft_sim_max(body->extent - body->inner, 0);
     if (daft_length(row3(m)) + daft_sim_min(swing, 2 * body->extent) <= FAST_MOVE * body->inner) return;
@@ -116,8 +116,8 @@ static void sweep_row(daft_world *world, uint32_t row)
     atomic_fetch_add_explicit(&world->scratch.solver->sweeps, target->sweeps, memory_order_relaxed);
 }
 
-/* How far the points of a body go at most: its centre's way, and twice the difference of the rotations' quaternions from
- * there. */
+/* How far the points of a body go at most: its centre's way, and twice the difference of the rotations' quaternions
+ * from there. */
 static double travel_of(const daft_sim_body *body, daft_dvec3 centre, daft_quat q)
 {
     daft_dvec3 way = daft_dsub(centre, body->centre);
@@ -134,8 +134,9 @@ static bool is_turned_less(const daft_sim_target *t)
     return p.x != q.x || p.y != q.y || p.z != q.z || p.w != q.w;
 }
 
-/* Its angular velocity is that of a body turned as `rotation` says. Of one that a sweep stopped on the way there it is the same
- * seen from the body, so its energy is: kept in the world, a stick's spin about its length would become one across it. */
+/* Its angular velocity is that of a body turned as `rotation` says. Of one that a sweep stopped on the way there it is
+ * the same seen from the body, so its energy is: kept in the world, a stick's spin about its length would become one
+ * across it. */
 static void turn_back(daft_sim_body *body, const daft_sim_target *t)
 {
     daft_quat q = t->rotation;
@@ -219,7 +220,8 @@ static bool find_constraints(daft_world *world, float dt)
     if (!daft_sim_contacts_update(world, dt)) return false; /* pairs -> manifolds */
     if (!daft_sim_ghosts_drop(world, dt)) return false;
     wake_touched(world);
-    if (!daft_sim_solver_create(world) || !daft_sim_solver_bodies_assign(world, dt)) return false; /* pairs -> islands -> colours */
+    if (!daft_sim_solver_create(world) || !daft_sim_solver_bodies_assign(world, dt))
+        return false; /* pairs -> islands -> colours */
     return daft_sim_report_reserve(world) && !world->lost_event;
 }
 
@@ -247,7 +249,8 @@ static void run_step(void *context, daft_region *region)
     work *w = context;
     daft_world *world = w->world;
     world->scratch.region = region;
-    w->done = find_constraints(world, w->dt) && daft_sim_solve(world, w->dt); /* constraints -> velocities, ways, in substeps */
+    w->done = find_constraints(world, w->dt) && daft_sim_solve(world, w->dt); /* constraints -> velocities, ways, in
+                                                                                 substeps */
     if (w->done) {
         end_dynamics(world); /* ways, cut short by sweeps -> poses */
         end_movers(world, w->dt);

@@ -213,7 +213,8 @@ static void add_substep(daft_sim_solver *s, int substep)
 
 static size_t most_stages(const daft_sim_solver *s)
 {
-    size_t substep = 14 + (2 + DAFT_SIM_STIFF_PASSES) * (size_t)s->colour_count + (4 + CLOSE_PASSES) * (size_t)s->joint_colour_count;
+    size_t substep =
+        14 + (2 + DAFT_SIM_STIFF_PASSES) * (size_t)s->colour_count + (4 + CLOSE_PASSES) * (size_t)s->joint_colour_count;
     return 9 + (size_t)s->substeps * substep + s->colour_count;
 }
 
@@ -258,7 +259,8 @@ static void fill_row(const daft_world *world, uint32_t row, float dt)
             push = twist = zero;
         }
         push = daft_add(push, daft_scale(world->gravity, body->gravity_scale));
-        push = daft_sim_unlocked(body, push, DAFT_LOCK_POSITION_X), linear = daft_sim_unlocked(body, linear, DAFT_LOCK_POSITION_X);
+        push = daft_sim_unlocked(body, push, DAFT_LOCK_POSITION_X),
+        linear = daft_sim_unlocked(body, linear, DAFT_LOCK_POSITION_X);
     }
     put(velocity, linear, angular);
     velocity[6] = DAFT_SIM_MAX_SPEED, velocity[7] = DAFT_SIM_MAX_ANGULAR_SPEED;
@@ -291,8 +293,8 @@ static void fill_range(void *p, uint32_t index, uint32_t worker)
         fill_row(j->world, row, j->dt);
         const daft_sim_body *body = &j->world->bodies[s->row_bodies[row]];
         bool held = body->locks & DAFT_LOCK_POSITION, other = body->h > 0 && body->h != s->h;
-        s->marks[row] = (uint8_t)((daft_sim_integrates_angular(j->world, row) ? MARK_ANGULAR : 0) | (held ? MARK_LOCKED : 0) |
-                                  (other ? MARK_OTHER : 0));
+        s->marks[row] = (uint8_t)((daft_sim_integrates_angular(j->world, row) ? MARK_ANGULAR : 0) |
+                                  (held ? MARK_LOCKED : 0) | (other ? MARK_OTHER : 0));
     }
 }
 
@@ -355,8 +357,7 @@ static void count(daft_world *world)
     daft_sim_counters *c = &world->counters;
     c->rows += 6 * s->joint_count;
     c->colours += s->colour_count + s->joint_colour_count;
-    if (s->block_count + s->joint_count > 0 && (uint32_t)s->substeps > c->substeps)
-        c->substeps = (uint32_t)s->substeps;
+    if (s->block_count + s->joint_count > 0 && (uint32_t)s->substeps > c->substeps) c->substeps = (uint32_t)s->substeps;
 }
 
 bool daft_sim_solve(daft_world *world, float dt)
@@ -396,11 +397,12 @@ void daft_sim_solver_destroy(daft_world *world)
 {
     daft_sim_solver *s = world->scratch.solver;
     if (!s) return;
-    void *arrays[] = {s->rows.velocity, s->rows.moved, s->rows.gain,    s->rows.turn,     s->rows.mass,
-                      s->row_bodies,    s->blocks,     s->colours,      s->slots,         s->joint_blocks,
-                      s->joint_slots,   s->joint_bins, s->joint_colours, s->masks,      s->levels,       s->constraints,   s->contacts, s->colour_counts,
-                      s->angular,         s->targets,     s->constrained,   s->row_of,        s->island_of,
-                      s->asked,         s->islands, s->marks,         s->depenetration,        s->stages};
+    void *arrays[] = {s->rows.velocity, s->rows.moved,    s->rows.gain,     s->rows.turn, s->rows.mass,
+                      s->row_bodies,    s->blocks,        s->colours,       s->slots,     s->joint_blocks,
+                      s->joint_slots,   s->joint_bins,    s->joint_colours, s->masks,     s->levels,
+                      s->constraints,   s->contacts,      s->colour_counts, s->angular,   s->targets,
+                      s->constrained,   s->row_of,        s->island_of,     s->asked,     s->islands,
+                      s->marks,         s->depenetration, s->stages};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&world->allocator, arrays[i]);
     daft_release(&world->allocator, s);
     world->scratch.solver = NULL;

@@ -1,17 +1,17 @@
 /* Continuous collision, the last word. Contacts cover what a body meets on the way it is going as the step begins; one
  * that was deflected at speed may meet something else. So what moved far for its size is swept from where it was to
  * where the solver put it, and stops at the first thing it would have passed; the next step finds the contact there,
- * with the speed as it was. What is swept is the core, a ball half as wide as the largest one in the shape, so that what
- * a body rolls on does not stop it. What was pressed deeper into something than that goes along it and no deeper, and
- * loses the speed with which it would: contacts may miss what spins at hundreds of radians a second. So the middle of a
- * body that is fast enough to be swept never changes sides. */
+ * with the speed as it was. What is swept is the core, a ball half as wide as the largest one in the shape, so that
+ * what a body rolls on does not stop it. What was pressed deeper into something than that goes along it and no deeper,
+ * and loses the speed with which it would: contacts may miss what spins at hundreds of radians a second. So the middle
+ * of a body that is fast enough to be swept never changes sides. */
 #include "sim/solve/solver.h"
 #include "sim/contact/contact.h"
 
 #include <string.h>
 
-/* Bodies stop this far from what they hit, as a fraction of the inner radius, but no farther than MAX_GAP; and the fraction of
- * that which does not matter. */
+/* Bodies stop this far from what they hit, as a fraction of the inner radius, but no farther than MAX_GAP; and the
+ * fraction of that which does not matter. */
 #define TARGET    0.04
 #define MAX_GAP   0.005 /* m */
 #define TOLERANCE 0.25
@@ -60,8 +60,8 @@ static daft_sweep way_of_other(const sweep *s, const daft_sim_part *part)
 
 static bool is_hit(daft_impact_kind kind) { return kind == DAFT_IMPACT_HIT || kind == DAFT_IMPACT_GAVE_UP; }
 
-/* Where the core would begin nearer to the other than it is to stop, it becomes smaller, and stops as near as it is. 0: its
- * middle is within the other; contacts see to it. */
+/* Where the core would begin nearer to the other than it is to stop, it becomes smaller, and stops as near as it is. 0:
+ * its middle is within the other; contacts see to it. */
 static bool shrink(const sweep *s, const daft_sim_part *other, double *radius, double *target)
 {
     daft_rigid frame = daft_sim_part_frame(&s->world->bodies[other->body], other);
@@ -177,8 +177,8 @@ static daft_dvec3 within_locks(const daft_sim_body *body, daft_dvec3 to)
     return daft_dadd(body->centre, daft_to_double(daft_sim_unlocked(body, way, DAFT_LOCK_POSITION_X)));
 }
 
-/* What is joined to a body that is made to go along a wall goes on into it: of a way that would open joints by more than
- * this, in metres, it goes only so far as not to. */
+/* What is joined to a body that is made to go along a wall goes on into it: of a way that would open joints by more
+ * than this, in metres, it goes only so far as not to. */
 #define MOST_TURNED_ASIDE 0.004
 
 static double share_with_joined(const sweep *s, const daft_sim_body *body, daft_dvec3 wanted)
@@ -207,8 +207,9 @@ void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targ
 
 /* ---- what is joined to it ---- */
 
-/* A limb that is stopped while the rest of a doll goes on would have its joint torn open by the rest of the way. So of two
- * bodies in a joint neither gets much farther than the other, as a fraction of its own way: each joint adds this. */
+/* A limb that is stopped while the rest of a doll goes on would have its joint torn open by the rest of the way. So of
+ * two bodies in a joint neither gets much farther than the other, as a fraction of its own way: each joint adds this.
+ */
 #define AHEAD_OF_JOINED (1.0 / 64)
 
 /* Rows whose neighbours are to be looked at: a ring in which each is once at most. */
@@ -247,7 +248,8 @@ static void hold_neighbours(const daft_world *world, waiting *w, uint32_t row)
     const daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
     for (uint32_t e = body->first_joint; e != DAFT_SIM_NONE; e = world->joints[e >> 1].next[e & 1]) {
         const daft_sim_joint *joint = &world->joints[e >> 1];
-        uint32_t other = joint->body[(e & 1) ^ 1], at = other == DAFT_SIM_NONE ? 0 : world->scratch.solver->row_of[other];
+        uint32_t other = joint->body[(e & 1) ^ 1],
+                 at = other == DAFT_SIM_NONE ? 0 : world->scratch.solver->row_of[other];
         if (joint->spring || at <= world->scratch.solver->mover_count) continue;
         if (hold_back(&targets[at], &world->bodies[other], fraction)) put(w, at);
     }

@@ -32,13 +32,33 @@ void daft_world_destroy(daft_world *world)
     daft_allocator allocator = world->allocator;
     daft_sim_solver_destroy(world);
     for (uint32_t i = 0; i < world->pair_count; i++) daft_release(&allocator, world->pairs[i].more);
-    void *arrays[] = {world->bodies, world->parts, world->pairs, world->joints, world->awake.items,
-                      world->movers.items, world->moved.items, world->active.items, world->scratch.sorting.items,
-                      world->fat, world->tight, world->outlines, world->box_frames, world->slots,
-                      world->scratch.astray.items, world->groups, world->group_boxes, world->scratch.group_keys, world->scratch.ordered,
-                      world->scratch.left, world->scratch.ghosts.items, world->scratch.island_parents,
+    void *arrays[] = {world->bodies,
+                      world->parts,
+                      world->pairs,
+                      world->joints,
+                      world->awake.items,
+                      world->movers.items,
+                      world->moved.items,
+                      world->active.items,
+                      world->scratch.sorting.items,
+                      world->fat,
+                      world->tight,
+                      world->outlines,
+                      world->box_frames,
+                      world->slots,
+                      world->scratch.astray.items,
+                      world->groups,
+                      world->group_boxes,
+                      world->scratch.group_keys,
+                      world->scratch.ordered,
+                      world->scratch.left,
+                      world->scratch.ghosts.items,
+                      world->scratch.island_parents,
                       world->material_pairs,
-                      world->report, world->events.items, world->pending.items, world->scratch.candidates};
+                      world->report,
+                      world->events.items,
+                      world->pending.items,
+                      world->scratch.candidates};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(&allocator, arrays[i]);
     for (size_t i = 0; i < DAFT_COUNT_OF(world->trees); i++) {
         daft_release(&allocator, world->trees[i].nodes);
@@ -88,7 +108,8 @@ daft_sim_counters daft_world_counters(const daft_world *world)
 
 static bool in_range(float x, float most) { return x >= 0 && x <= most; }
 
-bool daft_world_set_pair(daft_world *world, uint32_t a, uint32_t b, const daft_sim_material_pair *pair, daft_error *error)
+bool daft_world_set_pair(daft_world *world, uint32_t a, uint32_t b, const daft_sim_material_pair *pair,
+                         daft_error *error)
 {
     if (a >= DAFT_SIM_MATERIAL_KINDS || b >= DAFT_SIM_MATERIAL_KINDS)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "material kinds %u and %u must be below %d", a, b,
@@ -105,7 +126,8 @@ bool daft_world_set_pair(daft_world *world, uint32_t a, uint32_t b, const daft_s
         for (size_t i = 0; i < count; i++) world->material_pairs[i] = (daft_sim_material_pair){.friction = -1};
     }
     daft_sim_material_pair value = pair ? *pair : (daft_sim_material_pair){.friction = -1};
-    world->material_pairs[a * DAFT_SIM_MATERIAL_KINDS + b] = world->material_pairs[b * DAFT_SIM_MATERIAL_KINDS + a] = value;
+    world->material_pairs[a * DAFT_SIM_MATERIAL_KINDS + b] = world->material_pairs[b * DAFT_SIM_MATERIAL_KINDS + a] =
+        value;
     for (uint32_t i = 0; i < world->pair_count; i++)
         if (world->pairs[i].part_a != DAFT_SIM_NONE) daft_sim_pair_materials(world, &world->pairs[i]);
     return true;

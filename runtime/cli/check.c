@@ -108,10 +108,7 @@ static void check_entry(checker *c, const char *path, const game_info *game)
         check_file(c, path, game);
 }
 
-static int is_visible(const struct dirent *entry)
-{
-    return entry->d_name[0] != '.';
-}
+static int is_visible(const struct dirent *entry) { return entry->d_name[0] != '.'; }
 
 static void check_folder(checker *c, const char *folder, const game_info *game)
 {
@@ -146,8 +143,7 @@ static void check_path(checker *c, const char *path)
     if (path_is_folder(path)) {
         size_t before = c->files;
         enter_folder(c, path, NULL);
-        if (c->files == before)
-            check_add(c, DAFT_SEVERITY_NOTE, path, 0, 0, "nothing in the folder can be checked");
+        if (c->files == before) check_add(c, DAFT_SEVERITY_NOTE, path, 0, 0, "nothing in the folder can be checked");
         return;
     }
     game_info info;

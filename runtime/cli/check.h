@@ -17,7 +17,7 @@ typedef struct checker {
     font *face;
     bool has_home;
     size_t files, errors, warnings, notes;
-    draft_file json;       /* its file is NULL where no report is wanted */
+    draft_file json;   /* its file is NULL where no report is wanted */
     uint64_t *printed; /* hashes of the lines printed */
     size_t printed_count, printed_capacity;
 } checker;

@@ -71,10 +71,7 @@ void check_problem(void *user, daft_severity severity, const daft_error *problem
     c->notes += severity == DAFT_SEVERITY_NOTE;
 }
 
-void check_warning(void *user, const daft_error *warning)
-{
-    check_problem(user, DAFT_SEVERITY_WARNING, warning);
-}
+void check_warning(void *user, const daft_error *warning) { check_problem(user, DAFT_SEVERITY_WARNING, warning); }
 
 void check_add(checker *c, daft_severity severity, const char *file, int line, int column, const char *format, ...)
 {

@@ -13,12 +13,13 @@ static int command_version(int argc, char **argv);
 static const struct {
     const char *name, *summary;
     int (*run)(int argc, char **argv);
-} COMMANDS[] = {{"play", "play a game, or choose one from a menu", command_play},
-                {"render", "render a scene to a picture", command_render},
-                {"check", "check scenes, meshes, pictures and games for errors", command_check},
-                {"bench", "run the benchmarks", command_bench},
-                {"help", "print this text; 'help COMMAND': its options; 'help lua', 'help fields': the API", command_help},
-                {"version", "print the version", command_version}};
+} COMMANDS[] = {
+    {"play", "play a game, or choose one from a menu", command_play},
+    {"render", "render a scene to a picture", command_render},
+    {"check", "check scenes, meshes, pictures and games for errors", command_check},
+    {"bench", "run the benchmarks", command_bench},
+    {"help", "print this text; 'help COMMAND': its options; 'help lua', 'help fields': the API", command_help},
+    {"version", "print the version", command_version}};
 
 static void print_usage(FILE *out)
 {

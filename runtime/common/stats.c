@@ -51,10 +51,7 @@ double frame_times_quantile(const frame_times *times, double fraction)
 /* ---- JSON ---- */
 
 /* JSON has no NaN and no infinity. */
-static void put_number(FILE *out, double value)
-{
-    fprintf(out, "%.4f", isfinite(value) ? value : 0.0);
-}
+static void put_number(FILE *out, double value) { fprintf(out, "%.4f", isfinite(value) ? value : 0.0); }
 
 static void put_effect(FILE *out, const daft_effect *effect, double mean_ms, bool last)
 {

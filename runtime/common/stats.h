@@ -20,7 +20,8 @@ void frame_times_free(frame_times *times);
 double frame_times_quantile(const frame_times *times, double fraction);
 
 /* {"width", "height", "threads", "isa", "frame_ms": {"median", "p95", "frames"}, "rays", "effects", "counters"}.
- * The counters are those of the last frame, but for the effects' "mean_ms", the mean of all frames. path: "-" writes to stdout. */
+ * The counters are those of the last frame, but for the effects' "mean_ms", the mean of all frames. path: "-" writes to
+ * stdout. */
 bool stats_write(const char *path, const daft_counters *counters, const frame_times *times, daft_error *error);
 void stats_print_json(FILE *out, const daft_counters *counters, const frame_times *times);
 /* Prints the plan: each effect, whether it ran and why, its tiles, rays and milliseconds. */

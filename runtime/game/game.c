@@ -22,10 +22,7 @@ static bool stop_with(game_state *state, const char *what, const daft_error *err
     return stop(state);
 }
 
-bool game_is_replaying(const game_state *state)
-{
-    return state->def.replay && state->ticks < state->def.replay->end;
-}
+bool game_is_replaying(const game_state *state) { return state->def.replay && state->ticks < state->def.replay->end; }
 
 static bool start(game_state *state, daft_error *error)
 {
@@ -63,10 +60,7 @@ bool game_open(game_state *state, const game_def *def, daft_error *error)
     return false;
 }
 
-void game_close(game_state *state)
-{
-    end(state);
-}
+void game_close(game_state *state) { end(state); }
 
 bool game_reload(game_state *state, daft_error *error)
 {

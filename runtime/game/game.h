@@ -1,11 +1,10 @@
 /* game: everything from one tick of a game to a session at a window.
  * Public headers: session.h menu.h game.h recording.h loop.h
- * session.h plays a game on a platform, menu.h chooses one, recording.h reads and writes input, loop.h is the fixed time
- * step, and game.h (this) runs one game, tick by tick, without a window or a clock.
- * One tick stores the poses for interpolation, applies the input (live or recorded), calls daft.keypressed and
- * daft.keyreleased, then daft.update(1/60), then steps the simulation.
- * Promises: the same recording gives the same ticks. After a script error the game stops and keeps the message until it
- * is reloaded. */
+ * session.h plays a game on a platform, menu.h chooses one, recording.h reads and writes input, loop.h is the fixed
+ * time step, and game.h (this) runs one game, tick by tick, without a window or a clock. One tick stores the poses for
+ * interpolation, applies the input (live or recorded), calls daft.keypressed and daft.keyreleased, then
+ * daft.update(1/60), then steps the simulation. Promises: the same recording gives the same ticks. After a script error
+ * the game stops and keeps the message until it is reloaded. */
 #ifndef RUNTIME_GAME_GAME_H
 #define RUNTIME_GAME_GAME_H
 

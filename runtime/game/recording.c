@@ -69,10 +69,7 @@ static bool take_float(reader *in, float *out)
     return true;
 }
 
-static bool line_ends(reader *in)
-{
-    return *in->at == 0 || bad(in, "unexpected text", in->at);
-}
+static bool line_ends(reader *in) { return *in->at == 0 || bad(in, "unexpected text", in->at); }
 
 static bool read_key(reader *in, input_event *event)
 {
@@ -165,7 +162,8 @@ static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
 /* The game was killed: what came after the last mark is not whole, and is left out. */
 static bool end_cut(reader *in, recording *out)
 {
-    if (out->end == 0) return fail_at(in->error, in->path, in->number, 1, "the 'end' line is missing: the file was cut short");
+    if (out->end == 0)
+        return fail_at(in->error, in->path, in->number, 1, "the 'end' line is missing: the file was cut short");
     while (out->count > 0 && out->items[out->count - 1].tick >= out->end) out->count--;
     out->cut = true;
     return true;
@@ -242,7 +240,8 @@ static bool keep_left_over(const recorder *writer, daft_error *error)
     close(file);
     if (busy) return fail_at(error, writer->path, 0, 0, "another game is being recorded to this file");
     snprintf(old, sizeof old, "%s-old", writer->part);
-    return rename(writer->part, old) == 0 || fail_at(error, writer->part, 0, 0, "cannot be renamed: %s", strerror(errno));
+    return rename(writer->part, old) == 0 ||
+           fail_at(error, writer->part, 0, 0, "cannot be renamed: %s", strerror(errno));
 }
 
 static bool open_part(recorder *writer, const char *path, daft_error *error)

@@ -14,11 +14,11 @@
  *
  * Ticks ascend; blank lines and lines that start with # are ignored.
  *
- * A recording in the making is FILE.part, and becomes FILE when the game ends; until then an older FILE stays as it was. It is
- * flushed once a second, so that of a killed game all but its last second can be replayed: `--replay FILE.part`. What a killed
- * game left is kept as FILE.part-old when the next recording begins.
- * Promises: a recording reads back bit for bit; one that was cut short plays up to its last whole second; any other bad file
- * fails with file:line:column. */
+ * A recording in the making is FILE.part, and becomes FILE when the game ends; until then an older FILE stays as it
+ * was. It is flushed once a second, so that of a killed game all but its last second can be replayed: `--replay
+ * FILE.part`. What a killed game left is kept as FILE.part-old when the next recording begins. Promises: a recording
+ * reads back bit for bit; one that was cut short plays up to its last whole second; any other bad file fails with
+ * file:line:column. */
 #ifndef RUNTIME_GAME_RECORDING_H
 #define RUNTIME_GAME_RECORDING_H
 
@@ -51,7 +51,8 @@ recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_
 void recorder_add(recorder *writer, uint64_t tick, const input_event *event);
 /* After each tick: `ticks` have been recorded so far. */
 void recorder_tick(recorder *writer, uint64_t ticks);
-/* Ends the file at `end` ticks and puts it into place. NULL is fine. False where a write failed: then FILE is as it was. */
+/* Ends the file at `end` ticks and puts it into place. NULL is fine. False where a write failed: then FILE is as it
+ * was. */
 bool recorder_close(recorder *writer, uint64_t end, daft_error *error);
 
 #endif

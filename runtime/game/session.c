@@ -73,10 +73,7 @@ static void draw_overlay(session *s)
     screen_overlay(&over, s->def->face, &figures);
 }
 
-static double smooth(double before, double now)
-{
-    return before > 0 ? before * 0.95 + now * 0.05 : now;
-}
+static double smooth(double before, double now) { return before > 0 ? before * 0.95 + now * 0.05 : now; }
 
 /* Draws the game, or the error that stopped it. */
 static bool draw(session *s, float alpha, daft_error *error)

@@ -9,10 +9,7 @@ canvas canvas_over(daft_image *image)
     return (canvas){daft_image_pixels(image), daft_image_width(image), height, (float)height / CANVAS_HEIGHT};
 }
 
-float canvas_hud_width(const canvas *target)
-{
-    return (float)target->width / target->unit;
-}
+float canvas_hud_width(const canvas *target) { return (float)target->width / target->unit; }
 
 /* Clamps; NaN becomes `low`. */
 static float clamp(float value, float low, float high)

@@ -126,15 +126,9 @@ static int line_advance(const font *face, const char *text, const char *end)
     return width;
 }
 
-static float units_scale(const font *face, float size)
-{
-    return size / (float)(face->ascent - face->descent);
-}
+static float units_scale(const font *face, float size) { return size / (float)(face->ascent - face->descent); }
 
-float text_line_height(float size)
-{
-    return size * 1.2f;
-}
+float text_line_height(float size) { return size * 1.2f; }
 
 float text_width(const font *face, const char *text, float size)
 {

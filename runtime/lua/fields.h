@@ -10,9 +10,9 @@
 typedef void api_reader(lua_State *L, host *h, int table, void *out);
 
 typedef struct api_special {
-    const char *name; /* in Lua: of a field, or of what is no field */
-    api_reader
-        *read; /* instead of reading by the field's type; NULL for what is no field: who reads the table looks for it */
+    const char *name;  /* in Lua: of a field, or of what is no field */
+    api_reader *read;  /* instead of reading by the field's type; NULL for what is no field: who reads the table looks
+                          for it */
     api_reader *after; /* called once the field, which is there, and all others are read */
     const char *value; /* for the reference: what it may be; NULL: as its type says */
     const char *doc;   /* NULL: the field's */

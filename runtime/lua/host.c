@@ -220,8 +220,8 @@ static bool call(host *state, const char *shown, request what)
     lua_pushcfunction(L, carry_out);
     lua_pushlightuserdata(L, &what);
     int status = lua_pcall(L, 1, 0, 1);
-    if (status != LUA_OK &&
-        state->message[0] == 0) /* out of memory, or an error in on_error: the handler did not run */
+    if (status != LUA_OK && state->message[0] == 0) /* out of memory, or an error in on_error: the handler did not run
+                                                     */
         snprintf(state->message, sizeof state->message, "%s: %s", shown,
                  lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "an error while handling an error");
     state->calling = NULL;

@@ -84,8 +84,8 @@ static int create(lua_State *L, host *h)
     daft_joint_def def = daft_default_joint_def();
     daft_transform place;
     daft_error error;
-    if (lua_type(L, 1) == LUA_TTABLE &&
-        api_field(L, 1, "b")) { /* the anchors are where b is unless the table says so */
+    if (lua_type(L, 1) == LUA_TTABLE && api_field(L, 1, "b")) { /* the anchors are where b is unless the table says so
+                                                                 */
         def.b = api_entity_at(L, h, -1, "b");
         if (!daft_entity_get_transform(h->def.scene, def.b, &place, &error)) api_engine_error(L, h, &error);
         def.anchor = def.anchor_b = place.position;

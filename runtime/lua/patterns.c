@@ -1,8 +1,9 @@
 /* A backtracking matcher for Lua's patterns. See patterns.h.
  *
- * A pattern is read where it stands. An item is a single class (a character, ".", "%a", a set) with what follows it ("*", "+",
- * "-", "?"), or a capture, "%b", "%f", a back reference, or "$" at the end. `match_here` gives where the match of the rest of a
- * pattern ends, or NULL; single items without a choice are consumed in its loop, others recurse. */
+ * A pattern is read where it stands. An item is a single class (a character, ".", "%a", a set) with what follows it
+ * ("*", "+",
+ * "-", "?"), or a capture, "%b", "%f", a back reference, or "$" at the end. `match_here` gives where the match of the
+ * rest of a pattern ends, or NULL; single items without a choice are consumed in its loop, others recurse. */
 #include "lua/patterns.h"
 
 #include <ctype.h>
@@ -13,9 +14,9 @@
 
 enum {
     MAX_CAPTURES = 32,
-    MAX_DEPTH = 200,   /* of recursion, as in Lua */
-    OPEN = -1,         /* length of a capture that has not ended */
-    POSITION = -2      /* of a position capture, "()" */
+    MAX_DEPTH = 200, /* of recursion, as in Lua */
+    OPEN = -1,       /* length of a capture that has not ended */
+    POSITION = -2    /* of a position capture, "()" */
 };
 
 typedef struct matcher {
@@ -186,7 +187,8 @@ static const char *match_again(matcher *m, const char *s, int digit)
     if (which < 0 || which >= m->level || m->captures[which].length == OPEN)
         luaL_error(m->L, "invalid capture index %%%d", which + 1);
     ptrdiff_t length = m->captures[which].length; /* a position's is negative: as in Lua, it never fits */
-    if ((size_t)(m->text_end - s) < (size_t)length || memcmp(m->captures[which].at, s, (size_t)length) != 0) return NULL;
+    if ((size_t)(m->text_end - s) < (size_t)length || memcmp(m->captures[which].at, s, (size_t)length) != 0)
+        return NULL;
     m->steps -= (int)(length / 64 < m->steps ? length / 64 : m->steps);
     step(m);
     return s + length;
@@ -302,7 +304,11 @@ static int push_captures(matcher *m, const char *s, const char *end)
 static matcher make_matcher(lua_State *L, const char *text, size_t length, const char *pattern_end)
 {
     patterns_poll *poll = (patterns_poll *)lua_touserdata(L, lua_upvalueindex(1));
-    return (matcher){.L = L, .poll = poll, .text = text, .text_end = text + length, .pattern_end = pattern_end,
+    return (matcher){.L = L,
+                     .poll = poll,
+                     .text = text,
+                     .text_end = text + length,
+                     .pattern_end = pattern_end,
                      .steps = PATTERNS_POLL_STEPS};
 }
 
@@ -333,7 +339,8 @@ static bool is_plain(const char *pattern, size_t length)
 }
 
 /* The first place of `wanted` in text, asked piece by piece. */
-static const char *find_plain(lua_State *L, patterns_poll *poll, const char *text, size_t length, const char *wanted, size_t size)
+static const char *find_plain(lua_State *L, patterns_poll *poll, const char *text, size_t length, const char *wanted,
+                              size_t size)
 {
     size_t piece = (size_t)1 << 20;
     while (length >= size) {
@@ -507,7 +514,8 @@ static int gsub(lua_State *L)
 
 void patterns_open(lua_State *L, patterns_poll *poll)
 {
-    static const luaL_Reg functions[] = {{"find", find}, {"match", match}, {"gmatch", gmatch}, {"gsub", gsub}, {NULL, NULL}};
+    static const luaL_Reg functions[] = {
+        {"find", find}, {"match", match}, {"gmatch", gmatch}, {"gsub", gsub}, {NULL, NULL}};
     lua_pushlightuserdata(L, (void *)poll);
     luaL_setfuncs(L, functions, 1);
 }

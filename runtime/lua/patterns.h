@@ -1,8 +1,8 @@
 /* patterns: string.find, match, gmatch and gsub of Lua 5.4 (reference manual, 6.4.1) that can be stopped.
  *
- * Lua's own matcher backtracks without asking anybody: a pattern of twenty bytes can keep it busy for years. This one calls
- * `poll` after every few thousand comparisons, and `poll` raises an error where the script is to end.
- * Promises: results and messages are those of Lua 5.4. */
+ * Lua's own matcher backtracks without asking anybody: a pattern of twenty bytes can keep it busy for years. This one
+ * calls `poll` after every few thousand comparisons, and `poll` raises an error where the script is to end. Promises:
+ * results and messages are those of Lua 5.4. */
 #ifndef RUNTIME_LUA_PATTERNS_H
 #define RUNTIME_LUA_PATTERNS_H
 

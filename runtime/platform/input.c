@@ -31,10 +31,7 @@ int input_key_find(const char *name)
     return -1;
 }
 
-const char *input_key_name(int key)
-{
-    return key >= 0 && key < KEY_COUNT ? KEYS[key] : NULL;
-}
+const char *input_key_name(int key) { return key >= 0 && key < KEY_COUNT ? KEYS[key] : NULL; }
 
 const char *const *input_key_names(size_t *count)
 {
@@ -113,7 +110,4 @@ void input_apply_queue(input *state)
     state->queued = 0;
 }
 
-void input_drop_queue(input *state)
-{
-    state->queued = 0;
-}
+void input_drop_queue(input *state) { state->queued = 0; }

@@ -11,10 +11,7 @@ typedef struct null_platform {
     uint64_t frames, rate;
 } null_platform;
 
-static void close_null(platform *self)
-{
-    free(self);
-}
+static void close_null(platform *self) { free(self); }
 
 static bool poll_null(platform *self, platform_event *out)
 {
@@ -40,10 +37,7 @@ static bool present_null(platform *self, const daft_image *picture, daft_error *
     return true;
 }
 
-static void end_frame_null(platform *self)
-{
-    ((null_platform *)self)->frames++;
-}
+static void end_frame_null(platform *self) { ((null_platform *)self)->frames++; }
 
 /* Rounded up, so that exactly one update is due at each frame. */
 static uint64_t now_null(platform *self)
@@ -52,14 +46,8 @@ static uint64_t now_null(platform *self)
     return (null->frames * 1000000000u + null->rate - 1) / null->rate;
 }
 
-static void set_title_null(platform *self, const char *title)
-{
-    (void)self, (void)title;
-}
-static void grab_null(platform *self, bool grab)
-{
-    (void)self, (void)grab;
-}
+static void set_title_null(platform *self, const char *title) { (void)self, (void)title; }
+static void grab_null(platform *self, bool grab) { (void)self, (void)grab; }
 
 platform *platform_open_null(int width, int height, int rate, daft_error *error)
 {

@@ -1,7 +1,8 @@
 /* Fuzzing: each target is one function that takes any bytes as the input of one door of the engine and comes back. It
  * aborts (FUZZ_CHECK) when a promise is broken; crashes, leaks and undefined behaviour are the sanitizers' to find.
  * The same functions run under libFuzzer (main.c; ./daft test --fuzz) and over the seeds and the corpus of past crashes
- * in every test run (tests/fuzz/test_corpus.c). They keep nothing from one call to the next that could change a result. */
+ * in every test run (tests/fuzz/test_corpus.c). They keep nothing from one call to the next that could change a result.
+ */
 #ifndef DAFT_FUZZ_H
 #define DAFT_FUZZ_H
 

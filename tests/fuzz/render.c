@@ -27,10 +27,7 @@ typedef struct player {
 
 /* ---- bytes to values ---- */
 
-static uint8_t take(player *p)
-{
-    return p->at < p->end ? *p->at++ : 0;
-}
+static uint8_t take(player *p) { return p->at < p->end ? *p->at++ : 0; }
 
 static void take_bytes(player *p, void *out, size_t size)
 {
@@ -56,10 +53,7 @@ static double number(player *p)
     }
 }
 
-static float single_number(player *p)
-{
-    return (float)number(p);
-}
+static float single_number(player *p) { return (float)number(p); }
 
 static daft_vec3 vector(player *p)
 {
@@ -256,15 +250,9 @@ static void change_entity(player *p)
 
 /* ---- what comes out ---- */
 
-static bool is_finite(daft_vec3 v)
-{
-    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
-}
+static bool is_finite(daft_vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
 
-static void add_to_digest(player *p, const void *bytes, size_t size)
-{
-    p->digest = daft_hash(bytes, size, p->digest);
-}
+static void add_to_digest(player *p, const void *bytes, size_t size) { p->digest = daft_hash(bytes, size, p->digest); }
 
 static void cast_ray(player *p)
 {

@@ -31,10 +31,7 @@ static void replay(fuzz_input *input, const char *path)
     input(bytes, size);
 }
 
-static int is_shown(const struct dirent *entry)
-{
-    return entry->d_name[0] != '.';
-}
+static int is_shown(const struct dirent *entry) { return entry->d_name[0] != '.'; }
 
 static int replay_folder(const target *what, const char *kind)
 {

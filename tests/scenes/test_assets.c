@@ -85,14 +85,8 @@ static bool load_mesh(fixture *f, const char *path)
     daft_mesh_info info;
     return mesh.id && daft_mesh_get_info(f->scene, mesh, &info, &f->error) && info.triangle_count > 0;
 }
-static bool load_texture(fixture *f, const char *path)
-{
-    return daft_texture_load(f->scene, path, &f->error).id != 0;
-}
-static bool load_sky(fixture *f, const char *path)
-{
-    return daft_scene_set_sky_image(f->scene, path, &f->error);
-}
+static bool load_texture(fixture *f, const char *path) { return daft_texture_load(f->scene, path, &f->error).id != 0; }
+static bool load_sky(fixture *f, const char *path) { return daft_scene_set_sky_image(f->scene, path, &f->error); }
 static bool load_scene(fixture *f, const char *path)
 {
     return daft_scene_load(f->scene, path, &f->error) && daft_scene_camera_count(f->scene) > 0;

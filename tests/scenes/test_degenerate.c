@@ -37,38 +37,14 @@ static void scale_tiny(stage *s)
     def.scale = daft_v3(1e-30f, 1e-30f, 1e-30f);
     add(s, def);
 }
-static void radius_tiny(stage *s)
-{
-    add(s, sphere(BESIDE, 1e-30f));
-}
-static void radius_denormal(stage *s)
-{
-    add(s, sphere(BESIDE, FLT_TRUE_MIN));
-}
-static void box_tiny(stage *s)
-{
-    add(s, box(BESIDE, daft_v3(1e-30f, 1e-30f, 1e-30f)));
-}
-static void box_denormal(stage *s)
-{
-    add(s, box(BESIDE, daft_v3(1e-44f, 1e-44f, 1e-44f)));
-}
-static void box_thread(stage *s)
-{
-    add(s, box(BESIDE, daft_v3(1e-30f, 3, 1e-30f)));
-}
-static void far_behind(stage *s)
-{
-    add(s, sphere(daft_dv3(-1e30, 0, 0), 1));
-}
-static void beyond_floats(stage *s)
-{
-    add(s, sphere(daft_dv3(-1e300, 1e300, 0), 1));
-}
-static void empty_mesh(stage *s)
-{
-    add(s, thing(mesh_of(s, NULL, 0, NULL, 0), BESIDE));
-}
+static void radius_tiny(stage *s) { add(s, sphere(BESIDE, 1e-30f)); }
+static void radius_denormal(stage *s) { add(s, sphere(BESIDE, FLT_TRUE_MIN)); }
+static void box_tiny(stage *s) { add(s, box(BESIDE, daft_v3(1e-30f, 1e-30f, 1e-30f))); }
+static void box_denormal(stage *s) { add(s, box(BESIDE, daft_v3(1e-44f, 1e-44f, 1e-44f))); }
+static void box_thread(stage *s) { add(s, box(BESIDE, daft_v3(1e-30f, 3, 1e-30f))); }
+static void far_behind(stage *s) { add(s, sphere(daft_dv3(-1e30, 0, 0), 1)); }
+static void beyond_floats(stage *s) { add(s, sphere(daft_dv3(-1e300, 1e300, 0), 1)); }
+static void empty_mesh(stage *s) { add(s, thing(mesh_of(s, NULL, 0, NULL, 0), BESIDE)); }
 
 static void repeated_corners(stage *s)
 {
@@ -137,14 +113,8 @@ static void hidden(stage *s)
     def.visible = false, def.scale = daft_v3(0, 1e30f, 1e-30f);
     add(s, def);
 }
-static void black_light_at_the_camera(stage *s)
-{
-    light(s, DAFT_LIGHT_POINT, daft_dv3(0, 0, 0), daft_v3(0, 0, 0), 0);
-}
-static void light_beyond_floats(stage *s)
-{
-    light(s, DAFT_LIGHT_POINT, daft_dv3(1e300, 0, 0), daft_v3(0, 0, 0), 1);
-}
+static void black_light_at_the_camera(stage *s) { light(s, DAFT_LIGHT_POINT, daft_dv3(0, 0, 0), daft_v3(0, 0, 0), 0); }
+static void light_beyond_floats(stage *s) { light(s, DAFT_LIGHT_POINT, daft_dv3(1e300, 0, 0), daft_v3(0, 0, 0), 1); }
 
 static const struct {
     const char *name;

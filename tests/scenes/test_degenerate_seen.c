@@ -1,5 +1,5 @@
-/* Degenerate things that are seen: they spoil nothing that stands before them, bad triangles leave the rest of their mesh
- * alone, and what is mirrored is lit as its mirror image. */
+/* Degenerate things that are seen: they spoil nothing that stands before them, bad triangles leave the rest of their
+ * mesh alone, and what is mirrored is lit as its mirror image. */
 #include "degenerate.h"
 
 /* ---- things that are seen, and must not spoil what stands before them ---- */

@@ -1,4 +1,5 @@
-/* Degenerate views and lights: pictures, cameras, lights and suns at the ends of their ranges, and numbers that are none. */
+/* Degenerate views and lights: pictures, cameras, lights and suns at the ends of their ranges, and numbers that are
+ * none. */
 #include "degenerate.h"
 
 /* ---- cameras and pictures ---- */

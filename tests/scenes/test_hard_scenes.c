@@ -1,6 +1,6 @@
 /* Pictures of scenes that are hard for numbers (assets/scenes/hard). Each is compared three ways: the pencil with the
- * reference path, pixel by pixel; both with the truth, in double or in closed form, and not merely with yesterday; and its
- * bytes with a constant, which is the same on every instruction set and for any number of threads. */
+ * reference path, pixel by pixel; both with the truth, in double or in closed form, and not merely with yesterday; and
+ * its bytes with a constant, which is the same on every instruction set and for any number of threads. */
 #include "hard_scenes.h"
 
 enum { WIDTH = 320, HEIGHT = 200, PIXELS = WIDTH * HEIGHT };
@@ -64,8 +64,8 @@ static bool seen_by_rays(const stage *s, int i)
         daft_dvec3 d = daft_dadd(ray, daft_dadd(daft_dscale(side, SHIFT[k][0]), daft_dscale(down, SHIFT[k][1])));
         daft_ray_hit hit = {0};
         daft_error error;
-        bool found = daft_scene_cast_ray(s->scene, s->view.camera.position, daft_to_float(d), INFINITY, (daft_entity){0}, &hit,
-                                         &error);
+        bool found = daft_scene_cast_ray(s->scene, s->view.camera.position, daft_to_float(d), INFINITY,
+                                         (daft_entity){0}, &hit, &error);
         if ((found ? hit.entity.id : 0) == s->entity[i].id && (!found || hit.triangle == s->triangle[i])) return true;
     }
     return false;
@@ -187,7 +187,8 @@ static void like_the_reference(void **unused)
         picture reference = picture_take(s);
         s->view.reference = false;
         draw(s);
-        if (others_seen(&reference, s)) fail_msg("%s: %d pixels see something else", SCENES[k].name, others_seen(&reference, s));
+        if (others_seen(&reference, s))
+            fail_msg("%s: %d pixels see something else", SCENES[k].name, others_seen(&reference, s));
         assert_memory_equal(reference.rgba, daft_image_pixels(s->image), 4 * PIXELS);
         picture_drop(&reference);
         stage_drop(s);
@@ -208,7 +209,8 @@ static void like_the_truth(void **unused)
             if (!right && first < 0) first = i;
         }
         print_message("%s, camera %u: %d pixels see something, %d are wrong\n", h->name, h->camera, seen, wrong);
-        if (wrong) fail_msg("%s: %d pixels are wrong, the first at %d, %d", h->name, wrong, first % WIDTH, first / WIDTH);
+        if (wrong)
+            fail_msg("%s: %d pixels are wrong, the first at %d, %d", h->name, wrong, first % WIDTH, first / WIDTH);
         assert_true(seen >= h->min_seen);
         stage_drop(s);
     }

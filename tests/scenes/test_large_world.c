@@ -1,6 +1,6 @@
-/* Large worlds: the same scene, moved up to 10⁹ m from the origin or scaled by 10⁻⁴ to 10⁴, gives the same picture: at most
- * one pixel in 10⁵ differs by more than one step. Ray queries give the same answers, and what stands still does not jitter
- * when the camera creeps, wherever in the world that is. */
+/* Large worlds: the same scene, moved up to 10⁹ m from the origin or scaled by 10⁻⁴ to 10⁴, gives the same picture: at
+ * most one pixel in 10⁵ differs by more than one step. Ray queries give the same answers, and what stands still does
+ * not jitter when the camera creeps, wherever in the world that is. */
 #include "hard_scenes.h"
 
 enum { WIDTH = 800, HEIGHT = 500 };
@@ -32,7 +32,8 @@ static void turned_column(stage *s, const place *w)
     if (!column.id || !cup.id) fail_msg("%s", error.message);
     daft_quat turn = daft_quat_normalize((daft_quat){0.31f, 0.4f, -0.2f, 0.8f});
     add(s, instance(column, at(w, 5.3, 0.2, -1.7), (float)(0.83 * w->scale), turn, (daft_material){0}));
-    add(s, instance(cup, at(w, 3.1, 0.03, 1.4), (float)(1.7 * w->scale), (daft_quat){0, 0.38f, 0, 0.92f}, (daft_material){0}));
+    add(s, instance(cup, at(w, 3.1, 0.03, 1.4), (float)(1.7 * w->scale), (daft_quat){0, 0.38f, 0, 0.92f},
+                    (daft_material){0}));
 }
 
 /* A ball that turns the picture over, a pane that is seen straight through, and a turned block of coloured glass. */
@@ -45,13 +46,14 @@ static void glasses(stage *s, const place *w)
     block.refractive_index = 1.33f, block.transmission_tint = daft_v3(0.9f, 0.6f, 0.5f);
     add(s, sphere(at(w, 2.1, 0.52, -0.6), (float)(0.5 * w->scale), daft_material_create(s->scene, &clear, NULL)));
     add(s, box(at(w, 3.4, 0.9, 1.1), sized(w, 0.05, 1.2, 1.6), daft_material_create(s->scene, &pane, NULL)));
-    daft_entity_def turned = box(at(w, 1.9, 0.5, 0.9), sized(w, 0.4, 0.7, 0.5), daft_material_create(s->scene, &block, NULL));
+    daft_entity_def turned =
+        box(at(w, 1.9, 0.5, 0.9), sized(w, 0.4, 0.7, 0.5), daft_material_create(s->scene, &block, NULL));
     turned.rotation = daft_quat_normalize((daft_quat){0.2f, 0.3f, -0.1f, 0.9f});
     add(s, turned);
 }
 
-/* Like a game's: a floor, boxes, balls, turned meshes, a mirror wall and a chrome ball, glass, a sun and a light that cast
- * shadows. */
+/* Like a game's: a floor, boxes, balls, turned meshes, a mirror wall and a chrome ball, glass, a sun and a light that
+ * cast shadows. */
 static void fill(stage *s, const place *w)
 {
     daft_error error = {0};
@@ -59,17 +61,19 @@ static void fill(stage *s, const place *w)
     checker.diffuse_map = daft_texture_load(s->scene, DAFT_ROOT "/assets/textures/checker.png", &error);
     checker.map_scale = (daft_vec2){6, 3};
     daft_material white = matte(s, daft_v3(0.8f, 0.8f, 0.75f), 0), red = matte(s, daft_v3(0.7f, 0.1f, 0.1f), 0);
-    daft_material mirror = matte(s, daft_v3(0.1f, 0.1f, 0.12f), 0.8f), map = daft_material_create(s->scene, &checker, &error);
+    daft_material mirror = matte(s, daft_v3(0.1f, 0.1f, 0.12f), 0.8f),
+                  map = daft_material_create(s->scene, &checker, &error);
     if (!map.id) fail_msg("%s", error.message);
     add(s, box(at(w, 4, -0.3, 0), sized(w, 24, 0.6, 24), white));
     daft_entity_def wall = box(at(w, 9.1, 1.4, 0.3), sized(w, 0.2, 3.1, 6), mirror);
     wall.rotation = (daft_quat){0, 0.1f, 0, 0.99f};
     add(s, wall);
     for (int i = 0; i < 12; i++)
-        add(s, box(at(w, 2.7 + 0.61 * i, 0.25 + 0.1 * (i % 3), -3.3 + 0.47 * ((7 * i) % 12)), sized(w, 0.4, 0.5 + 0.2 * (i % 3), 0.45),
-                   i % 2 ? white : red));
+        add(s, box(at(w, 2.7 + 0.61 * i, 0.25 + 0.1 * (i % 3), -3.3 + 0.47 * ((7 * i) % 12)),
+                   sized(w, 0.4, 0.5 + 0.2 * (i % 3), 0.45), i % 2 ? white : red));
     for (int i = 0; i < 9; i++)
-        add(s, sphere(at(w, 2.2 + 0.7 * i, 0.33, 2.9 - 0.63 * ((4 * i) % 9)), (float)(0.33 * w->scale), i % 4 == 1 ? mirror : map));
+        add(s, sphere(at(w, 2.2 + 0.7 * i, 0.33, 2.9 - 0.63 * ((4 * i) % 9)), (float)(0.33 * w->scale),
+                      i % 4 == 1 ? mirror : map));
     turned_column(s, w);
     glasses(s, w);
     sun(s, daft_v3(0.4f, -1, 0.27f), 0.7f);
@@ -168,7 +172,8 @@ static void ask(const place *w, answer *out)
         daft_error error;
         daft_ray_hit hit = {0};
         daft_dvec3 origin = at(w, 4 + 3 * (double)d[1], 1.3 + 0.5 * (double)d[2], 2.5 * (double)d[0]);
-        bool found = daft_scene_cast_ray(s->scene, origin, daft_v3(d[0], d[1], d[2]), INFINITY, (daft_entity){0}, &hit, &error);
+        bool found =
+            daft_scene_cast_ray(s->scene, origin, daft_v3(d[0], d[1], d[2]), INFINITY, (daft_entity){0}, &hit, &error);
         assert_int_equal(error.code, DAFT_OK);
         out[i] = (answer){found ? hit.entity.id : 0, hit.triangle, (double)hit.distance / w->scale,
                           daft_dscale(daft_dsub(hit.position, w->offset), 1 / w->scale), hit.normal};
@@ -273,8 +278,8 @@ static void steps_look_the_same_everywhere(void **unused)
             wrong += far_apart(&p, b), others += others_seen(&p, b), pixels += a->pixels;
             picture_drop(&p);
         }
-        print_message("%g m away: %d of %d pixels differ by more than a step, %d see something else\n", metres[k], wrong, pixels,
-                      others);
+        print_message("%g m away: %d of %d pixels differ by more than a step, %d see something else\n", metres[k],
+                      wrong, pixels, others);
         assert_true(wrong * 100000 <= pixels);
         stage_drop(a);
         stage_drop(b);
@@ -284,8 +289,10 @@ static void steps_look_the_same_everywhere(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(far_from_the_origin), cmocka_unit_test(at_every_scale),
-        cmocka_unit_test(rays_far_and_scaled), cmocka_unit_test(nothing_jitters),
+        cmocka_unit_test(far_from_the_origin),
+        cmocka_unit_test(at_every_scale),
+        cmocka_unit_test(rays_far_and_scaled),
+        cmocka_unit_test(nothing_jitters),
         cmocka_unit_test(steps_look_the_same_everywhere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -53,8 +53,8 @@ static void demo_wins(void **state)
 static void same_game_everywhere(void **state)
 {
     (void)state;
-    static const char *const options[] = {"--threads 2", "--threads 2 --isa " DAFT_NARROWEST_ISA, "--threads 1 --isa avx2",
-                                          "--threads 2 --isa avx512"};
+    static const char *const options[] = {"--threads 2", "--threads 2 --isa " DAFT_NARROWEST_ISA,
+                                          "--threads 1 --isa avx2", "--threads 2 --isa avx512"};
     char *first = play("--threads 1");
     assert_non_null(first);
     for (size_t i = 0; i < sizeof options / sizeof options[0]; i++) {

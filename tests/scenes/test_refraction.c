@@ -1,5 +1,5 @@
-/* Light through things: where Snell's law and Fresnel's equations put it, in closed form and against a double-precision tracer
- * of spheres; each surface counted once, at every scale and place; and nothing spent where no light passes. */
+/* Light through things: where Snell's law and Fresnel's equations put it, in closed form and against a double-precision
+ * tracer of spheres; each surface counted once, at every scale and place; and nothing spent where no light passes. */
 #include "hard_scenes.h"
 
 enum { WIDTH = 160, HEIGHT = 120, RINGS = 40 };
@@ -45,8 +45,8 @@ static double fresnel(double cosine, double from, double to)
 
 /* ---- closed forms ---- */
 
-/* A thick pane before a wall of glowing stripes: a ray goes on in parallel, aside by d·sin(a - b) / cos b, and what comes
- * through two surfaces is (1 - F) times (1 - F), the light that goes to and fro within coming on top. */
+/* A thick pane before a wall of glowing stripes: a ray goes on in parallel, aside by d·sin(a - b) / cos b, and what
+ * comes through two surfaces is (1 - F) times (1 - F), the light that goes to and fro within coming on top. */
 static void pane_shifts_by_snell(void **unused)
 {
     (void)unused;
@@ -54,7 +54,8 @@ static void pane_shifts_by_snell(void **unused)
     stage *s = stage_make(WIDTH, HEIGHT, NULL, 2);
     daft_scene_set_sky_color(s->scene, BLACK);
     for (int i = -40; i < 40; i++)
-        add(s, box(daft_dv3(wall + 0.5, 0, (i + 0.5) * stripe), daft_v3(1, 100, (float)stripe), glowing(s, i % 2 ? BLACK : WHITE)));
+        add(s, box(daft_dv3(wall + 0.5, 0, (i + 0.5) * stripe), daft_v3(1, 100, (float)stripe),
+                   glowing(s, i % 2 ? BLACK : WHITE)));
     add(s, box(daft_dv3(2 + thick / 2, 0, 0), daft_v3((float)thick, 100, 100), glass(s, (float)index, WHITE)));
     s->view.camera.fov = 1.8f, s->view.quality = DAFT_QUALITY_DRAFT;
     const daft_counters *c = draw(s);
@@ -76,8 +77,8 @@ static void pane_shifts_by_snell(void **unused)
     stage_drop(s);
 }
 
-/* From under water, a white sky fills a cone of twice asin(1 / 1.33); at its rim it fades as Fresnel says, and beyond it the
- * surface mirrors the black floor. */
+/* From under water, a white sky fills a cone of twice asin(1 / 1.33); at its rim it fades as Fresnel says, and beyond
+ * it the surface mirrors the black floor. */
 static void window_of_snell(void **unused)
 {
     (void)unused;
@@ -222,8 +223,8 @@ static void ball_is_a_lens(void **unused)
     stage *s = stage_make(WIDTH, HEIGHT, NULL, 2);
     s->view.camera.fov = 0.7f;
     compare_with_tracer(s, &w, "ball");
-    /* Paraxial rays of a ball of index 1.5 meet 1.5 r behind its centre if they come from afar; the light 8 away is seen
-     * at 1 / (1/1.5 - 1/8) = 1.846 before it, smaller and on the other side. */
+    /* Paraxial rays of a ball of index 1.5 meet 1.5 r behind its centre if they come from afar; the light 8 away is
+     * seen at 1 / (1/1.5 - 1/8) = 1.846 before it, smaller and on the other side. */
     double distance = 1 / (1 / 1.5 - 1.0 / 8), size = distance / 8, away = 4 - distance;
     int x = (int)(WIDTH / 2.0 - WIDTH / 2.0 / daft_tan(0.35) * 0.5 * size / away);
     int y = (int)(HEIGHT / 2.0 + WIDTH / 2.0 / daft_tan(0.35) * 0.35 * size / away);
@@ -235,11 +236,13 @@ static void ball_is_a_lens(void **unused)
 static void balls_among_balls(void **unused)
 {
     (void)unused;
-    /* side by side, one within another, one of air in glass, a diamond, an opaque one inside, one that holds the camera */
-    const ball balls[] = {{{5, 0.3, -1.3}, 1, 1.5, {1, 0.5, 0.5}},     {{7, -0.2, 0.6}, 1.2, (double)1.33f, {1, 1, 1}},
-                          {{5, -0.6, 0.9}, 0.7, 1.5, {0.4f, 1, 0.6f}},  {{5, 0.3, -1.3}, 0.5, 0.625, {1, 1, 1}},
-                          {{7, -0.2, 0.6}, 0.3, 0, {0.9f, 0.9f, 0.1f}}, {{4, 0.9, 0.5}, 0.3, (double)2.42f, {1, 1, 1}},
-                          {{0, 0, 0}, 1.5, (double)1.2f, {0.9f, 0.9f, 1}}};
+    /* side by side, one within another, one of air in glass, a diamond, an opaque one inside, one that holds the camera
+     */
+    const ball balls[] = {
+        {{5, 0.3, -1.3}, 1, 1.5, {1, 0.5, 0.5}},        {{7, -0.2, 0.6}, 1.2, (double)1.33f, {1, 1, 1}},
+        {{5, -0.6, 0.9}, 0.7, 1.5, {0.4f, 1, 0.6f}},    {{5, 0.3, -1.3}, 0.5, 0.625, {1, 1, 1}},
+        {{7, -0.2, 0.6}, 0.3, 0, {0.9f, 0.9f, 0.1f}},   {{4, 0.9, 0.5}, 0.3, (double)2.42f, {1, 1, 1}},
+        {{0, 0, 0}, 1.5, (double)1.2f, {0.9f, 0.9f, 1}}};
     static const struct {
         daft_quality quality;
         int mirrors, surfaces;
@@ -332,9 +335,9 @@ typedef struct tally {
     int pictures, looked, wrong;
 } tally;
 
-/* Through two surfaces of one half: a quarter of the sky. A surface that is missed leaves a half (a leak), one that is met
- * twice an eighth (acne). Nothing at all: bent light that is still mirrored within after all the surfaces the quality
- * follows, which a ball of flat sides may do, and a sphere may not. */
+/* Through two surfaces of one half: a quarter of the sky. A surface that is missed leaves a half (a leak), one that is
+ * met twice an eighth (acne). Nothing at all: bent light that is still mirrored within after all the surfaces the
+ * quality follows, which a ball of flat sides may do, and a sphere may not. */
 static void count_quarters(const stage *s, bool may_be_lost, tally *t)
 {
     int quarter = encoded(0.25);
@@ -369,9 +372,10 @@ static void surfaces_count_once(void **unused)
         for (int bent = 0; bent < 2; bent++) {
             tally t = {0, 0, 0};
             for (double radius = 1e-4; radius < 2e4; radius *= 10)
-                for (double away = 1.3; away < 600; away *= 2.1) count_surfaces(kind, bent ? 1.5f : 1, radius, away, &t);
-            print_message("%s%s: %d pictures, %d of %d pixels are wrong\n", KIND_NAMES[kind], bent ? ", bent" : "", t.pictures,
-                          t.wrong, t.looked);
+                for (double away = 1.3; away < 600; away *= 2.1)
+                    count_surfaces(kind, bent ? 1.5f : 1, radius, away, &t);
+            print_message("%s%s: %d pictures, %d of %d pixels are wrong\n", KIND_NAMES[kind], bent ? ", bent" : "",
+                          t.pictures, t.wrong, t.looked);
             assert_true(t.looked > 200 * t.pictures);
             assert_int_equal(t.wrong, 0);
         }
@@ -386,8 +390,8 @@ static int floor_light(stage *s)
     return pixel(s, WIDTH / 2, HEIGHT / 2)[1];
 }
 
-/* A thing that transmits dims the light behind it, once, however thick; two of them dim it twice; what is opaque, even in
- * part, keeps all of it away, and what is as clear as air none. */
+/* A thing that transmits dims the light behind it, once, however thick; two of them dim it twice; what is opaque, even
+ * in part, keeps all of it away, and what is as clear as air none. */
 static void shadows_let_light_through(void **unused)
 {
     (void)unused;
@@ -417,8 +421,8 @@ static void shadows_let_light_through(void **unused)
     }
 }
 
-/* A light within a ball of green glass lights the room in green; and a light among the points of one tile, where each ray goes
- * alone, does what the pencil does. */
+/* A light within a ball of green glass lights the room in green; and a light among the points of one tile, where each
+ * ray goes alone, does what the pencil does. */
 static void lanterns(void **unused)
 {
     (void)unused;
@@ -427,7 +431,8 @@ static void lanterns(void **unused)
     daft_entity room = add(s, box(daft_dv3(0, 0, 0), daft_v3(12, 6, 12), matte(s, WHITE, 0)));
     add(s, sphere(daft_dv3(3, 0, 0), 0.5f, glass(s, 1, daft_v3(0, 1, 0.25f))));
     source(s, daft_dv3(3, 0, 0), 1);
-    s->view.camera.position = daft_dv3(-3, 0, 0), s->view.camera.fov = 2.5f; /* small tiles see wall all around the light */
+    s->view.camera.position = daft_dv3(-3, 0, 0), s->view.camera.fov = 2.5f; /* small tiles see wall all around the
+                                                                                light */
     draw(s);
     int seen = 0;
     for (int i = 0; i < s->pixels; i++) {
@@ -486,10 +491,12 @@ static void the_same_however_computed(void **unused)
         uint64_t expected = 0;
         for (int variant = 0; variant <= daft_isa_best() + 3; variant++) {
             bool by_isa = variant <= daft_isa_best();
-            stage *s = stage_make(WIDTH, HEIGHT, by_isa ? daft_isa_name(variant) : NULL, by_isa ? 1 : 3 * (variant - daft_isa_best()));
+            stage *s = stage_make(WIDTH, HEIGHT, by_isa ? daft_isa_name(variant) : NULL,
+                                  by_isa ? 1 : 3 * (variant - daft_isa_best()));
             state = start; /* the same turns */
             dress(s);
-            s->view.camera.fov = 1, s->view.quality = (daft_quality)quality, s->view.reference = variant == daft_isa_best() + 3;
+            s->view.camera.fov = 1, s->view.quality = (daft_quality)quality,
+            s->view.reference = variant == daft_isa_best() + 3;
             const daft_counters *c = draw(s);
             uint64_t hash = daft_hash(&c->refraction_rays, sizeof c->refraction_rays, picture_hash(s));
             hash = daft_hash(&c->reflection_rays, sizeof c->reflection_rays, hash);
@@ -519,7 +526,8 @@ static void definitions_are_checked(void **unused)
     for (size_t i = 0; i < DAFT_COUNT_OF(bad); i++) {
         daft_material_def def = daft_default_material_def();
         daft_error error = {0};
-        def.transmission = bad[i].transmission, def.transmission_tint.z = bad[i].tint, def.refractive_index = bad[i].index;
+        def.transmission = bad[i].transmission, def.transmission_tint.z = bad[i].tint,
+        def.refractive_index = bad[i].index;
         assert_false(daft_material_create(s->scene, &def, &error).id);
         if (!strstr(error.message, bad[i].says)) fail_msg("%s", error.message);
     }

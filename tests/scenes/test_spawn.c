@@ -1,7 +1,7 @@
-/* Where rays leave surfaces: shadow and mirrored rays start outside the error of the point that was hit, and not further.
- * What a light lights in full shows no dark pixel (acne), where no light comes there is exactly none (leaks), and convex
- * mirrors do not see themselves: for spheres from 10⁻³ to 10⁶ m, meshes scaled by 10⁻³ to 10³ and turned, from 1 m to 10⁵ m
- * away. Wrong pixels are counted, and there must be none. */
+/* Where rays leave surfaces: shadow and mirrored rays start outside the error of the point that was hit, and not
+ * further. What a light lights in full shows no dark pixel (acne), where no light comes there is exactly none (leaks),
+ * and convex mirrors do not see themselves: for spheres from 10⁻³ to 10⁶ m, meshes scaled by 10⁻³ to 10³ and turned,
+ * from 1 m to 10⁵ m away. Wrong pixels are counted, and there must be none. */
 #include "hard_scenes.h"
 
 enum { WIDTH = 160, HEIGHT = 160, RINGS = 40 };
@@ -42,8 +42,8 @@ static int encoded(double linear)
 
 /* ---- meshes ---- */
 
-/* A ball of `rings` by 2·rings vertices and two poles, convex up to the rounding of its corners. Few rings: flat facets,
- * since its edges are sharper than 40 degrees; many: smooth normals. */
+/* A ball of `rings` by 2·rings vertices and two poles, convex up to the rounding of its corners. Few rings: flat
+ * facets, since its edges are sharper than 40 degrees; many: smooth normals. */
 static daft_mesh ball_mesh(stage *s, uint32_t rings)
 {
     static daft_vec3 p[2 * RINGS * RINGS + 2];
@@ -97,8 +97,8 @@ static daft_mesh floor_mesh(stage *s, uint32_t side)
 
 /* ---- looking ---- */
 
-/* The camera, `distance` from the middle of something of that radius, with a view that it fills; not narrower than 1/500,
- * where 32-bit angles end. */
+/* The camera, `distance` from the middle of something of that radius, with a view that it fills; not narrower than
+ * 1/500, where 32-bit angles end. */
 static void look(stage *s, daft_dvec3 middle, double radius, double distance)
 {
     daft_dvec3 from = daft_dadd(middle, daft_dscale(any_way(), distance));
@@ -117,14 +117,16 @@ static void report(const char *what, tally t)
     assert_int_equal(t.wrong, 0);
 }
 
-/* The cosine between a facet and the light, where a pixel sees one: that of the flat triangle, not of the smooth normal. */
+/* The cosine between a facet and the light, where a pixel sees one: that of the flat triangle, not of the smooth
+ * normal. */
 static daft_vec3 facet_normal(const stage *s, const daft_entity_def *def, int i)
 {
     if (def->shape != DAFT_SHAPE_MESH) return s->normal[i];
     daft_error error;
     daft_ray_hit hit;
-    bool found = daft_scene_cast_ray(s->scene, s->view.camera.position, daft_to_float(pixel_ray(s, i % WIDTH, i / WIDTH)),
-                                     INFINITY, (daft_entity){0}, &hit, &error);
+    bool found =
+        daft_scene_cast_ray(s->scene, s->view.camera.position, daft_to_float(pixel_ray(s, i % WIDTH, i / WIDTH)),
+                            INFINITY, (daft_entity){0}, &hit, &error);
     return found ? hit.normal : daft_v3(0, 0, 0);
 }
 
@@ -175,12 +177,14 @@ static void meshes_in_the_sun(void **unused)
     tally flat = {0, 0, 0}, smooth = {0, 0, 0};
     for (double scale = 1e-3; scale < 2e3; scale *= 10)
         for (double distance = 1; distance < 2e5; distance *= 10) {
-            if (scale > distance || scale < distance * 1e-3) continue; /* inside, or smaller than a narrow view's pixel */
+            if (scale > distance || scale < distance * 1e-3)
+                continue; /* inside, or smaller than a narrow view's pixel */
             for (uint32_t rings = 3; rings <= RINGS; rings += RINGS - 3) {
                 stage *s = stage_make(WIDTH, HEIGHT, NULL, 1);
                 daft_entity_def def = instance(ball_mesh(s, rings), daft_dv3(-1e5, 300, 2), (float)scale, any_turn(),
                                                matte(s, daft_v3(1, 1, 1), 0));
-                sunlit_view(&def, s, scale, scale == distance ? 1.5 * distance : distance, rings == 3 ? &flat : &smooth);
+                sunlit_view(&def, s, scale, scale == distance ? 1.5 * distance : distance,
+                            rings == 3 ? &flat : &smooth);
                 stage_drop(s);
             }
         }
@@ -195,9 +199,11 @@ static void count_dark(const stage *s, daft_dvec3 light_at, tally *t)
 {
     for (int i = 0; i < s->pixels; i++) {
         daft_dvec3 ray = pixel_ray(s, i % WIDTH, i / WIDTH);
-        daft_dvec3 direction_to = daft_dsub(light_at, daft_dadd(s->view.camera.position,
-                                                          daft_dscale(ray, (double)s->depth[i] / sqrt(daft_ddot(ray, ray)))));
-        double cosine = daft_ddot(direction_to, daft_to_double(s->normal[i])) / sqrt(daft_ddot(direction_to, direction_to));
+        daft_dvec3 direction_to =
+            daft_dsub(light_at, daft_dadd(s->view.camera.position,
+                                          daft_dscale(ray, (double)s->depth[i] / sqrt(daft_ddot(ray, ray)))));
+        double cosine =
+            daft_ddot(direction_to, daft_to_double(s->normal[i])) / sqrt(daft_ddot(direction_to, direction_to));
         if (s->entity[i].id == 0) {
             t->wrong++; /* a crack */
             continue;
@@ -270,7 +276,8 @@ static void lights_outside(void **unused)
             add(s, def);
             /* beside a wall, near an edge's line, far away */
             source(s, daft_dadd(def.position, daft_dscale(any_way(), size * (i < 6 ? 0.9 : 100))), 1000);
-            source(s, daft_dadd(def.position, daft_dv3(0.5001 * size, (double)any(-0.49f, 0.49f) * size, 0.499 * size)), 1000);
+            source(s, daft_dadd(def.position, daft_dv3(0.5001 * size, (double)any(-0.49f, 0.49f) * size, 0.499 * size)),
+                   1000);
             sun(s, any3(-1, 1), 1000);
             double corner = i % 3 == 1 ? 0.4999 : 0.2;
             daft_dvec3 eye = daft_dadd(def.position, daft_dscale(daft_dv3(corner, -corner, corner), size));
@@ -295,7 +302,8 @@ static void seams_are_tight(void **unused)
             for (int k = 0; k < 6; k++) {
                 double side = k % 2 ? 1 : -1, middle[3] = {0, 0, 0}, length[3] = {size, size, size};
                 middle[k / 2] = side * (h + d / 2), length[k / 2] = d;
-                add(s, box(daft_dv3(middle[0], middle[1], middle[2]), daft_to_float(daft_dv3(length[0], length[1], length[2])), white));
+                add(s, box(daft_dv3(middle[0], middle[1], middle[2]),
+                           daft_to_float(daft_dv3(length[0], length[1], length[2])), white));
             }
             daft_scene_set_ambient(s->scene, daft_v3(0, 0, 0));
             daft_vec3 down = any3(-1, 1);
@@ -376,7 +384,8 @@ static daft_entity_def mirror_of(stage *s, int kind, double radius)
     daft_dvec3 position = daft_dv3(-4e5, 80, 3);
     if (kind == 0) return sphere(position, (float)radius, half);
     daft_entity_def def = box(position, daft_to_float(daft_dv3(radius, radius, 1.2 * radius)), half);
-    if (kind > 1) def = instance(ball_mesh(s, kind == 2 ? 3 : RINGS), position, (float)radius, daft_quat_identity(), half);
+    if (kind > 1)
+        def = instance(ball_mesh(s, kind == 2 ? 3 : RINGS), position, (float)radius, daft_quat_identity(), half);
     def.rotation = any_turn();
     return def;
 }
@@ -384,7 +393,8 @@ static daft_entity_def mirror_of(stage *s, int kind, double radius)
 static void convex_mirrors(void **unused)
 {
     (void)unused;
-    static const char *const NAMES[] = {"mirrored spheres", "mirrored boxes", "mirrored flat balls", "mirrored smooth balls"};
+    static const char *const NAMES[] = {"mirrored spheres", "mirrored boxes", "mirrored flat balls",
+                                        "mirrored smooth balls"};
     for (int kind = 0; kind < 4; kind++) {
         tally t = {0, 0, 0};
         for (double radius = 1e-3; radius < (kind ? 2e3 : 2e6); radius *= 10)
@@ -402,7 +412,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(spheres_in_the_sun), cmocka_unit_test(meshes_in_the_sun), cmocka_unit_test(lights_inside),
-        cmocka_unit_test(lights_outside),      cmocka_unit_test(seams_are_tight),   cmocka_unit_test(grazing_lights),
+        cmocka_unit_test(lights_outside),     cmocka_unit_test(seams_are_tight),   cmocka_unit_test(grazing_lights),
         cmocka_unit_test(convex_mirrors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,4 +1,5 @@
-/* A character in a world, for the tests of both: makers of boxes, and ticks that assert that it is not inside what stands. */
+/* A character in a world, for the tests of both: makers of boxes, and ticks that assert that it is not inside what
+ * stands. */
 #ifndef CHARACTER_FIXTURE_H
 #define CHARACTER_FIXTURE_H
 
@@ -28,10 +29,7 @@ static inline uint32_t put_kinematic(daft_world *world, daft_vec3 half, double x
     return add(world, def);
 }
 
-static inline void put_ground(daft_world *world)
-{
-    put_box(world, 50, 1, 50, 0, -1, 0);
-}
+static inline void put_ground(daft_world *world) { put_box(world, 50, 1, 50, 0, -1, 0); }
 
 /* Feet at y. */
 static inline daft_sim_character walker(double x, double y, double z)

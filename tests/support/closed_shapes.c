@@ -161,10 +161,7 @@ static const char *folder(const char *variable, const char *fallback)
     return value && value[0] ? value : fallback;
 }
 
-const char *hard_cases_folder(void)
-{
-    return folder("DAFT_CASES", DAFT_ROOT "/tests/data/cases");
-}
+const char *hard_cases_folder(void) { return folder("DAFT_CASES", DAFT_ROOT "/tests/data/cases"); }
 
 bool closed_shape_load(const daft_allocator *allocator, int file, closed_shape *out)
 {
@@ -300,7 +297,8 @@ bool point_inside(const daft_trimesh *mesh, uint64_t *state, daft_vec3 *out)
     for (int i = 0; i < tries; i++) {
         uint32_t kind = hard_bits(state) % 4;
         daft_vec3 fraction = hard_vec3(state, 0, 1);
-        if (kind == 1) fraction = daft_v3(floorf(fraction.x * 8) / 8, floorf(fraction.y * 8) / 8, floorf(fraction.z * 8) / 8);
+        if (kind == 1)
+            fraction = daft_v3(floorf(fraction.x * 8) / 8, floorf(fraction.y * 8) / 8, floorf(fraction.z * 8) / 8);
         *out = kind == 2 ? surface_point(mesh, state) : daft_add(mesh->low, daft_mul(size, fraction));
         if (exact_crossings(mesh, *out, hard_vec3(state, -1, 1)) % 2 == 1) return true;
     }
@@ -315,10 +313,7 @@ static float nudge(uint64_t *state, float x)
     return x;
 }
 
-static float sign_of(uint64_t *state)
-{
-    return (float)((int)(hard_bits(state) % 3) - 1);
-}
+static float sign_of(uint64_t *state) { return (float)((int)(hard_bits(state) % 3) - 1); }
 
 daft_vec3 hard_target(const daft_trimesh *mesh, uint64_t *state, daft_vec3 origin)
 {

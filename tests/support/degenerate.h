@@ -1,5 +1,5 @@
-/* What the tests of degenerate input share: a stage of sound things, pictures of it with all that a pixel can tell, and what
- * must hold for each. Everything goes through daft.h. */
+/* What the tests of degenerate input share: a stage of sound things, pictures of it with all that a pixel can tell, and
+ * what must hold for each. Everything goes through daft.h. */
 #ifndef DAFT_DEGENERATE_H
 #define DAFT_DEGENERATE_H
 
@@ -78,8 +78,8 @@ __attribute__((unused)) static daft_entity_def thing(daft_mesh mesh, daft_dvec3 
     return def;
 }
 
-__attribute__((unused)) static daft_mesh mesh_of(stage *s, const daft_vec3 *positions, uint32_t vertices, const uint32_t *indices,
-                         uint32_t triangles)
+__attribute__((unused)) static daft_mesh mesh_of(stage *s, const daft_vec3 *positions, uint32_t vertices,
+                                                 const uint32_t *indices, uint32_t triangles)
 {
     daft_mesh_def def = daft_default_mesh_def();
     def.positions = positions, def.vertex_count = vertices, def.indices = indices, def.triangle_count = triangles;
@@ -89,7 +89,8 @@ __attribute__((unused)) static daft_mesh mesh_of(stage *s, const daft_vec3 *posi
     return mesh;
 }
 
-__attribute__((unused)) static daft_light light(stage *s, daft_light_kind kind, daft_dvec3 position, daft_vec3 direction, float color)
+__attribute__((unused)) static daft_light light(stage *s, daft_light_kind kind, daft_dvec3 position,
+                                                daft_vec3 direction, float color)
 {
     daft_light_def def = daft_default_light_def();
     def.kind = kind, def.position = position, def.direction = direction, def.color = daft_v3(color, color, color);
@@ -112,8 +113,8 @@ static stage *stage_bare(const char *isa)
     return s;
 }
 
-/* A floor, a ball, a mirror that sees the whole room, a block and a ball that falls; a sun and a light. The camera is at
- * the origin and looks along +X. */
+/* A floor, a ball, a mirror that sees the whole room, a block and a ball that falls; a sun and a light. The camera is
+ * at the origin and looks along +X. */
 __attribute__((unused)) static stage *stage_make_on(const char *isa)
 {
     stage *s = stage_bare(isa);
@@ -135,10 +136,7 @@ __attribute__((unused)) static stage *stage_make_on(const char *isa)
     return s;
 }
 
-__attribute__((unused)) static stage *stage_make(void)
-{
-    return stage_make_on(NULL);
-}
+__attribute__((unused)) static stage *stage_make(void) { return stage_make_on(NULL); }
 
 __attribute__((unused)) static void stage_drop(stage *s)
 {
@@ -168,8 +166,8 @@ __attribute__((unused)) static picture *draw(stage *s, daft_quality quality)
 }
 
 /* Depths above zero, infinite in the sky alone; normals of length 1, zero in the sky alone. */
-__attribute__((unused)) static void assert_sound(const char *name, const float *depth, const daft_vec3 *normal, const daft_entity *entity,
-                         size_t count)
+__attribute__((unused)) static void assert_sound(const char *name, const float *depth, const daft_vec3 *normal,
+                                                 const daft_entity *entity, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         daft_vec3 n = normal[i];

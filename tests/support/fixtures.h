@@ -1,4 +1,5 @@
-/* What the tests of the ray kernels share: random numbers with a printed seed, meshes, instances, both visibility paths. */
+/* What the tests of the ray kernels share: random numbers with a printed seed, meshes, instances, both visibility
+ * paths. */
 #ifndef DAFT_FIXTURES_H
 #define DAFT_FIXTURES_H
 
@@ -50,8 +51,8 @@ typedef struct fixture_mesh {
 
 static const uint32_t FIXTURE_MATERIAL[1] = {0};
 
-__attribute__((unused)) static fixture_mesh mesh_make(const daft_vec3 *positions, uint32_t vertices, const uint32_t *indices,
-                                                      uint32_t triangles)
+__attribute__((unused)) static fixture_mesh mesh_make(const daft_vec3 *positions, uint32_t vertices,
+                                                      const uint32_t *indices, uint32_t triangles)
 {
     daft_allocator allocator = daft_malloc_allocator();
     daft_mesh_def def = {.cookie = DAFT_COOKIE,
@@ -103,8 +104,9 @@ __attribute__((unused)) static fixture_mesh mesh_ball(uint32_t rings, float radi
         for (uint32_t j = 0; j < columns; j++) {
             double longitude = 2 * DAFT_PI * j / columns;
             float r = radius * (1 + bump * random_float(-1, 1));
-            p[i * columns + j] = daft_v3(r * (float)(daft_cos(latitude) * daft_cos(longitude)), r * (float)daft_sin(latitude),
-                                         r * (float)(daft_cos(latitude) * daft_sin(longitude)));
+            p[i * columns + j] =
+                daft_v3(r * (float)(daft_cos(latitude) * daft_cos(longitude)), r * (float)daft_sin(latitude),
+                        r * (float)(daft_cos(latitude) * daft_sin(longitude)));
         }
     }
     uint32_t south = vertices - 2, north = vertices - 1;
@@ -132,7 +134,8 @@ __attribute__((unused)) static void affine_invert(const daft_affine *a, daft_aff
 {
     double m[9], inverse[9];
     for (int i = 0; i < 9; i++) m[i] = (double)a->m[i];
-    double det = m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
+    double det =
+        m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             int a1 = (j + 1) % 3, a2 = (j + 2) % 3, b1 = (i + 1) % 3, b2 = (i + 2) % 3;

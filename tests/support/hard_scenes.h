@@ -1,5 +1,5 @@
-/* What the tests of hard scenes share: a stage with a scene and a picture of any size, short makers for what stands on it,
- * and ways to compare two pictures. Everything goes through daft.h, as a user's program does. */
+/* What the tests of hard scenes share: a stage with a scene and a picture of any size, short makers for what stands on
+ * it, and ways to compare two pictures. Everything goes through daft.h, as a user's program does. */
 #ifndef DAFT_HARD_SCENES_H
 #define DAFT_HARD_SCENES_H
 
@@ -101,8 +101,8 @@ __attribute__((unused)) static daft_entity_def sphere(daft_dvec3 position, float
     return def;
 }
 
-__attribute__((unused)) static daft_entity_def instance(daft_mesh mesh, daft_dvec3 position, float scale, daft_quat rotation,
-                                                        daft_material material)
+__attribute__((unused)) static daft_entity_def instance(daft_mesh mesh, daft_dvec3 position, float scale,
+                                                        daft_quat rotation, daft_material material)
 {
     daft_entity_def def = daft_default_entity_def();
     def.shape = DAFT_SHAPE_MESH, def.mesh = mesh, def.position = position, def.material = material;
@@ -142,10 +142,12 @@ __attribute__((unused)) static daft_light source(stage *s, daft_dvec3 position, 
 __attribute__((unused)) static daft_dvec3 pixel_ray(const stage *s, int x, int y)
 {
     const daft_camera *c = &s->view.camera;
-    double f = s->width / 2.0 / daft_tan((double)c->fov / 2), px = x + 0.5 - s->width / 2.0, py = s->height / 2.0 - y - 0.5;
+    double f = s->width / 2.0 / daft_tan((double)c->fov / 2), px = x + 0.5 - s->width / 2.0,
+           py = s->height / 2.0 - y - 0.5;
     double cp = daft_cos((double)c->pitch), sp = daft_sin((double)c->pitch), cy = daft_cos((double)c->yaw),
            sy = daft_sin((double)c->yaw);
-    daft_dvec3 forward = daft_dv3(cp * cy, -sp, cp * sy), right = daft_dv3(-sy, 0, cy), up = daft_dcross(right, forward);
+    daft_dvec3 forward = daft_dv3(cp * cy, -sp, cp * sy), right = daft_dv3(-sy, 0, cy),
+               up = daft_dcross(right, forward);
     return daft_dadd(daft_dscale(right, px), daft_dadd(daft_dscale(up, py), daft_dscale(forward, f)));
 }
 
@@ -186,8 +188,7 @@ __attribute__((unused)) static int far_apart(const picture *p, const stage *s)
 __attribute__((unused)) static int others_seen(const picture *p, const stage *s)
 {
     int count = 0;
-    for (int i = 0; i < s->pixels; i++)
-        count += p->entity[i].id != s->entity[i].id || p->triangle[i] != s->triangle[i];
+    for (int i = 0; i < s->pixels; i++) count += p->entity[i].id != s->entity[i].id || p->triangle[i] != s->triangle[i];
     return count;
 }
 

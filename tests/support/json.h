@@ -5,10 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static inline const char *json_blanks(const char *c)
-{
-    return c + strspn(c, " \t\r\n");
-}
+static inline const char *json_blanks(const char *c) { return c + strspn(c, " \t\r\n"); }
 static const char *json_value(const char *c);
 
 static inline const char *json_string(const char *c)

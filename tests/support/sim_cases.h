@@ -1,5 +1,5 @@
-/* What the tests of the table of physics cases share: each scene is played at the origin, far from it, mirrored in x, and by
- * two and four workers, from which the same bits must come as from one. */
+/* What the tests of the table of physics cases share: each scene is played at the origin, far from it, mirrored in x,
+ * and by two and four workers, from which the same bits must come as from one. */
 #ifndef SIM_CASES_H
 #define SIM_CASES_H
 
@@ -86,7 +86,8 @@ static inline daft_sim_state state_in(const daft_world *world, const variant *v,
 }
 
 /* In a mirror, triangles are wound the other way round. */
-static inline fixture_mesh variant_mesh(const variant *v, const daft_vec3 *p, uint32_t vertices, const uint32_t *index, uint32_t triangles)
+static inline fixture_mesh variant_mesh(const variant *v, const daft_vec3 *p, uint32_t vertices, const uint32_t *index,
+                                        uint32_t triangles)
 {
     daft_vec3 *at = malloc(vertices * sizeof *at);
     uint32_t *wound = malloc(3 * (size_t)triangles * sizeof *wound);
@@ -171,9 +172,9 @@ static inline double energy_of(const daft_world *world, uint32_t body, daft_vec3
     daft_rigid frame = daft_rigid_make(s.position, s.rotation);
     daft_dvec3 w = daft_rigid_to_local_vector(&frame, daft_to_double(s.angular)), h = daft_to_double(half);
     double third = (double)daft_world_mass(world, body) / 3;
-    return 0.5 * (3 * third * speed_of(s) * speed_of(s) + third * ((h.y * h.y + h.z * h.z) * w.x * w.x +
-                                                                    (h.x * h.x + h.z * h.z) * w.y * w.y +
-                                                                    (h.x * h.x + h.y * h.y) * w.z * w.z));
+    return 0.5 * (3 * third * speed_of(s) * speed_of(s) +
+                  third * ((h.y * h.y + h.z * h.z) * w.x * w.x + (h.x * h.x + h.z * h.z) * w.y * w.y +
+                           (h.x * h.x + h.y * h.y) * w.z * w.z));
 }
 
 /* Round its y axis, of so many sides. */

@@ -137,10 +137,7 @@ static inline daft_sim_state state_of(const daft_world *world, uint32_t body)
     return state;
 }
 
-static inline double speed_of(daft_sim_state s)
-{
-    return (double)daft_length(s.linear);
-}
+static inline double speed_of(daft_sim_state s) { return (double)daft_length(s.linear); }
 
 static inline void assert_near(double value, double wanted, double tolerance)
 {
@@ -154,7 +151,8 @@ static inline daft_quat turned(double x, double y, double z, double angle)
                        (float)daft_cos(angle / 2)};
 }
 
-/* Triangles that look up, two to each of cells × cells quads over a field of vertices, row by row; returns how many indices. */
+/* Triangles that look up, two to each of cells × cells quads over a field of vertices, row by row; returns how many
+ * indices. */
 static inline uint32_t index_field(uint32_t cells, uint32_t *index)
 {
     uint32_t used = 0;
@@ -179,13 +177,16 @@ static inline void add_tray(daft_world *world, daft_dvec3 at, float half)
 }
 
 /* A closed room: six walls around its middle. */
-static inline void add_room(daft_world *world, daft_dvec3 middle, float half, float wall_half, float restitution, float friction)
+static inline void add_room(daft_world *world, daft_dvec3 middle, float half, float wall_half, float restitution,
+                            float friction)
 {
     for (int axis = 0; axis < 3; axis++)
         for (int side = -1; side <= 1; side += 2) {
             double at = side * (double)half;
             one_shape wall = box(daft_v3(half, half, half), middle.x, middle.y, middle.z);
-            *(axis == 0 ? &wall.part.shape.half.x : axis == 1 ? &wall.part.shape.half.y : &wall.part.shape.half.z) = wall_half;
+            *(axis == 0   ? &wall.part.shape.half.x
+              : axis == 1 ? &wall.part.shape.half.y
+                          : &wall.part.shape.half.z) = wall_half;
             *(axis == 0 ? &wall.position.x : axis == 1 ? &wall.position.y : &wall.position.z) += at;
             wall.restitution = restitution;
             wall.friction = friction;

@@ -32,10 +32,7 @@ static void subject_place(subject *s, daft_affine to_frame)
     assert_non_null(s->tlas);
 }
 
-static daft_affine identity(void)
-{
-    return affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0));
-}
+static daft_affine identity(void) { return affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0)); }
 
 static void subject_wrap(subject *s)
 {
@@ -63,10 +60,7 @@ static void subject_drop(subject *s)
     closed_shape_free(memory(), &s->shape);
 }
 
-static daft_ray ray_make(daft_vec3 o, daft_vec3 d)
-{
-    return (daft_ray){.origin = o, .direction = d, .tmax = INFINITY};
-}
+static daft_ray ray_make(daft_vec3 o, daft_vec3 d) { return (daft_ray){.origin = o, .direction = d, .tmax = INFINITY}; }
 
 /* All instruction sets give the same bits, and `occluded` says what `closest` says. */
 static bool looks_alike(const daft_tlas *tlas, const daft_ray *ray, const daft_hit *expected)

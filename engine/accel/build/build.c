@@ -50,12 +50,13 @@ static daft_build_range measure_whole(const daft_build *build)
 typedef struct grid_job {
     daft_build *build;
     daft_build_grid grid;
-    uint32_t total;    /* cells, empty ones too */
-    uint32_t *counts;  /* of each slice; then where its prims of a cell go */
+    uint32_t total;   /* cells, empty ones too */
+    uint32_t *counts; /* of each slice; then where its prims of a cell go */
 } grid_job;
 
-/* Fewer prims than GRID_MIN are one task: they take no longer than by a grid, and the top of the tree is better. Above, about ten
- * prims to a cell of a surface: enough for the top, and few enough to count. False: no grid parts the middles. */
+/* Fewer prims than GRID_MIN are one task: they take no longer than by a grid, and the top of the tree is better. Above,
+ * about ten prims to a cell of a surface: enough for the top, and few enough to count. False: no grid parts the
+ * middles. */
 static bool grid_of(const daft_build_range *whole, daft_build_grid *grid)
 {
     uint32_t side = whole->count < 524288 ? 32 : whole->count < 4194304 ? 64 : 128;
@@ -87,8 +88,8 @@ static void scatter_slice(void *context, uint32_t slice, uint32_t worker)
     (void)worker;
     grid_job *job = context;
     uint32_t first = slice_first(job->build->count, slice), end = slice_first(job->build->count, slice + 1);
-    job->build->kernels->scatter(&job->grid, job->build->prims + first, end - first, job->counts + (size_t)slice * job->total,
-                                 job->build->other);
+    job->build->kernels->scatter(&job->grid, job->build->prims + first, end - first,
+                                 job->counts + (size_t)slice * job->total, job->build->other);
 }
 
 /* From counts to places; notes where each cell that holds something begins. */
@@ -114,7 +115,8 @@ static void make_cells(void *context, uint32_t slice, uint32_t worker)
     (void)worker;
     daft_build *build = ((grid_job *)context)->build;
     for (uint32_t i = slice_first(build->cell_count, slice); i < slice_first(build->cell_count, slice + 1); i++) {
-        daft_build_range cell = {.first = build->cell_first[i], .count = build->cell_first[i + 1] - build->cell_first[i]};
+        daft_build_range cell = {.first = build->cell_first[i],
+                                 .count = build->cell_first[i + 1] - build->cell_first[i]};
         build->kernels->measure(build->other, &cell);
         daft_build_prim *out = &build->cells[i];
         memcpy(out->low, &cell.box, sizeof cell.box);
@@ -156,7 +158,8 @@ static bool split_cells(daft_build *build)
                 build->kernels->branch(&branch, &whole);
     build->tasks = branch.tasks, build->task_count = branch.task_count;
     uint32_t first = 0; /* tasks are in depth-first order; from cells to their prims */
-    for (size_t i = 0; i < build->task_count; i++) build->tasks[i].node_base = first, first += build->tasks[i].range.weight;
+    for (size_t i = 0; i < build->task_count; i++)
+        build->tasks[i].node_base = first, first += build->tasks[i].range.weight;
     return done;
 }
 
@@ -180,7 +183,9 @@ static void gather_task(void *context, uint32_t index, uint32_t worker)
 bool daft_build_reserve(const daft_allocator *allocator, daft_build_sink *sink, size_t most, size_t chunk)
 {
     if (sink->capacity - sink->count >= most) return true;
-    if (!daft_grow(allocator, &sink->chunks, &sink->chunk_capacity, sink->chunk_count + 1, sink->chunk_count, sizeof *sink->chunks)) return false;
+    if (!daft_grow(allocator, &sink->chunks, &sink->chunk_capacity, sink->chunk_count + 1, sink->chunk_count,
+                   sizeof *sink->chunks))
+        return false;
     sink->capacity = chunk > most ? chunk : most;
     sink->count = 0;
     sink->forks = daft_alloc(allocator, sink->capacity, sizeof *sink->forks);
@@ -200,7 +205,8 @@ static void run_task(void *context, uint32_t index, uint32_t worker)
     daft_build *build = context;
     daft_build_task *task = &build->tasks[index];
     daft_build_sink *sink = &build->sinks[build->fixed ? index : worker];
-    daft_build_branch branch = {.rule = &build->rule, .prims = {build->prims, build->other}, .sink = sink, .numbers = build->numbers};
+    daft_build_branch branch = {
+        .rule = &build->rule, .prims = {build->prims, build->other}, .sink = sink, .numbers = build->numbers};
     size_t chunk = daft_min_u(CHUNK, build->count / 2 / (uint32_t)daft_max_i(build->threads, 1));
     if (!build->fixed && !daft_build_reserve(build->allocator, sink, 2 * (size_t)task->range.count, chunk)) return;
     daft_build_fork *forks = sink->forks + sink->count;
@@ -215,7 +221,8 @@ static bool make_sinks(daft_build *build)
     build->sinks = daft_alloc_zero(build->allocator, build->sink_count, sizeof *build->sinks);
     if (!build->sinks) return false;
     for (size_t i = 0; i < build->task_count && build->fixed; i++)
-        if (!daft_build_reserve(build->allocator, &build->sinks[i], 2 * (size_t)build->tasks[i].range.count, 0)) return false;
+        if (!daft_build_reserve(build->allocator, &build->sinks[i], 2 * (size_t)build->tasks[i].range.count, 0))
+            return false;
     return true;
 }
 

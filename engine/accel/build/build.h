@@ -1,14 +1,14 @@
 /* accel/build: builds and refits the BVH of a mesh and of instances, and the kd-tree. Public headers: none.
  *
- * This header is the builder of both levels of BVH: build.c has the threads, build_kernel.c the loops over boxes, collapse.c what
- * comes after them.
+ * This header is the builder of both levels of BVH: build.c has the threads, build_kernel.c the loops over boxes,
+ * collapse.c what comes after them.
  *
- * Ranges of primitives (`prims`) are split in two, recursively. The nodes of this binary tree are called forks, to tell them
- * from the nodes of eight that they become. A large set is first sorted into the cells of a grid by
- * the middles of its boxes. A cell is then a box with a weight, and the top of the tree is built over cells by the code that
- * builds over boxes; what is below a few cells is a task. When all ranges are split, the forks are collapsed into nodes of eight and leaves,
- * across the borders of tasks. Tasks are found by one thread and depend on the set alone, and a task owns what it writes, so
- * the tree is the same for any number of threads. */
+ * Ranges of primitives (`prims`) are split in two, recursively. The nodes of this binary tree are called forks, to tell
+ * them from the nodes of eight that they become. A large set is first sorted into the cells of a grid by the middles of
+ * its boxes. A cell is then a box with a weight, and the top of the tree is built over cells by the code that builds
+ * over boxes; what is below a few cells is a task. When all ranges are split, the forks are collapsed into nodes of
+ * eight and leaves, across the borders of tasks. Tasks are found by one thread and depend on the set alone, and a task
+ * owns what it writes, so the tree is the same for any number of threads. */
 #ifndef DAFT_BUILD_H
 #define DAFT_BUILD_H
 
@@ -24,7 +24,8 @@ typedef struct daft_build_prim {
     uint32_t weight; /* 1, or a cell's triangles */
 } daft_build_prim;
 
-/* Prims in a row. Lanes 0 to 2 of the boxes are lows, 4 to 6 negated highs, 3 and 7 mean nothing; middles are doubled. */
+/* Prims in a row. Lanes 0 to 2 of the boxes are lows, 4 to 6 negated highs, 3 and 7 mean nothing; middles are doubled.
+ */
 typedef struct daft_build_range {
     v8 box, middles;
     uint32_t first, count, weight;
@@ -34,13 +35,14 @@ typedef struct daft_build_range {
 
 typedef struct daft_build_rule {
     uint32_t leaf_size;  /* weights up to this may become leaves; at least block_size */
-    uint32_t block_size; /* weight that costs as much as one; 1: each leaf is one prim, and its code the prim's number */
+    uint32_t block_size; /* weight that costs as much as one; 1: each leaf is one prim, and its code the prim's number
+                          */
 } daft_build_rule;
 
-/* What a ray pays for a node that it enters, for a leaf, and for each block of that: measured. The blocks of a leaf go through
- * the filter together, as many as there are lanes for, so the first costs most. */
-#define DAFT_NODE_COST 1.0f
-#define DAFT_LEAF_COST 1.5f
+/* What a ray pays for a node that it enters, for a leaf, and for each block of that: measured. The blocks of a leaf go
+ * through the filter together, as many as there are lanes for, so the first costs most. */
+#define DAFT_NODE_COST  1.0f
+#define DAFT_LEAF_COST  1.5f
 #define DAFT_BLOCK_COST 0.15f
 
 /* A range that was split in two, or that is not split further: a node of the binary tree. */
@@ -49,10 +51,12 @@ typedef struct daft_build_fork { /* a line of a cache */
     uint32_t right; /* how much further in its list the right part stands; the left one is next. 0: not split */
     float high[3];  /* negated */
     uint32_t first; /* of its numbers; where leaves are prims, the prim; over cells, where it is not split, its task */
-    /* What the cheapest forest of at most i + 1 trees costs, nodes or leaves that together hold the range (collapse.c). Where it is
-     * less than that of one tree fewer, its lowest three bits say how many of the trees are of the left part. */
+    /* What the cheapest forest of at most i + 1 trees costs, nodes or leaves that together hold the range (collapse.c).
+     * Where it is less than that of one tree fewer, its lowest three bits say how many of the trees are of the left
+     * part. */
     float cost[DAFT_WIDTH - 1];
-    uint16_t count; /* of prims, or the largest there is, where they are more; those of a bundle are the forks that follow */
+    uint16_t count; /* of prims, or the largest there is, where they are more; those of a bundle are the forks that
+                       follow */
     uint8_t left;   /* how many of the eight children of a node over the range are of the left part; 0: it is a leaf */
     uint8_t bundle; /* prims that are leaves each, and not split further */
 } daft_build_fork;
@@ -67,8 +71,8 @@ typedef struct daft_build_sink {
     size_t chunk_count, chunk_capacity;
 } daft_build_sink;
 
-/* A part of the tree that is built by itself: its forks, the nodes and leaves above which no node is its own, and where what it
- * holds lies in the whole. */
+/* A part of the tree that is built by itself: its forks, the nodes and leaves above which no node is its own, and where
+ * what it holds lies in the whole. */
 typedef struct daft_build_task {
     daft_build_range range;
     const daft_build_fork *forks; /* NULL: memory was out */
@@ -146,13 +150,13 @@ bool daft_build_run(daft_build *build);
 void daft_build_write(daft_build *build, const daft_build_out *out);
 void daft_build_free(daft_build *build);
 
-/* collapse.c: which forks of a finished list become nodes; then that of the whole, and where each task's part of it lies. False:
- * memory is out. */
+/* collapse.c: which forks of a finished list become nodes; then that of the whole, and where each task's part of it
+ * lies. False: memory is out. */
 void daft_build_weigh(const daft_build_rule *rule, daft_build_fork *forks, size_t count);
 bool daft_build_collapse(daft_build *build);
 
-/* Room for so many forks in a row; a new chunk, where there is none, has `chunk` of them or more. Prims become at most two forks
- * each. False: memory is out. */
+/* Room for so many forks in a row; a new chunk, where there is none, has `chunk` of them or more. Prims become at most
+ * two forks each. False: memory is out. */
 bool daft_build_reserve(const daft_allocator *allocator, daft_build_sink *sink, size_t most, size_t chunk);
 void daft_build_sink_free(const daft_allocator *allocator, daft_build_sink *sink);
 

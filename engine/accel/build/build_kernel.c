@@ -1,22 +1,23 @@
-/* The builder's loops: top-down binned SAH (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007), recursively in
- * two; collapse.c then chooses which ranges become nodes. Below MEDIAN_DEPTH, and where no plane separates the box centres, ranges
- * are halved by count, so the depth is bounded for any input and the time is O(n log n).
+/* The builder's loops: top-down binned SAH (Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies",
+ * 2007), recursively in two; collapse.c then chooses which ranges become nodes. Below MEDIAN_DEPTH, and where no plane
+ * separates the box centres, ranges are halved by count, so the depth is bounded for any input and the time is O(n log
+ * n).
  *
  * Prims are moved between two buffers, the left side from the front and the right side from the back, without a branch.
- * Areas are those of sides longer by a little, so that boxes without area are still told apart by their length and their
- * number. */
+ * Areas are those of sides longer by a little, so that boxes without area are still told apart by their length and
+ * their number. */
 #include "accel/build/build.h"
 
 #include <float.h>
 
-/* Below MEDIAN_DEPTH there are at most the 29 halvings of 2^31 prims into blocks, so nodes stand at most 70 deep, and what waits
- * of each level fits in DAFT_STACK. */
+/* Below MEDIAN_DEPTH there are at most the 29 halvings of 2^31 prims into blocks, so nodes stand at most 70 deep, and
+ * what waits of each level fits in DAFT_STACK. */
 enum { FEW_PRIMS = 16, FEW_BINS = 8, MORE_PRIMS = 64, MORE_BINS = 16, MAX_BINS = 32 };
 enum { MEDIAN_DEPTH = 40, TASK_CELLS = 64, TASK_WEIGHT = 512 };
-#define WORTH 0.9f                      /* what two leaves may cost where one would do: there is seldom room for both in a node */
-#define LITTLE 1e-6f                    /* of the longest side */
-#define LEAST_SIDE 1e-12f               /* between these, areas neither underflow nor overflow; ranges beyond are halved */
-#define MOST_SIDE 1e15f
+#define WORTH      0.9f   /* what two leaves may cost where one would do: there is seldom room for both in a node */
+#define LITTLE     1e-6f  /* of the longest side */
+#define LEAST_SIDE 1e-12f /* between these, areas neither underflow nor overflow; ranges beyond are halved */
+#define MOST_SIDE  1e15f
 
 typedef daft_build_range range;
 typedef daft_build_prim prim;
@@ -65,7 +66,10 @@ typedef struct split {
 
 static binning binning_of(const range *r)
 {
-    binning b = {.low = v8_lower_half(r->middles), .count = r->count <= FEW_PRIMS ? FEW_BINS : r->count <= MORE_PRIMS ? MORE_BINS : MAX_BINS};
+    binning b = {.low = v8_lower_half(r->middles),
+                 .count = r->count <= FEW_PRIMS    ? FEW_BINS
+                          : r->count <= MORE_PRIMS ? MORE_BINS
+                                                   : MAX_BINS};
     v4 extent = -(b.low + v8_upper_half(r->middles)), side = -(v8_lower_half(r->box) + v8_upper_half(r->box));
     float longest = 0;
     b.low[3] = 0, b.scale = v4_set(0);
@@ -168,7 +172,8 @@ static const union {
            {INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY}}};
 
 /* Into the other buffer; where both sides are, and their middles. */
-static void partition(daft_build_prim *const prims[2], const range *r, const binning *how, split s, range *left, range *right)
+static void partition(daft_build_prim *const prims[2], const range *r, const binning *how, split s, range *left,
+                      range *right)
 {
     const prim *in = prims[r->side] + r->first;
     prim *out = prims[1 - r->side] + r->first, *front = out, *back = out + r->count - 1;
@@ -220,7 +225,8 @@ DAFT_INLINE float leaf_cost(const daft_build_rule *rule, const range *r, float l
 }
 
 /* False: the range is to stay as it is. */
-static __attribute__((noinline)) bool split_range(const daft_build_branch *branch, const range *r, range *left, range *right)
+static __attribute__((noinline)) bool split_range(const daft_build_branch *branch, const range *r, range *left,
+                                                  range *right)
 {
     const daft_build_rule *rule = branch->rule;
     if (r->count <= 1 || r->weight <= rule->block_size) return false;
@@ -235,7 +241,8 @@ static __attribute__((noinline)) bool split_range(const daft_build_branch *branc
         if (s.axis >= 0) share_bins(&sorted, &how, s, r->weight, left, right);
         if (r->weight <= rule->leaf_size) {
             float l = how.little;
-            if (s.axis < 0 || leaf_cost(rule, left, l) + leaf_cost(rule, right, l) >= WORTH * leaf_cost(rule, r, l)) return false;
+            if (s.axis < 0 || leaf_cost(rule, left, l) + leaf_cost(rule, right, l) >= WORTH * leaf_cost(rule, r, l))
+                return false;
         }
         if (s.axis >= 0) partition(branch->prims, r, &how, s, left, right);
     }
@@ -248,8 +255,8 @@ static __attribute__((noinline)) bool split_range(const daft_build_branch *branc
 
 static bool defer(daft_build_branch *branch, const range *r, daft_build_fork *fork)
 {
-    if (!daft_grow(branch->allocator, &branch->tasks, &branch->task_capacity, branch->task_count + 1, branch->task_count,
-                   sizeof *branch->tasks))
+    if (!daft_grow(branch->allocator, &branch->tasks, &branch->task_capacity, branch->task_count + 1,
+                   branch->task_count, sizeof *branch->tasks))
         return false;
     fork->first = (uint32_t)branch->task_count;
     branch->tasks[branch->task_count++] = (daft_build_task){.range = *r};

@@ -23,9 +23,11 @@ static float over(double x) { return nextafterf((float)x, INFINITY); }
 void daft_part_clip(const daft_trimesh *mesh, daft_part *r, int axis, float at, bool below)
 {
     const uint32_t *corner = &mesh->indices[3 * (size_t)r->triangle];
-    double p[3][3], low[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, high[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX}, plane_at = (double)at;
+    double p[3][3], low[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, high[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX},
+                    plane_at = (double)at;
     for (int i = 0; i < 3; i++)
-        p[i][0] = (double)mesh->x[corner[i]], p[i][1] = (double)mesh->y[corner[i]], p[i][2] = (double)mesh->z[corner[i]];
+        p[i][0] = (double)mesh->x[corner[i]], p[i][1] = (double)mesh->y[corner[i]],
+        p[i][2] = (double)mesh->z[corner[i]];
     for (int i = 0; i < 3; i++) {
         const double *a = p[i], *b = p[(i + 1) % 3];
         bool inside = below ? a[axis] <= plane_at : a[axis] >= plane_at;

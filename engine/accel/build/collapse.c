@@ -1,18 +1,19 @@
-/* Collapses the binary tree into nodes of eight: chooses which ranges become nodes and which leaves, at minimal cost to a ray for
- * this binary tree (Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section
- * 3.1). From the leaves up, each fork gets the cost of the cheapest forest of at most 1, 2, … 7 trees over its range; a node is
- * made of such forests of its two sides. A cost is a surface times a constant for nodes, leaves or blocks.
+/* Collapses the binary tree into nodes of eight: chooses which ranges become nodes and which leaves, at minimal cost to
+ * a ray for this binary tree (Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed
+ * Wide BVHs", 2017, section 3.1). From the leaves up, each fork gets the cost of the cheapest forest of at most 1, 2, …
+ * 7 trees over its range; a node is made of such forests of its two sides. A cost is a surface times a constant for
+ * nodes, leaves or blocks.
  *
- * The forks of a task are weighed by who built them, those over cells when all tasks are done, as if a task's first fork
- * stood where the task does. A task then knows its trees: up to seven, whose parent is a node of the top's. */
+ * The forks of a task are weighed by who built them, those over cells when all tasks are done, as if a task's first
+ * fork stood where the task does. A task then knows its trees: up to seven, whose parent is a node of the top's. */
 #include "accel/build/build.h"
 
 #include <float.h>
 #include <string.h>
 
-#define LITTLE 1e-6f      /* of the longest side: boxes without area are told apart by their length */
+#define LITTLE     1e-6f  /* of the longest side: boxes without area are told apart by their length */
 #define LEAST_AREA 1e-30f /* sums of so many neither under- nor overflow */
-#define MOST_AREA 1e25f
+#define MOST_AREA  1e25f
 
 enum { TREES = DAFT_WIDTH - 1 }; /* that one part of a node has at most */
 
@@ -32,7 +33,10 @@ static float fork_area(const daft_build_fork *fork)
     return area >= LEAST_AREA ? area : LEAST_AREA;
 }
 
-static uint32_t blocks_of(const daft_build_rule *rule, uint32_t count) { return (count + rule->block_size - 1) / rule->block_size; }
+static uint32_t blocks_of(const daft_build_rule *rule, uint32_t count)
+{
+    return (count + rule->block_size - 1) / rule->block_size;
+}
 
 static int lowest_bits(float cost)
 {
@@ -41,8 +45,8 @@ static int lowest_bits(float cost)
     return bits & 7;
 }
 
-/* Lane i: what i + 1 trees cost, some of the left part and the others of the right; the lowest bits say how many are left. Sums of
- * what costs too much may become NaN by these; v8_min gives its second argument then. */
+/* Lane i: what i + 1 trees cost, some of the left part and the others of the right; the lowest bits say how many are
+ * left. Sums of what costs too much may become NaN by these; v8_min gives its second argument then. */
 static v8 best_forests(const daft_build_fork *left, const daft_build_fork *right)
 {
     float behind[2 * DAFT_WIDTH]; /* right's costs, with lanes before them that cost too much */
@@ -60,7 +64,8 @@ static v8 best_forests(const daft_build_fork *left, const daft_build_fork *right
 static void fork_weigh(const daft_build_rule *rule, daft_build_fork *fork)
 {
     float area = fork_area(fork), least = FLT_MAX, cost[DAFT_WIDTH];
-    if (fork->count <= rule->leaf_size) least = area * (DAFT_LEAF_COST + DAFT_BLOCK_COST * (float)blocks_of(rule, fork->count));
+    if (fork->count <= rule->leaf_size)
+        least = area * (DAFT_LEAF_COST + DAFT_BLOCK_COST * (float)blocks_of(rule, fork->count));
     fork->left = 0;
     if (fork->bundle) { /* a node over all, or each a tree: what leaves cost is the same in both */
         for (int i = 0; i < TREES; i++) fork->cost[i] = i + 1 < fork->count ? area * DAFT_NODE_COST : 0;
@@ -192,7 +197,8 @@ static void top_add(daft_build *build, top_forest *to, const daft_build_fork *fo
 static uint32_t top_node(daft_build *build, const daft_build_fork *fork)
 {
     daft_node_list *nodes = &build->top_nodes;
-    if (!daft_grow(build->allocator, &nodes->items, &nodes->capacity, nodes->count + 1, nodes->count, sizeof(daft_node)))
+    if (!daft_grow(build->allocator, &nodes->items, &nodes->capacity, nodes->count + 1, nodes->count,
+                   sizeof(daft_node)))
         return DAFT_CHILD_NONE;
     uint32_t self = (uint32_t)nodes->count++;
     top_forest under = {.of.count = 0};
@@ -268,7 +274,8 @@ static uint32_t leaf_write(writer *w, const daft_build_fork *leaf)
     const uint32_t *numbers = w->build->numbers + leaf->first;
     uint32_t first = (uint32_t)w->block, blocks = blocks_of(&w->build->rule, leaf->count);
     for (uint32_t i = 0; i < blocks * DAFT_BLOCK; i++)
-        w->out->blocks[first + i / DAFT_BLOCK].triangle[i % DAFT_BLOCK] = i < leaf->count ? numbers[i] : DAFT_NO_TRIANGLE;
+        w->out->blocks[first + i / DAFT_BLOCK].triangle[i % DAFT_BLOCK] =
+            i < leaf->count ? numbers[i] : DAFT_NO_TRIANGLE;
     for (uint32_t i = 0; i < blocks; i++) daft_block_fill(w->out->mesh, &w->out->blocks[first + i]);
     w->block += blocks;
     return DAFT_CHILD_LEAF | first << 2 | (blocks - 1);
@@ -295,7 +302,8 @@ static void write_task(void *context, uint32_t index, uint32_t worker)
     const write_job *job = context;
     daft_build_task *task = &job->build->tasks[index];
     writer w = {job->build, job->out, task->node_base, task->block_base};
-    for (int i = 0; i < task->tree_count; i++) task->codes[i] = tree_write(&w, task->trees[i], is_root(w.build, task->trees[i]));
+    for (int i = 0; i < task->tree_count; i++)
+        task->codes[i] = tree_write(&w, task->trees[i], is_root(w.build, task->trees[i]));
 }
 
 void daft_build_write(daft_build *build, const daft_build_out *out)

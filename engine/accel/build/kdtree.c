@@ -1,10 +1,10 @@
 /* Building the kd-tree: top-down by the surface-area heuristic, triangles clipped to the cells they straddle ("perfect
- * splits"), O(n log n) (Wald and Havran, "On building fast kd-Trees for Ray Tracing, and on doing that in O(N log N)", 2006).
- * Above FEW triangles planes are looked for among BINS of each axis (Shevtsov, Soupikov, Kapustin, "Highly Parallel Fast
- * KD-tree Construction", 2007); below, at every side of every triangle's box.
+ * splits"), O(n log n) (Wald and Havran, "On building fast kd-Trees for Ray Tracing, and on doing that in O(N log N)",
+ * 2006). Above FEW triangles planes are looked for among BINS of each axis (Shevtsov, Soupikov, Kapustin, "Highly
+ * Parallel Fast KD-tree Construction", 2007); below, at every side of every triangle's box.
  *
- * Depth is bounded by the logarithm of the number of triangles, and how often triangles are repeated by REPEATS in the mean;
- * each subtree has its part of that, so the tree is the same for any number of threads. */
+ * Depth is bounded by the logarithm of the number of triangles, and how often triangles are repeated by REPEATS in the
+ * mean; each subtree has its part of that, so the tree is the same for any number of threads. */
 #include "accel/bvh.h"
 #include "accel/build/clip.h"
 #include "accel/kdtree.h"
@@ -13,9 +13,9 @@
 #include <math.h>
 
 enum { FEW = 20, BINS = 32, REPEATS = 3, TASK_COUNT = 4096 };
-#define STEP_COST 1.0f  /* of a plane's test, where a block of four triangles costs 1: measured */
+#define STEP_COST   1.0f /* of a plane's test, where a block of four triangles costs 1: measured */
 #define EMPTY_BONUS 0.8f /* a cell with nothing in it is passed quickly */
-#define LITTLE 1e-6      /* of the longest side: cells without area are still told apart */
+#define LITTLE      1e-6 /* of the longest side: cells without area are still told apart */
 
 typedef daft_part ref; /* within a cell */
 
@@ -157,7 +157,8 @@ static void take_side(const daft_trimesh *mesh, const ref *refs, size_t count, p
     for (size_t i = 0; i < count; i++) {
         if (!reaches(&refs[i], cut, below)) continue;
         *out = refs[i];
-        if (refs[i].low[cut.axis] < cut.at && refs[i].high[cut.axis] > cut.at) daft_part_clip(mesh, out, cut.axis, cut.at, below);
+        if (refs[i].low[cut.axis] < cut.at && refs[i].high[cut.axis] > cut.at)
+            daft_part_clip(mesh, out, cut.axis, cut.at, below);
         out++;
     }
 }
@@ -173,7 +174,8 @@ static size_t count_side(const ref *refs, size_t count, plane cut, bool below)
 
 static bool leaf(part *p, size_t slot, const ref *refs, size_t count)
 {
-    if (!daft_grow(p->allocator, &p->items, &p->item_capacity, p->item_count + count, p->item_count, sizeof *p->items)) return false;
+    if (!daft_grow(p->allocator, &p->items, &p->item_capacity, p->item_count + count, p->item_count, sizeof *p->items))
+        return false;
     p->nodes[slot] = (daft_kd_node){.count = (uint32_t)count, .code = (uint32_t)p->item_count << 2 | DAFT_KD_LEAF};
     for (size_t i = 0; i < count; i++) p->items[p->item_count++] = refs[i].triangle;
     return true;
@@ -182,7 +184,8 @@ static bool leaf(part *p, size_t slot, const ref *refs, size_t count)
 /* Leaves a cell to a task of its own. */
 static bool defer(part *p, const task *t, size_t first)
 {
-    if (!daft_grow(p->allocator, &p->tasks, &p->task_capacity, p->task_count + 1, p->task_count, sizeof *p->tasks)) return false;
+    if (!daft_grow(p->allocator, &p->tasks, &p->task_capacity, p->task_count + 1, p->task_count, sizeof *p->tasks))
+        return false;
     ref *refs = daft_alloc(p->allocator, t->count, sizeof *refs);
     if (!refs) return false;
     memcpy(refs, p->refs + first, t->count * sizeof *refs);
@@ -272,7 +275,8 @@ static void write_task(void *context, uint32_t index, uint32_t worker)
     kd_job *job = context;
     const part *p = &job->parts[index];
     size_t node_base = job->node_base[index], item_base = job->item_base[index];
-    for (size_t i = 0; i < p->node_count; i++) job->tree->nodes[node_base + i] = moved(p->nodes[i], node_base, item_base);
+    for (size_t i = 0; i < p->node_count; i++)
+        job->tree->nodes[node_base + i] = moved(p->nodes[i], node_base, item_base);
     if (p->item_count) memcpy(job->tree->items + item_base, p->items, p->item_count * sizeof *p->items);
     job->tree->nodes[job->top.tasks[index].slot] = moved(p->nodes[0], node_base, item_base);
 }
@@ -331,8 +335,10 @@ static bool build_tree(kd_job *job, int threads)
 {
     const daft_trimesh *mesh = job->mesh;
     task whole = {.count = mesh->triangle_count, .repeats = REPEATS * (size_t)mesh->triangle_count + 64};
-    for (int k = 0; k < 3; k++) whole.cell.low[k] = daft_v3_at(mesh->low, k), whole.cell.high[k] = daft_v3_at(mesh->high, k);
-    for (uint32_t n = mesh->triangle_count; n > 0; n /= 2) whole.depth += 2; /* counts down from the deepest there may be */
+    for (int k = 0; k < 3; k++)
+        whole.cell.low[k] = daft_v3_at(mesh->low, k), whole.cell.high[k] = daft_v3_at(mesh->high, k);
+    for (uint32_t n = mesh->triangle_count; n > 0; n /= 2)
+        whole.depth += 2; /* counts down from the deepest there may be */
     whole.depth = DAFT_KD_DEPTH - daft_min_u(whole.depth + 8, DAFT_KD_DEPTH);
     job->top = (part){.allocator = job->allocator, .mesh = mesh, .defer = mesh->triangle_count > TASK_COUNT};
     if (!make_refs(mesh, &job->top) || !plant(&job->top, &whole)) return false;
@@ -344,7 +350,8 @@ static bool build_tree(kd_job *job, int threads)
     return !failed && write_tree(job, threads) && make_corners(mesh, job->tree);
 }
 
-daft_kdtree *daft_kdtree_build(const daft_allocator *allocator, const daft_trimesh *mesh, int threads, daft_error *error)
+daft_kdtree *daft_kdtree_build(const daft_allocator *allocator, const daft_trimesh *mesh, int threads,
+                               daft_error *error)
 {
     daft_kdtree *tree = daft_alloc_zero(allocator, 1, sizeof *tree);
     bool built = false;

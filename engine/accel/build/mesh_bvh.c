@@ -107,7 +107,8 @@ static bool build_tree(mesh_job *job)
     return job->done;
 }
 
-daft_bvh *daft_bvh_build(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_bvh_def *def, daft_error *error)
+daft_bvh *daft_bvh_build(const daft_allocator *allocator, const daft_trimesh *mesh, const daft_bvh_def *def,
+                         daft_error *error)
 {
     daft_bvh *bvh = daft_alloc_zero(allocator, 1, sizeof *bvh);
     mesh_job job = {.mesh = mesh, .bvh = bvh, .def = def};

@@ -1,5 +1,7 @@
-/* Refit: fits the boxes of a tree to triangles that have moved, from the leaves up. The splits stay, so the tree gets worse as
- * triangles leave their places; when the surface-area cost has grown to WORSE times that of the build, the tree is rebuilt (Lauterbach, Yoon, Tuft, Manocha, "RT-DEFORM: Interactive Ray Tracing of Dynamic Scenes using BVHs", 2006). */
+/* Refit: fits the boxes of a tree to triangles that have moved, from the leaves up. The splits stay, so the tree gets
+ * worse as triangles leave their places; when the surface-area cost has grown to WORSE times that of the build, the
+ * tree is rebuilt (Lauterbach, Yoon, Tuft, Manocha, "RT-DEFORM: Interactive Ray Tracing of Dynamic Scenes using BVHs",
+ * 2006). */
 #include "accel/build/build.h"
 
 #include <float.h>
@@ -58,7 +60,8 @@ static void fit_leaves(void *context, uint32_t index, uint32_t worker)
             block_box box = block_box_empty();
             const daft_block *block = &bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
             for (uint32_t k = 0; k <= (child & 3); k++) add_block(&box, &block[k]);
-            for (int k = 0; k < 3; k++) node->bounds[k][i] = least(box.low[k]), node->bounds[k + 3][i] = most(box.high[k]);
+            for (int k = 0; k < 3; k++)
+                node->bounds[k][i] = least(box.low[k]), node->bounds[k + 3][i] = most(box.high[k]);
         }
     }
 }

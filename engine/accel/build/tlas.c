@@ -76,7 +76,8 @@ static void mark_spheres(daft_tlas *tlas, const bool *round)
 
 const daft_tlas *daft_tlas_build(daft_arena *arena, const daft_instance *instances, uint32_t count, daft_error *error)
 {
-    return daft_tlas_build_for(arena, instances, count, &(daft_tlas_def){DAFT_INTERSECT_EXACT, 1, daft_isa_best()}, error);
+    return daft_tlas_build_for(arena, instances, count, &(daft_tlas_def){DAFT_INTERSECT_EXACT, 1, daft_isa_best()},
+                               error);
 }
 
 const daft_tlas *daft_tlas_build_for(daft_arena *arena, const daft_instance *instances, uint32_t count,

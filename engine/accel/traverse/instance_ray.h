@@ -56,9 +56,10 @@ DAFT_INLINE uint32_t first_child(const daft_bvh *bvh, uint32_t child)
 
 /* ---- spheres ---- */
 
-/* The distance to a sphere, or a negative number for a miss; in double, since a tree holds few of them and tangents need
- * it. See daft_pencil_sphere for the method. */
-static __attribute__((unused)) float sphere_distance(const daft_instance *s, const daft_ray *ray, float tmin, float tmax)
+/* The distance to a sphere, or a negative number for a miss; in double, since a tree holds few of them and tangents
+ * need it. See daft_pencil_sphere for the method. */
+static __attribute__((unused)) float sphere_distance(const daft_instance *s, const daft_ray *ray, float tmin,
+                                                     float tmax)
 {
     const float *at = s->to_frame.t;
     daft_dvec3 d = daft_to_double(ray->direction);
@@ -75,8 +76,8 @@ static __attribute__((unused)) float sphere_distance(const daft_instance *s, con
     return far >= tmin && far <= tmax ? far : -1;
 }
 
-/* A ray as a node's spheres see it: twice its origin, its direction, the square and, as the sum of the axes, no less than the
- * length of that, and the least that sizes are off by. */
+/* A ray as a node's spheres see it: twice its origin, its direction, the square and, as the sum of the axes, no less
+ * than the length of that, and the least that sizes are off by. */
 typedef struct sphere_view {
     v8 x2, y2, z2, dx, dy, dz, dd, pad;
     float length;
@@ -89,12 +90,20 @@ DAFT_INLINE sphere_view sphere_view_of(v4 o, v4 d, bool plain)
     float size = fabsf(d[0]) + fabsf(d[1]) + fabsf(d[2]), far = fabsf(twice[0]) + fabsf(twice[1]) + fabsf(twice[2]);
     bool usual = plain && size > 0x1p-26f && size < 0x1p26f && far < DAFT_SPHERE_FAR;
     v8 dd = v8_set((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]), pad = v8_set(far * DAFT_SPHERE_OFF);
-    return (sphere_view){v8_set(twice[0]), v8_set(twice[1]), v8_set(twice[2]), v8_set(d[0]), v8_set(d[1]), v8_set(d[2]),
-                         dd, pad, size, usual};
+    return (sphere_view){v8_set(twice[0]),
+                         v8_set(twice[1]),
+                         v8_set(twice[2]),
+                         v8_set(d[0]),
+                         v8_set(d[1]),
+                         v8_set(d[2]),
+                         dd,
+                         pad,
+                         size,
+                         usual};
 }
 
-/* A node's spheres, in lanes: sizes and what they are off by, how far their centres lie along the ray and beside it, times the
- * direction's length, and from its origin. All is twice as large, squares four times. */
+/* A node's spheres, in lanes: sizes and what they are off by, how far their centres lie along the ray and beside it,
+ * times the direction's length, and from its origin. All is twice as large, squares four times. */
 typedef struct node_spheres {
     v8 size, off, along, beside_square, way_square;
 } node_spheres;
@@ -119,12 +128,14 @@ DAFT_INLINE uint32_t spheres_met(const daft_node *node, uint32_t bits, const nod
     return bits & ~(node->spheres & (beside | behind));
 }
 
-/* The spheres that the ray is sure to meet, and to leave, or to reach the middle of, within tmin..tmax: their distances, by
- * whatever formula, are no question then. Bounds are wider than their spheres, by 12u of |o| + |c| + r; so twice what is off is
- * taken. */
-DAFT_INLINE uint32_t spheres_pierced(const daft_node *node, const node_spheres *at, const sphere_view *s, float tmin, float tmax)
+/* The spheres that the ray is sure to meet, and to leave, or to reach the middle of, within tmin..tmax: their
+ * distances, by whatever formula, are no question then. Bounds are wider than their spheres, by 12u of |o| + |c| + r;
+ * so twice what is off is taken. */
+DAFT_INLINE uint32_t spheres_pierced(const daft_node *node, const node_spheres *at, const sphere_view *s, float tmin,
+                                     float tmax)
 {
-    v8 twice = at->off + at->off, least = v8_max(at->size - twice, v8_set(0)), length = v8_set(s->length), dd = s->dd + s->dd;
+    v8 twice = at->off + at->off, least = v8_max(at->size - twice, v8_set(0)), length = v8_set(s->length),
+       dd = s->dd + s->dd;
     uint32_t through = v8_le_bits(at->beside_square + v8_set(DAFT_TINY), least * least * s->dd);
     uint32_t after = v8_le_bits(dd * v8_set(tmin * (1 + 0x1p-17f)), at->along - at->off * length);
     uint32_t before = v8_le_bits(at->along + (at->size + twice) * length, dd * v8_set(tmax * (1 - 0x1p-17f)));

@@ -1,17 +1,17 @@
-/* Single rays through a kd-tree, front to back, by the intervals of the ray within cells (Havran, "Heuristic Ray Shooting
- * Algorithms", 2000, appendix C).
+/* Single rays through a kd-tree, front to back, by the intervals of the ray within cells (Havran, "Heuristic Ray
+ * Shooting Algorithms", 2000, appendix C).
  *
  * A plane's distance is a difference, an inverse and a product: off by 3u of itself, u = 2^-24. Intervals are wider by
- * 2^-20 of it, so the cell of every point that the ray truly meets is visited. What a triangle's test tells as its distance
- * may be off (ray_test.h), so a cell is passed over only where it begins 2^-15 beyond the nearest hit: the hit is
- * the least over all triangles that could be it, and so the one that any other tree finds. */
+ * 2^-20 of it, so the cell of every point that the ray truly meets is visited. What a triangle's test tells as its
+ * distance may be off (ray_test.h), so a cell is passed over only where it begins 2^-15 beyond the nearest hit: the hit
+ * is the least over all triangles that could be it, and so the one that any other tree finds. */
 #include "accel/kdtree.h"
 #include "accel/ray_test.h"
 
 #include <float.h>
 
 #define PLANE 0x1p-20f
-#define HIT 0x1p-15f
+#define HIT   0x1p-15f
 
 typedef struct kd_ray {
     float o[3], d[3], inverse[3];
@@ -118,7 +118,8 @@ void DAFT_KERNEL(daft_kd_closest)(const daft_kdtree *tree, daft_vec3 o, daft_vec
     }
 }
 
-bool DAFT_KERNEL(daft_kd_occluded)(const daft_kdtree *tree, daft_vec3 o, daft_vec3 d, float tmin, float tmax, daft_intersection how)
+bool DAFT_KERNEL(daft_kd_occluded)(const daft_kdtree *tree, daft_vec3 o, daft_vec3 d, float tmin, float tmax,
+                                   daft_intersection how)
 {
     kd_ray r = ray_setup(o, d);
     kd_stack stack;

@@ -1,22 +1,23 @@
-/* How a single ray traverses a mesh's tree; single_kernel.c traverses the upper level. ray_test.h has the arithmetic of boxes
- * and triangles, this header the order of visits.
+/* How a single ray traverses a mesh's tree; single_kernel.c traverses the upper level. ray_test.h has the arithmetic of
+ * boxes and triangles, this header the order of visits.
  *
- * At most nodes a ray meets one child or two. The nearest continues in a register; the others are sorted into the stack,
- * distance and number in one word (Wald et al., "Embree: A Kernel Framework for Efficient CPU Ray Tracing", 2014). The bottom
- * of the stack is a sentinel, child NONE, so that no count is kept. The blocks of a leaf go through the filter together, as
- * many as there are lanes for: the filter is most of a leaf's cost, and a leaf costs about as much as two nodes. */
+ * At most nodes a ray meets one child or two. The nearest continues in a register; the others are sorted into the
+ * stack, distance and number in one word (Wald et al., "Embree: A Kernel Framework for Efficient CPU Ray Tracing",
+ * 2014). The bottom of the stack is a sentinel, child NONE, so that no count is kept. The blocks of a leaf go through
+ * the filter together, as many as there are lanes for: the filter is most of a leaf's cost, and a leaf costs about as
+ * much as two nodes. */
 #ifndef DAFT_MESH_TRAVERSAL_H
 #define DAFT_MESH_TRAVERSAL_H
 
 #include "accel/ray_test.h"
 #include "accel/traverse/traverse.h"
 
-#define DAFT_WIDEN (1 + 8 * DAFT_ULP)
+#define DAFT_WIDEN         (1 + 8 * DAFT_ULP)
 #define DAFT_INFINITY_BITS 0x7f800000
 enum { ROW = sizeof(((daft_node *)0)->bounds[0]) };
 
-/* A direction for the slab test: its negated inverse, and the same widened; and the offsets in bytes, from a node's bounds, of
- * the planes by which it enters and leaves. */
+/* A direction for the slab test: its negated inverse, and the same widened; and the offsets in bytes, from a node's
+ * bounds, of the planes by which it enters and leaves. */
 typedef struct slab_direction {
     v8 ix, iy, iz, wx, wy, wz;
     const size_t *rows;
@@ -28,8 +29,8 @@ typedef struct slab_origin {
     v8 x, y, z;
 } slab_origin;
 
-/* Children to visit, the nearest on top: the bits of the entry distance, then the child's code. The bottom is a sentinel: child
- * NONE at distance -infinity. */
+/* Children to visit, the nearest on top: the bits of the entry distance, then the child's code. The bottom is a
+ * sentinel: child NONE at distance -infinity. */
 typedef struct ray_stack {
     uint64_t items[1 + DAFT_STACK + DAFT_WIDTH];
 } ray_stack;
@@ -39,8 +40,8 @@ typedef struct code_stack {
     uint32_t items[1 + DAFT_STACK + 2 * DAFT_WIDTH];
 } code_stack;
 
-/* Entry distances as bits, which compare as the distances do; negative ones compare otherwise, which costs time alone. The last
- * is infinity, for two_lowest where there is one box only. */
+/* Entry distances as bits, which compare as the distances do; negative ones compare otherwise, which costs time alone.
+ * The last is infinity, for two_lowest where there is one box only. */
 typedef struct slab_near {
     int32_t at[DAFT_WIDTH + 1];
 } __attribute__((aligned(32))) slab_near;
@@ -55,14 +56,23 @@ DAFT_INLINE slab_origin slab_origin_of(v4 o) { return (slab_origin){v8_set(o[0])
 /* No branches: the directions' signs cannot be predicted. */
 DAFT_INLINE slab_direction slab_direction_of(v4 d, v4 inverse)
 {
-#define SIDES(x, y, z) {(x) * ROW, (y) * ROW, (z) * ROW, (3 - (x)) * ROW, (5 - (y)) * ROW, (7 - (z)) * ROW}
+#define SIDES(x, y, z)                                                                                                 \
+    {                                                                                                                  \
+        (x) * ROW, (y)*ROW, (z)*ROW, (3 - (x)) * ROW, (5 - (y)) * ROW, (7 - (z)) * ROW                                 \
+    }
     /* by the signs of x, y and z */
     static const size_t ROWS[8][6] = {SIDES(0, 1, 2), SIDES(3, 1, 2), SIDES(0, 4, 2), SIDES(3, 4, 2),
                                       SIDES(0, 1, 5), SIDES(3, 1, 5), SIDES(0, 4, 5), SIDES(3, 4, 5)};
 #undef SIDES
     v4 i = inverse, w = i * v4_set(DAFT_WIDEN);
-    return (slab_direction){v8_set(i[0]), v8_set(i[1]), v8_set(i[2]), v8_set(w[0]), v8_set(w[1]), v8_set(w[2]),
-                      ROWS[v4_bits_from_mask((v4i)d) & 7], v4_bits_from_mask(w - w == v4_set(0)) == 15};
+    return (slab_direction){v8_set(i[0]),
+                            v8_set(i[1]),
+                            v8_set(i[2]),
+                            v8_set(w[0]),
+                            v8_set(w[1]),
+                            v8_set(w[2]),
+                            ROWS[v4_bits_from_mask((v4i)d) & 7],
+                            v4_bits_from_mask(w - w == v4_set(0)) == 15};
 }
 
 /* The origin as near and as far planes see it on the upper level, where boxes are grown on each side: an instance's own
@@ -78,9 +88,10 @@ DAFT_INLINE void slab_upper_origins(v4 o, v4 d, slab_origin *near, slab_origin *
 
 DAFT_INLINE v8 planes(const char *node, size_t row) { return v8_load((const float *)(node + row)); }
 
-/* Bits of the children the ray meets in tmin..tmax; their entry distances in near. `plain`: the way is, and tmin not negative. */
-DAFT_INLINE uint32_t slab_test(const char *node, const slab_direction *r, const slab_origin *from, const slab_origin *until, bool plain,
-                               v8 tmin, v8 tmax, v8 *near)
+/* Bits of the children the ray meets in tmin..tmax; their entry distances in near. `plain`: the way is, and tmin not
+ * negative. */
+DAFT_INLINE uint32_t slab_test(const char *node, const slab_direction *r, const slab_origin *from,
+                               const slab_origin *until, bool plain, v8 tmin, v8 tmax, v8 *near)
 {
     v8 x0 = (from->x - planes(node, r->rows[0])) * r->ix, x1 = (until->x - planes(node, r->rows[3])) * r->wx;
     v8 y0 = (from->y - planes(node, r->rows[1])) * r->iy, y1 = (until->y - planes(node, r->rows[4])) * r->wy;
@@ -107,21 +118,24 @@ typedef struct tree_place {
 /* Prefetches a child that is pushed. */
 DAFT_INLINE void fetch(const tree_place *tree, uint32_t child)
 {
-    const char *leaf = (const char *)tree->leaves + (size_t)((child & ~DAFT_CHILD_LEAF) >> tree->leaf_shift) * tree->leaf_size;
+    const char *leaf =
+        (const char *)tree->leaves + (size_t)((child & ~DAFT_CHILD_LEAF) >> tree->leaf_shift) * tree->leaf_size;
     const char *at = child & DAFT_CHILD_LEAF ? leaf : (const char *)tree->nodes + child * sizeof *tree->nodes;
     for (size_t i = 0; i < sizeof *tree->nodes; i += 64) __builtin_prefetch(at + i);
 }
 
-/* Child i of a node, by a jump, not a look-up. The processor predicts jumps, so it starts on the child before its box is tested:
- * rays that begin near the last one's origin descend to the same leaf. */
+/* Child i of a node, by a jump, not a look-up. The processor predicts jumps, so it starts on the child before its box
+ * is tested: rays that begin near the last one's origin descend to the same leaf. */
 DAFT_INLINE uint32_t child_at(const daft_node *node, uint32_t i)
 {
     uint32_t child;
     switch (i) {
+        /* clang-format off */
 #define CHILD(k) case k: child = node->child[k]; __asm__("" : "+r"(child)); return child; /* or it becomes a look-up again */
         CHILD(0) CHILD(1) CHILD(2) CHILD(3) CHILD(4) CHILD(5) CHILD(6) CHILD(7)
 #undef CHILD
-        default: __builtin_unreachable();
+            /* clang-format on */
+            default : __builtin_unreachable();
     }
 }
 
@@ -136,7 +150,8 @@ DAFT_INLINE uint32_t push_sorted(const tree_place *tree, const daft_node *node, 
     do {
         i = (uint32_t)__builtin_ctz(bits);
         bits &= bits - 1;
-        uint64_t child = (uint64_t)at[i] << 32 | node->child[i], further = child < nearest ? nearest : child, *place = end++;
+        uint64_t child = (uint64_t)at[i] << 32 | node->child[i], further = child < nearest ? nearest : child,
+                 *place = end++;
         nearest = child < nearest ? child : nearest;
         for (; place > base && place[-1] < further; place--) place[0] = place[-1];
         *place = further;
@@ -157,9 +172,10 @@ DAFT_INLINE two_bits two_lowest(uint32_t bits)
     return (two_bits){(uint32_t)__builtin_ctz(bits), (uint32_t)__builtin_ctz(left | 1u << DAFT_WIDTH), left};
 }
 
-/* push_sorted on the way down to the first leaf. Without a branch on whether there are one or two children and which is nearer:
- * it would be mispredicted for every second ray. */
-DAFT_INLINE uint32_t push_predicted(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near, slab_near *begins, uint64_t **top)
+/* push_sorted on the way down to the first leaf. Without a branch on whether there are one or two children and which is
+ * nearer: it would be mispredicted for every second ray. */
+DAFT_INLINE uint32_t push_predicted(const tree_place *tree, const daft_node *node, uint32_t bits, v8 near,
+                                    slab_near *begins, uint64_t **top)
 {
     two_bits two = two_lowest(bits);
     const int32_t *at = begins->at;
@@ -207,26 +223,34 @@ DAFT_INLINE uint32_t pop(uint64_t **top, float limit)
 DAFT_INLINE float limit_of(float t, bool plain) { return plain ? t * (1 + 0x1p-17f) : daft_past(t); }
 DAFT_INLINE float begin_of(float t, bool plain) { return plain ? t * (1 - 0x1p-17f) : daft_before(t); }
 
-DAFT_INLINE const char *node_at(const daft_node *nodes, uint32_t code) { return (const char *)nodes + code * sizeof *nodes; }
+DAFT_INLINE const char *node_at(const daft_node *nodes, uint32_t code)
+{
+    return (const char *)nodes + code * sizeof *nodes;
+}
 
-/* A leaf; `child` is its code. Where the lanes take it whole there are registers for it, too; else it is called, so that nodes keep theirs. */
-DAFT_INLINE bool leaf_closest(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
+/* A leaf; `child` is its code. Where the lanes take it whole there are registers for it, too; else it is called, so
+ * that nodes keep theirs. */
+DAFT_INLINE bool leaf_closest(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past,
+                              daft_nearest *hit)
 {
     const daft_block *b = &blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     if ((int)DAFT_FOURS < (int)DAFT_MAX_LEAF_BLOCKS) return DAFT_KERNEL(daft_leaf_closest)(blocks, child, r, past, hit);
     return daft_blocks_intersect(b, (int)(child & 3) + 1, r, past, hit, false);
 }
 
-DAFT_INLINE bool leaf_stops(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
+DAFT_INLINE bool leaf_stops(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past,
+                            daft_nearest *hit)
 {
     const daft_block *b = &blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     if ((int)DAFT_FOURS < (int)DAFT_MAX_LEAF_BLOCKS) return DAFT_KERNEL(daft_leaf_stops)(blocks, child, r, past, hit);
     return daft_blocks_intersect(b, (int)(child & 3) + 1, r, past, hit, true);
 }
 
-/* The nearest hit below `child`, a code of the tree. Down to the first leaf children are predicted (child_at); later ones would be
- * mispredicted too often. hit->t limits the search and hit->triangle breaks ties, so the order of visits does not matter. */
-DAFT_INLINE void mesh_traverse(const daft_bvh *bvh, uint32_t child, const slab_direction *way, const daft_mesh_ray *r, const slab_origin *at, bool plain, daft_nearest *hit)
+/* The nearest hit below `child`, a code of the tree. Down to the first leaf children are predicted (child_at); later
+ * ones would be mispredicted too often. hit->t limits the search and hit->triangle breaks ties, so the order of visits
+ * does not matter. */
+DAFT_INLINE void mesh_traverse(const daft_bvh *bvh, uint32_t child, const slab_direction *way, const daft_mesh_ray *r,
+                               const slab_origin *at, bool plain, daft_nearest *hit)
 {
     ray_stack stack;
     uint64_t *top = stack.items;
@@ -257,7 +281,8 @@ DAFT_INLINE void mesh_traverse(const daft_bvh *bvh, uint32_t child, const slab_d
 }
 
 /* Whether anything below `child` is hit before hit->t. */
-DAFT_INLINE bool mesh_any_hit(const daft_bvh *bvh, uint32_t child, const slab_direction *way, const daft_mesh_ray *r, const slab_origin *at, bool plain, daft_nearest *hit)
+DAFT_INLINE bool mesh_any_hit(const daft_bvh *bvh, uint32_t child, const slab_direction *way, const daft_mesh_ray *r,
+                              const slab_origin *at, bool plain, daft_nearest *hit)
 {
     code_stack stack;
     uint32_t *top = stack.items;

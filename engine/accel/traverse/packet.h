@@ -21,10 +21,10 @@ typedef struct packet {
     vf inverse[3]; /* one over the direction */
     vf tmin;
     uint32_t ignore;
-    bool any;      /* any-hit query: only `occluded` is wanted */
+    bool any;       /* any-hit query: only `occluded` is wanted */
     vbits occluded; /* the answer */
     packet_hits hit;
-    vf limit; /* of boxes; -inf for lanes that are done */
+    vf limit;                 /* of boxes; -inf for lanes that are done */
     vf inner_low, inner_high; /* daft_inner */
     vf dd, off;               /* directions' squares, and what spheres may be off by at least; for sphere_test */
 } packet;
@@ -75,8 +75,10 @@ DAFT_INLINE daft_ray lane_ray(const packet *c, int lane)
 {
     const daft_ray_packet *p = c->rays;
     uint32_t i = c->first + (uint32_t)lane;
-    return (daft_ray){{p->origin[0][i], p->origin[1][i], p->origin[2][i]}, p->tmin[i],
-                      {p->direction[0][i], p->direction[1][i], p->direction[2][i]}, p->tmax[i]};
+    return (daft_ray){{p->origin[0][i], p->origin[1][i], p->origin[2][i]},
+                      p->tmin[i],
+                      {p->direction[0][i], p->direction[1][i], p->direction[2][i]},
+                      p->tmax[i]};
 }
 
 DAFT_INLINE daft_nearest lane_nearest(const packet *c, int i)
@@ -99,7 +101,8 @@ DAFT_INLINE void lane_store(packet *c, int i, const daft_nearest *n, const daft_
 
 /* ---- kernels ---- */
 
-/* Intersects a leaf's triangles; `child` is its code. g: for the test of triangles' boxes, or NULL. True: some limit has changed. */
+/* Intersects a leaf's triangles; `child` is its code. g: for the test of triangles' boxes, or NULL. True: some limit
+ * has changed. */
 bool DAFT_KERNEL(daft_packet_leaf)(packet *c, const mesh_packet *m, const packet_slabs *g, uint32_t child, vbits bits);
 /* Intersects the instance with this number, a sphere. */
 void DAFT_KERNEL(daft_packet_sphere)(packet *c, uint32_t index, vbits bits);

@@ -1,16 +1,17 @@
-/* Packet traversal of both levels. Sixteen rays are split by the signs of their directions, so that all rays of a packet enter
- * boxes by the same planes; a packet has as many rays as there are lanes.
+/* Packet traversal of both levels. Sixteen rays are split by the signs of their directions, so that all rays of a
+ * packet enter boxes by the same planes; a packet has as many rays as there are lanes.
  *
- * A node's eight boxes are tested against the whole packet first, as an interval of origins and of inverse directions (Boulos
- * et al., "Geometric and Arithmetic Culling Methods for Entire Ray Packets", 2006). Rounding is monotonic, so the interval's
- * ends, computed as for one ray, bound every ray's own result. The children that remain are tested ray by ray, with the
- * arithmetic of single rays. When few rays of the packet remain, each continues as a single ray (Benthin et al., "Combining
- * Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture", 2012). Hits do not depend on
- * any of this: see "Order" in ray_test.h. */
+ * A node's eight boxes are tested against the whole packet first, as an interval of origins and of inverse directions
+ * (Boulos et al., "Geometric and Arithmetic Culling Methods for Entire Ray Packets", 2006). Rounding is monotonic, so
+ * the interval's ends, computed as for one ray, bound every ray's own result. The children that remain are tested ray
+ * by ray, with the arithmetic of single rays. When few rays of the packet remain, each continues as a single ray
+ * (Benthin et al., "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC
+ * Architecture", 2012). Hits do not depend on any of this: see "Order" in ray_test.h. */
 #include "accel/traverse/packet.h"
 
 #define WIDEN (1 + 8 * DAFT_ULP)
-/* So many rays of a packet, or fewer, continue as single rays: among instances, and in a mesh, where leaves are cheap. */
+/* So many rays of a packet, or fewer, continue as single rays: among instances, and in a mesh, where leaves are cheap.
+ */
 enum { SINGLE_RAYS = DAFT_VL / 4 + 1, SINGLE_IN_MESH = 1, ROW = sizeof(((daft_node *)0)->bounds[0]) };
 
 typedef struct packet_stack {
@@ -29,7 +30,8 @@ DAFT_INLINE float max_limit(vf limit, vbits bits)
 DAFT_INLINE v4 min_lanes(vm m, vf a, vf b, vf c, vf d)
 {
     vf none = vf_set(INFINITY);
-    return v4_reduce_min4(vf_if_then_else(m, a, none), vf_if_then_else(m, b, none), vf_if_then_else(m, c, none), vf_if_then_else(m, d, none));
+    return v4_reduce_min4(vf_if_then_else(m, a, none), vf_if_then_else(m, b, none), vf_if_then_else(m, c, none),
+                          vf_if_then_else(m, d, none));
 }
 
 /* inverse: one over the direction. */
@@ -64,10 +66,10 @@ static void slabs_interval(packet_slabs *g, vf limit, vbits bits)
     for (int k = 0; k < 3; k++) sign[k] = g->near_row[k] > g->far_row[k] ? INT32_MIN : 0, minus[k] = vi_set(sign[k]);
     sign[3] = INT32_MIN;
     /* along the way, the largest of near and the least of far */
-    v4 most = min_lanes(m, vf_xor(-g->near[0], minus[0]), vf_xor(-g->near[1], minus[1]),
-                       vf_xor(-g->near[2], minus[2]), g->low);
-    v4 least = min_lanes(m, vf_xor(g->far[0], minus[0]), vf_xor(g->far[1], minus[1]),
-                        vf_xor(g->far[2], minus[2]), g->low);
+    v4 most = min_lanes(m, vf_xor(-g->near[0], minus[0]), vf_xor(-g->near[1], minus[1]), vf_xor(-g->near[2], minus[2]),
+                        g->low);
+    v4 least =
+        min_lanes(m, vf_xor(g->far[0], minus[0]), vf_xor(g->far[1], minus[1]), vf_xor(g->far[2], minus[2]), g->low);
     g->near_end = -(v4)((v4i)most ^ sign), g->far_end = (v4)((v4i)least ^ sign);
     g->inverse_ends[0] = min_lanes(m, g->inverse[0], g->inverse[1], g->inverse[2], g->low);
     g->inverse_ends[1] = -min_lanes(m, -g->inverse[0], -g->inverse[1], -g->inverse[2], g->low);
@@ -150,13 +152,15 @@ DAFT_INLINE vbits sphere_test(const daft_node *node, uint32_t child, const packe
 DAFT_INLINE void fetch(const packet_slabs *g, uint32_t child)
 {
     size_t leaf = (child & ~DAFT_CHILD_LEAF) >> g->leaf_shift;
-    const char *at = child & DAFT_CHILD_LEAF ? (const char *)g->leaves + leaf * g->leaf_size : (const char *)&g->nodes[child];
+    const char *at =
+        child & DAFT_CHILD_LEAF ? (const char *)g->leaves + leaf * g->leaf_size : (const char *)&g->nodes[child];
     for (size_t i = 0; i < sizeof(daft_node); i += 64) __builtin_prefetch(at + i);
 }
 
-/* Of a node's children that rays meet the nearest, or none, and *here the rays; the others go on the stack, the nearest on
- * top. */
-static uint32_t descend(packet_stack *stack, int *top, const packet_slabs *g, uint32_t number, vf limit, vbits bits, vbits *here)
+/* Of a node's children that rays meet the nearest, or none, and *here the rays; the others go on the stack, the nearest
+ * on top. */
+static uint32_t descend(packet_stack *stack, int *top, const packet_slabs *g, uint32_t number, vf limit, vbits bits,
+                        vbits *here)
 {
     const daft_node *node = &g->nodes[number];
     float at[DAFT_WIDTH], order[DAFT_WIDTH], nearest = 0;
@@ -233,10 +237,14 @@ static void mesh_single(packet *c, const mesh_packet *m, uint32_t child, vbits b
         int i = first_lane(bits);
         daft_ray ray = lane_ray(c, i);
         if (c->any) {
-            if (DAFT_KERNEL(daft_mesh_occluded)(m->instance, child, &ray, c->tlas->intersection)) mark_occluded(c, (vbits)1 << i);
+            if (DAFT_KERNEL(daft_mesh_occluded)(m->instance, child, &ray, c->tlas->intersection))
+                mark_occluded(c, (vbits)1 << i);
             continue;
         }
-        daft_nearest n = {.t = c->hit.t[i], .triangle = c->hit.triangle[i], .instance = c->hit.instance[i], .u = c->hit.u[i],
+        daft_nearest n = {.t = c->hit.t[i],
+                          .triangle = c->hit.triangle[i],
+                          .instance = c->hit.instance[i],
+                          .u = c->hit.u[i],
                           .v = c->hit.v[i]};
         DAFT_KERNEL(daft_mesh_closest)(m->instance, child, &ray, c->tlas->intersection, &n);
         lane_store(c, i, &n, m->instance->bvh);
@@ -256,8 +264,10 @@ static void mesh_traverse(packet *c, const mesh_packet *m, packet_slabs *g, vbit
         while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > SINGLE_IN_MESH)
             child = descend(&stack, &top, g, child, c->limit, here, &here);
         if (child == DAFT_CHILD_NONE) continue;
-        if (count_lanes(here) <= SINGLE_IN_MESH) mesh_single(c, m, child, here);
-        else if (DAFT_KERNEL(daft_packet_leaf)(c, m, g, child, here)) g->most = max_limit(c->limit, bits);
+        if (count_lanes(here) <= SINGLE_IN_MESH)
+            mesh_single(c, m, child, here);
+        else if (DAFT_KERNEL(daft_packet_leaf)(c, m, g, child, here))
+            g->most = max_limit(c->limit, bits);
     } while (next_child(&stack, &top, c->limit, bits, &child, &here));
 }
 
@@ -267,7 +277,8 @@ static void mesh_traverse(packet *c, const mesh_packet *m, packet_slabs *g, vbit
 static vbits same_octant(vf3 d, vbits bits)
 {
     vi sign = vi_set(INT32_MIN);
-    vi way = ((vi)d.x & sign) ^ (((vi)d.y & sign) >> 1 & vi_set(0x40000000)) ^ (((vi)d.z & sign) >> 2 & vi_set(0x20000000));
+    vi way =
+        ((vi)d.x & sign) ^ (((vi)d.y & sign) >> 1 & vi_set(0x40000000)) ^ (((vi)d.z & sign) >> 2 & vi_set(0x20000000));
     return bits & vbits_from_mask(vi_eq(way, vi_set(way[first_lane(bits)])));
 }
 
@@ -298,7 +309,7 @@ static void mesh_packet_move(mesh_packet *m, const packet *c, const daft_affine 
     }
     m->d = (vf3){rows(map->m, c->d), rows(map->m + 3, c->d), rows(map->m + 6, c->d)};
     m->o = (vf3){rows(map->m, c->o) + vf_set(map->t[0]), rows(map->m + 3, c->o) + vf_set(map->t[1]),
-                rows(map->m + 6, c->o) + vf_set(map->t[2])};
+                 rows(map->m + 6, c->o) + vf_set(map->t[2])};
     m->inverse[0] = vf_set(1) / m->d.x, m->inverse[1] = vf_set(1) / m->d.y, m->inverse[2] = vf_set(1) / m->d.z;
 }
 
@@ -349,7 +360,8 @@ static void instance_packet(packet *c, uint32_t index, vbits bits)
     vf t = vf_load(c->hit.t);
     vi before = vi_load(c->hit.instance), triangle = vi_load(c->hit.triangle), self = vi_set((int32_t)index);
     /* a tie goes to the lower instance; none is the largest number */
-    vi mark = vi_if_then_else(vm_or(vi_lt(self, before), vi_lt(before, vi_set(0))), vi_set((int32_t)DAFT_NO_TRIANGLE), vi_set(0));
+    vi mark = vi_if_then_else(vm_or(vi_lt(self, before), vi_lt(before, vi_set(0))), vi_set((int32_t)DAFT_NO_TRIANGLE),
+                              vi_set(0));
     vi_store(c->hit.triangle, mark);
     mesh_traverse_octants(c, &m, bits);
     vm taken = vm_or(vf_lt(vf_load(c->hit.t), t), vm_not(vi_eq(vi_load(c->hit.triangle), mark)));
@@ -361,10 +373,14 @@ static void instance_intersect(packet *c, uint32_t index, vbits bits)
 {
     const daft_instance *instance = &c->tlas->instances[index];
     if (index == c->ignore || (c->any && !(instance->flags & DAFT_INSTANCE_CASTS_SHADOW))) return;
-    if (!instance->mesh) DAFT_KERNEL(daft_packet_sphere)(c, index, bits);
-    else if (instance->kdtree || instance->bvh->nodes.count == 0) instance_single(c, index, bits);
-    else if (count_lanes(bits) <= SINGLE_RAYS && !is_leaf(instance->bvh)) instance_single(c, index, bits);
-    else instance_packet(c, index, bits);
+    if (!instance->mesh)
+        DAFT_KERNEL(daft_packet_sphere)(c, index, bits);
+    else if (instance->kdtree || instance->bvh->nodes.count == 0)
+        instance_single(c, index, bits);
+    else if (count_lanes(bits) <= SINGLE_RAYS && !is_leaf(instance->bvh))
+        instance_single(c, index, bits);
+    else
+        instance_packet(c, index, bits);
 }
 
 static void upper_single(packet *c, uint32_t child, vbits bits)
@@ -400,8 +416,10 @@ static void upper_traverse(packet *c, vbits bits, bool mixed)
         while (!(child & DAFT_CHILD_LEAF) && count_lanes(here) > SINGLE_RAYS)
             child = descend(&stack, &top, &g, child, c->limit, here, &here);
         if (child == DAFT_CHILD_NONE) continue;
-        if (!(child & DAFT_CHILD_LEAF)) upper_single(c, child, here);
-        else instance_intersect(c, child & ~DAFT_CHILD_LEAF, here);
+        if (!(child & DAFT_CHILD_LEAF))
+            upper_single(c, child, here);
+        else
+            instance_intersect(c, child & ~DAFT_CHILD_LEAF, here);
         if (g.tight) g.most = max_limit(c->limit, bits);
     } while (next_child(&stack, &top, c->limit, bits, &child, &here));
 }
@@ -414,7 +432,8 @@ static vbits packet_setup(packet *c, const daft_ray_packet *rays, uint32_t first
     vf tmax = vf_load(rays->tmax + first), zero = vf_set(0);
     c->rays = rays, c->first = first;
     c->o = (vf3){vf_load(rays->origin[0] + first), vf_load(rays->origin[1] + first), vf_load(rays->origin[2] + first)};
-    c->d = (vf3){vf_load(rays->direction[0] + first), vf_load(rays->direction[1] + first), vf_load(rays->direction[2] + first)};
+    c->d = (vf3){vf_load(rays->direction[0] + first), vf_load(rays->direction[1] + first),
+                 vf_load(rays->direction[2] + first)};
     c->tmin = vf_load(rays->tmin + first);
     c->inverse[0] = vf_set(1) / c->d.x, c->inverse[1] = vf_set(1) / c->d.y, c->inverse[2] = vf_set(1) / c->d.z;
     vm usable = vm_and(finite_lanes(c->o, c->d), vm_and(vf_le(c->tmin, tmax), vf_lt(zero, vf3_magnitude(c->d))));
@@ -434,7 +453,8 @@ DAFT_INLINE bool is_small(const daft_tlas *tlas)
 
 static void packet_trace(packet *c, vbits bits)
 {
-    vbits backwards = bits & ~vbits_from_mask(vf_le(vf_set(0), c->tmin)); /* their far planes are widened in another way */
+    vbits backwards = bits & ~vbits_from_mask(vf_le(vf_set(0), c->tmin)); /* their far planes are widened in another way
+                                                                           */
     upper_single(c, 0, backwards);
     if (is_small(c->tlas) && bits & ~backwards) {
         upper_traverse(c, bits & ~backwards, true);
@@ -444,8 +464,10 @@ static void packet_trace(packet *c, vbits bits)
     for (bits &= ~backwards; bits;) {
         vbits same = same_octant(c->d, bits);
         bits &= ~same;
-        if (count_lanes(same) <= SINGLE_RAYS) alone |= same;
-        else upper_traverse(c, same, false);
+        if (count_lanes(same) <= SINGLE_RAYS)
+            alone |= same;
+        else
+            upper_traverse(c, same, false);
     }
     upper_single(c, 0, alone);
 }

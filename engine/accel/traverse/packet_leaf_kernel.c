@@ -1,8 +1,8 @@
 /* What a packet hits: the triangles of leaves, spheres, and the hit records that callers get.
  *
- * A leaf's triangles are first tested by their boxes against the whole packet, as nodes' children are; of ten, three or four
- * remain. These are tested ray by ray or triangle by triangle, whichever are fewer: the filter takes as long for one ray and
- * all triangles as for one triangle and all rays. */
+ * A leaf's triangles are first tested by their boxes against the whole packet, as nodes' children are; of ten, three or
+ * four remain. These are tested ray by ray or triangle by triangle, whichever are fewer: the filter takes as long for
+ * one ray and all triangles as for one triangle and all rays. */
 #include "accel/traverse/packet.h"
 
 /* ---- triangles ---- */
@@ -19,7 +19,8 @@ DAFT_INLINE void rows_store(float rows[3][DAFT_VL], vf3 v)
 
 DAFT_INLINE void facets_store(facets *to, const daft_facet *f)
 {
-    rows_store(to->corner, f->corner), rows_store(to->a, f->a), rows_store(to->b, f->b), rows_store(to->normal, f->normal);
+    rows_store(to->corner, f->corner), rows_store(to->a, f->a), rows_store(to->b, f->b),
+        rows_store(to->normal, f->normal);
     vf_store(to->sizes, f->sizes), vf_store(to->area, f->area);
 }
 
@@ -31,7 +32,7 @@ DAFT_INLINE vf3 rows_of(const float rows[3][DAFT_VL], uint32_t i)
 /* The rays that may hit triangle i; how surely. */
 DAFT_INLINE vbits lanes_filter(const facets *f, uint32_t i, const mesh_packet *m, vf past, daft_edge_tests *sides)
 {
-    daft_facet one = {rows_of(f->corner, i), rows_of(f->a, i),      rows_of(f->b, i),
+    daft_facet one = {rows_of(f->corner, i), rows_of(f->a, i),    rows_of(f->b, i),
                       rows_of(f->normal, i), vf_set(f->sizes[i]), vf_set(f->area[i])};
     return daft_filter_pass(&one, m->o, m->d, m->scale, m->floor, vf_max(past, vf_set(0)), sides);
 }
@@ -44,7 +45,8 @@ DAFT_INLINE vbits boxes_met(const vf3 c[3], const packet_slabs *g)
     vf enter = vf_set(g->near_end[3]), leave = vf_set(g->most);
     for (int k = 0; k < 3; k++) {
         bool back = g->near_row[k] > g->far_row[k];
-        vf a = (back ? high[k] : low[k]) - vf_set(g->near_end[k]), b = (back ? low[k] : high[k]) - vf_set(g->far_end[k]);
+        vf a = (back ? high[k] : low[k]) - vf_set(g->near_end[k]),
+           b = (back ? low[k] : high[k]) - vf_set(g->far_end[k]);
         enter = vf_max(vf_min(a * vf_set(g->inverse_ends[0][k]), a * vf_set(g->inverse_ends[1][k])), enter);
         leave = vf_min(vf_max(b * vf_set(g->wide_ends[0][k]), b * vf_set(g->wide_ends[1][k])), leave);
     }
@@ -52,11 +54,13 @@ DAFT_INLINE vbits boxes_met(const vf3 c[3], const packet_slabs *g)
 }
 
 /* Lanes that touch triangle i at t, weights u and v, where that is nearer than what they have. */
-static void store_lanes(packet *c, vbits bits, const daft_block *b, uint32_t i, uint32_t place, const daft_lane_hits *touch)
+static void store_lanes(packet *c, vbits bits, const daft_block *b, uint32_t i, uint32_t place,
+                        const daft_lane_hits *touch)
 {
     packet_hits *f = &c->hit;
     vf t = vf_load(f->t);
-    vbits nearer = bits & vbits_from_mask(vf_lt(touch->t, t)), level = bits & ~nearer & vbits_from_mask(vf_le(touch->t, t));
+    vbits nearer = bits & vbits_from_mask(vf_lt(touch->t, t)),
+          level = bits & ~nearer & vbits_from_mask(vf_le(touch->t, t));
     for (; level; level &= level - 1) {
         int lane = first_lane(level);
         if (b->triangle[i] < f->triangle[lane]) nearer |= (vbits)1 << lane;
@@ -84,14 +88,18 @@ typedef struct vd3 {
 } vd3;
 
 DAFT_INLINE daft_vec3 lane_of(const vf3 *v, int lane) { return (daft_vec3){v->x[lane], v->y[lane], v->z[lane]}; }
-DAFT_INLINE vd3 vd3_half(vf3 a, int half) { return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)}; }
+DAFT_INLINE vd3 vd3_half(vf3 a, int half)
+{
+    return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)};
+}
 DAFT_INLINE vd vd3_dot(daft_dvec3 a, vd3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 /* daft_intersect_plain of triangle i and all rays; of those in `which`, the ones that touch in time. */
-static __attribute__((noinline)) vbits lanes_measure(const packet *c, const mesh_packet *m, const daft_block *b, uint32_t i,
-                                                     vbits which, daft_lane_hits *out)
+static __attribute__((noinline)) vbits lanes_measure(const packet *c, const mesh_packet *m, const daft_block *b,
+                                                     uint32_t i, vbits which, daft_lane_hits *out)
 {
-    daft_dvec3 p = daft_to_double(daft_block_corner(b, 0, i)), e = daft_dsub(p, daft_to_double(daft_block_corner(b, 1, i)));
+    daft_dvec3 p = daft_to_double(daft_block_corner(b, 0, i)),
+               e = daft_dsub(p, daft_to_double(daft_block_corner(b, 1, i)));
     daft_dvec3 f = daft_dsub(daft_to_double(daft_block_corner(b, 2, i)), p), normal = daft_dcross(f, e);
     vd t[2], v[2], w[2];
     for (int half = 0; half < 2; half++) {
@@ -112,7 +120,8 @@ DAFT_INLINE uint32_t place_of(const mesh_packet *m, const daft_block *b, uint32_
 }
 
 /* The rays in `maybe` against triangle i; gives those that touch. */
-static vbits lanes_exact(packet *c, const mesh_packet *m, const daft_block *b, uint32_t i, vbits maybe, const daft_edge_tests *sides)
+static vbits lanes_exact(packet *c, const mesh_packet *m, const daft_block *b, uint32_t i, vbits maybe,
+                         const daft_edge_tests *sides)
 {
     vbits plain = daft_filter_plain(sides) & maybe, bits = 0;
     if (c->any) {
@@ -124,7 +133,8 @@ static vbits lanes_exact(packet *c, const mesh_packet *m, const daft_block *b, u
     for (vbits left = maybe & ~plain; left; left &= left - 1) {
         int lane = first_lane(left);
         daft_exact_hit e;
-        if (!daft_intersect_exact(b, i, lane_of(&m->o, lane), lane_of(&m->d, lane), c->tmin[lane], c->hit.t[lane], &e)) continue;
+        if (!daft_intersect_exact(b, i, lane_of(&m->o, lane), lane_of(&m->d, lane), c->tmin[lane], c->hit.t[lane], &e))
+            continue;
         touch.t[lane] = e.t, touch.v[lane] = e.v, touch.w[lane] = e.w;
         bits |= (vbits)1 << lane;
     }
@@ -133,7 +143,8 @@ static vbits lanes_exact(packet *c, const mesh_packet *m, const daft_block *b, u
 }
 
 /* The same by the floats' word alone. */
-static __attribute__((noinline)) vbits lanes_floats(packet *c, const mesh_packet *m, const daft_block *b, uint32_t i, vbits which)
+static __attribute__((noinline)) vbits lanes_floats(packet *c, const mesh_packet *m, const daft_block *b, uint32_t i,
+                                                    vbits which)
 {
     vf3 corner[3];
     for (int k = 0; k < 3; k++)
@@ -146,7 +157,8 @@ static __attribute__((noinline)) vbits lanes_floats(packet *c, const mesh_packet
 }
 
 /* One ray and the triangles in `which`; whether it touches any. */
-static bool ray_intersect(packet *c, const mesh_packet *m, const daft_facet *f, const daft_block *b, vbits which, int lane)
+static bool ray_intersect(packet *c, const mesh_packet *m, const daft_facet *f, const daft_block *b, vbits which,
+                          int lane)
 {
     const daft_vec3 o = lane_of(&m->o, lane), d = lane_of(&m->d, lane);
     const float tmin = c->tmin[lane], past = c->limit[lane];
@@ -156,7 +168,8 @@ static bool ray_intersect(packet *c, const mesh_packet *m, const daft_facet *f, 
                                            vf_set(past > 0 ? past : 0), &sides);
     if (!maybe) return false;
     vbits plain = daft_filter_plain(&sides) & maybe;
-    if (c->any && plain & daft_filter_within(&sides, vf_set(c->inner_low[lane]), vf_set(c->inner_high[lane]))) return true;
+    if (c->any && plain & daft_filter_within(&sides, vf_set(c->inner_low[lane]), vf_set(c->inner_high[lane])))
+        return true;
     for (; maybe; maybe &= maybe - 1) {
         uint32_t at = (uint32_t)__builtin_ctz(maybe), i = at % DAFT_BLOCK;
         const daft_block *block = b + at / DAFT_BLOCK;
@@ -173,7 +186,8 @@ static bool ray_intersect(packet *c, const mesh_packet *m, const daft_facet *f, 
 }
 
 /* One triangle after the other, of those in `which`. */
-static vbits triangles_intersect(packet *c, const mesh_packet *m, const daft_facet *f, const daft_block *b, vbits which, vbits bits)
+static vbits triangles_intersect(packet *c, const mesh_packet *m, const daft_facet *f, const daft_block *b, vbits which,
+                                 vbits bits)
 {
     facets each;
     vbits hits = 0;
@@ -193,7 +207,8 @@ static vbits triangles_intersect(packet *c, const mesh_packet *m, const daft_fac
 }
 
 /* Blocks, at most DAFT_FOURS; gives the lanes that touch. */
-static vbits blocks_intersect(packet *c, const mesh_packet *m, const packet_slabs *g, const daft_block *b, int count, vbits bits)
+static vbits blocks_intersect(packet *c, const mesh_packet *m, const packet_slabs *g, const daft_block *b, int count,
+                              vbits bits)
 {
     vf3 corner[3];
     vbits which = (1u << count * DAFT_BLOCK) - 1, hits = 0;
@@ -202,11 +217,13 @@ static vbits blocks_intersect(packet *c, const mesh_packet *m, const packet_slab
     if (!which) return 0;
     daft_facet f = daft_facet_of(corner);
     if (__builtin_popcount(bits) >= __builtin_popcount(which)) return triangles_intersect(c, m, &f, b, which, bits);
-    for (; bits; bits &= bits - 1) hits |= (vbits)ray_intersect(c, m, &f, b, which, first_lane(bits)) << first_lane(bits);
+    for (; bits; bits &= bits - 1)
+        hits |= (vbits)ray_intersect(c, m, &f, b, which, first_lane(bits)) << first_lane(bits);
     return hits;
 }
 
-static vbits blocks_intersect_floats(packet *c, const mesh_packet *m, const daft_block *b, const daft_block *end, vbits bits)
+static vbits blocks_intersect_floats(packet *c, const mesh_packet *m, const daft_block *b, const daft_block *end,
+                                     vbits bits)
 {
     vbits hits = 0;
     for (; b < end && bits; b++) {
@@ -232,8 +249,10 @@ bool DAFT_KERNEL(daft_packet_leaf)(packet *c, const mesh_packet *m, const packet
         }
     }
     if (!hits) return false;
-    if (c->any) mark_occluded(c, hits);
-    else c->limit = vf_if_then_else(vm_from_bits(hits), past_lanes(vf_load(c->hit.t)), c->limit);
+    if (c->any)
+        mark_occluded(c, hits);
+    else
+        c->limit = vf_if_then_else(vm_from_bits(hits), past_lanes(vf_load(c->hit.t)), c->limit);
     return true;
 }
 
@@ -244,7 +263,8 @@ static vbits sphere_lanes(const packet *c, const daft_instance *s, vbits bits, v
 {
     vd near[2], far[2], forward[2], excess[2];
     vd3 d[2], centre[2];
-    const double r = (double)s->radius, at[3] = {(double)s->to_frame.t[0], (double)s->to_frame.t[1], (double)s->to_frame.t[2]};
+    const double r = (double)s->radius,
+                 at[3] = {(double)s->to_frame.t[0], (double)s->to_frame.t[1], (double)s->to_frame.t[2]};
     for (int half = 0; half < 2; half++) {
         vd3 o = vd3_half(c->o, half), way = vd3_half(c->d, half), to = {at[0] - o.x, at[1] - o.y, at[2] - o.z};
         forward[half] = to.x * way.x + to.y * way.y + to.z * way.z;
@@ -252,7 +272,8 @@ static vbits sphere_lanes(const packet *c, const daft_instance *s, vbits bits, v
         d[half] = way, centre[half] = to;
     }
     vf zero = vf_set(0);
-    bits &= ~vbits_from_mask(vm_and(vf_lt(vf_demote2(forward[0], forward[1]), zero), vf_lt(vf_demote2(excess[0], excess[1]), zero)));
+    bits &= ~vbits_from_mask(
+        vm_and(vf_lt(vf_demote2(forward[0], forward[1]), zero), vf_lt(vf_demote2(excess[0], excess[1]), zero)));
     if (!bits || !(r > 0)) return 0;
     for (int half = 0; half < 2; half++) {
         vd3 way = d[half], to = centre[half];
@@ -305,7 +326,8 @@ static void corners_gather(corner_lanes *out, const packet_hits *f, const daft_i
             }
             continue;
         }
-        const float *from = &instance->bvh->blocks[f->place[lane] / DAFT_BLOCK].corner[0][0][f->place[lane] % DAFT_BLOCK];
+        const float *from =
+            &instance->bvh->blocks[f->place[lane] / DAFT_BLOCK].corner[0][0][f->place[lane] % DAFT_BLOCK];
         for (int i = 0; i < 9; i++) out->at[i / 3][i % 3][lane] = from[i * DAFT_BLOCK];
     }
 }
@@ -343,7 +365,8 @@ static vf3 normals_of(const packet *c, vbits hit)
                       c->o.z + c->d.z * t - vf_set(centre[2])};
         }
         vm m = vm_from_bits(same);
-        normal = (vf3){vf_if_then_else(m, n.x, normal.x), vf_if_then_else(m, n.y, normal.y), vf_if_then_else(m, n.z, normal.z)};
+        normal = (vf3){vf_if_then_else(m, n.x, normal.x), vf_if_then_else(m, n.y, normal.y),
+                       vf_if_then_else(m, n.z, normal.z)};
         hit &= ~same;
     }
     return normal;
@@ -366,9 +389,14 @@ vbits DAFT_KERNEL(daft_packet_finish)(const packet *c, vbits active, daft_hit *h
     vbits hit = active & ~vbits_from_mask(vi_eq(instance, vi_set(-1)));
     vf3 n = {vf_set(0), vf_set(0), vf_set(0)};
     if (hit) n = normals_of(c, hit);
-    vf numbers[8] = {vf_load(c->hit.t), vf_load(c->hit.u), vf_load(c->hit.v), (vf)instance,
-                     (vf)vi_load(c->hit.triangle), n.x, n.y, n.z};
+    vf numbers[8] = {vf_load(c->hit.t),
+                     vf_load(c->hit.u),
+                     vf_load(c->hit.v),
+                     (vf)instance,
+                     (vf)vi_load(c->hit.triangle),
+                     n.x,
+                     n.y,
+                     n.z};
     hits_store(numbers, active, hits);
     return hit;
 }
-

@@ -1,10 +1,11 @@
-/* Single rays through both levels, and from any node or instance downwards for packets that fall apart into single rays. A mesh
- * that is only translated keeps the ray's direction and its inverse. */
+/* Single rays through both levels, and from any node or instance downwards for packets that fall apart into single
+ * rays. A mesh that is only translated keeps the ray's direction and its inverse. */
 #include "accel/traverse/instance_ray.h"
 #include "accel/kdtree.h"
 
 /* A leaf; `child` is its code. Called, so that nodes keep their registers. */
-DAFT_INLINE bool leaf_intersect(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit, bool any)
+DAFT_INLINE bool leaf_intersect(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past,
+                                daft_nearest *hit, bool any)
 {
     const daft_block *b = &blocks[(child & ~DAFT_CHILD_LEAF) >> 2];
     int count = (int)(child & 3) + 1;
@@ -15,12 +16,14 @@ DAFT_INLINE bool leaf_intersect(const daft_block *blocks, uint32_t child, const 
     return found;
 }
 
-bool DAFT_KERNEL(daft_leaf_closest)(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
+bool DAFT_KERNEL(daft_leaf_closest)(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past,
+                                    daft_nearest *hit)
 {
     return leaf_intersect(blocks, child, r, past, hit, false);
 }
 
-bool DAFT_KERNEL(daft_leaf_stops)(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past, daft_nearest *hit)
+bool DAFT_KERNEL(daft_leaf_stops)(const daft_block *blocks, uint32_t child, const daft_mesh_ray *r, float past,
+                                  daft_nearest *hit)
 {
     return leaf_intersect(blocks, child, r, past, hit, true);
 }
@@ -30,32 +33,38 @@ DAFT_INLINE daft_vec3 v4_point(v4 a) { return (daft_vec3){a[0], a[1], a[2]}; }
 /* ---- the lower level: in object space ---- */
 
 /* way: of the direction d. */
-static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_direction *way, float tmin,
-                                                   daft_intersection how, daft_nearest *hit)
+static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t child, v4 o, v4 d,
+                                                   const slab_direction *way, float tmin, daft_intersection how,
+                                                   daft_nearest *hit)
 {
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, hit->t, how);
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
-    if (child & DAFT_CHILD_LEAF) DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, &r, daft_forward(daft_past(hit->t)), hit);
-    else if (tmin >= 0 && way->plain) mesh_traverse(bvh, child, way, &r, &at, true, hit);
-    else mesh_traverse(bvh, child, way, &r, &at, false, hit);
+    if (child & DAFT_CHILD_LEAF)
+        DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, &r, daft_forward(daft_past(hit->t)), hit);
+    else if (tmin >= 0 && way->plain)
+        mesh_traverse(bvh, child, way, &r, &at, true, hit);
+    else
+        mesh_traverse(bvh, child, way, &r, &at, false, hit);
 }
 
-static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_t child, v4 o, v4 d, const slab_direction *way, float tmin,
-                                                    float tmax, daft_intersection how)
+static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_t child, v4 o, v4 d,
+                                                    const slab_direction *way, float tmin, float tmax,
+                                                    daft_intersection how)
 {
     daft_nearest hit = {.t = tmax, .triangle = DAFT_NO_TRIANGLE};
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, tmax, how);
     slab_origin at = slab_origin_of(o);
     child = first_child(bvh, child);
-    if (child & DAFT_CHILD_LEAF) return DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, &r, daft_forward(daft_past(tmax)), &hit);
+    if (child & DAFT_CHILD_LEAF)
+        return DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, &r, daft_forward(daft_past(tmax)), &hit);
     if (tmin >= 0 && way->plain) return mesh_any_hit(bvh, child, way, &r, &at, true, &hit);
     return mesh_any_hit(bvh, child, way, &r, &at, false, &hit);
 }
 
 /* Through an instance's mesh. A mesh that is only shifted keeps the direction. */
 DAFT_INLINE void instance_mesh_closest(const daft_instance *instance, uint32_t child, const simd_ray *frame, float tmin,
-                                daft_intersection how, daft_nearest *hit)
+                                       daft_intersection how, daft_nearest *hit)
 {
     simd_ray local;
     if (daft_is_translation(&instance->to_object)) {
@@ -66,26 +75,28 @@ DAFT_INLINE void instance_mesh_closest(const daft_instance *instance, uint32_t c
     }
 }
 
-DAFT_INLINE bool instance_mesh_occluded(const daft_instance *instance, uint32_t child, const simd_ray *frame, float tmin, float tmax,
-                                 daft_intersection how)
+DAFT_INLINE bool instance_mesh_occluded(const daft_instance *instance, uint32_t child, const simd_ray *frame,
+                                        float tmin, float tmax, daft_intersection how)
 {
     simd_ray local;
     if (daft_is_translation(&instance->to_object)) {
         v4 o = frame->origin + translation_of(&instance->to_object);
-        return finite_lanes(o, o) && mesh_occluded(instance->bvh, child, o, frame->direction, &frame->way, tmin, tmax, how);
+        return finite_lanes(o, o) &&
+               mesh_occluded(instance->bvh, child, o, frame->direction, &frame->way, tmin, tmax, how);
     }
     return to_object_space(&instance->to_object, frame, &local) &&
            mesh_occluded(instance->bvh, child, local.origin, local.direction, &local.way, tmin, tmax, how);
 }
 
-void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how,
-                                    daft_nearest *hit)
+void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray,
+                                    daft_intersection how, daft_nearest *hit)
 {
     simd_ray frame = simd_ray_of(ray);
     instance_mesh_closest(instance, child, &frame, ray->tmin, how, hit);
 }
 
-bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how)
+bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t child, const daft_ray *ray,
+                                     daft_intersection how)
 {
     simd_ray frame = simd_ray_of(ray);
     return instance_mesh_occluded(instance, child, &frame, ray->tmin, ray->tmax, how);
@@ -95,12 +106,14 @@ bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t chi
 
 static void kd_closest(const daft_instance *instance, const daft_ray *ray, daft_intersection how, daft_nearest *hit)
 {
-    DAFT_KERNEL(daft_kd_closest)(instance->kdtree, daft_affine_point(&instance->to_object, ray->origin),
-                                 daft_affine_vector(&instance->to_object, ray->direction), ray->tmin, how, hit);
+    DAFT_KERNEL(daft_kd_closest)
+    (instance->kdtree, daft_affine_point(&instance->to_object, ray->origin),
+     daft_affine_vector(&instance->to_object, ray->direction), ray->tmin, how, hit);
 }
 
 /* `frame`: the ray. */
-DAFT_INLINE void instance_closest(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, const simd_ray *frame, daft_nearest *hit)
+DAFT_INLINE void instance_closest(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, const simd_ray *frame,
+                                  daft_nearest *hit)
 {
     const daft_instance *instance = &tlas->instances[index];
     if (instance->mesh) {
@@ -108,10 +121,14 @@ DAFT_INLINE void instance_closest(const daft_tlas *tlas, uint32_t index, const d
         hit->triangle = index < hit->instance ? DAFT_NO_TRIANGLE : 0; /* a tie goes to the lower instance */
         uint32_t before = hit->triangle;
         float t = hit->t;
-        if (instance->kdtree) kd_closest(instance, ray, tlas->intersection, hit);
-        else instance_mesh_closest(instance, 0, frame, ray->tmin, tlas->intersection, hit);
-        if (hit->t < t || hit->triangle != before) hit->instance = index;
-        else hit->triangle = triangle;
+        if (instance->kdtree)
+            kd_closest(instance, ray, tlas->intersection, hit);
+        else
+            instance_mesh_closest(instance, 0, frame, ray->tmin, tlas->intersection, hit);
+        if (hit->t < t || hit->triangle != before)
+            hit->instance = index;
+        else
+            hit->triangle = triangle;
         return;
     }
     float t = sphere_distance(instance, ray, ray->tmin, hit->t);
@@ -127,8 +144,8 @@ DAFT_INLINE bool instance_occluded(const daft_tlas *tlas, uint32_t index, const 
     if (instance->mesh->triangle_count == 0) return false;
     if (instance->kdtree)
         return DAFT_KERNEL(daft_kd_occluded)(instance->kdtree, daft_affine_point(&instance->to_object, ray->origin),
-                                             daft_affine_vector(&instance->to_object, ray->direction), ray->tmin, ray->tmax,
-                                             tlas->intersection);
+                                             daft_affine_vector(&instance->to_object, ray->direction), ray->tmin,
+                                             ray->tmax, tlas->intersection);
     return instance_mesh_occluded(instance, 0, frame, ray->tmin, ray->tmax, tlas->intersection);
 }
 
@@ -158,7 +175,8 @@ static daft_vec3 triangle_normal(const daft_instance *instance, const daft_neare
     return daft_cross(daft_sub(p[1], p[0]), daft_sub(p[2], p[0]));
 }
 
-bool DAFT_KERNEL(daft_finish_hit)(const daft_tlas *tlas, const daft_ray *ray, const daft_nearest *nearest, daft_hit *hit)
+bool DAFT_KERNEL(daft_finish_hit)(const daft_tlas *tlas, const daft_ray *ray, const daft_nearest *nearest,
+                                  daft_hit *hit)
 {
     if (nearest->instance == UINT32_MAX) {
         *hit = (daft_hit){.t = ray->tmax, .instance = UINT32_MAX};
@@ -175,7 +193,8 @@ bool DAFT_KERNEL(daft_finish_hit)(const daft_tlas *tlas, const daft_ray *ray, co
     return true;
 }
 
-DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, uint32_t ignore, daft_nearest *hit)
+DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, uint32_t ignore,
+                               daft_nearest *hit)
 {
     ray_stack stack;
     uint64_t *top = stack.items;
@@ -221,8 +240,8 @@ void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, cons
 
 /* ---- a top level of one node: up to eight instances ---- */
 
-/* The nearest or the furthest of the instances in bits, 1 or more; clears its bit. Of the first two it is chosen by a branch,
- * not a look-up: a predicted branch starts on the mesh before the boxes are tested. */
+/* The nearest or the furthest of the instances in bits, 1 or more; clears its bit. Of the first two it is chosen by a
+ * branch, not a look-up: a predicted branch starts on the mesh before the boxes are tested. */
 DAFT_INLINE uint32_t next_instance(const daft_node *node, uint32_t *bits, const float near[DAFT_WIDTH], bool furthest)
 {
     uint32_t at = (uint32_t)__builtin_ctz(*bits), child;
@@ -232,20 +251,24 @@ DAFT_INLINE uint32_t next_instance(const daft_node *node, uint32_t *bits, const 
     }
     *bits &= ~(1u << at);
     if (at > 1) return node->child[at] & ~DAFT_CHILD_LEAF;
-    if (at == 0) child = node->child[0];
-    else child = node->child[1];
+    if (at == 0)
+        child = node->child[0];
+    else
+        child = node->child[1];
     __asm__("" : "+r"(child)); /* or the compiler makes a look-up of it again */
     return child & ~DAFT_CHILD_LEAF;
 }
 
 /* The instances whose boxes the ray meets, and where it enters them. */
-DAFT_INLINE uint32_t root_children(const daft_tlas *tlas, const daft_ray *ray, const simd_ray *frame, float near[DAFT_WIDTH])
+DAFT_INLINE uint32_t root_children(const daft_tlas *tlas, const daft_ray *ray, const simd_ray *frame,
+                                   float near[DAFT_WIDTH])
 {
     slab_origin from, until;
     slab_upper_origins(frame->origin, frame->direction, &from, &until);
     v8 enter;
-    uint32_t bits = slab_test((const char *)tlas->nodes.items, &frame->way, &from, &until, ray->tmin >= 0 && frame->way.plain,
-                              v8_set(daft_before(ray->tmin)), v8_set(daft_past(ray->tmax)), &enter);
+    uint32_t bits =
+        slab_test((const char *)tlas->nodes.items, &frame->way, &from, &until, ray->tmin >= 0 && frame->way.plain,
+                  v8_set(daft_before(ray->tmin)), v8_set(daft_past(ray->tmax)), &enter);
     v8_store(near, enter);
     /* origins so large that they overflow meet even boxes that are empty */
     return bits & v8_le_bits(v8_load(tlas->nodes.items->bounds[0]), v8_load(tlas->nodes.items->bounds[3]));
@@ -278,8 +301,10 @@ static bool closest(const daft_tlas *tlas, const daft_ray *ray, uint32_t ignore,
 {
     daft_nearest nearest = {.t = ray->tmax, .instance = UINT32_MAX};
     if (tlas->nodes.count && daft_ray_usable(ray)) {
-        if (tlas->nodes.count == 1) root_closest(tlas, ray, ignore, &nearest);
-        else upper_closest(tlas, 0, ray, ignore, &nearest);
+        if (tlas->nodes.count == 1)
+            root_closest(tlas, ray, ignore, &nearest);
+        else
+            upper_closest(tlas, 0, ray, ignore, &nearest);
     }
     return DAFT_KERNEL(daft_finish_hit)(tlas, ray, &nearest, hit);
 }
@@ -289,12 +314,14 @@ enum { FAR_APART = 20000 /* instances, more than caches near the core hold */ };
 DAFT_INLINE bool any_casts_shadow(const daft_tlas *tlas, const daft_node *node, uint32_t bits)
 {
     for (; bits; bits &= bits - 1)
-        if (tlas->instances[node->child[__builtin_ctz(bits)] & ~DAFT_CHILD_LEAF].flags & DAFT_INSTANCE_CASTS_SHADOW) return true;
+        if (tlas->instances[node->child[__builtin_ctz(bits)] & ~DAFT_CHILD_LEAF].flags & DAFT_INSTANCE_CASTS_SHADOW)
+            return true;
     return false;
 }
 
-/* In the order of the tree, where what is low, as ground is, stands first. Sorting would take more time than it saves, and the
- * nearest are the last to stop a ray that leaves one of them. far_apart: what is put aside is fetched at once. */
+/* In the order of the tree, where what is low, as ground is, stands first. Sorting would take more time than it saves,
+ * and the nearest are the last to stop a ray that leaves one of them. far_apart: what is put aside is fetched at once.
+ */
 DAFT_INLINE bool upper_any_hit(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, bool far_apart)
 {
     code_stack stack;
@@ -314,7 +341,8 @@ DAFT_INLINE bool upper_any_hit(const daft_tlas *tlas, uint32_t child, const daft
             uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
             if (node->spheres & spheres) {
                 node_spheres sight = node_spheres_of(node, &view);
-                if (any_casts_shadow(tlas, node, spheres_pierced(node, &sight, &view, ray->tmin, ray->tmax))) return true;
+                if (any_casts_shadow(tlas, node, spheres_pierced(node, &sight, &view, ray->tmin, ray->tmax)))
+                    return true;
                 bits = spheres_met(node, bits, &sight, &view);
             }
             uint32_t *base = top;

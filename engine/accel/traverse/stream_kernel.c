@@ -1,6 +1,6 @@
-/* Streams of rays: packets are made of rays of one octant. A run of rays is sorted by octant, keeping the order within each,
- * and cut into packets of sixteen (in the spirit of Barringer and Akenine-Möller, "Dynamic Ray Stream Traversal", 2014,
- * who regroup at every node; neighbours in a stream are mostly similar to begin with). */
+/* Streams of rays: packets are made of rays of one octant. A run of rays is sorted by octant, keeping the order within
+ * each, and cut into packets of sixteen (in the spirit of Barringer and Akenine-Möller, "Dynamic Ray Stream Traversal",
+ * 2014, who regroup at every node; neighbours in a stream are mostly similar to begin with). */
 #include "accel/ray_test.h"
 #include "accel/traverse/traverse.h"
 
@@ -30,7 +30,8 @@ static void sort(const daft_ray *rays, uint32_t count, uint16_t order[RUN], uint
 static uint32_t gather(const daft_ray *rays, const uint16_t *order, uint32_t at, uint32_t end, daft_ray_packet *packet)
 {
     uint32_t count = daft_min_u(DAFT_PACKET, end - at);
-    for (uint32_t i = 0; i < DAFT_PACKET; i++) daft_ray_packet_set(packet, i, &rays[order[at + daft_min_u(i, count - 1)]]);
+    for (uint32_t i = 0; i < DAFT_PACKET; i++)
+        daft_ray_packet_set(packet, i, &rays[order[at + daft_min_u(i, count - 1)]]);
     return count;
 }
 

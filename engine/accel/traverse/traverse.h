@@ -1,4 +1,5 @@
-/* accel/traverse: rays through the trees: single rays, packets of sixteen, streams, and the kd-tree. Public headers: traverse.h.
+/* accel/traverse: rays through the trees: single rays, packets of sixteen, streams, and the kd-tree. Public headers:
+ * traverse.h.
  *
  * The kernels of each instruction set; dispatch.c picks. */
 #ifndef DAFT_TRAVERSE_H
@@ -10,15 +11,17 @@
 DAFT_KERNEL_DECLARE(daft_accel_kernels, daft_accel);
 
 #ifdef DAFT_ISA
-/* single_kernel.c: one ray through one instance, or from a child's code downwards; and from the nearest hit to what callers get.
- * Rays are in frame space. */
+/* single_kernel.c: one ray through one instance, or from a child's code downwards; and from the nearest hit to what
+ * callers get. Rays are in frame space. */
 struct daft_nearest;
 struct daft_mesh_ray;
-void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray, struct daft_nearest *hit);
+void DAFT_KERNEL(daft_instance_closest)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray,
+                                        struct daft_nearest *hit);
 bool DAFT_KERNEL(daft_instance_occluded)(const daft_tlas *tlas, uint32_t index, const daft_ray *ray);
-void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how,
-                                    struct daft_nearest *hit);
-bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t child, const daft_ray *ray, daft_intersection how);
+void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray,
+                                    daft_intersection how, struct daft_nearest *hit);
+bool DAFT_KERNEL(daft_mesh_occluded)(const daft_instance *instance, uint32_t child, const daft_ray *ray,
+                                     daft_intersection how);
 void DAFT_KERNEL(daft_upper_closest)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray, uint32_t ignore,
                                      struct daft_nearest *hit);
 bool DAFT_KERNEL(daft_upper_occluded)(const daft_tlas *tlas, uint32_t child, const daft_ray *ray);

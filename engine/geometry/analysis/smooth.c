@@ -32,8 +32,8 @@ typedef struct smoother {
     const daft_smooth_kernels *kernels;
     daft_trimesh *mesh;
     const uint32_t *groups;
-    float cosine; /* of the crease; above 1 where nothing is joined */
-    float spread; /* see is_one_ring */
+    float cosine;  /* of the crease; above 1 where nothing is joined */
+    float spread;  /* see is_one_ring */
     char *scratch; /* for these */
     daft_smooth_faces faces;
     daft_smooth_sum *sums_of; /* each vertex */
@@ -48,8 +48,8 @@ typedef struct smoother {
 /* Whether all corners at a vertex are one set, by three things that adding up tells:
  *   - its triangles close to rings: each of the other vertices is as often next as it is previous. Hashes say so; they
  *     err once in 2^64, and then two fans share a normal.
- *   - no two faces meet at the crease or more: of k unit normals, two of which are an angle c apart, the sum is no longer
- *     than k - 2 + 2 cos(c / 2). `spread` is 2 - 2 cos(c / 2), less a bound on rounding.
+ *   - no two faces meet at the crease or more: of k unit normals, two of which are an angle c apart, the sum is no
+ * longer than k - 2 + 2 cos(c / 2). `spread` is 2 - 2 cos(c / 2), less a bound on rounding.
  *   - there is but one ring: where all faces are within 40 degrees of a direction, each ring has angles of at least
  *     2 pi cos 40°, as seen along it, and the weighted sum is at least cos 40° of them: 7.37 for two rings. */
 static bool is_one_ring(const smoother *s, const daft_smooth_sum *sum)
@@ -134,10 +134,7 @@ static void join_small(smoother *s, uint32_t count)
         }
 }
 
-static bool is_before(edge a, edge b)
-{
-    return a.vertex < b.vertex || (a.vertex == b.vertex && a.spoke < b.spoke);
-}
+static bool is_before(edge a, edge b) { return a.vertex < b.vertex || (a.vertex == b.vertex && a.spoke < b.spoke); }
 
 static void sift_down(edge *heap, uint32_t at, uint32_t count)
 {

@@ -1,4 +1,5 @@
-/* geometry/analysis: smooth normals, and what is odd about a mesh. Public headers: none; geometry/mesh.h has the functions.
+/* geometry/analysis: smooth normals, and what is odd about a mesh. Public headers: none; geometry/mesh.h has the
+ * functions.
  *
  * What smooth normals share with their kernel, which looks at triangles in the order in which they come. */
 #ifndef DAFT_SMOOTH_H
@@ -21,10 +22,11 @@ typedef struct daft_smooth_sum {
     float count;        /* exact up to 2^24 */
 } daft_smooth_sum;
 
-/* Filled only where some vertex is listed. Corners by vertex: those of vertex v stand at corners[first[v] .. first[v + 1] - 1], in the order of the triangles. */
+/* Filled only where some vertex is listed. Corners by vertex: those of vertex v stand at corners[first[v] .. first[v +
+ * 1] - 1], in the order of the triangles. */
 typedef struct daft_smooth_lists {
-    uint8_t *listed; /* 0: the vertex has none here, since all its corners are one set */
-    uint32_t *first; /* vertex_count + 1 */
+    uint8_t *listed;   /* 0: the vertex has none here, since all its corners are one set */
+    uint32_t *first;   /* vertex_count + 1 */
     uint32_t *corners; /* DAFT_SMOOTH_AHEAD more than there are, all some corner */
 } daft_smooth_lists;
 
@@ -34,9 +36,9 @@ enum { DAFT_SMOOTH_RING = 8, DAFT_SMOOTH_AHEAD = 40 };
 typedef struct daft_smooth_kernels {
     /* Fills faces and adds each to the sums, which were zero, of its three vertices. */
     void (*add_faces)(const daft_trimesh *mesh, daft_smooth_faces faces, daft_smooth_sum *sums);
-    /* Of the vertices first to end - 1, unlists each whose few corners are passed by going once around, from triangle to triangle, with at most one
-     * edge between that is a crease: no flatter than the angle of `cosine`, or between different groups or of group 0
-     * (groups may be NULL). */
+    /* Of the vertices first to end - 1, unlists each whose few corners are passed by going once around, from triangle
+     * to triangle, with at most one edge between that is a crease: no flatter than the angle of `cosine`, or between
+     * different groups or of group 0 (groups may be NULL). */
     void (*unlist_rings)(const daft_trimesh *mesh, const daft_vec3 *normals, const uint32_t *groups, float cosine,
                          const daft_smooth_lists *lists, uint32_t first, uint32_t end);
     /* The directions of weighted sums; some unit vector for those that have none. */

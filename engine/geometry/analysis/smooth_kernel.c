@@ -15,15 +15,9 @@ typedef struct vd3 {
     vd x, y, z;
 } vd3;
 
-DAFT_INLINE vd3 vd3_sub(vd3 a, vd3 b)
-{
-    return (vd3){a.x - b.x, a.y - b.y, a.z - b.z};
-}
+DAFT_INLINE vd3 vd3_sub(vd3 a, vd3 b) { return (vd3){a.x - b.x, a.y - b.y, a.z - b.z}; }
 
-DAFT_INLINE vd vd3_dot(vd3 a, vd3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
+DAFT_INLINE vd vd3_dot(vd3 a, vd3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 /* Abramowitz and Stegun 4.4.46 on 0..1; absolute error below 3e-8. */
 DAFT_INLINE vd arc_cosine(vd x)
@@ -62,8 +56,8 @@ DAFT_INLINE void measure(vd3 a, vd3 b, vd3 c, vd out[6])
     out[5] = vd_if_then_else(wide & (vl)(at_c > zero), at_c, zero);
 }
 
-/* Corners of `count` triangles from `first` on, and of the last again up to whole lanes. Calls for the sums they will be
- * added to: files often have triangles in an order that is far from the vertices'. */
+/* Corners of `count` triangles from `first` on, and of the last again up to whole lanes. Calls for the sums they will
+ * be added to: files often have triangles in an order that is far from the vertices'. */
 static void gather(const daft_trimesh *mesh, uint32_t first, uint32_t count, block *b, const daft_smooth_sum *sums)
 {
     uint32_t padded = (count + DAFT_VL - 1) / DAFT_VL * DAFT_VL;

@@ -140,7 +140,6 @@ static bool read_ke(reader *r, const char *word, const char *p)
     return read_color_into(r, word, p, &r->current->emission);
 }
 
-
 /* Tf, also written Kt: what comes through, by colour. */
 static bool read_tf(reader *r, const char *word, const char *p)
 {
@@ -148,8 +147,7 @@ static bool read_tf(reader *r, const char *word, const char *p)
     daft_vec3 tf;
     if (!read_color(r, word, p, &tf, &known)) return false;
     if (!known) return true;
-    r->current->filter =
-        daft_v3(clamp(r, word, tf.x, 0, 1), clamp(r, word, tf.y, 0, 1), clamp(r, word, tf.z, 0, 1));
+    r->current->filter = daft_v3(clamp(r, word, tf.x, 0, 1), clamp(r, word, tf.y, 0, 1), clamp(r, word, tf.z, 0, 1));
     r->current->has_filter = true;
     return true;
 }

@@ -30,7 +30,8 @@ typedef struct daft_obj_source {
     float *x, *y, *z; /* positions */
     daft_vec3 *normals;
     daft_vec2 *uvs;
-    /* Of each corner, from 0. Positions may lie beyond the file's last, as forward references do. NULL: no corner has any. */
+    /* Of each corner, from 0. Positions may lie beyond the file's last, as forward references do. NULL: no corner has
+     * any. */
     uint32_t *corner_positions, *corner_uvs, *corner_normals;
     uint32_t *faces; /* corners of each `f` statement; 0: dropped. NULL: 3 each */
     daft_obj_run *runs;
@@ -38,13 +39,13 @@ typedef struct daft_obj_source {
     daft_obj_name *libraries; /* what follows each mtllib */
     size_t position_count, normal_count, uv_count, corner_count, face_count, run_count, slot_count, library_count;
     size_t position_room, normal_room, uv_room, corner_room, face_room, run_room, slot_room, library_room;
-    bool repeats; /* some triangle has a vertex twice */
+    bool repeats;              /* some triangle has a vertex twice */
     size_t triangle_count;     /* at most so many come from the faces */
     uint32_t largest_face;     /* corners */
     bool bad_position, bad_uv; /* some is NaN or infinite */
     const char *first_drop;    /* where the first face was dropped, and why */
     const char *first_drop_reason;
-    uint32_t drops;   /* faces left out */
+    uint32_t drops;    /* faces left out */
     uint32_t *groups;  /* of each triangle, where some `s` was seen */
     uint32_t *face_of; /* the face that each triangle comes from; NULL: nobody asks. Room for triangle_count */
     const daft_problems *problems; /* NULL: only what loading warns of */

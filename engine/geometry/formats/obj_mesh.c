@@ -50,8 +50,7 @@ static bool check_corners(builder *b, size_t face, size_t first, uint32_t count)
         if (s->corner_positions[first + k] >= s->position_count) return fail_position(b, face, k);
         uint32_t *uv = s->corner_uvs ? &s->corner_uvs[first + k] : NULL;
         if (uv) check_attribute(b, face, uv, s->uv_count, "texture coordinate");
-        if (s->corner_normals)
-            check_attribute(b, face, &s->corner_normals[first + k], s->normal_count, "normal");
+        if (s->corner_normals) check_attribute(b, face, &s->corner_normals[first + k], s->normal_count, "normal");
         if (!uv || !s->bad_uv || *uv == DAFT_OBJ_ABSENT) continue;
         if (!isfinite(s->uvs[*uv].x) || !isfinite(s->uvs[*uv].y)) *uv = DAFT_OBJ_ABSENT;
     }
@@ -81,10 +80,7 @@ static inline void put_triangle(builder *b, const size_t corner[3], const daft_o
     mesh->triangle_count++;
 }
 
-static bool repeats(uint32_t i, uint32_t j, uint32_t k)
-{
-    return i == j || j == k || k == i;
-}
+static bool repeats(uint32_t i, uint32_t j, uint32_t k) { return i == j || j == k || k == i; }
 
 /* The corners of a polygon without those that repeat the vertex before; fills kept, returns how many are left. */
 static uint32_t keep_corners(builder *b, const uint32_t *corners, uint32_t count)

@@ -25,7 +25,8 @@ static inline bool grow(const reader *r, void *array_pointer, size_t *room, size
     return daft_grow(r->source->allocator, array_pointer, room, needed, used, size) || fail_memory(r);
 }
 
-/* Arrays that share one room. Where the second cannot grow, the first is larger than the room says, which is no harm. */
+/* Arrays that share one room. Where the second cannot grow, the first is larger than the room says, which is no harm.
+ */
 static bool grow_alike(const reader *r, void *const arrays[], int count, size_t *room, size_t needed, size_t used)
 {
     size_t grown = *room;
@@ -485,7 +486,8 @@ static line_counts estimate(const daft_text *text)
     }
     size_t *all[] = {&counts.v, &counts.vt, &counts.vn, &counts.f};
     for (size_t i = 0; i < DAFT_COUNT_OF(all) && seen > 0; i++)
-        if (*all[i] > 0) *all[i] = (size_t)((double)*all[i] * ((double)size / (double)seen) * (seen < size ? 1.03 : 1)) + 2;
+        if (*all[i] > 0)
+            *all[i] = (size_t)((double)*all[i] * ((double)size / (double)seen) * (seen < size ? 1.03 : 1)) + 2;
     return counts;
 }
 

@@ -2,8 +2,8 @@
  * once, as a mask, so one number's place does not wait for the last one's value; eight digits are then summed in
  * pairs, fours and eights (text.h).
  *
- * Plain is: one blank between numbers, no exponent, no plus sign, at most 8 digits before the point and 16 behind it, 18
- * in all; of corners, positive indices of at most 8 digits. Whatever is not plain is left to the general reader in
+ * Plain is: one blank between numbers, no exponent, no plus sign, at most 8 digits before the point and 16 behind it,
+ * 18 in all; of corners, positive indices of at most 8 digits. Whatever is not plain is left to the general reader in
  * obj_read.c, which gives the same bits for what is, and the messages for what is wrong. */
 #include "geometry/formats/obj.h"
 #include "math/simd/ops.h"
@@ -83,7 +83,8 @@ static inline bool scan_real(rest *line, double *out)
     return true;
 }
 
-/* Three numbers and the line's end, or two (z is left alone); returns what follows, or NULL where they are not plain. */
+/* Three numbers and the line's end, or two (z is left alone); returns what follows, or NULL where they are not plain.
+ */
 static inline const char *scan_vector(const char *p, int count, double *x, double *y, double *z)
 {
     rest line = {p, vu8_nondigits_64(p)};
@@ -136,7 +137,8 @@ static inline const char *scan_triangle(const char *p, uint32_t *out)
 {
     uint32_t first = vu8_nondigits_32(p), second = first & (first - 1), third = second & (second - 1);
     if (!third) return NULL;
-    unsigned a = (unsigned)__builtin_ctz(first), b = (unsigned)__builtin_ctz(second), c = (unsigned)__builtin_ctz(third);
+    unsigned a = (unsigned)__builtin_ctz(first), b = (unsigned)__builtin_ctz(second),
+             c = (unsigned)__builtin_ctz(third);
     unsigned lengths[3] = {a, b - a - 1, c - b - 1};
     if (((lengths[0] - 1) | (lengths[1] - 1) | (lengths[2] - 1)) > 7) return NULL;
     if (p[a] != ' ' || p[b] != ' ' || !daft_is_break(p[c])) return NULL;
@@ -167,7 +169,8 @@ static inline bool scan_index(rest *line, const char *last, uint32_t *index)
 enum { BARE, WITH_UV, WITH_NORMAL, WITH_BOTH };
 
 /* A triangle whose corners are alike: v/vt, v//vn or v/vt/vn. */
-static inline const char *scan_corners(const char *p, const char *last, int form, uint32_t *v, uint32_t *vt, uint32_t *vn)
+static inline const char *scan_corners(const char *p, const char *last, int form, uint32_t *v, uint32_t *vt,
+                                       uint32_t *vn)
 {
     rest line = {p, 0};
     for (int k = 0; k < 3; k++) {

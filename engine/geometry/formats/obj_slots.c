@@ -59,10 +59,7 @@ static void note_missing(slots *s, const char *name, size_t length)
 }
 
 /* A backslash before a line end joins the two lines. */
-static bool is_joint(const char *p, const char *end)
-{
-    return *p == '\\' && p + 1 < end && daft_is_break(p[1]);
-}
+static bool is_joint(const char *p, const char *end) { return *p == '\\' && p + 1 < end && daft_is_break(p[1]); }
 
 /* One name of several: up to a blank that no backslash precedes. */
 static const char *skip_name(const char *p, const char *end)

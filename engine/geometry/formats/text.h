@@ -45,14 +45,8 @@ daft_quoted daft_text_quote(const char *at, size_t length);
 /* Fails with "'x' is not a number", or with "missing" where the line ends. */
 bool daft_text_fail_number(const daft_text *text, const char *at, const char *keyword, daft_error *error);
 
-static inline bool daft_is_blank(char c)
-{
-    return c == ' ' || c == '\t';
-}
-static inline bool daft_is_break(char c)
-{
-    return c == '\n' || c == '\r';
-}
+static inline bool daft_is_blank(char c) { return c == ' ' || c == '\t'; }
+static inline bool daft_is_break(char c) { return c == '\n' || c == '\r'; }
 
 static inline const char *daft_skip_blanks(const char *p)
 {

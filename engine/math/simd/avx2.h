@@ -1,4 +1,5 @@
-/* The operations of ops.h on AVX2: eight lanes; and those of v8 for AVX-512, too. Masks of lanes and rows of eight are plain.h's. */
+/* The operations of ops.h on AVX2: eight lanes; and those of v8 for AVX-512, too. Masks of lanes and rows of eight are
+ * plain.h's. */
 #ifndef DAFT_AVX2_H
 #define DAFT_AVX2_H
 
@@ -19,7 +20,10 @@ DAFT_INLINE uint32_t v8_le_bits(v8 a, v8 b)
 DAFT_INLINE v4 v8_lower_half(v8 a) { return (v4)_mm256_castps256_ps128((__m256)a); }
 DAFT_INLINE v4 v8_upper_half(v8 a) { return (v4)_mm256_extractf128_ps((__m256)a, 1); }
 DAFT_INLINE v8 v8_combine(v4 high, v4 low) { return (v8)_mm256_set_m128((__m128)high, (__m128)low); }
-DAFT_INLINE v8i v8i_table_lookup(v8i table, v8i index) { return (v8i)_mm256_permutevar8x32_epi32((__m256i)table, (__m256i)index); }
+DAFT_INLINE v8i v8i_table_lookup(v8i table, v8i index)
+{
+    return (v8i)_mm256_permutevar8x32_epi32((__m256i)table, (__m256i)index);
+}
 
 #if DAFT_VL == 8
 
@@ -73,7 +77,7 @@ DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index)
     return (vf)_mm256_blendv_ps(low, high, (__m256)(index << 28)); /* by bit 3, as the sign */
 }
 
-/* clang-format off: macros that read as a table */
+/* clang-format off */
 /* For each mask of eight lanes, the numbers of those in it, a byte each. */
 #define DAFT_PLACE(m, i) ((m) >> (i) & 1 ? (uint64_t)(i) << 8 * __builtin_popcount((m) & ((1u << (i)) - 1)) : 0)
 #define DAFT_PLACES(m) \
@@ -119,8 +123,10 @@ DAFT_INLINE vf vf_load_eights(const float *first, const float *second, int part)
 #define DAFT_NATIVE_TRANSPOSE
 DAFT_INLINE void vf_transpose4(vf r[4])
 {
-    __m256 low01 = _mm256_unpacklo_ps((__m256)r[0], (__m256)r[1]), high01 = _mm256_unpackhi_ps((__m256)r[0], (__m256)r[1]);
-    __m256 low23 = _mm256_unpacklo_ps((__m256)r[2], (__m256)r[3]), high23 = _mm256_unpackhi_ps((__m256)r[2], (__m256)r[3]);
+    __m256 low01 = _mm256_unpacklo_ps((__m256)r[0], (__m256)r[1]),
+           high01 = _mm256_unpackhi_ps((__m256)r[0], (__m256)r[1]);
+    __m256 low23 = _mm256_unpacklo_ps((__m256)r[2], (__m256)r[3]),
+           high23 = _mm256_unpackhi_ps((__m256)r[2], (__m256)r[3]);
     r[0] = (vf)_mm256_shuffle_ps(low01, low23, 0x44), r[1] = (vf)_mm256_shuffle_ps(low01, low23, 0xee);
     r[2] = (vf)_mm256_shuffle_ps(high01, high23, 0x44), r[3] = (vf)_mm256_shuffle_ps(high01, high23, 0xee);
 }

@@ -40,20 +40,25 @@ DAFT_INLINE vd vd_promote_half(vf a, int half)
 }
 DAFT_INLINE vf vf_demote2(vd low, vd high)
 {
-    return (vf)_mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps((__m512d)low)), _mm512_cvtpd_ps((__m512d)high), 1);
+    return (vf)_mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps((__m512d)low)), _mm512_cvtpd_ps((__m512d)high),
+                                  1);
 }
 DAFT_INLINE vd vd_sqrt(vd a) { return (vd)_mm512_sqrt_pd((__m512d)a); }
 DAFT_INLINE vd vd_max(vd a, vd b) { return (vd)_mm512_max_pd((__m512d)a, (__m512d)b); }
 
 #define DAFT_NATIVE_GATHER
 DAFT_INLINE vf vf_gather_index(const float *base, vi index) { return (vf)_mm512_i32gather_ps((__m512i)index, base, 4); }
-DAFT_INLINE vi vi_gather_index(const void *base, vi index) { return (vi)_mm512_i32gather_epi32((__m512i)index, base, 4); }
+DAFT_INLINE vi vi_gather_index(const void *base, vi index)
+{
+    return (vi)_mm512_i32gather_epi32((__m512i)index, base, 4);
+}
 DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index)
 {
     return (vf)_mm512_permutexvar_ps((__m512i)index, _mm512_loadu_ps(table));
 }
 DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index) { return vf_table_lookup16(table, index); }
-/* Lanes' numbers are compressed, once for all that one mask is used for: a permutation is quicker than a compression. */
+/* Lanes' numbers are compressed, once for all that one mask is used for: a permutation is quicker than a compression.
+ */
 DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v)
 {
     const __m512i number = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -89,15 +94,18 @@ DAFT_INLINE __m512 vf_load_two_eights(const float *first, const float *second)
 DAFT_INLINE vf vf_load_eights(const float *first, const float *second, int part)
 {
     (void)part;
-    if (__builtin_constant_p(first == second) && first == second) return (vf)_mm512_broadcast_f32x8(_mm256_loadu_ps(first));
+    if (__builtin_constant_p(first == second) && first == second)
+        return (vf)_mm512_broadcast_f32x8(_mm256_loadu_ps(first));
     return (vf)vf_load_two_eights(first, second);
 }
 
 #define DAFT_NATIVE_TRANSPOSE
 DAFT_INLINE void vf_transpose4(vf r[4])
 {
-    __m512 low01 = _mm512_unpacklo_ps((__m512)r[0], (__m512)r[1]), high01 = _mm512_unpackhi_ps((__m512)r[0], (__m512)r[1]);
-    __m512 low23 = _mm512_unpacklo_ps((__m512)r[2], (__m512)r[3]), high23 = _mm512_unpackhi_ps((__m512)r[2], (__m512)r[3]);
+    __m512 low01 = _mm512_unpacklo_ps((__m512)r[0], (__m512)r[1]),
+           high01 = _mm512_unpackhi_ps((__m512)r[0], (__m512)r[1]);
+    __m512 low23 = _mm512_unpacklo_ps((__m512)r[2], (__m512)r[3]),
+           high23 = _mm512_unpackhi_ps((__m512)r[2], (__m512)r[3]);
     r[0] = (vf)_mm512_shuffle_ps(low01, low23, 0x44), r[1] = (vf)_mm512_shuffle_ps(low01, low23, 0xee);
     r[2] = (vf)_mm512_shuffle_ps(high01, high23, 0x44), r[3] = (vf)_mm512_shuffle_ps(high01, high23, 0xee);
 }

@@ -27,7 +27,8 @@ static int processor_best(void)
 {
 #if defined(__x86_64__) || defined(__i386__)
     __builtin_cpu_init();
-    /* The wider kernels use both; every processor with AVX2 that was ever built has them, machines that imitate one may not. */
+    /* The wider kernels use both; every processor with AVX2 that was ever built has them, machines that imitate one may
+     * not. */
     if (!__builtin_cpu_supports("bmi") || !__builtin_cpu_supports("bmi2")) return 1;
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
         __builtin_cpu_supports("avx512bw"))

@@ -38,7 +38,8 @@ DAFT_INLINE vf vf_exp2(vf x)
 DAFT_INLINE vf vf_pow(vf base, vf exponent)
 {
     vf power = vf_exp2(exponent * vf_log2(vf_max(base, vf_set(1e-30f))));
-    return vf_if_then_else(vf_lt(vf_set(0), base), power, vf_if_then_else(vf_lt(vf_set(0), exponent), vf_set(0), vf_set(1)));
+    return vf_if_then_else(vf_lt(vf_set(0), base), power,
+                           vf_if_then_else(vf_lt(vf_set(0), exponent), vf_set(0), vf_set(1)));
 }
 
 /* Absolute error below 5e-7; 0 for (0, 0). */

@@ -1,5 +1,6 @@
 /* The list of SIMD operations: all that the *_kernel.c sources ask of a machine. How each target does them stands in
- * sse2.h, avx2.h, avx512.h and plain.h; a port to another machine is one more such file (plain.h fills in what it leaves out).
+ * sse2.h, avx2.h, avx512.h and plain.h; a port to another machine is one more such file (plain.h fills in what it
+ * leaves out).
  *
  * Types. The number of lanes is the target's, unless the name has a number:
  *   vf vi vm    DAFT_VL lanes of float, of int32_t, and a mask of them: 4 (plain, SSE2), 8 (AVX2) or 16 (AVX-512)
@@ -10,15 +11,14 @@
  *   vu8         not a type: the operation works on bytes in memory
  *
  * Names are Highway's (github.com/google/highway, g3doc/quick_reference.md) in our spelling: IfThenElse of vf is
- * vf_if_then_else. The prefix is the type of the result, or of the operand where the result is a plain value or nothing.
- * A block is four neighbouring lanes, 16 bytes; a row is eight floats in memory, a member of each to a lane.
+ * vf_if_then_else. The prefix is the type of the result, or of the operand where the result is a plain value or
+ * nothing. A block is four neighbouring lanes, 16 bytes; a row is eight floats in memory, a member of each to a lane.
  *
  * Arithmetic (+ - * / & | ^ ~ << >>, and on vd, v8, v4 comparisons, too) is written with the operators of GCC's vector
- * extensions. Nothing is fused and no subnormal flushed: each lane computes exactly what scalar code would, so that every width gives the
- * same bits. Only vf_approximate_reciprocal differs between targets: no result may depend on it.
- * Any address will do for loads and stores, unless said otherwise. tests/unit/math/test_simd.c holds each operation of each target
- * against a scalar twin, bit for bit.
- * Public headers: ops.h elementary.h dispatch.h */
+ * extensions. Nothing is fused and no subnormal flushed: each lane computes exactly what scalar code would, so that
+ * every width gives the same bits. Only vf_approximate_reciprocal differs between targets: no result may depend on it.
+ * Any address will do for loads and stores, unless said otherwise. tests/unit/math/test_simd.c holds each operation of
+ * each target against a scalar twin, bit for bit. Public headers: ops.h elementary.h dispatch.h */
 #ifndef DAFT_OPS_H
 #define DAFT_OPS_H
 
@@ -93,7 +93,7 @@ DAFT_INLINE vi vi_iota(void)
 /* ---- the list: what a target does. Lanes are written a[i]; each operation is done to all lanes. ---- */
 
 /* Constants */
-DAFT_INLINE vf vf_set(float s);   /* Set: s in all lanes */
+DAFT_INLINE vf vf_set(float s); /* Set: s in all lanes */
 DAFT_INLINE vi vi_set(int32_t s);
 
 /* Masks */
@@ -104,19 +104,21 @@ DAFT_INLINE vm vi_lt(vi a, vi b); /* Lt: a < b, signed */
 DAFT_INLINE vm vm_and(vm a, vm b);
 DAFT_INLINE vm vm_or(vm a, vm b);
 DAFT_INLINE vm vm_not(vm a);
-DAFT_INLINE vbits vbits_from_mask(vm m); /* BitsFromMask */
-DAFT_INLINE vm vm_from_bits(vbits b);    /* MaskFromBits: bits from DAFT_VL on are ignored */
+DAFT_INLINE vbits vbits_from_mask(vm m);          /* BitsFromMask */
+DAFT_INLINE vm vm_from_bits(vbits b);             /* MaskFromBits: bits from DAFT_VL on are ignored */
 DAFT_INLINE vf vf_if_then_else(vm m, vf a, vf b); /* IfThenElse: m ? a : b, any bits */
 DAFT_INLINE vi vi_if_then_else(vm m, vi a, vi b);
 
 /* Arithmetic */
-DAFT_INLINE vf vf_min(vf a, vf b); /* Min: a < b ? a : b, so b where one is NaN or both are zeros */
-DAFT_INLINE vf vf_max(vf a, vf b); /* Max: a > b ? a : b, so b where one is NaN or both are zeros */
-DAFT_INLINE vf vf_sqrt(vf a);      /* Sqrt: correctly rounded; NaN below zero, -0 of -0 */
+DAFT_INLINE vf vf_min(vf a, vf b);     /* Min: a < b ? a : b, so b where one is NaN or both are zeros */
+DAFT_INLINE vf vf_max(vf a, vf b);     /* Max: a > b ? a : b, so b where one is NaN or both are zeros */
+DAFT_INLINE vf vf_sqrt(vf a);          /* Sqrt: correctly rounded; NaN below zero, -0 of -0 */
 DAFT_INLINE float vf_reduce_min(vf a); /* ReduceMin: the least lane; none is NaN; a zero comes out as +0 */
-DAFT_INLINE vi vi_convert_to(vf a); /* ConvertTo: towards zero; INT32_MIN for NaN and what is not in -2^31 .. 2^31 - 1 */
+DAFT_INLINE vi vi_convert_to(vf a); /* ConvertTo: towards zero; INT32_MIN for NaN and what is not in -2^31 .. 2^31 - 1
+                                     */
 DAFT_INLINE vf vf_convert_to(vi a); /* ConvertTo: rounded to nearest, ties to even */
-DAFT_INLINE vf vf_approximate_reciprocal(vf a);      /* ApproximateReciprocal: 1/a within 2^-11 of it, where both are normal */
+DAFT_INLINE vf vf_approximate_reciprocal(vf a); /* ApproximateReciprocal: 1/a within 2^-11 of it, where both are normal
+                                                 */
 
 /* Double lanes */
 DAFT_INLINE vd vd_promote_half(vf a, int half); /* PromoteLowerTo (half 0), PromoteUpperTo (half 1) */
@@ -127,44 +129,50 @@ DAFT_INLINE vd vd_max(vd a, vd b);              /* Max: a > b ? a : b, so b wher
 /* Lanes from memory, by number */
 DAFT_INLINE vf vf_gather_index(const float *base, vi index); /* GatherIndex: base[index[i]] */
 DAFT_INLINE vi vi_gather_index(const void *base, vi index);
-DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index); /* TableLookupLanes: table[index[i] & (DAFT_VL - 1)] */
+DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index); /* TableLookupLanes: table[index[i] & (DAFT_VL -
+                                                                         1)] */
 DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index);    /* the same of sixteen: table[index[i] & 15] */
-DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v); /* CompressStore: the lanes of a mask side by side; further
-                                                                    * floats up to out[DAFT_VL - 1] may be overwritten. No bit
-                                                                    * beyond DAFT_ALL_LANES is set. */
+DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v); /* CompressStore: the lanes of a mask side by side;
+                                                                    * further floats up to out[DAFT_VL - 1] may be
+                                                                    * overwritten. No bit beyond DAFT_ALL_LANES is set.
+                                                                    */
 
 /* Blocks of four lanes */
-DAFT_INLINE vf vf_gather_blocks(const float *const from[DAFT_VL / 4]);      /* block k from from[k] on */
-DAFT_INLINE void vf_scatter_blocks(float *const to[DAFT_VL / 4], vf v);     /* block k to to[k]; 16-byte aligned */
-DAFT_INLINE void vf_store_blocks(float *p, int stride, vf v);               /* block k to p + k·stride */
-DAFT_INLINE void vf_transpose4(vf r[4]); /* in each block, r as a 4×4 matrix: lane j of r[i] and lane i of r[j] change places */
+DAFT_INLINE vf vf_gather_blocks(const float *const from[DAFT_VL / 4]);  /* block k from from[k] on */
+DAFT_INLINE void vf_scatter_blocks(float *const to[DAFT_VL / 4], vf v); /* block k to to[k]; 16-byte aligned */
+DAFT_INLINE void vf_store_blocks(float *p, int stride, vf v);           /* block k to p + k·stride */
+DAFT_INLINE void vf_transpose4(vf r[4]); /* in each block, r as a 4×4 matrix: lane j of r[i] and lane i of r[j] change
+                                            places */
 
 /* Rows of eight floats: 32 bytes at base + 8·row[i], 16-byte aligned */
 DAFT_INLINE void vf_gather_rows8(const float *base, const int32_t *row, vf out[8]); /* out[k][i] = base[8·row[i] + k] */
 /* base[8·row[i] + k] = in[k][i] for the lanes of the mask; their rows differ. */
 DAFT_INLINE void vf_scatter_rows8(float *base, const int32_t *row, const vf in[8], vbits lanes);
-/* Eights at p, p + at[0], p + at[1], p + at[2], as many as there are blocks in a vf: low has each one's first block, high its second. */
+/* Eights at p, p + at[0], p + at[1], p + at[2], as many as there are blocks in a vf: low has each one's first block,
+ * high its second. */
 DAFT_INLINE void vf_load_block_pairs_at(const float *p, const size_t at[3], vf *low, vf *high);
-/* DAFT_VL 16: the eight floats at `first`, then those at `second`. Narrower: floats part·DAFT_VL and on of those at `first`. */
+/* DAFT_VL 16: the eight floats at `first`, then those at `second`. Narrower: floats part·DAFT_VL and on of those at
+ * `first`. */
 DAFT_INLINE vf vf_load_eights(const float *first, const float *second, int part);
 enum { DAFT_EIGHTS = DAFT_VL > 8 ? DAFT_VL / 8 : 1, DAFT_EIGHT_PARTS = DAFT_VL < 8 ? 8 / DAFT_VL : 1 };
 
 /* Eight lanes */
-DAFT_INLINE v8 v8_min(v8 a, v8 b);            /* as vf_min */
-DAFT_INLINE v8 v8_max(v8 a, v8 b);            /* as vf_max */
-DAFT_INLINE uint32_t v8_le_bits(v8 a, v8 b);  /* BitsFromMask(Le): bit i is a[i] <= b[i] */
-DAFT_INLINE v4 v8_lower_half(v8 a);           /* LowerHalf: lanes 0 to 3 */
-DAFT_INLINE v4 v8_upper_half(v8 a);           /* UpperHalf: lanes 4 to 7 */
-DAFT_INLINE v8 v8_combine(v4 high, v4 low);   /* Combine: low in lanes 0 to 3, high in 4 to 7 */
+DAFT_INLINE v8 v8_min(v8 a, v8 b);                      /* as vf_min */
+DAFT_INLINE v8 v8_max(v8 a, v8 b);                      /* as vf_max */
+DAFT_INLINE uint32_t v8_le_bits(v8 a, v8 b);            /* BitsFromMask(Le): bit i is a[i] <= b[i] */
+DAFT_INLINE v4 v8_lower_half(v8 a);                     /* LowerHalf: lanes 0 to 3 */
+DAFT_INLINE v4 v8_upper_half(v8 a);                     /* UpperHalf: lanes 4 to 7 */
+DAFT_INLINE v8 v8_combine(v4 high, v4 low);             /* Combine: low in lanes 0 to 3, high in 4 to 7 */
 DAFT_INLINE v8i v8i_table_lookup(v8i table, v8i index); /* TableLookupLanes: table[index[i]]; indices of 0 to 7 */
-/* CompressStore of first, first + 1, … by the bits set: the numbers of these bits, ascending; up to eight are written. Gives how many bits. */
+/* CompressStore of first, first + 1, … by the bits set: the numbers of these bits, ascending; up to eight are written.
+ * Gives how many bits. */
 DAFT_INLINE uint32_t v8i_store_set_bits(uint32_t *out, uint32_t bits, int32_t first);
 
 /* Four lanes */
-DAFT_INLINE v4 v4_min(v4 a, v4 b); /* as vf_min */
-DAFT_INLINE v4 v4_max(v4 a, v4 b); /* as vf_max */
-DAFT_INLINE v4 v4_sqrt(v4 a);      /* as vf_sqrt */
-DAFT_INLINE v4i v4i_convert_to(v4 a); /* as vi_convert_to */
+DAFT_INLINE v4 v4_min(v4 a, v4 b);             /* as vf_min */
+DAFT_INLINE v4 v4_max(v4 a, v4 b);             /* as vf_max */
+DAFT_INLINE v4 v4_sqrt(v4 a);                  /* as vf_sqrt */
+DAFT_INLINE v4i v4i_convert_to(v4 a);          /* as vi_convert_to */
 DAFT_INLINE uint32_t v4_bits_from_mask(v4i m); /* BitsFromMask: of lanes' sign bits */
 /* x has lanes 0 of a, b, c; y lanes 1; z lanes 2. Their lanes 3 mean nothing. */
 DAFT_INLINE void v4_transpose3(v4 a, v4 b, v4 c, v4 *x, v4 *y, v4 *z);
@@ -178,7 +186,8 @@ DAFT_INLINE uint64_t vu8_test_bit(const uint8_t bytes[64], uint32_t count, int k
 #include "math/simd/avx512.h"
 #elif defined(DAFT_ISA_avx2)
 #include "math/simd/avx2.h"
-#elif defined(DAFT_ISA_sse2) || (defined(DAFT_BUILDS_sse2) && !defined(DAFT_ISA_plain)) /* sources that are no kernels, too */
+#elif defined(DAFT_ISA_sse2) || (defined(DAFT_BUILDS_sse2) && !defined(DAFT_ISA_plain)) /* sources that are no         \
+                                                                                           kernels, too */
 #include "math/simd/sse2.h"
 #endif
 #include "math/simd/plain.h" /* what the target left out */

@@ -1,6 +1,7 @@
-/* The operations of ops.h without a vector instruction asked for by name: what each of them does, in loops over lanes and
- * GCC's vector extensions, which the compiler turns into what the machine has. It is the whole of `--isa plain`, a port's
- * starting point, and what the other targets leave to it: each says in its first lines which groups it does itself. */
+/* The operations of ops.h without a vector instruction asked for by name: what each of them does, in loops over lanes
+ * and GCC's vector extensions, which the compiler turns into what the machine has. It is the whole of `--isa plain`, a
+ * port's starting point, and what the other targets leave to it: each says in its first lines which groups it does
+ * itself. */
 #ifndef DAFT_PLAIN_H
 #define DAFT_PLAIN_H
 
@@ -97,7 +98,10 @@ DAFT_INLINE vi vi_gather_index(const void *base, vi index)
     EACH_LANE v[i] = ((const int32_t *)base)[index[i]];
     return v;
 }
-DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index) { return vf_gather_index(table, index & vi_set(DAFT_VL - 1)); }
+DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index)
+{
+    return vf_gather_index(table, index & vi_set(DAFT_VL - 1));
+}
 DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index) { return vf_gather_index(table, index & vi_set(15)); }
 /* Without a branch, which would often be guessed wrong. */
 DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v)
@@ -166,7 +170,7 @@ DAFT_INLINE void vf_scatter_rows8(float *base, const int32_t *row, const vf in[8
         }
         for (int k = 0; k < 4; k++) vf_store(square[k], r[k]);
         EACH_LANE
-            if (lanes >> i & 1) v4_store(base + 8 * row[i] + 4 * half, v4_load(&square[i & 3][i & ~3]));
+        if (lanes >> i & 1) v4_store(base + 8 * row[i] + 4 * half, v4_load(&square[i & 3][i & ~3]));
     }
 }
 DAFT_INLINE vf vf_load_blocks_at(const float *p, const size_t at[3]);

@@ -1,5 +1,5 @@
-/* The operations of ops.h on x86-64's baseline, SSE2: four lanes; and those of four lanes and of bytes for all x86 targets.
- * Gathers, look-ups, compression, blocks and rows are plain.h's. */
+/* The operations of ops.h on x86-64's baseline, SSE2: four lanes; and those of four lanes and of bytes for all x86
+ * targets. Gathers, look-ups, compression, blocks and rows are plain.h's. */
 #ifndef DAFT_SSE2_H
 #define DAFT_SSE2_H
 

@@ -1,9 +1,10 @@
-/* Set-up triangles and spheres against the rays of a tile. Pixels are looked at through windows four wide and DAFT_VL / 4
- * high, one SIMD register; a window begins at a multiple of four in its row and anywhere in its column, so a small triangle
- * needs one or two.
+/* Set-up triangles and spheres against the rays of a tile. Pixels are looked at through windows four wide and DAFT_VL /
+ * 4 high, one SIMD register; a window begins at a multiple of four in its row and anywhere in its column, so a small
+ * triangle needs one or two.
  *
- * A lane whose e is beyond 1 for every edge is inside, below -1 for one outside (setup_kernel.c has the bounds); between,
- * the exact predicates decide. Pixels keep the interval of their nearest w: those that are apart need no closer look. */
+ * A lane whose e is beyond 1 for every edge is inside, below -1 for one outside (setup_kernel.c has the bounds);
+ * between, the exact predicates decide. Pixels keep the interval of their nearest w: those that are apart need no
+ * closer look. */
 #include "math/exact.h"
 #include "raster/grid/grid.h"
 
@@ -21,7 +22,8 @@ static int lane_place(int at, int lane) { return at + lane / DAFT_WINDOW_W * DAF
 
 static daft_vec3 place_ray(const daft_tile_job *j, int place)
 {
-    return daft_pencil_ray(&j->raster->pencil, j->tile->x + place % DAFT_TILE_STRIDE, j->tile->y + place / DAFT_TILE_STRIDE);
+    return daft_pencil_ray(&j->raster->pencil, j->tile->x + place % DAFT_TILE_STRIDE,
+                           j->tile->y + place / DAFT_TILE_STRIDE);
 }
 
 static void lane_write(daft_tile_job *j, int place, const primitive *t, float low, float high)
@@ -37,9 +39,11 @@ static void lane_compare(daft_tile_job *j, int place, const primitive *t, float 
 {
     daft_vec3 ray = place_ray(j, place);
     uint32_t instance = j->tile->instance[place], triangle = j->tile->triangle[place];
-    double mine = daft_view_depth(t->view, t->triangle, ray), other = daft_view_depth(&j->raster->visible[instance], triangle, ray);
+    double mine = daft_view_depth(t->view, t->triangle, ray),
+           other = daft_view_depth(&j->raster->visible[instance], triangle, ray);
     j->counters->exact_depths++;
-    bool wins = mine < other || (mine == other && (t->view->index < instance || (t->view->index == instance && t->triangle < triangle)));
+    bool wins = mine < other || (mine == other &&
+                                 (t->view->index < instance || (t->view->index == instance && t->triangle < triangle)));
     if (wins) lane_write(j, place, t, low, high);
 }
 
@@ -81,8 +85,8 @@ DAFT_INLINE void mark_stale(daft_tile_job *j, uint32_t at)
 }
 
 /* The lanes that floats leave open: one by one. */
-static __attribute__((noinline)) void look_closely(daft_tile_job *j, uint32_t at, const primitive *t, vbits look, vbits unsure,
-                                                   const float *low, const float *high)
+static __attribute__((noinline)) void look_closely(daft_tile_job *j, uint32_t at, const primitive *t, vbits look,
+                                                   vbits unsure, const float *low, const float *high)
 {
     for (; look; look &= look - 1) {
         int i = __builtin_ctz(look), place = lane_place((int)at, i);
@@ -91,8 +95,8 @@ static __attribute__((noinline)) void look_closely(daft_tile_job *j, uint32_t at
     }
 }
 
-/* Offers lanes with intervals of w to a window: decided in lanes where the intervals are apart. One branch: whether there
- * is anything to do is hard to predict, the rest is not. */
+/* Offers lanes with intervals of w to a window: decided in lanes where the intervals are apart. One branch: whether
+ * there is anything to do is hard to predict, the rest is not. */
 DAFT_INLINE void offer(daft_tile_job *j, uint32_t at, const primitive *t, vbits hits, vbits unsure, vf low, vf high)
 {
     vf old_low = window_load(&j->w_low[at]);
@@ -122,8 +126,13 @@ typedef struct planes {
 
 DAFT_INLINE planes planes_of(const daft_tile_job *j, const daft_pencil_batch *b, int i)
 {
-    planes p = {.wx = vf_set(b->wx[i]), .wy = vf_set(b->wy[i]), .wz = vf_set(b->wz[i]), .cap = vf_set(b->w_cap[i]), .error = vf_set(b->error[i])};
-    for (int k = 0; k < 3; k++) p.nx[k] = vf_set(b->nx[k][i]), p.ny[k] = vf_set(b->ny[k][i]), p.nz[k] = vf_set(b->nz[k][i]);
+    planes p = {.wx = vf_set(b->wx[i]),
+                .wy = vf_set(b->wy[i]),
+                .wz = vf_set(b->wz[i]),
+                .cap = vf_set(b->w_cap[i]),
+                .error = vf_set(b->error[i])};
+    for (int k = 0; k < 3; k++)
+        p.nx[k] = vf_set(b->nx[k][i]), p.ny[k] = vf_set(b->ny[k][i]), p.nz[k] = vf_set(b->nz[k][i]);
     p.outer = vf_set(j->exact ? -1.0f : 0.0f), p.sure = vf_set(j->exact ? 1 : -INFINITY);
     return p;
 }
@@ -136,7 +145,8 @@ typedef struct window_rows {
 DAFT_INLINE window_rows rows_of(const daft_tile_job *j, const planes *p, int y)
 {
     vf dy = vf_set(j->top - (float)y) - vf_row();
-    return (window_rows){{p->ny[0] * dy + p->nz[0], p->ny[1] * dy + p->nz[1], p->ny[2] * dy + p->nz[2]}, p->wy * dy + p->wz};
+    return (window_rows){{p->ny[0] * dy + p->nz[0], p->ny[1] * dy + p->nz[1], p->ny[2] * dy + p->nz[2]},
+                         p->wy * dy + p->wz};
 }
 
 DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_rows *r, int x, int y, const primitive *t)
@@ -145,19 +155,21 @@ DAFT_INLINE void draw_window(daft_tile_job *j, const planes *p, const window_row
     vf min = vf_min(vf_min(p->nx[0] * dx + r->e[0], p->nx[1] * dx + r->e[1]), p->nx[2] * dx + r->e[2]);
     vbits hits = vbits_from_mask(vf_le(p->outer, min));
     vf w = vf_min(p->wx * dx + r->w, p->cap);
-    offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vbits_from_mask(vf_lt(p->sure, min)), w - p->error, w + p->error);
+    offer(j, (uint32_t)(y * DAFT_TILE_STRIDE + x), t, hits, hits & ~vbits_from_mask(vf_lt(p->sure, min)), w - p->error,
+          w + p->error);
 }
 
 /* ---- large triangles: a window of pixels at a time ---- */
 
-/* Windows of a tile in rows of COLUMNS, from row y0 of the tile on: bits of those that no edge has wholly on its outer side, by
- * each edge function at the window's middle and what it may grow by from there. Products and sums are off by less than 3u of
- * what it is made of, here and at the window's rays. */
+/* Windows of a tile in rows of COLUMNS, from row y0 of the tile on: bits of those that no edge has wholly on its outer
+ * side, by each edge function at the window's middle and what it may grow by from there. Products and sums are off by
+ * less than 3u of what it is made of, here and at the window's rays. */
 enum { FIND_FROM = 8 }; /* pixels a side of boxes in which windows are searched for: of a long triangle they are few */
 enum { COLUMNS = DAFT_TILE / DAFT_WINDOW_W, WINDOW_WORDS = COLUMNS * DAFT_TILE / DAFT_WINDOW_H / 64 };
 _Static_assert(COLUMNS == 8 && WINDOW_WORDS >= 1, "a row of windows is a byte of a word");
 
-static void find_windows(const daft_tile_job *j, const daft_pencil_batch *b, int i, uint32_t count, uint64_t bits[WINDOW_WORDS])
+static void find_windows(const daft_tile_job *j, const daft_pencil_batch *b, int i, uint32_t count,
+                         uint64_t bits[WINDOW_WORDS])
 {
     vf nx[3], ny[3], max[3], outer = vf_set(j->exact ? -1.0f : 0.0f);
     const float half_w = (DAFT_WINDOW_W - 1) * 0.5f, half_h = (DAFT_WINDOW_H - 1) * 0.5f;
@@ -170,7 +182,8 @@ static void find_windows(const daft_tile_job *j, const daft_pencil_batch *b, int
     for (uint32_t q = 0; q < count; q += DAFT_VL) {
         vi window = vi_iota() + vi_set((int32_t)q);
         vf dx = vf_set(j->left + half_w) + vf_convert_to(window & vi_set(COLUMNS - 1)) * vf_set(DAFT_WINDOW_W);
-        vf dy = vf_set(j->top - (float)b->y0[i] - half_h) - vf_convert_to(window >> __builtin_ctz(COLUMNS)) * vf_set(DAFT_WINDOW_H);
+        vf dy = vf_set(j->top - (float)b->y0[i] - half_h) -
+                vf_convert_to(window >> __builtin_ctz(COLUMNS)) * vf_set(DAFT_WINDOW_H);
         vf min = vf_set(INFINITY);
         for (int k = 0; k < 3; k++) min = vf_min(nx[k] * dx + ny[k] * dy + max[k], min);
         bits[q / 64] |= (uint64_t)vbits_from_mask(vf_le(outer, min)) << (q & 63);
@@ -268,23 +281,25 @@ DAFT_INLINE void boxes_of(const daft_pencil_batch *b, vi *x0, vi *y0, vi *wide, 
 
 /* ---- thin triangles ---- */
 
-/* Long triangles, less than a pixel wide, cover a pixel in every few rows. Their pixels are found by rows along the longer side
- * of their box, `u` and `v` from its first pixel: in row u they are from the largest of low + slope·u to the least of
- * high + slope·u, a bound for each edge; rows side by side in lanes.
+/* Long triangles, less than a pixel wide, cover a pixel in every few rows. Their pixels are found by rows along the
+ * longer side of their box, `u` and `v` from its first pixel: in row u they are from the largest of low + slope·u to
+ * the least of high + slope·u, a bound for each edge; rows side by side in lanes.
  *
- * With S, the sum of what e is made of in the tile, e is computed with an error of less than 3u·S at any pixel, and known as well
- * at the first one; so 8u·S are taken off what a hit needs. Bounds of parts that are less than 2^14 in sum round by less
- * than 2^-8 of a pixel; others bound nothing. */
+ * With S, the sum of what e is made of in the tile, e is computed with an error of less than 3u·S at any pixel, and
+ * known as well at the first one; so 8u·S are taken off what a hit needs. Bounds of parts that are less than 2^14 in
+ * sum round by less than 2^-8 of a pixel; others bound nothing. */
 typedef struct spans {
     float low[3][DAFT_VL], high[3][DAFT_VL], slope[3][DAFT_VL]; /* low: such that rounding down finds the first pixel */
     float last[DAFT_VL];                                        /* v of the box's last pixels */
     int32_t last_row[DAFT_VL];
-    int32_t place[DAFT_VL], row_step[DAFT_VL], step[DAFT_VL]; /* of the box's first pixel; to the next row; to the next of a row */
+    int32_t place[DAFT_VL], row_step[DAFT_VL], step[DAFT_VL]; /* of the box's first pixel; to the next row; to the next
+                                                                 of a row */
 } spans;
 
 #define SPAN_SLACK 0x1p-7f
 #define SPAN_PARTS 0x1p14f
-/* Triangles longer than THIN_LONG pixels and thinner than THIN_WIDTH in the middle, where a batch may have THIN_LEAST. */
+/* Triangles longer than THIN_LONG pixels and thinner than THIN_WIDTH in the middle, where a batch may have THIN_LEAST.
+ */
 #define THIN_WIDTH 0.75f
 enum { THIN_LONG = 8, THIN_LEAST = DAFT_VL / 2 };
 
@@ -297,14 +312,18 @@ static vbits spans_setup(const daft_tile_job *j, const daft_pencil_batch *b, vbi
     if (__builtin_popcount(some) < THIN_LEAST) return 0;
     vm flat = vi_lt(high, wide);
     vi last_row = vi_if_then_else(flat, wide, high);
-    vf last = vf_convert_to(vi_if_then_else(flat, high, wide)), middle = vf_convert_to(last_row) * vf_set(0.5f), from = vf_set(1 - SPAN_SLACK), to = last;
-    vf dx = vf_set(j->left) + vf_convert_to(x0), dy = vf_set(j->top) - vf_convert_to(y0), outer = vf_set(j->exact ? -1.0f : 0.0f);
+    vf last = vf_convert_to(vi_if_then_else(flat, high, wide)), middle = vf_convert_to(last_row) * vf_set(0.5f),
+       from = vf_set(1 - SPAN_SLACK), to = last;
+    vf dx = vf_set(j->left) + vf_convert_to(x0), dy = vf_set(j->top) - vf_convert_to(y0),
+       outer = vf_set(j->exact ? -1.0f : 0.0f);
     for (int k = 0; k < 3; k++) {
         vf nx = vf_load(b->nx[k]), ny = vf_load(b->ny[k]), nz = vf_load(b->nz[k]);
         vf size = vf_abs(nx) * vf_set(j->max_dx) + vf_abs(ny) * vf_set(j->max_dy) + vf_abs(nz);
         vf across = vf_if_then_else(flat, -ny, nx), inverse = vf_set(1) / across;
-        vf at = (outer - vf_set(8 * UNIT) * size - (nx * dx + (ny * dy + nz))) * inverse, slope = vf_if_then_else(flat, -nx, ny) * inverse;
-        vm known = vf_lt(vf_abs(at) + vf_abs(slope) * vf_set(DAFT_TILE), vf_set(SPAN_PARTS)), below = vf_lt(vf_set(0), across);
+        vf at = (outer - vf_set(8 * UNIT) * size - (nx * dx + (ny * dy + nz))) * inverse,
+           slope = vf_if_then_else(flat, -nx, ny) * inverse;
+        vm known = vf_lt(vf_abs(at) + vf_abs(slope) * vf_set(DAFT_TILE), vf_set(SPAN_PARTS)),
+           below = vf_lt(vf_set(0), across);
         vf min = vf_if_then_else(vm_and(known, below), at + vf_set(1 - 2 * SPAN_SLACK), vf_set(-INFINITY));
         vf max = vf_if_then_else(vm_and(known, vm_not(below)), at + vf_set(SPAN_SLACK), vf_set(INFINITY));
         slope = vf_if_then_else(known, slope, vf_set(0));
@@ -312,7 +331,8 @@ static vbits spans_setup(const daft_tile_job *j, const daft_pencil_batch *b, vbi
         vf_store(s->low[k], min), vf_store(s->high[k], max), vf_store(s->slope[k], slope);
     }
     vi_store(s->last_row, last_row), vf_store(s->last, last);
-    vi_store(s->place, y0 * stride + x0), vi_store(s->row_step, vi_if_then_else(flat, one, stride)), vi_store(s->step, vi_if_then_else(flat, stride, one));
+    vi_store(s->place, y0 * stride + x0), vi_store(s->row_step, vi_if_then_else(flat, one, stride)),
+        vi_store(s->step, vi_if_then_else(flat, stride, one));
     return some & vbits_from_mask(vf_lt(to, from + vf_set(THIN_WIDTH - 1)));
 }
 
@@ -350,13 +370,17 @@ static void draw_listed(daft_tile_job *j, const daft_pencil_batch *b, const uint
         vbits lanes = vbits_first_n((int)(count - i));
         vi listed = vi_if_then_else(vm_from_bits(lanes), vi_load(&list[i]), vi_set(0));
         vi lane = listed >> 16, place = listed & vi_set(0xffff), y = place >> __builtin_ctz(DAFT_TILE_STRIDE);
-        vf dx = vf_set(j->left) + vf_convert_to(place & vi_set(DAFT_TILE_STRIDE - 1)), dy = vf_set(j->top) - vf_convert_to(y), min = vf_set(INFINITY);
+        vf dx = vf_set(j->left) + vf_convert_to(place & vi_set(DAFT_TILE_STRIDE - 1)),
+           dy = vf_set(j->top) - vf_convert_to(y), min = vf_set(INFINITY);
         for (int k = 0; k < 3; k++)
-            min = vf_min(vf_table_lookup(b->nx[k], lane) * dx + (vf_table_lookup(b->ny[k], lane) * dy + vf_table_lookup(b->nz[k], lane)), min);
+            min = vf_min(vf_table_lookup(b->nx[k], lane) * dx +
+                             (vf_table_lookup(b->ny[k], lane) * dy + vf_table_lookup(b->nz[k], lane)),
+                         min);
         vf w = vf_table_lookup(b->wx, lane) * dx + (vf_table_lookup(b->wy, lane) * dy + vf_table_lookup(b->wz, lane));
         vf error = j->exact ? vf_table_lookup(b->error, lane) : vf_set(0);
         w = vf_min(w, vf_table_lookup(b->w_cap, lane));
-        lanes &= vbits_from_mask(vf_le(outer, min)) & ~vbits_from_mask(vf_lt(w + error, vf_gather_index(j->w_low, place)));
+        lanes &=
+            vbits_from_mask(vf_le(outer, min)) & ~vbits_from_mask(vf_lt(w + error, vf_gather_index(j->w_low, place)));
         add_hits(&hits, lanes, place, lane, vf_lt(sure, min), w);
     }
     offer_hits(j, b, &hits);
@@ -384,12 +408,14 @@ static void fetch_doubted(const daft_small *from, daft_hits *h)
         const daft_trimesh *mesh = from->view->mesh;
         const uint32_t *corner = &mesh->indices[3 * (size_t)from->triangle[h->doubted[i]]];
         for (int k = 0; k < 3; k++)
-            __builtin_prefetch(&mesh->x[corner[k]]), __builtin_prefetch(&mesh->y[corner[k]]), __builtin_prefetch(&mesh->z[corner[k]]);
+            __builtin_prefetch(&mesh->x[corner[k]]), __builtin_prefetch(&mesh->y[corner[k]]),
+                __builtin_prefetch(&mesh->z[corner[k]]);
     }
     h->doubted_count = 0;
 }
 
-static __attribute__((noinline)) void look_closely_at(daft_tile_job *j, int at, const primitive *t, bool sure, float low, float high)
+static __attribute__((noinline)) void look_closely_at(daft_tile_job *j, int at, const primitive *t, bool sure,
+                                                      float low, float high)
 {
     if (sure || lane_hit(j, at, t)) lane_offer(j, at, t, low, high);
 }
@@ -433,15 +459,16 @@ void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *j, const daft_pencil_batch *b)
 
 /* ---- spheres ---- */
 
-/* |error(discriminant)| <= 32u·(|c| + r)², from a projection that is off by a few u·|c| and is squared. Its root is then off
- * by less than 2·error / max(root, sqrt(error)); z by that and a few u of the sphere's reach. */
+/* |error(discriminant)| <= 32u·(|c| + r)², from a projection that is off by a few u·|c| and is squared. Its root is
+ * then off by less than 2·error / max(root, sqrt(error)); z by that and a few u of the sphere's reach. */
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_view_instance *view, int x0, int x1, int y0, int y1)
 {
     const primitive t = {view, 0};
     const float *c = view->to_view.t;
     float radius = view->instance->radius, focal = j->raster->pencil.focal;
     float reach = sqrtf(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + radius, limit = 32 * UNIT * reach * reach + TINY;
-    vf vx = vf_set(c[0]), vy = vf_set(c[1]), vz = vf_set(c[2]), vfocal = vf_set(focal), doubt = vf_set(limit), one = vf_set(1);
+    vf vx = vf_set(c[0]), vy = vf_set(c[1]), vz = vf_set(c[2]), vfocal = vf_set(focal), doubt = vf_set(limit),
+       one = vf_set(1);
     vf r2 = vf_set(radius * radius), root_doubt = vf_set(sqrtf(limit)), rounding = vf_set(reach * SPHERE_ROUNDING);
     vf inf = vf_set(INFINITY), tiny = vf_set(TINY);
     x0 &= -DAFT_WINDOW_W;
@@ -449,7 +476,8 @@ void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_view_instance *v
         vf dy = vf_set(j->top - (float)y) - vf_row();
         for (int x = x0; x <= x1; x += DAFT_WINDOW_W) {
             vf dx = vf_load(j->dx[x / DAFT_WINDOW_W]);
-            vf inverse = one / (dx * dx + dy * dy + vfocal * vfocal), along = (dx * vx + dy * vy + vfocal * vz) * inverse;
+            vf inverse = one / (dx * dx + dy * dy + vfocal * vfocal),
+               along = (dx * vx + dy * vy + vfocal * vz) * inverse;
             vf ax = vx - dx * along, ay = vy - dy * along, az = vz - vfocal * along;
             vf disc = r2 - (ax * ax + ay * ay + az * az);
             vbits lanes = DAFT_ALL_LANES & ~vbits_from_mask(vf_lt(disc, -doubt));

@@ -30,8 +30,9 @@ enum {
     DAFT_CELLS_X = DAFT_TILE / DAFT_CELL
 };
 
-/* A pixel's place is its row · DAFT_TILE_STRIDE + its column. w is the inverse depth; w_low..w_high holds that of what the
- * pixel sees. Pixels beyond the picture count as infinitely near: nothing is offered to them in vain, nor do they look far. */
+/* A pixel's place is its row · DAFT_TILE_STRIDE + its column. w is the inverse depth; w_low..w_high holds that of what
+ * the pixel sees. Pixels beyond the picture count as infinitely near: nothing is offered to them in vain, nor do they
+ * look far. */
 typedef struct daft_tile_job {
     const daft_raster *raster;
     daft_bins *counters;
@@ -41,15 +42,16 @@ typedef struct daft_tile_job {
     float max_dx, max_dy; /* of any ray in the tile */
     bool exact;
     _Alignas(64) float dx[DAFT_TILE / DAFT_WINDOW_W][DAFT_VL]; /* of the rays of windows, by column */
-    /* Every pixel's w in the cell is at least this; stale, by rows of cells: some pixel has come nearer since it was found. */
+    /* Every pixel's w in the cell is at least this; stale, by rows of cells: some pixel has come nearer since it was
+     * found. */
     _Alignas(64) float farthest[DAFT_CELLS_X][DAFT_CELLS_X];
     uint32_t stale[DAFT_CELLS_X + 1]; /* one more for windows that begin in the last row */
     _Alignas(64) float w_low[DAFT_TILE_ROOM];
     _Alignas(64) float w_high[DAFT_TILE_ROOM];
 } daft_tile_job;
 
-/* Triangles whose screen boxes hold some ray of the tile, waiting until there are enough to be set up. DAFT_LEAVES_ROOM leaves
- * may be added at a time. */
+/* Triangles whose screen boxes hold some ray of the tile, waiting until there are enough to be set up. DAFT_LEAVES_ROOM
+ * leaves may be added at a time. */
 enum { DAFT_LEAVES = 64, DAFT_LEAVES_ROOM = DAFT_LEAVES + DAFT_VL };
 enum { DAFT_QUEUE_ROOM = DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + 3 * DAFT_VL };
 /* Small triangles of one instance in the picture whose boxes hold rays; scale: the focal length over z. */
@@ -60,9 +62,13 @@ typedef struct daft_small {
     uint32_t triangle[DAFT_QUEUE_ROOM];
 } daft_small;
 
-/* Pixels whose rays such triangles meet, or, where it says so, may meet; above the place is the triangle's number among those projected. Of
- * those that may, some are named once more: what decides them is fetched before it is asked for. */
-enum { DAFT_HITS_ROOM = 4 * DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + DAFT_VL, DAFT_HIT_TRIANGLE = 16, DAFT_DOUBTED = 32 };
+/* Pixels whose rays such triangles meet, or, where it says so, may meet; above the place is the triangle's number among
+ * those projected. Of those that may, some are named once more: what decides them is fetched before it is asked for. */
+enum {
+    DAFT_HITS_ROOM = 4 * DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS * DAFT_BLOCK + DAFT_VL,
+    DAFT_HIT_TRIANGLE = 16,
+    DAFT_DOUBTED = 32
+};
 #define DAFT_HIT_UNSURE 0x8000u
 typedef struct daft_hits {
     uint32_t count, doubted_count, doubted[DAFT_DOUBTED];
@@ -96,16 +102,21 @@ typedef struct daft_pencil_batch {
     uint32_t instance[DAFT_VL], triangle[DAFT_VL];
 } daft_pencil_batch;
 
-/* small_kernel.c: blocks of one instance, by number. Those whose boxes are of two pixels a side at most are projected, others
- * wait. */
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count, daft_queue *out);
+/* small_kernel.c: blocks of one instance, by number. Those whose boxes are of two pixels a side at most are projected,
+ * others wait. */
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks,
+                                      uint32_t count, daft_queue *out);
 /* No less than the R of small_kernel.c, but for twice a triangle's extent. */
-DAFT_INLINE float daft_tile_reach(const daft_tile_job *job) { return (job->max_dx > job->max_dy ? job->max_dx : job->max_dy) + 2 * DAFT_TILE; }
+DAFT_INLINE float daft_tile_reach(const daft_tile_job *job)
+{
+    return (job->max_dx > job->max_dy ? job->max_dx : job->max_dy) + 2 * DAFT_TILE;
+}
 /* The pixels of those projected. */
 void DAFT_KERNEL(daft_small_hits)(const daft_tile_job *job, const daft_small *from, daft_hits *out);
-/* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks. True: many or large ones of them may be seen and make a batch. False: few, and those wait. */
-bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count,
-                                    daft_queue *queue, daft_pencil_batch *batch);
+/* setup_kernel.c: 1 to DAFT_BATCH_BLOCKS blocks. True: many or large ones of them may be seen and make a batch. False:
+ * few, and those wait. */
+bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks,
+                                    uint32_t count, daft_queue *queue, daft_pencil_batch *batch);
 /* A batch from the last of those waiting. False: nothing of them is to be drawn. */
 bool DAFT_KERNEL(daft_queue_setup)(const daft_tile_job *job, daft_queue *from, daft_pencil_batch *batch);
 /* The candidate boxes of one block's triangles, by the triangles' numbers. */
@@ -125,13 +136,15 @@ void DAFT_KERNEL(daft_batch_draw)(daft_tile_job *job, const daft_pencil_batch *b
 void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *job, const daft_view_instance *view, int x0, int x1, int y0, int y1);
 
 /* Blocks by number; nothing is computed from what is not there. */
-DAFT_INLINE void blocks_at(const daft_view_instance *view, const uint32_t *blocks, uint32_t count, const daft_block *out[DAFT_BATCH_BLOCKS])
+DAFT_INLINE void blocks_at(const daft_view_instance *view, const uint32_t *blocks, uint32_t count,
+                           const daft_block *out[DAFT_BATCH_BLOCKS])
 {
     for (uint32_t i = 0; i < DAFT_BATCH_BLOCKS; i++) out[i] = &view->bvh->blocks[blocks[i < count ? i : 0]];
 }
 
 /* Adds those of `some`. */
-DAFT_INLINE void queue_add(daft_queue *out, const vf3 corner[3], vi pixels, vf nearest, uint32_t instance, vi triangle, vbits some)
+DAFT_INLINE void queue_add(daft_queue *out, const vf3 corner[3], vi pixels, vf nearest, uint32_t instance, vi triangle,
+                           vbits some)
 {
     uint32_t at = out->count;
     for (int k = 0; k < 3; k++) {

@@ -13,8 +13,8 @@ typedef struct group {
 
 /* What is found of them. */
 typedef struct views {
-    float map[12][DAFT_VL]; /* to_view */
-    float low[3][DAFT_VL], high[3][DAFT_VL]; /* of the bounds in camera space */
+    float map[12][DAFT_VL];                     /* to_view */
+    float low[3][DAFT_VL], high[3][DAFT_VL];    /* of the bounds in camera space */
     int32_t first[2][DAFT_VL], end[2][DAFT_VL]; /* pixels: columns, rows */
     vbits visible;
 } views;
@@ -38,7 +38,8 @@ static void map_group(const daft_pencil *p, const group *g, views *v)
             int at = j < 3 ? j : 9, step = j < 3 ? 3 : 1;
             vf a = g->frame[at], b = g->frame[at + step], c = g->frame[at + 2 * step];
             vd part[2];
-            for (int h = 0; h < 2; h++) part[h] = x * vd_promote_half(a, h) + y * vd_promote_half(b, h) + z * vd_promote_half(c, h);
+            for (int h = 0; h < 2; h++)
+                part[h] = x * vd_promote_half(a, h) + y * vd_promote_half(b, h) + z * vd_promote_half(c, h);
             vf_store(v->map[j < 3 ? 3 * i + j : 9 + i], vf_demote2(part[0], part[1]));
         }
     }
@@ -56,10 +57,13 @@ static vm all_finite(float (*values)[DAFT_VL])
 /* outside_sides */
 DAFT_INLINE vl beside(const daft_pencil *p, const views *v, int h)
 {
-    vd half_x = vd_set((double)p->width * 0.5 + 1), half_y = vd_set((double)p->height * 0.5 + 1), f = vd_set((double)p->focal);
+    vd half_x = vd_set((double)p->width * 0.5 + 1), half_y = vd_set((double)p->height * 0.5 + 1),
+       f = vd_set((double)p->focal);
     vd z = vd_promote_half(vf_load(v->high[2]), h);
-    return (vl)(vd_promote_half(vf_load(v->low[0]), h) * f > z * half_x) | (vl)(-vd_promote_half(vf_load(v->high[0]), h) * f > z * half_x) |
-           (vl)(vd_promote_half(vf_load(v->low[1]), h) * f > z * half_y) | (vl)(-vd_promote_half(vf_load(v->high[1]), h) * f > z * half_y);
+    return (vl)(vd_promote_half(vf_load(v->low[0]), h) * f > z * half_x) |
+           (vl)(-vd_promote_half(vf_load(v->high[0]), h) * f > z * half_x) |
+           (vl)(vd_promote_half(vf_load(v->low[1]), h) * f > z * half_y) |
+           (vl)(-vd_promote_half(vf_load(v->high[1]), h) * f > z * half_y);
 }
 
 /* To whole numbers, for magnitudes below 2^51. */
@@ -90,13 +94,15 @@ DAFT_INLINE vbits range_group(vf low, vf high, const views *v, const side *s, in
 {
     vd a[2], b[2], zero = {0}, last = vd_set(s->size - 1), beyond = last + 1;
     for (int h = 0; h < 2; h++) {
-        vd l = vd_promote_half(low, h), u = vd_promote_half(high, h), near = vd_promote_half(vf_load(v->low[2]), h), far = vd_promote_half(vf_load(v->high[2]), h);
+        vd l = vd_promote_half(low, h), u = vd_promote_half(high, h), near = vd_promote_half(vf_load(v->low[2]), h),
+           far = vd_promote_half(vf_load(v->high[2]), h);
         vd x = s->focal * (l / vd_if_then_else((vl)(l < zero), near, far)) + s->centre;
         vd y = s->focal * (u / vd_if_then_else((vl)(u < zero), far, near)) + s->centre;
         x = vd_if_then_else((vl)(x < zero), zero, vd_if_then_else((vl)(x > beyond), beyond, x));
         y = vd_if_then_else((vl)(y > last), last, vd_if_then_else((vl)(y < zero - 1), zero - 1, y));
         vl before = (vl)(near > zero);
-        a[h] = vd_if_then_else(before, vd_ceiling(x - 1e-3), zero), b[h] = vd_if_then_else(before, vd_floor(y + 1e-3), last);
+        a[h] = vd_if_then_else(before, vd_ceiling(x - 1e-3), zero),
+        b[h] = vd_if_then_else(before, vd_floor(y + 1e-3), last);
     }
     vf from = vf_demote2(a[0], a[1]), to = vf_demote2(b[0], b[1]);
     vi_store(first, vi_convert_to(from)), vi_store(end, vi_convert_to(to));
@@ -106,11 +112,14 @@ DAFT_INLINE vbits range_group(vf low, vf high, const views *v, const side *s, in
 
 static void place_group(const daft_pencil *p, views *v)
 {
-    const vf zero = vf_set(0), x0 = vf_load(v->low[0]), x1 = vf_load(v->high[0]), y0 = vf_load(v->low[1]), y1 = vf_load(v->high[1]);
-    const side across = {(double)p->focal, daft_pencil_middle_x(p), p->width}, down = {(double)p->focal, daft_pencil_middle_y(p), p->height};
+    const vf zero = vf_set(0), x0 = vf_load(v->low[0]), x1 = vf_load(v->high[0]), y0 = vf_load(v->low[1]),
+             y1 = vf_load(v->high[1]);
+    const side across = {(double)p->focal, daft_pencil_middle_x(p), p->width},
+               down = {(double)p->focal, daft_pencil_middle_y(p), p->height};
     vd apart[2];
     for (int h = 0; h < 2; h++) apart[h] = vd_if_then_else(beside(p, v, h), vd_set(1), vd_set(0));
-    v->visible = vbits_from_mask(vm_and(vm_and(all_finite(v->low), all_finite(v->high)), vf_lt(zero, vf_load(v->high[2]))));
+    v->visible =
+        vbits_from_mask(vm_and(vm_and(all_finite(v->low), all_finite(v->high)), vf_lt(zero, vf_load(v->high[2]))));
     v->visible &= vbits_from_mask(vf_lt(vf_demote2(apart[0], apart[1]), vf_set(1)));
     v->visible &= range_group(x0, x1, v, &across, v->first[0], v->end[0]);
     v->visible &= range_group(-y1, -y0, v, &down, v->first[1], v->end[1]);

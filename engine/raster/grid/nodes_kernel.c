@@ -1,10 +1,10 @@
-/* An instance's tree against a tile, by the screen boxes of eight nodes at a time. A node is left out when its box lies beside
- * the tile, between the rays of its pixels, or behind what all pixels in reach of it see already. Leaves' blocks of triangles
- * are set up and drawn DAFT_VL / 4 at a time.
+/* An instance's tree against a tile, by the screen boxes of eight nodes at a time. A node is left out when its box lies
+ * beside the tile, between the rays of its pixels, or behind what all pixels in reach of it see already. Leaves' blocks
+ * of triangles are set up and drawn DAFT_VL / 4 at a time.
  *
- * Where triangles are large each node waits for what is in front of it, so that it may turn out to be hidden. Where there is
- * one or more to a pixel, nodes are looked at in groups, without a branch that depends on one of them: there, what a
- * processor guesses wrong costs more than the arithmetic. */
+ * Where triangles are large each node waits for what is in front of it, so that it may turn out to be hidden. Where
+ * there is one or more to a pixel, nodes are looked at in groups, without a branch that depends on one of them: there,
+ * what a processor guesses wrong costs more than the arithmetic. */
 #include "raster/grid/hidden.h"
 
 enum {
@@ -62,7 +62,7 @@ static void refresh_cell(daft_tile_job *j, uint32_t x, uint32_t y)
 {
     const float *w = &j->w_low[y * DAFT_CELL * DAFT_TILE_STRIDE + x * DAFT_CELL];
     v4 min = v4_min(v4_min(v4_load(w), v4_load(w + DAFT_TILE_STRIDE)),
-                      v4_min(v4_load(w + 2 * DAFT_TILE_STRIDE), v4_load(w + 3 * DAFT_TILE_STRIDE)));
+                    v4_min(v4_load(w + 2 * DAFT_TILE_STRIDE), v4_load(w + 3 * DAFT_TILE_STRIDE)));
     float a = min[0] < min[1] ? min[0] : min[1], b = min[2] < min[3] ? min[2] : min[3];
     j->farthest[y][x] = a < b ? a : b;
 }
@@ -104,9 +104,11 @@ static void draw_blocks(walk *w)
 
 /* One axis of boxes, over z: low..high before the division by z within near..far, where both are positive. Boxes that
  * reach behind the camera are out where all that is in front of it lies beside the tile. */
-DAFT_INLINE vbits box_span(vf low, vf high, vf far, vf inverse_near, vf inverse_far, vm front, float last, vi *first, vi *end)
+DAFT_INLINE vbits box_span(vf low, vf high, vf far, vf inverse_near, vf inverse_far, vm front, float last, vi *first,
+                           vi *end)
 {
-    vbits beside = vbits_from_mask(vf_lt(high, far * -DAFT_SCREEN_SLACK)) | vbits_from_mask(vf_lt(far * (last + DAFT_SCREEN_SLACK), low));
+    vbits beside = vbits_from_mask(vf_lt(high, far * -DAFT_SCREEN_SLACK)) |
+                   vbits_from_mask(vf_lt(far * (last + DAFT_SCREEN_SLACK), low));
     vf zero = vf_set(0), slack = vf_set(DAFT_SCREEN_SLACK), end_of_all = vf_set(last);
     vf a = low * vf_if_then_else(vf_lt(low, zero), inverse_near, inverse_far) - slack;
     vf b = high * vf_if_then_else(vf_lt(high, zero), inverse_far, inverse_near) + slack;
@@ -132,13 +134,15 @@ DAFT_INLINE node_pair pair_make(const walk *w, uint32_t first, uint32_t second, 
 /* at: in floats from the first bound of all. */
 DAFT_INLINE vf bounds_load(const node_pair *n, int at)
 {
-    const float *first = (const float *)(const void *)n->first->bounds, *second = (const float *)(const void *)n->second->bounds;
+    const float *first = (const float *)(const void *)n->first->bounds,
+                *second = (const float *)(const void *)n->second->bounds;
     return vf_load_eights(first + at, second + at, n->part);
 }
 
 DAFT_INLINE vi child_load(const node_pair *n)
 {
-    return (vi)vf_load_eights((const float *)(const void *)n->first->child, (const float *)(const void *)n->second->child, n->part);
+    return (vi)vf_load_eights((const float *)(const void *)n->first->child,
+                              (const float *)(const void *)n->second->child, n->part);
 }
 
 /* The least and the largest value of one axis over boxes. */
@@ -155,7 +159,8 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *vi
 {
     const daft_affine *map = &view->to_view;
     const daft_vec3 from = view->mesh->low, until = view->mesh->high;
-    const float low[3] = {from.x, from.y, from.z}, high[3] = {until.x, until.y, until.z}, focal = job->raster->pencil.focal;
+    const float low[3] = {from.x, from.y, from.z}, high[3] = {until.x, until.y, until.z},
+                focal = job->raster->pencil.focal;
     w->job = job, w->view = view, w->queue = queue, w->leaf_count = w->block_count = 0;
     float pad[3];
     for (int k = 0; k < 3; k++) {
@@ -167,7 +172,8 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *vi
     pad[1] = pad[1] * focal + pad[2] * fabsf(job->top);
     /* column = focal·x/z - left and row = top - focal·y/z, so their multiples by z are linear in the point. */
     for (int i = 0; i < 4; i++) {
-        const float x = i < 3 ? map->m[i] : map->t[0], y = i < 3 ? map->m[3 + i] : map->t[1], z = i < 3 ? map->m[6 + i] : map->t[2];
+        const float x = i < 3 ? map->m[i] : map->t[0], y = i < 3 ? map->m[3 + i] : map->t[1],
+                    z = i < 3 ? map->m[6 + i] : map->t[2];
         const float row[3] = {x * focal - z * job->left, z * job->top - y * focal, z};
         for (int k = 0; k < 3; k++) {
             if (i == 3) {
@@ -175,7 +181,8 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *vi
                 continue;
             }
             w->m[3 * k + i] = row[k];
-            w->low_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i + 3 : i), w->high_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i : i + 3);
+            w->low_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i + 3 : i),
+                              w->high_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i : i + 3);
         }
     }
 }
@@ -206,7 +213,8 @@ DAFT_INLINE boxes children(const walk *w, const node_pair *n)
 DAFT_INLINE void prefetch(const daft_bvh *bvh, uint32_t child)
 {
     bool leaf = child & DAFT_CHILD_LEAF;
-    const char *at = leaf ? (const char *)&bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2] : (const char *)&bvh->nodes.items[child];
+    const char *at =
+        leaf ? (const char *)&bvh->blocks[(child & ~DAFT_CHILD_LEAF) >> 2] : (const char *)&bvh->nodes.items[child];
     int bytes = leaf ? (int)((child & 3) + 1) * (int)sizeof(daft_block) : 256;
     for (int i = 0; i < bytes; i += 64) __builtin_prefetch(at + i);
 }
@@ -290,7 +298,8 @@ DAFT_INLINE void add_children(const walk *w, const uint32_t *nodes, uint32_t cou
     }
 }
 
-/* Onto the stack, the nearest last: roughly, by the leading bits of their w, a positive float being in the order of its bits. */
+/* Onto the stack, the nearest last: roughly, by the leading bits of their w, a positive float being in the order of its
+ * bits. */
 static void push_nodes(const fresh *all, node_stack *s)
 {
     const fresh_list *f = &all->nodes;
@@ -333,8 +342,8 @@ static void list_blocks(walk *w)
     }
 }
 
-/* The leaves that wait, each step for all of them before the next: how many a step leaves is hard to predict, and steps are
- * long; a wrong guess in between would wait for their ends. */
+/* The leaves that wait, each step for all of them before the next: how many a step leaves is hard to predict, and steps
+ * are long; a wrong guess in between would wait for their ends. */
 static void draw_leaves(walk *w)
 {
     list_blocks(w);
@@ -347,8 +356,8 @@ static void draw_leaves(walk *w)
     while (w->queue->count >= DAFT_VL) DAFT_KERNEL(daft_queue_draw)(w->job, w->queue);
 }
 
-/* Leaves that are not hidden. Their order counts for little, since many are drawn together. They are drawn once the next ones are
- * met: until then they are on their way from memory. */
+/* Leaves that are not hidden. Their order counts for little, since many are drawn together. They are drawn once the
+ * next ones are met: until then they are on their way from memory. */
 static void add_leaves(walk *w, const fresh_list *f)
 {
     bool far = w->view->bvh->block_count > NEAR_BLOCKS;

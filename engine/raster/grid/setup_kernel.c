@@ -1,16 +1,17 @@
-/* Triangles set up for a tile, DAFT_VL at a time: moved to camera space, projected, dropped when their screen box holds no
- * pixel's ray or an edge has all of it on its outer side; then the planes of their edges and of their inverse depth.
+/* Triangles set up for a tile, DAFT_VL at a time: moved to camera space, projected, dropped when their screen box holds
+ * no pixel's ray or an edge has all of it on its outer side; then the planes of their edges and of their inverse depth.
  *
- * Edge functions e = n·d (triangles.h) are positive on the inner side after all three are turned by the sign of det(a, b, c).
- * n is divided by the bound of its error, which adds one more u, so that e is sure beyond 1 whatever the size of its edge; the
- * bound takes 9u, which covers its own roundings and that its reciprocal is rough, and adds TINY for underflow. Where the
- * numbers overflow, n becomes 0 and nothing is sure.
+ * Edge functions e = n·d (triangles.h) are positive on the inner side after all three are turned by the sign of det(a,
+ * b, c). n is divided by the bound of its error, which adds one more u, so that e is sure beyond 1 whatever the size of
+ * its edge; the bound takes 9u, which covers its own roundings and that its reciprocal is rough, and adds TINY for
+ * underflow. Where the numbers overflow, n becomes 0 and nothing is sure.
  *
- * Depth. The inverse depth w = 1/z is linear over the picture: with the triangle's normal N, the product of two sides, and
- * D = N·a, w·focal = N·d / D. N is off by 4u·M as above, N·d by 3u more, D by 3u·Σ M·|a| and the quotients by 2u each; so
- * |error(w)| <= 9u·(Σ M·|d| + w·Σ M·|a|) / |D|, taken with 12u at the largest w of the triangle in the tile. Where that is
- * more than 2^-12 of w itself (a floor under the camera) N and D are taken in double, and what is left is the rounding of w's
- * own three terms. The sides are the shorter two: of a sliver's longer two M is as much larger than N as it is longer than wide. */
+ * Depth. The inverse depth w = 1/z is linear over the picture: with the triangle's normal N, the product of two sides,
+ * and D = N·a, w·focal = N·d / D. N is off by 4u·M as above, N·d by 3u more, D by 3u·Σ M·|a| and the quotients by 2u
+ * each; so |error(w)| <= 9u·(Σ M·|d| + w·Σ M·|a|) / |D|, taken with 12u at the largest w of the triangle in the tile.
+ * Where that is more than 2^-12 of w itself (a floor under the camera) N and D are taken in double, and what is left is
+ * the rounding of w's own three terms. The sides are the shorter two: of a sliver's longer two M is as much larger than
+ * N as it is longer than wide. */
 #include "math/exact.h"
 #include "raster/grid/grid.h"
 
@@ -35,7 +36,8 @@ DAFT_INLINE vm pixel_span(vf low, vf high, float last, vf *first, vf *end)
     return vm_and(vf_le(zero, b), vf_le(*first, *end));
 }
 
-DAFT_INLINE void project(const daft_tile_job *job, const daft_view_instance *view, const daft_block *const *blocks, lanes *l)
+DAFT_INLINE void project(const daft_tile_job *job, const daft_view_instance *view, const daft_block *const *blocks,
+                         lanes *l)
 {
     vf zero = vf_set(0), focal = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
     vf left = vf_set(job->left), top = vf_set(job->top);
@@ -73,7 +75,8 @@ void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_view_ins
 
 /* ---- edges ---- */
 
-/* The same without a bound. (a × b as it stands takes six operations less, cancels in far triangles, and loses their hits.) */
+/* The same without a bound. (a × b as it stands takes six operations less, cancels in far triangles, and loses their
+ * hits.) */
 DAFT_INLINE edge edge_setup_fast(vf3 a, vf3 b)
 {
     vf3 e = {a.x - b.x, a.y - b.y, a.z - b.z}, s = {a.x + b.x, a.y + b.y, a.z + b.z};
@@ -111,8 +114,9 @@ DAFT_INLINE vi facing(bool exact, const edge *e, const lanes *l, vbits *live)
     return sign;
 }
 
-/* The three planes, turned inwards and scaled; lanes with all of their box on the outer side of one drop out of *live. Rounding
- * keeps order, and rays' e are computed by the same operations: of those in the box none is less than the least found here. */
+/* The three planes, turned inwards and scaled; lanes with all of their box on the outer side of one drop out of *live.
+ * Rounding keeps order, and rays' e are computed by the same operations: of those in the box none is less than the
+ * least found here. */
 DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_batch *b, const lanes *l, vbits *live)
 {
     edge e[3];
@@ -121,15 +125,18 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_b
         e[k] = exact ? edge_setup(p, q, p.z - q.z) : edge_setup_fast(p, q);
     }
     vi sign = facing(exact, e, l, live);
-    vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), dz = vf_set(job->raster->pencil.focal), inf = vf_set(INFINITY);
-    vf x0 = vf_set(job->left) + l->x0, x1 = vf_set(job->left) + l->x1, y0 = vf_set(job->top) - l->y1, y1 = vf_set(job->top) - l->y0;
+    vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), dz = vf_set(job->raster->pencil.focal),
+       inf = vf_set(INFINITY);
+    vf x0 = vf_set(job->left) + l->x0, x1 = vf_set(job->left) + l->x1, y0 = vf_set(job->top) - l->y1,
+       y1 = vf_set(job->top) - l->y0;
     vf outer = vf_set(exact ? -1.0f : 0.0f), hopeless = vf_set(exact ? 0.0f : -1.0f), zero = vf_set(0);
     vbits out = 0;
     for (int k = 0; k < 3; k++) {
         vf scale = vf_xor(exact ? vf_approximate_reciprocal(edge_bound(&e[k], dx, dy, dz)) : vf_set(1), sign);
         vf3 n = {e[k].n.x * scale, e[k].n.y * scale, e[k].n.z * scale * dz};
         vm whole = vf_lt(vf_abs(n.x) * dx + vf_abs(n.y) * dy + vf_abs(n.z), inf);
-        n = (vf3){vf_if_then_else(whole, n.x, zero), vf_if_then_else(whole, n.y, zero), vf_if_then_else(whole, n.z, hopeless)};
+        n = (vf3){vf_if_then_else(whole, n.x, zero), vf_if_then_else(whole, n.y, zero),
+                  vf_if_then_else(whole, n.z, hopeless)};
         vf xa = n.x * x0, xb = n.x * x1, ya = n.y * y0 + n.z, yb = n.y * y1 + n.z;
         out |= vbits_from_mask(vf_lt(vf_max(xa, xb) + vf_max(ya, yb), outer));
         vf_store(b->nx[k], n.x), vf_store(b->ny[k], n.y), vf_store(b->nz[k], n.z);
@@ -139,8 +146,8 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_b
 
 /* ---- depth ---- */
 
-/* Where floats do not decide, depths are compared as daft_pencil_depth gives them: a mean of the corners' z, off by some 2^-51 of the
- * largest. Intervals of w hold these depths too, or what is decided here would not agree with it. */
+/* Where floats do not decide, depths are compared as daft_pencil_depth gives them: a mean of the corners' z, off by
+ * some 2^-51 of the largest. Intervals of w hold these depths too, or what is decided here would not agree with it. */
 #define COMPARED 0x1p-48f
 
 /* One triangle's plane of w in double, and its error bound. */
@@ -152,12 +159,16 @@ static void depth_setup_double(const daft_tile_job *job, daft_pencil_batch *b, c
     daft_dvec3 a = daft_to_double(corner[0]), p = daft_dsub(daft_to_double(corner[1]), a),
                q = daft_dsub(daft_to_double(corner[2]), a), n = daft_dcross(p, q);
     double inverse = 1 / (daft_ddot(n, a) * f);
-    double m[3] = {fabs(p.y * q.z) + fabs(p.z * q.y), fabs(p.z * q.x) + fabs(p.x * q.z), fabs(p.x * q.y) + fabs(p.y * q.x)};
+    double m[3] = {fabs(p.y * q.z) + fabs(p.z * q.y), fabs(p.z * q.x) + fabs(p.x * q.z),
+                   fabs(p.x * q.y) + fabs(p.y * q.x)};
     double w = (fabs(n.x) * dx + fabs(n.y) * dy + fabs(n.z) * f) * fabs(inverse);
-    double rays = m[0] * dx + m[1] * dy + m[2] * f, corners = (m[0] * fabs(a.x) + m[1] * fabs(a.y) + m[2] * fabs(a.z)) * f;
+    double rays = m[0] * dx + m[1] * dy + m[2] * f,
+           corners = (m[0] * fabs(a.x) + m[1] * fabs(a.y) + m[2] * fabs(a.z)) * f;
     b->wx[i] = (float)(n.x * inverse), b->wy[i] = (float)(n.y * inverse), b->wz[i] = (float)(n.z * inverse * f);
     double far = fmax(fabs(a.z), fmax(fabs((double)corner[1].z), fabs((double)corner[2].z)));
-    b->error[i] = (float)(w * (4 * (double)UNIT) + (rays + corners * w) * fabs(inverse) * 0x1p-48 + w * w * far * (double)COMPARED) + TINY;
+    b->error[i] = (float)(w * (4 * (double)UNIT) + (rays + corners * w) * fabs(inverse) * 0x1p-48 +
+                          w * w * far * (double)COMPARED) +
+                  TINY;
     if (b->error[i] < INFINITY) return;
     b->wx[i] = b->wy[i] = b->wz[i] = 0; /* nothing is known */
     b->error[i] = INFINITY;
@@ -170,7 +181,10 @@ DAFT_INLINE vf3 side(const lanes *l, int k)
     return (vf3){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
-DAFT_INLINE vf3 vf3_select(vm m, vf3 a, vf3 b) { return (vf3){vf_if_then_else(m, a.x, b.x), vf_if_then_else(m, a.y, b.y), vf_if_then_else(m, a.z, b.z)}; }
+DAFT_INLINE vf3 vf3_select(vm m, vf3 a, vf3 b)
+{
+    return (vf3){vf_if_then_else(m, a.x, b.x), vf_if_then_else(m, a.y, b.y), vf_if_then_else(m, a.z, b.z)};
+}
 
 /* Instead of sides 1 and 2, all but the longest one: side 1 × side 2 = side 2 × side 0 = side 0 × side 1. */
 DAFT_INLINE void shorter_sides(const lanes *l, vf3 *p, vf3 *q)
@@ -230,7 +244,8 @@ DAFT_INLINE vi box_pixels(const lanes *l)
     return vi_convert_to(l->x0) | vi_convert_to(l->x1) << 8 | vi_convert_to(l->y0) << 16 | vi_convert_to(l->y1) << 24;
 }
 
-static __attribute__((noinline)) void keep_few(daft_queue *out, const lanes *l, vbits some, uint32_t instance, vi triangle)
+static __attribute__((noinline)) void keep_few(daft_queue *out, const lanes *l, vbits some, uint32_t instance,
+                                               vi triangle)
 {
     queue_add(out, l->corner, box_pixels(l), l->nearest, instance, triangle, some);
 }
@@ -242,15 +257,16 @@ DAFT_INLINE vbits small(const lanes *l)
     return vbits_from_mask(vm_and(vf_le(l->x1 - l->x0, two), vf_le(l->y1 - l->y0, two)));
 }
 
-bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count,
-                                    daft_queue *queue, daft_pencil_batch *batch)
+bool DAFT_KERNEL(daft_blocks_setup)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks,
+                                    uint32_t count, daft_queue *queue, daft_pencil_batch *batch)
 {
     lanes l;
     vi triangle;
     const daft_block *all[DAFT_BATCH_BLOCKS];
     blocks_at(view, blocks, count, all);
     triangle = blocks_triangles(all);
-    vbits used = ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first_n((int)(count * DAFT_BLOCK));
+    vbits used =
+        ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first_n((int)(count * DAFT_BLOCK));
     project(job, view, all, &l);
     job->counters->tested += (uint64_t)__builtin_popcount(used);
     used &= l.some;
@@ -269,7 +285,8 @@ bool DAFT_KERNEL(daft_queue_setup)(const daft_tile_job *job, daft_queue *from, d
     lanes l;
     uint32_t count = daft_min_u(from->count, DAFT_VL), at = from->count - count;
     for (int k = 0; k < 3; k++)
-        l.corner[k] = (vf3){vf_load(&from->corner[3 * k][at]), vf_load(&from->corner[3 * k + 1][at]), vf_load(&from->corner[3 * k + 2][at])};
+        l.corner[k] = (vf3){vf_load(&from->corner[3 * k][at]), vf_load(&from->corner[3 * k + 1][at]),
+                            vf_load(&from->corner[3 * k + 2][at])};
     vi pixels = vi_load(&from->pixels[at]), byte = vi_set(DAFT_TILE - 1);
     l.x0 = vf_convert_to(pixels & byte), l.x1 = vf_convert_to(pixels >> 8 & byte);
     l.y0 = vf_convert_to(pixels >> 16 & byte), l.y1 = vf_convert_to(pixels >> 24 & byte);

@@ -1,23 +1,25 @@
-/* Triangles of dense meshes in two steps. First they are moved to camera space and projected; one is dropped when its screen
- * box holds no pixel's ray. What is left stands side by side. Second, of these,
- * small ones (with boxes of two pixels a side at most) are decided at once, at each of their up to four pixels, and others wait
- * to be set up. Neither step has a branch that depends on triangles: a wrong guess would wait for the end of a long step. And each is in
- * steps of its own, for many registers before the next, where one chain of operations would fill what a processor looks ahead to.
+/* Triangles of dense meshes in two steps. First they are moved to camera space and projected; one is dropped when its
+ * screen box holds no pixel's ray. What is left stands side by side. Second, of these, small ones (with boxes of two
+ * pixels a side at most) are decided at once, at each of their up to four pixels, and others wait to be set up. Neither
+ * step has a branch that depends on triangles: a wrong guess would wait for the end of a long step. And each is in
+ * steps of its own, for many registers before the next, where one chain of operations would fill what a processor looks
+ * ahead to.
  *
  * Corners in the picture, relative to a pixel: u = 2^-24; the scale focal/z rounds once, its product with x once, the
- * difference with the tile's place once more, so that x is off by less than 2u·R with R = the largest x or y of a ray in the
- * tile, 64 and twice the triangle's extent (its width and height together) in sum. An edge function about a pixel within its
- * box, e0 = x1·y2 - y1·x2 and so on, is then off by less than D = 5u·R·extent: 4u·R·extent from corners, 3u of each product from
- * its own roundings. Beyond D the sign is sure. The three make up twice the area, so that its sign is sure beyond 4D;
- * where it is not, some edge function is within 2D of 0.
+ * difference with the tile's place once more, so that x is off by less than 2u·R with R = the largest x or y of a ray
+ * in the tile, 64 and twice the triangle's extent (its width and height together) in sum. An edge function about a
+ * pixel within its box, e0 = x1·y2 - y1·x2 and so on, is then off by less than D = 5u·R·extent: 4u·R·extent from
+ * corners, 3u of each product from its own roundings. Beyond D the sign is sure. The three make up twice the area, so
+ * that its sign is sure beyond 4D; where it is not, some edge function is within 2D of 0.
  *
- * Depth: the pixel is the mean of the corners, weighted by the edge functions, and so is 1/z. With weights that are off by D, and
- * their sum by as much again, the mean is off by less than 4D·(the largest 1/z - the least)/sum, and by 16u of the largest from
- * roundings. */
+ * Depth: the pixel is the mean of the corners, weighted by the edge functions, and so is 1/z. With weights that are off
+ * by D, and their sum by as much again, the mean is off by less than 4D·(the largest 1/z - the least)/sum, and by 16u
+ * of the largest from roundings. */
 #include "math/simd/ops.h"
 #include "raster/grid/grid.h"
 
-/* The pixels within low..high and the slack, or but for a part in 2^12 there; none: end is below first, which is no larger than `most`. */
+/* The pixels within low..high and the slack, or but for a part in 2^12 there; none: end is below first, which is no
+ * larger than `most`. */
 DAFT_INLINE void pixel_range(vf low, vf high, float last, float max, vi *first, vi *end)
 {
     vf slack = vf_set(DAFT_SCREEN_SLACK), up = vf_set(1 - 0x1p-12f - DAFT_SCREEN_SLACK);
@@ -43,7 +45,8 @@ typedef struct lens {
 DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_view_instance *view)
 {
     bool closely = job->raster->pencil.intersection == DAFT_INTERSECT_WATERTIGHT;
-    return (lens){view->to_view, job->raster->pencil.focal, job->left, job->top, job->last_x, job->last_y, daft_tile_reach(job), closely};
+    return (lens){view->to_view, job->raster->pencil.focal, job->left, job->top, job->last_x,
+                  job->last_y,   daft_tile_reach(job),      closely};
 }
 
 /* D of the above, times a power of two; reach: a lens's. */
@@ -79,7 +82,8 @@ DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], const vf3 *corner
     vf low_y = vf_min(vf_min(y[0], y[1]), y[2]), high_y = vf_max(vf_max(y[0], y[1]), y[2]);
     *little = v->closely ? 0 : DAFT_ALL_LANES;
     /* A triangle through the camera's plane may reach anywhere. */
-    vf min = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z), max = vf_max(vf_max(corner[0].z, corner[1].z), corner[2].z);
+    vf min = vf_min(vf_min(corner[0].z, corner[1].z), corner[2].z),
+       max = vf_max(vf_max(corner[0].z, corner[1].z), corner[2].z);
     vm front = vf_lt(zero, min);
     low_x = vf_if_then_else(front, low_x, zero), high_x = vf_if_then_else(front, high_x, vf_set(DAFT_TILE));
     low_y = vf_if_then_else(front, low_y, zero), high_y = vf_if_then_else(front, high_y, vf_set(DAFT_TILE));
@@ -111,7 +115,8 @@ DAFT_INLINE void add_large(daft_queue *out, const vf3 corner[3], vi pixels, uint
     queue_add(out, corner, pixels, nearest, instance, triangle, lanes);
 }
 
-void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks, uint32_t count, daft_queue *out)
+void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_instance *view, const uint32_t *blocks,
+                                      uint32_t count, daft_queue *out)
 {
     const lens v = lens_of(job, view);
     uint32_t tested = 0, n = out->small.count;
@@ -127,7 +132,9 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_
             corner[k] = blocks_corner(&v.map, all, k);
             at[k] = spot_of(&v, &corner[k]);
         }
-        vbits there = ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) & vbits_first_n((int)(some * DAFT_BLOCK)), little;
+        vbits there = ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE))) &
+                      vbits_first_n((int)(some * DAFT_BLOCK)),
+              little;
         vbits lanes = there & may_be_seen(&v, at, corner, &pixels, &little);
         n = add_small(&out->small, n, at, triangle, lanes & little);
         if (lanes & ~little) add_large(out, corner, box_bytes(&pixels), view->index, triangle, lanes & ~little);
@@ -139,8 +146,8 @@ void DAFT_KERNEL(daft_blocks_project)(const daft_tile_job *job, const daft_view_
 
 /* ---- pixels ---- */
 
-/* Small triangles: a and b are x and y of corners less those of the first column and row, and of the next ones, y with the
- * sign that makes edge functions positive inside; w = base + (e1·slope1 + e2·slope2). */
+/* Small triangles: a and b are x and y of corners less those of the first column and row, and of the next ones, y with
+ * the sign that makes edge functions positive inside; w = base + (e1·slope1 + e2·slope2). */
 typedef struct small {
     vf a[2][3], b[2][3], doubt;
     vf base, slope[2];
@@ -149,7 +156,8 @@ typedef struct small {
 
 enum { PIXELS = 4, ABREAST = 16 /* registers */ };
 
-/* Registers of triangles: of each of their first pixel, its right neighbour and the two below, which of them cover it, or may, and w. */
+/* Registers of triangles: of each of their first pixel, its right neighbour and the two below, which of them cover it,
+ * or may, and w. */
 typedef struct coverage {
     _Alignas(4 * DAFT_VL) float low[ABREAST][PIXELS][DAFT_VL], high[ABREAST][PIXELS][DAFT_VL];
     int32_t place[ABREAST][DAFT_VL];
@@ -173,9 +181,11 @@ DAFT_INLINE void cover_pixel(bool exact, const small *s, int pixel, vbits lanes,
     c->lanes[i][pixel] = lanes;
 }
 
-DAFT_INLINE void small_setup(const daft_tile_job *job, bool exact, const vf x[3], const vf y[3], const vf scale[3], vi x0, vi y0, small *s)
+DAFT_INLINE void small_setup(const daft_tile_job *job, bool exact, const vf x[3], const vf y[3], const vf scale[3],
+                             vi x0, vi y0, small *s)
 {
-    vf px = vf_convert_to(x0), py = vf_convert_to(y0), one = vf_set(1), e[3], over_focal = vf_set(1 / job->raster->pencil.focal);
+    vf px = vf_convert_to(x0), py = vf_convert_to(y0), one = vf_set(1), e[3],
+       over_focal = vf_set(1 / job->raster->pencil.focal);
     for (int k = 0; k < 3; k++) s->a[0][k] = x[k] - px, s->b[0][k] = y[k] - py;
     edges_at(s->a[0], s->b[0], e);
     vf area = e[0] + e[1] + e[2];
@@ -185,7 +195,8 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, bool exact, const vf x[3]
         s->b[0][k] = vf_xor(s->b[0][k], sign);
     }
     vf inverse = over_focal / vf_abs(area);
-    s->base = scale[0] * over_focal, s->slope[0] = (scale[1] - scale[0]) * inverse, s->slope[1] = (scale[2] - scale[0]) * inverse;
+    s->base = scale[0] * over_focal, s->slope[0] = (scale[1] - scale[0]) * inverse,
+    s->slope[1] = (scale[2] - scale[0]) * inverse;
     if (!exact) return;
     vf extent = vf_max(vf_max(x[0], x[1]), x[2]) - vf_min(vf_min(x[0], x[1]), x[2]);
     extent += vf_max(vf_max(y[0], y[1]), y[2]) - vf_min(vf_min(y[0], y[1]), y[2]);
@@ -196,15 +207,20 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, bool exact, const vf x[3]
 }
 
 /* Register i: the triangles from one on. */
-DAFT_INLINE void cover(const daft_tile_job *job, bool exact, const daft_small *from, uint32_t at, coverage *c, uint32_t i)
+DAFT_INLINE void cover(const daft_tile_job *job, bool exact, const daft_small *from, uint32_t at, coverage *c,
+                       uint32_t i)
 {
     vf x[3], y[3], scale[3];
     box b;
     small s;
-    for (int k = 0; k < 3; k++) x[k] = vf_load(&from->x[k][at]), y[k] = vf_load(&from->y[k][at]), scale[k] = vf_load(&from->scale[k][at]);
-    pixel_range(vf_min(vf_min(x[0], x[1]), x[2]), vf_max(vf_max(x[0], x[1]), x[2]), job->last_x, job->last_x, &b.x0, &b.x1);
-    pixel_range(vf_min(vf_min(y[0], y[1]), y[2]), vf_max(vf_max(y[0], y[1]), y[2]), job->last_y, job->last_y, &b.y0, &b.y1);
-    vbits lanes = vbits_first_n((int)(from->count - at)), right = vbits_from_mask(vi_lt(b.x0, b.x1)), below = vbits_from_mask(vi_lt(b.y0, b.y1));
+    for (int k = 0; k < 3; k++)
+        x[k] = vf_load(&from->x[k][at]), y[k] = vf_load(&from->y[k][at]), scale[k] = vf_load(&from->scale[k][at]);
+    pixel_range(vf_min(vf_min(x[0], x[1]), x[2]), vf_max(vf_max(x[0], x[1]), x[2]), job->last_x, job->last_x, &b.x0,
+                &b.x1);
+    pixel_range(vf_min(vf_min(y[0], y[1]), y[2]), vf_max(vf_max(y[0], y[1]), y[2]), job->last_y, job->last_y, &b.y0,
+                &b.y1);
+    vbits lanes = vbits_first_n((int)(from->count - at)), right = vbits_from_mask(vi_lt(b.x0, b.x1)),
+          below = vbits_from_mask(vi_lt(b.y0, b.y1));
     small_setup(job, exact, x, y, scale, b.x0, b.y0, &s);
     if (!exact) lanes &= vbits_from_mask(vf_lt(vf_abs(s.slope[0]) + vf_abs(s.slope[1]), vf_set(INFINITY)));
     vi_store(c->place[i], b.y0 * DAFT_TILE_STRIDE + b.x0 + ((vi_iota() + vi_set((int32_t)at)) << DAFT_HIT_TRIANGLE));
@@ -215,7 +231,8 @@ DAFT_INLINE void cover(const daft_tile_job *job, bool exact, const daft_small *f
 }
 
 /* The numbers of their corners are on their way from memory from now on. */
-static __attribute__((noinline)) void add_doubted(const daft_small *from, const int32_t *place, vbits lanes, daft_hits *out)
+static __attribute__((noinline)) void add_doubted(const daft_small *from, const int32_t *place, vbits lanes,
+                                                  daft_hits *out)
 {
     for (; lanes && out->doubted_count < DAFT_DOUBTED; lanes &= lanes - 1) {
         uint32_t number = (uint32_t)place[__builtin_ctz(lanes)] >> DAFT_HIT_TRIANGLE;

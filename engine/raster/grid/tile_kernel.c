@@ -1,5 +1,5 @@
-/* Resolving a tile: its instances front to back. The farthest w is kept for each cell of 4 × 4 pixels, so that what lies
- * behind is left out as a whole. */
+/* Resolving a tile: its instances front to back. The farthest w is kept for each cell of 4 × 4 pixels, so that what
+ * lies behind is left out as a whole. */
 #include "raster/grid/grid.h"
 
 static void draw_instance(daft_tile_job *j, const daft_view_instance *view, daft_queue *queue)
@@ -29,8 +29,8 @@ static void sort_few(uint64_t *keys, uint32_t count)
     }
 }
 
-/* Sorts by the upper 32 bits, rising, from the lowest digit on; the order of equals does not matter. `keys` has room for as
- * many again. */
+/* Sorts by the upper 32 bits, rising, from the lowest digit on; the order of equals does not matter. `keys` has room
+ * for as many again. */
 static void sort_keys(uint64_t *keys, uint32_t count)
 {
     if (count <= FEW) {
@@ -47,7 +47,8 @@ static void sort_keys(uint64_t *keys, uint32_t count)
             uint32_t some = place[d][v];
             place[d][v] = sum, sum += some;
         }
-        for (uint32_t i = 0; i < count; i++) to[place[d][from[i] >> (32 + DIGIT_BITS * d) & (DIGIT_VALUES - 1)]++] = from[i];
+        for (uint32_t i = 0; i < count; i++)
+            to[place[d][from[i] >> (32 + DIGIT_BITS * d) & (DIGIT_VALUES - 1)]++] = from[i];
         uint64_t *swap = from;
         from = to, to = swap;
     }
@@ -87,7 +88,8 @@ static void clear_pixels(daft_tile_job *j)
         vi_store(&t->instance[i], vi_set(-1)), vi_store(&t->triangle[i], vi_set(0));
     }
     for (int i = 0; !whole && i < DAFT_TILE * DAFT_TILE_STRIDE; i++)
-        if (i % DAFT_TILE_STRIDE >= t->width || i / DAFT_TILE_STRIDE >= t->height) j->w_low[i] = j->w_high[i] = INFINITY;
+        if (i % DAFT_TILE_STRIDE >= t->width || i / DAFT_TILE_STRIDE >= t->height)
+            j->w_low[i] = j->w_high[i] = INFINITY;
 }
 
 static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *counters, daft_tile *tile)
@@ -99,7 +101,8 @@ static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *co
     j->max_dx = fmaxf(fabsf(first.x), fabsf(first.x + j->last_x + 3));
     j->max_dy = fmaxf(fabsf(first.y), fabsf(first.y - j->last_y - 3));
     j->exact = raster->pencil.intersection == DAFT_INTERSECT_EXACT;
-    for (int x = 0; x < DAFT_TILE; x += DAFT_WINDOW_W) vf_store(j->dx[x / DAFT_WINDOW_W], vf_set(j->left + (float)x) + vf_column());
+    for (int x = 0; x < DAFT_TILE; x += DAFT_WINDOW_W)
+        vf_store(j->dx[x / DAFT_WINDOW_W], vf_set(j->left + (float)x) + vf_column());
 }
 
 enum { AHEAD = 8 }; /* instances in a tile stand anywhere in memory */

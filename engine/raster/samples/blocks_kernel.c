@@ -1,6 +1,6 @@
 /* Points in blocks of 16: patches of 4 by 4 pixels, which lie side by side on a surface and so in the light's picture.
- * Patches across a silhouette are spread: blocks much larger than usual are taken apart, and their points make blocks along a
- * Morton curve in the picture. */
+ * Patches across a silhouette are spread: blocks much larger than usual are taken apart, and their points make blocks
+ * along a Morton curve in the picture. */
 #include "raster/samples/samples.h"
 
 typedef struct blocks_job {
@@ -9,12 +9,11 @@ typedef struct blocks_job {
     const uint32_t *own;
 } blocks_job;
 
-_Static_assert(DAFT_TILE == 32, "a tile's row is a word of a set of bits; three bits of a patch's column and row make its place on the curve");
+_Static_assert(
+    DAFT_TILE == 32,
+    "a tile's row is a word of a set of bits; three bits of a patch's column and row make its place on the curve");
 
-static uint32_t patch_column(uint32_t patch)
-{
-    return (patch & 1) | (patch >> 1 & 2) | (patch >> 2 & 4);
-}
+static uint32_t patch_column(uint32_t patch) { return (patch & 1) | (patch >> 1 & 2) | (patch >> 2 & 4); }
 
 /* A batch that holds the tile's pixels one after the other needs no sorting. */
 static bool is_whole_tile(const daft_samples *b)
@@ -44,7 +43,8 @@ static void place_whole_tile(const uint32_t *kept, places *out)
 DAFT_INLINE vi patches_of(vi pixel)
 {
     vi x = (pixel >> 2) & vi_set(7), y = pixel >> __builtin_ctz(4 * DAFT_TILE); /* of 4 by 4 pixels */
-    return (x & vi_set(1)) | (y & vi_set(1)) << 1 | (x & vi_set(2)) << 1 | (y & vi_set(2)) << 2 | (x & vi_set(4)) << 2 | (y & vi_set(4)) << 3;
+    return (x & vi_set(1)) | (y & vi_set(1)) << 1 | (x & vi_set(2)) << 1 | (y & vi_set(2)) << 2 | (x & vi_set(4)) << 2 |
+           (y & vi_set(4)) << 3;
 }
 
 static void list_kept(const daft_samples *b, const uint32_t *kept, kept_points *out)
@@ -129,14 +129,14 @@ DAFT_INLINE void fill_block(const blocks_job *c, const places *from, uint32_t b,
         far = vf_max(depth, far);
     }
     bool alike = (from->used[b] & ~one) == 0;
-    to->on[b] = alike ? c->samples->instance[first] : DAFT_NOTHING, to->sole[b] = alike ? c->own[first] : DAFT_NO_TRIANGLE;
+    to->on[b] = alike ? c->samples->instance[first] : DAFT_NOTHING,
+    to->sole[b] = alike ? c->own[first] : DAFT_NO_TRIANGLE;
     const v4 box = v4_reduce_min4(lu, -hu, lv, -hv);
     to->low_u[b] = box[0], to->high_u[b] = -box[1], to->low_v[b] = box[2], to->high_v[b] = -box[3];
     to->far[b] = vf_reduce_max(far);
 }
 
 /* ---- patches that are no neighbours to the light ---- */
-
 
 static float block_size(const shadow_points *p, uint32_t b)
 {
@@ -270,8 +270,8 @@ static void empty_block(shadow_points *p, uint32_t b)
     p->used[b] = 0;
 }
 
-void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *samples, const uint32_t *own, const uint32_t *kept,
-                                     float stray, block_scratch *scratch, shadow_points *to)
+void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *samples, const uint32_t *own,
+                                     const uint32_t *kept, float stray, block_scratch *scratch, shadow_points *to)
 {
     const blocks_job c = {l, samples, own};
     places *from = &scratch->places;
@@ -287,7 +287,8 @@ void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *sa
     }
     to->count = from->count, to->live = to->count - apart->free_count;
     for (uint32_t i = 0; i < apart->free_count; i++) empty_block(to, apart->free[i]);
-    for (uint32_t b = to->count; b % SHADOW_GROUP; b++) empty_block(to, b); /* what is read past the end meets nothing */
+    for (uint32_t b = to->count; b % SHADOW_GROUP; b++)
+        empty_block(to, b); /* what is read past the end meets nothing */
 }
 
 /* ---- and out again ---- */
@@ -298,7 +299,8 @@ DAFT_INLINE bool is_patch(const uint32_t *source)
     const vi patch = (vi_iota() & vi_set(3)) + (vi_iota() >> 2) * vi_set(DAFT_TILE);
     vbits in_place = DAFT_ALL_LANES;
     for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
-        in_place &= vbits_from_mask(vi_eq(vi_load(&source[k]), patch + vi_set((int32_t)(source[0] + k / 4 * DAFT_TILE))));
+        in_place &=
+            vbits_from_mask(vi_eq(vi_load(&source[k]), patch + vi_set((int32_t)(source[0] + k / 4 * DAFT_TILE))));
     return in_place == DAFT_ALL_LANES && source[0] % 4 == 0;
 }
 
@@ -310,7 +312,8 @@ void DAFT_KERNEL(daft_shadow_dark)(const shadow_points *p, uint32_t *bits)
         for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
             dark &= ~(vbits_from_mask(vf_lt(vf_set(-INFINITY), vf_load(&p->depth[b * SHADOW_BLOCK + k]))) << k);
         if (dark && is_patch(source)) {
-            for (uint32_t row = 0; row < 4; row++) bits[source[0] / 32 + row] &= ~((dark >> (4 * row) & 15) << source[0] % 32);
+            for (uint32_t row = 0; row < 4; row++)
+                bits[source[0] / 32 + row] &= ~((dark >> (4 * row) & 15) << source[0] % 32);
             continue;
         }
         for (; dark; dark &= dark - 1) {

@@ -1,5 +1,5 @@
-/* Few points behind a node of a mesh: each is a ray in the mesh's own space, held against eight boxes or DAFT_VL triangles at a
- * time. See mesh_kernel.c for what hides a point. */
+/* Few points behind a node of a mesh: each is a ray in the mesh's own space, held against eight boxes or DAFT_VL
+ * triangles at a time. See mesh_kernel.c for what hides a point. */
 #include "math/simd/ops.h"
 #include "raster/samples/setup.h"
 
@@ -13,11 +13,12 @@ typedef struct few_points {
     uint32_t count;
     uint64_t live; /* those that are still lit */
     _Alignas(64) float u[FEW_POINTS + DAFT_VL], v[FEW_POINTS + DAFT_VL], depth[FEW_POINTS + DAFT_VL];
-    _Alignas(64) float from[3][FEW_POINTS + DAFT_VL], inverse[3][FEW_POINTS + DAFT_VL]; /* object space: places, and one over
-                                                                                       * the rays to the light */
-    bool alike;                /* along each axis all rays go up, or all down: */
-    uint32_t first[3], last[3]; /* the rows of a node's bounds that they meet first and last; where not, any way round */
-    float first_pad[3], last_pad[3]; /* what is added to these rows */
+    _Alignas(64) float from[3][FEW_POINTS + DAFT_VL], inverse[3][FEW_POINTS + DAFT_VL]; /* object space: places, and one
+                                                                                         * over the rays to the light */
+    bool alike;                 /* along each axis all rays go up, or all down: */
+    uint32_t first[3], last[3]; /* the rows of a node's bounds that they meet first and last; where not, any way round
+                                 */
+    float first_pad[3], last_pad[3];   /* what is added to these rows */
     uint32_t at[FEW_POINTS + DAFT_VL]; /* among the blocks' */
 } few_points;
 
@@ -30,10 +31,12 @@ static void few_rays(const mesh_occluder *m, few_points *f)
         vf x = vf_load(&f->from[0][i]), y = vf_load(&f->from[1][i]), z = vf_load(&f->depth[i]);
         for (int k = 0; k < 3; k++) {
             vf across = vf_set(b[3 * k]) * x + vf_set(b[3 * k + 1]) * y;
-            vf direction = m->c.view->pencil.parallel ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(away)));
+            vf direction = m->c.view->pencil.parallel ? vf_set(-b[3 * k + 2])
+                                                      : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(away)));
             vf_store(&f->from[k][i], across + vf_set(b[3 * k + 2]) * z + vf_set(t[k]));
             vf_store(&f->inverse[k][i], inverse_of(direction));
-            vbits some = vbits_first_n((int)(f->count - i)), falls = vbits_from_mask(vf_lt(inverse_of(direction), vf_set(0)));
+            vbits some = vbits_first_n((int)(f->count - i)),
+                  falls = vbits_from_mask(vf_lt(inverse_of(direction), vf_set(0)));
             down[k] |= falls & some, up[k] |= ~falls & some;
         }
     }
@@ -52,8 +55,10 @@ DAFT_INLINE void few_add(const shadow_points *p, const block_points *some, few_p
         uint32_t at = some->block * SHADOW_BLOCK + k, count = out->count;
         vf depth = vf_load(&p->depth[at]);
         vbits lit = some->points >> k & vbits_from_mask(vf_lt(vf_set(-INFINITY), depth));
-        vf_compress_store(&out->u[count], lit, vf_load(&p->u[at])), vf_compress_store(&out->v[count], lit, vf_load(&p->v[at]));
-        vf_compress_store(&out->from[0][count], lit, vf_load(&p->x[at])), vf_compress_store(&out->from[1][count], lit, vf_load(&p->y[at]));
+        vf_compress_store(&out->u[count], lit, vf_load(&p->u[at])),
+            vf_compress_store(&out->v[count], lit, vf_load(&p->v[at]));
+        vf_compress_store(&out->from[0][count], lit, vf_load(&p->x[at])),
+            vf_compress_store(&out->from[1][count], lit, vf_load(&p->y[at]));
         vf_compress_store(&out->depth[count], lit, depth);
         vi_compress_store(&out->at[count], lit, vi_iota() + vi_set((int32_t)at));
         out->count += (uint32_t)__builtin_popcount(lit);
@@ -75,7 +80,8 @@ DAFT_INLINE vf edges_at(const lanes *t, int k, vf3 d)
 }
 
 /* Whether one of the triangles hides the point: hide_points, with triangles for lanes. */
-static bool point_hidden(const mesh_occluder *m, const lanes *t, const leaf *const *leaves, vbits triangles, uint32_t at)
+static bool point_hidden(const mesh_occluder *m, const lanes *t, const leaf *const *leaves, vbits triangles,
+                         uint32_t at)
 {
     const occluder *c = &m->c;
     const shadow_points *p = c->points;
@@ -97,7 +103,8 @@ static bool point_hidden(const mesh_occluder *m, const lanes *t, const leaf *con
     if (on && (c->convex || (c->flat && p->own[at] != DAFT_NO_TRIANGLE))) return false;
     for (vbits doubt = side & vbits_from_mask(vf_lt(depth - error, limit)); doubt; doubt &= doubt - 1) {
         int i = __builtin_ctz(doubt);
-        if (DAFT_KERNEL(daft_stands_between)(c, leaves[i / DAFT_BLOCK]->block, i % DAFT_BLOCK, p->source[at])) return true;
+        if (DAFT_KERNEL(daft_stands_between)(c, leaves[i / DAFT_BLOCK]->block, i % DAFT_BLOCK, p->source[at]))
+            return true;
     }
     return false;
 }
@@ -156,10 +163,11 @@ static void few_flush(const mesh_occluder *m, const few_entry *ends, uint32_t co
     }
 }
 
-/* Which of the points' rays to the light meet which of a node's children, in `met` as bits for each point: few points cost less so than
- * boxes seen from the light. Gives the bits of the children that some meet. Where all rays go up an axis, or all down, it is known which
- * side of a box they come to first; of an empty box that is infinitely far. */
-DAFT_INLINE uint32_t children_met(const mesh_occluder *m, const daft_node *node, const few_points *f, uint64_t from, uint8_t *met)
+/* Which of the points' rays to the light meet which of a node's children, in `met` as bits for each point: few points
+ * cost less so than boxes seen from the light. Gives the bits of the children that some meet. Where all rays go up an
+ * axis, or all down, it is known which side of a box they come to first; of an empty box that is infinitely far. */
+DAFT_INLINE uint32_t children_met(const mesh_occluder *m, const daft_node *node, const few_points *f, uint64_t from,
+                                  uint8_t *met)
 {
     uint32_t any = 0;
     v8 first[3], last[3];
@@ -182,9 +190,10 @@ DAFT_INLINE uint32_t children_met(const mesh_occluder *m, const daft_node *node,
     return f->alike ? any : any & v8_le_bits(v8_load(node->bounds[0]), v8_load(node->bounds[3]));
 }
 
-/* A node's children that some of the points lie behind: nodes go on the stack, leaves to the list. No branch hangs on which. */
-DAFT_INLINE void few_children(const mesh_occluder *m, const few_entry *at, const few_points *f, few_entry *stack, int *top,
-                              few_entry *leaves, uint32_t *leaf_count)
+/* A node's children that some of the points lie behind: nodes go on the stack, leaves to the list. No branch hangs on
+ * which. */
+DAFT_INLINE void few_children(const mesh_occluder *m, const few_entry *at, const few_points *f, few_entry *stack,
+                              int *top, few_entry *leaves, uint32_t *leaf_count)
 {
     const daft_node *node = &m->c.instance->bvh->nodes.items[at->node];
     uint8_t met[FEW_POINTS] = {0};
@@ -236,4 +245,3 @@ void DAFT_KERNEL(daft_few_shadow)(const mesh_occluder *m, uint32_t child, const 
     }
     few_cast(m, child, &few);
 }
-

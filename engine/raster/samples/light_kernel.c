@@ -2,25 +2,28 @@
  *
  *   1. The box around all shadow rays goes down the tree over instances. Mostly nothing is there.
  *   2. The points that face the light are measured in view space: their extent in the light's picture.
- *   3. The tree over instances is walked with that extent. Where it meets few instances, their bounds say which points' rays
- *      meet them, and only these points are kept. Where it meets many, all points are kept, and step 5 marks those behind an
- *      instance's bounds.
- *   4. Points go into blocks of 16 (blocks_kernel.c). The blocks' boxes in the picture are the grid that occluders are looked up
- *      in: fine where the points are dense, coarse where they are not, wherever the light stands.
- *   5. Each instance is walked down to the triangles before a block (mesh_kernel.c), or met as a sphere (sphere_kernel.c).
+ *   3. The tree over instances is walked with that extent. Where it meets few instances, their bounds say which points'
+ * rays meet them, and only these points are kept. Where it meets many, all points are kept, and step 5 marks those
+ * behind an instance's bounds.
+ *   4. Points go into blocks of 16 (blocks_kernel.c). The blocks' boxes in the picture are the grid that occluders are
+ * looked up in: fine where the points are dense, coarse where they are not, wherever the light stands.
+ *   5. Each instance is walked down to the triangles before a block (mesh_kernel.c), or met as a sphere
+ * (sphere_kernel.c).
  *
- * Where no frustum holds the tile's points, because the light is among them, they are divided among the six faces of a cube
- * around it, and each face is a pencil. */
+ * Where no frustum holds the tile's points, because the light is among them, they are divided among the six faces of a
+ * cube around it, and each face is a pencil. */
 #include "raster/samples/samples.h"
 
-#define TINY  1e-36f
+#define TINY 1e-36f
 
 enum {
     FEW_OCCLUDERS = 8, /* each is asked which points are under it, before blocks are made */
-    FEW_LOOKS = 64   /* nodes and instances are looked at; who has not found out by then whether they are few takes them for many */
+    FEW_LOOKS = 64 /* nodes and instances are looked at; who has not found out by then whether they are few takes them
+                      for many */
 };
 
-/* To sort the points of a large patch takes as long as some tests of it. Among many instances it would be met by too many. */
+/* To sort the points of a large patch takes as long as some tests of it. Among many instances it would be met by too
+ * many. */
 #define STRAY_OF_FEW  6.0f
 #define STRAY_OF_MANY 2.0f
 
@@ -29,11 +32,11 @@ typedef struct cast {
     const daft_samples *samples;
     const daft_apex *light;
     const daft_tlas *tlas;
-    uint32_t flag, only;     /* of the occluders; the only one, or DAFT_NOTHING */
+    uint32_t flag, only;   /* of the occluders; the only one, or DAFT_NOTHING */
     const uint32_t *asked; /* bits of the points */
     light_view view;
     picture_map frame_map; /* frame space to view space */
-    daft_vec3 low, high; /* of the points, in frame space */
+    daft_vec3 low, high;   /* of the points, in frame space */
     bool inverses_known;
     uint32_t sole; /* the instance that all the points lie on, on the side that faces the light; or DAFT_NOTHING */
     uint32_t occluder_count; /* beyond DAFT_MAX_OCCLUDERS: more than are remembered */
@@ -46,20 +49,14 @@ typedef struct cast {
     uint32_t own[DAFT_SAMPLES_ROOM];
 } cast;
 
-DAFT_INLINE vbits bits_at(const uint32_t *bits, uint32_t i)
-{
-    return bits[i / 32] >> (i % 32) & DAFT_ALL_LANES;
-}
+DAFT_INLINE vbits bits_at(const uint32_t *bits, uint32_t i) { return bits[i / 32] >> (i % 32) & DAFT_ALL_LANES; }
 
 DAFT_INLINE vf3 load3(const daft_points3 *a, uint32_t i)
 {
     return (vf3){vf_load(&a->x[i]), vf_load(&a->y[i]), vf_load(&a->z[i])};
 }
 
-DAFT_INLINE vf3 minus(vf3 a, daft_vec3 b)
-{
-    return (vf3){a.x - vf_set(b.x), a.y - vf_set(b.y), a.z - vf_set(b.z)};
-}
+DAFT_INLINE vf3 minus(vf3 a, daft_vec3 b) { return (vf3){a.x - vf_set(b.x), a.y - vf_set(b.y), a.z - vf_set(b.z)}; }
 
 /* ---- view space ---- */
 
@@ -112,14 +109,15 @@ static bool measure(light_view *l, const daft_samples *b, const uint32_t *bits)
         ld = vf_min(p.z, ld), hd = vf_max(p.z, hd);
         ax = vf_max(vf_abs(p.x), ax), ay = vf_max(vf_abs(p.y), ay);
     }
-    l->low_u = vf_reduce_min(lu), l->high_u = vf_reduce_max(hu), l->low_v = vf_reduce_min(lv), l->high_v = vf_reduce_max(hv);
+    l->low_u = vf_reduce_min(lu), l->high_u = vf_reduce_max(hu), l->low_v = vf_reduce_min(lv),
+    l->high_v = vf_reduce_max(hv);
     l->near = vf_reduce_min(ld), l->far = vf_reduce_max(hd), l->max_x = vf_reduce_max(ax), l->max_y = vf_reduce_max(ay);
     l->max_z = l->pencil.parallel ? 1 : fmaxf(fabsf(l->near + l->pencil.away), fabsf(l->far + l->pencil.away));
     l->slack_u = widen(l->low_u, l->high_u), l->slack_v = widen(l->low_v, l->high_v);
     l->size = l->max_x + l->max_y + fmaxf(fabsf(l->near), fabsf(l->far));
     if (l->pencil.parallel) return true;
-    float near = l->near + l->pencil.away,
-          off = l->size / near * 0x1p-21f; /* coordinates are off by a few 2^-24 of the largest */
+    float near = l->near + l->pencil.away, off = l->size / near * 0x1p-21f; /* coordinates are off by a few 2^-24 of the
+                                                                               largest */
     l->slack_u += off, l->slack_v += off;
     return near > 0 && fmaxf(l->max_x, l->max_y) < 8 * near;
 }
@@ -139,7 +137,8 @@ static void know_inverses(cast *c)
     if (c->inverses_known) return;
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vf3 d = direction_to(c->light, load3(&b->origin, i));
-        vf_store(&c->inverse[0][i], one / d.x), vf_store(&c->inverse[1][i], one / d.y), vf_store(&c->inverse[2][i], one / d.z);
+        vf_store(&c->inverse[0][i], one / d.x), vf_store(&c->inverse[1][i], one / d.y),
+            vf_store(&c->inverse[2][i], one / d.z);
     }
     c->inverses_known = true;
 }
@@ -151,7 +150,8 @@ static void set_extent(cast *c, daft_vec3 low, daft_vec3 high)
     c->view.reach = fabsf(max.x) + fabsf(max.y) + fabsf(max.z);
 }
 
-/* The points' extent; which triangles cannot shadow the points that lie on them, and whether all points lie on one instance's. */
+/* The points' extent; which triangles cannot shadow the points that lie on them, and whether all points lie on one
+ * instance's. */
 static void measure_points(cast *c)
 {
     const daft_samples *b = c->samples;
@@ -174,15 +174,16 @@ static void measure_points(cast *c)
         low.z = vf_min(p.z, low.z), high.z = vf_max(p.z, high.z);
     }
     c->sole = apart ? DAFT_NOTHING : b->instance[first];
-    set_extent(c, daft_v3(vf_reduce_min(low.x), vf_reduce_min(low.y), vf_reduce_min(low.z)), daft_v3(vf_reduce_max(high.x), vf_reduce_max(high.y), vf_reduce_max(high.z)));
+    set_extent(c, daft_v3(vf_reduce_min(low.x), vf_reduce_min(low.y), vf_reduce_min(low.z)),
+               daft_v3(vf_reduce_max(high.x), vf_reduce_max(high.y), vf_reduce_max(high.z)));
 }
 
 typedef struct bound {
     daft_vec3 low, high;
 } bound;
 
-/* The bound is grown by 2^-20 of what there is in coordinates: over the roundings of rays, planes and distances, each a few
- * 2^-24 of them. */
+/* The bound is grown by 2^-20 of what there is in coordinates: over the roundings of rays, planes and distances, each a
+ * few 2^-24 of them. */
 static bound grown_bound(const cast *c, const daft_instance *s)
 {
     daft_vec3 h = daft_max3(daft_neg(s->low), s->high);
@@ -191,15 +192,16 @@ static bound grown_bound(const cast *c, const daft_instance *s)
     return (bound){daft_sub(s->low, by), daft_add(s->high, by)};
 }
 
-/* Whether rays from between the points' corners have left the bound on one axis before they come to it on another. Along
- * an axis they go between `slow` and `fast` of their length, towards the light. */
+/* Whether rays from between the points' corners have left the bound on one axis before they come to it on another.
+ * Along an axis they go between `slow` and `fast` of their length, towards the light. */
 static bool rays_apart(const cast *c, const bound *s)
 {
     const daft_apex *light = c->light;
     const float to[3] = {light->at.x, light->at.y, light->at.z};
     float enter = 0, leave = light->infinite ? INFINITY : 1;
     for (int k = 0; k < 3; k++) {
-        float low = daft_v3_at(c->low, k), high = daft_v3_at(c->high, k), before = daft_v3_at(s->low, k) - high, past = daft_v3_at(s->high, k) - low;
+        float low = daft_v3_at(c->low, k), high = daft_v3_at(c->high, k), before = daft_v3_at(s->low, k) - high,
+              past = daft_v3_at(s->high, k) - low;
         float slow = light->infinite ? to[k] : to[k] - high, fast = light->infinite ? to[k] : to[k] - low;
         if (fast < 0) { /* the same seen from the other side */
             float other = -slow;
@@ -216,7 +218,8 @@ static bool rays_apart(const cast *c, const bound *s)
 static bool rays_clear(const cast *c, const bound *s)
 {
     const daft_apex *light = c->light;
-    const float to[3] = {light->at.x, light->at.y, light->at.z}, low[3] = {c->low.x, c->low.y, c->low.z}, high[3] = {c->high.x, c->high.y, c->high.z};
+    const float to[3] = {light->at.x, light->at.y, light->at.z}, low[3] = {c->low.x, c->low.y, c->low.z},
+                high[3] = {c->high.x, c->high.y, c->high.z};
     for (int k = 0; k < 3; k++) {
         float from = light->infinite ? (to[k] < 0 ? -INFINITY : low[k]) : fminf(low[k], to[k]);
         float end = light->infinite ? (to[k] > 0 ? INFINITY : high[k]) : fmaxf(high[k], to[k]);
@@ -225,7 +228,8 @@ static bool rays_clear(const cast *c, const bound *s)
     return rays_apart(c, s);
 }
 
-/* Whether the rays may meet the instance in its bound: neither a convex instance nor a flat one shadows its own points. */
+/* Whether the rays may meet the instance in its bound: neither a convex instance nor a flat one shadows its own points.
+ */
 static bool may_shadow(const cast *c, uint32_t number, bound *box)
 {
     const daft_instance *s = &c->tlas->instances[number];
@@ -264,8 +268,8 @@ DAFT_INLINE vbits rays_meet(const cast *c, const bound *s, uint32_t i)
     return vbits_from_mask(vf_le(t.near, t.far));
 }
 
-/* Marks the points whose ray to the light meets the bound; gives whether there is one. Neither a convex instance nor a flat one
- * shadows its own points. */
+/* Marks the points whose ray to the light meets the bound; gives whether there is one. Neither a convex instance nor a
+ * flat one shadows its own points. */
 static bool mark_under(cast *c, const bound *box, const daft_instance *s, uint32_t number)
 {
     const daft_samples *b = c->samples;
@@ -323,8 +327,8 @@ static void find_one(cast *c)
     if (DAFT_KERNEL(daft_node_project)(&c->view, &c->frame_map, &node, &boxes) & 1) remember(c, c->only, &boxes, 0);
 }
 
-/* Remembers the instances that points lie under, and marks these points. False: there may be more than `most` such instances, or
- * more than `looks` had to be looked at, and it is not known which points are under something. */
+/* Remembers the instances that points lie under, and marks these points. False: there may be more than `most` such
+ * instances, or more than `looks` had to be looked at, and it is not known which points are under something. */
 static bool find_occluders(cast *c, uint32_t max, uint32_t looks)
 {
     uint32_t stack[DAFT_STACK], looked = 0;
@@ -366,13 +370,13 @@ static occluder occluder_of(const cast *c, uint32_t number, shadow_points *point
 {
     const daft_instance *s = &c->tlas->instances[number];
     return (occluder){.view = &c->view,
-                    .light = c->light,
-                    .samples = c->samples,
-                    .instance = s,
-                    .number = number,
-                    .convex = s->flags & DAFT_INSTANCE_CONVEX,
-                    .flat = is_flat(s),
-                    .points = points};
+                      .light = c->light,
+                      .samples = c->samples,
+                      .instance = s,
+                      .number = number,
+                      .convex = s->flags & DAFT_INSTANCE_CONVEX,
+                      .flat = is_flat(s),
+                      .points = points};
 }
 
 static void cast_one(const occluder *one, const picture_box *box, const block_set *behind)
@@ -409,8 +413,8 @@ static uint32_t bits_of_block(const shadow_points *p, uint32_t b, uint32_t in, c
     return in;
 }
 
-/* Marks the points of the blocks that lie behind the sphere's box, but for its own where it cannot shadow them. Takes the
- * blocks out of `behind` that have none; false: none has. */
+/* Marks the points of the blocks that lie behind the sphere's box, but for its own where it cannot shadow them. Takes
+ * the blocks out of `behind` that have none; false: none has. */
 static bool mark_behind(cast *c, const occluder *one, const picture_box *box, block_set *behind)
 {
     shadow_points *p = one->points;
@@ -476,7 +480,8 @@ static void cast_queued(const cast *c, mesh_queue *list, shadow_points *points)
     list->count = 0;
 }
 
-static void meet_mesh(const cast *c, const occluder *one, const picture_box *box, const block_set *behind, mesh_queue *list)
+static void meet_mesh(const cast *c, const occluder *one, const picture_box *box, const block_set *behind,
+                      mesh_queue *list)
 {
     shadow_points *p = one->points;
     uint32_t first = list->first[list->count];
@@ -498,7 +503,8 @@ static void cast_met(cast *c, met_instances *met, mesh_queue *list, shadow_point
             continue;
         }
         DAFT_KERNEL(daft_sphere_occluder_box)(&c->view, one.instance, &met->box[i]);
-        if (mark_behind(c, &one, &met->box[i], &met->behind[i])) DAFT_KERNEL(daft_sphere_occluder_shadow)(&one, &met->behind[i]);
+        if (mark_behind(c, &one, &met->box[i], &met->behind[i]))
+            DAFT_KERNEL(daft_sphere_occluder_shadow)(&one, &met->behind[i]);
     }
     met->count = 0;
 }
@@ -556,10 +562,13 @@ static uint32_t cast_pencil(light_scratch *scratch, uint32_t *bits)
     c->frame_map = view_map_of(&c->view.pencil);
     bool few = find_occluders(c, FEW_OCCLUDERS, FEW_LOOKS);
     if (few) {
-        for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++) count += (uint32_t)__builtin_popcount(c->under[word]);
+        for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++)
+            count += (uint32_t)__builtin_popcount(c->under[word]);
     }
     if (few && c->occluder_count == 0) return count;
-    DAFT_KERNEL(daft_shadow_blocks)(&c->view, c->samples, c->own, few ? c->under : c->asked, few ? STRAY_OF_FEW : STRAY_OF_MANY, &scratch->blocks, points);
+    DAFT_KERNEL(daft_shadow_blocks)
+    (&c->view, c->samples, c->own, few ? c->under : c->asked, few ? STRAY_OF_FEW : STRAY_OF_MANY, &scratch->blocks,
+     points);
     if (few) {
         cast_remembered(c, points);
     } else {
@@ -615,7 +624,8 @@ static uint32_t cast_faces(light_scratch *scratch, uint32_t *bits)
 static uint32_t children_met(const cast *c, const daft_node *node)
 {
     const daft_apex *light = c->light;
-    const float to[3] = {light->at.x, light->at.y, light->at.z}, low[3] = {c->low.x, c->low.y, c->low.z}, high[3] = {c->high.x, c->high.y, c->high.z};
+    const float to[3] = {light->at.x, light->at.y, light->at.z}, low[3] = {c->low.x, c->low.y, c->low.z},
+                high[3] = {c->high.x, c->high.y, c->high.z};
     v8 size = v8_set(c->view.reach);
     uint32_t met = 0xff;
     for (int k = 0; k < 3; k++) size = size + v8_max(-v8_load(node->bounds[k]), v8_load(node->bounds[3 + k]));
@@ -653,7 +663,8 @@ static bool all_clear(const cast *c)
 }
 
 /* False: nothing can hide the points. */
-static bool cast_begin(cast *c, const daft_samples *points, const daft_apex *light, const daft_tlas *tlas, const uint32_t *bits)
+static bool cast_begin(cast *c, const daft_samples *points, const daft_apex *light, const daft_tlas *tlas,
+                       const uint32_t *bits)
 {
     c->samples = points, c->light = light, c->tlas = tlas, c->asked = bits, c->inverses_known = false;
     uint32_t any = 0;

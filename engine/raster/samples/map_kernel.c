@@ -1,21 +1,24 @@
-/* A mesh's map to view space and back, the errors of both, and which points' rays meet the mesh's bounds in its own space. */
+/* A mesh's map to view space and back, the errors of both, and which points' rays meet the mesh's bounds in its own
+ * space. */
 #include "raster/samples/setup.h"
 
 /* One instruction each, where fmaxf and fminf are calls; of NaN and a number, the second. */
 static inline float larger(float a, float b) { return a > b ? a : b; }
 static inline float smaller(float a, float b) { return a < b ? a : b; }
 
-/* View space to the instance's own. With u = 2^-24, s the size of what points and corners are in view space and f the largest
- * share of the direction to the light that a box reaches: places are off by some 8u of |map|·s and of the translation, rays by that
- * and 8u of |map|·f·away; corners that a test in view space takes for met by no more than 16u of the first. Their sum is
- * below 2^-18. */
+/* View space to the instance's own. With u = 2^-24, s the size of what points and corners are in view space and f the
+ * largest share of the direction to the light that a box reaches: places are off by some 8u of |map|·s and of the
+ * translation, rays by that and 8u of |map|·f·away; corners that a test in view space takes for met by no more than 16u
+ * of the first. Their sum is below 2^-18. */
 static void set_back(const occluder *c, daft_affine *back, float pad[3])
 {
     const light_view *l = c->view;
     const daft_instance *s = c->instance;
-    const float *o = s->to_object.m, *r = (&l->pencil.right.x), at[3] = {l->pencil.origin.x, l->pencil.origin.y, l->pencil.origin.z};
+    const float *o = s->to_object.m, *r = (&l->pencil.right.x),
+                at[3] = {l->pencil.origin.x, l->pencil.origin.y, l->pencil.origin.z};
     float size = 0, share;
-    for (int k = 0; k < 3; k++) size += larger(fabsf(daft_v3_at(s->low, k) - at[k]), fabsf(daft_v3_at(s->high, k) - at[k]));
+    for (int k = 0; k < 3; k++)
+        size += larger(fabsf(daft_v3_at(s->low, k) - at[k]), fabsf(daft_v3_at(s->high, k) - at[k]));
     size = 2 * size + l->size;
     share = smaller(2 * size / (l->near + l->pencil.away), 1);
     if (!l->pencil.parallel && share > 0) size += share * l->pencil.away;
@@ -28,9 +31,9 @@ static void set_back(const occluder *c, daft_affine *back, float pad[3])
     }
 }
 
-/* What corners' boxes are off by, from all that the mesh reaches in view space, where that is not much more than its distance from
- * the light: depths by a few 2^-24 of it; places in the picture, which are no larger than it over the distance, by that over the
- * distance, by themselves times that, and by 2^-21 of themselves. */
+/* What corners' boxes are off by, from all that the mesh reaches in view space, where that is not much more than its
+ * distance from the light: depths by a few 2^-24 of it; places in the picture, which are no larger than it over the
+ * distance, by that over the distance, by themselves times that, and by 2^-21 of themselves. */
 static void set_errors(mesh_occluder *m)
 {
     const light_view *l = m->c.view;
@@ -41,8 +44,11 @@ static void set_errors(mesh_occluder *m)
         size += m->map.reach[k] * larger(fabsf(low[k]), fabsf(high[k]));
         near += smaller(depth[k] * low[k], depth[k] * high[k]);
     }
-    m->before = size < 1e30f && (l->pencil.parallel || near > 0.125f * (size + l->pencil.away * 0x1p-10f)); /* not where large numbers have made it NaN */
-    m->off_depth = size * 0x1p-20f, m->off_uv = l->pencil.parallel ? m->off_depth : m->off_depth / near * (2 + size / near);
+    m->before = size < 1e30f &&
+                (l->pencil.parallel || near > 0.125f * (size + l->pencil.away * 0x1p-10f)); /* not where large numbers
+                                                                                               have made it NaN */
+    m->off_depth = size * 0x1p-20f,
+    m->off_uv = l->pencil.parallel ? m->off_depth : m->off_depth / near * (2 + size / near);
 }
 
 void DAFT_KERNEL(daft_mesh_occluder_make)(const occluder *c, mesh_occluder *out)
@@ -68,8 +74,10 @@ DAFT_INLINE vbits rays_meet_bounds(const occluder *c, const mesh_bounds *mesh, u
     vf x = vf_load(&p->x[at]), y = vf_load(&p->y[at]), z = vf_load(&p->depth[at]);
     vf near = vf_set(0), far = vf_set(c->view->pencil.parallel ? INFINITY : 1.00001f);
     for (int k = 0; k < 3; k++) {
-        vf across = vf_set(b[3 * k]) * x + vf_set(b[3 * k + 1]) * y, from = across + vf_set(b[3 * k + 2]) * z + vf_set(t[k]);
-        vf direction = c->view->pencil.parallel ? vf_set(-b[3 * k + 2]) : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(c->view->pencil.away)));
+        vf across = vf_set(b[3 * k]) * x + vf_set(b[3 * k + 1]) * y,
+           from = across + vf_set(b[3 * k + 2]) * z + vf_set(t[k]);
+        vf direction = c->view->pencil.parallel ? vf_set(-b[3 * k + 2])
+                                                : -(across + vf_set(b[3 * k + 2]) * (z + vf_set(c->view->pencil.away)));
         vf inverse = inverse_of(direction);
         vf to_low = (vf_set(mesh->low[k]) - from) * inverse, to_high = (vf_set(mesh->high[k]) - from) * inverse;
         near = vf_max(vf_min(to_low, to_high), near), far = vf_min(vf_max(to_low, to_high), far);
@@ -94,10 +102,12 @@ static void set_bounds(const occluder *c, mesh_bounds *out)
     const daft_trimesh *mesh = c->instance->mesh;
     float pad[3];
     set_back(c, &out->back, pad);
-    for (int k = 0; k < 3; k++) out->low[k] = daft_v3_at(mesh->low, k) - pad[k], out->high[k] = daft_v3_at(mesh->high, k) + pad[k];
+    for (int k = 0; k < 3; k++)
+        out->low[k] = daft_v3_at(mesh->low, k) - pad[k], out->high[k] = daft_v3_at(mesh->high, k) + pad[k];
 }
 
-uint32_t DAFT_KERNEL(daft_mesh_candidates)(const occluder *c, const picture_box *box, const block_set *behind, block_points *out)
+uint32_t DAFT_KERNEL(daft_mesh_candidates)(const occluder *c, const picture_box *box, const block_set *behind,
+                                           block_points *out)
 {
     mesh_bounds bounds;
     uint32_t some = 0, count = 0;

@@ -1,21 +1,22 @@
-/* Meshes as occluders: the tree is walked with the boxes of its nodes in the light's picture (nodes_kernel.c), down to those that
- * lie before lit points; the triangles found are moved to view space and set up DAFT_VL at a time. Each block of points whose
- * box meets some of them is tested against these: lanes are points. Blocks in which all points are dark are skipped from then
- * on. Where few points are left behind a node, few_kernel.c takes them one by one: lanes are triangles. This chooses which
- * triangles are tested; it never changes what hides a point.
+/* Meshes as occluders: the tree is walked with the boxes of its nodes in the light's picture (nodes_kernel.c), down to
+ * those that lie before lit points; the triangles found are moved to view space and set up DAFT_VL at a time. Each
+ * block of points whose box meets some of them is tested against these: lanes are points. Blocks in which all points
+ * are dark are skipped from then on. Where few points are left behind a node, few_kernel.c takes them one by one: lanes
+ * are triangles. This chooses which triangles are tested; it never changes what hides a point.
  *
- * A point is in shadow when no edge has it surely outside and the triangle is surely nearer to the light. Depths are off by
- * some 2^-18 of the distance to the light, which is much where it is far. Triangles whose depth is that close to the point's
- * are decided again, in double, from the point and the corners in frame space, where they are off only by the spawn error, and
- * the point was put off its surface by more than that. A point's own triangle is left out, unless it faces away from the
- * light, as the smooth inside of a vessel may; so are all triangles of a convex or a flat instance for its own points. So no
- * light leaks between triangles or through the walls of a corner, and a surface does not shadow itself by rounding. */
+ * A point is in shadow when no edge has it surely outside and the triangle is surely nearer to the light. Depths are
+ * off by some 2^-18 of the distance to the light, which is much where it is far. Triangles whose depth is that close to
+ * the point's are decided again, in double, from the point and the corners in frame space, where they are off only by
+ * the spawn error, and the point was put off its surface by more than that. A point's own triangle is left out, unless
+ * it faces away from the light, as the smooth inside of a vessel may; so are all triangles of a convex or a flat
+ * instance for its own points. So no light leaks between triangles or through the walls of a corner, and a surface does
+ * not shadow itself by rounding. */
 #include "raster/samples/setup.h"
 
 enum {
-    LIST = 64,     /* leaf blocks before their triangles are tested */
-    FEW_ALONE = 32,   /* so many behind a node go on one by one: where triangles are so much smaller than their distances,
-                       * boxes of 16 say little */
+    LIST = 64,      /* leaf blocks before their triangles are tested */
+    FEW_ALONE = 32, /* so many behind a node go on one by one: where triangles are so much smaller than their distances,
+                     * boxes of 16 say little */
     FEW_OF_MESH = 512 /* the same where it is known which points' rays meet the mesh's bounds */
 };
 
@@ -83,7 +84,9 @@ typedef struct some_points {
 DAFT_INLINE some_points points_load(const shadow_points *p, uint32_t first)
 {
     return (some_points){{vf_load(&p->x[first]), vf_load(&p->y[first]), vf_load(&p->z[first])},
-                         vf_load(&p->depth[first]), vf_load(&p->u[first]), vf_load(&p->v[first])};
+                         vf_load(&p->depth[first]),
+                         vf_load(&p->u[first]),
+                         vf_load(&p->v[first])};
 }
 
 /* Those in a triangle's box: past the end of a sharp corner they may be close to both of its edges. */
@@ -114,10 +117,12 @@ static bool hide_points(const mesh_occluder *m, const lanes *t, int i, const daf
     vf limit = vf_load(&p->depth[first]), bound = vf_set(t->bound[i]), rounding = vf_set(t->rounding[i]);
     vm sure = vm_or(vf_le(-bound, e->min), vf_le(e->max, bound));
     vf inverse = vf_set(1) / (e->e0 + e->e1 + e->e2);
-    vf depth = (e->e0 * vf_set(t->depth[0][i]) + e->e1 * vf_set(t->depth[1][i]) + e->e2 * vf_set(t->depth[2][i])) * inverse;
+    vf depth =
+        (e->e0 * vf_set(t->depth[0][i]) + e->e1 * vf_set(t->depth[1][i]) + e->e2 * vf_set(t->depth[2][i])) * inverse;
     vf error = vf_abs(vf_set(t->slack[i]) * inverse) + rounding;
     vf behind = c->view->pencil.parallel ? vf_set(-INFINITY)
-                              : rounding - vf_set(c->view->pencil.away * (1 - 0x1p-20f)); /* not beyond the light */
+                                         : rounding - vf_set(c->view->pencil.away * (1 - 0x1p-20f)); /* not beyond the
+                                                                                                        light */
     vm dark = vm_and(vm_and(side, sure), vm_and(vf_lt(depth + error, limit), vf_lt(behind, depth)));
     vf_store(&p->depth[first], vf_if_then_else(dark, vf_set(-INFINITY), limit));
     vbits doubt = vbits_from_mask(side) & vbits_from_mask(vf_lt(depth - error, limit)) & ~vbits_from_mask(dark);
@@ -126,8 +131,8 @@ static bool hide_points(const mesh_occluder *m, const lanes *t, int i, const daf
     return (vbits_from_mask(dark) | doubt) != 0;
 }
 
-/* Blocks and triangles that a point of the one may be hidden by: block · DAFT_VL + lane, and from PAIR_POINTS on bits of the
- * points. What is left of them after each test goes on to the next, so that no branch depends on one. */
+/* Blocks and triangles that a point of the one may be hidden by: block · DAFT_VL + lane, and from PAIR_POINTS on bits
+ * of the points. What is left of them after each test goes on to the next, so that no branch depends on one. */
 enum { PAIR_POINTS = 16 };
 typedef struct pairs {
     uint32_t count, pair[SHADOW_BLOCKS * DAFT_VL + DAFT_VL];
@@ -317,7 +322,8 @@ void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const picture_box *box, co
     walk(&m, box, behind);
 }
 
-void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const picture_box *box, const block_points *points, uint32_t count)
+void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const picture_box *box, const block_points *points,
+                                      uint32_t count)
 {
     mesh_occluder m;
     block_set behind = {{0}};

@@ -1,5 +1,6 @@
-/* Boxes of a tree's nodes in the light's picture. The box's middle is projected, then how far the box reaches beside the ray through
- * it: as tight as the hull of its corners but for the box's depth over its distance, at a third of the cost. */
+/* Boxes of a tree's nodes in the light's picture. The box's middle is projected, then how far the box reaches beside
+ * the ray through it: as tight as the hull of its corners but for the box's depth over its distance, at a third of the
+ * cost. */
 #include "raster/samples/samples.h"
 
 DAFT_INLINE v8 v8_abs(v8 a) { return (v8)((v8i)a & 0x7fffffff); }
@@ -36,8 +37,8 @@ DAFT_INLINE v8 reach_beside(const v8_box *b, const daft_affine *map, int axis, v
     return half;
 }
 
-/* Bits of the boxes that lie on the outer side of x = limit·z (axis 0) or y = limit·z (axis 1), `side` being -1 or 1. This
- * says something, too, of boxes that reach beside or behind the light. */
+/* Bits of the boxes that lie on the outer side of x = limit·z (axis 0) or y = limit·z (axis 1), `side` being -1 or 1.
+ * This says something, too, of boxes that reach beside or behind the light. */
 DAFT_INLINE uint32_t beyond_side(const v8_box *b, const picture_map *map, float away, int axis, float limit, float side)
 {
     v8 slope = v8_set(limit), middle = (b->centre[axis] - slope * (b->centre[2] + v8_set(away))) * v8_set(side);
@@ -57,9 +58,9 @@ typedef struct v8_range {
     v8 low, high;
 } v8_range;
 
-/* A point light's picture of boxes before it, along an axis across the light. `inverse`: one over the distance of the box's
- * middle, `most` over that of its near side. With u = c/z of the middle, a point that is dx and dz from there is seen
- * (dx - u·dz)/(z + dz) beside it. Coordinates are off by `off`, distances by that and `rounding`. */
+/* A point light's picture of boxes before it, along an axis across the light. `inverse`: one over the distance of the
+ * box's middle, `most` over that of its near side. With u = c/z of the middle, a point that is dx and dz from there is
+ * seen (dx - u·dz)/(z + dz) beside it. Coordinates are off by `off`, distances by that and `rounding`. */
 DAFT_INLINE v8_range project_axis(const v8_box *b, const picture_map *map, int axis, v8 inverse, v8 max, v8 rounding)
 {
     v8 middle = b->centre[axis] * inverse;
@@ -74,7 +75,8 @@ DAFT_INLINE v8_range sun_axis(const v8_box *b, const picture_map *map, int axis)
     return (v8_range){b->centre[axis] - half, b->centre[axis] + half};
 }
 
-uint32_t DAFT_KERNEL(daft_node_project)(const light_view *l, const picture_map *map, const daft_node *node, node_boxes *out)
+uint32_t DAFT_KERNEL(daft_node_project)(const light_view *l, const picture_map *map, const daft_node *node,
+                                        node_boxes *out)
 {
     v8_box box = box_move(map, node);
     box.off = box.off + v8_set((fabsf(l->near) + fabsf(l->far)) * 0x1p-20f);

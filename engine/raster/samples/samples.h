@@ -1,13 +1,12 @@
-/* raster/samples: the points of a tile that ask for one light, against what may hide it. The shadow rays share the light, so seen
- * from there they are a pencil, and the points are its picture.
+/* raster/samples: the points of a tile that ask for one light, against what may hide it. The shadow rays share the
+ * light, so seen from there they are a pencil, and the points are its picture.
  *
  *     light_kernel.c   the order of work: which instances may stand between, then each of them; the kernel table
- *     blocks_kernel.c  points into blocks of 16 neighbours, whose boxes in the picture are what occluders are looked up in
- *     nodes_kernel.c   boxes of a tree's nodes, seen from the light
- *     mesh_kernel.c    a mesh's tree down to the triangles before lit blocks, and these against the blocks: lanes are points
- *     few_kernel.c     the same where few points are left: each a ray in the mesh's own space, lanes are nodes and triangles
- *     map_kernel.c     a mesh's map to view space and back, with its errors
- *     setup.h          triangles moved, their boxes, planes of edges, their own planes
+ *     blocks_kernel.c  points into blocks of 16 neighbours, whose boxes in the picture are what occluders are looked up
+ * in nodes_kernel.c   boxes of a tree's nodes, seen from the light mesh_kernel.c    a mesh's tree down to the triangles
+ * before lit blocks, and these against the blocks: lanes are points few_kernel.c     the same where few points are
+ * left: each a ray in the mesh's own space, lanes are nodes and triangles map_kernel.c     a mesh's map to view space
+ * and back, with its errors setup.h          triangles moved, their boxes, planes of edges, their own planes
  *     sphere_kernel.c  spheres
  *
  * Public headers: samples.h */
@@ -19,17 +18,17 @@
 #include "raster/triangles.h"
 
 enum {
-    SHADOW_BLOCK = 16,                              /* points in a block, whatever the instruction set */
+    SHADOW_BLOCK = 16,                                /* points in a block, whatever the instruction set */
     SHADOW_TILE_BLOCKS = DAFT_SAMPLES / SHADOW_BLOCK, /* patches of 4 by 4 pixels in a tile */
-    SHADOW_BLOCKS = 2 * SHADOW_TILE_BLOCKS,         /* each patch begins a block, and so does what is left of them */
+    SHADOW_BLOCKS = 2 * SHADOW_TILE_BLOCKS,           /* each patch begins a block, and so does what is left of them */
     SHADOW_LANES = SHADOW_BLOCKS * SHADOW_BLOCK,
-    SHADOW_GROUP = 16,                              /* blocks that are looked at together, whatever the instruction set */
-    SHADOW_FEW = 16                                 /* up to so many are looked at one by one */
+    SHADOW_GROUP = 16, /* blocks that are looked at together, whatever the instruction set */
+    SHADOW_FEW = 16    /* up to so many are looked at one by one */
 };
 
-/* A light's view of some points. The pencil's origin is in their middle, so coordinates are as precise as the points are
- * however far the light is; x and y are across the light, the depth d along it. A point's ray is (x, y, d + away) or, of a
- * parallel pencil, (x, y, 1). u = x/z and v = y/z are the picture's coordinates. */
+/* A light's view of some points. The pencil's origin is in their middle, so coordinates are as precise as the points
+ * are however far the light is; x and y are across the light, the depth d along it. A point's ray is (x, y, d + away)
+ * or, of a parallel pencil, (x, y, 1). u = x/z and v = y/z are the picture's coordinates. */
 typedef struct light_view {
     daft_pencil pencil;
     float low_u, low_v, high_u, high_v; /* of the points */
@@ -49,7 +48,8 @@ typedef struct picture_box {
  * each group's. */
 typedef struct shadow_points {
     uint32_t count, live; /* blocks, and those with a lit point; the boxes of the others are empty */
-    uint32_t used[SHADOW_BLOCKS], under[SHADOW_BLOCKS]; /* bits: of points; of those that lie behind some instance's box */
+    uint32_t used[SHADOW_BLOCKS], under[SHADOW_BLOCKS]; /* bits: of points; of those that lie behind some instance's box
+                                                         */
     uint32_t on[SHADOW_BLOCKS], sole[SHADOW_BLOCKS]; /* the instance and the own triangle of all of a block's points; or
                                                       * DAFT_NOTHING, DAFT_NO_TRIANGLE */
     _Alignas(64) float low_u[SHADOW_BLOCKS], high_u[SHADOW_BLOCKS], low_v[SHADOW_BLOCKS], high_v[SHADOW_BLOCKS];
@@ -115,8 +115,10 @@ DAFT_INLINE uint32_t blocks_behind(const picture_box *box, const shadow_points *
     uint32_t in = 0;
     for (uint32_t k = 0; k < SHADOW_GROUP; k += DAFT_VL) {
         uint32_t b = group * SHADOW_GROUP + k;
-        vm u = vm_and(vf_le(vf_set(box->low_u), vf_load(&p->high_u[b])), vf_le(vf_load(&p->low_u[b]), vf_set(box->high_u)));
-        vm v = vm_and(vf_le(vf_set(box->low_v), vf_load(&p->high_v[b])), vf_le(vf_load(&p->low_v[b]), vf_set(box->high_v)));
+        vm u = vm_and(vf_le(vf_set(box->low_u), vf_load(&p->high_u[b])),
+                      vf_le(vf_load(&p->low_u[b]), vf_set(box->high_u)));
+        vm v = vm_and(vf_le(vf_set(box->low_v), vf_load(&p->high_v[b])),
+                      vf_le(vf_load(&p->low_v[b]), vf_set(box->high_v)));
         in |= vbits_from_mask(vm_and(vm_and(u, v), vf_le(vf_set(box->near), vf_load(&p->far[b])))) << k;
     }
     return in;
@@ -145,7 +147,8 @@ DAFT_INLINE uint32_t lit_points(const shadow_points *p, uint32_t b)
 }
 
 /* The lit points of the blocks that lie behind the box; gives the number of blocks that have any. */
-DAFT_INLINE uint32_t points_of(const shadow_points *p, const picture_box *box, const block_set *behind, block_points *out)
+DAFT_INLINE uint32_t points_of(const shadow_points *p, const picture_box *box, const block_set *behind,
+                               block_points *out)
 {
     uint32_t count = 0;
     for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
@@ -186,8 +189,8 @@ DAFT_INLINE bool blocks_narrow(const picture_box *box, const shadow_points *p, c
 }
 
 /* Of many blocks: each child is met by a group's at once, and their points are not asked. */
-DAFT_INLINE void children_narrow_many(const node_boxes *n, uint32_t children, const shadow_points *p, const block_set *from,
-                                      block_set to[DAFT_WIDTH])
+DAFT_INLINE void children_narrow_many(const node_boxes *n, uint32_t children, const shadow_points *p,
+                                      const block_set *from, block_set to[DAFT_WIDTH])
 {
     for (uint32_t group = 0; group * SHADOW_GROUP < p->count; group++) {
         uint32_t word = group / 4, shift = group % 4 * SHADOW_GROUP, in = from->bits[word] >> shift & 0xffff;
@@ -200,10 +203,10 @@ DAFT_INLINE void children_narrow_many(const node_boxes *n, uint32_t children, co
     }
 }
 
-/* Of few: each block is met by all children; then the points of those that met are asked, pair by pair. No branch hangs on
- * what comes out. */
-DAFT_INLINE void children_narrow_few(const node_boxes *n, uint32_t children, const shadow_points *p, const block_set *from,
-                                     block_set to[DAFT_WIDTH], uint32_t count[DAFT_WIDTH])
+/* Of few: each block is met by all children; then the points of those that met are asked, pair by pair. No branch hangs
+ * on what comes out. */
+DAFT_INLINE void children_narrow_few(const node_boxes *n, uint32_t children, const shadow_points *p,
+                                     const block_set *from, block_set to[DAFT_WIDTH], uint32_t count[DAFT_WIDTH])
 {
     uint32_t pair[SHADOW_FEW * DAFT_WIDTH + DAFT_WIDTH], pairs = 0;
     for (uint32_t word = 0; word < DAFT_COUNT_OF(from->bits); word++)
@@ -222,8 +225,8 @@ DAFT_INLINE void children_narrow_few(const node_boxes *n, uint32_t children, con
 
 /* The same for those children of a node whose bits are in `children`; gives the bits of those that have any, and in
  * `count` no fewer than they have points. */
-DAFT_INLINE uint32_t children_narrow(const node_boxes *n, uint32_t children, const shadow_points *p, const block_set *from,
-                                     block_set to[DAFT_WIDTH], uint32_t count[DAFT_WIDTH])
+DAFT_INLINE uint32_t children_narrow(const node_boxes *n, uint32_t children, const shadow_points *p,
+                                     const block_set *from, block_set to[DAFT_WIDTH], uint32_t count[DAFT_WIDTH])
 {
     uint32_t any = 0;
     for (int i = 0; i < DAFT_WIDTH; i++) to[i] = (block_set){{0}}, count[i] = 0;
@@ -245,7 +248,8 @@ DAFT_INLINE bool is_flat(const daft_instance *s)
     return size.x == 0 || size.y == 0 || size.z == 0;
 }
 
-/* Points are moved by differences, so that far from the frame's origin as much of their precision is left as they have. */
+/* Points are moved by differences, so that far from the frame's origin as much of their precision is left as they have.
+ */
 DAFT_INLINE vf3 to_view_space(const daft_pencil *view, vf3 p)
 {
     vf3 d = {p.x - vf_set(view->origin.x), p.y - vf_set(view->origin.y), p.z - vf_set(view->origin.z)};
@@ -290,7 +294,7 @@ _Static_assert(DAFT_SAMPLES_ROOM < 1 << PLACE_BITS, "");
  * in the batch. */
 typedef struct strays {
     uint32_t count, jump; /* bits of the code that differ across more than two usual blocks */
-    float max;           /* larger blocks are taken apart */
+    float max;            /* larger blocks are taken apart */
     float low_u, low_v, scale;
     uint32_t key[DAFT_SAMPLES_ROOM];
     uint32_t free_count, free[SHADOW_BLOCKS]; /* blocks that were taken apart */
@@ -302,16 +306,17 @@ typedef struct block_scratch {
     strays strays;
 } block_scratch;
 
-/* Puts the points whose bits are in `kept` into blocks. `own`: the triangle that a point lies on and that cannot shadow it,
- * or DAFT_NO_TRIANGLE. `stray`: patches that many times larger than usual are taken apart. */
-void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *samples, const uint32_t *own, const uint32_t *kept,
-                                     float stray, block_scratch *scratch, shadow_points *to);
+/* Puts the points whose bits are in `kept` into blocks. `own`: the triangle that a point lies on and that cannot shadow
+ * it, or DAFT_NO_TRIANGLE. `stray`: patches that many times larger than usual are taken apart. */
+void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *samples, const uint32_t *own,
+                                     const uint32_t *kept, float stray, block_scratch *scratch, shadow_points *to);
 
 /* Takes away the bits of the points that went dark. */
 void DAFT_KERNEL(daft_shadow_dark)(const shadow_points *p, uint32_t *bits);
 
 /* Projects the children through the map; gives the bits of those that meet the points' extent. */
-uint32_t DAFT_KERNEL(daft_node_project)(const light_view *l, const picture_map *map, const daft_node *node, node_boxes *out);
+uint32_t DAFT_KERNEL(daft_node_project)(const light_view *l, const picture_map *map, const daft_node *node,
+                                        node_boxes *out);
 
 /* A instance that may hide points from a light. */
 typedef struct occluder {
@@ -334,7 +339,8 @@ DAFT_INLINE vbits lie_on(const occluder *c, uint32_t triangle, uint32_t first)
     return vbits_from_mask(on) & vbits_from_mask(vi_eq(own, vi_set((int32_t)triangle)));
 }
 
-/* From a point to the light, in double; to an infinite apex one length of its direction away, and counts from there on. */
+/* From a point to the light, in double; to an infinite apex one length of its direction away, and counts from there on.
+ */
 typedef struct shadow_ray {
     daft_dvec3 from, direction;
     bool endless;
@@ -342,7 +348,8 @@ typedef struct shadow_ray {
 
 DAFT_INLINE shadow_ray shadow_ray_of(const daft_samples *p, const daft_apex *light, uint32_t i)
 {
-    daft_dvec3 from = daft_to_double(daft_v3(p->origin.x[i], p->origin.y[i], p->origin.z[i])), to = daft_to_double(light->at);
+    daft_dvec3 from = daft_to_double(daft_v3(p->origin.x[i], p->origin.y[i], p->origin.z[i])),
+               to = daft_to_double(light->at);
     return (shadow_ray){from, light->infinite ? to : daft_dsub(to, from), light->infinite};
 }
 
@@ -358,13 +365,16 @@ DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
     p->live--;
 }
 
-/* Puts the points that the instance hides from the light to depth -inf; only those of the blocks behind its bounds, `box`. */
+/* Puts the points that the instance hides from the light to depth -inf; only those of the blocks behind its bounds,
+ * `box`. */
 void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const picture_box *box, const block_set *behind);
-/* Marks the lit points of blocks behind the instance's box whose rays to the light meet the bounds of its mesh, and gives those that it may
- * shadow: not its own that cannot be. Gives the number of blocks that have any. */
-uint32_t DAFT_KERNEL(daft_mesh_candidates)(const occluder *c, const picture_box *box, const block_set *behind, block_points *out);
+/* Marks the lit points of blocks behind the instance's box whose rays to the light meet the bounds of its mesh, and
+ * gives those that it may shadow: not its own that cannot be. Gives the number of blocks that have any. */
+uint32_t DAFT_KERNEL(daft_mesh_candidates)(const occluder *c, const picture_box *box, const block_set *behind,
+                                           block_points *out);
 /* daft_mesh_shadow, of these points. */
-void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const picture_box *box, const block_points *points, uint32_t count);
+void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const picture_box *box, const block_points *points,
+                                      uint32_t count);
 /* Makes the box as small as a sphere's is. */
 void DAFT_KERNEL(daft_sphere_occluder_box)(const light_view *l, const daft_instance *s, picture_box *box);
 void DAFT_KERNEL(daft_sphere_occluder_shadow)(const occluder *c, const block_set *behind);

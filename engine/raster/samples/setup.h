@@ -1,5 +1,5 @@
-/* Triangles that may hide points from a light, DAFT_VL at a time: moved to view space, their boxes in the picture, the planes of
- * their edges and their own. See mesh_kernel.c for the test. */
+/* Triangles that may hide points from a light, DAFT_VL at a time: moved to view space, their boxes in the picture, the
+ * planes of their edges and their own. See mesh_kernel.c for the test. */
 #ifndef DAFT_OCCLUDER_H
 #define DAFT_OCCLUDER_H
 
@@ -8,16 +8,17 @@
 /* A mesh on its way through its tree. */
 typedef struct mesh_occluder {
     occluder c;
-    float size; /* of the map's translation: what corners may lose beside their own coordinates */
-    bool before; /* all of the mesh lies well before the light: */
+    float size;              /* of the map's translation: what corners may lose beside their own coordinates */
+    bool before;             /* all of the mesh lies well before the light: */
     float off_uv, off_depth; /* then places in the picture, and depths, are off by less than this */
-    picture_map map; /* object space to view space */
-    daft_affine back; /* and the way back, to where they stand */
-    float pad[3];    /* there: what boxes must be larger by, along each axis, for points' rays to meet them */
+    picture_map map;         /* object space to view space */
+    daft_affine back;        /* and the way back, to where they stand */
+    float pad[3];            /* there: what boxes must be larger by, along each axis, for points' rays to meet them */
 } mesh_occluder;
 
 void DAFT_KERNEL(daft_mesh_occluder_make)(const occluder *c, mesh_occluder *out);
-/* Puts the points to depth -inf that triangles below the child hide, leaf or not. Points go there one by one, so this is for few. */
+/* Puts the points to depth -inf that triangles below the child hide, leaf or not. Points go there one by one, so this
+ * is for few. */
 void DAFT_KERNEL(daft_few_shadow)(const mesh_occluder *m, uint32_t child, const block_points *points, uint32_t count);
 /* Whether the triangle, closed, stands between the point and the light, by frame space's own numbers. */
 bool DAFT_KERNEL(daft_stands_between)(const occluder *c, const daft_block *block, int lane, uint32_t point);
@@ -46,7 +47,10 @@ DAFT_INLINE uint32_t list_leaf(const daft_bvh *bvh, uint32_t child, const block_
     return count;
 }
 
-DAFT_INLINE void fetch_node(const daft_bvh *bvh, uint32_t child) { fetch_lines(&bvh->nodes.items[child], sizeof(daft_node)); }
+DAFT_INLINE void fetch_node(const daft_bvh *bvh, uint32_t child)
+{
+    fetch_lines(&bvh->nodes.items[child], sizeof(daft_node));
+}
 
 /* The blocks of leaves in a register. */
 DAFT_INLINE void blocks_of(const leaf *const *leaves, const daft_block *out[DAFT_BATCH_BLOCKS])
@@ -57,8 +61,8 @@ DAFT_INLINE void blocks_of(const leaf *const *leaves, const daft_block *out[DAFT
 /* One over a direction along an axis: finite, so that products with it are numbers. */
 DAFT_INLINE vf inverse_of(vf direction) { return vf_max(vf_min(vf_set(1) / direction, vf_set(1e30f)), vf_set(-1e30f)); }
 
-/* Triangles set up: edges' planes, corners' depths, their boxes in the picture, and their own planes: the light is on the
- * side where a point's product with `plane` is less than `surface`. */
+/* Triangles set up: edges' planes, corners' depths, their boxes in the picture, and their own planes: the light is on
+ * the side where a point's product with `plane` is less than `surface`. */
 typedef struct lanes {
     float nx[3][DAFT_VL], ny[3][DAFT_VL], nz[3][DAFT_VL], depth[3][DAFT_VL];
     float plane[3][DAFT_VL], surface[DAFT_VL];
@@ -90,8 +94,7 @@ DAFT_INLINE corners corners_move(const mesh_occluder *c, const leaf *const *leav
 DAFT_INLINE vm corners_beyond(const corners *t, int axis, float limit, float side, vf off)
 {
     vf min = vf_set(INFINITY), slope = vf_set(limit);
-    for (int k = 0; k < 3; k++)
-        min = vf_min(((axis ? t->p[k].y : t->p[k].x) - slope * t->p[k].z) * vf_set(side), min);
+    for (int k = 0; k < 3; k++) min = vf_min(((axis ? t->p[k].y : t->p[k].x) - slope * t->p[k].z) * vf_set(side), min);
     return vf_lt(off * vf_set(1 + fabsf(limit)), min);
 }
 
@@ -110,8 +113,8 @@ DAFT_INLINE vf box_reciprocal(vf z)
     return rough * (vf_set(2) - z * rough);
 }
 
-/* How much larger than their corners say triangles' boxes are in the picture; and those that reach beside or behind the light, which
- * are before all of it. */
+/* How much larger than their corners say triangles' boxes are in the picture; and those that reach beside or behind the
+ * light, which are before all of it. */
 typedef struct box_error {
     vf uv, depth;
     vm whole;
@@ -143,7 +146,8 @@ DAFT_INLINE void lanes_place(const mesh_occluder *c, const corners *t, lanes *ou
     vf inf = vf_set(INFINITY), lu = inf, hu = -inf, lv = inf, hv = -inf;
     vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2]));
     for (int k = 0; k < 3; k++) {
-        vf scale = l->pencil.parallel ? vf_set(1) : box_reciprocal(t->p[k].z), u = t->p[k].x * scale, v = t->p[k].y * scale;
+        vf scale = l->pencil.parallel ? vf_set(1) : box_reciprocal(t->p[k].z), u = t->p[k].x * scale,
+           v = t->p[k].y * scale;
         lu = vf_min(u, lu), hu = vf_max(u, hu), lv = vf_min(v, lv), hv = vf_max(v, hv);
     }
     box_error error = {vf_set(c->off_uv), vf_set(c->off_depth), vm_from_bits(0)};
@@ -174,7 +178,8 @@ static inline vbits lanes_met(const mesh_occluder *c, const corners *t, const la
     in = vm_and(in, vf_lt(vf_set(-l->pencil.away), far + error.depth));
     vm whole = vm_and(in, error.whole);
     if (!vbits_from_mask(whole)) return vbits_from_mask(in);
-    return vbits_from_mask(vm_and(in, vm_not(vm_and(whole, corners_outside(l, t, error.depth + vf_set(l->pencil.away * 0x1p-20f))))));
+    return vbits_from_mask(
+        vm_and(in, vm_not(vm_and(whole, corners_outside(l, t, error.depth + vf_set(l->pencil.away * 0x1p-20f))))));
 }
 
 /* Sets the triangles' numbers; gives the bits of those that are there, `count` blocks being real. */
@@ -184,21 +189,25 @@ DAFT_INLINE vbits lanes_name(const leaf *const *leaves, uint32_t count, lanes *o
     blocks_of(leaves, blocks);
     vi triangle = blocks_triangles(blocks);
     vi_store(out->triangle, triangle);
-    return vbits_first_n((int)daft_min_u(count, DAFT_VL / DAFT_BLOCK) * DAFT_BLOCK) & ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE)));
+    return vbits_first_n((int)daft_min_u(count, DAFT_VL / DAFT_BLOCK) * DAFT_BLOCK) &
+           ~vbits_from_mask(vi_eq(triangle, vi_set((int32_t)DAFT_NO_TRIANGLE)));
 }
 
 DAFT_INLINE vf reach_of(vf3 a) { return vf_abs(a.x) + vf_abs(a.y) + vf_abs(a.z); }
 
 /* The triangles' planes in view space, for passing over points that are surely before them. With u = 2^-24: points and
- * corners are off by 8u of `size`, and the plane through corners that are off is so, too; the product of edges is off by
- * 10u·|e|·|f|. Where the light is within that of the plane, nothing is sure. */
+ * corners are off by 8u of `size`, and the plane through corners that are off is so, too; the product of edges is off
+ * by 10u·|e|·|f|. Where the light is within that of the plane, nothing is sure. */
 static inline void lanes_planes(const light_view *l, const corners *t, vf size, lanes *out)
 {
     vf3 a = {t->p[0].x, t->p[0].y, t->depth[0]};
-    vf3 e = {t->p[1].x - a.x, t->p[1].y - a.y, t->depth[1] - a.z}, f = {t->p[2].x - a.x, t->p[2].y - a.y, t->depth[2] - a.z};
+    vf3 e = {t->p[1].x - a.x, t->p[1].y - a.y, t->depth[1] - a.z},
+        f = {t->p[2].x - a.x, t->p[2].y - a.y, t->depth[2] - a.z};
     vf3 n = {e.y * f.z - e.z * f.y, e.z * f.x - e.x * f.z, e.x * f.y - e.y * f.x};
-    vf edges = reach_of(e) + reach_of(f), across = reach_of(n), at = vf3_dot(n, a), wrong = edges * edges * vf_set(16 * UNIT);
-    vf light = l->pencil.parallel ? n.z : at + n.z * vf_set(l->pencil.away), off = wrong, far = size + vf_set(l->pencil.away);
+    vf edges = reach_of(e) + reach_of(f), across = reach_of(n), at = vf3_dot(n, a),
+       wrong = edges * edges * vf_set(16 * UNIT);
+    vf light = l->pencil.parallel ? n.z : at + n.z * vf_set(l->pencil.away), off = wrong,
+       far = size + vf_set(l->pencil.away);
     if (!l->pencil.parallel) off = off * far + across * far * vf_set(32 * UNIT);
     vm sure = vf_lt(off, vf_abs(light));
     vi sign = (vi)light & vi_set((int32_t)0x80000000);
@@ -220,7 +229,8 @@ DAFT_INLINE void lanes_setup(const mesh_occluder *c, const corners *t, bool plan
         vf m = edge_size(&e, dx, dy, dz);
         vf_store(out->nx[k], e.n.x), vf_store(out->ny[k], e.n.y), vf_store(out->nz[k], e.n.z);
         vf_store(out->depth[k], t->depth[k]);
-        bound = vf_max(bound, m), across = vf_max(across, vf_abs(e.n.x) + vf_abs(e.n.y)), along = vf_max(along, vf_abs(e.n.z));
+        bound = vf_max(bound, m), across = vf_max(across, vf_abs(e.n.x) + vf_abs(e.n.y)),
+        along = vf_max(along, vf_abs(e.n.z));
         size = vf_max(size, vf_abs(t->p[k].x) + vf_abs(t->p[k].y) + vf_abs(t->depth[k]));
     }
     bound = bound * vf_set(10 * UNIT) + vf_set(TINY); /* of which 2: z is rounded where the light's distance is added */

@@ -1,5 +1,5 @@
-/* Spheres as occluders: blocks of points behind a sphere's box, against the sphere. What lies within the error of its edge or its
- * depth is decided again in double. */
+/* Spheres as occluders: blocks of points behind a sphere's box, against the sphere. What lies within the error of its
+ * edge or its depth is decided again in double. */
 #include "raster/samples/samples.h"
 
 #include <string.h>
@@ -32,8 +32,8 @@ static void centre_move(const light_view *l, const daft_instance *s, float at[3]
     memcpy(at, map.t, sizeof map.t);
 }
 
-/* The slopes of the tangents from the light to a circle of radius r around (x, z), 0 < r < z, no closer than they are when x
- * and r are off by off_x and z by off_z. */
+/* The slopes of the tangents from the light to a circle of radius r around (x, z), 0 < r < z, no closer than they are
+ * when x and r are off by off_x and z by off_z. */
 static void tangents(float x, float z, float r, float off_x, float off_z, float *low, float *high)
 {
     double a, b;
@@ -47,7 +47,8 @@ void DAFT_KERNEL(daft_sphere_occluder_box)(const light_view *l, const daft_insta
 {
     float at[3], r = s->radius;
     centre_move(l, s, at);
-    float size = fabsf(at[0]) + fabsf(at[1]) + fabsf(at[2]) + r + l->size, off = size * 0x1p-20f, z = at[2] + l->pencil.away;
+    float size = fabsf(at[0]) + fabsf(at[1]) + fabsf(at[2]) + r + l->size, off = size * 0x1p-20f,
+          z = at[2] + l->pencil.away;
     if (l->pencil.parallel) {
         box->low_u = fmaxf(box->low_u, at[0] - r - off), box->high_u = fminf(box->high_u, at[0] + r + off);
         box->low_v = fmaxf(box->low_v, at[1] - r - off), box->high_v = fminf(box->high_v, at[1] + r + off);
@@ -75,8 +76,8 @@ static void sphere_block(const occluder *c, const sphere *s, uint32_t b)
     vf zero = vf_set(0), none = vf_set(-INFINITY), light = vf_set(-c->view->pencil.away);
     for (uint32_t k = b * SHADOW_BLOCK; k < (b + 1) * SHADOW_BLOCK; k += DAFT_VL) {
         vf limit = vf_load(&p->depth[k]), depth = vf_max(limit, vf_set(-0x1p100f)), disc, middle, scale = vf_set(1);
-        vf3 m = {s->cx - vf_load(&p->x[k]), s->cy - vf_load(&p->y[k]),
-                 s->cz - depth}; /* from the point to the centre */
+        vf3 m = {s->cx - vf_load(&p->x[k]), s->cy - vf_load(&p->y[k]), s->cz - depth}; /* from the point to the centre
+                                                                                        */
         if (sun) {
             disc = s->square - (m.x * m.x + m.y * m.y), middle = s->cz;
         } else {

@@ -230,8 +230,8 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
     if (!item || !daft_trimesh_deform(scene->allocator, &item->mesh, positions, normals, error)) return false;
     const daft_bvh_def def = mesh_tree(scene);
     if (daft_bvh_update(item->bvh, &item->mesh, &def)) scene->counters.mesh_builds++;
-    if (scene->engine->accel ==
-        DAFT_ACCEL_KDTREE) { /* without memory for one, rays go through the BVH, to the same hits */
+    if (scene->engine->accel == DAFT_ACCEL_KDTREE) { /* without memory for one, rays go through the BVH, to the same
+                                                        hits */
         daft_kdtree_free(item->kdtree);
         item->kdtree = daft_kdtree_build(scene->allocator, &item->mesh, scene->engine->threads, NULL);
     }

@@ -1,18 +1,18 @@
 /* The broad phase: which parts may meet within a step. Parts stand in the tree of their body's kind: static ones with
  * their exact bounds, the others with fat ones, wider in the direction they move, so that one which moves a little does
- * not touch the tree. What moves finds in the trees what rests; the others that move it finds in groups, by the bounds that
- * each has over the step (tight). So what is dynamic and awake is moved in its tree only when something asks for it there:
- * a query, or the sweep of a bullet. */
+ * not touch the tree. What moves finds in the trees what rests; the others that move it finds in groups, by the bounds
+ * that each has over the step (tight). So what is dynamic and awake is moved in its tree only when something asks for
+ * it there: a query, or the sweep of a bullet. */
 #include "sim/world.h"
 #include "sim/broad/broad.h"
 
 #include <stdatomic.h>
 
-/* Fat on each side, as a fraction of the reach, and how many steps' movement is taken ahead. A leaf is entered anew when
- * the part leaves it, or has grown much smaller than it (a shot that has come to rest). */
-#define FAT   0.1
-#define AHEAD 6.0
-#define SLIM  4.0
+/* Fat on each side, as a fraction of the reach, and how many steps' movement is taken ahead. A leaf is entered anew
+ * when the part leaves it, or has grown much smaller than it (a shot that has come to rest). */
+#define FAT        0.1
+#define AHEAD      6.0
+#define SLIM       4.0
 #define AHEAD_TIME 0.1 /* s: the same where the length of the next step is not known */
 
 static daft_sim_bounds grown(const daft_sim_bounds *bounds, double by)
@@ -42,8 +42,8 @@ bool daft_sim_bounds_reserve(daft_world *world, size_t parts)
     return daft_grow(a, &world->fat, &world->fat_capacity, parts, used, sizeof *world->fat) &&
            daft_grow(a, &world->tight, &world->tight_capacity, parts, used, sizeof *world->tight) &&
            daft_grow(a, &world->slots, &world->slots_capacity, parts, used, sizeof *world->slots) &&
-           daft_sim_list_reserve(world, &world->moved, parts) && daft_sim_list_reserve(world, &world->scratch.astray, parts) &&
-           daft_sim_outlines_reserve(world, parts);
+           daft_sim_list_reserve(world, &world->moved, parts) &&
+           daft_sim_list_reserve(world, &world->scratch.astray, parts) && daft_sim_outlines_reserve(world, parts);
 }
 
 /* Bounds that the part will stay in for a while. */
@@ -127,8 +127,8 @@ static daft_dvec3 way_of(const daft_world *world, const daft_sim_body *body, flo
     daft_vec3 mean = body->linear;
     if (body->kind == DAFT_BODY_DYNAMIC) {
         daft_vec3 gain = daft_scale(body->force, body->inv_mass);
-        gain = daft_sim_clamp(daft_add(gain, daft_scale(world->gravity, body->gravity_scale)),
-                              DAFT_SIM_MAX_ACCELERATION);
+        gain =
+            daft_sim_clamp(daft_add(gain, daft_scale(world->gravity, body->gravity_scale)), DAFT_SIM_MAX_ACCELERATION);
         mean = daft_add(mean, daft_scale(gain, dt));
     }
     return daft_to_double(daft_scale(daft_sim_clamp(mean, DAFT_SIM_MAX_SPEED), dt));
@@ -224,7 +224,8 @@ bool daft_sim_broad_update(daft_world *world, float dt)
     size_t count = world->awake.count;
     job j = {world, dt, false};
     if (!daft_sim_groups_join(world) ||
-        !daft_grow(&world->allocator, &world->scratch.left, &world->scratch.left_capacity, count, 0, sizeof *world->scratch.left))
+        !daft_grow(&world->allocator, &world->scratch.left, &world->scratch.left_capacity, count, 0,
+                   sizeof *world->scratch.left))
         return false;
     daft_sim_for(world, count >= PARALLEL_BODIES, (uint32_t)((count + GRAIN - 1) / GRAIN), update_range, &j);
     bool bullets = atomic_load_explicit(&j.bullets, memory_order_relaxed);
@@ -253,7 +254,8 @@ void daft_sim_broad_settle(daft_world *world)
         for (size_t n = 0; n < lists[k]->count; n++) {
             const daft_sim_body *body = &world->bodies[lists[k]->items[n]];
             daft_dvec3 ahead = daft_dscale(daft_to_double(body->linear), AHEAD_TIME);
-            for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) settle_part(world, i, ahead);
+            for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
+                settle_part(world, i, ahead);
         }
     fit_trees(world);
     world->settled_at = world->changes;

@@ -1,6 +1,6 @@
 /* sim/broad: which parts may meet within a step.
- * Promises: all pairs of parts whose bounds over the step overlap, of which one at least moves or was placed since the last
- * step, and no others; which trees and groups they stand in matters for time only.
+ * Promises: all pairs of parts whose bounds over the step overlap, of which one at least moves or was placed since the
+ * last step, and no others; which trees and groups they stand in matters for time only.
  *
  * Public headers: broad.h tree.h */
 #ifndef DAFT_SIM_BROAD_H

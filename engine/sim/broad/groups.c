@@ -1,10 +1,10 @@
-/* Groups of what moves, and near pairs of parts: those whose bounds over the step meet, of which one at least moves or was
- * placed since the last step. Parts are put together by halving them along the widest axis, again and again; those that
- * join later stand at the end, and where too many did, or groups have grown, all are put together anew.
+/* Groups of what moves, and near pairs of parts: those whose bounds over the step meet, of which one at least moves or
+ * was placed since the last step. Parts are put together by halving them along the widest axis, again and again; those
+ * that join later stand at the end, and where too many did, or groups have grown, all are put together anew.
  *
- * Where there are so many that each part has dozens, as of thousands of bodies in one spot, all is searched again: a pair
- * is then found by the smaller of the two, which keeps those of lowest index, and no more than may be its own. What rests
- * is asked for in the trees, by a group's bounds. */
+ * Where there are so many that each part has dozens, as of thousands of bodies in one spot, all is searched again: a
+ * pair is then found by the smaller of the two, which keeps those of lowest index, and no more than may be its own.
+ * What rests is asked for in the trees, by a group's bounds. */
 #include "sim/broad/groups.h"
 #include "sim/broad/broad.h"
 
@@ -86,7 +86,8 @@ void daft_sim_groups_joined(daft_world *world, uint32_t body)
 {
     for (uint32_t p = world->bodies[body].first_part; p != DAFT_SIM_NONE; p = world->parts[p].next) {
         uint32_t slot = world->slots[p];
-        if (slot != DAFT_SIM_NONE) world->groups[slot / DAFT_SIM_GROUP].joined[slot % DAFT_SIM_GROUP] = world->bodies[body].joined;
+        if (slot != DAFT_SIM_NONE)
+            world->groups[slot / DAFT_SIM_GROUP].joined[slot % DAFT_SIM_GROUP] = world->bodies[body].joined;
     }
 }
 
@@ -101,7 +102,10 @@ void daft_sim_group_leave(daft_world *world, uint32_t part)
 
 typedef void part_visit(daft_world *world, uint32_t part, size_t *count);
 
-static void count_new(daft_world *world, uint32_t part, size_t *count) { *count += world->slots[part] == DAFT_SIM_NONE; }
+static void count_new(daft_world *world, uint32_t part, size_t *count)
+{
+    *count += world->slots[part] == DAFT_SIM_NONE;
+}
 
 static void join(daft_world *world, uint32_t part, size_t *count)
 {
@@ -116,7 +120,8 @@ static void for_parts(daft_world *world, part_visit *visit, size_t *count)
     const daft_sim_list *lists[2] = {&world->awake, &world->movers};
     for (int k = 0; k < 2; k++)
         for (size_t i = 0; i < lists[k]->count; i++)
-            for (uint32_t p = world->bodies[lists[k]->items[i]].first_part; p != DAFT_SIM_NONE; p = world->parts[p].next)
+            for (uint32_t p = world->bodies[lists[k]->items[i]].first_part; p != DAFT_SIM_NONE;
+                 p = world->parts[p].next)
                 visit(world, p, count);
     for (size_t i = 0; i < world->moved.count; i++) visit(world, world->moved.items[i], count);
 }
@@ -131,8 +136,10 @@ bool daft_sim_groups_join(daft_world *world)
     for_parts(world, count_new, &more);
     size_t slots = world->slot_count + more, groups = groups_of(slots);
     if (!daft_grow(a, &world->groups, &world->group_capacity, groups, used, sizeof *world->groups) ||
-        !daft_grow(a, &world->group_boxes, &world->group_box_capacity, groups_of(groups), 0, sizeof *world->group_boxes) ||
-        !daft_grow(a, &world->scratch.group_keys, &world->scratch.group_key_capacity, slots, 0, sizeof *world->scratch.group_keys))
+        !daft_grow(a, &world->group_boxes, &world->group_box_capacity, groups_of(groups), 0,
+                   sizeof *world->group_boxes) ||
+        !daft_grow(a, &world->scratch.group_keys, &world->scratch.group_key_capacity, slots, 0,
+                   sizeof *world->scratch.group_keys))
         return false;
     for_parts(world, join, NULL);
     world->newcomers = false;
@@ -201,8 +208,8 @@ static void for_groups(daft_world *world, uint32_t grain, daft_task *task, void 
     daft_sim_for(world, count >= PARALLEL_GROUPS, (count + grain - 1) / grain, task, context);
 }
 
-/* How large groups may become, as a fraction of what they were when they were put together, and how many slots in them may be
- * taken late, or be empty. */
+/* How large groups may become, as a fraction of what they were when they were put together, and how many slots in them
+ * may be taken late, or be empty. */
 #define GROWN 1.25
 #define LATE  4
 
@@ -226,8 +233,8 @@ static double fit_boxes(daft_world *world)
 void daft_sim_groups_fit(daft_world *world)
 {
     if (world->grouped == 0) return;
-    if (LATE * (world->slot_count - world->grouped) > world->slot_count || LATE * world->slots_late > world->slot_count ||
-        world->group_size < 0)
+    if (LATE * (world->slot_count - world->grouped) > world->slot_count ||
+        LATE * world->slots_late > world->slot_count || world->group_size < 0)
         put_together(world);
     for_groups(world, FIT_GRAIN, fit_range, world);
     double size = fit_boxes(world);
@@ -315,7 +322,7 @@ static bool is_pair(const search *s, const daft_sim_group *other, uint32_t row, 
     meet &= senses | (places >= DAFT_SIM_JOINED_PLACES) | !(joined >> (places & (DAFT_SIM_JOINED_PLACES - 1)) & 1);
     meet &= (g->layers[row] & other->mask[lane]) != 0;
     meet &= (other->layers[lane] & g->mask[row]) != 0;
-    meet &= may_meet(g->class[row], other->class[lane]);
+    meet &= may_meet(g->class[row], other -> class[lane]);
     return meet & daft_sim_overlap(&tight[g->part[row]], &tight[other->part[lane]]);
 }
 
@@ -325,7 +332,7 @@ static void take_hits(search *s, const daft_sim_group *other, const uint32_t *cr
     uint32_t batched = s->batched;
     for (uint32_t i = 0; i < count; i++) {
         uint32_t row = crossings[i] / DAFT_SIM_GROUP, lane = crossings[i] % DAFT_SIM_GROUP;
-        s->batch[batched] = key_of(g->part[row], g->class[row], other->part[lane], other->class[lane]);
+        s->batch[batched] = key_of(g->part[row], g->class[row], other -> part[lane], other -> class[lane]);
         batched += is_pair(s, other, row, lane);
     }
     s->batched = batched;
@@ -337,10 +344,10 @@ static void take_hits_by_size(search *s, const daft_sim_group *other, const uint
     for (uint32_t i = 0; i < count; i++) {
         uint32_t row = crossings[i] / DAFT_SIM_GROUP, lane = crossings[i] % DAFT_SIM_GROUP;
         if (!is_pair(s, other, row, lane)) continue;
-        if (g->class[row] & other->class[lane] & DAFT_SIM_YIELDS)
+        if (g->class[row] & other -> class[lane] & DAFT_SIM_YIELDS)
             keep_partner(s, row, other->part[lane]);
         else
-            add_pair(s, g->part[row], g->class[row], other->part[lane], other->class[lane]);
+            add_pair(s, g->part[row], g->class[row], other -> part[lane], other -> class[lane]);
     }
 }
 
@@ -377,9 +384,11 @@ static void search_moving(search *s, uint32_t index)
 {
     const daft_world *world = s->world;
     const daft_sim_group_kernels *kernels = daft_sim_group_kernels_of(world);
-    uint32_t block = s->found->by_size ? 0 : index / DAFT_SIM_GROUP, blocks = (uint32_t)groups_of(groups_of(world->slot_count));
+    uint32_t block = s->found->by_size ? 0 : index / DAFT_SIM_GROUP,
+             blocks = (uint32_t)groups_of(groups_of(world->slot_count));
     for (; block < blocks && atomic_load_explicit(&s->found->count, memory_order_relaxed) <= s->found->most; block++)
-        for (uint32_t near = kernels->meets(&world->group_boxes[block], s->group->low, s->group->high); near; near &= near - 1)
+        for (uint32_t near = kernels->meets(&world->group_boxes[block], s->group->low, s->group->high); near;
+             near &= near - 1)
             search_among(s, index, block * DAFT_SIM_GROUP + (uint32_t)__builtin_ctz(near));
     for (uint32_t row = 0; row < DAFT_SIM_GROUP && s->found->by_size; row++) {
         for (uint32_t i = 0; i < s->partner_counts[row]; i++)
@@ -430,5 +439,6 @@ static bool search_all(daft_world *world, bool by_size, size_t most)
 bool daft_sim_groups_search(daft_world *world)
 {
     size_t most = CROWDED * (size_t)world->grouped;
-    return search_all(world, false, most) && (world->scratch.candidate_count <= most || search_all(world, true, SIZE_MAX));
+    return search_all(world, false, most) &&
+           (world->scratch.candidate_count <= most || search_all(world, true, SIZE_MAX));
 }

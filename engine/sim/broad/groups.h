@@ -15,30 +15,31 @@ typedef struct daft_sim_boxes {
 } daft_sim_boxes;
 
 typedef enum daft_sim_part_class {
-    DAFT_SIM_STANDS = 1,  /* of a static body */
-    DAFT_SIM_YIELDS = 2,  /* of a dynamic one */
-    DAFT_SIM_SENSES = 4   /* a sensor */
+    DAFT_SIM_STANDS = 1, /* of a static body */
+    DAFT_SIM_YIELDS = 2, /* of a dynamic one */
+    DAFT_SIM_SENSES = 4  /* a sensor */
 } daft_sim_part_class;
 
 typedef struct daft_sim_group {
     daft_sim_boxes boxes;
-    float reach[DAFT_SIM_GROUP];    /* what does not yield is larger than all */
-    uint32_t part[DAFT_SIM_GROUP];  /* DAFT_SIM_NONE: none */
+    float reach[DAFT_SIM_GROUP];   /* what does not yield is larger than all */
+    uint32_t part[DAFT_SIM_GROUP]; /* DAFT_SIM_NONE: none */
     uint32_t body[DAFT_SIM_GROUP], layers[DAFT_SIM_GROUP], mask[DAFT_SIM_GROUP], class[DAFT_SIM_GROUP];
     uint64_t joined[DAFT_SIM_GROUP]; /* as of the bodies */
-    float low[3], high[3]; /* around all of them */
-    uint32_t used; /* bits */
+    float low[3], high[3];           /* around all of them */
+    uint32_t used;                   /* bits */
 } daft_sim_group;
 
-/* A part of one group and one of another whose bounds meet: row · DAFT_SIM_GROUP + lane. A kernel writes some more than it
- * finds. */
+/* A part of one group and one of another whose bounds meet: row · DAFT_SIM_GROUP + lane. A kernel writes some more than
+ * it finds. */
 enum { DAFT_SIM_CROSSINGS = DAFT_SIM_GROUP * DAFT_SIM_GROUP + 8 };
 
 typedef struct daft_sim_group_kernels {
     /* Which of the boxes a box meets: bits. */
     uint32_t (*meets)(const daft_sim_boxes *boxes, const float low[3], const float high[3]);
-    /* Parts of a group against those of another one, which may be the same. Each finds all that it meets, in its own group
-     * those in lanes after it; by size: the larger ones, and of its own size those of higher index. Row by row; gives how many. */
+    /* Parts of a group against those of another one, which may be the same. Each finds all that it meets, in its own
+     * group those in lanes after it; by size: the larger ones, and of its own size those of higher index. Row by row;
+     * gives how many. */
     uint32_t (*cross)(const daft_sim_group *group, const daft_sim_group *other, bool by_size,
                       uint32_t out[DAFT_SIM_CROSSINGS]);
 } daft_sim_group_kernels;

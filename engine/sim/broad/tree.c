@@ -164,7 +164,8 @@ void daft_sim_tree_remove(daft_sim_tree *tree, uint32_t leaf)
 
 /* ---- moving ---- */
 
-/* Half the surface of both together, as a fraction of the sum of theirs, up to which they go on standing side by side. */
+/* Half the surface of both together, as a fraction of the sum of theirs, up to which they go on standing side by side.
+ */
 #define FAR_APART 4
 
 bool daft_sim_tree_move(daft_sim_tree *tree, uint32_t leaf, const daft_sim_bounds *bounds)
@@ -256,8 +257,8 @@ static uint32_t lay_out(daft_sim_tree *tree, daft_sim_key *keys, uint32_t count)
 static daft_sim_key key_of(const daft_sim_tree *tree, uint32_t leaf)
 {
     const daft_sim_bounds *b = &tree->nodes[leaf].bounds;
-    return (daft_sim_key){
-        {(float)(b->low.x + b->high.x), (float)(b->low.y + b->high.y), (float)(b->low.z + b->high.z)}, leaf};
+    return (daft_sim_key){{(float)(b->low.x + b->high.x), (float)(b->low.y + b->high.y), (float)(b->low.z + b->high.z)},
+                          leaf};
 }
 
 enum { FEWEST_TO_LAY_OUT = 32, CHANGES = 1 /* of each leaf */ };

@@ -15,8 +15,8 @@ static inline bool daft_sim_overlap(const daft_sim_bounds *a, const daft_sim_bou
            (a->low.z <= b->high.z) & (b->low.z <= a->high.z);
 }
 
-/* A height-balanced tree of bounds; leaves are parts, entered and removed one at a time, moved where they stand, and all
- * laid out anew from time to time. */
+/* A height-balanced tree of bounds; leaves are parts, entered and removed one at a time, moved where they stand, and
+ * all laid out anew from time to time. */
 typedef struct daft_sim_node { /* a cache line */
     _Alignas(64) daft_sim_bounds bounds;
     uint32_t parent; /* the next free node, where this one is free */

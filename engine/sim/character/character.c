@@ -1,5 +1,5 @@
-/* The character: one move is riding on what it stands on, taking up speed, sliding (or a step up), and finding the ground
- * again. */
+/* The character: one move is riding on what it stands on, taking up speed, sliding (or a step up), and finding the
+ * ground again. */
 #include "sim/character/character.h"
 
 #include "math/trig.h"
@@ -52,8 +52,7 @@ bool daft_sim_character_init(daft_sim_character *character, const daft_sim_chara
     if (!check_position(def->position, error) || !check(error, "radius", def->radius, 1e-3f, 1e3f) ||
         !check(error, "height", def->height, 2 * def->radius, 1e4f) ||
         !check(error, "step height", def->step_height, 0, 0.5f * def->height) ||
-        !check(error, "slope", def->max_slope, 0, 1.5f) ||
-        !check(error, "acceleration", def->acceleration, 0, 1e6f) ||
+        !check(error, "slope", def->max_slope, 0, 1.5f) || !check(error, "acceleration", def->acceleration, 0, 1e6f) ||
         !check(error, "acceleration in the air", def->air_acceleration, 0, 1e6f) ||
         !check(error, "gravity scale", def->gravity_scale, 0, 1e3f) || !check(error, "mass", def->mass, 0, 1e9f) ||
         !check(error, "push force", def->push_force, 0, 1e9f))
@@ -143,15 +142,9 @@ static void ride(daft_mover *m, daft_sim_character *c, double dt)
 
 /* ---- speed ---- */
 
-static daft_dvec3 level(daft_dvec3 v)
-{
-    return daft_dv3(v.x, 0, v.z);
-}
+static daft_dvec3 level(daft_dvec3 v) { return daft_dv3(v.x, 0, v.z); }
 
-static double length_of(daft_dvec3 v)
-{
-    return sqrt(daft_ddot(v, v));
-}
+static double length_of(daft_dvec3 v) { return sqrt(daft_ddot(v, v)); }
 
 /* The level part of a velocity comes nearer to `wish` by at most `gain`. */
 static daft_dvec3 take_up(daft_dvec3 velocity, daft_dvec3 wish, double gain)
@@ -250,8 +243,8 @@ static void stand(daft_mover *m, daft_sim_character *c, uint32_t body_index, daf
     c->sliding = false;
     c->ground = body_index + 1;
     c->ground_normal = daft_to_float(normal);
-    c->ground_velocity = daft_to_float(
-        daft_dadd(daft_to_double(body->linear), daft_dcross(daft_to_double(body->angular), arm)));
+    c->ground_velocity =
+        daft_to_float(daft_dadd(daft_to_double(body->linear), daft_dcross(daft_to_double(body->angular), arm)));
     c->ground_local = daft_rigid_to_local(&body->frame, m->position);
     c->ground_position = body->position;
     c->ground_rotation = body->rotation;
@@ -379,8 +372,7 @@ static daft_dvec3 fly(daft_mover *m, daft_dvec3 velocity, double dt)
 static void end(daft_mover *m, daft_sim_character *c, daft_dvec3 velocity)
 {
     c->crushed = false;
-    for (uint32_t i = 0; i < m->count; i++)
-        c->crushed |= m->planes[i].separation < -CRUSHED * (double)c->def.radius;
+    for (uint32_t i = 0; i < m->count; i++) c->crushed |= m->planes[i].separation < -CRUSHED * (double)c->def.radius;
     c->position = m->position;
     c->velocity = daft_sim_clamp(daft_to_float(velocity), DAFT_SIM_MAX_SPEED);
 }

@@ -41,9 +41,9 @@ typedef struct daft_sim_character {
     bool crushed;       /* is held between things that leave it too little room */
     uint32_t ground;    /* the body it stands on; 0: none */
     daft_vec3 ground_normal;
-    daft_vec3 ground_velocity; /* of what it stands on, where it stands */
-    float turn;                /* radians about Y by which what it stands on turned in the last move */
-    daft_dvec3 ground_local;   /* its position seen from that body, */
+    daft_vec3 ground_velocity;  /* of what it stands on, where it stands */
+    float turn;                 /* radians about Y by which what it stands on turned in the last move */
+    daft_dvec3 ground_local;    /* its position seen from that body, */
     daft_dvec3 ground_position; /* which was here, */
     daft_quat ground_rotation;  /* turned so */
 } daft_sim_character;

@@ -11,19 +11,16 @@ enum { SLIDES = 8, PASSES = 32, EXACT_LIMITS = 10, MANIFOLDS = 24 };
 
 /* Casts end this near to the gap, as a fraction of it. */
 #define TOLERANCE 0.02
-/* What is nearer than the gap at the start of a cast cannot stop it. So one with a much smaller gap, this fraction of it,
- * follows, and where even that does not do, one by a capsule that is so much thinner that nothing is too near, by these
- * shares of that gap (more than the tolerance, lest what is beside it counts as met); but no thinner than the last share
- * of the radius. */
+/* What is nearer than the gap at the start of a cast cannot stop it. So one with a much smaller gap, this fraction of
+ * it, follows, and where even that does not do, one by a capsule that is so much thinner that nothing is too near, by
+ * these shares of that gap (more than the tolerance, lest what is beside it counts as met); but no thinner than the
+ * last share of the radius. */
 #define SECOND  0.25
 #define NEAR    1.03
 #define THINNER 1.05
 #define NEEDLE  0.02
 
-bool daft_mover_walkable(const daft_mover *m, daft_dvec3 normal)
-{
-    return normal.y >= m->max_slope;
-}
+bool daft_mover_walkable(const daft_mover *m, daft_dvec3 normal) { return normal.y >= m->max_slope; }
 
 static daft_rigid capsule_frame(const daft_mover *m)
 {
@@ -47,8 +44,7 @@ static void keep_plane(daft_mover *m, const daft_mover_plane *plane)
         for (uint32_t i = 1; i < m->count; i++)
             if (m->planes[i].separation >= m->planes[least].separation) least = i;
         const daft_mover_plane *out = &m->planes[least];
-        if (plane->separation > out->separation ||
-            (plane->separation >= out->separation && !is_before(plane, out)))
+        if (plane->separation > out->separation || (plane->separation >= out->separation && !is_before(plane, out)))
             return;
         m->count--;
         for (uint32_t i = least; i < m->count; i++) m->planes[i] = m->planes[i + 1];
@@ -83,7 +79,8 @@ static void visit_planes(void *context, uint32_t index)
         daft_dvec3 n = daft_to_double(daft_neg(from->normal));
         double length = sqrt(daft_ddot(n, n));
         if (!(length > 0.5)) continue;
-        if (from->points[deepest].separation < -m->capsule.radius && is_sheet(&part->shape, from->part_b.child)) continue;
+        if (from->points[deepest].separation < -m->capsule.radius && is_sheet(&part->shape, from->part_b.child))
+            continue;
         daft_mover_plane plane = {.normal = daft_dscale(n, 1 / length),
                                   .separation = (double)from->points[deepest].separation,
                                   .point = daft_to_double(from->points[deepest].point),

@@ -14,9 +14,9 @@
 enum { DAFT_MOVER_PLANES = 32, DAFT_MOVER_MET = 4 };
 
 typedef struct daft_mover_plane {
-    daft_dvec3 normal;  /* towards the capsule */
-    double separation;  /* metres; negative: overlap */
-    daft_dvec3 point;   /* relative to the capsule's centre */
+    daft_dvec3 normal;     /* towards the capsule */
+    double separation;     /* metres; negative: overlap */
+    daft_dvec3 point;      /* relative to the capsule's centre */
     uint32_t part, number; /* what it is of: the order of planes */
 } daft_mover_plane;
 
@@ -25,13 +25,13 @@ typedef struct daft_mover {
     daft_sim_filter filter;
     daft_sim_shape capsule;
     double skin;
-    double max_slope;  /* cosine */
-    bool walking;      /* what is too steep to walk on is a wall */
-    uint32_t skip;     /* one more body to pass through; 0: none */
+    double max_slope; /* cosine */
+    bool walking;     /* what is too steep to walk on is a wall */
+    uint32_t skip;    /* one more body to pass through; 0: none */
     daft_dvec3 position;
     bool collected;
     daft_dvec3 collected_at;
-    uint32_t count;    /* of planes at that position */
+    uint32_t count;                             /* of planes at that position */
     daft_mover_plane planes[DAFT_MOVER_PLANES]; /* the deepest, in their order */
     /* What casts met last: a plane, too, near where that was. */
     daft_mover_plane met[DAFT_MOVER_MET];
@@ -41,8 +41,8 @@ typedef struct daft_mover {
 
 /* The planes within two skins of the position, unless they are known. */
 void daft_mover_collect(daft_mover *m);
-/* The fraction of the motion it can go until it is `gap` metres from something. *hit, if not NULL: the plane of that, as
- * seen from there, where the fraction is below 1. */
+/* The fraction of the motion it can go until it is `gap` metres from something. *hit, if not NULL: the plane of that,
+ * as seen from there, where the fraction is below 1. */
 double daft_mover_cast(daft_mover *m, daft_dvec3 motion, double gap, daft_mover_plane *hit);
 /* Goes as near to position + motion as it can, sliding along what it meets, and out of what it overlaps. */
 void daft_mover_slide(daft_mover *m, daft_dvec3 motion);

@@ -1,24 +1,26 @@
-/* Cylinders. A cylinder is a hull, a prism of CYLINDER_SIDES sides, and collides as what it looks like from where it is met:
- *   side   its side faces the other shape: a capsule of its radius and length, whose manifold is the cylinder's wherever the normal
- *          is square to the axis. So it rolls as a round thing does;
- *   rim    the prism, turned about its axis so that an edge of it points to the other shape: the rim's point is where it is on a
- *          cylinder, and stays under it while it rolls;
- *   cap    the prism as it is.
- * Which of these is told by the closest points of a core within it, a segment on its axis, and the other shape. */
+/* Cylinders. A cylinder is a hull, a prism of CYLINDER_SIDES sides, and collides as what it looks like from where it is
+ * met: side   its side faces the other shape: a capsule of its radius and length, whose manifold is the cylinder's
+ * wherever the normal is square to the axis. So it rolls as a round thing does; rim    the prism, turned about its axis
+ * so that an edge of it points to the other shape: the rim's point is where it is on a cylinder, and stays under it
+ * while it rolls; cap    the prism as it is. Which of these is told by the closest points of a core within it, a
+ * segment on its axis, and the other shape. */
 #include "sim/collide/manifold_parts.h"
 
 #include <math.h>
 
 enum { CYLINDER_SIDES = DAFT_HULL_MAX_VERTICES / 2 };
 
-/* Sines of angles between the axis, or the plane square to it, and the way to the other shape: what is nearer counts as square. */
+/* Sines of angles between the axis, or the plane square to it, and the way to the other shape: what is nearer counts as
+ * square. */
 #define SQUARE   0.02
 #define SIDEWAYS 0.1f /* of normals: a capsule's are the cylinder's */
 #define FLAT     0.9f /* of normals: the cap is met, not the rim */
-#define ON_RIM   0.05f /* fraction of the radius: points of the rim that is met are no farther beside the edge that points there */
+#define ON_RIM                                                                                                         \
+    0.05f /* fraction of the radius: points of the rim that is met are no farther beside the edge that points there */
 #define SHORT_BY 0.005f /* fraction of the radius: so much the prism's sides are within the cylinder, and more */
 
-daft_hull *daft_hull_create_cylinder(const daft_allocator *allocator, float radius, float half_height, daft_error *error)
+daft_hull *daft_hull_create_cylinder(const daft_allocator *allocator, float radius, float half_height,
+                                     daft_error *error)
 {
     daft_sim_shape check;
     daft_vec3 p[2 * CYLINDER_SIDES];
@@ -62,10 +64,7 @@ static stance stance_of(const daft_sim_shape *s, daft_dvec3 towards)
     return out;
 }
 
-static daft_rigid turn_of(const stance *s)
-{
-    return (daft_rigid){.m = {s->c, 0, s->s, 0, 1, 0, -s->s, 0, s->c}};
-}
+static daft_rigid turn_of(const stance *s) { return (daft_rigid){.m = {s->c, 0, s->s, 0, 1, 0, -s->s, 0, s->c}}; }
 
 static daft_sim_shape round_side(const daft_sim_shape *s)
 {
@@ -80,7 +79,8 @@ static daft_relpose turned_pose(const daft_relpose *pose, const daft_rigid *turn
     daft_rigid from_a = daft_rigid_inverse(turn_a);
     both = daft_rigid_mul(&from_a, &r);
     both = daft_rigid_mul(&both, turn_b);
-    daft_relpose out = {.p = daft_rigid_to_local_vector(turn_a, pose->p), .q = daft_rigid_to_local_vector(turn_b, pose->q)};
+    daft_relpose out = {.p = daft_rigid_to_local_vector(turn_a, pose->p),
+                        .q = daft_rigid_to_local_vector(turn_b, pose->q)};
     for (int i = 0; i < 9; i++) out.r[i] = (float)both.m[i];
     return out;
 }
@@ -97,7 +97,8 @@ static bool is_sideways(const daft_manifold *m, const daft_relpose *pose, bool s
 static void keep_rim(daft_manifold *m, const daft_relpose *pose, bool of_b, float radius)
 {
     const float *r = pose->r;
-    daft_vec3 axis = of_b ? daft_v3(r[1], r[4], r[7]) : daft_v3(0, 1, 0), beside = of_b ? daft_v3(r[2], r[5], r[8]) : daft_v3(0, 0, 1);
+    daft_vec3 axis = of_b ? daft_v3(r[1], r[4], r[7]) : daft_v3(0, 1, 0),
+              beside = of_b ? daft_v3(r[2], r[5], r[8]) : daft_v3(0, 0, 1);
     float middle = of_b ? daft_dot(daft_to_float(pose->p), beside) : 0;
     uint32_t kept = 0;
     if (fabsf(daft_dot(m->normal, axis)) > FLAT) return;

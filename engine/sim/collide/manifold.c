@@ -25,10 +25,7 @@ static daft_rigid rigid_of(const float r[9], daft_dvec3 p)
 
 /* ---- pairs ---- */
 
-static bool is_solid(const daft_sim_shape *s)
-{
-    return s->type == DAFT_GEOMETRY_BOX || s->type == DAFT_GEOMETRY_HULL;
-}
+static bool is_solid(const daft_sim_shape *s) { return s->type == DAFT_GEOMETRY_BOX || s->type == DAFT_GEOMETRY_HULL; }
 
 static uint32_t collide_convex(const daft_sim_shape *a, const daft_sim_shape *b, const daft_relpose *pose, float margin,
                                daft_manifold *out, daft_pair_cache *cache)

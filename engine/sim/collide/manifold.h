@@ -55,7 +55,7 @@ typedef struct daft_manifold {
 typedef struct daft_pair_cache {
     uint8_t kind; /* 0: nothing; else which sort of axis */
     uint8_t unused;
-    uint16_t a, b; /* features */
+    uint16_t a, b;   /* features */
     float clearance; /* how far apart they are at least, if that was found; else 0 */
 } daft_pair_cache;
 

@@ -88,10 +88,7 @@ typedef struct axes {
     v4 row[3], abs_row[3], abs_column[3];
 } axes;
 
-static v4 three(const float v[3])
-{
-    return (v4){v[0], v[1], v[2], 0};
-}
+static v4 three(const float v[3]) { return (v4){v[0], v[1], v[2], 0}; }
 
 static void axes_set(const pair *s, axes *x)
 {
@@ -199,8 +196,7 @@ static void put_edges(const outline *o, const float limit[2], overlap *p)
     float corner[4][3];
     bool inside[4];
     for (int i = 0; i < 4; i++) {
-        for (int n = 0; n < 3; n++)
-            corner[i][n] = (o->base[n] + around[i][0] * o->a[n]) + around[i][1] * o->b[n];
+        for (int n = 0; n < 3; n++) corner[i][n] = (o->base[n] + around[i][0] * o->a[n]) + around[i][1] * o->b[n];
         inside[i] = fabsf(corner[i][0]) <= limit[0] && fabsf(corner[i][1]) <= limit[1];
         put(p, i, corner[i][0], corner[i][1], corner[i][2], inside[i]);
     }
@@ -294,7 +290,8 @@ static void put_farthest(const reference *f, overlap *p, uint32_t *corner)
         for (int k = 0; k < 3; k++) x[k] += (low ? -f->other[j] : f->other[j]) * f->m[k][j];
         *corner |= (uint32_t)low << j;
     }
-    put(p, DAFT_BOX_FARTHEST, x[(f->axis + 1) % 3], x[(f->axis + 2) % 3], f->sign * x[f->axis] - f->half[f->axis], true);
+    put(p, DAFT_BOX_FARTHEST, x[(f->axis + 1) % 3], x[(f->axis + 2) % 3], f->sign * x[f->axis] - f->half[f->axis],
+        true);
 }
 
 static void reference_set(const pair *s, bool of_b, int axis, reference *f)
@@ -345,9 +342,7 @@ static uint32_t face_contact(const pair *s, bool of_b, int axis, float separatio
         out->points[out->count++] = (daft_manifold_point){out_of(s, of_b, x), p.w[i], features | id};
     }
     bool flat = fabsf(f.m[axis][j]) > 0.9995f;
-    daft_feature_kind other = flat              ? DAFT_FEATURE_FACE
-                              : out->count == 1 ? DAFT_FEATURE_VERTEX
-                                                : DAFT_FEATURE_EDGE;
+    daft_feature_kind other = flat ? DAFT_FEATURE_FACE : out->count == 1 ? DAFT_FEATURE_VERTEX : DAFT_FEATURE_EDGE;
     out->feature_a = of_b ? other : DAFT_FEATURE_FACE;
     out->feature_b = of_b ? DAFT_FEATURE_FACE : other;
     out->normal = of_b ? column(s, axis, -f.sign) : unit_axis(axis, f.sign);
@@ -357,10 +352,7 @@ static uint32_t face_contact(const pair *s, bool of_b, int axis, float separatio
 
 /* ---- two edges ---- */
 
-static float clampf(float x, float limit)
-{
-    return x > limit ? limit : x < -limit ? -limit : x;
-}
+static float clampf(float x, float limit) { return x > limit ? limit : x < -limit ? -limit : x; }
 
 static uint32_t edge_contact(const pair *s, int i, int j, float separation, daft_manifold *out)
 {

@@ -1,5 +1,5 @@
-/* Box against box: what the one-at-a-time code (manifold_box.c) and the one in lanes (manifold_box_kernel.c) share. Both
- * do the same in the same order, so they give the same bits. */
+/* Box against box: what the one-at-a-time code (manifold_box.c) and the one in lanes (manifold_box_kernel.c) share.
+ * Both do the same in the same order, so they give the same bits. */
 #ifndef DAFT_SIM_MANIFOLD_BOX_H
 #define DAFT_SIM_MANIFOLD_BOX_H
 
@@ -8,7 +8,8 @@
 
 /* A box over this many times as large as the other is cut down, to this many times. */
 #define DAFT_BOX_LARGE 4.0f
-/* Axes within this fraction of the smaller box's size count as equally good: the first kind, or the cached one, wins. */
+/* Axes within this fraction of the smaller box's size count as equally good: the first kind, or the cached one, wins.
+ */
 #define DAFT_BOX_EVEN 1e-3f
 /* The reference face reaches this fraction of its width farther when it clips: of boxes of one size that stand on each
  * other the corners are points, whatever the last bits say. */
@@ -17,16 +18,16 @@
 #define DAFT_BOX_PARALLEL 1e-5f
 /* An edge that changes by no more along a direction, in metres, does not meet the sides across it. */
 #define DAFT_BOX_FLAT 1e-30f
-/* A corner of the reference this fraction of the incident face outside of it is taken for within: rather one point twice
- * than none. */
+/* A corner of the reference this fraction of the incident face outside of it is taken for within: rather one point
+ * twice than none. */
 #define DAFT_BOX_SEAM 1e-5f
 /* Any direction in which corners of boxes differ. */
 #define DAFT_BOX_SLANT 0.37f
 
 /* Where two faces of boxes overlap, a parallelogram (the incident one) over a rectangle, the corners of what they share
  * are among these: its corners 0 to 3, the places where its edges come in and go out of the rectangle, and the
- * rectangle's corners. Deep in each other the faces may miss each other: the corner that is farthest in, then. A point's
- * number is the lowest part of its id. */
+ * rectangle's corners. Deep in each other the faces may miss each other: the corner that is farthest in, then. A
+ * point's number is the lowest part of its id. */
 enum { DAFT_BOX_ENTER = 4, DAFT_BOX_LEAVE = 8, DAFT_BOX_UNDER = 12, DAFT_BOX_FARTHEST = 16 };
 
 static inline float daft_box_largest(const float *h)

@@ -10,7 +10,7 @@ typedef struct pair {
     vf shift[3];     /* of a's centre, by cutting down */
     vf margin;
     vm large_b; /* it was cut down */
-    vm apart; /* faces are clear of the other's ball by more than the margin: by */
+    vm apart;   /* faces are clear of the other's ball by more than the margin: by */
     vf gap;
 } pair;
 
@@ -23,10 +23,7 @@ typedef struct half_pair {
     vd r[9], p[3], q[3], ha[3], hb[3], ball_a, ball_b, gap, beyond;
 } half_pair;
 
-DAFT_INLINE vd length_of(const vd h[3])
-{
-    return vd_sqrt((h[0] * h[0] + h[1] * h[1]) + h[2] * h[2]);
-}
+DAFT_INLINE vd length_of(const vd h[3]) { return vd_sqrt((h[0] * h[0] + h[1] * h[1]) + h[2] * h[2]); }
 
 DAFT_INLINE vd clearance(const vd p[3], const vd h[3], vd ball)
 {
@@ -49,7 +46,8 @@ DAFT_INLINE half_pair relate(const daft_box_batch *batch, const pair *s, int lan
     for (int k = 0; k < 3; k++) out.p[k] = (m[k] * d[0] + m[3 + k] * d[1]) + m[6 + k] * d[2];
     for (int k = 0; k < 3; k++) d[k] = a[k] - b[k];
     for (int k = 0; k < 3; k++) out.q[k] = (n[k] * d[0] + n[3 + k] * d[1]) + n[6 + k] * d[2];
-    for (int k = 0; k < 3; k++) out.ha[k] = vd_promote_half(s->ha[k], half), out.hb[k] = vd_promote_half(s->hb[k], half);
+    for (int k = 0; k < 3; k++)
+        out.ha[k] = vd_promote_half(s->ha[k], half), out.hb[k] = vd_promote_half(s->hb[k], half);
     out.ball_a = length_of(out.ha), out.ball_b = length_of(out.hb);
     vd gap_b = clearance(out.q, out.hb, out.ball_a), gap_a = clearance(out.p, out.ha, out.ball_b);
     out.gap = vd_max(gap_a, gap_b);
@@ -58,7 +56,6 @@ DAFT_INLINE half_pair relate(const daft_box_batch *batch, const pair *s, int lan
 }
 
 /* ---- cut down, in double ---- */
-
 
 /* Farther than `depth` from all faces. */
 DAFT_INLINE vl deep(const vd p[3], const vd h[3], vd depth)
@@ -100,7 +97,8 @@ DAFT_INLINE void cut_half(half_pair *p, const pair *s, cut *c, int half)
         from_q[k] = -((r[k][0] * p->q[0] + r[k][1] * p->q[1]) + r[k][2] * p->q[2]);
         from_p[k] = -((r[0][k] * p->p[0] + r[1][k] * p->p[1]) + r[2][k] * p->p[2]);
     }
-    for (int k = 0; k < 3; k++) p->p[k] = vd_if_then_else(b, from_q[k], p->p[k]), p->q[k] = vd_if_then_else(a, from_p[k], p->q[k]);
+    for (int k = 0; k < 3; k++)
+        p->p[k] = vd_if_then_else(b, from_q[k], p->p[k]), p->q[k] = vd_if_then_else(a, from_p[k], p->q[k]);
     c->b[half] = vd_if_then_else(b, zero + 1, zero);
 }
 
@@ -157,8 +155,10 @@ DAFT_INLINE best_axis faces_a(const pair *s, const vf m[3][3])
     for (int i = 0; i < 3; i++) {
         vf reach = dot3(m[i][0], s->hb[0], m[i][1], s->hb[1], m[i][2], s->hb[2]);
         vf separation = (vf_abs(s->p[i]) - s->ha[i]) - reach;
-        if (i == 0) best = (best_axis){separation, vi_set(0)};
-        else try_axis(&best, separation, i);
+        if (i == 0)
+            best = (best_axis){separation, vi_set(0)};
+        else
+            try_axis(&best, separation, i);
     }
     return best;
 }
@@ -169,8 +169,10 @@ DAFT_INLINE best_axis faces_b(const pair *s, const vf m[3][3])
     for (int j = 0; j < 3; j++) {
         vf reach = dot3(m[0][j], s->ha[0], m[1][j], s->ha[1], m[2][j], s->ha[2]);
         vf separation = (vf_abs(s->q[j]) - s->hb[j]) - reach;
-        if (j == 0) best = (best_axis){separation, vi_set(0)};
-        else try_axis(&best, separation, j);
+        if (j == 0)
+            best = (best_axis){separation, vi_set(0)};
+        else
+            try_axis(&best, separation, j);
     }
     return best;
 }
@@ -230,7 +232,7 @@ DAFT_INLINE choice find_axis(const pair *s, vi before)
     vm by_a = vf_lt(s->margin, a.separation), by_b = vf_lt(s->margin, b.separation);
     vm by_e = vf_lt(s->margin, e.separation), over = vm_or(vm_or(by_a, by_b), by_e);
     vi axis = vi_if_then_else(by_a, vi_set(DAFT_AXIS_FACE_A),
-                        vi_if_then_else(by_b, vi_set(DAFT_AXIS_FACE_B), vi_set(DAFT_AXIS_EDGES)));
+                              vi_if_then_else(by_b, vi_set(DAFT_AXIS_FACE_B), vi_set(DAFT_AXIS_EDGES)));
     kind = vi_if_then_else(over, axis, kind);
     vm is_b = vi_eq(kind, vi_set(DAFT_AXIS_FACE_B)), is_e = vi_eq(kind, vi_set(DAFT_AXIS_EDGES));
     best_axis best = {vf_if_then_else(is_e, e.separation, vf_if_then_else(is_b, b.separation, a.separation)),
@@ -414,7 +416,8 @@ DAFT_INLINE rim rim_point(const overlap *p, vf even)
         vm deep = vm_and(p->there[i], vf_le(vf_load(p->w[i]), deepest + even));
         vm better = vm_and(deep, vf_lt(most, along));
         most = vf_if_then_else(better, along, most);
-        out = (rim){vi_if_then_else(better, bit(i), out.first), vf_if_then_else(better, u, out.u), vf_if_then_else(better, v, out.v)};
+        out = (rim){vi_if_then_else(better, bit(i), out.first), vf_if_then_else(better, u, out.u),
+                    vf_if_then_else(better, v, out.v)};
     }
     return out;
 }
@@ -427,8 +430,9 @@ DAFT_INLINE vi reduce(const overlap *p, vf even)
         vf u = vf_load(p->u[i]) - first.u, v = vf_load(p->v[i]) - first.v, square = u * u + v * v;
         vm better = vm_and(p->there[i], vf_lt(farthest, square));
         farthest = vf_if_then_else(better, square, farthest);
-        second = (rim){vi_if_then_else(better, bit(i), second.first), vf_if_then_else(better, vf_load(p->u[i]), second.u),
-                       vf_if_then_else(better, vf_load(p->v[i]), second.v)};
+        second =
+            (rim){vi_if_then_else(better, bit(i), second.first), vf_if_then_else(better, vf_load(p->u[i]), second.u),
+                  vf_if_then_else(better, vf_load(p->v[i]), second.v)};
     }
     vf along_u = second.u - first.u, along_v = second.v - first.v;
     vi left = vi_set(0), right = vi_set(0);
@@ -502,7 +506,8 @@ DAFT_INLINE void put_points(const pair *s, const reference *f, const overlap *p,
         vm there = vi_lt(none, low);
         vi i = vi_if_then_else(there, number_of(low), none), from = i * vi_set(DAFT_VL) + vi_iota();
         vf w = vf_gather_index(p->w[0], from);
-        vf x[3] = {f->sign * (f->half[0] + vf_set(0.5f) * w), vf_gather_index(p->u[0], from), vf_gather_index(p->v[0], from)};
+        vf x[3] = {f->sign * (f->half[0] + vf_set(0.5f) * w), vf_gather_index(p->u[0], from),
+                   vf_gather_index(p->v[0], from)};
         out_of(s, f, x, out->point[k]);
         out->separation[k] = w;
         out->id[k] = features | i | vi_if_then_else(vi_eq(i, vi_set(DAFT_BOX_FARTHEST)), corner, none);
@@ -561,10 +566,7 @@ DAFT_INLINE void set_edge_normal(const pair *s, edge_pair *e)
     for (int k = 0; k < 3; k++) e->n[k] = vf_if_then_else(back, -n[k], n[k]);
 }
 
-DAFT_INLINE vm is_axis(turn t, int k)
-{
-    return k == 2 ? t.two : k == 1 ? t.one : vm_not(vm_or(t.one, t.two));
-}
+DAFT_INLINE vm is_axis(turn t, int k) { return k == 2 ? t.two : k == 1 ? t.one : vm_not(vm_or(t.one, t.two)); }
 
 /* Middles of the two edges. */
 DAFT_INLINE void set_edge_places(const pair *s, edge_pair *e)
@@ -634,8 +636,7 @@ DAFT_INLINE void store_manifold(daft_box_batch *batch, int lane, manifold *m, in
     for (int k = 0; k < 3; k++) vf_store(batch->normal[k] + lane, m->normal[k] * scale);
     for (int i = 0; i < points; i++) {
         to_world(batch, lane, m->point[i]);
-        for (int k = 0; k < 3; k++)
-            vf_store(batch->point[i][k] + lane, at(batch->origin[k], lane) + m->point[i][k]);
+        for (int k = 0; k < 3; k++) vf_store(batch->point[i][k] + lane, at(batch->origin[k], lane) + m->point[i][k]);
         vf_store(batch->separation[i] + lane, m->separation[i]);
         vi_store(batch->id[i] + lane, m->id[i]);
     }
@@ -654,8 +655,10 @@ static void collide_lanes(daft_box_batch *batch, int lane, vbits used)
     vm crossed = vi_eq(c.kind, vi_set(DAFT_AXIS_EDGES));
     if (!meet) return;
     bool some_faces = meet & ~vbits_from_mask(crossed), some_edges = meet & vbits_from_mask(crossed);
-    if (some_faces) face_contact(&s, &c, &m);
-    else memset(&m, 0, sizeof m);
+    if (some_faces)
+        face_contact(&s, &c, &m);
+    else
+        memset(&m, 0, sizeof m);
     if (some_edges) edge_contact(&s, &c, crossed, &m);
     vi_store(batch->count + lane, vi_if_then_else(c.meet, m.count, vi_set(0)));
     store_manifold(batch, lane, &m, some_faces ? DAFT_MANIFOLD_POINTS : 1);

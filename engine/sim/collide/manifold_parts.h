@@ -18,9 +18,9 @@ enum { DAFT_CLIP_MAX = 136 }; /* a face of 64 corners clipped by another */
  * count. */
 uint32_t daft_clip(const daft_clip_point *in, uint32_t count, float a, float b, float c, uint32_t edge,
                    daft_clip_point *out);
-/* Where two edges overlap by no more than this fraction less than a face does, the face's axis is the one: edges hold by
- * a single point, round which what lies on it turns farther in, and of solids deep in each other the best pair of edges
- * is another one in every step. (ODE asks for 5 %.) */
+/* Where two edges overlap by no more than this fraction less than a face does, the face's axis is the one: edges hold
+ * by a single point, round which what lies on it turns farther in, and of solids deep in each other the best pair of
+ * edges is another one in every step. (ODE asks for 5 %.) */
 #define DAFT_EDGE_FRACTION 0.1f
 static inline float daft_edges_beyond(float face) { return face < 0 ? (1 - DAFT_EDGE_FRACTION) * face : face; }
 
@@ -37,8 +37,8 @@ uint32_t daft_collide_boxes(daft_vec3 half_a, daft_vec3 half_b, const daft_relpo
 
 uint32_t daft_collide_rounds(const daft_sim_shape *a, const daft_sim_shape *b, const daft_relpose *pose, float margin,
                              daft_manifold *out, daft_pair_cache *cache);
-/* box_first: the box is a, the round one b. False where the closest points do not decide: the core is in the box. Then nothing
- * is set. */
+/* box_first: the box is a, the round one b. False where the closest points do not decide: the core is in the box. Then
+ * nothing is set. */
 bool daft_collide_round_box(const daft_sim_shape *round, const daft_sim_shape *box, const daft_relpose *pose,
                             bool box_first, float margin, daft_manifold *out, daft_pair_cache *cache, uint32_t *count);
 

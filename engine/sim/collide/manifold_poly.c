@@ -1,8 +1,8 @@
 /* Manifolds of convex cores along an axis, and of all convex pairs that have no code of their own. */
 #include "sim/collide/manifold_parts.h"
 
-/* The reference face reaches this fraction of the smaller core's size farther when it clips; points within this fraction of
- * it count as equally deep. */
+/* The reference face reaches this fraction of the smaller core's size farther when it clips; points within this
+ * fraction of it count as equally deep. */
 #define OVERHANG 1e-3f
 /* Sides of a face whose outward normals' cosine is less meet in a corner of under 41 degrees. */
 #define ACUTE -0.75f
@@ -224,10 +224,7 @@ static uint32_t one_point(const daft_poly *b, daft_vec3 n, daft_vec3 point, floa
     return 1;
 }
 
-static daft_vec3 between(daft_vec3 p, daft_vec3 q, float t)
-{
-    return daft_add(p, daft_scale(daft_sub(q, p), t));
-}
+static daft_vec3 between(daft_vec3 p, daft_vec3 q, float t) { return daft_add(p, daft_scale(daft_sub(q, p), t)); }
 
 static uint32_t along_edges(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin,
                             daft_manifold *out)
@@ -343,10 +340,7 @@ static uint32_t round_outside(const daft_poly *round, const daft_poly *other, cl
                      is_b ? theirs : mine, out);
 }
 
-static bool is_round(const daft_poly *p)
-{
-    return p->core == DAFT_CORE_POINT || p->core == DAFT_CORE_SEGMENT;
-}
+static bool is_round(const daft_poly *p) { return p->core == DAFT_CORE_POINT || p->core == DAFT_CORE_SEGMENT; }
 
 static bool is_apart(const daft_poly *a, const daft_poly *b, float reach)
 {
@@ -390,8 +384,8 @@ bool daft_axis_find(const daft_poly *a, const daft_poly *b, float margin, uint32
     *out = daft_sat(a, b, enough, sides, cache);
     float apart = out->separation - (a->radius + b->radius);
     if (cache)
-        *cache = (daft_pair_cache){.kind = (uint8_t)out->kind, .a = (uint16_t)out->a, .b = (uint16_t)out->b,
-                                   .clearance = fmaxf(apart, 0)};
+        *cache = (daft_pair_cache){
+            .kind = (uint8_t)out->kind, .a = (uint16_t)out->a, .b = (uint16_t)out->b, .clearance = fmaxf(apart, 0)};
     return !(out->separation > enough);
 }
 

@@ -1,6 +1,6 @@
-/* Spheres and capsules: against each other and against boxes, by the closest points of their cores. What they share with
- * other convex pairs, and boxes whose inside a core reaches, are left to manifold_poly.c, which gives points the same
- * numbers. */
+/* Spheres and capsules: against each other and against boxes, by the closest points of their cores. What they share
+ * with other convex pairs, and boxes whose inside a core reaches, are left to manifold_poly.c, which gives points the
+ * same numbers. */
 #include "sim/collide/manifold_round.h"
 
 /* A core: centre, and half of the segment, 0 for spheres; a's frame. */
@@ -48,7 +48,8 @@ static uint32_t side_by_side(const core *a, const core *b, daft_vec3 n, float ma
 {
     float square = daft_dot(a->half, a->half), along = daft_dot(a->half, b->half);
     daft_vec3 turn = daft_cross(a->half, b->half);
-    if (daft_dot(turn, turn) > DAFT_ROUND_PARALLEL * DAFT_ROUND_PARALLEL * square * daft_dot(b->half, b->half)) return 0;
+    if (daft_dot(turn, turn) > DAFT_ROUND_PARALLEL * DAFT_ROUND_PARALLEL * square * daft_dot(b->half, b->half))
+        return 0;
     float middle = daft_dot(daft_sub(b->centre, a->centre), a->half) / square, slope = along / square;
     float low = fmaxf(-1, middle - fabsf(slope)), high = fminf(1, middle + fabsf(slope));
     if (!(high - low > DAFT_ROUND_SHARED * fminf(1, fabsf(slope)))) return 0;
@@ -91,13 +92,14 @@ uint32_t daft_collide_rounds(const daft_sim_shape *shape_a, const daft_sim_shape
 
 /* ---- against boxes ---- */
 
-/* A core along each axis of a box: how far its centre is beyond the high and the low face, in float where they are near;
- * and its half segment. */
+/* A core along each axis of a box: how far its centre is beyond the high and the low face, in float where they are
+ * near; and its half segment. */
 typedef struct beside {
     float high[3], low[3], d[3];
 } beside;
 
-static beside beside_box(const daft_sim_shape *round, const daft_sim_shape *box, const daft_relpose *pose, bool box_first)
+static beside beside_box(const daft_sim_shape *round, const daft_sim_shape *box, const daft_relpose *pose,
+                         bool box_first)
 {
     const double *centre = box_first ? &pose->p.x : &pose->q.x;
     const float h[3] = {box->half.x, box->half.y, box->half.z}, *r = pose->r;
@@ -222,9 +224,9 @@ static void beside_edge(const meeting *m, const daft_relpose *pose, daft_manifol
     daft_feature_kind mine = inside ? DAFT_FEATURE_EDGE : DAFT_FEATURE_VERTEX;
     daft_feature_kind theirs = m->outside == 3 ? DAFT_FEATURE_VERTEX : DAFT_FEATURE_EDGE;
     out->count = 1;
-    out->points[0] = (daft_manifold_point){
-        daft_sub(on_core(&m->c, m->t), daft_scale(away, 0.5f * (m->distance + m->c.radius))),
-        m->distance - m->c.radius, 5u << 28 | (uint32_t)inside};
+    out->points[0] =
+        (daft_manifold_point){daft_sub(on_core(&m->c, m->t), daft_scale(away, 0.5f * (m->distance + m->c.radius))),
+                              m->distance - m->c.radius, 5u << 28 | (uint32_t)inside};
     out->feature_a = m->box_first ? theirs : mine;
     out->feature_b = m->box_first ? mine : theirs;
     out->normal = m->box_first ? away : daft_neg(away);
@@ -264,8 +266,10 @@ bool daft_collide_round_box(const daft_sim_shape *round, const daft_sim_shape *b
     if (m.distance - radius <= margin) {
         float from, to;
         bool nearly = m.outside == 1 || fabsf(m.gap[m.axis]) > DAFT_ROUND_ALONG_FACE * m.distance;
-        if (nearly && stretch_over(&m, &from, &to)) over_face(&m, from, to, margin, out);
-        else beside_edge(&m, pose, out);
+        if (nearly && stretch_over(&m, &from, &to))
+            over_face(&m, from, to, margin, out);
+        else
+            beside_edge(&m, pose, out);
         *count = out->count > 0;
     }
     if (cache) *cache = (daft_pair_cache){.clearance = fmaxf(m.distance - radius, 0)};

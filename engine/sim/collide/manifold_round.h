@@ -11,10 +11,10 @@
 #define DAFT_ROUND_PARALLEL 0.03f
 /* The stretch that they share is at least this fraction of half the shorter one. */
 #define DAFT_ROUND_SHARED 0.02f
-/* Beyond the rim of a face by so little that it counts as over it, if part of the core is: the cosine of the way there with
- * the face's normal. A face reaches by this fraction of the rounding farther for that. */
+/* Beyond the rim of a face by so little that it counts as over it, if part of the core is: the cosine of the way there
+ * with the face's normal. A face reaches by this fraction of the rounding farther for that. */
 #define DAFT_ROUND_ALONG_FACE 0.9999f
-#define DAFT_ROUND_OVERHANG 1e-3f
+#define DAFT_ROUND_OVERHANG   1e-3f
 /* Going farther against each other than this fraction of the first part's reach is fast. */
 #define DAFT_ROUND_FAST 0.5f
 /* Centres nearer than this fraction of it are in one place, and no way out is better than another. */
@@ -33,10 +33,10 @@ typedef enum daft_outline_flag {
 /* A sphere, capsule or box where it is as a step begins, and how it goes: a cache line. Lanes load the second half. */
 typedef struct daft_outline {
     _Alignas(64) daft_dvec3 centre;
-    float reach;    /* no point is farther from the centre */
-    uint8_t kind;   /* daft_outline_kind; none: other shapes, and what is not to be asked in lanes */
-    bool centred;   /* its centre is its body's centre of mass */
-    uint8_t flags;  /* bits of daft_outline_flag */
+    float reach;   /* no point is farther from the centre */
+    uint8_t kind;  /* daft_outline_kind; none: other shapes, and what is not to be asked in lanes */
+    bool centred;  /* its centre is its body's centre of mass */
+    uint8_t flags; /* bits of daft_outline_flag */
     uint8_t unused;
     daft_vec3 half; /* half of a capsule's core, world axes; 0, of spheres; half edges of a box */
     daft_vec3 move; /* of the body's centre within the step, as fast as it goes now */
@@ -62,10 +62,11 @@ typedef float daft_round_lanes[DAFT_ROUND_LANES] __attribute__((aligned(64)));
 
 typedef struct daft_round_batch {
     int32_t a[DAFT_ROUND_LANES], b[DAFT_ROUND_LANES]; /* outlines; with a box: the round one, the box */
-    daft_round_lanes toward[3]; /* from the centre of the first part to that of the second */
-    daft_round_lanes reach, margin; /* of the first part; of both */
-    daft_round_lanes watched;      /* 1 where they look out for each other then, else 0 */
-    /* With a box: the round one's centre beyond its high and low faces; its axes; 1 where it is the first part, else -1. */
+    daft_round_lanes toward[3];                       /* from the centre of the first part to that of the second */
+    daft_round_lanes reach, margin;                   /* of the first part; of both */
+    daft_round_lanes watched;                         /* 1 where they look out for each other then, else 0 */
+    /* With a box: the round one's centre beyond its high and low faces; its axes; 1 where it is the first part, else
+     * -1. */
     daft_round_lanes high[3], low[3], turn[9], first;
     /* Found: daft_round_state; points, from the centre of the first part, and the normal from first to second. */
     int32_t state[DAFT_ROUND_LANES], count[DAFT_ROUND_LANES];
@@ -81,8 +82,8 @@ typedef struct daft_round_kernels {
 DAFT_KERNEL_DECLARE(daft_round_kernels, daft_round);
 
 /* Everything of a lane. */
-static inline void daft_round_batch_put(daft_round_batch *batch, int lane, const daft_outline *all, uint32_t a, uint32_t b,
-                                        float margin)
+static inline void daft_round_batch_put(daft_round_batch *batch, int lane, const daft_outline *all, uint32_t a,
+                                        uint32_t b, float margin)
 {
     daft_vec3 toward = daft_to_float(daft_dsub(all[b].centre, all[a].centre));
     for (int k = 0; k < 3; k++) batch->toward[k][lane] = daft_v3_at(toward, k);

@@ -101,7 +101,7 @@ DAFT_INLINE void set_points(found *f, const vf3 point[2], const vf separation[2]
 
 typedef struct cores {
     outline a, b;
-    vf3 toward; /* from a's centre to b's */
+    vf3 toward;                               /* from a's centre to b's */
     vf square_a, square_b, along, at_a, at_b; /* half·half of a, of b, of both; toward·half of a, of b */
     vm long_a, long_b;
 } cores;
@@ -120,7 +120,8 @@ DAFT_INLINE cores load_cores(const daft_outline *all, const daft_round_batch *ba
 /* Closest points, -1 to 1 on each core, as in daft_segments_closest. */
 DAFT_INLINE void closest(const cores *c, vf *s, vf *t)
 {
-    vf zero = vf_set(0), one = vf_set(1), product = c->square_a * c->square_b, determinant = product - c->along * c->along;
+    vf zero = vf_set(0), one = vf_set(1), product = c->square_a * c->square_b,
+       determinant = product - c->along * c->along;
     vm crossing = vf_lt(vf_set(1e-6f) * product, determinant);
     vf cross = clamp1(over(crossing, c->at_a * c->square_b - c->along * c->at_b, determinant));
     vf middle = clamp1(over(c->long_a, c->at_a, c->square_a));
@@ -245,7 +246,8 @@ DAFT_INLINE void load_beside(const daft_round_batch *batch, int lane, meeting *m
 {
     for (int k = 0; k < 3; k++) {
         m->s.high[k] = vf_load(batch->high[k] + lane), m->s.low[k] = vf_load(batch->low[k] + lane);
-        m->turn[k] = (vf3){vf_load(batch->turn[k] + lane), vf_load(batch->turn[3 + k] + lane), vf_load(batch->turn[6 + k] + lane)};
+        m->turn[k] = (vf3){vf_load(batch->turn[k] + lane), vf_load(batch->turn[3 + k] + lane),
+                           vf_load(batch->turn[6 + k] + lane)};
         m->s.d[k] = vf3_dot(m->turn[k], m->round.half);
     }
     m->box_first = vf_load(batch->first + lane);
@@ -278,7 +280,8 @@ typedef struct stretch {
 DAFT_INLINE stretch stretch_over(const meeting *m, vm capsule)
 {
     vf zero = vf_set(0), one = vf_set(1), over_rim = vf_set(DAFT_ROUND_OVERHANG) * m->round.radius;
-    stretch out = {vf_if_then_else(capsule, vf_set(-1), zero), vf_if_then_else(capsule, one, zero), vm_not(vf_lt(one, zero))};
+    stretch out = {vf_if_then_else(capsule, vf_set(-1), zero), vf_if_then_else(capsule, one, zero),
+                   vm_not(vf_lt(one, zero))};
     for (int k = 0; k < 3; k++) {
         vf d = m->s.d[k], high = over_rim - m->s.high[k], low = m->s.low[k] - over_rim;
         vm across = vf_lt(zero, vf_abs(d)), over_it = vm_and(vf_le(zero, high), vf_le(low, zero));

@@ -68,10 +68,7 @@ typedef struct contact_job {
 
 /* ---- coplanar contacts in one manifold ---- */
 
-static uint32_t mixed_id(uint32_t id, uint32_t triangle)
-{
-    return id ^ (triangle + 1) * 0x9e3779b1u;
-}
+static uint32_t mixed_id(uint32_t id, uint32_t triangle) { return id ^ (triangle + 1) * 0x9e3779b1u; }
 
 static const float directions[DIRECTIONS][2] = {{1, 0.1f},   {0.65f, 0.78f},   {-0.1f, 1}, {-0.78f, 0.65f},
                                                 {-1, -0.1f}, {-0.65f, -0.78f}, {0.1f, -1}, {0.78f, -0.65f}};
@@ -185,10 +182,7 @@ static daft_vec3 in_body(const contact_job *j, daft_vec3 v)
 
 typedef enum verdict { ALLOWED, AT_BORDER, FORBIDDEN } verdict;
 
-static daft_vec3 without(daft_vec3 v, daft_vec3 unit)
-{
-    return daft_sub(v, daft_scale(unit, daft_dot(v, unit)));
-}
+static daft_vec3 without(daft_vec3 v, daft_vec3 unit) { return daft_sub(v, daft_scale(unit, daft_dot(v, unit))); }
 
 /* Whether p is farther along d than `top`, which lies on an edge along the unit vector `edge` (zero: a corner). */
 static bool is_farther(daft_vec3 p, daft_vec3 top, daft_vec3 d, daft_vec3 edge, float tolerance)

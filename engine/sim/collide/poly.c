@@ -114,10 +114,7 @@ void daft_poly_set_triangle(daft_poly *poly, const daft_vec3 corners[3], daft_ve
 
 /* ---- closest points ---- */
 
-static float clamp01(float x)
-{
-    return x > 0 ? x < 1 ? x : 1 : 0;
-}
+static float clamp01(float x) { return x > 0 ? x < 1 ? x : 1 : 0; }
 
 void daft_segments_closest(daft_vec3 p0, daft_vec3 p1, daft_vec3 q0, daft_vec3 q1, float *s, float *t)
 {

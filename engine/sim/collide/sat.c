@@ -25,15 +25,9 @@ static float lowest(const daft_poly *p, daft_vec3 n)
     return least;
 }
 
-static v4 dot4(const v4 x[3], const v4 y[3])
-{
-    return (x[0] * y[0] + x[1] * y[1]) + x[2] * y[2];
-}
+static v4 dot4(const v4 x[3], const v4 y[3]) { return (x[0] * y[0] + x[1] * y[1]) + x[2] * y[2]; }
 
-static void spread4(daft_vec3 v, v4 out[3])
-{
-    out[0] = v4_set(v.x), out[1] = v4_set(v.y), out[2] = v4_set(v.z);
-}
+static void spread4(daft_vec3 v, v4 out[3]) { out[0] = v4_set(v.x), out[1] = v4_set(v.y), out[2] = v4_set(v.z); }
 
 /* Of up to four faces, from `first` on. */
 static void face_separations(const daft_poly *mine, uint32_t first, uint32_t count, const daft_poly *other,
@@ -92,7 +86,8 @@ static void try_box_faces(const daft_poly *box, const daft_poly *triangle, uint3
     of_box->kind = of_triangle->kind = DAFT_AXIS_NONE;
     for (uint32_t f = 0; f < 6; f++) {
         const daft_plane *plane = &box->planes[f];
-        float s = (f & 1 ? daft_v3_at(triangle->low, (int)(f / 2)) : -daft_v3_at(triangle->high, (int)(f / 2))) - plane->offset;
+        float s = (f & 1 ? daft_v3_at(triangle->low, (int)(f / 2)) : -daft_v3_at(triangle->high, (int)(f / 2))) -
+                  plane->offset;
         if (s > of_box->separation)
             *of_box = (daft_axis){.kind = DAFT_AXIS_FACE_A, .a = f, .separation = s, .normal = plane->normal};
     }
@@ -260,7 +255,8 @@ static float box_edges_bound(const daft_poly *box, const daft_poly *triangle)
     const float h[3] = {box->high.x, box->high.y, box->high.z};
     float most = -INFINITY;
     for (int k = 0; k < 3; k++) {
-        const daft_vec3 *v0 = &triangle->vertices[k], *v1 = &triangle->vertices[(k + 1) % 3], *v2 = &triangle->vertices[(k + 2) % 3];
+        const daft_vec3 *v0 = &triangle->vertices[k], *v1 = &triangle->vertices[(k + 1) % 3],
+                        *v2 = &triangle->vertices[(k + 2) % 3];
         const float p[3] = {v0->x, v0->y, v0->z}, q[3] = {v1->x, v1->y, v1->z}, r[3] = {v2->x, v2->y, v2->z};
         float d[3] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
         float square[3] = {d[0] * d[0], d[1] * d[1], d[2] * d[2]}, all = (square[0] + square[1]) + square[2];

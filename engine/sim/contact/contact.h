@@ -1,7 +1,7 @@
-/* sim/contact: contact pairs. Made for parts that come near each other, kept in one list in the order of their keys while a
- * side is active, given manifolds by collide/, which take over impulses from those of the step before.
- * Promises: the list's order, and so all results, depend on nothing but which parts are near; what lies on an inner edge or
- * wall, or is only passed, has no contact.
+/* sim/contact: contact pairs. Made for parts that come near each other, kept in one list in the order of their keys
+ * while a side is active, given manifolds by collide/, which take over impulses from those of the step before.
+ * Promises: the list's order, and so all results, depend on nothing but which parts are near; what lies on an inner
+ * edge or wall, or is only passed, has no contact.
  *
  * Public headers: contact.h */
 #ifndef DAFT_SIM_CONTACT_H
@@ -11,7 +11,8 @@
 
 /* ---- pairs.c ---- */
 
-/* Makes contact pairs of all parts that are near each other, and of no others that have an active side. False when memory is out. */
+/* Makes contact pairs of all parts that are near each other, and of no others that have an active side. False when
+ * memory is out. */
 bool daft_sim_pairs_find(daft_world *world);
 void daft_sim_pair_remove(daft_world *world, uint32_t pair);
 void daft_sim_pairs_forget(daft_world *world, uint32_t body); /* the impulses they keep */

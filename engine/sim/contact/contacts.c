@@ -9,7 +9,8 @@
 
 #include <string.h>
 
-/* Of a movement within a step, as much as this fraction of the part's reach is met by wider margins; farther is swept. */
+/* Of a movement within a step, as much as this fraction of the part's reach is met by wider margins; farther is swept.
+ */
 #define MARGIN_OF_MOVE DAFT_ROUND_FAST
 
 /* ---- materials ---- */
@@ -27,8 +28,8 @@ void daft_sim_pair_materials(const daft_world *world, daft_sim_pair *pair)
     const daft_sim_part *a = &world->parts[pair->part_a], *b = &world->parts[pair->part_b];
     const daft_sim_material *x = &a->material, *y = &b->material;
     daft_sim_material_pair mix = {sqrtf(x->friction * y->friction), sqrtf(static_friction(x) * static_friction(y)),
-                          daft_sim_max(x->restitution, y->restitution),
-                          daft_sim_max(x->rolling_resistance, y->rolling_resistance)};
+                                  daft_sim_max(x->restitution, y->restitution),
+                                  daft_sim_max(x->rolling_resistance, y->rolling_resistance)};
     if (world->material_pairs && world->material_pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind].friction >= 0)
         mix = world->material_pairs[x->kind * DAFT_SIM_MATERIAL_KINDS + y->kind];
     pair->materials_cached = true;
@@ -79,9 +80,9 @@ static bool is_met(const motion *p, daft_vec3 anchor, daft_vec3 normal, float se
 static void convert(const motion *p, const place *where, const daft_manifold *from, daft_sim_manifold *to)
 {
     *to = (daft_sim_manifold){.normal = daft_normalize(turned(&where->frame_a, from->normal)),
-                           .part_a = from->part_a,
-                           .part_b = from->part_b,
-                           .shift = where->shift};
+                              .part_a = from->part_a,
+                              .part_b = from->part_b,
+                              .shift = where->shift};
     for (uint32_t i = 0; i < from->count; i++) {
         const daft_manifold_point *point = &from->points[i];
         daft_vec3 anchor = daft_add(where->offset, turned(&where->frame_a, point->point));
@@ -91,7 +92,8 @@ static void convert(const motion *p, const place *where, const daft_manifold *fr
     }
 }
 
-/* Bodies whose centres are closer, as a fraction of their reach, are in one place, and no way out is better than another. */
+/* Bodies whose centres are closer, as a fraction of their reach, are in one place, and no way out is better than
+ * another. */
 #define ONE_PLACE (double)DAFT_ROUND_ONE_PLACE
 
 static double scattered(uint32_t part, uint32_t axis)
@@ -130,8 +132,9 @@ static uint32_t collide(const daft_world *world, daft_sim_pair *pair, const moti
 
 /* ---- what fast bodies will meet within the step ---- */
 
-/* Gap at which they are taken to meet, as a fraction of the inner radius, and the fraction of it that does not matter. */
-#define MEETING_GAP 0.01
+/* Gap at which they are taken to meet, as a fraction of the inner radius, and the fraction of it that does not matter.
+ */
+#define MEETING_GAP       0.01
 #define MEETING_TOLERANCE 0.25
 
 daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt)
@@ -160,8 +163,8 @@ static uint32_t foresee(const daft_world *world, daft_sim_pair *pair, motion *p,
     if (kind != DAFT_IMPACT_HIT) return 0;
     daft_rigid at_a = daft_sweep_frame(&way_a, impact.t), at_b = daft_sweep_frame(&way_b, impact.t);
     daft_relpose pose = daft_relpose_make(&at_a, &at_b);
-    uint32_t count = daft_collide(&a->shape, &b->shape, &pose, 2 * (float)gap, found,
-                                  pair->more ? DAFT_SIM_MAX_MANIFOLDS : 1, NULL);
+    uint32_t count =
+        daft_collide(&a->shape, &b->shape, &pose, 2 * (float)gap, found, pair->more ? DAFT_SIM_MAX_MANIFOLDS : 1, NULL);
     daft_dvec3 go_a = daft_dscale(daft_dsub(way_a.to, way_a.from), impact.t);
     daft_dvec3 go_b = daft_dscale(daft_dsub(way_b.to, way_b.from), impact.t);
     where->frame_a = at_a;
@@ -267,8 +270,8 @@ enum { GRAIN = 256, PARALLEL_PAIRS = 256 };
 
 /* ---- what is found in lanes ---- */
 
-/* The pair's own manifold, for what was found in lanes: what it keeps stays, all else is set by who asks, or here. Gives how
- * many points it had. */
+/* The pair's own manifold, for what was found in lanes: what it keeps stays, all else is set by who asks, or here.
+ * Gives how many points it had. */
 static uint32_t begin_manifold(const daft_world *world, daft_sim_pair *pair)
 {
     daft_sim_manifold *manifold = &pair->own;
@@ -312,7 +315,8 @@ typedef struct range {
 static bool will_reach(const range *r, const daft_sim_pair *pair, float margin, daft_vec3 anchor, daft_vec3 normal,
                        float separation)
 {
-    motion p = {.a = &r->world->bodies[pair->body_a], .b = &r->world->bodies[pair->body_b], .margin = margin, .dt = r->dt};
+    motion p = {
+        .a = &r->world->bodies[pair->body_a], .b = &r->world->bodies[pair->body_b], .margin = margin, .dt = r->dt};
     p.apart = daft_to_float(daft_dsub(p.a->centre, p.b->centre));
     return is_met(&p, anchor, normal, separation);
 }
@@ -340,14 +344,17 @@ static void take_round(const range *r, rounds *all, int lane)
     daft_sim_pair *pair = &r->world->pairs[all->entries[lane]->pair];
     daft_sim_manifold *manifold = &pair->own;
     daft_sim_persisted old;
-    daft_sim_persisted_set(&old, manifold, begin_manifold(r->world, pair), daft_sim_extrapolation(r->world, pair, r->dt));
+    daft_sim_persisted_set(&old, manifold, begin_manifold(r->world, pair),
+                           daft_sim_extrapolation(r->world, pair, r->dt));
     daft_vec3 offset = offset_of(r->world, pair);
     manifold->normal = daft_round_batch_get(batch->normal, lane);
     manifold->count = 0;
     for (int i = 0; i < batch->count[lane]; i++) {
         daft_vec3 anchor = daft_add(offset, daft_round_batch_get(batch->point[i], lane));
-        daft_sim_manifold_point point = {.anchor = anchor, .separation = batch->separation[i][lane], .id = (uint32_t)batch->id[i][lane]};
-        if (point.separation <= batch->margin[lane] || will_reach(r, pair, batch->margin[lane], anchor, manifold->normal, point.separation))
+        daft_sim_manifold_point point = {
+            .anchor = anchor, .separation = batch->separation[i][lane], .id = (uint32_t)batch->id[i][lane]};
+        if (point.separation <= batch->margin[lane] ||
+            will_reach(r, pair, batch->margin[lane], anchor, manifold->normal, point.separation))
             daft_sim_persisted_put(&old, manifold, point);
     }
     daft_sim_persisted_end(&old, manifold);
@@ -394,14 +401,16 @@ static void take_box(const range *r, boxes *all, int lane)
         return;
     }
     daft_sim_persisted old;
-    daft_sim_persisted_set(&old, manifold, begin_manifold(r->world, pair), daft_sim_extrapolation(r->world, pair, r->dt));
+    daft_sim_persisted_set(&old, manifold, begin_manifold(r->world, pair),
+                           daft_sim_extrapolation(r->world, pair, r->dt));
     manifold->normal = daft_box_batch_get(batch->normal, lane);
     manifold->count = 0;
     for (int i = 0; i < batch->count[lane]; i++) {
         daft_sim_manifold_point point = {.anchor = daft_box_batch_get(batch->point[i], lane),
-                                      .separation = batch->separation[i][lane],
-                                      .id = (uint32_t)batch->id[i][lane]};
-        if (point.separation <= all->margins[lane] || will_reach(r, pair, all->margins[lane], point.anchor, manifold->normal, point.separation))
+                                         .separation = batch->separation[i][lane],
+                                         .id = (uint32_t)batch->id[i][lane]};
+        if (point.separation <= all->margins[lane] ||
+            will_reach(r, pair, all->margins[lane], point.anchor, manifold->normal, point.separation))
             daft_sim_persisted_put(&old, manifold, point);
     }
     daft_sim_persisted_end(&old, manifold);
@@ -421,7 +430,8 @@ static void collide_boxes(range *r)
 static bool are_boxes_clear(const range *r, const daft_sim_pair *pair, float far)
 {
     const daft_outline_frame *frames = r->world->box_frames;
-    if (pair->manifold_count > 0 || pair->cache.clearance <= 0 || r->world->outlines[pair->part_b].flags & DAFT_OUTLINE_DRIVEN)
+    if (pair->manifold_count > 0 || pair->cache.clearance <= 0 ||
+        r->world->outlines[pair->part_b].flags & DAFT_OUTLINE_DRIVEN)
         return false;
     double gone = (frames[pair->part_a].travel + frames[pair->part_b].travel) - pair->cleared_at;
     return CLEARANCE_FRACTION * (double)pair->cache.clearance - gone > (double)far;
@@ -443,7 +453,8 @@ static void add_boxes(range *r, daft_sim_active *entry, uint32_t a, uint32_t b)
     boxes *to = &r->boxes;
     int lane = to->count++;
     to->entries[lane] = entry, to->margins[lane] = margin;
-    daft_box_batch_put(&to->batch, lane, &frames[a].frame, &frames[b].frame, x->half, y->half, offset_of(r->world, pair));
+    daft_box_batch_put(&to->batch, lane, &frames[a].frame, &frames[b].frame, x->half, y->half,
+                       offset_of(r->world, pair));
     to->batch.margin[lane] = margin + way;
     to->batch.kind[lane] = pair->cache.kind;
     if (to->count == DAFT_BOX_LANES) collide_boxes(r);

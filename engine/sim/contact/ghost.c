@@ -1,20 +1,22 @@
 /* Contacts with edges that are none. A marble that rolls over boxes side by side must not feel their edges, nor a crate
- * that slides over them their sides. A contact with a body that does not yield counts only where it is on the surface of
- * the union of all such bodies: if all its points lie on another one that is met no later, it is on an inner wall, and
- * is dropped. Within one mesh the geometry sees to that itself.
+ * that slides over them their sides. A contact with a body that does not yield counts only where it is on the surface
+ * of the union of all such bodies: if all its points lie on another one that is met no later, it is on an inner wall,
+ * and is dropped. Within one mesh the geometry sees to that itself.
  *
- * A ball whose centre is inside a box leaves it by the nearest face, but not through one that leads into a neighbour: it
- * would be sent to and fro between the two. */
+ * A ball whose centre is inside a box leaves it by the nearest face, but not through one that leads into a neighbour:
+ * it would be sent to and fro between the two. */
 #include "sim/world.h"
 #include "sim/contact/contact.h"
 
-/* How near to a body's surface a point counts as on it: a fraction of the moving part's size, and what rounding of its size
- * and rotation to floats may shift its surface by, as a fraction of its reach. */
+/* How near to a body's surface a point counts as on it: a fraction of the moving part's size, and what rounding of its
+ * size and rotation to floats may shift its surface by, as a fraction of its reach. */
 #define ON_SURFACE       1e-3
 #define CLIP_SLACK       6e-4 /* m: the clipping of manifolds leaves points outside a face by up to 0.5 mm */
 #define SURFACE_ROUNDING 2e-7
 
-enum { MAX_NEAR = 64 }; /* manifolds of one body with what does not yield; of more, those past it are left as they are */
+enum {
+    MAX_NEAR = 64
+}; /* manifolds of one body with what does not yield; of more, those past it are left as they are */
 
 typedef struct candidate {
     daft_sim_pair *pair;
@@ -44,7 +46,8 @@ static bool comes_before(const candidate *a, const candidate *b)
 static void keep(group *g, daft_sim_pair *pair, daft_sim_manifold *manifold)
 {
     candidate c = {pair, manifold, INFINITY};
-    for (uint32_t i = 0; i < manifold->count; i++) c.separation = daft_sim_min(c.separation, manifold->points[i].separation);
+    for (uint32_t i = 0; i < manifold->count; i++)
+        c.separation = daft_sim_min(c.separation, manifold->points[i].separation);
     if (g->count == MAX_NEAR) return;
     g->rests |= !is_ahead(manifold);
     int i = g->count++;
@@ -114,8 +117,8 @@ static bool is_level(const group *g, const candidate *c)
     return true;
 }
 
-/* Met no later, but for what the choice of a contact's axis holds for even (DAFT_BOX_EVEN): the corner of a tile that is just
- * reached may be met by the side of what slides, deeper than by its face. */
+/* Met no later, but for what the choice of a contact's axis holds for even (DAFT_BOX_EVEN): the corner of a tile that
+ * is just reached may be met by the side of what slides, deeper than by its face. */
 static bool may_hide(const group *g, const candidate *other, const candidate *mine)
 {
     float even = (float)ON_SURFACE * g->world->parts[mine->pair->part_a].reach;
@@ -141,7 +144,8 @@ static bool is_hidden(const group *g, int c)
 
 /* ---- ways out ---- */
 
-/* Depth of a local point under one of a box's six faces, the outward normal there: high and low in y, then x, then z. */
+/* Depth of a local point under one of a box's six faces, the outward normal there: high and low in y, then x, then z.
+ */
 static double face_of(daft_dvec3 p, daft_dvec3 h, int face, daft_dvec3 *normal)
 {
     double sign = face & 1 ? -1 : 1;
@@ -171,8 +175,8 @@ static void find_way_out(const group *g, candidate *c)
         c->manifold->normal = daft_neg(daft_normalize(daft_to_float(out)));
         c->manifold->points[0].separation = c->separation;
         c->manifold->points[0].anchor = daft_to_float(daft_dsub(mine.p, body->centre));
-        c->manifold->points[0].anchor =
-            daft_add(c->manifold->points[0].anchor, daft_scale(c->manifold->normal, 0.5f * (a->shape.radius - (float)depth)));
+        c->manifold->points[0].anchor = daft_add(
+            c->manifold->points[0].anchor, daft_scale(c->manifold->normal, 0.5f * (a->shape.radius - (float)depth)));
     }
 }
 
@@ -194,7 +198,9 @@ static bool is_behind(const group *g, int c)
     const candidate *mine = &g->near[c];
     if (g->world->parts[mine->pair->part_b].shape.type != DAFT_GEOMETRY_MESH || in_front(g, mine) >= 0) return false;
     for (int k = 0; k < g->count; k++)
-        if (daft_dot(mine->manifold->normal, g->near[k].manifold->normal) < -0.5f && g->near[k].manifold->count > 0 && in_front(g, &g->near[k]) > 0) return true;
+        if (daft_dot(mine->manifold->normal, g->near[k].manifold->normal) < -0.5f && g->near[k].manifold->count > 0 &&
+            in_front(g, &g->near[k]) > 0)
+            return true;
     return false;
 }
 
@@ -202,16 +208,17 @@ static bool is_behind(const group *g, int c)
 
 #define UPRIGHT 0.9999f
 
-/* Gap at which a body that is swept along what it rests on meets something, as a fraction of how far it is lifted for that. */
+/* Gap at which a body that is swept along what it rests on meets something, as a fraction of how far it is lifted for
+ * that. */
 #define PASSING_GAP 0.25
 /* What turns farther in a step, in radians, may touch at a place that its planned way does not have. */
 #define PASSING_TURN 1.0f
 
 /* Where a part goes within the step: to `bend`, and from there along what it meets. */
 typedef struct course {
-    daft_sweep way;     /* as planned */
+    daft_sweep way;             /* as planned */
     daft_dvec3 bend, end, lift; /* of the centre of mass; lift: away from what it goes along then */
-    double bend_at;     /* fraction of the step; 1: it meets nothing before */
+    double bend_at;             /* fraction of the step; 1: it meets nothing before */
 } course;
 
 /* Share of the step after which a part on its way meets the plane of a contact; above 1: not in this step. */
@@ -245,7 +252,8 @@ static course course_of(const group *g, int c, double margin)
     return out;
 }
 
-/* The contact of a ball becomes that of where it will be met. went: how far the ball goes against the other until then. */
+/* The contact of a ball becomes that of where it will be met. went: how far the ball goes against the other until then.
+ */
 static void turn_to_meeting(const group *g, candidate *c, const daft_impact *impact, daft_dvec3 went)
 {
     const daft_sim_part *part = &g->world->parts[c->pair->part_a];
@@ -259,19 +267,21 @@ static void turn_to_meeting(const group *g, candidate *c, const daft_impact *imp
     c->manifold->points[0].separation = daft_sim_max(0, daft_dot(c->manifold->shift, n));
 }
 
-/* A contact that is ahead pushes along the normal of now, or of where the two meet. Where a body goes past an edge, or rolls
- * towards one that is level with what it rests on, that normal leans, and it would be thrown up by what it grazes at most. So what
- * is ahead counts only if the body meets it on its way: as far as what it meets first, and then along that, lifted by as much as
- * counts as touching. */
+/* A contact that is ahead pushes along the normal of now, or of where the two meet. Where a body goes past an edge, or
+ * rolls towards one that is level with what it rests on, that normal leans, and it would be thrown up by what it grazes
+ * at most. So what is ahead counts only if the body meets it on its way: as far as what it meets first, and then along
+ * that, lifted by as much as counts as touching. */
 static bool is_passed(const group *g, candidate *mine, int c)
 {
     const daft_sim_part *a = &g->world->parts[mine->pair->part_a], *b = &g->world->parts[mine->pair->part_b];
     double margin = margin_on(g, mine, b), gap = PASSING_GAP * margin;
-    bool wild = daft_length(g->world->bodies[a->body].angular) * g->dt > PASSING_TURN && a->shape.type != DAFT_GEOMETRY_SPHERE;
+    bool wild =
+        daft_length(g->world->bodies[a->body].angular) * g->dt > PASSING_TURN && a->shape.type != DAFT_GEOMETRY_SPHERE;
     if (wild || (double)mine->separation <= gap) return false;
     course go = course_of(g, c, margin);
     daft_dvec3 move = daft_dsub(go.way.to, go.way.from);
-    if (daft_ddot(move, move) < 2 * margin * (double)a->inner) return false; /* too short a way for the normal to turn much */
+    if (daft_ddot(move, move) < 2 * margin * (double)a->inner)
+        return false; /* too short a way for the normal to turn much */
     daft_sweep its = daft_sim_plan(g->world, &g->world->bodies[b->body], b, g->dt), way = go.way;
     daft_impact_kind met = DAFT_IMPACT_MISS;
     daft_impact impact = {.t = 0};
@@ -283,7 +293,8 @@ static bool is_passed(const group *g, candidate *mine, int c)
         met = daft_shape_impact(&a->shape, &way, &b->shape, &its, gap, gap, &impact);
         went = daft_dadd(daft_dsub(go.bend, go.way.from), daft_dscale(daft_dsub(way.to, way.from), impact.t));
     }
-    if (met == DAFT_IMPACT_HIT && a->shape.type == DAFT_GEOMETRY_SPHERE && g->world->bodies[b->body].kind == DAFT_BODY_STATIC)
+    if (met == DAFT_IMPACT_HIT && a->shape.type == DAFT_GEOMETRY_SPHERE &&
+        g->world->bodies[b->body].kind == DAFT_BODY_STATIC)
         turn_to_meeting(g, mine, &impact, went);
     return met == DAFT_IMPACT_MISS;
 }
@@ -292,8 +303,8 @@ static bool is_passed(const group *g, candidate *mine, int c)
 
 #define LEVEL 5e-3f /* m */
 
-/* What slides over several pieces of one floor is braked by each at the middle of what it touches of it, and would be turned
- * by that; on one piece it would not. */
+/* What slides over several pieces of one floor is braked by each at the middle of what it touches of it, and would be
+ * turned by that; on one piece it would not. */
 static bool is_one_floor(const group *g)
 {
     const candidate *first = NULL;
@@ -302,7 +313,8 @@ static bool is_one_floor(const group *g)
         const candidate *c = &g->near[i];
         if (c->manifold->count == 0) continue;
         if (!first) first = c;
-        const daft_vec3 n = first->manifold->normal, apart = daft_sub(c->manifold->points[0].anchor, first->manifold->points[0].anchor);
+        const daft_vec3 n = first->manifold->normal,
+                        apart = daft_sub(c->manifold->points[0].anchor, first->manifold->points[0].anchor);
         bool still = g->world->bodies[c->pair->body_b].kind == DAFT_BODY_STATIC && !c->pair->surface_moves;
         if (!still || is_ahead(c->manifold) || c->pair->friction != first->pair->friction ||
             daft_dot(c->manifold->normal, n) < UPRIGHT || fabsf(daft_dot(apart, n)) > LEVEL)
@@ -385,8 +397,8 @@ static bool is_deep(const daft_world *world, daft_sim_pair *pair)
 
 #define FILTERED UINT32_MAX /* as a body's fixed_pairs */
 
-/* A contact is a ghost beside another one only, and the way out matters for balls only. The bodies that this may be about, of
- * those that overlap what does not yield. */
+/* A contact is a ghost beside another one only, and the way out matters for balls only. The bodies that this may be
+ * about, of those that overlap what does not yield. */
 static void find_doubtful(daft_world *world)
 {
     daft_sim_list *list = &world->scratch.ghosts;
@@ -412,7 +424,8 @@ static void refresh_filtered(daft_world *world)
 {
     for (size_t i = 0; i < world->active.count; i++) {
         daft_sim_active *entry = &world->active.items[i];
-        if (entry->flags & DAFT_SIM_FIXED && world->bodies[entry->body_a].fixed_pairs == FILTERED) daft_sim_active_refresh(world, entry);
+        if (entry->flags & DAFT_SIM_FIXED && world->bodies[entry->body_a].fixed_pairs == FILTERED)
+            daft_sim_active_refresh(world, entry);
     }
 }
 

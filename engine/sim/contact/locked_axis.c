@@ -1,7 +1,7 @@
-/* Contacts of bodies that may not move along some axis of the world, as in a game in a plane. What presses them together
- * along it can push nothing, so it must not ask to: an impulse that never has an effect only grows, and lets friction hold what
- * nothing holds. So normals lie in what is free, and separations are those along them. Two that are within each other beside
- * their plane, whose nearest way out is out of it, part by the way between their middles. */
+/* Contacts of bodies that may not move along some axis of the world, as in a game in a plane. What presses them
+ * together along it can push nothing, so it must not ask to: an impulse that never has an effect only grows, and lets
+ * friction hold what nothing holds. So normals lie in what is free, and separations are those along them. Two that are
+ * within each other beside their plane, whose nearest way out is out of it, part by the way between their middles. */
 #include "sim/world.h"
 #include "sim/contact/contact.h"
 
@@ -29,7 +29,8 @@ static daft_dvec3 middle_of(const daft_sim_body *body, const daft_sim_part *part
 }
 
 /* The balls within them, as they are seen along what is locked. */
-static void part_middles(const daft_world *world, const daft_sim_pair *pair, uint32_t locks, daft_sim_manifold *manifold)
+static void part_middles(const daft_world *world, const daft_sim_pair *pair, uint32_t locks,
+                         daft_sim_manifold *manifold)
 {
     const daft_sim_part *a = &world->parts[pair->part_a], *b = &world->parts[pair->part_b];
     const daft_sim_body *body = &world->bodies[pair->body_a];
@@ -39,9 +40,11 @@ static void part_middles(const daft_world *world, const daft_sim_pair *pair, uin
     for (uint32_t i = 0; i < manifold->count; i++) deepest = daft_sim_min(deepest, manifold->points[i].separation);
     manifold->count = 0;
     if (!(separation < 0) || -deepest < daft_sim_min(a->inner, b->inner)) return; /* side by side */
-    manifold->normal = length > 1e-4f * a->inner ? daft_scale(apart, 1 / length) : daft_normalize(free_part(daft_v3(1, 2, 3), locks));
+    manifold->normal =
+        length > 1e-4f * a->inner ? daft_scale(apart, 1 / length) : daft_normalize(free_part(daft_v3(1, 2, 3), locks));
     daft_dvec3 at = daft_dadd(from, daft_to_double(daft_scale(apart, 0.5f)));
-    manifold->points[manifold->count++] = (daft_sim_manifold_point){.anchor = daft_to_float(daft_dsub(at, body->centre)), .separation = separation};
+    manifold->points[manifold->count++] =
+        (daft_sim_manifold_point){.anchor = daft_to_float(daft_dsub(at, body->centre)), .separation = separation};
 }
 
 void daft_sim_lock_axes(const daft_world *world, const daft_sim_pair *pair, daft_sim_manifold *manifold)

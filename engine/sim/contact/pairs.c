@@ -1,6 +1,7 @@
-/* Contact pairs: parts near each other, made when their bounds over a step first meet, gone when they do not in a step in which
- * one of them is active. They hang on both bodies as lists, and, while a side is active, in the active list that a step walks,
- * which is in the order of keys: the near pairs of a step, sorted too, are compared with it in one pass. */
+/* Contact pairs: parts near each other, made when their bounds over a step first meet, gone when they do not in a step
+ * in which one of them is active. They hang on both bodies as lists, and, while a side is active, in the active list
+ * that a step walks, which is in the order of keys: the near pairs of a step, sorted too, are compared with it in one
+ * pass. */
 #include "sim/world.h"
 #include "sim/broad/broad.h"
 #include "sim/contact/contact.h"
@@ -21,8 +22,8 @@ bool daft_sim_pairs_reserve(daft_world *world, size_t more)
                      sizeof *world->pairs) &&
            daft_grow(&world->allocator, &world->active.items, &world->active.capacity, world->pair_capacity,
                      world->active.count, sizeof *world->active.items) &&
-           daft_grow(&world->allocator, &world->scratch.sorting.items, &world->scratch.sorting.capacity, 2 * world->pair_capacity, 0,
-                     sizeof *world->scratch.sorting.items);
+           daft_grow(&world->allocator, &world->scratch.sorting.items, &world->scratch.sorting.capacity,
+                     2 * world->pair_capacity, 0, sizeof *world->scratch.sorting.items);
 }
 
 static void link_edge(daft_world *world, uint32_t index, int side)
@@ -55,7 +56,8 @@ static void activate(daft_world *world, uint32_t index)
     pair->active = true;
     world->unallocated |= daft_sim_is_unallocated(world, pair);
     daft_sim_active_list *list = &world->active;
-    daft_sim_active entry = {.key = daft_sim_pair_key(pair), .pair = index, .body_a = pair->body_a, .body_b = pair->body_b};
+    daft_sim_active entry = {
+        .key = daft_sim_pair_key(pair), .pair = index, .body_a = pair->body_a, .body_b = pair->body_b};
     entry.flags = pair->manifold_count > 0 || pair->touching ? DAFT_SIM_OVERLAPS : 0;
     if (list->count > 0 && list->items[list->count - 1].key > entry.key) world->sorted = false;
     list->items[list->count++] = entry;
@@ -79,7 +81,8 @@ void daft_sim_pair_enter(daft_world *world, uint32_t index)
         pair->owned_by_a = owns(world, pair->part_a, pair->part_b);
         world->parts[pair->owned_by_a ? pair->part_a : pair->part_b].owned++;
     }
-    if (pair->materials_cached || pair->manifold_count > 0) daft_sim_pair_materials(world, pair); /* of a world that was loaded */
+    if (pair->materials_cached || pair->manifold_count > 0)
+        daft_sim_pair_materials(world, pair); /* of a world that was loaded */
     link_edge(world, index, 0);
     link_edge(world, index, 1);
     world->live_pairs++;
@@ -95,10 +98,8 @@ static uint32_t insert(daft_world *world, uint32_t part_a, uint32_t part_b)
     else
         world->free_pair = world->pairs[index].next[0];
     daft_sim_pair *pair = &world->pairs[index];
-    *pair = (daft_sim_pair){.part_a = part_a,
-                              .part_b = part_b,
-                              .body_a = world->parts[part_a].body,
-                              .body_b = world->parts[part_b].body};
+    *pair = (daft_sim_pair){
+        .part_a = part_a, .part_b = part_b, .body_a = world->parts[part_a].body, .body_b = world->parts[part_b].body};
     pair->sensor = world->parts[part_a].sensor || world->parts[part_b].sensor;
     daft_sim_pair_enter(world, index);
     return index;
@@ -182,7 +183,8 @@ bool daft_sim_may_meet(const daft_world *world, uint32_t a, uint32_t b)
     const daft_sim_part *x = &world->parts[a], *y = &world->parts[b];
     if (x->body == y->body || !(x->layers & y->mask) || !(y->layers & x->mask)) return false;
     daft_body_kind kind_x = world->bodies[x->body].kind, kind_y = world->bodies[y->body].kind;
-    if (x->sensor || y->sensor) return !(x->sensor && y->sensor) && (kind_x != DAFT_BODY_STATIC || kind_y != DAFT_BODY_STATIC);
+    if (x->sensor || y->sensor)
+        return !(x->sensor && y->sensor) && (kind_x != DAFT_BODY_STATIC || kind_y != DAFT_BODY_STATIC);
     if (kind_x != DAFT_BODY_DYNAMIC && kind_y != DAFT_BODY_DYNAMIC) return false;
     return !is_joined(world, x->body, y->body);
 }
@@ -221,7 +223,8 @@ static uint64_t *sort_near(daft_world *world)
 {
     uint32_t bits = 1;
     while (bits < 32 && world->part_count >> bits) bits++;
-    uint64_t *by_b = sort_by_bits(world->scratch.candidates, world->scratch.ordered, world->scratch.candidate_count, 0, bits);
+    uint64_t *by_b =
+        sort_by_bits(world->scratch.candidates, world->scratch.ordered, world->scratch.candidate_count, 0, bits);
     uint64_t *other = by_b == world->scratch.ordered ? world->scratch.candidates : world->scratch.ordered;
     return sort_by_bits(by_b, other, world->scratch.candidate_count, 32, bits);
 }
@@ -235,7 +238,8 @@ static void lose(daft_world *world, const daft_sim_active *entry)
         world->pairs[entry->pair].active = false;
 }
 
-/* What is active and not near goes. Of what is near and not active the keys are left at the begin of `near`: gives how many. */
+/* What is active and not near goes. Of what is near and not active the keys are left at the begin of `near`: gives how
+ * many. */
 static size_t compare(daft_world *world, uint64_t *near, size_t count)
 {
     daft_sim_active_list *list = &world->active;
@@ -343,7 +347,8 @@ void daft_sim_active_refresh(const daft_world *world, daft_sim_active *entry)
     for (uint32_t i = 0; i < pair->manifold_count; i++) {
         entry->points = (uint16_t)(entry->points + manifolds[i].count);
         load = daft_sim_max(load, manifolds[i].load);
-        for (uint32_t k = 0; k < manifolds[i].count; k++) least = daft_sim_min(least, manifolds[i].points[k].separation);
+        for (uint32_t k = 0; k < manifolds[i].count; k++)
+            least = daft_sim_min(least, manifolds[i].points[k].separation);
     }
     const daft_sim_body *a = &world->bodies[pair->body_a], *b = &world->bodies[pair->body_b];
     entry->flags |= b->kind == DAFT_BODY_DYNAMIC ? DAFT_SIM_JOINS : DAFT_SIM_FIXED;
@@ -363,8 +368,9 @@ void daft_sim_active_refresh_all(daft_world *world)
 bool daft_sim_pairs_find(daft_world *world)
 {
     daft_sim_active_update(world);
-    if (!daft_sim_groups_search(world) || !daft_grow(&world->allocator, &world->scratch.ordered, &world->scratch.ordered_capacity,
-                                                     world->scratch.candidate_count, 0, sizeof *world->scratch.ordered))
+    if (!daft_sim_groups_search(world) ||
+        !daft_grow(&world->allocator, &world->scratch.ordered, &world->scratch.ordered_capacity,
+                   world->scratch.candidate_count, 0, sizeof *world->scratch.ordered))
         return false;
     uint64_t *near = sort_near(world);
     size_t fresh = compare(world, near, world->scratch.candidate_count);

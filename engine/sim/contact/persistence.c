@@ -1,27 +1,29 @@
-/* What manifolds found anew have of those of the step before. Points are known again by the features that made them. What a
- * point carried that is not there any more goes to those beside it: two capsules that lie along each other touch in two
- * points in one step and in one in the next, and a load of a thousand newtons that is forgotten whenever they do is a blow
- * that keeps a heap of ragdolls awake. */
+/* What manifolds found anew have of those of the step before. Points are known again by the features that made them.
+ * What a point carried that is not there any more goes to those beside it: two capsules that lie along each other touch
+ * in two points in one step and in one in the next, and a load of a thousand newtons that is forgotten whenever they do
+ * is a blow that keeps a heap of ragdolls awake. */
 #include "sim/contact/persistence.h"
 
 #include <math.h>
 
 /* ---- where contacts go within the step ---- */
 
-/* Manifolds are found once a step, so what rolls is held in all of its substeps where it was when they began: on the mean
- * of n substeps (n - 1)/(2n) of a step too late, by which whatever sways gains amplitude, omega²/2 of that delay in a
- * second: a box on a ball rocked until it fell off. So points and normals are put ahead by as much as they go in that time,
- * which is found from where they were put in the step before: x + k (x - before) is ahead by k/(k + 1) of a step. A little
- * more than what is wanted makes the swaying fade, much more would amplify what trembles, by (1 + k)/(1 - k). Heaps that are
- * taken in more substeps than the world's are put ahead by more: the last step says in how many (b may be one that does not move). */
+/* Manifolds are found once a step, so what rolls is held in all of its substeps where it was when they began: on the
+ * mean of n substeps (n - 1)/(2n) of a step too late, by which whatever sways gains amplitude, omega²/2 of that delay
+ * in a second: a box on a ball rocked until it fell off. So points and normals are put ahead by as much as they go in
+ * that time, which is found from where they were put in the step before: x + k (x - before) is ahead by k/(k + 1) of a
+ * step. A little more than what is wanted makes the swaying fade, much more would amplify what trembles, by (1 + k)/(1
+ * - k). Heaps that are taken in more substeps than the world's are put ahead by more: the last step says in how many (b
+ * may be one that does not move). */
 #define LEAD_FADES 0.05f
 #define LEAD_ALONE 0.04f /* with one substep: all of it fades */
-#define MAX_LEAD  0.9f
+#define MAX_LEAD   0.9f
 #define SMOOTH     0.3f /* of its length: what has changed by more is another place */
 
 float daft_sim_extrapolation(const daft_world *world, const daft_sim_pair *pair, float dt)
 {
-    float h = world->bodies[pair->body_a].h, n = h > 0 ? floorf(daft_sim_min(dt / h, 99) + 0.5f) : (float)world->substeps;
+    float h = world->bodies[pair->body_a].h,
+          n = h > 0 ? floorf(daft_sim_min(dt / h, 99) + 0.5f) : (float)world->substeps;
     return n > 1 ? daft_sim_min((n - 1) / (n + 1) + LEAD_FADES, MAX_LEAD) : LEAD_ALONE;
 }
 
@@ -130,7 +132,8 @@ static void persist_manifold(daft_sim_manifold *manifold, const daft_sim_manifol
 
 #define SAME_PLANE 0.98f /* cosine */
 
-/* What a body rests on may be told by another triangle now: of the manifolds that are left, the one of about its plane. */
+/* What a body rests on may be told by another triangle now: of the manifolds that are left, the one of about its plane.
+ */
 static uint32_t of_plane(const daft_sim_manifold *manifold, const daft_sim_manifold *old, uint32_t left)
 {
     uint32_t best = DAFT_SIM_MAX_MANIFOLDS;
@@ -143,7 +146,8 @@ static uint32_t of_plane(const daft_sim_manifold *manifold, const daft_sim_manif
     return best;
 }
 
-void daft_sim_persist(daft_sim_manifold *fresh, uint32_t count, const daft_sim_manifold *old, uint32_t old_count, float lead)
+void daft_sim_persist(daft_sim_manifold *fresh, uint32_t count, const daft_sim_manifold *old, uint32_t old_count,
+                      float lead)
 {
     uint32_t left = (1u << old_count) - 1, orphans = 0;
     for (uint32_t i = 0; i < count && old_count > 0; i++) {

@@ -8,7 +8,8 @@
 float daft_sim_extrapolation(const daft_world *world, const daft_sim_pair *pair, float dt);
 
 /* Manifolds of a pair, from those it had, of which there are at most DAFT_SIM_MAX_MANIFOLDS. */
-void daft_sim_persist(daft_sim_manifold *fresh, uint32_t count, const daft_sim_manifold *old, uint32_t old_count, float lead);
+void daft_sim_persist(daft_sim_manifold *fresh, uint32_t count, const daft_sim_manifold *old, uint32_t old_count,
+                      float lead);
 
 /* The same for a pair's own manifold, which is set in place, point by point: what it had. */
 typedef struct daft_sim_persisted {

@@ -65,7 +65,8 @@ static bool check_def(const daft_world *world, const daft_sim_joint_def *d, daft
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "joint: %d is no kind of joint", (int)d->kind);
     const daft_sim_body *a = daft_sim_find(world, d->body_a), *b = daft_sim_find(world, d->body_b);
     if ((d->body_a && !a) || !b)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "joint: there is no body %u", d->body_a && !a ? d->body_a : d->body_b);
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "joint: there is no body %u",
+                         d->body_a && !a ? d->body_a : d->body_b);
     if (a == b) return daft_fail(error, DAFT_ERROR_ARGUMENT, "joint: both its bodies are body %u", d->body_a);
     if (d->kind == DAFT_JOINT_DRAG && a)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "joint: a drag's body_a must be 0, the world");
@@ -110,7 +111,8 @@ static void unlink_joint(daft_world *world, uint32_t index, int side)
         world->bodies[joint->body[side]].first_joint = next;
 }
 
-/* The bodies that joints keep one from touching: pairs are asked for them all the time, and most are made one after another. */
+/* The bodies that joints keep one from touching: pairs are asked for them all the time, and most are made one after
+ * another. */
 static void set_joined(daft_world *world, uint32_t index)
 {
     if (index == DAFT_SIM_NONE) return;
@@ -259,7 +261,6 @@ void daft_world_remove_joint(daft_world *world, uint32_t handle)
 {
     if (find_joint(world, handle)) daft_sim_joint_remove(world, handle - 1, false);
 }
-
 
 void daft_sim_joints_break(daft_world *world)
 {

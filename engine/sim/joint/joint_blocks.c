@@ -26,7 +26,8 @@ bool daft_sim_joints_colour(daft_world *world, uint32_t most[DAFT_SIM_CLASSES])
         bool yields_a = daft_sim_row_yields(s, a), yields_b = daft_sim_row_yields(s, b);
         if (yields_a) s->constrained[a] |= DAFT_SIM_JOINTED;
         if (yields_b) s->constrained[b] |= DAFT_SIM_JOINTED;
-        size_t place_a = yields_a ? daft_sim_colour_place(joint->body[0]) : 0, place_b = yields_b ? daft_sim_colour_place(joint->body[1]) : 0;
+        size_t place_a = yields_a ? daft_sim_colour_place(joint->body[0]) : 0,
+               place_b = yields_b ? daft_sim_colour_place(joint->body[1]) : 0;
         uint32_t class = !(yields_a && yields_b), colour = daft_sim_colour_take(s, place_a, place_b, class);
         if (colour >= most[class]) most[class] = colour + 1;
         s->constraints[s->constraint_count++] = (daft_sim_constraint){i, a, b, colour << 1 | class};
@@ -71,7 +72,8 @@ bool daft_sim_joints_place(daft_world *world, const uint32_t most[2])
     size_t colours = (size_t)most[0] + most[1], bins = colours * PARTS;
     s->joint_count = (uint32_t)s->constraint_count;
     if (!daft_grow(&world->allocator, &s->joint_bins, &s->joint_bin_capacity, bins, 0, sizeof *s->joint_bins) ||
-        !daft_grow(&world->allocator, &s->joint_colours, &s->joint_colour_capacity, colours, 0, sizeof *s->joint_colours))
+        !daft_grow(&world->allocator, &s->joint_colours, &s->joint_colour_capacity, colours, 0,
+                   sizeof *s->joint_colours))
         return false;
     if (bins) memset(s->joint_bins, 0, bins * sizeof *s->joint_bins);
     for (size_t i = 0; i < s->constraint_count; i++) ++*bin_of(world, &s->constraints[i], most);
@@ -95,14 +97,12 @@ static float longer_than_before(const daft_world *world, const daft_sim_joint_sl
 {
     float before = 0;
     for (int i = 0; i < 2; i++)
-        if (slot->row[i] > world->scratch.solver->mover_count) before = world->bodies[world->scratch.solver->row_bodies[slot->row[i]]].h;
+        if (slot->row[i] > world->scratch.solver->mover_count)
+            before = world->bodies[world->scratch.solver->row_bodies[slot->row[i]]].h;
     return before > 0 && before != world->scratch.solver->h ? world->scratch.solver->h / before : 1;
 }
 
-static void put3(daft_sim_lanes *to, int lane, daft_vec3 v)
-{
-    to[0][lane] = v.x, to[1][lane] = v.y, to[2][lane] = v.z;
-}
+static void put3(daft_sim_lanes *to, int lane, daft_vec3 v) { to[0][lane] = v.x, to[1][lane] = v.y, to[2][lane] = v.z; }
 
 /* Gives where the side's anchor is counted from: the centre, or in the world the anchor itself. */
 static daft_dvec3 find_side(const daft_world *world, const daft_sim_joint_slot *slot, int i, int lane,
@@ -115,9 +115,9 @@ static daft_dvec3 find_side(const daft_world *world, const daft_sim_joint_slot *
     return none ? j->fixed : world->bodies[j->body[i]].centre;
 }
 
-/* Of how far a joint is open of something that is fast and touches, so much is left to its springs: a limb that is struck again in
- * each step would be torn off bit by bit. What is slow, or touches nothing, is stretched by what it carries, and springs alone keep
- * its energy. */
+/* Of how far a joint is open of something that is fast and touches, so much is left to its springs: a limb that is
+ * struck again in each step would be torn off bit by bit. What is slow, or touches nothing, is stretched by what it
+ * carries, and springs alone keep its energy. */
 #define LEFT_OPEN 0.6f
 #define FAST      4.0f /* m/s */
 

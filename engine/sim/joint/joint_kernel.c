@@ -10,12 +10,13 @@
 
 /* Rigid joints are springs as stiff as the substeps allow. */
 #define JOINT_HERTZ_FRACTION 0.35f /* of the substeps' rate */
-#define JOINT_DAMPING     5.0f
-#define NO_LIMIT          3e38f
-#define MAX_IMPULSE      1e37f /* what is beyond is forgotten, and so is what is not finite */
+#define JOINT_DAMPING        5.0f
+#define NO_LIMIT             3e38f
+#define MAX_IMPULSE          1e37f /* what is beyond is forgotten, and so is what is not finite */
 
-/* Where a blow moves the anchors apart by more than they were, in metres, the bodies are put back, without a change of velocity. What
- * was apart before the step is left to springs: joints that cannot all be held would toss their bodies about. */
+/* Where a blow moves the anchors apart by more than they were, in metres, the bodies are put back, without a change of
+ * velocity. What was apart before the step is left to springs: joints that cannot all be held would toss their bodies
+ * about. */
 #define MAX_OPEN 0.003f
 
 /* ---- constraints ---- */
@@ -89,7 +90,8 @@ DAFT_INLINE void solve_brake(pass *p)
 DAFT_INLINE vf free_speed(const pass *p)
 {
     const joint_block *block = p->block;
-    vf speed = vf3_dot(load3(block->free_arm[1], p->lane), p->b.w) - vf3_dot(load3(block->free_arm[0], p->lane), p->a.w);
+    vf speed =
+        vf3_dot(load3(block->free_arm[1], p->lane), p->b.w) - vf3_dot(load3(block->free_arm[0], p->lane), p->a.w);
     if (is_angular(block)) return speed;
     return speed + vf3_dot(load3(block->along, p->lane), vf3_sub(p->b.v, p->a.v));
 }
@@ -126,8 +128,8 @@ DAFT_INLINE void solve_free(pass *p, vf bias, softness s, float *impulse, vf low
     push_free(p, wanted - old);
 }
 
-/* What is within a limit may reach it in this substep and no more. Mostly it does not, in any lane. `speed`: in the free
- * direction, before and after. */
+/* What is within a limit may reach it in this substep and no more. Mostly it does not, in any lane. `speed`: in the
+ * free direction, before and after. */
 DAFT_INLINE void solve_limit(pass *p, float sign, vf room, float *impulse, vf *speed)
 {
     softness s = stiff(p);
@@ -147,7 +149,8 @@ DAFT_INLINE void solve_limits(pass *p, vf value)
     joint_block *block = p->block;
     vf lower = vf_load(block->lower + p->lane), upper = vf_load(block->upper + p->lane);
     if (block->kind == DAFT_JOINT_HINGE) { /* beyond a limit is not beyond the other */
-        vf turn = vf_set((float)(2 * DAFT_PI)), half = vf_set((float)DAFT_PI), d = value - vf_set(0.5f) * (lower + upper);
+        vf turn = vf_set((float)(2 * DAFT_PI)), half = vf_set((float)DAFT_PI),
+           d = value - vf_set(0.5f) * (lower + upper);
         value = vf_if_then_else(vf_lt(half, d), value - turn, vf_if_then_else(vf_lt(d, -half), value + turn, value));
     }
     vf speed = free_speed(p);
@@ -206,9 +209,9 @@ DAFT_INLINE bool turns_with(const joint_block *block)
     return block->kind == DAFT_JOINT_HINGE || block->kind == DAFT_JOINT_SLIDER || block->kind == DAFT_JOINT_FIXED;
 }
 
-/* Whether the body's inertia about its anchor is many times its own. What holds it turned and what holds its anchor are solved in
- * turns, and each undoes much of what the other did: they have to give a little then. A ball of 0.2 m, hinged to the world 1 m away,
- * was thrown about at 50 m/s when they did not. */
+/* Whether the body's inertia about its anchor is many times its own. What holds it turned and what holds its anchor are
+ * solved in turns, and each undoes much of what the other did: they have to give a little then. A ball of 0.2 m, hinged
+ * to the world 1 m away, was thrown about at 50 m/s when they did not. */
 #define LONG_ARM 16.0f
 DAFT_INLINE vm is_long(const pass *p, int i)
 {
@@ -217,7 +220,8 @@ DAFT_INLINE vm is_long(const pass *p, int i)
 }
 
 /* Everything as the step begins. */
-DAFT_INLINE void prepare_lanes(const daft_sim_solver_bodies *rows, joint_block *block, const daft_sim_substep *substep, int lane)
+DAFT_INLINE void prepare_lanes(const daft_sim_solver_bodies *rows, joint_block *block, const daft_sim_substep *substep,
+                               int lane)
 {
     refresh_masses(rows, block, lane);
     vf3 arm[2];
@@ -259,8 +263,8 @@ DAFT_INLINE vf3 bend(vf3 w, vf3 arm, vf h)
     return vf3_scale(vf3_sub(inward, vf3_scale(straight, square)), vf_set(1) / (vf_set(1) + square));
 }
 
-/* The angular velocity a body will have in this substep, when forces have acted: as much more as in the last one, unless
- * that was a jolt. */
+/* The angular velocity a body will have in this substep, when forces have acted: as much more as in the last one,
+ * unless that was a jolt. */
 DAFT_INLINE vf3 expected_spin(joint_side *side, vf3 now, int lane)
 {
     vf3 change = vf3_sub(now, load3(side->spin, lane));
@@ -323,7 +327,8 @@ DAFT_INLINE bool twists(const joint_block *block)
            (block->kind == DAFT_JOINT_BALL && block->motor);
 }
 
-DAFT_INLINE void warm_start_lanes(const daft_sim_solver_bodies *rows, joint_block *block, const daft_sim_substep *substep, int lane)
+DAFT_INLINE void warm_start_lanes(const daft_sim_solver_bodies *rows, joint_block *block,
+                                  const daft_sim_substep *substep, int lane)
 {
     pass p = begin_pass(rows, block, lane, substep, true);
     lengthen_arm(&p);
@@ -390,8 +395,8 @@ DAFT_INLINE void add_sums(joint_block *block, int lane)
     if (twists(block)) store3(block->angular_sum, lane, vf3_add(load3(block->angular_sum, lane), angular));
 }
 
-DAFT_INLINE void relax_lanes(const daft_sim_solver_bodies *rows, joint_block *block, const daft_sim_substep *substep, bool place,
-                             bool turned_far, int lane)
+DAFT_INLINE void relax_lanes(const daft_sim_solver_bodies *rows, joint_block *block, const daft_sim_substep *substep,
+                             bool place, bool turned_far, int lane)
 {
     place_now now[2] = {0};
     for (int i = 0; (place || has_frames(block)) && i < 2; i++) now[i] = load_place(rows, block->side[i].row + lane);
@@ -407,7 +412,8 @@ DAFT_INLINE void relax_lanes(const daft_sim_solver_bodies *rows, joint_block *bl
 
 /* ---- what opened ---- */
 
-DAFT_INLINE void shift(const daft_sim_solver_bodies *rows, const pass *p, const quat *turn, int i, vf3 impulse, vbits open)
+DAFT_INLINE void shift(const daft_sim_solver_bodies *rows, const pass *p, const quat *turn, int i, vf3 impulse,
+                       vbits open)
 {
     const joint_side *side = &p->block->side[i];
     const int32_t *index = side->row + p->lane;
@@ -454,17 +460,20 @@ static void store(const daft_sim_joint_source *to, const joint_block *block, flo
 {
     for (int lane = 0; lane < block->lanes; lane += DAFT_VL) store_lanes(to, block, dt, lane);
 }
-static void prepare(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep)
+static void prepare(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count,
+                    const daft_sim_substep *substep)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) prepare_lanes(rows, &blocks[i], substep, lane);
 }
-static void warm_start(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep)
+static void warm_start(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count,
+                       const daft_sim_substep *substep)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) warm_start_lanes(rows, &blocks[i], substep, lane);
 }
-static void solve(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep)
+static void solve(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count,
+                  const daft_sim_substep *substep)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) {
@@ -480,8 +489,8 @@ static bool close(const daft_sim_solver_bodies *rows, joint_block *blocks, uint3
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) moved |= close_lanes(rows, &blocks[i], lane);
     return moved;
 }
-static void relax(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count, const daft_sim_substep *substep, bool place,
-                  bool turned_far)
+static void relax(const daft_sim_solver_bodies *rows, joint_block *blocks, uint32_t count,
+                  const daft_sim_substep *substep, bool place, bool turned_far)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL)

@@ -68,7 +68,8 @@ DAFT_INLINE softness make_soft(vf hertz, vf damping, vf h)
     vf omega = vf_set(2 * (float)DAFT_PI) * hertz, one = vf_set(1);
     vf a1 = vf_set(2) * damping + h * omega, a2 = h * omega * a1, a3 = one / (one + a2);
     vm some = vf_lt(zero(), omega);
-    return (softness){vf_if_then_else(some, omega / vf_if_then_else(some, a1, one), zero()), vf_if_then_else(some, a2 * a3, zero()), a3};
+    return (softness){vf_if_then_else(some, omega / vf_if_then_else(some, a1, one), zero()),
+                      vf_if_then_else(some, a2 * a3, zero()), a3};
 }
 DAFT_INLINE softness load_soft(const daft_sim_softness *s, int lane)
 {
@@ -87,15 +88,12 @@ DAFT_INLINE softness stiff(const pass *p)
     return (softness){zero(), vf_set(1), zero()};
 }
 /* Of a joint that gives as a whole, or is rigid. */
-DAFT_INLINE softness whole(const pass *p)
-{
-    return p->block->spring ? load_soft(&p->block->soft, p->lane) : stiff(p);
-}
+DAFT_INLINE softness whole(const pass *p) { return p->block->spring ? load_soft(&p->block->soft, p->lane) : stiff(p); }
 
 /* ---- small systems ---- */
 
-/* Of a symmetric, positive matrix, in the order of `symmetric`: l21, l31, l32 and the inverse of D, whose elements are not
- * below `least`. What rounding leaves of one that should be larger would make an impulse without bound. */
+/* Of a symmetric, positive matrix, in the order of `symmetric`: l21, l31, l32 and the inverse of D, whose elements are
+ * not below `least`. What rounding leaves of one that should be larger would make an impulse without bound. */
 DAFT_INLINE void factorise(const vf m[6], vf least, daft_sim_lanes *out, int lane)
 {
     vf floor = vf_max(least, vf_set(1e-7f) * vf_max(m[0], vf_max(m[3], m[5])));
@@ -157,8 +155,8 @@ DAFT_INLINE void load_masses(pass *p)
         p->arm[i] = load3(side->arm, p->lane);
     }
 }
-DAFT_INLINE pass begin_pass(const daft_sim_solver_bodies *rows, joint_block *block, int lane, const daft_sim_substep *substep,
-                            bool biased)
+DAFT_INLINE pass begin_pass(const daft_sim_solver_bodies *rows, joint_block *block, int lane,
+                            const daft_sim_substep *substep, bool biased)
 {
     pass p = {.block = block, .lane = lane, .h = vf_set(substep->h), .inv_h = vf_set(substep->inv_h), .biased = biased};
     load_masses(&p);

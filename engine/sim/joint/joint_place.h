@@ -129,14 +129,15 @@ DAFT_INLINE bool holds_limit(const joint_block *block)
     return block->limit && (block->kind == DAFT_JOINT_HINGE || (block->kind == DAFT_JOINT_BALL && !block->spring));
 }
 
-/* A twist at the limit draws the anchors apart, and what holds them together twists back: solved in turns, a bob on a long arm,
- * whose own inertia is a fiftieth of what it is about the joint, would sink into its limit and be thrown back by it. So both are solved
- * at once: with c the anchors' speed by a unit twist and K their response, the impulse -K⁻¹c goes with it, and what the twist
- * then does to the angle is less by c·K⁻¹c. */
+/* A twist at the limit draws the anchors apart, and what holds them together twists back: solved in turns, a bob on a
+ * long arm, whose own inertia is a fiftieth of what it is about the joint, would sink into its limit and be thrown back
+ * by it. So both are solved at once: with c the anchors' speed by a unit twist and K their response, the impulse -K⁻¹c
+ * goes with it, and what the twist then does to the angle is less by c·K⁻¹c. */
 DAFT_INLINE void place_limit(pass *p)
 {
     joint_block *block = p->block;
-    vf3 along = load3(block->along, p->lane), a = load3(block->free_push[0], p->lane), b = load3(block->free_push[1], p->lane);
+    vf3 along = load3(block->along, p->lane), a = load3(block->free_push[0], p->lane),
+        b = load3(block->free_push[1], p->lane);
     vf3 c = vf3_add(vf3_cross(a, p->arm[0]), vf3_cross(b, p->arm[1])), hold = solve3(block->point, p->lane, c);
     vf response = vf3_dot(along, vf3_add(a, b)), left = response - vf3_dot(c, hold);
     store3(block->limit_hold, p->lane, (vf3){-hold.x, -hold.y, -hold.z});

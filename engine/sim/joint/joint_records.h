@@ -12,7 +12,8 @@ enum { JOINT_ROWS = sizeof(daft_sim_joint) / 32, BODY_ROWS = sizeof(daft_sim_bod
 _Static_assert(sizeof(daft_sim_joint) % 32 == 0 && sizeof(daft_sim_body) % 32 == 0, "records are whole rows");
 _Static_assert(offsetof(daft_sim_body, rotation) % 16 == 0, "lanes load it");
 
-#define JOINT_ROW(joints, field) ((const float *)(const void *)((const char *)(joints) + offsetof(daft_sim_joint, field)))
+#define JOINT_ROW(joints, field)                                                                                       \
+    ((const float *)(const void *)((const char *)(joints) + offsetof(daft_sim_joint, field)))
 
 typedef struct places {
     int32_t row[DAFT_VL];

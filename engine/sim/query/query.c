@@ -63,10 +63,7 @@ static daft_rigid frame_of(const daft_world *world, uint32_t part)
     return daft_sim_part_frame(&world->bodies[world->parts[part].body], &world->parts[part]);
 }
 
-static double length_of(daft_dvec3 v)
-{
-    return sqrt(daft_ddot(v, v));
-}
+static double length_of(daft_dvec3 v) { return sqrt(daft_ddot(v, v)); }
 
 /* Neither NaN nor far beyond where bodies can be. */
 static bool is_sane(daft_dvec3 v)
@@ -182,8 +179,7 @@ static void visit_cast(void *context, uint32_t part)
     daft_rigid frame = frame_of(q->world, part), relative = daft_rigid_relative(&frame, &q->frame);
     daft_dvec3 motion = daft_rigid_to_local_vector(&frame, q->way.motion);
     daft_impact impact;
-    daft_impact_kind kind =
-        daft_shape_cast(q->shape, &relative, motion, &q->world->parts[part].shape, &impact);
+    daft_impact_kind kind = daft_shape_cast(q->shape, &relative, motion, &q->world->parts[part].shape, &impact);
     if (kind == DAFT_IMPACT_MISS) return;
     daft_sim_hit hit = hit_of(q->world, part, impact.part_b);
     hit.inside = kind == DAFT_IMPACT_OVERLAP;

@@ -1,5 +1,5 @@
-/* Walks through the trees of the broad phase, near boxes first. The first query after a step sees to it that they hold all
- * parts where they are. */
+/* Walks through the trees of the broad phase, near boxes first. The first query after a step sees to it that they hold
+ * all parts where they are. */
 #include "sim/query/walk.h"
 #include "sim/broad/broad.h"
 

@@ -79,12 +79,9 @@ static daft_rigid part_frame(const daft_sweep *sweep, const part *p, double t)
     return p->pose ? daft_rigid_mul(&frame, p->pose) : frame;
 }
 
-/* How far from the body's centre its core, without the rounding, gets: a ball does not come nearer by turning about its own
- * centre. Reaches are rounded up as much as the radius is here. */
-static double arm_of(const part *p)
-{
-    return fmax(0, p->reach - (double)(float)(p->proxy.radius * (1 + 0x1p-22)));
-}
+/* How far from the body's centre its core, without the rounding, gets: a ball does not come nearer by turning about its
+ * own centre. Reaches are rounded up as much as the radius is here. */
+static double arm_of(const part *p) { return fmax(0, p->reach - (double)(float)(p->proxy.radius * (1 + 0x1p-22))); }
 
 static daft_impact_kind advance(const job *j, const part *a, const part *b, daft_impact *out)
 {

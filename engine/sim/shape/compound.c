@@ -24,10 +24,7 @@ typedef struct tree_builder {
     uint32_t used;
 } tree_builder;
 
-static float middle(const daft_aabb *b, int axis)
-{
-    return daft_v3_at(b->low, axis) + daft_v3_at(b->high, axis);
-}
+static float middle(const daft_aabb *b, int axis) { return daft_v3_at(b->low, axis) + daft_v3_at(b->high, axis); }
 
 /* Insertion into order by the middle along an axis, then by number: quick enough for what a person puts together, and a
  * heap of shells where a program does (Shell 1959, gaps of Ciura 2001). */

@@ -53,7 +53,8 @@ static double gap_of_bounds(const daft_daabb *a, const daft_daabb *b, bool farth
 {
     double square = 0;
     for (int k = 0; k < 3; k++) {
-        double al = daft_dv3_at(a->low, k), ah = daft_dv3_at(a->high, k), bl = daft_dv3_at(b->low, k), bh = daft_dv3_at(b->high, k);
+        double al = daft_dv3_at(a->low, k), ah = daft_dv3_at(a->high, k), bl = daft_dv3_at(b->low, k),
+               bh = daft_dv3_at(b->high, k);
         double d = farthest ? fmax(ah - bl, bh - al) : fmax(0, fmax(bl - ah, al - bh));
         square += d * d;
     }

@@ -142,8 +142,8 @@ static daft_dvec3 nearest(const simplex *s)
 /* The nearest of the four faces that the origin is in front of; inside: all four stay. */
 static void solve_tetrahedron(simplex *s)
 {
-    static const uint8_t faces[4][4] = {
-        {0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}}; /* the last: opposite */
+    static const uint8_t faces[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}}; /* the last: opposite
+                                                                                                  */
     simplex best = *s;
     double least = INFINITY;
     for (int f = 0; f < 4; f++) {
@@ -235,11 +235,13 @@ static double closest_at(const core *s)
 static bool is_core(const daft_proxy *p) { return !p->is_box && !p->points && p->count <= 2; }
 
 /* At once, and exact: most of what is asked for is a ball or a capsule over a floor. */
-static bool core_distance(const daft_proxy *a, const daft_proxy *b, const daft_rigid *b_in_a, double limit, daft_gjk *out)
+static bool core_distance(const daft_proxy *a, const daft_proxy *b, const daft_rigid *b_in_a, double limit,
+                          daft_gjk *out)
 {
     daft_dvec3 p = daft_to_double(a->own[0]), q = daft_to_double(a->own[a->count - 1]);
     daft_dvec3 middle = daft_rigid_to_local(b_in_a, daft_dscale(daft_dadd(p, q), 0.5));
-    daft_dvec3 half = daft_rigid_to_local_vector(b_in_a, daft_dscale(daft_dsub(q, p), 0.5)), h = daft_to_double(b->half);
+    daft_dvec3 half = daft_rigid_to_local_vector(b_in_a, daft_dscale(daft_dsub(q, p), 0.5)),
+               h = daft_to_double(b->half);
     core s = {{middle.x, middle.y, middle.z}, {half.x, half.y, half.z}, {h.x, h.y, h.z}};
     double t = a->count > 1 ? closest_at(&s) : 0;
     daft_dvec3 gap = {beyond(&s, 0, t), beyond(&s, 1, t), beyond(&s, 2, t)};

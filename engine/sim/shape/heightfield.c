@@ -82,8 +82,8 @@ static uint32_t lay_levels(daft_height_field *f)
     }
 }
 
-daft_height_field *daft_height_field_create(const daft_allocator *allocator, const float *heights, uint32_t columns, uint32_t rows,
-                              float spacing_x, float spacing_z, daft_error *error)
+daft_height_field *daft_height_field_create(const daft_allocator *allocator, const float *heights, uint32_t columns,
+                                            uint32_t rows, float spacing_x, float spacing_z, daft_error *error)
 {
     if (!check(heights, columns, rows, spacing_x, spacing_z, error)) return NULL;
     daft_height_field *f = daft_alloc_zero(allocator, 1, sizeof *f);

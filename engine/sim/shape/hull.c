@@ -23,10 +23,7 @@ typedef struct polygons {
     uint16_t first[DAFT_HULL_MAX_FACES + 1];
 } polygons;
 
-static daft_dvec3 corner(const polygons *p, uint16_t vertex)
-{
-    return daft_to_double(p->points[p->used[vertex]]);
-}
+static daft_dvec3 corner(const polygons *p, uint16_t vertex) { return daft_to_double(p->points[p->used[vertex]]); }
 
 static void number_vertices(const daft_hull_mesh *mesh, polygons *p)
 {

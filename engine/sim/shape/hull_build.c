@@ -42,10 +42,7 @@ typedef struct builder {
     uint16_t stack[3 * MAX_FACES];
 } builder;
 
-static daft_dvec3 at(const builder *b, uint32_t point)
-{
-    return daft_to_double(b->points[point]);
-}
+static daft_dvec3 at(const builder *b, uint32_t point) { return daft_to_double(b->points[point]); }
 
 /* > 0: in front of the face. Exact. */
 static int side(const builder *b, const face *f, uint32_t point)

@@ -91,7 +91,8 @@ bool daft_shape_mass(const daft_sim_shape *s, double density, daft_mass *out)
     }
     case DAFT_GEOMETRY_HULL: {
         if (!(s->hull->cylinder > 0)) return hull_mass(s->hull, density, out);
-        double c = (double)s->hull->cylinder, h = (double)s->hull->high.y, m = out->mass = density * DAFT_PI * c * c * 2 * h;
+        double c = (double)s->hull->cylinder, h = (double)s->hull->high.y,
+               m = out->mass = density * DAFT_PI * c * c * 2 * h;
         diagonal(out->inertia, m * (c * c / 4 + h * h / 3), m * c * c / 2, m * (c * c / 4 + h * h / 3));
         return true;
     }

@@ -3,10 +3,7 @@
 
 /* ---- rigid frames ---- */
 
-daft_rigid daft_rigid_identity(void)
-{
-    return (daft_rigid){.m = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-}
+daft_rigid daft_rigid_identity(void) { return (daft_rigid){.m = {1, 0, 0, 0, 1, 0, 0, 0, 1}}; }
 
 daft_rigid daft_rigid_make(daft_dvec3 position, daft_quat rotation)
 {
@@ -199,10 +196,7 @@ static double corner_reach(daft_dvec3 low, daft_dvec3 high, daft_dvec3 from)
     return sqrt(x * x + y * y + z * z);
 }
 
-static double dlength(daft_dvec3 v)
-{
-    return sqrt(daft_ddot(v, v));
-}
+static double dlength(daft_dvec3 v) { return sqrt(daft_ddot(v, v)); }
 
 static double reach_of(const daft_sim_shape *s, daft_dvec3 from)
 {

@@ -3,8 +3,8 @@
  *
  *   shape.c, mass.c       making shapes, bounds, support, mass
  *   hull.c, hull_build.c  convex hulls from points
- *   mesh_shape.c          adjacency of a triangle mesh; heightfield.c: the same of a grid of heights; compound.c: children
- *   gjk.c, distance.c     distance and closest points; cast.c: sweeps; ray.c: rays
+ *   mesh_shape.c          adjacency of a triangle mesh; heightfield.c: the same of a grid of heights; compound.c:
+ * children gjk.c, distance.c     distance and closest points; cast.c: sweeps; ray.c: rays
  *
  * Public headers: shape.h triangles.h gjk.h
  *
@@ -185,9 +185,10 @@ daft_hull *daft_hull_create(const daft_allocator *allocator, const daft_vec3 *po
 /* Of the corners of a mesh's triangles, scaled. */
 daft_hull *daft_hull_create_mesh(const daft_allocator *allocator, const daft_trimesh *mesh, daft_vec3 scale,
                                  uint32_t max_vertices, daft_error *error);
-/* A prism of 32 sides that stands for a cylinder: mass, bounds and contacts are a cylinder's, so it rolls as one; rays and
- * casts meet the prism, which is 0.5 % of the radius within. */
-daft_hull *daft_hull_create_cylinder(const daft_allocator *allocator, float radius, float half_height, daft_error *error);
+/* A prism of 32 sides that stands for a cylinder: mass, bounds and contacts are a cylinder's, so it rolls as one; rays
+ * and casts meet the prism, which is 0.5 % of the radius within. */
+daft_hull *daft_hull_create_cylinder(const daft_allocator *allocator, float radius, float half_height,
+                                     daft_error *error);
 bool daft_shape_is_cylinder(const daft_sim_shape *s);
 void daft_hull_free(daft_hull *hull);
 
@@ -233,8 +234,8 @@ struct daft_height_field {
 };
 
 /* 2 to 16,384 columns and rows; spacings 1e-4 to 1e5 m; heights within 1e7 m, or NaN. */
-daft_height_field *daft_height_field_create(const daft_allocator *allocator, const float *heights, uint32_t columns, uint32_t rows,
-                              float spacing_x, float spacing_z, daft_error *error);
+daft_height_field *daft_height_field_create(const daft_allocator *allocator, const float *heights, uint32_t columns,
+                                            uint32_t rows, float spacing_x, float spacing_z, daft_error *error);
 void daft_height_field_free(daft_height_field *field);
 
 /* ---- compounds (compound.c) ---- */

@@ -219,7 +219,8 @@ static void sweep_mesh(const sweep *s, const daft_bvh *bvh)
 }
 
 /* Box of a field's block; false for a hole. */
-static bool block_box(const daft_height_field *f, uint32_t level, uint32_t x, uint32_t z, daft_dvec3 *low, daft_dvec3 *high)
+static bool block_box(const daft_height_field *f, uint32_t level, uint32_t x, uint32_t z, daft_dvec3 *low,
+                      daft_dvec3 *high)
 {
     const float *range = f->ranges + 2 * (size_t)(f->level_first[level] + z * f->level_columns[level] + x);
     if (isnan(range[0])) return false;

@@ -25,7 +25,8 @@ void daft_sim_angular_add(daft_world *world, uint32_t row)
         daft_sim_angular *fresh = &s->angular[s->angular_count++];
         memset(fresh, 0, sizeof *fresh);
         for (int lane = 0; lane < DAFT_SIM_LANES; lane++)
-            for (int k = 0; k < 4; k++) fresh->axes[k][lane] = fresh->moments[k % 3][lane] = 1; /* no lane divides by 0 */
+            for (int k = 0; k < 4; k++)
+                fresh->axes[k][lane] = fresh->moments[k % 3][lane] = 1; /* no lane divides by 0 */
     }
     daft_sim_angular *spin = &s->angular[s->angular_count - 1];
     int lane = spin->lanes++;

@@ -1,12 +1,11 @@
-/* Free rotation, in lanes. Semi-implicit Euler on the angular velocity gains energy where the moments of inertia differ,
- * and an implicit step of Newton's loses a fifth to a half of it in a minute. Here it is the implicit midpoint rule on
- * Euler's equations in the principal axes,
- *     I·w - h/2 (I·w) × w = L,                              w: in the middle of the substep; L: momentum at its start
- * whose solution keeps both |L| and the energy, since both are quadratic; turning the body by the Cayley map of h·w is
- * what takes L at the start to L at the end, so the momentum in the world stays what it is (Austin, Krishnaprasad and
- * Wang, "Almost Poisson Integration of Rigid Body Systems", J. Comput. Phys. 107, 1993; Lewis and Simo, J. Nonlinear
- * Sci. 4, 1994). Contacts and joints act on w in between. Velocities are floats, what is kept of them is computed in
- * double. */
+/* Free rotation, in lanes. Semi-implicit Euler on the angular velocity gains energy where the moments of inertia
+ * differ, and an implicit step of Newton's loses a fifth to a half of it in a minute. Here it is the implicit midpoint
+ * rule on Euler's equations in the principal axes, I·w - h/2 (I·w) × w = L,                              w: in the
+ * middle of the substep; L: momentum at its start whose solution keeps both |L| and the energy, since both are
+ * quadratic; turning the body by the Cayley map of h·w is what takes L at the start to L at the end, so the momentum in
+ * the world stays what it is (Austin, Krishnaprasad and Wang, "Almost Poisson Integration of Rigid Body Systems", J.
+ * Comput. Phys. 107, 1993; Lewis and Simo, J. Nonlinear Sci. 4, 1994). Contacts and joints act on w in between.
+ * Velocities are floats, what is kept of them is computed in double. */
 #include "sim/solve/lanes.h"
 
 enum { NEWTON_STEPS = 3 }; /* from the speed at the start: errors of |h·w|^2, ^4, ^8 … */
@@ -18,7 +17,10 @@ typedef struct vd3 {
     vd x, y, z;
 } vd3;
 
-DAFT_INLINE vd3 widen(vf3 a, int half) { return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)}; }
+DAFT_INLINE vd3 widen(vf3 a, int half)
+{
+    return (vd3){vd_promote_half(a.x, half), vd_promote_half(a.y, half), vd_promote_half(a.z, half)};
+}
 DAFT_INLINE vf3 narrow(const vd3 a[2])
 {
     return (vf3){vf_demote2(a[0].x, a[1].x), vf_demote2(a[0].y, a[1].y), vf_demote2(a[0].z, a[1].z)};
@@ -59,7 +61,8 @@ DAFT_INLINE quat load_axes(const daft_sim_solver_bodies *rows, const daft_sim_an
 /* A rotation however long the rounded quaternion is: what it is off by would add up to energy. */
 DAFT_INLINE axes make_axes(quat q, int half)
 {
-    vd x = vd_promote_half(q.x, half), y = vd_promote_half(q.y, half), z = vd_promote_half(q.z, half), w = vd_promote_half(q.w, half);
+    vd x = vd_promote_half(q.x, half), y = vd_promote_half(q.y, half), z = vd_promote_half(q.z, half),
+       w = vd_promote_half(q.w, half);
     vd s = 2 / (x * x + y * y + z * z + w * w);
     return (axes){{{1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)},
                    {s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w)},
@@ -72,11 +75,13 @@ DAFT_INLINE vd inverse_of(vd det)
     return (vd)((vl)(1 / det) & (vl)(det != none));
 }
 
-/* One step of Newton's: J·x = f by Cramer's rule; J, the derivative of f, is close to diag(I) for the turns of a substep. */
+/* One step of Newton's: J·x = f by Cramer's rule; J, the derivative of f, is close to diag(I) for the turns of a
+ * substep. */
 DAFT_INLINE vd3 newton_step(vd3 inertia, vd3 w, vd3 start, vd half_h)
 {
     vd3 l = vd3_mul(inertia, w), lw = vd3_cross(l, w), i = inertia;
-    vd3 f = {l.x - half_h * lw.x - i.x * start.x, l.y - half_h * lw.y - i.y * start.y, l.z - half_h * lw.z - i.z * start.z};
+    vd3 f = {l.x - half_h * lw.x - i.x * start.x, l.y - half_h * lw.y - i.y * start.y,
+             l.z - half_h * lw.z - i.z * start.z};
     /* d(I w × w) = -[w]× I + [I w]×; by columns. */
     vd3 a = {i.x, -half_h * (l.z - w.z * i.x), -half_h * (w.y * i.x - l.y)};
     vd3 b = {-half_h * (w.z * i.y - l.z), i.y, -half_h * (l.x - w.x * i.y)};
@@ -121,8 +126,8 @@ DAFT_INLINE void before_lanes(const daft_sim_solver_bodies *rows, daft_sim_angul
     store_body(rows->velocity, spin->row + lane, &b, used(spin, lane));
 }
 
-/* Changes of velocity within a step that turn the body by more in a step, in radians, are no part of the midpoint rule: the
- * momentum of a long body, seen in axes that are off by a part of that, would spin it about its length. */
+/* Changes of velocity within a step that turn the body by more in a step, in radians, are no part of the midpoint rule:
+ * the momentum of a long body, seen in axes that are off by a part of that, would spin it about its length. */
 #define MAX_JOLT 0.08f
 
 DAFT_INLINE void between_lanes(const daft_sim_solver_bodies *rows, daft_sim_angular *spin, float h, float dt, int lane)

@@ -1,7 +1,7 @@
 /* Rows for the bodies that move in this step, and colours for the constraints between them: constraints of one colour
  * share no body that yields, so they can be solved side by side (graph colouring as in Box2D v3). Each constraint takes
- * the lowest colour that is free at both its bodies, in the order of the active list; so the colours of one island are its
- * own, whatever else is in the world. Contacts with what does not yield come last: the solver ends with what cannot
+ * the lowest colour that is free at both its bodies, in the order of the active list; so the colours of one island are
+ * its own, whatever else is in the world. Contacts with what does not yield come last: the solver ends with what cannot
  * give way. */
 #include "sim/solve/solver.h"
 
@@ -13,8 +13,9 @@ enum {
     MASKED = 32, /* colours of each class that a body's mask tells; its further constraints climb level by level */
     CLASSES = DAFT_SIM_CLASSES,
     SIZES = DAFT_MANIFOLD_POINTS,
-    GROUPS = CLASSES + 1, /* of the second class first those with a mover, then those with what is still */
-    KINDS = 2 * GROUPS * SIZES /* of each group those that are not stiff and those that are; those of most points first */
+    GROUPS = CLASSES + 1,      /* of the second class first those with a mover, then those with what is still */
+    KINDS = 2 * GROUPS * SIZES /* of each group those that are not stiff and those that are; those of most points first
+                                */
 };
 
 #define UNUSED_SEPARATION 1e20f
@@ -64,7 +65,7 @@ static bool yields(const daft_world *world, uint32_t row) { return daft_sim_row_
 void daft_sim_colours_clear(daft_sim_solver *s, size_t place)
 {
     s->masks[place] = 0;
-    for (size_t class = 0; class < CLASSES; class++) s->levels[place * CLASSES + class] = 0;
+    for (size_t class = 0; class < CLASSES; class ++) s->levels[place * CLASSES + class] = 0;
 }
 
 uint32_t daft_sim_colour_take(daft_sim_solver *s, size_t a, size_t b, uint32_t class)
@@ -88,7 +89,8 @@ uint32_t daft_sim_colour_take(daft_sim_solver *s, size_t a, size_t b, uint32_t c
 /* Whether a pair that met is solved, as it yields somewhere: a does. */
 static bool is_solved(const daft_world *world, const daft_sim_active *entry)
 {
-    return entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS) && yields(world, world->scratch.solver->row_of[entry->body_a]);
+    return entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS) &&
+           yields(world, world->scratch.solver->row_of[entry->body_a]);
 }
 
 /* Room for rows, and for what there is of each; of each body, for its row. */
@@ -115,8 +117,8 @@ static bool reserve(daft_world *world, size_t rows)
            daft_grow(a, &s->contacts, &s->contact_capacity, manifolds, 0, sizeof *s->contacts);
 }
 
-/* Springs push each pair of a spot full of bodies apart, and those on the outside would get the sum of all their speeds.
- * So what overlaps deeply becomes no faster than one push, or than it or the other came. */
+/* Springs push each pair of a spot full of bodies apart, and those on the outside would get the sum of all their
+ * speeds. So what overlaps deeply becomes no faster than one push, or than it or the other came. */
 static void limit_depenetration(daft_world *world, uint32_t row, uint32_t other)
 {
     const daft_sim_solver *s = world->scratch.solver;
@@ -143,7 +145,8 @@ static void tell_rows(daft_world *world)
     for (uint32_t row = 1; row < s->row_count; row++) {
         uint32_t body = s->row_bodies[row];
         s->row_of[body] = row;
-        s->constrained[row] = yields(world, row) && s->masks[daft_sim_colour_place(body)] != 0 ? DAFT_SIM_IN_CONTACT : 0;
+        s->constrained[row] =
+            yields(world, row) && s->masks[daft_sim_colour_place(body)] != 0 ? DAFT_SIM_IN_CONTACT : 0;
     }
     memset(s->depenetration, 0, s->row_count * sizeof *s->depenetration);
     for (size_t i = 0; s->depenetrates && i < world->active.count; i++) {
@@ -154,7 +157,8 @@ static void tell_rows(daft_world *world)
     }
 }
 
-/* Islands share no body, so the colours that contacts take are those of their own islands, whichever substep rate these are of. */
+/* Islands share no body, so the colours that contacts take are those of their own islands, whichever substep rate these
+ * are of. */
 void daft_sim_contacts_colour(daft_world *world)
 {
     daft_sim_solver *s = world->scratch.solver;
@@ -162,20 +166,23 @@ void daft_sim_contacts_colour(daft_world *world)
     s->contact_colours[0] = s->contact_colours[1] = 0;
     s->depenetrates = false;
     daft_sim_colours_clear(s, 0);
-    for (size_t i = 0; i < world->awake.count; i++) daft_sim_colours_clear(s, daft_sim_colour_place(world->awake.items[i]));
+    for (size_t i = 0; i < world->awake.count; i++)
+        daft_sim_colours_clear(s, daft_sim_colour_place(world->awake.items[i]));
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
         if (!is_solved(world, entry)) continue;
         bool both = yields(world, s->row_of[entry->body_b]), stiff = entry->flags & DAFT_SIM_STIFF;
         size_t a = daft_sim_colour_place(entry->body_a), b = both ? daft_sim_colour_place(entry->body_b) : 0;
-        uint32_t class = !both, points = (entry->points + entry->manifolds - 1u) / entry->manifolds; /* where there are several: about */
+        uint32_t class = !both, points = (entry->points + entry->manifolds - 1u) / entry->manifolds; /* where there are
+                                                                                                        several: about
+                                                                                                      */
         s->contact_rows += 3u * entry->manifolds + entry->points;
         s->depenetrates |= (entry->flags & DAFT_SIM_DEPENETRATES) != 0;
         for (uint32_t k = 0; k < entry->manifolds; k++) {
             uint32_t colour = daft_sim_colour_take(s, a, b, class);
             if (colour >= s->contact_colours[class]) s->contact_colours[class] = colour + 1;
-            s->contacts[s->contact_count++] =
-                (daft_sim_coloured){entry->pair, k, entry->body_a, entry->body_b, colour << 1 | class, (uint8_t)points, stiff, false, 0};
+            s->contacts[s->contact_count++] = (daft_sim_coloured){
+                entry->pair, k, entry->body_a, entry->body_b, colour << 1 | class, (uint8_t)points, stiff, false, 0};
         }
     }
 }
@@ -219,7 +226,8 @@ static void count_kinds(daft_world *world, uint32_t *counts)
     }
 }
 
-/* Gives how many blocks those of any number of points take, from block `first` on; counts become their next free slots. */
+/* Gives how many blocks those of any number of points take, from block `first` on; counts become their next free slots.
+ */
 static uint32_t lay_sizes(uint32_t *counts, uint32_t first)
 {
     uint32_t slot = first * DAFT_SIM_LANES, next = slot;
@@ -239,7 +247,7 @@ static bool lay_out(daft_world *world)
     if (!daft_grow(&world->allocator, &s->colours, &s->colour_capacity, (size_t)most[0] + most[1], 0,
                    sizeof *s->colours))
         return false;
-    for (uint32_t class = 0; class < CLASSES; class++)
+    for (uint32_t class = 0; class < CLASSES; class ++)
         for (uint32_t colour = 0; colour < most[class]; colour++) {
             uint32_t *counts = &s->colour_counts[colour * KINDS], first = s->block_count, soft = 0;
             for (uint32_t stiff = 0; stiff < 2; stiff++) {
@@ -284,10 +292,7 @@ bool daft_sim_contacts_place(daft_world *world)
 
 /* ---- blocks ---- */
 
-static void put3(daft_sim_lanes *to, int lane, daft_vec3 v)
-{
-    to[0][lane] = v.x, to[1][lane] = v.y, to[2][lane] = v.z;
-}
+static void put3(daft_sim_lanes *to, int lane, daft_vec3 v) { to[0][lane] = v.x, to[1][lane] = v.y, to[2][lane] = v.z; }
 static daft_vec3 get3(daft_sim_lanes *from, int lane) { return daft_v3(from[0][lane], from[1][lane], from[2][lane]); }
 
 static daft_vec3 any_perpendicular(daft_vec3 n)
@@ -299,7 +304,8 @@ static daft_vec3 any_perpendicular(daft_vec3 n)
 static daft_vec3 surface_velocity_of(const daft_world *world, uint32_t body, uint32_t part)
 {
     daft_vec3 surface_velocity = world->parts[part].material.surface_velocity;
-    return daft_sim_is_zero(surface_velocity) ? surface_velocity : daft_quat_rotate(world->bodies[body].rotation, surface_velocity);
+    return daft_sim_is_zero(surface_velocity) ? surface_velocity
+                                              : daft_quat_rotate(world->bodies[body].rotation, surface_velocity);
 }
 
 /* What sticks has static friction. */
@@ -310,8 +316,8 @@ static float friction_of(const daft_world *world, const daft_sim_pair *pair, con
     if (!(pair->static_friction > pair->friction)) return pair->friction;
     const daft_sim_body *a = &world->bodies[pair->body_a], *b = &world->bodies[pair->body_b];
     daft_vec3 ra = manifold->points[0].anchor, rb = daft_add(ra, daft_to_float(daft_dsub(a->centre, b->centre)));
-    daft_vec3 v = daft_sub(daft_add(b->linear, daft_cross(b->angular, rb)),
-                           daft_add(a->linear, daft_cross(a->angular, ra)));
+    daft_vec3 v =
+        daft_sub(daft_add(b->linear, daft_cross(b->angular, rb)), daft_add(a->linear, daft_cross(a->angular, ra)));
     v = daft_sub(v, daft_scale(manifold->normal, daft_dot(v, manifold->normal)));
     return daft_length(v) < STICK_SPEED ? pair->static_friction : pair->friction;
 }
@@ -361,9 +367,10 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
         for (int k = 0; k < 2; k++) block->bend_a[k][lane] = block->bend_b[k][lane] = 1;
     }
     if (pair->surface_moves) {
-        daft_vec3 surface_velocity =
-            daft_sub(surface_velocity_of(world, pair->body_a, pair->part_a), surface_velocity_of(world, pair->body_b, pair->part_b));
-        block->surface_velocity[0][lane] = daft_dot(surface_velocity, t), block->surface_velocity[1][lane] = daft_dot(surface_velocity, u);
+        daft_vec3 surface_velocity = daft_sub(surface_velocity_of(world, pair->body_a, pair->part_a),
+                                              surface_velocity_of(world, pair->body_b, pair->part_b));
+        block->surface_velocity[0][lane] = daft_dot(surface_velocity, t),
+        block->surface_velocity[1][lane] = daft_dot(surface_velocity, u);
     }
     for (uint32_t i = 0; i < manifold->count; i++) {
         daft_sim_block_point *p = &block->point[i];
@@ -376,12 +383,12 @@ static void fill_lane(const daft_world *world, daft_sim_block *block, int lane, 
 /* The springs of contacts (Catto), heavily overdamped: 37.7 Hz at 240 substeps a second. One pass changes an impulse
  * by a fraction of what is wrong, so what is not solved fully acts as a spring of its own, without damping: it stays
  * stable as long as a contact forgets (soft_impulse / h) faster than it pushes (soft_mass·rate), which is
- * h·2π·hertz < 1. Stiffer ones make a pyramid sway; where they are too soft, substeps are shorter (substep_rate.c). Against what
- * does not yield overlap is undone faster and the impulse is rigid. */
+ * h·2π·hertz < 1. Stiffer ones make a pyramid sway; where they are too soft, substeps are shorter (substep_rate.c).
+ * Against what does not yield overlap is undone faster and the impulse is rigid. */
 #define HERTZ_FRACTION       0.157f /* of the substeps' rate */
-#define STIFF_HERTZ_FRACTION  0.4f   /* where passes are DAFT_SIM_STIFF_PASSES */
+#define STIFF_HERTZ_FRACTION 0.4f   /* where passes are DAFT_SIM_STIFF_PASSES */
 #define FIXED_HERTZ_FRACTION 0.5f
-#define CONTACT_DAMPING   10.0f
+#define CONTACT_DAMPING      10.0f
 
 static void make_soft(float hertz, float h, float out[3])
 {
@@ -419,8 +426,8 @@ void daft_sim_block_fill(daft_world *world, uint32_t index)
 static void store_lane(daft_sim_block *block, int lane, daft_sim_manifold *manifold)
 {
     daft_vec3 n = get3(block->normal, lane), t = get3(block->tangent, lane), u = daft_cross(n, t);
-    manifold->friction_impulse = daft_add(daft_scale(t, block->tangent_impulse[0][lane]),
-                                       daft_scale(u, block->tangent_impulse[1][lane]));
+    manifold->friction_impulse =
+        daft_add(daft_scale(t, block->tangent_impulse[0][lane]), daft_scale(u, block->tangent_impulse[1][lane]));
     manifold->twist_impulse = block->twist_impulse[lane];
     manifold->slip = daft_add(daft_scale(t, block->slip[0][lane]), daft_scale(u, block->slip[1][lane]));
     manifold->twist_slip = block->twist_slip[lane];

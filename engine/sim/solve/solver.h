@@ -15,7 +15,7 @@
 enum {
     DAFT_SIM_LANES = 16,
     DAFT_SIM_RATES = 6, /* an island takes 1, 2, 4 … times the world's substeps: the powers of two up to 32 */
-    DAFT_SIM_ROW = 8 /* floats: what lanes load and transpose at once */
+    DAFT_SIM_ROW = 8    /* floats: what lanes load and transpose at once */
 };
 
 /* One float per lane, in a cache line of their own. */
@@ -30,9 +30,9 @@ typedef struct daft_sim_block_point {
     daft_sim_lanes total;      /* summed over the step */
     /* What prepare makes: */
     daft_sim_lanes arm_b[3], push_a[3], push_b[3];
-    daft_sim_lanes mass;       /* effective */
-    daft_sim_lanes approach;   /* speed at which they meet, 0 or more */
-    daft_sim_lanes lever;      /* distance from where friction acts */
+    daft_sim_lanes mass;     /* effective */
+    daft_sim_lanes approach; /* speed at which they meet, 0 or more */
+    daft_sim_lanes lever;    /* distance from where friction acts */
 } daft_sim_block_point;
 
 /* Friction acts at the middle of a manifold's points, in two directions, and about the normal ("central friction", as
@@ -42,17 +42,18 @@ typedef struct daft_sim_block {
     uint32_t writes_a, writes_b;                  /* bits: lanes whose body yields */
     int32_t lanes, points;                        /* in use; most points of any lane */
     bool rolls, bounces;
-    bool still; /* no lane's b moves */
+    bool still;            /* no lane's b moves */
     bool shares;           /* some lane's floor is shared: */
-    daft_sim_lanes shared; /* 1 where b is one of several bodies of a floor: friction acts below a's centre, as on one */
+    daft_sim_lanes shared; /* 1 where b is one of several bodies of a floor: friction acts below a's centre, as on one
+                            */
     daft_sim_lanes normal[3], tangent[3]; /* the other tangent: normal × tangent */
     daft_sim_lanes apart[3];              /* from b's centre to a's: b's anchors are a's plus this; prepare's only */
     daft_sim_lanes rate, soft_mass, soft_impulse; /* of the contact's spring */
     daft_sim_lanes friction;
     daft_sim_lanes tangent_impulse[2];
     daft_sim_lanes slip[2], twist_slip; /* how far what sticks was dragged along: since when, see manifolds */
-    daft_sim_lanes surface_velocity[2];            /* the surfaces' speed along the tangents: a's less b's */
-    bool turns;                        /* some lane's bodies turn about the normal; those whose do not have zeros here: */
+    daft_sim_lanes surface_velocity[2]; /* the surfaces' speed along the tangents: a's less b's */
+    bool turns; /* some lane's bodies turn about the normal; those whose do not have zeros here: */
     daft_sim_lanes bend_a[2], bend_b[2]; /* along the tangents, from the centre to where friction acts; else 1 before
                                            prepare */
     daft_sim_lanes twist_impulse;
@@ -61,7 +62,7 @@ typedef struct daft_sim_block {
     /* What prepare makes: */
     daft_sim_lanes inv_mass_a, inv_mass_b;
     daft_sim_lanes arm_a[2][3], arm_b[2][3], push_a[2][3], push_b[2][3]; /* of friction, each tangent */
-    daft_sim_lanes tangent_mass[3];    /* inverse of the 2×2 matrix: 11, 12, 22 */
+    daft_sim_lanes tangent_mass[3];                                      /* inverse of the 2×2 matrix: 11, 12, 22 */
     daft_sim_lanes twist_a[3], twist_b[3], twist_mass;
     daft_sim_lanes rolling_mass;
     daft_sim_lanes inertia_a[6], inertia_b[6]; /* inverse; rolling's */
@@ -89,17 +90,18 @@ typedef struct daft_sim_solver_bodies {
                         fade far from the origin; 6: length of a substep */
     float *gain;     /* of velocity, per second, from gravity and forces; 6: 1 for bodies in free flight; 7: share
                         of the linear velocity that damping leaves in a substep */
-    float *turn;     /* rotation since the step began, a quaternion; 4 to 6: the way, as in `moved`; 7: 1 for constrained
-                        bodies whose moments differ, 2 if their inertia was changed in this substep */
-    float *mass;     /* inverse mass; inverse inertia xx, xy, xz, yy, yz, zz, as the body has turned if that is far; share
-                        of the angular velocity left */
+    float *turn; /* rotation since the step began, a quaternion; 4 to 6: the way, as in `moved`; 7: 1 for constrained
+                    bodies whose moments differ, 2 if their inertia was changed in this substep */
+    float *mass; /* inverse mass; inverse inertia xx, xy, xz, yy, yz, zz, as the body has turned if that is far; share
+                    of the angular velocity left */
 } daft_sim_solver_bodies;
 
 /* Where the solver puts the body of a row. */
 typedef struct daft_sim_target {
     daft_dvec3 centre;
     daft_quat rotation;
-    daft_dvec3 along; /* where it would get, along what it is pressed into; written for its own row only, as what follows: */
+    daft_dvec3 along; /* where it would get, along what it is pressed into; written for its own row only, as what
+                         follows: */
     daft_dvec3 stop;  /* where it gets, and how fast it is there */
     daft_quat stop_rotation;
     daft_vec3 linear;
@@ -113,10 +115,12 @@ typedef struct daft_sim_kernels {
     void (*refresh)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count);
     void (*warm_start)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count);
     /* biased: springs push overlap apart; otherwise the speed that gave is taken out again. */
-    void (*solve)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
-                  bool biased);
-    void (*bounce)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end);
-    void (*finish)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end);
+    void (*solve)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count,
+                  const daft_sim_substep *substep, bool biased);
+    void (*bounce)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count,
+                   const daft_sim_substep *end);
+    void (*finish)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count,
+                   const daft_sim_substep *end);
     /* Rows first..first + count. */
     void (*gain)(const daft_sim_solver_bodies *rows, uint32_t first, uint32_t count, float h);
     void (*move)(const daft_sim_solver_bodies *rows, uint32_t first, uint32_t count, float h);
@@ -132,7 +136,7 @@ typedef struct daft_sim_joint_kernels daft_sim_joint_kernels;
 /* Bodies in free rotation, side by side. */
 typedef struct daft_sim_angular {
     int32_t row[DAFT_SIM_LANES];
-    int32_t lanes; /* in use */
+    int32_t lanes;          /* in use */
     daft_sim_lanes axes[4]; /* principal, in the world, as the step begins: a quaternion */
     daft_sim_lanes moments[3], middle[3];
     double momentum[3][DAFT_SIM_LANES]; /* world axes */
@@ -140,8 +144,8 @@ typedef struct daft_sim_angular {
     daft_sim_lanes jolted; /* 1 where what constraints did in this substep leaves it its angular velocity */
 } daft_sim_angular;
 
-/* before: angular velocities become those of the middle of the substep; between, after constraints acted and before bodies
- * are turned: their impulses join the momentum; after: angular velocities become what the momentum asks for. */
+/* before: angular velocities become those of the middle of the substep; between, after constraints acted and before
+ * bodies are turned: their impulses join the momentum; after: angular velocities become what the momentum asks for. */
 typedef struct daft_sim_angular_kernels {
     void (*before)(const daft_sim_solver_bodies *rows, daft_sim_angular *spins, uint32_t count, float h);
     void (*between)(const daft_sim_solver_bodies *rows, daft_sim_angular *spins, uint32_t count, float h, float dt);
@@ -165,19 +169,20 @@ struct daft_sim_solver {
     size_t mark_capacity;
     struct daft_sim_depenetration {
         float speed, swing; /* m/s, of the centre and of turning */
-    } *depenetration; /* of rows that overlap something deeply: the most that they may have; 0, 0: no more than any other */
+    } * depenetration; /* of rows that overlap something deeply: the most that they may have; 0, 0: no more than any
+                          other */
     size_t depenetration_capacity;
     struct daft_sim_island {
         uint64_t asked; /* summed over the bodies */
         uint32_t bodies, contacts, rate;
         uint32_t before; /* substeps in the last step, the most of its bodies */
-        bool deep;   /* some overlap by so much that it is no load which presses them together */
-        bool joined; /* some have joints */
-        bool stiff;   /* its stiff contacts are solved as such */
+        bool deep;       /* some overlap by so much that it is no load which presses them together */
+        bool joined;     /* some have joints */
+        bool stiff;      /* its stiff contacts are solved as such */
         uint32_t stiff_contacts;
-        float pull;  /* substeps a second that its joints ask for */
-        bool fast;   /* some leave, within the step, the place that their contacts were found in */
-    } *islands;
+        float pull; /* substeps a second that its joints ask for */
+        bool fast;  /* some leave, within the step, the place that their contacts were found in */
+    } * islands;
     bool stiff; /* some are */
     size_t island_capacity;
     uint32_t island_count;
@@ -202,7 +207,7 @@ struct daft_sim_solver {
     struct daft_sim_slot {
         uint32_t pair, manifold, row_a, row_b;
         bool stiff; /* of all in its block */
-    } *slots;
+    } * slots;
     size_t slot_capacity;
 
     daft_sim_joint_block *joint_blocks;
@@ -211,7 +216,7 @@ struct daft_sim_solver {
     struct daft_sim_joint_slot { /* of each lane: */
         uint32_t joint;          /* DAFT_SIM_NONE: none */
         uint32_t row[2];
-    } *joint_slots;
+    } * joint_slots;
     size_t joint_slot_capacity;
     uint32_t *joint_bins; /* joint_blocks.c's scratch */
     size_t joint_bin_capacity;
@@ -225,26 +230,27 @@ struct daft_sim_solver {
     size_t mask_capacity, level_capacity;
     struct daft_sim_constraint { /* joints of one substep rate */
         uint32_t joint, row_a, row_b, colour;
-    } *constraints;
+    } * constraints;
     size_t constraint_capacity, constraint_count;
     struct daft_sim_coloured { /* contacts of all substep rates, in the order of the active list */
         uint32_t pair, manifold, body_a, body_b, colour;
         uint8_t points;
         bool loaded, stiff; /* it carries much; it is solved as such */
-        uint32_t kind; /* of contacts of as many points, which stand in a block; DAFT_SIM_NONE: of another substep rate */
-    } *contacts;
+        uint32_t kind; /* of contacts of as many points, which stand in a block; DAFT_SIM_NONE: of another substep rate
+                        */
+    } * contacts;
     size_t contact_capacity, contact_count;
     uint32_t contact_colours[2]; /* of each class */
-    uint32_t contact_rows; /* constraints of all contacts */
-    bool depenetrates; /* some bodies are to part slowly */
+    uint32_t contact_rows;       /* constraints of all contacts */
+    bool depenetrates;           /* some bodies are to part slowly */
     uint32_t *colour_counts;
     size_t colour_count_capacity;
 
     daft_sim_angular *angular; /* bodies whose moments of inertia differ, and that turn */
     size_t angular_capacity;
     uint32_t angular_count; /* blocks */
-    bool locks; /* some row's body must not move along some axis */
-    bool steady; /* no body's last substep was of another length than those now */
+    bool locks;             /* some row's body must not move along some axis */
+    bool steady;            /* no body's last substep was of another length than those now */
 
     daft_sim_target *targets; /* of rows */
     size_t target_capacity;
@@ -272,12 +278,16 @@ typedef struct daft_sim_depenetration daft_sim_depenetration;
 /* ---- colour.c ---- */
 
 enum { DAFT_SIM_CLASSES = 2 /* of constraints, 0: both bodies yield; 1: one of them */ };
-/* The masks and levels of bodies, by their indices; in the place before them, always free, stands all that does not yield. */
+/* The masks and levels of bodies, by their indices; in the place before them, always free, stands all that does not
+ * yield. */
 static inline size_t daft_sim_colour_place(uint32_t body) { return (size_t)body + 1; }
 void daft_sim_colours_clear(daft_sim_solver *solver, size_t place);
 /* The lowest colour that is free at both places, and takes it. */
 uint32_t daft_sim_colour_take(daft_sim_solver *solver, size_t a, size_t b, uint32_t class);
-static inline bool daft_sim_row_yields(const daft_sim_solver *solver, uint32_t row) { return row > solver->mover_count; }
+static inline bool daft_sim_row_yields(const daft_sim_solver *solver, uint32_t row)
+{
+    return row > solver->mover_count;
+}
 /* Whether it is of an island that is being solved. */
 static inline bool daft_sim_row_is_solved(const daft_sim_solver *solver, uint32_t row)
 {
@@ -302,8 +312,8 @@ bool daft_sim_substep_load(const daft_world *world, daft_sim_manifold *manifold,
 void daft_sim_substep_ask(const daft_world *world, const daft_sim_pair *pair, float load, const daft_sim_slot *slot);
 /* Substeps a second that a body asks for, which asked for `now`, by what its row carried in this step. */
 float daft_sim_substep_demand_next(const daft_world *world, float now, uint32_t row);
-/* Finds islands and their substep rates, for which there is room, and beside them colours for contacts. False: all have the world's own
- * substep rate. */
+/* Finds islands and their substep rates, for which there is room, and beside them colours for contacts. False: all have
+ * the world's own substep rate. */
 bool daft_sim_substep_rates(daft_world *world, float dt);
 /* Whether a body's contacts that carry much are solved as stiff ones in this step. */
 bool daft_sim_is_stiff(const daft_world *world, uint32_t body);
@@ -319,9 +329,9 @@ bool daft_sim_integrates_angular(const daft_world *world, uint32_t row);
 void daft_sim_angular_add(daft_world *world, uint32_t row);
 /* Turns farther than this in a substep, in radians, are beyond the midpoint rule. */
 #define DAFT_SIM_WILD_TURN 0.8f
-/* Gives constrained rows first..first + count the inertia of their bodies as they have turned, if they turn far; true if some
- * do. The angular velocity is the same seen from the body, so its energy is; with the old inertia the next impulse could give
- * it many times that. */
+/* Gives constrained rows first..first + count the inertia of their bodies as they have turned, if they turn far; true
+ * if some do. The angular velocity is the same seen from the body, so its energy is; with the old inertia the next
+ * impulse could give it many times that. */
 bool daft_sim_angular_refresh(const daft_world *world, uint32_t first, uint32_t count, float dt);
 
 #endif

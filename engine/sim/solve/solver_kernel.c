@@ -49,8 +49,10 @@ DAFT_INLINE vf meeting_speed(const daft_sim_block_point *p, const body *a, const
 
 DAFT_INLINE void respond_friction(daft_sim_block *block, const sides *s, int lane)
 {
-    vf k11 = respond(s, load3(block->arm_a[0], lane), load3(block->arm_b[0], lane), block->push_a[0], block->push_b[0], lane);
-    vf k22 = respond(s, load3(block->arm_a[1], lane), load3(block->arm_b[1], lane), block->push_a[1], block->push_b[1], lane);
+    vf k11 = respond(s, load3(block->arm_a[0], lane), load3(block->arm_b[0], lane), block->push_a[0], block->push_b[0],
+                     lane);
+    vf k22 = respond(s, load3(block->arm_a[1], lane), load3(block->arm_b[1], lane), block->push_a[1], block->push_b[1],
+                     lane);
     vf k12 = vf3_dot(load3(block->arm_a[0], lane), load3(block->push_a[1], lane)) +
              vf3_dot(load3(block->arm_b[0], lane), load3(block->push_b[1], lane));
     vf scale = inverse(k11 * k22 - k12 * k12);
@@ -217,13 +219,9 @@ DAFT_INLINE vf row_speed(const body *a, const body *b, vf3 along, const daft_sim
                          const daft_sim_lanes *arm_b, int lane)
 {
     if (!b) return -vf3_dot(along, a->v) - vf3_dot(load3(arm_a, lane), a->w);
-    return vf3_dot(along, vf3_sub(b->v, a->v)) + vf3_dot(load3(arm_b, lane), b->w) -
-           vf3_dot(load3(arm_a, lane), a->w);
+    return vf3_dot(along, vf3_sub(b->v, a->v)) + vf3_dot(load3(arm_b, lane), b->w) - vf3_dot(load3(arm_a, lane), a->w);
 }
-DAFT_INLINE vf3 relative(const vf3 *a, const vf3 *b)
-{
-    return b ? vf3_sub(*b, *a) : (vf3){-a->x, -a->y, -a->z};
-}
+DAFT_INLINE vf3 relative(const vf3 *a, const vf3 *b) { return b ? vf3_sub(*b, *a) : (vf3){-a->x, -a->y, -a->z}; }
 DAFT_INLINE void twist(const daft_sim_block *block, body *a, body *b, vf impulse, int lane)
 {
     a->w = vf3_sub(a->w, vf3_scale(load3(block->twist_a, lane), impulse));
@@ -296,8 +294,9 @@ DAFT_INLINE drag bent(const daft_sim_block *block, vf a, const vf *b, int lane)
     return d;
 }
 
-/* How far b's surface moved along a's in the step, beyond what moving surfaces carry it, in the directions of friction. What turns
- * about the normal moves along a circle: the second order of that is what a turntable's passenger would creep by. */
+/* How far b's surface moved along a's in the step, beyond what moving surfaces carry it, in the directions of friction.
+ * What turns about the normal moves along a circle: the second order of that is what a turntable's passenger would
+ * creep by. */
 DAFT_INLINE drag dragged(const daft_sim_block *block, const body *turn_a, const body *turn_b, vf3 n, vf3 t, vf3 u,
                          float elapsed, int lane)
 {
@@ -327,7 +326,8 @@ DAFT_INLINE vf turned_share(vf w, vf t)
 
 /* What turns about the normal has turned its arm since the step began, and its surface's velocity with it: by so much,
  * b's less a's, after `elapsed`. */
-DAFT_INLINE drag turned_velocity(const daft_sim_block *block, const body *a, const body *b, vf3 n, float elapsed, int lane)
+DAFT_INLINE drag turned_velocity(const daft_sim_block *block, const body *a, const body *b, vf3 n, float elapsed,
+                                 int lane)
 {
     vf t = vf_set(elapsed), wa = turned_share(vf3_dot(n, a->w), t);
     if (!b) return bent(block, wa, NULL, lane);
@@ -383,7 +383,8 @@ DAFT_INLINE void solve_twist(daft_sim_block *block, body *a, body *b, vf3 n, vf 
     if (s->on) speed = speed + s->rate * (slip + way);
     vf limit = vf_load(block->friction + lane) * lever_sum, old = vf_load(block->twist_impulse + lane);
     vf soft_mass = s->on ? s->mass : vf_set(1), soft_impulse = s->on ? s->impulse : vf_set(0);
-    vf free = old - soft_mass * vf_load(block->twist_mass + lane) * speed - soft_impulse * old, wanted = vf_min(vf_max(free, -limit), limit);
+    vf free = old - soft_mass * vf_load(block->twist_mass + lane) * speed - soft_impulse * old,
+       wanted = vf_min(vf_max(free, -limit), limit);
     vf_store(block->twist_impulse + lane, wanted);
     if (!s->on) vf_store(block->twist_slip + lane, vf_if_then_else(vf_lt(vf_abs(free), limit), slip, -way));
     twist(block, a, b, wanted - old, lane);
@@ -436,7 +437,8 @@ DAFT_INLINE demand point_demand(const daft_sim_block_point *p, vf moved, const b
     return d;
 }
 
-DAFT_INLINE void solve_point(daft_sim_block_point *p, body *a, body *b, masses m, vf3 n, const demand *d, vm solved, int lane)
+DAFT_INLINE void solve_point(daft_sim_block_point *p, body *a, body *b, masses m, vf3 n, const demand *d, vm solved,
+                             int lane)
 {
     vf speed = row_speed(a, b, n, p->arm_a, p->arm_b, lane), old = vf_load(p->impulse + lane);
     vf wanted = old - d->mass * (speed + d->bias) - d->soft_impulse * old;
@@ -446,8 +448,8 @@ DAFT_INLINE void solve_point(daft_sim_block_point *p, body *a, body *b, masses m
 }
 
 /* The points of a manifold share both bodies: going over them to and fro while these are at hand makes a tilting box
- * find its balance, for little more than the time of going once. A point that is alone in its manifold is gone over once,
- * whatever stands beside it in the block. */
+ * find its balance, for little more than the time of going once. A point that is alone in its manifold is gone over
+ * once, whatever stands beside it in the block. */
 enum { SWEEPS = 2 };
 
 typedef struct sums {
@@ -489,9 +491,13 @@ DAFT_INLINE void solve_lanes(const daft_sim_solver_bodies *rows, daft_sim_block 
     body *a = &all.a, *b = still ? NULL : &all.b, *turn_a = &turns.a, *turn_b = still ? NULL : &turns.b;
     masses m = {vf_load(block->inv_mass_a + lane), vf_load(block->inv_mass_b + lane)};
     vf3 n = load3(block->normal, lane);
-    spring s = {.rate = vf_load(block->rate + lane), .mass = vf_load(block->soft_mass + lane),
-                .impulse = vf_load(block->soft_impulse + lane), .push_speed = vf_set(-substep->push_speed),
-                .inv_h = vf_set(substep->inv_h), .h = substep->h, .on = biased};
+    spring s = {.rate = vf_load(block->rate + lane),
+                .mass = vf_load(block->soft_mass + lane),
+                .impulse = vf_load(block->soft_impulse + lane),
+                .push_speed = vf_set(-substep->push_speed),
+                .inv_h = vf_set(substep->inv_h),
+                .h = substep->h,
+                .on = biased};
     sums sum = solve_points(block, a, b, m, n, turn_a, turn_b, &s, single, lane);
     if (single)
         forget_twist(block, a, b, n, turn_a, turn_b, &s, lane);
@@ -502,8 +508,8 @@ DAFT_INLINE void solve_lanes(const daft_sim_solver_bodies *rows, daft_sim_block 
     store_both(rows->velocity, block, &all, still, lane);
 }
 
-static void solve(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *substep,
-                  bool biased)
+static void solve(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count,
+                  const daft_sim_substep *substep, bool biased)
 {
     for (daft_sim_block *block = blocks; block < blocks + count; block++) {
         bool levers = block->points > 1 || block->shares; /* of friction, about the normal */
@@ -562,7 +568,8 @@ DAFT_INLINE void bounce_lanes(const daft_sim_solver_bodies *rows, daft_sim_block
     store_body(rows->velocity, ib, &b, block->writes_b >> lane);
 }
 
-static void bounce(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end)
+static void bounce(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count,
+                   const daft_sim_substep *end)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; blocks[i].bounces && lane < blocks[i].lanes; lane += DAFT_VL)
@@ -589,7 +596,8 @@ DAFT_INLINE void finish_lanes(const daft_sim_solver_bodies *rows, daft_sim_block
     vf_store(block->twist_slip + lane, vf_load(block->twist_slip + lane) + (twist_b - twist_a));
 }
 
-static void finish(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count, const daft_sim_substep *end)
+static void finish(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count,
+                   const daft_sim_substep *end)
 {
     for (uint32_t i = 0; i < count; i++)
         for (int lane = 0; lane < blocks[i].lanes; lane += DAFT_VL) finish_lanes(rows, &blocks[i], end->elapsed, lane);
@@ -597,8 +605,8 @@ static void finish(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, u
 
 /* ---- bodies ---- */
 
-/* Rows that follow each other, side by side, counted from the first; where fewer are left than there are lanes, the others are
- * the first again. */
+/* Rows that follow each other, side by side, counted from the first; where fewer are left than there are lanes, the
+ * others are the first again. */
 typedef struct row_lanes {
     size_t base; /* floats before the first row */
     const int32_t *index;
@@ -710,4 +718,5 @@ static uint32_t find_far(const daft_sim_solver_bodies *rows, uint32_t first, uin
     return far;
 }
 
-const daft_sim_kernels DAFT_KERNEL(daft_sim) = {prepare, refresh, warm_start, solve, bounce, finish, gain, move, find_far};
+const daft_sim_kernels DAFT_KERNEL(daft_sim) = {prepare, refresh, warm_start, solve,   bounce,
+                                                finish,  gain,    move,       find_far};

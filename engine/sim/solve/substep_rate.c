@@ -1,42 +1,42 @@
-/* How many substeps an island is taken in. The spring of a contact is as stiff as the length of a substep allows (colour.c),
- * so a load that is many times the weight of what it presses on needs shorter ones: what lies under it sinks by the
- * square of their length, and a column buckles. Of n cubes of side s, with a spring of frequency omega at each corner,
- * it stands while
- *     omega² > g n³ / s                    (Greenhill 1881, q L³ < 7.84 E I, with the springs as the column's E I)
- * and contacts can have omega = 1 / h. So each contact between bodies at rest to each other asks for a rate of substeps
- * by the load that it lately carried, and an island is taken in twice, four, eight times as many substeps as the world's
- * as its contacts ask, if they are so few that it does not matter. An island's substeps are its own, whatever else there
- * is. Bodies begin with the finest, so that what is made at rest does not sink before its loads are known.
+/* How many substeps an island is taken in. The spring of a contact is as stiff as the length of a substep allows
+ * (colour.c), so a load that is many times the weight of what it presses on needs shorter ones: what lies under it
+ * sinks by the square of their length, and a column buckles. Of n cubes of side s, with a spring of frequency omega at
+ * each corner, it stands while omega² > g n³ / s                    (Greenhill 1881, q L³ < 7.84 E I, with the springs
+ * as the column's E I) and contacts can have omega = 1 / h. So each contact between bodies at rest to each other asks
+ * for a rate of substeps by the load that it lately carried, and an island is taken in twice, four, eight times as many
+ * substeps as the world's as its contacts ask, if they are so few that it does not matter. An island's substeps are its
+ * own, whatever else there is. Bodies begin with the finest, so that what is made at rest does not sink before its
+ * loads are known.
  *
- * Where that is too much work, as for a column that stands in an island of hundreds, or where there are joints, the few contacts that
- * carry much are made stiff instead: their springs are solved several times in a substep, which spreads what each does
- * along the column, and so may be stiffer. A column of 20 then sinks by 16 mm instead of 1, and stands.
+ * Where that is too much work, as for a column that stands in an island of hundreds, or where there are joints, the few
+ * contacts that carry much are made stiff instead: their springs are solved several times in a substep, which spreads
+ * what each does along the column, and so may be stiffer. A column of 20 then sinks by 16 mm instead of 1, and stands.
  *
- * Joints ask by their bodies' masses: what a chain stretches by grows with the load at its end, in weights of its links, and
- * shrinks with the square of the substeps. */
+ * Joints ask by their bodies' masses: what a chain stretches by grows with the load at its end, in weights of its
+ * links, and shrinks with the square of the substeps. */
 #include "sim/solve/solver.h"
 #include "sim/sleep.h"
 
 #include <stdatomic.h>
 #include <string.h>
 
-#define LOAD_FRACTION 0.2f  /* of the last step in the load: a knock is no load */
-#define MAX_LOAD  1e30f /* N: it stays finite */
-#define STRAIN     6.5f  /* weights of the lighter body; what carries less asks for nothing */
-#define REST_SPEED 0.05f /* m/s, of one's fastest point against the other's */
-#define MARGIN     25.0f /* of omega²: columns sink by 2 mm at most, and do not only just stand */
-#define MIN_GRAVITY    1.0f  /* m/s²: where there is less gravity, what presses is no weight */
-#define COLUMN     2.5f  /* times the mean of what its bodies ask for is what an island gets */
-#define EVEN_MASSES 100.0f /* times the other's mass: a joint between bodies that differ by less asks for nothing, */
-#define EVEN_RATE   240.0f /* and one of so much would for as many substeps a second */
-#define FAST   0.1f  /* of its extent: if its fastest point moves by more in a step */
-#define STAYS      1.4f  /* times what is asked for, before an island takes fewer substeps: it would go to and fro */
-#define LASTS      0.9f  /* of what was asked for, in a step in which nothing asks */
+#define LOAD_FRACTION 0.2f   /* of the last step in the load: a knock is no load */
+#define MAX_LOAD      1e30f  /* N: it stays finite */
+#define STRAIN        6.5f   /* weights of the lighter body; what carries less asks for nothing */
+#define REST_SPEED    0.05f  /* m/s, of one's fastest point against the other's */
+#define MARGIN        25.0f  /* of omega²: columns sink by 2 mm at most, and do not only just stand */
+#define MIN_GRAVITY   1.0f   /* m/s²: where there is less gravity, what presses is no weight */
+#define COLUMN        2.5f   /* times the mean of what its bodies ask for is what an island gets */
+#define EVEN_MASSES   100.0f /* times the other's mass: a joint between bodies that differ by less asks for nothing, */
+#define EVEN_RATE     240.0f /* and one of so much would for as many substeps a second */
+#define FAST          0.1f   /* of its extent: if its fastest point moves by more in a step */
+#define STAYS         1.4f /* times what is asked for, before an island takes fewer substeps: it would go to and fro */
+#define LASTS         0.9f /* of what was asked for, in a step in which nothing asks */
 
 enum {
     MAX_SUBSTEPS = 32,
     MAX_WORK = 14400, /* contacts times substeps of an island; about half a millisecond */
-    MAX_STIFF = 32     /* stiff contacts of an island: a hundredth of the time that a thousand bodies take */
+    MAX_STIFF = 32    /* stiff contacts of an island: a hundredth of the time that a thousand bodies take */
 };
 
 float daft_sim_substep_demand_begin(void) { return MAX_SUBSTEPS * 60; }
@@ -84,7 +84,8 @@ static void raise(_Atomic uint32_t *to, float rate)
 {
     uint32_t bits, most = atomic_load_explicit(to, memory_order_relaxed);
     memcpy(&bits, &rate, sizeof bits);
-    while (bits > most && !atomic_compare_exchange_weak_explicit(to, &most, bits, memory_order_relaxed, memory_order_relaxed))
+    while (bits > most &&
+           !atomic_compare_exchange_weak_explicit(to, &most, bits, memory_order_relaxed, memory_order_relaxed))
         ;
 }
 
@@ -136,8 +137,8 @@ static void number_islands(daft_world *world)
     }
 }
 
-/* The least substep rate that does what is asked for within the work allowed. In a column, where loads grow evenly, bodies ask
- * for two fifths of what the lowest does on average; in a broad island for much less. */
+/* The least substep rate that does what is asked for within the work allowed. In a column, where loads grow evenly,
+ * bodies ask for two fifths of what the lowest does on average; in a broad island for much less. */
 static uint32_t rate_of(const daft_world *world, const daft_sim_island *island, float dt)
 {
     if (island->joined ? island->pull == 0 : island->contacts == 0 || island->deep || island->fast) return 0;
@@ -169,7 +170,10 @@ static void number_islands_or_colour(void *context, uint32_t index, uint32_t wor
 }
 
 /* Islands with joints get no shorter substeps for what bodies carry. */
-static float demand_of(const daft_sim_body *body) { return body->first_joint == DAFT_SIM_NONE ? body->substep_demand : 0; }
+static float demand_of(const daft_sim_body *body)
+{
+    return body->first_joint == DAFT_SIM_NONE ? body->substep_demand : 0;
+}
 
 static float max_demand(const daft_world *world)
 {
@@ -197,7 +201,8 @@ static void survey_contacts(daft_world *world)
 {
     for (size_t i = 0; i < world->active.count; i++) {
         const daft_sim_active *entry = &world->active.items[i];
-        if (!(entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS)) || world->scratch.solver->row_of[entry->body_a] == 0) continue;
+        if (!(entry->flags & (DAFT_SIM_FIXED | DAFT_SIM_JOINS)) || world->scratch.solver->row_of[entry->body_a] == 0)
+            continue;
         daft_sim_island *island = island_of(world, entry->body_a);
         island->contacts += entry->manifolds;
         island->deep |= (entry->flags & DAFT_SIM_DEEP) != 0;
@@ -211,11 +216,12 @@ static void join(daft_sim_island *island, float pull)
     island->pull = daft_sim_max(island->pull, pull);
 }
 
-/* Substeps a second that a joint asks for: a chain of 20 links stretches by a fiftieth of a link so. Joints expect the next
- * substep to be as long as the last, so this is of what stays: not the load, but the masses. */
+/* Substeps a second that a joint asks for: a chain of 20 links stretches by a fiftieth of a link so. Joints expect the
+ * next substep to be as long as the last, so this is of what stays: not the load, but the masses. */
 static float pull_of(const daft_world *world, const daft_sim_joint *joint)
 {
-    if (joint->kind == 0 || joint->spring || joint->body[0] == DAFT_SIM_NONE || joint->body[1] == DAFT_SIM_NONE) return 0;
+    if (joint->kind == 0 || joint->spring || joint->body[0] == DAFT_SIM_NONE || joint->body[1] == DAFT_SIM_NONE)
+        return 0;
     const daft_sim_body *a = &world->bodies[joint->body[0]], *b = &world->bodies[joint->body[1]];
     if (a->kind != DAFT_BODY_DYNAMIC || b->kind != DAFT_BODY_DYNAMIC) return 0;
     float ratio = daft_sim_max(a->mass, b->mass) * daft_sim_max(a->inv_mass, b->inv_mass);

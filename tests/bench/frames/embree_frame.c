@@ -30,28 +30,16 @@ typedef struct frame_job {
     uint32_t srgb[SRGB_STEPS]; /* words, which are gathered */
 } frame_job;
 
-static lanes splat(float x)
-{
-    return x - (lanes){0};
-}
-static lanes blend(mask m, lanes a, lanes b)
-{
-    return (lanes)(((mask)a & m) | ((mask)b & ~m));
-}
+static lanes splat(float x) { return x - (lanes){0}; }
+static lanes blend(mask m, lanes a, lanes b) { return (lanes)(((mask)a & m) | ((mask)b & ~m)); }
 static lanes load(const float from[16])
 {
     lanes x;
     memcpy(&x, from, sizeof x);
     return x;
 }
-static void store(lanes x, float to[16])
-{
-    memcpy(to, &x, sizeof x);
-}
-static lanes dot(lanes3 a, lanes3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
+static void store(lanes x, float to[16]) { memcpy(to, &x, sizeof x); }
+static lanes dot(lanes3 a, lanes3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 static lanes root(lanes x)
 {

@@ -117,21 +117,12 @@ double bench_frame_ms(bench_frame *frame)
     return bench_clock_ms(daft_engine_threads(frame->engine)) - start;
 }
 
-const daft_counters *bench_frame_counters(const bench_frame *frame)
-{
-    return daft_scene_counters(frame->scene);
-}
-const uint8_t *bench_frame_pixels(const bench_frame *frame)
-{
-    return daft_image_pixels(frame->image);
-}
+const daft_counters *bench_frame_counters(const bench_frame *frame) { return daft_scene_counters(frame->scene); }
+const uint8_t *bench_frame_pixels(const bench_frame *frame) { return daft_image_pixels(frame->image); }
 
 /* ---- against Embree ---- */
 
-static double frame_ours(void *context)
-{
-    return bench_frame_ms(context);
-}
+static double frame_ours(void *context) { return bench_frame_ms(context); }
 
 /* The camera moves by a millimetre to and fro, so each frame rebuilds the instance list and the TLAS. */
 static double frame_moved(void *context)

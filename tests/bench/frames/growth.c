@@ -17,10 +17,7 @@ typedef struct growth {
     bool wall;     /* use the wall clock for one thread too, because rows of more threads compare with it */
 } growth;
 
-static double frame_ms(void *context)
-{
-    return bench_frame_ms(context);
-}
+static double frame_ms(void *context) { return bench_frame_ms(context); }
 
 static double wall_ms(void *context)
 {
@@ -59,20 +56,11 @@ static void add_step(growth *g, const bench_scene *scene, const char *what, int 
     bench_frame_destroy(frame);
 }
 
-static growth begin(bench *self, const char *scene)
-{
-    return (growth){self, scene, -1, false};
-}
+static growth begin(bench *self, const char *scene) { return (growth){self, scene, -1, false}; }
 
-static bool to_the_end(const bench *self)
-{
-    return self->only != NULL;
-}
+static bool to_the_end(const bench *self) { return self->only != NULL; }
 
-static int threads_of(const bench *self)
-{
-    return self->threads ? self->threads : 1;
-}
+static int threads_of(const bench *self) { return self->threads ? self->threads : 1; }
 
 /* ---- triangles: a wavy wall that fills the picture ---- */
 

@@ -21,10 +21,7 @@ typedef struct show {
     int threads;
 } show;
 
-static void ignore(void *user, const daft_error *warning)
-{
-    (void)user, (void)warning;
-}
+static void ignore(void *user, const daft_error *warning) { (void)user, (void)warning; }
 
 static bool open_show(bench *self, const char *path, int threads, show *s, daft_error *error)
 {
@@ -50,8 +47,8 @@ static void close_show(show *s)
 static daft_camera sway(const daft_camera *from, int frame)
 {
     double turn = 2 * DAFT_PI * (frame + 0.5) / FRAMES, along = 0.4 * daft_sin(turn), across = 0.2 * daft_sin(2 * turn);
-    double c = daft_cos((double)from->yaw),
-           s = daft_sin((double)from->yaw); /* yaw 0 looks along +X, positive turns to +Z */
+    double c = daft_cos((double)from->yaw), s = daft_sin((double)from->yaw); /* yaw 0 looks along +X, positive turns to
+                                                                                +Z */
     daft_camera camera = *from;
     camera.position.x += along * c - across * s, camera.position.z += along * s + across * c;
     camera.yaw += (float)(6 * DAFT_PI / 180 * daft_sin(turn));

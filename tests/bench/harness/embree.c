@@ -198,13 +198,7 @@ static double camera_ms(bench_embree *self, const bench_view *view, uint64_t *hi
 static const bench_embree_api API = {"Embree " RTC_VERSION_STRING, create, create_scene, destroy, build_ms, camera_ms,
                                      bench_embree_frame_ms};
 
-const bench_embree_api *bench_find_embree(void)
-{
-    return &API;
-}
+const bench_embree_api *bench_find_embree(void) { return &API; }
 #else
-const bench_embree_api *bench_find_embree(void)
-{
-    return NULL;
-}
+const bench_embree_api *bench_find_embree(void) { return NULL; }
 #endif

@@ -42,14 +42,8 @@ static const scene_entry SCENES[] = {
     {"interior", NULL, INTERIOR, 1},
 };
 
-size_t bench_scene_count(void)
-{
-    return DAFT_COUNT_OF(SCENES);
-}
-const char *bench_scene_name(size_t index)
-{
-    return SCENES[index].name;
-}
+size_t bench_scene_count(void) { return DAFT_COUNT_OF(SCENES); }
+const char *bench_scene_name(size_t index) { return SCENES[index].name; }
 
 /* ---- views ---- */
 
@@ -82,10 +76,7 @@ static void look_at_model(bench_scene *scene, scene_kind kind)
 
 /* ---- instances ---- */
 
-static float random_between(uint64_t *state, float low, float high)
-{
-    return low + (high - low) * bench_random(state);
-}
+static float random_between(uint64_t *state, float low, float high) { return low + (high - low) * bench_random(state); }
 
 /* Uniform over all rotations: Shoemake, "Uniform Random Rotations" (Graphics Gems III, 1992). */
 static daft_quat random_rotation(uint64_t *state)

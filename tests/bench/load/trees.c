@@ -25,10 +25,7 @@ typedef struct tree_job {
     daft_kdtree *kdtree;
 } tree_job;
 
-static double mtris(const tree_job *job, double ms)
-{
-    return job->mesh.triangle_count / ms / 1e3;
-}
+static double mtris(const tree_job *job, double ms) { return job->mesh.triangle_count / ms / 1e3; }
 
 static double build_bvh(void *context)
 {
@@ -109,14 +106,8 @@ static double trace(ray_job *job, int which)
     return RAYS / (daft_clock_ms() - start) / 1e3;
 }
 
-static double trace_first(void *context)
-{
-    return trace(context, 0);
-}
-static double trace_second(void *context)
-{
-    return trace(context, 1);
-}
+static double trace_first(void *context) { return trace(context, 0); }
+static double trace_second(void *context) { return trace(context, 1); }
 
 static void describe_rays(void *context, char *out, size_t size)
 {

@@ -36,8 +36,8 @@ static const svg_series METHOD[METHODS] = {
 
 typedef struct result {
     double ms;
-    uint64_t wrong, holes,
-        ghosts; /* holes: nothing is seen where something is; ghosts: something is seen where nothing is */
+    uint64_t wrong, holes, ghosts; /* holes: nothing is seen where something is; ghosts: something is seen where nothing
+                                      is */
 } result;
 
 typedef struct accuracy_job {
@@ -88,10 +88,7 @@ static bool run_all(const bench *self, accuracy_job *job)
 /* ---- hard scenes ---- */
 
 /* In -1..1. */
-static float noise(uint64_t *state)
-{
-    return 2 * bench_random(state) - 1;
-}
+static float noise(uint64_t *state) { return 2 * bench_random(state) - 1; }
 
 typedef struct soup {
     daft_vec3 *positions;

@@ -126,10 +126,7 @@ static bool fill_rays(rays_job *job, rays_aim aim)
 
 /* ---- ours ---- */
 
-static uint32_t count_bits(uint32_t bits)
-{
-    return (uint32_t)__builtin_popcount(bits);
-}
+static uint32_t count_bits(uint32_t bits) { return (uint32_t)__builtin_popcount(bits); }
 
 static uint64_t trace_range(const rays_job *job, uint32_t first, uint32_t end)
 {
@@ -157,10 +154,7 @@ static void trace_task(void *context, uint32_t index, uint32_t worker)
     job->hits[worker] += trace_range(job, first, daft_min_u(first + RAYS_TASK, job->count));
 }
 
-static double mrays(const rays_job *job, double ms)
-{
-    return (double)job->count / ms / 1e3;
-}
+static double mrays(const rays_job *job, double ms) { return (double)job->count / ms / 1e3; }
 
 static double rays_ours(void *context)
 {

@@ -134,13 +134,7 @@ static double trace_ms(rays_embree *self, rays_how how, bool coherent, uint64_t 
 
 static const rays_embree_api API = {create, destroy, load, trace_ms};
 
-const rays_embree_api *rays_find_embree(void)
-{
-    return &API;
-}
+const rays_embree_api *rays_find_embree(void) { return &API; }
 #else
-const rays_embree_api *rays_find_embree(void)
-{
-    return NULL;
-}
+const rays_embree_api *rays_find_embree(void) { return NULL; }
 #endif

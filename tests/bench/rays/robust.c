@@ -138,10 +138,7 @@ static double percent(const robust_score *s, int tracer)
 {
     return s->asked ? 100 * (1 - (double)s->wrong[tracer] / (double)s->asked) : 100;
 }
-static double sample_ours(void *context)
-{
-    return percent(((const cell *)context)->score, 0);
-}
+static double sample_ours(void *context) { return percent(((const cell *)context)->score, 0); }
 static double sample_peer(void *context)
 {
     const cell *c = context;

@@ -50,10 +50,7 @@ static void *sphere_scene(void *context, daft_vec3 centre, float radius)
     return scene_of(self, geometry);
 }
 
-static void drop(void *scene)
-{
-    rtcReleaseScene(scene);
-}
+static void drop(void *scene) { rtcReleaseScene(scene); }
 
 static bool closest(void *scene, const daft_ray *ray, float *t)
 {

@@ -63,7 +63,8 @@ static void light_at(stage *s, daft_vec3 at)
 
 static void sun_from(stage *s, daft_vec3 to_light)
 {
-    s->light = (daft_light_source){.sun = true, .casts_shadow = true, .to_light = daft_normalize(to_light), .color = {1, 1, 1}};
+    s->light = (daft_light_source){
+        .sun = true, .casts_shadow = true, .to_light = daft_normalize(to_light), .color = {1, 1, 1}};
 }
 
 /* The model on the ground, from in front, to the side and above. */
@@ -76,23 +77,11 @@ static void model_on_ground(stage *s, float metres)
     add(s, 1, UPRIGHT, 1, daft_v3(0, 0, 0));
 }
 
-static void point_light(stage *s, float metres)
-{
-    model_on_ground(s, metres), light_at(s, daft_v3(-1.5f, 2, 1.5f));
-}
-static void sun(stage *s, float metres)
-{
-    model_on_ground(s, metres), sun_from(s, daft_v3(0.5f, 1, 0.3f));
-}
-static void far_light(stage *s, float metres)
-{
-    model_on_ground(s, metres), light_at(s, daft_v3(-6e3f, 8e3f, 6e3f));
-}
+static void point_light(stage *s, float metres) { model_on_ground(s, metres), light_at(s, daft_v3(-1.5f, 2, 1.5f)); }
+static void sun(stage *s, float metres) { model_on_ground(s, metres), sun_from(s, daft_v3(0.5f, 1, 0.3f)); }
+static void far_light(stage *s, float metres) { model_on_ground(s, metres), light_at(s, daft_v3(-6e3f, 8e3f, 6e3f)); }
 /* A hand's breadth from the ground, before the model. */
-static void low_light(stage *s, float metres)
-{
-    model_on_ground(s, metres), light_at(s, daft_v3(0.5f, 0.1f, 0.9f));
-}
+static void low_light(stage *s, float metres) { model_on_ground(s, metres), light_at(s, daft_v3(0.5f, 0.1f, 0.9f)); }
 
 static void thousand(stage *s, float metres)
 {

@@ -19,7 +19,8 @@ typedef struct shadow_embree_api {
     shadow_embree *(*create)(const daft_instance *instances, uint32_t count, bool two_level, int threads);
     void (*destroy)(shadow_embree *self);
     /* Milliseconds for packets of 16 rays from the origins to the light; *dark: the number that hit something. */
-    double (*occluded_ms)(shadow_embree *self, const shadow_origins *from, const daft_light_source *light, uint64_t *dark);
+    double (*occluded_ms)(shadow_embree *self, const shadow_origins *from, const daft_light_source *light,
+                          uint64_t *dark);
 } shadow_embree_api;
 
 /* NULL where Embree is not part of this build. */

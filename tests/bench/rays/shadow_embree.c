@@ -150,7 +150,8 @@ static void trace_chunk(void *context, uint32_t chunk, uint32_t worker)
     job->dark[worker] += dark;
 }
 
-static double occluded_ms(shadow_embree *self, const shadow_origins *from, const daft_light_source *light, uint64_t *dark)
+static double occluded_ms(shadow_embree *self, const shadow_origins *from, const daft_light_source *light,
+                          uint64_t *dark)
 {
     ray_job job = {.self = self, .from = from, .light = light};
     double start = bench_clock_ms(self->threads);
@@ -163,13 +164,7 @@ static double occluded_ms(shadow_embree *self, const shadow_origins *from, const
 
 static const shadow_embree_api API = {"Embree " RTC_VERSION_STRING, create, destroy, occluded_ms};
 
-const shadow_embree_api *shadow_find_embree(void)
-{
-    return &API;
-}
+const shadow_embree_api *shadow_find_embree(void) { return &API; }
 #else
-const shadow_embree_api *shadow_find_embree(void)
-{
-    return NULL;
-}
+const shadow_embree_api *shadow_find_embree(void) { return NULL; }
 #endif

@@ -14,10 +14,7 @@ typedef struct camera_job {
     bench_embree *embree;
 } camera_job;
 
-static double mrays(double ms)
-{
-    return ms < 0 ? -1 : BENCH_WIDTH * BENCH_HEIGHT / ms / 1e3;
-}
+static double mrays(double ms) { return ms < 0 ? -1 : BENCH_WIDTH * BENCH_HEIGHT / ms / 1e3; }
 
 static double camera_exact(void *context)
 {

@@ -58,14 +58,8 @@ static double sample(job *j, side *s)
     return good ? s->ms : -1;
 }
 
-static double sample_ours(void *context)
-{
-    return sample(context, &((job *)context)->sides[0]);
-}
-static double sample_peer(void *context)
-{
-    return sample(context, &((job *)context)->sides[1]);
-}
+static double sample_ours(void *context) { return sample(context, &((job *)context)->sides[0]); }
+static double sample_peer(void *context) { return sample(context, &((job *)context)->sides[1]); }
 
 /* Two of ours, step by step in turns, so that changes of the processor's clock and of the distance between virtual
  * processors meet both. */
@@ -127,10 +121,7 @@ static bench_subject subject_of(job *j, const char *scene, const char *what, ben
 
 /* ---- rows of faults ---- */
 
-static double mean_depth(const sim_faults *f)
-{
-    return f->points ? f->depth_sum / (double)f->points : 0;
-}
+static double mean_depth(const sim_faults *f) { return f->points ? f->depth_sum / (double)f->points : 0; }
 
 static void add_fault_row(const job *j, const char *scene, const char *what, double ours, double peer,
                           const char *counters, bench_budget budget)

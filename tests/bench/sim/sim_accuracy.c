@@ -103,10 +103,7 @@ static double error_of(const truth_case *c, const daft_dvec3 *frames, const daft
 }
 
 /* Without --only just the rate that games use. */
-static bool is_measured(const bench *self, size_t setting)
-{
-    return self->only || HZ[setting % RATES] == 60;
-}
+static bool is_measured(const bench *self, size_t setting) { return self->only || HZ[setting % RATES] == 60; }
 
 static bool measure_case(bench *self, const truth_case *c, report *all)
 {

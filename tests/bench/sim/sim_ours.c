@@ -83,10 +83,7 @@ static void *create(bench *owner, const sim_scene *scene, int threads)
     return NULL;
 }
 
-static bool step(void *world)
-{
-    return daft_world_step(((ours *)world)->world, 1.0f / BENCH_SIM_HZ, NULL);
-}
+static bool step(void *world) { return daft_world_step(((ours *)world)->world, 1.0f / BENCH_SIM_HZ, NULL); }
 
 static daft_rigid pose(void *world, uint32_t body)
 {

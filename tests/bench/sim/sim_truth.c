@@ -57,14 +57,8 @@ static daft_sim_state state_of(const truth_run *run, uint32_t body)
     return state;
 }
 
-static daft_dvec3 first_point(const truth_run *run)
-{
-    return state_of(run, 0).position;
-}
-static daft_dvec3 last_point(const truth_run *run)
-{
-    return state_of(run, run->body_count - 1).position;
-}
+static daft_dvec3 first_point(const truth_run *run) { return state_of(run, 0).position; }
+static daft_dvec3 last_point(const truth_run *run) { return state_of(run, run->body_count - 1).position; }
 
 /* ---- a projectile: x = v t, y = v t - g t^2 / 2 ---- */
 

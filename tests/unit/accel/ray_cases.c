@@ -1,15 +1,16 @@
 /* Runs hard rays from a CSV file, whose answers were decided with exact rational arithmetic, through every kernel that
- * applies and on every instruction set: ray_cases FILE.csv. Single rays take the BVH and the kd-tree, and the BVH in packets
- * and streams, too. The camera's pencil and its reference path apply where a picture of one pixel can be that ray without
- * rounding: see ask_pencil. Ends with the line `N passed, M failed`; exit status 1 if any failed, 2 for wrong usage. The
- * format is that of a file with the columns
+ * applies and on every instruction set: ray_cases FILE.csv. Single rays take the BVH and the kd-tree, and the BVH in
+ * packets and streams, too. The camera's pencil and its reference path apply where a picture of one pixel can be that
+ * ray without rounding: see ask_pencil. Ends with the line `N passed, M failed`; exit status 1 if any failed, 2 for
+ * wrong usage. The format is that of a file with the columns
  *   id,category,kind,group,mesh,g0..g8,ox,oy,oz,dx,dy,dz,tmin,tmax,expect,must,where,t,…
  * kind tri | sphere | aabb | mesh; numbers as strtof reads them, hex floats among them; mesh files are beside the CSV.
  *
- * What is ours to choose (must = policy): triangles are closed, so their edges and corners are hit; one without area, or seen
- * exactly edge-on, is missed; tmin and tmax belong to the interval; a tangent sphere is hit; a radius of 0 or less and a
- * direction of zero are missed. Such rows pass when all kernels agree and no hit holds a NaN. A group, the triangles around
- * an edge or a vertex, passes when some triangle is hit, and at most one by daft_line_hits, which counts crossings. */
+ * What is ours to choose (must = policy): triangles are closed, so their edges and corners are hit; one without area,
+ * or seen exactly edge-on, is missed; tmin and tmax belong to the interval; a tangent sphere is hit; a radius of 0 or
+ * less and a direction of zero are missed. Such rows pass when all kernels agree and no hit holds a NaN. A group, the
+ * triangles around an edge or a vertex, passes when some triangle is hit, and at most one by daft_line_hits, which
+ * counts crossings. */
 #include "accel/bvh.h"
 #include "geometry/mesh.h"
 #include "math/exact.h"
@@ -53,8 +54,10 @@ static void split(row *r)
         bool quoted = *in == '"';
         if (quoted) in++;
         while (*in && (quoted || (*in != ',' && *in != '\n' && *in != '\r'))) {
-            if (quoted && *in == '"' && *++in != '"') quoted = false;
-            else *out++ = *in++;
+            if (quoted && *in == '"' && *++in != '"')
+                quoted = false;
+            else
+                *out++ = *in++;
         }
         char end = *in;
         *out = 0;
@@ -114,9 +117,11 @@ static bool thing_mesh(thing *s)
 /* Through the door that users have: what is not finite is dropped there. */
 static bool thing_triangle(thing *s, const table *t, const row *r)
 {
-    const daft_vec3 p[3] = {vector(t, r, "g0", "g1", "g2"), vector(t, r, "g3", "g4", "g5"), vector(t, r, "g6", "g7", "g8")};
+    const daft_vec3 p[3] = {vector(t, r, "g0", "g1", "g2"), vector(t, r, "g3", "g4", "g5"),
+                            vector(t, r, "g6", "g7", "g8")};
     const uint32_t index[3] = {0, 1, 2};
-    daft_mesh_def def = {.cookie = DAFT_COOKIE, .positions = p, .vertex_count = 3, .indices = index, .triangle_count = 1};
+    daft_mesh_def def = {
+        .cookie = DAFT_COOKIE, .positions = p, .vertex_count = 3, .indices = index, .triangle_count = 1};
     return daft_trimesh_from_arrays(&s->allocator, &def, NULL, &s->mesh, NULL) && thing_mesh(s);
 }
 
@@ -153,14 +158,16 @@ typedef struct answer {
 } answer;
 
 /* The ray in fifteen lanes, one with a neighbour that goes elsewhere; and as a stream. */
-static bool agrees_in_company(const thing *s, const daft_ray *ray, const daft_accel_kernels *k, const daft_hit *expected)
+static bool agrees_in_company(const thing *s, const daft_ray *ray, const daft_accel_kernels *k,
+                              const daft_hit *expected)
 {
     bool found = expected->instance != UINT32_MAX, same = true;
     daft_ray_packet packet;
     daft_ray rays[DAFT_PACKET], elsewhere = *ray;
     daft_hit hits[DAFT_PACKET];
     elsewhere.direction = daft_v3(-ray->direction.y, ray->direction.z, ray->direction.x);
-    for (uint32_t i = 0; i < DAFT_PACKET; i++) rays[i] = i == 5 ? elsewhere : *ray, daft_ray_packet_set(&packet, i, &rays[i]);
+    for (uint32_t i = 0; i < DAFT_PACKET; i++)
+        rays[i] = i == 5 ? elsewhere : *ray, daft_ray_packet_set(&packet, i, &rays[i]);
     const uint32_t others = 0xffff & ~(1u << 5), stopped = k->occluded_packet(s->tlas, &packet, 0xffff);
     same &= (k->closest_packet(s->tlas, &packet, 0xffff, UINT32_MAX, hits) & others) == (found ? others : 0);
     same &= (stopped & others) == (found ? others : 0);
@@ -168,7 +175,8 @@ static bool agrees_in_company(const thing *s, const daft_ray *ray, const daft_ac
     uint32_t dark;
     k->closest_stream(s->tlas, rays, 4, UINT32_MAX, hits);
     k->occluded_stream(s->tlas, rays, 4, &dark);
-    for (uint32_t i = 0; i < 4; i++) same &= memcmp(&hits[i], expected, sizeof hits[i]) == 0 && (dark >> i & 1) == found;
+    for (uint32_t i = 0; i < 4; i++)
+        same &= memcmp(&hits[i], expected, sizeof hits[i]) == 0 && (dark >> i & 1) == found;
     return same;
 }
 
@@ -213,8 +221,8 @@ static bool move_to_eye(const thing *s, daft_vec3 o, daft_instance *out)
     return true;
 }
 
-/* A picture of one pixel whose ray is d: forward is the axis along which d is longest, d over a power of two there, and the
- * shift of the sample is the rest. False: the direction underflows. */
+/* A picture of one pixel whose ray is d: forward is the axis along which d is longest, d over a power of two there, and
+ * the shift of the sample is the rest. False: the direction underflows. */
 static bool pencil_along(daft_vec3 d, daft_pencil *out)
 {
     const daft_vec3 axis[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -228,7 +236,8 @@ static bool pencil_along(daft_vec3 d, daft_pencil *out)
         if (ldexpf(scaled, 1 + exponent) != c[i]) return false;
         c[i] = scaled;
     }
-    *out = (daft_pencil){.right = axis[(k + 1) % 3], .up = axis[(k + 2) % 3], .focal = fabsf(c[k]), .width = 1, .height = 1};
+    *out = (daft_pencil){
+        .right = axis[(k + 1) % 3], .up = axis[(k + 2) % 3], .focal = fabsf(c[k]), .width = 1, .height = 1};
     out->forward = c[k] > 0 ? axis[k] : daft_neg(axis[k]);
     out->shift_x = c[(k + 1) % 3], out->shift_y = c[(k + 2) % 3];
     return true;
@@ -242,7 +251,8 @@ static int ask_pencil(const thing *s, const daft_ray *ray)
     daft_raster raster;
     daft_error error;
     static daft_tile tile;
-    if (!(ray->tmin == 0) || !isinf(ray->tmax) || !daft_finite3(ray->origin) || !daft_finite3(ray->direction)) return -2;
+    if (!(ray->tmin == 0) || !isinf(ray->tmax) || !daft_finite3(ray->origin) || !daft_finite3(ray->direction))
+        return -2;
     if (!move_to_eye(s, ray->origin, &instance) || !pencil_along(ray->direction, &pencil)) return -2;
     daft_arena arena;
     daft_arena_init(&arena, &s->allocator);
@@ -264,8 +274,8 @@ static int ask_pencil(const thing *s, const daft_ray *ray)
     return seen;
 }
 
-/* Rows that say how it is within triangles or clearly outside: through an edge, a pencil's ray belongs to one triangle alone,
- * and the row may be about another. */
+/* Rows that say how it is within triangles or clearly outside: through an edge, a pencil's ray belongs to one triangle
+ * alone, and the row may be about another. */
 static bool pencil_is_right(table *t, const row *r, const thing *s, const daft_ray *ray)
 {
     const char *must = text(t, r, "must"), *least = text(t, r, "minbary"), *kind = text(t, r, "kind");
@@ -279,8 +289,10 @@ static bool pencil_is_right(table *t, const row *r, const thing *s, const daft_r
 
 static daft_ray ray_of(const table *t, const row *r)
 {
-    return (daft_ray){.origin = vector(t, r, "ox", "oy", "oz"), .direction = vector(t, r, "dx", "dy", "dz"),
-                      .tmin = number(t, r, "tmin"), .tmax = number(t, r, "tmax")};
+    return (daft_ray){.origin = vector(t, r, "ox", "oy", "oz"),
+                      .direction = vector(t, r, "dx", "dy", "dz"),
+                      .tmin = number(t, r, "tmin"),
+                      .tmax = number(t, r, "tmax")};
 }
 
 static void verdict(table *t, const row *r, bool pass, const char *why)
@@ -290,24 +302,30 @@ static void verdict(table *t, const row *r, bool pass, const char *why)
         return;
     }
     t->failed++;
-    printf("FAILED %s (%s %s, expect %s): %s\n", text(t, r, "id"), text(t, r, "kind"), text(t, r, "must"), text(t, r, "expect"), why);
+    printf("FAILED %s (%s %s, expect %s): %s\n", text(t, r, "id"), text(t, r, "kind"), text(t, r, "must"),
+           text(t, r, "expect"), why);
 }
 
 static bool near_enough(const table *t, const row *r, float found, double tolerance)
 {
     const char *expected = text(t, r, "t");
     if (isinf(found)) return strtod(expected, NULL) > 3.4e38; /* further than floats reach */
-    return !*expected || fabs((double)found - strtod(expected, NULL)) <= tolerance * fmax(1e-30, fabs(strtod(expected, NULL)));
+    return !*expected ||
+           fabs((double)found - strtod(expected, NULL)) <= tolerance * fmax(1e-30, fabs(strtod(expected, NULL)));
 }
 
 static void judge(table *t, const row *r, answer a)
 {
     const char *must = text(t, r, "must");
     bool expect = strcmp(text(t, r, "expect"), "hit") == 0;
-    if (!a.agree) verdict(t, r, false, "the kernels do not agree, or a hit holds a NaN");
-    else if (strcmp(must, "policy") == 0) verdict(t, r, true, "");
-    else if (a.hit != expect) verdict(t, r, false, a.hit ? "hit" : "missed");
-    else verdict(t, r, !a.hit || near_enough(t, r, a.t, 1e-3), "the distance is off");
+    if (!a.agree)
+        verdict(t, r, false, "the kernels do not agree, or a hit holds a NaN");
+    else if (strcmp(must, "policy") == 0)
+        verdict(t, r, true, "");
+    else if (a.hit != expect)
+        verdict(t, r, false, a.hit ? "hit" : "missed");
+    else
+        verdict(t, r, !a.hit || near_enough(t, r, a.t, 1e-3), "the distance is off");
 }
 
 static bool seen_before(table *t, int group, daft_vec3 sum)
@@ -326,7 +344,8 @@ static void group_add(table *t, const row *r, const daft_ray *ray, bool hit)
     if (i == MAX_GROUPS) return;
     if (i == t->group_count) snprintf(t->groups[t->group_count++].name, sizeof t->groups[i].name, "%s", name);
     t->groups[i].rows++, t->groups[i].hits += hit;
-    daft_vec3 a = vector(t, r, "g0", "g1", "g2"), b = vector(t, r, "g3", "g4", "g5"), c = vector(t, r, "g6", "g7", "g8");
+    daft_vec3 a = vector(t, r, "g0", "g1", "g2"), b = vector(t, r, "g3", "g4", "g5"),
+              c = vector(t, r, "g6", "g7", "g8");
     if (seen_before(t, i, daft_add(a, daft_add(b, c)))) return;
     t->groups[i].crossed += daft_line_hits(ray->origin, a, b, c, ray->direction);
 }
@@ -354,9 +373,12 @@ static void run_triangle(table *t, const row *r)
     }
     daft_ray ray = ray_of(t, r);
     answer a = ask(&s, &ray);
-    if (a.agree && strcmp(text(t, r, "must"), "group") == 0) group_add(t, r, &ray, a.hit);
-    else if (!pencil_is_right(t, r, &s, &ray)) verdict(t, r, false, "the pencil says otherwise");
-    else judge(t, r, a);
+    if (a.agree && strcmp(text(t, r, "must"), "group") == 0)
+        group_add(t, r, &ray, a.hit);
+    else if (!pencil_is_right(t, r, &s, &ray))
+        verdict(t, r, false, "the pencil says otherwise");
+    else
+        judge(t, r, a);
     thing_drop(&s);
 }
 
@@ -384,9 +406,12 @@ static void run_mesh(table *t, const row *r)
         for (int k = 0; k < 3; k++) along += w[k] * daft_ddot(q[k], daft_to_double(ray.direction));
         crossings += along > 0;
     }
-    if (crossings % 2 == 0) verdict(t, r, false, "an even number of crossings");
-    else if (!pencil_is_right(t, r, &s, &ray)) verdict(t, r, false, "the pencil says otherwise");
-    else judge(t, r, a);
+    if (crossings % 2 == 0)
+        verdict(t, r, false, "an even number of crossings");
+    else if (!pencil_is_right(t, r, &s, &ray))
+        verdict(t, r, false, "the pencil says otherwise");
+    else
+        judge(t, r, a);
     thing_drop(&s);
 }
 
@@ -397,9 +422,12 @@ static void run_sphere(table *t, const row *r)
     s.instance.to_frame.t[0] = centre.x, s.instance.to_frame.t[1] = centre.y, s.instance.to_frame.t[2] = centre.z;
     s.instance.radius = number(t, r, "g3");
     daft_ray ray = ray_of(t, r);
-    if (!thing_finish(&s)) verdict(t, r, false, "cannot be built");
-    else if (!pencil_is_right(t, r, &s, &ray)) verdict(t, r, false, "the pencil says otherwise");
-    else judge(t, r, ask(&s, &ray));
+    if (!thing_finish(&s))
+        verdict(t, r, false, "cannot be built");
+    else if (!pencil_is_right(t, r, &s, &ray))
+        verdict(t, r, false, "the pencil says otherwise");
+    else
+        judge(t, r, ask(&s, &ray));
     thing_drop(&s);
 }
 
@@ -417,19 +445,27 @@ static void run_box(table *t, const row *r)
         agree &= (bits == 0 || bits == 0xff) && (isa == 0 || hit == (bits != 0));
         hit = bits != 0;
     }
-    if (!agree) verdict(t, r, false, "the kernels do not agree");
-    else if (strcmp(text(t, r, "must"), "culls") == 0) verdict(t, r, true, "");
-    else verdict(t, r, hit == expect, hit ? "hit" : "missed");
+    if (!agree)
+        verdict(t, r, false, "the kernels do not agree");
+    else if (strcmp(text(t, r, "must"), "culls") == 0)
+        verdict(t, r, true, "");
+    else
+        verdict(t, r, hit == expect, hit ? "hit" : "missed");
 }
 
 static void run_row(table *t, const row *r)
 {
     const char *kind = text(t, r, "kind");
-    if (strcmp(kind, "tri") == 0) run_triangle(t, r);
-    else if (strcmp(kind, "sphere") == 0) run_sphere(t, r);
-    else if (strcmp(kind, "aabb") == 0) run_box(t, r);
-    else if (strcmp(kind, "mesh") == 0) run_mesh(t, r);
-    else verdict(t, r, false, "unknown kind");
+    if (strcmp(kind, "tri") == 0)
+        run_triangle(t, r);
+    else if (strcmp(kind, "sphere") == 0)
+        run_sphere(t, r);
+    else if (strcmp(kind, "aabb") == 0)
+        run_box(t, r);
+    else if (strcmp(kind, "mesh") == 0)
+        run_mesh(t, r);
+    else
+        verdict(t, r, false, "unknown kind");
 }
 
 int main(int argc, char **argv)

@@ -1,5 +1,5 @@
-/* accel: single rays through both levels find what brute force finds, the same on every instruction set, alone, in packets
- * and in streams; closed meshes leak no ray; degenerate inputs build in bounded depth and do no harm. */
+/* accel: single rays through both levels find what brute force finds, the same on every instruction set, alone, in
+ * packets and in streams; closed meshes leak no ray; degenerate inputs build in bounded depth and do no harm. */
 #include "fixtures.h"
 
 #include "math/exact.h"
@@ -57,10 +57,12 @@ static double brute(const scene *s, const daft_ray *ray)
         if (!instance->mesh) {
             double t;
             daft_vec3 c = {instance->to_frame.t[0], instance->to_frame.t[1], instance->to_frame.t[2]};
-            if (daft_pencil_sphere(daft_sub(c, ray->origin), instance->radius, ray->direction, &t)) nearest = fmin(nearest, t);
+            if (daft_pencil_sphere(daft_sub(c, ray->origin), instance->radius, ray->direction, &t))
+                nearest = fmin(nearest, t);
             continue;
         }
-        for (uint32_t k = 0; k < instance->mesh->triangle_count; k++) nearest = fmin(nearest, hit_triangle(instance, k, ray));
+        for (uint32_t k = 0; k < instance->mesh->triangle_count; k++)
+            nearest = fmin(nearest, hit_triangle(instance, k, ray));
     }
     return nearest;
 }
@@ -85,7 +87,8 @@ static void against_brute_force(void **unused)
     for (int i = 0; i < 24; i++) {
         daft_vec3 scale = daft_v3(random_float(0.3f, 2), random_float(0.3f, 2), i % 5 == 0 ? -0.7f : 1);
         instances[i] = i % 3 == 0 ? sphere_make(random_vec3(-8, 8), random_float(0.1f, 1.5f))
-                                  : instance_make(i % 3 == 1 ? &soup : &ball, affine_make(random_rotation(), scale, random_vec3(-8, 8)));
+                                  : instance_make(i % 3 == 1 ? &soup : &ball,
+                                                  affine_make(random_rotation(), scale, random_vec3(-8, 8)));
     }
     scene s;
     scene_build(&s, instances, 24);
@@ -98,7 +101,8 @@ static void against_brute_force(void **unused)
         daft_accel_kernels_for(0)->closest(s.tlas, &ray, UINT32_MAX, &hit);
         same_on_every_isa(&s, &ray, &hit);
         double expected = brute(&s, &ray);
-        bool same = isinf(expected) ? hit.instance == UINT32_MAX : fabs((double)hit.t - expected) < 1e-4 * (1 + expected);
+        bool same =
+            isinf(expected) ? hit.instance == UINT32_MAX : fabs((double)hit.t - expected) < 1e-4 * (1 + expected);
         disagreements += !same; /* rays that graze an edge may fall either way in floats */
         hits += hit.instance != UINT32_MAX;
     }
@@ -133,7 +137,8 @@ static void few_instances(void **unused)
             same_on_every_isa(&s, &ray, &hit);
             assert_true(count <= 2 || hit.instance != 1);
             double expected = brute(&s, &ray);
-            disagreements += isinf(expected) ? hit.instance != UINT32_MAX : !(fabs((double)hit.t - expected) < 1e-4 * (1 + expected));
+            disagreements += isinf(expected) ? hit.instance != UINT32_MAX
+                                             : !(fabs((double)hit.t - expected) < 1e-4 * (1 + expected));
             if (hit.instance == UINT32_MAX) continue;
             hits++;
             daft_accel_kernels_for(daft_isa_best())->closest(s.tlas, &ray, hit.instance, &second);
@@ -141,7 +146,8 @@ static void few_instances(void **unused)
             double beside = brute(&rest, &ray);
             rest.instances = instances + hit.instance + 1, rest.count = count - hit.instance - 1;
             beside = fmin(beside, brute(&rest, &ray));
-            disagreements += isinf(beside) ? second.instance != UINT32_MAX : !(fabs((double)second.t - beside) < 1e-4 * (1 + beside));
+            disagreements += isinf(beside) ? second.instance != UINT32_MAX
+                                           : !(fabs((double)second.t - beside) < 1e-4 * (1 + beside));
         }
         daft_arena_free(&s.arena);
     }
@@ -161,7 +167,8 @@ static void closed_meshes_leak_nothing(void **unused)
     for (int round = 0; round < 4; round++) {
         float k = round % 2 ? 1e5f : 1e-5f;
         fixture_mesh ball = mesh_ball(round < 2 ? 5 : 40, k, 0.15f);
-        daft_instance instance = instance_make(&ball, affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(0, 0, 0)));
+        daft_instance instance =
+            instance_make(&ball, affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(0, 0, 0)));
         scene s;
         scene_build(&s, &instance, 1);
         for (int i = 0; i < 100000; i++) {
@@ -228,8 +235,8 @@ static uint32_t random_active(void)
     return kind == 0 ? 0 : kind == 1 ? 1u << bits % 16 : kind < 5 ? 0xffff : bits;
 }
 
-static void check_packet(const daft_accel_kernels *k, const daft_tlas *tlas, const daft_ray *rays, const daft_hit *expected,
-                         const bool *stopped)
+static void check_packet(const daft_accel_kernels *k, const daft_tlas *tlas, const daft_ray *rays,
+                         const daft_hit *expected, const bool *stopped)
 {
     daft_ray_packet packet;
     daft_hit hits[DAFT_PACKET], untouched;
@@ -290,9 +297,11 @@ static void add_rays(company *c, const scene *s, int kind)
         const daft_instance *instance = &s->instances[random_bits() % s->count];
         if (kind == 1) ray = ray_make(random_vec3(-10, 10), random_vec3(-1, 1));
         if (kind == 2) ray.origin = daft_add(origin, random_vec3(-0.5f, 0.5f)); /* nearly parallel */
-        if (kind == 3) { /* grid directions and places */
-            ray.origin = daft_v3((float)(random_bits() % 9) - 4, (float)(random_bits() % 9) - 4, (float)(random_bits() % 9) - 4);
-            ray.direction = daft_v3((float)(random_bits() % 3) - 1, (float)(random_bits() % 3) - 1, (float)(random_bits() % 3) - 1);
+        if (kind == 3) {                                                        /* grid directions and places */
+            ray.origin =
+                daft_v3((float)(random_bits() % 9) - 4, (float)(random_bits() % 9) - 4, (float)(random_bits() % 9) - 4);
+            ray.direction =
+                daft_v3((float)(random_bits() % 3) - 1, (float)(random_bits() % 3) - 1, (float)(random_bits() % 3) - 1);
         }
         if (kind == 4 && instance->mesh) { /* at a vertex or at a point of an edge */
             const daft_trimesh *m = instance->mesh;
@@ -311,8 +320,10 @@ static void add_rays(company *c, const scene *s, int kind)
         if (kind == 6 && daft_accel_kernels_for(0)->closest(s->tlas, &ray, UINT32_MAX, &hit)) {
             /* limits right before, at and behind what is hit */
             float t = i % 3 == 0 ? nextafterf(hit.t, 0) : i % 3 == 1 ? hit.t : nextafterf(hit.t, INFINITY);
-            if (i % 2) ray.tmin = t;
-            else ray.tmax = t;
+            if (i % 2)
+                ray.tmin = t;
+            else
+                ray.tmax = t;
         }
         if (kind == 7) ray.tmin = random_float(-5, 5), ray.tmax = ray.tmin + random_float(-0.1f, 5);
         join_company(c, ray);
@@ -334,7 +345,8 @@ static void packets_and_streams(void **unused)
             if (i % 3 == 1)
                 for (int k = 0; k < 9; k++) map.m[k] += random_float(-0.2f, 0.2f); /* any affine map */
             if (i == 2 || count == 1) map = affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0));
-            instances[i] = i % 4 == 3 ? sphere_make(random_vec3(-5, 5), random_float(0.1f, 1.5f)) : instance_make(meshes[i % 3], map);
+            instances[i] = i % 4 == 3 ? sphere_make(random_vec3(-5, 5), random_float(0.1f, 1.5f))
+                                      : instance_make(meshes[i % 3], map);
             if (i % 7 == 6) instances[i].flags = 0;
         }
         if (count > 8) instances[8] = instances[4]; /* ties between instances */
@@ -345,7 +357,8 @@ static void packets_and_streams(void **unused)
             const daft_tlas *tlas = daft_tlas_build_for(&s.arena, instances, (uint32_t)count, &def, NULL);
             company c = {.count = 0};
             for (int i = 0; i < COMPANY / DAFT_PACKET; i++) {
-                bool odd = i % 8 == 5; /* floats alone do not know distances along rays that overflow: any order may win */
+                bool odd = i % 8 == 5; /* floats alone do not know distances along rays that overflow: any order may win
+                                        */
                 if (how == DAFT_INTERSECT_EXACT || !odd) add_rays(&c, &s, i % 8);
             }
             same_together(tlas, &c);
@@ -468,8 +481,8 @@ static int depth_of(const daft_bvh *bvh, uint32_t child)
     return most + 1;
 }
 
-/* Every instruction set finds the same hits, bit for bit, among instances that are only shifted: several in one place, flat
- * ones, from far away, and for rays with odd numbers. */
+/* Every instruction set finds the same hits, bit for bit, among instances that are only shifted: several in one place,
+ * flat ones, from far away, and for rays with odd numbers. */
 static void shifted_things(void **unused)
 {
     (void)unused;
@@ -549,7 +562,7 @@ static void degenerate_inputs(void **unused)
         for (uint32_t i = 0; i < COUNT; i++) {
             float at = kind == 2 ? powf(1.001f, (float)i) : kind == 3 ? (float)(i % 2) * 1e30f : 0;
             daft_vec3 spread = kind == 1 ? random_vec3(-1, 1) : daft_v3(0, 0, 0);
-            if (kind == 1) spread.y = 0; /* all in one plane */
+            if (kind == 1) spread.y = 0;                                 /* all in one plane */
             if (kind == 4 && i == 0) spread = daft_v3(1e6f, 1e6f, 1e6f); /* one huge among tiny ones */
             if (kind == 4) at = random_float(0, 1);
             p[3 * i] = daft_v3(at, 0, 0), p[3 * i + 1] = daft_add(daft_v3(at + 1, 0, 1), spread);
@@ -558,7 +571,8 @@ static void degenerate_inputs(void **unused)
         for (uint32_t count = 0; count <= COUNT; count = count < 2 ? count + 1 : count == 2 ? COUNT : COUNT + 1) {
             fixture_mesh m = mesh_make(p, 3 * COUNT, index, count);
             check_tree(&m);
-            daft_instance instance = instance_make(&m, affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0)));
+            daft_instance instance =
+                instance_make(&m, affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0)));
             scene s;
             scene_build(&s, &instance, 1);
             daft_ray ray = ray_make(daft_v3(0.2f, 0.1f, -5), daft_v3(0, 0, 1));

@@ -8,7 +8,8 @@
 static daft_affine random_map(void)
 {
     daft_affine map;
-    daft_quat turn = daft_quat_normalize((daft_quat){random_float(-1, 1), random_float(-1, 1), random_float(-1, 1), random_float(-1, 1)});
+    daft_quat turn = daft_quat_normalize(
+        (daft_quat){random_float(-1, 1), random_float(-1, 1), random_float(-1, 1), random_float(-1, 1)});
     double m[9];
     daft_quat_matrix(turn, m);
     bool straight = random_bits() % 8 == 0; /* along the axes, where sums are not sorted strictly */

@@ -1,5 +1,5 @@
-/* accel's builders: the same tree for any number of threads and any instruction set; every thing in exactly one place and
- * inside all boxes above it; inputs that defeat naive builders; memory that runs out at any moment. */
+/* accel's builders: the same tree for any number of threads and any instruction set; every thing in exactly one place
+ * and inside all boxes above it; inputs that defeat naive builders; memory that runs out at any moment. */
 #include "fixtures.h"
 #include "meter.h"
 
@@ -117,7 +117,8 @@ static void hard_triangle(hard_kind kind, uint32_t i, uint32_t count, daft_vec3 
     if (kind == HUGE_ONE && i == count / 2) small = 1e6f;
     out[0] = at;
     out[1] = daft_add(at, daft_v3(small, 0, kind == LINE ? 0 : small));
-    out[2] = daft_add(at, daft_v3(2 * small, 0, kind == PLANE || kind == LINE ? 0 : 2 * small + (float)(kind == EQUAL) * 0.1f));
+    out[2] = daft_add(
+        at, daft_v3(2 * small, 0, kind == PLANE || kind == LINE ? 0 : 2 * small + (float)(kind == EQUAL) * 0.1f));
 }
 
 static fixture_mesh hard_mesh(hard_kind kind, uint32_t count)
@@ -191,14 +192,16 @@ static void bend(const daft_trimesh *mesh, float amount, daft_vec3 *out)
 {
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         float angle = amount * mesh->y[i], c = (float)daft_cos((double)angle), s = (float)daft_sin((double)angle);
-        out[i] = daft_v3(mesh->x[i] * c - mesh->z[i] * s, mesh->y[i] + 0.1f * amount * s, mesh->x[i] * s + mesh->z[i] * c);
+        out[i] =
+            daft_v3(mesh->x[i] * c - mesh->z[i] * s, mesh->y[i] + 0.1f * amount * s, mesh->x[i] * s + mesh->z[i] * c);
     }
 }
 
 /* Rays through a fitted tree find, bit for bit, what rays through a tree that is built anew find. */
 static void same_hits(const fixture_mesh *fitted, const daft_bvh *fresh)
 {
-    daft_instance a = instance_make(fitted, affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0))), b = a;
+    daft_instance a = instance_make(fitted, affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0))),
+                  b = a;
     b.bvh = fresh;
     daft_allocator allocator = daft_malloc_allocator();
     daft_arena arena;
@@ -299,12 +302,9 @@ static void the_top_level_holds_each_instance_once(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_tree_for_any_threads_and_isa),
-        cmocka_unit_test(hard_inputs_build_shallow),
-        cmocka_unit_test(one_huge_among_a_million_tiny),
-        cmocka_unit_test(memory_may_run_out_at_any_moment),
-        cmocka_unit_test(refit_finds_what_a_fresh_tree_finds),
-        cmocka_unit_test(the_top_level_holds_each_instance_once),
+        cmocka_unit_test(one_tree_for_any_threads_and_isa),    cmocka_unit_test(hard_inputs_build_shallow),
+        cmocka_unit_test(one_huge_among_a_million_tiny),       cmocka_unit_test(memory_may_run_out_at_any_moment),
+        cmocka_unit_test(refit_finds_what_a_fresh_tree_finds), cmocka_unit_test(the_top_level_holds_each_instance_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

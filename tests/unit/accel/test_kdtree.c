@@ -1,5 +1,5 @@
-/* accel's kd-tree: rays find in it, bit for bit, what they find in the BVH; pictures are the same; hard inputs stay small and
- * shallow; memory may run out. */
+/* accel's kd-tree: rays find in it, bit for bit, what they find in the BVH; pictures are the same; hard inputs stay
+ * small and shallow; memory may run out. */
 #include "fixtures.h"
 #include "meter.h"
 
@@ -64,10 +64,12 @@ static daft_ray hard_ray(const daft_trimesh *mesh, int number)
     uint32_t v = random_bits() % mesh->vertex_count, w = random_bits() % mesh->vertex_count;
     daft_vec3 at = daft_v3(mesh->x[v], mesh->y[v], mesh->z[v]), from = random_vec3(-3, 3);
     daft_ray ray = {.origin = from, .direction = daft_sub(at, from), .tmax = INFINITY};
-    if (number % 5 == 1) ray.origin = daft_v3(at.x, from.y, at.z), ray.direction = daft_v3(0, from.y > at.y ? -1 : 1, 0);
+    if (number % 5 == 1)
+        ray.origin = daft_v3(at.x, from.y, at.z), ray.direction = daft_v3(0, from.y > at.y ? -1 : 1, 0);
     if (number % 5 == 2) ray.origin = daft_v3(at.x, from.y, from.z), ray.direction.x = 0; /* in the plane of a vertex */
     if (number % 5 == 3) ray.direction = daft_sub(daft_v3(mesh->x[w], mesh->y[w], mesh->z[w]), at), ray.origin = at;
-    if (number % 5 == 4) ray.direction = random_vec3(-1, 1), ray.tmax = random_float(0, 4), ray.tmin = random_float(0, 1);
+    if (number % 5 == 4)
+        ray.direction = random_vec3(-1, 1), ray.tmax = random_float(0, 4), ray.tmin = random_float(0, 1);
     return ray;
 }
 
@@ -129,9 +131,10 @@ static void hard_inputs_stay_small(void **unused)
         for (uint32_t i = 0; i < COUNT; i++) {
             daft_vec3 at = kind == 0 ? daft_v3(1, 2, 3) : random_vec3(0, 1); /* 0: all equal */
             float size = kind == 2 && i == 7 ? 1e6f : kind == 3 ? 1 : 0.01f; /* 2: one huge; 3: all cross all */
-            p[3 * i] = at, p[3 * i + 1] = daft_add(at, daft_v3(size, 0, 0)), p[3 * i + 2] = daft_add(at, daft_v3(0, size, size));
+            p[3 * i] = at, p[3 * i + 1] = daft_add(at, daft_v3(size, 0, 0)),
+                  p[3 * i + 2] = daft_add(at, daft_v3(0, size, size));
             for (int k = 0; k < 3; k++) {
-                if (kind == 1) p[3 * i + (uint32_t)k].y = 0;                                     /* all in one plane */
+                if (kind == 1) p[3 * i + (uint32_t)k].y = 0; /* all in one plane */
                 if (kind == 4) p[3 * i + (uint32_t)k] = daft_scale(p[3 * i + (uint32_t)k], 1e30f);
                 if (kind == 5) p[3 * i + (uint32_t)k] = daft_v3(p[3 * i + (uint32_t)k].x, 0, 0); /* a line */
             }
@@ -233,12 +236,9 @@ static void accelerators_have_names(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(same_hits_as_the_bvh),
-        cmocka_unit_test(one_tree_for_any_number_of_threads),
-        cmocka_unit_test(hard_inputs_stay_small),
-        cmocka_unit_test(memory_may_run_out_at_any_moment),
-        cmocka_unit_test(same_pictures_as_the_bvh),
-        cmocka_unit_test(accelerators_have_names),
+        cmocka_unit_test(same_hits_as_the_bvh),     cmocka_unit_test(one_tree_for_any_number_of_threads),
+        cmocka_unit_test(hard_inputs_stay_small),   cmocka_unit_test(memory_may_run_out_at_any_moment),
+        cmocka_unit_test(same_pictures_as_the_bvh), cmocka_unit_test(accelerators_have_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,7 +10,8 @@
 #include "math/exact.h"
 #include "raster/raster.h"
 
-/* Distances of single rays are good to 2^-18 of themselves: two that differ by less than that twice may change places. */
+/* Distances of single rays are good to 2^-18 of themselves: two that differ by less than that twice may change places.
+ */
 #define SAME_DISTANCE 0x1p-17
 
 enum { SHAPES = CLOSED_KINDS + CLOSED_FILES };
@@ -19,21 +20,12 @@ enum { SHAPES = CLOSED_KINDS + CLOSED_FILES };
 static double wanted_rays = QUICK_RAYS;
 static uint64_t seed;
 
-static bool is_long(void)
-{
-    return wanted_rays > QUICK_RAYS;
-}
+static bool is_long(void) { return wanted_rays > QUICK_RAYS; }
 
 /* The last two are large. */
-static int shapes(void)
-{
-    return is_long() ? SHAPES : SHAPES - 2;
-}
+static int shapes(void) { return is_long() ? SHAPES : SHAPES - 2; }
 
-static uint32_t rounds(uint32_t quick)
-{
-    return (uint32_t)(quick * fmin(1e3, fmax(1, wanted_rays / QUICK_RAYS)));
-}
+static uint32_t rounds(uint32_t quick) { return (uint32_t)(quick * fmin(1e3, fmax(1, wanted_rays / QUICK_RAYS))); }
 
 /* ---- closed meshes leak no ray ---- */
 
@@ -48,7 +40,7 @@ typedef struct leak_job {
         uint64_t rays, leaks, unlike, skipped;
         daft_ray leak; /* the first */
         uint32_t subject;
-    } *counts; /* one a batch */
+    } * counts; /* one a batch */
 } leak_job;
 
 /* Left out are places where the steps of floats are larger than the object: the ray would not start inside. */
@@ -131,8 +123,8 @@ static void leak_rays(bool as_instances, double share)
                         .stream = stream,
                         .batch_rays = is_long() ? 16 * BATCH : BATCH};
         for (int i = 0; i < shapes(); i++) job.subject_count += subject_make(&subjects[job.subject_count], i, &state);
-        double left =
-            (as_instances ? 1.3 : 1) * (wanted_rays * share - (double)total); /* some places will be left out */
+        double left = (as_instances ? 1.3 : 1) * (wanted_rays * share - (double)total); /* some places will be left out
+                                                                                         */
         uint32_t batches = (uint32_t)fmin(2048, left / job.batch_rays + 1);
         job.counts = calloc(batches, sizeof *job.counts);
         daft_parallel_for(threads, batches, leak_batch, &job);
@@ -360,10 +352,7 @@ static brute_hit brute(const daft_trimesh *mesh, const daft_ray *ray)
     return nearest;
 }
 
-static bool close_to(double a, double b)
-{
-    return fabs(a - b) <= SAME_DISTANCE * fmax(fabs(a), fabs(b));
-}
+static bool close_to(double a, double b) { return fabs(a - b) <= SAME_DISTANCE * fmax(fabs(a), fabs(b)); }
 
 /* Triangles that cross each other, of all sizes, some in the place of others. */
 static void subject_soup(subject *s, float size, uint64_t *state)

@@ -1,4 +1,5 @@
-/* base: the scheduler: every index once, on a worker that there is, in loops and in stages, for any number of workers. */
+/* base: the scheduler: every index once, on a worker that there is, in loops and in stages, for any number of workers.
+ */
 #include "fixtures.h"
 
 #include "base/base.h"
@@ -75,7 +76,8 @@ static void add_neighbours(void *context, int stage, uint32_t first, uint32_t co
 {
     cells *c = context;
     for (uint32_t i = first; i < first + count; i++)
-        c->values[stage + 1][i] = c->values[stage][i] + 3 * c->values[stage][(i + 1) % COUNT] + c->values[stage][(i + COUNT - 7) % COUNT];
+        c->values[stage + 1][i] =
+            c->values[stage][i] + 3 * c->values[stage][(i + 1) % COUNT] + c->values[stage][(i + COUNT - 7) % COUNT];
 }
 
 static void run_stages(void *context, daft_region *region)

@@ -148,8 +148,8 @@ static void users_frames_lead(void **unused)
     assert_says(output, " sky ");
 }
 
-/* --tables puts rows of a JSON file into the marked sections of a page, with where and how they were measured; what stands
- * outside of the marks stays. */
+/* --tables puts rows of a JSON file into the marked sections of a page, with where and how they were measured; what
+ * stands outside of the marks stays. */
 static void tables_are_filled_from_json(void **unused)
 {
     (void)unused;
@@ -158,7 +158,9 @@ static void tables_are_filled_from_json(void **unused)
     snprintf(page, sizeof page, "%s/page.md", folder);
     FILE *file = fopen(page, "w");
     assert_non_null(file);
-    fputs("before\n<!-- bench: cow memory; counters -->\nold\n<!-- /bench -->\nbetween\n<!-- bench: no such row -->\nkept\n<!-- /bench -->\n", file);
+    fputs("before\n<!-- bench: cow memory; counters -->\nold\n<!-- /bench -->\nbetween\n<!-- bench: no such row "
+          "-->\nkept\n<!-- /bench -->\n",
+          file);
     fclose(file);
     snprintf(arguments, sizeof arguments, "--only 'cow memory' --json %s", temporary("json"));
     assert_ran("", arguments);
@@ -199,7 +201,8 @@ static void rows_are_json_with_the_promised_names(void **unused)
                                         "\"unit\": \"B/tri\"",
                                         "\"peer\": null",
                                         "\"budget_of\": \"ours\""};
-    snprintf(arguments, sizeof arguments, "--only 'cow, far inter' --rounds 1 --threads 1 --isa " DAFT_NARROWEST_ISA " --json %s",
+    snprintf(arguments, sizeof arguments,
+             "--only 'cow, far inter' --rounds 1 --threads 1 --isa " DAFT_NARROWEST_ISA " --json %s",
              temporary("json"));
     assert_ran("", arguments);
     assert_says(output, "of aim");
@@ -296,7 +299,8 @@ static void motion_accuracy_is_a_table_a_csv_and_a_plot(void **unused)
     assert_says(file_text, "</svg>");
 }
 
-/* What does not move is not stepped, by the simulation's own count, and the peer is named whether it is there or not. */
+/* What does not move is not stepped, by the simulation's own count, and the peer is named whether it is there or not.
+ */
 static void idle_worlds_do_nothing(void **unused)
 {
     (void)unused;

@@ -248,7 +248,8 @@ static daft_trimesh make_torus(void)
     static daft_vec3 positions[AROUND * AROUND];
     static uint32_t indices[6 * AROUND * AROUND];
     for (uint32_t i = 0; i < AROUND * AROUND; i++) {
-        double a = 2 * DAFT_PI * (i % AROUND) / AROUND, b = 2 * DAFT_PI * (double)(i / AROUND) / AROUND, r = 3 + daft_cos(b);
+        double a = 2 * DAFT_PI * (i % AROUND) / AROUND, b = 2 * DAFT_PI * (double)(i / AROUND) / AROUND,
+               r = 3 + daft_cos(b);
         positions[i] = daft_v3((float)(r * daft_cos(a)), (float)daft_sin(b), (float)(r * daft_sin(a)));
         uint32_t right = i / AROUND * AROUND + (i + 1) % AROUND, up = (i + AROUND) % (AROUND * AROUND);
         uint32_t far = (right + AROUND) % (AROUND * AROUND);
@@ -392,7 +393,7 @@ static void every_instruction_set_gives_the_same_normals(void **unused)
     static smoothed first, other;
     for (int repeat = 0; repeat < 4; repeat++) {
         daft_trimesh mesh = make_sheet((float)repeat / 2);
-        mesh.triangle_count -= random_below(40); /* lanes left over */
+        mesh.triangle_count -= random_below(40);                                          /* lanes left over */
         for (int i = 0; i < 20; i++) mesh.x[random_below(mesh.vertex_count)] = mesh.y[0]; /* slivers */
         smooth_with(0, &mesh, &first);
         for (int isa = 1; isa <= daft_isa_best(); isa++) {

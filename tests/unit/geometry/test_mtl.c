@@ -40,10 +40,7 @@ static void refuse(const char *text, const char *message)
     assert_contains(daft_error_text(&error, shown, sizeof shown), message);
 }
 
-static bool is_color(daft_vec3 c, float r, float g, float b)
-{
-    return c.x == r && c.y == g && c.z == b;
-}
+static bool is_color(daft_vec3 c, float r, float g, float b) { return c.x == r && c.y == g && c.z == b; }
 
 static void all_properties(void **unused)
 {
@@ -62,7 +59,8 @@ static void all_properties(void **unused)
     assert_int_equal(m[0].diffuse_map_line, 11);
     assert_int_equal(m[0].diffuse_map_column, 9);
     assert_true(m[1].opacity == .75f && is_color(m[1].ambient, 1, 1, 1));
-    assert_true(m[1].has_filter && is_color(m[1].filter, 1, .5f, 1) && !m[0].has_filter && is_color(m[0].filter, 1, 1, 1));
+    assert_true(m[1].has_filter && is_color(m[1].filter, 1, .5f, 1) && !m[0].has_filter &&
+                is_color(m[0].filter, 1, 1, 1));
     assert_string_equal(m[1].diffuse_map, "");
     done();
 }

@@ -396,10 +396,7 @@ static daft_obj load(const char *path)
     return obj;
 }
 
-static daft_obj load_text(const char *name, const char *text)
-{
-    return load(write_test_text(name, text));
-}
+static daft_obj load_text(const char *name, const char *text) { return load(write_test_text(name, text)); }
 
 static void materials_are_found(void **unused)
 {
@@ -493,10 +490,7 @@ static void smoothing_follows_the_file(void **unused)
     }
 }
 
-static bool same_bytes(const void *a, const void *b, size_t size)
-{
-    return a && b ? memcmp(a, b, size) == 0 : a == b;
-}
+static bool same_bytes(const void *a, const void *b, size_t size) { return a && b ? memcmp(a, b, size) == 0 : a == b; }
 
 /* A bare mesh has all but the normals that the file does not give, and those come later, bit for bit. */
 static void normals_may_come_later(void **unused)
@@ -533,7 +527,8 @@ static void normals_may_come_later(void **unused)
         const daft_trimesh *a = &whole.mesh, *b = &bare.mesh;
         size_t corners = 3 * (size_t)a->triangle_count * sizeof(uint32_t);
         assert_true(a->triangle_count == b->triangle_count && a->normal_count == b->normal_count);
-        assert_true(same_bytes(a->indices, b->indices, corners) && same_bytes(a->x, b->x, a->vertex_count * sizeof(float)));
+        assert_true(same_bytes(a->indices, b->indices, corners) &&
+                    same_bytes(a->x, b->x, a->vertex_count * sizeof(float)));
         assert_true(same_bytes(a->normal_indices, b->normal_indices, corners));
         assert_true(same_bytes(a->normals, b->normals, a->normal_count * sizeof *a->normals));
         daft_obj_free(&allocator, &bare);

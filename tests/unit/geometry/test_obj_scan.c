@@ -40,14 +40,12 @@ static void put_number(script *s)
     if (kind == 11) put(s, "e+45");
 }
 
-static void put_blank(script *s)
-{
-    put(s, random_below(60) ? " " : "  ");
-}
+static void put_blank(script *s) { put(s, random_below(60) ? " " : "  "); }
 
 static void put_end(script *s)
 {
-    static const char *const ends[] = {"\n", "\n", "\n", "\n", "\n", "\n", "\r\n", " \n", "\r", " # why\n", "\n\n", " \\\n\n"};
+    static const char *const ends[] = {"\n",   "\n",  "\n", "\n",       "\n",   "\n",
+                                       "\r\n", " \n", "\r", " # why\n", "\n\n", " \\\n\n"};
     put(s, ends[random_below(random_below(4) ? 6 : DAFT_COUNT_OF(ends))]);
 }
 

@@ -35,8 +35,14 @@ OP(vm_from_bits) { out->u[0] = vbits_from_mask(vm_from_bits(in->bits)); }
 OP(vbits_first_n) { out->u[0] = vbits_first_n(in->n); }
 OP(vf_if_then_else) { vf_store(out->f, vf_if_then_else(mask_of(in), A, B)); }
 OP(vi_if_then_else) { vi_store(out->i, vi_if_then_else(mask_of(in), I, J)); }
-OP(vd_if_then_else) { vd_store(out->d, vd_if_then_else((vl)(vd_load(in->d) < vd_load(in->e)), vd_load(in->d), vd_load(in->e))); }
-OP(v4_if_then_else) { v4_store(out->f, v4_if_then_else((v4i)v4_load((const float *)in->m), v4_load(in->a), v4_load(in->b))); }
+OP(vd_if_then_else)
+{
+    vd_store(out->d, vd_if_then_else((vl)(vd_load(in->d) < vd_load(in->e)), vd_load(in->d), vd_load(in->e)));
+}
+OP(v4_if_then_else)
+{
+    v4_store(out->f, v4_if_then_else((v4i)v4_load((const float *)in->m), v4_load(in->a), v4_load(in->b)));
+}
 
 OP(vf_min) { vf_store(out->f, vf_min(A, B)); }
 OP(vf_max) { vf_store(out->f, vf_max(A, B)); }
@@ -205,11 +211,17 @@ OP(approximate_reciprocal) { vf_store(out->f, vf_approximate_reciprocal(vf_load(
 static void log2_16(const float *x, float *out) { FOR_16 vf_store(out + i, vf_log2(vf_load(x + i))); }
 static void exp2_16(const float *x, float *out) { FOR_16 vf_store(out + i, vf_exp2(vf_load(x + i))); }
 static void asin_16(const float *x, float *out) { FOR_16 vf_store(out + i, vf_asin(vf_load(x + i))); }
-static void pow_16(const float *x, const float *y, float *out) { FOR_16 vf_store(out + i, vf_pow(vf_load(x + i), vf_load(y + i))); }
-static void atan2_16(const float *y, const float *x, float *out) { FOR_16 vf_store(out + i, vf_atan2(vf_load(y + i), vf_load(x + i))); }
+static void pow_16(const float *x, const float *y, float *out)
+{
+    FOR_16 vf_store(out + i, vf_pow(vf_load(x + i), vf_load(y + i)));
+}
+static void atan2_16(const float *y, const float *x, float *out)
+{
+    FOR_16 vf_store(out + i, vf_atan2(vf_load(y + i), vf_load(x + i)));
+}
 
-#define NAME2(isa) #isa
-#define NAME(isa)  NAME2(isa)
+#define NAME2(isa)        #isa
+#define NAME(isa)         NAME2(isa)
 #define ENTRY(name, kind) name##_op,
 const simd_target DAFT_KERNEL(simd_target) = {
     .name = NAME(DAFT_ISA),

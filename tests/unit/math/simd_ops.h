@@ -1,4 +1,5 @@
-/* The operations of math/simd/ops.h as functions on arrays, one table for each target, for test_simd.c to hold against scalar twins. */
+/* The operations of math/simd/ops.h as functions on arrays, one table for each target, for test_simd.c to hold against
+ * scalar twins. */
 #ifndef SIMD_OPS_H
 #define SIMD_OPS_H
 
@@ -9,12 +10,12 @@ enum { SIMD_ROWS = 20 }; /* of eight floats */
 
 /* What operations read. Lanes beyond the target's are there, too, and not looked at. */
 typedef struct simd_in {
-    int lanes; /* the target's, for the twins */
-    float a[16], b[16];         /* any bits: numbers of all sizes, zeros, infinities, NaN */
-    float real[4][16];          /* no NaN */
-    float normal[16];           /* positive and normal, and so are their reciprocals */
+    int lanes;                   /* the target's, for the twins */
+    float a[16], b[16];          /* any bits: numbers of all sizes, zeros, infinities, NaN */
+    float real[4][16];           /* no NaN */
+    float normal[16];            /* positive and normal, and so are their reciprocals */
     int32_t i[16], j[16], m[16]; /* m: 0 or -1 */
-    double d[16], e[16];        /* any bits */
+    double d[16], e[16];         /* any bits */
     uint8_t bytes[64];
     char text[64];
     uint32_t bits; /* any */
@@ -33,7 +34,7 @@ typedef union simd_out {
     uint64_t q[4 * SIMD_ROWS];
 } __attribute__((aligned(64))) simd_out;
 
-/* clang-format off: a table */
+/* clang-format off */
 /* X(name, kind): kind is 'b' where all bits agree, 'f' and 'd' where one NaN of floats or doubles is as good as another. */
 #define SIMD_OPS(X)                                                                                                            \
     X(vf_load, 'b') X(vi_load, 'b') X(vd_load, 'b') X(v8_load, 'b') X(v4_load, 'b') X(vi_iota, 'b')                            \

@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-/* (1 + e)² - (1 + 2e) with e = 2^-12: the square is 1 + 2e + e², which rounds to 1 + 2e in a float (and 2^-27 the same in
- * a double). Rounded twice the answer is 0, fused it is e². */
+/* (1 + e)² - (1 + 2e) with e = 2^-12: the square is 1 + 2e + e², which rounds to 1 + 2e in a float (and 2^-27 the same
+ * in a double). Rounded twice the answer is 0, fused it is e². */
 static void float_sum_is_not_fused(void **unused)
 {
     (void)unused;
@@ -42,7 +42,7 @@ int main(void)
         return 77;
     }
 #endif
-    const struct CMUnitTest tests[] = {cmocka_unit_test(float_sum_is_not_fused), cmocka_unit_test(double_sum_is_not_fused),
-                                       cmocka_unit_test(the_check_can_tell)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(float_sum_is_not_fused),
+                                       cmocka_unit_test(double_sum_is_not_fused), cmocka_unit_test(the_check_can_tell)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
-/* Each operation of math/simd/ops.h, on each target that this processor has, against a scalar twin: bit for bit, for random
- * numbers of all sizes with zeros of both signs, denormals, infinities, NaN and the ends of the integers among them.
- * And the elementary functions: the same bits in every width, and no more than the errors that elementary.h states.
- * DAFT_SEED=N repeats a run. */
+/* Each operation of math/simd/ops.h, on each target that this processor has, against a scalar twin: bit for bit, for
+ * random numbers of all sizes with zeros of both signs, denormals, infinities, NaN and the ends of the integers among
+ * them. And the elementary functions: the same bits in every width, and no more than the errors that elementary.h
+ * states. DAFT_SEED=N repeats a run. */
 #include "simd_ops.h"
 
 #include "math/simd/dispatch.h"
@@ -63,9 +63,30 @@ static float float_of(uint32_t bits)
 
 static float random_any(void)
 {
-    static const float HARD[] = {0,           -0.0f,       INFINITY,     -INFINITY,  NAN,          0x1p-149f,   -0x1p-149f, 0x1.fffffcp-127f,
-                                 0x1p-126f,   0x1.fffffep127f, 1,        -1,         0.5f,         -0.5f,       0x1p31f,    -0x1p31f,
-                                 0x1.fffffep30f, -0x1.000002p31f, 0x1p32f, -0x1p63f, 0x1.fffffep23f, 0x1.fffffep-1f, 1.5f, -2.5f};
+    static const float HARD[] = {0,
+                                 -0.0f,
+                                 INFINITY,
+                                 -INFINITY,
+                                 NAN,
+                                 0x1p-149f,
+                                 -0x1p-149f,
+                                 0x1.fffffcp-127f,
+                                 0x1p-126f,
+                                 0x1.fffffep127f,
+                                 1,
+                                 -1,
+                                 0.5f,
+                                 -0.5f,
+                                 0x1p31f,
+                                 -0x1p31f,
+                                 0x1.fffffep30f,
+                                 -0x1.000002p31f,
+                                 0x1p32f,
+                                 -0x1p63f,
+                                 0x1.fffffep23f,
+                                 0x1.fffffep-1f,
+                                 1.5f,
+                                 -2.5f};
     uint64_t r = random64();
     if (r % 4 == 0) return HARD[(r >> 8) % (sizeof HARD / sizeof *HARD)];
     if (r % 4 == 1) return (float)(int32_t)(r >> 32) * 0x1p-24f;
@@ -113,10 +134,12 @@ static void choose(simd_in *in)
         in->a[i] = random_any(), in->b[i] = random64() % 8 ? random_any() : in->a[i];
         for (int k = 0; k < 4; k++) in->real[k][i] = random_real();
         in->normal[i] = float_of((uint32_t)((2 + random64() % 250) << 23 | (random64() & 0x7fffff)));
-        in->i[i] = random_int(), in->j[i] = random64() % 4 ? random_int() : in->i[i], in->m[i] = random64() % 2 ? -1 : 0;
+        in->i[i] = random_int(), in->j[i] = random64() % 4 ? random_int() : in->i[i],
+        in->m[i] = random64() % 2 ? -1 : 0;
         in->d[i] = random_double(), in->e[i] = random64() % 8 ? random_double() : in->d[i];
     }
-    for (int i = 0; i < 64; i++) in->bytes[i] = (uint8_t)random64(), in->text[i] = (char)(random64() % 2 ? '0' + random64() % 10 : random64());
+    for (int i = 0; i < 64; i++)
+        in->bytes[i] = (uint8_t)random64(), in->text[i] = (char)(random64() % 2 ? '0' + random64() % 10 : random64());
     for (int i = 0; i < 8 * SIMD_ROWS; i++) in->rows[i / 8][i % 8] = random_any();
     in->bits = (uint32_t)random64(), in->n = (int)(random64() % 21);
     choose_rows(in);
@@ -129,9 +152,9 @@ static void choose(simd_in *in)
 #define HALF       for (int i = 0; i < in->lanes / 2; i++)
 #define FOUR       for (int i = 0; i < 4; i++)
 #define EIGHT      for (int i = 0; i < 8; i++)
-#define BITS(condition)                                        \
-    uint32_t bits = 0;                                         \
-    LANES bits |= (uint32_t)((condition) ? 1 : 0) << i;        \
+#define BITS(condition)                                                                                                \
+    uint32_t bits = 0;                                                                                                 \
+    LANES bits |= (uint32_t)((condition) ? 1 : 0) << i;                                                                \
     out->u[0] = bits
 
 static float min_of(float a, float b) { return a < b ? a : b; }
@@ -303,10 +326,15 @@ TWIN(v4_max) { FOUR out->f[i] = max_of(in->a[i], in->b[i]); }
 TWIN(v4_sqrt) { FOUR out->f[i] = sqrtf(in->a[i]); }
 TWIN(v4_abs) { FOUR out->f[i] = fabsf(in->a[i]); }
 TWIN(v4i_convert_to) { FOUR out->i[i] = integer_of(in->a[i]); }
-TWIN(v4_bits_from_mask) { out->u[0] = 0; FOUR out->u[0] |= (uint32_t)(in->m[i] & 1) << i; }
+TWIN(v4_bits_from_mask)
+{
+    out->u[0] = 0;
+    FOUR out->u[0] |= (uint32_t)(in->m[i] & 1) << i;
+}
 TWIN(v4_transpose3)
 {
-    for (int i = 0; i < 3; i++) out->f[3 * i] = in->a[i], out->f[3 * i + 1] = in->b[i], out->f[3 * i + 2] = in->real[0][i];
+    for (int i = 0; i < 3; i++)
+        out->f[3 * i] = in->a[i], out->f[3 * i + 1] = in->b[i], out->f[3 * i + 2] = in->real[0][i];
 }
 TWIN(v4_reduce_min4)
 {
@@ -319,7 +347,7 @@ TWIN(v4_reduce_min4)
 static uint64_t nondigits(const char *p, int count)
 {
     uint64_t bits = 0;
-    for (int i = 0; i < count; i++) bits |= (uint64_t)!(p[i] >= '0' && p[i] <= '9') << i;
+    for (int i = 0; i < count; i++) bits |= (uint64_t) !(p[i] >= '0' && p[i] <= '9') << i;
     return bits;
 }
 TWIN(vu8_nondigits_16) { out->u[0] = (uint32_t)nondigits(in->text + 1, 16); }
@@ -355,8 +383,8 @@ static void compare(const simd_target *target, int op, const simd_in *in)
     unify_nan(KINDS[op], &got), unify_nan(KINDS[op], &want);
     for (int i = 0; i < 8 * SIMD_ROWS; i++)
         if (got.u[i] != want.u[i])
-            fail_msg("%s on %s: word %d is 0x%08x (%g), not 0x%08x (%g)", NAMES[op], target->name, i, got.u[i], (double)got.f[i],
-                     want.u[i], (double)want.f[i]);
+            fail_msg("%s on %s: word %d is 0x%08x (%g), not 0x%08x (%g)", NAMES[op], target->name, i, got.u[i],
+                     (double)got.f[i], want.u[i], (double)want.f[i]);
 }
 
 static void operations_are_their_twins(void **state)
@@ -372,7 +400,8 @@ static void operations_are_their_twins(void **state)
             for (int op = 0; op < SIMD_COUNT; op++) compare(target[t], op, &in);
         }
     }
-    for (int t = 0; t < count; t++) print_message("%s: %d operations on %d lanes\n", target[t]->name, SIMD_COUNT, target[t]->lanes);
+    for (int t = 0; t < count; t++)
+        print_message("%s: %d operations on %d lanes\n", target[t]->name, SIMD_COUNT, target[t]->lanes);
 }
 
 static void approximate_reciprocals_keep_their_bound(void **state)
@@ -413,7 +442,9 @@ static double uniform(double low, double high) { return low + (high - low) * (do
 
 static void within(const char *what, double x, float got, double want, double error)
 {
-    if (!(fabs((double)got - want) <= error)) fail_msg("%s of %a is %.9g, not %.9g: off by %g, not %g", what, x, (double)got, want, fabs((double)got - want), error);
+    if (!(fabs((double)got - want) <= error))
+        fail_msg("%s of %a is %.9g, not %.9g: off by %g, not %g", what, x, (double)got, want, fabs((double)got - want),
+                 error);
 }
 
 static void elementary_functions_keep_their_bounds(void **state)
@@ -425,13 +456,16 @@ static void elementary_functions_keep_their_bounds(void **state)
         float x[6][16];
         for (int i = 0; i < 16; i++) {
             x[0][i] = float_of((uint32_t)((1 + random64() % 254) << 23 | (random64() & 0x7fffff)));
-            x[1][i] = (float)uniform(-126, 126), x[2][i] = (float)uniform(-1, 1), x[3][i] = random64() % 16 ? (float)uniform(0, 1) : 0;
-            x[4][i] = random64() % 16 ? (float)uniform(0, 200) : 0, x[5][i] = random64() % 16 ? (float)uniform(-300, 300) : 0;
+            x[1][i] = (float)uniform(-126, 126), x[2][i] = (float)uniform(-1, 1),
+            x[3][i] = random64() % 16 ? (float)uniform(0, 1) : 0;
+            x[4][i] = random64() % 16 ? (float)uniform(0, 200) : 0,
+            x[5][i] = random64() % 16 ? (float)uniform(-300, 300) : 0;
         }
         elementary first = all_of(target[0], x);
         for (int t = 1; t < count; t++) {
             elementary other = all_of(target[t], x);
-            if (memcmp(&first, &other, sizeof first) != 0) fail_msg("elementary functions differ: plain and %s", target[t]->name);
+            if (memcmp(&first, &other, sizeof first) != 0)
+                fail_msg("elementary functions differ: plain and %s", target[t]->name);
         }
         for (int i = 0; i < 16; i++) {
             double l = log2((double)x[0][i]), e = exp2((double)x[1][i]);

@@ -1,9 +1,10 @@
-/* Screen boxes against exact ones: every row of tests/data/cases/bounds_cases.csv names a triangle, a sphere or a box, the
- * number of the 64 × 48 pixel centres that it covers, and the rectangle around them, all found with exact rational arithmetic: px = 32 + 24·X/-Z, py = 24 - 24·Y/-Z, near plane at 0.125.
+/* Screen boxes against exact ones: every row of tests/data/cases/bounds_cases.csv names a triangle, a sphere or a box,
+ * the number of the 64 × 48 pixel centres that it covers, and the rectangle around them, all found with exact rational
+ * arithmetic: px = 32 + 24·X/-Z, py = 24 - 24·Y/-Z, near plane at 0.125.
  *
- * The pencil on every instruction set and the reference path must see each row's pixels (hit_open <= count <= hit_closed),
- * and the boxes by which the pencil finds candidates must hold the whole rectangle. The engine has no near plane: what it
- * sees is counted where the thing goes on to a depth of 0.125 or more. */
+ * The pencil on every instruction set and the reference path must see each row's pixels (hit_open <= count <=
+ * hit_closed), and the boxes by which the pencil finds candidates must hold the whole rectangle. The engine has no near
+ * plane: what it sees is counted where the thing goes on to a depth of 0.125 or more. */
 #include "fixtures.h"
 
 #include "math/exact.h"
@@ -102,7 +103,8 @@ typedef struct sight {
 
 static daft_pencil file_pencil(void)
 {
-    return (daft_pencil){.right = {1, 0, 0}, .up = {0, 1, 0}, .forward = {0, 0, -1}, .focal = 24, .width = WIDTH, .height = HEIGHT};
+    return (daft_pencil){
+        .right = {1, 0, 0}, .up = {0, 1, 0}, .forward = {0, 0, -1}, .focal = 24, .width = WIDTH, .height = HEIGHT};
 }
 
 static void keep_box(sight *out, int x0, int x1, int y0, int y1)
@@ -160,8 +162,8 @@ static void see(const daft_instance *instance, int isa, sight *out)
 
 /* ---- the near plane ---- */
 
-/* The depth at which the ray leaves the thing, in double. A little is allowed for rounding: the file has things that lie
- * exactly in the near plane, and none that end within a millionth of it. */
+/* The depth at which the ray leaves the thing, in double. A little is allowed for rounding: the file has things that
+ * lie exactly in the near plane, and none that end within a millionth of it. */
 static double exit_depth(const row *r, daft_vec3 d)
 {
     if (r->kind == TRIANGLE) {
@@ -233,8 +235,8 @@ static void every_row(void **unused)
             daft_instance instance = sphere_make(corner_of(r, 0), r->g[3]);
             check_row(r, &instance);
         } else {
-            fixture_mesh mesh = r->kind == BOX ? box_mesh(r->g)
-                                               : triangle_mesh(corner_of(r, 0), corner_of(r, 1), corner_of(r, 2));
+            fixture_mesh mesh =
+                r->kind == BOX ? box_mesh(r->g) : triangle_mesh(corner_of(r, 0), corner_of(r, 1), corner_of(r, 2));
             daft_instance instance = instance_make(&mesh, still());
             check_row(r, &instance);
             mesh_drop(&mesh);
@@ -252,8 +254,8 @@ static void see_triangle(daft_vec3 a, daft_vec3 b, daft_vec3 c, int isa, sight *
     mesh_drop(&mesh);
 }
 
-/* Each triangle is cut into three around a point within it, and has a neighbour put beside each edge: the parts cover what
- * the whole covers, each pixel once; no neighbour covers a pixel of it. */
+/* Each triangle is cut into three around a point within it, and has a neighbour put beside each edge: the parts cover
+ * what the whole covers, each pixel once; no neighbour covers a pixel of it. */
 static void neighbours(void **unused)
 {
     (void)unused;
@@ -282,8 +284,8 @@ static void neighbours(void **unused)
             for (int at = 0; inside && at < PIXELS; at++) {
                 int parts = part[0].hit[at] + part[1].hit[at] + part[2].hit[at];
                 if (parts != whole.hit[at])
-                    fail_msg("%s, %s: pixel %d, %d has %d of the parts", rows[i].id, daft_isa_name(isa), at % WIDTH, at / WIDTH,
-                             parts);
+                    fail_msg("%s, %s: pixel %d, %d has %d of the parts", rows[i].id, daft_isa_name(isa), at % WIDTH,
+                             at / WIDTH, parts);
             }
             cut += inside;
         }
@@ -292,8 +294,8 @@ static void neighbours(void **unused)
     assert_true(cut > 15 && beside > 45);
 }
 
-/* The file's square whose outline runs through pixel centres, cut along either diagonal: the halves cover the open square at
- * least, the closed one at most, and nothing twice. */
+/* The file's square whose outline runs through pixel centres, cut along either diagonal: the halves cover the open
+ * square at least, the closed one at most, and nothing twice. */
 static void complements(void **unused)
 {
     (void)unused;
@@ -323,6 +325,7 @@ static void complements(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_row), cmocka_unit_test(neighbours), cmocka_unit_test(complements)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(every_row), cmocka_unit_test(neighbours),
+                                       cmocka_unit_test(complements)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* raster: the pencil sees at every pixel exactly what the reference path sees, on every instruction set, for any number of
- * workers; both are also compared with brute force over all triangles. */
+/* raster: the pencil sees at every pixel exactly what the reference path sees, on every instruction set, for any number
+ * of workers; both are also compared with brute force over all triangles. */
 #include "fixtures.h"
 
 #include "math/exact.h"
@@ -19,7 +19,8 @@ typedef struct setting {
 
 static daft_pencil pencil_make(float yaw, float pitch, float fov)
 {
-    double cy = daft_cos((double)yaw), sy = daft_sin((double)yaw), cp = daft_cos((double)pitch), sp = daft_sin((double)pitch);
+    double cy = daft_cos((double)yaw), sy = daft_sin((double)yaw), cp = daft_cos((double)pitch),
+           sp = daft_sin((double)pitch);
     daft_pencil p = {.focal = (float)(WIDTH / 2.0 / daft_tan((double)fov / 2)), .width = WIDTH, .height = HEIGHT};
     p.forward = daft_v3((float)(cp * cy), (float)-sp, (float)(cp * sy));
     p.right = daft_v3((float)-sy, 0, (float)cy);
@@ -122,7 +123,8 @@ static void closed_from_inside(void **unused)
     fixture_seed(7);
     for (int round = 0; round < 8; round++) {
         fixture_mesh mesh = mesh_ball(round < 4 ? 6 : 60, 1, 0.2f);
-        daft_instance instance = instance_make(&mesh, affine_make(random_rotation(), daft_v3(2, 2, 2), random_vec3(-0.3f, 0.3f)));
+        daft_instance instance =
+            instance_make(&mesh, affine_make(random_rotation(), daft_v3(2, 2, 2), random_vec3(-0.3f, 0.3f)));
         setting s = {pencil_make(random_float(-3, 3), 0, 2), &instance, 1};
         assert_int_equal(agree(&s, "inside a ball"), WIDTH * HEIGHT);
         mesh_drop(&mesh);
@@ -158,7 +160,8 @@ static void on_the_grid(void **unused)
     setting s = {pencil_make(0, 0, 1), &instance, 1};
     s.pencil.focal = 64; /* a step of the grid is then 2.5 pixels: vertices fall on pixel centres */
     uint32_t seen = agree(&s, "grid");
-    assert_int_equal(seen, 30 * 30); /* 12 cells of 2.5 pixels, no pixel lost or seen twice along the closed rim's two sides */
+    assert_int_equal(seen, 30 * 30); /* 12 cells of 2.5 pixels, no pixel lost or seen twice along the closed rim's two
+                                        sides */
     s.pencil.shift_x = 0.5f;
     agree(&s, "grid, shifted");
     mesh_drop(&mesh);
@@ -174,23 +177,28 @@ static void walls(void **unused)
         daft_vec3 p[9];
         const uint32_t index[18] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
         float size = round % 4 == 3 ? 1e12f : round % 4 == 2 ? 1e4f : 200;
-        bool ahead = round % 4 == 0; /* the first one is all that there is to see, but for the mesh and what crosses it */
+        bool ahead = round % 4 == 0; /* the first one is all that there is to see, but for the mesh and what crosses it
+                                      */
         for (int i = 0; i < 9; i++) p[i] = daft_add(daft_v3(ahead ? 500 : 0, 0, 0), random_vec3(-size, size));
         for (int i = 0; i < 3 && ahead; i++)
-            p[i] = daft_v3(random_float(20, 60), random_float(800, 2000) * (i == 2 ? -1.0f : 1.0f), random_float(2000, 4000) * (i == 1 ? -1.0f : 1.0f) * (i == 2 ? 0.0f : 1.0f));
+            p[i] = daft_v3(random_float(20, 60), random_float(800, 2000) * (i == 2 ? -1.0f : 1.0f),
+                           random_float(2000, 4000) * (i == 1 ? -1.0f : 1.0f) * (i == 2 ? 0.0f : 1.0f));
         fixture_mesh wall = mesh_make(p, 9, index, round % 4 == 2 ? 6 : 3), mesh = mesh_soup(300, 3, 0.5f);
         const daft_vec3 at = daft_scale(random_vec3(-1, 1), round % 3 ? 4 : 40);
-        daft_instance instances[3] = {instance_make(&wall, still()), instance_make(&mesh, affine_make(random_rotation(), daft_v3(2, 2, 2), at)),
+        daft_instance instances[3] = {instance_make(&wall, still()),
+                                      instance_make(&mesh, affine_make(random_rotation(), daft_v3(2, 2, 2), at)),
                                       instance_make(&wall, still())};
         float turn = ahead ? 0.3f : 3;
-        setting s = {pencil_make(random_float(-turn, turn), random_float(-0.3f, 0.3f), random_float(0.3f, 1.5f)), instances, round % 3 == 2 ? 3 : 2};
+        setting s = {pencil_make(random_float(-turn, turn), random_float(-0.3f, 0.3f), random_float(0.3f, 1.5f)),
+                     instances, round % 3 == 2 ? 3 : 2};
         agree(&s, "walls");
         mesh_drop(&wall), mesh_drop(&mesh);
     }
 }
 
-/* Triangles much longer than wide, from a hundredth of a pixel to two: any way, and along rows and columns of pixels, with corners
- * and sides on their centres; side by side as in a tube, crossing, through the camera's plane, and one upon the other. */
+/* Triangles much longer than wide, from a hundredth of a pixel to two: any way, and along rows and columns of pixels,
+ * with corners and sides on their centres; side by side as in a tube, crossing, through the camera's plane, and one
+ * upon the other. */
 static void long_thin_triangles(void **unused)
 {
     (void)unused;
@@ -202,16 +210,20 @@ static void long_thin_triangles(void **unused)
         bool on_centres = round % 4 == 3, tube = round % 4 == 2;
         float length = round % 2 ? 150 : 30, far = round % 8 == 1 ? 60.0f : 8.0f;
         for (int i = 0; i < COUNT; i++) {
-            daft_vec3 from = daft_v3(64 + random_float(-far, far), random_float(-60, 60), random_float(-80, 80)), along = random_vec3(-1, 1);
+            daft_vec3 from = daft_v3(64 + random_float(-far, far), random_float(-60, 60), random_float(-80, 80)),
+                      along = random_vec3(-1, 1);
             float width = i % 3 == 0 ? 0.01f : i % 3 == 1 ? 0.4f : 2;
             if (on_centres) {
                 from = daft_v3(64, floorf(from.y) + (float)(i % 2) * 0.5f, floorf(from.z) + (float)(i % 2) * 0.5f);
-                along = i % 8 < 3 ? daft_v3(0, 1, 0) : i % 8 < 6 ? daft_v3(0, 0, 1) : daft_v3(0, 0.5f, i % 8 == 6 ? 0.5f : -0.5f);
+                along = i % 8 < 3   ? daft_v3(0, 1, 0)
+                        : i % 8 < 6 ? daft_v3(0, 0, 1)
+                                    : daft_v3(0, 0.5f, i % 8 == 6 ? 0.5f : -0.5f);
             }
             bool next = tube && i % 8;
             p[3 * i] = next ? p[3 * i - 2] : from;
             p[3 * i + 1] = next ? p[3 * i - 1] : daft_add(from, daft_scale(along, length));
-            p[3 * i + 2] = daft_add(p[3 * i + next], on_centres ? daft_v3(0, width < 1 ? 0 : 0.5f, width < 0.1f ? 0 : 1) : random_vec3(-width, width));
+            p[3 * i + 2] = daft_add(p[3 * i + next], on_centres ? daft_v3(0, width < 1 ? 0 : 0.5f, width < 0.1f ? 0 : 1)
+                                                                : random_vec3(-width, width));
             for (int k = 0; k < 3; k++) index[3 * i + k] = (uint32_t)(3 * i + k);
         }
         fixture_mesh mesh = mesh_make(p, 3 * COUNT, index, COUNT);
@@ -237,7 +249,8 @@ static void spheres(void **unused)
         setting s = {pencil_make(random_float(-3, 3), random_float(-1, 1), 1.5f), instances, COUNT};
         agree(&s, "spheres");
         setting far = {s.pencil, instances, 1};
-        instances[0] = sphere_make(daft_v3(1e5f * s.pencil.forward.x, 1e5f * s.pencil.forward.y, 1e5f * s.pencil.forward.z), 2e4f);
+        instances[0] =
+            sphere_make(daft_v3(1e5f * s.pencil.forward.x, 1e5f * s.pencil.forward.y, 1e5f * s.pencil.forward.z), 2e4f);
         assert_true(agree(&far, "far sphere") > 100);
     }
 }
@@ -266,7 +279,8 @@ static void huge_and_tiny(void **unused)
         fixture_mesh mesh = mesh_ball(20, 1, 0.3f);
         daft_instance instances[2] = {
             instance_make(&mesh, affine_make(random_rotation(), daft_v3(k, k, k), daft_v3(3 * k, 0, 0))),
-            instance_make(&mesh, affine_make(random_rotation(), daft_v3(k, k, k), daft_v3(3.5f * k, 0.5f * k, 0.2f * k))),
+            instance_make(&mesh,
+                          affine_make(random_rotation(), daft_v3(k, k, k), daft_v3(3.5f * k, 0.5f * k, 0.2f * k))),
         };
         setting s = {pencil_make(0, 0, 1), instances, 2};
         assert_true(agree(&s, "scaled") > 1000);
@@ -279,7 +293,8 @@ static void through_the_camera_plane(void **unused)
 {
     (void)unused;
     fixture_seed(11);
-    const daft_vec3 p[] = {{-1e7f, -1, -1e7f}, {1e7f, -1, -1e7f}, {1e7f, -1, 1e7f}, {-1e7f, -1, 1e7f}, {1e7f, -0.999f, 3}, {-1e6f, 2, -1}};
+    const daft_vec3 p[] = {{-1e7f, -1, -1e7f}, {1e7f, -1, -1e7f},  {1e7f, -1, 1e7f},
+                           {-1e7f, -1, 1e7f},  {1e7f, -0.999f, 3}, {-1e6f, 2, -1}};
     const uint32_t index[] = {0, 2, 1, 0, 3, 2, 4, 5, 0, 1, 4, 5};
     fixture_mesh mesh = mesh_make(p, 6, index, 4);
     daft_instance instance = instance_make(&mesh, still());
@@ -302,7 +317,8 @@ static void brute_force(void **unused)
     daft_allocator allocator = daft_malloc_allocator();
     daft_raster raster;
     daft_error error;
-    assert_true(daft_raster_init(&raster, &allocator, 1, daft_isa_best(), &error) && daft_raster_begin(&raster, &s.pencil, &instance, 1, &error));
+    assert_true(daft_raster_init(&raster, &allocator, 1, daft_isa_best(), &error) &&
+                daft_raster_begin(&raster, &s.pencil, &instance, 1, &error));
     daft_raster_bin(&raster, 0, 0);
     for (int i = 0; i < WIDTH * HEIGHT; i++) {
         daft_vec3 ray = daft_pencil_ray(&s.pencil, i % WIDTH, i / WIDTH), c[3];
@@ -353,7 +369,8 @@ static void closed_things(void **unused)
     for (int round = 0; round < 4; round++) {
         for (int i = 0; i < COUNT; i++) {
             float far = i % 10 == 0 ? 0.6f : i % 3 == 0 ? 200 : 20, size = far > 100 ? 8 : random_float(0.5f, 2);
-            daft_vec3 at = daft_v3(random_float(0.1f, 1) * far, random_float(-0.4f, 0.4f) * far, random_float(-0.4f, 0.4f) * far);
+            daft_vec3 at =
+                daft_v3(random_float(0.1f, 1) * far, random_float(-0.4f, 0.4f) * far, random_float(-0.4f, 0.4f) * far);
             daft_vec3 scale = daft_v3(i % 4 == 1 ? -size : size, size, i % 5 == 2 ? 0.3f * size : size);
             instances[i] = instance_make(&meshes[i % 2], affine_make(random_rotation(), scale, at));
         }
@@ -394,14 +411,16 @@ static void specks_in_a_far_corner(void **unused)
     fixture_seed(8192);
     fixture_mesh mesh = mesh_ball(40, 1, 0.3f);
     daft_allocator allocator = daft_malloc_allocator();
-    daft_pencil pencil = {.right = {0, 0, 1}, .up = {0, 1, 0}, .forward = {1, 0, 0}, .focal = 3000, .width = SIZE, .height = SIZE};
+    daft_pencil pencil = {
+        .right = {0, 0, 1}, .up = {0, 1, 0}, .forward = {1, 0, 0}, .focal = 3000, .width = SIZE, .height = SIZE};
     daft_raster raster;
     daft_tile *tile = malloc(2 * sizeof *tile);
     uint32_t seen = 0;
     assert_true(daft_raster_init(&raster, &allocator, 1, daft_isa_best(), NULL));
     for (int round = 0; round < 20; round++) {
         float z = random_float(100, 3000), slope = (SIZE / 2 - 16) / pencil.focal;
-        daft_instance instance = instance_make(&mesh, affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(z, slope * z, slope * z)));
+        daft_instance instance =
+            instance_make(&mesh, affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(z, slope * z, slope * z)));
         daft_arena arena;
         daft_arena_init(&arena, &allocator);
         const daft_tlas *tlas = daft_tlas_build(&arena, &instance, 1, NULL);
@@ -444,18 +463,22 @@ static void culling(void **unused)
         assert_int_equal(raster.bins[0].visible, 0);
         assert_null(raster.visible[0].instance);
     }
-    daft_instance speck = instance_make(&mesh, affine_make(daft_quat_identity(), daft_v3(1e-3f, 1e-3f, 1e-3f), daft_v3(5, 0, 0)));
+    daft_instance speck =
+        instance_make(&mesh, affine_make(daft_quat_identity(), daft_v3(1e-3f, 1e-3f, 1e-3f), daft_v3(5, 0, 0)));
     pencil.shift_x = pencil.shift_y = 0.25f; /* WIDTH is even, HEIGHT odd: the speck lies between rays in x alone */
     assert_true(daft_raster_begin(&raster, &pencil, &speck, 1, &error));
     daft_tile *tile = malloc(sizeof *tile);
     for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
-    for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) daft_raster_kernels_for(0)->tile(&raster, i, 0, tile);
+    for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++)
+        daft_raster_kernels_for(0)->tile(&raster, i, 0, tile);
     assert_int_equal(raster.bins[0].tested, 0);
     /* Around the camera: what lies beside a tile is left out, though much of it reaches behind the camera's plane. */
-    daft_instance around = instance_make(&mesh, affine_make(daft_quat_identity(), daft_v3(9, 9, 9), daft_v3(0.1f, 0.2f, 0)));
+    daft_instance around =
+        instance_make(&mesh, affine_make(daft_quat_identity(), daft_v3(9, 9, 9), daft_v3(0.1f, 0.2f, 0)));
     assert_true(daft_raster_begin(&raster, &pencil, &around, 1, &error));
     daft_raster_bin(&raster, 0, 0);
-    for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) daft_raster_kernels_for(0)->tile(&raster, i, 0, tile);
+    for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++)
+        daft_raster_kernels_for(0)->tile(&raster, i, 0, tile);
     assert_in_range(raster.bins[0].tested, 1, mesh.mesh.triangle_count);
     free(tile);
     daft_raster_free(&raster);
@@ -480,7 +503,8 @@ static void compare_seen(const daft_view_instance *group, const daft_view_instan
 static daft_affine anywhere(void)
 {
     float size = ldexpf(random_float(0.5f, 1), (int)(random_bits() % 16) - 10), far = random_bits() % 8 ? 6 : 1e6f;
-    daft_vec3 scale = random_bits() % 3 ? daft_v3(size, size, size) : daft_v3(size, -size, random_bits() % 4 ? 0.01f * size : 1e-13f);
+    daft_vec3 scale =
+        random_bits() % 3 ? daft_v3(size, size, size) : daft_v3(size, -size, random_bits() % 4 ? 0.01f * size : 1e-13f);
     daft_quat turn = random_bits() % 8 ? random_rotation() : daft_quat_identity();
     daft_affine map = affine_make(turn, scale, random_vec3(-far, far));
     if (random_bits() % 64 == 0) map.m[random_bits() % 9] = random_bits() % 2 ? 3e38f : 0;
@@ -499,11 +523,13 @@ static void groups_and_alone(void **unused)
     fixture_mesh mesh[] = {mesh_ball(12, 1, 0.4f), mesh_ball(5, 1, 0), mesh_ball(4, 3, 0.9f)};
     uint32_t seen = 0;
     for (int isa = 0; isa <= daft_isa_best(); isa++) {
-        assert_true(daft_raster_init(&group, &allocator, 1, isa, NULL) && daft_raster_init(&alone, &allocator, 1, isa, NULL));
+        assert_true(daft_raster_init(&group, &allocator, 1, isa, NULL) &&
+                    daft_raster_init(&alone, &allocator, 1, isa, NULL));
         for (int round = 0; round < 8; round++) {
             daft_pencil pencil = pencil_make(random_float(0, 6), random_float(-1, 1), random_float(0.2f, 2.5f));
             pencil.shift_x = round % 2 ? 0.375f : 0, pencil.shift_y = -0.125f;
-            for (uint32_t i = 0; i < THINGS; i++) things[i] = instance_make(&mesh[i < THINGS / 2 ? 0 : random_bits() % 3], anywhere());
+            for (uint32_t i = 0; i < THINGS; i++)
+                things[i] = instance_make(&mesh[i < THINGS / 2 ? 0 : random_bits() % 3], anywhere());
             assert_true(daft_raster_begin(&group, &pencil, things, THINGS, NULL));
             for (uint32_t i = 0; i < group.work_count; i++) daft_raster_bin(&group, i, 0);
             for (uint32_t i = 0; i < THINGS; i++) {
@@ -523,14 +549,22 @@ static void groups_and_alone(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(soups),         cmocka_unit_test(closed_from_inside),
-        cmocka_unit_test(on_the_grid),   cmocka_unit_test(spheres),
-        cmocka_unit_test(ties),          cmocka_unit_test(huge_and_tiny),
-        cmocka_unit_test(through_the_camera_plane), cmocka_unit_test(brute_force),
-        cmocka_unit_test(culling),       cmocka_unit_test(crowds),
-        cmocka_unit_test(specks_on_the_grid), cmocka_unit_test(specks_in_a_far_corner),
-        cmocka_unit_test(closed_things), cmocka_unit_test(long_thin_triangles),
-        cmocka_unit_test(walls),         cmocka_unit_test(groups_and_alone),
+        cmocka_unit_test(soups),
+        cmocka_unit_test(closed_from_inside),
+        cmocka_unit_test(on_the_grid),
+        cmocka_unit_test(spheres),
+        cmocka_unit_test(ties),
+        cmocka_unit_test(huge_and_tiny),
+        cmocka_unit_test(through_the_camera_plane),
+        cmocka_unit_test(brute_force),
+        cmocka_unit_test(culling),
+        cmocka_unit_test(crowds),
+        cmocka_unit_test(specks_on_the_grid),
+        cmocka_unit_test(specks_in_a_far_corner),
+        cmocka_unit_test(closed_things),
+        cmocka_unit_test(long_thin_triangles),
+        cmocka_unit_test(walls),
+        cmocka_unit_test(groups_and_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

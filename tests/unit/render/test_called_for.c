@@ -375,7 +375,8 @@ static void change_scene(twins *t, uint32_t what)
     for (int i = 0; i < TWINS; i++) {
         stage *s = t->stage[i];
         daft_ray_hit hit;
-        if (what == 0) s->view.camera = daft_camera_look_at(daft_dv3(from.x - 8, from.y + 3, from.z), daft_dv3(0, 0, 0), 1.2f);
+        if (what == 0)
+            s->view.camera = daft_camera_look_at(daft_dv3(from.x - 8, from.y + 3, from.z), daft_dv3(0, 0, 0), 1.2f);
         if (what == 1) s->view.alpha = up;
         if (what == 2) daft_scene_begin_tick(s->scene);
         if (what == 3) daft_scene_cast_ray(s->scene, from, daft_v3(0, -1, 0), 100, (daft_entity){0}, &hit, NULL);
@@ -400,7 +401,8 @@ static void what_stays_in_place_looks_the_same(void **unused)
         else if (what < 11)
             change_scene(&t, what - 4);
         daft_scene *other = t.stage[1]->scene; /* a change that changes nothing */
-        assert_true(daft_entity_set_visible(other, t.toggled[1], false, NULL) && daft_entity_set_visible(other, t.toggled[1], true, NULL));
+        assert_true(daft_entity_set_visible(other, t.toggled[1], false, NULL) &&
+                    daft_entity_set_visible(other, t.toggled[1], true, NULL));
         for (int i = 0; i < TWINS; i++) draw(t.stage[i]);
         assert_memory_equal(daft_image_pixels(t.stage[0]->image), daft_image_pixels(t.stage[1]->image), 4 * PIXELS);
         assert_memory_equal(t.stage[0]->depth, t.stage[1]->depth, sizeof t.stage[0]->depth);

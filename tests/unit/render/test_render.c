@@ -1,5 +1,5 @@
-/* render: what a picture promises: the same bytes however it is computed, light and shadow where the textbook puts them,
- * and no work for effects that nothing in sight calls for. */
+/* render: what a picture promises: the same bytes however it is computed, light and shadow where the textbook puts
+ * them, and no work for effects that nothing in sight calls for. */
 #include "daft.h"
 
 #include "math/simd/dispatch.h"
@@ -125,7 +125,8 @@ static void same_bytes_however_computed(void **unused)
                 hash = daft_hash(s->depth, sizeof s->depth, hash);
                 hash = daft_hash(s->triangle, sizeof s->triangle, hash);
                 if (!expected) expected = hash;
-                if (hash != expected) fail_msg("%s: %s, variant %d gives other bytes", scenes[i], daft_isa_name(isa), kind);
+                if (hash != expected)
+                    fail_msg("%s: %s, variant %d gives other bytes", scenes[i], daft_isa_name(isa), kind);
                 stage_drop(s);
             }
         }
@@ -156,7 +157,8 @@ static void phong_highlight(void **unused)
     add(s, box(daft_dv3(5, 0, 0), daft_v3(1, 100, 100), daft_material_create(s->scene, &def, NULL)));
     sun(s, daft_v3(1, 0, 0)); /* mirrored straight back: at a pixel, the cosine is that of its own ray */
     draw(s);
-    daft_vec3 ray = daft_normalize(daft_v3(WIDTH / 2.0f, 0.5f - 60 + 80, 150.5f - 100)); /* pixel (150, 39): d = (f, y, x) */
+    daft_vec3 ray = daft_normalize(daft_v3(WIDTH / 2.0f, 0.5f - 60 + 80, 150.5f - 100)); /* pixel (150, 39): d = (f, y,
+                                                                                            x) */
     int expected = encoded(0.5 * pow((double)ray.x, 20));
     assert_in_range(pixel(s, 150, 39)[0], expected - 1, expected + 1);
     stage_drop(s);
@@ -226,13 +228,15 @@ static void box_shadow(daft_vec3 to_sun, bool source)
         double px = i % WIDTH + 0.5 - WIDTH / 2.0, py = HEIGHT / 2.0 - (double)(i / WIDTH) - 0.5;
         double cp = cos((double)s->view.camera.pitch), sp = sin((double)s->view.camera.pitch);
         double cy = cos((double)s->view.camera.yaw), sy = sin((double)s->view.camera.yaw);
-        daft_dvec3 forward = daft_dv3(cp * cy, -sp, cp * sy), right = daft_dv3(-sy, 0, cy), up = daft_dcross(right, forward);
+        daft_dvec3 forward = daft_dv3(cp * cy, -sp, cp * sy), right = daft_dv3(-sy, 0, cy),
+                   up = daft_dcross(right, forward);
         daft_dvec3 d = daft_dadd(daft_dscale(right, px), daft_dadd(daft_dscale(up, py), daft_dscale(forward, f)));
         daft_dvec3 at = daft_dadd(s->view.camera.position, daft_dscale(d, (double)s->depth[i] / sqrt(daft_ddot(d, d))));
         at.y = -0.999;
         daft_vec3 direction = source ? daft_to_float(daft_dsub(def.position, at)) : to_sun;
         daft_ray_hit hit;
-        bool dark = daft_scene_cast_ray(s->scene, at, direction, source ? daft_length(direction) : 1000, ground, &hit, &error);
+        bool dark =
+            daft_scene_cast_ray(s->scene, at, direction, source ? daft_length(direction) : 1000, ground, &hit, &error);
         wrong += dark != (pixel(s, i % WIDTH, i / WIDTH)[0] == 0);
         shadowed += dark, looked++;
     }
@@ -265,7 +269,8 @@ static void plane_mirror(void **unused)
     int same = 0, looked = 0;
     for (int y = HEIGHT / 2; y < HEIGHT; y++)
         for (int x = 0; x < WIDTH; x++) {
-            double f = WIDTH / 2.0, dx = x + 0.5 - WIDTH / 2.0, dy = y + 0.5 - HEIGHT / 2.0; /* from (0, -2, 0), upwards */
+            double f = WIDTH / 2.0, dx = x + 0.5 - WIDTH / 2.0, dy = y + 0.5 - HEIGHT / 2.0; /* from (0, -2, 0), upwards
+                                                                                              */
             double b = 6 * f + 4 * dy, dd = f * f + dx * dx + dy * dy, disc = b * b - dd * (36 + 16 - 1);
             if (s->entity[y * WIDTH + x].id != floor.id || fabs(disc) < 0.02 * dd) continue; /* at the rim */
             same += pixel(s, x, y)[0] == encoded(disc > 0 ? 0.5 : 0.1);
@@ -307,7 +312,8 @@ static stage *mirrored_stage(const char *isa, int threads, uint32_t cells, int t
         double x = i % 6 * 2.3 - 5.5, z = i / 6 * 3.1 - 4.6;
         daft_material material = matte(s, 0.3f + 0.02f * (float)i, 0.5f, i == 7 ? 0.5f : 0);
         if (i % 3 == 0) add(s, sphere(daft_dv3(x, 0.25 * (i % 4), z), 0.7f, material));
-        daft_entity_def thing = box(daft_dv3(x, i % 5 == 0 ? 0.4 : i % 5 - 1.5, z), daft_v3(0.8f, 0.8f, 0.8f), material);
+        daft_entity_def thing =
+            box(daft_dv3(x, i % 5 == 0 ? 0.4 : i % 5 - 1.5, z), daft_v3(0.8f, 0.8f, 0.8f), material);
         if (i % 5) thing.rotation = daft_quat_normalize((daft_quat){0.3f, 0.1f * (float)i, 0.2f, 1});
         if (i % 3) add(s, thing);
     }
@@ -315,8 +321,8 @@ static stage *mirrored_stage(const char *isa, int threads, uint32_t cells, int t
     return s;
 }
 
-/* Where a mirror has few triangles its rays form a pencil; where it has many they are cast. Both show the same but for pixels
- * on edges, with the same rays, the former alike on all instruction sets and for any threads. */
+/* Where a mirror has few triangles its rays form a pencil; where it has many they are cast. Both show the same but for
+ * pixels on edges, with the same rays, the former alike on all instruction sets and for any threads. */
 static void plane_mirrors_are_pencils(void **unused)
 {
     (void)unused;

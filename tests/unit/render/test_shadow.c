@@ -1,6 +1,6 @@
-/* The shadow pencil against single rays: for points anywhere, suns, lights far off, close by, inside the scene and among the
- * points, meshes, spheres and mirrored instances, both say the same but for points on a shadow's very edge; and every
- * instruction set says exactly the same. */
+/* The shadow pencil against single rays: for points anywhere, suns, lights far off, close by, inside the scene and
+ * among the points, meshes, spheres and mirrored instances, both say the same but for points on a shadow's very edge;
+ * and every instruction set says exactly the same. */
 #include "fixtures.h"
 
 #include "render/internal.h"
@@ -23,9 +23,11 @@ static void stage_make_of(stage *s, uint32_t count, float size)
     s->ball = mesh_ball(24, 1, 0.1f);
     s->count = count;
     for (uint32_t i = 0; i < count; i++) {
-        daft_vec3 scale = i % 4 == 3 ? daft_v3(size, -0.6f * size, 1.3f * size) : daft_v3(size, size, size), at = random_vec3(-5, 5);
-        s->instances[i] = i % 4 == 0 ? sphere_make(at, random_float(0.2f, 1) * size)
-                                     : instance_make(i % 2 ? &s->soup : &s->ball, affine_make(random_rotation(), scale, at));
+        daft_vec3 scale = i % 4 == 3 ? daft_v3(size, -0.6f * size, 1.3f * size) : daft_v3(size, size, size),
+                  at = random_vec3(-5, 5);
+        s->instances[i] = i % 4 == 0
+                              ? sphere_make(at, random_float(0.2f, 1) * size)
+                              : instance_make(i % 2 ? &s->soup : &s->ball, affine_make(random_rotation(), scale, at));
     }
     s->instances[7].flags = 0; /* casts none */
     s->allocator = daft_malloc_allocator();
@@ -57,12 +59,15 @@ static void fill_points(daft_batch *b, daft_vec3 place, float size)
 
 static bool lit_by_ray(const stage *s, const daft_batch *b, const daft_light_source *source, uint32_t i)
 {
-    daft_ray ray = {.origin = {b->shadow_origin.x[i], b->shadow_origin.y[i], b->shadow_origin.z[i]}, .direction = source->to_light, .tmax = INFINITY};
+    daft_ray ray = {.origin = {b->shadow_origin.x[i], b->shadow_origin.y[i], b->shadow_origin.z[i]},
+                    .direction = source->to_light,
+                    .tmax = INFINITY};
     if (!source->sun) ray.direction = daft_sub(source->position, ray.origin), ray.tmax = 1;
     return !daft_accel_kernels_for(0)->occluded(s->tlas, &ray);
 }
 
-static uint32_t cast(int isa, const daft_batch *b, const daft_light_source *source, const daft_tlas *tlas, uint32_t instance, uint32_t *bits)
+static uint32_t cast(int isa, const daft_batch *b, const daft_light_source *source, const daft_tlas *tlas,
+                     uint32_t instance, uint32_t *bits)
 {
     const daft_sample_kernels *k = daft_sample_kernels_for(isa);
     const daft_samples samples = daft_samples_of(b);
@@ -74,7 +79,8 @@ static uint32_t cast(int isa, const daft_batch *b, const daft_light_source *sour
     return kept;
 }
 
-static uint32_t cast_tints(int isa, const daft_batch *b, const daft_light_source *source, const daft_tlas *tlas, const uint32_t *bits, uint32_t *out)
+static uint32_t cast_tints(int isa, const daft_batch *b, const daft_light_source *source, const daft_tlas *tlas,
+                           const uint32_t *bits, uint32_t *out)
 {
     const daft_sample_kernels *k = daft_sample_kernels_for(isa);
     const daft_samples samples = daft_samples_of(b);
@@ -107,8 +113,10 @@ static void compare(const stage *s, const daft_batch *b, const daft_light_source
         if (!was) assert_false(lit);
         if (!was) continue;
         if (lit != lit_by_ray(s, b, source, i)) sum->edge++;
-        if (lit) sum->lit++;
-        else sum->dark++;
+        if (lit)
+            sum->lit++;
+        else
+            sum->dark++;
     }
 }
 
@@ -145,11 +153,14 @@ static void lights_among_the_points(void **unused) { (void)unused, fixture_seed(
 
 static void suns_over_many(void **unused) { (void)unused, fixture_seed(71), run_with(MANY, 0.3f, true, 0, 1); }
 static void lights_over_many(void **unused) { (void)unused, fixture_seed(72), run_with(MANY, 0.3f, false, 30, 1); }
-static void lights_far_from_many(void **unused) { (void)unused, fixture_seed(73), run_with(MANY, 0.2f, false, 1e5f, 3); }
+static void lights_far_from_many(void **unused)
+{
+    (void)unused, fixture_seed(73), run_with(MANY, 0.2f, false, 1e5f, 3);
+}
 static void lights_among_many(void **unused) { (void)unused, fixture_seed(74), run_with(MANY, 0.2f, false, 3, 4); }
 
-/* Points a little above or below triangles that are neighbours, their lights at any angle over these, grazing ones, too: most of
- * what is close to them does not hide them. */
+/* Points a little above or below triangles that are neighbours, their lights at any angle over these, grazing ones,
+ * too: most of what is close to them does not hide them. */
 static void fill_on_surface(const daft_instance *s, daft_batch *b, uint32_t first)
 {
     b->count = 700 + random_bits() % 300;
@@ -157,9 +168,11 @@ static void fill_on_surface(const daft_instance *s, daft_batch *b, uint32_t firs
         const uint32_t *corner = &s->mesh->indices[3 * ((first + random_bits() % 60) % s->mesh->triangle_count)];
         daft_vec3 p[3];
         for (int k = 0; k < 3; k++)
-            p[k] = daft_affine_point(&s->to_frame, daft_v3(s->mesh->x[corner[k]], s->mesh->y[corner[k]], s->mesh->z[corner[k]]));
+            p[k] = daft_affine_point(&s->to_frame,
+                                     daft_v3(s->mesh->x[corner[k]], s->mesh->y[corner[k]], s->mesh->z[corner[k]]));
         daft_vec3 e = daft_sub(p[1], p[0]), f = daft_sub(p[2], p[0]), up = daft_normalize(daft_cross(e, f));
-        float v = random_float(0, 1), w = random_float(0, 1 - v), over = random_float(1e-5f, 1e-3f) * (i % 5 ? 1.0f : -1.0f);
+        float v = random_float(0, 1), w = random_float(0, 1 - v),
+              over = random_float(1e-5f, 1e-3f) * (i % 5 ? 1.0f : -1.0f);
         daft_vec3 at = daft_add(daft_add(p[0], daft_add(daft_scale(e, v), daft_scale(f, w))), daft_scale(up, over));
         b->shadow_origin.x[i] = at.x, b->shadow_origin.y[i] = at.y, b->shadow_origin.z[i] = at.z;
         b->instance[i] = UINT32_MAX;
@@ -178,7 +191,8 @@ static void points_on_surfaces(void **unused)
         for (uint32_t i = 1; i < s.count; i += i % 4 == 3 ? 2 : 1) { /* all but the spheres */
             fill_on_surface(&s.instances[i], b, random_bits() % s.instances[i].mesh->triangle_count);
             daft_vec3 at = {b->shadow_origin.x[0], b->shadow_origin.y[0], b->shadow_origin.z[0]};
-            daft_light_source source = {.sun = i % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
+            daft_light_source source = {
+                .sun = i % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
             source.position = daft_add(at, daft_scale(random_vec3(-1, 1), random_float(0.1f, 6)));
             compare(&s, b, &source, &sum);
         }
@@ -190,7 +204,8 @@ static void points_on_surfaces(void **unused)
     free(b);
 }
 
-/* Of points in the open beside many things, none is asked for, though they share a tile with points behind the things. */
+/* Of points in the open beside many things, none is asked for, though they share a tile with points behind the things.
+ */
 static void beside_many(void **unused)
 {
     (void)unused;
@@ -202,7 +217,8 @@ static void beside_many(void **unused)
         stage_make_of(&s, MANY, 0.3f); /* between -6 and 6 on each axis */
         b->count = 1000;
         for (uint32_t i = 0; i < b->count; i++) {
-            daft_vec3 p = i < 500 ? daft_v3(random_float(-4, 4), -9, random_float(-4, 4)) : daft_v3(random_float(10, 14), -9, random_float(-4, 4));
+            daft_vec3 p = i < 500 ? daft_v3(random_float(-4, 4), -9, random_float(-4, 4))
+                                  : daft_v3(random_float(10, 14), -9, random_float(-4, 4));
             b->shadow_origin.x[i] = p.x, b->shadow_origin.y[i] = p.y, b->shadow_origin.z[i] = p.z;
             b->instance[i] = UINT32_MAX, b->pixel[i] = i;
         }
@@ -233,7 +249,8 @@ static void one_at_a_time(void **unused)
         stage s;
         stage_make(&s);
         fill_points(b, random_vec3(-5, 5), 2);
-        daft_light_source source = {.sun = round % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
+        daft_light_source source = {
+            .sun = round % 2, .casts_shadow = true, .to_light = daft_normalize(random_vec3(-1, 1))};
         source.position = daft_scale(random_vec3(-1, 1), 9);
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
             uint32_t all[DAFT_BATCH_WORDS] = {0}, each[DAFT_BATCH_WORDS], tints[DAFT_MAX_OCCLUDERS];
@@ -244,7 +261,8 @@ static void one_at_a_time(void **unused)
                 if (!(s.instances[i].flags & DAFT_INSTANCE_CASTS_SHADOW)) continue;
                 for (int word = 0; word < DAFT_BATCH_WORDS; word++) alone[word] = all[word];
                 cast(isa, b, &source, s.tlas, i, alone);
-                for (int word = 0; word < DAFT_BATCH_WORDS; word++) gone |= all[word] & ~alone[word], each[word] &= alone[word];
+                for (int word = 0; word < DAFT_BATCH_WORDS; word++)
+                    gone |= all[word] & ~alone[word], each[word] &= alone[word];
                 s.instances[i].flags = DAFT_INSTANCE_TINTS_SHADOW;
                 uint32_t count = cast_tints(isa, b, &source, s.tlas, all, tints);
                 assert_true(count <= 1 || count == UINT32_MAX);
@@ -262,7 +280,8 @@ static void one_at_a_time(void **unused)
     free(b);
 }
 
-/* Points of a mesh of no thickness that face the light are asked for only under other things; those that face away are dark. */
+/* Points of a mesh of no thickness that face the light are asked for only under other things; those that face away are
+ * dark. */
 static void flat_ground(void **unused)
 {
     (void)unused;
@@ -270,7 +289,8 @@ static void flat_ground(void **unused)
     const daft_vec3 corners[4] = {{-9, 0, -9}, {-9, 0, 9}, {9, 0, 9}, {9, 0, -9}};
     const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
     fixture_mesh ground = mesh_make(corners, 4, indices, 2);
-    daft_instance instance = instance_make(&ground, affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(3, -2, 5)));
+    daft_instance instance =
+        instance_make(&ground, affine_make(random_rotation(), daft_v3(1, 1, 1), daft_v3(3, -2, 5)));
     daft_allocator allocator = daft_malloc_allocator();
     daft_arena arena;
     daft_arena_init(&arena, &allocator);
@@ -289,7 +309,8 @@ static void flat_ground(void **unused)
     for (int side = -1; side <= 1; side += 2)
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
             uint32_t bits[DAFT_BATCH_WORDS] = {0}, lit = 0;
-            daft_light_source source = {.casts_shadow = true, .position = daft_add(daft_v3(3, -2, 5), daft_scale(up, 4 * (float)side))};
+            daft_light_source source = {.casts_shadow = true,
+                                        .position = daft_add(daft_v3(3, -2, 5), daft_scale(up, 4 * (float)side))};
             for (uint32_t i = 0; i < b->count; i++) bits[i / 32] |= (uint32_t)1 << (i % 32);
             assert_int_equal(cast(isa, b, &source, tlas, DAFT_NOTHING, bits), side > 0 ? 0 : 900);
             for (int word = 0; word < DAFT_BATCH_WORDS; word++) lit += (uint32_t)__builtin_popcount(bits[word]);
@@ -300,8 +321,8 @@ static void flat_ground(void **unused)
     mesh_drop(&ground);
 }
 
-/* Patches of a floor, from a small one to one as large as what stands over it: all lit beside it, all dark behind a ball inside it, or
- * across its outline. */
+/* Patches of a floor, from a small one to one as large as what stands over it: all lit beside it, all dark behind a
+ * ball inside it, or across its outline. */
 static void floors(void **unused)
 {
     (void)unused;
@@ -314,7 +335,8 @@ static void floors(void **unused)
     for (int round = 0; round < 24; round++) {
         stage s = {.count = 2, .allocator = daft_malloc_allocator(), .soup = mesh_make(corners, 4, indices, 2)};
         s.ball = round % 3 ? mesh_ball(round % 3 == 1 ? 24 : 60, 1, 0.1f) : mesh_soup(700, 2, 0.35f);
-        s.instances[0] = instance_make(&s.ball, affine_make(random_rotation(), daft_v3(2, 2, random_float(1, 2)), daft_v3(0, 0, 0)));
+        s.instances[0] =
+            instance_make(&s.ball, affine_make(random_rotation(), daft_v3(2, 2, random_float(1, 2)), daft_v3(0, 0, 0)));
         s.instances[1] = instance_make(&s.soup, affine_make(daft_quat_identity(), daft_v3(1, 1, 1), daft_v3(0, 0, 0)));
         daft_arena_init(&s.arena, &s.allocator);
         s.tlas = daft_tlas_build(&s.arena, s.instances, s.count, NULL);
@@ -328,7 +350,9 @@ static void floors(void **unused)
                 b->outward.x[k] = b->outward.z[k] = 0, b->outward.y[k] = 1;
                 b->instance[k] = 1, b->triangle[k] = p.x > p.z, b->pixel[k] = k;
             }
-            daft_light_source source = {.sun = i % 2, .casts_shadow = true, .to_light = daft_normalize(daft_add(daft_v3(0, 2, 0), random_vec3(-1, 1)))};
+            daft_light_source source = {.sun = i % 2,
+                                        .casts_shadow = true,
+                                        .to_light = daft_normalize(daft_add(daft_v3(0, 2, 0), random_vec3(-1, 1)))};
             source.position = daft_add(daft_v3(0, 9, 0), random_vec3(-4, 4));
             tally one = {0};
             compare(&s, b, &source, &one);
@@ -337,7 +361,8 @@ static void floors(void **unused)
         }
         stage_drop(&s);
     }
-    print_message("%d lit, %d dark, %d at an edge; %d patches dark, %d lit\n", sum.lit, sum.dark, sum.edge, whole[0], whole[1]);
+    print_message("%d lit, %d dark, %d at an edge; %d patches dark, %d lit\n", sum.lit, sum.dark, sum.edge, whole[0],
+                  whole[1]);
     assert_true(whole[0] > 20 && whole[1] > 20 && sum.edge * 2000 < sum.lit + sum.dark);
     free(b);
 }
@@ -345,11 +370,21 @@ static void floors(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(suns), cmocka_unit_test(large_patches), cmocka_unit_test(far_lights),
-        cmocka_unit_test(lights_beyond_the_hills), cmocka_unit_test(lights_in_the_scene), cmocka_unit_test(lights_among_the_points),
-        cmocka_unit_test(suns_over_many), cmocka_unit_test(lights_over_many), cmocka_unit_test(lights_far_from_many),
-        cmocka_unit_test(lights_among_many), cmocka_unit_test(points_on_surfaces), cmocka_unit_test(beside_many),
-        cmocka_unit_test(one_at_a_time), cmocka_unit_test(flat_ground), cmocka_unit_test(floors),
+        cmocka_unit_test(suns),
+        cmocka_unit_test(large_patches),
+        cmocka_unit_test(far_lights),
+        cmocka_unit_test(lights_beyond_the_hills),
+        cmocka_unit_test(lights_in_the_scene),
+        cmocka_unit_test(lights_among_the_points),
+        cmocka_unit_test(suns_over_many),
+        cmocka_unit_test(lights_over_many),
+        cmocka_unit_test(lights_far_from_many),
+        cmocka_unit_test(lights_among_many),
+        cmocka_unit_test(points_on_surfaces),
+        cmocka_unit_test(beside_many),
+        cmocka_unit_test(one_at_a_time),
+        cmocka_unit_test(flat_ground),
+        cmocka_unit_test(floors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* Surfaces: points, normals and shadow origins of a tile's pixels against each pixel's ray met alone with what it sees, in
- * double; of rays that were followed, the same; and every instruction set gives the same bits. */
+/* Surfaces: points, normals and shadow origins of a tile's pixels against each pixel's ray met alone with what it sees,
+ * in double; of rays that were followed, the same; and every instruction set gives the same bits. */
 #include "fixtures.h"
 
 #include "render/internal.h"
@@ -37,7 +37,8 @@ static stage *stage_make(uint32_t kinds)
     s->soup = mesh_soup(300, 2, 0.5f);
     s->ball = mesh_ball(12, 1, 0.05f);
     for (uint32_t i = 0; i < THINGS; i++) {
-        daft_vec3 at = daft_v3(random_float(4, 12), random_float(-4, 4), random_float(-5, 5)), scale = daft_v3(1, i % 5 ? 1 : -1.4f, 1);
+        daft_vec3 at = daft_v3(random_float(4, 12), random_float(-4, 4), random_float(-5, 5)),
+                  scale = daft_v3(1, i % 5 ? 1 : -1.4f, 1);
         daft_instance *t = &s->instances[i];
         *t = i % 4 == 0 ? sphere_make(at, random_float(0.2f, 1.2f))
                         : instance_make(i % 4 == 1 ? &s->soup : &s->ball, affine_make(random_rotation(), scale, at));
@@ -45,11 +46,23 @@ static stage *stage_make(uint32_t kinds)
     }
     for (int i = 0; i < 3; i++) s->materials[i] = (daft_surface){.index = 1, .texture = DAFT_NO_TEXTURE};
     s->materials[1].specular = daft_v3(0.5f, 0.5f, 0.5f), s->materials[2].mirror = daft_v3(0.5f, 0, 0);
-    daft_vec3 forward = daft_normalize(daft_v3(1, 0.1f, -0.05f)), right = daft_normalize(daft_cross(forward, daft_v3(0, 1, 0)));
-    s->pencil = (daft_pencil){.right = right, .up = daft_cross(right, forward), .forward = forward, .focal = 90, .width = WIDTH,
-                              .height = HEIGHT, .shift_x = 0.125f, .shift_y = -0.375f};
-    s->snapshot = (daft_snapshot){.width = WIDTH, .height = HEIGHT, .focal = 90, .instances = s->instances,
-                                  .instance_count = THINGS, .materials = s->materials, .material_count = 3};
+    daft_vec3 forward = daft_normalize(daft_v3(1, 0.1f, -0.05f)),
+              right = daft_normalize(daft_cross(forward, daft_v3(0, 1, 0)));
+    s->pencil = (daft_pencil){.right = right,
+                              .up = daft_cross(right, forward),
+                              .forward = forward,
+                              .focal = 90,
+                              .width = WIDTH,
+                              .height = HEIGHT,
+                              .shift_x = 0.125f,
+                              .shift_y = -0.375f};
+    s->snapshot = (daft_snapshot){.width = WIDTH,
+                                  .height = HEIGHT,
+                                  .focal = 90,
+                                  .instances = s->instances,
+                                  .instance_count = THINGS,
+                                  .materials = s->materials,
+                                  .material_count = 3};
     s->allocator = daft_malloc_allocator();
     assert_true(daft_raster_init(&s->raster, &s->allocator, 1, daft_isa_best(), NULL));
     assert_true(daft_raster_begin(&s->raster, &s->pencil, s->instances, THINGS, NULL));
@@ -72,12 +85,16 @@ typedef struct met {
 } met;
 
 static daft_dvec3 unit(daft_dvec3 a) { return daft_dscale(a, 1 / sqrt(daft_ddot(a, a))); }
-static daft_dvec3 frame_point(const daft_instance *t, daft_vec3 p) { return daft_to_double(daft_affine_point(&t->to_frame, p)); }
+static daft_dvec3 frame_point(const daft_instance *t, daft_vec3 p)
+{
+    return daft_to_double(daft_affine_point(&t->to_frame, p));
+}
 
 static met meet_triangle(const daft_instance *t, uint32_t triangle, daft_dvec3 o, daft_dvec3 d)
 {
     const daft_trimesh *m = t->mesh;
-    const uint32_t *at = &m->indices[3 * triangle], *normals = m->normal_indices ? &m->normal_indices[3 * triangle] : at;
+    const uint32_t *at = &m->indices[3 * triangle],
+                   *normals = m->normal_indices ? &m->normal_indices[3 * triangle] : at;
     daft_dvec3 c[3], n[3], e[3], mean = {0, 0, 0}, sum = {0, 0, 0};
     for (int k = 0; k < 3; k++) {
         c[k] = frame_point(t, daft_v3(m->x[at[k]], m->y[at[k]], m->z[at[k]]));
@@ -110,8 +127,10 @@ static met meet_triangle(const daft_instance *t, uint32_t triangle, daft_dvec3 o
 
 static met meet_sphere(const daft_instance *t, daft_dvec3 o, daft_dvec3 d)
 {
-    daft_dvec3 c = daft_dv3((double)t->to_frame.t[0], (double)t->to_frame.t[1], (double)t->to_frame.t[2]), to = daft_dsub(c, o);
-    double along = daft_ddot(to, d), r = (double)t->radius, half = sqrt(fmax(r * r - daft_ddot(to, to) + along * along, 0));
+    daft_dvec3 c = daft_dv3((double)t->to_frame.t[0], (double)t->to_frame.t[1], (double)t->to_frame.t[2]),
+               to = daft_dsub(c, o);
+    double along = daft_ddot(to, d), r = (double)t->radius,
+           half = sqrt(fmax(r * r - daft_ddot(to, to) + along * along, 0));
     met out;
     out.point = daft_dadd(o, daft_dscale(d, along > half ? along - half : along + half));
     out.normal = out.outward = daft_dscale(unit(daft_dsub(out.point, c)), along > half ? 1 : -1);
@@ -175,8 +194,10 @@ static uint32_t check_tile(stage *s, uint32_t number)
     for (uint32_t i = 0; i < b->count; i++) {
         uint32_t place = b->pixel[i];
         assert_true(b->instance[i] == s->tile.instance[place] && b->triangle[i] == s->tile.triangle[place]);
-        daft_vec3 r = daft_pencil_ray(&s->pencil, s->tile.x + (int)place % DAFT_TILE, s->tile.y + (int)place / DAFT_TILE);
-        daft_vec3 d = daft_add(daft_add(daft_scale(s->pencil.right, r.x), daft_scale(s->pencil.up, r.y)), daft_scale(s->pencil.forward, r.z));
+        daft_vec3 r =
+            daft_pencil_ray(&s->pencil, s->tile.x + (int)place % DAFT_TILE, s->tile.y + (int)place / DAFT_TILE);
+        daft_vec3 d = daft_add(daft_add(daft_scale(s->pencil.right, r.x), daft_scale(s->pencil.up, r.y)),
+                               daft_scale(s->pencil.forward, r.z));
         looked += compare(s, b, i, daft_dv3(0, 0, 0), unit(daft_to_double(d)));
     }
     for (uint32_t i = 0; i < s->sky.count; i++) assert_int_equal(s->tile.instance[s->sky.pixel[i]], DAFT_NOTHING);
@@ -200,8 +221,11 @@ static void pixels_meet_what_they_see(void **unused)
 static void see_one(stage *s, uint32_t instance, uint32_t triangle, bool but_one)
 {
     const daft_instance *t = &s->instances[instance];
-    for (int i = 0; i < DAFT_TILE_ROOM; i++) s->tile.instance[i] = instance, s->tile.triangle[i] = t->mesh ? triangle : 0;
-    if (but_one) s->tile.instance[random_bits() % (DAFT_TILE * DAFT_TILE)] = random_bits() % 2 ? DAFT_NOTHING : (instance + 1) % THINGS;
+    for (int i = 0; i < DAFT_TILE_ROOM; i++)
+        s->tile.instance[i] = instance, s->tile.triangle[i] = t->mesh ? triangle : 0;
+    if (but_one)
+        s->tile.instance[random_bits() % (DAFT_TILE * DAFT_TILE)] =
+            random_bits() % 2 ? DAFT_NOTHING : (instance + 1) % THINGS;
 }
 
 /* Tiles that one flat facet fills have the bits that they have when more is asked for. */
@@ -215,7 +239,8 @@ static void filled_tiles(void **unused)
     memset(alone, 0, sizeof *alone);
     s->materials[1].specular = daft_v3(0, 0, 0);
     for (int round = 0; round < 400; round++) {
-        const daft_surfaces_def def = {&s->snapshot, &s->pencil, true, false}, other = {&s->snapshot, &s->pencil, true, true};
+        const daft_surfaces_def def = {&s->snapshot, &s->pencil, true, false},
+                                other = {&s->snapshot, &s->pencil, true, true};
         uint32_t instance = random_bits() % 6, triangle = random_bits() % 2;
         s->instances[5].materials = &MATERIALS[random_bits() % 2];
         s->instances[1].to_frame.t[0] = random_bits() % 4 ? s->instances[1].to_frame.t[0] : random_float(4, 12);
@@ -250,7 +275,8 @@ static void rays_meet_what_they_hit(void **unused)
     uint32_t looked = 0;
     for (int round = 0; round < 20; round++) {
         for (uint32_t i = 0; i < RAYS; i++) {
-            daft_vec3 o = random_vec3(-3, 3), d = daft_normalize(daft_v3(1, random_float(-0.7f, 0.7f), random_float(-0.7f, 0.7f)));
+            daft_vec3 o = random_vec3(-3, 3),
+                      d = daft_normalize(daft_v3(1, random_float(-0.7f, 0.7f), random_float(-0.7f, 0.7f)));
             daft_ray ray = {.origin = o, .direction = d, .tmax = INFINITY};
             s->rays.origin.x[i] = o.x, s->rays.origin.y[i] = o.y, s->rays.origin.z[i] = o.z;
             s->rays.direction.x[i] = d.x, s->rays.direction.y[i] = d.y, s->rays.direction.z[i] = d.z;
@@ -267,8 +293,10 @@ static void rays_meet_what_they_hit(void **unused)
             uint32_t ray = b->pixel[i];
             assert_int_equal(b->instance[i], hits[ray].instance);
             assert_true(b->distance[i] == 1 + hits[ray].t);
-            daft_dvec3 o = daft_dv3((double)s->rays.origin.x[ray], (double)s->rays.origin.y[ray], (double)s->rays.origin.z[ray]);
-            daft_dvec3 d = daft_dv3((double)s->rays.direction.x[ray], (double)s->rays.direction.y[ray], (double)s->rays.direction.z[ray]);
+            daft_dvec3 o =
+                daft_dv3((double)s->rays.origin.x[ray], (double)s->rays.origin.y[ray], (double)s->rays.origin.z[ray]);
+            daft_dvec3 d = daft_dv3((double)s->rays.direction.x[ray], (double)s->rays.direction.y[ray],
+                                    (double)s->rays.direction.z[ray]);
             looked += compare(s, b, i, o, d);
         }
     }
@@ -279,7 +307,7 @@ static void rays_meet_what_they_hit(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(pixels_meet_what_they_see),
-                                       cmocka_unit_test(filled_tiles), cmocka_unit_test(rays_meet_what_they_hit)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(pixels_meet_what_they_see), cmocka_unit_test(filled_tiles),
+                                       cmocka_unit_test(rays_meet_what_they_hit)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -116,8 +116,18 @@ static void a_mesh_without_faces_is_refused(void **unused)
 static void help_is_status_0(void **unused)
 {
     (void)unused;
-    static const char *const helps[] = {"help",        "--help",    "-h",           "--version", "help lua", "help fields", "help fields daft_light_def",
-                                        "play --help", "render -h", "check --help", "help play", "help render"};
+    static const char *const helps[] = {"help",
+                                        "--help",
+                                        "-h",
+                                        "--version",
+                                        "help lua",
+                                        "help fields",
+                                        "help fields daft_light_def",
+                                        "play --help",
+                                        "render -h",
+                                        "check --help",
+                                        "help play",
+                                        "help render"};
     for (size_t i = 0; i < sizeof helps / sizeof helps[0]; i++) {
         int status = run_daft(output, "%s", helps[i]);
         assert_status(status, 0, output);
@@ -200,7 +210,8 @@ static void read_pfm(const char *path, const char *magic, size_t channels, float
     assert_int_equal(fread(head, 1, (size_t)length, file), length);
     assert_memory_equal(head, wanted, (size_t)length);
     for (size_t y = AOV_HEIGHT; y-- > 0;)
-        assert_int_equal(fread(out + y * AOV_WIDTH * channels, sizeof(float), AOV_WIDTH * channels, file), AOV_WIDTH * channels);
+        assert_int_equal(fread(out + y * AOV_WIDTH * channels, sizeof(float), AOV_WIDTH * channels, file),
+                         AOV_WIDTH * channels);
     assert_int_equal(fgetc(file), EOF);
     fclose(file);
 }
@@ -227,8 +238,9 @@ static void aov_files_hold_what_the_library_says(void **unused)
     static uint32_t triangle[AOV_PIXELS];
     char stem[64], path[96];
     snprintf(stem, sizeof stem, "/tmp/daft-aov-%d", (int)getpid());
-    int status = run_daft(output, "render assets/scenes/temple.scene -o %s.png --size %dx%d --aov triangle,depth,normal,id", stem,
-                          AOV_WIDTH, AOV_HEIGHT);
+    int status =
+        run_daft(output, "render assets/scenes/temple.scene -o %s.png --size %dx%d --aov triangle,depth,normal,id",
+                 stem, AOV_WIDTH, AOV_HEIGHT);
     assert_status(status, 0, output);
 
     daft_engine_def def = daft_default_engine_def();

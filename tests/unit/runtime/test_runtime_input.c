@@ -170,7 +170,8 @@ static void playing_gives_each_tick_its_events(void **unused)
 static void a_cut_recording_plays_to_its_last_second(void **unused)
 {
     (void)unused;
-    static const char text[] = "daft-recording 2\ngame x\n5 +left\ntick 60\n70 -left\n90 +up\ntick 120\n130 +down\n131 mouse 1.5";
+    static const char text[] =
+        "daft-recording 2\ngame x\n5 +left\ntick 60\n70 -left\n90 +up\ntick 120\n130 +down\n131 mouse 1.5";
     for (size_t size = strlen("daft-recording 2\ngame x\n5 +left\ntick 60\n"); size < sizeof text; size++) {
         FILE *file = fopen(temporary(), "w");
         fwrite(text, 1, size, file);

@@ -38,7 +38,8 @@ static const char *const COMPARE =
     "  state = (state * 6364136223846793005 + 1442695040888963407) & 0x7fffffffffffffff\n"
     "  return (state >> 33) % n\n"
     "end\n"
-    "local patterns = {'a','b','ab','%a','%d','%w','%s','%u','%P','.','[ab]','[^a]','[%a_]','[a-c]','[]a]','(',')','()',\n"
+    "local patterns = "
+    "{'a','b','ab','%a','%d','%w','%s','%u','%P','.','[ab]','[^a]','[%a_]','[a-c]','[]a]','(',')','()',\n"
     "  '%b()','%f[%w]','%1','%2','*','+','-','?','^','$','%','[',']','\\0','1',' ','x','\\xff'}\n"
     "local texts = {'a','b','ab','1',' ','(',')','c','_','x','aa',']','A','\\0','\\xff'}\n"
     "local replacements = {'x','%0','%1','%1%2','%%','%','<%0>','%9',12,{a='A',b=false,ab=1},\n"
@@ -104,6 +105,7 @@ static void each_can_be_stopped(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(they_answer_as_lua_does), cmocka_unit_test(each_can_be_stopped)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(they_answer_as_lua_does),
+                                       cmocka_unit_test(each_can_be_stopped)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

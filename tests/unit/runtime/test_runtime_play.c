@@ -29,26 +29,11 @@ static void play_through(const char *game, int ticks)
     if (status != 0) fail_msg("%s: exit status %d\n%s", game, status, output);
 }
 
-static void the_api_does_what_it_says(void **unused)
-{
-    (void)unused, play_through("api", 61);
-}
-static void bodies_do_what_the_manual_says(void **unused)
-{
-    (void)unused, play_through("physics", 241);
-}
-static void the_sandbox_holds(void **unused)
-{
-    (void)unused, play_through("sandbox", 1);
-}
-static void the_library_works(void **unused)
-{
-    (void)unused, play_through("library", 210);
-}
-static void nonsense_never_crashes(void **unused)
-{
-    (void)unused, play_through("nonsense", 10);
-}
+static void the_api_does_what_it_says(void **unused) { (void)unused, play_through("api", 61); }
+static void bodies_do_what_the_manual_says(void **unused) { (void)unused, play_through("physics", 241); }
+static void the_sandbox_holds(void **unused) { (void)unused, play_through("sandbox", 1); }
+static void the_library_works(void **unused) { (void)unused, play_through("library", 210); }
+static void nonsense_never_crashes(void **unused) { (void)unused, play_through("nonsense", 10); }
 
 static void the_games_of_the_design_and_of_the_house_play(void **unused)
 {
@@ -124,10 +109,7 @@ static void tear_down(stage *s)
     daft_engine_destroy(s->engine);
 }
 
-static bool give_up(void *user)
-{
-    return ++((stage *)user)->asked > 0;
-}
+static bool give_up(void *user) { return ++((stage *)user)->asked > 0; }
 
 /* A script that never ends, and catches every error, is stopped when the user asks for it. */
 static void an_endless_script_can_be_stopped(void **unused)

@@ -37,10 +37,7 @@ typedef struct script_platform {
     char title[200];
 } script_platform;
 
-static void close_script(platform *self)
-{
-    (void)self;
-}
+static void close_script(platform *self) { (void)self; }
 
 static bool poll_script(platform *self, platform_event *out)
 {
@@ -108,10 +105,7 @@ static void set_title_script(platform *self, const char *title)
     snprintf(((script_platform *)self)->title, sizeof((script_platform *)self)->title, "%s", title);
 }
 
-static void grab_script(platform *self, bool grab)
-{
-    (void)self, (void)grab;
-}
+static void grab_script(platform *self, bool grab) { (void)self, (void)grab; }
 
 /* ---- the stage ---- */
 
@@ -223,8 +217,8 @@ static void a_script_error_is_shown_and_r_reloads(void **unused)
     PLAY(script);
     assert_int_equal(play("broken_update"), SESSION_LEFT);
     assert_true(s.screen.presented >= 80);
-    assert_true(s.screen.corner[0] > 150 &&
-                s.screen.corner[0] > s.screen.corner[2] + 50); /* the error screen's red edge */
+    assert_true(s.screen.corner[0] > 150 && s.screen.corner[0] > s.screen.corner[2] + 50); /* the error screen's red
+                                                                                              edge */
     tear_down();
 }
 

@@ -223,8 +223,8 @@ static uint32_t make_many(daft_scene *scene, daft_material own, bool shown[MANY]
     uint32_t count = 0;
     random_state = 77;
     daft_mesh meshes[] = {make_triangle(scene), make_triangle(scene)};
-    scene->assets.meshes[meshes[1].id - 1]->mesh.slot_count =
-        3; /* as of a file; only things with a material of their own show it */
+    scene->assets.meshes[meshes[1].id - 1]->mesh.slot_count = 3; /* as of a file; only things with a material of their
+                                                                    own show it */
     for (uint32_t i = 0; i < MANY; i++) {
         daft_entity_def def = daft_default_entity_def();
         uint32_t kind = (uint32_t)uniform(0, 5), on = (uint32_t)uniform(0, i);

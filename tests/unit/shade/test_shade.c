@@ -24,14 +24,16 @@ static void lane_functions(void **unused)
     double log2_error = 0, exp2_error = 0, atan_error = 0, asin_error = 0, pow_error = 0;
     for (int i = 0; i < 300000; i++) {
         float a = (float)i / 300000, x = ldexpf(0.5f + a, i % 200 - 100), y = (a - 0.5f) * 250;
-        log2_error = fmax(log2_error, fabs((double)lane(vf_log2(vf_set(x))) - log2((double)x)) / fmax(1, fabs(log2((double)x))));
+        log2_error =
+            fmax(log2_error, fabs((double)lane(vf_log2(vf_set(x))) - log2((double)x)) / fmax(1, fabs(log2((double)x))));
         exp2_error = fmax(exp2_error, fabs((double)lane(vf_exp2(vf_set(y))) / exp2((double)y) - 1));
         float c = cosf(7 * a), s = sinf(7 * a) * (i % 3 ? 1 : 1e-4f);
         atan_error = fmax(atan_error, fabs((double)lane(vf_atan2(vf_set(s), vf_set(c))) - atan2((double)s, (double)c)));
         asin_error = fmax(asin_error, fabs((double)lane(vf_asin(vf_set(2 * a - 1))) - asin((double)(2 * a - 1))));
         pow_error = fmax(pow_error, fabs((double)lane(vf_pow(vf_set(a), vf_set(50))) - pow((double)a, 50)));
     }
-    print_message("log2 %.2g exp2 %.2g atan2 %.2g asin %.2g pow %.2g\n", log2_error, exp2_error, atan_error, asin_error, pow_error);
+    print_message("log2 %.2g exp2 %.2g atan2 %.2g asin %.2g pow %.2g\n", log2_error, exp2_error, atan_error, asin_error,
+                  pow_error);
     assert_true(log2_error < 3e-7 && exp2_error < 3e-7 && atan_error < 5e-7 && asin_error < 1e-6 && pow_error < 1e-5);
     assert_true(lane(vf_atan2(vf_set(0), vf_set(0))) == 0 && lane(vf_pow(vf_set(0), vf_set(0))) == 1);
     assert_true(lane(vf_floor(vf_set(-1.5f))) == -2 && lane(vf_floor(vf_set(2))) == 2);
@@ -52,7 +54,8 @@ static void encode_round_trip(void **unused)
         uint8_t bytes[4 * 256];
         for (int i = 0; i < 256; i++) light[i] = SRGB_TO_LINEAR[i];
         daft_shade_kernels_for(isa)->encode(light, light, light, 256, bytes);
-        for (int i = 0; i < 256; i++) assert_true(bytes[4 * i] == i && bytes[4 * i + 2] == i && bytes[4 * i + 3] == 255);
+        for (int i = 0; i < 256; i++)
+            assert_true(bytes[4 * i] == i && bytes[4 * i + 2] == i && bytes[4 * i + 3] == 255);
         const float odd[16] = {NAN, INFINITY, -INFINITY, -1, 2};
         daft_shade_kernels_for(isa)->encode(odd, odd, odd, 5, bytes);
         const int expected[5] = {0, 255, 0, 0, 255};
@@ -103,7 +106,8 @@ static void texture_sampling(void **unused)
     (void)unused;
     daft_allocator allocator = daft_malloc_allocator();
     uint8_t rgba[4 * 4 * 2];
-    for (int i = 0; i < 8; i++) rgba[4 * i] = (uint8_t)(30 * i), rgba[4 * i + 1] = 10, rgba[4 * i + 2] = 0, rgba[4 * i + 3] = 255;
+    for (int i = 0; i < 8; i++)
+        rgba[4 * i] = (uint8_t)(30 * i), rgba[4 * i + 1] = 10, rgba[4 * i + 2] = 0, rgba[4 * i + 3] = 255;
     daft_texture_data texture;
     assert_true(daft_texture_build(&allocator, rgba, 4, 2, &texture, NULL));
     daft_surface material = {.texture = 0, .map_scale = {1, 1}};
@@ -124,7 +128,8 @@ static void texture_sampling(void **unused)
     assert_false(daft_shade_kernels_for(0)->albedo(b, &material, &texture));
     assert_true(b->albedo.x[3] == 1);
     b->u[0] = NAN, b->v[1] = INFINITY, b->u[2] = 1e30f, b->footprint[3] = NAN, material.texture = 0;
-    daft_shade_kernels_for(daft_isa_best())->albedo(b, &material, &texture); /* reads nothing outside: asan would tell */
+    daft_shade_kernels_for(daft_isa_best())->albedo(b, &material, &texture); /* reads nothing outside: asan would tell
+                                                                              */
     daft_texture_free(&allocator, &texture);
     free(b);
 }
@@ -135,7 +140,8 @@ static void sky_image(void **unused)
     (void)unused;
     enum { W = 8, H = 4 };
     float texels[3 * W * H];
-    for (int i = 0; i < W * H; i++) texels[3 * i] = (float)(i % W), texels[3 * i + 1] = (float)(i / W), texels[3 * i + 2] = 1;
+    for (int i = 0; i < W * H; i++)
+        texels[3 * i] = (float)(i % W), texels[3 * i + 1] = (float)(i / W), texels[3 * i + 2] = 1;
     daft_sky_image image = {W, H, texels};
     daft_sky sky = {.kind = DAFT_SKY_IMAGE, .image = &image};
     daft_lanes3 *d = calloc(1, sizeof *d), *color = calloc(1, sizeof *color);
@@ -161,8 +167,8 @@ static void sky_image(void **unused)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(lane_functions), cmocka_unit_test(srgb_table),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(lane_functions),    cmocka_unit_test(srgb_table),
                                        cmocka_unit_test(encode_round_trip), cmocka_unit_test(encode_near_thresholds),
-                                       cmocka_unit_test(texture_sampling), cmocka_unit_test(sky_image)};
+                                       cmocka_unit_test(texture_sampling),  cmocka_unit_test(sky_image)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

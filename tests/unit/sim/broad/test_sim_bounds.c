@@ -1,5 +1,5 @@
-/* sim: the tree of bounds against a search of all of them, while leaves come, go, move and are laid out anew; and the sort of
- * listings against the obvious one. */
+/* sim: the tree of bounds against a search of all of them, while leaves come, go, move and are laid out anew; and the
+ * sort of listings against the obvious one. */
 #include "fixtures.h"
 
 #include "sim/world.h"
@@ -122,7 +122,8 @@ static void listings_are_sorted_and_equal_keys_keep_their_order(void **unused)
         size_t count = random_bits() % MOST;
         uint32_t step = 1 + random_bits() % 40; /* long runs in order, with breaks between them */
         for (size_t i = 0; i < count; i++) {
-            uint64_t key = round % 2 ? random_bits() % 50 : i % step + (random_bits() % 9 == 0 ? random_bits() % 60 : 0);
+            uint64_t key =
+                round % 2 ? random_bits() % 50 : i % step + (random_bits() % 9 == 0 ? random_bits() % 60 : 0);
             expected[i] = items[i] = (daft_sim_active){.key = key, .pair = (uint32_t)i};
         }
         daft_sim_active_sort(items, count, scratch);

@@ -1,5 +1,6 @@
-/* sim: the pairs that a step looks at against a search of all parts: what moves, rests, sleeps, only senses, is of another
- * layer or joined; while bodies come, go, are placed elsewhere and fall asleep; and many of them in one spot. */
+/* sim: the pairs that a step looks at against a search of all parts: what moves, rests, sleeps, only senses, is of
+ * another layer or joined; while bodies come, go, are placed elsewhere and fall asleep; and many of them in one spot.
+ */
 #include "sim_scene.h"
 
 #include "math/simd/dispatch.h"
@@ -13,7 +14,8 @@ static one_shape random_body(void)
 {
     double kind = uniform(0, 1), size = uniform(0.1, 0.5);
     daft_dvec3 at = random_in(-3, 3);
-    one_shape def = uniform(0, 1) < 0.5 ? sphere(size, at.x, at.y, at.z) : box(daft_v3(0.2f, 0.3f, (float)size), at.x, at.y, at.z);
+    one_shape def =
+        uniform(0, 1) < 0.5 ? sphere(size, at.x, at.y, at.z) : box(daft_v3(0.2f, 0.3f, (float)size), at.x, at.y, at.z);
     def.kind = kind < 0.15 ? DAFT_BODY_STATIC : kind < 0.3 ? DAFT_BODY_KINEMATIC : DAFT_BODY_DYNAMIC;
     def.part.sensor = uniform(0, 1) < 0.1;
     def.part.layers = uniform(0, 1) < 0.8 ? 1 : 2, def.part.mask = uniform(0, 1) < 0.8 ? 3 : 1;
@@ -103,8 +105,8 @@ static void change_some(daft_world *world, uint32_t *ids)
     }
 }
 
-/* Without the rest of the step, so that all stays as the pairs were found in. False: some were woken by that, which the next
- * step looks at. */
+/* Without the rest of the step, so that all stays as the pairs were found in. False: some were woken by that, which the
+ * next step looks at. */
 static bool find_pairs(daft_world *world)
 {
     uint32_t asleep = world->asleep_count;
@@ -180,7 +182,8 @@ static void a_crowd_has_bounded_pairs(void **unused)
                 for (size_t i = 0; i < world->active.count; i++)
                     hash = daft_hash(&world->active.items[i].key, sizeof(uint64_t), hash);
             }
-            for (uint32_t i = 0; i < world->part_count; i++) assert_true(world->parts[i].owned <= DAFT_SIM_MAX_PARTNERS);
+            for (uint32_t i = 0; i < world->part_count; i++)
+                assert_true(world->parts[i].owned <= DAFT_SIM_MAX_PARTNERS);
             hashes[runs++] = daft_world_hash(world, hash);
             assert_true(hashes[runs - 1] == hashes[0]);
             daft_world_destroy(world);

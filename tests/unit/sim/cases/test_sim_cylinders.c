@@ -56,8 +56,9 @@ static uint64_t cylinders_on_slopes(const variant *v)
             off = fmax(off, fabs(p.x * s + p.y * c - r));
         }
         double got = speed_of(state_in(world, v, id)) / 2, wanted = 2.0 / 3 * G * s;
-        print_message("%s, %g m long: %g of 2/3 g sin s, %g mm off the ground, %g mm aside\n", k & 2 ? "triangles" : "box", 2 * lengths[k / 4],
-                      got / wanted, 1e3 * off, 1e3 * (state_in(world, v, id).position.z - 0.2));
+        print_message("%s, %g m long: %g of 2/3 g sin s, %g mm off the ground, %g mm aside\n",
+                      k & 2 ? "triangles" : "box", 2 * lengths[k / 4], got / wanted, 1e3 * off,
+                      1e3 * (state_in(world, v, id).position.z - 0.2));
         assert_near(got, wanted, 0.01 * wanted);
         assert_near(state_in(world, v, id).position.z, 0.2, 0.01);
         assert_true(off < 2e-3);
@@ -94,7 +95,8 @@ static void it_rolls_on(void **unused)
             steps(world, 1);
             bump = fmax(bump, fabs((double)state_of(world, id).linear.y));
         }
-        print_message("%s: %g m/s, %g m/s up or down\n", tiles ? "tiles" : "one box", speed_of(state_of(world, id)), bump);
+        print_message("%s: %g m/s, %g m/s up or down\n", tiles ? "tiles" : "one box", speed_of(state_of(world, id)),
+                      bump);
         assert_near(speed_of(state_of(world, id)), 5, 0.01);
         assert_true(bump < 0.01);
         daft_world_destroy(world);
@@ -145,8 +147,11 @@ static void it_rests(void **unused)
             steps(world, 1200);
             daft_dvec3 p = state_of(world, id).position;
             double tilt = tilt_of(world, id), stands = fmin(tilt, DAFT_PI - tilt) < 0.1 ? h : r;
-            print_message("radius %g, %s: at %g, tilt %g, %s\n", r, how == 2 ? "leaned" : how ? "laid" : "stood", p.y, tilt,
-                          daft_world_is_awake(world, id) ? "awake" : "asleep");
+            print_message("radius %g, %s: at %g, tilt %g, %s\n", r,
+                          how == 2 ? "leaned"
+                          : how    ? "laid"
+                                   : "stood",
+                          p.y, tilt, daft_world_is_awake(world, id) ? "awake" : "asleep");
             assert_near(p.y, stands, 1e-3 + 2e-3 * r);
             assert_true(how == 2 || (hypot(p.x, p.z) < 1e-3 && !daft_world_is_awake(world, id)));
             assert_true(speed_of(state_of(world, id)) < 0.5);
@@ -156,7 +161,8 @@ static void it_rests(void **unused)
     }
 }
 
-/* Forty of all lengths fall into a tray, onto boxes or triangles: nobody leaves it, nobody is in another, and it comes to rest. */
+/* Forty of all lengths fall into a tray, onto boxes or triangles: nobody leaves it, nobody is in another, and it comes
+ * to rest. */
 static void a_heap_of_them_rests(void **unused)
 {
     (void)unused;
@@ -173,7 +179,8 @@ static void a_heap_of_them_rests(void **unused)
         uint32_t ids[COUNT];
         for (int i = 0; i < COUNT; i++) {
             daft_dvec3 at = random_in(-0.6, 0.6), axis = random_in(-1, 1);
-            one_shape def = i % 5 == 4 ? dynamic_box(daft_v3(0.2f, 0.15f, 0.1f), 0, 0, 0) : roller(hulls[i % 4], 0, 0, 0);
+            one_shape def =
+                i % 5 == 4 ? dynamic_box(daft_v3(0.2f, 0.15f, 0.1f), 0, 0, 0) : roller(hulls[i % 4], 0, 0, 0);
             def.position = daft_dv3(at.x, 0.6 + 0.3 * i, at.z);
             def.rotation = turned(axis.x, axis.y + 1.5, axis.z, uniform(0, 6));
             def.rolling_resistance = 0.02f;
@@ -189,7 +196,8 @@ static void a_heap_of_them_rests(void **unused)
                 if (tick >= 840) lowest = fmin(lowest, p.y), fastest = fmax(fastest, speed_of(state_of(world, ids[i])));
             }
         }
-        print_message("%s: lowest %g m, at the end %g m and at most %g m/s, %u awake\n", v->name, deepest, lowest, fastest, daft_world_counters(world).awake);
+        print_message("%s: lowest %g m, at the end %g m and at most %g m/s, %u awake\n", v->name, deepest, lowest,
+                      fastest, daft_world_counters(world).awake);
         assert_true(deepest > 0.02 && lowest > 0.048 && fastest < 0.1);
         hashes[k] = daft_world_hash(world, 0);
         daft_world_destroy(world);
@@ -198,7 +206,8 @@ static void a_heap_of_them_rests(void **unused)
     for (int i = 0; i < 4; i++) daft_hull_free(hulls[i]);
 }
 
-/* Two side by side, and one in the furrow between them, all rolling free but for chocks: they touch on their sides, at a radius. */
+/* Two side by side, and one in the furrow between them, all rolling free but for chocks: they touch on their sides, at
+ * a radius. */
 static void logs_lie_in_a_pile(void **unused)
 {
     (void)unused;
@@ -208,7 +217,8 @@ static void logs_lie_in_a_pile(void **unused)
     for (int side = -1; side <= 1; side += 2) add(world, box(daft_v3(0.1f, 0.3f, 2), side * 0.61, 0.3, 0));
     uint32_t ids[3];
     for (int i = 0; i < 3; i++) {
-        one_shape def = roller(hull, i == 2 ? 0 : 0.5 * i - 0.25, i == 2 ? 0.25 + 0.5 * sqrt(3.0) / 2 + 0.01 : 0.2501, 0.05 * i);
+        one_shape def =
+            roller(hull, i == 2 ? 0 : 0.5 * i - 0.25, i == 2 ? 0.25 + 0.5 * sqrt(3.0) / 2 + 0.01 : 0.2501, 0.05 * i);
         def.rotation = turned(1, 0, 0, DAFT_PI / 2);
         ids[i] = add(world, def);
     }
@@ -224,7 +234,8 @@ static void logs_lie_in_a_pile(void **unused)
     daft_hull_free(hull);
 }
 
-/* At 100 to 1,000 m/s, spinning, against a plate of 1 mm: none passes. DAFT_SHOTS=1000 for as many as the table asks for. */
+/* At 100 to 1,000 m/s, spinning, against a plate of 1 mm: none passes. DAFT_SHOTS=1000 for as many as the table asks
+ * for. */
 static uint64_t cylinder_shots(const variant *v)
 {
     uint64_t hash = 0;
@@ -276,7 +287,8 @@ static void it_weighs_what_a_cylinder_does(void **unused)
     daft_daabb bounds = daft_shape_bounds(&shape, &pose);
     for (int i = 0; i < 1000; i++) {
         double angle = 2 * DAFT_PI * i / 1000;
-        daft_dvec3 p = daft_rigid_point(&pose, daft_dv3(0.3 * daft_cos(angle), i & 1 ? 0.7 : -0.7, 0.3 * daft_sin(angle)));
+        daft_dvec3 p =
+            daft_rigid_point(&pose, daft_dv3(0.3 * daft_cos(angle), i & 1 ? 0.7 : -0.7, 0.3 * daft_sin(angle)));
         assert_true(p.x >= bounds.low.x - 1e-7 && p.y >= bounds.low.y - 1e-7 && p.z >= bounds.low.z - 1e-7);
         assert_true(p.x <= bounds.high.x + 1e-7 && p.y <= bounds.high.y + 1e-7 && p.z <= bounds.high.z + 1e-7);
     }
@@ -284,20 +296,17 @@ static void it_weighs_what_a_cylinder_does(void **unused)
     static const float bad[] = {0, -1, NAN, INFINITY, 1e30f};
     daft_error error = {0};
     for (size_t i = 0; i < DAFT_COUNT_OF(bad); i++)
-        for (int k = 0; k < 2; k++) assert_null(daft_hull_create_cylinder(&heap, k ? bad[i] : 1, k ? 1 : bad[i], &error));
+        for (int k = 0; k < 2; k++)
+            assert_null(daft_hull_create_cylinder(&heap, k ? bad[i] : 1, k ? 1 : bad[i], &error));
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(it_rolls_down_a_slope),
-        cmocka_unit_test(it_rolls_on),
-        cmocka_unit_test(a_coin_rolls_on_its_rim),
-        cmocka_unit_test(it_rests),
-        cmocka_unit_test(a_heap_of_them_rests),
-        cmocka_unit_test(logs_lie_in_a_pile),
-        cmocka_unit_test(fast_ones_stop_at_thin_walls),
-        cmocka_unit_test(it_weighs_what_a_cylinder_does),
+        cmocka_unit_test(it_rolls_down_a_slope),        cmocka_unit_test(it_rolls_on),
+        cmocka_unit_test(a_coin_rolls_on_its_rim),      cmocka_unit_test(it_rests),
+        cmocka_unit_test(a_heap_of_them_rests),         cmocka_unit_test(logs_lie_in_a_pile),
+        cmocka_unit_test(fast_ones_stop_at_thin_walls), cmocka_unit_test(it_weighs_what_a_cylinder_does),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

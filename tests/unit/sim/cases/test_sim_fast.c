@@ -1,5 +1,6 @@
-/* sim, cases of the table that are fast: bullets at loose boxes and in rooms of triangles, shots at edges and corners that
- * triangles share, bodies of two boxes on hills, thin boxes on waves. DAFT_SHOTS=1000 for as many as the table asks for. */
+/* sim, cases of the table that are fast: bullets at loose boxes and in rooms of triangles, shots at edges and corners
+ * that triangles share, bodies of two boxes on hills, thin boxes on waves. DAFT_SHOTS=1000 for as many as the table
+ * asks for. */
 #include "sim_cases.h"
 
 static int shots_wanted(void)
@@ -16,7 +17,8 @@ typedef struct surface {
 } surface;
 
 /* Its shape points into it: it stays where it is. */
-static void surface_make(surface *s, const variant *v, const daft_vec3 *p, uint32_t vertices, const uint32_t *index, uint32_t triangles, bool one_sided)
+static void surface_make(surface *s, const variant *v, const daft_vec3 *p, uint32_t vertices, const uint32_t *index,
+                         uint32_t triangles, bool one_sided)
 {
     daft_error error = {0};
     heap = daft_malloc_allocator();
@@ -69,8 +71,8 @@ static double above(height_at *height, double cell, daft_dvec3 p)
 
 /* ---- bullets ---- */
 
-/* 500 m/s at one of ten boxes that stand on each other. The first thing it touches is the box it is aimed at, and all its
- * momentum stays with the boxes and itself. */
+/* 500 m/s at one of ten boxes that stand on each other. The first thing it touches is the box it is aimed at, and all
+ * its momentum stays with the boxes and itself. */
 static uint64_t bullets_at_boxes(const variant *v)
 {
     uint64_t hash = 0;
@@ -94,14 +96,17 @@ static uint64_t bullets_at_boxes(const variant *v)
             const daft_sim_event *events;
             uint32_t count = daft_world_events(world, &events);
             for (uint32_t i = 0; i < count && !first; i++)
-                if (events[i].kind == DAFT_SIM_CONTACT_BEGIN && (events[i].body_a == bullet || events[i].body_b == bullet))
+                if (events[i].kind == DAFT_SIM_CONTACT_BEGIN &&
+                    (events[i].body_a == bullet || events[i].body_b == bullet))
                     first = events[i].body_a == bullet ? events[i].body_b : events[i].body_a;
             assert_true(state_in(world, v, bullet).position.x < state_in(world, v, ids[aim]).position.x - 0.5);
         }
         assert_int_equal(first, ids[aim]);
         double sum = (double)daft_world_mass(world, bullet) * (double)state_in(world, v, bullet).linear.x;
-        for (int i = 0; i < 10; i++) sum += (double)daft_world_mass(world, ids[i]) * (double)state_in(world, v, ids[i]).linear.x;
-        double held = 2 * 0.6 * G * 10 * (double)daft_world_mass(world, ids[0]) / 60; /* by the floor's friction, in two steps */
+        for (int i = 0; i < 10; i++)
+            sum += (double)daft_world_mass(world, ids[i]) * (double)state_in(world, v, ids[i]).linear.x;
+        double held = 2 * 0.6 * G * 10 * (double)daft_world_mass(world, ids[0]) / 60; /* by the floor's friction, in two
+                                                                                         steps */
         worst = fmax(worst, fabs(sum / pushed - 1));
         assert_true(fabs(sum - pushed) < held);
         hash = hash_of_both(hash, end_of(world));
@@ -143,8 +148,9 @@ static uint64_t room_of_triangles(const variant *v)
                 farthest = fmax(farthest, fmax(fabs(c.x), fmax(fabs(c.y), fabs(c.z))));
             }
         }
-        print_message("%s: farthest %g m from the middle of 10 m; ball at %g, box at %g m/s\n", one_sided ? "one side" : "two sides",
-                      farthest, speed_of(state_in(world, v, ids[0])), speed_of(state_in(world, v, ids[1])));
+        print_message("%s: farthest %g m from the middle of 10 m; ball at %g, box at %g m/s\n",
+                      one_sided ? "one side" : "two sides", farthest, speed_of(state_in(world, v, ids[0])),
+                      speed_of(state_in(world, v, ids[1])));
         assert_true(farthest < 5);
         hash = hash_of_both(hash, end_of(world));
         surface_drop(&room);
@@ -180,7 +186,8 @@ static uint64_t balls_where_triangles_meet(const variant *v)
             daft_world *world = variant_world(v);
             daft_world_set_gravity(world, daft_v3(0, 0, 0));
             add_surface(world, v, &sheet);
-            double along = corner ? 0 : uniform(0.2, 3), edge = DAFT_PI / 4 * (int)uniform(0, 8), back = 2 + uniform(0, 2);
+            double along = corner ? 0 : uniform(0.2, 3), edge = DAFT_PI / 4 * (int)uniform(0, 8),
+                   back = 2 + uniform(0, 2);
             daft_dvec3 aim = daft_dv3(1, 0, 0), at = daft_dv3(0, along * daft_cos(edge), along * daft_sin(edge));
             if (shot & 1) aim.y = uniform(-0.5, 0.5), aim.z = uniform(-0.5, 0.5);
             daft_dvec3 from = daft_dsub(at, daft_dscale(aim, back));
@@ -213,7 +220,8 @@ static uint32_t add_pair_of_boxes(daft_world *world, const variant *v, daft_dvec
 {
     daft_sim_shape_def parts[2] = {daft_default_sim_shape_def(), daft_default_sim_shape_def()};
     for (int i = 0; i < 2; i++) {
-        parts[i].shape = (daft_sim_shape){.type = DAFT_GEOMETRY_BOX, .half = i ? daft_v3(0.1f, 0.3f, 0.1f) : daft_v3(0.4f, 0.1f, 0.1f)};
+        parts[i].shape = (daft_sim_shape){.type = DAFT_GEOMETRY_BOX,
+                                          .half = i ? daft_v3(0.1f, 0.3f, 0.1f) : daft_v3(0.4f, 0.1f, 0.1f)};
         parts[i].position = variant_direction(v, i ? daft_v3(0.3f, 0.4f, 0) : daft_v3(0, 0, 0));
     }
     daft_sim_body_def def = daft_default_sim_body_def();
@@ -237,7 +245,8 @@ static uint64_t pairs_of_boxes_onto_hills(const variant *v)
         for (int shot = 0; shot < shots_wanted(); shot++) {
             daft_world *world = variant_world(v);
             add_surface(world, v, &ground);
-            daft_dvec3 at = random_in(-4, 4), axis = random_in(-1, 1), aim = random_in(-0.7, 0.7), spin = random_in(-40, 40);
+            daft_dvec3 at = random_in(-4, 4), axis = random_in(-1, 1), aim = random_in(-0.7, 0.7),
+                       spin = random_in(-40, 40);
             at.y = 6 + uniform(0, 3);
             uint32_t id = add_pair_of_boxes(world, v, at, turned(axis.x, axis.y + 1.5, axis.z, uniform(0, 6)));
             aim.y = -1;
@@ -289,7 +298,8 @@ static uint64_t drop_needles(const variant *v, height_at *height, double cell, d
             if (fmax(fabs(p.x), fabs(p.z)) < 0.45 * CELLS * cell) lowest = fmin(lowest, above(height, cell, p));
         }
     }
-    print_message("%g m/s, %s: lowest middle %g m above the ground, %u awake\n", speed, one_sided ? "one side" : "two sides", lowest, daft_world_counters(world).awake);
+    print_message("%g m/s, %s: lowest middle %g m above the ground, %u awake\n", speed,
+                  one_sided ? "one side" : "two sides", lowest, daft_world_counters(world).awake);
     assert_true(lowest > 0);
     uint64_t hash = end_of(world);
     surface_drop(&ground);
@@ -329,12 +339,14 @@ static bar_blow place_bar(daft_world *world, const variant *v, uint32_t id, int 
     b.rate = b.swings ? uniform(1, 45) : uniform(2, 120);
     double thick = shot & 16 ? 0.1 : 0.02;
     b.at = b.swings ? uniform(0.3, 1.2) : -4 - uniform(0, 2);
-    one_shape bar = b.swings ? box(daft_v3(2, 0.3f, (float)thick), -1.2, 0.31, 0) : box(daft_v3((float)thick, 0.3f, 1), b.at, 0.31, 0);
+    one_shape bar = b.swings ? box(daft_v3(2, 0.3f, (float)thick), -1.2, 0.31, 0)
+                             : box(daft_v3((float)thick, 0.3f, 1), b.at, 0.31, 0);
     if (b.swings) bar.rotation = turned(0, 1, 0, b.at);
     bar.kind = DAFT_BODY_KINEMATIC;
     b.mover = put(world, v, bar);
     if (!b.posed)
-        launch(world, v, b.mover, daft_v3(b.swings ? 0 : (float)b.rate, 0, 0), daft_v3(0, b.swings ? (float)-b.rate : 0, 0));
+        launch(world, v, b.mover, daft_v3(b.swings ? 0 : (float)b.rate, 0, 0),
+               daft_v3(0, b.swings ? (float)-b.rate : 0, 0));
     return b;
 }
 
@@ -355,8 +367,8 @@ static double blow_of(daft_world *world, const variant *v, bar_blow b)
     return fastest / (b.swings ? 1.2 * b.rate : b.rate);
 }
 
-/* What lies there, asleep or not, is never jumped over, but goes on at the bar's speed or, struck at a part of the bar's length, at a
- * good part of its end's. */
+/* What lies there, asleep or not, is never jumped over, but goes on at the bar's speed or, struck at a part of the
+ * bar's length, at a good part of its end's. */
 static uint64_t bars(const variant *v)
 {
     uint64_t hash = 0;

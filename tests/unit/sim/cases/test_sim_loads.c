@@ -1,10 +1,11 @@
-/* sim, cases of the table with loads and joints: heavy cylinders on light cubes, a bridge of planks, a door, ragdolls on a mesh; and how
- * a cylinder made of a hull rolls. */
+/* sim, cases of the table with loads and joints: heavy cylinders on light cubes, a bridge of planks, a door, ragdolls
+ * on a mesh; and how a cylinder made of a hull rolls. */
 #include "sim_cases.h"
 
 /* ---- cylinders ---- */
 
-/* 60 kg on a cube of 1 kg, and a thousand times a cube's mass: it is not pressed through the floor, and nothing jumps. */
+/* 60 kg on a cube of 1 kg, and a thousand times a cube's mass: it is not pressed through the floor, and nothing jumps.
+ */
 static void a_cylinder_does_not_crush_a_cube(void **unused)
 {
     (void)unused;
@@ -28,10 +29,11 @@ static void a_cylinder_does_not_crush_a_cube(void **unused)
             for (int i = 0; i < 600; i++) {
                 steps(world, 1);
                 double y = place_of(world, v, low).y, above = place_of(world, v, top).y;
-                least = fmin(least, y - 0.25), jump = fmax(jump, fmax(y - 0.25, above - 1)), sank = fmax(sank, 1 - above);
+                least = fmin(least, y - 0.25), jump = fmax(jump, fmax(y - 0.25, above - 1)),
+                sank = fmax(sank, 1 - above);
             }
-            print_message("%g kg on 1, %s: cube %g mm into the floor, jumps %g mm, load sank %g mm, tilt %g degrees\n", loads[n], v->name,
-                          -1e3 * least, 1e3 * jump, 1e3 * sank, tilt_of(world, top) * 180 / DAFT_PI);
+            print_message("%g kg on 1, %s: cube %g mm into the floor, jumps %g mm, load sank %g mm, tilt %g degrees\n",
+                          loads[n], v->name, -1e3 * least, 1e3 * jump, 1e3 * sank, tilt_of(world, top) * 180 / DAFT_PI);
             assert_true(least > -0.01 && jump < 0.05 && sank < 0.05);
             hashes[k] = end_of(world);
         }
@@ -40,8 +42,8 @@ static void a_cylinder_does_not_crush_a_cube(void **unused)
     daft_hull_free(hull);
 }
 
-/* A prism's edges brake it: so a wheel made of a hull falls behind 2/3 g sin s on a slope, by a third with 32 sides. A cylinder, the last
- * here, does not. */
+/* A prism's edges brake it: so a wheel made of a hull falls behind 2/3 g sin s on a slope, by a third with 32 sides. A
+ * cylinder, the last here, does not. */
 static void a_hull_is_no_wheel(void **unused)
 {
     (void)unused;
@@ -84,8 +86,8 @@ static double open_by(const daft_world *world, uint32_t joint)
     return distance_of(s.anchor_a, s.anchor_b);
 }
 
-/* Thirty planks of 58 kg, straight between two banks, and ten crates on it. Once it has sagged, after 10 s, or 20 where crates are twice as
- * heavy as planks, no hinge is open by a centimetre. */
+/* Thirty planks of 58 kg, straight between two banks, and ten crates on it. Once it has sagged, after 10 s, or 20 where
+ * crates are twice as heavy as planks, no hinge is open by a centimetre. */
 static void bridge_carries(float density, int ticks)
 {
     uint64_t hashes[VARIANTS];
@@ -115,7 +117,8 @@ static void bridge_carries(float density, int ticks)
                 for (int j = 0; j < 31; j++) late = fmax(late, open_by(world, joints[j]));
         }
         for (int i = 0; i < 10; i++) lowest = fmin(lowest, place_of(world, v, crates[i]).y);
-        print_message("crates of %g kg, %s: hinges open by %g mm at most, %g mm at the end, lowest crate at %g m\n", (double)density / 8, v->name, 1e3 * most, 1e3 * late, lowest);
+        print_message("crates of %g kg, %s: hinges open by %g mm at most, %g mm at the end, lowest crate at %g m\n",
+                      (double)density / 8, v->name, 1e3 * most, 1e3 * late, lowest);
         assert_true(late < 0.01 && most < 0.03 && lowest > 7);
         hashes[k] = daft_world_hash(world, 0);
         daft_world_destroy(world);
@@ -130,7 +133,8 @@ static void a_bridge_carries_crates(void **unused)
     bridge_carries(1000, 1200);
 }
 
-/* A door of 40 kg that a motor drives to its stop and a ball hits there: less than a degree past its limits, less than a centimetre open. */
+/* A door of 40 kg that a motor drives to its stop and a ball hits there: less than a degree past its limits, less than
+ * a centimetre open. */
 static uint64_t door(const variant *v)
 {
     daft_world *world = variant_world(v);
@@ -152,7 +156,8 @@ static uint64_t door(const variant *v)
         steps(world, 1);
         daft_sim_joint_state s;
         assert_true(daft_world_get_joint(world, joint, &s));
-        beyond = fmax(beyond, fmax(-1.5 - (double)s.value, (double)s.value - 1)), open = fmax(open, open_by(world, joint));
+        beyond = fmax(beyond, fmax(-1.5 - (double)s.value, (double)s.value - 1)),
+        open = fmax(open, open_by(world, joint));
         if (i == 119) assert_near((double)s.value, 1, 0.02);
         if (i == 299) assert_near((double)s.value, -1.5, 0.02);
     }

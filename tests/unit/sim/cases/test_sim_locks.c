@@ -1,5 +1,5 @@
-/* sim: bodies that may not move along some of the world's axes, or not turn about them: nothing moves them there by a bit, and along the
- * others they go on as they should. */
+/* sim: bodies that may not move along some of the world's axes, or not turn about them: nothing moves them there by a
+ * bit, and along the others they go on as they should. */
 #include "sim_cases.h"
 
 static uint32_t put_locked(daft_world *world, const variant *v, one_shape shape, uint32_t locks)
@@ -16,11 +16,14 @@ static uint32_t put_locked(daft_world *world, const variant *v, one_shape shape,
     if (!id) fail_msg("%s", error.message);
     return id;
 }
-static uint32_t add_locked(daft_world *world, one_shape shape, uint32_t locks) { return put_locked(world, &VARIANT[0], shape, locks); }
+static uint32_t add_locked(daft_world *world, one_shape shape, uint32_t locks)
+{
+    return put_locked(world, &VARIANT[0], shape, locks);
+}
 
-/* A game in a plane: sixty balls and boxes fall into a tray and rest within a minute; what rolls to and fro meanwhile loses its
- * motion slowly. With `beside`, some are beside the plane, so that they push each other out of it, and some come to be within each
- * other, nearer to a face that is beside it. Each keeps its own z to the bit. */
+/* A game in a plane: sixty balls and boxes fall into a tray and rest within a minute; what rolls to and fro meanwhile
+ * loses its motion slowly. With `beside`, some are beside the plane, so that they push each other out of it, and some
+ * come to be within each other, nearer to a face that is beside it. Each keeps its own z to the bit. */
 static uint64_t flat_game(const variant *v, uint64_t seed, double beside)
 {
     enum { COUNT = 60 };
@@ -34,7 +37,8 @@ static uint64_t flat_game(const variant *v, uint64_t seed, double beside)
     for (int i = 0; i < COUNT; i++) {
         double x = uniform(-2, 2);
         z[i] = i % 3 ? 0 : uniform(-beside, beside);
-        one_shape thing = i & 1 ? sphere(uniform(0.15, 0.3), x, 1 + 0.5 * i, z[i]) : dynamic_box(daft_v3(0.3f, 0.2f, 0.25f), x, 1 + 0.5 * i, z[i]);
+        one_shape thing = i & 1 ? sphere(uniform(0.15, 0.3), x, 1 + 0.5 * i, z[i])
+                                : dynamic_box(daft_v3(0.3f, 0.2f, 0.25f), x, 1 + 0.5 * i, z[i]);
         ids[i] = put_locked(world, v, thing, flat);
         z[i] = state_of(world, ids[i]).position.z;
     }
@@ -48,7 +52,8 @@ static uint64_t flat_game(const variant *v, uint64_t seed, double beside)
         }
     }
     uint32_t awake = daft_world_counters(world).awake;
-    print_message("seed %d, %g m beside the plane: %u awake, at the end at most %g m/s\n", (int)seed, beside, awake, fastest);
+    print_message("seed %d, %g m beside the plane: %u awake, at the end at most %g m/s\n", (int)seed, beside, awake,
+                  fastest);
     assert_true(fastest < 0.1);
     assert_int_equal(awake, 0);
     return end_of(world);
@@ -68,8 +73,8 @@ static void a_flat_game_stays_flat_and_rests(void **unused)
     play_variants(flat_games);
 }
 
-/* Its centre is in the box, nearest to a face that it may not leave by: it leaves by another, and does not spin. One that only grazes
- * that face from outside is not held by it, and falls past. */
+/* Its centre is in the box, nearest to a face that it may not leave by: it leaves by another, and does not spin. One
+ * that only grazes that face from outside is not held by it, and falls past. */
 static void what_is_beside_the_plane_parts_in_it(void **unused)
 {
     (void)unused;
@@ -85,7 +90,8 @@ static void what_is_beside_the_plane_parts_in_it(void **unused)
         steps(world, 600);
         daft_sim_state b = state_of(world, ball), s = state_of(world, stone);
         daft_dvec3 apart = daft_dsub(b.position, state_of(world, boxed).position);
-        print_message("ball %g m along and %g m up from the box, %g rad/s; stone at %g m\n", apart.x, apart.y, (double)b.angular.z, s.position.y);
+        print_message("ball %g m along and %g m up from the box, %g rad/s; stone at %g m\n", apart.x, apart.y,
+                      (double)b.angular.z, s.position.y);
         assert_true(fabs(apart.x) > 0.45 || fabs(apart.y) > 0.45);
         assert_true(!daft_world_is_awake(world, ball) && b.angular.z == 0 && b.position.z == 0.2 * side);
         assert_true(wall != 0 && s.position.y < 0.21);
@@ -129,7 +135,8 @@ static void nothing_turns_it_about_a_locked_axis(void **unused)
     daft_world_destroy(world);
 }
 
-/* On a slope without friction it would slide away; held in x it lies still, pressed by cos of the slope more than its weight. */
+/* On a slope without friction it would slide away; held in x it lies still, pressed by cos of the slope more than its
+ * weight. */
 static void a_slope_does_not_carry_it_off(void **unused)
 {
     (void)unused;
@@ -137,7 +144,9 @@ static void a_slope_does_not_carry_it_off(void **unused)
         daft_world *world = new_world();
         daft_world_set_sleeping(world, false);
         double angle = 0.5, c = daft_cos(angle), s = daft_sin(angle);
-        one_shape slope = box(daft_v3(10, 1, 10), 0, 0, 0), thing = k ? sphere(0.5, 1.5 * s, 1.5 * c, 0) : dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 1.5 * s, 1.5 * c, 0);
+        one_shape slope = box(daft_v3(10, 1, 10), 0, 0, 0),
+                  thing = k ? sphere(0.5, 1.5 * s, 1.5 * c, 0)
+                            : dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 1.5 * s, 1.5 * c, 0);
         slope.rotation = turned(0, 0, 1, -angle);
         if (!k) thing.rotation = slope.rotation;
         slope.friction = thing.friction = 0;
@@ -147,7 +156,8 @@ static void a_slope_does_not_carry_it_off(void **unused)
         double y = state_of(world, id).position.y;
         steps(world, 300);
         daft_dvec3 p = state_of(world, id).position;
-        print_message("%s: sank %g mm, then %g mm; %g m/s\n", k ? "ball" : "box", 1e3 * (1.5 * c - y), 1e3 * (y - p.y), speed_of(state_of(world, id)));
+        print_message("%s: sank %g mm, then %g mm; %g m/s\n", k ? "ball" : "box", 1e3 * (1.5 * c - y), 1e3 * (y - p.y),
+                      speed_of(state_of(world, id)));
         assert_true(p.x == 1.5 * s && fabs(1.5 * c - y) < 2e-3 && fabs(y - p.y) < 1e-4);
         daft_world_destroy(world);
     }
@@ -159,7 +169,8 @@ static void a_turnstile_turns_in_its_place(void **unused)
     (void)unused;
     daft_world *world = new_world();
     daft_world_set_gravity(world, daft_v3(0, 0, 0));
-    uint32_t bar = add_locked(world, dynamic_box(daft_v3(1, 0.2f, 0.1f), 0, 0, 0), DAFT_LOCK_POSITION | DAFT_LOCK_X | DAFT_LOCK_Z);
+    uint32_t bar =
+        add_locked(world, dynamic_box(daft_v3(1, 0.2f, 0.1f), 0, 0, 0), DAFT_LOCK_POSITION | DAFT_LOCK_X | DAFT_LOCK_Z);
     one_shape def = sphere(0.2, 0.8, 0, 3);
     def.friction = 0;
     uint32_t ball = add(world, def);
@@ -167,8 +178,10 @@ static void a_turnstile_turns_in_its_place(void **unused)
     steps(world, 60);
     double m = (double)daft_world_mass(world, ball), inertia = (double)daft_world_mass(world, bar) * (1 + 0.01) / 3;
     daft_sim_state s = state_of(world, ball), t = state_of(world, bar);
-    double before = m * 5 * 0.8, after = inertia * (double)t.angular.y - m * ((double)s.linear.z * s.position.x - (double)s.linear.x * s.position.z);
-    print_message("angular momentum %g, after %g; bar at %g rad/s, ball at %g m/s\n", before, after, (double)t.angular.y, (double)s.linear.z);
+    double before = m * 5 * 0.8, after = inertia * (double)t.angular.y -
+                                         m * ((double)s.linear.z * s.position.x - (double)s.linear.x * s.position.z);
+    print_message("angular momentum %g, after %g; bar at %g rad/s, ball at %g m/s\n", before, after,
+                  (double)t.angular.y, (double)s.linear.z);
     assert_true(t.position.x == 0 && t.position.y == 0 && t.position.z == 0 && (double)t.angular.y > 0.5);
     assert_near(after, before, 0.01 * before);
     daft_world_destroy(world);
@@ -180,10 +193,12 @@ static void joints_and_bullets_obey(void **unused)
     (void)unused;
     daft_world *world = new_world();
     daft_error error = {0};
-    uint32_t rail = add_locked(world, dynamic_box(daft_v3(0.3f, 0.3f, 0.3f), 0, 5, 0), DAFT_LOCK_POSITION_Y | DAFT_LOCK_POSITION_Z | DAFT_LOCK_ROTATION);
+    uint32_t rail = add_locked(world, dynamic_box(daft_v3(0.3f, 0.3f, 0.3f), 0, 5, 0),
+                               DAFT_LOCK_POSITION_Y | DAFT_LOCK_POSITION_Z | DAFT_LOCK_ROTATION);
     uint32_t bob = add(world, sphere(0.2, 2, 5, 0));
     daft_sim_joint_def joint = daft_default_sim_joint_def();
-    joint.kind = DAFT_JOINT_DISTANCE, joint.body_a = rail, joint.body_b = bob, joint.anchor = daft_dv3(0, 5, 0), joint.anchor_b = daft_dv3(2, 5, 0);
+    joint.kind = DAFT_JOINT_DISTANCE, joint.body_a = rail, joint.body_b = bob, joint.anchor = daft_dv3(0, 5, 0),
+    joint.anchor_b = daft_dv3(2, 5, 0);
     assert_true(daft_world_add_joint(world, &joint, &error));
     one_shape shot = sphere(0.05, -20, 5.1, 0.1);
     shot.bullet = true;
@@ -199,7 +214,8 @@ static void joints_and_bullets_obey(void **unused)
         if (i != 20) continue;
         void *bytes;
         size_t size;
-        assert_true(daft_world_save(world, &bytes, &size, &error) && daft_world_load(other, bytes, size, NULL, NULL, &error));
+        assert_true(daft_world_save(world, &bytes, &size, &error) &&
+                    daft_world_load(other, bytes, size, NULL, NULL, &error));
         daft_release(&heap, bytes);
     }
     steps(other, 279);

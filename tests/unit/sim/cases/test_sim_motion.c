@@ -1,11 +1,11 @@
-/* sim, cases of the table that move: free rotation about each axis, tops, orbits, stiff springs, a ball over beams with bevelled edges,
- * loads on what is weak, a bridge with a door, and a million steps of nothing. */
+/* sim, cases of the table that move: free rotation about each axis, tops, orbits, stiff springs, a ball over beams with
+ * bevelled edges, loads on what is weak, a bridge with a door, and a million steps of nothing. */
 #include "sim_cases.h"
 
 /* ---- spin ---- */
 
-/* 0.7×0.16×1 m, turned at 5 rad/s about each of its axes, by 0.01 about the others: only that of the middle moment turns over. Energy
- * and momentum stay within 1 %. */
+/* 0.7×0.16×1 m, turned at 5 rad/s about each of its axes, by 0.01 about the others: only that of the middle moment
+ * turns over. Energy and momentum stay within 1 %. */
 static uint64_t free_spins(const variant *v)
 {
     uint64_t hash = 0;
@@ -18,7 +18,7 @@ static uint64_t free_spins(const variant *v)
         daft_world_set_gravity(world, daft_v3(0, 0, 0));
         uint32_t id = put(world, v, dynamic_box(half, 0, 0, 0));
         launch(world, v, id, daft_v3(0, 0, 0),
-                                daft_v3(axis == 0 ? 5 : 0.01f, axis == 1 ? 5 : 0.01f, axis == 2 ? 5 : 0.01f));
+               daft_v3(axis == 0 ? 5 : 0.01f, axis == 1 ? 5 : 0.01f, axis == 2 ? 5 : 0.01f));
         double energy0 = 0, momentum0 = 0, energy_off = 0, momentum_off = 0, sign = 1;
         int flips = 0;
         for (int i = 0; i < 3600; i++) {
@@ -26,14 +26,17 @@ static uint64_t free_spins(const variant *v)
             daft_rigid frame = daft_rigid_make(s.position, s.rotation);
             daft_dvec3 w = daft_rigid_to_local_vector(&frame, daft_to_double(s.angular));
             double at[3] = {w.x, w.y, w.z}, energy = 0, momentum = 0;
-            for (int k = 0; k < 3; k++) energy += moment[k] * at[k] * at[k], momentum += moment[k] * moment[k] * at[k] * at[k];
+            for (int k = 0; k < 3; k++)
+                energy += moment[k] * at[k] * at[k], momentum += moment[k] * moment[k] * at[k] * at[k];
             momentum = sqrt(momentum);
             if (i == 0) energy0 = energy, momentum0 = momentum;
-            energy_off = fmax(energy_off, fabs(energy / energy0 - 1)), momentum_off = fmax(momentum_off, fabs(momentum / momentum0 - 1));
+            energy_off = fmax(energy_off, fabs(energy / energy0 - 1)),
+            momentum_off = fmax(momentum_off, fabs(momentum / momentum0 - 1));
             if (at[axis] * sign < -2) flips++, sign = -sign;
             steps(world, 1);
         }
-        print_message("axis %d: turned over %d times, energy within %g, momentum within %g\n", axis, flips, energy_off, momentum_off);
+        print_message("axis %d: turned over %d times, energy within %g, momentum within %g\n", axis, flips, energy_off,
+                      momentum_off);
         assert_true(energy_off < 0.01 && momentum_off < 0.01);
         assert_true(axis == 0 ? flips > 5 : flips == 0); /* x has the middle moment */
         hash = hash_of_both(hash, end_of(world));
@@ -47,7 +50,8 @@ static void only_the_middle_axis_turns_over(void **unused)
     play_variants(free_spins);
 }
 
-/* A square plate 0.5 m from a ball joint, its axis level, at 100 rad/s: it goes round at m g l / (I w), and stays level for a minute. */
+/* A square plate 0.5 m from a ball joint, its axis level, at 100 rad/s: it goes round at m g l / (I w), and stays level
+ * for a minute. */
 static uint64_t tops(const variant *v)
 {
     uint64_t hash = 0;
@@ -73,8 +77,8 @@ static uint64_t tops(const variant *v)
             high = fmax(high, fabs(p.y)), stretch = fmax(stretch, fabs(sqrt(daft_ddot(p, p)) - arm));
         }
         daft_sim_state s = state_in(world, v, id);
-        print_message("%g rad/s, wanted %g; %g m up or down, %g m off, spin at the end %g\n", turned_by / 60, wanted, high, stretch,
-                      (double)daft_length(s.angular));
+        print_message("%g rad/s, wanted %g; %g m up or down, %g m off, spin at the end %g\n", turned_by / 60, wanted,
+                      high, stretch, (double)daft_length(s.angular));
         assert_near(turned_by / 60, wanted, 0.05 * fabs(wanted));
         assert_true(high < 0.1 * arm && stretch < 1e-3);
         hash = hash_of_both(hash, end_of(world));
@@ -90,8 +94,8 @@ static void a_top_precesses(void **unused)
 
 /* ---- orbits and springs ---- */
 
-/* Over orbits of eccentricity 0.5: the most that energy was off by, and how far the line that fits it best rises from the first orbit to
- * the last. */
+/* Over orbits of eccentricity 0.5: the most that energy was off by, and how far the line that fits it best rises from
+ * the first orbit to the last. */
 typedef struct orbit_error {
     double most, trend;
 } orbit_error;
@@ -100,7 +104,8 @@ static orbit_error orbit(const variant *v, int orbits, int steps_an_orbit, uint6
 {
     daft_world *world = variant_world(v);
     daft_world_set_gravity(world, daft_v3(0, 0, 0));
-    double near = 50, e = 0.5, a = near / (1 - e), period = steps_an_orbit / 60.0, mu = 4 * DAFT_PI * DAFT_PI * a * a * a / (period * period);
+    double near = 50, e = 0.5, a = near / (1 - e), period = steps_an_orbit / 60.0,
+           mu = 4 * DAFT_PI * DAFT_PI * a * a * a / (period * period);
     uint32_t id = put(world, v, sphere(0.5, near, 0, 0));
     double mass = (double)daft_world_mass(world, id), first = -mu / (2 * a), sum = 0;
     launch(world, v, id, daft_v3(0, 0, (float)sqrt(mu * (1 + e) / near)), daft_v3(0, 0, 0));
@@ -108,10 +113,12 @@ static orbit_error orbit(const variant *v, int orbits, int steps_an_orbit, uint6
     for (int n = 0; n < orbits; n++) {
         for (int i = 0; i < steps_an_orbit; i++) {
             daft_sim_state s = state_in(world, v, id);
-            double r = sqrt(daft_ddot(s.position, s.position)), off = (0.5 * speed_of(s) * speed_of(s) - mu / r) / first - 1;
+            double r = sqrt(daft_ddot(s.position, s.position)),
+                   off = (0.5 * speed_of(s) * speed_of(s) - mu / r) / first - 1;
             out.most = fmax(out.most, fabs(off));
             sum += off * (n - 0.5 * (orbits - 1)) / steps_an_orbit;
-            daft_world_apply_force(world, id, variant_direction(v, daft_to_float(daft_dscale(s.position, -mass * mu / (r * r * r)))));
+            daft_world_apply_force(
+                world, id, variant_direction(v, daft_to_float(daft_dscale(s.position, -mass * mu / (r * r * r)))));
             steps(world, 1);
         }
     }
@@ -128,7 +135,8 @@ static uint64_t orbits(const variant *v)
     double before = 0;
     for (int k = 0; k < 4; k++) {
         orbit_error e = orbit(v, 100, counts[k], &hash);
-        print_message("%d steps an orbit: energy within %g, trend %g, order %g\n", counts[k], e.most, e.trend, k ? log2(before / e.most) : 0);
+        print_message("%d steps an orbit: energy within %g, trend %g, order %g\n", counts[k], e.most, e.trend,
+                      k ? log2(before / e.most) : 0);
         assert_true(e.most < 13.0 / counts[k] && fabs(e.trend) < 0.02 * e.most);
         if (k > 1) assert_near(log2(before / e.most), 1, 0.2);
         before = e.most;
@@ -156,7 +164,8 @@ static uint64_t weight_on_spring(const variant *v, daft_joint_kind kind, float h
     daft_sim_joint_def def = daft_default_sim_joint_def();
     daft_error error = {0};
     bool slides = kind == DAFT_JOINT_SLIDER;
-    def.kind = kind, def.body_b = id, def.anchor = variant_at(v, daft_dv3(0, slides ? -1 : 0, 0)), def.anchor_b = variant_at(v, daft_dv3(0, -1, 0));
+    def.kind = kind, def.body_b = id, def.anchor = variant_at(v, daft_dv3(0, slides ? -1 : 0, 0)),
+    def.anchor_b = variant_at(v, daft_dv3(0, -1, 0));
     def.axis = daft_v3(0, 1, 0), def.spring = true, def.hertz = hertz, def.damping = 0;
     assert_true(daft_world_add_joint(world, &def, &error));
     launch(world, v, id, daft_v3(0, 3, 0), daft_v3(0, 0, 0));
@@ -169,8 +178,8 @@ static uint64_t weight_on_spring(const variant *v, daft_joint_kind kind, float h
         widest = fmax(widest, fabs(s.position.y - rest));
         if (i >= 5400) late = fmax(late, fabs(s.position.y - rest));
     }
-    print_message("%s, %g Hz, %s: swings %g m where it should %g, at the end %g\n", slides ? "slider" : "distance", (double)hertz,
-                  weightless ? "weightless" : "hanging", widest, reach, late);
+    print_message("%s, %g Hz, %s: swings %g m where it should %g, at the end %g\n", slides ? "slider" : "distance",
+                  (double)hertz, weightless ? "weightless" : "hanging", widest, reach, late);
     assert_true(widest < 1.1 * reach && late <= widest);
     return end_of(world);
 }
@@ -179,7 +188,8 @@ static uint64_t springs(const variant *v)
 {
     uint64_t hash = 0;
     for (int k = 0; k < 8; k++)
-        hash = hash_of_both(hash, weight_on_spring(v, k & 1 ? DAFT_JOINT_SLIDER : DAFT_JOINT_DISTANCE, k & 2 ? 200 : 10, k & 4));
+        hash = hash_of_both(
+            hash, weight_on_spring(v, k & 1 ? DAFT_JOINT_SLIDER : DAFT_JOINT_DISTANCE, k & 2 ? 200 : 10, k & 4));
     return hash;
 }
 
@@ -191,14 +201,16 @@ static void stiff_springs_stay_bounded(void **unused)
 
 /* ---- over beams ---- */
 
-/* Beams of 20 cm side by side, their upper edges bevelled by 1 cm. A ball of 0.25 m sinks into a groove by 0.2 mm at most, and the far
- * edge turns its way up by 0.04 rad: at 5 m/s it may hop 2 mm. It was 127 mm when edges ahead were felt before they were met. */
+/* Beams of 20 cm side by side, their upper edges bevelled by 1 cm. A ball of 0.25 m sinks into a groove by 0.2 mm at
+ * most, and the far edge turns its way up by 0.04 rad: at 5 m/s it may hop 2 mm. It was 127 mm when edges ahead were
+ * felt before they were met. */
 static uint64_t bevelled_beams(const variant *v)
 {
     uint64_t hash = 0;
     daft_vec3 p[12];
     for (int i = 0; i < 12; i++) {
-        static const float xs[] = {-0.1f, 0.1f, -0.1f, 0.1f, -0.09f, 0.09f}, ys[] = {-0.2f, -0.2f, -0.01f, -0.01f, 0, 0};
+        static const float xs[] = {-0.1f, 0.1f, -0.1f, 0.1f, -0.09f, 0.09f},
+                           ys[] = {-0.2f, -0.2f, -0.01f, -0.01f, 0, 0};
         p[i] = daft_v3(xs[i % 6], ys[i % 6], i < 6 ? -2 : 2);
     }
     daft_allocator allocator = daft_malloc_allocator();
@@ -260,8 +272,9 @@ static uint64_t capsule_on_slab(const variant *v)
         double over = 0, under = 0;
         for (int i = 0; i < 600; i++) {
             double t = i / 60.0;
-            daft_dvec3 at = up == 0 ? daft_dv3(0.3 * t, -0.25, 0) : up == 1 ? daft_dv3(0, -0.25 + 0.3 * (1 - daft_cos(2 * t)), 0)
-                                                                  : daft_dv3(0.2 * daft_sin(2 * t), -0.25, 0);
+            daft_dvec3 at = up == 0   ? daft_dv3(0.3 * t, -0.25, 0)
+                            : up == 1 ? daft_dv3(0, -0.25 + 0.3 * (1 - daft_cos(2 * t)), 0)
+                                      : daft_dv3(0.2 * daft_sin(2 * t), -0.25, 0);
             daft_world_set_pose(world, table, variant_at(v, at), daft_quat_identity(), false);
             steps(world, 1);
             double height = place_of(world, v, capsule).y - place_of(world, v, table).y - 0.5;
@@ -311,7 +324,8 @@ static uint32_t add_rocking_box(daft_world *world, const variant *v, double radi
     daft_sim_shape_def part = shape.part;
     daft_sim_body_def def = daft_default_sim_body_def();
     daft_error error = {0};
-    def.kind = DAFT_BODY_DYNAMIC, def.position = variant_at(v, shape.position), def.rotation = variant_turn(v, turned(0, 0, 1, -angle));
+    def.kind = DAFT_BODY_DYNAMIC, def.position = variant_at(v, shape.position),
+    def.rotation = variant_turn(v, turned(0, 0, 1, -angle));
     def.shapes = &part, def.shape_count = 1, def.locks = DAFT_LOCK_POSITION_Z | DAFT_LOCK_X | DAFT_LOCK_Y;
     return daft_world_add(world, &def, &error);
 }
@@ -324,7 +338,8 @@ static uint32_t add_roly_poly(daft_world *world, const variant *v, double angle)
     daft_sim_body_def def = daft_default_sim_body_def();
     daft_error error = {0};
     parts[0].density = 100, parts[1].density = 20000, parts[1].position = daft_v3(0, -0.3f, 0);
-    def.kind = DAFT_BODY_DYNAMIC, def.position = variant_at(v, daft_dv3(0, 0.5, 0)), def.rotation = variant_turn(v, turned(0, 0, 1, angle));
+    def.kind = DAFT_BODY_DYNAMIC, def.position = variant_at(v, daft_dv3(0, 0.5, 0)),
+    def.rotation = variant_turn(v, turned(0, 0, 1, angle));
     def.shapes = parts, def.shape_count = 2;
     return daft_world_add(world, &def, &error);
 }
@@ -348,7 +363,8 @@ static uint64_t rolling_to_and_fro(const variant *v)
             assert_true(body != 0);
             swing s = swing_of(world, body);
             print_message("%s, %d substeps: %g rad, %g after 25 s\n", names[scene], substeps[i], s.early, s.late);
-            assert_true(s.early > 0.9 * angle && s.early < 1.3 * angle && s.late < s.early && s.late > least[scene] * s.early);
+            assert_true(s.early > 0.9 * angle && s.early < 1.3 * angle && s.late < s.early &&
+                        s.late > least[scene] * s.early);
             hash = hash_of_both(hash, end_of(world));
         }
     return hash;
@@ -409,14 +425,10 @@ static void a_million_steps_of_rest_change_nothing(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(only_the_middle_axis_turns_over),
-        cmocka_unit_test(a_top_precesses),
-        cmocka_unit_test(an_orbit_is_as_right_as_its_steps),
-        cmocka_unit_test(stiff_springs_stay_bounded),
-        cmocka_unit_test(a_ball_rolls_over_bevelled_beams),
-        cmocka_unit_test(a_capsule_rides_what_moves),
-        cmocka_unit_test(what_rolls_to_and_fro_gains_nothing),
-        cmocka_unit_test(a_million_steps_of_rest_change_nothing),
+        cmocka_unit_test(only_the_middle_axis_turns_over),     cmocka_unit_test(a_top_precesses),
+        cmocka_unit_test(an_orbit_is_as_right_as_its_steps),   cmocka_unit_test(stiff_springs_stay_bounded),
+        cmocka_unit_test(a_ball_rolls_over_bevelled_beams),    cmocka_unit_test(a_capsule_rides_what_moves),
+        cmocka_unit_test(what_rolls_to_and_fro_gains_nothing), cmocka_unit_test(a_million_steps_of_rest_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

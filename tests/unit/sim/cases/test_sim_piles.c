@@ -1,11 +1,8 @@
-/* sim, what is built of many bodies: houses of cards, arches, dominoes, pyramids, what begins inside something else, ragdolls.
- * Each with the number it must keep to. */
+/* sim, what is built of many bodies: houses of cards, arches, dominoes, pyramids, what begins inside something else,
+ * ragdolls. Each with the number it must keep to. */
 #include "sim_cases.h"
 
-static int count_awake(const daft_world *world)
-{
-    return (int)daft_world_counters(world).awake;
-}
+static int count_awake(const daft_world *world) { return (int)daft_world_counters(world).awake; }
 
 /* ---- what stands ---- */
 
@@ -18,7 +15,8 @@ static uint64_t house_of_cards(const variant *v)
     ground.friction = 0.7f;
     put(world, v, ground);
     const double lean = 25 * DAFT_PI / 180, half = 0.2, thick = 0.001;
-    double rise = half * daft_cos(lean) + thick * daft_sin(lean), reach = half * daft_sin(lean), pitch = 4 * reach + 0.02;
+    double rise = half * daft_cos(lean) + thick * daft_sin(lean), reach = half * daft_sin(lean),
+           pitch = 4 * reach + 0.02;
     uint32_t ids[64], n = 0;
     daft_dvec3 from[64];
     for (int storey = 0; storey < STOREYS; storey++) {
@@ -27,13 +25,15 @@ static uint64_t house_of_cards(const variant *v)
         for (int i = 0; i < pairs; i++) {
             double x = (i - 0.5 * (pairs - 1)) * pitch;
             for (int side = -1; side <= 1; side += 2) {
-                one_shape card = dynamic_box(daft_v3((float)thick, (float)half, 0.1f), x + side * (reach + thick), y + rise, 0);
+                one_shape card =
+                    dynamic_box(daft_v3((float)thick, (float)half, 0.1f), x + side * (reach + thick), y + rise, 0);
                 card.rotation = turned(0, 0, 1, side * lean);
                 card.friction = 0.7f;
                 ids[n++] = put(world, v, card);
             }
             if (i + 1 == pairs) continue;
-            one_shape flat = dynamic_box(daft_v3((float)half, (float)thick, 0.1f), x + pitch / 2, y + 2 * rise + thick, 0);
+            one_shape flat =
+                dynamic_box(daft_v3((float)half, (float)thick, 0.1f), x + pitch / 2, y + 2 * rise + thick, 0);
             flat.friction = 0.7f;
             ids[n++] = put(world, v, flat);
         }
@@ -70,7 +70,8 @@ static uint64_t arch(const variant *v)
         daft_vec3 p[8];
         for (int k = 0; k < 8; k++) {
             double angle = DAFT_PI * (i + (k & 1)) / STONES, r = k & 2 ? outer : inner;
-            p[k] = daft_v3((float)(v->side * (r * daft_cos(angle) - at.x)), (float)(r * daft_sin(angle) - at.y), k & 4 ? 0.5f : -0.5f);
+            p[k] = daft_v3((float)(v->side * (r * daft_cos(angle) - at.x)), (float)(r * daft_sin(angle) - at.y),
+                           k & 4 ? 0.5f : -0.5f);
         }
         hulls[i] = daft_hull_create(&allocator, p, 8, 0, &error);
         assert_non_null(hulls[i]);
@@ -161,7 +162,8 @@ static uint64_t huge_pyramid(const variant *v)
         for (int row = 0; row < 10; row++)
             for (int i = 0; i < 10 - row; i++, n++) {
                 from[n] = daft_dv3(1.05 * size * (i + 0.5 * row - 4.5), size * (0.5 + row), 0);
-                ids[n] = put(world, v, dynamic_box(daft_scale(daft_v3(0.5f, 0.5f, 0.5f), sizes[k]), from[n].x, from[n].y, 0));
+                ids[n] = put(world, v,
+                             dynamic_box(daft_scale(daft_v3(0.5f, 0.5f, 0.5f), sizes[k]), from[n].x, from[n].y, 0));
             }
         steps(world, 600);
         double moved = 0, fastest = 0;
@@ -169,7 +171,8 @@ static uint64_t huge_pyramid(const variant *v)
             moved = fmax(moved, distance_of(from[i], place_of(world, v, ids[i])));
             fastest = fmax(fastest, speed_of(state_of(world, ids[i])));
         }
-        print_message("boxes of %g m: moved at most %g m, fastest %g m/s, %d awake\n", size, moved, fastest, count_awake(world));
+        print_message("boxes of %g m: moved at most %g m, fastest %g m/s, %d awake\n", size, moved, fastest,
+                      count_awake(world));
         assert_true(moved < 0.02 * size && fastest < 0.01);
         hash = hash_of_both(hash, end_of(world));
     }
@@ -191,7 +194,8 @@ static uint64_t overlapping_pyramid(const variant *v)
     uint32_t ids[10], n = 0;
     for (int row = 0; row < 4; row++)
         for (int i = 0; i < 4 - row; i++)
-            ids[n++] = put(world, v, dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0.75 * (i + 0.5 * row - 1.5), 0.5 + 0.75 * row, 0));
+            ids[n++] = put(world, v,
+                           dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), 0.75 * (i + 0.5 * row - 1.5), 0.5 + 0.75 * row, 0));
     double fastest = 0, last = 0, highest = 0;
     for (int i = 0; i < 120; i++) {
         steps(world, 1);
@@ -242,7 +246,8 @@ static uint64_t far_stack(const variant *v)
 {
     uint64_t hash = 0;
     daft_dvec3 here, there;
-    int when = stack_of_ten(v, daft_dv3(0, 0, 0), &here, &hash), then = stack_of_ten(v, daft_dv3(1e7, 1e7, -1e7), &there, &hash);
+    int when = stack_of_ten(v, daft_dv3(0, 0, 0), &here, &hash),
+        then = stack_of_ten(v, daft_dv3(1e7, 1e7, -1e7), &there, &hash);
     print_message("asleep after %d and %d steps, %g m apart\n", when, then, distance_of(here, there));
     assert_int_equal(when, then);
     assert_true(when < 300 && distance_of(here, there) <= 1e-3);
@@ -349,15 +354,16 @@ static daft_dvec3 place_in(const ragdoll *r, double x, double y, double z)
 static uint32_t limb(daft_world *world, const ragdoll *r, double radius, double half, double x, double y, bool across)
 {
     one_shape def = sphere(radius, 0, 0, 0);
-    def.part.shape = (daft_sim_shape){.type = DAFT_GEOMETRY_CAPSULE, .radius = (float)radius, .half_height = (float)half};
+    def.part.shape =
+        (daft_sim_shape){.type = DAFT_GEOMETRY_CAPSULE, .radius = (float)radius, .half_height = (float)half};
     def.position = place_in(r, x, y, 0);
     def.rotation = across ? daft_quat_mul(r->turn, turned(0, 0, 1, DAFT_PI / 2)) : r->turn;
     def.rolling_resistance = 0.05f;
     return put(world, r->v, def);
 }
 
-static uint32_t tie(daft_world *world, const ragdoll *r, daft_joint_kind kind, uint32_t a, uint32_t b, double x, double y, float lower,
-                    float upper)
+static uint32_t tie(daft_world *world, const ragdoll *r, daft_joint_kind kind, uint32_t a, uint32_t b, double x,
+                    double y, float lower, float upper)
 {
     daft_sim_joint_def def = daft_default_sim_joint_def();
     daft_error error = {0};
@@ -401,7 +407,8 @@ static ragdoll add_ragdoll(daft_world *world, const variant *v, daft_dvec3 hips,
 
 static double past_limit(int joint, double value)
 {
-    static const double limits[10][2] = {{0, 0.4}, {0, 0.6}, {0, 1.4}, {-2, 0.1}, {0, 1}, {-0.1, 2}, {0, 1.4}, {-2, 0.1}, {0, 1}, {-0.1, 2}};
+    static const double limits[10][2] = {{0, 0.4},  {0, 0.6}, {0, 1.4},  {-2, 0.1}, {0, 1},
+                                         {-0.1, 2}, {0, 1.4}, {-2, 0.1}, {0, 1},    {-0.1, 2}};
     return fmax(limits[joint][0] - value, value - limits[joint][1]);
 }
 
@@ -430,7 +437,8 @@ static void add_ground(daft_world *world, const variant *v, int ground, const da
         put(world, v, waves);
     else
         put_floor(world, v, 100);
-    for (int i = 0; ground == STAIRS && i < 6; i++) put(world, v, box(daft_v3(0.3f * (float)(6 - i), 0.1f, 100), 0, 0.1 + 0.2 * i, 0));
+    for (int i = 0; ground == STAIRS && i < 6; i++)
+        put(world, v, box(daft_v3(0.3f * (float)(6 - i), 0.1f, 100), 0, 0.1 + 0.2 * i, 0));
 }
 
 /* What became of dolls in 10 s. */
@@ -469,8 +477,8 @@ static daft_mesh_shape *make_surface(const fixture_mesh *hills)
     return surface;
 }
 
-/* They fall 3 m onto a floor, or stairs, or waves of triangles: nobody below the floor, no joint opens by 2 cm even in the impact or
- * leaves its limits by a degree once they lie, and all sleep within 10 s. */
+/* They fall 3 m onto a floor, or stairs, or waves of triangles: nobody below the floor, no joint opens by 2 cm even in
+ * the impact or leaves its limits by a degree once they lie, and all sleep within 10 s. */
 static uint64_t ragdolls(const variant *v)
 {
     enum { COUNT = 6 };
@@ -482,10 +490,11 @@ static uint64_t ragdolls(const variant *v)
         add_ground(world, v, ground, surface);
         ragdoll dolls[COUNT];
         for (int i = 0; i < COUNT; i++)
-            dolls[i] = add_ragdoll(world, v, daft_dv3(0.3 * i - 0.7, ground == STAIRS ? 5.2 : 4, 3.0 * i - 9), daft_quat_identity());
+            dolls[i] = add_ragdoll(world, v, daft_dv3(0.3 * i - 0.7, ground == STAIRS ? 5.2 : 4, 3.0 * i - 9),
+                                   daft_quat_identity());
         falls f = watch(world, dolls, COUNT);
-        print_message("%s: joints open by %g mm, %g degrees past their limits at the end, lowest at %g m, %d awake\n", GROUND[ground],
-                      1000 * f.open, f.beyond * 180 / DAFT_PI, f.lowest, count_awake(world));
+        print_message("%s: joints open by %g mm, %g degrees past their limits at the end, lowest at %g m, %d awake\n",
+                      GROUND[ground], 1000 * f.open, f.beyond * 180 / DAFT_PI, f.lowest, count_awake(world));
         assert_true(f.open < 0.02 && f.beyond < DAFT_PI / 180 && f.lowest > (ground == TRIANGLES ? -0.15 : 0));
         assert_int_equal(count_awake(world), 0);
         hash = hash_of_both(hash, end_of(world));
@@ -501,8 +510,8 @@ static void ragdolls_stay_whole(void **unused)
     play_variants(ragdolls);
 }
 
-/* Thrown, turned any way: an arm may be caught under the chest at 8 m/s. Whatever stops a limb on its way, or turns it aside, stops
- * what is joined to it, or joints would be torn open by the rest of the way, 10 cm and more. All sleep. */
+/* Thrown, turned any way: an arm may be caught under the chest at 8 m/s. Whatever stops a limb on its way, or turns it
+ * aside, stops what is joined to it, or joints would be torn open by the rest of the way, 10 cm and more. All sleep. */
 static uint64_t ragdolls_thrown(const variant *v)
 {
     enum { COUNT = 36 };
@@ -523,8 +532,8 @@ static uint64_t ragdolls_thrown(const variant *v)
             for (int k = 0; k < 11; k++) launch(world, v, dolls[i].bodies[k], thrown, daft_v3(0, 0, 0));
         }
         falls f = watch(world, dolls, COUNT);
-        print_message("%s: joints open by %g mm, %d of %d by more than 20; lowest at %g m, %d awake\n", GROUND[ground], 1000 * f.open, f.torn,
-                      COUNT, f.lowest, count_awake(world));
+        print_message("%s: joints open by %g mm, %d of %d by more than 20; lowest at %g m, %d awake\n", GROUND[ground],
+                      1000 * f.open, f.torn, COUNT, f.lowest, count_awake(world));
         assert_true(f.open < 0.02 && f.lowest > (ground == TRIANGLES ? -0.15 : 0));
         assert_int_equal(count_awake(world), 0);
         hash = hash_of_both(hash, end_of(world));
@@ -560,7 +569,8 @@ static uint64_t hundred_ragdolls(const variant *v)
     seed_random(5);
     daft_world *world = heap_of_ragdolls(v, dolls);
     falls f = watch(world, dolls, HEAP);
-    print_message("joints open by %g mm, %d of %d by more than 20; lowest at %g m, %d awake\n", 1000 * f.open, f.torn, HEAP, f.lowest, count_awake(world));
+    print_message("joints open by %g mm, %d of %d by more than 20; lowest at %g m, %d awake\n", 1000 * f.open, f.torn,
+                  HEAP, f.lowest, count_awake(world));
     assert_true(f.open < 0.02 && f.lowest > 0);
     assert_int_equal(count_awake(world), 0);
     return end_of(world);
@@ -572,8 +582,8 @@ static void a_hundred_ragdolls_come_to_rest(void **unused)
     play_variants(hundred_ragdolls);
 }
 
-/* Limbs that are wedged between others bear ten times their weight, in one point or two as they lie. When the load was forgotten
- * with the point, one heap in eight trembled for ever, by a centimetre. */
+/* Limbs that are wedged between others bear ten times their weight, in one point or two as they lie. When the load was
+ * forgotten with the point, one heap in eight trembled for ever, by a centimetre. */
 static void heaps_of_ragdolls_do_not_tremble(void **unused)
 {
     (void)unused;
@@ -584,7 +594,8 @@ static void heaps_of_ragdolls_do_not_tremble(void **unused)
         int ticks = 60;
         steps(world, ticks);
         while (count_awake(world) > 0 && ticks++ < 20 * 60) steps(world, 1);
-        print_message("%s: asleep after %.1f s, %d awake\n", VARIANT[heap_number % 3].name, ticks / 60.0, count_awake(world));
+        print_message("%s: asleep after %.1f s, %d awake\n", VARIANT[heap_number % 3].name, ticks / 60.0,
+                      count_awake(world));
         assert_int_equal(count_awake(world), 0);
         daft_world_destroy(world);
     }

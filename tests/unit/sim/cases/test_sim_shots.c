@@ -1,5 +1,5 @@
-/* sim, shots: bullets of every shape at walls of every kind, at any angle, spinning. None may pass. DAFT_SHOTS=100000 for as
- * many of each as the promise is made for. */
+/* sim, shots: bullets of every shape at walls of every kind, at any angle, spinning. None may pass. DAFT_SHOTS=100000
+ * for as many of each as the promise is made for. */
 #include "sim_cases.h"
 
 static int shots_wanted(void)
@@ -35,7 +35,8 @@ static void make_walls(walls *w, const variant *v)
                                2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
     daft_vec3 slab[8], tip[12];
     for (int i = 0; i < 8; i++)
-        slab[i] = daft_v3(i & 1 ? HALF_THICK : -HALF_THICK, i & 2 ? HALF_WALL : -HALF_WALL, i & 4 ? HALF_WALL : -HALF_WALL);
+        slab[i] =
+            daft_v3(i & 1 ? HALF_THICK : -HALF_THICK, i & 2 ? HALF_WALL : -HALF_WALL, i & 4 ? HALF_WALL : -HALF_WALL);
     for (int i = 0; i < 6; i++) {
         float y = (float)daft_cos(i * DAFT_PI / 3), z = (float)daft_sin(i * DAFT_PI / 3);
         tip[i] = daft_v3(-0.01f, 0.005f * y, 0.005f * z);
@@ -75,8 +76,8 @@ static daft_dvec3 direction_at_wall(void)
     return daft_dv3(daft_cos(lean), daft_sin(lean) * daft_cos(about), daft_sin(lean) * daft_sin(about));
 }
 
-/* The wall stands anyhow in space; the bullet spins not at all, at up to 90 or at up to 2,000 rad/s. True if its centre of mass
- * gets past the wall's middle. */
+/* The wall stands anyhow in space; the bullet spins not at all, at up to 90 or at up to 2,000 rad/s. True if its centre
+ * of mass gets past the wall's middle. */
 static bool passes(const variant *v, const shot *s, uint64_t *hash)
 {
     daft_world *world = variant_world(v);
@@ -99,7 +100,7 @@ static bool passes(const variant *v, const shot *s, uint64_t *hash)
     uint32_t id = put(world, v, bullet);
     spin = spin < 1 ? 0 : spin < 2 ? 90 : 2000;
     launch(world, v, id, daft_to_float(daft_rigid_vector(&frame, daft_dscale(aim, s->speed))),
-                            daft_to_float(daft_dscale(random_in(-1, 1), spin)));
+           daft_to_float(daft_dscale(random_in(-1, 1), spin)));
     bool passed = false, inside = true;
     for (int i = 0; i < (int)(back / s->speed * 60) + 30 && inside && !passed; i++) {
         steps(world, 1);
@@ -119,7 +120,8 @@ static void count_shots(const variant *v, const char *what, const shot *s, uint6
     assert_int_equal(passed, 0);
 }
 
-/* A bullet of 1 cm, and longer, flatter and edged ones, at 1 km/s against 1 mm, or against triangles that have no thickness. */
+/* A bullet of 1 cm, and longer, flatter and edged ones, at 1 km/s against 1 mm, or against triangles that have no
+ * thickness. */
 static uint64_t bullets(const variant *v)
 {
     uint64_t hash = 0;
@@ -138,7 +140,8 @@ static uint64_t bullets(const variant *v)
                                    daft_shape_mesh(w.shapes[1])};
     const char *names[] = {"plate", "sheet", "closed mesh"};
     for (size_t b = 0; b < DAFT_COUNT_OF(bullets); b++)
-        for (wall_kind k = WALL_PLATE; k < WALL_KINDS; k++) count_shots(v, names[k], &(shot){bullets[b], wall[k], 1000, k == WALL_SHEET}, &hash);
+        for (wall_kind k = WALL_PLATE; k < WALL_KINDS; k++)
+            count_shots(v, names[k], &(shot){bullets[b], wall[k], 1000, k == WALL_SHEET}, &hash);
     drop_walls(&w);
     return hash;
 }
@@ -164,7 +167,8 @@ static uint64_t beams(const variant *v)
                                    daft_shape_mesh(w.shapes[1])};
     const char *names[] = {"wall", "sheet", "closed mesh"};
     for (size_t b = 0; b < DAFT_COUNT_OF(bullets); b++)
-        for (wall_kind k = WALL_PLATE; k < WALL_KINDS; k++) count_shots(v, names[k], &(shot){bullets[b], wall[k], 180, k == WALL_SHEET}, &hash);
+        for (wall_kind k = WALL_PLATE; k < WALL_KINDS; k++)
+            count_shots(v, names[k], &(shot){bullets[b], wall[k], 180, k == WALL_SHEET}, &hash);
     drop_walls(&w);
     return hash;
 }
@@ -184,9 +188,9 @@ static double stick_energy(daft_sim_state s)
     return 0.5 * (speed_of(s) * speed_of(s) + along * w.x * w.x + across * (w.y * w.y + w.z * w.z)) + G * s.position.y;
 }
 
-/* A stick comes down at 100 m/s, spinning: its middle is never below the floor. Where it turns by radians within the step of the
- * impact, its energy may come out wrong, but by no more than this; it was by 680 times, when angular velocities stayed as they were in the world
- * while a sweep held the stick back. */
+/* A stick comes down at 100 m/s, spinning: its middle is never below the floor. Where it turns by radians within the
+ * step of the impact, its energy may come out wrong, but by no more than this; it was by 680 times, when angular
+ * velocities stayed as they were in the world while a sweep held the stick back. */
 static uint64_t sticks(const variant *v)
 {
     uint64_t hash = 0;

@@ -1,7 +1,8 @@
 /* sim: what stands, stands; what swings or spins keeps its energy. Every case asserts a number. */
 #include "sim_cases.h"
 
-/* What is asked of stacks is asked wholly in one place, far away, and mirrored; with two and four workers a few seconds of each are played. */
+/* What is asked of stacks is asked wholly in one place, far away, and mirrored; with two and four workers a few seconds
+ * of each are played. */
 enum { HEARD = SANITIZED ? 60 : 300 }; /* ticks */
 
 static uint32_t add_stack(daft_world *world, const variant *v, int count)
@@ -59,8 +60,8 @@ static uint64_t stack_stands(const variant *v, int boxes, int seconds, bool slee
     put_floor(world, v, 10);
     uint32_t top = add_stack(world, v, boxes);
     double worst = most_drift(world, v, top, 60 * seconds, &hash), speed = speed_of(state_of(world, top));
-    print_message("%d boxes, %d s, sleep %s: top at most %g mm from where it was put, at the end %g m/s\n", boxes, seconds,
-                  sleeping ? "on" : "off", 1000 * worst, speed);
+    print_message("%d boxes, %d s, sleep %s: top at most %g mm from where it was put, at the end %g m/s\n", boxes,
+                  seconds, sleeping ? "on" : "off", 1000 * worst, speed);
     assert_true(worst < most && (v->workers > 1 || speed < 0.001));
     assert_true(v->workers > 1 || daft_world_is_awake(world, top) != sleeping);
     daft_world_destroy(world);
@@ -202,7 +203,8 @@ static void what_loses_its_load_settles(void **unused)
     play_variants(lost_load);
 }
 
-/* In a floor of 500 boxes that all touch, in finer substeps it would be too much work: the column's contacts are made firm. */
+/* In a floor of 500 boxes that all touch, in finer substeps it would be too much work: the column's contacts are made
+ * firm. */
 static uint64_t stack_in_a_heap(const variant *v)
 {
     uint64_t hash = 0;
@@ -221,8 +223,8 @@ static uint64_t stack_in_a_heap(const variant *v)
     }
     daft_sim_counters counters = daft_world_counters(world);
     double sank = 19.5 - place_of(world, v, top).y;
-    print_message("top of 20 among %u boxes, a minute: %g mm aside, sank %g mm, %u substeps, fastest %g m/s\n", counters.bodies,
-                  1000 * aside, 1000 * sank, counters.substeps, fastest);
+    print_message("top of 20 among %u boxes, a minute: %g mm aside, sank %g mm, %u substeps, fastest %g m/s\n",
+                  counters.bodies, 1000 * aside, 1000 * sank, counters.substeps, fastest);
     assert_true(counters.substeps == 4 && aside < 0.01 && sank < 0.03 && fastest < 0.005);
     daft_world_destroy(world);
     return hash;
@@ -266,8 +268,8 @@ static uint64_t ball_on_a_chain(const variant *v)
                 stretch = fmax(stretch, sqrt(daft_ddot(d, d)));
             }
         }
-        print_message("%g kg, %d substeps: a joint opened by at most %g m\n", (double)daft_world_mass(world, last), counts[k],
-                      stretch);
+        print_message("%g kg, %d substeps: a joint opened by at most %g m\n", (double)daft_world_mass(world, last),
+                      counts[k], stretch);
         assert_true(stretch < most[k]);
         hash = hash_of_both(hash, end_of(world));
     }
@@ -315,7 +317,8 @@ static void a_spinning_handle_flips_for_ever(void **unused)
 
 /* A ball of 1 cm on an arm of 1 m, let go from the horizontal. */
 typedef struct swings {
-    double worst, trend; /* most that its energy was off, of m g L; how far the line that fits that best rises from first to last */
+    double worst, trend; /* most that its energy was off, of m g L; how far the line that fits that best rises from
+                            first to last */
     double stretch, period;
 } swings;
 
@@ -358,7 +361,8 @@ static uint64_t pendulum(const variant *v)
     uint64_t hash = 0;
     swings s = swing_for(v, 4, TICKS, &hash);
     print_message("energy within %g, trend %g, stretch %g m, period %g s\n", s.worst, s.trend, s.stretch, s.period);
-    assert_true(s.worst < 0.01 && fabs(s.trend / PERIODS) < 1e-3 * s.worst && fabs(s.trend) < 0.1 * s.worst && s.stretch < 1e-4);
+    assert_true(s.worst < 0.01 && fabs(s.trend / PERIODS) < 1e-3 * s.worst && fabs(s.trend) < 0.1 * s.worst &&
+                s.stretch < 1e-4);
     assert_near(s.period, 2.3678, 0.001 * 2.3678);
     return hash;
 }
@@ -376,7 +380,8 @@ static uint64_t finer_pendulums(const variant *v)
     double before = 0;
     for (int substeps = 2; substeps <= 16; substeps *= 2) {
         swings s = swing_for(v, substeps, 1421, &hash);
-        print_message("%d substeps: energy within %g, order %g\n", substeps, s.worst, before > 0 ? log2(before / s.worst) : 0);
+        print_message("%d substeps: energy within %g, order %g\n", substeps, s.worst,
+                      before > 0 ? log2(before / s.worst) : 0);
         if (before > 0) assert_near(log2(before / s.worst), 1, 0.2);
         before = s.worst;
     }
@@ -404,7 +409,8 @@ static uint64_t circular_orbit(const variant *v)
         if (i == 0) first = energy;
         worst = fmax(worst, fabs(energy / first - 1));
         if (i > TICKS / 10 * 9) late = fmax(late, fabs(energy / first - 1));
-        daft_world_apply_force(world, id, variant_direction(v, daft_to_float(daft_dscale(s.position, -mass * mu / (r * r * r)))));
+        daft_world_apply_force(world, id,
+                               variant_direction(v, daft_to_float(daft_dscale(s.position, -mass * mu / (r * r * r)))));
         steps(world, 1);
     }
     print_message("energy within %g, in the last tenth %g\n", worst, late);
@@ -429,7 +435,8 @@ static uint64_t boxes_on_slopes(const variant *v)
             double s = daft_sin(angle), c = daft_cos(angle);
             daft_world *world = variant_world(v);
             daft_world_set_sleeping(world, false);
-            one_shape slope = box(daft_v3(200, 1, 5), 0, 0, 0), def = dynamic_box(daft_v3(0.5f, 0.2f, 0.5f), 1.2 * s, 1.2 * c, 0);
+            one_shape slope = box(daft_v3(200, 1, 5), 0, 0, 0),
+                      def = dynamic_box(daft_v3(0.5f, 0.2f, 0.5f), 1.2 * s, 1.2 * c, 0);
             slope.rotation = def.rotation = turned(0, 0, 1, -angle);
             slope.friction = def.friction = friction;
             put(world, v, slope);

@@ -1,5 +1,5 @@
-/* sim, cases of the table that must stand: single boxes, stacks of everything, pyramids of all sizes, a tower of loose blocks, heavy
- * on light, a bridge. */
+/* sim, cases of the table that must stand: single boxes, stacks of everything, pyramids of all sizes, a tower of loose
+ * blocks, heavy on light, a bridge. */
 #include "sim_cases.h"
 
 /* ---- boxes ---- */
@@ -24,7 +24,8 @@ static void a_box_falls_asleep(void **unused)
             if (i > 300) fastest = fmax(fastest, speed_of(state_of(world, id)));
             if (!asleep && !daft_world_is_awake(world, id)) asleep = i;
         }
-        print_message("%s: asleep after %g s, overlap %g mm, moved %g mm\n", v->name, asleep / 60.0, 1e3 * (0.5 - lowest), 1e3 * moved);
+        print_message("%s: asleep after %g s, overlap %g mm, moved %g mm\n", v->name, asleep / 60.0,
+                      1e3 * (0.5 - lowest), 1e3 * moved);
         assert_true(asleep > 0 && asleep < 120 && lowest > 0.49 && fastest < 1e-3 && moved < 1e-3);
         hashes[k] = daft_world_hash(world, 0);
         daft_world_destroy(world);
@@ -55,7 +56,8 @@ static void ten_boxes_rest(void **unused)
                 aside = fmax(aside, hypot(p.x, p.z)), tilt = fmax(tilt, tilt_of(world, ids[n]));
             }
         }
-        print_message("%s: %g m/s, %g rad/s, %g mm aside, tilt %g degrees\n", v->name, speed, spin, 1e3 * aside, tilt * 180 / DAFT_PI);
+        print_message("%s: %g m/s, %g rad/s, %g mm aside, tilt %g degrees\n", v->name, speed, spin, 1e3 * aside,
+                      tilt * 180 / DAFT_PI);
         assert_true(speed < 0.01 && spin < 0.02 && aside < 0.02 && tilt < 0.5 * DAFT_PI / 180);
         daft_world_destroy(world);
     }
@@ -88,7 +90,8 @@ static void stack_of(daft_sim_shape shape, int count, double height, const char 
                 sank = fmax(sank, height * (n + 0.5) - p.y);
             }
         }
-        print_message("%d %s, %s: %g mm aside, fastest %g m/s, sank %g mm\n", count, name, v->name, 1e3 * aside, fastest, 1e3 * sank);
+        print_message("%d %s, %s: %g mm aside, fastest %g m/s, sank %g mm\n", count, name, v->name, 1e3 * aside,
+                      fastest, 1e3 * sank);
         assert_true(aside < 1e-3 && fastest < 2);
         hashes[k] = daft_world_hash(world, 0);
         daft_world_destroy(world);
@@ -125,8 +128,8 @@ static int add_pyramid(daft_world *world, const variant *v, int rows, double siz
     return n;
 }
 
-/* Ten rows of boxes, of 5 cm, 1 m and 100 m: no box leaves its place by 2 % of its size, none loses its contact, and what is left
- * of motion after ten seconds is below 1e-4 J. */
+/* Ten rows of boxes, of 5 cm, 1 m and 100 m: no box leaves its place by 2 % of its size, none loses its contact, and
+ * what is left of motion after ten seconds is below 1e-4 J. */
 static void pyramids_of_all_sizes_stand(void **unused)
 {
     (void)unused;
@@ -149,8 +152,8 @@ static void pyramids_of_all_sizes_stand(void **unused)
             for (int b = 0; b < n; b++) energy = fmax(energy, energy_of(world, ids[b], daft_v3(half, half, half)));
             const daft_sim_contact *contacts;
             uint32_t touching = daft_world_contacts(world, &contacts);
-            print_message("boxes of %g m, %s: moved %g m, %g J, %u contacts, %u awake\n", sizes[j], v->name, moved, energy,
-                          touching, daft_world_counters(world).awake);
+            print_message("boxes of %g m, %s: moved %g m, %g J, %u contacts, %u awake\n", sizes[j], v->name, moved,
+                          energy, touching, daft_world_counters(world).awake);
             assert_true(moved < 0.02 * sizes[j] && energy < 1e-4 && touching == 10 + 2 * 45);
             hashes[k] = daft_world_hash(world, 0);
             daft_world_destroy(world);
@@ -228,7 +231,8 @@ static void a_tower_of_blocks_stands(void **unused)
                     if (i >= 300) fastest = fmax(fastest, speed_of(state_of(world, ids[b])));
                 }
             }
-            print_message("blocks of %g m, %s: moved %g mm, then at most %g m/s\n", 3 * wide, v->name, 1e3 * moved, fastest);
+            print_message("blocks of %g m, %s: moved %g mm, then at most %g m/s\n", 3 * wide, v->name, 1e3 * moved,
+                          fastest);
             assert_true(moved < 0.1 * high);
             daft_world_destroy(world);
         }

@@ -1,5 +1,5 @@
-/* sim, what slides and rolls: friction's laws on slopes, floors and platforms, and seams that are not felt, between triangles and
- * between bodies. The grids are flat; all a seam may do is nothing. */
+/* sim, what slides and rolls: friction's laws on slopes, floors and platforms, and seams that are not felt, between
+ * triangles and between bodies. The grids are flat; all a seam may do is nothing. */
 #include "sim_cases.h"
 
 /* ---- floors ---- */
@@ -95,17 +95,20 @@ static void push(daft_world *world, const variant *v, uint32_t body, double spee
 
 /* ---- slopes ---- */
 
-/* tan(slope) is 0.9 of the friction: it stays. 1.1 of it: it slides as friction says. The slope is a box or triangles. */
+/* tan(slope) is 0.9 of the friction: it stays. 1.1 of it: it slides as friction says. The slope is a box or triangles.
+ */
 static uint64_t crate_on_slopes(const variant *v)
 {
     uint64_t hash = 0;
     for (int n = 2; n <= 4; n++)
         for (int k = 0; k < 4; k++) {
-            double mu = 0.04 * n * n, angle = daft_atan2((k & 1 ? 1.1 : 0.9) * mu, 1), s = daft_sin(angle), c = daft_cos(angle);
+            double mu = 0.04 * n * n, angle = daft_atan2((k & 1 ? 1.1 : 0.9) * mu, 1), s = daft_sin(angle),
+                   c = daft_cos(angle);
             floors f = {.count = 0};
             daft_world *world = variant_world(v);
             daft_world_set_sleeping(world, false);
-            one_shape slope = k & 2 ? mesh_body(&f, flat_grid(v, 40, 1, -20, true)) : box(daft_v3(20, 1e-3f, 5), 0, 0, 0);
+            one_shape slope =
+                k & 2 ? mesh_body(&f, flat_grid(v, 40, 1, -20, true)) : box(daft_v3(20, 1e-3f, 5), 0, 0, 0);
             double top = k & 2 ? 0 : 1e-3, up = 0.5 + top;
             one_shape crate = dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), -10 * c + up * s, 10 * s + up * c, 0.2);
             slope.rotation = crate.rotation = turned(0, 0, 1, -angle);
@@ -543,9 +546,13 @@ static uint64_t marbles_over_grids(const variant *v)
         floors f = {.count = 0};
         daft_world *world = variant_world(v);
         if (grid < 2) put(world, v, mesh_body(&f, flat_grid(v, 100, 1, -50, grid == 1)));
-        for (int i = 0; i < 100 * 100 && grid == 2; i++) put(world, v, box(daft_v3(0.5f, 0.5f, 0.5f), i / 100 - 49.5, -0.5, i % 100 - 49.5));
+        for (int i = 0; i < 100 * 100 && grid == 2; i++)
+            put(world, v, box(daft_v3(0.5f, 0.5f, 0.5f), i / 100 - 49.5, -0.5, i % 100 - 49.5));
         for (int k = 0; k < 5; k++) {
-            double heading = k < 1 ? 0 : k < 2 ? DAFT_PI / 4 : uniform(-0.7, 0.7), speed = 3 + 4 * k, r = k % 3 ? 0.05 : 0.25;
+            double heading = k < 1   ? 0
+                             : k < 2 ? DAFT_PI / 4
+                                     : uniform(-0.7, 0.7),
+                   speed = 3 + 4 * k, r = k % 3 ? 0.05 : 0.25;
             double z = k < 1 ? 0 : uniform(-0.5, 0.5);
             uint32_t ball = put(world, v, sphere(r, -49 * daft_cos(heading), r, -49 * daft_sin(heading) + z));
             daft_vec3 way = daft_v3((float)(speed * daft_cos(heading)), 0, (float)(speed * daft_sin(heading)));

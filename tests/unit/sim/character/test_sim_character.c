@@ -78,8 +78,7 @@ static void a_ceiling_stops_a_jump(void **state)
 
 static void stairs(daft_world *world, int count, double rise, double tread)
 {
-    for (int i = 0; i < count; i++)
-        put_box(world, 20, 0.5 * rise, 3, 20 + 2 + tread * i, rise * (i + 0.5), 0);
+    for (int i = 0; i < count; i++) put_box(world, 20, 0.5 * rise, 3, 20 + 2 + tread * i, rise * (i + 0.5), 0);
 }
 
 static void climb(double rise, double tread, double speed, int count, double angle)
@@ -496,8 +495,9 @@ static void bad_numbers_do_nothing(void **state)
         assert_false(daft_sim_character_teleport(&c, daft_dv3(0, (double)bad[i], 0), &error));
         assert_false(daft_sim_character_set_height(world, &c, bad[i], &error));
         daft_sim_character_def def = daft_default_sim_character_def();
-        float *fields[] = {&def.radius,       &def.height,        &def.step_height, &def.max_slope, &def.acceleration,
-                           &def.air_acceleration, &def.gravity_scale, &def.mass,        &def.push_force};
+        float *fields[] = {&def.radius,        &def.height,       &def.step_height,
+                           &def.max_slope,     &def.acceleration, &def.air_acceleration,
+                           &def.gravity_scale, &def.mass,         &def.push_force};
         for (size_t k = 0; k < DAFT_COUNT_OF(fields); k++) {
             float good = *fields[k];
             *fields[k] = bad[i];

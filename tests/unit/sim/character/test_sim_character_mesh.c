@@ -58,7 +58,8 @@ static void cave_cell(cave *k, int cx, int cz)
                 float along = ((float)j + (c == 1 || c == 2 ? 1.0f : 0.0f)) * step;
                 float px = (float)cx * cell + (away[w][0] ? (away[w][0] > 0 ? cell : 0) : along);
                 float pz = (float)cz * cell + (away[w][1] ? (away[w][1] > 0 ? cell : 0) : along);
-                p[w == 1 || w == 2 ? 3 - c : c] = daft_v3(px, c < 2 ? bumpy(px, pz, 0, 0.2f) : bumpy(px, pz, 3.2f, 0.3f), pz);
+                p[w == 1 || w == 2 ? 3 - c : c] =
+                    daft_v3(px, c < 2 ? bumpy(px, pz, 0, 0.2f) : bumpy(px, pz, 3.2f, 0.3f), pz);
             }
             quad(k, p);
         }

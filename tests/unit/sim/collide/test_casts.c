@@ -197,10 +197,7 @@ static void turning_bodies_do_not_pass(void **unused)
 
 enum { SIDE = 12 };
 
-static float wave(int x, int z)
-{
-    return (float)((x * 7 + z * 13) % 5) * 0.1f - 0.2f;
-}
+static float wave(int x, int z) { return (float)((x * 7 + z * 13) % 5) * 0.1f - 0.2f; }
 
 /* The same ground as a field and as a mesh, with a hole. */
 static void ground(surface *mesh, daft_height_field **field)

@@ -37,10 +37,7 @@ typedef struct sample {
     char name[64];
 } sample;
 
-static double extent(const daft_sim_shape *s)
-{
-    return (double)daft_shape_reach(s, daft_v3(0, 0, 0));
-}
+static double extent(const daft_sim_shape *s) { return (double)daft_shape_reach(s, daft_v3(0, 0, 0)); }
 
 static double truth_of(const cloud *a, const cloud *b)
 {
@@ -288,7 +285,8 @@ static void capsules_on_boxes_are_on_hulls(void **unused)
     daft_allocator allocator = daft_malloc_allocator();
     int two = 0, one = 0, hanging = 0, others = 0;
     for (int round = 0; round < 2000; round++) {
-        daft_sim_shape capsule = must_capsule(random_float(0.3f, 2), random_float(0.1f, 0.4f)), box = must_box(1, 0.7f, 1.3f);
+        daft_sim_shape capsule = must_capsule(random_float(0.3f, 2), random_float(0.1f, 0.4f)),
+                       box = must_box(1, 0.7f, 1.3f);
         daft_quat turn = {random_float(-0.1f, 0.1f), random_float(-1, 1), random_float(0.6f, 0.8f), 0.7f};
         double x = (double)random_float(-1.2f, 1.2f), z = (double)random_float(-1.5f, 1.5f);
         double y = 0.7 + (double)(capsule.radius * random_float(0.8f, 1.1f));
@@ -315,7 +313,8 @@ static void capsules_on_boxes_are_on_hulls(void **unused)
         daft_hull_free(hull);
         daft_trimesh_free(&allocator, &mesh);
     }
-    print_message("%d with two points, %d with one, %d points at the rim, %d not as with a hull\n", two, one, hanging, others);
+    print_message("%d with two points, %d with one, %d points at the rim, %d not as with a hull\n", two, one, hanging,
+                  others);
     assert_true(two > 300 && one > 100 && hanging > 200 && others < 10);
 }
 
@@ -421,8 +420,8 @@ static void odd_poses_give_nothing(void **unused)
 
 /* ---- pairs of boxes, side by side ---- */
 
-/* Boxes of any turn to each other, or along each other's axes, where corners and edges meet; apart and deep; now and then one
- * is as large beside the other as a crate's floor. */
+/* Boxes of any turn to each other, or along each other's axes, where corners and edges meet; apart and deep; now and
+ * then one is as large beside the other as a crate's floor. */
 static sample random_boxes(int round)
 {
     static const float depths[] = {-0.3f, -0.04f, -0.004f, 1e-4f, 0.01f, 0.1f, 0.4f, 0.9f};
@@ -506,8 +505,10 @@ static daft_outline outline_of(const daft_sim_shape *s, const daft_rigid *pose, 
     out.kind = s->type == DAFT_GEOMETRY_BOX ? DAFT_OUTLINE_BOX : DAFT_OUTLINE_ROUND;
     double h = s->type == DAFT_GEOMETRY_CAPSULE ? (double)s->half_height : 0;
     out.half = daft_v3((float)(h * pose->m[1]), (float)(h * pose->m[4]), (float)(h * pose->m[7]));
-    if (out.kind == DAFT_OUTLINE_BOX) out.half = s->half;
-    else out.radius = s->radius;
+    if (out.kind == DAFT_OUTLINE_BOX)
+        out.half = s->half;
+    else
+        out.radius = s->radius;
     frame->frame = *pose;
     return out;
 }
@@ -520,11 +521,13 @@ static bool is_point_of(const sample *s, daft_round_batch *batch, int lane, int 
     uint32_t id = (uint32_t)batch->id[i][lane];
     float size = (float)s->size;
     if (!(fabsf(batch->separation[i][lane] - p->separation) < 2e-5f * size)) return false;
-    bool along_edge = id >> 28 == 5 && p->id >> 28 == 5 && fabsf(daft_dot(off, daft_round_batch_get(batch->normal, lane))) < 2e-5f * size;
+    bool along_edge = id >> 28 == 5 && p->id >> 28 == 5 &&
+                      fabsf(daft_dot(off, daft_round_batch_get(batch->normal, lane))) < 2e-5f * size;
     return along_edge || (id == p->id && daft_length(off) < 2e-3f * size);
 }
 
-/* Gives whether a lane says what the slow way does; where that is on an edge between two answers, it may say the other. */
+/* Gives whether a lane says what the slow way does; where that is on an edge between two answers, it may say the other.
+ */
 static bool is_like_one(const sample *s, daft_round_batch *batch, int lane, float margin)
 {
     daft_manifold m = {.count = 0};
@@ -556,14 +559,15 @@ static sample random_rounds(int round, bool boxed)
     return s;
 }
 
-static void fill_rounds(daft_round_batch *batch, daft_outline *outlines, daft_outline_frame *frames, const sample *s, int lane,
-                        float margin)
+static void fill_rounds(daft_round_batch *batch, daft_outline *outlines, daft_outline_frame *frames, const sample *s,
+                        int lane, float margin)
 {
     uint32_t a = 2 * (uint32_t)lane, b = a + 1;
     outlines[a] = outline_of(&s->a, &s->pose_a, &frames[a]), outlines[b] = outline_of(&s->b, &s->pose_b, &frames[b]);
     daft_round_batch_put(batch, lane, outlines, a, b, margin);
     bool box_first = outlines[a].kind == DAFT_OUTLINE_BOX;
-    if (box_first || outlines[b].kind == DAFT_OUTLINE_BOX) daft_round_batch_put_box(batch, lane, outlines, frames, box_first);
+    if (box_first || outlines[b].kind == DAFT_OUTLINE_BOX)
+        daft_round_batch_put_box(batch, lane, outlines, frames, box_first);
 }
 
 static void check_rounds(bool boxed, int states[3], int *others)
@@ -614,13 +618,18 @@ static void round_lanes_are_one_pair_each(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pairs_touch_as_they_should), cmocka_unit_test(what_is_clear_is_so_far_apart),
+        cmocka_unit_test(pairs_touch_as_they_should),
+        cmocka_unit_test(what_is_clear_is_so_far_apart),
         cmocka_unit_test(a_crate_on_a_huge_floor),
-        cmocka_unit_test(a_stack_keeps_its_corners),  cmocka_unit_test(boxes_are_hulls),
-        cmocka_unit_test(capsules_lie_on_two_points), cmocka_unit_test(capsules_on_boxes_are_on_hulls),
+        cmocka_unit_test(a_stack_keeps_its_corners),
+        cmocka_unit_test(boxes_are_hulls),
+        cmocka_unit_test(capsules_lie_on_two_points),
+        cmocka_unit_test(capsules_on_boxes_are_on_hulls),
         cmocka_unit_test(nothing_is_undecided_in_the_middle),
-        cmocka_unit_test(sizes_from_ants_to_planets), cmocka_unit_test(odd_poses_give_nothing),
-        cmocka_unit_test(lanes_are_one_pair_each),    cmocka_unit_test(round_lanes_are_one_pair_each),
+        cmocka_unit_test(sizes_from_ants_to_planets),
+        cmocka_unit_test(odd_poses_give_nothing),
+        cmocka_unit_test(lanes_are_one_pair_each),
+        cmocka_unit_test(round_lanes_are_one_pair_each),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -310,12 +310,8 @@ static void points_beside_the_body(void **unused)
     static const struct pose {
         uint64_t seed, state; /* of the ground, of the body */
         uint32_t round;
-    } poses[] = {{16, 0xaf558b415a37806a, 4220},
-                 {1, 0x37f0043759c9ef25, 3197},
-                 {4, 0x680205dbd115cac7, 1523},
-                 {5, 0x8fc8f4dce6f7048c, 2990},
-                 {52, 0xfeca9155060b7394, 2921},
-                 {73, 0x647fbb4677432924, 3317}};
+    } poses[] = {{16, 0xaf558b415a37806a, 4220}, {1, 0x37f0043759c9ef25, 3197},  {4, 0x680205dbd115cac7, 1523},
+                 {5, 0x8fc8f4dce6f7048c, 2990},  {52, 0xfeca9155060b7394, 2921}, {73, 0x647fbb4677432924, 3317}};
     for (size_t i = 0; i < DAFT_COUNT_OF(poses); i++) {
         fixture_state = poses[i].seed;
         bumps b = bumps_make();

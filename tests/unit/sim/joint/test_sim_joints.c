@@ -1,5 +1,5 @@
-/* sim: joints, one kind after the other, against what mechanics says; and that what stands beside a joint in the solver's
- * lanes does not change it by a bit. */
+/* sim: joints, one kind after the other, against what mechanics says; and that what stands beside a joint in the
+ * solver's lanes does not change it by a bit. */
 #include "sim_scene.h"
 
 static uint32_t must_join(daft_world *world, daft_sim_joint_def def)
@@ -51,7 +51,8 @@ static void add_pair(daft_world *world, uint32_t number, uint32_t out[2])
         defs[i].part.mask = 0;
         defs[i].density = 100.0f * (float)(1 + (number + (uint32_t)i) % 7);
         out[i] = add(world, defs[i]);
-        daft_world_set_velocity(world, out[i], daft_v3((float)i, 0.1f * (float)(number % 5), 0), daft_v3(0, 2 - (float)i, 1));
+        daft_world_set_velocity(world, out[i], daft_v3((float)i, 0.1f * (float)(number % 5), 0),
+                                daft_v3(0, 2 - (float)i, 1));
     }
     daft_joint_kind kind = (daft_joint_kind)(DAFT_JOINT_BALL + number % 6);
     bool drag = kind == DAFT_JOINT_DRAG;
@@ -88,7 +89,8 @@ static void a_joint_is_alone_in_its_lane(void **unused)
 
 /* ---- what holds ---- */
 
-/* A cube beside the world's anchor, held by a joint that lets nothing go: force and torque are its weight and its lever. */
+/* A cube beside the world's anchor, held by a joint that lets nothing go: force and torque are its weight and its
+ * lever. */
 static void forces_are_those_of_statics(void **unused)
 {
     (void)unused;
@@ -125,7 +127,8 @@ static void what_is_rigid_holds(void **unused)
             daft_sim_joint_state s = joint_state(world, joint);
             daft_sim_state x = state_of(world, a), y = state_of(world, b);
             daft_dvec3 d = daft_dsub(s.anchor_b, s.anchor_a);
-            daft_vec3 axis = daft_quat_rotate(x.rotation, daft_v3(1, 0, 0)), other = daft_quat_rotate(y.rotation, daft_v3(1, 0, 0));
+            daft_vec3 axis = daft_quat_rotate(x.rotation, daft_v3(1, 0, 0)),
+                      other = daft_quat_rotate(y.rotation, daft_v3(1, 0, 0));
             double apart = sqrt(daft_ddot(d, d)), along = daft_ddot(d, daft_to_double(axis));
             if (kind == DAFT_JOINT_DISTANCE) apart = fabs(apart - 0.5);
             if (kind == DAFT_JOINT_SLIDER) {
@@ -152,7 +155,8 @@ static void springs_swing_as_often_as_told(void **unused)
     for (int kind = DAFT_JOINT_HINGE; kind <= DAFT_JOINT_DISTANCE; kind++) {
         daft_world *world = still_world(false);
         uint32_t body = cube(world, 0, 3, 0);
-        daft_sim_joint_def def = joint_of((daft_joint_kind)kind, 0, body, daft_dv3(0, kind == DAFT_JOINT_DISTANCE ? 0 : 3, 0), daft_v3(0, 1, 0));
+        daft_sim_joint_def def = joint_of((daft_joint_kind)kind, 0, body,
+                                          daft_dv3(0, kind == DAFT_JOINT_DISTANCE ? 0 : 3, 0), daft_v3(0, 1, 0));
         def.spring = true, def.hertz = 1, def.damping = 0;
         if (kind == DAFT_JOINT_DISTANCE) def.anchor_b = daft_dv3(0, 3, 0), def.length = 3;
         uint32_t joint = must_join(world, def);
@@ -162,7 +166,8 @@ static void springs_swing_as_often_as_told(void **unused)
         for (int i = 1; i <= 70 && second == 0; i++) {
             steps(world, 1);
             double value = (double)joint_state(world, joint).value - rest;
-            if ((last > 0) != (value > 0) && i > 1) *(first == 0 ? &first : &second) = (i - value / (value - last)) / 60;
+            if ((last > 0) != (value > 0) && i > 1)
+                *(first == 0 ? &first : &second) = (i - value / (value - last)) / 60;
             most = fmax(most, value);
             last = value;
         }
@@ -250,7 +255,8 @@ static void limits_hold(void **unused)
         daft_world *world = still_world(true);
         bool swings = i == 0 || i == 2;
         uint32_t body = cube(world, swings ? 1 : 0, 0, 0);
-        daft_sim_joint_def def = joint_of(kinds[i], 0, body, daft_dv3(0, 0, 0), i == 0 ? daft_v3(0, 0, 1) : daft_v3(0, 1, 0));
+        daft_sim_joint_def def =
+            joint_of(kinds[i], 0, body, daft_dv3(0, 0, 0), i == 0 ? daft_v3(0, 0, 1) : daft_v3(0, 1, 0));
         if (i == 2) def.axis = daft_v3(1, 0, 0);
         def.limit = true, def.lower = i == 3 ? 0 : -0.5f, def.upper = i == 3 ? 0.5f : i == 2 ? 0.5f : 0.2f;
         if (i == 3) def.anchor = daft_dv3(0, 0.25, 0), def.length = 0.25f;
@@ -312,9 +318,9 @@ static void drags_lift_what_they_can(void **unused)
     assert_near(dragged(2 * weight), 2.5 - sag, 0.005);
 }
 
-/* A ball on an arm of 1 m falls from the horizontal into the limit of its hinge, or the cone of its ball joint: it stops there, and is
- * not thrown back. Its own inertia is a sixteenth and less of what it has about the joint, and the limit gave way by 2 degrees and
- * threw it up, higher every time, when limits and anchors were solved in turns. */
+/* A ball on an arm of 1 m falls from the horizontal into the limit of its hinge, or the cone of its ball joint: it
+ * stops there, and is not thrown back. Its own inertia is a sixteenth and less of what it has about the joint, and the
+ * limit gave way by 2 degrees and threw it up, higher every time, when limits and anchors were solved in turns. */
 static void a_limit_stops_what_swings(void **unused)
 {
     (void)unused;
@@ -324,7 +330,8 @@ static void a_limit_stops_what_swings(void **unused)
             daft_world *world = new_world();
             daft_world_set_sleeping(world, false);
             daft_error error = {0};
-            one_shape post = heavy ? dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), -1, 5, 0) : box(daft_v3(0.5f, 0.5f, 0.5f), -1, 5, 0);
+            one_shape post =
+                heavy ? dynamic_box(daft_v3(0.5f, 0.5f, 0.5f), -1, 5, 0) : box(daft_v3(0.5f, 0.5f, 0.5f), -1, 5, 0);
             post.density = 100000;
             if (heavy) add(world, box(daft_v3(0.6f, 1, 0.6f), -1, 3.5, 0));
             uint32_t held = add(world, post), bob = add(world, sphere(k ? 0.1 : 0.4, 1, 5, 0));
@@ -345,14 +352,15 @@ static void a_limit_stops_what_swings(void **unused)
                 farthest = fmax(farthest, angle);
                 if (met) thrown = fmin(thrown, angle);
             }
-            print_message("%s, %s: at most %g rad, then never less than %g\n", k ? "ball" : "hinge", heavy ? "heavy body" : "wall", farthest, thrown);
+            print_message("%s, %s: at most %g rad, then never less than %g\n", k ? "ball" : "hinge",
+                          heavy ? "heavy body" : "wall", farthest, thrown);
             assert_true(met && farthest < (heavy ? 0.53 : 0.502) && thrown > 0.498);
             daft_world_destroy(world);
         }
 }
 
-/* A ball of 5 to 40 cm, 1 m from its joint to the world: its inertia about that is up to a thousand times its own. It swings, or stays,
- * and is not thrown about. */
+/* A ball of 5 to 40 cm, 1 m from its joint to the world: its inertia about that is up to a thousand times its own. It
+ * swings, or stays, and is not thrown about. */
 static void long_arms_hold(void **unused)
 {
     (void)unused;

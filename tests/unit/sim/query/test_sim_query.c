@@ -1,4 +1,5 @@
-/* Queries: each against all bodies asked one by one, meshes against the renderer's rays, far from the origin as at it. */
+/* Queries: each against all bodies asked one by one, meshes against the renderer's rays, far from the origin as at it.
+ */
 #include "fixtures.h"
 #include "sim/query/query.h"
 #include "sim_scene.h"
@@ -72,8 +73,8 @@ static daft_sim_shape random_shape(const zoo *z, int which)
     return random_convex(z, which);
 }
 
-/* Bodies of every shape and kind around `centre`; the moving ones have moved for some steps, so that what the trees hold
- * is what a game's would. */
+/* Bodies of every shape and kind around `centre`; the moving ones have moved for some steps, so that what the trees
+ * hold is what a game's would. */
 static void make_zoo(zoo *z, daft_dvec3 centre, double spread)
 {
     *z = (zoo){.world = new_world(), .centre = centre};
@@ -170,9 +171,8 @@ static uint32_t slow_rays(const zoo *z, daft_dvec3 o, daft_dvec3 d, const daft_s
             const known *k = &z->known[i];
             daft_rigid frame = frame_now(z, k, s);
             daft_ray_result r;
-            if (!passes(k, s, f) ||
-                !daft_shape_raycast(&k->shapes[s].shape, daft_rigid_to_local(&frame, o),
-                                    daft_rigid_to_local_vector(&frame, d), 1, &r))
+            if (!passes(k, s, f) || !daft_shape_raycast(&k->shapes[s].shape, daft_rigid_to_local(&frame, o),
+                                                        daft_rigid_to_local_vector(&frame, d), 1, &r))
                 continue;
             uint32_t at = count++;
             for (; at > 0 && r.t < out[at - 1].t; at--) out[at] = out[at - 1];
@@ -261,8 +261,8 @@ static void rays_agree_with_the_renderer(void **state)
         daft_hit drawn;
         daft_sim_hit hit;
         bool seen = kernels->closest(tlas, &ray, UINT32_MAX, &drawn);
-        assert_int_equal(
-            daft_world_cast_ray(world, daft_to_double(from), daft_to_double(ray.direction), &filter, &hit), seen);
+        assert_int_equal(daft_world_cast_ray(world, daft_to_double(from), daft_to_double(ray.direction), &filter, &hit),
+                         seen);
         if (!seen) continue;
         met++;
         same += hit.triangle == drawn.triangle; /* through an edge it may be either */

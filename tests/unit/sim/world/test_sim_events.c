@@ -1,5 +1,5 @@
-/* sim: what happened in a step is told once, in order, with numbers that physics asks for, and may be answered by changing
- * the world. */
+/* sim: what happened in a step is told once, in order, with numbers that physics asks for, and may be answered by
+ * changing the world. */
 #include "sim_scene.h"
 
 static const daft_sim_event *find(const daft_world *world, daft_sim_event_kind kind, int *count)
@@ -51,8 +51,8 @@ static void a_contact_begins_with_its_speed_and_impulse(void **unused)
     }
 }
 
-/* What has begun and not ended is what daft_world_contacts tells, also while bodies come, go, fall asleep and wake. Bodies
- * are told apart by their users, as numbers are used again. */
+/* What has begun and not ended is what daft_world_contacts tells, also while bodies come, go, fall asleep and wake.
+ * Bodies are told apart by their users, as numbers are used again. */
 enum { MOST_USERS = 600 };
 static bool open_contacts[MOST_USERS][MOST_USERS];
 
@@ -128,7 +128,9 @@ static void triggers_tell_who_enters_and_leaves(void **unused)
         daft_sim_event_kind kind;
         int gate;
         double height; /* of the ball's middle when it happens */
-    } wanted[] = {{DAFT_SIM_TRIGGER_ENTER, 0, -1.4}, {DAFT_SIM_TRIGGER_LEAVE, 0, -2.6}, {DAFT_SIM_TRIGGER_ENTER, 1, -2.9},
+    } wanted[] = {{DAFT_SIM_TRIGGER_ENTER, 0, -1.4},
+                  {DAFT_SIM_TRIGGER_LEAVE, 0, -2.6},
+                  {DAFT_SIM_TRIGGER_ENTER, 1, -2.9},
                   {DAFT_SIM_TRIGGER_LEAVE, 1, -4.1}};
     int next = 0;
     for (int tick = 0; tick < 70; tick++) {

@@ -59,13 +59,16 @@ static bool find_shape(void *context, uint32_t id, daft_geometry type, daft_sim_
 
 static uint32_t add_thing(daft_world *world, shapes *s, int i)
 {
-    one_shape def = dynamic_box(daft_v3(0.3f, 0.25f, 0.2f), -2 + 0.9 * (i % 5), 1 + 0.5 * (i / 5.0), -1.6 + 0.8 * (i % 4));
+    one_shape def =
+        dynamic_box(daft_v3(0.3f, 0.25f, 0.2f), -2 + 0.9 * (i % 5), 1 + 0.5 * (i / 5.0), -1.6 + 0.8 * (i % 4));
     def.rotation = turned(1, i % 3, 0.5, 0.7 * i);
     def.restitution = i % 7 == 0 ? 0.5f : 0;
     def.rolling_resistance = i % 4 == 0 ? 0.02f : 0;
     switch (i % 6) {
     case 0: def.part.shape = (daft_sim_shape){.type = DAFT_GEOMETRY_SPHERE, .radius = 0.3f}; break;
-    case 1: def.part.shape = (daft_sim_shape){.type = DAFT_GEOMETRY_CAPSULE, .radius = 0.2f, .half_height = 0.3f}; break;
+    case 1:
+        def.part.shape = (daft_sim_shape){.type = DAFT_GEOMETRY_CAPSULE, .radius = 0.2f, .half_height = 0.3f};
+        break;
     case 2: def.part.geometry_id = ID_HULL, def.part.shape = daft_shape_hull(s->hull); break;
     case 3: def.part.geometry_id = ID_COMPOUND, def.part.shape = daft_shape_compound(s->compound); break;
     default: break;
@@ -164,8 +167,8 @@ static void everything_is_the_same_for_any_workers_and_instructions(void **unuse
     free_shapes(&s);
 }
 
-/* Of a hundred bodies, which one worker sees to, and of four hundred, which all share: the bits after each of 600 steps; of a
- * thousand, whose contacts are placed and whose heaps are looked over side by side, after each of 120. */
+/* Of a hundred bodies, which one worker sees to, and of four hundred, which all share: the bits after each of 600
+ * steps; of a thousand, whose contacts are placed and whose heaps are looked over side by side, after each of 120. */
 static void each_step_is_the_same_for_any_workers(void **unused)
 {
     (void)unused;
@@ -177,7 +180,8 @@ static void each_step_is_the_same_for_any_workers(void **unused)
     s.surface = daft_mesh_shape_create(&allocator, &s.mesh.mesh, s.mesh.bvh, false, NULL);
     for (size_t b = 0; b < DAFT_COUNT_OF(BODIES); b++)
         for (size_t k = 0; k < DAFT_COUNT_OF(WORKERS); k++) {
-            if (BODIES[b] == 1000 && WORKERS[k] > 4) continue; /* no other code, and slow where there are few processors */
+            if (BODIES[b] == 1000 && WORKERS[k] > 4)
+                continue; /* no other code, and slow where there are few processors */
             daft_world *world = make_heap(&s, BODIES[b]);
             daft_world_set_workers(world, WORKERS[k], daft_isa_best());
             uint64_t hash = 0;
@@ -255,7 +259,8 @@ static void damaged_bytes_are_an_error(void **unused)
     int loaded = 0;
     for (int i = 0; i < 3000; i++) {
         memcpy(copy, bytes, size);
-        for (int k = 0; k < 3; k++) copy[(size_t)uniform(112, (double)size)] ^= (unsigned char)(1 + (int)uniform(0, 255));
+        for (int k = 0; k < 3; k++)
+            copy[(size_t)uniform(112, (double)size)] ^= (unsigned char)(1 + (int)uniform(0, 255));
         sign(copy, size);
         if (!daft_world_load(other, copy, size, find_shape, &s, &error)) continue;
         loaded++;
