@@ -127,6 +127,7 @@ static bool open_beside(daft_writer *writer, const char *path, daft_error *error
     writer->name = writer->path + length;
     if (!writer->name[0]) return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "is a folder, not a file");
     writer->folder = open_folder(&writer->allocator, path, length);
+    if (writer->folder < 0 && errno == ENOMEM) return daft_fail_memory(error, "a file name");
     if (writer->folder < 0)
         return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "cannot open for writing: %s", strerror(errno));
     const char *why = refusal(writer->folder, writer->name, &mode, &exists);

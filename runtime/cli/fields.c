@@ -134,6 +134,6 @@ int command_fields(int argc, char **argv)
         if (strcmp(argv[1], forms[i]->title) == 0) return print_form(forms[i]), STATUS_DONE;
     for (daft_struct which = 0; which < DAFT_STRUCT_COUNT; which++)
         if (strcmp(argv[1], daft_struct_name(which)) == 0) return print_struct(which), STATUS_DONE;
-    fprintf(stderr, "daft help fields: nothing has the name '%s'\n", argv[1]);
+    fprintf(stderr, "daft help fields: nothing has the name '%s'\nTry 'daft help fields'.\n", argv[1]);
     return STATUS_BAD_USAGE;
 }

@@ -84,14 +84,8 @@ static void writing_says_what_is_wrong(void **unused)
     char command[256];
     snprintf(command, sizeof command, "mkdir '%s'", test_path("folder.png"));
     assert_int_equal(system(command), 0);
-    assert_false(daft_image_write(&image, test_path("folder.png"), &error)); /* the rename fails */
-    assert_false(daft_file_exists(test_path("folder.png.tmp~")));
-    if (daft_file_exists("/dev/full")) {
-        snprintf(command, sizeof command, "ln -s /dev/full '%s'", test_path("full.ppm.tmp~"));
-        assert_int_equal(system(command), 0);
-        assert_false(daft_image_write(&image, test_path("full.ppm"), &error));
-        assert_int_equal(error.code, DAFT_ERROR_IO);
-    }
+    assert_false(daft_image_write(&image, test_path("folder.png"), &error));
+    assert_contains(error.message, "is a folder");
     assert_false(daft_image_write(NULL, "a.png", &error));
     daft_image_free(&image);
     assert_int_equal(memory.live, 0);
@@ -420,7 +414,8 @@ static void memory_may_run_out_anywhere(void **unused)
             if (kind == 3) made = daft_image_write(&image, test_path("out.png"), &error);
             assert_int_equal(memory.live, 0);
             if (!made) assert_int_equal(error.code, DAFT_ERROR_MEMORY);
-            if (!made && kind == 3) assert_false(daft_file_exists(test_path("out.png.tmp~")));
+            if (!made && kind == 3) assert_false(daft_file_exists(test_path("out.png")));
+            if (made && kind == 3) remove(test_path("out.png"));
             if (memory.calls <= fail_at) break;
         }
 }
