@@ -1,5 +1,6 @@
-/* api: the functions a game sees as `daft`. Each area is one file and one table of functions, with their form and what
- * they do beside them: registration, messages and the reference (`daft help lua`) all come from these tables.
+/* api: the functions a game sees as `daft`. Each area is one file in lua/tables/ and one table of functions, with their
+ * form and what they do beside them: registration, messages and the reference (`daft help lua`) all come from these
+ * tables.
  *
  * A binding reads its arguments, calls libdaft, and only then may raise an error.
  * Public headers: api.h host.h fields.h */

@@ -1,5 +1,5 @@
 /* daft.entity and the methods of entities. */
-#include "lua/body.h"
+#include "lua/tables/body.h"
 
 #include "common/util.h"
 

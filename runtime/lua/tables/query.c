@@ -1,5 +1,5 @@
 /* daft.query: what rays, moving shapes, volumes and points meet among the bodies. */
-#include "lua/body.h"
+#include "lua/tables/body.h"
 #include "lua/fields.h"
 
 #include "common/util.h"

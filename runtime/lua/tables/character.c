@@ -1,5 +1,5 @@
 /* daft.character: a capsule that walks about. */
-#include "lua/body.h"
+#include "lua/tables/body.h"
 #include "lua/fields.h"
 
 #include "common/util.h"

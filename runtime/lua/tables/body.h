@@ -1,6 +1,7 @@
-/* Bodies, as the other areas of the API see them. */
-#ifndef RUNTIME_API_BODY_H
-#define RUNTIME_API_BODY_H
+/* lua/tables: the tables of the Lua API, one file each: their functions, and what they do. This header: bodies, as the
+ * other tables see them. Public headers: none */
+#ifndef RUNTIME_LUA_TABLES_BODY_H
+#define RUNTIME_LUA_TABLES_BODY_H
 
 #include "lua/fields.h"
 

@@ -1,5 +1,5 @@
 /* Joints, what happened in the last step, and the simulation as a whole. */
-#include "lua/body.h"
+#include "lua/tables/body.h"
 #include "lua/fields.h"
 
 #include "common/util.h"

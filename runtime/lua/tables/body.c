@@ -1,5 +1,5 @@
 /* What makes an entity a body: the fields of daft.entity that say so, and the methods of bodies. */
-#include "lua/body.h"
+#include "lua/tables/body.h"
 
 #include "common/util.h"
 
