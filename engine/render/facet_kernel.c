@@ -1,5 +1,7 @@
-/* The set-up of what a batch's rays meet: DAFT_VL triangles at a time, of any instances. A plane's normal and height
- * are taken in double, so that points on it are as precise as surface_kernel.c promises. */
+/* Fills one row of `daft_facets` for each triangle or sphere that some ray of a batch hit: its plane, vertex normals,
+ * texture coordinates and the limits of its errors; DAFT_VL triangles at a time, of any instances. surface_kernel.c
+ * computes points from these rows. A plane's normal and height are taken in double, so that the points are as precise
+ * as that file promises. */
 #include "math/simd/ops.h"
 #include "render/surface.h"
 

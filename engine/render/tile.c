@@ -73,7 +73,7 @@ static void shade_visible(tile_job *j)
     book(j, DAFT_EFFECT_SKY);
 }
 
-static void shade(tile_job *j)
+static void shade_tile(tile_job *j)
 {
     daft_scratch *s = j->s;
     daft_batch *points = &s->points, *next = &s->next;
@@ -132,7 +132,7 @@ void daft_render_tile(void *context, uint32_t tile, uint32_t worker)
     if (daft_tile_is_plain(&j)) {
         daft_tile_fill_plain(&j);
     } else {
-        shade(&j);
+        shade_tile(&j);
         daft_tile_resolve(&j);
     }
     report(frame, worker);

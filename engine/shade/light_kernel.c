@@ -1,6 +1,7 @@
-/* Ambient, Lambert and Phong light over batches.
- * Phong, "Illumination for Computer Generated Pictures" (1975): the specular term is the cosine between the mirrored
- * light and the viewer, raised to the material's shininess. */
+/* Ambient, Lambert and Phong light over batches of points. `facing` says which points a light may reach (in front of
+ * the surface, inside a spot's cone), `direct_light` adds a light to those, `scatter` writes points' light to their
+ * pixels. Phong, "Illumination for Computer Generated Pictures" (1975): the specular term is the cosine between the
+ * mirrored light and the viewer, raised to the material's shininess. */
 #include "shade/kernels.h"
 #include "shade/batch_lanes.h"
 

@@ -1,4 +1,5 @@
-/* Normals and angles of triangles, many at a time, in double; and their sums around vertices. */
+/* Normals and angles of triangles, many at a time, in double; their sums around vertices; and `unlist_rings`, which
+ * takes the vertices whose ring of triangles has at most one crease off the list of those that need a closer look. */
 #include "geometry/analysis/smooth.h"
 #include "math/simd/ops.h"
 

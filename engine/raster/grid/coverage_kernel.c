@@ -2,9 +2,10 @@
  * 4 high, one SIMD register; a window begins at a multiple of four in its row and anywhere in its column, so a small
  * triangle needs one or two.
  *
- * A lane whose e is beyond 1 for every edge is inside, below -1 for one outside (setup_kernel.c has the bounds);
- * between, the exact predicates decide. Pixels keep the interval of their nearest w: those that are apart need no
- * closer look. */
+ * e is an edge's function divided by the bound of its rounding error (setup_kernel.c). A lane is inside where e > 1 for
+ * all three edges, outside where e < -1 for one; between, the exact predicates decide. w = 1/z is the inverse depth.
+ * Each pixel keeps an interval that holds the w of what it sees: intervals that do not overlap compare without a closer
+ * look. */
 #include "math/exact.h"
 #include "raster/grid/grid.h"
 

@@ -107,7 +107,7 @@ static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *co
 
 enum { AHEAD = 8 }; /* instances in a tile stand anywhere in memory */
 
-static void resolve_tile(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_tile *out)
+static void draw_tile(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_tile *out)
 {
     daft_grid_scratch *scratch = (daft_grid_scratch *)raster->scratch + worker;
     daft_tile_job *j = &scratch->job;
@@ -138,7 +138,7 @@ static void find_boxes(const daft_raster *raster, uint32_t instance, daft_screen
 }
 
 const daft_raster_kernels DAFT_KERNEL(daft_raster) = {.scratch_size = sizeof(daft_grid_scratch),
-                                                      .tile = resolve_tile,
+                                                      .tile = draw_tile,
                                                       .instances = DAFT_KERNEL(daft_instances_project),
                                                       .lanes = DAFT_VL,
                                                       .boxes = find_boxes};

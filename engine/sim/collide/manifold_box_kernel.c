@@ -1,5 +1,6 @@
-/* Box against box in lanes: what daft_collide_boxes does with a pair, and what a step does with its manifold, for many
- * pairs side by side. Each lane computes what that does, in its order, so the bits are the same. */
+/* Box against box in lanes, many pairs side by side: the separating axes, clipping of one face by the other to at most
+ * four points, and their positions in the world. It does what daft_collide_boxes does with one pair. Each lane computes
+ * what that does, in its order, so the bits are the same. */
 #include "math/simd/ops.h"
 #include "sim/collide/manifold_box.h"
 

@@ -3,8 +3,11 @@
  *
  *   shape.c, mass.c       making shapes, bounds, support, mass
  *   hull.c, hull_build.c  convex hulls from points
- *   mesh_shape.c          adjacency of a triangle mesh; heightfield.c: the same of a grid of heights; compound.c:
- * children gjk.c, distance.c     distance and closest points; cast.c: sweeps; ray.c: rays
+ *   mesh_shape.c          adjacency of a triangle mesh
+ *   heightfield.c         the same of a grid of heights
+ *   compound.c            children of a compound
+ *   gjk.c, distance.c     distance and closest points
+ *   cast.c, ray.c         sweeps and rays
  *
  * Public headers: shape.h triangles.h gjk.h
  *

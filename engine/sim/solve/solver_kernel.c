@@ -3,8 +3,11 @@
  *
  * The contact is that of Catto's Solver2D carried to three dimensions: a spring (rate, soft_mass, soft_impulse) pushes
  * overlap apart, what is not touching yet may close its gap within the substep and no more, and a pass without springs
- * takes out the speed they gave. A point's separation follows the movement to first order, so that the core of a
- * rolling shape turns and the place where it touches does not. */
+ * takes out the speed they gave. A point's separation follows the movement of both bodies to first order. The contact
+ * point of a round shape stays below its centre while the shape rolls, so there it does not turn with the body.
+ *
+ * One substep, in the order of the functions: prepare (once a step), warm start (the last impulses again), solve with
+ * springs, integrate (gain, move), relax without springs; after the last one, bounce. */
 #include "sim/solve/lanes.h"
 
 /* ---- preparation ---- */
