@@ -157,6 +157,8 @@ static void choose(simd_in *in)
     LANES bits |= (uint32_t)((condition) ? 1 : 0) << i;                                                                \
     out->u[0] = bits
 
+/* A float of the rows, counted through them. */
+static float row_at(const simd_in *in, int i) { return in->rows[i / 8][i % 8]; }
 static float min_of(float a, float b) { return a < b ? a : b; }
 static float max_of(float a, float b) { return a > b ? a : b; }
 static int32_t integer_of(float a) { return a >= -0x1p31f && a < 0x1p31f ? (int32_t)a : INT32_MIN; }
@@ -231,8 +233,8 @@ TWIN(vd_max) { HALF out->d[i] = in->d[i] > in->e[i] ? in->d[i] : in->e[i]; }
 TWIN(vd_abs) { HALF out->d[i] = fabs(in->d[i]); }
 TWIN(vd_step) { HALF out->d[i] = in->d[i] > 0 ? 1 : 0; }
 
-TWIN(vf_gather_index) { LANES out->f[i] = in->rows[0][in->i[i] & 127]; }
-TWIN(vi_gather_index) { LANES out->f[i] = in->rows[0][in->i[i] & 127]; }
+TWIN(vf_gather_index) { LANES out->f[i] = row_at(in, in->i[i] & 127); }
+TWIN(vi_gather_index) { LANES out->f[i] = row_at(in, in->i[i] & 127); }
 TWIN(vf_table_lookup) { LANES out->f[i] = in->a[in->i[i] & (in->lanes - 1)]; }
 TWIN(vf_table_lookup16) { LANES out->f[i] = in->a[in->i[i] & 15]; }
 TWIN(vf_compress_store)
@@ -249,7 +251,7 @@ TWIN(vi_compress_store)
 
 TWIN(vf_gather_blocks) { LANES out->f[i] = (&in->rows[in->row[i / 4]][1])[i % 4]; }
 TWIN(vf_scatter_blocks) { LANES out->f[8 * in->row[i / 4] + 4 + i % 4] = in->a[i]; }
-TWIN(vf_load_blocks) { LANES out->f[i] = in->rows[0][3 + i / 4 * in->n + i % 4]; }
+TWIN(vf_load_blocks) { LANES out->f[i] = row_at(in, 3 + i / 4 * in->n + i % 4); }
 TWIN(vf_store_blocks) { LANES out->f[3 + i / 4 * (4 + in->n) + i % 4] = in->a[i]; }
 static const float *block(const simd_in *in, int k) { return in->rows[1] + (k ? in->at[k - 1] : 0); }
 TWIN(vf_load_blocks_at) { LANES out->f[i] = block(in, i / 4)[i % 4]; }
