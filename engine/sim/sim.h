@@ -158,7 +158,7 @@ typedef struct daft_sim_joint_state {
     uint32_t body_a, body_b, user;
     daft_joint_kind kind;
     daft_dvec3 anchor_a, anchor_b; /* in the world */
-    float value;                   /* hinge: angle; slider: way; distance: length; ball with a cone: angle */
+    float value;                   /* hinge: angle; slider: displacement; distance: length; ball with a cone: angle */
     float speed;                   /* of value, hinge and slider */
     float force, torque;           /* N, N·m, mean over the last step */
 } daft_sim_joint_state;

@@ -14,15 +14,15 @@
 #define REST_TIME  0.5f  /* s */
 /* What trembles in its place is at rest, too, as limbs do that are wedged under a body whose joints press them there:
  * faster than that, but nowhere farther than this from where it lately was. */
-#define TREMBLE_SPEED    0.25f
-#define TREMBLE_WAY      0.005f /* m, of any point; */
-#define TREMBLE_FRACTION 0.04f  /* and of its extent */
+#define TREMBLE_SPEED        0.25f
+#define TREMBLE_DISPLACEMENT 0.005f /* m, of any point; */
+#define TREMBLE_FRACTION     0.04f  /* and of its extent */
 /* Joints that brake bring what sways to rest, but not where a heavy body stands on light limbs: those bend by some
  * millimetres, and contacts that are found once a step feed as much as the brakes take, so that a doll that stands
  * astride sways for ever. What sways no farther than so many times as far as what trembles is at rest, too, if it
  * lasts; and time counts less. */
-#define SWAY_WAY   3.0f
-#define SWAY_COUNT 0.25f
+#define SWAY_DISPLACEMENT 3.0f
+#define SWAY_COUNT        0.25f
 
 /* ---- waking ---- */
 
@@ -166,8 +166,8 @@ static bool is_braked(const daft_world *world, const daft_sim_body *body)
     return body->first_joint != DAFT_SIM_NONE;
 }
 
-/* How far it went lately. */
-static float way_of(daft_sim_body *body, float dt)
+/* Bound of any point's recent displacement. */
+static float displacement_of(daft_sim_body *body, float dt)
 {
     float kept = body->rest > 0 ? daft_sim_max(1 - dt / REST_TIME, 0) : 0; /* of half a second of it: a third */
     body->gone = daft_add(daft_scale(body->gone, kept), daft_scale(body->linear, dt));
@@ -181,9 +181,10 @@ static float resting(const daft_world *world, daft_sim_body *body, float dt)
     float spin = daft_sim_is_zero(body->angular) ? 0 : daft_length(body->angular) * body->extent;
     float speed = daft_length(body->linear) + spin;
     if (!body->may_sleep || !(speed < TREMBLE_SPEED)) return 0;
-    float way = way_of(body, dt), most = daft_sim_min(TREMBLE_WAY, TREMBLE_FRACTION * body->extent);
-    if (way < most || speed < REST_SPEED) return 1;
-    return way < SWAY_WAY * most && is_braked(world, body) ? SWAY_COUNT : 0;
+    float displacement = displacement_of(body, dt),
+          limit = daft_sim_min(TREMBLE_DISPLACEMENT, TREMBLE_FRACTION * body->extent);
+    if (displacement < limit || speed < REST_SPEED) return 1;
+    return displacement < SWAY_DISPLACEMENT * limit && is_braked(world, body) ? SWAY_COUNT : 0;
 }
 
 enum { GRAIN = 64, PARALLEL_BODIES = 256 };

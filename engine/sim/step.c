@@ -29,8 +29,8 @@ static daft_vec3 turning(daft_quat from, daft_quat to, float dt)
 static void begin_mover(daft_sim_body *body, float dt)
 {
     if (body->has_target) {
-        daft_dvec3 way = daft_dsub(body->target_position, body->position);
-        body->linear = daft_sim_clamp(daft_to_float(daft_dscale(way, 1 / (double)dt)), DAFT_SIM_MAX_SPEED);
+        daft_dvec3 displacement = daft_dsub(body->target_position, body->position);
+        body->linear = daft_sim_clamp(daft_to_float(daft_dscale(displacement, 1 / (double)dt)), DAFT_SIM_MAX_SPEED);
         body->angular = daft_sim_clamp(turning(body->rotation, body->target_rotation, dt), DAFT_SIM_MAX_ANGULAR_SPEED);
         body->follows = true;
     } else if (body->follows) {
@@ -83,7 +83,7 @@ static void take_row(daft_world *world, uint32_t row)
     daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
     size_t at = (size_t)row * DAFT_SIM_ROW;
     const float *v = rows->velocity + at, *t = rows->turn + at;
-    daft_vec3 linear = row3(v), angular = row3(v + 3), way = row3(rows->moved + at);
+    daft_vec3 linear = row3(v), angular = row3(v + 3), displacement = row3(rows->moved + at);
     daft_quat turn = {t[0], t[1], t[2], t[3]};
     daft_sim_target *target = &world->scratch.solver->targets[row];
     *target = (daft_sim_target){.centre = body->centre, .rotation = body->rotation};
@@ -93,8 +93,8 @@ static void take_row(daft_world *world, uint32_t row)
     body->linear = daft_sim_clamp(linear, v[6]);
     body->angular = daft_sim_clamp(angular, v[7]);
     body->force = body->torque = daft_v3(0, 0, 0);
-    if (!daft_finite3(way) || !isfinite(turn.x + turn.y + turn.z + turn.w)) return;
-    target->centre = daft_dadd(body->centre, daft_to_double(way));
+    if (!daft_finite3(displacement) || !isfinite(turn.x + turn.y + turn.z + turn.w)) return;
+    target->centre = daft_dadd(body->centre, daft_to_double(displacement));
     if (out_of_world(target->centre)) {
         body->linear = daft_v3(0, 0, 0);
         target->centre = body->centre;
@@ -116,16 +116,16 @@ static void sweep_row(daft_world *world, uint32_t row)
     atomic_fetch_add_explicit(&world->scratch.solver->sweeps, target->sweeps, memory_order_relaxed);
 }
 
-/* How far the points of a body go at most: its centre's way, and twice the difference of the rotations' quaternions
- * from there. */
+/* How far the points of a body go at most: its centre's displacement, and twice the difference of the rotations'
+ * quaternions from there. */
 static double travel_of(const daft_sim_body *body, daft_dvec3 centre, daft_quat q)
 {
-    daft_dvec3 way = daft_dsub(centre, body->centre);
+    daft_dvec3 displacement = daft_dsub(centre, body->centre);
     daft_quat p = body->rotation;
     double sign = p.x * q.x + p.y * q.y + p.z * q.z + p.w * q.w < 0 ? -1 : 1;
     double x = (double)p.x - sign * (double)q.x, y = (double)p.y - sign * (double)q.y;
     double z = (double)p.z - sign * (double)q.z, w = (double)p.w - sign * (double)q.w;
-    return sqrt(daft_ddot(way, way)) + 2 * sqrt(x * x + y * y + z * z + w * w) * (double)body->extent;
+    return sqrt(daft_ddot(displacement, displacement)) + 2 * sqrt(x * x + y * y + z * z + w * w) * (double)body->extent;
 }
 
 static bool is_turned_less(const daft_sim_target *t)
@@ -134,7 +134,7 @@ static bool is_turned_less(const daft_sim_target *t)
     return p.x != q.x || p.y != q.y || p.z != q.z || p.w != q.w;
 }
 
-/* Its angular velocity is that of a body turned as `rotation` says. Of one that a sweep stopped on the way there it is
+/* Its angular velocity is that of a body turned as `rotation` says. Of one that a sweep stopped before it is
  * the same seen from the body, so its energy is: kept in the world, a stick's spin about its length would become one
  * across it. */
 static void turn_back(daft_sim_body *body, const daft_sim_target *t)
@@ -175,7 +175,7 @@ static void for_rows(daft_world *world, void (*run)(daft_world *world, uint32_t 
     daft_sim_for(world, count >= PARALLEL_ROWS, (count + ROW_GRAIN - 1) / ROW_GRAIN, run_rows, &(row_job){world, run});
 }
 
-/* All ways are swept before any body moves, so the order does not matter. */
+/* All paths are swept before any body moves, so the order does not matter. */
 static void end_dynamics(daft_world *world)
 {
     daft_sim_solver *s = world->scratch.solver;
@@ -249,10 +249,10 @@ static void run_step(void *context, daft_region *region)
     work *w = context;
     daft_world *world = w->world;
     world->scratch.region = region;
-    w->done = find_constraints(world, w->dt) && daft_sim_solve(world, w->dt); /* constraints -> velocities, ways, in
-                                                                                 substeps */
+    w->done = find_constraints(world, w->dt) && daft_sim_solve(world, w->dt); /* constraints -> velocities,
+                                                                                 displacements, in substeps */
     if (w->done) {
-        end_dynamics(world); /* ways, cut short by sweeps -> poses */
+        end_dynamics(world); /* displacements, cut short by sweeps -> poses */
         end_movers(world, w->dt);
         world->changes++;
         count(world);

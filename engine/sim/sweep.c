@@ -1,4 +1,4 @@
-/* Continuous collision, the last word. Contacts cover what a body meets on the way it is going as the step begins; one
+/* Continuous collision, the last word. Contacts cover what a body meets on its path as the step begins; one
  * that was deflected at speed may meet something else. So what moved far for its size is swept from where it was to
  * where the solver put it, and stops at the first thing it would have passed; the next step finds the contact there,
  * with the speed as it was. What is swept is the core, a ball half as wide as the largest one in the shape, so that
@@ -34,9 +34,9 @@ typedef struct sweep {
     daft_dvec3 normal; /* towards it */
 } sweep;
 
-/* The way of a frame that stands at `pose` in a body. The body's centre goes straight. */
-static daft_sweep way_of(const daft_sim_body *body, const daft_rigid *pose, daft_quat turn, daft_dvec3 to,
-                         daft_quat rotation)
+/* The path of a frame that stands at `pose` in a body. The body's centre goes straight. */
+static daft_sweep path_of(const daft_sim_body *body, const daft_rigid *pose, daft_quat turn, daft_dvec3 to,
+                          daft_quat rotation)
 {
     daft_dvec3 centre = daft_rigid_to_local(pose, daft_to_double(body->local_centre));
     return (daft_sweep){.from = body->centre,
@@ -46,7 +46,7 @@ static daft_sweep way_of(const daft_sim_body *body, const daft_rigid *pose, daft
                         .centre = daft_to_float(centre)};
 }
 
-static daft_sweep way_of_other(const sweep *s, const daft_sim_part *part)
+static daft_sweep path_of_other(const sweep *s, const daft_sim_part *part)
 {
     const daft_sim_body *body = &s->world->bodies[part->body];
     daft_dvec3 to = body->centre;
@@ -55,7 +55,7 @@ static daft_sweep way_of_other(const sweep *s, const daft_sim_part *part)
         to = s->targets[body->state].centre;
         rotation = s->targets[body->state].rotation;
     }
-    return way_of(body, &part->pose, part->turn, to, rotation);
+    return path_of(body, &part->pose, part->turn, to, rotation);
 }
 
 static bool is_hit(daft_impact_kind kind) { return kind == DAFT_IMPACT_HIT || kind == DAFT_IMPACT_GAVE_UP; }
@@ -84,7 +84,7 @@ static void visit(void *context, uint32_t other)
     double radius = (double)(CORE * part->inner), target = s->target;
     bool pressed = shrink(s, hit, &radius, &target);
     if (!(radius > 0)) return;
-    daft_sweep its = way_of_other(s, hit);
+    daft_sweep its = path_of_other(s, hit);
     daft_sim_shape ball = {.type = DAFT_GEOMETRY_SPHERE, .radius = (float)radius};
     daft_impact impact;
     s->count++;
@@ -97,20 +97,21 @@ static void visit(void *context, uint32_t other)
     s->normal = impact.normal;
 }
 
-/* The way and the velocity lose what leads into the wall; the way a millionth more, lest rounding leave it some. */
+/* The displacement and the velocity lose what leads into the wall; the displacement a millionth more, lest rounding
+ * leave it some. */
 static void slide(sweep *s, const daft_sim_body *body)
 {
     const daft_sim_body *wall = &s->world->bodies[s->world->parts[s->first].body];
     daft_vec3 arm = daft_to_float(daft_dsub(body->centre, wall->centre)), n = daft_to_float(s->normal);
     daft_vec3 its = daft_add(wall->linear, daft_cross(wall->angular, arm));
     float speed = daft_dot(daft_sub(s->linear, its), n);
-    double way = daft_ddot(daft_dsub(s->to, body->centre), s->normal);
+    double into = daft_ddot(daft_dsub(s->to, body->centre), s->normal);
     if (speed > 0) s->linear = daft_sub(s->linear, daft_scale(n, speed));
-    if (way > 0) s->to = daft_dsub(s->to, daft_dscale(s->normal, 1.000001 * way));
+    if (into > 0) s->to = daft_dsub(s->to, daft_dscale(s->normal, 1.000001 * into));
 }
 
 /* All that a body passes through; what turns stays within its extent from the centre. */
-static daft_sim_bounds way_bounds(const daft_sim_body *body, daft_dvec3 to)
+static daft_sim_bounds path_bounds(const daft_sim_body *body, daft_dvec3 to)
 {
     double r = (double)body->extent;
     daft_dvec3 d = daft_dv3(r, r, r);
@@ -124,10 +125,10 @@ static void note(void *context, uint32_t part)
     *(bool *)context = true;
 }
 
-/* Whether there is anything on its way. */
+/* Whether there is anything on its path. */
 static bool is_watched(const daft_world *world, const daft_sim_body *body, daft_dvec3 to)
 {
-    daft_sim_bounds bounds = way_bounds(body, to);
+    daft_sim_bounds bounds = path_bounds(body, to);
     bool any = false;
     daft_sim_tree_query(&world->trees[DAFT_BODY_STATIC], &bounds, note, &any);
     if (!any) daft_sim_tree_query(&world->trees[DAFT_BODY_KINEMATIC], &bounds, note, &any);
@@ -142,11 +143,11 @@ static void sweep_part(sweep *s, uint32_t index, daft_quat rotation)
     daft_rigid core = part->pose;
     s->part = index;
     core.p = daft_rigid_point(&part->pose, daft_to_double(part->middle));
-    s->core = way_of(body, &core, part->turn, s->to, rotation);
+    s->core = path_of(body, &core, part->turn, s->to, rotation);
     s->middle = daft_rigid_point(&body->frame, core.p);
     s->target = TARGET * (double)(part->inner > 0 ? part->inner : part->reach);
     if (s->target > MAX_GAP) s->target = MAX_GAP;
-    daft_sim_bounds bounds = way_bounds(body, s->to);
+    daft_sim_bounds bounds = path_bounds(body, s->to);
     daft_sim_tree_query(&world->trees[DAFT_BODY_STATIC], &bounds, visit, s);
     daft_sim_tree_query(&world->trees[DAFT_BODY_KINEMATIC], &bounds, visit, s);
     if (body->bullet) daft_sim_tree_query(&world->trees[DAFT_BODY_DYNAMIC], &bounds, visit, s);
@@ -173,12 +174,12 @@ static void stop_at(daft_sim_target *t, const daft_sim_body *body, double fracti
 static daft_dvec3 within_locks(const daft_sim_body *body, daft_dvec3 to)
 {
     if (!(body->locks & DAFT_LOCK_POSITION)) return to;
-    daft_vec3 way = daft_to_float(daft_dsub(to, body->centre));
-    return daft_dadd(body->centre, daft_to_double(daft_sim_unlocked(body, way, DAFT_LOCK_POSITION_X)));
+    daft_vec3 displacement = daft_to_float(daft_dsub(to, body->centre));
+    return daft_dadd(body->centre, daft_to_double(daft_sim_unlocked(body, displacement, DAFT_LOCK_POSITION_X)));
 }
 
-/* What is joined to a body that is made to go along a wall goes on into it: of a way that would open joints by more
- * than this, in metres, it goes only so far as not to. */
+/* What is joined to a body that is made to go along a wall goes on into it: of a displacement that would open joints by
+ * more than this, in metres, it goes only so far as not to. */
 #define MOST_TURNED_ASIDE 0.004
 
 static double share_with_joined(const sweep *s, const daft_sim_body *body, daft_dvec3 wanted)
@@ -207,8 +208,9 @@ void daft_sim_sweep(const daft_world *world, uint32_t row, daft_sim_target *targ
 
 /* ---- what is joined to it ---- */
 
-/* A limb that is stopped while the rest of a doll goes on would have its joint torn open by the rest of the way. So of
- * two bodies in a joint neither gets much farther than the other, as a fraction of its own way: each joint adds this.
+/* A limb that is stopped while the rest of a doll goes on would have its joint torn open by the rest of the
+ * displacement. So of two bodies in a joint neither gets much farther than the other, as a fraction of its own
+ * displacement: each joint adds this.
  */
 #define AHEAD_OF_JOINED (1.0 / 64)
 

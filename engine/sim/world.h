@@ -157,7 +157,7 @@ typedef struct daft_sim_manifold {
     float total_impulse; /* normal, summed over the step */
     float speed;         /* with which they met, 0 or more */
     daft_shape_part part_a, part_b;
-    daft_vec3 shift; /* of a against b on the way to where they meet, if they are apart still */
+    daft_vec3 shift; /* of a against b until they meet, if they are apart still */
     bool shared; /* with others of one floor that a stands on: they do not yield, and are of one height and friction */
 } daft_sim_manifold;
 
@@ -394,7 +394,7 @@ void daft_sim_solver_destroy(daft_world *world);
 /* ---- sweep.c ---- */
 
 struct daft_sim_target; /* solve/solver.h */
-/* Finds where a row's body stops on its way there. */
+/* Finds where a row's body stops on its path. */
 void daft_sim_sweep(const daft_world *world, uint32_t row, struct daft_sim_target *targets);
 /* Then, of all: what joints hold to bodies that were stopped waits for them. */
 void daft_sim_sweep_joined(daft_world *world);

@@ -121,8 +121,8 @@ static bool has_left(const daft_sim_bounds *fat, const daft_sim_bounds *now)
     return !contains(fat, now) || longest_side(fat) > SLIM * longest_side(now);
 }
 
-/* Of a body's centre in the coming step, if nothing is in its way. */
-static daft_dvec3 way_of(const daft_world *world, const daft_sim_body *body, float dt)
+/* Of a body's centre over the coming step, if nothing stops it. */
+static daft_dvec3 displacement_of(const daft_world *world, const daft_sim_body *body, float dt)
 {
     daft_vec3 mean = body->linear;
     if (body->kind == DAFT_BODY_DYNAMIC) {
@@ -139,9 +139,9 @@ static float margin_of(const daft_sim_part *part)
     return daft_sim_min(DAFT_SIM_MARGIN * part->reach, DAFT_SIM_MAX_MARGIN);
 }
 
-/* The margin of contacts, the way of the centre, and what turning adds: at most the reach from the centre, twice. Gives
- * whether the part has to enter the tree anew. */
-static bool update(daft_world *world, uint32_t index, daft_dvec3 way, float turn, float dt)
+/* The margin of contacts, the centre's displacement, and what turning adds: at most the reach from the centre, twice.
+ * Gives whether the part has to enter the tree anew. */
+static bool update(daft_world *world, uint32_t index, daft_dvec3 displacement, float turn, float dt)
 {
     const daft_sim_part *part = &world->parts[index];
     daft_rigid frame = daft_sim_part_frame(&world->bodies[part->body], part);
@@ -150,7 +150,7 @@ static bool update(daft_world *world, uint32_t index, daft_dvec3 way, float turn
     float margin = margin_of(part);
     if (part->round && !part->posed && part->shape.type == DAFT_GEOMETRY_SPHERE) turn = 0;
     bounds = grown(&bounds, (double)(margin + daft_sim_min(turn, 2) * world->bodies[part->body].extent));
-    world->tight[index] = stretched(&bounds, way);
+    world->tight[index] = stretched(&bounds, displacement);
     return has_left(&world->fat[index], &world->tight[index]);
 }
 
@@ -158,10 +158,10 @@ static bool update_body(daft_world *world, uint32_t index, float dt)
 {
     const daft_sim_body *body = &world->bodies[index];
     float turn = daft_sim_is_zero(body->angular) ? 0 : daft_length(body->angular) * dt;
-    daft_dvec3 way = way_of(world, body, dt);
+    daft_dvec3 displacement = displacement_of(world, body, dt);
     bool left = false;
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
-        left |= update(world, i, way, turn, dt);
+        left |= update(world, i, displacement, turn, dt);
     return left;
 }
 
@@ -177,7 +177,7 @@ static void widen(daft_world *world, uint32_t index, const daft_sim_bounds *boun
 static void widen_body(daft_world *world, uint32_t index, float dt)
 {
     const daft_sim_body *body = &world->bodies[index];
-    daft_dvec3 ahead = daft_dscale(way_of(world, body, dt), AHEAD);
+    daft_dvec3 ahead = daft_dscale(displacement_of(world, body, dt), AHEAD);
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
         if (has_left(&world->fat[i], &world->tight[i])) widen(world, i, &world->tight[i], ahead);
 }

@@ -126,15 +126,15 @@ static void ride(daft_mover *m, daft_sim_character *c, double dt)
         return;
     }
     if (!has_moved(c, body)) return;
-    daft_dvec3 way = daft_dsub(daft_rigid_point(&body->frame, c->ground_local), m->position);
-    if (!(sqrt(daft_ddot(way, way)) <= MAX_RIDE * dt)) {
+    daft_dvec3 displacement = daft_dsub(daft_rigid_point(&body->frame, c->ground_local), m->position);
+    if (!(sqrt(daft_ddot(displacement, displacement)) <= MAX_RIDE * dt)) {
         let_go(c);
         return;
     }
     c->turn = turn_between(c->ground_rotation, body->rotation);
     m->walking = true;
     m->skip = c->ground;
-    daft_mover_slide(m, way);
+    daft_mover_slide(m, displacement);
     m->skip = 0;
     m->collected = false;
     m->met_count = 0;
@@ -166,7 +166,7 @@ static daft_dvec3 not_uphill(const daft_sim_character *c, daft_dvec3 wish)
 
 /* ---- steps ---- */
 
-/* Level, into the wall that stopped a way in this direction. */
+/* Level, into the wall that stopped a motion in this direction. */
 static daft_dvec3 into_wall(daft_mover *m, daft_dvec3 direction)
 {
     daft_dvec3 best = direction;
@@ -346,12 +346,13 @@ static void weigh_down(daft_mover *m, const daft_sim_character *c, bool landed, 
 /* Seen from what it stands on. Gives the velocity with which it ends. */
 static daft_dvec3 walk(daft_mover *m, const daft_sim_character *c, daft_dvec3 velocity, double dt)
 {
-    daft_dvec3 n = daft_to_double(c->ground_normal), start = m->position, way = daft_dscale(level(velocity), dt);
-    double length = length_of(way);
+    daft_dvec3 n = daft_to_double(c->ground_normal), start = m->position,
+               displacement = daft_dscale(level(velocity), dt);
+    double length = length_of(displacement);
     m->walking = true;
-    if (n.y > 0) way.y = -(n.x * way.x + n.z * way.z) / n.y;
-    daft_mover_slide(m, way);
-    daft_dvec3 direction = daft_dscale(level(way), length > 0 ? 1 / length : 0);
+    if (n.y > 0) displacement.y = -(n.x * displacement.x + n.z * displacement.z) / n.y;
+    daft_mover_slide(m, displacement);
+    daft_dvec3 direction = daft_dscale(level(displacement), length > 0 ? 1 / length : 0);
     double missing = length - daft_ddot(daft_dsub(m->position, start), direction);
     if (missing <= 0.02 * length + 1e-3 * m->skin) return velocity;
     if (c->def.step_height > 0 && step_up(m, &c->def, start, direction, length)) return velocity;

@@ -1,6 +1,6 @@
 /* The mover: see mover.h. Planes come from manifolds, which know what lies across the edges of a mesh, so that nothing
  * trips over seams; the nearest place that all planes allow is found by projected Gauss-Seidel on their pushes (Catto,
- * Box2D v3.1, b2SolvePlanes); casts see to it that on the way there nothing is passed that no plane told of. */
+ * Box2D v3.1, b2SolvePlanes); casts see to it that nothing is passed on the way that no plane told of. */
 #include "sim/character/mover.h"
 
 #include "sim/collide/manifold.h"
@@ -112,10 +112,10 @@ void daft_mover_collect(daft_mover *m)
 {
     if (m->collected && is_at(m, m->collected_at)) return;
     daft_rigid frame = capsule_frame(m);
-    daft_sim_way way = daft_sim_way_of(&m->capsule, &frame, daft_dv3(0, 0, 0));
-    way.reach = daft_dadd(way.reach, daft_dv3(2 * m->skin, 2 * m->skin, 2 * m->skin));
+    daft_sim_path path = daft_sim_path_of(&m->capsule, &frame, daft_dv3(0, 0, 0));
+    path.reach = daft_dadd(path.reach, daft_dv3(2 * m->skin, 2 * m->skin, 2 * m->skin));
     m->count = 0;
-    daft_sim_walk(m->world, &way, &m->filter, visit_planes, m);
+    daft_sim_walk(m->world, &path, &m->filter, visit_planes, m);
     for (uint32_t i = 0; i < m->met_count && i < DAFT_MOVER_MET; i++) recall(m, i);
     m->collected = true;
     m->collected_at = m->position;
@@ -253,7 +253,7 @@ daft_dvec3 daft_mover_clip(const daft_mover *m, daft_dvec3 velocity, daft_dvec3 
 typedef struct cast {
     daft_mover *mover;
     daft_sim_shape capsule;
-    daft_sim_way way;
+    daft_sim_path path;
     daft_dvec3 motion, normal, point;
     double gap, met_gap, fraction;
     uint32_t part;
@@ -283,17 +283,17 @@ static void visit_cast(void *context, uint32_t index)
     c->part = index;
     c->normal = daft_dscale(daft_rigid_vector(&frame, impact.normal), -1);
     c->point = daft_rigid_point(&frame, impact.point);
-    c->way.end = impact.t;
+    c->path.end = impact.t;
 }
 
 static void cast_once(cast *c)
 {
     daft_mover *m = c->mover;
     daft_rigid frame = capsule_frame(m);
-    c->way = daft_sim_way_of(&c->capsule, &frame, c->motion);
-    c->way.reach = daft_dadd(c->way.reach, daft_dv3(2 * c->gap, 2 * c->gap, 2 * c->gap));
-    c->way.end = c->fraction;
-    daft_sim_walk(m->world, &c->way, &m->filter, visit_cast, c);
+    c->path = daft_sim_path_of(&c->capsule, &frame, c->motion);
+    c->path.reach = daft_dadd(c->path.reach, daft_dv3(2 * c->gap, 2 * c->gap, 2 * c->gap));
+    c->path.end = c->fraction;
+    daft_sim_walk(m->world, &c->path, &m->filter, visit_cast, c);
 }
 
 double daft_mover_cast(daft_mover *m, daft_dvec3 motion, double gap, daft_mover_plane *hit)
@@ -331,11 +331,11 @@ void daft_mover_slide(daft_mover *m, daft_dvec3 motion)
     for (int i = 0; i < SLIDES; i++) {
         daft_mover_collect(m);
         for (uint32_t k = 0; k < m->count; k++) limits[k] = limit_of(m, &m->planes[k], DAFT_MOVER_CLEAR * m->skin);
-        daft_dvec3 way = solve(limits, m->count, daft_dsub(goal, m->position), enough);
-        if (daft_ddot(way, way) <= enough * enough) return;
+        daft_dvec3 displacement = solve(limits, m->count, daft_dsub(goal, m->position), enough);
+        if (daft_ddot(displacement, displacement) <= enough * enough) return;
         daft_mover_plane hit;
-        double fraction = daft_mover_cast(m, way, 0.5 * m->skin, &hit);
-        m->position = daft_dadd(m->position, daft_dscale(way, fraction));
+        double fraction = daft_mover_cast(m, displacement, 0.5 * m->skin, &hit);
+        m->position = daft_dadd(m->position, daft_dscale(displacement, fraction));
         if (fraction < 1) {
             uint32_t slot = m->met_count++ % DAFT_MOVER_MET;
             m->met[slot] = hit;

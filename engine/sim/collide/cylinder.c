@@ -10,8 +10,8 @@
 
 enum { CYLINDER_SIDES = DAFT_HULL_MAX_VERTICES / 2 };
 
-/* Sines of angles between the axis, or the plane square to it, and the way to the other shape: what is nearer counts as
- * square. */
+/* Sines of angles between the axis, or the plane square to it, and the direction to the other shape: what is nearer
+ * counts as square. */
 #define SQUARE   0.02
 #define SIDEWAYS 0.1f /* of normals: a capsule's are the cylinder's */
 #define FLAT     0.9f /* of normals: the cap is met, not the rim */

@@ -48,7 +48,7 @@ static double clearance(const double p[3], const float h[3], double ball)
     return most - ball;
 }
 
-/* Farther than `depth` from all faces: rounding does not matter there, which way is out does. */
+/* Farther than `depth` from all faces: rounding does not matter there, the direction out does. */
 static bool deep(const double p[3], const float h[3], double depth)
 {
     for (int k = 0; k < 3; k++)

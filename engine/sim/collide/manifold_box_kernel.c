@@ -616,7 +616,7 @@ DAFT_INLINE void edge_contact(const pair *s, const choice *c, vm here, manifold 
 
 /* ---- to the world ---- */
 
-/* As a vector in world axes, by way of double. */
+/* As a vector in world axes, through double. */
 DAFT_INLINE void to_world(const daft_box_batch *batch, int lane, vf v[3])
 {
     vd out[2][3];

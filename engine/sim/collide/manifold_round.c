@@ -62,7 +62,7 @@ static uint32_t side_by_side(const core *a, const core *b, daft_vec3 n, float ma
 }
 
 /* One through the other: out sideways, for spheres upwards. */
-static daft_vec3 way_out(const core *a, const core *b)
+static daft_vec3 direction_out(const core *a, const core *b)
 {
     daft_vec3 c = daft_cross(a->half, b->half);
     if (daft_dot(c, c) > 1e-6f * daft_dot(a->half, a->half) * daft_dot(b->half, b->half)) return daft_normalize(c);
@@ -79,7 +79,7 @@ uint32_t daft_collide_rounds(const daft_sim_shape *shape_a, const daft_sim_shape
     float distance = daft_length(gap), rounding = a.radius + b.radius;
     if (cache) *cache = (daft_pair_cache){.clearance = fmaxf(distance - rounding, 0)};
     if (distance - rounding > margin) return 0;
-    daft_vec3 n = distance > 1e-6f * rounding ? daft_scale(gap, 1 / distance) : way_out(&a, &b);
+    daft_vec3 n = distance > 1e-6f * rounding ? daft_scale(gap, 1 / distance) : direction_out(&a, &b);
     out->normal = n;
     out->count = 0;
     out->feature_a = out->feature_b = DAFT_FEATURE_VERTEX;

@@ -11,13 +11,13 @@
 #define DAFT_ROUND_PARALLEL 0.03f
 /* The stretch that they share is at least this fraction of half the shorter one. */
 #define DAFT_ROUND_SHARED 0.02f
-/* Beyond the rim of a face by so little that it counts as over it, if part of the core is: the cosine of the way there
- * with the face's normal. A face reaches by this fraction of the rounding farther for that. */
+/* Beyond the rim of a face by so little that it counts as over it, if part of the core is: the cosine of the direction
+ * there with the face's normal. A face reaches by this fraction of the rounding farther for that. */
 #define DAFT_ROUND_ALONG_FACE 0.9999f
 #define DAFT_ROUND_OVERHANG   1e-3f
 /* Going farther against each other than this fraction of the first part's reach is fast. */
 #define DAFT_ROUND_FAST 0.5f
-/* Centres nearer than this fraction of it are in one place, and no way out is better than another. */
+/* Centres nearer than this fraction of it are in one place, and no direction out is better than another. */
 #define DAFT_ROUND_ONE_PLACE 0.01f
 /* Cores nearer than this fraction of the roundings: rounding blurs the direction. */
 #define DAFT_ROUND_NEAR 1e-3f

@@ -37,8 +37,8 @@ DAFT_INLINE outline load_outline(const daft_outline *all, const int32_t *index)
     return (outline){{row[0], row[1], row[2]}, {row[3], row[4], row[5]}, row[6], row[7]};
 }
 
-/* How far they go against each other at most. */
-DAFT_INLINE vf way_of(const outline *a, const outline *b)
+/* Bound of their displacement against each other within the step. */
+DAFT_INLINE vf approach_of(const outline *a, const outline *b)
 {
     vf3 d = sub(a->move, b->move);
     return vf_sqrt(vf3_dot(d, d)) + (a->swing + b->swing);
@@ -71,9 +71,9 @@ typedef struct looks {
 
 DAFT_INLINE looks looks_of(const daft_round_batch *batch, int lane, const outline *a, const outline *b)
 {
-    vf way = way_of(a, b), zero = vf_set(0);
-    vm fast = vf_lt(vf_set(DAFT_ROUND_FAST) * vf_load(batch->reach + lane), way);
-    return (looks){vf_load(batch->margin + lane) + vf_if_then_else(fast, zero, way),
+    vf approach = approach_of(a, b), zero = vf_set(0);
+    vm fast = vf_lt(vf_set(DAFT_ROUND_FAST) * vf_load(batch->reach + lane), approach);
+    return (looks){vf_load(batch->margin + lane) + vf_if_then_else(fast, zero, approach),
                    vm_and(fast, vf_lt(zero, vf_load(batch->watched + lane)))};
 }
 

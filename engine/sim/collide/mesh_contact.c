@@ -206,17 +206,18 @@ static verdict judge_edge(const contact_job *j, const near_triangle *t, uint32_t
     return goes_on(j, other, other_k + 2, t->corners[k], d, edge) ? FORBIDDEN : ALLOWED;
 }
 
-/* Around corner k, one way until it is back or at a border, then the other way. */
+/* Around corner k, in one direction until it is back or at a border, then in the other. */
 static verdict judge_corner(const contact_job *j, const near_triangle *t, uint32_t k, daft_vec3 d)
 {
-    for (int way = 0; way < 2; way++) {
+    for (int backwards = 0; backwards < 2; backwards++) {
         uint32_t triangle = t->number, corner = k, other, other_k;
         for (int step = 0; step < MAX_RING; step++) {
             /* Out over the edge that leaves the corner, or over the one that comes to it. */
-            bool inside = daft_triangle_across(j->surface, triangle, way ? (corner + 2) % 3 : corner, &other, &other_k);
+            bool inside =
+                daft_triangle_across(j->surface, triangle, backwards ? (corner + 2) % 3 : corner, &other, &other_k);
             if (!inside) break;
             triangle = other;
-            corner = way ? other_k : (other_k + 1) % 3;
+            corner = backwards ? other_k : (other_k + 1) % 3;
             if (triangle == t->number) return ALLOWED;
             if (goes_on(j, triangle, other_k + 2, t->corners[k], d, daft_v3(0, 0, 0))) return FORBIDDEN;
         }
@@ -233,7 +234,7 @@ typedef struct top_feature {
 static top_feature top_of(const near_triangle *t, daft_vec3 d)
 {
     uint32_t top = 0;
-    float height[3], fall[3] = {0, 0, 0}; /* fall: from the top, over the way there */
+    float height[3], fall[3] = {0, 0, 0}; /* fall: from the top, beyond what leaning over that distance allows */
     if (daft_length(without(d, t->normal)) <= LEAN) return (top_feature){3, 0, 1};
     for (uint32_t k = 0; k < 3; k++) {
         height[k] = daft_dot(d, t->corners[k]);
@@ -300,7 +301,7 @@ static void visit_border(void *context, uint32_t number)
     if (!lies_on(corners, normal, b->at, b->tolerance)) return;
     for (int k = 0; k < 3; k++)
         if (is_farther(corners[k], b->at, b->away, b->edge, 0.1f * b->tolerance)) b->goes_on = true;
-    /* Or a step over the triangle, the way that the contact leans. */
+    /* Or a step over the triangle, in the direction in which the contact leans. */
     daft_vec3 lean = without(b->away, normal);
     if (daft_length(lean) <= LEAN) return;
     daft_vec3 step = daft_scale(daft_normalize(lean), 4 * b->tolerance);

@@ -40,7 +40,7 @@ bool daft_sim_pairs_reserve(daft_world *world, size_t more);
 bool daft_sim_contacts_update(daft_world *world, float dt);
 /* From the materials of its parts. */
 void daft_sim_pair_materials(const daft_world *world, daft_sim_pair *pair);
-/* The way of a body's part over dt, as it is going now. */
+/* The path of a body's part over dt at its present velocity. */
 daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, const daft_sim_part *part, float dt);
 
 /* ---- ghost.c ---- */

@@ -59,7 +59,7 @@ typedef struct motion {
     const daft_sim_body *a, *b;
     daft_vec3 apart; /* from b's centre to a's */
     float margin, dt;
-    float way; /* they go at most against each other within the step */
+    float approach; /* bound of their displacement against each other within the step */
 } motion;
 
 /* Where a's manifolds are. */
@@ -92,7 +92,7 @@ static void convert(const motion *p, const place *where, const daft_manifold *fr
     }
 }
 
-/* Bodies whose centres are closer, as a fraction of their reach, are in one place, and no way out is better than
+/* Bodies whose centres are closer, as a fraction of their reach, are in one place, and no direction out is better than
  * another. */
 #define ONE_PLACE (double)DAFT_ROUND_ONE_PLACE
 
@@ -109,9 +109,9 @@ static double scattered(uint32_t part, uint32_t axis)
 static void scatter(const daft_world *world, const daft_sim_pair *pair, const motion *p, daft_rigid *frame_a,
                     daft_rigid *frame_b)
 {
-    daft_dvec3 way = daft_dsub(frame_b->p, frame_a->p);
+    daft_dvec3 offset = daft_dsub(frame_b->p, frame_a->p);
     double size = ONE_PLACE * (double)world->parts[pair->part_a].reach;
-    if (!(daft_ddot(way, way) < size * size) || p->b->kind != DAFT_BODY_DYNAMIC) return;
+    if (!(daft_ddot(offset, offset) < size * size) || p->b->kind != DAFT_BODY_DYNAMIC) return;
     uint32_t a = pair->part_a, b = pair->part_b;
     daft_dvec3 at_a = daft_dv3(scattered(a, 0), scattered(a, 1), scattered(a, 2));
     daft_dvec3 at_b = daft_dv3(scattered(b, 0), scattered(b, 1), scattered(b, 2));
@@ -155,18 +155,18 @@ daft_sweep daft_sim_plan(const daft_world *world, const daft_sim_body *body, con
 static uint32_t foresee(const daft_world *world, daft_sim_pair *pair, motion *p, place *where, daft_manifold *found)
 {
     const daft_sim_part *a = &world->parts[pair->part_a], *b = &world->parts[pair->part_b];
-    daft_sweep way_a = daft_sim_plan(world, p->a, a, p->dt), way_b = daft_sim_plan(world, p->b, b, p->dt);
+    daft_sweep path_a = daft_sim_plan(world, p->a, a, p->dt), path_b = daft_sim_plan(world, p->b, b, p->dt);
     double gap = MEETING_GAP * (double)(a->inner > 0 ? a->inner : a->reach);
     daft_impact impact;
     daft_impact_kind kind =
-        daft_shape_impact(&a->shape, &way_a, &b->shape, &way_b, gap, MEETING_TOLERANCE * gap, &impact);
+        daft_shape_impact(&a->shape, &path_a, &b->shape, &path_b, gap, MEETING_TOLERANCE * gap, &impact);
     if (kind != DAFT_IMPACT_HIT) return 0;
-    daft_rigid at_a = daft_sweep_frame(&way_a, impact.t), at_b = daft_sweep_frame(&way_b, impact.t);
+    daft_rigid at_a = daft_sweep_frame(&path_a, impact.t), at_b = daft_sweep_frame(&path_b, impact.t);
     daft_relpose pose = daft_relpose_make(&at_a, &at_b);
     uint32_t count =
         daft_collide(&a->shape, &b->shape, &pose, 2 * (float)gap, found, pair->more ? DAFT_SIM_MAX_MANIFOLDS : 1, NULL);
-    daft_dvec3 go_a = daft_dscale(daft_dsub(way_a.to, way_a.from), impact.t);
-    daft_dvec3 go_b = daft_dscale(daft_dsub(way_b.to, way_b.from), impact.t);
+    daft_dvec3 go_a = daft_dscale(daft_dsub(path_a.to, path_a.from), impact.t);
+    daft_dvec3 go_b = daft_dscale(daft_dsub(path_b.to, path_b.from), impact.t);
     where->frame_a = at_a;
     where->shift = daft_to_float(daft_dsub(go_a, go_b));
     where->offset = daft_to_float(daft_dsub(at_a.p, daft_dadd(p->a->centre, go_a)));
@@ -183,8 +183,7 @@ static float margin_of(float reach_a, float reach_b)
     return daft_sim_min(DAFT_SIM_MARGIN * daft_sim_min(reach_a, reach_b), DAFT_SIM_MAX_MARGIN);
 }
 
-/* Movement against each other within the step. */
-static float way_of(const motion *p)
+static float approach_of(const motion *p)
 {
     float speed = daft_length(daft_sub(p->a->linear, p->b->linear)) + daft_length(p->a->angular) * p->a->extent;
     if (!daft_sim_is_zero(p->b->angular)) {
@@ -204,7 +203,7 @@ static bool looks_out(const daft_sim_pair *pair, const motion *p, const daft_wor
 
 static bool is_fast(const daft_world *world, const daft_sim_pair *pair, const motion *p)
 {
-    return p->way > MARGIN_OF_MOVE * world->parts[pair->part_a].reach;
+    return p->approach > MARGIN_OF_MOVE * world->parts[pair->part_a].reach;
 }
 
 /* Of what was found between two, as much is relied upon. */
@@ -215,7 +214,7 @@ static bool is_clear(const daft_world *world, const daft_sim_pair *pair, const m
 {
     if (pair->manifold_count > 0 || pair->cache.clearance <= 0 || p->b->kind == DAFT_BODY_KINEMATIC) return false;
     double gone = (p->a->travel + p->b->travel) - pair->cleared_at;
-    return CLEARANCE_FRACTION * (double)pair->cache.clearance - gone > (double)(p->margin + p->way) &&
+    return CLEARANCE_FRACTION * (double)pair->cache.clearance - gone > (double)(p->margin + p->approach) &&
            !is_fast(world, pair, p);
 }
 
@@ -227,7 +226,7 @@ static void find_manifolds(const daft_world *world, daft_sim_pair *pair, motion 
     daft_sim_manifold fresh[DAFT_SIM_MAX_MANIFOLDS], *manifolds = daft_sim_manifolds(pair);
     bool fast = is_fast(world, pair, p);
     pair->cache.clearance = 0;
-    uint32_t kept = 0, count = collide(world, pair, p, where.frame_a, p->margin + (fast ? 0 : p->way), found);
+    uint32_t kept = 0, count = collide(world, pair, p, where.frame_a, p->margin + (fast ? 0 : p->approach), found);
     pair->cleared_at = p->a->travel + p->b->travel;
     if (count == 0 && fast && looks_out(pair, p, world)) count = foresee(world, pair, p, &where, found);
     for (uint32_t i = 0; i < count; i++) {
@@ -262,7 +261,7 @@ static bool begin(const daft_world *world, daft_sim_pair *pair, float dt, motion
     p->a = &world->bodies[pair->body_a], p->b = &world->bodies[pair->body_b], p->dt = dt;
     p->apart = daft_to_float(daft_dsub(p->a->centre, p->b->centre));
     p->margin = margin_of(a->reach, b->reach);
-    p->way = way_of(p);
+    p->approach = approach_of(p);
     return !is_clear(world, pair, p);
 }
 
@@ -442,20 +441,21 @@ static void add_boxes(range *r, daft_sim_active *entry, uint32_t a, uint32_t b)
     const daft_outline *x = &r->world->outlines[a], *y = &r->world->outlines[b];
     const daft_sim_pair *pair = &r->world->pairs[entry->pair];
     const daft_outline_frame *frames = r->world->box_frames;
-    float margin = margin_of(x->reach, y->reach), way = daft_length(daft_sub(x->move, y->move)) + (x->swing + y->swing);
+    float margin = margin_of(x->reach, y->reach),
+          approach = daft_length(daft_sub(x->move, y->move)) + (x->swing + y->swing);
     daft_vec3 toward = daft_to_float(daft_dsub(y->centre, x->centre));
     bool one_place = daft_length(toward) < 2 * DAFT_ROUND_ONE_PLACE * x->reach;
-    if (way > MARGIN_OF_MOVE * x->reach || one_place) {
+    if (approach > MARGIN_OF_MOVE * x->reach || one_place) {
         ask(r, entry);
         return;
     }
-    if (are_boxes_clear(r, pair, margin + way)) return;
+    if (are_boxes_clear(r, pair, margin + approach)) return;
     boxes *to = &r->boxes;
     int lane = to->count++;
     to->entries[lane] = entry, to->margins[lane] = margin;
     daft_box_batch_put(&to->batch, lane, &frames[a].frame, &frames[b].frame, x->half, y->half,
                        offset_of(r->world, pair));
-    to->batch.margin[lane] = margin + way;
+    to->batch.margin[lane] = margin + approach;
     to->batch.kind[lane] = pair->cache.kind;
     if (to->count == DAFT_BOX_LANES) collide_boxes(r);
 }

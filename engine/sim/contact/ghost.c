@@ -32,7 +32,7 @@ typedef struct group {
     float dt;
 } group;
 
-/* Whether it will be met on the way only. */
+/* Whether it will be met later in the step only. */
 static bool is_ahead(const daft_sim_manifold *manifold) { return !daft_sim_is_zero(manifold->shift); }
 
 static bool comes_before(const candidate *a, const candidate *b)
@@ -142,7 +142,7 @@ static bool is_hidden(const group *g, int c)
     return true;
 }
 
-/* ---- ways out ---- */
+/* ---- directions out ---- */
 
 /* Depth of a local point under one of a box's six faces, the outward normal there: high and low in y, then x, then z.
  */
@@ -187,8 +187,8 @@ static float in_front(const group *g, const candidate *c)
 {
     const daft_sim_part *part = &g->world->parts[c->pair->part_a];
     daft_rigid frame = daft_sim_part_frame(&g->world->bodies[c->pair->body_a], part);
-    daft_dvec3 way = daft_dsub(point_on_b(g, c, 0), daft_rigid_point(&frame, daft_to_double(part->middle)));
-    return daft_dot(daft_to_float(way), c->manifold->normal);
+    daft_dvec3 offset = daft_dsub(point_on_b(g, c, 0), daft_rigid_point(&frame, daft_to_double(part->middle)));
+    return daft_dot(daft_to_float(offset), c->manifold->normal);
 }
 
 /* A face of a one-sided mesh pushes what is behind it to its front, however deep it is: through a wall that is thinner
@@ -211,30 +211,30 @@ static bool is_behind(const group *g, int c)
 /* Gap at which a body that is swept along what it rests on meets something, as a fraction of how far it is lifted for
  * that. */
 #define PASSING_GAP 0.25
-/* What turns farther in a step, in radians, may touch at a place that its planned way does not have. */
+/* What turns farther in a step, in radians, may touch at a place that its planned path does not have. */
 #define PASSING_TURN 1.0f
 
 /* Where a part goes within the step: to `bend`, and from there along what it meets. */
 typedef struct course {
-    daft_sweep way;             /* as planned */
+    daft_sweep path;            /* as planned */
     daft_dvec3 bend, end, lift; /* of the centre of mass; lift: away from what it goes along then */
     double bend_at;             /* fraction of the step; 1: it meets nothing before */
 } course;
 
-/* Share of the step after which a part on its way meets the plane of a contact; above 1: not in this step. */
+/* Fraction of the step after which a moving part meets the plane of a contact; above 1: not in this step. */
 static double meeting_at(const candidate *c, daft_dvec3 move)
 {
     double into = daft_ddot(move, daft_to_double(c->manifold->normal)), gap = fmax(0, (double)c->separation);
     return into > gap ? gap / into : 2;
 }
 
-/* The contact that bends the way before c does, and how. What the part touches already comes first. */
+/* The contact that bends the path before c does, and how. What the part touches already comes first. */
 static course course_of(const group *g, int c, double margin)
 {
     const candidate *mine = &g->near[c];
     const daft_sim_part *part = &g->world->parts[mine->pair->part_a];
-    course out = {.way = daft_sim_plan(g->world, &g->world->bodies[part->body], part, g->dt), .bend_at = 1};
-    daft_dvec3 move = daft_dsub(out.way.to, out.way.from), along = move;
+    course out = {.path = daft_sim_plan(g->world, &g->world->bodies[part->body], part, g->dt), .bend_at = 1};
+    daft_dvec3 move = daft_dsub(out.path.to, out.path.from), along = move;
     double mine_at = meeting_at(mine, move);
     for (int k = 0; k < g->count; k++) {
         const candidate *on = &g->near[k];
@@ -247,7 +247,7 @@ static course course_of(const group *g, int c, double margin)
         along = daft_dsub(along, daft_dscale(n, fmax(0, daft_ddot(along, n))));
         out.lift = daft_dsub(out.lift, daft_dscale(n, margin + fmax(0, -(double)on->separation)));
     }
-    out.bend = daft_dadd(out.way.from, daft_dscale(move, out.bend_at));
+    out.bend = daft_dadd(out.path.from, daft_dscale(move, out.bend_at));
     out.end = daft_dadd(out.bend, daft_dscale(along, 1 - out.bend_at));
     return out;
 }
@@ -269,7 +269,7 @@ static void turn_to_meeting(const group *g, candidate *c, const daft_impact *imp
 
 /* A contact that is ahead pushes along the normal of now, or of where the two meet. Where a body goes past an edge, or
  * rolls towards one that is level with what it rests on, that normal leans, and it would be thrown up by what it grazes
- * at most. So what is ahead counts only if the body meets it on its way: as far as what it meets first, and then along
+ * at most. So what is ahead counts only if the body meets it on its path: as far as what it meets first, and then along
  * that, lifted by as much as counts as touching. */
 static bool is_passed(const group *g, candidate *mine, int c)
 {
@@ -279,19 +279,19 @@ static bool is_passed(const group *g, candidate *mine, int c)
         daft_length(g->world->bodies[a->body].angular) * g->dt > PASSING_TURN && a->shape.type != DAFT_GEOMETRY_SPHERE;
     if (wild || (double)mine->separation <= gap) return false;
     course go = course_of(g, c, margin);
-    daft_dvec3 move = daft_dsub(go.way.to, go.way.from);
+    daft_dvec3 move = daft_dsub(go.path.to, go.path.from);
     if (daft_ddot(move, move) < 2 * margin * (double)a->inner)
-        return false; /* too short a way for the normal to turn much */
-    daft_sweep its = daft_sim_plan(g->world, &g->world->bodies[b->body], b, g->dt), way = go.way;
+        return false; /* too short a path for the normal to turn much */
+    daft_sweep its = daft_sim_plan(g->world, &g->world->bodies[b->body], b, g->dt), path = go.path;
     daft_impact_kind met = DAFT_IMPACT_MISS;
     daft_impact impact = {.t = 0};
-    way.to = go.bend;
-    if (go.bend_at > 0) met = daft_shape_impact(&a->shape, &way, &b->shape, &its, gap, gap, &impact);
-    daft_dvec3 went = daft_dscale(daft_dsub(way.to, way.from), impact.t);
+    path.to = go.bend;
+    if (go.bend_at > 0) met = daft_shape_impact(&a->shape, &path, &b->shape, &its, gap, gap, &impact);
+    daft_dvec3 went = daft_dscale(daft_dsub(path.to, path.from), impact.t);
     if (met == DAFT_IMPACT_MISS && go.bend_at < 1) {
-        way.from = daft_dadd(go.bend, go.lift), way.to = daft_dadd(go.end, go.lift);
-        met = daft_shape_impact(&a->shape, &way, &b->shape, &its, gap, gap, &impact);
-        went = daft_dadd(daft_dsub(go.bend, go.way.from), daft_dscale(daft_dsub(way.to, way.from), impact.t));
+        path.from = daft_dadd(go.bend, go.lift), path.to = daft_dadd(go.end, go.lift);
+        met = daft_shape_impact(&a->shape, &path, &b->shape, &its, gap, gap, &impact);
+        went = daft_dadd(daft_dsub(go.bend, go.path.from), daft_dscale(daft_dsub(path.to, path.from), impact.t));
     }
     if (met == DAFT_IMPACT_HIT && a->shape.type == DAFT_GEOMETRY_SPHERE &&
         g->world->bodies[b->body].kind == DAFT_BODY_STATIC)

@@ -1,7 +1,8 @@
 /* Contacts of bodies that may not move along some axis of the world, as in a game in a plane. What presses them
  * together along it can push nothing, so it must not ask to: an impulse that never has an effect only grows, and lets
  * friction hold what nothing holds. So normals lie in what is free, and separations are those along them. Two that are
- * within each other beside their plane, whose nearest way out is out of it, part by the way between their middles. */
+ * within each other beside their plane, whose shortest way out is out of it, part along the line between their middles.
+ */
 #include "sim/world.h"
 #include "sim/contact/contact.h"
 

@@ -63,8 +63,8 @@ static void pass_on(daft_sim_manifold *manifold, daft_vec3 anchor, float impulse
     if (!(squares[0] < BESIDE * BESIDE * daft_dot(anchor, anchor))) return;
     float fraction = 0;
     if (nearest[1]) {
-        daft_vec3 from = nearest[0]->anchor, way = daft_sub(nearest[1]->anchor, from);
-        float square = daft_dot(way, way), along = daft_dot(daft_sub(anchor, from), way);
+        daft_vec3 from = nearest[0]->anchor, span = daft_sub(nearest[1]->anchor, from);
+        float square = daft_dot(span, span), along = daft_dot(daft_sub(anchor, from), span);
         fraction = along > 0 && square > 0 ? daft_sim_min(along / square, 0.5f) : 0;
         nearest[1]->impulse += fraction * impulse;
     }

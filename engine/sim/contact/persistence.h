@@ -4,7 +4,7 @@
 
 #include "sim/world.h"
 
-/* By how much of their last way contacts are put ahead, see persistence.c. */
+/* By how much of their last displacement contacts are put ahead, see persistence.c. */
 float daft_sim_extrapolation(const daft_world *world, const daft_sim_pair *pair, float dt);
 
 /* Manifolds of a pair, from those it had, of which there are at most DAFT_SIM_MAX_MANIFOLDS. */

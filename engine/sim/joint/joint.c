@@ -285,7 +285,7 @@ static float hinge_angle(const daft_quat frame[2])
     return (float)(2 * daft_atan2(sign * (double)d.x, sign * (double)d.w));
 }
 
-/* Angle, way or length now; its anchors in the world. */
+/* Angle, displacement or length now; its anchors in the world. */
 static float value_of(const daft_world *world, const daft_sim_joint *j, daft_dvec3 at[2])
 {
     daft_quat frame[2];

@@ -13,7 +13,7 @@ DAFT_INLINE bool is_angular(const joint_block *block)
 /* How bodies have turned and gone since the step began. */
 typedef struct place_now {
     quat turn;
-    vf3 way;
+    vf3 displacement;
 } place_now;
 
 DAFT_INLINE place_now load_place(const daft_sim_solver_bodies *rows, const int32_t *index)
@@ -30,7 +30,7 @@ DAFT_INLINE void place_arms(joint_block *block, const place_now now[2], int lane
     for (int i = 0; i < 2; i++) {
         joint_side *side = &block->side[i];
         vf3 arm0 = load3(side->arm0, lane), arm = rotate(now[i].turn, arm0);
-        moved[i] = vf3_add(now[i].way, vf3_sub(arm, arm0));
+        moved[i] = vf3_add(now[i].displacement, vf3_sub(arm, arm0));
         store3(side->arm, lane, arm);
     }
     store3(block->offset, lane, vf3_add(vf3_sub(load3(block->offset0, lane), moved[0]), moved[1]));

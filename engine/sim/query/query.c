@@ -21,7 +21,7 @@ typedef struct answers {
 
 typedef struct query {
     daft_world *world;
-    daft_sim_way way;
+    daft_sim_path path;
     daft_rigid frame; /* of the shape; the ray's origin */
     const daft_sim_shape *shape;
     double limit;
@@ -76,13 +76,13 @@ static bool is_sane(daft_dvec3 v)
 static void take_cast(query *q, daft_sim_hit *hit, double fraction)
 {
     hit->fraction = fraction;
-    hit->distance = fraction * length_of(q->way.motion);
+    hit->distance = fraction * length_of(q->path.motion);
     if (hit->inside) {
-        double length = length_of(q->way.motion);
-        hit->normal = daft_to_float(daft_dscale(q->way.motion, length > 0 ? -1 / length : 0));
+        double length = length_of(q->path.motion);
+        hit->normal = daft_to_float(daft_dscale(q->path.motion, length > 0 ? -1 / length : 0));
     }
     keep(&q->answers, hit);
-    if (!q->all && fraction < q->way.end) q->way.end = fraction;
+    if (!q->all && fraction < q->path.end) q->path.end = fraction;
 }
 
 /* ---- rays ---- */
@@ -93,10 +93,10 @@ static void visit_ray(void *context, uint32_t part)
     daft_rigid frame = frame_of(q->world, part);
     daft_ray_result r;
     daft_dvec3 origin = daft_rigid_to_local(&frame, q->frame.p);
-    daft_dvec3 motion = daft_rigid_to_local_vector(&frame, q->way.motion);
-    if (!daft_shape_raycast(&q->world->parts[part].shape, origin, motion, q->way.end, &r)) return;
+    daft_dvec3 motion = daft_rigid_to_local_vector(&frame, q->path.motion);
+    if (!daft_shape_raycast(&q->world->parts[part].shape, origin, motion, q->path.end, &r)) return;
     daft_sim_hit hit = hit_of(q->world, part, r.part);
-    hit.point = daft_dadd(q->frame.p, daft_dscale(q->way.motion, r.t));
+    hit.point = daft_dadd(q->frame.p, daft_dscale(q->path.motion, r.t));
     hit.normal = daft_to_float(daft_rigid_vector(&frame, daft_to_double(r.normal)));
     hit.inside = r.t == 0 && hit.triangle == DAFT_NO_FEATURE;
     take_cast(q, &hit, r.t);
@@ -108,7 +108,7 @@ static bool ray_begin(query *q, daft_world *world, daft_dvec3 origin, daft_dvec3
     q->world = world;
     q->frame = daft_rigid_identity();
     q->frame.p = origin;
-    q->way = (daft_sim_way){origin, motion, zero, 1};
+    q->path = (daft_sim_path){origin, motion, zero, 1};
     return is_sane(origin) && is_sane(motion) && length_of(motion) > 0;
 }
 
@@ -118,7 +118,7 @@ bool daft_world_cast_ray(daft_world *world, daft_dvec3 origin, daft_dvec3 motion
     daft_sim_hit nearest;
     query q = {.answers = {&nearest, 1, 0, 0}};
     if (!ray_begin(&q, world, origin, motion)) return false;
-    daft_sim_walk(world, &q.way, filter, visit_ray, &q);
+    daft_sim_walk(world, &q.path, filter, visit_ray, &q);
     if (q.answers.count > 0 && hit) *hit = nearest;
     return q.answers.count > 0;
 }
@@ -126,16 +126,16 @@ bool daft_world_cast_ray(daft_world *world, daft_dvec3 origin, daft_dvec3 motion
 static void visit_any(void *context, uint32_t part)
 {
     query *q = context;
-    if (q->way.end < 0) return;
+    if (q->path.end < 0) return;
     visit_ray(context, part);
-    if (q->answers.found > 0) q->way.end = -1;
+    if (q->answers.found > 0) q->path.end = -1;
 }
 
 bool daft_world_is_blocked(daft_world *world, daft_dvec3 origin, daft_dvec3 motion, const daft_sim_filter *filter)
 {
     query q = {.all = true};
     if (!ray_begin(&q, world, origin, motion)) return false;
-    daft_sim_walk(world, &q.way, filter, visit_any, &q);
+    daft_sim_walk(world, &q.path, filter, visit_any, &q);
     return q.answers.found > 0;
 }
 
@@ -144,7 +144,7 @@ uint32_t daft_world_cast_ray_all(daft_world *world, daft_dvec3 origin, daft_dvec
 {
     query q = {.answers = {hits, capacity, 0, 0}, .all = true};
     if (!ray_begin(&q, world, origin, motion)) return 0;
-    daft_sim_walk(world, &q.way, filter, visit_ray, &q);
+    daft_sim_walk(world, &q.path, filter, visit_ray, &q);
     return q.answers.found;
 }
 
@@ -159,7 +159,7 @@ static bool shape_begin(query *q, daft_world *world, const daft_sim_shape *shape
     q->world = world;
     q->shape = shape;
     q->frame = daft_rigid_make(position, rotation);
-    q->way = daft_sim_way_of(shape, &q->frame, motion);
+    q->path = daft_sim_path_of(shape, &q->frame, motion);
     return true;
 }
 
@@ -177,7 +177,7 @@ static void visit_cast(void *context, uint32_t part)
 {
     query *q = context;
     daft_rigid frame = frame_of(q->world, part), relative = daft_rigid_relative(&frame, &q->frame);
-    daft_dvec3 motion = daft_rigid_to_local_vector(&frame, q->way.motion);
+    daft_dvec3 motion = daft_rigid_to_local_vector(&frame, q->path.motion);
     daft_impact impact;
     daft_impact_kind kind = daft_shape_cast(q->shape, &relative, motion, &q->world->parts[part].shape, &impact);
     if (kind == DAFT_IMPACT_MISS) return;
@@ -195,7 +195,7 @@ bool daft_world_cast_shape(daft_world *world, const daft_sim_shape *shape, daft_
     query q = {.answers = {&nearest, 1, 0, 0}};
     if (!shape_begin(&q, world, shape, position, rotation, motion)) return false;
     bool moves = length_of(motion) > 0;
-    daft_sim_walk(world, &q.way, filter, moves ? visit_cast : visit_overlap, &q);
+    daft_sim_walk(world, &q.path, filter, moves ? visit_cast : visit_overlap, &q);
     if (q.answers.count == 0) return false;
     if (!moves) nearest.point = position;
     if (hit) *hit = nearest;
@@ -207,7 +207,7 @@ uint32_t daft_world_overlap(daft_world *world, const daft_sim_shape *shape, daft
 {
     query q = {.answers = {hits, capacity, 0, 0}, .all = true};
     if (!shape_begin(&q, world, shape, position, rotation, daft_dv3(0, 0, 0))) return 0;
-    daft_sim_walk(world, &q.way, filter, visit_overlap, &q);
+    daft_sim_walk(world, &q.path, filter, visit_overlap, &q);
     return q.answers.found;
 }
 
@@ -230,7 +230,7 @@ static void visit_closest(void *context, uint32_t part)
     keep(&q->answers, &hit);
     if (distance >= q->limit) return;
     q->limit = distance;
-    q->way.reach = daft_dv3(distance, distance, distance);
+    q->path.reach = daft_dv3(distance, distance, distance);
 }
 
 bool daft_world_closest(daft_world *world, daft_dvec3 point, double limit, const daft_sim_filter *filter,
@@ -242,8 +242,8 @@ bool daft_world_closest(daft_world *world, daft_dvec3 point, double limit, const
     if (!(limit >= 0)) return false;
     q.limit = limit < DAFT_SIM_MAX_QUERY ? limit : DAFT_SIM_MAX_QUERY;
     if (!ray_begin(&q, world, point, daft_dv3(1, 0, 0))) return false;
-    q.way = (daft_sim_way){point, zero, daft_dv3(q.limit, q.limit, q.limit), 1};
-    daft_sim_walk(world, &q.way, filter, visit_closest, &q);
+    q.path = (daft_sim_path){point, zero, daft_dv3(q.limit, q.limit, q.limit), 1};
+    daft_sim_walk(world, &q.path, filter, visit_closest, &q);
     if (q.answers.count > 0 && hit) *hit = nearest;
     return q.answers.count > 0;
 }

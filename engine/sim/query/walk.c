@@ -22,13 +22,13 @@ uint32_t daft_sim_part_ordinal(const daft_world *world, uint32_t part)
     return ordinal;
 }
 
-daft_sim_way daft_sim_way_of(const daft_sim_shape *shape, const daft_rigid *frame, daft_dvec3 motion)
+daft_sim_path daft_sim_path_of(const daft_sim_shape *shape, const daft_rigid *frame, daft_dvec3 motion)
 {
     daft_daabb b = daft_shape_bounds(shape, frame);
-    return (daft_sim_way){.origin = daft_dscale(daft_dadd(b.low, b.high), 0.5),
-                          .motion = motion,
-                          .reach = daft_dscale(daft_dsub(b.high, b.low), 0.5),
-                          .end = 1};
+    return (daft_sim_path){.origin = daft_dscale(daft_dadd(b.low, b.high), 0.5),
+                           .motion = motion,
+                           .reach = daft_dscale(daft_dsub(b.high, b.low), 0.5),
+                           .end = 1};
 }
 
 /* ---- the walk ---- */
@@ -38,21 +38,21 @@ typedef struct entry {
     uint32_t node;
 } entry;
 
-static bool meets(const daft_sim_way *way, const daft_sim_bounds *bounds, double *enter)
+static bool meets(const daft_sim_path *path, const daft_sim_bounds *bounds, double *enter)
 {
-    return daft_sweep_meets(way->origin, way->motion, way->reach, bounds->low, bounds->high, way->end, enter);
+    return daft_sweep_meets(path->origin, path->motion, path->reach, bounds->low, bounds->high, path->end, enter);
 }
 
-static void walk_tree(const daft_world *world, const daft_sim_tree *tree, daft_sim_way *way,
+static void walk_tree(const daft_world *world, const daft_sim_tree *tree, daft_sim_path *path,
                       const daft_sim_filter *filter, daft_sim_visit *visit, void *context)
 {
     entry stack[STACK_DEPTH], e[2];
     int depth = 0;
-    if (tree->root != DAFT_SIM_NONE && meets(way, &tree->nodes[tree->root].bounds, &e[0].enter))
+    if (tree->root != DAFT_SIM_NONE && meets(path, &tree->nodes[tree->root].bounds, &e[0].enter))
         stack[depth++] = (entry){e[0].enter, tree->root};
     while (depth > 0) {
         entry top = stack[--depth];
-        if (top.enter > way->end) continue;
+        if (top.enter > path->end) continue;
         const daft_sim_node *node = &tree->nodes[top.node];
         if (node->height == 0) {
             if (daft_sim_passes(world, node->part, filter)) visit(context, node->part);
@@ -61,7 +61,7 @@ static void walk_tree(const daft_world *world, const daft_sim_tree *tree, daft_s
         bool met[2];
         for (int i = 0; i < 2; i++) {
             e[i].node = node->child[i];
-            met[i] = meets(way, &tree->nodes[e[i].node].bounds, &e[i].enter);
+            met[i] = meets(path, &tree->nodes[e[i].node].bounds, &e[i].enter);
         }
         int first = met[0] && met[1] && e[1].enter < e[0].enter; /* of the two to be visited */
         if (met[1 - first]) stack[depth++] = e[1 - first];
@@ -69,10 +69,10 @@ static void walk_tree(const daft_world *world, const daft_sim_tree *tree, daft_s
     }
 }
 
-void daft_sim_walk(daft_world *world, daft_sim_way *way, const daft_sim_filter *filter, daft_sim_visit *visit,
+void daft_sim_walk(daft_world *world, daft_sim_path *path, const daft_sim_filter *filter, daft_sim_visit *visit,
                    void *context)
 {
     daft_sim_broad_settle(world);
     for (int kind = DAFT_BODY_STATIC; kind <= DAFT_BODY_DYNAMIC; kind++)
-        if (filter->kinds >> kind & 1) walk_tree(world, &world->trees[kind], way, filter, visit, context);
+        if (filter->kinds >> kind & 1) walk_tree(world, &world->trees[kind], path, filter, visit, context);
 }

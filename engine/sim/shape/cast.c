@@ -141,7 +141,7 @@ typedef struct path {
     job *job;
 } path;
 
-/* The centre of bounds of part a on its way, in b's part's frame. It leaves the straight line by no more than turning
+/* The path of the centre of part a's bounds, in b's part's frame. It leaves the straight line by no more than turning
  * makes it: that much is added to its reach. */
 static void path_set(job *j, path *p)
 {

@@ -129,7 +129,7 @@ static void limit_depenetration(daft_world *world, uint32_t row, uint32_t other)
         if (rows[i] == 0) continue;
         const daft_sim_body *body = &world->bodies[s->row_bodies[rows[i]]];
         float speed = daft_length(body->linear), swing = daft_length(body->angular) * body->extent;
-        if (!yields(world, rows[i])) speed += swing; /* it has its way */
+        if (!yields(world, rows[i])) speed += swing; /* it goes on as it was */
         most.speed = daft_sim_max(most.speed, speed);
         most.swing = daft_sim_max(most.swing, swing);
     }

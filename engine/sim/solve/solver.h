@@ -90,8 +90,8 @@ typedef struct daft_sim_solver_bodies {
                         fade far from the origin; 6: length of a substep */
     float *gain;     /* of velocity, per second, from gravity and forces; 6: 1 for bodies in free flight; 7: share
                         of the linear velocity that damping leaves in a substep */
-    float *turn; /* rotation since the step began, a quaternion; 4 to 6: the way, as in `moved`; 7: 1 for constrained
-                    bodies whose moments differ, 2 if their inertia was changed in this substep */
+    float *turn;     /* rotation since the step began, a quaternion; 4 to 6: the displacement, as in `moved`; 7: 1 for
+                        constrained     bodies whose moments differ, 2 if their inertia was changed in this substep */
     float *mass; /* inverse mass; inverse inertia xx, xy, xz, yy, yz, zz, as the body has turned if that is far; share
                     of the angular velocity left */
 } daft_sim_solver_bodies;
@@ -105,7 +105,7 @@ typedef struct daft_sim_target {
     daft_dvec3 stop;  /* where it gets, and how fast it is there */
     daft_quat stop_rotation;
     daft_vec3 linear;
-    double fraction; /* of the way, on which it gets there; 1: all */
+    double fraction; /* of the path that it covers; 1: all of it */
     uint32_t sweeps;
 } daft_sim_target;
 

@@ -347,15 +347,15 @@ DAFT_INLINE void solve_friction(daft_sim_block *block, body *a, body *b, masses 
     vf3 t = load3(block->tangent, lane), u = vf3_cross(n, t);
     vf vt = row_speed(a, b, t, block->arm_a[0], block->arm_b[0], lane) - vf_load(block->surface_velocity[0] + lane);
     vf vu = row_speed(a, b, u, block->arm_a[1], block->arm_b[1], lane) - vf_load(block->surface_velocity[1] + lane);
-    drag way = dragged(block, turn_a, turn_b, n, t, u, elapsed, lane);
+    drag displacement = dragged(block, turn_a, turn_b, n, t, u, elapsed, lane);
     if (block->turns) {
         drag bend = turned_velocity(block, a, b, n, elapsed + middle, lane);
         vt = vt + bend.t, vu = vu + bend.u;
     }
     vf slip_t = vf_load(block->slip[0] + lane), slip_u = vf_load(block->slip[1] + lane);
     if (s->on) {
-        vt = vt + vf_max(vf_min(s->rate * (slip_t + way.t), -s->push_speed), s->push_speed);
-        vu = vu + vf_max(vf_min(s->rate * (slip_u + way.u), -s->push_speed), s->push_speed);
+        vt = vt + vf_max(vf_min(s->rate * (slip_t + displacement.t), -s->push_speed), s->push_speed);
+        vu = vu + vf_max(vf_min(s->rate * (slip_u + displacement.u), -s->push_speed), s->push_speed);
     }
     vf soft_mass = s->on ? s->mass : vf_set(1), soft_impulse = s->on ? s->impulse : vf_set(0);
     vf m11 = vf_load(block->tangent_mass[0] + lane), m12 = vf_load(block->tangent_mass[1] + lane);
@@ -369,8 +369,8 @@ DAFT_INLINE void solve_friction(daft_sim_block *block, body *a, body *b, masses 
     vf_store(block->tangent_impulse[1] + lane, new_u);
     if (!s->on) {
         vm slides = vf_lt(scale, vf_set(1));
-        vf_store(block->slip[0] + lane, vf_if_then_else(slides, -way.t, slip_t));
-        vf_store(block->slip[1] + lane, vf_if_then_else(slides, -way.u, slip_u));
+        vf_store(block->slip[0] + lane, vf_if_then_else(slides, -displacement.t, slip_t));
+        vf_store(block->slip[1] + lane, vf_if_then_else(slides, -displacement.u, slip_u));
     }
     push(a, b, m, t, block->push_a[0], block->push_b[0], new_t - old_t, lane);
     push(a, b, m, u, block->push_a[1], block->push_b[1], new_u - old_u, lane);
@@ -381,15 +381,15 @@ DAFT_INLINE void solve_twist(daft_sim_block *block, body *a, body *b, vf3 n, vf 
                              const body *turn_b, const spring *s, int lane)
 {
     vf speed = vf3_dot(n, relative(&a->w, b ? &b->w : NULL));
-    vf way = vf3_dot(n, relative(&turn_a->w, turn_b ? &turn_b->w : NULL));
+    vf angle = vf3_dot(n, relative(&turn_a->w, turn_b ? &turn_b->w : NULL));
     vf slip = vf_load(block->twist_slip + lane);
-    if (s->on) speed = speed + s->rate * (slip + way);
+    if (s->on) speed = speed + s->rate * (slip + angle);
     vf limit = vf_load(block->friction + lane) * lever_sum, old = vf_load(block->twist_impulse + lane);
     vf soft_mass = s->on ? s->mass : vf_set(1), soft_impulse = s->on ? s->impulse : vf_set(0);
     vf free = old - soft_mass * vf_load(block->twist_mass + lane) * speed - soft_impulse * old,
        wanted = vf_min(vf_max(free, -limit), limit);
     vf_store(block->twist_impulse + lane, wanted);
-    if (!s->on) vf_store(block->twist_slip + lane, vf_if_then_else(vf_lt(vf_abs(free), limit), slip, -way));
+    if (!s->on) vf_store(block->twist_slip + lane, vf_if_then_else(vf_lt(vf_abs(free), limit), slip, -angle));
     twist(block, a, b, wanted - old, lane);
 }
 
@@ -585,8 +585,9 @@ DAFT_INLINE void finish_lanes(const daft_sim_solver_bodies *rows, daft_sim_block
 {
     body a = load_body(rows->moved, block->a + lane), b = load_body(rows->moved, block->b + lane);
     vf3 n = load3(block->normal, lane), t = load3(block->tangent, lane), u = vf3_cross(n, t);
-    drag way = dragged(block, &a, &b, n, t, u, elapsed, lane);
-    vf slip_t = vf_load(block->slip[0] + lane) + way.t, slip_u = vf_load(block->slip[1] + lane) + way.u;
+    drag displacement = dragged(block, &a, &b, n, t, u, elapsed, lane);
+    vf slip_t = vf_load(block->slip[0] + lane) + displacement.t,
+       slip_u = vf_load(block->slip[1] + lane) + displacement.u;
     vf twist_a = vf3_dot(n, a.w), twist_b = vf3_dot(n, b.w), half = vf_set(0.25f) * (twist_a + twist_b);
     /* Half the tangent's angle to its rotation: (1 - q², 2q) / (1 + q²). */
     vf square = half * half, scale = vf_set(1) / (vf_set(1) + square);
