@@ -73,8 +73,8 @@ uint64_t daft_clock_ticks(void);
 
 /* ---- files (file.c) ---- */
 
-/* Reads a whole file into memory and appends a zero byte that *size does not count. A directory, a missing or an
- * unreadable file fails with a message that names it. Release with daft_release. */
+/* Reads a whole file into memory, as long as it was when it was opened, and appends a zero byte that *size does not
+ * count. Anything but a regular file of at most 2 GiB fails with a message that names it. Release with daft_release. */
 char *daft_file_read(const daft_allocator *allocator, const char *path, size_t *size, daft_error *error);
 /* Joins the folder of `base` (a file's path) and `path` (unchanged when absolute) into out. False if it is too long. */
 bool daft_path_beside(const char *base, const char *path, char *out, size_t size);
