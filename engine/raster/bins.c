@@ -102,7 +102,7 @@ bool daft_raster_begin(daft_raster *raster, const daft_pencil *pencil, const daf
     if (daft_grow(raster->allocator, &raster->visible, &raster->visible_capacity, count, 0, sizeof *raster->visible) &&
         clear_bins(raster))
         return true;
-    return daft_fail_memory(error, "the list of visible things");
+    return daft_fail_memory(error, "the list of visible instances");
 }
 
 void daft_tile_place(const daft_raster *raster, uint32_t tile, daft_tile *out)

@@ -2,7 +2,7 @@
  * hit and moved to the bit as if it were not there; nothing that is not a number comes out; each warning comes once. */
 #include "degenerate.h"
 
-/* ---- things that are not to be seen ---- */
+/* ---- entities that are not to be seen ---- */
 
 static const daft_dvec3 BESIDE = {6, 0.5, 0}; /* in plain sight, between the mirror and the ball */
 

@@ -1,8 +1,8 @@
-/* Degenerate things that are seen: they spoil nothing that stands before them, bad triangles leave the rest of their
+/* Degenerate entities that are seen: they spoil nothing that stands before them, bad triangles leave the rest of their
  * mesh alone, and what is mirrored is lit as its mirror image. */
 #include "degenerate.h"
 
-/* ---- things that are seen, and must not spoil what stands before them ---- */
+/* ---- entities that are seen, and must not spoil what stands before them ---- */
 
 static void sliver_beside(stage *s)
 {
@@ -255,7 +255,7 @@ static void a_seam_of_slivers_is_closed(void **unused)
     stage_drop(s);
 }
 
-/* ---- mirrored things ---- */
+/* ---- mirrored entities ---- */
 
 /* An outward tetrahedron without a symmetry. */
 static daft_mesh lopsided(stage *s)

@@ -1,5 +1,6 @@
-/* Light through things: where Snell's law and Fresnel's equations put it, in closed form and against a double-precision
- * tracer of spheres; each surface counted once, at every scale and place; and nothing spent where no light passes. */
+/* Light through bodies of glass: where Snell's law and Fresnel's equations put it, in closed form and against a
+ * double-precision tracer of spheres; each surface counted once, at every scale and place; and nothing spent where no
+ * light passes. */
 #include "hard_scenes.h"
 
 enum { WIDTH = 160, HEIGHT = 120, RINGS = 40 };

@@ -1,5 +1,5 @@
-/* What the tests of degenerate input share: a stage of sound things, pictures of it with all that a pixel can tell, and
- * what must hold for each. Everything goes through daft.h. */
+/* What the tests of degenerate input share: a stage of sound entities, pictures of it with all that a pixel can tell,
+ * and what must hold for each. Everything goes through daft.h. */
 #ifndef DAFT_DEGENERATE_H
 #define DAFT_DEGENERATE_H
 

@@ -441,7 +441,7 @@ typedef struct entry {
     block_set behind;
 } entry;
 
-/* Things with the boxes that the tree has of them, and the blocks behind these. */
+/* Instances with the TLAS's boxes of them, and the blocks behind these. */
 enum { MET = 16, MESHES = 256, PARTS = 2048 };
 typedef struct met_instances {
     uint32_t count, number[MET + DAFT_WIDTH];

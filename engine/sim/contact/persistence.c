@@ -1,7 +1,7 @@
 /* What manifolds found anew have of those of the step before. Points are known again by the features that made them.
  * What a point carried that is not there any more goes to those beside it: two capsules that lie along each other touch
  * in two points in one step and in one in the next, and a load of a thousand newtons that is forgotten whenever they do
- * is a blow that keeps a heap of ragdolls awake. */
+ * is a blow that keeps a pile of ragdolls awake. */
 #include "sim/contact/persistence.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@
  * in a second: a box on a ball rocked until it fell off. So points and normals are put ahead by as much as they go in
  * that time, which is found from where they were put in the step before: x + k (x - before) is ahead by k/(k + 1) of a
  * step. A little more than what is wanted makes the swaying fade, much more would amplify what trembles, by (1 + k)/(1
- * - k). Heaps that are taken in more substeps than the world's are put ahead by more: the last step says in how many (b
+ * - k). Islands that take more substeps than the world's are put ahead by more: the last step says in how many (b
  * may be one that does not move). */
 #define LEAD_FADES 0.05f
 #define LEAD_ALONE 0.04f /* with one substep: all of it fades */

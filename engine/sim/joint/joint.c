@@ -1,4 +1,4 @@
-/* Joints as things that are made, asked and taken away. What they do to bodies is in joint_kernel.c. */
+/* Joints: making, querying and destroying them. What they do to bodies is in joint_kernel.c. */
 #include "sim/world.h"
 #include "sim/broad/broad.h"
 #include "sim/contact/contact.h"

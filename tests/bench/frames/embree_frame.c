@@ -94,12 +94,12 @@ static lanes3 normals_of_one(const shape *s, const struct RTCRayHit16 *packet, m
 static lanes3 normals_hit(const frame_job *job, const struct RTCRayHit16 *packet, mask hit)
 {
     lanes3 n = {load(packet->hit.Ng_x), load(packet->hit.Ng_y), load(packet->hit.Ng_z)};
-    mask things = instances_hit(job->self, packet, hit), left = hit;
+    mask instances = instances_hit(job->self, packet, hit), left = hit;
     for (int i = 0; i < 16; i++) { /* once for each instance in the packet; mostly there is one */
         if (!left[i]) continue;
-        mask same = (mask)(things == things[i]) & hit;
+        mask same = (mask)(instances == instances[i]) & hit;
         left &= ~same;
-        const shape *s = &job->shapes[things[i]];
+        const shape *s = &job->shapes[instances[i]];
         if (!s->normals) continue;
         lanes3 smooth = normals_of_one(s, packet, same);
         n.x = blend(same, smooth.x, n.x), n.y = blend(same, smooth.y, n.y), n.z = blend(same, smooth.z, n.z);

@@ -1,5 +1,5 @@
 /* The peer ODE: the same scenes as worlds of its QuickStep, everything at its defaults (20 iterations), on the thread
- * that calls. Its sweep-and-prune space was the fastest of its spaces on the heaps. */
+ * that calls. Its sweep-and-prune space was the fastest of its spaces on the piles. */
 #include "sim_scenes.h"
 
 #include <ode/ode.h>

@@ -154,11 +154,11 @@ static void with_faults(bench *self, job *j, const char *scene, const char *what
     if (j->scene->joint_count) add_fault_row(j, scene, name, ours->widest, peer->widest, "", no_worse);
 }
 
-/* ---- heaps ---- */
+/* ---- piles ---- */
 
 static void thousand_boxes(bench *self)
 {
-    const char *scene = "sim, 1,000 boxes", *what = "falling into a heap";
+    const char *scene = "sim, 1,000 boxes", *what = "falling into a pile";
     sim_scene boxes;
     if (!bench_wants(self, scene, what)) return;
     if (bench_sim_heap(self, 10, 10, 10, &boxes)) {
@@ -170,7 +170,7 @@ static void thousand_boxes(bench *self)
 
 static void five_thousand_boxes(bench *self)
 {
-    const char *scene = "sim, 5,000 boxes", *what = "falling into a heap", *both = "two threads to one";
+    const char *scene = "sim, 5,000 boxes", *what = "falling into a pile", *both = "two threads to one";
     bool alone = bench_wants(self, scene, what), threads = bench_wants(self, scene, both);
     sim_scene boxes;
     if (!alone && !threads) return;
@@ -190,7 +190,7 @@ static void five_thousand_boxes(bench *self)
 
 static void ragdolls(bench *self)
 {
-    const char *scene = "sim, 200 ragdolls", *what = "falling into a heap";
+    const char *scene = "sim, 200 ragdolls", *what = "falling into a pile";
     sim_scene dolls;
     if (!bench_wants(self, scene, what)) return;
     if (bench_sim_ragdolls(self, 200, &dolls)) {

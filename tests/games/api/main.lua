@@ -7,7 +7,7 @@ local function expect_error(pattern, f, ...)
     assert(message:find(pattern, 1, true), ("'%s' is not in '%s'"):format(pattern, message))
 end
 
-local ball, floor, child, sun, lamp
+local ball, floor, child, sun, light
 local drawn = 0
 
 local function entities()
@@ -58,12 +58,12 @@ end
 
 local function lights()
     sun = daft.light.sun { direction = { -1, -2, -0.5 }, color = { 1, 0.96, 0.9 } }
-    lamp = daft.light.point { position = { 0, 5, 0 }, color = "#ffeecc", shadow = false }
+    light = daft.light.point { position = { 0, 5, 0 }, color = "#ffeecc", shadow = false }
     sun:direction(0, -1, 0)
-    lamp:position(ball)
-    lamp:color("#fff")
-    lamp:shadow(true)
-    lamp:set { position = { 1, 5, 1 }, color = { 2, 2, 2 } }
+    light:position(ball)
+    light:color("#fff")
+    light:shadow(true)
+    light:set { position = { 1, 5, 1 }, color = { 2, 2, 2 } }
     expect_error("a sun has a direction", sun.position, sun, 0, 0, 0)
     expect_error("no 'positon': did you mean 'position'?", daft.light.point, { positon = { 0, 1, 0 } })
     local spot = daft.light.spot { position = { 0, 5, 0 }, direction = { 0, -1, 0 }, angle = 0.5, inner = 0.4 }

@@ -4,7 +4,7 @@ local NAN, HUGE = 0 / 0, math.huge
 local ball = daft.entity { sphere = 1, body = "dynamic" }
 local gone = daft.entity { sphere = 1 }
 gone:destroy()
-local lamp, paint = daft.light.point { position = { 0, 1, 0 } }, daft.material { color = "#fff" }
+local light, paint = daft.light.point { position = { 0, 1, 0 } }, daft.material { color = "#fff" }
 local mesh = daft.mesh { positions = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } } }
 local loop = {}
 loop[1], loop.x, loop.parent = loop, loop, loop
@@ -13,7 +13,7 @@ local strange = setmetatable({}, { __index = function() error("index") end, __le
 local values = { 0, 1, -1, 1.5, 1e300, -1e300, 1e-300, NAN, HUGE, -HUGE, math.maxinteger, math.mininteger, "", "a", "\0",
     ("x"):rep(100000), "#fff", "#zzz", "../../etc/passwd", "checker", "left", "x.mtl", "x.obj", true, false, print, {},
     { 1, 2, 3 }, { 1, 2, 3, 4 }, { 0, 0, 0 }, { NAN, 0, 0 }, { 1e300, 1, 1 }, { "a", "b", "c" }, { x = 1, y = 2, z = 3 },
-    { [1.5] = 2 }, loop, strange, ball, gone, lamp, paint, mesh, coroutine.create(print), daft }
+    { [1.5] = 2 }, loop, strange, ball, gone, light, paint, mesh, coroutine.create(print), daft }
 local fields = { "mesh", "sphere", "box", "position", "rotation", "scale", "material", "parent", "visible", "casts_shadow",
     "body", "density", "mass", "friction", "restitution", "rolling_resistance", "velocity", "angular_velocity", "name", "data",
     "direction", "color", "shadow", "from", "at", "fov", "teleport", "yaw", "pitch", "roll", "texture", "texture_scale", "ambient",
@@ -37,7 +37,7 @@ local function collect(path, t)
 end
 collect("daft", daft)
 assert(#functions > 30, #functions)
-for _, object in ipairs { ball, lamp, paint, mesh } do
+for _, object in ipairs { ball, light, paint, mesh } do
     for _, name in ipairs { "position", "teleport", "rotation", "scale", "material", "visible", "velocity", "angular_velocity",
         "push", "impulse", "contacts", "destroy", "valid", "set", "direction", "color", "shadow", "bounds" } do
         local good, method = pcall(function() return object[name] end)

@@ -80,9 +80,9 @@ static daft_vec3 vector(const table *t, const row *r, const char *x, const char 
     return daft_v3(number(t, r, x), number(t, r, y), number(t, r, z));
 }
 
-/* ---- things ---- */
+/* ---- targets ---- */
 
-typedef struct thing {
+typedef struct target {
     daft_trimesh mesh;
     daft_bvh *bvh;
     daft_kdtree *kdtree;
@@ -90,11 +90,11 @@ typedef struct thing {
     daft_arena arena;
     const daft_tlas *tlas;
     daft_allocator allocator;
-} thing;
+} target;
 
 static const uint32_t MATERIAL[1] = {0};
 
-static bool thing_finish(thing *s)
+static bool target_finish(target *s)
 {
     daft_error error;
     const float *t = s->instance.to_frame.t;
@@ -106,26 +106,26 @@ static bool thing_finish(thing *s)
     return s->tlas != NULL;
 }
 
-static bool thing_mesh(thing *s)
+static bool target_mesh(target *s)
 {
     s->bvh = daft_bvh_build_mesh(&s->allocator, &s->mesh, 1, NULL);
     s->kdtree = daft_kdtree_build(&s->allocator, &s->mesh, 1, NULL);
     s->instance.mesh = &s->mesh, s->instance.bvh = s->bvh;
-    return s->bvh && s->kdtree && thing_finish(s);
+    return s->bvh && s->kdtree && target_finish(s);
 }
 
 /* Through the door that users have: what is not finite is dropped there. */
-static bool thing_triangle(thing *s, const table *t, const row *r)
+static bool target_triangle(target *s, const table *t, const row *r)
 {
     const daft_vec3 p[3] = {vector(t, r, "g0", "g1", "g2"), vector(t, r, "g3", "g4", "g5"),
                             vector(t, r, "g6", "g7", "g8")};
     const uint32_t index[3] = {0, 1, 2};
     daft_mesh_def def = {
         .cookie = DAFT_COOKIE, .positions = p, .vertex_count = 3, .indices = index, .triangle_count = 1};
-    return daft_trimesh_from_arrays(&s->allocator, &def, NULL, &s->mesh, NULL) && thing_mesh(s);
+    return daft_trimesh_from_arrays(&s->allocator, &def, NULL, &s->mesh, NULL) && target_mesh(s);
 }
 
-static bool thing_file(thing *s, const table *t, const row *r)
+static bool target_file(target *s, const table *t, const row *r)
 {
     char path[2048];
     daft_obj obj;
@@ -138,10 +138,10 @@ static bool thing_file(thing *s, const table *t, const row *r)
     s->mesh = obj.mesh;
     memset(&obj.mesh, 0, sizeof obj.mesh);
     daft_obj_free(&s->allocator, &obj);
-    return thing_mesh(s);
+    return target_mesh(s);
 }
 
-static void thing_drop(thing *s)
+static void target_drop(target *s)
 {
     daft_arena_free(&s->arena);
     daft_bvh_free(s->bvh);
@@ -158,7 +158,7 @@ typedef struct answer {
 } answer;
 
 /* The ray in fifteen lanes, one with a neighbour that goes elsewhere; and as a stream. */
-static bool agrees_in_company(const thing *s, const daft_ray *ray, const daft_accel_kernels *k,
+static bool agrees_in_company(const target *s, const daft_ray *ray, const daft_accel_kernels *k,
                               const daft_hit *expected)
 {
     bool found = expected->instance != UINT32_MAX, same = true;
@@ -180,7 +180,7 @@ static bool agrees_in_company(const thing *s, const daft_ray *ray, const daft_ac
     return same;
 }
 
-static answer ask(thing *s, const daft_ray *ray)
+static answer ask(target *s, const daft_ray *ray)
 {
     answer out = {.agree = true};
     int ways = daft_isa_best() + 1;
@@ -203,8 +203,8 @@ static answer ask(thing *s, const daft_ray *ray)
 
 static bool exact_difference(float a, float b) { return (double)(a - b) == (double)a - (double)b && isfinite(a - b); }
 
-/* The thing as a camera at the ray's origin has it. False: some coordinate would be rounded. */
-static bool move_to_eye(const thing *s, daft_vec3 o, daft_instance *out)
+/* The target as a camera at the ray's origin has it. False: some coordinate would be rounded. */
+static bool move_to_eye(const target *s, daft_vec3 o, daft_instance *out)
 {
     const float eye[3] = {o.x, o.y, o.z};
     *out = s->instance;
@@ -243,8 +243,8 @@ static bool pencil_along(daft_vec3 d, daft_pencil *out)
     return true;
 }
 
-/* What the pencil and its reference see: 1 the thing, 0 nothing, -1 they do not agree, -2 it does not apply. */
-static int ask_pencil(const thing *s, const daft_ray *ray)
+/* What the pencil and its reference see: 1 the target, 0 nothing, -1 they do not agree, -2 it does not apply. */
+static int ask_pencil(const target *s, const daft_ray *ray)
 {
     daft_instance instance;
     daft_pencil pencil;
@@ -276,7 +276,7 @@ static int ask_pencil(const thing *s, const daft_ray *ray)
 
 /* Rows that say how it is within triangles or clearly outside: through an edge, a pencil's ray belongs to one triangle
  * alone, and the row may be about another. */
-static bool pencil_is_right(table *t, const row *r, const thing *s, const daft_ray *ray)
+static bool pencil_is_right(table *t, const row *r, const target *s, const daft_ray *ray)
 {
     const char *must = text(t, r, "must"), *least = text(t, r, "minbary"), *kind = text(t, r, "kind");
     bool expect = strcmp(text(t, r, "expect"), "hit") == 0;
@@ -366,8 +366,8 @@ static void judge_groups(table *t)
 
 static void run_triangle(table *t, const row *r)
 {
-    thing s = {.allocator = daft_malloc_allocator()};
-    if (!thing_triangle(&s, t, r)) {
+    target s = {.allocator = daft_malloc_allocator()};
+    if (!target_triangle(&s, t, r)) {
         verdict(t, r, false, "cannot be built");
         return;
     }
@@ -379,13 +379,13 @@ static void run_triangle(table *t, const row *r)
         verdict(t, r, false, "the pencil says otherwise");
     else
         judge(t, r, a);
-    thing_drop(&s);
+    target_drop(&s);
 }
 
 static void run_mesh(table *t, const row *r)
 {
-    thing s = {.allocator = daft_malloc_allocator()};
-    if (!thing_file(&s, t, r)) {
+    target s = {.allocator = daft_malloc_allocator()};
+    if (!target_file(&s, t, r)) {
         verdict(t, r, false, "cannot be loaded");
         return;
     }
@@ -412,23 +412,23 @@ static void run_mesh(table *t, const row *r)
         verdict(t, r, false, "the pencil says otherwise");
     else
         judge(t, r, a);
-    thing_drop(&s);
+    target_drop(&s);
 }
 
 static void run_sphere(table *t, const row *r)
 {
-    thing s = {.allocator = daft_malloc_allocator()};
+    target s = {.allocator = daft_malloc_allocator()};
     daft_vec3 centre = vector(t, r, "g0", "g1", "g2");
     s.instance.to_frame.t[0] = centre.x, s.instance.to_frame.t[1] = centre.y, s.instance.to_frame.t[2] = centre.z;
     s.instance.radius = number(t, r, "g3");
     daft_ray ray = ray_of(t, r);
-    if (!thing_finish(&s))
+    if (!target_finish(&s))
         verdict(t, r, false, "cannot be built");
     else if (!pencil_is_right(t, r, &s, &ray))
         verdict(t, r, false, "the pencil says otherwise");
     else
         judge(t, r, ask(&s, &ray));
-    thing_drop(&s);
+    target_drop(&s);
 }
 
 static void run_box(table *t, const row *r)

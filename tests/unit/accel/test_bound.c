@@ -87,19 +87,19 @@ static void a_diagonal_beam_is_bounded_tightly(void **unused)
 static void many_as_each(void **unused)
 {
     (void)unused;
-    enum { THINGS = 300 };
+    enum { INSTANCES = 300 };
     fixture_seed(300);
     fixture_mesh mesh[] = {mesh_ball(5, 1, 0.5f), mesh_ball(3, 2, 0)};
     for (int isa = 0; isa <= daft_isa_best(); isa++)
         for (int repeat = 0; repeat < 20; repeat++) {
-            daft_instance many[THINGS], each;
-            for (int i = 0; i < THINGS; i++) {
+            daft_instance many[INSTANCES], each;
+            for (int i = 0; i < INSTANCES; i++) {
                 const fixture_mesh *thing = &mesh[random_bits() % 2];
                 many[i] = (daft_instance){.mesh = &thing->mesh, .bvh = thing->bvh, .to_frame = random_map()};
                 if (random_bits() % 64 == 0) many[i].mesh = NULL, many[i].bvh = NULL, many[i].radius = 2;
                 if (random_bits() % 64 == 0) many[i].bvh = NULL;
             }
-            uint32_t count = THINGS - random_bits() % 40;
+            uint32_t count = INSTANCES - random_bits() % 40;
             daft_accel_kernels_for(isa)->bound(many, count);
             for (uint32_t i = 0; i < count; i++) {
                 each = many[i];

@@ -118,9 +118,9 @@ static void list_names_what_there_is(void **unused)
                                         "growth, threads frame, 1",
                                         "visibility-accuracy, needles",
                                         "sim-accuracy, ball and chain",
-                                        "sim, 1,000 boxes falling into a heap",
+                                        "sim, 1,000 boxes falling into a pile",
                                         "sim, 5,000 boxes two threads to one",
-                                        "sim, 200 ragdolls falling into a heap",
+                                        "sim, 200 ragdolls falling into a pile",
                                         "sim, 10,000 asleep and one awake",
                                         "sim, stack of 20 the top's drift in a minute"};
     assert_ran("", "--list");

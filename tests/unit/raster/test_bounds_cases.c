@@ -4,7 +4,7 @@
  *
  * The pencil on every instruction set and the reference path must see each row's pixels (hit_open <= count <=
  * hit_closed), and the boxes by which the pencil finds candidates must hold the whole rectangle. The engine has no near
- * plane: what it sees is counted where the thing goes on to a depth of 0.125 or more. */
+ * plane: what it sees is counted where the instance goes on to a depth of 0.125 or more. */
 #include "fixtures.h"
 
 #include "math/exact.h"
@@ -70,7 +70,7 @@ static void rows_load(void)
 
 static daft_vec3 corner_of(const row *r, int k) { return daft_v3(r->g[3 * k], r->g[3 * k + 1], r->g[3 * k + 2]); }
 
-/* ---- things ---- */
+/* ---- instances ---- */
 
 static fixture_mesh triangle_mesh(daft_vec3 a, daft_vec3 b, daft_vec3 c)
 {
@@ -162,8 +162,8 @@ static void see(const daft_instance *instance, int isa, sight *out)
 
 /* ---- the near plane ---- */
 
-/* The depth at which the ray leaves the thing, in double. A little is allowed for rounding: the file has things that
- * lie exactly in the near plane, and none that end within a millionth of it. */
+/* The depth at which the ray leaves the instance, in double. A little is allowed for rounding: the file has instances
+ * that lie exactly in the near plane, and none that end within a millionth of it. */
 static double exit_depth(const row *r, daft_vec3 d)
 {
     if (r->kind == TRIANGLE) {

@@ -338,8 +338,8 @@ static void brute_force(void **unused)
     mesh_drop(&mesh);
 }
 
-/* Many things of many more triangles than pixels, one behind the other. */
-static void crowds(void **unused)
+/* Many instances of many more triangles than pixels, one behind the other. */
+static void many_instances(void **unused)
 {
     (void)unused;
     fixture_seed(1000);
@@ -352,14 +352,14 @@ static void crowds(void **unused)
             instances[i] = instance_make(&meshes[i % 3], affine_make(random_rotation(), daft_v3(1, 1, 1), at));
         }
         setting s = {pencil_make(0, 0, 0.8f), instances, COUNT};
-        assert_true(agree(&s, "crowd") > WIDTH * HEIGHT / 2);
+        assert_true(agree(&s, "many instances") > WIDTH * HEIGHT / 2);
     }
     free(instances);
     for (int i = 0; i < 3; i++) mesh_drop(&meshes[i]);
 }
 
 /* Balls, dented or mirrored or flat, near and far: much of each hides behind its own front. */
-static void closed_things(void **unused)
+static void closed_meshes(void **unused)
 {
     (void)unused;
     fixture_seed(5152);
@@ -375,7 +375,7 @@ static void closed_things(void **unused)
             instances[i] = instance_make(&meshes[i % 2], affine_make(random_rotation(), scale, at));
         }
         const setting s = {pencil_make(0, 0, 0.9f), instances, COUNT};
-        assert_true(agree(&s, "closed things") > WIDTH * HEIGHT / 3);
+        assert_true(agree(&s, "closed meshes") > WIDTH * HEIGHT / 3);
     }
     mesh_drop(&meshes[0]), mesh_drop(&meshes[1]);
 }
@@ -485,7 +485,7 @@ static void culling(void **unused)
     mesh_drop(&mesh);
 }
 
-/* What things look like to the camera, taken by groups and alone. */
+/* What the camera sees of instances, in groups and one by one. */
 static void compare_seen(const daft_view_instance *group, const daft_view_instance *alone, uint32_t index)
 {
     assert_ptr_equal(group->instance, alone->instance);
@@ -515,10 +515,10 @@ static daft_affine anywhere(void)
 static void groups_and_alone(void **unused)
 {
     (void)unused;
-    enum { THINGS = 640 };
+    enum { INSTANCES = 640 };
     fixture_seed(1616);
     daft_allocator allocator = daft_malloc_allocator();
-    daft_instance *things = malloc(THINGS * sizeof *things);
+    daft_instance *instances = malloc(INSTANCES * sizeof *instances);
     daft_raster group, alone;
     fixture_mesh mesh[] = {mesh_ball(12, 1, 0.4f), mesh_ball(5, 1, 0), mesh_ball(4, 3, 0.9f)};
     uint32_t seen = 0;
@@ -528,12 +528,12 @@ static void groups_and_alone(void **unused)
         for (int round = 0; round < 8; round++) {
             daft_pencil pencil = pencil_make(random_float(0, 6), random_float(-1, 1), random_float(0.2f, 2.5f));
             pencil.shift_x = round % 2 ? 0.375f : 0, pencil.shift_y = -0.125f;
-            for (uint32_t i = 0; i < THINGS; i++)
-                things[i] = instance_make(&mesh[i < THINGS / 2 ? 0 : random_bits() % 3], anywhere());
-            assert_true(daft_raster_begin(&group, &pencil, things, THINGS, NULL));
+            for (uint32_t i = 0; i < INSTANCES; i++)
+                instances[i] = instance_make(&mesh[i < INSTANCES / 2 ? 0 : random_bits() % 3], anywhere());
+            assert_true(daft_raster_begin(&group, &pencil, instances, INSTANCES, NULL));
             for (uint32_t i = 0; i < group.work_count; i++) daft_raster_bin(&group, i, 0);
-            for (uint32_t i = 0; i < THINGS; i++) {
-                assert_true(daft_raster_begin(&alone, &pencil, &things[i], 1, NULL));
+            for (uint32_t i = 0; i < INSTANCES; i++) {
+                assert_true(daft_raster_begin(&alone, &pencil, &instances[i], 1, NULL));
                 daft_raster_bin(&alone, 0, 0);
                 compare_seen(&group.visible[i], &alone.visible[0], i);
                 seen += alone.visible[0].instance != NULL;
@@ -543,7 +543,7 @@ static void groups_and_alone(void **unused)
     }
     assert_true(seen > 500);
     for (size_t i = 0; i < DAFT_COUNT_OF(mesh); i++) mesh_drop(&mesh[i]);
-    free(things);
+    free(instances);
 }
 
 int main(void)
@@ -558,10 +558,10 @@ int main(void)
         cmocka_unit_test(through_the_camera_plane),
         cmocka_unit_test(brute_force),
         cmocka_unit_test(culling),
-        cmocka_unit_test(crowds),
+        cmocka_unit_test(many_instances),
         cmocka_unit_test(specks_on_the_grid),
         cmocka_unit_test(specks_in_a_far_corner),
-        cmocka_unit_test(closed_things),
+        cmocka_unit_test(closed_meshes),
         cmocka_unit_test(long_thin_triangles),
         cmocka_unit_test(walls),
         cmocka_unit_test(groups_and_alone),

@@ -143,8 +143,8 @@ static uint64_t floor_within(const stage *s, daft_entity floor, double x, double
     return count;
 }
 
-/* Under the sun at noon, the bounds of a thing are the square below it. A ball also has points of its own; they face
- * the sun or lie in its own shade, and it is convex, so none of them is kept. */
+/* Under the sun at noon, the bounds of an instance are the square below it. A ball also has points of its own; they
+ * face the sun or lie in its own shade, and it is convex, so none of them is kept. */
 static void only_points_under_an_occluders_bounds_are_tested(void **unused)
 {
     (void)unused;
@@ -289,10 +289,10 @@ static void what_has_not_moved_stays_in_place(void **unused)
 }
 
 /* Everything that a game may change, in two scenes at once. */
-enum { TWINS = 2, THINGS = 24, MATERIALS = 3 };
+enum { TWINS = 2, ENTITIES = 24, MATERIALS = 3 };
 typedef struct twins {
     stage *stage[TWINS];
-    daft_entity thing[TWINS][THINGS], toggled[TWINS];
+    daft_entity entity[TWINS][ENTITIES], toggled[TWINS];
     daft_material material[TWINS][MATERIALS];
     daft_mesh mesh[TWINS];
 } twins;
@@ -327,7 +327,7 @@ static void twins_make(twins *t)
         add_floor(s);
         t->toggled[i] = add_ball(s, daft_dv3(0, 3, 0), 0.2f, (daft_material){0});
         t->mesh[i] = make_tetrahedron(s);
-        for (int k = 0; k < THINGS; k++) t->thing[i][k] = (daft_entity){0};
+        for (int k = 0; k < ENTITIES; k++) t->entity[i][k] = (daft_entity){0};
     }
     for (int k = 0; k < MATERIALS; k++) {
         daft_material_def def = random_material();
@@ -339,29 +339,29 @@ static void renew(twins *t, uint32_t k, uint32_t material, const daft_entity_def
 {
     for (int i = 0; i < TWINS; i++) {
         daft_entity_def def = *made;
-        if (t->thing[i][k].id) assert_true(daft_entity_destroy(t->stage[i]->scene, t->thing[i][k], NULL));
+        if (t->entity[i][k].id) assert_true(daft_entity_destroy(t->stage[i]->scene, t->entity[i][k], NULL));
         if (def.shape == DAFT_SHAPE_MESH) def.mesh = t->mesh[i];
         def.material = t->material[i][material];
-        t->thing[i][k] = add(t->stage[i], &def);
+        t->entity[i][k] = add(t->stage[i], &def);
     }
 }
 
-static void change_thing(twins *t, uint32_t k, uint32_t what)
+static void change_entity(twins *t, uint32_t k, uint32_t what)
 {
     const daft_entity_def def = random_thing();
     uint32_t material = random_below(MATERIALS), visible = random_below(2), teleport = random_below(2);
-    if (!t->thing[0][k].id || what == 0) {
+    if (!t->entity[0][k].id || what == 0) {
         renew(t, k, material, &def);
         return;
     }
     for (int i = 0; i < TWINS; i++) {
         daft_scene *scene = t->stage[i]->scene;
         daft_transform place;
-        assert_true(daft_entity_get_transform(scene, t->thing[i][k], &place, NULL));
+        assert_true(daft_entity_get_transform(scene, t->entity[i][k], &place, NULL));
         place.position = def.position;
-        if (what == 1) assert_true(daft_entity_set_transform(scene, t->thing[i][k], &place, teleport, NULL));
-        if (what == 2) assert_true(daft_entity_set_visible(scene, t->thing[i][k], visible, NULL));
-        if (what == 3) assert_true(daft_entity_set_material(scene, t->thing[i][k], t->material[i][material], NULL));
+        if (what == 1) assert_true(daft_entity_set_transform(scene, t->entity[i][k], &place, teleport, NULL));
+        if (what == 2) assert_true(daft_entity_set_visible(scene, t->entity[i][k], visible, NULL));
+        if (what == 3) assert_true(daft_entity_set_material(scene, t->entity[i][k], t->material[i][material], NULL));
     }
 }
 
@@ -397,7 +397,7 @@ static void what_stays_in_place_looks_the_same(void **unused)
     for (int step = 0; step < 300; step++) {
         uint32_t what = random_below(12);
         if (what < 4)
-            change_thing(&t, random_below(THINGS), what);
+            change_entity(&t, random_below(ENTITIES), what);
         else if (what < 11)
             change_scene(&t, what - 4);
         daft_scene *other = t.stage[1]->scene; /* a change that changes nothing */

@@ -16,7 +16,7 @@ typedef struct stage {
     const daft_tlas *tlas;
 } stage;
 
-/* `size`: of the things, which are strewn about. */
+/* `size`: of the instances, which are strewn about. */
 static void stage_make_of(stage *s, uint32_t count, float size)
 {
     s->soup = mesh_soup(700, 2, 0.35f);
@@ -204,7 +204,8 @@ static void points_on_surfaces(void **unused)
     free(b);
 }
 
-/* Of points in the open beside many things, none is asked for, though they share a tile with points behind the things.
+/* Of points in the open beside many instances, none is asked for, though they share a tile with points behind the
+ * instances.
  */
 static void beside_many(void **unused)
 {
@@ -280,8 +281,8 @@ static void one_at_a_time(void **unused)
     free(b);
 }
 
-/* Points of a mesh of no thickness that face the light are asked for only under other things; those that face away are
- * dark. */
+/* Points of a mesh of no thickness that face the light are asked for only under other instances; those that face away
+ * are dark. */
 static void flat_ground(void **unused)
 {
     (void)unused;

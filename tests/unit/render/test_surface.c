@@ -11,11 +11,11 @@ static const daft_render_kernels *kernels(int isa)
     return TABLE[isa];
 }
 
-enum { WIDTH = 150, HEIGHT = 90, THINGS = 24 };
+enum { WIDTH = 150, HEIGHT = 90, INSTANCES = 24 };
 
 typedef struct stage {
     fixture_mesh soup, ball;
-    daft_instance instances[THINGS];
+    daft_instance instances[INSTANCES];
     daft_surface materials[3];
     daft_snapshot snapshot;
     daft_pencil pencil;
@@ -36,7 +36,7 @@ static stage *stage_make(uint32_t kinds)
     memset(s, 0, sizeof *s);
     s->soup = mesh_soup(300, 2, 0.5f);
     s->ball = mesh_ball(12, 1, 0.05f);
-    for (uint32_t i = 0; i < THINGS; i++) {
+    for (uint32_t i = 0; i < INSTANCES; i++) {
         daft_vec3 at = daft_v3(random_float(4, 12), random_float(-4, 4), random_float(-5, 5)),
                   scale = daft_v3(1, i % 5 ? 1 : -1.4f, 1);
         daft_instance *t = &s->instances[i];
@@ -60,12 +60,12 @@ static stage *stage_make(uint32_t kinds)
                                   .height = HEIGHT,
                                   .focal = 90,
                                   .instances = s->instances,
-                                  .instance_count = THINGS,
+                                  .instance_count = INSTANCES,
                                   .materials = s->materials,
                                   .material_count = 3};
     s->allocator = daft_malloc_allocator();
     assert_true(daft_raster_init(&s->raster, &s->allocator, 1, daft_isa_best(), NULL));
-    assert_true(daft_raster_begin(&s->raster, &s->pencil, s->instances, THINGS, NULL));
+    assert_true(daft_raster_begin(&s->raster, &s->pencil, s->instances, INSTANCES, NULL));
     for (uint32_t i = 0; i < s->raster.work_count; i++) daft_raster_bin(&s->raster, i, 0);
     return s;
 }
@@ -225,7 +225,7 @@ static void see_one(stage *s, uint32_t instance, uint32_t triangle, bool but_one
         s->tile.instance[i] = instance, s->tile.triangle[i] = t->mesh ? triangle : 0;
     if (but_one)
         s->tile.instance[random_bits() % (DAFT_TILE * DAFT_TILE)] =
-            random_bits() % 2 ? DAFT_NOTHING : (instance + 1) % THINGS;
+            random_bits() % 2 ? DAFT_NOTHING : (instance + 1) % INSTANCES;
 }
 
 /* Tiles that one flat facet fills have the bits that they have when more is asked for. */
@@ -268,7 +268,7 @@ static void rays_meet_what_they_hit(void **unused)
     stage *s = stage_make(3);
     daft_arena arena;
     daft_arena_init(&arena, &s->allocator);
-    const daft_tlas *tlas = daft_tlas_build(&arena, s->instances, THINGS, NULL);
+    const daft_tlas *tlas = daft_tlas_build(&arena, s->instances, INSTANCES, NULL);
     assert_non_null(tlas);
     enum { RAYS = 200 };
     daft_hit hits[RAYS];

@@ -215,7 +215,7 @@ static daft_mesh make_triangle(daft_scene *scene)
     return mesh;
 }
 
-/* Things of all shapes, some of them on others, hidden, with a material of their own, or flat. Gives how many are
+/* Entities of all shapes, some of them on others, hidden, with a material of their own, or flat. Gives how many are
  * shown. */
 static uint32_t make_many(daft_scene *scene, daft_material own, bool shown[MANY])
 {
@@ -223,7 +223,7 @@ static uint32_t make_many(daft_scene *scene, daft_material own, bool shown[MANY]
     uint32_t count = 0;
     random_state = 77;
     daft_mesh meshes[] = {make_triangle(scene), make_triangle(scene)};
-    scene->assets.meshes[meshes[1].id - 1]->mesh.slot_count = 3; /* as of a file; only things with a material of their
+    scene->assets.meshes[meshes[1].id - 1]->mesh.slot_count = 3; /* as of a file; only entities with a material of their
                                                                     own show it */
     for (uint32_t i = 0; i < MANY; i++) {
         daft_entity_def def = daft_default_entity_def();

@@ -1,4 +1,4 @@
-/* Ray queries against closed forms, near and far, through turned and scaled things. */
+/* Ray queries against closed forms, near and far, through turned and scaled entities. */
 #include "scene_fixture.h"
 
 typedef struct pose {

@@ -1,4 +1,4 @@
-/* sim: cylinders roll as round things do, on their sides and on their rims, stand on their caps, and lie in heaps. */
+/* sim: cylinders roll as round bodies do, on their sides and on their rims, stand on their caps, and lie in piles. */
 #include "sim_cases.h"
 
 static one_shape roller(const daft_hull *hull, double x, double y, double z)
@@ -163,7 +163,7 @@ static void it_rests(void **unused)
 
 /* Forty of all lengths fall into a tray, onto boxes or triangles: nobody leaves it, nobody is in another, and it comes
  * to rest. */
-static void a_heap_of_them_rests(void **unused)
+static void a_pile_of_them_rests(void **unused)
 {
     (void)unused;
     enum { COUNT = 40 };
@@ -305,7 +305,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_rolls_down_a_slope),        cmocka_unit_test(it_rolls_on),
         cmocka_unit_test(a_coin_rolls_on_its_rim),      cmocka_unit_test(it_rests),
-        cmocka_unit_test(a_heap_of_them_rests),         cmocka_unit_test(logs_lie_in_a_pile),
+        cmocka_unit_test(a_pile_of_them_rests),         cmocka_unit_test(logs_lie_in_a_pile),
         cmocka_unit_test(fast_ones_stop_at_thin_walls), cmocka_unit_test(it_weighs_what_a_cylinder_does),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -549,15 +549,15 @@ static void ragdolls_fall_any_way(void **unused)
     play_variants(ragdolls_thrown);
 }
 
-/* A hundred, close to each other, fall into a heap ("Falling Ragdolls" of Box3D's samples). */
-enum { HEAP_SIDE = 10, HEAP = HEAP_SIDE * HEAP_SIDE };
+/* A hundred, close to each other, fall into a pile ("Falling Ragdolls" of Box3D's samples). */
+enum { PILE_SIDE = 10, PILE = PILE_SIDE * PILE_SIDE };
 
-static daft_world *heap_of_ragdolls(const variant *v, ragdoll dolls[HEAP])
+static daft_world *pile_of_ragdolls(const variant *v, ragdoll dolls[PILE])
 {
     daft_world *world = variant_world(v);
     add_ground(world, v, FLOOR, NULL);
-    for (int i = 0; i < HEAP; i++) {
-        double x = 1.1 * (i % HEAP_SIDE) - 5 + uniform(-0.1, 0.1), z = 1.1 * (i / HEAP_SIDE) - 5;
+    for (int i = 0; i < PILE; i++) {
+        double x = 1.1 * (i % PILE_SIDE) - 5 + uniform(-0.1, 0.1), z = 1.1 * (i / PILE_SIDE) - 5;
         dolls[i] = add_ragdoll(world, v, daft_dv3(x, 4, z), daft_quat_identity());
     }
     return world;
@@ -565,12 +565,12 @@ static daft_world *heap_of_ragdolls(const variant *v, ragdoll dolls[HEAP])
 
 static uint64_t hundred_ragdolls(const variant *v)
 {
-    ragdoll dolls[HEAP];
+    ragdoll dolls[PILE];
     seed_random(5);
-    daft_world *world = heap_of_ragdolls(v, dolls);
-    falls f = watch(world, dolls, HEAP);
+    daft_world *world = pile_of_ragdolls(v, dolls);
+    falls f = watch(world, dolls, PILE);
     print_message("joints open by %g mm, %d of %d by more than 20; lowest at %g m, %d awake\n", 1000 * f.open, f.torn,
-                  HEAP, f.lowest, count_awake(world));
+                  PILE, f.lowest, count_awake(world));
     assert_true(f.open < 0.02 && f.lowest > 0);
     assert_int_equal(count_awake(world), 0);
     return end_of(world);
@@ -583,18 +583,18 @@ static void a_hundred_ragdolls_come_to_rest(void **unused)
 }
 
 /* Limbs that are wedged between others bear ten times their weight, in one point or two as they lie. When the load was
- * forgotten with the point, one heap in eight trembled for ever, by a centimetre. */
-static void heaps_of_ragdolls_do_not_tremble(void **unused)
+ * forgotten with the point, one pile in eight trembled for ever, by a centimetre. */
+static void piles_of_ragdolls_do_not_tremble(void **unused)
 {
     (void)unused;
     seed_random(16);
-    for (int heap_number = 0; heap_number < 12; heap_number++) {
-        ragdoll dolls[HEAP];
-        daft_world *world = heap_of_ragdolls(&VARIANT[heap_number % 3], dolls);
+    for (int number = 0; number < 12; number++) {
+        ragdoll dolls[PILE];
+        daft_world *world = pile_of_ragdolls(&VARIANT[number % 3], dolls);
         int ticks = 60;
         steps(world, ticks);
         while (count_awake(world) > 0 && ticks++ < 20 * 60) steps(world, 1);
-        print_message("%s: asleep after %.1f s, %d awake\n", VARIANT[heap_number % 3].name, ticks / 60.0,
+        print_message("%s: asleep after %.1f s, %d awake\n", VARIANT[number % 3].name, ticks / 60.0,
                       count_awake(world));
         assert_int_equal(count_awake(world), 0);
         daft_world_destroy(world);
@@ -614,7 +614,7 @@ int main(void)
         cmocka_unit_test(ragdolls_stay_whole),
         cmocka_unit_test(ragdolls_fall_any_way),
         cmocka_unit_test(a_hundred_ragdolls_come_to_rest),
-        cmocka_unit_test(heaps_of_ragdolls_do_not_tremble),
+        cmocka_unit_test(piles_of_ragdolls_do_not_tremble),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -64,7 +64,7 @@ static void ten_boxes_rest(void **unused)
     assert_workers_agree(hashes);
 }
 
-/* ---- round things, one exactly above the other ---- */
+/* ---- round bodies, one exactly above the other ---- */
 
 static void stack_of(daft_sim_shape shape, int count, double height, const char *name)
 {

@@ -1,4 +1,4 @@
-/* sim: what a game relies on when things rest, roll, slide, bounce and ride. Every case asserts a number; closed forms
+/* sim: what a game relies on when bodies rest, roll, slide, bounce and ride. Every case asserts a number; closed forms
  * are used where physics has one. */
 #include "sim_cases.h"
 

@@ -226,7 +226,7 @@ static void what_rests_says_so_and_wakes_once(void **unused)
             slept += count;
             if (!event) continue;
             when = tick;
-            assert_int_equal(event[0].body_a, low); /* the heap at once, in order */
+            assert_int_equal(event[0].body_a, low); /* the island at once, in order */
             assert_int_equal(event[1].body_a, high);
         }
         assert_int_equal(slept, 2);
@@ -314,7 +314,7 @@ static uint64_t answer_all(int ticks)
         uint32_t count = daft_world_events(world, &events);
         daft_sim_event *copy = malloc((count + 1) * sizeof *copy);
         if (count > 0) memcpy(copy, events, count * sizeof *copy);
-        /* One that wakes a heap makes an event for each of its bodies: without an end to it they breed. */
+        /* One that wakes an island makes an event for each of its bodies: without an end to it they breed. */
         for (uint32_t i = 0; i < count && i < 50; i++) answer(world, &events[i]);
         assert_int_equal(daft_world_events(world, &again), count);
         assert_ptr_equal(again, events);

@@ -1,4 +1,4 @@
-/* sim, the hard cases: fast shots, seams, heaps, deep overlap, far from the origin, bad input, and the same bits
+/* sim, the hard cases: fast shots, seams, piles, deep overlap, far from the origin, bad input, and the same bits
  * always. Every case asserts a number; random cases print their seed. */
 #include "sim_scene.h"
 
@@ -244,9 +244,9 @@ static void true_edges_are_felt(void **unused)
     daft_world_destroy(world);
 }
 
-/* ---- heaps and hard cases ---- */
+/* ---- piles and hard cases ---- */
 
-static void a_heap_stays_in_its_tray(void **unused)
+static void a_pile_stays_in_its_tray(void **unused)
 {
     (void)unused;
     seed_random(5);
@@ -592,7 +592,7 @@ static void running_out_of_memory_is_an_error(void **unused)
 
 /* ---- determinism ---- */
 
-/* Everything at once: a heap of marbles of many sizes, tilted boxes, a moving platform, a spinning bar. */
+/* Everything at once: a pile of marbles of many sizes, tilted boxes, a moving platform, a spinning bar. */
 /* Bodies far away come and go; the hash is of those that are here. */
 static uint64_t run_everything(int ticks, int unrelated)
 {
@@ -662,7 +662,7 @@ int main(void)
         cmocka_unit_test(a_seam_carries_a_marble),
         cmocka_unit_test(seams_of_a_wall_are_not_felt),
         cmocka_unit_test(true_edges_are_felt),
-        cmocka_unit_test(a_heap_stays_in_its_tray),
+        cmocka_unit_test(a_pile_stays_in_its_tray),
         cmocka_unit_test(a_straight_pillar_stands),
         cmocka_unit_test(deep_overlap_parts_gently),
         cmocka_unit_test(a_sphere_inside_boxes_comes_out),

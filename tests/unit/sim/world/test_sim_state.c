@@ -1,4 +1,4 @@
-/* sim: a heap of every shape and every joint gives the same bits for any number of workers and any instruction set, and
+/* sim: a pile of every shape and every joint gives the same bits for any number of workers and any instruction set, and
  * goes on with the same bits from saved bytes; damaged bytes are an error. */
 #include "fixtures.h"
 
@@ -95,7 +95,7 @@ static void join(daft_world *world, daft_joint_kind kind, uint32_t a, uint32_t b
 }
 
 /* A field and a wall of two triangles, a platform that turns, a trigger, as many bodies, and a fifth as many joints. */
-static daft_world *make_heap(shapes *s, int bodies)
+static daft_world *make_pile(shapes *s, int bodies)
 {
     daft_world *world = new_world();
     one_shape ground = box(daft_v3(1, 1, 1), -4, 0, -4);
@@ -121,7 +121,7 @@ static daft_world *make_heap(shapes *s, int bodies)
     }
     return world;
 }
-static daft_world *make_everything(shapes *s) { return make_heap(s, 60); }
+static daft_world *make_everything(shapes *s) { return make_pile(s, 60); }
 
 static uint64_t hash_events(const daft_world *world, uint64_t hash)
 {
@@ -168,7 +168,7 @@ static void everything_is_the_same_for_any_workers_and_instructions(void **unuse
 }
 
 /* Of a hundred bodies, which one worker sees to, and of four hundred, which all share: the bits after each of 600
- * steps; of a thousand, whose contacts are placed and whose heaps are looked over side by side, after each of 120. */
+ * steps; of a thousand, whose contacts are placed and whose islands are examined in parallel, after each of 120. */
 static void each_step_is_the_same_for_any_workers(void **unused)
 {
     (void)unused;
@@ -182,7 +182,7 @@ static void each_step_is_the_same_for_any_workers(void **unused)
         for (size_t k = 0; k < DAFT_COUNT_OF(WORKERS); k++) {
             if (BODIES[b] == 1000 && WORKERS[k] > 4)
                 continue; /* no other code, and slow where there are few processors */
-            daft_world *world = make_heap(&s, BODIES[b]);
+            daft_world *world = make_pile(&s, BODIES[b]);
             daft_world_set_workers(world, WORKERS[k], daft_isa_best());
             uint64_t hash = 0;
             for (int i = 0; i < COUNTS[b]; i++) {
