@@ -5,6 +5,7 @@
  * Where triangles are large each node waits for what is in front of it, so that it may turn out to be hidden. Where
  * there is one or more to a pixel, nodes are looked at in groups, without a branch that depends on one of them: there,
  * what a processor guesses wrong costs more than the arithmetic. */
+#include "raster/boxes.h"
 #include "raster/grid/hidden.h"
 
 enum {
@@ -49,9 +50,7 @@ typedef struct walk {
     daft_tile_job *job;
     daft_queue *queue;
     const daft_view_instance *view;
-    float m[9];
-    float low_t[3], high_t[3]; /* the translation, less and more a pad over the error of a moved vertex */
-    int low_at[9], high_at[9]; /* which of a node's bounds makes m's product least, and most */
+    node_map map;
     uint32_t leaf_count, leaves[DAFT_LEAVES_ROOM + 16]; /* that wait, in groups: their codes */
     uint32_t block_count, blocks[DAFT_LEAVES_ROOM * DAFT_MAX_LEAF_BLOCKS + DAFT_VL];
 } walk;
@@ -102,28 +101,21 @@ static void draw_blocks(walk *w)
     while (w->queue->count >= DAFT_VL) DAFT_KERNEL(daft_queue_draw)(w->job, w->queue);
 }
 
-/* One axis of boxes, over z: low..high before the division by z within near..far, where both are positive. Boxes that
- * reach behind the camera are out where all that is in front of it lies beside the tile. */
-DAFT_INLINE vbits box_span(vf low, vf high, vf far, vf inverse_near, vf inverse_far, vm front, float last, vi *first,
-                           vi *end)
+/* The pixels of boxes along one axis; gives the lanes that have any. Boxes that reach behind the camera are out where
+ * all that is in front of it lies beside the tile. */
+DAFT_INLINE vbits box_span(vf_range at, const node_depths *z, float last, vi *first, vi *end)
 {
-    vbits beside = vbits_from_mask(vf_lt(high, far * -DAFT_SCREEN_SLACK)) |
-                   vbits_from_mask(vf_lt(far * (last + DAFT_SCREEN_SLACK), low));
+    vbits beside = node_beside(at, z, -DAFT_SCREEN_SLACK, last + DAFT_SCREEN_SLACK);
+    vf_range over = node_slopes(at, z);
     vf zero = vf_set(0), slack = vf_set(DAFT_SCREEN_SLACK), end_of_all = vf_set(last);
-    vf a = low * vf_if_then_else(vf_lt(low, zero), inverse_near, inverse_far) - slack;
-    vf b = high * vf_if_then_else(vf_lt(high, zero), inverse_far, inverse_near) + slack;
-    a = vf_max(vf_if_then_else(front, a, zero), zero), b = vf_min(vf_if_then_else(front, b, end_of_all), end_of_all);
+    vf a = over.low - slack, b = over.high + slack;
+    a = vf_max(vf_if_then_else(z->front, a, zero), zero),
+    b = vf_min(vf_if_then_else(z->front, b, end_of_all), end_of_all);
     vf whole = vf_convert_to(vi_convert_to(a));
     whole = whole + vf_if_then_else(vf_lt(whole, a), vf_set(1), zero);
     *first = vi_convert_to(whole), *end = vi_convert_to(b);
     return vbits_from_mask(vm_and(vf_le(zero, b), vf_le(whole, b))) & ~beside;
 }
-
-/* Nodes whose children fill a register, or one that is looked at by parts. */
-typedef struct node_pair {
-    const daft_node *first, *second;
-    int part;
-} node_pair;
 
 DAFT_INLINE node_pair pair_make(const walk *w, uint32_t first, uint32_t second, int part)
 {
@@ -131,28 +123,10 @@ DAFT_INLINE node_pair pair_make(const walk *w, uint32_t first, uint32_t second, 
     return (node_pair){&nodes[first], &nodes[second], part};
 }
 
-/* at: in floats from the first bound of all. */
-DAFT_INLINE vf bounds_load(const node_pair *n, int at)
-{
-    const float *first = (const float *)(const void *)n->first->bounds,
-                *second = (const float *)(const void *)n->second->bounds;
-    return vf_load_eights(first + at, second + at, n->part);
-}
-
 DAFT_INLINE vi child_load(const node_pair *n)
 {
     return (vi)vf_load_eights((const float *)(const void *)n->first->child,
                               (const float *)(const void *)n->second->child, n->part);
-}
-
-/* The least and the largest value of one axis over boxes. */
-DAFT_INLINE void axis(const walk *w, int k, const node_pair *n, vf *low, vf *high)
-{
-    const float *m = &w->m[3 * k];
-    const int *a = &w->low_at[3 * k], *b = &w->high_at[3 * k];
-    vf x = vf_set(m[0]), y = vf_set(m[1]), z = vf_set(m[2]);
-    *low = x * bounds_load(n, a[0]) + y * bounds_load(n, a[1]) + z * bounds_load(n, a[2]) + vf_set(w->low_t[k]);
-    *high = x * bounds_load(n, b[0]) + y * bounds_load(n, b[1]) + z * bounds_load(n, b[2]) + vf_set(w->high_t[k]);
 }
 
 static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *view, daft_queue *queue)
@@ -171,20 +145,14 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *vi
     pad[0] = pad[0] * focal + pad[2] * fabsf(job->left);
     pad[1] = pad[1] * focal + pad[2] * fabsf(job->top);
     /* column = focal·x/z - left and row = top - focal·y/z, so their multiples by z are linear in the point. */
+    float m[9], t[3];
     for (int i = 0; i < 4; i++) {
         const float x = i < 3 ? map->m[i] : map->t[0], y = i < 3 ? map->m[3 + i] : map->t[1],
                     z = i < 3 ? map->m[6 + i] : map->t[2];
         const float row[3] = {x * focal - z * job->left, z * job->top - y * focal, z};
-        for (int k = 0; k < 3; k++) {
-            if (i == 3) {
-                w->low_t[k] = row[k] - pad[k], w->high_t[k] = row[k] + pad[k];
-                continue;
-            }
-            w->m[3 * k + i] = row[k];
-            w->low_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i + 3 : i),
-                              w->high_at[3 * k + i] = DAFT_WIDTH * (row[k] < 0 ? i : i + 3);
-        }
+        for (int k = 0; k < 3; k++) *(i < 3 ? &m[3 * k + i] : &t[k]) = row[k];
     }
+    node_map_make(&w->map, m, t, pad);
 }
 
 /* Children in the tile. */
@@ -197,16 +165,15 @@ typedef struct boxes {
 /* Comparisons are written so that a NaN, from an overflow, leaves a box in. */
 DAFT_INLINE boxes children(const walk *w, const node_pair *n)
 {
-    vf low[3], high[3], zero = vf_set(0);
     vi x0, x1, y0, y1, child = child_load(n);
-    for (int k = 0; k < 3; k++) axis(w, k, n, &low[k], &high[k]);
-    vm front = vf_lt(zero, low[2]);
-    vf inverse_near = vf_set(1) / low[2], inverse_far = vf_set(1) / high[2];
-    vbits x = box_span(low[0], high[0], high[2], inverse_near, inverse_far, front, w->job->last_x, &x0, &x1);
-    vbits y = box_span(low[1], high[1], high[2], inverse_near, inverse_far, front, w->job->last_y, &y0, &y1);
-    vbits out = vbits_from_mask(vf_le(high[2], zero)) | vbits_from_mask(vi_eq(child, vi_set((int32_t)DAFT_CHILD_NONE)));
+    vf_range along = node_axis(&w->map, 2, n);
+    node_depths z = node_depths_of(along.low, along.high);
+    vbits x = box_span(node_axis(&w->map, 0, n), &z, w->job->last_x, &x0, &x1);
+    vbits y = box_span(node_axis(&w->map, 1, n), &z, w->job->last_y, &y0, &y1);
+    vbits out =
+        vbits_from_mask(vf_le(z.far, vf_set(0))) | vbits_from_mask(vi_eq(child, vi_set((int32_t)DAFT_CHILD_NONE)));
     return (boxes){child, x0 | x1 << 8 | y0 << 16 | y1 << 24,
-                   vf_if_then_else(front, inverse_near * vf_set(1 + 0x1p-20f), vf_set(INFINITY)), x & y & ~out};
+                   vf_if_then_else(z.front, z.inverse_near * vf_set(1 + 0x1p-20f), vf_set(INFINITY)), x & y & ~out};
 }
 
 /* What a visit will read first: trees of large meshes do not stay in the nearer caches. */

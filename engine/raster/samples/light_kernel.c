@@ -379,10 +379,10 @@ static occluder occluder_of(const cast *c, uint32_t number, shadow_points *point
                       .points = points};
 }
 
-static void cast_one(const occluder *one, const picture_box *box, const block_set *behind)
+static void cast_one(const occluder *one, const block_set *behind)
 {
     if (one->instance->mesh)
-        DAFT_KERNEL(daft_mesh_shadow)(one, box, behind);
+        DAFT_KERNEL(daft_mesh_shadow)(one, behind);
     else
         DAFT_KERNEL(daft_sphere_occluder_shadow)(one, behind);
 }
@@ -393,7 +393,7 @@ static void cast_remembered(const cast *c, shadow_points *points)
     block_set behind;
     for (uint32_t i = 0; i < c->occluder_count && points->live; i++) {
         const occluder one = occluder_of(c, c->occluder[i].number, points);
-        if (blocks_narrow(&c->occluder[i].box, points, &all, &behind)) cast_one(&one, &c->occluder[i].box, &behind);
+        if (blocks_narrow(&c->occluder[i].box, points, &all, &behind)) cast_one(&one, &behind);
     }
 }
 
@@ -452,7 +452,6 @@ typedef struct met_instances {
 /* Meshes, and the points that their triangles may hide, block by block. */
 typedef struct mesh_queue {
     uint32_t count, number[MESHES], first[MESHES + 1];
-    picture_box box[MESHES];
     block_points parts[PARTS];
 } mesh_queue;
 
@@ -475,7 +474,7 @@ static void cast_queued(const cast *c, mesh_queue *list, shadow_points *points)
             some[kept] = (block_points){some[k].block, some[k].points & lit_points(points, some[k].block)};
             kept += some[kept].points != 0;
         }
-        if (kept) DAFT_KERNEL(daft_mesh_shadow_of)(&one, &list->box[i], some, kept);
+        if (kept) DAFT_KERNEL(daft_mesh_shadow_of)(&one, some, kept);
     }
     list->count = 0;
 }
@@ -488,7 +487,7 @@ static void meet_mesh(const cast *c, const occluder *one, const picture_box *box
     block_points *some = &list->parts[first];
     uint32_t count = DAFT_KERNEL(daft_mesh_candidates)(one, box, behind, some);
     if (!count) return;
-    list->number[list->count] = one->number, list->box[list->count] = *box;
+    list->number[list->count] = one->number;
     list->first[++list->count] = first + count;
     if (list->count == MESHES || first + count + SHADOW_BLOCKS > PARTS) cast_queued(c, list, p);
 }
@@ -528,11 +527,10 @@ static void cast_all(cast *c, light_scratch *scratch)
     while (top > 0 && points->live) {
         node_boxes boxes;
         block_set next[DAFT_WIDTH];
-        uint32_t count[DAFT_WIDTH];
         const entry at = stack[--top];
         const daft_node *node = &c->tlas->nodes.items[at.node];
         uint32_t in = DAFT_KERNEL(daft_node_project)(&c->view, &c->frame_map, node, &boxes);
-        if (in) in = children_narrow(&boxes, in, points, &at.behind, next, count);
+        if (in) in = children_narrow(&boxes, in, points, &at.behind, next);
         for (; in; in &= in - 1) {
             int i = __builtin_ctz(in);
             uint32_t child = node->child[i], number = child & ~DAFT_CHILD_LEAF;
@@ -559,7 +557,7 @@ static uint32_t cast_pencil(light_scratch *scratch, uint32_t *bits)
     cast *c = &scratch->cast;
     shadow_points *points = &scratch->points;
     uint32_t count = 0;
-    c->frame_map = view_map_of(&c->view.pencil);
+    c->frame_map = view_map_of(&c->view, c->tlas->nodes.items);
     bool few = find_occluders(c, FEW_OCCLUDERS, FEW_LOOKS);
     if (few) {
         for (uint32_t word = 0; word < DAFT_SAMPLES_WORDS; word++)
@@ -703,7 +701,7 @@ static uint32_t tints(const daft_samples *points, const daft_apex *light, const 
     c->flag = DAFT_INSTANCE_TINTS_SHADOW, c->only = DAFT_NOTHING;
     if (!cast_begin(c, points, light, tlas, bits)) return 0;
     if (!cast_setup(c)) return UINT32_MAX;
-    c->frame_map = view_map_of(&c->view.pencil);
+    c->frame_map = view_map_of(&c->view, c->tlas->nodes.items);
     if (!find_occluders(c, DAFT_MAX_OCCLUDERS, UINT32_MAX)) return UINT32_MAX;
     for (uint32_t i = 0; i < c->occluder_count; i++) out[i] = c->occluder[i].number;
     return c->occluder_count;

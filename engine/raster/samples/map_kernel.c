@@ -39,11 +39,8 @@ static void set_errors(mesh_occluder *m)
     const light_view *l = m->c.view;
     const daft_vec3 from = m->c.instance->mesh->low, until = m->c.instance->mesh->high;
     const float low[3] = {from.x, from.y, from.z}, high[3] = {until.x, until.y, until.z}, *depth = &m->map.map.m[6];
-    float size = m->map.still, near = m->map.map.t[2] + l->pencil.away;
-    for (int k = 0; k < 3; k++) {
-        size += m->map.reach[k] * larger(fabsf(low[k]), fabsf(high[k]));
-        near += smaller(depth[k] * low[k], depth[k] * high[k]);
-    }
+    float size = m->map.size, near = m->map.map.t[2] + l->pencil.away;
+    for (int k = 0; k < 3; k++) near += smaller(depth[k] * low[k], depth[k] * high[k]);
     m->before = size < 1e30f &&
                 (l->pencil.parallel || near > 0.125f * (size + l->pencil.away * 0x1p-10f)); /* not where large numbers
                                                                                                have made it NaN */
@@ -55,7 +52,10 @@ void DAFT_KERNEL(daft_mesh_occluder_make)(const occluder *c, mesh_occluder *out)
 {
     const daft_affine map = daft_pencil_map(&c->view->pencil, &c->instance->to_frame);
     out->c = *c;
-    out->map = picture_map_make(&map), out->size = out->map.still;
+    const daft_vec3 from = c->instance->mesh->low, until = c->instance->mesh->high;
+    const float max[3] = {larger(fabsf(from.x), fabsf(until.x)), larger(fabsf(from.y), fabsf(until.y)),
+                          larger(fabsf(from.z), fabsf(until.z))};
+    out->map = picture_map_make(c->view, &map, max), out->size = out->map.still;
     set_errors(out);
     set_back(c, &out->back, out->pad);
 }

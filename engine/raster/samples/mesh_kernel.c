@@ -1,8 +1,8 @@
 /* Meshes as occluders: the tree is walked with the boxes of its nodes in the light's picture (nodes_kernel.c), down to
  * those that lie before lit points; the triangles found are moved to view space and set up DAFT_VL at a time. Each
  * block of points whose box meets some of them is tested against these: lanes are points. Blocks in which all points
- * are dark are skipped from then on. Where few points are left behind a node, few_kernel.c takes them one by one: lanes
- * are triangles. This chooses which triangles are tested; it never changes what hides a point.
+ * are dark are skipped from then on. Of a mesh that few points' rays come near, few_kernel.c takes these one by one:
+ * lanes are triangles. This chooses which triangles are tested; it never changes what hides a point.
  *
  * A point is in shadow when no edge has it surely outside and the triangle is surely nearer to the light. Depths are
  * off by some 2^-18 of the distance to the light, which is much where it is far. Triangles whose depth is that close to
@@ -14,10 +14,9 @@
 #include "raster/samples/setup.h"
 
 enum {
-    LIST = 64,      /* leaf blocks before their triangles are tested */
-    FEW_ALONE = 32, /* so many behind a node go on one by one: where triangles are so much smaller than their distances,
-                     * boxes of 16 say little */
-    FEW_OF_MESH = 512 /* the same where it is known which points' rays meet the mesh's bounds */
+    LIST = 64,        /* leaf blocks before their triangles are tested */
+    FEW_OF_MESH = 512 /* so many points whose rays meet the mesh's bounds go on one by one: where triangles are so much
+                       * smaller than their distances, boxes of 16 say little */
 };
 
 /* A multiple of a × b that is negated, bit for bit, where a and b are exchanged. */
@@ -253,32 +252,11 @@ static void flush(const mesh_occluder *c, const leaf *list, uint32_t count)
 }
 
 typedef struct entry {
-    uint32_t node, count; /* no fewer points than lie behind the box */
-    picture_box box;
+    uint32_t node;
     block_set behind;
 } entry;
 
-/* Where few points are left, they go on one by one. */
-static bool go_alone(const mesh_occluder *m, const entry *at)
-{
-    block_points few[SHADOW_BLOCKS];
-    if (at->count > FEW_ALONE) return false;
-    DAFT_KERNEL(daft_few_shadow)(m, at->node, few, points_of(m->c.points, &at->box, &at->behind, few));
-    return true;
-}
-
-/* No fewer than the lit points of the blocks that lie behind the box. */
-static uint32_t count_behind(const shadow_points *p, const picture_box *box, const block_set *behind)
-{
-    uint32_t blocks = set_count(behind), count = 0;
-    if (blocks > SHADOW_FEW) return blocks * SHADOW_BLOCK;
-    for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
-        for (uint64_t left = behind->bits[word]; left; left &= left - 1)
-            count += (uint32_t)__builtin_popcount(points_behind(box, p, word * 64 + (uint32_t)__builtin_ctzll(left)));
-    return count;
-}
-
-static void walk(const mesh_occluder *m, const picture_box *box, const block_set *behind)
+static void walk(const mesh_occluder *m, const block_set *behind)
 {
     const occluder *c = &m->c;
     const daft_bvh *bvh = c->instance->bvh;
@@ -286,23 +264,21 @@ static void walk(const mesh_occluder *m, const picture_box *box, const block_set
     leaf list[LIST + DAFT_MAX_LEAF_BLOCKS];
     uint32_t count = 0;
     int top = 0;
-    stack[top++] = (entry){0, count_behind(c->points, box, behind), *box, *behind};
+    stack[top++] = (entry){0, *behind};
     while (top > 0 && c->points->live) {
         node_boxes boxes;
         block_set next[DAFT_WIDTH];
-        uint32_t points[DAFT_WIDTH];
         const entry at = stack[--top];
         const daft_node *node = &bvh->nodes.items[at.node];
-        if (go_alone(m, &at)) continue;
         uint32_t in = DAFT_KERNEL(daft_node_project)(c->view, &m->map, node, &boxes);
-        if (in) in = children_narrow(&boxes, in, c->points, &at.behind, next, points);
+        if (in) in = children_narrow(&boxes, in, c->points, &at.behind, next);
         for (; in; in &= in - 1) {
             int i = __builtin_ctz(in);
             uint32_t child = node->child[i];
             if (child == DAFT_CHILD_NONE) continue;
             if (!(child & DAFT_CHILD_LEAF)) {
                 fetch_node(bvh, child);
-                stack[top++] = (entry){child, points[i], node_child(&boxes, i), next[i]};
+                stack[top++] = (entry){child, next[i]};
                 continue;
             }
             fetch_leaf(bvh, child); /* it waits in a list: time enough */
@@ -315,15 +291,14 @@ static void walk(const mesh_occluder *m, const picture_box *box, const block_set
     flush(m, list, count);
 }
 
-void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const picture_box *box, const block_set *behind)
+void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const block_set *behind)
 {
     mesh_occluder m;
     DAFT_KERNEL(daft_mesh_occluder_make)(c, &m);
-    walk(&m, box, behind);
+    walk(&m, behind);
 }
 
-void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const picture_box *box, const block_points *points,
-                                      uint32_t count)
+void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const block_points *points, uint32_t count)
 {
     mesh_occluder m;
     block_set behind = {{0}};
@@ -331,9 +306,9 @@ void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const picture_box *box,
     for (uint32_t i = 0; i < count; i++) all += (uint32_t)__builtin_popcount(points[i].points);
     DAFT_KERNEL(daft_mesh_occluder_make)(c, &m);
     if (all <= FEW_OF_MESH) {
-        DAFT_KERNEL(daft_few_shadow)(&m, 0, points, count);
+        DAFT_KERNEL(daft_few_shadow)(&m, points, count);
         return;
     }
     for (uint32_t i = 0; i < count; i++) behind.bits[points[i].block / 64] |= (uint64_t)1 << (points[i].block % 64);
-    walk(&m, box, &behind);
+    walk(&m, &behind);
 }

@@ -1,11 +1,14 @@
 /* raster/samples: the points of a tile that ask for one light, against what may hide it. The shadow rays share the
  * light, so seen from there they are a pencil, and the points are its picture.
  *
- *     light_kernel.c   the order of work: which instances may stand between, then each of them; kernel table
- *     blocks_kernel.c  points into blocks of 16 neighbours, whose boxes in the picture occluders are looked up in
+ *     light_kernel.c   the order of work: which instances may stand between, then each of them; the kernel table
+ *     blocks_kernel.c  points into blocks of 16 neighbours, whose boxes in the picture are what occluders are looked
+ *                      up in
  *     nodes_kernel.c   boxes of a tree's nodes, seen from the light
- *     mesh_kernel.c    a mesh's tree down to the triangles before lit blocks, and these against blocks: lanes are
- * points few_kernel.c     the same where few points are left: each a ray in the mesh's own space, lanes are nodes
+ *     mesh_kernel.c    a mesh's tree down to the triangles before lit blocks, and these against the blocks: lanes are
+ *                      points
+ *     few_kernel.c     the same for a mesh over few points: each a ray in the mesh's own space, lanes are nodes and
+ *                      triangles
  *     map_kernel.c     a mesh's map to view space and back, with its errors
  *     setup.h          triangles moved, their boxes, planes of edges, their own planes
  *     sphere_kernel.c  spheres
@@ -16,7 +19,7 @@
 
 #include "math/simd/dispatch.h"
 #include "raster/raster.h"
-#include "raster/triangles.h"
+#include "raster/boxes.h"
 
 enum {
     SHADOW_BLOCK = 16,                                /* points in a block, whatever the instruction set */
@@ -63,30 +66,39 @@ typedef struct shadow_points {
                                               * DAFT_NO_TRIANGLE */
 } shadow_points;
 
-/* A map to view space, and what bounds the rounding of what it moves: sums of its columns' magnitudes, and of its
- * translation's. */
+/* A map to view space, the same for boxes of nodes, and what bounds the rounding of what it moves: the sum of its
+ * translation's magnitudes, and that with the largest that the rest of the map adds. */
 typedef struct picture_map {
     daft_affine map;
-    float reach[3], still;
+    node_map nodes;
+    float still, size;
 } picture_map;
 
-DAFT_INLINE picture_map picture_map_make(const daft_affine *map)
+/* `max`: of the coordinates that are moved, by axes. */
+DAFT_INLINE picture_map picture_map_make(const light_view *l, const daft_affine *map, const float max[3])
 {
-    picture_map out = {*map, {0, 0, 0}, fabsf(map->t[0]) + fabsf(map->t[1]) + fabsf(map->t[2])};
-    for (int j = 0; j < 3; j++) out.reach[j] = fabsf(map->m[j]) + fabsf(map->m[3 + j]) + fabsf(map->m[6 + j]);
+    picture_map out = {.map = *map, .still = fabsf(map->t[0]) + fabsf(map->t[1]) + fabsf(map->t[2])};
+    out.size = out.still;
+    for (int j = 0; j < 3; j++) out.size += (fabsf(map->m[j]) + fabsf(map->m[3 + j]) + fabsf(map->m[6 + j])) * max[j];
+    const float pad = (out.size + fabsf(l->near) + fabsf(l->far)) * 0x1p-20f;
+    node_map_make(&out.nodes, map->m, map->t, (const float[3]){pad, pad, pad});
     return out;
 }
 
-/* Frame space to view space. */
-DAFT_INLINE picture_map view_map_of(const daft_pencil *view)
+/* Frame space to view space, for a tree with this root. */
+DAFT_INLINE picture_map view_map_of(const light_view *l, const daft_node *root)
 {
-    const daft_affine same = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}, map = daft_pencil_map(view, &same);
-    return picture_map_make(&map);
+    const daft_affine same = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}, map = daft_pencil_map(&l->pencil, &same);
+    float max[3] = {0, 0, 0};
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < DAFT_WIDTH; i++) max[k] = fmaxf(max[k], fmaxf(-root->bounds[k][i], root->bounds[3 + k][i]));
+    return picture_map_make(l, &map, max);
 }
 
-/* Boxes of a node's children. */
+/* Boxes of a node's children; room for a register. */
+enum { NODE_LANES = DAFT_VL > DAFT_WIDTH ? DAFT_VL : DAFT_WIDTH };
 typedef struct node_boxes {
-    float low_u[DAFT_WIDTH], high_u[DAFT_WIDTH], low_v[DAFT_WIDTH], high_v[DAFT_WIDTH], near[DAFT_WIDTH];
+    float low_u[NODE_LANES], high_u[NODE_LANES], low_v[NODE_LANES], high_v[NODE_LANES], near[NODE_LANES];
 } node_boxes;
 
 DAFT_INLINE picture_box node_child(const node_boxes *b, int i)
@@ -147,20 +159,6 @@ DAFT_INLINE uint32_t lit_points(const shadow_points *p, uint32_t b)
     return lit;
 }
 
-/* The lit points of the blocks that lie behind the box; gives the number of blocks that have any. */
-DAFT_INLINE uint32_t points_of(const shadow_points *p, const picture_box *box, const block_set *behind,
-                               block_points *out)
-{
-    uint32_t count = 0;
-    for (uint32_t word = 0; word < DAFT_COUNT_OF(behind->bits); word++)
-        for (uint64_t left = behind->bits[word]; left; left &= left - 1) {
-            uint32_t b = word * 64 + (uint32_t)__builtin_ctzll(left), in = points_behind(box, p, b);
-            out[count] = (block_points){b, in};
-            count += in != 0;
-        }
-    return count;
-}
-
 /* Which of a node's children lie, in part, before the block. */
 DAFT_INLINE uint32_t children_before(const node_boxes *n, const shadow_points *p, uint32_t b)
 {
@@ -207,7 +205,7 @@ DAFT_INLINE void children_narrow_many(const node_boxes *n, uint32_t children, co
 /* Of few: each block is met by all children; then the points of those that met are asked, pair by pair. No branch hangs
  * on what comes out. */
 DAFT_INLINE void children_narrow_few(const node_boxes *n, uint32_t children, const shadow_points *p,
-                                     const block_set *from, block_set to[DAFT_WIDTH], uint32_t count[DAFT_WIDTH])
+                                     const block_set *from, block_set to[DAFT_WIDTH])
 {
     uint32_t pair[SHADOW_FEW * DAFT_WIDTH + DAFT_WIDTH], pairs = 0;
     for (uint32_t word = 0; word < DAFT_COUNT_OF(from->bits); word++)
@@ -218,26 +216,21 @@ DAFT_INLINE void children_narrow_few(const node_boxes *n, uint32_t children, con
     for (uint32_t k = 0; k < pairs; k++) {
         uint32_t b = pair[k] / DAFT_WIDTH, i = pair[k] % DAFT_WIDTH;
         picture_box box = node_child(n, (int)i);
-        uint32_t in = points_behind(&box, p, b);
-        to[i].bits[b / 64] |= (uint64_t)(in != 0) << (b % 64);
-        count[i] += (uint32_t)__builtin_popcount(in);
+        to[i].bits[b / 64] |= (uint64_t)(points_behind(&box, p, b) != 0) << (b % 64);
     }
 }
 
-/* The same for those children of a node whose bits are in `children`; gives the bits of those that have any, and in
- * `count` no fewer than they have points. */
+/* The same for those children of a node whose bits are in `children`; gives the bits of those that have any. */
 DAFT_INLINE uint32_t children_narrow(const node_boxes *n, uint32_t children, const shadow_points *p,
-                                     const block_set *from, block_set to[DAFT_WIDTH], uint32_t count[DAFT_WIDTH])
+                                     const block_set *from, block_set to[DAFT_WIDTH])
 {
     uint32_t any = 0;
-    for (int i = 0; i < DAFT_WIDTH; i++) to[i] = (block_set){{0}}, count[i] = 0;
-    if (set_count(from) <= SHADOW_FEW) {
-        children_narrow_few(n, children, p, from, to, count);
-    } else {
+    for (int i = 0; i < DAFT_WIDTH; i++) to[i] = (block_set){{0}};
+    if (set_count(from) <= SHADOW_FEW)
+        children_narrow_few(n, children, p, from, to);
+    else
         children_narrow_many(n, children, p, from, to);
-        for (int i = 0; i < DAFT_WIDTH; i++) count[i] = set_count(&to[i]) * SHADOW_BLOCK;
-    }
-    for (int i = 0; i < DAFT_WIDTH; i++) any |= (uint32_t)(count[i] != 0) << i;
+    for (int i = 0; i < DAFT_WIDTH; i++) any |= (uint32_t)!set_is_empty(&to[i]) << i;
     return any;
 }
 
@@ -366,16 +359,14 @@ DAFT_INLINE void block_darkened(shadow_points *p, uint32_t b)
     p->live--;
 }
 
-/* Puts the points that the instance hides from the light to depth -inf; only those of the blocks behind its bounds,
- * `box`. */
-void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const picture_box *box, const block_set *behind);
+/* Puts the points that the instance hides from the light to depth -inf; only those of the blocks behind its bounds. */
+void DAFT_KERNEL(daft_mesh_shadow)(const occluder *c, const block_set *behind);
 /* Marks the lit points of blocks behind the instance's box whose rays to the light meet the bounds of its mesh, and
  * gives those that it may shadow: not its own that cannot be. Gives the number of blocks that have any. */
 uint32_t DAFT_KERNEL(daft_mesh_candidates)(const occluder *c, const picture_box *box, const block_set *behind,
                                            block_points *out);
 /* daft_mesh_shadow, of these points. */
-void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const picture_box *box, const block_points *points,
-                                      uint32_t count);
+void DAFT_KERNEL(daft_mesh_shadow_of)(const occluder *c, const block_points *points, uint32_t count);
 /* Makes the box as small as a sphere's is. */
 void DAFT_KERNEL(daft_sphere_occluder_box)(const light_view *l, const daft_instance *s, picture_box *box);
 void DAFT_KERNEL(daft_sphere_occluder_shadow)(const occluder *c, const block_set *behind);

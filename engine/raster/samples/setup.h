@@ -17,9 +17,8 @@ typedef struct mesh_occluder {
 } mesh_occluder;
 
 void DAFT_KERNEL(daft_mesh_occluder_make)(const occluder *c, mesh_occluder *out);
-/* Puts the points to depth -inf that triangles below the child hide, leaf or not. Points go there one by one, so this
- * is for few. */
-void DAFT_KERNEL(daft_few_shadow)(const mesh_occluder *m, uint32_t child, const block_points *points, uint32_t count);
+/* Puts the points to depth -inf that triangles of the mesh hide. Points go there one by one, so this is for few. */
+void DAFT_KERNEL(daft_few_shadow)(const mesh_occluder *m, const block_points *points, uint32_t count);
 /* Whether the triangle, closed, stands between the point and the light, by frame space's own numbers. */
 bool DAFT_KERNEL(daft_stands_between)(const occluder *c, const daft_block *block, int lane, uint32_t point);
 
@@ -90,7 +89,8 @@ DAFT_INLINE corners corners_move(const mesh_occluder *c, const leaf *const *leav
     return out;
 }
 
-/* As beyond_side, of triangles whose corners are off by `off`. */
+/* The triangles that lie on the outer side of x = limit·z (axis 0) or y = limit·z (axis 1), `side` being -1 or 1, and
+ * whose corners are off by `off`. This says something, too, of those that reach beside or behind the light. */
 DAFT_INLINE vm corners_beyond(const corners *t, int axis, float limit, float side, vf off)
 {
     vf min = vf_set(INFINITY), slope = vf_set(limit);
