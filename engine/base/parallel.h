@@ -1,11 +1,12 @@
 /* base/parallel: the one scheduler.
  *
- *   region   workers that stay together for as long as one function, the region's body, runs. The body runs on worker
- * 0, the calling thread; what it does outside of loops is serial. The others wait for loops. loop     task(context,
- * index, worker) for every index below a count. Each worker has a range of the indices and takes them one at a time;
- * who is done with its own takes from the others' ranges. A loop ends when all its tasks are done, whether or not every
- * worker came for one, so a worker that the system does not run delays nobody. stages   a list of loops with a barrier
- * after each.
+ *   region   workers that stay together while one function runs, the region's body. The body runs on worker 0, the
+ *            calling thread; what it does outside of loops is serial. The others wait for loops.
+ *   loop     task(context, index, worker) for every index below a count. Each worker has a range of the indices and
+ *            takes them one at a time; who is done with its own takes from the others' ranges. A loop ends when all
+ *            its tasks are done, whether or not every worker came for one, so a worker that the system does not run
+ *            delays nobody.
+ *   stages   a list of loops with a barrier after each.
  *
  * Promise: results do not depend on the number of workers or on who took what, as long as a task writes only to what
  * its index owns, or to the scratch of its worker.

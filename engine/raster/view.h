@@ -1,7 +1,11 @@
 /* raster: visibility by pencils. A pencil is a bundle of rays through one point, its apex: the camera's rays, the rays
  * towards a point light, the rays towards the sun (the apex lies infinitely far), and what a planar mirror reflects of
  * the camera's (the apex is the mirrored eye). The test of a ray d against a triangle with corners a, b, c relative to
- * the apex, hit <=> (a × b)·d, (b × c)·d, (c × a)·d have one sign, has cross products that do not depend on the ray:
+ * the apex,
+ *
+ *     hit <=> (a × b)·d, (b × c)·d, (c × a)·d have one sign,
+ *
+ * has cross products that do not depend on the ray:
  * they are set up once for each triangle, and a ray then costs a few multiply-adds. Projected boxes of instances, nodes
  * and triangles only say where to look; every ray is decided by this test.
  *

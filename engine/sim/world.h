@@ -4,8 +4,9 @@
  *   body    what it is, where, how fast; its parts, pairs and joints hang on it as lists of indices
  *   part    one shape of a body: a leaf in the tree of the body's kind, in bounds that are wider than it (fat)
  *   pair    two parts whose bounds over the step meet, with the manifolds they have and the impulses these
- *           carry over to the next step. Part a's body is dynamic, except in pairs of sensors; normals point from a to
- * b. joint   two bodies, a frame in each, and the impulses it carries over
+ *           carry over to the next step. Part a's body is dynamic, except in pairs of sensors; normals point from
+ *           a to b.
+ *   joint   two bodies, a frame in each, and the impulses it carries over
  *
  * A body is active if it is dynamic and awake, or kinematic and moves. Only what is active is in a list that a step
  * walks: `awake`, `movers`, and the active list, of pairs that have an active side, in the order of their keys. A body

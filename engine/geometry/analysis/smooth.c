@@ -49,7 +49,7 @@ typedef struct smoother {
  *   - its triangles close to rings: each of the other vertices is as often next as it is previous. Hashes say so; they
  *     err once in 2^64, and then two fans share a normal.
  *   - no two faces meet at the crease or more: of k unit normals, two of which are an angle c apart, the sum is no
- * longer than k - 2 + 2 cos(c / 2). `spread` is 2 - 2 cos(c / 2), less a bound on rounding.
+ *     longer than k - 2 + 2 cos(c / 2). `spread` is 2 - 2 cos(c / 2), less a bound on rounding.
  *   - there is but one ring: where all faces are within 40 degrees of a direction, each ring has angles of at least
  *     2 pi cos 40°, as seen along it, and the weighted sum is at least cos 40° of them: 7.37 for two rings. */
 static bool is_one_ring(const smoother *s, const daft_smooth_sum *sum)

@@ -122,7 +122,7 @@ bool DAFT_KERNEL(daft_queue_setup)(const daft_tile_job *job, daft_queue *from, d
 /* The candidate boxes of one block's triangles, by the triangles' numbers. */
 void DAFT_KERNEL(daft_block_boxes)(const daft_tile_job *job, const daft_view_instance *view, const daft_block *block,
                                    daft_screen_box *out);
-/* seen_kernel.c: daft_raster_kernels.view. */
+/* instances_kernel.c: daft_raster_kernels.instances. */
 void DAFT_KERNEL(daft_instances_project)(const daft_raster *raster, uint32_t first);
 /* nodes_kernel.c: what of a mesh is in the tile, and not hidden; some small triangles of it may be left waiting. */
 void DAFT_KERNEL(daft_mesh_draw)(daft_tile_job *job, const daft_view_instance *view, daft_queue *queue);

@@ -154,14 +154,14 @@ typedef struct small {
     vf min, max, error; /* of w; only where floats are to be sure */
 } small;
 
-enum { PIXELS = 4, ABREAST = 16 /* registers */ };
+enum { PIXELS = 4, BATCHES = 16 /* registers */ };
 
 /* Registers of triangles: of each of their first pixel, its right neighbour and the two below, which of them cover it,
  * or may, and w. */
 typedef struct coverage {
-    _Alignas(4 * DAFT_VL) float low[ABREAST][PIXELS][DAFT_VL], high[ABREAST][PIXELS][DAFT_VL];
-    int32_t place[ABREAST][DAFT_VL];
-    vbits lanes[ABREAST][PIXELS], unsure[ABREAST][PIXELS];
+    _Alignas(4 * DAFT_VL) float low[BATCHES][PIXELS][DAFT_VL], high[BATCHES][PIXELS][DAFT_VL];
+    int32_t place[BATCHES][DAFT_VL];
+    vbits lanes[BATCHES][PIXELS], unsure[BATCHES][PIXELS];
 } coverage;
 
 DAFT_INLINE void cover_pixel(bool exact, const small *s, int pixel, vbits lanes, coverage *c, uint32_t i)
@@ -258,8 +258,8 @@ DAFT_INLINE void find_hits(const daft_tile_job *job, bool exact, const daft_smal
 {
     coverage c;
     uint32_t n = out->count;
-    for (uint32_t first = 0; first < from->count; first += ABREAST * DAFT_VL) {
-        uint32_t count = daft_min_u((from->count - first + DAFT_VL - 1) / DAFT_VL, ABREAST);
+    for (uint32_t first = 0; first < from->count; first += BATCHES * DAFT_VL) {
+        uint32_t count = daft_min_u((from->count - first + DAFT_VL - 1) / DAFT_VL, BATCHES);
         for (uint32_t i = 0; i < count; i++) cover(job, exact, from, first + i * DAFT_VL, &c, i);
         for (uint32_t i = 0; i < count; i++) {
             for (int pixel = 0; pixel < PIXELS; pixel++) n = add_hits(exact, &c, i, pixel, n, out);

@@ -2,13 +2,13 @@
  *
  *   1. The box around all shadow rays goes down the tree over instances. Mostly nothing is there.
  *   2. The points that face the light are measured in view space: their extent in the light's picture.
- *   3. The tree over instances is walked with that extent. Where it meets few instances, their bounds say which points'
- * rays meet them, and only these points are kept. Where it meets many, all points are kept, and step 5 marks those
- * behind an instance's bounds.
+ *   3. The tree over instances is walked with that extent. Where it meets few instances, their bounds say which
+ *      points' rays meet them, and only these points are kept. Where it meets many, all points are kept, and step 5
+ *      marks those behind an instance's bounds.
  *   4. Points go into blocks of 16 (blocks_kernel.c). The blocks' boxes in the picture are the grid that occluders are
- * looked up in: fine where the points are dense, coarse where they are not, wherever the light stands.
+ *      looked up in: fine where the points are dense, coarse where they are not, wherever the light stands.
  *   5. Each instance is walked down to the triangles before a block (mesh_kernel.c), or met as a sphere
- * (sphere_kernel.c).
+ *      (sphere_kernel.c).
  *
  * Where no frustum holds the tile's points, because the light is among them, they are divided among the six faces of a
  * cube around it, and each face is a pencil. */

@@ -1,9 +1,12 @@
-/* Cylinders. A cylinder is a hull, a prism of CYLINDER_SIDES sides, and collides as what it looks like from where it is
- * met: side   its side faces the other shape: a capsule of its radius and length, whose manifold is the cylinder's
- * wherever the normal is square to the axis. So it rolls as a round thing does; rim    the prism, turned about its axis
- * so that an edge of it points to the other shape: the rim's point is where it is on a cylinder, and stays under it
- * while it rolls; cap    the prism as it is. Which of these is told by the closest points of a core within it, a
- * segment on its axis, and the other shape. */
+/* Cylinders. A cylinder is a hull, a prism of CYLINDER_SIDES sides, and collides as one of three shapes:
+ *
+ *     side  its side faces the other shape: a capsule of its radius and length, whose manifold is the cylinder's
+ *           wherever the normal is square to the axis. So it rolls as a round body does;
+ *     rim   the prism, turned about its axis so that an edge of it points to the other shape: the rim's point is
+ *           where it is on a cylinder, and stays under it while it rolls;
+ *     cap   the prism as it is.
+ *
+ * The closest points of the other shape and of a core within the cylinder, a segment on its axis, tell which. */
 #include "sim/collide/manifold_parts.h"
 
 #include <math.h>

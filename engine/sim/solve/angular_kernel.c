@@ -1,7 +1,10 @@
 /* Free rotation, in lanes. Semi-implicit Euler on the angular velocity gains energy where the moments of inertia
  * differ, and an implicit step of Newton's loses a fifth to a half of it in a minute. Here it is the implicit midpoint
- * rule on Euler's equations in the principal axes, I·w - h/2 (I·w) × w = L,                              w: in the
- * middle of the substep; L: momentum at its start whose solution keeps both |L| and the energy, since both are
+ * rule on Euler's equations in the principal axes,
+ *
+ *     I·w - h/2 (I·w) × w = L,    w: in the middle of the substep; L: momentum at its start
+ *
+ * whose solution keeps both |L| and the energy, since both are
  * quadratic; turning the body by the Cayley map of h·w is what takes L at the start to L at the end, so the momentum in
  * the world stays what it is (Austin, Krishnaprasad and Wang, "Almost Poisson Integration of Rigid Body Systems", J.
  * Comput. Phys. 107, 1993; Lewis and Simo, J. Nonlinear Sci. 4, 1994). Contacts and joints act on w in between.

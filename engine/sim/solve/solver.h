@@ -165,7 +165,7 @@ struct daft_sim_solver {
     size_t row_of_capacity;
     uint8_t *constrained; /* of rows that some constraint acts on: DAFT_SIM_JOINTED and DAFT_SIM_IN_CONTACT */
     size_t constrained_capacity;
-    uint8_t *marks; /* solver.c's scratch */
+    uint8_t *marks; /* colour.c's scratch */
     size_t mark_capacity;
     struct daft_sim_depenetration {
         float speed, swing; /* m/s, of the centre and of turning */

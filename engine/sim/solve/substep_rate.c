@@ -1,8 +1,11 @@
 /* How many substeps an island is taken in. The spring of a contact is as stiff as the length of a substep allows
  * (colour.c), so a load that is many times the weight of what it presses on needs shorter ones: what lies under it
  * sinks by the square of their length, and a column buckles. Of n cubes of side s, with a spring of frequency omega at
- * each corner, it stands while omega² > g n³ / s                    (Greenhill 1881, q L³ < 7.84 E I, with the springs
- * as the column's E I) and contacts can have omega = 1 / h. So each contact between bodies at rest to each other asks
+ * each corner, it stands while
+ *
+ *     omega² > g n³ / s    (Greenhill 1881, q L³ < 7.84 E I, with the springs as the column's E I)
+ *
+ * and contacts can have omega = 1 / h. So each contact between bodies at rest to each other asks
  * for a rate of substeps by the load that it lately carried, and an island is taken in twice, four, eight times as many
  * substeps as the world's as its contacts ask, if they are so few that it does not matter. An island's substeps are its
  * own, whatever else there is. Bodies begin with the finest, so that what is made at rest does not sink before its
