@@ -89,6 +89,19 @@ DAFT_API const char *daft_error_text(const daft_error *error, char *buffer, size
  */
 DAFT_API bool daft_write_file(const char *path, const void *bytes, size_t size, daft_error *error);
 
+/* The same for a file that is too large for memory, a video for example: it grows in a temporary file. Errors stick, so
+ * only daft_writer_commit has to be checked. A writer belongs to one thread at a time. */
+typedef struct daft_writer daft_writer;
+DAFT_API daft_writer *daft_writer_begin(const char *path, daft_error *error); /* NULL with the message */
+/* Appends. NULL or no bytes: nothing happens. */
+DAFT_API void daft_writer_put(daft_writer *writer, const void *bytes, size_t size);
+/* Writes over earlier bytes, for headers with sizes: the end stays where it is. What would lie past it is an error. */
+DAFT_API void daft_writer_put_at(daft_writer *writer, uint64_t offset, const void *bytes, size_t size);
+/* Puts the file into place and frees the writer. False: the old file is as it was, and nothing else is left behind. */
+DAFT_API bool daft_writer_commit(daft_writer *writer, daft_error *error);
+/* Drops what was written and frees the writer. NULL is fine. */
+DAFT_API void daft_writer_abandon(daft_writer *writer);
+
 /* ---- engine ------------------------------------------------------------------------------------------------------ */
 
 typedef struct daft_engine daft_engine;

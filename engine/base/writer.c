@@ -29,8 +29,9 @@ struct daft_writer {
     const char *name; /* of the final file, in its folder */
     int folder, file; /* descriptors; -1: none */
     char temporary[NAME_SIZE];
-    int failure; /* errno of the first failure; 0: none */
-    size_t used;
+    int failure;   /* errno of the first failure; 0: none */
+    uint64_t size; /* bytes so far */
+    size_t used;   /* of them in `buffer` */
     char buffer[BUFFER];
 };
 
@@ -175,6 +176,8 @@ static void flush(daft_writer *writer)
 
 void daft_writer_put(daft_writer *writer, const void *bytes, size_t size)
 {
+    if (!writer || !bytes || size == 0) return;
+    writer->size += size;
     if (size > BUFFER - writer->used) flush(writer);
     if (size > BUFFER) {
         write_all(writer, bytes, size);
@@ -206,10 +209,16 @@ void daft_writer_print(daft_writer *writer, const char *format, ...)
 
 void daft_writer_put_at(daft_writer *writer, uint64_t offset, const void *bytes, size_t size)
 {
+    if (!writer || !bytes || size == 0) return;
     flush(writer);
-    if (writer->failure) return;
-    ssize_t done = pwrite(writer->file, bytes, size, (off_t)offset);
-    if (done != (ssize_t)size) writer->failure = done < 0 ? errno : EIO;
+    if (!writer->failure && (offset > writer->size || size > writer->size - offset)) writer->failure = EINVAL;
+    const char *at = bytes;
+    while (size > 0 && !writer->failure) {
+        ssize_t done = pwrite(writer->file, at, size, (off_t)offset);
+        if (done < 0 && errno == EINTR) continue;
+        if (done <= 0) writer->failure = done < 0 ? errno : EIO;
+        if (done > 0) at += done, offset += (uint64_t)done, size -= (size_t)done;
+    }
 }
 
 /* fsync of a folder tells the disk about the new name; file systems that cannot say so. */
@@ -217,6 +226,7 @@ static bool sync_folder(int folder) { return fsync(folder) == 0 || errno == EINV
 
 bool daft_writer_commit(daft_writer *writer, daft_error *error)
 {
+    if (!writer) return daft_fail(error, DAFT_ERROR_ARGUMENT, "no file is being written");
     flush(writer);
     if (!writer->failure && fsync(writer->file) != 0) writer->failure = errno;
     if (!writer->failure && renameat(writer->folder, writer->temporary, writer->folder, writer->name) != 0)
@@ -240,12 +250,20 @@ void daft_writer_abandon(daft_writer *writer)
     daft_release(&allocator, writer);
 }
 
+daft_writer *daft_writer_begin(const char *path, daft_error *error)
+{
+    if (!path || !path[0]) {
+        daft_fail(error, DAFT_ERROR_ARGUMENT, "no file name to write to");
+        return NULL;
+    }
+    daft_allocator allocator = daft_malloc_allocator();
+    return daft_writer_open(&allocator, path, error);
+}
+
 bool daft_write_file(const char *path, const void *bytes, size_t size, daft_error *error)
 {
-    if (!path || !path[0]) return daft_fail(error, DAFT_ERROR_ARGUMENT, "no file name to write to");
     if (!bytes && size > 0) return daft_fail(error, DAFT_ERROR_ARGUMENT, "no bytes to write");
-    daft_allocator allocator = daft_malloc_allocator();
-    daft_writer *writer = daft_writer_open(&allocator, path, error);
+    daft_writer *writer = daft_writer_begin(path, error);
     if (!writer) return false;
     if (size > 0) daft_writer_put(writer, bytes, size);
     return daft_writer_commit(writer, error);

@@ -16,6 +16,7 @@ static const struct {
 } COMMANDS[] = {
     {"play", "play a game, or choose one from a menu", command_play},
     {"render", "render a scene to a picture", command_render},
+    {"video", "film a scene or a game", command_video},
     {"check", "check scenes, meshes, pictures and games for errors", command_check},
     {"bench", "run the benchmarks", command_bench},
     {"help", "print this text; 'help COMMAND': its options; 'help lua', 'help fields': the API", command_help},

@@ -22,8 +22,11 @@ void progress_show(progress_bar *bar, double done)
     char cells[WIDTH + 1];
     for (int i = 0; i < WIDTH; i++) cells[i] = i < full ? '#' : '.';
     cells[WIDTH] = 0;
-    fprintf(stderr, "\r%s [%s] %3d%%  %.1f s", bar->label, cells, (int)(done * 100),
-            (double)(now - bar->began_ns) / 1e9);
+    double seconds = (double)(now - bar->began_ns) / 1e9;
+    char left[32] = "";
+    /* What has been done says how long the rest takes, once it is enough to tell. */
+    if (done > 0.01 && seconds > 1) snprintf(left, sizeof left, ", %.0f s left", seconds * (1 - done) / done);
+    fprintf(stderr, "\r%s [%s] %3d%%  %.1f s%s\033[K", bar->label, cells, (int)(done * 100), seconds, left);
     fflush(stderr);
 }
 

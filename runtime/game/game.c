@@ -120,6 +120,12 @@ bool game_draw(game_state *state, daft_image *picture, float alpha)
     view.quality = state->def.quality;
     daft_error error;
     if (!daft_render(state->scene, &view, picture, &error)) return stop_with(state, "drawing", &error);
+    return game_draw_over(state, picture);
+}
+
+bool game_draw_over(game_state *state, daft_image *picture)
+{
+    if (state->failed) return false;
     canvas over = canvas_over(picture);
     return host_draw(&state->scripts, &over) || stop(state);
 }

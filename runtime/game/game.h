@@ -45,6 +45,8 @@ bool game_tick(game_state *state);
 /* Renders the scene and runs daft.draw over it; alpha interpolates between the last two ticks. False when the game has
  * failed. */
 bool game_draw(game_state *state, daft_image *picture, float alpha);
+/* Runs daft.draw alone over the picture, without the scene: for a frame that nobody sees. */
+bool game_draw_over(game_state *state, daft_image *picture);
 uint64_t game_hash(const game_state *state);
 /* True while the recording has ticks left. */
 bool game_is_replaying(const game_state *state);

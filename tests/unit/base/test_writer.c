@@ -207,6 +207,47 @@ static void left_over_files_are_removed(void **unused)
     fclose(living);
 }
 
+static void large_files_grow_and_take_corrections(void **unused)
+{
+    (void)unused;
+    daft_error error;
+    snprintf(path, sizeof path, "%s/large", folder);
+    daft_writer *writer = daft_writer_begin(path, &error);
+    assert_non_null(writer);
+    daft_writer_put(writer, "....", 4);
+    for (int i = 0; i < 50000; i++) daft_writer_put(writer, "body", 4);
+    daft_writer_put_at(writer, 0, "head", 4);
+    daft_writer_put(writer, NULL, 4);
+    daft_writer_put(NULL, "x", 1);
+    daft_writer_put_at(NULL, 0, "x", 1);
+    assert_int_not_equal(access(path, F_OK), 0);
+    assert_true(daft_writer_commit(writer, &error));
+    FILE *file = fopen(path, "rb");
+    char first[9] = "";
+    assert_non_null(file);
+    assert_int_equal(fread(first, 1, 8, file), 8);
+    assert_string_equal(first, "headbody");
+    fseek(file, 0, SEEK_END);
+    assert_int_equal(ftell(file), 200004);
+    fclose(file);
+    /* A correction past the end is an error that sticks, and the old file stays. */
+    writer = daft_writer_begin(path, &error);
+    assert_non_null(writer);
+    daft_writer_put(writer, "short", 5);
+    daft_writer_put_at(writer, 3, "xyz", 3);
+    assert_false(daft_writer_commit(writer, &error));
+    assert_int_equal(error.code, DAFT_ERROR_IO);
+    file = fopen(path, "rb");
+    assert_non_null(file);
+    fseek(file, 0, SEEK_END);
+    assert_int_equal(ftell(file), 200004);
+    fclose(file);
+    assert_false(daft_writer_commit(NULL, &error));
+    assert_null(daft_writer_begin(NULL, &error));
+    assert_null(daft_writer_begin("", &error));
+    daft_writer_abandon(NULL);
+}
+
 int main(void)
 {
 #define IN_A_FOLDER(test) cmocka_unit_test_setup_teardown(test, begin, end)
@@ -219,6 +260,7 @@ int main(void)
         IN_A_FOLDER(a_full_disk_leaves_the_old_file),
         IN_A_FOLDER(a_killed_process_leaves_whole_files),
         IN_A_FOLDER(left_over_files_are_removed),
+        IN_A_FOLDER(large_files_grow_and_take_corrections),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,186 @@
+/* daft video: films a scene or a game. */
+#include "cli/commands.h"
+
+#include "cli/cli.h"
+#include "common/util.h"
+#include "game/loop.h"
+#include "video/film_game.h"
+#include "video/film_scene.h"
+#include "video/video.h"
+
+#include <ftw.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const cli_command COMMAND = {
+    "video",
+    "SCENE|GAME",
+    "Films a game as a recording replays it, or a scene as its camera sees it.",
+    "The name after -o chooses the format: FILE.mp4 (H.264), FILE.webm (VP9), FILE.gif, NAME%05d.png (numbered\n"
+    "pictures), or - for raw RGBA frames on standard output. A game without --replay plays its demo. A call that was\n"
+    "interrupted goes on where it stopped when it is repeated; until then what is done lies in FILE.parts.",
+    1,
+    1};
+
+enum { STILL_SECONDS = 5, GAME_SECONDS = 10, DEFAULT_CRF = 18, GIF_FPS = 25, FPS = 60 };
+
+typedef struct video_options {
+    const char *what, *out, *replay, *isa;
+    cli_size size;
+    daft_quality quality;
+    double fps, from, to;
+    long blur, crf, camera, threads, seed;
+} video_options;
+
+/* What a film depends on, as far as it can be told without playing: name, size and time of each file of the game. The
+ * sum does not depend on the order in which the folder lists them. */
+static uint64_t folder_sum;
+
+static int add_file(const char *path, const struct stat *status, int type, struct FTW *where)
+{
+    (void)where;
+    uint64_t numbers[3] = {(uint64_t)status->st_size, (uint64_t)status->st_mtim.tv_sec,
+                           (uint64_t)status->st_mtim.tv_nsec};
+    if (type == FTW_F) folder_sum += daft_hash(numbers, sizeof numbers, daft_hash(path, strlen(path), 0));
+    return 0;
+}
+
+static uint64_t hash_content(const char *path)
+{
+    enum { DESCRIPTORS = 16 };
+    folder_sum = 0;
+    nftw(path, add_file, DESCRIPTORS, FTW_PHYS);
+    return folder_sum;
+}
+
+static uint64_t hash_settings(const video_options *o, const char *replay, const char *path)
+{
+    long numbers[3] = {(long)o->quality, o->camera, o->seed};
+    uint64_t hash = daft_hash(numbers, sizeof numbers, hash_content(path));
+    return replay ? hash ^ hash_content(replay) : hash;
+}
+
+static bool film(video_def *def, frame_source *source, daft_error *error)
+{
+    uint64_t began = clock_now_ns();
+    if (!video_make(def, source, error)) return false;
+    if (def->format != VIDEO_RAW)
+        fprintf(stderr, "daft: wrote %s: %g s at %dx%d in %.1f s\n", def->out,
+                (double)video_frames(def) * 1000 / def->rate, def->width, def->height,
+                (double)(clock_now_ns() - began) / 1e9);
+    return true;
+}
+
+static bool film_a_scene(const video_options *o, video_def *def, daft_error *error)
+{
+    film_scene scene;
+    if (isnan(def->to)) def->to = def->from + STILL_SECONDS;
+    def->content = hash_settings(o, NULL, o->what);
+    if (!film_scene_open(&scene, def->engine, o->what, (uint32_t)o->camera, o->quality, error)) return false;
+    bool good = film(def, &scene.source, error);
+    film_scene_close(&scene);
+    return good;
+}
+
+/* The recording to play: the one that was named, else the game's demo, else none. */
+static const char *choose_replay(const video_options *o, const game_info *info, char demo[PATH_SIZE + 16])
+{
+    if (o->replay) return o->replay;
+    snprintf(demo, PATH_SIZE + 16, "%s/demo.rec", info->folder);
+    return path_is_file(demo) ? demo : NULL;
+}
+
+static bool film_a_game(const video_options *o, video_def *def, daft_error *error)
+{
+    home where;
+    game_info info;
+    film_game game;
+    char demo[PATH_SIZE + 16];
+    if (!home_find(&where, error) || !home_find_game(&where, o->what, &info, error)) return false;
+    font *face = open_font(&where, error);
+    if (!face) return false;
+    const char *replay = choose_replay(o, &info, demo);
+    def->content = hash_settings(o, replay, info.folder);
+    game_def play = {.where = &where,
+                     .info = &info,
+                     .engine = def->engine,
+                     .face = face,
+                     .quality = o->quality,
+                     .seed = (uint64_t)o->seed};
+    bool good = film_game_open(&game, &play, replay, error);
+    if (good) {
+        double length = replay ? (double)game.replay.end / LOOP_RATE : GAME_SECONDS;
+        if (isnan(def->to)) def->to = length;
+        good = film(def, &game.source, error);
+        film_game_close(&game);
+    }
+    font_close(face);
+    return good;
+}
+
+static int run(const video_options *o, video_def *def)
+{
+    daft_error error;
+    daft_engine_def wanted = daft_default_engine_def();
+    wanted.threads = (int)o->threads;
+    wanted.isa = o->isa;
+    if (!video_check(def, &error)) return report(&error);
+    def->engine = open_engine(&wanted);
+    if (!def->engine) return STATUS_BAD_INPUT;
+    bool good = has_extension(o->what, ".scene") ? film_a_scene(o, def, &error) : film_a_game(o, def, &error);
+    daft_engine_destroy(def->engine);
+    return good ? STATUS_DONE : report(&error);
+}
+
+int command_video(int argc, char **argv)
+{
+    video_options o = {.size = {1280, 720},
+                       .quality = DAFT_QUALITY_HIGH,
+                       .fps = NAN,
+                       .to = NAN,
+                       .blur = 1,
+                       .crf = DEFAULT_CRF,
+                       .seed = 1};
+    const cli_option options[] = {
+        {"output", 'o', CLI_TEXT, "FILE", &o.out, 0, 0, "the film to write (required)"},
+        {"replay", 0, CLI_TEXT, "FILE", &o.replay, 0, 0, "the recording that the game plays (its demo)"},
+        {"fps", 0, CLI_NUMBER, "N", &o.fps, 1, 240, "frames a second (60; GIF: 25)"},
+        {"size", 0, CLI_SIZE, "WxH", &o.size, 16, 8192, "size of the picture (1280x720)"},
+        {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0, "draft, game, high (default) or reference"},
+        {"from", 0, CLI_NUMBER, "S", &o.from, 0, 86400, "begin at second S of the game or scene (0)"},
+        {"to", 0, CLI_NUMBER, "S", &o.to, 0, 86400,
+         "end at second S (the recording's end; a game without one: 10; a scene: 5)"},
+        {"motion-blur", 0, CLI_COUNT, "N", &o.blur, 1, 64,
+         "each frame is the mean of N pictures over half of its time (1: none)"},
+        {"crf", 0, CLI_COUNT, "N", &o.crf, 0, 51, "how much H.264 and VP9 may lose: 0 nothing, 51 most (18)"},
+        {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the scene, counted from 0 (0)"},
+        {"seed", 0, CLI_COUNT, "N", &o.seed, 0, 1000000000, "seed of the random numbers (1); a recording uses its own"},
+        {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256,
+         "worker threads; 0, the default, is one for each processor"},
+        {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"}};
+    const char *operands[CLI_OPERANDS];
+    size_t count;
+    cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);
+    if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
+    o.what = operands[0];
+    if (!o.out) return cli_refuse("video", "-o FILE is missing");
+    video_def def = {.out = o.out,
+                     .width = o.size.width,
+                     .height = o.size.height,
+                     .from = o.from,
+                     .to = o.to,
+                     .crf = (int)o.crf,
+                     .blur = (int)o.blur,
+                     .progress = true};
+    daft_error error;
+    if (!video_choose_format(o.out, &def.format, &error)) return cli_refuse("video", "%s", error.message);
+    if (isnan(o.fps)) o.fps = def.format == VIDEO_GIF ? GIF_FPS : FPS;
+    def.rate = (int)lround(o.fps * 1000);
+    if (!isnan(o.to) && !(o.to > o.from))
+        return cli_refuse("video", "--to: a second after --from (%g) expected", o.from);
+    if (o.replay && has_extension(o.what, ".scene")) return cli_refuse("video", "--replay: a scene has no recording");
+    return run(&o, &def);
+}
