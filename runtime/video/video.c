@@ -5,6 +5,7 @@
 #include "common/util.h"
 #include "video/blur.h"
 #include "video/encoder.h"
+#include "video/stage.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -125,7 +126,8 @@ static void clip_path(const film *f, uint64_t clip, char out[PARTS_SIZE + 16])
     snprintf(out, PARTS_SIZE + 16, "%s/%06" PRIu64, f->parts, clip);
 }
 
-static bool draw_clip(film *f, encoder *to, uint64_t first, packet_list *packets, uint32_t *count, daft_error *error)
+/* False with the message in *error, or where the stage has it. */
+static bool draw_clip(film *f, stage *to, uint64_t first, uint32_t *count, daft_error *error)
 {
     uint64_t end = first + f->clip_frames < f->frames ? first + f->clip_frames : f->frames;
     for (uint64_t frame = first; frame < end; frame++) {
@@ -133,17 +135,27 @@ static bool draw_clip(film *f, encoder *to, uint64_t first, packet_list *packets
         if (result == FRAME_FAILED) return false;
         f->ended = result == FRAME_NONE;
         if (f->ended) break;
-        if (!encoder_add(to, daft_image_pixels(f->image), packets, error)) return false;
+        if (!stage_add(to, daft_image_pixels(f->image))) return false;
         ++*count;
     }
-    return *count == 0 || encoder_finish(to, packets, error);
+    return true;
+}
+
+static bool encode_clip(film *f, encoder *to, uint64_t first, packet_list *packets, uint32_t *count, daft_error *error)
+{
+    size_t size = 4 * (size_t)f->def->width * (size_t)f->def->height;
+    stage *beside = stage_open(to, size, packets, error);
+    if (!beside) return false;
+    bool drawn = draw_clip(f, beside, first, count, error);
+    bool encoded = stage_close(beside, drawn && *count > 0, error);
+    return drawn && encoded;
 }
 
 static bool make_clip(film *f, uint64_t clip, const char *path, uint32_t *count, daft_error *error)
 {
     packet_list packets = {0};
     encoder *to = encoder_open(f->def, error);
-    bool good = to && draw_clip(f, to, clip * f->clip_frames, &packets, count, error) &&
+    bool good = to && encode_clip(f, to, clip * f->clip_frames, &packets, count, error) &&
                 packets_save(&packets, path, f->key, *count, error);
     encoder_close(to);
     packets_free(&packets);

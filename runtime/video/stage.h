@@ -1,0 +1,18 @@
+/* stage: encodes the frames of a clip on a thread of its own, while the next ones are drawn. */
+#ifndef RUNTIME_VIDEO_STAGE_H
+#define RUNTIME_VIDEO_STAGE_H
+
+#include "video/encoder.h"
+
+typedef struct stage stage;
+
+/* `size`: bytes of a frame. Packets go to `out`, which belongs to the stage until stage_close. Where the system gives
+ * no thread, frames are encoded as they come. NULL with the message. */
+stage *stage_open(encoder *to, size_t size, packet_list *out, daft_error *error);
+/* Copies the frame; waits while STAGE_FRAMES are under way. False where one before it failed: stage_close has the
+ * message. */
+bool stage_add(stage *self, const uint8_t *pixels);
+/* Waits for the frames, finishes the clip where `finish` is set, and frees the stage. */
+bool stage_close(stage *self, bool finish, daft_error *error);
+
+#endif
