@@ -841,7 +841,7 @@ typedef enum daft_field_type {
 } daft_field_type;
 
 enum {                             /* daft_field.flags */
-       DAFT_FIELD_GREY = 1,        /* Lua: one number stands for all components */
+       DAFT_FIELD_UNIFORM = 1,     /* Lua: one number stands for all components */
        DAFT_FIELD_HASHED = 2,      /* its bytes are in the state's hash at any value; others are where they are not the
                                       default */
        DAFT_FIELD_HASHED_USED = 4, /* the same, but only where the struct's kind uses it */

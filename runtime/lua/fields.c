@@ -58,7 +58,7 @@ static void read_vec2(lua_State *L, host *h, const char *what, float *out)
 static void read_vector(lua_State *L, host *h, const daft_field *field, float *out)
 {
     const char *what = field->lua;
-    if ((field->flags & DAFT_FIELD_GREY) && lua_type(L, -1) == LUA_TNUMBER) {
+    if ((field->flags & DAFT_FIELD_UNIFORM) && lua_type(L, -1) == LUA_TNUMBER) {
         out[0] = out[1] = api_float(L, h, -1, what);
         if (size_of_vector(field->type) == 3) out[2] = out[0];
         return;
@@ -233,12 +233,12 @@ const api_form *const *api_forms(size_t *count)
 
 static const char *type_text(const daft_field *field)
 {
-    bool grey = field->flags & DAFT_FIELD_GREY;
+    bool uniform = field->flags & DAFT_FIELD_UNIFORM;
     switch (field->type) {
     case DAFT_FIELD_BOOL: return "true or false";
-    case DAFT_FIELD_VEC2: return grey ? "number or {u, v}" : "{u, v}";
-    case DAFT_FIELD_VEC3: return grey ? "number or {x, y, z}" : "{x, y, z}";
-    case DAFT_FIELD_COLOR: return grey ? "colour or number" : "colour";
+    case DAFT_FIELD_VEC2: return uniform ? "number or {u, v}" : "{u, v}";
+    case DAFT_FIELD_VEC3: return uniform ? "number or {x, y, z}" : "{x, y, z}";
+    case DAFT_FIELD_COLOR: return uniform ? "colour or number" : "colour";
     case DAFT_FIELD_DIRECTION: return "{x, y, z}, any length";
     case DAFT_FIELD_POSITION: return "{x, y, z} or entity";
     case DAFT_FIELD_ROTATION: return "{yaw, pitch, roll} or {x, y, z, w}";
@@ -278,8 +278,8 @@ static void initial_text(const daft_field *field, const char *value, char *out, 
     out[0] = 0;
     if (field->type >= DAFT_FIELD_MESH || field->type == DAFT_FIELD_ROTATION) return;
     daft_field_print(field, value, plain, sizeof plain);
-    bool listed = strchr(plain, ',') != NULL, grey = field->flags & DAFT_FIELD_GREY;
-    if (listed && grey)
+    bool listed = strchr(plain, ',') != NULL, uniform = field->flags & DAFT_FIELD_UNIFORM;
+    if (listed && uniform)
         snprintf(out, size, "%.*s", (int)strcspn(plain, ","), plain);
     else if (field->type == DAFT_FIELD_CHOICE)
         snprintf(out, size, "\"%s\"", plain);

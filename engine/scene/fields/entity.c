@@ -25,7 +25,7 @@ static const daft_field ENTITY_ROWS[] = {
            .doc = "The entity within which position, rotation and scale are; none: the world"),
     ENTITY(position, .unit = "m", .lua = "position", .flags = SEEN, .doc = "Where it is"),
     ENTITY(rotation, .initial = {0, 0, 0, 1}, .lua = "rotation", .flags = SEEN, .doc = "How it is turned"),
-    ENTITY(scale, .initial = {1, 1, 1}, .lua = "scale", .flags = SEEN | DAFT_FIELD_GREY,
+    ENTITY(scale, .initial = {1, 1, 1}, .lua = "scale", .flags = SEEN | DAFT_FIELD_UNIFORM,
            .doc = "How many times as large it is along its own axes; a sphere's is equal in all"),
     ENTITY(visible, .initial = {true}, .lua = "visible", .scene = "visible", .flags = SEEN,
            .doc = "Whether it is drawn and hit by rays"),

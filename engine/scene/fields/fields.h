@@ -83,10 +83,14 @@ const daft_field_list *daft_field_list_of(daft_struct which);
 #define ZERO_OR_MORE    .min = 0, .max = (double)INFINITY
 #define ABOVE_ZERO      .min = DAFT_ABOVE_ZERO, .max = (double)INFINITY
 
+/* daft_sin states its error up to a million radians. */
+#define DAFT_ANGLES   FROM(-1e6, 1e6)
 #define DAFT_PI_FLOAT ((double)(float)DAFT_PI) /* pi as a float has it */
 
 /* ---- what is done with the lists inside the engine ---- */
 
+/* The least and the largest finite number that a component may be. */
+void daft_field_limits(const daft_field *field, double *min, double *max);
 /* One field's range. `before` and the field's name begin the message: "camera." and "fov". */
 bool daft_field_check(const daft_field *field, const void *value, const char *before, daft_error *error);
 /* The same for a whole struct; `used` is false for fields that the struct's kind does not use: they need only be

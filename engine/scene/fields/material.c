@@ -5,18 +5,18 @@
 
 static const daft_field ROWS[] = {
     DAFT_COOKIE_ROW(daft_material_def),
-    COLOR(ambient, ZERO_OR_MORE, .initial = {0.8, 0.8, 0.8}, .lua = "ambient", .flags = DAFT_FIELD_GREY,
+    COLOR(ambient, ZERO_OR_MORE, .initial = {0.8, 0.8, 0.8}, .lua = "ambient", .flags = DAFT_FIELD_UNIFORM,
           .doc = "The fraction of the ambient light that it reflects (Ka)"),
     COLOR(diffuse, ZERO_OR_MORE, .initial = {0.8, 0.8, 0.8}, .lua = "color",
           .doc = "Lambert's reflection (Kd), times the texture"),
-    COLOR(specular, ZERO_OR_MORE, .initial = {0.2, 0.2, 0.2}, .lua = "specular", .flags = DAFT_FIELD_GREY,
+    COLOR(specular, ZERO_OR_MORE, .initial = {0.2, 0.2, 0.2}, .lua = "specular", .flags = DAFT_FIELD_UNIFORM,
           .doc = "Phong's highlight (Ks)"),
     ROW(shininess, FROM(0, 1000), .initial = {30}, .lua = "shininess",
         .doc = "Phong's exponent (Ns): higher is smaller"),
     ROW(mirror, FROM(0, 1), .lua = "mirror", .doc = "The weight of the mirrored ray's light"),
     COLOR(mirror_tint, ZERO_OR_MORE, .initial = {1, 1, 1}, .lua = "mirror_tint",
           .doc = "The mirrored light is multiplied by it"),
-    COLOR(emission, ZERO_OR_MORE, .lua = "emission", .flags = DAFT_FIELD_GREY,
+    COLOR(emission, ZERO_OR_MORE, .lua = "emission", .flags = DAFT_FIELD_UNIFORM,
           .doc = "Light that it gives off by itself; it lights nothing else"),
     ROW(transmission, FROM(0, 1), .lua = "transmission",
         .doc = "The fraction of the light that passes through; the rest is left to color and ambient"),
@@ -25,7 +25,7 @@ static const daft_field ROWS[] = {
     ROW(refractive_index, FROM((double)0.001f, 10), .initial = {1.5}, .lua = "refractive_index",
         .doc = "How strongly light is bent, and so mirrored: water 1.33, glass 1.5, diamond 2.42; 1: not at all"),
     ROW(diffuse_map, .lua = "texture", .doc = "The image that diffuse is multiplied by"),
-    ROW(map_scale, .initial = {1, 1}, .lua = "texture_scale", .flags = DAFT_FIELD_GREY,
+    ROW(map_scale, .initial = {1, 1}, .lua = "texture_scale", .flags = DAFT_FIELD_UNIFORM,
         .doc = "Repeats of the texture over one unit of u and of v; on boxes one unit is a metre"),
 };
 

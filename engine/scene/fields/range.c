@@ -57,16 +57,15 @@ const char *daft_field_range(const daft_field *field, char *buffer, size_t size)
 
 /* ---- checks ---- */
 
-typedef struct limits {
-    double min, max;
-} limits;
-
-static limits limits_of(const daft_field *field, bool used)
+static void limits_of(const daft_field *field, bool used, double *min, double *max)
 {
     bool any = !used || (field->min == 0 && field->max == 0);
-    limits l = {any ? -DBL_MAX : field->min, any || isinf(field->max) ? DBL_MAX : field->max};
-    return l;
+    double largest = field->type == DAFT_FIELD_DOUBLE || field->type == DAFT_FIELD_POSITION ? DBL_MAX : DAFT_ANY_FLOAT;
+    *min = any ? -largest : field->min;
+    *max = any || isinf(field->max) ? largest : field->max;
 }
+
+void daft_field_limits(const daft_field *field, double *min, double *max) { limits_of(field, true, min, max); }
 
 static bool choice_check(const daft_field *field, uint32_t value, const char *before, daft_error *error)
 {
@@ -99,9 +98,10 @@ static bool check_used(const daft_field *field, bool used, const void *value, co
     uint32_t count = daft_field_numbers(field, value, numbers);
     if (field->type == DAFT_FIELD_CHOICE) return choice_check(field, (uint32_t)numbers[0], before, error);
     if (field->type == DAFT_FIELD_BOOL || field->type >= DAFT_FIELD_MESH) return true;
-    limits l = limits_of(field, used);
+    double min, max;
+    limits_of(field, used, &min, &max);
     for (uint32_t i = 0; i < count; i++)
-        if (!(numbers[i] >= l.min && numbers[i] <= l.max))
+        if (!(numbers[i] >= min && numbers[i] <= max))
             return fail_component(field, used, i, numbers[i], count, before, error);
     if (!used || !all_zero(numbers, count)) return true;
     if (field->type == DAFT_FIELD_DIRECTION)

@@ -22,8 +22,7 @@ static const daft_field ENGINE_ROWS[] = {
 
 const daft_field_list daft_engine_fields = DAFT_FIELD_LIST(daft_engine_def, ENGINE_ROWS);
 
-/* daft_sin states its error up to a million radians. */
-#define ANGLES .unit = "rad", FROM(-1e6, 1e6)
+#define ANGLES .unit = "rad", DAFT_ANGLES
 
 static const daft_field CAMERA_ROWS[] = {
     CAMERA(position, .unit = "m", .lua = "position", .flags = DAFT_FIELD_HASHED, .doc = "Where it is"),

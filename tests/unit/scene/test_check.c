@@ -170,11 +170,10 @@ static void every_bad_line_of_a_scene_is_told(void **unused)
                 "sphere 0 0 0 nan red.mtl\nmesh none.obj 0 0 0\nmesh solid.obj 0 0 0 0\nsun 0 0 0 1 1 1\n"
                 "spot 0 0 0 0 0 0 1 1 1\nspot 0 0 0 0 1 0 1 1 1 0\nspot 0 0 0 0 1 0 1 1 1 20 30\n",
                 1, ":1:11: error: expected z", ":2:1: error: unknown item 'lihgt'",
-                ":3:14: error: r is 0; it must be above", ":4:14: error: r is -1",
+                ":3:14: error: r is 0; it must be finite and above", ":4:14: error: r is -1",
                 ":5:14: error: expected r (a number), 'nan' came", ":6:6: error: ", ":7:22: error: scale is 0",
-                ":8:5: error: the sun's direction is 0 0 0", ":9:12: error: the spot's direction is 0 0 0",
-                ":10:24: error: angle is 0",
-                ":11:27: error: inner is 30; it must be 0 or more and at most the angle before it");
+                ":8:5: error: direction is 0, 0, 0", ":9:12: error: direction is 0, 0, 0", ":10:24: error: angle is 0",
+                ":11:27: error: inner is 30; it must be at most 20, the number before it");
     assert_says(output, "1 file checked: 11 errors, 0 warnings");
 }
 

@@ -1,7 +1,7 @@
 /* .scene files: what each line means, and that every mistake is told with its line and column and changes nothing. */
 #include "math/trig.h"
 #include "scene/scene.h"
-#include "scene/format/text.h"
+#include "scene/format/items.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -199,6 +199,23 @@ static void every_line_means_what_the_manual_says(void **state)
     for (int i = 0; i < 9; i++) assert_true(fabs(map.m[i] - want[i]) < 1e-6);
 }
 
+/* The manual has the form of every item, as messages show it. */
+static void every_form_is_in_the_manual(void **state)
+{
+    fixture *f = *state;
+    size_t size, i = 0;
+    daft_error error;
+    char *page = daft_file_read(f->scene->allocator, DAFT_ROOT "/docs/reference/scene-files.md", &size, &error);
+    assert_non_null(page);
+    char form[128], cell[160];
+    for (; daft_scene_item_form(i, form, sizeof form); i++) {
+        snprintf(cell, sizeof cell, "| `%s` |", form);
+        if (!strstr(page, cell)) fail_msg("scene-files.md lacks %s", cell);
+    }
+    assert_true(i >= 9);
+    daft_release(f->scene->allocator, page);
+}
+
 static void materials_keep_their_meaning(void **state)
 {
     fixture *f = *state;
@@ -307,18 +324,18 @@ static const struct {
     {"camera 0 0 x\n", 1, 12, "expected z (a number), 'x' came"},
     {"camera 0 0 0 1\n", 1, 15, "expected yaw"},
     {"camera 0 0 0 1 2 3 4\n", 1, 20, "unexpected '4'"},
-    {"camera 0 0 0 1 2 180\n", 1, 18, "fov is 180; it must be above 0 and below 180"},
+    {"camera 0 0 0 1 2 180\n", 1, 18, "fov is 180; it must be between 5.72958e-05 and 179.995 degrees"},
     {"camera 0 0 0 1 2 0\n", 1, 18, "fov is 0"},
     {"camera 0 nan 0\n", 1, 10, "'nan' came"},
     {"camera 0 inf 0\n", 1, 10, "'inf' came"},
     {"camera 0 0x10 0\n", 1, 10, "'0x10' came"},
-    {"camera 0 1e999 0\n", 1, 10, "y is 1e999; it must be a finite number"},
+    {"camera 0 1e999 0\n", 1, 10, "y is 1e999; it must be finite"},
     {"camera 1,5 0 0\n", 1, 8, "'1,5' came"},
     {"camera 0 0 0 1e8 0\n", 1, 14, "pitch is 1e8"},
     {"light 1 2 3 1 1\n", 1, 16, "expected b"},
-    {"  light 1 2 3 1 -1 1\n", 1, 17, "g is -1; it must be 0 or more"},
+    {"  light 1 2 3 1 -1 1\n", 1, 17, "g is -1; it must be finite and 0 or more"},
     {"light 1 2 3 1 1e39 1\n", 1, 15, "g is 1e39"},
-    {"sphere 1 2 3 0 m.mtl\n", 1, 14, "r is 0; it must be above 0"},
+    {"sphere 1 2 3 0 m.mtl\n", 1, 14, "r is 0; it must be finite and above 0"},
     {"sphere 1 2 3 -1 m.mtl\n", 1, 14, "r is -1"},
     {"sphere 1 2 3 1\n", 1, 15, "expected the path of an .mtl file"},
     {"sphere 1 2 3 1 m.mtl x\n", 1, 22, "unexpected 'x'; the form is: sphere x y z r material_path"},
@@ -329,7 +346,7 @@ static const struct {
     {"sphere 1 2 3 1 \"\"\n", 1, 16, "but it is empty"},
     {"mesh no.obj 0 0 0\n", 1, 6, "no.obj: cannot open"},
     {"mesh . 0 0 0\n", 1, 6, "is a directory"},
-    {"mesh t.obj 0 0 0 0\n", 1, 18, "scale is 0; it must be a finite number that is not 0"},
+    {"mesh t.obj 0 0 0 0\n", 1, 18, "scale is 0; it must not be 0"},
     {"mesh t.obj 0 0 0 1 90\n", 1, 22, "expected rot_y"},
     {"mesh t.obj 0 0 0 1 0 0 0 0\n", 1, 26, "unexpected '0'"},
     {"light 1 2 3 1 1 1 shadow=perhaps\n", 1, 19, "shadow is 'perhaps'; it must be true or false"},
@@ -342,8 +359,15 @@ static const struct {
     {"mesh\n", 1, 5, "expected the path of a mesh"},
     {"skybox no.png\n", 1, 8, "no.png"},
     {"skybox sky.tga sky.tga\n", 1, 16, "unexpected 'sky.tga'; the form is: skybox path"},
-    {"sun 0 0 0 1 1 1\n", 1, 5, "direction is 0 0 0"},
+    {"sun 0 0 0 1 1 1\n", 1, 5, "direction is 0, 0, 0; it must have a length"},
+    {"spot 0 0 0 0 0 0 1 1 1\n", 1, 12, "direction is 0, 0, 0"},
+    {"spot 0 0 0 0 1 0 1 1 1 0\n", 1, 24, "angle is 0; it must be above 0 and at most 180 degrees"},
+    {"spot 0 0 0 0 1 0 1 1 1 181\n", 1, 24, "angle is 181"},
+    {"spot 0 0 0 0 1 0 1 1 1 20 -1\n", 1, 27, "inner is -1; it must be between 0 and 180 degrees"},
+    {"spot 0 0 0 0 1 0 1 1 1 20 30\n", 1, 27, "inner is 30; it must be at most 20, the number before it"},
+    {"sphere 1 2 3 1e-60 m.mtl\n", 1, 14, "r is 1e-60; it must be finite and above 0"},
     {"ambient 1 1\n", 1, 12, "expected b"},
+    {"ambient 1 -1 1\n", 1, 11, "g is -1; it must be finite and 0 or more"},
     {"include no.scene\n", 1, 9, "no.scene: cannot open"},
     {"camera 0 0 0\ninclude s.scene\n", 2, 9, "s.scene includes itself"},
     {"", 1, 1, "no item in the file"},
@@ -523,6 +547,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(every_line_means_what_the_manual_says),
         TEST(items_have_options),
+        TEST(every_form_is_in_the_manual),
         TEST(materials_keep_their_meaning),
         TEST(glass_keeps_its_meaning),
         TEST(includes_are_relative_to_their_file),

@@ -1,0 +1,381 @@
+/* The items of .scene files as data. A value's range, unit and type are those of its field (scene/fields), so a field
+ * is described once for C, Lua and .scene alike; angles are degrees here and nowhere else. After an item's values come
+ * options, name=value: the fields with a .scene name that the item's kind uses.
+ *
+ * A new item is a row of FORMS, and what load.c does with it. */
+#include "scene/format/items.h"
+
+#include "math/trig.h"
+#include "scene/fields/check.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { MAX_VALUES = 8, MAX_PATH = 1024, LONGEST_OPTION = 200, LONGEST_FORM = 128 };
+
+#define DEGREE (DAFT_PI / 180)
+
+typedef daft_scene_item item;
+
+/* What stands next on an item's line: a path, or the numbers of one field. */
+typedef struct value {
+    const char *names;     /* "x y z": of its numbers, or of its path */
+    const char *member;    /* of the item's struct */
+    const daft_field *own; /* instead: a field of the item itself */
+    const char *path;      /* instead: a path, of what, for messages */
+    bool optional;         /* the line may end before it */
+    bool not_zero;         /* though the field may be */
+    double fraction;       /* not 0: at most the number before it and, left out, this fraction of that */
+} value;
+
+typedef struct form {
+    const char *word;
+    daft_scene_item_kind kind;
+    daft_struct fields; /* DAFT_STRUCT_COUNT: none */
+    size_t offset;      /* of that struct in an item */
+    uint32_t choice;    /* of the struct's first choice, where it has one */
+    value values[MAX_VALUES];
+} form;
+
+/* ---- the items ---- */
+
+static const daft_field AMBIENT = DAFT_COLOR_ROW(item, ambient, ZERO_OR_MORE, .doc = "Light from everywhere");
+
+/* clang-format off */
+#define NO_STRUCT     DAFT_STRUCT_COUNT, 0, 0
+#define CAMERA        DAFT_STRUCT_CAMERA, offsetof(item, camera), 0
+#define LIGHT(kind)   DAFT_STRUCT_LIGHT_DEF, offsetof(item, light), kind
+#define ENTITY(shape) DAFT_STRUCT_ENTITY_DEF, offsetof(item, entity), shape
+/* Each takes the names, the member or what the path is of, and designated initialisers of value. */
+#define FIELD(n, m, ...) {.names = (n), .member = (m), __VA_ARGS__}
+#define PATH(n, of)      {.names = (n), .path = (of)}
+
+static const form FORMS[] = {
+    {"camera", DAFT_ITEM_CAMERA, CAMERA, {
+        FIELD("x y z", "position"),
+        FIELD("pitch", "pitch", .optional = true),
+        FIELD("yaw", "yaw"),
+        FIELD("fov", "fov", .optional = true)}},
+    {"skybox", DAFT_ITEM_SKYBOX, NO_STRUCT, {
+        PATH("path", "an image")}},
+    {"light", DAFT_ITEM_LIGHT, LIGHT(DAFT_LIGHT_POINT), {
+        FIELD("x y z", "position"),
+        FIELD("r g b", "color")}},
+    {"sphere", DAFT_ITEM_SPHERE, ENTITY(DAFT_SHAPE_SPHERE), {
+        FIELD("x y z", "position"),
+        FIELD("r", "radius"),
+        PATH("material_path", "an .mtl file")}},
+    {"mesh", DAFT_ITEM_MESH, ENTITY(DAFT_SHAPE_MESH), {
+        PATH("mesh_path", "a mesh"),
+        FIELD("x y z", "position"),
+        FIELD("scale", "scale", .optional = true, .not_zero = true),
+        FIELD("rot_x rot_y rot_z", "rotation", .optional = true)}},
+    {"sun", DAFT_ITEM_LIGHT, LIGHT(DAFT_LIGHT_SUN), {
+        FIELD("dx dy dz", "direction"),
+        FIELD("r g b", "color")}},
+    {"spot", DAFT_ITEM_LIGHT, LIGHT(DAFT_LIGHT_SPOT), {
+        FIELD("x y z", "position"),
+        FIELD("dx dy dz", "direction"),
+        FIELD("r g b", "color"),
+        FIELD("angle", "outer_angle", .optional = true),
+        FIELD("inner", "inner_angle", .optional = true, .fraction = 0.75)}},
+    {"ambient", DAFT_ITEM_AMBIENT, NO_STRUCT, {
+        FIELD("r g b", NULL, .own = &AMBIENT)}},
+    {"include", DAFT_ITEM_INCLUDE, NO_STRUCT, {
+        PATH("path", "a .scene file")}},
+};
+/* clang-format on */
+
+static size_t value_count(const form *f)
+{
+    size_t count = 0;
+    while (count < MAX_VALUES && f->values[count].names) count++;
+    return count;
+}
+
+static const char *form_text(const form *f, char *buffer, size_t size)
+{
+    size_t used = (size_t)snprintf(buffer, size, "%s", f->word), open = 0;
+    for (size_t i = 0; i < value_count(f); i++) {
+        open += f->values[i].optional;
+        used +=
+            (size_t)snprintf(buffer + used, size - used, f->values[i].optional ? " [%s" : " %s", f->values[i].names);
+    }
+    for (; open > 0; open--) used += (size_t)snprintf(buffer + used, size - used, "]");
+    return buffer;
+}
+
+const char *daft_scene_item_form(size_t index, char *buffer, size_t size)
+{
+    return index < DAFT_COUNT_OF(FORMS) ? form_text(&FORMS[index], buffer, size) : NULL;
+}
+
+/* ---- fields in degrees ---- */
+
+static bool is_angle(const daft_field *field) { return field->unit && strcmp(field->unit, "rad") == 0; }
+
+/* The field as a .scene file shows it. */
+static daft_field shown_field(const daft_field *field)
+{
+    daft_field shown = *field;
+    if (!is_angle(field)) return shown;
+    shown.unit = "degrees";
+    if (shown.min != DAFT_ABOVE_ZERO) shown.min /= DEGREE;
+    shown.max /= DEGREE;
+    return shown;
+}
+
+static const daft_field *field_of(const form *f, const value *v)
+{
+    return v->own ? v->own : daft_field_find(f->fields, v->member);
+}
+
+/* ---- values ---- */
+
+typedef struct reader {
+    daft_scene_text *text;
+    daft_arena *arena;
+    const form *form;
+    item *out;
+    double last; /* the number that was read last */
+} reader;
+
+static void *struct_of(const reader *read) { return (char *)read->out + read->form->offset; }
+
+static int next_column(reader *read)
+{
+    daft_scene_text_ends(read->text); /* goes past blanks */
+    return (int)(read->text->at - read->text->line_start) + 1;
+}
+
+/* A path, joined to the folder of the file that names it. */
+static bool read_path(reader *read, const char *of)
+{
+    daft_token token;
+    char what[64], name[MAX_PATH], joined[MAX_PATH];
+    snprintf(what, sizeof what, "the path of %s", of);
+    if (!daft_scene_text_word(read->text, what, &token)) return false;
+    read->out->column = token.column;
+    bool fits = token.length < sizeof name;
+    if (fits) {
+        memcpy(name, token.text, token.length);
+        name[token.length] = 0;
+        fits = daft_path_beside(read->text->path, name, joined, sizeof joined);
+    }
+    if (!fits)
+        return daft_scene_text_fail(read->text, token.column, "the path has more than %d characters", MAX_PATH - 1);
+    size_t size = strlen(joined) + 1;
+    char *copy = daft_arena_alloc(read->arena, size, 1);
+    if (!copy) return daft_fail_memory(read->text->error, "a scene file's paths");
+    read->out->path = memcpy(copy, joined, size);
+    return true;
+}
+
+/* One number for each of the names. Returns how many; 0: failed. */
+static uint32_t read_numbers(reader *read, const char *names, const daft_field *field, double *out)
+{
+    daft_field shown = shown_field(field);
+    double low, high;
+    char range[128];
+    uint32_t count = 0;
+    daft_field_range(&shown, range, sizeof range);
+    daft_field_limits(&shown, &low, &high);
+    while (*names) {
+        char name[16];
+        size_t length = strcspn(names, " ");
+        snprintf(name, sizeof name, "%.*s", (int)length, names);
+        if (!daft_scene_text_number(read->text, name, low, high, range, &out[count++])) return 0;
+        names += length + (names[length] == ' ');
+    }
+    read->last = out[count - 1];
+    return count;
+}
+
+static daft_quat axis_turn(int axis, double angle)
+{
+    float s = (float)daft_sin(angle / 2), c = (float)daft_cos(angle / 2);
+    return (daft_quat){axis == 0 ? s : 0, axis == 1 ? s : 0, axis == 2 ? s : 0, c};
+}
+
+/* About X first: the rightmost factor turns first. */
+static void set_rotation(const daft_field *field, void *out, const double *degrees)
+{
+    daft_quat x = axis_turn(0, degrees[0] * DEGREE), y = axis_turn(1, degrees[1] * DEGREE);
+    daft_quat q = daft_quat_mul(axis_turn(2, degrees[2] * DEGREE), daft_quat_mul(y, x));
+    daft_field_set_numbers(field, out, (double[4]){(double)q.x, (double)q.y, (double)q.z, (double)q.w});
+}
+
+/* `count` numbers as the file has them. One stands for all components. */
+static void set_numbers(const daft_field *field, void *out, const double *numbers, uint32_t count)
+{
+    double scaled[4];
+    for (uint32_t i = 0; i < 4; i++) {
+        scaled[i] = numbers[count == 1 ? 0 : i < count ? i : count - 1];
+        if (is_angle(field)) scaled[i] *= DEGREE;
+    }
+    daft_field_set_numbers(field, out, scaled);
+}
+
+static bool read_field(reader *read, const value *v)
+{
+    static const daft_field TURN = {.name = "angle", .type = DAFT_FIELD_FLOAT, .unit = "rad", DAFT_ANGLES};
+    const daft_field *field = field_of(read->form, v);
+    bool turns = field->type == DAFT_FIELD_ROTATION;
+    int column = next_column(read);
+    double numbers[4], before = read->last;
+    daft_error why;
+    uint32_t count = read_numbers(read, v->names, turns ? &TURN : field, numbers);
+    if (count == 0) return false;
+    if (v->not_zero && numbers[0] == 0)
+        return daft_scene_text_fail(read->text, column, "%s is 0; it must not be 0", v->names);
+    if (v->fraction > 0 && numbers[0] > before)
+        return daft_scene_text_fail(read->text, column, "%s is %g; it must be at most %g, the number before it",
+                                    v->names, numbers[0], before);
+    if (turns)
+        set_rotation(field, struct_of(read), numbers);
+    else
+        set_numbers(field, struct_of(read), numbers, count);
+    return daft_field_check(field, struct_of(read), "", &why) ||
+           daft_scene_text_fail(read->text, column, "%s", why.message);
+}
+
+/* ---- options ---- */
+
+/* The length of the word that comes next, if it is an option: a letter first, a '=' in it; else 0. */
+static size_t option_length(daft_scene_text *text)
+{
+    if (daft_scene_text_ends(text) || !isalpha((unsigned char)*text->at)) return 0;
+    const char *at = text->at;
+    bool equals = false;
+    for (; at < text->end && !strchr(" \t\r\n", *at); at++) equals |= *at == '=';
+    return equals ? (size_t)(at - text->at) : 0;
+}
+
+static bool is_option(const reader *read, const daft_field *field)
+{
+    return field->scene && daft_field_used(daft_field_list_of(read->form->fields), field, struct_of(read));
+}
+
+static const daft_field *option_field(const reader *read, const char *name)
+{
+    uint32_t count;
+    const daft_field *fields = daft_fields(read->form->fields, &count);
+    for (uint32_t i = 0; i < count; i++)
+        if (is_option(read, &fields[i]) && strcmp(fields[i].scene, name) == 0) return &fields[i];
+    return NULL;
+}
+
+static bool fail_option(const reader *read, int column, const char *name)
+{
+    char known[LONGEST_OPTION] = "";
+    uint32_t count;
+    const daft_field *fields = daft_fields(read->form->fields, &count);
+    for (uint32_t i = 0; i < count; i++) {
+        size_t used = strlen(known);
+        if (is_option(read, &fields[i]))
+            snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", fields[i].scene);
+    }
+    return daft_scene_text_fail(read->text, column, "unknown option '%.40s'; known are %s", name, known);
+}
+
+static bool set_option(const daft_field *field, const char *text, void *out, daft_error *error)
+{
+    daft_field shown = shown_field(field);
+    double numbers[4];
+    shown.name = field->scene;
+    if (!daft_field_parse(&shown, text, out, error)) return false;
+    if (is_angle(field)) set_numbers(field, out, numbers, daft_field_numbers(field, out, numbers));
+    return true;
+}
+
+static bool read_option(reader *read)
+{
+    daft_token token;
+    char text[LONGEST_OPTION];
+    daft_error why;
+    if (!daft_scene_text_word(read->text, "an option", &token)) return false;
+    snprintf(text, sizeof text, "%.*s", (int)token.length, token.text);
+    char *set = strchr(text, '=');
+    if (token.length >= sizeof text || !set)
+        return daft_scene_text_fail(read->text, token.column, "the option has more than %d characters",
+                                    LONGEST_OPTION - 1);
+    *set++ = 0;
+    const daft_field *field = option_field(read, text);
+    if (!field) return fail_option(read, token.column, text);
+    return set_option(field, set, struct_of(read), &why) ||
+           daft_scene_text_fail(read->text, token.column, "%s", why.message);
+}
+
+static bool read_options(reader *read)
+{
+    while (read->form->fields != DAFT_STRUCT_COUNT && option_length(read->text) > 0)
+        if (!read_option(read)) return false;
+    return true;
+}
+
+/* ---- items ---- */
+
+static void set_defaults(const reader *read)
+{
+    uint32_t count;
+    const daft_field *fields = daft_fields(read->form->fields, &count);
+    daft_struct_default(read->form->fields, struct_of(read));
+    for (uint32_t i = 0; i < count; i++) {
+        if (fields[i].type != DAFT_FIELD_CHOICE) continue;
+        daft_field_set_numbers(&fields[i], struct_of(read), (double[4]){read->form->choice});
+        return;
+    }
+}
+
+/* The first optional value that is left out ends the numbers; values that follow from the one before it are set. */
+static bool read_values(reader *read)
+{
+    const size_t count = value_count(read->form);
+    size_t i = 0;
+    for (; i < count; i++) {
+        const value *v = &read->form->values[i];
+        if (v->optional && (daft_scene_text_ends(read->text) || option_length(read->text) > 0)) break;
+        if (!(v->path ? read_path(read, v->path) : read_field(read, v))) return false;
+    }
+    if (i < count && read->form->values[i].fraction > 0) {
+        double number = read->form->values[i].fraction * read->last;
+        set_numbers(field_of(read->form, &read->form->values[i]), struct_of(read), &number, 1);
+    }
+    return true;
+}
+
+static bool fail_unknown(daft_scene_text *text, daft_token word)
+{
+    char known[256] = "";
+    for (size_t i = 0; i < DAFT_COUNT_OF(FORMS); i++) {
+        if (i > 0) strcat(known, ", ");
+        strcat(known, FORMS[i].word);
+    }
+    return daft_scene_text_fail(text, word.column, "unknown item '%s'; known are %s", daft_token_show(word).text,
+                                known);
+}
+
+static const form *form_of(daft_token word)
+{
+    for (size_t i = 0; i < DAFT_COUNT_OF(FORMS); i++)
+        if (strlen(FORMS[i].word) == word.length && memcmp(FORMS[i].word, word.text, word.length) == 0)
+            return &FORMS[i];
+    return NULL;
+}
+
+bool daft_scene_item_read(daft_scene_text *text, daft_arena *arena, daft_scene_item *out)
+{
+    daft_token word;
+    char usage[LONGEST_FORM];
+    text->usage = "an item and its values";
+    if (!daft_scene_text_word(text, "an item", &word)) return false;
+    reader read = {.text = text, .arena = arena, .form = form_of(word), .out = out};
+    if (!read.form) return fail_unknown(text, word);
+    *out = (item){.kind = read.form->kind, .source = text->path, .line = text->line, .column = word.column};
+    text->usage = form_text(read.form, usage, sizeof usage);
+    set_defaults(&read);
+    bool done = read_values(&read) && read_options(&read) && daft_scene_text_finish(text);
+    text->usage = "";
+    return done;
+}

@@ -1,0 +1,39 @@
+/* The items of .scene files: what each is called, which fields its values fill in what order, and how a line of one is
+ * read. */
+#ifndef DAFT_SCENE_ITEMS_H
+#define DAFT_SCENE_ITEMS_H
+
+#include "scene/format/text.h"
+#include "scene/scene.h"
+
+typedef enum daft_scene_item_kind {
+    DAFT_ITEM_CAMERA,
+    DAFT_ITEM_SKYBOX,
+    DAFT_ITEM_LIGHT,
+    DAFT_ITEM_AMBIENT,
+    DAFT_ITEM_SPHERE,
+    DAFT_ITEM_MESH,
+    DAFT_ITEM_INCLUDE,
+    DAFT_ITEM_REFUSED /* what it names cannot be loaded; only where a watch lets the load go on */
+} daft_scene_item_kind;
+
+typedef struct daft_scene_item {
+    daft_scene_item_kind kind;
+    const char *source; /* the .scene file */
+    int line, column;   /* of the path, if there is one; else of the keyword */
+    const char *path;   /* joined to the source's folder; or NULL */
+    union {
+        daft_camera camera;
+        daft_light_def light;
+        daft_vec3 ambient;
+        daft_entity_def entity;
+    };
+} daft_scene_item;
+
+/* Reads the line's item with its values and options, up to the end of the line. Paths are kept in the arena. */
+bool daft_scene_item_read(daft_scene_text *text, daft_arena *arena, daft_scene_item *out);
+
+/* The form of the item of this index, "camera x y z [pitch yaw [fov]]", in `buffer`; NULL beyond the last. */
+const char *daft_scene_item_form(size_t index, char *buffer, size_t size);
+
+#endif
