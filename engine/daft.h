@@ -101,6 +101,10 @@ DAFT_API void daft_writer_put_at(daft_writer *writer, uint64_t offset, const voi
 DAFT_API bool daft_writer_commit(daft_writer *writer, daft_error *error);
 /* Drops what was written and frees the writer. NULL is fine. */
 DAFT_API void daft_writer_abandon(daft_writer *writer);
+/* For a program that is about to end while its threads still write, as on SIGTERM: removes the temporary files that
+ * this process has open. What is being written then fails. Not for signal handlers. Where the system does not tell a
+ * file's name (it does on Linux and macOS), nothing happens, and the next write in that folder removes them. */
+DAFT_API void daft_remove_temporaries(void);
 
 /* ---- engine ------------------------------------------------------------------------------------------------------ */
 

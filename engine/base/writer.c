@@ -71,6 +71,30 @@ static void remove_left_over(int folder)
     closedir(list);
 }
 
+/* The name of an open file, where the system can tell. */
+static bool name_of(int file, char *out, size_t size)
+{
+#if defined(F_GETPATH) /* macOS; at most PATH_MAX bytes, 1024 there */
+    return size >= 1024 && fcntl(file, F_GETPATH, out) == 0;
+#else
+    char link[32];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    ssize_t length = readlink(link, out, size - 1);
+    if (length > 0) out[length] = 0;
+    return length > 0;
+#endif
+}
+
+void daft_remove_temporaries(void)
+{
+    enum { MOST_FILES = 4096, LONGEST = 4096 };
+    char path[LONGEST];
+    for (int file = 0; file < MOST_FILES; file++) {
+        const char *slash = name_of(file, path, sizeof path) ? strrchr(path, '/') : NULL;
+        if (slash && is_temporary(slash + 1)) unlink(path);
+    }
+}
+
 /* The folder that `path` lies in. -1: errno says why. */
 static int open_folder(const daft_allocator *allocator, const char *path, size_t length)
 {

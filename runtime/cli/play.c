@@ -27,7 +27,7 @@ typedef struct play_options {
     bool headless, hash, every_frame;
     long ticks, threads, shot_tick, seed;
     cli_size size;
-    double scale;
+    double scale, seconds;
     daft_quality quality;
     const char *record, *replay, *isa, *shot, *stats, *game;
 } play_options;
@@ -65,7 +65,8 @@ static session_def base_session(const player *p)
                          .replay = o->replay,
                          .shot = o->shot,
                          .shot_tick = (uint64_t)o->shot_tick,
-                         .stats = o->stats};
+                         .stats = o->stats,
+                         .seconds = o->seconds};
 }
 
 static int finish(session_end end, const daft_error *error)
@@ -144,6 +145,7 @@ static int play_menu(player *p)
     size_t count, chosen = 0;
     game_info *games = home_list_games(&p->where, &count);
     session_def def = base_session(p);
+    def.stays = true;
     int status = STATUS_DONE;
     for (;;) {
         daft_error error;
@@ -182,7 +184,7 @@ static int play(player *p)
 
 int command_play(int argc, char **argv)
 {
-    player p = {.options = {.scale = 1, .quality = NOT_GIVEN, .seed = 1}};
+    player p = {.options = {.scale = 1, .seconds = WATCHDOG_SECONDS, .quality = NOT_GIVEN, .seed = 1}};
     play_options *o = &p.options;
     const cli_option options[] = {
         {"headless", 0, CLI_FLAG, NULL, &o->headless, 0, 0,
@@ -201,6 +203,8 @@ int command_play(int argc, char **argv)
         {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 256,
          "worker threads; 0, the default, is one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o->isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"},
+        {"time-limit", 0, CLI_NUMBER, "SECONDS", &o->seconds, 0, 3600,
+         "how long one call into the game may take, 0.1 to 3600 (5)"},
         {"seed", 0, CLI_COUNT, "N", &o->seed, 0, 1000000000, "seed of the random numbers (1); a replay uses its own"},
         {"shot", 0, CLI_TEXT, "FILE", &o->shot, 0, 0, "write a picture (.png, .ppm) at the end"},
         {"shot-tick", 0, CLI_COUNT, "N", &o->shot_tick, 1, 1000000000, "write that picture after update N instead"},
@@ -212,6 +216,7 @@ int command_play(int argc, char **argv)
     if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
     if (o->shot_tick && !o->shot) return cli_refuse("play", "--shot-tick: --shot FILE is missing");
     if (!(o->scale > 0)) return cli_refuse("play", "--scale: a number above 0 expected");
+    if (!(o->seconds >= 0.1)) return cli_refuse("play", "--time-limit: a number from 0.1 to 3600 expected");
     if (count > 0) o->game = operands[0];
     int status = play(&p);
     if (p.screen) p.screen->close(p.screen);

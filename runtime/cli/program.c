@@ -2,8 +2,10 @@
 #include "cli/commands.h"
 
 #include "lua/api.h"
+#include "common/stop.h"
 #include "common/util.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -68,7 +70,7 @@ static int command_help(int argc, char **argv)
     return STATUS_DONE;
 }
 
-int run_program(int argc, char **argv)
+static int choose_command(int argc, char **argv)
 {
     if (argc < 2) {
         print_usage(stderr);
@@ -78,4 +80,20 @@ int run_program(int argc, char **argv)
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) name = "help";
     if (strcmp(name, "--version") == 0 || strcmp(name, "-V") == 0) name = "version";
     return run_command(name, argc - 1, argv + 1);
+}
+
+/* What a full disk or a closed descriptor did not take is lost: no status but "bad" tells of it. */
+static int finish_output(int status)
+{
+    errno = 0;
+    bool flushed = fflush(stdout) == 0;
+    if (flushed && !ferror(stdout)) return status;
+    fprintf(stderr, "daft: standard output cannot be written%s%s\n", errno ? ": " : "", errno ? strerror(errno) : "");
+    return status == STATUS_DONE ? STATUS_BAD_INPUT : status;
+}
+
+int run_program(int argc, char **argv)
+{
+    stop_open();
+    return finish_output(choose_command(argc, argv));
 }

@@ -37,7 +37,8 @@ static bool start(game_state *state, daft_error *error)
                     .keys = &state->keys,
                     .face = state->def.face,
                     .seed = state->def.seed,
-                    .interrupted = state->def.interrupted,
+                    .seconds = state->def.seconds,
+                    .asked = state->def.asked,
                     .user = state->def.user};
     bool good = host_open(&state->scripts, &def);
     state->scripts.replaying = game_is_replaying(state);
@@ -81,8 +82,7 @@ static void take_input(game_state *state)
         input_apply_queue(keys);
     }
     state->scripts.replaying = replaying;
-    for (size_t i = 0; state->def.record && i < keys->applied_count; i++)
-        recorder_add(state->def.record, state->ticks, &keys->applied[i]);
+    if (state->def.record) recorder_tick(state->def.record, state->ticks, keys->applied, keys->applied_count);
 }
 
 static bool call_key_handlers(game_state *state)
@@ -95,14 +95,36 @@ static bool call_key_handlers(game_state *state)
     return true;
 }
 
+/* Ends the watchdog's section `what`; false where it took too long. */
+static bool in_time(game_state *state, const char *what)
+{
+    watchdog_state ended = watchdog_end(state->scripts.dog);
+    if (ended == WATCHDOG_ASKED) state->scripts.asked = true;
+    if (ended == WATCHDOG_RUNNING) return true;
+    snprintf(state->scripts.message, sizeof state->scripts.message,
+             ended == WATCHDOG_LATE ? "%s took longer than %g s" : "%s was stopped", what,
+             watchdog_limit(state->scripts.dog));
+    state->scripts.trace[0] = 0;
+    return stop(state);
+}
+
+static bool step(game_state *state)
+{
+    static const char name[] = "the simulation of one tick";
+    daft_error error;
+    watchdog_begin(state->scripts.dog, name, 1);
+    bool good = daft_scene_step(state->scene, 1.0f / LOOP_RATE, &error);
+    return in_time(state, name) && (good || stop_with(state, "simulation", &error));
+}
+
 bool game_tick(game_state *state)
 {
     if (state->failed) return false;
     daft_scene_begin_tick(state->scene);
     take_input(state);
     if (!call_key_handlers(state) || !host_update(&state->scripts, 1.0 / LOOP_RATE)) return stop(state);
+    if (!step(state)) return false;
     daft_error error;
-    if (!daft_scene_step(state->scene, 1.0f / LOOP_RATE, &error)) return stop_with(state, "simulation", &error);
     state->ticks++;
     state->scripts.tick++;
     state->over = state->scripts.quit;
@@ -111,16 +133,32 @@ bool game_tick(game_state *state)
     return !state->failed;
 }
 
-bool game_draw(game_state *state, daft_image *picture, float alpha)
+static bool keep_drawing(void *user, float unused)
 {
-    if (state->failed) return false;
+    (void)unused;
+    return watchdog_look(user) <= WATCHDOG_RUNNING;
+}
+
+static bool render(game_state *state, daft_image *picture, float alpha)
+{
+    static const char name[] = "drawing one picture";
+    /* Pictures of the high qualities are for files: they may take so many times as long. */
+    double factor = state->def.quality >= DAFT_QUALITY_HIGH ? 12 : 1;
     daft_view view = daft_default_view();
     view.camera = daft_scene_camera(state->scene, alpha);
     view.alpha = alpha;
     view.quality = state->def.quality;
+    view.progress = keep_drawing;
+    view.progress_user = state->scripts.dog;
     daft_error error;
-    if (!daft_render(state->scene, &view, picture, &error)) return stop_with(state, "drawing", &error);
-    return game_draw_over(state, picture);
+    watchdog_begin(state->scripts.dog, name, factor);
+    bool good = daft_render(state->scene, &view, picture, &error);
+    return in_time(state, name) && (good || stop_with(state, "drawing", &error));
+}
+
+bool game_draw(game_state *state, daft_image *picture, float alpha)
+{
+    return !state->failed && render(state, picture, alpha) && game_draw_over(state, picture);
 }
 
 bool game_draw_over(game_state *state, daft_image *picture)

@@ -4,7 +4,8 @@
  * time step, and game.h (this) runs one game, tick by tick, without a window or a clock. One tick stores the poses for
  * interpolation, applies the input (live or recorded), calls daft.keypressed and daft.keyreleased, then
  * daft.update(1/60), then steps the simulation. Promises: the same recording gives the same ticks. After a script error
- * the game stops and keeps the message until it is reloaded. */
+ * the game stops and keeps the message until it is reloaded. Callbacks, steps and pictures that take too long are
+ * errors of that kind (lua/watchdog.h). */
 #ifndef RUNTIME_GAME_GAME_H
 #define RUNTIME_GAME_GAME_H
 
@@ -18,9 +19,10 @@ typedef struct game_def {
     font *face;
     daft_quality quality;
     uint64_t seed;
-    recording *replay; /* or NULL; must outlive the game */
-    recorder *record;  /* or NULL; must outlive the game */
-    bool (*interrupted)(void *user);
+    recording *replay;        /* or NULL; must outlive the game */
+    recorder *record;         /* or NULL; must outlive the game */
+    double seconds;           /* one call into the game may take; 0: WATCHDOG_SECONDS */
+    int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
     void *user;
 } game_def;
 

@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -226,7 +227,9 @@ void recording_play(recording *record, uint64_t tick, input *state)
 /* ---- writing ---- */
 
 struct recorder {
-    FILE *file;
+    pthread_mutex_t lock; /* of what follows: recorder_finish may be called from any thread */
+    FILE *file;           /* NULL: the recording is in place, or was lost */
+    uint64_t ticks;       /* whose input is in the file */
     char path[PATH_SIZE], part[PATH_SIZE + 8];
 };
 
@@ -272,25 +275,30 @@ recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_
         free(writer);
         return NULL;
     }
+    pthread_mutex_init(&writer->lock, NULL);
     fprintf(writer->file, "daft-recording 2\ngame %s\nrate %d\nseed %" PRIu64 "\n", game, LOOP_RATE, seed);
     return writer;
 }
 
-void recorder_add(recorder *writer, uint64_t tick, const input_event *event)
+static void put_event(FILE *file, uint64_t tick, const input_event *event)
 {
     static const char *const names[] = {[INPUT_MOVE] = "mouse", [INPUT_MOTION] = "motion", [INPUT_WHEEL] = "wheel"};
-    fprintf(writer->file, "%" PRIu64 " ", tick);
+    fprintf(file, "%" PRIu64 " ", tick);
     if (event->kind == INPUT_KEY)
-        fprintf(writer->file, "%c%s\n", event->down ? '+' : '-', input_key_name(event->key));
+        fprintf(file, "%c%s\n", event->down ? '+' : '-', input_key_name(event->key));
     else /* nine digits bring a float back to the bit */
-        fprintf(writer->file, "%s %.9g %.9g\n", names[event->kind], (double)event->x, (double)event->y);
+        fprintf(file, "%s %.9g %.9g\n", names[event->kind], (double)event->x, (double)event->y);
 }
 
-void recorder_tick(recorder *writer, uint64_t ticks)
+void recorder_tick(recorder *writer, uint64_t tick, const input_event *events, size_t count)
 {
-    if (ticks % LOOP_RATE != 0) return;
-    fprintf(writer->file, "tick %" PRIu64 "\n", ticks);
-    fflush(writer->file);
+    pthread_mutex_lock(&writer->lock);
+    bool marks = tick > 0 && tick % LOOP_RATE == 0 && tick >= writer->ticks; /* once */
+    if (writer->file && marks) fprintf(writer->file, "tick %" PRIu64 "\n", tick);
+    if (writer->file && marks) fflush(writer->file);
+    for (size_t i = 0; writer->file && i < count; i++) put_event(writer->file, tick, &events[i]);
+    writer->ticks = tick + 1;
+    pthread_mutex_unlock(&writer->lock);
 }
 
 /* Flushes the file and its new name to the disk. */
@@ -306,13 +314,25 @@ static bool put_in_place(recorder *writer)
     return true;
 }
 
-bool recorder_close(recorder *writer, uint64_t end, daft_error *error)
+bool recorder_finish(recorder *writer, daft_error *error)
 {
     if (!writer) return true;
-    fprintf(writer->file, "end %" PRIu64 "\n", end);
-    bool good = put_in_place(writer) || fail_at(error, writer->path, 0, 0, "cannot be written: %s", strerror(errno));
-    if (!good) unlink(writer->part);
-    fclose(writer->file);
-    free(writer);
+    bool good = true;
+    pthread_mutex_lock(&writer->lock);
+    if (writer->file) {
+        fprintf(writer->file, "end %" PRIu64 "\n", writer->ticks);
+        good = put_in_place(writer) || fail_at(error, writer->path, 0, 0, "cannot be written: %s", strerror(errno));
+        if (!good) unlink(writer->part);
+        fclose(writer->file);
+        writer->file = NULL;
+    }
+    pthread_mutex_unlock(&writer->lock);
     return good;
+}
+
+void recorder_free(recorder *writer)
+{
+    if (!writer) return;
+    pthread_mutex_destroy(&writer->lock);
+    free(writer);
 }

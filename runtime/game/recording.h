@@ -48,11 +48,12 @@ void recording_play(recording *record, uint64_t tick, input *state);
 /* Writes events while the game runs, so that a failed game leaves its recording. */
 typedef struct recorder recorder;
 recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_error *error);
-void recorder_add(recorder *writer, uint64_t tick, const input_event *event);
-/* After each tick: `ticks` have been recorded so far. */
-void recorder_tick(recorder *writer, uint64_t ticks);
-/* Ends the file at `end` ticks and puts it into place. NULL is fine. False where a write failed: then FILE is as it
- * was. */
-bool recorder_close(recorder *writer, uint64_t end, daft_error *error);
+/* As tick `tick`, counted from 0, begins: what it is given. A game that fails in this tick fails again in its replay.
+ */
+void recorder_tick(recorder *writer, uint64_t tick, const input_event *events, size_t count);
+/* Ends the file after the last tick that began, and puts it into place; from any thread, once: then the recorder takes
+ * nothing more. NULL is fine. False where a write failed: then FILE is as it was. */
+bool recorder_finish(recorder *writer, daft_error *error);
+void recorder_free(recorder *writer);
 
 #endif

@@ -3,9 +3,11 @@
 
 #include "game/loop.h"
 #include "hud/screens.h"
+#include "common/stop.h"
 #include "common/util.h"
 
 #include <inttypes.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -27,6 +29,8 @@ typedef struct session {
     double update_ms, frame_ms, turn_ms; /* smoothed, for the overlay */
     uint64_t hashed, shot_done, turns;
     progress_bar bar;
+    _Atomic uint64_t polled_ns; /* when events were last taken */
+    atomic_bool leaving;        /* set by the watchdog's thread: Esc or the close button waits in the queue */
 } session;
 
 /* ---- the picture ---- */
@@ -117,14 +121,27 @@ static void take_events(session *s)
             break;
         }
     }
+    atomic_store(&s->polled_ns, clock_now_ns());
 }
 
-/* Called during a long script call, so that Esc and the close button still work. */
-static bool interrupted(void *user)
+/* On the watchdog's thread. Esc must answer within 100 ms: where nobody has looked at the events for a while, it looks.
+ * Where a file is yet to be written, or the menu is to come back, the game has more time to end well. */
+static int asked(void *user)
 {
+    enum { OLD_NS = 30000000, SHORT_MS = 40, LONG_MS = 1500 };
     session *s = user;
-    take_events(s);
-    return s->left || s->closed;
+    platform *screen = s->def->screen;
+    if (!screen->leave_waits || clock_now_ns() - atomic_load(&s->polled_ns) < OLD_NS) return 0;
+    if (!screen->leave_waits(screen)) return 0;
+    atomic_store(&s->leaving, true);
+    return s->def->stays || s->def->shot || s->def->stats || s->def->hash ? LONG_MS : SHORT_MS;
+}
+
+/* Before an early end of the program, on another thread. */
+static void save_recording(void *user)
+{
+    daft_error error;
+    if (!recorder_finish(((session *)user)->record, &error)) report(&error);
 }
 
 /* ---- hashes, shots, statistics ---- */
@@ -188,7 +205,7 @@ static void write_user_shot(session *s)
 
 static void report_script(session *s)
 {
-    if (!s->play.failed || s->reported) return;
+    if (!s->play.failed || s->reported || s->play.scripts.asked) return;
     progress_end(&s->bar);
     fflush(stdout);
     fprintf(stderr, "daft: %s\n%s%s", s->play.scripts.message, s->play.scripts.trace,
@@ -206,7 +223,7 @@ static uint64_t last_tick(const session *s)
 
 static bool is_over(const session *s)
 {
-    return s->left || s->closed || s->play.over || s->play.ticks >= last_tick(s) ||
+    return s->left || s->closed || atomic_load(&s->leaving) || s->play.over || s->play.ticks >= last_tick(s) ||
            (s->play.failed && s->def->screen->headless);
 }
 
@@ -216,7 +233,6 @@ static bool run_updates(session *s, int updates, daft_error *error)
     for (int i = 0; i < updates && !is_over(s); i++) {
         uint64_t before = s->play.ticks;
         game_tick(&s->play);
-        if (s->play.ticks > before && s->record) recorder_tick(s->record, s->play.ticks);
         if (s->play.ticks > before && !s->play.failed && !after_tick(s, error)) return false;
     }
     if (updates > 0 && !s->play.failed) s->update_ms = smooth(s->update_ms, (double)(clock_now_ns() - began) / 1e6);
@@ -244,7 +260,7 @@ static bool turn(session *s, daft_error *error)
     s->last_ns = now;
     if (s->turns++ > 1) s->turn_ms = smooth(s->turn_ms, (double)elapsed / 1e6); /* the first turns have no interval */
     if (!run_updates(s, loop_advance(&s->clock, elapsed), error)) return false;
-    if (s->def->every_frame || screen->wants_frame(screen)) {
+    if (!atomic_load(&s->leaving) && (s->def->every_frame || screen->wants_frame(screen))) {
         if (!draw(s, loop_alpha(&s->clock), error) || !screen->present(screen, s->picture, error)) return false;
     }
     report_script(s);
@@ -273,6 +289,7 @@ static bool open_files(session *s, daft_error *error)
 static bool run(session *s, daft_error *error)
 {
     if (!open_files(s, error)) return false;
+    stop_set_act(save_recording, s);
     const session_def *def = s->def;
     game_def play = {.where = def->where,
                      .info = s->info,
@@ -282,18 +299,29 @@ static bool run(session *s, daft_error *error)
                      .seed = def->replay ? s->replay.seed : def->seed,
                      .replay = def->replay ? &s->replay : NULL,
                      .record = s->record,
-                     .interrupted = interrupted,
+                     .seconds = def->seconds,
+                     .asked = asked,
                      .user = s};
     if (!game_open(&s->play, &play, error)) return false;
     progress_begin(&s->bar, s->info->title);
     s->last_ns = def->screen->now_ns(def->screen);
     bool good = true;
     while (good && !is_over(s)) good = turn(s, error);
+    if (atomic_load(&s->leaving)) take_events(s);
     grab_mouse(s, false);
     progress_end(&s->bar);
     report_script(s);
     good = good && at_end(s, error);
     report_script(s);
+    return good;
+}
+
+/* Puts the recording in place and the window out of sight, before memory is freed, which may take long. */
+static bool leave(session *s, daft_error *error)
+{
+    stop_set_act(NULL, NULL);
+    bool good = recorder_finish(s->record, error);
+    if ((s->left || s->closed) && !s->def->stays) s->def->screen->hide(s->def->screen);
     return good;
 }
 
@@ -305,9 +333,10 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     def->screen->set_title(def->screen, title);
     *error = (daft_error){0};
     bool good = run(&s, error);
-    if (!recorder_close(s.record, s.play.ticks, good ? error : NULL)) good = false;
+    if (!leave(&s, good ? error : NULL)) good = false;
     bool failed = s.play.failed && (def->screen->headless || s.play.over);
     if (s.play.scene || s.play.scripts.L) game_close(&s.play);
+    recorder_free(s.record);
     recording_free(&s.replay);
     daft_image_destroy(s.picture);
     frame_times_free(&s.times);

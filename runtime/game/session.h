@@ -1,5 +1,7 @@
 /* session: plays one game on a platform: the loop with its clock, what the program's own keys do (Esc, F1, F12, R), the
- * picture's size, recordings, hashes, pictures to files, and figures. The same code runs with and without a window. */
+ * picture's size, recordings, hashes, pictures to files, and figures. The same code runs with and without a window.
+ * Promises: Esc and the window's close button work at any time, also while a callback does not come back; whatever ends
+ * the program early, the recording is saved up to the tick that had begun. */
 #ifndef RUNTIME_GAME_SESSION_H
 #define RUNTIME_GAME_SESSION_H
 
@@ -25,6 +27,8 @@ typedef struct session_def {
     const char *shot;            /* file of a picture, or NULL */
     uint64_t shot_tick;          /* after so many ticks; 0: at the end */
     const char *stats;           /* file for times and counters as JSON, or NULL */
+    double seconds;              /* one call into the game may take; 0: WATCHDOG_SECONDS */
+    bool stays;                  /* the window stays after the session: for a menu */
 } session_def;
 
 typedef enum session_end {

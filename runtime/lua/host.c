@@ -32,7 +32,7 @@ void random_seed(random_state *state, uint64_t seed)
     }
 }
 
-/* ---- memory and time ---- */
+/* ---- memory ---- */
 
 static void *allocate(void *user, void *pointer, size_t old_size, size_t new_size)
 {
@@ -45,42 +45,118 @@ static void *allocate(void *user, void *pointer, size_t old_size, size_t new_siz
     }
     size_t max = state->def.memory ? state->def.memory : HOST_MEMORY;
     if (new_size > held && state->memory - held + new_size > max) return NULL;
+    if (!pointer && old_size == LUA_TSTRING && new_size > HOST_STRING) return NULL;
     void *grown = realloc(pointer, new_size);
     if (grown) state->memory += new_size - held;
     return grown;
 }
 
-enum { WATCH_STEP = 200000 };
+/* ---- stopping ----
+ *
+ * Where a call is to end, the hook below is set for every kind of event, in the state that runs and in each that the
+ * error comes through, so that the next instruction or call raises the error again: no handler, __close or loop gets
+ * further. */
 
-/* Raises an error where the callback has run for too long; `steps` of it since the last look. */
-static void watch_steps(lua_State *L, uint64_t steps)
+enum { WATCH_STEP = 200000, EVERY_EVENT = LUA_MASKCALL | LUA_MASKRET | LUA_MASKLINE | LUA_MASKCOUNT };
+
+bool host_stopping(const host *state)
 {
-    host *state = api_host(L);
-    uint64_t ran = clock_now_ns() - state->call_began;
-    const char *name = state->callback;
-    state->call_ran += steps;
-    if (state->def.instructions && state->call_ran > state->def.instructions) {
-        state->stopped = true;
-        luaL_error(L, "%s ran too long", name);
-    }
-    if (ran > (uint64_t)HOST_CALL_SECONDS * 1000000000u) {
-        state->stopped = true;
-        luaL_error(L, "%s ran for %d s without coming to an end", name, (int)HOST_CALL_SECONDS);
-    }
-    if (ran > 500000000u && state->def.interrupted && state->def.interrupted(state->def.user)) {
-        state->stopped = true;
-        luaL_error(L, "%s was stopped", name);
-    }
+    return state->stopped || (state->dog && watchdog_look(state->dog) > WATCHDOG_RUNNING);
 }
 
-/* Called every WATCH_STEP instructions: a game in an endless loop must not take the window with it. */
+void host_set_running(host *state, lua_State *L) { atomic_store_explicit(&state->running, L, memory_order_relaxed); }
+
+static void describe_stop(const host *state, watchdog_state why, char *out, size_t size)
+{
+    if (why == WATCHDOG_LATE)
+        snprintf(out, size, "%s ran for %g s without coming to an end", state->callback, watchdog_limit(state->dog));
+    else
+        snprintf(out, size, why == WATCHDOG_ASKED ? "%s was stopped" : "%s ran too long", state->callback);
+}
+
+enum { TRACE_LEVELS = 12 };
+
+/* The first level from `level` on that is a script's, whose line is known; TRACE_LEVELS: none. */
+static int next_script_level(lua_State *L, int level, lua_Debug *place)
+{
+    for (; level < TRACE_LEVELS && lua_getstack(L, level, place); level++)
+        if (lua_getinfo(L, "Sln", place) && place->currentline > 0) return level;
+    return TRACE_LEVELS;
+}
+
+/* Where the script is, without allocating, and without a look at tables of any size. */
+static void describe_place(lua_State *L, host *state)
+{
+    lua_Debug place;
+    char what[200];
+    describe_stop(state, watchdog_look(state->dog), what, sizeof what);
+    int level = next_script_level(L, 0, &place);
+    if (level == TRACE_LEVELS) {
+        snprintf(state->message, sizeof state->message, "%s", what);
+        return;
+    }
+    snprintf(state->message, sizeof state->message, "%s:%d: %s", place.short_src, place.currentline, what);
+    size_t used = (size_t)snprintf(state->trace, sizeof state->trace, "stack traceback:");
+    for (; level < TRACE_LEVELS && used + 256 < sizeof state->trace; level = next_script_level(L, level + 1, &place))
+        used += (size_t)snprintf(state->trace + used, sizeof state->trace - used, "\n\t%s:%d: in %s%.60s%s",
+                                 place.short_src, place.currentline, place.name ? "function '" : "a function",
+                                 place.name ? place.name : "", place.name ? "'" : "");
+}
+
+static void on_stop(lua_State *L, lua_Debug *unused);
+
+static void raise_stop(lua_State *L, host *state)
+{
+    lua_sethook(L, on_stop, EVERY_EVENT, 1);
+    if (!state->stopped) {
+        state->stopped = true;
+        state->asked = watchdog_look(state->dog) == WATCHDOG_ASKED;
+        describe_place(L, state);
+    }
+    lua_pushstring(L, state->message);
+    lua_error(L);
+}
+
+static void on_stop(lua_State *L, lua_Debug *unused)
+{
+    (void)unused;
+    host *state = api_host(L);
+    if (host_stopping(state)) raise_stop(L, state);
+    lua_sethook(L, NULL, 0, 0); /* a coroutine that outlived a call that was stopped */
+}
+
+/* In the watchdog's signal handler, on the thread that runs the script. lua_sethook is made for that. */
+static void interrupt(void *user)
+{
+    lua_State *L = atomic_load_explicit(&((host *)user)->running, memory_order_relaxed);
+    if (L) lua_sethook(L, on_stop, EVERY_EVENT, 1);
+}
+
+static void count_steps(lua_State *L, uint64_t steps)
+{
+    host *state = api_host(L);
+    state->call_ran += steps;
+    if (host_stopping(state) || (state->def.instructions && state->call_ran > state->def.instructions))
+        raise_stop(L, state);
+}
+
 static void watch(lua_State *L, lua_Debug *unused)
 {
     (void)unused;
-    watch_steps(L, WATCH_STEP);
+    count_steps(L, WATCH_STEP);
 }
 
-void host_poll(lua_State *L) { watch_steps(L, PATTERNS_POLL_STEPS); }
+_Static_assert((int)HOST_POLL_STEPS == (int)PATTERNS_POLL_STEPS, "patterns poll by host_poll");
+void host_poll(lua_State *L) { count_steps(L, HOST_POLL_STEPS); }
+
+/* Counting instructions makes every one of them slower: only where somebody wants it. */
+static void set_usual_hook(host *state, lua_State *L)
+{
+    if (state->def.instructions)
+        lua_sethook(L, watch, LUA_MASKCOUNT, WATCH_STEP);
+    else
+        lua_sethook(L, NULL, 0, 0);
+}
 
 /* ---- files ---- */
 
@@ -173,6 +249,7 @@ static int require(lua_State *L)
 static int on_error(lua_State *L)
 {
     host *state = api_host(L);
+    if (host_stopping(state)) return 1;
     const char *message = lua_tostring(L, 1);
     if (!message && luaL_callmeta(L, 1, "__tostring") && lua_isstring(L, -1)) message = lua_tostring(L, -1);
     if (!message) message = lua_pushfstring(L, "(an error that is a %s)", luaL_typename(L, 1));
@@ -208,25 +285,42 @@ static int carry_out(lua_State *L)
     return 0;
 }
 
+/* The message of a call that failed without one: out of memory, or an error in on_error. */
+static void describe_failure(host *state, watchdog_state ended)
+{
+    lua_State *L = state->L;
+    if (state->message[0]) return;
+    if (ended != WATCHDOG_RUNNING)
+        describe_stop(state, ended, state->message, sizeof state->message);
+    else
+        snprintf(state->message, sizeof state->message, "%s: %s", state->callback,
+                 lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "an error while handling an error");
+}
+
 static bool call(host *state, const char *shown, request what)
 {
     lua_State *L = state->L;
     state->message[0] = state->trace[0] = 0;
     state->callback = shown;
-    state->call_began = clock_now_ns();
     state->call_ran = 0;
+    state->stopped = state->asked = false;
+    state->depth = 0;
     lua_settop(L, 0);
     lua_pushcfunction(L, on_error);
     lua_pushcfunction(L, carry_out);
     lua_pushlightuserdata(L, &what);
+    host_set_running(state, L);
+    watchdog_begin(state->dog, shown, 1);
     int status = lua_pcall(L, 1, 0, 1);
-    if (status != LUA_OK && state->message[0] == 0) /* out of memory, or an error in on_error: the handler did not run
-                                                     */
-        snprintf(state->message, sizeof state->message, "%s: %s", shown,
-                 lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "an error while handling an error");
+    watchdog_state ended = watchdog_end(state->dog);
+    host_set_running(state, NULL);
+    set_usual_hook(state, L);
+    bool good = status == LUA_OK && ended == WATCHDOG_RUNNING;
+    if (ended == WATCHDOG_ASKED) state->asked = true;
+    if (!good) describe_failure(state, ended);
     state->calling = NULL;
     lua_settop(L, 0);
-    return status == LUA_OK;
+    return good;
 }
 
 bool host_load(host *state) { return call(state, "daft.load", (request){.callback = "load"}); }
@@ -260,7 +354,7 @@ static int build(lua_State *L)
     api_register(L, api_host(L));
     lua_pushcfunction(L, require);
     lua_setglobal(L, "require");
-    lua_sethook(L, watch, LUA_MASKCOUNT, WATCH_STEP);
+    set_usual_hook(api_host(L), L);
     return 0;
 }
 
@@ -286,16 +380,22 @@ bool host_open(host *state, const host_def *def)
         return false;
     }
     *(host **)lua_getextraspace(state->L) = state;
+    watchdog_def watch_over = {
+        .seconds = def->seconds, .interrupt = interrupt, .asked = def->asked, .user = state, .asker = def->user};
+    daft_error error;
+    state->dog = watchdog_open(&watch_over, &error);
+    if (!state->dog) {
+        snprintf(state->message, sizeof state->message, "%s", error.message);
+        return false;
+    }
     return call(state, "daft", (request){.function = build}) &&
            call(state, "main.lua", (request){.function = run_main});
 }
 
 void host_close(host *state)
 {
-    if (!state->L) return;
-    state->call_began = clock_now_ns(); /* finalizers run now */
-    state->call_ran = 0;
-    state->callback = "closing the game";
-    lua_close(state->L);
+    watchdog_close(state->dog);
+    state->dog = NULL;
+    if (state->L) lua_close(state->L);
     state->L = NULL;
 }

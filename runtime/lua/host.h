@@ -5,15 +5,18 @@
  * numbers from a seed; pairs() in a fixed order; sin and its kin from libdaft and not from libm.
  *
  * Promises: a script's error is a message and a trace, never a crash; longjmp never crosses a frame of libdaft, which
- * calls nothing here back. A call that runs too long is stopped, and memory is bounded. */
+ * calls nothing here back. A call that runs too long is stopped (watchdog.h), also in handlers, __close and coroutines,
+ * and memory is bounded. */
 #ifndef RUNTIME_HOST_H
 #define RUNTIME_HOST_H
 
 #include "hud/canvas.h"
 #include "common/home.h"
 #include "platform/input.h"
+#include "lua/watchdog.h"
 
 #include <lua.h>
+#include <stdatomic.h>
 
 typedef struct api_function api_function;
 
@@ -33,10 +36,10 @@ typedef struct host_def {
     input *keys;
     font *face;
     uint64_t seed;
-    uint64_t instructions; /* one call may run so many, about; 0: only time counts */
-    size_t memory;         /* bytes the scripts may hold; 0: HOST_MEMORY */
-    /* Asked now and then while a script runs; true stops the script with an error. May be NULL. */
-    bool (*interrupted)(void *user);
+    uint64_t instructions;    /* one call may run so many, about; 0: only time counts */
+    size_t memory;            /* bytes the scripts may hold; 0: HOST_MEMORY */
+    double seconds;           /* one call may take; 0: WATCHDOG_SECONDS */
+    int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
     void *user;
 } host_def;
 
@@ -53,16 +56,19 @@ typedef struct host {
     bool quit, restart, grab;    /* wishes of the script */
     const api_function *calling; /* the binding that runs, for messages */
     const char *callback;        /* the callback that runs, for messages */
-    uint64_t call_began;         /* clock_now_ns */
-    uint64_t call_ran;           /* instructions, in steps of the watchdog's */
-    bool stopped;                /* by the watchdog: every protected call in the script passes the error on */
-    size_t memory;               /* bytes Lua holds */
+    uint64_t call_ran;           /* instructions, in steps of WATCH_STEP */
+    watchdog *dog;
+    lua_State *_Atomic running; /* the state or coroutine that runs: where a stop is to strike */
+    bool stopped;               /* this call: every protected call in the script passes the error on */
+    bool asked;                 /* stopped because somebody asked for the end */
+    int depth;                  /* of coroutines that are being closed, one within the other */
+    size_t memory;              /* bytes Lua holds */
     char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */
 } host;
 
-/* Seconds one callback may run, and bytes the scripts of a game may hold. */
-enum { HOST_CALL_SECONDS = 10 };
-static const size_t HOST_MEMORY = (size_t)1 << 30;
+/* Bytes the scripts of a game may hold, and the longest string: no operation of Lua on one takes longer than a second.
+ */
+static const size_t HOST_MEMORY = (size_t)1 << 30, HOST_STRING = (size_t)64 << 20;
 
 /* Opens a state with the API and runs main.lua. On failure message and trace are filled, and so is the host: call
  * host_close all the same. `state` must not move afterwards. */
@@ -74,8 +80,14 @@ bool host_load(host *state);
 bool host_update(host *state, double dt);
 bool host_key(host *state, int key, bool down);
 bool host_draw(host *state, const canvas *picture);
-/* For library functions that loop in C: raises an error where the callback has run for too long. */
+
+/* Whether the call that runs is to end. */
+bool host_stopping(const host *state);
+/* For library functions that loop in C, every HOST_POLL_STEPS steps: raises an error where the call is to end. */
+enum { HOST_POLL_STEPS = 4096 };
 void host_poll(lua_State *L);
+/* Which state or coroutine runs from now on. */
+void host_set_running(host *state, lua_State *L);
 
 void random_seed(random_state *state, uint64_t seed);
 uint64_t random_next(random_state *state);

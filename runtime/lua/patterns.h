@@ -8,7 +8,7 @@
 
 #include <lauxlib.h>
 
-enum { PATTERNS_POLL_STEPS = 4096 }; /* comparisons between two polls: some microseconds */
+enum { PATTERNS_POLL_STEPS = 4096 }; /* comparisons between two polls: some microseconds; HOST_POLL_STEPS */
 
 typedef void patterns_poll(lua_State *L);
 

@@ -48,6 +48,7 @@ static uint64_t now_null(platform *self)
 
 static void set_title_null(platform *self, const char *title) { (void)self, (void)title; }
 static void grab_null(platform *self, bool grab) { (void)self, (void)grab; }
+static void hide_null(platform *self) { (void)self; }
 
 platform *platform_open_null(int width, int height, int rate, daft_error *error)
 {
@@ -65,7 +66,8 @@ platform *platform_open_null(int width, int height, int rate, daft_error *error)
                                      .end_frame = end_frame_null,
                                      .now_ns = now_null,
                                      .set_title = set_title_null,
-                                     .grab_mouse = grab_null},
+                                     .grab_mouse = grab_null,
+                                     .hide = hide_null},
                             .width = width,
                             .height = height,
                             .rate = (uint64_t)rate};

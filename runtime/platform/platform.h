@@ -30,6 +30,10 @@ struct platform {
     uint64_t (*now_ns)(platform *self);
     void (*set_title)(platform *self, const char *title);
     void (*grab_mouse)(platform *self, bool grab); /* hides and confines the mouse; events become relative motions */
+    void (*hide)(platform *self);                  /* the window goes from sight */
+    /* From any thread, while the thread of the others does something else: whether Esc or the window's close button
+     * waits in the queue, where it stays. NULL, or never true, where only one thread may look. */
+    bool (*leave_waits)(platform *self);
 };
 
 /* NULL with a message when there is no display or the window cannot be made. */

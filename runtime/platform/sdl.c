@@ -6,6 +6,7 @@
 
 #include <SDL.h>
 #include <ctype.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,9 +17,21 @@ typedef struct sdl_platform {
     SDL_Renderer *renderer;
     SDL_Texture *texture;
     int texture_width, texture_height;
+    pthread_mutex_t lock; /* around every use of SDL: leave_waits_sdl comes from another thread */
     bool vsync, grabbed;
+    bool any_thread; /* this display's events may be fetched on any thread, one at a time */
     uint64_t last_frame_ns;
 } sdl_platform;
+
+/* The platform, with its lock taken; every use of it ends with unlock. */
+static sdl_platform *lock(platform *self)
+{
+    sdl_platform *sdl = (sdl_platform *)self;
+    pthread_mutex_lock(&sdl->lock);
+    return sdl;
+}
+
+static void unlock(sdl_platform *sdl) { pthread_mutex_unlock(&sdl->lock); }
 
 static void close_sdl(platform *self)
 {
@@ -27,6 +40,7 @@ static void close_sdl(platform *self)
     if (sdl->renderer) SDL_DestroyRenderer(sdl->renderer);
     if (sdl->window) SDL_DestroyWindow(sdl->window);
     SDL_Quit();
+    pthread_mutex_destroy(&sdl->lock);
     free(sdl);
 }
 
@@ -97,9 +111,8 @@ static bool mouse_event(sdl_platform *sdl, const SDL_Event *event, input_event *
     }
 }
 
-static bool poll_sdl(platform *self, platform_event *out)
+static bool next_event(sdl_platform *sdl, platform_event *out)
 {
-    sdl_platform *sdl = (sdl_platform *)self;
     for (SDL_Event event; SDL_PollEvent(&event);) {
         out->kind = PLATFORM_INPUT;
         switch (event.type) {
@@ -124,23 +137,54 @@ static bool poll_sdl(platform *self, platform_event *out)
     return false;
 }
 
+static bool poll_sdl(platform *self, platform_event *out)
+{
+    sdl_platform *sdl = lock(self);
+    bool found = next_event(sdl, out);
+    unlock(sdl);
+    return found;
+}
+
+static bool leave_waits_sdl(platform *self)
+{
+    enum { MOST_KEYS = 128 };
+    sdl_platform *sdl = (sdl_platform *)self;
+    SDL_Event keys[MOST_KEYS];
+    if (!sdl->any_thread || pthread_mutex_trylock(&sdl->lock) != 0) return false;
+    SDL_PumpEvents();
+    int count = SDL_PeepEvents(keys, MOST_KEYS, SDL_PEEKEVENT, SDL_KEYDOWN, SDL_KEYDOWN);
+    bool waits = SDL_HasEvent(SDL_QUIT);
+    for (int i = 0; i < count; i++) waits |= keys[i].key.keysym.sym == SDLK_ESCAPE;
+    unlock(sdl);
+    return waits;
+}
+
+static void hide_sdl(platform *self)
+{
+    sdl_platform *sdl = lock(self);
+    SDL_HideWindow(sdl->window);
+    unlock(sdl);
+}
+
 static void size_sdl(platform *self, int *width, int *height)
 {
-    sdl_platform *sdl = (sdl_platform *)self;
+    sdl_platform *sdl = lock(self);
     if (SDL_GetRendererOutputSize(sdl->renderer, width, height) != 0) *width = 1280, *height = 720;
+    unlock(sdl);
     if (*width < 1) *width = 1;
     if (*height < 1) *height = 1;
 }
 
 static bool wants_frame_sdl(platform *self)
 {
-    sdl_platform *sdl = (sdl_platform *)self;
-    return !(SDL_GetWindowFlags(sdl->window) & (SDL_WINDOW_MINIMIZED | SDL_WINDOW_HIDDEN));
+    sdl_platform *sdl = lock(self);
+    bool seen = !(SDL_GetWindowFlags(sdl->window) & (SDL_WINDOW_MINIMIZED | SDL_WINDOW_HIDDEN));
+    unlock(sdl);
+    return seen;
 }
 
-static bool present_sdl(platform *self, const daft_image *picture, daft_error *error)
+static bool show_picture(sdl_platform *sdl, const daft_image *picture, daft_error *error)
 {
-    sdl_platform *sdl = (sdl_platform *)self;
     int width = daft_image_width(picture), height = daft_image_height(picture);
     if (!sdl->texture || width != sdl->texture_width || height != sdl->texture_height) {
         if (sdl->texture) SDL_DestroyTexture(sdl->texture);
@@ -154,6 +198,14 @@ static bool present_sdl(platform *self, const daft_image *picture, daft_error *e
     SDL_RenderCopy(sdl->renderer, sdl->texture, NULL, NULL);
     SDL_RenderPresent(sdl->renderer);
     return true;
+}
+
+static bool present_sdl(platform *self, const daft_image *picture, daft_error *error)
+{
+    sdl_platform *sdl = lock(self);
+    bool good = show_picture(sdl, picture, error);
+    unlock(sdl);
+    return good;
 }
 
 /* Without vertical sync, limits the loop to 60 pictures a second. */
@@ -175,12 +227,16 @@ static uint64_t now_sdl(platform *self)
 
 static void set_title_sdl(platform *self, const char *title)
 {
-    SDL_SetWindowTitle(((sdl_platform *)self)->window, title);
+    sdl_platform *sdl = lock(self);
+    SDL_SetWindowTitle(sdl->window, title);
+    unlock(sdl);
 }
 
 static void grab_sdl(platform *self, bool grab)
 {
-    ((sdl_platform *)self)->grabbed = SDL_SetRelativeMouseMode(grab ? SDL_TRUE : SDL_FALSE) == 0 && grab;
+    sdl_platform *sdl = lock(self);
+    sdl->grabbed = SDL_SetRelativeMouseMode(grab ? SDL_TRUE : SDL_FALSE) == 0 && grab;
+    unlock(sdl);
 }
 
 /* On Linux SDL may draw on a console that nobody watches: without a display server there is no window. */
@@ -212,6 +268,9 @@ static bool open_window(sdl_platform *sdl, const char *title, int width, int hei
     SDL_RendererInfo info;
     sdl->vsync = sdl->renderer && SDL_GetRendererInfo(sdl->renderer, &info) == 0 &&
                  (info.flags & SDL_RENDERER_PRESENTVSYNC) && !(info.flags & SDL_RENDERER_SOFTWARE);
+    /* Elsewhere the system hands events to the thread that made the window. */
+    const char *driver = SDL_GetCurrentVideoDriver();
+    sdl->any_thread = driver && (strcmp(driver, "x11") == 0 || strcmp(driver, "wayland") == 0);
     return sdl->renderer != NULL;
 }
 
@@ -234,7 +293,10 @@ platform *platform_open_sdl(const char *title, int width, int height, daft_error
                            .end_frame = end_frame_sdl,
                            .now_ns = now_sdl,
                            .set_title = set_title_sdl,
-                           .grab_mouse = grab_sdl};
+                           .grab_mouse = grab_sdl,
+                           .hide = hide_sdl,
+                           .leave_waits = leave_waits_sdl};
+    pthread_mutex_init(&sdl->lock, NULL);
     if (!open_window(sdl, title, width, height)) {
         fail(error, DAFT_ERROR_UNSUPPORTED, "%s", SDL_GetError());
         close_sdl(&sdl->face);

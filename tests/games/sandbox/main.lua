@@ -99,6 +99,58 @@ assert(getmetatable(setmetatable({}, { __index = {} })).__index and #table.move(
 expect_error("protected", setmetatable, setmetatable({}, { __metatable = 1 }), {})
 
 -- Memory has an end, and running into it is an error like any other.
-expect_error("not enough memory", function() return ("x"):rep(1 << 30) end)
+expect_error("resulting string too large", function() return ("x"):rep(1 << 30) end)
+local half = ("x"):rep(40 << 20)
+expect_error("not enough memory", function() return half .. half end)
+half = nil
+
+-- string.rep, load, pairs and what calls: as in Lua, though made anew.
+for count = -1, 20 do
+    local want = {}
+    for i = 1, count do want[i] = "abc" end
+    assert(("abc"):rep(count, "--") == table.concat(want, "--") and ("abc"):rep(count) == table.concat(want))
+end
+local long = "return " .. ("1 + "):rep(50000) .. "1"
+assert(load(long)() == 50001 and load("x = ", "=name") == nil and select(2, load("x = ", "=name")):find("^name:1:"))
+local many, last = {}, 0
+for i = 1, 10000 do many[(i * 7919) % 10007] = i end
+for key in pairs(many) do
+    assert(key > last)
+    last = key
+end
+assert(last == 10006)
+local closed = {}
+local function closer(name) return setmetatable({}, { __close = function(_, e) closed[#closed + 1] = name .. ":" .. tostring(e) end }) end
+local held = coroutine.create(function()
+    local a <close> = closer("a")
+    coroutine.yield(1)
+end)
+assert(coroutine.resume(held) and coroutine.close(held) and coroutine.status(held) == "dead" and closed[1] == "a:nil")
+local failing = coroutine.wrap(function()
+    local a <close> = closer("w")
+    error("wrapped", 0)
+end)
+expect_error("wrapped", failing)
+assert(closed[2] == "w:wrapped")
+expect_error("cannot resume dead coroutine", failing)
+expect_error("cannot close a running coroutine", coroutine.close, (coroutine.running()))
+assert(select(2, coroutine.resume(held)) == "cannot resume dead coroutine")
+local good_close, why = coroutine.close(coroutine.create(error))
+assert(good_close and why == nil)
+assert(select(2, xpcall(error, debug.traceback, "boom")):find("^boom\nstack traceback:\n\t%[C%]: in function 'error'"))
+assert(select("#", xpcall(function(...) return ... end, print, 1, nil, nil)) == 4)
+-- Coroutines that close each other without end use up no stack of C's.
+local depth = 0
+local function nest()
+    depth = depth + 1
+    local co = coroutine.create(function()
+        local x <close> = setmetatable({}, { __close = nest })
+        coroutine.yield()
+    end)
+    coroutine.resume(co)
+    coroutine.close(co)
+end
+pcall(nest)
+assert(depth > 10 and depth < 1000)
 
 function daft.update() end

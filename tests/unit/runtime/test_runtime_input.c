@@ -123,9 +123,11 @@ static void what_is_recorded_reads_back_to_the_bit(void **unused)
         else
             event.x = (float)next(1u << 30) / 12345.0f - 3000, event.y = -(float)next(1u << 30) * 1e-20f;
         items[i] = (recording_item){tick, event};
-        recorder_add(writer, tick, &event);
+        recorder_tick(writer, tick, &event, 1);
     }
-    assert_true(recorder_close(writer, tick + 10, &error));
+    recorder_tick(writer, tick + 9, NULL, 0);
+    assert_true(recorder_finish(writer, &error));
+    recorder_free(writer);
     recording record;
     assert_true(recording_load(&record, temporary(), &error));
     assert_string_equal(record.game, "some game");
@@ -188,6 +190,17 @@ static void a_cut_recording_plays_to_its_last_second(void **unused)
     unlink(temporary());
 }
 
+static bool record_ten_ticks(const char *path, const char *game)
+{
+    daft_error error;
+    recorder *writer = recorder_open(path, game, 1, &error);
+    assert_non_null(writer);
+    recorder_tick(writer, 9, NULL, 0);
+    bool good = recorder_finish(writer, &error);
+    recorder_free(writer);
+    return good;
+}
+
 /* The old recording stays until the new one is whole, and what a killed game left is kept. */
 static void a_killed_game_loses_no_recording(void **unused)
 {
@@ -198,12 +211,11 @@ static void a_killed_game_loses_no_recording(void **unused)
     snprintf(part, sizeof part, "%s.part", path);
     snprintf(old, sizeof old, "%s-old", part);
     const input_event event = {.kind = INPUT_KEY, .key = key("left"), .down = true};
-    assert_true(recorder_close(recorder_open(path, "first", 1, &error), 10, &error));
+    assert_true(record_ten_ticks(path, "first"));
     pid_t child = fork();
     if (child == 0) {
         recorder *writer = recorder_open(path, "second", 1, &error);
-        recorder_add(writer, 3, &event);
-        for (uint64_t tick = 1; tick < 100; tick++) recorder_tick(writer, tick);
+        for (uint64_t tick = 0; tick < 100; tick++) recorder_tick(writer, tick, &event, tick == 3);
         raise(SIGKILL);
     }
     waitpid(child, NULL, 0);
@@ -211,7 +223,7 @@ static void a_killed_game_loses_no_recording(void **unused)
     assert_true(recording_load(&record, path, &error));
     assert_string_equal(record.game, "first");
     recording_free(&record);
-    assert_true(recorder_close(recorder_open(path, "third", 1, &error), 10, &error));
+    assert_true(record_ten_ticks(path, "third"));
     assert_true(recording_load(&record, old, &error));
     assert_string_equal(record.game, "second");
     assert_true(record.cut && record.end == 60 && record.count == 1);
@@ -221,9 +233,29 @@ static void a_killed_game_loses_no_recording(void **unused)
     assert_non_null(busy);
     assert_null(recorder_open(path, "fifth", 1, &error));
     assert_non_null(strstr(error.message, "another game"));
-    assert_true(recorder_close(busy, 1, &error));
+    assert_true(recorder_finish(busy, &error));
+    recorder_free(busy);
     unlink(path);
     unlink(old);
+}
+
+/* The tick that was given this input did not come to its end: its replay gets there too. */
+static void a_recording_holds_the_tick_that_failed(void **unused)
+{
+    (void)unused;
+    daft_error error;
+    const input_event event = {.kind = INPUT_KEY, .key = key("left"), .down = true};
+    recorder *writer = recorder_open(temporary(), "some game", 1, &error);
+    assert_non_null(writer);
+    for (uint64_t tick = 0; tick < 8; tick++) recorder_tick(writer, tick, &event, tick == 7);
+    assert_true(recorder_finish(writer, &error));
+    recorder_tick(writer, 8, &event, 1); /* too late: the file is in place */
+    assert_true(recorder_finish(writer, &error));
+    recorder_free(writer);
+    recording record;
+    assert_true(recording_load(&record, temporary(), &error));
+    assert_true(!record.cut && record.end == 8 && record.count == 1 && record.items[0].tick == 7);
+    recording_free(&record);
 }
 
 static void bad_files_say_where(void **unused)
@@ -308,6 +340,7 @@ int main(void)
                                        cmocka_unit_test(playing_gives_each_tick_its_events),
                                        cmocka_unit_test(a_cut_recording_plays_to_its_last_second),
                                        cmocka_unit_test(a_killed_game_loses_no_recording),
+                                       cmocka_unit_test(a_recording_holds_the_tick_that_failed),
                                        cmocka_unit_test(bad_files_say_where),
                                        cmocka_unit_test(random_bytes_do_no_harm)};
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -31,6 +31,7 @@ typedef struct script_platform {
     size_t count, next;
     uint64_t frame, presented;
     int width, height;
+    bool hidden;
     bool click; /* the press that follows the move of a click */
     int picture_width, picture_height;
     uint8_t corner[4]; /* of the last picture */
@@ -106,6 +107,7 @@ static void set_title_script(platform *self, const char *title)
 }
 
 static void grab_script(platform *self, bool grab) { (void)self, (void)grab; }
+static void hide_script(platform *self) { ((script_platform *)self)->hidden = true; }
 
 /* ---- the stage ---- */
 
@@ -135,7 +137,8 @@ static void set_up(const happening *script, size_t count)
                                           .end_frame = end_frame_script,
                                           .now_ns = now_script,
                                           .set_title = set_title_script,
-                                          .grab_mouse = grab_script},
+                                          .grab_mouse = grab_script,
+                                          .hide = hide_script},
                                  .script = script,
                                  .count = count,
                                  .width = 160,
@@ -177,6 +180,7 @@ static void escape_leaves_and_the_window_closes(void **unused)
     const happening leave[] = {{5, "+escape", 0, 0}};
     PLAY(leave);
     assert_int_equal(play("sample"), SESSION_LEFT);
+    assert_true(s.screen.hidden);
     assert_in_range(s.screen.presented, 5, 7);
     assert_string_equal(s.screen.title, "Sample - DAFT");
     tear_down();

@@ -1,0 +1,137 @@
+/* The end of the program before its time. See stop.h. */
+#include "common/stop.h"
+
+#include "common/util.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum {
+    SECOND_SIGNAL_NS = 1000000000, /* service managers send two signals at once, which is not impatience */
+    LOCK_TRIES_MS = 500,
+    WRITABLE_MS = 100 /* nobody may read the pipe that standard output is */
+};
+
+static const int SIGNALS[] = {SIGINT, SIGTERM, SIGHUP};
+
+static struct {
+    int wake[2]; /* a pipe: handlers write to it */
+    atomic_int signal;
+    _Atomic uint64_t first_ns; /* of the first signal */
+    atomic_bool ending;
+    pthread_mutex_t lock; /* of the act */
+    stop_act *act;
+    void *user;
+} stop = {.wake = {-1, -1}, .lock = PTHREAD_MUTEX_INITIALIZER};
+
+/* ---- what is done before the end ---- */
+
+static bool lock_act(void)
+{
+    for (int i = 0; i < LOCK_TRIES_MS; i++) {
+        if (pthread_mutex_trylock(&stop.lock) == 0) return true;
+        poll(NULL, 0, 1);
+    }
+    return false;
+}
+
+static bool can_write(int descriptor)
+{
+    struct pollfd wait = {.fd = descriptor, .events = POLLOUT};
+    return poll(&wait, 1, WRITABLE_MS) == 1 && (wait.revents & POLLOUT);
+}
+
+/* Without stderr's lock, which another thread may hold for ever. */
+static void print(const char *message)
+{
+    char text[1400];
+    int length = snprintf(text, sizeof text, "daft: %s\n", message);
+    size_t size = length < 0 ? 0 : (size_t)length < sizeof text ? (size_t)length : sizeof text - 1;
+    if (can_write(STDERR_FILENO) && write(STDERR_FILENO, text, size) < 0) return;
+}
+
+static void flush_output(void)
+{
+    if (ftrylockfile(stdout) != 0) return;
+    if (can_write(STDOUT_FILENO)) fflush(stdout);
+    funlockfile(stdout);
+}
+
+/* Only the first thread that comes here goes on. */
+static void end_well(const char *message)
+{
+    if (atomic_exchange(&stop.ending, true))
+        for (;;) pause();
+    if (message) print(message);
+    if (lock_act() && stop.act) stop.act(stop.user);
+    daft_remove_temporaries();
+    flush_output();
+}
+
+_Noreturn void stop_program(int status, const char *message)
+{
+    end_well(message);
+    _exit(status);
+}
+
+void stop_set_act(stop_act *act, void *user)
+{
+    pthread_mutex_lock(&stop.lock);
+    stop.act = act, stop.user = user;
+    pthread_mutex_unlock(&stop.lock);
+}
+
+/* ---- signals ---- */
+
+static void on_signal(int number)
+{
+    int none = 0, saved = errno;
+    uint64_t now = clock_now_ns();
+    if (atomic_compare_exchange_strong(&stop.signal, &none, number)) {
+        atomic_store(&stop.first_ns, now);
+        if (write(stop.wake[1], "", 1) != 1) _exit(128 + number);
+    } else if (now - atomic_load(&stop.first_ns) > SECOND_SIGNAL_NS) {
+        _exit(128 + number);
+    }
+    errno = saved;
+}
+
+static void *wait_for_signal(void *unused)
+{
+    char byte;
+    while (read(stop.wake[0], &byte, 1) != 1)
+        if (errno != EINTR) return unused;
+    int number = atomic_load(&stop.signal);
+    end_well(NULL);
+    signal(number, SIG_DFL);
+    kill(getpid(), number);
+    poll(NULL, 0, 1000);
+    _exit(128 + number); /* the signal is blocked everywhere */
+}
+
+static bool start_thread(void)
+{
+    pthread_t thread;
+    if (pipe(stop.wake) != 0) return false;
+    for (int i = 0; i < 2; i++) fcntl(stop.wake[i], F_SETFD, FD_CLOEXEC);
+    if (pthread_create(&thread, NULL, wait_for_signal, NULL) == 0) return pthread_detach(thread) == 0;
+    for (int i = 0; i < 2; i++) close(stop.wake[i]), stop.wake[i] = -1;
+    return false;
+}
+
+void stop_open(void)
+{
+    if (stop.wake[0] >= 0 || !start_thread()) return;
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART}, old;
+    sigemptyset(&action.sa_mask);
+    for (size_t i = 0; i < COUNT_OF(SIGNALS); i++)
+        if (sigaction(SIGNALS[i], NULL, &old) == 0 && old.sa_handler == SIG_DFL) sigaction(SIGNALS[i], &action, NULL);
+}
