@@ -136,6 +136,7 @@ typedef struct daft_engine_def {
     daft_allocator allocator; /* all zero: malloc */
     daft_warning_callback *warn;
     void *warn_user;
+    uint64_t memory_limit; /* bytes that the engine may hold, with what daft_engine_reserve takes; 0: no limit */
 } daft_engine_def;
 
 DAFT_API daft_engine_def daft_default_engine_def(void);
@@ -143,6 +144,19 @@ DAFT_API daft_engine *daft_engine_create(const daft_engine_def *def, daft_error 
 DAFT_API void daft_engine_destroy(daft_engine *engine); /* NULL is fine; its scenes must be gone */
 DAFT_API int daft_engine_threads(const daft_engine *engine);
 DAFT_API const char *daft_engine_isa(const daft_engine *engine);
+
+/* Bytes. All of the engine's memory is counted: scenes, images, what decoders and builders need for a while, and what
+ * is reserved. A call that needs more than the limit leaves over fails with DAFT_ERROR_MEMORY and changes nothing;
+ * images are measured by their headers, before they are decoded. */
+typedef struct daft_memory {
+    uint64_t used, peak, limit; /* limit 0: none */
+} daft_memory;
+
+DAFT_API daft_memory daft_engine_memory(const daft_engine *engine);
+/* Counts bytes that the program itself holds, such as those of scripts, so that all share one limit. False: they would
+ * exceed it, and nothing is taken. Any thread may call both; give back all before daft_engine_destroy. */
+DAFT_API bool daft_engine_reserve(daft_engine *engine, uint64_t bytes);
+DAFT_API void daft_engine_unreserve(daft_engine *engine, uint64_t bytes); /* at most what was reserved */
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 

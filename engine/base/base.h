@@ -1,5 +1,5 @@
 /* base: errors as values, memory, files, the parallel scheduler, the clock, hashes: what every room uses.
- * Public headers: base.h writer.h parallel.h
+ * Public headers: base.h budget.h writer.h parallel.h
  * Promises: no global state; every allocation uses the caller's allocator; the results of a parallel loop do not depend
  * on the number of workers, as long as a task writes only to what its index owns. */
 #ifndef DAFT_BASE_H

@@ -3,12 +3,19 @@
  * last one, and that makes the file a truncated one. */
 #include "image/decode.h"
 
+#include "base/budget.h"
+#include "image/stb_memory.h"
+
 #include <limits.h>
+#include <stdio.h>
 #include <string.h>
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_NO_STDIO
+#define STBI_MALLOC  daft_stb_malloc
+#define STBI_REALLOC daft_stb_realloc
+#define STBI_FREE    daft_stb_free
 #define STBI_FAILURE_USERMSG
 #define STBI_MAX_DIMENSIONS 16384
 #define STBI_ONLY_PNG
@@ -79,9 +86,8 @@ static const stbi_io_callbacks source_callbacks = {source_read, source_skip, sou
 static bool fail_decoding(const char *path, daft_error *error)
 {
     const char *reason = stbi_failure_reason();
-    daft_status code = DAFT_ERROR_SYNTAX;
-    if (reason && strcmp(reason, "Out of memory") == 0) code = DAFT_ERROR_MEMORY;
-    return daft_fail_at(error, code, path, 0, 0, "cannot decode the image: %s", reason ? reason : "unknown reason");
+    return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "cannot decode the image: %s",
+                        reason ? reason : "unknown reason");
 }
 
 /* ---- JPEG ---- */
@@ -171,13 +177,30 @@ static bool is_hdr_complete(const uint8_t *bytes, size_t size, int width, int he
  * lie which would cost gigabytes. */
 enum { PIXELS_PER_BYTE = 16384 };
 
-bool daft_decode_size(const char *path, const void *bytes, size_t size, int *width, int *height, daft_error *error)
+typedef struct decoding {
+    source from;
+    bool is_hdr, is_known; /* is_known: the header is one of a format that is read */
+    int width, height;
+    void *pixels;
+} decoding;
+
+static void decode_header(void *context)
 {
-    source from = {bytes, size, 0, false};
-    int w = 0, h = 0, channels = 0;
+    decoding *d = context;
+    int channels;
+    d->is_known = stbi_info_from_callbacks(&source_callbacks, &d->from, &d->width, &d->height, &channels);
+}
+
+bool daft_decode_size(const daft_allocator *allocator, const char *path, const void *bytes, size_t size, int *width,
+                      int *height, daft_error *error)
+{
+    decoding d = {.from = {bytes, size, 0, false}};
     if (!is_jpeg_safe(bytes, size))
         return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "cannot decode the image: bad Huffman table");
-    if (!stbi_info_from_callbacks(&source_callbacks, &from, &w, &h, &channels)) return fail_decoding(path, error);
+    if (!daft_stb_run(allocator, decode_header, &d, NULL))
+        return daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for the header of an image");
+    if (!d.is_known) return fail_decoding(path, error);
+    int w = d.width, h = d.height;
     if (w <= 0 || h <= 0)
         return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image has no pixels (%d by %d)", w, h);
     if (w > DAFT_MAX_IMAGE_SIDE || h > DAFT_MAX_IMAGE_SIDE)
@@ -190,28 +213,45 @@ bool daft_decode_size(const char *path, const void *bytes, size_t size, int *wid
     return true;
 }
 
-static bool decode(source *from, const char *path, daft_decoded *out, daft_error *error)
+static void decode_pixels(void *context)
+{
+    decoding *d = context;
+    int channels;
+    if (d->is_hdr)
+        d->pixels = stbi_loadf_from_callbacks(&source_callbacks, &d->from, &d->width, &d->height, &channels, 3);
+    else
+        d->pixels = stbi_load_from_callbacks(&source_callbacks, &d->from, &d->width, &d->height, &channels, 4);
+}
+
+/* What stb_image holds at once for so many pixels: of 8-bit files what the file packs and the result, 4 bytes a pixel
+ * each; of HDR files the result. */
+static bool can_afford(const daft_allocator *allocator, const char *path, int width, int height, bool is_hdr,
+                       daft_error *error)
+{
+    char what[64];
+    snprintf(what, sizeof what, "an image of %d by %d pixels", width, height);
+    return daft_budget_allows(allocator, (uint64_t)width * (uint64_t)height * (is_hdr ? 12 : 8), path, what, error);
+}
+
+static bool decode(const daft_allocator *allocator, const char *bytes, size_t size, const char *path, daft_decoded *out,
+                   daft_error *error)
 {
     int width, height;
-    if (!daft_decode_size(path, from->bytes, from->size, &width, &height, error)) return false;
-    int channels;
-    *from = (source){from->bytes, from->size, 0, false};
-    const uint8_t *bytes = (const uint8_t *)from->bytes;
-    bool is_hdr = stbi_is_hdr_from_memory(bytes, (int)from->size);
-    if (is_hdr && !is_hdr_complete(bytes, from->size, width, height))
+    if (!daft_decode_size(allocator, path, bytes, size, &width, &height, error)) return false;
+    decoding d = {.from = {bytes, size, 0, false}};
+    d.is_hdr = stbi_is_hdr_from_memory((const uint8_t *)bytes, (int)size);
+    if (d.is_hdr && !is_hdr_complete((const uint8_t *)bytes, size, width, height))
         return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image is truncated");
-    if (is_hdr)
-        out->floats = stbi_loadf_from_callbacks(&source_callbacks, from, &out->width, &out->height, &channels, 3);
-    else
-        out->bytes = stbi_load_from_callbacks(&source_callbacks, from, &out->width, &out->height, &channels, 4);
-    if (!out->floats && !out->bytes) {
-        if (from->starved) return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image is truncated");
+    if (!can_afford(allocator, path, width, height, d.is_hdr, error)) return false;
+    if (!daft_stb_run(allocator, decode_pixels, &d, &d.pixels))
+        return daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for an image of %d by %d pixels",
+                            width, height);
+    if (d.from.starved || !d.pixels) {
+        daft_stb_release(allocator, d.pixels);
+        if (d.from.starved) return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image is truncated");
         return fail_decoding(path, error);
     }
-    if (from->starved) {
-        daft_decoded_free(out);
-        return daft_fail_at(error, DAFT_ERROR_SYNTAX, path, 0, 0, "the image is truncated");
-    }
+    *out = (daft_decoded){d.width, d.height, d.is_hdr ? NULL : d.pixels, d.is_hdr ? d.pixels : NULL};
     return true;
 }
 
@@ -227,14 +267,14 @@ bool daft_decode_file(const daft_allocator *allocator, const char *path, daft_de
     else if (size > INT_MAX)
         daft_fail_at(error, DAFT_ERROR_UNSUPPORTED, path, 0, 0, "image files over 2 GiB are not read");
     else
-        done = decode(&(source){bytes, size, 0, false}, path, out, error);
+        done = decode(allocator, bytes, size, path, out, error);
     daft_release(allocator, bytes);
     return done;
 }
 
-void daft_decoded_free(daft_decoded *decoded)
+void daft_decoded_free(const daft_allocator *allocator, daft_decoded *decoded)
 {
-    stbi_image_free(decoded->bytes);
-    stbi_image_free(decoded->floats);
+    daft_stb_release(allocator, decoded->bytes);
+    daft_stb_release(allocator, decoded->floats);
     *decoded = (daft_decoded){0};
 }

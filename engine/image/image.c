@@ -3,6 +3,7 @@
 
 #include "image/color.h"
 #include "image/decode.h"
+#include "image/stb_memory.h"
 #include "base/writer.h"
 
 #include <string.h>
@@ -11,6 +12,9 @@
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
 #define STBI_WRITE_NO_STDIO
+#define STBIW_MALLOC  daft_stb_malloc
+#define STBIW_REALLOC daft_stb_realloc
+#define STBIW_FREE    daft_stb_free
 #pragma GCC diagnostic ignored "-Wunused-function" /* reported at the end of the file, so it is not popped */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
@@ -36,18 +40,24 @@ bool daft_image_read(const daft_allocator *allocator, const char *path, daft_ima
 {
     daft_decoded decoded;
     if (!daft_decode_file(allocator, path, &decoded, error)) return false;
+    if (decoded.bytes) {
+        *out = (daft_image){*allocator, decoded.width, decoded.height, decoded.bytes, true};
+        return true;
+    }
     size_t pixels = (size_t)decoded.width * (size_t)decoded.height;
     uint8_t *rgba = daft_alloc(allocator, pixels, 4);
-    if (rgba && decoded.bytes) memcpy(rgba, decoded.bytes, 4 * pixels);
-    if (rgba && decoded.floats) bytes_from_light(decoded.floats, pixels, rgba);
-    if (rgba) *out = (daft_image){*allocator, decoded.width, decoded.height, rgba};
-    daft_decoded_free(&decoded);
+    if (rgba) bytes_from_light(decoded.floats, pixels, rgba);
+    if (rgba) *out = (daft_image){*allocator, decoded.width, decoded.height, rgba, false};
+    daft_decoded_free(allocator, &decoded);
     return rgba || daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for the image");
 }
 
 void daft_image_free(daft_image *image)
 {
-    daft_release(&image->allocator, image->pixels);
+    if (image->from_stb)
+        daft_stb_release(&image->allocator, image->pixels);
+    else
+        daft_release(&image->allocator, image->pixels);
     image->pixels = NULL;
     image->width = image->height = 0;
 }
@@ -85,13 +95,28 @@ static uint8_t *drop_alpha(const daft_image *image)
     return rgb;
 }
 
+typedef struct encoding {
+    const daft_image *image;
+    const uint8_t *pixels;
+    int channels; /* 3 or 4 */
+    daft_writer *to;
+    bool done;
+} encoding;
+
+static void encode_png(void *context)
+{
+    encoding *e = context;
+    int width = e->image->width, height = e->image->height;
+    e->done = stbi_write_png_to_func(write_bytes, e->to, width, height, e->channels, e->pixels, e->channels * width);
+}
+
 /* Both return false without a message when memory is out; the writer remembers a write that fails. */
 static bool write_png(const daft_image *image, daft_writer *to)
 {
-    if (!is_opaque(image))
-        return stbi_write_png_to_func(write_bytes, to, image->width, image->height, 4, image->pixels, 4 * image->width);
-    uint8_t *rgb = drop_alpha(image);
-    bool done = rgb && stbi_write_png_to_func(write_bytes, to, image->width, image->height, 3, rgb, 3 * image->width);
+    bool opaque = is_opaque(image);
+    uint8_t *rgb = opaque ? drop_alpha(image) : NULL;
+    encoding e = {image, opaque ? rgb : image->pixels, opaque ? 3 : 4, to, false};
+    bool done = e.pixels && daft_stb_run(&image->allocator, encode_png, &e, NULL) && e.done;
     daft_release(&image->allocator, rgb);
     return done;
 }

@@ -11,6 +11,7 @@ struct daft_image {
     daft_allocator allocator;
     int width, height;
     uint8_t *pixels; /* RGBA, sRGB, top row first */
+    bool from_stb;   /* pixels are what stb_image has made */
 };
 
 /* Decodes PNG, JPEG, TGA, BMP, GIF (first frame), PSD, HDR (tone-clamped). At most 16384 pixels a side. */
@@ -27,7 +28,8 @@ enum { DAFT_MAX_MIPS = 15 };
 typedef struct daft_texture_data {
     int levels;
     int width[DAFT_MAX_MIPS], height[DAFT_MAX_MIPS];
-    uint8_t *texels[DAFT_MAX_MIPS]; /* all inside texels[0]'s allocation */
+    uint8_t *texels[DAFT_MAX_MIPS]; /* level 0, and an allocation with all others */
+    bool from_stb;                  /* level 0 is what stb_image has made */
     bool missing;                   /* stands in for a file that could not be read */
 } daft_texture_data;
 
@@ -42,6 +44,7 @@ void daft_texture_free(const daft_allocator *allocator, daft_texture_data *textu
 typedef struct daft_sky_image {
     int width, height;
     float *texels; /* 3·width·height */
+    bool from_stb; /* texels are what stb_image has made */
 } daft_sky_image;
 
 bool daft_sky_read(const daft_allocator *allocator, const char *path, daft_sky_image *out, daft_error *error);

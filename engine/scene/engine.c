@@ -44,12 +44,16 @@ daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error)
                   allocator.allocate ? "release" : "allocate");
         return NULL;
     }
-    daft_engine *engine = daft_alloc_zero(&allocator, 1, sizeof *engine);
+    daft_budget *budget = daft_budget_open(&allocator, def->memory_limit);
+    if (budget) allocator = daft_budget_allocator(budget);
+    daft_engine *engine = budget ? daft_alloc_zero(&allocator, 1, sizeof *engine) : NULL;
     if (!engine) {
+        daft_budget_close(budget);
         daft_fail_memory(error, "an engine");
         return NULL;
     }
     engine->allocator = allocator;
+    engine->budget = budget;
     engine->log = (daft_log){def->warn, def->warn_user};
     engine->threads = def->threads == 0 ? daft_processor_count() : daft_min_i(daft_max_i(def->threads, 1), MAX_THREADS);
     engine->isa = isa;
@@ -68,7 +72,24 @@ void daft_engine_destroy(daft_engine *engine)
     }
     daft_renderer_destroy(engine->renderer);
     daft_allocator allocator = engine->allocator;
+    daft_budget *budget = engine->budget;
     daft_release(&allocator, engine);
+    daft_budget_close(budget);
+}
+
+daft_memory daft_engine_memory(const daft_engine *engine)
+{
+    return engine ? daft_budget_memory(engine->budget) : (daft_memory){0, 0, 0};
+}
+
+bool daft_engine_reserve(daft_engine *engine, uint64_t bytes)
+{
+    return engine && daft_budget_take(engine->budget, bytes);
+}
+
+void daft_engine_unreserve(daft_engine *engine, uint64_t bytes)
+{
+    if (engine && bytes) daft_budget_give(engine->budget, bytes);
 }
 
 int daft_engine_threads(const daft_engine *engine) { return engine->threads; }

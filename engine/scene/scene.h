@@ -11,6 +11,7 @@
 
 #include "accel/accel.h"
 #include "base/base.h"
+#include "base/budget.h"
 #include "geometry/mesh.h"
 #include "image/image.h"
 #include "math/vec.h"
@@ -20,7 +21,8 @@
 #include "sim/character/character.h"
 
 struct daft_engine {
-    daft_allocator allocator;
+    daft_allocator allocator; /* the budget's */
+    daft_budget *budget;
     daft_log log;
     int threads, isa;
     daft_accel accel;

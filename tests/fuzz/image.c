@@ -50,8 +50,9 @@ static void check_sky(const daft_allocator *allocator, const char *path)
 int image_input(const uint8_t *data, size_t size)
 {
     int width, height;
-    if (size > 0 && daft_decode_size("", data, size, &width, &height, NULL) && width * height > MOST_PIXELS) return 0;
     daft_allocator allocator = daft_malloc_allocator();
+    if (size > 0 && daft_decode_size(&allocator, "", data, size, &width, &height, NULL) && width * height > MOST_PIXELS)
+        return 0;
     const char *path = fuzz_write("input.image", data, size);
     check_picture(&allocator, path);
     check_texture(&allocator, path);

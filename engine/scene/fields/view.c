@@ -18,6 +18,7 @@ static const daft_field ENGINE_ROWS[] = {
     DAFT_OTHER_ROW(daft_engine_def, allocator, .doc = "Where all memory comes from; all zero: malloc"),
     DAFT_OTHER_ROW(daft_engine_def, warn, .doc = "Called with each warning; none: they are dropped"),
     DAFT_OTHER_ROW(daft_engine_def, warn_user, .doc = "Handed to warn"),
+    ENGINE(memory_limit, .unit = "bytes", .doc = "What the engine may hold, with what is reserved; 0: no limit"),
 };
 
 const daft_field_list daft_engine_fields = DAFT_FIELD_LIST(daft_engine_def, ENGINE_ROWS);

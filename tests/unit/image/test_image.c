@@ -1,4 +1,5 @@
 /* Images: what is read, what is refused and why, writing, the sRGB curve, mip chains, skies. */
+#include "base/budget.h"
 #include "image/color.h"
 #include "image/image.h"
 #include "math/trig.h"
@@ -8,7 +9,7 @@ static counting memory;
 
 static daft_image make_image(const daft_allocator *allocator, int width, int height)
 {
-    daft_image image = {*allocator, width, height, daft_alloc(allocator, (size_t)(width * height), 4)};
+    daft_image image = {*allocator, width, height, daft_alloc(allocator, (size_t)(width * height), 4), false};
     for (int i = 0; i < 4 * width * height; i++) image.pixels[i] = (i & 3) == 3 ? 255 : (uint8_t)random_below(256);
     return image;
 }
@@ -56,7 +57,7 @@ static void ppm_is_what_it_says(void **unused)
     (void)unused;
     daft_allocator allocator = counting_allocator(&memory);
     uint8_t pixels[8] = {1, 2, 3, 255, 4, 5, 6, 0};
-    daft_image image = {allocator, 2, 1, pixels};
+    daft_image image = {allocator, 2, 1, pixels, false};
     assert_true(daft_image_write(&image, test_path("a.ppm"), NULL));
     size_t size;
     char *bytes = daft_file_read(&allocator, test_path("a.ppm"), &size, NULL);
@@ -392,32 +393,121 @@ static void real_files(void **unused)
     }
 }
 
+/* Reads the file as a picture, a texture or a sky, or writes the picture. */
+enum { READ_IMAGE, READ_TEXTURE, READ_SKY, WRITE_IMAGE, KINDS };
+static bool do_one(int kind, const daft_allocator *allocator, const char *path, const daft_image *picture,
+                   daft_error *error)
+{
+    daft_texture_data texture;
+    daft_sky_image sky;
+    daft_image image;
+    bool done = false;
+    if (kind == READ_IMAGE && (done = daft_image_read(allocator, path, &image, error))) daft_image_free(&image);
+    if (kind == READ_TEXTURE && (done = daft_texture_read(allocator, path, &texture, error)))
+        daft_texture_free(allocator, &texture);
+    if (kind == READ_SKY && (done = daft_sky_read(allocator, path, &sky, error))) daft_sky_free(allocator, &sky);
+    if (kind == WRITE_IMAGE) done = daft_image_write(picture, test_path("out.png"), error);
+    return done;
+}
+
+/* The old picture stays where the new one cannot be written. */
+static void fail_everywhere(int kind, const char *path, const daft_image *picture)
+{
+    for (long fail_at = 0;; fail_at++) {
+        daft_allocator allocator = counting_allocator(&memory);
+        memory.fail_at = fail_at;
+        daft_error error;
+        daft_image written = *picture;
+        written.allocator = allocator;
+        bool done = do_one(kind, &allocator, path, &written, &error);
+        assert_int_equal(memory.live, 0);
+        if (!done && error.code != DAFT_ERROR_MEMORY) fail_msg("%s, %ld: %s", path, fail_at, error.message);
+        if (!done && kind == WRITE_IMAGE) assert_false(daft_file_exists(test_path("out.png")));
+        if (done && kind == WRITE_IMAGE) remove(test_path("out.png"));
+        if (memory.calls > fail_at) continue;
+        assert_true(done);
+        break;
+    }
+}
+
+/* In every decoder and encoder of stb, which looks for NULL here and there. */
 static void memory_may_run_out_anywhere(void **unused)
 {
     (void)unused;
-    const char *path = write_test_file("a.tga", small_tga, sizeof small_tga);
-    for (int kind = 0; kind < 4; kind++)
-        for (long fail_at = 0;; fail_at++) {
-            daft_allocator allocator = counting_allocator(&memory);
-            memory.fail_at = fail_at;
-            daft_texture_data texture;
-            daft_sky_image sky;
-            daft_image image;
-            daft_error error;
-            bool made = false;
-            if (kind == 0 && (made = daft_texture_read(&allocator, path, &texture, &error)))
-                daft_texture_free(&allocator, &texture);
-            if (kind == 1 && (made = daft_sky_read(&allocator, path, &sky, &error))) daft_sky_free(&allocator, &sky);
-            if (kind == 2 && (made = daft_image_read(&allocator, path, &image, &error))) daft_image_free(&image);
-            uint8_t pixel[4] = {0};
-            image = (daft_image){allocator, 1, 1, pixel};
-            if (kind == 3) made = daft_image_write(&image, test_path("out.png"), &error);
-            assert_int_equal(memory.live, 0);
-            if (!made) assert_int_equal(error.code, DAFT_ERROR_MEMORY);
-            if (!made && kind == 3) assert_false(daft_file_exists(test_path("out.png")));
-            if (made && kind == 3) remove(test_path("out.png"));
-            if (memory.calls <= fail_at) break;
-        }
+    static const char *const seeds[] = {"base.jpg", "progressive.jpg", "grey16.png", "palette.png",
+                                        "rgb.png",  "two.gif",         "raw.psd",    "rgb.bmp",
+                                        "rle.tga",  "sky.hdr",         "rgba.png"};
+    daft_allocator plain = counting_allocator(&memory);
+    daft_image picture = make_image(&plain, 24, 24);
+    char path[512];
+    for (size_t i = 0; i < DAFT_COUNT_OF(seeds); i++) {
+        snprintf(path, sizeof path, "%s/tests/fuzz/seeds/image/%s", DAFT_ROOT, seeds[i]);
+        for (int kind = 0; kind < WRITE_IMAGE; kind++) fail_everywhere(kind, path, &picture);
+    }
+    fail_everywhere(WRITE_IMAGE, "out.png", &picture);
+    picture.pixels[3] = 1; /* with alpha */
+    fail_everywhere(WRITE_IMAGE, "out.png", &picture);
+    plain = daft_malloc_allocator();
+    daft_release(&plain, picture.pixels);
+}
+
+/* ---- a limit of bytes ---- */
+
+/* As many bytes as make the size in the header possible. */
+static const char *write_huge_png(void)
+{
+    static uint8_t bytes[20000] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0,  0, 13, 'I',
+                                   'H',  'D', 'R', 0,   0,  64, 0,  0,  0, 64, 0, 8,  /* 16384 by 16384, 8 bits */ 6,
+                                   0,    0,   0};
+    return write_test_file("huge.png", bytes, sizeof bytes);
+}
+
+static void what_is_too_large_is_not_decoded(void **unused)
+{
+    (void)unused;
+    daft_allocator counted = counting_allocator(&memory);
+    daft_budget *budget = daft_budget_open(&counted, 1000000000);
+    daft_allocator allocator = daft_budget_allocator(budget);
+    const char *path = write_huge_png();
+    uint64_t before = daft_budget_memory(budget).used;
+    for (int kind = 0; kind < WRITE_IMAGE; kind++) {
+        daft_error error;
+        char shown[1100];
+        assert_false(do_one(kind, &allocator, path, NULL, &error));
+        assert_int_equal(error.code, DAFT_ERROR_MEMORY);
+        assert_string_equal(error.file, path);
+        assert_contains(daft_error_text(&error, shown, sizeof shown),
+                        "an image of 16384 by 16384 pixels needs 2.15 GB of memory; the limit is 1 GB");
+        assert_int_equal(daft_budget_memory(budget).used, before);
+        assert_true(daft_budget_memory(budget).peak < 100000);
+    }
+    daft_budget_close(budget);
+    assert_int_equal(memory.live, 0);
+}
+
+/* What textures take while they are made: their own bytes twice at most, as stb_image holds the file's rows and the
+ * result, and no level in floats. */
+static void textures_are_made_in_little_memory(void **unused)
+{
+    (void)unused;
+    enum { SIDE = 1024 };
+    daft_allocator counted = counting_allocator(&memory);
+    daft_image image = make_image(&counted, SIDE, SIDE);
+    daft_error error;
+    assert_true(daft_image_write(&image, test_path("large.png"), &error));
+    size_t file_size;
+    daft_release(&counted, daft_file_read(&counted, test_path("large.png"), &file_size, &error));
+    daft_budget *budget = daft_budget_open(&counted, 0);
+    daft_allocator allocator = daft_budget_allocator(budget);
+    daft_texture_data texture;
+    assert_true(daft_texture_read(&allocator, test_path("large.png"), &texture, &error));
+    uint64_t rgba = 4 * SIDE * SIDE;
+    assert_true(daft_budget_memory(budget).used < rgba * 134 / 100);
+    assert_true(daft_budget_memory(budget).peak < rgba * 2 + 4 * file_size);
+    daft_texture_free(&allocator, &texture);
+    daft_budget_close(budget);
+    daft_image_free(&image);
+    assert_int_equal(memory.live, 0);
 }
 
 int main(void)
@@ -438,6 +528,8 @@ int main(void)
         cmocka_unit_test(skies_are_linear),
         cmocka_unit_test(real_files),
         cmocka_unit_test(memory_may_run_out_anywhere),
+        cmocka_unit_test(what_is_too_large_is_not_decoded),
+        cmocka_unit_test(textures_are_made_in_little_memory),
     };
     return cmocka_run_group_tests(tests, make_test_folder, remove_test_folder);
 }
