@@ -537,6 +537,29 @@ DAFT_API bool daft_scene_get_camera(const daft_scene *scene, uint32_t index, daf
 DAFT_API daft_camera daft_scene_camera(const daft_scene *scene, float alpha);
 DAFT_API bool daft_scene_set_camera(daft_scene *scene, const daft_camera *camera, bool teleport, daft_error *error);
 
+/* A checkpoint of a camera path: where the camera is, `time` seconds into it. */
+typedef struct daft_checkpoint {
+    daft_camera camera;
+    double time; /* after that of the checkpoint before */
+} daft_checkpoint;
+
+typedef enum daft_pace {
+    DAFT_PACE_TIMED = 0, /* at each checkpoint at its time */
+    DAFT_PACE_CONSTANT,  /* the same speed all the way; only the first and the last time count */
+    DAFT_PACE_EASED      /* slowly off, and slowly to the end; only the first and the last time count */
+} daft_pace;
+
+/* The camera at `time` seconds on a smooth curve through the checkpoints: before the first it stands there, after the
+ * last it stands there. Positions and the field of view follow a Catmull-Rom curve, rotations the shorter way round
+ * without a gimbal's flips; the roll may therefore differ from 0 between checkpoints that have none. Fails where times
+ * do not ascend. */
+DAFT_API bool daft_path_camera(const daft_checkpoint *points, uint32_t count, daft_pace pace, double time,
+                               daft_camera *out, daft_error *error);
+/* The checkpoints that a scene file names, in its order. */
+DAFT_API uint32_t daft_scene_path_count(const daft_scene *scene);
+DAFT_API bool daft_scene_get_checkpoint(const daft_scene *scene, uint32_t index, daft_checkpoint *out,
+                                        daft_error *error);
+
 typedef enum daft_light_kind { DAFT_LIGHT_POINT = 0, DAFT_LIGHT_SUN, DAFT_LIGHT_SPOT } daft_light_kind;
 
 typedef struct daft_light_def {

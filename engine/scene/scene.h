@@ -192,6 +192,9 @@ struct daft_scene {
     daft_camera camera, camera_before;
     daft_camera *cameras; /* those that scene files name */
     size_t camera_capacity;
+    daft_checkpoint *path; /* the camera path that scene files name */
+    uint32_t path_count;
+    size_t path_capacity;
     uint32_t camera_count;
 
     daft_world *world; /* made by the first body or character */
@@ -314,6 +317,8 @@ daft_light daft_light_insert(daft_scene *scene, const daft_light_def *def); /* r
 void daft_sky_adopt(daft_scene *scene, daft_sky_item *item);                /* belongs to the scene from now on */
 daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *path, daft_error *error);
 void daft_sky_item_free(const daft_scene *scene, daft_sky_item *item); /* NULL is fine */
+bool daft_path_reserve(daft_scene *scene, uint32_t more, daft_error *error);
+void daft_path_insert(daft_scene *scene, const daft_checkpoint *point);
 bool daft_cameras_reserve(daft_scene *scene, uint32_t more, daft_error *error);
 void daft_camera_insert(daft_scene *scene, const daft_camera *camera); /* room was reserved; the first one is set */
 /* Unit axes of a camera. */
