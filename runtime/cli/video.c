@@ -18,7 +18,7 @@
 static const cli_command COMMAND = {
     "video",
     "SCENE|GAME",
-    "Films a game as a recording replays it, or a scene as its camera sees it.",
+    "Films a game as a recording replays it, or a scene along its camera path.",
     "The name after -o chooses the format: FILE.mp4 (H.264), FILE.webm (VP9), FILE.gif, NAME%05d.png (numbered\n"
     "pictures), or - for raw RGBA frames on standard output. A game without --replay plays its demo. A call that was\n"
     "interrupted goes on where it stopped when it is repeated; until then what is done lies in FILE.parts.",
@@ -33,6 +33,8 @@ typedef struct video_options {
     daft_quality quality;
     double fps, from, to;
     long blur, crf, camera, threads, seed;
+    const char *pace_name;
+    daft_pace pace;
 } video_options;
 
 /* What a film depends on, as far as it can be told without playing: name, size and time of each file of the game. The
@@ -58,7 +60,7 @@ static uint64_t hash_content(const char *path)
 
 static uint64_t hash_settings(const video_options *o, const char *replay, const char *path)
 {
-    long numbers[3] = {(long)o->quality, o->camera, o->seed};
+    long numbers[4] = {(long)o->quality, o->camera, o->seed, (long)o->pace};
     uint64_t hash = daft_hash(numbers, sizeof numbers, hash_content(path));
     return replay ? hash ^ hash_content(replay) : hash;
 }
@@ -77,9 +79,10 @@ static bool film(video_def *def, frame_source *source, daft_error *error)
 static bool film_a_scene(const video_options *o, video_def *def, daft_error *error)
 {
     film_scene scene;
-    if (isnan(def->to)) def->to = def->from + STILL_SECONDS;
+    film_scene_def wanted = {def->engine, o->what, o->camera, o->pace, o->quality};
     def->content = hash_settings(o, NULL, o->what);
-    if (!film_scene_open(&scene, def->engine, o->what, (uint32_t)o->camera, o->quality, error)) return false;
+    if (!film_scene_open(&scene, &wanted, error)) return false;
+    if (isnan(def->to)) def->to = scene.count > 0 ? scene.seconds : def->from + STILL_SECONDS;
     bool good = film(def, &scene.source, error);
     film_scene_close(&scene);
     return good;
@@ -135,6 +138,17 @@ static int run(const video_options *o, video_def *def)
     return good ? STATUS_DONE : report(&error);
 }
 
+static bool parse_pace(const char *name, daft_pace *out)
+{
+    static const char *const names[] = {"timed", "constant", "eased"};
+    for (size_t i = 0; i < COUNT_OF(names); i++) {
+        if (strcmp(name, names[i]) != 0) continue;
+        *out = (daft_pace)i;
+        return true;
+    }
+    return false;
+}
+
 int command_video(int argc, char **argv)
 {
     video_options o = {.size = {1280, 720},
@@ -143,6 +157,7 @@ int command_video(int argc, char **argv)
                        .to = NAN,
                        .blur = 1,
                        .crf = DEFAULT_CRF,
+                       .camera = -1,
                        .seed = 1};
     const cli_option options[] = {
         {"output", 'o', CLI_TEXT, "FILE", &o.out, 0, 0, "the film to write (required)"},
@@ -152,11 +167,14 @@ int command_video(int argc, char **argv)
         {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0, "draft, game, high (default) or reference"},
         {"from", 0, CLI_NUMBER, "S", &o.from, 0, 86400, "begin at second S of the game or scene (0)"},
         {"to", 0, CLI_NUMBER, "S", &o.to, 0, 86400,
-         "end at second S (the recording's end; a game without one: 10; a scene: 5)"},
+         "end at second S (the end of the recording or the path; without one, 10 of a game, 5 of a scene)"},
         {"motion-blur", 0, CLI_COUNT, "N", &o.blur, 1, 64,
          "each frame is the mean of N pictures over half of its time (1: none)"},
         {"crf", 0, CLI_COUNT, "N", &o.crf, 0, 51, "how much H.264 and VP9 may lose: 0 nothing, 51 most (18)"},
-        {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the scene, counted from 0 (0)"},
+        {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000,
+         "the N-th camera of the scene, counted from 0, instead of its path"},
+        {"pace", 0, CLI_TEXT, "HOW", &o.pace_name, 0, 0,
+         "along a path: timed (default), constant speed, or eased: slow at both ends"},
         {"seed", 0, CLI_COUNT, "N", &o.seed, 0, 1000000000, "seed of the random numbers (1); a recording uses its own"},
         {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256,
          "worker threads; 0, the default, is one for each processor"},
@@ -176,6 +194,8 @@ int command_video(int argc, char **argv)
                      .blur = (int)o.blur,
                      .progress = true};
     daft_error error;
+    if (o.pace_name && !parse_pace(o.pace_name, &o.pace))
+        return cli_refuse("video", "--pace: one of timed, constant, eased expected, got '%s'", o.pace_name);
     if (!video_choose_format(o.out, &def.format, &error)) return cli_refuse("video", "%s", error.message);
     if (isnan(o.fps)) o.fps = def.format == VIDEO_GIF ? GIF_FPS : FPS;
     def.rate = (int)lround(o.fps * 1000);

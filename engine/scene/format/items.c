@@ -40,6 +40,7 @@ typedef struct form {
 
 /* ---- the items ---- */
 
+static const daft_field SECONDS = DAFT_ROW(item, time, ZERO_OR_MORE, .unit = "s", .doc = "Time on the path");
 static const daft_field AMBIENT = DAFT_COLOR_ROW(item, ambient, ZERO_OR_MORE, .doc = "Light from everywhere");
 
 /* clang-format off */
@@ -82,6 +83,12 @@ static const form FORMS[] = {
         FIELD("inner", "inner_angle", .optional = true, .fraction = 0.75)}},
     {"ambient", DAFT_ITEM_AMBIENT, NO_STRUCT, {
         FIELD("r g b", NULL, .own = &AMBIENT)}},
+    {"path", DAFT_ITEM_PATH, CAMERA, {
+        FIELD("seconds", NULL, .own = &SECONDS),
+        FIELD("x y z", "position"),
+        FIELD("pitch", "pitch"),
+        FIELD("yaw", "yaw"),
+        FIELD("fov", "fov", .optional = true)}},
     {"include", DAFT_ITEM_INCLUDE, NO_STRUCT, {
         PATH("path", "a .scene file")}},
 };
@@ -142,6 +149,9 @@ typedef struct reader {
 } reader;
 
 static void *struct_of(const reader *read) { return (char *)read->out + read->form->offset; }
+
+/* The struct that a value's field lies in. */
+static void *target_of(const reader *read, const value *v) { return v->own ? (void *)read->out : struct_of(read); }
 
 static int next_column(reader *read)
 {
@@ -233,10 +243,10 @@ static bool read_field(reader *read, const value *v)
         return daft_scene_text_fail(read->text, column, "%s is %g; it must be at most %g, the number before it",
                                     v->names, numbers[0], before);
     if (turns)
-        set_rotation(field, struct_of(read), numbers);
+        set_rotation(field, target_of(read, v), numbers);
     else
-        set_numbers(field, struct_of(read), numbers, count);
-    return daft_field_check(field, struct_of(read), "", &why) ||
+        set_numbers(field, target_of(read, v), numbers, count);
+    return daft_field_check(field, target_of(read, v), "", &why) ||
            daft_scene_text_fail(read->text, column, "%s", why.message);
 }
 

@@ -8,6 +8,7 @@
 
 typedef enum daft_scene_item_kind {
     DAFT_ITEM_CAMERA,
+    DAFT_ITEM_PATH, /* a checkpoint: time and camera */
     DAFT_ITEM_SKYBOX,
     DAFT_ITEM_LIGHT,
     DAFT_ITEM_AMBIENT,
@@ -21,6 +22,7 @@ typedef struct daft_scene_item {
     daft_scene_item_kind kind;
     const char *source; /* the .scene file */
     int line, column;   /* of the path, if there is one; else of the keyword */
+    double time;        /* of a checkpoint, seconds */
     const char *path;   /* joined to the source's folder; or NULL */
     union {
         daft_camera camera;

@@ -118,6 +118,19 @@ static bool load_sky(loader *load, const char *path)
     return true;
 }
 
+/* Checkpoints ascend, also after those that the scene already has. */
+static bool check_checkpoint(loader *load, const item *named)
+{
+    const daft_scene *scene = load->scene;
+    double before = scene->path_count > 0 ? scene->path[scene->path_count - 1].time : -1;
+    for (const item *at = load->items; at < named; at++)
+        if (at->kind == DAFT_ITEM_PATH) before = at->time;
+    if (!(named->time > before))
+        return daft_fail(&load->error, DAFT_ERROR_SYNTAX,
+                         "the checkpoint at %g s must come after the one before it, at %g s", named->time, before);
+    return daft_check_camera(&load->error, "path", &named->camera);
+}
+
 static bool load_asset(loader *load, item *named)
 {
     daft_scene *scene = load->scene;
@@ -132,6 +145,7 @@ static bool load_asset(loader *load, item *named)
         return entity->mesh.id && daft_entity_check(scene, entity, &load->error);
     case DAFT_ITEM_LIGHT: return daft_light_check(&named->light, &load->error);
     case DAFT_ITEM_CAMERA: return daft_check_camera(&load->error, "camera", &named->camera);
+    case DAFT_ITEM_PATH: return check_checkpoint(load, named);
     case DAFT_ITEM_AMBIENT:
     case DAFT_ITEM_INCLUDE:
     case DAFT_ITEM_REFUSED: break;
@@ -141,13 +155,15 @@ static bool load_asset(loader *load, item *named)
 
 static bool reserve(loader *load)
 {
-    uint32_t cameras = 0, lights = 0, entities = 0;
+    uint32_t cameras = 0, checkpoints = 0, lights = 0, entities = 0;
     for (size_t i = 0; i < load->count; i++) {
         cameras += load->items[i].kind == DAFT_ITEM_CAMERA;
+        checkpoints += load->items[i].kind == DAFT_ITEM_PATH;
         lights += load->items[i].kind == DAFT_ITEM_LIGHT;
         entities += load->items[i].kind == DAFT_ITEM_SPHERE || load->items[i].kind == DAFT_ITEM_MESH;
     }
     return daft_cameras_reserve(load->scene, cameras, &load->error) &&
+           daft_path_reserve(load->scene, checkpoints, &load->error) &&
            daft_lights_reserve(load->scene, lights, &load->error) &&
            daft_entities_reserve(load->scene, entities, &load->error);
 }
@@ -160,6 +176,7 @@ static void commit(loader *load)
         const item *made = &load->items[i];
         switch (made->kind) {
         case DAFT_ITEM_CAMERA: daft_camera_insert(scene, &made->camera); break;
+        case DAFT_ITEM_PATH: daft_path_insert(scene, &(daft_checkpoint){made->camera, made->time}); break;
         case DAFT_ITEM_LIGHT: daft_light_insert(scene, &made->light); break;
         case DAFT_ITEM_AMBIENT: scene->ambient = made->ambient; break;
         case DAFT_ITEM_SPHERE:

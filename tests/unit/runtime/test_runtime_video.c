@@ -166,6 +166,30 @@ static void pictures_are_numbered_and_taken_over(void **unused)
                      0);
 }
 
+static void a_scene_is_filmed_along_its_path(void **unused)
+{
+    (void)unused;
+    char path[128];
+    snprintf(path, sizeof path, "%s/path.scene", folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fprintf(file, "camera 0 0 5 0 180\npath 0 0 0 0 0 0\npath 1 0 0 0 0 90\nskybox %s/assets/sky/day.jpg\n", DAFT_ROOT);
+    fclose(file);
+    int status = run_daft(output, "video %s -o %s/s%%d.png --fps 2 --size 32x18", path, folder);
+    assert_status(status, 0, output);
+    assert_int_equal(shell("test -e %s/s1.png && test ! -e %s/s2.png && ! cmp -s %s/s0.png %s/s1.png", folder, folder,
+                           folder, folder),
+                     0);
+    status = run_daft(output, "render %s -o %s/camera.png --size 32x18 --quality high", path, folder);
+    assert_status(status, 0, output);
+    status = run_daft(output, "video %s -o %s/c%%d.png --fps 2 --to 1 --size 32x18 --camera 0", path, folder);
+    assert_status(status, 0, output);
+    assert_int_equal(
+        shell("cmp %s/camera.png %s/c1.png && ! cmp -s %s/c1.png %s/s1.png", folder, folder, folder, folder), 0);
+    status = run_daft(output, "video %s -o %s/c%%d.png --pace fast", path, folder);
+    assert_status(status, 2, output);
+}
+
 static void motion_blur_is_a_mean_in_linear_light(void **unused)
 {
     (void)unused;
@@ -255,6 +279,7 @@ int main(void)
         cmocka_unit_test(threads_do_not_change_the_film),
         cmocka_unit_test(a_killed_film_goes_on),
         cmocka_unit_test(pictures_are_numbered_and_taken_over),
+        cmocka_unit_test(a_scene_is_filmed_along_its_path),
         cmocka_unit_test(motion_blur_is_a_mean_in_linear_light),
         cmocka_unit_test(damaged_clips_are_refused),
         cmocka_unit_test(mistakes_are_told_before_anything_is_drawn),

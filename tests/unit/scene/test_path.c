@@ -12,6 +12,8 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #include "math/vec.h"
 #include "scene/scene.h"
@@ -156,6 +158,58 @@ static void nonsense_is_refused(void **unused)
     assert_false(daft_path_camera(points, 1, DAFT_PACE_TIMED, 0, &camera, &error));
 }
 
+static bool load_text(daft_scene *scene, const char *text, daft_error *error)
+{
+    char path[] = "/tmp/daft-path-XXXXXX.scene";
+    int file = mkstemps(path, 6);
+    assert_true(file >= 0);
+    assert_int_equal(write(file, text, strlen(text)), strlen(text));
+    close(file);
+    bool loaded = daft_scene_load(scene, path, error);
+    unlink(path);
+    return loaded;
+}
+
+static void scene_files_name_checkpoints(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *text, *says;
+        int line, column;
+    } wrong[] = {{"path 0 1 2 3 4\n", "yaw", 1, 15},
+                 {"path -1 1 2 3 4 5\n", "seconds", 1, 6},
+                 {"path 1 1 2 3 4 5\npath 1 0 0 0 0 0\n", "must come after the one before it, at 1 s", 2, 1},
+                 {"path 2 0 0 0 0 0 180\n", "fov", 1, 18},
+                 {"path 2 0 0 0 0 0 90 7\n", "", 1, 21}};
+    daft_error error;
+    daft_engine_def def = daft_default_engine_def();
+    daft_engine *engine = daft_engine_create(&def, &error);
+    assert_non_null(engine);
+    daft_scene *scene = daft_scene_create(engine, &error);
+    assert_non_null(scene);
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        assert_false(load_text(scene, wrong[i].text, &error));
+        if (!strstr(error.message, wrong[i].says)) fail_msg("'%s': %s", wrong[i].says, error.message);
+        assert_int_equal(error.line, wrong[i].line);
+        assert_int_equal(error.column, wrong[i].column);
+        assert_int_equal(daft_scene_path_count(scene), 0);
+    }
+    daft_checkpoint read;
+    assert_true(load_text(scene, "path 0.5 1 2 3 10 -20\npath 2 4 5 6 0 0 60 roll=5\n", &error));
+    assert_int_equal(daft_scene_path_count(scene), 2);
+    assert_true(daft_scene_get_checkpoint(scene, 0, &read, &error));
+    assert_true(read.time == 0.5 && read.camera.position.z == 3 && fabs((double)read.camera.yaw + PI / 9) < 1e-6);
+    assert_true(daft_scene_get_checkpoint(scene, 1, &read, &error));
+    assert_true(fabs((double)read.camera.fov - PI / 3) < 1e-6 && fabs((double)read.camera.roll - PI / 36) < 1e-6);
+    assert_false(daft_scene_get_checkpoint(scene, 2, &read, &error));
+    /* A second file goes on where the first ended. */
+    assert_false(load_text(scene, "path 1 0 0 0 0 0\n", &error));
+    assert_true(load_text(scene, "path 3 0 0 0 0 0\n", &error));
+    assert_int_equal(daft_scene_path_count(scene), 3);
+    daft_scene_destroy(scene);
+    daft_engine_destroy(engine);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -164,6 +218,7 @@ int main(void)
         cmocka_unit_test(paces_are_what_they_say),
         cmocka_unit_test(standing_still_is_a_path),
         cmocka_unit_test(nonsense_is_refused),
+        cmocka_unit_test(scene_files_name_checkpoints),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
