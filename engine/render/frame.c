@@ -98,7 +98,7 @@ static bool prepare_refractions(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
     if (!frame->plan.refracts) return true;
-    size_t depths = (size_t)frame->plan.preset->refractions, all = depths * (size_t)r->threads;
+    size_t depths = (size_t)frame->plan.preset->refraction_depth, all = depths * (size_t)r->threads;
     if (!daft_grow(&r->allocator, &r->refracted, &r->refracted_capacity, all, 0, sizeof *r->refracted))
         return daft_fail_memory(error, "refracted rays");
     for (size_t i = 0; i < all; i++) r->refracted[i].count = 0;

@@ -9,8 +9,8 @@
 /* What a frame may need at all, before anything is known to be visible. */
 typedef struct daft_plan {
     const daft_preset *preset;
-    bool shadows, reflections;                   /* some light casts them onto something; some material mirrors */
-    bool tints, refractions;                     /* some of these shadows let light through; some material transmits */
+    bool shadows, may_reflect;                   /* some light casts them onto something; some material mirrors */
+    bool tints, may_refract;                     /* some of these shadows let light through; some material transmits */
     bool reflects, refracts;                     /* of the running sample: what is seen may send such rays on */
     const char *why[DAFT_EFFECT_COUNT];          /* what calls for the effect, or why nothing can */
     const char *why_not_seen[DAFT_EFFECT_COUNT]; /* the reason if no tile runs it after all */

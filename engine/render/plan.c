@@ -63,7 +63,7 @@ static const char *shadow_reason(const daft_snapshot *snapshot, const daft_prese
 static const char *reflection_reason(const daft_snapshot *snapshot, const daft_preset *preset, bool *run)
 {
     *run = false;
-    if (preset->reflections == 0) return "this quality has no reflections";
+    if (preset->mirror_depth == 0) return "this quality has no reflections";
     *run = some_has(snapshot, mirrors) || some_has(snapshot, bends);
     return *run ? "a mirror is seen" : "no material mirrors";
 }
@@ -81,12 +81,12 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     why[DAFT_EFFECT_LIGHTING] = "a lit surface is seen";
     none[DAFT_EFFECT_LIGHTING] =
         snapshot->light_count ? "no surface that faces a light is seen" : "the scene has no light";
-    why[DAFT_EFFECT_REFLECTION] = reflection_reason(snapshot, plan.preset, &plan.reflections);
-    none[DAFT_EFFECT_REFLECTION] = plan.reflections ? "no mirror is seen" : why[DAFT_EFFECT_REFLECTION];
+    why[DAFT_EFFECT_REFLECTION] = reflection_reason(snapshot, plan.preset, &plan.may_reflect);
+    none[DAFT_EFFECT_REFLECTION] = plan.may_reflect ? "no mirror is seen" : why[DAFT_EFFECT_REFLECTION];
     plan.tints = plan.shadows && some_material(snapshot, transmits) && some_flag(snapshot, DAFT_INSTANCE_TINTS_SHADOW);
-    plan.refractions = some_has(snapshot, transmits);
+    plan.may_refract = some_has(snapshot, transmits);
     why[DAFT_EFFECT_REFRACTION] = "something that transmits is seen";
-    none[DAFT_EFFECT_REFRACTION] = plan.refractions ? "nothing that transmits is seen" : "no material transmits";
+    none[DAFT_EFFECT_REFRACTION] = plan.may_refract ? "nothing that transmits is seen" : "no material transmits";
     why[DAFT_EFFECT_SKY] = "the sky is seen", none[DAFT_EFFECT_SKY] = "the sky is not seen";
     why[DAFT_EFFECT_RESOLVE] = "every picture";
     return plan;
@@ -94,13 +94,13 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
 
 void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster)
 {
-    const bool asked = plan->reflections || plan->refractions;
+    const bool asked = plan->may_reflect || plan->may_refract;
     plan->reflects = plan->refracts = false;
     for (uint32_t i = 0; asked && i < raster->instance_count && !(plan->reflects && plan->refracts); i++) {
         const daft_instance *instance = raster->visible[i].instance;
         if (!instance) continue;
-        bool mirror = plan->reflections && (has(snapshot, instance, mirrors) || has(snapshot, instance, bends));
+        bool mirror = plan->may_reflect && (has(snapshot, instance, mirrors) || has(snapshot, instance, bends));
         plan->reflects |= mirror;
-        plan->refracts |= plan->refractions && (mirror || has(snapshot, instance, transmits));
+        plan->refracts |= plan->may_refract && (mirror || has(snapshot, instance, transmits));
     }
 }

@@ -3,15 +3,23 @@
 
 /* Half a step of 8-bit sRGB is 1/3300 of white. */
 static const daft_preset PRESETS[] = {
-    [DAFT_QUALITY_DRAFT] = {.name = "draft", .samples = 1, .refractions = 6, .min_weight = 1.0f / 256},
-    [DAFT_QUALITY_GAME] =
-        {.name = "game", .samples = 1, .reflections = 2, .refractions = 12, .min_weight = 1.0f / 2048, .shadows = true},
-    [DAFT_QUALITY_HIGH] =
-        {.name = "high", .samples = 4, .reflections = 6, .refractions = 16, .min_weight = 1.0f / 2048, .shadows = true},
+    [DAFT_QUALITY_DRAFT] = {.name = "draft", .samples = 1, .refraction_depth = 6, .min_weight = 1.0f / 256},
+    [DAFT_QUALITY_GAME] = {.name = "game",
+                           .samples = 1,
+                           .mirror_depth = 2,
+                           .refraction_depth = 12,
+                           .min_weight = 1.0f / 2048,
+                           .shadows = true},
+    [DAFT_QUALITY_HIGH] = {.name = "high",
+                           .samples = 4,
+                           .mirror_depth = 6,
+                           .refraction_depth = 16,
+                           .min_weight = 1.0f / 2048,
+                           .shadows = true},
     [DAFT_QUALITY_REFERENCE] = {.name = "reference",
                                 .samples = 16,
-                                .reflections = 10,
-                                .refractions = 24,
+                                .mirror_depth = 10,
+                                .refraction_depth = 24,
                                 .min_weight = 1.0f / 4096,
                                 .shadows = true,
                                 .reference = true},

@@ -18,10 +18,10 @@
 /* A quality is data: nothing else in the engine switches on its name. */
 typedef struct daft_preset {
     const char *name;
-    int samples;      /* per pixel */
-    int reflections;  /* mirror bounces followed; 0: none */
-    int refractions;  /* surfaces that a path which passes through some may meet */
-    float min_weight; /* mirrored and refracted rays that weigh less in the pixel in all colours are not cast */
+    int samples;          /* per pixel */
+    int mirror_depth;     /* mirror bounces followed; 0: none */
+    int refraction_depth; /* surfaces that a path which passes through some may meet */
+    float min_weight;     /* mirrored and refracted rays that weigh less in the pixel in all colours are not cast */
     bool shadows;
     bool reference; /* camera rays alone through the BVH */
 } daft_preset;

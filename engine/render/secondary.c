@@ -57,9 +57,9 @@ void daft_tile_trace(tile_job *j, const daft_ray_batch *rays, daft_effect_kind e
 void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth)
 {
     const daft_plan *plan = &j->frame->plan;
-    daft_spawning allowed = {.mirrors = plan->reflects && depth < plan->preset->reflections,
+    daft_spawning allowed = {.mirrors = plan->reflects && depth < plan->preset->mirror_depth,
                              .min = plan->preset->min_weight};
-    bool refracts = j->frame->plan.refracts && depth < plan->preset->refractions;
+    bool refracts = j->frame->plan.refracts && depth < plan->preset->refraction_depth;
     j->s->rays.count = 0;
     if (!(points->traits & DAFT_TRAIT_SENDS)) return;
     if (allowed.mirrors || refracts)
@@ -69,7 +69,7 @@ void daft_tile_spawn(tile_job *j, const daft_batch *points, int depth)
 int daft_tile_deepest_waiting(const tile_job *j, int depth)
 {
     if (!j->frame->plan.refracts) return -1;
-    depth = daft_min_i(depth, j->frame->plan.preset->refractions - 1);
+    depth = daft_min_i(depth, j->frame->plan.preset->refraction_depth - 1);
     while (depth >= 0 && j->s->refracted[depth].count == 0) depth--;
     return depth;
 }
