@@ -335,15 +335,15 @@ typedef struct daft_entity_def {
     const daft_collider *colliders; /* what the body is made of, read by daft_entity_create; none: what is drawn, and of
                                        a mesh the hull where the body is dynamic, else the triangles */
     uint32_t collider_count;
-    float density;            /* kg/m³ */
-    float mass;               /* kg; 0: from the density */
-    float friction;           /* Coulomb's coefficient; two bodies: the geometric mean */
-    float static_friction;    /* of what does not slide yet; less than friction: the same */
-    float restitution;        /* 0..1; two bodies: the larger */
-    float rolling_resistance; /* fraction of load times radius that brakes rolling; two bodies: the larger */
-    uint32_t surface;         /* 0..63: which kind of surface, for daft_scene_set_surfaces */
-    daft_vec3 belt;           /* m/s: the velocity of its surface in the entity's axes, as a conveyor belt's */
-    float gravity_scale;      /* 1 */
+    float density;              /* kg/m³ */
+    float mass;                 /* kg; 0: from the density */
+    float friction;             /* Coulomb's coefficient; two bodies: the geometric mean */
+    float static_friction;      /* of what does not slide yet; less than friction: the same */
+    float restitution;          /* 0..1; two bodies: the larger */
+    float rolling_resistance;   /* fraction of load times radius that brakes rolling; two bodies: the larger */
+    uint32_t surface;           /* 0..63: which kind of surface, for daft_scene_set_surfaces */
+    daft_vec3 surface_velocity; /* m/s, in the entity's axes: of its surface, as a conveyor belt's */
+    float gravity_scale;        /* 1 */
     float linear_damping, angular_damping; /* 1/s: fraction of the velocity lost in a second, for small ones */
     uint32_t locks;                        /* DAFT_LOCK_… */
     uint32_t layers;                       /* bits: what it is; the first by default */

@@ -210,10 +210,10 @@ bool daft_line_touches(daft_vec3 o, daft_vec3 a, daft_vec3 b, daft_vec3 c, daft_
 
 static double det(daft_dvec3 a, daft_dvec3 b, daft_dvec3 d) { return daft_ddot(daft_dcross(a, b), d); }
 
-void daft_pencil_weights(daft_dvec3 p, daft_dvec3 q, daft_dvec3 r, daft_vec3 d, double weight[3])
+void daft_pencil_weights(daft_dvec3 a, daft_dvec3 b, daft_dvec3 c, daft_vec3 d, double weight[3])
 {
     daft_dvec3 ray = daft_to_double(d);
-    double u = det(q, r, ray), v = det(r, p, ray), w = det(p, q, ray), sign = u + v + w < 0 ? -1 : 1;
+    double u = det(b, c, ray), v = det(c, a, ray), w = det(a, b, ray), sign = u + v + w < 0 ? -1 : 1;
     u *= sign, v *= sign, w *= sign;
     u = u > 0 ? u : 0, v = v > 0 ? v : 0, w = w > 0 ? w : 0;
     double sum = u + v + w;

@@ -7,9 +7,9 @@
 #include "render/render.h"
 
 /* How far off a surface rays start. In units of u = 2^-24 and of S = |x| + |y| + |z| of the point plus that of the
- * instance's translation: the point is off by 6 (height, normal, their quotient with the ray, and the product), corners
- * moved by to_frame in another order by 4, and the way into object space by 6 (a rounded map, three products, three
- * sums). Sixteen covers their sum. */
+ * instance's translation: the point's error is 6 (height, normal, their quotient with the ray, and the product),
+ * corners moved by to_frame in another order 4, and the transform into object space 6 (a rounded map, three products,
+ * three sums). Sixteen covers their sum. */
 #define DAFT_SPAWN_ERROR (16 * 0x1p-24f)
 
 _Static_assert((int)DAFT_BATCH == (int)DAFT_SAMPLES && (int)DAFT_BATCH_ROOM >= (int)DAFT_SAMPLES_ROOM,

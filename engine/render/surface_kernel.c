@@ -5,11 +5,11 @@
  *
  * Points lie where their ray meets the triangle's plane, whose normal and height are taken in double once a triangle:
  * so a point's error is a few 2^-24 of its own distance along the ray, and less across the plane, even on a triangle
- * that reaches to the horizon. Rays that leave start off the surface by more than that, and than the rounding on their
- * way into an instance's space. They start towards the viewer by as much again: in a concave corner a point may lie
- * across the other wall by its error, where going off its own surface, which runs along that wall, does not bring it
- * back; the way that its ray came is free. No constant depends on the scene's scale. Shadow rays start from a point
- * raised to where the smooth surface would be, so that facets do not show in the terminator (Hanika, "Hacking the
+ * that reaches to the horizon. Rays that leave start off the surface by more than that, and than the rounding of their
+ * transform into an instance's space. They start towards the viewer by as much again: in a concave corner a point may
+ * lie across the other wall by its error, where going off its own surface, which runs along that wall, does not bring
+ * it back; the path that its ray came along is free. No constant depends on the scene's scale. Shadow rays start from a
+ * point raised to where the smooth surface would be, so that facets do not show in the terminator (Hanika, "Hacking the
  * Shadow Terminator", Ray Tracing Gems II, 2021, chapter 4). */
 #include "render/surface.h"
 
@@ -475,12 +475,12 @@ static void repeat_last(const daft_facets *f, daft_batch *b)
         for (uint32_t at = last + 1; at < end; at++) all[k][at] = all[k][last];
 }
 
-void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *from, uint32_t first,
+void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first,
                                   const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points)
 {
     const uint32_t wants = WANT_SHADOW | WANT_VIEW | WANT_TEXTURE | WANT_PATH | WANT_DISTANCE;
     facets->count = 0, facets->traits = 0, facets->last_material = UINT32_MAX;
-    take_hits(snapshot, from, first, hits, count, facets, points);
+    take_hits(snapshot, rays, first, hits, count, facets, points);
     if (facets->count) repeat_last(facets, points);
     for (uint32_t i = 0; i < facets->count; i += DAFT_VL) {
         uint32_t at = points->count + i;
@@ -492,8 +492,8 @@ void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_
         r.u = vf_load(&points->u[at]), r.v = vf_load(&points->v[at]), r.t = vf_load(&points->footprint[at]);
         vi own = vi_iota() + vi_set((int32_t)i), last = vi_set((int32_t)facets->count - 1);
         vi_store(slots, vi_if_then_else(vi_lt(own, last), own, last));
-        const facet_rays rays = {r.origin, direction, direction};
-        DAFT_KERNEL(daft_facets_setup)(snapshot, facets, i, daft_min_u(DAFT_VL, facets->count - i), &rays);
+        const facet_rays lanes = {r.origin, direction, direction};
+        DAFT_KERNEL(daft_facets_setup)(snapshot, facets, i, daft_min_u(DAFT_VL, facets->count - i), &lanes);
         meet_mixed(&r, false, facets, slots, wants, &m);
         store_meeting(&m, direction, unit3(m.normal), vf_load(&points->distance[at]), snapshot->focal, wants, points,
                       at);

@@ -3,8 +3,8 @@
  *
  * The tree is kept until something moves. Its frame's origin is the ray's origin rounded to a grid whose cell is a
  * power of two of about 1,024 times the smallest entity in the scene, so rays from nearby share a tree, an origin is
- * off by at most 2^-24 · 0.87 · 1024, about 5e-5, of that smallest entity, and the answer depends on the scene and the
- * ray alone, not on the rays before it. */
+ * wrong by at most 2^-24 · 0.87 · 1024, about 5e-5, of that smallest entity, and the answer depends on the scene and
+ * the ray alone, not on the rays before it. */
 #include "math/trig.h"
 #include "scene/scene.h"
 

@@ -235,7 +235,7 @@ bool daft_texture_check(const daft_scene *scene, daft_texture texture, daft_erro
 daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_error *error);
 /* The mesh of a box of this size; counts a user. DAFT_NONE: memory is out. */
 uint32_t daft_box_acquire(daft_scene *scene, daft_vec3 size, daft_error *error);
-void daft_box_drop(daft_scene *scene, uint32_t box);
+void daft_box_drop(daft_scene *scene, uint32_t box_index);
 uint64_t daft_path_hash(const char *path);
 
 /* ---- materials.c ---- */
@@ -306,7 +306,7 @@ bool daft_body_check_position(daft_dvec3 position, daft_error *error);
 
 /* After the world's step. */
 bool daft_characters_step(daft_scene *scene, float dt, daft_error *error);
-void daft_characters_lead(daft_scene *scene); /* entities go at once to the characters that they follow */
+void daft_characters_move_entities(daft_scene *scene); /* entities go at once to the characters that they follow */
 uint64_t daft_characters_hash(const daft_scene *scene, uint64_t hash);
 
 /* ---- lights.c, camera.c ---- */

@@ -58,7 +58,7 @@ static bool check_material(const daft_sim_material *m, daft_error *error)
         !check_range(error, "rolling resistance", m->rolling_resistance, 1e6f))
         return false;
     if (!daft_finite3(m->surface_velocity) || daft_length(m->surface_velocity) > DAFT_SIM_MAX_SPEED)
-        return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: the belt's speed is not finite or beyond %g m/s",
+        return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: surface_velocity is not finite or beyond %g m/s",
                          (double)DAFT_SIM_MAX_SPEED);
     if (m->kind < DAFT_SIM_MATERIAL_KINDS) return true;
     return daft_fail(error, DAFT_ERROR_ARGUMENT, "body: material kind %u is not below %d", m->kind,

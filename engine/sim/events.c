@@ -37,11 +37,11 @@ static daft_sim_event pair_event(const daft_world *world, const daft_sim_pair *p
                             .shape_user_b = world->parts[b].user};
 }
 
-void daft_sim_event_joint(daft_world *world, daft_sim_event_kind kind, uint32_t index, float value)
+void daft_sim_event_joint(daft_world *world, daft_sim_event_kind kind, uint32_t joint_index, float value)
 {
-    const daft_sim_joint *joint = &world->joints[index];
+    const daft_sim_joint *joint = &world->joints[joint_index];
     daft_sim_event event = {.kind = kind,
-                            .joint = index + 1,
+                            .joint = joint_index + 1,
                             .joint_user = joint->user,
                             .body_a = joint->body[0] + 1,
                             .body_b = joint->body[1] + 1,

@@ -107,29 +107,29 @@ typedef struct daft_sim_state {
 /* A dynamic body needs a shape with mass, other than a sensor. 0 on failure. */
 uint32_t daft_world_add(daft_world *world, const daft_sim_body_def *def, daft_error *error);
 /* Its joints go with it. */
-void daft_world_remove(daft_world *world, uint32_t body);
+void daft_world_remove(daft_world *world, uint32_t handle);
 bool daft_world_has(const daft_world *world, uint32_t body);
-uint32_t daft_world_user(const daft_world *world, uint32_t body);
+uint32_t daft_world_user(const daft_world *world, uint32_t handle);
 /* For a kinematic body, the change of pose since the last step becomes its velocity in the next, in which it arrives
  * there; then it stands still. Any other body, and one that teleports, is there at once and keeps its velocity. */
-void daft_world_set_pose(daft_world *world, uint32_t body, daft_dvec3 position, daft_quat rotation, bool teleport);
+void daft_world_set_pose(daft_world *world, uint32_t handle, daft_dvec3 position, daft_quat rotation, bool teleport);
 /* A kinematic body keeps moving so; a static one does not take it. */
-void daft_world_set_velocity(daft_world *world, uint32_t body, daft_vec3 linear, daft_vec3 angular);
-void daft_world_get(const daft_world *world, uint32_t body, daft_sim_state *out);
-float daft_world_mass(const daft_world *world, uint32_t body);                      /* kg; 0: not dynamic */
-daft_dvec3 daft_world_centre(const daft_world *world, uint32_t body);               /* of mass */
-void daft_world_apply_force(daft_world *world, uint32_t body, daft_vec3 force);     /* N, over the next step */
-void daft_world_apply_torque(daft_world *world, uint32_t body, daft_vec3 torque);   /* N·m, over the next step */
-void daft_world_apply_impulse(daft_world *world, uint32_t body, daft_vec3 impulse); /* kg·m/s, at once */
-void daft_world_apply_impulse_at(daft_world *world, uint32_t body, daft_vec3 impulse, daft_dvec3 point);
-void daft_world_apply_angular_impulse(daft_world *world, uint32_t body, daft_vec3 impulse); /* kg·m²/s */
+void daft_world_set_velocity(daft_world *world, uint32_t handle, daft_vec3 linear, daft_vec3 angular);
+void daft_world_get(const daft_world *world, uint32_t handle, daft_sim_state *out);
+float daft_world_mass(const daft_world *world, uint32_t handle);                      /* kg; 0: not dynamic */
+daft_dvec3 daft_world_centre(const daft_world *world, uint32_t handle);               /* of mass */
+void daft_world_apply_force(daft_world *world, uint32_t handle, daft_vec3 force);     /* N, over the next step */
+void daft_world_apply_torque(daft_world *world, uint32_t handle, daft_vec3 torque);   /* N·m, over the next step */
+void daft_world_apply_impulse(daft_world *world, uint32_t handle, daft_vec3 impulse); /* kg·m/s, at once */
+void daft_world_apply_impulse_at(daft_world *world, uint32_t handle, daft_vec3 impulse, daft_dvec3 point);
+void daft_world_apply_angular_impulse(daft_world *world, uint32_t handle, daft_vec3 impulse); /* kg·m²/s */
 /* Waking wakes the whole island that it belongs to; so does putting to sleep, if it may. */
-void daft_world_set_awake(daft_world *world, uint32_t body, bool awake);
+void daft_world_set_awake(daft_world *world, uint32_t handle, bool awake);
 bool daft_world_is_awake(const daft_world *world, uint32_t body);
-void daft_world_set_bullet(daft_world *world, uint32_t body, bool bullet);
-void daft_world_set_damping(daft_world *world, uint32_t body, float linear, float angular, float gravity_scale);
+void daft_world_set_bullet(daft_world *world, uint32_t handle, bool bullet);
+void daft_world_set_damping(daft_world *world, uint32_t handle, float linear, float angular, float gravity_scale);
 /* Of all shapes of the body; they may begin or end contacts in the next step. */
-void daft_world_set_filter(daft_world *world, uint32_t body, uint32_t layers, uint32_t mask);
+void daft_world_set_filter(daft_world *world, uint32_t handle, uint32_t layers, uint32_t mask);
 bool daft_world_set_material(daft_world *world, uint32_t body, const daft_sim_material *material, daft_error *error);
 
 /* ---- joints ---- */
@@ -164,12 +164,12 @@ typedef struct daft_sim_joint_state {
 } daft_sim_joint_state;
 
 uint32_t daft_world_add_joint(daft_world *world, const daft_sim_joint_def *def, daft_error *error);
-void daft_world_remove_joint(daft_world *world, uint32_t joint); /* makes no event */
+void daft_world_remove_joint(daft_world *world, uint32_t handle); /* makes no event */
 bool daft_world_get_joint(const daft_world *world, uint32_t joint, daft_sim_joint_state *out);
-void daft_world_set_joint_motor(daft_world *world, uint32_t joint, bool on, float speed, float force);
-void daft_world_set_joint_limit(daft_world *world, uint32_t joint, bool on, float lower, float upper);
-void daft_world_set_joint_spring(daft_world *world, uint32_t joint, bool on, float hertz, float damping);
-void daft_world_set_joint_target(daft_world *world, uint32_t joint, daft_dvec3 target); /* drag */
+void daft_world_set_joint_motor(daft_world *world, uint32_t handle, bool on, float speed, float force);
+void daft_world_set_joint_limit(daft_world *world, uint32_t handle, bool on, float lower, float upper);
+void daft_world_set_joint_spring(daft_world *world, uint32_t handle, bool on, float hertz, float damping);
+void daft_world_set_joint_target(daft_world *world, uint32_t handle, daft_dvec3 target); /* drag */
 
 /* ---- the step, and what came of it ---- */
 

@@ -40,12 +40,12 @@ static void wake_one(daft_world *world, uint32_t index)
     daft_sim_event_sleep(world, DAFT_SIM_WAKE, index);
 }
 
-void daft_sim_wake(daft_world *world, uint32_t index)
+void daft_sim_wake(daft_world *world, uint32_t body_index)
 {
-    while (world->bodies[index].asleep) {
-        uint32_t next = world->bodies[index].ring;
-        wake_one(world, index);
-        index = next;
+    while (world->bodies[body_index].asleep) {
+        uint32_t next = world->bodies[body_index].ring;
+        wake_one(world, body_index);
+        body_index = next;
     }
 }
 
@@ -55,9 +55,9 @@ static uint32_t other_body(const daft_world *world, uint32_t edge)
     return edge & 1 ? pair->body_a : pair->body_b;
 }
 
-void daft_sim_wake_neighbours(daft_world *world, uint32_t index)
+void daft_sim_wake_neighbours(daft_world *world, uint32_t body_index)
 {
-    const daft_sim_body *body = &world->bodies[index];
+    const daft_sim_body *body = &world->bodies[body_index];
     for (uint32_t e = body->first_pair; e != DAFT_SIM_NONE; e = world->pairs[e >> 1].next[e & 1]) {
         const daft_sim_pair *pair = &world->pairs[e >> 1];
         if (pair->manifold_count > 0 && !pair->sensor) daft_sim_wake(world, other_body(world, e));
@@ -87,11 +87,11 @@ void daft_sim_wake_touched(daft_world *world)
 
 /* ---- islands ---- */
 
-uint32_t daft_sim_island_of(daft_world *world, uint32_t index)
+uint32_t daft_sim_island_of(daft_world *world, uint32_t body_index)
 {
     uint32_t *islands = world->scratch.island_parents;
-    while (islands[index] != index) index = islands[index] = islands[islands[index]];
-    return index;
+    while (islands[body_index] != body_index) body_index = islands[body_index] = islands[islands[body_index]];
+    return body_index;
 }
 
 /* The lower index is the root, so it does not depend on the order. What sleeps joins nothing. */
@@ -266,13 +266,13 @@ void daft_sim_sleep_update(daft_world *world, float dt)
     sleep_marked(world);
 }
 
-void daft_sim_sleep_island(daft_world *world, uint32_t index)
+void daft_sim_sleep_island(daft_world *world, uint32_t body_index)
 {
     if (!world->sleeping) return;
     daft_sim_active_refresh_all(world); /* manifolds may be gone since the step */
     daft_sim_islands_find(world);
     mark_islands(world, -1);
-    uint32_t root = daft_sim_island_of(world, index), ready = world->bodies[root].state;
+    uint32_t root = daft_sim_island_of(world, body_index), ready = world->bodies[root].state;
     for (size_t i = 0; i < world->awake.count; i++) world->bodies[world->awake.items[i]].state = 0;
     world->bodies[root].state = ready;
     sleep_marked(world);

@@ -164,19 +164,19 @@ bool daft_sim_list_reserve(daft_world *world, daft_sim_list *list, size_t needed
     return daft_grow(&world->allocator, &list->items, &list->capacity, needed, list->count, sizeof *list->items);
 }
 
-void daft_sim_list_add(daft_world *world, daft_sim_list *list, uint32_t index)
+void daft_sim_list_add(daft_world *world, daft_sim_list *list, uint32_t body_index)
 {
-    world->bodies[index].list_slot = (uint32_t)list->count;
+    world->bodies[body_index].list_slot = (uint32_t)list->count;
     world->newcomers = true;
-    list->items[list->count++] = index;
+    list->items[list->count++] = body_index;
 }
 
-void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t index)
+void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t body_index)
 {
-    uint32_t slot = world->bodies[index].list_slot, last = list->items[--list->count];
+    uint32_t slot = world->bodies[body_index].list_slot, last = list->items[--list->count];
     list->items[slot] = last;
     world->bodies[last].list_slot = slot;
-    world->bodies[index].list_slot = DAFT_SIM_NONE;
-    for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
+    world->bodies[body_index].list_slot = DAFT_SIM_NONE;
+    for (uint32_t i = world->bodies[body_index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next)
         daft_sim_group_leave(world, i);
 }

@@ -377,8 +377,8 @@ daft_quat daft_sim_turn(daft_quat q, daft_vec3 angular, float h);
 daft_rigid daft_sim_part_frame(const daft_sim_body *body, const daft_sim_part *part);
 
 bool daft_sim_list_reserve(daft_world *world, daft_sim_list *list, size_t needed);
-void daft_sim_list_add(daft_world *world, daft_sim_list *list, uint32_t body);    /* room was reserved */
-void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t body); /* of bodies, by list_slot */
+void daft_sim_list_add(daft_world *world, daft_sim_list *list, uint32_t body_index);    /* room was reserved */
+void daft_sim_list_remove(daft_world *world, daft_sim_list *list, uint32_t body_index); /* of bodies, by list_slot */
 
 /* ---- step.c ---- */
 

@@ -20,9 +20,9 @@ daft_part daft_part_of(const daft_trimesh *mesh, uint32_t triangle)
 static float under(double x) { return nextafterf((float)x, -INFINITY); }
 static float over(double x) { return nextafterf((float)x, INFINITY); }
 
-void daft_part_clip(const daft_trimesh *mesh, daft_part *r, int axis, float at, bool below)
+void daft_part_clip(const daft_trimesh *mesh, daft_part *part, int axis, float at, bool below)
 {
-    const uint32_t *corner = &mesh->indices[3 * (size_t)r->triangle];
+    const uint32_t *corner = &mesh->indices[3 * (size_t)part->triangle];
     double p[3][3], low[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, high[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX},
                     plane_at = (double)at;
     for (int i = 0; i < 3; i++)
@@ -40,11 +40,11 @@ void daft_part_clip(const daft_trimesh *mesh, daft_part *r, int axis, float at, 
         }
     }
     for (int k = 0; k < 3; k++) {
-        float l = fmaxf(r->low[k], under(low[k])), h = fminf(r->high[k], over(high[k]));
-        if (l <= h) r->low[k] = l, r->high[k] = h;
+        float l = fmaxf(part->low[k], under(low[k])), h = fminf(part->high[k], over(high[k]));
+        if (l <= h) part->low[k] = l, part->high[k] = h;
     }
     if (below)
-        r->high[axis] = fminf(r->high[axis], at);
+        part->high[axis] = fminf(part->high[axis], at);
     else
-        r->low[axis] = fmaxf(r->low[axis], at);
+        part->low[axis] = fmaxf(part->low[axis], at);
 }

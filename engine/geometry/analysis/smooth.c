@@ -54,10 +54,10 @@ typedef struct smoother {
  *     2 pi cos 40°, as seen along it, and the weighted sum is at least cos 40° of them: 7.37 for two rings. */
 static bool is_one_ring(const smoother *s, const daft_smooth_sum *sum)
 {
-    float k = sum->count, least = k - s->spread + k * k * 2e-7f;
+    float k = sum->count, min = k - s->spread + k * k * 2e-7f;
     const float *p = sum->plain;
     const double *w = sum->weighted;
-    return sum->links == 0 && k < 256 && p[0] * p[0] + p[1] * p[1] + p[2] * p[2] > least * least &&
+    return sum->links == 0 && k < 256 && p[0] * p[0] + p[1] * p[1] + p[2] * p[2] > min * min &&
            w[0] * w[0] + w[1] * w[1] + w[2] * w[2] < 7.3 * 7.3;
 }
 

@@ -299,13 +299,13 @@ uint32_t daft_box_acquire(daft_scene *scene, daft_vec3 size, daft_error *error)
     return DAFT_NONE;
 }
 
-void daft_box_drop(daft_scene *scene, uint32_t index)
+void daft_box_drop(daft_scene *scene, uint32_t box_index)
 {
     daft_assets *assets = &scene->assets;
-    daft_box_item *box = assets->boxes[index];
+    daft_box_item *box = assets->boxes[box_index];
     if (--box->users > 0) return;
-    daft_map_remove(&assets->box_map, size_hash(box->size), index);
-    daft_slots_remove(&assets->box_slots, index);
+    daft_map_remove(&assets->box_map, size_hash(box->size), box_index);
+    daft_slots_remove(&assets->box_slots, box_index);
     daft_retire(scene, &box->shape.retired, free_retired_mesh);
 }
 

@@ -51,7 +51,7 @@ static const daft_field ENTITY_ROWS[] = {
            .doc = "What brakes rolling, as a fraction of load times radius; the larger of two bodies' holds"),
     ENTITY(surface, FROM(0, 63), .lua = "surface", .flags = BODY,
            .doc = "The kind of its surface, for pairs of surfaces"),
-    ENTITY(belt, .unit = "m/s", .lua = "belt", .flags = BODY,
+    ENTITY(surface_velocity, .unit = "m/s", .lua = "surface_velocity", .flags = BODY,
            .doc = "The velocity of its surface in its own axes, as a conveyor's"),
     ENTITY(gravity_scale, .initial = {1}, .lua = "gravity_scale", .flags = BODY,
            .doc = "The fraction of gravity that acts on it"),

@@ -66,7 +66,7 @@ static daft_sim_shape_def shape_def(const daft_entity_def *def)
                                          .static_friction = def->static_friction,
                                          .restitution = def->restitution,
                                          .rolling_resistance = def->rolling_resistance,
-                                         .surface_velocity = def->belt,
+                                         .surface_velocity = def->surface_velocity,
                                          .kind = def->surface};
     shape.layers = def->layers, shape.mask = def->mask;
     shape.sensor = def->sensor;

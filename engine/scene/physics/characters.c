@@ -36,7 +36,7 @@ static bool read_def(daft_scene *scene, const daft_character_def *def, daft_sim_
 }
 
 /* The entity goes where the character is. */
-static bool lead(daft_scene *scene, const daft_character_item *c, bool teleport, daft_error *error)
+static bool move_entity(daft_scene *scene, const daft_character_item *c, bool teleport, daft_error *error)
 {
     daft_transform t;
     if (c->entity.id == 0 || !daft_entity_is_valid(scene, c->entity)) return true;
@@ -47,10 +47,10 @@ static bool lead(daft_scene *scene, const daft_character_item *c, bool teleport,
     return daft_entity_set_transform(scene, c->entity, &t, teleport, error);
 }
 
-void daft_characters_lead(daft_scene *scene)
+void daft_characters_move_entities(daft_scene *scene)
 {
     for (uint32_t i = 0; i < scene->character_slots.count; i++)
-        if (scene->character_slots.items[i].live) lead(scene, &scene->characters[i], true, NULL);
+        if (scene->character_slots.items[i].live) move_entity(scene, &scene->characters[i], true, NULL);
 }
 
 daft_character daft_character_create(daft_scene *scene, const daft_character_def *def, daft_error *error)
@@ -74,7 +74,7 @@ daft_character daft_character_create(daft_scene *scene, const daft_character_def
         return none;
     }
     item.entity = def->entity;
-    if (!lead(scene, &item, true, error)) return none;
+    if (!move_entity(scene, &item, true, error)) return none;
     daft_character character = {daft_slots_add(&scene->character_slots)};
     scene->characters[daft_handle_index(character.id)] = item;
     return character;
@@ -125,13 +125,14 @@ bool daft_character_jump(daft_scene *scene, daft_character character, float spee
 bool daft_character_teleport(daft_scene *scene, daft_character character, daft_dvec3 position, daft_error *error)
 {
     daft_character_item *c = find(scene, character, error);
-    return c && daft_sim_character_teleport(&c->now, position, error) && lead(scene, c, true, error);
+    return c && daft_sim_character_teleport(&c->now, position, error) && move_entity(scene, c, true, error);
 }
 
 bool daft_character_set_height(daft_scene *scene, daft_character character, float height, daft_error *error)
 {
     daft_character_item *c = find(scene, character, error);
-    return c && daft_sim_character_set_height(scene->world, &c->now, height, error) && lead(scene, c, false, error);
+    return c && daft_sim_character_set_height(scene->world, &c->now, height, error) &&
+           move_entity(scene, c, false, error);
 }
 
 bool daft_character_get(daft_scene *scene, daft_character character, daft_character_state *out, daft_error *error)
@@ -156,7 +157,8 @@ bool daft_characters_step(daft_scene *scene, float dt, daft_error *error)
         daft_character_item *c = &scene->characters[i];
         if (!scene->character_slots.items[i].live) continue;
         if (!daft_entity_is_valid(scene, c->entity)) c->entity.id = c->now.def.ignore = 0;
-        if (!daft_sim_character_move(scene->world, &c->now, &c->wish, dt, error) || !lead(scene, c, false, error))
+        if (!daft_sim_character_move(scene->world, &c->now, &c->wish, dt, error) ||
+            !move_entity(scene, c, false, error))
             return false;
         c->wish.jump = 0;
     }

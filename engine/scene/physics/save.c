@@ -158,7 +158,7 @@ static void characters_load(daft_scene *scene, uint32_t count, const char *at)
         daft_character_item *item = &scene->characters[daft_handle_index(c.character)];
         item->now = c.now, item->wish = c.wish;
     }
-    daft_characters_lead(scene);
+    daft_characters_move_entities(scene);
 }
 
 /* A list of slots is sound where each free one is in the queue once. */

@@ -28,9 +28,9 @@ static daft_sim_bounds stretched(const daft_sim_bounds *bounds, daft_dvec3 by)
                              daft_dadd(bounds->high, daft_sim_dmax(by, zero))};
 }
 
-daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t index)
+daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t part_index)
 {
-    const daft_sim_part *part = &world->parts[index];
+    const daft_sim_part *part = &world->parts[part_index];
     daft_rigid frame = daft_sim_part_frame(&world->bodies[part->body], part);
     return daft_shape_bounds(&part->shape, &frame);
 }
@@ -74,11 +74,11 @@ static void enter(daft_world *world, uint32_t index)
     part->leaf = daft_sim_tree_insert(&world->trees[kind], &world->fat[index], index);
 }
 
-void daft_sim_broad_add(daft_world *world, uint32_t index)
+void daft_sim_broad_add(daft_world *world, uint32_t body_index)
 {
     world->changes++;
-    daft_sim_outlines_rest(world, index);
-    for (uint32_t i = world->bodies[index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
+    daft_sim_outlines_rest(world, body_index);
+    for (uint32_t i = world->bodies[body_index].first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         world->tight[i] = daft_sim_part_bounds(world, i);
         world->slots[i] = DAFT_SIM_NONE;
         fatten(world, i, &world->tight[i], daft_dv3(0, 0, 0));
@@ -87,10 +87,10 @@ void daft_sim_broad_add(daft_world *world, uint32_t index)
     }
 }
 
-void daft_sim_broad_remove(daft_world *world, uint32_t index)
+void daft_sim_broad_remove(daft_world *world, uint32_t body_index)
 {
     world->changes++;
-    const daft_sim_body *body = &world->bodies[index];
+    const daft_sim_body *body = &world->bodies[body_index];
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         daft_sim_tree_remove(&world->trees[body->kind], world->parts[i].leaf);
         daft_sim_group_leave(world, i);
@@ -261,9 +261,9 @@ void daft_sim_broad_settle(daft_world *world)
     world->settled_at = world->changes;
 }
 
-void daft_sim_broad_rest(daft_world *world, uint32_t index)
+void daft_sim_broad_rest(daft_world *world, uint32_t body_index)
 {
-    const daft_sim_body *body = &world->bodies[index];
+    const daft_sim_body *body = &world->bodies[body_index];
     for (uint32_t i = body->first_part; i != DAFT_SIM_NONE; i = world->parts[i].next) {
         daft_sim_tree_remove(&world->trees[body->kind], world->parts[i].leaf);
         daft_sim_bounds now = daft_sim_part_bounds(world, i);

@@ -13,23 +13,23 @@
 /* Room for the bounds of so many parts. */
 bool daft_sim_bounds_reserve(daft_world *world, size_t parts);
 
-daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t part);
+daft_sim_bounds daft_sim_part_bounds(const daft_world *world, uint32_t part_index);
 /* Enters the parts of a body into the tree of its kind, for which there is room, and marks them moved. */
-void daft_sim_broad_add(daft_world *world, uint32_t body);
-void daft_sim_broad_remove(daft_world *world, uint32_t body);
+void daft_sim_broad_add(daft_world *world, uint32_t body_index);
+void daft_sim_broad_remove(daft_world *world, uint32_t body_index);
 /* Bounds over the coming step of everything that moves. False when memory is out. */
 bool daft_sim_broad_update(daft_world *world, float dt);
 /* The trees hold all parts where they are now, for queries. */
 void daft_sim_broad_settle(daft_world *world);
 /* The same for a body that falls asleep. */
-void daft_sim_broad_rest(daft_world *world, uint32_t body);
+void daft_sim_broad_rest(daft_world *world, uint32_t body_index);
 
 /* ---- outline.c ---- */
 
 /* Room for the outlines of so many parts. */
 bool daft_sim_outlines_reserve(daft_world *world, size_t parts);
 /* Of a part, where it is, over a step of dt. */
-void daft_sim_outline_set(daft_world *world, uint32_t part, const daft_rigid *frame, float dt);
+void daft_sim_outline_set(daft_world *world, uint32_t part_index, const daft_rigid *frame, float dt);
 /* Of all parts of a body that does not move. */
 void daft_sim_outlines_rest(daft_world *world, uint32_t body);
 

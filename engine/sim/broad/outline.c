@@ -26,11 +26,11 @@ static daft_vec3 half_of(const daft_sim_shape *shape, const daft_rigid *frame)
     return daft_v3((float)(half * frame->m[1]), (float)(half * frame->m[4]), (float)(half * frame->m[7]));
 }
 
-void daft_sim_outline_set(daft_world *world, uint32_t index, const daft_rigid *frame, float dt)
+void daft_sim_outline_set(daft_world *world, uint32_t part_index, const daft_rigid *frame, float dt)
 {
-    const daft_sim_part *part = &world->parts[index];
+    const daft_sim_part *part = &world->parts[part_index];
     const daft_sim_body *body = &world->bodies[part->body];
-    daft_outline *outline = &world->outlines[index];
+    daft_outline *outline = &world->outlines[part_index];
     daft_outline_kind kind = kind_of(part, body);
     outline->kind = (uint8_t)kind;
     if (kind == DAFT_OUTLINE_NONE) return;
@@ -42,7 +42,7 @@ void daft_sim_outline_set(daft_world *world, uint32_t index, const daft_rigid *f
     outline->radius = kind == DAFT_OUTLINE_ROUND ? part->shape.radius : 0;
     outline->move = daft_scale(body->linear, dt);
     outline->swing = daft_sim_is_zero(body->angular) ? 0 : daft_length(body->angular) * body->extent * dt;
-    if (kind == DAFT_OUTLINE_BOX) world->box_frames[index] = (daft_outline_frame){*frame, body->travel};
+    if (kind == DAFT_OUTLINE_BOX) world->box_frames[part_index] = (daft_outline_frame){*frame, body->travel};
 }
 
 void daft_sim_outlines_rest(daft_world *world, uint32_t body)

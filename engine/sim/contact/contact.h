@@ -14,10 +14,10 @@
 /* Makes contact pairs of all parts that are near each other, and of no others that have an active side. False when
  * memory is out. */
 bool daft_sim_pairs_find(daft_world *world);
-void daft_sim_pair_remove(daft_world *world, uint32_t pair);
+void daft_sim_pair_remove(daft_world *world, uint32_t pair_index);
 void daft_sim_pairs_forget(daft_world *world, uint32_t body); /* the impulses they keep */
 /* Between steps: it leaves the active list too. */
-void daft_sim_pair_drop(daft_world *world, uint32_t pair);
+void daft_sim_pair_drop(daft_world *world, uint32_t pair_index);
 void daft_sim_pairs_remove(daft_world *world, uint32_t body);
 /* All pairs of a body go to the active list. Room was reserved. */
 void daft_sim_pairs_activate(daft_world *world, uint32_t body);
@@ -31,7 +31,7 @@ void daft_sim_active_refresh_all(daft_world *world);
 /* Whether two parts may touch at all. */
 bool daft_sim_may_meet(const daft_world *world, uint32_t part_a, uint32_t part_b);
 /* For loading: enters a pair that stands in its slot into lists. */
-void daft_sim_pair_enter(daft_world *world, uint32_t pair);
+void daft_sim_pair_enter(daft_world *world, uint32_t pair_index);
 bool daft_sim_pairs_reserve(daft_world *world, size_t more);
 
 /* ---- contacts.c ---- */

@@ -72,9 +72,9 @@ static bool owns(const daft_world *world, uint32_t a, uint32_t b)
     return mine < theirs || (mine == theirs && a < b);
 }
 
-void daft_sim_pair_enter(daft_world *world, uint32_t index)
+void daft_sim_pair_enter(daft_world *world, uint32_t pair_index)
 {
-    daft_sim_pair *pair = &world->pairs[index];
+    daft_sim_pair *pair = &world->pairs[pair_index];
     pair->active = false;
     pair->owned_by_a = false;
     if (is_dynamic(world, pair->part_a) && is_dynamic(world, pair->part_b)) {
@@ -83,11 +83,11 @@ void daft_sim_pair_enter(daft_world *world, uint32_t index)
     }
     if (pair->materials_cached || pair->manifold_count > 0)
         daft_sim_pair_materials(world, pair); /* of a world that was loaded */
-    link_edge(world, index, 0);
-    link_edge(world, index, 1);
+    link_edge(world, pair_index, 0);
+    link_edge(world, pair_index, 1);
     world->live_pairs++;
     if (daft_sim_is_active(&world->bodies[pair->body_a]) || daft_sim_is_active(&world->bodies[pair->body_b]))
-        activate(world, index);
+        activate(world, pair_index);
 }
 
 static uint32_t insert(daft_world *world, uint32_t part_a, uint32_t part_b)
@@ -106,19 +106,19 @@ static uint32_t insert(daft_world *world, uint32_t part_a, uint32_t part_b)
 }
 
 /* Its place in the active list is cleared by who calls. */
-void daft_sim_pair_remove(daft_world *world, uint32_t index)
+void daft_sim_pair_remove(daft_world *world, uint32_t pair_index)
 {
-    daft_sim_pair *pair = &world->pairs[index];
+    daft_sim_pair *pair = &world->pairs[pair_index];
     if (pair->touching) daft_sim_event_end(world, pair);
     if (is_dynamic(world, pair->part_a) && is_dynamic(world, pair->part_b))
         world->parts[pair->owned_by_a ? pair->part_a : pair->part_b].owned--;
-    unlink_edge(world, index, 0);
-    unlink_edge(world, index, 1);
+    unlink_edge(world, pair_index, 0);
+    unlink_edge(world, pair_index, 1);
     daft_release(&world->allocator, pair->more);
     pair->more = NULL;
     pair->part_a = pair->part_b = DAFT_SIM_NONE;
     pair->next[0] = world->free_pair;
-    world->free_pair = index;
+    world->free_pair = pair_index;
     world->live_pairs--;
 }
 
@@ -132,9 +132,9 @@ static void forget_entries(daft_world *world)
     list->count = kept;
 }
 
-void daft_sim_pair_drop(daft_world *world, uint32_t index)
+void daft_sim_pair_drop(daft_world *world, uint32_t pair_index)
 {
-    daft_sim_pair_remove(world, index);
+    daft_sim_pair_remove(world, pair_index);
     forget_entries(world);
 }
 

@@ -131,11 +131,11 @@ static void set_joined(daft_world *world, uint32_t index)
     daft_sim_groups_joined(world, index);
 }
 
-void daft_sim_joint_link(daft_world *world, uint32_t index)
+void daft_sim_joint_link(daft_world *world, uint32_t joint_index)
 {
-    link_joint(world, index, 0);
-    link_joint(world, index, 1);
-    for (int side = 0; side < 2; side++) set_joined(world, world->joints[index].body[side]);
+    link_joint(world, joint_index, 0);
+    link_joint(world, joint_index, 1);
+    for (int side = 0; side < 2; side++) set_joined(world, world->joints[joint_index].body[side]);
 }
 
 bool daft_sim_joints_reserve(daft_world *world, size_t more)
@@ -237,17 +237,17 @@ static void wake_ends(daft_world *world, const daft_sim_joint *joint)
             daft_sim_body_activate(world, joint->body[side]);
 }
 
-void daft_sim_joint_remove(daft_world *world, uint32_t index, bool event)
+void daft_sim_joint_remove(daft_world *world, uint32_t joint_index, bool event)
 {
-    daft_sim_joint *joint = &world->joints[index];
-    if (event) daft_sim_event_joint(world, DAFT_SIM_JOINT_GONE, index, 0);
+    daft_sim_joint *joint = &world->joints[joint_index];
+    if (event) daft_sim_event_joint(world, DAFT_SIM_JOINT_GONE, joint_index, 0);
     wake_ends(world, joint);
-    unlink_joint(world, index, 0);
-    unlink_joint(world, index, 1);
+    unlink_joint(world, joint_index, 0);
+    unlink_joint(world, joint_index, 1);
     for (int side = 0; side < 2; side++) set_joined(world, joint->body[side]);
     joint->kind = 0;
     joint->next[0] = world->free_joint;
-    world->free_joint = index;
+    world->free_joint = joint_index;
     world->live_joints--;
 }
 

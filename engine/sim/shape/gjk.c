@@ -16,23 +16,23 @@
 
 enum { MAX_STEPS = 128 };
 
-daft_proxy daft_proxy_of(const daft_sim_shape *s)
+daft_proxy daft_proxy_of(const daft_sim_shape *convex)
 {
-    daft_proxy out = {.count = 1, .radius = (double)s->radius};
-    switch (s->type) {
+    daft_proxy out = {.count = 1, .radius = (double)convex->radius};
+    switch (convex->type) {
     case DAFT_GEOMETRY_BOX:
         out.is_box = true;
-        out.half = s->half;
+        out.half = convex->half;
         out.count = 8;
         out.radius = 0;
         break;
     case DAFT_GEOMETRY_HULL:
-        out.points = s->hull->vertices;
-        out.count = s->hull->vertex_count;
+        out.points = convex->hull->vertices;
+        out.count = convex->hull->vertex_count;
         out.radius = 0;
         break;
     case DAFT_GEOMETRY_CAPSULE:
-        out.own[0] = daft_v3(0, -s->half_height, 0), out.own[1] = daft_v3(0, s->half_height, 0);
+        out.own[0] = daft_v3(0, -convex->half_height, 0), out.own[1] = daft_v3(0, convex->half_height, 0);
         out.count = 2;
         break;
     default: break;

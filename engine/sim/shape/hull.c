@@ -122,9 +122,9 @@ static uint32_t walk_rim(const daft_hull_mesh *mesh, polygons *p, uint16_t group
 static bool walk_all(const daft_hull_mesh *mesh, polygons *p)
 {
     uint32_t used = 0;
-    for (uint16_t g = 0; g < p->group_count; g++) {
+    for (uint32_t g = 0; g < p->group_count; g++) {
         p->first[g] = (uint16_t)used;
-        uint32_t count = walk_rim(mesh, p, g, used);
+        uint32_t count = walk_rim(mesh, p, (uint16_t)g, used);
         if (count == 0) return false;
         used += count;
     }

@@ -220,7 +220,7 @@ static bool order_horizon(builder *b)
 static uint32_t remove_visible(builder *b)
 {
     uint32_t loose = NOTHING;
-    for (uint16_t i = 0; i < MAX_FACES; i++) {
+    for (uint32_t i = 0; i < MAX_FACES; i++) {
         face *f = &b->faces[i];
         if (!f->used || !f->visible) continue;
         f->used = f->visible = false;
@@ -244,7 +244,7 @@ static void add_point(builder *b, uint32_t point, uint16_t seen_from)
         ring = order_horizon(b);
     }
     if (!ring) { /* rounding of the metric made it stick out: leave the face's points be */
-        for (uint16_t i = 0; i < MAX_FACES; i++) b->faces[i].visible = false;
+        for (uint32_t i = 0; i < MAX_FACES; i++) b->faces[i].visible = false;
         f->outside = f->farthest = NOTHING;
         return;
     }
@@ -273,10 +273,10 @@ static void add_point(builder *b, uint32_t point, uint16_t seen_from)
 static uint16_t next_face(const builder *b)
 {
     uint16_t best = MAX_FACES;
-    for (uint16_t i = 0; i < MAX_FACES; i++) {
+    for (uint32_t i = 0; i < MAX_FACES; i++) {
         const face *f = &b->faces[i];
         if (!f->used || f->farthest == NOTHING) continue;
-        if (best == MAX_FACES || f->distance > b->faces[best].distance) best = i;
+        if (best == MAX_FACES || f->distance > b->faces[best].distance) best = (uint16_t)i;
     }
     return best;
 }

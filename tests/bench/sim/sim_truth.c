@@ -171,8 +171,8 @@ static void exact_incline(int seconds, daft_dvec3 *frames)
     double angle = daft_atan2(SLOPE, 1), s = daft_sin(angle), c = daft_cos(angle);
     double pull = GRAVITY * (s - SLOPE / 1.1 * c);
     for (int i = 0; i < seconds * TRUTH_FRAMES_HZ; i++) {
-        double t = (double)(i + 1) / TRUTH_FRAMES_HZ, way = 0.5 * pull * t * t;
-        frames[i] = daft_dv3(0.5 * s + c * way, 0.5 * c - s * way, -2);
+        double t = (double)(i + 1) / TRUTH_FRAMES_HZ, displacement = 0.5 * pull * t * t;
+        frames[i] = daft_dv3(0.5 * s + c * displacement, 0.5 * c - s * displacement, -2);
     }
 }
 

@@ -19,7 +19,7 @@ local fields = { "mesh", "sphere", "box", "position", "rotation", "scale", "mate
     "direction", "color", "shadow", "from", "at", "fov", "teleport", "yaw", "pitch", "roll", "texture", "texture_scale", "ambient",
     "specular", "shininess", "mirror", "mirror_tint", "transmission", "transmission_tint",
     "refractive_index", "emission", "size", "align", "positions", "normals", "uvs", "triangles",
-    "collider", "lock", "layer", "hits", "sensor", "bullet", "sleeps", "surface", "belt", "static_friction", "gravity_scale",
+    "collider", "lock", "layer", "hits", "sensor", "bullet", "sleeps", "surface", "surface_velocity", "static_friction", "gravity_scale",
     "damping", "angular_damping", "kind", "a", "b", "to", "axis", "limit", "motor", "spring", "length", "break_force",
     "break_torque", "collide", "entity", "radius", "height", "step", "slope", "acceleration", "gravity", "force", "substeps",
     "sleeping" }

@@ -133,7 +133,7 @@ local function surfaces()
     things.skate = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { -3, 0.2, 40 }, body = "dynamic", surface = "skate", friction = 0.8, velocity = { 1, 0, 0 } }
     things.brick = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { -3, 0.2, 42 }, body = "dynamic", friction = 0.8, velocity = { 1, 0, 0 } }
     things.rubber = daft.entity { sphere = 0.2, position = { 2, 1.2, 40 }, body = "dynamic", surface = "rubber" }
-    daft.entity { box = { 6, 0.2, 1 }, position = { 0, 0.1, 38 }, body = "static", belt = { 1, 0, 0 }, friction = 1 }
+    daft.entity { box = { 6, 0.2, 1 }, position = { 0, 0.1, 38 }, body = "static", surface_velocity = { 1, 0, 0 }, friction = 1 }
     things.on_belt = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { -2.5, 0.4, 38 }, body = "dynamic" }
     things.free_ball = daft.entity { sphere = 0.3, position = { -3, 0.3, 44 - 0.8 }, body = "dynamic", velocity = { 1, 0, 0 }, angular_velocity = { 0, 0, -1 / 0.3 } }
     things.braked_ball = daft.entity { sphere = 0.3, position = { -3, 0.3, 36.8 }, body = "dynamic", rolling_resistance = 0.1, velocity = { 1, 0, 0 }, angular_velocity = { 0, 0, -1 / 0.3 } }
@@ -145,7 +145,7 @@ end
 local function surfaces_act()
     check(near(things.skate:velocity(), 1, 1e-3), "ice", (things.skate:velocity()))
     check(near(things.brick:velocity(), 0, 1e-3), "brick")
-    check(near(things.on_belt:velocity(), 1, 1e-2), "belt", (things.on_belt:velocity()))
+    check(near(things.on_belt:velocity(), 1, 1e-2), "surface velocity", (things.on_belt:velocity()))
     check(near(things.free_ball:velocity(), 1, 1e-2), "rolls on")
     check(near(things.braked_ball:velocity(), 0, 1e-3), "rolling resistance")
     check(select(2, things.balloon:velocity()) > 1, "gravity_scale")
@@ -228,19 +228,19 @@ local function queries()
     local b = daft.entity { sphere = 0.5, position = { 3, 100, 0 }, body = "kinematic", layer = "b" }
     local c = daft.entity { position = { 6, 100, 0 }, body = "dynamic", gravity_scale = 0, layer = "c", collider = { capsule = { radius = 0.5, height = 2 } } }
     local s = daft.entity { box = { 1, 1, 1 }, position = { 9, 100, 0 }, body = "static", sensor = true }
-    local from, way = { -5, 100, 0 }, { 1, 0, 0 }
-    local function first(options) local hit = daft.query.ray(from, way, 100, options) return hit and hit.entity end
+    local from, direction = { -5, 100, 0 }, { 1, 0, 0 }
+    local function first(options) local hit = daft.query.ray(from, direction, 100, options) return hit and hit.entity end
     check(first() == a and first { static = false } == b and first { static = false, kinematic = false } == c)
     check(first { ignore = a } == b and first { hits = { "c" } } == c and first { static = false, kinematic = false, dynamic = false } == nil)
     check(first { static = true, kinematic = false, dynamic = false, ignore = a, sensors = true } == s)
-    check(#daft.query.all(from, way) == 3 and #daft.query.all(from, way, 100, { sensors = true }) == 4)
-    check(near(daft.query.cast({ box = { 1, 1, 1 } }, from, way).distance, 4, 1e-3))
-    check(near(daft.query.cast({ capsule = { 0.25, 1 } }, from, way, 100, { static = false }).distance, 7.25, 1e-3))
-    check(daft.query.cast({ sphere = 0.5 }, from, way, 100, { hits = "c" }).entity == c)
+    check(#daft.query.all(from, direction) == 3 and #daft.query.all(from, direction, 100, { sensors = true }) == 4)
+    check(near(daft.query.cast({ box = { 1, 1, 1 } }, from, direction).distance, 4, 1e-3))
+    check(near(daft.query.cast({ capsule = { 0.25, 1 } }, from, direction, 100, { static = false }).distance, 7.25, 1e-3))
+    check(daft.query.cast({ sphere = 0.5 }, from, direction, 100, { hits = "c" }).entity == c)
     check(#daft.query.overlap({ sphere = 3 }, { 1.5, 100, 0 }) == 2 and #daft.query.overlap({ sphere = 3 }, { 1.5, 100, 0 }, { static = false }) == 1)
     local hit = daft.query.closest({ 3, 102, 0 }, 10)
     check(hit.entity == b and near(hit.distance, 1.5, 1e-4) and near(hit.position[2], 100.5, 1e-4))
-    expect_error("finite", daft.query.ray, { 0 / 0, 0, 0 }, way)
+    expect_error("finite", daft.query.ray, { 0 / 0, 0, 0 }, direction)
     expect_error("direction", daft.query.cast, { sphere = 1 }, from, { 0, 0, 0 })
     expect_error("finite", daft.query.overlap, { sphere = 0 / 0 }, from)
     for _, e in ipairs { a, b, c, s } do e:destroy() end

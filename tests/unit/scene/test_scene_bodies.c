@@ -359,8 +359,8 @@ static void bad_bodies(void **unused)
     refused(p.scene, &def, "mass");
     def.mass = 0, def.surface = 64;
     refused(p.scene, &def, "surface");
-    def.surface = 0, def.belt.x = INFINITY;
-    refused(p.scene, &def, "belt");
+    def.surface = 0, def.surface_velocity.x = INFINITY;
+    refused(p.scene, &def, "surface_velocity");
 
     static const daft_vec3 flat[3] = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}};
     static const uint32_t index[3] = {0, 1, 2};
