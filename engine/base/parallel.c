@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "base/cpu.h"
 
+#include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
 #include <unistd.h>
@@ -10,47 +11,49 @@
 
 typedef void worker_main(daft_region *region, uint32_t worker);
 
-#ifdef DAFT_PLAIN_THREADS
-#include <pthread.h>
+enum { HALVINGS = 6 /* until a span of DAFT_MAX_WORKERS is one worker */ };
 
-typedef struct plain_worker {
+/* Workers first to end - 1. The thread that has a span starts threads for its upper halves, which do the same, until
+ * it is left with its first worker: with 64 workers the caller starts six threads, not 63. */
+typedef struct span {
     worker_main *work;
     daft_region *region;
-    uint32_t worker;
-} plain_worker;
+    uint32_t first, end;
+} span;
 
-static void *plain_main(void *argument)
+static void run_span(span all);
+
+static void *span_main(void *argument)
 {
-    plain_worker *self = argument;
-    self->work(self->region, self->worker);
+    run_span(*(span *)argument);
     return NULL;
 }
 
-static void run_workers(worker_main *work, daft_region *region, int workers)
+/* Where the system gives no thread, the span's workers are not there, and the others do its tasks. */
+static bool start_thread(pthread_t *thread, span *part)
 {
-    pthread_t threads[DAFT_MAX_WORKERS];
-    plain_worker arguments[DAFT_MAX_WORKERS];
     pthread_attr_t attributes;
-    int started = 0;
-    bool good = pthread_attr_init(&attributes) == 0 && pthread_attr_setstacksize(&attributes, DAFT_WORKER_STACK) == 0;
-    for (int i = 1; i < workers && good; i++) {
-        arguments[started] = (plain_worker){work, region, (uint32_t)i};
-        if (pthread_create(&threads[started], &attributes, plain_main, &arguments[started]) != 0) break;
-        started++;
-    }
-    work(region, 0);
-    for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
+    if (pthread_attr_init(&attributes) != 0) return false;
+    bool good = pthread_attr_setstacksize(&attributes, DAFT_WORKER_STACK) == 0 &&
+                pthread_create(thread, &attributes, span_main, part) == 0;
     pthread_attr_destroy(&attributes);
+    return good;
 }
-#else
-#include <omp.h>
 
-static void run_workers(worker_main *work, daft_region *region, int workers)
+static void run_span(span all)
 {
-#pragma omp parallel num_threads(workers)
-    work(region, (uint32_t)omp_get_thread_num());
+    pthread_t threads[HALVINGS];
+    span parts[HALVINGS];
+    int started = 0;
+    while (all.end - all.first > 1) {
+        uint32_t middle = all.first + (all.end - all.first + 1) / 2;
+        parts[started] = (span){all.work, all.region, middle, all.end};
+        if (start_thread(&threads[started], &parts[started])) started++;
+        all.end = middle;
+    }
+    all.work(all.region, all.first);
+    for (int i = 0; i < started; i++) pthread_join(threads[i], NULL);
 }
-#endif
 
 /* ---- loops ---- */
 
@@ -151,7 +154,7 @@ void daft_parallel_region(int workers, daft_region_body *body, void *context)
     }
     workers = daft_min_i(workers, DAFT_MAX_WORKERS);
     daft_region region = {.workers = (uint32_t)workers, .body = body, .body_context = context};
-    run_workers(work, &region, workers);
+    run_span((span){work, &region, 0, (uint32_t)workers});
 }
 
 /* ---- one loop ---- */

@@ -11,9 +11,9 @@
  * Promise: results do not depend on the number of workers or on who took what, as long as a task writes only to what
  * its index owns, or to the scratch of its worker.
  *
- * Workers are OpenMP's, or plain threads in the ThreadSanitizer build, which does not see libgomp's barriers and would
- * report each of them as a race. A worker has a stack of at least DAFT_WORKER_STACK bytes: plain threads are given it,
- * OpenMP's threads have the system's default (8 MiB with glibc; OMP_STACKSIZE changes it). */
+ * Workers but the caller are threads that live as long as their region, with stacks of DAFT_WORKER_STACK bytes: nothing
+ * of the library runs, spins or holds memory between its calls, and a program may fork. Starting one takes some ten
+ * microseconds. Where the system refuses a thread, the others do its work. */
 #ifndef DAFT_BASE_PARALLEL_H
 #define DAFT_BASE_PARALLEL_H
 

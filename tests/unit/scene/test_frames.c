@@ -45,7 +45,7 @@ static stage stage_make(daft_accel accel)
 {
     stage s = {0};
     daft_engine_def def = daft_default_engine_def();
-    def.threads = 1; /* libgomp's own synchronisation is not seen by ThreadSanitizer */
+    def.threads = 1;
     def.accel = accel;
     assert_non_null(s.engine = daft_engine_create(&def, NULL));
     assert_non_null(s.scene = daft_scene_create(s.engine, NULL));
