@@ -128,7 +128,7 @@ static void take_events(session *s)
  * Where a file is yet to be written, or the menu is to come back, the game has more time to end well. */
 static int asked(void *user)
 {
-    enum { OLD_NS = 30000000, SHORT_MS = 40, LONG_MS = 1500 };
+    enum { OLD_NS = 20000000, SHORT_MS = 30, LONG_MS = 1500 };
     session *s = user;
     platform *screen = s->def->screen;
     if (!screen->leave_waits || clock_now_ns() - atomic_load(&s->polled_ns) < OLD_NS) return 0;
@@ -137,11 +137,13 @@ static int asked(void *user)
     return s->def->stays || s->def->shot || s->def->stats || s->def->hash ? LONG_MS : SHORT_MS;
 }
 
-/* Before an early end of the program, on another thread. */
-static void save_recording(void *user)
+/* Before an early end of the program, on another thread. The window goes first: a disk may be slow. */
+static void end_early(void *user)
 {
     daft_error error;
-    if (!recorder_finish(((session *)user)->record, &error)) report(&error);
+    session *s = user;
+    if (atomic_load(&s->leaving)) s->def->screen->hide(s->def->screen);
+    if (!recorder_finish(s->record, &error)) report(&error);
 }
 
 /* ---- hashes, shots, statistics ---- */
@@ -289,7 +291,7 @@ static bool open_files(session *s, daft_error *error)
 static bool run(session *s, daft_error *error)
 {
     if (!open_files(s, error)) return false;
-    stop_set_act(save_recording, s);
+    stop_set_act(end_early, s);
     const session_def *def = s->def;
     game_def play = {.where = def->where,
                      .info = s->info,

@@ -157,7 +157,7 @@ static void merge(lua_State *L, int from, int to, lua_Integer low, lua_Integer m
 {
     lua_Integer left = low, right = middle;
     for (lua_Integer out = low; out < high; out++) {
-        poll_at(L, out);
+        if (host_stopping(api_host(L))) host_poll(L); /* each time: comparing two long strings takes milliseconds */
         lua_rawgeti(L, from, left < middle ? left : right);
         lua_rawgeti(L, from, right < high ? right : left);
         bool take_right = left >= middle || (right < high && comes_before(L, -1, -2));

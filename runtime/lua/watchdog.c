@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 enum {
-    ASK_MS = 30,    /* between two questions: Esc is to work within 100 ms */
+    ASK_MS = 20,    /* between two questions: Esc is to work within 100 ms */
     SIGNAL_MS = 5,  /* between two signals: a coroutine may have ended since the last */
     STATE_BITS = 2, /* of `section`: a watchdog_state below the section's number */
     STATE_MASK = 3

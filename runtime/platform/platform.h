@@ -30,7 +30,8 @@ struct platform {
     uint64_t (*now_ns)(platform *self);
     void (*set_title)(platform *self, const char *title);
     void (*grab_mouse)(platform *self, bool grab); /* hides and confines the mouse; events become relative motions */
-    void (*hide)(platform *self);                  /* the window goes from sight */
+    /* The window goes from sight. From any thread once leave_waits was true. */
+    void (*hide)(platform *self);
     /* From any thread, while the thread of the others does something else: whether Esc or the window's close button
      * waits in the queue, where it stays. NULL, or never true, where only one thread may look. */
     bool (*leave_waits)(platform *self);

@@ -161,7 +161,12 @@ static bool leave_waits_sdl(platform *self)
 
 static void hide_sdl(platform *self)
 {
-    sdl_platform *sdl = lock(self);
+    enum { TRIES_MS = 50 }; /* the other thread may hang in SDL */
+    sdl_platform *sdl = (sdl_platform *)self;
+    for (int i = 0; pthread_mutex_trylock(&sdl->lock) != 0; i++) {
+        if (i == TRIES_MS) return;
+        SDL_Delay(1);
+    }
     SDL_HideWindow(sdl->window);
     unlock(sdl);
 }

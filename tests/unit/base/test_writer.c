@@ -207,6 +207,22 @@ static void left_over_files_are_removed(void **unused)
     fclose(living);
 }
 
+/* Before a sudden end: nothing but the old file stays, and a writer that goes on says that it failed. */
+static void temporaries_of_this_process_can_be_removed(void **unused)
+{
+    (void)unused;
+    daft_error error;
+    assert_true(daft_write_file(path, "old", 3, &error));
+    daft_writer *writer = daft_writer_begin(path, &error);
+    assert_non_null(writer);
+    daft_writer_put(writer, "new", 3);
+    assert_int_equal(files_there(), 2);
+    daft_remove_temporaries();
+    assert_int_equal(files_there(), 1);
+    assert_false(daft_writer_commit(writer, &error));
+    assert_holds("old");
+}
+
 static void large_files_grow_and_take_corrections(void **unused)
 {
     (void)unused;
@@ -260,6 +276,7 @@ int main(void)
         IN_A_FOLDER(a_full_disk_leaves_the_old_file),
         IN_A_FOLDER(a_killed_process_leaves_whole_files),
         IN_A_FOLDER(left_over_files_are_removed),
+        IN_A_FOLDER(temporaries_of_this_process_can_be_removed),
         IN_A_FOLDER(large_files_grow_and_take_corrections),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

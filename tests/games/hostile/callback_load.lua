@@ -1,0 +1,2 @@
+-- daft.load: a loop
+function daft.load() while true do end end

@@ -1,0 +1,2 @@
+-- main.lua: a loop outside of every function
+while true do end

@@ -1,0 +1,3 @@
+-- daft.load: a loop in a coroutine of a coroutine of …
+local function down(n) if n == 0 then while true do end end coroutine.wrap(down)(n - 1) end
+function daft.load() down(120) end
