@@ -1,4 +1,5 @@
-/* Bounds of many instances: those of meshes by registers, the others one by one. */
+/* Bounds of instances in frame space, for the build and refit of the TLAS: those of meshes DAFT_VL at a time, spheres
+ * one by one. */
 #include "accel/bound_lanes.h"
 #include "accel/traverse/traverse.h"
 

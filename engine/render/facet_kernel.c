@@ -1,7 +1,7 @@
-/* Fills one row of `daft_facets` for each triangle or sphere that some ray of a batch hit: its plane, vertex normals,
- * texture coordinates and the limits of its errors; DAFT_VL triangles at a time, of any instances. surface_kernel.c
- * computes points from these rows. A plane's normal and height are taken in double, so that the points are as precise
- * as that file promises. */
+/* Set-up of hit surfaces: fills one row of `daft_facets` for each triangle or sphere that some ray of a batch hit, with
+ * its plane, vertex normals, texture coordinates and error bounds; DAFT_VL triangles at a time, of any instances.
+ * surface_kernel.c interpolates at the hit points from these rows. A plane's normal and height are taken in double, so
+ * that the points are as precise as that file promises. */
 #include "math/simd/ops.h"
 #include "render/surface.h"
 

@@ -1,7 +1,7 @@
-/* From "this pixel sees that triangle" to points with normals, texture coordinates and places to spawn rays from. First
- * the different facets that the rays meet are listed and set up (facet_kernel.c), then DAFT_VL rays at a time are
- * brought to them: by broadcast where all meet the same one, else by rows of what was set up. Only what the tile's
- * materials and the plan call for is stored.
+/* Surface points from hits: position, normal, texture coordinates and ray origins, for the pixels of a tile or a batch
+ * of rays. The different triangles and spheres that the rays hit are listed and set up first (facet_kernel.c). Then
+ * DAFT_VL rays at a time read what was set up, by broadcast where all hit the same triangle, else by gathering rows.
+ * Only what the tile's materials and the plan call for is stored.
  *
  * Points lie where their ray meets the triangle's plane, whose normal and height are taken in double once a triangle:
  * so a point's error is a few 2^-24 of its own distance along the ray, and less across the plane, even on a triangle

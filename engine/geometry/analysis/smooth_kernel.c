@@ -1,5 +1,6 @@
-/* Normals and angles of triangles, many at a time, in double; their sums around vertices; and `unlist_rings`, which
- * takes the vertices whose ring of triangles has at most one crease off the list of those that need a closer look. */
+/* Smooth vertex normals, the part in lanes: normals and corner angles of many triangles at a time, in double, summed at
+ * their vertices; and `unlist_rings`, which finds the vertices whose ring of triangles has at most one crease: these
+ * sums decide such vertices, and smooth.c need not walk their rings. */
 #include "geometry/analysis/smooth.h"
 #include "math/simd/ops.h"
 

@@ -1,11 +1,11 @@
-/* Set-up triangles and spheres against the rays of a tile. Pixels are looked at through windows four wide and DAFT_VL /
- * 4 high, one SIMD register; a window begins at a multiple of four in its row and anywhere in its column, so a small
- * triangle needs one or two.
+/* Coverage and depth test: which pixels' rays hit a set-up triangle or sphere, and whether it is the nearest hit. One
+ * SIMD register is a window of pixels, four wide and DAFT_VL / 4 high. A window begins at a multiple of four in its row
+ * and anywhere in its column, so a small triangle needs one or two.
  *
  * e is an edge's function divided by the bound of its rounding error (setup_kernel.c). A lane is inside where e > 1 for
  * all three edges, outside where e < -1 for one; between, the exact predicates decide. w = 1/z is the inverse depth.
- * Each pixel keeps an interval that holds the w of what it sees: intervals that do not overlap compare without a closer
- * look. */
+ * Each pixel keeps an interval that holds the w of its nearest hit so far: only where intervals overlap are depths
+ * compared exactly. */
 #include "math/exact.h"
 #include "raster/grid/grid.h"
 

@@ -1,5 +1,5 @@
-/* Instances of meshes as the camera sees them, DAFT_VL of them at a time: what bounds.c does for one, operation for
- * operation in double, so that the bits are the same. */
+/* Screen bounds of mesh instances, DAFT_VL at a time: what bounds.c computes for one, operation for operation in
+ * double, so that the bits are the same. */
 #include "accel/bound_lanes.h"
 #include "math/simd/ops.h"
 #include "raster/grid/grid.h"

@@ -1,10 +1,10 @@
-/* An instance's tree against a tile, by the screen boxes of eight nodes at a time. A node is left out when its box lies
- * beside the tile, between the rays of its pixels, or behind what all pixels in reach of it see already. Leaves' blocks
- * of triangles are set up and drawn DAFT_VL / 4 at a time.
+/* Walks an instance's BVH for one tile, by the screen boxes of eight nodes at a time. A node is culled when its box
+ * lies beside the tile, between the rays of its pixels, or behind the nearest hits of all pixels that it covers. The
+ * blocks of triangles in leaves are set up and drawn DAFT_VL / 4 at a time.
  *
- * Where triangles are large each node waits for what is in front of it, so that it may turn out to be hidden. Where
- * there is one or more to a pixel, nodes are looked at in groups, without a branch that depends on one of them: there,
- * what a processor guesses wrong costs more than the arithmetic. */
+ * Where triangles are large, nodes are visited front to back, one by one, so that more of them turn out to be hidden.
+ * Where there is a triangle or more to a pixel, they are visited in groups, without a branch for a single node: there,
+ * mispredicted branches would cost more than the arithmetic. */
 #include "raster/boxes.h"
 #include "raster/grid/hidden.h"
 

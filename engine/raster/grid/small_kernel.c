@@ -1,16 +1,15 @@
-/* Triangles of dense meshes in two steps. First they are moved to camera space and projected; one is dropped when its
- * screen box holds no pixel's ray. What is left stands side by side. Second, of these, small ones (with boxes of two
- * pixels a side at most) are decided at once, at each of their up to four pixels, and others wait to be set up. Neither
- * step has a branch that depends on triangles: a wrong guess would wait for the end of a long step. And each is in
- * steps of its own, for many registers before the next, where one chain of operations would fill what a processor looks
- * ahead to.
+/* Triangles of a pixel's size or less, as dense meshes have them, in two steps. First, triangles are moved to camera
+ * space and projected; those whose screen box holds no pixel's ray are dropped, the rest compacted. Second, of these,
+ * small ones (boxes of at most two pixels a side) are tested at once at each of their up to four pixels; larger ones
+ * are queued for set-up (setup_kernel.c). No branch depends on a triangle, since most would be mispredicted, and each
+ * step runs over many registers before the next, so that the processor can overlap them.
  *
- * Corners in the picture, relative to a pixel: u = 2^-24; the scale focal/z rounds once, its product with x once, the
- * difference with the tile's place once more, so that x is off by less than 2u·R with R = the largest x or y of a ray
- * in the tile, 64 and twice the triangle's extent (its width and height together) in sum. An edge function about a
- * pixel within its box, e0 = x1·y2 - y1·x2 and so on, is then off by less than D = 5u·R·extent: 4u·R·extent from
- * corners, 3u of each product from its own roundings. Beyond D the sign is sure. The three make up twice the area, so
- * that its sign is sure beyond 4D; where it is not, some edge function is within 2D of 0.
+ * Error bounds. Corners in the picture, relative to a pixel: u = 2^-24; the scale focal/z rounds once, its product with
+ * x once, the difference with the tile's place once more, so that x is off by less than 2u·R with R = the largest x or
+ * y of a ray in the tile, 64 and twice the triangle's extent (its width and height together) in sum. An edge function
+ * about a pixel within its box, e0 = x1·y2 - y1·x2 and so on, is then off by less than D = 5u·R·extent: 4u·R·extent
+ * from corners, 3u of each product from its own roundings. Beyond D the sign is sure. The three make up twice the area,
+ * so that its sign is sure beyond 4D; where it is not, some edge function is within 2D of 0.
  *
  * Depth: the pixel is the mean of the corners, weighted by the edge functions, and so is 1/z. With weights that are off
  * by D, and their sum by as much again, the mean is off by less than 4D·(the largest 1/z - the least)/sum, and by 16u

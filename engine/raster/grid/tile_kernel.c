@@ -1,5 +1,5 @@
-/* Resolving a tile: its instances front to back. The farthest w is kept for each cell of 4 × 4 pixels, so that what
- * lies behind is left out as a whole. */
+/* Visibility of one tile: draws the tile's instances front to back. The farthest nearest-hit depth of each 4 × 4 pixels
+ * (a hierarchical z-buffer of one level) culls whole instances and nodes behind it. */
 #include "raster/grid/grid.h"
 
 static void draw_instance(daft_tile_job *j, const daft_view_instance *view, daft_queue *queue)

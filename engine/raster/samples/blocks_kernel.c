@@ -1,6 +1,6 @@
-/* Points in blocks of 16: patches of 4 by 4 pixels, which lie side by side on a surface and so in the light's picture.
- * Patches across a silhouette are spread: blocks much larger than usual are taken apart, and their points make blocks
- * along a Morton curve in the picture. */
+/* Groups a tile's lit points into blocks of 16, the unit that occluders are tested against: patches of 4 by 4 pixels,
+ * which lie side by side on a surface and so also as the light sees them. Patches across a silhouette are far apart
+ * there: blocks much larger than usual are taken apart, and their points make new blocks along a Morton curve. */
 #include "raster/samples/samples.h"
 
 typedef struct blocks_job {

@@ -1,6 +1,7 @@
-/* Few points behind a mesh: each is a ray in the mesh's own space, held against eight boxes or DAFT_VL triangles at a
- * time. See mesh_kernel.c for what hides a point. Among 1,000 instances of a mesh, shadow rays take half as long again
- * without this, 0.94 of the peer's speed instead of 1.4; single meshes and scenes take no longer. */
+/* Shadow test of few points against a mesh: each point's shadow ray is moved to the mesh's own space and walks its BVH,
+ * eight boxes or DAFT_VL triangles at a time; mesh_kernel.c has the definition of what hides a point. Among 1,000
+ * instances of a mesh, shadow rays take half as long again without this, 0.94 of the peer's speed instead of 1.4;
+ * single meshes and scenes take no longer. */
 #include "math/simd/ops.h"
 #include "raster/samples/setup.h"
 

@@ -1,5 +1,5 @@
-/* A mesh's map to view space and back, the errors of both, and which points' rays meet the mesh's bounds in its own
- * space. */
+/* An occluder's transform from view space to its own space and back, with the error bounds of both, and the test of
+ * which points' shadow rays meet the mesh's bounds. */
 #include "raster/samples/setup.h"
 
 /* One instruction each, where fmaxf and fminf are calls; of NaN and a number, the second. */

@@ -1,5 +1,5 @@
-/* Boxes of a tree's nodes in the light's picture. Comparisons are written so that a NaN, from an overflow, leaves a box
- * in. */
+/* Boxes of BVH nodes as the light sees them: eight at a time against the extent of the lit points. Comparisons are
+ * written so that a NaN, from an overflow, keeps a box. */
 #include "raster/samples/samples.h"
 
 DAFT_INLINE vbits outside(vf_range a, float low, float high)

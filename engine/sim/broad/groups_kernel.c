@@ -1,4 +1,4 @@
-/* Bounds against those of a group, side by side. */
+/* Broad phase: which boxes of a group of parts overlap a box, DAFT_VL at a time. */
 #include "sim/broad/groups.h"
 
 #include "math/simd/ops.h"
