@@ -63,17 +63,13 @@ static bool run(game_state *play, daft_image *picture)
     return game_draw(play, picture, 1);
 }
 
-void check_run_game(checker *c, const game_info *info)
+static void run_on(checker *c, daft_engine *engine, const game_info *info)
 {
     daft_error error;
     game_state play;
-    game_def def = {.where = &c->where,
-                    .info = info,
-                    .engine = c->engine,
-                    .face = c->face,
-                    .quality = DAFT_QUALITY_DRAFT,
-                    .seed = 1};
-    daft_image *picture = daft_image_create(c->engine, 64, 36, &error);
+    game_def def = {
+        .where = &c->where, .info = info, .engine = engine, .face = c->face, .quality = DAFT_QUALITY_DRAFT, .seed = 1};
+    daft_image *picture = daft_image_create(engine, 64, 36, &error);
     if (!picture || !game_open(&play, &def, &error)) {
         check_problem(c, DAFT_SEVERITY_ERROR, &error);
     } else {
@@ -81,4 +77,20 @@ void check_run_game(checker *c, const game_info *info)
         game_close(&play);
     }
     daft_image_destroy(picture);
+}
+
+/* With an engine of its own, whose memory has the limit of daft play. */
+void check_run_game(checker *c, const game_info *info)
+{
+    daft_engine_def def = daft_default_engine_def();
+    def.warn = check_warning;
+    def.warn_user = c;
+    def.memory_limit = HOST_MEMORY;
+    daft_error error;
+    daft_engine *engine = daft_engine_create(&def, &error);
+    if (engine)
+        run_on(c, engine, info);
+    else
+        check_problem(c, DAFT_SEVERITY_ERROR, &error);
+    daft_engine_destroy(engine);
 }

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static const char *const ISAS[] = {"plain", "sse2", "avx2", "avx512"};
 static const char *const ACCELS[] = {"bvh", "kdtree"};
@@ -74,6 +75,25 @@ static bool parse_number(const cli_option *option, const char *text, double *out
     return after != text && *after == 0 && isfinite(*out) && *out >= (double)option->min && *out <= (double)option->max;
 }
 
+static bool parse_bytes(const cli_option *option, const char *text, uint64_t *out)
+{
+    static const struct {
+        const char *name;
+        double bytes;
+    } units[] = {{"", 1}, {"B", 1}, {"kB", 1e3}, {"MB", 1e6}, {"GB", 1e9}};
+    char *after;
+    double value = strtod(text, &after);
+    if (after == text || !isdigit((unsigned char)text[0])) return false;
+    for (size_t i = 0; i < COUNT_OF(units); i++) {
+        if (strcasecmp(after, units[i].name) != 0) continue;
+        value = floor(value * units[i].bytes);
+        if (!(value >= (double)option->min) || value > 1e15) return false;
+        *out = (uint64_t)value;
+        return true;
+    }
+    return false;
+}
+
 static bool parse_value(const char *command, const cli_option *option, const char *text)
 {
     const char *name = option->name;
@@ -95,6 +115,11 @@ static bool parse_value(const char *command, const cli_option *option, const cha
     case CLI_NUMBER:
         if (parse_number(option, text, option->target)) return true;
         cli_refuse(command, "--%s: a number from %ld to %ld expected, got '%s'", name, option->min, option->max, text);
+        return false;
+    case CLI_BYTES:
+        if (parse_bytes(option, text, option->target)) return true;
+        cli_refuse(command, "--%s: a number of bytes expected, such as 500000, 64MB or 1.5GB, at least %ld, got '%s'",
+                   name, option->min, text);
         return false;
     case CLI_SIZE:
         if (parse_size(option, text, option->target)) return true;

@@ -12,6 +12,7 @@ typedef enum cli_kind {
     CLI_TEXT,      /* const char * */
     CLI_COUNT,     /* long, min..max */
     CLI_NUMBER,    /* double, min..max */
+    CLI_BYTES,     /* uint64_t, at least min: 500000, 500kB, 64MB, 1.5GB */
     CLI_SIZE,      /* cli_size: WIDTHxHEIGHT, each min..max */
     CLI_QUALITY,   /* daft_quality */
     CLI_INTERSECT, /* daft_intersection */

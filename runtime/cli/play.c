@@ -29,6 +29,7 @@ typedef struct play_options {
     cli_size size;
     double scale, seconds;
     daft_quality quality;
+    uint64_t memory;
     const char *record, *replay, *isa, *shot, *stats, *game;
 } play_options;
 
@@ -171,6 +172,7 @@ static int play(player *p)
     daft_engine_def def = daft_default_engine_def();
     def.threads = (int)p->options.threads;
     def.isa = p->options.isa;
+    def.memory_limit = p->options.memory;
     p->engine = open_engine(&def);
     if (!p->engine) return STATUS_BAD_INPUT;
     if (p->options.headless) return play_headless(p);
@@ -184,7 +186,8 @@ static int play(player *p)
 
 int command_play(int argc, char **argv)
 {
-    player p = {.options = {.scale = 1, .seconds = WATCHDOG_SECONDS, .quality = NOT_GIVEN, .seed = 1}};
+    player p = {
+        .options = {.scale = 1, .memory = HOST_MEMORY, .seconds = WATCHDOG_SECONDS, .quality = NOT_GIVEN, .seed = 1}};
     play_options *o = &p.options;
     const cli_option options[] = {
         {"headless", 0, CLI_FLAG, NULL, &o->headless, 0, 0,
@@ -203,6 +206,8 @@ int command_play(int argc, char **argv)
         {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 256,
          "worker threads; 0, the default, is one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o->isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"},
+        {"memory-limit", 0, CLI_BYTES, "BYTES", &o->memory, 1000000, 0,
+         "what the game may hold, scripts, meshes and pictures together: 500MB, 2GB (1GB)"},
         {"time-limit", 0, CLI_NUMBER, "SECONDS", &o->seconds, 0, 3600,
          "how long one call into the game may take, 0.1 to 3600 (5)"},
         {"seed", 0, CLI_COUNT, "N", &o->seed, 0, 1000000000, "seed of the random numbers (1); a replay uses its own"},

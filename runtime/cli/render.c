@@ -28,6 +28,7 @@ typedef struct render_options {
     daft_quality quality;
     daft_intersection intersection;
     long camera, threads, repeat;
+    uint64_t memory;
     bool camera_given, explain;
     const char *aov_list;
     aov_set aov;
@@ -143,6 +144,7 @@ static bool run(daft_engine *engine, render_options *o, daft_error *error)
     bool good = scene && render(scene, o, image, &times, error) && daft_image_write(image, o->out, error) &&
                 aov_write(&o->aov, engine, o->out, error);
     if (good && o->explain) stats_print_plan(stdout, daft_scene_counters(scene));
+    times.memory = daft_engine_memory(engine);
     if (good && o->stats) good = stats_write(o->stats, daft_scene_counters(scene), &times, error);
     daft_scene_destroy(scene);
     daft_image_destroy(image);
@@ -166,6 +168,8 @@ int command_render(int argc, char **argv)
         {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"},
         {"accel", 0, CLI_ACCEL, "X", &o.accel, 0, 0,
          "bvh (default) or kdtree: acceleration structure of meshes; the picture is the same"},
+        {"memory-limit", 0, CLI_BYTES, "BYTES", &o.memory, 1000000, 0,
+         "what the scene and its picture may hold: 500MB, 2GB (no limit)"},
         {"aov", 0, CLI_TEXT, "LIST", &o.aov_list, 0, 0,
          "also write these channels of each pixel beside IMG: depth,normal,id,triangle"},
         {"explain", 0, CLI_FLAG, NULL, &o.explain, 0, 0,
@@ -189,6 +193,7 @@ int command_render(int argc, char **argv)
     def.threads = (int)o.threads;
     def.isa = o.isa;
     def.accel = o.accel;
+    def.memory_limit = o.memory;
     daft_engine *engine = open_engine(&def);
     if (!engine) return STATUS_BAD_INPUT;
     daft_error error;

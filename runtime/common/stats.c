@@ -92,6 +92,8 @@ void stats_print_json(FILE *out, const daft_counters *c, const frame_times *time
     fputs(", \"p95\": ", out);
     put_number(out, frame_times_quantile(times, 0.95));
     fprintf(out, ", \"frames\": %zu},\n", times->count);
+    fprintf(out, "  \"memory\": {\"used\": %" PRIu64 ", \"peak\": %" PRIu64 ", \"limit\": %" PRIu64 "},\n",
+            times->memory.used, times->memory.peak, times->memory.limit);
     fprintf(out,
             "  \"rays\": {\"camera\": %" PRIu64 ", \"shadow\": %" PRIu64 ", \"reflection\": %" PRIu64
             ", \"refraction\": %" PRIu64 ", \"query\": %" PRIu64 "},\n  \"effects\": {\n",

@@ -11,6 +11,7 @@ typedef struct frame_times {
     double *ms;
     size_t count, capacity;
     double effects[DAFT_EFFECT_COUNT];
+    daft_memory memory; /* of the engine, at the end */
 } frame_times;
 
 /* `counters`: those of the frame. Drops the time when memory runs out. */
@@ -19,7 +20,8 @@ void frame_times_free(frame_times *times);
 /* The quantile of the times: 0.5 is the median. 0 without frames. */
 double frame_times_quantile(const frame_times *times, double fraction);
 
-/* {"width", "height", "threads", "isa", "frame_ms": {"median", "p95", "frames"}, "rays", "effects", "counters"}.
+/* {"width", "height", "threads", "isa", "frame_ms": {"median", "p95", "frames"}, "memory": {"used", "peak", "limit"},
+ * "rays", "effects", "counters"}.
  * The counters are those of the last frame, but for the effects' "mean_ms", the mean of all frames. path: "-" writes to
  * stdout. */
 bool stats_write(const char *path, const daft_counters *counters, const frame_times *times, daft_error *error);

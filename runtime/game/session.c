@@ -71,8 +71,12 @@ void session_scale_mouse(platform *screen, input_event *event)
 
 static void draw_overlay(session *s)
 {
-    overlay_figures figures = {s->turn_ms > 0 ? 1000 / s->turn_ms : 0, s->frame_ms, s->update_ms, s->clock.dropped,
-                               daft_scene_counters(s->play.scene)};
+    overlay_figures figures = {s->turn_ms > 0 ? 1000 / s->turn_ms : 0,
+                               s->frame_ms,
+                               s->update_ms,
+                               s->clock.dropped,
+                               daft_scene_counters(s->play.scene),
+                               daft_engine_memory(s->def->engine)};
     canvas over = canvas_over(s->picture);
     screen_overlay(&over, s->def->face, &figures);
 }
@@ -187,6 +191,7 @@ static bool at_end(session *s, daft_error *error)
                     s->def->shot_tick, s->play.ticks);
     if (!s->def->stats) return true;
     if (s->times.count == 0 && !draw(s, 1, error)) return false;
+    s->times.memory = daft_engine_memory(s->def->engine);
     return s->play.failed || stats_write(s->def->stats, daft_scene_counters(s->play.scene), &s->times, error);
 }
 

@@ -48,7 +48,7 @@ static void overlay_line(const canvas *target, font *face, float *y, const char 
 void screen_overlay(const canvas *target, font *face, const overlay_figures *figures)
 {
     const daft_counters *c = figures->counters;
-    size_t lines = 8;
+    size_t lines = 9;
     for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++) lines += c->effects[i].name != NULL;
     canvas_rect(target, 12, 12, 288, 16 + 21 * (float)lines, (canvas_color){10, 14, 24, 190});
     float y = 20;
@@ -79,4 +79,8 @@ void screen_overlay(const canvas *target, font *face, const overlay_figures *fig
     overlay_line(target, face, &y, "size", value);
     snprintf(value, sizeof value, "%" PRIu64, figures->dropped);
     overlay_line(target, face, &y, "updates dropped", value);
+    const daft_memory *memory = &figures->memory;
+    snprintf(value, sizeof value, memory->limit ? "%.1f of %.0f MB" : "%.1f MB", (double)memory->used / 1e6,
+             (double)memory->limit / 1e6);
+    overlay_line(target, face, &y, "memory", value);
 }

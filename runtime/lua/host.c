@@ -34,6 +34,31 @@ void random_seed(random_state *state, uint64_t seed)
 
 /* ---- memory ---- */
 
+/* Bytes that are reserved with the engine at once, so that few of Lua's many small allocations have to ask it. */
+enum { RESERVE_STEP = 256 << 10 };
+
+/* Makes the reservation cover `bytes`. False: the game's limit is reached. */
+static bool reserve(host *state, size_t bytes)
+{
+    if (bytes <= state->reserved) return true;
+    size_t more = bytes - state->reserved, rounded = (more + RESERVE_STEP - 1) / RESERVE_STEP * RESERVE_STEP;
+    if (!daft_engine_reserve(state->def.engine, rounded)) {
+        rounded = more;
+        if (!daft_engine_reserve(state->def.engine, more)) return false;
+    }
+    state->reserved += rounded;
+    return true;
+}
+
+/* Gives back what is more than a step beyond what is held. */
+static void unreserve(host *state)
+{
+    if (state->reserved < state->memory + 2 * RESERVE_STEP) return;
+    size_t excess = state->reserved - state->memory - RESERVE_STEP;
+    daft_engine_unreserve(state->def.engine, excess);
+    state->reserved -= excess;
+}
+
 static void *allocate(void *user, void *pointer, size_t old_size, size_t new_size)
 {
     host *state = user;
@@ -41,13 +66,14 @@ static void *allocate(void *user, void *pointer, size_t old_size, size_t new_siz
     if (new_size == 0) {
         free(pointer);
         state->memory -= held;
+        unreserve(state);
         return NULL;
     }
-    size_t max = state->def.memory ? state->def.memory : HOST_MEMORY;
-    if (new_size > held && state->memory - held + new_size > max) return NULL;
+    if (new_size > held && !reserve(state, state->memory - held + new_size)) return NULL;
     if (!pointer && old_size == LUA_TSTRING && new_size > HOST_STRING) return NULL;
     void *grown = realloc(pointer, new_size);
     if (grown) state->memory += new_size - held;
+    unreserve(state);
     return grown;
 }
 
@@ -286,10 +312,17 @@ static int carry_out(lua_State *L)
 }
 
 /* The message of a call that failed without one: out of memory, or an error in on_error. */
-static void describe_failure(host *state, watchdog_state ended)
+static void describe_failure(host *state, int status, watchdog_state ended)
 {
     lua_State *L = state->L;
     if (state->message[0]) return;
+    daft_memory memory = daft_engine_memory(state->def.engine);
+    if (ended == WATCHDOG_RUNNING && status == LUA_ERRMEM && memory.limit) {
+        snprintf(state->message, sizeof state->message,
+                 "%s: not enough memory: of the %.1f MB that the game may hold, %.1f are in use (--memory-limit)",
+                 state->callback, (double)memory.limit / 1e6, (double)memory.used / 1e6);
+        return;
+    }
     if (ended != WATCHDOG_RUNNING)
         describe_stop(state, ended, state->message, sizeof state->message);
     else
@@ -317,7 +350,7 @@ static bool call(host *state, const char *shown, request what)
     set_usual_hook(state, L);
     bool good = status == LUA_OK && ended == WATCHDOG_RUNNING;
     if (ended == WATCHDOG_ASKED) state->asked = true;
-    if (!good) describe_failure(state, ended);
+    if (!good) describe_failure(state, status, ended);
     state->calling = NULL;
     lua_settop(L, 0);
     return good;
@@ -398,4 +431,6 @@ void host_close(host *state)
     state->dog = NULL;
     if (state->L) lua_close(state->L);
     state->L = NULL;
+    daft_engine_unreserve(state->def.engine, state->reserved);
+    state->reserved = 0;
 }

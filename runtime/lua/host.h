@@ -37,7 +37,6 @@ typedef struct host_def {
     font *face;
     uint64_t seed;
     uint64_t instructions;    /* one call may run so many, about; 0: only time counts */
-    size_t memory;            /* bytes the scripts may hold; 0: HOST_MEMORY */
     double seconds;           /* one call may take; 0: WATCHDOG_SECONDS */
     int (*asked)(void *user); /* whether the game is to stop: see watchdog_def. May be NULL */
     void *user;
@@ -62,13 +61,15 @@ typedef struct host {
     bool stopped;               /* this call: every protected call in the script passes the error on */
     bool asked;                 /* stopped because somebody asked for the end */
     int depth;                  /* of coroutines that are being closed, one within the other */
-    size_t memory;              /* bytes Lua holds */
+    size_t memory, reserved;    /* bytes: Lua holds; are counted for it towards the engine's limit */
     char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */
 } host;
 
-/* Bytes the scripts of a game may hold, and the longest string: no operation of Lua on one takes longer than a second.
+/* What a game may hold where nobody says otherwise: the bytes of its scripts, meshes, textures and pictures together.
  */
-static const size_t HOST_MEMORY = (size_t)1 << 30, HOST_STRING = (size_t)64 << 20;
+static const uint64_t HOST_MEMORY = 1000000000;
+/* The longest string, in bytes: no operation of Lua on one takes longer than a second. */
+static const size_t HOST_STRING = (size_t)64 << 20;
 
 /* Opens a state with the API and runs main.lua. On failure message and trace are filled, and so is the host: call
  * host_close all the same. `state` must not move afterwards. */

@@ -26,6 +26,7 @@ static const stage *get_stage(void)
     snprintf(made.where.scripts, sizeof made.where.scripts, "%s/scripts", DAFT_ROOT);
     daft_engine_def def = daft_default_engine_def();
     def.threads = 1;
+    def.memory_limit = 64000000;
     made.engine = daft_engine_create(&def, &error);
     made.face = font_open(DAFT_ROOT "/assets/fonts/daft.ttf", &error);
     made.picture = daft_image_create(made.engine, WIDTH, HEIGHT, &error);
@@ -65,8 +66,7 @@ int lua_input(const uint8_t *data, size_t size)
                     .keys = &keys,
                     .face = on->face,
                     .seed = 1,
-                    .instructions = 1000000,
-                    .memory = (size_t)64 << 20};
+                    .instructions = 1000000};
     FUZZ_CHECK(def.scene);
     static host scripts;
     bool good = host_open(&scripts, &def) && host_load(&scripts);
