@@ -48,14 +48,15 @@ typedef struct daft_quat { float x, y, z, w; } daft_quat;
 
 /* ---- numbers: the same bits on every machine, where libm's differ ------------------------------------------------- */
 
-DAFT_API double daft_sin(double x); /* radians up to 1e6; absolute error below 1e-15 */
+/* Angles are radians. Sine and cosine: |x| up to 1e6, absolute error below 1e-15; the tangent is their quotient. */
+DAFT_API double daft_sin(double x);
 DAFT_API double daft_cos(double x);
 DAFT_API double daft_tan(double x);
-DAFT_API double daft_atan2(double y, double x);
-DAFT_API double daft_asin(double x); /* clamps x to -1..1 */
-DAFT_API double daft_acos(double x);
-DAFT_API double daft_exp2(double x); /* relative error below 5e-14 */
-DAFT_API double daft_log2(double x);
+DAFT_API double daft_atan2(double y, double x);         /* -pi..pi */
+DAFT_API double daft_asin(double x);                    /* clamps x to -1..1; -pi/2..pi/2 */
+DAFT_API double daft_acos(double x);                    /* clamps x to -1..1; 0..pi */
+DAFT_API double daft_exp2(double x);                    /* relative error below 5e-14 */
+DAFT_API double daft_log2(double x);                    /* x > 0 */
 DAFT_API double daft_pow(double base, double exponent); /* base >= 0 */
 
 /* ---- errors and warnings ----------------------------------------------------------------------------------------- */
@@ -117,6 +118,7 @@ typedef struct daft_allocator {
     void (*release)(void *user, void *pointer);                   /* pointer may be NULL */
 } daft_allocator;
 
+/* Called in calls that load or draw, from the calling thread. `warning` lives as long as the call. */
 typedef void daft_warning_callback(void *user, const daft_error *warning);
 
 /* What rays search meshes by. Pictures and hits are the same, bit for bit. */
@@ -125,25 +127,29 @@ typedef enum daft_accel {
     DAFT_ACCEL_KDTREE   /* kd-trees besides: camera, mirror and query rays go through them one by one; shadows do not */
 } daft_accel;
 
-DAFT_API bool daft_accel_parse(const char *name, daft_accel *out); /* "bvh", "kdtree" */
+/* "bvh" or "kdtree"; false for other names, which leave *out as it was. */
+DAFT_API bool daft_accel_parse(const char *name, daft_accel *out);
 DAFT_API const char *daft_accel_name(daft_accel accel);
 
 typedef struct daft_engine_def {
-    uint32_t cookie;
-    int threads;     /* worker threads; 0: one for each processor */
+    uint32_t cookie; /* of all definitions: set by the default maker, shows that it was called */
+    int threads;     /* worker threads, at most 64; 0: one for each processor */
     const char *isa; /* "plain", "sse2", "avx2", "avx512"; NULL: the best this build and processor have */
     daft_accel accel;
-    daft_allocator allocator; /* all zero: malloc */
-    daft_warning_callback *warn;
-    void *warn_user;
-    uint64_t memory_limit; /* bytes that the engine may hold, with what daft_engine_reserve takes; 0: no limit */
+    daft_allocator allocator;    /* all zero: malloc */
+    daft_warning_callback *warn; /* NULL: warnings are dropped */
+    void *warn_user;             /* handed to warn */
+    uint64_t memory_limit;       /* bytes that the engine may hold, with what daft_engine_reserve takes; 0: no limit */
 } daft_engine_def;
 
 DAFT_API daft_engine_def daft_default_engine_def(void);
+/* Owned by the caller. NULL: a field out of range, an instruction set that this build or processor lacks
+ * (DAFT_ERROR_UNSUPPORTED), no memory. */
 DAFT_API daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error);
-DAFT_API void daft_engine_destroy(daft_engine *engine); /* NULL is fine; its scenes must be gone */
-DAFT_API int daft_engine_threads(const daft_engine *engine);
-DAFT_API const char *daft_engine_isa(const daft_engine *engine);
+/* NULL is fine. Its scenes and images must be gone. */
+DAFT_API void daft_engine_destroy(daft_engine *engine);
+DAFT_API int daft_engine_threads(const daft_engine *engine);     /* worker threads, 1 or more */
+DAFT_API const char *daft_engine_isa(const daft_engine *engine); /* the one in use; lives as long as the program */
 
 /* Bytes. All of the engine's memory is counted: scenes, images, what decoders and builders need for a while, and what
  * is reserved. A call that needs more than the limit leaves over fails with DAFT_ERROR_MEMORY and changes nothing;
@@ -163,13 +169,16 @@ DAFT_API void daft_engine_unreserve(daft_engine *engine, uint64_t bytes); /* at 
 /* RGBA, 8 bits each, sRGB, top row first, rows packed. Owned by the caller; freed with daft_image_destroy. */
 typedef struct daft_image daft_image;
 
+/* 1 to 16,384 pixels a side; all bytes are 0, transparent black. NULL: see the error. */
 DAFT_API daft_image *daft_image_create(daft_engine *engine, int width, int height, daft_error *error);
+/* The formats of daft_texture_load, at most 16,384 pixels a side. NULL: see the error. */
 DAFT_API daft_image *daft_image_load(daft_engine *engine, const char *path, daft_error *error);
-DAFT_API void daft_image_destroy(daft_image *image);
+DAFT_API void daft_image_destroy(daft_image *image); /* NULL is fine */
 DAFT_API int daft_image_width(const daft_image *image);
 DAFT_API int daft_image_height(const daft_image *image);
-DAFT_API uint8_t *daft_image_pixels(daft_image *image); /* 4·width·height bytes */
-/* By the extension: .png, .ppm. Written to a temporary file first, so a failure leaves no half file. */
+/* 4·width·height bytes, which belong to the image and may be changed. */
+DAFT_API uint8_t *daft_image_pixels(daft_image *image);
+/* By the extension, .png or .ppm; others are DAFT_ERROR_UNSUPPORTED. As daft_write_file: the whole file or nothing. */
 DAFT_API bool daft_image_write(const daft_image *image, const char *path, daft_error *error);
 
 /* ---- scenes: assets ---------------------------------------------------------------------------------------------- */
@@ -184,21 +193,27 @@ typedef struct daft_entity { uint32_t id; } daft_entity;
 typedef struct daft_joint { uint32_t id; } daft_joint;
 /* clang-format on */
 
+/* Empty: no entity, a grey ambient light, a plain sky. Owned by the caller. */
 DAFT_API daft_scene *daft_scene_create(daft_engine *engine, daft_error *error);
-DAFT_API void daft_scene_destroy(daft_scene *scene);
-/* Adds what a .scene file describes. On failure the scene is as it was. */
+DAFT_API void daft_scene_destroy(daft_scene *scene); /* with all that is in it; NULL is fine */
+/* Adds what a .scene file describes (docs/reference/scene-files.md). A mistake in a file is DAFT_ERROR_SYNTAX with
+ * file, line and column; the scene is then as it was. */
 DAFT_API bool daft_scene_load(daft_scene *scene, const char *path, daft_error *error);
 
-/* Assets live as long as the scene. Loading the same path twice gives the same handle. */
-DAFT_API daft_mesh daft_mesh_load(daft_scene *scene, const char *path, daft_error *error); /* OBJ with its MTL */
+/* Assets live as long as the scene. Loading the same path twice gives the same handle. Calls that make or load one
+ * return a null handle where they fail. */
 
+/* OBJ, with the MTL files that it names. */
+DAFT_API daft_mesh daft_mesh_load(daft_scene *scene, const char *path, daft_error *error);
+
+/* A mesh from arrays, which are copied. */
 typedef struct daft_mesh_def {
     uint32_t cookie;
-    const daft_vec3 *positions;
-    const daft_vec3 *normals; /* one a position, or NULL: smooth across edges flatter than 40 degrees */
-    const daft_vec2 *uvs;     /* one a position, or NULL: no texture coordinates */
+    const daft_vec3 *positions; /* metres, all finite */
+    const daft_vec3 *normals;   /* one a position, or NULL: smooth across edges flatter than 40 degrees */
+    const daft_vec2 *uvs;       /* one a position, or NULL: no texture coordinates */
     uint32_t vertex_count;
-    const uint32_t *indices; /* three a triangle */
+    const uint32_t *indices; /* three a triangle, below vertex_count; counter-clockwise seen from outside */
     uint32_t triangle_count;
 } daft_mesh_def;
 
@@ -218,6 +233,7 @@ typedef struct daft_mesh_info {
     size_t bytes;        /* of memory: vertices, attributes, indices and trees */
 } daft_mesh_info;
 
+/* Fails for a null handle or one of another scene, as every call that takes one. */
 DAFT_API bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info, daft_error *error);
 
 /* What is odd about a mesh. None of it stops rendering. Edges and triangles are told apart by where their corners are,
@@ -233,16 +249,17 @@ typedef struct daft_mesh_report {
     uint32_t turned_edges;       /* of two triangles that face opposite ways */
 } daft_mesh_report;
 
+/* Takes about as long as loading the mesh did. */
 DAFT_API bool daft_mesh_check(daft_scene *scene, daft_mesh mesh, daft_mesh_report *report, daft_error *error);
 
-/* PNG, JPEG, TGA, BMP, GIF, PSD, HDR: what stb_image reads. */
+/* PNG, JPEG, TGA, BMP, GIF, PSD, HDR: what stb_image reads, at most 16,384 pixels a side. */
 DAFT_API daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *error);
 
 typedef struct daft_material_def {
     uint32_t cookie;
     daft_vec3 ambient;     /* Ka: the fraction of the ambient light that it reflects */
-    daft_vec3 diffuse;     /* Kd */
-    daft_vec3 specular;    /* Ks */
+    daft_vec3 diffuse;     /* Kd: the fraction of a light's light that it scatters (Lambert) */
+    daft_vec3 specular;    /* Ks: the fraction that its highlight reflects (Phong) */
     float shininess;       /* Ns: Phong exponent, 0..1000 */
     float mirror;          /* 0..1: the weight of the mirrored ray's light, which mirror_tint colours */
     daft_vec3 mirror_tint; /* 1, 1, 1 */
@@ -254,11 +271,12 @@ typedef struct daft_material_def {
     daft_vec3 transmission_tint; /* 0..1 each: the refracted ray's light is multiplied by it, at each surface; 1, 1, 1
                                   */
     float refractive_index;      /* 0.001..10; 1: no bending and no mirroring; water 1.33, glass 1.5 (the default) */
-    daft_texture diffuse_map;
-    daft_vec2 map_scale; /* repeats of the texture over one unit of u and v */
+    daft_texture diffuse_map;    /* multiplies `ambient` and `diffuse`; none: white */
+    daft_vec2 map_scale;         /* repeats of the texture over one unit of u and v */
 } daft_material_def;
 
 DAFT_API daft_material_def daft_default_material_def(void); /* a light grey, slightly shiny */
+/* The definition is copied. Entities show what is set from the next picture on. */
 DAFT_API daft_material daft_material_create(daft_scene *scene, const daft_material_def *def, daft_error *error);
 DAFT_API bool daft_material_get(daft_scene *scene, daft_material material, daft_material_def *def, daft_error *error);
 DAFT_API bool daft_material_set(daft_scene *scene, daft_material material, const daft_material_def *def,
@@ -268,6 +286,7 @@ DAFT_API daft_material daft_material_load(daft_scene *scene, const char *path, d
 
 /* ---- scenes: entities -------------------------------------------------------------------------------------------- */
 
+/* What is drawn of an entity; none: a group, or a body that is not seen. */
 typedef enum daft_shape { DAFT_SHAPE_NONE = 0, DAFT_SHAPE_MESH, DAFT_SHAPE_SPHERE, DAFT_SHAPE_BOX } daft_shape;
 
 typedef enum daft_body_kind {
@@ -298,23 +317,24 @@ typedef struct daft_collider {
     const float *heights; /* field: heights[row·columns + column] lies at x = column·spacing.x, z = row·spacing.y;
                              copied. NaN makes a hole. 2 to 16,384 columns and rows */
     uint32_t columns, rows;
-    daft_vec2 spacing;
-    daft_vec3 position;
+    daft_vec2 spacing;  /* field: between columns, and between rows */
+    daft_vec3 position; /* of the part in the entity's axes */
     daft_quat rotation;
 } daft_collider;
 
 DAFT_API daft_collider daft_default_collider(void); /* a sphere of 0.5 m */
 
-enum { /* axes of the world about which a dynamic body does not turn, and along which its centre of mass does not move
-        */
-       DAFT_LOCK_X = 1,
-       DAFT_LOCK_Y = 2,
-       DAFT_LOCK_Z = 4,
-       DAFT_LOCK_ROTATION = 7,
-       DAFT_LOCK_POSITION_X = 8,
-       DAFT_LOCK_POSITION_Y = 16,
-       DAFT_LOCK_POSITION_Z = 32,
-       DAFT_LOCK_POSITION = 56
+/* Axes of the world about which a dynamic body does not turn, and along which its centre of mass does not move: bits.
+ */
+enum {
+    DAFT_LOCK_X = 1,
+    DAFT_LOCK_Y = 2,
+    DAFT_LOCK_Z = 4,
+    DAFT_LOCK_ROTATION = 7,
+    DAFT_LOCK_POSITION_X = 8,
+    DAFT_LOCK_POSITION_Y = 16,
+    DAFT_LOCK_POSITION_Z = 32,
+    DAFT_LOCK_POSITION = 56
 };
 
 typedef struct daft_entity_def {
@@ -325,9 +345,9 @@ typedef struct daft_entity_def {
     daft_vec3 size;         /* DAFT_SHAPE_BOX: full edge lengths, metres */
     daft_material material; /* none: the mesh's own, or the default material */
     daft_entity parent;     /* none: the world; position, rotation and scale are then the parent's */
-    daft_dvec3 position;
-    daft_quat rotation;
-    daft_vec3 scale; /* spheres take only equal scales */
+    daft_dvec3 position;    /* metres */
+    daft_quat rotation;     /* of any length but zero */
+    daft_vec3 scale;        /* finite; spheres take only equal scales; a negative one mirrors */
     bool visible;
     bool casts_shadow; /* where all of its materials transmit, light comes through, weighted by their mean transmission
                           and tint */
@@ -354,28 +374,35 @@ typedef struct daft_entity_def {
     bool sleeps;   /* may; default true */
 } daft_entity_def;
 
+/* Nothing that is drawn, no body: at the origin, unscaled, visible. */
 DAFT_API daft_entity_def daft_default_entity_def(void);
+/* What the definition points to is copied. A scene holds at most 1,048,576 entities. */
 DAFT_API daft_entity daft_entity_create(daft_scene *scene, const daft_entity_def *def, daft_error *error);
-DAFT_API bool daft_entity_destroy(daft_scene *scene, daft_entity entity, daft_error *error); /* and its children */
+/* With its body and its children. */
+DAFT_API bool daft_entity_destroy(daft_scene *scene, daft_entity entity, daft_error *error);
 DAFT_API bool daft_entity_is_valid(const daft_scene *scene, daft_entity entity);
 DAFT_API uint32_t daft_entity_count(const daft_scene *scene);
 
+/* A point p of the entity lies at position + rotation·(scale·p). */
 typedef struct daft_transform {
-    daft_dvec3 position;
-    daft_quat rotation;
-    daft_vec3 scale;
+    daft_dvec3 position; /* metres */
+    daft_quat rotation;  /* of any length but zero */
+    daft_vec3 scale;     /* component by component */
 } daft_transform;
 
 /* Local to the parent. Setting keeps the pose of the last tick, so drawing interpolates; `teleport` drops it. */
 DAFT_API bool daft_entity_get_transform(daft_scene *scene, daft_entity entity, daft_transform *out, daft_error *error);
 DAFT_API bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft_transform *transform,
                                         bool teleport, daft_error *error);
+/* None: the mesh's own materials, or the default one. */
 DAFT_API bool daft_entity_set_material(daft_scene *scene, daft_entity entity, daft_material material,
                                        daft_error *error);
+/* Its children keep their own. Its body stays in the simulation. */
 DAFT_API bool daft_entity_set_visible(daft_scene *scene, daft_entity entity, bool visible, daft_error *error);
 
-/* Bodies. Velocities in m/s and rad/s, in world axes; an impulse in kg·m/s acts at the centre; a force in newtons acts
- * over the next tick only. */
+/* Bodies. Velocities in m/s and rad/s, in world axes; an impulse in kg·m/s acts at once, at the centre of mass; a force
+ * in N or a torque in N·m acts over the next tick only. Values are finite. Each call fails for an entity without a body
+ * of the kind it needs: velocities are set of kinematic and dynamic ones, forces act on dynamic ones. */
 DAFT_API bool daft_entity_get_velocity(daft_scene *scene, daft_entity entity, daft_vec3 *linear, daft_vec3 *angular,
                                        daft_error *error);
 DAFT_API bool daft_entity_set_velocity(daft_scene *scene, daft_entity entity, daft_vec3 linear, daft_vec3 angular,
@@ -384,29 +411,30 @@ DAFT_API bool daft_entity_apply_force(daft_scene *scene, daft_entity entity, daf
 DAFT_API bool daft_entity_apply_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_error *error);
 DAFT_API bool daft_entity_apply_impulse_at(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_dvec3 point,
                                            daft_error *error);
-DAFT_API bool daft_entity_apply_torque(daft_scene *scene, daft_entity entity, daft_vec3 torque,
-                                       daft_error *error); /* N·m, over the next tick */
+DAFT_API bool daft_entity_apply_torque(daft_scene *scene, daft_entity entity, daft_vec3 torque, daft_error *error);
+/* kg·m²/s. */
 DAFT_API bool daft_entity_apply_angular_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse,
-                                                daft_error *error);                                      /* kg·m²/s */
-DAFT_API bool daft_entity_get_mass(daft_scene *scene, daft_entity entity, float *kg, daft_error *error); /* 0: not
-                                                                                                            dynamic */
+                                                daft_error *error);
+/* 0: the body is not dynamic. */
+DAFT_API bool daft_entity_get_mass(daft_scene *scene, daft_entity entity, float *kg, daft_error *error);
 /* Bodies at rest fall asleep, island by island, and cost nothing; whatever touches or moves them wakes them. */
 DAFT_API bool daft_entity_get_awake(daft_scene *scene, daft_entity entity, bool *awake, daft_error *error);
 DAFT_API bool daft_entity_set_awake(daft_scene *scene, daft_entity entity, bool awake, daft_error *error);
+/* Bits, as in the definition; from the next step on. */
 DAFT_API bool daft_entity_set_layers(daft_scene *scene, daft_entity entity, uint32_t layers, uint32_t mask,
                                      daft_error *error);
 
-/* What touched in the last tick, in a fixed order. The normal points from a to b; the impulse is its sum over the tick.
- */
+/* Two bodies that touched in the last tick. */
 typedef struct daft_contact {
     daft_entity a, b;
-    daft_dvec3 point;
-    daft_vec3 normal;
-    float impulse; /* kg·m/s */
+    daft_dvec3 point; /* in the world */
+    daft_vec3 normal; /* unit, from a to b */
+    float impulse;    /* kg·m/s, summed over the tick */
 } daft_contact;
 
-DAFT_API uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out, uint32_t capacity); /* all there are
-                                                                                                       */
+/* Writes the first `capacity` contacts, in a fixed order, and returns how many there are. `out` may be NULL where
+ * `capacity` is 0. */
+DAFT_API uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out, uint32_t capacity);
 
 typedef enum daft_event_kind {
     DAFT_EVENT_CONTACT_BEGIN = 1, /* point, normal, impulse, speed */
@@ -431,7 +459,8 @@ typedef struct daft_event {
 } daft_event;
 
 /* What happened in the last tick and by calls since the one before, in a fixed order: by kind, then by bodies and
- * joints. The scene may be changed while the caller goes through them. Returns how many there are. */
+ * joints. Writes the first `capacity` and returns how many there are. They are copies: the scene may be changed while
+ * the caller goes through them. */
 DAFT_API uint32_t daft_scene_events(const daft_scene *scene, daft_event *out, uint32_t capacity);
 
 /* ---- scenes: joints ---------------------------------------------------------------------------------------------- */
@@ -473,20 +502,23 @@ typedef struct daft_joint_state {
     float force, torque;           /* N, N·m, mean over the last tick */
 } daft_joint_state;
 
-DAFT_API daft_joint_def daft_default_joint_def(void); /* a ball joint to the world; springs of 2 Hz, damping ratio 0.7
-                                                       */
+/* A ball joint to the world; springs of 2 Hz, damping ratio 0.7. */
+DAFT_API daft_joint_def daft_default_joint_def(void);
+/* Fails where neither body is dynamic, and for limits that cross. A scene holds at most 1,048,576 joints. */
 DAFT_API daft_joint daft_joint_create(daft_scene *scene, const daft_joint_def *def, daft_error *error);
 DAFT_API bool daft_joint_destroy(daft_scene *scene, daft_joint joint, daft_error *error);
 DAFT_API bool daft_joint_is_valid(const daft_scene *scene, daft_joint joint); /* not broken, not gone with a body */
 DAFT_API bool daft_joint_get(daft_scene *scene, daft_joint joint, daft_joint_state *out, daft_error *error);
+/* Units and ranges as in the definition: speed in m/s or rad/s, force in N or N·m, 0 or more; limits in m or radians;
+ * hertz 0 or more, damping a ratio of 0 or more. Fails for a joint that is gone. */
 DAFT_API bool daft_joint_set_motor(daft_scene *scene, daft_joint joint, bool on, float speed, float force,
                                    daft_error *error);
 DAFT_API bool daft_joint_set_limit(daft_scene *scene, daft_joint joint, bool on, float lower, float upper,
                                    daft_error *error);
 DAFT_API bool daft_joint_set_spring(daft_scene *scene, daft_joint joint, bool on, float hertz, float damping,
                                     daft_error *error);
-DAFT_API bool daft_joint_set_target(daft_scene *scene, daft_joint joint, daft_dvec3 target, daft_error *error); /* drag
-                                                                                                                 */
+/* Of a drag joint: where it draws the point to, in the world. */
+DAFT_API bool daft_joint_set_target(daft_scene *scene, daft_joint joint, daft_dvec3 target, daft_error *error);
 
 /* ---- scenes: the simulation as a whole --------------------------------------------------------------------------- */
 
@@ -495,11 +527,12 @@ DAFT_API bool daft_scene_set_substeps(daft_scene *scene, int substeps, daft_erro
 DAFT_API void daft_scene_set_sleeping(daft_scene *scene, bool allowed); /* default true */
 
 /* What counts where two kinds of surface meet, in place of what their bodies say. Kinds are 0..63 and may be equal. */
-typedef struct daft_surfaces {
+typedef struct daft_surfaces { /* ranges as in daft_entity_def */
     float friction, static_friction, restitution, rolling_resistance;
 } daft_surfaces;
+/* `together` NULL: what the bodies say counts again. */
 DAFT_API bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b,
-                                      const daft_surfaces *together, daft_error *error); /* NULL: what the bodies say */
+                                      const daft_surfaces *together, daft_error *error);
 
 /* The state of all bodies, joints and characters as bytes: loaded into the same scene, with the same entities, it goes
  * on with the same bits. Writes them where `capacity` is enough, and returns how many there are; 0: failed. They are
@@ -523,18 +556,20 @@ DAFT_API daft_sim_counts daft_scene_sim_counts(const daft_scene *scene);
 
 /* yaw 0 looks along +X, positive yaw turns right (towards +Z), positive pitch looks down, positive roll leans right. */
 typedef struct daft_camera {
-    daft_dvec3 position;
-    float yaw, pitch, roll;
-    float fov; /* horizontal, radians, 0 < fov < pi */
+    daft_dvec3 position;    /* metres */
+    float yaw, pitch, roll; /* radians, -1e6 to 1e6 */
+    float fov;              /* horizontal, radians, 0 < fov < pi */
 } daft_camera;
 
 DAFT_API daft_camera daft_default_camera(void); /* at the origin, fov 90 degrees */
+/* Level, at `from`, looking at `at`; along +X where the two are one point or not finite. fov: radians. */
 DAFT_API daft_camera daft_camera_look_at(daft_dvec3 from, daft_dvec3 at, float fov);
 /* The cameras a scene file names, in its order; the first is the one that is set. */
 DAFT_API uint32_t daft_scene_camera_count(const daft_scene *scene);
 DAFT_API bool daft_scene_get_camera(const daft_scene *scene, uint32_t index, daft_camera *out, daft_error *error);
 /* The camera in use, interpolated between the last two ticks (alpha 1: now). */
 DAFT_API daft_camera daft_scene_camera(const daft_scene *scene, float alpha);
+/* `teleport`: pictures do not glide to it from the last tick's. */
 DAFT_API bool daft_scene_set_camera(daft_scene *scene, const daft_camera *camera, bool teleport, daft_error *error);
 
 /* A checkpoint of a camera path: where the camera is, `time` seconds into it. */
@@ -567,7 +602,7 @@ typedef struct daft_light_def {
     daft_light_kind kind;
     daft_dvec3 position; /* point and spot: where; no falloff with distance */
     daft_vec3 direction; /* sun and spot: where its light travels to, a spot's along its axis; any length but zero */
-    daft_vec3 color;
+    daft_vec3 color;     /* linear light, 0 or more; 1 lights a white surface that faces it white */
     bool casts_shadow;
     /* Spot: radians from the direction, 0 <= inner_angle <= outer_angle <= pi, outer_angle > 0. All of the light within
      * the inner angle, none beyond the outer; between, a cubic of the angle's cosine (Pharr, Jakob, Humphreys,
@@ -575,12 +610,16 @@ typedef struct daft_light_def {
     float inner_angle, outer_angle;
 } daft_light_def;
 
+/* A white point light at the origin that casts shadows. */
 DAFT_API daft_light_def daft_default_light_def(void);
+/* A scene holds at most 1,048,576 lights. */
 DAFT_API daft_light daft_light_create(daft_scene *scene, const daft_light_def *def, daft_error *error);
 DAFT_API bool daft_light_get(daft_scene *scene, daft_light light, daft_light_def *def, daft_error *error);
 DAFT_API bool daft_light_set(daft_scene *scene, daft_light light, const daft_light_def *def, daft_error *error);
 DAFT_API bool daft_light_destroy(daft_scene *scene, daft_light light, daft_error *error);
-DAFT_API void daft_scene_set_ambient(daft_scene *scene, daft_vec3 color); /* default 0.2 grey */
+
+/* Colours in linear light, finite and 0 or more. The calls without an error warn about others, and change nothing. */
+DAFT_API void daft_scene_set_ambient(daft_scene *scene, daft_vec3 color); /* light from everywhere; default 0.2 grey */
 
 DAFT_API void daft_scene_set_sky_color(daft_scene *scene, daft_vec3 color);
 DAFT_API void daft_scene_set_sky_gradient(daft_scene *scene, daft_vec3 zenith, daft_vec3 horizon);
@@ -590,7 +629,8 @@ DAFT_API bool daft_scene_set_sky_image(daft_scene *scene, const char *path, daft
 /* ---- time -------------------------------------------------------------------------------------------------------- */
 
 DAFT_API void daft_scene_set_gravity(daft_scene *scene, daft_vec3 gravity); /* m/s², default 0, -9.81, 0 */
-/* One tick is: begin_tick (remembers poses for interpolation), the game's own changes, then step (moves bodies). */
+/* One tick is: begin_tick (remembers poses for interpolation), the game's own changes, then step (moves bodies). dt:
+ * seconds, above 0 and at most 1; always the same one for the same results. */
 DAFT_API void daft_scene_begin_tick(daft_scene *scene);
 DAFT_API bool daft_scene_step(daft_scene *scene, float dt, daft_error *error);
 /* 64 bits over every entity, body, light and the camera: equal states, equal hashes. */
@@ -607,6 +647,7 @@ typedef enum daft_quality {
                              */
 } daft_quality;
 
+/* "draft", "game", "high", "reference"; false for other names. */
 DAFT_API bool daft_quality_parse(const char *name, daft_quality *out);
 DAFT_API const char *daft_quality_name(daft_quality quality);
 
@@ -618,6 +659,7 @@ typedef enum daft_intersection {
     DAFT_INTERSECT_FAST        /* floats alone: a few rays slip through along edges */
 } daft_intersection;
 
+/* "exact", "watertight", "fast"; false for other names. */
 DAFT_API bool daft_intersection_parse(const char *name, daft_intersection *out);
 DAFT_API const char *daft_intersection_name(daft_intersection intersection);
 
@@ -642,7 +684,9 @@ typedef struct daft_view {
     void *progress_user;
 } daft_view;
 
-DAFT_API daft_view daft_default_view(void);
+DAFT_API daft_view daft_default_view(void); /* the default camera, quality game */
+/* Draws the view over the whole target, whose size (1 to 16,384 a side) is the picture's. DAFT_ERROR_CANCELLED where
+ * `progress` returned false: target and AOVs then hold parts of the picture. */
 DAFT_API bool daft_render(daft_scene *scene, const daft_view *view, daft_image *target, daft_error *error);
 
 /* ---- ray queries ------------------------------------------------------------------------------------------------- */
@@ -653,10 +697,11 @@ typedef struct daft_ray_hit {
     float distance;    /* metres along the normalised direction */
     daft_dvec3 position;
     daft_vec3 normal; /* geometric, towards the ray's origin */
-    daft_vec2 uv;
+    daft_vec2 uv;     /* texture coordinates; 0 where there are none */
 } daft_ray_hit;
 
-/* The nearest hit of a visible entity within max_distance. `ignore` may be none. False with error->code DAFT_OK: a
+/* The nearest hit of a visible entity within max_distance metres, which may be infinite. The direction has any length
+ * but zero. `ignore` may be none. False with error->code DAFT_OK: a
  * miss. */
 DAFT_API bool daft_scene_cast_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, float max_distance,
                                   daft_entity ignore, daft_ray_hit *hit, daft_error *error);
@@ -688,9 +733,9 @@ typedef struct daft_query_hit {
 /* A box of `size`, or with a radius a sphere, or with a height as well a capsule along y, `height` in all. */
 typedef struct daft_volume {
     uint32_t cookie;
-    daft_vec3 size;
-    float radius, height;
-    daft_quat rotation;
+    daft_vec3 size;       /* metres: a box's edge lengths */
+    float radius, height; /* metres; 0: none */
+    daft_quat rotation;   /* in the world */
 } daft_volume;
 
 DAFT_API daft_volume daft_default_volume(void); /* a box of 1 m */
@@ -760,14 +805,15 @@ typedef struct daft_character_state {
     daft_dvec3 position;
     daft_vec3 velocity; /* m/s */
     float height;
-    bool grounded;      /* stands on something that is not too steep */
-    bool sliding;       /* touches ground that is */
-    bool crushed;       /* is held where it has too little room */
-    daft_entity ground; /* what it stands on, or none */
-    daft_vec3 ground_normal;
-    float turn; /* radians about y by which what it stands on turned in the last step */
+    bool grounded;           /* stands on something that is not too steep */
+    bool sliding;            /* touches ground that is */
+    bool crushed;            /* is held where it has too little room */
+    daft_entity ground;      /* what it stands on, or none */
+    daft_vec3 ground_normal; /* unit, away from what it stands on or slides down */
+    float turn;              /* radians about y by which what it stands on turned in the last step */
 } daft_character_state;
 
+/* As it is after the last step. */
 DAFT_API bool daft_character_get(daft_scene *scene, daft_character character, daft_character_state *out,
                                  daft_error *error);
 
@@ -813,9 +859,9 @@ typedef struct daft_effect {
 } daft_effect;
 
 typedef struct daft_counters {
-    int width, height, threads;
+    int width, height, threads; /* of the picture, in pixels; workers */
     const char *isa;
-    double frame_ms;
+    double frame_ms; /* wall time of the whole picture */
     uint64_t camera_rays, shadow_rays, reflection_rays, refraction_rays, query_rays;
     uint64_t instances_seen, triangles_tested, triangles_binned, spheres_binned;
     uint64_t exact_edges;        /* edge tests that floats could not decide */
