@@ -7,10 +7,19 @@
  * have the top row first. Counter-clockwise triangles face the viewer. A quaternion is (x, y, z, w) with w real.
  *
  * Errors: a call that can fail returns false, NULL or a null handle and fills `error` (which may be NULL). It leaves
- * everything as it was before the call. Warnings go to the callback of the engine's definition.
+ * everything as it was before the call. Warnings go to the callback of the engine's definition. A pointer is NULL only
+ * where this is said; elsewhere the call fails with DAFT_ERROR_ARGUMENT, and one that has no `error` gives 0, NULL or a
+ * default, or does nothing.
  *
  * Handles are 32 bits of index and generation: 0 is "none", a handle of something destroyed is stale and every call
- * that takes it fails with DAFT_ERROR_HANDLE.
+ * that takes it fails with DAFT_ERROR_HANDLE. A scene cannot tell another scene's handle from an own of the same
+ * number.
+ *
+ * Callbacks (allocator, warn, progress, found) run inside a call. From inside one, what changes or draws anything of
+ * the same engine fails with DAFT_ERROR_ARGUMENT; what has no `error` warns and does nothing, daft_scene_destroy and
+ * daft_engine_destroy among them; daft_image_destroy does nothing to a picture that is being drawn. What only reads, by
+ * a const scene or a name with _get_, and whatever belongs to another engine is fine there, but not in an allocator's
+ * functions, which call nothing of the library. A callback must return: no longjmp, no exception.
  *
  * Threads: an engine and everything in it belongs to one calling thread at a time; the library uses its own worker
  * threads inside a call. Results do not depend on how many, bit for bit. Different engines are independent.
@@ -354,16 +363,16 @@ typedef struct daft_entity_def {
     daft_body_kind body; /* entities without a parent; spheres and boxes unscaled. The scale stays as it was made */
     const daft_collider *colliders; /* what the body is made of, read by daft_entity_create; none: what is drawn, and of
                                        a mesh the hull where the body is dynamic, else the triangles */
-    uint32_t collider_count;
-    float density;              /* kg/m³ */
-    float mass;                 /* kg; 0: from the density */
-    float friction;             /* Coulomb's coefficient; two bodies: the geometric mean */
-    float static_friction;      /* of what does not slide yet; less than friction: the same */
-    float restitution;          /* 0..1; two bodies: the larger */
-    float rolling_resistance;   /* fraction of load times radius that brakes rolling; two bodies: the larger */
-    uint32_t surface;           /* 0..63: which kind of surface, for daft_scene_set_surfaces */
-    daft_vec3 surface_velocity; /* m/s, in the entity's axes: of its surface, as a conveyor belt's */
-    float gravity_scale;        /* 1 */
+    uint32_t collider_count;        /* up to 65,536 */
+    float density;                  /* kg/m³ */
+    float mass;                     /* kg; 0: from the density */
+    float friction;                 /* Coulomb's coefficient; two bodies: the geometric mean */
+    float static_friction;          /* of what does not slide yet; less than friction: the same */
+    float restitution;              /* 0..1; two bodies: the larger */
+    float rolling_resistance;       /* fraction of load times radius that brakes rolling; two bodies: the larger */
+    uint32_t surface;               /* 0..63: which kind of surface, for daft_scene_set_surfaces */
+    daft_vec3 surface_velocity;     /* m/s, in the entity's axes: of its surface, as a conveyor belt's */
+    float gravity_scale;            /* 1 */
     float linear_damping, angular_damping; /* 1/s: fraction of the velocity lost in a second, for small ones */
     uint32_t locks;                        /* DAFT_LOCK_… */
     uint32_t layers;                       /* bits: what it is; the first by default */

@@ -8,6 +8,7 @@ struct daft_budget {
     daft_allocator from;
     uint64_t limit; /* UINT64_MAX: none */
     atomic_ullong peak;
+    atomic_int calling;              /* calls of `from` that run now, on any thread */
     _Alignas(64) atomic_ullong used; /* includes this struct, until the budget is closed */
 };
 
@@ -49,7 +50,9 @@ static void *budget_allocate(void *user, size_t size, size_t alignment)
     daft_budget *budget = user;
     size_t offset = alignment < sizeof(header) ? sizeof(header) : alignment, bytes;
     if (__builtin_add_overflow(size, offset, &bytes) || !daft_budget_take(budget, bytes)) return NULL;
+    atomic_fetch_add_explicit(&budget->calling, 1, memory_order_relaxed);
     char *memory = budget->from.allocate(budget->from.user, bytes, alignment);
+    atomic_fetch_sub_explicit(&budget->calling, 1, memory_order_relaxed);
     if (!memory) {
         daft_budget_give(budget, bytes);
         return NULL;
@@ -63,7 +66,9 @@ static void budget_release(void *user, void *pointer)
     if (!pointer) return;
     daft_budget *budget = user;
     header held = ((header *)pointer)[-1];
+    atomic_fetch_add_explicit(&budget->calling, 1, memory_order_relaxed);
     budget->from.release(budget->from.user, (char *)pointer - held.offset);
+    atomic_fetch_sub_explicit(&budget->calling, 1, memory_order_relaxed);
     daft_budget_give(budget, held.size);
 }
 
@@ -76,12 +81,18 @@ daft_budget *daft_budget_open(const daft_allocator *from, uint64_t limit)
     budget->limit = limit ? limit : UINT64_MAX;
     atomic_init(&budget->used, sizeof *budget);
     atomic_init(&budget->peak, sizeof *budget);
+    atomic_init(&budget->calling, 0);
     return budget;
 }
 
 void daft_budget_close(daft_budget *budget)
 {
     if (budget) daft_budget_give(budget, sizeof *budget);
+}
+
+bool daft_budget_is_calling(const daft_budget *budget)
+{
+    return atomic_load_explicit(&budget->calling, memory_order_relaxed) != 0;
 }
 
 daft_allocator daft_budget_allocator(daft_budget *budget)

@@ -21,6 +21,8 @@ daft_allocator daft_budget_allocator(daft_budget *budget);
 bool daft_budget_take(daft_budget *budget, uint64_t bytes); /* false: over the limit, nothing is taken */
 void daft_budget_give(daft_budget *budget, uint64_t bytes);
 daft_memory daft_budget_memory(const daft_budget *budget);
+/* Whether a call of the caller's allocator runs now, on any thread. */
+bool daft_budget_is_calling(const daft_budget *budget);
 
 /* Whether so many bytes more fit into the budget behind the allocator; another allocator has no limit. Where not, the
  * message names the file, `what` (such as "a texture of 3 by 4 pixels"), the bytes needed and the limit. */

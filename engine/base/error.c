@@ -50,19 +50,24 @@ void daft_error_clear(daft_error *error)
 void daft_warn_at(const daft_log *log, daft_status code, const char *file, int line, int column, const char *format,
                   ...)
 {
-    if (!log || !log->warn) return;
+    /* A warning callback that warns itself is called once more, not for ever. */
+    if (!log || !log->warn || (log->running && *log->running >= 2)) return;
     daft_error warning;
     va_list arguments;
     va_start(arguments, format);
     fill(&warning, code, file, line, column, format, arguments);
     va_end(arguments);
+    if (log->running) ++*log->running;
     log->warn(log->user, &warning);
+    if (log->running) --*log->running;
 }
 
 const char *daft_error_text(const daft_error *error, char *buffer, size_t size)
 {
-    if (size == 0) return buffer;
-    if (error->file[0] == 0)
+    if (!buffer || size == 0) return buffer;
+    if (!error)
+        buffer[0] = 0;
+    else if (error->file[0] == 0)
         snprintf(buffer, size, "%s", error->message);
     else if (error->line == 0)
         snprintf(buffer, size, "%s: %s", error->file, error->message);

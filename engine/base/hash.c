@@ -5,6 +5,6 @@ uint64_t daft_hash(const void *bytes, size_t size, uint64_t seed)
 {
     const unsigned char *byte = bytes;
     uint64_t hash = seed ? seed : 0xcbf29ce484222325u;
-    for (size_t i = 0; i < size; i++) hash = (hash ^ byte[i]) * 0x100000001b3u;
+    for (size_t i = 0; byte && i < size; i++) hash = (hash ^ byte[i]) * 0x100000001b3u;
     return hash;
 }

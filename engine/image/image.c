@@ -41,13 +41,14 @@ bool daft_image_read(const daft_allocator *allocator, const char *path, daft_ima
     daft_decoded decoded;
     if (!daft_decode_file(allocator, path, &decoded, error)) return false;
     if (decoded.bytes) {
-        *out = (daft_image){*allocator, decoded.width, decoded.height, decoded.bytes, true};
+        *out = (daft_image){*allocator, decoded.width, decoded.height, decoded.bytes, .from_stb = true};
         return true;
     }
     size_t pixels = (size_t)decoded.width * (size_t)decoded.height;
     uint8_t *rgba = daft_alloc(allocator, pixels, 4);
     if (rgba) bytes_from_light(decoded.floats, pixels, rgba);
-    if (rgba) *out = (daft_image){*allocator, decoded.width, decoded.height, rgba, false};
+    if (rgba)
+        *out = (daft_image){.allocator = *allocator, .width = decoded.width, .height = decoded.height, .pixels = rgba};
     daft_decoded_free(allocator, &decoded);
     return rgba || daft_fail_at(error, DAFT_ERROR_MEMORY, path, 0, 0, "out of memory for the image");
 }
@@ -64,7 +65,8 @@ void daft_image_free(daft_image *image)
 
 void daft_image_destroy(daft_image *image)
 {
-    if (!image) return;
+    if (!image || image->drawing)
+        return; /* from inside the progress callback: a leak is better than a use after free */
     daft_allocator allocator = image->allocator;
     daft_image_free(image);
     daft_release(&allocator, image);

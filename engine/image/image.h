@@ -12,6 +12,7 @@ struct daft_image {
     int width, height;
     uint8_t *pixels; /* RGBA, sRGB, top row first */
     bool from_stb;   /* pixels are what stb_image has made */
+    bool drawing;    /* the target of a daft_render that has not come back */
 };
 
 /* Decodes PNG, JPEG, TGA, BMP, GIF (first frame), PSD, HDR (tone-clamped). At most 16384 pixels a side. */

@@ -46,6 +46,7 @@ static double mix(double before, double now, double alpha) { return before + (no
 
 daft_camera daft_scene_camera(const daft_scene *scene, float alpha)
 {
+    if (!scene) return daft_default_camera();
     const daft_camera *before = &scene->camera_before, *now = &scene->camera;
     if (!(alpha < 1)) return *now;
     if (alpha <= 0) return *before;
@@ -63,7 +64,7 @@ daft_camera daft_scene_camera(const daft_scene *scene, float alpha)
 bool daft_scene_set_camera(daft_scene *scene, const daft_camera *camera, bool teleport, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "camera", camera) ||
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "camera", camera) ||
         !daft_check_camera(error, "camera", camera))
         return false;
     scene->camera = *camera;
@@ -86,7 +87,7 @@ void daft_camera_insert(daft_scene *scene, const daft_camera *camera)
     scene->cameras[scene->camera_count++] = *camera;
 }
 
-uint32_t daft_scene_camera_count(const daft_scene *scene) { return scene->camera_count; }
+uint32_t daft_scene_camera_count(const daft_scene *scene) { return scene ? scene->camera_count : 0; }
 
 bool daft_scene_get_camera(const daft_scene *scene, uint32_t index, daft_camera *out, daft_error *error)
 {

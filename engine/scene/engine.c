@@ -13,6 +13,39 @@ daft_engine_def daft_default_engine_def(void)
     return def;
 }
 
+/* ---- callbacks ---- */
+
+static bool outside_callbacks(const daft_engine *engine, daft_error *error)
+{
+    return (engine->callbacks == 0 && !daft_budget_is_calling(engine->budget)) ||
+           daft_fail(error, DAFT_ERROR_ARGUMENT, "called from inside a callback of this engine");
+}
+
+bool daft_engine_ready(const daft_engine *engine, daft_error *error)
+{
+    return daft_check_pointer(error, "engine", engine) && outside_callbacks(engine, error);
+}
+
+bool daft_scene_ready(const daft_scene *scene, daft_error *error)
+{
+    return daft_check_pointer(error, "scene", scene) && outside_callbacks(scene->engine, error);
+}
+
+static bool ready_or_warn(const daft_engine *engine, const char *what)
+{
+    daft_error error;
+    if (outside_callbacks(engine, &error)) return true;
+    if (engine->callbacks) daft_warn_at(&engine->log, error.code, NULL, 0, 0, "%s: %s", what, error.message);
+    return false;
+}
+
+bool daft_scene_ready_or_warn(const daft_scene *scene, const char *what)
+{
+    return scene && ready_or_warn(scene->engine, what);
+}
+
+/* ---- engines ---- */
+
 static bool choose_isa(const char *name, int *isa, daft_error *error)
 {
     switch (daft_isa_find(name, isa)) {
@@ -54,7 +87,7 @@ daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error)
     }
     engine->allocator = allocator;
     engine->budget = budget;
-    engine->log = (daft_log){def->warn, def->warn_user};
+    engine->log = (daft_log){def->warn, def->warn_user, &engine->callbacks};
     engine->threads = def->threads == 0 ? daft_processor_count() : daft_min_i(daft_max_i(def->threads, 1), MAX_THREADS);
     engine->isa = isa;
     engine->accel = def->accel;
@@ -63,7 +96,7 @@ daft_engine *daft_engine_create(const daft_engine_def *def, daft_error *error)
 
 void daft_engine_destroy(daft_engine *engine)
 {
-    if (!engine) return;
+    if (!engine || !ready_or_warn(engine, "the engine is not destroyed")) return;
     if (engine->scenes > 0) {
         /* A leak is better than scenes whose engine is gone. */
         daft_warn_at(&engine->log, DAFT_ERROR_ARGUMENT, NULL, 0, 0,
@@ -84,16 +117,22 @@ daft_memory daft_engine_memory(const daft_engine *engine)
 
 bool daft_engine_reserve(daft_engine *engine, uint64_t bytes)
 {
-    return engine && daft_budget_take(engine->budget, bytes);
+    if (!engine || !daft_budget_take(engine->budget, bytes)) return false;
+    atomic_fetch_add(&engine->reserved, bytes);
+    return true;
 }
 
 void daft_engine_unreserve(daft_engine *engine, uint64_t bytes)
 {
-    if (engine && bytes) daft_budget_give(engine->budget, bytes);
+    if (!engine) return;
+    unsigned long long reserved = atomic_load(&engine->reserved), given;
+    do given = bytes < reserved ? bytes : reserved; /* what the engine itself holds is not the caller's to give back */
+    while (!atomic_compare_exchange_weak(&engine->reserved, &reserved, reserved - given));
+    if (given) daft_budget_give(engine->budget, given);
 }
 
-int daft_engine_threads(const daft_engine *engine) { return engine->threads; }
-const char *daft_engine_isa(const daft_engine *engine) { return daft_isa_name(engine->isa); }
+int daft_engine_threads(const daft_engine *engine) { return engine ? engine->threads : 0; }
+const char *daft_engine_isa(const daft_engine *engine) { return engine ? daft_isa_name(engine->isa) : NULL; }
 
 /* ---- images ---- */
 
@@ -110,7 +149,7 @@ static daft_image *image_new(daft_engine *engine, daft_error *error)
 daft_image *daft_image_create(daft_engine *engine, int width, int height, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "engine", engine) ||
+    if (!daft_engine_ready(engine, error) ||
         !daft_check_range(error, "width", width, 1, MAX_IMAGE_SIDE, "1 to 16384 pixels") ||
         !daft_check_range(error, "height", height, 1, MAX_IMAGE_SIDE, "1 to 16384 pixels"))
         return NULL;
@@ -128,13 +167,10 @@ daft_image *daft_image_create(daft_engine *engine, int width, int height, daft_e
 daft_image *daft_image_load(daft_engine *engine, const char *path, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "engine", engine) || !daft_check_pointer(error, "path", path)) return NULL;
+    if (!daft_engine_ready(engine, error) || !daft_check_pointer(error, "path", path)) return NULL;
     daft_image *image = image_new(engine, error);
     if (!image) return NULL;
-    if (daft_image_read(&engine->allocator, path, image, error)) {
-        image->allocator = engine->allocator;
-        return image;
-    }
+    if (daft_image_read(&engine->allocator, path, image, error)) return image;
     daft_release(&engine->allocator, image);
     return NULL;
 }
@@ -144,7 +180,7 @@ daft_image *daft_image_load(daft_engine *engine, const char *path, daft_error *e
 daft_scene *daft_scene_create(daft_engine *engine, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "engine", engine)) return NULL;
+    if (!daft_engine_ready(engine, error)) return NULL;
     daft_scene *scene = daft_alloc_zero(&engine->allocator, 1, sizeof *scene);
     if (!scene) {
         daft_fail_memory(error, "a scene");
@@ -171,7 +207,7 @@ daft_scene *daft_scene_create(daft_engine *engine, daft_error *error)
 
 void daft_scene_destroy(daft_scene *scene)
 {
-    if (!scene) return;
+    if (!daft_scene_ready_or_warn(scene, "the scene is not destroyed")) return;
     const daft_allocator *allocator = scene->allocator;
     if (scene->world) daft_world_destroy(scene->world);
     for (uint32_t i = 0; i < scene->entity_slots.count; i++)
@@ -196,4 +232,4 @@ void daft_scene_destroy(daft_scene *scene)
     daft_release(allocator, scene);
 }
 
-const daft_counters *daft_scene_counters(const daft_scene *scene) { return &scene->counters; }
+const daft_counters *daft_scene_counters(const daft_scene *scene) { return scene ? &scene->counters : NULL; }

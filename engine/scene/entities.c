@@ -25,6 +25,11 @@ daft_entity_item *daft_entity_find(const daft_scene *scene, daft_entity entity, 
     return NULL;
 }
 
+daft_entity_item *daft_entity_change(const daft_scene *scene, daft_entity entity, daft_error *error)
+{
+    return daft_scene_ready(scene, error) ? daft_entity_find(scene, entity, error) : NULL;
+}
+
 /* ---- checks ---- */
 
 static bool transform_check(const daft_transform *transform, daft_error *error)
@@ -128,7 +133,7 @@ static uint32_t next_handle(const daft_slots *slots)
 daft_entity daft_entity_create(daft_scene *scene, const daft_entity_def *def, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_entity_check(scene, def, error) ||
+    if (!daft_scene_ready(scene, error) || !daft_entity_check(scene, def, error) ||
         !daft_entities_reserve(scene, 1, error))
         return (daft_entity){0};
     uint32_t box = DAFT_NONE;
@@ -169,7 +174,7 @@ static void remove_leaf(daft_scene *scene, uint32_t index)
 bool daft_entity_destroy(daft_scene *scene, daft_entity entity, daft_error *error)
 {
     daft_error_clear(error);
-    daft_entity_item *root = daft_entity_find(scene, entity, error);
+    daft_entity_item *root = daft_entity_change(scene, entity, error);
     if (!root) return false;
     uint32_t top = daft_handle_index(entity.id), at = top;
     for (;;) {
@@ -188,7 +193,7 @@ bool daft_entity_is_valid(const daft_scene *scene, daft_entity entity)
     return scene && daft_slots_find(&scene->entity_slots, entity.id) != DAFT_NONE;
 }
 
-uint32_t daft_entity_count(const daft_scene *scene) { return scene->entity_slots.live; }
+uint32_t daft_entity_count(const daft_scene *scene) { return scene ? scene->entity_slots.live : 0; }
 
 /* ---- changes ---- */
 
@@ -231,7 +236,7 @@ bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft
                                daft_error *error)
 {
     daft_error_clear(error);
-    daft_entity_item *item = daft_entity_find(scene, entity, error);
+    daft_entity_item *item = daft_entity_change(scene, entity, error);
     if (!item || !daft_check_pointer(error, "transform", transform) || !transform_check(transform, error) ||
         !scale_check(scene, daft_handle_index(entity.id), &item->def, transform->scale, error) ||
         (item->body && !daft_body_check_position(transform->position, error)))
@@ -249,7 +254,7 @@ bool daft_entity_set_transform(daft_scene *scene, daft_entity entity, const daft
 bool daft_entity_set_material(daft_scene *scene, daft_entity entity, daft_material material, daft_error *error)
 {
     daft_error_clear(error);
-    daft_entity_item *item = daft_entity_find(scene, entity, error);
+    daft_entity_item *item = daft_entity_change(scene, entity, error);
     if (!item || (material.id != 0 && !daft_material_check(scene, material, error))) return false;
     if (item->def.material.id != material.id) daft_scene_touch(scene);
     item->def.material = material;
@@ -259,7 +264,7 @@ bool daft_entity_set_material(daft_scene *scene, daft_entity entity, daft_materi
 bool daft_entity_set_visible(daft_scene *scene, daft_entity entity, bool visible, daft_error *error)
 {
     daft_error_clear(error);
-    daft_entity_item *item = daft_entity_find(scene, entity, error);
+    daft_entity_item *item = daft_entity_change(scene, entity, error);
     if (!item) return false;
     if (item->def.visible != visible) daft_scene_touch(scene);
     item->def.visible = visible;

@@ -14,6 +14,7 @@ static uint64_t hash_entity(const daft_entity_item *item, uint64_t hash)
 
 uint64_t daft_scene_hash(const daft_scene *scene)
 {
+    if (!scene) return 0;
     uint64_t hash = daft_struct_hash(DAFT_STRUCT_CAMERA, &scene->camera, 0);
     for (uint32_t i = 0; i < scene->entity_slots.count; i++) {
         if (!scene->entity_slots.items[i].live) continue;

@@ -38,8 +38,7 @@ daft_light daft_light_insert(daft_scene *scene, const daft_light_def *def)
 daft_light daft_light_create(daft_scene *scene, const daft_light_def *def, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_light_check(def, error) ||
-        !daft_lights_reserve(scene, 1, error))
+    if (!daft_scene_ready(scene, error) || !daft_light_check(def, error) || !daft_lights_reserve(scene, 1, error))
         return (daft_light){0};
     return daft_light_insert(scene, def);
 }
@@ -57,6 +56,11 @@ static uint32_t light_find(const daft_scene *scene, daft_light light, daft_error
     return DAFT_NONE;
 }
 
+static uint32_t light_change(const daft_scene *scene, daft_light light, daft_error *error)
+{
+    return daft_scene_ready(scene, error) ? light_find(scene, light, error) : DAFT_NONE;
+}
+
 bool daft_light_get(daft_scene *scene, daft_light light, daft_light_def *def, daft_error *error)
 {
     daft_error_clear(error);
@@ -69,7 +73,7 @@ bool daft_light_get(daft_scene *scene, daft_light light, daft_light_def *def, da
 bool daft_light_set(daft_scene *scene, daft_light light, const daft_light_def *def, daft_error *error)
 {
     daft_error_clear(error);
-    uint32_t index = light_find(scene, light, error);
+    uint32_t index = light_change(scene, light, error);
     if (index == DAFT_NONE || !daft_light_check(def, error)) return false;
     scene->lights[index] = *def;
     return true;
@@ -78,7 +82,7 @@ bool daft_light_set(daft_scene *scene, daft_light light, const daft_light_def *d
 bool daft_light_destroy(daft_scene *scene, daft_light light, daft_error *error)
 {
     daft_error_clear(error);
-    uint32_t index = light_find(scene, light, error);
+    uint32_t index = light_change(scene, light, error);
     if (index == DAFT_NONE) return false;
     daft_slots_remove(&scene->light_slots, index);
     return true;
@@ -89,6 +93,7 @@ bool daft_light_destroy(daft_scene *scene, daft_light light, daft_error *error)
 static bool color_or_warn(const daft_scene *scene, const char *name, daft_vec3 color)
 {
     daft_error error;
+    if (!daft_scene_ready_or_warn(scene, name)) return false;
     if (daft_check_color(&error, name, color)) return true;
     daft_warn_at(&scene->engine->log, error.code, NULL, 0, 0, "left as it was: %s", error.message);
     return false;
@@ -153,7 +158,7 @@ void daft_scene_set_sky_gradient(daft_scene *scene, daft_vec3 zenith, daft_vec3 
 bool daft_scene_set_sky_image(daft_scene *scene, const char *path, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path)) return false;
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "path", path)) return false;
     daft_sky_item *item = daft_sky_item_read(scene, path, error);
     if (item) daft_sky_adopt(scene, item);
     return item != NULL;

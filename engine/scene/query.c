@@ -183,7 +183,7 @@ static daft_ray float_ray(const daft_query_cache *cache, daft_dvec3 origin, daft
 static bool ray_check(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, float max_distance, daft_entity ignore,
                       daft_error *error)
 {
-    return daft_check_pointer(error, "scene", scene) && daft_check_finite_position(error, "origin", origin) &&
+    return daft_scene_ready(scene, error) && daft_check_finite_position(error, "origin", origin) &&
            daft_check_direction(error, "direction", direction) &&
            daft_check_range(error, "max_distance", (double)max_distance, 0, INFINITY, "0 or more") &&
            (ignore.id == 0 || daft_entity_find(scene, ignore, error));

@@ -20,15 +20,29 @@ static bool target_check(const daft_image *target, daft_error *error)
 {
     return daft_check_pointer(error, "target", target) &&
            daft_check_pointer(error, "target's pixels", target->pixels) &&
+           (!target->drawing || daft_fail(error, DAFT_ERROR_ARGUMENT, "the target is being drawn into")) &&
            daft_check_range(error, "target's width", target->width, 1, 16384, "1 to 16384") &&
            daft_check_range(error, "target's height", target->height, 1, 16384, "1 to 16384");
+}
+
+typedef struct watched {
+    const daft_view *view;
+    daft_engine *engine;
+} watched;
+
+static bool call_progress(void *user, float done)
+{
+    const watched *w = user;
+    w->engine->callbacks++;
+    bool go_on = w->view->progress(w->view->progress_user, done);
+    w->engine->callbacks--;
+    return go_on;
 }
 
 bool daft_render(daft_scene *scene, const daft_view *view, daft_image *target, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !view_check(view, error) || !target_check(target, error))
-        return false;
+    if (!daft_scene_ready(scene, error) || !view_check(view, error) || !target_check(target, error)) return false;
     daft_engine *engine = scene->engine;
     if (!engine->renderer)
         engine->renderer = daft_renderer_create(scene->allocator, engine->threads, engine->isa, error);
@@ -38,10 +52,12 @@ bool daft_render(daft_scene *scene, const daft_view *view, daft_image *target, d
     daft_frame_target into = {
         .pixels = target->pixels,
         .aov = {view->aov.depth, view->aov.normal, (uint32_t *)view->aov.entity, view->aov.triangle},
-        .progress = view->progress,
-        .progress_user = view->progress_user,
+        .progress = view->progress ? call_progress : NULL,
+        .progress_user = &(watched){view, engine},
     };
+    target->drawing = true;
     bool drawn = daft_frame_draw(frame, engine->renderer, &into, error);
+    target->drawing = false;
     daft_frame_release(scene, frame);
     return drawn;
 }

@@ -20,10 +20,14 @@
 #include "scene/handles.h"
 #include "sim/character/character.h"
 
+#include <stdatomic.h>
+
 struct daft_engine {
     daft_allocator allocator; /* the budget's */
     daft_budget *budget;
+    atomic_ullong reserved; /* bytes of the program's own */
     daft_log log;
+    int callbacks; /* of progress, warnings and problems that run now: all on the calling thread */
     int threads, isa;
     daft_accel accel;
     int scenes;              /* alive */
@@ -219,6 +223,14 @@ struct daft_scene {
     daft_counters counters;
 };
 
+/* ---- engine.c ---- */
+
+/* What changes an engine or a scene asks first: not NULL, and not from inside one of the engine's callbacks. */
+bool daft_engine_ready(const daft_engine *engine, daft_error *error);
+bool daft_scene_ready(const daft_scene *scene, daft_error *error);
+/* For calls that cannot fail: from inside a callback they warn and do nothing. */
+bool daft_scene_ready_or_warn(const daft_scene *scene, const char *what);
+
 /* ---- assets.c ---- */
 
 bool daft_assets_init(daft_scene *scene, daft_error *error);
@@ -256,6 +268,8 @@ typedef struct daft_made_body {
 bool daft_entities_reserve(daft_scene *scene, uint32_t more, daft_error *error);
 bool daft_entity_check(daft_scene *scene, const daft_entity_def *def, daft_error *error);
 daft_entity_item *daft_entity_find(const daft_scene *scene, daft_entity entity, daft_error *error);
+/* The same, for a call that changes it: see daft_scene_ready. */
+daft_entity_item *daft_entity_change(const daft_scene *scene, daft_entity entity, daft_error *error);
 /* The slot takes what was checked; room was reserved. box and body belong to the entity from now on. */
 daft_entity daft_entity_insert(daft_scene *scene, const daft_entity_def *def, uint32_t box, const daft_made_body *body);
 

@@ -376,11 +376,13 @@ uint32_t daft_world_add(daft_world *world, const daft_sim_body_def *def, daft_er
         daft_fail_memory(error, "a body");
         return 0;
     }
+    bool appended = world->free_body == DAFT_SIM_NONE;
     uint32_t index = take_body(world, def);
     daft_sim_body *body = &world->bodies[index];
     add_parts(world, body, index, def);
     if (!daft_sim_body_weigh(world, body, error)) {
         free_body(world, index);
+        if (appended) world->body_count--, world->free_body = DAFT_SIM_NONE; /* the state is as it was */
         return 0;
     }
     daft_sim_body_place(body, def->position, daft_quat_normalize(def->rotation));

@@ -144,7 +144,7 @@ static daft_mesh mesh_add(daft_scene *scene, daft_mesh_item *item)
 daft_mesh daft_mesh_load(daft_scene *scene, const char *path, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path)) return (daft_mesh){0};
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "path", path)) return (daft_mesh){0};
     uint32_t cached = mesh_cached(scene, path, daft_path_hash(path));
     if (cached || !mesh_reserve(scene, error)) return (daft_mesh){cached};
     daft_mesh_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
@@ -171,7 +171,7 @@ static bool mesh_def_check(const daft_mesh_def *def, daft_error *error)
 daft_mesh daft_mesh_create(daft_scene *scene, const daft_mesh_def *def, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !mesh_def_check(def, error) || !mesh_reserve(scene, error))
+    if (!daft_scene_ready(scene, error) || !mesh_def_check(def, error) || !mesh_reserve(scene, error))
         return (daft_mesh){0};
     daft_mesh_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
     if (!item) {
@@ -218,7 +218,7 @@ bool daft_mesh_set_positions(daft_scene *scene, daft_mesh mesh, const daft_vec3 
                              uint32_t count, daft_error *error)
 {
     daft_error_clear(error);
-    daft_mesh_item *item = daft_check_pointer(error, "scene", scene) ? daft_mesh_find(scene, mesh, error) : NULL;
+    daft_mesh_item *item = daft_scene_ready(scene, error) ? daft_mesh_find(scene, mesh, error) : NULL;
     if (!item || !daft_check_pointer(error, "positions", positions)) return false;
     if (count != item->mesh.vertex_count)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "%u positions for a mesh of %u vertices", count,
@@ -373,8 +373,7 @@ static daft_texture replace_texture(daft_scene *scene, uint32_t texture, daft_te
 daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path))
-        return (daft_texture){0};
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "path", path)) return (daft_texture){0};
     uint32_t cached = texture_cached(scene, path, daft_path_hash(path));
     if (cached && !scene->assets.textures[cached - 1].missing) return (daft_texture){cached};
     daft_texture_data data = {0};

@@ -49,7 +49,7 @@ static bool material_reserve(daft_scene *scene, daft_error *error)
 daft_material daft_material_create(daft_scene *scene, const daft_material_def *def, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !def_check(scene, def, error) || !material_reserve(scene, error))
+    if (!daft_scene_ready(scene, error) || !def_check(scene, def, error) || !material_reserve(scene, error))
         return (daft_material){0};
     daft_assets *assets = &scene->assets;
     assets->materials[assets->material_count] = *def;
@@ -77,7 +77,7 @@ bool daft_material_get(daft_scene *scene, daft_material material, daft_material_
 bool daft_material_set(daft_scene *scene, daft_material material, const daft_material_def *def, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_material_check(scene, material, error) ||
+    if (!daft_scene_ready(scene, error) || !daft_material_check(scene, material, error) ||
         !def_check(scene, def, error))
         return false;
     scene->assets.materials[material.id - 1] = *def;
@@ -191,8 +191,7 @@ static bool key_reserve(daft_scene *scene, daft_error *error)
 daft_material daft_material_load(daft_scene *scene, const char *path, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path))
-        return (daft_material){0};
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "path", path)) return (daft_material){0};
     daft_assets *assets = &scene->assets;
     uint64_t hash = daft_path_hash(path);
     for (uint32_t cursor = 0, i; (i = daft_map_next(&assets->material_map, hash, &cursor)) != DAFT_NONE;)

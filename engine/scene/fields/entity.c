@@ -37,7 +37,7 @@ static const daft_field ENTITY_ROWS[] = {
         daft_entity_def, colliders, .lua = "collider",
         .doc = "What the body is made of; none: what is drawn, of a mesh the hull where it is dynamic, else the "
                "triangles"),
-    ENTITY(collider_count, .flags = BODY, .doc = "How many colliders there are"),
+    ENTITY(collider_count, FROM(0, 65536), .flags = BODY, .doc = "How many colliders there are"),
     ENTITY(density, .unit = "kg/m³", ABOVE_ZERO, .initial = {1000}, .lua = "density", .flags = SEEN,
            .doc = "The mass of a cubic metre of it"),
     ENTITY(mass, .unit = "kg", ZERO_OR_MORE, .lua = "mass", .flags = BODY, .doc = "Its mass; 0: from the density"),

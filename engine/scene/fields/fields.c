@@ -41,7 +41,7 @@ const daft_field *daft_field_find(daft_struct which, const char *name)
 {
     uint32_t count;
     const daft_field *fields = daft_fields(which, &count);
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; name && i < count; i++)
         if (strcmp(fields[i].name, name) == 0) return &fields[i];
     return NULL;
 }
@@ -151,7 +151,7 @@ void daft_field_set_numbers(const daft_field *field, void *value, const double n
 void daft_struct_default(daft_struct which, void *out)
 {
     const daft_field_list *list = daft_field_list_of(which);
-    if (!list) return;
+    if (!list || !out) return;
     memset(out, 0, list->size);
     for (uint32_t i = 0; i < list->count; i++) {
         const daft_field *field = &list->fields[i];
@@ -198,7 +198,7 @@ static size_t pack_list(const daft_field_list *list, const char *value, char *ou
 size_t daft_struct_pack(daft_struct which, const void *value, void *out, size_t capacity)
 {
     const daft_field_list *list = daft_field_list_of(which);
-    return list ? pack_list(list, value, out, capacity, 0) : 0;
+    return list && value ? pack_list(list, value, out, capacity, 0) : 0;
 }
 
 /* ---- the state's hash ---- */

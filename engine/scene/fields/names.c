@@ -12,6 +12,7 @@ static const char *choice_name(daft_struct which, const char *field, uint32_t va
 static bool choice_parse(daft_struct which, const char *field, const char *name, uint32_t *out)
 {
     const daft_field *f = daft_field_find(which, field);
+    if (!name || !out) return false;
     for (uint32_t i = 0; i < f->choice_count; i++) {
         if (!f->choices[i] || strcmp(name, f->choices[i]) != 0) continue;
         *out = i;

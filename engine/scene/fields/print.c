@@ -28,9 +28,10 @@ static const char *choice_name(const daft_field *field, uint32_t value)
 const char *daft_field_print(const daft_field *field, const void *value, char *buffer, size_t size)
 {
     double numbers[4];
-    uint32_t count = daft_field_numbers(field, value, numbers);
-    if (size == 0) return buffer;
+    if (!buffer || size == 0) return buffer;
     buffer[0] = 0;
+    if (!field || !value) return buffer;
+    uint32_t count = daft_field_numbers(field, value, numbers);
     if (field->type == DAFT_FIELD_BOOL || field->type == DAFT_FIELD_CHOICE) {
         const char *name = field->type == DAFT_FIELD_BOOL ? (numbers[0] != 0 ? "true" : "false")
                                                           : choice_name(field, (uint32_t)numbers[0]);
@@ -117,7 +118,9 @@ bool daft_field_parse(const daft_field *field, const char *text, void *value, da
 {
     double numbers[4] = {0};
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "text", text)) return false;
+    if (!daft_check_pointer(error, "field", field) || !daft_check_pointer(error, "text", text) ||
+        !daft_check_pointer(error, "value", value))
+        return false;
     if (field->type >= DAFT_FIELD_MESH)
         return daft_fail(error, DAFT_ERROR_ARGUMENT, "%s cannot be set from text", field->name);
     uint32_t count = daft_field_numbers(field, value, numbers);

@@ -44,8 +44,9 @@ static void limits_text(const daft_field *field, char *buffer, size_t size)
 
 const char *daft_field_range(const daft_field *field, char *buffer, size_t size)
 {
-    if (size == 0) return buffer;
+    if (!buffer || size == 0) return buffer;
     buffer[0] = 0;
+    if (!field) return buffer;
     if (field->type == DAFT_FIELD_CHOICE)
         choices_text(field, buffer, size);
     else if (field->type == DAFT_FIELD_BOOL)

@@ -8,7 +8,7 @@
 bool daft_mesh_check(daft_scene *scene, daft_mesh mesh, daft_mesh_report *report, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "report", report)) return false;
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "report", report)) return false;
     const daft_mesh_item *item = daft_mesh_find(scene, mesh, error);
     daft_mesh_report found;
     if (!item || !daft_trimesh_check(scene->allocator, &item->mesh, NULL, NULL, &found, error)) return false;
@@ -135,6 +135,22 @@ static bool check_picture(daft_engine *engine, const char *path, const daft_prob
     return image || refuse(problems, &why, error);
 }
 
+/* ---- the caller's callback ---- */
+
+typedef struct caller {
+    daft_engine *engine;
+    daft_problem_callback *found;
+    void *user;
+} caller;
+
+static void tell(void *user, daft_severity severity, const daft_error *problem)
+{
+    const caller *c = user;
+    c->engine->callbacks++;
+    c->found(c->user, severity, problem);
+    c->engine->callbacks--;
+}
+
 /* ---- which file ---- */
 
 static bool ends_in(const char *path, const char *extension)
@@ -146,11 +162,11 @@ static bool ends_in(const char *path, const char *extension)
 bool daft_check_file(daft_engine *engine, const char *path, daft_problem_callback *found, void *user, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "engine", engine) || !daft_check_pointer(error, "path", path)) return false;
+    if (!daft_engine_ready(engine, error) || !daft_check_pointer(error, "path", path)) return false;
     if (!found) return daft_fail(error, DAFT_ERROR_ARGUMENT, "found is NULL");
-    daft_problems problems = {found, user};
+    daft_problems problems = {tell, &(caller){engine, found, user}};
     daft_log kept = engine->log;
-    engine->log = (daft_log){on_warning, &problems};
+    engine->log = (daft_log){.warn = on_warning, .user = &problems};
     bool done = (ends_in(path, ".obj")     ? check_obj
                  : ends_in(path, ".mtl")   ? check_mtl
                  : ends_in(path, ".scene") ? daft_check_scene

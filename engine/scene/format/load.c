@@ -205,7 +205,7 @@ static bool load_all(loader *load, const char *path)
 bool daft_scene_load(daft_scene *scene, const char *path, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "path", path)) return false;
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "path", path)) return false;
     return daft_scene_load_watched(scene, path, NULL, error);
 }
 

@@ -158,6 +158,11 @@ static daft_entity_item *body_find(daft_scene *scene, daft_entity entity, daft_b
     return NULL;
 }
 
+static daft_entity_item *body_change(daft_scene *scene, daft_entity entity, daft_body_kind min, daft_error *error)
+{
+    return daft_scene_ready(scene, error) ? body_find(scene, entity, min, error) : NULL;
+}
+
 bool daft_entity_get_velocity(daft_scene *scene, daft_entity entity, daft_vec3 *linear, daft_vec3 *angular,
                               daft_error *error)
 {
@@ -175,7 +180,7 @@ bool daft_entity_set_velocity(daft_scene *scene, daft_entity entity, daft_vec3 l
                               daft_error *error)
 {
     daft_error_clear(error);
-    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_KINEMATIC, error);
+    const daft_entity_item *item = body_change(scene, entity, DAFT_BODY_KINEMATIC, error);
     if (!item || !daft_check_finite3(error, "linear", linear) || !daft_check_finite3(error, "angular", angular))
         return false;
     daft_world_set_velocity(scene->world, item->body, linear, angular);
@@ -185,7 +190,7 @@ bool daft_entity_set_velocity(daft_scene *scene, daft_entity entity, daft_vec3 l
 bool daft_entity_apply_force(daft_scene *scene, daft_entity entity, daft_vec3 force, daft_error *error)
 {
     daft_error_clear(error);
-    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
+    const daft_entity_item *item = body_change(scene, entity, DAFT_BODY_DYNAMIC, error);
     if (!item || !daft_check_finite3(error, "force", force)) return false;
     daft_world_apply_force(scene->world, item->body, force);
     return true;
@@ -194,7 +199,7 @@ bool daft_entity_apply_force(daft_scene *scene, daft_entity entity, daft_vec3 fo
 bool daft_entity_apply_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_error *error)
 {
     daft_error_clear(error);
-    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
+    const daft_entity_item *item = body_change(scene, entity, DAFT_BODY_DYNAMIC, error);
     if (!item || !daft_check_finite3(error, "impulse", impulse)) return false;
     daft_world_apply_impulse(scene->world, item->body, impulse);
     return true;
@@ -204,7 +209,7 @@ bool daft_entity_apply_impulse_at(daft_scene *scene, daft_entity entity, daft_ve
                                   daft_error *error)
 {
     daft_error_clear(error);
-    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
+    const daft_entity_item *item = body_change(scene, entity, DAFT_BODY_DYNAMIC, error);
     if (!item || !daft_check_finite3(error, "impulse", impulse) || !daft_check_finite_position(error, "point", point))
         return false;
     daft_world_apply_impulse_at(scene->world, item->body, impulse, point);
@@ -214,7 +219,7 @@ bool daft_entity_apply_impulse_at(daft_scene *scene, daft_entity entity, daft_ve
 bool daft_entity_apply_torque(daft_scene *scene, daft_entity entity, daft_vec3 torque, daft_error *error)
 {
     daft_error_clear(error);
-    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
+    const daft_entity_item *item = body_change(scene, entity, DAFT_BODY_DYNAMIC, error);
     if (!item || !daft_check_finite3(error, "torque", torque)) return false;
     daft_world_apply_torque(scene->world, item->body, torque);
     return true;
@@ -223,7 +228,7 @@ bool daft_entity_apply_torque(daft_scene *scene, daft_entity entity, daft_vec3 t
 bool daft_entity_apply_angular_impulse(daft_scene *scene, daft_entity entity, daft_vec3 impulse, daft_error *error)
 {
     daft_error_clear(error);
-    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
+    const daft_entity_item *item = body_change(scene, entity, DAFT_BODY_DYNAMIC, error);
     if (!item || !daft_check_finite3(error, "impulse", impulse)) return false;
     daft_world_apply_angular_impulse(scene->world, item->body, impulse);
     return true;
@@ -250,7 +255,7 @@ bool daft_entity_get_awake(daft_scene *scene, daft_entity entity, bool *awake, d
 bool daft_entity_set_awake(daft_scene *scene, daft_entity entity, bool awake, daft_error *error)
 {
     daft_error_clear(error);
-    const daft_entity_item *item = body_find(scene, entity, DAFT_BODY_DYNAMIC, error);
+    const daft_entity_item *item = body_change(scene, entity, DAFT_BODY_DYNAMIC, error);
     if (!item) return false;
     daft_world_set_awake(scene->world, item->body, awake);
     return true;
@@ -259,7 +264,7 @@ bool daft_entity_set_awake(daft_scene *scene, daft_entity entity, bool awake, da
 bool daft_entity_set_layers(daft_scene *scene, daft_entity entity, uint32_t layers, uint32_t mask, daft_error *error)
 {
     daft_error_clear(error);
-    daft_entity_item *item = body_find(scene, entity, DAFT_BODY_STATIC, error);
+    daft_entity_item *item = body_change(scene, entity, DAFT_BODY_STATIC, error);
     if (!item) return false;
     item->def.layers = layers, item->def.mask = mask;
     daft_world_set_filter(scene->world, item->body, layers, mask);
@@ -271,6 +276,7 @@ bool daft_entity_set_layers(daft_scene *scene, daft_entity entity, uint32_t laye
 void daft_scene_set_gravity(daft_scene *scene, daft_vec3 gravity)
 {
     daft_error error;
+    if (!daft_scene_ready_or_warn(scene, "gravity is left as it was")) return;
     if (!daft_check_finite3(&error, "gravity", gravity)) {
         daft_warn_at(&scene->engine->log, error.code, NULL, 0, 0, "gravity is left as it was: %s", error.message);
         return;
@@ -282,6 +288,7 @@ void daft_scene_set_gravity(daft_scene *scene, daft_vec3 gravity)
 /* Poses of the last tick are kept lazily: the first change of an entity in a tick remembers the pose before it. */
 void daft_scene_begin_tick(daft_scene *scene)
 {
+    if (!daft_scene_ready_or_warn(scene, "no tick begins")) return;
     scene->tick++;
     scene->camera_before = scene->camera;
 }
@@ -315,7 +322,7 @@ void daft_scene_pull_all_poses(daft_scene *scene)
 bool daft_scene_step(daft_scene *scene, float dt, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) ||
+    if (!daft_scene_ready(scene, error) ||
         !daft_check_range(error, "dt", (double)dt, DAFT_ABOVE_ZERO, 1, "above 0 and at most 1 (seconds)"))
         return false;
     if (!scene->world) return true;
@@ -333,7 +340,7 @@ static daft_contact contact_of(const daft_sim_contact *from, daft_entity a, daft
 /* Contacts of entities that were destroyed since the tick are left out. */
 uint32_t daft_scene_contacts(const daft_scene *scene, daft_contact *out, uint32_t capacity)
 {
-    if (!scene->world) return 0;
+    if (!scene || !scene->world) return 0;
     const daft_sim_contact *contacts;
     uint32_t all = daft_world_contacts(scene->world, &contacts), count = 0;
     for (uint32_t i = 0; i < all; i++) {
@@ -351,7 +358,7 @@ uint32_t daft_scene_events(const daft_scene *scene, daft_event *out, uint32_t ca
     _Static_assert((int)DAFT_EVENT_CONTACT_BEGIN == (int)DAFT_SIM_CONTACT_BEGIN &&
                        (int)DAFT_EVENT_WAKE == (int)DAFT_SIM_WAKE,
                    "the kinds are the same numbers");
-    if (!scene->world) return 0;
+    if (!scene || !scene->world) return 0;
     const daft_sim_event *events;
     uint32_t all = daft_world_events(scene->world, &events);
     for (uint32_t i = 0; out && i < all && i < capacity; i++) {
@@ -373,7 +380,7 @@ uint32_t daft_scene_events(const daft_scene *scene, daft_event *out, uint32_t ca
 bool daft_scene_set_substeps(daft_scene *scene, int substeps, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_check_range(error, "substeps", substeps, 1, 16, "1 to 16"))
+    if (!daft_scene_ready(scene, error) || !daft_check_range(error, "substeps", substeps, 1, 16, "1 to 16"))
         return false;
     daft_world *world = daft_scene_world(scene, error);
     if (world) daft_world_set_substeps(world, substeps);
@@ -382,6 +389,7 @@ bool daft_scene_set_substeps(daft_scene *scene, int substeps, daft_error *error)
 
 void daft_scene_set_sleeping(daft_scene *scene, bool allowed)
 {
+    if (!daft_scene_ready_or_warn(scene, "sleeping is left as it was")) return;
     daft_world *world = daft_scene_world(scene, NULL);
     if (world) daft_world_set_sleeping(world, allowed);
 }
@@ -390,7 +398,7 @@ bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b
                              daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene)) return false;
+    if (!daft_scene_ready(scene, error)) return false;
     daft_world *world = daft_scene_world(scene, error);
     if (!world) return false;
     if (!together) return daft_world_set_pair(world, kind_a, kind_b, NULL, error);
@@ -403,7 +411,7 @@ bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b
 
 daft_sim_counts daft_scene_sim_counts(const daft_scene *scene)
 {
-    if (!scene->world) return (daft_sim_counts){0};
+    if (!scene || !scene->world) return (daft_sim_counts){0};
     daft_sim_counters c = daft_world_counters(scene->world);
     return (daft_sim_counts){.bodies = c.bodies,
                              .awake = c.awake,

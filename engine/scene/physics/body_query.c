@@ -103,7 +103,7 @@ bool daft_query_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, f
     daft_dvec3 motion;
     daft_sim_hit found;
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !read_filter(scene, filter, &f, error) ||
+    if (!daft_scene_ready(scene, error) || !read_filter(scene, filter, &f, error) ||
         !read_displacement(origin, direction, max_distance, &motion, error))
         return false;
     scene->counters.query_rays++;
@@ -118,7 +118,7 @@ uint32_t daft_query_ray_all(daft_scene *scene, daft_dvec3 origin, daft_vec3 dire
     hit_list list;
     daft_error_clear(error);
     if (!hits) capacity = 0;
-    if (!daft_check_pointer(error, "scene", scene) || !read_filter(scene, filter, &f, error) ||
+    if (!daft_scene_ready(scene, error) || !read_filter(scene, filter, &f, error) ||
         !read_displacement(origin, direction, max_distance, &motion, error) ||
         !list_begin(&list, scene, capacity, error))
         return 0;
@@ -135,7 +135,7 @@ bool daft_query_cast(daft_scene *scene, const daft_volume *volume, daft_dvec3 or
     daft_dvec3 motion;
     daft_sim_hit found;
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !read_filter(scene, filter, &f, error) ||
+    if (!daft_scene_ready(scene, error) || !read_filter(scene, filter, &f, error) ||
         !read_volume(volume, &shape, error) || !read_displacement(origin, direction, max_distance, &motion, error))
         return false;
     return scene->world && daft_world_cast_shape(scene->world, &shape, origin, volume->rotation, motion, &f, &found) &&
@@ -150,7 +150,7 @@ uint32_t daft_query_overlap(daft_scene *scene, const daft_volume *volume, daft_d
     hit_list list;
     daft_error_clear(error);
     if (!hits) capacity = 0;
-    if (!daft_check_pointer(error, "scene", scene) || !read_filter(scene, filter, &f, error) ||
+    if (!daft_scene_ready(scene, error) || !read_filter(scene, filter, &f, error) ||
         !read_volume(volume, &shape, error) || !daft_check_finite_position(error, "position", position) ||
         !list_begin(&list, scene, capacity, error))
         return 0;
@@ -166,7 +166,7 @@ bool daft_query_closest(daft_scene *scene, daft_dvec3 point, float max_distance,
     daft_sim_filter f;
     daft_sim_hit found;
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !read_filter(scene, filter, &f, error) ||
+    if (!daft_scene_ready(scene, error) || !read_filter(scene, filter, &f, error) ||
         !daft_check_finite_position(error, "point", point) ||
         !daft_check_range(error, "max_distance", (double)max_distance, 0, INFINITY, "0 or more"))
         return false;

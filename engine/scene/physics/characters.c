@@ -59,7 +59,7 @@ daft_character daft_character_create(daft_scene *scene, const daft_character_def
     daft_sim_character_def sim;
     const daft_character none = {0};
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !read_def(scene, def, &sim, error) ||
+    if (!daft_scene_ready(scene, error) || !read_def(scene, def, &sim, error) ||
         !daft_sim_character_init(&item.now, &sim, error) || !daft_scene_world(scene, error))
         return none;
     uint32_t needed = daft_slots_needed(&scene->character_slots, 1);
@@ -94,9 +94,14 @@ static daft_character_item *find(const daft_scene *scene, daft_character charact
     return NULL;
 }
 
+static daft_character_item *change(const daft_scene *scene, daft_character character, daft_error *error)
+{
+    return daft_scene_ready(scene, error) ? find(scene, character, error) : NULL;
+}
+
 bool daft_character_destroy(daft_scene *scene, daft_character character, daft_error *error)
 {
-    if (!find(scene, character, error)) return false;
+    if (!change(scene, character, error)) return false;
     daft_slots_remove(&scene->character_slots, daft_handle_index(character.id));
     return true;
 }
@@ -108,7 +113,7 @@ bool daft_character_is_valid(const daft_scene *scene, daft_character character)
 
 bool daft_character_walk(daft_scene *scene, daft_character character, daft_vec3 velocity, daft_error *error)
 {
-    daft_character_item *c = find(scene, character, error);
+    daft_character_item *c = change(scene, character, error);
     if (!c || !daft_check_finite3(error, "velocity", velocity)) return false;
     c->wish.velocity = velocity;
     return true;
@@ -116,7 +121,7 @@ bool daft_character_walk(daft_scene *scene, daft_character character, daft_vec3 
 
 bool daft_character_jump(daft_scene *scene, daft_character character, float speed, daft_error *error)
 {
-    daft_character_item *c = find(scene, character, error);
+    daft_character_item *c = change(scene, character, error);
     if (!c || !daft_check_range(error, "speed", (double)speed, 0, 1e4, "from 0 to 1e4 m/s")) return false;
     c->wish.jump = speed;
     return true;
@@ -124,13 +129,13 @@ bool daft_character_jump(daft_scene *scene, daft_character character, float spee
 
 bool daft_character_teleport(daft_scene *scene, daft_character character, daft_dvec3 position, daft_error *error)
 {
-    daft_character_item *c = find(scene, character, error);
+    daft_character_item *c = change(scene, character, error);
     return c && daft_sim_character_teleport(&c->now, position, error) && move_entity(scene, c, true, error);
 }
 
 bool daft_character_set_height(daft_scene *scene, daft_character character, float height, daft_error *error)
 {
-    daft_character_item *c = find(scene, character, error);
+    daft_character_item *c = change(scene, character, error);
     return c && daft_sim_character_set_height(scene->world, &c->now, height, error) &&
            move_entity(scene, c, false, error);
 }

@@ -21,6 +21,11 @@ static uint32_t joint_find(const daft_scene *scene, daft_joint joint, daft_error
     return DAFT_NONE;
 }
 
+static uint32_t joint_change(const daft_scene *scene, daft_joint joint, daft_error *error)
+{
+    return daft_scene_ready(scene, error) ? joint_find(scene, joint, error) : DAFT_NONE;
+}
+
 /* 0, with a message, where the entity has no body. */
 static uint32_t body_of(daft_scene *scene, daft_entity entity, const char *name, daft_error *error)
 {
@@ -44,7 +49,7 @@ daft_joint daft_joint_create(daft_scene *scene, const daft_joint_def *def, daft_
 {
     const daft_joint none = {0};
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "def", def) ||
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "def", def) ||
         !daft_struct_check(DAFT_STRUCT_JOINT_DEF, def, error) || !joints_reserve(scene, error))
         return none;
     daft_sim_joint_def sim = daft_default_sim_joint_def();
@@ -70,7 +75,7 @@ daft_joint daft_joint_create(daft_scene *scene, const daft_joint_def *def, daft_
 bool daft_joint_destroy(daft_scene *scene, daft_joint joint, daft_error *error)
 {
     daft_error_clear(error);
-    uint32_t index = joint_find(scene, joint, error);
+    uint32_t index = joint_change(scene, joint, error);
     if (index == DAFT_NONE) return false;
     daft_world_remove_joint(scene->world, scene->joints[index].joint);
     daft_slots_remove(&scene->joint_slots, index);
@@ -106,7 +111,7 @@ bool daft_joint_get(daft_scene *scene, daft_joint joint, daft_joint_state *out, 
 bool daft_joint_set_motor(daft_scene *scene, daft_joint joint, bool on, float speed, float force, daft_error *error)
 {
     daft_error_clear(error);
-    uint32_t index = joint_find(scene, joint, error);
+    uint32_t index = joint_change(scene, joint, error);
     if (index == DAFT_NONE || !daft_check_finite(error, "speed", (double)speed) ||
         !daft_check_range(error, "force", (double)force, 0, DAFT_ANY_FLOAT, "finite and 0 or more"))
         return false;
@@ -117,7 +122,7 @@ bool daft_joint_set_motor(daft_scene *scene, daft_joint joint, bool on, float sp
 bool daft_joint_set_limit(daft_scene *scene, daft_joint joint, bool on, float lower, float upper, daft_error *error)
 {
     daft_error_clear(error);
-    uint32_t index = joint_find(scene, joint, error);
+    uint32_t index = joint_change(scene, joint, error);
     if (index == DAFT_NONE || !daft_check_finite(error, "lower", (double)lower) ||
         !daft_check_range(error, "upper", (double)upper, (double)lower, DAFT_ANY_FLOAT, "finite and not below lower"))
         return false;
@@ -128,7 +133,7 @@ bool daft_joint_set_limit(daft_scene *scene, daft_joint joint, bool on, float lo
 bool daft_joint_set_spring(daft_scene *scene, daft_joint joint, bool on, float hertz, float damping, daft_error *error)
 {
     daft_error_clear(error);
-    uint32_t index = joint_find(scene, joint, error);
+    uint32_t index = joint_change(scene, joint, error);
     if (index == DAFT_NONE ||
         !daft_check_range(error, "hertz", (double)hertz, 0, DAFT_ANY_FLOAT, "finite and 0 or more") ||
         !daft_check_range(error, "damping", (double)damping, 0, DAFT_ANY_FLOAT, "finite and 0 or more"))
@@ -140,7 +145,7 @@ bool daft_joint_set_spring(daft_scene *scene, daft_joint joint, bool on, float h
 bool daft_joint_set_target(daft_scene *scene, daft_joint joint, daft_dvec3 target, daft_error *error)
 {
     daft_error_clear(error);
-    uint32_t index = joint_find(scene, joint, error);
+    uint32_t index = joint_change(scene, joint, error);
     if (index == DAFT_NONE || !daft_body_check_position(target, error)) return false;
     daft_world_set_joint_target(scene->world, scene->joints[index].joint, target);
     return true;

@@ -203,7 +203,7 @@ bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, d
 {
     state_header h;
     daft_error_clear(error);
-    if (!daft_check_pointer(error, "scene", scene)) return false;
+    if (!daft_scene_ready(scene, error)) return false;
     if (!header_read(bytes, size, &h)) return damaged(error);
     const char *bodies = (const char *)bytes + sizeof h, *slots = bodies + h.bodies * sizeof(state_body);
     const char *joints = slots + h.joints * sizeof(daft_slot),
