@@ -242,7 +242,7 @@ typedef struct daft_mesh_info {
     size_t bytes;        /* of memory: vertices, attributes, indices and trees */
 } daft_mesh_info;
 
-/* Fails for a null handle or one of another scene, as every call that takes one. */
+/* Fails for a null handle, as every call that takes one. */
 DAFT_API bool daft_mesh_get_info(daft_scene *scene, daft_mesh mesh, daft_mesh_info *info, daft_error *error);
 
 /* What is odd about a mesh. None of it stops rendering. Edges and triangles are told apart by where their corners are,

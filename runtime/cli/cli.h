@@ -1,6 +1,6 @@
 /* cli: one file for each command of the program, and the command line as data. A command is a name, its operands, its
  * options and what they do; parsing, --help and messages come from that table.
- * Public headers: commands.h
+ * Public headers: commands.h Inner headers: cli.h
  * Forms: --name VALUE, --name=VALUE, -o VALUE; options and operands in any order; -- ends the options. */
 #ifndef RUNTIME_CLI_CLI_H
 #define RUNTIME_CLI_CLI_H

@@ -1,5 +1,5 @@
 /* What enters through daft.h is checked here. Every message names the field, the value that came and what is allowed.
- * Public headers: check.h number.h */
+ * Public headers: check.h number.h Inner headers: fields.h */
 #ifndef DAFT_CHECK_H
 #define DAFT_CHECK_H
 

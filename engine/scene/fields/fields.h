@@ -1,8 +1,8 @@
-/* The lists behind daft_fields: one for each public struct, in the files of this folder. A row's type comes from the
+/* The lists behind daft_fields: one for each public struct, in the files of rows/. A row's type comes from the
  * member's own declaration, so a row that does not fit it does not compile; test_fields proves that no member is
  * missing.
  *
- * A new field of a light is: its line in daft.h, its row in light.c, and the code that uses it. */
+ * A new field of a light is: its line in daft.h, its row in rows/light.c, and the code that uses it. */
 #ifndef DAFT_FIELDS_H
 #define DAFT_FIELDS_H
 

@@ -1,5 +1,5 @@
 /* Prints the problems that daft check finds, as text and as JSON. */
-#include "cli/check.h"
+#include "cli/check/check.h"
 
 #include "common/json.h"
 #include "common/util.h"

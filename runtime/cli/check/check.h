@@ -1,8 +1,9 @@
 /* check: the parts of `daft check`, and the problems it found.
  * Each problem is one line on stdout, "file:line:column: error|warning|note: text", printed once however often it
- * occurs. */
-#ifndef RUNTIME_CLI_CHECK_H
-#define RUNTIME_CLI_CHECK_H
+ * occurs.
+ * Public headers: none */
+#ifndef RUNTIME_CLI_CHECK_CHECK_H
+#define RUNTIME_CLI_CHECK_CHECK_H
 
 #include "hud/canvas.h"
 #include "common/home.h"

@@ -2,7 +2,7 @@
  *
  * A string names a file by its extension ("meshes/cup.obj") or by the field it is assigned to (mesh = "cup.obj",
  * texture = "brick"). Strings joined with .. or holding a % are skipped. */
-#include "cli/check.h"
+#include "cli/check/check.h"
 
 #include "common/util.h"
 

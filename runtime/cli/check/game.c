@@ -1,5 +1,5 @@
 /* Checks recordings against their game, and runs a game for one second. */
-#include "cli/check.h"
+#include "cli/check/check.h"
 
 #include "cli/commands.h"
 #include "game/game.h"

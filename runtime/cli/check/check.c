@@ -1,6 +1,6 @@
 /* daft check: loads each file as the engine would and applies further checks. Folders are walked in alphabetical order;
  * a folder with a main.lua is a game, which also runs for one second. */
-#include "cli/check.h"
+#include "cli/check/check.h"
 
 #include "cli/cli.h"
 #include "cli/commands.h"
