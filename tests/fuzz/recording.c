@@ -23,8 +23,10 @@ static void write_again(const recording *record, const char *path)
     daft_error error;
     recorder *writer = recorder_open(path, record->game, record->seed, &error);
     FUZZ_CHECK(writer);
-    for (size_t i = 0; i < record->count; i++) recorder_add(writer, record->items[i].tick, &record->items[i].event);
-    FUZZ_CHECK(recorder_close(writer, record->end, &error));
+    for (size_t i = 0; i < record->count; i++) recorder_tick(writer, record->items[i].tick, &record->items[i].event, 1);
+    if (record->end > 0) recorder_tick(writer, record->end - 1, NULL, 0);
+    FUZZ_CHECK(recorder_finish(writer, &error));
+    recorder_free(writer);
 }
 
 static void check_equal(const recording *a, const recording *b)

@@ -142,7 +142,7 @@ static void sky_image(void **unused)
     float texels[3 * W * H];
     for (int i = 0; i < W * H; i++)
         texels[3 * i] = (float)(i % W), texels[3 * i + 1] = (float)(i / W), texels[3 * i + 2] = 1;
-    daft_sky_image image = {W, H, texels};
+    daft_sky_image image = {.width = W, .height = H, .texels = texels};
     daft_sky sky = {.kind = DAFT_SKY_IMAGE, .image = &image};
     daft_lanes3 *d = calloc(1, sizeof *d), *color = calloc(1, sizeof *color);
     uint32_t count = 0;
