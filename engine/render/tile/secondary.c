@@ -1,5 +1,5 @@
 /* Secondary rays of a tile: spawned by its points, traced through the BVH in streams or known by planar mirrors. */
-#include "render/tile.h"
+#include "render/tile/tile.h"
 
 enum { STREAM = 256 }; /* rays that are asked together */
 

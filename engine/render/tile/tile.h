@@ -1,6 +1,7 @@
-/* A tile at work, and its stages in their order. Each reads what the one before it wrote into the worker's scratch. */
-#ifndef DAFT_RENDER_TILE_H
-#define DAFT_RENDER_TILE_H
+/* A tile at work, and its stages in their order. Each reads what the one before it wrote into the worker's scratch.
+ * Public headers: none */
+#ifndef DAFT_RENDER_TILE_TILE_H
+#define DAFT_RENDER_TILE_TILE_H
 
 #include "render/internal.h"
 

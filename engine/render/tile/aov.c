@@ -1,5 +1,5 @@
 /* Depth, normals and ids of the tile's pixels. */
-#include "render/tile.h"
+#include "render/tile/tile.h"
 
 static size_t tile_pixel(const tile_job *j, uint32_t number)
 {

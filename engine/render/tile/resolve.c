@@ -1,5 +1,5 @@
 /* From the light of a tile's pixels to bytes. */
-#include "render/tile.h"
+#include "render/tile/tile.h"
 
 #include <string.h>
 

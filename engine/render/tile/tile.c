@@ -1,7 +1,7 @@
 /* A tile from visibility to bytes. Points are shaded in batches: first what the pixels see, then what mirrors see in
  * it, and so on; each batch runs only the effects that its own points call for. Where a batch sends on both mirrored
  * and refracted rays, the refracted ones wait until the mirrored ones have been followed to their end. */
-#include "render/tile.h"
+#include "render/tile/tile.h"
 
 static void see(tile_job *j, uint32_t tile, uint32_t worker)
 {
