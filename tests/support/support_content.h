@@ -56,7 +56,7 @@ static void memo_warn(void *user, const daft_error *warning)
 static inline daft_log memo_log(memo *m)
 {
     m->count = 0;
-    return (daft_log){memo_warn, m};
+    return (daft_log){.warn = memo_warn, .user = m};
 }
 
 static inline bool memo_has(const memo *m, const char *part)

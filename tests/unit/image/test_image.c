@@ -9,7 +9,10 @@ static counting memory;
 
 static daft_image make_image(const daft_allocator *allocator, int width, int height)
 {
-    daft_image image = {*allocator, width, height, daft_alloc(allocator, (size_t)(width * height), 4), false};
+    daft_image image = {.allocator = *allocator,
+                        .width = width,
+                        .height = height,
+                        .pixels = daft_alloc(allocator, (size_t)(width * height), 4)};
     for (int i = 0; i < 4 * width * height; i++) image.pixels[i] = (i & 3) == 3 ? 255 : (uint8_t)random_below(256);
     return image;
 }
@@ -57,7 +60,7 @@ static void ppm_is_what_it_says(void **unused)
     (void)unused;
     daft_allocator allocator = counting_allocator(&memory);
     uint8_t pixels[8] = {1, 2, 3, 255, 4, 5, 6, 0};
-    daft_image image = {allocator, 2, 1, pixels, false};
+    daft_image image = {.allocator = allocator, .width = 2, .height = 1, .pixels = pixels};
     assert_true(daft_image_write(&image, test_path("a.ppm"), NULL));
     size_t size;
     char *bytes = daft_file_read(&allocator, test_path("a.ppm"), &size, NULL);
