@@ -166,4 +166,151 @@ touch "$root/engine/base/base.c"
 run play
 check 'a checkout that was moved is configured anew' builds 1 1
 
+# ---- only these tools ----
+
+# The tools that the launcher itself needs, beside which nothing is installed: no flock, and one package manager or none.
+only=$out/only
+mkdir "$only"
+for tool in sh awk cat chmod cksum cp cut date dirname env find getconf grep head id ls mkdir mv od printf ps readlink rm rmdir sed \
+    sleep sort tail tee touch tr uname; do
+    ln -s "$(command -v "$tool")" "$only/$tool"
+done
+for tool in cmake pkg-config ninja cc sudo; do ln -s "$out/bin/$tool" "$only/$tool"; done
+
+# ---- two at once ----
+
+two_at_once() { # two_at_once PATH: 0 where both ran the program after one build
+    rm -rf "$root/build"
+    : >"$log"
+    (PATH=$1 "$launcher" play one >"$out/one" 2>"$out/err" </dev/null) &
+    first=$!
+    (PATH=$1 "$launcher" play two >"$out/two" 2>"$out/err2" </dev/null) &
+    wait $! || [ $? = 7 ] || return 1
+    wait $first || [ $? = 7 ] || return 1
+    builds 1 1 && grep -q 'play one' "$out/one" && grep -q 'play two' "$out/two"
+}
+sed -i 's,^echo "cmake,sleep 0.2; echo "cmake,' "$out/bin/cmake"
+if command -v flock >/dev/null; then check 'two at once build once' two_at_once "$PATH"; fi
+check 'and without flock' two_at_once "$only"
+check 'and leave no lock' [ ! -e "$root/build/.lock.d" ]
+rm "$out/has-sdl"
+check 'two at once install once' two_at_once "$PATH"
+check 'as apt-get can tell' [ "$(grep -c 'apt-get install' "$log")" = 1 ]
+
+# ---- interrupted ----
+
+rm -rf "$root/build"
+mkdir -p "$root/build/.lock.d"
+sh -c 'echo $$' >"$root/build/.lock.d/pid" # of a process that is gone
+PATH=$only run play
+check 'the lock of a launcher that is gone counts no more' builds 1 1
+
+rm -rf "$root/build"
+sed -i 's,^sleep 0.2,sleep 2,' "$out/bin/cmake"
+: >"$log"
+PATH=$only "$launcher" play >/dev/null 2>&1 </dev/null &
+sleep 0.5
+kill -9 $!
+wait $! 2>/dev/null || :
+sleep 2
+sed -i 's,^sleep 2; ,,' "$out/bin/cmake"
+PATH=$only run play
+check 'a build whose launcher was killed goes on' [ "$status" = 7 ]
+
+rm "$root/build/release/build.ninja" "$root/build/release/daft"
+# shellcheck disable=SC2016 # the fake expands these
+sed -i '2i[ "$1" != --preset ] || [ ! -f "'"$root"'/build/release/CMakeCache.txt" ] || exit 1' "$out/bin/cmake"
+run play
+check 'a configuration that was cut short begins anew' [ "$status" = 7 ]
+sed -i 2d "$out/bin/cmake"
+
+# ---- a checkout that cannot be written ----
+
+closed=
+if [ "$(id -u)" != 0 ]; then
+    closed='env'
+elif command -v setpriv >/dev/null; then
+    closed='setpriv --reuid=65534 --regid=65534 --clear-groups'
+    chmod 755 "$out"
+fi
+read_only() { # read_only ARGUMENT...: status, out and err of a launcher that may write only $out/cache
+    status=0
+    # shellcheck disable=SC2086 # a command and its options
+    XDG_CACHE_HOME=$out/cache $closed "$launcher" "$@" >"$out/out" 2>"$out/err" </dev/null || status=$?
+}
+if [ -n "$closed" ]; then
+    mkdir -p "$out/cache"
+    chmod 777 "$out/cache"
+    chmod 666 "$log"
+    chmod -R a+rX,go-w "$root" "$out/bin"
+    [ "$closed" != env ] || chmod -R u-w "$root"
+    touch -d '+1 minute' "$root/engine/base/base.c" 2>/dev/null || :
+    read_only play here
+    check 'a read-only checkout runs what is built' grep -q 'play here' "$out/out"
+    check 'and writes nothing' [ -z "$(find "$out/cache" -mindepth 1)" ]
+    chmod -R u+w "$root"
+    rm -rf "$root/build"
+    # shellcheck disable=SC2016 # the fake expands these
+    sed -i "s,$root/build,\$XDG_CACHE_HOME/built," "$out/bin/cmake"
+    cat >"$out/bin/cmake" <<END
+#!/bin/sh
+case \$1 in
+--preset) mkdir -p "\$4" && : >"\$4/build.ninja" && echo "CMAKE_HOME_DIRECTORY:INTERNAL=$root" >"\$4/CMakeCache.txt" ;;
+--build) printf '#!/bin/sh\necho "home \$DAFT_HOME: \$*"\n' >"\$2/daft" && chmod +x "\$2/daft" ;;
+esac
+END
+    [ "$closed" != env ] || chmod u-w "$root"
+    read_only play there
+    check 'or builds into the cache' [ "$(cat "$out/out")" = "home $root: play there" ]
+    chmod u+w "$root"
+fi
+
+# ---- package managers, with and without a network ----
+
+# manager NAME: the only one, which fails and knows all packages but those of the list $unknown.
+manager() {
+    rm -f "$only/apt-get" "$only/apt-cache" "$only/dnf" "$only/pacman" "$only/brew" "$out/has-sdl"
+    for name in "$@"; do
+        cat >"$only/$name" <<END
+#!/bin/sh
+echo "$name \$*" >>"$log"
+for last in "\$@"; do :; done
+case "\$1 \$2" in
+--prefix*) echo "$out/brew" && exit ;;
+'show '* | '-q list' | '-Si '* | 'info '*) case " \$UNKNOWN " in *" \$last "*) exit 1 ;; esac; exit 0 ;;
+esac
+echo 'Temporary failure resolving the archive'
+exit 100
+END
+        chmod +x "$only/$name"
+    done
+}
+cat >"$out/bin/pkg-config" <<END
+#!/bin/sh
+exit 1
+END
+by_hand() { # by_hand WANTED COMMAND: what the launcher says to type
+    PATH=$only run play
+    check "$2 without a network is status 1" [ "$status" = 1 ]
+    check "$2: what to type by hand" says err "by hand: $1"
+    check "$2: the manager's own words" says err 'Temporary failure resolving'
+}
+unset UNKNOWN
+rm -rf "$root/build"
+manager apt-get apt-cache
+by_hand 'sudo apt-get update && sudo apt-get install libsdl2-dev liblua5.4-dev' apt-get
+manager dnf
+by_hand 'sudo dnf install SDL2-devel lua-devel' dnf
+manager pacman
+by_hand 'sudo pacman -Sy --needed sdl2-compat lua54' pacman
+export UNKNOWN='lua54 sdl2-compat'
+by_hand 'sudo pacman -Sy --needed sdl2 lua' 'an older pacman'
+unset UNKNOWN
+manager brew
+by_hand 'brew install sdl2 lua@5.4' brew
+manager
+PATH=$only run play
+check 'no manager is status 1' [ "$status" = 1 ]
+check 'and says what is needed' says err 'needed: sdl2, window and input; Debian calls it libsdl2-dev, Fedora SDL2-devel'
+
 echo "[  PASSED  ] $passed test(s)"
