@@ -17,15 +17,17 @@ static void attach(RTCScene scene, RTCGeometry geometry, uint32_t number)
     rtcReleaseGeometry(geometry);
 }
 
-static void add_mesh(const bench_embree *self, RTCScene scene, const daft_trimesh *mesh, uint32_t number)
+/* map: where the mesh is put, or NULL: as it is. */
+static void add_mesh(const bench_embree *self, RTCScene scene, const daft_trimesh *mesh, const daft_affine *map,
+                     uint32_t number)
 {
     RTCGeometry geometry = rtcNewGeometry(self->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     float *positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                3 * sizeof(float), mesh->vertex_count);
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-        positions[3 * i] = mesh->x[i];
-        positions[3 * i + 1] = mesh->y[i];
-        positions[3 * i + 2] = mesh->z[i];
+        daft_vec3 p = daft_v3(mesh->x[i], mesh->y[i], mesh->z[i]);
+        if (map) p = daft_affine_point(map, p);
+        positions[3 * i] = p.x, positions[3 * i + 1] = p.y, positions[3 * i + 2] = p.z;
     }
     void *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
                                             mesh->triangle_count);
@@ -57,7 +59,7 @@ static RTCScene new_scene(const bench_embree *self)
 static void make_scene(bench_embree *self)
 {
     self->scene = new_scene(self);
-    add_mesh(self, self->scene, self->mesh, 0);
+    add_mesh(self, self->scene, self->mesh, NULL, 0);
     if (self->ground) add_ground(self);
 }
 
@@ -85,24 +87,22 @@ static bench_embree *create(const daft_trimesh *mesh, bool ground, int threads)
     return self;
 }
 
-static void add_instance(bench_embree *self, const bench_scene *scene, uint32_t number)
+/* part: which of self->meshes has the mesh, which is built where it is met first. */
+static void add_instance(bench_embree *self, int part, const daft_trimesh *mesh, const daft_affine *map,
+                         uint32_t number)
 {
-    const bench_instance *item = &scene->instances[number];
-    RTCScene *mesh = &self->meshes[item->mesh];
-    if (!*mesh) {
-        *mesh = new_scene(self);
-        add_mesh(self, *mesh, &scene->mesh[item->mesh], 0);
-        rtcCommitScene(*mesh);
+    if (!self->meshes[part]) {
+        self->meshes[part] = new_scene(self);
+        add_mesh(self, self->meshes[part], mesh, NULL, 0);
+        rtcCommitScene(self->meshes[part]);
     }
-    daft_affine map = bench_instance_map(item);
     float rows[12];
-    memcpy(rows, map.m, 9 * sizeof(float));
     for (int i = 0; i < 3; i++) {
-        memcpy(rows + 4 * i, map.m + 3 * i, 3 * sizeof(float));
-        rows[4 * i + 3] = map.t[i];
+        memcpy(rows + 4 * i, map->m + 3 * i, 3 * sizeof(float));
+        rows[4 * i + 3] = map->t[i];
     }
     RTCGeometry geometry = rtcNewGeometry(self->device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, *mesh);
+    rtcSetGeometryInstancedScene(geometry, self->meshes[part]);
     rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
     attach(self->scene, geometry, number);
 }
@@ -134,17 +134,36 @@ static bench_embree *create_scene(const bench_scene *scene, int threads)
             break;
         }
         bool instanced = !scene->single && i > 0;
+        int part = scene->instances[i].mesh;
+        daft_affine map = bench_instance_map(&scene->instances[i]);
         self->instanced |= instanced;
         if (instanced)
-            add_instance(self, scene, i);
+            add_instance(self, part, &scene->mesh[part], &map, i);
         else
-            add_mesh(self, self->scene, &scene->mesh[scene->instances[i].mesh], i);
+            add_mesh(self, self->scene, &scene->mesh[part], NULL, i);
     }
     rtcCommitScene(self->scene);
     return self;
 }
 
-static void destroy(bench_embree *self)
+bench_embree *bench_embree_placed(const daft_instance *instances, uint32_t count, bool two_level, int threads)
+{
+    bench_embree *self = open_device(threads);
+    if (!self) return NULL;
+    self->scene = new_scene(self);
+    self->instanced = two_level;
+    for (uint32_t i = 0; i < count; i++) {
+        const daft_trimesh *mesh = instances[i].mesh;
+        if (two_level)
+            add_instance(self, mesh != instances[0].mesh, mesh, &instances[i].to_frame, i);
+        else
+            add_mesh(self, self->scene, mesh, &instances[i].to_frame, i);
+    }
+    rtcCommitScene(self->scene);
+    return self;
+}
+
+void bench_embree_close(bench_embree *self)
 {
     if (!self) return;
     rtcReleaseScene(self->scene);
@@ -195,8 +214,8 @@ static double camera_ms(bench_embree *self, const bench_view *view, uint64_t *hi
     return ms;
 }
 
-static const bench_embree_api API = {"Embree " RTC_VERSION_STRING, create, create_scene, destroy, build_ms, camera_ms,
-                                     bench_embree_frame_ms};
+static const bench_embree_api API = {
+    "Embree " RTC_VERSION_STRING, create, create_scene, bench_embree_close, build_ms, camera_ms, bench_embree_frame_ms};
 
 const bench_embree_api *bench_find_embree(void) { return &API; }
 #else

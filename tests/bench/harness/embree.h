@@ -72,6 +72,10 @@ static inline void bench_embree_occluded(const bench_embree *self, bool coherent
 #endif
 }
 
+/* Instances in frame space, of two meshes at most: baked into one scene, or one level of instances. NULL: no device. */
+bench_embree *bench_embree_placed(const daft_instance *instances, uint32_t count, bool two_level, int threads);
+void bench_embree_close(bench_embree *self); /* NULL is fine */
+
 double bench_embree_frame_ms(bench_embree *self, const bench_scene *scene, uint8_t *pixels);
 #endif
 

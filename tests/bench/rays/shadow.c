@@ -162,7 +162,7 @@ typedef struct shadow_job {
     shadow_origins *collect; /* receives the points, with one worker; NULL: nothing is collected */
     shadow_origins origins;
     const shadow_embree_api *api;
-    shadow_embree *embree;
+    bench_embree *embree;
     uint64_t peer_dark;
     double clock_cost;
     bool failed;

@@ -12,14 +12,13 @@ typedef struct shadow_origins {
     size_t count, capacity; /* with room for 16 more */
 } shadow_origins;
 
-typedef struct shadow_embree shadow_embree;
 typedef struct shadow_embree_api {
     const char *name;
     /* The instances in frame space: baked into one scene, or one level of instances. */
-    shadow_embree *(*create)(const daft_instance *instances, uint32_t count, bool two_level, int threads);
-    void (*destroy)(shadow_embree *self);
+    bench_embree *(*create)(const daft_instance *instances, uint32_t count, bool two_level, int threads);
+    void (*destroy)(bench_embree *self);
     /* Milliseconds for packets of 16 rays from the origins to the light; *dark: the number that hit something. */
-    double (*occluded_ms)(shadow_embree *self, const shadow_origins *from, const daft_light_source *light,
+    double (*occluded_ms)(bench_embree *self, const shadow_origins *from, const daft_light_source *light,
                           uint64_t *dark);
 } shadow_embree_api;
 
