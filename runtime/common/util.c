@@ -188,6 +188,7 @@ bool draft_commit(draft_file *out, const char *path, daft_error *error)
 {
     bool good = !ferror(out->file);
     if (fclose(out->file) != 0) good = false;
+    if (!out->bytes) good = false; /* glibc's fclose fits the bytes to their size, and says nothing where that fails */
     good = good ? daft_write_file(path, out->bytes, out->size, error)
                 : fail_at(error, path, 0, 0, "out of memory for the file's text");
     free(out->bytes);
