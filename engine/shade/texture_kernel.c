@@ -1,46 +1,93 @@
 /* Texture sampling: trilinear, repeating, filtered in linear light. The mip level is the log2 of the footprint's side
- * in texels (Williams, "Pyramidal Parametrics", 1983). Coordinates and levels are computed in lanes, texels are fetched
- * point by point. */
+ * in texels (Williams, "Pyramidal Parametrics", 1983). Lanes are points: those of one texture that need one level of it
+ * are sampled together, and neighbours mostly do. */
 #include "shade/batch_lanes.h"
 
 #include "shade/srgb_table.h"
 
-/* Repeats i of -1..size. */
-DAFT_INLINE int wrap(int i, int size) { return i < 0 ? size - 1 : i < size ? i : 0; }
+/* Points of one texture, whose two levels are `fine` and `fine` + 1, the latter with the weight `blend`. */
+typedef struct texture_points {
+    vf u, v; /* 0..1 */
+    vi fine;
+    vf blend; /* 0: one level serves */
+    vf3 color;
+} texture_points;
 
-/* Floor, for x > -1. */
-DAFT_INLINE int floor_small(float x) { return (int)(x + 1) - 1; }
+/* Offsets in texels of the four around each lane's point, and the weights between them. */
+typedef struct texture_taps {
+    vi above_left, above_right, below_left, below_right;
+    vf across, down;
+} texture_taps;
 
-/* u, v in 0..1. The top row has v = 1. */
-static void bilinear(const daft_texture_data *t, int level, float u, float v, float weight, float color[3])
+DAFT_INLINE vi wrap_above(vi i, int size) /* i < size */
 {
-    int width = t->width[level], height = t->height[level];
-    float x = u * (float)width - 0.5f, y = (1 - v) * (float)height - 0.5f;
-    int x0 = floor_small(x), y0 = floor_small(y);
-    float fx = x - (float)x0, fy = y - (float)y0;
-    int xa = wrap(x0, width), xb = wrap(x0 + 1, width);
-    const uint8_t *above = t->texels[level] + 4 * (size_t)wrap(y0, height) * (size_t)width;
-    const uint8_t *below = t->texels[level] + 4 * (size_t)wrap(y0 + 1, height) * (size_t)width;
-    for (int k = 0; k < 3; k++) {
-        float a = SRGB_TO_LINEAR[above[4 * xa + k]], b = SRGB_TO_LINEAR[above[4 * xb + k]];
-        float c = SRGB_TO_LINEAR[below[4 * xa + k]], d = SRGB_TO_LINEAR[below[4 * xb + k]];
-        float top = a + (b - a) * fx, bottom = c + (d - c) * fx;
-        color[k] += weight * (top + (bottom - top) * fy);
-    }
+    return vi_if_then_else(vi_lt(i, vi_set(0)), vi_set(size - 1), i);
 }
 
-static void sample(const daft_texture_data *t, float u, float v, float level, float color[3])
+DAFT_INLINE vi wrap_below(vi i, int size) /* 0 <= i <= size */
 {
-    color[0] = color[1] = color[2] = 0;
-    float last = (float)(t->levels - 1);
-    level = level > 0 ? (level < last ? level : last) : 0;
-    int fine = (int)level;
-    /* Two levels blend in the middle half of the interval between them; in the outer quarters one level serves, which
-     * halves the fetches and is not seen. */
-    float blend = (level - (float)fine) * 2 - 0.5f;
-    if (blend >= 1) fine++, blend = 0;
-    bilinear(t, fine, u, v, blend > 0 ? 1 - blend : 1, color);
-    if (blend > 0) bilinear(t, fine + 1, u, v, blend, color);
+    return vi_if_then_else(vi_lt(i, vi_set(size)), i, vi_set(0));
+}
+
+/* Of lanes in `some`; the others' offsets are 0. The top row has v = 1. */
+DAFT_INLINE texture_taps texture_place(const texture_points *p, int width, int height, vm some)
+{
+    const vf half = vf_set(0.5f), one = vf_set(1), zero = vf_set(0);
+    vf x = vf_if_then_else(some, p->u * vf_set((float)width) - half, zero),
+       y = vf_if_then_else(some, (one - p->v) * vf_set((float)height) - half, zero);
+    vi x0 = vi_convert_to(x + one) - vi_set(1), y0 = vi_convert_to(y + one) - vi_set(1); /* floors: both are > -1 */
+    vi left = wrap_above(x0, width), right = wrap_below(x0 + vi_set(1), width),
+       above = wrap_above(y0, height) * vi_set(width), below = wrap_below(y0 + vi_set(1), height) * vi_set(width);
+    return (texture_taps){above + left,  above + right,         below + left,
+                          below + right, x - vf_convert_to(x0), y - vf_convert_to(y0)};
+}
+
+DAFT_INLINE vf decode(vi texel, int channel) { return vf_table_lookup256(SRGB_TO_LINEAR, texel >> (8 * channel)); }
+
+/* Adds one level to the colour of the lanes in `some`. */
+static void add_level(const daft_texture_data *t, int level, vm some, vf weight, texture_points *p)
+{
+    const texture_taps at = texture_place(p, t->width[level], t->height[level], some);
+    const uint8_t *texels = t->texels[level];
+    const vi a = vi_gather_index(texels, at.above_left), b = vi_gather_index(texels, at.above_right),
+             c = vi_gather_index(texels, at.below_left), d = vi_gather_index(texels, at.below_right);
+    vf sum[3] = {p->color.x, p->color.y, p->color.z};
+    weight = vf_if_then_else(some, weight, vf_set(0));
+    for (int k = 0; k < 3; k++) {
+        vf left = decode(a, k), low = decode(c, k);
+        vf top = left + (decode(b, k) - left) * at.across, bottom = low + (decode(d, k) - low) * at.across;
+        sum[k] = sum[k] + weight * (top + (bottom - top) * at.down);
+    }
+    p->color = (vf3){sum[0], sum[1], sum[2]};
+}
+
+/* Two levels blend in the middle half of the interval between them; in the outer quarters one level serves, which
+ * halves the fetches and is not seen. */
+DAFT_INLINE void choose_levels(const daft_texture_data *t, vf level, texture_points *p)
+{
+    const vf zero = vf_set(0), one = vf_set(1);
+    level = vf_min(vf_max(level, zero), vf_set((float)(t->levels - 1)));
+    vi fine = vi_convert_to(level);
+    vf blend = (level - vf_convert_to(fine)) * vf_set(2) - vf_set(0.5f);
+    vm next = vf_le(one, blend);
+    p->fine = vi_if_then_else(next, fine + vi_set(1), fine);
+    p->blend = vf_if_then_else(next, zero, vf_max(blend, zero));
+}
+
+/* The colour of the lanes in `some`, which all have this texture. */
+DAFT_INLINE void sample(const daft_texture_data *t, vf level, vbits some, texture_points *p)
+{
+    const vf zero = vf_set(0);
+    choose_levels(t, level, p);
+    vbits fine = some, coarse = some & vbits_from_mask(vf_lt(zero, p->blend));
+    while (fine | coarse) {
+        const int lane = __builtin_ctz(fine | coarse), now = p->fine[lane] + (fine >> lane & 1 ? 0 : 1);
+        const vbits in_fine = fine & vbits_from_mask(vi_eq(p->fine, vi_set(now))),
+                    in_coarse = coarse & vbits_from_mask(vi_eq(p->fine, vi_set(now - 1)));
+        const vf weight = vf_if_then_else(vm_from_bits(in_fine), vf_set(1) - p->blend, p->blend);
+        add_level(t, now, vm_from_bits(in_fine | in_coarse), weight, p);
+        fine &= ~in_fine, coarse &= ~in_coarse;
+    }
 }
 
 DAFT_INLINE vf fraction(vf a)
@@ -50,38 +97,32 @@ DAFT_INLINE vf fraction(vf a)
     return bounded - vf_floor(bounded);
 }
 
-/* The side of each point's texture in texels, 0 without a texture. False: no point has one. */
-static bool texture_sizes(const daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
-                          uint32_t i, uint32_t used, float size[DAFT_VL])
-{
-    bool any = false;
-    for (uint32_t k = 0; k < DAFT_VL; k++) {
-        uint32_t texture = k < used ? materials[batch->material[i + k]].texture : DAFT_NO_TEXTURE;
-        size[k] = 0;
-        if (texture == DAFT_NO_TEXTURE) continue;
-        size[k] = sqrtf((float)textures[texture].width[0] * (float)textures[texture].height[0]);
-        any = true;
-    }
-    return any;
-}
-
+/* False: no point has a texture. */
 static bool sample_lanes(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures,
-                         uint32_t i, uint32_t used)
+                         uint32_t i)
 {
-    float size[DAFT_VL], u[DAFT_VL], v[DAFT_VL], level[DAFT_VL];
-    if (!texture_sizes(batch, materials, textures, i, used, size)) return false;
-    material_reader m = read_materials(batch, materials, i);
-    vf su = MATERIAL_WORD(&m, map_scale.x), sv = MATERIAL_WORD(&m, map_scale.y);
-    vf texels = vf_load(&batch->footprint[i]) * vf_sqrt(vf_abs(su * sv)) * vf_load(size);
-    vf_store(u, fraction(vf_load(&batch->u[i]) * su));
-    vf_store(v, fraction(vf_load(&batch->v[i]) * sv));
-    vf_store(level, vf_log2(vf_max(texels, vf_set(1e-20f))));
-    for (uint32_t k = 0; k < used; k++) {
-        if (size[k] == 0) continue;
-        float color[3];
-        sample(&textures[materials[batch->material[i + k]].texture], u[k], v[k], level[k], color);
-        batch->albedo.x[i + k] = color[0], batch->albedo.y[i + k] = color[1], batch->albedo.z[i + k] = color[2];
+    const material_reader m = read_materials(batch, materials, i);
+    const vi texture = (vi)MATERIAL_WORD(&m, texture);
+    vbits left = vbits_first_n((int)daft_min_u(batch->count - i, DAFT_VL)) &
+                 ~vbits_from_mask(vi_eq(texture, vi_set((int32_t)DAFT_NO_TEXTURE)));
+    if (!left) return false;
+    const vf su = MATERIAL_WORD(&m, map_scale.x), sv = MATERIAL_WORD(&m, map_scale.y);
+    const vf scale = vf_load(&batch->footprint[i]) * vf_sqrt(vf_abs(su * sv));
+    vf3 albedo = {vf_set(1), vf_set(1), vf_set(1)};
+    while (left) {
+        const int32_t number = texture[__builtin_ctz(left)];
+        const daft_texture_data *t = &textures[number];
+        const vbits same = left & vbits_from_mask(vi_eq(texture, vi_set(number)));
+        const vf size = vf_set(sqrtf((float)t->width[0] * (float)t->height[0])); /* its side in texels */
+        texture_points p = {.u = fraction(vf_load(&batch->u[i]) * su), .v = fraction(vf_load(&batch->v[i]) * sv)};
+        p.color = (vf3){vf_set(0), vf_set(0), vf_set(0)};
+        sample(t, vf_log2(vf_max(scale * size, vf_set(1e-20f))), same, &p);
+        const vm mask = vm_from_bits(same);
+        albedo = (vf3){vf_if_then_else(mask, p.color.x, albedo.x), vf_if_then_else(mask, p.color.y, albedo.y),
+                       vf_if_then_else(mask, p.color.z, albedo.z)};
+        left &= ~same;
     }
+    lanes_store(&batch->albedo, i, albedo);
     return true;
 }
 
@@ -90,9 +131,10 @@ bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, 
     bool any = false;
     vf one = vf_set(1);
     for (uint32_t i = 0; i < batch->count; i += DAFT_VL) {
-        uint32_t left = batch->count - i, used = left < DAFT_VL ? left : DAFT_VL;
-        lanes_store(&batch->albedo, i, (vf3){one, one, one});
-        any |= sample_lanes(batch, materials, textures, i, used);
+        if (sample_lanes(batch, materials, textures, i))
+            any = true;
+        else
+            lanes_store(&batch->albedo, i, (vf3){one, one, one});
     }
     return any;
 }

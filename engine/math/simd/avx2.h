@@ -76,6 +76,10 @@ DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index)
     __m256 high = _mm256_permutevar8x32_ps(_mm256_loadu_ps(table + 8), (__m256i)index);
     return (vf)_mm256_blendv_ps(low, high, (__m256)(index << 28)); /* by bit 3, as the sign */
 }
+DAFT_INLINE vf vf_table_lookup256(const float table[256], vi index)
+{
+    return vf_gather_index(table, index & vi_set(255));
+}
 
 /* clang-format off */
 /* For each mask of eight lanes, the numbers of those in it, a byte each. */

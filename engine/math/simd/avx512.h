@@ -57,6 +57,27 @@ DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index)
     return (vf)_mm512_permutexvar_ps((__m512i)index, _mm512_loadu_ps(table));
 }
 DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index) { return vf_table_lookup16(table, index); }
+DAFT_INLINE __m512 vf_table_lookup32(const float *table, __m512i index)
+{
+    return _mm512_permutex2var_ps(_mm512_loadu_ps(table), index, _mm512_loadu_ps(table + 16));
+}
+DAFT_INLINE __m512 vf_table_lookup64(const float *table, __m512i index, __mmask16 upper)
+{
+    return _mm512_mask_blend_ps(upper, vf_table_lookup32(table, index), vf_table_lookup32(table + 32, index));
+}
+/* Eight permutations take a third of the time of sixteen loads. */
+DAFT_INLINE vf vf_table_lookup256(const float table[256], vi index)
+{
+    const __m512i i = (__m512i)index;
+    const __mmask16 bit5 = _mm512_test_epi32_mask(i, _mm512_set1_epi32(32)),
+                    bit6 = _mm512_test_epi32_mask(i, _mm512_set1_epi32(64)),
+                    bit7 = _mm512_test_epi32_mask(i, _mm512_set1_epi32(128));
+    const __m512 low =
+        _mm512_mask_blend_ps(bit6, vf_table_lookup64(table, i, bit5), vf_table_lookup64(table + 64, i, bit5));
+    const __m512 high =
+        _mm512_mask_blend_ps(bit6, vf_table_lookup64(table + 128, i, bit5), vf_table_lookup64(table + 192, i, bit5));
+    return (vf)_mm512_mask_blend_ps(bit7, low, high);
+}
 /* Lanes' numbers are compressed, once for all that one mask is used for: a permutation is quicker than a compression.
  */
 DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v)

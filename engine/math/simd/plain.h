@@ -103,6 +103,10 @@ DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index)
     return vf_gather_index(table, index & vi_set(DAFT_VL - 1));
 }
 DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index) { return vf_gather_index(table, index & vi_set(15)); }
+DAFT_INLINE vf vf_table_lookup256(const float table[256], vi index)
+{
+    return vf_gather_index(table, index & vi_set(255));
+}
 /* Without a branch, which would often be guessed wrong. */
 DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v)
 {

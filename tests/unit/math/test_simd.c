@@ -141,6 +141,7 @@ static void choose(simd_in *in)
     for (int i = 0; i < 64; i++)
         in->bytes[i] = (uint8_t)random64(), in->text[i] = (char)(random64() % 2 ? '0' + random64() % 10 : random64());
     for (int i = 0; i < 8 * SIMD_ROWS; i++) in->rows[i / 8][i % 8] = random_any();
+    for (int i = 0; i < 256; i++) in->table[i] = random_any();
     in->bits = (uint32_t)random64(), in->n = (int)(random64() % 21);
     choose_rows(in);
 }
@@ -237,6 +238,7 @@ TWIN(vf_gather_index) { LANES out->f[i] = row_at(in, in->i[i] & 127); }
 TWIN(vi_gather_index) { LANES out->f[i] = row_at(in, in->i[i] & 127); }
 TWIN(vf_table_lookup) { LANES out->f[i] = in->a[in->i[i] & (in->lanes - 1)]; }
 TWIN(vf_table_lookup16) { LANES out->f[i] = in->a[in->i[i] & 15]; }
+TWIN(vf_table_lookup256) { LANES out->f[i] = in->table[in->i[i] & 255]; }
 TWIN(vf_compress_store)
 {
     int count = 0;
