@@ -1,17 +1,17 @@
 /* raster/samples: the points of a tile that ask for one light, against what may hide it. The shadow rays share the
  * light, so seen from there they are a pencil, and the points are its picture.
  *
- *     light_kernel.c   the order of work: which instances may stand between, then each of them; the kernel table
- *     blocks_kernel.c  points into blocks of 16 neighbours, whose boxes in the picture are what occluders are looked
- *                      up in
- *     nodes_kernel.c   boxes of a tree's nodes, seen from the light
- *     mesh_kernel.c    a mesh's tree down to the triangles before lit blocks, and these against the blocks: lanes are
- *                      points
- *     few_kernel.c     the same for a mesh over few points: each a ray in the mesh's own space, lanes are nodes and
- *                      triangles
- *     map_kernel.c     a mesh's map to view space and back, with its errors
- *     setup.h          triangles moved, their boxes, planes of edges, their own planes
- *     sphere_kernel.c  spheres
+ *     occlusion_kernel.c  the order of work: which instances may stand between, then each of them; the kernel table
+ *     blocks_kernel.c     points into blocks of 16 neighbours, whose boxes in the picture are what occluders are looked
+ *                         up in
+ *     nodes_kernel.c      boxes of a tree's nodes, seen from the light
+ *     mesh_kernel.c       a mesh's tree down to the triangles before lit blocks, and these against the blocks: lanes
+ *                         are points
+ *     few_kernel.c        the same for a mesh over few points: each a ray in the mesh's own space, lanes are nodes and
+ *                         triangles
+ *     map_kernel.c        a mesh's map to view space and back, with its errors
+ *     setup.h             triangles moved, their boxes, planes of edges, their own planes
+ *     sphere_kernel.c     spheres
  *
  * Public headers: samples.h */
 #ifndef DAFT_SAMPLES_H
