@@ -84,32 +84,52 @@ static void print_form(const api_form *form)
 
 /* ---- .scene ---- */
 
+/* Items with options, and the kind of light or shape that each makes. */
 static const struct {
-    const char *items;
+    const char *name;
     daft_struct which;
-} OPTIONS[] = {{"camera", DAFT_STRUCT_CAMERA},
-               {"light, sun, spot", DAFT_STRUCT_LIGHT_DEF},
-               {"sphere, mesh", DAFT_STRUCT_ENTITY_DEF}};
+    uint32_t kind;
+} ITEMS[] = {{"camera", DAFT_STRUCT_CAMERA, 0},
+             {"light", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_POINT},
+             {"sun", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_SUN},
+             {"spot", DAFT_STRUCT_LIGHT_DEF, DAFT_LIGHT_SPOT},
+             {"sphere", DAFT_STRUCT_ENTITY_DEF, DAFT_SHAPE_SPHERE},
+             {"mesh", DAFT_STRUCT_ENTITY_DEF, DAFT_SHAPE_MESH}};
+
+/* "light, sun, spot": the items whose kind uses the field. */
+static void list_items(daft_struct which, const daft_field *field, char *out, size_t size)
+{
+    size_t used = 0;
+    out[0] = 0;
+    for (size_t i = 0; i < COUNT_OF(ITEMS) && used < size; i++)
+        if (ITEMS[i].which == which && (!field->kinds || field->kinds >> ITEMS[i].kind & 1))
+            used += (size_t)snprintf(out + used, size - used, "%s%s", used ? ", " : "", ITEMS[i].name);
+}
+
+static void print_option(daft_struct which, const daft_field *field, const void *defaults)
+{
+    char text[200];
+    bool angle = field->unit && strcmp(field->unit, "rad") == 0;
+    put_cell(field->scene, true);
+    list_items(which, field, text, sizeof text);
+    put_cell(text, false);
+    put_cell(angle ? "degrees" : daft_field_range(field, text, sizeof text), false);
+    put_cell(daft_field_print(field, defaults, text, sizeof text), false);
+    put_cell(field->doc, false);
+    puts("|");
+}
 
 static void print_options(void)
 {
     puts("| option | of | value | default | means |\n|---|---|---|---|---|");
-    for (size_t i = 0; i < COUNT_OF(OPTIONS); i++) {
+    for (size_t i = 0; i < COUNT_OF(ITEMS); i++) {
         uint32_t count;
-        const daft_field *fields = daft_fields(OPTIONS[i].which, &count);
+        const daft_field *fields = daft_fields(ITEMS[i].which, &count);
         _Alignas(16) char defaults[2048];
-        daft_struct_default(OPTIONS[i].which, defaults);
-        for (uint32_t k = 0; k < count; k++) {
-            char text[200];
-            bool angle = fields[k].unit && strcmp(fields[k].unit, "rad") == 0;
-            if (!fields[k].scene) continue;
-            put_cell(fields[k].scene, true);
-            put_cell(OPTIONS[i].items, false);
-            put_cell(angle ? "degrees" : daft_field_range(&fields[k], text, sizeof text), false);
-            put_cell(daft_field_print(&fields[k], defaults, text, sizeof text), false);
-            put_cell(fields[k].doc, false);
-            puts("|");
-        }
+        if (i > 0 && ITEMS[i].which == ITEMS[i - 1].which) continue;
+        daft_struct_default(ITEMS[i].which, defaults);
+        for (uint32_t k = 0; k < count; k++)
+            if (fields[k].scene) print_option(ITEMS[i].which, &fields[k], defaults);
     }
 }
 
