@@ -11,6 +11,8 @@
 
 #define DAFT_PI 3.14159265358979323846
 
+/* ---- vectors of floats ---- */
+
 static inline daft_vec3 daft_v3(float x, float y, float z) { return (daft_vec3){x, y, z}; }
 static inline daft_vec3 daft_add(daft_vec3 a, daft_vec3 b) { return daft_v3(a.x + b.x, a.y + b.y, a.z + b.z); }
 static inline daft_vec3 daft_sub(daft_vec3 a, daft_vec3 b) { return daft_v3(a.x - b.x, a.y - b.y, a.z - b.z); }
@@ -41,6 +43,8 @@ static inline daft_vec3 daft_max3(daft_vec3 a, daft_vec3 b)
     return daft_v3(a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z);
 }
 static inline bool daft_finite3(daft_vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
+
+/* ---- vectors of doubles ---- */
 
 static inline daft_dvec3 daft_dv3(double x, double y, double z) { return (daft_dvec3){x, y, z}; }
 static inline daft_dvec3 daft_dadd(daft_dvec3 a, daft_dvec3 b) { return daft_dv3(a.x + b.x, a.y + b.y, a.z + b.z); }
@@ -80,6 +84,8 @@ static inline daft_vec3 daft_affine_transposed(const daft_affine *a, daft_vec3 v
     return daft_v3((a->m[0] * v.x + a->m[3] * v.y) + a->m[6] * v.z, (a->m[1] * v.x + a->m[4] * v.y) + a->m[7] * v.z,
                    (a->m[2] * v.x + a->m[5] * v.y) + a->m[8] * v.z);
 }
+
+/* ---- rotations: unit quaternions, w real ---- */
 
 static inline daft_quat daft_quat_identity(void) { return (daft_quat){0, 0, 0, 1}; }
 static inline daft_quat daft_quat_mul(daft_quat a, daft_quat b)

@@ -32,13 +32,13 @@ static void check_bound(const fixture_mesh *thing, const daft_affine *map)
         uint32_t v = thing->mesh.indices[i];
         daft_vec3 p = daft_affine_point(map, daft_v3(thing->mesh.x[v], thing->mesh.y[v], thing->mesh.z[v]));
         for (int k = 0; k < 3; k++)
-            if (!((&p.x)[k] >= (&tight.low.x)[k] && (&p.x)[k] <= (&tight.high.x)[k]))
-                fail_msg("vertex %u at %a is outside of %a to %a on axis %d", v, (double)(&p.x)[k],
-                         (double)(&tight.low.x)[k], (double)(&tight.high.x)[k], k);
+            if (!(daft_v3_at(p, k) >= daft_v3_at(tight.low, k) && daft_v3_at(p, k) <= daft_v3_at(tight.high, k)))
+                fail_msg("vertex %u at %a is outside of %a to %a on axis %d", v, (double)daft_v3_at(p, k),
+                         (double)daft_v3_at(tight.low, k), (double)daft_v3_at(tight.high, k), k);
     }
     for (int k = 0; k < 3; k++) {
-        assert_true((&tight.low.x)[k] >= (&loose.low.x)[k]);
-        assert_true((&tight.high.x)[k] <= (&loose.high.x)[k]);
+        assert_true(daft_v3_at(tight.low, k) >= daft_v3_at(loose.low, k));
+        assert_true(daft_v3_at(tight.high, k) <= daft_v3_at(loose.high, k));
     }
 }
 

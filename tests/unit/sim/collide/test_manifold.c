@@ -433,10 +433,15 @@ static sample random_boxes(int round)
     if (round % 3 == 0) s.b = s.a;
     float low = fminf(s.a.half.x, fminf(s.a.half.y, s.a.half.z));
     daft_quat turn = {0, 0, 0, 1};
-    (&turn.x)[random_bits() % 3] = round % 5 == 0 ? 1 : random_float(-1e-5f, 1e-5f);
+    daft_vec3 axis = {0, 0, 0};
+    int about = (int)(random_bits() % 3);
+    daft_v3_put(&axis, about, round % 5 == 0 ? 1 : random_float(-1e-5f, 1e-5f));
+    turn.x = axis.x, turn.y = axis.y, turn.z = axis.z;
     daft_rigid relative = daft_rigid_make(daft_dv3(0, 0, 0), turn);
-    for (int k = 0; k < 3; k++) (&relative.p.x)[k] = (double)(coarse * low * (float)(random_bits() % 9));
-    (&relative.p.x)[random_bits() % 3] = (double)((&s.a.half.x)[0] + (&s.b.half.x)[0]);
+    double p[3];
+    for (int k = 0; k < 3; k++) p[k] = (double)(coarse * low * (float)(random_bits() % 9));
+    p[random_bits() % 3] = (double)(s.a.half.x + s.b.half.x);
+    relative.p = daft_dv3(p[0], p[1], p[2]);
     s.pose_a = daft_rigid_identity();
     s.pose_b = relative;
     return s;

@@ -229,8 +229,9 @@ static void same_mass(const daft_mass *a, const daft_mass *b, double share)
 {
     assert_near(a->mass, b->mass, share * b->mass);
     double length = sqrt((b->inertia[0] + b->inertia[4] + b->inertia[8]) / b->mass), far = 0;
-    for (int k = 0; k < 3; k++) far = fmax(far, fabs((&b->centre.x)[k]));
-    for (int k = 0; k < 3; k++) assert_near((&a->centre.x)[k], (&b->centre.x)[k], share * (length + far));
+    for (int k = 0; k < 3; k++) far = fmax(far, fabs(daft_dv3_at(b->centre, k)));
+    for (int k = 0; k < 3; k++)
+        assert_near(daft_dv3_at(a->centre, k), daft_dv3_at(b->centre, k), share * (length + far));
     for (int k = 0; k < 9; k++) assert_near(a->inertia[k], b->inertia[k], share * b->mass * length * length);
 }
 
