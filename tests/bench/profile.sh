@@ -33,7 +33,7 @@ awk -v triangles="${triangles:-0}" -v row="$row" -v isa="$isa" '
     /PROGRAM TOTALS/ {
         total = count + 0
         printf("%s, %s, one frame of 1280x720%s\n", row, isa, triangles ? ", " triangles " triangles tested" : "")
-        printf("%12s %6s %9s %11s  %s\n", "instructions", "share", "a pixel", "a triangle", "function")
+        printf("%12s %6s %9s %11s  %s\n", "instructions", "of all", "a pixel", "a triangle", "function")
         line(total, "all of it")
         next
     }

@@ -63,9 +63,9 @@ static mask instances_hit(const bench_embree *self, const struct RTCRayHit16 *pa
     memcpy(&instance, packet->hit.instID[0], sizeof instance);
     memcpy(&geometry, packet->hit.geomID, sizeof geometry);
     mask direct = (mask)(instance == -1);
-    mask thing = (geometry & direct) | (instance & ~direct);
+    mask item = (geometry & direct) | (instance & ~direct);
     mask sphere = direct & (mask)(geometry == (int32_t)self->first_sphere);
-    return ((thing & ~sphere) | ((int32_t)self->first_sphere & sphere)) & hit;
+    return ((item & ~sphere) | ((int32_t)self->first_sphere & sphere)) & hit;
 }
 
 /* The interpolated normal, where all lanes hit one instance of a mesh: its arrays are gathered from. */

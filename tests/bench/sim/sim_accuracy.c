@@ -148,9 +148,9 @@ static void add_means(report *all)
             const outcome *o = &all->outcomes[p * each + i];
             ms += log(o->ms), error += log(fmax(o->error, 1e-6));
         }
-        double share = 1 / (double)all->panels;
-        all->outcomes[all->count] = (outcome){.ms = exp(ms * share), .error = exp(error * share)};
-        all->points[all->count] = (svg_point){all->panels, all->points[i].series, exp(ms * share), 0};
+        double fraction = 1 / (double)all->panels;
+        all->outcomes[all->count] = (outcome){.ms = exp(ms * fraction), .error = exp(error * fraction)};
+        all->points[all->count] = (svg_point){all->panels, all->points[i].series, exp(ms * fraction), 0};
         all->count++;
     }
     all->names[all->panels++] = "all, geometric means";

@@ -1,6 +1,6 @@
 -- Bodies as a game has them: every shape, joint, event and query does what the manual says.
 
-local things, joints = {}, {}
+local bodies, joints = {}, {}
 
 local function near(a, b, tolerance) return math.abs(a - b) <= (tolerance or 1e-6) end
 local function expect_error(part, f, ...)
@@ -26,7 +26,7 @@ local function shapes()
     ground(0, 0)
     local tetra = daft.mesh { positions = { { 0.3, 0.3, 0.3 }, { 0.3, -0.3, -0.3 }, { -0.3, 0.3, -0.3 }, { -0.3, -0.3, 0.3 } },
         triangles = { { 1, 2, 3 }, { 1, 4, 2 }, { 1, 3, 4 }, { 2, 4, 3 } } }
-    things.resting = {
+    bodies.resting = {
         daft.entity { sphere = 0.3, position = { -3, 0.4, 0 }, body = "dynamic", rolling_resistance = 0.05 },
         daft.entity { box = { 0.5, 0.5, 0.5 }, position = { -2, 0.4, 0 }, body = "dynamic" },
         daft.entity { position = { -1, 0.6, 0 }, body = "dynamic", collider = { capsule = { radius = 0.2, height = 1 } }, rolling_resistance = 0.1 },
@@ -40,23 +40,23 @@ local function shapes()
     local sheet = daft.mesh { positions = { { -1, 0, -1 }, { 1, 0, -1 }, { 1, 0, 1 }, { -1, 0, 1 } }, triangles = { { 1, 3, 2 }, { 1, 4, 3 } } }
     daft.entity { mesh = sheet, position = { 0, 2, 3 }, body = "static" }
     daft.entity { position = { 2, 3, 2 }, body = "static", collider = { heights = { 0, 0, 0, 0, 0, 0, 0, 0, false }, columns = 3, spacing = 1 } }
-    things.on_sheet = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { 0.1, 2.4, 3 }, body = "dynamic" }
-    things.on_heights = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { 2.5, 3.4, 2.5 }, body = "dynamic" }
-    things.through_hole = daft.entity { sphere = 0.2, position = { 3.7, 3.4, 3.7 }, body = "dynamic" }
-    check(near(things.resting[2]:mass(), 125, 1e-3) and near(things.resting[4]:mass(), 1000 * math.pi * 0.09 * 0.6, 1e-2))
+    bodies.on_sheet = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { 0.1, 2.4, 3 }, body = "dynamic" }
+    bodies.on_heights = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { 2.5, 3.4, 2.5 }, body = "dynamic" }
+    bodies.through_hole = daft.entity { sphere = 0.2, position = { 3.7, 3.4, 3.7 }, body = "dynamic" }
+    check(near(bodies.resting[2]:mass(), 125, 1e-3) and near(bodies.resting[4]:mass(), 1000 * math.pi * 0.09 * 0.6, 1e-2))
     expect_error("which has no mass", daft.entity, { mesh = sheet, body = "dynamic", collider = { mesh = sheet } })
     expect_error("hull", daft.entity, { body = "dynamic", collider = { hull = sheet } })
 end
 
 local function shapes_rest()
-    for i, e in ipairs(things.resting) do
+    for i, e in ipairs(bodies.resting) do
         local x, y, z = e:velocity()
         check(not e:awake() or x * x + y * y + z * z < 0.01, "shape", i, "moves")
         check(select(2, e:position()) > 0.05, "shape", i, "is below the floor")
     end
-    check(near(select(2, things.on_sheet:position()), 2.2, 5e-3), "on triangles")
-    check(near(select(2, things.on_heights:position()), 3.2, 5e-3), "on heights")
-    check(select(2, things.through_hole:position()) < 2, "through the hole")
+    check(near(select(2, bodies.on_sheet:position()), 2.2, 5e-3), "on triangles")
+    check(near(select(2, bodies.on_heights:position()), 3.2, 5e-3), "on heights")
+    check(select(2, bodies.through_hole:position()) < 2, "through the hole")
 end
 
 -- ---- joints ----
@@ -69,7 +69,7 @@ end
 
 local function make_joints()
     local b = {}
-    things.bobs = b
+    bodies.bobs = b
     b.ball = bob(-9, 5)
     joints.ball = daft.joint { kind = "ball", b = b.ball, at = { -10, 5, 20 }, limit = 0.5, axis = { 1, 0, 0 } }
     b.hinge = bob(-5, 5, { sphere = 0.4 })
@@ -104,7 +104,7 @@ local function make_joints()
 end
 
 local function joints_hold()
-    local b = things.bobs
+    local b = bodies.bobs
     local x, y = b.ball:position()
     check(near((x + 10) ^ 2 + (y - 5) ^ 2, 1, 1e-2) and near(y, 5 - math.sin(0.5), 0.03), "cone of a ball", x, y)
     check(near(joints.hinge:value(), -0.5, 0.03), "hinge's limit", joints.hinge:value())
@@ -130,26 +130,26 @@ local function surfaces()
     ground(0, 40, { surface = "rink", friction = 0.8 })
     daft.surfaces("rink", "skate", { friction = 0, restitution = 0 })
     daft.surfaces("rink", "rubber", { restitution = 0.9 })
-    things.skate = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { -3, 0.2, 40 }, body = "dynamic", surface = "skate", friction = 0.8, velocity = { 1, 0, 0 } }
-    things.brick = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { -3, 0.2, 42 }, body = "dynamic", friction = 0.8, velocity = { 1, 0, 0 } }
-    things.rubber = daft.entity { sphere = 0.2, position = { 2, 1.2, 40 }, body = "dynamic", surface = "rubber" }
+    bodies.skate = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { -3, 0.2, 40 }, body = "dynamic", surface = "skate", friction = 0.8, velocity = { 1, 0, 0 } }
+    bodies.brick = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { -3, 0.2, 42 }, body = "dynamic", friction = 0.8, velocity = { 1, 0, 0 } }
+    bodies.rubber = daft.entity { sphere = 0.2, position = { 2, 1.2, 40 }, body = "dynamic", surface = "rubber" }
     daft.entity { box = { 6, 0.2, 1 }, position = { 0, 0.1, 38 }, body = "static", surface_velocity = { 1, 0, 0 }, friction = 1 }
-    things.on_belt = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { -2.5, 0.4, 38 }, body = "dynamic" }
-    things.free_ball = daft.entity { sphere = 0.3, position = { -3, 0.3, 44 - 0.8 }, body = "dynamic", velocity = { 1, 0, 0 }, angular_velocity = { 0, 0, -1 / 0.3 } }
-    things.braked_ball = daft.entity { sphere = 0.3, position = { -3, 0.3, 36.8 }, body = "dynamic", rolling_resistance = 0.1, velocity = { 1, 0, 0 }, angular_velocity = { 0, 0, -1 / 0.3 } }
-    things.balloon = daft.entity { sphere = 0.3, position = { 3, 3, 42 }, body = "dynamic", gravity_scale = -0.1 }
-    things.slow = daft.entity { sphere = 0.3, position = { 3, 30, 44 }, body = "dynamic", gravity_scale = 0, damping = 2, velocity = { 0, 0, 3 } }
+    bodies.on_belt = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { -2.5, 0.4, 38 }, body = "dynamic" }
+    bodies.free_ball = daft.entity { sphere = 0.3, position = { -3, 0.3, 44 - 0.8 }, body = "dynamic", velocity = { 1, 0, 0 }, angular_velocity = { 0, 0, -1 / 0.3 } }
+    bodies.braked_ball = daft.entity { sphere = 0.3, position = { -3, 0.3, 36.8 }, body = "dynamic", rolling_resistance = 0.1, velocity = { 1, 0, 0 }, angular_velocity = { 0, 0, -1 / 0.3 } }
+    bodies.balloon = daft.entity { sphere = 0.3, position = { 3, 3, 42 }, body = "dynamic", gravity_scale = -0.1 }
+    bodies.slow = daft.entity { sphere = 0.3, position = { 3, 30, 44 }, body = "dynamic", gravity_scale = 0, damping = 2, velocity = { 0, 0, 3 } }
     expect_error("friction", daft.surfaces, "rink", "skate", { friction = -1 })
 end
 
 local function surfaces_act()
-    check(near(things.skate:velocity(), 1, 1e-3), "ice", (things.skate:velocity()))
-    check(near(things.brick:velocity(), 0, 1e-3), "brick")
-    check(near(things.on_belt:velocity(), 1, 1e-2), "surface velocity", (things.on_belt:velocity()))
-    check(near(things.free_ball:velocity(), 1, 1e-2), "rolls on")
-    check(near(things.braked_ball:velocity(), 0, 1e-3), "rolling resistance")
-    check(select(2, things.balloon:velocity()) > 1, "gravity_scale")
-    local vz = select(3, things.slow:velocity())
+    check(near(bodies.skate:velocity(), 1, 1e-3), "ice", (bodies.skate:velocity()))
+    check(near(bodies.brick:velocity(), 0, 1e-3), "brick")
+    check(near(bodies.on_belt:velocity(), 1, 1e-2), "surface velocity", (bodies.on_belt:velocity()))
+    check(near(bodies.free_ball:velocity(), 1, 1e-2), "rolls on")
+    check(near(bodies.braked_ball:velocity(), 0, 1e-3), "rolling resistance")
+    check(select(2, bodies.balloon:velocity()) > 1, "gravity_scale")
+    local vz = select(3, bodies.slow:velocity())
     check(near(vz, 3 * math.exp(-2 * daft.tick() / 60), 0.05), "damping", vz)
 end
 
@@ -159,12 +159,12 @@ local seen = {}
 
 local function layers()
     ground(0, 60, { layer = "world" })
-    things.ghost = daft.entity { sphere = 0.3, position = { -2, 1, 60 }, body = "dynamic", layer = "ghost", hits = "ghost" }
-    things.solid = daft.entity { sphere = 0.3, position = { 0, 1, 60 }, body = "dynamic", layer = "solid", hits = { "world" }, rolling_resistance = 0.1 }
+    bodies.ghost = daft.entity { sphere = 0.3, position = { -2, 1, 60 }, body = "dynamic", layer = "ghost", hits = "ghost" }
+    bodies.solid = daft.entity { sphere = 0.3, position = { 0, 1, 60 }, body = "dynamic", layer = "solid", hits = { "world" }, rolling_resistance = 0.1 }
     daft.entity { box = { 1, 1, 1 }, position = { 0, 0.5, 60 }, body = "static", sensor = true, layer = "world", name = "gate" }
-    things.sleeper = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { 2, 0.2, 60 }, body = "dynamic" }
-    things.doomed = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { 3, 1, 60 }, body = "dynamic", name = "doomed" }
-    things.faller = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { 3, 3, 60 }, body = "dynamic" }
+    bodies.sleeper = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { 2, 0.2, 60 }, body = "dynamic" }
+    bodies.doomed = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { 3, 1, 60 }, body = "dynamic", name = "doomed" }
+    bodies.faller = daft.entity { box = { 0.4, 0.4, 0.4 }, position = { 3, 3, 60 }, body = "dynamic" }
 end
 
 -- The world is changed from within its events: what is told stays told.
@@ -174,24 +174,24 @@ local function events()
         if event.kind == "begin" then
             check(event.impulse >= 0 and event.speed and event.point and near(event.normal[1] ^ 2 + event.normal[2] ^ 2 + event.normal[3] ^ 2, 1, 1e-4))
             if event.a:valid() and event.b:valid() and (event.a.name == "doomed" or event.b.name == "doomed") and daft.tick() > 20 then
-                things.doomed:destroy()
+                bodies.doomed:destroy()
                 daft.entity { sphere = 0.2, position = { 3, 4, 60 }, body = "dynamic" }
             end
         end
         if event.kind == "break" then check(event.joint == joints.weak, "what broke") end
         if event.kind == "gone" then seen.gone_joint = event.joint end
-        if event.kind == "enter" then check(event.a.name == "gate" and event.b == things.solid) end
-        if event.kind == "sleep" and event.a == things.sleeper then seen.slept = daft.tick() end
+        if event.kind == "enter" then check(event.a.name == "gate" and event.b == bodies.solid) end
+        if event.kind == "sleep" and event.a == bodies.sleeper then seen.slept = daft.tick() end
     end
 end
 
 local function layers_act()
-    check(select(2, things.ghost:position()) < -2, "a ghost falls")
-    check(near(select(2, things.solid:position()), 0.3, 1e-2), "what is solid does not")
+    check(select(2, bodies.ghost:position()) < -2, "a ghost falls")
+    check(near(select(2, bodies.solid:position()), 0.3, 1e-2), "what is solid does not")
     check(seen.begin and seen.sleep and seen["break"] == 1 and seen.enter == 1, "events")
     check(seen.gone_joint == nil or seen.gone_joint == joints.gone)
-    check(seen.slept and seen.slept < 60 and not things.sleeper:awake(), "asleep")
-    check(not things.doomed:valid(), "destroyed by an event")
+    check(seen.slept and seen.slept < 60 and not bodies.sleeper:awake(), "asleep")
+    check(not bodies.doomed:valid(), "destroyed by an event")
 end
 
 -- ---- characters ----
@@ -199,25 +199,25 @@ end
 local function characters()
     ground(0, 80)
     daft.entity { box = { 4, 0.3, 8 }, position = { 3, 0.15, 80 }, body = "static" }
-    things.lift = daft.entity { box = { 2, 0.2, 2 }, position = { -3, 0.1, 78 }, body = "kinematic" }
+    bodies.lift = daft.entity { box = { 2, 0.2, 2 }, position = { -3, 0.1, 78 }, body = "kinematic" }
     local slope = daft.entity { box = { 4, 0.2, 2 }, position = { 0, 0, 83 }, rotation = { 0, 0, math.sin(0.3), math.cos(0.3) }, body = "static" }
     check(slope)
-    things.climber = daft.character { position = { -0.5, 0.95, 80 } }
-    things.climber:walk(2, 0)
-    things.rider = daft.character { position = { -3, 1.2, 78 } }
+    bodies.climber = daft.character { position = { -0.5, 0.95, 80 } }
+    bodies.climber:walk(2, 0)
+    bodies.rider = daft.character { position = { -3, 1.2, 78 } }
 end
 
 local function characters_act(tick)
     local t = tick / 60
-    things.lift:position(-3 + 0.5 * t, 0.1 + 0.5 * t, 78)
+    bodies.lift:position(-3 + 0.5 * t, 0.1 + 0.5 * t, 78)
     if tick == 90 then
-        local x, y = things.climber:position()
+        local x, y = bodies.climber:position()
         check(x > 1.5 and near(y, 0.3 + 0.9, 0.03), "it climbed the step", x, y)
-        x, y = things.rider:position()
-        local lx, ly = things.lift:position()
+        x, y = bodies.rider:position()
+        local lx, ly = bodies.lift:position()
         check(near(x, lx, 0.05) and near(y, ly + 0.1 + 0.9, 0.05), "it rides", x, lx, y, ly)
-        check(things.rider:ground() == things.lift, "what it stands on")
-        things.climber:walk(0, 0)
+        check(bodies.rider:ground() == bodies.lift, "what it stands on")
+        bodies.climber:walk(0, 0)
     end
 end
 
@@ -277,7 +277,7 @@ local saved, places
 
 local function all_places()
     local out = {}
-    for i, e in ipairs(things.resting) do out[3 * i - 2], out[3 * i - 1], out[3 * i] = e:position() end
+    for i, e in ipairs(bodies.resting) do out[3 * i - 2], out[3 * i - 1], out[3 * i] = e:position() end
     out[#out + 1] = joints.hinge:value()
     return out
 end
@@ -293,7 +293,7 @@ function daft.update(dt)
     local tick = daft.tick()
     events()
     characters_act(tick)
-    if tick == 30 then things.bobs.gone:destroy() end
+    if tick == 30 then bodies.bobs.gone:destroy() end
     if tick == 60 then saved = daft.save_bodies() end
     if tick == 70 then
         places = all_places()

@@ -110,12 +110,12 @@ static struct leak_count leak_sum(const leak_job *job, uint32_t batches)
     return sum;
 }
 
-/* Shoots about `share` of the rays that are wanted. */
-static void leak_rays(bool as_instances, double share)
+/* Shoots about `fraction` of the rays that are wanted. */
+static void leak_rays(bool as_instances, double fraction)
 {
     uint64_t total = 0, stream = hard_state(seed, as_instances ? 1 : 2);
     int threads = is_long() ? daft_processor_count() : 1;
-    while ((double)total < wanted_rays * share) {
+    while ((double)total < wanted_rays * fraction) {
         subject subjects[SHAPES];
         uint64_t state = hard_state(seed, stream);
         leak_job job = {.subjects = subjects,
@@ -123,8 +123,9 @@ static void leak_rays(bool as_instances, double share)
                         .stream = stream,
                         .batch_rays = is_long() ? 16 * BATCH : BATCH};
         for (int i = 0; i < shapes(); i++) job.subject_count += subject_make(&subjects[job.subject_count], i, &state);
-        double left = (as_instances ? 1.3 : 1) * (wanted_rays * share - (double)total); /* some places will be left out
-                                                                                         */
+        double left = (as_instances ? 1.3 : 1) * (wanted_rays * fraction - (double)total); /* some places will be left
+                                                                                            * out
+                                                                                            */
         uint32_t batches = (uint32_t)fmin(2048, left / job.batch_rays + 1);
         job.counts = calloc(batches, sizeof *job.counts);
         daft_parallel_for(threads, batches, leak_batch, &job);

@@ -268,7 +268,7 @@ static void levels_halve_down_to_one_texel(void **unused)
     }
 }
 
-/* The share of source texel `s` in target texel `t`, along one axis, by overlap of intervals. */
+/* The fraction of source texel `s` in target texel `t`, along one axis, by overlap of intervals. */
 static double overlap(int t, int target, int s, int source)
 {
     double low = fmax((double)t * source / target, s), high = fmin((t + 1.0) * source / target, s + 1.0);

@@ -1,5 +1,5 @@
-/* Surfaces: points, normals and shadow origins of a tile's pixels against each pixel's ray met alone with what it sees,
- * in double; of rays that were followed, the same; and every instruction set gives the same bits. */
+/* Surfaces: points, normals and shadow origins of a tile's pixels against each pixel's ray tested alone with what it
+ * sees, in double; of rays that were followed, the same; and every instruction set gives the same bits. */
 #include "fixtures.h"
 
 #include "render/internal.h"
@@ -80,9 +80,9 @@ static void stage_drop(stage *s)
 
 /* ---- the twin ---- */
 
-typedef struct met {
+typedef struct surface_hit {
     daft_dvec3 point, normal, outward, shadow_origin;
-} met;
+} surface_hit;
 
 static daft_dvec3 unit(daft_dvec3 a) { return daft_dscale(a, 1 / sqrt(daft_ddot(a, a))); }
 static daft_dvec3 frame_point(const daft_instance *t, daft_vec3 p)
@@ -90,7 +90,7 @@ static daft_dvec3 frame_point(const daft_instance *t, daft_vec3 p)
     return daft_to_double(daft_affine_point(&t->to_frame, p));
 }
 
-static met meet_triangle(const daft_instance *t, uint32_t triangle, daft_dvec3 o, daft_dvec3 d)
+static surface_hit hit_triangle(const daft_instance *t, uint32_t triangle, daft_dvec3 o, daft_dvec3 d)
 {
     const daft_trimesh *m = t->mesh;
     const uint32_t *at = &m->indices[3 * triangle],
@@ -101,7 +101,7 @@ static met meet_triangle(const daft_instance *t, uint32_t triangle, daft_dvec3 o
         n[k] = unit(daft_to_double(daft_affine_transposed(&t->to_object, m->normals[normals[k]])));
         sum = daft_dadd(sum, n[k]);
     }
-    met out;
+    surface_hit out;
     out.outward = unit(daft_dcross(daft_dsub(c[1], c[0]), daft_dsub(c[2], c[0])));
     if (daft_ddot(sum, out.outward) < 0) out.outward = daft_dscale(out.outward, -1);
     double height = daft_ddot(out.outward, daft_dsub(c[0], o));
@@ -125,13 +125,13 @@ static met meet_triangle(const daft_instance *t, uint32_t triangle, daft_dvec3 o
     return out;
 }
 
-static met meet_sphere(const daft_instance *t, daft_dvec3 o, daft_dvec3 d)
+static surface_hit hit_sphere(const daft_instance *t, daft_dvec3 o, daft_dvec3 d)
 {
     daft_dvec3 c = daft_dv3((double)t->to_frame.t[0], (double)t->to_frame.t[1], (double)t->to_frame.t[2]),
                to = daft_dsub(c, o);
     double along = daft_ddot(to, d), r = (double)t->radius,
            half = sqrt(fmax(r * r - daft_ddot(to, to) + along * along, 0));
-    met out;
+    surface_hit out;
     out.point = daft_dadd(o, daft_dscale(d, along > half ? along - half : along + half));
     out.normal = out.outward = daft_dscale(unit(daft_dsub(out.point, c)), along > half ? 1 : -1);
     out.shadow_origin = out.point;
@@ -148,7 +148,7 @@ static double apart(const daft_lanes3 *a, uint32_t i, daft_dvec3 b)
 static bool compare(const stage *s, const daft_batch *b, uint32_t i, daft_dvec3 o, daft_dvec3 d)
 {
     const daft_instance *t = &s->instances[b->instance[i]];
-    met m = t->mesh ? meet_triangle(t, b->triangle[i], o, d) : meet_sphere(t, o, d);
+    surface_hit m = t->mesh ? hit_triangle(t, b->triangle[i], o, d) : hit_sphere(t, o, d);
     if (fabs(daft_ddot(m.outward, d)) < 0.05) return false;
     assert_true(apart(&b->point, i, m.point) < 2e-4);
     assert_true(apart(&b->outward, i, m.outward) < (t->mesh ? 1e-5 : 1e-3));

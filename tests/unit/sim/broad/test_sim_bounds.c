@@ -1,5 +1,5 @@
 /* sim: the tree of bounds against a search of all of them, while leaves come, go, move and are laid out anew; and the
- * sort of listings against the obvious one. */
+ * sort of the active list against the obvious one. */
 #include "fixtures.h"
 
 #include "sim/world.h"
@@ -99,7 +99,7 @@ static void a_tree_finds_what_a_search_of_all_finds(void **unused)
     daft_release(&allocator, f.tree.keys);
 }
 
-/* ---- listings ---- */
+/* ---- the active list ---- */
 
 enum { MOST = 500 };
 
@@ -113,7 +113,7 @@ static void sort_slowly(daft_sim_active *items, size_t count)
     }
 }
 
-static void listings_are_sorted_and_equal_keys_keep_their_order(void **unused)
+static void the_active_list_is_sorted_and_equal_keys_keep_their_order(void **unused)
 {
     (void)unused;
     fixture_seed(812);
@@ -139,7 +139,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_tree_finds_what_a_search_of_all_finds),
-        cmocka_unit_test(listings_are_sorted_and_equal_keys_keep_their_order),
+        cmocka_unit_test(the_active_list_is_sorted_and_equal_keys_keep_their_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,7 +37,7 @@ static bool is_active(const daft_world *world, uint32_t part)
     return daft_sim_is_active(&world->bodies[world->parts[part].body]);
 }
 
-/* As they stand in the listing: a dynamic one first, the sensor first, else the lower index. */
+/* As pairs are kept: a dynamic one first, the sensor first, else the lower index. */
 static uint64_t key_of(const daft_world *world, uint32_t a, uint32_t b)
 {
     const daft_sim_part *x = &world->parts[a], *y = &world->parts[b];
@@ -66,7 +66,7 @@ static int by_value(const void *p, const void *q)
     return (a > b) - (a < b);
 }
 
-static void check_listing(const daft_world *world)
+static void check_pairs(const daft_world *world)
 {
     static uint64_t keys[MOST];
     size_t count = search_all(world, keys), listed = 0;
@@ -129,7 +129,7 @@ static void pairs_are_those_that_a_search_of_all_finds(void **unused)
         for (int step = 0; step < 60; step++) {
             change_some(world, ids);
             if (find_pairs(world)) {
-                check_listing(world);
+                check_pairs(world);
                 checked++;
             }
             if (world->active.count > most) most = world->active.count;
@@ -156,7 +156,7 @@ static void none_is_lost_far_away(void **unused)
         }
         for (int step = 0; step < 5; step++) {
             find_pairs(world);
-            check_listing(world);
+            check_pairs(world);
             assert_true(world->active.count > 20);
             assert_true(daft_world_step(world, DT, NULL));
         }

@@ -225,14 +225,14 @@ static void memory_may_run_out_at_any_time(void **unused)
 
 /* ---- mass ---- */
 
-static void same_mass(const daft_mass *a, const daft_mass *b, double share)
+static void same_mass(const daft_mass *a, const daft_mass *b, double fraction)
 {
-    assert_near(a->mass, b->mass, share * b->mass);
+    assert_near(a->mass, b->mass, fraction * b->mass);
     double length = sqrt((b->inertia[0] + b->inertia[4] + b->inertia[8]) / b->mass), far = 0;
     for (int k = 0; k < 3; k++) far = fmax(far, fabs(daft_dv3_at(b->centre, k)));
     for (int k = 0; k < 3; k++)
-        assert_near(daft_dv3_at(a->centre, k), daft_dv3_at(b->centre, k), share * (length + far));
-    for (int k = 0; k < 9; k++) assert_near(a->inertia[k], b->inertia[k], share * b->mass * length * length);
+        assert_near(daft_dv3_at(a->centre, k), daft_dv3_at(b->centre, k), fraction * (length + far));
+    for (int k = 0; k < 9; k++) assert_near(a->inertia[k], b->inertia[k], fraction * b->mass * length * length);
 }
 
 static void a_hull_weighs_what_its_box_does(void **unused)
