@@ -1,6 +1,7 @@
 /* daft bench: replaces this process by tests/daft_bench beside it, a program of its own because it links the peers. */
 #include "cli/commands.h"
 
+#include "common/stop.h"
 #include "common/util.h"
 
 #include <errno.h>
@@ -18,6 +19,7 @@ int command_bench(int argc, char **argv)
         return STATUS_BAD_INPUT;
     }
     argv[0] = program;
+    stop_before_exec();
     execv(program, argv);
     fprintf(stderr, "daft bench: %s: %s\n", program, strerror(errno));
     fprintf(stderr, "The benchmarks are built with the tests: './daft test' in the checkout builds them.\n");

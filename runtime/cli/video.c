@@ -31,7 +31,7 @@ typedef struct video_options {
     const char *what, *out, *replay, *isa;
     cli_size size;
     daft_quality quality;
-    double fps, from, to;
+    double fps, from, to, seconds;
     long blur, crf, camera, threads, seed;
     const char *pace_name;
     daft_pace pace;
@@ -112,7 +112,8 @@ static bool film_a_game(const video_options *o, video_def *def, daft_error *erro
                      .engine = def->engine,
                      .face = face,
                      .quality = o->quality,
-                     .seed = (uint64_t)o->seed};
+                     .seed = (uint64_t)o->seed,
+                     .seconds = o->seconds};
     bool good = film_game_open(&game, &play, replay, error);
     if (good) {
         double length = replay ? (double)game.replay.end / LOOP_RATE : GAME_SECONDS;
@@ -158,7 +159,8 @@ int command_video(int argc, char **argv)
                        .blur = 1,
                        .crf = DEFAULT_CRF,
                        .camera = -1,
-                       .seed = 1};
+                       .seed = 1,
+                       .seconds = WATCHDOG_SECONDS};
     const cli_option options[] = {
         {"output", 'o', CLI_TEXT, "FILE", &o.out, 0, 0, "the film to write (required)"},
         {"replay", 0, CLI_TEXT, "FILE", &o.replay, 0, 0, "the recording that the game plays (its demo)"},
@@ -176,6 +178,8 @@ int command_video(int argc, char **argv)
         {"pace", 0, CLI_TEXT, "HOW", &o.pace_name, 0, 0,
          "along a path: timed (default), constant speed, or eased: slow at both ends"},
         {"seed", 0, CLI_COUNT, "N", &o.seed, 0, 1000000000, "seed of the random numbers (1); a recording uses its own"},
+        {"time-limit", 0, CLI_NUMBER, "SECONDS", &o.seconds, 0, 3600,
+         "how long one call into the game may take, 0.1 to 3600 (5)"},
         {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256,
          "worker threads; 0, the default, is one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"}};
@@ -185,6 +189,7 @@ int command_video(int argc, char **argv)
     if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
     o.what = operands[0];
     if (!o.out) return cli_refuse("video", "-o FILE is missing");
+    if (!(o.seconds >= 0.1)) return cli_refuse("video", "--time-limit: a number from 0.1 to 3600 expected");
     video_def def = {.out = o.out,
                      .width = o.size.width,
                      .height = o.size.height,

@@ -3,8 +3,6 @@
 
 #include "common/util.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -23,14 +21,13 @@ enum {
 static const int SIGNALS[] = {SIGINT, SIGTERM, SIGHUP};
 
 static struct {
-    int wake[2]; /* a pipe: handlers write to it */
     atomic_int signal;
     _Atomic uint64_t first_ns; /* of the first signal */
     atomic_bool ending;
     pthread_mutex_t lock; /* of the act */
     stop_act *act;
     void *user;
-} stop = {.wake = {-1, -1}, .lock = PTHREAD_MUTEX_INITIALIZER};
+} stop = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 /* ---- what is done before the end ---- */
 
@@ -93,45 +90,57 @@ void stop_set_act(stop_act *act, void *user)
 
 static void on_signal(int number)
 {
-    int none = 0, saved = errno;
+    int none = 0;
     uint64_t now = clock_now_ns();
-    if (atomic_compare_exchange_strong(&stop.signal, &none, number)) {
+    if (atomic_compare_exchange_strong(&stop.signal, &none, number))
         atomic_store(&stop.first_ns, now);
-        if (write(stop.wake[1], "", 1) != 1) _exit(128 + number);
-    } else if (now - atomic_load(&stop.first_ns) > SECOND_SIGNAL_NS) {
+    else if (now - atomic_load(&stop.first_ns) > SECOND_SIGNAL_NS)
         _exit(128 + number);
-    }
-    errno = saved;
+}
+
+/* Returns the thread's mask as it was. The signals come to one thread alone: no other is interrupted, and none has to
+ * do something before it notices. */
+static sigset_t change_mask(int how)
+{
+    sigset_t set, old;
+    sigemptyset(&set);
+    for (size_t i = 0; i < COUNT_OF(SIGNALS); i++) sigaddset(&set, SIGNALS[i]);
+    pthread_sigmask(how, &set, &old);
+    return old;
 }
 
 static void *wait_for_signal(void *unused)
 {
-    char byte;
-    while (read(stop.wake[0], &byte, 1) != 1)
-        if (errno != EINTR) return unused;
-    int number = atomic_load(&stop.signal);
+    (void)unused;
+    int number;
+    sigset_t open;
+    change_mask(SIG_UNBLOCK);
+    open = change_mask(SIG_BLOCK);
+    while ((number = atomic_load(&stop.signal)) == 0) {
+        sigsuspend(&open);
+        change_mask(SIG_BLOCK); /* ThreadSanitizer runs the handler only now */
+    }
+    change_mask(SIG_UNBLOCK);
     end_well(NULL);
     signal(number, SIG_DFL);
     kill(getpid(), number);
     poll(NULL, 0, 1000);
-    _exit(128 + number); /* the signal is blocked everywhere */
-}
-
-static bool start_thread(void)
-{
-    pthread_t thread;
-    if (pipe(stop.wake) != 0) return false;
-    for (int i = 0; i < 2; i++) fcntl(stop.wake[i], F_SETFD, FD_CLOEXEC);
-    if (pthread_create(&thread, NULL, wait_for_signal, NULL) == 0) return pthread_detach(thread) == 0;
-    for (int i = 0; i < 2; i++) close(stop.wake[i]), stop.wake[i] = -1;
-    return false;
+    _exit(128 + number);
 }
 
 void stop_open(void)
 {
-    if (stop.wake[0] >= 0 || !start_thread()) return;
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART}, old;
+    struct sigaction action = {.sa_handler = on_signal}, old;
+    pthread_t thread;
     sigemptyset(&action.sa_mask);
+    change_mask(SIG_BLOCK); /* threads that are made from now on inherit it */
+    if (pthread_create(&thread, NULL, wait_for_signal, NULL) != 0) {
+        change_mask(SIG_UNBLOCK);
+        return;
+    }
+    pthread_detach(thread);
     for (size_t i = 0; i < COUNT_OF(SIGNALS); i++)
         if (sigaction(SIGNALS[i], NULL, &old) == 0 && old.sa_handler == SIG_DFL) sigaction(SIGNALS[i], &action, NULL);
 }
+
+void stop_before_exec(void) { change_mask(SIG_UNBLOCK); }

@@ -13,9 +13,12 @@
 
 typedef void stop_act(void *user);
 
-/* Watches for the signals from now on. Signals that were ignored at the start stay so (nohup). Where no thread can be
- * made, signals end the process as the system sees fit. */
+/* Watches for the signals from now on; to be called before other threads are made. Signals that were ignored at the
+ * start stay so (nohup). Where no thread can be made, signals end the process as the system sees fit. */
 void stop_open(void);
+
+/* Before another program takes the place of this one: it is to receive signals as this one did. */
+void stop_before_exec(void);
 
 /* What must happen before an early end; NULL: nothing. It runs on another thread than this one. Does not return while
  * it runs, so what `user` points to may go afterwards. */

@@ -175,10 +175,22 @@ static void watch(lua_State *L, lua_Debug *unused)
 _Static_assert((int)HOST_POLL_STEPS == (int)PATTERNS_POLL_STEPS, "patterns poll by host_poll");
 void host_poll(lua_State *L) { count_steps(L, HOST_POLL_STEPS); }
 
+/* ThreadSanitizer holds signals back until the thread calls the system, which a loop in Lua never does. */
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define __SANITIZE_THREAD__
+#endif
+#endif
+#if defined(__SANITIZE_THREAD__)
+static const bool HOLDS_SIGNALS = true;
+#else
+static const bool HOLDS_SIGNALS = false;
+#endif
+
 /* Counting instructions makes every one of them slower: only where somebody wants it. */
 static void set_usual_hook(host *state, lua_State *L)
 {
-    if (state->def.instructions)
+    if (state->def.instructions || HOLDS_SIGNALS)
         lua_sethook(L, watch, LUA_MASKCOUNT, WATCH_STEP);
     else
         lua_sethook(L, NULL, 0, 0);

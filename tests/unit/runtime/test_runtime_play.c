@@ -26,7 +26,7 @@ static char output[OUTPUT_SIZE], again[OUTPUT_SIZE];
 
 static void play_through(const char *game, int ticks)
 {
-    int status = run_daft(output, "play tests/games/%s --headless --hash --ticks %d", game, ticks);
+    int status = run_daft(output, "play tests/games/%s --headless --hash --ticks %d --time-limit 600", game, ticks);
     if (status != 0) fail_msg("%s: exit status %d\n%s", game, status, output);
 }
 
