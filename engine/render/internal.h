@@ -85,7 +85,7 @@ typedef struct daft_frame {
     daft_pencil pencil;
     const daft_tlas *tlas; /* NULL: nothing asks for rays */
     int sample;
-    int mirror_count; /* flat ones, whose rays form pencils */
+    int mirror_count; /* planar ones, whose rays form pencils */
     uint32_t tile_count;
     atomic_uint tiles_done;
     atomic_bool cancelled;
@@ -96,7 +96,7 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot);
 /* Whether what the pencil may see (the instances in its bins) mirrors; and whether it transmits, or shows in a mirror
  * what may. */
 void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft_raster *raster);
-/* mirror.c. Finds the flat mirrors that are worth a pass of their own, and puts what they may show into tiles. */
+/* mirror.c. Finds the planar mirrors that are worth a pass of their own, and puts what they may show into tiles. */
 bool daft_mirrors_prepare(daft_frame *frame, daft_error *error);
 void daft_mirrors_free(daft_renderer *renderer);
 size_t daft_mirrors_bytes(const daft_renderer *renderer);

@@ -10,7 +10,7 @@ static daft_ray ray_of(const daft_ray_batch *rays, uint32_t i)
                       .tmax = INFINITY};
 }
 
-/* What the rays first.. of a batch hit; gives how many they are. `shown`: bits of the flat mirrors that know it of
+/* What the rays first.. of a batch hit; gives how many they are. `shown`: bits of the planar mirrors that know it of
  * theirs. */
 static uint32_t trace_some(const tile_job *j, const daft_ray_batch *rays, uint32_t first, uint32_t shown,
                            daft_hit hits[STREAM])

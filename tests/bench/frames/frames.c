@@ -280,7 +280,7 @@ static void measure_unseen(bench *self, const bench_scene *scene, int threads)
     bench_frame_destroy(job.laden);
 }
 
-/* ---- a flat mirror on the ground ---- */
+/* ---- a planar mirror on the ground ---- */
 
 static const char MIRROR[] = "frame, mirror on the ground, no light";
 static const char *const MIRROR_SCENES[] = {"cow, whole", "bunny, whole", "1,000 instances of the cow"};
