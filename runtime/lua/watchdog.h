@@ -13,7 +13,7 @@
 
 #include "daft.h"
 
-static const double WATCHDOG_SECONDS = 5;    /* unless somebody says otherwise */
+static const double WATCHDOG_SECONDS = 5;     /* unless somebody says otherwise */
 static const double WATCHDOG_PATIENCE = 0.75; /* seconds */
 
 typedef struct watchdog watchdog;
