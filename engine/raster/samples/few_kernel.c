@@ -129,7 +129,7 @@ static void few_test(const mesh_occluder *m, few_points *f, const leaf *const *l
     for (uint32_t k = 0; k < DAFT_VL / 4; k++) behind |= leaves[k]->behind.bits[0];
     behind &= f->live;
     if (!behind) return;
-    corners moved = corners_move(m, leaves);
+    view_corners moved = corners_move(m, leaves);
     vbits live = lanes_name(leaves, blocks, &t);
     lanes_place(m, &moved, &t);
     if (!m->before) live &= lanes_met(m, &moved, &t);

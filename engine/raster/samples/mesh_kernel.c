@@ -224,7 +224,7 @@ static void test_leaves(const mesh_occluder *m, const leaf *const *leaves, uint3
 {
     lanes t;
     pairs list;
-    corners moved = corners_move(m, leaves);
+    view_corners moved = corners_move(m, leaves);
     block_set behind = {{0}};
     lanes_place(m, &moved, &t);
     vbits live = lanes_name(leaves, count, &t) & lanes_met(m, &moved, &t);

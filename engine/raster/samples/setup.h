@@ -70,35 +70,23 @@ typedef struct lanes {
     uint32_t triangle[DAFT_VL];
 } lanes;
 
-typedef struct corners {
-    vf3 p[3]; /* x, y, z of the test */
-    vf depth[3];
-} corners;
-
-DAFT_INLINE corners corners_move(const mesh_occluder *c, const leaf *const *leaves)
+DAFT_INLINE view_corners corners_move(const mesh_occluder *c, const leaf *const *leaves)
 {
-    corners out;
     const daft_block *blocks[DAFT_BATCH_BLOCKS];
-    const daft_pencil *p = &c->c.view->pencil;
     blocks_of(leaves, blocks);
-    for (int k = 0; k < 3; k++) {
-        vf3 at = blocks_corner(&c->map.map, blocks, k);
-        out.depth[k] = at.z;
-        out.p[k] = (vf3){at.x, at.y, p->parallel ? vf_set(1) : at.z + vf_set(p->away)};
-    }
-    return out;
+    return blocks_move(&c->c.view->pencil, false, &c->map.map, blocks);
 }
 
 /* The triangles that lie on the outer side of x = limit·z (axis 0) or y = limit·z (axis 1), `side` being -1 or 1, and
  * whose corners are off by `off`. This says something, too, of those that reach beside or behind the light. */
-DAFT_INLINE vm corners_beyond(const corners *t, int axis, float limit, float side, vf off)
+DAFT_INLINE vm corners_beyond(const view_corners *t, int axis, float limit, float side, vf off)
 {
     vf min = vf_set(INFINITY), slope = vf_set(limit);
     for (int k = 0; k < 3; k++) min = vf_min(((axis ? t->p[k].y : t->p[k].x) - slope * t->p[k].z) * vf_set(side), min);
     return vf_lt(off * vf_set(1 + fabsf(limit)), min);
 }
 
-DAFT_INLINE vm corners_outside(const light_view *l, const corners *t, vf off)
+DAFT_INLINE vm corners_outside(const light_view *l, const view_corners *t, vf off)
 {
     return vm_or(vm_or(corners_beyond(t, 0, l->high_u + l->slack_u, 1, off),
                        corners_beyond(t, 0, l->low_u - l->slack_u, -1, off)),
@@ -121,7 +109,7 @@ typedef struct box_error {
 } box_error;
 
 /* Of meshes that are near the light: from the corners themselves. */
-DAFT_INLINE box_error near_apex_error(const mesh_occluder *c, const corners *t, vf near, vf reach)
+DAFT_INLINE box_error near_apex_error(const mesh_occluder *c, const view_corners *t, vf near, vf reach)
 {
     const light_view *l = c->c.view;
     vf size = vf_set(c->size), unit = vf_set(0x1p-20f); /* corners are off by a few 2^-24 of it */
@@ -140,16 +128,12 @@ DAFT_INLINE vf most_reach(vf low_u, vf high_u, vf low_v, vf high_v)
 }
 
 /* Sets the triangles' boxes. */
-DAFT_INLINE void lanes_place(const mesh_occluder *c, const corners *t, lanes *out)
+DAFT_INLINE void lanes_place(const mesh_occluder *c, const view_corners *t, lanes *out)
 {
     const light_view *l = c->c.view;
-    vf inf = vf_set(INFINITY), lu = inf, hu = -inf, lv = inf, hv = -inf;
-    vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2]));
-    for (int k = 0; k < 3; k++) {
-        vf scale = l->pencil.parallel ? vf_set(1) : box_reciprocal(t->p[k].z), u = t->p[k].x * scale,
-           v = t->p[k].y * scale;
-        lu = vf_min(u, lu), hu = vf_max(u, hu), lv = vf_min(v, lv), hv = vf_max(v, hv);
-    }
+    view_extent e = extent_empty();
+    for (int k = 0; k < 3; k++) extent_add(&e, &t->p[k], l->pencil.parallel ? vf_set(1) : box_reciprocal(t->p[k].z));
+    vf inf = vf_set(INFINITY), lu = e.low_x, hu = e.high_x, lv = e.low_y, hv = e.high_y, near = nearest_depth(t);
     box_error error = {vf_set(c->off_uv), vf_set(c->off_depth), vm_from_bits(0)};
     if (!c->before) error = near_apex_error(c, t, near, most_reach(lu, hu, lv, hv));
     vf off_u = error.uv + vf_set(l->slack_u), off_v = error.uv + vf_set(l->slack_v);
@@ -164,7 +148,7 @@ DAFT_INLINE void lanes_place(const mesh_occluder *c, const corners *t, lanes *ou
 }
 
 /* The bits of the triangles that may meet the points' extent. */
-static inline vbits lanes_met(const mesh_occluder *c, const corners *t, const lanes *at)
+static inline vbits lanes_met(const mesh_occluder *c, const view_corners *t, const lanes *at)
 {
     const light_view *l = c->c.view;
     vf lu = vf_load(at->low_u), hu = vf_load(at->high_u), lv = vf_load(at->low_v), hv = vf_load(at->high_v);
@@ -172,8 +156,7 @@ static inline vbits lanes_met(const mesh_occluder *c, const corners *t, const la
                    vm_and(vf_le(vf_set(l->low_v), hv), vf_le(lv, vf_set(l->high_v))));
     in = vm_and(in, vf_le(vf_load(at->near), vf_set(l->far)));
     if (l->pencil.parallel || c->before) return vbits_from_mask(in);
-    vf near = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])),
-       far = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
+    const vf near = nearest_depth(t), far = farthest_depth(t);
     box_error error = near_apex_error(c, t, near, vf_set(0));
     in = vm_and(in, vf_lt(vf_set(-l->pencil.away), far + error.depth));
     vm whole = vm_and(in, error.whole);
@@ -198,12 +181,12 @@ DAFT_INLINE vf reach_of(vf3 a) { return vf_abs(a.x) + vf_abs(a.y) + vf_abs(a.z);
 /* The triangles' planes in view space, for passing over points that are surely before them. With u = 2^-24: points and
  * corners are off by 8u of `size`, and the plane through corners that are off is so, too; the product of edges is off
  * by 10u·|e|·|f|. Where the light is within that of the plane, nothing is sure. */
-static inline void lanes_planes(const light_view *l, const corners *t, vf size, lanes *out)
+static inline void lanes_planes(const light_view *l, const view_corners *t, vf size, lanes *out)
 {
     vf3 a = {t->p[0].x, t->p[0].y, t->depth[0]};
     vf3 e = {t->p[1].x - a.x, t->p[1].y - a.y, t->depth[1] - a.z},
         f = {t->p[2].x - a.x, t->p[2].y - a.y, t->depth[2] - a.z};
-    vf3 n = {e.y * f.z - e.z * f.y, e.z * f.x - e.x * f.z, e.x * f.y - e.y * f.x};
+    const vf3 n = plane_of(e, f).n;
     vf edges = reach_of(e) + reach_of(f), across = reach_of(n), at = vf3_dot(n, a),
        wrong = edges * edges * vf_set(16 * UNIT);
     vf light = l->pencil.parallel ? n.z : at + n.z * vf_set(l->pencil.away), off = wrong,
@@ -218,15 +201,14 @@ static inline void lanes_planes(const light_view *l, const corners *t, vf size, 
 }
 
 /* `planes`: the triangles' own are asked for as well. */
-DAFT_INLINE void lanes_setup(const mesh_occluder *c, const corners *t, bool planes, lanes *out)
+DAFT_INLINE void lanes_setup(const mesh_occluder *c, const view_corners *t, bool planes, lanes *out)
 {
     const light_view *l = c->c.view;
     vf bound = vf_set(0), across = vf_set(0), along = vf_set(0), size = vf_set(c->size);
     vf dx = vf_set(l->max_x), dy = vf_set(l->max_y), dz = vf_set(l->max_z);
     for (int k = 0; k < 3; k++) {
-        vf3 a = t->p[(k + 1) % 3], b = t->p[(k + 2) % 3];
-        const edge e = edge_setup(a, b, l->pencil.parallel ? vf_set(0) : t->depth[(k + 1) % 3] - t->depth[(k + 2) % 3]);
-        vf m = edge_size(&e, dx, dy, dz);
+        const plane e = edge_plane(t, k, l->pencil.parallel);
+        vf m = plane_size(&e, dx, dy, dz);
         vf_store(out->nx[k], e.n.x), vf_store(out->ny[k], e.n.y), vf_store(out->nz[k], e.n.z);
         vf_store(out->depth[k], t->depth[k]);
         bound = vf_max(bound, m), across = vf_max(across, vf_abs(e.n.x) + vf_abs(e.n.y)),
@@ -241,11 +223,9 @@ DAFT_INLINE void lanes_setup(const mesh_occluder *c, const corners *t, bool plan
     vf wide = across * size;
     if (!l->pencil.parallel) wide = wide + along * (size + vf_set(2 * l->max_z));
     wide = bound + wide * vf_set(8 * UNIT);
-    vf low = vf_min(t->depth[0], vf_min(t->depth[1], t->depth[2])),
-       high = vf_max(t->depth[0], vf_max(t->depth[1], t->depth[2]));
     vf_store(out->bound, bound);
     vf_store(out->wide, wide);
-    vf_store(out->slack, vf_set(6) * wide * (high - low));
+    vf_store(out->slack, vf_set(6) * wide * (farthest_depth(t) - nearest_depth(t)));
     vf_store(out->rounding, size * vf_set(0x1p-20f));
 }
 
