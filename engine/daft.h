@@ -94,6 +94,52 @@ DAFT_API const char *daft_error_text(const daft_error *error, char *buffer, size
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
+/* A text that a terminal can be shown: control characters and bytes that are no UTF-8 become \n, \t, \x1b and so on.
+ * Every message of the library is in this form. Returns `buffer`. */
+DAFT_API const char *daft_escape(const char *text, char *buffer, size_t size);
+
+/* A set of folders, the roots, and nothing else of the disk: for scenes and games of strangers. Whatever a path says,
+ * and whatever links lie in its way, what is read lies beneath a root; links are not followed at all. A path that begins
+ * with a root's folder leads into that root; another relative one is looked for in all roots, in order; any other is
+ * refused. Hard links and mounted folders count as part of a root. */
+typedef struct daft_files daft_files;
+
+/* Calls back with a file's name. */
+typedef void daft_name_callback(void *user, const char *name);
+/* A root whose files are somewhere else than on the disk. `path` is beneath the root, with neither "." nor ".." in it.
+ * Returns the file's size, or -1 where there is none; where `capacity` is at least that, fills `bytes`. A file that is
+ * damaged fills *error and gives -1. Called from the thread that loads. */
+typedef int64_t daft_read_callback(void *user, const char *path, void *bytes, uint64_t capacity, daft_error *error);
+/* Calls `found` with the name of each file of `folder`. */
+typedef void daft_list_callback(void *user, const char *folder, daft_name_callback *found, void *found_user);
+
+typedef struct daft_root {
+    const char *folder;       /* what paths into it begin with */
+    daft_read_callback *read; /* NULL: `folder` is one of the disk */
+    daft_list_callback *list; /* or NULL; with `read` only */
+    void *user;
+} daft_root;
+
+typedef struct daft_files_def {
+    uint32_t cookie;
+    const daft_root *roots; /* copied; at most 16 */
+    uint32_t root_count;
+    uint64_t max_file_bytes; /* larger files are refused; 2 GiB, which is also the most */
+} daft_files_def;
+
+DAFT_API daft_files_def daft_default_files_def(void);
+/* Fails where a folder cannot be opened. It is opened once: renaming it changes nothing. */
+DAFT_API daft_files *daft_files_create(const daft_files_def *def, daft_error *error);
+DAFT_API void daft_files_destroy(daft_files *files); /* NULL is fine; no engine may use it any more */
+/* Writes the path of the first root's file of this relative name. False: no root has a regular file of that name. */
+DAFT_API bool daft_files_find(const daft_files *files, const char *name, char *path, size_t size);
+/* Calls `found` with what each root has in `folder`, but for names that begin with a dot. */
+DAFT_API void daft_files_list(const daft_files *files, const char *folder, daft_name_callback *found, void *user);
+/* Reads a whole regular file and appends a zero byte. `files` may be NULL: the path leads anywhere, also by links.
+ * NULL: *error says why. Pipes, devices and sockets are refused without waiting. Free it with daft_free_file. */
+DAFT_API void *daft_read_file(const daft_files *files, const char *path, size_t *size, daft_error *error);
+DAFT_API void daft_free_file(void *bytes); /* NULL is fine */
+
 /* Writes a whole file, or nothing: a temporary file beside it is flushed to the disk and renamed, so the old file stays
  * until the new one is whole. Fails with DAFT_ERROR_IO where `path` is a folder, a device, a pipe or a symbolic link.
  */
@@ -159,6 +205,10 @@ DAFT_API daft_engine *daft_engine_create(const daft_engine_def *def, daft_error 
 DAFT_API void daft_engine_destroy(daft_engine *engine);
 DAFT_API int daft_engine_threads(const daft_engine *engine);     /* worker threads, 1 or more */
 DAFT_API const char *daft_engine_isa(const daft_engine *engine); /* the one in use; lives as long as the program */
+/* From now on everything that the engine loads and checks, and all that those files name, comes from these roots: call
+ * it before a scene's first load, since assets are known by their paths. NULL, as at first: from anywhere. The engine
+ * uses `files` until another is set. */
+DAFT_API bool daft_engine_set_files(daft_engine *engine, const daft_files *files, daft_error *error);
 
 /* Bytes. All of the engine's memory is counted: scenes, images, what decoders and builders need for a while, and what
  * is reserved. A call that needs more than the limit leaves over fails with DAFT_ERROR_MEMORY and changes nothing;

@@ -1,5 +1,5 @@
 /* base: errors as values, memory, files, the parallel scheduler, the clock, hashes: what every room uses.
- * Public headers: base.h budget.h writer.h parallel.h
+ * Public headers: base.h budget.h files.h writer.h parallel.h
  * Promises: no global state; every allocation uses the caller's allocator; the results of a parallel loop do not depend
  * on the number of workers, as long as a task writes only to what its index owns. */
 #ifndef DAFT_BASE_H
@@ -71,14 +71,5 @@ double daft_clock_ms(void); /* monotonic, milliseconds */
 /* A counter for short spans, cheaper to read than the clock, against which its unit is calibrated. Processors may
  * differ by some ticks. */
 uint64_t daft_clock_ticks(void);
-
-/* ---- files (file.c) ---- */
-
-/* Reads a whole file into memory, as long as it was when it was opened, and appends a zero byte that *size does not
- * count. Anything but a regular file of at most 2 GiB fails with a message that names it. Release with daft_release. */
-char *daft_file_read(const daft_allocator *allocator, const char *path, size_t *size, daft_error *error);
-/* Joins the folder of `base` (a file's path) and `path` (unchanged when absolute) into out. False if it is too long. */
-bool daft_path_beside(const char *base, const char *path, char *out, size_t size);
-bool daft_file_exists(const char *path);
 
 #endif

@@ -5,14 +5,49 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Bytes of the UTF-8 character at `text`; 0: it is none, or a control character. */
+static size_t shown_length(const unsigned char *text)
+{
+    size_t length = text[0] < 0x80 ? 1 : text[0] >> 5 == 6 ? 2 : text[0] >> 4 == 14 ? 3 : text[0] >> 3 == 30 ? 4 : 0;
+    if (length == 1) return text[0] >= 0x20 && text[0] != 0x7f;
+    for (size_t i = 1; i < length; i++)
+        if (text[i] >> 6 != 2) return 0;
+    bool overlong = (length == 2 && text[0] < 0xc2) || (length == 3 && text[0] == 0xe0 && text[1] < 0xa0) ||
+                    (length == 4 && text[0] == 0xf0 && text[1] < 0x90);
+    bool control = length == 2 && text[0] == 0xc2 && text[1] < 0xa0;
+    bool too_high = text[0] > 0xf4 || (length == 3 && text[0] == 0xed && text[1] > 0x9f);
+    return overlong || control || too_high ? 0 : length;
+}
+
+const char *daft_escape(const char *text, char *buffer, size_t size)
+{
+    size_t used = 0;
+    if (!buffer) size = 0;
+    for (const unsigned char *at = (const unsigned char *)(text ? text : ""); size && *at;) {
+        char code[8];
+        size_t length = shown_length(at), taken = length ? length : 1;
+        if (length)
+            memcpy(code, at, length);
+        else
+            length = (size_t)snprintf(code, sizeof code, *at == '\n' ? "\\n" : *at == '\t' ? "\\t" : "\\x%02x", *at);
+        if (used + length + 1 > size) break;
+        memcpy(buffer + used, code, length);
+        used += length, at += taken;
+    }
+    if (size) buffer[used] = 0;
+    return buffer;
+}
+
 static void fill(daft_error *error, daft_status code, const char *file, int line, int column, const char *format,
                  va_list arguments)
 {
     error->code = code;
     error->line = line;
     error->column = column;
-    snprintf(error->file, sizeof error->file, "%s", file ? file : "");
-    vsnprintf(error->message, sizeof error->message, format, arguments);
+    char message[sizeof error->message];
+    vsnprintf(message, sizeof message, format, arguments);
+    daft_escape(message, error->message, sizeof error->message);
+    daft_escape(file ? file : "", error->file, sizeof error->file);
 }
 
 bool daft_fail(daft_error *error, daft_status code, const char *format, ...)
@@ -64,16 +99,17 @@ void daft_warn_at(const daft_log *log, daft_status code, const char *file, int l
 
 const char *daft_error_text(const daft_error *error, char *buffer, size_t size)
 {
+    char file[sizeof error->file + 512], message[sizeof error->message + 512]; /* errors that programs filled in */
     if (!buffer || size == 0) return buffer;
-    if (!error)
-        buffer[0] = 0;
-    else if (error->file[0] == 0)
-        snprintf(buffer, size, "%s", error->message);
+    daft_escape(error ? error->file : "", file, sizeof file);
+    daft_escape(error ? error->message : "", message, sizeof message);
+    if (!error || error->file[0] == 0)
+        snprintf(buffer, size, "%s", message);
     else if (error->line == 0)
-        snprintf(buffer, size, "%s: %s", error->file, error->message);
+        snprintf(buffer, size, "%s: %s", file, message);
     else if (error->column == 0)
-        snprintf(buffer, size, "%s:%d: %s", error->file, error->line, error->message);
+        snprintf(buffer, size, "%s:%d: %s", file, error->line, message);
     else
-        snprintf(buffer, size, "%s:%d:%d: %s", error->file, error->line, error->column, error->message);
+        snprintf(buffer, size, "%s:%d:%d: %s", file, error->line, error->column, message);
     return buffer;
 }

@@ -8,6 +8,7 @@
 #define DAFT_GEOMETRY_H
 
 #include "base/base.h"
+#include "base/files.h"
 #include "math/vec.h"
 
 /* Triangle indices into the three attribute arrays are kept apart, so that a seam in the uvs is no seam in the surface.
@@ -70,12 +71,12 @@ typedef struct daft_mtl_list {
     size_t count, capacity;
 } daft_mtl_list;
 
-/* Appends the materials of a file. On failure the list is as it was. */
-bool daft_mtl_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_mtl_list *list,
+/* Appends the materials of a file, which is one of `files`; NULL: of the disk. On failure the list is as it was. */
+bool daft_mtl_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log, daft_mtl_list *list,
                    daft_error *error);
 /* The same from memory; `path` names the source in messages and is what maps are beside. `text` ends with a zero byte.
  */
-bool daft_mtl_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
+bool daft_mtl_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text, size_t size,
                     const daft_log *log, daft_mtl_list *list, daft_error *error);
 void daft_mtl_list_free(const daft_allocator *allocator, daft_mtl_list *list);
 /* The default material: Kd 0.8, no map, illum 2. */
@@ -87,17 +88,17 @@ typedef struct daft_obj {
     uint32_t *groups;    /* smoothing group of each triangle, for daft_obj_smooth; NULL: none, or no longer needed */
 } daft_obj;
 
-bool daft_obj_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
+bool daft_obj_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log, daft_obj *out,
                    daft_error *error);
 /* The same from memory; `path` names the source in messages and is where mtllib looks. `text` ends with a zero byte. */
-bool daft_obj_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
+bool daft_obj_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text, size_t size,
                     const daft_log *log, daft_obj *out, daft_error *error);
 void daft_obj_free(const daft_allocator *allocator, daft_obj *obj);
 
 /* daft_obj_load in two steps. The first leaves mesh.normals NULL where no corner has a normal in the file: enough to
  * collide with. The second computes those, which takes as long as the first or twice that; where there are normals it
  * does nothing. On failure the mesh is as it was. */
-bool daft_obj_load_triangles(const daft_allocator *allocator, const char *path, const daft_log *log, daft_obj *out,
+bool daft_obj_load_triangles(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log, daft_obj *out,
                              daft_error *error);
 bool daft_obj_smooth(const daft_allocator *allocator, daft_obj *obj, daft_error *error);
 
@@ -129,7 +130,7 @@ void daft_problem_at(const daft_problems *problems, daft_severity severity, daft
                      int line, int column, const char *format, ...) __attribute__((format(printf, 7, 8)));
 
 /* daft_obj_load that also tells what is odd about the file. What loading itself warns of goes to `log`. */
-bool daft_obj_check(const daft_allocator *allocator, const char *path, const daft_log *log,
+bool daft_obj_check(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log,
                     const daft_problems *problems, daft_obj *out, daft_error *error);
 
 #endif

@@ -36,10 +36,10 @@ static void bytes_from_light(const float *light, size_t pixels, uint8_t *rgba)
     }
 }
 
-bool daft_image_read(const daft_allocator *allocator, const char *path, daft_image *out, daft_error *error)
+bool daft_image_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_image *out, daft_error *error)
 {
     daft_decoded decoded;
-    if (!daft_decode_file(allocator, path, &decoded, error)) return false;
+    if (!daft_decode_file(allocator, files, path, &decoded, error)) return false;
     if (decoded.bytes) {
         *out = (daft_image){*allocator, decoded.width, decoded.height, decoded.bytes, .from_stb = true};
         return true;

@@ -5,6 +5,7 @@
 #define DAFT_IMAGE_ROOM_H
 
 #include "base/base.h"
+#include "base/files.h"
 #include "math/vec.h"
 
 struct daft_image {
@@ -16,7 +17,7 @@ struct daft_image {
 };
 
 /* Decodes PNG, JPEG, TGA, BMP, GIF (first frame), PSD, HDR (tone-clamped). At most 16384 pixels a side. */
-bool daft_image_read(const daft_allocator *allocator, const char *path, daft_image *out, daft_error *error);
+bool daft_image_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_image *out, daft_error *error);
 void daft_image_free(daft_image *image);
 
 float daft_srgb_to_linear(float encoded);
@@ -36,7 +37,7 @@ typedef struct daft_texture_data {
 
 bool daft_texture_build(const daft_allocator *allocator, const uint8_t *rgba, int width, int height,
                         daft_texture_data *out, daft_error *error);
-bool daft_texture_read(const daft_allocator *allocator, const char *path, daft_texture_data *out, daft_error *error);
+bool daft_texture_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_texture_data *out, daft_error *error);
 /* The magenta and black checker that stands for a missing file. */
 bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *out, daft_error *error);
 void daft_texture_free(const daft_allocator *allocator, daft_texture_data *texture);
@@ -48,7 +49,7 @@ typedef struct daft_sky_image {
     bool from_stb; /* texels are what stb_image has made */
 } daft_sky_image;
 
-bool daft_sky_read(const daft_allocator *allocator, const char *path, daft_sky_image *out, daft_error *error);
+bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out, daft_error *error);
 void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky);
 
 #endif

@@ -169,10 +169,10 @@ bool daft_texture_build(const daft_allocator *allocator, const uint8_t *rgba, in
     return true;
 }
 
-bool daft_texture_read(const daft_allocator *allocator, const char *path, daft_texture_data *out, daft_error *error)
+bool daft_texture_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_texture_data *out, daft_error *error)
 {
     daft_image image;
-    if (!daft_image_read(allocator, path, &image, error)) return false;
+    if (!daft_image_read(allocator, files, path, &image, error)) return false;
     daft_texture_data texture = {.texels = {image.pixels}, .from_stb = image.from_stb};
     if (!add_levels(allocator, &texture, image.width, image.height, error)) return false;
     *out = texture;

@@ -131,6 +131,14 @@ void daft_engine_unreserve(daft_engine *engine, uint64_t bytes)
     if (given) daft_budget_give(engine->budget, given);
 }
 
+bool daft_engine_set_files(daft_engine *engine, const daft_files *files, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_engine_ready(engine, error)) return false;
+    engine->files = files;
+    return true;
+}
+
 int daft_engine_threads(const daft_engine *engine) { return engine ? engine->threads : 0; }
 const char *daft_engine_isa(const daft_engine *engine) { return engine ? daft_isa_name(engine->isa) : NULL; }
 
@@ -170,7 +178,7 @@ daft_image *daft_image_load(daft_engine *engine, const char *path, daft_error *e
     if (!daft_engine_ready(engine, error) || !daft_check_pointer(error, "path", path)) return NULL;
     daft_image *image = image_new(engine, error);
     if (!image) return NULL;
-    if (daft_image_read(&engine->allocator, path, image, error)) return image;
+    if (daft_image_read(&engine->allocator, engine->files, path, image, error)) return image;
     daft_release(&engine->allocator, image);
     return NULL;
 }

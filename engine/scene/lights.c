@@ -108,7 +108,7 @@ daft_sky_item *daft_sky_item_read(const daft_scene *scene, const char *path, daf
 {
     daft_sky_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
     if (!item) daft_fail_memory(error, "a sky");
-    if (item && daft_sky_read(scene->allocator, path, &item->image, error)) return item;
+    if (item && daft_sky_read(scene->allocator, scene->engine->files, path, &item->image, error)) return item;
     daft_release(scene->allocator, item);
     return NULL;
 }

@@ -13,7 +13,7 @@ static void check_picture(const daft_allocator *allocator, const char *path)
 {
     daft_image image = {0};
     daft_error error = {0};
-    bool good = daft_image_read(allocator, path, &image, &error);
+    bool good = daft_image_read(allocator, NULL, path, &image, &error);
     fuzz_check_error(good, &error);
     if (!good) return;
     FUZZ_CHECK(image.width > 0 && image.height > 0 && image.pixels);
@@ -27,7 +27,7 @@ static void check_texture(const daft_allocator *allocator, const char *path)
 {
     daft_texture_data texture = {0};
     daft_error error = {0};
-    bool good = daft_texture_read(allocator, path, &texture, &error);
+    bool good = daft_texture_read(allocator, NULL, path, &texture, &error);
     fuzz_check_error(good, &error);
     if (!good) return;
     FUZZ_CHECK(texture.levels > 0 && texture.levels <= DAFT_MAX_MIPS && !texture.missing);
@@ -39,7 +39,7 @@ static void check_sky(const daft_allocator *allocator, const char *path)
 {
     daft_sky_image sky = {0};
     daft_error error = {0};
-    bool good = daft_sky_read(allocator, path, &sky, &error);
+    bool good = daft_sky_read(allocator, NULL, path, &sky, &error);
     fuzz_check_error(good, &error);
     if (!good) return;
     for (size_t i = 0; i < 3 * (size_t)sky.width * (size_t)sky.height; i++)

@@ -36,7 +36,7 @@ int mtl_input(const uint8_t *data, size_t size)
     text[size] = 0;
     daft_mtl_list list = {0};
     daft_error error = {0};
-    bool good = daft_mtl_parse(&allocator, path, text, size, NULL, &list, &error);
+    bool good = daft_mtl_parse(&allocator, NULL, path, text, size, NULL, &list, &error);
     fuzz_check_error(good, &error);
     FUZZ_CHECK(good || list.count == 0);
     for (size_t i = 0; i < list.count; i++) check_material(&list.items[i]);

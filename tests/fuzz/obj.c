@@ -44,7 +44,7 @@ int obj_input(const uint8_t *data, size_t size)
     text[size] = 0;
     daft_obj obj = {0};
     daft_error error = {0};
-    bool good = daft_obj_parse(&allocator, path, text, size, NULL, &obj, &error);
+    bool good = daft_obj_parse(&allocator, NULL, path, text, size, NULL, &obj, &error);
     fuzz_check_error(good, &error);
     if (good) check_mesh(&obj.mesh);
     if (good) FUZZ_CHECK(obj.slots.count == obj.mesh.slot_count && obj.slots.count > 0);

@@ -185,7 +185,7 @@ bool closed_shape_load(const daft_allocator *allocator, int file, closed_shape *
     bool model = strncmp(FILES[file], "models/", 7) == 0;
     snprintf(path, sizeof path, "%s/%s", model ? folder("DAFT_DATA", DAFT_ROOT "/../shared/data") : hard_cases_folder(),
              FILES[file]);
-    if (!daft_file_exists(path) || !daft_obj_load(allocator, path, NULL, &obj, NULL)) return false;
+    if (!daft_file_exists(NULL, path) || !daft_obj_load(allocator, NULL, path, NULL, &obj, NULL)) return false;
     const char *name = strrchr(FILES[file], '/') + 1;
     snprintf(out->name, sizeof out->name, "%.*s", (int)strcspn(name, "."), name);
     out->mesh = obj.mesh;

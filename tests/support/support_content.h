@@ -115,7 +115,7 @@ static inline const char *data_file(const char *name)
     static unsigned turn;
     char *out = path[turn++ % 4];
     snprintf(out, sizeof path[0], "%s/tests/data/%s", DAFT_ROOT, name);
-    if (!daft_file_exists(out)) fail_msg("tests/data/%s is missing", name);
+    if (!daft_file_exists(NULL, out)) fail_msg("tests/data/%s is missing", name);
     return out;
 }
 
@@ -126,7 +126,7 @@ static inline const char *shared_file(const char *name)
     static unsigned turn;
     char *out = path[turn++ % 4];
     snprintf(out, sizeof path[0], "%s/../shared/data/%s", DAFT_ROOT, name);
-    if (daft_file_exists(out)) return out;
+    if (daft_file_exists(NULL, out)) return out;
     print_message("skipped: ../shared/data/%s is not there\n", name);
     return NULL;
 }

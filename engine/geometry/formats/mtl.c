@@ -13,6 +13,7 @@
 typedef struct reader {
     daft_text text;
     const daft_allocator *allocator;
+    const daft_files *files;
     daft_error *error;
     daft_mtl_list *list;
     daft_mtl *current;               /* NULL before the first newmtl */
@@ -299,9 +300,9 @@ static bool resolve_map(const reader *r, const char *name, char *out, size_t siz
 {
     if (!daft_path_beside(r->text.path, name, out, size)) return false;
     const char *slash = strrchr(name, '/');
-    if (!slash || daft_file_exists(out)) return true;
+    if (!slash || daft_file_exists(r->files, out)) return true;
     char other[sizeof r->current->diffuse_map];
-    if (daft_path_beside(r->text.path, slash + 1, other, sizeof other) && daft_file_exists(other))
+    if (daft_path_beside(r->text.path, slash + 1, other, sizeof other) && daft_file_exists(r->files, other))
         memcpy(out, other, size < sizeof other ? size : sizeof other);
     return true;
 }
@@ -426,11 +427,11 @@ static bool check_content(reader *r)
     return true;
 }
 
-bool daft_mtl_parse(const daft_allocator *allocator, const char *path, const char *text, size_t size,
+bool daft_mtl_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text, size_t size,
                     const daft_log *log, daft_mtl_list *list, daft_error *error)
 {
     size_t before = list->count;
-    reader r = {.text = daft_text_open(path, text, size, log), .allocator = allocator, .error = error, .list = list};
+    reader r = {.text = daft_text_open(path, text, size, log), .allocator = allocator, .files = files, .error = error, .list = list};
     bool done = read_lines(&r) && check_content(&r);
     if (done)
         daft_text_close(&r.text);
@@ -439,13 +440,13 @@ bool daft_mtl_parse(const daft_allocator *allocator, const char *path, const cha
     return done;
 }
 
-bool daft_mtl_load(const daft_allocator *allocator, const char *path, const daft_log *log, daft_mtl_list *list,
+bool daft_mtl_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log, daft_mtl_list *list,
                    daft_error *error)
 {
     size_t size;
-    char *text = daft_file_read(allocator, path, &size, error);
+    char *text = daft_file_read(allocator, files, path, &size, error);
     if (!text) return false;
-    bool done = daft_mtl_parse(allocator, path, text, size, log, list, error);
+    bool done = daft_mtl_parse(allocator, files, path, text, size, log, list, error);
     daft_release(allocator, text);
     return done;
 }

@@ -27,6 +27,7 @@ typedef struct daft_obj_name {
 typedef struct daft_obj_source {
     daft_text text;
     const daft_allocator *allocator;
+    const daft_files *files; /* where its materials are; NULL: anywhere */
     float *x, *y, *z; /* positions */
     daft_vec3 *normals;
     daft_vec2 *uvs;

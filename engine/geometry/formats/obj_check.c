@@ -179,15 +179,15 @@ static bool check(daft_obj_source *source, daft_obj *obj, daft_error *error)
            daft_obj_make_normals(source, &obj->mesh, error) && look_at_mesh(&c, &obj->mesh, error);
 }
 
-bool daft_obj_check(const daft_allocator *allocator, const char *path, const daft_log *log,
+bool daft_obj_check(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log,
                     const daft_problems *problems, daft_obj *out, daft_error *error)
 {
     size_t size;
-    char *text = daft_file_read(allocator, path, &size, error);
+    char *text = daft_file_read(allocator, files, path, &size, error);
     if (!text) return false;
     daft_obj obj = {0};
     daft_obj_source source = {
-        .text = daft_text_open(path, text, size, log), .allocator = allocator, .problems = problems};
+        .text = daft_text_open(path, text, size, log), .allocator = allocator, .files = files, .problems = problems};
     bool done = check(&source, &obj, error);
     obj.mesh.slot_count = (uint32_t)obj.slots.count;
     if (done) daft_text_close(&source.text);

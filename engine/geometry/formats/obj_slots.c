@@ -39,15 +39,15 @@ static bool find_file(const slots *s, const char *name, size_t length, char *pat
 {
     char relative[1024];
     if (!to_path(name, length, relative, sizeof relative)) return false;
-    if (daft_path_beside(s->source->text.path, relative, path, size) && daft_file_exists(path)) return true;
+    if (daft_path_beside(s->source->text.path, relative, path, size) && daft_file_exists(s->source->files, path)) return true;
     const char *slash = strrchr(relative, '/');
-    return slash && slash[1] && daft_path_beside(s->source->text.path, slash + 1, path, size) && daft_file_exists(path);
+    return slash && slash[1] && daft_path_beside(s->source->text.path, slash + 1, path, size) && daft_file_exists(s->source->files, path);
 }
 
 static bool load(slots *s, const char *path)
 {
     s->loaded++;
-    return daft_mtl_load(s->source->allocator, path, s->source->text.log, &s->materials, s->error);
+    return daft_mtl_load(s->source->allocator, s->source->files, path, s->source->text.log, &s->materials, s->error);
 }
 
 static void note_missing(slots *s, const char *name, size_t length)

@@ -112,7 +112,7 @@ static bool mesh_read(daft_scene *scene, const char *path, daft_mesh_item *item,
     if (!item->path) return daft_fail_memory(error, "a path");
     item->hash = daft_path_hash(path);
     daft_obj obj = {0};
-    if (!daft_obj_load(scene->allocator, path, &scene->engine->log, &obj, error)) return false;
+    if (!daft_obj_load(scene->allocator, scene->engine->files, path, &scene->engine->log, &obj, error)) return false;
     item->mesh = obj.mesh; /* from here on the item owns the triangles */
     memset(&obj.mesh, 0, sizeof obj.mesh);
     bool done = mesh_finish(scene, item, error);
@@ -377,7 +377,7 @@ daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *
     uint32_t cached = texture_cached(scene, path, daft_path_hash(path));
     if (cached && !scene->assets.textures[cached - 1].missing) return (daft_texture){cached};
     daft_texture_data data = {0};
-    if (!daft_texture_read(scene->allocator, path, &data, error)) return (daft_texture){0};
+    if (!daft_texture_read(scene->allocator, scene->engine->files, path, &data, error)) return (daft_texture){0};
     if (!cached) return texture_add(scene, path, &data, error);
     /* a material has asked for it before it was there: the checker gives way */
     return replace_texture(scene, cached, &data, error);
@@ -389,7 +389,7 @@ daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_er
     if (cached) return (daft_texture){cached};
     daft_texture_data data = {0};
     daft_error why = {0};
-    if (daft_texture_read(scene->allocator, mtl->diffuse_map, &data, &why))
+    if (daft_texture_read(scene->allocator, scene->engine->files, mtl->diffuse_map, &data, &why))
         return texture_add(scene, mtl->diffuse_map, &data, error);
     if (why.code == DAFT_ERROR_MEMORY) {
         if (error) *error = why;

@@ -135,10 +135,10 @@ daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daf
 }
 
 /* Splits "file.mtl#name" unless a file has just that name. NULL: no name, the first material is meant. */
-static bool split_path(const char *path, char *file, size_t size, const char **name, daft_error *error)
+static bool split_path(const daft_files *files, const char *path, char *file, size_t size, const char **name, daft_error *error)
 {
     const char *hash = strrchr(path, '#');
-    if (hash && daft_file_exists(path)) hash = NULL;
+    if (hash && daft_file_exists(files, path)) hash = NULL;
     size_t length = hash ? (size_t)(hash - path) : strlen(path);
     if (length >= size) return daft_fail(error, DAFT_ERROR_IO, "the path has more than %zu characters", size - 1);
     memcpy(file, path, length);
@@ -169,8 +169,8 @@ static daft_material load_new(daft_scene *scene, const char *path, daft_error *e
     const char *name = NULL;
     daft_mtl_list list = {0};
     daft_material material = {0};
-    if (!split_path(path, file, sizeof file, &name, error)) return material;
-    if (daft_mtl_load(scene->allocator, file, &scene->engine->log, &list, error)) {
+    if (!split_path(scene->engine->files, path, file, sizeof file, &name, error)) return material;
+    if (daft_mtl_load(scene->allocator, scene->engine->files, file, &scene->engine->log, &list, error)) {
         const daft_mtl *mtl = pick(&list, file, name, error);
         if (mtl) material = daft_material_from_mtl(scene, mtl, error);
     }

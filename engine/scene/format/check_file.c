@@ -42,15 +42,15 @@ static bool map_is_repeated(const daft_mtl_list *list, size_t index)
     return false;
 }
 
-static void check_maps(const daft_allocator *allocator, const daft_problems *problems, const daft_mtl_list *list)
+static void check_maps(const daft_engine *engine, const daft_problems *problems, const daft_mtl_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
         const daft_mtl *mtl = &list->items[i];
         if (!mtl->diffuse_map[0] || map_is_repeated(list, i)) continue;
         daft_texture_data texture = {0};
         daft_error why = {0};
-        if (daft_texture_read(allocator, mtl->diffuse_map, &texture, &why))
-            daft_texture_free(allocator, &texture);
+        if (daft_texture_read(&engine->allocator, engine->files, mtl->diffuse_map, &texture, &why))
+            daft_texture_free(&engine->allocator, &texture);
         else
             daft_problem_at(problems, DAFT_SEVERITY_WARNING, why.code, mtl->file, mtl->diffuse_map_line,
                             mtl->diffuse_map_column, "a checker stands in for the texture %s: %s", mtl->diffuse_map,
@@ -99,9 +99,9 @@ static bool check_obj(daft_engine *engine, const char *path, const daft_problems
 {
     daft_obj obj;
     daft_error why = {0};
-    if (!daft_obj_check(&engine->allocator, path, &engine->log, problems, &obj, &why))
+    if (!daft_obj_check(&engine->allocator, engine->files, path, &engine->log, problems, &obj, &why))
         return refuse(problems, &why, error);
-    check_maps(&engine->allocator, problems, &obj.slots);
+    check_maps(engine, problems, &obj.slots);
     for (size_t i = 0; i < obj.slots.count; i++) check_transmission(problems, &obj.slots.items[i]);
     bool done = check_solid(&engine->allocator, path, problems, &obj, error);
     daft_obj_free(&engine->allocator, &obj);
@@ -112,7 +112,7 @@ static bool check_mtl(daft_engine *engine, const char *path, const daft_problems
 {
     daft_mtl_list list = {0};
     daft_error why = {0};
-    bool read = daft_mtl_load(&engine->allocator, path, &engine->log, &list, &why);
+    bool read = daft_mtl_load(&engine->allocator, engine->files, path, &engine->log, &list, &why);
     for (size_t i = 0; i < list.count; i++) {
         check_transmission(problems, &list.items[i]);
         for (size_t k = 0; k < i; k++)
@@ -122,7 +122,7 @@ static bool check_mtl(daft_engine *engine, const char *path, const daft_problems
                 break;
             }
     }
-    check_maps(&engine->allocator, problems, &list);
+    check_maps(engine, problems, &list);
     daft_mtl_list_free(&engine->allocator, &list); /* after a failure too: it keeps its room */
     return read || refuse(problems, &why, error);
 }

@@ -2,8 +2,6 @@
  * then room is made for everything, and only then, when nothing can fail any more, the scene changes. */
 #include "scene/format/load.h"
 
-#include <sys/stat.h>
-
 enum { MAX_INCLUDES = 16 };
 
 typedef daft_scene_item item;
@@ -11,8 +9,7 @@ typedef daft_scene_item item;
 /* A file that is being read, and the one that includes it. */
 typedef struct source {
     const char *path;
-    dev_t device;
-    ino_t inode;
+    daft_file_id id;
     const struct source *parent;
     int depth;
 } source;
@@ -52,10 +49,10 @@ static bool read_include(loader *load, const daft_scene_text *text, const source
 {
     if (from->depth == MAX_INCLUDES)
         return daft_scene_text_fail(text, named->column, "includes are more than %d deep", MAX_INCLUDES);
-    struct stat status;
-    bool exists = stat(named->path, &status) == 0;
+    daft_file_id id;
+    bool exists = daft_file_identify(load->scene->engine->files, named->path, &id);
     for (const source *above = from; exists && above; above = above->parent)
-        if (above->device == status.st_dev && above->inode == status.st_ino)
+        if (above->id.device == id.device && above->id.number == id.number)
             return daft_scene_text_fail(text, named->column, "%.300s includes itself", named->path);
     return read_file(load, named->path, from) || fail_inside(load, named);
 }
@@ -93,13 +90,9 @@ static bool read_file(loader *load, const char *path, const source *parent)
 {
     const daft_allocator *allocator = load->scene->allocator;
     source self = {.path = path, .parent = parent, .depth = parent ? parent->depth + 1 : 0};
-    struct stat status;
-    if (stat(path, &status) == 0) {
-        self.device = status.st_dev;
-        self.inode = status.st_ino;
-    }
+    daft_file_identify(load->scene->engine->files, path, &self.id);
     size_t size;
-    char *bytes = daft_file_read(allocator, path, &size, &load->error);
+    char *bytes = daft_file_read(allocator, load->scene->engine->files, path, &size, &load->error);
     if (!bytes) return false;
     daft_scene_text text = daft_scene_text_open(path, bytes, size, &load->error);
     bool done = read_lines(load, &text, &self);

@@ -3,6 +3,7 @@
 #define DAFT_SCENE_TEXT_H
 
 #include "base/base.h"
+#include "base/files.h"
 
 typedef struct daft_scene_text {
     const char *path; /* for messages */

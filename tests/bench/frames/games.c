@@ -118,7 +118,7 @@ static bool play_demo(bench *self, const char *game, int threads, users_frames *
                                  stats,      "--threads", count,    "--isa",      self->isa};
     size_t size;
     bool played = run_program(words, DAFT_COUNT_OF(words)) >= 0;
-    char *json = played ? daft_file_read(&self->allocator, stats, &size, NULL) : NULL;
+    char *json = played ? daft_file_read(&self->allocator, NULL, stats, &size, NULL) : NULL;
     if (json) read_stats(json, out);
     daft_release(&self->allocator, json);
     unlink(stats);
@@ -147,7 +147,7 @@ static int has_demo(const struct dirent *entry)
     char path[512];
     if (entry->d_name[0] == '.') return 0;
     snprintf(path, sizeof path, "%s/games/%.200s/demo.rec", DAFT_ROOT, entry->d_name);
-    return daft_file_exists(path);
+    return daft_file_exists(NULL, path);
 }
 
 void bench_games(bench *self)

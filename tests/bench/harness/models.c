@@ -31,7 +31,7 @@ bool bench_model_path(const bench_model *model, char *out, size_t size)
     if (!model->file) return false;
     const char *data = getenv("DAFT_DATA");
     snprintf(out, size, "%s/models/%s", data && data[0] ? data : DAFT_ROOT "/../shared/data", model->file);
-    return daft_file_exists(out);
+    return daft_file_exists(NULL, out);
 }
 
 void bench_label(const char *scene, char *out, size_t size)
@@ -118,7 +118,7 @@ static bool load_file(bench *self, const bench_model *model, daft_trimesh *out)
     daft_obj obj;
     daft_error error;
     daft_log log = {0};
-    if (!daft_obj_load(&self->allocator, path, &log, &obj, &error)) {
+    if (!daft_obj_load(&self->allocator, NULL, path, &log, &obj, &error)) {
         bench_note(self, true, "%s", daft_error_text(&error, text, sizeof text));
         return false;
     }

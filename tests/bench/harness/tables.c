@@ -93,7 +93,7 @@ static bool add_row(tables *t, const table_row *row)
 static bool read_rows(tables *t, const char *path)
 {
     size_t size;
-    char *text = daft_file_read(&t->self->allocator, path, &size, NULL);
+    char *text = daft_file_read(&t->self->allocator, NULL, path, &size, NULL);
     if (!text) {
         bench_note(t->self, true, "cannot read %s", path);
         return false;
@@ -298,7 +298,7 @@ static void fill_page(const tables *t, const char *name)
     size_t size;
     snprintf(path, sizeof path, "%s/%s", t->self->tables, name);
     snprintf(made, sizeof made, "%s.new", path);
-    char *text = daft_file_read(&t->self->allocator, path, &size, NULL);
+    char *text = daft_file_read(&t->self->allocator, NULL, path, &size, NULL);
     FILE *out = text && strstr(text, BEGIN) ? fopen(made, "w") : NULL;
     if (out) {
         bool good = fill(out, t, path, text) && !ferror(out);

@@ -27,8 +27,8 @@ static double obj_ours(void *context)
     daft_obj obj;
     daft_log log = {0};
     double start = bench_clock_ms(1);
-    bool loaded = job->with_normals ? daft_obj_load(&job->self->allocator, job->path, &log, &obj, NULL)
-                                    : daft_obj_load_triangles(&job->self->allocator, job->path, &log, &obj, NULL);
+    bool loaded = job->with_normals ? daft_obj_load(&job->self->allocator, NULL, job->path, &log, &obj, NULL)
+                                    : daft_obj_load_triangles(&job->self->allocator, NULL, job->path, &log, &obj, NULL);
     if (!loaded) return -1;
     double ms = bench_clock_ms(1) - start;
     job->triangles = obj.mesh.triangle_count;

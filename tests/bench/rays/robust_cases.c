@@ -70,7 +70,7 @@ static bool row_file(const bench *self, const row *header, const row *r, daft_tr
     char path[1024];
     daft_obj obj;
     snprintf(path, sizeof path, "%s/%s", hard_cases_folder(), text(header, r, "mesh"));
-    if (!daft_obj_load(&self->allocator, path, NULL, &obj, NULL)) return false;
+    if (!daft_obj_load(&self->allocator, NULL, path, NULL, &obj, NULL)) return false;
     *out = obj.mesh;
     memset(&obj.mesh, 0, sizeof obj.mesh);
     daft_obj_free(&self->allocator, &obj);

@@ -131,7 +131,7 @@ static bool target_file(target *s, const table *t, const row *r)
     daft_obj obj;
     daft_error error = {0};
     snprintf(path, sizeof path, "%s%s", t->folder, text(t, r, "mesh"));
-    if (!daft_obj_load(&s->allocator, path, NULL, &obj, &error)) {
+    if (!daft_obj_load(&s->allocator, NULL, path, NULL, &obj, &error)) {
         fprintf(stderr, "%s: %s\n", path, error.message);
         return false;
     }

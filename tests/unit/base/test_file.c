@@ -33,7 +33,7 @@ static void assert_refused(const char *name, const char *why)
 {
     size_t size;
     daft_error error;
-    assert_null(daft_file_read(&allocator, name, &size, &error));
+    assert_null(daft_file_read(&allocator, NULL, name, &size, &error));
     assert_int_equal(error.code, DAFT_ERROR_IO);
     assert_string_equal(error.file, name);
     if (!strstr(error.message, why)) fail_msg("'%s' does not say '%s'", error.message, why);
@@ -47,12 +47,12 @@ static void a_file_is_read_whole(void **unused)
     FILE *file = fopen(path, "w");
     fwrite("a\0b", 1, 3, file);
     fclose(file);
-    char *bytes = daft_file_read(&allocator, path, &size, &error);
+    char *bytes = daft_file_read(&allocator, NULL, path, &size, &error);
     assert_non_null(bytes);
     assert_int_equal(size, 3);
     assert_memory_equal(bytes, "a\0b", 4);
     daft_release(&allocator, bytes);
-    assert_true(daft_file_exists(path));
+    assert_true(daft_file_exists(NULL, path));
 }
 
 static void what_is_no_file_is_refused_at_once(void **unused)
@@ -63,7 +63,7 @@ static void what_is_no_file_is_refused_at_once(void **unused)
     assert_refused("/dev/zero", "is a device");
     assert_int_equal(mkfifo(path, 0666), 0);
     assert_refused(path, "is a pipe");
-    assert_false(daft_file_exists(path));
+    assert_false(daft_file_exists(NULL, path));
     unlink(path);
     struct sockaddr_un address = {.sun_family = AF_UNIX};
     snprintf(address.sun_path, sizeof address.sun_path, "%s", path);

@@ -12,7 +12,7 @@ static bool read_bytes(const char *bytes, size_t size, daft_error *error)
     daft_allocator allocator = counting_allocator(&memory);
     daft_log log = memo_log(&warnings);
     list = (daft_mtl_list){0};
-    return daft_mtl_load(&allocator, path, &log, &list, error);
+    return daft_mtl_load(&allocator, NULL, path, &log, &list, error);
 }
 
 static void done(void)
@@ -170,10 +170,10 @@ static void errors_say_where(void **unused)
     refuse("\xEF\xBB\xBF# c\rKd 1 0 0\rnewmtl a\r", "a.mtl:2:1: 'Kd' before the first newmtl");
     daft_error error;
     daft_allocator allocator = counting_allocator(&memory);
-    assert_false(daft_mtl_load(&allocator, test_path("none.mtl"), NULL, &list, &error));
+    assert_false(daft_mtl_load(&allocator, NULL, test_path("none.mtl"), NULL, &list, &error));
     assert_int_equal(error.code, DAFT_ERROR_IO);
     assert_contains(error.file, "none.mtl");
-    assert_false(daft_mtl_load(&allocator, test_folder, NULL, &list, &error));
+    assert_false(daft_mtl_load(&allocator, NULL, test_folder, NULL, &list, &error));
     assert_contains(error.message, "directory");
     done();
 }
@@ -194,11 +194,11 @@ static void a_failure_keeps_the_list(void **unused)
     daft_allocator allocator = {.user = &memory, .allocate = counting_allocate, .release = counting_release};
     const char *path =
         write_test_text("bad.mtl", "newmtl c\nnewmtl d\nnewmtl e\nnewmtl f\nnewmtl g\nnewmtl h\nnewmtl i\nKd x\n");
-    assert_false(daft_mtl_load(&allocator, path, NULL, &list, NULL));
+    assert_false(daft_mtl_load(&allocator, NULL, path, NULL, &list, NULL));
     assert_int_equal(list.count, 2);
     assert_string_equal(list.items[1].name, "b");
     path = write_test_text("good.mtl", "newmtl c\n");
-    assert_true(daft_mtl_load(&allocator, path, NULL, &list, NULL));
+    assert_true(daft_mtl_load(&allocator, NULL, path, NULL, &list, NULL));
     assert_int_equal(list.count, 3);
     assert_string_equal(list.items[2].name, "c");
     done();
@@ -229,7 +229,7 @@ static void hard_files(void **unused)
         daft_allocator allocator = counting_allocator(&memory);
         daft_log log = memo_log(&warnings);
         list = (daft_mtl_list){0};
-        assert_true(daft_mtl_load(&allocator, path, &log, &list, NULL));
+        assert_true(daft_mtl_load(&allocator, NULL, path, &log, &list, NULL));
         assert_int_equal(list.count, files[i].count);
         assert_int_equal(warnings.count, files[i].warnings);
         const char *map = list.items[0].diffuse_map, *slash = strrchr(map, '/');

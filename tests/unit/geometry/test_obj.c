@@ -10,7 +10,7 @@ static bool parse_bytes(const char *text, size_t size, daft_obj *obj, daft_error
 {
     daft_allocator allocator = counting_allocator(&memory);
     daft_log log = memo_log(&warnings);
-    return daft_obj_parse(&allocator, "a.obj", text, size, &log, obj, error);
+    return daft_obj_parse(&allocator, NULL, "a.obj", text, size, &log, obj, error);
 }
 
 static void free_obj(daft_obj *obj)
@@ -390,7 +390,7 @@ static daft_obj load(const char *path)
     daft_obj obj;
     daft_error error;
     char shown[1100];
-    if (!daft_obj_load(&allocator, path, &log, &obj, &error))
+    if (!daft_obj_load(&allocator, NULL, path, &log, &obj, &error))
         fail_msg("%s", daft_error_text(&error, shown, sizeof shown));
     check_mesh(&obj);
     return obj;
@@ -453,13 +453,13 @@ static void an_error_in_the_material_file_is_an_error(void **unused)
     daft_allocator allocator = counting_allocator(&memory);
     daft_obj obj;
     daft_error error;
-    assert_false(daft_obj_load(&allocator, path, NULL, &obj, &error));
+    assert_false(daft_obj_load(&allocator, NULL, path, NULL, &obj, &error));
     assert_contains(error.file, "bad.mtl");
     assert_true(error.line == 2 && error.column == 8);
     assert_int_equal(memory.live, 0);
-    assert_false(daft_obj_load(&allocator, test_folder, NULL, &obj, &error));
+    assert_false(daft_obj_load(&allocator, NULL, test_folder, NULL, &obj, &error));
     assert_contains(error.message, "is a directory");
-    assert_false(daft_obj_load(&allocator, test_path("none.obj"), NULL, &obj, NULL));
+    assert_false(daft_obj_load(&allocator, NULL, test_path("none.obj"), NULL, &obj, NULL));
     assert_int_equal(memory.live, 0);
 }
 
@@ -512,7 +512,7 @@ static void normals_may_come_later(void **unused)
         snprintf(text, sizeof text, ROOF "%s", cases[i].faces);
         daft_obj whole = parse(text), bare;
         const char *path = write_test_text("bare.obj", text);
-        assert_true(daft_obj_load_triangles(&allocator, path, NULL, &bare, NULL));
+        assert_true(daft_obj_load_triangles(&allocator, NULL, path, NULL, &bare, NULL));
         assert_int_equal(!bare.mesh.normals, cases[i].bare);
         assert_int_equal(!bare.mesh.normal_indices && !bare.mesh.normal_count, cases[i].bare);
         if (cases[i].bare) {
@@ -631,7 +631,7 @@ static void files_that_break_other_loaders(void **unused)
         daft_log log = memo_log(&warnings);
         daft_obj obj;
         daft_error error;
-        bool loaded = daft_obj_load(&allocator, path, &log, &obj, &error);
+        bool loaded = daft_obj_load(&allocator, NULL, path, &log, &obj, &error);
         if (!loaded) daft_error_text(&error, shown, sizeof shown);
         if (loaded != (hard_files[i].triangles >= 0)) fail_msg("%s: %s", name, loaded ? "loaded" : shown);
         if (!loaded) {
@@ -719,7 +719,7 @@ static void memory_may_run_out_anywhere(void **unused)
         memory.fail_at = fail_at;
         daft_obj obj;
         daft_error error;
-        bool loaded = daft_obj_load(&allocator, path, NULL, &obj, &error);
+        bool loaded = daft_obj_load(&allocator, NULL, path, NULL, &obj, &error);
         if (!loaded) assert_int_equal(error.code, DAFT_ERROR_MEMORY);
         if (loaded) daft_obj_free(&allocator, &obj);
         assert_int_equal(memory.live, 0);

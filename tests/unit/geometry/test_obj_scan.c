@@ -110,7 +110,7 @@ static void run(const daft_allocator *allocator, const char *text, size_t size, 
     daft_log log = memo_log(&out->warnings);
     memset(&out->obj, 0, sizeof out->obj);
     memset(&out->error, 0, sizeof out->error);
-    out->made = daft_obj_parse(allocator, "a.obj", text, size, &log, &out->obj, &out->error);
+    out->made = daft_obj_parse(allocator, NULL, "a.obj", text, size, &log, &out->obj, &out->error);
 }
 
 static void same(const void *a, const void *b, size_t bytes, const char *what)

@@ -23,15 +23,15 @@ static void refuse(const char *path, daft_status code, const char *message)
     daft_image image;
     daft_error error;
     char shown[1100];
-    if (daft_image_read(&allocator, path, &image, &error)) fail_msg("read: %s", path);
+    if (daft_image_read(&allocator, NULL, path, &image, &error)) fail_msg("read: %s", path);
     assert_int_equal(memory.live, 0);
     assert_string_equal(error.file, path);
     assert_contains(daft_error_text(&error, shown, sizeof shown), message);
     assert_int_equal(error.code, code);
     daft_sky_image sky;
-    assert_false(daft_sky_read(&allocator, path, &sky, &error));
+    assert_false(daft_sky_read(&allocator, NULL, path, &sky, &error));
     daft_texture_data texture;
-    assert_false(daft_texture_read(&allocator, path, &texture, NULL));
+    assert_false(daft_texture_read(&allocator, NULL, path, &texture, NULL));
     assert_int_equal(memory.live, 0);
 }
 
@@ -46,7 +46,7 @@ static void pictures_come_back_as_they_were(void **unused)
             if (alpha) image.pixels[3] = 17;
             daft_error error;
             assert_true(daft_image_write(&image, test_path("a.PNG"), &error));
-            assert_true(daft_image_read(&allocator, test_path("a.PNG"), &back, &error));
+            assert_true(daft_image_read(&allocator, NULL, test_path("a.PNG"), &back, &error));
             assert_true(back.width == image.width && back.height == image.height);
             assert_memory_equal(back.pixels, image.pixels, 4 * (size_t)(image.width * image.height));
             daft_image_free(&back);
@@ -63,11 +63,11 @@ static void ppm_is_what_it_says(void **unused)
     daft_image image = {.allocator = allocator, .width = 2, .height = 1, .pixels = pixels};
     assert_true(daft_image_write(&image, test_path("a.ppm"), NULL));
     size_t size;
-    char *bytes = daft_file_read(&allocator, test_path("a.ppm"), &size, NULL);
+    char *bytes = daft_file_read(&allocator, NULL, test_path("a.ppm"), &size, NULL);
     assert_int_equal(size, 17);
     assert_memory_equal(bytes, "P6\n2 1\n255\n\1\2\3\4\5\6", 17);
     daft_release(&allocator, bytes);
-    assert_false(daft_file_exists(test_path("a.ppm.tmp~")));
+    assert_false(daft_file_exists(NULL, test_path("a.ppm.tmp~")));
     assert_int_equal(memory.live, 0);
 }
 
@@ -130,13 +130,13 @@ static void other_formats(void **unused)
                                         0,   0x2c, 0,   0,   0,   0,   1, 0, 1, 0, 0,    2, 2, 0x44, 1, 0, 0x3b};
     daft_allocator allocator = counting_allocator(&memory);
     daft_image image;
-    assert_true(daft_image_read(&allocator, write_test_file("a.tga", small_tga, sizeof small_tga), &image, NULL));
+    assert_true(daft_image_read(&allocator, NULL, write_test_file("a.tga", small_tga, sizeof small_tga), &image, NULL));
     assert_memory_equal(image.pixels, expected, sizeof expected);
     daft_image_free(&image);
-    assert_true(daft_image_read(&allocator, write_test_file("a.bmp", bmp, sizeof bmp), &image, NULL));
+    assert_true(daft_image_read(&allocator, NULL, write_test_file("a.bmp", bmp, sizeof bmp), &image, NULL));
     assert_memory_equal(image.pixels, expected, sizeof expected);
     daft_image_free(&image);
-    assert_true(daft_image_read(&allocator, write_test_file("a.gif", gif, sizeof gif), &image, NULL));
+    assert_true(daft_image_read(&allocator, NULL, write_test_file("a.gif", gif, sizeof gif), &image, NULL));
     assert_true(image.width == 1 && image.pixels[0] == 255 && image.pixels[1] == 0 && image.pixels[3] == 255);
     daft_image_free(&image);
     assert_int_equal(memory.live, 0);
@@ -149,7 +149,7 @@ static void check_truncated(const char *bytes, size_t size, const char *name, si
         const char *path = write_test_file(name, bytes, cut);
         daft_image image;
         daft_error error;
-        if (daft_image_read(&allocator, path, &image, &error))
+        if (daft_image_read(&allocator, NULL, path, &image, &error))
             fail_msg("%s was read from %zu of %zu bytes", name, cut, size);
         assert_int_equal(memory.live, 0);
         assert_string_equal(error.file, path);
@@ -166,14 +166,14 @@ static void files_that_were_cut_off(void **unused)
     assert_true(daft_image_write(&image, test_path("whole.png"), NULL));
     daft_image_free(&image);
     size_t size;
-    char *bytes = daft_file_read(&allocator, test_path("whole.png"), &size, NULL);
+    char *bytes = daft_file_read(&allocator, NULL, test_path("whole.png"), &size, NULL);
     check_truncated(bytes, size, "cut.png", 3);
     daft_allocator plain = counting_allocator(&memory);
     memory.live = 1;
     daft_release(&plain, bytes);
     const char *jpeg = shared_file("models/hand/hand_mapNew.jpg");
     if (!jpeg) return;
-    bytes = daft_file_read(&plain, jpeg, &size, NULL);
+    bytes = daft_file_read(&plain, NULL, jpeg, &size, NULL);
     assert_non_null(bytes);
     check_truncated(bytes, size, "cut.jpg", size / 7);
     daft_release(&plain, bytes);
@@ -187,7 +187,7 @@ static void damaged_files_never_crash(void **unused)
     assert_true(daft_image_write(&image, test_path("whole.png"), NULL));
     daft_image_free(&image);
     size_t sizes[2] = {0, sizeof small_tga};
-    char *bytes = daft_file_read(&allocator, test_path("whole.png"), &sizes[0], NULL);
+    char *bytes = daft_file_read(&allocator, NULL, test_path("whole.png"), &sizes[0], NULL);
     const char *const sources[2] = {bytes, (const char *)small_tga};
     print_message("seed %llu\n", (unsigned long long)random_state);
     for (int run = 0; run < 1000; run++) {
@@ -199,7 +199,7 @@ static void damaged_files_never_crash(void **unused)
             damaged[random_below((uint32_t)sizes[which])] = (char)random_below(256);
         if (which) damaged[13] = damaged[15] = 0; /* keep it small */
         const char *path = write_test_file("damaged", damaged, sizes[which]);
-        if (daft_image_read(&allocator, path, &image, NULL)) daft_image_free(&image);
+        if (daft_image_read(&allocator, NULL, path, &image, NULL)) daft_image_free(&image);
         assert_int_equal(memory.live, 1);
     }
     daft_release(&allocator, bytes);
@@ -349,19 +349,19 @@ static void skies_are_linear(void **unused)
     (void)unused;
     daft_allocator allocator = counting_allocator(&memory);
     daft_sky_image sky;
-    assert_true(daft_sky_read(&allocator, write_test_file("a.tga", small_tga, sizeof small_tga), &sky, NULL));
+    assert_true(daft_sky_read(&allocator, NULL, write_test_file("a.tga", small_tga, sizeof small_tga), &sky, NULL));
     assert_true(sky.width == 2 && sky.height == 2);
     for (int i = 0; i < 12; i++) assert_true(fabsf(sky.texels[i] - daft_srgb_to_linear((float)(i + 1) / 255)) < 1e-9f);
     daft_sky_free(&allocator, &sky);
     /* two RGBE pixels: 128, 64, 32 with exponent 129 is 1, 0.5, 0.25; exponent 137 is 256 times that */
     static const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x40\x20\x81\x80\x40\x20\x89";
     const char *path = write_test_file("a.hdr", hdr, sizeof hdr - 1);
-    assert_true(daft_sky_read(&allocator, path, &sky, NULL));
+    assert_true(daft_sky_read(&allocator, NULL, path, &sky, NULL));
     const float expected[6] = {1, .5f, .25f, 256, 128, 64};
     assert_memory_equal(sky.texels, expected, sizeof expected);
     daft_sky_free(&allocator, &sky);
     daft_image image;
-    assert_true(daft_image_read(&allocator, path, &image, NULL));
+    assert_true(daft_image_read(&allocator, NULL, path, &image, NULL));
     const uint8_t bytes[8] = {255, 188, 137, 255, 255, 255, 255, 255};
     assert_memory_equal(image.pixels, bytes, sizeof bytes);
     daft_image_free(&image);
@@ -386,9 +386,9 @@ static void real_files(void **unused)
         daft_texture_data texture;
         daft_sky_image sky;
         daft_error error;
-        if (!daft_texture_read(&allocator, path, &texture, &error)) fail_msg("%s: %s", path, error.message);
+        if (!daft_texture_read(&allocator, NULL, path, &texture, &error)) fail_msg("%s: %s", path, error.message);
         if (files[i].width) assert_true(texture.width[0] == files[i].width && texture.height[0] == files[i].height);
-        assert_true(daft_sky_read(&allocator, path, &sky, &error));
+        assert_true(daft_sky_read(&allocator, NULL, path, &sky, &error));
         for (int k = 0; k < 3 * sky.width * sky.height; k++) assert_true(isfinite(sky.texels[k]) && sky.texels[k] >= 0);
         daft_sky_free(&allocator, &sky);
         daft_texture_free(&allocator, &texture);
@@ -405,10 +405,10 @@ static bool do_one(int kind, const daft_allocator *allocator, const char *path, 
     daft_sky_image sky;
     daft_image image;
     bool done = false;
-    if (kind == READ_IMAGE && (done = daft_image_read(allocator, path, &image, error))) daft_image_free(&image);
-    if (kind == READ_TEXTURE && (done = daft_texture_read(allocator, path, &texture, error)))
+    if (kind == READ_IMAGE && (done = daft_image_read(allocator, NULL, path, &image, error))) daft_image_free(&image);
+    if (kind == READ_TEXTURE && (done = daft_texture_read(allocator, NULL, path, &texture, error)))
         daft_texture_free(allocator, &texture);
-    if (kind == READ_SKY && (done = daft_sky_read(allocator, path, &sky, error))) daft_sky_free(allocator, &sky);
+    if (kind == READ_SKY && (done = daft_sky_read(allocator, NULL, path, &sky, error))) daft_sky_free(allocator, &sky);
     if (kind == WRITE_IMAGE) done = daft_image_write(picture, test_path("out.png"), error);
     return done;
 }
@@ -425,7 +425,7 @@ static void fail_everywhere(int kind, const char *path, const daft_image *pictur
         bool done = do_one(kind, &allocator, path, &written, &error);
         assert_int_equal(memory.live, 0);
         if (!done && error.code != DAFT_ERROR_MEMORY) fail_msg("%s, %ld: %s", path, fail_at, error.message);
-        if (!done && kind == WRITE_IMAGE) assert_false(daft_file_exists(test_path("out.png")));
+        if (!done && kind == WRITE_IMAGE) assert_false(daft_file_exists(NULL, test_path("out.png")));
         if (done && kind == WRITE_IMAGE) remove(test_path("out.png"));
         if (memory.calls > fail_at) continue;
         assert_true(done);
@@ -499,11 +499,11 @@ static void textures_are_made_in_little_memory(void **unused)
     daft_error error;
     assert_true(daft_image_write(&image, test_path("large.png"), &error));
     size_t file_size;
-    daft_release(&counted, daft_file_read(&counted, test_path("large.png"), &file_size, &error));
+    daft_release(&counted, daft_file_read(&counted, NULL, test_path("large.png"), &file_size, &error));
     daft_budget *budget = daft_budget_open(&counted, 0);
     daft_allocator allocator = daft_budget_allocator(budget);
     daft_texture_data texture;
-    assert_true(daft_texture_read(&allocator, test_path("large.png"), &texture, &error));
+    assert_true(daft_texture_read(&allocator, NULL, test_path("large.png"), &texture, &error));
     uint64_t rgba = 4 * SIDE * SIDE;
     assert_true(daft_budget_memory(budget).used < rgba * 134 / 100);
     assert_true(daft_budget_memory(budget).peak < rgba * 2 + 4 * file_size);

@@ -205,7 +205,7 @@ static void every_form_is_in_the_manual(void **state)
     fixture *f = *state;
     size_t size, i = 0;
     daft_error error;
-    char *page = daft_file_read(f->scene->allocator, DAFT_ROOT "/docs/reference/scene-files.md", &size, &error);
+    char *page = daft_file_read(f->scene->allocator, NULL, DAFT_ROOT "/docs/reference/scene-files.md", &size, &error);
     assert_non_null(page);
     char form[128], cell[160];
     for (; daft_scene_item_form(i, form, sizeof form); i++) {
@@ -524,7 +524,7 @@ static void hand_scene_loads(void **state)
 {
     fixture *f = *state;
     const char *path = DAFT_ROOT "/../shared/data/models/hand/hand.scene";
-    if (!daft_file_exists(path)) {
+    if (!daft_file_exists(NULL, path)) {
         print_message("skipped: no %s\n", path);
         skip();
     }
