@@ -99,9 +99,9 @@ DAFT_API const char *daft_error_text(const daft_error *error, char *buffer, size
 DAFT_API const char *daft_escape(const char *text, char *buffer, size_t size);
 
 /* A set of folders, the roots, and nothing else of the disk: for scenes and games of strangers. Whatever a path says,
- * and whatever links lie in its way, what is read lies beneath a root; links are not followed at all. A path that begins
- * with a root's folder leads into that root; another relative one is looked for in all roots, in order; any other is
- * refused. Hard links and mounted folders count as part of a root. */
+ * and whatever links lie in its way, what is read lies beneath a root; links are not followed at all. A path that
+ * begins with a root's folder leads into that root; another relative one is looked for in all roots, in order; any
+ * other is refused. Hard links and mounted folders count as part of a root. */
 typedef struct daft_files daft_files;
 
 /* Calls back with a file's name. */
@@ -136,9 +136,8 @@ DAFT_API bool daft_files_find(const daft_files *files, const char *name, char *p
 /* Calls `found` with what each root has in `folder`, but for names that begin with a dot. */
 DAFT_API void daft_files_list(const daft_files *files, const char *folder, daft_name_callback *found, void *user);
 /* Reads a whole regular file and appends a zero byte. `files` may be NULL: the path leads anywhere, also by links.
- * NULL: *error says why. Pipes, devices and sockets are refused without waiting. Free it with daft_free_file. */
+ * NULL: *error says why. Pipes, devices and sockets are refused without waiting. From malloc: the caller frees it. */
 DAFT_API void *daft_read_file(const daft_files *files, const char *path, size_t *size, daft_error *error);
-DAFT_API void daft_free_file(void *bytes); /* NULL is fine */
 
 /* Writes a whole file, or nothing: a temporary file beside it is flushed to the disk and renamed, so the old file stays
  * until the new one is whole. Fails with DAFT_ERROR_IO where `path` is a folder, a device, a pipe or a symbolic link.

@@ -30,7 +30,7 @@ static const uint64_t MAX_BYTES = (uint64_t)2 << 30;
 
 typedef struct root {
     char *folder;
-    size_t length; /* of `folder`, without slashes at its end */
+    size_t length;  /* of `folder`, without slashes at its end */
     int descriptor; /* -1: `read` has the files */
     daft_read_callback *read;
     daft_list_callback *list;
@@ -169,8 +169,7 @@ static bool take_file(opened *out, int file, const daft_files *files, const char
 {
     struct stat status;
     out->file = file;
-    if (file < 0 && errno == ENXIO)
-        return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "is a socket, not a file");
+    if (file < 0 && errno == ENXIO) return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "is a socket, not a file");
     if (file < 0 && files && errno == ELOOP)
         return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "is a symbolic link, or lies behind one");
     if (file < 0 || fstat(file, &status) != 0)
@@ -189,8 +188,7 @@ static bool open_called(opened *out, const root *r, const daft_files *files, con
 {
     daft_error why = {0};
     int64_t size = r->read(r->user, out->inner, NULL, 0, &why);
-    if (size < 0 && why.code)
-        return daft_fail_at(error, why.code, path, 0, 0, "%s", why.message);
+    if (size < 0 && why.code) return daft_fail_at(error, why.code, path, 0, 0, "%s", why.message);
     if (size < 0) return daft_fail_at(error, DAFT_ERROR_IO, path, 0, 0, "cannot open: %s", strerror(ENOENT));
     out->from = r;
     out->size = (uint64_t)size;
@@ -359,12 +357,6 @@ void *daft_read_file(const daft_files *files, const char *path, size_t *size, da
     if (path) return daft_file_read(&allocator, files, path, size ? size : &unused, error);
     daft_fail(error, DAFT_ERROR_ARGUMENT, "path is NULL");
     return NULL;
-}
-
-void daft_free_file(void *bytes)
-{
-    daft_allocator allocator = daft_malloc_allocator();
-    daft_release(&allocator, bytes);
 }
 
 bool daft_files_find(const daft_files *files, const char *name, char *path, size_t size)

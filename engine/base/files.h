@@ -1,5 +1,5 @@
-/* files: the one way in. Every file that the library reads is opened here: by a daft_files, which keeps to its roots, or
- * without one (NULL), where paths are the user's own and lead anywhere.
+/* files: the one way in. Every file that the library reads is opened here: by a daft_files, which keeps to its roots,
+ * or without one (NULL), where paths are the user's own and lead anywhere.
  *
  * A path belongs to the root whose folder it begins with; a relative one that begins with none is looked for in all of
  * them, in order. What follows the root is put into normal form, in which nothing leads above the root, and then opened

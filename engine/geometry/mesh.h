@@ -72,12 +72,12 @@ typedef struct daft_mtl_list {
 } daft_mtl_list;
 
 /* Appends the materials of a file, which is one of `files`; NULL: of the disk. On failure the list is as it was. */
-bool daft_mtl_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log, daft_mtl_list *list,
-                   daft_error *error);
+bool daft_mtl_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log,
+                   daft_mtl_list *list, daft_error *error);
 /* The same from memory; `path` names the source in messages and is what maps are beside. `text` ends with a zero byte.
  */
-bool daft_mtl_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text, size_t size,
-                    const daft_log *log, daft_mtl_list *list, daft_error *error);
+bool daft_mtl_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text,
+                    size_t size, const daft_log *log, daft_mtl_list *list, daft_error *error);
 void daft_mtl_list_free(const daft_allocator *allocator, daft_mtl_list *list);
 /* The default material: Kd 0.8, no map, illum 2. */
 daft_mtl daft_mtl_default(void);
@@ -88,18 +88,18 @@ typedef struct daft_obj {
     uint32_t *groups;    /* smoothing group of each triangle, for daft_obj_smooth; NULL: none, or no longer needed */
 } daft_obj;
 
-bool daft_obj_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log, daft_obj *out,
-                   daft_error *error);
+bool daft_obj_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log,
+                   daft_obj *out, daft_error *error);
 /* The same from memory; `path` names the source in messages and is where mtllib looks. `text` ends with a zero byte. */
-bool daft_obj_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text, size_t size,
-                    const daft_log *log, daft_obj *out, daft_error *error);
+bool daft_obj_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text,
+                    size_t size, const daft_log *log, daft_obj *out, daft_error *error);
 void daft_obj_free(const daft_allocator *allocator, daft_obj *obj);
 
 /* daft_obj_load in two steps. The first leaves mesh.normals NULL where no corner has a normal in the file: enough to
  * collide with. The second computes those, which takes as long as the first or twice that; where there are normals it
  * does nothing. On failure the mesh is as it was. */
-bool daft_obj_load_triangles(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log, daft_obj *out,
-                             daft_error *error);
+bool daft_obj_load_triangles(const daft_allocator *allocator, const daft_files *files, const char *path,
+                             const daft_log *log, daft_obj *out, daft_error *error);
 bool daft_obj_smooth(const daft_allocator *allocator, daft_obj *obj, daft_error *error);
 
 /* ---- what is odd: mesh_check.c, obj_check.c ---- */

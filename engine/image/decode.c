@@ -255,7 +255,8 @@ static bool decode(const daft_allocator *allocator, const char *bytes, size_t si
     return true;
 }
 
-bool daft_decode_file(const daft_allocator *allocator, const daft_files *files, const char *path, daft_decoded *out, daft_error *error)
+bool daft_decode_file(const daft_allocator *allocator, const daft_files *files, const char *path, daft_decoded *out,
+                      daft_error *error)
 {
     *out = (daft_decoded){0};
     size_t size;

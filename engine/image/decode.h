@@ -16,7 +16,8 @@ typedef struct daft_decoded {
 /* The file's bytes, the pixels, and what the decoder needs in between come from the caller's allocator. Where that has
  * a limit, the size in the file's header is held against it before anything is decoded. Who takes `bytes` or `floats`
  * over releases them with daft_stb_release. */
-bool daft_decode_file(const daft_allocator *allocator, const daft_files *files, const char *path, daft_decoded *out, daft_error *error);
+bool daft_decode_file(const daft_allocator *allocator, const daft_files *files, const char *path, daft_decoded *out,
+                      daft_error *error);
 /* The size in a file's header, where it is one that is decoded. */
 bool daft_decode_size(const daft_allocator *allocator, const char *path, const void *bytes, size_t size, int *width,
                       int *height, daft_error *error);

@@ -36,7 +36,8 @@ static void bytes_from_light(const float *light, size_t pixels, uint8_t *rgba)
     }
 }
 
-bool daft_image_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_image *out, daft_error *error)
+bool daft_image_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_image *out,
+                     daft_error *error)
 {
     daft_decoded decoded;
     if (!daft_decode_file(allocator, files, path, &decoded, error)) return false;

@@ -17,7 +17,8 @@ struct daft_image {
 };
 
 /* Decodes PNG, JPEG, TGA, BMP, GIF (first frame), PSD, HDR (tone-clamped). At most 16384 pixels a side. */
-bool daft_image_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_image *out, daft_error *error);
+bool daft_image_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_image *out,
+                     daft_error *error);
 void daft_image_free(daft_image *image);
 
 float daft_srgb_to_linear(float encoded);
@@ -37,7 +38,8 @@ typedef struct daft_texture_data {
 
 bool daft_texture_build(const daft_allocator *allocator, const uint8_t *rgba, int width, int height,
                         daft_texture_data *out, daft_error *error);
-bool daft_texture_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_texture_data *out, daft_error *error);
+bool daft_texture_read(const daft_allocator *allocator, const daft_files *files, const char *path,
+                       daft_texture_data *out, daft_error *error);
 /* The magenta and black checker that stands for a missing file. */
 bool daft_texture_missing(const daft_allocator *allocator, daft_texture_data *out, daft_error *error);
 void daft_texture_free(const daft_allocator *allocator, daft_texture_data *texture);
@@ -49,7 +51,8 @@ typedef struct daft_sky_image {
     bool from_stb; /* texels are what stb_image has made */
 } daft_sky_image;
 
-bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out, daft_error *error);
+bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out,
+                   daft_error *error);
 void daft_sky_free(const daft_allocator *allocator, daft_sky_image *sky);
 
 #endif

@@ -5,7 +5,8 @@
 #include "image/image.h"
 #include "image/stb_memory.h"
 
-bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out, daft_error *error)
+bool daft_sky_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_sky_image *out,
+                   daft_error *error)
 {
     daft_decoded decoded;
     if (!daft_decode_file(allocator, files, path, &decoded, error)) return false;

@@ -169,7 +169,8 @@ bool daft_texture_build(const daft_allocator *allocator, const uint8_t *rgba, in
     return true;
 }
 
-bool daft_texture_read(const daft_allocator *allocator, const daft_files *files, const char *path, daft_texture_data *out, daft_error *error)
+bool daft_texture_read(const daft_allocator *allocator, const daft_files *files, const char *path,
+                       daft_texture_data *out, daft_error *error)
 {
     daft_image image;
     if (!daft_image_read(allocator, files, path, &image, error)) return false;

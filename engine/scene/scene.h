@@ -27,7 +27,7 @@ struct daft_engine {
     daft_budget *budget;
     atomic_ullong reserved; /* bytes of the program's own */
     daft_log log;
-    int callbacks; /* of progress, warnings and problems that run now: all on the calling thread */
+    int callbacks;           /* of progress, warnings and problems that run now: all on the calling thread */
     const daft_files *files; /* what is loaded comes from here; NULL: from anywhere */
     int threads, isa;
     daft_accel accel;

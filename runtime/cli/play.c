@@ -39,6 +39,8 @@ typedef struct player {
     daft_engine *engine;
     font *face;
     platform *screen;
+    game_info game; /* unless there is the menu */
+    game_source source;
 } player;
 
 static const daft_quality NOT_GIVEN = (daft_quality)-1;
@@ -54,6 +56,7 @@ static session_def base_session(const player *p)
     return (session_def){.screen = p->screen,
                          .engine = p->engine,
                          .where = &p->where,
+                         .source = p->source.files ? &p->source : NULL,
                          .face = p->face,
                          .quality = quality_or(o, DAFT_QUALITY_GAME),
                          .scale = o->scale,
@@ -76,10 +79,13 @@ static int finish(session_end end, const daft_error *error)
     return error->code == DAFT_OK ? STATUS_BAD_INPUT : report(error);
 }
 
-static bool find_game(const player *p, game_info *out)
+static bool find_game(player *p)
 {
     daft_error error;
-    if (home_find_game(&p->where, p->options.game ? p->options.game : DEFAULT_GAME, out, &error)) return true;
+    if (p->source.files) return true;
+    if (home_find_game(&p->where, p->options.game ? p->options.game : DEFAULT_GAME, &p->game, &error) &&
+        source_open(&p->source, &p->where, &p->game, &error))
+        return true;
     report(&error);
     return false;
 }
@@ -95,21 +101,20 @@ static bool open_null(player *p, int width, int height)
 
 static int play_headless(player *p)
 {
-    game_info game;
     daft_error error;
-    if (!find_game(p, &game) || !open_null(p, 320, 180)) return STATUS_BAD_INPUT;
+    if (!find_game(p) || !open_null(p, 320, 180)) return STATUS_BAD_INPUT;
     session_def def = base_session(p);
     if (!def.ticks && !def.replay) def.ticks = DEMO_TICKS;
-    return finish(session_play(&def, &game, &error), &error);
+    return finish(session_play(&def, &p->game, &error), &error);
 }
 
 /* Ten seconds, or the whole recording when it is shorter. */
-static bool demo_ticks(const char *replay, uint64_t *ticks, daft_error *error)
+static bool demo_ticks(const daft_files *files, const char *replay, uint64_t *ticks, daft_error *error)
 {
     *ticks = DEMO_TICKS;
     if (!replay) return true;
     recording record;
-    if (!recording_load(&record, replay, error)) return false;
+    if (!recording_load(&record, files, replay, error)) return false;
     if (record.end > 0 && record.end < DEMO_TICKS) *ticks = record.end;
     recording_free(&record);
     return true;
@@ -118,23 +123,22 @@ static bool demo_ticks(const char *replay, uint64_t *ticks, daft_error *error)
 /* Without a display: plays the game's recorded demo and writes its last picture. */
 static int play_demo(player *p, const char *why)
 {
-    game_info game;
     daft_error error;
-    if (!find_game(p, &game) || !open_null(p, 1280, 720)) return STATUS_BAD_INPUT;
+    if (!find_game(p) || !open_null(p, 1280, 720)) return STATUS_BAD_INPUT;
     session_def def = base_session(p);
     char demo[PATH_SIZE + 16];
-    snprintf(demo, sizeof demo, "%s/demo.rec", game.folder);
-    bool has_demo = !def.replay && path_is_file(demo);
-    if (has_demo) def.replay = demo;
+    def.replay_inside = !def.replay && daft_files_find(p->source.files, "demo.rec", demo, sizeof demo);
+    if (def.replay_inside) def.replay = demo;
     fprintf(stderr, "daft: there is no display (%s): playing %s of %s without a window.\n", why,
-            def.replay ? "the recorded demo" : "ten seconds", game.title);
-    if (!def.ticks && !demo_ticks(def.replay, &def.ticks, &error)) return report(&error);
+            def.replay ? "the recorded demo" : "ten seconds", p->game.title);
+    if (!def.ticks && !demo_ticks(def.replay_inside ? p->source.files : NULL, def.replay, &def.ticks, &error))
+        return report(&error);
     def.progress = true;
     if (!def.hash && !def.every_frame)
         def.quality = quality_or(&p->options, DAFT_QUALITY_HIGH); /* only one frame is drawn */
     if (!def.shot) def.shot = DEMO_PICTURE, def.shot_tick = 0;
     uint64_t began = clock_now_ns();
-    session_end end = session_play(&def, &game, &error);
+    session_end end = session_play(&def, &p->game, &error);
     if (end == SESSION_FAILED) return finish(end, &error);
     fprintf(stderr, "daft: played %.0f seconds of game in %.1f s and wrote %s.\n", (double)def.ticks / 60,
             (double)(clock_now_ns() - began) / 1e9, def.shot);
@@ -165,8 +169,7 @@ static int play(player *p)
 {
     daft_error error;
     if (!home_find(&p->where, &error)) return report(&error);
-    game_info game;
-    if (p->options.game && !find_game(p, &game)) return STATUS_BAD_INPUT; /* report it before a window opens */
+    if (p->options.game && !find_game(p)) return STATUS_BAD_INPUT; /* report it before a window opens */
     p->face = open_font(&p->where, &error);
     if (!p->face) return report(&error);
     daft_engine_def def = daft_default_engine_def();
@@ -181,7 +184,7 @@ static int play(player *p)
     if (!p->screen) return play_demo(p, error.message);
     if (!p->options.game) return play_menu(p);
     session_def session = base_session(p);
-    return finish(session_play(&session, &game, &error), &error);
+    return finish(session_play(&session, &p->game, &error), &error);
 }
 
 int command_play(int argc, char **argv)
@@ -227,5 +230,6 @@ int command_play(int argc, char **argv)
     if (p.screen) p.screen->close(p.screen);
     font_close(p.face);
     daft_engine_destroy(p.engine);
+    source_close(&p.source);
     return status;
 }

@@ -89,38 +89,42 @@ static bool film_a_scene(const video_options *o, video_def *def, daft_error *err
 }
 
 /* The recording to play: the one that was named, else the game's demo, else none. */
-static const char *choose_replay(const video_options *o, const game_info *info, char demo[PATH_SIZE + 16])
+static const char *choose_replay(const video_options *o, const game_source *source, char demo[PATH_SIZE + 16])
 {
     if (o->replay) return o->replay;
-    snprintf(demo, PATH_SIZE + 16, "%s/demo.rec", info->folder);
-    return path_is_file(demo) ? demo : NULL;
+    return daft_files_find(source->files, "demo.rec", demo, PATH_SIZE + 16) ? demo : NULL;
+}
+
+static bool film_found(const video_options *o, video_def *def, const game_def *play, daft_error *error)
+{
+    film_game game;
+    char demo[PATH_SIZE + 16];
+    const char *replay = choose_replay(o, play->source, demo);
+    def->content = hash_settings(o, replay, play->info->folder);
+    if (!film_game_open(&game, play, replay, replay == demo, error)) return false;
+    if (isnan(def->to)) def->to = replay ? (double)game.replay.end / LOOP_RATE : GAME_SECONDS;
+    bool good = film(def, &game.source, error);
+    film_game_close(&game);
+    return good;
 }
 
 static bool film_a_game(const video_options *o, video_def *def, daft_error *error)
 {
     home where;
     game_info info;
-    film_game game;
-    char demo[PATH_SIZE + 16];
+    game_source source = {0};
     if (!home_find(&where, error) || !home_find_game(&where, o->what, &info, error)) return false;
     font *face = open_font(&where, error);
-    if (!face) return false;
-    const char *replay = choose_replay(o, &info, demo);
-    def->content = hash_settings(o, replay, info.folder);
     game_def play = {.where = &where,
                      .info = &info,
+                     .source = &source,
                      .engine = def->engine,
                      .face = face,
                      .quality = o->quality,
                      .seed = (uint64_t)o->seed,
                      .seconds = o->seconds};
-    bool good = film_game_open(&game, &play, replay, error);
-    if (good) {
-        double length = replay ? (double)game.replay.end / LOOP_RATE : GAME_SECONDS;
-        if (isnan(def->to)) def->to = length;
-        good = film(def, &game.source, error);
-        film_game_close(&game);
-    }
+    bool good = face && source_open(&source, &where, &info, error) && film_found(o, def, &play, error);
+    source_close(&source);
     font_close(face);
     return good;
 }

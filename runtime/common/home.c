@@ -49,17 +49,30 @@ bool home_find(home *out, daft_error *error)
                 "holds them");
 }
 
+/* A game's script, which is no link out of its folder; NULL: it cannot be read. */
+static char *read_main(const char *folder)
+{
+    const daft_root root = {.folder = folder};
+    daft_files_def def = daft_default_files_def();
+    def.roots = &root, def.root_count = 1;
+    daft_files *files = daft_files_create(&def, NULL);
+    char *text = files ? daft_read_file(files, "main.lua", NULL, NULL) : NULL;
+    daft_files_destroy(files);
+    return text;
+}
+
 /* Reads the comment lines at the top of main.lua: the title up to the first colon, then the description. */
 static void describe(game_info *game)
 {
     snprintf(game->title, sizeof game->title, "%s", game->name);
     game->title[0] = (char)toupper((unsigned char)game->title[0]);
     game->description[0] = 0;
-    char path[PATH_SIZE + 16], line[512];
-    snprintf(path, sizeof path, "%s/main.lua", game->folder);
-    FILE *file = fopen(path, "r");
-    if (!file) return;
-    for (int number = 0; fgets(line, sizeof line, file) && strncmp(line, "--", 2) == 0; number++) {
+    char *script = read_main(game->folder), *rest = script;
+    for (int number = 0; rest && strncmp(rest, "--", 2) == 0; number++) {
+        char line[512];
+        snprintf(line, sizeof line, "%.*s", (int)strcspn(rest, "\n"), rest);
+        rest = strchr(rest, '\n');
+        if (rest) rest++;
         char *text = line + strspn(line, "- \t");
         text[strcspn(text, "\r\n")] = 0;
         if (number == 0) {
@@ -71,7 +84,7 @@ static void describe(game_info *game)
         size_t used = strlen(game->description);
         if (text[0]) snprintf(game->description + used, sizeof game->description - used, "%s%s", used ? " " : "", text);
     }
-    fclose(file);
+    free(script);
 }
 
 static bool read_game(const char *folder, game_info *out)

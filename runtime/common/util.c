@@ -1,8 +1,6 @@
 /* Errors, near misses of names, paths, files, time. */
 #include "common/util.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +8,6 @@
 #include <strings.h>
 #include <sys/stat.h>
 #include <time.h>
-#include <unistd.h>
 
 static void fill(daft_error *error, daft_status code, const char *file, int line, int column, const char *format,
                  va_list arguments)
@@ -130,51 +127,6 @@ bool has_extension(const char *path, const char *extension)
 {
     size_t n = strlen(path), m = strlen(extension);
     return n > m && strcasecmp(path + n - m, extension) == 0;
-}
-
-enum { MAX_READ = 1 << 30 }; /* bytes of a script, recording or setting */
-
-/* Anything but a regular file is refused, and O_NONBLOCK keeps a pipe that nobody writes to from waiting. */
-static int open_regular(const char *path, size_t *size, daft_error *error)
-{
-    struct stat info;
-    int file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-    if (file < 0) {
-        fail_at(error, path, 0, 0, "cannot be opened: %s", strerror(errno));
-        return -1;
-    }
-    if (fstat(file, &info) == 0 && S_ISREG(info.st_mode) && info.st_size <= MAX_READ) {
-        *size = (size_t)info.st_size;
-        return file;
-    }
-    fail_at(error, path, 0, 0, "%s",
-            S_ISDIR(info.st_mode)   ? "a folder, not a file"
-            : S_ISREG(info.st_mode) ? "too large to be read"
-                                    : "not a regular file");
-    close(file);
-    return -1;
-}
-
-char *read_whole_file(const char *path, size_t *size, daft_error *error)
-{
-    int file = open_regular(path, size, error);
-    if (file < 0) return NULL;
-    char *bytes = malloc(*size + 1);
-    size_t used = 0;
-    while (bytes && used < *size) {
-        ssize_t done = read(file, bytes + used, *size - used);
-        if (done < 0 && errno == EINTR) continue;
-        if (done <= 0) break;
-        used += (size_t)done;
-    }
-    close(file);
-    if (bytes && used == *size) {
-        bytes[used] = 0;
-        return bytes;
-    }
-    fail_at(error, path, 0, 0, bytes ? "cannot be read" : "too large for the memory there is");
-    free(bytes);
-    return NULL;
 }
 
 bool draft_open(draft_file *out, daft_error *error)

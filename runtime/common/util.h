@@ -1,8 +1,8 @@
 /* common: what every room of the program uses.
- * Public headers: util.h home.h stats.h json.h progress.h stop.h
+ * Public headers: util.h home.h source.h stats.h json.h progress.h stop.h
  * util.h has errors in the engine's form, near misses of names, paths and time; home.h the program's folders and games;
- * stats.h times and counters of frames; json.h text in JSON files; progress.h a progress bar; stop.h the end of the
- * program before its time. Promises: nothing here keeps state, but for stop.h. */
+ * source.h a game's files; stats.h times and counters of frames; json.h text in JSON files; progress.h a progress bar;
+ * stop.h the end of the program before its time. Promises: nothing here keeps state, but for stop.h. */
 #ifndef RUNTIME_COMMON_UTIL_H
 #define RUNTIME_COMMON_UTIL_H
 
@@ -38,8 +38,6 @@ bool path_is_file(const char *path);
 /* The last part of a path, without slashes at its end. */
 void path_base_name(const char *path, char *out, size_t size);
 bool has_extension(const char *path, const char *extension);
-/* Reads a whole file and appends a zero byte; freed with free(). */
-char *read_whole_file(const char *path, size_t *size, daft_error *error);
 
 /* A file in the making: what is printed to `file` stays in memory until draft_commit writes all of it or nothing. */
 typedef struct draft_file {

@@ -29,7 +29,8 @@ static bool start(game_state *state, daft_error *error)
     state->failed = state->over = false;
     state->scene = daft_scene_create(state->def.engine, error);
     if (!state->scene) return false;
-    host_def def = {.where = state->def.where,
+    host_def def = {.files = state->def.source->files,
+                    .scripts = state->def.where->scripts,
                     .folder = state->def.info->folder,
                     .name = state->def.info->name,
                     .engine = state->def.engine,
@@ -56,12 +57,19 @@ static void end(game_state *state)
 bool game_open(game_state *state, const game_def *def, daft_error *error)
 {
     *state = (game_state){.def = *def};
-    if (start(state, error)) return true;
-    end(state);
+    if (!def->source && !source_open(&state->own, def->where, def->info, error)) return false;
+    if (!def->source) state->def.source = &state->own;
+    if (daft_engine_set_files(def->engine, state->def.source->files, error) && start(state, error)) return true;
+    game_close(state);
     return false;
 }
 
-void game_close(game_state *state) { end(state); }
+void game_close(game_state *state)
+{
+    end(state);
+    daft_engine_set_files(state->def.engine, NULL, NULL);
+    source_close(&state->own);
+}
 
 bool game_reload(game_state *state, daft_error *error)
 {

@@ -9,13 +9,15 @@
 #ifndef RUNTIME_GAME_GAME_H
 #define RUNTIME_GAME_GAME_H
 
+#include "common/source.h"
 #include "lua/host.h"
 #include "game/recording.h"
 
 typedef struct game_def {
     const home *where;
     const game_info *info;
-    daft_engine *engine;
+    const game_source *source; /* its files; must outlive the game. NULL: game_open opens them */
+    daft_engine *engine;       /* loads from the game's files until game_close */
     font *face;
     daft_quality quality;
     uint64_t seed;
@@ -28,6 +30,7 @@ typedef struct game_def {
 
 typedef struct game_state {
     game_def def;
+    game_source own; /* where the definition has no source */
     daft_scene *scene;
     host scripts;
     input keys;

@@ -196,10 +196,10 @@ static bool read_lines(reader *in, char *text, recording *out)
     return ended || end_cut(in, out);
 }
 
-bool recording_load(recording *out, const char *path, daft_error *error)
+bool recording_load(recording *out, const daft_files *files, const char *path, daft_error *error)
 {
     size_t size;
-    char *text = read_whole_file(path, &size, error);
+    char *text = daft_read_file(files, path, &size, error);
     if (!text) return false;
     recording record = {.seed = 1};
     reader in = {.path = path, .number = 1, .error = error};

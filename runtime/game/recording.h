@@ -40,7 +40,8 @@ typedef struct recording {
     size_t next; /* the first item not yet played */
 } recording;
 
-bool recording_load(recording *out, const char *path, daft_error *error);
+/* `files`: the game's, of which it is one; NULL: it is the user's own, anywhere. */
+bool recording_load(recording *out, const daft_files *files, const char *path, daft_error *error);
 void recording_free(recording *record);
 /* Applies the events of this tick; call it with ascending ticks. */
 void recording_play(recording *record, uint64_t tick, input *state);

@@ -17,6 +17,7 @@ enum { HASH_TICKS = 60 };
 typedef struct session {
     const session_def *def;
     const game_info *info;
+    const game_source *source;
     game_state play;
     recording replay;
     recorder *record;
@@ -282,7 +283,8 @@ static bool turn(session *s, daft_error *error)
 static bool open_files(session *s, daft_error *error)
 {
     const session_def *def = s->def;
-    if (def->replay && !recording_load(&s->replay, def->replay, error)) return false;
+    if (def->replay && !recording_load(&s->replay, def->replay_inside ? s->source->files : NULL, def->replay, error))
+        return false;
     if (def->replay && s->replay.game[0] && strcmp(s->replay.game, s->info->name) != 0)
         return fail_at(error, def->replay, 0, 0, "this is a recording of the game '%s', not of '%s'", s->replay.game,
                        s->info->name);
@@ -300,6 +302,7 @@ static bool run(session *s, daft_error *error)
     const session_def *def = s->def;
     game_def play = {.where = def->where,
                      .info = s->info,
+                     .source = s->source,
                      .engine = def->engine,
                      .face = def->face,
                      .quality = def->quality,
@@ -339,10 +342,15 @@ session_end session_play(const session_def *def, const game_info *info, daft_err
     snprintf(title, sizeof title, "%s - DAFT", info->title);
     def->screen->set_title(def->screen, title);
     *error = (daft_error){0};
-    bool good = run(&s, error);
+    game_source own = {0};
+    bool good = def->source || source_open(&own, def->where, info, error);
+    s.source = def->source ? def->source : &own;
+    good = good && run(&s, error);
     if (!leave(&s, good ? error : NULL)) good = false;
     bool failed = s.play.failed && (def->screen->headless || s.play.over);
     if (s.play.scene || s.play.scripts.L) game_close(&s.play);
+    daft_engine_set_files(def->engine, NULL, NULL);
+    source_close(&own);
     recorder_free(s.record);
     recording_free(&s.replay);
     daft_image_destroy(s.picture);

@@ -14,6 +14,7 @@ typedef struct session_def {
     platform *screen;
     daft_engine *engine;
     const home *where;
+    const game_source *source; /* the game's files; NULL: the session opens them */
     font *face;
     daft_quality quality;
     double scale;    /* resolution of the picture relative to the window */
@@ -24,6 +25,7 @@ typedef struct session_def {
     bool every_frame;            /* draw every frame when headless too */
     bool progress;               /* a bar on stderr */
     const char *record, *replay; /* files, or NULL */
+    bool replay_inside;          /* the replay is one of the game's files, not of the user's */
     const char *shot;            /* file of a picture, or NULL */
     uint64_t shot_tick;          /* after so many ticks; 0: at the end */
     const char *stats;           /* file for times and counters as JSON, or NULL */

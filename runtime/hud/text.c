@@ -37,7 +37,7 @@ font *font_open(const char *path, daft_error *error)
         return NULL;
     }
     size_t size;
-    face->bytes = read_whole_file(path, &size, error);
+    face->bytes = daft_read_file(NULL, path, &size, error);
     int offset = face->bytes && size > 64 ? stbtt_GetFontOffsetForIndex((unsigned char *)face->bytes, 0) : -1;
     if (offset < 0 || !stbtt_InitFont(&face->info, (unsigned char *)face->bytes, offset)) {
         if (face->bytes) fail_at(error, path, 0, 0, "not a TrueType font");

@@ -198,25 +198,9 @@ static void set_usual_hook(host *state, lua_State *L)
 
 /* ---- files ---- */
 
-/* Neither absolute nor with a part "..": a game that somebody was sent must not read what else is on the machine. */
-static bool stays_inside(const char *name)
-{
-    if (name[0] == '/') return false;
-    for (const char *part = name; part;) {
-        if (strncmp(part, "..", 2) == 0 && (part[2] == 0 || part[2] == '/')) return false;
-        part = strchr(part, '/');
-        if (part) part++;
-    }
-    return true;
-}
-
 bool host_find_file(const host *state, const char *name, char *out, size_t size, daft_error *error)
 {
-    if (!stays_inside(name))
-        return fail(error, DAFT_ERROR_ARGUMENT, "'%s' leads outside: files are in the game's folder or in assets/",
-                    name);
-    if (path_join(out, size, state->def.folder, name) && path_is_file(out)) return true;
-    if (path_join(out, size, state->def.where->assets, name) && path_is_file(out)) return true;
+    if (daft_files_find(state->def.files, name, out, size)) return true;
     return fail(error, DAFT_ERROR_IO, "there is no file '%s', neither in the game's folder nor in assets/", name);
 }
 
@@ -225,7 +209,7 @@ static int load_file(lua_State *L, const char *path, const char *shown)
 {
     daft_error error;
     size_t size;
-    char *text = read_whole_file(path, &size, &error);
+    char *text = daft_read_file(api_host(L)->def.files, path, &size, &error);
     if (!text) {
         char message[1200];
         lua_pushstring(L, daft_error_text(&error, message, sizeof message));
@@ -248,11 +232,12 @@ static int find_module(lua_State *L, host *state, const char *name)
     snprintf(file, sizeof file, "%s.lua", name);
     for (size_t i = 0; i < length; i++)
         if (file[i] == '.') file[i] = '/';
-    snprintf(shown, sizeof shown, "@%s/%s", state->def.name, file);
-    if (path_join(path, sizeof path, state->def.folder, file) && path_is_file(path)) return load_file(L, path, shown);
-    snprintf(shown, sizeof shown, "@scripts/%s", file);
-    if (path_join(path, sizeof path, state->def.where->scripts, file) && path_is_file(path))
+    if (daft_files_find(state->def.files, file, path, sizeof path)) {
+        size_t scripts = strlen(state->def.scripts);
+        bool is_ours = strncmp(path, state->def.scripts, scripts) == 0 && path[scripts] == '/';
+        snprintf(shown, sizeof shown, "@%s/%s", is_ours ? "scripts" : state->def.name, file);
         return load_file(L, path, shown);
+    }
     return luaL_error(L, "require: there is no '%s' in the game's folder, nor in scripts/", file);
 }
 

@@ -28,9 +28,10 @@ typedef struct random_state {
 enum { HOST_MESSAGE = 1024, HOST_TRACE = 4096 };
 
 typedef struct host_def {
-    const home *where;
-    const char *folder; /* the game's */
-    const char *name;   /* the game's, in messages */
+    const daft_files *files; /* the game's: see game_source */
+    const char *folder;      /* the game's */
+    const char *scripts;     /* the folder scripts/ */
+    const char *name;        /* the game's, in messages */
     daft_engine *engine;
     daft_scene *scene;
     input *keys;

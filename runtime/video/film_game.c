@@ -34,20 +34,21 @@ static frame_result draw(frame_source *source, double time, bool wanted, daft_im
     return draw_picture(self, wanted, target, alpha) ? FRAME_DRAWN : fail_script(self, error);
 }
 
-static bool open_replay(film_game *self, const char *path, const game_info *info, daft_error *error)
+static bool open_replay(film_game *self, const daft_files *files, const char *path, const game_info *info,
+                        daft_error *error)
 {
-    if (!recording_load(&self->replay, path, error)) return false;
+    if (!recording_load(&self->replay, files, path, error)) return false;
     self->has_replay = true;
     if (!self->replay.game[0] || strcmp(self->replay.game, info->name) == 0) return true;
     return fail_at(error, path, 0, 0, "this is a recording of the game '%s', not of '%s'", self->replay.game,
                    info->name);
 }
 
-bool film_game_open(film_game *self, const game_def *def, const char *replay, daft_error *error)
+bool film_game_open(film_game *self, const game_def *def, const char *replay, bool inside, daft_error *error)
 {
     *self = (film_game){.source.draw = draw};
     game_def play = *def;
-    bool good = !replay || open_replay(self, replay, def->info, error);
+    bool good = !replay || open_replay(self, inside ? def->source->files : NULL, replay, def->info, error);
     if (good && replay) play.replay = &self->replay, play.seed = self->replay.seed;
     good = good && game_open(&self->play, &play, error);
     if (good && self->play.failed) {

@@ -12,9 +12,9 @@ typedef struct film_game {
     bool has_replay;
 } film_game;
 
-/* `replay`: a recording, or NULL; it must be one of this game. `def` without its replay; the film_game must not move
- * afterwards. On failure nothing is left open. */
-bool film_game_open(film_game *self, const game_def *def, const char *replay, daft_error *error);
+/* `replay`: a recording, or NULL; it must be one of this game. `inside`: it is one of the game's files. `def` without
+ * its replay; the film_game must not move afterwards. On failure nothing is left open. */
+bool film_game_open(film_game *self, const game_def *def, const char *replay, bool inside, daft_error *error);
 void film_game_close(film_game *self);
 
 #endif

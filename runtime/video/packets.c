@@ -68,7 +68,7 @@ bool packets_load(packet_list *list, const char *path, uint64_t key, uint32_t *f
     clip_head head;
     size_t size;
     if (!path_is_file(path)) return false;
-    char *bytes = read_whole_file(path, &size, NULL);
+    char *bytes = daft_read_file(NULL, path, &size, NULL);
     bool good = bytes && size >= sizeof head;
     if (good) memcpy(&head, bytes, sizeof head);
     good = good && memcmp(head.magic, MAGIC, sizeof MAGIC) == 0 && head.key == key && head.size == size - sizeof head &&

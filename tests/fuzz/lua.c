@@ -2,6 +2,7 @@
  * itself. A call may run a million instructions and hold 64 MiB, so that endless scripts end soon. */
 #include "fuzz.h"
 
+#include "common/source.h"
 #include "lua/host.h"
 
 #include <math.h>
@@ -11,6 +12,7 @@ enum { TICKS = 3, WIDTH = 32, HEIGHT = 18 };
 
 typedef struct stage {
     home where;
+    game_source source;
     daft_engine *engine;
     font *face;
     daft_image *picture;
@@ -24,6 +26,9 @@ static const stage *get_stage(void)
     snprintf(made.where.games, sizeof made.where.games, "%s", fuzz_folder());
     snprintf(made.where.assets, sizeof made.where.assets, "%s", fuzz_folder());
     snprintf(made.where.scripts, sizeof made.where.scripts, "%s/scripts", DAFT_ROOT);
+    game_info game = {.name = "fuzz"};
+    snprintf(game.folder, sizeof game.folder, "%s", fuzz_folder());
+    FUZZ_CHECK(source_open(&made.source, &made.where, &game, &error));
     daft_engine_def def = daft_default_engine_def();
     def.threads = 1;
     def.memory_limit = 64000000;
@@ -58,7 +63,8 @@ int lua_input(const uint8_t *data, size_t size)
     static input keys;
     memset(&keys, 0, sizeof keys);
     daft_error error = {0};
-    host_def def = {.where = &on->where,
+    host_def def = {.files = on->source.files,
+                    .scripts = on->where.scripts,
                     .folder = fuzz_folder(),
                     .name = "fuzz",
                     .engine = on->engine,
@@ -67,7 +73,7 @@ int lua_input(const uint8_t *data, size_t size)
                     .face = on->face,
                     .seed = 1,
                     .instructions = 1000000};
-    FUZZ_CHECK(def.scene);
+    FUZZ_CHECK(def.scene && daft_engine_set_files(on->engine, on->source.files, &error));
     static host scripts;
     bool good = host_open(&scripts, &def) && host_load(&scripts);
     for (int i = 0; good && i < TICKS && !scripts.quit && !scripts.restart; i++) good = tick(&scripts, on, i);

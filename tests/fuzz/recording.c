@@ -44,7 +44,7 @@ int recording_input(const uint8_t *data, size_t size)
 {
     recording record = {0}, again = {0};
     daft_error error = {0};
-    bool good = recording_load(&record, fuzz_write("input.rec", data, size), &error);
+    bool good = recording_load(&record, NULL, fuzz_write("input.rec", data, size), &error);
     fuzz_check_error(good, &error);
     if (!good) return 0;
     for (size_t i = 0; i < record.count; i++)
@@ -54,7 +54,7 @@ int recording_input(const uint8_t *data, size_t size)
     if (record.game[0]) { /* one without a game's name cannot be written as it is */
         const char *path = fuzz_write("again.rec", "", 0);
         write_again(&record, path);
-        FUZZ_CHECK(recording_load(&again, path, &error));
+        FUZZ_CHECK(recording_load(&again, NULL, path, &error));
         check_equal(&record, &again);
     }
     recording_free(&record);

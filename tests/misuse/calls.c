@@ -244,6 +244,49 @@ static daft_writer *give_daft_writer_p(caller *c)
     return made;
 }
 
+static const daft_files *give_const_daft_files_p(caller *c)
+{
+    if (choose(c, 2) == 0) return c->files;
+    say(c, is_function(c, "daft_engine_set_files") || is_function(c, "daft_read_file") ? VERDICT_ODD : VERDICT_WRONG);
+    return NULL;
+}
+
+/* Only for the call that destroys it. */
+static daft_files *give_daft_files_p(caller *c)
+{
+    daft_files_def def = daft_default_files_def();
+    return choose(c, 2) ? NULL : daft_files_create(&def, NULL);
+}
+
+static const daft_files_def *give_const_daft_files_def_p(caller *c)
+{
+    static daft_root roots[2];
+    static daft_files_def defs[6];
+    roots[0] = (daft_root){.folder = c->folder};
+    roots[1] = (daft_root){.folder = "/no/such/folder"};
+    for (size_t i = 0; i < COUNT_OF(defs); i++) {
+        defs[i] = daft_default_files_def();
+        defs[i].roots = roots, defs[i].root_count = 1;
+    }
+    defs[1].cookie++;
+    defs[2].roots = NULL;
+    defs[3].root_count = UINT32_MAX;
+    defs[4].root_count = 2;
+    defs[5].max_file_bytes = 0;
+    uint32_t which = choose(c, 1 + COUNT_OF(defs));
+    if (which) say(c, which == 4 ? VERDICT_BAD : which == 5 ? VERDICT_ODD : VERDICT_WRONG);
+    return which == COUNT_OF(defs) ? NULL : &defs[which];
+}
+
+static void count_name(void *user, const char *name) { (void)user, (void)name; }
+
+static daft_name_callback *give_daft_name_callback_p(caller *c)
+{
+    if (choose(c, 2) == 0) return count_name;
+    say(c, VERDICT_WRONG);
+    return NULL;
+}
+
 static daft_error *give_daft_error_p(caller *c) { return c->no_error ? NULL : &c->error; }
 
 static const daft_error *give_const_daft_error_p(caller *c)
@@ -500,16 +543,24 @@ static const char *good_text(caller *c)
 {
     static const struct {
         const char *function, *file;
-    } FILES[] = {{"daft_write_file", "written.bin"},          {"daft_writer_begin", "written.bin"},
-                 {"daft_image_load", "picture.png"},          {"daft_image_write", "written.png"},
-                 {"daft_scene_load", "room.scene"},           {"daft_mesh_load", "thing.obj"},
-                 {"daft_texture_load", "picture.png"},        {"daft_material_load", "paint.mtl"},
-                 {"daft_scene_set_sky_image", "picture.png"}, {"daft_check_file", "room.scene"}};
+    } FILES[] = {{"daft_write_file", "written.bin"},
+                 {"daft_writer_begin", "written.bin"},
+                 {"daft_image_load", "picture.png"},
+                 {"daft_image_write", "written.png"},
+                 {"daft_scene_load", "room.scene"},
+                 {"daft_mesh_load", "thing.obj"},
+                 {"daft_texture_load", "picture.png"},
+                 {"daft_material_load", "paint.mtl"},
+                 {"daft_scene_set_sky_image", "picture.png"},
+                 {"daft_check_file", "room.scene"},
+                 {"daft_read_file", "room.scene"}};
     for (size_t i = 0; i < COUNT_OF(FILES); i++) {
         if (!is_function(c, FILES[i].function)) continue;
         snprintf(c->path, sizeof c->path, "%s/%s", c->folder, FILES[i].file);
         return c->path;
     }
+    if (is_function(c, "daft_files_find")) return "room.scene";
+    if (is_function(c, "daft_files_list")) return ".";
     if (is_function(c, "daft_accel_parse")) return "kdtree";
     if (is_function(c, "daft_quality_parse")) return "high";
     if (is_function(c, "daft_intersection_parse")) return "fast";
@@ -572,6 +623,7 @@ GIVE_ROOM(daft_checkpoint, VERDICT_WRONG)
 GIVE_ROOM(float, VERDICT_WRONG)
 GIVE_ROOM(bool, VERDICT_WRONG)
 GIVE_ROOM(uint32_t, VERDICT_ODD)       /* daft_fields' count */
+GIVE_ROOM(size_t, VERDICT_ODD)         /* daft_read_file's size */
 GIVE_ROOM(daft_vec3, VERDICT_ODD)      /* either velocity */
 GIVE_ROOM(daft_event, VERDICT_ODD)     /* lists tell how long they are */
 GIVE_ROOM(daft_contact, VERDICT_ODD)   /* the same */
@@ -601,6 +653,19 @@ static void took_daft_scene_p(caller *c, daft_scene *made)
 {
     c->succeeded = made != NULL;
     daft_scene_destroy(made);
+}
+
+static void took_daft_files_p(caller *c, daft_files *made)
+{
+    c->succeeded = made != NULL;
+    daft_files_destroy(made);
+}
+
+/* What daft_read_file read. */
+static void took_void_p(caller *c, void *made)
+{
+    c->succeeded = made != NULL;
+    free(made);
 }
 
 static void took_daft_writer_p(caller *c, daft_writer *made)
@@ -641,6 +706,7 @@ TOOK_VALUE(daft_camera)
 TOOK_VALUE(daft_memory)
 TOOK_VALUE(daft_sim_counts)
 TOOK_VALUE(daft_engine_def)
+TOOK_VALUE(daft_files_def)
 TOOK_VALUE(daft_mesh_def)
 TOOK_VALUE(daft_material_def)
 TOOK_VALUE(daft_collider)
@@ -786,6 +852,10 @@ void caller_open(caller *c)
     def.warn = count_warning, def.warn_user = c;
     c->engine = daft_engine_create(&def, NULL);
     REQUIRE(c->engine);
+    daft_root root = {.folder = c->folder};
+    daft_files_def roots = daft_default_files_def();
+    roots.roots = &root, roots.root_count = 1;
+    REQUIRE(c->files = daft_files_create(&roots, NULL));
     make_image(c);
     make_scene(c);
     c->argument = -1;
@@ -796,6 +866,7 @@ void caller_close(caller *c)
     daft_scene_destroy(c->scene);
     daft_image_destroy(c->image);
     daft_engine_destroy(c->engine);
+    daft_files_destroy(c->files);
     free(c->saved);
     c->scene = NULL, c->engine = NULL, c->image = NULL, c->saved = NULL;
 }

@@ -427,11 +427,15 @@ static bool check_content(reader *r)
     return true;
 }
 
-bool daft_mtl_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text, size_t size,
-                    const daft_log *log, daft_mtl_list *list, daft_error *error)
+bool daft_mtl_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text,
+                    size_t size, const daft_log *log, daft_mtl_list *list, daft_error *error)
 {
     size_t before = list->count;
-    reader r = {.text = daft_text_open(path, text, size, log), .allocator = allocator, .files = files, .error = error, .list = list};
+    reader r = {.text = daft_text_open(path, text, size, log),
+                .allocator = allocator,
+                .files = files,
+                .error = error,
+                .list = list};
     bool done = read_lines(&r) && check_content(&r);
     if (done)
         daft_text_close(&r.text);
@@ -440,8 +444,8 @@ bool daft_mtl_parse(const daft_allocator *allocator, const daft_files *files, co
     return done;
 }
 
-bool daft_mtl_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log, daft_mtl_list *list,
-                   daft_error *error)
+bool daft_mtl_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log,
+                   daft_mtl_list *list, daft_error *error)
 {
     size_t size;
     char *text = daft_file_read(allocator, files, path, &size, error);

@@ -74,8 +74,8 @@ static bool smooth_loaded(const daft_allocator *allocator, daft_obj *obj, daft_e
     return false;
 }
 
-bool daft_obj_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text, size_t size,
-                    const daft_log *log, daft_obj *out, daft_error *error)
+bool daft_obj_parse(const daft_allocator *allocator, const daft_files *files, const char *path, const char *text,
+                    size_t size, const daft_log *log, daft_obj *out, daft_error *error)
 {
     daft_obj obj = {0};
     daft_obj_source source = {.text = daft_text_open(path, text, size, log), .allocator = allocator, .files = files};
@@ -83,8 +83,8 @@ bool daft_obj_parse(const daft_allocator *allocator, const daft_files *files, co
     return finish(&source, done, &obj, out) && smooth_loaded(allocator, out, error);
 }
 
-bool daft_obj_load_triangles(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log, daft_obj *out,
-                             daft_error *error)
+bool daft_obj_load_triangles(const daft_allocator *allocator, const daft_files *files, const char *path,
+                             const daft_log *log, daft_obj *out, daft_error *error)
 {
     size_t size;
     char *text = daft_file_read(allocator, files, path, &size, error);
@@ -97,8 +97,8 @@ bool daft_obj_load_triangles(const daft_allocator *allocator, const daft_files *
     return finish(&source, done, &obj, out);
 }
 
-bool daft_obj_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log, daft_obj *out,
-                   daft_error *error)
+bool daft_obj_load(const daft_allocator *allocator, const daft_files *files, const char *path, const daft_log *log,
+                   daft_obj *out, daft_error *error)
 {
     return daft_obj_load_triangles(allocator, files, path, log, out, error) && smooth_loaded(allocator, out, error);
 }

@@ -28,7 +28,7 @@ typedef struct daft_obj_source {
     daft_text text;
     const daft_allocator *allocator;
     const daft_files *files; /* where its materials are; NULL: anywhere */
-    float *x, *y, *z; /* positions */
+    float *x, *y, *z;        /* positions */
     daft_vec3 *normals;
     daft_vec2 *uvs;
     /* Of each corner, from 0. Positions may lie beyond the file's last, as forward references do. NULL: no corner has

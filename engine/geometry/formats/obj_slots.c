@@ -39,9 +39,11 @@ static bool find_file(const slots *s, const char *name, size_t length, char *pat
 {
     char relative[1024];
     if (!to_path(name, length, relative, sizeof relative)) return false;
-    if (daft_path_beside(s->source->text.path, relative, path, size) && daft_file_exists(s->source->files, path)) return true;
+    if (daft_path_beside(s->source->text.path, relative, path, size) && daft_file_exists(s->source->files, path))
+        return true;
     const char *slash = strrchr(relative, '/');
-    return slash && slash[1] && daft_path_beside(s->source->text.path, slash + 1, path, size) && daft_file_exists(s->source->files, path);
+    return slash && slash[1] && daft_path_beside(s->source->text.path, slash + 1, path, size) &&
+           daft_file_exists(s->source->files, path);
 }
 
 static bool load(slots *s, const char *path)

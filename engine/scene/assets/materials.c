@@ -135,7 +135,8 @@ daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daf
 }
 
 /* Splits "file.mtl#name" unless a file has just that name. NULL: no name, the first material is meant. */
-static bool split_path(const daft_files *files, const char *path, char *file, size_t size, const char **name, daft_error *error)
+static bool split_path(const daft_files *files, const char *path, char *file, size_t size, const char **name,
+                       daft_error *error)
 {
     const char *hash = strrchr(path, '#');
     if (hash && daft_file_exists(files, path)) hash = NULL;

@@ -211,7 +211,8 @@ static bool check_meshes(const checker *c, daft_error *error)
     for (uint32_t i = 0; i < assets->mesh_count; i++) {
         daft_obj obj;
         daft_error why = {0};
-        if (daft_obj_check(c->scene->allocator, c->scene->engine->files, assets->meshes[i]->path, NULL, c->problems, &obj, &why))
+        if (daft_obj_check(c->scene->allocator, c->scene->engine->files, assets->meshes[i]->path, NULL, c->problems,
+                           &obj, &why))
             daft_obj_free(c->scene->allocator, &obj);
         else if (why.code == DAFT_ERROR_MEMORY)
             return daft_fail_memory(error, "checking a mesh");

@@ -82,9 +82,17 @@ static void check_file(checker *c, const char *path, const game_info *game)
 
 static void check_game(checker *c, const game_info *info)
 {
+    daft_error error;
+    if (!source_open(&c->game, &c->where, info, &error)) {
+        check_problem(c, DAFT_SEVERITY_ERROR, &error);
+        return;
+    }
+    daft_engine_set_files(c->engine, c->game.files, NULL);
     check_folder(c, info->folder, info);
     c->path = info->folder;
     check_run_game(c, info);
+    daft_engine_set_files(c->engine, NULL, NULL);
+    source_close(&c->game);
 }
 
 static void enter_folder(checker *c, const char *path, const game_info *game)

@@ -6,7 +6,7 @@
 #define RUNTIME_CLI_CHECK_CHECK_H
 
 #include "hud/canvas.h"
-#include "common/home.h"
+#include "common/source.h"
 #include "common/util.h"
 
 #include <stdio.h>
@@ -17,6 +17,7 @@ typedef struct checker {
     home where;       /* filled before the first game */
     font *face;
     bool has_home;
+    game_source game; /* of the game whose folder is being checked; no files: none */
     size_t files, errors, warnings, notes;
     draft_file json;   /* its file is NULL where no report is wanted */
     uint64_t *printed; /* hashes of the lines printed */

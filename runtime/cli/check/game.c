@@ -21,7 +21,7 @@ void check_recording(checker *c, const char *path, const char *game)
 {
     recording record;
     daft_error error;
-    if (!recording_load(&record, path, &error)) {
+    if (!recording_load(&record, c->game.files, path, &error)) {
         check_problem(c, DAFT_SEVERITY_ERROR, &error);
         return;
     }
@@ -67,8 +67,13 @@ static void run_on(checker *c, daft_engine *engine, const game_info *info)
 {
     daft_error error;
     game_state play;
-    game_def def = {
-        .where = &c->where, .info = info, .engine = engine, .face = c->face, .quality = DAFT_QUALITY_DRAFT, .seed = 1};
+    game_def def = {.where = &c->where,
+                    .info = info,
+                    .source = &c->game,
+                    .engine = engine,
+                    .face = c->face,
+                    .quality = DAFT_QUALITY_DRAFT,
+                    .seed = 1};
     daft_image *picture = daft_image_create(engine, 64, 36, &error);
     if (!picture || !game_open(&play, &def, &error)) {
         check_problem(c, DAFT_SEVERITY_ERROR, &error);

@@ -147,12 +147,13 @@ static bool is_word(token word, const char *text)
     return word.length == strlen(text) && memcmp(word.at, text, word.length) == 0;
 }
 
-static bool exists_in(const char *folder, const char *sub, const char *name, const char *extension)
+static bool exists_in(const script *s, const char *folder, const char *sub, const char *name, const char *extension)
 {
     char inner[PATH_SIZE], path[PATH_SIZE];
     int written = snprintf(inner, sizeof inner, "%s%s%s", sub, name, extension);
-    return written > 0 && (size_t)written < sizeof inner && path_join(path, sizeof path, folder, inner) &&
-           path_is_file(path);
+    if (written <= 0 || (size_t)written >= sizeof inner) return false;
+    if (s->check->game.files) return daft_files_find(s->check->game.files, inner, path, sizeof path);
+    return path_join(path, sizeof path, folder, inner) && path_is_file(path);
 }
 
 /* Searches as the Lua API does: the game's folder, then assets/; in each also meshes/ and textures/. */
@@ -164,7 +165,7 @@ static bool asset_exists(const script *s, const char *name)
     for (size_t f = 0; f < COUNT_OF(folders); f++)
         for (size_t i = 0; i < COUNT_OF(subs); i++)
             for (size_t k = 0; k < COUNT_OF(extensions); k++)
-                if (exists_in(folders[f], subs[i], name, extensions[k])) return true;
+                if (exists_in(s, folders[f], subs[i], name, extensions[k])) return true;
     return false;
 }
 
@@ -203,8 +204,8 @@ static void check_module(const script *s, token string)
     if (!copy_text(string, name, sizeof name)) return;
     for (char *p = name; *p; p++)
         if (*p == '.') *p = '/';
-    if (exists_in(s->folder, "", name, ".lua")) return;
-    if (s->check->has_home && exists_in(s->check->where.scripts, "", name, ".lua")) return;
+    if (exists_in(s, s->folder, "", name, ".lua")) return;
+    if (s->check->has_home && exists_in(s, s->check->where.scripts, "", name, ".lua")) return;
     check_add(s->check, DAFT_SEVERITY_ERROR, s->path, string.line, string.column,
               "there is no module '%s.lua', neither in the game's folder nor in scripts/", name);
 }
@@ -240,7 +241,7 @@ void check_lua(checker *c, const char *path, const char *folder)
 {
     daft_error error;
     size_t size;
-    char *text = read_whole_file(path, &size, &error);
+    char *text = daft_read_file(c->game.files, path, &size, &error);
     if (!text) {
         check_problem(c, DAFT_SEVERITY_ERROR, &error);
         return;

@@ -3,7 +3,6 @@
 
 #include "common/util.h"
 
-#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,28 +27,29 @@ static bool find_texture(const host *h, const char *name, char *out, size_t size
 
 static int by_text(const void *a, const void *b) { return strcmp(*(char *const *)a, *(char *const *)b); }
 
-/* Adds the names in FOLDER/textures, without their extensions. */
-static size_t list_textures(const char *folder, char **names, size_t count, size_t capacity)
+typedef struct name_list {
+    char *names[64];
+    size_t count;
+} name_list;
+
+/* Adds the name without its extension. */
+static void add_name(void *user, const char *name)
 {
-    char path[PATH_SIZE];
-    DIR *entries = path_join(path, sizeof path, folder, "textures") ? opendir(path) : NULL;
-    if (!entries) return count;
-    for (struct dirent *entry; count < capacity && (entry = readdir(entries));) {
-        char *dot = strrchr(entry->d_name, '.');
-        if (entry->d_name[0] == '.' || !dot) continue;
-        names[count] = strndup(entry->d_name, (size_t)(dot - entry->d_name));
-        if (names[count]) count++;
-    }
-    closedir(entries);
-    return count;
+    name_list *list = user;
+    const char *dot = strrchr(name, '.');
+    if (!dot || list->count == COUNT_OF(list->names)) return;
+    list->names[list->count] = strndup(name, (size_t)(dot - name));
+    if (list->names[list->count]) list->count++;
 }
 
 /* Says which textures there are. Everything is freed before the error is raised. */
 static void no_texture(lua_State *L, host *h, const char *what, const char *name)
 {
-    char *names[64], message[700];
-    size_t count = list_textures(h->def.folder, names, 0, COUNT_OF(names));
-    count = list_textures(h->def.where->assets, names, count, COUNT_OF(names));
+    char message[700];
+    name_list list = {.count = 0};
+    daft_files_list(h->def.files, "textures", add_name, &list);
+    char **names = list.names;
+    size_t count = list.count;
     qsort(names, count, sizeof *names, by_text);
     const char *near = nearest_name(name, (const char *const *)names, count);
     int used = snprintf(message, sizeof message, "%s: there is no texture '%.200s'", what, name);

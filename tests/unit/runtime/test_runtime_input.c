@@ -129,7 +129,7 @@ static void what_is_recorded_reads_back_to_the_bit(void **unused)
     assert_true(recorder_finish(writer, &error));
     recorder_free(writer);
     recording record;
-    assert_true(recording_load(&record, temporary(), &error));
+    assert_true(recording_load(&record, NULL, temporary(), &error));
     assert_string_equal(record.game, "some game");
     assert_int_equal(record.seed, 1234567890123u);
     assert_int_equal(record.end, tick + 10);
@@ -153,7 +153,7 @@ static void playing_gives_each_tick_its_events(void **unused)
     fclose(file);
     daft_error error;
     recording record;
-    assert_true(recording_load(&record, temporary(), &error));
+    assert_true(recording_load(&record, NULL, temporary(), &error));
     assert_int_equal(record.seed, 1);
     input keys = {0};
     for (uint64_t tick = 0; tick < record.end; tick++) {
@@ -180,7 +180,7 @@ static void a_cut_recording_plays_to_its_last_second(void **unused)
         fclose(file);
         daft_error error;
         recording record;
-        assert_true(recording_load(&record, temporary(), &error));
+        assert_true(recording_load(&record, NULL, temporary(), &error));
         bool two = size >= (size_t)(strstr(text, "130") - text);
         assert_true(record.cut);
         assert_int_equal(record.end, two ? 120 : 60);
@@ -220,11 +220,11 @@ static void a_killed_game_loses_no_recording(void **unused)
     }
     waitpid(child, NULL, 0);
     recording record;
-    assert_true(recording_load(&record, path, &error));
+    assert_true(recording_load(&record, NULL, path, &error));
     assert_string_equal(record.game, "first");
     recording_free(&record);
     assert_true(record_ten_ticks(path, "third"));
-    assert_true(recording_load(&record, old, &error));
+    assert_true(recording_load(&record, NULL, old, &error));
     assert_string_equal(record.game, "second");
     assert_true(record.cut && record.end == 60 && record.count == 1);
     recording_free(&record);
@@ -253,7 +253,7 @@ static void a_recording_holds_the_tick_that_failed(void **unused)
     assert_true(recorder_finish(writer, &error));
     recorder_free(writer);
     recording record;
-    assert_true(recording_load(&record, temporary(), &error));
+    assert_true(recording_load(&record, NULL, temporary(), &error));
     assert_true(!record.cut && record.end == 8 && record.count == 1 && record.items[0].tick == 7);
     recording_free(&record);
 }
@@ -292,7 +292,7 @@ static void bad_files_say_where(void **unused)
         fclose(file);
         daft_error error = {0};
         recording record;
-        assert_false(recording_load(&record, temporary(), &error));
+        assert_false(recording_load(&record, NULL, temporary(), &error));
         if (!strstr(error.message, bad[i].message)) fail_msg("case %zu: '%s'", i, error.message);
         if (error.line != bad[i].line || error.column != bad[i].column)
             fail_msg("case %zu: %d:%d, not %d:%d", i, error.line, error.column, bad[i].line, bad[i].column);
@@ -301,9 +301,9 @@ static void bad_files_say_where(void **unused)
     unlink(temporary());
     daft_error error = {0};
     recording record;
-    assert_false(recording_load(&record, "/nowhere/at/all.rec", &error));
+    assert_false(recording_load(&record, NULL, "/nowhere/at/all.rec", &error));
     assert_int_equal(error.code, DAFT_ERROR_IO);
-    assert_false(recording_load(&record, "/tmp", &error));
+    assert_false(recording_load(&record, NULL, "/tmp", &error));
     assert_non_null(strstr(error.message, "folder"));
     assert_null(recorder_open("/nowhere/at/all.rec", "x", 1, &error));
 }
@@ -325,7 +325,7 @@ static void random_bytes_do_no_harm(void **unused)
         fclose(file);
         daft_error error;
         recording record;
-        if (recording_load(&record, temporary(), &error)) recording_free(&record);
+        if (recording_load(&record, NULL, temporary(), &error)) recording_free(&record);
     }
     unlink(temporary());
 }

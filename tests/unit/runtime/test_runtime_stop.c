@@ -118,7 +118,7 @@ static void signals_save_the_recording(void **unused)
         assert_true(WIFSIGNALED(status) && WTERMSIG(status) == numbers[i]);
         recording record;
         daft_error error;
-        assert_true(recording_load(&record, file, &error));
+        assert_true(recording_load(&record, NULL, file, &error));
         assert_true(!record.cut && record.end > 60 && record.end <= 91);
         assert_true(record.count + 2 >= record.end);
         recording_free(&record);
@@ -210,7 +210,7 @@ static void what_cannot_be_stopped_is_ended(void **unused)
     char file[128];
     recording record;
     daft_error error;
-    assert_true(recording_load(&record, in_folder(file, sizeof file, "played.rec"), &error));
+    assert_true(recording_load(&record, NULL, in_folder(file, sizeof file, "played.rec"), &error));
     assert_int_equal(record.end, 6);
     recording_free(&record);
     remove_folder();
