@@ -198,9 +198,20 @@ static void set_usual_hook(host *state, lua_State *L)
 
 /* ---- files ---- */
 
+/* Absolute, or with a part "..". */
+static bool leads_outside(const char *name)
+{
+    for (const char *part = name; part; part = strchr(part, '/') ? strchr(part, '/') + 1 : NULL)
+        if (strncmp(part, "..", 2) == 0 && (part[2] == 0 || part[2] == '/')) return true;
+    return name[0] == '/';
+}
+
 bool host_find_file(const host *state, const char *name, char *out, size_t size, daft_error *error)
 {
     if (daft_files_find(state->def.files, name, out, size)) return true;
+    if (leads_outside(name))
+        return fail(error, DAFT_ERROR_ARGUMENT, "'%s' leads outside: files are in the game's folder or in assets/",
+                    name);
     return fail(error, DAFT_ERROR_IO, "there is no file '%s', neither in the game's folder nor in assets/", name);
 }
 

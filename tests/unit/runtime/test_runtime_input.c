@@ -304,7 +304,7 @@ static void bad_files_say_where(void **unused)
     assert_false(recording_load(&record, NULL, "/nowhere/at/all.rec", &error));
     assert_int_equal(error.code, DAFT_ERROR_IO);
     assert_false(recording_load(&record, NULL, "/tmp", &error));
-    assert_non_null(strstr(error.message, "folder"));
+    assert_non_null(strstr(error.message, "directory"));
     assert_null(recorder_open("/nowhere/at/all.rec", "x", 1, &error));
 }
 
