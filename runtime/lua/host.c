@@ -69,8 +69,11 @@ static void *allocate(void *user, void *pointer, size_t old_size, size_t new_siz
         unreserve(state);
         return NULL;
     }
+    if (!pointer && old_size == LUA_TSTRING && new_size > HOST_STRING) {
+        state->long_string = true;
+        return NULL;
+    }
     if (new_size > held && !reserve(state, state->memory - held + new_size)) return NULL;
-    if (!pointer && old_size == LUA_TSTRING && new_size > HOST_STRING) return NULL;
     void *grown = realloc(pointer, new_size);
     if (grown) state->memory += new_size - held;
     unreserve(state);
@@ -324,6 +327,11 @@ static void describe_failure(host *state, int status, watchdog_state ended)
 {
     lua_State *L = state->L;
     if (state->message[0]) return;
+    if (ended == WATCHDOG_RUNNING && status == LUA_ERRMEM && state->long_string) {
+        snprintf(state->message, sizeof state->message, "%s: not enough memory: a string may hold %zu MB at most",
+                 state->callback, HOST_STRING >> 20);
+        return;
+    }
     daft_memory memory = daft_engine_memory(state->def.engine);
     if (ended == WATCHDOG_RUNNING && status == LUA_ERRMEM && memory.limit) {
         snprintf(state->message, sizeof state->message,
@@ -344,7 +352,7 @@ static bool call(host *state, const char *shown, request what)
     state->message[0] = state->trace[0] = 0;
     state->callback = shown;
     state->call_ran = 0;
-    state->stopped = state->asked = false;
+    state->stopped = state->asked = state->long_string = false;
     state->depth = 0;
     lua_settop(L, 0);
     lua_pushcfunction(L, on_error);

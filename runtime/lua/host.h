@@ -60,6 +60,7 @@ typedef struct host {
     watchdog *dog;
     lua_State *_Atomic running; /* the state or coroutine that runs: where a stop is to strike */
     bool stopped;               /* this call: every protected call in the script passes the error on */
+    bool long_string;           /* this call wanted a string over HOST_STRING */
     bool asked;                 /* stopped because somebody asked for the end */
     int depth;                  /* of coroutines that are being closed, one within the other */
     size_t memory, reserved;    /* bytes: Lua holds; are counted for it towards the engine's limit */

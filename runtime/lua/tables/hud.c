@@ -17,10 +17,14 @@ static float read_size(lua_State *L, host *h, int index)
     return size;
 }
 
+enum { LONGEST_TEXT = 16384 }; /* bytes: nobody can see more at once, and each glyph takes its time */
+
 /* A string, or a number as text. */
 static const char *read_shown(lua_State *L, host *h, int index)
 {
     if (lua_type(L, index) == LUA_TNUMBER) return lua_tostring(L, index);
+    if (lua_type(L, index) == LUA_TSTRING && lua_rawlen(L, index) > LONGEST_TEXT)
+        api_error(L, h, "text: %d bytes at most expected, got %zu", (int)LONGEST_TEXT, (size_t)lua_rawlen(L, index));
     return api_text(L, h, index, "text");
 }
 
@@ -74,7 +78,8 @@ static int height(lua_State *L, host *h)
 
 static const api_function FUNCTIONS[] = {
     {"text", "(string, x, y [, {size =, color =, align =, shadow =}])",
-     "Within daft.draw. align is \"left\", \"center\" or \"right\" of x; y is the top. size 28, white, with a shadow.",
+     "Within daft.draw. align is \"left\", \"center\" or \"right\" of x; y is the top. size 28, white, with a shadow.\n"
+     "The string has at most 16384 bytes.",
      text, API_DRAWS},
     {"rect", "(x, y, width, height [, color])", "A filled rectangle; \"#rrggbbaa\" shines through.", rect, API_DRAWS},
     {"text_width", "(string [, size]) -> number", "Of the widest line.", width_of_text, 0},

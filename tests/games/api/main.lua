@@ -222,6 +222,7 @@ local function messages()
     expect_error("cannot be set", function() ball.speed = 3 end)
     expect_error("entity expected before the colon, got nothing", ball.push)
     expect_error("only within daft.draw", daft.text, "hello", 1, 1)
+    expect_error("text: 16384 bytes at most expected, got 16385", daft.text_width, ("x"):rep(16385))
     expect_error("finite number expected", daft.entity, { sphere = 0 / 0 })
 end
 
