@@ -24,7 +24,10 @@
  * Threads: an engine and everything in it belongs to one calling thread at a time; the library uses its own worker
  * threads inside a call. Results do not depend on how many, bit for bit. Different engines are independent.
  *
- * The fields of the structs that users fill are listed at the end, as data: see daft_fields. */
+ * Sections, each under a line of dashes: plain values; numbers; errors and warnings; files; engine; images; scenes
+ * (assets, entities, joints, the simulation as a whole, camera and lights); time; rendering; ray queries; queries of
+ * bodies; characters; checking files; counters; and, as data, the fields of the structs that users fill (daft_fields).
+ */
 #ifndef DAFT_H
 #define DAFT_H
 

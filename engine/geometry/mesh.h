@@ -3,7 +3,7 @@
  * triangles that share an edge in the file share its two vertex numbers here, whatever their normals and uvs do.
  *
  * Public headers: mesh.h. Inner headers: trimesh.h polygon.h.
- * formats/ reads files, analysis/ finds what is known of a mesh before it is drawn. */
+ * formats/ reads files; analysis/ computes smooth normals and finds problems. */
 #ifndef DAFT_GEOMETRY_H
 #define DAFT_GEOMETRY_H
 

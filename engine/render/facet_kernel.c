@@ -75,8 +75,8 @@ void DAFT_KERNEL(daft_facets_fetch)(const daft_snapshot *snapshot, const daft_fa
     }
 }
 
-/* Triangles of one mesh of one material. What they have in common is read once, since for all that the compiler knows
- * each store may change it. */
+/* Stages triangles of one mesh and one material. Their common data is copied first: the compiler must assume that each
+ * store may change it. */
 static void stage_alike(const daft_snapshot *snapshot, daft_facets *f, uint32_t first, uint32_t count, stage *out)
 {
     const daft_instance *s = &snapshot->instances[f->instance[first]];
@@ -243,7 +243,7 @@ DAFT_INLINE vf3 edge_plane(vf3 a, vf3 c)
 
 DAFT_INLINE void put3(vf v[DAFT_FACET_FLOATS], int at, vf3 a) { v[at] = a.x, v[at + 1] = a.y, v[at + 2] = a.z; }
 
-/* Rows beyond the last of the list are nobody's; those of spheres are left as they are. */
+/* Rows beyond the end of the list may be overwritten; rows of spheres may not. */
 DAFT_INLINE void store_eight(float *rows, const vf v[8], vbits lanes)
 {
     int32_t row[DAFT_VL];
@@ -255,7 +255,7 @@ DAFT_INLINE void store_eight(float *rows, const vf v[8], vbits lanes)
     vf_scatter_rows8(rows, row, v, lanes);
 }
 
-/* Of facets that are neither smooth nor textured the first eight floats are all that is asked for. */
+/* Facets without smooth normals and texture need only their first eight floats. */
 static void store_group(const group *g, const stage *from, float *rows)
 {
     vf v[DAFT_FACET_FLOATS];

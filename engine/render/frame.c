@@ -93,7 +93,7 @@ static bool out_of_memory(const daft_renderer *r)
     return false;
 }
 
-/* Rays wait in one batch for each depth, since what is mirrored is followed before what is refracted. */
+/* Refracted rays are queued in one batch for each depth: mirrored rays are followed first. */
 static bool prepare_refractions(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
@@ -106,8 +106,8 @@ static bool prepare_refractions(daft_frame *frame, daft_error *error)
     return true;
 }
 
-/* The tree over instances, where what is seen asks for rays; without a light's shadows that is not known before. It is
- * there already in a frame's second sample, and where neither a thing nor the camera has moved since the last frame. */
+/* Builds the TLAS where visible instances may spawn rays or lights cast shadows. The frame's other samples reuse it,
+ * and so do later frames while no instance and no camera moves. */
 static bool prepare_tree(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;

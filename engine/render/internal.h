@@ -100,12 +100,11 @@ void daft_plan_narrow(daft_plan *plan, const daft_snapshot *snapshot, const daft
 bool daft_mirrors_prepare(daft_frame *frame, daft_error *error);
 void daft_mirrors_free(daft_renderer *renderer);
 size_t daft_mirrors_bytes(const daft_renderer *renderer);
-/* Draws what the mirrors show that enough of the rays come from; gives their bits. The rays are what the tile's own
- * pixels send on. */
+/* Draws the views of those mirrors that enough of the tile's mirrored rays leave; returns these mirrors as bits. */
 uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t worker, const daft_tile *tile,
                            const daft_ray_batch *rays);
-/* What the ray hits, as `closest` would say but for the normal. False: that is not known, and the ray has to be cast.
- */
+/* The hit of a ray from a mirror's view, as `closest` would give it, without the normal. False: the view does not
+ * decide it, and the ray must be cast. */
 bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const daft_tile *tile,
                       const daft_ray_batch *rays, uint32_t ray, daft_hit *hit);
 /* tile/tile.c: a daft_task */

@@ -68,8 +68,8 @@ typedef struct daft_spawning {
 } daft_spawning;
 
 typedef struct daft_render_kernels {
-    /* The surfaces that a tile's pixels see become points of weight 1, of which only what is asked for is set; the
-     * other pixels become rays into the sky, with directions where the sky has more than one colour. */
+    /* Turns a tile's visible surfaces into points of weight 1, filling only the fields that the definition asks for.
+     * The other pixels become sky rays, with directions where the sky has more than one colour. */
     void (*surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets, daft_batch *points,
                      daft_ray_batch *sky);
     /* Appends the points where the rays first.. hit, all of them set; misses are left out. */

@@ -1,8 +1,8 @@
-/* Flat mirrors as pencils: the rays that a plane sends on from the camera meet in the mirrored eye, so what they see is
- * what a camera there would see through the mirror. The mirrored camera's picture says which instance each ray meets
- * first; where on it is found from the ray itself. What reaches through the plane may hide, from the mirrored eye, what
- * lies before it: a ray whose instance turns out to lie behind its origin is asked on its own, as those of curved
- * mirrors are. */
+/* Planar mirrors as pencils: camera rays that a plane reflects meet in the mirrored eye, so they see what a camera
+ * there would see through the mirror. That camera's visibility gives each ray's instance; the hit point is computed
+ * from the ray itself. An instance that reaches through the plane may occlude, for the mirrored eye, what lies before
+ * the plane: where a ray's instance lies behind its origin, the ray is cast through the BVH, as rays of curved mirrors
+ * are. */
 #include "render/internal.h"
 
 enum {
@@ -218,8 +218,7 @@ uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t wo
     return shown;
 }
 
-/* Where the ray meets the triangle's plane, ahead of its origin; the weights are those of the point of it that is
- * nearest. */
+/* Intersects the ray with the triangle's plane, ahead of its origin. Weights are clamped to the triangle. */
 static bool meet_triangle(const daft_instance *s, uint32_t triangle, daft_dvec3 o, daft_dvec3 d, daft_hit *hit)
 {
     const uint32_t *corner = &s->mesh->indices[3 * (size_t)triangle];

@@ -242,7 +242,7 @@ DAFT_INLINE void store_meeting(const meeting *m, vf3 direction, vf3 normal, vf r
 
 enum { FINDER = 256 };
 
-/* What was seen last is kept by a hash of its numbers: a facet that comes up again in a later window is the same. */
+/* A cache from instance and triangle to facet, by hash: a triangle of several windows is set up once. */
 typedef struct finder {
     const daft_snapshot *snapshot;
     daft_facets *facets;
@@ -312,7 +312,7 @@ static void sort_runs(sorted *s, int at, int count)
     }
 }
 
-/* DAFT_VL pixels that all see something; those of `same` see what is at `slots`. */
+/* DAFT_VL pixels that all have a hit; lanes of `same` share the facets of `slots`. */
 static void sort_visible(sorted *s, int at, vi instance, vi triangle, vbits same, vi slots)
 {
     vbits ends = run_ends(s->tile, at, DAFT_VL);

@@ -45,8 +45,8 @@ void daft_retire(daft_scene *scene, daft_retired *item, void (*free)(const daft_
 
 /* ---- frames ---- */
 
-/* Whether the frame's instances are what one around `origin` would see now. Where nothing is between two ticks' poses,
- * neither the tick nor alpha matters. */
+/* Whether the frame's instances are still right for the view. Tick and alpha count only where some entity is between
+ * two poses. */
 static bool still_valid(const daft_scene *scene, const daft_scene_frame *f, const daft_view *view)
 {
     daft_dvec3 origin = view->camera.position;
@@ -139,7 +139,7 @@ bool daft_frame_draw(daft_scene_frame *frame, daft_renderer *renderer, const daf
     return drawn;
 }
 
-/* What is counted since the scene was made may have gone on while the frame was drawn. */
+/* Counters that run since the scene was made may have grown while the frame was drawn: the scene's hold. */
 void daft_frame_release(daft_scene *scene, daft_scene_frame *frame)
 {
     daft_counters *c = &frame->counters, *all = &scene->counters;

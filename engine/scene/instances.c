@@ -1,5 +1,5 @@
-/* The instances of a frame: what render/ and the ray queries see of entities. Which there are is found one after the
- * other; where each is, its inverse and its bounds are worked out by all threads. */
+/* The instances of a frame: what render/ and the ray queries see of entities. One thread lists them; all
+ * threads compute their transforms, inverses and bounds. */
 #include "scene/scene.h"
 
 static bool finite_affine(const daft_affine *a)

@@ -8,7 +8,7 @@
 #include "geometry/trimesh.h"
 #include "math/simd/dispatch.h"
 
-/* Of each triangle. Apart, since most of what is asked for later is the normals. */
+/* Of each triangle, in arrays of their own: later passes read mostly the normals. */
 typedef struct daft_smooth_faces {
     daft_vec3 *normals; /* unit length, zero without area */
     float *angles;      /* at the three corners, radians */

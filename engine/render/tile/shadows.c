@@ -1,5 +1,6 @@
 /* Light visibility of a batch: the points become samples of the light's pencil (raster/view.h), a spot's as a point
- * light's, since its cone was asked before. Occluders take a point's light away; what transmits takes a fraction of it.
+ * light's, since facing() has tested its cone. Occluders take a point's light away; what transmits takes a fraction of
+ * it.
  */
 #include "render/tile/tile.h"
 

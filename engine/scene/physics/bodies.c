@@ -1,4 +1,4 @@
-/* Entities in the simulation: sim/ knows shapes and numbers, here they meet. A body carries its entity's handle. */
+/* Entities as bodies: sim/ knows bodies by number, scene/ entities by handle; a body carries its entity's handle. */
 #include "scene/scene.h"
 
 static const char *const KINDS[] = {"none", "static", "kinematic", "dynamic"};
