@@ -51,7 +51,7 @@ static bool is_temporary(const char *name)
 static void remove_stale(int folder, const char *name)
 {
     struct stat status;
-    int file = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    int file = openat(folder, name, O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (file < 0) return;
     bool old = fstat(file, &status) == 0 && S_ISREG(status.st_mode) && time(NULL) - status.st_mtime > STALE_SECONDS;
     if (old && flock(file, LOCK_EX | LOCK_NB) == 0) unlinkat(folder, name, 0);
@@ -120,7 +120,7 @@ static bool make_temporary(daft_writer *writer, mode_t mode)
         if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) return false;
         snprintf(writer->temporary, sizeof writer->temporary, PREFIX "%016llx" SUFFIX, (unsigned long long)number);
         writer->file =
-            openat(writer->folder, writer->temporary, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+            openat(writer->folder, writer->temporary, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
         if (writer->file >= 0)
             return flock(writer->file, LOCK_EX | LOCK_NB) == 0 || errno == ENOLCK || errno == ENOTSUP;
         if (errno != EEXIST) return false;

@@ -5,6 +5,7 @@
 #include "game/loop.h"
 #include "game/menu.h"
 #include "game/session.h"
+#include "platform/seal.h"
 #include "common/util.h"
 
 #include <stdio.h>
@@ -30,7 +31,7 @@ typedef struct play_options {
     double scale, seconds;
     daft_quality quality;
     uint64_t memory;
-    const char *record, *replay, *isa, *shot, *stats, *game;
+    const char *sandbox, *record, *replay, *isa, *shot, *stats, *game;
 } play_options;
 
 typedef struct player {
@@ -99,12 +100,53 @@ static bool open_null(player *p, int width, int height)
     return p->screen != NULL;
 }
 
+/* The folder that a file is written to; NULL: none. */
+static const char *folder_of(const char *path, char out[PATH_SIZE])
+{
+    if (!path || strcmp(path, "-") == 0) return NULL;
+    const char *slash = strrchr(path, '/');
+    snprintf(out, PATH_SIZE, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
+    return out;
+}
+
+/* Before the game's first line runs, once the window is open. In a window F12 writes pictures to the current folder. */
+static bool seal(const player *p, const session_def *session)
+{
+    const play_options *o = &p->options;
+    char folders[3][PATH_SIZE];
+    daft_error error;
+    if (strcmp(o->sandbox, "off") == 0) return true;
+    seal_def def = {.readable = {p->source.files ? p->game.folder : p->where.games, p->where.assets, p->where.scripts,
+                                 session->replay},
+                    .writable = {folder_of(session->record, folders[0]), folder_of(session->shot, folders[1]),
+                                 folder_of(session->stats, folders[2]), p->screen->headless ? NULL : "."},
+                    .window = !p->screen->headless};
+    if (seal_process(&def, &error)) return true;
+    report(&error);
+    if (strcmp(o->sandbox, "on") == 0) return false;
+    fprintf(stderr, "daft: going on without that part of the sandbox\n");
+    return true;
+}
+
+/* False, with a message, where the sandbox is asked for and the system lacks a part of it. */
+static bool can_seal(const play_options *o)
+{
+    seal_ability has = seal_look();
+    if (strcmp(o->sandbox, "on") != 0 || (has.landlock && has.seccomp && !has.obstacle)) return true;
+    fprintf(stderr, "daft: --sandbox on: %s\n",
+            has.obstacle   ? has.obstacle
+            : has.landlock ? "this system has no seccomp"
+                           : "this system has no Landlock");
+    return false;
+}
+
 static int play_headless(player *p)
 {
     daft_error error;
     if (!find_game(p) || !open_null(p, 320, 180)) return STATUS_BAD_INPUT;
     session_def def = base_session(p);
     if (!def.ticks && !def.replay) def.ticks = DEMO_TICKS;
+    if (!seal(p, &def)) return STATUS_BAD_INPUT;
     return finish(session_play(&def, &p->game, &error), &error);
 }
 
@@ -137,6 +179,7 @@ static int play_demo(player *p, const char *why)
     if (!def.hash && !def.every_frame)
         def.quality = quality_or(&p->options, DAFT_QUALITY_HIGH); /* only one frame is drawn */
     if (!def.shot) def.shot = DEMO_PICTURE, def.shot_tick = 0;
+    if (!seal(p, &def)) return STATUS_BAD_INPUT;
     uint64_t began = clock_now_ns();
     session_end end = session_play(&def, &p->game, &error);
     if (end == SESSION_FAILED) return finish(end, &error);
@@ -151,8 +194,8 @@ static int play_menu(player *p)
     game_info *games = home_list_games(&p->where, &count);
     session_def def = base_session(p);
     def.stays = true;
-    int status = STATUS_DONE;
-    for (;;) {
+    int status = seal(p, &def) ? STATUS_DONE : STATUS_BAD_INPUT;
+    while (status == STATUS_DONE) {
         daft_error error;
         menu_end picked = menu_show(&def, games, count, &chosen, &error);
         if (picked == MENU_FAILED) status = report(&error);
@@ -184,13 +227,18 @@ static int play(player *p)
     if (!p->screen) return play_demo(p, error.message);
     if (!p->options.game) return play_menu(p);
     session_def session = base_session(p);
+    if (!seal(p, &session)) return STATUS_BAD_INPUT;
     return finish(session_play(&session, &p->game, &error), &error);
 }
 
 int command_play(int argc, char **argv)
 {
-    player p = {
-        .options = {.scale = 1, .memory = HOST_MEMORY, .seconds = WATCHDOG_SECONDS, .quality = NOT_GIVEN, .seed = 1}};
+    player p = {.options = {.sandbox = "auto",
+                            .scale = 1,
+                            .memory = HOST_MEMORY,
+                            .seconds = WATCHDOG_SECONDS,
+                            .quality = NOT_GIVEN,
+                            .seed = 1}};
     play_options *o = &p.options;
     const cli_option options[] = {
         {"headless", 0, CLI_FLAG, NULL, &o->headless, 0, 0,
@@ -214,6 +262,8 @@ int command_play(int argc, char **argv)
         {"time-limit", 0, CLI_NUMBER, "SECONDS", &o->seconds, 0, 3600,
          "how long one call into the game may take, 0.1 to 3600 (5)"},
         {"seed", 0, CLI_COUNT, "N", &o->seed, 0, 1000000000, "seed of the random numbers (1); a replay uses its own"},
+        {"sandbox", 0, CLI_TEXT, "MODE", &o->sandbox, 0, 0,
+         "auto (what the system has), on (all of it, or an error), off, or status"},
         {"shot", 0, CLI_TEXT, "FILE", &o->shot, 0, 0, "write a picture (.png, .ppm) at the end"},
         {"shot-tick", 0, CLI_COUNT, "N", &o->shot_tick, 1, 1000000000, "write that picture after update N instead"},
         {"stats", 0, CLI_TEXT, "FILE", &o->stats, 0, 0, "write frame times and counters as JSON; - is stdout"},
@@ -223,6 +273,15 @@ int command_play(int argc, char **argv)
     cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);
     if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
     if (o->shot_tick && !o->shot) return cli_refuse("play", "--shot-tick: --shot FILE is missing");
+    const char *const sandboxes[] = {"auto", "on", "off", "status"};
+    bool known = false;
+    for (size_t i = 0; i < COUNT_OF(sandboxes); i++) known |= strcmp(o->sandbox, sandboxes[i]) == 0;
+    if (!known) return cli_refuse("play", "--sandbox: auto, on, off or status expected");
+    if (strcmp(o->sandbox, "status") == 0) {
+        seal_print_status();
+        return STATUS_DONE;
+    }
+    if (!can_seal(o)) return STATUS_BAD_INPUT;
     if (!(o->scale > 0)) return cli_refuse("play", "--scale: a number above 0 expected");
     if (!(o->seconds >= 0.1)) return cli_refuse("play", "--time-limit: a number from 0.1 to 3600 expected");
     if (count > 0) o->game = operands[0];

@@ -237,7 +237,7 @@ struct recorder {
 static bool keep_left_over(const recorder *writer, daft_error *error)
 {
     char old[PATH_SIZE + 16];
-    int file = open(writer->part, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    int file = open(writer->part, O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (file < 0) return true;
     bool busy = flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     close(file);
