@@ -524,7 +524,8 @@ static bool reserve_manifolds(daft_world *world)
     for (size_t i = 0; i < world->active.count; i++) {
         daft_sim_pair *pair = &world->pairs[world->active.items[i].pair];
         if (!daft_sim_is_unallocated(world, pair)) continue;
-        pair->more = daft_alloc(&world->allocator, DAFT_SIM_MAX_MANIFOLDS, sizeof *pair->more);
+        pair->more = daft_alloc_zero(&world->allocator, DAFT_SIM_MAX_MANIFOLDS, sizeof *pair->more); /* saved as it is
+                                                                                                      */
         if (!pair->more) return false;
         pair->manifold_count = 0;
     }
