@@ -17,11 +17,9 @@ static void attach(RTCScene scene, RTCGeometry geometry, uint32_t number)
     rtcReleaseGeometry(geometry);
 }
 
-/* map: where the mesh is put, or NULL: as it is. */
-static void add_mesh(const bench_embree *self, RTCScene scene, const daft_trimesh *mesh, const daft_affine *map,
-                     uint32_t number)
+RTCGeometry bench_embree_triangles(RTCDevice device, const daft_trimesh *mesh, const daft_affine *map)
 {
-    RTCGeometry geometry = rtcNewGeometry(self->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     float *positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                3 * sizeof(float), mesh->vertex_count);
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
@@ -33,7 +31,13 @@ static void add_mesh(const bench_embree *self, RTCScene scene, const daft_trimes
                                             mesh->triangle_count);
     memcpy(indices, mesh->indices, (size_t)mesh->triangle_count * 3 * sizeof(uint32_t));
     rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
-    attach(scene, geometry, number);
+    return geometry;
+}
+
+static void add_mesh(const bench_embree *self, RTCScene scene, const daft_trimesh *mesh, const daft_affine *map,
+                     uint32_t number)
+{
+    attach(scene, bench_embree_triangles(self->device, mesh, map), number);
 }
 
 static void add_ground(const bench_embree *self)

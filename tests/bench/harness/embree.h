@@ -72,6 +72,54 @@ static inline void bench_embree_occluded(const bench_embree *self, bool coherent
 #endif
 }
 
+static inline struct RTCRayHit bench_embree_ray(const daft_ray *r)
+{
+    struct RTCRayHit query = {0};
+    query.ray.org_x = r->origin.x, query.ray.org_y = r->origin.y, query.ray.org_z = r->origin.z;
+    query.ray.dir_x = r->direction.x, query.ray.dir_y = r->direction.y, query.ray.dir_z = r->direction.z;
+    query.ray.tnear = r->tmin, query.ray.tfar = r->tmax, query.ray.mask = UINT32_MAX;
+    query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return query;
+}
+
+/* What all single rays of a run share; made once, so that no ray pays for it. */
+typedef struct bench_embree_context {
+#if DAFT_EMBREE == 4
+    struct RTCIntersectArguments *none; /* the defaults */
+#else
+    struct RTCIntersectContext context;
+#endif
+} bench_embree_context;
+
+static inline bench_embree_context bench_embree_begin(void)
+{
+    bench_embree_context out = {0};
+#if DAFT_EMBREE < 4
+    rtcInitIntersectContext(&out.context);
+#endif
+    return out;
+}
+
+/* A single ray, for the nearest hit or for any. Returns whether it hit. */
+static inline bool bench_embree_single(bench_embree_context *with, RTCScene scene, bool any, struct RTCRayHit *query)
+{
+#if DAFT_EMBREE == 4
+    (void)with;
+    if (any)
+        rtcOccluded1(scene, &query->ray, NULL);
+    else
+        rtcIntersect1(scene, query, NULL);
+#else
+    if (any)
+        rtcOccluded1(scene, &with->context, &query->ray);
+    else
+        rtcIntersect1(scene, &with->context, query);
+#endif
+    return any ? query->ray.tfar < 0 : query->hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
+/* map: where the mesh is put, or NULL: as it is. */
+RTCGeometry bench_embree_triangles(RTCDevice device, const daft_trimesh *mesh, const daft_affine *map);
 /* Instances in frame space, of two meshes at most: baked into one scene, or one level of instances. NULL: no device. */
 bench_embree *bench_embree_placed(const daft_instance *instances, uint32_t count, bool two_level, int threads);
 void bench_embree_close(bench_embree *self); /* NULL is fine */

@@ -55,15 +55,7 @@ static bool load(rays_embree *self, const daft_ray *rays, uint32_t count)
     self->single = aligned_alloc(64, (count * sizeof *self->single + 63) / 64 * 64);
     self->packets = aligned_alloc(64, count / 16 * sizeof *self->packets);
     if (!self->single || !self->packets) return false;
-    for (uint32_t i = 0; i < count; i++) {
-        const daft_ray *r = &rays[i];
-        struct RTCRayHit *s = &self->single[i];
-        memset(s, 0, sizeof *s);
-        s->ray.org_x = r->origin.x, s->ray.org_y = r->origin.y, s->ray.org_z = r->origin.z;
-        s->ray.dir_x = r->direction.x, s->ray.dir_y = r->direction.y, s->ray.dir_z = r->direction.z;
-        s->ray.tnear = r->tmin, s->ray.tfar = r->tmax, s->ray.mask = UINT32_MAX;
-        s->hit.geomID = s->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    }
+    for (uint32_t i = 0; i < count; i++) self->single[i] = bench_embree_ray(&rays[i]);
     for (uint32_t i = 0; i < count; i += 16) load_packet(&self->packets[i / 16], rays + i);
     self->count = count;
     return true;
@@ -71,27 +63,11 @@ static bool load(rays_embree *self, const daft_ray *rays, uint32_t count)
 
 static uint64_t trace_single(const rays_embree *self, uint32_t first, uint32_t end)
 {
-    RTCScene scene = self->scene->scene;
+    bench_embree_context with = bench_embree_begin();
     uint64_t hits = 0;
-#if DAFT_EMBREE < 4
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-#endif
     for (uint32_t i = first; i < end; i++) {
         struct RTCRayHit query = self->single[i];
-        bool occluded = self->how == RAYS_OCCLUDED_SINGLE;
-#if DAFT_EMBREE == 4
-        if (occluded)
-            rtcOccluded1(scene, &query.ray, NULL);
-        else
-            rtcIntersect1(scene, &query, NULL);
-#else
-        if (occluded)
-            rtcOccluded1(scene, &context, &query.ray);
-        else
-            rtcIntersect1(scene, &context, &query);
-#endif
-        hits += occluded ? query.ray.tfar < 0 : query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+        hits += bench_embree_single(&with, self->scene->scene, self->how == RAYS_OCCLUDED_SINGLE, &query);
     }
     return hits;
 }
