@@ -76,6 +76,11 @@ DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index)
     __m256 high = _mm256_permutevar8x32_ps(_mm256_loadu_ps(table + 8), (__m256i)index);
     return (vf)_mm256_blendv_ps(low, high, (__m256)(index << 28)); /* by bit 3, as the sign */
 }
+DAFT_INLINE vf vf_table_lookup32(const float table[32], vi index)
+{
+    __m256 low = (__m256)vf_table_lookup16(table, index), high = (__m256)vf_table_lookup16(table + 16, index);
+    return (vf)_mm256_blendv_ps(low, high, (__m256)(index << 27)); /* by bit 4, as the sign */
+}
 DAFT_INLINE vf vf_table_lookup256(const float table[256], vi index)
 {
     return vf_gather_index(table, index & vi_set(255));

@@ -132,6 +132,7 @@ DAFT_INLINE vi vi_gather_index(const void *base, vi index);
 DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index); /* TableLookupLanes: table[index[i] & (DAFT_VL -
                                                                          1)] */
 DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index);    /* the same of sixteen: table[index[i] & 15] */
+DAFT_INLINE vf vf_table_lookup32(const float table[32], vi index);    /* of 32: table[index[i] & 31] */
 DAFT_INLINE vf vf_table_lookup256(const float table[256], vi index);  /* of 256: table[index[i] & 255] */
 DAFT_INLINE void vf_compress_store(float *out, vbits lanes, vf v); /* CompressStore: the lanes of a mask side by side;
                                                                     * further floats up to out[DAFT_VL - 1] may be

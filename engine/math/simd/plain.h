@@ -103,6 +103,7 @@ DAFT_INLINE vf vf_table_lookup(const float table[DAFT_VL], vi index)
     return vf_gather_index(table, index & vi_set(DAFT_VL - 1));
 }
 DAFT_INLINE vf vf_table_lookup16(const float table[16], vi index) { return vf_gather_index(table, index & vi_set(15)); }
+DAFT_INLINE vf vf_table_lookup32(const float table[32], vi index) { return vf_gather_index(table, index & vi_set(31)); }
 DAFT_INLINE vf vf_table_lookup256(const float table[256], vi index)
 {
     return vf_gather_index(table, index & vi_set(255));

@@ -79,6 +79,7 @@ OP(vf_gather_index) { vf_store(out->f, vf_gather_index(in->rows[0], I & vi_set(1
 OP(vi_gather_index) { vi_store(out->i, vi_gather_index(in->rows[0], I & vi_set(127))); }
 OP(vf_table_lookup) { vf_store(out->f, vf_table_lookup(in->a, I)); }
 OP(vf_table_lookup16) { vf_store(out->f, vf_table_lookup16(in->a, I)); }
+OP(vf_table_lookup32) { vf_store(out->f, vf_table_lookup32(in->table, I)); }
 OP(vf_table_lookup256) { vf_store(out->f, vf_table_lookup256(in->table, I)); }
 OP(vf_compress_store)
 {

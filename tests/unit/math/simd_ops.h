@@ -47,7 +47,7 @@ typedef union simd_out {
     X(vf_column, 'b') X(vf_row, 'b') X(vf3_dot, 'f')                                                                           \
     X(vd_promote_half, 'd') X(vf_demote2, 'f') X(vd_sqrt, 'd') X(vd_max, 'b') X(vd_abs, 'b') X(vd_step, 'b')                   \
                                                                                                  \
-    X(vf_gather_index, 'b') X(vi_gather_index, 'b') X(vf_table_lookup, 'b') X(vf_table_lookup16, 'b') X(vf_table_lookup256, 'b')       \
+    X(vf_gather_index, 'b') X(vi_gather_index, 'b') X(vf_table_lookup, 'b') X(vf_table_lookup16, 'b') X(vf_table_lookup32, 'b') X(vf_table_lookup256, 'b')       \
     X(vf_compress_store, 'b') X(vi_compress_store, 'b')                                           \
     X(vf_gather_blocks, 'b') X(vf_scatter_blocks, 'b') X(vf_load_blocks, 'b') X(vf_store_blocks, 'b') X(vf_load_blocks_at, 'b') \
     X(vf_load_block_pairs_at, 'b') X(vf_load_eights, 'b') X(vf_transpose4, 'b') X(vf_gather_rows4, 'b') X(vf_gather_rows8, 'b') \

@@ -238,6 +238,7 @@ TWIN(vf_gather_index) { LANES out->f[i] = row_at(in, in->i[i] & 127); }
 TWIN(vi_gather_index) { LANES out->f[i] = row_at(in, in->i[i] & 127); }
 TWIN(vf_table_lookup) { LANES out->f[i] = in->a[in->i[i] & (in->lanes - 1)]; }
 TWIN(vf_table_lookup16) { LANES out->f[i] = in->a[in->i[i] & 15]; }
+TWIN(vf_table_lookup32) { LANES out->f[i] = in->table[in->i[i] & 31]; }
 TWIN(vf_table_lookup256) { LANES out->f[i] = in->table[in->i[i] & 255]; }
 TWIN(vf_compress_store)
 {
