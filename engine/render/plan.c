@@ -40,14 +40,6 @@ static bool some_material(const daft_snapshot *snapshot, surface_test *test)
     return false;
 }
 
-static bool some_has(const daft_snapshot *snapshot, surface_test *test)
-{
-    if (!some_material(snapshot, test)) return false;
-    for (uint32_t i = 0; i < snapshot->instance_count; i++)
-        if (has(snapshot, &snapshot->instances[i], test)) return true;
-    return false;
-}
-
 static const char *shadow_reason(const daft_snapshot *snapshot, const daft_preset *preset, bool *run)
 {
     *run = false;
@@ -64,7 +56,7 @@ static const char *reflection_reason(const daft_snapshot *snapshot, const daft_p
 {
     *run = false;
     if (preset->mirror_depth == 0) return "this quality has no reflections";
-    *run = some_has(snapshot, mirrors) || some_has(snapshot, bends);
+    *run = some_material(snapshot, mirrors) || some_material(snapshot, bends);
     return *run ? "a mirror is seen" : "no material mirrors";
 }
 
@@ -84,7 +76,7 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     why[DAFT_EFFECT_REFLECTION] = reflection_reason(snapshot, plan.preset, &plan.may_reflect);
     none[DAFT_EFFECT_REFLECTION] = plan.may_reflect ? "no mirror is seen" : why[DAFT_EFFECT_REFLECTION];
     plan.tints = plan.shadows && some_material(snapshot, transmits) && some_flag(snapshot, DAFT_INSTANCE_TINTS_SHADOW);
-    plan.may_refract = some_has(snapshot, transmits);
+    plan.may_refract = some_material(snapshot, transmits);
     why[DAFT_EFFECT_REFRACTION] = "something that transmits is seen";
     none[DAFT_EFFECT_REFRACTION] = plan.may_refract ? "nothing that transmits is seen" : "no material transmits";
     why[DAFT_EFFECT_SKY] = "the sky is seen", none[DAFT_EFFECT_SKY] = "the sky is not seen";
