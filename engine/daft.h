@@ -261,8 +261,17 @@ DAFT_API void daft_scene_destroy(daft_scene *scene); /* with all that is in it; 
  * file, line and column; the scene is then as it was. */
 DAFT_API bool daft_scene_load(daft_scene *scene, const char *path, daft_error *error);
 
-/* Assets live as long as the scene. Loading the same path twice gives the same handle. Calls that make or load one
- * return a null handle where they fail. */
+/* Assets live as long as the scene, unless the program releases them. Loading the same path twice gives the same
+ * handle. Calls that make or load one return a null handle where they fail.
+ *
+ * Each of those calls counts as one hold; daft_mesh_release and its kin drop one. daft_scene_collect frees the assets
+ * that have no hold and that nothing uses: entities and bodies use meshes and materials, meshes materials, materials
+ * textures. Their handles are stale from then on. Pictures in the making keep what they read. */
+DAFT_API bool daft_mesh_release(daft_scene *scene, daft_mesh mesh, daft_error *error);
+DAFT_API bool daft_texture_release(daft_scene *scene, daft_texture texture, daft_error *error);
+DAFT_API bool daft_material_release(daft_scene *scene, daft_material material, daft_error *error);
+/* Looks at every entity and asset: some microseconds for a thousand. Returns how many were freed. */
+DAFT_API uint32_t daft_scene_collect(daft_scene *scene);
 
 /* OBJ, with the MTL files that it names. */
 DAFT_API daft_mesh daft_mesh_load(daft_scene *scene, const char *path, daft_error *error);

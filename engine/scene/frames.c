@@ -93,14 +93,14 @@ static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view 
     if (!daft_snapshot_instances(scene, view->camera.position, view->alpha, &f->instances, &instances,
                                  &s->instance_count, error))
         return false;
-    daft_surface *surfaces = daft_arena_alloc(&f->instances, assets->material_count, sizeof *surfaces);
-    daft_texture_data *textures = daft_arena_alloc(&f->instances, assets->texture_count, sizeof *textures);
+    daft_surface *surfaces = daft_arena_alloc(&f->instances, assets->material_slots.count, sizeof *surfaces);
+    daft_texture_data *textures = daft_arena_alloc(&f->instances, assets->texture_slots.count, sizeof *textures);
     if (!surfaces || !textures) return daft_fail_memory(error, "a snapshot's materials");
-    for (uint32_t i = 0; i < assets->material_count; i++) surfaces[i] = assets->surfaces[i];
-    for (uint32_t i = 0; i < assets->texture_count; i++) textures[i] = assets->textures[i];
+    for (uint32_t i = 0; i < assets->material_slots.count; i++) surfaces[i] = assets->surfaces[i];
+    for (uint32_t i = 0; i < assets->texture_slots.count; i++) textures[i] = assets->textures[i];
     s->instances = instances;
-    s->materials = surfaces, s->material_count = assets->material_count;
-    s->textures = textures, s->texture_count = assets->texture_count;
+    s->materials = surfaces, s->material_count = assets->material_slots.count;
+    s->textures = textures, s->texture_count = assets->texture_slots.count;
     s->revision = ++scene->engine->revision;
     f->revision = scene->revision, f->tick = scene->tick, f->alpha = view->alpha, f->origin = view->camera.position;
     f->still = scene->moved_tick != scene->tick;

@@ -69,7 +69,7 @@ static float world_radius(const daft_daffine *world, float radius)
 static daft_mesh_item *shape_of(const daft_scene *scene, const daft_entity_item *item)
 {
     switch (item->def.shape) {
-    case DAFT_SHAPE_MESH: return scene->assets.meshes[item->def.mesh.id - 1];
+    case DAFT_SHAPE_MESH: return scene->assets.meshes[daft_asset_index(item->def.mesh.id)];
     case DAFT_SHAPE_BOX: return &scene->assets.boxes[item->box]->shape;
     case DAFT_SHAPE_SPHERE:
     case DAFT_SHAPE_NONE: break;
@@ -98,15 +98,14 @@ enum { AHEAD = 16 };             /* entities: little of each is looked at */
 
 static const uint32_t *make_numbers(const daft_scene *scene, daft_arena *arena)
 {
-    uint32_t count = scene->assets.material_count ? scene->assets.material_count : 1,
-             *numbers = daft_arena_alloc(arena, count, sizeof *numbers);
+    uint32_t count = scene->assets.material_slots.count, *numbers = daft_arena_alloc(arena, count, sizeof *numbers);
     for (uint32_t i = 0; numbers && i < count; i++) numbers[i] = i;
     return numbers;
 }
 
 static bool begin(maker *m)
 {
-    uint32_t max = m->scene->entity_slots.live, materials = m->scene->assets.material_count + 1;
+    uint32_t max = m->scene->entity_slots.live, materials = m->scene->assets.material_slots.count;
     m->kernels = daft_accel_kernels_for(m->scene->engine->isa);
     m->numbers = make_numbers(m->scene, m->arena);
     m->repeated = daft_arena_alloc(m->arena, materials, sizeof *m->repeated);
@@ -114,8 +113,9 @@ static bool begin(maker *m)
     m->instances = daft_arena_alloc(m->arena, max, sizeof *m->instances);
     m->fits = daft_arena_alloc(m->arena, max, sizeof *m->fits);
     for (uint32_t i = 0; m->repeated && i < materials; i++) m->repeated[i] = NULL;
-    for (uint32_t i = 0; i < m->scene->assets.mesh_count; i++)
-        m->max_slots = daft_max_u(m->max_slots, m->scene->assets.meshes[i]->mesh.slot_count);
+    for (uint32_t i = 0; i < m->scene->assets.mesh_slots.count; i++)
+        if (m->scene->assets.meshes[i])
+            m->max_slots = daft_max_u(m->max_slots, m->scene->assets.meshes[i]->mesh.slot_count);
     return m->numbers && m->repeated && m->entities && m->instances && m->fits;
 }
 
@@ -146,7 +146,7 @@ static bool list_entity(maker *m, uint32_t index)
     if (item->parent != DAFT_NONE && !daft_entity_world(scene, index, m->alpha)->shown) return true;
     const daft_mesh_item *shape = shape_of(scene, item);
     m->entities[m->count++] = index;
-    return !repeats(item, shape) || repeat_material(m, item->def.material.id - 1);
+    return !repeats(item, shape) || repeat_material(m, daft_asset_index(item->def.material.id));
 }
 
 /* ---- where ---- */
@@ -155,7 +155,7 @@ static bool list_entity(maker *m, uint32_t index)
 static const uint32_t *materials_of(const maker *m, const daft_entity_item *item, const daft_mesh_item *shape)
 {
     if (!item->def.material.id && shape) return shape->materials;
-    uint32_t material = item->def.material.id ? item->def.material.id - 1 : 0;
+    uint32_t material = item->def.material.id ? daft_asset_index(item->def.material.id) : 0;
     return repeats(item, shape) ? m->repeated[material] : &m->numbers[material];
 }
 

@@ -14,7 +14,7 @@ enum { CELL_SIZES = 1024 };
 static double world_size(const daft_scene *scene, const daft_entity_item *item)
 {
     const daft_trimesh *mesh = NULL;
-    if (item->def.shape == DAFT_SHAPE_MESH) mesh = &scene->assets.meshes[item->def.mesh.id - 1]->mesh;
+    if (item->def.shape == DAFT_SHAPE_MESH) mesh = &scene->assets.meshes[daft_asset_index(item->def.mesh.id)]->mesh;
     daft_dvec3 side = daft_to_double(item->def.size);
     if (item->def.shape == DAFT_SHAPE_SPHERE) side.x = side.y = side.z = 2 * (double)item->def.radius;
     if (mesh) side = daft_dsub(daft_to_double(mesh->high), daft_to_double(mesh->low));

@@ -79,25 +79,31 @@ typedef struct daft_sky_item {
 typedef struct daft_asset_key {
     char *path;
     uint64_t hash;
-    uint32_t asset;
 } daft_asset_key;
 
+/* Beside each mesh, texture and material. */
+typedef struct daft_asset_state {
+    uint64_t serial; /* counts what was added: a failed load takes back what is newer than its beginning */
+    uint32_t holds;  /* handles given out and not released */
+    bool used;       /* scratch of daft_scene_collect */
+} daft_asset_state;
+
+/* Meshes, textures and materials are slots with parallel arrays; what has never been freed has index id - 1. */
 typedef struct daft_assets {
-    daft_mesh_item **meshes; /* pointers: a BVH keeps the address of its mesh */
+    daft_slots mesh_slots, texture_slots, material_slots;
+    daft_asset_state *mesh_states, *texture_states, *material_states;
+    size_t mesh_state_capacity, texture_state_capacity, material_state_capacity;
+    uint64_t serial;
+    daft_mesh_item **meshes; /* NULL: a free slot. Pointers: a BVH keeps the address of its mesh */
     size_t mesh_capacity;
-    uint32_t mesh_count;
     daft_texture_data *textures;
     daft_asset_key *texture_keys;
     size_t texture_capacity, texture_key_capacity;
-    uint32_t texture_count;
-    daft_material_def *materials; /* 0: the default material */
-    daft_surface *surfaces;       /* the same as render/ reads them */
-    size_t material_capacity, surface_capacity;
-    uint32_t material_count;
-    daft_asset_key *material_keys; /* materials that came from a path */
-    size_t material_key_capacity;
-    uint32_t material_key_count;
-    daft_map mesh_map, texture_map, material_map, box_map;
+    daft_material_def *materials;  /* 0: the default material */
+    daft_surface *surfaces;        /* the same as render/ reads them */
+    daft_asset_key *material_keys; /* path NULL: not from a path */
+    size_t material_capacity, surface_capacity, material_key_capacity;
+    daft_map mesh_map, texture_map, material_map, box_map; /* from hashes to indices */
     daft_slots box_slots;
     daft_box_item **boxes;
     size_t box_capacity;
@@ -237,21 +243,39 @@ bool daft_scene_ready_or_warn(const daft_scene *scene, const char *what);
 bool daft_assets_init(daft_scene *scene, daft_error *error);
 void daft_assets_free(daft_scene *scene);
 typedef struct daft_assets_mark {
-    uint32_t meshes, textures, materials, material_keys;
+    uint64_t serial;
 } daft_assets_mark;
 daft_assets_mark daft_assets_remember(const daft_scene *scene);
 /* Takes back every asset that was added since. */
 void daft_assets_roll_back(daft_scene *scene, daft_assets_mark mark);
 daft_mesh_item *daft_mesh_find(const daft_scene *scene, daft_mesh mesh, daft_error *error);
 bool daft_texture_check(const daft_scene *scene, daft_texture texture, daft_error *error);
-/* The texture of an MTL's map: what cannot be read becomes a checker and one warning. 0: memory is out. */
+/* The texture of an MTL's map, held once more: what cannot be read becomes a checker and one warning. 0: memory is out.
+ */
 daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_error *error);
 /* The mesh of a box of this size; counts a user. DAFT_NONE: memory is out. */
 uint32_t daft_box_acquire(daft_scene *scene, daft_vec3 size, daft_error *error);
 void daft_box_drop(daft_scene *scene, uint32_t box_index);
 uint64_t daft_path_hash(const char *path);
+void daft_mesh_drop(daft_scene *scene, uint32_t index);
+/* False: a frame may read it, and memory is out for keeping it until then; it stays. */
+bool daft_texture_drop(daft_scene *scene, uint32_t index);
+
+/* ---- collect.c ---- */
+
+/* The index of an id that is known to be one of this scene. */
+static inline uint32_t daft_asset_index(uint32_t id) { return (id - 1) & (DAFT_MAX_SLOTS - 1); }
+uint32_t daft_asset_id(const daft_slots *slots, uint32_t index);
+/* The index of any id, or DAFT_NONE. */
+uint32_t daft_asset_find(const daft_slots *slots, uint32_t id);
+/* Room for one more, in the slots and in the states beside them. */
+bool daft_asset_reserve(daft_scene *scene, daft_slots *slots, daft_asset_state **states, size_t *capacity);
+/* Takes a slot, held once. Returns its id. */
+uint32_t daft_asset_add(daft_scene *scene, daft_slots *slots, daft_asset_state *states);
 
 /* ---- materials.c ---- */
+
+void daft_material_free(daft_scene *scene, uint32_t index);
 
 bool daft_material_check(const daft_scene *scene, daft_material material, daft_error *error);
 /* Fills the members of the definition that say how light passes. */

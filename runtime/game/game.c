@@ -130,7 +130,8 @@ bool game_tick(game_state *state)
     if (state->failed) return false;
     daft_scene_begin_tick(state->scene);
     take_input(state);
-    if (!call_key_handlers(state) || !host_update(&state->scripts, 1.0 / LOOP_RATE)) return stop(state);
+    if (!host_collect(&state->scripts) || !call_key_handlers(state) || !host_update(&state->scripts, 1.0 / LOOP_RATE))
+        return stop(state);
     if (!step(state)) return false;
     daft_error error;
     state->ticks++;

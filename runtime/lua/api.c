@@ -289,6 +289,11 @@ static void register_type(lua_State *L, api_type type)
     lua_setfield(L, -2, "__newindex");
     lua_pushboolean(L, false);
     lua_setfield(L, -2, "__metatable");
+    if (type == API_MATERIAL || type == API_MESH) {
+        lua_pushinteger(L, type);
+        lua_pushcclosure(L, api_release_handle, 1);
+        lua_setfield(L, -2, "__gc");
+    }
     lua_newtable(L);
     for (size_t area = 0; area < COUNT_OF(AREAS); area++) {
         for (size_t i = 0; i < AREAS[area]->count; i++) {

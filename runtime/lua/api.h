@@ -108,6 +108,11 @@ api_handle *api_test_handle(lua_State *L, int index, api_type type);
 api_handle *api_check_handle(lua_State *L, host *h, int index, api_type type, const char *what);
 const char *api_type_name(lua_State *L, int index);
 
+/* Lets go of what nothing holds: see tables/material.c. */
+int api_collect(lua_State *L);
+/* __gc of materials and meshes. */
+int api_release_handle(lua_State *L);
+
 /* Pushes the userdata of an entity, always the same one for the same entity; nil for none. */
 void api_push_entity(lua_State *L, uint32_t id);
 daft_entity api_entity_at(lua_State *L, host *h, int index, const char *what);

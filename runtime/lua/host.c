@@ -374,6 +374,14 @@ static bool call(host *state, const char *shown, request what)
 
 bool host_load(host *state) { return call(state, "daft.load", (request){.callback = "load"}); }
 
+bool host_collect(host *state)
+{
+    enum { ENOUGH = 256 };
+    if (state->made < ENOUGH) return true;
+    state->made = 0;
+    return call(state, "collecting", (request){.function = api_collect});
+}
+
 bool host_update(host *state, double dt)
 {
     return call(state, "daft.update", (request){.callback = "update", .dt = &dt});

@@ -63,6 +63,7 @@ typedef struct host {
     bool long_string;           /* this call wanted a string over HOST_STRING */
     bool asked;                 /* stopped because somebody asked for the end */
     int depth;                  /* of coroutines that are being closed, one within the other */
+    uint32_t made;              /* materials and meshes since host_collect last did something, roughly by their size */
     size_t memory, reserved;    /* bytes: Lua holds; are counted for it towards the engine's limit */
     char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */
 } host;
@@ -80,6 +81,8 @@ void host_close(host *state);
 
 /* Each is true when the game does not have the callback. */
 bool host_load(host *state);
+/* Frees what the game has made and no longer holds or uses, once that is worth it. Between two callbacks. */
+bool host_collect(host *state);
 bool host_update(host *state, double dt);
 bool host_key(host *state, int key, bool down);
 bool host_draw(host *state, const canvas *picture);

@@ -191,6 +191,7 @@ static daft_entity give_daft_entity(caller *c)
     return (daft_entity){give_handle(c, &c->entities, VERDICT_ODD)};
 }
 static daft_mesh give_daft_mesh(caller *c) { return (daft_mesh){give_handle(c, &c->meshes, VERDICT_BAD)}; }
+static daft_texture give_daft_texture(caller *c) { return (daft_texture){give_handle(c, &c->textures, VERDICT_BAD)}; }
 static daft_material give_daft_material(caller *c)
 {
     return (daft_material){give_handle(c, &c->materials, VERDICT_ODD)};
@@ -797,6 +798,9 @@ static void fill_scene(caller *c)
     daft_mesh_def mesh = daft_default_mesh_def();
     mesh.positions = CORNERS, mesh.vertex_count = 4, mesh.indices = FACES, mesh.triangle_count = 4;
     keep(c, &c->meshes, daft_mesh_create(s, &mesh, NULL).id);
+    char picture[512];
+    snprintf(picture, sizeof picture, "%s/picture.png", c->folder);
+    keep(c, &c->textures, daft_texture_load(s, picture, NULL).id);
     daft_material_def material = daft_default_material_def();
     keep(c, &c->materials, daft_material_create(s, &material, NULL).id);
     daft_light_def light = daft_default_light_def();

@@ -1,4 +1,5 @@
-/* Meshes and textures: loading, caches by path, boxes shared by size, and taking back what a failed load added. */
+/* Meshes and textures: loading, caches by path, boxes shared by size, and taking back what a failed load added,
+ * freeing. */
 #include "scene/scene.h"
 
 #include <string.h>
@@ -7,7 +8,11 @@ uint64_t daft_path_hash(const char *path) { return daft_hash(path, strlen(path),
 
 bool daft_assets_init(daft_scene *scene, daft_error *error)
 {
-    daft_slots_init(&scene->assets.box_slots);
+    daft_assets *assets = &scene->assets;
+    daft_slots_init(&assets->box_slots);
+    daft_slots_init(&assets->mesh_slots);
+    daft_slots_init(&assets->texture_slots);
+    daft_slots_init(&assets->material_slots);
     daft_material_def def = daft_default_material_def();
     return daft_material_create(scene, &def, error).id != 0;
 }
@@ -25,51 +30,69 @@ static void mesh_free(const daft_scene *scene, daft_mesh_item *item)
 
 static void free_retired_mesh(const daft_scene *scene, daft_retired *item) { mesh_free(scene, (daft_mesh_item *)item); }
 
-daft_assets_mark daft_assets_remember(const daft_scene *scene)
+/* Frames may still read it. */
+void daft_mesh_drop(daft_scene *scene, uint32_t index)
 {
-    const daft_assets *assets = &scene->assets;
-    return (daft_assets_mark){assets->mesh_count, assets->texture_count, assets->material_count,
-                              assets->material_key_count};
+    daft_assets *assets = &scene->assets;
+    daft_mesh_item *item = assets->meshes[index];
+    if (item->path) daft_map_remove(&assets->mesh_map, item->hash, index);
+    assets->meshes[index] = NULL;
+    daft_slots_remove(&assets->mesh_slots, index);
+    daft_retire(scene, &item->retired, free_retired_mesh);
+}
+
+/* The key is gone, the slot is free; the texels are still to be freed. */
+static void texture_forget(daft_scene *scene, uint32_t index)
+{
+    daft_assets *assets = &scene->assets;
+    daft_asset_key *key = &assets->texture_keys[index];
+    daft_map_remove(&assets->texture_map, key->hash, index);
+    daft_release(scene->allocator, key->path);
+    key->path = NULL;
+    assets->textures[index] = (daft_texture_data){0};
+    daft_slots_remove(&assets->texture_slots, index);
+}
+
+daft_assets_mark daft_assets_remember(const daft_scene *scene) { return (daft_assets_mark){scene->assets.serial}; }
+
+static bool is_newer(const daft_slots *slots, const daft_asset_state *states, uint32_t index, daft_assets_mark mark)
+{
+    return slots->items[index].live && states[index].serial > mark.serial;
 }
 
 void daft_assets_roll_back(daft_scene *scene, daft_assets_mark mark)
 {
     daft_assets *assets = &scene->assets;
-    while (assets->mesh_count > mark.meshes) {
-        daft_mesh_item *item = assets->meshes[--assets->mesh_count];
-        daft_map_remove(&assets->mesh_map, item->hash, assets->mesh_count);
-        mesh_free(scene, item);
+    for (uint32_t i = assets->mesh_slots.count; i-- > 0;)
+        if (is_newer(&assets->mesh_slots, assets->mesh_states, i, mark)) daft_mesh_drop(scene, i);
+    for (uint32_t i = assets->material_slots.count; i-- > 0;)
+        if (is_newer(&assets->material_slots, assets->material_states, i, mark)) daft_material_free(scene, i);
+    for (uint32_t i = assets->texture_slots.count; i-- > 0;) {
+        if (!is_newer(&assets->texture_slots, assets->texture_states, i, mark)) continue;
+        daft_texture_data data = assets->textures[i]; /* in no frame yet */
+        texture_forget(scene, i);
+        daft_texture_free(scene->allocator, &data);
     }
-    while (assets->material_key_count > mark.material_keys) {
-        daft_asset_key *key = &assets->material_keys[--assets->material_key_count];
-        daft_map_remove(&assets->material_map, key->hash, assets->material_key_count);
-        daft_release(scene->allocator, key->path);
-    }
-    while (assets->texture_count > mark.textures) {
-        daft_asset_key *key = &assets->texture_keys[--assets->texture_count];
-        daft_map_remove(&assets->texture_map, key->hash, assets->texture_count);
-        daft_texture_free(scene->allocator, &assets->textures[assets->texture_count]);
-        daft_release(scene->allocator, key->path);
-    }
-    assets->material_count = mark.materials;
 }
 
 void daft_assets_free(daft_scene *scene)
 {
     daft_assets *assets = &scene->assets;
     const daft_allocator *allocator = scene->allocator;
-    daft_assets_roll_back(scene, (daft_assets_mark){0, 0, 0, 0});
+    daft_assets_roll_back(scene, (daft_assets_mark){0});
     for (uint32_t i = 0; i < assets->box_slots.count; i++) {
         if (!assets->box_slots.items[i].live) continue;
         mesh_free(scene, &assets->boxes[i]->shape);
     }
-    daft_slots_free(&assets->box_slots, allocator);
+    daft_slots *slots[] = {&assets->box_slots, &assets->mesh_slots, &assets->texture_slots, &assets->material_slots};
+    for (size_t i = 0; i < DAFT_COUNT_OF(slots); i++) daft_slots_free(slots[i], allocator);
     daft_map_free(&assets->mesh_map, allocator);
     daft_map_free(&assets->texture_map, allocator);
     daft_map_free(&assets->material_map, allocator);
     daft_map_free(&assets->box_map, allocator);
-    void *arrays[] = {assets->meshes,   assets->textures,      assets->texture_keys, assets->materials,
-                      assets->surfaces, assets->material_keys, assets->boxes};
+    void *arrays[] = {assets->meshes,         assets->textures,       assets->texture_keys, assets->materials,
+                      assets->surfaces,       assets->material_keys,  assets->boxes,        assets->mesh_states,
+                      assets->texture_states, assets->material_states};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(allocator, arrays[i]);
 }
 
@@ -99,8 +122,9 @@ static bool mesh_finish(daft_scene *scene, daft_mesh_item *item, daft_error *err
 static bool mesh_reserve(daft_scene *scene, daft_error *error)
 {
     daft_assets *assets = &scene->assets;
-    return (daft_grow(scene->allocator, &assets->meshes, &assets->mesh_capacity, assets->mesh_count + 1,
-                      assets->mesh_count, sizeof *assets->meshes) &&
+    return (daft_asset_reserve(scene, &assets->mesh_slots, &assets->mesh_states, &assets->mesh_state_capacity) &&
+            daft_grow(scene->allocator, &assets->meshes, &assets->mesh_capacity,
+                      daft_slots_needed(&assets->mesh_slots, 1), assets->mesh_slots.count, sizeof *assets->meshes) &&
             daft_map_reserve(&assets->mesh_map, scene->allocator, 1)) ||
            daft_fail_memory(error, "the list of meshes");
 }
@@ -118,27 +142,35 @@ static bool mesh_read(daft_scene *scene, const char *path, daft_mesh_item *item,
     bool done = mesh_finish(scene, item, error);
     for (size_t i = 0; done && i < obj.slots.count && i < item->mesh.slot_count; i++) {
         daft_material material = daft_material_from_mtl(scene, &obj.slots.items[i], error);
-        item->materials[i] = material.id - 1;
         done = material.id != 0;
+        if (!done) break;
+        item->materials[i] = daft_asset_index(material.id);
+        daft_material_release(scene, material, NULL); /* the mesh uses it */
     }
     daft_obj_free(scene->allocator, &obj);
     return done;
 }
 
+/* Counts as one hold more. */
 static uint32_t mesh_cached(const daft_scene *scene, const char *path, uint64_t hash)
 {
     const daft_assets *assets = &scene->assets;
-    for (uint32_t cursor = 0, i; (i = daft_map_next(&assets->mesh_map, hash, &cursor)) != DAFT_NONE;)
-        if (strcmp(assets->meshes[i]->path, path) == 0) return i + 1;
+    for (uint32_t cursor = 0, i; (i = daft_map_next(&assets->mesh_map, hash, &cursor)) != DAFT_NONE;) {
+        if (strcmp(assets->meshes[i]->path, path) != 0) continue;
+        assets->mesh_states[i].holds++;
+        return daft_asset_id(&assets->mesh_slots, i);
+    }
     return 0;
 }
 
 static daft_mesh mesh_add(daft_scene *scene, daft_mesh_item *item)
 {
     daft_assets *assets = &scene->assets;
-    if (item->path) daft_map_add(&assets->mesh_map, item->hash, assets->mesh_count);
-    assets->meshes[assets->mesh_count++] = item;
-    return (daft_mesh){assets->mesh_count};
+    daft_mesh mesh = {daft_asset_add(scene, &assets->mesh_slots, assets->mesh_states)};
+    uint32_t index = daft_asset_index(mesh.id);
+    if (item->path) daft_map_add(&assets->mesh_map, item->hash, index);
+    assets->meshes[index] = item;
+    return mesh;
 }
 
 daft_mesh daft_mesh_load(daft_scene *scene, const char *path, daft_error *error)
@@ -187,7 +219,8 @@ daft_mesh daft_mesh_create(daft_scene *scene, const daft_mesh_def *def, daft_err
 
 daft_mesh_item *daft_mesh_find(const daft_scene *scene, daft_mesh mesh, daft_error *error)
 {
-    if (mesh.id > 0 && mesh.id <= scene->assets.mesh_count) return scene->assets.meshes[mesh.id - 1];
+    uint32_t index = daft_asset_find(&scene->assets.mesh_slots, mesh.id);
+    if (index != DAFT_NONE) return scene->assets.meshes[index];
     daft_fail(error, DAFT_ERROR_HANDLE, mesh.id ? "mesh %u is not one of this scene" : "the mesh is none (0)", mesh.id);
     return NULL;
 }
@@ -195,7 +228,7 @@ daft_mesh_item *daft_mesh_find(const daft_scene *scene, daft_mesh mesh, daft_err
 /* A frame may be reading the mesh: another with the same contents takes its place. NULL: memory is out. */
 static daft_mesh_item *mesh_replace(daft_scene *scene, daft_mesh mesh, daft_error *error)
 {
-    daft_mesh_item **place = &scene->assets.meshes[mesh.id - 1], *old = *place;
+    daft_mesh_item **place = &scene->assets.meshes[daft_asset_index(mesh.id)], *old = *place;
     daft_mesh_item *item = daft_alloc_zero(scene->allocator, 1, sizeof *item);
     if (!item || !daft_trimesh_copy(scene->allocator, &old->mesh, &item->mesh, error)) {
         daft_release(scene->allocator, item);
@@ -314,10 +347,12 @@ void daft_box_drop(daft_scene *scene, uint32_t box_index)
 static bool texture_reserve(daft_scene *scene, daft_error *error)
 {
     daft_assets *assets = &scene->assets;
-    size_t count = assets->texture_count;
-    return (daft_grow(scene->allocator, &assets->textures, &assets->texture_capacity, count + 1, count,
+    size_t count = assets->texture_slots.count, needed = daft_slots_needed(&assets->texture_slots, 1);
+    return (daft_asset_reserve(scene, &assets->texture_slots, &assets->texture_states,
+                               &assets->texture_state_capacity) &&
+            daft_grow(scene->allocator, &assets->textures, &assets->texture_capacity, needed, count,
                       sizeof *assets->textures) &&
-            daft_grow(scene->allocator, &assets->texture_keys, &assets->texture_key_capacity, count + 1, count,
+            daft_grow(scene->allocator, &assets->texture_keys, &assets->texture_key_capacity, needed, count,
                       sizeof *assets->texture_keys) &&
             daft_map_reserve(&assets->texture_map, scene->allocator, 1)) ||
            daft_fail_memory(error, "the list of textures");
@@ -327,7 +362,7 @@ static uint32_t texture_cached(const daft_scene *scene, const char *path, uint64
 {
     const daft_assets *assets = &scene->assets;
     for (uint32_t cursor = 0, i; (i = daft_map_next(&assets->texture_map, hash, &cursor)) != DAFT_NONE;)
-        if (strcmp(assets->texture_keys[i].path, path) == 0) return i + 1;
+        if (strcmp(assets->texture_keys[i].path, path) == 0) return daft_asset_id(&assets->texture_slots, i);
     return 0;
 }
 
@@ -342,16 +377,28 @@ static daft_texture texture_add(daft_scene *scene, const char *path, daft_textur
         return (daft_texture){0};
     }
     uint64_t hash = daft_path_hash(path);
-    assets->textures[assets->texture_count] = *data;
-    assets->texture_keys[assets->texture_count] = (daft_asset_key){copy, hash, assets->texture_count};
-    daft_map_add(&assets->texture_map, hash, assets->texture_count);
-    return (daft_texture){++assets->texture_count};
+    daft_texture texture = {daft_asset_add(scene, &assets->texture_slots, assets->texture_states)};
+    uint32_t index = daft_asset_index(texture.id);
+    assets->textures[index] = *data;
+    assets->texture_keys[index] = (daft_asset_key){copy, hash};
+    daft_map_add(&assets->texture_map, hash, index);
+    return texture;
 }
 
 static void free_retired_texture(const daft_scene *scene, daft_retired *item)
 {
     daft_texture_free(scene->allocator, &((daft_texture_item *)item)->data);
     daft_release(scene->allocator, item);
+}
+
+bool daft_texture_drop(daft_scene *scene, uint32_t index)
+{
+    daft_texture_item *old = daft_alloc_zero(scene->allocator, 1, sizeof *old);
+    if (!old) return false;
+    old->data = scene->assets.textures[index];
+    texture_forget(scene, index);
+    daft_retire(scene, &old->retired, free_retired_texture);
+    return true;
 }
 
 /* Takes the data, also on failure. */
@@ -363,8 +410,9 @@ static daft_texture replace_texture(daft_scene *scene, uint32_t texture, daft_te
         daft_texture_free(scene->allocator, data);
         return (daft_texture){0};
     }
-    old->data = scene->assets.textures[texture - 1];
-    scene->assets.textures[texture - 1] = *data;
+    daft_texture_data *place = &scene->assets.textures[daft_asset_index(texture)];
+    old->data = *place;
+    *place = *data;
     daft_scene_touch(scene);
     daft_retire(scene, &old->retired, free_retired_texture);
     return (daft_texture){texture};
@@ -375,18 +423,24 @@ daft_texture daft_texture_load(daft_scene *scene, const char *path, daft_error *
     daft_error_clear(error);
     if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "path", path)) return (daft_texture){0};
     uint32_t cached = texture_cached(scene, path, daft_path_hash(path));
-    if (cached && !scene->assets.textures[cached - 1].missing) return (daft_texture){cached};
+    bool missing = cached && scene->assets.textures[daft_asset_index(cached)].missing;
     daft_texture_data data = {0};
-    if (!daft_texture_read(scene->allocator, scene->engine->files, path, &data, error)) return (daft_texture){0};
+    if ((!cached || missing) && !daft_texture_read(scene->allocator, scene->engine->files, path, &data, error))
+        return (daft_texture){0};
     if (!cached) return texture_add(scene, path, &data, error);
     /* a material has asked for it before it was there: the checker gives way */
-    return replace_texture(scene, cached, &data, error);
+    if (missing && !replace_texture(scene, cached, &data, error).id) return (daft_texture){0};
+    scene->assets.texture_states[daft_asset_index(cached)].holds++;
+    return (daft_texture){cached};
 }
 
 daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_error *error)
 {
     uint32_t cached = texture_cached(scene, mtl->diffuse_map, daft_path_hash(mtl->diffuse_map));
-    if (cached) return (daft_texture){cached};
+    if (cached) {
+        scene->assets.texture_states[daft_asset_index(cached)].holds++;
+        return (daft_texture){cached};
+    }
     daft_texture_data data = {0};
     daft_error why = {0};
     if (daft_texture_read(scene->allocator, scene->engine->files, mtl->diffuse_map, &data, &why))
@@ -405,6 +459,6 @@ daft_texture daft_texture_of_map(daft_scene *scene, const daft_mtl *mtl, daft_er
 
 bool daft_texture_check(const daft_scene *scene, daft_texture texture, daft_error *error)
 {
-    return texture.id <= scene->assets.texture_count ||
+    return texture.id == 0 || daft_asset_find(&scene->assets.texture_slots, texture.id) != DAFT_NONE ||
            daft_fail(error, DAFT_ERROR_HANDLE, "texture %u is not one of this scene", texture.id);
 }

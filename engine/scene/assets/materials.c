@@ -24,7 +24,7 @@ static daft_surface surface_from(const daft_material_def *def)
         .transmission = def->transmission,
         .index = def->refractive_index,
         .shininess = def->shininess,
-        .texture = def->diffuse_map.id ? def->diffuse_map.id - 1 : DAFT_NO_TEXTURE,
+        .texture = def->diffuse_map.id ? daft_asset_index(def->diffuse_map.id) : DAFT_NO_TEXTURE,
         .map_scale = def->map_scale,
     };
 }
@@ -38,11 +38,16 @@ static bool def_check(const daft_scene *scene, const daft_material_def *def, daf
 static bool material_reserve(daft_scene *scene, daft_error *error)
 {
     daft_assets *assets = &scene->assets;
-    size_t count = assets->material_count;
-    return (daft_grow(scene->allocator, &assets->materials, &assets->material_capacity, count + 1, count,
+    const daft_allocator *allocator = scene->allocator;
+    size_t count = assets->material_slots.count, needed = daft_slots_needed(&assets->material_slots, 1);
+    return (daft_asset_reserve(scene, &assets->material_slots, &assets->material_states,
+                               &assets->material_state_capacity) &&
+            daft_grow(allocator, &assets->materials, &assets->material_capacity, needed, count,
                       sizeof *assets->materials) &&
-            daft_grow(scene->allocator, &assets->surfaces, &assets->surface_capacity, count + 1, count,
-                      sizeof *assets->surfaces)) ||
+            daft_grow(allocator, &assets->surfaces, &assets->surface_capacity, needed, count,
+                      sizeof *assets->surfaces) &&
+            daft_grow(allocator, &assets->material_keys, &assets->material_key_capacity, needed, count,
+                      sizeof *assets->material_keys)) ||
            daft_fail_memory(error, "the list of materials");
 }
 
@@ -52,14 +57,30 @@ daft_material daft_material_create(daft_scene *scene, const daft_material_def *d
     if (!daft_scene_ready(scene, error) || !def_check(scene, def, error) || !material_reserve(scene, error))
         return (daft_material){0};
     daft_assets *assets = &scene->assets;
-    assets->materials[assets->material_count] = *def;
-    assets->surfaces[assets->material_count] = surface_from(def);
-    return (daft_material){++assets->material_count};
+    daft_material material = {daft_asset_add(scene, &assets->material_slots, assets->material_states)};
+    uint32_t index = daft_asset_index(material.id);
+    assets->materials[index] = *def;
+    assets->surfaces[index] = surface_from(def);
+    assets->material_keys[index] = (daft_asset_key){0};
+    return material;
+}
+
+/* A free slot is the default material, so that no plan reckons with what is gone. */
+void daft_material_free(daft_scene *scene, uint32_t index)
+{
+    daft_assets *assets = &scene->assets;
+    daft_asset_key *key = &assets->material_keys[index];
+    if (key->path) daft_map_remove(&assets->material_map, key->hash, index);
+    daft_release(scene->allocator, key->path);
+    key->path = NULL;
+    assets->materials[index] = assets->materials[0];
+    assets->surfaces[index] = assets->surfaces[0];
+    daft_slots_remove(&assets->material_slots, index);
 }
 
 bool daft_material_check(const daft_scene *scene, daft_material material, daft_error *error)
 {
-    if (material.id > 0 && material.id <= scene->assets.material_count) return true;
+    if (daft_asset_find(&scene->assets.material_slots, material.id) != DAFT_NONE) return true;
     return daft_fail(error, DAFT_ERROR_HANDLE,
                      material.id ? "material %u is not one of this scene" : "the material is none (0)", material.id);
 }
@@ -70,7 +91,7 @@ bool daft_material_get(daft_scene *scene, daft_material material, daft_material_
     if (!daft_check_pointer(error, "scene", scene) || !daft_check_pointer(error, "def", def) ||
         !daft_material_check(scene, material, error))
         return false;
-    *def = scene->assets.materials[material.id - 1];
+    *def = scene->assets.materials[daft_asset_index(material.id)];
     return true;
 }
 
@@ -80,8 +101,8 @@ bool daft_material_set(daft_scene *scene, daft_material material, const daft_mat
     if (!daft_scene_ready(scene, error) || !daft_material_check(scene, material, error) ||
         !def_check(scene, def, error))
         return false;
-    scene->assets.materials[material.id - 1] = *def;
-    scene->assets.surfaces[material.id - 1] = surface_from(def);
+    scene->assets.materials[daft_asset_index(material.id)] = *def;
+    scene->assets.surfaces[daft_asset_index(material.id)] = surface_from(def);
     daft_scene_touch(scene);
     return true;
 }
@@ -131,7 +152,9 @@ daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daf
         def.diffuse_map = daft_texture_of_map(scene, mtl, error);
         if (!def.diffuse_map.id) return (daft_material){0};
     }
-    return daft_material_create(scene, &def, error);
+    daft_material material = daft_material_create(scene, &def, error);
+    if (def.diffuse_map.id) daft_texture_release(scene, def.diffuse_map, NULL); /* the material uses it */
+    return material;
 }
 
 /* Splits "file.mtl#name" unless a file has just that name. NULL: no name, the first material is meant. */
@@ -179,29 +202,21 @@ static daft_material load_new(daft_scene *scene, const char *path, daft_error *e
     return material;
 }
 
-static bool key_reserve(daft_scene *scene, daft_error *error)
-{
-    daft_assets *assets = &scene->assets;
-    size_t count = assets->material_key_count;
-    return (daft_grow(scene->allocator, &assets->material_keys, &assets->material_key_capacity, count + 1, count,
-                      sizeof *assets->material_keys) &&
-            daft_map_reserve(&assets->material_map, scene->allocator, 1)) ||
-           daft_fail_memory(error, "the list of materials");
-}
-
 daft_material daft_material_load(daft_scene *scene, const char *path, daft_error *error)
 {
     daft_error_clear(error);
     if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "path", path)) return (daft_material){0};
     daft_assets *assets = &scene->assets;
     uint64_t hash = daft_path_hash(path);
-    for (uint32_t cursor = 0, i; (i = daft_map_next(&assets->material_map, hash, &cursor)) != DAFT_NONE;)
-        if (strcmp(assets->material_keys[i].path, path) == 0) return (daft_material){assets->material_keys[i].asset};
-    if (!key_reserve(scene, error)) return (daft_material){0};
+    for (uint32_t cursor = 0, i; (i = daft_map_next(&assets->material_map, hash, &cursor)) != DAFT_NONE;) {
+        if (strcmp(assets->material_keys[i].path, path) != 0) continue;
+        assets->material_states[i].holds++;
+        return (daft_material){daft_asset_id(&assets->material_slots, i)};
+    }
     daft_assets_mark mark = daft_assets_remember(scene);
     char *copy = daft_copy_string(scene->allocator, path);
     daft_material material = {0};
-    if (copy)
+    if (copy && daft_map_reserve(&assets->material_map, scene->allocator, 1))
         material = load_new(scene, path, error);
     else
         daft_fail_memory(error, "a path");
@@ -210,7 +225,8 @@ daft_material daft_material_load(daft_scene *scene, const char *path, daft_error
         daft_assets_roll_back(scene, mark);
         return material;
     }
-    daft_map_add(&assets->material_map, hash, assets->material_key_count);
-    assets->material_keys[assets->material_key_count++] = (daft_asset_key){copy, hash, material.id};
+    uint32_t index = daft_asset_index(material.id);
+    daft_map_add(&assets->material_map, hash, index);
+    assets->material_keys[index] = (daft_asset_key){copy, hash};
     return material;
 }

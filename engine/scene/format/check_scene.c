@@ -55,7 +55,7 @@ static double winding_number(const daft_trimesh *mesh, daft_dvec3 point)
 
 static bool inside_mesh(const checker *c, const daft_scene_item *item, daft_dvec3 point)
 {
-    const daft_trimesh *mesh = &c->scene->assets.meshes[item->entity.mesh.id - 1]->mesh;
+    const daft_trimesh *mesh = &c->scene->assets.meshes[daft_asset_index(item->entity.mesh.id)]->mesh;
     daft_daffine pose = pose_of(item), inverse;
     if (!daft_daffine_invert(&pose, &inverse)) return false;
     const double *m = inverse.m, *t = inverse.t;
@@ -102,7 +102,7 @@ static bool can_be_drawn(const checker *c, const daft_scene_item *item)
     const double farthest = 1e12;
     if (item->kind == DAFT_ITEM_SPHERE)
         return (double)item->entity.radius >= 1e-15 && (double)item->entity.radius <= farthest;
-    const daft_trimesh *mesh = &c->scene->assets.meshes[item->entity.mesh.id - 1]->mesh;
+    const daft_trimesh *mesh = &c->scene->assets.meshes[daft_asset_index(item->entity.mesh.id)]->mesh;
     if (mesh->triangle_count == 0) return true;
     daft_dvec3 low = daft_to_double(mesh->low), high = daft_to_double(mesh->high);
     double reach =
@@ -117,7 +117,7 @@ static void check_entity(const checker *c, const daft_scene_item *item)
         tell(c, DAFT_SEVERITY_WARNING, item, "it is not drawn: it is larger than 1e12 metres, or too small for floats");
     if (item->kind != DAFT_ITEM_MESH) return;
     if (item->entity.scale.x < 0) tell(c, DAFT_SEVERITY_NOTE, item, "a negative scale mirrors the mesh");
-    if (c->scene->assets.meshes[item->entity.mesh.id - 1]->mesh.triangle_count == 0)
+    if (c->scene->assets.meshes[daft_asset_index(item->entity.mesh.id)]->mesh.triangle_count == 0)
         tell(c, DAFT_SEVERITY_WARNING, item, "the mesh is empty: nothing is drawn");
 }
 
@@ -208,7 +208,7 @@ static void on_refused(void *user, const daft_error *error)
 static bool check_meshes(const checker *c, daft_error *error)
 {
     const daft_assets *assets = &c->scene->assets;
-    for (uint32_t i = 0; i < assets->mesh_count; i++) {
+    for (uint32_t i = 0; i < assets->mesh_slots.count; i++) {
         daft_obj obj;
         daft_error why = {0};
         if (daft_obj_check(c->scene->allocator, c->scene->engine->files, assets->meshes[i]->path, NULL, c->problems,

@@ -132,10 +132,14 @@ static bool load_asset(loader *load, item *named)
     case DAFT_ITEM_SKYBOX: return load_sky(load, named->path);
     case DAFT_ITEM_SPHERE:
         entity->material = daft_material_load(scene, named->path, &load->error);
-        return entity->material.id && daft_entity_check(scene, entity, &load->error);
+        if (!entity->material.id) return false;
+        daft_material_release(scene, entity->material, NULL); /* the entity uses it */
+        return daft_entity_check(scene, entity, &load->error);
     case DAFT_ITEM_MESH:
         entity->mesh = daft_mesh_load(scene, named->path, &load->error);
-        return entity->mesh.id && daft_entity_check(scene, entity, &load->error);
+        if (!entity->mesh.id) return false;
+        daft_mesh_release(scene, entity->mesh, NULL);
+        return daft_entity_check(scene, entity, &load->error);
     case DAFT_ITEM_LIGHT: return daft_light_check(&named->light, &load->error);
     case DAFT_ITEM_CAMERA: return daft_check_camera(&load->error, "camera", &named->camera);
     case DAFT_ITEM_PATH: return check_checkpoint(load, named);

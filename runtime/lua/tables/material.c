@@ -10,6 +10,41 @@
 /* Registry key of the table from a material's description to its handle. */
 static const char MATERIALS_KEY;
 
+/* ---- what nothing holds ----
+ *
+ * A game's handles of materials and meshes hold them, until Lua collects the handle. What is given by name or
+ * description is held only by what uses it. api_collect frees the rest; that it comes after a full collection of Lua,
+ * between two callbacks, when a certain number has been made, makes it the same in every replay, whatever Lua collects
+ * in between. */
+
+/* What a material with a texture, and how many corners of a mesh, count as in host.made, beside one for the asset. */
+enum { TEXTURED = 8, CORNERS = 4096 };
+
+int api_collect(lua_State *L)
+{
+    host *h = api_host(L);
+    lua_pushnil(L);
+    lua_rawsetp(L, LUA_REGISTRYINDEX, &MATERIALS_KEY);
+    lua_gc(L, LUA_GCCOLLECT);
+    daft_scene_collect(h->def.scene);
+    return 0;
+}
+
+/* The upvalue says of which type the handle is. */
+int api_release_handle(lua_State *L)
+{
+    host *h = api_host(L);
+    api_handle *handle = lua_touserdata(L, 1);
+    bool is_mesh = lua_tointeger(L, lua_upvalueindex(1)) == API_MESH;
+    if (!handle || !handle->id) return 0;
+    if (is_mesh)
+        daft_mesh_release(h->def.scene, (daft_mesh){handle->id}, NULL);
+    else
+        daft_material_release(h->def.scene, (daft_material){handle->id}, NULL);
+    handle->id = 0;
+    return 0;
+}
+
 /* ---- textures ---- */
 
 static const char *const EXTENSIONS[] = {"", ".png", ".jpg", ".jpeg", ".tga", ".bmp"};
@@ -119,6 +154,8 @@ static daft_material create(lua_State *L, host *h, const daft_material_def *def)
     daft_error error;
     daft_material material = daft_material_create(h->def.scene, def, &error);
     if (material.id == 0) api_engine_error(L, h, &error);
+    if (def->diffuse_map.id) daft_texture_release(h->def.scene, def->diffuse_map, NULL); /* the material uses it */
+    h->made += def->diffuse_map.id ? TEXTURED : 1;
     return material;
 }
 
@@ -153,10 +190,11 @@ static daft_material shared_material(lua_State *L, host *h, const daft_material_
     char key[512];
     size_t size = daft_struct_pack(DAFT_STRUCT_MATERIAL_DEF, def, key, sizeof key);
     daft_material material;
-    if (size > sizeof key) return create(L, h, def);
-    if (find_shared(L, key, size, &material)) return material;
+    bool fits = size <= sizeof key;
+    if (fits && find_shared(L, key, size, &material)) return material;
     material = create(L, h, def);
-    keep_shared(L, key, size, material);
+    daft_material_release(h->def.scene, material, NULL);
+    if (fits) keep_shared(L, key, size, material);
     return material;
 }
 
@@ -170,6 +208,7 @@ static daft_material material_file(lua_State *L, host *h, const char *name)
     snprintf(full, sizeof full, "%s%s", path, hash ? hash : "");
     daft_material material = daft_material_load(h->def.scene, full, &error);
     if (material.id == 0) api_engine_error(L, h, &error);
+    daft_material_release(h->def.scene, material, NULL);
     return material;
 }
 
@@ -200,7 +239,6 @@ daft_material api_material_at(lua_State *L, host *h, int index, const char *what
 static int new_material(lua_State *L, host *h)
 {
     daft_material_def def = daft_default_material_def();
-    daft_material material;
     if (lua_type(L, 1) == LUA_TSTRING && strstr(lua_tostring(L, 1), ".mtl")) {
         daft_error error;
         if (!daft_material_get(h->def.scene, api_material_at(L, h, 1, "material"), &def, &error))
@@ -209,8 +247,8 @@ static int new_material(lua_State *L, host *h)
         if (lua_type(L, 1) != LUA_TTABLE) api_wrong(L, h, 1, "material", "table or \"file.mtl#name\"");
         read_material(L, h, 1, &def);
     }
-    material = create(L, h, &def);
-    api_new_handle(L, API_MATERIAL, material.id);
+    api_handle *handle = api_new_handle(L, API_MATERIAL, 0);
+    handle->id = create(L, h, &def).id;
     return 1;
 }
 
@@ -228,10 +266,9 @@ static int set_material(lua_State *L, host *h)
 
 /* ---- meshes ---- */
 
-daft_mesh api_mesh_at(lua_State *L, host *h, int index, const char *what)
+/* Holds what it loads. */
+static daft_mesh load_mesh(lua_State *L, host *h, int index, const char *what)
 {
-    const api_handle *handle = api_test_handle(L, index, API_MESH);
-    if (handle) return (daft_mesh){handle->id};
     if (lua_type(L, index) != LUA_TSTRING) api_wrong(L, h, index, what, "file name or mesh");
     const char *name = api_text(L, h, index, what);
     char path[PATH_SIZE], file[PATH_SIZE];
@@ -241,6 +278,15 @@ daft_mesh api_mesh_at(lua_State *L, host *h, int index, const char *what)
         api_engine_error(L, h, &error);
     daft_mesh mesh = daft_mesh_load(h->def.scene, path, &error);
     if (mesh.id == 0) api_engine_error(L, h, &error);
+    return mesh;
+}
+
+daft_mesh api_mesh_at(lua_State *L, host *h, int index, const char *what)
+{
+    const api_handle *handle = api_test_handle(L, index, API_MESH);
+    if (handle) return (daft_mesh){handle->id};
+    daft_mesh mesh = load_mesh(L, h, index, what);
+    daft_mesh_release(h->def.scene, mesh, NULL);
     return mesh;
 }
 
@@ -297,7 +343,8 @@ static uint32_t *read_triangles(lua_State *L, host *h, size_t vertices, size_t *
 
 static int new_mesh(lua_State *L, host *h)
 {
-    daft_mesh mesh;
+    api_handle *handle = api_new_handle(L, API_MESH, 0);
+    int top = lua_gettop(L);
     if (lua_type(L, 1) == LUA_TTABLE) {
         api_fields(L, h, 1, "mesh", MESH_FIELDS, COUNT_OF(MESH_FIELDS));
         size_t positions = 0, normals = 0, uvs = 0, triangles = 0;
@@ -312,12 +359,17 @@ static int new_mesh(lua_State *L, host *h)
         def.vertex_count = (uint32_t)positions;
         def.triangle_count = (uint32_t)triangles;
         daft_error error;
-        mesh = daft_mesh_create(h->def.scene, &def, &error);
-        if (mesh.id == 0) api_engine_error(L, h, &error);
+        handle->id = daft_mesh_create(h->def.scene, &def, &error).id;
+        if (handle->id == 0) api_engine_error(L, h, &error);
+        h->made += 1 + (uint32_t)((positions + 3 * triangles) / CORNERS);
+    } else if (api_test_handle(L, 1, API_MESH)) {
+        lua_settop(L, 1);
+        return 1;
     } else {
-        mesh = api_mesh_at(L, h, 1, "mesh");
+        handle->id = load_mesh(L, h, 1, "mesh").id;
+        h->made++;
     }
-    api_new_handle(L, API_MESH, mesh.id);
+    lua_settop(L, top);
     return 1;
 }
 

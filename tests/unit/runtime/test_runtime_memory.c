@@ -65,6 +65,36 @@ static void sizes_are_parsed(void **unused)
     }
 }
 
+static double used_after(int ticks)
+{
+    int status = run_daft(output, "play tests/games/wasteful --headless --ticks %d --threads 1 --stats -", ticks);
+    assert_status(status, 0, output);
+    const char *used = strstr(output, "\"used\": ");
+    assert_non_null(used);
+    return atof(used + 8);
+}
+
+/* A new colour, material, mesh and textured material with each of 10,000 ticks. */
+static void what_a_game_lets_go_of_is_freed(void **unused)
+{
+    (void)unused;
+    double some = used_after(1000), many = used_after(10000);
+    if (!(many < 1.1 * some)) fail_msg("%.0f bytes after 1,000 ticks, %.0f after 10,000", some, many);
+}
+
+/* When Lua collects, and how many pictures are drawn, makes no difference. */
+static void freeing_is_the_same_in_every_run(void **unused)
+{
+    (void)unused;
+    static char again[OUTPUT_SIZE];
+    const char *play = "play tests/games/wasteful --headless --ticks 600 --hash";
+    int status = run_daft(output, "%s", play);
+    assert_status(status, 0, output);
+    status = run_daft(again, "%s --every-frame --threads 3", play);
+    assert_status(status, 0, again);
+    assert_string_equal(output, again);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -73,6 +103,8 @@ int main(void)
         cmocka_unit_test(what_the_engine_holds_counts),
         cmocka_unit_test(stats_tell_it),
         cmocka_unit_test(sizes_are_parsed),
+        cmocka_unit_test(what_a_game_lets_go_of_is_freed),
+        cmocka_unit_test(freeing_is_the_same_in_every_run),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -512,8 +512,9 @@ static void running_out_of_memory_is_an_error(void **state)
         }
         assert_int_equal(error.code, DAFT_ERROR_MEMORY);
         assert_true(daft_scene_hash(f->scene) == empty);
-        daft_assets_mark mark = daft_assets_remember(f->scene);
-        assert_true(mark.meshes == 0 && mark.textures == 0 && mark.materials == 1);
+        const daft_assets *assets = &f->scene->assets;
+        assert_true(assets->mesh_slots.live == 0 && assets->texture_slots.live == 0 &&
+                    assets->material_slots.live == 1);
     }
     assert_int_equal(daft_entity_count(f->scene), 2);
 }
