@@ -2,7 +2,7 @@
 #ifndef RUNTIME_VIDEO_STAGE_H
 #define RUNTIME_VIDEO_STAGE_H
 
-#include "video/encoder.h"
+#include "video/encode/encoder.h"
 
 typedef struct stage stage;
 

@@ -4,7 +4,7 @@
 #include "common/progress.h"
 #include "common/util.h"
 #include "video/blur.h"
-#include "video/encoder.h"
+#include "video/encode/encoder.h"
 #include "video/stage.h"
 
 #include <errno.h>

@@ -20,7 +20,7 @@
 
 #include "runtime_program.h"
 #include "video/blur.h"
-#include "video/packets.h"
+#include "video/encode/packets.h"
 
 static char output[OUTPUT_SIZE], folder[] = "/tmp/daft-video-XXXXXX";
 

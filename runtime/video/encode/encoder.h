@@ -1,9 +1,10 @@
 /* encoder: frames to packets, packets to a file, through FFmpeg's libraries. Without them (DAFT_FFMPEG is not defined)
- * every call fails with a message that names the packages. */
+ * every call fails with a message that names the packages.
+ * Public headers: encoder.h packets.h */
 #ifndef RUNTIME_VIDEO_ENCODER_H
 #define RUNTIME_VIDEO_ENCODER_H
 
-#include "video/packets.h"
+#include "video/encode/packets.h"
 #include "video/video.h"
 
 /* One encoder makes one clip. It uses one thread, since the bits of some codecs depend on the number. */

@@ -1,5 +1,5 @@
 /* The encoder of a program that was built without FFmpeg's libraries. */
-#include "video/encoder.h"
+#include "video/encode/encoder.h"
 
 #include "common/util.h"
 

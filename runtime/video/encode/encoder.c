@@ -1,8 +1,8 @@
 /* Frames to packets, with FFmpeg's libavcodec; colours by libswscale, GIF's palettes by libavfilter. */
-#include "video/encoder.h"
+#include "video/encode/encoder.h"
 
 #include "common/util.h"
-#include "video/ffmpeg.h"
+#include "video/encode/ffmpeg.h"
 
 #include <libavfilter/avfilter.h>
 #include <libavfilter/buffersink.h>

@@ -1,8 +1,8 @@
 /* Packets to a file, with FFmpeg's libavformat, through the safe writer. */
-#include "video/encoder.h"
+#include "video/encode/encoder.h"
 
 #include "common/util.h"
-#include "video/ffmpeg.h"
+#include "video/encode/ffmpeg.h"
 
 #include <libavformat/avformat.h>
 

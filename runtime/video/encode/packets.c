@@ -1,6 +1,6 @@
 /* The encoded frames of one clip. A file is a clip_head, then the packets' bytes as in memory, of this machine's order.
  */
-#include "video/packets.h"
+#include "video/encode/packets.h"
 
 #include "common/util.h"
 
