@@ -15,7 +15,8 @@
 enum {
     SECOND_SIGNAL_NS = 1000000000, /* service managers send two signals at once, which is not impatience */
     LOCK_TRIES_MS = 500,
-    WRITABLE_MS = 100 /* nobody may read the pipe that standard output is */
+    LONGEST_END_S = 10, /* a disk or a display server may hang; then the process ends as it is */
+    WRITABLE_MS = 100   /* nobody may read the pipe that standard output is */
 };
 
 static const int SIGNALS[] = {SIGINT, SIGTERM, SIGHUP};
@@ -24,6 +25,7 @@ static struct {
     atomic_int signal;
     _Atomic uint64_t first_ns; /* of the first signal */
     atomic_bool ending;
+    atomic_int status;    /* of an end that hangs */
     pthread_mutex_t lock; /* of the act */
     stop_act *act;
     void *user;
@@ -62,11 +64,20 @@ static void flush_output(void)
     funlockfile(stdout);
 }
 
+static void on_alarm(int unused)
+{
+    (void)unused;
+    _exit(atomic_load(&stop.status));
+}
+
 /* Only the first thread that comes here goes on. */
-static void end_well(const char *message)
+static void end_well(int status, const char *message)
 {
     if (atomic_exchange(&stop.ending, true))
         for (;;) pause();
+    atomic_store(&stop.status, status);
+    signal(SIGALRM, on_alarm);
+    alarm(LONGEST_END_S);
     if (message) print(message);
     if (lock_act() && stop.act) stop.act(stop.user);
     daft_remove_temporaries();
@@ -75,7 +86,7 @@ static void end_well(const char *message)
 
 _Noreturn void stop_program(int status, const char *message)
 {
-    end_well(message);
+    end_well(status, message);
     _exit(status);
 }
 
@@ -121,7 +132,7 @@ static void *wait_for_signal(void *unused)
         change_mask(SIG_BLOCK); /* ThreadSanitizer runs the handler only now */
     }
     change_mask(SIG_UNBLOCK);
-    end_well(NULL);
+    end_well(128 + number, NULL);
     signal(number, SIG_DFL);
     kill(getpid(), number);
     poll(NULL, 0, 1000);

@@ -7,7 +7,7 @@
  * first, ends it at once.
  *
  * Promises: this is the only state of the program that is not in some struct, since signals have no other place for it.
- * No step waits for longer than a second; those that write to the disk take as long as the disk does. */
+ * The end takes ten seconds at most, should a disk hang. */
 #ifndef RUNTIME_COMMON_STOP_H
 #define RUNTIME_COMMON_STOP_H
 

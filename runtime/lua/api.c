@@ -29,6 +29,11 @@ host *api_host(lua_State *L) { return *(host **)lua_getextraspace(L); }
 
 void api_push(lua_State *L) { lua_rawgetp(L, LUA_REGISTRYINDEX, &DAFT_KEY); }
 
+void api_poll(lua_State *L, uint64_t step)
+{
+    if (step % HOST_POLL_STEPS == HOST_POLL_STEPS - 1) host_poll(L);
+}
+
 /* ---- errors ---- */
 
 int api_error(lua_State *L, host *h, const char *format, ...)

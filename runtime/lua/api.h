@@ -44,6 +44,8 @@ void api_register(lua_State *L, host *h);
 void api_push(lua_State *L);
 /* The host of a state. */
 host *api_host(lua_State *L);
+/* In loops as long as a table or a string: stops now and then to ask whether the script is to end (host_poll). */
+void api_poll(lua_State *L, uint64_t step);
 void api_print_reference(void);
 
 /* The library tables a script gets, with what would break determinism taken out or replaced (sandbox.c). */

@@ -6,11 +6,6 @@
 
 #include <string.h>
 
-static void poll_at(lua_State *L, lua_Integer step)
-{
-    if (step % HOST_POLL_STEPS == HOST_POLL_STEPS - 1) host_poll(L);
-}
-
 /* ---- pairs ---- */
 
 typedef enum key_kind { KEY_NUMBER, KEY_STRING, KEY_BOOLEAN, KEY_OTHER } key_kind;
@@ -82,7 +77,7 @@ static key_entry *sort_keys(lua_State *L, key_entry *keys, key_entry *spare, lua
             for (lua_Integer out = low, left = low, right = middle; out < high; out++) {
                 bool take_right = left >= middle || (right < high && by_key(&keys[right], &keys[left]) < 0);
                 spare[out] = take_right ? keys[right++] : keys[left++];
-                poll_at(L, out);
+                api_poll(L, (uint64_t)out);
             }
         }
         key_entry *other = keys;
@@ -104,14 +99,14 @@ static void push_keys(lua_State *L)
         entries[place] = describe_key(L, -1, place + 1);
         lua_pushvalue(L, -1);
         lua_rawseti(L, -3, ++place);
-        poll_at(L, place);
+        api_poll(L, (uint64_t)place);
     }
     const key_entry *sorted = sort_keys(L, entries, entries + count, count);
     lua_createtable(L, (int)count, 0);
     for (lua_Integer i = 0; i < count; i++) {
         lua_rawgeti(L, -2, sorted[i].place);
         lua_rawseti(L, -2, i + 1);
-        poll_at(L, i);
+        api_poll(L, (uint64_t)i);
     }
 }
 

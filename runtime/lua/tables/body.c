@@ -52,6 +52,7 @@ uint32_t api_layers(lua_State *L, host *h, int index, const char *what)
     uint32_t bits = 0;
     for (lua_Integer i = 1, count = (lua_Integer)lua_rawlen(L, index); i <= count; i++) {
         lua_rawgeti(L, index, i);
+        api_poll(L, (uint64_t)i);
         bits |= 1u << name_number(L, h, -1, what, &LAYERS_KEY, 1, LAYERS);
         lua_pop(L, 1);
     }
@@ -268,6 +269,7 @@ void api_read_locks(lua_State *L, host *h, int whole, void *out)
     }
     for (lua_Integer i = 1, count = (lua_Integer)lua_rawlen(L, table); i <= count; i++) {
         lua_rawgeti(L, table, i);
+        api_poll(L, (uint64_t)i);
         def->locks |= BITS[api_choice(L, h, -1, "lock", AXES, COUNT_OF(AXES))];
         lua_pop(L, 1);
     }

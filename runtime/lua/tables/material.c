@@ -305,6 +305,7 @@ static float *read_list(lua_State *L, host *h, const char *name, int width, size
     for (size_t i = 0; i < *count; i++) {
         char what[48];
         snprintf(what, sizeof what, "%s[%zu]", name, i + 1);
+        api_poll(L, i);
         lua_rawgeti(L, -2, (lua_Integer)i + 1);
         if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != (size_t)width)
             api_wrong(L, h, -1, what, width == 2 ? "{u, v}" : "{x, y, z}");
@@ -328,6 +329,7 @@ static uint32_t *read_triangles(lua_State *L, host *h, size_t vertices, size_t *
     for (size_t i = 0; i < *count * 3; i++) {
         char what[48];
         snprintf(what, sizeof what, "triangles[%zu]", i / 3 + 1);
+        api_poll(L, i);
         lua_rawgeti(L, -2, (lua_Integer)(i / 3) + 1);
         if (lua_type(L, -1) != LUA_TTABLE || lua_rawlen(L, -1) != 3) api_wrong(L, h, -1, what, "{a, b, c}");
         lua_rawgeti(L, -1, (lua_Integer)(i % 3) + 1);

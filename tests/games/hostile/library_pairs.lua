@@ -1,4 +1,4 @@
 -- daft.update: pairs of many keys
 local t = {}
-for i = 1, 200000 do t["k" .. i] = i end
+for i = 1, 20000 do t["k" .. i] = i end
 function daft.update() while true do pairs(t) end end
