@@ -1,13 +1,12 @@
 #!/bin/sh
-# usage: hostile.sh PROGRAM FOLDER SLACK [NAME...]
-# Games that never end. Each FOLDER/NAME.lua is a game's main.lua; without NAMEs all of them are played, two at a time. With a time limit of one
-# second each must end, within the limit and SLACK seconds more, with exit status 1 and a message. Where the first line of the file says
+# usage: hostile.sh PROGRAM FOLDER LIMIT SLACK [NAME...]
+# Games that never end. Each FOLDER/NAME.lua is a game's main.lua; without NAMEs all of them are played, two at a time. With a time limit of
+# LIMIT seconds each must end, within the limit and SLACK seconds more, with exit status 1 and a message. Where the first line of the file says
 # "-- CALLBACK: …", the message must name that callback. Without FOLDER the test is skipped.
 set -u
 
-program=$1 folder=$2 slack=$3
-shift 3
-limit=1
+program=$1 folder=$2 limit=$3 slack=$4
+shift 4
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 [ -d "$folder" ] || { echo "skipped: there is no $folder" && exit 77; }
