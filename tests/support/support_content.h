@@ -3,6 +3,7 @@
 #define SUPPORT_CONTENT_H
 
 #include "base/base.h"
+#include "base/files.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
