@@ -11,12 +11,13 @@ typedef struct victim {
     double seconds;        /* that it may run */
 } victim;
 
+/* The second one runs for longer than it may, on any machine: it is always cut. */
 static const victim VICTIMS[] = {
     {"render a.scene -o a.png --size 40x30 --threads 2 --aov depth,id --stats a.json",
      {"a.png", "a.depth.pfm", "a.id.png", "a.json"},
      NULL,
      0.4},
-    {"play game --headless --ticks 4000 --threads 2 --record a.rec --shot a.ppm --size 40x30",
+    {"play game --headless --ticks 400000 --threads 2 --record a.rec --shot a.ppm --size 40x30",
      {"a.rec", "a.ppm"},
      "a.rec",
      1.2},
