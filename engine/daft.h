@@ -749,14 +749,17 @@ typedef struct daft_view {
     int samples; /* per pixel; 0: the quality's; else 1, 4 or 16 */
     daft_intersection intersection;
     bool reference; /* camera rays alone through the BVH, as in DAFT_QUALITY_REFERENCE */
+    int first_row;  /* draws a band of the picture: a multiple of 32 */
+    int row_count;  /* of the band; a multiple of 32 or up to the last row; 0: from first_row to the last */
     daft_aov aov;
     bool (*progress)(void *user, float done); /* done 0..1; return false to stop; called from the calling thread */
     void *progress_user;
 } daft_view;
 
 DAFT_API daft_view daft_default_view(void); /* the default camera, quality game */
-/* Draws the view over the whole target, whose size (1 to 16,384 a side) is the picture's. DAFT_ERROR_CANCELLED where
- * `progress` returned false: target and AOVs then hold parts of the picture. */
+/* Draws the view over the whole target, whose size (1 to 16,384 a side) is the picture's, or over the view's band of
+ * it: the rest of target and AOVs stays as it is. Bands together are the picture, byte for byte. DAFT_ERROR_CANCELLED
+ * where `progress` returned false: target and AOVs then hold parts of the picture. */
 DAFT_API bool daft_render(daft_scene *scene, const daft_view *view, daft_image *target, daft_error *error);
 
 /* ---- ray queries ------------------------------------------------------------------------------------------------- */

@@ -141,7 +141,8 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     if (!prepare_refractions(frame, error) || !prepare_tree(frame, error) || !daft_mirrors_prepare(frame, error))
         return false;
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
-    frame->tile_count = (uint32_t)(r->raster.tiles_x * r->raster.tiles_y);
+    frame->first_tile = (uint32_t)(r->raster.tiles_x * (s->first_row / DAFT_TILE));
+    frame->tile_count = (uint32_t)(r->raster.tiles_x * ((s->row_count + DAFT_TILE - 1) / DAFT_TILE));
     daft_parallel_for(r->threads, frame->tile_count, daft_render_tile, frame);
     count_bins(r, counters);
     if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");

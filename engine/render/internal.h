@@ -86,7 +86,7 @@ typedef struct daft_frame {
     const daft_tlas *tlas; /* NULL: nothing asks for rays */
     int sample;
     int mirror_count; /* planar ones, whose rays form pencils */
-    uint32_t tile_count;
+    uint32_t first_tile, tile_count;
     atomic_uint tiles_done;
     atomic_bool cancelled;
 } daft_frame;

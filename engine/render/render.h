@@ -32,6 +32,7 @@ typedef struct daft_renderer daft_renderer; /* scratch memory that outlives a fr
 
 typedef struct daft_snapshot {
     int width, height;
+    int first_row, row_count;     /* to be drawn: whole rows of tiles */
     daft_vec3 right, up, forward; /* camera axes, unit, in frame space */
     float focal;                  /* pixels: (width/2) / tan(fov/2) */
     int samples;                  /* 1, 4 or 16 */

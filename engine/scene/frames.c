@@ -126,8 +126,9 @@ static void name_entities(const daft_snapshot *snapshot, uint32_t *ids, bool dra
 {
     _Static_assert(sizeof(daft_entity) == sizeof(uint32_t), "an entity is one number");
     if (!ids) return;
-    size_t count = (size_t)snapshot->width * (size_t)snapshot->height;
-    for (size_t i = 0; i < count; i++)
+    size_t width = (size_t)snapshot->width, begin = width * (size_t)snapshot->first_row;
+    size_t end = begin + width * (size_t)snapshot->row_count;
+    for (size_t i = begin; i < end; i++)
         ids[i] = drawn && ids[i] < snapshot->instance_count ? snapshot->instances[ids[i]].entity : 0;
 }
 

@@ -1,4 +1,5 @@
 /* daft_render: checks the view and the target, takes a frame, draws it, releases it. */
+#include "raster/view.h"
 #include "scene/scene.h"
 
 daft_view daft_default_view(void)
@@ -25,6 +26,18 @@ static bool target_check(const daft_image *target, daft_error *error)
            daft_check_range(error, "target's height", target->height, 1, 16384, "1 to 16384");
 }
 
+/* Bands are whole rows of tiles. */
+static bool rows_check(const daft_view *view, const daft_image *target, daft_error *error)
+{
+    int first = view->first_row, end = view->row_count ? first + view->row_count : target->height;
+    return (first % DAFT_TILE == 0 && first < target->height && end <= target->height &&
+            (end % DAFT_TILE == 0 || end == target->height)) ||
+           daft_fail(error, DAFT_ERROR_ARGUMENT,
+                     "first_row is %d and row_count %d; a band of a picture with %d rows begins and ends at multiples "
+                     "of %d, or with the picture",
+                     first, view->row_count, target->height, DAFT_TILE);
+}
+
 typedef struct watched {
     const daft_view *view;
     daft_engine *engine;
@@ -42,7 +55,9 @@ static bool call_progress(void *user, float done)
 bool daft_render(daft_scene *scene, const daft_view *view, daft_image *target, daft_error *error)
 {
     daft_error_clear(error);
-    if (!daft_scene_ready(scene, error) || !view_check(view, error) || !target_check(target, error)) return false;
+    if (!daft_scene_ready(scene, error) || !view_check(view, error) || !target_check(target, error) ||
+        !rows_check(view, target, error))
+        return false;
     daft_engine *engine = scene->engine;
     if (!engine->renderer)
         engine->renderer = daft_renderer_create(scene->allocator, engine->threads, engine->isa, error);

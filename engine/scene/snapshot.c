@@ -53,6 +53,7 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
     const daft_preset *preset = daft_quality_preset(view->quality);
     daft_snapshot *s = &frame->snapshot;
     s->width = width, s->height = height;
+    s->first_row = view->first_row, s->row_count = view->row_count ? view->row_count : height - view->first_row;
     s->focal = (float)(width / 2.0 / daft_tan((double)view->camera.fov / 2));
     s->samples = view->samples ? view->samples : preset->samples;
     s->intersection = view->intersection;

@@ -109,9 +109,10 @@ static void report(daft_frame *frame, uint32_t worker)
         atomic_store(&frame->cancelled, true);
 }
 
-void daft_render_tile(void *context, uint32_t tile, uint32_t worker)
+void daft_render_tile(void *context, uint32_t index, uint32_t worker)
 {
     daft_frame *frame = context;
+    uint32_t tile = frame->first_tile + index;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
     tile_job j = {.frame = frame,
                   .r = frame->renderer,

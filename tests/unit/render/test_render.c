@@ -459,6 +459,43 @@ static void progress_and_cancel(void **unused)
     stage_drop(s);
 }
 
+/* Bands give the picture and its arrays, byte for byte, and leave the other rows alone. */
+static void bands_are_the_picture(void **state)
+{
+    (void)state;
+    static uint8_t whole[4 * PIXELS];
+    static float depth[PIXELS];
+    static daft_entity entity[PIXELS];
+    static const int BANDS[][2] = {{96, 0}, {0, 32}, {32, 64}};
+    stage *s = stage_make(NULL, 2);
+    assert_true(daft_scene_load(s->scene, DAFT_ROOT "/assets/scenes/temple.scene", NULL));
+    assert_true(daft_scene_get_camera(s->scene, 0, &s->view.camera, NULL));
+    for (int samples = 1; samples <= 4; samples *= 4) {
+        s->view.samples = samples, s->view.first_row = s->view.row_count = 0;
+        draw(s);
+        memcpy(whole, daft_image_pixels(s->image), sizeof whole);
+        memcpy(depth, s->depth, sizeof depth), memcpy(entity, s->entity, sizeof entity);
+        memset(daft_image_pixels(s->image), 0x55, sizeof whole);
+        memset(s->depth, 0x55, sizeof depth), memset(s->entity, 0x55, sizeof entity);
+        for (size_t i = 0; i < sizeof BANDS / sizeof *BANDS; i++) {
+            s->view.first_row = BANDS[i][0], s->view.row_count = BANDS[i][1];
+            draw(s);
+            if (i == 0) assert_int_equal(daft_image_pixels(s->image)[4 * 95 * WIDTH], 0x55);
+        }
+        assert_memory_equal(daft_image_pixels(s->image), whole, sizeof whole);
+        assert_memory_equal(s->depth, depth, sizeof depth);
+        assert_memory_equal(s->entity, entity, sizeof entity);
+    }
+    static const int BAD[][2] = {{16, 0}, {0, 33}, {128, 0}, {96, 64}, {0, 121}};
+    for (size_t i = 0; i < sizeof BAD / sizeof *BAD; i++) {
+        daft_error error = {0};
+        s->view.first_row = BAD[i][0], s->view.row_count = BAD[i][1];
+        assert_false(daft_render(s->scene, &s->view, s->image, &error));
+        assert_int_equal(error.code, DAFT_ERROR_ARGUMENT);
+    }
+    stage_drop(s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -473,6 +510,7 @@ int main(void)
         cmocka_unit_test(many_instances),
         cmocka_unit_test(large_floors_stay_fast),
         cmocka_unit_test(samples_soften_edges),
+        cmocka_unit_test(bands_are_the_picture),
         cmocka_unit_test(progress_and_cancel),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
