@@ -613,14 +613,16 @@ DAFT_API size_t daft_scene_save_bodies(const daft_scene *scene, void *out, size_
 DAFT_API bool daft_scene_load_bodies(daft_scene *scene, const void *bytes, size_t size, daft_error *error);
 
 /* Of the last tick. */
-typedef struct daft_sim_counts {
+typedef struct daft_sim_counters {
     uint32_t bodies, awake;   /* awake: dynamic ones */
     uint32_t joints, islands; /* islands: groups of awake bodies that touch or are joined */
     uint32_t pairs, contacts; /* pairs of parts whose bounds meet, and that touch */
     uint32_t rows;            /* constraints solved in each substep */
+    uint32_t colours;         /* groups of constraints that share no body, so that they are solved side by side */
+    uint32_t substeps;        /* the most of any island; 0: nothing was solved */
     uint32_t sweeps;          /* searches for the time of an impact */
-} daft_sim_counts;
-DAFT_API daft_sim_counts daft_scene_sim_counts(const daft_scene *scene);
+} daft_sim_counters;
+DAFT_API daft_sim_counters daft_scene_sim_counters(const daft_scene *scene);
 
 /* ---- scenes: camera, lights, sky --------------------------------------------------------------------------------- */
 
@@ -972,7 +974,7 @@ typedef enum daft_struct {
     DAFT_STRUCT_VOLUME,
     DAFT_STRUCT_CHARACTER_DEF,
     DAFT_STRUCT_COUNTERS,
-    DAFT_STRUCT_SIM_COUNTS,
+    DAFT_STRUCT_SIM_COUNTERS,
     DAFT_STRUCT_COUNT
 } daft_struct;
 

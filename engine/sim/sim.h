@@ -229,15 +229,6 @@ typedef bool daft_sim_find_shape(void *context, uint32_t geometry_id, daft_geome
 bool daft_world_load(daft_world *world, const void *bytes, size_t size, daft_sim_find_shape *find, void *context,
                      daft_error *error);
 
-typedef struct daft_sim_counters {
-    uint32_t bodies, awake;     /* awake: dynamic bodies */
-    uint32_t joints, islands;   /* islands: of bodies that are awake */
-    uint32_t pairs;             /* of shapes whose bounds meet and that are looked at */
-    uint32_t contacts;          /* pairs with a manifold */
-    uint32_t rows;              /* of the solver: constraints in one pass */
-    uint32_t colours, substeps; /* of the solver; the most of any island; 0: it did not run */
-    uint32_t sweeps;            /* times of impact that were searched for */
-} daft_sim_counters;
 /* Of the last step. */
 daft_sim_counters daft_world_counters(const daft_world *world);
 

@@ -46,7 +46,7 @@ static void print_struct(daft_struct which)
     _Alignas(16) char defaults[2048];
     if (daft_struct_size(which) > sizeof defaults) return;
     daft_struct_default(which, defaults);
-    bool counts = which == DAFT_STRUCT_COUNTERS || which == DAFT_STRUCT_SIM_COUNTS; /* read, not set */
+    bool counts = which == DAFT_STRUCT_COUNTERS || which == DAFT_STRUCT_SIM_COUNTERS; /* read, not set */
     puts(counts ? "| field | type | unit | means |\n|---|---|---|---|"
                 : "| field | type | unit | range | default | means |\n|---|---|---|---|---|---|");
     for (uint32_t i = 0; i < count; i++) {

@@ -67,17 +67,22 @@ static void put_effect(FILE *out, const daft_effect *effect, double mean_ms, boo
     fprintf(out, "}%s\n", last ? "" : ",");
 }
 
-/* Every count but those of rays, which have a list of their own. */
-static void put_counts(FILE *out, const daft_counters *c)
+/* Every field of one type, but those of rays, which have a list of their own. */
+static void put_counts(FILE *out, daft_struct which, daft_field_type type, const void *counters)
 {
     uint32_t count;
-    const daft_field *fields = daft_fields(DAFT_STRUCT_COUNTERS, &count);
+    const daft_field *fields = daft_fields(which, &count);
     const char *between = "";
     for (uint32_t i = 0; i < count; i++) {
-        uint64_t value;
-        if (fields[i].type != DAFT_FIELD_UINT64 || strstr(fields[i].name, "_rays")) continue;
-        memcpy(&value, (const char *)c + fields[i].offset, sizeof value);
-        fprintf(out, "%s\"%s\": %" PRIu64, between, fields[i].name, value);
+        if (fields[i].type != type || strstr(fields[i].name, "_rays")) continue;
+        const char *from = (const char *)counters + fields[i].offset;
+        uint64_t value = 0;
+        uint32_t narrow = 0;
+        if (type == DAFT_FIELD_UINT64)
+            memcpy(&value, from, sizeof value);
+        else
+            memcpy(&narrow, from, sizeof narrow);
+        fprintf(out, "%s\"%s\": %" PRIu64, between, fields[i].name, value + narrow);
         between = ", ";
     }
 }
@@ -104,7 +109,9 @@ void stats_print_json(FILE *out, const daft_counters *c, const frame_times *time
     for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++)
         if (c->effects[i].name) put_effect(out, &c->effects[i], times->effects[i] / frames, --named == 0);
     fputs("  },\n  \"counters\": {", out);
-    put_counts(out, c);
+    put_counts(out, DAFT_STRUCT_COUNTERS, DAFT_FIELD_UINT64, c);
+    fputs("},\n  \"simulation\": {", out);
+    put_counts(out, DAFT_STRUCT_SIM_COUNTERS, DAFT_FIELD_UINT, &times->simulation);
     fputs("}\n}\n", out);
 }
 

@@ -11,7 +11,8 @@ typedef struct frame_times {
     double *ms;
     size_t count, capacity;
     double effects[DAFT_EFFECT_COUNT];
-    daft_memory memory; /* of the engine, at the end */
+    daft_memory memory;           /* of the engine, at the end */
+    daft_sim_counters simulation; /* of the last tick; 0 where nothing ticks */
 } frame_times;
 
 /* `counters`: those of the frame. Drops the time when memory runs out. */
@@ -21,7 +22,7 @@ void frame_times_free(frame_times *times);
 double frame_times_quantile(const frame_times *times, double fraction);
 
 /* {"width", "height", "threads", "isa", "frame_ms": {"median", "p95", "frames"}, "memory": {"used", "peak", "limit"},
- * "rays", "effects", "counters"}.
+ * "rays", "effects", "counters", "simulation"}.
  * The counters are those of the last frame, but for the effects' "mean_ms", the mean of all frames. path: "-" writes to
  * stdout. */
 bool stats_write(const char *path, const daft_counters *counters, const frame_times *times, daft_error *error);

@@ -77,6 +77,7 @@ static void draw_overlay(session *s)
                                s->update_ms,
                                s->clock.dropped,
                                daft_scene_counters(s->play.scene),
+                               daft_scene_sim_counters(s->play.scene),
                                daft_engine_memory(s->def->engine)};
     canvas over = canvas_over(s->picture);
     screen_overlay(&over, s->def->face, &figures);
@@ -193,6 +194,7 @@ static bool at_end(session *s, daft_error *error)
     if (!s->def->stats) return true;
     if (s->times.count == 0 && !draw(s, 1, error)) return false;
     s->times.memory = daft_engine_memory(s->def->engine);
+    s->times.simulation = daft_scene_sim_counters(s->play.scene);
     return s->play.failed || stats_write(s->def->stats, daft_scene_counters(s->play.scene), &s->times, error);
 }
 

@@ -48,7 +48,7 @@ static void overlay_line(const canvas *target, font *face, float *y, const char 
 void screen_overlay(const canvas *target, font *face, const overlay_figures *figures)
 {
     const daft_counters *c = figures->counters;
-    size_t lines = 9;
+    size_t lines = 11;
     for (size_t i = 0; i < DAFT_EFFECT_COUNT; i++) lines += c->effects[i].name != NULL;
     canvas_rect(target, 12, 12, 288, 16 + 21 * (float)lines, (canvas_color){10, 14, 24, 190});
     float y = 20;
@@ -75,6 +75,11 @@ void screen_overlay(const canvas *target, font *face, const overlay_figures *fig
         snprintf(value, sizeof value, "%" PRIu64, rays[i].rays);
         overlay_line(target, face, &y, rays[i].name, value);
     }
+    const daft_sim_counters *sim = &figures->simulation;
+    snprintf(value, sizeof value, "%" PRIu32 " of %" PRIu32, sim->awake, sim->bodies);
+    overlay_line(target, face, &y, "bodies awake", value);
+    snprintf(value, sizeof value, "%" PRIu32, sim->substeps);
+    overlay_line(target, face, &y, "substeps", value);
     snprintf(value, sizeof value, "%d x %d", c->width, c->height);
     overlay_line(target, face, &y, "size", value);
     snprintf(value, sizeof value, "%" PRIu64, figures->dropped);

@@ -11,6 +11,7 @@ typedef struct overlay_figures {
     double frames_per_second, frame_ms, update_ms;
     uint64_t dropped; /* updates dropped since the start */
     const daft_counters *counters;
+    daft_sim_counters simulation; /* of the last tick */
     daft_memory memory;
 } overlay_figures;
 

@@ -705,7 +705,7 @@ static void took_daft_character(caller *c, daft_character made) { keep(c, &c->ch
 TOOK_VALUE(double)
 TOOK_VALUE(daft_camera)
 TOOK_VALUE(daft_memory)
-TOOK_VALUE(daft_sim_counts)
+TOOK_VALUE(daft_sim_counters)
 TOOK_VALUE(daft_engine_def)
 TOOK_VALUE(daft_files_def)
 TOOK_VALUE(daft_mesh_def)

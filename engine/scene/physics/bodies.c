@@ -409,16 +409,7 @@ bool daft_scene_set_surfaces(daft_scene *scene, uint32_t kind_a, uint32_t kind_b
     return daft_world_set_pair(world, kind_a, kind_b, &pair, error);
 }
 
-daft_sim_counts daft_scene_sim_counts(const daft_scene *scene)
+daft_sim_counters daft_scene_sim_counters(const daft_scene *scene)
 {
-    if (!scene || !scene->world) return (daft_sim_counts){0};
-    daft_sim_counters c = daft_world_counters(scene->world);
-    return (daft_sim_counts){.bodies = c.bodies,
-                             .awake = c.awake,
-                             .joints = c.joints,
-                             .islands = c.islands,
-                             .pairs = c.pairs,
-                             .contacts = c.contacts,
-                             .rows = c.rows,
-                             .sweeps = c.sweeps};
+    return scene && scene->world ? daft_world_counters(scene->world) : (daft_sim_counters){0};
 }

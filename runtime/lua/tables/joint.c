@@ -240,8 +240,8 @@ static int physics(lua_State *L, host *h)
             api_engine_error(L, h, &error);
         if (api_field(L, 1, "sleeping")) daft_scene_set_sleeping(h->def.scene, api_boolean(L, h, -1, "sleeping"));
     }
-    daft_sim_counts c = daft_scene_sim_counts(h->def.scene);
-    api_push_struct(L, DAFT_STRUCT_SIM_COUNTS, &c);
+    daft_sim_counters c = daft_scene_sim_counters(h->def.scene);
+    api_push_struct(L, DAFT_STRUCT_SIM_COUNTERS, &c);
     return 1;
 }
 
@@ -301,7 +301,7 @@ static const api_function FUNCTIONS[] = {
     {"physics", "([{...}]) -> counts",
      "Sets substeps = 1 to 16 (4 unless set) and sleeping = true or false. Gives counts of the last step: bodies, "
      "awake,\n"
-     "joints, islands, pairs, contacts, rows, sweeps.",
+     "joints, islands, pairs, contacts, rows, colours, substeps (the most of any island), sweeps.",
      physics, 0},
     {"surfaces", "(name, name [, {...}])",
      "What counts where two kinds of surface meet; without the table, what the bodies say.", surfaces, API_CHANGES},

@@ -43,10 +43,12 @@ static void what_the_engine_holds_counts(void **unused)
 static void stats_tell_it(void **unused)
 {
     (void)unused;
-    int status = run_daft(output, "play marble --headless --ticks 2 --memory-limit 500MB --stats -");
+    int status = run_daft(output, "play marble --headless --ticks 30 --memory-limit 500MB --stats -");
     assert_status(status, 0, output);
     assert_says(output, "\"memory\": {\"used\": ");
     assert_says(output, "\"limit\": 500000000}");
+    assert_says(output, "\"simulation\": {\"bodies\": ");
+    assert_says(output, "\"substeps\": 4,");
 }
 
 static void sizes_are_parsed(void **unused)

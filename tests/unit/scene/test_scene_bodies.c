@@ -118,7 +118,7 @@ static void every_collider_rests(void **unused)
         assert_true(daft_entity_get_awake(p.scene, entities[i], &awake, NULL));
         assert_false(awake);
     }
-    assert_int_equal(daft_scene_sim_counts(p.scene).awake, 0);
+    assert_int_equal(daft_scene_sim_counters(p.scene).awake, 0);
     place_drop(&p);
 }
 

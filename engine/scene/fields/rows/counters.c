@@ -2,7 +2,7 @@
 #include "scene/fields/fields.h"
 
 #define ROW(m, ...) DAFT_ROW(daft_counters, m, __VA_ARGS__)
-#define SIM(m, ...) DAFT_ROW(daft_sim_counts, m, __VA_ARGS__)
+#define SIM(m, ...) DAFT_ROW(daft_sim_counters, m, __VA_ARGS__)
 
 static const daft_field ROWS[] = {
     ROW(width, .unit = "pixels", .doc = "Of the picture"),
@@ -39,7 +39,9 @@ static const daft_field SIM_ROWS[] = {
     SIM(pairs, .lua = "pairs", .doc = "Pairs of parts whose bounds overlap"),
     SIM(contacts, .lua = "contacts", .doc = "Pairs of parts that touch"),
     SIM(rows, .lua = "rows", .doc = "Constraints solved in each substep"),
+    SIM(colours, .lua = "colours", .doc = "Groups of constraints that share no body, solved one after the other"),
+    SIM(substeps, .lua = "substeps", .doc = "Substeps of the step, the most of any island; 0 where nothing was solved"),
     SIM(sweeps, .lua = "sweeps", .doc = "Searches for the time of an impact"),
 };
 
-const daft_field_list daft_sim_counts_fields = DAFT_FIELD_LIST(daft_sim_counts, SIM_ROWS);
+const daft_field_list daft_sim_counters_fields = DAFT_FIELD_LIST(daft_sim_counters, SIM_ROWS);
