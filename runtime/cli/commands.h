@@ -17,6 +17,8 @@ int run_program(int argc, char **argv);
 
 /* Opens an engine, which prints its warnings on stderr unless def->warn takes them. NULL with the message on stderr. */
 daft_engine *open_engine(const daft_engine_def *wanted);
+/* Likewise, but says nothing: fills *error. */
+daft_engine *try_engine(const daft_engine_def *wanted, daft_error *error);
 
 /* Opens the font of all text on the screen. NULL with the message in *error. */
 font *open_font(const home *where, daft_error *error);

@@ -12,12 +12,17 @@ static void print_warning(void *unused, const daft_error *warning)
     fprintf(stderr, "warning: %s\n", daft_error_text(warning, text, sizeof text));
 }
 
-daft_engine *open_engine(const daft_engine_def *wanted)
+daft_engine *try_engine(const daft_engine_def *wanted, daft_error *error)
 {
     daft_engine_def def = *wanted;
     if (!def.warn) def.warn = print_warning;
+    return daft_engine_create(&def, error);
+}
+
+daft_engine *open_engine(const daft_engine_def *wanted)
+{
     daft_error error;
-    daft_engine *engine = daft_engine_create(&def, &error);
+    daft_engine *engine = try_engine(wanted, &error);
     if (!engine) report(&error);
     return engine;
 }

@@ -6,6 +6,7 @@
 #include "common/progress.h"
 #include "common/stats.h"
 #include "common/util.h"
+#include "many/bands.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,6 +29,7 @@ typedef struct render_options {
     daft_quality quality;
     daft_intersection intersection;
     long camera, threads, repeat;
+    many *all; /* NULL: this process alone */
     uint64_t memory;
     bool camera_given, explain;
     const char *aov_list;
@@ -127,6 +129,11 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
     view.progress = show_progress;
     view.progress_user = &progress;
     bool good = true;
+    if (o->all) {
+        good = bands_render(o->all, scene, &view, image, error);
+        progress_end(&progress.bar);
+        return good;
+    }
     for (; good && progress.frame < o->repeat; progress.frame++) {
         good = daft_render(scene, &view, image, error);
         frame_times_add(times, daft_scene_counters(scene)->frame_ms, daft_scene_counters(scene));
@@ -135,17 +142,23 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
     return good;
 }
 
-static bool run(daft_engine *engine, render_options *o, daft_error *error)
+static bool write(const render_options *o, daft_engine *engine, daft_image *image, daft_scene *scene,
+                  frame_times *times, daft_error *error)
+{
+    if (o->all && many_rank(o->all) > 0) return true;
+    bool good = daft_image_write(image, o->out, error) && aov_write(&o->aov, engine, o->out, error);
+    if (good && o->explain) stats_print_plan(stdout, daft_scene_counters(scene));
+    times->memory = daft_engine_memory(engine);
+    return good && (!o->stats || stats_write(o->stats, daft_scene_counters(scene), times, error));
+}
+
+static bool render_and_write(daft_engine *engine, render_options *o, daft_error *error)
 {
     frame_times times = {0};
     daft_image *image = daft_image_create(engine, o->size.width, o->size.height, error);
     daft_scene *scene =
         image && aov_allocate(&o->aov, o->size.width, o->size.height, error) ? daft_scene_create(engine, error) : NULL;
-    bool good = scene && render(scene, o, image, &times, error) && daft_image_write(image, o->out, error) &&
-                aov_write(&o->aov, engine, o->out, error);
-    if (good && o->explain) stats_print_plan(stdout, daft_scene_counters(scene));
-    times.memory = daft_engine_memory(engine);
-    if (good && o->stats) good = stats_write(o->stats, daft_scene_counters(scene), &times, error);
+    bool good = scene && render(scene, o, image, &times, error) && write(o, engine, image, scene, &times, error);
     daft_scene_destroy(scene);
     daft_image_destroy(image);
     aov_free(&o->aov);
@@ -153,8 +166,19 @@ static bool run(daft_engine *engine, render_options *o, daft_error *error)
     return good;
 }
 
+static bool run(const daft_engine_def *wanted, render_options *o, daft_error *error)
+{
+    daft_engine_def def = *wanted;
+    if (o->all && def.threads == 0) def.threads = many_threads(o->all);
+    daft_engine *engine = try_engine(&def, error);
+    bool good = engine && render_and_write(engine, o, error);
+    daft_engine_destroy(engine);
+    return good;
+}
+
 int command_render(int argc, char **argv)
 {
+    many_hush();
     render_options o = {.size = {1280, 720}, .quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1};
     const cli_option options[] = {
         {"output", 'o', CLI_TEXT, "IMG", &o.out, 0, 0, "the picture to write: .png or .ppm (required)"},
@@ -194,10 +218,13 @@ int command_render(int argc, char **argv)
     def.isa = o.isa;
     def.accel = o.accel;
     def.memory_limit = o.memory;
-    daft_engine *engine = open_engine(&def);
-    if (!engine) return STATUS_BAD_INPUT;
     daft_error error;
-    int status = run(engine, &o, &error) ? STATUS_DONE : report(&error);
-    daft_engine_destroy(engine);
+    if (many_started() && (o.stats || o.explain || o.repeat > 1))
+        return cli_refuse("render", "--stats, --explain and --repeat are for one process, without mpirun");
+    if (many_started() && !(o.all = many_join(&error))) return report(&error);
+    bool good = run(&def, &o, &error);
+    if (!good && o.all) many_drop_out(o.all, &error);
+    int status = good ? STATUS_DONE : report(&error);
+    many_leave(o.all);
     return status;
 }

@@ -65,7 +65,7 @@ static uint64_t hash_settings(const video_options *o, const char *replay, const 
     return replay ? hash ^ hash_content(replay) : hash;
 }
 
-static bool film(video_def *def, frame_source *source, daft_error *error)
+static bool write_film(video_def *def, frame_source *source, daft_error *error)
 {
     uint64_t began = clock_now_ns();
     if (!video_make(def, source, error)) return false;
@@ -83,7 +83,7 @@ static bool film_a_scene(const video_options *o, video_def *def, daft_error *err
     def->content = hash_settings(o, NULL, o->what);
     if (!film_scene_open(&scene, &wanted, error)) return false;
     if (isnan(def->to)) def->to = scene.count > 0 ? scene.seconds : def->from + STILL_SECONDS;
-    bool good = film(def, &scene.source, error);
+    bool good = write_film(def, &scene.source, error);
     film_scene_close(&scene);
     return good;
 }
@@ -103,7 +103,7 @@ static bool film_found(const video_options *o, video_def *def, const game_def *p
     def->content = hash_settings(o, replay, play->info->folder);
     if (!film_game_open(&game, play, replay, replay == demo, error)) return false;
     if (isnan(def->to)) def->to = replay ? (double)game.replay.end / LOOP_RATE : GAME_SECONDS;
-    bool good = film(def, &game.source, error);
+    bool good = write_film(def, &game.source, error);
     film_game_close(&game);
     return good;
 }
@@ -129,18 +129,28 @@ static bool film_a_game(const video_options *o, video_def *def, daft_error *erro
     return good;
 }
 
+static bool film_it(const video_options *o, video_def *def, daft_error *error)
+{
+    daft_engine_def wanted = daft_default_engine_def();
+    wanted.threads = o->threads || !def->all ? (int)o->threads : many_threads(def->all);
+    wanted.isa = o->isa;
+    if (!video_check(def, error)) return false;
+    def->engine = try_engine(&wanted, error);
+    if (!def->engine) return false;
+    bool good = has_extension(o->what, ".scene") ? film_a_scene(o, def, error) : film_a_game(o, def, error);
+    daft_engine_destroy(def->engine);
+    return good;
+}
+
 static int run(const video_options *o, video_def *def)
 {
     daft_error error;
-    daft_engine_def wanted = daft_default_engine_def();
-    wanted.threads = (int)o->threads;
-    wanted.isa = o->isa;
-    if (!video_check(def, &error)) return report(&error);
-    def->engine = open_engine(&wanted);
-    if (!def->engine) return STATUS_BAD_INPUT;
-    bool good = has_extension(o->what, ".scene") ? film_a_scene(o, def, &error) : film_a_game(o, def, &error);
-    daft_engine_destroy(def->engine);
-    return good ? STATUS_DONE : report(&error);
+    if (many_started() && !(def->all = many_join(&error))) return report(&error);
+    bool good = film_it(o, def, &error);
+    if (!good && def->all) many_drop_out(def->all, &error);
+    int status = good ? STATUS_DONE : report(&error);
+    many_leave(def->all);
+    return status;
 }
 
 static bool parse_pace(const char *name, daft_pace *out)
@@ -156,6 +166,7 @@ static bool parse_pace(const char *name, daft_pace *out)
 
 int command_video(int argc, char **argv)
 {
+    many_hush();
     video_options o = {.size = {1280, 720},
                        .quality = DAFT_QUALITY_HIGH,
                        .fps = NAN,

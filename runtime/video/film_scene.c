@@ -38,7 +38,7 @@ static bool load(film_scene *self, const film_scene_def *def, daft_error *error)
 
 bool film_scene_open(film_scene *self, const film_scene_def *def, daft_error *error)
 {
-    *self = (film_scene){.source.draw = draw, .view = daft_default_view(), .pace = def->pace};
+    *self = (film_scene){.source = {.draw = draw, .any_order = true}, .view = daft_default_view(), .pace = def->pace};
     self->view.quality = def->quality;
     self->scene = daft_scene_create(def->engine, error);
     if (self->scene && load(self, def, error)) return true;

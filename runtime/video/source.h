@@ -12,8 +12,9 @@ typedef enum frame_result {
 
 typedef struct frame_source frame_source;
 struct frame_source {
-    /* Draws the picture at `time` seconds; calls have ascending times. Not `wanted`: nobody looks at this picture, so
-     * only what later ones depend on has to happen. */
+    bool any_order; /* times may go back: no picture depends on earlier ones */
+    /* Draws the picture at `time` seconds; without any_order, calls have ascending times. Not `wanted`: nobody looks at
+     * this picture, so only what later ones depend on has to happen. */
     frame_result (*draw)(struct frame_source *self, double time, bool wanted, daft_image *target, daft_error *error);
 };
 

@@ -19,18 +19,30 @@ struct stage {
     pthread_mutex_t lock; /* guards what follows */
     pthread_cond_t changed;
     uint64_t added, taken;
-    bool closed, failed;
+    bool closed, finish, failed, ended;
     daft_error error;
 };
+
+/* Keeps the first error. */
+static void note(stage *self, bool good, const daft_error *error)
+{
+    if (good) return;
+    pthread_mutex_lock(&self->lock);
+    self->failed = true;
+    self->error = *error;
+    pthread_mutex_unlock(&self->lock);
+}
 
 static void encode(stage *self, const uint8_t *pixels)
 {
     daft_error error;
-    if (self->failed || encoder_add(self->to, pixels, self->out, &error)) return;
-    pthread_mutex_lock(&self->lock);
-    self->failed = true;
-    self->error = error;
-    pthread_mutex_unlock(&self->lock);
+    if (!self->failed) note(self, encoder_add(self->to, pixels, self->out, &error), &error);
+}
+
+static void finish(stage *self)
+{
+    daft_error error;
+    if (!self->failed && self->finish) note(self, encoder_finish(self->to, self->out, &error), &error);
 }
 
 static void *work(void *user)
@@ -47,6 +59,10 @@ static void *work(void *user)
         self->taken++;
         pthread_cond_signal(&self->changed);
     }
+    pthread_mutex_unlock(&self->lock);
+    finish(self);
+    pthread_mutex_lock(&self->lock);
+    self->ended = true;
     pthread_mutex_unlock(&self->lock);
     return NULL;
 }
@@ -87,18 +103,44 @@ bool stage_add(stage *self, const uint8_t *pixels)
     return good;
 }
 
-bool stage_close(stage *self, bool finish, daft_error *error)
+bool stage_full(stage *self)
 {
-    if (self->threaded) {
-        pthread_mutex_lock(&self->lock);
-        self->closed = true;
-        pthread_cond_signal(&self->changed);
-        pthread_mutex_unlock(&self->lock);
-        pthread_join(self->thread, NULL);
-    }
+    if (!self->threaded) return false;
+    pthread_mutex_lock(&self->lock);
+    bool full = self->added - self->taken == STAGE_FRAMES;
+    pthread_mutex_unlock(&self->lock);
+    return full;
+}
+
+static void close_stage(stage *self, bool finishes)
+{
+    if (self->closed) return;
+    pthread_mutex_lock(&self->lock);
+    self->finish = finishes;
+    self->closed = true;
+    pthread_cond_signal(&self->changed);
+    pthread_mutex_unlock(&self->lock);
+    if (self->threaded) return;
+    finish(self);
+    self->ended = true;
+}
+
+void stage_end(stage *self) { close_stage(self, true); }
+
+bool stage_ended(stage *self)
+{
+    pthread_mutex_lock(&self->lock);
+    bool ended = self->ended;
+    pthread_mutex_unlock(&self->lock);
+    return ended;
+}
+
+bool stage_close(stage *self, bool finishes, daft_error *error)
+{
+    close_stage(self, finishes);
+    if (self->threaded) pthread_join(self->thread, NULL);
     bool good = !self->failed;
     if (!good) *error = self->error;
-    if (good && finish) good = encoder_finish(self->to, self->out, error);
     pthread_cond_destroy(&self->changed);
     pthread_mutex_destroy(&self->lock);
     free(self->frames);

@@ -1,10 +1,9 @@
 /* Makes a film clip by clip. */
 #include "video/video.h"
 
-#include "common/progress.h"
-#include "common/util.h"
-#include "video/blur.h"
-#include "video/encode/encoder.h"
+#include "common/stop.h"
+#include "video/crew.h"
+#include "video/film.h"
 #include "video/stage.h"
 
 #include <errno.h>
@@ -16,21 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { CLIP_SECONDS = 2, PARTS_SIZE = PATH_SIZE + 16 };
-
-typedef struct film {
-    const video_def *def;
-    frame_source *source;
-    daft_image *image;
-    blur blur;
-    char parts[PARTS_SIZE]; /* the folder of finished clips */
-    uint64_t frames, clip_frames;
-    uint64_t key; /* of the clips: the settings and what is filmed */
-    uint64_t done;
-    uint64_t taken_over; /* frames that an earlier call had made */
-    bool ended;          /* the source ended early */
-    progress_bar bar;
-} film;
+enum { CLIP_SECONDS = 2 };
 
 /* ---- settings ---- */
 
@@ -106,7 +91,7 @@ static frame_result draw_part(film *f, uint64_t frame, int part, bool wanted, da
     return f->source->draw(f->source, time > 0 ? time : 0, wanted, f->image, error);
 }
 
-static frame_result draw_frame(film *f, uint64_t frame, bool wanted, daft_error *error)
+frame_result film_draw(film *f, uint64_t frame, bool wanted, daft_error *error)
 {
     for (int part = 0; part < f->def->blur; part++) {
         frame_result result = draw_part(f, frame, part, wanted, error);
@@ -114,16 +99,23 @@ static frame_result draw_frame(film *f, uint64_t frame, bool wanted, daft_error 
         if (wanted && f->def->blur > 1) blur_add(&f->blur, daft_image_pixels(f->image));
     }
     if (wanted && f->def->blur > 1) blur_take(&f->blur, daft_image_pixels(f->image));
+    return FRAME_DRAWN;
+}
+
+static frame_result draw_next(film *f, uint64_t frame, bool wanted, daft_error *error)
+{
+    frame_result result = film_draw(f, frame, wanted, error);
+    if (result != FRAME_DRAWN) return result;
     f->done++;
     if (f->def->progress) progress_show(&f->bar, (double)f->done / (double)f->frames);
-    return FRAME_DRAWN;
+    return result;
 }
 
 /* ---- clips ---- */
 
-static void clip_path(const film *f, uint64_t clip, char out[PARTS_SIZE + 16])
+void film_clip_path(const film *f, uint64_t clip, char out[FILM_PATH_SIZE])
 {
-    snprintf(out, PARTS_SIZE + 16, "%s/%06" PRIu64, f->parts, clip);
+    snprintf(out, FILM_PATH_SIZE, "%s/%06" PRIu64, f->parts, clip);
 }
 
 /* False with the message in *error, or where the stage has it. */
@@ -131,7 +123,7 @@ static bool draw_clip(film *f, stage *to, uint64_t first, uint32_t *count, daft_
 {
     uint64_t end = first + f->clip_frames < f->frames ? first + f->clip_frames : f->frames;
     for (uint64_t frame = first; frame < end; frame++) {
-        frame_result result = draw_frame(f, frame, true, error);
+        frame_result result = draw_next(f, frame, true, error);
         if (result == FRAME_FAILED) return false;
         f->ended = result == FRAME_NONE;
         if (f->ended) break;
@@ -166,7 +158,7 @@ static bool make_clip(film *f, uint64_t clip, const char *path, uint32_t *count,
 static bool pass_over(film *f, uint64_t clip, uint32_t count, daft_error *error)
 {
     for (uint32_t i = 0; i < count; i++)
-        if (draw_frame(f, clip * f->clip_frames + i, false, error) == FRAME_FAILED) return false;
+        if (draw_next(f, clip * f->clip_frames + i, false, error) == FRAME_FAILED) return false;
     f->ended = count < f->clip_frames;
     f->taken_over += count;
     return true;
@@ -175,10 +167,10 @@ static bool pass_over(film *f, uint64_t clip, uint32_t count, daft_error *error)
 static bool make_clips(film *f, daft_error *error)
 {
     for (uint64_t clip = 0; clip * f->clip_frames < f->frames && !f->ended; clip++) {
-        char path[PARTS_SIZE + 16];
+        char path[FILM_PATH_SIZE];
         packet_list packets = {0};
         uint32_t count = 0;
-        clip_path(f, clip, path);
+        film_clip_path(f, clip, path);
         bool made = packets_load(&packets, path, f->key, &count);
         packets_free(&packets);
         if (made ? !pass_over(f, clip, count, error) : !make_clip(f, clip, path, &count, error)) return false;
@@ -186,16 +178,16 @@ static bool make_clips(film *f, daft_error *error)
     return true;
 }
 
-static bool join_clips(film *f, daft_error *error)
+bool film_join(const film *f, uint64_t frames, daft_error *error)
 {
     muxer *to = muxer_open(f->def, error);
     bool good = to != NULL;
     uint64_t start = 0;
-    for (uint64_t clip = 0; good && start < f->done; clip++) {
-        char path[PARTS_SIZE + 16];
+    for (uint64_t clip = 0; good && start < frames; clip++) {
+        char path[FILM_PATH_SIZE];
         packet_list packets = {0};
         uint32_t count = 0;
-        clip_path(f, clip, path);
+        film_clip_path(f, clip, path);
         good = packets_load(&packets, path, f->key, &count) ||
                fail_at(error, path, 0, 0, "this part of the video is gone or damaged: call again");
         good = good && muxer_add(to, &packets, start, error);
@@ -207,11 +199,11 @@ static bool join_clips(film *f, daft_error *error)
     return false;
 }
 
-static void remove_clips(const film *f)
+void film_remove_clips(const film *f)
 {
     for (uint64_t clip = 0; clip * f->clip_frames < f->frames; clip++) {
-        char path[PARTS_SIZE + 16];
-        clip_path(f, clip, path);
+        char path[FILM_PATH_SIZE];
+        film_clip_path(f, clip, path);
         unlink(path);
     }
     rmdir(f->parts);
@@ -226,74 +218,84 @@ static bool open_parts(film *f, daft_error *error)
     return fail_at(error, f->parts, 0, 0, "this folder for the parts of the video cannot be made: %s", strerror(errno));
 }
 
-static bool nothing_filmed(const film *f, daft_error *error)
+bool film_is_empty(const film *f, daft_error *error)
 {
-    remove_clips(f);
+    film_remove_clips(f);
     return fail(error, DAFT_ERROR_ARGUMENT, "nothing to film: the game ended before second %g", f->def->from);
 }
 
 static bool make_file(film *f, daft_error *error)
 {
-    bool good = make_clips(f, error) && (f->done > 0 || nothing_filmed(f, error)) && join_clips(f, error);
-    if (good) remove_clips(f);
+    bool good = make_clips(f, error) && (f->done > 0 || film_is_empty(f, error)) && film_join(f, f->done, error);
+    if (good) film_remove_clips(f);
     return good;
 }
 
 /* ---- pictures ---- */
 
 /* Takes over the pictures of an earlier call with the same settings: its key lies in the folder of parts. */
-static bool same_pictures(film *f, daft_error *error)
+bool film_same_pictures(film *f, daft_error *error)
 {
-    char path[PARTS_SIZE + 16];
+    char path[FILM_PATH_SIZE];
     packet_list none = {0};
     uint32_t frames;
-    clip_path(f, 0, path);
+    film_clip_path(f, 0, path);
     bool same = packets_load(&none, path, f->key, &frames);
     packets_free(&none);
     return same || (packets_save(&none, path, f->key, 0, error) && false);
 }
 
-static void picture_path(const film *f, uint64_t frame, char out[PATH_SIZE + 16])
+void film_picture_path(const film *f, uint64_t frame, char out[FILM_PATH_SIZE])
 {
     int width = 0;
     size_t length = 0;
     const char *name = f->def->out, *mark = number_mark(name, &width, &length);
-    snprintf(out, PATH_SIZE + 16, "%.*s%0*" PRIu64 "%s", (int)(mark - name), name, width, frame, mark + length);
+    snprintf(out, FILM_PATH_SIZE, "%.*s%0*" PRIu64 "%s", (int)(mark - name), name, width, frame, mark + length);
 }
 
 static bool make_pictures(film *f, daft_error *error)
 {
     error->code = DAFT_OK;
-    bool same = same_pictures(f, error);
+    bool same = film_same_pictures(f, error);
     if (error->code != DAFT_OK) return false;
     for (uint64_t frame = 0; frame < f->frames; frame++) {
-        char path[PATH_SIZE + 16];
-        picture_path(f, frame, path);
+        char path[FILM_PATH_SIZE];
+        film_picture_path(f, frame, path);
         bool made = same && path_is_file(path);
-        frame_result result = draw_frame(f, frame, !made, error);
+        frame_result result = draw_next(f, frame, !made, error);
         if (result == FRAME_NONE) break;
         bool failed = result == FRAME_FAILED || (!made && !daft_image_write(f->image, path, error));
-        if (failed && f->done <= 1) remove_clips(f); /* there is nothing to go on from */
+        if (failed && f->done <= 1) film_remove_clips(f); /* there is nothing to go on from */
         if (failed) return false;
         f->taken_over += made;
     }
-    if (f->done == 0) return nothing_filmed(f, error);
-    remove_clips(f);
+    if (f->done == 0) return film_is_empty(f, error);
+    film_remove_clips(f);
     return true;
+}
+
+bool film_print(const film *f, const uint8_t *pixels, daft_error *error)
+{
+    size_t size = 4 * (size_t)f->def->width * (size_t)f->def->height;
+    return fwrite(pixels, 1, size, stdout) == size ||
+           fail(error, DAFT_ERROR_IO, "standard output: cannot write: %s", strerror(errno));
+}
+
+bool film_flush(daft_error *error)
+{
+    return fflush(stdout) == 0 || fail(error, DAFT_ERROR_IO, "standard output: cannot write: %s", strerror(errno));
 }
 
 static bool make_raw(film *f, daft_error *error)
 {
-    size_t size = 4 * (size_t)f->def->width * (size_t)f->def->height;
     for (uint64_t frame = 0; frame < f->frames; frame++) {
-        frame_result result = draw_frame(f, frame, true, error);
+        frame_result result = draw_next(f, frame, true, error);
         if (result == FRAME_NONE) break;
         if (result == FRAME_FAILED) return false;
-        if (fwrite(daft_image_pixels(f->image), 1, size, stdout) != size)
-            return fail(error, DAFT_ERROR_IO, "standard output: cannot write: %s", strerror(errno));
+        if (!film_print(f, daft_image_pixels(f->image), error)) return false;
     }
-    if (f->done == 0) return nothing_filmed(f, error);
-    return fflush(stdout) == 0 || fail(error, DAFT_ERROR_IO, "standard output: cannot write: %s", strerror(errno));
+    if (f->done == 0) return film_is_empty(f, error);
+    return film_flush(error);
 }
 
 /* ---- the whole ---- */
@@ -302,14 +304,24 @@ static bool make(film *f, daft_error *error)
 {
     const video_def *def = f->def;
     f->image = daft_image_create(def->engine, def->width, def->height, error);
-    if (!f->image || !open_parts(f, error)) return false;
+    bool writes = !def->all || many_rank(def->all) == 0;
+    if (!f->image || (writes && !open_parts(f, error))) return false;
     if (def->blur > 1 && !blur_open(&f->blur, (size_t)def->width * (size_t)def->height, error)) return false;
     progress_begin(&f->bar, "filming");
-    bool good = def->format == VIDEO_RAW   ? make_raw(f, error)
+    bool good = def->all                   ? crew_make(f, def->all, error)
+                : def->format == VIDEO_RAW ? make_raw(f, error)
                 : def->format == VIDEO_PNG ? make_pictures(f, error)
                                            : make_file(f, error);
     progress_end(&f->bar);
     return good;
+}
+
+/* What has been made stays for the next call: says so, whether the film failed or the program is being ended. */
+static void tell_parts(void *user)
+{
+    const film *f = user;
+    if (!f->parts[0] || rmdir(f->parts) == 0 || errno != ENOTEMPTY) return; /* there is none */
+    fprintf(stderr, "daft: the finished parts are in %s: the same call goes on there\n", f->parts);
 }
 
 bool video_make(const video_def *def, frame_source *source, daft_error *error)
@@ -318,14 +330,14 @@ bool video_make(const video_def *def, frame_source *source, daft_error *error)
     f.clip_frames = (uint64_t)(CLIP_SECONDS * def->rate + 999) / 1000;
     if (f.frames == 0)
         return fail(error, DAFT_ERROR_ARGUMENT, "nothing to film between %g and %g s", def->from, def->to);
+    stop_set_act(tell_parts, &f);
     bool good = make(&f, error);
+    stop_set_act(NULL, NULL);
     blur_close(&f.blur);
     daft_image_destroy(f.image);
     if (good && f.taken_over > 0)
         fprintf(stderr, "daft: took over %" PRIu64 " of %" PRIu64 " frames from an earlier call\n", f.taken_over,
                 f.done);
-    if (!good && f.parts[0] && f.done > f.clip_frames)
-        fprintf(stderr, "daft: the finished parts are in %s: the same call goes on there\n", f.parts);
-    if (!good && f.parts[0]) rmdir(f.parts); /* where it is empty */
+    if (!good) tell_parts(&f);
     return good;
 }

@@ -4,10 +4,12 @@
  * A film is made in clips of two seconds. Each clip starts with a key frame and is encoded by an encoder of its own, so
  * its bytes depend on its frames alone: not on threads, nor on whether the film was made in one go. Finished clips lie
  * in the folder FILE.parts until the film is whole; a call that was killed goes on after the last of them.
+ * Where several processes make it, each draws some of its frames and encodes some of its clips (crew.h).
  * Promises: FILE appears whole or not at all; the same source and settings give the same bytes. */
 #ifndef RUNTIME_VIDEO_VIDEO_H
 #define RUNTIME_VIDEO_VIDEO_H
 
+#include "many/many.h"
 #include "video/source.h"
 
 typedef enum video_format { VIDEO_MP4, VIDEO_WEBM, VIDEO_GIF, VIDEO_PNG, VIDEO_RAW } video_format;
@@ -23,6 +25,7 @@ typedef struct video_def {
     uint64_t content; /* hash of what is filmed: clips of another are not taken over */
     daft_engine *engine;
     bool progress; /* a bar on stderr */
+    many *all;     /* the processes that make it together, each with the same settings; NULL: this one alone */
 } video_def;
 
 /* The format by the end of the name. False with a message that lists what there is. */
