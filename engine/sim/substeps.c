@@ -37,27 +37,27 @@ static void stage_fill(void *p, int argument, uint32_t first, uint32_t count)
     (void)argument;
     context *c = p;
     for (uint32_t i = first; i < first + count; i++) daft_sim_block_fill(c->world, i);
-    c->s->kernels->prepare(&c->s->rows, c->s->blocks + first, count);
+    c->s->contact_kernels->prepare(&c->s->rows, c->s->blocks + first, count);
 }
 static void stage_store(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
     const daft_sim_substep end = at_time(c, c->dt);
-    c->s->kernels->finish(&c->s->rows, c->s->blocks + first, count, &end);
+    c->s->contact_kernels->finish(&c->s->rows, c->s->blocks + first, count, &end);
     for (uint32_t i = first; i < first + count; i++) daft_sim_block_store(c->world, i);
 }
 static void stage_gain(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
-    c->s->kernels->gain(&c->s->rows, first, count, c->substep.h);
+    c->s->motion_kernels->gain(&c->s->rows, first, count, c->substep.h);
 }
 static void stage_move(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
-    c->s->kernels->move(&c->s->rows, first, count, c->substep.h);
+    c->s->motion_kernels->move(&c->s->rows, first, count, c->substep.h);
 }
 static void stage_turn(void *p, int substep, uint32_t first, uint32_t count)
 {
@@ -69,13 +69,13 @@ static void stage_refresh(void *p, int substep, uint32_t first, uint32_t count)
 {
     context *c = p;
     if (atomic_load_explicit(&c->turning, memory_order_relaxed) == substep)
-        c->s->kernels->refresh(&c->s->rows, c->s->blocks + first, count);
+        c->s->contact_kernels->refresh(&c->s->rows, c->s->blocks + first, count);
 }
 static void stage_warm(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
-    c->s->kernels->warm_start(&c->s->rows, c->s->blocks + first, count);
+    c->s->contact_kernels->warm_start(&c->s->rows, c->s->blocks + first, count);
 }
 /* Bodies have moved in the substeps before this one; in this one too where springs are off. */
 static void stage_solve(void *p, int moved, uint32_t first, uint32_t count)
@@ -83,14 +83,14 @@ static void stage_solve(void *p, int moved, uint32_t first, uint32_t count)
     context *c = p;
     bool biased = !(moved & 1);
     const daft_sim_substep substep = at_time(c, (float)((moved + 1) >> 1) * c->substep.h);
-    c->s->kernels->solve(&c->s->rows, c->s->blocks + first, count, &substep, biased);
+    c->s->contact_kernels->solve(&c->s->rows, c->s->blocks + first, count, &substep, biased);
 }
 static void stage_bounce(void *p, int argument, uint32_t first, uint32_t count)
 {
     (void)argument;
     context *c = p;
     const daft_sim_substep end = at_time(c, c->dt);
-    c->s->kernels->bounce(&c->s->rows, c->s->blocks + first, count, &end);
+    c->s->contact_kernels->bounce(&c->s->rows, c->s->blocks + first, count, &end);
 }
 static void stage_joint_fill(void *p, int argument, uint32_t first, uint32_t count)
 {
@@ -380,14 +380,16 @@ bool daft_sim_solve(daft_world *world, float dt)
 
 bool daft_sim_solver_create(daft_world *world)
 {
-    static const daft_sim_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim);
+    static const daft_sim_contact_kernels *const CONTACTS[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_contact);
+    static const daft_sim_motion_kernels *const MOTION[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_motion);
     static const daft_sim_joint_kernels *const JOINTS[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_joint);
     static const daft_sim_angular_kernels *const SPINS[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_sim_angular);
     if (!world->scratch.solver) {
         world->scratch.solver = daft_alloc_zero(&world->allocator, 1, sizeof *world->scratch.solver);
         if (!world->scratch.solver) return false;
     }
-    world->scratch.solver->kernels = TABLE[world->isa];
+    world->scratch.solver->contact_kernels = CONTACTS[world->isa];
+    world->scratch.solver->motion_kernels = MOTION[world->isa];
     world->scratch.solver->joint_kernels = JOINTS[world->isa];
     world->scratch.solver->angular_kernels = SPINS[world->isa];
     return true;

@@ -13,8 +13,8 @@
  * that sleeps is on a ring with those that fell asleep with it, and is woken with them.
  *
  * A step (step.c): bounds and near pairs (broad.c, groups.c, pairs.c) -> manifolds (contacts.c) -> islands that are met
- * wake (sleep.c) -> colours (colour.c) -> substeps (substeps.c, solver_kernel.c, joint_kernel.c, angular.c) -> sweeps
- * (sweep.c), poses -> events (events.c) -> islands fall asleep (sleep.c).
+ * wake (sleep.c) -> colours (colour.c) -> substeps (substeps.c, contact_kernel.c, joint_kernel.c, motion_kernel.c,
+ * angular.c) -> sweeps (sweep.c), poses -> events (events.c) -> islands fall asleep (sleep.c).
  *
  * Everything a step computes is a function of bodies, pairs and joints under their indices: never of the tree's
  * shape, the order of lists, addresses, threads or time. So state can be saved as these records (state.c). */

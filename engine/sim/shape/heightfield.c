@@ -51,7 +51,7 @@ static void fill_first_level(daft_height_field *f)
 
 static void fill_level(daft_height_field *f, uint32_t level)
 {
-    const float *substep_demand = f->ranges + 2 * (size_t)f->level_first[level - 1];
+    const float *finer = f->ranges + 2 * (size_t)f->level_first[level - 1];
     uint32_t wide = f->level_columns[level - 1], deep = f->level_rows[level - 1];
     for (uint32_t bz = 0; bz < f->level_rows[level]; bz++)
         for (uint32_t bx = 0; bx < f->level_columns[level]; bx++) {
@@ -60,7 +60,7 @@ static void fill_level(daft_height_field *f, uint32_t level)
             for (uint32_t i = 0; i < 4; i++) {
                 uint32_t x = 2 * bx + (i & 1), z = 2 * bz + (i >> 1);
                 if (x >= wide || z >= deep) continue;
-                const float *part = substep_demand + 2 * (size_t)(z * wide + x);
+                const float *part = finer + 2 * (size_t)(z * wide + x);
                 if (isnan(part[0])) continue;
                 if (!(range[0] <= part[0])) range[0] = part[0];
                 if (!(range[1] >= part[1])) range[1] = part[1];

@@ -59,7 +59,7 @@ bool daft_sim_angular_refresh(const daft_world *world, uint32_t first, uint32_t 
     enum { MOST = 32 };
     bool any = false;
     for (uint32_t i = 0; i < count; i += MOST) {
-        uint32_t far = s->kernels->find_far(&s->rows, first + i, daft_min_u(count - i, MOST), FAR_TURN / dt);
+        uint32_t far = s->motion_kernels->find_far(&s->rows, first + i, daft_min_u(count - i, MOST), FAR_TURN / dt);
         any |= far != 0;
         for (; far; far &= far - 1) refresh(world, first + i + (uint32_t)__builtin_ctz(far));
     }

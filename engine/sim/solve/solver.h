@@ -109,7 +109,8 @@ typedef struct daft_sim_target {
     uint32_t sweeps;
 } daft_sim_target;
 
-typedef struct daft_sim_kernels {
+/* Contacts: contact_kernel.c. */
+typedef struct daft_sim_contact_kernels {
     void (*prepare)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count);
     /* Of bodies whose inertia has changed: effective masses again. */
     void (*refresh)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count);
@@ -121,14 +122,19 @@ typedef struct daft_sim_kernels {
                    const daft_sim_substep *end);
     void (*finish)(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count,
                    const daft_sim_substep *end);
-    /* Rows first..first + count. */
+} daft_sim_contact_kernels;
+
+DAFT_KERNEL_DECLARE(daft_sim_contact_kernels, daft_sim_contact);
+
+/* Bodies, in rows first..first + count: motion_kernel.c. */
+typedef struct daft_sim_motion_kernels {
     void (*gain)(const daft_sim_solver_bodies *rows, uint32_t first, uint32_t count, float h);
     void (*move)(const daft_sim_solver_bodies *rows, uint32_t first, uint32_t count, float h);
     /* Bits of those of up to 32 rows whose inertia is to be changed: they turn faster than `most`; marks them. */
     uint32_t (*find_far)(const daft_sim_solver_bodies *rows, uint32_t first, uint32_t count, float most);
-} daft_sim_kernels;
+} daft_sim_motion_kernels;
 
-DAFT_KERNEL_DECLARE(daft_sim_kernels, daft_sim);
+DAFT_KERNEL_DECLARE(daft_sim_motion_kernels, daft_sim_motion);
 
 typedef struct daft_sim_joint_block daft_sim_joint_block; /* joints.h */
 typedef struct daft_sim_joint_kernels daft_sim_joint_kernels;
@@ -258,7 +264,8 @@ struct daft_sim_solver {
 
     daft_stage *stages; /* of the islands that are being solved */
     size_t stage_capacity, stage_count;
-    const daft_sim_kernels *kernels;
+    const daft_sim_contact_kernels *contact_kernels;
+    const daft_sim_motion_kernels *motion_kernels;
     const daft_sim_joint_kernels *joint_kernels;
     const daft_sim_angular_kernels *angular_kernels;
 };
