@@ -15,7 +15,8 @@
 static const cli_command COMMAND = {
     "play",
     "[GAME]",
-    "Plays a game: a folder with a main.lua, or the name of one in games/. Without GAME, shows a menu.",
+    "Plays a game: a folder with a main.lua, a packed game (.daft), or the name of one in games/. Without GAME, shows "
+    "a menu.",
     "Keys: Esc leaves, F1 shows the time of each effect, F11 or Alt+Enter toggles full screen, F12 writes a picture.\n"
     "Without a display it plays the game's recorded demo (marble's when GAME is missing) and writes daft-demo.png.",
     0,
@@ -85,8 +86,13 @@ static bool find_game(player *p)
     daft_error error;
     if (p->source.files) return true;
     if (home_find_game(&p->where, p->options.game ? p->options.game : DEFAULT_GAME, &p->game, &error) &&
-        source_open(&p->source, &p->where, &p->game, &error))
+        source_open(&p->source, &p->where, &p->game, &error)) {
+        char name[PATH_SIZE];
+        if (p->game.packed)
+            fprintf(stderr, "daft: %s has SHA-256 %s\n", daft_escape(p->game.folder, name, sizeof name),
+                    p->source.hash);
         return true;
+    }
     report(&error);
     return false;
 }

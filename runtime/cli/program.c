@@ -20,6 +20,7 @@ static const struct {
     {"render", "render a scene to a picture", command_render},
     {"video", "film a scene or a game", command_video},
     {"check", "check scenes, meshes, pictures and games for errors", command_check},
+    {"pack", "pack a game into one file", command_pack},
     {"bench", "run the benchmarks", command_bench},
     {"help", "print this text; 'help COMMAND': its options; 'help lua', 'help fields': the API", command_help},
     {"version", "print the version", command_version}};

@@ -1,6 +1,8 @@
 /* Finds the program's folders and the games. */
 #include "common/home.h"
 
+#include "common/source.h"
+
 #include <ctype.h>
 #include <dirent.h>
 #include <stdio.h>
@@ -49,25 +51,13 @@ bool home_find(home *out, daft_error *error)
                 "holds them");
 }
 
-/* A game's script, which is no link out of its folder; NULL: it cannot be read. */
-static char *read_main(const char *folder)
-{
-    const daft_root root = {.folder = folder};
-    daft_files_def def = daft_default_files_def();
-    def.roots = &root, def.root_count = 1;
-    daft_files *files = daft_files_create(&def, NULL);
-    char *text = files ? daft_read_file(files, "main.lua", NULL, NULL) : NULL;
-    daft_files_destroy(files);
-    return text;
-}
-
 /* Reads the comment lines at the top of main.lua: the title up to the first colon, then the description. */
-static void describe(game_info *game)
+static void describe(game_info *game, const char *script)
 {
     snprintf(game->title, sizeof game->title, "%s", game->name);
     game->title[0] = (char)toupper((unsigned char)game->title[0]);
     game->description[0] = 0;
-    char *script = read_main(game->folder), *rest = script;
+    const char *rest = script;
     for (int number = 0; rest && strncmp(rest, "--", 2) == 0; number++) {
         char line[512];
         snprintf(line, sizeof line, "%.*s", (int)strcspn(rest, "\n"), rest);
@@ -84,21 +74,34 @@ static void describe(game_info *game)
         size_t used = strlen(game->description);
         if (text[0]) snprintf(game->description + used, sizeof game->description - used, "%s%s", used ? " " : "", text);
     }
-    free(script);
 }
 
-static bool read_game(const char *folder, game_info *out)
+/* "." and ".." get the name of the folder they stand for. */
+static void name_game(game_info *out, const char *path)
 {
-    char path[PATH_SIZE + 16], real[PATH_SIZE * 4];
-    snprintf(path, sizeof path, "%s/main.lua", folder);
-    if (!path_is_file(path)) return false;
-    snprintf(out->folder, sizeof out->folder, "%s", folder);
-    /* "." and ".." get the name of the folder they stand for. */
-    char *resolved = realpath(folder, NULL);
-    snprintf(real, sizeof real, "%s", resolved ? resolved : folder);
+    char real[PATH_SIZE * 4];
+    char *resolved = realpath(path, NULL);
+    snprintf(real, sizeof real, "%s", resolved ? resolved : path);
     free(resolved);
     path_base_name(real, out->name, sizeof out->name);
-    describe(out);
+    char *dot = out->packed ? strrchr(out->name, '.') : NULL;
+    if (dot && dot != out->name) *dot = 0;
+}
+
+/* A folder with a main.lua, or a packed game. A pack that is damaged is a game as well: opening it tells. */
+static bool read_game(const char *folder, game_info *out)
+{
+    char path[PATH_SIZE + 16];
+    snprintf(path, sizeof path, "%s/main.lua", folder);
+    out->packed = path_is_file(folder) && has_extension(folder, ".daft");
+    if (!out->packed && !path_is_file(path)) return false;
+    snprintf(out->folder, sizeof out->folder, "%s", folder);
+    name_game(out, folder);
+    game_source source;
+    char *script = source_open_alone(&source, out, NULL) ? daft_read_file(source.own, "main.lua", NULL, NULL) : NULL;
+    describe(out, script);
+    free(script);
+    source_close(&source);
     return true;
 }
 

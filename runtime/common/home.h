@@ -15,12 +15,14 @@ bool home_program_folder(char *out, size_t size);
 
 typedef struct game_info {
     char name[128];         /* of its folder */
-    char folder[PATH_SIZE]; /* holds main.lua */
+    char folder[PATH_SIZE]; /* holds main.lua; or the file that the game is packed in */
+    bool packed;
     char title[128];
     char description[512];
 } game_info;
 
-/* `name`: a folder with a main.lua, or the name of one in games/. The message suggests near names. */
+/* `name`: a folder with a main.lua, a packed game (.daft), or the name of one in games/. The message suggests near
+ * names. */
 bool home_find_game(const home *where, const char *name, game_info *out, daft_error *error);
 /* The games in games/, sorted by name; freed with free(). NULL and 0 when there are none. */
 game_info *home_list_games(const home *where, size_t *count);

@@ -134,6 +134,14 @@ static bool read_mark(reader *in, recording *out)
     return true;
 }
 
+static bool read_pack(reader *in, recording *out)
+{
+    if (strlen(in->at) != 64 || strspn(in->at, "0123456789abcdef") != 64)
+        return bad(in, "the SHA-256 of a packed game expected", NULL);
+    strcpy(out->pack, in->at);
+    return true;
+}
+
 static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
 {
     if (*ended) return bad(in, "text after the 'end' line", NULL);
@@ -143,6 +151,7 @@ static bool read_line(reader *in, recording *out, size_t *capacity, bool *ended)
         strcpy(out->game, in->at);
         return true;
     }
+    if (take_word(in, "pack")) return read_pack(in, out);
     if (take_word(in, "tick")) return read_mark(in, out);
     if (take_word(in, "rate")) {
         uint64_t rate;
@@ -264,7 +273,7 @@ static bool open_part(recorder *writer, const char *path, daft_error *error)
     return fail(error, DAFT_ERROR_MEMORY, "out of memory for a recording");
 }
 
-recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_error *error)
+recorder *recorder_open(const char *path, const char *game, const char *pack, uint64_t seed, daft_error *error)
 {
     recorder *writer = calloc(1, sizeof *writer);
     if (!writer) {
@@ -277,6 +286,7 @@ recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_
     }
     pthread_mutex_init(&writer->lock, NULL);
     fprintf(writer->file, "daft-recording 2\ngame %s\nrate %d\nseed %" PRIu64 "\n", game, LOOP_RATE, seed);
+    if (pack[0]) fprintf(writer->file, "pack %s\n", pack);
     return writer;
 }
 

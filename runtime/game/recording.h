@@ -4,6 +4,7 @@
  *     game marble
  *     rate 60                   ticks a second
  *     seed 1                    seed of the random numbers
+ *     pack 9f86d0…              of a packed game: its SHA-256, 64 hexadecimal digits
  *     12 +right                 at the start of tick 12 (counted from 0) the key goes down
  *     40 -right                 … and up
  *     41 mouse 640.5 360        the mouse, in HUD units from the top left
@@ -32,6 +33,7 @@ typedef struct recording_item {
 
 typedef struct recording {
     char game[128];
+    char pack[65]; /* SHA-256 of the packed game; empty: it was none */
     uint64_t seed;
     uint64_t end; /* ticks */
     bool cut;     /* there is no 'end' line: `end` is the last tick that is known */
@@ -48,7 +50,8 @@ void recording_play(recording *record, uint64_t tick, input *state);
 
 /* Writes events while the game runs, so that a failed game leaves its recording. */
 typedef struct recorder recorder;
-recorder *recorder_open(const char *path, const char *game, uint64_t seed, daft_error *error);
+/* `pack`: SHA-256 of the packed game, or empty. */
+recorder *recorder_open(const char *path, const char *game, const char *pack, uint64_t seed, daft_error *error);
 /* As tick `tick`, counted from 0, begins: what it is given. A game that fails in this tick fails again in its replay.
  */
 void recorder_tick(recorder *writer, uint64_t tick, const input_event *events, size_t count);

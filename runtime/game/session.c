@@ -285,15 +285,20 @@ static bool turn(session *s, daft_error *error)
 static bool open_files(session *s, daft_error *error)
 {
     const session_def *def = s->def;
+    char name[PATH_SIZE];
     if (def->replay && !recording_load(&s->replay, def->replay_inside ? s->source->files : NULL, def->replay, error))
         return false;
     if (def->replay && s->replay.game[0] && strcmp(s->replay.game, s->info->name) != 0)
         return fail_at(error, def->replay, 0, 0, "this is a recording of the game '%s', not of '%s'", s->replay.game,
                        s->info->name);
+    if (def->replay && s->replay.pack[0] && strcmp(s->replay.pack, s->source->hash) != 0)
+        fprintf(stderr, "daft: %s was recorded with another version of the game, SHA-256 %s: it may play differently\n",
+                daft_escape(def->replay, name, sizeof name), s->replay.pack);
     if (def->replay && s->replay.cut)
         fprintf(stderr, "daft: %s was cut short: it plays up to tick %" PRIu64 "\n", def->replay, s->replay.end);
     if (!def->record) return true;
-    s->record = recorder_open(def->record, s->info->name, def->replay ? s->replay.seed : def->seed, error);
+    s->record =
+        recorder_open(def->record, s->info->name, s->source->hash, def->replay ? s->replay.seed : def->seed, error);
     return s->record != NULL;
 }
 

@@ -112,7 +112,7 @@ static void what_is_recorded_reads_back_to_the_bit(void **unused)
     size_t keys;
     input_key_names(&keys);
     daft_error error;
-    recorder *writer = recorder_open(temporary(), "some game", 1234567890123u, &error);
+    recorder *writer = recorder_open(temporary(), "some game", "", 1234567890123u, &error);
     assert_non_null(writer);
     uint64_t tick = 0;
     for (int i = 0; i < EVENTS; i++) {
@@ -193,7 +193,7 @@ static void a_cut_recording_plays_to_its_last_second(void **unused)
 static bool record_ten_ticks(const char *path, const char *game)
 {
     daft_error error;
-    recorder *writer = recorder_open(path, game, 1, &error);
+    recorder *writer = recorder_open(path, game, "", 1, &error);
     assert_non_null(writer);
     recorder_tick(writer, 9, NULL, 0);
     bool good = recorder_finish(writer, &error);
@@ -214,7 +214,7 @@ static void a_killed_game_loses_no_recording(void **unused)
     assert_true(record_ten_ticks(path, "first"));
     pid_t child = fork();
     if (child == 0) {
-        recorder *writer = recorder_open(path, "second", 1, &error);
+        recorder *writer = recorder_open(path, "second", "", 1, &error);
         for (uint64_t tick = 0; tick < 100; tick++) recorder_tick(writer, tick, &event, tick == 3);
         raise(SIGKILL);
     }
@@ -229,9 +229,9 @@ static void a_killed_game_loses_no_recording(void **unused)
     assert_true(record.cut && record.end == 60 && record.count == 1);
     recording_free(&record);
     assert_int_equal(access(part, F_OK), -1);
-    recorder *busy = recorder_open(path, "fourth", 1, &error);
+    recorder *busy = recorder_open(path, "fourth", "", 1, &error);
     assert_non_null(busy);
-    assert_null(recorder_open(path, "fifth", 1, &error));
+    assert_null(recorder_open(path, "fifth", "", 1, &error));
     assert_non_null(strstr(error.message, "another game"));
     assert_true(recorder_finish(busy, &error));
     recorder_free(busy);
@@ -245,7 +245,7 @@ static void a_recording_holds_the_tick_that_failed(void **unused)
     (void)unused;
     daft_error error;
     const input_event event = {.kind = INPUT_KEY, .key = key("left"), .down = true};
-    recorder *writer = recorder_open(temporary(), "some game", 1, &error);
+    recorder *writer = recorder_open(temporary(), "some game", "", 1, &error);
     assert_non_null(writer);
     for (uint64_t tick = 0; tick < 8; tick++) recorder_tick(writer, tick, &event, tick == 7);
     assert_true(recorder_finish(writer, &error));
@@ -305,7 +305,7 @@ static void bad_files_say_where(void **unused)
     assert_int_equal(error.code, DAFT_ERROR_IO);
     assert_false(recording_load(&record, NULL, "/tmp", &error));
     assert_non_null(strstr(error.message, "directory"));
-    assert_null(recorder_open("/nowhere/at/all.rec", "x", 1, &error));
+    assert_null(recorder_open("/nowhere/at/all.rec", "x", "", 1, &error));
 }
 
 /* Any bytes are refused or read, and never do harm. */
