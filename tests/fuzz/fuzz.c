@@ -4,6 +4,17 @@
 #include <string.h>
 #include <unistd.h>
 
+const fuzz_target FUZZ_TARGETS[FUZZ_TARGET_COUNT] = {{"obj", obj_input, 10, false},
+                                                     {"mtl", mtl_input, 10, false},
+                                                     {"scene", scene_input, 10, false},
+                                                     {"image", image_input, 10, false},
+                                                     {"render", render_input, 20, false},
+                                                     {"lua", lua_input, 10, true},
+                                                     {"recording", recording_input, 10, false},
+                                                     {"pack", pack_input, 10, false},
+                                                     {"calls", calls_input, 20, false},
+                                                     {"state", state_input, 10, false}};
+
 static char folder[256];
 
 static const char *const names[] = {"thing.obj",  "paint.mtl", "picture.png", "other.scene",
@@ -32,6 +43,21 @@ static void clean_up(void)
         unlink(path);
     }
     rmdir(folder);
+}
+
+const char *fuzz_root(void)
+{
+    static char root[512];
+    if (root[0]) return root;
+    snprintf(root, sizeof root, "%s", DAFT_ROOT);
+    if (access(DAFT_ROOT "/assets", R_OK) == 0) return root;
+    char program[480];
+    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    FUZZ_CHECK(length > 0);
+    program[length] = 0;
+    *strrchr(program, '/') = 0;
+    snprintf(root, sizeof root, "%s/daft", program);
+    return root;
 }
 
 const char *fuzz_write(const char *name, const void *data, size_t size)

@@ -23,6 +23,23 @@ fuzz_input image_input; /* an image file: as a picture, a texture and a sky */
 fuzz_input render_input;    /* calls of daft.h, then pictures, rays and ticks */
 fuzz_input lua_input;       /* main.lua of a game */
 fuzz_input recording_input; /* a recording of a game's input */
+fuzz_input pack_input;      /* a packed game */
+fuzz_input calls_input;     /* calls of any function of daft.h, with any arguments */
+fuzz_input state_input;     /* a saved state of bodies, or changes of a good one */
+
+typedef struct fuzz_target {
+    const char *name;
+    fuzz_input *input;
+    double seconds; /* of the processor, under sanitizers: an input that takes longer is a finding */
+    bool sealed;    /* opens nothing but the fuzzer's folder, assets/ and scripts/ */
+} fuzz_target;
+
+enum { FUZZ_TARGET_COUNT = 10 };
+extern const fuzz_target FUZZ_TARGETS[FUZZ_TARGET_COUNT];
+
+/* Runs an input of the target, and aborts where it takes too long or, where the target is sealed, opens another file.
+ */
+int fuzz_run(const fuzz_target *target, const uint8_t *data, size_t size);
 
 #define FUZZ_CHECK(condition)                                                                                          \
     do {                                                                                                               \
@@ -35,6 +52,8 @@ fuzz_input recording_input; /* a recording of a game's input */
 /* Every error has a code and a message that fits and ends; a success has neither. */
 void fuzz_check_error(bool good, const daft_error *error);
 
+/* The folder that has assets/ and scripts/: the checkout, or where that is gone, daft/ beside the program. */
+const char *fuzz_root(void);
 /* A folder of this process with small assets: thing.obj, paint.mtl, picture.png, other.scene, self.scene (includes
  * itself). Made at the first call, removed when the process ends. */
 const char *fuzz_folder(void);

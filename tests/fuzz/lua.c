@@ -25,7 +25,7 @@ static const stage *get_stage(void)
     daft_error error;
     snprintf(made.where.games, sizeof made.where.games, "%s", fuzz_folder());
     snprintf(made.where.assets, sizeof made.where.assets, "%s", fuzz_folder());
-    snprintf(made.where.scripts, sizeof made.where.scripts, "%s/scripts", DAFT_ROOT);
+    snprintf(made.where.scripts, sizeof made.where.scripts, "%s/scripts", fuzz_root());
     game_info game = {.name = "fuzz"};
     snprintf(game.folder, sizeof game.folder, "%s", fuzz_folder());
     FUZZ_CHECK(source_open(&made.source, &made.where, &game, &error));
@@ -33,7 +33,9 @@ static const stage *get_stage(void)
     def.threads = 1;
     def.memory_limit = 64000000;
     made.engine = daft_engine_create(&def, &error);
-    made.face = font_open(DAFT_ROOT "/assets/fonts/daft.ttf", &error);
+    char face[640];
+    snprintf(face, sizeof face, "%s/assets/fonts/daft.ttf", fuzz_root());
+    made.face = font_open(face, &error);
     made.picture = daft_image_create(made.engine, WIDTH, HEIGHT, &error);
     FUZZ_CHECK(made.engine && made.face && made.picture);
     return &made;

@@ -9,31 +9,22 @@
 
 #include <cmocka.h>
 
-typedef struct target {
-    const char *name;
-    fuzz_input *input;
-} target;
-
-static const target targets[] = {
-    {"obj", obj_input},       {"mtl", mtl_input}, {"scene", scene_input},        {"image", image_input},
-    {"render", render_input}, {"lua", lua_input}, {"recording", recording_input}};
-
 enum { LARGEST = 1 << 20 };
 static uint8_t bytes[LARGEST];
 
-static void replay(fuzz_input *input, const char *path)
+static void replay(const fuzz_target *what, const char *path)
 {
     print_message("%s\n", path);
     FILE *file = fopen(path, "rb");
     assert_non_null(file);
     size_t size = fread(bytes, 1, sizeof bytes, file);
     fclose(file);
-    input(bytes, size);
+    fuzz_run(what, bytes, size);
 }
 
 static int is_shown(const struct dirent *entry) { return entry->d_name[0] != '.'; }
 
-static int replay_folder(const target *what, const char *kind)
+static int replay_folder(const fuzz_target *what, const char *kind)
 {
     char folder[512], path[1024];
     struct dirent **entries = NULL;
@@ -41,7 +32,7 @@ static int replay_folder(const target *what, const char *kind)
     int count = scandir(folder, &entries, is_shown, alphasort);
     for (int i = 0; i < count; i++) {
         snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
-        replay(what->input, path);
+        replay(what, path);
         free(entries[i]);
     }
     free(entries);
@@ -50,15 +41,16 @@ static int replay_folder(const target *what, const char *kind)
 
 static void the_corpus_does_no_harm(void **state)
 {
-    const target *what = *state;
+    const fuzz_target *what = *state;
     assert_true(replay_folder(what, "seeds") > 0);
     replay_folder(what, "corpus"); /* there is none where nothing has been found */
 }
 
 int main(void)
 {
-    struct CMUnitTest tests[sizeof targets / sizeof targets[0]];
-    for (size_t i = 0; i < sizeof targets / sizeof targets[0]; i++)
-        tests[i] = (struct CMUnitTest){targets[i].name, the_corpus_does_no_harm, NULL, NULL, (void *)&targets[i]};
+    struct CMUnitTest tests[FUZZ_TARGET_COUNT];
+    for (int i = 0; i < FUZZ_TARGET_COUNT; i++)
+        tests[i] =
+            (struct CMUnitTest){FUZZ_TARGETS[i].name, the_corpus_does_no_harm, NULL, NULL, (void *)&FUZZ_TARGETS[i]};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
