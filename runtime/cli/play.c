@@ -89,8 +89,7 @@ static bool find_game(player *p)
         source_open(&p->source, &p->where, &p->game, &error)) {
         char name[PATH_SIZE];
         if (p->game.packed)
-            fprintf(stderr, "daft: %s has SHA-256 %s\n", daft_escape(p->game.folder, name, sizeof name),
-                    p->source.hash);
+            fprintf(stderr, "%s: SHA-256 %s\n", daft_escape(p->game.folder, name, sizeof name), p->source.hash);
         return true;
     }
     report(&error);

@@ -321,7 +321,7 @@ static void tell_parts(void *user)
 {
     const film *f = user;
     if (!f->parts[0] || rmdir(f->parts) == 0 || errno != ENOTEMPTY) return; /* there is none */
-    fprintf(stderr, "daft: the finished parts are in %s: the same call goes on there\n", f->parts);
+    fprintf(stderr, "the finished parts are in %s: the same call goes on there\n", f->parts);
 }
 
 bool video_make(const video_def *def, frame_source *source, daft_error *error)

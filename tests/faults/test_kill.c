@@ -21,6 +21,7 @@ static const victim VICTIMS[] = {
      {"a.rec", "a.ppm"},
      "a.rec",
      1.2},
+    {"pack game -o a.daft", {"a.daft"}, NULL, 0.05},
     {"play game --headless --ticks 70 --threads 1 --record a.rec --shot a.ppm --size 40x30",
      {"a.rec", "a.ppm"},
      "a.rec",
