@@ -11,7 +11,7 @@
 #include <string.h>
 
 #define MAGIC   0x4d495344u /* "DSIM" */
-#define VERSION 4u
+#define VERSION 5u
 
 typedef struct header {
     uint32_t magic, version, layout; /* layout: sizes of the records */
@@ -219,7 +219,6 @@ static bool check_body(daft_world *w, uint32_t index)
     b->locks &= DAFT_LOCK_ROTATION | DAFT_LOCK_POSITION;
     b->joined = 0, b->joined_far = false;
     b->fixed_pairs = 0;
-    if (!isfinite(b->travel)) return false;
     w->asleep_count += b->asleep;
     return true;
 }
@@ -256,7 +255,6 @@ static bool check_part(daft_world *w, uint32_t index, daft_sim_find_shape *find,
 static bool check_manifolds(daft_sim_pair *t)
 {
     if (t->manifold_count > (t->more ? DAFT_SIM_MAX_MANIFOLDS : 1u)) return false;
-    if (!isfinite(t->cache.clearance) || !isfinite(t->cleared_at)) return false;
     for (uint32_t i = 0; i < t->manifold_count && !t->sensor; i++) {
         const daft_sim_manifold *p = &daft_sim_manifolds(t)[i];
         if (p->count == 0 || p->count > DAFT_MANIFOLD_POINTS) return false;

@@ -116,18 +116,6 @@ static void sweep_row(daft_world *world, uint32_t row)
     atomic_fetch_add_explicit(&world->scratch.solver->sweeps, target->sweeps, memory_order_relaxed);
 }
 
-/* How far the points of a body go at most: its centre's displacement, and twice the difference of the rotations'
- * quaternions from there. */
-static double travel_of(const daft_sim_body *body, daft_dvec3 centre, daft_quat q)
-{
-    daft_dvec3 displacement = daft_dsub(centre, body->centre);
-    daft_quat p = body->rotation;
-    double sign = p.x * q.x + p.y * q.y + p.z * q.z + p.w * q.w < 0 ? -1 : 1;
-    double x = (double)p.x - sign * (double)q.x, y = (double)p.y - sign * (double)q.y;
-    double z = (double)p.z - sign * (double)q.z, w = (double)p.w - sign * (double)q.w;
-    return sqrt(daft_ddot(displacement, displacement)) + 2 * sqrt(x * x + y * y + z * z + w * w) * (double)body->extent;
-}
-
 static bool is_turned_less(const daft_sim_target *t)
 {
     daft_quat p = t->stop_rotation, q = t->rotation;
@@ -148,7 +136,6 @@ static void place_row(daft_world *world, uint32_t row)
 {
     daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
     const daft_sim_target *target = &world->scratch.solver->targets[row];
-    body->travel += travel_of(body, target->stop, target->stop_rotation);
     body->linear = target->linear;
     if (!body->round && !(body->locks & DAFT_LOCK_ROTATION) && is_turned_less(target)) turn_back(body, target);
     place_centre(body, target->stop, target->stop_rotation);

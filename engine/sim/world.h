@@ -103,11 +103,10 @@ typedef struct daft_sim_body {
     float rest;                      /* seconds it has hardly moved */
     float h;                         /* s: of the last substep it took, to which impulses belong; 0: none yet */
 
-    daft_dvec3 centre; /* of mass */
-    double travel;     /* dynamic: no point has gone farther since the body was made, metres */
-    daft_quat rotation;
+    daft_dvec3 centre;    /* of mass */
     float substep_demand; /* substeps a second that what it carries asks for (substep_rate.c) */
     float inner;          /* least of its parts': a move up to this is not swept */
+    daft_quat rotation;
     float gravity_scale;
     uint32_t locks;
 
@@ -173,7 +172,6 @@ typedef struct daft_sim_pair {
     bool surface_moves;    /* a side is a surface with a velocity of its own */
     uint32_t manifold_count;
     daft_pair_cache cache;
-    double cleared_at;             /* how far both bodies had gone when the cache's clearance was found */
     uint32_t next[2], previous[2]; /* in the lists of body a and b; next[0] of free slots: the next one */
     float friction, static_friction, restitution, rolling; /* rolling in metres */
     daft_sim_manifold own;
@@ -294,7 +292,7 @@ struct daft_world {
     uint64_t changes;                           /* counts steps and changes of the trees, from 1 on */
     uint64_t settled_at;                        /* of which the trees have all parts where they are (broad.c) */
     daft_outline *outlines;                     /* of each part, as the step begins; */
-    daft_outline_frame *box_frames;             /* of boxes only (outline.c) */
+    daft_rigid *box_frames;                     /* of boxes only (outline.c) */
     size_t outline_capacity, box_frame_capacity;
     uint32_t *slots; /* of each part: its place in the groups, or DAFT_SIM_NONE */
     size_t slots_capacity;

@@ -15,7 +15,7 @@ static uint8_t flags_of(const daft_sim_part *part, const daft_sim_body *body)
 {
     int watched = body->kind != DAFT_BODY_DYNAMIC || body->bullet ? DAFT_OUTLINE_WATCHED : 0;
     int sphere = part->shape.type == DAFT_GEOMETRY_SPHERE ? DAFT_OUTLINE_SPHERE : 0;
-    return (uint8_t)(watched | sphere | (body->kind == DAFT_BODY_KINEMATIC ? DAFT_OUTLINE_DRIVEN : 0));
+    return (uint8_t)(watched | sphere);
 }
 
 static daft_vec3 half_of(const daft_sim_shape *shape, const daft_rigid *frame)
@@ -42,7 +42,7 @@ void daft_sim_outline_set(daft_world *world, uint32_t part_index, const daft_rig
     outline->radius = kind == DAFT_OUTLINE_ROUND ? part->shape.radius : 0;
     outline->move = daft_scale(body->linear, dt);
     outline->swing = daft_sim_is_zero(body->angular) ? 0 : daft_length(body->angular) * body->extent * dt;
-    if (kind == DAFT_OUTLINE_BOX) world->box_frames[part_index] = (daft_outline_frame){*frame, body->travel};
+    if (kind == DAFT_OUTLINE_BOX) world->box_frames[part_index] = *frame;
 }
 
 void daft_sim_outlines_rest(daft_world *world, uint32_t body)

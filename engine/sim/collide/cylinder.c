@@ -20,7 +20,6 @@ enum { CYLINDER_SIDES = DAFT_HULL_MAX_VERTICES / 2 };
 #define FLAT     0.9f /* of normals: the cap is met, not the rim */
 #define ON_RIM                                                                                                         \
     0.05f /* fraction of the radius: points of the rim that is met are no farther beside the edge that points there */
-#define SHORT_BY 0.005f /* fraction of the radius: so much the prism's sides are within the cylinder, and more */
 
 daft_hull *daft_hull_create_cylinder(const daft_allocator *allocator, float radius, float half_height,
                                      daft_error *error)
@@ -113,7 +112,6 @@ static void keep_rim(daft_manifold *m, const daft_relpose *pose, bool of_b, floa
 static void turn_back(const daft_rigid *turn, daft_manifold *m)
 {
     m->normal = daft_to_float(daft_rigid_vector(turn, daft_to_double(m->normal)));
-    m->face_b = daft_to_float(daft_rigid_vector(turn, daft_to_double(m->face_b)));
     for (uint32_t i = 0; i < m->count; i++)
         m->points[i].point = daft_to_float(daft_rigid_vector(turn, daft_to_double(m->points[i].point)));
 }
@@ -165,11 +163,8 @@ uint32_t daft_collide_cylinder(const daft_sim_shape *a, const daft_sim_shape *b,
     bool side = t.of_a.side || t.of_b.side, surface = !daft_shape_is_convex(b);
     uint32_t count = meet(&t, side, !side, out);
     if (side && (surface || count == 0)) { /* beyond an end, or with other triangles */
-        float clearance = cache ? cache->clearance : 0;
-        if (clearance > 0) return count;
         t.capacity -= count;
         if (t.capacity > 0) count += meet(&t, false, !surface, out + count);
     }
-    if (cache) cache->clearance -= SHORT_BY * (float)(radius_of(a) + radius_of(b));
     return count;
 }

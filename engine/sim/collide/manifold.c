@@ -35,9 +35,9 @@ static uint32_t collide_convex(const daft_sim_shape *a, const daft_sim_shape *b,
     uint32_t count;
     out->part_a = out->part_b = (daft_shape_part){0, DAFT_NO_FEATURE};
     if (box_a && box_b) return daft_collide_boxes(a->half, b->half, pose, margin, out, cache);
-    if (!is_solid(a) && !is_solid(b)) return daft_collide_rounds(a, b, pose, margin, out, cache);
-    if (box_b && !is_solid(a) && daft_collide_round_box(a, b, pose, false, margin, out, cache, &count)) return count;
-    if (box_a && !is_solid(b) && daft_collide_round_box(b, a, pose, true, margin, out, cache, &count)) return count;
+    if (!is_solid(a) && !is_solid(b)) return daft_collide_rounds(a, b, pose, margin, out);
+    bool boxed = (box_a && !is_solid(b)) || (box_b && !is_solid(a));
+    if (boxed && daft_collide_round_box(a, b, pose, margin, out, &count)) return count;
     daft_poly_set(&pa, a, NULL);
     daft_poly_set(&pb, b, pose);
     return daft_collide_polys(&pa, &pb, margin, 3, out, cache);
@@ -167,7 +167,6 @@ static void collide_b(job j, const daft_relpose *pose)
 static void move_manifold(const daft_rigid *pose, daft_manifold *m)
 {
     m->normal = daft_to_float(daft_rigid_vector(pose, daft_to_double(m->normal)));
-    m->face_b = daft_to_float(daft_rigid_vector(pose, daft_to_double(m->face_b)));
     for (uint32_t i = 0; i < m->count; i++)
         m->points[i].point = daft_to_float(daft_rigid_point(pose, daft_to_double(m->points[i].point)));
 }
@@ -229,12 +228,9 @@ static uint32_t collide_swapped(const daft_sim_shape *a, const daft_sim_shape *b
     for (uint32_t i = 0; i < count; i++) {
         daft_manifold *m = &out[i];
         daft_shape_part part = m->part_a;
-        daft_feature_kind kind = m->feature_a;
         move_manifold(&b_in_a, m);
         m->normal = daft_neg(m->normal);
-        m->face_b = daft_neg(m->normal);
         m->part_a = m->part_b, m->part_b = part;
-        m->feature_a = m->feature_b, m->feature_b = kind;
     }
     return count;
 }

@@ -10,9 +10,7 @@
  * without noise.
  *
  * Meshes, fields and compounds give several manifolds. Contacts on inner edges of a mesh are corrected by what lies
- * across the edge, so that nothing trips over them. Across bodies the caller has to: a contact whose `feature_b` is not
- * a face, at a point on the face of another manifold of the same body, whose normal leaves that face's normal, is such
- * a ghost. */
+ * across the edge, so that nothing trips over them. Across bodies the caller has to see to that (contact/ghost.c). */
 #ifndef DAFT_SIM_MANIFOLD_H
 #define DAFT_SIM_MANIFOLD_H
 
@@ -42,21 +40,12 @@ typedef struct daft_manifold {
     uint32_t count;   /* 1 to 4 points */
     daft_manifold_point points[DAFT_MANIFOLD_POINTS];
     daft_shape_part part_a, part_b;
-    /* What of each the normal stands on. At least one is a face, or both are edges, or round parts and vertices meet.
-     */
-    daft_feature_kind feature_a, feature_b;
-    /* The outward normal, in a's frame, of the flat face of b that is nearest in direction to the contact (the
-     * triangle's in meshes and fields); equals -normal where feature_b is a face. For round b: -normal. */
-    daft_vec3 face_b;
 } daft_manifold;
 
-/* Zero at first; kept with the pair. It only makes the next call faster and steadier: results with any content are
- * right. */
+/* Zero at first; kept with the pair: which sort of axis was best, which holds among equally good ones. It only makes
+ * results steadier: those with any content are right. */
 typedef struct daft_pair_cache {
-    uint8_t kind; /* 0: nothing; else which sort of axis */
-    uint8_t unused;
-    uint16_t a, b;   /* features */
-    float clearance; /* how far apart they are at least, if that was found; else 0 */
+    uint8_t kind;
 } daft_pair_cache;
 
 /* Manifolds of all parts that are within `margin` metres of each other, at most `capacity` (the deepest where there are

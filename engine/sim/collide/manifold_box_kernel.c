@@ -1,6 +1,9 @@
-/* Box against box in lanes, many pairs side by side: the separating axes, clipping of one face by the other to at most
- * four points, and their positions in the world. It does what daft_collide_boxes does with one pair. Each lane computes
- * what that does, in its order, so the bits are the same. */
+/* Box against box in lanes, many pairs side by side: the fifteen axes of two boxes (Gottschalk, Lin and Manocha,
+ * "OBBTree", 1996), then what one face and the rectangle of the other share, at most four points, or one point where
+ * two edges cross; and their positions in the world.
+ *
+ * A box much larger than the other is cut down to what is near the other before anything else, in double: what was 500
+ * m of lever times a rounding error is gone, and every float below is of the size of the smaller box. */
 #include "math/simd/ops.h"
 #include "sim/collide/manifold_box.h"
 
@@ -11,29 +14,20 @@ typedef struct pair {
     vf shift[3];     /* of a's centre, by cutting down */
     vf margin;
     vm large_b; /* it was cut down */
-    vm apart;   /* faces are clear of the other's ball by more than the margin: by */
-    vf gap;
 } pair;
 
-DAFT_INLINE vf at(const float lanes[DAFT_BOX_LANES], int lane) { return vf_load(lanes + lane); }
+DAFT_INLINE vf at(const float lanes[DAFT_PAIR_LANES], int lane) { return vf_load(lanes + lane); }
 DAFT_INLINE vf dot3(vf a0, vf b0, vf a1, vf b1, vf a2, vf b2) { return (a0 * b0 + a1 * b1) + a2 * b2; }
 
 /* ---- where b is, in double ---- */
 
 typedef struct half_pair {
-    vd r[9], p[3], q[3], ha[3], hb[3], ball_a, ball_b, gap, beyond;
+    vd r[9], p[3], q[3], ha[3], hb[3], ball_a, ball_b;
 } half_pair;
 
 DAFT_INLINE vd length_of(const vd h[3]) { return vd_sqrt((h[0] * h[0] + h[1] * h[1]) + h[2] * h[2]); }
 
-DAFT_INLINE vd clearance(const vd p[3], const vd h[3], vd ball)
-{
-    vd most = vd_set(-(double)INFINITY);
-    for (int k = 0; k < 3; k++) most = vd_max(vd_abs(p[k]) - h[k], most);
-    return most - ball;
-}
-
-/* As daft_relpose_make. */
+/* As daft_relpose_make, but for a's centre in b where that is given. */
 DAFT_INLINE half_pair relate(const daft_box_batch *batch, const pair *s, int lane, int half)
 {
     half_pair out;
@@ -46,19 +40,17 @@ DAFT_INLINE half_pair relate(const daft_box_batch *batch, const pair *s, int lan
     for (int k = 0; k < 3; k++) d[k] = b[k] - a[k];
     for (int k = 0; k < 3; k++) out.p[k] = (m[k] * d[0] + m[3 + k] * d[1]) + m[6 + k] * d[2];
     for (int k = 0; k < 3; k++) d[k] = a[k] - b[k];
-    for (int k = 0; k < 3; k++) out.q[k] = (n[k] * d[0] + n[3 + k] * d[1]) + n[6 + k] * d[2];
+    for (int k = 0; k < 3; k++)
+        out.q[k] = batch->posed ? vd_load(batch->q[k] + first) : (n[k] * d[0] + n[3 + k] * d[1]) + n[6 + k] * d[2];
     for (int k = 0; k < 3; k++)
         out.ha[k] = vd_promote_half(s->ha[k], half), out.hb[k] = vd_promote_half(s->hb[k], half);
     out.ball_a = length_of(out.ha), out.ball_b = length_of(out.hb);
-    vd gap_b = clearance(out.q, out.hb, out.ball_a), gap_a = clearance(out.p, out.ha, out.ball_b);
-    out.gap = vd_max(gap_a, gap_b);
-    out.beyond = vd_step(out.gap - vd_promote_half(s->margin, half));
     return out;
 }
 
 /* ---- cut down, in double ---- */
 
-/* Farther than `depth` from all faces. */
+/* Farther than `depth` from all faces: rounding does not matter there, the direction out does. */
 DAFT_INLINE vl deep(const vd p[3], const vd h[3], vd depth)
 {
     vl out = vd_abs(p[0]) <= h[0] - depth;
@@ -66,7 +58,8 @@ DAFT_INLINE vl deep(const vd p[3], const vd h[3], vd depth)
     return out;
 }
 
-/* As in manifold_box.c, where `large` says so; shift: 0 elsewhere. */
+/* Cuts box h, seen from whose centre the other's is at c, down to what is within reach of c, where `large` says so.
+ * Moves the centre by shift; 0 elsewhere. */
 DAFT_INLINE void cut_down(vd h[3], vd c[3], vd reach, vl large, vd shift[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -105,7 +98,6 @@ DAFT_INLINE void cut_half(half_pair *p, const pair *s, cut *c, int half)
 
 DAFT_INLINE vf largest(const vf h[3]) { return vf_max(h[2], vf_max(h[0], h[1])); }
 
-/* What was 500 m of lever times a rounding error is gone then, as in manifold_box.c. */
 DAFT_INLINE void cut_large(pair *s, half_pair *low, half_pair *high)
 {
     vf la = largest(s->ha), lb = largest(s->hb), times = vf_set(DAFT_BOX_LARGE), zero = vf_set(0), one = vf_set(1);
@@ -130,8 +122,6 @@ DAFT_INLINE void load_pair(const daft_box_batch *batch, int lane, pair *s)
     half_pair low = relate(batch, s, lane, 0), high = relate(batch, s, lane, 1);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) s->r[i][j] = vf_demote2(low.r[3 * i + j], high.r[3 * i + j]);
-    s->gap = vf_demote2(low.gap, high.gap);
-    s->apart = vf_lt(vf_set(0), vf_demote2(low.beyond, high.beyond));
     cut_large(s, &low, &high);
     for (int k = 0; k < 3; k++) s->p[k] = vf_demote2(low.p[k], high.p[k]), s->q[k] = vf_demote2(low.q[k], high.q[k]);
 }
@@ -204,7 +194,7 @@ typedef struct choice {
     vm meet; /* no axis is over the margin; else no manifold */
     vi kind;
     vi number; /* of the axis */
-    vf separation, clearance;
+    vf separation;
 } choice;
 
 DAFT_INLINE vi choose(best_axis a, best_axis b, best_axis e, vf even, vi before, vm large_b)
@@ -238,13 +228,7 @@ DAFT_INLINE choice find_axis(const pair *s, vi before)
     vm is_b = vi_eq(kind, vi_set(DAFT_AXIS_FACE_B)), is_e = vi_eq(kind, vi_set(DAFT_AXIS_EDGES));
     best_axis best = {vf_if_then_else(is_e, e.separation, vf_if_then_else(is_b, b.separation, a.separation)),
                       vi_if_then_else(is_e, e.number, vi_if_then_else(is_b, b.number, a.number))};
-    vf most = vf_max(vf_max(vf_max(a.separation, b.separation), e.separation), vf_set(0));
-    vf clear = vf_if_then_else(over, vf_min(best.separation, least), most);
-    return (choice){.meet = vm_not(vm_or(s->apart, over)),
-                    .kind = vi_if_then_else(s->apart, before, kind),
-                    .number = best.number,
-                    .separation = best.separation,
-                    .clearance = vf_if_then_else(s->apart, s->gap, clear)};
+    return (choice){.meet = vm_not(over), .kind = kind, .number = best.number, .separation = best.separation};
 }
 
 /* ---- a face ---- */
@@ -266,13 +250,14 @@ DAFT_INLINE void turn_back(turn t, const vf x[3], vf out[3])
         out[k] = vf_if_then_else(t.two, x[(k + 1) % 3], vf_if_then_else(t.one, x[(k + 2) % 3], x[k]));
 }
 
-/* All from the axis on: 0 along it, 1 and 2 in the plane. */
+/* One box's face, and the other box as seen from the first. All from the axis on: 0 along it, 1 and 2 in the plane. */
 typedef struct reference {
     vm of_b;
     turn axis;
     vf half[3], other[3], centre[3], m[3][3], sign;
 } reference;
 
+/* The incident face as seen from the reference: u and v in its plane, w above it. Corners are base ± a ± b. */
 typedef struct outline {
     vf base[3], a[3], b[3]; /* u, v, w */
 } outline;
@@ -338,6 +323,7 @@ DAFT_INLINE void put(overlap *p, int i, vf u, vf v, vf w, vm there)
     p->there[i] = there;
 }
 
+/* Cuts the stretch of from + t·along, t from *in to *out, down to what is within ±limit. */
 DAFT_INLINE void cut_stretch(vf from, vf along, vf limit, vf *in, vf *out)
 {
     vf infinite = vf_set(INFINITY);
@@ -362,6 +348,8 @@ DAFT_INLINE void put_edge(const vf c[3], const vf along[3], const vf limit[2], v
         vm_and(vm_not(next), vm_or(inside, crosses)));
 }
 
+/* Corners of the incident face, and its edges where they cross the sides (Liang and Barsky 1984). Whether a corner is
+ * inside decides alone whether an edge comes in or goes out: rounding moves points but loses none. */
 DAFT_INLINE void put_edges(const outline *o, const vf limit[2], overlap *p)
 {
     vf corner[4][3];
@@ -382,6 +370,7 @@ DAFT_INLINE void put_edges(const outline *o, const vf limit[2], overlap *p)
     }
 }
 
+/* Corners of the reference face under the incident one: by Cramer's rule in base + (x·a + y·b) / det. */
 DAFT_INLINE void put_under(const outline *o, const vf limit[2], overlap *p)
 {
     vf det = o->a[0] * o->b[1] - o->a[1] * o->b[0], zero = vf_set(0), one = vf_set(1);
@@ -423,6 +412,7 @@ DAFT_INLINE rim rim_point(const overlap *p, vf even)
     return out;
 }
 
+/* At most four, as daft_clip_reduce chooses them. */
 DAFT_INLINE vi reduce(const overlap *p, vf even)
 {
     rim first = rim_point(p, even), second = first;
@@ -634,12 +624,13 @@ DAFT_INLINE void store_manifold(daft_box_batch *batch, int lane, manifold *m, in
     vf length = vf_sqrt(dot_of(m->normal, m->normal)), one = vf_set(1);
     vm some = vf_lt(vf_set(0), length);
     vf scale = one / vf_if_then_else(some, length, one);
-    for (int k = 0; k < 3; k++) vf_store(batch->normal[k] + lane, m->normal[k] * scale);
+    daft_found_lanes *f = &batch->found;
+    for (int k = 0; k < 3; k++) vf_store(f->normal[k] + lane, m->normal[k] * scale);
     for (int i = 0; i < points; i++) {
         to_world(batch, lane, m->point[i]);
-        for (int k = 0; k < 3; k++) vf_store(batch->point[i][k] + lane, at(batch->origin[k], lane) + m->point[i][k]);
-        vf_store(batch->separation[i] + lane, m->separation[i]);
-        vi_store(batch->id[i] + lane, m->id[i]);
+        for (int k = 0; k < 3; k++) vf_store(f->point[i][k] + lane, m->point[i][k]);
+        vf_store(f->separation[i] + lane, m->separation[i]);
+        vi_store(f->id[i] + lane, m->id[i]);
     }
 }
 
@@ -650,8 +641,7 @@ static void collide_lanes(daft_box_batch *batch, int lane, vbits used)
     load_pair(batch, lane, &s);
     choice c = find_axis(&s, vi_load(batch->kind + lane));
     vi_store(batch->kind + lane, c.kind);
-    vf_store(batch->clearance + lane, c.clearance);
-    vi_store(batch->count + lane, vi_set(0));
+    vi_store(batch->found.count + lane, vi_set(0));
     vbits meet = vbits_from_mask(c.meet) & used;
     vm crossed = vi_eq(c.kind, vi_set(DAFT_AXIS_EDGES));
     if (!meet) return;
@@ -661,7 +651,7 @@ static void collide_lanes(daft_box_batch *batch, int lane, vbits used)
     else
         memset(&m, 0, sizeof m);
     if (some_edges) edge_contact(&s, &c, crossed, &m);
-    vi_store(batch->count + lane, vi_if_then_else(c.meet, m.count, vi_set(0)));
+    vi_store(batch->found.count + lane, vi_if_then_else(c.meet, m.count, vi_set(0)));
     store_manifold(batch, lane, &m, some_faces ? DAFT_MANIFOLD_POINTS : 1);
 }
 

@@ -28,19 +28,33 @@ static inline float daft_edges_beyond(float face) { return face < 0 ? (1 - DAFT_
  * from it, and the farthest to each side of the line between. Gives the count; the points keep their order. */
 uint32_t daft_clip_reduce(daft_clip_point *points, uint32_t count, float even);
 
-/* ---- box against box (manifold_box.c) ---- */
+/* ---- many pairs side by side (manifold_box.h, manifold_round.h) ---- */
+
+enum { DAFT_PAIR_LANES = 16 };
+
+/* What kernels find: manifolds of one part of each, points from the origin of the first. */
+typedef struct daft_found_lanes {
+    int32_t count[DAFT_PAIR_LANES]; /* points; 0: no manifold */
+    float normal[3][DAFT_PAIR_LANES];
+    float point[DAFT_MANIFOLD_POINTS][3][DAFT_PAIR_LANES], separation[DAFT_MANIFOLD_POINTS][DAFT_PAIR_LANES];
+    int32_t id[DAFT_MANIFOLD_POINTS][DAFT_PAIR_LANES];
+} daft_found_lanes;
+
+static inline daft_vec3 daft_lane_get(const float lanes[3][DAFT_PAIR_LANES], int lane)
+{
+    return daft_v3(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
+}
+
+/* ---- one pair of boxes, spheres and capsules, in a lane of the kernels (manifold_single.c) ---- */
 
 uint32_t daft_collide_boxes(daft_vec3 half_a, daft_vec3 half_b, const daft_relpose *pose, float margin,
                             daft_manifold *out, daft_pair_cache *cache);
 
-/* ---- spheres and capsules (manifold_round.c) ---- */
-
 uint32_t daft_collide_rounds(const daft_sim_shape *a, const daft_sim_shape *b, const daft_relpose *pose, float margin,
-                             daft_manifold *out, daft_pair_cache *cache);
-/* box_first: the box is a, the round one b. False where the closest points do not decide: the core is in the box. Then
- * nothing is set. */
-bool daft_collide_round_box(const daft_sim_shape *round, const daft_sim_shape *box, const daft_relpose *pose,
-                            bool box_first, float margin, daft_manifold *out, daft_pair_cache *cache, uint32_t *count);
+                             daft_manifold *out);
+/* One is a box, the other round. False where the closest points do not decide: the core is in the box. */
+bool daft_collide_round_box(const daft_sim_shape *a, const daft_sim_shape *b, const daft_relpose *pose, float margin,
+                            daft_manifold *out, uint32_t *count);
 
 /* ---- pairs of a convex part and a part that is no compound (manifold.c, cylinder.c) ---- */
 
@@ -137,7 +151,7 @@ typedef struct daft_face_frame {
 } daft_face_frame;
 
 void daft_face_frame_set(daft_face_frame *frame, daft_vec3 normal, const daft_poly *other);
-/* The points of `other` over a face of `mine`, at most four or all; sets all of `out` but its points. frame: of the
+/* The points of `other` over a face of `mine`, at most four or all; sets the normal of `out`. frame: of the
  * face's normal and `other`. Gives how many. */
 uint32_t daft_face_points(const daft_face_frame *frame, const daft_poly *mine, const daft_poly *other, uint32_t face,
                           bool is_b, float margin, bool all, daft_manifold *out,

@@ -185,13 +185,7 @@ uint32_t daft_face_points(const daft_face_frame *frame, const daft_poly *mine, c
     if (!all) count = daft_clip_reduce(p, count, OVERHANG * smaller_size(mine, other));
     for (uint32_t i = 0; i < count; i++)
         points[i] = placed(&frame->basis, &p[i], plane.offset, mine->radius, mine->radius + other->radius, is_b);
-    daft_vec3 look = other->face_count ? other->planes[frame->incident].normal : daft_neg(plane.normal);
-    bool flat = other->face_count && daft_dot(look, plane.normal) < -SAME;
-    daft_feature_kind kind = flat ? DAFT_FEATURE_FACE : count == 1 ? DAFT_FEATURE_VERTEX : DAFT_FEATURE_EDGE;
-    out->feature_a = is_b ? kind : DAFT_FEATURE_FACE;
-    out->feature_b = is_b ? DAFT_FEATURE_FACE : kind;
     out->normal = is_b ? daft_neg(plane.normal) : plane.normal;
-    out->face_b = is_b ? plane.normal : look;
     return count;
 }
 
@@ -208,19 +202,11 @@ static uint32_t along_face(const daft_poly *mine, const daft_poly *other, uint32
 
 /* ---- one point ---- */
 
-static daft_vec3 face_towards(const daft_poly *p, daft_vec3 n)
-{
-    return p->face_count ? p->planes[facing(p, n)].normal : daft_neg(n);
-}
-
-static uint32_t one_point(const daft_poly *b, daft_vec3 n, daft_vec3 point, float separation, uint32_t id,
-                          daft_feature_kind kind_a, daft_feature_kind kind_b, daft_manifold *out)
+static uint32_t one_point(daft_vec3 n, daft_vec3 point, float separation, uint32_t id, daft_manifold *out)
 {
     out->normal = n;
     out->count = 1;
     out->points[0] = (daft_manifold_point){point, separation, id};
-    out->feature_a = kind_a, out->feature_b = kind_b;
-    out->face_b = face_towards(b, n);
     return 1;
 }
 
@@ -241,7 +227,7 @@ static uint32_t along_edges(const daft_poly *a, const daft_poly *b, const daft_a
      * other side) the best edges may pass each other, and halfway to b's the point would be on neither. */
     daft_vec3 point = daft_add(between(p0, p1, s), daft_scale(axis->normal, a->radius + 0.5f * separation));
     uint32_t id = 3u << 29 | axis->a << 10 | axis->b;
-    return one_point(b, axis->normal, point, separation, id, DAFT_FEATURE_EDGE, DAFT_FEATURE_EDGE, out);
+    return one_point(axis->normal, point, separation, id, out);
 }
 
 /* Deep in each other, the incident face may miss the reference face altogether: the vertex that is farthest in, then.
@@ -261,9 +247,7 @@ static uint32_t along_support(const daft_poly *a, const daft_poly *b, const daft
     }
     float separation = axis->separation - (a->radius + b->radius);
     daft_vec3 point = daft_sub(on, daft_scale(n, other->radius + 0.5f * separation));
-    return one_point(b, axis->normal, point, separation, 7u << 28 | best,
-                     of_a ? DAFT_FEATURE_FACE : DAFT_FEATURE_VERTEX, of_a ? DAFT_FEATURE_VERTEX : DAFT_FEATURE_FACE,
-                     out);
+    return one_point(axis->normal, point, separation, 7u << 28 | best, out);
 }
 
 uint32_t daft_manifold_along(const daft_poly *a, const daft_poly *b, const daft_axis *axis, float margin,
@@ -274,8 +258,8 @@ uint32_t daft_manifold_along(const daft_poly *a, const daft_poly *b, const daft_
     case DAFT_AXIS_FACE_B: return along_face(b, a, axis->b, true, margin, out);
     case DAFT_AXIS_EDGES: return along_edges(a, b, axis, margin, out);
     case DAFT_AXIS_CLOSEST:
-        return one_point(b, axis->normal, daft_scale(daft_add(axis->on_a, axis->on_b), 0.5f), axis->separation,
-                         7u << 28 | 0xffff, DAFT_FEATURE_EDGE, DAFT_FEATURE_EDGE, out);
+        return one_point(axis->normal, daft_scale(daft_add(axis->on_a, axis->on_b), 0.5f), axis->separation,
+                         7u << 28 | 0xffff, out);
     default: return 0;
     }
 }
@@ -331,13 +315,7 @@ static uint32_t round_outside(const daft_poly *round, const daft_poly *other, cl
     if (face_of_normal(other, away, sides, &face) && along_face(other, round, face, is_b, margin, out)) return 1;
     daft_vec3 n = is_b ? daft_neg(away) : away;
     daft_vec3 point = daft_add(c.on_other, daft_scale(away, 0.5f * separation));
-    daft_feature_kind mine = c.edges ? DAFT_FEATURE_EDGE : DAFT_FEATURE_VERTEX, theirs = DAFT_FEATURE_EDGE;
-    for (uint32_t i = 0; i < other->vertex_count; i++) {
-        daft_vec3 d = daft_sub(other->vertices[i], c.on_other);
-        if (daft_dot(d, d) <= 1e-8f * other->size * other->size) theirs = DAFT_FEATURE_VERTEX;
-    }
-    return one_point(is_b ? other : round, n, point, separation, 5u << 28 | (uint32_t)c.edges, is_b ? mine : theirs,
-                     is_b ? theirs : mine, out);
+    return one_point(n, point, separation, 5u << 28 | (uint32_t)c.edges, out);
 }
 
 static bool is_round(const daft_poly *p) { return p->core == DAFT_CORE_POINT || p->core == DAFT_CORE_SEGMENT; }
@@ -382,10 +360,7 @@ bool daft_axis_find(const daft_poly *a, const daft_poly *b, float margin, uint32
     float enough = margin + (a->radius + b->radius);
     if (is_apart(a, b, enough)) return false;
     *out = daft_sat(a, b, enough, sides, cache);
-    float apart = out->separation - (a->radius + b->radius);
-    if (cache)
-        *cache = (daft_pair_cache){
-            .kind = (uint8_t)out->kind, .a = (uint16_t)out->a, .b = (uint16_t)out->b, .clearance = fmaxf(apart, 0)};
+    if (cache) cache->kind = (uint8_t)out->kind;
     return !(out->separation > enough);
 }
 

@@ -1,5 +1,5 @@
-/* Spheres and capsules against each other and against boxes, side by side in lanes, as manifold_round.c takes them one
- * at a time: the same features, points and numbers. All that is asked of a part lies in its outline, in world axes, so
+/* Spheres and capsules against each other and against boxes, side by side in lanes (manifold_round_kernel.c), by the
+ * closest points of their cores. All that is asked of a part lies in its outline, in world axes, so
  * that the many pairs which do not touch cost no look at the records of parts, bodies and touches. */
 #ifndef DAFT_SIM_MANIFOLD_ROUND_H
 #define DAFT_SIM_MANIFOLD_ROUND_H
@@ -26,8 +26,7 @@ typedef enum daft_outline_kind { DAFT_OUTLINE_NONE, DAFT_OUTLINE_ROUND, DAFT_OUT
 
 typedef enum daft_outline_flag {
     DAFT_OUTLINE_WATCHED = 1, /* its body does not yield, or is a bullet: what is fast looks out for it */
-    DAFT_OUTLINE_SPHERE = 2,  /* spheres look out for each other, too */
-    DAFT_OUTLINE_DRIVEN = 4   /* its body's travel is not counted */
+    DAFT_OUTLINE_SPHERE = 2   /* spheres look out for each other, too */
 } daft_outline_flag;
 
 /* A sphere, capsule or box where it is as a step begins, and how it goes: a cache line. Lanes load the second half. */
@@ -44,13 +43,7 @@ typedef struct daft_outline {
     float radius;   /* 0, of boxes */
 } daft_outline;
 
-/* Of a box, too: where it is, and how far its body has gone. */
-typedef struct daft_outline_frame {
-    daft_rigid frame;
-    double travel;
-} daft_outline_frame;
-
-enum { DAFT_ROUND_LANES = 16, DAFT_ROUND_POINTS = 2 };
+enum { DAFT_ROUND_POINTS = 2 };
 
 typedef enum daft_round_state {
     DAFT_ROUND_APART, /* by more than the margin and what they may go within the step */
@@ -58,20 +51,18 @@ typedef enum daft_round_state {
     DAFT_ROUND_ASK /* one at a time, that is: fast and looking out, deep in each other */
 } daft_round_state;
 
-typedef float daft_round_lanes[DAFT_ROUND_LANES] __attribute__((aligned(64)));
+typedef float daft_round_lanes[DAFT_PAIR_LANES] __attribute__((aligned(64)));
 
 typedef struct daft_round_batch {
-    int32_t a[DAFT_ROUND_LANES], b[DAFT_ROUND_LANES]; /* outlines; with a box: the round one, the box */
-    daft_round_lanes toward[3];                       /* from the centre of the first part to that of the second */
-    daft_round_lanes reach, margin;                   /* of the first part; of both */
-    daft_round_lanes watched;                         /* 1 where they look out for each other then, else 0 */
+    int32_t a[DAFT_PAIR_LANES], b[DAFT_PAIR_LANES]; /* outlines; with a box: the round one, the box */
+    daft_round_lanes toward[3];                     /* from the centre of the first part to that of the second */
+    daft_round_lanes reach, margin;                 /* of the first part; of both */
+    daft_round_lanes watched;                       /* 1 where they look out for each other then, else 0 */
     /* With a box: the round one's centre beyond its high and low faces; its axes; 1 where it is the first part, else
      * -1. */
     daft_round_lanes high[3], low[3], turn[9], first;
-    /* Found: daft_round_state; points, from the centre of the first part, and the normal from first to second. */
-    int32_t state[DAFT_ROUND_LANES], count[DAFT_ROUND_LANES];
-    daft_round_lanes normal[3], point[DAFT_ROUND_POINTS][3], separation[DAFT_ROUND_POINTS];
-    int32_t id[DAFT_ROUND_POINTS][DAFT_ROUND_LANES];
+    int32_t state[DAFT_PAIR_LANES]; /* daft_round_state */
+    daft_found_lanes found;         /* along the world's axes, where met: one point or two */
 } daft_round_batch;
 
 typedef struct daft_round_kernels {
@@ -93,28 +84,21 @@ static inline void daft_round_batch_put(daft_round_batch *batch, int lane, const
     batch->watched[lane] = spheres || (all[a].flags | all[b].flags) & DAFT_OUTLINE_WATCHED ? 1.0f : 0.0f;
 }
 
-/* After that, where one is a box. */
+/* After that, where one is a box. centre: of the round one, in the box; m: the box's rotation. */
 static inline void daft_round_batch_put_box(daft_round_batch *batch, int lane, const daft_outline *all,
-                                            const daft_outline_frame *frames, bool box_first)
+                                            daft_dvec3 centre, const double m[9], bool box_first)
 {
     if (box_first) {
         int32_t box = batch->a[lane];
         batch->a[lane] = batch->b[lane], batch->b[lane] = box;
     }
-    const daft_outline *box = &all[batch->b[lane]];
-    const double *m = frames[batch->b[lane]].frame.m;
-    daft_dvec3 d = daft_dsub(all[batch->a[lane]].centre, box->centre);
+    const double c[3] = {centre.x, centre.y, centre.z};
     for (int k = 0; k < 3; k++) {
-        double c = (m[k] * d.x + m[3 + k] * d.y) + m[6 + k] * d.z, h = (double)daft_v3_at(box->half, k);
-        batch->high[k][lane] = (float)(c - h), batch->low[k][lane] = (float)(-c - h);
+        double h = (double)daft_v3_at(all[batch->b[lane]].half, k);
+        batch->high[k][lane] = (float)(c[k] - h), batch->low[k][lane] = (float)(-c[k] - h);
     }
     for (int i = 0; i < 9; i++) batch->turn[i][lane] = (float)m[i];
     batch->first[lane] = box_first ? 1.0f : -1.0f;
-}
-
-static inline daft_vec3 daft_round_batch_get(float lanes[3][DAFT_ROUND_LANES], int lane)
-{
-    return daft_v3(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
 }
 
 #endif

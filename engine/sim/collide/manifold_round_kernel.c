@@ -1,4 +1,4 @@
-/* Spheres and capsules in lanes: what daft_collide_rounds and daft_collide_round_box do, in world axes from the centre
+/* Spheres and capsules in lanes: up to two points by the closest points of their cores, in world axes from the centre
  * of the round part (the first of two). Where these branch, all branches are taken and one is chosen. */
 #include "math/simd/ops.h"
 #include "sim/collide/manifold_round.h"
@@ -14,7 +14,7 @@ DAFT_INLINE vf3 load3(const daft_round_lanes *p, int lane)
 {
     return (vf3){vf_load(p[0] + lane), vf_load(p[1] + lane), vf_load(p[2] + lane)};
 }
-DAFT_INLINE void store3(daft_round_lanes *p, int lane, vf3 v)
+DAFT_INLINE void store3(float p[3][DAFT_PAIR_LANES], int lane, vf3 v)
 {
     vf_store(p[0] + lane, v.x);
     vf_store(p[1] + lane, v.y);
@@ -51,14 +51,14 @@ typedef struct found {
     vi id[DAFT_ROUND_POINTS], count;
 } found;
 
-DAFT_INLINE void store_found(daft_round_batch *batch, int lane, const found *f)
+DAFT_INLINE void store_found(daft_found_lanes *to, int lane, const found *f)
 {
-    vi_store(batch->count + lane, f->count);
-    store3(batch->normal, lane, f->normal);
+    vi_store(to->count + lane, f->count);
+    store3(to->normal, lane, f->normal);
     for (int i = 0; i < DAFT_ROUND_POINTS; i++) {
-        store3(batch->point[i], lane, f->point[i]);
-        vf_store(batch->separation[i] + lane, f->separation[i]);
-        vi_store(batch->id[i] + lane, f->id[i]);
+        store3(to->point[i], lane, f->point[i]);
+        vf_store(to->separation[i] + lane, f->separation[i]);
+        vi_store(to->id[i] + lane, f->id[i]);
     }
 }
 
@@ -187,7 +187,7 @@ static void rounds_lanes(const daft_outline *all, daft_round_batch *batch, int l
     f.normal = scale(gap, over(vm_not(blurred), vf_set(1), distance));
     vm two = side_by_side(&c, f.normal, l.most, &f);
     one_point(&c, s, t, vm_not(two), &f);
-    store_found(batch, lane, &f);
+    store_found(&batch->found, lane, &f);
 }
 
 /* ---- against boxes ---- */
@@ -357,7 +357,7 @@ static void boxes_lanes(const daft_outline *all, daft_round_batch *batch, int la
     vf3 toward = load3(batch->toward, lane), none = {zero, zero, zero};
     toward = select3(vf_lt(zero, m.box_first), toward, none);
     for (int i = 0; i < DAFT_ROUND_POINTS; i++) f.point[i] = add(f.point[i], toward);
-    store_found(batch, lane, &f);
+    store_found(&batch->found, lane, &f);
 }
 
 static void rounds(const daft_outline *all, daft_round_batch *batch, int count)

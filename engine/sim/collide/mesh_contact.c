@@ -31,6 +31,7 @@ enum { MAX_TURNED = 128, MAX_CLUSTERS = 32, DIRECTIONS = 8, MAX_RING = 64 };
 /* Contacts with one normal. */
 typedef struct cluster {
     daft_manifold manifold; /* but for its points */
+    bool face;              /* the normal is a triangle's own */
     daft_vec3 u, v;
     daft_manifold_point points[DIRECTIONS + 1]; /* farthest in each direction; the deepest */
     float scores[DIRECTIONS + 1];
@@ -90,17 +91,20 @@ static void add_points(cluster *c, const daft_manifold_point *points, uint32_t c
     }
 }
 
-static void cluster_set(cluster *c, const daft_manifold *m, const daft_manifold_point *points, uint32_t count)
+static void cluster_set(cluster *c, const daft_manifold *m, bool face, const daft_manifold_point *points,
+                        uint32_t count)
 {
     daft_vec3 n = m->normal, axis = fabsf(n.x) < 0.6f ? daft_v3(1, 0, 0) : daft_v3(0, 1, 0);
-    c->manifold = *m;
+    c->manifold = *m, c->face = face;
     c->u = daft_normalize(daft_cross(axis, n));
     c->v = daft_cross(n, c->u);
     for (int k = 0; k <= DIRECTIONS; k++) c->scores[k] = -INFINITY;
     add_points(c, points, count);
 }
 
-static void put(contact_job *j, daft_manifold *m, daft_manifold_point *points, uint32_t count, uint32_t triangle)
+/* face: it is along the triangle's. */
+static void put(contact_job *j, daft_manifold *m, bool face, daft_manifold_point *points, uint32_t count,
+                uint32_t triangle)
 {
     m->part_a = (daft_shape_part){0, DAFT_NO_FEATURE};
     m->part_b = (daft_shape_part){0, triangle};
@@ -112,17 +116,15 @@ static void put(contact_job *j, daft_manifold *m, daft_manifold_point *points, u
         if (daft_dot(c->manifold.normal, m->normal) <= SAME) continue;
         add_points(c, points, count);
         if (triangle < c->manifold.part_b.triangle) c->manifold.part_b.triangle = triangle;
-        if (m->feature_a < c->manifold.feature_a) c->manifold.feature_a = m->feature_a;
-        if (m->feature_b < c->manifold.feature_b)
-            c->manifold.feature_b = m->feature_b, c->manifold.face_b = m->face_b, c->manifold.normal = m->normal;
+        if (face && !c->face) c->face = true, c->manifold.normal = m->normal;
         return;
     }
     if (j->cluster_count < MAX_CLUSTERS) {
-        cluster_set(&j->clusters[j->cluster_count++], m, points, count);
+        cluster_set(&j->clusters[j->cluster_count++], m, face, points, count);
         return;
     }
     cluster c;
-    cluster_set(&c, m, points, count);
+    cluster_set(&c, m, face, points, count);
     if (c.scores[DIRECTIONS] > j->clusters[shallowest].scores[DIRECTIONS]) j->clusters[shallowest] = c;
 }
 
@@ -158,7 +160,7 @@ static float put_face_contact(contact_job *j, const near_triangle *t, uint32_t s
     float least = INFINITY;
     for (uint32_t i = 0; i < count; i++) least = fminf(least, points[i].separation);
     if (count == 0 || -least > most) return INFINITY;
-    put(j, &m, points, count, t->number);
+    put(j, &m, true, points, count, t->number);
     return least;
 }
 
@@ -354,14 +356,13 @@ static void take_contact(contact_job *j, const near_triangle *t, daft_manifold *
 {
     daft_vec3 away = daft_neg(m->normal);
     uint32_t side = side_of(j, t, away);
-    float sign = side ? -1.0f : 1.0f, along = sign * daft_dot(away, t->normal);
+    float along = (side ? -1.0f : 1.0f) * daft_dot(away, t->normal);
     if (along > FACE && take_face(j, t, side)) return;
     verdict v = j->one_sided && along < -LEAN ? FORBIDDEN : judge(j, t, away);
     if (v == AT_BORDER) v = ends_here(j, t, m) ? ALLOWED : FORBIDDEN;
-    m->face_b = daft_scale(t->normal, sign);
     if (v == ALLOWED) {
         for (uint32_t i = 0; i < m->count; i++) j->deepest = fminf(j->deepest, m->points[i].separation);
-        put(j, m, m->points, m->count, t->number);
+        put(j, m, false, m->points, m->count, t->number);
         return;
     }
     if (!(m->points[0].separation >= 0) && m->points[0].separation > j->last_resort.points[0].separation)
@@ -466,6 +467,6 @@ void daft_collide_triangles(const daft_sim_shape *a, const daft_sim_shape *b, co
     daft_triangles_query(b, &j.bounds, take_triangle, &j);
     put_turned(&j);
     if (j.cluster_count == 0 && j.last_resort.points[0].separation > -INFINITY)
-        put(&j, &j.last_resort, j.last_resort.points, j.last_resort.count, j.last_triangle);
+        put(&j, &j.last_resort, false, j.last_resort.points, j.last_resort.count, j.last_triangle);
     for (uint32_t i = 0; i < j.cluster_count; i++) finish(&j, &j.clusters[i], sink);
 }

@@ -15,16 +15,6 @@
 /* Pairs of half-edges that are tried without thought. */
 enum { MANY = 6000 };
 
-static float lowest(const daft_poly *p, daft_vec3 n)
-{
-    float least = INFINITY;
-    for (uint32_t i = 0; i < p->vertex_count; i++) {
-        float d = daft_dot(n, p->vertices[i]);
-        if (d < least) least = d;
-    }
-    return least;
-}
-
 static v4 dot4(const v4 x[3], const v4 y[3]) { return (x[0] * y[0] + x[1] * y[1]) + x[2] * y[2]; }
 
 static void spread4(daft_vec3 v, v4 out[3]) { out[0] = v4_set(v.x), out[1] = v4_set(v.y), out[2] = v4_set(v.z); }
@@ -45,11 +35,6 @@ static void face_separations(const daft_poly *mine, uint32_t first, uint32_t cou
         least = v4_if_then_else(d < least, d, least);
     }
     for (uint32_t i = 0; i < count; i++) out[i] = least[i] - mine->planes[first + i].offset;
-}
-
-static float face_separation(const daft_poly *mine, uint32_t face, const daft_poly *other)
-{
-    return lowest(other, mine->planes[face].normal) - mine->planes[face].offset;
 }
 
 static bool face_counts(const daft_poly *p, uint32_t face, uint32_t sides)
@@ -299,50 +284,9 @@ static void try_near_edges(const daft_poly *a, const daft_poly *b, float face, f
 
 /* ---- all ---- */
 
-/* Along the axis across two edges; false for parallel ones. Of all vertices, so true of any edges. */
-static bool edges_apart(const daft_poly *a, const daft_poly *b, uint32_t edge_a, uint32_t edge_b, float enough,
-                        daft_axis *out)
-{
-    daft_vec3 u = daft_sub(daft_poly_edge_end(a, edge_a), daft_poly_edge_start(a, edge_a));
-    daft_vec3 v = daft_sub(daft_poly_edge_end(b, edge_b), daft_poly_edge_start(b, edge_b)), n = daft_cross(u, v);
-    float square = daft_dot(n, n);
-    if (!(square > PARALLEL * daft_dot(u, u) * daft_dot(v, v))) return false;
-    n = daft_scale(n, 1 / sqrtf(square));
-    for (int turn = 0; turn < 2; turn++, n = daft_neg(n)) {
-        float s = lowest(b, n) + lowest(a, daft_neg(n));
-        *out = (daft_axis){.kind = DAFT_AXIS_EDGES, .a = edge_a, .b = edge_b, .separation = s, .normal = n};
-        if (s > enough) return true;
-    }
-    return false;
-}
-
-/* Whether the cached axis, if its features still exist, says that the two are apart. */
-static bool cached_apart(const daft_poly *a, const daft_poly *b, float enough, uint32_t sides,
-                         const daft_pair_cache *cache, daft_axis *out)
-{
-    if (!cache) return false;
-    if (cache->kind == DAFT_AXIS_EDGES)
-        return cache->a < a->half_edge_count && cache->b < b->half_edge_count &&
-               edges_apart(a, b, cache->a, cache->b, enough, out);
-    if (cache->kind == DAFT_AXIS_FACE_A && cache->a < a->face_count && face_counts(a, cache->a, sides)) {
-        daft_vec3 n = a->planes[cache->a].normal;
-        *out = (daft_axis){
-            .kind = DAFT_AXIS_FACE_A, .a = cache->a, .separation = face_separation(a, cache->a, b), .normal = n};
-        return out->separation > enough;
-    }
-    if (cache->kind == DAFT_AXIS_FACE_B && cache->b < b->face_count && face_counts(b, cache->b, sides)) {
-        daft_vec3 n = daft_neg(b->planes[cache->b].normal);
-        *out = (daft_axis){
-            .kind = DAFT_AXIS_FACE_B, .b = cache->b, .separation = face_separation(b, cache->b, a), .normal = n};
-        return out->separation > enough;
-    }
-    return false;
-}
-
 daft_axis daft_sat(const daft_poly *a, const daft_poly *b, float enough, uint32_t sides, const daft_pair_cache *cache)
 {
     daft_axis axis_a, axis_b, axis_e;
-    if (cached_apart(a, b, enough, sides, cache, &axis_a)) return axis_a;
     bool boxed = a->half_edges == daft_box_half_edges && b->core == DAFT_CORE_TRIANGLE;
     if (boxed)
         try_box_faces(a, b, sides, &axis_a, &axis_b);

@@ -206,18 +206,6 @@ static bool is_fast(const daft_world *world, const daft_sim_pair *pair, const mo
     return p->approach > MARGIN_OF_MOVE * world->parts[pair->part_a].reach;
 }
 
-/* Of what was found between two, as much is relied upon. */
-#define CLEARANCE_FRACTION 0.99
-
-/* Whether they were so far apart that they cannot have come near since, however they went. */
-static bool is_clear(const daft_world *world, const daft_sim_pair *pair, const motion *p)
-{
-    if (pair->manifold_count > 0 || pair->cache.clearance <= 0 || p->b->kind == DAFT_BODY_KINEMATIC) return false;
-    double gone = (p->a->travel + p->b->travel) - pair->cleared_at;
-    return CLEARANCE_FRACTION * (double)pair->cache.clearance - gone > (double)(p->margin + p->approach) &&
-           !is_fast(world, pair, p);
-}
-
 static void find_manifolds(const daft_world *world, daft_sim_pair *pair, motion *p)
 {
     place where = {.frame_a = daft_sim_part_frame(p->a, &world->parts[pair->part_a])};
@@ -225,9 +213,7 @@ static void find_manifolds(const daft_world *world, daft_sim_pair *pair, motion 
     daft_manifold found[DAFT_SIM_MAX_MANIFOLDS];
     daft_sim_manifold fresh[DAFT_SIM_MAX_MANIFOLDS], *manifolds = daft_sim_manifolds(pair);
     bool fast = is_fast(world, pair, p);
-    pair->cache.clearance = 0;
     uint32_t kept = 0, count = collide(world, pair, p, where.frame_a, p->margin + (fast ? 0 : p->approach), found);
-    pair->cleared_at = p->a->travel + p->b->travel;
     if (count == 0 && fast && looks_out(pair, p, world)) count = foresee(world, pair, p, &where, found);
     for (uint32_t i = 0; i < count; i++) {
         convert(p, &where, &found[i], &fresh[kept]);
@@ -250,7 +236,7 @@ static void update_sensor(const daft_world *world, daft_sim_pair *pair)
     pair->manifold_count = daft_shape_overlap(swap ? &b->shape : &a->shape, swap ? &a->shape : &b->shape, &relative, 0);
 }
 
-/* Whether geometry has to be asked: no for sensors, which are then done with, and for what is clear. */
+/* Whether geometry has to be asked: no for sensors, which are then done with. */
 static bool begin(const daft_world *world, daft_sim_pair *pair, float dt, motion *p)
 {
     const daft_sim_part *a = &world->parts[pair->part_a], *b = &world->parts[pair->part_b];
@@ -262,7 +248,7 @@ static bool begin(const daft_world *world, daft_sim_pair *pair, float dt, motion
     p->apart = daft_to_float(daft_dsub(p->a->centre, p->b->centre));
     p->margin = margin_of(a->reach, b->reach);
     p->approach = approach_of(p);
-    return !is_clear(world, pair, p);
+    return true;
 }
 
 enum { GRAIN = 256, PARALLEL_PAIRS = 256 };
@@ -289,14 +275,14 @@ static uint32_t begin_manifold(const daft_world *world, daft_sim_pair *pair)
 
 typedef struct boxes {
     daft_box_batch batch;
-    daft_sim_active *entries[DAFT_BOX_LANES];
-    float margins[DAFT_BOX_LANES];
+    daft_sim_active *entries[DAFT_PAIR_LANES];
+    float margins[DAFT_PAIR_LANES];
     int count;
 } boxes;
 
 typedef struct rounds {
     daft_round_batch batch;
-    daft_sim_active *entries[DAFT_ROUND_LANES];
+    daft_sim_active *entries[DAFT_PAIR_LANES];
     int count;
 } rounds;
 
@@ -320,12 +306,6 @@ static bool will_reach(const range *r, const daft_sim_pair *pair, float margin, 
     return is_met(&p, anchor, normal, separation);
 }
 
-static void end_manifold(daft_sim_pair *pair, daft_sim_active *entry)
-{
-    pair->manifold_count = pair->own.count > 0;
-    if (pair->manifold_count > 0) entry->flags |= DAFT_SIM_OVERLAPS;
-}
-
 /* From body a's centre of mass to part a's origin. */
 static daft_vec3 offset_of(const daft_world *world, const daft_sim_pair *pair)
 {
@@ -334,31 +314,30 @@ static daft_vec3 offset_of(const daft_world *world, const daft_sim_pair *pair)
     return daft_to_float(daft_dsub(outline->centre, world->bodies[pair->body_a].centre));
 }
 
-/* ---- spheres and capsules, side by side ---- */
-
 /* What find_manifolds does with the one manifold of a pair. */
-static void take_round(const range *r, rounds *all, int lane)
+static void take(const range *r, daft_sim_active *entry, const daft_found_lanes *found, int lane, float margin)
 {
-    daft_round_batch *batch = &all->batch;
-    daft_sim_pair *pair = &r->world->pairs[all->entries[lane]->pair];
+    daft_sim_pair *pair = &r->world->pairs[entry->pair];
     daft_sim_manifold *manifold = &pair->own;
     daft_sim_persisted old;
     daft_sim_persisted_set(&old, manifold, begin_manifold(r->world, pair),
                            daft_sim_extrapolation(r->world, pair, r->dt));
     daft_vec3 offset = offset_of(r->world, pair);
-    manifold->normal = daft_round_batch_get(batch->normal, lane);
+    manifold->normal = daft_lane_get(found->normal, lane);
     manifold->count = 0;
-    for (int i = 0; i < batch->count[lane]; i++) {
-        daft_vec3 anchor = daft_add(offset, daft_round_batch_get(batch->point[i], lane));
+    for (int i = 0; i < found->count[lane]; i++) {
+        daft_vec3 anchor = daft_add(offset, daft_lane_get(found->point[i], lane));
         daft_sim_manifold_point point = {
-            .anchor = anchor, .separation = batch->separation[i][lane], .id = (uint32_t)batch->id[i][lane]};
-        if (point.separation <= batch->margin[lane] ||
-            will_reach(r, pair, batch->margin[lane], anchor, manifold->normal, point.separation))
+            .anchor = anchor, .separation = found->separation[i][lane], .id = (uint32_t)found->id[i][lane]};
+        if (point.separation <= margin || will_reach(r, pair, margin, anchor, manifold->normal, point.separation))
             daft_sim_persisted_put(&old, manifold, point);
     }
     daft_sim_persisted_end(&old, manifold);
-    end_manifold(pair, all->entries[lane]);
+    pair->manifold_count = manifold->count > 0;
+    if (pair->manifold_count > 0) entry->flags |= DAFT_SIM_OVERLAPS;
 }
+
+/* ---- spheres and capsules, side by side ---- */
 
 /* To be looked at alone. */
 static void ask(range *r, daft_sim_active *entry) { r->asked[r->asked_count++] = entry; }
@@ -375,9 +354,8 @@ static void collide_rounds(range *r, rounds *all)
         if (state == DAFT_ROUND_ASK) {
             ask(r, entry);
         } else if (state == DAFT_ROUND_MET || entry->flags & DAFT_SIM_OVERLAPS) {
-            pair->cache = (daft_pair_cache){0};
             if (state == DAFT_ROUND_MET)
-                take_round(r, all, lane);
+                take(r, entry, &all->batch.found, lane, all->batch.margin[lane]);
             else
                 pair->manifold_count = 0;
         }
@@ -387,60 +365,27 @@ static void collide_rounds(range *r, rounds *all)
 
 /* ---- pairs of boxes, side by side ---- */
 
-static void take_box(const range *r, boxes *all, int lane)
-{
-    daft_box_batch *batch = &all->batch;
-    daft_sim_pair *pair = &r->world->pairs[all->entries[lane]->pair];
-    const daft_outline_frame *frames = r->world->box_frames;
-    daft_sim_manifold *manifold = &pair->own;
-    pair->cache = (daft_pair_cache){.kind = (uint8_t)batch->kind[lane], .clearance = batch->clearance[lane]};
-    pair->cleared_at = frames[pair->part_a].travel + frames[pair->part_b].travel;
-    if (batch->count[lane] == 0) {
-        pair->manifold_count = 0;
-        return;
-    }
-    daft_sim_persisted old;
-    daft_sim_persisted_set(&old, manifold, begin_manifold(r->world, pair),
-                           daft_sim_extrapolation(r->world, pair, r->dt));
-    manifold->normal = daft_box_batch_get(batch->normal, lane);
-    manifold->count = 0;
-    for (int i = 0; i < batch->count[lane]; i++) {
-        daft_sim_manifold_point point = {.anchor = daft_box_batch_get(batch->point[i], lane),
-                                         .separation = batch->separation[i][lane],
-                                         .id = (uint32_t)batch->id[i][lane]};
-        if (point.separation <= all->margins[lane] ||
-            will_reach(r, pair, all->margins[lane], point.anchor, manifold->normal, point.separation))
-            daft_sim_persisted_put(&old, manifold, point);
-    }
-    daft_sim_persisted_end(&old, manifold);
-    end_manifold(pair, all->entries[lane]);
-}
-
 static void collide_boxes(range *r)
 {
     static const daft_box_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_box);
     boxes *all = &r->boxes;
     TABLE[r->world->isa]->collide(&all->batch, all->count);
-    for (int lane = 0; lane < all->count; lane++) take_box(r, all, lane);
+    for (int lane = 0; lane < all->count; lane++) {
+        daft_sim_pair *pair = &r->world->pairs[all->entries[lane]->pair];
+        pair->cache.kind = (uint8_t)all->batch.kind[lane];
+        if (all->batch.found.count[lane] > 0)
+            take(r, all->entries[lane], &all->batch.found, lane, all->margins[lane]);
+        else
+            pair->manifold_count = 0;
+    }
     all->count = 0;
-}
-
-/* As is_clear, from outlines. */
-static bool are_boxes_clear(const range *r, const daft_sim_pair *pair, float far)
-{
-    const daft_outline_frame *frames = r->world->box_frames;
-    if (pair->manifold_count > 0 || pair->cache.clearance <= 0 ||
-        r->world->outlines[pair->part_b].flags & DAFT_OUTLINE_DRIVEN)
-        return false;
-    double gone = (frames[pair->part_a].travel + frames[pair->part_b].travel) - pair->cleared_at;
-    return CLEARANCE_FRACTION * (double)pair->cache.clearance - gone > (double)far;
 }
 
 static void add_boxes(range *r, daft_sim_active *entry, uint32_t a, uint32_t b)
 {
     const daft_outline *x = &r->world->outlines[a], *y = &r->world->outlines[b];
     const daft_sim_pair *pair = &r->world->pairs[entry->pair];
-    const daft_outline_frame *frames = r->world->box_frames;
+    const daft_rigid *frames = r->world->box_frames;
     float margin = margin_of(x->reach, y->reach),
           approach = daft_length(daft_sub(x->move, y->move)) + (x->swing + y->swing);
     daft_vec3 toward = daft_to_float(daft_dsub(y->centre, x->centre));
@@ -449,15 +394,13 @@ static void add_boxes(range *r, daft_sim_active *entry, uint32_t a, uint32_t b)
         ask(r, entry);
         return;
     }
-    if (are_boxes_clear(r, pair, margin + approach)) return;
     boxes *to = &r->boxes;
     int lane = to->count++;
     to->entries[lane] = entry, to->margins[lane] = margin;
-    daft_box_batch_put(&to->batch, lane, &frames[a].frame, &frames[b].frame, x->half, y->half,
-                       offset_of(r->world, pair));
+    daft_box_batch_put(&to->batch, lane, &frames[a], &frames[b], x->half, y->half);
     to->batch.margin[lane] = margin + approach;
     to->batch.kind[lane] = pair->cache.kind;
-    if (to->count == DAFT_BOX_LANES) collide_boxes(r);
+    if (to->count == DAFT_PAIR_LANES) collide_boxes(r);
 }
 
 /* To the lanes where its kind is looked at, or to those that are looked at one at a time. */
@@ -479,8 +422,13 @@ static void sort_in(range *r, daft_sim_active *entry)
     int lane = to->count++;
     to->entries[lane] = entry;
     daft_round_batch_put(&to->batch, lane, all, a, b, margin_of(all[a].reach, all[b].reach));
-    if (boxed) daft_round_batch_put_box(&to->batch, lane, all, r->world->box_frames, kind_a == DAFT_OUTLINE_BOX);
-    if (to->count == DAFT_ROUND_LANES) collide_rounds(r, to);
+    if (boxed) {
+        bool box_first = kind_a == DAFT_OUTLINE_BOX;
+        const daft_rigid *frame = &r->world->box_frames[box_first ? a : b];
+        daft_dvec3 centre = daft_rigid_to_local_vector(frame, daft_dsub(all[box_first ? b : a].centre, frame->p));
+        daft_round_batch_put_box(&to->batch, lane, all, centre, frame->m, box_first);
+    }
+    if (to->count == DAFT_PAIR_LANES) collide_rounds(r, to);
 }
 
 /* ---- all ---- */

@@ -28,7 +28,6 @@ typedef struct group {
     const daft_world *world;
     candidate near[MAX_NEAR]; /* what is met first, first */
     int count;
-    bool rests; /* on one of them, now */
     float dt;
 } group;
 
@@ -49,7 +48,6 @@ static void keep(group *g, daft_sim_pair *pair, daft_sim_manifold *manifold)
     for (uint32_t i = 0; i < manifold->count; i++)
         c.separation = daft_sim_min(c.separation, manifold->points[i].separation);
     if (g->count == MAX_NEAR) return;
-    g->rests |= !is_ahead(manifold);
     int i = g->count++;
     for (; i > 0 && comes_before(&c, &g->near[i - 1]); i--) g->near[i] = g->near[i - 1];
     g->near[i] = c;
@@ -85,36 +83,24 @@ typedef struct probe {
     const group *g;
     daft_dvec3 at;
     double margin;
-    uint32_t but; /* this part */
     bool hit;
 } probe;
 
 static void visit_probe(void *context, uint32_t part)
 {
     probe *p = context;
-    p->hit = p->hit || (part != p->but && !p->g->world->parts[part].sensor && lies_on(p->g, part, p->at, p->margin));
+    p->hit = p->hit || (!p->g->world->parts[part].sensor && lies_on(p->g, part, p->at, p->margin));
 }
 
 /* Is a point inside some body that does not yield, or on it? */
-static bool walled_up(const group *g, daft_dvec3 at, double margin, uint32_t but)
+static bool walled_up(const group *g, daft_dvec3 at, double margin)
 {
-    probe p = {g, at, margin, but, false};
+    probe p = {g, at, margin, false};
     daft_dvec3 reach = daft_dv3(margin, margin, margin);
     daft_sim_bounds bounds = {daft_dsub(at, reach), daft_dadd(at, reach)};
     daft_sim_tree_query(&g->world->trees[DAFT_BODY_STATIC], &bounds, visit_probe, &p);
     daft_sim_tree_query(&g->world->trees[DAFT_BODY_KINEMATIC], &bounds, visit_probe, &p);
     return p.hit;
-}
-
-/* What rests on one body rolls past the edges of all others that are level with it, also of those it only passes. */
-static bool is_level(const group *g, const candidate *c)
-{
-    if (!g->rests || !is_ahead(c->manifold)) return false;
-    for (uint32_t i = 0; i < c->manifold->count; i++) {
-        const daft_sim_part *part = &g->world->parts[c->pair->part_b];
-        if (!walled_up(g, point_on_b(g, c, i), margin_on(g, c, part), c->pair->part_b)) return false;
-    }
-    return true;
 }
 
 /* Met no later, but for what the choice of a contact's axis holds for even (DAFT_BOX_EVEN): the corner of a tile that
@@ -137,7 +123,7 @@ static bool is_hidden(const group *g, int c)
             const daft_sim_part *part = &g->world->parts[other->pair->part_b];
             found = lies_on(g, other->pair->part_b, at, margin_on(g, mine, part));
         }
-        if (!found) return c > 0 && is_level(g, mine);
+        if (!found) return false;
     }
     return true;
 }
@@ -169,7 +155,7 @@ static void find_way_out(const group *g, candidate *c)
         if (depth < 0 || depth >= best) continue;
         daft_dvec3 out = daft_rigid_vector(&frame, normal);
         daft_dvec3 exit = daft_dadd(mine.p, daft_dscale(out, depth + 2 * margin));
-        if (walled_up(g, exit, margin, DAFT_SIM_NONE)) continue;
+        if (walled_up(g, exit, margin)) continue;
         best = depth;
         c->separation = -(float)depth - a->shape.radius;
         c->manifold->normal = daft_neg(daft_normalize(daft_to_float(out)));

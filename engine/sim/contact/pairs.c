@@ -160,7 +160,7 @@ void daft_sim_pairs_forget(daft_world *world, uint32_t body)
 {
     for (uint32_t edge = world->bodies[body].first_pair; edge != DAFT_SIM_NONE;
          edge = world->pairs[edge >> 1].next[edge & 1])
-        world->pairs[edge >> 1].manifold_count = 0, world->pairs[edge >> 1].cache.clearance = 0;
+        world->pairs[edge >> 1].manifold_count = 0;
 }
 
 /* ---- near parts ---- */

@@ -270,12 +270,6 @@ void daft_compound_free(daft_compound *compound);
 
 /* ---- queries ---- */
 
-typedef enum daft_feature_kind {
-    DAFT_FEATURE_FACE = 0,
-    DAFT_FEATURE_EDGE,
-    DAFT_FEATURE_VERTEX /* or a round part */
-} daft_feature_kind;
-
 /* child: in a compound, else 0. triangle: in a mesh or field, else DAFT_NO_FEATURE. */
 typedef struct daft_shape_part {
     uint32_t child, triangle;

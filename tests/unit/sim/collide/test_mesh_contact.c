@@ -283,8 +283,7 @@ static void check_on_bumps(const bumps *b, uint32_t round)
             fail_msg("round %u, shape %d: a contact pulls it in by %g", round, s.type, daft_ddot(n, out));
         for (uint32_t k = 0; k < m[i].count; k++)
             if (!((double)m[i].points[k].separation > -0.1))
-                fail_msg("round %u, shape %d: %g deep, features %d %d", round, s.type,
-                         (double)m[i].points[k].separation, m[i].feature_a, m[i].feature_b);
+                fail_msg("round %u, shape %d: %g deep", round, s.type, (double)m[i].points[k].separation);
     }
     shape_drop(&s);
 }
