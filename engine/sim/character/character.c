@@ -87,7 +87,7 @@ static void begin(daft_mover *m, daft_world *world, const daft_sim_character *c)
     m->skip = 0;
     m->position = c->position;
     m->collected = false;
-    m->count = m->met_count = 0;
+    m->count = 0;
 }
 
 /* ---- riding ---- */
@@ -137,7 +137,6 @@ static void ride(daft_mover *m, daft_sim_character *c, double dt)
     daft_mover_slide(m, displacement);
     m->skip = 0;
     m->collected = false;
-    m->met_count = 0;
 }
 
 /* ---- speed ---- */

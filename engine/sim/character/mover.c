@@ -5,17 +5,13 @@
 
 #include "sim/collide/manifold.h"
 
-enum { SLIDES = 8, PASSES = 32, EXACT_LIMITS = 10, MANIFOLDS = 24 };
-
-#define SAME 0.999999 /* cosine of normals that are one */
+enum { SLIDES = 8, PASSES = 32, MANIFOLDS = 24 };
 
 /* Casts end this near to the gap, as a fraction of it. */
 #define TOLERANCE 0.02
-/* What is nearer than the gap at the start of a cast cannot stop it. So one with a much smaller gap, this fraction of
- * it, follows, and where even that does not do, one by a capsule that is so much thinner that nothing is too near, by
- * these shares of that gap (more than the tolerance, lest what is beside it counts as met); but no thinner than the
- * last share of the radius. */
-#define SECOND  0.25
+/* What is nearer than the gap at the start of a cast cannot stop it. So one by a capsule that is so much thinner that
+ * nothing is too near follows, by these shares of the gap (more than the tolerance, lest what is beside it counts as
+ * met); but no thinner than the last share of the radius. */
 #define NEAR    1.03
 #define THINNER 1.05
 #define NEEDLE  0.02
@@ -90,19 +86,6 @@ static void visit_planes(void *context, uint32_t index)
     }
 }
 
-/* Manifolds may leave out what a cast has met: an edge, say, that two triangles each leave to the other. */
-static void recall(daft_mover *m, uint32_t i)
-{
-    daft_mover_plane plane = m->met[i];
-    daft_dvec3 moved = daft_dsub(m->position, m->met_at[i]);
-    if (daft_ddot(moved, moved) > 16 * m->skin * m->skin) return;
-    plane.separation += daft_ddot(moved, plane.normal);
-    plane.point = daft_dsub(plane.point, moved);
-    for (uint32_t k = 0; k < m->count; k++)
-        if (m->planes[k].part == plane.part && daft_ddot(m->planes[k].normal, plane.normal) > 0.99) return;
-    if (plane.separation < 2 * m->skin) keep_plane(m, &plane);
-}
-
 static bool is_at(const daft_mover *m, daft_dvec3 p)
 {
     return m->position.x == p.x && m->position.y == p.y && m->position.z == p.z;
@@ -116,7 +99,6 @@ void daft_mover_collect(daft_mover *m)
     path.reach = daft_dadd(path.reach, daft_dv3(2 * m->skin, 2 * m->skin, 2 * m->skin));
     m->count = 0;
     daft_sim_walk(m->world, &path, &m->filter, visit_planes, m);
-    for (uint32_t i = 0; i < m->met_count && i < DAFT_MOVER_MET; i++) recall(m, i);
     m->collected = true;
     m->collected_at = m->position;
 }
@@ -138,81 +120,9 @@ static limit limit_of(const daft_mover *m, const daft_mover_plane *p, double cle
     return l;
 }
 
-/* Limits that say about the same become the stricter one. Gives how many are left. */
-static uint32_t merge(limit *limits, uint32_t count)
-{
-    uint32_t left = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t k = 0;
-        while (k < left && daft_ddot(limits[k].normal, limits[i].normal) < SAME) k++;
-        if (k == left)
-            limits[left++] = limits[i];
-        else if (limits[i].offset > limits[k].offset)
-            limits[k] = limits[i];
-    }
-    return left;
-}
-
-static bool allows(const limit *limits, uint32_t count, daft_dvec3 at, double enough)
-{
-    for (uint32_t i = 0; i < count; i++)
-        if (daft_ddot(limits[i].normal, at) < limits[i].offset - enough) return false;
-    return true;
-}
-
-/* The point nearest to `wish` at which one, two or three limits hold exactly. False if their normals depend on each
- * other. */
-static bool meet(const limit *const l[3], int count, daft_dvec3 wish, daft_dvec3 *out)
-{
-    /* wish + sum of x_i·normal_i: Gram's matrix by Cramer's rule, the missing rows those of the identity. */
-    double g[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, b[3] = {0, 0, 0};
-    for (int i = 0; i < count; i++) {
-        for (int k = 0; k < count; k++) g[3 * i + k] = daft_ddot(l[i]->normal, l[k]->normal);
-        b[i] = l[i]->offset - daft_ddot(l[i]->normal, wish);
-    }
-    daft_dvec3 r0 = {g[0], g[1], g[2]}, r1 = {g[3], g[4], g[5]}, r2 = {g[6], g[7], g[8]}; /* symmetric */
-    daft_dvec3 rhs = {b[0], b[1], b[2]};
-    double det = daft_ddot(r0, daft_dcross(r1, r2));
-    if (!(det > 1e-9)) return false;
-    double x[3] = {daft_ddot(rhs, daft_dcross(r1, r2)) / det, daft_ddot(r0, daft_dcross(rhs, r2)) / det,
-                   daft_ddot(r0, daft_dcross(r1, rhs)) / det};
-    *out = wish;
-    for (int i = 0; i < count; i++) *out = daft_dadd(*out, daft_dscale(l[i]->normal, x[i]));
-    return true;
-}
-
-/* The nearest of all such points that every limit allows; false: there is none. */
-static bool solve_exactly(const limit *limits, uint32_t count, daft_dvec3 wish, double enough, daft_dvec3 *out)
-{
-    double least = INFINITY;
-    if (allows(limits, count, wish, enough)) {
-        *out = wish;
-        return true;
-    }
-    /* i <= j <= k; equal ones count once. */
-    for (uint32_t i = 0; i < count; i++)
-        for (uint32_t j = i; j < count; j++)
-            for (uint32_t k = j; k < count; k++) {
-                const limit *active[3] = {&limits[i], &limits[j], &limits[k]};
-                daft_dvec3 at;
-                if (j == i && k > j) continue;
-                if (!meet(active, j == i ? 1 : k == j ? 2 : 3, wish, &at)) continue;
-                daft_dvec3 d = daft_dsub(at, wish);
-                double square = daft_ddot(d, d);
-                if (!(square < least) || !allows(limits, count, at, enough)) continue;
-                least = square;
-                *out = at;
-            }
-    return isfinite(least);
-}
-
-/* The point nearest to `wish` that all limits allow, or nearly: acute corners need it exactly; where there is no such
- * point, or too many limits, pushes are summed in turns. */
+/* The point nearest to `wish` that all limits allow, or nearly: pushes are summed in turns. */
 static daft_dvec3 solve(limit *limits, uint32_t count, daft_dvec3 wish, double enough)
 {
-    daft_dvec3 exact;
-    count = merge(limits, count);
-    if (count <= EXACT_LIMITS && solve_exactly(limits, count, wish, enough, &exact)) return exact;
     for (uint32_t pass = 0; pass < PASSES; pass++) {
         double most = 0;
         for (uint32_t i = 0; i < count; i++) {
@@ -303,8 +213,6 @@ double daft_mover_cast(daft_mover *m, daft_dvec3 motion, double gap, daft_mover_
     double least = INFINITY;
     for (uint32_t i = 0; i < m->count; i++) least = fmin(least, m->planes[i].separation);
     cast_once(&c);
-    c.gap = SECOND * gap;
-    cast_once(&c);
     if (least < NEAR * c.gap) {
         double radius = (double)m->capsule.radius;
         c.capsule.radius = (float)fmax(radius + least - THINNER * c.gap, NEEDLE * radius);
@@ -316,7 +224,6 @@ double daft_mover_cast(daft_mover *m, daft_dvec3 motion, double gap, daft_mover_
             .separation = c.met_gap,
             .point = daft_dsub(c.point, daft_dadd(m->position, daft_dscale(motion, c.fraction))),
             .part = c.part,
-            .number = UINT32_MAX - m->met_count,
         };
     return c.fraction;
 }
@@ -333,15 +240,8 @@ void daft_mover_slide(daft_mover *m, daft_dvec3 motion)
         for (uint32_t k = 0; k < m->count; k++) limits[k] = limit_of(m, &m->planes[k], DAFT_MOVER_CLEAR * m->skin);
         daft_dvec3 displacement = solve(limits, m->count, daft_dsub(goal, m->position), enough);
         if (daft_ddot(displacement, displacement) <= enough * enough) return;
-        daft_mover_plane hit;
-        double fraction = daft_mover_cast(m, displacement, 0.5 * m->skin, &hit);
+        double fraction = daft_mover_cast(m, displacement, 0.5 * m->skin, NULL);
         m->position = daft_dadd(m->position, daft_dscale(displacement, fraction));
-        if (fraction < 1) {
-            uint32_t slot = m->met_count++ % DAFT_MOVER_MET;
-            m->met[slot] = hit;
-            m->met_at[slot] = m->position;
-            m->collected = false;
-        }
     }
     daft_mover_collect(m);
 }

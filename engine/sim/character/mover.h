@@ -11,7 +11,7 @@
 
 #define DAFT_MOVER_CLEAR 0.75
 
-enum { DAFT_MOVER_PLANES = 32, DAFT_MOVER_MET = 4 };
+enum { DAFT_MOVER_PLANES = 32 };
 
 typedef struct daft_mover_plane {
     daft_dvec3 normal;     /* towards the capsule */
@@ -33,10 +33,6 @@ typedef struct daft_mover {
     daft_dvec3 collected_at;
     uint32_t count;                             /* of planes at that position */
     daft_mover_plane planes[DAFT_MOVER_PLANES]; /* the deepest, in their order */
-    /* What casts met last: a plane, too, near where that was. */
-    daft_mover_plane met[DAFT_MOVER_MET];
-    daft_dvec3 met_at[DAFT_MOVER_MET];
-    uint32_t met_count;
 } daft_mover;
 
 /* The planes within two skins of the position, unless they are known. */
