@@ -10,10 +10,12 @@
 #include <stdio.h>
 #include <string.h>
 
+static void *decode_malloc(size_t size);
+
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_NO_STDIO
-#define STBI_MALLOC  daft_stb_malloc
+#define STBI_MALLOC  decode_malloc
 #define STBI_REALLOC daft_stb_realloc
 #define STBI_FREE    daft_stb_free
 #define STBI_FAILURE_USERMSG
@@ -45,6 +47,21 @@ static inline void *copy_some(void *to, const void *from, size_t count) { return
 #endif
 #undef memcpy
 #pragma GCC diagnostic pop
+
+/* The state of its JPEG decoder stb_image 2.27 leaves as it was allocated, and decodes by Huffman tables that a damaged
+ * file never defined. Here an undefined table has no codes: none is found, and the file is refused. */
+static void *decode_malloc(size_t size)
+{
+    void *memory = daft_stb_malloc(size);
+    if (!memory || size != sizeof(stbi__jpeg)) return memory;
+    stbi__jpeg *jpeg = memset(memory, 0, size);
+    for (int i = 0; i < 8; i++) {
+        stbi__huffman *table = i < 4 ? &jpeg->huff_dc[i] : &jpeg->huff_ac[i - 4];
+        memset(table->fast, 255, sizeof table->fast);
+        table->maxcode[17] = UINT_MAX; /* ends the search for a code that is too long */
+    }
+    return memory;
+}
 
 typedef struct source {
     const char *bytes;

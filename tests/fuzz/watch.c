@@ -24,6 +24,12 @@ static bool is_below(const char *path, const char *folder)
     return length > 0 && strncmp(path, folder, length) == 0 && (path[length] == '/' || path[length] == 0);
 }
 
+/* What libFuzzer writes about an input, after it has broken something. */
+static bool is_report(const char *path)
+{
+    return strstr(path, "/crash-") || strstr(path, "/timeout-") || strstr(path, "/leak-") || strstr(path, "/oom-");
+}
+
 static void check_opened(int file)
 {
     char link[64], path[PATH_MAX];
@@ -33,7 +39,7 @@ static void check_opened(int file)
     if (length <= 0) return;
     path[length] = 0;
     for (size_t i = 0; i < sizeof roots / sizeof roots[0]; i++)
-        if (is_below(path, roots[i])) return;
+        if (is_below(path, roots[i]) || is_report(path)) return;
     fprintf(stderr, "opened outside its folder: %s\n", path);
     abort();
 }
@@ -75,8 +81,9 @@ static int open_checked(int folder, const char *path, int flags, va_list argumen
         if (file) check_opened(fileno(file));                                                                          \
         return file;                                                                                                   \
     }
-/* The loader asks the kernel for openat2 by its number. */
-__attribute__((visibility("default"))) long syscall(long number, ...)
+/* The loader asks the kernel for openat2 by its number. All six arguments are handed on, whether or not they were
+ * given, which sanitizers would not let pass. */
+__attribute__((visibility("default"), no_sanitize("address", "undefined"))) long syscall(long number, ...)
 {
     long a[6], (*real)(long, ...);
     va_list arguments;

@@ -117,9 +117,9 @@ static double read_component(component c, daft_field_type type, const char *at)
 static void write_component(component c, daft_field_type type, double number, char *at)
 {
     const bool byte = number != 0;
-    const int32_t whole = type == DAFT_FIELD_INT ? (int32_t)number : 0;
-    const uint32_t natural = type == DAFT_FIELD_INT ? 0 : (uint32_t)number;
-    const uint64_t wide = (uint64_t)number;
+    const int32_t whole = c == WHOLE && type == DAFT_FIELD_INT ? (int32_t)number : 0;
+    const uint32_t natural = c == WHOLE && type != DAFT_FIELD_INT ? (uint32_t)number : 0;
+    const uint64_t wide = c == WHOLE64 ? (uint64_t)number : 0;
     const float single = (float)number;
     if (c == BYTE) memcpy(at, &byte, sizeof byte);
     if (c == WHOLE) memcpy(at, type == DAFT_FIELD_INT ? (const void *)&whole : &natural, sizeof natural);
