@@ -1,4 +1,5 @@
-/* Rays that surfaces send on, mirrored and refracted, and the kernels of render/ in one table.
+/* Rays that surfaces send on, mirrored and refracted, and the kernels of render/ in one table. Scalar: one point
+ * after the other.
  *
  * Where a surface transmits, Fresnel's equations (for light that is not polarised) divide what is transmitted between
  * the mirrored and the refracted ray, and Snell's law bends the latter; past the critical angle all of it is mirrored.

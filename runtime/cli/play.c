@@ -259,7 +259,7 @@ int command_play(int argc, char **argv)
          "size of the window (1280x720); headless: of the picture (320x180)"},
         {"scale", 0, CLI_NUMBER, "F", &o->scale, 0, 4, "resolution of the picture relative to the window (1)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o->quality, 0, 0, "draft, game (default), high or reference"},
-        {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 256,
+        {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 64,
          "worker threads; 0, the default, is one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o->isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"},
         {"memory-limit", 0, CLI_BYTES, "BYTES", &o->memory, 1000000, 0,

@@ -187,7 +187,7 @@ int command_render(int argc, char **argv)
         {"intersect", 0, CLI_INTERSECT, "HOW", &o.intersection, 0, 0,
          "ray-triangle test: exact (default), watertight or fast"},
         {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the file, counted from 0 (0)"},
-        {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256,
+        {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 64,
          "worker threads; 0, the default, is one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"},
         {"accel", 0, CLI_ACCEL, "X", &o.accel, 0, 0,

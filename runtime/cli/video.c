@@ -195,7 +195,7 @@ int command_video(int argc, char **argv)
         {"seed", 0, CLI_COUNT, "N", &o.seed, 0, 1000000000, "seed of the random numbers (1); a recording uses its own"},
         {"time-limit", 0, CLI_NUMBER, "SECONDS", &o.seconds, 0, 3600,
          "how long one call into the game may take, 0.1 to 3600 (5)"},
-        {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 256,
+        {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 64,
          "worker threads; 0, the default, is one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"}};
     const char *operands[CLI_OPERANDS];

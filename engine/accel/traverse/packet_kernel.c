@@ -1,5 +1,6 @@
 /* Packet traversal of both levels. Callers bring up to sixteen rays. They are cut into packets of DAFT_VL
  * rays, and these by the signs of their directions, so that all rays of a packet enter boxes by the same planes.
+ * A lane is a ray.
  *
  * A node's eight boxes are tested against the whole packet first, as an interval of origins and of inverse directions
  * (Boulos et al., "Geometric and Arithmetic Culling Methods for Entire Ray Packets", 2006). Rounding is monotonic, so

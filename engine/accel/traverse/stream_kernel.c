@@ -1,6 +1,7 @@
 /* Streams of rays: packets are made of rays of one octant. A run of rays is sorted by octant, keeping the order within
  * each, and cut into packets of sixteen (in the spirit of Barringer and Akenine-Möller, "Dynamic Ray Stream Traversal",
- * 2014, who regroup at every node; neighbours in a stream are mostly similar to begin with). */
+ * 2014, who regroup at every node; neighbours in a stream are mostly similar to begin with). The sorting is scalar; it
+ * is compiled for each instruction set because it calls that one's packets. */
 #include "accel/ray_test.h"
 #include "accel/traverse/traverse.h"
 

@@ -57,6 +57,8 @@ typedef struct walk {
 
 /* ---- what is hidden ---- */
 
+_Static_assert(DAFT_CELLS_X == 8, "a row of cells is one register of eight floats");
+
 static void refresh_cell(daft_tile_job *j, uint32_t x, uint32_t y)
 {
     const float *w = &j->w_low[y * DAFT_CELL * DAFT_TILE_STRIDE + x * DAFT_CELL];
@@ -193,7 +195,7 @@ static void prefetch_all(const daft_bvh *bvh, const fresh_list *list)
 
 /* ---- one node after the other ---- */
 
-/* Pushes the children that may be view, the nearest last. */
+/* Pushes the children that may be seen, the nearest last. */
 static int push_children(walk *w, uint32_t node, visit *stack, int top)
 {
     int first = top;

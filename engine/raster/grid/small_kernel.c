@@ -1,12 +1,12 @@
 /* Triangles of a pixel's size or less, as dense meshes have them, in two steps. First, triangles are moved to camera
  * space and projected; those whose screen box holds no pixel's ray are dropped, the rest compacted. Second, of these,
  * small ones (boxes of at most two pixels a side) are tested at once at each of their up to four pixels; larger ones
- * are queued for set-up (setup_kernel.c). No branch depends on a triangle, since most would be mispredicted, and each
- * step runs over many registers before the next, so that the processor can overlap them.
+ * are queued for set-up (setup_kernel.c). Lanes are triangles. No branch depends on a triangle, since most would be
+ * mispredicted, and each step runs over many registers before the next, so that the processor can overlap them.
  *
  * Error bounds. Corners in the picture, relative to a pixel: u = 2^-24; the scale focal/z rounds once, its product with
  * x once, the difference with the tile's place once more, so that x is off by less than 2u·R with R = the largest x or
- * y of a ray in the tile, 64 and twice the triangle's extent (its width and height together) in sum. An edge function
+ * y of a ray in the tile plus 64 plus twice the triangle's extent (its width and height together). An edge function
  * about a pixel within its box, e0 = x1·y2 - y1·x2 and so on, is then off by less than D = 5u·R·extent: 4u·R·extent
  * from corners, 3u of each product from its own roundings. Beyond D the sign is sure. The three make up twice the area,
  * so that its sign is sure beyond 4D; where it is not, some edge function is within 2D of 0.
@@ -72,7 +72,7 @@ typedef struct box {
 
 DAFT_INLINE vi box_bytes(const box *b) { return b->x0 | b->x1 << 8 | b->y0 << 16 | b->y1 << 24; }
 
-/* The lanes of triangles that may be view; of all of them the pixels, and which are small. */
+/* The lanes of triangles that may be seen; of all of them the pixels, and which are small. */
 DAFT_INLINE vbits may_be_seen(const lens *v, const spot at[3], const vf3 *corner, box *b, vbits *little)
 {
     vf zero = vf_set(0), x[3], y[3];

@@ -1,7 +1,7 @@
-/* Shadow test of few points against a mesh: each point's shadow ray is moved to the mesh's own space and walks its BVH,
- * eight boxes or DAFT_VL triangles at a time; mesh_kernel.c has the definition of what hides a point. Among 1,000
- * instances of a mesh, shadow rays take half as long again without this, 0.94 of the peer's speed instead of 1.4;
- * single meshes and scenes take no longer. */
+/* Shadow test of few points against a mesh. Rays are moved to the mesh's own space with points as lanes; then each
+ * point's ray walks the BVH alone, with eight boxes or DAFT_VL triangles as lanes. mesh_kernel.c has the definition of
+ * what hides a point. Among 1,000 instances of a mesh, shadow rays take half as long again without this, 0.94 of the
+ * peer's speed instead of 1.4; single meshes and scenes take no longer. */
 #include "math/simd/ops.h"
 #include "raster/samples/setup.h"
 
@@ -18,8 +18,8 @@ typedef struct few_points {
     _Alignas(64) float from[3][FEW_POINTS + DAFT_VL], inverse[3][FEW_POINTS + DAFT_VL]; /* object space: places, and one
                                                                                          * over the rays to the light */
     bool alike;                 /* along each axis all rays go up, or all down: */
-    uint32_t first[3], last[3]; /* the rows of a node's bounds that they meet first and last; where not, any way round
-                                 */
+    uint32_t first[3], last[3]; /* which of a node's two planes, row of its low or high bounds, the rays enter by and
+                                 * leave by; where not alike, either way round */
     float first_pad[3], last_pad[3];   /* what is added to these rows */
     uint32_t at[FEW_POINTS + DAFT_VL]; /* among the blocks' */
 } few_points;

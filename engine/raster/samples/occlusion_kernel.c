@@ -1,4 +1,5 @@
-/* The points of a tile against one light: the order of work.
+/* The points of a tile against one light: the order of work. Lanes are points where they are measured (step 2), and the
+ * eight boxes of a node where trees are walked; the tests of triangles are in the other kernels of this room.
  *
  *   1. The box around all shadow rays goes down the tree over instances. Mostly nothing is there.
  *   2. The points that face the light are measured in view space: their extent in the light's picture.
@@ -18,8 +19,7 @@
 
 enum {
     FEW_OCCLUDERS = 8, /* each is asked which points are under it, before blocks are made */
-    FEW_LOOKS = 64 /* nodes and instances are looked at; who has not found out by then whether they are few takes them
-                      for many */
+    FEW_LOOKS = 64     /* nodes and instances are looked at; then the occluders count as many */
 };
 
 /* To sort the points of a large patch takes as long as some tests of it. Among many instances it would be met by too

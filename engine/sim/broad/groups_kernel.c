@@ -1,4 +1,5 @@
-/* Broad phase: which boxes of a group of parts overlap a box, DAFT_VL at a time. */
+/* Broad phase: which parts of a group overlap a box. A group is up to 16 neighbouring shapes with their bounds in rows
+ * (groups.h); lanes are its parts. */
 #include "sim/broad/groups.h"
 
 #include "math/simd/ops.h"

@@ -6,8 +6,9 @@
  * takes out the speed they gave. A point's separation follows the movement of both bodies to first order. The contact
  * point of a round shape stays below its centre while the shape rolls, so there it does not turn with the body.
  *
- * One substep, in the order of the functions: prepare (once a step), warm start (the last impulses again), solve with
- * springs; bodies move (motion_kernel.c); relax without springs; after the last one, bounce. */
+ * A lane is a contact: up to four points of one pair of bodies. Prepare runs once a step. Then each substep, as
+ * add_substep() in substeps.c orders it: warm start (the last impulses again), solve with springs, bodies move
+ * (motion_kernel.c), refresh where bodies turned far, relax without springs. After the last one, bounce and finish. */
 #include "sim/solve/lanes.h"
 
 /* ---- preparation ---- */
