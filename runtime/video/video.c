@@ -274,17 +274,21 @@ static bool make_pictures(film *f, daft_error *error)
     return true;
 }
 
+/* What is said here is not to be said again when the program ends. */
+static bool fail_output(daft_error *error)
+{
+    fail(error, DAFT_ERROR_IO, "standard output: cannot write: %s", strerror(errno));
+    clearerr(stdout);
+    return false;
+}
+
 bool film_print(const film *f, const uint8_t *pixels, daft_error *error)
 {
     size_t size = 4 * (size_t)f->def->width * (size_t)f->def->height;
-    return fwrite(pixels, 1, size, stdout) == size ||
-           fail(error, DAFT_ERROR_IO, "standard output: cannot write: %s", strerror(errno));
+    return fwrite(pixels, 1, size, stdout) == size || fail_output(error);
 }
 
-bool film_flush(daft_error *error)
-{
-    return fflush(stdout) == 0 || fail(error, DAFT_ERROR_IO, "standard output: cannot write: %s", strerror(errno));
-}
+bool film_flush(daft_error *error) { return fflush(stdout) == 0 || fail_output(error); }
 
 static bool make_raw(film *f, daft_error *error)
 {

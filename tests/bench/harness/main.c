@@ -303,5 +303,6 @@ int main(int argc, char **argv)
         bench_note(&self, true, "no benchmark has '%s' in its name; --list names them all", self.only ? self.only : "");
     if (self.json && !self.list && !bench_write_json(&self)) bench_note(&self, true, "cannot write %s", self.json);
     daft_release(&self.allocator, self.rows);
+    if (fflush(stdout) != 0 || ferror(stdout)) bench_note(&self, true, "standard output cannot be written");
     return self.failed ? 1 : 0;
 }
