@@ -3,6 +3,7 @@
 
 #include "cli/aov.h"
 #include "cli/cli.h"
+#include "cli/terminal.h"
 #include "common/progress.h"
 #include "common/stats.h"
 #include "common/util.h"
@@ -31,7 +32,8 @@ typedef struct render_options {
     long camera, threads, repeat;
     many *all; /* NULL: this process alone */
     uint64_t memory;
-    bool camera_given, explain;
+    bool camera_given, explain, term;
+    terminal_kind terminal;
     const char *aov_list;
     aov_set aov;
 } render_options;
@@ -146,7 +148,9 @@ static bool write(const render_options *o, daft_engine *engine, daft_image *imag
                   frame_times *times, daft_error *error)
 {
     if (o->all && many_rank(o->all) > 0) return true;
-    bool good = daft_image_write(image, o->out, error) && aov_write(&o->aov, engine, o->out, error);
+    bool good = !o->out || (daft_image_write(image, o->out, error) && aov_write(&o->aov, engine, o->out, error));
+    if (good && o->term)
+        terminal_show(o->terminal, daft_image_pixels(image), daft_image_width(image), daft_image_height(image));
     if (good && o->explain) stats_print_plan(stdout, daft_scene_counters(scene));
     times->memory = daft_engine_memory(engine);
     return good && (!o->stats || stats_write(o->stats, daft_scene_counters(scene), times, error));
@@ -176,10 +180,18 @@ static bool run(const daft_engine_def *wanted, render_options *o, daft_error *er
     return good;
 }
 
+/* A picture for a file has the size of a window, one for the terminal alone that of the terminal. */
+static void choose_size(render_options *o)
+{
+    if (o->term) o->terminal = terminal_find();
+    if (o->size.width > 0) return;
+    o->size = o->out ? (cli_size){1280, 720} : terminal_size(o->terminal);
+}
+
 int command_render(int argc, char **argv)
 {
     many_hush();
-    render_options o = {.size = {1280, 720}, .quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1};
+    render_options o = {.quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1};
     const cli_option options[] = {
         {"output", 'o', CLI_TEXT, "IMG", &o.out, 0, 0, "the picture to write: .png or .ppm (required)"},
         {"size", 0, CLI_SIZE, "WxH", &o.size, 1, 16384, "size of the picture (1280x720)"},
@@ -196,6 +208,8 @@ int command_render(int argc, char **argv)
          "what the scene and its picture may hold: 500MB, 2GB (no limit)"},
         {"aov", 0, CLI_TEXT, "LIST", &o.aov_list, 0, 0,
          "also write these channels of each pixel beside IMG: depth,normal,id,triangle"},
+        {"term", 0, CLI_FLAG, NULL, &o.term, 0, 0,
+         "show the picture in this terminal, as it can: kitty's protocol, sixels, half blocks"},
         {"explain", 0, CLI_FLAG, NULL, &o.explain, 0, 0,
          "print the plan: each effect, why it ran or not, rays, milliseconds"},
         {"stats", 0, CLI_TEXT, "FILE", &o.stats, 0, 0, "write times and counters as JSON; - is stdout"},
@@ -205,11 +219,13 @@ int command_render(int argc, char **argv)
     cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);
     if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
     o.scene = operands[0];
-    if (!o.out) return cli_refuse("render", "-o IMG is missing");
-    if (!has_extension(o.out, ".png") && !has_extension(o.out, ".ppm"))
+    if (!o.out && !o.term) return cli_refuse("render", "-o IMG is missing, or --term");
+    if (!o.out && o.aov_list) return cli_refuse("render", "--aov: the picture's name, -o IMG, is missing");
+    if (o.out && !has_extension(o.out, ".png") && !has_extension(o.out, ".ppm"))
         return cli_refuse("render", "-o: a name that ends in .png or .ppm expected, got '%s'", o.out);
     if (!has_extension(o.scene, ".scene") && !has_extension(o.scene, ".obj") && path_is_file(o.scene))
         return cli_refuse("render", "'%s' is neither a .scene nor an .obj file", o.scene);
+    choose_size(&o);
     if (o.aov_list && !aov_parse(o.aov_list, &o.aov)) return STATUS_BAD_USAGE;
     o.camera_given = o.camera >= 0;
     if (!o.camera_given) o.camera = 0;
