@@ -13,9 +13,8 @@ enum {
     MASKED = 32, /* colours of each class that a body's mask tells; its further constraints climb level by level */
     CLASSES = DAFT_SIM_CLASSES,
     SIZES = DAFT_MANIFOLD_POINTS,
-    GROUPS = CLASSES + 1,      /* of the second class first those with a mover, then those with what is still */
-    KINDS = 2 * GROUPS * SIZES /* of each group those that are not stiff and those that are; those of most points first
-                                */
+    KINDS = 2 * CLASSES * SIZES /* of each class those that are not stiff and those that are; those of most points first
+                                 */
 };
 
 #define UNUSED_SEPARATION 1e20f
@@ -206,10 +205,9 @@ bool daft_sim_solver_bodies_assign(daft_world *world, float dt)
 }
 
 /* Where those of a kind are counted. */
-static uint32_t kind_of(const daft_sim_solver *s, const daft_sim_coloured *c)
+static uint32_t kind_of(const daft_sim_coloured *c)
 {
-    uint32_t group = c->colour & 1 ? 1 + (s->row_of[c->body_b] == 0) : 0;
-    return (c->colour >> 1) * KINDS + (2 * group + c->stiff) * SIZES + (SIZES - c->points);
+    return (c->colour >> 1) * KINDS + (2 * (c->colour & 1) + c->stiff) * SIZES + (SIZES - c->points);
 }
 
 /* Of each kind, how many contacts of the islands that are being solved. */
@@ -221,7 +219,7 @@ static void count_kinds(daft_world *world, uint32_t *counts)
         c->kind = DAFT_SIM_NONE;
         if (!daft_sim_row_is_solved(s, s->row_of[c->body_a])) continue;
         c->stiff = c->loaded && daft_sim_is_stiff(world, c->body_a);
-        c->kind = kind_of(s, c);
+        c->kind = kind_of(c);
         counts[c->kind]++;
     }
 }
@@ -251,8 +249,7 @@ static bool lay_out(daft_world *world)
         for (uint32_t colour = 0; colour < most[class]; colour++) {
             uint32_t *counts = &s->colour_counts[colour * KINDS], first = s->block_count, soft = 0;
             for (uint32_t stiff = 0; stiff < 2; stiff++) {
-                for (uint32_t group = class; group <= 2 * class; group++)
-                    s->block_count += lay_sizes(counts + (2 * group + stiff) * SIZES, s->block_count);
+                s->block_count += lay_sizes(counts + (2 * class + stiff) * SIZES, s->block_count);
                 if (!stiff) soft = s->block_count;
             }
             if (s->block_count == first) continue;
@@ -411,7 +408,6 @@ void daft_sim_block_fill(daft_world *world, uint32_t index)
     while (lanes < DAFT_SIM_LANES && slots[lanes].pair != DAFT_SIM_NONE) lanes++;
     memset(block, 0, offsetof(daft_sim_block, inv_mass_a));
     block->lanes = lanes;
-    block->still = slots[0].row_b == 0;
     for (int lane = 0; lane < lanes; lane++) {
         const daft_sim_manifold *manifold = &daft_sim_manifolds(&world->pairs[slots[lane].pair])[slots[lane].manifold];
         block->points = daft_max_i(block->points, (int)manifold->count);

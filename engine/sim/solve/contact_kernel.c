@@ -191,8 +191,6 @@ static void refresh(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, 
 
 /* ---- impulses ---- */
 
-/* Where b is NULL it does not move: what is left out would add zero. */
-
 typedef struct masses {
     vf a, b;
 } masses;
@@ -203,7 +201,6 @@ DAFT_INLINE void push(body *a, body *b, masses m, vf3 along, const daft_sim_lane
 {
     a->v = vf3_sub(a->v, vf3_scale(along, m.a * impulse));
     a->w = vf3_sub(a->w, vf3_scale(load3(push_a, lane), impulse));
-    if (!b) return;
     b->v = vf3_add(b->v, vf3_scale(along, m.b * impulse));
     b->w = vf3_add(b->w, vf3_scale(load3(push_b, lane), impulse));
 }
@@ -216,20 +213,18 @@ DAFT_INLINE void spin(const daft_sim_block *block, body *a, body *b, vf3 impulse
         inertia_b[k] = vf_load(block->inertia_b[k] + lane);
     }
     a->w = vf3_sub(a->w, symmetric(inertia_a, impulse));
-    if (b) b->w = vf3_add(b->w, symmetric(inertia_b, impulse));
+    b->w = vf3_add(b->w, symmetric(inertia_b, impulse));
 }
 
 DAFT_INLINE vf row_speed(const body *a, const body *b, vf3 along, const daft_sim_lanes *arm_a,
                          const daft_sim_lanes *arm_b, int lane)
 {
-    if (!b) return -vf3_dot(along, a->v) - vf3_dot(load3(arm_a, lane), a->w);
     return vf3_dot(along, vf3_sub(b->v, a->v)) + vf3_dot(load3(arm_b, lane), b->w) - vf3_dot(load3(arm_a, lane), a->w);
 }
-DAFT_INLINE vf3 relative(const vf3 *a, const vf3 *b) { return b ? vf3_sub(*b, *a) : (vf3){-a->x, -a->y, -a->z}; }
 DAFT_INLINE void twist(const daft_sim_block *block, body *a, body *b, vf impulse, int lane)
 {
     a->w = vf3_sub(a->w, vf3_scale(load3(block->twist_a, lane), impulse));
-    if (b) b->w = vf3_add(b->w, vf3_scale(load3(block->twist_b, lane), impulse));
+    b->w = vf3_add(b->w, vf3_scale(load3(block->twist_b, lane), impulse));
 }
 
 /* Bodies of a block's lanes. */
@@ -237,24 +232,22 @@ typedef struct both {
     body a, b;
 } both;
 
-DAFT_INLINE both load_both(const float *rows, const daft_sim_block *block, bool still, int lane)
+DAFT_INLINE both load_both(const float *rows, const daft_sim_block *block, int lane)
 {
-    both out = {.a = load_body(rows, block->a + lane)};
-    if (!still) out.b = load_body(rows, block->b + lane);
-    return out;
+    return (both){load_body(rows, block->a + lane), load_body(rows, block->b + lane)};
 }
-DAFT_INLINE void store_both(float *rows, const daft_sim_block *block, const both *all, bool still, int lane)
+DAFT_INLINE void store_both(float *rows, const daft_sim_block *block, const both *all, int lane)
 {
     store_body(rows, block->a + lane, &all->a, block->writes_a >> lane);
-    if (!still) store_body(rows, block->b + lane, &all->b, block->writes_b >> lane);
+    store_body(rows, block->b + lane, &all->b, block->writes_b >> lane);
 }
 
 DAFT_INLINE bool any(vf a) { return vbits_from_mask(vf_lt(vf_set(0), vf_abs(a))) != 0; }
 
-DAFT_INLINE void warm_start_lanes(const daft_sim_solver_bodies *rows, daft_sim_block *block, bool still, int lane)
+DAFT_INLINE void warm_start_lanes(const daft_sim_solver_bodies *rows, daft_sim_block *block, int lane)
 {
-    both all = load_both(rows->velocity, block, still, lane);
-    body *a = &all.a, *b = still ? NULL : &all.b;
+    both all = load_both(rows->velocity, block, lane);
+    body *a = &all.a, *b = &all.b;
     masses m = {vf_load(block->inv_mass_a + lane), vf_load(block->inv_mass_b + lane)};
     vf3 n = load3(block->normal, lane), t = load3(block->tangent, lane), u = vf3_cross(n, t);
     for (int i = 0; i < block->points; i++) {
@@ -266,18 +259,13 @@ DAFT_INLINE void warm_start_lanes(const daft_sim_solver_bodies *rows, daft_sim_b
     vf turning = vf_load(block->twist_impulse + lane);
     if (any(turning)) twist(block, a, b, turning, lane);
     if (block->rolls) spin(block, a, b, load3(block->rolling_impulse, lane), lane);
-    store_both(rows->velocity, block, &all, still, lane);
+    store_both(rows->velocity, block, &all, lane);
 }
 
 static void warm_start(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count)
 {
-    for (daft_sim_block *block = blocks; block < blocks + count; block++) {
-        for (int lane = 0; lane < block->lanes; lane += DAFT_VL)
-            if (block->still)
-                warm_start_lanes(rows, block, true, lane);
-            else
-                warm_start_lanes(rows, block, false, lane);
-    }
+    for (daft_sim_block *block = blocks; block < blocks + count; block++)
+        for (int lane = 0; lane < block->lanes; lane += DAFT_VL) warm_start_lanes(rows, block, lane);
 }
 
 typedef struct spring {
@@ -291,11 +279,10 @@ typedef struct drag {
 } drag;
 
 /* What turning about the normal does in the directions of friction, by what it does at arms along these. */
-DAFT_INLINE drag bent(const daft_sim_block *block, vf a, const vf *b, int lane)
+DAFT_INLINE drag bent(const daft_sim_block *block, vf a, vf b, int lane)
 {
-    drag d = {a * vf_load(block->bend_a[0] + lane), a * vf_load(block->bend_a[1] + lane)};
-    if (b) d.t = d.t - *b * vf_load(block->bend_b[0] + lane), d.u = d.u - *b * vf_load(block->bend_b[1] + lane);
-    return d;
+    return (drag){a * vf_load(block->bend_a[0] + lane) - b * vf_load(block->bend_b[0] + lane),
+                  a * vf_load(block->bend_a[1] + lane) - b * vf_load(block->bend_b[1] + lane)};
 }
 
 /* How far b's surface moved along a's in the step, beyond what moving surfaces carry it, in the directions of friction.
@@ -309,13 +296,8 @@ DAFT_INLINE drag dragged(const daft_sim_block *block, const body *turn_a, const 
     d.t = d.t - vf_load(block->surface_velocity[0] + lane) * vf_set(elapsed);
     d.u = d.u - vf_load(block->surface_velocity[1] + lane) * vf_set(elapsed);
     if (!block->turns) return d;
-    vf a = vf3_dot(n, turn_a->w);
-    drag more = bent(block, vf_set(0.5f) * a * a, NULL, lane);
-    if (turn_b) {
-        vf b = vf3_dot(n, turn_b->w);
-        b = vf_set(0.5f) * b * b;
-        more = bent(block, vf_set(0.5f) * a * a, &b, lane);
-    }
+    vf a = vf3_dot(n, turn_a->w), b = vf3_dot(n, turn_b->w), half = vf_set(0.5f);
+    drag more = bent(block, half * a * a, half * b * b, lane);
     d.t = d.t + more.t, d.u = d.u + more.u;
     return d;
 }
@@ -333,10 +315,8 @@ DAFT_INLINE vf turned_share(vf w, vf t)
 DAFT_INLINE drag turned_velocity(const daft_sim_block *block, const body *a, const body *b, vf3 n, float elapsed,
                                  int lane)
 {
-    vf t = vf_set(elapsed), wa = turned_share(vf3_dot(n, a->w), t);
-    if (!b) return bent(block, wa, NULL, lane);
-    vf wb = turned_share(vf3_dot(n, b->w), t);
-    return bent(block, wa, &wb, lane);
+    vf t = vf_set(elapsed);
+    return bent(block, turned_share(vf3_dot(n, a->w), t), turned_share(vf3_dot(n, b->w), t), lane);
 }
 
 /* Coulomb's cone: the friction impulse opposes sliding and is at most friction times the normal impulse. What sticks is
@@ -381,8 +361,7 @@ DAFT_INLINE void solve_friction(daft_sim_block *block, body *a, body *b, masses 
 DAFT_INLINE void solve_twist(daft_sim_block *block, body *a, body *b, vf3 n, vf lever_sum, const body *turn_a,
                              const body *turn_b, const spring *s, int lane)
 {
-    vf speed = vf3_dot(n, relative(&a->w, b ? &b->w : NULL));
-    vf angle = vf3_dot(n, relative(&turn_a->w, turn_b ? &turn_b->w : NULL));
+    vf speed = vf3_dot(n, vf3_sub(b->w, a->w)), angle = vf3_dot(n, vf3_sub(turn_b->w, turn_a->w));
     vf slip = vf_load(block->twist_slip + lane);
     if (s->on) speed = speed + s->rate * (slip + angle);
     vf limit = vf_load(block->friction + lane) * lever_sum, old = vf_load(block->twist_impulse + lane);
@@ -394,21 +373,10 @@ DAFT_INLINE void solve_twist(daft_sim_block *block, body *a, body *b, vf3 n, vf 
     twist(block, a, b, wanted - old, lane);
 }
 
-/* The same where no lane's friction has a lever: all that is left is what was before it lost its other points. */
-DAFT_INLINE void forget_twist(daft_sim_block *block, body *a, body *b, vf3 n, const body *turn_a, const body *turn_b,
-                              const spring *s, int lane)
-{
-    vf old = vf_load(block->twist_impulse + lane);
-    if (!s->on) vf_store(block->twist_slip + lane, -vf3_dot(n, relative(&turn_a->w, turn_b ? &turn_b->w : NULL)));
-    if (!any(old)) return;
-    twist(block, a, b, -old, lane);
-    vf_store(block->twist_impulse + lane, vf_set(0));
-}
-
 DAFT_INLINE void solve_rolling(daft_sim_block *block, body *a, body *b, vf normal_sum, int lane)
 {
     vf3 old = load3(block->rolling_impulse, lane);
-    vf3 wanted = vf3_sub(old, vf3_scale(relative(&a->w, b ? &b->w : NULL), vf_load(block->rolling_mass + lane)));
+    vf3 wanted = vf3_sub(old, vf3_scale(vf3_sub(b->w, a->w), vf_load(block->rolling_mass + lane)));
     wanted = vf3_scale(wanted, shorten(vf3_dot(wanted, wanted), vf_load(block->rolling + lane) * normal_sum));
     store3(block->rolling_impulse, lane, wanted);
     spin(block, a, b, vf3_sub(wanted, old), lane);
@@ -425,7 +393,7 @@ DAFT_INLINE demand point_demand(const daft_sim_block_point *p, vf moved, const b
 {
     vf zero = vf_set(0), mass = vf_load(p->mass + lane);
     vf separation = vf_load(p->separation + lane) + moved;
-    if (turn_b) separation = separation + vf3_dot(load3(p->arm_b, lane), turn_b->w);
+    separation = separation + vf3_dot(load3(p->arm_b, lane), turn_b->w);
     separation = separation - vf3_dot(load3(p->arm_a, lane), turn_a->w);
     vm open = vf_lt(zero, separation);
     vf no_limit = vf_set(3e38f);
@@ -461,11 +429,11 @@ typedef struct sums {
 } sums;
 
 DAFT_INLINE sums solve_points(daft_sim_block *block, body *a, body *b, masses m, vf3 n, const body *turn_a,
-                              const body *turn_b, const spring *s, bool single, int lane)
+                              const body *turn_b, const spring *s, int lane)
 {
-    vf moved = vf3_dot(n, relative(&turn_a->v, turn_b ? &turn_b->v : NULL));
+    vf moved = vf3_dot(n, vf3_sub(turn_b->v, turn_a->v));
     demand demands[DAFT_MANIFOLD_POINTS];
-    int last = single ? 0 : block->points - 1;
+    int last = block->points - 1;
     vf none = vf_set(0);
     vm solved = vf_le(none, none);
     for (int i = 0; i <= last; i++) demands[i] = point_demand(&block->point[i], moved, turn_a, turn_b, s, lane);
@@ -487,12 +455,11 @@ DAFT_INLINE sums solve_points(daft_sim_block *block, body *a, body *b, masses m,
     return sum;
 }
 
-/* still, single: of all lanes, as the block says. */
 DAFT_INLINE void solve_lanes(const daft_sim_solver_bodies *rows, daft_sim_block *block, const daft_sim_substep *substep,
-                             bool biased, bool still, bool single, int lane)
+                             bool biased, int lane)
 {
-    both all = load_both(rows->velocity, block, still, lane), turns = load_both(rows->moved, block, still, lane);
-    body *a = &all.a, *b = still ? NULL : &all.b, *turn_a = &turns.a, *turn_b = still ? NULL : &turns.b;
+    both all = load_both(rows->velocity, block, lane), turns = load_both(rows->moved, block, lane);
+    body *a = &all.a, *b = &all.b, *turn_a = &turns.a, *turn_b = &turns.b;
     masses m = {vf_load(block->inv_mass_a + lane), vf_load(block->inv_mass_b + lane)};
     vf3 n = load3(block->normal, lane);
     spring s = {.rate = vf_load(block->rate + lane),
@@ -502,29 +469,18 @@ DAFT_INLINE void solve_lanes(const daft_sim_solver_bodies *rows, daft_sim_block 
                 .inv_h = vf_set(substep->inv_h),
                 .h = substep->h,
                 .on = biased};
-    sums sum = solve_points(block, a, b, m, n, turn_a, turn_b, &s, single, lane);
-    if (single)
-        forget_twist(block, a, b, n, turn_a, turn_b, &s, lane);
-    else
-        solve_twist(block, a, b, n, sum.levers, turn_a, turn_b, &s, lane);
+    sums sum = solve_points(block, a, b, m, n, turn_a, turn_b, &s, lane);
+    solve_twist(block, a, b, n, sum.levers, turn_a, turn_b, &s, lane);
     solve_friction(block, a, b, m, n, sum.impulse, turn_a, turn_b, &s, substep->elapsed, lane);
     if (block->rolls) solve_rolling(block, a, b, sum.impulse, lane);
-    store_both(rows->velocity, block, &all, still, lane);
+    store_both(rows->velocity, block, &all, lane);
 }
 
 static void solve(const daft_sim_solver_bodies *rows, daft_sim_block *blocks, uint32_t count,
                   const daft_sim_substep *substep, bool biased)
 {
-    for (daft_sim_block *block = blocks; block < blocks + count; block++) {
-        bool levers = block->points > 1 || block->shares; /* of friction, about the normal */
-        int kind = 2 * !levers + block->still;
-        for (int lane = 0; lane < block->lanes; lane += DAFT_VL) {
-            if (kind == 3) solve_lanes(rows, block, substep, biased, true, true, lane);
-            if (kind == 2) solve_lanes(rows, block, substep, biased, false, true, lane);
-            if (kind == 1) solve_lanes(rows, block, substep, biased, true, false, lane);
-            if (kind == 0) solve_lanes(rows, block, substep, biased, false, false, lane);
-        }
-    }
+    for (daft_sim_block *block = blocks; block < blocks + count; block++)
+        for (int lane = 0; lane < block->lanes; lane += DAFT_VL) solve_lanes(rows, block, substep, biased, lane);
 }
 
 /* ---- bounces: after the substeps, with the speed at which the surfaces truly met ---- */

@@ -42,7 +42,6 @@ typedef struct daft_sim_block {
     uint32_t writes_a, writes_b;                  /* bits: lanes whose body yields */
     int32_t lanes, points;                        /* in use; most points of any lane */
     bool rolls, bounces;
-    bool still;            /* no lane's b moves */
     bool shares;           /* some lane's floor is shared: */
     daft_sim_lanes shared; /* 1 where b is one of several bodies of a floor: friction acts below a's centre, as on one
                             */
