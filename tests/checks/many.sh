@@ -12,6 +12,8 @@ trap 'rm -rf "$out"' EXIT
 cd "$out" || exit 1
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
 export OMPI_MCA_orte_abort_print_stack=0 ASAN_OPTIONS=detect_leaks=0 # MPI's own
+export OMPI_MCA_plm=isolated OMPI_MCA_btl_vader_single_copy_mechanism=none # neither ssh nor rights that containers lack
+mpirun -n 2 true >log 2>&1 || { echo "skipped: mpirun does not work here: $(grep -v '^-*$' log | head -n 1)" && exit 77; }
 scene=$root/assets/scenes/temple.scene
 flight=$root/assets/scenes/town.scene
 failed=0
@@ -36,40 +38,42 @@ grep -q 'number of the picture' log || wrong "what process 0 says is heard"
 [ "$(grep -c 'number of the picture' log)" = 1 ] || wrong "what all would say is heard once"
 
 # Films: clips of which the last is short; pictures; raw frames; a game that ends before the film does.
-film() { "$program" video "$@" --size 96x64 >log 2>&1 || wrong "video $*"; }
-if "$program" video "$flight" -o one.mp4 --size 96x64 --to 5 2>log; then
+small='--size 64x36 --fps 10 --threads 1'
+film() { "$program" video "$@" >log 2>&1 || wrong "video $*"; }
+if "$program" video "$flight" -o one.mp4 $small --to 5 2>log; then
     for n in 2 4; do
-        many $n video "$flight" -o "many$n.mp4" --size 96x64 --to 5 || wrong "$n processes, mp4"
+        many $n video "$flight" -o "many$n.mp4" $small --to 5 || wrong "$n processes, mp4"
         same "$n processes, mp4" one.mp4 "many$n.mp4"
         [ ! -e "many$n.mp4.parts" ] || wrong "$n processes, mp4: parts are left"
     done
-    film marble --to 40 -o game.mp4
-    many 3 video marble --to 40 -o game3.mp4 --size 96x64 || wrong "3 processes, a game"
+    film marble --to 40 -o game.mp4 $small
+    many 3 video marble --to 40 -o game3.mp4 $small || wrong "3 processes, a game"
     same "3 processes, a game that ends" game.mp4 game3.mp4
 
     # One is killed: nothing stands under the film's name, and the same call goes on.
-    many 3 video "$flight" -o cut.mp4 --size 96x64 --fps 60 --to 12 &
+    long='--size 160x90 --fps 10 --to 20 --threads 1 --quality high'
+    many 3 video "$flight" -o cut.mp4 $long &
     job=$!
-    for _ in $(seq 300); do
-        [ -e cut.mp4.parts/000001 ] && break
-        sleep 0.1
+    for _ in $(seq 2000); do
+        [ -z "$(ls cut.mp4.parts/0* 2>/dev/null)" ] || break
+        sleep 0.02
     done
     pkill -9 -n -f "$program video $flight -o cut.mp4"
     wait $job && wrong "a process was killed, and the job ends well"
     [ ! -e cut.mp4 ] || wrong "a process was killed, and there is a film"
-    [ -e cut.mp4.parts/000000 ] || wrong "a process was killed, and finished parts are gone"
-    many 2 video "$flight" -o cut.mp4 --size 96x64 --fps 60 --to 12 || wrong "going on after a kill"
+    [ -n "$(ls cut.mp4.parts/0* 2>/dev/null)" ] || wrong "a process was killed, and finished parts are gone"
+    many 2 video "$flight" -o cut.mp4 $long || wrong "going on after a kill"
     grep -q 'took over' log || wrong "going on after a kill: nothing is taken over"
-    film "$flight" -o whole.mp4 --fps 60 --to 12
+    film "$flight" -o whole.mp4 $long
     same "going on after a kill" whole.mp4 cut.mp4
 else
     grep -q 'without FFmpeg' log || wrong "video"
 fi
-film "$flight" -o one%02d.png --fps 10 --to 1
-many 3 video "$flight" -o many%02d.png --size 96x64 --fps 10 --to 1 || wrong "3 processes, pictures"
+film "$flight" -o one%02d.png $small --to 1
+many 3 video "$flight" -o many%02d.png $small --to 1 || wrong "3 processes, pictures"
 for picture in one*.png; do same "3 processes, pictures" "$picture" "many${picture#one}"; done
-"$program" video "$flight" -o - --size 96x64 --to 1 >one.raw 2>log
-timeout 300 mpirun -n 3 "$program" video "$flight" -o - --size 96x64 --to 1 >many.raw 2>log
+"$program" video "$flight" -o - $small --to 1 >one.raw 2>log
+timeout 300 mpirun -n 3 "$program" video "$flight" -o - $small --to 1 >many.raw 2>log
 same "3 processes, raw frames" one.raw many.raw
 
 # Pictures in bands, with everything that is kept of a pixel.
