@@ -116,28 +116,11 @@ static void sweep_row(daft_world *world, uint32_t row)
     atomic_fetch_add_explicit(&world->scratch.solver->sweeps, target->sweeps, memory_order_relaxed);
 }
 
-static bool is_turned_less(const daft_sim_target *t)
-{
-    daft_quat p = t->stop_rotation, q = t->rotation;
-    return p.x != q.x || p.y != q.y || p.z != q.z || p.w != q.w;
-}
-
-/* Its angular velocity is that of a body turned as `rotation` says. Of one that a sweep stopped before it is
- * the same seen from the body, so its energy is: kept in the world, a stick's spin about its length would become one
- * across it. */
-static void turn_back(daft_sim_body *body, const daft_sim_target *t)
-{
-    daft_quat q = t->rotation;
-    daft_quat back = daft_quat_mul(t->stop_rotation, (daft_quat){-q.x, -q.y, -q.z, q.w});
-    body->angular = daft_quat_rotate(back, body->angular);
-}
-
 static void place_row(daft_world *world, uint32_t row)
 {
     daft_sim_body *body = &world->bodies[world->scratch.solver->row_bodies[row]];
     const daft_sim_target *target = &world->scratch.solver->targets[row];
     body->linear = target->linear;
-    if (!body->round && !(body->locks & DAFT_LOCK_ROTATION) && is_turned_less(target)) turn_back(body, target);
     place_centre(body, target->stop, target->stop_rotation);
 }
 
