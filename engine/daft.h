@@ -748,7 +748,12 @@ typedef struct daft_view {
     daft_camera camera;
     float alpha; /* between the last two ticks: 0 the one before, 1 now */
     daft_quality quality;
-    int samples; /* per pixel; 0: the quality's; else 1, 4 or 16 */
+    /* Knobs: each replaces one value of the quality's preset. They change the picture, never the scene. */
+    int samples;          /* per pixel; 0: the quality's; else 1, 4 or 16 */
+    int mirror_depth;     /* mirror bounces followed, 0 to 32; -1: the quality's */
+    int refraction_depth; /* surfaces that a path which passes through some may meet, 0 to 32; -1: the quality's */
+    float min_weight;     /* mirrored or refracted rays below it are not cast, 0 to 1; below 0: the quality's */
+    int shadows;          /* 0: none, 1: of every light; -1: the quality's */
     daft_intersection intersection;
     bool reference; /* camera rays alone through the BVH, as in DAFT_QUALITY_REFERENCE */
     int first_row;  /* draws a band of the picture: a multiple of 32 */

@@ -112,7 +112,7 @@ static bool prepare_tree(daft_frame *frame, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
     const daft_snapshot *s = frame->snapshot;
-    bool asked = frame->plan.shadows || frame->plan.reflects || frame->plan.refracts || s->reference;
+    bool asked = frame->plan.shadows || frame->plan.reflects || frame->plan.refracts || s->preset.reference;
     if (!asked) return true;
     const daft_tlas_def def = {.intersection = s->intersection, .threads = r->threads, .isa = r->isa};
     if (!r->tlas) r->tlas = daft_tlas_build_for(&r->arena, s->instances, s->instance_count, &def, error);
@@ -133,7 +133,7 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
                                   .width = s->width,
                                   .height = s->height,
                                   .intersection = s->intersection};
-    sample_shift(s->samples, frame->sample, &frame->pencil.shift_x, &frame->pencil.shift_y);
+    sample_shift(s->preset.samples, frame->sample, &frame->pencil.shift_x, &frame->pencil.shift_y);
     if (!daft_raster_begin(&r->raster, &frame->pencil, s->instances, s->instance_count, error)) return false;
     daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
     if (out_of_memory(r)) return daft_fail_memory(error, "the visible triangles");
@@ -177,7 +177,7 @@ static bool prepare(daft_frame *frame, daft_error *error)
         scratch->shadow_points = 0;
     }
     if (frame->plan.tints && !prepare_tints(r, error)) return false;
-    size_t floats = s->samples > 1 ? 3 * (size_t)s->width * (size_t)s->height : 0;
+    size_t floats = s->preset.samples > 1 ? 3 * (size_t)s->width * (size_t)s->height : 0;
     if (daft_grow(&r->allocator, &r->sum, &r->sum_capacity, floats, 0, sizeof *r->sum)) return true;
     return daft_fail_memory(error, "the samples of a picture");
 }
@@ -197,7 +197,7 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
         e[DAFT_EFFECT_SHADOW].bytes += r->passed_capacity * sizeof *r->passed;
     if (e[DAFT_EFFECT_REFLECTION].ran) e[DAFT_EFFECT_REFLECTION].bytes += daft_mirrors_bytes(r);
     if (e[DAFT_EFFECT_REFRACTION].ran) e[DAFT_EFFECT_REFRACTION].bytes += r->refracted_capacity * sizeof *r->refracted;
-    if (frame->snapshot->samples > 1) e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
+    if (frame->snapshot->preset.samples > 1) e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
     e[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch;
 }
 
@@ -247,7 +247,7 @@ bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, c
     daft_frame frame = {.renderer = renderer, .snapshot = snapshot, .target = target, .plan = daft_plan_make(snapshot)};
     counters_begin(counters, snapshot, renderer);
     if (!prepare(&frame, error)) return false;
-    for (frame.sample = 0; frame.sample < snapshot->samples; frame.sample++)
+    for (frame.sample = 0; frame.sample < snapshot->preset.samples; frame.sample++)
         if (!render_sample(&frame, counters, error)) return false;
     sum_effects(&frame, counters, start, ticks);
     counters->frame_ms = daft_clock_ms() - start;

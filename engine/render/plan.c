@@ -62,7 +62,7 @@ static const char *reflection_reason(const daft_snapshot *snapshot, const daft_p
 
 daft_plan daft_plan_make(const daft_snapshot *snapshot)
 {
-    daft_plan plan = {.preset = daft_quality_preset(snapshot->quality)};
+    daft_plan plan = {.preset = &snapshot->preset};
     const char **why = plan.why, **none = plan.why_not_seen;
     why[DAFT_EFFECT_VISIBILITY] = "every picture";
     why[DAFT_EFFECT_SURFACE] = "a surface is seen", none[DAFT_EFFECT_SURFACE] = "no surface is seen";
@@ -76,9 +76,11 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
     why[DAFT_EFFECT_REFLECTION] = reflection_reason(snapshot, plan.preset, &plan.may_reflect);
     none[DAFT_EFFECT_REFLECTION] = plan.may_reflect ? "no mirror is seen" : why[DAFT_EFFECT_REFLECTION];
     plan.tints = plan.shadows && some_material(snapshot, transmits) && some_flag(snapshot, DAFT_INSTANCE_TINTS_SHADOW);
-    plan.may_refract = some_material(snapshot, transmits);
+    plan.may_refract = plan.preset->refraction_depth > 0 && some_material(snapshot, transmits);
     why[DAFT_EFFECT_REFRACTION] = "something that transmits is seen";
-    none[DAFT_EFFECT_REFRACTION] = plan.may_refract ? "nothing that transmits is seen" : "no material transmits";
+    none[DAFT_EFFECT_REFRACTION] = plan.may_refract                     ? "nothing that transmits is seen"
+                                   : plan.preset->refraction_depth == 0 ? "this quality has no refraction"
+                                                                        : "no material transmits";
     why[DAFT_EFFECT_SKY] = "the sky is seen", none[DAFT_EFFECT_SKY] = "the sky is not seen";
     why[DAFT_EFFECT_RESOLVE] = "every picture";
     return plan;

@@ -15,7 +15,7 @@
 #include "image/image.h"
 #include "shade/shade.h"
 
-/* A quality is data: nothing else in the engine switches on its name. */
+/* A quality is data: nothing else in the engine switches on its name. A view may replace single values. */
 typedef struct daft_preset {
     const char *name;
     int samples;          /* per pixel */
@@ -35,10 +35,8 @@ typedef struct daft_snapshot {
     int first_row, row_count;     /* to be drawn: whole rows of tiles */
     daft_vec3 right, up, forward; /* camera axes, unit, in frame space */
     float focal;                  /* pixels: (width/2) / tan(fov/2) */
-    int samples;                  /* 1, 4 or 16 */
+    daft_preset preset;           /* samples: 1, 4 or 16. reference: camera rays one by one through the accelerator */
     daft_intersection intersection;
-    bool reference; /* camera rays one by one through the accelerator */
-    daft_quality quality;
     const daft_instance *instances; /* visible ones, in entity order */
     uint32_t instance_count;
     uint64_t revision; /* of these instances; no others had or will have it. 0: nothing is kept of them */

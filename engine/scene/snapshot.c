@@ -47,18 +47,29 @@ static bool fill_lights(daft_scene *scene, daft_dvec3 origin, daft_scene_frame *
     return true;
 }
 
+/* The quality's preset, with the knobs that the view sets. */
+static daft_preset choose_preset(const daft_view *view)
+{
+    daft_preset preset = *daft_quality_preset(view->quality);
+    if (view->samples) preset.samples = view->samples;
+    if (view->mirror_depth >= 0) preset.mirror_depth = view->mirror_depth;
+    if (view->refraction_depth >= 0) preset.refraction_depth = view->refraction_depth;
+    if (view->min_weight >= 0) preset.min_weight = view->min_weight;
+    if (view->shadows >= 0) preset.shadows = view->shadows > 0;
+    preset.reference |= view->reference;
+    return preset;
+}
+
 bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_scene_frame *frame,
                         daft_error *error)
 {
-    const daft_preset *preset = daft_quality_preset(view->quality);
     daft_snapshot *s = &frame->snapshot;
     s->width = width, s->height = height;
     s->first_row = view->first_row, s->row_count = view->row_count ? view->row_count : height - view->first_row;
     s->focal = (float)(width / 2.0 / daft_tan((double)view->camera.fov / 2));
-    s->samples = view->samples ? view->samples : preset->samples;
+    s->preset = choose_preset(view);
+    s->preset.reference |= scene->engine->accel == DAFT_ACCEL_KDTREE;
     s->intersection = view->intersection;
-    s->reference = view->reference || preset->reference || scene->engine->accel == DAFT_ACCEL_KDTREE;
-    s->quality = view->quality;
     s->ambient = scene->ambient;
     s->sky = scene->sky;
     daft_camera_axes(&view->camera, &s->right, &s->up, &s->forward);

@@ -105,11 +105,27 @@ static double tile_mean(const float *map, int width, int height, int x0, int y0)
     return sum / ((double)(x1 - x0) * (y1 - y0));
 }
 
-static void summarise(const float *map, int width, int height, picture_errors *out)
+static double mean_of(const float *map, int width, int height)
 {
     double sum = 0;
     for (size_t i = 0; i < (size_t)width * (size_t)height; i++) sum += (double)map[i];
-    out->flip = sum / ((double)width * height);
+    return sum / ((double)width * height);
+}
+
+bool metrics_mean_flip(const uint8_t *picture, const uint8_t *reference, int width, int height, double *out,
+                       daft_error *error)
+{
+    float *map = malloc((size_t)width * (size_t)height * sizeof *map);
+    if (!map) return fail(error, DAFT_ERROR_MEMORY, "out of memory to compare pictures");
+    bool good = metrics_flip(picture, reference, width, height, METRICS_PPD, map, error);
+    if (good) *out = mean_of(map, width, height);
+    free(map);
+    return good;
+}
+
+static void summarise(const float *map, int width, int height, picture_errors *out)
+{
+    out->flip = mean_of(map, width, height);
     out->worst = 0;
     for (int y = 0; y < height; y += METRICS_TILE)
         for (int x = 0; x < width; x += METRICS_TILE)

@@ -1,6 +1,6 @@
 /* accuracy: what accuracy costs. How far a picture is from its reference.
  * Promises: the errors are those of the published definitions, tested against other implementations of them.
- * Public headers: metrics.h */
+ * Public headers: metrics.h knobs.h sweep.h report.h */
 #ifndef RUNTIME_ACCURACY_METRICS_H
 #define RUNTIME_ACCURACY_METRICS_H
 
@@ -34,6 +34,9 @@ bool metrics_ssim(const uint8_t *a, const uint8_t *b, int width, int height, dou
 /* Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild 2020: FLIP. Fills map; the error is its mean. */
 bool metrics_flip(const uint8_t *picture, const uint8_t *reference, int width, int height, double ppd, float *map,
                   daft_error *error);
+/* The mean alone, at METRICS_PPD. */
+bool metrics_mean_flip(const uint8_t *picture, const uint8_t *reference, int width, int height, double *out,
+                       daft_error *error);
 
 /* Bytes of sRGB to linear light, 0 to 1, and the nearest byte of linear light. */
 double metrics_to_linear(uint8_t encoded);

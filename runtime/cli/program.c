@@ -19,6 +19,7 @@ static const struct {
     {"play", "play a game, or choose one from a menu", command_play},
     {"render", "render a scene to a picture", command_render},
     {"video", "film a scene or a game", command_video},
+    {"cost", "measure what accuracy costs in a scene or a game", command_cost},
     {"check", "check scenes, meshes, pictures and games for errors", command_check},
     {"pack", "pack a game into one file", command_pack},
     {"bench", "run the benchmarks", command_bench},

@@ -1,6 +1,7 @@
 /* daft render: renders one picture of a scene or a mesh, and prints its cost. */
 #include "cli/commands.h"
 
+#include "accuracy/knobs.h"
 #include "cli/aov.h"
 #include "cli/cli.h"
 #include "cli/terminal.h"
@@ -24,11 +25,11 @@ static const cli_command COMMAND = {
     1};
 
 typedef struct render_options {
-    const char *scene, *out, *isa, *stats;
+    const char *scene, *out, *isa, *stats, *knob_list;
+    knob_set knobs;
     daft_accel accel;
     cli_size size;
     daft_quality quality;
-    daft_intersection intersection;
     long camera, threads, repeat;
     many *all; /* NULL: this process alone */
     uint64_t memory;
@@ -117,14 +118,13 @@ static bool show_progress(void *user, float done)
 
 static bool render(daft_scene *scene, const render_options *o, daft_image *image, frame_times *times, daft_error *error)
 {
-    daft_view view = daft_default_view();
+    daft_view view = o->knobs.view;
     bool is_mesh = has_extension(o->scene, ".obj");
     if (is_mesh ? !frame_mesh(scene, o, &view.camera, error) : !daft_scene_load(scene, o->scene, error)) return false;
     if (!is_mesh && !choose_camera(scene, o, &view.camera, error)) return false;
     if (is_mesh && o->camera_given && o->camera > 0)
         return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", o->camera);
     view.quality = o->quality;
-    view.intersection = o->intersection;
     view.aov = o->aov.arrays;
     progress_state progress = {.frames = o->repeat};
     progress_begin(&progress.bar, "rendering");
@@ -191,12 +191,14 @@ static void choose_size(render_options *o)
 int command_render(int argc, char **argv)
 {
     many_hush();
-    render_options o = {.quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1};
+    render_options o = {.knobs = {daft_default_view(), 1}, .quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1};
     const cli_option options[] = {
         {"output", 'o', CLI_TEXT, "IMG", &o.out, 0, 0, "the picture to write: .png or .ppm (required)"},
         {"size", 0, CLI_SIZE, "WxH", &o.size, 1, 16384, "size of the picture (1280x720)"},
         {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0, "draft, game (default), high or reference"},
-        {"intersect", 0, CLI_INTERSECT, "HOW", &o.intersection, 0, 0,
+        {"knobs", 'k', CLI_TEXT, "LIST", &o.knob_list, 0, 0,
+         "replace single values of the quality: samples=4,shadows=0,mirror_depth=1"},
+        {"intersect", 0, CLI_INTERSECT, "HOW", &o.knobs.view.intersection, 0, 0,
          "ray-triangle test: exact (default), watertight or fast"},
         {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the file, counted from 0 (0)"},
         {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 64,
@@ -226,6 +228,9 @@ int command_render(int argc, char **argv)
     if (!has_extension(o.scene, ".scene") && !has_extension(o.scene, ".obj") && path_is_file(o.scene))
         return cli_refuse("render", "'%s' is neither a .scene nor an .obj file", o.scene);
     choose_size(&o);
+    daft_error wrong;
+    if (o.knob_list && !knobs_parse(o.knob_list, &o.knobs, &wrong)) return cli_refuse("render", "%s", wrong.message);
+    if (o.knobs.scale != 1) return cli_refuse("render", "knob scale: of what a window shows; here --size says it");
     if (o.aov_list && !aov_parse(o.aov_list, &o.aov)) return STATUS_BAD_USAGE;
     o.camera_given = o.camera >= 0;
     if (!o.camera_given) o.camera = 0;

@@ -6,7 +6,7 @@
 static void see(tile_job *j, uint32_t tile, uint32_t worker)
 {
     const daft_frame *frame = j->frame;
-    if (j->snapshot->reference)
+    if (j->snapshot->preset.reference)
         daft_reference_tile(&j->r->raster, frame->tlas, tile, &j->s->tile);
     else
         j->r->raster_kernels->tile(&j->r->raster, tile, worker, &j->s->tile);
@@ -104,7 +104,7 @@ static void report(daft_frame *frame, uint32_t worker)
 {
     uint32_t done = atomic_fetch_add(&frame->tiles_done, 1) + 1;
     if (worker != 0 || !frame->target->progress) return;
-    float total = (float)frame->tile_count * (float)frame->snapshot->samples;
+    float total = (float)frame->tile_count * (float)frame->snapshot->preset.samples;
     if (!frame->target->progress(frame->target->progress_user, (float)done / total))
         atomic_store(&frame->cancelled, true);
 }

@@ -1,0 +1,90 @@
+/* Which settings no other beats, and which of them a budget buys. */
+#include "accuracy/sweep.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int compare_times(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double spread_of(const double *sorted, int count)
+{
+    if (count < 4) return (sorted[count - 1] - sorted[0]) / 2;
+    return (sorted[count * 3 / 4] - sorted[count / 4]) / 2;
+}
+
+static void summarise(sweep_point *p)
+{
+    double sorted[SWEEP_ROUNDS];
+    memcpy(sorted, p->times, sizeof sorted);
+    qsort(sorted, (size_t)p->rounds, sizeof *sorted, compare_times);
+    p->ms = (sorted[(p->rounds - 1) / 2] + sorted[p->rounds / 2]) / 2;
+    p->spread = spread_of(sorted, p->rounds);
+}
+
+bool sweep_equal_times(const sweep_point *a, const sweep_point *b)
+{
+    return fabs(a->ms - b->ms) <= a->spread + b->spread;
+}
+
+/* Closer to the reference, by both of its halves. Where they disagree, the order is noise and the errors are equal. */
+static bool is_closer(const sweep_point *a, const sweep_point *b)
+{
+    return a->half_flip[0] < b->half_flip[0] && a->half_flip[1] < b->half_flip[1];
+}
+
+/* a is better than b on one axis and not worse on the other, beyond noise. */
+static bool beats(const sweep_point *a, const sweep_point *b)
+{
+    bool equal_times = sweep_equal_times(a, b), faster = a->ms < b->ms && !equal_times;
+    return (faster && !is_closer(b, a)) || (equal_times && is_closer(a, b));
+}
+
+/* Of settings with one picture and equal times, one speaks for all: the first in the list, since presets come first. */
+static void find_same(sweep_result *s, size_t i)
+{
+    for (size_t k = 0; k < i && s->points[i].same_as < 0; k++) {
+        const sweep_point *p = &s->points[k];
+        if (p->picture == s->points[i].picture && p->same_as < 0 && sweep_equal_times(p, &s->points[i]))
+            s->points[i].same_as = (int)k;
+    }
+}
+
+void sweep_judge(sweep_result *s)
+{
+    for (size_t i = 0; i < s->count; i++) {
+        summarise(&s->points[i]);
+        s->points[i].same_as = s->points[i].beaten_by = -1;
+    }
+    for (size_t i = 0; i < s->count; i++) find_same(s, i);
+    for (size_t i = 0; i < s->count; i++) {
+        sweep_point *p = &s->points[i];
+        for (size_t k = 0; k < s->count && p->beaten_by < 0; k++)
+            if (s->points[k].same_as < 0 && beats(&s->points[k], p)) p->beaten_by = (int)k;
+        p->on_front = p->beaten_by < 0 && p->same_as < 0;
+    }
+}
+
+bool sweep_all_same(const sweep_result *s)
+{
+    for (size_t i = 1; i < s->count; i++)
+        if (s->points[i].picture != s->points[0].picture) return false;
+    return true;
+}
+
+int sweep_choose(const sweep_result *s, double budget_ms)
+{
+    int best = -1;
+    for (size_t i = 0; i < s->count; i++) {
+        const sweep_point *p = &s->points[i];
+        if (p->same_as >= 0 || p->ms + p->spread > budget_ms) continue;
+        if (best < 0 || p->errors.flip < s->points[best].errors.flip ||
+            (p->errors.flip == s->points[best].errors.flip && p->ms < s->points[best].ms))
+            best = (int)i;
+    }
+    return best;
+}

@@ -1,0 +1,212 @@
+/* The table on the terminal, points.csv and report.json. */
+#include "accuracy/report.h"
+
+#include "common/json.h"
+#include "common/util.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void report_sort(const sweep_result *sweep, size_t *order)
+{
+    for (size_t i = 0; i < sweep->count; i++) {
+        size_t k = i;
+        for (; k > 0 && sweep->points[order[k - 1]].ms > sweep->points[i].ms; k--) order[k] = order[k - 1];
+        order[k] = i;
+    }
+}
+
+/* The smallest error above zero of all settings. */
+static double smallest_error(const sweep_result *s)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < s->count; i++)
+        if (s->points[i].errors.flip > 0) least = fmin(least, s->points[i].errors.flip);
+    return least;
+}
+
+void report_command(const sweep_result *sweep, const sweep_point *point, char *out, size_t size)
+{
+    const char *preset = daft_quality_name(sweep->def.view.quality);
+    if (strcmp(point->knob, "quality") == 0)
+        snprintf(out, size, "--quality %s", point->setting);
+    else
+        snprintf(out, size, "--quality %s --knobs %s", preset, point->setting);
+}
+
+void report_floor(const report_def *def, char out[SENTENCE])
+{
+    const sweep_result *s = def->sweep;
+    double least = smallest_error(s);
+    bool fine = s->floor.flip * 10 <= least;
+    int used = snprintf(
+        out, SENTENCE, "The reference is the mean of two halves of %d and %d samples a pixel. They differ by FLIP %.4f",
+        s->reference_samples[0], s->reference_samples[1], s->floor.flip);
+    if (!isfinite(least))
+        snprintf(out + used, SENTENCE - (size_t)used, ".");
+    else
+        snprintf(out + used, SENTENCE - (size_t)used, ", %s a tenth of the smallest error here (%.4f)%s",
+                 fine ? "less than" : "more than", least,
+                 fine ? "." : ": the plots show the floor, below which an error says little.");
+    used = (int)strlen(out);
+    snprintf(out + used, SENTENCE - (size_t)used,
+             " A setting is called closer than another where both halves say so, else the two are called equal.");
+}
+
+void report_advise(const report_def *def, char out[SENTENCE])
+{
+    const sweep_result *s = def->sweep;
+    int best = sweep_choose(s, def->budget_ms);
+    char command[SENTENCE / 2];
+    const sweep_point *p = best >= 0 ? &s->points[best] : &s->points[0];
+    for (size_t i = 0; best < 0 && i < s->count; i++)
+        if (s->points[i].ms < p->ms) p = &s->points[i];
+    report_command(s, p, command, sizeof command);
+    int used = 0;
+    if (sweep_all_same(s)) used = snprintf(out, SENTENCE, "All settings draw the same picture. ");
+    if (best >= 0)
+        used += snprintf(out + used, SENTENCE - (size_t)used, "For %g ms: ", def->budget_ms);
+    else
+        used +=
+            snprintf(out + used, SENTENCE - (size_t)used, "No setting keeps %g ms here. The fastest: ", def->budget_ms);
+    snprintf(out + used, SENTENCE - (size_t)used, "%s (%.2f ms ± %.2f, FLIP %.4f).", command, p->ms, p->spread,
+             p->errors.flip);
+}
+
+void report_print(const report_def *def, FILE *out)
+{
+    const sweep_result *s = def->sweep;
+    size_t order[SWEEP_POINTS];
+    char text[SENTENCE];
+    report_sort(s, order);
+    fprintf(out, "%s at %dx%d: settings that no other beats, of %zu", def->scene, s->def.width, s->def.height,
+            s->count);
+    if (s->dropped) fprintf(out, " (there was no time for %zu more)", s->dropped);
+    fprintf(out, "\n\n%9s %8s %8s %8s %7s %8s %8s  %s\n", "ms", "±", "FLIP", "RMSE", "PSNR", "SSIM", "tile", "setting");
+    for (size_t i = 0; i < s->count; i++) {
+        const sweep_point *p = &s->points[order[i]];
+        const picture_errors *e = &p->errors;
+        if (!p->on_front) continue;
+        fprintf(out, "%9.2f %8.2f %8.4f %8.5f %7.2f %8.5f %8.4f  %s %s\n", p->ms, p->spread, e->flip, e->rmse, e->psnr,
+                e->ssim, e->worst, p->knob, p->setting);
+    }
+    report_advise(def, text);
+    fprintf(out, "\n%s\n", text);
+    report_floor(def, text);
+    fprintf(out, "%s\nFLIP at %.0f pixels a degree. Files: %s/index.html, points.csv, report.json\n", text, METRICS_PPD,
+            def->folder);
+}
+
+/* ---- points.csv -------------------------------------------------------------------------------------------------- */
+
+/* RFC 4180: quotes where a text holds a comma, a quote or a line's end. */
+static void put_csv(FILE *out, const char *text)
+{
+    if (!strpbrk(text, ",\"\n\r")) {
+        fputs(text, out);
+        return;
+    }
+    fputc('"', out);
+    for (; *text; text++) fprintf(out, "%s%c", *text == '"' ? "\"" : "", *text);
+    fputc('"', out);
+}
+
+static bool make_path(const report_def *def, const char *name, char path[PATH_SIZE], daft_error *error)
+{
+    return path_join(path, PATH_SIZE, def->folder, name) ||
+           fail(error, DAFT_ERROR_ARGUMENT, "%s: the path is too long", def->folder);
+}
+
+static bool write_csv(const report_def *def, daft_error *error)
+{
+    const sweep_result *s = def->sweep;
+    char path[PATH_SIZE];
+    draft_file draft;
+    if (!make_path(def, "points.csv", path, error) || !draft_open(&draft, error)) return false;
+    fprintf(draft.file, "scene,knob,setting,ms,ms_spread,rmse,psnr,ssim,flip,on_front\n");
+    for (size_t i = 0; i < s->count; i++) {
+        const sweep_point *p = &s->points[i];
+        const picture_errors *e = &p->errors;
+        put_csv(draft.file, def->scene);
+        fprintf(draft.file, ",%s,", p->knob);
+        put_csv(draft.file, p->setting);
+        fprintf(draft.file, ",%.4f,%.4f,%.7f,%.4f,%.6f,%.6f,%d\n", p->ms, p->spread, e->rmse, e->psnr, e->ssim, e->flip,
+                p->on_front);
+    }
+    return draft_commit(&draft, path, error);
+}
+
+/* ---- report.json ------------------------------------------------------------------------------------------------- */
+
+/* JSON has no infinity and no NaN. */
+static void put_number(FILE *out, const char *name, double value)
+{
+    if (isfinite(value))
+        fprintf(out, "\"%s\":%.7g", name, value);
+    else
+        fprintf(out, "\"%s\":null", name);
+}
+
+static void put_errors(FILE *out, const picture_errors *e)
+{
+    const struct {
+        const char *name;
+        double value;
+    } all[] = {{"rmse", e->rmse}, {"psnr", e->psnr}, {"ssim", e->ssim}, {"flip", e->flip}, {"worst_tile", e->worst}};
+    for (size_t i = 0; i < COUNT_OF(all); i++) {
+        fputc(',', out);
+        put_number(out, all[i].name, all[i].value);
+    }
+}
+
+static void put_other(FILE *out, const char *name, const sweep_result *s, int other)
+{
+    if (other >= 0) fprintf(out, ",\"%s\":\"%s %s\"", name, s->points[other].knob, s->points[other].setting);
+}
+
+static void put_point(FILE *out, const sweep_result *s, const sweep_point *p)
+{
+    fprintf(out, "{\"knob\":\"%s\",\"setting\":", p->knob);
+    json_put_text(out, p->setting);
+    fprintf(out, ",\"ms\":%.4f,\"ms_spread\":%.4f,\"rounds\":%d", p->ms, p->spread, p->rounds);
+    put_errors(out, &p->errors);
+    fprintf(out, ",\"on_front\":%s", p->on_front ? "true" : "false");
+    put_other(out, "same_as", s, p->same_as);
+    put_other(out, "beaten_by", s, p->beaten_by);
+    fputc('}', out);
+}
+
+static bool write_json(const report_def *def, daft_error *error)
+{
+    const sweep_result *s = def->sweep;
+    char path[PATH_SIZE], text[SENTENCE];
+    draft_file draft;
+    if (!make_path(def, "report.json", path, error) || !draft_open(&draft, error)) return false;
+    FILE *out = draft.file;
+    fprintf(out, "{\"scene\":");
+    json_put_text(out, def->scene);
+    fprintf(out, ",\"command\":");
+    json_put_text(out, def->command);
+    fprintf(out, ",\"width\":%d,\"height\":%d,\"threads\":%d,\"preset\":\"%s\",\"pixels_per_degree\":%.4f,",
+            s->def.width, s->def.height, def->threads, s->points[s->preset].setting, METRICS_PPD);
+    fprintf(out, "\"dropped\":%zu,\"floor\":{\"samples\":[%d,%d]", s->dropped, s->reference_samples[0],
+            s->reference_samples[1]);
+    put_errors(out, &s->floor);
+    int best = sweep_choose(s, def->budget_ms);
+    report_advise(def, text);
+    fprintf(out, "},\"budget_ms\":%g,\"budget_kept\":%s,\"advice\":", def->budget_ms, best >= 0 ? "true" : "false");
+    json_put_text(out, text);
+    fprintf(out, ",\"points\":[");
+    for (size_t i = 0; i < s->count; i++) {
+        fputs(i ? ",\n" : "\n", out);
+        put_point(out, s, &s->points[i]);
+    }
+    fprintf(out, "\n]}\n");
+    return draft_commit(&draft, path, error);
+}
+
+bool report_write(const report_def *def, daft_error *error)
+{
+    return write_csv(def, error) && write_json(def, error) && report_write_page(def, error);
+}
