@@ -42,7 +42,7 @@ static void wrong_usage_is_status_2_with_a_hint(void **unused)
                  {"render a.scene -o c.png --size --explain", "--size: WxH is missing"},
                  {"render a.scene -o c.png --quality hihg", "did you mean 'high'?"},
                  {"render a.scene -o c.png --quality=", "one of draft, game, high, reference"},
-                 {"render a.scene -o c.png --threads -1", "a whole number from 0 to 256 expected, got '-1'"},
+                 {"render a.scene -o c.png --threads -1", "a whole number from 0 to 64 expected, got '-1'"},
                  {"render a.scene -o c.png --threads two", "got 'two'"},
                  {"render a.scene -o c.png --camera 1.5", "got '1.5'"},
                  {"render a.scene -o c.png --isa avx1024", "one of plain, sse2, avx2, avx512"},
