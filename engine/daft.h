@@ -743,6 +743,17 @@ typedef struct daft_aov {
     uint32_t *triangle;  /* of the entity's mesh; 0 for spheres */
 } daft_aov;
 
+/* Parts of the shading that a picture can go without, to see the others: bits of daft_view.without. Shadows and mirrors
+ * have knobs of their own. */
+enum {
+    DAFT_WITHOUT_SHADING = 1, /* no light: surfaces in their own colour, `diffuse` times the texture */
+    DAFT_WITHOUT_AMBIENT = 2, /* the ambient light */
+    DAFT_WITHOUT_DIFFUSE = 4,
+    DAFT_WITHOUT_SPECULAR = 8,  /* highlights */
+    DAFT_WITHOUT_TEXTURES = 16, /* of surfaces; the sky stays */
+    DAFT_WITHOUT_ALL = 31
+};
+
 typedef struct daft_view {
     uint32_t cookie;
     daft_camera camera;
@@ -755,9 +766,10 @@ typedef struct daft_view {
     float min_weight;     /* mirrored or refracted rays below it are not cast, 0 to 1; below 0: the quality's */
     int shadows;          /* 0: none, 1: of every light; -1: the quality's */
     daft_intersection intersection;
-    bool reference; /* camera rays alone through the BVH, as in DAFT_QUALITY_REFERENCE */
-    int first_row;  /* draws a band of the picture: a multiple of 32 */
-    int row_count;  /* of the band; a multiple of 32 or up to the last row; 0: from first_row to the last */
+    bool reference;   /* camera rays alone through the BVH, as in DAFT_QUALITY_REFERENCE */
+    int first_row;    /* draws a band of the picture: a multiple of 32 */
+    int row_count;    /* of the band; a multiple of 32 or up to the last row; 0: from first_row to the last */
+    uint32_t without; /* DAFT_WITHOUT_…; 0: the whole picture */
     daft_aov aov;
     bool (*progress)(void *user, float done); /* done 0..1; return false to stop; called from the calling thread */
     void *progress_user;
@@ -785,6 +797,10 @@ typedef struct daft_ray_hit {
  * miss. */
 DAFT_API bool daft_scene_cast_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, float max_distance,
                                   daft_entity ignore, daft_ray_hit *hit, daft_error *error);
+
+/* The corners of the box around all visible entities, which it touches or exceeds. False with error->code DAFT_OK:
+ * there is none. */
+DAFT_API bool daft_scene_get_bounds(daft_scene *scene, daft_dvec3 *low, daft_dvec3 *high, daft_error *error);
 
 /* ---- queries of bodies ------------------------------------------------------------------------------------------- */
 

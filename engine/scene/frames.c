@@ -51,8 +51,9 @@ static bool still_valid(const daft_scene *scene, const daft_scene_frame *f, cons
 {
     daft_dvec3 origin = view->camera.position;
     bool still = f->still && scene->moved_tick != scene->tick;
-    return f->revision && f->revision == scene->revision && f->origin.x == origin.x && f->origin.y == origin.y &&
-           f->origin.z == origin.z && (still || (f->tick == scene->tick && f->alpha == view->alpha));
+    return f->revision && f->revision == scene->revision && f->without == view->without && f->origin.x == origin.x &&
+           f->origin.y == origin.y && f->origin.z == origin.z &&
+           (still || (f->tick == scene->tick && f->alpha == view->alpha));
 }
 
 static daft_scene_frame *frame_new(daft_scene *scene, daft_error *error)
@@ -81,6 +82,19 @@ static daft_scene_frame *frame_pick(daft_scene *scene, const daft_view *view, da
     return any ? any : frame_new(scene, error);
 }
 
+/* Leaves out of a surface what the view goes without. Without shading it glows in its own colour: ambient light of 1,
+ * and no other, falls on it (see daft_snapshot_fill). */
+static daft_surface strip(daft_surface surface, uint32_t without)
+{
+    const daft_vec3 none = {0, 0, 0};
+    if (without & DAFT_WITHOUT_SHADING) surface.ambient = surface.diffuse;
+    if (without & DAFT_WITHOUT_DIFFUSE) surface.diffuse = none;
+    if (without & (DAFT_WITHOUT_SPECULAR | DAFT_WITHOUT_SHADING)) surface.specular = none;
+    if (without & DAFT_WITHOUT_SHADING) surface.mirror = none;
+    if (without & DAFT_WITHOUT_TEXTURES) surface.texture = DAFT_NO_TEXTURE;
+    return surface;
+}
+
 /* Instances, and with them what they index: surfaces and textures. */
 static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view *view, daft_error *error)
 {
@@ -96,13 +110,14 @@ static bool frame_place(daft_scene *scene, daft_scene_frame *f, const daft_view 
     daft_surface *surfaces = daft_arena_alloc(&f->instances, assets->material_slots.count, sizeof *surfaces);
     daft_texture_data *textures = daft_arena_alloc(&f->instances, assets->texture_slots.count, sizeof *textures);
     if (!surfaces || !textures) return daft_fail_memory(error, "a snapshot's materials");
-    for (uint32_t i = 0; i < assets->material_slots.count; i++) surfaces[i] = assets->surfaces[i];
+    for (uint32_t i = 0; i < assets->material_slots.count; i++) surfaces[i] = strip(assets->surfaces[i], view->without);
     for (uint32_t i = 0; i < assets->texture_slots.count; i++) textures[i] = assets->textures[i];
     s->instances = instances;
     s->materials = surfaces, s->material_count = assets->material_slots.count;
     s->textures = textures, s->texture_count = assets->texture_slots.count;
     s->revision = ++scene->engine->revision;
     f->revision = scene->revision, f->tick = scene->tick, f->alpha = view->alpha, f->origin = view->camera.position;
+    f->without = view->without;
     f->still = scene->moved_tick != scene->tick;
     scene->counters.instance_updates++;
     return true;

@@ -210,3 +210,57 @@ bool daft_scene_cast_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 directi
     if (hit) *hit = answer;
     return true;
 }
+
+/* ---- bounds ---- */
+
+/* The entity's box in its own axes. */
+static void own_bounds(const daft_scene *scene, const daft_entity_item *item, daft_dvec3 *low, daft_dvec3 *high)
+{
+    double r = (double)item->def.radius;
+    if (item->def.shape == DAFT_SHAPE_MESH) {
+        const daft_trimesh *mesh = &scene->assets.meshes[daft_asset_index(item->def.mesh.id)]->mesh;
+        *low = daft_to_double(mesh->low), *high = daft_to_double(mesh->high);
+    } else if (item->def.shape == DAFT_SHAPE_SPHERE) {
+        *low = daft_dv3(-r, -r, -r), *high = daft_dv3(r, r, r);
+    } else {
+        *high = daft_dscale(daft_to_double(item->def.size), 0.5), *low = daft_dscale(*high, -1);
+    }
+}
+
+static bool has_triangles(const daft_scene *scene, const daft_entity_item *item)
+{
+    return item->def.shape != DAFT_SHAPE_MESH ||
+           scene->assets.meshes[daft_asset_index(item->def.mesh.id)]->mesh.triangle_count > 0;
+}
+
+static void widen(double value, double *low, double *high) { *low = fmin(*low, value), *high = fmax(*high, value); }
+
+static void add_bounds(const daft_scene *scene, const daft_entity_item *item, daft_dvec3 *low, daft_dvec3 *high)
+{
+    daft_dvec3 a, b;
+    own_bounds(scene, item, &a, &b);
+    for (int corner = 0; corner < 8; corner++) {
+        daft_dvec3 p = daft_dv3(corner & 1 ? b.x : a.x, corner & 2 ? b.y : a.y, corner & 4 ? b.z : a.z);
+        p = daffine_point(&item->world, p);
+        if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z)) continue;
+        widen(p.x, &low->x, &high->x), widen(p.y, &low->y, &high->y), widen(p.z, &low->z, &high->z);
+    }
+}
+
+bool daft_scene_get_bounds(daft_scene *scene, daft_dvec3 *low, daft_dvec3 *high, daft_error *error)
+{
+    daft_error_clear(error);
+    if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "low", low) ||
+        !daft_check_pointer(error, "high", high))
+        return false;
+    daft_dvec3 a = daft_dv3(INFINITY, INFINITY, INFINITY), b = daft_dscale(a, -1);
+    scene->walk = ++scene->engine->revision;
+    for (uint32_t i = 0; i < scene->entity_slots.count; i++) {
+        if (!scene->entity_slots.items[i].live || scene->entities[i].def.shape == DAFT_SHAPE_NONE) continue;
+        const daft_entity_item *item = daft_entity_world(scene, i, 1);
+        if (item->shown && item->def.visible && has_triangles(scene, item)) add_bounds(scene, item, &a, &b);
+    }
+    if (!(a.x <= b.x)) return false;
+    *low = a, *high = b;
+    return true;
+}

@@ -167,6 +167,7 @@ typedef struct daft_scene_frame {
     daft_snapshot snapshot;
     daft_counters counters; /* of the drawing */
     daft_arena lights, instances;
+    uint32_t without; /* what the surfaces have been stripped of */
     /* The instances are kept for the next frame that sees the same: */
     uint64_t revision, tick; /* the scene's; revision 0: there are none */
     bool still;              /* nothing was between two ticks' poses; else it was drawn at: */

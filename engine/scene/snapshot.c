@@ -33,14 +33,16 @@ static bool make_light(const daft_light_def *def, daft_dvec3 origin, daft_light_
     return daft_fits_kernels(light->position);
 }
 
-static bool fill_lights(daft_scene *scene, daft_dvec3 origin, daft_scene_frame *frame, daft_error *error)
+static bool fill_lights(daft_scene *scene, const daft_view *view, daft_scene_frame *frame, daft_error *error)
 {
     daft_snapshot *s = &frame->snapshot;
     daft_arena_reset(&frame->lights);
     daft_light_source *lights = daft_arena_alloc(&frame->lights, scene->light_slots.live, sizeof *lights);
     if (!lights) return daft_fail_memory(error, "a snapshot's lights");
+    const daft_dvec3 origin = view->camera.position;
+    uint32_t slots = view->without & DAFT_WITHOUT_SHADING ? 0 : scene->light_slots.count;
     s->light_count = 0;
-    for (uint32_t i = 0; i < scene->light_slots.count; i++)
+    for (uint32_t i = 0; i < slots; i++)
         if (scene->light_slots.items[i].live && make_light(&scene->lights[i], origin, &lights[s->light_count]))
             s->light_count++;
     s->lights = lights;
@@ -60,6 +62,12 @@ static daft_preset choose_preset(const daft_view *view)
     return preset;
 }
 
+static daft_vec3 ambient_of(const daft_scene *scene, const daft_view *view)
+{
+    if (view->without & DAFT_WITHOUT_SHADING) return (daft_vec3){1, 1, 1};
+    return view->without & DAFT_WITHOUT_AMBIENT ? (daft_vec3){0, 0, 0} : scene->ambient;
+}
+
 bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int height, daft_scene_frame *frame,
                         daft_error *error)
 {
@@ -70,8 +78,8 @@ bool daft_snapshot_fill(daft_scene *scene, const daft_view *view, int width, int
     s->preset = choose_preset(view);
     s->preset.reference |= scene->engine->accel == DAFT_ACCEL_KDTREE;
     s->intersection = view->intersection;
-    s->ambient = scene->ambient;
+    s->ambient = ambient_of(scene, view);
     s->sky = scene->sky;
     daft_camera_axes(&view->camera, &s->right, &s->up, &s->forward);
-    return fill_lights(scene, view->camera.position, frame, error);
+    return fill_lights(scene, view, frame, error);
 }

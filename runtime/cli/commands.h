@@ -7,6 +7,7 @@
 
 int command_play(int argc, char **argv);
 int command_render(int argc, char **argv);
+int command_view(int argc, char **argv);
 int command_check(int argc, char **argv);
 int command_video(int argc, char **argv);
 int command_pack(int argc, char **argv);

@@ -18,6 +18,7 @@ static const struct {
 } COMMANDS[] = {
     {"play", "play a game, or choose one from a menu", command_play},
     {"render", "render a scene to a picture", command_render},
+    {"view", "look at a scene, a mesh or a picture in a window", command_view},
     {"video", "film a scene or a game", command_video},
     {"cost", "measure what accuracy costs in a scene or a game", command_cost},
     {"check", "check scenes, meshes, pictures and games for errors", command_check},

@@ -6,11 +6,11 @@
 #include "cli/cli.h"
 #include "cli/terminal.h"
 #include "common/progress.h"
+#include "common/showcase.h"
 #include "common/stats.h"
 #include "common/util.h"
 #include "many/bands.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -38,56 +38,6 @@ typedef struct render_options {
     const char *aov_list;
     aov_set aov;
 } render_options;
-
-/* Views the mesh from the front right and above, at the distance D at which the corners of its bounds just fit. A
- * corner c, relative to the centre, has depth D + forward·c and lies in the picture when |right·c| <= tan·(D +
- * forward·c), and likewise for up. */
-static daft_camera frame_box(const daft_mesh_info *info, double aspect)
-{
-    const double fov = 0.8, across = daft_tan(fov / 2), back[3] = {0.42, 0.34, 0.8414};
-    const double flat = sqrt(back[0] * back[0] + back[2] * back[2]);
-    const double right[3] = {back[2] / flat, 0, -back[0] / flat};
-    const double up[3] = {-back[0] * back[1] / flat, flat, -back[2] * back[1] / flat};
-    const double low[3] = {(double)info->low.x, (double)info->low.y, (double)info->low.z};
-    const double high[3] = {(double)info->high.x, (double)info->high.y, (double)info->high.z};
-    double middle[3], distance = 0;
-    for (int i = 0; i < 3; i++) middle[i] = (low[i] + high[i]) / 2;
-    for (int corner = 0; corner < 8; corner++) {
-        double x = 0, y = 0, depth = 0;
-        for (int i = 0; i < 3; i++) {
-            double c = (corner >> i & 1 ? high[i] : low[i]) - middle[i];
-            x += right[i] * c, y += up[i] * c, depth -= back[i] * c;
-        }
-        distance = fmax(distance, fmax(fabs(x) / across, fabs(y) / (across * aspect)) - depth);
-    }
-    distance = distance > 0 ? distance * 1.06 : 1;
-    daft_dvec3 at = {middle[0], middle[1], middle[2]};
-    daft_dvec3 from = {at.x + distance * back[0], at.y + distance * back[1], at.z + distance * back[2]};
-    return daft_camera_look_at(from, at, (float)fov);
-}
-
-/* Adds a sky, a sun and a camera for a mesh without a scene. */
-static bool frame_mesh(daft_scene *scene, const render_options *o, daft_camera *camera, daft_error *error)
-{
-    daft_mesh mesh = daft_mesh_load(scene, o->scene, error);
-    daft_mesh_info info;
-    if (mesh.id == 0 || !daft_mesh_get_info(scene, mesh, &info, error)) return false;
-    if (info.triangle_count == 0) return fail_at(error, o->scene, 0, 0, "the mesh has no triangles to draw");
-    daft_entity_def def = daft_default_entity_def();
-    def.shape = DAFT_SHAPE_MESH;
-    def.mesh = mesh;
-    if (!daft_entity_create(scene, &def, error).id) return false;
-    daft_light_def sun = daft_default_light_def();
-    sun.kind = DAFT_LIGHT_SUN;
-    sun.direction = (daft_vec3){-0.35f, -1, -0.9f};
-    sun.color = (daft_vec3){0.75f, 0.73f, 0.7f};
-    if (!daft_light_create(scene, &sun, error).id) return false;
-    daft_scene_set_ambient(scene, (daft_vec3){0.22f, 0.24f, 0.28f});
-    daft_scene_set_sky_gradient(scene, (daft_vec3){0.16f, 0.35f, 0.72f}, (daft_vec3){0.8f, 0.88f, 0.95f});
-
-    *camera = frame_box(&info, (double)o->size.height / (double)o->size.width);
-    return true;
-}
 
 static bool choose_camera(const daft_scene *scene, const render_options *o, daft_camera *camera, daft_error *error)
 {
@@ -120,7 +70,10 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
 {
     daft_view view = o->knobs.view;
     bool is_mesh = has_extension(o->scene, ".obj");
-    if (is_mesh ? !frame_mesh(scene, o, &view.camera, error) : !daft_scene_load(scene, o->scene, error)) return false;
+    double aspect = (double)o->size.height / (double)o->size.width;
+    if (is_mesh ? !showcase_mesh(scene, o->scene, aspect, &view.camera, error)
+                : !daft_scene_load(scene, o->scene, error))
+        return false;
     if (!is_mesh && !choose_camera(scene, o, &view.camera, error)) return false;
     if (is_mesh && o->camera_given && o->camera > 0)
         return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", o->camera);

@@ -120,6 +120,7 @@ static void take_events(session *s)
         switch (event.kind) {
         case PLATFORM_CLOSE: s->closed = true; break;
         case PLATFORM_FOCUS_LOST: input_push_release_all(&s->play.keys); break;
+        case PLATFORM_DROP: break;
         case PLATFORM_INPUT:
             if (event.input.kind == INPUT_KEY && event.input.down) handle_session_key(s, event.input.key);
             session_scale_mouse(screen, &event.input);

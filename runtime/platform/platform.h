@@ -10,12 +10,16 @@
 typedef enum platform_event_kind {
     PLATFORM_INPUT, /* a key, the mouse (x, y as fractions of the window) or the wheel */
     PLATFORM_FOCUS_LOST,
+    PLATFORM_DROP, /* a file was dropped on the window: `path` */
     PLATFORM_CLOSE
 } platform_event_kind;
+
+enum { PLATFORM_PATH = 1024 };
 
 typedef struct platform_event {
     platform_event_kind kind;
     input_event input;
+    char path[PLATFORM_PATH]; /* of a dropped file; longer ones are not told */
 } platform_event;
 
 typedef struct platform platform;

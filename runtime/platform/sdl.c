@@ -111,6 +111,14 @@ static bool mouse_event(sdl_platform *sdl, const SDL_Event *event, input_event *
     }
 }
 
+static bool drop_event(const SDL_DropEvent *event, platform_event *out)
+{
+    int length = snprintf(out->path, sizeof out->path, "%s", event->file);
+    SDL_free(event->file);
+    out->kind = PLATFORM_DROP;
+    return length > 0 && (size_t)length < sizeof out->path;
+}
+
 static bool next_event(sdl_platform *sdl, platform_event *out)
 {
     for (SDL_Event event; SDL_PollEvent(&event);) {
@@ -130,6 +138,9 @@ static bool next_event(sdl_platform *sdl, platform_event *out)
         case SDL_MOUSEBUTTONDOWN:
         case SDL_MOUSEBUTTONUP:
             if (mouse_event(sdl, &event, &out->input)) return true;
+            break;
+        case SDL_DROPFILE:
+            if (drop_event(&event.drop, out)) return true;
             break;
         default: break;
         }

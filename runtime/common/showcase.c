@@ -1,0 +1,54 @@
+/* A mesh without a scene. */
+#include "common/showcase.h"
+
+#include "common/util.h"
+
+#include <math.h>
+
+/* At the distance D at which the corners of the box just fit. A corner c, relative to the centre, has depth
+ * D + forward·c and lies in the picture when |right·c| <= tan·(D + forward·c), and likewise for up. */
+daft_camera showcase_camera(daft_dvec3 from, daft_dvec3 to, double aspect)
+{
+    const double fov = 0.8, across = daft_tan(fov / 2), back[3] = {0.42, 0.34, 0.8414};
+    const double flat = sqrt(back[0] * back[0] + back[2] * back[2]);
+    const double right[3] = {back[2] / flat, 0, -back[0] / flat};
+    const double up[3] = {-back[0] * back[1] / flat, flat, -back[2] * back[1] / flat};
+    const double low[3] = {from.x, from.y, from.z}, high[3] = {to.x, to.y, to.z};
+    double middle[3], distance = 0;
+    for (int i = 0; i < 3; i++) middle[i] = (low[i] + high[i]) / 2;
+    for (int corner = 0; corner < 8; corner++) {
+        double x = 0, y = 0, depth = 0;
+        for (int i = 0; i < 3; i++) {
+            double c = (corner >> i & 1 ? high[i] : low[i]) - middle[i];
+            x += right[i] * c, y += up[i] * c, depth -= back[i] * c;
+        }
+        distance = fmax(distance, fmax(fabs(x) / across, fabs(y) / (across * aspect)) - depth);
+    }
+    distance = distance > 0 ? distance * 1.06 : 1;
+    daft_dvec3 at = {middle[0], middle[1], middle[2]};
+    daft_dvec3 eye = {at.x + distance * back[0], at.y + distance * back[1], at.z + distance * back[2]};
+    return daft_camera_look_at(eye, at, (float)fov);
+}
+
+static daft_dvec3 to_double(daft_vec3 v) { return (daft_dvec3){(double)v.x, (double)v.y, (double)v.z}; }
+
+bool showcase_mesh(daft_scene *scene, const char *path, double aspect, daft_camera *camera, daft_error *error)
+{
+    daft_mesh mesh = daft_mesh_load(scene, path, error);
+    daft_mesh_info info;
+    if (mesh.id == 0 || !daft_mesh_get_info(scene, mesh, &info, error)) return false;
+    if (info.triangle_count == 0) return fail_at(error, path, 0, 0, "the mesh has no triangles to draw");
+    daft_entity_def def = daft_default_entity_def();
+    def.shape = DAFT_SHAPE_MESH;
+    def.mesh = mesh;
+    if (!daft_entity_create(scene, &def, error).id) return false;
+    daft_light_def sun = daft_default_light_def();
+    sun.kind = DAFT_LIGHT_SUN;
+    sun.direction = (daft_vec3){-0.35f, -1, -0.9f};
+    sun.color = (daft_vec3){0.75f, 0.73f, 0.7f};
+    if (!daft_light_create(scene, &sun, error).id) return false;
+    daft_scene_set_ambient(scene, (daft_vec3){0.22f, 0.24f, 0.28f});
+    daft_scene_set_sky_gradient(scene, (daft_vec3){0.16f, 0.35f, 0.72f}, (daft_vec3){0.8f, 0.88f, 0.95f});
+    *camera = showcase_camera(to_double(info.low), to_double(info.high), aspect);
+    return true;
+}

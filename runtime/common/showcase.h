@@ -1,0 +1,12 @@
+/* showcase: a mesh without a scene, in front of a sky, and a camera from which all of a box is seen. */
+#ifndef RUNTIME_COMMON_SHOWCASE_H
+#define RUNTIME_COMMON_SHOWCASE_H
+
+#include "daft.h"
+
+/* From the front right and above, at the distance at which the box just fits. aspect: height of the picture / width. */
+daft_camera showcase_camera(daft_dvec3 low, daft_dvec3 high, double aspect);
+/* Loads the mesh, and adds a sky, a sun and a camera. */
+bool showcase_mesh(daft_scene *scene, const char *path, double aspect, daft_camera *camera, daft_error *error);
+
+#endif

@@ -1,0 +1,100 @@
+/* What is shown. */
+#include "view/content.h"
+
+#include "common/showcase.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* ---- whether it has changed ---- */
+
+static uint64_t stamp_of(const char *path)
+{
+    struct stat status;
+    if (stat(path, &status) != 0) return 0;
+    uint64_t numbers[3] = {(uint64_t)status.st_size, (uint64_t)status.st_mtim.tv_sec, (uint64_t)status.st_mtim.tv_nsec};
+    return daft_hash(numbers, sizeof numbers, daft_hash(path, strlen(path), 0));
+}
+
+static void folder_of(const char *path, char out[PATH_SIZE])
+{
+    snprintf(out, PATH_SIZE, "%s", path);
+    char *slash = strrchr(out, '/');
+    if (slash) slash[slash == out ? 1 : 0] = 0;
+    if (!slash) snprintf(out, PATH_SIZE, ".");
+}
+
+uint64_t content_stamp(const char *path)
+{
+    char folder[PATH_SIZE], name[PATH_SIZE];
+    uint64_t sum = stamp_of(path);
+    folder_of(path, folder);
+    DIR *list = opendir(folder);
+    for (const struct dirent *entry; list && (entry = readdir(list));) {
+        bool counts = has_extension(entry->d_name, ".obj") || has_extension(entry->d_name, ".mtl") ||
+                      has_extension(entry->d_name, ".scene");
+        if (counts && path_join(name, sizeof name, folder, entry->d_name)) sum += stamp_of(name);
+    }
+    if (list) closedir(list);
+    return sum;
+}
+
+/* ---- opening ---- */
+
+static bool choose_camera(content *c, long camera, double aspect, daft_error *error)
+{
+    uint32_t count = daft_scene_camera_count(c->scene);
+    if (camera >= (long)count && camera > 0)
+        return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: %s has %u camera%s, counted from 0", camera, c->path,
+                    count, count == 1 ? "" : "s");
+    if (count > 0) return daft_scene_get_camera(c->scene, camera < 0 ? 0 : (uint32_t)camera, &c->start, error);
+    if (c->size > 0) c->start = showcase_camera(c->low, c->high, aspect);
+    return true;
+}
+
+static bool measure(content *c, daft_error *error)
+{
+    *error = (daft_error){0};
+    if (!daft_scene_get_bounds(c->scene, &c->low, &c->high, error)) return error->code == DAFT_OK;
+    double x = c->high.x - c->low.x, y = c->high.y - c->low.y, z = c->high.z - c->low.z;
+    c->size = sqrt(x * x + y * y + z * z);
+    return true;
+}
+
+static bool open_scene(content *c, daft_engine *engine, long camera, double aspect, daft_error *error)
+{
+    c->scene = daft_scene_create(engine, error);
+    if (!c->scene) return false;
+    if (!has_extension(c->path, ".obj"))
+        return daft_scene_load(c->scene, c->path, error) && measure(c, error) &&
+               choose_camera(c, camera, aspect, error);
+    if (camera > 0) return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", camera);
+    return showcase_mesh(c->scene, c->path, aspect, &c->start, error) && measure(c, error);
+}
+
+bool content_open(content *out, daft_engine *engine, const char *path, long camera, double aspect, daft_error *error)
+{
+    content c = {.start = daft_default_camera()};
+    if ((size_t)snprintf(c.path, sizeof c.path, "%s", path) >= sizeof c.path)
+        return fail(error, DAFT_ERROR_ARGUMENT, "the name of the file is too long");
+    c.stamp = content_stamp(c.path);
+    bool scene = has_extension(path, ".scene") || has_extension(path, ".obj"), good;
+    if (scene)
+        good = open_scene(&c, engine, camera, aspect, error);
+    else
+        good = (c.image = daft_image_load(engine, path, error)) != NULL;
+    if (good)
+        *out = c;
+    else
+        content_close(&c);
+    return good;
+}
+
+void content_close(content *c)
+{
+    daft_scene_destroy(c->scene);
+    daft_image_destroy(c->image);
+    c->scene = NULL, c->image = NULL;
+}

@@ -1,0 +1,166 @@
+/* From the state of the window to what it shows. */
+#include "hud/screens.h"
+#include "view/viewer.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool fit(viewer *v, daft_image **image, daft_error *error)
+{
+    int width, height;
+    v->def->screen->get_size(v->def->screen, &width, &height);
+    if (*image && daft_image_width(*image) == width && daft_image_height(*image) == height) return true;
+    daft_image *fresh = daft_image_create(v->def->engine, width, height, error);
+    if (!fresh) return false;
+    daft_image_destroy(*image);
+    *image = fresh;
+    v->changed = true;
+    return true;
+}
+
+/* ---- the picture ---- */
+
+static bool is_fine(const viewer *v)
+{
+    return v->content.scene && !v->look.wires && (v->look.channel == VIEW_PICTURE || v->look.channel == VIEW_ALBEDO);
+}
+
+static bool draw(viewer *v, daft_error *error)
+{
+    uint64_t began = clock_now_ns();
+    v->changed = false;
+    v->repaint = true;
+    refine_restart(&v->refinement);
+    if (v->content.image) {
+        draw_picture(v->content.image, &v->place, v->picture);
+        return true;
+    }
+    v->look.camera = v->flight.camera;
+    if (!draw_scene(v->content.scene, &v->look, &v->channels, v->picture, error)) return false;
+    v->counters = *daft_scene_counters(v->content.scene);
+    double ms = (double)(clock_now_ns() - began) / 1e6;
+    v->frame_ms = v->frame_ms > 0 ? v->frame_ms * 0.9 + ms * 0.1 : ms;
+    v->moved_ns = v->now_ns;
+    return true;
+}
+
+/* Rows of the reference, once nothing has moved for a moment. */
+static bool refine(viewer *v, daft_error *error)
+{
+    const uint64_t patience = 150000000;
+    if (!is_fine(v) || v->now_ns - v->moved_ns < patience) return true;
+    const refine_job job = {v->def->engine, v->content.scene, &v->look, v->picture, viewer_is_asked, v};
+    if (refine_step(&v->refinement, &job, error)) v->repaint = true;
+    return error->code == DAFT_OK;
+}
+
+/* ---- texts ---- */
+
+static void describe(const viewer *v, char out[VIEW_TEXT])
+{
+    char name[PATH_SIZE];
+    path_base_name(v->content.path, name, sizeof name);
+    if (v->content.image)
+        snprintf(out, VIEW_TEXT, "%.200s   %d x %d   %.0f %%", name, daft_image_width(v->content.image),
+                 daft_image_height(v->content.image), v->place.zoom * 100);
+    else
+        snprintf(out, VIEW_TEXT, "%.200s   %.4g m across   %.3g m/s", name, v->content.size, v->flight.speed);
+}
+
+static void describe_switches(const viewer *v, char out[VIEW_TEXT])
+{
+    size_t count, used = 0;
+    const view_key *keys = view_keys(&count);
+    out[0] = 0;
+    if (v->flight.orbits) used += (size_t)snprintf(out + used, VIEW_TEXT - used, "turns around a point (O)   ");
+    for (size_t i = 0; i < count && used < VIEW_TEXT; i++) {
+        bool off = keys[i].act == VIEW_TOGGLE && v->look.without & keys[i].value;
+        bool channel = keys[i].act == VIEW_CHANNEL && keys[i].value && keys[i].value == v->look.channel;
+        if (off)
+            used += (size_t)snprintf(out + used, VIEW_TEXT - used, "without %s (%s)   ", keys[i].does, keys[i].shown);
+        if (channel) used += (size_t)snprintf(out + used, VIEW_TEXT - used, "%s (%s)   ", keys[i].does, keys[i].shown);
+    }
+    if (used >= 3 && used < VIEW_TEXT) out[used - 3] = 0;
+}
+
+static void describe_quality(const viewer *v, char out[VIEW_TEXT])
+{
+    int height = daft_image_height(v->picture), row = v->refinement.row;
+    double wrong = refine_error(&v->refinement, height);
+    out[0] = 0;
+    if (!is_fine(v)) return;
+    if (refine_is_done(&v->refinement))
+        snprintf(out, VIEW_TEXT, "reference");
+    else if (wrong >= 0)
+        snprintf(out, VIEW_TEXT, "%d %% of %s   error left %.2f %%", 100 * row / height,
+                 daft_quality_name(refine_quality(&v->refinement)), 100 * wrong);
+    else if (v->refinement.pass > 0)
+        snprintf(out, VIEW_TEXT, "high");
+    else
+        snprintf(out, VIEW_TEXT, "%s   %.1f ms", daft_quality_name(v->look.quality), v->frame_ms);
+}
+
+/* Where the clicked point is in the picture now; below 0: outside. */
+static void project(const viewer *v, float *x, float *y)
+{
+    const daft_camera *c = &v->flight.camera;
+    double aspect = viewer_aspect(v);
+    *x = *y = -1;
+    if (!v->hit) return;
+    /* The middle of the picture and the ends of its axes give the camera's own. */
+    daft_vec3 f = fly_ray(c, 0.5, 0.5, aspect), r = fly_ray(c, 1, 0.5, aspect), u = fly_ray(c, 0.5, 0, aspect);
+    daft_dvec3 d = {v->point.x - c->position.x, v->point.y - c->position.y, v->point.z - c->position.z};
+    const daft_vec3 *axes[3] = {&f, &r, &u};
+    double along[3], cosine[3];
+    for (int i = 0; i < 3; i++) {
+        const daft_vec3 *a = axes[i];
+        along[i] = d.x * (double)a->x + d.y * (double)a->y + d.z * (double)a->z;
+        cosine[i] = (double)f.x * (double)a->x + (double)f.y * (double)a->y + (double)f.z * (double)a->z;
+    }
+    if (!(along[0] > 0)) return;
+    /* With e the end of an axis at angle t: d·e = cos t · d·f + sin t · d·axis. */
+    double across = (along[1] - cosine[1] * along[0]) / (1 - cosine[1] * cosine[1]) * cosine[1] / along[0];
+    double above = (along[2] - cosine[2] * along[0]) / (1 - cosine[2] * cosine[2]) * cosine[2] / along[0];
+    if (fabs(across) > 1 || fabs(above) > 1) return;
+    *x = (float)(0.5 + across / 2), *y = (float)(0.5 - above / 2);
+}
+
+static void paint(viewer *v)
+{
+    char title[VIEW_TEXT], switches[VIEW_TEXT], corner[VIEW_TEXT];
+    canvas over = canvas_over(v->shown);
+    describe(v, title);
+    describe_switches(v, switches);
+    describe_quality(v, corner);
+    screen_state state = {.title = title,
+                          .switches = switches,
+                          .corner = corner,
+                          .found = v->found,
+                          .notice = v->now_ns < v->notice_until ? v->notice : "",
+                          .bad = v->notice_bad,
+                          .keys = v->keys};
+    project(v, &state.cross_x, &state.cross_y);
+    if (v->plan && v->content.scene) {
+        overlay_figures figures = {.frames_per_second = v->turn_ms > 0 ? 1000 / v->turn_ms : 0,
+                                   .frame_ms = v->frame_ms,
+                                   .counters = &v->counters,
+                                   .memory = daft_engine_memory(v->def->engine)};
+        screen_overlay(&over, v->def->face, &figures);
+    }
+    screen_draw(&over, v->def->face, &state);
+}
+
+bool show(viewer *v, daft_error *error)
+{
+    platform *screen = v->def->screen;
+    *error = (daft_error){0};
+    if (!screen->wants_frame(screen)) return true;
+    if (!fit(v, &v->picture, error) || !fit(v, &v->shown, error)) return false;
+    if (!(v->changed ? draw(v, error) : refine(v, error))) return false;
+    if (!v->repaint) return true;
+    v->repaint = false;
+    memcpy(daft_image_pixels(v->shown), daft_image_pixels(v->picture),
+           4 * (size_t)daft_image_width(v->picture) * (size_t)daft_image_height(v->picture));
+    paint(v);
+    return screen->present(screen, v->shown, error);
+}

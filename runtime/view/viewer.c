@@ -1,0 +1,325 @@
+/* The window's loop: events, keys, moves, files. */
+#include "view/viewer.h"
+
+#include "common/showcase.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint64_t SECOND = 1000000000u;
+
+void viewer_say(viewer *v, bool bad, const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    vsnprintf(v->notice, sizeof v->notice, format, list);
+    va_end(list);
+    v->notice_bad = bad;
+    v->notice_until = v->now_ns + (bad ? 8 : 4) * SECOND;
+    v->repaint = true;
+}
+
+double viewer_aspect(const viewer *v)
+{
+    int width, height;
+    v->def->screen->get_size(v->def->screen, &width, &height);
+    return (double)height / (double)width;
+}
+
+/* ---- files ---- */
+
+static void say_error(viewer *v, const daft_error *error)
+{
+    char text[1200];
+    viewer_say(v, true, "%.600s", daft_error_text(error, text, sizeof text));
+}
+
+static void take_content(viewer *v, content *fresh)
+{
+    content_close(&v->content);
+    v->content = *fresh;
+    v->seen_stamp = fresh->stamp;
+    v->found[0] = 0;
+    v->hit = false;
+    v->changed = true;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* The median distance of what is seen at first, since a plain around a village says little; else the scene's size. */
+static double usual_distance(const viewer *v)
+{
+    enum { SIDE = 9 };
+    float distances[SIDE * SIDE];
+    size_t count = 0;
+    for (int i = 0; v->content.scene && i < SIDE * SIDE; i++) {
+        double x = (i % SIDE + 0.5) / SIDE, y = (i / SIDE + 0.5) / SIDE;
+        daft_vec3 ray = fly_ray(&v->content.start, x, y, viewer_aspect(v));
+        daft_ray_hit hit;
+        daft_error error;
+        if (daft_scene_cast_ray(v->content.scene, v->content.start.position, ray, INFINITY, (daft_entity){0}, &hit,
+                                &error))
+            distances[count++] = hit.distance;
+    }
+    qsort(distances, count, sizeof distances[0], by_value);
+    return count > 0 && distances[count / 2] > 0 ? (double)distances[count / 2] : v->content.size;
+}
+
+static void begin(viewer *v)
+{
+    int width, height;
+    char title[PATH_SIZE + 16], name[PATH_SIZE];
+    platform *screen = v->def->screen;
+    screen->get_size(screen, &width, &height);
+    v->flight = (flight){.camera = v->content.start};
+    v->flight.speed = fly_speed(usual_distance(v));
+    if (v->content.image) v->place = draw_fit(v->content.image, width, height);
+    path_base_name(v->content.path, name, sizeof name);
+    snprintf(title, sizeof title, "DAFT: %s", name);
+    screen->set_title(screen, title);
+}
+
+void viewer_open(viewer *v, const char *path)
+{
+    daft_error error;
+    content fresh;
+    if (!content_open(&fresh, v->def->engine, path, -1, viewer_aspect(v), &error)) {
+        say_error(v, &error);
+        return;
+    }
+    take_content(v, &fresh);
+    begin(v);
+    viewer_say(v, false, "H shows the keys");
+}
+
+void viewer_reload(viewer *v)
+{
+    daft_error error;
+    content fresh;
+    char path[PATH_SIZE];
+    snprintf(path, sizeof path, "%s", v->content.path);
+    v->content.stamp = content_stamp(path); /* a file that cannot be loaded is tried again once it has changed */
+    if (!content_open(&fresh, v->def->engine, path, v->def->camera, viewer_aspect(v), &error)) {
+        say_error(v, &error);
+        return;
+    }
+    take_content(v, &fresh);
+    viewer_say(v, false, "loaded again");
+}
+
+/* Loads the file again once it has changed and then stood still for a moment: it may be in the middle of being saved.
+ */
+static void watch_file(viewer *v)
+{
+    if (v->now_ns - v->checked_ns < SECOND / 4) return;
+    v->checked_ns = v->now_ns;
+    uint64_t stamp = content_stamp(v->content.path);
+    bool stands = stamp == v->seen_stamp;
+    v->seen_stamp = stamp;
+    if (stands && stamp != v->content.stamp) viewer_reload(v);
+}
+
+/* ---- keys ---- */
+
+static void frame_all(viewer *v)
+{
+    int width, height;
+    v->def->screen->get_size(v->def->screen, &width, &height);
+    if (v->content.image) v->place = draw_fit(v->content.image, width, height);
+    if (v->content.scene && v->content.size > 0)
+        v->flight.camera = showcase_camera(v->content.low, v->content.high, viewer_aspect(v));
+    v->flight.orbits = false;
+    v->changed = true;
+}
+
+static void toggle_orbit(viewer *v)
+{
+    daft_ray_hit hit;
+    v->repaint = true;
+    if (!v->flight.orbits && !pick_point(v, &hit)) {
+        viewer_say(v, false, "nothing lies under the cursor to turn around");
+        return;
+    }
+    v->flight.orbits = !v->flight.orbits;
+    if (v->flight.orbits) pick(v), v->flight.pivot = hit.position;
+}
+
+static void take_key(viewer *v, const char *name)
+{
+    const view_key *key = view_key_find(name);
+    if (!key) return;
+    v->repaint = true;
+    switch (key->act) {
+    case VIEW_NOTHING: break;
+    case VIEW_TOGGLE: v->look.without ^= key->value, v->changed = true; break;
+    case VIEW_CHANNEL: v->look.channel = (view_channel)key->value, v->changed = true; break;
+    case VIEW_WIRES: v->look.wires = !v->look.wires, v->changed = true; break;
+    case VIEW_ORBIT: toggle_orbit(v); break;
+    case VIEW_FRAME_ALL: frame_all(v); break;
+    case VIEW_START: begin(v), v->changed = true; break;
+    case VIEW_RELOAD: viewer_reload(v); break;
+    case VIEW_PLAN: v->plan = !v->plan; break;
+    case VIEW_KEYS: v->keys = !v->keys; break;
+    case VIEW_LEAVE: v->leaves = true; break;
+    }
+}
+
+/* ---- the mouse ---- */
+
+static bool held(const viewer *v, const char *name) { return v->input.down[input_key_find(name)]; }
+
+static void press(viewer *v, bool right)
+{
+    daft_ray_hit hit;
+    v->press_x = v->mouse_x, v->press_y = v->mouse_y;
+    v->drags = false;
+    if (right && !v->flight.orbits && pick_point(v, &hit)) v->flight.pivot = hit.position;
+}
+
+static void drag(viewer *v, double dx, double dy)
+{
+    const double start = 0.005, turn = (double)v->flight.camera.fov;
+    if (fabs(v->mouse_x - v->press_x) + fabs(v->mouse_y - v->press_y) > start) v->drags = true;
+    if (!v->drags) return;
+    if (v->content.image) {
+        int width, height;
+        v->def->screen->get_size(v->def->screen, &width, &height);
+        v->place.x -= dx * width / v->place.zoom / daft_image_width(v->content.image);
+        v->place.y -= dy * height / v->place.zoom / daft_image_height(v->content.image);
+        v->changed = true;
+        return;
+    }
+    /* What lies under the cursor stays under it while looking around; turning goes twice as far. */
+    if (held(v, "mouse3") || v->flight.orbits)
+        fly_orbit(&v->flight, -2.5 * dx, 2.5 * dy * viewer_aspect(v));
+    else
+        fly_move(&v->flight, &(flight_wish){.yaw = -turn * dx, .pitch = -turn * dy * viewer_aspect(v)}, 0);
+    v->changed = true;
+}
+
+static void wheel(viewer *v, double notches)
+{
+    if (v->content.image) {
+        double zoom = fmax(0.01, fmin(64, v->place.zoom * pow(1.25, notches)));
+        v->place.zoom = zoom;
+        v->changed = true;
+    }
+    if (v->content.scene) fly_change_speed(&v->flight, notches, v->content.size);
+    v->repaint = true;
+}
+
+static void take_input(viewer *v, const input_event *event)
+{
+    const char *name = event->kind == INPUT_KEY ? input_key_name(event->key) : "";
+    bool left = strcmp(name, "mouse1") == 0, right = strcmp(name, "mouse3") == 0;
+    input_push(&v->input, event);
+    if (event->kind == INPUT_MOVE) {
+        double dx = (double)event->x - v->mouse_x, dy = (double)event->y - v->mouse_y;
+        v->mouse_x = (double)event->x, v->mouse_y = (double)event->y;
+        if (held(v, "mouse1") || held(v, "mouse3")) drag(v, dx, dy);
+    } else if (event->kind == INPUT_WHEEL) {
+        wheel(v, (double)event->y);
+    } else if (left || right) {
+        if (event->down) press(v, right);
+        if (!event->down && left && !v->drags) pick(v);
+    } else if (event->kind == INPUT_KEY && event->down) {
+        take_key(v, name);
+    }
+    input_apply_queue(&v->input);
+}
+
+bool viewer_is_asked(void *viewer_)
+{
+    viewer *v = viewer_;
+    platform *screen = v->def->screen;
+    while (v->early_count < COUNT_OF(v->early) && screen->poll(screen, &v->early[v->early_count])) v->early_count++;
+    return v->early_count > 0;
+}
+
+static void take_events(viewer *v)
+{
+    platform *screen = v->def->screen;
+    size_t taken = 0;
+    for (platform_event event; taken < v->early_count || screen->poll(screen, &event);) {
+        if (taken < v->early_count) event = v->early[taken++];
+        switch (event.kind) {
+        case PLATFORM_CLOSE: v->leaves = true; break;
+        case PLATFORM_FOCUS_LOST:
+            input_push_release_all(&v->input);
+            input_apply_queue(&v->input);
+            break;
+        case PLATFORM_DROP: viewer_open(v, event.path); break;
+        case PLATFORM_INPUT: take_input(v, &event.input); break;
+        }
+    }
+    v->early_count = 0;
+}
+
+/* ---- moving ---- */
+
+static double key_axis(const viewer *v, const char *plus, const char *minus)
+{
+    return (held(v, plus) ? 1 : 0) - (held(v, minus) ? 1 : 0);
+}
+
+static void move(viewer *v, double seconds)
+{
+    const double turn = 1.2; /* radians a second */
+    if (!v->content.scene) return;
+    flight_wish wish = {.forward = key_axis(v, "w", "s"),
+                        .right = key_axis(v, "d", "a"),
+                        .up = key_axis(v, "e", "q"),
+                        .yaw = turn * seconds * key_axis(v, "right", "left"),
+                        .pitch = turn * seconds * key_axis(v, "down", "up"),
+                        .factor = 1};
+    if (held(v, "left shift") || held(v, "right shift")) wish.factor *= 4;
+    if (held(v, "left ctrl") || held(v, "right ctrl")) wish.factor /= 4;
+    if (fly_move(&v->flight, &wish, seconds)) v->changed = true;
+}
+
+static bool run(viewer *v, daft_error *error)
+{
+    platform *screen = v->def->screen;
+    const double longest = 0.1; /* seconds: after a pause the camera does not jump */
+    v->now_ns = screen->now_ns(screen);
+    while (!v->leaves) {
+        uint64_t now = screen->now_ns(screen);
+        double seconds = (double)(now - v->now_ns) / 1e9;
+        bool spoke = v->now_ns < v->notice_until;
+        v->now_ns = now;
+        v->turn_ms = v->turn_ms > 0 ? v->turn_ms * 0.9 + seconds * 100 : seconds * 1000;
+        if (spoke && now >= v->notice_until) v->repaint = true;
+        take_events(v);
+        watch_file(v);
+        move(v, fmin(seconds, longest));
+        if (!show(v, error)) return false;
+        screen->end_frame(screen);
+    }
+    return true;
+}
+
+bool view_run(const view_def *def, daft_error *error)
+{
+    viewer v = {.def = def, .look = {.quality = def->quality}, .mouse_x = 0.5, .mouse_y = 0.5};
+    bool good = content_open(&v.content, def->engine, def->path, def->camera, viewer_aspect(&v), error);
+    if (good) {
+        v.now_ns = def->screen->now_ns(def->screen);
+        v.seen_stamp = v.content.stamp;
+        v.changed = true;
+        begin(&v);
+        viewer_say(&v, false, "H shows the keys");
+        good = run(&v, error);
+    }
+    content_close(&v.content);
+    daft_image_destroy(v.picture);
+    daft_image_destroy(v.shown);
+    draw_free(&v.channels);
+    refine_free(&v.refinement);
+    return good;
+}

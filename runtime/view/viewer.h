@@ -1,0 +1,60 @@
+/* viewer: the state of the window. */
+#ifndef RUNTIME_VIEW_VIEWER_H
+#define RUNTIME_VIEW_VIEWER_H
+
+#include "view/content.h"
+#include "view/draw.h"
+#include "view/fly.h"
+#include "view/keys.h"
+#include "view/refine.h"
+#include "view/screen.h"
+#include "view/view.h"
+
+enum { VIEW_TEXT = 700 };
+
+typedef struct viewer {
+    const view_def *def;
+    content content;
+    flight flight;
+    picture_place place; /* of a picture */
+    view_look look;
+    bool plan, keys, leaves;
+    bool changed; /* the picture is to be drawn again */
+    bool repaint; /* only what stands over it */
+    input input;
+    platform_event early[16]; /* taken while the picture was refined */
+    size_t early_count;
+    /* The mouse, in fractions of the window. */
+    double mouse_x, mouse_y, press_x, press_y;
+    bool drags;       /* a button is held and the mouse has moved far enough for that */
+    bool hit;         /* the cursor has hit something: */
+    daft_dvec3 point; /* in the world */
+    char found[VIEW_TEXT], notice[VIEW_TEXT];
+    bool notice_bad;
+    uint64_t notice_until, checked_ns, now_ns, moved_ns;
+    uint64_t seen_stamp; /* of the file, at the last look */
+    daft_image *picture, *shown;
+    pixel_channels channels;
+    refinement refinement;
+    double frame_ms, turn_ms;
+    daft_counters counters; /* of the last picture while moving */
+} viewer;
+
+void viewer_say(viewer *v, bool bad, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* Opens a file in place of what is shown; on failure that stays, and the message is on the screen. */
+void viewer_open(viewer *v, const char *path);
+/* The same file again, with the camera where it is. */
+void viewer_reload(viewer *v);
+/* Whether an event has come; it is kept for the next turn. */
+bool viewer_is_asked(void *viewer);
+double viewer_aspect(const viewer *v); /* height of the window / width */
+
+/* What lies under the cursor, into v->found (pick.c). */
+void pick(viewer *v);
+/* The point of a scene under the cursor. */
+bool pick_point(viewer *v, daft_ray_hit *hit);
+
+/* Draws what has changed, or refines the picture, and shows it (show.c). */
+bool show(viewer *v, daft_error *error);
+
+#endif

@@ -1,0 +1,320 @@
+/* runtime: the window of `daft view`: how the camera moves, and what keys, drops and saved files do, on a platform made
+ * for tests that presses one key a frame. */
+#include "common/util.h"
+#include "view/draw.h"
+#include "view/fly.h"
+#include "view/keys.h"
+#include "view/view.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <unistd.h>
+
+/* ---- the camera ---- */
+
+static double apart(daft_dvec3 a, daft_dvec3 b)
+{
+    double x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+    return sqrt(x * x + y * y + z * z);
+}
+
+static flight start(void)
+{
+    flight f = {.camera = daft_default_camera(), .speed = 2};
+    f.camera.yaw = 0.4f, f.camera.pitch = 0.2f;
+    return f;
+}
+
+static void flying_goes_as_fast_as_it_says(void **unused)
+{
+    (void)unused;
+    flight f = start();
+    assert_true(fly_move(&f, &(flight_wish){.forward = 1, .factor = 1}, 0.5));
+    assert_true(fabs(apart(f.camera.position, (daft_dvec3){0, 0, 0}) - 1) < 1e-9);
+    assert_true(f.camera.position.x > 0 && f.camera.position.z > 0 && f.camera.position.y < 0); /* right and down */
+    assert_true(fly_move(&f, &(flight_wish){.forward = -1, .factor = 4}, 0.125));
+    assert_true(apart(f.camera.position, (daft_dvec3){0, 0, 0}) < 1e-9);
+    assert_false(fly_move(&f, &(flight_wish){.factor = 1}, 1));
+}
+
+static void nobody_looks_over_the_top(void **unused)
+{
+    (void)unused;
+    flight f = start();
+    for (int i = 0; i < 100; i++) fly_move(&f, &(flight_wish){.yaw = 0.7, .pitch = 0.3, .factor = 1}, 0);
+    assert_true(f.camera.pitch < 1.5708f && f.camera.pitch > 1.5f);
+    assert_true(fabsf(f.camera.yaw) <= 3.15f);
+}
+
+static void turning_keeps_the_distance_and_the_place_in_the_picture(void **unused)
+{
+    (void)unused;
+    flight f = start();
+    f.pivot = (daft_dvec3){5, -1, 3};
+    f.orbits = true;
+    double before = apart(f.camera.position, f.pivot);
+    for (int i = 0; i < 50; i++) fly_orbit(&f, 0.1, i % 2 ? 0.02 : -0.03);
+    assert_true(fabs(apart(f.camera.position, f.pivot) - before) < 1e-5);
+    for (int i = 0; i < 400; i++) fly_move(&f, &(flight_wish){.forward = 1, .factor = 1}, 0.1);
+    assert_true(apart(f.camera.position, f.pivot) < 1e-3); /* near, never past it */
+}
+
+static void rays_go_through_their_pixels(void **unused)
+{
+    (void)unused;
+    daft_camera camera = daft_camera_look_at((daft_dvec3){1, 2, 3}, (daft_dvec3){4, 1, 9}, 1);
+    daft_vec3 middle = fly_ray(&camera, 0.5, 0.5, 0.5), edge = fly_ray(&camera, 1, 0.5, 0.5);
+    double length = sqrt(46), cosine = 0;
+    assert_true(fabs((double)middle.x - 3 / length) < 1e-6 && fabs((double)middle.y + 1 / length) < 1e-6);
+    cosine = (double)middle.x * (double)edge.x + (double)middle.y * (double)edge.y + (double)middle.z * (double)edge.z;
+    assert_true(fabs(cosine - cos(0.5)) < 1e-6);
+}
+
+/* ---- the keys ---- */
+
+static void every_key_is_told_once(void **unused)
+{
+    (void)unused;
+    char text[3000];
+    size_t count;
+    const view_key *keys = view_keys(&count);
+    view_keys_text(text, sizeof text);
+    for (size_t i = 0; i < count; i++) {
+        if (!strstr(text, keys[i].does)) fail_msg("%s is not told", keys[i].shown);
+        for (size_t k = 0; k < COUNT_OF(keys[i].keys); k++) {
+            if (!keys[i].keys[k]) continue;
+            if (input_key_find(keys[i].keys[k]) < 0) fail_msg("there is no key %s", keys[i].keys[k]);
+            if (view_key_find(keys[i].keys[k]) != &keys[i]) fail_msg("%s means two things", keys[i].keys[k]);
+        }
+    }
+}
+
+/* ---- the window ---- */
+
+typedef struct happening {
+    const char *what; /* a key to be pressed, "drop", "save" (the file is written again), "wait" or "end" */
+    const char *text; /* the file dropped, or what is written */
+} happening;
+
+typedef struct test_platform {
+    platform face;
+    const happening *script;
+    uint64_t frames, waits;
+    bool up; /* the release of the last key comes next */
+    const char *path;
+    uint8_t *last, pictures[32]; /* whether the picture changed at step i */
+    size_t size, step, steps;
+    char title[200];
+} test_platform;
+
+static bool poll_test(platform *self, platform_event *out)
+{
+    test_platform *p = (test_platform *)self;
+    const happening *now = &p->script[p->step];
+    *out = (platform_event){.kind = PLATFORM_INPUT};
+    if (p->up) {
+        p->up = false;
+        out->input =
+            (input_event){.kind = INPUT_KEY, .key = input_key_find(p->script[p->step - 1].what), .down = false};
+        return true;
+    }
+    if (p->frames % 8 != 7) return false; /* seven pictures between two happenings */
+    if (strcmp(now->what, "wait") == 0) {
+        p->step += ++p->waits % 5 == 0;
+        p->frames++;
+        return false;
+    }
+    p->step++;
+    p->frames++;
+    if (strcmp(now->what, "end") == 0) {
+        out->kind = PLATFORM_CLOSE;
+    } else if (strcmp(now->what, "drop") == 0) {
+        out->kind = PLATFORM_DROP;
+        snprintf(out->path, sizeof out->path, "%s", now->text);
+    } else if (strcmp(now->what, "save") == 0) {
+        assert_true(daft_write_file(p->path, now->text, strlen(now->text), NULL));
+        return false;
+    } else {
+        out->input = (input_event){.kind = INPUT_KEY, .key = input_key_find(now->what), .down = true};
+        p->up = true;
+    }
+    return true;
+}
+
+static void size_test(platform *self, int *width, int *height) { (void)self, *width = 160, *height = 90; }
+static bool wants_test(platform *self) { return self != NULL; }
+static void end_test(platform *self) { ((test_platform *)self)->frames++; }
+static uint64_t now_test(platform *self) { return ((test_platform *)self)->frames * 1000000000u / 30; }
+static void title_test(platform *self, const char *title)
+{
+    snprintf(((test_platform *)self)->title, sizeof((test_platform *)self)->title, "%s", title);
+}
+
+static bool present_test(platform *self, const daft_image *picture, daft_error *error)
+{
+    (void)error;
+    test_platform *p = (test_platform *)self;
+    p->size = 4 * (size_t)daft_image_width(picture) * (size_t)daft_image_height(picture);
+    if (!p->last) p->last = calloc(1, p->size);
+    const uint8_t *pixels = daft_image_pixels((daft_image *)(uintptr_t)picture);
+    if (p->step < COUNT_OF(p->pictures) && memcmp(p->last, pixels, p->size) != 0) p->pictures[p->step] = 1;
+    memcpy(p->last, pixels, p->size);
+    return true;
+}
+
+typedef struct bench {
+    daft_engine *engine;
+    font *face;
+    char folder[64], scene[128];
+} bench;
+
+static const char *const HELLO = "camera 0 1 0\nsun 1 -2 0.5 1 1 1\nsphere 5 0 0 1 red.mtl\nsphere 6 0 2 1 red.mtl\n";
+
+static void put(const bench *b, const char *name, const char *text)
+{
+    char path[200];
+    snprintf(path, sizeof path, "%s/%s", b->folder, name);
+    assert_true(daft_write_file(path, text, strlen(text), NULL));
+}
+
+static int set_up(void **state)
+{
+    static bench b;
+    b = (bench){.folder = "/tmp/daft-view-XXXXXX"};
+    daft_engine_def def = daft_default_engine_def();
+    def.threads = 2;
+    b.engine = daft_engine_create(&def, NULL);
+    b.face = font_open(DAFT_ROOT "/assets/fonts/daft.ttf", NULL);
+    if (!b.engine || !b.face || !mkdtemp(b.folder)) return -1;
+    snprintf(b.scene, sizeof b.scene, "%s/a.scene", b.folder);
+    put(&b, "a.scene", HELLO);
+    put(&b, "red.mtl", "newmtl red\nKa 1 0 0\nKd 1 0 0\nKs 1 1 1\nNs 20\n");
+    *state = &b;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    bench *b = *state;
+    char command[100];
+    font_close(b->face);
+    daft_engine_destroy(b->engine);
+    snprintf(command, sizeof command, "rm -r %s", b->folder);
+    return system(command);
+}
+
+/* Plays the script; gives which of its steps changed what is shown. */
+static bool play(bench *b, const char *path, const happening *script, test_platform *p, daft_error *error)
+{
+    *p = (test_platform){.face = {.poll = poll_test,
+                                  .get_size = size_test,
+                                  .wants_frame = wants_test,
+                                  .present = present_test,
+                                  .end_frame = end_test,
+                                  .now_ns = now_test,
+                                  .set_title = title_test},
+                         .script = script,
+                         .path = b->scene};
+    view_def def = {.screen = &p->face,
+                    .engine = b->engine,
+                    .face = b->face,
+                    .path = path,
+                    .camera = -1,
+                    .quality = DAFT_QUALITY_GAME};
+    bool good = view_run(&def, error);
+    free(p->last);
+    return good;
+}
+
+static void every_switch_changes_the_picture(void **state)
+{
+    static const happening script[] = {{"i", 0},  {"i", 0}, {"r", 0}, {"t", 0},  {"y", 0}, {"k", 0},
+                                       {"l", 0},  {"x", 0}, {"g", 0}, {"2", 0},  {"3", 0}, {"4", 0},
+                                       {"5", 0},  {"6", 0}, {"1", 0}, {"o", 0},  {"o", 0}, {"home", 0},
+                                       {"f1", 0}, {"h", 0}, {"/", 0}, {"end", 0}};
+    test_platform p;
+    daft_error error;
+    bench *b = *state;
+    assert_true(play(b, b->scene, script, &p, &error));
+    for (size_t i = 1; i + 1 < COUNT_OF(script); i++)
+        if (!p.pictures[i]) fail_msg("nothing has changed after %s", script[i - 1].what);
+    assert_string_equal(p.title, "DAFT: a.scene");
+}
+
+static void escape_leaves(void **state)
+{
+    static const happening script[] = {{"escape", 0}, {"end", 0}};
+    test_platform p;
+    daft_error error;
+    assert_true(play(*state, ((bench *)*state)->scene, script, &p, &error));
+    assert_int_equal(p.step, 1);
+}
+
+static void a_saved_file_is_loaded_again(void **state)
+{
+    static const happening script[] = {
+        {"wait", 0}, {"save", "camera 0 1 0\nlight 0 3 0 1 1 1\nsphere 4 0 0 3 red.mtl\n"},
+        {"wait", 0}, {"save", "camera 0 1 0\nsphere 4 0 0\n"},
+        {"wait", 0}, {"end", 0}};
+    test_platform p;
+    daft_error error;
+    bench *b = *state;
+    assert_true(play(b, b->scene, script, &p, &error));
+    assert_true(p.pictures[2] && p.pictures[4]); /* the other ball; the message that a value is missing */
+}
+
+static void what_is_dropped_is_opened(void **state)
+{
+    static const happening script[] = {{"drop", DAFT_ROOT "/assets/meshes/cup.obj"},
+                                       {"drop", DAFT_ROOT "/assets/textures/checker.png"},
+                                       {"home", 0},
+                                       {"drop", "/nowhere/at/all.scene"},
+                                       {"wait", 0},
+                                       {"end", 0}};
+    test_platform p;
+    daft_error error;
+    bench *b = *state;
+    assert_true(play(b, b->scene, script, &p, &error));
+    assert_true(p.pictures[1] && p.pictures[2] && p.pictures[4]);
+    assert_string_equal(p.title, "DAFT: checker.png");
+}
+
+static void what_cannot_be_opened_is_told(void **state)
+{
+    static const happening script[] = {{"end", 0}};
+    test_platform p;
+    daft_error error;
+    bench *b = *state;
+    put(b, "bad.scene", "camera 0 0 0\nlihgt 1 2 3\n");
+    char path[200];
+    snprintf(path, sizeof path, "%s/bad.scene", b->folder);
+    assert_false(play(b, path, script, &p, &error));
+    assert_int_equal(error.line, 2);
+    assert_false(play(b, DAFT_ROOT "/README.md", script, &p, &error));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(flying_goes_as_fast_as_it_says),
+        cmocka_unit_test(nobody_looks_over_the_top),
+        cmocka_unit_test(turning_keeps_the_distance_and_the_place_in_the_picture),
+        cmocka_unit_test(rays_go_through_their_pixels),
+        cmocka_unit_test(every_key_is_told_once),
+        cmocka_unit_test_setup_teardown(every_switch_changes_the_picture, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(escape_leaves, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_saved_file_is_loaded_again, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_is_dropped_is_opened, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(what_cannot_be_opened_is_told, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
