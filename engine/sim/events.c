@@ -260,11 +260,13 @@ void daft_sim_report_fill(daft_world *world)
 {
     if (!world->untold) return;
     world->untold = false;
-    daft_sim_contact *report = world->report + world->report_asleep;
     size_t count = order_report(world);
-    for (size_t i = 0; i < count; i++)
-        fill_contact(world, &world->pairs[world->scratch.sorting.items[i].pair], &report[i]);
-    order_same_bodies(report, world->scratch.sorting.items, count);
+    if (count > 0) { /* else there may be no report at all */
+        daft_sim_contact *report = world->report + world->report_asleep;
+        for (size_t i = 0; i < count; i++)
+            fill_contact(world, &world->pairs[world->scratch.sorting.items[i].pair], &report[i]);
+        order_same_bodies(report, world->scratch.sorting.items, count);
+    }
     world->report_count = world->report_asleep + count;
 }
 
