@@ -108,6 +108,6 @@ uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t wo
 bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const daft_tile *tile,
                       const daft_ray_batch *rays, uint32_t ray, daft_hit *hit);
 /* tile/tile.c: a daft_task */
-void daft_render_tile(void *context, uint32_t tile, uint32_t worker);
+void daft_render_tile(void *context, uint32_t index, uint32_t worker);
 
 #endif
