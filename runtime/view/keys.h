@@ -11,6 +11,12 @@ typedef enum view_act {
     VIEW_WIRES,
     VIEW_ORBIT,
     VIEW_FRAME_ALL,
+    VIEW_CHECKPOINT, /* of the camera path: adds one, */
+    VIEW_MOVE,       /* puts the one nearest to the cursor where the camera is, */
+    VIEW_REMOVE,
+    VIEW_SOONER, /* reaches it sooner or later, */
+    VIEW_LATER,
+    VIEW_SAVE,  /* writes the path into the file */
     VIEW_START, /* back to the file's camera */
     VIEW_RELOAD,
     VIEW_PLAN,

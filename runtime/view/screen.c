@@ -44,6 +44,17 @@ static void draw_cross(const canvas *target, float x, float y)
     canvas_rect(target, at_x - 1, at_y - 10, 2, 20, GOLD);
 }
 
+void screen_camera(const canvas *target, font *face, float x, float y, const char *text)
+{
+    float at_x = x * canvas_hud_width(target), at_y = y * CANVAS_HEIGHT;
+    text_style style = {16, GOLD, TEXT_LEFT, true};
+    canvas_rect(target, at_x - 15, at_y - 9, 22, 18, DARK);
+    canvas_rect(target, at_x - 13, at_y - 7, 18, 14, GOLD);
+    canvas_rect(target, at_x + 5, at_y - 3, 4, 6, GOLD);
+    canvas_rect(target, at_x + 9, at_y - 6, 3, 12, GOLD);
+    text_draw(target, face, text, at_x + 17, at_y - 10, &style);
+}
+
 /* Two columns in the middle. */
 static void draw_keys(const canvas *target, font *face)
 {

@@ -17,6 +17,8 @@ typedef struct screen_state {
     float cross_x, cross_y; /* of what was clicked, as fractions of the picture; below 0: nothing */
 } screen_state;
 
+/* A small camera with a text beside it; x, y: fractions of the picture. */
+void screen_camera(const canvas *target, font *face, float x, float y, const char *text);
 void screen_draw(const canvas *target, font *face, const screen_state *state);
 
 #endif

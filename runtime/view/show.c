@@ -100,16 +100,13 @@ static void describe_quality(const viewer *v, char out[VIEW_TEXT])
         snprintf(out, VIEW_TEXT, "%s   %.1f ms", daft_quality_name(v->look.quality), v->frame_ms);
 }
 
-/* Where the clicked point is in the picture now; below 0: outside. */
-static void project(const viewer *v, float *x, float *y)
+bool viewer_project(const viewer *v, daft_dvec3 point, float *x, float *y)
 {
     const daft_camera *c = &v->flight.camera;
     double aspect = viewer_aspect(v);
-    *x = *y = -1;
-    if (!v->hit) return;
-    /* The middle of the picture and the ends of its axes give the camera's own. */
+    /* The rays through the middle and through the ends of the picture's axes give the camera's own axes. */
     daft_vec3 f = fly_ray(c, 0.5, 0.5, aspect), r = fly_ray(c, 1, 0.5, aspect), u = fly_ray(c, 0.5, 0, aspect);
-    daft_dvec3 d = {v->point.x - c->position.x, v->point.y - c->position.y, v->point.z - c->position.z};
+    daft_dvec3 d = {point.x - c->position.x, point.y - c->position.y, point.z - c->position.z};
     const daft_vec3 *axes[3] = {&f, &r, &u};
     double along[3], cosine[3];
     for (int i = 0; i < 3; i++) {
@@ -117,12 +114,24 @@ static void project(const viewer *v, float *x, float *y)
         along[i] = d.x * (double)a->x + d.y * (double)a->y + d.z * (double)a->z;
         cosine[i] = (double)f.x * (double)a->x + (double)f.y * (double)a->y + (double)f.z * (double)a->z;
     }
-    if (!(along[0] > 0)) return;
+    if (!(along[0] > 0)) return false;
     /* With e the end of an axis at angle t: d·e = cos t · d·f + sin t · d·axis. */
     double across = (along[1] - cosine[1] * along[0]) / (1 - cosine[1] * cosine[1]) * cosine[1] / along[0];
     double above = (along[2] - cosine[2] * along[0]) / (1 - cosine[2] * cosine[2]) * cosine[2] / along[0];
-    if (fabs(across) > 1 || fabs(above) > 1) return;
     *x = (float)(0.5 + across / 2), *y = (float)(0.5 - above / 2);
+    return fabs(across) <= 1 && fabs(above) <= 1;
+}
+
+/* Checkpoints as small cameras with their number and time. */
+static void paint_route(const viewer *v, const canvas *over)
+{
+    char text[64];
+    for (uint32_t i = 0; v->content.scene && i < v->route.count; i++) {
+        float x, y;
+        if (!viewer_project(v, v->route.points[i].camera.position, &x, &y)) continue;
+        snprintf(text, sizeof text, "%u   %.1f s", i + 1, v->route.points[i].time);
+        screen_camera(over, v->def->face, x, y, text);
+    }
 }
 
 static void paint(viewer *v)
@@ -139,7 +148,8 @@ static void paint(viewer *v)
                           .notice = v->now_ns < v->notice_until ? v->notice : "",
                           .bad = v->notice_bad,
                           .keys = v->keys};
-    project(v, &state.cross_x, &state.cross_y);
+    if (!v->hit || !viewer_project(v, v->point, &state.cross_x, &state.cross_y)) state.cross_x = state.cross_y = -1;
+    paint_route(v, &over);
     if (v->plan && v->content.scene) {
         overlay_figures figures = {.frames_per_second = v->turn_ms > 0 ? 1000 / v->turn_ms : 0,
                                    .frame_ms = v->frame_ms,

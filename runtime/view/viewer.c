@@ -36,11 +36,30 @@ static void say_error(viewer *v, const daft_error *error)
     viewer_say(v, true, "%.600s", daft_error_text(error, text, sizeof text));
 }
 
+/* The scene's own path, unless there are checkpoints that no file has. */
+static void take_route(viewer *v)
+{
+    daft_error error;
+    if (v->route.unsaved || !v->content.scene) return;
+    if (!route_load(&v->route, v->content.scene, &error)) say_error(v, &error);
+}
+
+/* What no file holds goes to standard output, so that nothing is lost. */
+static void leave_route(viewer *v)
+{
+    if (!v->route.unsaved) return;
+    if (v->route.count > 0) fprintf(stderr, "daft: the camera path was not saved into %s:\n", v->content.path);
+    route_print(&v->route, stdout);
+    v->route.unsaved = false;
+    v->route.count = 0;
+}
+
 static void take_content(viewer *v, content *fresh)
 {
     content_close(&v->content);
     v->content = *fresh;
     v->seen_stamp = fresh->stamp;
+    take_route(v);
     v->found[0] = 0;
     v->hit = false;
     v->changed = true;
@@ -93,6 +112,7 @@ void viewer_open(viewer *v, const char *path)
         say_error(v, &error);
         return;
     }
+    leave_route(v);
     take_content(v, &fresh);
     begin(v);
     viewer_say(v, false, "H shows the keys");
@@ -150,6 +170,62 @@ static void toggle_orbit(viewer *v)
     if (v->flight.orbits) pick(v), v->flight.pivot = hit.position;
 }
 
+/* The checkpoint nearest to the cursor in the picture, else the last. */
+static uint32_t nearest_checkpoint(const viewer *v)
+{
+    uint32_t best = v->route.count ? v->route.count - 1 : 0;
+    double least = INFINITY;
+    for (uint32_t i = 0; i < v->route.count; i++) {
+        float x, y;
+        if (!viewer_project(v, v->route.points[i].camera.position, &x, &y)) continue;
+        double far = hypot((double)x - v->mouse_x, (double)y - v->mouse_y);
+        if (far < least) best = i, least = far;
+    }
+    return best;
+}
+
+static void save_route(viewer *v)
+{
+    daft_error error;
+    char name[PATH_SIZE];
+    if (!route_save(&v->route, v->content.scene, v->content.path, &error)) {
+        say_error(v, &error);
+        return;
+    }
+    viewer_reload(v);
+    path_base_name(v->content.path, name, sizeof name);
+    viewer_say(v, false, "the path is saved: daft video %.300s -o FILE.mp4 films it", name);
+}
+
+static void change_route(viewer *v, view_act act)
+{
+    daft_error error;
+    uint32_t index = nearest_checkpoint(v);
+    if (!v->content.scene) return;
+    if (act == VIEW_CHECKPOINT && !route_add(&v->route, &v->flight.camera, v->flight.speed, &error)) {
+        say_error(v, &error);
+        return;
+    }
+    if (act == VIEW_SAVE) {
+        save_route(v);
+        return;
+    }
+    if (v->route.count == 0) {
+        viewer_say(v, false, "there is no checkpoint yet: V adds one");
+        return;
+    }
+    if (act == VIEW_CHECKPOINT) index = v->route.count - 1;
+    if (act == VIEW_MOVE) v->route.points[index].camera = v->flight.camera, v->route.unsaved = true;
+    if (act == VIEW_SOONER || act == VIEW_LATER) route_delay(&v->route, index, act == VIEW_LATER ? 0.5 : -0.5);
+    if (act == VIEW_REMOVE) {
+        route_remove(&v->route, index);
+        viewer_say(v, false, "checkpoint %u is removed: %u are left", index + 1, v->route.count);
+        return;
+    }
+    viewer_say(v, false, "checkpoint %u of %u at %.1f s (C saves the path)", index + 1, v->route.count,
+               v->route.points[index].time);
+}
+
 static void take_key(viewer *v, const char *name)
 {
     const view_key *key = view_key_find(name);
@@ -162,6 +238,12 @@ static void take_key(viewer *v, const char *name)
     case VIEW_WIRES: v->look.wires = !v->look.wires, v->changed = true; break;
     case VIEW_ORBIT: toggle_orbit(v); break;
     case VIEW_FRAME_ALL: frame_all(v); break;
+    case VIEW_CHECKPOINT:
+    case VIEW_MOVE:
+    case VIEW_REMOVE:
+    case VIEW_SOONER:
+    case VIEW_LATER:
+    case VIEW_SAVE: change_route(v, key->act); break;
     case VIEW_START: begin(v), v->changed = true; break;
     case VIEW_RELOAD: viewer_reload(v); break;
     case VIEW_PLAN: v->plan = !v->plan; break;
@@ -312,10 +394,13 @@ bool view_run(const view_def *def, daft_error *error)
         v.now_ns = def->screen->now_ns(def->screen);
         v.seen_stamp = v.content.stamp;
         v.changed = true;
+        take_route(&v);
         begin(&v);
         viewer_say(&v, false, "H shows the keys");
         good = run(&v, error);
     }
+    leave_route(&v);
+    route_free(&v.route);
     content_close(&v.content);
     daft_image_destroy(v.picture);
     daft_image_destroy(v.shown);

@@ -7,6 +7,7 @@
 #include "view/fly.h"
 #include "view/keys.h"
 #include "view/refine.h"
+#include "view/route.h"
 #include "view/screen.h"
 #include "view/view.h"
 
@@ -34,6 +35,7 @@ typedef struct viewer {
     uint64_t notice_until, checked_ns, now_ns, moved_ns;
     uint64_t seen_stamp; /* of the file, at the last look */
     daft_image *picture, *shown;
+    route route;
     pixel_channels channels;
     refinement refinement;
     double frame_ms, turn_ms;
@@ -54,6 +56,8 @@ void pick(viewer *v);
 /* The point of a scene under the cursor. */
 bool pick_point(viewer *v, daft_ray_hit *hit);
 
+/* Where a point of the world is in the picture, as fractions from the top left. False: outside (show.c). */
+bool viewer_project(const viewer *v, daft_dvec3 point, float *x, float *y);
 /* Draws what has changed, or refines the picture, and shows it (show.c). */
 bool show(viewer *v, daft_error *error);
 

@@ -4,6 +4,7 @@
 #include "view/draw.h"
 #include "view/fly.h"
 #include "view/keys.h"
+#include "view/route.h"
 #include "view/view.h"
 
 #include <setjmp.h>
@@ -272,6 +273,81 @@ static void a_saved_file_is_loaded_again(void **state)
     assert_true(p.pictures[2] && p.pictures[4]); /* the other ball; the message that a value is missing */
 }
 
+/* ---- the camera path ---- */
+
+static daft_scene *load(bench *b, const char *path)
+{
+    daft_error error;
+    daft_scene *scene = daft_scene_create(b->engine, &error);
+    if (!daft_scene_load(scene, path, &error)) fail_msg("%d:%d: %s", error.line, error.column, error.message);
+    return scene;
+}
+
+static void a_path_is_saved_into_the_scene(void **state)
+{
+    static const happening script[] = {{"v", 0}, {"home", 0}, {"v", 0},      {".", 0}, {"backspace", 0},
+                                       {"v", 0}, {"v", 0},    {"delete", 0}, {"c", 0}, {"end", 0}};
+    test_platform p;
+    daft_error error;
+    daft_checkpoint first, second, third;
+    bench *b = *state;
+    put(b, "a.scene",
+        "camera 0 1 0 10 20 70\n# a remark\npath 0 9 9 9 0 0\nsphere 5 0 0 1 red.mtl\n  path 3 1 1 1 0 0");
+    assert_true(play(b, b->scene, (happening[]){{"delete", 0}, {"delete", 0}, {"c", 0}, {"end", 0}}, &p, &error));
+    assert_true(play(b, b->scene, script, &p, &error));
+    char *text = daft_read_file(NULL, b->scene, NULL, &error);
+    assert_non_null(text);
+    assert_non_null(strstr(text, "camera 0 1 0 10 20 70\n# a remark\nsphere 5 0 0 1 red.mtl\npath 0 "));
+    free(text);
+    daft_scene *scene = load(b, b->scene);
+    assert_int_equal(daft_scene_path_count(scene), 3);
+    assert_true(daft_scene_get_checkpoint(scene, 0, &first, &error) &&
+                daft_scene_get_checkpoint(scene, 1, &second, &error) &&
+                daft_scene_get_checkpoint(scene, 2, &third, &error));
+    assert_true(first.time == 0 && second.time >= 1 && third.time > second.time);
+    assert_true(apart(first.camera.position, (daft_dvec3){0, 1, 0}) < 1e-12);
+    assert_true(fabsf(first.camera.yaw - 0.34906585f) < 1e-6f && fabsf(first.camera.fov - 1.2217305f) < 1e-6f);
+    daft_scene_destroy(scene);
+}
+
+static void a_path_that_stands_elsewhere_is_left_alone(void **state)
+{
+    daft_error error;
+    bench *b = *state;
+    route r = {0};
+    put(b, "part.scene", "path 0 9 9 9 0 0\npath 1 2 9 9 0 0\n");
+    put(b, "a.scene", "include part.scene\n");
+    daft_scene *scene = load(b, b->scene);
+    daft_camera camera = daft_default_camera();
+    assert_true(route_load(&r, scene, &error) && r.count == 2 && route_add(&r, &camera, 1, &error));
+    assert_false(route_save(&r, scene, b->scene, &error));
+    assert_true(r.unsaved && strstr(error.message, "includes"));
+    assert_false(route_save(&r, scene, DAFT_ROOT "/assets/meshes/cup.obj", &error));
+    daft_scene_destroy(scene);
+    route_free(&r);
+}
+
+static void times_ascend_whatever_is_done(void **unused)
+{
+    (void)unused;
+    daft_error error;
+    daft_camera camera = daft_default_camera();
+    route r = {0};
+    for (int i = 0; i < 5; i++) {
+        camera.position.x = 10 * (i % 2);
+        assert_true(route_add(&r, &camera, 2, &error));
+    }
+    assert_true(r.points[0].time == 0 && fabs(r.points[1].time - 5) < 1e-9);
+    for (int i = 0; i < 30; i++) route_delay(&r, 2, -0.5);
+    route_delay(&r, 0, 7);
+    route_remove(&r, 0);
+    assert_true(r.count == 4 && r.points[0].time == 0);
+    for (uint32_t i = 1; i < r.count; i++) assert_true(r.points[i].time > r.points[i - 1].time);
+    while (r.count > 0) route_remove(&r, r.count - 1);
+    route_remove(&r, 0);
+    route_free(&r);
+}
+
 static void what_is_dropped_is_opened(void **state)
 {
     static const happening script[] = {{"drop", DAFT_ROOT "/assets/meshes/cup.obj"},
@@ -313,6 +389,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(every_switch_changes_the_picture, set_up, tear_down),
         cmocka_unit_test_setup_teardown(escape_leaves, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_saved_file_is_loaded_again, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_path_is_saved_into_the_scene, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_path_that_stands_elsewhere_is_left_alone, set_up, tear_down),
+        cmocka_unit_test(times_ascend_whatever_is_done),
         cmocka_unit_test_setup_teardown(what_is_dropped_is_opened, set_up, tear_down),
         cmocka_unit_test_setup_teardown(what_cannot_be_opened_is_told, set_up, tear_down),
     };
