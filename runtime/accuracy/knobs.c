@@ -26,6 +26,8 @@ static const knob_row TABLE[KNOBS] = {
 
 const knob_row *knob_at(size_t index) { return &TABLE[index]; }
 
+bool knob_is_by_rays(size_t index, double value) { return index == REFERENCE && value > 0; }
+
 void knob_apply(knob_set *set, size_t index, double value)
 {
     daft_view *v = &set->view;

@@ -19,6 +19,8 @@ typedef struct knob_row {
 enum { KNOBS = 8 };
 const knob_row *knob_at(size_t index);
 
+/* Whether the setting casts camera rays one by one. */
+bool knob_is_by_rays(size_t index, double value);
 void knob_apply(knob_set *set, size_t index, double value);
 /* "samples=4". Returns `out`. */
 enum { KNOB_TEXT = 48 };

@@ -12,8 +12,9 @@
 enum { GRID = 54, GRID_QUICK = 12, LEAST_ROUNDS = 2, GOOD_ROUNDS = 5, MOST_FACTOR = 4 };
 
 /* Parts of the time: what the reference may take; until when there may be new cells of the grid, and more than
- * good rounds; what the rounds of one setting may take. */
-static const double REFERENCE_SHARE = 0.3, COMPARE_SHARE = 0.55, TIME_SHARE = 0.85, POINT_SHARE = 0.04;
+ * good rounds; what the rounds of one setting may take, and what one picture of it. */
+static const double REFERENCE_SHARE = 0.3, COMPARE_SHARE = 0.55, TIME_SHARE = 0.85, POINT_SHARE = 0.04,
+                    SLOWEST_SHARE = 0.06;
 
 static double seconds_since(uint64_t began_ns) { return (double)(clock_now_ns() - began_ns) / 1e9; }
 
@@ -89,11 +90,21 @@ typedef struct reference_sum {
     double weight;
 } reference_sum;
 
+/* The values of quality reference, by rasterization: the same picture as its camera rays one by one, in a fraction of
+ * the time. That it is the same is what the settings `quality reference` and `reference=1` show. */
+static daft_view reference_view(const sweep_result *s)
+{
+    daft_view view = s->def.view;
+    view.quality = DAFT_QUALITY_GAME;
+    view.samples = 16, view.mirror_depth = 10, view.refraction_depth = 24, view.min_weight = 1.0f / 4096,
+    view.shadows = 1;
+    return view;
+}
+
 /* The mean of factor × factor pixels of 16 samples each, in linear light. */
 static bool add_half(sweep_result *s, int factor, reference_sum *sum, uint8_t *half, daft_error *error)
 {
-    daft_view view = s->def.view;
-    view.quality = DAFT_QUALITY_REFERENCE;
+    daft_view view = reference_view(s);
     daft_image *image = daft_image_create(s->def.engine, s->def.width * factor, s->def.height * factor, error);
     if (!image || !daft_render(s->def.scene, &view, image, error)) {
         daft_image_destroy(image);
@@ -129,16 +140,22 @@ static void finish_reference(sweep_result *s, const reference_sum *sum)
     }
 }
 
+static bool draw_once(sweep_result *s, const daft_view *view, double *seconds, daft_error *error)
+{
+    daft_image *image = target_of(s, s->def.width, s->def.height, error);
+    uint64_t began = clock_now_ns();
+    if (!image || !daft_render(s->def.scene, view, image, error)) return false;
+    *seconds = seconds_since(began);
+    return true;
+}
+
 /* The halves have f × f and (f+1) × (f+1) times as many pixels, so that they share no sample position. f is the largest
  * that there is time for, by what a picture of one time as many takes. */
 static bool choose_factor(sweep_result *s, int *factor, daft_error *error)
 {
-    daft_view view = s->def.view;
-    view.quality = DAFT_QUALITY_REFERENCE;
-    daft_image *image = target_of(s, s->def.width, s->def.height, error);
-    uint64_t began = clock_now_ns();
-    if (!image || !daft_render(s->def.scene, &view, image, error)) return false;
-    double once = seconds_since(began), limit = REFERENCE_SHARE * s->def.seconds;
+    daft_view view = reference_view(s);
+    double once, limit = REFERENCE_SHARE * s->def.seconds;
+    if (!draw_once(s, &view, &once, error)) return false;
     *factor = 1;
     while (*factor < MOST_FACTOR && once * ((*factor + 1) * (*factor + 1) + (*factor + 2) * (*factor + 2)) < limit)
         ++*factor;
@@ -178,9 +195,18 @@ static sweep_point *add_point(sweep_result *s, const char *name, const char *set
 
 static knob_set preset_of(const sweep_result *s) { return (knob_set){.view = s->def.view, .scale = 1}; }
 
+/* Pictures by camera rays one by one can take minutes where there is much to hit: the setting is left out then. */
+static bool too_slow(sweep_result *s, double once)
+{
+    bool slow = once > SLOWEST_SHARE * s->def.seconds;
+    s->dropped += slow;
+    return slow;
+}
+
 static void add_qualities(sweep_result *s)
 {
     for (int q = DAFT_QUALITY_DRAFT; q <= DAFT_QUALITY_REFERENCE; q++) {
+        if (q == DAFT_QUALITY_REFERENCE && too_slow(s, 16 * s->ray_seconds)) continue;
         knob_set set = preset_of(s);
         if (set.view.quality == (daft_quality)q) s->preset = s->count;
         set.view.quality = (daft_quality)q;
@@ -195,6 +221,7 @@ static void add_singles(sweep_result *s)
         for (size_t i = 0; i < knob->count; i++) {
             knob_set set = preset_of(s);
             char text[KNOB_TEXT];
+            if (knob_is_by_rays(k, knob->values[i]) && too_slow(s, s->ray_seconds)) continue;
             knob_apply(&set, k, knob->values[i]);
             add_point(s, knob->name, knob_print(text, k, knob->values[i]), &set);
         }
@@ -293,7 +320,7 @@ static bool compare(sweep_result *s, size_t first, progress_bar *bar, daft_error
         if (!draw(s, p, error) || !compare_one(s, p, error)) return false;
         /* Cells of the grid that no time is left for are dropped; single knobs never. */
         if (first > 0 && seconds_since(s->began_ns) > COMPARE_SHARE * s->def.seconds) {
-            s->dropped = s->count - (i + 1);
+            s->dropped += s->count - (i + 1);
             s->count = i + 1;
         }
     }
@@ -323,7 +350,9 @@ static bool time_all(sweep_result *s, progress_bar *bar, daft_error *error)
 
 static bool run(sweep_result *s, progress_bar *bar, daft_error *error)
 {
-    if (!make_reference(s, error)) return false;
+    daft_view by_rays = s->def.view;
+    by_rays.reference = true;
+    if (!draw_once(s, &by_rays, &s->ray_seconds, error) || !make_reference(s, error)) return false;
     add_qualities(s);
     add_singles(s);
     if (!compare(s, 0, bar, error)) return false;

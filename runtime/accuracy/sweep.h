@@ -40,7 +40,8 @@ typedef struct sweep_result {
     sweep_def def;
     sweep_point *points;
     size_t count;
-    size_t dropped;                 /* cells of the grid that there was no time for */
+    size_t dropped;                 /* settings that there was no time for */
+    double ray_seconds;             /* of one picture of the preset by camera rays one by one */
     size_t preset;                  /* the point that is the preset itself */
     uint8_t *reference, *halves[2]; /* RGBA at the shown size */
     int reference_samples[2];       /* per pixel, of each half */
