@@ -26,13 +26,31 @@ static double smallest_error(const sweep_result *s)
     return least;
 }
 
+/* The setting without its scale, which is no knob of daft render but a size. */
+static void put_knobs(const char *setting, FILE *out)
+{
+    const char *before = " --knobs ";
+    for (const char *word = setting; *word;) {
+        size_t length = strcspn(word, ",");
+        if (strncmp(word, "scale=", 6) != 0) {
+            fprintf(out, "%s%.*s", before, (int)length, word);
+            before = ",";
+        }
+        word += length + (word[length] == ',');
+    }
+}
+
 void report_command(const sweep_result *sweep, const sweep_point *point, char *out, size_t size)
 {
-    const char *preset = daft_quality_name(sweep->def.view.quality);
-    if (strcmp(point->knob, "quality") == 0)
-        snprintf(out, size, "--quality %s", point->setting);
-    else
-        snprintf(out, size, "--quality %s --knobs %s", preset, point->setting);
+    FILE *text = fmemopen(out, size, "w");
+    out[0] = 0;
+    if (!text) return;
+    bool whole = strcmp(point->knob, "quality") == 0;
+    fprintf(text, "--quality %s", whole ? point->setting : daft_quality_name(sweep->def.view.quality));
+    if (!whole) put_knobs(point->setting, text);
+    fprintf(text, " --size %dx%d", sweep_side(sweep->def.width, point->set.scale),
+            sweep_side(sweep->def.height, point->set.scale));
+    fclose(text);
 }
 
 void report_floor(const report_def *def, char out[SENTENCE])

@@ -39,7 +39,7 @@ static void enlarge(daft_image *from, uint8_t *to, int width, int height)
     }
 }
 
-static int scaled(int side, double scale)
+int sweep_side(int side, double scale)
 {
     int drawn = (int)(side * scale + 0.5);
     return drawn < 1 ? 1 : drawn;
@@ -70,7 +70,7 @@ static bool keep_picture(const sweep_result *s, sweep_point *p, daft_image *imag
  * next number from the camera's, so that they do not reuse what only a standing camera lets them keep. */
 static bool draw(sweep_result *s, sweep_point *p, daft_error *error)
 {
-    int width = scaled(s->def.width, p->set.scale), height = scaled(s->def.height, p->set.scale);
+    int width = sweep_side(s->def.width, p->set.scale), height = sweep_side(s->def.height, p->set.scale);
     daft_image *image = target_of(s, width, height, error);
     daft_view view = p->set.view;
     if (!image) return false;

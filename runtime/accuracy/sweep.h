@@ -56,6 +56,8 @@ bool sweep_run(sweep_result *self, const sweep_def *def, daft_error *error);
 void sweep_free(sweep_result *self);
 /* Sums up the times of the points, and says which are the same, beaten, and on the front. */
 void sweep_judge(sweep_result *self);
+/* Pixels of a side that a setting draws. */
+int sweep_side(int side, double scale);
 /* Whether all settings draw the same picture. */
 bool sweep_all_same(const sweep_result *self);
 /* The point with the smallest FLIP whose median and spread lie within the budget; -1: none. */

@@ -14,7 +14,7 @@
 
 #include <unistd.h>
 
-#include "accuracy/sweep.h"
+#include "accuracy/report.h"
 #include "json.h"
 #include "runtime_program.h"
 
@@ -84,6 +84,36 @@ static void a_budget_buys_the_least_error_within_it(void **unused)
     assert_int_equal(sweep_choose(&s, 20), 0); /* the median keeps it, its spread does not */
     assert_int_equal(sweep_choose(&s, 1000), 4);
     assert_int_equal(sweep_choose(&s, 5), -1);
+}
+
+/* ---- advice ---------------------------------------------------------------------------------------------------- */
+
+static void advice_is_options_of_daft_render(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *knob, *setting, *says;
+        double scale;
+    } cases[] = {
+        {"quality", "high", "--quality high --size 64x48", 1},
+        {"samples", "samples=4", "--quality game --knobs samples=4 --size 64x48", 1},
+        {"scale", "scale=0.5", "--quality game --size 32x24", 0.5},
+        {"all", "shadows=0,scale=0.5,samples=4", "--quality game --knobs shadows=0,samples=4 --size 32x24", 0.5},
+        {"all", "scale=0.75,min_weight=1/64", "--quality game --knobs min_weight=1/64 --size 48x36", 0.75}};
+    sweep_result s = {.def = {.view = daft_default_view(), .width = 64, .height = 48}};
+    char picture[] = "/tmp/daft-cost-XXXXXX.png";
+    int file = mkstemps(picture, 4);
+    assert_true(file >= 0);
+    close(file);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char options[SENTENCE];
+        sweep_point p = {.knob = cases[i].knob, .set.scale = cases[i].scale};
+        snprintf(p.setting, sizeof p.setting, "%s", cases[i].setting);
+        report_command(&s, &p, options, sizeof options);
+        assert_string_equal(options, cases[i].says);
+        assert_status(run_daft(output, "render assets/scenes/hello.scene -o %s %s", picture, options), 0, output);
+    }
+    unlink(picture);
 }
 
 /* ---- knobs ------------------------------------------------------------------------------------------------------- */
@@ -219,6 +249,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(the_front_is_what_no_other_beats),
                                        cmocka_unit_test(what_the_halves_disagree_on_is_equal),
                                        cmocka_unit_test(a_budget_buys_the_least_error_within_it),
+                                       cmocka_unit_test(advice_is_options_of_daft_render),
                                        cmocka_unit_test(knobs_are_read_by_name),
                                        cmocka_unit_test(wrong_knobs_are_named),
                                        cmocka_unit_test(a_report_holds_what_is_promised),
