@@ -4,8 +4,9 @@
 
 #include "daft.h"
 
-/* From the front right and above, at the distance at which the box just fits. aspect: height of the picture / width. */
-daft_camera showcase_camera(daft_dvec3 low, daft_dvec3 high, double aspect);
+/* From the front right and above, at the distance at which the box between two corners just fits. aspect: height of the
+ * picture / width. */
+daft_camera showcase_camera(daft_dvec3 from, daft_dvec3 to, double aspect);
 /* Loads the mesh, and adds a sky, a sun and a camera. */
 bool showcase_mesh(daft_scene *scene, const char *path, double aspect, daft_camera *camera, daft_error *error);
 

@@ -151,7 +151,7 @@ static void paint(viewer *v)
     if (!v->hit || !viewer_project(v, v->point, &state.cross_x, &state.cross_y)) state.cross_x = state.cross_y = -1;
     paint_route(v, &over);
     if (v->plan && v->content.scene) {
-        overlay_figures figures = {.frames_per_second = v->turn_ms > 0 ? 1000 / v->turn_ms : 0,
+        overlay_figures figures = {.frames_per_second = v->frame_ms > 0 ? 1000 / v->frame_ms : 0,
                                    .frame_ms = v->frame_ms,
                                    .counters = &v->counters,
                                    .memory = daft_engine_memory(v->def->engine)};
@@ -164,10 +164,12 @@ bool show(viewer *v, daft_error *error)
 {
     platform *screen = v->def->screen;
     *error = (daft_error){0};
+    v->rests = true;
     if (!screen->wants_frame(screen)) return true;
     if (!fit(v, &v->picture, error) || !fit(v, &v->shown, error)) return false;
     if (!(v->changed ? draw(v, error) : refine(v, error))) return false;
-    if (!v->repaint) return true;
+    v->rests = !v->repaint;
+    if (v->rests) return true;
     v->repaint = false;
     memcpy(daft_image_pixels(v->shown), daft_image_pixels(v->picture),
            4 * (size_t)daft_image_width(v->picture) * (size_t)daft_image_height(v->picture));

@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 static const uint64_t SECOND = 1000000000u;
 
@@ -219,7 +220,7 @@ static void change_route(viewer *v, view_act act)
     if (act == VIEW_SOONER || act == VIEW_LATER) route_delay(&v->route, index, act == VIEW_LATER ? 0.5 : -0.5);
     if (act == VIEW_REMOVE) {
         route_remove(&v->route, index);
-        viewer_say(v, false, "checkpoint %u is removed: %u are left", index + 1, v->route.count);
+        viewer_say(v, false, "checkpoint %u is removed, %u left", index + 1, v->route.count);
         return;
     }
     viewer_say(v, false, "checkpoint %u of %u at %.1f s (C saves the path)", index + 1, v->route.count,
@@ -365,6 +366,12 @@ static void move(viewer *v, double seconds)
     if (fly_move(&v->flight, &wish, seconds)) v->changed = true;
 }
 
+static void rest(void)
+{
+    const struct timespec frame = {.tv_nsec = 10000000};
+    nanosleep(&frame, NULL);
+}
+
 static bool run(viewer *v, daft_error *error)
 {
     platform *screen = v->def->screen;
@@ -375,12 +382,12 @@ static bool run(viewer *v, daft_error *error)
         double seconds = (double)(now - v->now_ns) / 1e9;
         bool spoke = v->now_ns < v->notice_until;
         v->now_ns = now;
-        v->turn_ms = v->turn_ms > 0 ? v->turn_ms * 0.9 + seconds * 100 : seconds * 1000;
         if (spoke && now >= v->notice_until) v->repaint = true;
         take_events(v);
         watch_file(v);
         move(v, fmin(seconds, longest));
         if (!show(v, error)) return false;
+        if (v->rests) rest(); /* a window's own pace comes with the pictures that it is given */
         screen->end_frame(screen);
     }
     return true;

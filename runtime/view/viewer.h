@@ -22,6 +22,7 @@ typedef struct viewer {
     bool plan, keys, leaves;
     bool changed; /* the picture is to be drawn again */
     bool repaint; /* only what stands over it */
+    bool rests;   /* there was nothing to do in this turn */
     input input;
     platform_event early[16]; /* taken while the picture was refined */
     size_t early_count;
@@ -38,7 +39,7 @@ typedef struct viewer {
     route route;
     pixel_channels channels;
     refinement refinement;
-    double frame_ms, turn_ms;
+    double frame_ms;        /* of pictures while moving, smoothed */
     daft_counters counters; /* of the last picture while moving */
 } viewer;
 

@@ -67,6 +67,20 @@ leave() {
     echo "$1: left"
 }
 
+# Processor time of the viewer, in hundredths of a second.
+used() { awk '{ print $14 + $15 }' "/proc/$viewer/stat"; }
+
+# Once the picture is as fine as it gets, a window in which nothing moves rests.
+rests() {
+    [ -r "/proc/$viewer/stat" ] || return 0
+    for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30; do
+        before=$(used)
+        sleep 1
+        [ $(($(used) - before)) -ge 50 ] || return 0
+    done
+    fail "a window in which nothing moves keeps a processor busy"
+}
+
 open "$root/assets/scenes/hello.scene"
 case $(xdotool getwindowname "$window") in *hello.scene*) ;; *) fail "the title does not name the file" ;; esac
 for key in i i r r t t y y k k l l x x g 2 3 4 5 6 1 g F1 F1 h question Home F5; do xdotool key "$key"; done
@@ -75,6 +89,7 @@ xdotool mousemove 200 200 click 1 click 4 click 5 mousedown 1 mousemove 260 220 
 xdotool key o keydown a && sleep 0.2 && xdotool keyup a key o key Escape
 leave scene
 open "$root/assets/meshes/cup.obj"
+rests
 xdotool windowquit "$window" 2>/dev/null || xdotool key Escape
 leave mesh
 open "$root/assets/textures/checker.png"
