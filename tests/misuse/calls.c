@@ -621,6 +621,7 @@ GIVE_ROOM(daft_character_state, VERDICT_WRONG)
 GIVE_ROOM(daft_transform, VERDICT_WRONG)
 GIVE_ROOM(daft_camera, VERDICT_WRONG)
 GIVE_ROOM(daft_checkpoint, VERDICT_WRONG)
+GIVE_ROOM(daft_dvec3, VERDICT_ODD) /* the corners of bounds, which an empty scene has not */
 GIVE_ROOM(float, VERDICT_WRONG)
 GIVE_ROOM(bool, VERDICT_WRONG)
 GIVE_ROOM(uint32_t, VERDICT_ODD)       /* daft_fields' count */
