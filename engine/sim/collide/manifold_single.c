@@ -4,8 +4,8 @@
 #include "sim/collide/manifold_box.h"
 #include "sim/collide/manifold_round.h"
 
-/* Kernels give the same bits for every instruction set; the narrowest does least for the lanes that nobody asked for.
- * These stay zero in batches that are kept, so that no call has to clear 5 KB. */
+/* Kernels give the same bits for every instruction set; the narrowest does least for the lanes that nobody asked for,
+ * which are zero. */
 enum { NARROWEST = 0 };
 
 static daft_rigid frame_of(const daft_relpose *pose)
@@ -31,7 +31,7 @@ uint32_t daft_collide_boxes(daft_vec3 half_a, daft_vec3 half_b, const daft_relpo
                             daft_manifold *out, daft_pair_cache *cache)
 {
     static const daft_box_kernels *const TABLE[DAFT_ISA_COUNT] = DAFT_KERNEL_TABLE(daft_box);
-    static _Thread_local daft_box_batch batch = {.posed = true};
+    daft_box_batch batch = {.posed = true};
     daft_rigid a = daft_rigid_identity(), b = frame_of(pose);
     daft_box_batch_put(&batch, 0, &a, &b, half_a, half_b);
     batch.q[0][0] = pose->q.x, batch.q[1][0] = pose->q.y, batch.q[2][0] = pose->q.z;
@@ -100,7 +100,7 @@ uint32_t daft_collide_rounds(const daft_sim_shape *a, const daft_sim_shape *b, c
                              daft_manifold *out)
 {
     const daft_outline outlines[2] = {outline_of(a, NULL), outline_of(b, pose)};
-    static _Thread_local daft_round_batch batch;
+    daft_round_batch batch = {0};
     daft_round_batch_put(&batch, 0, outlines, 0, 1, margin);
     kernels()->rounds(outlines, &batch, 1);
     if (batch.state[0] == DAFT_ROUND_ASK) return collide_crossing(&outlines[0], &outlines[1], out);
@@ -113,7 +113,7 @@ bool daft_collide_round_box(const daft_sim_shape *a, const daft_sim_shape *b, co
     const daft_outline outlines[2] = {outline_of(a, NULL), outline_of(b, pose)};
     bool box_first = a->type == DAFT_GEOMETRY_BOX;
     daft_rigid turn = box_first ? daft_rigid_identity() : frame_of(pose);
-    static _Thread_local daft_round_batch batch;
+    daft_round_batch batch = {0};
     daft_round_batch_put(&batch, 0, outlines, 0, 1, margin);
     daft_round_batch_put_box(&batch, 0, outlines, box_first ? pose->p : pose->q, turn.m, box_first);
     kernels()->boxes(outlines, &batch, 1);
