@@ -136,8 +136,9 @@ DAFT_API daft_files *daft_files_create(const daft_files_def *def, daft_error *er
 DAFT_API void daft_files_destroy(daft_files *files); /* NULL is fine; no engine may use it any more */
 /* Writes the path of the first root's file of this relative name. False: no root has a regular file of that name. */
 DAFT_API bool daft_files_find(const daft_files *files, const char *name, char *path, size_t size);
-/* Calls `found` with what each root has in `folder`, but for names that begin with a dot. */
-DAFT_API void daft_files_list(const daft_files *files, const char *folder, daft_name_callback *found, void *user);
+/* Calls `found` with what each root has in `folder`, but for names that begin with a dot. A root without the folder has
+ * nothing. False: the name leads outside, or some root's folder cannot be read to its end. */
+DAFT_API bool daft_files_list(const daft_files *files, const char *folder, daft_name_callback *found, void *user);
 /* Reads a whole regular file and appends a zero byte. `files` may be NULL: the path leads anywhere, also by links.
  * NULL: *error says why. Pipes, devices and sockets are refused without waiting. From malloc: the caller frees it. */
 DAFT_API void *daft_read_file(const daft_files *files, const char *path, size_t *size, daft_error *error);

@@ -375,26 +375,36 @@ bool daft_files_find(const daft_files *files, const char *name, char *path, size
     return false;
 }
 
-static void list_disk(const root *r, const char *folder, daft_name_callback *found, void *user)
+/* False: the folder is there, but cannot be read to its end. */
+static bool list_disk(const root *r, const char *folder, daft_name_callback *found, void *user)
 {
     int file = open_beneath(r->descriptor, folder[0] ? folder : ".", O_RDONLY | O_DIRECTORY | O_NONBLOCK | O_CLOEXEC);
-    DIR *entries = file < 0 ? NULL : fdopendir(file);
-    if (file >= 0 && !entries) close(file);
-    if (!entries) return;
-    for (struct dirent *entry; (entry = readdir(entries));)
+    if (file < 0) return errno == ENOENT || errno == ENOTDIR;
+    DIR *entries = fdopendir(file);
+    if (!entries) {
+        close(file);
+        return false;
+    }
+    errno = 0;
+    for (struct dirent *entry; (entry = readdir(entries)); errno = 0)
         if (entry->d_name[0] != '.') found(user, entry->d_name);
+    bool whole = errno == 0;
     closedir(entries);
+    return whole;
 }
 
-void daft_files_list(const daft_files *files, const char *folder, daft_name_callback *found, void *user)
+bool daft_files_list(const daft_files *files, const char *folder, daft_name_callback *found, void *user)
 {
     char inner[LONGEST_PATH];
-    if (!files || !folder || !found || folder[0] == '/' || !daft_path_normalize(folder, inner, sizeof inner)) return;
+    if (!files || !folder || !found || folder[0] == '/' || !daft_path_normalize(folder, inner, sizeof inner))
+        return false;
+    bool whole = true;
     for (uint32_t i = 0; i < files->count; i++) {
         const root *r = &files->roots[i];
         if (!r->read)
-            list_disk(r, inner, found, user);
+            whole &= list_disk(r, inner, found, user);
         else if (r->list)
             r->list(r->user, inner, found, user);
     }
+    return whole;
 }

@@ -86,7 +86,8 @@ static void collect(packer *p, const char *folder)
     }
     p->depth++;
     p->folder = folder;
-    daft_files_list(p->source->own, folder, look_at, p);
+    if (!daft_files_list(p->source->own, folder, look_at, p) && !p->failed)
+        p->failed = !fail_at(p->error, folder[0] ? folder : p->game->folder, 0, 0, "the folder cannot be read");
     p->folder = above;
     p->depth--;
 }
