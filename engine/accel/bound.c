@@ -57,10 +57,10 @@ static void reach(const float *support, const double n[3], double out[2])
     const uint8_t *o = DAFT_REACH_ORDER[(size[0] >= size[1]) | (unsigned)(size[1] >= size[2]) << 1 |
                                         (unsigned)(size[0] >= size[2]) << 2];
     double a = size[o[0]] - size[o[1]], b = size[o[1]] - size[o[2]], c = size[o[2]];
-    for (int way = 0; way < 2; way++, sign ^= 7) {
+    for (int end = 0; end < 2; end++, sign ^= 7) {
         float axis = support[daft_reach_axis(o, sign)], face = support[daft_reach_face(o, sign)],
               octant = support[daft_reach_octant(sign)];
-        out[way] = a * (double)axis + b * (double)face + c * (double)octant;
+        out[end] = a * (double)axis + b * (double)face + c * (double)octant;
     }
 }
 

@@ -44,15 +44,15 @@ static inline void daft_reaches_find(const daft_bounded *of, float (*row)[DAFT_V
         const uint8_t *order = DAFT_REACH_ORDER[(xy >> i & 1) | (yz >> i & 1) << 1 | (xz >> i & 1) << 2];
         uint32_t sign = (nx >> i & 1) | (ny >> i & 1) << 1 | (nz >> i & 1) << 2;
         const float *support = of->support[i];
-        for (int way = 0; way < 2; way++, sign ^= 7) {
-            found[way][i] = support[daft_reach_axis(order, sign)],
-            found[2 + way][i] = support[daft_reach_face(order, sign)];
-            found[4 + way][i] = support[daft_reach_octant(sign)];
+        for (int end = 0; end < 2; end++, sign ^= 7) {
+            found[end][i] = support[daft_reach_axis(order, sign)],
+            found[2 + end][i] = support[daft_reach_face(order, sign)];
+            found[4 + end][i] = support[daft_reach_octant(sign)];
         }
     }
-    for (int way = 0; way < 2; way++) {
-        out->axis[way] = vf_load(found[way]), out->face[way] = vf_load(found[2 + way]);
-        out->octant[way] = vf_load(found[4 + way]);
+    for (int end = 0; end < 2; end++) {
+        out->axis[end] = vf_load(found[end]), out->face[end] = vf_load(found[2 + end]);
+        out->octant[end] = vf_load(found[4 + end]);
     }
     out->most = vf_max(a, vf_max(b, c)), out->least = vf_min(a, vf_min(b, c));
     out->middle = vf_max(vf_min(a, b), vf_min(vf_max(a, b), c));
@@ -72,9 +72,9 @@ DAFT_INLINE void daft_bound_axis(const daft_bounded *of, float (*map)[DAFT_VL], 
         *size += vd_abs(m) * vd_larger(vd_abs(l), vd_abs(u));
     }
     vd a = vd_promote_half(r->most, h), b = vd_promote_half(r->middle, h), c = vd_promote_half(r->least, h);
-    for (int way = 0; way < 2; way++)
-        along[way] = (a - b) * vd_promote_half(r->axis[way], h) + (b - c) * vd_promote_half(r->face[way], h) +
-                     c * vd_promote_half(r->octant[way], h);
+    for (int end = 0; end < 2; end++)
+        along[end] = (a - b) * vd_promote_half(r->axis[end], h) + (b - c) * vd_promote_half(r->face[end], h) +
+                     c * vd_promote_half(r->octant[end], h);
     vd ahead = t + along[0], behind = t - along[1];
     *high = vd_if_then_else((vl)(ahead < centre + half), ahead, centre + half);
     *low = vd_if_then_else((vl)(behind > centre - half), behind, centre - half);

@@ -9,7 +9,7 @@ DAFT_INLINE v4 v4_clear_w(v4 a) { return (v4)((v4i)a & (v4i){-1, -1, -1, 0}); }
 /* A ray in some space; lanes 3 are 0. */
 typedef struct simd_ray {
     v4 origin, direction;
-    slab_direction way;
+    slab_direction slabs;
 } simd_ray;
 
 DAFT_INLINE simd_ray simd_ray_of(const daft_ray *ray)
@@ -43,7 +43,7 @@ DAFT_INLINE bool to_object_space(const daft_affine *map, const simd_ray *frame, 
     v4_transpose3(rows.x, rows.y, rows.z, &x, &y, &z);
     local->origin = v4_clear_w(((x * v4_set(o[0]) + y * v4_set(o[1])) + z * v4_set(o[2])) + rows.t);
     local->direction = v4_clear_w((x * v4_set(d[0]) + y * v4_set(d[1])) + z * v4_set(d[2]));
-    local->way = slab_direction_of(local->direction, minus_inverse(local->direction));
+    local->slabs = slab_direction_of(local->direction, minus_inverse(local->direction));
     return finite_lanes(local->origin, local->direction);
 }
 

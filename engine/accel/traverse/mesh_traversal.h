@@ -88,8 +88,8 @@ DAFT_INLINE void slab_upper_origins(v4 o, v4 d, slab_origin *near, slab_origin *
 
 DAFT_INLINE v8 planes(const char *node, size_t row) { return v8_load((const float *)(node + row)); }
 
-/* Bits of the children the ray meets in tmin..tmax; their entry distances in near. `plain`: the way is, and tmin not
- * negative. */
+/* Bits of the children the ray meets in tmin..tmax; their entry distances in near. `plain`: the direction is, and tmin
+ * not negative. */
 DAFT_INLINE uint32_t slab_test(const char *node, const slab_direction *r, const slab_origin *from,
                                const slab_origin *until, bool plain, v8 tmin, v8 tmax, v8 *near)
 {
@@ -249,7 +249,7 @@ DAFT_INLINE bool leaf_stops(const daft_block *blocks, uint32_t child, const daft
 /* The nearest hit below `child`, a code of the tree. Down to the first leaf children are predicted (child_at); later
  * ones would be mispredicted too often. hit->t limits the search and hit->triangle breaks ties, so the order of visits
  * does not matter. */
-DAFT_INLINE void mesh_traverse(const daft_bvh *bvh, uint32_t child, const slab_direction *way, const daft_mesh_ray *r,
+DAFT_INLINE void mesh_traverse(const daft_bvh *bvh, uint32_t child, const slab_direction *slabs, const daft_mesh_ray *r,
                                const slab_origin *at, bool plain, daft_nearest *hit)
 {
     ray_stack stack;
@@ -263,14 +263,14 @@ DAFT_INLINE void mesh_traverse(const daft_bvh *bvh, uint32_t child, const slab_d
     begins.at[DAFT_WIDTH] = DAFT_INFINITY_BITS;
     for (bool guess = true; guess && !(child & DAFT_CHILD_LEAF);) {
         const char *node = node_at(nodes, child);
-        uint32_t bits = slab_test(node, way, at, at, plain, low, high, &near);
+        uint32_t bits = slab_test(node, slabs, at, at, plain, low, high, &near);
         guess = bits != 0;
         child = bits ? push_predicted(&tree, (const daft_node *)node, bits, near, &begins, &top) : pop(&top, limit);
     }
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
-            uint32_t bits = slab_test(node, way, at, at, plain, low, high, &near);
+            uint32_t bits = slab_test(node, slabs, at, at, plain, low, high, &near);
             child = bits ? push_sorted(&tree, (const daft_node *)node, bits, near, &top) : pop(&top, limit);
         }
         if (child == DAFT_CHILD_NONE) return;
@@ -281,7 +281,7 @@ DAFT_INLINE void mesh_traverse(const daft_bvh *bvh, uint32_t child, const slab_d
 }
 
 /* Whether anything below `child` is hit before hit->t. */
-DAFT_INLINE bool mesh_any_hit(const daft_bvh *bvh, uint32_t child, const slab_direction *way, const daft_mesh_ray *r,
+DAFT_INLINE bool mesh_any_hit(const daft_bvh *bvh, uint32_t child, const slab_direction *slabs, const daft_mesh_ray *r,
                               const slab_origin *at, bool plain, daft_nearest *hit)
 {
     code_stack stack;
@@ -292,14 +292,14 @@ DAFT_INLINE bool mesh_any_hit(const daft_bvh *bvh, uint32_t child, const slab_di
     v8 low = v8_set(begin_of(r->tmin, plain)), high = v8_set(limit), near;
     for (bool guess = true; guess && !(child & DAFT_CHILD_LEAF);) {
         const char *node = node_at(nodes, child);
-        uint32_t bits = slab_test(node, way, at, at, plain, low, high, &near);
+        uint32_t bits = slab_test(node, slabs, at, at, plain, low, high, &near);
         guess = bits != 0;
         child = bits ? push_unsorted((const daft_node *)node, bits, true, &top) : *--top;
     }
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const char *node = node_at(nodes, child);
-            uint32_t bits = slab_test(node, way, at, at, plain, low, high, &near);
+            uint32_t bits = slab_test(node, slabs, at, at, plain, low, high, &near);
             child = bits ? push_unsorted((const daft_node *)node, bits, false, &top) : *--top;
         }
         if (child == DAFT_CHILD_NONE) return false;

@@ -278,9 +278,9 @@ static void mesh_traverse(packet *c, const mesh_packet *m, packet_slabs *g, vbit
 static vbits same_octant(vf3 d, vbits bits)
 {
     vi sign = vi_set(INT32_MIN);
-    vi way =
+    vi octant =
         ((vi)d.x & sign) ^ (((vi)d.y & sign) >> 1 & vi_set(0x40000000)) ^ (((vi)d.z & sign) >> 2 & vi_set(0x20000000));
-    return bits & vbits_from_mask(vi_eq(way, vi_set(way[first_lane(bits)])));
+    return bits & vbits_from_mask(vi_eq(octant, vi_set(octant[first_lane(bits)])));
 }
 
 static void instance_single(packet *c, uint32_t index, vbits bits)

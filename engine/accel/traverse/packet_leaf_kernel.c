@@ -266,19 +266,19 @@ static vbits sphere_lanes(const packet *c, const daft_instance *s, vbits bits, v
     const double r = (double)s->radius,
                  at[3] = {(double)s->to_frame.t[0], (double)s->to_frame.t[1], (double)s->to_frame.t[2]};
     for (int half = 0; half < 2; half++) {
-        vd3 o = vd3_half(c->o, half), way = vd3_half(c->d, half), to = {at[0] - o.x, at[1] - o.y, at[2] - o.z};
-        forward[half] = to.x * way.x + to.y * way.y + to.z * way.z;
+        vd3 o = vd3_half(c->o, half), ray = vd3_half(c->d, half), to = {at[0] - o.x, at[1] - o.y, at[2] - o.z};
+        forward[half] = to.x * ray.x + to.y * ray.y + to.z * ray.z;
         excess[half] = r * r * DAFT_SPHERE_OUTSIDE - (to.x * to.x + to.y * to.y + to.z * to.z);
-        d[half] = way, centre[half] = to;
+        d[half] = ray, centre[half] = to;
     }
     vf zero = vf_set(0);
     bits &= ~vbits_from_mask(
         vm_and(vf_lt(vf_demote2(forward[0], forward[1]), zero), vf_lt(vf_demote2(excess[0], excess[1]), zero)));
     if (!bits || !(r > 0)) return 0;
     for (int half = 0; half < 2; half++) {
-        vd3 way = d[half], to = centre[half];
-        vd dd = way.x * way.x + way.y * way.y + way.z * way.z, along = forward[half] / dd;
-        vd3 aside = {to.x - way.x * along, to.y - way.y * along, to.z - way.z * along};
+        vd3 ray = d[half], to = centre[half];
+        vd dd = ray.x * ray.x + ray.y * ray.y + ray.z * ray.z, along = forward[half] / dd;
+        vd3 aside = {to.x - ray.x * along, to.y - ray.y * along, to.z - ray.z * along};
         vd discriminant = r * r - (aside.x * aside.x + aside.y * aside.y + aside.z * aside.z);
         vd length = vd_sqrt(discriminant / dd);
         near[half] = along - length, far[half] = along + length; /* NaN: beside it */

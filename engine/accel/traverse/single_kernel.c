@@ -32,9 +32,9 @@ DAFT_INLINE daft_vec3 v4_point(v4 a) { return (daft_vec3){a[0], a[1], a[2]}; }
 
 /* ---- the lower level: in object space ---- */
 
-/* way: of the direction d. */
+/* slabs: of the direction d. */
 static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t child, v4 o, v4 d,
-                                                   const slab_direction *way, float tmin, daft_intersection how,
+                                                   const slab_direction *slabs, float tmin, daft_intersection how,
                                                    daft_nearest *hit)
 {
     daft_mesh_ray r = daft_mesh_ray_of(v4_point(o), v4_point(d), tmin, hit->t, how);
@@ -42,14 +42,14 @@ static __attribute__((noinline)) void mesh_closest(const daft_bvh *bvh, uint32_t
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF)
         DAFT_KERNEL(daft_leaf_closest)(bvh->blocks, child, &r, daft_forward(daft_past(hit->t)), hit);
-    else if (tmin >= 0 && way->plain)
-        mesh_traverse(bvh, child, way, &r, &at, true, hit);
+    else if (tmin >= 0 && slabs->plain)
+        mesh_traverse(bvh, child, slabs, &r, &at, true, hit);
     else
-        mesh_traverse(bvh, child, way, &r, &at, false, hit);
+        mesh_traverse(bvh, child, slabs, &r, &at, false, hit);
 }
 
 static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_t child, v4 o, v4 d,
-                                                    const slab_direction *way, float tmin, float tmax,
+                                                    const slab_direction *slabs, float tmin, float tmax,
                                                     daft_intersection how)
 {
     daft_nearest hit = {.t = tmax, .triangle = DAFT_NO_TRIANGLE};
@@ -58,8 +58,8 @@ static __attribute__((noinline)) bool mesh_occluded(const daft_bvh *bvh, uint32_
     child = first_child(bvh, child);
     if (child & DAFT_CHILD_LEAF)
         return DAFT_KERNEL(daft_leaf_stops)(bvh->blocks, child, &r, daft_forward(daft_past(tmax)), &hit);
-    if (tmin >= 0 && way->plain) return mesh_any_hit(bvh, child, way, &r, &at, true, &hit);
-    return mesh_any_hit(bvh, child, way, &r, &at, false, &hit);
+    if (tmin >= 0 && slabs->plain) return mesh_any_hit(bvh, child, slabs, &r, &at, true, &hit);
+    return mesh_any_hit(bvh, child, slabs, &r, &at, false, &hit);
 }
 
 /* Through an instance's mesh. A mesh that is only shifted keeps the direction. */
@@ -69,9 +69,9 @@ DAFT_INLINE void instance_mesh_closest(const daft_instance *instance, uint32_t c
     simd_ray local;
     if (daft_is_translation(&instance->to_object)) {
         v4 o = frame->origin + translation_of(&instance->to_object);
-        if (finite_lanes(o, o)) mesh_closest(instance->bvh, child, o, frame->direction, &frame->way, tmin, how, hit);
+        if (finite_lanes(o, o)) mesh_closest(instance->bvh, child, o, frame->direction, &frame->slabs, tmin, how, hit);
     } else if (to_object_space(&instance->to_object, frame, &local)) {
-        mesh_closest(instance->bvh, child, local.origin, local.direction, &local.way, tmin, how, hit);
+        mesh_closest(instance->bvh, child, local.origin, local.direction, &local.slabs, tmin, how, hit);
     }
 }
 
@@ -82,10 +82,10 @@ DAFT_INLINE bool instance_mesh_occluded(const daft_instance *instance, uint32_t 
     if (daft_is_translation(&instance->to_object)) {
         v4 o = frame->origin + translation_of(&instance->to_object);
         return finite_lanes(o, o) &&
-               mesh_occluded(instance->bvh, child, o, frame->direction, &frame->way, tmin, tmax, how);
+               mesh_occluded(instance->bvh, child, o, frame->direction, &frame->slabs, tmin, tmax, how);
     }
     return to_object_space(&instance->to_object, frame, &local) &&
-           mesh_occluded(instance->bvh, child, local.origin, local.direction, &local.way, tmin, tmax, how);
+           mesh_occluded(instance->bvh, child, local.origin, local.direction, &local.slabs, tmin, tmax, how);
 }
 
 void DAFT_KERNEL(daft_mesh_closest)(const daft_instance *instance, uint32_t child, const daft_ray *ray,
@@ -203,7 +203,7 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
     const tree_place tree = {tlas->nodes.items, tlas->instances, sizeof *tlas->instances, 0};
     slab_origin from, until;
     slab_upper_origins(frame.origin, frame.direction, &from, &until);
-    bool plain = ray->tmin >= 0 && frame.way.plain;
+    bool plain = ray->tmin >= 0 && frame.slabs.plain;
     const sphere_view view = sphere_view_of(frame.origin, frame.direction, plain);
     const uint32_t spheres = view.usual ? 0xff : 0;
     float limit = daft_past(hit->t);
@@ -218,7 +218,7 @@ DAFT_INLINE void upper_closest(const daft_tlas *tlas, uint32_t child, const daft
             }
         } else {
             const daft_node *node = &tlas->nodes.items[child];
-            uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
+            uint32_t bits = slab_test((const char *)node, &frame.slabs, &from, &until, plain, low, high, &near);
             if (node->spheres & spheres) { /* asked of the node alone: it is known before the bits are */
                 node_spheres sight = node_spheres_of(node, &view);
                 bits = spheres_met(node, bits, &sight, &view);
@@ -267,7 +267,7 @@ DAFT_INLINE uint32_t root_children(const daft_tlas *tlas, const daft_ray *ray, c
     slab_upper_origins(frame->origin, frame->direction, &from, &until);
     v8 enter;
     uint32_t bits =
-        slab_test((const char *)tlas->nodes.items, &frame->way, &from, &until, ray->tmin >= 0 && frame->way.plain,
+        slab_test((const char *)tlas->nodes.items, &frame->slabs, &from, &until, ray->tmin >= 0 && frame->slabs.plain,
                   v8_set(daft_before(ray->tmin)), v8_set(daft_past(ray->tmax)), &enter);
     v8_store(near, enter);
     /* origins so large that they overflow meet even boxes that are empty */
@@ -331,14 +331,14 @@ DAFT_INLINE bool upper_any_hit(const daft_tlas *tlas, uint32_t child, const daft
     const tree_place tree = {tlas->nodes.items, tlas->instances, sizeof *tlas->instances, 0};
     slab_origin from, until;
     slab_upper_origins(frame.origin, frame.direction, &from, &until);
-    bool plain = ray->tmin >= 0 && frame.way.plain;
+    bool plain = ray->tmin >= 0 && frame.slabs.plain;
     const sphere_view view = sphere_view_of(frame.origin, frame.direction, plain);
     const uint32_t spheres = view.usual ? 0xff : 0;
     v8 low = v8_set(daft_before(ray->tmin)), high = v8_set(daft_past(ray->tmax)), near;
     for (;;) {
         while (!(child & DAFT_CHILD_LEAF)) {
             const daft_node *node = &tlas->nodes.items[child];
-            uint32_t bits = slab_test((const char *)node, &frame.way, &from, &until, plain, low, high, &near);
+            uint32_t bits = slab_test((const char *)node, &frame.slabs, &from, &until, plain, low, high, &near);
             if (node->spheres & spheres) {
                 node_spheres sight = node_spheres_of(node, &view);
                 if (any_casts_shadow(tlas, node, spheres_pierced(node, &sight, &view, ray->tmin, ray->tmax)))
@@ -384,7 +384,8 @@ static uint32_t boxes(const daft_node *node, const daft_ray *ray)
     v8 near;
     uint32_t real = 0xff;
     for (int k = 0; k < 3; k++) real &= v8_le_bits(v8_load(node->bounds[k]), v8_load(node->bounds[k + 3]));
-    return real & slab_test((const char *)node, &line.way, &o, &o, false, v8_set(ray->tmin), v8_set(ray->tmax), &near);
+    return real &
+           slab_test((const char *)node, &line.slabs, &o, &o, false, v8_set(ray->tmin), v8_set(ray->tmax), &near);
 }
 
 const daft_accel_kernels DAFT_KERNEL(daft_accel) = {closest,

@@ -1,5 +1,5 @@
-/* Groups a tile's lit points into blocks of 16, the unit that occluders are tested against: patches of 4 by 4 pixels,
- * which lie side by side on a surface and so also as the light sees them. Patches across a silhouette are far apart
+/* Groups a tile's lit points into blocks of 16, the unit that occluders are tested against: squares of 4 by 4 pixels,
+ * which lie side by side on a surface and so also as the light sees them. Squares across a silhouette are far apart
  * there: blocks much larger than usual are taken apart, and their points make new blocks along a Morton curve. */
 #include "raster/samples/samples.h"
 
@@ -11,9 +11,9 @@ typedef struct blocks_job {
 
 _Static_assert(
     DAFT_TILE == 32,
-    "a tile's row is a word of a set of bits; three bits of a patch's column and row make its place on the curve");
+    "a tile's row is a word of a set of bits; three bits of a square's column and row make its place on the curve");
 
-static uint32_t patch_column(uint32_t patch) { return (patch & 1) | (patch >> 1 & 2) | (patch >> 2 & 4); }
+static uint32_t square_column(uint32_t square) { return (square & 1) | (square >> 1 & 2) | (square >> 2 & 4); }
 
 /* A batch that holds the tile's pixels one after the other needs no sorting. */
 static bool is_whole_tile(const daft_samples *b)
@@ -29,8 +29,8 @@ static void place_whole_tile(const uint32_t *kept, places *out)
 {
     const vi within = (vi_iota() & vi_set(3)) + (vi_iota() >> 2) * vi_set(DAFT_TILE);
     out->count = 0, out->rows = true;
-    for (uint32_t patch = 0; patch < SHADOW_TILE_BLOCKS; patch++) {
-        uint32_t x = patch_column(patch) * 4, y = patch_column(patch >> 1) * 4, used = 0;
+    for (uint32_t square = 0; square < SHADOW_TILE_BLOCKS; square++) {
+        uint32_t x = square_column(square) * 4, y = square_column(square >> 1) * 4, used = 0;
         for (uint32_t row = 0; row < 4; row++) used |= (kept[y + row] >> x & 15) << (4 * row);
         if (!used) continue;
         for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
@@ -39,8 +39,8 @@ static void place_whole_tile(const uint32_t *kept, places *out)
     }
 }
 
-/* Patches along a Morton curve: 16 in a row form a square, so groups are compact. */
-DAFT_INLINE vi patches_of(vi pixel)
+/* Squares along a Morton curve: 16 in a row form a square, so groups are compact. */
+DAFT_INLINE vi squares_of(vi pixel)
 {
     vi x = (pixel >> 2) & vi_set(7), y = pixel >> __builtin_ctz(4 * DAFT_TILE); /* of 4 by 4 pixels */
     return (x & vi_set(1)) | (y & vi_set(1)) << 1 | (x & vi_set(2)) << 1 | (y & vi_set(2)) << 2 | (x & vi_set(4)) << 2 |
@@ -53,7 +53,7 @@ static void list_kept(const daft_samples *b, const uint32_t *kept, kept_points *
     for (uint32_t i = 0; i < b->count; i += DAFT_VL) {
         vbits in = kept[i / 32] >> (i % 32) & DAFT_ALL_LANES;
         vi_compress_store(&out->index[count], in, vi_iota() + vi_set((int32_t)i));
-        vi_compress_store(&out->patch[count], in, patches_of(vi_load(&b->pixel[i])));
+        vi_compress_store(&out->square[count], in, squares_of(vi_load(&b->pixel[i])));
         count += (uint32_t)__builtin_popcount(in);
     }
     out->count = count;
@@ -72,13 +72,13 @@ static void blocks_for(const uint32_t *points, uint32_t sets, uint32_t *first, p
     memset(out->at, 0, blocks * SHADOW_BLOCK * sizeof out->at[0]);
 }
 
-/* Counting sort by patch; each patch begins a block. */
-static void place_by_patches(const kept_points *list, places *out)
+/* Counting sort by square; each square begins a block. */
+static void place_by_squares(const kept_points *list, places *out)
 {
     uint32_t points[SHADOW_TILE_BLOCKS] = {0}, next[SHADOW_TILE_BLOCKS];
-    for (uint32_t k = 0; k < list->count; k++) points[list->patch[k]]++;
+    for (uint32_t k = 0; k < list->count; k++) points[list->square[k]]++;
     blocks_for(points, SHADOW_TILE_BLOCKS, next, out);
-    for (uint32_t k = 0; k < list->count; k++) out->at[next[list->patch[k]]++] = list->index[k];
+    for (uint32_t k = 0; k < list->count; k++) out->at[next[list->square[k]]++] = list->index[k];
 }
 
 static void place_points(const daft_samples *samples, const uint32_t *kept, block_scratch *scratch)
@@ -88,7 +88,7 @@ static void place_points(const daft_samples *samples, const uint32_t *kept, bloc
         return;
     }
     list_kept(samples, kept, &scratch->kept);
-    place_by_patches(&scratch->kept, &scratch->places);
+    place_by_squares(&scratch->kept, &scratch->places);
 }
 
 /* DAFT_VL values from their places, of which the first is `from`; `rows`: they are in rows of four below each other. */
@@ -136,7 +136,7 @@ DAFT_INLINE void fill_block(const blocks_job *c, const places *from, uint32_t b,
     to->far[b] = vf_reduce_max(far);
 }
 
-/* ---- patches that are no neighbours to the light ---- */
+/* ---- squares that are no neighbours to the light ---- */
 
 static float block_size(const shadow_points *p, uint32_t b)
 {
@@ -294,13 +294,13 @@ void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *sa
 /* ---- and out again ---- */
 
 /* Whether a block is four rows of four pixels below each other, of which none goes on in another word of bits. */
-DAFT_INLINE bool is_patch(const uint32_t *source)
+DAFT_INLINE bool is_square(const uint32_t *source)
 {
-    const vi patch = (vi_iota() & vi_set(3)) + (vi_iota() >> 2) * vi_set(DAFT_TILE);
+    const vi square = (vi_iota() & vi_set(3)) + (vi_iota() >> 2) * vi_set(DAFT_TILE);
     vbits in_place = DAFT_ALL_LANES;
     for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
         in_place &=
-            vbits_from_mask(vi_eq(vi_load(&source[k]), patch + vi_set((int32_t)(source[0] + k / 4 * DAFT_TILE))));
+            vbits_from_mask(vi_eq(vi_load(&source[k]), square + vi_set((int32_t)(source[0] + k / 4 * DAFT_TILE))));
     return in_place == DAFT_ALL_LANES && source[0] % 4 == 0;
 }
 
@@ -311,7 +311,7 @@ void DAFT_KERNEL(daft_shadow_dark)(const shadow_points *p, uint32_t *bits)
         uint32_t dark = p->used[b];
         for (uint32_t k = 0; k < SHADOW_BLOCK; k += DAFT_VL)
             dark &= ~(vbits_from_mask(vf_lt(vf_set(-INFINITY), vf_load(&p->depth[b * SHADOW_BLOCK + k]))) << k);
-        if (dark && is_patch(source)) {
+        if (dark && is_square(source)) {
             for (uint32_t row = 0; row < 4; row++)
                 bits[source[0] / 32 + row] &= ~((dark >> (4 * row) & 15) << source[0] % 32);
             continue;

@@ -17,7 +17,7 @@
 
 enum { FEW_OCCLUDERS = 8 }; /* each is asked which points are under it, before blocks are made */
 
-/* To sort the points of a large patch takes as long as some tests of it. Among many instances it would be met by too
+/* To sort the points of a large square takes as long as some tests of it. Among many instances it would be met by too
  * many. */
 #define STRAY_OF_FEW  6.0f
 #define STRAY_OF_MANY 2.0f

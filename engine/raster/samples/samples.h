@@ -23,8 +23,8 @@
 
 enum {
     SHADOW_BLOCK = 16,                                /* points in a block, whatever the instruction set */
-    SHADOW_TILE_BLOCKS = DAFT_SAMPLES / SHADOW_BLOCK, /* patches of 4 by 4 pixels in a tile */
-    SHADOW_BLOCKS = 2 * SHADOW_TILE_BLOCKS,           /* each patch begins a block, and so does what is left of them */
+    SHADOW_TILE_BLOCKS = DAFT_SAMPLES / SHADOW_BLOCK, /* squares of 4 by 4 pixels in a tile */
+    SHADOW_BLOCKS = 2 * SHADOW_TILE_BLOCKS,           /* each square begins a block, and so does what is left of them */
     SHADOW_LANES = SHADOW_BLOCKS * SHADOW_BLOCK,
     SHADOW_GROUP = 16, /* blocks that are looked at together, whatever the instruction set */
     SHADOW_FEW = 16    /* up to so many are looked at one by one */
@@ -278,13 +278,13 @@ typedef struct places {
 /* The kept points, one after the other. */
 typedef struct kept_points {
     uint32_t count;
-    uint32_t index[DAFT_SAMPLES_ROOM + DAFT_VL], patch[DAFT_SAMPLES_ROOM + DAFT_VL];
+    uint32_t index[DAFT_SAMPLES_ROOM + DAFT_VL], square[DAFT_SAMPLES_ROOM + DAFT_VL];
 } kept_points;
 
 enum { PLACE_BITS = 11 }; /* of a point's place among the samples */
 _Static_assert(DAFT_SAMPLES_ROOM < 1 << PLACE_BITS, "");
 
-/* Points of patches across a silhouette: Morton code of their place in the picture, 8 bits an axis, above their place
+/* Points of squares across a silhouette: Morton code of their place in the picture, 8 bits an axis, above their place
  * in the batch. */
 typedef struct strays {
     uint32_t count, jump; /* bits of the code that differ across more than two usual blocks */
@@ -301,7 +301,7 @@ typedef struct block_scratch {
 } block_scratch;
 
 /* Puts the points whose bits are in `kept` into blocks. `own`: the triangle that a point lies on and that cannot shadow
- * it, or DAFT_NO_TRIANGLE. `stray`: patches that many times larger than usual are taken apart. */
+ * it, or DAFT_NO_TRIANGLE. `stray`: squares that many times larger than usual are taken apart. */
 void DAFT_KERNEL(daft_shadow_blocks)(const light_view *l, const daft_samples *samples, const uint32_t *own,
                                      const uint32_t *kept, float stray, block_scratch *scratch, shadow_points *to);
 
