@@ -714,7 +714,7 @@ DAFT_API uint64_t daft_hash(const void *bytes, size_t size, uint64_t seed); /* F
 
 typedef enum daft_quality {
     DAFT_QUALITY_DRAFT = 0, /* one sample, no shadows, no reflections, through six surfaces that transmit */
-    DAFT_QUALITY_GAME,      /* one sample, shadows, reflections two deep, through twelve surfaces */
+    DAFT_QUALITY_GAME,      /* one sample and four at edges, shadows, reflections two deep, through twelve surfaces */
     DAFT_QUALITY_HIGH,      /* four samples, reflections six deep, through sixteen surfaces */
     DAFT_QUALITY_REFERENCE  /* sixteen samples, every camera ray alone through the BVH, reflections ten deep, through 24
                              */
@@ -762,6 +762,8 @@ typedef struct daft_view {
     daft_quality quality;
     /* Knobs: each replaces one value of the quality's preset. They change the picture, never the scene. */
     int samples;          /* per pixel; 0: the quality's; else 1, 4 or 16 */
+    int edge_samples;     /* more where a pixel differs from its neighbours: 0; 4, at outlines and creases; 16, at edges
+                             of shadows and in mirrors, too; -1: the quality's, or 0 where `samples` is set */
     int mirror_depth;     /* mirror bounces followed, 0 to 32; -1: the quality's */
     int refraction_depth; /* surfaces that a path which passes through some may meet, 0 to 32; -1: the quality's */
     float min_weight;     /* mirrored or refracted rays below it are not cast, 0 to 1; below 0: the quality's */
@@ -942,6 +944,7 @@ typedef enum daft_effect_kind {
     DAFT_EFFECT_REFRACTION,
     DAFT_EFFECT_SKY,
     DAFT_EFFECT_RESOLVE,
+    DAFT_EFFECT_ANTIALIASING, /* more samples of pixels that differ from their neighbours: all of their work */
     DAFT_EFFECT_COUNT
 } daft_effect_kind;
 

@@ -82,7 +82,7 @@ static bool clear_bins(daft_raster *raster)
                        sizeof *bins->order))
             return false;
         memset(bins->tiles, 0, tiles * sizeof *bins->tiles);
-        bins->block_count = 0;
+        bins->block_count = 0, bins->ordered_tile = UINT32_MAX;
         bins->visible = bins->nodes = bins->tested = bins->binned = bins->spheres = bins->exact_edges =
             bins->exact_depths = 0;
         bins->out_of_memory = false;
@@ -105,10 +105,11 @@ bool daft_raster_begin(daft_raster *raster, const daft_pencil *pencil, const daf
     return daft_fail_memory(error, "the list of visible instances");
 }
 
-void daft_tile_place(const daft_raster *raster, uint32_t tile, daft_tile *out)
+void daft_tile_place(const daft_raster *raster, uint32_t tile, const daft_tile_part *part, daft_tile *out)
 {
-    out->x = (int)(tile % (uint32_t)raster->tiles_x) * DAFT_TILE;
-    out->y = (int)(tile / (uint32_t)raster->tiles_x) * DAFT_TILE;
-    out->width = daft_min_i(DAFT_TILE, raster->pencil.width - out->x);
-    out->height = daft_min_i(DAFT_TILE, raster->pencil.height - out->y);
+    const int scale = part ? part->scale : 1, number = part ? part->number : 0;
+    out->x = ((int)(tile % (uint32_t)raster->tiles_x) * scale + number % scale) * DAFT_TILE;
+    out->y = ((int)(tile / (uint32_t)raster->tiles_x) * scale + number / scale) * DAFT_TILE;
+    out->width = daft_min_i(DAFT_TILE, raster->pencil.width * scale - out->x);
+    out->height = daft_min_i(DAFT_TILE, raster->pencil.height * scale - out->y);
 }

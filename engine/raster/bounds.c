@@ -29,15 +29,16 @@ static void view_box(const daft_view_instance *view, daft_vec3 *low, daft_vec3 *
     *high = moved.high;
 }
 
-/* The pixels whose rays may meet a box: exclusive of those whose ray lies beyond a side of it. False: none. */
-static bool pixel_range(float low, float high, float near_z, float far_z, double focal, double centre, int size,
-                        int *first, int *last)
+/* The pixels whose rays, or those within `reach` pixels of them, may meet a box: exclusive of those whose rays lie
+ * beyond a side of it. False: none. */
+static bool pixel_range(float low, float high, float near_z, float far_z, double focal, double centre, double reach,
+                        int size, int *first, int *last)
 {
     double a = 0, b = size - 1;
     if (near_z > 0) {
         double l = (double)low, h = (double)high, nz = (double)near_z, fz = (double)far_z;
-        a = focal * (l < 0 ? l / nz : l / fz) + centre;
-        b = focal * (h < 0 ? h / fz : h / nz) + centre;
+        a = focal * (l < 0 ? l / nz : l / fz) + (centre - reach);
+        b = focal * (h < 0 ? h / fz : h / nz) + (centre + reach);
         a = ceil((a < 0 ? 0 : a) - 1e-3);
         b = floor((b > size - 1 ? size - 1 : b) + 1e-3);
     }
@@ -60,13 +61,13 @@ static bool sphere_range(const daft_pencil *p, daft_view_instance *view, double 
 {
     const float *c = view->to_view.t;
     double z = (double)c[2], r = (double)view->instance->radius * (1 + 0x1p-20) + fabs(z) * 0x1p-20,
-           f = (double)p->focal;
+           f = (double)p->focal, reach = (double)p->reach;
     if (!(z > r * 1.001)) return true; /* around the camera or through its plane: the whole picture */
     double x0, x1, y0, y1;
     daft_sphere_slopes((double)c[0], z, r, &x0, &x1);
     daft_sphere_slopes(-(double)c[1], z, r, &y0, &y1);
-    return pixel_range((float)x0, (float)x1, 1, 1, f, cx, p->width, &view->x0, &view->x1) &&
-           pixel_range((float)y0, (float)y1, 1, 1, f, cy, p->height, &view->y0, &view->y1);
+    return pixel_range((float)x0, (float)x1, 1, 1, f, cx, reach, p->width, &view->x0, &view->x1) &&
+           pixel_range((float)y0, (float)y1, 1, 1, f, cy, reach, p->height, &view->y0, &view->y1);
 }
 
 bool daft_view_instance_make(const daft_pencil *p, const daft_instance *instance, uint32_t index,
@@ -79,10 +80,10 @@ bool daft_view_instance_make(const daft_pencil *p, const daft_instance *instance
     view_box(view, &low, &high);
     if (!daft_finite3(low) || !daft_finite3(high) || high.z <= 0 || outside_sides(p, low, high)) return false;
     view->near_z = low.z;
-    double f = (double)p->focal;
+    double f = (double)p->focal, reach = (double)p->reach;
     double cx = daft_pencil_middle_x(p), cy = daft_pencil_middle_y(p);
-    if (!pixel_range(low.x, high.x, low.z, high.z, f, cx, p->width, &view->x0, &view->x1) ||
-        !pixel_range(-high.y, -low.y, low.z, high.z, f, cy, p->height, &view->y0, &view->y1))
+    if (!pixel_range(low.x, high.x, low.z, high.z, f, cx, reach, p->width, &view->x0, &view->x1) ||
+        !pixel_range(-high.y, -low.y, low.z, high.z, f, cy, reach, p->height, &view->y0, &view->y1))
         return false;
     if (!instance->mesh) return sphere_range(p, view, cx, cy);
     view->dense = daft_view_dense(view);

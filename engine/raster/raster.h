@@ -45,6 +45,7 @@ typedef struct daft_bins {
     size_t tile_capacity;
     uint64_t *order; /* a tile's instances, front to back; and room to sort them */
     size_t order_capacity;
+    uint32_t ordered_tile, ordered; /* whose they are, and how many: its parts need not sort them again */
     /* Instances in the picture; nodes and triangles whose boxes were tested (a triangle once for each tile); triangles
      * set up; spheres in tiles; decisions that floats could not make. */
     uint64_t visible, nodes, tested, binned, spheres, exact_edges, exact_depths;
@@ -57,6 +58,15 @@ typedef struct daft_tile {
     _Alignas(64) uint32_t instance[DAFT_TILE_ROOM];
     _Alignas(64) uint32_t triangle[DAFT_TILE_ROOM];
 } daft_tile;
+
+/* A part of a tile with more rays: the picture is `scale` times as wide and high, and pixels are divided. The tile has
+ * scale² parts of DAFT_TILE rows and columns, numbered by rows. Rays that are not asked for see nothing. */
+typedef struct daft_tile_part {
+    int scale; /* a power of two, up to DAFT_TILE; scaled coordinates of pixels are below 2^14 */
+    int number;
+    uint32_t asked[DAFT_TILE]; /* bit x of row y */
+} daft_tile_part;
+_Static_assert(DAFT_TILE == 32, "a row of a tile is one word of bits");
 
 typedef struct daft_raster {
     const daft_allocator *allocator;
@@ -87,7 +97,8 @@ typedef struct daft_screen_box {
 
 typedef struct daft_raster_kernels {
     size_t scratch_size; /* of a worker */
-    void (*tile)(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_tile *out);
+    /* `part`: NULL for the tile itself, by the pencil's own rays. */
+    void (*tile)(const daft_raster *raster, uint32_t tile, uint32_t worker, const daft_tile_part *part, daft_tile *out);
     /* Fills raster->visible for `lanes` instances from one on, all of meshes with triangles, as daft_raster_bin does
      * one by one. */
     void (*instances)(const daft_raster *raster, uint32_t first);
@@ -116,7 +127,8 @@ const daft_sample_kernels *daft_sample_kernels_for(int isa);
 
 /* The slow, obvious twin: every ray alone through the two trees, in scalar double, the same predicates at the leaves.
  */
-void daft_reference_tile(const daft_raster *raster, const daft_tlas *tlas, uint32_t tile, daft_tile *out);
+void daft_reference_tile(const daft_raster *raster, const daft_tlas *tlas, uint32_t tile, const daft_tile_part *part,
+                         daft_tile *out);
 
 /* ---- shared by the two paths ---- */
 
@@ -133,7 +145,16 @@ static inline bool daft_view_dense(const daft_view_instance *view)
             pixels = (int64_t)(view->x1 - view->x0 + 1) * (view->y1 - view->y0 + 1);
     return (view->near_z > 0 ? 6 : 4) * triangles >= pixels;
 }
-/* Sets the tile's place and size. */
-void daft_tile_place(const daft_raster *raster, uint32_t tile, daft_tile *out);
+/* The pencil of a part's rays; the raster's own for NULL. */
+static inline daft_pencil daft_part_pencil(const daft_pencil *p, const daft_tile_part *part)
+{
+    daft_pencil own = *p;
+    if (!part) return own;
+    own.width *= part->scale, own.height *= part->scale, own.focal *= (float)part->scale;
+    own.shift_x = own.shift_y = 0;
+    return own;
+}
+/* Sets the place and size of a tile, or of a part of it. */
+void daft_tile_place(const daft_raster *raster, uint32_t tile, const daft_tile_part *part, daft_tile *out);
 
 #endif

@@ -200,12 +200,16 @@ static best trace(const daft_raster *raster, const daft_tlas *tlas, daft_vec3 ra
     return nearest;
 }
 
-void daft_reference_tile(const daft_raster *raster, const daft_tlas *tlas, uint32_t tile, daft_tile *out)
+void daft_reference_tile(const daft_raster *raster, const daft_tlas *tlas, uint32_t tile, const daft_tile_part *part,
+                         daft_tile *out)
 {
-    daft_tile_place(raster, tile, out);
+    const daft_pencil pencil = daft_part_pencil(&raster->pencil, part);
+    daft_tile_place(raster, tile, part, out);
     for (int row = 0; row < out->height; row++) {
         for (int column = 0; column < out->width; column++) {
-            best nearest = trace(raster, tlas, daft_pencil_ray(&raster->pencil, out->x + column, out->y + row));
+            best nearest = {INFINITY, DAFT_NOTHING, 0};
+            if (!part || (part->asked[row] >> column & 1))
+                nearest = trace(raster, tlas, daft_pencil_ray(&pencil, out->x + column, out->y + row));
             int at = row * DAFT_TILE_STRIDE + column;
             out->instance[at] = nearest.instance;
             out->triangle[at] = nearest.triangle;

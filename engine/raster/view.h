@@ -65,6 +65,8 @@ typedef struct daft_pencil {
     int width, height;
     daft_intersection intersection;
     float shift_x, shift_y; /* of the sample, in pixels, multiples of 1/32 within -0.5..0.5 */
+    float reach; /* how far, in pixels, rays of parts of tiles (daft_tile_part) may lie from these; 0: none are asked
+                    for */
 } daft_pencil;
 
 /* The map from an instance's space to view space, in double, rounded once. */

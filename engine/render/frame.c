@@ -3,8 +3,9 @@
 
 #include <string.h>
 
-static const char *const EFFECT_NAMES[DAFT_EFFECT_COUNT] = {"visibility", "surface",    "texture", "shadow", "lighting",
-                                                            "reflection", "refraction", "sky",     "resolve"};
+static const char *const EFFECT_NAMES[DAFT_EFFECT_COUNT] = {"visibility", "surface",     "texture",    "shadow",
+                                                            "lighting",   "reflection",  "refraction", "sky",
+                                                            "resolve",    "antialiasing"};
 
 static const daft_render_kernels *kernels_for(int isa)
 {
@@ -49,6 +50,10 @@ void daft_renderer_destroy(daft_renderer *r)
     daft_release(&allocator, r->refracted);
     daft_mirrors_free(r);
     daft_release(&allocator, r->sum);
+    daft_release(&allocator, r->edges);
+    daft_release(&allocator, r->ids);
+    daft_release(&allocator, r->apron);
+    daft_release(&allocator, r->smooth);
     daft_release(&allocator, r);
 }
 
@@ -121,6 +126,59 @@ static bool prepare_tree(daft_frame *frame, daft_error *error)
     return frame->tlas != NULL;
 }
 
+/* The tiles of the band, and of so many rows above and below it. */
+static void choose_rows(daft_frame *frame, int apron)
+{
+    const daft_snapshot *s = frame->snapshot;
+    const uint32_t tiles_x = (uint32_t)((s->width + DAFT_TILE - 1) / DAFT_TILE);
+    int first = daft_max_i(s->first_row - apron, 0), end = daft_min_i(s->first_row + s->row_count + apron, s->height);
+    frame->first_tile = tiles_x * (uint32_t)(first / DAFT_TILE);
+    frame->tile_count = tiles_x * (uint32_t)((end - first + DAFT_TILE - 1) / DAFT_TILE);
+}
+
+static void count_work(daft_frame *frame)
+{
+    choose_rows(frame, frame->edge_scale ? DAFT_TILE : 0);
+    frame->tiles_in_all = frame->tile_count * (uint32_t)frame->snapshot->preset.samples;
+    choose_rows(frame, 0);
+    frame->band_tile = frame->first_tile;
+    if (frame->edge_scale) frame->tiles_in_all += frame->tile_count;
+}
+
+/* Scaled coordinates of pixels are below 2^14, so very large pictures get fewer samples at edges, or none. */
+static int edge_scale_of(const daft_snapshot *s)
+{
+    int scale = s->preset.edge_samples == 16 ? 4 : s->preset.edge_samples == 4 ? 2 : 0;
+    while (scale * daft_max_i(s->width, s->height) > 16384) scale /= 2;
+    return scale > 1 ? scale : 0;
+}
+
+static bool prepare_edges(daft_frame *frame, daft_error *error)
+{
+    daft_renderer *r = frame->renderer;
+    const daft_snapshot *s = frame->snapshot;
+    if (!frame->edge_scale) return true;
+    const size_t row = (size_t)s->width, rows = (size_t)s->row_count;
+    const size_t apron = s->row_count < s->height ? 2 * DAFT_TILE * 4 * row : 0;
+    choose_rows(frame, 0);
+    if (daft_grow(&r->allocator, &r->edges, &r->edge_capacity, frame->tile_count, 0, sizeof *r->edges) &&
+        daft_grow(&r->allocator, &r->ids, &r->id_capacity, row * (rows + 2 * DAFT_TILE), 0, sizeof *r->ids) &&
+        daft_grow(&r->allocator, &r->apron, &r->apron_capacity, apron, 0, 1) &&
+        daft_grow(&r->allocator, &r->smooth, &r->smooth_capacity, 4 * row * rows, 0, 1))
+        return true;
+    return daft_fail_memory(error, "the pixels at edges");
+}
+
+static bool render_edges(daft_frame *frame, daft_error *error)
+{
+    const int threads = frame->renderer->threads;
+    choose_rows(frame, 0);
+    daft_parallel_for(threads, frame->tile_count, daft_refine_tile, frame);
+    if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
+    daft_parallel_for(threads, frame->tile_count, daft_show_edges, frame);
+    return true;
+}
+
 static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error *error)
 {
     daft_renderer *r = frame->renderer;
@@ -133,7 +191,9 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
                                   .width = s->width,
                                   .height = s->height,
                                   .intersection = s->intersection};
-    sample_shift(s->preset.samples, frame->sample, &frame->pencil.shift_x, &frame->pencil.shift_y);
+    float *x = &frame->pencil.shift_x, *y = &frame->pencil.shift_y;
+    sample_shift(s->preset.samples, frame->sample, x, y);
+    if (frame->edge_scale) frame->pencil.reach = 0.5f + fmaxf(fabsf(*x), fabsf(*y));
     if (!daft_raster_begin(&r->raster, &frame->pencil, s->instances, s->instance_count, error)) return false;
     daft_parallel_for(r->threads, r->raster.work_count, bin_task, frame);
     if (out_of_memory(r)) return daft_fail_memory(error, "the visible triangles");
@@ -141,8 +201,7 @@ static bool render_sample(daft_frame *frame, daft_counters *counters, daft_error
     if (!prepare_refractions(frame, error) || !prepare_tree(frame, error) || !daft_mirrors_prepare(frame, error))
         return false;
     counters->effects[DAFT_EFFECT_VISIBILITY].ms += daft_clock_ms() - start;
-    frame->first_tile = (uint32_t)(r->raster.tiles_x * (s->first_row / DAFT_TILE));
-    frame->tile_count = (uint32_t)(r->raster.tiles_x * ((s->row_count + DAFT_TILE - 1) / DAFT_TILE));
+    choose_rows(frame, frame->edge_scale ? DAFT_TILE : 0);
     daft_parallel_for(r->threads, frame->tile_count, daft_render_tile, frame);
     count_bins(r, counters);
     if (atomic_load(&frame->cancelled)) return daft_fail(error, DAFT_ERROR_CANCELLED, "rendering was stopped");
@@ -176,7 +235,9 @@ static bool prepare(daft_frame *frame, daft_error *error)
         memset(scratch->rays_cast, 0, sizeof scratch->rays_cast);
         scratch->shadow_points = 0;
     }
+    count_work(frame);
     if (frame->plan.tints && !prepare_tints(r, error)) return false;
+    if (!prepare_edges(frame, error)) return false;
     size_t floats = s->preset.samples > 1 ? 3 * (size_t)s->width * (size_t)s->height : 0;
     if (daft_grow(&r->allocator, &r->sum, &r->sum_capacity, floats, 0, sizeof *r->sum)) return true;
     return daft_fail_memory(error, "the samples of a picture");
@@ -198,6 +259,9 @@ static void count_bytes(const daft_frame *frame, daft_counters *c)
     if (e[DAFT_EFFECT_REFLECTION].ran) e[DAFT_EFFECT_REFLECTION].bytes += daft_mirrors_bytes(r);
     if (e[DAFT_EFFECT_REFRACTION].ran) e[DAFT_EFFECT_REFRACTION].bytes += r->refracted_capacity * sizeof *r->refracted;
     if (frame->snapshot->preset.samples > 1) e[DAFT_EFFECT_RESOLVE].bytes = r->sum_capacity * sizeof *r->sum;
+    if (e[DAFT_EFFECT_ANTIALIASING].ran)
+        e[DAFT_EFFECT_ANTIALIASING].bytes = r->edge_capacity * sizeof *r->edges + r->id_capacity * sizeof *r->ids +
+                                            r->apron_capacity + r->smooth_capacity;
     e[DAFT_EFFECT_SURFACE].bytes = (size_t)r->threads * sizeof *r->scratch;
 }
 
@@ -221,7 +285,7 @@ static void sum_effects(const daft_frame *frame, daft_counters *c, double since,
         if (!effect->ran) effect->ms = 0; /* what it took to find out belongs to nobody */
     }
     for (int i = 0; i < r->threads; i++) c->shadow_points_kept += r->scratch[i].shadow_points;
-    c->camera_rays = c->effects[DAFT_EFFECT_VISIBILITY].rays;
+    c->camera_rays = c->effects[DAFT_EFFECT_VISIBILITY].rays + c->effects[DAFT_EFFECT_ANTIALIASING].rays;
     c->shadow_rays = c->effects[DAFT_EFFECT_SHADOW].rays;
     c->reflection_rays = c->effects[DAFT_EFFECT_REFLECTION].rays;
     c->refraction_rays = c->effects[DAFT_EFFECT_REFRACTION].rays;
@@ -245,10 +309,12 @@ bool daft_render_frame(daft_renderer *renderer, const daft_snapshot *snapshot, c
     double start = daft_clock_ms();
     uint64_t ticks = daft_clock_ticks();
     daft_frame frame = {.renderer = renderer, .snapshot = snapshot, .target = target, .plan = daft_plan_make(snapshot)};
+    frame.edge_scale = edge_scale_of(snapshot);
     counters_begin(counters, snapshot, renderer);
     if (!prepare(&frame, error)) return false;
     for (frame.sample = 0; frame.sample < snapshot->preset.samples; frame.sample++)
         if (!render_sample(&frame, counters, error)) return false;
+    if (frame.edge_scale && !render_edges(&frame, error)) return false;
     sum_effects(&frame, counters, start, ticks);
     counters->frame_ms = daft_clock_ms() - start;
     return true;

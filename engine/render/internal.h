@@ -28,6 +28,11 @@ typedef struct daft_scratch {
     uint32_t lit[DAFT_SAMPLES_WORDS], under[DAFT_SAMPLES_WORDS];
     daft_lanes3 *passed;       /* of the running light's light; NULL until some shadow lets light through */
     daft_ray_batch *refracted; /* waiting, of each depth; NULL until something is seen that light may pass */
+    uint32_t around[2][DAFT_TILE + 2][DAFT_TILE + 2]; /* a tile at the picture's border: its pixels and ids */
+    daft_lanes3 sum;             /* of the tile's pixels that get more samples: their linear light, */
+    uint32_t taken[DAFT_BATCH];  /* and how many they are */
+    daft_seen_list fresh;        /* samples that are to be shaded, */
+    uint32_t wanted[DAFT_BATCH]; /* and their pixels, by place in the tile */
     uint64_t ticks[DAFT_EFFECT_COUNT];
     uint32_t tiles[DAFT_EFFECT_COUNT];
     uint64_t rays_cast[DAFT_EFFECT_COUNT];
@@ -74,6 +79,12 @@ struct daft_renderer {
     size_t mirrored_capacity;
     float *sum; /* linear light of all samples so far: 3·width·height; NULL until more than one is asked for */
     size_t sum_capacity;
+    /* Where some pixels get more samples, else NULL; rows are those of the band and of the tiles above and below it: */
+    daft_edges *edges; /* of each tile */
+    uint32_t *ids;     /* daft_pixel_id of each pixel */
+    uint8_t *apron;    /* the pixels above and below the band */
+    uint8_t *smooth;   /* the band's pixels with more samples, until all are drawn */
+    size_t edge_capacity, id_capacity, apron_capacity, smooth_capacity;
 };
 
 /* One sample of one frame, as its tiles see it. */
@@ -85,8 +96,11 @@ typedef struct daft_frame {
     daft_pencil pencil;
     const daft_tlas *tlas; /* NULL: nothing asks for rays */
     int sample;
-    int mirror_count; /* planar ones, whose rays form pencils */
-    uint32_t first_tile, tile_count;
+    int mirror_count;                /* planar ones, whose rays form pencils */
+    uint32_t first_tile, tile_count; /* of the running pass */
+    uint32_t band_tile;              /* the first one that is wanted */
+    uint32_t tiles_in_all;           /* of all passes */
+    int edge_scale; /* pixels that get more samples have them on a grid of so many rows and columns; 0: none do */
     atomic_uint tiles_done;
     atomic_bool cancelled;
 } daft_frame;
@@ -107,7 +121,26 @@ uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t wo
  * decide it, and the ray must be cast. */
 bool daft_mirrors_hit(const daft_frame *frame, uint32_t shown, uint32_t worker, const daft_tile *tile,
                       const daft_ray_batch *rays, uint32_t ray, daft_hit *hit);
+/* A row of the picture, or of the apron. */
+static inline uint8_t *daft_frame_row(const daft_frame *frame, int y)
+{
+    const daft_snapshot *s = frame->snapshot;
+    const size_t stride = 4 * (size_t)s->width;
+    const int end = s->first_row + s->row_count;
+    if (y < s->first_row) return frame->renderer->apron + (size_t)(y + DAFT_TILE - s->first_row) * stride;
+    if (y >= end) return frame->renderer->apron + (size_t)(DAFT_TILE + y - end) * stride;
+    return frame->target->pixels + (size_t)y * stride;
+}
 /* tile/tile.c: a daft_task */
 void daft_render_tile(void *context, uint32_t index, uint32_t worker);
+/* What the pixels of a row see, by daft_pixel_id. */
+static inline uint32_t *daft_frame_ids(const daft_frame *frame, int y)
+{
+    const daft_snapshot *s = frame->snapshot;
+    return frame->renderer->ids + (size_t)(y + DAFT_TILE - s->first_row) * (size_t)s->width;
+}
+/* tile/edges.c: tasks. The first draws what gets more samples, the second, when all tiles are done, shows it. */
+void daft_refine_tile(void *context, uint32_t index, uint32_t worker);
+void daft_show_edges(void *context, uint32_t index, uint32_t worker);
 
 #endif

@@ -67,11 +67,49 @@ typedef struct daft_spawning {
     float min;
 } daft_spawning;
 
+/* A tile's pixels, RGBA, and what they see, and those around it: pixel (x, y) of the tile, -1 to DAFT_TILE, is at
+ * 4·(y · stride + x) bytes, its id at y · id_stride + x. */
+typedef struct daft_neighbours {
+    const uint8_t *pixel;
+    const uint32_t *id;
+    ptrdiff_t stride, id_stride;
+} daft_neighbours;
+
+/* What pixels see is told apart by some bits of the instance and, below, of the triangle. */
+enum { DAFT_ID_INSTANCE = 16 };
+#define DAFT_ID_SKY (UINT32_MAX << DAFT_ID_INSTANCE)
+static inline uint32_t daft_pixel_id(uint32_t instance, uint32_t triangle)
+{
+    return instance << DAFT_ID_INSTANCE | (triangle & ((1u << DAFT_ID_INSTANCE) - 1));
+}
+
+/* Pixels of a tile that disagree with one beside, above or below them, bit x of row y: with one that sees another
+ * triangle, instance, or the sky; with one that sees the same triangle or sphere. */
+typedef struct daft_edges {
+    uint32_t outline[DAFT_TILE], inner[DAFT_TILE];
+    bool sky; /* no pixel of the tile sees anything else */
+} daft_edges;
+/* By more than so many steps of a colour's byte, up to 8191: if another instance is seen, another triangle of the same,
+ * or the same triangle. */
+typedef struct daft_contrast {
+    int outline, crease, inner;
+} daft_contrast;
+
+/* What single rays of a pencil see, and the number under which their light is wanted. */
+typedef struct daft_seen_list {
+    uint32_t count;
+    float x[DAFT_BATCH], y[DAFT_BATCH]; /* the ray is (x, y, focal) in view space */
+    uint32_t instance[DAFT_BATCH], triangle[DAFT_BATCH], pixel[DAFT_BATCH];
+} daft_seen_list;
+
 typedef struct daft_render_kernels {
     /* Turns a tile's visible surfaces into points of weight 1, filling only the fields that the definition asks for.
      * The other pixels become sky rays, with directions where the sky has more than one colour. */
     void (*surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets, daft_batch *points,
                      daft_ray_batch *sky);
+    /* The same for rays in a list. */
+    void (*listed_surfaces)(const daft_surfaces_def *def, const daft_seen_list *list, daft_facets *facets,
+                            daft_batch *points, daft_ray_batch *sky);
     /* Appends the points where the rays first.. hit, all of them set; misses are left out. */
     void (*hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first, const daft_hit *hits,
                        uint32_t count, daft_facets *facets, daft_batch *points);
@@ -79,6 +117,9 @@ typedef struct daft_render_kernels {
      * any more. Both are overwritten. */
     void (*spawn)(const daft_snapshot *snapshot, const daft_batch *points, const daft_spawning *allowed,
                   daft_ray_batch *mirrored, daft_ray_batch *refracted);
+    /* The ids of a tile's pixels, rows `stride` apart. */
+    void (*ids)(const daft_tile *tile, uint32_t *ids, size_t stride);
+    void (*contrast)(const daft_neighbours *neighbours, const daft_contrast *limit, daft_edges *out);
 } daft_render_kernels;
 
 DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);
@@ -86,8 +127,12 @@ DAFT_KERNEL_DECLARE(daft_render_kernels, daft_render);
 #ifdef DAFT_ISA
 void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *tile, daft_facets *facets,
                                 daft_batch *points, daft_ray_batch *sky);
+void DAFT_KERNEL(daft_listed_surfaces)(const daft_surfaces_def *def, const daft_seen_list *list, daft_facets *facets,
+                                       daft_batch *points, daft_ray_batch *sky);
 void DAFT_KERNEL(daft_hit_points)(const daft_snapshot *snapshot, const daft_ray_batch *rays, uint32_t first,
                                   const daft_hit *hits, uint32_t count, daft_facets *facets, daft_batch *points);
+void DAFT_KERNEL(daft_tile_ids)(const daft_tile *tile, uint32_t *ids, size_t stride);
+void DAFT_KERNEL(daft_find_contrast)(const daft_neighbours *neighbours, const daft_contrast *limit, daft_edges *out);
 #endif
 
 #endif

@@ -212,7 +212,7 @@ uint32_t daft_mirrors_tile(const daft_frame *frame, uint32_t number, uint32_t wo
     for (int i = 0; i < frame->mirror_count; i++) {
         if (count[i] < MIRROR_PIXELS) continue;
         daft_tile *out = &r->mirrored[worker * (uint32_t)frame->mirror_count + (uint32_t)i];
-        r->raster_kernels->tile(&r->mirrors[i].raster, number, worker, out);
+        r->raster_kernels->tile(&r->mirrors[i].raster, number, worker, NULL, out);
         shown |= (uint32_t)1 << i;
     }
     return shown;

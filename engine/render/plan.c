@@ -83,6 +83,10 @@ daft_plan daft_plan_make(const daft_snapshot *snapshot)
                                                                         : "no material transmits";
     why[DAFT_EFFECT_SKY] = "the sky is seen", none[DAFT_EFFECT_SKY] = "the sky is not seen";
     why[DAFT_EFFECT_RESOLVE] = "every picture";
+    const char **edges = &none[DAFT_EFFECT_ANTIALIASING];
+    why[DAFT_EFFECT_ANTIALIASING] = "pixels differ from their neighbours";
+    *edges = plan.preset->edge_samples ? "no pixel differs from its neighbours"
+                                       : "this quality takes as many samples of all pixels";
     return plan;
 }
 

@@ -6,6 +6,7 @@ static const daft_preset PRESETS[] = {
     [DAFT_QUALITY_DRAFT] = {.name = "draft", .samples = 1, .refraction_depth = 6, .min_weight = 1.0f / 256},
     [DAFT_QUALITY_GAME] = {.name = "game",
                            .samples = 1,
+                           .edge_samples = 4,
                            .mirror_depth = 2,
                            .refraction_depth = 12,
                            .min_weight = 1.0f / 2048,

@@ -19,6 +19,7 @@
 typedef struct daft_preset {
     const char *name;
     int samples;          /* per pixel */
+    int edge_samples;     /* more of them where a pixel differs from its neighbours */
     int mirror_depth;     /* mirror bounces followed; 0: none */
     int refraction_depth; /* surfaces that a path which passes through some may meet */
     float min_weight;     /* mirrored and refracted rays that weigh less in the pixel in all colours are not cast */

@@ -167,5 +167,9 @@ static void spawn(const daft_snapshot *snapshot, const daft_batch *b, const daft
     }
 }
 
-const daft_render_kernels DAFT_KERNEL(daft_render) = {
-    .surfaces = DAFT_KERNEL(daft_surfaces), .hit_points = DAFT_KERNEL(daft_hit_points), .spawn = spawn};
+const daft_render_kernels DAFT_KERNEL(daft_render) = {.surfaces = DAFT_KERNEL(daft_surfaces),
+                                                      .listed_surfaces = DAFT_KERNEL(daft_listed_surfaces),
+                                                      .hit_points = DAFT_KERNEL(daft_hit_points),
+                                                      .spawn = spawn,
+                                                      .ids = DAFT_KERNEL(daft_tile_ids),
+                                                      .contrast = DAFT_KERNEL(daft_find_contrast)};

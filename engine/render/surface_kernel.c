@@ -336,6 +336,13 @@ DAFT_INLINE vbits as_above(const daft_tile *tile, int at, vi instance, vi triang
                                   vi_eq(triangle, vi_load(&tile->triangle[at - DAFT_TILE_STRIDE]))));
 }
 
+static void end_lists(sorted *s)
+{
+    vi_store(&s->slots[s->seen], vi_set(0)), vi_store(&s->points->pixel[s->seen], vi_set(0));
+    vi_store(&s->sky->pixel[s->unseen], vi_set(0));
+    s->points->count = s->seen, s->sky->count = s->unseen;
+}
+
 static void sort_pixels(sorted *s)
 {
     const daft_tile *tile = s->tile;
@@ -363,9 +370,7 @@ static void sort_pixels(sorted *s)
             }
             above[column] = s->seen - begin == DAFT_VL ? begin : DAFT_NOTHING;
         }
-    vi_store(&s->slots[s->seen], vi_set(0)), vi_store(&s->points->pixel[s->seen], vi_set(0));
-    vi_store(&s->sky->pixel[s->unseen], vi_set(0));
-    s->points->count = s->seen, s->sky->count = s->unseen;
+    end_lists(s);
 }
 
 DAFT_INLINE vf3 rays_at(const daft_pencil *p, vf x, vf y)
@@ -400,8 +405,9 @@ typedef struct flat_normal {
     vf3 unit;
 } flat_normal;
 
-static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, daft_vec3 first, const daft_facets *f,
-                           uint32_t wants, daft_batch *b)
+/* `first`: the ray of the tile's first pixel; NULL: points have their rays' x and y in u and v. */
+static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, const daft_vec3 *first,
+                           const daft_facets *f, uint32_t wants, daft_batch *b)
 {
     flat_normal kept = {.slot = -1};
     window r = {.row = NULL}; /* once: a debug build cannot tell that each window reads what it set */
@@ -409,7 +415,7 @@ static void visible_points(const daft_snapshot *snapshot, const daft_pencil *p, 
         meeting m;
         vf3 normal;
         const int32_t *slots = &f->slot[i];
-        r.direction = pixel_rays(p, first, &b->pixel[i]);
+        r.direction = first ? pixel_rays(p, *first, &b->pixel[i]) : rays_at(p, vf_load(&b->u[i]), vf_load(&b->v[i]));
         if (vbits_from_mask(vi_eq(vi_load(slots), vi_set(slots[0]))) == DAFT_ALL_LANES) {
             bool flat = meet_uniform(&r, f, slots[0], wants, &m);
             if (flat && kept.slot != slots[0]) kept = (flat_normal){slots[0], unit3(m.normal)};
@@ -435,9 +441,42 @@ void DAFT_KERNEL(daft_surfaces)(const daft_surfaces_def *def, const daft_tile *t
     sort_pixels(&pixels);
     setup_visible(def->snapshot, p, facets);
     points->traits = facets->traits, points->one_material = facets->one_material;
-    visible_points(def->snapshot, p, first, facets, wants_of(facets->traits, def), points);
+    visible_points(def->snapshot, p, &first, facets, wants_of(facets->traits, def), points);
     if (def->snapshot->sky.kind == DAFT_SKY_COLOR) return;
     for (uint32_t i = 0; i < sky->count; i += DAFT_VL) store3(&sky->direction, i, pixel_rays(p, first, &sky->pixel[i]));
+}
+
+/* The list's points, with where their rays go in u and v, and its rays to the sky. */
+static void sort_list(const daft_seen_list *list, finder *f, int32_t *slots, daft_batch *points, daft_ray_batch *sky)
+{
+    uint32_t seen = 0, unseen = 0;
+    for (uint32_t i = 0; i < list->count; i++) {
+        if (list->instance[i] == DAFT_NOTHING) {
+            sky->direction.x[unseen] = list->x[i], sky->direction.y[unseen] = list->y[i];
+            sky->pixel[unseen++] = list->pixel[i];
+            continue;
+        }
+        points->u[seen] = list->x[i], points->v[seen] = list->y[i];
+        points->instance[seen] = list->instance[i], points->triangle[seen] = list->triangle[i];
+        points->pixel[seen] = list->pixel[i];
+        slots[seen++] = find_slot(f, list->instance[i], list->triangle[i]);
+    }
+    for (uint32_t i = seen; i % DAFT_VL; i++) points->u[i] = points->v[i] = 0, points->pixel[i] = 0, slots[i] = 0;
+    points->count = seen, sky->count = unseen;
+}
+
+void DAFT_KERNEL(daft_listed_surfaces)(const daft_surfaces_def *def, const daft_seen_list *list, daft_facets *facets,
+                                       daft_batch *points, daft_ray_batch *sky)
+{
+    const daft_pencil *p = def->pencil;
+    finder f = {.snapshot = def->snapshot, .facets = facets};
+    facets->count = 0;
+    sort_list(list, &f, facets->slot, points, sky);
+    setup_visible(def->snapshot, p, facets);
+    points->traits = facets->traits, points->one_material = facets->one_material;
+    visible_points(def->snapshot, p, NULL, facets, wants_of(facets->traits, def), points);
+    for (uint32_t i = 0; i < sky->count; i += DAFT_VL)
+        store3(&sky->direction, i, rays_at(p, vf_load(&sky->direction.x[i]), vf_load(&sky->direction.y[i])));
 }
 
 /* ---- hits of rays that were followed ---- */

@@ -53,7 +53,8 @@ static bool fill_lights(daft_scene *scene, const daft_view *view, daft_scene_fra
 static daft_preset choose_preset(const daft_view *view)
 {
     daft_preset preset = *daft_quality_preset(view->quality);
-    if (view->samples) preset.samples = view->samples;
+    if (view->samples) preset.samples = view->samples, preset.edge_samples = 0;
+    if (view->edge_samples >= 0) preset.edge_samples = view->edge_samples;
     if (view->mirror_depth >= 0) preset.mirror_depth = view->mirror_depth;
     if (view->refraction_depth >= 0) preset.refraction_depth = view->refraction_depth;
     if (view->min_weight >= 0) preset.min_weight = view->min_weight;

@@ -9,6 +9,7 @@
 bool DAFT_KERNEL(daft_albedo)(daft_batch *batch, const daft_surface *materials, const daft_texture_data *textures);
 void DAFT_KERNEL(daft_sky_color)(const daft_sky *sky, const daft_lanes3 *direction, uint32_t count, daft_lanes3 *color);
 void DAFT_KERNEL(daft_encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba);
+void DAFT_KERNEL(daft_decode)(const uint8_t *rgba, uint32_t count, float *r, float *g, float *b);
 
 DAFT_INLINE vf3 lanes_load(const daft_lanes3 *a, uint32_t i)
 {

@@ -1,8 +1,9 @@
-/* Encoding: linear light to sRGB bytes (IEC 61966-2-1). A byte is floor(255·curve + 1/2), the curve by vf_pow, which is
- * good to 2^-21. A polynomial gives the same byte where its sum is not close to a whole number: over all floats up to 1
- * the two sums differ by at most 1.7e-4. The few lanes that are closer than 2^-FINE, which is more, are computed by
- * vf_pow. */
+/* Encoding: linear light to sRGB bytes (IEC 61966-2-1), and back by table. A byte is floor(255·curve + 1/2), the curve
+ * by vf_pow, which is good to 2^-21. A polynomial gives the same byte where its sum is not close to a whole number:
+ * over all floats up to 1 the two sums differ by at most 1.7e-4. The few lanes that are closer than 2^-FINE, which is
+ * more, are computed by vf_pow. */
 #include "shade/batch_lanes.h"
+#include "shade/srgb_table.h"
 
 enum { FINE = 12, ONE = 1 << FINE }; /* fraction bits of a byte */
 
@@ -67,4 +68,10 @@ void DAFT_KERNEL(daft_encode)(const float *r, const float *g, const float *b, ui
         vi_store(packed, bytes);
         memcpy(rgba + 4 * (size_t)i, packed, 4 * (size_t)(count - i));
     }
+}
+
+void DAFT_KERNEL(daft_decode)(const uint8_t *rgba, uint32_t count, float *r, float *g, float *b)
+{
+    for (uint32_t i = 0; i < count; i++, rgba += 4)
+        r[i] = SRGB_TO_LINEAR[rgba[0]], g[i] = SRGB_TO_LINEAR[rgba[1]], b[i] = SRGB_TO_LINEAR[rgba[2]];
 }

@@ -158,4 +158,5 @@ const daft_shade_kernels DAFT_KERNEL(daft_shade) = {
     .scatter = scatter,
     .scatter_add = scatter_add,
     .encode = DAFT_KERNEL(daft_encode),
+    .decode = DAFT_KERNEL(daft_decode),
 };

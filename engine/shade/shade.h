@@ -109,6 +109,8 @@ typedef struct daft_shade_kernels {
                         const daft_lanes3 *light);
     /* `count` pixels from linear light to sRGB bytes with alpha 255. */
     void (*encode)(const float *r, const float *g, const float *b, uint32_t count, uint8_t *rgba);
+    /* The linear light of `count` pixels' bytes. */
+    void (*decode)(const uint8_t *rgba, uint32_t count, float *r, float *g, float *b);
 } daft_shade_kernels;
 
 const daft_shade_kernels *daft_shade_kernels_for(int isa);

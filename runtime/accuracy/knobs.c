@@ -8,12 +8,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SCALE, VISIBILITY, SAMPLES, SHADOWS, MIRRORS, REFRACTION, WEIGHT, REFERENCE };
+enum { SCALE, VISIBILITY, SAMPLES, EDGES, SHADOWS, MIRRORS, REFRACTION, WEIGHT, REFERENCE };
 
 static const knob_row TABLE[KNOBS] = {
     [SCALE] = {"scale", "sides of the drawn picture, relative to the shown one; bilinear between", {0.5, 0.75, 1}, 3},
     [VISIBILITY] = {"intersection", "how rays and triangles meet: fast, watertight or exact", {2, 1, 0}, 3},
     [SAMPLES] = {"samples", "of a pixel", {1, 4, 16}, 3},
+    [EDGES] = {"edge_samples",
+               "more where neighbours differ: 4 at outlines, 16 at edges of shadows, too",
+               {0, 4, 16},
+               3},
     [SHADOWS] = {"shadows", "0: none, 1: of every light", {0, 1}, 2},
     [MIRRORS] = {"mirror_depth", "mirror bounces followed", {0, 1, 2, 4, 8}, 5},
     [REFRACTION] = {"refraction_depth", "surfaces that a path through transparent ones may meet", {0, 2, 6, 12, 24}, 5},
@@ -35,6 +39,7 @@ void knob_apply(knob_set *set, size_t index, double value)
     case SCALE: set->scale = value; break;
     case VISIBILITY: v->intersection = (daft_intersection)value; break;
     case SAMPLES: v->samples = (int)value; break;
+    case EDGES: v->edge_samples = (int)value; break;
     case SHADOWS: v->shadows = (int)value; break;
     case MIRRORS: v->mirror_depth = (int)value; break;
     case REFRACTION: v->refraction_depth = (int)value; break;
@@ -64,6 +69,7 @@ static bool in_range(size_t index, double value)
     switch (index) {
     case SCALE: return value >= 0.1 && value <= 1;
     case SAMPLES: return value == 1 || value == 4 || value == 16;
+    case EDGES: return value == 0 || value == 4 || value == 16;
     case SHADOWS:
     case REFERENCE: return value == 0 || value == 1;
     case WEIGHT: return value >= 0 && value <= 1;

@@ -182,7 +182,7 @@ static void like_the_reference(void **unused)
     (void)unused;
     for (size_t k = 0; k < DAFT_COUNT_OF(SCENES); k++) {
         stage *s = scene_load(&SCENES[k], NULL, 2);
-        s->view.reference = true;
+        s->view.reference = true, s->view.edge_samples = 16;
         draw(s);
         picture reference = picture_take(s);
         s->view.reference = false;

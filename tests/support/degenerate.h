@@ -146,12 +146,15 @@ __attribute__((unused)) static void stage_drop(stage *s)
     free(s);
 }
 
+static int edge_samples = -1; /* of the pictures that are drawn */
+
 __attribute__((unused)) static picture *draw_from(stage *s, daft_quality quality, daft_camera camera)
 {
     picture *p = calloc(1, sizeof *p);
     daft_view view = daft_default_view();
     view.quality = quality;
     view.samples = quality == DAFT_QUALITY_REFERENCE ? 4 : 0; /* 16 are slow, and show nothing more here */
+    view.edge_samples = edge_samples;
     view.camera = camera;
     view.aov = (daft_aov){.depth = p->depth, .normal = p->normal, .entity = p->entity, .triangle = p->triangle};
     daft_error error = {0};

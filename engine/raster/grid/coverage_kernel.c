@@ -23,8 +23,7 @@ static int lane_place(int at, int lane) { return at + lane / DAFT_WINDOW_W * DAF
 
 static daft_vec3 place_ray(const daft_tile_job *j, int place)
 {
-    return daft_pencil_ray(&j->raster->pencil, j->tile->x + place % DAFT_TILE_STRIDE,
-                           j->tile->y + place / DAFT_TILE_STRIDE);
+    return daft_pencil_ray(&j->pencil, j->tile->x + place % DAFT_TILE_STRIDE, j->tile->y + place / DAFT_TILE_STRIDE);
 }
 
 static void lane_write(daft_tile_job *j, int place, const primitive *t, float low, float high)
@@ -466,7 +465,7 @@ void DAFT_KERNEL(daft_sphere_draw)(daft_tile_job *j, const daft_view_instance *v
 {
     const primitive t = {view, 0};
     const float *c = view->to_view.t;
-    float radius = view->instance->radius, focal = j->raster->pencil.focal;
+    float radius = view->instance->radius, focal = j->pencil.focal;
     float reach = sqrtf(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + radius, limit = 32 * UNIT * reach * reach + TINY;
     vf vx = vf_set(c[0]), vy = vf_set(c[1]), vz = vf_set(c[2]), vfocal = vf_set(focal), doubt = vf_set(limit),
        one = vf_set(1);

@@ -31,10 +31,12 @@ enum {
 };
 
 /* A pixel's place is its row · DAFT_TILE_STRIDE + its column. w is the inverse depth; w_low..w_high holds that of what
- * the pixel sees. Pixels beyond the picture count as infinitely near: nothing is offered to them in vain, nor do they
- * look far. */
+ * the pixel sees. Pixels that are not asked for or lie beyond the picture count as infinitely near: nothing is offered
+ * to them in vain, nor do they look far. */
 typedef struct daft_tile_job {
     const daft_raster *raster;
+    daft_pencil pencil; /* the raster's, or of a part of a tile */
+    int scale;          /* the part's, or 1 */
     daft_bins *counters;
     daft_tile *tile;
     float left, top;      /* ray of the tile's first pixel */

@@ -85,7 +85,7 @@ DAFT_INLINE vd vd_floor(vd a)
 
 /* Pixels along one side of the picture. */
 typedef struct side {
-    double focal, centre;
+    double focal, centre, reach;
     int size;
 } side;
 
@@ -96,8 +96,8 @@ DAFT_INLINE vbits range_group(vf low, vf high, const views *v, const side *s, in
     for (int h = 0; h < 2; h++) {
         vd l = vd_promote_half(low, h), u = vd_promote_half(high, h), near = vd_promote_half(vf_load(v->low[2]), h),
            far = vd_promote_half(vf_load(v->high[2]), h);
-        vd x = s->focal * (l / vd_if_then_else((vl)(l < zero), near, far)) + s->centre;
-        vd y = s->focal * (u / vd_if_then_else((vl)(u < zero), far, near)) + s->centre;
+        vd x = s->focal * (l / vd_if_then_else((vl)(l < zero), near, far)) + (s->centre - s->reach);
+        vd y = s->focal * (u / vd_if_then_else((vl)(u < zero), far, near)) + (s->centre + s->reach);
         x = vd_if_then_else((vl)(x < zero), zero, vd_if_then_else((vl)(x > beyond), beyond, x));
         y = vd_if_then_else((vl)(y > last), last, vd_if_then_else((vl)(y < zero - 1), zero - 1, y));
         vl before = (vl)(near > zero);
@@ -114,8 +114,8 @@ static void place_group(const daft_pencil *p, views *v)
 {
     const vf zero = vf_set(0), x0 = vf_load(v->low[0]), x1 = vf_load(v->high[0]), y0 = vf_load(v->low[1]),
              y1 = vf_load(v->high[1]);
-    const side across = {(double)p->focal, daft_pencil_middle_x(p), p->width},
-               down = {(double)p->focal, daft_pencil_middle_y(p), p->height};
+    const side across = {(double)p->focal, daft_pencil_middle_x(p), (double)p->reach, p->width},
+               down = {(double)p->focal, daft_pencil_middle_y(p), (double)p->reach, p->height};
     vd apart[2];
     for (int h = 0; h < 2; h++) apart[h] = vd_if_then_else(beside(p, v, h), vd_set(1), vd_set(0));
     v->visible =

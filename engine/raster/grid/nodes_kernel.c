@@ -135,8 +135,7 @@ static void walk_begin(walk *w, daft_tile_job *job, const daft_view_instance *vi
 {
     const daft_affine *map = &view->to_view;
     const daft_vec3 from = view->mesh->low, until = view->mesh->high;
-    const float low[3] = {from.x, from.y, from.z}, high[3] = {until.x, until.y, until.z},
-                focal = job->raster->pencil.focal;
+    const float low[3] = {from.x, from.y, from.z}, high[3] = {until.x, until.y, until.z}, focal = job->pencil.focal;
     w->job = job, w->view = view, w->queue = queue, w->leaf_count = w->block_count = 0;
     float pad[3];
     for (int k = 0; k < 3; k++) {

@@ -39,9 +39,9 @@ DAFT_INLINE vm pixel_span(vf low, vf high, float last, vf *first, vf *end)
 DAFT_INLINE void project(const daft_tile_job *job, const daft_view_instance *view, const daft_block *const *blocks,
                          lanes *l)
 {
-    vf zero = vf_set(0), focal = vf_set(job->raster->pencil.focal);
+    vf zero = vf_set(0), focal = vf_set(job->pencil.focal);
     vf left = vf_set(job->left), top = vf_set(job->top);
-    l->corners = blocks_move(&job->raster->pencil, true, &view->to_view, blocks);
+    l->corners = blocks_move(&job->pencil, true, &view->to_view, blocks);
     view_extent e = extent_empty();
     for (int k = 0; k < 3; k++) extent_add(&e, &l->corners.p[k], focal / l->corners.p[k].z);
     /* A triangle through the camera's plane may reach anywhere. */
@@ -111,8 +111,7 @@ DAFT_INLINE void edges_setup(const daft_tile_job *job, bool exact, daft_pencil_b
     plane e[3];
     for (int k = 0; k < 3; k++) e[k] = edge_plane(&l->corners, k, false);
     vi sign = facing(exact, e, l, live);
-    vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), dz = vf_set(job->raster->pencil.focal),
-       inf = vf_set(INFINITY);
+    vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), dz = vf_set(job->pencil.focal), inf = vf_set(INFINITY);
     vf x0 = vf_set(job->left) + l->x0, x1 = vf_set(job->left) + l->x1, y0 = vf_set(job->top) - l->y1,
        y1 = vf_set(job->top) - l->y0;
     vf outer = vf_set(exact ? -1.0f : 0.0f), hopeless = vf_set(exact ? 0.0f : -1.0f), zero = vf_set(0);
@@ -141,7 +140,7 @@ static void depth_setup_double(const daft_tile_job *job, daft_pencil_batch *b, c
 {
     daft_vec3 corner[3];
     lane_corners(l, i, corner);
-    double f = (double)job->raster->pencil.focal, dx = (double)job->max_dx, dy = (double)job->max_dy;
+    double f = (double)job->pencil.focal, dx = (double)job->max_dx, dy = (double)job->max_dy;
     daft_dvec3 a = daft_to_double(corner[0]), p = daft_dsub(daft_to_double(corner[1]), a),
                q = daft_dsub(daft_to_double(corner[2]), a), n = daft_dcross(p, q);
     double inverse = 1 / (daft_ddot(n, a) * f);
@@ -188,7 +187,7 @@ DAFT_INLINE void depth_setup(const daft_tile_job *job, bool exact, daft_pencil_b
     if (exact) shorter_sides(l, &p, &q);
     const plane own = plane_of(p, q);
     const vf3 n = own.n, m = own.m;
-    vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), focal = vf_set(job->raster->pencil.focal);
+    vf dx = vf_set(job->max_dx), dy = vf_set(job->max_dy), focal = vf_set(job->pencil.focal);
     vf inverse = vf_set(1) / (vf3_dot(n, a) * focal), scale = vf_abs(inverse);
     vf_store(b->wx, n.x * inverse), vf_store(b->wy, n.y * inverse), vf_store(b->wz, n.z * inverse * focal);
     vf_store(b->w_cap, exact ? vf_set(INFINITY) : l->nearest);

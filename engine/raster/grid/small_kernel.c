@@ -43,9 +43,9 @@ typedef struct lens {
 
 DAFT_INLINE lens lens_of(const daft_tile_job *job, const daft_view_instance *view)
 {
-    bool closely = job->raster->pencil.intersection == DAFT_INTERSECT_WATERTIGHT;
-    return (lens){view->to_view, job->raster->pencil.focal, job->left, job->top, job->last_x,
-                  job->last_y,   daft_tile_reach(job),      closely};
+    bool closely = job->pencil.intersection == DAFT_INTERSECT_WATERTIGHT;
+    return (lens){view->to_view, job->pencil.focal,    job->left, job->top, job->last_x,
+                  job->last_y,   daft_tile_reach(job), closely};
 }
 
 /* D of the above, times a power of two; reach: a lens's. */
@@ -184,7 +184,7 @@ DAFT_INLINE void small_setup(const daft_tile_job *job, bool exact, const vf x[3]
                              vi x0, vi y0, small *s)
 {
     vf px = vf_convert_to(x0), py = vf_convert_to(y0), one = vf_set(1), e[3],
-       over_focal = vf_set(1 / job->raster->pencil.focal);
+       over_focal = vf_set(1 / job->pencil.focal);
     for (int k = 0; k < 3; k++) s->a[0][k] = x[k] - px, s->b[0][k] = y[k] - py;
     edges_at(s->a[0], s->b[0], e);
     vf area = e[0] + e[1] + e[2];

@@ -5,8 +5,10 @@
 static void draw_instance(daft_tile_job *j, const daft_view_instance *view, daft_queue *queue)
 {
     const daft_tile *t = j->tile;
-    int x0 = daft_max_i(view->x0 - t->x, 0), x1 = daft_min_i(view->x1 - t->x, t->width - 1);
-    int y0 = daft_max_i(view->y0 - t->y, 0), y1 = daft_min_i(view->y1 - t->y, t->height - 1);
+    const int scale = j->scale;
+    int x0 = daft_max_i(view->x0 * scale - t->x, 0), x1 = daft_min_i((view->x1 + 1) * scale - 1 - t->x, t->width - 1);
+    int y0 = daft_max_i(view->y0 * scale - t->y, 0), y1 = daft_min_i((view->y1 + 1) * scale - 1 - t->y, t->height - 1);
+    if (x0 > x1 || y0 > y1) return;
     float nearest = view->near_z > 0 ? 1 / view->near_z * (1 + 0x1p-20f) : INFINITY;
     if (DAFT_KERNEL(daft_pixels_hidden)(j, x0, x1, y0, y1, nearest)) return;
     if (view->mesh) {
@@ -54,10 +56,12 @@ static void sort_keys(uint64_t *keys, uint32_t count)
     }
 }
 
-/* The tile's instances by distance, then by number. */
-static uint32_t front_to_back(const daft_raster *raster, uint32_t tile, uint64_t *keys)
+/* The tile's instances by distance, then by number, into own->order. */
+static uint32_t front_to_back(const daft_raster *raster, uint32_t tile, daft_bins *own)
 {
+    uint64_t *keys = own->order;
     uint32_t count = 0;
+    if (own->ordered_tile == tile) return own->ordered;
     for (int worker = 0; worker < raster->workers; worker++) {
         const daft_bins *bins = &raster->bins[worker];
         const daft_bin_list *list = &bins->tiles[tile];
@@ -67,6 +71,7 @@ static uint32_t front_to_back(const daft_raster *raster, uint32_t tile, uint64_t
         }
     }
     sort_keys(keys, count);
+    own->ordered_tile = tile, own->ordered = count;
     return count;
 }
 
@@ -77,25 +82,27 @@ static void clear_cells(daft_tile_job *j, bool stale)
     memset(j->stale, stale ? 0xff : 0, sizeof j->stale);
 }
 
-static void clear_pixels(daft_tile_job *j)
+static void clear_pixels(daft_tile_job *j, const daft_tile_part *part)
 {
     daft_tile *t = j->tile;
-    bool whole = t->width == DAFT_TILE && t->height == DAFT_TILE;
-    clear_cells(j, !whole);
+    const uint32_t columns = t->width == DAFT_TILE ? UINT32_MAX : (1u << t->width) - 1;
+    const vf far = vf_set(-INFINITY), near = vf_set(INFINITY);
+    clear_cells(j, part || t->width < DAFT_TILE || t->height < DAFT_TILE);
     for (int i = 0; i < DAFT_TILE_ROOM; i += DAFT_VL) {
-        float w = i < DAFT_TILE * DAFT_TILE_STRIDE ? -INFINITY : INFINITY;
-        vf_store(&j->w_low[i], vf_set(w)), vf_store(&j->w_high[i], vf_set(w));
+        const int x = i % DAFT_TILE_STRIDE, y = i / DAFT_TILE_STRIDE;
+        const uint32_t asked = y < t->height ? columns & (part ? part->asked[y] : UINT32_MAX) : 0;
+        vf w = vf_if_then_else(vm_from_bits((vbits)(asked >> x) & DAFT_ALL_LANES), far, near);
+        vf_store(&j->w_low[i], w), vf_store(&j->w_high[i], w);
         vi_store(&t->instance[i], vi_set(-1)), vi_store(&t->triangle[i], vi_set(0));
     }
-    for (int i = 0; !whole && i < DAFT_TILE * DAFT_TILE_STRIDE; i++)
-        if (i % DAFT_TILE_STRIDE >= t->width || i / DAFT_TILE_STRIDE >= t->height)
-            j->w_low[i] = j->w_high[i] = INFINITY;
 }
 
-static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *counters, daft_tile *tile)
+static void job_begin(daft_tile_job *j, const daft_raster *raster, const daft_tile_part *part, daft_bins *counters,
+                      daft_tile *tile)
 {
-    daft_vec3 first = daft_pencil_ray(&raster->pencil, tile->x, tile->y);
-    j->raster = raster, j->counters = counters, j->tile = tile;
+    j->raster = raster, j->scale = part ? part->scale : 1, j->pencil = daft_part_pencil(&raster->pencil, part),
+    j->counters = counters, j->tile = tile;
+    daft_vec3 first = daft_pencil_ray(&j->pencil, tile->x, tile->y);
     j->left = first.x, j->top = first.y;
     j->last_x = (float)(tile->width - 1), j->last_y = (float)(tile->height - 1);
     j->max_dx = fmaxf(fabsf(first.x), fabsf(first.x + j->last_x + 3));
@@ -107,17 +114,18 @@ static void job_begin(daft_tile_job *j, const daft_raster *raster, daft_bins *co
 
 enum { AHEAD = 8 }; /* instances in a tile stand anywhere in memory */
 
-static void draw_tile(const daft_raster *raster, uint32_t tile, uint32_t worker, daft_tile *out)
+static void draw_tile(const daft_raster *raster, uint32_t tile, uint32_t worker, const daft_tile_part *part,
+                      daft_tile *out)
 {
     daft_grid_scratch *scratch = (daft_grid_scratch *)raster->scratch + worker;
     daft_tile_job *j = &scratch->job;
     daft_queue *queue = &scratch->queue;
     daft_bins *bins = &raster->bins[worker];
-    daft_tile_place(raster, tile, out);
-    job_begin(j, raster, bins, out);
-    uint32_t count = front_to_back(raster, tile, bins->order);
+    daft_tile_place(raster, tile, part, out);
+    job_begin(j, raster, part, bins, out);
+    uint32_t count = front_to_back(raster, tile, bins);
     queue->count = queue->small.count = queue->hits.count = queue->hits.doubted_count = 0;
-    clear_pixels(j);
+    clear_pixels(j, part);
     for (uint32_t i = 0; i < count; i++) {
         const char *ahead = (const char *)&raster->visible[(uint32_t)bins->order[daft_min_u(i + AHEAD, count - 1)]];
         __builtin_prefetch(ahead), __builtin_prefetch(ahead + sizeof(daft_view_instance) - 1);
@@ -132,7 +140,7 @@ static void find_boxes(const daft_raster *raster, uint32_t instance, daft_screen
     daft_tile_job *j = &((daft_grid_scratch *)raster->scratch)->job;
     daft_tile picture = {.width = raster->pencil.width, .height = raster->pencil.height};
     const daft_bvh *bvh = raster->instances[instance].bvh;
-    job_begin(j, raster, &raster->bins[0], &picture);
+    job_begin(j, raster, NULL, &raster->bins[0], &picture);
     for (size_t i = 0; i < bvh->block_count; i++)
         DAFT_KERNEL(daft_block_boxes)(j, &raster->visible[instance], &bvh->blocks[i], out);
 }

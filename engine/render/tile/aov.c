@@ -13,6 +13,7 @@ void daft_tile_aov(tile_job *j)
     const daft_frame_aov *aov = &j->frame->target->aov;
     const daft_scratch *s = j->s;
     if (!aov->depth && !aov->normal && !aov->instance && !aov->triangle) return;
+    if (s->tile.y < j->snapshot->first_row || s->tile.y >= j->snapshot->first_row + j->snapshot->row_count) return;
     for (uint32_t i = 0; i < s->sky.count; i++) {
         size_t at = tile_pixel(j, s->sky.pixel[i]);
         if (aov->depth) aov->depth[at] = INFINITY;

@@ -43,8 +43,7 @@ void daft_tile_fill_plain(tile_job *j)
     j->r->shade->sky(&j->snapshot->sky, &j->s->sky.direction, 1, color);
     j->r->shade->encode(color->x, color->y, color->z, 1, rgba);
     for (int row = 0; row < tile->height; row++) {
-        size_t pixel = (size_t)(tile->y + row) * (size_t)j->snapshot->width + (size_t)tile->x;
-        uint8_t *to = j->frame->target->pixels + 4 * pixel;
+        uint8_t *to = daft_frame_row(j->frame, tile->y + row) + 4 * (size_t)tile->x;
         for (int x = 0; x < tile->width; x++) memcpy(to + 4 * x, rgba, sizeof rgba);
     }
     ran(j, DAFT_EFFECT_SKY);
@@ -63,9 +62,8 @@ void daft_tile_resolve(tile_job *j)
         if (!last) continue;
         if (snapshot->preset.samples > 1) mean_row(j, row, 1 / (float)snapshot->preset.samples);
         int at = row * DAFT_TILE;
-        size_t pixel = (size_t)(tile->y + row) * (size_t)snapshot->width + (size_t)tile->x;
         j->r->shade->encode(&color->x[at], &color->y[at], &color->z[at], (uint32_t)tile->width,
-                            j->frame->target->pixels + 4 * pixel);
+                            daft_frame_row(j->frame, tile->y + row) + 4 * (size_t)tile->x);
     }
     ran(j, DAFT_EFFECT_RESOLVE);
     book(j, DAFT_EFFECT_RESOLVE);

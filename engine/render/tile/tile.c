@@ -3,16 +3,33 @@
  * and refracted rays, the refracted ones wait until the mirrored ones have been followed to their end. */
 #include "render/tile/tile.h"
 
-static void see(tile_job *j, uint32_t tile, uint32_t worker)
+void daft_tile_see(tile_job *j)
+{
+    daft_scratch *s = j->s;
+    if (j->snapshot->preset.reference)
+        daft_reference_tile(&j->r->raster, j->frame->tlas, j->number, j->part, &s->tile);
+    else
+        j->r->raster_kernels->tile(&j->r->raster, j->number, j->worker, j->part, &s->tile);
+    uint64_t rays = j->part ? 0 : (uint64_t)(s->tile.width * s->tile.height);
+    for (int y = 0; j->part && y < DAFT_TILE; y++) rays += (uint64_t)__builtin_popcount(j->part->asked[y]);
+    s->rays_cast[j->part ? DAFT_EFFECT_ANTIALIASING : DAFT_EFFECT_VISIBILITY] += rays;
+    ran(j, DAFT_EFFECT_VISIBILITY);
+    book(j, DAFT_EFFECT_VISIBILITY);
+}
+
+void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_list *list)
 {
     const daft_frame *frame = j->frame;
-    if (j->snapshot->preset.reference)
-        daft_reference_tile(&j->r->raster, frame->tlas, tile, &j->s->tile);
+    daft_scratch *s = j->s;
+    const daft_surfaces_def def = {.snapshot = frame->snapshot,
+                                   .pencil = pencil,
+                                   .shadows = frame->plan.shadows,
+                                   .distance = frame->target->aov.depth != NULL};
+    if (list)
+        j->r->kernels->listed_surfaces(&def, list, &s->facets, &s->points, &s->sky);
     else
-        j->r->raster_kernels->tile(&j->r->raster, tile, worker, &j->s->tile);
-    ran(j, DAFT_EFFECT_VISIBILITY);
-    j->s->rays_cast[DAFT_EFFECT_VISIBILITY] += (uint64_t)(j->s->tile.width * j->s->tile.height);
-    book(j, DAFT_EFFECT_VISIBILITY);
+        j->r->kernels->surfaces(&def, &s->tile, &s->facets, &s->points, &s->sky);
+    if (s->points.count) ran(j, DAFT_EFFECT_SURFACE);
 }
 
 static void light_points(tile_job *j, daft_batch *points)
@@ -59,7 +76,7 @@ static void shade_visible(tile_job *j)
     daft_batch *points = &s->points;
     const daft_ray_batch *sky = &s->sky;
     if (points->count) light_points(j, points);
-    if (sky->count == 0 && s->tile.width == DAFT_TILE && !(points->traits & DAFT_TRAIT_SENDS)) {
+    if (!j->refines && sky->count == 0 && s->tile.width == DAFT_TILE && !(points->traits & DAFT_TRAIT_SENDS)) {
         j->color = &points->light;
         return;
     }
@@ -73,7 +90,7 @@ static void shade_visible(tile_job *j)
     book(j, DAFT_EFFECT_SKY);
 }
 
-static void shade_tile(tile_job *j)
+void daft_tile_shade(tile_job *j)
 {
     daft_scratch *s = j->s;
     daft_batch *points = &s->points, *next = &s->next;
@@ -85,7 +102,8 @@ static void shade_tile(tile_job *j)
         }
         daft_tile_spawn(j, points, depth);
         if (s->rays.count) {
-            uint32_t shown = depth == 0 ? daft_mirrors_tile(j->frame, j->number, j->worker, &s->tile, &s->rays) : 0;
+            uint32_t shown =
+                depth == 0 && !j->refines ? daft_mirrors_tile(j->frame, j->number, j->worker, &s->tile, &s->rays) : 0;
             daft_tile_trace(j, &s->rays, DAFT_EFFECT_REFLECTION, shown, next);
         } else {
             depth = daft_tile_deepest_waiting(j, depth);
@@ -99,42 +117,46 @@ static void shade_tile(tile_job *j)
     }
 }
 
+/* For the comparison of neighbours, once all tiles are drawn. */
+static void keep_seen(const tile_job *j)
+{
+    const daft_tile *tile = &j->s->tile;
+    const bool above = tile->y < j->snapshot->first_row,
+               below = tile->y >= j->snapshot->first_row + j->snapshot->row_count;
+    j->r->kernels->ids(tile, daft_frame_ids(j->frame, tile->y) + tile->x, (size_t)j->snapshot->width);
+    if (!above && !below) j->r->edges[j->number - j->frame->band_tile].sky = j->s->points.count == 0;
+}
+
 /* The calling thread's tiles tell the user how far the picture is. */
-static void report(daft_frame *frame, uint32_t worker)
+void daft_tile_report(daft_frame *frame, uint32_t worker)
 {
     uint32_t done = atomic_fetch_add(&frame->tiles_done, 1) + 1;
     if (worker != 0 || !frame->target->progress) return;
-    float total = (float)frame->tile_count * (float)frame->snapshot->preset.samples;
-    if (!frame->target->progress(frame->target->progress_user, (float)done / total))
+    if (!frame->target->progress(frame->target->progress_user, (float)done / (float)frame->tiles_in_all))
         atomic_store(&frame->cancelled, true);
 }
 
 void daft_render_tile(void *context, uint32_t index, uint32_t worker)
 {
     daft_frame *frame = context;
-    uint32_t tile = frame->first_tile + index;
     if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
     tile_job j = {.frame = frame,
                   .r = frame->renderer,
                   .snapshot = frame->snapshot,
                   .s = &frame->renderer->scratch[worker],
-                  .number = tile,
+                  .number = frame->first_tile + index,
                   .worker = worker,
                   .since = daft_clock_ticks()};
-    const daft_surfaces_def def = {.snapshot = frame->snapshot,
-                                   .pencil = &frame->pencil,
-                                   .shadows = frame->plan.shadows,
-                                   .distance = frame->target->aov.depth != NULL};
-    see(&j, tile, worker);
-    j.r->kernels->surfaces(&def, &j.s->tile, &j.s->facets, &j.s->points, &j.s->sky);
-    if (j.s->points.count) ran(&j, DAFT_EFFECT_SURFACE);
+    daft_tile_see(&j);
+    daft_tile_surfaces(&j, &frame->pencil, NULL);
     if (frame->sample == 0) daft_tile_aov(&j);
+    if (frame->edge_scale) keep_seen(&j);
     book(&j, DAFT_EFFECT_SURFACE);
     if (daft_tile_is_plain(&j)) {
         daft_tile_fill_plain(&j);
     } else {
-        shade_tile(&j);
+        daft_tile_shade(&j);
         daft_tile_resolve(&j);
     }
-    report(frame, worker);
+    daft_tile_report(frame, worker);
 }

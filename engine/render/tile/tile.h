@@ -10,15 +10,18 @@ typedef struct tile_job {
     const daft_renderer *r;
     const daft_snapshot *snapshot;
     daft_scratch *s;
-    uint32_t number, worker;  /* of the tile */
-    const daft_lanes3 *color; /* of the tile's pixels, in the end */
-    uint64_t since;           /* when the running effect began */
+    uint32_t number, worker;    /* of the tile */
+    bool refines;               /* more samples of some pixels; all that it takes is booked on these */
+    const daft_tile_part *part; /* of the tile that these are in */
+    const daft_lanes3 *color;   /* of the tile's pixels, in the end */
+    uint64_t since;             /* when the running effect began */
     bool ran[DAFT_EFFECT_COUNT];
 } tile_job;
 
 /* Books the time since the last call on an effect. */
 static inline void book(tile_job *j, daft_effect_kind effect)
 {
+    if (j->refines) effect = DAFT_EFFECT_ANTIALIASING;
     uint64_t now = daft_clock_ticks();
     if (now > j->since) j->s->ticks[effect] += now - j->since;
     j->since = now;
@@ -26,10 +29,18 @@ static inline void book(tile_job *j, daft_effect_kind effect)
 
 static inline void ran(tile_job *j, daft_effect_kind effect)
 {
+    if (j->refines) effect = DAFT_EFFECT_ANTIALIASING;
     if (!j->ran[effect]) j->s->tiles[effect]++;
     j->ran[effect] = true;
 }
 
+/* tile.c: what the pixels see; their points, or those of a list, by rays of the pencil; and their light, in j->color.
+ */
+void daft_tile_see(tile_job *j);
+void daft_tile_surfaces(tile_job *j, const daft_pencil *pencil, const daft_seen_list *list);
+void daft_tile_shade(tile_job *j);
+/* Tells the user how far the picture is, and whether to go on. */
+void daft_tile_report(daft_frame *frame, uint32_t worker);
 /* shadows.c: takes away the bits s->lit of the points that are hidden from the light. */
 void daft_tile_shadows(tile_job *j, const daft_batch *points, const daft_light_source *light);
 /* The fraction of the light that arrives through what transmits, once for each instance in between, however thick.

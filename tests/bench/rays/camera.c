@@ -49,9 +49,9 @@ static void tile_task(void *context, uint32_t index, uint32_t worker)
     bench_camera *camera = context;
     daft_tile *tile = &camera->tiles[worker];
     if (camera->tlas)
-        daft_reference_tile(&camera->raster, camera->tlas, index, tile);
+        daft_reference_tile(&camera->raster, camera->tlas, index, NULL, tile);
     else
-        camera->kernels->tile(&camera->raster, index, worker, tile);
+        camera->kernels->tile(&camera->raster, index, worker, NULL, tile);
     keep_tile(camera, tile, worker);
 }
 

@@ -197,7 +197,7 @@ static void tile_task(void *context, uint32_t index, uint32_t worker)
 {
     shadow_job *job = context;
     desk *d = &job->desks[worker];
-    job->raster_kernels->tile(&job->raster, index, worker, &d->tile);
+    job->raster_kernels->tile(&job->raster, index, worker, NULL, &d->tile);
     const daft_surfaces_def def = {&job->snapshot, &job->raster.pencil, true, false};
     job->kernels->surfaces(&def, &d->tile, &d->facets, &d->points, &d->sky);
     uint32_t rays = job->shade->facing(&d->points, &job->stage->light, d->lit);

@@ -261,10 +261,10 @@ static int ask_pencil(const target *s, const daft_ray *ray)
     if (tlas && daft_raster_init(&raster, &s->allocator, 1, daft_isa_best(), &error)) {
         if (daft_raster_begin(&raster, &pencil, &instance, 1, &error)) {
             for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
-            daft_reference_tile(&raster, tlas, 0, &tile);
+            daft_reference_tile(&raster, tlas, 0, NULL, &tile);
             seen = tile.instance[0] != DAFT_NOTHING;
             for (int isa = 0; isa <= daft_isa_best(); isa++) {
-                daft_raster_kernels_for(isa)->tile(&raster, 0, 0, &tile);
+                daft_raster_kernels_for(isa)->tile(&raster, 0, 0, NULL, &tile);
                 if (seen != (tile.instance[0] != DAFT_NOTHING)) seen = -1;
             }
         }

@@ -175,7 +175,7 @@ static void pencil_see(const daft_instance *instances, uint32_t count, const daf
     for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
     daft_tile *tile = malloc(sizeof *tile);
     for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) {
-        kernels->tile(&raster, i, 0, tile);
+        kernels->tile(&raster, i, 0, NULL, tile);
         for (int y = 0; y < tile->height; y++)
             for (int x = 0; x < tile->width; x++) {
                 int at = y * DAFT_TILE_STRIDE + x;

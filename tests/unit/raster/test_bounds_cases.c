@@ -147,9 +147,9 @@ static void see(const daft_instance *instance, int isa, sight *out)
     for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
     for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) {
         if (isa >= 0)
-            daft_raster_kernels_for(isa)->tile(&raster, i, 0, &tile);
+            daft_raster_kernels_for(isa)->tile(&raster, i, 0, NULL, &tile);
         else
-            daft_reference_tile(&raster, tlas, i, &tile);
+            daft_reference_tile(&raster, tlas, i, NULL, &tile);
         for (int at = 0; at < tile.width * tile.height; at++) {
             int x = at % tile.width, y = at / tile.width;
             out->hit[(tile.y + y) * WIDTH + tile.x + x] = tile.instance[y * DAFT_TILE_STRIDE + x] != DAFT_NOTHING;

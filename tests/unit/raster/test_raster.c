@@ -54,9 +54,9 @@ static void see(const setting *s, int isa, int workers, ids *out)
     for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, i % (uint32_t)workers);
     for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++) {
         if (isa >= 0)
-            daft_raster_kernels_for(isa)->tile(&raster, i, i % (uint32_t)workers, tile);
+            daft_raster_kernels_for(isa)->tile(&raster, i, i % (uint32_t)workers, NULL, tile);
         else
-            daft_reference_tile(&raster, tlas, i, tile);
+            daft_reference_tile(&raster, tlas, i, NULL, tile);
         keep_tile(tile, out);
     }
     free(tile);
@@ -427,10 +427,10 @@ static void specks_in_a_far_corner(void **unused)
         assert_true(tlas && daft_raster_begin(&raster, &pencil, &instance, 1, NULL));
         daft_raster_bin(&raster, 0, 0);
         uint32_t corner = (uint32_t)raster.tiles_x - 1;
-        daft_reference_tile(&raster, tlas, corner, &tile[0]);
+        daft_reference_tile(&raster, tlas, corner, NULL, &tile[0]);
         for (int i = 0; i < DAFT_TILE * DAFT_TILE_STRIDE; i++) seen += tile[0].instance[i] == 0;
         for (int isa = 0; isa <= daft_isa_best(); isa++) {
-            daft_raster_kernels_for(isa)->tile(&raster, corner, 0, &tile[1]);
+            daft_raster_kernels_for(isa)->tile(&raster, corner, 0, NULL, &tile[1]);
             for (int y = 0; y < DAFT_TILE; y++) {
                 size_t row = (size_t)y * DAFT_TILE_STRIDE, bytes = DAFT_TILE * sizeof(uint32_t);
                 assert_memory_equal(&tile[0].instance[row], &tile[1].instance[row], bytes);
@@ -470,7 +470,7 @@ static void culling(void **unused)
     daft_tile *tile = malloc(sizeof *tile);
     for (uint32_t i = 0; i < raster.work_count; i++) daft_raster_bin(&raster, i, 0);
     for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++)
-        daft_raster_kernels_for(0)->tile(&raster, i, 0, tile);
+        daft_raster_kernels_for(0)->tile(&raster, i, 0, NULL, tile);
     assert_int_equal(raster.bins[0].tested, 0);
     /* Around the camera: what lies beside a tile is left out, though much of it reaches behind the camera's plane. */
     daft_instance around =
@@ -478,7 +478,7 @@ static void culling(void **unused)
     assert_true(daft_raster_begin(&raster, &pencil, &around, 1, &error));
     daft_raster_bin(&raster, 0, 0);
     for (uint32_t i = 0; i < (uint32_t)(raster.tiles_x * raster.tiles_y); i++)
-        daft_raster_kernels_for(0)->tile(&raster, i, 0, tile);
+        daft_raster_kernels_for(0)->tile(&raster, i, 0, NULL, tile);
     assert_in_range(raster.bins[0].tested, 1, mesh.mesh.triangle_count);
     free(tile);
     daft_raster_free(&raster);

@@ -210,6 +210,7 @@ static void spot_cone(void **unused)
 static void box_shadow(daft_vec3 to_sun, bool source)
 {
     stage *s = stage_make(NULL, 2);
+    s->view.samples = 1;
     daft_scene_set_ambient(s->scene, daft_v3(0, 0, 0));
     daft_material white = matte(s, 0.8f, 0, 0);
     daft_entity ground = add(s, box(daft_dv3(0, -1.5, 0), daft_v3(60, 1, 60), white));
@@ -259,6 +260,7 @@ static void plane_mirror(void **unused)
 {
     (void)unused;
     stage *s = stage_make(NULL, 1);
+    s->view.samples = 1;
     daft_scene_set_ambient(s->scene, daft_v3(1, 1, 1));
     daft_scene_set_sky_color(s->scene, daft_v3(0.1f, 0.2f, 0.4f));
     daft_entity floor = add(s, box(daft_dv3(0, -0.5, 0), daft_v3(100, 1, 100), matte(s, 0, 0, 1)));

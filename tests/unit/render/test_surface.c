@@ -184,7 +184,7 @@ static uint32_t check_tile(stage *s, uint32_t number)
 {
     const daft_surfaces_def def = {&s->snapshot, &s->pencil, true, true};
     uint32_t looked = 0;
-    daft_raster_kernels_for(0)->tile(&s->raster, number, 0, &s->tile);
+    daft_raster_kernels_for(0)->tile(&s->raster, number, 0, NULL, &s->tile);
     for (int isa = 0; isa <= daft_isa_best(); isa++) {
         kernels(isa)->surfaces(&def, &s->tile, &s->facets, &s->points[isa], &s->sky);
         same_bits(&s->points[isa], &s->points[0], s->points[0].traits);

@@ -1,0 +1,313 @@
+/* Antialiasing where it shows. All tiles have been drawn with one sample a pixel (or as many as the preset says). Then
+ * pixels that disagree with a neighbour get more samples, by the rays of a finer grid, of which the tile draws its
+ * parts: instances stay in their bins, and rays that nobody asks for count as hidden, so that trees are walked for what
+ * is left.
+ *
+ * Beside an outline, where another instance begins, all rays of the finer grid are asked what they see; what one of the
+ * nine pixels around sees as well has that pixel's colour, so that most rays cost a coverage test and nothing else.
+ * Elsewhere (a shadow's edge, a crease, a mirror image) a quarter of the rays are shaded like any others.
+ *
+ * Results wait in a picture of their own until no tile looks at its neighbours any more. */
+#include "render/tile/tile.h"
+
+#include <string.h>
+
+/* Steps of a byte between neighbours. Textures are filtered already, so that a surface may vary by more. */
+static const daft_contrast LIMIT = {.outline = 24, .crease = 48, .inner = 48};
+
+enum { SHADED = 4 }; /* rays a side of a pixel, from which on some are shaded where no outline is near */
+/* Of a pixel's rays, by rows: those that are shaded where no outline is near. A rotated grid. */
+#define FEW_OF_16 0x4182u
+
+typedef struct refinement {
+    tile_job *j;
+    int scale, span;        /* rays a side of a pixel; pixels a side of a part */
+    int left, top;          /* the part's first pixel in the tile */
+    daft_neighbours around; /* the tile, in the picture with one sample a pixel */
+    daft_edges edges;
+    daft_tile_part part;
+    daft_pencil pencil; /* of the finer grid */
+} refinement;
+
+static bool bit(const uint32_t rows[DAFT_TILE], int x, int y) { return rows[y] >> x & 1; }
+
+/* ---- neighbours -------------------------------------------------------------------------------------------------- */
+
+/* A copy, for a tile at the border of the picture or the band: beyond the picture its last pixels again. */
+static void gather(const daft_frame *frame, const daft_tile *tile, uint32_t around[2][DAFT_TILE + 2][DAFT_TILE + 2])
+{
+    const int last_x = frame->snapshot->width - 1, last_y = frame->snapshot->height - 1;
+    const int first = tile->x > 0 ? -1 : 0, end = daft_min_i(DAFT_TILE + 1, last_x + 1 - tile->x);
+    for (int y = -1; y <= DAFT_TILE; y++) {
+        const int row = daft_min_i(daft_max_i(tile->y + y, 0), last_y), x = tile->x + first;
+        const void *from[2] = {daft_frame_row(frame, row) + 4 * (size_t)x, daft_frame_ids(frame, row) + x};
+        for (int k = 0; k < 2; k++) {
+            uint32_t *to = around[k][y + 1];
+            memcpy(&to[first + 1], from[k], 4 * (size_t)(end - first));
+            if (first == 0) to[0] = to[1];
+            for (int column = end; column <= DAFT_TILE; column++) to[column + 1] = to[end];
+        }
+    }
+}
+
+static daft_neighbours neighbours_of(const tile_job *j)
+{
+    const daft_tile *t = &j->s->tile;
+    const daft_snapshot *s = j->snapshot;
+    uint32_t(*around)[DAFT_TILE + 2][DAFT_TILE + 2] = j->s->around;
+    if (t->x > 0 && t->x + DAFT_TILE < s->width && t->y > s->first_row &&
+        t->y + DAFT_TILE < s->first_row + s->row_count)
+        return (daft_neighbours){daft_frame_row(j->frame, t->y) + 4 * (size_t)t->x,
+                                 daft_frame_ids(j->frame, t->y) + t->x, s->width, s->width};
+    gather(j->frame, t, around);
+    return (daft_neighbours){(const uint8_t *)&around[0][1][1], &around[1][1][1], DAFT_TILE + 2, DAFT_TILE + 2};
+}
+
+/* Whether the tile and those beside it see nothing but the sky. */
+static bool all_sky(const tile_job *j, uint32_t index)
+{
+    const uint32_t columns = (uint32_t)j->r->raster.tiles_x, x = index % columns;
+    const daft_edges *own = &j->r->edges[index];
+    const bool inside = x > 0 && x + 1 < columns && index >= columns && index + columns < j->frame->tile_count;
+    return inside && own->sky && own[-1].sky && own[1].sky && (own - columns)->sky && (own + columns)->sky;
+}
+
+static bool find_edges(tile_job *j, daft_neighbours *around, daft_edges *edges)
+{
+    daft_tile *tile = &j->s->tile;
+    daft_tile_place(&j->r->raster, j->number, NULL, tile);
+    const uint32_t columns = tile->width == DAFT_TILE ? UINT32_MAX : (1u << tile->width) - 1;
+    uint32_t any = 0;
+    *around = neighbours_of(j);
+    j->r->kernels->contrast(around, &LIMIT, edges);
+    for (int y = 0; y < DAFT_TILE; y++) {
+        edges->outline[y] &= y < tile->height ? columns : 0;
+        edges->inner[y] &= y < tile->height && j->frame->edge_scale == SHADED ? columns & ~edges->outline[y] : 0;
+        any |= edges->outline[y] | edges->inner[y];
+    }
+    return any != 0;
+}
+
+/* Places of the nine pixels around one: its own first, then those beside it. */
+static const int AROUND[9][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+
+/* Which of them sees what a ray sees: one with the same triangle, or else with the same instance. -1: none. */
+static int which_sees(const uint32_t ids[9], uint32_t id)
+{
+    int same = -1;
+    for (int k = 0; k < 9; k++) {
+        if (ids[k] == id) return k;
+        if (same < 0 && ids[k] >> DAFT_ID_INSTANCE == id >> DAFT_ID_INSTANCE) same = k;
+    }
+    return same;
+}
+
+/* ---- a part ------------------------------------------------------------------------------------------------------ */
+
+/* The rays of a pixel that are asked, bit i of row k at bit k · scale + i. */
+static uint32_t rays_of(const refinement *r, int x, int y)
+{
+    if (bit(r->edges.outline, x, y)) return r->scale == 4 ? 0xffffu : 0xfu;
+    if (bit(r->edges.inner, x, y)) return FEW_OF_16;
+    return 0;
+}
+
+/* Bits of the part's pixels in a row that get more samples. */
+static uint32_t pixels_of(const refinement *r, int y)
+{
+    const uint32_t all = r->edges.outline[r->top + y] | r->edges.inner[r->top + y];
+    return all >> r->left & ((1u << r->span) - 1);
+}
+
+static bool ask(refinement *r)
+{
+    uint32_t any = 0;
+    memset(r->part.asked, 0, sizeof r->part.asked);
+    for (int y = 0; y < r->span; y++)
+        for (uint32_t left = pixels_of(r, y); left; left &= left - 1) {
+            const int x = __builtin_ctz(left);
+            uint32_t rays = rays_of(r, r->left + x, r->top + y);
+            any |= rays;
+            for (int k = 0; k < r->scale; k++, rays >>= r->scale)
+                r->part.asked[y * r->scale + k] |= (rays & ((1u << r->scale) - 1)) << (x * r->scale);
+        }
+    return any != 0;
+}
+
+static float clamp_unit(float x) { return x > 0 ? (x < 1 ? x : 1) : 0; }
+
+static void add(daft_scratch *s, uint32_t at, float x, float y, float z)
+{
+    s->sum.x[at] += clamp_unit(x), s->sum.y[at] += clamp_unit(y), s->sum.z[at] += clamp_unit(z);
+    s->taken[at]++;
+}
+
+static void shade_fresh(refinement *r)
+{
+    tile_job *j = r->j;
+    daft_scratch *s = j->s;
+    if (!s->fresh.count) return;
+    daft_tile_surfaces(j, &r->pencil, &s->fresh);
+    daft_tile_shade(j);
+    for (uint32_t i = 0; i < s->fresh.count; i++) {
+        const uint32_t from = s->fresh.pixel[i];
+        add(s, s->wanted[i], j->color->x[from], j->color->y[from], j->color->z[from]);
+    }
+    s->fresh.count = 0;
+}
+
+/* Four samples after the other share a block of points, by which lights are looked up. */
+static uint32_t place_in_batch(uint32_t i)
+{
+    const uint32_t block = i / 16, row = i / 4 % 4, blocks = DAFT_TILE / 4;
+    return (block / blocks * 4 + row) * DAFT_TILE + block % blocks * 4 + i % 4;
+}
+
+static void add_fresh(refinement *r, uint32_t place, uint32_t at)
+{
+    daft_scratch *s = r->j->s;
+    daft_seen_list *fresh = &s->fresh;
+    const uint32_t i = fresh->count++;
+    const int x = s->tile.x + (int)(place % DAFT_TILE_STRIDE), y = s->tile.y + (int)(place / DAFT_TILE_STRIDE);
+    const daft_vec3 ray = daft_pencil_ray(&r->pencil, x, y);
+    fresh->x[i] = ray.x, fresh->y[i] = ray.y;
+    fresh->instance[i] = s->tile.instance[place], fresh->triangle[i] = s->tile.triangle[place];
+    fresh->pixel[i] = place_in_batch(i), s->wanted[i] = at;
+}
+
+static void add_known(refinement *r, int x, int y, const uint32_t counts[9])
+{
+    daft_scratch *s = r->j->s;
+    const int at = y * DAFT_TILE + x;
+    for (int k = 0; k < 9; k++) {
+        if (!counts[k]) continue;
+        const uint8_t *pixel = r->around.pixel + 4 * ((y + AROUND[k][1]) * r->around.stride + x + AROUND[k][0]);
+        float light[3], count = (float)counts[k];
+        r->j->r->shade->decode(pixel, 1, &light[0], &light[1], &light[2]);
+        s->sum.x[at] += light[0] * count, s->sum.y[at] += light[1] * count, s->sum.z[at] += light[2] * count;
+        s->taken[at] += counts[k];
+    }
+}
+
+/* The rays of a pixel of the part: each has the colour of a pixel around, or is to be shaded. */
+static void take(refinement *r, int x, int y, uint32_t rays)
+{
+    daft_scratch *s = r->j->s;
+    const bool outline = bit(r->edges.outline, r->left + x, r->top + y);
+    uint32_t counts[9] = {0}, ids[9];
+    for (int k = 0; outline && k < 9; k++)
+        ids[k] = r->around.id[(r->top + y + AROUND[k][1]) * r->around.id_stride + r->left + x + AROUND[k][0]];
+    for (; rays; rays &= rays - 1) {
+        const int ray = __builtin_ctz(rays), row = y * r->scale + ray / r->scale,
+                  column = x * r->scale + ray % r->scale;
+        const uint32_t place = (uint32_t)(row * DAFT_TILE_STRIDE + column);
+        int known = outline ? which_sees(ids, daft_pixel_id(s->tile.instance[place], s->tile.triangle[place])) : -1;
+        if (known >= 0)
+            counts[known]++;
+        else
+            add_fresh(r, place, (uint32_t)((r->top + y) * DAFT_TILE + r->left + x));
+    }
+    add_known(r, r->left + x, r->top + y, counts);
+}
+
+static void refine_part(refinement *r, int number)
+{
+    r->part.number = number;
+    r->left = number % r->scale * r->span, r->top = number / r->scale * r->span;
+    if (!ask(r)) return;
+    r->j->part = &r->part;
+    daft_tile_see(r->j);
+    for (int y = 0; y < r->span; y++)
+        for (uint32_t left = pixels_of(r, y); left; left &= left - 1) {
+            const int x = __builtin_ctz(left);
+            if (r->j->s->fresh.count > DAFT_BATCH - 16) shade_fresh(r); /* writes nothing of what the part sees */
+            take(r, x, y, rays_of(r, r->left + x, r->top + y));
+        }
+}
+
+/* ---- a tile ------------------------------------------------------------------------------------------------------ */
+
+/* The mean of a pixel's samples. What it had counts as one of the few that were shaded, and not at all beside an
+ * outline, where the finer grid is whole. */
+static void mean_of(const refinement *r, int x, int y, float light[3])
+{
+    const daft_scratch *s = r->j->s;
+    const int at = y * DAFT_TILE + x;
+    const float few = bit(r->edges.outline, x, y) ? 0 : 1, weight = 1 / ((float)s->taken[at] + few);
+    const float sum[3] = {s->sum.x[at], s->sum.y[at], s->sum.z[at]};
+    float own[3];
+    r->j->r->shade->decode(r->around.pixel + 4 * (y * r->around.stride + x), 1, &own[0], &own[1], &own[2]);
+    for (int k = 0; k < 3; k++) light[k] = (sum[k] + own[k] * few) * weight;
+}
+
+static void write_row(const refinement *r, const daft_tile *tile, int y)
+{
+    const tile_job *j = r->j;
+    const size_t width = (size_t)j->snapshot->width, row = (size_t)(tile->y - j->snapshot->first_row + y);
+    float light[3][DAFT_TILE + 16];
+    uint8_t rgba[4 * DAFT_TILE], *to = j->r->smooth + 4 * (row * width + (size_t)tile->x);
+    uint32_t count = 0, all = r->edges.outline[y] | r->edges.inner[y];
+    for (uint32_t left = all; left; left &= left - 1, count++) {
+        float one[3];
+        mean_of(r, __builtin_ctz(left), y, one);
+        for (int k = 0; k < 3; k++) light[k][count] = one[k];
+    }
+    for (int k = 0; k < 3; k++) memset(&light[k][count], 0, 16 * sizeof light[k][0]);
+    j->r->shade->encode(light[0], light[1], light[2], count, rgba);
+    count = 0;
+    for (uint32_t left = all; left; left &= left - 1, count++)
+        memcpy(to + 4 * __builtin_ctz(left), rgba + 4 * count, 4);
+}
+
+static tile_job job_of(daft_frame *frame, uint32_t index, uint32_t worker)
+{
+    return (tile_job){.frame = frame,
+                      .r = frame->renderer,
+                      .snapshot = frame->snapshot,
+                      .s = &frame->renderer->scratch[worker],
+                      .number = frame->first_tile + index,
+                      .worker = worker,
+                      .refines = true,
+                      .since = daft_clock_ticks()};
+}
+
+void daft_refine_tile(void *context, uint32_t index, uint32_t worker)
+{
+    daft_frame *frame = context;
+    if (atomic_load_explicit(&frame->cancelled, memory_order_relaxed)) return;
+    tile_job j = job_of(frame, index, worker);
+    refinement r = {.j = &j, .scale = frame->edge_scale, .span = DAFT_TILE / frame->edge_scale};
+    r.part.scale = r.scale, r.pencil = daft_part_pencil(&frame->pencil, &r.part);
+    if (all_sky(&j, index)) {
+        memset(&r.edges, 0, sizeof r.edges);
+    } else if (find_edges(&j, &r.around, &r.edges)) {
+        memset(&j.s->sum, 0, sizeof j.s->sum);
+        memset(j.s->taken, 0, sizeof j.s->taken);
+        j.s->fresh.count = 0;
+        for (int i = 0; i < r.scale * r.scale; i++) refine_part(&r, i);
+        shade_fresh(&r);
+        daft_tile_place(&j.r->raster, j.number, NULL, &j.s->tile);
+        for (int y = 0; y < j.s->tile.height; y++) write_row(&r, &j.s->tile, y);
+        ran(&j, DAFT_EFFECT_ANTIALIASING);
+    }
+    memcpy(j.r->edges[index].outline, r.edges.outline, sizeof r.edges.outline);
+    memcpy(j.r->edges[index].inner, r.edges.inner, sizeof r.edges.inner);
+    book(&j, DAFT_EFFECT_ANTIALIASING);
+    daft_tile_report(frame, worker);
+}
+
+void daft_show_edges(void *context, uint32_t index, uint32_t worker)
+{
+    daft_frame *frame = context;
+    tile_job j = job_of(frame, index, worker);
+    const daft_edges *edges = &j.r->edges[index];
+    const size_t width = (size_t)j.snapshot->width;
+    daft_tile_place(&j.r->raster, j.number, NULL, &j.s->tile);
+    for (int y = 0; y < DAFT_TILE; y++)
+        for (uint32_t left = edges->outline[y] | edges->inner[y]; left; left &= left - 1) {
+            const size_t row = (size_t)(j.s->tile.y + y), x = (size_t)(j.s->tile.x + __builtin_ctz(left));
+            memcpy(j.frame->target->pixels + 4 * (row * width + x),
+                   j.r->smooth + 4 * ((row - (size_t)j.snapshot->first_row) * width + x), 4);
+        }
+    book(&j, DAFT_EFFECT_ANTIALIASING);
+}

@@ -1,0 +1,216 @@
+/* render: more samples where pixels differ from their neighbours. That the fast and the slow path, all instruction sets
+ * and numbers of threads give the same bytes, test_render shows with the same quality. */
+#include "daft.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH = 200, HEIGHT = 136, PIXELS = WIDTH * HEIGHT };
+
+typedef struct stage {
+    daft_engine *engine;
+    daft_scene *scene;
+    daft_image *image;
+    daft_view view;
+} stage;
+
+static void stage_make(stage *s, const char *file)
+{
+    daft_engine_def def = daft_default_engine_def();
+    daft_error error = {0};
+    char path[512];
+    def.threads = 2;
+    s->engine = daft_engine_create(&def, &error);
+    if (!s->engine) fail_msg("%s", error.message);
+    s->scene = daft_scene_create(s->engine, &error);
+    s->image = daft_image_create(s->engine, WIDTH, HEIGHT, &error);
+    s->view = daft_default_view();
+    assert_true(s->scene && s->image);
+    if (!file) return;
+    snprintf(path, sizeof path, "%s/assets/scenes/%s", DAFT_ROOT, file);
+    if (!daft_scene_load(s->scene, path, &error)) fail_msg("%s", error.message);
+    assert_true(daft_scene_get_camera(s->scene, 0, &s->view.camera, &error));
+}
+
+static void stage_drop(stage *s)
+{
+    daft_image_destroy(s->image);
+    daft_scene_destroy(s->scene);
+    daft_engine_destroy(s->engine);
+}
+
+static void draw(stage *s, uint8_t *rgba)
+{
+    daft_error error = {0};
+    if (!daft_render(s->scene, &s->view, s->image, &error)) fail_msg("%s", error.message);
+    if (rgba) memcpy(rgba, daft_image_pixels(s->image), 4 * PIXELS);
+}
+
+static double linear(uint8_t byte)
+{
+    double x = byte / 255.0;
+    return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4);
+}
+
+/* Root of the mean square of the difference, in linear light. */
+static double distance(const uint8_t *a, const uint8_t *b)
+{
+    double sum = 0;
+    for (int i = 0; i < 4 * PIXELS; i++) {
+        double gap = linear(a[i]) - linear(b[i]);
+        if (i % 4 != 3) sum += gap * gap;
+    }
+    return sqrt(sum / (3 * PIXELS));
+}
+
+/* Against 16 samples of all pixels. What lies behind glass differs everywhere, and is shaded by four. */
+static void come_close_to_many_samples(void **unused)
+{
+    (void)unused;
+    static uint8_t truth[4 * PIXELS], none[4 * PIXELS], four[4 * PIXELS], sixteen[4 * PIXELS];
+    const char *scenes[] = {"hello.scene", "islands.scene", "glass.scene", "hall.scene"};
+    for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
+        stage s;
+        stage_make(&s, scenes[i]);
+        s.view.samples = 16, draw(&s, truth);
+        s.view.samples = 1, draw(&s, none);
+        s.view.edge_samples = 4, draw(&s, four);
+        s.view.edge_samples = 16, draw(&s, sixteen);
+        double before = distance(none, truth), after[2] = {distance(four, truth), distance(sixteen, truth)};
+        print_message("%s: error %.4f, 4: %.4f, 16: %.4f\n", scenes[i], before, after[0], after[1]);
+        assert_true(after[0] < before && after[1] < 0.75 * before);
+        stage_drop(&s);
+    }
+}
+
+/* A disc's border: of each pixel, its fraction that the disc covers. */
+static void an_outline_is_its_coverage(void **unused)
+{
+    (void)unused;
+    static uint8_t rgba[4 * PIXELS];
+    stage s;
+    stage_make(&s, NULL);
+    daft_scene_set_ambient(s.scene, (daft_vec3){1, 1, 1});
+    daft_scene_set_sky_color(s.scene, (daft_vec3){0, 0, 0});
+    daft_material_def white = daft_default_material_def();
+    white.ambient = (daft_vec3){1, 1, 1}, white.diffuse = white.specular = (daft_vec3){0, 0, 0};
+    daft_entity_def ball = daft_default_entity_def();
+    ball.shape = DAFT_SHAPE_SPHERE, ball.radius = 1, ball.position = (daft_dvec3){3, 0, 0};
+    ball.material = daft_material_create(s.scene, &white, NULL);
+    assert_true(daft_entity_create(s.scene, &ball, NULL).id);
+    const double radius = WIDTH / 2.0 / sqrt(8);
+    for (int samples = 4; samples <= 16; samples *= 4) {
+        s.view.edge_samples = samples;
+        draw(&s, rgba);
+        double worst = 0;
+        int between = 0;
+        for (int i = 0; i < PIXELS; i++) {
+            int inside = 0;
+            for (int k = 0; k < 4096; k++) {
+                double x = i % WIDTH + (k % 64 + 0.5) / 64 - WIDTH / 2.0,
+                       y = i / WIDTH + (k / 64 + 0.5) / 64 - HEIGHT / 2.0;
+                inside += x * x + y * y < radius * radius;
+            }
+            double light = linear(rgba[4 * i]);
+            worst = fmax(worst, fabs(light - inside / 4096.0));
+            between += rgba[4 * i] > 0 && rgba[4 * i] < 255;
+        }
+        print_message("%d samples: off by %.3f at most, %d pixels between\n", samples, worst, between);
+        assert_true(between > 150 && worst < (samples == 4 ? 0.4 : 0.2));
+    }
+    stage_drop(&s);
+}
+
+/* Pixels like their neighbours keep their bytes; where there are no others, nothing runs. */
+static void nothing_else_changes(void **unused)
+{
+    (void)unused;
+    static uint8_t without[4 * PIXELS], with[4 * PIXELS];
+    stage s;
+    stage_make(&s, "hello.scene");
+    s.view.edge_samples = 0, draw(&s, without);
+    assert_false(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].ran);
+    assert_int_equal(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].bytes, 0);
+    s.view.edge_samples = 16, draw(&s, with);
+    assert_true(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].rays > 1000);
+    int changed = 0;
+    for (int y = 1; y < HEIGHT - 1; y++)
+        for (int x = 1; x < WIDTH - 1; x++) {
+            const int at = 4 * (y * WIDTH + x), other[4] = {at - 4, at + 4, at - 4 * WIDTH, at + 4 * WIDTH};
+            int most = 0;
+            for (int k = 0; k < 4; k++)
+                for (int c = 0; c < 3; c++) most = (int)fmax(most, abs(without[at + c] - without[other[k] + c]));
+            bool same = memcmp(&without[at], &with[at], 4) == 0;
+            if (most <= 24 && !same) fail_msg("(%d, %d) changed, %d from its neighbours", x, y, most);
+            changed += !same;
+        }
+    assert_true(changed > 500);
+    stage_drop(&s);
+    stage_make(&s, NULL);
+    draw(&s, NULL);
+    assert_false(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].ran);
+    assert_int_equal(daft_scene_counters(s.scene)->effects[DAFT_EFFECT_ANTIALIASING].rays, 0);
+    stage_drop(&s);
+}
+
+static void bands_are_the_picture(void **unused)
+{
+    (void)unused;
+    static uint8_t whole[4 * PIXELS];
+    stage s;
+    stage_make(&s, "temple.scene");
+    for (int samples = 4; samples <= 16; samples *= 4) {
+        s.view.edge_samples = samples, s.view.first_row = s.view.row_count = 0;
+        draw(&s, whole);
+        memset(daft_image_pixels(s.image), 7, 4 * PIXELS);
+        for (int row = 0; row < HEIGHT; row += 32) {
+            s.view.first_row = row, s.view.row_count = row + 32 < HEIGHT ? 32 : 0;
+            draw(&s, NULL);
+        }
+        assert_memory_equal(whole, daft_image_pixels(s.image), sizeof whole);
+    }
+    stage_drop(&s);
+}
+
+static bool stop(void *user, float done)
+{
+    int *calls = user;
+    ++*calls;
+    assert_true(done > 0 && done <= 1);
+    return done < 0.9f;
+}
+
+/* The work at edges counts in the progress, and can be stopped. */
+static void stops_in_between(void **unused)
+{
+    (void)unused;
+    stage s;
+    daft_error error = {0};
+    int calls = 0;
+    stage_make(&s, "temple.scene");
+    s.view.progress = stop, s.view.progress_user = &calls;
+    assert_false(daft_render(s.scene, &s.view, s.image, &error));
+    assert_int_equal(error.code, DAFT_ERROR_CANCELLED);
+    assert_true(calls > 5);
+    s.view.edge_samples = 5;
+    assert_false(daft_render(s.scene, &s.view, s.image, &error));
+    assert_string_equal(error.message, "edge_samples is 5; it must be -1 (the quality's), 0, 4 or 16");
+    stage_drop(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(come_close_to_many_samples),
+                                       cmocka_unit_test(an_outline_is_its_coverage),
+                                       cmocka_unit_test(nothing_else_changes), cmocka_unit_test(bands_are_the_picture),
+                                       cmocka_unit_test(stops_in_between)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
