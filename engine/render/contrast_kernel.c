@@ -9,12 +9,13 @@
 /* Two bytes in a word's halves, a limit in each. */
 #define HALVES(x) ((int32_t)((uint32_t)(x)*0x00010001u))
 
-/* Bits 14 or 15 of the halves in which a byte of a and one of b differ by more than the limit there. */
+/* Bits 12 or 13 of the halves in which a byte of a and one of b differ by more than the limit there. Bit 31 stays 0, so
+ * that no sum overflows. */
 DAFT_INLINE vi beyond(vi a, vi b, vi limit)
 {
-    vi gap = a - b + limit + vi_set(HALVES(0x4000)); /* 0x4000 to 0x4000 + 2 * limit: no more than the limit */
-    vi above = gap + vi_set(HALVES(0x3fff)) - limit - limit;
-    return (~gap & vi_set(HALVES(0x4000))) | (above & vi_set((int32_t)0x80008000));
+    vi gap = a - b + limit + vi_set(HALVES(0x1000)); /* 0x1000 to 0x1000 + 2 * limit: no more than the limit */
+    vi above = gap + vi_set(HALVES(0x0fff)) - limit - limit;
+    return (~gap & vi_set(HALVES(0x1000))) | (above & vi_set(HALVES(0x2000)));
 }
 
 /* DAFT_VL pixels of a row from (x, y) on. */
