@@ -10,7 +10,7 @@
 #include <string.h>
 
 static const api_area *const AREAS[] = {&api_entity, &api_body,   &api_joint, &api_character, &api_query, &api_material,
-                                        &api_light,  &api_camera, &api_input, &api_hud,       &api_world};
+                                        &api_light,  &api_camera, &api_input, &api_hud,       &api_time,  &api_world};
 
 static const char *const CALLBACKS[] = {"load", "update", "draw", "keypressed", "keyreleased"};
 static const char *const TYPES[API_TYPES] = {"entity", "light", "material", "mesh", "joint", "character"};

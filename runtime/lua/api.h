@@ -34,7 +34,7 @@ typedef struct api_area {
 } api_area;
 
 extern const api_area api_entity, api_body, api_joint, api_character, api_query, api_material, api_light, api_camera,
-    api_input, api_hud, api_world;
+    api_input, api_hud, api_time, api_world;
 /* All areas, for registration and for the reference. */
 const api_area *const *api_areas(size_t *count);
 
@@ -110,6 +110,10 @@ api_handle *api_test_handle(lua_State *L, int index, api_type type);
 api_handle *api_check_handle(lua_State *L, host *h, int index, api_type type, const char *what);
 const char *api_type_name(lua_State *L, int index);
 
+/* Goes on with the tasks that are due; host.tasks is how many there are (tables/time.c). */
+int api_step_tasks(lua_State *L);
+/* wait and wait_until as globals. */
+void api_set_wait(lua_State *L);
 /* Lets go of what nothing holds: see tables/material.c. */
 int api_collect(lua_State *L);
 /* __gc of materials and meshes. */

@@ -282,7 +282,18 @@ static int require(lua_State *L)
 
 /* ---- calls ---- */
 
-/* Turns any error value into the message, and keeps the trace. */
+void host_keep_trace(host *state, lua_State *L, lua_State *failed)
+{
+    if (state->inner[0]) return;
+    luaL_traceback(L, failed, NULL, 0);
+    snprintf(state->inner, sizeof state->inner, "%s", lua_tostring(L, -1));
+    lua_pop(L, 1);
+}
+
+void host_forget_trace(host *state) { state->inner[0] = 0; }
+
+/* Turns any error value into the message, and keeps the trace: that of the coroutine in which it began, and then its
+ * caller's. */
 static int on_error(lua_State *L)
 {
     host *state = api_host(L);
@@ -296,7 +307,8 @@ static int on_error(lua_State *L)
     /* The last line is this file's own call, which tells the author of a game nothing. */
     size_t length = last && strcmp(last, "\n\t[C]: in ?") == 0 ? (size_t)(last - trace) : strlen(trace);
     if (!memchr(trace, '\n', length)) length = 0;
-    snprintf(state->trace, sizeof state->trace, "%.*s", (int)length, trace);
+    const char *lines = state->inner[0] && length ? memchr(trace, '\n', length) : trace;
+    snprintf(state->trace, sizeof state->trace, "%s%.*s", state->inner, (int)(length - (size_t)(lines - trace)), lines);
     return 1;
 }
 
@@ -349,7 +361,7 @@ static void describe_failure(host *state, int status, watchdog_state ended)
 static bool call(host *state, const char *shown, request what)
 {
     lua_State *L = state->L;
-    state->message[0] = state->trace[0] = 0;
+    state->message[0] = state->trace[0] = state->inner[0] = 0;
     state->callback = shown;
     state->call_ran = 0;
     state->stopped = state->asked = state->long_string = false;
@@ -384,7 +396,8 @@ bool host_collect(host *state)
 
 bool host_update(host *state, double dt)
 {
-    return call(state, "daft.update", (request){.callback = "update", .dt = &dt});
+    return call(state, "daft.update", (request){.callback = "update", .dt = &dt}) &&
+           (state->tasks == 0 || call(state, "a task of daft.start", (request){.function = api_step_tasks}));
 }
 
 bool host_key(host *state, int key, bool down)
@@ -409,6 +422,7 @@ static int build(lua_State *L)
 {
     sandbox_open(L);
     api_register(L, api_host(L));
+    api_set_wait(L);
     lua_pushcfunction(L, require);
     lua_setglobal(L, "require");
     set_usual_hook(api_host(L), L);

@@ -65,7 +65,9 @@ typedef struct host {
     int depth;                  /* of coroutines that are being closed, one within the other */
     uint32_t made;              /* materials and meshes since host_collect last did something, roughly by their size */
     size_t memory, reserved;    /* bytes: Lua holds; are counted for it towards the engine's limit */
+    uint32_t tasks;             /* that run or wait, at most */
     char message[HOST_MESSAGE], trace[HOST_TRACE]; /* of the last error */
+    char inner[HOST_TRACE / 2]; /* the stack of the coroutine in which an error began that is on its way; or empty */
 } host;
 
 /* What a game may hold where nobody says otherwise: the bytes of its scripts, meshes, textures and pictures together.
@@ -92,6 +94,9 @@ bool host_stopping(const host *state);
 /* For library functions that loop in C, every HOST_POLL_STEPS steps: raises an error where the call is to end. */
 enum { HOST_POLL_STEPS = 4096 };
 void host_poll(lua_State *L);
+/* Keeps the stack of a coroutine that has failed, the innermost one's; an empty one once the error has been caught. */
+void host_keep_trace(host *state, lua_State *L, lua_State *failed);
+void host_forget_trace(host *state);
 /* Which state or coroutine runs from now on. */
 void host_set_running(host *state, lua_State *L);
 

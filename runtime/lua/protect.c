@@ -23,6 +23,7 @@ static int finish(lua_State *L, int status, lua_KContext extra)
 {
     pass_stop(L);
     if (status == LUA_OK || status == LUA_YIELD) return lua_gettop(L) - (int)extra;
+    host_forget_trace(api_host(L));
     lua_pushboolean(L, false);
     lua_pushvalue(L, -2);
     return 2;
@@ -133,6 +134,7 @@ static int call_wrapped(lua_State *L)
     lua_State *co = lua_tothread(L, lua_upvalueindex(1));
     int results = resume_with(L, co, lua_gettop(L));
     if (results >= 0) return results;
+    host_keep_trace(api_host(L), L, co);
     int status = lua_status(co);
     if (status != LUA_OK && status != LUA_YIELD) { /* it failed: close what it holds, and take the last error */
         status = close_coroutine(L, co);

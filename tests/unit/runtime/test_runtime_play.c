@@ -33,6 +33,12 @@ static void play_through(const char *game, int ticks)
 static void the_api_does_what_it_says(void **unused) { (void)unused, play_through("api", 61); }
 static void bodies_do_what_the_manual_says(void **unused) { (void)unused, play_through("physics", 241); }
 static void the_sandbox_holds(void **unused) { (void)unused, play_through("sandbox", 1); }
+static void tasks_wait_for_their_ticks(void **unused)
+{
+    (void)unused;
+    play_through("tasks", 100);
+    assert_says(output, "tick 31 "); /* daft.quit ended it there */
+}
 static void the_library_works(void **unused) { (void)unused, play_through("library", 210); }
 static void nonsense_never_crashes(void **unused) { (void)unused, play_through("nonsense", 10); }
 
@@ -70,6 +76,8 @@ static void script_errors_are_status_1_with_place_and_trace(void **unused)
          "broken_load/main.lua:5: in function 'daft.load'"},
         {"broken_update", "broken_update/main.lua:5: attempt to index a nil value", "in function 'daft.update'"},
         {"broken_draw", "broken_draw/main.lua:3: daft.text: x: number expected", "in function 'daft.draw'"},
+        {"broken_task", "broken_task/main.lua:4: attempt to index a nil value (local 'nothing')",
+         "broken_task/main.lua:4: in upvalue 'inner'"},
         {"broken_key", "broken_key/main.lua:4: pressed space", "in function 'daft.keypressed'"},
     };
     for (size_t i = 0; i < sizeof broken / sizeof broken[0]; i++) {
@@ -249,6 +257,7 @@ int main(void)
                                        cmocka_unit_test(bodies_do_what_the_manual_says),
                                        cmocka_unit_test(the_sandbox_holds),
                                        cmocka_unit_test(the_library_works),
+                                       cmocka_unit_test(tasks_wait_for_their_ticks),
                                        cmocka_unit_test(nonsense_never_crashes),
                                        cmocka_unit_test(the_games_of_the_design_and_of_the_house_play),
                                        cmocka_unit_test(restarting_starts_afresh),
