@@ -25,8 +25,9 @@
  * threads inside a call. Results do not depend on how many, bit for bit. Different engines are independent.
  *
  * Sections, each under a line of dashes: plain values; numbers; errors and warnings; files; engine; images; scenes
- * (assets, entities, joints, the simulation as a whole, camera and lights); time; rendering; ray queries; queries of
- * bodies; characters; checking files; counters; and, as data, the fields of the structs that users fill (daft_fields).
+ * (assets, entities, joints, the simulation as a whole, camera and lights); time; rendering; ray queries; scans;
+ * queries of bodies; characters; checking files; counters; and, as data, the fields of the structs that users fill
+ * (daft_fields).
  */
 #ifndef DAFT_H
 #define DAFT_H
@@ -262,6 +263,12 @@ DAFT_API void daft_scene_destroy(daft_scene *scene); /* with all that is in it; 
  * file, line and column; the scene is then as it was. */
 DAFT_API bool daft_scene_load(daft_scene *scene, const char *path, daft_error *error);
 
+/* The files that the scene has read so far, as they were opened: scenes and what they include, meshes, materials,
+ * pictures. For programs that load it again when one of them changes. NULL past the end; a path lives as long as the
+ * scene. */
+DAFT_API uint32_t daft_scene_file_count(const daft_scene *scene);
+DAFT_API const char *daft_scene_get_file(const daft_scene *scene, uint32_t index);
+
 /* Assets live as long as the scene, unless the program releases them. Loading the same path twice gives the same
  * handle. Calls that make or load one return a null handle where they fail.
  *
@@ -352,6 +359,9 @@ DAFT_API daft_material daft_material_create(daft_scene *scene, const daft_materi
 DAFT_API bool daft_material_get(daft_scene *scene, daft_material material, daft_material_def *def, daft_error *error);
 DAFT_API bool daft_material_set(daft_scene *scene, daft_material material, const daft_material_def *def,
                                 daft_error *error);
+/* What its MTL file calls it; empty: nothing does. Returns `buffer`, or NULL without a scene.
+ */
+DAFT_API const char *daft_material_name(const daft_scene *scene, daft_material material, char *buffer, size_t size);
 /* "file.mtl": its first material. "file.mtl#name": the one with that name. */
 DAFT_API daft_material daft_material_load(daft_scene *scene, const char *path, daft_error *error);
 
@@ -788,8 +798,9 @@ DAFT_API bool daft_render(daft_scene *scene, const daft_view *view, daft_image *
 
 typedef struct daft_ray_hit {
     daft_entity entity;
-    uint32_t triangle; /* of the entity's mesh; 0 for spheres */
-    float distance;    /* metres along the normalised direction */
+    uint32_t triangle;      /* of the entity's mesh; 0 for spheres */
+    daft_material material; /* of the surface; none: the default one */
+    float distance;         /* metres along the normalised direction */
     daft_dvec3 position;
     daft_vec3 normal; /* geometric, towards the ray's origin */
     daft_vec2 uv;     /* texture coordinates; 0 where there are none */
@@ -804,6 +815,59 @@ DAFT_API bool daft_scene_cast_ray(daft_scene *scene, daft_dvec3 origin, daft_vec
 /* The corners of the box around all visible entities, which it touches or exceeds. False with error->code DAFT_OK:
  * there is none. */
 DAFT_API bool daft_scene_get_bounds(daft_scene *scene, daft_dvec3 *low, daft_dvec3 *high, daft_error *error);
+
+/* ---- scans ------------------------------------------------------------------------------------------------------- */
+
+/* What a laser scanner (lidar) measures: for each of its rays, how far it goes to what is drawn. Rays are found
+ * exactly, as by daft_scene_cast_ray, many at a time on all threads. */
+
+typedef enum daft_scan_pattern {
+    DAFT_SCAN_SPINNING = 0, /* `rows` beams one above the other turn once round in `columns` steps; ray number
+                               column * rows + row */
+    DAFT_SCAN_GRID,         /* rows by columns over a field of view, row by row; ray number row * columns + column */
+    DAFT_SCAN_RAYS          /* the list `rays` */
+} daft_scan_pattern;
+
+typedef struct daft_scan_def {
+    uint32_t cookie;
+    daft_scan_pattern pattern;
+    uint32_t rows, columns; /* 1 to 4,096 and 1 to 65,536; at most 268,435,456 rays in all */
+    float bottom, top;      /* radians: the elevation of row 0 and of the last row */
+    float left, right;      /* grid: radians of column 0 and of the last column; 0 is forward, positive to the right */
+    const daft_vec3 *rays;  /* directions in the sensor's axes, any length but zero */
+    uint32_t ray_count;     /* of the list */
+    daft_dvec3 position;    /* of the sensor, as the scan begins, metres */
+    daft_quat rotation;     /* its axes then: +X looks forward, +Y up, +Z right */
+    daft_vec3 velocity;     /* m/s */
+    daft_vec3 spin;         /* rad/s about a world axis */
+    float duration;         /* seconds: columns (spinning), rows (grid) and rays of a list leave one after the other */
+    float min_range, max_range; /* metres; what is nearer or farther sends nothing back */
+    float range_noise;          /* metres: standard deviation of a Gaussian error */
+    float drop_out;             /* 0..1: the share of returns that get lost */
+    uint64_t seed;              /* of both: the same seed, the same errors */
+    daft_entity ignore;         /* passed through, the robot itself for example; or none */
+} daft_scan_def;
+
+/* 64 beams from 25 degrees below the horizon to 15 above, 2,048 columns in 0.1 s, 0.3 m to 120 m, no errors. */
+DAFT_API daft_scan_def daft_default_scan_def(void);
+/* How many rays; 0 where the definition is refused. */
+DAFT_API uint32_t daft_scan_size(const daft_scan_def *def);
+/* A ray as it leaves: a return at `range` lies at origin + range * direction. Each pointer may be NULL. */
+DAFT_API bool daft_scan_ray(const daft_scan_def *def, uint32_t index, daft_dvec3 *origin, daft_vec3 *direction,
+                            double *seconds, daft_error *error);
+
+typedef struct daft_scan_return {
+    float range;     /* metres along the ray; 0: nothing came back */
+    float intensity; /* luminance of what the surface scatters times the cosine of the angle to its normal: 1 is white,
+                        met square on; free of distance, as sensors calibrate it */
+    daft_entity entity;
+    uint32_t triangle; /* of the entity's mesh; 0 for spheres */
+} daft_scan_return;
+
+/* Writes daft_scan_size(def) returns to `first`: of the nearest surface; and where `last` is not NULL, the last one
+ * that a ray reaches through surfaces that transmit light, which it crosses straight on. */
+DAFT_API bool daft_scan(daft_scene *scene, const daft_scan_def *def, daft_scan_return *first, daft_scan_return *last,
+                        daft_error *error);
 
 /* ---- queries of bodies ------------------------------------------------------------------------------------------- */
 
@@ -997,6 +1061,7 @@ typedef enum daft_struct {
     DAFT_STRUCT_VIEW,
     DAFT_STRUCT_QUERY_FILTER,
     DAFT_STRUCT_VOLUME,
+    DAFT_STRUCT_SCAN_DEF,
     DAFT_STRUCT_CHARACTER_DEF,
     DAFT_STRUCT_COUNTERS,
     DAFT_STRUCT_SIM_COUNTERS,

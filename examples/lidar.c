@@ -1,17 +1,8 @@
-/* lidar SCENE [FILE.ply]: one sweep of a lidar with 16 beams that stands at the scene's camera. Each ray is a query for
- * the nearest hit; the points become an ASCII PLY file with the distance of each. */
+/* lidar SCENE [FILE.ply]: one turn of a lidar with 16 beams that stands at the scene's camera, with the error of a real
+ * one: 2 cm, and one return in a hundred lost. The points become an ASCII PLY file with the range of each. */
 #include <daft.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-enum { BEAMS = 16, STEPS = 720 };
-static const double LOWEST = -0.26, HIGHEST = 0.26; /* radians above the horizon: 15 degrees down, 15 up */
-static const float RANGE = 100;                     /* metres */
-
-typedef struct sweep {
-    daft_ray_hit hits[BEAMS * STEPS];
-    uint32_t count;
-} sweep;
 
 static int fail(const daft_error *error)
 {
@@ -20,41 +11,28 @@ static int fail(const daft_error *error)
     return 1;
 }
 
-/* Directions come from daft_sin and daft_cos, so every machine asks for the same rays and gets the same points. */
-static daft_vec3 direction(int beam, int step)
+static uint32_t count_points(const daft_scan_return *returns, uint32_t rays)
 {
-    double up = LOWEST + (HIGHEST - LOWEST) * beam / (BEAMS - 1), around = 2 * 3.14159265358979 * step / STEPS;
-    return (daft_vec3){(float)(daft_cos(up) * daft_cos(around)), (float)daft_sin(up),
-                       (float)(daft_cos(up) * daft_sin(around))};
+    uint32_t points = 0;
+    for (uint32_t i = 0; i < rays; i++) points += returns[i].range > 0;
+    return points;
 }
 
-/* A ray that hits nothing returns false, with the code DAFT_OK. */
-static bool turn(daft_scene *scene, daft_dvec3 origin, sweep *out, daft_error *error)
-{
-    out->count = 0;
-    for (int step = 0; step < STEPS; step++)
-        for (int beam = 0; beam < BEAMS; beam++) {
-            daft_ray_hit *hit = &out->hits[out->count];
-            if (daft_scene_cast_ray(scene, origin, direction(beam, step), RANGE, (daft_entity){0}, hit, error))
-                out->count++;
-            else if (error->code != DAFT_OK)
-                return false;
-        }
-    return true;
-}
-
-static bool save(const sweep *points, const char *path)
+static bool save(const daft_scan_def *scan, const daft_scan_return *returns, uint32_t points, const char *path)
 {
     FILE *file = fopen(path, "w");
     if (!file) return false;
     fprintf(file,
             "ply\nformat ascii 1.0\nelement vertex %u\nproperty double x\nproperty double y\nproperty double z\n"
-            "property float distance\nend_header\n",
-            points->count);
-    for (uint32_t i = 0; i < points->count; i++) {
-        const daft_ray_hit *hit = &points->hits[i];
-        fprintf(file, "%.6f %.6f %.6f %.4f\n", hit->position.x, hit->position.y, hit->position.z,
-                (double)hit->distance);
+            "property float range\nend_header\n",
+            points);
+    for (uint32_t i = 0; i < daft_scan_size(scan); i++) {
+        daft_dvec3 from;
+        daft_vec3 way;
+        const double range = (double)returns[i].range;
+        if (!(range > 0) || !daft_scan_ray(scan, i, &from, &way, NULL, NULL)) continue;
+        fprintf(file, "%.6f %.6f %.6f %.4f\n", from.x + range * (double)way.x, from.y + range * (double)way.y,
+                from.z + range * (double)way.z, range);
     }
     return fclose(file) == 0;
 }
@@ -68,14 +46,23 @@ int main(int argc, char **argv)
     daft_scene *scene = engine ? daft_scene_create(engine, &error) : NULL;
     if (!scene || !daft_scene_load(scene, argv[1], &error)) return fail(&error);
 
-    const char *path = argc > 2 ? argv[2] : "sweep.ply";
-    sweep *points = malloc(sizeof *points);
-    if (!points) return fprintf(stderr, "lidar: out of memory\n"), 1;
-    if (!turn(scene, daft_scene_camera(scene, 1).position, points, &error)) return fail(&error);
-    if (!save(points, path)) return fprintf(stderr, "lidar: cannot write %s\n", path), 1;
-    printf("%u of %d rays hit something within %g m\n", points->count, BEAMS * STEPS, (double)RANGE);
+    daft_scan_def scan = daft_default_scan_def();
+    scan.position = daft_scene_camera(scene, 1).position;
+    scan.rows = 16, scan.columns = 720;
+    scan.bottom = -0.26f, scan.top = 0.26f; /* radians: 15 degrees down, 15 up */
+    scan.max_range = 100;
+    scan.range_noise = 0.02f, scan.drop_out = 0.01f;
 
-    free(points);
+    const char *path = argc > 2 ? argv[2] : "sweep.ply";
+    const uint32_t rays = daft_scan_size(&scan);
+    daft_scan_return *returns = malloc(rays * sizeof *returns);
+    if (!returns) return fprintf(stderr, "lidar: out of memory\n"), 1;
+    if (!daft_scan(scene, &scan, returns, NULL, &error)) return fail(&error);
+    const uint32_t points = count_points(returns, rays);
+    if (!save(&scan, returns, points, path)) return fprintf(stderr, "lidar: cannot write %s\n", path), 1;
+    printf("%u of %u rays came back from within %g m\n", points, rays, (double)scan.max_range);
+
+    free(returns);
     daft_scene_destroy(scene);
     daft_engine_destroy(engine);
     return 0;

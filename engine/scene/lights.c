@@ -160,6 +160,10 @@ bool daft_scene_set_sky_image(daft_scene *scene, const char *path, daft_error *e
     daft_error_clear(error);
     if (!daft_scene_ready(scene, error) || !daft_check_pointer(error, "path", path)) return false;
     daft_sky_item *item = daft_sky_item_read(scene, path, error);
+    if (item && !daft_scene_note_file(scene, path, error)) {
+        daft_sky_item_free(scene, item);
+        return false;
+    }
     if (item) daft_sky_adopt(scene, item);
     return item != NULL;
 }

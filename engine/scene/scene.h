@@ -102,7 +102,8 @@ typedef struct daft_assets {
     daft_material_def *materials;  /* 0: the default material */
     daft_surface *surfaces;        /* the same as render/ reads them */
     daft_asset_key *material_keys; /* path NULL: not from a path */
-    size_t material_capacity, surface_capacity, material_key_capacity;
+    char **material_names;         /* of MTL files; NULL: none */
+    size_t material_capacity, surface_capacity, material_key_capacity, material_name_capacity;
     daft_map mesh_map, texture_map, material_map, box_map; /* from hashes to indices */
     daft_slots box_slots;
     daft_box_item **boxes;
@@ -186,6 +187,10 @@ struct daft_scene {
     const daft_allocator *allocator; /* the engine's */
     daft_assets assets;
 
+    daft_asset_key *files; /* read so far */
+    uint32_t file_count;
+    size_t file_capacity;
+
     daft_slots entity_slots;
     daft_entity_item *entities;
     size_t entity_capacity;
@@ -238,6 +243,11 @@ bool daft_engine_ready(const daft_engine *engine, daft_error *error);
 bool daft_scene_ready(const daft_scene *scene, daft_error *error);
 /* For calls that cannot fail: from inside a callback they warn and do nothing. */
 bool daft_scene_ready_or_warn(const daft_scene *scene, const char *what);
+
+/* ---- files.c ---- */
+
+bool daft_scene_note_file(daft_scene *scene, const char *path, daft_error *error);
+void daft_scene_files_free(daft_scene *scene);
 
 /* ---- assets.c ---- */
 

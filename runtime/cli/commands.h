@@ -10,6 +10,7 @@ int command_render(int argc, char **argv);
 int command_view(int argc, char **argv);
 int command_check(int argc, char **argv);
 int command_video(int argc, char **argv);
+int command_scan(int argc, char **argv);
 int command_pack(int argc, char **argv);
 int command_cost(int argc, char **argv);
 int command_bench(int argc, char **argv);

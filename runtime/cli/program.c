@@ -20,6 +20,7 @@ static const struct {
     {"render", "render a scene to a picture", command_render},
     {"view", "look at a scene, a mesh or a picture in a window", command_view},
     {"video", "film a scene or a game", command_video},
+    {"scan", "measure a scene with a laser scanner", command_scan},
     {"cost", "measure what accuracy costs in a scene or a game", command_cost},
     {"check", "check scenes, meshes, pictures and games for errors", command_check},
     {"pack", "pack a game into one file", command_pack},

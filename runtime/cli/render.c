@@ -10,14 +10,17 @@
 #include "common/stats.h"
 #include "common/util.h"
 #include "many/bands.h"
+#include "job/shot.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 static const cli_command COMMAND = {
     "render",
-    "SCENE",
-    "Renders a picture of a .scene file, or of a mesh (.obj) in front of a sky.",
+    "SCENE|SNAPSHOT",
+    "Renders a picture of a .scene file, of a mesh (.obj) in front of a sky, or again what daft view took a snapshot "
+    "of\n"
+    "(.json): the same picture, byte for byte, unless options say otherwise.",
     "The extension of the picture chooses its format: .png or .ppm. With -o a.png, --aov writes a.depth.pfm (metres "
     "along\n"
     "the ray), a.normal.pfm (world axes), a.id.png and a.triangle.png (numbers: red + 256 green + 65536 blue).",
@@ -37,6 +40,7 @@ typedef struct render_options {
     terminal_kind terminal;
     const char *aov_list;
     aov_set aov;
+    const shot *again; /* the snapshot to repeat, or NULL */
 } render_options;
 
 static bool choose_camera(const daft_scene *scene, const render_options *o, daft_camera *camera, daft_error *error)
@@ -77,6 +81,7 @@ static bool render(daft_scene *scene, const render_options *o, daft_image *image
     if (!is_mesh && !choose_camera(scene, o, &view.camera, error)) return false;
     if (is_mesh && o->camera_given && o->camera > 0)
         return fail(error, DAFT_ERROR_ARGUMENT, "--camera %ld: a mesh by itself has one camera, 0", o->camera);
+    if (o->again && !o->camera_given) view.camera = o->again->view.camera;
     view.quality = o->quality;
     view.aov = o->aov.arrays;
     progress_state progress = {.frames = o->repeat};
@@ -141,39 +146,66 @@ static void choose_size(render_options *o)
     o->size = o->out ? (cli_size){1280, 720} : terminal_size(o->terminal);
 }
 
-int command_render(int argc, char **argv)
+static const render_options DEFAULTS = {.quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1};
+
+/* Options that the command line does not name stay as they are. */
+static cli_outcome parse(render_options *o, int argc, char **argv)
 {
-    many_hush();
-    render_options o = {.knobs = {daft_default_view(), 1}, .quality = DAFT_QUALITY_GAME, .camera = -1, .repeat = 1};
     const cli_option options[] = {
-        {"output", 'o', CLI_TEXT, "IMG", &o.out, 0, 0, "the picture to write: .png or .ppm (required)"},
-        {"size", 0, CLI_SIZE, "WxH", &o.size, 1, 16384, "size of the picture (1280x720)"},
-        {"quality", 'q', CLI_QUALITY, "Q", &o.quality, 0, 0, "draft, game (default), high or reference"},
-        {"knobs", 'k', CLI_TEXT, "LIST", &o.knob_list, 0, 0,
+        {"output", 'o', CLI_TEXT, "IMG", &o->out, 0, 0, "the picture to write: .png or .ppm (required)"},
+        {"size", 0, CLI_SIZE, "WxH", &o->size, 1, 16384, "size of the picture (1280x720)"},
+        {"quality", 'q', CLI_QUALITY, "Q", &o->quality, 0, 0, "draft, game (default), high or reference"},
+        {"knobs", 'k', CLI_TEXT, "LIST", &o->knob_list, 0, 0,
          "replace single values of the quality: samples=4,shadows=0,mirror_depth=1"},
-        {"intersect", 0, CLI_INTERSECT, "HOW", &o.knobs.view.intersection, 0, 0,
+        {"intersect", 0, CLI_INTERSECT, "HOW", &o->knobs.view.intersection, 0, 0,
          "ray-triangle test: exact (default), watertight or fast"},
-        {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000, "the N-th camera of the file, counted from 0 (0)"},
-        {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 64,
+        {"camera", 0, CLI_COUNT, "N", &o->camera, 0, 1000000, "the N-th camera of the file, counted from 0 (0)"},
+        {"threads", 't', CLI_COUNT, "N", &o->threads, 0, 64,
          "worker threads; 0, the default, is one for each processor"},
-        {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"},
-        {"accel", 0, CLI_ACCEL, "X", &o.accel, 0, 0,
+        {"isa", 0, CLI_ISA, "X", &o->isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"},
+        {"accel", 0, CLI_ACCEL, "X", &o->accel, 0, 0,
          "bvh (default) or kdtree: acceleration structure of meshes; the picture is the same"},
-        {"memory-limit", 0, CLI_BYTES, "BYTES", &o.memory, 1000000, 0,
+        {"memory-limit", 0, CLI_BYTES, "BYTES", &o->memory, 1000000, 0,
          "what the scene and its picture may hold: 500MB, 2GB (no limit)"},
-        {"aov", 0, CLI_TEXT, "LIST", &o.aov_list, 0, 0,
+        {"aov", 0, CLI_TEXT, "LIST", &o->aov_list, 0, 0,
          "also write these channels of each pixel beside IMG: depth,normal,id,triangle"},
-        {"term", 0, CLI_FLAG, NULL, &o.term, 0, 0,
+        {"term", 0, CLI_FLAG, NULL, &o->term, 0, 0,
          "show the picture in this terminal, as it can: kitty's protocol, sixels, half blocks"},
-        {"explain", 0, CLI_FLAG, NULL, &o.explain, 0, 0,
+        {"explain", 0, CLI_FLAG, NULL, &o->explain, 0, 0,
          "print the plan: each effect, why it ran or not, rays, milliseconds"},
-        {"stats", 0, CLI_TEXT, "FILE", &o.stats, 0, 0, "write times and counters as JSON; - is stdout"},
-        {"repeat", 0, CLI_COUNT, "N", &o.repeat, 1, 100000, "render N times, for the times of --stats (1)"}};
+        {"stats", 0, CLI_TEXT, "FILE", &o->stats, 0, 0, "write times and counters as JSON; - is stdout"},
+        {"repeat", 0, CLI_COUNT, "N", &o->repeat, 1, 100000, "render N times, for the times of --stats (1)"}};
     const char *operands[CLI_OPERANDS];
     size_t count;
     cli_outcome outcome = cli_parse(&COMMAND, options, COUNT_OF(options), argc, argv, operands, &count);
+    if (outcome == CLI_READY) o->scene = operands[0];
+    return outcome;
+}
+
+/* What a snapshot says, and over it what the command line says. */
+static bool take_snapshot(render_options *o, shot *again, int argc, char **argv, daft_error *error)
+{
+    if (!shot_read(again, o->scene, error)) return false;
+    *o = DEFAULTS;
+    o->again = again;
+    o->knobs = (knob_set){again->view, 1};
+    o->quality = again->view.quality;
+    o->size = (cli_size){again->width, again->height};
+    parse(o, argc, argv);
+    o->scene = again->scene;
+    return true;
+}
+
+int command_render(int argc, char **argv)
+{
+    many_hush();
+    shot again;
+    daft_error wrong;
+    render_options o = DEFAULTS;
+    o.knobs = (knob_set){daft_default_view(), 1};
+    cli_outcome outcome = parse(&o, argc, argv);
     if (outcome != CLI_READY) return outcome == CLI_HELPED ? STATUS_DONE : STATUS_BAD_USAGE;
-    o.scene = operands[0];
+    if (has_extension(o.scene, ".json") && !take_snapshot(&o, &again, argc, argv, &wrong)) return report(&wrong);
     if (!o.out && !o.term) return cli_refuse("render", "-o IMG is missing, or --term");
     if (!o.out && o.aov_list) return cli_refuse("render", "--aov: the picture's name, -o IMG, is missing");
     if (o.out && !has_extension(o.out, ".png") && !has_extension(o.out, ".ppm"))
@@ -181,7 +213,6 @@ int command_render(int argc, char **argv)
     if (!has_extension(o.scene, ".scene") && !has_extension(o.scene, ".obj") && path_is_file(o.scene))
         return cli_refuse("render", "'%s' is neither a .scene nor an .obj file", o.scene);
     choose_size(&o);
-    daft_error wrong;
     if (o.knob_list && !knobs_parse(o.knob_list, &o.knobs, &wrong)) return cli_refuse("render", "%s", wrong.message);
     if (o.knobs.scale != 1) return cli_refuse("render", "knob scale: of what a window shows; here --size says it");
     if (o.aov_list && !aov_parse(o.aov_list, &o.aov)) return STATUS_BAD_USAGE;

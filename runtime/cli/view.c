@@ -9,7 +9,7 @@
 
 typedef struct view_options {
     const char *path, *isa;
-    cli_size size;
+    cli_size size, snapshot;
     daft_quality quality;
     long threads, camera;
     uint64_t memory;
@@ -24,8 +24,14 @@ static bool look(const view_options *o, font *face, daft_engine *engine, daft_er
         return fail(error, DAFT_ERROR_UNSUPPORTED,
                     "there is no display (%.300s); 'daft render' draws a scene or mesh into a file", why);
     }
-    view_def def = {
-        .screen = screen, .engine = engine, .face = face, .path = o->path, .camera = o->camera, .quality = o->quality};
+    view_def def = {.screen = screen,
+                    .engine = engine,
+                    .face = face,
+                    .path = o->path,
+                    .camera = o->camera,
+                    .quality = o->quality,
+                    .snapshot_width = o->snapshot.width,
+                    .snapshot_height = o->snapshot.height};
     bool good = view_run(&def, error);
     screen->close(screen);
     return good;
@@ -64,6 +70,7 @@ int command_view(int argc, char **argv)
          "of the picture while the camera moves: draft, game (default), high or reference"},
         {"camera", 0, CLI_COUNT, "N", &o.camera, 0, 1000000,
          "begin at the N-th camera of the file, counted from 0 (0)"},
+        {"snapshot", 0, CLI_SIZE, "WxH", &o.snapshot, 16, 16384, "size of snapshots and films (the window's)"},
         {"threads", 't', CLI_COUNT, "N", &o.threads, 0, 64,
          "worker threads; 0, the default, is one for each processor"},
         {"isa", 0, CLI_ISA, "X", &o.isa, 0, 0, "plain, sse2, avx2 or avx512; default: the best available"},

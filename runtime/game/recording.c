@@ -93,6 +93,18 @@ static bool read_pair(reader *in, input_kind kind, input_event *event)
     return take_float(in, &event->x) && take_float(in, &event->y) && line_ends(in);
 }
 
+static bool read_stick(reader *in, input_event *event)
+{
+    size_t count;
+    const char *const *names = input_stick_names(&count);
+    event->kind = INPUT_STICK;
+    if (!take_float(in, &event->x)) return false;
+    event->key = input_stick_find(in->at);
+    char hint[HINT_SIZE];
+    if (event->key < 0) bad(in, "there is no stick of that name", did_you_mean(hint, "", in->at, names, count));
+    return event->key >= 0;
+}
+
 static bool read_event(reader *in, recording *out, size_t *capacity)
 {
     recording_item item = {0};
@@ -108,8 +120,10 @@ static bool read_event(reader *in, recording *out, size_t *capacity)
         good = read_pair(in, INPUT_MOTION, &item.event);
     } else if (take_word(in, "wheel")) {
         good = read_pair(in, INPUT_WHEEL, &item.event);
+    } else if (take_word(in, "stick")) {
+        good = read_stick(in, &item.event);
     } else {
-        good = bad(in, "+key, -key, mouse, motion or wheel expected", NULL);
+        good = bad(in, "+key, -key, mouse, motion, wheel or stick expected", NULL);
     }
     if (!good) return false;
     if (out->count == *capacity) {
@@ -292,10 +306,13 @@ recorder *recorder_open(const char *path, const char *game, const char *pack, ui
 
 static void put_event(FILE *file, uint64_t tick, const input_event *event)
 {
+    size_t count;
     static const char *const names[] = {[INPUT_MOVE] = "mouse", [INPUT_MOTION] = "motion", [INPUT_WHEEL] = "wheel"};
     fprintf(file, "%" PRIu64 " ", tick);
     if (event->kind == INPUT_KEY)
         fprintf(file, "%c%s\n", event->down ? '+' : '-', input_key_name(event->key));
+    else if (event->kind == INPUT_STICK)
+        fprintf(file, "stick %.9g %s\n", (double)event->x, input_stick_names(&count)[event->key]);
     else /* nine digits bring a float back to the bit */
         fprintf(file, "%s %.9g %.9g\n", names[event->kind], (double)event->x, (double)event->y);
 }

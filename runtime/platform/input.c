@@ -1,25 +1,136 @@
-/* The state of keys, mouse and wheel. */
+/* The state of keys, mouse, wheel and gamepad. */
 #include "platform/input.h"
 
 #include <math.h>
 #include <string.h>
 
 /* Indices are never stored; recordings hold names. */
-static const char *const KEYS[] = {
-    "a",         "b",        "c",         "d",          "e",           "f",         "g",          "h",
-    "i",         "j",        "k",         "l",          "m",           "n",         "o",          "p",
-    "q",         "r",        "s",         "t",          "u",           "v",         "w",          "x",
-    "y",         "z",        "0",         "1",          "2",           "3",         "4",          "5",
-    "6",         "7",        "8",         "9",          "left",        "right",     "up",         "down",
-    "space",     "return",   "escape",    "backspace",  "tab",         "delete",    "insert",     "home",
-    "end",       "pageup",   "pagedown",  "left shift", "right shift", "left ctrl", "right ctrl", "left alt",
-    "right alt", "left gui", "right gui", "menu",       "capslock",    "numlock",   "scrolllock", "printscreen",
-    "pause",     "f1",       "f2",        "f3",         "f4",          "f5",        "f6",         "f7",
-    "f8",        "f9",       "f10",       "f11",        "f12",         "-",         "=",          "[",
-    "]",         "\\",       ";",         "'",          "`",           ",",         ".",          "/",
-    "keypad 0",  "keypad 1", "keypad 2",  "keypad 3",   "keypad 4",    "keypad 5",  "keypad 6",   "keypad 7",
-    "keypad 8",  "keypad 9", "keypad .",  "keypad /",   "keypad *",    "keypad -",  "keypad +",   "keypad enter",
-    "mouse1",    "mouse2",   "mouse3",    "mouse4",     "mouse5"};
+static const char *const KEYS[] = {"a",
+                                   "b",
+                                   "c",
+                                   "d",
+                                   "e",
+                                   "f",
+                                   "g",
+                                   "h",
+                                   "i",
+                                   "j",
+                                   "k",
+                                   "l",
+                                   "m",
+                                   "n",
+                                   "o",
+                                   "p",
+                                   "q",
+                                   "r",
+                                   "s",
+                                   "t",
+                                   "u",
+                                   "v",
+                                   "w",
+                                   "x",
+                                   "y",
+                                   "z",
+                                   "0",
+                                   "1",
+                                   "2",
+                                   "3",
+                                   "4",
+                                   "5",
+                                   "6",
+                                   "7",
+                                   "8",
+                                   "9",
+                                   "left",
+                                   "right",
+                                   "up",
+                                   "down",
+                                   "space",
+                                   "return",
+                                   "escape",
+                                   "backspace",
+                                   "tab",
+                                   "delete",
+                                   "insert",
+                                   "home",
+                                   "end",
+                                   "pageup",
+                                   "pagedown",
+                                   "left shift",
+                                   "right shift",
+                                   "left ctrl",
+                                   "right ctrl",
+                                   "left alt",
+                                   "right alt",
+                                   "left gui",
+                                   "right gui",
+                                   "menu",
+                                   "capslock",
+                                   "numlock",
+                                   "scrolllock",
+                                   "printscreen",
+                                   "pause",
+                                   "f1",
+                                   "f2",
+                                   "f3",
+                                   "f4",
+                                   "f5",
+                                   "f6",
+                                   "f7",
+                                   "f8",
+                                   "f9",
+                                   "f10",
+                                   "f11",
+                                   "f12",
+                                   "-",
+                                   "=",
+                                   "[",
+                                   "]",
+                                   "\\",
+                                   ";",
+                                   "'",
+                                   "`",
+                                   ",",
+                                   ".",
+                                   "/",
+                                   "keypad 0",
+                                   "keypad 1",
+                                   "keypad 2",
+                                   "keypad 3",
+                                   "keypad 4",
+                                   "keypad 5",
+                                   "keypad 6",
+                                   "keypad 7",
+                                   "keypad 8",
+                                   "keypad 9",
+                                   "keypad .",
+                                   "keypad /",
+                                   "keypad *",
+                                   "keypad -",
+                                   "keypad +",
+                                   "keypad enter",
+                                   "mouse1",
+                                   "mouse2",
+                                   "mouse3",
+                                   "mouse4",
+                                   "mouse5",
+                                   "pad a",
+                                   "pad b",
+                                   "pad x",
+                                   "pad y",
+                                   "pad back",
+                                   "pad guide",
+                                   "pad start",
+                                   "pad left stick",
+                                   "pad right stick",
+                                   "pad left shoulder",
+                                   "pad right shoulder",
+                                   "pad up",
+                                   "pad down",
+                                   "pad left",
+                                   "pad right"};
+static const char *const STICKS[INPUT_STICKS] = {"left x",  "left y",       "right x",
+                                                 "right y", "left trigger", "right trigger"};
 
 enum { KEY_COUNT = sizeof KEYS / sizeof KEYS[0] };
 _Static_assert(sizeof KEYS / sizeof KEYS[0] <= (size_t)INPUT_KEYS, "the state arrays hold every key");
@@ -39,9 +150,35 @@ const char *const *input_key_names(size_t *count)
     return KEYS;
 }
 
+int input_stick_find(const char *name)
+{
+    for (int i = 0; i < INPUT_STICKS; i++)
+        if (strcmp(name, STICKS[i]) == 0) return i;
+    return -1;
+}
+
+const char *const *input_stick_names(size_t *count)
+{
+    *count = INPUT_STICKS;
+    return STICKS;
+}
+
+/* The queued event of the same stick that only events of sticks follow, or NULL. */
+static input_event *queued_stick(input *state, int stick)
+{
+    for (size_t i = state->queued; i-- > 0 && state->queue[i].kind == INPUT_STICK;)
+        if (state->queue[i].key == stick) return &state->queue[i];
+    return NULL;
+}
+
 void input_push(input *state, const input_event *event)
 {
     input_event *last = state->queued > 0 ? &state->queue[state->queued - 1] : NULL;
+    input_event *same = event->kind == INPUT_STICK ? queued_stick(state, event->key) : NULL;
+    if (same) {
+        *same = *event;
+        return;
+    }
     if (last && last->kind == INPUT_MOVE && event->kind == INPUT_MOVE) {
         *last = *event;
         return;
@@ -56,13 +193,14 @@ void input_push(input *state, const input_event *event)
 void input_push_release_all(input *state)
 {
     /* A full queue would lose the releases and leave keys stuck, so it is emptied first. */
-    if (state->queued + KEY_COUNT > INPUT_QUEUE) state->queued = 0;
+    if (state->queued + KEY_COUNT + INPUT_STICKS > INPUT_QUEUE) state->queued = 0;
     bool held[INPUT_KEYS];
     memcpy(held, state->down, sizeof held);
     for (size_t i = 0; i < state->queued; i++)
         if (state->queue[i].kind == INPUT_KEY) held[state->queue[i].key] = state->queue[i].down;
     for (int key = 0; key < KEY_COUNT; key++)
         if (held[key]) input_push(state, &(input_event){.kind = INPUT_KEY, .key = key, .down = false});
+    for (int i = 0; i < INPUT_STICKS; i++) input_push(state, &(input_event){.kind = INPUT_STICK, .key = i});
 }
 
 void input_begin_tick(input *state)
@@ -82,6 +220,11 @@ static bool change_state(input *state, const input_event *event)
         if (event->key < 0 || event->key >= KEY_COUNT || state->down[event->key] == event->down) return false;
         state->down[event->key] = event->down;
         (event->down ? state->pressed : state->released)[event->key] = true;
+        return true;
+    case INPUT_STICK:
+        if (event->key < 0 || event->key >= INPUT_STICKS || !(fabsf(event->x) <= 1)) return false;
+        if (state->stick[event->key] == event->x) return false;
+        state->stick[event->key] = event->x;
         return true;
     case INPUT_MOVE:
         if (!isfinite(event->x) || !isfinite(event->y)) return false;

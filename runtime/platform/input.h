@@ -1,14 +1,14 @@
-/* input: the state of keys, mouse and wheel, which changes only between ticks.
+/* input: the state of keys, mouse, wheel and gamepad, which changes only between ticks.
  * The platform queues events; the start of a tick applies the queue. Applied events can be recorded and replayed. Mouse
- * buttons are keys named "mouse1" to "mouse5".
- * Promises: a tick's state depends on its events alone; an event that changes nothing (a repeat) is dropped. */
+ * buttons are keys named "mouse1" to "mouse5", those of gamepads "pad a", "pad start" and so on; all gamepads count as
+ * one. Promises: a tick's state depends on its events alone; an event that changes nothing (a repeat) is dropped. */
 #ifndef RUNTIME_PLATFORM_INPUT_H
 #define RUNTIME_PLATFORM_INPUT_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { INPUT_KEYS = 128, INPUT_QUEUE = 256 };
+enum { INPUT_KEYS = 128, INPUT_STICKS = 6, INPUT_QUEUE = 256 };
 
 /* Keys have SDL's names in lower case. Unknown names give -1, unknown numbers NULL. */
 int input_key_find(const char *name);
@@ -16,20 +16,24 @@ const char *input_key_name(int key);
 /* All names, for hints. */
 const char *const *input_key_names(size_t *count);
 
-typedef enum input_kind { INPUT_KEY, INPUT_MOVE, INPUT_MOTION, INPUT_WHEEL } input_kind;
+/* A gamepad's sticks, an axis each, and its triggers: "left x", "right trigger". */
+int input_stick_find(const char *name);
+const char *const *input_stick_names(size_t *count);
+
+typedef enum input_kind { INPUT_KEY, INPUT_MOVE, INPUT_MOTION, INPUT_WHEEL, INPUT_STICK } input_kind;
 
 typedef struct input_event {
     input_kind kind;
-    int key;   /* INPUT_KEY */
+    int key;   /* INPUT_KEY, INPUT_STICK */
     bool down; /* INPUT_KEY */
     /* INPUT_MOVE: HUD units from the top left; INPUT_MOTION: HUD units right and down, while the mouse is grabbed;
-     * INPUT_WHEEL: notches, right and up positive. */
+     * INPUT_WHEEL: notches, right and up positive; INPUT_STICK: x alone, -1 to 1, right and down positive. */
     float x, y;
 } input_event;
 
 typedef struct input {
     bool down[INPUT_KEYS], pressed[INPUT_KEYS], released[INPUT_KEYS];
-    float mouse_x, mouse_y, motion_x, motion_y, wheel_x, wheel_y;
+    float mouse_x, mouse_y, motion_x, motion_y, wheel_x, wheel_y, stick[INPUT_STICKS];
     input_event queue[INPUT_QUEUE]; /* for the next tick */
     size_t queued;
     input_event applied[INPUT_QUEUE]; /* the events that changed the state in this tick, in order */
@@ -38,7 +42,7 @@ typedef struct input {
 
 /* Queues an event. Consecutive mouse positions and motions coalesce; a full queue drops the event. */
 void input_push(input *state, const input_event *event);
-/* Queues a release of every key held: for a window that loses the focus. */
+/* Queues a release of every key and stick held: for a window that loses the focus. */
 void input_push_release_all(input *state);
 /* Starts a tick: clears pressed, released, motion and wheel. */
 void input_begin_tick(input *state);

@@ -8,9 +8,9 @@
 #include "platform/input.h"
 
 typedef enum platform_event_kind {
-    PLATFORM_INPUT, /* a key, the mouse (x, y as fractions of the window) or the wheel */
-    PLATFORM_FOCUS_LOST,
-    PLATFORM_DROP, /* a file was dropped on the window: `path` */
+    PLATFORM_INPUT,      /* a key, the mouse (x, y as fractions of the window) or the wheel */
+    PLATFORM_FOCUS_LOST, /* or a gamepad was pulled out: what is held is let go */
+    PLATFORM_DROP,       /* a file was dropped on the window: `path` */
     PLATFORM_CLOSE
 } platform_event_kind;
 

@@ -1,11 +1,12 @@
-/* A window by SDL2: one streaming texture of the picture's size, stretched over the window. F11 and Alt+Enter concern
- * only the window and are handled here. */
+/* A window and gamepads by SDL2: one streaming texture of the picture's size, stretched over the window. F11 and
+ * Alt+Enter concern only the window and are handled here. */
 #include "platform/platform.h"
 
 #include "common/util.h"
 
 #include <SDL.h>
 #include <ctype.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +19,7 @@ typedef struct sdl_platform {
     SDL_Texture *texture;
     int texture_width, texture_height;
     pthread_mutex_t lock; /* around every use of SDL: leave_waits_sdl comes from another thread */
+    SDL_GameController *pads[4];
     bool vsync, grabbed;
     bool any_thread; /* this display's events may be fetched on any thread, one at a time */
     uint64_t last_frame_ns;
@@ -36,6 +38,8 @@ static void unlock(sdl_platform *sdl) { pthread_mutex_unlock(&sdl->lock); }
 static void close_sdl(platform *self)
 {
     sdl_platform *sdl = (sdl_platform *)self;
+    for (size_t i = 0; i < COUNT_OF(sdl->pads); i++)
+        if (sdl->pads[i]) SDL_GameControllerClose(sdl->pads[i]);
     if (sdl->texture) SDL_DestroyTexture(sdl->texture);
     if (sdl->renderer) SDL_DestroyRenderer(sdl->renderer);
     if (sdl->window) SDL_DestroyWindow(sdl->window);
@@ -111,6 +115,77 @@ static bool mouse_event(sdl_platform *sdl, const SDL_Event *event, input_event *
     }
 }
 
+/* ---- gamepads ---- */
+
+static void plug_in(sdl_platform *sdl, int number)
+{
+    for (size_t i = 0; i < COUNT_OF(sdl->pads); i++) {
+        if (sdl->pads[i]) continue;
+        sdl->pads[i] = SDL_GameControllerOpen(number);
+        return;
+    }
+}
+
+/* What it held is let go, as when the window loses the focus. */
+static bool pull_out(sdl_platform *sdl, SDL_JoystickID id)
+{
+    SDL_GameController *pad = SDL_GameControllerFromInstanceID(id);
+    for (size_t i = 0; pad && i < COUNT_OF(sdl->pads); i++) {
+        if (sdl->pads[i] != pad) continue;
+        SDL_GameControllerClose(pad);
+        sdl->pads[i] = NULL;
+        return true;
+    }
+    return false;
+}
+
+/* In SDL's order. */
+static bool pad_button(const SDL_ControllerButtonEvent *event, input_event *out)
+{
+    static const char *const NAMES[] = {"pad a",
+                                        "pad b",
+                                        "pad x",
+                                        "pad y",
+                                        "pad back",
+                                        "pad guide",
+                                        "pad start",
+                                        "pad left stick",
+                                        "pad right stick",
+                                        "pad left shoulder",
+                                        "pad right shoulder",
+                                        "pad up",
+                                        "pad down",
+                                        "pad left",
+                                        "pad right"};
+    if (event->button >= COUNT_OF(NAMES)) return false;
+    *out = (input_event){
+        .kind = INPUT_KEY, .key = input_key_find(NAMES[event->button]), .down = event->state == SDL_PRESSED};
+    return true;
+}
+
+/* Near its middle a stick says nothing: few rest exactly there. */
+static bool pad_axis(const SDL_ControllerAxisEvent *event, input_event *out)
+{
+    const float dead = 0.15f, value = (float)event->value / 32767;
+    float x = fabsf(value) <= dead ? 0 : (fabsf(value) - dead) / (1 - dead);
+    if (event->axis >= INPUT_STICKS) return false;
+    *out = (input_event){.kind = INPUT_STICK, .key = event->axis, .x = copysignf(x < 1 ? x : 1, value)};
+    if (x == 0) out->x = 0;
+    return true;
+}
+
+static bool pad_event(sdl_platform *sdl, const SDL_Event *event, platform_event *out)
+{
+    switch (event->type) {
+    case SDL_CONTROLLERDEVICEADDED: plug_in(sdl, event->cdevice.which); return false;
+    case SDL_CONTROLLERDEVICEREMOVED: out->kind = PLATFORM_FOCUS_LOST; return pull_out(sdl, event->cdevice.which);
+    case SDL_CONTROLLERBUTTONDOWN:
+    case SDL_CONTROLLERBUTTONUP: return pad_button(&event->cbutton, &out->input);
+    case SDL_CONTROLLERAXISMOTION: return pad_axis(&event->caxis, &out->input);
+    default: return false;
+    }
+}
+
 static bool drop_event(const SDL_DropEvent *event, platform_event *out)
 {
     int length = snprintf(out->path, sizeof out->path, "%s", event->file);
@@ -138,6 +213,13 @@ static bool next_event(sdl_platform *sdl, platform_event *out)
         case SDL_MOUSEBUTTONDOWN:
         case SDL_MOUSEBUTTONUP:
             if (mouse_event(sdl, &event, &out->input)) return true;
+            break;
+        case SDL_CONTROLLERDEVICEADDED:
+        case SDL_CONTROLLERDEVICEREMOVED:
+        case SDL_CONTROLLERBUTTONDOWN:
+        case SDL_CONTROLLERBUTTONUP:
+        case SDL_CONTROLLERAXISMOTION:
+            if (pad_event(sdl, &event, out)) return true;
             break;
         case SDL_DROPFILE:
             if (drop_event(&event.drop, out)) return true;
@@ -275,6 +357,7 @@ static bool open_window(sdl_platform *sdl, const char *title, int width, int hei
     SDL_SetHint(SDL_HINT_RENDER_SCALE_QUALITY, "1");
     SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");
     if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) return false;
+    SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER); /* without gamepads it goes on */
     sdl->window = SDL_CreateWindow(title, SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width, height,
                                    SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
     if (!sdl->window) return false;

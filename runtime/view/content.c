@@ -3,42 +3,37 @@
 
 #include "common/showcase.h"
 
-#include <dirent.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 
 /* ---- whether it has changed ---- */
 
-static uint64_t stamp_of(const char *path)
+/* Adds the file's size and time to *sum. Whether it has changed since `began`. */
+static bool add_stamp(const char *path, const struct timespec *began, uint64_t *sum)
 {
     struct stat status;
-    if (stat(path, &status) != 0) return 0;
+    if (stat(path, &status) != 0) return false;
     uint64_t numbers[3] = {(uint64_t)status.st_size, (uint64_t)status.st_mtim.tv_sec, (uint64_t)status.st_mtim.tv_nsec};
-    return daft_hash(numbers, sizeof numbers, daft_hash(path, strlen(path), 0));
+    *sum += daft_hash(numbers, sizeof numbers, daft_hash(path, strlen(path), 0));
+    return status.st_mtim.tv_sec > began->tv_sec ||
+           (status.st_mtim.tv_sec == began->tv_sec && status.st_mtim.tv_nsec >= began->tv_nsec);
 }
 
-static void folder_of(const char *path, char out[PATH_SIZE])
+static uint64_t stamp_since(const content *c, const struct timespec *began)
 {
-    snprintf(out, PATH_SIZE, "%s", path);
-    char *slash = strrchr(out, '/');
-    if (slash) slash[slash == out ? 1 : 0] = 0;
-    if (!slash) snprintf(out, PATH_SIZE, ".");
+    uint64_t sum = 0;
+    bool fresh = add_stamp(c->path, began, &sum);
+    for (uint32_t i = 0; c->scene && i < daft_scene_file_count(c->scene); i++)
+        fresh |= add_stamp(daft_scene_get_file(c->scene, i), began, &sum);
+    return fresh ? sum + 1 : sum; /* it may have been read before the change: another stamp than the next one's */
 }
 
-uint64_t content_stamp(const char *path)
+uint64_t content_stamp(const content *c)
 {
-    char folder[PATH_SIZE], name[PATH_SIZE];
-    uint64_t sum = stamp_of(path);
-    folder_of(path, folder);
-    DIR *list = opendir(folder);
-    for (const struct dirent *entry; list && (entry = readdir(list));) {
-        bool counts = has_extension(entry->d_name, ".obj") || has_extension(entry->d_name, ".mtl") ||
-                      has_extension(entry->d_name, ".scene");
-        if (counts && path_join(name, sizeof name, folder, entry->d_name)) sum += stamp_of(name);
-    }
-    if (list) closedir(list);
-    return sum;
+    const struct timespec never = {.tv_sec = INT32_MAX};
+    return stamp_since(c, &never);
 }
 
 /* ---- opening ---- */
@@ -79,14 +74,15 @@ bool content_open(content *out, daft_engine *engine, const char *path, long came
     content c = {.start = daft_default_camera()};
     if ((size_t)snprintf(c.path, sizeof c.path, "%s", path) >= sizeof c.path)
         return fail(error, DAFT_ERROR_ARGUMENT, "the name of the file is too long");
-    c.stamp = content_stamp(c.path);
+    struct timespec began;
+    clock_gettime(CLOCK_REALTIME, &began);
     bool scene = has_extension(path, ".scene") || has_extension(path, ".obj"), good;
     if (scene)
         good = open_scene(&c, engine, camera, aspect, error);
     else
         good = (c.image = daft_image_load(engine, path, error)) != NULL;
     if (good)
-        *out = c;
+        c.stamp = stamp_since(&c, &began), *out = c;
     else
         content_close(&c);
     return good;

@@ -18,7 +18,7 @@ typedef struct content {
  */
 bool content_open(content *out, daft_engine *engine, const char *path, long camera, double aspect, daft_error *error);
 void content_close(content *c);
-/* A number that changes when the file does, or a scene, mesh or material file in its folder. */
-uint64_t content_stamp(const char *path);
+/* A number that changes when the file does, or one that it names: an included scene, a mesh, a material, a picture. */
+uint64_t content_stamp(const content *c);
 
 #endif

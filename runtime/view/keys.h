@@ -16,7 +16,11 @@ typedef enum view_act {
     VIEW_REMOVE,
     VIEW_SOONER, /* reaches it sooner or later, */
     VIEW_LATER,
-    VIEW_SAVE,  /* writes the path into the file */
+    VIEW_SAVE, /* writes the path into the file */
+    VIEW_SNAPSHOT,
+    VIEW_FILM,
+    VIEW_SIZE, /* of both */
+    VIEW_PACE,
     VIEW_START, /* back to the file's camera */
     VIEW_RELOAD,
     VIEW_PLAN,
@@ -27,7 +31,7 @@ typedef enum view_act {
 typedef struct view_key {
     const char *shown; /* as the user reads it */
     const char *does;
-    const char *keys[2]; /* names of the platform's keys, or NULL */
+    const char *keys[3]; /* names of the platform's keys, or NULL */
     view_act act;
     unsigned value;
 } view_key;

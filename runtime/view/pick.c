@@ -41,9 +41,12 @@ void pick(viewer *v)
         return;
     }
     v->hit = true, v->point = hit.position;
+    char name[256];
+    daft_material_name(v->content.scene, hit.material, name, sizeof name);
+    if (!name[0]) snprintf(name, sizeof name, hit.material.id ? "without a name" : "the default one");
     snprintf(v->found, sizeof v->found,
-             "entity 0x%" PRIx32 "   triangle %" PRIu32 "   at %.5g m\n"
+             "entity 0x%" PRIx32 "   triangle %" PRIu32 "   at %.5g m\nmaterial %.100s\n"
              "position %.6g  %.6g  %.6g\nnormal %.3f  %.3f  %.3f   texture %.4g  %.4g",
-             hit.entity.id, hit.triangle, (double)hit.distance, hit.position.x, hit.position.y, hit.position.z,
+             hit.entity.id, hit.triangle, (double)hit.distance, name, hit.position.x, hit.position.y, hit.position.z,
              (double)hit.normal.x, (double)hit.normal.y, (double)hit.normal.z, (double)hit.uv.x, (double)hit.uv.y);
 }

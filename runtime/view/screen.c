@@ -55,6 +55,19 @@ void screen_camera(const canvas *target, font *face, float x, float y, const cha
     text_draw(target, face, text, at_x + 17, at_y - 10, &style);
 }
 
+/* A bar at the lower edge, with the text above it. */
+static void draw_work(const canvas *target, font *face, const char *text, float done)
+{
+    if (!text || !text[0]) return;
+    text_style style = {TEXT, WHITE, TEXT_LEFT, false};
+    const float width = 520, height = 62, left = (canvas_hud_width(target) - width) / 2;
+    const float top = CANVAS_HEIGHT - MARGIN - height, bar = width - 2 * MARGIN;
+    canvas_rect(target, left, top, width, height, (canvas_color){10, 14, 24, 225});
+    text_draw(target, face, text, left + MARGIN, top + 8, &style);
+    canvas_rect(target, left + MARGIN, top + 40, bar, 10, (canvas_color){60, 68, 84, 255});
+    canvas_rect(target, left + MARGIN, top + 40, bar * done, 10, GOLD);
+}
+
 /* Two columns in the middle. */
 static void draw_keys(const canvas *target, font *face)
 {
@@ -90,6 +103,7 @@ void screen_draw(const canvas *target, font *face, const screen_state *s)
     label(target, face, s->title, wide - MARGIN, MARGIN, TEXT_RIGHT, WHITE);
     label(target, face, s->switches, wide - MARGIN, MARGIN + LINE + 10, TEXT_RIGHT, GOLD);
     label(target, face, s->corner, wide - MARGIN, CANVAS_HEIGHT - MARGIN - LINE - 6, TEXT_RIGHT, GREY);
+    draw_work(target, face, s->work, s->done);
     if (s->keys) draw_keys(target, face);
     if (!s->notice || !s->notice[0]) return;
     text_style style = {20, s->bad ? RED : WHITE, TEXT_LEFT, false};

@@ -14,6 +14,8 @@ typedef struct screen_state {
     const char *notice;     /* the last message */
     bool bad;               /* the message is an error */
     bool keys;              /* all keys are shown */
+    const char *work;       /* what is being made, */
+    float done;             /* and how far it is, 0..1 */
     float cross_x, cross_y; /* of what was clicked, as fractions of the picture; below 0: nothing */
 } screen_state;
 

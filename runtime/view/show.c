@@ -48,9 +48,9 @@ static bool draw(viewer *v, daft_error *error)
 static bool refine(viewer *v, daft_error *error)
 {
     const uint64_t patience = 150000000;
-    if (!is_fine(v) || v->now_ns - v->moved_ns < patience) return true;
-    const refine_job job = {v->def->engine, v->content.scene, &v->look, v->picture, viewer_is_asked, v};
-    if (refine_step(&v->refinement, &job, error)) v->repaint = true;
+    if (v->job || !is_fine(v) || v->now_ns - v->moved_ns < patience) return true;
+    const refine_job rows = {v->def->engine, v->content.scene, &v->look, v->picture, viewer_is_asked, v};
+    if (refine_step(&v->refinement, &rows, error)) v->repaint = true;
     return error->code == DAFT_OK;
 }
 
@@ -136,18 +136,21 @@ static void paint_route(const viewer *v, const canvas *over)
 
 static void paint(viewer *v)
 {
-    char title[VIEW_TEXT], switches[VIEW_TEXT], corner[VIEW_TEXT];
+    char title[VIEW_TEXT], switches[VIEW_TEXT], corner[VIEW_TEXT], work[VIEW_TEXT] = "";
     canvas over = canvas_over(v->shown);
     describe(v, title);
     describe_switches(v, switches);
     describe_quality(v, corner);
+    if (v->job) make_describe(v, work);
     screen_state state = {.title = title,
                           .switches = switches,
                           .corner = corner,
                           .found = v->found,
                           .notice = v->now_ns < v->notice_until ? v->notice : "",
                           .bad = v->notice_bad,
-                          .keys = v->keys};
+                          .keys = v->keys,
+                          .work = work,
+                          .done = v->job ? (float)job_done(v->job) : 0};
     if (!v->hit || !viewer_project(v, v->point, &state.cross_x, &state.cross_y)) state.cross_x = state.cross_y = -1;
     paint_route(v, &over);
     if (v->plan && v->content.scene) {

@@ -2,9 +2,8 @@
  * what lies under the cursor, and a picture that gets finer while nothing moves. Public headers: view.h
  *
  * Data flow, all on the thread that calls: events -> keys.c (what a key does, as a table) -> viewer -> fly.c (the
- * camera)
- * -> draw.c (a picture at quality `game`, or a channel of it) -> refine.c (bands of it at `reference` while nothing
- * moves) -> screen.c (text over a copy) -> the window.
+ * camera) -> draw.c (a picture at quality `game`, or a channel of it) -> refine.c (bands of it at `reference` while
+ * nothing moves) -> screen.c (text over a copy) -> the window. Snapshots and films are made beside it (job/).
  * Promises: a move is answered in the next frame; what is opened by mistake or saved half-way leaves what is shown as
  * it was, with the message on the screen. */
 #ifndef RUNTIME_VIEW_VIEW_H
@@ -17,9 +16,10 @@ typedef struct view_def {
     platform *screen;
     daft_engine *engine;
     font *face;
-    const char *path;     /* a .scene, an .obj, or a picture */
-    long camera;          /* of the file's cameras, from 0; below 0: the first */
-    daft_quality quality; /* while the camera moves */
+    const char *path;                    /* a .scene, an .obj, or a picture */
+    long camera;                         /* of the file's cameras, from 0; below 0: the first */
+    daft_quality quality;                /* while the camera moves */
+    int snapshot_width, snapshot_height; /* 0: the window's */
 } view_def;
 
 /* Shows the file until the user leaves. False: it could not be opened, or the window failed. */

@@ -125,7 +125,7 @@ void viewer_reload(viewer *v)
     content fresh;
     char path[PATH_SIZE];
     snprintf(path, sizeof path, "%s", v->content.path);
-    v->content.stamp = content_stamp(path); /* a file that cannot be loaded is tried again once it has changed */
+    v->content.stamp = content_stamp(&v->content); /* a file that cannot be loaded is tried again once it has changed */
     if (!content_open(&fresh, v->def->engine, path, v->def->camera, viewer_aspect(v), &error)) {
         say_error(v, &error);
         return;
@@ -140,7 +140,7 @@ static void watch_file(viewer *v)
 {
     if (v->now_ns - v->checked_ns < SECOND / 4) return;
     v->checked_ns = v->now_ns;
-    uint64_t stamp = content_stamp(v->content.path);
+    uint64_t stamp = content_stamp(&v->content);
     bool stands = stamp == v->seen_stamp;
     v->seen_stamp = stamp;
     if (stands && stamp != v->content.stamp) viewer_reload(v);
@@ -249,7 +249,16 @@ static void take_key(viewer *v, const char *name)
     case VIEW_RELOAD: viewer_reload(v); break;
     case VIEW_PLAN: v->plan = !v->plan; break;
     case VIEW_KEYS: v->keys = !v->keys; break;
-    case VIEW_LEAVE: v->leaves = true; break;
+    case VIEW_SNAPSHOT: make_start(v, false); break;
+    case VIEW_FILM: make_start(v, true); break;
+    case VIEW_SIZE: make_change_size(v); break;
+    case VIEW_PACE: make_change_pace(v); break;
+    case VIEW_LEAVE:
+        if (v->job)
+            job_cancel(v->job);
+        else
+            v->leaves = true;
+        break;
     }
 }
 
@@ -351,15 +360,17 @@ static double key_axis(const viewer *v, const char *plus, const char *minus)
     return (held(v, plus) ? 1 : 0) - (held(v, minus) ? 1 : 0);
 }
 
+static double stick(const viewer *v, const char *name) { return (double)v->input.stick[input_stick_find(name)]; }
+
 static void move(viewer *v, double seconds)
 {
     const double turn = 1.2; /* radians a second */
     if (!v->content.scene) return;
-    flight_wish wish = {.forward = key_axis(v, "w", "s"),
-                        .right = key_axis(v, "d", "a"),
-                        .up = key_axis(v, "e", "q"),
-                        .yaw = turn * seconds * key_axis(v, "right", "left"),
-                        .pitch = turn * seconds * key_axis(v, "down", "up"),
+    flight_wish wish = {.forward = key_axis(v, "w", "s") - stick(v, "left y"),
+                        .right = key_axis(v, "d", "a") + stick(v, "left x"),
+                        .up = key_axis(v, "e", "q") + stick(v, "right trigger") - stick(v, "left trigger"),
+                        .yaw = turn * seconds * (key_axis(v, "right", "left") + 2 * stick(v, "right x")),
+                        .pitch = turn * seconds * (key_axis(v, "down", "up") + 2 * stick(v, "right y")),
                         .factor = 1};
     if (held(v, "left shift") || held(v, "right shift")) wish.factor *= 4;
     if (held(v, "left ctrl") || held(v, "right ctrl")) wish.factor /= 4;
@@ -385,6 +396,7 @@ static bool run(viewer *v, daft_error *error)
         if (spoke && now >= v->notice_until) v->repaint = true;
         take_events(v);
         watch_file(v);
+        make_watch(v);
         move(v, fmin(seconds, longest));
         if (!show(v, error)) return false;
         if (v->rests) rest(); /* a window's own pace comes with the pictures that it is given */
@@ -406,6 +418,7 @@ bool view_run(const view_def *def, daft_error *error)
         viewer_say(&v, false, "H shows the keys");
         good = run(&v, error);
     }
+    make_leave(&v);
     leave_route(&v);
     route_free(&v.route);
     content_close(&v.content);

@@ -5,6 +5,7 @@
 #include "view/content.h"
 #include "view/draw.h"
 #include "view/fly.h"
+#include "job/job.h"
 #include "view/keys.h"
 #include "view/refine.h"
 #include "view/route.h"
@@ -37,6 +38,10 @@ typedef struct viewer {
     uint64_t seen_stamp; /* of the file, at the last look */
     daft_image *picture, *shown;
     route route;
+    job *job; /* a snapshot or a film that is being made, or NULL */
+    uint64_t job_shown_ns;
+    int make_size; /* of snapshots and films: the choice of make.c */
+    daft_pace pace;
     pixel_channels channels;
     refinement refinement;
     double frame_ms;        /* of pictures while moving, smoothed */
@@ -56,6 +61,14 @@ double viewer_aspect(const viewer *v); /* height of the window / width */
 void pick(viewer *v);
 /* The point of a scene under the cursor. */
 bool pick_point(viewer *v, daft_ray_hit *hit);
+
+/* Snapshots and films (make.c). */
+void make_start(viewer *v, bool film);
+void make_change_size(viewer *v);
+void make_change_pace(viewer *v);
+void make_watch(viewer *v);
+void make_describe(const viewer *v, char out[VIEW_TEXT]);
+void make_leave(viewer *v);
 
 /* Where a point of the world is in the picture, as fractions from the top left. False: outside (show.c). */
 bool viewer_project(const viewer *v, daft_dvec3 point, float *x, float *y);

@@ -28,6 +28,9 @@ ok
 [ "$(sed -n 's/^element vertex //p' sweep.ply)" = "$(sed '1,/end_header/d' sweep.ply | wc -l)" ] || fail 'the sweep is not whole'
 [ "$(sed -n 's/^element vertex //p' sweep.ply)" -gt 1000 ] || fail 'the sweep has too few points'
 ok
+"$programs/robot" 60 >said || fail 'the robot touched something'
+grep -q '^drove 3[0-9]' said || fail 'the robot did not go round'
+ok
 "$programs/depth" "$scene" . >said || fail 'depth failed'
 [ "$(wc -l <said)" = 8 ] && [ "$(wc -c <depth-7.pgm)" = $((2 * 160 * 120 + 17)) ] || fail 'a depth image is not whole'
 grep -q '[0-9] m to the nearest obstacle' said || fail 'depth does not say how far'

@@ -427,6 +427,18 @@ static const daft_volume *give_const_daft_volume_p(caller *c)
     return given ? memcpy(copy, given, sizeof volume) : NULL;
 }
 
+/* Four rays. */
+static const daft_scan_def *give_const_daft_scan_def_p(caller *c)
+{
+    static const daft_vec3 LIST_OF[4] = {{1, 0, 0}, {0, -1, 0}, {0, 0, 2}, {1, 1, 1}};
+    daft_scan_def def = daft_default_scan_def();
+    def.rows = def.columns = 2;
+    def.position.y = 3;
+    def.rays = LIST_OF, def.ray_count = 4;
+    if (c->bytes) def.pattern = (daft_scan_pattern)(next_byte(c) % 3);
+    return give_struct(c, DAFT_STRUCT_SCAN_DEF, &def, false);
+}
+
 static const daft_character_def *give_const_daft_character_def_p(caller *c)
 {
     daft_character_def def = daft_default_character_def();
@@ -623,6 +635,7 @@ GIVE_ROOM(daft_camera, VERDICT_WRONG)
 GIVE_ROOM(daft_checkpoint, VERDICT_WRONG)
 GIVE_ROOM(daft_dvec3, VERDICT_ODD) /* the corners of bounds, which an empty scene has not */
 GIVE_ROOM(float, VERDICT_WRONG)
+GIVE_ROOM(double, VERDICT_ODD) /* when a ray of a scan leaves */
 GIVE_ROOM(bool, VERDICT_WRONG)
 GIVE_ROOM(uint32_t, VERDICT_ODD)       /* daft_fields' count */
 GIVE_ROOM(size_t, VERDICT_ODD)         /* daft_read_file's size */
@@ -631,6 +644,15 @@ GIVE_ROOM(daft_event, VERDICT_ODD)     /* lists tell how long they are */
 GIVE_ROOM(daft_contact, VERDICT_ODD)   /* the same */
 GIVE_ROOM(daft_query_hit, VERDICT_ODD) /* whether something is hit */
 GIVE_ROOM(daft_ray_hit, VERDICT_ODD)   /* the same */
+
+static daft_scan_return *give_daft_scan_return_p(caller *c)
+{
+    static daft_scan_return returns[2][4];
+    const bool last = strcmp(c->name, "last") == 0;
+    if (choose(c, 2) == 0) return returns[last];
+    say(c, last ? VERDICT_ODD : VERDICT_WRONG);
+    return NULL;
+}
 
 /* ---- what comes back ---- */
 
@@ -718,6 +740,7 @@ TOOK_VALUE(daft_light_def)
 TOOK_VALUE(daft_view)
 TOOK_VALUE(daft_query_filter)
 TOOK_VALUE(daft_volume)
+TOOK_VALUE(daft_scan_def)
 TOOK_VALUE(daft_character_def)
 
 #include "misuse_calls.inc" /* by calls.awk: a call for each function of daft.h, and CALLS */

@@ -90,9 +90,9 @@ void daft_assets_free(daft_scene *scene)
     daft_map_free(&assets->texture_map, allocator);
     daft_map_free(&assets->material_map, allocator);
     daft_map_free(&assets->box_map, allocator);
-    void *arrays[] = {assets->meshes,         assets->textures,       assets->texture_keys, assets->materials,
-                      assets->surfaces,       assets->material_keys,  assets->boxes,        assets->mesh_states,
-                      assets->texture_states, assets->material_states};
+    void *arrays[] = {assets->meshes,         assets->textures,        assets->texture_keys,  assets->materials,
+                      assets->surfaces,       assets->material_keys,   assets->boxes,         assets->mesh_states,
+                      assets->texture_states, assets->material_states, assets->material_names};
     for (size_t i = 0; i < DAFT_COUNT_OF(arrays); i++) daft_release(allocator, arrays[i]);
 }
 
@@ -139,7 +139,7 @@ static bool mesh_read(daft_scene *scene, const char *path, daft_mesh_item *item,
     if (!daft_obj_load(scene->allocator, scene->engine->files, path, &scene->engine->log, &obj, error)) return false;
     item->mesh = obj.mesh; /* from here on the item owns the triangles */
     memset(&obj.mesh, 0, sizeof obj.mesh);
-    bool done = mesh_finish(scene, item, error);
+    bool done = daft_scene_note_file(scene, path, error) && mesh_finish(scene, item, error);
     for (size_t i = 0; done && i < obj.slots.count && i < item->mesh.slot_count; i++) {
         daft_material material = daft_material_from_mtl(scene, &obj.slots.items[i], error);
         done = material.id != 0;
@@ -370,7 +370,8 @@ static uint32_t texture_cached(const daft_scene *scene, const char *path, uint64
 static daft_texture texture_add(daft_scene *scene, const char *path, daft_texture_data *data, daft_error *error)
 {
     daft_assets *assets = &scene->assets;
-    char *copy = texture_reserve(scene, error) ? daft_copy_string(scene->allocator, path) : NULL;
+    const bool room = texture_reserve(scene, error) && daft_scene_note_file(scene, path, error);
+    char *copy = room ? daft_copy_string(scene->allocator, path) : NULL;
     if (!copy) {
         daft_fail_memory(error, "a texture's path");
         daft_texture_free(scene->allocator, data);

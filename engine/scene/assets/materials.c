@@ -47,7 +47,9 @@ static bool material_reserve(daft_scene *scene, daft_error *error)
             daft_grow(allocator, &assets->surfaces, &assets->surface_capacity, needed, count,
                       sizeof *assets->surfaces) &&
             daft_grow(allocator, &assets->material_keys, &assets->material_key_capacity, needed, count,
-                      sizeof *assets->material_keys)) ||
+                      sizeof *assets->material_keys) &&
+            daft_grow(allocator, &assets->material_names, &assets->material_name_capacity, needed, count,
+                      sizeof *assets->material_names)) ||
            daft_fail_memory(error, "the list of materials");
 }
 
@@ -62,6 +64,7 @@ daft_material daft_material_create(daft_scene *scene, const daft_material_def *d
     assets->materials[index] = *def;
     assets->surfaces[index] = surface_from(def);
     assets->material_keys[index] = (daft_asset_key){0};
+    assets->material_names[index] = NULL;
     return material;
 }
 
@@ -72,7 +75,8 @@ void daft_material_free(daft_scene *scene, uint32_t index)
     daft_asset_key *key = &assets->material_keys[index];
     if (key->path) daft_map_remove(&assets->material_map, key->hash, index);
     daft_release(scene->allocator, key->path);
-    key->path = NULL;
+    daft_release(scene->allocator, assets->material_names[index]);
+    key->path = NULL, assets->material_names[index] = NULL;
     assets->materials[index] = assets->materials[0];
     assets->surfaces[index] = assets->surfaces[0];
     daft_slots_remove(&assets->material_slots, index);
@@ -93,6 +97,15 @@ bool daft_material_get(daft_scene *scene, daft_material material, daft_material_
         return false;
     *def = scene->assets.materials[daft_asset_index(material.id)];
     return true;
+}
+
+const char *daft_material_name(const daft_scene *scene, daft_material material, char *buffer, size_t size)
+{
+    if (!buffer || size == 0) return buffer;
+    const bool known = scene && daft_asset_find(&scene->assets.material_slots, material.id) != DAFT_NONE;
+    const char *name = known ? scene->assets.material_names[daft_asset_index(material.id)] : NULL;
+    snprintf(buffer, size, "%s", name ? name : "");
+    return scene ? buffer : NULL;
 }
 
 bool daft_material_set(daft_scene *scene, daft_material material, const daft_material_def *def, daft_error *error)
@@ -148,11 +161,21 @@ daft_material daft_material_from_mtl(daft_scene *scene, const daft_mtl *mtl, daf
     def.shininess = mtl->shininess < 1000 ? mtl->shininess : 1000;
     daft_material_transmit(mtl, &def);
     illuminate(mtl, &def);
+    if (mtl->file[0] && !daft_scene_note_file(scene, mtl->file, error)) return (daft_material){0};
     if (mtl->diffuse_map[0]) {
         def.diffuse_map = daft_texture_of_map(scene, mtl, error);
         if (!def.diffuse_map.id) return (daft_material){0};
     }
-    daft_material material = daft_material_create(scene, &def, error);
+    char *name = daft_copy_string(scene->allocator, mtl->name);
+    daft_material material = {0};
+    if (name)
+        material = daft_material_create(scene, &def, error);
+    else
+        daft_fail_memory(error, "the name of a material");
+    if (material.id)
+        scene->assets.material_names[daft_asset_index(material.id)] = name;
+    else
+        daft_release(scene->allocator, name);
     if (def.diffuse_map.id) daft_texture_release(scene, def.diffuse_map, NULL); /* the material uses it */
     return material;
 }

@@ -4,13 +4,21 @@
 #include <string.h>
 
 static const daft_field_list *const LISTS[DAFT_STRUCT_COUNT] = {
-    [DAFT_STRUCT_ENGINE_DEF] = &daft_engine_fields, [DAFT_STRUCT_MATERIAL_DEF] = &daft_material_fields,
-    [DAFT_STRUCT_ENTITY_DEF] = &daft_entity_fields, [DAFT_STRUCT_COLLIDER] = &daft_collider_fields,
-    [DAFT_STRUCT_JOINT_DEF] = &daft_joint_fields,   [DAFT_STRUCT_SURFACES] = &daft_surfaces_fields,
-    [DAFT_STRUCT_CAMERA] = &daft_camera_fields,     [DAFT_STRUCT_LIGHT_DEF] = &daft_light_fields,
-    [DAFT_STRUCT_VIEW] = &daft_view_fields,         [DAFT_STRUCT_QUERY_FILTER] = &daft_query_filter_fields,
-    [DAFT_STRUCT_VOLUME] = &daft_volume_fields,     [DAFT_STRUCT_CHARACTER_DEF] = &daft_character_fields,
-    [DAFT_STRUCT_COUNTERS] = &daft_counters_fields, [DAFT_STRUCT_SIM_COUNTERS] = &daft_sim_counters_fields,
+    [DAFT_STRUCT_ENGINE_DEF] = &daft_engine_fields,
+    [DAFT_STRUCT_MATERIAL_DEF] = &daft_material_fields,
+    [DAFT_STRUCT_ENTITY_DEF] = &daft_entity_fields,
+    [DAFT_STRUCT_COLLIDER] = &daft_collider_fields,
+    [DAFT_STRUCT_JOINT_DEF] = &daft_joint_fields,
+    [DAFT_STRUCT_SURFACES] = &daft_surfaces_fields,
+    [DAFT_STRUCT_CAMERA] = &daft_camera_fields,
+    [DAFT_STRUCT_LIGHT_DEF] = &daft_light_fields,
+    [DAFT_STRUCT_VIEW] = &daft_view_fields,
+    [DAFT_STRUCT_QUERY_FILTER] = &daft_query_filter_fields,
+    [DAFT_STRUCT_VOLUME] = &daft_volume_fields,
+    [DAFT_STRUCT_CHARACTER_DEF] = &daft_character_fields,
+    [DAFT_STRUCT_SCAN_DEF] = &daft_scan_fields,
+    [DAFT_STRUCT_COUNTERS] = &daft_counters_fields,
+    [DAFT_STRUCT_SIM_COUNTERS] = &daft_sim_counters_fields,
 };
 
 const daft_field_list *daft_field_list_of(daft_struct which)

@@ -95,7 +95,7 @@ static bool read_file(loader *load, const char *path, const source *parent)
     char *bytes = daft_file_read(allocator, load->scene->engine->files, path, &size, &load->error);
     if (!bytes) return false;
     daft_scene_text text = daft_scene_text_open(path, bytes, size, &load->error);
-    bool done = read_lines(load, &text, &self);
+    bool done = daft_scene_note_file(load->scene, path, &load->error) && read_lines(load, &text, &self);
     daft_release(allocator, bytes);
     return done;
 }
@@ -108,7 +108,7 @@ static bool load_sky(loader *load, const char *path)
     if (!sky) return false;
     daft_sky_item_free(load->scene, load->sky);
     load->sky = sky;
-    return true;
+    return daft_scene_note_file(load->scene, path, &load->error);
 }
 
 /* Checkpoints ascend, also after those that the scene already has. */

@@ -1,4 +1,4 @@
-/* daft.input: keys, mouse and wheel of this tick. Mouse buttons are also keys, named "mouse1" to "mouse5". */
+/* daft.input: keys, mouse, wheel and gamepad of this tick. Mouse buttons are also keys, named "mouse1" to "mouse5". */
 #include "lua/api.h"
 
 #include "common/util.h"
@@ -20,6 +20,19 @@ static int axis(lua_State *L, host *h)
     const input *keys = h->def.keys;
     int negative = api_key(L, h, 1, "negative"), positive = api_key(L, h, 2, "positive");
     lua_pushinteger(L, (lua_Integer)keys->down[positive] - (lua_Integer)keys->down[negative]);
+    return 1;
+}
+
+static int stick(lua_State *L, host *h)
+{
+    size_t count;
+    char hint[HINT_SIZE];
+    const char *const *names = input_stick_names(&count);
+    const char *name = lua_type(L, 1) == LUA_TSTRING ? lua_tostring(L, 1) : NULL;
+    if (!name) api_wrong(L, h, 1, "name", "name of a stick, as \"left x\",");
+    int index = input_stick_find(name);
+    if (index < 0) api_error(L, h, "there is no stick '%.40s'%s", name, did_you_mean(hint, "", name, names, count));
+    lua_pushnumber(L, (double)h->def.keys->stick[index]);
     return 1;
 }
 
@@ -79,6 +92,11 @@ static const api_function FUNCTIONS[] = {
     {"input.pressed", "(key) -> boolean", "It went down in this tick.", pressed, 0},
     {"input.released", "(key) -> boolean", "It went up in this tick.", released, 0},
     {"input.axis", "(negative, positive) -> -1, 0 or 1", "Two keys as an axis.", axis, 0},
+    {"input.stick", "(name) -> number",
+     "A gamepad's: \"left x\", \"left y\", \"right x\", \"right y\", -1 to 1, right and down positive; \"left "
+     "trigger\",\n"
+     "\"right trigger\", 0 to 1. Its buttons are keys: \"pad a\", \"pad start\", \"pad left shoulder\", \"pad up\".",
+     stick, 0},
     {"input.set", "(key, down)", "Presses or releases a key from the next tick on: for bots. It is recorded.", set,
      API_CHANGES},
     {"input.mouse.down", "(button) -> boolean", "1 is left, 2 middle, 3 right.", mouse_down, 0},

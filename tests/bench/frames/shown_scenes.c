@@ -1,7 +1,8 @@
-/* Rows `scene frame, NAME`: each scene of assets/scenes in quality `game`, through daft.h alone. The first camera sways
- * as a person looking around does: up to 40 cm along and 20 cm across, 6 degrees to the sides, over 120 frames, so that
- * no frame repeats the one before and each is drawn in full. What the engine keeps from frame to frame stays kept, as
- * for a user. The row also reports the time of a frame in which nothing moves. */
+/* Rows `scene frame, NAME`: each scene of assets/scenes in quality `game`, through daft.h alone: with one sample a
+ * pixel, and as it is, with antialiasing. The first camera sways as a person looking around does: up to 40 cm along and
+ * 20 cm across, 6 degrees to the sides, over 120 frames, so that no frame repeats the one before and each is drawn in
+ * full. What the engine keeps from frame to frame stays kept, as for a user. The row also reports the time of a frame
+ * in which nothing moves. */
 #include "frames/users.h"
 
 #include "math/trig.h"
@@ -23,12 +24,13 @@ typedef struct show {
 
 static void ignore(void *user, const daft_error *warning) { (void)user, (void)warning; }
 
-static bool open_show(bench *self, const char *path, int threads, show *s, daft_error *error)
+static bool open_show(bench *self, const char *path, int threads, bool smooth, show *s, daft_error *error)
 {
     daft_engine_def def = daft_default_engine_def();
     def.threads = threads, def.isa = self->isa, def.warn = ignore;
     *s = (show){.view = daft_default_view(), .threads = threads};
     s->view.quality = DAFT_QUALITY_GAME;
+    if (!smooth) s->view.edge_samples = 0;
     s->engine = daft_engine_create(&def, error);
     if (s->engine) s->scene = daft_scene_create(s->engine, error);
     if (s->scene && daft_scene_load(s->scene, path, error))
@@ -88,14 +90,15 @@ static bool show_all(show *s, users_frames *out)
     return true;
 }
 
-static void measure_scene(bench *self, const char *row, const char *path, int threads)
+/* smooth: with the quality's antialiasing; else with one sample a pixel. */
+static void measure_scene(bench *self, const char *row, const char *path, int threads, bool smooth)
 {
     show s;
     daft_error error = {0};
     char text[1200], note[64];
     users_frames best = {0};
     fprintf(stderr, "%s, %d thread%s\n", row, threads, threads == 1 ? "" : "s");
-    bool good = open_show(self, path, threads, &s, &error) && draw(&s, &s.view.camera) >= 0;
+    bool good = open_show(self, path, threads, smooth, &s, &error) && draw(&s, &s.view.camera) >= 0;
     for (int i = 0; good && i < (self->rounds ? self->rounds : 2); i++) {
         users_frames f;
         good = show_all(&s, &f);
@@ -123,11 +126,14 @@ void bench_shown_scenes(bench *self)
     int found = scandir(DAFT_ROOT "/assets/scenes", &files, is_scene, alphasort), counts[2];
     int count = bench_thread_counts(self, counts);
     for (int i = 0; i < found; i++) {
-        char row[64], path[512];
-        snprintf(row, sizeof row, "scene frame, %.*s", (int)(strlen(files[i]->d_name) - 6), files[i]->d_name);
+        char row[80], path[512];
         snprintf(path, sizeof path, "%s/assets/scenes/%.200s", DAFT_ROOT, files[i]->d_name);
-        if (users_wants(self, row))
-            for (int t = 0; t < count; t++) measure_scene(self, row, path, counts[t]);
+        for (int smooth = 0; smooth < 2; smooth++) {
+            snprintf(row, sizeof row, "scene frame, %.*s%s", (int)(strlen(files[i]->d_name) - 6), files[i]->d_name,
+                     smooth ? ", antialiased" : "");
+            if (users_wants(self, row))
+                for (int t = 0; t < count; t++) measure_scene(self, row, path, counts[t], smooth);
+        }
         free(files[i]);
     }
     if (found >= 0) free(files);

@@ -28,7 +28,7 @@ static void wrong_usage_is_status_2_with_a_hint(void **unused)
     } wrong[] = {{"", "usage: daft COMMAND"},
                  {"plya", "did you mean 'play'?"},
                  {"frobnicate", "there is no command 'frobnicate'"},
-                 {"render", "SCENE is missing"},
+                 {"render", "SCENE|SNAPSHOT is missing"},
                  {"render a.scene", "-o IMG is missing"},
                  {"render a.scene b.scene -o c.png", "'b.scene' is one operand too many"},
                  {"render a.scene -o", "--output: IMG is missing"},
@@ -51,6 +51,11 @@ static void wrong_usage_is_status_2_with_a_hint(void **unused)
                  {"render a.scene -o c.png --aov", "--aov: LIST is missing"},
                  {"render a.scene -o c.png --explain=yes", "--explain takes no value"},
                  {"render README.md -o c.png", "neither a .scene nor an .obj"},
+                 {"scan a.scene", "-o FILE is missing"},
+                 {"scan a.scene -o a.xyz", "ends in .ply or .pcd"},
+                 {"scan a.scene -o a.ply --pattern rays", "spinning or grid expected"},
+                 {"scan a.scene -o a.ply --returns second", "one of first, last, both"},
+                 {"scan a.scene -o a.ply --rows 0", "a whole number from 1 to 4096"},
                  {"play a b", "'b' is one operand too many"},
                  {"play --ticks 0", "a whole number from 1"},
                  {"play --ticks 12x", "got '12x'"},
@@ -305,6 +310,77 @@ static void a_mesh_is_framed(void **unused)
     unlink("/tmp/daft-mesh.ppm");
 }
 
+/* ---- scans ---- */
+
+/* The number after `key` in the header of a file of points, whose end is at *body. */
+static long header_number(const char *path, const char *key, const char *last, long *body, long *size)
+{
+    char header[2000] = {0};
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    size_t got = fread(header, 1, sizeof header - 1, file);
+    fseek(file, 0, SEEK_END);
+    *size = ftell(file);
+    fclose(file);
+    for (size_t i = 0; i < got; i++) /* behind the header are zeros */
+        if (header[i] == 0) header[i] = ' ';
+    char *found = strstr(header, key), *end = strstr(header, last);
+    if (!found || !end) fail_msg("%s has no '%s' or '%s'", path, key, last);
+    *body = end + strlen(last) - header;
+    return strtol(found + strlen(key), NULL, 10);
+}
+
+static void scans_are_whole_files_of_points(void **unused)
+{
+    (void)unused;
+    enum { FIELDS = 7 * 4 };
+    char ply[64], pcd[64];
+    long body, size, points;
+    snprintf(ply, sizeof ply, "/tmp/daft-scan-%d.ply", (int)getpid());
+    snprintf(pcd, sizeof pcd, "/tmp/daft-scan-%d.pcd", (int)getpid());
+    int status = run_daft(output, "scan assets/scenes/hello.scene -o %s --rows 16 --columns 90", ply);
+    assert_status(status, 0, output);
+    assert_says(output, "of 1440 rays");
+    points = header_number(ply, "element vertex ", "end_header\n", &body, &size);
+    assert_true(points > 50 && points < 1440 && size == body + points * (24 + FIELDS));
+    status = run_daft(output, "scan assets/scenes/hello.scene -o %s --rows 16 --columns 90 --threads 1", pcd);
+    assert_status(status, 0, output);
+    assert_int_equal(header_number(pcd, "POINTS ", "DATA binary\n", &body, &size), points);
+    assert_true(size == body + points * (12 + FIELDS));
+    status = run_daft(output,
+                      "scan assets/scenes/hello.scene -o %s --pattern grid --rows 9 --columns 9 --at 0,50,0 "
+                      "--bottom 10 --top 80",
+                      ply);
+    assert_status(status, 0, output);
+    assert_int_equal(header_number(ply, "element vertex ", "end_header\n", &body, &size), 0);
+    assert_true(size == body);
+    unlink(ply), unlink(pcd);
+}
+
+static void bad_scans_are_told(void **unused)
+{
+    (void)unused;
+    char rays[64];
+    snprintf(rays, sizeof rays, "/tmp/daft-rays-%d.txt", (int)getpid());
+    FILE *file = fopen(rays, "w");
+    fputs("# mine\n1 0 0\n0 1\n", file);
+    fclose(file);
+    const char *const wrong[][2] = {{"--rays /tmp/daft-none.txt", "daft-none.txt"},
+                                    {"--at 1,2", "--at is '1,2'"},
+                                    {"--min-range 5 --max-range 2", "max_range is 2"},
+                                    {"--camera 7", "counted from 0"}};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        int status = run_daft(output, "scan assets/scenes/hello.scene -o /tmp/daft-bad.ply %s", wrong[i][0]);
+        assert_status(status, 1, output);
+        assert_says(output, wrong[i][1]);
+    }
+    int status = run_daft(output, "scan assets/scenes/hello.scene -o /tmp/daft-bad.ply --rays %s", rays);
+    assert_status(status, 1, output);
+    assert_says(output, ":3:1: three numbers expected");
+    assert_true(access("/tmp/daft-bad.ply", F_OK) != 0);
+    unlink(rays);
+}
+
 static void check_finds_nothing_wrong_with_what_ships(void **unused)
 {
     (void)unused;
@@ -325,6 +401,8 @@ int main(void)
                                        cmocka_unit_test(aov_files_hold_what_the_library_says),
                                        cmocka_unit_test(aov_writes_what_is_asked_for_and_says_what_it_cannot),
                                        cmocka_unit_test(a_mesh_is_framed),
+                                       cmocka_unit_test(scans_are_whole_files_of_points),
+                                       cmocka_unit_test(bad_scans_are_told),
                                        cmocka_unit_test(check_finds_nothing_wrong_with_what_ships)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -117,9 +117,11 @@ static void what_is_recorded_reads_back_to_the_bit(void **unused)
     uint64_t tick = 0;
     for (int i = 0; i < EVENTS; i++) {
         tick += next(3);
-        input_event event = {.kind = (input_kind)next(4)};
+        input_event event = {.kind = (input_kind)next(5)};
         if (event.kind == INPUT_KEY)
             event.key = (int)next(keys), event.down = next(2);
+        else if (event.kind == INPUT_STICK)
+            event.key = (int)next(INPUT_STICKS), event.x = (float)next(1u << 30) * 0x1p-29f - 1;
         else
             event.x = (float)next(1u << 30) / 12345.0f - 3000, event.y = -(float)next(1u << 30) * 1e-20f;
         items[i] = (recording_item){tick, event};
@@ -277,7 +279,7 @@ static void bad_files_say_where(void **unused)
         {"daft-recording 1\nseed x\nend 1\n", 2, 6, "whole number"},
         {"daft-recording 1\n5 +left\n4 -left\nend 9\n", 3, 3, "must not go back"},
         {"daft-recording 1\n5 +lefft\nend 9\n", 2, 4, "did you mean 'left'?"},
-        {"daft-recording 1\n5 left\nend 9\n", 2, 3, "+key, -key, mouse, motion or wheel"},
+        {"daft-recording 1\n5 left\nend 9\n", 2, 3, "+key, -key, mouse, motion, wheel or stick"},
         {"daft-recording 1\n5 mouse 1\nend 9\n", 2, 10, "a number expected"},
         {"daft-recording 1\n5 mouse 1 nan\nend 9\n", 2, 11, "a number expected"},
         {"daft-recording 1\n5 wheel 1 2 3\nend 9\n", 2, 13, "unexpected text '3'"},

@@ -3,6 +3,8 @@
 #include "common/util.h"
 #include "view/draw.h"
 #include "view/fly.h"
+#include "job/job.h"
+#include "job/shot.h"
 #include "view/keys.h"
 #include "view/route.h"
 #include "view/view.h"
@@ -273,6 +275,147 @@ static void a_saved_file_is_loaded_again(void **state)
     assert_true(p.pictures[2] && p.pictures[4]); /* the other ball; the message that a value is missing */
 }
 
+/* Until a job has ended; its verdict. */
+static bool wait_for(job *made, daft_error *error)
+{
+    while (!job_has_ended(made)) usleep(1000);
+    return job_close(made, error);
+}
+
+static job_def snapshot_of(const bench *b, const char *name)
+{
+    job_def def = {.width = 96, .height = 64, .view = daft_default_view(), .threads = 2};
+    snprintf(def.scene, sizeof def.scene, "%s", b->scene);
+    snprintf(def.out, sizeof def.out, "%s/%s", b->folder, name);
+    def.view.quality = DAFT_QUALITY_HIGH;
+    def.view.camera = daft_camera_look_at((daft_dvec3){-1.1, 1.0 / 3, 0.7}, (daft_dvec3){5, 0, 1}, 0.9f);
+    def.view.shadows = 0;
+    return def;
+}
+
+static void a_snapshot_can_be_repeated_exactly(void **state)
+{
+    bench *b = *state;
+    daft_error error;
+    shot again;
+    char path[200];
+    job_def def = snapshot_of(b, "s.png");
+    job *made = job_start(&def, &error);
+    assert_true(made && wait_for(made, &error));
+    daft_image *picture = daft_image_load(b->engine, def.out, &error), *own;
+    assert_non_null(picture);
+    snprintf(path, sizeof path, "%s/s.json", b->folder);
+    if (!shot_read(&again, path, &error)) fail_msg("%d:%d: %s", error.line, error.column, error.message);
+    assert_true(again.width == 96 && again.height == 64 && again.view.shadows == 0);
+    assert_memory_equal(&again.view.camera, &def.view.camera, sizeof again.view.camera);
+    daft_scene *scene = daft_scene_create(b->engine, &error);
+    assert_true(daft_scene_load(scene, again.scene, &error));
+    own = daft_image_create(b->engine, again.width, again.height, &error);
+    assert_true(daft_render(scene, &again.view, own, &error));
+    assert_memory_equal(daft_image_pixels(own), daft_image_pixels(picture), 4 * 96 * 64);
+    daft_image_destroy(own), daft_image_destroy(picture);
+    daft_scene_destroy(scene);
+}
+
+static void a_cancelled_snapshot_leaves_nothing(void **state)
+{
+    bench *b = *state;
+    daft_error error;
+    job_def def = snapshot_of(b, "c.png");
+    def.width = def.height = 4096;
+    job *made = job_start(&def, &error);
+    assert_non_null(made);
+    job_cancel(made);
+    assert_false(wait_for(made, &error));
+    assert_int_equal(error.code, DAFT_ERROR_CANCELLED);
+    assert_true(access(def.out, F_OK) != 0);
+    snprintf(def.scene, sizeof def.scene, "%s/nothing.scene", b->folder);
+    made = job_start(&def, &error);
+    assert_false(wait_for(made, &error));
+    assert_non_null(strstr(error.file, "nothing.scene"));
+}
+
+/* Each mistake in a snapshot's file is told with its place. */
+static void bad_snapshot_files_are_refused(void **state)
+{
+    static const struct {
+        const char *text, *message;
+        int line, column;
+    } bad[] = {
+        {"", "'{' expected", 1, 1},
+        {"{\n \"scene\": \"a.scene\",\n \"width\": 0", "1 to 16384", 3, 12},
+        {"{\"scene\": \"a.scene\", \"width\": 7, \"height\": 7, \"colour\": 1}", "unknown name 'colour'", 1, 47},
+        {"{\"scene\": \"a.scene\", \"width\": 7}", "height", 1, 33},
+        {"{\"width\": 7, \"height\": 7}", "scene", 1, 26},
+        {"{\"scene\": \"a.sc", "does not end", 1, 16},
+        {"{\"scene\": \"a.scene\" \"width\": 7}", "',' expected", 1, 21},
+        {"{\"view\": {\"camera\": {\"fov\": \"wide\"}}}", "fov", 1, 29},
+        {"{\"view\": {\"camera\": {\"position\": [1, 2]}}}", "position", 1, 34},
+        {"{\"view\": {\"samples\": 1e9}}", "samples", 1, 22},
+        {"{\"view\": {\"aov\": 1}}", "unknown name 'aov'", 1, 11},
+        {"{\"scene\": \"a.scene\", \"width\": 7, \"height\": 7} x", "the end of the file", 1, 47},
+    };
+    bench *b = *state;
+    char path[200];
+    int others = 0;
+    snprintf(path, sizeof path, "%s/bad.json", b->folder);
+    for (size_t i = 0; i < COUNT_OF(bad); i++) {
+        daft_error error = {0};
+        shot out;
+        put(b, "bad.json", bad[i].text);
+        assert_false(shot_read(&out, path, &error));
+        if (strstr(error.message, bad[i].message) && error.line == bad[i].line && error.column == bad[i].column)
+            continue;
+        print_message("%s: %d:%d: %s\n", bad[i].text, error.line, error.column, error.message);
+        others++;
+    }
+    assert_int_equal(others, 0);
+}
+
+/* Snapshots that are cut off or have a byte changed are read or refused, and nothing else. */
+static void damaged_snapshots_do_no_harm(void **state)
+{
+    bench *b = *state;
+    daft_error error;
+    char path[200];
+    size_t size;
+    shot how = {.width = 10, .height = 20, .view = daft_default_view()};
+    snprintf(how.scene, sizeof how.scene, "a \"scene\"\n.scene");
+    snprintf(path, sizeof path, "%s/d.json", b->folder);
+    assert_true(shot_write(&how, path, &error));
+    char *text = daft_read_file(NULL, path, &size, &error);
+    uint64_t random = 12345;
+    print_message("seed %llu\n", (unsigned long long)random);
+    for (int i = 0; i < 3000; i++) {
+        shot out;
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        char *copy = strdup(text);
+        copy[(random >> 33) % size] = (char)(random >> 24 & 0x7f);
+        if (i % 3 == 0) copy[(random >> 45) % size] = 0;
+        put(b, "d.json", copy);
+        if (shot_read(&out, path, &error)) assert_true(out.width >= 1 && out.width <= 16384 && out.scene[0]);
+        free(copy);
+    }
+    free(text);
+}
+
+/* Keys of the window: a snapshot, its size, and a film with too few checkpoints. */
+static void keys_make_pictures_beside_the_window(void **state)
+{
+    static const happening script[] = {{"b", 0},    {"u", 0},    {"u", 0},    {"p", 0},
+                                       {"wait", 0}, {"wait", 0}, {"wait", 0}, {"end", 0}};
+    bench *b = *state;
+    test_platform p;
+    daft_error error;
+    char before[1000];
+    assert_non_null(getcwd(before, sizeof before));
+    assert_int_equal(chdir(b->folder), 0);
+    assert_true(play(b, "a.scene", script, &p, &error));
+    assert_int_equal(chdir(before), 0);
+    for (size_t i = 1; i < 5; i++)
+        if (!p.pictures[i]) fail_msg("nothing has changed after %s", script[i - 1].what);
+}
+
 /* ---- the camera path ---- */
 
 static daft_scene *load(bench *b, const char *path)
@@ -389,6 +532,11 @@ int main(void)
         cmocka_unit_test_setup_teardown(every_switch_changes_the_picture, set_up, tear_down),
         cmocka_unit_test_setup_teardown(escape_leaves, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_saved_file_is_loaded_again, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_snapshot_can_be_repeated_exactly, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_cancelled_snapshot_leaves_nothing, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(bad_snapshot_files_are_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(damaged_snapshots_do_no_harm, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(keys_make_pictures_beside_the_window, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_path_is_saved_into_the_scene, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_path_that_stands_elsewhere_is_left_alone, set_up, tear_down),
         cmocka_unit_test(times_ascend_whatever_is_done),

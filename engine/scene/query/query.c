@@ -5,8 +5,9 @@
  * power of two of about 1,024 times the smallest entity in the scene, so rays from nearby share a tree, an origin is
  * wrong by at most 2^-24 · 0.87 · 1024, about 5e-5, of that smallest entity, and the answer depends on the scene and
  * the ray alone, not on the rays before it. */
+#include "scene/query/query.h"
+
 #include "math/trig.h"
-#include "scene/scene.h"
 
 enum { CELL_SIZES = 1024 };
 
@@ -67,7 +68,7 @@ static bool cache_build(daft_scene *scene, daft_dvec3 origin, daft_error *error)
     return true;
 }
 
-static bool cache_refresh(daft_scene *scene, daft_dvec3 from, daft_error *error)
+bool daft_query_open(daft_scene *scene, daft_dvec3 from, daft_error *error)
 {
     daft_query_cache *cache = &scene->query;
     bool changed = !cache->valid || cache->revision != scene->revision;
@@ -147,12 +148,11 @@ static daft_vec2 sphere_uv(const daft_daffine *world, daft_dvec3 normal)
                        (float)(0.5 + daft_asin(d.y / length) / DAFT_PI)};
 }
 
-static void fill_hit(daft_scene *scene, const daft_hit *found, daft_dvec3 origin, daft_dvec3 direction,
-                     daft_ray_hit *out)
+void daft_query_answer(const daft_scene *scene, const daft_hit *found, daft_dvec3 origin, daft_dvec3 direction,
+                       daft_ray_hit *out)
 {
     const daft_instance *instance = &scene->query.instances[found->instance];
-    scene->walk = ++scene->engine->revision;
-    const daft_entity_item *item = daft_entity_world(scene, daft_handle_index(instance->entity), 1);
+    const daft_entity_item *item = &scene->entities[daft_handle_index(instance->entity)];
     daft_daffine frame = item->world;
     frame.t[0] -= origin.x, frame.t[1] -= origin.y, frame.t[2] -= origin.z;
     exact_hit hit = instance->mesh ? triangle_hit(&frame, instance->mesh, found->triangle, direction, found->t)
@@ -160,9 +160,12 @@ static void fill_hit(daft_scene *scene, const daft_hit *found, daft_dvec3 origin
     if (hit.distance < 0) hit.distance = 0; /* a surface through the ray's origin */
     double length = sqrt(daft_ddot(hit.normal, hit.normal));
     double sign = daft_ddot(hit.normal, direction) > 0 ? -1 : 1;
+    const bool slotted = instance->mesh && instance->mesh->slots;
+    const uint32_t material = instance->materials[slotted ? instance->mesh->slots[found->triangle] : 0];
     *out = (daft_ray_hit){
         .entity = {instance->entity},
         .triangle = instance->mesh ? found->triangle : 0,
+        .material = {material ? daft_asset_id(&scene->assets.material_slots, material) : 0},
         .distance = (float)hit.distance,
         .position = daft_dadd(origin, daft_dscale(direction, hit.distance)),
         .normal = daft_to_float(daft_dscale(hit.normal, length > 0 ? sign / length : 0)),
@@ -171,13 +174,26 @@ static void fill_hit(daft_scene *scene, const daft_hit *found, daft_dvec3 origin
 }
 
 /* The float search reaches a little past the limit: the distance in double decides. */
-static daft_ray float_ray(const daft_query_cache *cache, daft_dvec3 origin, daft_dvec3 direction, float max_distance)
+daft_ray daft_query_float_ray(const daft_scene *scene, daft_dvec3 origin, daft_dvec3 direction, float max_distance)
 {
+    const daft_query_cache *cache = &scene->query;
     double far = (double)max_distance * (1 + 1e-5) + cache->cell * 0x1p-22;
     return (daft_ray){.origin = daft_to_float(daft_dsub(origin, cache->origin)),
                       .direction = daft_to_float(direction),
                       .tmin = 0,
                       .tmax = far < (double)FLT_MAX ? (float)far : FLT_MAX};
+}
+
+void daft_query_walk(daft_scene *scene)
+{
+    scene->walk = ++scene->engine->revision;
+    for (uint32_t i = 0; i < scene->query.instance_count; i++)
+        daft_entity_world(scene, daft_handle_index(scene->query.instances[i].entity), 1);
+}
+
+uint32_t daft_query_skip(const daft_scene *scene, daft_entity ignore)
+{
+    return ignore.id ? scene->query.instance_of[daft_handle_index(ignore.id)] : UINT32_MAX;
 }
 
 static bool ray_check(daft_scene *scene, daft_dvec3 origin, daft_vec3 direction, float max_distance, daft_entity ignore,
@@ -195,17 +211,19 @@ bool daft_scene_cast_ray(daft_scene *scene, daft_dvec3 origin, daft_vec3 directi
     daft_error_clear(error);
     if (!ray_check(scene, origin, direction, max_distance, ignore, error)) return false;
     scene->counters.query_rays++;
-    if (!cache_refresh(scene, origin, error)) return false;
+    if (!daft_query_open(scene, origin, error)) return false;
     const daft_query_cache *cache = &scene->query;
     if (cache->instance_count == 0) return false;
     daft_dvec3 d = daft_to_double(direction);
     d = daft_dscale(d, 1 / sqrt(daft_ddot(d, d)));
-    daft_ray ray = float_ray(cache, origin, d, max_distance);
-    uint32_t skip = ignore.id ? cache->instance_of[daft_handle_index(ignore.id)] : UINT32_MAX;
+    daft_ray ray = daft_query_float_ray(scene, origin, d, max_distance);
     daft_hit found;
     daft_ray_hit answer;
+    const uint32_t skip = daft_query_skip(scene, ignore);
     if (!daft_accel_kernels_for(scene->engine->isa)->closest(cache->tlas, &ray, skip, &found)) return false;
-    fill_hit(scene, &found, origin, d, &answer);
+    scene->walk = ++scene->engine->revision;
+    daft_entity_world(scene, daft_handle_index(cache->instances[found.instance].entity), 1);
+    daft_query_answer(scene, &found, origin, d, &answer);
     if (answer.distance > max_distance) return false;
     if (hit) *hit = answer;
     return true;
